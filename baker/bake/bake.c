@@ -72,16 +72,6 @@ static void report_light(light_report *light, const plan_light *planned, const l
     light->palette            = coding->blocks.counts;
 }
 
-/* What a plain depth map of the light would take. */
-static vxs_result measure_baseline(light_columns *columns, uint32_t map_count, light_report *light, bake_context *ctx)
-{
-    stage_begin(ctx, STAGE_BASELINE);
-    vxs_result r = baseline_end(&columns->depths, map_count);
-    if (r == VXS_OK) light->depth_zstd19_ratio = baseline_ratio(&columns->depths, &light->depth_sample_share);
-    stage_begin(ctx, STAGE_NONE);
-    return r == VXS_OK ? r : fail(ctx->message, r, "out of memory for a sample of depth maps");
-}
-
 /* picture  NULL: nobody wants one */
 static vxs_result bake_planned(const bake_options *o, const bake_plan *plan, const plan_light *planned, const casters *c,
                                gl_context *gl, kept_squares *kept, light_picture *picture, coded_light *out, light_report *light,
@@ -102,7 +92,6 @@ static vxs_result bake_planned(const bake_options *o, const bake_plan *plan, con
     report_light(light, planned, &columns, &coding, plan->tile_px);
     chosen_coder_free(&coding);
     if (r == VXS_OK && picture) r = light_columns_draw(&columns, picture, ctx);
-    if (r == VXS_OK && columns.wants_depths) r = measure_baseline(&columns, planned->map_count, light, ctx);
     light_columns_free(&columns);
     return r;
 }
@@ -315,10 +304,9 @@ static bake_context context_of(const bake_options *o, message *m)
 static void report_stages(bake_report *report, const bake_context *ctx)
 {
     memcpy(report->stage, ctx->stage, sizeof report->stage);
-    report->peak_bytes       = ctx->peak_bytes;
-    report->baseline_seconds = ctx->stage[STAGE_BASELINE].seconds;
-    report->picture_seconds  = ctx->stage[STAGE_PICTURE].seconds;
-    report->total_seconds    = clock_seconds() - ctx->begun - report->baseline_seconds - report->picture_seconds;
+    report->peak_bytes      = ctx->peak_bytes;
+    report->picture_seconds = ctx->stage[STAGE_PICTURE].seconds;
+    report->total_seconds   = clock_seconds() - ctx->begun - report->picture_seconds;
 }
 
 vxs_result bake(const bake_options *o, const bake_observer *observer, bake_report *report, message *m)

@@ -118,7 +118,6 @@ json_t *bake_options_json(const bake_options *o)
         set_word(&object, "compress", COMPRESS_CHOICES, (int)o->compress);
     } else
         set_word(&object, "pack", PACK_CHOICES, (int)o->pack);
-    set_word(&object, "baseline", BASELINE_CHOICES, (int)o->baseline);
     json_set(&object, "threads", json_integer(o->threads));
     if (o->memory_bytes) json_set(&object, "memory_bytes", json_integer((json_int_t)o->memory_bytes));
     return object;

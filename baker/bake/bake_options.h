@@ -37,8 +37,6 @@ typedef enum pack_choice { PACK_SMALL, PACK_FAST } pack_choice;
 /* Order of sub-DAG compression; auto: top-down, where the plan says that it pays. */
 typedef enum compress_choice { COMPRESS_CHOICE_AUTO, COMPRESS_CHOICE_TOP_DOWN, COMPRESS_CHOICE_BOTTOM_UP } compress_choice;
 
-typedef enum baseline_mode { BASELINE_SAMPLE, BASELINE_FULL, BASELINE_OFF } baseline_mode;
-
 /* The words of the options below, in the order of their enums. */
 #define MAPS_CHOICES     "auto|gl|sparse"
 #define BEHIND_CHOICES   "shadow|free"
@@ -50,7 +48,6 @@ typedef enum baseline_mode { BASELINE_SAMPLE, BASELINE_FULL, BASELINE_OFF } base
 #define COMPRESS_CHOICES "auto|top-down|bottom-up"
 #define STOP_CHOICES     "insert|partial|final"
 #define GL_CHOICES       "osmesa|egl"
-#define BASELINE_CHOICES "sample|full|off"
 
 typedef struct bake_options {
     const char        *scene_path;
@@ -81,7 +78,6 @@ typedef struct bake_options {
     uint32_t                threads;
     uint32_t                zstd_level; /* 1..19 */
     uint32_t                points;     /* of what casts, in the file; 0: none */
-    baseline_mode           baseline;
     const char             *smoke_path;   /* a grid of smoke in NRRD; NULL: none */
     int                     scene_smoke;  /* 1: the scene's capsules are baked, too */
     double                  smoke_factor; /* on its numbers: extinction per metre */

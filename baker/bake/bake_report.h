@@ -29,8 +29,6 @@ typedef struct light_report {
     part_report    parts[VXS_LEVELS_MAX];
     uint32_t       part_count;
     smoke_counts   smoke;
-    double         depth_zstd19_ratio; /* zstd -19 over raw, of the 16-bit depth map; 0: not measured */
-    double         depth_sample_share; /* of its texels that this was measured on */
 } light_report;
 
 /* Of all its maps: texels, and the bytes of plain depth maps of 16 bits. */
@@ -58,7 +56,7 @@ typedef struct light_left_out {
 typedef struct bake_report {
     stage_report    stage[STAGE_COUNT];
     double          total_seconds;                     /* from start to the file under its name */
-    double          baseline_seconds, picture_seconds; /* no part of the total */
+    double          picture_seconds; /* no part of the total */
     uint64_t        peak_bytes;
     char            renderer[128];
     char            cpu_class[16]; /* "" where the renderer does not depend on it */

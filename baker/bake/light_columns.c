@@ -5,49 +5,39 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const size_t SAMPLE_TEXELS = (size_t)256 << 10; /* of a light */
-
 static vxs_result take_depths(void *user, uint32_t map, uint32_t i, uint32_t j, const depth_maps *tile, bake_context *ctx)
 {
     light_columns *c = user;
-    vxs_result     r = VXS_OK;
-    if (c->wants_depths) {
-        stage_begin(ctx, STAGE_BASELINE);
-        r = baseline_add(&c->depths, tile, map, i, j);
-    }
-    if (c->picture) {
-        stage_begin(ctx, STAGE_PICTURE);
-        light_picture_add_depths(c->picture, tile, map, i, j, ctx->threads);
-    }
+    if (!c->picture) return VXS_OK;
+    stage_begin(ctx, STAGE_PICTURE);
+    light_picture_add_depths(c->picture, tile, map, i, j, ctx->threads);
     stage_begin(ctx, STAGE_NONE);
-    return r;
+    return VXS_OK;
 }
 
 vxs_result light_columns_init(light_columns *c, gl_context *gl, const bake_options *o, const bake_plan *plan,
                               const plan_light *planned, const casters *all, light_picture *picture, message *m)
 {
-    uint32_t side = 1u << planned->light.levels, tile = min_u32(side, plan->tile_px);
     memset(c, 0, sizeof *c);
-    c->all          = all;
-    c->maps         = o->maps;
-    c->rendering    = o->rendering;
-    c->wants_depths = plan->baseline != BASELINE_OFF;
-    c->picture      = picture;
-    baseline_init(&c->depths, side, tile, plan->baseline == BASELINE_FULL ? 0 : SAMPLE_TEXELS / planned->map_count);
-    c->rendered = (opengl_columns){.gl           = gl,
-                                   .casters      = &c->near,
-                                   .light        = &planned->light,
-                                   .exit         = plan->peels_all ? EXIT_PEEL : o->exit,
-                                   .has_exit_map = plan->has_exit_map,
-                                   .tile_px      = tile,
-                                   .watch        = take_depths,
-                                   .watch_user   = c};
-    c->sparse   = (sparse_columns){.casters      = &c->near,
-                                   .light        = &planned->light,
-                                   .free_behind  = o->behind == BEHIND_FREE,
-                                   .thickness_m  = o->thickness_m,
-                                   .nearest_back = o->exit == EXIT_BACK,
-                                   .fetch_px     = tile};
+    c->all        = all;
+    c->maps       = o->maps;
+    c->rendering  = o->rendering;
+    c->picture    = picture;
+    uint32_t tile = min_u32(1u << planned->light.levels, plan->tile_px);
+    c->rendered   = (opengl_columns){.gl           = gl,
+                                     .casters      = &c->near,
+                                     .light        = &planned->light,
+                                     .exit         = plan->peels_all ? EXIT_PEEL : o->exit,
+                                     .has_exit_map = plan->has_exit_map,
+                                     .tile_px      = tile,
+                                     .watch        = take_depths,
+                                     .watch_user   = c};
+    c->sparse     = (sparse_columns){.casters      = &c->near,
+                                     .light        = &planned->light,
+                                     .free_behind  = o->behind == BEHIND_FREE,
+                                     .thickness_m  = o->thickness_m,
+                                     .nearest_back = o->exit == EXIT_BACK,
+                                     .fetch_px     = tile};
     return reach_casters(&c->near, &plan->reach, all, &planned->shape, m);
 }
 
@@ -76,6 +66,5 @@ void light_columns_free(light_columns *c)
 {
     if (c->rendering) c->rendering->free(&c->rendered);
     if (c->all) reach_release(&c->near, c->all);
-    baseline_free(&c->depths);
     memset(c, 0, sizeof *c);
 }

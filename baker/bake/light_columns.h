@@ -1,10 +1,9 @@
-/* Where the columns of a planned light come from: maps of the casters that it reaches, rendered with OpenGL, or straight from triangles. Of
- * rendered depths, what else is wanted is taken as they pass: a sample for the comparison with a plain depth map, and a picture.
+/* Where the columns of a planned light come from: maps of the casters that it reaches, rendered with OpenGL, or straight from triangles.
+ * A picture takes rendered depths as they pass.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef LIGHT_COLUMNS_H
 #define LIGHT_COLUMNS_H
 
-#include "baker/bake/baseline.h"
 #include "baker/bake/light_picture.h"
 #include "baker/bake/plan.h"
 #include "baker/columns/sparse/sparse_columns.h"
@@ -16,9 +15,7 @@ typedef struct light_columns {
     sparse_columns          sparse;
     casters                 near; /* that the light may reach */
     const casters          *all;
-    baseline                depths; /* sampled, unless the plan leaves it out */
-    int                     wants_depths;
-    light_picture          *picture; /* NULL: nobody wants one; borrowed */
+    light_picture          *picture; /* NULL: none is drawn; borrowed */
 } light_columns;
 
 /* gl  NULL where nothing is rendered

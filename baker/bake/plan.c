@@ -229,14 +229,12 @@ static vxs_result plan_memory(bake_plan *plan, const bake_options *o, const cast
     uint32_t side       = largest_map(plan);
     uint32_t least      = min_u32(side, max_u32(TILE_MIN_PX, min_u32(side / 4, SUB_DAG_MAX_PX)));
     plan->tile_px       = largest_tile(side, least, o);
-    plan->baseline      = o->maps == MAPS_SPARSE || keeps_squares(o) ? BASELINE_OFF : o->baseline;
     plan->budget_bytes  = o->memory_bytes;
     plan->picture_bytes = o->page_path ? picture_bytes(plan) : 0;
     plan->peak_bytes    = plan_peak_bytes(plan, o, c, plan->tile_px);
     uint64_t held = memory_held_bytes(), left = memory_available_bytes();
     uint64_t machine = left < UINT64_MAX - held ? held + left : UINT64_MAX;
     uint64_t most    = plan->budget_bytes ? min_u64(plan->budget_bytes, machine) : machine;
-    if (plan->peak_bytes > most) plan->baseline = BASELINE_OFF; /* a comparison, no part of the file */
     plan->least_bytes = least_peak_bytes(plan, o, c, least);
     while (plan->peak_bytes > most && plan->tile_px > least) {
         plan->tile_px /= 2;

@@ -72,11 +72,10 @@ typedef struct bake_plan {
     compress_order compress; /* COMPRESS_NONE: left out */
     double         compress_seconds, merge_seconds_spared;
 
-    uint32_t      tile_px; /* side of a map tile at most */
-    baseline_mode baseline;
-    uint64_t      picture_bytes; /* what pictures of the largest lights hold; 0: nobody asked for them */
-    uint64_t      budget_bytes;  /* --memory; 0: none */
-    uint64_t      least_bytes;   /* what the smallest plan needs */
+    uint32_t tile_px;       /* side of a map tile at most */
+    uint64_t picture_bytes; /* what pictures of the largest lights hold; 0: nobody asked for them */
+    uint64_t budget_bytes;  /* --memory; 0: none */
+    uint64_t least_bytes;   /* what the smallest plan needs */
 
     reach_index reach;
     plan_light *lights; /* [light_count] as chosen, left out ones among them */

@@ -198,7 +198,7 @@ static uint64_t sparse_peak_bytes(const bake_plan *plan, const bake_options *o, 
  * it. */
 static uint64_t rendered_peak_bytes(const bake_plan *plan, const casters *c, uint32_t tile_px)
 {
-    double texel = plan->has_exit_map ? 8 : 4, pyramid = 1.0 / 3, tile = 0, built = 0, texels = 0, drawn = 0;
+    double texel = plan->has_exit_map ? 8 : 4, pyramid = 1.0 / 3, tile = 0, built = 0, drawn = 0;
     for (size_t n = 0; n < plan->light_count; n++) {
         const plan_light *l = &plan->lights[n];
         if (l->left_out) continue;
@@ -207,12 +207,10 @@ static uint64_t rendered_peak_bytes(const bake_plan *plan, const casters *c, uin
         tile        = fmax(tile, side * side * (texel + pyramid) + part * l->part_bytes);
         built += l->built_bytes;
         drawn = fmax(drawn, (double)l->sample.block_most);
-        texels += ldexp(1, 2 * (int)l->light.levels) * l->map_count;
     }
-    double compared = plan->baseline == BASELINE_FULL ? 4 * texels : 0; /* 16-bit depths, and what zstd makes of them */
     /* a block's triangles, with vertices of their own at worst, and what llvmpipe bins of them */
     double block    = 28 * drawn + 24 * fmin(3 * drawn, (double)c->vertex_count) + 150 * fmin(drawn, DRAW_MAX);
-    return (uint64_t)(1.06 * (118e6 + 150e3 * (double)plan->baked_count + array_bytes(c) + block + built + tile + compared +
+    return (uint64_t)(1.06 * (118e6 + 150e3 * (double)plan->baked_count + array_bytes(c) + block + built + tile +
                               (double)plan->picture_bytes));
 }
 

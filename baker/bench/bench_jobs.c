@@ -69,12 +69,11 @@ static size_t append_all(const char **arguments, size_t count, const char *name,
 /* The command line that bakes cell `index`: what all have, its values, its scene. NULL without memory. */
 static const char **arguments_of(const bench_options *o, const char *scene_path, const children *c, size_t index)
 {
-    size_t pairs = o->light_names.count + o->suns.count + o->exclude.count + o->include.count + 9, count = 0;
+    size_t pairs = o->light_names.count + o->suns.count + o->exclude.count + o->include.count + 8, count = 0;
     for (int n = 0; n < BENCH_SWEEPS; n++) pairs += o->sweep_value[n].count;
     const char **all = calloc(2 * pairs, sizeof *all);
     if (!all) return NULL;
     count = append_pair(all, count, "vxs", "bake");
-    count = append_pair(all, count, "--baseline", "off");
     count = append_pair(all, count, "--json", c->report);
     count = append_pair(all, count, "-o", c->asset);
     count = append_all(all, count, "--light", &o->light_names);
@@ -110,7 +109,6 @@ static json_t *options_json(const bake_options *o)
 {
     json_t *object = bake_options_json(o);
     json_object_del(object, "gl");
-    json_object_del(object, "baseline");
     if (o->scene.name) json_object_set_new(object, "scene", json_text(o->scene.name));
     return as_written(object);
 }

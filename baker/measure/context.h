@@ -31,8 +31,7 @@ typedef enum bake_stage {
     STAGE_SMOKE,                  /* what smoke leaves of each light */
     STAGE_WRITE,                  /* reading back what was encoded, and the file */
     STAGE_COUNT,                  /* of the stages that make an asset; the rest are no part of its time */
-    STAGE_BASELINE = STAGE_COUNT, /* depth maps under zstd -19, for comparison */
-    STAGE_PICTURE,                /* of the maps, for a page */
+    STAGE_PICTURE = STAGE_COUNT,  /* of the maps, for a page */
     STAGE_NONE
 } bake_stage;
 

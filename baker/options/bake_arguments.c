@@ -38,18 +38,15 @@ static vxs_result check_map_sizes(bake_options *o, message *m)
     return VXS_OK;
 }
 
-/* Depth maps are rendered where they are asked for, or what only they can show. */
+/* Depth maps are rendered where --maps or --gl asks for them. */
 static vxs_result choose_maps(bake_arguments *a, message *m)
 {
-    int wanted = a->o.gl != GL_BACKEND_OSMESA || (a->baseline_given && a->o.baseline != BASELINE_OFF);
+    int wanted = a->o.gl != GL_BACKEND_OSMESA;
     if (a->o.maps == MAPS_AUTO) a->o.maps = wanted ? MAPS_GL : MAPS_SPARSE;
     if (a->o.maps == MAPS_GL && leaves_more_free(&a->o))
         return fail(m, VXS_E_ARGUMENT, "%s asks what lies behind surfaces, which depth maps do not show: expected --maps sparse%s",
                     a->o.behind == BEHIND_FREE ? "--behind free" : "--thickness",
-                    wanted ? ", and neither --gl nor --baseline" : "");
-    if (a->o.maps != MAPS_SPARSE) return VXS_OK;
-    if (a->baseline_given && a->o.baseline != BASELINE_OFF)
-        return fail(m, VXS_E_ARGUMENT, "--baseline measures depth maps, and --maps sparse makes none: expected --maps gl");
+                    wanted ? ", and no --gl" : "");
     return VXS_OK;
 }
 
@@ -86,7 +83,6 @@ static vxs_result check_kept(const bake_arguments *a, message *m)
 {
     const char *given = a->o.resume_path ? "--resume" : a->o.parts ? "--part" : "several processes";
     const char *why   = a->o.page_path                                         ? "--report draws depth maps"
-                        : a->baseline_given && a->o.baseline != BASELINE_OFF   ? "--baseline measures depth maps"
                         : a->o.coding == CODING_DAG && a->o.stop != STOP_FINAL ? "--stop leaves nodes where they were made"
                                                                                : NULL;
     if (keeps_squares(&a->o) && why)
@@ -194,8 +190,8 @@ void bake_arguments_init(bake_arguments *a, const char *name, const char *synops
         {"--smoke-error", OPTION_F64, &a->o.smoke.error, 0, 1, NULL, "T",
          "a curve needs no more nodes than bring it so near to what is left of the light (default 0.005)", &a->smoke_given},
         {"--maps", OPTION_CHOICE, &a->o.maps, 0, 0, MAPS_CHOICES, NULL,
-         "where depths come from: rendered with OpenGL, or straight from the triangles; auto: sparse, unless --gl or --baseline "
-         "ask for depth maps (default auto)",
+         "where depths come from: rendered with OpenGL, or straight from the triangles; auto: sparse, unless --gl "
+         "asks for depth maps (default auto)",
          NULL},
         {"--gl", OPTION_CHOICE, &a->o.gl, 0, 0, GL_CHOICES, NULL, "OpenGL by OSMesa, or by EGL for a GPU (default osmesa)", NULL},
         {"--exit", OPTION_CHOICE, &a->o.exit, 0, 0, EXIT_CHOICES, NULL,
@@ -217,8 +213,6 @@ void bake_arguments_init(bake_arguments *a, const char *name, const char *synops
          "threads; never changes the bytes (default all processors)", NULL},
         {"--memory", OPTION_BYTES, &a->o.memory_bytes, 0, 0, NULL, "BYTES",
          "hold no more memory than this: 800M, 2G, or plain bytes (default as much as needed)", NULL},
-        {"--baseline", OPTION_CHOICE, &a->o.baseline, 0, 0, BASELINE_CHOICES, NULL,
-         "measure the depth map under zstd -19 on a sample, whole (slow), or not (default sample)", &a->baseline_given},
         {"--report", OPTION_OUTPUT, &a->o.page_path, 0, OUTPUT_CHECKED_BY_COMMAND, ".html|.htm", "FILE.html",
          "a page with sizes, times, the plan and pictures of the maps; - is standard output", NULL},
         {"--json", OPTION_OUTPUT, &a->json_path, 0, 0, ".json", "FILE.json", "the report as JSON; - is standard output", NULL},

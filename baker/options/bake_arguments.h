@@ -11,7 +11,6 @@ typedef struct bake_arguments {
     const char  *json_path; /* NULL: none */
     const char  *part;      /* "I/N"; NULL: all */
 
-    int baseline_given; /* --baseline, whatever its value */
     int pack_given;
     int smoke_given;    /* an option of smoke, whatever its value, but --smoke */
     int dag_step_given; /* --rule, --reuse, --compress or --stop, whatever its value */

@@ -98,7 +98,7 @@ static void decide_compression(decision_list *l, const bake_plan *plan, const ba
                rounded(plan->compress_seconds, 2), o->threads, rounded(plan->merge_seconds_spared, 2));
 }
 
-static void decide_memory(decision_list *l, const bake_plan *plan, const bake_options *o)
+static void decide_memory(decision_list *l, const bake_plan *plan)
 {
     char choice[64], a[32], b[32];
     snprintf(choice, sizeof choice, "%u x %u texels", plan->tile_px, plan->tile_px);
@@ -107,9 +107,6 @@ static void decide_memory(decision_list *l, const bake_plan *plan, const bake_op
     else
         decide(l, "tile size", choice, "--memory %s: about %s with these tiles", size_text(a, plan->budget_bytes),
                size_text(b, plan->peak_bytes));
-    if (plan->baseline == o->baseline || o->maps == MAPS_SPARSE) return;
-    decide(l, "baseline", "left out", "--memory %s: the comparison with a plain depth map is no part of the file",
-           size_text(a, plan->budget_bytes));
 }
 
 static void decide_lights(decision_list *l, const bake_plan *plan, const bake_report *report)
@@ -140,7 +137,7 @@ static decision_list decisions_of(const bake_plan *plan, const bake_options *o, 
     decide_exit(&l, plan, o, &report->casters);
     snprintf(choice, sizeof choice, "%llu of %llu", s.tiles - s.tiles_empty, s.tiles);
     decide(&l, "tiles", choice, "%llu that no caster may touch are left out: they are lit", s.tiles_empty);
-    decide_memory(&l, plan, o);
+    decide_memory(&l, plan);
     if (o->coding == CODING_DAG) decide_compression(&l, plan, o);
     decide(&l, "file",
            o->coding == CODING_DAG ? "levels and masks of each light"

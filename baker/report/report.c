@@ -84,14 +84,8 @@ static void print_light(FILE *to, const light_report *l)
     fprintf(to, "  size       %s in memory, %s on disk: %.4g and %.4g bit/texel\n", size_text(a, l->memory_bytes),
             size_text(b, l->stored_bytes), 8.0 * (double)l->memory_bytes / light_texels(l),
             8.0 * (double)l->stored_bytes / light_texels(l));
-    fprintf(to, "             a 16-bit depth map takes %s, %.4g times as much as the file",
+    fprintf(to, "             a 16-bit depth map takes %s, %.4g times as much as the file\n",
             size_text(c, (uint64_t)light_depth16_bytes(l)), light_depth16_bytes(l) / (double)l->stored_bytes);
-    if (l->depth_zstd19_ratio > 0) {
-        double zstd_bytes = light_depth16_bytes(l) * l->depth_zstd19_ratio;
-        fprintf(to, "; under zstd -19 %s, %.4g times", size_text(c, (uint64_t)zstd_bytes), zstd_bytes / (double)l->stored_bytes);
-        if (l->depth_sample_share < 1) fprintf(to, " (estimated from %.2g %% of it)", 100 * l->depth_sample_share);
-    }
-    fprintf(to, "\n");
     print_smoke(to, &l->smoke);
 }
 
@@ -113,9 +107,6 @@ void report_print(FILE *to, const bake_options *o, const bake_report *r)
                 size_text(a, r->stage[s].peak_bytes), 1e3 * r->plan->seconds[s]);
     fprintf(to, "%-12s %7.1f ms %14s %9.1f ms, %s; a file of %s\n", "total", 1e3 * r->total_seconds, size_text(a, r->peak_bytes),
             1e3 * r->plan->total_seconds, size_text(b, r->plan->peak_bytes), size_text(c, r->plan->file_bytes));
-    if (o->baseline != BASELINE_OFF)
-        fprintf(to, "%-12s %7.1f ms    not part of the total: --baseline off leaves it out\n", "baseline",
-                1e3 * r->baseline_seconds);
     if (o->page_path) fprintf(to, "%-12s %7.1f ms    not part of the total: for --report\n", "pictures", 1e3 * r->picture_seconds);
     fprintf(to, "drawn by     %s%s%s\n", r->renderer, r->cpu_class[0] ? ", processors of class " : "", r->cpu_class);
     if (o->points) fprintf(to, "points       %u, %s\n", o->points, size_text(a, r->points_bytes));
@@ -180,11 +171,6 @@ static json_t *light_json(const light_report *l)
                              (json_int_t)l->stored_bytes, "memory_bit_per_texel", 8.0 * (double)l->memory_bytes / texels,
                              "stored_bit_per_texel", 8.0 * (double)l->stored_bytes / texels, "depth16_bytes",
                              (json_int_t)light_depth16_bytes(l));
-    if (l->depth_zstd19_ratio > 0) {
-        json_object_set_new(size, "depth16_zstd19_bytes",
-                            json_integer((json_int_t)(light_depth16_bytes(l) * l->depth_zstd19_ratio)));
-        json_object_set_new(size, "depth16_zstd19_sample_share", json_real(l->depth_sample_share));
-    }
     json_object_set_new(o, "size", size);
     if (l->smoke.curves) json_object_set_new(o, "smoke", smoke_json(&l->smoke));
     return o;
@@ -222,12 +208,12 @@ json_t *report_json(const bake_options *o, const bake_report *r, const message *
     json_t *lights = json_array();
     for (uint32_t n = 0; n < r->light_count; n++) json_array_append_new(lights, light_json(&r->lights[n]));
     json_t *root =
-        json_pack("{s:s, s:o, s:o, s:b, s:o, s:s, s:s, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:f, s:I, s:f}", "vxs", VXS_VERSION,
+        json_pack("{s:s, s:o, s:o, s:b, s:o, s:s, s:s, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:f, s:I}", "vxs", VXS_VERSION,
                   "scene", json_text(o->scene_path), "output", json_text(o->output_path), "unchanged", 0, "options",
                   bake_options_json(o), "renderer", r->renderer, "cpu_class", r->cpu_class, "file_bytes", (json_int_t)r->file_bytes,
                   "casters", report_casters_json(r), "lights", lights, "lights_left_out", report_left_out_json(r), "warnings",
                   report_warnings_json(m), "stages", stages_json(r), "plan", plan_json(o, r), "total_seconds", r->total_seconds,
-                  "peak_bytes", (json_int_t)r->peak_bytes, "baseline_seconds", r->baseline_seconds);
+                  "peak_bytes", (json_int_t)r->peak_bytes);
     if (o->resume_path) json_object_set_new(root, "squares", squares_json(o, r));
     if (o->points)
         json_object_set_new(root, "points",

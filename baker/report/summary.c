@@ -97,20 +97,11 @@ static const char *ratio_text(char text[32], double ratio)
 static void print_file(FILE *to, const bake_options *o, const bake_report *r)
 {
     char   size[32], ratio[32], plain[PLAIN_BYTES];
-    double maps = 0, zstd_maps = 0;
-    int    is_known = 1;
-    for (uint32_t n = 0; n < r->light_count; n++) {
-        const light_report *l     = &r->lights[n];
-        double              bytes = light_depth16_bytes(l);
-        maps += bytes;
-        zstd_maps += bytes * l->depth_zstd19_ratio;
-        is_known &= l->depth_zstd19_ratio > 0;
-    }
-    fprintf(to, "file         %s: %s; depth maps are %s times that",
+    double maps = 0;
+    for (uint32_t n = 0; n < r->light_count; n++) maps += light_depth16_bytes(&r->lights[n]);
+    fprintf(to, "file         %s: %s; depth maps are %s times that\n",
             strcmp(o->output_path, "-") ? plain_text(plain, o->output_path) : "standard output", size_text(size, r->file_bytes),
             ratio_text(ratio, maps / (double)r->file_bytes));
-    if (is_known) fprintf(to, ", %s with zstd", ratio_text(ratio, zstd_maps / (double)r->file_bytes));
-    fprintf(to, "\n");
 }
 
 /* What of the file smoke takes. */

@@ -2,7 +2,7 @@
  * baked by sides, nodes and errors; lookups at random lit places in its shadow against the integral along the ray to each place
  * itself.
  *
- *     vxs scene city -o city.glb && vxs bake city.glb --baseline off -o city.vxs
+ *     vxs scene city -o city.glb && vxs bake city.glb -o city.vxs
  *     build/release/tests/bench/baked_smoke city.vxs
  *
  * SPDX-License-Identifier: GPL-3.0-or-later */

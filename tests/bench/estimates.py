@@ -28,7 +28,7 @@ def bake(vxs, scene, resolution, coding, folder):
     """Estimated by actual, of each figure; None where nothing casts a shadow."""
     report = folder / "bake.json"
     done = subprocess.run([vxs, "bake", scene, "-o", folder / "bake.vxs", "--sun", "-0.4,-1,-0.2", "--resolution", str(resolution),
-                           "--coding", coding, "--baseline", "off", "--json", report], capture_output=True, text=True)
+                           "--coding", coding, "--json", report], capture_output=True, text=True)
     if done.returncode:
         print(f"{scene.name} is left out: {done.stderr.strip().splitlines()[-1]}", file=sys.stderr)
         return None

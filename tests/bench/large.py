@@ -51,7 +51,7 @@ def bake(vxs, folder, name, side, threads):
     """The report of a bake, with what the system says of its process."""
     scene, light = scene_of(vxs, folder, name)
     command = [vxs, "bake", scene, *light, "-o", folder / "a.vxs", "--json", folder / "a.json", "--resolution", side, "--maps", "sparse",
-               "--baseline", "off", "--threads", threads, "--quiet"]
+               "--threads", threads, "--quiet"]
     child = subprocess.Popen([*map(str, command)])
     _, status, usage = os.wait4(child.pid, 0)
     child.returncode = os.waitstatus_to_exitcode(status)

@@ -27,7 +27,7 @@ def made(vxs, folder, resolution):
     subprocess.run([vxs, "plan", scene, "--resolution", "64", "--json", plan, "--quiet"], check=True, stdout=subprocess.DEVNULL)
     names = sorted(set(re.findall(r'"(spot\d+)"', plan.read_text())))
     lights = [word for name in names for word in ("--light", name)]
-    subprocess.run([vxs, "bake", scene, "-o", asset, "--resolution", str(resolution), "--baseline", "off", "--quiet", *lights], check=True)
+    subprocess.run([vxs, "bake", scene, "-o", asset, "--resolution", str(resolution), "--quiet", *lights], check=True)
     return scene, asset
 
 

@@ -157,7 +157,7 @@ int main(int argc, char **argv)
 {
     rivals_command c = {
         .bake =
-            {.resolution = 4096, .reuse = 1, .stop = STOP_FINAL, .threads = parallel_default_threads(), .baseline = BASELINE_OFF},
+            {.resolution = 4096, .reuse = 1, .stop = STOP_FINAL, .threads = parallel_default_threads()},
         .measure = {.runs = 5, .points = 1000000, .seed = 1, .width_px = 1920, .camera = {.camera = {.fov_degrees = 35}}},
         .threads = 1,
     };

@@ -96,7 +96,7 @@ def measured(args, name, made, baked, seen):
     scene, asset = made_scene(args, name, made), (pathlib.Path(args.folder) / stem_of(name)).with_suffix(".vxs")
     if not scene:
         return None
-    subprocess.run([args.build / "vxs", "bake", scene, "-o", asset, "--force", "--quiet", "--baseline", "off", "--resolution", str(args.resolution), *baked],
+    subprocess.run([args.build / "vxs", "bake", scene, "-o", asset, "--force", "--quiet", "--resolution", str(args.resolution), *baked],
                    check=True)
     return {**told(args, name, "volumes", scene, asset, *seen), "file_bytes": asset.stat().st_size}
 

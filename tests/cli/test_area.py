@@ -53,7 +53,7 @@ def lit(vxs, tmp_path_factory):
         add_quads(scene, [(*ABOVE, colours[0]), (*BESIDE, colours[1])], **material)
 
     write([RADIANCE, [0, 0, 0]])
-    vxs("bake", scene, "-o", asset, "--resolution", 256, "--baseline", "off")
+    vxs("bake", scene, "-o", asset, "--resolution", 256)
 
     def render(*options, colours=(RADIANCE, [0, 0, 0]), boxes=(), **material):
         write(colours, boxes, **material)
@@ -121,7 +121,7 @@ def test_from_each_eye(vxs, lit, tmp_path, eye, target, points):
     asked = *place, "--area", 64, "--area-gather", "each", "--exposure", -1, "--passes", tmp_path
     _, found, folder = lit(*asked, boxes=ground)
     if points == "asset":
-        vxs("bake", folder / "level.gltf", "-o", tmp_path / "points.vxs", "--resolution", 256, "--baseline", "off", "--points", 1 << 18)
+        vxs("bake", folder / "level.gltf", "-o", tmp_path / "points.vxs", "--resolution", 256, "--points", 1 << 18)
         vxs("render", folder / "level.gltf", tmp_path / "points.vxs", "-o", tmp_path / "out.png", "--width", SIZE[0], "--height", SIZE[1], "--samples", 1, "--force", *asked)
     area, light = (read_png((tmp_path / name).read_bytes())[2] for name in ("area.png", "light.png"))
     ratios, sums = [], [0, 0]
@@ -161,7 +161,7 @@ def test_plan(lit):
 def test_points_of_the_asset(vxs, lit, tmp_path):
     """A file may have the points: light that comes by them is as that by points of the scene. The reports say how many, and what they take."""
     _, found, folder = lit(*CAMERA, "--area", 16, "--passes", tmp_path / "scene")
-    vxs("bake", folder / "level.gltf", "-o", tmp_path / "points.vxs", "--resolution", 64, "--baseline", "off", "--points", 50000, "--json", tmp_path / "bake.json")
+    vxs("bake", folder / "level.gltf", "-o", tmp_path / "points.vxs", "--resolution", 64, "--points", 50000, "--json", tmp_path / "bake.json")
     told = json.loads((tmp_path / "bake.json").read_text())
     jsonschema.Draft202012Validator(json.loads((ROOT / "docs" / "bake-report.schema.json").read_text())).validate(told)
     vxs("info", tmp_path / "points.vxs", "--json", tmp_path / "info.json")
@@ -194,7 +194,7 @@ def test_points_in_one_place(vxs, lit, tmp_path):
     """A file of a few kilobytes may hold millions of points in one place, each as wide as a room: of each place one is drawn. True files are as they are."""
     folder = lit(*CAMERA, "--area", 1)[2]
     true = tmp_path / "true.vxs"
-    vxs("bake", folder / "level.gltf", "-o", true, "--resolution", 64, "--baseline", "off", "--points", 500)
+    vxs("bake", folder / "level.gltf", "-o", true, "--resolution", 64, "--points", 500)
 
     def draw(asset):
         started = time.monotonic()

@@ -26,7 +26,7 @@ def drawn(vxs, tmp_path_factory):
     folder = tmp_path_factory.mktemp("area_smoke")
     scene, asset = folder / "level.gltf", folder / "level.vxs"
     clear = small_scene.write(folder / "clear.gltf", boxes=[small_scene.GROUND], lights=SUN)
-    vxs("bake", clear, "-o", asset, "--resolution", 256, "--baseline", "off")
+    vxs("bake", clear, "-o", asset, "--resolution", 256)
 
     def draw(*options, balls=BALLS, strength=1, of=asset):
         small_scene.write(scene, boxes=[small_scene.GROUND], lights=SUN)
@@ -93,7 +93,7 @@ def test_plan(drawn):
 def test_baked_smoke_is_left_out(vxs, drawn, tmp_path):
     """What is baked of a grid is of the file's own lights: the plan says so."""
     small_scene.write(tmp_path / "clear.gltf", boxes=[small_scene.GROUND], lights=SUN)
-    vxs("bake", tmp_path / "clear.gltf", "-o", tmp_path / "smoky.vxs", "--resolution", 256, "--baseline", "off", "--smoke", nrrd(tmp_path / "slab.nrrd"))
+    vxs("bake", tmp_path / "clear.gltf", "-o", tmp_path / "smoky.vxs", "--resolution", 256, "--smoke", nrrd(tmp_path / "slab.nrrd"))
     said, found, _ = drawn(*CAMERA, "--area", 4, "--verbose", balls=[], of=tmp_path / "smoky.vxs")
     assert found["area"]["baked_smoke_left_out"] and "baked smoke is left out: the file has it for its own lights alone\n" in said
 

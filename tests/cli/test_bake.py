@@ -211,7 +211,7 @@ def test_lights_that_reach_nothing_are_left_out(bake, fails, vxs, tmp_path):
 
 @pytest.mark.parametrize("resolution", [8, 16, 512, 8192])
 def test_resolution(vxs, bake, scene, resolution):
-    report = bake(scene, "--resolution", resolution, "--baseline", "off")
+    report = bake(scene, "--resolution", resolution)
     assert report["lights"][0]["resolution_px"] == resolution
     assert lit(vxs, report["path"], (0, -5, 0), (5, 6, 0)) == [["0"], ["1"]], "at two voxels from everything, however coarse"
 
@@ -251,7 +251,6 @@ def test_casters_outside_of_the_region_still_cast(vxs, bake, scene):
     (("--level", "0"), "from 1 to 19"),
     (("--level", "20"), "from 1 to 19"),
     (("--maps", "dense"), "auto|gl|sparse"),
-    (("--maps", "sparse", "--baseline", "sample"), "--baseline measures depth maps"),
     (("--gl", "glx"), "osmesa|egl"),
     (("--exit", "front"), "auto|peel|back"),
     (("--closed", "maybe"), "auto|on|off"),
@@ -259,7 +258,6 @@ def test_casters_outside_of_the_region_still_cast(vxs, bake, scene):
     (("--reuse", "yes"), "off|on"),
     (("--compress", "sideways"), "top-down|bottom-up"),
     (("--stop", "early"), "insert|partial|final"),
-    (("--baseline", "some"), "sample|full|off"),
     (("--coding", "octree"), "dag|blocks"),
     (("--pack", "tight"), "small|fast"),
     (("--coding", "dag", "--pack", "fast"), "needs --coding blocks"),
@@ -367,14 +365,6 @@ def test_level(bake, city):
     assert stored(bake(city, *DAG, "--level", 1)) > stored(bake(city, *DAG, "--level", 19))
 
 
-def test_baseline(bake, city):
-    sizes = {b: bake(city, "--resolution", 1024, "--baseline", b)["lights"][0]["size"] for b in ("full", "sample", "off")}
-    assert "depth16_zstd19_bytes" not in sizes["off"]
-    assert sizes["full"]["depth16_zstd19_sample_share"] == 1
-    assert 0 < sizes["sample"]["depth16_zstd19_sample_share"] < 1
-    assert sizes["sample"]["depth16_zstd19_bytes"] == pytest.approx(sizes["full"]["depth16_zstd19_bytes"], rel=0.5)
-
-
 @pytest.mark.parametrize("options", [
     ("--maps", "gl"), ("--maps", "sparse"), ("--maps", "sparse", "--exit", "back"), ("--exit", "back"), ("--closed", "off"), ("--level", 1),
     ("--scene", "small"), ("--scene", 0), ("--coding", "blocks"),
@@ -460,12 +450,11 @@ def test_the_report_says_what_was_left_out(bake, tmp_path):
         {"name": "sun", "why": "not asked for"}, {"name": "lamp", "why": "not asked for"}]
 
 
-def test_the_baseline_counts_tiles_without_casters(bake, tmp_path):
+def test_the_report_counts_tiles_without_casters(bake, tmp_path):
     far = ((600, 0, 0), (601, 1, 1))  # two small boxes in opposite tiles of a map of 2 x 2
     scene = small_scene.write(tmp_path / "far.gltf", boxes=(((0, 0, 600), (1, 1, 601)), far))
-    light = bake(scene, "--resolution", 8192, "--baseline", "full")["lights"][0]
+    light = bake(scene, "--resolution", 8192, "--maps", "gl")["lights"][0]
     assert light["tiles"] == 4 and light["tiles_without_casters"] == 2
-    assert light["size"]["depth16_zstd19_sample_share"] == 1
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")

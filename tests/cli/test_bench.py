@@ -106,7 +106,7 @@ def test_figures_are_those_of_a_bake(vxs, bench, folder, tmp_path):
     """Of two lights and seven maps: sums."""
     cell = bench("--resolution", 128, "--runs", 1, "--points", 3000, "--level", 3, "--coding", "dag")[0]["cells"][0]
     report = json.loads(vxs("bake", folder / "small.gltf", "-o", tmp_path / "a.vxs", "--resolution", 128, "--level", 3,
-                            "--coding", "dag", "--baseline", "off", "--json", "-").stdout)
+                            "--coding", "dag", "--json", "-").stdout)
     lights = report["lights"]
     assert len(lights) == 2 and (cell["lights"], cell["maps"]) == (2, 7)
     assert (cell["triangles"], cell["solid_triangles"]) == (24, 24)
@@ -150,7 +150,7 @@ def test_filters(vxs, bench, folder, tmp_path):
     cell, in_order = result["cells"][0], [(5, False), (3, False), (4, True), (1, True)]
     assert [(lookup["filter_px"], lookup.get("smooth")) for lookup in cell["lookups"]] == [(1, None), *in_order]
     assert "lookup 4 x 4 smooth" in text and "RMSE 1 x 1 smooth, surface" in text
-    vxs("bake", folder / "small.gltf", "-o", tmp_path / "a.vxs", "--resolution", 64, "--baseline", "off")
+    vxs("bake", folder / "small.gltf", "-o", tmp_path / "a.vxs", "--resolution", 64)
     compared = json.loads(vxs("compare", folder / "small.gltf", tmp_path / "a.vxs", "--points", 2000, *filters, "--json", "-").stdout)
     lights = compared["assets"][0]["lights"]
     errors = cell["errors"][2:]
@@ -204,7 +204,7 @@ def test_codings_side_by_side(vxs, bench, folder, tmp_path):
     dag, blocks = (c["size"] for c in result["cells"])
     assert set(SIZES) <= set(dag) and not set(SIZES) & set(blocks)
     lights = json.loads(vxs("bake", folder / "small.gltf", "-o", tmp_path / "a.vxs", "--resolution", 128, "--coding", "blocks",
-                            "--baseline", "off", "--json", "-").stdout)["lights"]
+                            "--json", "-").stdout)["lights"]
     assert blocks["file_bytes"] == (tmp_path / "a.vxs").stat().st_size
     assert blocks["palette_blocks"] == {key: sum(light["palette_blocks"][key] for light in lights) for key in lights[0]["palette_blocks"]}
     assert [part["kind"] for part in blocks["parts"]] == ["tops", "patterns", "pages"]

@@ -26,7 +26,7 @@ def city(vxs, tmp_path_factory):
     for seed in (1, 2):
         vxs("scene", "city", "--triangles", 4000, "--blocks", 3, "--seed", seed, "-o", at / f"city{seed}.glb")
     for resolution in (128, 512):
-        vxs("bake", at / "city1.glb", "--sun", SUN, "--light", "sun", "--resolution", resolution, "--baseline", "off",
+        vxs("bake", at / "city1.glb", "--sun", SUN, "--light", "sun", "--resolution", resolution,
             "-o", at / f"{resolution}.vxs")
     return at
 
@@ -105,7 +105,7 @@ def test_real_scene(vxs, compare, scenes, tmp_path, name):
     for resolution in (512, 4096):
         asset = tmp_path / f"{resolution}.vxs"
         vxs("bake", scenes / "real" / f"{name}.glb", "--sun", SUN, "--light", "sun", "--resolution", resolution,
-            "--baseline", "off", "-o", asset)
+            "-o", asset)
         report = compare(scenes / "real" / f"{name}.glb", asset, "--points", POINTS)
         light, = report["lights"]
         assert report["unexplained"] == 0
@@ -118,7 +118,7 @@ def test_real_scene(vxs, compare, scenes, tmp_path, name):
 
 def test_points_are_drawn_where_the_region_is(vxs, compare, city):
     vxs("bake", city / "city1.glb", "--sun", SUN, "--light", "sun", "--resolution", 256, "--region", "0,0,0,10,5,10",
-        "--baseline", "off", "-o", city / "region.vxs")
+        "-o", city / "region.vxs")
     light, = compare("city1.glb", "region.vxs", "--points", 20000)["lights"]
     assert light["random"]["outside"] == 0 and light["random"]["checked"] > 5000
     assert light["surface"]["outside"] > 10000
@@ -126,7 +126,7 @@ def test_points_are_drawn_where_the_region_is(vxs, compare, city):
 
 def test_a_comparison_that_checks_nothing_fails(vxs, city):
     vxs("bake", city / "city1.glb", "--sun", SUN, "--light", "sun", "--resolution", 64, "--region", "0,5000,0,10,5005,10",
-        "--baseline", "off", "-o", city / "far.vxs")
+        "-o", city / "far.vxs")
     done = vxs("compare", city / "city1.glb", city / "far.vxs", "--points", 1000, status=2)
     assert done.stderr == f"vxs: error: no point of {city / 'city1.glb'} lies in the volume of light 'sun'\n"
     assert done.stdout == ""
@@ -186,7 +186,7 @@ def test_sizes_are_those_of_the_file(vxs, compare, city):
 def test_each_asset_has_the_solids_that_it_was_baked_with(vxs, compare_all, city):
     """--closed of the bake counts, whatever the others have."""
     scene = small_scene.with_a_turned_triangle(small_scene.write(city / "whole.gltf"))
-    options = "--resolution", 128, "--baseline", "off", "-o"
+    options = "--resolution", 128, "-o"
     vxs("bake", scene, *options, city / "open.vxs")
     vxs("bake", scene, "--closed", "off", *options, city / "sheets.vxs")
     report = compare_all(scene, ["open.vxs", "sheets.vxs", "open.vxs"], "--points", 20000)
@@ -209,7 +209,7 @@ def test_one_wrong_asset_fails_them_all(vxs, compare_all, city):
 
 def test_bake_reports_tell_the_time_of_a_bake(vxs, compare_all, city):
     for resolution in (64, 32):
-        vxs("bake", city / "city1.glb", "--sun", SUN, "--light", "sun", "--resolution", resolution, "--baseline", "off",
+        vxs("bake", city / "city1.glb", "--sun", SUN, "--light", "sun", "--resolution", resolution,
             "-o", city / f"{resolution}.vxs", "--json", city / f"{resolution}.json")
     files = [city / "64.vxs", city / "32.vxs"]
     reports = [json.loads((city / f"{resolution}.json").read_text()) for resolution in (64, 32)]
@@ -293,7 +293,7 @@ def test_examples_are_what_query_and_truth_say(vxs, compare, city):
 def test_every_light_is_compared_by_its_own_direction(vxs, compare, city):
     lights = [("noon", "directional", (0, -1, 0)), ("morning", "directional", (1, -1, 0))]
     small_scene.write(city / "two.gltf", lights=lights)
-    vxs("bake", city / "two.gltf", "--resolution", 256, "--baseline", "off", "-o", city / "two.vxs")
+    vxs("bake", city / "two.gltf", "--resolution", 256, "-o", city / "two.vxs")
     small_scene.write(city / "none.gltf", lights=[])  # the scene's own lights do not matter
     report = compare("none.gltf", "two.vxs", "--points", 20000, "--other-scene")
     assert report["unexplained"] == 0 and report["wrong_share"] < 0.05
@@ -305,7 +305,7 @@ def test_a_block_that_moved_leaves_a_shadow_and_a_leak(vxs, compare, city):
     moved = ((3, 2, 3), (5, 3, 5))
     small_scene.write(city / "before.gltf")
     small_scene.write(city / "after.gltf", boxes=(small_scene.GROUND, moved))
-    vxs("bake", city / "before.gltf", "--resolution", 256, "--baseline", "off", "-o", city / "before.vxs")
+    vxs("bake", city / "before.gltf", "--resolution", 256, "-o", city / "before.vxs")
     assert compare("before.gltf", "before.vxs", "--points", 20000)["unexplained"] == 0
     light = compare("after.gltf", "before.vxs", "--points", 20000, "--other-scene", status=1)["lights"][0]
     assert light["random"]["leaks"] > 100 and light["random"]["false_shadows"] > 100
@@ -320,7 +320,7 @@ def test_every_kind_of_light_is_compared(vxs, compare, city):
     lights = [("noon", "directional", (0, -1, 0)), ("spot", "spot", (0, -1, 0)), ("lamp", "point", (0, -1, 0))]
     small_scene.write(city / "lamps.gltf", lights=lights)
     small_scene.write(city / "moved.gltf", boxes=(small_scene.GROUND, ((3, 2, 3), (5, 3, 5))), lights=[])
-    vxs("bake", city / "lamps.gltf", "--resolution", 256, "--baseline", "off", "-o", city / "lamps.vxs")
+    vxs("bake", city / "lamps.gltf", "--resolution", 256, "-o", city / "lamps.vxs")
     right = compare("lamps.gltf", "lamps.vxs", "--points", 10000, "--filter", 3)
     assert [(light["kind"], light["maps"]) for light in right["lights"]] == [("directional", 1), ("spot", 1), ("point", 6)]
     assert right["unexplained"] == 0 and right["wrong_share"] < 0.03
@@ -350,7 +350,7 @@ def test_same_seed_same_counts_at_any_thread_count(compare_all):
 
 def test_solids_are_those_of_the_bake(vxs, compare, city):
     vxs("bake", city / "city1.glb", "--sun", SUN, "--light", "sun", "--resolution", 128, "--closed", "off",
-        "--baseline", "off", "-o", city / "sheets.vxs")
+        "-o", city / "sheets.vxs")
     report = compare("city1.glb", "sheets.vxs", "--points", 1000)
     assert (report["closed"], report["solid_triangles"], report["lights"][0]["random"]["inside_solid"]) == ("off", 0, 0)
     report = compare("city1.glb", "sheets.vxs", "--points", 1000, "--closed", "auto")
@@ -435,7 +435,7 @@ def test_picture_is_the_same_at_any_thread_count(picture):
 def test_picture_has_the_shadows_of_the_asset(vxs, picture, city):
     """With an asset whose only caster lies below everything that is seen, the picture is brighter."""
     small_scene.write(city / "below.gltf", boxes=[((-1000, -200, -1000), (1000, -199, 1000))])
-    vxs("bake", city / "below.gltf", "--sun", SUN, "--resolution", 64, "--baseline", "off", "-o", city / "lit.vxs")
+    vxs("bake", city / "below.gltf", "--sun", SUN, "--resolution", 64, "-o", city / "lit.vxs")
     shadowed, lit = brightness(picture()[2]), brightness(picture(asset="lit.vxs")[2])
     assert lit > shadowed + 1
 
@@ -444,7 +444,7 @@ def test_picture_of_lamps(vxs, city, drawn):
     """From above: a spot draws its disk on the ground, the block's shadow in it; without a sun it is night."""
     small_scene.write(city / "night.gltf", lights=[("spot", "spot", (0, -1, 0)), ("lamp", "point", (0, -1, 0)),
                                                    ("noon", "directional", (0, -1, 0))])
-    vxs("bake", city / "night.gltf", "--resolution", 256, "--baseline", "off", "-o", city / "night.vxs")
+    vxs("bake", city / "night.gltf", "--resolution", 256, "-o", city / "night.vxs")
 
     def at(*options):
         """Brightness at metres on the ground to both sides of the middle: 0 is the block."""

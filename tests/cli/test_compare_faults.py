@@ -37,7 +37,7 @@ def folder(vxs, tmp_path_factory):
     boxes = [(corner, tuple(c + dice.uniform(0.3, 2) for c in corner)) for corner in corners]
     small_scene.write(at / "boxes.gltf", boxes=boxes)
     for scene, resolution in (("city.glb", 128), ("boxes.gltf", 64)):
-        vxs("bake", at / scene, "--resolution", resolution, "--coding", "dag", "--baseline", "off", "-o",
+        vxs("bake", at / scene, "--resolution", resolution, "--coding", "dag", "-o",
             (at / scene).with_suffix(".vxs"))
     return at
 
@@ -127,7 +127,7 @@ def test_a_wrong_node_shows_in_the_answers_that_it_changes(vxs, vxs_path, folder
 
 def test_a_wrong_bit_shows_when_a_point_meets_it(vxs, vxs_path, folder, damaged):
     """4096 voxels and 40000 points: each is met. In a large map one voxel is not, unless its mask is used often."""
-    vxs("bake", folder / "boxes.gltf", "--resolution", 16, "--coding", "dag", "--baseline", "off", "-o", folder / "few.vxs")
+    vxs("bake", folder / "boxes.gltf", "--resolution", 16, "--coding", "dag", "-o", folder / "few.vxs")
     dice, asset = random.Random(1), damage.Asset(folder / "few.vxs")
     points, right = in_the_box(dice), Compared(vxs_path, folder / "boxes.gltf", folder / "few.vxs")
     before, seen = answers(vxs, folder / "few.vxs", points), 0

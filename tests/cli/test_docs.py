@@ -144,7 +144,7 @@ def validator(name):
 def test_bake_report_schema(vxs, asset, tmp_path):
     report = json.loads((asset / "bake.json").read_text())
     validator("bake-report").validate(report)
-    done = vxs("bake", asset / "scene.gltf", "-o", tmp_path / "b.vxs", "--resolution", 8, "--baseline", "off", "--closed", "off",
+    done = vxs("bake", asset / "scene.gltf", "-o", tmp_path / "b.vxs", "--resolution", 8, "--closed", "off",
                "--json", "-")
     validator("bake-report").validate(json.loads(done.stdout))
     with pytest.raises(jsonschema.ValidationError):

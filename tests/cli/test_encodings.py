@@ -46,7 +46,7 @@ def baked(vxs, scenes, tmp_path_factory):
     def bake(name, resolution=512):
         if (name, resolution) not in known:
             asset = folder / f"{len(known)}.vxs"
-            vxs("bake", scenes / "real" / name, "-o", asset, "--sun", "-0.3,-1,-0.2", "--resolution", resolution, "--baseline", "off")
+            vxs("bake", scenes / "real" / name, "-o", asset, "--sun", "-0.3,-1,-0.2", "--resolution", resolution)
             known[name, resolution] = sections(asset)
         return known[name, resolution]
 
@@ -86,7 +86,7 @@ def test_hostile_compressed_files(vxs_path, scenes, tmp_path, name):
     step = max(97, (len(good) - start) // 60)
     for at in range(start, len(good), step):
         bad.write_bytes(good[:at] + bytes([good[at] ^ 0x55]) + good[at + 1:])
-        done = subprocess.run([vxs_path, "bake", bad, "-o", out, "--sun", "0,-1,0", "--resolution", "8", "--baseline", "off"],
+        done = subprocess.run([vxs_path, "bake", bad, "-o", out, "--sun", "0,-1,0", "--resolution", "8"],
                               capture_output=True, text=True, timeout=60)
         assert done.returncode in (0, 3, 5), f"byte {at}: {done.returncode} {done.stderr}"
         assert done.returncode == 0 or done.stderr.count("vxs: error:") == 1

@@ -106,7 +106,7 @@ def test_what_goes_wrong_is_said(programs, installed, level, tmp_path, name):
 def test_a_frame(installed, vxs, tmp_path):
     """The ground at noon, seen as frame_scene.h says: dark below the board and the smoke, blue before the screen, and lit beside them."""
     small_scene.write(tmp_path / "ground.gltf", boxes=[((-100, -1, -100), (100, 0, 100))])
-    vxs("bake", tmp_path / "ground.gltf", "-o", tmp_path / "ground.vxs", "--resolution", 1024, "--baseline", "off")
+    vxs("bake", tmp_path / "ground.gltf", "-o", tmp_path / "ground.vxs", "--resolution", 1024)
     flags = pkg_config(installed / "lib" / "pkgconfig", {}, "--cflags", "--libs", package="vxs_volumes")
     program = tmp_path / "frame"
     done = subprocess.run(["cc", "-std=c11", *WARNINGS, EXAMPLES / "frame.c", *flags, "-lOSMesa", "-lm", "-o", program], capture_output=True,

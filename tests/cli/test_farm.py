@@ -76,7 +76,7 @@ def squares(stdout):
 
 
 @pytest.mark.parametrize("ranks, options", [(2, ()), (3, ("--coding", "dag")), (4, ("--pack", "fast", "--light", "sun")),
-                                            (4, ("--coding", "dag", "--maps", "gl", "--baseline", "off"))])
+                                            (4, ("--coding", "dag", "--maps", "gl"))])
 def test_same_bytes_by_many_ranks(vxs, mpi, scene, tmp_path, ranks, options):
     out, want, kept = tmp_path / "out.vxs", tmp_path / "want.vxs", tmp_path / "kept"
     vxs("bake", scene, "-o", want, *SIZES, *options)

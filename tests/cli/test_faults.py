@@ -138,7 +138,7 @@ def test_kills_at_random_moments(vxs, vxs_path, fault_library, tmp_path, named):
     out, scene = tmp_path / "out" / "a.vxs", tmp_path / "city.glb"
     out.parent.mkdir()
     vxs("scene", "city", "-o", scene, "--triangles", 2000, "--blocks", 2)
-    command = [vxs_path, "bake", scene, "-o", out, "--resolution", "512", "--baseline", "off"]
+    command = [vxs_path, "bake", scene, "-o", out, "--resolution", "512"]
 
     def run(seconds):
         with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, env=environment) as process:
@@ -372,7 +372,7 @@ def small_disk(tmp_path):
 def test_full_disk(vxs, vxs_path, city, small_disk):
     out = small_disk / "a"
     out.write_bytes(OLD)
-    for command in (("bake", city, "-o", out, "--resolution", 8192, "--coding", "dag", "--baseline", "off"),
+    for command in (("bake", city, "-o", out, "--resolution", 8192, "--coding", "dag"),
                     ("scene", "city", "-o", out)):
         done = vxs(*command, status=4)
         assert one_error_line(done) and f"{out}: cannot write: No space left on device" in done.stderr

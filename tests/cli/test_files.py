@@ -18,7 +18,7 @@ from conftest import ROOT
 from small_scene import GROUND, NOON
 from test_docs import validator
 
-SMALL = ("--resolution", 64, "--baseline", "off")
+SMALL = ("--resolution", 64)
 COMMANDS = [("bake", "{scene}", "-o", "{out}.vxs"), ("plan", "{scene}"), ("truth", "{scene}", "--sun", "0,-1,0"), ("compare", "{scene}", "{asset}"),
             ("render", "{scene}", "{asset}", "-o", "{out}.png", "--width", 16, "--height", 16), ("health", "{scene}"), ("mend", "{scene}", "-o", "{out}.glb"),
             ("bench", "{scene}", "-o", "{out}.json", "--runs", 1, "--points", 0, "--resolution", 64)]
@@ -113,7 +113,7 @@ def test_what_is_too_large_is_not_read(vxs, vxs_path, scene, tmp_path):
 
 def test_a_pipe_ends_where_its_glb_does(vxs, vxs_path, tmp_path):
     vxs("scene", "room", "--triangles", 1000, "-o", tmp_path / "room.glb")
-    line = f"(cat '{tmp_path}/room.glb'; cat /dev/zero) | '{vxs_path}' plan - --sun 0,-1,0 --resolution 64 --baseline off"
+    line = f"(cat '{tmp_path}/room.glb'; cat /dev/zero) | '{vxs_path}' plan - --sun 0,-1,0 --resolution 64"
     done = subprocess.run(line, shell=True, capture_output=True, text=True, timeout=60)
     assert done.returncode == 0, done.stderr
 
@@ -352,7 +352,7 @@ CRATES = "0 .2 0\n1.5 .2 0\n"
     ("light_names_of_nodes/two_lamps", ("--light", "Kitchen lamp"), "", "", None),
 ])
 def test_cases(vxs, cases, tmp_path, name, options, points, lit, says):
-    done = vxs("bake", cases / "files" / f"{name}.gltf", "-o", tmp_path / "a.vxs", "--resolution", 256, "--baseline", "off", *options)
+    done = vxs("bake", cases / "files" / f"{name}.gltf", "-o", tmp_path / "a.vxs", "--resolution", 256, *options)
     assert vxs("query", tmp_path / "a.vxs", input=points).stdout.split() == lit.split()
     assert says in done.stderr if says else done.stderr == ""
 

@@ -14,7 +14,7 @@ def test_everything(vxs, tmp_path):
     """Each part is drawn, each has a stage, a pass, and a line of the plan; all of it may be streamed."""
     level, asset, moving = tmp_path / "level.gltf", tmp_path / "level.vxs", tmp_path / "moving.gltf"
     small_scene.write(level, lights=small_scene.EACH_KIND)
-    vxs("bake", level, "-o", asset, "--resolution", 256, "--baseline", "off")
+    vxs("bake", level, "-o", asset, "--resolution", 256)
     add_quads(level, [(*BESIDE, [1, 0.5, 0.25])])
     add_balls(level, [((-3, 2, 0), 0.6, 1)], level)
     small_scene.write(moving, boxes=[((3, 1, 2), (3.5, 1.5, 2.5))], lights=[])

@@ -29,7 +29,7 @@ def bake(vxs, scene, tmp_path):
 
 
 @pytest.mark.parametrize("options", ASKED)
-@pytest.mark.parametrize("maps", [("--maps", "gl"), ("--gl", "egl"), ("--baseline", "sample")])
+@pytest.mark.parametrize("maps", [("--maps", "gl"), ("--gl", "egl")])
 def test_depth_maps_cannot(vxs, scene, tmp_path, options, maps):
     error = vxs("bake", scene, "-o", tmp_path / "no.vxs", *options, *maps, status=2).stderr
     assert f"{options[0]} " in error and "expected --maps sparse" in error

@@ -70,7 +70,7 @@ def casting(vxs, path, *options):
 
 def baked(vxs, path, out, *options):
     """The same of an asset; and the report of its bake."""
-    report = vxs("bake", path, "-o", out, "--resolution", 128, "--region", "-1,-1,-4,19,4,4", "--baseline", "off", "--json", "-", *options)
+    report = vxs("bake", path, "-o", out, "--resolution", 128, "--region", "-1,-1,-4,19,4,4", "--json", "-", *options)
     lit = vxs("query", out, input=UNDER).stdout.split()
     return {name for name, fraction in zip(THINGS, lit) if float(fraction) == 0}, json.loads(report.stdout)
 

@@ -39,7 +39,7 @@ def test_lamps_against_rays(vxs, scenes, tmp_path, name):
     if not source.is_file():
         pytest.skip(f"{source} is not there")
     scene = hung(source, bounds(vxs, source, tmp_path), tmp_path / "lamps")
-    vxs("bake", scene, "-o", tmp_path / "a.vxs", "--resolution", 256, "--baseline", "off")
+    vxs("bake", scene, "-o", tmp_path / "a.vxs", "--resolution", 256)
     vxs("compare", scene, tmp_path / "a.vxs", "--points", 4000, "--json", tmp_path / "c.json")  # status 1: something is unexplained
     compared = json.loads((tmp_path / "c.json").read_text())["assets"][0]["lights"]
     assert [light["name"] for light in compared] == ["narrow", "sixty", "wide", "half", "bulb"]
@@ -54,7 +54,7 @@ def test_errors_shrink_with_texels(vxs, scenes, tmp_path):
     scene = hung(source, bounds(vxs, source, tmp_path), tmp_path / "lamps")
     wrong = {}
     for resolution in (128, 1024):
-        vxs("bake", scene, "-o", tmp_path / "a.vxs", "--resolution", resolution, "--baseline", "off", "--light", "wide", "--light", "bulb")
+        vxs("bake", scene, "-o", tmp_path / "a.vxs", "--resolution", resolution, "--light", "wide", "--light", "bulb")
         vxs("compare", scene, tmp_path / "a.vxs", "--points", 20000, "--json", tmp_path / "c.json")
         for light in json.loads((tmp_path / "c.json").read_text())["assets"][0]["lights"]:
             counts = light["random"]

@@ -91,7 +91,7 @@ def level(vxs, tmp_path_factory):
         light |= ({"range": end} if end else {}) | ({"spot": {"innerConeAngle": 0.9 * outer, "outerConeAngle": outer}} if outer else {})
     scene["nodes"][-1]["translation"] = [0, -0.5, 0]  # in the ground: what is seen without light
     path.write_text(json.dumps(scene))
-    vxs("bake", path, "-o", folder / "level.vxs", "--resolution", 512, "--baseline", "off")
+    vxs("bake", path, "-o", folder / "level.vxs", "--resolution", 512)
     return folder
 
 
@@ -161,7 +161,7 @@ def test_case_of_ranges(vxs, cases, tmp_path):
     camera = "--eye", "0,4,12", "--target", "0,1,0", "--fov", 50, "--width", 48, "--height", 36, "--samples", 1, "--fog", 0.02, "--passes", tmp_path / "passes"
     for name, end in ("rng", 5), ("rng0", 500):
         scene, asset = tmp_path / f"{name}.gltf", tmp_path / f"{name}.vxs"
-        vxs("bake", scene, "-o", asset, "--resolution", 256, "--baseline", "off")
+        vxs("bake", scene, "-o", asset, "--resolution", 256)
         vxs("render", scene, asset, "-o", tmp_path / "a.png", "--linear", tmp_path / "a.exr", "--force", *camera)
         lit, depth = (read_exr((tmp_path / "passes" / f"{part}.exr").read_bytes())[2][channel] for part, channel in (("light", "G"), ("depth", "Z")))
         scale, middle = white(read_exr((tmp_path / "a.exr").read_bytes())[3]), 24

@@ -46,7 +46,7 @@ def drawn(vxs, tmp_path_factory):
         scene, asset = folder / f"{count}.gltf", folder / f"{count}.vxs"
         write(scene, count, intensity)
         if not asset.exists():
-            vxs("bake", scene, "-o", asset, "--resolution", 64, "--baseline", "off")
+            vxs("bake", scene, "-o", asset, "--resolution", 64)
         said = vxs("render", scene, asset, "-o", folder / "out.png", "--linear", folder / "out.exr", "--force", *SMALL, *options).stdout
         return read_exr((folder / "out.exr").read_bytes()), said, folder
 
@@ -86,7 +86,7 @@ def drawn_case(vxs, folder, name, *options):
     """Light on surfaces, or airlight where there is fog, of a case's scene, in cd/m2."""
     scene, asset, part = folder / f"{name}.gltf", folder / f"{name}.vxs", "airlight" if "--fog" in options else "light"
     if not asset.exists():
-        vxs("bake", scene, "-o", asset, "--resolution", 64, "--baseline", "off")
+        vxs("bake", scene, "-o", asset, "--resolution", 64)
     vxs("render", scene, asset, "-o", folder / "a.png", "--linear", folder / "a.exr", "--force", *SMALL, *options, "--passes", folder / "passes")
     picture = read_exr((folder / "a.exr").read_bytes())
     return radiance((*picture[:2], read_exr((folder / "passes" / f"{part}.exr").read_bytes())[2], picture[3])), struct.unpack("<f", picture[3]["whiteLuminance"][1])[0]

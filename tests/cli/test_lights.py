@@ -11,7 +11,7 @@ from conftest import ROOT
 from small_scene import MORNING, NOON
 
 LIGHTS = (("sun", "directional", NOON), ("spot", "spot", NOON), ("lamp", "point", NOON))
-SMALL = ("--resolution", 64, "--baseline", "off")
+SMALL = ("--resolution", 64)
 UNDER, BESIDE, AGAINST = "0 0.5 0\n", "2 0.5 0\n", "-2 0.5 0\n"  # the block's shadow at noon, in the morning, and in the evening
 
 
@@ -114,7 +114,7 @@ def test_wrong_suns(vxs, fails, folder, options, says):
     (("--texel", 1, "--resolution", "lamp=16", "--texel", "sun=0.25"), {"sun": 128, "spot": 16, "lamp": 16}, 0.25),
 ])
 def test_sizes_by_light(bake, options, sizes, texel):
-    report = bake(*options, "--baseline", "off")
+    report = bake(*options)
     assert {light["name"]: light["resolution_px"] for light in report["lights"]} == sizes
     assert [light["texel_m"] for light in report["lights"] if light["kind"] == "directional"] == [pytest.approx(texel)]
 
@@ -123,7 +123,7 @@ def test_maps_of_other_sizes_are_not_touched(vxs, bake, tmp_path):
     """A light has the bytes that it has where all lights are of its size."""
 
     def sections(*options):
-        bake("--baseline", "off", *options)
+        bake(*options)
         data = (tmp_path / "a.vxs").read_bytes()
         listed = json.loads(vxs("info", tmp_path / "a.vxs", "--json", "-").stdout)["sections"]
         parts = {}
@@ -181,7 +181,7 @@ def test_the_texel_that_is_said_to_be_enough_is_enough(vxs, folder, light):
 def assets(vxs, folder):
     """Two files: of all lights, and without the spot."""
     for name, options in (("all", ()), ("two", ("--light", "lamp", "--light", "sun"))):
-        vxs("bake", folder / "small.gltf", "-o", folder / f"{name}.vxs", "--resolution", 256, "--baseline", "off", *options)
+        vxs("bake", folder / "small.gltf", "-o", folder / f"{name}.vxs", "--resolution", 256, *options)
     return folder / "all.vxs", folder / "two.vxs"
 
 

@@ -29,7 +29,7 @@ SUN = ("--sun", "-0.4,-1,-0.2")
 def test_deep_piles_take_time_like_their_triangles(vxs_path, tmp_path, pile):
     """8000 boxes: some two seconds of a processor; 100 and 40, when every layer was compared with every other."""
     scene = boxes.write(tmp_path / "pile.glb", pile(8000))
-    done = subprocess.run([vxs_path, "bake", scene, "-o", tmp_path / "a.vxs", *SUN, "--resolution", "64", "--baseline", "off"],
+    done = subprocess.run([vxs_path, "bake", scene, "-o", tmp_path / "a.vxs", *SUN, "--resolution", "64"],
                           preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (15, 15)), capture_output=True)
     assert done.returncode == 0, done
 
@@ -37,7 +37,7 @@ def test_deep_piles_take_time_like_their_triangles(vxs_path, tmp_path, pile):
 def test_peeling_is_bounded(vxs, tmp_path):
     """However many solids are open at once, 255 passes end it; the plan knows."""
     scene = boxes.write(tmp_path / "nest.glb", boxes.nested(300))
-    options = (*SUN, "--resolution", 16, "--maps", "gl", "--closed", "on", "--baseline", "off", "--json", tmp_path / "b.json")
+    options = (*SUN, "--resolution", 16, "--maps", "gl", "--closed", "on", "--json", tmp_path / "b.json")
     vxs("bake", scene, "-o", tmp_path / "a.vxs", *options)
     light = json.loads((tmp_path / "b.json").read_text())["lights"][0]
     assert light["peel_passes_max"] == 255 and light["blocks_peeled"] == 1
@@ -197,7 +197,7 @@ def test_memory_of_a_deep_pile(outside, tmp_path):
     scene = boxes.write(tmp_path / "pile.glb", boxes.coinciding(20000))
     done = outside("plan", scene, *SUN, "--resolution", 4096)
     assert done.returncode == 0 and done.peak < 200 * MIB, done
-    done = outside("bake", scene, "-o", tmp_path / "a.vxs", *SUN, "--resolution", 16, "--exit", "back", "--baseline", "off")
+    done = outside("bake", scene, "-o", tmp_path / "a.vxs", *SUN, "--resolution", 16, "--exit", "back")
     assert done.returncode == 0 and done.peak < 110 * MIB, done
 
 

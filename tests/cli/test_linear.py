@@ -18,7 +18,7 @@ CAMERA = *SMALL, "--eye", "7,6,9", "--target", "0,2,0", "--fov", 50
 def level(vxs, tmp_path_factory):
     folder = tmp_path_factory.mktemp("linear")
     small_scene.write(folder / "level.gltf", lights=small_scene.EACH_KIND, pbrMetallicRoughness={"baseColorFactor": [0.9, 0.5, 0.2, 1]})
-    vxs("bake", folder / "level.gltf", "-o", folder / "level.vxs", "--resolution", 128, "--baseline", "off")
+    vxs("bake", folder / "level.gltf", "-o", folder / "level.vxs", "--resolution", 128)
     return folder
 
 

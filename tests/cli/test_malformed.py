@@ -265,8 +265,8 @@ def bake(vxs_path, malformed, tmp_path):
 
     def run(name):
         out = tmp_path / "out.vxs"
-        done = subprocess.run([vxs_path, "bake", malformed / name, "-o", out, "--sun", "-0.3,-1,-0.2", "--resolution", "64",
-                               "--baseline", "off"], capture_output=True, text=True, timeout=SECONDS, preexec_fn=limit)
+        done = subprocess.run([vxs_path, "bake", malformed / name, "-o", out, "--sun", "-0.3,-1,-0.2", "--resolution", "64"],
+                              capture_output=True, text=True, timeout=SECONDS, preexec_fn=limit)
         assert out.exists() == (done.returncode == 0) and len(list(tmp_path.iterdir())) == out.exists()
         return done.returncode, [line for line in done.stderr.splitlines() if line.startswith("vxs: error: ")]
 

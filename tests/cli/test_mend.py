@@ -36,7 +36,7 @@ def health(vxs, path):
 def sections(vxs, scene, tmp_path, *options):
     """What a bake holds of its lights. The direction of a light may differ in its last bit, since glTF has it as a rotation."""
     out = tmp_path / "out.vxs"
-    vxs("bake", scene, "-o", out, "--baseline", "off", "--resolution", 256, *options)
+    vxs("bake", scene, "-o", out, "--resolution", 256, *options)
     data = out.read_bytes()
     found = [data[s["offset_bytes"]:s["offset_bytes"] + s["stored_bytes"]]
             for s in json.loads(vxs("info", out, "--json", "-").stdout)["sections"] if "light" in s]
@@ -146,7 +146,7 @@ def test_a_scene_far_from_the_origin(vxs, mend, tmp_path):
     expected = [moved(moved(p, (0, 0, 0)), at) for _, (corners, _), at, _ in crates() for p in corners]
     assert len(found) == len(expected) and all(min(max(abs(a - b) for a, b in zip(p, q)) for q in expected) < 1e-6 for p in found)
     assert all(min(max(abs(a - b) for a, b in zip(p, q)) for p in found) < 1e-6 for q in expected)
-    options = ("--resolution", 1024, "--baseline", "off")
+    options = ("--resolution", 1024)
     for scene, asset in ((path, "far.vxs"), (tmp_path / "mended.glb", "mended.vxs")):
         assert vxs("bake", scene, "-o", tmp_path / asset, *options).stderr == ""
     random.seed(3)
@@ -185,7 +185,7 @@ def test_masks_and_smoke_far_from_the_origin(vxs, mend, tmp_path):
     mended, _ = read_glb(tmp_path / "mended.glb")
     origin = next(one for one in mended["nodes"] if one["name"] == "origin")
     assert {mended["nodes"][n]["name"].split()[0] for n in origin["children"]} == {"material", "smoke"}
-    options = ("--scene-smoke", "on", "--resolution", 256, "--baseline", "off")
+    options = ("--scene-smoke", "on", "--resolution", 256)
     points = "\n".join(" ".join(map(str, moved((x / 2, 1, z / 2)))) for x in range(-10, 10) for z in range(-10, 10))
     answers = []
     for scene in (path, tmp_path / "mended.glb"):

@@ -22,7 +22,7 @@ def level(vxs, tmp_path_factory):
     beyond = [tuple((x + 2, y, z) for x, y, z in corners) for corners in BLOCK]
     for name, boxes in (("ground", []), ("block", BLOCK), ("about", ABOUT), ("beyond", beyond)):
         small_scene.write(folder / f"{name}.gltf", boxes=[small_scene.GROUND, *boxes], lights=small_scene.EACH_KIND)
-        vxs("bake", folder / f"{name}.gltf", "-o", folder / f"{name}.vxs", "--resolution", 512, "--baseline", "off")
+        vxs("bake", folder / f"{name}.gltf", "-o", folder / f"{name}.vxs", "--resolution", 512)
         if boxes:
             small_scene.write(folder / f"{name}_alone.gltf", boxes=boxes, lights=[])
     return folder

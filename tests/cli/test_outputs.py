@@ -17,7 +17,7 @@ import pytest
 import small_scene
 from test_faults import fault_library, faulty, one_error_line  # noqa: F401
 
-SMALL = ("--resolution", "64", "--baseline", "off")
+SMALL = ("--resolution", "64")
 BENCH = ("--resolution", "64", "--runs", "1", "--points", "0")
 
 # what a command reads in a folder that `files` makes, and where it writes: -o comes first where it must be given

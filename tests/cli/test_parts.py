@@ -16,7 +16,7 @@ import small_scene
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SPARSE = ("--maps", "sparse")
-GL = ("--maps", "gl", "--baseline", "off")
+GL = ("--maps", "gl")
 LIGHTS = (("sun", "directional", (0.2, -1, 0.1)), ("lamp", "point", (0, -1, 0)), ("spot", "spot", (0.1, -1, 0.2)))
 PILLARS = [((x - 0.3, 0, z - 0.3), (x + 0.3, 2, z + 0.3)) for x in range(-6, 7, 3) for z in range(-6, 7, 3)]
 SIZES = ("--resolution", "sun=2048", "--resolution", "256")
@@ -208,7 +208,7 @@ def test_numbers_that_are_none(vxs, scene, tmp_path, number):
 
 def test_what_does_not_go_with_a_part(vxs, scene, tmp_path):
     part = tmp_path / "a.part"
-    for options in (("--report", tmp_path / "a.html"), ("--baseline", "full"), ("--coding", "dag", "--stop", "partial"), ("--if-changed",)):
+    for options in (("--report", tmp_path / "a.html"), ("--coding", "dag", "--stop", "partial"), ("--if-changed",)):
         vxs("bake", scene, "-o", part, "--part", "1/2", "--maps", "gl", *options, status=2)
     assert "of which vxs merge makes a .vxs file" in vxs("bake", scene, "-o", tmp_path / "a.vxs", "--part", "1/2", status=2).stderr
     assert "'.part' is the extension of other files" in vxs("bake", scene, "-o", part, status=2).stderr

@@ -158,7 +158,7 @@ def test_a_sample_of_all_is_the_map(bake, folder, name):
 @pytest.mark.parametrize("resolution", [1024, 4096])
 def test_estimates_of_a_city(bake, folder, resolution):
     for coding in ("dag", "blocks"):
-        plan = bake(folder / "city.glb", "--resolution", resolution, "--baseline", "off", "--coding", coding)["plan"]
+        plan = bake(folder / "city.glb", "--resolution", resolution, "--coding", coding)["plan"]
         for figure, factor in (("file_bytes", 2), ("memory_bytes", 2), ("peak_bytes", 1.4)):
             assert within(factor, plan["estimate"][figure], plan["actual"][figure]), (coding, figure)
 
@@ -168,7 +168,7 @@ def test_estimates_of_real_scenes(bake, scenes):
     """Most are within a factor of two. Time is left out: how long it takes is up to who else is at work."""
     near = asked = 0
     for name in ("sponza", "kaykit_city", "mountains_heightfield", "chess_board", "dutch_ship_mask", "room_with_spheres_closed"):
-        plan = bake(scenes / "real" / f"{name}.glb", "--sun", "-0.4,-1,-0.2", "--resolution", 2048, "--baseline", "off")["plan"]
+        plan = bake(scenes / "real" / f"{name}.glb", "--sun", "-0.4,-1,-0.2", "--resolution", 2048)["plan"]
         asked += 2
         near += sum(within(2, plan["estimate"][f], plan["actual"][f]) for f in ("file_bytes", "memory_bytes"))
         assert within(1.4, plan["estimate"]["peak_bytes"], plan["actual"]["peak_bytes"]), name

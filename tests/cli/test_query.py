@@ -232,7 +232,7 @@ def test_truth_of_chosen_lights(vxs, lamps):
 @pytest.fixture(scope="module")
 def baked_lamps(vxs, lamps):
     asset = lamps.parent / "lamps.vxs"
-    vxs("bake", lamps, "-o", asset, "--resolution", 256, "--baseline", "off")
+    vxs("bake", lamps, "-o", asset, "--resolution", 256)
     return asset
 
 

@@ -22,7 +22,7 @@ def level(vxs, tmp_path_factory):
     folder = tmp_path_factory.mktemp("render")
     small_scene.write(folder / "level.gltf", lights=small_scene.EACH_KIND)
     for name, lights in (("all", ()), ("sun", ("--light", "noon"))):
-        vxs("bake", folder / "level.gltf", "-o", folder / f"{name}.vxs", "--resolution", 256, "--baseline", "off", *lights)
+        vxs("bake", folder / "level.gltf", "-o", folder / f"{name}.vxs", "--resolution", 256, *lights)
     return folder
 
 
@@ -102,7 +102,7 @@ def test_passes(vxs, level, render):
     camera = "--eye", "6,9,2", "--target", "0,0,0", "--fov", 60
     moved = [[x + 2, y, z] for x, y, z in small_scene.BLOCK]
     small_scene.write(level / "moved.gltf", boxes=[small_scene.GROUND, moved], lights=small_scene.EACH_KIND)
-    vxs("bake", level / "moved.gltf", "-o", level / "moved.vxs", "--resolution", 256, "--baseline", "off")
+    vxs("bake", level / "moved.gltf", "-o", level / "moved.vxs", "--resolution", 256)
     right = report(level, render, "all", "--passes", level / "right", *camera)["difference"]
     wrong = report(level, render, "moved", "--passes", level / "wrong", *camera)["difference"]
     names = {path.name for path in (level / "right").iterdir()}
@@ -272,7 +272,7 @@ def test_meshes_along_a_path(level, render):
 def test_inner_cones(vxs, level, render):
     """From the middle of a spot light to its edge: as bright up to its inner cone, then darker; without one, darker from the middle on."""
     shares = []
-    vxs("bake", level / "level.gltf", "-o", level / "spot.vxs", "--resolution", 256, "--baseline", "off", "--light", "spot")
+    vxs("bake", level / "level.gltf", "-o", level / "spot.vxs", "--resolution", 256, "--light", "spot")
     for degrees in (None, 30, 45):
         gltf = json.loads(small_scene.write(level / "level.gltf", lights=small_scene.EACH_KIND).read_text())
         spot = gltf["extensions"]["KHR_lights_punctual"]["lights"][1]["spot"]
@@ -338,7 +338,7 @@ def forest(vxs, tmp_path_factory):
     """A folder with forest.glb and forest.vxs, of some pages."""
     folder = tmp_path_factory.mktemp("stream")
     vxs("scene", "forest", "--triangles", 20000, "-o", folder / "forest.glb")
-    vxs("bake", folder / "forest.glb", "-o", folder / "forest.vxs", "--resolution", 8192, "--baseline", "off")
+    vxs("bake", folder / "forest.glb", "-o", folder / "forest.vxs", "--resolution", 8192)
     return folder
 
 

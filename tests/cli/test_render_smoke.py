@@ -43,7 +43,7 @@ def level(vxs, tmp_path_factory):
     folder = tmp_path_factory.mktemp("smoke")
     clear = small_scene.write(folder / "clear.gltf", boxes=[small_scene.GROUND], lights=small_scene.EACH_KIND)
     add_balls(clear, BALLS, folder / "smoke.gltf")
-    vxs("bake", clear, "-o", folder / "level.vxs", "--resolution", 512, "--baseline", "off")
+    vxs("bake", clear, "-o", folder / "level.vxs", "--resolution", 512)
     return folder
 
 
@@ -193,7 +193,7 @@ def test_out_of_reach_and_out_of_view(vxs, tmp_path):
         gltf["nodes"][1 + n]["translation"] = place
     clear.write_text(json.dumps(gltf))
     add_balls(clear, BALLS + [((7.5, 1, 6.5), 0.5, 1)], tmp_path / "smoke.gltf")
-    vxs("bake", clear, "-o", tmp_path / "level.vxs", "--resolution", 256, "--baseline", "off")
+    vxs("bake", clear, "-o", tmp_path / "level.vxs", "--resolution", 256)
     done, found, _ = draw(vxs, tmp_path, "smoke", "--verbose")
     assert [p["fate"] for p in found["smoke"]["lights"]] == ["out_of_reach", "out_of_view", "dims"]
     assert "3 lights: 1 dimmed, 1 out of its reach, 1 out of view" in done.stdout
@@ -213,7 +213,7 @@ def test_no_room(vxs, tmp_path):
     """What lists have no room for is counted, and said with a remedy; a picture is drawn all the same."""
     clear = small_scene.write(tmp_path / "level.gltf", boxes=[small_scene.GROUND], lights=small_scene.EACH_KIND[:1])
     add_balls(clear, [((0, 3 + 0.01 * n, 0), 12, 0.01) for n in range(20)], tmp_path / "smoke.gltf")
-    vxs("bake", clear, "-o", tmp_path / "level.vxs", "--resolution", 512, "--baseline", "off")
+    vxs("bake", clear, "-o", tmp_path / "level.vxs", "--resolution", 512)
     done, found, _ = draw(vxs, tmp_path, "smoke", "--smoke-side", 512)
     plan, = found["smoke"]["lights"]
     assert plan["segments"] > 1 << 22 and plan["merged"] == plan["segments"] - (1 << 22)

@@ -21,7 +21,7 @@ import small_scene
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SPARSE = ("--maps", "sparse")
-GL = ("--maps", "gl", "--baseline", "off")
+GL = ("--maps", "gl")
 CODINGS = ("blocks", "dag")
 
 
@@ -366,7 +366,7 @@ def test_what_no_folder_can_be_made_of(vxs, city, tmp_path):
 
 
 @pytest.mark.parametrize("options, why", [
-    (("--maps", "gl", "--report", "page.html"), "--report draws depth maps"), (("--maps", "gl", "--baseline", "full"), "--baseline measures"),
+    (("--maps", "gl", "--report", "page.html"), "--report draws depth maps"),
     (("--coding", "dag", "--stop", "insert"), "--stop leaves nodes")])
 def test_what_needs_every_square(vxs, city, tmp_path, options, why):
     scene, _ = city

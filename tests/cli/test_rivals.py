@@ -88,7 +88,7 @@ def test_no_voxel_is_wrong_and_filters_are_their_taps(measured):
 
 def test_vxs_is_what_a_bake_makes(vxs, city, measured, tmp_path):
     for coding, rival in (("dag", "DAG"), ("blocks", "palette blocks")):
-        vxs("bake", city, "-o", tmp_path / "city.vxs", "--resolution", SIDE, "--coding", coding, "--maps", "gl", "--baseline", "off", "--json",
+        vxs("bake", city, "-o", tmp_path / "city.vxs", "--resolution", SIDE, "--coding", coding, "--maps", "gl", "--json",
             tmp_path / "bake.json")
         size = json.loads((tmp_path / "bake.json").read_text())["lights"][0]["size"]
         assert by_name(measured[1])[rival]["memory_bytes"] == size["memory_bytes"]

@@ -166,7 +166,7 @@ def test_landscape_has_the_size_and_height_asked(vxs, tmp_path):
 
 def casters_of(vxs, tmp_path, *options):
     vxs("scene", *options, "-o", tmp_path / "a.glb")
-    done = vxs("bake", tmp_path / "a.glb", "--sun", "0.1,-1,0.2", "--resolution", 64, "--baseline", "off", "--json", "-",
+    done = vxs("bake", tmp_path / "a.glb", "--sun", "0.1,-1,0.2", "--resolution", 64, "--json", "-",
                "-o", tmp_path / "a.vxs")
     casters = json.loads(done.stdout)["casters"]
     return casters["solids"], {k: v["components"] for k, v in casters["sheets"].items() if v["components"]}

@@ -37,7 +37,7 @@ def view(vxs, tmp_path):
             gltf["nodes"].append({**({"name": camera_name} if camera_name else {}), "camera": n, "translation": list(at),
                                   "rotation": turned(turn) if len(turn) == 3 else list(turn)})
         path.write_text(json.dumps(gltf))
-        vxs("bake", path, "-o", tmp_path / "a.vxs", "--resolution", 64, "--baseline", "off")
+        vxs("bake", path, "-o", tmp_path / "a.vxs", "--resolution", 64)
         chosen = ("--camera", name) if name is not None else ()
         vxs("render", path, tmp_path / "a.vxs", "-o", tmp_path / "out.png", "--samples", 1, "--json", tmp_path / "r.json", *size, *chosen, *options)
         report = json.loads((tmp_path / "r.json").read_text())
@@ -190,7 +190,7 @@ def test_scene_and_render_say_what_they_wrote(vxs, tmp_path, monkeypatch):
     assert " capsules of smoke, " in vxs("scene", "smoke", "--capsules", 100, "-o", "smoke.glb").stdout
     assert vxs("scene", "city", "--triangles", 1000, "--blocks", 1, "-o", "q.glb", "--quiet").stdout == ""
     assert vxs("scene", "room", "--triangles", 1000, "-o", "/dev/null").stdout == "wrote        /dev/null: 1004 triangles, 2 lights\n"
-    vxs("bake", "city.glb", "-o", "a.vxs", "--resolution", 64, "--baseline", "off")
+    vxs("bake", "city.glb", "-o", "a.vxs", "--resolution", 64)
     small = ("--width", 32, "--height", 16, "--samples", 1)
     said = vxs("render", "city.glb", "a.vxs", "-o", "p.png", *small, "--json", "r.json", "--csv", "r.csv", "--plot", "r.svg", "--passes", "all").stdout
     bytes_of = {name: (tmp_path / name).stat().st_size for name in ("p.png", "r.json", "r.csv", "r.svg")}

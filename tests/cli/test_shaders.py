@@ -324,7 +324,7 @@ def test_same_answer_of_files(vxs, vxs_path, scenes, tmp_path):
     bakes = [("city.vxs", tmp_path / "city.glb", "--resolution", 1024), ("dag.vxs", tmp_path / "city.glb", "--resolution", 512, "--coding", "dag"),
              ("sponza.vxs", scenes / "real" / "sponza.glb", "--sun", "0.2,-1,0.25", "--resolution", 2048)]
     for name, scene, *options in bakes:
-        vxs("bake", scene, "-o", tmp_path / name, "--baseline", "off", *options)
+        vxs("bake", scene, "-o", tmp_path / name, *options)
     files = [str(tmp_path / name) for name, *_ in bakes]
     env = os.environ | {"VXS_ASSETS": ":".join(files), "VXS_POINTS": os.environ.get("VXS_POINTS", "1e5")}
     done = subprocess.run([program], cwd=ROOT, env=env, capture_output=True, text=True)

@@ -50,7 +50,7 @@ def test_a_square_of_3_gb(vxs_path, cases):
 def test_a_floor_below_a_fixture(vxs, cases, tmp_path):
     """It had 5 to 13 % of its points dark."""
     scene, asset = cases / "light" / "lamp_fixture.glb", tmp_path / "a.vxs"
-    vxs("bake", scene, "-o", asset, "--resolution", 4096, "--baseline", "off")
+    vxs("bake", scene, "-o", asset, "--resolution", 4096)
     vxs("compare", scene, asset, "--points", 20000, "--filter", 1, "--filter", 9, "--json", tmp_path / "r.json")
     asset, = json.loads((tmp_path / "r.json").read_text())["assets"]
     light, = asset["lights"]
@@ -74,7 +74,7 @@ def share_of_sky(x, z, rows=40):
 def test_a_corner_below_a_sky(vxs, cases, tmp_path):
     """A radiance of 1 everywhere: from the 65th lamp it was 17 to 29 % too bright. The sun, of 1 lux, shows what exposure does."""
     scene, asset, side = cases / "light" / "s_corner.gltf", tmp_path / "a.vxs", 16
-    vxs("bake", scene, "-o", asset, "--sun", "0,-1,0", "--resolution", 256, "--baseline", "off")
+    vxs("bake", scene, "-o", asset, "--sun", "0,-1,0", "--resolution", 256)
     skies.Sky(8, lambda way: (1, 1, 1)).write(tmp_path / "sky.hdr")
     places = [1.25 + 3.5 * (n + 0.5) / side for n in range(side)]  # from an eye above (3, 3)
     for lamps in (64, 65):

@@ -66,7 +66,7 @@ def under(vxs, tmp_path_factory):
         small_scene.write(scene, boxes=[small_scene.GROUND, *boxes], lights=[("sun", "directional", SUN)])
 
     write(())
-    vxs("bake", scene, "-o", asset, "--resolution", 256, "--baseline", "off")
+    vxs("bake", scene, "-o", asset, "--resolution", 256)
 
     def render(*options, boxes=(), sky=folder / "sky.hdr"):
         write(boxes)
@@ -151,7 +151,7 @@ def test_beside_a_quad(vxs, tmp_path):
     small_scene.write(scene, boxes=[small_scene.GROUND], lights=[("sun", "directional", SUN)])
     add_quads(scene, [((-1, 4, -1), (2, 0, 0), (0, 0, 2), (1, 1, 1))])
     SKY.write(tmp_path / "sky.hdr")
-    vxs("bake", scene, "-o", tmp_path / "level.vxs", "--resolution", 64, "--baseline", "off")
+    vxs("bake", scene, "-o", tmp_path / "level.vxs", "--resolution", 64)
 
     def quad(*options):
         """Its light beside the sun's."""
@@ -174,7 +174,7 @@ def test_in_smoke(vxs, tmp_path):
     small_scene.write(scene, boxes=[small_scene.GROUND], lights=[("sun", "directional", SUN)])
     add_balls(scene, balls, scene)
     SOFT.write(tmp_path / "sky.hdr")
-    vxs("bake", scene, "-o", tmp_path / "level.vxs", "--resolution", 64, "--baseline", "off")
+    vxs("bake", scene, "-o", tmp_path / "level.vxs", "--resolution", 64)
     for smoke in ("on", "off"):
         said = vxs("render", scene, tmp_path / "level.vxs", "-o", tmp_path / "out.png", "--width", SIZE[0], "--height", SIZE[1], "--samples", 1, *ABOVE, "--area", 32,
                    "--area-gather", "each", "--exposure", -1, "--passes", tmp_path / smoke, "--sky", tmp_path / "sky.hdr", "--sky-light", 0.2, "--smoke", smoke,
@@ -234,7 +234,7 @@ def refuse(vxs, tmp_path_factory):
     """refuse(out, *options, status): what vxs says of a picture that it does not draw."""
     folder = tmp_path_factory.mktemp("refused")
     small_scene.write(folder / "level.gltf", boxes=[small_scene.GROUND], lights=[("sun", "directional", SUN)])
-    vxs("bake", folder / "level.gltf", "-o", folder / "level.vxs", "--resolution", 16, "--baseline", "off")
+    vxs("bake", folder / "level.gltf", "-o", folder / "level.vxs", "--resolution", 16)
 
     def render(out, *options, status):
         return vxs("render", folder / "level.gltf", folder / "level.vxs", "-o", out, "--width", 16, "--height", 16, "--area", 1, *options, status=status).stderr

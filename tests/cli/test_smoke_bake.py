@@ -211,7 +211,7 @@ def test_smoke_of_the_scene_is_baked_where_it_is_asked_for(vxs, tmp_path):
 def test_fog_is_dimmed_by_what_is_baked(vxs, tmp_path):
     """As by the same capsules when they are drawn: steps are taken through them, whatever was asked."""
     scene, plain, own = tmp_path / "smoke.glb", tmp_path / "plain.vxs", tmp_path / "own.vxs"
-    fine = "--resolution", 512, "--light", "sun", "--baseline", "off"  # so that exposure is the same
+    fine = "--resolution", 512, "--light", "sun"  # so that exposure is the same
     vxs("scene", "smoke", "-o", scene, "--capsules", 400)
     vxs("bake", scene, *fine, "-o", plain)
     vxs("bake", scene, *fine, "-o", own, "--scene-smoke", "on", "--smoke-error", 0.001)

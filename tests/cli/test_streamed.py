@@ -31,7 +31,7 @@ def forest(vxs, tmp_path_factory):
     """A file of three pages."""
     folder = tmp_path_factory.mktemp("pages")
     vxs("scene", "forest", "--triangles", 20000, "-o", folder / "forest.glb")
-    vxs("bake", folder / "forest.glb", "-o", folder / "forest.vxs", "--resolution", 4096, "--baseline", "off")
+    vxs("bake", folder / "forest.glb", "-o", folder / "forest.vxs", "--resolution", 4096)
     return folder / "forest.vxs"
 
 

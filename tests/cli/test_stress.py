@@ -243,7 +243,7 @@ def baked(vxs, scene, tmp_path_factory):
         if (case, light) not in done:
             path = folder / f"{case}-{light}.vxs"
             resolution = CASES[case]["lights"][light][1]
-            report = json.loads(vxs("bake", scene(case), "--light", light, "--resolution", resolution, "--baseline", "off",
+            report = json.loads(vxs("bake", scene(case), "--light", light, "--resolution", resolution,
                                     "-o", path, "--json", "-").stdout)
             done[case, light] = path, report
         path, report = done[case, light]
@@ -347,7 +347,7 @@ def test_every_voxel(exact_path, scene, baked, case, light):
 @pytest.mark.parametrize("resolution", [8, 16384])
 def test_one_triangle_at_the_ends_of_resolution(vxs, exact_path, scene, tmp_path, resolution):
     path = scene("one-triangle")
-    vxs("bake", path, "--resolution", resolution, "--baseline", "off", "-o", tmp_path / "a.vxs")
+    vxs("bake", path, "--resolution", resolution, "-o", tmp_path / "a.vxs")
     points = CASES["one-triangle"]["lights"]["sun"][2]
     found = answers(vxs("query", tmp_path / "a.vxs", input=lines_of(points)).stdout)
     assert found == [lit for _, lit in points]

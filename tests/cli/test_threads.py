@@ -47,7 +47,7 @@ def test_bake(run, scene, tmp_path, options):
     path, resolution = scene
     out = {}
     for threads in (1, 2, 8):
-        run("bake", path, "-o", tmp_path / "a.vxs", "--resolution", resolution, "--threads", threads, "--baseline", "off", *options)
+        run("bake", path, "-o", tmp_path / "a.vxs", "--resolution", resolution, "--threads", threads, *options)
         out[threads] = (tmp_path / "a.vxs").read_bytes()
     assert out[1] == out[2] == out[8]
 

@@ -596,7 +596,7 @@ static vxs_result parse(exact_options *o, int argc, char **argv, int *help_shown
 
 int main(int argc, char **argv)
 {
-    exact_options o = {.bake = {.zstd_level = 1, .baseline = BASELINE_OFF}};
+    exact_options o = {.bake = {.zstd_level = 1}};
     message       m = {0};
     int           help_shown, right = 1;
     vxs_result    r;

@@ -37,7 +37,7 @@ TIMEOUT_S = 120
 CRASH = re.compile(rb"Sanitizer|runtime error:|Assertion|terminate called|stack smashing|corrupted|double free")
 # what a run costs: values of options that are not given
 CHEAP = {"--resolution": "16", "--points": "20", "--runs": "1", "--width": "16", "--height": "16", "--triangles": "1000", "--size": "30",
-         "--baseline": "off", "--threads": "2"}
+         "--threads": "2"}
 # of a command with sanitizers: leaks are for the unit tests, since OpenGL drivers have some
 SANITIZERS = {"ASAN_OPTIONS": "detect_leaks=0", "UBSAN_OPTIONS": "print_stacktrace=1"}
 # accepted, so that a command line of bake is one of plan, and not written
@@ -68,8 +68,8 @@ def make_set(vxs, folder):
     (folder / "unread.bin").write_bytes(b"1234")
     (folder / "points.txt").write_text("0 1 0\n3 4 5 0 1 0\n# none\n")
     run("scene", "city", "--triangles", 1000, "--blocks", 1, "-o", "city.glb")
-    run("bake", "level.gltf", "-o", "a.vxs", "--resolution", 16, "--json", "bake.json", "--baseline", "off")
-    run("bake", "inside.gltf", "-o", "b.vxs", "--resolution", 32, "--baseline", "off")
+    run("bake", "level.gltf", "-o", "a.vxs", "--resolution", 16, "--json", "bake.json")
+    run("bake", "inside.gltf", "-o", "b.vxs", "--resolution", 32)
     run("bench", "inside.gltf", "-o", "bench.json", "--resolution", 16, "--runs", 1, "--points", 0)
     asset = (folder / "a.vxs").read_bytes()
     (folder / "broken.vxs").write_bytes(asset[:300] + bytes([asset[300] ^ 1]) + asset[301:])

@@ -706,8 +706,7 @@ static void same_bytes_at_any_thread_count(void **state)
                                   .stop       = stop,
                                   .compress   = order,
                                   .zstd_level = 3,
-                                  .threads    = 1,
-                                  .baseline   = BASELINE_OFF};
+                                  .threads    = 1};
             vxs_bytes    alone = bake_city(o);
             for (uint32_t n = 0; n < 3; n += repeats(2, 1)) {
                 o.threads      = threads[n];
