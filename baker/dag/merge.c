@@ -126,13 +126,6 @@ static int stack_push(dag_stack *s, size_t *capacity, uint32_t ref, uint32_t end
     return 1;
 }
 
-static dag_stack stack_copy(const dag_stack *s)
-{
-    dag_stack copy = {malloc(s->count * sizeof *s->runs), s->count};
-    if (copy.runs) memcpy(copy.runs, s->runs, s->count * sizeof *s->runs);
-    return copy;
-}
-
 /* A node of these eight children, or what all of them are when that is lit or shadowed. 0: dag_failure says why. */
 static int merged_parent(dag_merger *g, uint32_t level, const dag_node *node, uint32_t *ref)
 {
@@ -261,7 +254,8 @@ static vxs_result put_stack(dag_merger *g, uint32_t at, uint32_t top, uint32_t l
     return are_complete(g, first) ? close_square(g, at, top) : VXS_OK;
 }
 
-vxs_result dag_merger_add_stack(dag_merger *g, uint32_t map, uint32_t level, uint32_t i, uint32_t j, dag_stack *stack)
+/* Add a square by references to nodes that the merger holds. Releases the stack, whatever it returns; results as of dag_merger_add. */
+static vxs_result add_stack(dag_merger *g, uint32_t map, uint32_t level, uint32_t i, uint32_t j, dag_stack *stack)
 {
     vxs_result r = VXS_E_ARGUMENT;
     if (map < g->map_count && level <= top_level(g) && i < slabs_of(g, level) && j < slabs_of(g, level))
@@ -305,7 +299,7 @@ vxs_result dag_merger_add(dag_merger *g, const dag *sub, uint32_t map, uint32_t 
         if (!stack_push(&stack, &capacity, adopted_ref(&a, own, sub->roots[slab]), slab + 1)) r = VXS_E_MEMORY;
     adopted_free(&a);
     if (r == VXS_OK) r = stack_widen(g, &stack, own, level);
-    if (r == VXS_OK) return dag_merger_add_stack(g, map, level, i, j, &stack);
+    if (r == VXS_OK) return add_stack(g, map, level, i, j, &stack);
     stack_free(&stack);
     return r;
 }
@@ -321,37 +315,8 @@ vxs_result dag_merger_add_split(dag_merger *g, uint32_t map, uint32_t level, uin
     if ((!lit_slabs || stack_push(&stack, &capacity, REF_LIT, lit_slabs)) &&
         (lit_slabs == slabs || stack_push(&stack, &capacity, REF_SHADOW, slabs)))
         r = stack_widen(g, &stack, slab_level, level);
-    if (r == VXS_OK) return dag_merger_add_stack(g, map, level, i, j, &stack);
+    if (r == VXS_OK) return add_stack(g, map, level, i, j, &stack);
     stack_free(&stack);
-    return r;
-}
-
-/* The stacks below square `at` of another merger. */
-static vxs_result merge_squares(dag_merger *g, const dag_merger *other, const adopted *a, uint32_t at, uint32_t map, uint32_t level,
-                                uint32_t i, uint32_t j)
-{
-    const merge_square *q = &other->squares[at];
-    vxs_result          r = VXS_OK;
-    if (q->stack.runs) {
-        dag_stack copy = stack_copy(&q->stack);
-        if (!copy.runs) return VXS_E_MEMORY;
-        for (uint32_t n = 0; n < copy.count; n++) copy.runs[n].ref = adopted_ref(a, level, copy.runs[n].ref);
-        return dag_merger_add_stack(g, map, level, i, j, &copy);
-    }
-    for (uint32_t c = 0; c < 4 && q->parts && r == VXS_OK; c++)
-        r = merge_squares(g, other, a, q->parts + c, map, level - 1, 2 * i + (c & 1), 2 * j + (c >> 1));
-    return r;
-}
-
-vxs_result dag_merger_merge(dag_merger *g, const dag_merger *other)
-{
-    adopted    a;
-    vxs_result r;
-    if (g->merged.level_count != other->merged.level_count || g->map_count != other->map_count || g->unify != other->unify)
-        return VXS_E_ARGUMENT;
-    r = adopt(g, &other->merged, &a);
-    for (uint32_t map = 0; map < g->map_count && r == VXS_OK; map++) r = merge_squares(g, other, &a, map, map, top_level(g), 0, 0);
-    adopted_free(&a);
     return r;
 }
 

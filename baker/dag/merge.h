@@ -1,7 +1,5 @@
 /* Gathers the DAGs of squares into the DAG of a light ([CPVS16] 4.3).
  *
- * A merger is a value: it can be merged into another one, and saved and read back, so that work may be spread and continued.
- *
  * A square that was added is a stack: what lies over it from near to far, one reference for each slab as deep as the square is wide.
  * Equal neighbours in a stack are one run. As soon as four squares make up a larger one, their stacks become one stack of nodes; what
  * is held is the stacks of squares whose neighbours are missing. Squares that were never added are lit.
@@ -58,21 +56,8 @@ vxs_result dag_merger_add(dag_merger *g, const dag *sub, uint32_t map, uint32_t 
 vxs_result dag_merger_add_split(dag_merger *g, uint32_t map, uint32_t level, uint32_t i, uint32_t j, uint32_t slab_level,
                                 uint32_t lit_slabs);
 
-/* Add a square by references to nodes that the merger holds already. The stack is released, whatever is returned. The same results. */
-vxs_result dag_merger_add_stack(dag_merger *g, uint32_t map, uint32_t level, uint32_t i, uint32_t j, dag_stack *stack);
-
-/* Add all that another merger of the same light holds; that one stays as it is. The same results; VXS_E_ARGUMENT also when the two are not
- * of the same light. After a failure g is of no more use. */
-vxs_result dag_merger_merge(dag_merger *g, const dag_merger *other);
-
 /* Build what is missing above the squares. *out has one root for each map, which is a node even when the map is all lit; released with
  * dag_free. The merger is used up. */
 vxs_result dag_merger_finish(dag_merger *g, dag *out);
-
-/* The merger as bytes, and back. Reading checks everything: bytes from elsewhere give an error, never a merger that breaks a rule.
- * out  [out] grown with realloc; zero it first, release with free(out->data)
- * Save returns VXS_OK, VXS_E_MEMORY, or VXS_E_ARGUMENT for a merger that does not unify; load VXS_OK, VXS_E_MEMORY, VXS_E_TRUNCATED, VXS_E_CORRUPT, VXS_E_VERSION. */
-vxs_result dag_merger_save(const dag_merger *g, vxs_bytes *out);
-vxs_result dag_merger_load(dag_merger *g, const void *bytes, size_t size_bytes);
 
 #endif

@@ -1,5 +1,5 @@
 /* Whole maps from columns, against formulas (baker/dag/build.h, merge.h): every voxel of small maps, columns of maps of 262144 texels, the
- * work that is done for them, merging and saving of mergers, and errors of every call.
+ * work that is done for them, merging, and errors of every call.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -7,9 +7,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-#include <xxhash.h>
 
-#include "formats/vxs_bytes.h"
 #include "formats/vxs_lookup.h"
 #include "runtime/vxs.h"
 
@@ -231,18 +229,7 @@ static void add_quarter(dag_merger *g, analytic *a, uint32_t i, uint32_t j)
     analytic_release(a, &square);
 }
 
-/* Saved and read back. */
-static dag_merger reread(const dag_merger *g)
-{
-    vxs_bytes  bytes = {0};
-    dag_merger again;
-    assert_int_equal(dag_merger_save(g, &bytes), VXS_OK);
-    assert_int_equal(dag_merger_load(&again, bytes.data, bytes.size_bytes), VXS_OK);
-    free(bytes.data);
-    return again;
-}
-
-/* Quarters built apart, in any order, saved, read back and merged, are the map built at once. */
+/* Quarters that are added in any order are the map built at once. */
 static void parts_are_merged(void **state)
 {
     (void)state;
@@ -254,14 +241,8 @@ static void parts_are_merged(void **state)
             assert_int_equal(build(&a, &plain, 1, 1, &at_once), VXS_OK);
             assert_int_equal(dag_merger_init(&whole, 256, 1, 1), VXS_OK);
             for (uint32_t n = 0; n < 4; n++) {
-                uint32_t   quarter = (n * 3 + first) % 4;
-                dag_merger part, again;
-                assert_int_equal(dag_merger_init(&part, 256, 1, 1), VXS_OK);
-                add_quarter(&part, &a, quarter % 2, quarter / 2);
-                again = reread(&part);
-                assert_int_equal(dag_merger_merge(&whole, &again), VXS_OK);
-                dag_merger_free(&part);
-                dag_merger_free(&again);
+                uint32_t quarter = (n * 3 + first) % 4;
+                add_quarter(&whole, &a, quarter % 2, quarter / 2);
             }
             assert_int_equal(dag_merger_finish(&whole, &merged), VXS_OK);
             dag_merger_free(&whole);
@@ -271,86 +252,20 @@ static void parts_are_merged(void **state)
         }
 }
 
-/* A square is added once; parts of one square, or of different lights, do not go together. */
+/* A square is added once, within its map. */
 static void what_cannot_be_merged(void **state)
 {
     analytic   a = analytic_shape(ANALYTIC_SPHERE, 256);
-    dag_merger one, same, small, six;
+    dag_merger one;
     (void)state;
     assert_int_equal(dag_merger_init(&one, 256, 1, 1), VXS_OK);
-    assert_int_equal(dag_merger_init(&same, 256, 1, 1), VXS_OK);
-    assert_int_equal(dag_merger_init(&small, 128, 1, 1), VXS_OK);
-    assert_int_equal(dag_merger_init(&six, 256, 6, 1), VXS_OK);
     add_quarter(&one, &a, 1, 0);
-    add_quarter(&same, &a, 1, 0);
     assert_int_equal(dag_merger_add_split(&one, 0, square_level(256) - 1, 1, 0, square_level(64), 0), VXS_E_ARGUMENT);
     assert_int_equal(dag_merger_add_split(&one, 0, square_level(256), 0, 0, square_level(64), 0), VXS_E_ARGUMENT);
     assert_int_equal(dag_merger_add_split(&one, 0, square_level(64), 4, 0, square_level(64), 0), VXS_E_ARGUMENT);
     assert_int_equal(dag_merger_add_split(&one, 1, square_level(64), 0, 0, square_level(64), 0), VXS_E_ARGUMENT);
     assert_int_equal(dag_merger_add_split(&one, 0, square_level(64), 0, 0, square_level(64), 5), VXS_E_ARGUMENT);
-    assert_int_equal(dag_merger_merge(&one, &small), VXS_E_ARGUMENT);
-    assert_int_equal(dag_merger_merge(&one, &six), VXS_E_ARGUMENT);
-    assert_int_equal(dag_merger_merge(&one, &same), VXS_E_ARGUMENT);
     dag_merger_free(&one);
-    dag_merger_free(&same);
-    dag_merger_free(&small);
-    dag_merger_free(&six);
-}
-
-/* Make the checksum right again. */
-static void seal(vxs_bytes *bytes)
-{
-    size_t body = bytes->size_bytes - 8;
-    vxs_store64(bytes->data + body, XXH64(bytes->data, body, 0));
-}
-
-/* Whatever is wrong with the bytes of a merger, an error says so. With a checksum that is right, too: rules are checked one by one. */
-static void bytes_of_a_merger_that_are_wrong(void **state)
-{
-    analytic   a = analytic_shape(ANALYTIC_SPHERE, 64);
-    dag_merger g, again;
-    vxs_bytes  bytes = {0};
-    (void)state;
-    assert_int_equal(dag_merger_init(&g, 64, 1, 1), VXS_OK);
-    add_quarter(&g, &a, 0, 1);
-    assert_int_equal(dag_merger_save(&g, &bytes), VXS_OK);
-    for (size_t size = 0; size < bytes.size_bytes; size++) {
-        uint8_t *prefix = malloc(size + 1);
-        assert_non_null(prefix);
-        memcpy(prefix, bytes.data, size);
-        assert_int_not_equal(dag_merger_load(&again, prefix, size), VXS_OK);
-        free(prefix);
-    }
-    for (size_t at = 0; at < bytes.size_bytes; at++) {
-        bytes.data[at] ^= 1u << at % 8;
-        assert_int_not_equal(dag_merger_load(&again, bytes.data, bytes.size_bytes), VXS_OK);
-        bytes.data[at] ^= 1u << at % 8;
-    }
-    /* with the checksum made right: many of these are another merger, none is a crash or reads beyond the bytes */
-    uint32_t refused = 0;
-    for (uint64_t seed = 0; seed < 20000; seed++) {
-        rng     r    = rng_split(seed, 3);
-        size_t  body = bytes.size_bytes - 8, at = rng_below(&r, (uint32_t)body);
-        uint8_t old    = bytes.data[at];
-        bytes.data[at] = (uint8_t)rng_u32(&r);
-        seal(&bytes);
-        vxs_result result = dag_merger_load(&again, bytes.data, bytes.size_bytes);
-        refused += result != VXS_OK;
-        if (result == VXS_OK) dag_merger_free(&again);
-        bytes.data[at] = old;
-    }
-    assert_true(refused > 5000);
-    seal(&bytes);
-    assert_int_equal(dag_merger_load(&again, bytes.data, bytes.size_bytes), VXS_OK);
-    dag_merger_free(&again);
-    dag_merger_free(&g);
-    free(bytes.data);
-
-    assert_int_equal(dag_merger_init(&g, 64, 1, 0), VXS_OK);
-    bytes = (vxs_bytes){0};
-    assert_int_equal(dag_merger_save(&g, &bytes), VXS_E_ARGUMENT); /* side by side: nothing to go on with elsewhere */
-    dag_merger_free(&g);
-    free(bytes.data);
 }
 
 /* errors ---------------------------------------------------------------------------------------------------------------------- */
@@ -413,7 +328,6 @@ int main(void)
         cmocka_unit_test(work_follows_silhouettes),
         cmocka_unit_test(parts_are_merged),
         cmocka_unit_test(what_cannot_be_merged),
-        cmocka_unit_test(bytes_of_a_merger_that_are_wrong),
         cmocka_unit_test(every_call_may_fail),
         cmocka_unit_test(references_run_out),
     };
