@@ -1,5 +1,5 @@
-/* Depths in a DAG: where shadow first begins in each texel of a tile, and nodes that are uniform. A DAG's columns may be lit again behind
- * their first shadow, where voxels are free (formats/vxs.md 2). Internal to the runtime; not installed.
+/* Depths in a DAG: where shadow first begins in each texel of a tile. A DAG's columns may be lit again behind their first shadow, where
+ * voxels are free (formats/vxs.md 2). Internal to the runtime; not installed.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_DAG_DEPTHS_H
 #define VXS_DAG_DEPTHS_H
@@ -11,9 +11,5 @@
  * wanted  a bit for each texel that is asked for; the others are not written */
 void vxs_dag_first_shadows(const vxs_baked_light *baked, uint32_t map, uint32_t tile_x, uint32_t tile_y, uint64_t wanted,
                            int32_t depth[64]);
-
-/* The node that voxel (i, j, k) of a map is in, where it is uniform; at the least, of the tile's texels, the one asked for, as deep as
- * the masks of its slice node are alike for it. least_px  as for vxs_uniform_node */
-void vxs_dag_uniform_node(const vxs_baked_light *baked, uint32_t map, const int32_t voxel[3], int32_t least_px, vxs_node *node);
 
 #endif

@@ -3,7 +3,6 @@
  *     vxs_lookup_batch    many points, of any layout, in one light or in several
  *     vxs_first_shadow    of a texel, the depth at which light first ends
  *     vxs_depth_map       the same of a rectangle of texels, at any resolution
- *     vxs_uniform_node    about a voxel, what is all lit or all in shadow with it
  *     vxs_lit_begin       along a ray, where it is lit
  *     vxs_lit_next
  *
@@ -85,29 +84,6 @@ typedef struct vxs_depth_map_desc {
  * Returns VXS_OK; VXS_E_ARGUMENT when there is no such map, a number is out of range, the rectangle ends beyond 2^30 texels or
  * covers more along a side, or struct_size is none that a version had. Threads: any. */
 vxs_result vxs_depth_map(const vxs_baked_light *baked, const vxs_depth_map_desc *desc, int *coarse);
-
-/* uniform nodes ------------------------------------------------------------------------------------------------------------------ */
-
-#define VXS_NODE_SHADOW 0
-#define VXS_NODE_LIT    1
-#define VXS_NODE_MIXED  2
-#define VXS_NODE_FAR    (1 << 30) /* no end: before the map, behind it */
-
-/* A box of voxels of a map that are alike. */
-typedef struct vxs_node {
-    int32_t first[3],
-        end[3];     /* voxels [first, end): texels u, v, depth; depths may begin at -VXS_NODE_FAR, or end at VXS_NODE_FAR */
-    int32_t state;  /* VXS_NODE_* */
-    int32_t coarse; /* 1: a page is missing, and this is the coarse answer; else 0 */
-} vxs_node;
-
-/* The box about a voxel of which the structure tells at once that all of it is lit, or in shadow; for marching.
- * map, voxel  as vxs_voxel returns them; depth may lie before the map or behind it
- * least_px    1: down to the texels of one voxel. 8, 32, 256: boxes that are narrower are not looked for; then VXS_NODE_MIXED says that
- *             this one is not uniform
- * Returns 1; 0 when there is no such map, or the voxel is outside the light's volume: beside the map, or, of a bounded light, before or
- * behind it. Then `node` is not written. Threads: any. */
-int vxs_uniform_node(const vxs_baked_light *baked, int map, const int32_t voxel[3], int least_px, vxs_node *node);
 
 /* lit intervals ------------------------------------------------------------------------------------------------------------------ */
 

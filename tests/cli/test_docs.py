@@ -239,12 +239,6 @@ def test_listing_of_depth_maps(vxs, asset, run_query):
     assert all(before[n].startswith("1") for n in dark)
 
 
-def test_listing_of_nodes(asset, run_query):
-    lines = [line.split() for line in run_query("vxs_uniform_node", asset / "a.vxs").splitlines()]
-    assert lines[0][:2] == ["0", "lit"] and {state for _, state, _ in lines} == {"lit", "shadow"}
-    assert [int(k) for k, _, _ in lines] == sorted({int(k) for k, _, _ in lines})
-
-
 def test_listing_of_rays(vxs, asset, run_query):
     """Against single taps at many points of each segment."""
     segments = [((x / 2, 0.05, -3), (3 - x / 4, 2, 3)) for x in range(-6, 7)]

@@ -1,6 +1,6 @@
 /* Any bytes as a .vxs file: where it opens, every way to ask it gives the answers that its documentation promises (runtime/vxs_query.h,
  * vxs_stream.h). What single taps say of voxels decides; held against it are lookups of points one by one and many at once, where light first ends,
- * depth maps, uniform nodes and lit intervals: of the whole file, of a stream that holds all of it, of one that holds as little as opens, and of one
+ * depth maps and lit intervals: of the whole file, of a stream that holds all of it, of one that holds as little as opens, and of one
  * between, whose full answers are those of the whole file and whose coarse ones those of a file without pages.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <string.h>
@@ -16,7 +16,6 @@ enum {
     LIGHTS             = 8,
     POINTS             = 96,
     COLUMNS            = 48,
-    NODES              = 48,
     RAYS               = 6,
     INTERVALS_MAX      = 20000,
     MAP_PX             = 20,
@@ -184,42 +183,6 @@ static void check_depth_map(const asked *a, uint64_t *random)
             FUZZ_CHECK(voxels[y * d.wide_px + x] == pixel_of(l, &d, (int32_t)x, (int32_t)y));
 }
 
-/* nodes --------------------------------------------------------------------------------------------------------------------------- */
-
-/* Random voxels of a box that is all lit, or all dark. */
-static void check_box(const vxs_baked_light *l, uint64_t *random, int32_t map, const vxs_node *node)
-{
-    int32_t side = side_of(l);
-    for (int n = 0; n < 6; n++) {
-        int32_t at[3];
-        for (int k = 0; k < 3; k++) {
-            int32_t first = node->first[k] > 0 ? node->first[k] : 0, end = node->end[k] < side ? node->end[k] : side;
-            if (first >= end) return;
-            at[k] = n == 0 ? first : n == 1 ? end - 1 : first + (int32_t)random_below_of(random, (uint32_t)(end - first));
-        }
-        FUZZ_CHECK(is_dark(l, map, at[0], at[1], at[2]) == (node->state == VXS_NODE_SHADOW));
-    }
-}
-
-static void check_nodes(const asked *a, uint64_t *random)
-{
-    static const int       sizes[] = {1, 8, 32, 256};
-    const vxs_baked_light *l       = a->light;
-    int32_t                side = side_of(l), texel[3] = {0};
-    for (int n = 0; n < NODES; n++) {
-        int      least_px = sizes[random_below_of(random, 4)];
-        int32_t  voxel[3] = {texel[0], texel[1], (int32_t)random_below_of(random, (uint32_t)side)};
-        int32_t  near     = vxs_first_shadow(l, texel[2], texel[0], texel[1], NULL) - (int32_t)random_below_of(random, 3);
-        vxs_node node;
-        if (n % 2 && near >= 0 && near < side) voxel[2] = near;
-        FUZZ_CHECK(vxs_uniform_node(l, texel[2], voxel, least_px, &node));
-        for (int k = 0; k < 3; k++) FUZZ_CHECK(node.first[k] <= voxel[k] && voxel[k] < node.end[k]);
-        FUZZ_CHECK(node.state != VXS_NODE_MIXED || least_px > 1);
-        if (node.state != VXS_NODE_MIXED) check_box(l, random, texel[2], &node);
-        next_texel(l, random, texel);
-    }
-}
-
 /* intervals ------------------------------------------------------------------------------------------------------------------------ */
 
 static void check_interval(const asked *a, const vxs_ray *ray, const vxs_interval *i)
@@ -269,7 +232,6 @@ static void check_light(const asked *a, uint64_t random)
     check_points(a, &random);
     check_columns(a, &random);
     for (int n = 0; n < 4; n++) check_depth_map(a, &random);
-    check_nodes(a, &random);
     check_rays(a, &random);
 }
 

@@ -45,7 +45,6 @@ static void structs_of_the_library_keep_their_layout(void **state)
     assert_int_equal(sizeof(vxs_allocator), 24);
     assert_int_equal(sizeof(vxs_parallel), 32);
     assert_int_equal(sizeof(vxs_light_constants), 96);
-    assert_int_equal(sizeof(vxs_node), 32);
     assert_int_equal(sizeof(vxs_ray), 64);
     assert_int_equal(sizeof(vxs_interval), 24);
     assert_int_equal(sizeof(vxs_lit_walk), 1024);

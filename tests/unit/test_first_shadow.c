@@ -1,4 +1,4 @@
-/* Where light first ends, depth maps of that, and uniform nodes: against samples, voxel by voxel.
+/* Where light first ends, and depth maps of that: against samples, voxel by voxel.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "formats/vxs_lookup_blocks.h" /* before blocks.h, whose blocks it calls so, too */
 
@@ -31,36 +31,6 @@ static int32_t first_dark(const truth_of *t, uint32_t map, int32_t i, int32_t j,
     if (t->blocks) k = blocks_sample_depth(t->blocks, map, (uint32_t)i, (uint32_t)j);
     while (k < side && !is_dark(t, map, i, j, k)) k++;
     return k < side ? k : side;
-}
-
-/* Every box that is found is of one state, however large it may be; where boxes are not to be narrow, mixed ones have both. */
-static void check_node(rng *r, const vxs_baked_light *l, const truth_of *t, uint32_t map)
-{
-    static const int leasts[5] = {1, 1, 8, 32, 256};
-    int32_t          side = 1 << l->light.levels, least_px = leasts[rng_below(r, 5)];
-    int32_t  voxel[3] = {rng_between(r, 0, side - 1), rng_between(r, 0, side - 1), rng_between(r, -side / 4, side + side / 4)};
-    int      bounded = l->light.flags == VXS_LIGHT_BOUNDED, beside = bounded && (voxel[2] < 0 || voxel[2] >= side);
-    vxs_node node;
-    assert_int_equal(vxs_uniform_node(l, (int)map, voxel, least_px, &node), !beside);
-    if (beside) return;
-    for (int axis = 0; axis < 3; axis++) {
-        int32_t low = axis == 2 && !bounded ? -VXS_NODE_FAR : 0, high = axis == 2 && !bounded ? VXS_NODE_FAR : side;
-        assert_true(low <= node.first[axis] && node.first[axis] <= voxel[axis] && voxel[axis] < node.end[axis] &&
-                    node.end[axis] <= high);
-    }
-    assert_int_equal(node.coarse, 0);
-    if (least_px == 1) assert_int_not_equal(node.state, VXS_NODE_MIXED);
-    if (node.state != VXS_NODE_MIXED && voxel[2] < 0) assert_int_equal(node.state, VXS_NODE_LIT);
-    for (int n = 0; n < 60; n++) {
-        int32_t low = node.first[2] < 0 ? 0 : node.first[2], high = node.end[2] > side ? side : node.end[2];
-        if (low >= high) break;
-        int32_t i = rng_between(r, node.first[0], node.end[0] - 1), j = rng_between(r, node.first[1], node.end[1] - 1);
-        int32_t k     = n % 3 == 0 ? low : n % 3 == 1 ? high - 1 : rng_between(r, low, high - 1);
-        int     state = is_dark(t, map, i, j, k) ? VXS_NODE_SHADOW : VXS_NODE_LIT;
-        if (node.state != VXS_NODE_MIXED && state != node.state)
-            fail_msg("levels %u, voxel %d %d %d in a box about %d %d %d: %d, expected %d", l->light.levels, i, j, k, voxel[0],
-                     voxel[1], voxel[2], node.state, state);
-    }
 }
 
 /* A depth map of any part of a map, and beside it, at any resolution, a texel at a time. */
@@ -110,7 +80,6 @@ static void check_light(rng *r, const vxs_baked_light *l, const truth_of *t, uin
         int32_t i = rng_between(r, 0, side - 1), j = rng_between(r, 0, side - 1);
         assert_int_equal(vxs_first_shadow(l, (int)map, i, j, n % 2 ? NULL : &coarse), first_dark(t, map, i, j, side));
         if (n % 2 == 0) assert_int_equal(coarse, 0);
-        check_node(r, l, t, map);
     }
     for (uint32_t n = 0; n < repeats(12, 200); n++) check_depth_map(r, l, t, map);
 }
@@ -162,22 +131,16 @@ static void test_missing_pages(void **state)
     for (uint32_t page = 0; page < s.page_count; page += 2) s.words[8 + page] = 0;
     vxs_baked_light l = blocks_light(s.words, 10, 0);
     for (int n = 0; n < 20000; n++) {
-        int32_t voxel[3] = {rng_between(&r, 0, 1023), rng_between(&r, 0, 1023), rng_between(&r, 0, 1023)}, i = voxel[0],
-                j = voxel[1];
+        int32_t  i = rng_between(&r, 0, 1023), j = rng_between(&r, 0, 1023), first = vxs_first_shadow(&l, 0, i, j, &coarse);
         uint32_t depth;
-        vxs_node node;
-        assert_int_equal(vxs_uniform_node(&l, 0, voxel, 1, &node), 1);
-        uint32_t dark = vxs_blocks_shadow(s.words, 0, 10, (uint32_t)i, (uint32_t)j, (uint32_t)voxel[2]);
-        assert_int_equal(node.state, dark ? VXS_NODE_SHADOW : VXS_NODE_LIT);
-        if (!node.coarse) assert_int_equal(blocks_sample_shadow(&s, 0, (uint32_t)i, (uint32_t)j, (uint32_t)voxel[2]), dark);
-        int32_t first = vxs_first_shadow(&l, 0, i, j, &coarse);
+        if (!coarse) assert_int_equal(blocks_sample_depth(&s, 0, (uint32_t)i, (uint32_t)j), first);
         if (first < 1024) assert_int_equal(vxs_blocks_shadow(s.words, 0, 10, (uint32_t)i, (uint32_t)j, (uint32_t)first), 1);
         if (first > 0) assert_int_equal(vxs_blocks_shadow(s.words, 0, 10, (uint32_t)i, (uint32_t)j, (uint32_t)first - 1), 0);
         vxs_depth_map_desc d = {.i = i, .j = j, .wide_px = 1, .high_px = 1, .voxels = &depth};
         assert_int_equal(vxs_depth_map(&l, &d, &map_is_coarse), VXS_OK);
         assert_int_equal(depth, first);
         assert_int_equal(map_is_coarse, coarse);
-        count += node.coarse;
+        count += coarse;
     }
     assert_in_range(count, 100, 20000);
     blocks_sample_free(&s);
@@ -188,7 +151,6 @@ static void test_arguments(void **state)
     (void)state;
     blocks_sample s;
     rng           r = {1};
-    vxs_node      node;
     uint32_t      out[4];
     blocks_sample_init(&s, &r, 5, 1, 1);
     vxs_baked_light l = blocks_light(s.words, 5, 0);
@@ -196,11 +158,6 @@ static void test_arguments(void **state)
     assert_int_equal(vxs_first_shadow(&l, 0, 3, 32, NULL), -1);
     assert_int_equal(vxs_first_shadow(&l, 1, 3, 3, NULL), -1);
     assert_int_equal(vxs_first_shadow(&l, -1, 3, 3, NULL), -1);
-    assert_int_equal(vxs_uniform_node(&l, 0, (int32_t[3]){32, 0, 0}, 1, &node), 0);
-    assert_int_equal(vxs_uniform_node(&l, 1, (int32_t[3]){0, 0, 0}, 1, &node), 0);
-    assert_int_equal(vxs_uniform_node(&l, 0, (int32_t[3]){0, 0, INT32_MIN}, 1, &node), 1);
-    assert_int_equal(node.state, VXS_NODE_LIT);
-    assert_int_equal(vxs_uniform_node(&l, 0, (int32_t[3]){0, 0, INT32_MAX}, 1, &node), 1);
 
     const vxs_depth_map_desc good = {.wide_px = 2, .high_px = 2, .voxels = out};
     vxs_depth_map_desc       bad[8];
