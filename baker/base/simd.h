@@ -245,18 +245,6 @@ static inline f32x4 f32x4_min(f32x4 a, f32x4 b)
 #endif
 }
 
-static inline u32x4 u32x4_load(const uint32_t *from)
-{
-    u32x4 v;
-    memcpy(&v, from, sizeof v);
-    return v;
-}
-
-static inline u32x4 u32x4_all(uint32_t value)
-{
-    return (u32x4){value, value, value, value};
-}
-
 /* Which elements of a mask are set. */
 static inline uint32_t i32x4_bits(i32x4 mask)
 {

@@ -76,7 +76,6 @@ typedef struct render_frame {
     uint64_t    surface_pixels; /* that show the scene, with all samples */
     uint64_t    asked_lights;   /* lookups of all pixels but those of lights that they face away from */
     uint32_t    longest_list;   /* lights of a tile; 0 without culling */
-    uint32_t    full_lists;     /* tiles that all lights were asked for */
     uint64_t    uploaded_bytes; /* of a stream's words; in the first frame, since the renderer was made */
     uint64_t    waiting_bytes;  /* that are there, and for the next frames to upload */
     fog_plan    fog;            /* lights of it; without fog all 0 */
@@ -138,9 +137,8 @@ vxs_result renderer_read_full(renderer *r, float *full, message *m);
 /* The place of sample (x, y) of the last frame, top row first, `depth` metres along the axis. */
 void renderer_place(const renderer *r, uint32_t x, uint32_t y, float depth, double place_ws[3]);
 
-/* The factor that direct light is shown with; and light n's colour. */
-double        renderer_exposure(const renderer *r);
-const double *renderer_light_colour(const renderer *r, uint32_t n);
+/* The factor that direct light is shown with. */
+double renderer_exposure(const renderer *r);
 
 /* Whether lists of lights are made; whether there is fog. */
 int renderer_culls(const renderer *r);

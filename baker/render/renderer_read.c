@@ -149,11 +149,6 @@ double renderer_white(const renderer *r)
     return 1 / (3.14159265358979324 * r->scale * r->exposure);
 }
 
-const double *renderer_light_colour(const renderer *r, uint32_t n)
-{
-    return r->colours[n];
-}
-
 const char *renderer_name(const renderer *r)
 {
     return r->gl->renderer;

@@ -107,15 +107,6 @@ static double extinction_at(const smoke_grid *g, const double at[3])
     return near + part[2] * (far - near);
 }
 
-double smoke_grid_extinction(const smoke_grid *g, const double ws[3])
-{
-    double at[3];
-    apply(g->grid_from_ws, ws, 1, at);
-    for (int n = 0; n < 3; n++)
-        if (!(at[n] >= -0.5 && at[n] <= g->size[n] - 0.5)) return 0;
-    return extinction_at(g, at);
-}
-
 /* rays ------------------------------------------------------------------------------------------------------------------------- */
 
 typedef struct march {

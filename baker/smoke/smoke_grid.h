@@ -31,9 +31,6 @@ int smoke_grid_place(smoke_grid *g, const double axes[3][3], const double origin
 
 void smoke_grid_fingerprint(const smoke_grid *g, char text[SMOKE_FINGERPRINT_BYTES]);
 
-/* Extinction at a place in world space. */
-double smoke_grid_extinction(const smoke_grid *g, const double ws[3]);
-
 /* The corner of the grid's box, 0 to 7, half a voxel beyond the outermost samples. */
 void smoke_grid_corner(const smoke_grid *g, int corner, double ws[3]);
 

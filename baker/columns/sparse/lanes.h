@@ -152,7 +152,7 @@ static inline double f64s_least(f64s v)
     return least;
 }
 
-/* As sparse_depth, in two steps: what is the same for all rows of texels, and the rest. */
+/* Depth of a triangle at x, y, subtexels, in two steps: what is the same for all rows of texels, and the rest. */
 static inline f64s lanes_rise(const sparse_triangle *t, f64s x)
 {
     return f64s_all(t->gx) * (x - f64s_all(t->x[0]));

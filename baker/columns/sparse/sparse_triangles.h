@@ -5,7 +5,7 @@
  * that a closed surface covers every texel exactly as often by front faces as by back faces.
  *
  * Depth is a plane through the corner that is nearest to the light, kept within the range of the corners. It is computed in one way only
- * (sparse_depth, and lanes_depth in lanes.h), and `slack` is more than it can be off, so that what is known of it in a square of texels
+ * (lanes_depth in lanes.h), and `slack` is more than it can be off, so that what is known of it in a square of texels
  * holds for computed depths and for true ones.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SPARSE_TRIANGLES_H
@@ -73,14 +73,6 @@ static inline sparse_edge sparse_edge_of(const sparse_triangle *t, int k)
 static inline int64_t sparse_edge_at(const sparse_edge *e, int64_t x, int64_t y)
 {
     return e->a * (x - e->x0) + e->b * (y - e->y0) - e->c;
-}
-
-/* x, y  subtexels */
-static inline double sparse_depth(const sparse_triangle *t, double x, double y)
-{
-    double z = t->zmin + t->gy * (y - t->y[0]) + t->gx * (x - t->x[0]);
-    z        = z > t->zmin ? z : t->zmin;
-    return z < t->zmax ? z : t->zmax;
 }
 
 /* A back face of a solid: light leaves there. */
