@@ -114,7 +114,7 @@ baker.o   := $(patsubst %,$B/%.o,$(wildcard baker/mend/*.cc baker/casters/*.cc b
 # what is compiled for several processors (baker/base/cpu.h): once more for each, with the level in the names of its functions
 ifneq ($(findstring x86_64,$(MAKE_HOST)),)
 level.c   := baker/columns/sparse/leaf.c baker/columns/sparse/square_list.c
-baker.o   += $(level.c:%=$B/%.avx2.o) $(level.c:%=$B/%.avx512.o)
+baker.o   += $(level.c:%=$B/%.avx2.o)
 endif
 # with CGAL's templates, which take 35 s to compile under sanitizers: check-asan links those of release, check-unit config=asan its own
 cgal      := $(wildcard baker/mend/*.cc baker/casters/*.cc)
@@ -242,7 +242,6 @@ $(gltf.o): $(gltf.gch)
 $(baker.o) $(library.o): cflags += $(pic)
 $(baker.o) $(library.o) $(gltf.gch): cxxflags += $(pic) $(if $(filter fuzz,$(config)),,-fno-gnu-unique)
 $B/%.c.avx2.o: cflags += -mavx2
-$B/%.c.avx512.o: cflags += -mavx512f -mavx512bw -mavx512dq -mavx512vl
 define compile
 	@echo "  cc   $<$(@:$B/$<%.o=%)"
 	$Q mkdir -p $(@D) && $(CC) $(cflags) $(CPPFLAGS) $(CFLAGS) -c $< -o $@
@@ -250,8 +249,6 @@ endef
 $B/%.c.o: %.c
 	$(compile)
 $B/%.c.avx2.o: %.c
-	$(compile)
-$B/%.c.avx512.o: %.c
 	$(compile)
 
 define compile_cxx

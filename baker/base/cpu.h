@@ -9,35 +9,27 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { CPU_SSE2, CPU_AVX2, CPU_AVX512 /* F, BW, DQ and VL */ };
+enum { CPU_SSE2, CPU_AVX2 };
 
-/* A function for one of them, and what is compiled into it. */
-#define ALWAYS_INLINE     inline __attribute__((always_inline))
-#define CPU_TARGET_AVX2   __attribute__((target("avx2")))
-#define CPU_TARGET_AVX512 __attribute__((target("avx2,avx512f,avx512bw,avx512dq,avx512vl")))
+/* A function for AVX2, and what is compiled into it. */
+#define ALWAYS_INLINE   inline __attribute__((always_inline))
+#define CPU_TARGET_AVX2 __attribute__((target("avx2")))
 
 /* What the processor has of these; CPU_SSE2 also stands for what is no x86-64. */
 static inline int cpu_level_of_machine(void)
 {
 #ifdef __x86_64__
-    if (!__builtin_cpu_supports("avx2")) return CPU_SSE2;
-    int wide = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq") &&
-               __builtin_cpu_supports("avx512vl");
-    return wide ? CPU_AVX512 : CPU_AVX2;
+    return __builtin_cpu_supports("avx2") ? CPU_AVX2 : CPU_SSE2;
 #else
     return CPU_SSE2;
 #endif
 }
 
-/* The same, or less where the environment says so, for tests: VXS_CPU=sse2, avx2 or avx512. Ask once, not in a loop. */
+/* The same, or less with VXS_CPU=sse2 in the environment, for tests. Call it once, not in a loop. */
 static inline int cpu_level(void)
 {
-    static const char *const names[] = {"sse2", "avx2", "avx512"};
-    const char              *most    = getenv("VXS_CPU");
-    int                      level   = cpu_level_of_machine();
-    for (int n = CPU_SSE2; most && n < level; n++)
-        if (!strcmp(most, names[n])) return n;
-    return level;
+    const char *most = getenv("VXS_CPU");
+    return most && !strcmp(most, "sse2") ? CPU_SSE2 : cpu_level_of_machine();
 }
 
 #endif

@@ -146,29 +146,11 @@ CPU_TARGET_AVX2 static size_t search_avx2(const pattern_class *c, const mask_nee
     return search_by(agreeing_avx2, c, needs, masks);
 }
 
-CPU_TARGET_AVX512 static ALWAYS_INLINE uint32_t agreeing_avx512(const uint64_t *dark, const uint64_t *lit, mask_need need)
-{
-    const __m512i d = _mm512_set1_epi64((long long)need.dark), l = _mm512_set1_epi64((long long)need.lit);
-    uint32_t      hits = 0;
-    for (size_t n = 0; n < 16; n += 8) {
-        __m512i is_dark = _mm512_loadu_si512(dark + n), is_lit = _mm512_loadu_si512(lit + n);
-        __m512i against = _mm512_or_si512(_mm512_and_si512(is_dark, l), _mm512_and_si512(is_lit, d));
-        hits |= (uint32_t)_mm512_testn_epi64_mask(against, against) << n;
-    }
-    return hits;
-}
-
-CPU_TARGET_AVX512 static size_t search_avx512(const pattern_class *c, const mask_need *needs, int masks)
-{
-    return search_by(agreeing_avx512, c, needs, masks);
-}
-
 #endif
 
 static size_t search(int cpu, const pattern_class *c, const mask_need *needs, int masks)
 {
 #ifdef __x86_64__
-    if (cpu == CPU_AVX512) return search_avx512(c, needs, masks);
     if (cpu == CPU_AVX2) return search_avx2(c, needs, masks);
 #endif
     (void)cpu;

@@ -88,44 +88,11 @@ CPU_TARGET_AVX2 static int pierce_avx2(intervals *s, pierce_group *groups, int m
     }
 }
 
-CPU_TARGET_AVX512 static ALWAYS_INLINE __m256i halves_avx512(__m512i v, int greatest)
-{
-    __m256i a = _mm512_castsi512_si256(v), b = _mm512_extracti64x4_epi64(v, 1);
-    return greatest ? _mm256_max_epi16(a, b) : _mm256_min_epi16(a, b);
-}
-
-/* The same 32 at a time. */
-CPU_TARGET_AVX512 static int pierce_avx512(intervals *s, pierce_group *groups, int most)
-{
-    const __m512i far  = _mm512_set1_epi16(INT16_MAX);
-    __m512i       next = far;
-    pad(s, 32);
-    for (int n = 0; n < s->count; n += 32) next = _mm512_min_epi16(next, _mm512_loadu_si512(s->high + n));
-    for (int count = 0;;) {
-        int     point = least_avx2(halves_avx512(next, 0));
-        __m512i at = _mm512_set1_epi16((int16_t)point), last_low = _mm512_setzero_si512();
-        next = far;
-        for (int n = s->count - 32; n >= 0; n -= 32) {
-            __m512i   low = _mm512_loadu_si512(s->low + n), high = _mm512_loadu_si512(s->high + n);
-            __mmask32 behind = _mm512_cmpgt_epi16_mask(low, at);
-            last_low         = _mm512_mask_max_epi16(last_low, ~behind, last_low, low);
-            next             = _mm512_mask_min_epi16(next, behind, next, high);
-            if (behind) continue;
-            s->count -= 32;
-            memcpy(s->low + n, s->low + s->count, sizeof low);
-            memcpy(s->high + n, s->high + s->count, sizeof high);
-        }
-        groups[count++] = (pierce_group){(int16_t)greatest_avx2(halves_avx512(last_low, 1)), (int16_t)point};
-        if (!s->count || count == most) return count;
-    }
-}
-
 #endif
 
 int pierce(intervals *s, pierce_group *groups, int most, int cpu)
 {
 #ifdef __x86_64__
-    if (cpu == CPU_AVX512) return pierce_avx512(s, groups, most);
     if (cpu == CPU_AVX2) return pierce_avx2(s, groups, most);
 #endif
     (void)cpu;

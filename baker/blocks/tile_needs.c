@@ -67,25 +67,11 @@ CPU_TARGET_AVX2 static uint32_t needs_avx2(const int16_t *low, const int16_t *hi
     return needs_by(behind_avx2, low, high, points, count, needs);
 }
 
-CPU_TARGET_AVX512 static ALWAYS_INLINE uint64_t behind_avx512(const int16_t codes[64], int16_t point)
-{
-    const __m512i at = _mm512_set1_epi16(point);
-    return _mm512_cmpgt_epi16_mask(_mm512_loadu_si512(codes), at) |
-           (uint64_t)_mm512_cmpgt_epi16_mask(_mm512_loadu_si512(codes + 32), at) << 32;
-}
-
-CPU_TARGET_AVX512 static uint32_t needs_avx512(const int16_t *low, const int16_t *high, const int16_t *points, int count,
-                                               mask_need *needs)
-{
-    return needs_by(behind_avx512, low, high, points, count, needs);
-}
-
 #endif
 
 uint32_t tile_needs(const int16_t low[64], const int16_t high[64], const int16_t *points, int count, mask_need *needs, int cpu)
 {
 #ifdef __x86_64__
-    if (cpu == CPU_AVX512) return needs_avx512(low, high, points, count, needs);
     if (cpu == CPU_AVX2) return needs_avx2(low, high, points, count, needs);
 #endif
     (void)cpu;

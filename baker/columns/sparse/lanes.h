@@ -15,10 +15,7 @@
 
 #include "baker/columns/sparse/sparse_triangles.h"
 
-#ifdef __AVX512DQ__
-#define AT_LEVEL(name) name##_avx512
-#define LANES          8
-#elif defined __AVX2__
+#ifdef __AVX2__
 #define AT_LEVEL(name) name##_avx2
 #define LANES          4
 #else
@@ -43,9 +40,7 @@ static inline i64s i64s_all(int64_t value)
 /* first, first + step, and so on. */
 static inline i64s i64s_ramp(int64_t first, int64_t step)
 {
-#if LANES == 8
-    return first + step * (i64s){0, 1, 2, 3, 4, 5, 6, 7};
-#elif LANES == 4
+#if LANES == 4
     return (i64s){first, first + step, first + 2 * step, first + 3 * step};
 #else
     return (i64s){first, first + step};
@@ -54,9 +49,7 @@ static inline i64s i64s_ramp(int64_t first, int64_t step)
 
 static inline f64s f64s_ramp(double first, double step)
 {
-#if LANES == 8
-    return first + step * (f64s){0, 1, 2, 3, 4, 5, 6, 7};
-#elif LANES == 4
+#if LANES == 4
     return first + step * (f64s){0, 1, 2, 3};
 #else
     return first + step * (f64s){0, 1};
@@ -78,9 +71,7 @@ static inline void f64s_store(double *to, f64s v)
 /* Which elements are negative, as bits. */
 static inline uint32_t i64s_negative(i64s v)
 {
-#ifdef __AVX512DQ__
-    return _mm512_movepi64_mask((__m512i)v);
-#elif defined __AVX2__
+#ifdef __AVX2__
     return (uint32_t)_mm256_movemask_pd((__m256d)v);
 #elif defined __SSE2__
     return (uint32_t)_mm_movemask_pd((__m128d)v);
@@ -92,9 +83,7 @@ static inline uint32_t i64s_negative(i64s v)
 /* Of numbers; what NaN gives is open. */
 static inline f64s f64s_max(f64s a, f64s b)
 {
-#ifdef __AVX512DQ__
-    return (f64s)_mm512_max_pd((__m512d)a, (__m512d)b);
-#elif defined __AVX2__
+#ifdef __AVX2__
     return (f64s)_mm256_max_pd((__m256d)a, (__m256d)b);
 #elif defined __SSE2__
     return (f64s)_mm_max_pd((__m128d)a, (__m128d)b);
@@ -105,9 +94,7 @@ static inline f64s f64s_max(f64s a, f64s b)
 
 static inline f64s f64s_min(f64s a, f64s b)
 {
-#ifdef __AVX512DQ__
-    return (f64s)_mm512_min_pd((__m512d)a, (__m512d)b);
-#elif defined __AVX2__
+#ifdef __AVX2__
     return (f64s)_mm256_min_pd((__m256d)a, (__m256d)b);
 #elif defined __SSE2__
     return (f64s)_mm_min_pd((__m128d)a, (__m128d)b);
@@ -119,8 +106,9 @@ static inline f64s f64s_min(f64s a, f64s b)
 /* a where the bits are set, else b. */
 static inline f64s f64s_select(uint32_t bits, f64s a, f64s b)
 {
-#ifdef __AVX512DQ__
-    return (f64s)_mm512_mask_blend_pd((__mmask8)bits, (__m512d)b, (__m512d)a);
+#ifdef __AVX2__
+    i64s sign = i64s_all(bits) << (i64s){63, 62, 61, 60};
+    return (f64s)_mm256_blendv_pd((__m256d)b, (__m256d)a, (__m256d)sign);
 #else
     i64s mask = {0};
     for (int n = 0; n < LANES; n++) mask[n] = -(int64_t)(bits >> n & 1);
@@ -131,11 +119,7 @@ static inline f64s f64s_select(uint32_t bits, f64s a, f64s b)
 /* a where the mask is set, else b. */
 static inline f64s f64s_choose(i64s mask, f64s a, f64s b)
 {
-#ifdef __AVX512DQ__
-    return f64s_select(i64s_negative(mask), a, b);
-#else
     return (f64s)(((i64s)a & mask) | ((i64s)b & ~mask));
-#endif
 }
 
 static inline double f64s_greatest(f64s v)

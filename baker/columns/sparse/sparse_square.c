@@ -46,11 +46,10 @@ typedef struct square_maker {
 } square_maker;
 
 #ifdef __x86_64__
-const sparse_level sparse_levels[3] = {{square_list_gather_sse2, square_list_split_sse2, leaf_columns_sse2},
-                                       {square_list_gather_avx2, square_list_split_avx2, leaf_columns_avx2},
-                                       {square_list_gather_avx512, square_list_split_avx512, leaf_columns_avx512}};
+const sparse_level sparse_levels[2] = {{square_list_gather_sse2, square_list_split_sse2, leaf_columns_sse2},
+                                       {square_list_gather_avx2, square_list_split_avx2, leaf_columns_avx2}};
 #else
-const sparse_level sparse_levels[3] = {{square_list_gather_sse2, square_list_split_sse2, leaf_columns_sse2}};
+const sparse_level sparse_levels[2] = {{square_list_gather_sse2, square_list_split_sse2, leaf_columns_sse2}};
 #endif
 
 /* what is found --------------------------------------------------------------------------------------------------------------- */

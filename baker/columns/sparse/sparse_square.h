@@ -36,7 +36,7 @@ typedef struct sparse_level {
     leaf_columns       *leaf;
 } sparse_level;
 
-extern const sparse_level sparse_levels[3];
+extern const sparse_level sparse_levels[2];
 
 /* Compute a square. Its bins are as large as it is, or the square as large as one of them or smaller.
  * q    zeroed, or cleared: what it holds serves again

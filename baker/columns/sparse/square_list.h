@@ -49,7 +49,7 @@ typedef int square_list_gather(square_list *l, const sparse_triangles *s, const 
 typedef int square_list_split(square_list quarter[4], const sparse_triangles *s, const square_list *l, texel_square square);
 
 /* For the levels of cpu.h; see lanes.h. */
-square_list_gather square_list_gather_sse2, square_list_gather_avx2, square_list_gather_avx512;
-square_list_split  square_list_split_sse2, square_list_split_avx2, square_list_split_avx512;
+square_list_gather square_list_gather_sse2, square_list_gather_avx2;
+square_list_split  square_list_split_sse2, square_list_split_avx2;
 
 #endif
