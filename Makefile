@@ -90,7 +90,7 @@ libs         = $(eval libs := $(shell $(PKG_CONFIG) --libs $(bake.pc)) $(bake.li
 # --- what is built --------------------------------------------------------------------------------------------------------
 
 # a bake by many processes; the program is there where an MPI is
-mpi.c     := $(wildcard baker/mpi/*.c)
+mpi.c     := $(wildcard baker/command/mpi/*.c)
 mpi.o     := $(mpi.c:%=$B/%.o)
 mpi       := $(if $(shell command -v $(MPICC)),$B/vxs-mpi)
 runtime.c := $(wildcard runtime/*.c formats/vxs_read*.c formats/vxs_page_decode.c formats/vxs_page_check.c formats/vxs_resident_check.c)
@@ -104,23 +104,23 @@ volumes.c := $(wildcard runtime/volumes/*.c)
 volumes.text := $(wildcard runtime/volumes/*.glsl) $(air.h) formats/vxs_depths.h formats/vxs_intervals.h
 format.c  := $(filter-out $(runtime.c),$(wildcard formats/*.c))
 library.c := $(wildcard baker/library/*.c)
-baker.c   := $(filter-out $(library.c) $(mpi.c),$(wildcard baker/*/*.c baker/*/*/*.c))
+baker.c   := $(filter-out $(library.c) $(mpi.c),$(wildcard baker/*/*.c baker/*/*/*.c scenes/*.c))
 library.o := $(library.c:%=$B/%.o)
 runtime.o := $(runtime.c:%=$B/%.o)
 gl.o      := $(gl.c:%=$B/%.o) $B/runtime/gl/texts.c.o
 volumes.o := $(volumes.c:%=$B/%.o) $B/runtime/volumes/texts.c.o
 # what takes longest to compile comes first, so that no processor waits for it in the end
-baker.o   := $(patsubst %,$B/%.o,$(wildcard baker/mend/*.cc baker/casters/*.cc baker/*/*.cc) $(baker.c) $(format.c))
+baker.o   := $(patsubst %,$B/%.o,$(wildcard baker/lab/mend/*.cc baker/casters/*.cc baker/*/*/*.cc) $(baker.c) $(format.c))
 # what is compiled for several processors (baker/base/cpu.h): once more for each, with the level in the names of its functions
 ifneq ($(findstring x86_64,$(MAKE_HOST)),)
 level.c   := baker/columns/sparse/leaf.c baker/columns/sparse/square_list.c
 baker.o   += $(level.c:%=$B/%.avx2.o)
 endif
 # with CGAL's templates, which take 35 s to compile under sanitizers: check-asan links those of release, check-unit config=asan its own
-cgal      := $(wildcard baker/mend/*.cc baker/casters/*.cc)
+cgal      := $(wildcard baker/lab/mend/*.cc baker/casters/*.cc)
 baker.o   := $(filter-out $(unsanitized:%=$B/%.o),$(baker.o)) $(unsanitized:%=build/release/%.o)
 # files that go into the command as they are; baker/base/embedded.h names their bytes
-embedded  := $(patsubst %,$B/%.o,$(wildcard baker/report/*.html baker/report/*.js baker/options/completion.* baker/render/*.glsl) $(addprefix runtime/volumes/,capsule.glsl vxs_air_light.h)) $B/baker/report/chart.min.js.o
+embedded  := $(patsubst %,$B/%.o,$(wildcard baker/lab/pages/*.html baker/lab/pages/*.js baker/command/options/completion.* baker/lab/render/*.glsl) $(addprefix runtime/volumes/,capsule.glsl vxs_air_light.h)) $B/baker/lab/pages/chart.min.js.o
 baker.o   += $(embedded)
 # what check-asan leaves to `make check-unit config=asan`: programs that read no bytes of files, take 4 s or more there to draw (llvmpipe's code,
 # mostly), to trace rays or to bake, and call functions that others call, too; but for compare, generate, and one function that volumes calls
@@ -148,7 +148,7 @@ fuzz      := $(addprefix $B/,$(basename $(fuzz.c)))
 fuzz.vxs  := tests/fuzz/fuzz_vxs.c tests/fuzz/fuzz_answers.c tests/fuzz/fuzz_shaders.c
 fuzz.loop  = $(if $(filter fuzz,$(config)),$(if $(filter $(fuzz.vxs),$1),tests/fuzz/mutate_vxs.c,$(wildcard $(1:tests/fuzz/fuzz_%=tests/fuzz/mutate_%))),tests/fuzz/replay.c)
 test.o    := $(patsubst $B/%,$B/%.c.o,$(unit) $(helper)) $(patsubst %,$B/%.o,$(fuzz.c) $(foreach f,$(fuzz.c),$(call fuzz.loop,$f))) $(exact.o) $(rival.o) $(volumes_bench.o) $(reference.o) $B/tests/unit/blocks_scalar.c.o $B/tests/unit/lookup_many_scalar.c.o
-objects    = $(if $(mpi),$(mpi.o),$B/baker/mpi/desk.c.o) $B/baker/main.c.o $(baker.o) $(library.o) $(runtime.o) $(gl.o) $(volumes.o) $(pic.o) $(gl.pic.o) $(volumes.pic.o) $(test.o)
+objects    = $(if $(mpi),$(mpi.o),$B/baker/command/mpi/desk.c.o) $B/baker/main.c.o $(baker.o) $(library.o) $(runtime.o) $(gl.o) $(volumes.o) $(pic.o) $(gl.pic.o) $(volumes.pic.o) $(test.o)
 
 .DELETE_ON_ERROR:
 .PHONY: all unit fuzz fuzzers fuzz-commands demo check check-fast check-unit check-asan check-repeats check-exact check-memory check-faults check-sparse check-cracks check-sanitizers bench bench-bias bench-flight bench-large bench-lights bench-volumes bench-smoke packages format clean
@@ -174,7 +174,7 @@ $(reference): $(reference.o)
 $(reference): test_libs += -lgsl -lgslcblas
 $B/tests/unit/test_lookup_blocks $B/tests/unit/test_gl: $B/tests/unit/blocks_scalar.c.o
 $B/tests/unit/test_lookup_many $B/tests/unit/test_gl: $B/tests/unit/lookup_many_scalar.c.o
-$B/tests/unit/test_desk: $B/baker/mpi/desk.c.o
+$B/tests/unit/test_desk: $B/baker/command/mpi/desk.c.o
 # what they test is optimised as it is delivered; they themselves take longer to compile than to run
 $(patsubst %,$B/%.o,$(wildcard tests/unit/*.c)): cflags += $(if $(filter release,$(config)),-O1)
 $B/tests/exact/exact: $(exact.o)
@@ -225,16 +225,16 @@ $B/runtime/gl/texts.c $B/runtime/volumes/texts.c: $B/runtime/%/texts.c: Makefile
 $B/runtime/%/texts.c.o: $B/runtime/%/texts.c
 	$(compile)
 
-$(patsubst %,$B/%.o,$(wildcard baker/casters/*.cc baker/mend/*.cc)): cxxflags += -frounding-math $(if $(filter fuzz,$(config)),,-Wno-maybe-uninitialized) # the first for its exact predicates, the second is wrong about it
+$(patsubst %,$B/%.o,$(wildcard baker/casters/*.cc baker/lab/mend/*.cc)): cxxflags += -frounding-math $(if $(filter fuzz,$(config)),,-Wno-maybe-uninitialized) # the first for its exact predicates, the second is wrong about it
 # CGAL is templates, for which a compiler takes long: not optimised under sanitizers. Its filling of holes is without triangulations in a plane,
 # which are off unless asked for, and with the sanitizer of addresses alone; so is tinygltf, which one file has in it
-$(patsubst %,$B/%.o,$(wildcard baker/casters/*.cc baker/mend/*.cc)): cxxflags += $(if $(filter asan,$(config)),-O0)
-$B/baker/mend/mesh_hole.cc.o: cxxflags += -DCGAL_HOLE_FILLING_DO_NOT_USE_CDT2
-$B/baker/mend/mesh_hole.cc.o $B/baker/gltf/gltf_parse.cc.o: cxxflags += $(if $(filter asan,$(config)),-O0 -fno-sanitize=undefined)
+$(patsubst %,$B/%.o,$(wildcard baker/casters/*.cc baker/lab/mend/*.cc)): cxxflags += $(if $(filter asan,$(config)),-O0)
+$B/baker/lab/mend/mesh_hole.cc.o: cxxflags += -DCGAL_HOLE_FILLING_DO_NOT_USE_CDT2
+$B/baker/lab/mend/mesh_hole.cc.o $B/baker/scene/gltf/gltf_parse.cc.o: cxxflags += $(if $(filter asan,$(config)),-O0 -fno-sanitize=undefined)
 
 # most of what a file of the loader takes to compile is these headers, which are read once; each includes them first (gcc's rule)
-gltf.o   := $(patsubst %,$B/%.o,$(filter-out %/gltf_parse.cc,$(wildcard baker/gltf/*.cc)))
-gltf.gch := $B/baker/gltf/gltf_loader.h.gch
+gltf.o   := $(patsubst %,$B/%.o,$(filter-out %/gltf_parse.cc,$(wildcard baker/scene/gltf/*.cc)))
+gltf.gch := $B/baker/scene/gltf/gltf_loader.h.gch
 $(gltf.o): cxxflags += -iquote $B
 $(gltf.o): $(gltf.gch)
 
@@ -261,7 +261,7 @@ $(gltf.gch): $B/%.gch: %
 	$(call compile_cxx,-x c++-header)
 
 $(filter-out %/chart.min.js.o,$(embedded)) $(shader): $B/%.o: %
-$B/baker/report/chart.min.js.o: $(CHART_JS)
+$B/baker/lab/pages/chart.min.js.o: $(CHART_JS)
 $(embedded) $(shader):
 	@echo "  data $<"
 	$Q mkdir -p $(@D) && cd $(<D) && $(LD) -r -b binary -z noexecstack -o $(abspath $@) $(<F)
@@ -356,7 +356,7 @@ bench-smoke: only := smoke
 # --- other goals -----------------------------------------------------------------------------------------------------------
 
 format:
-	clang-format -i $(wildcard $(foreach d,baker baker/* baker/*/* formats runtime tests/*,$d/*.c $d/*.cc $d/*.h))
+	clang-format -i $(wildcard $(foreach d,baker baker/* baker/*/* scenes formats runtime tests/*,$d/*.c $d/*.cc $d/*.h))
 
 clean:
 	$(RM) -r build

@@ -7,9 +7,9 @@
 #include "baker/base/nearest.h"
 #include "baker/base/version.h"
 #include "baker/command/commands.h"
-#include "baker/options/help.h"
-#include "baker/options/options.h"
-#include "baker/process/process.h"
+#include "baker/command/options/help.h"
+#include "baker/command/options/options.h"
+#include "baker/command/process/process.h"
 
 static const struct {
     const char *name;

@@ -18,7 +18,7 @@
 #include "baker/base/memory.h"
 #include "baker/files/output_file.h"
 #include "baker/files/run_files.h"
-#include "baker/measure/clock.h"
+#include "baker/base/clock.h"
 #include "baker/scene/light_warnings.h"
 
 /* Who drew the maps, where nobody did. */

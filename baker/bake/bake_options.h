@@ -7,11 +7,11 @@
 
 #include "baker/base/text.h"
 #include "baker/casters/casters.h"
-#include "baker/columns/opengl/exit_depth.h"
-#include "baker/columns/opengl/opengl_columns.h"
-#include "baker/dag/build.h"
-#include "baker/kept/square_exchange.h"
-#include "baker/measure/watch.h"
+#include "baker/lab/opengl/exit_depth.h"
+#include "baker/lab/opengl/opengl_columns.h"
+#include "baker/coding/dag/build.h"
+#include "baker/bake/cache/square_exchange.h"
+#include "baker/base/watch.h"
 #include "baker/smoke/smoke_map.h"
 
 enum { RESOLUTION_MIN_PX = 8, RESOLUTION_MAX_PX = 262144 };

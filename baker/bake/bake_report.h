@@ -6,7 +6,7 @@
 #include "baker/bake/blocks_coder.h"
 #include "baker/bake/light_picture.h"
 #include "baker/bake/plan.h"
-#include "baker/measure/context.h"
+#include "baker/base/context.h"
 #include "baker/smoke/smoke_bake.h"
 
 /* A part of a light, and what it takes in the file. */

@@ -4,7 +4,7 @@
 #define BAKE_SCENE_H
 
 #include "baker/bake/bake_options.h"
-#include "baker/measure/context.h"
+#include "baker/base/context.h"
 #include "baker/scene/fingerprint.h"
 #include "baker/smoke/smoke_grid.h"
 

@@ -4,8 +4,8 @@
 
 #include <stdlib.h>
 
-#include "baker/blocks/block_build.h"
-#include "baker/blocks/block_words.h"
+#include "baker/coding/blocks/block_build.h"
+#include "baker/coding/blocks/block_words.h"
 
 static vxs_result begin(void *data, const vxs_light *light)
 {

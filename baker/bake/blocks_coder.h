@@ -1,11 +1,11 @@
-/* A light's maps as palette blocks: baker/blocks/ behind the seam of light_coder.h.
+/* A light's maps as palette blocks: baker/coding/blocks/ behind the seam of light_coder.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef BLOCKS_CODER_H
 #define BLOCKS_CODER_H
 
 #include "baker/bake/light_coder.h"
-#include "baker/blocks/blocks.h"
-#include "baker/dag/build.h"
+#include "baker/coding/blocks/blocks.h"
+#include "baker/coding/dag/build.h"
 
 /* What the words of a light hold: equal ones are one in their page. */
 typedef struct palette_counts {

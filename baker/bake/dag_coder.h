@@ -1,4 +1,4 @@
-/* A light's maps as a DAG: baker/dag/ behind the seam of light_coder.h.
+/* A light's maps as a DAG: baker/coding/dag/ behind the seam of light_coder.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DAG_CODER_H
 #define DAG_CODER_H

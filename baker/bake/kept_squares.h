@@ -10,8 +10,8 @@
 #include "baker/bake/bake_report.h"
 #include "baker/bake/part_common.h"
 #include "baker/columns/square_keeper.h"
-#include "baker/kept/part_file.h"
-#include "baker/kept/square_store.h"
+#include "baker/bake/cache/part_file.h"
+#include "baker/bake/cache/square_store.h"
 
 /* Of a bake. Zero it. */
 typedef struct kept_squares {

@@ -11,7 +11,7 @@
 #include "baker/bake/chosen_coder.h"
 #include "baker/bake/kept_squares.h"
 #include "baker/files/input_file.h"
-#include "baker/measure/clock.h"
+#include "baker/base/clock.h"
 
 /* All parts of a bake. */
 typedef struct part_set {

@@ -11,7 +11,7 @@
 #include "baker/base/memory.h"
 #include "baker/base/text.h"
 #include "baker/light/light_fit.h"
-#include "baker/measure/clock.h"
+#include "baker/base/clock.h"
 
 const char REACHES_NOTHING[] = "reaches no caster";
 

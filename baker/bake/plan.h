@@ -10,7 +10,7 @@
 #include "baker/bake/bake_options.h"
 #include "baker/bake/map_sample.h"
 #include "baker/light/reach.h"
-#include "baker/measure/context.h"
+#include "baker/base/context.h"
 #include "baker/scene/light_choice.h"
 
 enum { PLAN_SAVINGS_MAX = 3 };

@@ -10,7 +10,7 @@
 
 #include "baker/bake/plan.h"
 #include "baker/columns/descent.h"
-#include "baker/columns/opengl/depth_block.h"
+#include "baker/lab/opengl/depth_block.h"
 #include "baker/columns/sparse/sparse_columns.h"
 
 /* counts ---------------------------------------------------------------------------------------------------------------------- */

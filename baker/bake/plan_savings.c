@@ -8,7 +8,7 @@
 
 #include "baker/bake/plan.h"
 #include "baker/base/vec3.h"
-#include "baker/measure/clock.h"
+#include "baker/base/clock.h"
 
 /* Less is not worth a question; of --closed on, which asks more of the scene, much less. */
 static const double LEAST_SHARE_SAVED = 0.1, LEAST_SHARE_CLOSED = 0.2;

@@ -11,7 +11,7 @@
 #include "baker/base/z_order.h"
 #include "baker/columns/square_keeper.h"
 #include "baker/columns/square_record.h"
-#include "baker/measure/clock.h"
+#include "baker/base/clock.h"
 
 /* What becomes of a square that waits. */
 typedef enum waiting_kind {

@@ -3,14 +3,14 @@
 #include <stdio.h>
 
 #include "baker/command/commands.h"
-#include "baker/measure/progress.h"
-#include "baker/options/bake_arguments.h"
-#include "baker/process/process.h"
-#include "baker/report/bake_page.h"
-#include "baker/report/part_report.h"
-#include "baker/report/report.h"
-#include "baker/report/summary.h"
-#include "baker/report/unchanged.h"
+#include "baker/base/progress.h"
+#include "baker/command/options/bake_arguments.h"
+#include "baker/command/process/process.h"
+#include "baker/lab/pages/bake_page.h"
+#include "baker/command/report/part_report.h"
+#include "baker/command/report/report.h"
+#include "baker/command/report/summary.h"
+#include "baker/command/report/unchanged.h"
 
 static vxs_result write_reports(const bake_arguments *a, const bake_page *page, const bake_report *report, message *m)
 {

@@ -11,8 +11,8 @@
 #include "baker/command/provenance_text.h"
 #include "baker/files/input_file.h"
 #include "baker/files/json_file.h"
-#include "baker/options/options.h"
-#include "baker/report/report.h"
+#include "baker/command/options/options.h"
+#include "baker/command/report/report.h"
 
 /* What a section holds: parts of its light, most of them one, or its smoke; points; of others the kind is all that there is to say.
  * parts  [VXS_LEVELS_MAX] [out]

@@ -8,9 +8,9 @@
 #include "baker/base/version.h"
 #include "baker/command/commands.h"
 #include "baker/files/json_file.h"
-#include "baker/measure/progress.h"
-#include "baker/options/options.h"
-#include "baker/process/process.h"
+#include "baker/base/progress.h"
+#include "baker/command/options/options.h"
+#include "baker/command/process/process.h"
 
 typedef struct merge_command {
     merge_options o;

@@ -3,10 +3,10 @@
 #include <stdio.h>
 
 #include "baker/command/commands.h"
-#include "baker/options/bake_arguments.h"
-#include "baker/report/plan_text.h"
-#include "baker/report/summary.h"
-#include "baker/report/unchanged.h"
+#include "baker/command/options/bake_arguments.h"
+#include "baker/command/report/plan_text.h"
+#include "baker/command/report/summary.h"
+#include "baker/command/report/unchanged.h"
 
 static vxs_result run(void *command, message *m)
 {

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "baker/base/text.h"
-#include "baker/options/bake_arguments.h"
+#include "baker/command/options/bake_arguments.h"
 
 /* A string of a file, fit to print: there it may have any length. */
 static void print_string(FILE *to, const json_t *string)

@@ -8,7 +8,7 @@
 
 #include "baker/bake/bake.h"
 #include "baker/library/array_scene.h"
-#include "baker/measure/clock.h"
+#include "baker/base/clock.h"
 #include "runtime/vxs.h"
 
 /* telling --------------------------------------------------------------------------------------------------------------------- */

@@ -11,7 +11,7 @@
 
 #include "baker/bake/bake.h"
 #include "baker/library/bake_run.h"
-#include "baker/measure/clock.h"
+#include "baker/base/clock.h"
 
 void vxs_bake_bytes_free(vxs_bake_bytes *bytes)
 {

@@ -6,7 +6,7 @@
 #ifndef SMOKE_MAP_H
 #define SMOKE_MAP_H
 
-#include "baker/measure/context.h"
+#include "baker/base/context.h"
 #include "baker/smoke/smoke_capsules.h"
 #include "baker/smoke/smoke_grid.h"
 #include "formats/vxs_file.h"

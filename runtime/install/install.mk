@@ -78,7 +78,7 @@ $B/libvxs_bake.map: baker/vxs_bake.h
 
 # when the sources changed last, in seconds: what is made of the same sources is the same
 epoch       = $(or $(SOURCE_DATE_EPOCH),$(shell git log -1 --format=%ct 2>/dev/null),$(shell stat -c %Y runtime/vxs.h))
-man.1      := $B/man/vxs.1 $(patsubst baker/command/cmd_%.c,$B/man/vxs-%.1,$(wildcard baker/command/cmd_*.c))
+man.1      := $B/man/vxs.1 $(patsubst cmd_%.c,$B/man/vxs-%.1,$(notdir $(wildcard baker/*/cmd_*.c baker/*/*/cmd_*.c)))
 completion := $(addprefix $B/completion/vxs.,bash zsh fish)
 
 .PHONY: man

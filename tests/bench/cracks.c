@@ -14,7 +14,7 @@
 #include <stdlib.h>
 
 #include "baker/base/parallel.h"
-#include "baker/options/options.h"
+#include "baker/command/options/options.h"
 #include "tests/columns/panels.h"
 
 static const double gaps_m[] = {0, 1e-7, 3e-7, 1e-6, 3e-6, 1e-5};

@@ -14,9 +14,9 @@
 #include "baker/base/random.h"
 #include "baker/base/vec3.h"
 #include "baker/files/json_file.h"
-#include "baker/measure/clock.h"
-#include "baker/measure/spread.h"
-#include "baker/options/options.h"
+#include "baker/base/clock.h"
+#include "baker/base/spread.h"
+#include "baker/command/options/options.h"
 #include "runtime/vxs_query.h"
 
 enum { SIDE_PX = 32, ABOVE_M = 2, WAYS = 3, RUNS_MAX = 99 };

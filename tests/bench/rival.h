@@ -10,7 +10,7 @@
 
 #include "baker/bake/bake.h"
 #include "baker/bake/plan.h"
-#include "baker/truth/truth.h"
+#include "baker/lab/truth/truth.h"
 #include "formats/vxs_file.h"
 #include "formats/vxs_format.h"
 

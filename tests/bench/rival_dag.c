@@ -6,7 +6,7 @@
 #include "formats/vxs_space.h" /* before dag.h: vxs_lookup.h calls a light's words `dag` */
 #include "runtime/vxs.h"
 
-#include "baker/dag/build.h"
+#include "baker/coding/dag/build.h"
 #include "tests/bench/rival.h"
 
 typedef struct dag_options {

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/measure/clock.h"
+#include "baker/base/clock.h"
 #include "tests/bench/rival.h"
 
 static vxs_result render(light_maps *out, const bake_options *o, message *m)

@@ -3,8 +3,8 @@
 #ifndef RIVAL_MEASURE_H
 #define RIVAL_MEASURE_H
 
-#include "baker/measure/spread.h"
-#include "baker/options/camera_choice.h"
+#include "baker/base/spread.h"
+#include "baker/lab/command/camera_choice.h"
 #include "tests/bench/rival.h"
 
 /* Where lookups are asked for: anywhere in the map's volume, where most walks end early; within a voxel of where vxs turns from

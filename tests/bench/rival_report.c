@@ -8,7 +8,7 @@
 
 #include "baker/base/version.h"
 #include "baker/files/json_file.h"
-#include "baker/measure/machine.h"
+#include "baker/lab/bench/machine.h"
 
 /* figures ---------------------------------------------------------------------------------------------------------------------- */
 

@@ -3,7 +3,7 @@
 #ifndef RIVAL_SCREEN_H
 #define RIVAL_SCREEN_H
 
-#include "baker/truth/camera.h"
+#include "baker/lab/truth/camera.h"
 #include "tests/bench/rival.h"
 
 typedef struct screen {

@@ -3,7 +3,7 @@
  * Voxels go to a buffer, a compute shader counts what is dark about each of them, and the counts come back, which takes 6 to 9 ns a lookup
  * and is part of the times. Neighbours in the list are neighbours in a shader's group. A filter has 9 x 9 taps, a smooth one weighs 10 x 10.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/opengl/gl.h"
+#include "baker/lab/opengl/gl.h"
 
 #include <GL/osmesa.h>
 #include <stdlib.h>

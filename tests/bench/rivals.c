@@ -16,8 +16,8 @@
 #include "baker/base/parallel.h"
 #include "baker/files/json_file.h"
 #include "baker/files/run_files.h"
-#include "baker/options/options.h"
-#include "baker/process/process.h"
+#include "baker/command/options/options.h"
+#include "baker/command/process/process.h"
 #include "tests/bench/rival_report.h"
 
 typedef enum fault { FAULT_NONE, FAULT_DEPTH, FAULT_FILTER } fault;

@@ -11,8 +11,8 @@
 
 #include "baker/base/parallel.h"
 #include "baker/files/json_value.h"
-#include "baker/opengl/gl.h"
-#include "baker/options/options.h"
+#include "baker/lab/opengl/gl.h"
+#include "baker/command/options/options.h"
 #include "baker/vxs_bake.h"
 #include "runtime/volumes/transmittance_map.h"
 #include "tests/bench/volumes_bench.h"

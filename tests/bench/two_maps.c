@@ -11,11 +11,11 @@
 
 #include "baker/base/parallel.h"
 #include "baker/base/random.h"
-#include "baker/columns/opengl/depth_gl.h"
-#include "baker/columns/opengl/opengl_columns.h"
+#include "baker/lab/opengl/depth_gl.h"
+#include "baker/lab/opengl/opengl_columns.h"
 #include "baker/light/light_fit.h"
-#include "baker/measure/clock.h"
-#include "baker/options/options.h"
+#include "baker/base/clock.h"
+#include "baker/command/options/options.h"
 #include "baker/scene/light_choice.h"
 
 typedef struct two_maps_options {

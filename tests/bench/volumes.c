@@ -11,7 +11,7 @@
 #include <string.h>
 
 #include "baker/base/parallel.h"
-#include "baker/options/options.h"
+#include "baker/command/options/options.h"
 #include "tests/bench/volumes_bench.h"
 
 static vxs_result load(bench *b, message *m)

@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <time.h>
 
-#include "baker/measure/clock.h"
-#include "baker/opengl/gl.h"
+#include "baker/base/clock.h"
+#include "baker/lab/opengl/gl.h"
 
 enum { SLOW_ROUNDS = 3 };
 

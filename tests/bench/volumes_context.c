@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "baker/opengl/gl.h"
+#include "baker/lab/opengl/gl.h"
 #include "tests/bench/volumes_bench.h"
 
 static vxs_gl_function lookup(const char *name, void *user)

@@ -8,8 +8,8 @@
 #include "baker/base/version.h"
 #include "baker/files/json_file.h"
 #include "baker/files/json_value.h"
-#include "baker/measure/machine.h"
-#include "baker/opengl/gl.h"
+#include "baker/lab/bench/machine.h"
+#include "baker/lab/opengl/gl.h"
 
 static int is_front(const cell *c)
 {

@@ -6,7 +6,7 @@
 
 #include "baker/base/box.h"
 #include "baker/base/vec3.h"
-#include "baker/truth/baked_light.h"
+#include "baker/light/baked_light.h"
 
 static sphere sphere_in(const box *b)
 {

@@ -8,9 +8,9 @@
 
 #include "baker/base/parallel.h"
 #include "baker/files/json_value.h"
-#include "baker/opengl/gl.h"
-#include "baker/picture/fog.h"
-#include "baker/truth/baked_light.h"
+#include "baker/lab/opengl/gl.h"
+#include "baker/lab/picture/fog.h"
+#include "baker/light/baked_light.h"
 #include "tests/volumes/sphere_fog.h"
 
 #define NEAR_METRES 0.01

@@ -16,7 +16,7 @@ def rules():
 
 def product_files():
     """File: the product's files that it includes, all by their paths."""
-    files = [p for folder in ("baker", "formats", "runtime") for p in (ROOT / folder).rglob("*") if p.suffix in (".c", ".cc", ".h")]
+    files = [p for folder in ("baker", "formats", "runtime", "scenes") for p in (ROOT / folder).rglob("*") if p.suffix in (".c", ".cc", ".h")]
     quoted = re.compile(r'^ *# *include "([^"]+)"', re.M)
 
     def path_of(used, beside):

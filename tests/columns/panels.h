@@ -15,7 +15,7 @@
 #include <string.h>
 
 #include "baker/base/box.h"
-#include "baker/columns/opengl/opengl_columns.h"
+#include "baker/lab/opengl/opengl_columns.h"
 #include "baker/columns/sparse/sparse_columns.h"
 #include "baker/columns/sparse/sparse_triangles.h"
 #include "baker/light/light_fit.h"

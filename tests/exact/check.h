@@ -5,7 +5,7 @@
 
 #include <stdint.h>
 
-#include "baker/columns/opengl/depth_gl.h"
+#include "baker/lab/opengl/depth_gl.h"
 
 typedef struct tally {
     uint64_t columns, voxels, wrong_lit, wrong_shadow;

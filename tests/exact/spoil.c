@@ -3,7 +3,7 @@
 #include "tests/exact/spoil.h"
 
 #include "baker/base/random.h"
-#include "baker/dag/build.h"
+#include "baker/coding/dag/build.h"
 
 static void spoil_depth(depth_maps *maps, rng *random)
 {

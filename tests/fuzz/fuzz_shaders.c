@@ -3,7 +3,7 @@
  * of points, for the voxel that floats lead to; lit intervals but where rounding of floats may lead to another voxel. Of each light they have all of
  * the words, and those without pages. Nothing is asked where there is no OSMesa.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/opengl/gl.h"
+#include "baker/lab/opengl/gl.h"
 
 #include <GL/osmesa.h>
 #include <string.h>

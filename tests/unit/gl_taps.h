@@ -1,4 +1,4 @@
-/* Questions to the words of lights, texel by texel: what shaders of libvxs_gl answer, and C. Included behind cmocka.h, with baker/opengl/gl.h
+/* Questions to the words of lights, texel by texel: what shaders of libvxs_gl answer, and C. Included behind cmocka.h, with baker/lab/opengl/gl.h
  * first of all.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef GL_TAPS_H

@@ -1,6 +1,6 @@
 /* Airlight of runtime/volumes/vxs_air.h against adaptive quadrature in double (tests/volumes/airlight.h), in C and in a shader.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/opengl/gl.h"
+#include "baker/lab/opengl/gl.h"
 
 #include "repeats.h"
 /* last, because cmocka's macro fail() would hide the function of message.h; it wants the four above it */

@@ -1,7 +1,7 @@
 /* A panel over a bare floor, and over one of which a plate hides half: what area lights send to surfaces, against the closed form of a polygon [Lambert 1760], and
  * to the air, against an integral over the panel and the eye ray, from many eyes, on floors of 8 to 200 metres, in each way to gather.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/opengl/gl.h"
+#include "baker/lab/opengl/gl.h"
 
 #include <math.h>
 #include <stdlib.h>

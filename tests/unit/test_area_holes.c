@@ -1,7 +1,7 @@
 /* Imperfect shadow maps of libvxs_volumes on llvmpipe, texel by texel against exact depths: light that leaks through gaps between points, and shadows where there
  * are none, of a wall on a floor, and of one with slits, from few points and many, of one lamp and many.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/opengl/gl.h"
+#include "baker/lab/opengl/gl.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* Area lights of libvxs_volumes on llvmpipe: one lamp against a plain grid, grids apart from each other, points and filters, what shaders gather against double;
  * error by the number of lamps, surfaces and light behind walls against exact visibility; the context's state, misuse, and no number that is none.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/opengl/gl.h"
+#include "baker/lab/opengl/gl.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* Area lights that are far away: lamps of a sky by luminance and direction, against sums over all of it; their airlight and their light on surfaces against exact
  * visibility.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/opengl/gl.h"
+#include "baker/lab/opengl/gl.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* Smoke between the lamps of an area light and what they light, on llvmpipe, against each lamp's own rays through the same capsules in double: surfaces, air, lamps that are far
  * away; what is not asked again, misuse, and no number that is none.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/opengl/gl.h"
+#include "baker/lab/opengl/gl.h"
 
 #include <math.h>
 #include <stdlib.h>

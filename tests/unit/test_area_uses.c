@@ -1,6 +1,6 @@
 /* Area lights as engines use them: an origin that follows a camera, a picture that moves, lamps with baked shadows; and the extremes of all their numbers.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/opengl/gl.h"
+#include "baker/lab/opengl/gl.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-/* Palette blocks from columns (baker/blocks/): every column of random maps against the contract, deep maps of 262144 texels, formulas, the
+/* Palette blocks from columns (baker/coding/blocks/): every column of random maps against the contract, deep maps of 262144 texels, formulas, the
  * same words at any number of threads and any size of fetched squares, pages, and failing calls.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <setjmp.h>
@@ -14,13 +14,13 @@
 #include "baker/base/cpu.h"
 #include "baker/base/random.h" /* before cmocka, whose fail() is a macro */
 #include "baker/base/simd.h"
-#include "baker/blocks/block_build.h"
-#include "baker/blocks/block_pack.h"
-#include "baker/blocks/block_words.h"
-#include "baker/blocks/depth_axis.h"
-#include "baker/blocks/pattern_code.h"
-#include "baker/blocks/pierce.h"
-#include "baker/blocks/tile_needs.h"
+#include "baker/coding/blocks/block_build.h"
+#include "baker/coding/blocks/block_pack.h"
+#include "baker/coding/blocks/block_words.h"
+#include "baker/coding/blocks/depth_axis.h"
+#include "baker/coding/blocks/pattern_code.h"
+#include "baker/coding/blocks/pierce.h"
+#include "baker/coding/blocks/tile_needs.h"
 #include "tests/columns/analytic.h"
 
 #include <cmocka.h>

@@ -1,4 +1,4 @@
-/* Whole maps from columns, against formulas (baker/dag/build.h, merge.h): every voxel of small maps, columns of maps of 262144 texels, the
+/* Whole maps from columns, against formulas (baker/coding/dag/build.h, merge.h): every voxel of small maps, columns of maps of 262144 texels, the
  * work that is done for them, merging, and errors of every call.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <setjmp.h>
@@ -12,7 +12,7 @@
 #include "runtime/vxs.h"
 
 #include "baker/base/random.h" /* before cmocka, whose fail() is a macro */
-#include "baker/dag/build.h"
+#include "baker/coding/dag/build.h"
 #include "tests/columns/analytic.h"
 #include "tests/unit/repeats.h"
 

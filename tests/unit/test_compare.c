@@ -11,9 +11,9 @@
 #include <string.h>
 
 #include "baker/base/vec3.h"
-#include "baker/compare/compare.h"
-#include "baker/compare/light_volume.h"
-#include "baker/truth/baked_light.h"
+#include "baker/lab/compare/compare.h"
+#include "baker/lab/compare/light_volume.h"
+#include "baker/light/baked_light.h"
 #include "runtime/vxs.h"
 
 /* last, because cmocka's macro fail() would hide the function of message.h; it wants the four above it */

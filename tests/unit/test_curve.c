@@ -1,7 +1,7 @@
 /* Transmittance curves of runtime/volumes/vxs_curve.h against the product of what each segment lets through, in double, and in a shader against C in
  * float, to the bit but for exponentials.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/opengl/gl.h"
+#include "baker/lab/opengl/gl.h"
 
 #include <math.h>
 #include <stdio.h>

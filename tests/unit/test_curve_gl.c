@@ -1,7 +1,7 @@
 /* Transmittance curves of runtime/volumes/vxs_curve.h in a shader on llvmpipe against the same text in C in float: nodes, and what lies between them, to
  * 1e-6.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/opengl/gl.h"
+#include "baker/lab/opengl/gl.h"
 
 #include <math.h>
 #include <string.h>

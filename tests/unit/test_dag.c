@@ -1,5 +1,5 @@
 /* Insertion, compression and merge of DAGs: expanded back to voxels against the columns, counted against brute force
- * (baker/dag/dag.h). SPDX-License-Identifier: GPL-3.0-or-later */
+ * (baker/coding/dag/dag.h). SPDX-License-Identifier: GPL-3.0-or-later */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -11,7 +11,7 @@
 
 #include "baker/bake/bake.h" /* before cmocka, whose fail() is a macro */
 #include "baker/base/ref_table.h"
-#include "baker/generate/generate.h"
+#include "scenes/generate.h"
 
 #include <cmocka.h>
 

@@ -1,5 +1,5 @@
 /* Rendered enter and exit depths against a brute-force reference in double: every triangle through every texel centre,
- * sorted and counted (baker/columns/opengl/depth_gl.h; what e and x are stands in depth_gl.c).
+ * sorted and counted (baker/lab/opengl/depth_gl.h; what e and x are stands in depth_gl.c).
  *
  * The scenes are written in the light's space, u and v in texels and z in voxels, so that the light's matrix is the
  * identity. Rasterizers snap vertices to 1/256 texel and interpolate in float: texels whose centre is within 1/128 of an
@@ -16,7 +16,7 @@
 
 #include "baker/base/random.h"
 #include "baker/base/vec3.h"
-#include "baker/columns/opengl/opengl_columns.h" /* before cmocka, whose fail() is a macro */
+#include "baker/lab/opengl/opengl_columns.h" /* before cmocka, whose fail() is a macro */
 #include "baker/light/light_fit.h"
 #include "runtime/vxs.h"
 

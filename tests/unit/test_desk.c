@@ -7,7 +7,7 @@
 #include <stdio.h>
 
 #include "baker/base/random.h"
-#include "baker/mpi/desk.h"
+#include "baker/command/mpi/desk.h"
 
 #include <cmocka.h>
 

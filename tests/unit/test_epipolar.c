@@ -1,6 +1,6 @@
 /* Epipolar space of runtime/volumes/vxs_epipolar.h: places to angles and back, in C and in a shader, and the angles that a view can see.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/opengl/gl.h"
+#include "baker/lab/opengl/gl.h"
 
 #include <math.h>
 #include <stdio.h>

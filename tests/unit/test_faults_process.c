@@ -1,6 +1,6 @@
 /* What a run expects of the system: standard streams that are closed stay closed, whatever is opened later.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/process/process.h"
+#include "baker/command/process/process.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -1,9 +1,9 @@
-/* Fog in the light of baked lights (baker/picture/fog.h) against many single lookups along each ray.
+/* Fog in the light of baked lights (baker/lab/picture/fog.h) against many single lookups along each ray.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 
-#include "baker/picture/fog.h"
-#include "baker/truth/baked_light.h"
+#include "baker/lab/picture/fog.h"
+#include "baker/light/baked_light.h"
 #include "query_lights.h"
 #include "random_lamp.h"
 #include "runtime/vxs.h"

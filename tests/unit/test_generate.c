@@ -1,8 +1,8 @@
 /* Procedural scenes: what scenes/README.md promises of them, looked up in the arrays themselves.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/base/random.h"
-#include "baker/generate/generate.h"
-#include "baker/generate/generate_parts.h"
+#include "scenes/generate.h"
+#include "scenes/generate_parts.h"
 #include "tests/unit/repeats.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 /* libvxs_gl on llvmpipe: the same answers as in C from a buffer and from a texture in every dialect, uploads in slices, what it makes and
  * what it leaves of the context's state, damaged words, and lists of lights held against every light at every pixel.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/opengl/gl.h"
+#include "baker/lab/opengl/gl.h"
 
 #include <math.h>
 #include <stdio.h>

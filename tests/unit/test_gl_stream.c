@@ -1,6 +1,6 @@
 /* libvxs_gl and a stream: what shaders answer while pages come and leave, and are uploaded in slices.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/opengl/gl.h"
+#include "baker/lab/opengl/gl.h"
 
 #include <math.h>
 

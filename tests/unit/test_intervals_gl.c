@@ -1,7 +1,7 @@
 /* Exact lit intervals on a graphics processor, on llvmpipe, against those in double: whole pictures in fog, and the intervals of any rays in
  * any light, with words that are missing or damaged.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/opengl/gl.h"
+#include "baker/lab/opengl/gl.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /* Visibility masks of tiles against the rules as their papers state them, slice by slice, and against the least number that
- * can be (baker/dag/masks.h). masks.c is compiled a second time without SIMD: both must give the same runs.
+ * can be (baker/coding/dag/masks.h). masks.c is compiled a second time without SIMD: both must give the same runs.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "baker/base/random.h"
-#include "baker/dag/column_tree.h" /* before cmocka, whose fail() is a macro */
+#include "baker/coding/dag/column_tree.h" /* before cmocka, whose fail() is a macro */
 
 #include <cmocka.h>
 
@@ -17,7 +17,7 @@ uint32_t plain_tile_runs(const column_tile *columns, mask_rule rule, mask_run ru
 
 #undef __SSE2__
 #define tile_runs plain_tile_runs
-#include "baker/dag/masks.c"
+#include "baker/coding/dag/masks.c"
 #include "tests/unit/repeats.h"
 #undef tile_runs
 

@@ -1,7 +1,7 @@
 /* Polygonal light volumes of libvxs_volumes on llvmpipe: each pixel's airlight against the same mesh walked in double, the count of its crossings,
  * what is clamped, and no number that is none.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/opengl/gl.h"
+#include "baker/lab/opengl/gl.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* Light meshes that shaders choose the quads of, on llvmpipe: against the mesh that C makes of the same map, which is tested by itself, triangle by
  * triangle; against the mesh of all quads; and the count of crossings in each pixel.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/opengl/gl.h"
+#include "baker/lab/opengl/gl.h"
 
 #include <math.h>
 #include <stdlib.h>

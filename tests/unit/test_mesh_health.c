@@ -1,8 +1,8 @@
-/* What is said about the components of scenes whose faults are known (baker/mend/mesh_health.h).
+/* What is said about the components of scenes whose faults are known (baker/lab/mend/mesh_health.h).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "tests/unit/mesh_sample.h"
 
-#include "baker/mend/mesh_health.h"
+#include "baker/lab/mend/mesh_health.h"
 
 static mesh_health examine(sample *b, closed_mode closed)
 {

@@ -1,9 +1,9 @@
-/* Damage is mended, and nothing else changes (baker/mend/mesh_repair.h).
+/* Damage is mended, and nothing else changes (baker/lab/mend/mesh_repair.h).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "tests/unit/mesh_sample.h"
 #include "tests/unit/repeats.h"
 
-#include "baker/mend/mesh_repair.h"
+#include "baker/lab/mend/mesh_repair.h"
 
 static repair_report mend_with(sample *b, repair_options o)
 {

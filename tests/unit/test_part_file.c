@@ -1,4 +1,4 @@
-/* Squares in files (baker/kept/): of a kept square and of a part, every bit that is another and every end that is missing is seen, and what
+/* Squares in files (baker/bake/cache/): of a kept square and of a part, every bit that is another and every end that is missing is seen, and what
  * is under a right checksum and wrong, too.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <setjmp.h>
@@ -11,8 +11,8 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "baker/kept/kept_square.h" /* before cmocka, whose fail() is a macro */
-#include "baker/kept/part_file.h"
+#include "baker/bake/cache/kept_square.h" /* before cmocka, whose fail() is a macro */
+#include "baker/bake/cache/part_file.h"
 
 #include <cmocka.h>
 

@@ -1,7 +1,7 @@
 /* What area lights are judged by, and their rivals, against exact visibility among boxes: the reference of traced shadows is right, marches of faces and froxels of
  * a rectangle reach their own limits as their knobs grow.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/opengl/gl.h"
+#include "baker/lab/opengl/gl.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* Rivals of transmittance curves (tests/volumes/rival_curves.h) on llvmpipe: each reaches its own limit, what capsules leave of light in double, as its knob
  * grows, and is off as it is known to be where that is small.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/opengl/gl.h"
+#include "baker/lab/opengl/gl.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* Rivals for shadows in fog (tests/volumes/rival_*.h): each reaches its own limit, exact lit intervals in double, as its knobs
  * grow, and is off as it is known to be where they are small. Sun, spot and point light, from four sides, llvmpipe.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/opengl/gl.h"
+#include "baker/lab/opengl/gl.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
  * positions but for where float rounding decides between two voxels. A query is a point that is drawn into a pixel of its own, so that
  * versions without compute shaders are asked the same way.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/opengl/gl.h"
+#include "baker/lab/opengl/gl.h"
 
 #include <stdio.h>
 

@@ -1,7 +1,7 @@
 /* Maps of the sky: pixels of Radiance's pictures, plain and in both kinds of runs, and of PNG, against what they were written from; files that end early, that are
  * damaged anywhere, and that are no such map.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/sky/sky_map.h"
+#include "baker/lab/render/sky_map.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* What smoke leaves of lights that are baked: lookups in maps of curves against the integral along the light's rays, before what is
  * opaque and in the light of a sun, a spot and a point light; and the same in shaders.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/opengl/gl.h"
+#include "baker/lab/opengl/gl.h"
 
 #include <math.h>
 

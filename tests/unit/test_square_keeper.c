@@ -14,7 +14,7 @@
 #include "baker/base/random.h" /* before cmocka, whose fail() is a macro */
 #include "baker/columns/square_keeper.h"
 #include "baker/columns/square_record.h"
-#include "baker/dag/build.h"
+#include "baker/coding/dag/build.h"
 
 #include <cmocka.h>
 

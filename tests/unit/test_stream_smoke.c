@@ -1,7 +1,7 @@
 /* Baked smoke in streams: lookups are those of the file opened whole, whatever pages are there, in C and in shaders; what it takes of the
  * budget and of the file; and what becomes of smoke that is damaged, or cannot be read.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/opengl/gl.h"
+#include "baker/lab/opengl/gl.h"
 #include "formats/vxs_space.h" /* before format_parts.h, which has a type of a name that is a parameter here */
 
 #include <math.h>

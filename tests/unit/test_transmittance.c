@@ -2,7 +2,7 @@
  * (tests/volumes/smoke_scene.h): lists, sorted or not, lists without room, streaming in tiles; a sun, a spot and a point light; before opaque casters;
  * lookups; misuse, and no number that is none.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/opengl/gl.h"
+#include "baker/lab/opengl/gl.h"
 
 #include <math.h>
 #include <stdlib.h>

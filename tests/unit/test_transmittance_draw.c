@@ -1,7 +1,7 @@
 /* Segments that shaders of an engine add to maps of transmittance curves (vxs_transmittance_map_build_drawn): balls, drawn as boxes about them, against
  * the same balls as capsules, and against what they leave of light in double; a sun, a spot and a point light; rubbish; misuse.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/opengl/gl.h"
+#include "baker/lab/opengl/gl.h"
 
 #include <math.h>
 #include <stdlib.h>

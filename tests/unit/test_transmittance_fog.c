@@ -1,7 +1,7 @@
 /* Airlight of lights whose smoke dims them: marches on llvmpipe against the same steps in double, each of which looks through all
  * capsules towards the light; places that nobody sees; and what is refused.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/opengl/gl.h"
+#include "baker/lab/opengl/gl.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* libvxs_volumes on llvmpipe: light maps against the asset's depths, marches against exact lit intervals in double, what moves joined with what
  * stands, the picture behind fog, the context's state as it was, and no number that is none.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/opengl/gl.h"
+#include "baker/lab/opengl/gl.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* Voxelized shadow volumes of libvxs_volumes on llvmpipe: their scans against a serial one, bit for bit; their words and airlight against those of
  * shadow_grid.h in double; the asset against its map; all of it against exact lit intervals; the context's state, misuse, and no number that is none.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/opengl/gl.h"
+#include "baker/lab/opengl/gl.h"
 
 #include <math.h>
 #include <stdlib.h>

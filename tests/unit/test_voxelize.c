@@ -1,7 +1,7 @@
 /* Voxels of triangles, on llvmpipe: where light rays meet them against rays traced in double, insides of closed models against boxes, what is covered
  * against many light rays in each voxel; and how they are joined to what stands.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/opengl/gl.h"
+#include "baker/lab/opengl/gl.h"
 
 #include <math.h>
 #include <stdlib.h>

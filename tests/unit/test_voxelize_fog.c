@@ -1,6 +1,6 @@
 /* Airlight by voxelized triangles, on llvmpipe, against that in their exact shadows, turned to all sides, too; triangles that are none, and misuse.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/opengl/gl.h"
+#include "baker/lab/opengl/gl.h"
 
 #include <math.h>
 #include <stdlib.h>

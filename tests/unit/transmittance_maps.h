@@ -1,5 +1,5 @@
 /* Maps of transmittance curves on llvmpipe, read back, and each texel's ray through the same capsules in double. Included behind cmocka.h and random_lamp.h, with
- * baker/opengl/gl.h first of all.
+ * baker/lab/opengl/gl.h first of all.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef TRANSMITTANCE_MAPS_H
 #define TRANSMITTANCE_MAPS_H

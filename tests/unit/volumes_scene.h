@@ -1,5 +1,5 @@
 /* A small scene in fog: boxes on a floor, baked for a sun, a spot and a point light; views of it, with depths by brute force; libvxs_volumes on
- * them. Included behind cmocka.h and random_lamp.h, with baker/opengl/gl.h first of all.
+ * them. Included behind cmocka.h and random_lamp.h, with baker/lab/opengl/gl.h first of all.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef VOLUMES_SCENE_H
 #define VOLUMES_SCENE_H

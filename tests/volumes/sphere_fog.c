@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-#include "baker/picture/fog_air.h"
+#include "baker/lab/picture/fog_air.h"
 
 void sphere_fog_add_airlight(const fog_medium *f, const fog_light *light, const lit_spheres *spheres, const double eye_ws[3],
                              const double direction[3], double metres, double airlight[3])

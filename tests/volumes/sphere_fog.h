@@ -3,7 +3,7 @@
 #ifndef SPHERE_FOG_H
 #define SPHERE_FOG_H
 
-#include "baker/picture/fog.h"
+#include "baker/lab/picture/fog.h"
 #include "tests/volumes/sphere_parts.h"
 
 /* As fog_add_airlight, of a light that nothing but spheres keeps from places; its asset is not asked.   Threads: any. */

@@ -3,7 +3,7 @@
 #ifndef TRACED_PARTS_H
 #define TRACED_PARTS_H
 
-#include "baker/truth/truth.h"
+#include "baker/lab/truth/truth.h"
 #include "tests/volumes/lit_parts.h"
 
 /* What is asked. What is dark between two samples and nowhere else is not seen. */

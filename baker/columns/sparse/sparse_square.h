@@ -11,7 +11,7 @@
 
 #include "baker/columns/sparse/leaf.h"
 #include "baker/columns/sparse/triangle_bins.h"
-#include "baker/measure/context.h"
+#include "baker/base/context.h"
 
 enum { SPARSE_LEVELS_MAX = 20 };
 

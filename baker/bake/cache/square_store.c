@@ -1,0 +1,230 @@
+/* A folder of squares; see square_store.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/bake/cache/square_store.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "baker/base/array.h"
+#include "baker/base/memory.h"
+#include "baker/base/text.h"
+#include "baker/files/output_file.h"
+#include "baker/bake/cache/kept_square.h"
+
+#define EXTENSION ".square"
+enum { KEY_DIGITS = 32, NAME_BYTES = KEY_DIGITS + sizeof EXTENSION };
+
+static void name_of(char name[NAME_BYTES], const column_key *key)
+{
+    snprintf(name, NAME_BYTES, "%016" PRIx64 "%016" PRIx64 EXTENSION, key->high, key->low);
+}
+
+static vxs_result out_of_memory(message *m)
+{
+    return fail(m, VXS_E_MEMORY, "out of memory for squares that are kept");
+}
+
+/* A warning of the store's own. */
+#define WARN(s, m, ...)                                                                                                            \
+    do {                                                                                                                           \
+        size_t before = (m)->warning_count;                                                                                        \
+        warn(m, __VA_ARGS__);                                                                                                      \
+        (s)->warnings += (m)->warning_count - before;                                                                              \
+    } while (0)
+
+vxs_result square_store_open(square_store *s, const char *folder, message *m)
+{
+    *s = (square_store){.folder = strdup(folder), .descriptor = -1, .is_sound = 1};
+    if (!s->folder) return out_of_memory(m);
+    int missing = mkdir(folder, 0777) && errno != EEXIST ? errno : 0;
+    if (!missing) s->descriptor = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (s->descriptor >= 0) {
+        flock(s->descriptor, LOCK_SH); /* where there are no locks, nothing is removed in the end */
+        return VXS_OK;
+    }
+    vxs_result r = fail(m, VXS_E_WRITE, "--resume %s: the folder cannot be %s: %s", folder, missing ? "made" : "opened",
+                        strerror(missing ? missing : errno));
+    square_store_close(s);
+    return r;
+}
+
+/* finding --------------------------------------------------------------------------------------------------------------------- */
+
+vxs_result square_store_use(square_store *s, const column_key *key, message *m)
+{
+    if (!array_reserve(&s->used, &s->used_capacity, s->used_count + 1, sizeof *s->used)) return out_of_memory(m);
+    s->used[s->used_count++] = *key;
+    return VXS_OK;
+}
+
+/* Open a file of the folder to read it: a file, and no link, pipe or device. -1: there is none. */
+static int open_regular(const square_store *s, const char *name, uint64_t *size_bytes)
+{
+    struct stat status;
+    int         file = openat(s->descriptor, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    if (file < 0) return -1;
+    if (!fstat(file, &status) && S_ISREG(status.st_mode)) {
+        *size_bytes = (uint64_t)status.st_size;
+        return file;
+    }
+    close(file);
+    return -1;
+}
+
+/* Exactly so many bytes. */
+static int read_bytes(int file, uint8_t *to, size_t size_bytes)
+{
+    for (size_t at = 0; at < size_bytes;) {
+        ssize_t n = read(file, to + at, size_bytes - at);
+        if (n < 0 && errno == EINTR) continue;
+        if (n <= 0) return 0;
+        at += (size_t)n;
+    }
+    return 1;
+}
+
+typedef enum finding { FOUND, DAMAGED, TOO_LARGE } finding;
+
+/* A square's file of so many bytes. No room is made before its head says that it is the square's, and as large as it is. */
+static finding read_file(int file, uint64_t size_bytes, const column_key *key, vxs_bytes *record, const message *m)
+{
+    uint8_t head[KEPT_HEAD_BYTES];
+    if (!read_bytes(file, head, sizeof head) || !kept_square_may_be(head, size_bytes, key)) return DAMAGED;
+    if (size_bytes >= SIZE_MAX || !memory_allows(size_bytes, m)) return TOO_LARGE;
+    *record = (vxs_bytes){malloc(size_bytes + 1), size_bytes, size_bytes + 1};
+    if (!record->data) return TOO_LARGE;
+    memcpy(record->data, head, sizeof head);
+    if (!read_bytes(file, record->data + sizeof head, size_bytes - sizeof head)) return DAMAGED;
+    return kept_square_read(record, key) == VXS_OK ? FOUND : DAMAGED;
+}
+
+vxs_result square_store_find(square_store *s, const column_key *key, vxs_bytes *record, int *found, message *m)
+{
+    char     name[NAME_BYTES], text[32];
+    uint64_t size = 0;
+    name_of(name, key);
+    *found   = 0;
+    *record  = (vxs_bytes){0};
+    int file = open_regular(s, name, &size);
+    if (file < 0) return VXS_OK;
+    finding what = read_file(file, size, key, record, m);
+    close(file);
+    *found = what == FOUND;
+    if (*found) return square_store_use(s, key, m);
+    free(record->data);
+    *record = (vxs_bytes){0};
+    if (s->is_sound && what == DAMAGED)
+        WARN(s, m, "%s/%s is not what was kept: it is made again, as are any others of that kind", s->folder, name);
+    if (s->is_sound && what == TOO_LARGE)
+        WARN(s, m, "%s/%s has %s, for which there is no memory: it is made again, as are any others of that kind", s->folder, name,
+             size_text(text, size));
+    s->is_sound = 0;
+    return message_check(m);
+}
+
+/* keeping --------------------------------------------------------------------------------------------------------------------- */
+
+/* Write a file into the folder. What is there and no file is left as it is. */
+static vxs_result write_file(const square_store *s, const char *name, const vxs_bytes *bytes, message *m)
+{
+    char        path[PATH_MAX];
+    struct stat there;
+    output_file out = {0};
+    if (snprintf(path, sizeof path, "%s/%s", s->folder, name) >= (int)sizeof path)
+        return fail(m, VXS_E_WRITE, "%s: the path is too long", s->folder);
+    if (!lstat(path, &there) && !S_ISREG(there.st_mode)) return fail(m, VXS_E_WRITE, "%s is no file", path);
+    vxs_result r = output_file_open(&out, path, m);
+    out.unsynced = 1;
+    if (r == VXS_OK) r = output_file_write(&out, bytes->data, bytes->size_bytes, m);
+    if (r == VXS_OK) r = output_file_commit(&out, m);
+    output_file_abort(&out);
+    return r;
+}
+
+vxs_result square_store_keep(square_store *s, const column_key *key, const vxs_bytes *record, message *m)
+{
+    char      name[NAME_BYTES];
+    message   why   = {.files = m->files, .temporary = m->temporary};
+    vxs_bytes bytes = {0};
+    if (s->is_full) return VXS_OK;
+    name_of(name, key);
+    vxs_result r = kept_square_write(key, record, &bytes);
+    if (r == VXS_OK) r = write_file(s, name, &bytes, &why);
+    free(bytes.data);
+    message_free(&why);
+    if (r == VXS_OK) return square_store_use(s, key, m);
+    if (r == VXS_E_MEMORY) return out_of_memory(m);
+    s->is_full = 1;
+    WARN(s, m, "--resume %s: squares cannot be kept any more, and the bake goes on without: %s", s->folder, why.error);
+    return message_check(m);
+}
+
+/* the end --------------------------------------------------------------------------------------------------------------------- */
+
+static int by_key(const void *a, const void *b)
+{
+    const column_key *x = a, *y = b;
+    if (x->high != y->high) return x->high < y->high ? -1 : 1;
+    return (x->low > y->low) - (x->low < y->low);
+}
+
+/* Whether a name is that of a square's file. */
+static int key_of(const char *name, column_key *key)
+{
+    if (strlen(name) != NAME_BYTES - 1 || strcmp(name + KEY_DIGITS, EXTENSION) != 0) return 0;
+    if (strspn(name, "0123456789abcdef") != KEY_DIGITS) return 0;
+    return sscanf(name, "%16" SCNx64 "%16" SCNx64, &key->high, &key->low) == 2;
+}
+
+/* What a run left that ended before a name was given: ".vxs-PID-N.tmp". Nobody else is at work. */
+static int is_left_over(const char *name)
+{
+    static const char digits[] = "0123456789";
+    if (strncmp(name, ".vxs-", 5) != 0) return 0;
+    size_t pid = strspn(name += 5, digits), n = pid && name[pid] == '-' ? strspn(name + pid + 1, digits) : 0;
+    return n && !strcmp(name + pid + 1 + n, ".tmp");
+}
+
+/* Whether a file is one of the folder's own that this run has not used: by its name, and a square by how it begins, too. */
+static int is_unused(const square_store *s, const char *name)
+{
+    column_key key;
+    uint64_t   size;
+    uint8_t    head[KEPT_MAGIC_BYTES];
+    int        is_square = key_of(name, &key);
+    if (!is_square && !is_left_over(name)) return 0;
+    if (is_square && s->used_count && bsearch(&key, s->used, s->used_count, sizeof key, by_key)) return 0;
+    int file = open_regular(s, name, &size);
+    int mine = file >= 0 && (!is_square || (read_bytes(file, head, sizeof head) && kept_square_begins(head)));
+    if (file >= 0) close(file);
+    return mine;
+}
+
+void square_store_clean(square_store *s)
+{
+    if (s->used_count) qsort(s->used, s->used_count, sizeof *s->used, by_key);
+    if (flock(s->descriptor, LOCK_EX | LOCK_NB)) return;
+    int  descriptor = dup(s->descriptor);
+    DIR *folder     = descriptor < 0 ? NULL : fdopendir(descriptor);
+    if (!folder && descriptor >= 0) close(descriptor);
+    for (struct dirent *d; folder && (d = readdir(folder));)
+        if (is_unused(s, d->d_name)) unlinkat(s->descriptor, d->d_name, 0);
+    if (folder) closedir(folder);
+}
+
+void square_store_close(square_store *s)
+{
+    if (s->folder && s->descriptor >= 0) close(s->descriptor);
+    free(s->folder);
+    free(s->used);
+    *s = (square_store){0};
+}

@@ -1,0 +1,106 @@
+/* Time, memory and progress of a bake; see context.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/base/context.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#include "baker/base/gate.h"
+#include "baker/base/integer.h"
+#include "baker/base/memory.h"
+#include "baker/base/text.h"
+#include "baker/base/clock.h"
+
+static const char *const stage_names[STAGE_COUNT] = {"load",   "solids",   "plan",  "gl",     "maps",  "pyramid", "masks",
+                                                     "insert", "compress", "merge", "encode", "smoke", "write"};
+
+const char *bake_stage_name(bake_stage stage)
+{
+    return stage_names[stage];
+}
+
+/* The system's high-water mark is left alone, as others may ask for it: of a stage that does not raise it, the ends are known. */
+static uint64_t stage_peak(const bake_context *ctx)
+{
+    uint64_t peak = memory_peak_bytes(), held = memory_held_bytes(); /* both are asked for, so that all runs make the same calls */
+    return peak > ctx->past_peak ? peak : max_u64(ctx->held_bytes, held);
+}
+
+static void note_peak(bake_context *ctx, bake_stage stage, uint64_t peak_bytes)
+{
+    stage_report *s = &ctx->stage[stage];
+    if (peak_bytes > s->peak_bytes) s->peak_bytes = peak_bytes;
+    if (stage < STAGE_COUNT && peak_bytes > ctx->peak_bytes) ctx->peak_bytes = peak_bytes;
+}
+
+static void enter(bake_context *ctx, bake_stage stage)
+{
+    ctx->at          = stage;
+    ctx->held_bytes  = stage == STAGE_NONE ? 0 : memory_held_bytes();
+    ctx->past_peak   = stage == STAGE_NONE ? 0 : memory_peak_bytes();
+    ctx->stage_since = stage == STAGE_NONE ? 0 : clock_seconds();
+}
+
+void stage_begin(bake_context *ctx, bake_stage stage)
+{
+    if (ctx->stage_since > 0) {
+        ctx->stage[ctx->at].seconds += clock_seconds() - ctx->stage_since;
+        note_peak(ctx, ctx->at, stage_peak(ctx));
+    }
+    enter(ctx, stage);
+}
+
+void stage_begin_after(bake_context *ctx, bake_stage stage, bake_stage first, const double *seconds, uint32_t count)
+{
+    double   wall = clock_seconds() - ctx->stage_since, all = 0;
+    uint64_t peak = stage_peak(ctx);
+    for (uint32_t n = 0; n < count; n++) all += seconds[n];
+    for (uint32_t n = 0; n < count; n++) {
+        if (all > 0 && seconds[n] <= 0) continue;
+        ctx->stage[first + n].seconds += all > 0 ? wall * seconds[n] / all : wall / count;
+        note_peak(ctx, (bake_stage)(first + n), peak);
+    }
+    enter(ctx, stage);
+}
+
+vxs_result context_check(const bake_context *ctx)
+{
+    char budget[32], held[32];
+    gate_pass();
+    if (gate_is_cancelled()) return fail(ctx->message, VXS_E_INTERRUPTED, "the bake of '%s' was given up", ctx->subject);
+    if (!ctx->memory_bytes || ctx->peak_bytes <= ctx->memory_bytes) return VXS_OK;
+    return fail(ctx->message, VXS_E_MEMORY, "--memory %s is too little for '%s': the bake has come to hold %s, and is given up",
+                size_text(budget, ctx->memory_bytes), ctx->subject, size_text(held, ctx->peak_bytes));
+}
+
+int context_has_memory(const bake_context *ctx)
+{
+    return !ctx->memory_bytes || memory_held_bytes() <= ctx->memory_bytes;
+}
+
+void steps_begin(bake_context *ctx, uint32_t steps, double seconds_each, const char *doing)
+{
+    int first_of_all = ctx->steps == 0;
+    snprintf(ctx->doing, sizeof ctx->doing, "%s", doing);
+    ctx->steps        = steps;
+    ctx->steps_done   = 0;
+    ctx->step_seconds = seconds_each;
+    if (first_of_all) /* said even when the line before it is younger than a share has to be */
+        watch_say(ctx->watch, "%s 1 of %u", ctx->doing, steps);
+    else
+        step_part(ctx, 0);
+}
+
+void step_part(bake_context *ctx, double part)
+{
+    if (!ctx->watch || !(ctx->total_seconds > 0) || ctx->steps_done >= ctx->steps) return;
+    double share = fmin(1, (ctx->past_seconds + part * ctx->step_seconds) / ctx->total_seconds);
+    watch_share(ctx->watch, share, ctx->begun, "%s %u of %u", ctx->doing, ctx->steps_done + 1, ctx->steps);
+}
+
+void steps_done(bake_context *ctx, uint32_t steps)
+{
+    ctx->steps_done += steps;
+    ctx->past_seconds += steps * ctx->step_seconds;
+    step_part(ctx, 0);
+}

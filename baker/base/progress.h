@@ -1,0 +1,39 @@
+/* How far a run is: one line on a terminal that is written over and gone in the end.
+ *
+ *     progress_say(shown, "reading %s", path);
+ *     double since = clock_seconds();
+ *     for (...) progress_share(shown, (double)done / count, since, "light %s: tile %u of %u", ...);
+ *     progress_clear();
+ *
+ * shown  0: standard error is no terminal, and nothing is printed.   Threads: one at a time.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef PROGRESS_H
+#define PROGRESS_H
+
+#include "baker/base/progress_line.h"
+#include "baker/base/watch.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#if defined(__GNUC__)
+#define PROGRESS_PRINTF(text, values) __attribute__((format(printf, text, values)))
+#else
+#define PROGRESS_PRINTF(text, values)
+#endif
+
+/* "vxs: TEXT", before work of unknown length. Text from files may be in it (one_line). */
+void progress_say(int shown, const char *format, ...) PROGRESS_PRINTF(2, 3);
+
+/* The same, and how long the rest may take: "vxs: TEXT, about 12 s left". At most ten times a second.
+ * share  of the work that is done, 0 to 1;   since  clock_seconds() when it was begun */
+void progress_share(int shown, double share, double since, const char *format, ...) PROGRESS_PRINTF(4, 5);
+
+/* Who watches from a terminal. */
+extern const run_watch progress_watch;
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,211 @@
+/* From palette blocks to words; see block_words.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/coding/blocks/block_words.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/base/parallel.h"
+#include "baker/base/z_order.h"
+#include "baker/coding/blocks/block_layout.h"
+#include "baker/coding/blocks/pattern_code.h"
+
+/* patterns -------------------------------------------------------------------------------------------------------------------- */
+
+enum { OWN_KIND = PALETTE_MAX + 1 }; /* behind those of 2 to PALETTE_MAX depths */
+
+/* All patterns while they become codes, kind by kind. */
+typedef struct pattern_coder {
+    const block_set *set;
+    size_t           first[OWN_KIND + 2]; /* patterns of kind k are first[k]..first[k + 1] - 1 */
+
+    /* codes: how many halves, and depths << 8, none of an own one; then those halves */
+    uint16_t (*shared)[PATTERN_HALVES_MAX + 1]; /* [first[OWN_KIND]] */
+    uint16_t (*own)[OWN_HALVES_MAX + 1];        /* [set->own.count] */
+} pattern_coder;
+
+static uint16_t *code_of_pattern(const pattern_coder *c, size_t n)
+{
+    return n < c->first[OWN_KIND] ? c->shared[n] : c->own[n - c->first[OWN_KIND]];
+}
+
+static void encode_some_patterns(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    const pattern_coder *c    = user;
+    int                  kind = 2;
+    (void)worker;
+    for (size_t n = begin; n < end; n++) {
+        uint16_t *code = code_of_pattern(c, n);
+        while (n >= c->first[kind + 1]) kind++;
+        if (kind == OWN_KIND) {
+            code[0] = (uint16_t)own_pattern_encode(&c->set->own.patterns[n - c->first[kind]], code + 1);
+            continue;
+        }
+        mask_need needs[PALETTE_MAX - 1];
+        uint8_t   index[64];
+        pattern_needs(&c->set->patterns, kind, n - c->first[kind], needs);
+        pattern_choose(needs, kind, index);
+        code[0] = (uint16_t)(pattern_encode(index, kind, code + 1) | (uint32_t)kind << 8);
+    }
+}
+
+static vxs_result intern_patterns(layout *l, const pattern_coder *c)
+{
+    vxs_result r = VXS_OK;
+    for (size_t n = 0, kind = 2; n < c->first[OWN_KIND + 1] && r == VXS_OK; n++) {
+        const uint16_t *code = code_of_pattern(c, n);
+        while (n >= c->first[kind + 1]) kind++;
+        size_t   at = n - c->first[kind], bytes = ((code[0] & 0xffu) + 1) * sizeof *code;
+        int      own = kind == OWN_KIND;
+        uint32_t id  = own ? (uint32_t)at : l->set->patterns.by_depths[kind].ids[at];
+        r            = intern_find(&l->codes[own], code, bytes, &l->code_of[own][id]);
+    }
+    return r;
+}
+
+/* Depths are chosen and encoded on all threads; what is equal becomes one in order. */
+static vxs_result encode_patterns(layout *l)
+{
+    pattern_coder c = {.set = l->set};
+    vxs_result    r = VXS_E_MEMORY;
+    for (int kind = 2; kind < OWN_KIND; kind++) c.first[kind + 1] = c.first[kind] + l->set->patterns.by_depths[kind].count;
+    c.first[OWN_KIND + 1] = c.first[OWN_KIND] + l->set->own.count;
+    c.shared              = malloc((c.first[OWN_KIND] + 1) * sizeof *c.shared);
+    c.own                 = malloc((l->set->own.count + 1) * sizeof *c.own);
+    l->code_of[0]         = malloc((l->set->patterns.count + 1) * sizeof *l->code_of[0]);
+    l->code_of[1]         = malloc((l->set->own.count + 1) * sizeof *l->code_of[1]);
+    if (c.shared && c.own && l->code_of[0] && l->code_of[1]) {
+        parallel_for(l->threads, c.first[OWN_KIND + 1], 256, encode_some_patterns, &c);
+        r = intern_patterns(l, &c);
+    }
+    free(c.shared);
+    free(c.own);
+    return r;
+}
+
+/* nodes ----------------------------------------------------------------------------------------------------------------------- */
+
+/* The depth that all others of a node are counted from, in steps. */
+static uint32_t node_base(const layout *l, const block_node *n)
+{
+    int32_t least = INT32_MAX;
+    for (int b = 0; b < NODE_BLOCKS; b++)
+        if (((n->mixed >> b & 1) || (uint32_t)n->depth[b] < l->never) && n->depth[b] < least) least = n->depth[b];
+    return least == INT32_MAX ? 0 : min_u32((uint32_t)least >> l->base_shift, 0xffff);
+}
+
+static vxs_result shape_node(layout *l, node_place *to)
+{
+    const block_node *n = &l->set->nodes[to->node];
+    node_shape        shape;
+    memset(&shape, 0, sizeof shape);
+    to->base      = node_base(l, n);
+    shape.slope   = n->slope;
+    shape.mixed   = n->mixed;
+    uint32_t from = to->base << l->base_shift, never = l->never + (uint32_t)slope_shift_max(n->slope);
+    for (int b = 0; b < NODE_BLOCKS; b++) {
+        int mixed      = n->mixed >> b & 1;
+        shape.depth[b] = !mixed && (uint32_t)n->depth[b] >= never ? NEVER : (uint32_t)n->depth[b] - from;
+        shape.block[b] = mixed ? n->block[b] : 0;
+    }
+    return intern_find(&l->shapes, &shape, sizeof shape, &to->shape);
+}
+
+static int by_place(const void *a, const void *b, void *user)
+{
+    const block_node *nodes = user, *x = &nodes[((const node_place *)a)->node], *y = &nodes[((const node_place *)b)->node];
+    if (x->map != y->map) return x->map < y->map ? -1 : 1;
+    uint32_t xz = z_number((z_place){x->x, x->y}), yz = z_number((z_place){y->x, y->y});
+    return (xz > yz) - (xz < yz);
+}
+
+static vxs_result shape_nodes(layout *l)
+{
+    size_t     count = l->set->node_count;
+    vxs_result r     = VXS_OK;
+    l->nodes         = calloc(count + 1, sizeof *l->nodes);
+    if (!l->nodes) return VXS_E_MEMORY;
+    for (uint32_t n = 0; n < count; n++) l->nodes[n].node = n;
+    qsort_r(l->nodes, count, sizeof *l->nodes, by_place, l->set->nodes);
+    for (size_t n = 0; n < count && r == VXS_OK; n++) r = shape_node(l, &l->nodes[n]);
+    return r;
+}
+
+/* words ----------------------------------------------------------------------------------------------------------------------- */
+
+/* Head, table of pages, tops, common patterns, pages. */
+static vxs_result assemble(layout *l)
+{
+    size_t    top = HEAD_WORDS + l->page_count, common = top + l->top_count, common_words = (l->common_halves + 1) / 2;
+    size_t    page_start = common + common_words, all = page_start + page_place(l, l->page_count);
+    uint32_t *w = all > UINT32_MAX / 2 ? NULL : calloc(all + VXS_BLOCKS_SPARE_WORDS, sizeof *w);
+    if (!w) return all > UINT32_MAX / 2 ? VXS_E_REFERENCES : VXS_E_MEMORY;
+    w[0] = (uint32_t)l->page_count;
+    w[1] = (uint32_t)common;
+    for (uint32_t map = 0; map < l->map_count; map++) w[2 + map] = (uint32_t)top + l->top_start[map];
+    for (size_t p = 0; p < l->page_count; p++) w[HEAD_WORDS + p] = (uint32_t)page_start + page_place(l, p);
+    memcpy(w + top, l->top, l->top_count * sizeof *w);
+    layout_write_common(l, w + common);
+    if (layout_write_pages(l, w + page_start) != VXS_OK) {
+        free(w);
+        return VXS_E_MEMORY;
+    }
+    l->out->words               = w;
+    l->out->count               = (uint32_t)all;
+    l->out->common_kinds        = l->common_kinds;
+    l->out->common_count        = (uint32_t)l->common_count;
+    l->out->common_halves       = l->common_halves;
+    l->common_kinds             = NULL;
+    l->out->counts.pages        = (uint32_t)l->page_count;
+    l->out->counts.top_words    = (uint32_t)common;
+    l->out->counts.common_words = (uint32_t)common_words;
+    return VXS_OK;
+}
+
+static vxs_result make_common(layout *l)
+{
+    for (int own = 0; own < 2; own++)
+        if (!(l->common[own] = calloc(l->codes[own].count + 1, sizeof *l->common[own]))) return VXS_E_MEMORY;
+    return VXS_OK;
+}
+
+static void layout_free(layout *l)
+{
+    intern_free(&l->shapes);
+    for (int own = 0; own < 2; own++) {
+        intern_free(&l->codes[own]);
+        free(l->code_of[own]);
+        free(l->common[own]);
+    }
+    free(l->nodes);
+    free(l->common_kinds);
+    free(l->block_words);
+    free(l->page_end);
+    free(l->top);
+}
+
+vxs_result block_words_lay_out(block_words *out, const block_set *s, uint32_t levels, uint32_t map_count, uint32_t threads)
+{
+    layout     l = {.set        = s,
+                    .threads    = threads,
+                    .levels     = levels,
+                    .map_count  = map_count,
+                    .never      = 1u << levels,
+                    .base_shift = levels > 16 ? levels - 16 : 0,
+                    .out        = out};
+    vxs_result r;
+    memset(out, 0, sizeof *out);
+    if ((r = encode_patterns(&l)) == VXS_OK && (r = shape_nodes(&l)) == VXS_OK && (r = make_common(&l)) == VXS_OK &&
+        (r = layout_cut_pages(&l)) == VXS_OK && (r = layout_build_top(&l)) == VXS_OK)
+        r = assemble(&l);
+    layout_free(&l);
+    if (r != VXS_OK) memset(out, 0, sizeof *out);
+    return r;
+}
+
+void block_words_free(block_words *w)
+{
+    free(w->words);
+    free(w->common_kinds);
+    memset(w, 0, sizeof *w);
+}

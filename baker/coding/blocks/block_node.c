@@ -1,0 +1,499 @@
+/* The palette blocks of a square of 256 x 256 texels; see block_build.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/base/simd.h"
+#include "baker/coding/blocks/block_build.h"
+#include "baker/coding/blocks/depth_axis.h"
+#include "baker/coding/blocks/pierce.h"
+#include "baker/coding/blocks/tile_needs.h"
+
+enum {
+    OWN_FROM        = 10, /* depths that a tile needs, from which on it has its own */
+    NODE_TILE_COUNT = NODE_TILES * NODE_TILES,
+    PLANE_LEAST     = -(1 << 25), /* so that a plane's least depth, from any block's base on, can be written */
+    PLANE_MOST      = (1 << 26) + (1 << 22)
+};
+
+/* A tile of the block in work, its slope added. */
+typedef struct tile_in {
+    tile_ranges ranges;            /* of texels, in the order of patterns; of a tile that is not uniform */
+    int16_t     low[64], high[64]; /* the same as codes of the block's axis */
+    int32_t     emax, xmin;        /* of all of them */
+    tile_kind   kind;
+    int32_t     shift;  /* the slope that was added */
+    int         flat;   /* it may lie on a plane */
+    int         depths; /* that it needs; 0: not counted */
+    own_planes  plane;  /* that it lies on alone */
+} tile_in;
+
+typedef struct node_builder {
+    block_set           *set;
+    const column_square *columns;
+    uint32_t             tile_x, tile_y; /* where the node starts, in tiles of the columns */
+    block_node           node;
+    int32_t              emax[NODE_TILE_COUNT], xmin[NODE_TILE_COUNT]; /* of tiles; from add_slope on with it */
+    tile_in              tile[BLOCK_TILES];                            /* of the block in work */
+    depth_axis           axis;
+} node_builder;
+
+/* A column that is lit to the end may be lit beyond. */
+static int32_t exit_depth(uint32_t x, uint32_t depth_vx)
+{
+    return x >= depth_vx ? FAR_DEPTH : (int32_t)x;
+}
+
+/* What all of a run of squares may have as their one depth. */
+typedef struct run_range {
+    int32_t low, high;
+} run_range;
+
+/* One more square joins the run, if there is a depth left for all. */
+static int run_takes(run_range *run, int32_t low, int32_t high)
+{
+    low  = max_i32(low, run->low);
+    high = min_i32(high, run->high);
+    if (low > high) return 0;
+    *run = (run_range){low, high};
+    return 1;
+}
+
+/* tiles ----------------------------------------------------------------------------------------------------------------------- */
+
+/* The columns of a tile, its slope added. */
+static vxs_result fetch_tile(node_builder *b, tile_in *t, uint32_t tile_x, uint32_t tile_y, int32_t shift)
+{
+    column_tile columns;
+    vxs_result  r = b->columns->tile(b->columns->data, b->tile_x + tile_x, b->tile_y + tile_y, &columns);
+    if (r != VXS_OK) return r;
+    const i32x4 up = i32x4_all(shift), last = i32x4_all((int32_t)b->columns->depth_vx - 1), far = i32x4_all(FAR_DEPTH);
+    i32x4       emax = i32x4_all(INT32_MIN), xmin = i32x4_all(INT32_MAX);
+    for (int quad = 0; quad < 4; quad++)
+        for (int row = 0; row < 4; row++) {
+            int   from = 8 * (4 * (quad >> 1) + row) + 4 * (quad & 1), to = 16 * quad + 4 * row;
+            i32x4 e = i32x4_load(columns.e + from) + up, x = i32x4_load(columns.x + from);
+            x    = i32x4_select((i32x4)(x > last), far, x) + up; /* what is lit to the end may be lit beyond */
+            emax = i32x4_max(emax, e);
+            xmin = i32x4_min(xmin, x);
+            memcpy(t->ranges.low + to, &e, sizeof e);
+            memcpy(t->ranges.high + to, &x, sizeof x);
+        }
+    t->emax = i32x4_greatest(emax);
+    t->xmin = i32x4_least(xmin);
+    return VXS_OK;
+}
+
+static vxs_result fetch_block(node_builder *b, uint32_t block_x, uint32_t block_y)
+{
+    for (uint32_t n = 0; n < BLOCK_TILES; n++) {
+        tile_in *t = &b->tile[n];
+        uint32_t x = 4 * block_x + n % 4, y = 4 * block_y + n / 4, at = NODE_TILES * y + x;
+        t->emax   = b->emax[at];
+        t->xmin   = b->xmin[at];
+        t->shift  = slope_shift(b->node.slope, (int32_t)x, (int32_t)y);
+        t->depths = 0;
+        if (t->emax > t->xmin) {
+            vxs_result r = fetch_tile(b, t, x, y, t->shift);
+            if (r != VXS_OK) return r;
+        }
+        t->kind = t->emax > t->xmin ? TILE_PATTERN : TILE_UNIFORM;
+    }
+    return VXS_OK;
+}
+
+/* A scale of the depths that occur in the block's tiles, and the codes of these. */
+static void scale_by_depths(node_builder *b)
+{
+    int32_t depths[AXIS_DEPTHS_MAX];
+    int16_t codes[AXIS_DEPTHS_MAX];
+    int     count = 0, next = 0;
+    depths[0] = 0; /* there is always one, which compilers don't see */
+    for (const tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
+        if (t->kind == TILE_PLANE) continue;
+        int of_tile = t->kind == TILE_UNIFORM ? 1 : 64;
+        memcpy(depths + count, t->kind == TILE_UNIFORM ? &t->emax : t->ranges.low, (size_t)of_tile * sizeof *depths);
+        count += of_tile;
+        memcpy(depths + count, t->kind == TILE_UNIFORM ? &t->xmin : t->ranges.high, (size_t)of_tile * sizeof *depths);
+        count += of_tile;
+    }
+    axis_init_by_depths(&b->axis, depths, codes, count);
+    for (tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
+        if (t->kind == TILE_PLANE) continue;
+        if (t->kind == TILE_UNIFORM) {
+            next += 2;
+            continue;
+        }
+        memcpy(t->low, codes + next, sizeof t->low);
+        memcpy(t->high, codes + next + 64, sizeof t->high);
+        next += 128;
+    }
+}
+
+/* The scale on which the block's tiles are compared. */
+static void scale_block(node_builder *b)
+{
+    int32_t least_high = INT32_MAX, greatest_low = INT32_MIN;
+    for (const tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
+        if (t->kind == TILE_PLANE) continue;
+        least_high   = min_i32(least_high, t->xmin);
+        greatest_low = max_i32(greatest_low, t->emax);
+    }
+    /* the first is behind the second where all that is not on a plane is uniform, and alike */
+    if (!axis_init(&b->axis, min_i32(least_high, greatest_low), max_i32(least_high, greatest_low))) {
+        scale_by_depths(b);
+        return;
+    }
+    for (tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
+        if (t->kind == TILE_UNIFORM || t->kind == TILE_PLANE) continue;
+        axis_codes(&b->axis, t->ranges.low, t->low, 64);
+        axis_codes(&b->axis, t->ranges.high, t->high, 64);
+    }
+}
+
+static void add_tile(intervals *s, const tile_in *t)
+{
+    memcpy(s->low + s->count, t->low, sizeof t->low);
+    memcpy(s->high + s->count, t->high, sizeof t->high);
+    s->count += 64;
+}
+
+/* palettes -------------------------------------------------------------------------------------------------------------------- */
+
+/* How many depths each tile needs that has not its own yet. */
+static void count_depths(node_builder *b)
+{
+    for (tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
+        intervals    s;
+        pierce_group groups[64];
+        if (t->kind != TILE_PATTERN) continue;
+        s.count = 0;
+        add_tile(&s, t);
+        t->depths = pierce(&s, groups, 64, b->set->patterns.cpu);
+    }
+}
+
+/* Tiles that need so many depths get their own. Returns how many that were. */
+static int give_own_depths(node_builder *b, int from)
+{
+    int count = 0;
+    for (tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
+        if (t->kind != TILE_PATTERN || t->depths < from) continue;
+        t->kind = TILE_OWN;
+        count++;
+    }
+    return count;
+}
+
+/* The palette is full: the tile that needs most depths gets its own. Uniform tiles alone may need more than there is room for. */
+static void give_one_own_depths(node_builder *b)
+{
+    tile_in *most = NULL;
+    for (tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++)
+        if ((t->kind == TILE_UNIFORM || t->kind == TILE_PATTERN) && (!most || t->depths > most->depths)) most = t;
+    for (int n = 0; n < 64 && most->kind == TILE_UNIFORM; n++) {
+        most->ranges.low[n]  = most->emax;
+        most->ranges.high[n] = most->xmin;
+    }
+    if (most->kind == TILE_UNIFORM) {
+        own_plane(&most->plane, &most->ranges);
+        most->low[0]  = axis_code(&b->axis, most->emax); /* block_groups may ask it */
+        most->high[0] = axis_code(&b->axis, most->xmin);
+    }
+    most->kind = TILE_OWN;
+}
+
+/* The fewest depths for all tiles but those with their own; as many tiles get their own as it takes. */
+static int block_groups(node_builder *b, pierce_group groups[PALETTE_MAX + 1])
+{
+    for (int counted = 0;;) {
+        intervals s; /* 4 KiB, of which the count alone has to be 0 */
+        s.count = 0;
+        for (const tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
+            if (t->kind == TILE_PATTERN) add_tile(&s, t);
+            if (t->kind != TILE_UNIFORM) continue;
+            s.low[s.count]    = axis_code(&b->axis, t->emax);
+            s.high[s.count++] = axis_code(&b->axis, t->xmin);
+        }
+        if (!s.count) { /* all have their own: the palette is where their depths are counted from */
+            const tile_in *first = b->tile;
+            while (first->kind == TILE_PLANE) first++;
+            s.low[0]  = first->low[0];
+            s.high[0] = first->high[0];
+            s.count   = 1;
+        }
+        int count = pierce(&s, groups, PALETTE_MAX + 1, b->set->patterns.cpu);
+        if (count >= OWN_FROM && !counted) {
+            counted = 1;
+            count_depths(b);
+            if (give_own_depths(b, OWN_FROM)) continue;
+        }
+        if (count <= PALETTE_MAX) return count;
+        give_one_own_depths(b);
+    }
+}
+
+/* Of all numbers from low, 1 at least, to high the one that is a multiple of the highest power of two. */
+static int32_t roundest(int32_t low, int32_t high)
+{
+    int bit = 31 - __builtin_clz((uint32_t)((low - 1) ^ high));
+    return high >> bit << bit;
+}
+
+/* Depths within their groups, such that differences to the first are round. Returns the first. */
+static int32_t place(block *out, const depth_axis *axis, const pierce_group *groups, int count)
+{
+    int32_t low = axis_depth(axis, groups[0].low), high = axis_depth(axis, groups[0].high);
+    out->depths = (uint32_t)count;
+    for (int n = 1; n < count; n++) {
+        int32_t from = axis_depth(axis, groups[n].low), to = axis_depth(axis, groups[n].high);
+        out->depth[n] = roundest(from - high, to - low);
+        low           = max_i32(low, from - out->depth[n]);
+        high          = min_i32(high, to - out->depth[n]);
+    }
+    return low;
+}
+
+enum { PALETTE_LANES = 16 };
+
+/* How many depths are less than this one. */
+static int count_below(const int32_t depths[PALETTE_LANES], int32_t depth)
+{
+    i32x4 count = i32x4_all(0);
+    for (int n = 0; n < PALETTE_LANES; n += 4) count -= (i32x4)(i32x4_load(depths + n) < i32x4_all(depth));
+    return count[0] + count[1] + count[2] + count[3];
+}
+
+/* Uniform tiles [first, end) have this entry. */
+static void place_run(const node_builder *b, block *out, int first, int end, int32_t entry)
+{
+    for (int n = first; n < end; n++)
+        if (b->tile[n].kind == TILE_UNIFORM) out->tile[n].palette = (uint16_t)entry;
+}
+
+/* Entries for uniform tiles: as those before them where they may. */
+static void place_uniform(const node_builder *b, block *out, int32_t base)
+{
+    int32_t   depths[PALETTE_LANES];
+    run_range run   = {0, PALETTE_MAX};
+    int       first = 0;
+    for (uint32_t n = 0; n < PALETTE_LANES; n++) depths[n] = n < out->depths ? base + out->depth[n] : INT32_MAX;
+    for (int n = 0; n < BLOCK_TILES; n++) {
+        const tile_in *t = &b->tile[n];
+        if (t->kind != TILE_UNIFORM) continue;
+        run_range may = {count_below(depths, t->emax), count_below(depths, t->xmin + 1) - 1};
+        if (run_takes(&run, may.low, may.high)) continue;
+        place_run(b, out, first, n, run.low);
+        run   = may;
+        first = n;
+    }
+    place_run(b, out, first, BLOCK_TILES, run.low);
+}
+
+/* The tiles that lie on a plane are left out of what follows.
+ * p  [out] the plane, in voxels of the map
+ * Returns the bits of those tiles. */
+static uint32_t find_plane(node_builder *b, plane *p)
+{
+    plane_ranges ranges[BLOCK_TILES];
+    uint32_t     mixed = 0, flat = 0;
+    int32_t      from = INT32_MAX;
+    for (uint32_t n = 0; n < BLOCK_TILES; n++)
+        if (b->tile[n].kind == TILE_PATTERN) from = min_i32(from, b->tile[n].xmin - b->tile[n].shift);
+    for (uint32_t n = 0; n < BLOCK_TILES; n++) {
+        tile_in *t = &b->tile[n];
+        t->flat    = 1;
+        if (t->kind != TILE_PATTERN || t->emax - t->shift - from >= PLANE_FREE / PLANE_ONE) continue;
+        plane_ranges_of(&ranges[n], &t->ranges, from + t->shift);
+        ranges[n].x = 8 * (int32_t)(n % 4);
+        ranges[n].y = 8 * (int32_t)(n / 4);
+        t->flat     = plane_may_fit(&ranges[n]);
+        mixed |= 1u << n;
+        flat |= (uint32_t)t->flat << n;
+    }
+    *p          = (plane){0, 0, 0};
+    uint32_t on = plane_of_block(p, ranges, mixed, flat, b->set->recent);
+    if (on) p->least += from * PLANE_ONE;
+    if (p->least < PLANE_LEAST || p->least > PLANE_MOST) on = 0;
+    if (!on) *p = (plane){0, 0, 0};
+    for (uint32_t n = 0; n < BLOCK_TILES; n++)
+        if (on >> n & 1) b->tile[n].kind = TILE_PLANE;
+    b->set->tile_count += (uint32_t)__builtin_popcount(on);
+    return on;
+}
+
+/* Tiles that lie on planes of their own take those: three halves, which serve at any depth. */
+static void give_planes(node_builder *b)
+{
+    for (tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
+        t->plane.count = 0;
+        if (t->kind != TILE_PATTERN || !t->flat) continue;
+        own_plane(&t->plane, &t->ranges);
+        if (t->plane.count) t->kind = TILE_OWN;
+    }
+}
+
+/* The palette of what does not lie on a plane.
+ * codes  [out] of its depths;   Returns the first of them. */
+static int32_t build_palette(node_builder *b, block *out, int16_t codes[PALETTE_MAX])
+{
+    pierce_group groups[PALETTE_MAX + 1];
+    scale_block(b);
+    int     count = block_groups(b, groups);
+    int32_t base  = place(out, &b->axis, groups, count);
+    for (int n = 0; n < count; n++) codes[n] = axis_code(&b->axis, base + out->depth[n]);
+    place_uniform(b, out, base);
+    return base;
+}
+
+/* The block in work, of fetched tiles.
+ * base  [out] the first depth of its palette */
+static vxs_result build_block(node_builder *b, uint32_t *id, int32_t *base)
+{
+    int16_t    codes[PALETTE_MAX];
+    block      out;
+    vxs_result r = VXS_OK;
+    memset(&out, 0, sizeof out);
+    uint32_t on = find_plane(b, &out.plane);
+    give_planes(b);
+    if (on == 0xffff) {
+        out.depths = 1;
+        *base      = max_i32(out.plane.least >> 8, 0);
+    } else
+        *base = build_palette(b, &out, codes);
+    if (on) out.plane.least -= *base * PLANE_ONE;
+    int count = (int)out.depths;
+    for (int n = 0; n < BLOCK_TILES && r == VXS_OK; n++) {
+        const tile_in *t  = &b->tile[n];
+        block_tile    *to = &out.tile[n];
+        to->kind          = (uint16_t)t->kind;
+        if (t->kind == TILE_UNIFORM || t->kind == TILE_PLANE) continue;
+        b->set->tile_count++;
+        if (t->kind == TILE_OWN) {
+            r = own_find(&b->set->own, &t->ranges, &t->plane, &to->pattern, &to->base);
+            to->base -= *base;
+            continue;
+        }
+        mask_need needs[PALETTE_MAX - 1];
+        to->palette = (uint16_t)tile_needs(t->low, t->high, codes, count, needs, b->set->patterns.cpu);
+        r           = pattern_find(&b->set->patterns, __builtin_popcount(to->palette), needs, &to->pattern);
+    }
+    return r == VXS_OK ? block_set_find(b->set, &out, id) : r;
+}
+
+/* nodes ----------------------------------------------------------------------------------------------------------------------- */
+
+/* The bounds of the tiles of a square of the node at tile (x, y): where all of its columns are alike, so are they. */
+static vxs_result bound_tiles(node_builder *b, uint32_t level, uint32_t x, uint32_t y)
+{
+    uint32_t      side = 1u << level;
+    column_bounds bounds;
+    vxs_result    r = b->columns->bounds(b->columns->data, level, (b->tile_x + x) >> level, (b->tile_y + y) >> level, &bounds);
+    if (r == VXS_OK && level && !bounds_alike(&bounds)) {
+        for (uint32_t c = 0; c < 4 && r == VXS_OK; c++)
+            r = bound_tiles(b, level - 1, x + (c & 1) * side / 2, y + (c >> 1) * side / 2);
+        return r;
+    }
+    int32_t emax = (int32_t)bounds.emax, xmin = exit_depth(bounds.xmin, b->columns->depth_vx);
+    for (uint32_t row = y; row < y + side; row++)
+        for (uint32_t n = NODE_TILES * row + x; n < NODE_TILES * row + x + side; n++) {
+            b->emax[n] = emax;
+            b->xmin[n] = xmin;
+        }
+    return r;
+}
+
+/* Beyond columns that are less than a node, a tile may be anything. */
+static void bound_beyond(node_builder *b)
+{
+    for (uint32_t n = 0; n < NODE_TILE_COUNT; n++) {
+        b->emax[n] = 0;
+        b->xmin[n] = FAR_DEPTH;
+    }
+}
+
+static void add_slope(node_builder *b)
+{
+    if (!b->node.slope.x && !b->node.slope.y) return;
+    for (int32_t y = 0, n = 0; y < NODE_TILES; y++)
+        for (int32_t x = 0; x < NODE_TILES; x++, n++) {
+            int32_t shift = slope_shift(b->node.slope, x, y);
+            b->emax[n] += shift;
+            b->xmin[n] += shift;
+        }
+}
+
+/* What a block of the node may have as its only depth. */
+static run_range bound_block(const node_builder *b, uint32_t block_x, uint32_t block_y)
+{
+    i32x4 low = i32x4_all(0), high = i32x4_all(2 * FAR_DEPTH);
+    for (uint32_t row = 0, at = 4 * (NODE_TILES * block_y + block_x); row < 4; row++, at += NODE_TILES) {
+        low  = i32x4_max(low, i32x4_load(b->emax + at));
+        high = i32x4_min(high, i32x4_load(b->xmin + at));
+    }
+    return (run_range){i32x4_greatest(low), i32x4_least(high)};
+}
+
+/* Blocks [first, end) of one depth have this one. */
+static void depth_of_run(node_builder *b, uint32_t first, uint32_t end, int32_t depth)
+{
+    for (uint32_t n = first; n < end; n++)
+        if (!(b->node.mixed >> n & 1)) b->node.depth[n] = depth;
+}
+
+/* Blocks of one depth take that of the ones before them where they may. */
+static vxs_result build_blocks(node_builder *b)
+{
+    run_range run   = {0, INT32_MAX};
+    uint32_t  first = 0;
+    for (uint32_t n = 0; n < NODE_BLOCKS; n++) {
+        run_range may = bound_block(b, n % 8, n / 8);
+        if (may.low > may.high) {
+            b->node.mixed |= 1ull << n;
+            vxs_result r = fetch_block(b, n % 8, n / 8);
+            if (r == VXS_OK) r = build_block(b, &b->node.block[n], &b->node.depth[n]);
+            if (r != VXS_OK) return r;
+        } else if (!run_takes(&run, may.low, may.high)) {
+            depth_of_run(b, first, n, run.low);
+            run   = may;
+            first = n;
+        }
+    }
+    depth_of_run(b, first, NODE_BLOCKS, run.low);
+    return VXS_OK;
+}
+
+/* The slope that the last node of the set has. */
+static node_slope last_slope(const block_set *s)
+{
+    return s->node_count ? s->nodes[s->node_count - 1].slope : (node_slope){0, 0};
+}
+
+vxs_result block_build_node(block_set *s, const column_square *columns, uint32_t map, uint32_t x, uint32_t y)
+{
+    uint32_t      level = square_level(min_u32(columns->side_px, NODE_PX));
+    column_bounds bounds;
+    vxs_result    r = columns->bounds(columns->data, level, x, y, &bounds);
+    if (r != VXS_OK) return r;
+    uint32_t map_x = columns->u_px / NODE_PX + x, map_y = columns->v_px / NODE_PX + y;
+    if (bounds.emax <= bounds.xmin)
+        return block_set_add_uniform(
+            s, &(uniform_square){map, square_level(NODE_PX), map_x, map_y, uniform_depth(&bounds, columns->depth_vx)});
+
+    node_builder *b = malloc(sizeof *b);
+    if (!b) return VXS_E_MEMORY;
+    b->set     = s;
+    b->columns = columns;
+    b->tile_x  = NODE_TILES * x;
+    b->tile_y  = NODE_TILES * y;
+    b->node    = (block_node){.map = map, .x = map_x, .y = map_y, .emin = bounds.emin, .xmax = bounds.xmax};
+    if (columns->side_px < NODE_PX) bound_beyond(b);
+    if ((r = bound_tiles(b, level, 0, 0)) == VXS_OK) {
+        b->node.slope = slope_find(b->emax, b->xmin, last_slope(s));
+        add_slope(b);
+        r = build_blocks(b);
+    }
+    if (r == VXS_OK) r = block_set_add_node(s, &b->node);
+    free(b);
+    return r;
+}

@@ -1,0 +1,481 @@
+/* The pages of palette blocks; see block_layout.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/coding/blocks/block_layout.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/base/array.h"
+#include "baker/base/gate.h"
+#include "baker/base/parallel.h"
+#include "baker/coding/blocks/block_pack.h"
+#include "baker/coding/blocks/pattern_code.h"
+
+enum {
+    NODE_HALVES = 11, /* before the arrays of a node */
+    PLANE_WORDS = 2,
+    WRITERS_MAX = 8,   /* of pages at once: each takes memory */
+    FAR_BASE    = 8192 /* bases of own tiles from here on have words of their own */
+};
+
+#define NODE_WIDE 1u
+#define BLOCK_FAR 0x400u
+#define COMMON    0x20000u
+
+/* nodes ----------------------------------------------------------------------------------------------------------------------- */
+
+/* Blocks that begin a new run of a depth. */
+static uint64_t fresh_blocks(const node_shape *s)
+{
+    uint64_t fresh = 0;
+    int      last  = -1;
+    for (int b = 0; b < NODE_BLOCKS; b++) {
+        if (s->mixed >> b & 1) continue;
+        if (last < 0 || s->depth[b] != s->depth[last]) fresh |= 1ull << b;
+        last = b;
+    }
+    return fresh;
+}
+
+static int is_wide(const node_shape *s)
+{
+    int wide = 0;
+    for (int b = 0; b < NODE_BLOCKS; b++) wide |= s->depth[b] != NEVER && s->depth[b] > 0xfffe;
+    return wide;
+}
+
+static uint32_t shape_words(const node_shape *s)
+{
+    uint32_t mixed = (uint32_t)__builtin_popcountll(s->mixed), fresh = (uint32_t)__builtin_popcountll(fresh_blocks(s));
+    return (NODE_HALVES + mixed + (mixed + fresh) * (is_wide(s) ? 2 : 1) + 1) / 2;
+}
+
+/* blocks ---------------------------------------------------------------------------------------------------------------------- */
+
+/* What the parts of a block take. */
+typedef struct block_form {
+    uint32_t mixed, own, plane, fresh; /* bits of tiles */
+    uint32_t width, shift, far;        /* of deltas: 0 bytes, 1 halves, 2 words */
+    uint32_t words;
+} block_form;
+
+static block_form form_of(const block *b)
+{
+    block_form f    = {0};
+    uint32_t   bits = 0, last = NEVER, greatest = (uint32_t)b->depth[b->depths - 1];
+    for (uint32_t n = 1; n < b->depths; n++) bits |= (uint32_t)b->depth[n];
+    f.shift = common_shift(bits);
+    f.width = greatest >> f.shift <= 0xff ? 0 : greatest >> f.shift <= 0xffff ? 1 : 2;
+    if (f.width == 2) f.shift = 0;
+    for (uint32_t n = 0; n < BLOCK_TILES; n++) {
+        const block_tile *t = &b->tile[n];
+        if (tile_has_pattern(t)) f.mixed |= 1u << n;
+        if (t->kind == TILE_PLANE) f.plane |= 1u << n;
+        if (t->kind == TILE_OWN) {
+            f.own |= 1u << n;
+            f.far |= t->base < -FAR_BASE || t->base >= FAR_BASE;
+        }
+        if (t->kind == TILE_UNIFORM && t->palette != last) {
+            f.fresh |= 1u << n;
+            last = t->palette;
+        }
+    }
+    uint32_t bytes = ((b->depths - 1) << f.width) + ((uint32_t)__builtin_popcount(f.fresh) + 1) / 2;
+    f.words        = 2 + (f.plane ? PLANE_WORDS : 0) + (uint32_t)__builtin_popcount(f.mixed) + (bytes + 3) / 4 +
+              (f.far ? (uint32_t)__builtin_popcount(f.own) : 0);
+    return f;
+}
+
+/* pages ----------------------------------------------------------------------------------------------------------------------- */
+
+/* What a page would take with what it has and a node more. */
+typedef struct page_size {
+    uint32_t words, halves;
+} page_size;
+
+/* Whether a thing is not in the page yet; from now on it is, at `at`. */
+static int is_new(in_page *p, uint32_t stamp, uint32_t at)
+{
+    if (p->stamp == stamp) return 0;
+    *p = (in_page){stamp, at};
+    return 1;
+}
+
+/* The patterns of a block's tiles. Returns how many there are. */
+static int codes_of(const layout *l, uint32_t id, tile_code tiles[BLOCK_TILES])
+{
+    block_head head;
+    uint32_t   patterns[BLOCK_TILES];
+    const int  count = block_patterns(intern_at(&l->set->blocks, id), &head, patterns);
+    for (uint32_t n = 0, rest = head.patterned; rest; n++, rest &= rest - 1) {
+        const int own = head.own >> __builtin_ctz(rest) & 1;
+        tiles[n]      = (tile_code){own, l->code_of[own][patterns[n]]};
+    }
+    return count;
+}
+
+/* Blocks lie apart from each other: all of a node's are fetched at once. */
+static void fetch_blocks(const layout *l, const node_shape *shape)
+{
+    for (uint64_t rest = shape->mixed; rest; rest &= rest - 1)
+        __builtin_prefetch(intern_at(&l->set->blocks, shape->block[__builtin_ctzll(rest)]));
+}
+
+/* Add a node's words, and those of blocks and patterns that the page has not yet, each at its place: patterns count from half 0. */
+static void add_to_page(const layout *l, page_scratch *s, page_size *page, const node_place *n)
+{
+    const node_shape *shape = shape_of(l, n);
+    s->fresh_count          = 0;
+    if (!is_new(&s->shape_at[n->shape], s->stamp, page->words)) return;
+    fetch_blocks(l, shape);
+    page->words += shape_words(shape);
+    for (int b = 0; b < NODE_BLOCKS; b++) {
+        if (!(shape->mixed >> b & 1) || !is_new(&s->block_at[shape->block[b]], s->stamp, page->words)) continue;
+        tile_code tiles[BLOCK_TILES];
+        const int count = codes_of(l, shape->block[b], tiles);
+        page->words += l->block_words[shape->block[b]];
+        for (const tile_code *t = tiles; t < tiles + count; t++) {
+            uint32_t halves;
+            if (l->common[t->own][t->code] || !is_new(&s->code_at[t->own][t->code], s->stamp, page->halves)) continue;
+            code_halves(l, t->own, t->code, &halves);
+            page->halves += halves;
+            s->fresh[s->fresh_count++] = *t;
+        }
+    }
+}
+
+static uint32_t page_words(const page_size *p)
+{
+    return p->words + (p->halves + 1) / 2;
+}
+
+static vxs_result scratch_init(page_scratch *s, const layout *l)
+{
+    *s = (page_scratch){
+        .shape_at = calloc(l->shapes.count + 1, sizeof *s->shape_at),
+        .block_at = calloc(l->set->blocks.count + 1, sizeof *s->block_at),
+        .code_at  = {calloc(l->codes[0].count + 1, sizeof **s->code_at), calloc(l->codes[1].count + 1, sizeof **s->code_at)}};
+    return s->shape_at && s->block_at && s->code_at[0] && s->code_at[1] ? VXS_OK : VXS_E_MEMORY;
+}
+
+static void scratch_free(page_scratch *s)
+{
+    free(s->shape_at);
+    free(s->block_at);
+    free(s->code_at[0]);
+    free(s->code_at[1]);
+}
+
+/* A page ends before node n. */
+static vxs_result end_page(layout *l, uint32_t n, uint32_t words)
+{
+    if (!array_reserve(&l->page_end, &l->page_capacity, l->page_count + 1, sizeof *l->page_end)) return VXS_E_MEMORY;
+    uint64_t end = (uint64_t)page_place(l, l->page_count) + words;
+    if (end > UINT32_MAX / 2) return VXS_E_REFERENCES;
+    l->page_end[l->page_count++] = (page_end){n, (uint32_t)end};
+    l->scratch.stamp++;
+    return VXS_OK;
+}
+
+/* Pages end where they are full, or where those so far come nearest to `share` words each.
+ * pages  [own][code] in how many pages each pattern is, zeros before; NULL: it is not asked */
+static vxs_result cut(layout *l, uint64_t share, uint32_t *const *pages)
+{
+    page_scratch *s     = &l->scratch;
+    uint32_t      count = (uint32_t)l->set->node_count;
+    page_size     page  = {0, 0};
+    vxs_result    r     = VXS_OK;
+    l->page_count       = 0;
+    s->stamp++;
+    for (uint32_t n = 0, first = 0; n < count && r == VXS_OK; n++) {
+        node_place *node   = &l->nodes[n];
+        uint32_t    before = page_words(&page);
+        add_to_page(l, s, &page, node);
+        uint64_t middle =
+            page_place(l, l->page_count) + ((uint64_t)before + page_words(&page)) / 2; /* of this node, among all words */
+        if (n > first && (page_words(&page) > VXS_PAGE_WORDS_MAX || middle >= share * (l->page_count + 1))) {
+            /* this node begins the next page */
+            r     = end_page(l, n, before);
+            first = n;
+            page  = (page_size){0, 0};
+            add_to_page(l, s, &page, node);
+        }
+        node->page = (uint32_t)l->page_count;
+        node->word = s->shape_at[node->shape].at;
+        for (const tile_code *t = s->fresh; pages && t < s->fresh + s->fresh_count; t++) pages[t->own][t->code]++;
+    }
+    return r == VXS_OK && count ? end_page(l, count, page_words(&page)) : r;
+}
+
+/* common patterns ------------------------------------------------------------------------------------------------------------- */
+
+typedef struct shared_code {
+    uint32_t pages, own, code;
+} shared_code;
+
+/* Most used first. */
+static int by_use(const void *a, const void *b)
+{
+    const shared_code *x = a, *y = b;
+    if (x->pages != y->pages) return x->pages > y->pages ? -1 : 1;
+    if (x->own != y->own) return x->own < y->own ? -1 : 1;
+    return (x->code > y->code) - (x->code < y->code);
+}
+
+/* One more pattern of the common pool, if there is room. */
+static vxs_result add_common(layout *l, const shared_code *c)
+{
+    uint32_t        count;
+    const uint16_t *halves = code_halves(l, (int)c->own, c->code, &count);
+    if (l->common_halves + count > VXS_COMMON_HALVES_MAX) return VXS_OK;
+    if (!array_reserve(&l->common_kinds, &l->common_capacity, l->common_count + 1, sizeof *l->common_kinds)) return VXS_E_MEMORY;
+    l->common_kinds[l->common_count++] = (uint8_t)(halves[-1] >> 8);
+    l->common[c->own][c->code]         = 1 + l->common_halves;
+    l->common_halves += count;
+    return VXS_OK;
+}
+
+/* Patterns of several pages are kept once, as many as there is room for.   pages  [own][code] in how many they are */
+static vxs_result choose_common(layout *l, uint32_t *const *pages)
+{
+    size_t       all = l->codes[0].count + l->codes[1].count, count = 0;
+    shared_code *shared = malloc((all + 1) * sizeof *shared);
+    vxs_result   r      = shared ? VXS_OK : VXS_E_MEMORY;
+    for (uint32_t own = 0; own < 2 && r == VXS_OK; own++)
+        for (uint32_t code = 0; code < l->codes[own].count; code++)
+            if (pages[own][code] > 1) shared[count++] = (shared_code){pages[own][code], own, code};
+    if (count) qsort(shared, count, sizeof *shared, by_use);
+    for (size_t n = 0; n < count && r == VXS_OK; n++) r = add_common(l, &shared[n]);
+    free(shared);
+    return r;
+}
+
+static void size_some_blocks(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    const layout *l = user;
+    (void)worker;
+    for (size_t n = begin; n < end; n++) {
+        const block b     = block_at(l->set, (uint32_t)n);
+        l->block_words[n] = (uint16_t)form_of(&b).words;
+    }
+}
+
+/* First each as full as it gets, which tells how many there have to be; then as many, alike in size, so that threads have as much to do. */
+static vxs_result cut_twice(layout *l, uint32_t *const *pages)
+{
+    vxs_result r = cut(l, VXS_PAGE_WORDS_MAX, pages);
+    if (r != VXS_OK || l->page_count < 2) return r;
+    r = choose_common(l, pages);
+    return r == VXS_OK ? cut(l, page_place(l, l->page_count) / l->page_count + 1, NULL) : r;
+}
+
+vxs_result layout_cut_pages(layout *l)
+{
+    uint32_t  *pages[2] = {calloc(l->codes[0].count + 1, sizeof **pages), calloc(l->codes[1].count + 1, sizeof **pages)};
+    vxs_result r        = scratch_init(&l->scratch, l);
+    l->block_words      = malloc((l->set->blocks.count + 1) * sizeof *l->block_words);
+    if (!l->block_words || !pages[0] || !pages[1]) r = VXS_E_MEMORY;
+    if (r == VXS_OK) {
+        parallel_for(l->threads, l->set->blocks.count, 4096, size_some_blocks, l);
+        r = cut_twice(l, pages);
+    }
+    free(pages[0]);
+    free(pages[1]);
+    scratch_free(&l->scratch);
+    return r == VXS_OK && l->page_count > VXS_PAGES_MAX ? VXS_E_REFERENCES : r;
+}
+
+/* words ----------------------------------------------------------------------------------------------------------------------- */
+
+/* A thread that writes pages. */
+typedef struct page_writer {
+    const layout *l;
+    uint32_t     *to;
+    size_t        first, step; /* its pages */
+    page_scratch  scratch;
+    block_counts  counts;
+} page_writer;
+
+/* Halves and bytes of words, from a place on. */
+typedef struct half_writer {
+    uint32_t *words;
+    uint32_t  at;
+} half_writer;
+
+static void put_half(half_writer *w, uint32_t half)
+{
+    w->words[w->at / 2] |= (half & 0xffff) << 16 * (w->at & 1);
+    w->at++;
+}
+
+static void put_wide(half_writer *w, uint32_t value, int wide)
+{
+    put_half(w, value);
+    if (wide) put_half(w, value >> 16);
+}
+
+static void put_bytes(uint32_t *words, uint32_t at, uint32_t value, uint32_t count)
+{
+    for (uint32_t n = 0; n < count; n++, at++) words[at / 4] |= (value >> 8 * n & 0xff) << 8 * (at & 3);
+}
+
+/* Returns how many words it takes. */
+static uint32_t write_node(const page_scratch *places, uint32_t *to, const node_shape *s)
+{
+    uint64_t    fresh = fresh_blocks(s);
+    int         wide  = is_wide(s);
+    half_writer w     = {to, 0};
+    for (int n = 0; n < 4; n++) put_half(&w, (uint32_t)(s->mixed >> 16 * n));
+    for (int n = 0; n < 4; n++) put_half(&w, (uint32_t)(fresh >> 16 * n));
+    put_half(&w, (uint32_t)s->slope.x);
+    put_half(&w, (uint32_t)s->slope.y);
+    put_half(&w, wide ? NODE_WIDE : 0);
+    for (int b = 0; b < NODE_BLOCKS; b++)
+        if (s->mixed >> b & 1) put_half(&w, places->block_at[s->block[b]].at);
+    for (int b = 0; b < NODE_BLOCKS; b++)
+        if (s->mixed >> b & 1) put_wide(&w, s->depth[b], wide);
+    for (int b = 0; b < NODE_BLOCKS; b++)
+        if (fresh >> b & 1) put_wide(&w, s->depth[b], wide);
+    return (w.at + 1) / 2;
+}
+
+/* pool  the half of the page where its patterns begin */
+static void write_block(const layout *l, const page_scratch *s, uint32_t *to, const block *b, block_form f, uint32_t pool)
+{
+    uint32_t word = 2, byte, nibbles = 0;
+    to[0] = f.mixed | f.fresh << 16;
+    to[1] = f.own | f.plane | ((b->depths - 1) | f.shift << 4 | f.width << 8 | (f.far ? BLOCK_FAR : 0)) << 16;
+    if (f.plane) {
+        int shift  = plane_shift(&b->plane);
+        to[word++] = ((uint32_t)(b->plane.across >> shift) & 0xffff) | (uint32_t)(b->plane.down >> shift) << 16;
+        to[word++] = (uint32_t)shift | (uint32_t)b->plane.least << 4;
+    }
+    for (const block_tile *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
+        if (!tile_has_pattern(t)) continue;
+        int      own  = t->kind == TILE_OWN;
+        uint32_t code = l->code_of[own][t->pattern], common = l->common[own][code];
+        uint32_t ref = common ? COMMON | (common - 1) : pool + s->code_at[own][code].at;
+        to[word++]   = ref << 14 | (!own ? t->palette : f.far ? 0 : (uint32_t)(t->base + FAR_BASE));
+    }
+    byte = 4 * word;
+    for (uint32_t n = 1; n < b->depths; n++, byte += 1u << f.width)
+        put_bytes(to, byte, (uint32_t)b->depth[n] >> f.shift, 1u << f.width);
+    for (uint32_t n = 0; n < BLOCK_TILES; n++) {
+        if (!(f.fresh >> n & 1)) continue;
+        put_bytes(to, byte + nibbles / 2, (uint32_t)b->tile[n].palette << 4 * (nibbles & 1), 1);
+        nibbles++;
+    }
+    word = (byte + (nibbles + 1) / 2 + 3) / 4;
+    for (const block_tile *t = b->tile; f.far && t < b->tile + BLOCK_TILES; t++)
+        if (t->kind == TILE_OWN) to[word++] = (uint32_t)t->base;
+}
+
+static void write_pattern(const layout *l, uint32_t *to, uint32_t half, int own, uint32_t code)
+{
+    uint32_t        count;
+    const uint16_t *halves = code_halves(l, own, code, &count);
+    half_writer     w      = {to, half};
+    for (uint32_t n = 0; n < count; n++) put_half(&w, halves[n]);
+}
+
+/* The patterns that a block is the first of its page to use. */
+static void write_block_patterns(page_writer *w, uint32_t *to, const block *b, uint32_t pool, uint32_t *next_half)
+{
+    const layout *l = w->l;
+    for (const block_tile *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
+        if (!tile_has_pattern(t)) continue;
+        int      own  = t->kind == TILE_OWN;
+        uint32_t code = l->code_of[own][t->pattern], count;
+        if (l->common[own][code] || w->scratch.code_at[own][code].at != *next_half) continue;
+        code_halves(l, own, code, &count);
+        write_pattern(l, to, pool + *next_half, own, code);
+        *next_half += count;
+        own ? w->counts.own_patterns++ : w->counts.patterns++;
+    }
+}
+
+static void count_block(block_counts *c, const block_form *f)
+{
+    c->blocks++;
+    c->block_words += f->words;
+    c->tiles += (uint32_t)__builtin_popcount(f->mixed);
+    c->own_tiles += (uint32_t)__builtin_popcount(f->own);
+}
+
+/* Write what a page holds.   words  zeros */
+static void write_page(page_writer *w, size_t page, uint32_t *words)
+{
+    const layout *l     = w->l;
+    uint32_t      first = page ? l->page_end[page - 1].node : 0, end = l->page_end[page].node, next_word = 0, next_half = 0;
+    page_size     size = {0, 0};
+    block_counts *c    = &w->counts;
+    w->scratch.stamp++;
+    for (uint32_t n = first; n < end; n++) add_to_page(l, &w->scratch, &size, &l->nodes[n]);
+    uint32_t pool = 2 * size.words;
+    for (uint32_t n = first; n < end; n++) {
+        const node_shape *shape = shape_of(l, &l->nodes[n]);
+        if (l->nodes[n].word != next_word) continue;
+        gate_pass();
+        uint32_t node_words = write_node(&w->scratch, words + next_word, shape);
+        next_word += node_words;
+        c->nodes++;
+        c->node_words += node_words;
+        for (int b = 0; b < NODE_BLOCKS; b++) {
+            if (!(shape->mixed >> b & 1) || w->scratch.block_at[shape->block[b]].at != next_word) continue;
+            const block of   = block_at(l->set, shape->block[b]);
+            block_form  form = form_of(&of);
+            write_block(l, &w->scratch, words + next_word, &of, form, pool);
+            write_block_patterns(w, words, &of, pool, &next_half);
+            next_word += form.words;
+            count_block(c, &form);
+        }
+    }
+    c->pattern_words += (size.halves + 1) / 2;
+}
+
+static void add_counts(block_counts *to, const block_counts *c)
+{
+    to->nodes += c->nodes;
+    to->blocks += c->blocks;
+    to->tiles += c->tiles;
+    to->own_tiles += c->own_tiles;
+    to->patterns += c->patterns;
+    to->own_patterns += c->own_patterns;
+    to->node_words += c->node_words;
+    to->block_words += c->block_words;
+    to->pattern_words += c->pattern_words;
+}
+
+/* Each writer takes every so many pages: what it needs to know of a page is as large as all that pages can hold. */
+static void write_some_pages(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    page_writer *w = user;
+    (void)worker;
+    for (size_t n = begin; n < end; n++)
+        for (size_t page = w[n].first; page < w[n].l->page_count; page += w[n].step)
+            write_page(&w[n], page, w[n].to + page_place(w[n].l, page));
+}
+
+vxs_result layout_write_pages(layout *l, uint32_t *to)
+{
+    page_writer writers[WRITERS_MAX];
+    uint32_t    count = min_u32(min_u32(max_u32(l->threads, 1), WRITERS_MAX), (uint32_t)l->page_count), made = 0;
+    vxs_result  r = VXS_OK;
+    for (; made < count && r == VXS_OK; made++) {
+        writers[made] = (page_writer){.l = l, .to = to, .first = made, .step = count};
+        r             = scratch_init(&writers[made].scratch, l);
+    }
+    if (r == VXS_OK) parallel_for(count, count, 1, write_some_pages, writers);
+    for (uint32_t n = 0; n < made; n++) {
+        add_counts(&l->out->counts, &writers[n].counts);
+        scratch_free(&writers[n].scratch);
+    }
+    return r;
+}
+
+void layout_write_common(const layout *l, uint32_t *to)
+{
+    for (int own = 0; own < 2; own++)
+        for (uint32_t code = 0; code < l->codes[own].count; code++)
+            if (l->common[own][code]) write_pattern(l, to, l->common[own][code] - 1, own, code);
+}

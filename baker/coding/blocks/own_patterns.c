@@ -1,0 +1,381 @@
+/* Patterns with depths of their own; see own_patterns.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/coding/blocks/own_patterns.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/base/array.h"
+#include "baker/base/cpu.h"
+#include "baker/base/simd.h"
+#include "baker/coding/blocks/pattern_code.h"
+#include "baker/coding/blocks/patterns.h"
+#include "baker/coding/blocks/pierce.h"
+
+#ifdef __x86_64__
+#include <immintrin.h>
+#endif
+
+enum { PAIRS = 4, GROUP = 16, SHIFTS = 8, MARGIN = 1024, BYTES_HALVES_MIN = 19 /* that depths in bytes take */ };
+
+/* Texels that are compared first, spread over the tile: how much deeper the second of a pair is than the first does not depend on a base. */
+static const int pair_texels[PAIRS][2] = {{0, 63}, {22, 41}, {15, 51}, {28, 37}};
+
+typedef struct own_known {
+    int16_t  depth[64];
+    uint32_t id;
+} own_known;
+
+/* The pairs of patterns, which are searched so many at a time. */
+typedef struct own_group {
+    int16_t deeper[PAIRS][GROUP];
+} own_group;
+
+/* Ranges in halves, from `floor` on; nothing that could be chosen is lost. */
+typedef struct half_ranges {
+    int16_t low[64], high[64];
+    int32_t floor;
+} half_ranges;
+
+static int32_t greatest_low(const tile_ranges *t)
+{
+    int32_t greatest = t->low[0];
+    for (int n = 1; n < 64; n++) greatest = t->low[n] > greatest ? t->low[n] : greatest;
+    return greatest;
+}
+
+/* 0: the depths lie too far apart. */
+static int ranges_in_halves(half_ranges *h, const tile_ranges *t)
+{
+    h->floor = least_high(t) - MARGIN;
+    if (greatest_low(t) - h->floor > INT16_MAX - MARGIN) return 0;
+    for (int n = 0; n < 64; n++) {
+        int32_t low = t->low[n] - h->floor, high = t->high[n] - h->floor;
+        h->low[n]  = (int16_t)(low < 0 ? 0 : low);
+        h->high[n] = (int16_t)(high > INT16_MAX ? INT16_MAX : high);
+    }
+    return 1;
+}
+
+/* Whether there is a base at which all depths lie in their ranges. */
+static int fits_at(const half_ranges *t, const int16_t depth[64], int *base)
+{
+    i16x8 least = i16x8_all(0), most = i16x8_all(INT16_MAX);
+    for (int n = 0; n < 64; n += 8) {
+        i16x8 d = i16x8_load(depth + n);
+        least   = i16x8_max(least, i16x8_subs(i16x8_load(t->low + n), d));
+        most    = i16x8_min(most, i16x8_subs(i16x8_load(t->high + n), d));
+        if (i16x8_any((i16x8)(least > most))) return 0;
+    }
+    *base = i16x8_greatest(least);
+    return *base <= i16x8_least(most);
+}
+
+/* How much deeper the second texel of each pair may be. */
+typedef struct pair_ranges {
+    int16_t low[PAIRS], high[PAIRS];
+} pair_ranges;
+
+/* Which patterns of a group the pairs do not rule out, as bits. */
+typedef uint32_t find_possible(const own_group *g, const pair_ranges *r);
+
+static ALWAYS_INLINE uint32_t possible(const own_group *g, const pair_ranges *r)
+{
+    i16x8 a = i16x8_all(0), b = i16x8_all(0);
+    for (int n = 0; n < PAIRS; n++) {
+        i16x8 low = i16x8_all(r->low[n]), high = i16x8_all(r->high[n]);
+        i16x8 x = i16x8_load(g->deeper[n]), y = i16x8_load(g->deeper[n] + GROUP / 2);
+        a |= (i16x8)(x < low) | (i16x8)(x > high);
+        b |= (i16x8)(y < low) | (i16x8)(y > high);
+        if (n == PAIRS / 2 - 1 && i16x8_bits(a, b) == 0xffff) return 0;
+    }
+    return ~i16x8_bits(a, b) & 0xffff;
+}
+
+#ifdef __x86_64__
+
+CPU_TARGET_AVX2 static ALWAYS_INLINE uint32_t possible_avx2(const own_group *g, const pair_ranges *r)
+{
+    __m256i out = _mm256_setzero_si256();
+    for (int n = 0; n < PAIRS; n++) {
+        __m256i deeper = _mm256_loadu_si256((const __m256i *)(const void *)g->deeper[n]);
+        out            = _mm256_or_si256(out, _mm256_cmpgt_epi16(_mm256_set1_epi16(r->low[n]), deeper));
+        out            = _mm256_or_si256(out, _mm256_cmpgt_epi16(deeper, _mm256_set1_epi16(r->high[n])));
+    }
+    __m128i bytes = _mm_packs_epi16(_mm256_castsi256_si128(out), _mm256_extracti128_si256(out, 1));
+    return ~(uint32_t)_mm_movemask_epi8(bytes) & 0xffff;
+}
+
+#endif
+
+static uint32_t last_bit(uint32_t bits)
+{
+    return 31 - (uint32_t)__builtin_clz(bits);
+}
+
+/* Returns the place of a pattern that fits, or the count. */
+static ALWAYS_INLINE size_t search_by(find_possible *find, const own_set *s, const half_ranges *t, int *base)
+{
+    size_t      stop = s->known_count > OWN_WINDOW ? s->known_count - OWN_WINDOW : 0;
+    pair_ranges r;
+    for (int n = 0; n < PAIRS; n++) {
+        int from = pair_texels[n][0], to = pair_texels[n][1];
+        r.low[n]  = (int16_t)(t->low[to] - t->high[from]);
+        r.high[n] = (int16_t)(t->high[to] - t->low[from]);
+    }
+    for (size_t end = s->known_count; end > stop;) {
+        size_t   first = (end - 1) / GROUP * GROUP;
+        uint32_t hits  = find(&s->groups[first / GROUP], &r) & ((2u << (end - 1 - first)) - 1);
+        for (; hits; hits &= ~(1u << last_bit(hits))) {
+            size_t at = first + last_bit(hits);
+            if (at >= stop && fits_at(t, s->known[at].depth, base)) return at;
+        }
+        end = first;
+    }
+    return s->known_count;
+}
+
+static size_t search_plain(const own_set *s, const half_ranges *t, int *base)
+{
+    return search_by(possible, s, t, base);
+}
+
+#ifdef __x86_64__
+
+CPU_TARGET_AVX2 static size_t search_avx2(const own_set *s, const half_ranges *t, int *base)
+{
+    return search_by(possible_avx2, s, t, base);
+}
+
+#endif
+
+static size_t search(const own_set *s, const half_ranges *t, int *base)
+{
+#ifdef __x86_64__
+    if (s->cpu >= CPU_AVX2) return search_avx2(s, t, base);
+#endif
+    return search_plain(s, t, base);
+}
+
+static void exchange_pairs(own_set *s, size_t a, size_t b)
+{
+    for (int n = 0; n < PAIRS; n++) {
+        int16_t *x = &s->groups[a / GROUP].deeper[n][a % GROUP], *y = &s->groups[b / GROUP].deeper[n][b % GROUP], was = *x;
+        *x = *y;
+        *y = was;
+    }
+}
+
+/* Halfway to where searches begin. */
+static void move_up(own_set *s, size_t at)
+{
+    size_t    to  = at + (s->known_count - at) / 2;
+    own_known was = s->known[at];
+    s->known[at]  = s->known[to];
+    s->known[to]  = was;
+    exchange_pairs(s, at, to);
+}
+
+/* choosing -------------------------------------------------------------------------------------------------------------------- */
+
+/* What the texels before say of one: a plane through three of them, or a line through two. */
+static int32_t predicted(int32_t d[8][8], int x, int y)
+{
+    if (x && y) return d[y][x - 1] + d[y - 1][x] - d[y - 1][x - 1];
+    if (x) return x > 1 ? 2 * d[0][x - 1] - d[0][x - 2] : d[0][0];
+    return y > 1 ? 2 * d[y - 1][0] - d[y - 2][0] : d[0][0];
+}
+
+/* Depths in bytes, in steps of 1 << shift, each as near to what is predicted as it may be. 0: they don't fit. */
+static int choose_bytes(own_pattern *p, const tile_ranges *t, int shift, int32_t *base)
+{
+    int32_t first = least_high(t), last = greatest_low(t), step = 1 << shift, d[8][8], least = 255;
+    if ((last - first + step - 1) >> shift > 255) return 0;
+    for (int y = 0; y < 8; y++)
+        for (int x = 0; x < 8; x++) {
+            int     n   = pattern_texel(x, y);
+            int32_t low = t->low[n] <= first ? 0 : (t->low[n] - first + step - 1) >> shift, high = (t->high[n] - first) >> shift;
+            high = high > 255 ? 255 : high;
+            if (low > high) return 0;
+            int32_t near = x || y ? predicted(d, x, y) : (low + high) / 2;
+            d[y][x]      = near < low ? low : near > high ? high : near;
+            least        = d[y][x] < least ? d[y][x] : least;
+        }
+    for (int y = 0; y < 8; y++)
+        for (int x = 0; x < 8; x++) p->depth[pattern_texel(x, y)] = (d[y][x] - least) << shift;
+    *base = first + (least << shift);
+    return 1;
+}
+
+/* As few different depths as there may be. */
+static void choose_few(own_pattern *p, const half_ranges *t, int32_t *base)
+{
+    intervals    s;
+    pierce_group groups[64];
+    int16_t      points[64];
+    uint8_t      low[64], high[64], index[64];
+    s.count = 64;
+    memcpy(s.low, t->low, sizeof t->low);
+    memcpy(s.high, t->high, sizeof t->high);
+    int count = pierce(&s, groups, 64, CPU_SSE2); /* seldom asked */
+    for (int n = 0; n < count; n++) points[n] = groups[n].low;
+    points_of_ranges(t->low, t->high, points, count, low, high);
+    pattern_choose_within(low, high, index);
+    for (int n = 0; n < 64; n++) p->depth[n] = points[index[n]] - points[0];
+    *base = t->floor + groups[0].low;
+}
+
+/* Depths far apart: each as near to the first as it may be. */
+static void choose_any(own_pattern *p, const tile_ranges *t, int32_t *base)
+{
+    *base = least_high(t);
+    for (int n = 0; n < 64; n++) p->depth[n] = t->low[n] > *base ? t->low[n] - *base : 0;
+}
+
+/* The least depth becomes 0. */
+static void count_from_least(own_pattern *p, int32_t *base)
+{
+    int32_t least = p->depth[0];
+    for (int n = 1; n < 64; n++) least = p->depth[n] < least ? p->depth[n] : least;
+    for (int n = 0; n < 64; n++) p->depth[n] -= least;
+    *base += least;
+}
+
+/* Depths that take few halves: as few as there may be, or bytes. Returns how many it takes. */
+static uint32_t choose_depths(own_pattern *p, const tile_ranges *t, const half_ranges *halves, int32_t *base)
+{
+    uint16_t    code[OWN_HALVES_MAX];
+    own_pattern bytes;
+    int32_t     base_of_bytes;
+    if (halves)
+        choose_few(p, halves, base);
+    else
+        choose_any(p, t, base);
+    count_from_least(p, base);
+    p->plane_halves        = 0;
+    uint32_t halves_of_few = own_encode(p->depth, code);
+    for (int shift = 0; shift < SHIFTS && halves_of_few > BYTES_HALVES_MIN; shift++) {
+        if (!choose_bytes(&bytes, t, shift, &base_of_bytes)) continue;
+        uint32_t count = own_encode(bytes.depth, code);
+        if (count >= halves_of_few) break;
+        memcpy(p->depth, bytes.depth, sizeof p->depth);
+        *base = base_of_bytes;
+        return count;
+    }
+    return halves_of_few;
+}
+
+/* Whether a search can compare all depths. */
+static int in_halves(const int32_t depth[64])
+{
+    for (int n = 0; n < 64; n++)
+        if (depth[n] > INT16_MAX) return 0;
+    return 1;
+}
+
+static void take_planes(own_pattern *p, const own_planes *planes, int32_t *base)
+{
+    memcpy(p->depth, planes->depth, sizeof p->depth);
+    memcpy(p->planes, planes->halves, sizeof p->planes);
+    p->plane_halves = planes->count;
+    *base           = planes->base;
+}
+
+/* A plane, or depths, or two planes if they take less for sure. */
+static void choose(own_pattern *p, const tile_ranges *t, const half_ranges *halves, const own_planes *one, int32_t *base)
+{
+    own_planes pair;
+    if (one->count && (!halves || in_halves(one->depth))) {
+        take_planes(p, one, base);
+        return;
+    }
+    if (choose_depths(p, t, halves, base) <= OWN_PLANES_HALVES_MAX) return;
+    own_plane_pair(&pair, t);
+    if (pair.count && (!halves || in_halves(pair.depth))) take_planes(p, &pair, base);
+}
+
+uint32_t own_pattern_encode(const own_pattern *p, uint16_t *halves)
+{
+    if (!p->plane_halves) return own_encode(p->depth, halves);
+    memcpy(halves, p->planes, p->plane_halves * sizeof *halves);
+    return p->plane_halves;
+}
+
+/* The pattern stands for one more tile. */
+static void narrow(own_pattern *p, const tile_ranges *t, int32_t base)
+{
+    for (int n = 0; n < 64; n++) {
+        int32_t low = t->low[n] - base, high = t->high[n] - base;
+        p->may.low[n]  = low > p->may.low[n] ? low : p->may.low[n];
+        p->may.high[n] = high < p->may.high[n] ? high : p->may.high[n];
+    }
+}
+
+static vxs_result remember(own_set *s, const own_pattern *p, uint32_t id)
+{
+    size_t at = s->known_count;
+    if (!array_reserve(&s->known, &s->known_capacity, at + 1, sizeof *s->known)) return VXS_E_MEMORY;
+    if (!array_reserve(&s->groups, &s->group_capacity, at / GROUP + 1, sizeof *s->groups)) return VXS_E_MEMORY;
+    if (at % GROUP == 0) s->groups[at / GROUP] = (own_group){0};
+    own_known *k = &s->known[at];
+    k->id        = id;
+    for (int n = 0; n < 64; n++) k->depth[n] = (int16_t)p->depth[n];
+    for (int n = 0; n < PAIRS; n++)
+        s->groups[at / GROUP].deeper[n][at % GROUP] = (int16_t)(k->depth[pair_texels[n][1]] - k->depth[pair_texels[n][0]]);
+    s->known_count++;
+    return VXS_OK;
+}
+
+/* A pattern that none known fits.   like  what it is; NULL: it is chosen, and may be the plane `one` */
+static vxs_result add(own_set *s, const tile_ranges *t, const half_ranges *halves, const own_planes *one, const own_pattern *like,
+                      uint32_t *id, int32_t *base)
+{
+    if (!array_reserve(&s->patterns, &s->pattern_capacity, s->count + 1, sizeof *s->patterns)) return VXS_E_MEMORY;
+    own_pattern *p = &s->patterns[s->count];
+    *base          = 0;
+    if (like)
+        *p = *like;
+    else
+        choose(p, t, halves, one, base);
+    for (int n = 0; n < 64; n++) {
+        p->may.low[n]  = t->low[n] - *base;
+        p->may.high[n] = t->high[n] - *base;
+    }
+    *id = (uint32_t)s->count;
+    if (halves && remember(s, p, *id) != VXS_OK) return VXS_E_MEMORY;
+    s->count++;
+    return VXS_OK;
+}
+
+static vxs_result find(own_set *s, const tile_ranges *t, const own_planes *one, const own_pattern *like, uint32_t *id,
+                       int32_t *base)
+{
+    half_ranges halves;
+    int         at_half;
+    if (!ranges_in_halves(&halves, t)) return add(s, t, NULL, one, like, id, base);
+    size_t at = search(s, &halves, &at_half);
+    if (at == s->known_count) return add(s, t, &halves, one, like, id, base);
+    *id   = s->known[at].id;
+    *base = halves.floor + at_half;
+    narrow(&s->patterns[*id], t, *base);
+    move_up(s, at);
+    return VXS_OK;
+}
+
+vxs_result own_find(own_set *s, const tile_ranges *t, const own_planes *one, uint32_t *id, int32_t *base)
+{
+    return find(s, t, one, NULL, id, base);
+}
+
+vxs_result own_adopt(own_set *s, const own_pattern *p, uint32_t *id, int32_t *base)
+{
+    return find(s, &p->may, NULL, p, id, base);
+}
+
+void own_set_free(own_set *s)
+{
+    free(s->patterns);
+    free(s->known);
+    free(s->groups);
+    memset(s, 0, sizeof *s);
+}

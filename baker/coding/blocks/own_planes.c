@@ -1,0 +1,183 @@
+/* Patterns of planes; see own_planes.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/coding/blocks/own_planes.h"
+
+#include <string.h>
+
+#include "baker/base/integer.h"
+#include "baker/base/simd.h"
+#include "baker/coding/blocks/patterns.h"
+
+enum {
+    ONE_PLANE = 7,
+    NEARER,
+    FARTHER,
+    BY_MASK,
+    FAR_SHIFT_MAX = 5,
+    PLANE_PART    = PLANE_ONE / 4, /* least depths are so many parts of a voxel */
+    FIRST_PARTS   = 3,             /* bits where they are */
+    SECOND_PARTS  = 5
+};
+
+/* What is so far away that any plane may pass it; where none may, what was found is not right, and is not taken. */
+enum { FAR_VX = PLANE_FREE / PLANE_ONE };
+
+void plane_ranges_of(plane_ranges *to, const tile_ranges *t, int32_t from)
+{
+    const i32x4 far = i32x4_all(FAR_VX), none = i32x4_all(PLANE_FREE);
+    to->quadrants = 15;
+    for (int n = 0; n < 64; n += 4) {
+        i32x4 low = i32x4_load(t->low + n) - from, high = i32x4_load(t->high + n) - from;
+        low     = i32x4_max(i32x4_min(low, far), -far) * PLANE_ONE;
+        high    = i32x4_select((i32x4)(high < far), i32x4_min(high, far) * PLANE_ONE + (PLANE_ONE - 1), none);
+        f32x4 l = __builtin_convertvector(low, f32x4), h = __builtin_convertvector(high, f32x4);
+        memcpy(to->low + n, &l, sizeof l);
+        memcpy(to->high + n, &h, sizeof h);
+    }
+}
+
+static uint16_t slope_half(int32_t slope, int shift)
+{
+    return (uint16_t)(slope >> shift);
+}
+
+/* The plane comes nearer by all whole voxels of its least depth. Returns those. */
+static int32_t whole_voxels(plane *p)
+{
+    int32_t whole = p->least >> 8;
+    p->least -= whole * PLANE_ONE;
+    return whole;
+}
+
+static int parts(const plane *p)
+{
+    return p->least / PLANE_PART;
+}
+
+/* Whether each depth lies in its range. */
+static int all_fit(const tile_ranges *t, const int32_t depth[64], int32_t base)
+{
+    i32x4 off = i32x4_all(0);
+    for (int n = 0; n < 64; n += 4) {
+        i32x4 d = i32x4_load(depth + n), at = d + base;
+        off |= (i32x4)(d < 0) | (i32x4)(at < i32x4_load(t->low + n)) | (i32x4)(at > i32x4_load(t->high + n));
+    }
+    return !i32x4_bits(off);
+}
+
+void own_plane(own_planes *to, const tile_ranges *t)
+{
+    plane_ranges        ranges = {.x = 0};
+    const plane_ranges *tile   = &ranges;
+    int32_t             from   = least_high(t);
+    to->count                  = 0;
+    plane_ranges_of(&ranges, t, from);
+    if (!plane_may_fit(&ranges)) return;
+    plane p = plane_start(&ranges);
+    if (!plane_fit(&p, &tile, 1, 8)) return;
+    plane_round(&p, &ranges);
+    if (p.least % PLANE_PART) return;
+    to->base = from + whole_voxels(&p);
+    for (int y = 0; y < 8; y++)
+        for (int x = 0; x < 8; x++) to->depth[pattern_texel(x, y)] = plane_depth(&p, 8, x, y);
+    if (!all_fit(t, to->depth, to->base)) return;
+    int shift     = plane_shift(&p);
+    to->halves[0] = (uint16_t)(ONE_PLANE << 12 | shift << 8 | parts(&p) << FIRST_PARTS);
+    to->halves[1] = slope_half(p.across, shift);
+    to->halves[2] = slope_half(p.down, shift);
+    to->count     = OWN_PLANE_HALVES;
+}
+
+/* Two planes as they are written: from the nearer one on, with slopes in the same steps. */
+typedef struct plane_pair {
+    plane    p[2];
+    uint64_t second; /* texels of the second one */
+    int      shift;
+    int32_t  base;
+    uint32_t far, far_shift; /* the second one's least depth, without its parts: far << far_shift */
+} plane_pair;
+
+/* 0: they cannot be written. */
+static int prepare_pair(plane_pair *pair)
+{
+    plane *p = pair->p;
+    if (p[0].least % PLANE_PART || p[1].least % PLANE_PART) return 0;
+    if (p[1].least < p[0].least) {
+        plane was    = p[0];
+        p[0]         = p[1];
+        p[1]         = was;
+        pair->second = ~pair->second;
+    }
+    pair->shift = max_i32(plane_shift(&p[0]), plane_shift(&p[1]));
+    for (int n = 0; n < 2; n++) {
+        p[n].across = p[n].across & -(1 << pair->shift);
+        p[n].down   = p[n].down & -(1 << pair->shift);
+    }
+    pair->base   = whole_voxels(&p[0]);
+    uint32_t far = (uint32_t)(whole_voxels(&p[1]) - pair->base);
+    for (pair->far_shift = 0; far >> pair->far_shift > 0xffff;) pair->far_shift++;
+    pair->far = far >> pair->far_shift;
+    return pair->far_shift <= FAR_SHIFT_MAX;
+}
+
+static void depths_of_pair(const plane_pair *pair, int kind, int32_t depth[64])
+{
+    const plane *first = &pair->p[0], *second = &pair->p[1];
+    int32_t      far = (int32_t)(pair->far << pair->far_shift);
+    for (int y = 0; y < 8; y++)
+        for (int x = 0; x < 8; x++) {
+            int     n = pattern_texel(x, y);
+            int32_t a = plane_depth(first, 8, x, y), b = far + plane_depth(second, 8, x, y);
+            depth[n] = kind == NEARER ? min_i32(a, b) : kind == FARTHER ? max_i32(a, b) : pair->second >> n & 1 ? b : a;
+        }
+}
+
+/* Returns how many halves, or 0: there is a texel that it does not suit. */
+static uint32_t encode_pair(own_planes *to, plane_pair pair, int kind, const tile_ranges *t, int32_t from)
+{
+    if (!prepare_pair(&pair)) return 0;
+    uint16_t *halves = to->halves;
+    to->base         = from + pair.base;
+    depths_of_pair(&pair, kind, to->depth);
+    if (!all_fit(t, to->depth, to->base)) return 0;
+    halves[0] = (uint16_t)((uint32_t)kind << 12 | (uint32_t)pair.shift << 8 | pair.far_shift);
+    halves[0] |= (uint16_t)(parts(&pair.p[0]) << FIRST_PARTS | parts(&pair.p[1]) << SECOND_PARTS);
+    for (int n = 0; n < 2; n++) {
+        halves[1 + 2 * n] = slope_half(pair.p[n].across, pair.shift);
+        halves[2 + 2 * n] = slope_half(pair.p[n].down, pair.shift);
+    }
+    halves[5] = (uint16_t)pair.far;
+    if (kind != BY_MASK) return OWN_PAIR_HALVES;
+    for (int n = 0; n < 4; n++) halves[OWN_PAIR_HALVES + n] = (uint16_t)(pair.second >> 16 * n);
+    return OWN_PLANES_HALVES_MAX;
+}
+
+void own_plane_pair(own_planes *to, const tile_ranges *t)
+{
+    plane_ranges ranges = {.x = 0};
+    plane_pair   found;
+    int32_t      from = least_high(t);
+    to->count         = 0;
+    plane_ranges_of(&ranges, t, from);
+    if (!plane_fit_pair(found.p, &found.second, &ranges)) return;
+    if (!found.second) found.p[1] = found.p[0];
+    for (int kind = NEARER; kind <= FARTHER && !to->count; kind++) {
+        /* where they meet, each lies beyond the other's texels: no mask is needed */
+        plane_pair   pair   = found;
+        plane_others others = kind == NEARER ? OTHERS_BEHIND : OTHERS_BEFORE;
+        if (!plane_fit_texels(&pair.p[0], &ranges, ~pair.second, others)) continue;
+        if (!plane_fit_texels(&pair.p[1], &ranges, pair.second, others)) continue;
+        to->count = encode_pair(to, pair, kind, t, from);
+    }
+    if (!to->count) to->count = encode_pair(to, found, BY_MASK, t, from);
+}
+
+int own_planes_are_sound(const uint16_t *halves, uint32_t count)
+{
+    if (count < OWN_PLANE_HALVES) return 0;
+    uint32_t kind = halves[0] >> 12, shift = halves[0] >> 8 & 15, parts = halves[0] & 0xff, far_shift = parts & 7;
+    if (shift > PLANE_SHIFT_MAX) return 0;
+    if (kind == ONE_PLANE) return count == OWN_PLANE_HALVES && !(parts & ~(3u << FIRST_PARTS));
+    return count == (kind == BY_MASK ? OWN_PLANES_HALVES_MAX : OWN_PAIR_HALVES) && kind > ONE_PLANE && kind <= BY_MASK &&
+           far_shift <= FAR_SHIFT_MAX && parts < 1u << (SECOND_PARTS + 2);
+}

@@ -1,0 +1,271 @@
+/* Patterns of tiles; see patterns.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/coding/blocks/patterns.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/base/cpu.h"
+#include "baker/base/simd.h"
+
+#ifdef __x86_64__
+#include <immintrin.h>
+#endif
+
+enum { DARK, LIT, MASK_ROWS };
+
+/* The rows of a mask, DARK and LIT, `capacity` apart. */
+static uint64_t *mask_rows(const pattern_class *c, int mask)
+{
+    return c->needs + (size_t)(MASK_ROWS * mask) * c->capacity;
+}
+
+static vxs_result class_grow(pattern_class *c, int masks)
+{
+    pattern_class grown = {.count = c->count, .capacity = c->capacity ? 2 * c->capacity : 64};
+    grown.ids           = malloc(grown.capacity * sizeof *grown.ids);
+    grown.needs         = malloc((size_t)MASK_ROWS * (size_t)masks * grown.capacity * sizeof *grown.needs);
+    if (!grown.ids || !grown.needs) {
+        free(grown.ids);
+        free(grown.needs);
+        return VXS_E_MEMORY;
+    }
+    if (c->count) {
+        memcpy(grown.ids, c->ids, c->count * sizeof *c->ids);
+        for (int row = 0; row < MASK_ROWS * masks; row++)
+            memcpy(grown.needs + (size_t)row * grown.capacity, c->needs + (size_t)row * c->capacity, c->count * sizeof *c->needs);
+    }
+    free(c->ids);
+    free(c->needs);
+    *c = grown;
+    return VXS_OK;
+}
+
+static void swap_u64(uint64_t *a, uint64_t *b)
+{
+    uint64_t was = *a;
+    *a           = *b;
+    *b           = was;
+}
+
+/* The pattern at `at` takes on what a tile needs, and moves halfway to where searches begin: what is used often is found soon. */
+static uint32_t take(pattern_class *c, size_t at, const mask_need *needs, int masks)
+{
+    size_t   to = at + (c->count - at) / 2;
+    uint32_t id = c->ids[at];
+    c->ids[at]  = c->ids[to];
+    c->ids[to]  = id;
+    for (int mask = 0; mask < masks; mask++) {
+        uint64_t *dark = mask_rows(c, mask), *lit = dark + c->capacity;
+        dark[at] |= needs[mask].dark;
+        lit[at] |= needs[mask].lit;
+        swap_u64(&dark[at], &dark[to]);
+        swap_u64(&lit[at], &lit[to]);
+    }
+    return id;
+}
+
+/* Which of the 16 patterns whose rows are these agree with what a mask needs. Behind the last pattern there may be places without one, of
+ * which the bits say nothing. */
+typedef uint32_t find_agreeing(const uint64_t *dark, const uint64_t *lit, mask_need need);
+
+static ALWAYS_INLINE uint32_t agreeing(const uint64_t *dark, const uint64_t *lit, mask_need need)
+{
+    u64x2 against[8];
+    for (size_t n = 0; n < 8; n++)
+        against[n] = (u64x2_load(dark + 2 * n) & u64x2_all(need.lit)) | (u64x2_load(lit + 2 * n) & u64x2_all(need.dark));
+    return u64x2_zeros(against);
+}
+
+/* The mask that needs most, which is looked at first. */
+static int neediest(const mask_need *needs, int masks)
+{
+    int found = 0, most = -1;
+    for (int mask = 0; mask < masks; mask++) {
+        int bits = __builtin_popcountll(needs[mask].dark | needs[mask].lit);
+        if (bits <= most) continue;
+        most  = bits;
+        found = mask;
+    }
+    return found;
+}
+
+/* Of places [stop, end), the last 16 or fewer of which some agree with what a mask needs.   from  [out] the first of those
+ * Returns which of them agree; 0: none of all does. */
+static ALWAYS_INLINE uint32_t last_agreeing(find_agreeing *find, const uint64_t *dark, const uint64_t *lit, mask_need need,
+                                            size_t stop, size_t end, size_t *from)
+{
+    while (end >= stop + 16) {
+        end -= 16;
+        uint32_t hits = find(dark + end, lit + end, need);
+        *from         = end;
+        if (hits) return hits;
+    }
+    *from = stop;
+    return end > stop ? find(dark + stop, lit + stop, need) & ((1u << (end - stop)) - 1) : 0;
+}
+
+/* The last place of a pattern that agrees in all, or the count: none. 16 patterns are looked at at a time, mask by mask. */
+static ALWAYS_INLINE size_t search_by(find_agreeing *find, const pattern_class *c, const mask_need *needs, int masks)
+{
+    const int       first = neediest(needs, masks);
+    const size_t    stop  = c->count > PATTERN_WINDOW ? c->count - PATTERN_WINDOW : 0;
+    const uint64_t *dark = mask_rows(c, first), *lit = dark + c->capacity;
+    for (size_t end = c->count, from; end > stop; end = from) {
+        uint32_t hits = last_agreeing(find, dark, lit, needs[first], stop, end, &from);
+        for (int mask = 0; mask < masks && hits; mask++)
+            if (mask != first) hits &= find(mask_rows(c, mask) + from, mask_rows(c, mask) + c->capacity + from, needs[mask]);
+        if (hits) return from + 31 - (size_t)__builtin_clz(hits);
+    }
+    return c->count;
+}
+
+static size_t search_plain(const pattern_class *c, const mask_need *needs, int masks)
+{
+    return search_by(agreeing, c, needs, masks);
+}
+
+#ifdef __x86_64__
+
+CPU_TARGET_AVX2 static ALWAYS_INLINE uint32_t agreeing_avx2(const uint64_t *dark, const uint64_t *lit, mask_need need)
+{
+    const __m256i d = _mm256_set1_epi64x((long long)need.dark), l = _mm256_set1_epi64x((long long)need.lit);
+    const __m256i zero = _mm256_setzero_si256();
+    uint32_t      hits = 0;
+    for (size_t n = 0; n < 16; n += 4) {
+        __m256i is_dark = _mm256_loadu_si256((const __m256i *)(const void *)(dark + n));
+        __m256i is_lit  = _mm256_loadu_si256((const __m256i *)(const void *)(lit + n));
+        __m256i against = _mm256_or_si256(_mm256_and_si256(is_dark, l), _mm256_and_si256(is_lit, d));
+        hits |= (uint32_t)_mm256_movemask_pd(_mm256_castsi256_pd(_mm256_cmpeq_epi64(against, zero))) << n;
+    }
+    return hits;
+}
+
+CPU_TARGET_AVX2 static size_t search_avx2(const pattern_class *c, const mask_need *needs, int masks)
+{
+    return search_by(agreeing_avx2, c, needs, masks);
+}
+
+#endif
+
+static size_t search(int cpu, const pattern_class *c, const mask_need *needs, int masks)
+{
+#ifdef __x86_64__
+    if (cpu == CPU_AVX2) return search_avx2(c, needs, masks);
+#endif
+    (void)cpu;
+    return search_plain(c, needs, masks);
+}
+
+/* One more pattern, where searches begin. */
+static vxs_result append(pattern_class *c, const mask_need *needs, int masks, uint32_t id)
+{
+    if (c->count == c->capacity && class_grow(c, masks) != VXS_OK) return VXS_E_MEMORY;
+    for (int mask = 0; mask < masks; mask++) {
+        uint64_t *dark               = mask_rows(c, mask);
+        dark[c->count]               = needs[mask].dark;
+        dark[c->capacity + c->count] = needs[mask].lit;
+    }
+    c->ids[c->count++] = id;
+    return VXS_OK;
+}
+
+vxs_result pattern_find(pattern_set *s, int depths, const mask_need *needs, uint32_t *id)
+{
+    pattern_class *c     = &s->by_depths[depths];
+    int            masks = depths - 1;
+    size_t         at    = c->count ? search(s->cpu, c, needs, masks) : 0;
+    if (at < c->count) {
+        *id = take(c, at, needs, masks);
+        return VXS_OK;
+    }
+    *id = s->count;
+    if (append(c, needs, masks, *id) != VXS_OK) return VXS_E_MEMORY;
+    s->count++;
+    return VXS_OK;
+}
+
+vxs_result pattern_put(pattern_set *s, int depths, const mask_need *needs, uint32_t id)
+{
+    s->count++;
+    return append(&s->by_depths[depths], needs, depths - 1, id);
+}
+
+void pattern_needs(const pattern_set *s, int depths, size_t n, mask_need *needs)
+{
+    const pattern_class *c = &s->by_depths[depths];
+    for (int mask = 0; mask < depths - 1; mask++) {
+        const uint64_t *dark = mask_rows(c, mask);
+        needs[mask]          = (mask_need){dark[n], dark[c->capacity + n]};
+    }
+}
+
+/* choosing -------------------------------------------------------------------------------------------------------------------- */
+
+/* The fewest depths that each quadrant can do with, by piercing its ranges from the front: a depth is used where a range ends at it that has
+ * none yet, and all that have none take it, if they may.
+ * used  [out] the bits of those of each quadrant;   index  [out] [64] of each texel */
+static void choose_in_quadrants(const uint8_t low[64], const uint8_t high[64], uint64_t used[4], uint8_t index[64])
+{
+    uint64_t left = UINT64_MAX;
+    for (int q = 0; q < 4; q++) used[q] = 0;
+    for (int depth = 0; left; depth++) {
+        uint64_t due = left & bytes_at_most(high, (uint8_t)depth);
+        if (!due) continue;
+        uint64_t may = left & bytes_at_most(low, (uint8_t)depth);
+        for (int q = 0; q < 4; q++) {
+            uint64_t quadrant = 0xffffull << 16 * q;
+            if (!(due & quadrant)) continue;
+            used[q] |= 1ull << depth;
+            left &= ~(may & quadrant);
+            for (uint64_t rest = may & quadrant; rest; rest &= rest - 1) index[__builtin_ctzll(rest)] = (uint8_t)depth;
+        }
+    }
+}
+
+/* A texel takes the depth of a neighbour that was met before, where it may and its quadrant uses it: masks get plain outlines. */
+static void follow_neighbours(const uint8_t *low, const uint8_t *high, const uint64_t used[4], uint8_t *index)
+{
+    static const int beside[4][2] = {{-1, 0}, {0, -1}, {-1, -1}, {1, -1}};
+    for (int y = 0; y < 8; y++)
+        for (int x = 0; x < 8; x++) {
+            int n = pattern_texel(x, y);
+            if (low[n] == high[n]) continue;
+            for (int b = 0; b < 4; b++) {
+                int from_x = x + beside[b][0], from_y = y + beside[b][1];
+                if (from_x < 0 || from_x > 7 || from_y < 0) continue;
+                int other = index[pattern_texel(from_x, from_y)];
+                if (other < low[n] || other > high[n] || !(used[n >> 4] >> other & 1)) continue;
+                index[n] = (uint8_t)other;
+                break;
+            }
+        }
+}
+
+void pattern_choose_within(const uint8_t low[64], const uint8_t high[64], uint8_t index[64])
+{
+    uint64_t used[4];
+    choose_in_quadrants(low, high, used, index);
+    follow_neighbours(low, high, used, index);
+}
+
+void pattern_choose(const mask_need *needs, int depths, uint8_t index[64])
+{
+    uint8_t low[64] = {0}, high[64];
+    memset(high, depths - 1, sizeof high);
+    for (int mask = 0; mask < depths - 1; mask++)
+        for (int n = 0; n < 64; n++) {
+            low[n]  = (uint8_t)(low[n] + (needs[mask].lit >> n & 1));
+            high[n] = (uint8_t)(high[n] - (needs[mask].dark >> n & 1));
+        }
+    pattern_choose_within(low, high, index);
+}
+
+void pattern_set_free(pattern_set *s)
+{
+    for (int p = 0; p <= PALETTE_MAX; p++) {
+        free(s->by_depths[p].ids);
+        free(s->by_depths[p].needs);
+    }
+    memset(s, 0, sizeof *s);
+}

@@ -1,0 +1,455 @@
+/* Planes through ranges; see plane.h.
+ *
+ * Of the texels that a plane misses by most, in front and behind, the two together say more than that it misses: they bound the room of
+ * every plane, by a function that is linear in its slopes. Slopes move to the nearest that all bounds so far leave room; where there are
+ * none, no plane has it.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/coding/blocks/plane.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "baker/base/simd.h"
+#include "baker/coding/blocks/patterns.h"
+
+enum {
+    MOVES       = 7,                 /* of a plane, until it is given up */
+    ROOM        = PLANE_ONE - 1,     /* that is looked for: with it one of the depths in reach is a whole voxel */
+    ROOM_LEAST  = PLANE_ONE / 4,     /* where there is no such plane: depths of own planes are in such parts */
+    SPARE       = 8,                 /* for slopes that are rounded */
+    SLOPE_ZEROS = 5,                 /* bits that slopes may do without */
+    SLOPE_END   = PLANE_FREE / 64,   /* so that depths in an area of 32 x 32 texels are exact */
+    NEAR        = 3 * PLANE_ONE / 2, /* texels that may yet join a plane */
+    WINDOW      = 3                  /* side of the areas that pairs of planes start from */
+};
+
+int plane_shift(const plane *p)
+{
+    int shift = 0;
+    while (abs(p->across) >> shift > 32767 || abs(p->down) >> shift > 32767) shift++;
+    return shift;
+}
+
+/* Which depths at texel (0, 0) of the area are right for all texels. */
+typedef struct plane_room {
+    float   low, high;
+    int32_t low_in, high_in; /* the quadrant that leaves no more, in front and behind: four of each tile, [0, 4 * count) */
+} plane_room;
+
+static inline float size_of(const plane_room *r)
+{
+    return r->high - r->low;
+}
+
+/* Depths at the rows of a quadrant: the first one, and how much deeper each other is than the one before. */
+typedef struct quadrant_depths {
+    f32x4 first, down;
+} quadrant_depths;
+
+static inline quadrant_depths depths_at(const plane *p, const plane_ranges *t, int q)
+{
+    const f32x4 across = {0, (float)p->across, (float)(2 * p->across), (float)(3 * p->across)};
+    return (quadrant_depths){across + f32x4_all((float)(p->across * (t->x + 4 * (q & 1)) + p->down * (t->y + 4 * (q >> 1)))),
+                             f32x4_all((float)p->down)};
+}
+
+static plane_room room_of(const plane *p, const plane_ranges *const *tiles, int count)
+{
+    f32x4 low = f32x4_all(-PLANE_FREE), high = f32x4_all(PLANE_FREE);
+    i32x4 low_in = i32x4_all(0), high_in = i32x4_all(0);
+    for (int n = 0; n < 4 * count; n++) {
+        const plane_ranges *t = tiles[n / 4];
+        int                 q = n & 3;
+        if (!(t->quadrants >> q & 1)) continue;
+        quadrant_depths at = depths_at(p, t, q);
+        f32x4           row[4], least[4], most[4];
+        row[0] = at.first;
+        for (int y = 1; y < 4; y++) row[y] = row[y - 1] + at.down;
+        for (int y = 0; y < 4; y++) {
+            least[y] = f32x4_load(t->low + 16 * q + 4 * y) - row[y];
+            most[y]  = f32x4_load(t->high + 16 * q + 4 * y) - row[y];
+        }
+        f32x4 l = f32x4_max(f32x4_max(least[0], least[1]), f32x4_max(least[2], least[3]));
+        f32x4 h = f32x4_min(f32x4_min(most[0], most[1]), f32x4_min(most[2], most[3]));
+        low_in  = i32x4_select((i32x4)(l > low), i32x4_all(n), low_in);
+        high_in = i32x4_select((i32x4)(h < high), i32x4_all(n), high_in);
+        low     = f32x4_max(low, l);
+        high    = f32x4_min(high, h);
+    }
+    plane_room room = {low[0], high[0], low_in[0], high_in[0]};
+    for (int lane = 1; lane < 4; lane++) {
+        if (low[lane] > room.low) {
+            room.low    = low[lane];
+            room.low_in = low_in[lane];
+        }
+        if (high[lane] < room.high) {
+            room.high    = high[lane];
+            room.high_in = high_in[lane];
+        }
+    }
+    return room;
+}
+
+typedef struct texel_place {
+    int32_t x, y;
+} texel_place;
+
+/* Where the room ends: the first texel of a quadrant whose range does.   ranges  its low ones, or its high ones */
+static texel_place bounding_texel(const plane *p, const plane_ranges *t, int q, const float *ranges, float end)
+{
+    quadrant_depths at = depths_at(p, t, q);
+    u32x4           apart[4];
+    for (int row = 0; row < 4; row++, at.first += at.down)
+        apart[row] = ~(u32x4)(f32x4_load(ranges + 16 * q + 4 * row) - at.first == f32x4_all(end));
+    int n = __builtin_ctz(u32x4_zeros(apart) | 1u << 15);
+    return (texel_place){t->x + 4 * (q & 1) + n % 4, t->y + 4 * (q >> 1) + n / 4};
+}
+
+/* Planes have no more room than rest + across * x + down * y: two texels, one in front and one behind, leave no more. */
+typedef struct room_bound {
+    double x, y, rest;
+} room_bound;
+
+static room_bound bound_of(const plane *p, const plane_room *room, const plane_ranges *const *tiles)
+{
+    const plane_ranges *in_front = tiles[room->low_in / 4], *behind = tiles[room->high_in / 4];
+    texel_place         a = bounding_texel(p, in_front, room->low_in & 3, in_front->low, room->low);
+    texel_place         b = bounding_texel(p, behind, room->high_in & 3, behind->high, room->high);
+    double              x = a.x - b.x, y = a.y - b.y;
+    return (room_bound){x, y, (double)size_of(room) - x * p->across - y * p->down};
+}
+
+/* Move the slopes to the nearest that all bounds leave `room`: all but the last do where they are, so that it is on the line where the last
+ * one leaves just so much, and each of the others leaves a part of that. 0: there are none, or they are too steep. */
+static int move(plane *p, const room_bound *bounds, int count, double room)
+{
+    const room_bound *last   = &bounds[count - 1];
+    double            square = last->x * last->x + last->y * last->y, from = -SLOPE_END, to = SLOPE_END;
+    if (square == 0) return 0;
+    double by     = (room - last->rest - last->x * p->across - last->y * p->down) / square;
+    double across = p->across + by * last->x, down = p->down + by * last->y;
+    for (const room_bound *b = bounds; b < last; b++) {
+        double steep = last->x * b->y - last->y * b->x, lacks = room - b->rest - b->x * across - b->y * down;
+        if (steep > 0)
+            from = lacks > from * steep ? lacks / steep : from;
+        else if (steep < 0)
+            to = lacks > to * steep ? lacks / steep : to;
+        else if (lacks > 0)
+            return 0;
+    }
+    if (from > to) return 0;
+    double along = from > 0 ? from : to < 0 ? to : 0;
+    across -= along * last->y;
+    down += along * last->x;
+    if (across > SLOPE_END || across < -SLOPE_END || down > SLOPE_END || down < -SLOPE_END) return 0;
+    p->across = (int32_t)floor(across + 0.5);
+    p->down   = (int32_t)floor(down + 0.5);
+    return 1;
+}
+
+/* Of all numbers from low to high, low being less, a multiple of the highest power of two up to PLANE_ONE. */
+static int32_t roundest(int32_t low, int32_t high)
+{
+    for (int32_t step = PLANE_ONE; step > 1; step /= 2)
+        if ((high & -step) >= low) return high & -step;
+    return high;
+}
+
+/* How much deeper texel (0, 0) of an area is than its least corner. */
+static int32_t first_over_least(const plane *p, int32_t side)
+{
+    return (p->across < 0 ? -p->across * (side - 1) : 0) + (p->down < 0 ? -p->down * (side - 1) : 0);
+}
+
+/* Where in the room. */
+static void place(plane *p, const plane_room *room, int32_t side)
+{
+    int32_t over = first_over_least(p, side);
+    p->least     = roundest((int32_t)room->low - over, (int32_t)room->high - over);
+}
+
+int plane_place(plane *p, const plane_ranges *const *tiles, int count, int32_t side)
+{
+    plane_room room = room_of(p, tiles, count);
+    if (room.low > room.high) return 0;
+    place(p, &room, side);
+    return 1;
+}
+
+/* The slopes with most room of those that are met until there is enough.   Returns 0 where none have any. */
+static int find_slopes(plane *p, plane_room *room, const plane_ranges *const *tiles, int count)
+{
+    plane      at  = *p;
+    int32_t    aim = ROOM;
+    room_bound bounds[MOVES];
+    *room = (plane_room){1, 0, 0, 0};
+    for (int n = 0; n < MOVES; n++) {
+        plane_room here = room_of(&at, tiles, count);
+        if (size_of(&here) > size_of(room)) {
+            *room = here;
+            *p    = at;
+        }
+        if (size_of(room) >= aim) break;
+        bounds[n] = bound_of(&at, &here, tiles);
+        if (move(&at, bounds, n + 1, aim + SPARE)) continue;
+        if (aim == ROOM_LEAST || size_of(room) >= ROOM_LEAST || !move(&at, bounds, n + 1, ROOM_LEAST + SPARE)) break;
+        aim = ROOM_LEAST;
+    }
+    return size_of(room) >= 0;
+}
+
+/* The nearest slopes that are multiples of 1 << zeros. */
+static plane rounded(const plane *p, int zeros)
+{
+    int32_t half = 1 << zeros >> 1;
+    return (plane){(p->across + half) & -(1 << zeros), (p->down + half) & -(1 << zeros), 0};
+}
+
+int plane_fit(plane *p, const plane_ranges *const *tiles, int count, int32_t side)
+{
+    plane_room room;
+    if (!find_slopes(p, &room, tiles, count)) return 0;
+    int shift = plane_shift(p);
+    if (!shift) {
+        place(p, &room, side);
+        return 1;
+    }
+    *p = rounded(p, shift);
+    return plane_shift(p) == shift && plane_place(p, tiles, count, side);
+}
+
+static int depth_zeros(const plane *p)
+{
+    return __builtin_ctz((uint32_t)p->least | PLANE_ONE);
+}
+
+void plane_round(plane *p, const plane_ranges *t)
+{
+    for (int zeros = SLOPE_ZEROS; zeros > plane_shift(p); zeros--) {
+        plane next = rounded(p, zeros);
+        if (plane_shift(&next) > zeros || !plane_place(&next, &t, 1, 8) || depth_zeros(&next) < depth_zeros(p)) continue;
+        *p = next;
+        return;
+    }
+}
+
+int plane_may_fit(const plane_ranges *t)
+{
+    static const int8_t lines[][6] = {{0, 0, 3, 3, 6, 6}, {1, 1, 4, 4, 7, 7}, {7, 0, 4, 3, 1, 6}, {6, 1, 3, 4, 0, 7},
+                                      {0, 0, 3, 0, 6, 0}, {1, 0, 4, 0, 7, 0}, {0, 7, 3, 7, 6, 7}, {1, 7, 4, 7, 7, 7},
+                                      {0, 0, 0, 3, 0, 6}, {0, 1, 0, 4, 0, 7}, {7, 0, 7, 3, 7, 6}, {7, 1, 7, 4, 7, 7},
+                                      {0, 3, 3, 3, 6, 3}, {3, 0, 3, 3, 3, 6}};
+    for (unsigned n = 0; n < sizeof lines / sizeof *lines; n++) {
+        const int8_t *l = lines[n];
+        int           a = pattern_texel(l[0], l[1]), between = pattern_texel(l[2], l[3]), b = pattern_texel(l[4], l[5]);
+        if (t->low[a] + t->low[b] > 2 * t->high[between] || t->high[a] + t->high[b] < 2 * t->low[between]) return 0;
+    }
+    return 1;
+}
+
+plane plane_start(const plane_ranges *t)
+{
+    int first = pattern_texel(0, 0), right = pattern_texel(7, 0), bottom = pattern_texel(0, 7);
+    return (plane){(int32_t)(t->low[right] - t->low[first]) / 7, (int32_t)(t->low[bottom] - t->low[first]) / 7, 0};
+}
+
+/* parts of tiles -------------------------------------------------------------------------------------------------------------- */
+
+int plane_fit_texels(plane *p, const plane_ranges *t, uint64_t texels, plane_others others)
+{
+    plane_ranges        part = *t;
+    const plane_ranges *tile = &part;
+    for (int q = 0; q < 4 && others == OTHERS_ANYWHERE; q++)
+        if (!(texels >> 16 * q & 0xffff)) part.quadrants &= ~(1u << q);
+    for (uint64_t rest = ~texels; rest; rest &= rest - 1) {
+        int n = __builtin_ctzll(rest);
+        if (others != OTHERS_BEHIND) part.low[n] = -PLANE_FREE;
+        if (others != OTHERS_BEFORE) part.high[n] = PLANE_FREE;
+    }
+    if (!plane_fit(p, &tile, 1, 8)) return 0;
+    if (others != OTHERS_ANYWHERE) plane_round(p, &part);
+    return 1;
+}
+
+uint64_t plane_texels(const plane *p, const plane_ranges *t, int32_t margin)
+{
+    float    first  = (float)(p->least + first_over_least(p, 8));
+    uint64_t texels = 0;
+    for (int q = 0; q < 4; q++) {
+        quadrant_depths at = depths_at(p, t, q);
+        for (int row = 16 * q; row < 16 * q + 16; row += 4, at.first += at.down) {
+            f32x4 low = f32x4_load(t->low + row) - (float)margin, high = f32x4_load(t->high + row) + (float)margin;
+            texels |= (uint64_t)i32x4_bits((i32x4)(low <= at.first + first) & (i32x4)(high >= at.first + first)) << row;
+        }
+    }
+    return texels;
+}
+
+/* Slopes between a texel and its neighbours, as a start for a set of texels. */
+static plane start_of_texels(const plane_ranges *t, uint64_t texels)
+{
+    for (int y = 0; y < 7; y++)
+        for (int x = 0; x < 7; x++) {
+            int at = pattern_texel(x, y), right = pattern_texel(x + 1, y), below = pattern_texel(x, y + 1);
+            if (texels >> at & texels >> right & texels >> below & 1)
+                return (plane){(int32_t)(t->low[right] - t->low[at]), (int32_t)(t->low[below] - t->low[at]), 0};
+        }
+    return (plane){0, 0, 0};
+}
+
+static uint64_t window_texels(int x, int y)
+{
+    uint64_t texels = 0;
+    for (int v = y; v < y + WINDOW; v++)
+        for (int u = x; u < x + WINDOW; u++) texels |= 1ull << pattern_texel(u, v);
+    return texels;
+}
+
+/* A plane through a window, and as many texels beside it as join one by one. Returns them; 0: no plane. */
+static uint64_t grow(plane *p, const plane_ranges *t, uint64_t window)
+{
+    *p = start_of_texels(t, window);
+    if (!plane_fit_texels(p, t, window, OTHERS_ANYWHERE)) return 0;
+    uint64_t on = plane_texels(p, t, 0);
+    for (int n = 0; n < 4; n++) {
+        plane    next = *p;
+        uint64_t near = plane_texels(p, t, NEAR);
+        if (near == on) break;
+        if (!plane_fit_texels(&next, t, near, OTHERS_ANYWHERE)) {
+            /* some of them are on another: what is on this one says better where it goes */
+            next = *p;
+            if (!plane_fit_texels(&next, t, on, OTHERS_ANYWHERE)) break;
+        }
+        uint64_t now = plane_texels(&next, t, 0);
+        if (__builtin_popcountll(now) <= __builtin_popcountll(on)) break;
+        *p = next;
+        on = now;
+    }
+    return on;
+}
+
+int plane_fit_pair(plane pair[2], uint64_t *second, const plane_ranges *t)
+{
+    static const int8_t window[][2] = {{0, 0}, {5, 5}, {5, 0}, {0, 5}};
+    uint64_t            tried       = 0;
+    for (unsigned n = 0; n < sizeof window / sizeof *window; n++) {
+        uint64_t texels = window_texels(window[n][0], window[n][1]);
+        if ((texels & tried) == texels) continue; /* a plane through it left a rest that no plane passes through */
+        uint64_t on = grow(&pair[0], t, texels);
+        tried |= on;
+        *second = ~on;
+        if (!on) continue;
+        if (!*second) return 1;
+        pair[1] = start_of_texels(t, *second);
+        if (plane_fit_texels(&pair[1], t, *second, OTHERS_ANYWHERE)) return 1;
+    }
+    return 0;
+}
+
+/* blocks ---------------------------------------------------------------------------------------------------------------------- */
+
+enum { BLOCK_PX = 32, SEEDS = 3, TILES_MIN = 3 /* on a plane: what it takes is paid for by so many */ };
+
+static uint32_t fit_tiles(plane *p, const plane_ranges tiles[16], uint32_t on, int move_it)
+{
+    const plane_ranges *list[16];
+    int                 count = 0;
+    for (uint32_t rest = on; rest; rest &= rest - 1) list[count++] = &tiles[__builtin_ctz(rest)];
+    return (move_it ? plane_fit(p, list, count, BLOCK_PX) : plane_place(p, list, count, BLOCK_PX)) ? on : 0;
+}
+
+/* The tiles that one plane with these slopes passes through at one depth, as many as may be.   flat  those that are asked */
+static uint32_t tiles_on_slopes(const plane *p, const plane_ranges tiles[16], uint32_t flat)
+{
+    plane_room rooms[16];
+    uint32_t   most = 0;
+    for (uint32_t rest = flat; rest; rest &= rest - 1) {
+        int                 n    = __builtin_ctz(rest);
+        const plane_ranges *tile = &tiles[n];
+        plane_room          room = room_of(p, &tile, 1);
+        rooms[n]                 = room;
+        if (room.low > room.high) flat ^= 1u << n;
+    }
+    for (uint32_t at = flat; at; at &= at - 1) {
+        uint32_t on = 0;
+        for (uint32_t rest = flat; rest; rest &= rest - 1) {
+            int n = __builtin_ctz(rest), of = __builtin_ctz(at);
+            if (rooms[n].low <= rooms[of].low && rooms[of].low <= rooms[n].high) on |= 1u << n;
+        }
+        if (__builtin_popcount(on) > __builtin_popcount(most)) most = on;
+    }
+    return most;
+}
+
+/* Tiles that a plane through the block comes near to. */
+static uint32_t tiles_near(const plane *p, const plane_ranges tiles[16], uint32_t mixed)
+{
+    int32_t  first = p->least + first_over_least(p, BLOCK_PX);
+    uint32_t near  = 0;
+    for (uint32_t rest = mixed; rest; rest &= rest - 1) {
+        int                 n    = __builtin_ctz(rest);
+        const plane_ranges *tile = &tiles[n];
+        plane_room          room = room_of(p, &tile, 1);
+        if (room.low - NEAR <= (float)first && (float)first <= room.high + NEAR) near |= 1u << n;
+    }
+    return near;
+}
+
+/* From one tile to all that its plane passes through. */
+static uint32_t tiles_about(plane *p, const plane_ranges tiles[16], uint32_t mixed, uint32_t flat, int seed)
+{
+    uint32_t on = 1u << seed;
+    *p          = plane_start(&tiles[seed]);
+    if (!(flat & on) || !fit_tiles(p, tiles, on, 1)) return 0;
+    for (int n = 0; n < 4; n++) {
+        plane    next = *p;
+        uint32_t near = tiles_near(p, tiles, mixed) | on;
+        if (near == on) break;
+        if (!fit_tiles(&next, tiles, near, 1)) {
+            /* some of them are not on it: those beside what is */
+            uint32_t beside = (on << 1 & 0xeeee) | (on >> 1 & 0x7777) | on << 4 | on >> 4;
+            near            = (near & beside) | on;
+            next            = *p;
+            if (near == on || !fit_tiles(&next, tiles, near, 1)) break;
+        }
+        *p = next;
+        on = near;
+    }
+    uint32_t most = tiles_on_slopes(p, tiles, flat);
+    return __builtin_popcount(most) >= __builtin_popcount(on) ? fit_tiles(p, tiles, most, 0) : on;
+}
+
+static void remember(plane recent[PLANES_RECENT], plane p)
+{
+    int n = 0;
+    while (n < PLANES_RECENT - 1 && (recent[n].across != p.across || recent[n].down != p.down)) n++;
+    for (; n > 0; n--) recent[n] = recent[n - 1];
+    recent[0] = p;
+}
+
+uint32_t plane_of_block(plane *p, const plane_ranges tiles[16], uint32_t mixed, uint32_t flat, plane recent[PLANES_RECENT])
+{
+    uint32_t best = 0, tried = 0;
+    if (__builtin_popcount(flat) < TILES_MIN) return 0;
+    for (int n = 0; n < PLANES_RECENT && best != mixed; n++) {
+        uint32_t on = tiles_on_slopes(&recent[n], tiles, flat);
+        if (__builtin_popcount(on) <= __builtin_popcount(best)) continue;
+        best = on;
+        *p   = recent[n];
+    }
+    if (best) fit_tiles(p, tiles, best, 0);
+    for (int seeds = 0; seeds < SEEDS && 2 * __builtin_popcount(best) < __builtin_popcount(mixed); seeds++) {
+        plane    next;
+        uint32_t left = mixed & ~tried & ~best;
+        if (!left) break;
+        int      seed = __builtin_ctz(left);
+        uint32_t on   = tiles_about(&next, tiles, mixed, flat, seed);
+        tried |= 1u << seed | on;
+        if (__builtin_popcount(on) <= __builtin_popcount(best)) continue;
+        best = on;
+        *p   = next;
+    }
+    if (__builtin_popcount(best) < TILES_MIN) return 0;
+    remember(recent, *p);
+    return best;
+}

@@ -1,0 +1,114 @@
+/* Visibility masks with reuse depths; see masks.h.
+ *
+ * Both rules walk a tile from its xmin, the first depth that must not be all lit, to its emax, the first that may be all shadow.
+ * At depth k0 every texel that may be shadowed is, that is e <= k0:
+ *
+ *        k ->      xmin                           emax
+ *     texel a  ......e~~~~x############################      . lit   ~ free   # shadow
+ *     texel b  .........e~~~~~~~~~~x###################
+ *     texel c  .............................e~~~~~~~~~~
+ *     greedy         [   a     ][  a b       ][ all            the mask changes where a lit texel has to go dark (x)
+ *     shadow   ......[ab][ a b              ][ all             the mask changes where a lit texel may go dark (e)
+ *
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/coding/dag/masks.h"
+
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
+
+/* A tile's columns relative to its xmin, in 16 bits: depths before xmin become 0 and depths beyond emax `FAR`. That changes no mask,
+ * since only depths of [xmin, emax) are asked about. */
+enum { FAR = 32767 };
+
+typedef struct near_columns {
+    _Alignas(16) int16_t e[64];    /* a texel may be dark from here on */
+    _Alignas(16) int16_t next[64]; /* a texel that was left lit ends the run here: x, or e under the older rule */
+} near_columns;
+
+static void columns_relative(near_columns *out, const column_tile *columns, uint32_t base, mask_rule rule)
+{
+    const uint32_t *next = rule == MASK_RULE_GREEDY ? columns->x : columns->e;
+    for (int n = 0; n < 64; n++) {
+        uint32_t e   = columns->e[n] > base ? columns->e[n] - base : 0;
+        uint32_t x   = next[n] > base ? next[n] - base : 0;
+        out->e[n]    = (int16_t)(e < FAR ? e : FAR);
+        out->next[n] = (int16_t)(x < FAR ? x : FAR);
+    }
+}
+
+/* The mask at depth k0 and, in *next, the least `next` of the texels that it leaves lit; FAR when there is none. */
+static uint64_t mask_at(const near_columns *c, int16_t k0, int16_t *next)
+{
+#ifdef __SSE2__
+    __m128i  k     = _mm_set1_epi16(k0);
+    __m128i  far   = _mm_set1_epi16(FAR);
+    __m128i  least = far;
+    uint64_t lit   = 0;
+    for (int row = 0; row < 8; row += 2) {
+        __m128i a = _mm_cmpgt_epi16(_mm_load_si128((const __m128i *)&c->e[row * 8]), k);
+        __m128i b = _mm_cmpgt_epi16(_mm_load_si128((const __m128i *)&c->e[row * 8 + 8]), k);
+        __m128i p = _mm_load_si128((const __m128i *)&c->next[row * 8]);
+        __m128i q = _mm_load_si128((const __m128i *)&c->next[row * 8 + 8]);
+        least     = _mm_min_epi16(least, _mm_or_si128(_mm_and_si128(a, p), _mm_andnot_si128(a, far)));
+        least     = _mm_min_epi16(least, _mm_or_si128(_mm_and_si128(b, q), _mm_andnot_si128(b, far)));
+        lit |= (uint64_t)(uint32_t)_mm_movemask_epi8(_mm_packs_epi16(a, b)) << (row * 8);
+    }
+    least = _mm_min_epi16(least, _mm_srli_si128(least, 8));
+    least = _mm_min_epi16(least, _mm_srli_si128(least, 4));
+    least = _mm_min_epi16(least, _mm_srli_si128(least, 2));
+    *next = (int16_t)_mm_extract_epi16(least, 0);
+    return ~lit;
+#else
+    uint64_t shadow = 0;
+    int16_t  least  = FAR;
+    for (int n = 0; n < 64; n++) {
+        if (c->e[n] <= k0)
+            shadow |= (uint64_t)1 << n;
+        else if (c->next[n] < least)
+            least = c->next[n];
+    }
+    *next = least;
+    return shadow;
+#endif
+}
+
+/* The same for any depths: tiles that hold a cliff of more than FAR voxels. */
+static uint64_t mask_at_far(const column_tile *c, uint32_t k0, mask_rule rule, uint32_t *next)
+{
+    const uint32_t *ends   = rule == MASK_RULE_GREEDY ? c->x : c->e;
+    uint64_t        shadow = 0;
+    *next                  = UINT32_MAX;
+    for (int n = 0; n < 64; n++) {
+        if (c->e[n] <= k0)
+            shadow |= (uint64_t)1 << n;
+        else if (ends[n] < *next)
+            *next = ends[n];
+    }
+    return shadow;
+}
+
+uint32_t tile_runs(const column_tile *columns, mask_rule rule, mask_run runs[TILE_RUNS_MAX], column_bounds *bounds)
+{
+    column_bounds b     = tile_bounds(columns); /* a source's may be loose, and runs must not depend on how loose */
+    uint32_t      count = 0;
+    *bounds             = b;
+    if (b.emax <= b.xmin) return 0;
+    if (b.emax - b.xmin >= FAR) {
+        for (uint32_t k0 = b.xmin, next; k0 < b.emax; k0 = next) {
+            uint64_t mask = mask_at_far(columns, k0, rule, &next);
+            next          = min_u32(next, b.emax);
+            runs[count++] = (mask_run){mask, next};
+        }
+        return count;
+    }
+    near_columns near;
+    columns_relative(&near, columns, b.xmin, rule);
+    int16_t end = (int16_t)(b.emax - b.xmin);
+    for (int16_t k0 = 0, next; k0 < end; k0 = next) {
+        uint64_t mask = mask_at(&near, k0, &next);
+        next          = next < end ? next : end;
+        runs[count++] = (mask_run){mask, b.xmin + (uint32_t)next};
+    }
+    return count;
+}

@@ -1,0 +1,28 @@
+/* The command line of bake and plan: one table of options, and what they must not be together.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef BAKE_ARGUMENTS_H
+#define BAKE_ARGUMENTS_H
+
+#include "baker/bake/bake.h"
+#include "baker/command/options/options.h"
+
+typedef struct bake_arguments {
+    bake_options o;
+    const char  *json_path; /* NULL: none */
+    const char  *part;      /* "I/N"; NULL: all */
+
+    int pack_given;
+    int smoke_given;    /* an option of smoke, whatever its value, but --smoke */
+    int dag_step_given; /* --rule, --reuse, --compress or --stop, whatever its value */
+
+    option       options[OPTIONS_MAX]; /* the table; its targets are in this struct, which is not copied */
+    command_line line;
+} bake_arguments;
+
+/* Defaults, and the table. name: "bake" or "plan"; output_needed: -o must be given. */
+void bake_arguments_init(bake_arguments *a, const char *name, const char *synopsis, const char *summary, int output_needed);
+
+/* What the table does not check; called when the line was parsed. Returns VXS_OK, VXS_E_ARGUMENT, or what bake_check_outputs returns. */
+vxs_result bake_arguments_check(bake_arguments *a, message *m);
+
+#endif

@@ -1,0 +1,46 @@
+/* Filters from a command line: boxes of whole texels by --filter, smooth ones by --smooth.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef FILTER_CHOICE_H
+#define FILTER_CHOICE_H
+
+#include "baker/command/options/options.h"
+#include "formats/vxs_format.h"
+
+/* The most filters that differ, besides single taps: boxes of odd widths, to VXS_FILTER_MAX, and smooth ones of any. */
+enum { FILTERS_MAX = VXS_FILTER_MAX / 2 + VXS_FILTER_MAX };
+
+/* The filter of a command that has one. */
+typedef struct filter_choice {
+    uint32_t box_px, smooth_px; /* widths, 1 to VXS_FILTER_MAX; box_px holds the default */
+    int      box_given, smooth_given;
+} filter_choice;
+
+/* choice  a filter_choice;   help  of --filter */
+/* clang-format off */
+#define FILTER_ROWS(choice, help)                                                                                                  \
+    {"--filter", OPTION_U32, &(choice).box_px, 1, VXS_FILTER_MAX, NULL, "K", help, &(choice).box_given},                           \
+    {"--smooth", OPTION_U32, &(choice).smooth_px, 1, VXS_FILTER_MAX, NULL, "K",                                                    \
+     "a smooth K x K filter in its place, about the point itself, K even or odd, 1 to 17 texels", &(choice).smooth_given}
+/* clang-format on */
+
+/* Returns VXS_OK, or VXS_E_ARGUMENT for both of them, or a box of even width. */
+vxs_result filter_check(const filter_choice *c, message *m);
+
+/* As lookups take it: vxs_lookup. */
+int filter_px_of(const filter_choice *c);
+
+static inline int filter_given(const filter_choice *c)
+{
+    return c->box_given || c->smooth_given;
+}
+
+/* The filters of a command that has many, as lookups take them: boxes wider than single taps, which need no mention, then smooth ones.
+ * boxes, smooth  each none twice, from 1 to VXS_FILTER_MAX; smooth may be NULL
+ * filters_px     [FILTERS_MAX] each in the order given;   count  [out]
+ * Returns VXS_OK, or VXS_E_ARGUMENT for a box of even width. */
+vxs_result filters_take(const number_list *boxes, const number_list *smooth, uint32_t *filters_px, uint32_t *count, message *m);
+
+/* "9 x 9", "9 x 9 smooth".   filter_px  as lookups take it */
+const char *filter_text(char text[32], uint32_t filter_px);
+
+#endif

@@ -1,0 +1,16 @@
+/* Manual pages, for man(1).
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef HELP_MAN_H
+#define HELP_MAN_H
+
+#include "baker/command/options/option_table.h"
+
+/* To standard output: the page of a command, vxs-bake(1). */
+void man_page(const command_line *c);
+
+/* The page vxs(1): what stands before the list of commands, a command in it, and what stands behind it. */
+void man_head(void);
+void man_row(const command_line *c);
+void man_tail(void);
+
+#endif

@@ -1,0 +1,127 @@
+/* The files that a command's line names, before any work; see options.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include <ctype.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "baker/files/foreign_file.h"
+#include "baker/files/input_file.h"
+#include "baker/files/output_file.h"
+#include "baker/command/options/options.h"
+
+static const char *output_of(const option *o)
+{
+    return o->kind == OPTION_OUTPUT ? *(const char **)o->target : NULL;
+}
+
+/* The n-th file that an input's row was given, NULL after the last. */
+static const char *input_of(const option *o, size_t n)
+{
+    const text_list *list = o->target;
+    if (o->kind == OPTION_INPUT) return n ? NULL : *(const char **)o->target;
+    return o->kind == OPTION_INPUTS && n < list->count ? list->items[n] : NULL;
+}
+
+/* No input is an output; and what is read from a pipe cannot be read again.
+ * piped  the row that standard input was given to so far, or NULL */
+static vxs_result check_input(const option *o, const char *path, const option **piped, message *m)
+{
+    if (is_standard_input(path) && *piped)
+        return fail(m, VXS_E_ARGUMENT, "%s - and %s -: standard input can be read once: expected a file or <(command) for one",
+                    (*piped)->name, o->name);
+    if (is_standard_input(path)) *piped = o;
+    return run_files_check_input(path, o->name, m);
+}
+
+/* An operand that was given what belongs into the row of o, and the other way round; NULL when there is none. */
+static const char *swapped_with(const command_line *c, const option *o, file_kind found)
+{
+    for (const option *other = c->options; other < c->options + c->option_count; other++) {
+        const char *path = other != o && is_operand(other) ? input_of(other, 0) : NULL;
+        if (path && found == (file_kind)other->min && file_kind_of(path) == (file_kind)o->min) return path;
+    }
+    return NULL;
+}
+
+static vxs_result check_kind(const command_line *c, const option *o, const char *path, message *m)
+{
+    char        foreign[FOREIGN_BYTES];
+    file_kind   found = file_kind_of(path), expected = (file_kind)o->min;
+    const char *text = found == FILE_UNKNOWN && expected != FILE_UNKNOWN ? file_kind_foreign(foreign, path) : NULL;
+    if (text && expected == FILE_PICTURE && strstr(text, " picture")) text = NULL; /* of a kind that its reader names better */
+    if (text && is_operand(o))
+        return fail(m, VXS_E_READ, "'%s' is %s, expected %s: usage is vxs %s %s", path, text, file_kind_text(expected), c->name,
+                    c->synopsis);
+    if (text) return fail(m, VXS_E_READ, "%s %s: is %s, expected %s", o->name, path, text, file_kind_text(expected));
+    if (file_kind_may_be(found, expected)) return VXS_OK;
+    const char *swapped = is_operand(o) ? swapped_with(c, o, found) : NULL;
+    if (swapped)
+        return fail(m, VXS_E_READ, "'%s' is %s and '%s' is %s: they are swapped: usage is vxs %s %s", path, file_kind_text(found),
+                    swapped, file_kind_text(expected), c->name, c->synopsis);
+    if (!is_operand(o))
+        return fail(m, VXS_E_READ, "%s %s: is %s, expected %s", o->name, path, file_kind_text(found), file_kind_text(expected));
+    return fail(m, VXS_E_READ, "'%s' is %s, expected %s: usage is vxs %s %s", path, file_kind_text(found), file_kind_text(expected),
+                c->name, c->synopsis);
+}
+
+/* The extension of an output's name, when it is not that of what is written. Names without one say nothing, devices and pipes have their
+ * own.   lower  [out] its beginning, in lower case
+ * Returns NULL when there is none such. */
+static const char *other_extension(const option *output, char lower[16])
+{
+    const char *path = output_of(output), *slash = path ? strrchr(path, '/') : NULL, *name = slash ? slash + 1 : path;
+    const char *dot    = path ? strrchr(name, '.') : NULL;
+    size_t      length = dot && dot > name ? strlen(dot) : 0;
+    struct stat status;
+    if (!length || !strcmp(dot, ".") || (!stat(path, &status) && !S_ISREG(status.st_mode))) return NULL;
+    snprintf(lower, 16, "%s", dot);
+    for (char *c = lower; *c; c++) *c = (char)tolower((unsigned char)*c);
+    return choice_index(output->choices, lower) < 0 ? dot : NULL;
+}
+
+static int is_known(const char *extension)
+{
+    return choice_index(".vxs|.part|.gltf|.glb|.json|.html|.htm|.png|.exr", extension) >= 0; /* what vxs reads or writes */
+}
+
+static vxs_result check_extension(const option *output, message *m)
+{
+    char        lower[16], written[32];
+    const char *other = other_extension(output, lower);
+    if (!other || !is_known(lower)) return VXS_OK;
+    return fail(m, VXS_E_ARGUMENT, "%s %s: '%s' is the extension of other files: what is written is %s", output->name,
+                output_of(output), other, choice_word(written, output->choices, 0));
+}
+
+void options_warn_of_names(const command_line *c, message *m)
+{
+    for (const option *o = c->options; o < c->options + c->option_count; o++) {
+        char        lower[16], written[32];
+        const char *other = other_extension(o, lower);
+        if (other && !is_known(lower))
+            warn(m, "%s %s: what is written is %s, and '%s' does not say so: rename it", o->name, output_of(o),
+                 choice_word(written, o->choices, 0), other);
+    }
+}
+
+vxs_result options_check_files(const command_line *c, message *m)
+{
+    const option *end = c->options + c->option_count, *piped = NULL;
+    vxs_result    r = VXS_OK;
+    for (const option *o = c->options; o < end && r == VXS_OK; o++)
+        if (output_of(o)) r = run_files_add_output(o->name, output_of(o), m);
+    for (const option *o = c->options; o < end && r == VXS_OK; o++) {
+        const char *folder = o->kind == OPTION_FOLDER ? *(const char **)o->target : NULL;
+        if (folder) r = run_files_add_folder(o->name, folder, o->choices, m);
+    }
+    for (const option *o = c->options; o < end && r == VXS_OK; o++)
+        for (size_t n = 0; input_of(o, n) && r == VXS_OK; n++) r = check_input(o, input_of(o, n), &piped, m);
+    for (const option *o = c->options; o < end && r == VXS_OK; o++)
+        if (output_of(o) && o->max != OUTPUT_CHECKED_BY_COMMAND) r = output_file_check(output_of(o), m);
+    for (const option *o = c->options; o < end && r == VXS_OK; o++)
+        for (size_t n = 0; input_of(o, n) && r == VXS_OK; n++) r = check_kind(c, o, input_of(o, n), m);
+    for (const option *o = c->options; o < end && r == VXS_OK; o++) r = check_extension(o, m);
+    if (r == VXS_OK && m->strict) options_warn_of_names(c, m);
+    return r == VXS_OK ? message_check(m) : r;
+}

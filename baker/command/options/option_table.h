@@ -1,0 +1,88 @@
+/* The command line of a command as a table: parsing, checking, help, manual pages, completion, and which files are read and written come
+ * from the same rows.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef OPTION_TABLE_H
+#define OPTION_TABLE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "baker/base/text.h"
+#include "baker/command/options/file_kind.h"
+
+typedef enum option_kind {
+    OPTION_SWITCH, /* int, set to 1; takes no value */
+    OPTION_U32,    /* uint32_t in [min, max] */
+    OPTION_U32S,   /* number_list, repeated: each in [min, max], none twice */
+    OPTION_BYTES,  /* uint64_t, at least 1: plain, or with K, M, G, T (powers of 1024), and iB or B after it */
+    OPTION_F64,    /* double in [min, max], finite */
+    OPTION_VECTOR, /* double[(size_t)max]: that many comma-separated finite numbers; see min */
+    OPTION_TEXT,   /* const char *, borrowed from argv */
+    OPTION_TEXTS,  /* text_list, repeated; borrowed from argv */
+    OPTION_CHOICE, /* int, or an enum of its size: index of the value in `choices` */
+    /* named_list, repeated as [NAME=]value, each name and no name once; the value as that of VECTOR (of 3), U32 (also "4K": times 1024), F64 */
+    OPTION_NAMED_VECTOR,
+    OPTION_NAMED_U32,
+    OPTION_NAMED_F64,
+    OPTION_INPUT,  /* const char *, borrowed from argv: a file that is read, of the kind (file_kind.h) that min is */
+    OPTION_INPUTS, /* text_list, repeated: files that are read, of the kind that min is */
+    OPTION_OUTPUT, /* const char *, borrowed from argv: a file that is written, - is standard output; min 1: must be given;
+                      max OUTPUT_CHECKED_BY_COMMAND: whether it can be written is not found out before the command runs */
+    OPTION_FOLDER, /* const char *, borrowed from argv: a folder into which files are written that have the names in choices */
+    OPTION_HELP,   /* int: index of a format in `choices`; its value stands behind '=' alone, and is the first when there is none */
+    OPTION_GROUP   /* no option: what follows stands in help under this heading, `help`; the other fields are 0 */
+} option_kind;
+
+enum { OPTION_NUMBERS_MAX = 32, OUTPUT_CHECKED_BY_COMMAND = 1 };
+
+/* Values of an OPTION_U32S. */
+typedef struct number_list {
+    uint32_t items[OPTION_NUMBERS_MAX];
+    size_t   count;
+} number_list;
+
+/* A row. One whose name does not begin with '-' is an operand, of kind TEXT, CHOICE, INPUT or INPUTS: operands are given in the order of
+ * their rows, each of them, and the last takes all others that there are when it is a list. */
+typedef struct option {
+    const char *name; /* "--resolution", "-o"; "SCENE"; NULL for a group */
+    option_kind kind;
+    void       *target; /* holds the default on entry */
+    double      min, max;
+    const char *choices; /* OPTION_CHOICE: "auto|peel|back"; of a named one the name of a value that has none, or NULL;
+                            OPTION_OUTPUT: the extensions for what is written, ".html|.htm"; OPTION_FOLDER: patterns of names, "lit-*.png|sky.png" */
+    const char *
+        value; /* name of the value in help: "N", "OUT.vxs"; NULL for operands, switches and choices. A file's ends as the file does */
+    const char *help;  /* what, unit; in the end "(default X)" where it has one */
+    int        *given; /* NULL, or set to 1 when the option was given */
+} option;
+
+typedef struct command_line {
+    const char   *name;     /* "bake" */
+    const char   *synopsis; /* "SCENE -o OUT.vxs [options]" */
+    const char   *summary;  /* its first sentence stands in the list of commands, too */
+    const option *options;  /* [option_count]; with those of every command, at most OPTIONS_MAX */
+    size_t        option_count;
+} command_line;
+
+enum { OPTIONS_MAX = 64 };
+
+/* The options are an array. */
+#define COMMAND_LINE(name, synopsis, summary, options)                                                                             \
+    ((command_line){name, synopsis, summary, options, sizeof(options) / sizeof *(options)})
+
+static inline int is_operand(const option *o)
+{
+    return o->name && o->name[0] != '-';
+}
+
+static inline int is_named(const option *o)
+{
+    return o->kind == OPTION_NAMED_VECTOR || o->kind == OPTION_NAMED_U32 || o->kind == OPTION_NAMED_F64;
+}
+
+static inline int is_list(const option *o)
+{
+    return o->kind == OPTION_TEXTS || o->kind == OPTION_INPUTS || o->kind == OPTION_U32S || is_named(o);
+}
+
+#endif

@@ -1,0 +1,324 @@
+/* Parsing the command line of a command; see options.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/command/options/options.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/base/array.h"
+#include "baker/base/nearest.h"
+#include "baker/command/options/help.h"
+
+/* What every command understands, after its own rows. */
+enum { COMMON_OPTIONS = 7 };
+
+static void common_options(option rows[COMMON_OPTIONS], message *m, help_format *format)
+{
+    const option common[COMMON_OPTIONS] = {
+        {NULL, OPTION_GROUP, NULL, 0, 0, NULL, NULL, "in every command", NULL},
+        {"--strict", OPTION_SWITCH, &m->strict, 0, 0, NULL, NULL, "a warning is an error, and nothing is written", NULL},
+        {"--force", OPTION_SWITCH, &m->force, 0, 0, NULL, NULL, "replace outputs that are read-only or have further names", NULL},
+        {"--quiet", OPTION_SWITCH, &m->no_report, 0, 0, NULL, NULL,
+         "no report and no progress: errors, warnings, what was asked for", NULL},
+        {"--verbose", OPTION_SWITCH, &m->verbose, 0, 0, NULL, NULL, "the report at full length, with decisions and their reasons",
+         NULL},
+        {"--color", OPTION_CHOICE, &m->color, 0, 0, COLOR_CHOICES, NULL, "colours; auto: on a terminal (default auto)", NULL},
+        {"--help", OPTION_HELP, format, 0, 0, HELP_FORMATS, NULL, "this text, and nothing else; --help=man prints a manual page",
+         NULL},
+    };
+    memcpy(rows, common, sizeof common);
+}
+
+static const option *find_option(const command_line *c, const char *name, size_t length)
+{
+    for (size_t i = 0; i < c->option_count; i++)
+        if (c->options[i].name && strlen(c->options[i].name) == length && !memcmp(c->options[i].name, name, length))
+            return &c->options[i];
+    return NULL;
+}
+
+/* The row of the next operand after `last`, NULL at first; NULL when there is none. */
+static const option *next_operand(const command_line *c, const option *last)
+{
+    if (last && is_list(last)) return last;
+    for (const option *o = last ? last + 1 : c->options; o < c->options + c->option_count; o++)
+        if (is_operand(o)) return o;
+    return NULL;
+}
+
+/* A finite number and the rest of the text, or NULL. */
+static const char *parse_number(const char *text, double *number)
+{
+    char *end;
+    errno   = 0;
+    *number = strtod(text, &end);
+    return end == text || !isfinite(*number) ? NULL : end;
+}
+
+/* "512M", "1.5GiB", "1000000": a whole number of bytes, at least 1. */
+static int parse_bytes(const char *text, uint64_t *bytes)
+{
+    static const char units[] = "KMGT";
+    double            number;
+    const char       *at = text[0] >= '0' && text[0] <= '9' ? parse_number(text, &number) : NULL;
+    if (!at) return 0;
+    const char *unit = *at ? strchr(units, *at) : NULL;
+    if (unit) number = ldexp(number, 10 * (int)(unit - units + 1));
+    if (unit) at++;
+    if (unit && *at == 'i') at++;
+    if (*at == 'B') at++;
+    if (*at || !(number >= 1) || number > 1e18) return 0;
+    *bytes = (uint64_t)number;
+    return 1;
+}
+
+/* Where the value begins: a name may hold a '=', a number holds none. */
+static const char *behind_name(const option *o, const char *text)
+{
+    const char *equals = is_named(o) ? strrchr(text, '=') : NULL;
+    return equals ? equals + 1 : text;
+}
+
+static vxs_result set_vector(const option *o, const char *value, double *out, message *m)
+{
+    size_t      count = (size_t)o->max;
+    double      numbers[16];
+    const char *at = behind_name(o, value);
+    for (size_t i = 0; i < count; i++) {
+        at = parse_number(at, &numbers[i]);
+        if (!at || *at != (i + 1 < count ? ',' : '\0'))
+            return fail(m, VXS_E_ARGUMENT, "%s %s: expected %zu numbers separated by commas", o->name, value, count);
+        at++;
+    }
+    memcpy(out, numbers, count * sizeof *numbers);
+    return VXS_OK;
+}
+
+/* "4K" is 4096: of texels, which come in powers of two. */
+static const char *parse_thousands(const char *end, double *number)
+{
+    if (!end || (*end != 'K' && *end != 'k')) return end;
+    *number *= 1024;
+    return end + 1;
+}
+
+static vxs_result parse_in_range(const option *o, const char *value, int whole, double *number, message *m)
+{
+    const char *end = parse_number(behind_name(o, value), number);
+    if (o->kind == OPTION_NAMED_U32) end = parse_thousands(end, number);
+    if (end && !*end && *number >= o->min && *number <= o->max && (!whole || *number == floor(*number))) return VXS_OK;
+    int digits = whole ? 10 : 6; /* as many as a uint32_t may have; as many as %g has */
+    return fail(m, VXS_E_ARGUMENT, "%s %s: expected a %snumber from %.*g to %.*g", o->name, value, whole ? "whole " : "", digits,
+                o->min, digits, o->max);
+}
+
+static vxs_result set_u32(const option *o, const char *value, uint32_t *out, message *m)
+{
+    double     number;
+    vxs_result r = parse_in_range(o, value, 1, &number, m);
+    if (r == VXS_OK) *out = (uint32_t)number;
+    return r;
+}
+
+static vxs_result add_number(const option *o, const char *value, message *m)
+{
+    number_list *list = o->target;
+    uint32_t     number;
+    vxs_result   r = set_u32(o, value, &number, m);
+    if (r != VXS_OK) return r;
+    for (size_t n = 0; n < list->count; n++)
+        if (list->items[n] == number) return fail(m, VXS_E_ARGUMENT, "%s %s is given twice", o->name, value);
+    if (list->count == OPTION_NUMBERS_MAX)
+        return fail(m, VXS_E_ARGUMENT, "%s: expected at most %d of them", o->name, OPTION_NUMBERS_MAX);
+    list->items[list->count++] = number;
+    return VXS_OK;
+}
+
+static vxs_result add_text(const option *o, const char *value, message *m)
+{
+    text_list *list = o->target;
+    if (!array_reserve(&list->items, &list->capacity, list->count + 1, sizeof *list->items))
+        return fail(m, VXS_E_MEMORY, "out of memory while reading %s", o->name);
+    list->items[list->count++] = value;
+    return VXS_OK;
+}
+
+static vxs_result add_named(const option *o, const char *text, message *m)
+{
+    named_list  *list   = o->target;
+    size_t       length = (size_t)(behind_name(o, text) - text);
+    named_value *item;
+    if (length == 1) return fail(m, VXS_E_ARGUMENT, "%s %s: expected a name before the '=', or none", o->name, text);
+    if (!array_reserve(&list->items, &list->capacity, list->count + 1, sizeof *list->items)) goto no_memory;
+    item  = &list->items[list->count];
+    *item = (named_value){0};
+    if (length && !(item->name = strndup(text, length - 1))) goto no_memory;
+    if (!length && o->choices && !(item->name = strdup(o->choices))) goto no_memory;
+    list->count++; /* from here on the list releases it */
+    if (named_find(list, item->name) != item)
+        return item->name ? fail(m, VXS_E_ARGUMENT, "%s is given twice for '%s': expected once", o->name, item->name)
+                          : fail(m, VXS_E_ARGUMENT, "%s is given twice without a name: expected once", o->name);
+    if (o->kind == OPTION_NAMED_VECTOR) return set_vector(o, text, item->numbers, m);
+    return parse_in_range(o, text, o->kind == OPTION_NAMED_U32, item->numbers, m);
+no_memory:
+    return fail(m, VXS_E_MEMORY, "out of memory while reading %s", o->name);
+}
+
+static vxs_result set_choice(const option *o, const char *value, message *m)
+{
+    int     index = choice_index(o->choices, value);
+    nearest near  = {.typed = value};
+    char    meant[64];
+    if (index < 0) {
+        nearest_try_choices(&near, o->choices);
+        return fail(m, VXS_E_ARGUMENT, "%s %s: expected one of %s%s", o->name, value, o->choices, nearest_text(meant, &near));
+    }
+    *(int *)o->target = index;
+    return VXS_OK;
+}
+
+static vxs_result set_option(const option *o, const char *value, message *m)
+{
+    switch (o->kind) {
+    case OPTION_SWITCH: *(int *)o->target = 1; break;
+    case OPTION_TEXT:
+    case OPTION_INPUT:
+    case OPTION_FOLDER:
+    case OPTION_OUTPUT: *(const char **)o->target = value; break;
+    case OPTION_VECTOR: return set_vector(o, value, o->target, m);
+    case OPTION_TEXTS:
+    case OPTION_INPUTS: return add_text(o, value, m);
+    case OPTION_NAMED_VECTOR:
+    case OPTION_NAMED_U32:
+    case OPTION_NAMED_F64: return add_named(o, value, m);
+    case OPTION_CHOICE:
+    case OPTION_HELP: return set_choice(o, value, m);
+    case OPTION_U32: return set_u32(o, value, o->target, m);
+    case OPTION_U32S: return add_number(o, value, m);
+    case OPTION_F64: return parse_in_range(o, value, 0, o->target, m);
+    case OPTION_BYTES:
+        if (!parse_bytes(value, o->target))
+            return fail(m, VXS_E_ARGUMENT, "%s %s: expected a number of bytes, such as 800M or 2G", o->name, value);
+        break;
+    case OPTION_GROUP: break; /* has no name to be found by */
+    }
+    return VXS_OK;
+}
+
+/* Set an option, once unless it is a list. given  [option_count] */
+static vxs_result give(const command_line *c, const option *o, const char *value, char *given, message *m)
+{
+    char *before = &given[o - c->options];
+    if (*before && !is_list(o)) return fail(m, VXS_E_ARGUMENT, "%s is given twice: expected once", o->name);
+    *before = 1;
+    if (o->given) *o->given = 1;
+    return set_option(o, value, m);
+}
+
+/* The value of option o in argv[*i], behind its '=' or in the argument that follows. NULL for switches. */
+static vxs_result take_value(const option *o, const char *equals, int argc, char **argv, int *i, const char **value, message *m)
+{
+    *value = equals ? equals + 1 : NULL;
+    if (o->kind == OPTION_SWITCH) return equals ? fail(m, VXS_E_ARGUMENT, "%s takes no value", o->name) : VXS_OK;
+    if (equals) return VXS_OK;
+    if (++*i == argc)
+        return fail(m, VXS_E_ARGUMENT, "%s needs a value: %s", o->name, o->kind == OPTION_CHOICE ? o->choices : o->value);
+    *value = argv[*i];
+    return VXS_OK;
+}
+
+static int by_name(const void *a, const void *b)
+{
+    return strcmp(*(const char *const *)a, *(const char *const *)b);
+}
+
+/* Options that begin with what was typed, three at most: ": did you mean '--resolution' or '--resume'?" into text, or nothing. */
+static void begun_text(char text[128], const command_line *c, const char *typed)
+{
+    const char *names[OPTIONS_MAX];
+    size_t      count = 0, used = 0, length = strlen(typed);
+    text[0] = 0;
+    for (const option *o = c->options; o < c->options + c->option_count && length > strlen("--"); o++)
+        if (o->name && !is_operand(o) && !strncmp(o->name, typed, length)) names[count++] = o->name;
+    if (!count || count > 3) return;
+    qsort(names, count, sizeof *names, by_name);
+    for (size_t n = 0; n < count; n++)
+        used += (size_t)snprintf(text + used, 128 - used, "%s'%s'", !n ? ": did you mean " : n + 1 == count ? " or " : ", ", names[n]);
+    snprintf(text + used, 128 - used, "?");
+}
+
+static vxs_result unknown_option(const command_line *c, const char *arg, message *m)
+{
+    char    name[NEAREST_LENGTH_MAX + 2], meant[128]; /* longer names are cut, but not to what is compared */
+    nearest near = {.typed = name};
+    snprintf(name, sizeof name, "%.*s", (int)strcspn(arg, "="), arg);
+    begun_text(meant, c, name);
+    for (const option *o = c->options; o < c->options + c->option_count; o++)
+        if (o->name && !is_operand(o)) nearest_try(&near, o->name, strlen(o->name));
+    if (!meant[0]) nearest_text(meant, &near);
+    return fail(m, VXS_E_ARGUMENT, "unknown option '%s'%s%s vxs %s --help lists the options", arg, meant, meant[0] ? "" : ":", c->name);
+}
+
+static vxs_result parse_arguments(const command_line *c, int argc, char **argv, char *given, int *help_shown, message *m)
+{
+    const option *operand      = NULL;
+    int           options_over = 0;
+    vxs_result    r            = VXS_OK;
+    for (int i = 1; i < argc && r == VXS_OK && !*help_shown; i++) {
+        const char *arg = argv[i], *value;
+        if (options_over || arg[0] != '-' || !arg[1]) {
+            if (!(operand = next_operand(c, operand)))
+                return fail(m, VXS_E_ARGUMENT, "unexpected argument '%s': usage is vxs %s %s", arg, c->name, c->synopsis);
+            r = give(c, operand, arg, given, m);
+            continue;
+        }
+        if (!strcmp(arg, "--")) {
+            options_over = 1;
+            continue;
+        }
+        if (!strcmp(arg, "-h")) arg = "--help";
+        const char   *equals = arg[1] == '-' ? strchr(arg, '=') : NULL;
+        const option *o      = find_option(c, arg, equals ? (size_t)(equals - arg) : strlen(arg));
+        if (!o) return unknown_option(c, arg, m);
+        if (o->kind == OPTION_HELP) {
+            *help_shown = 1;
+            return set_option(o, equals ? equals + 1 : "text", m);
+        }
+        if ((r = take_value(o, equals, argc, argv, &i, &value, m)) == VXS_OK) r = give(c, o, value, given, m);
+    }
+    return r;
+}
+
+vxs_result options_parse(const command_line *c, int argc, char **argv, int *help_shown, message *m)
+{
+    char         given[OPTIONS_MAX] = {0};
+    help_format  format             = HELP_TEXT;
+    option       options[OPTIONS_MAX];
+    command_line line = {c->name, c->synopsis, c->summary, options, c->option_count + COMMON_OPTIONS};
+    memcpy(options, c->options, c->option_count * sizeof *options);
+    common_options(options + c->option_count, m, &format);
+    *help_shown  = 0;
+    vxs_result r = parse_arguments(&line, argc, argv, given, help_shown, m);
+    if (r == VXS_OK && *help_shown) help_print(&line, format);
+    for (size_t i = 0; i < c->option_count && r == VXS_OK && !*help_shown; i++) {
+        const option *o = &c->options[i];
+        if (given[i]) continue;
+        if (is_operand(o))
+            r = fail(m, VXS_E_ARGUMENT, "%s is missing: usage is vxs %s %s", o->name, c->name, c->synopsis);
+        else if (o->kind == OPTION_OUTPUT && o->min > 0)
+            r = fail(m, VXS_E_ARGUMENT, "%s needs %s %s", c->name, o->name, o->value);
+    }
+    if (r == VXS_OK && m->no_report && m->verbose) r = fail(m, VXS_E_ARGUMENT, "--quiet and --verbose exclude each other");
+    return r;
+}
+
+void options_free(const command_line *c)
+{
+    for (const option *o = c->options; o < c->options + c->option_count; o++) {
+        if (o->kind == OPTION_TEXTS || o->kind == OPTION_INPUTS) free(((text_list *)o->target)->items);
+        if (is_named(o)) named_list_free(o->target);
+    }
+}

@@ -1,0 +1,41 @@
+/* What ends a process that C++ gives up on; see process.h.
+ * nlohmann::json allocates where it promises not to throw, in its destructor and when it is moved: without memory the process ends there.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include <unistd.h>
+
+#include <cstdlib>
+#include <exception>
+#include <new>
+
+#include "baker/base/message.h"
+#include "baker/base/progress_line.h"
+#include "baker/command/process/process.h"
+
+/* Where a function may not throw, the exception is at times not caught but still under way, and cannot be looked at; nothing but
+ * missing memory is thrown there. */
+static bool out_of_memory()
+{
+    try {
+        if (!std::current_exception()) return std::uncaught_exceptions() > 0;
+        throw;
+    } catch (const std::bad_alloc &) {
+        return true;
+    } catch (...) {
+        return false;
+    }
+}
+
+[[noreturn]] static void end_process()
+{
+    static const char text[] = "vxs: error: out of memory\n";
+    if (!out_of_memory()) abort();
+    process_remove_temporary();
+    progress_clear();
+    if (write(STDERR_FILENO, text, sizeof text - 1) < 0) abort();
+    _exit(exit_status(VXS_E_MEMORY));
+}
+
+void process_catch_terminate(void)
+{
+    std::set_terminate(end_process);
+}

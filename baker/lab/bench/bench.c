@@ -1,0 +1,276 @@
+/* Measuring bakes and lookups; see bench.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/lab/bench/bench.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+#include <xxhash.h>
+
+#include "baker/base/version.h"
+#include "baker/lab/bench/bench_cell.h"
+#include "baker/lab/bench/bench_text.h"
+#include "baker/files/foreign_file.h"
+#include "baker/files/input_file.h"
+#include "baker/files/json_file.h"
+#include "baker/base/clock.h"
+#include "baker/lab/bench/machine.h"
+#include "baker/base/progress.h"
+
+typedef struct bench_work {
+    const bench_options *o;
+    json_t              *result;
+    bench_job           *jobs; /* [job_count] */
+    size_t               job_count;
+    int                 *inputs; /* [scene] see keep_pipe; owned */
+    children             children;
+    double               since; /* when the first run began */
+    int                  outputs_differ;
+} bench_work;
+
+/* Children ------------------------------------------------------------------------------------------------------------------- */
+
+/* The error that a child printed, which is the last line when there is one; "" when there is none. */
+static void read_error(const char *path, char text[512])
+{
+    static const char begin[] = "vxs: error: ";
+    char              line[512];
+    FILE             *f = fopen(path, "re");
+    text[0]             = 0;
+    while (f && fgets(line, sizeof line, f))
+        if (!strncmp(line, begin, strlen(begin))) strcpy(text, line + strlen(begin));
+    text[strcspn(text, "\n")] = 0;
+    if (f) fclose(f);
+}
+
+static vxs_result result_of_status(int status)
+{
+    static const vxs_result results[] = {VXS_E_ARGUMENT, VXS_E_READ, VXS_E_WRITE, VXS_E_NO_CASTER, VXS_E_MEMORY, VXS_E_INTERRUPTED};
+    for (size_t n = 0; n < sizeof results / sizeof *results; n++)
+        if (exit_status(results[n]) == status) return results[n];
+    return VXS_E_MEMORY; /* it crashed, or was killed */
+}
+
+/* Run a command whose exit status is 0, or `accepted`. */
+static vxs_result run_child(bench_work *w, const bench_job *job, const char *const *arguments, int accepted, double *seconds,
+                            message *m)
+{
+    char       name[256], text[512];
+    int        status;
+    vxs_result r = child_run(&w->children, arguments, job->input, seconds, &status, m);
+    if (r != VXS_OK || !status || status == accepted) return r;
+
+    read_error(w->children.errors, text);
+    if (!text[0] && status < 0) snprintf(text, sizeof text, "ended by signal %d, %s", -status, strsignal(-status));
+    if (!text[0]) snprintf(text, sizeof text, "exit status %d", status);
+    return fail(m, result_of_status(status), "%s of %s: %s", arguments[1], bench_cell_name(name, sizeof name, w->result, job->cell),
+                text);
+}
+
+/* Steps of a run ------------------------------------------------------------------------------------------------------------- */
+
+static vxs_result hash_file(const char *path, uint64_t *hash, message *m)
+{
+    char  bytes[1 << 16];
+    FILE *f = fopen(path, "rbe");
+    *hash   = 0;
+    if (!f && errno == ENOMEM) return fail(m, VXS_E_MEMORY, "out of memory while reading %s", path);
+    for (size_t count; f && (count = fread(bytes, 1, sizeof bytes, f));) *hash = XXH3_64bits_withSeed(bytes, count, *hash);
+    vxs_result r = f && !ferror(f) ? VXS_OK : fail(m, VXS_E_READ, "%s: cannot read: %s", path, strerror(errno));
+    if (f) fclose(f);
+    return r;
+}
+
+/* What is measured is the same work only when it makes the same bytes. */
+static vxs_result require_same_bytes(bench_work *w, bench_job *job, uint32_t run, message *m)
+{
+    uint64_t   hash;
+    char       name[256];
+    vxs_result r = hash_file(w->children.asset, &hash, m);
+    if (r != VXS_OK) return r;
+    if (!run) job->asset_hash = hash;
+    if (hash == job->asset_hash) return VXS_OK;
+    w->outputs_differ = 1;
+    return fail(m, VXS_E_READ, "bake of %s: run %u of %u wrote other bytes than run 1",
+                bench_cell_name(name, sizeof name, w->result, job->cell), run + 1, w->o->runs);
+}
+
+static vxs_result compare_once(bench_work *w, const bench_job *job, double *seconds, message *m)
+{
+    const bench_options *o = w->o;
+    char                 points[16], filters[FILTERS_MAX][16];
+    const char          *arguments[2 * FILTERS_MAX + 16] = {"vxs", "compare", "--json", w->children.report, "--points", points};
+    size_t               count                           = 6;
+    enum { FOUND_UNEXPLAINED = 1 };
+    snprintf(points, sizeof points, "%u", o->points);
+    for (size_t n = 0; n < o->filter_count; n++) {
+        snprintf(filters[n], sizeof filters[n], "%u", o->filters_px[n] % VXS_SMOOTH);
+        arguments[count++] = o->filters_px[n] < VXS_SMOOTH ? "--filter" : "--smooth";
+        arguments[count++] = filters[n];
+    }
+    if (o->scene_name) arguments[count++] = "--scene";
+    if (o->scene_name) arguments[count++] = o->scene_name;
+    if (o->allow_outside) arguments[count++] = "--allow-outside";
+    arguments[count++] = "--other-scene"; /* one that changed since its bake shows by the bytes of the next */
+    arguments[count++] = "--";
+    arguments[count++] = job->scene_path;
+    arguments[count++] = w->children.asset;
+
+    return run_child(w, job, arguments, FOUND_UNEXPLAINED, seconds, m);
+}
+
+static vxs_result run_once(bench_work *w, bench_job *job, uint32_t run, message *m)
+{
+    json_t    *bake = NULL, *compare = NULL;
+    double     bake_seconds = 0, compare_seconds = 0;
+    vxs_result r = run_child(w, job, job->arguments, 0, &bake_seconds, m);
+    if (r == VXS_OK) r = json_read(&bake, w->children.report, m);
+    if (r == VXS_OK) r = require_same_bytes(w, job, run, m);
+    if (r == VXS_OK && w->o->points) r = compare_once(w, job, &compare_seconds, m);
+    if (r == VXS_OK && w->o->points) r = json_read(&compare, w->children.report, m);
+    if (r == VXS_OK) {
+        json_object_set(json_object_get(w->result, "machine"), "renderer", json_object_get(bake, "renderer"));
+        json_array_append_new(job->runs, bench_cell_of_run(job->cell, bake, compare, bake_seconds));
+    }
+    job->seconds = bake_seconds + compare_seconds;
+    json_decref(bake);
+    json_decref(compare);
+    return r;
+}
+
+/* Rounds --------------------------------------------------------------------------------------------------------------------- */
+
+/* How long a job takes: as long as the last time, or by its weight among those that ran. */
+static double expected_seconds(const bench_work *w, const bench_job *job)
+{
+    double seconds = 0, weight = 0;
+    for (size_t n = 0; n < w->job_count && !job->seconds; n++) {
+        if (!w->jobs[n].seconds) continue;
+        seconds += w->jobs[n].seconds;
+        weight += w->jobs[n].weight;
+    }
+    return job->seconds ? job->seconds : weight ? job->weight * seconds / weight : 0;
+}
+
+static void show_progress(const bench_work *w, uint32_t run, size_t at)
+{
+    if (!w->o->progress) return;
+    double round_seconds = 0, left_seconds = 0;
+    char   name[256];
+    for (size_t n = 0; n < w->job_count; n++) {
+        double seconds = expected_seconds(w, &w->jobs[n]);
+        round_seconds += seconds;
+        if (n >= at) left_seconds += seconds;
+    }
+    double spent = clock_seconds() - w->since;
+    double left  = left_seconds + (w->o->runs - run - 1) * round_seconds;
+    progress_clear(); /* what comes may take long: it is named even when the last one took no time */
+    progress_share(1, left > 0 ? spent / (spent + left) : 0, w->since, "run %u of %u: %s", run + 1, w->o->runs,
+                   bench_cell_name(name, sizeof name, w->result, w->jobs[at].cell));
+}
+
+static vxs_result run_rounds(bench_work *w, message *m)
+{
+    vxs_result r = VXS_OK;
+    w->since     = clock_seconds();
+    for (uint32_t run = 0; run < w->o->runs && r == VXS_OK; run++)
+        for (size_t n = 0; n < w->job_count && r == VXS_OK; n++) {
+            show_progress(w, run, n);
+            r = run_once(w, &w->jobs[n], run, m);
+        }
+    progress_clear();
+    return r;
+}
+
+/* Scenes from pipes ------------------------------------------------------------------------------------------------------------ */
+
+/* A GLB, or text that may be glTF, is read whole. Of anything else the first bytes are enough: the bake refuses it. */
+static uint64_t wanted_bytes(void *user, const uint8_t *first, size_t size_bytes)
+{
+    (void)user;
+    return may_be_gltf(first, size_bytes) ? UINT64_MAX : 0;
+}
+
+/* Each run reads its scene again, which a pipe gives once: a copy in memory.
+ * kept  [out] its descriptor; -1: the scene is a file, or cannot be had, which its bake will say */
+static vxs_result keep_pipe(int *kept, const char *path, message *m)
+{
+    struct stat status;
+    uint8_t    *bytes;
+    size_t      size_bytes, done = 0;
+    vxs_result  r;
+    *kept = -1;
+    if (!is_standard_input(path) && (stat(path, &status) || !S_ISFIFO(status.st_mode))) return VXS_OK;
+    if ((r = input_read(&bytes, &size_bytes, path, UINT32_MAX, &(input_head){wanted_bytes, NULL}, m)) != VXS_OK) return r;
+    *kept = memfd_create("scene", MFD_CLOEXEC);
+    for (ssize_t n = 1; *kept >= 0 && n > 0 && done < size_bytes; done += (size_t)(n > 0 ? n : 0))
+        n = write(*kept, bytes + done, size_bytes - done);
+    free(bytes);
+    return done == size_bytes ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory for a copy of '%s'", input_name(path));
+}
+
+static vxs_result keep_pipes(bench_work *w, message *m)
+{
+    vxs_result r = VXS_OK;
+    w->inputs    = malloc(w->o->scenes.count * sizeof *w->inputs);
+    if (!w->inputs) return fail(m, VXS_E_MEMORY, "out of memory");
+    for (size_t n = 0; n < w->o->scenes.count; n++) w->inputs[n] = -1;
+    for (size_t n = 0; n < w->o->scenes.count && r == VXS_OK; n++) r = keep_pipe(&w->inputs[n], w->o->scenes.items[n], m);
+    return r;
+}
+
+static void release_pipes(bench_work *w)
+{
+    for (size_t n = 0; w->inputs && n < w->o->scenes.count; n++)
+        if (w->inputs[n] >= 0) close(w->inputs[n]);
+    free(w->inputs);
+}
+
+/* The whole ------------------------------------------------------------------------------------------------------------------ */
+
+/* What is known before the first run. NULL without memory. */
+static json_t *describe(const bench_options *o)
+{
+    char          started[32];
+    time_t        now     = time(NULL);
+    json_t       *result  = NULL;
+    bench_machine machine = {0};
+    strftime(started, sizeof started, "%Y-%m-%dT%H:%M:%SZ", gmtime(&now));
+    if (machine_describe(&machine))
+        result = json_pack("{s:s, s:s, s:{s:o, s:I, s:I, s:o, s:n}, s:I, s:I, s:[]}", "vxs", VXS_VERSION, "started", started,
+                           "machine", "processor", json_text(machine.processor), "cores", (json_int_t)machine.cores, "memory_bytes",
+                           (json_int_t)machine.memory_bytes, "system", json_text(machine.system), "renderer", "runs",
+                           (json_int_t)o->runs, "points", (json_int_t)o->points, "cells");
+    machine_free(&machine);
+    return result;
+}
+
+vxs_result bench_run(const bench_options *o, json_t **result, int *outputs_differ, message *m)
+{
+    bench_work w = {.o = o};
+    *result      = NULL;
+    vxs_result r = keep_pipes(&w, m);
+    if (r != VXS_OK) {
+        release_pipes(&w);
+        return r;
+    }
+    r = children_begin(&w.children, m); /* from now on signals wait */
+    if (r == VXS_OK && !(w.result = describe(o))) r = fail(m, VXS_E_MEMORY, "out of memory");
+    if (r == VXS_OK) r = bench_jobs_make(&w.jobs, &w.job_count, json_object_get(w.result, "cells"), o, w.inputs, &w.children, m);
+    if (r == VXS_OK) r = run_rounds(&w, m);
+    children_end(&w.children);
+
+    for (size_t n = 0; n < w.job_count && r == VXS_OK; n++)
+        json_array_set_new(json_object_get(w.result, "cells"), n, bench_cell_of_runs(json_incref(w.jobs[n].runs)));
+    bench_jobs_free(w.jobs, w.job_count);
+    release_pipes(&w);
+    *outputs_differ = w.outputs_differ;
+    if (r != VXS_OK) json_decref(w.result);
+    *result = r == VXS_OK ? w.result : NULL;
+    return r;
+}

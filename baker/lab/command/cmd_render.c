@@ -1,0 +1,658 @@
+/* vxs render: a scene in the shadows of a .vxs file, drawn with OpenGL as a game would, or by rays.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/bake/provenance.h"
+#include "baker/base/box.h"
+#include "baker/base/parallel.h"
+#include "baker/command/asset_open.h"
+#include "baker/command/asset_stream.h"
+#include "baker/command/commands.h"
+#include "baker/lab/command/scene_camera.h"
+#include "baker/lab/command/written_text.h"
+#include "baker/files/exr_encode.h"
+#include "baker/files/json_file.h"
+#include "baker/files/output_file.h"
+#include "baker/files/png_encode.h"
+#include "baker/base/clock.h"
+#include "baker/lab/command/camera_choice.h"
+#include "baker/command/options/filter_choice.h"
+#include "baker/lab/command/fog_choice.h"
+#include "baker/command/options/options.h"
+#include "baker/command/options/scene_rows.h"
+#include "baker/lab/picture/picture.h"
+#include "baker/lab/render/camera_path.h"
+#include "baker/lab/render/render_report.h"
+#include "baker/lab/render/sky_map.h"
+
+enum {
+    SIDE_MIN_PX      = 16,
+    SIDE_MAX_PX      = 8192,
+    SAMPLES_MAX      = 4,
+    SAMPLES_SIDE_MAX = 16384,
+    TILE_LIGHTS      = 255,
+    UPLOAD_BYTES     = 1 << 20,
+    AREA_LAMPS       = 64,
+    SMOKE_SIDE_MIN   = 16,
+    SMOKE_SIDE_MAX   = 2048,
+    FRAMES           = 60,
+    FRAMES_MAX       = 100000
+};
+
+typedef enum draw_mode { DRAW_GL, DRAW_RAYS } draw_mode;
+
+typedef struct render_command {
+    const char    *scene_path, *asset_path, *out;
+    scene_choice   choice;
+    text_list      light_names;
+    render_options options;
+    camera_choice  camera;
+    filter_choice  filter;
+    draw_mode      draw;
+    fog_choice     fog;
+    const char    *camera_name; /* of the scene's own; NULL: none */
+    const char    *linear_path, *passes_folder, *path_file, *json_path, *csv_path, *plot_path, *moving_path, *sky_path;
+    uint32_t       frames;
+    uint64_t       budget_bytes;
+    int            budget_given, upload_given;
+    int orbits, samples_given, cull_given, stops_given, frames_given, moving_by_given, area_given, gather_given, smoke_given,
+        smoke_side_given, sky_light_given, sky_turn_given, width_given, height_given, fov_given;
+} render_command;
+
+/* What is drawn. */
+typedef struct subject {
+    scene                  scene, moving;
+    sky_map                sky;
+    box                    box;
+    vxs_asset             *asset;  /* NULL where it is streamed */
+    asset_stream           stream; /* with --budget */
+    const vxs_baked_light *lights[VXS_LIGHTS_MAX];
+    const vxs_baked_smoke *smoke[VXS_LIGHTS_MAX]; /* of each of them; NULL: it has none */
+    uint32_t               light_count;
+} subject;
+
+/* The first option that is given and means nothing without OpenGL, or without a path; NULL: there is none. */
+static const char *needs_gl(const render_command *c)
+{
+    return c->samples_given      ? "--samples"
+           : c->budget_given     ? "--budget"
+           : c->cull_given       ? "--cull"
+           : c->fog.by_given     ? "--fog-by"
+           : c->fog.steps_given  ? "--fog-steps"
+           : c->fog.grid_given   ? "--fog-grid"
+           : c->area_given       ? "--area"
+           : c->gather_given     ? "--area-gather"
+           : c->sky_path         ? "--sky"
+           : c->stops_given      ? "--exposure"
+           : c->smoke_given      ? "--smoke"
+           : c->smoke_side_given ? "--smoke-side"
+           : c->moving_path      ? "--moving"
+           : c->passes_folder    ? "--passes"
+           : c->path_file        ? "--path"
+           : c->orbits           ? "--orbit"
+           : c->json_path        ? "--json"
+           : c->csv_path         ? "--csv"
+           : c->plot_path        ? "--plot"
+                                 : NULL;
+}
+
+static vxs_result check_samples(const render_options *o, message *m)
+{
+    if (o->width_px * o->samples <= SAMPLES_SIDE_MAX && o->height_px * o->samples <= SAMPLES_SIDE_MAX) return VXS_OK;
+    return fail(m, VXS_E_ARGUMENT, "--samples %u of a picture of %u x %u: expected no side of more than %d samples", o->samples,
+                o->width_px, o->height_px, SAMPLES_SIDE_MAX);
+}
+
+static vxs_result check_options(const render_command *c, message *m)
+{
+    const render_options *o    = &c->options;
+    int                   path = c->path_file || c->orbits;
+    vxs_result            r    = filter_check(&c->filter, m);
+    if (r == VXS_OK) r = camera_check(&c->camera, m);
+    if (r != VXS_OK) return r;
+    if (c->draw == DRAW_RAYS && needs_gl(c))
+        return fail(m, VXS_E_ARGUMENT, "--draw rays goes without %s, which is for OpenGL", needs_gl(c));
+    if (r == VXS_OK) r = fog_check(&c->fog, m);
+    if (r != VXS_OK) return r;
+    if (c->fog.by == FOG_BY_MESH && c->budget_given)
+        return fail(m, VXS_E_ARGUMENT, "--fog-by mesh goes without --budget: it is made once, of all of the file");
+    if (c->gather_given && !o->area_lamps) return fail(m, VXS_E_ARGUMENT, "--area-gather needs area lights: --area 1 or more");
+    if (c->sky_path && !o->area_lamps) return fail(m, VXS_E_ARGUMENT, "--sky needs virtual lights: --area 1 or more");
+    if (!c->sky_path && (c->sky_light_given || c->sky_turn_given))
+        return fail(m, VXS_E_ARGUMENT, "%s needs --sky", c->sky_light_given ? "--sky-light" : "--sky-turn");
+    const char *other = c->camera.eye_given ? "--eye"
+                        : c->path_file      ? "--path"
+                        : c->orbits         ? "--orbit"
+                        : c->fov_given      ? "--fov"
+                                            : NULL;
+    if (c->camera_name && other) return fail(m, VXS_E_ARGUMENT, "--camera and %s exclude each other", other);
+    if (c->path_file && c->orbits) return fail(m, VXS_E_ARGUMENT, "--path and --orbit exclude each other");
+    if (c->path_file && c->camera.eye_given) return fail(m, VXS_E_ARGUMENT, "--path and --eye exclude each other");
+    if (c->upload_given && !c->budget_given)
+        return fail(m, VXS_E_ARGUMENT, "--upload %llu needs --budget", (unsigned long long)o->upload_bytes);
+    if (c->smoke_side_given && o->smoke == SMOKE_OFF) return fail(m, VXS_E_ARGUMENT, "--smoke-side needs --smoke on");
+    if (c->moving_by_given && (!c->moving_path || !path))
+        return fail(m, VXS_E_ARGUMENT, "--moving-by needs --moving, and --path or --orbit");
+    if (!path && c->frames_given) return fail(m, VXS_E_ARGUMENT, "--frames %u needs --path or --orbit", c->frames);
+    return check_samples(o, m);
+}
+
+/* All of an asset, or what is resident of it.   contents  [out] */
+static vxs_result open_asset(render_command *c, subject *s, const vxs_contents **contents, message *m)
+{
+    vxs_result r;
+    *contents = &s->stream.contents;
+    if (c->budget_given) {
+        r = asset_stream_open(&s->stream, c->asset_path, c->budget_bytes, &c->light_names, c->options.area_lamps > 0, s->lights,
+                              s->smoke, &s->light_count, m);
+        c->options.stream      = s->stream.stream;
+        c->options.area_points = s->stream.points.coordinates ? &s->stream.points : NULL;
+        return r;
+    }
+    if ((r = asset_open(&s->asset, c->asset_path, c->options.threads, m)) != VXS_OK) return r;
+    *contents              = vxs_asset_contents(s->asset);
+    c->options.area_points = vxs_asset_points(s->asset);
+    r                      = asset_choose_lights(*contents, c->asset_path, &c->light_names, s->lights, &s->light_count, m);
+    if (r == VXS_OK) asset_find_smoke(s->asset, s->lights, s->light_count, s->smoke);
+    return r;
+}
+
+/* Skinned meshes as they stand: they are what moves most. */
+static vxs_result load_moving(render_command *c, subject *s, message *m)
+{
+    const scene_choice all = {.skinned = SKINNED_REST, .skinned_given = 1};
+    vxs_result         r   = scene_load_gltf(&s->moving, c->moving_path, &all, m);
+    c->options.moving      = &s->moving;
+    if (r != VXS_OK || s->moving.triangle_count) return r;
+    return fail(m, VXS_E_SCENE, "%s has no triangles: nothing moves", c->moving_path);
+}
+
+/* Whether what is baked dims a light. */
+static int has_baked_smoke(const render_command *c, const subject *s)
+{
+    int some = 0;
+    for (uint32_t n = 0; n < s->light_count && c->options.baked_smoke; n++) some |= c->options.baked_smoke[n] != NULL;
+    return some;
+}
+
+/* Whether some light takes steps in fog is known when scene and file are. */
+static vxs_result check_steps(const render_command *c, const subject *s, message *m)
+{
+    if (c->moving_path || (c->options.smoke == SMOKE_ON && s->scene.smoke.count) || has_baked_smoke(c, s)) return VXS_OK;
+    return fog_check_steps(&c->fog, s->scene.smoke.count ? ", or --smoke on" : ": there is no smoke, and nothing moves", m);
+}
+
+static vxs_result load_sky(render_command *c, subject *s, message *m)
+{
+    c->options.sky = &s->sky;
+    return sky_map_read(&s->sky, c->sky_path, m);
+}
+
+/* Whether an asset's smoke is that of the scene's capsules, too. */
+static int has_capsules(const json_t *made)
+{
+    return json_object_get(json_object_get(json_object_get(made, "options"), "smoke"), "capsules") != NULL;
+}
+
+/* The scene's own camera, or one that all of the scene is in view of: on an orbit from everywhere. */
+static vxs_result place_camera(render_command *c, subject *s, message *m)
+{
+    render_options   *o    = &c->options;
+    const scene_view *view = NULL;
+    if (!c->camera_name) {
+        double aspect = (double)o->width_px / o->height_px;
+        camera_place(&c->camera, &s->box, s->lights, s->light_count, aspect);
+        if (c->orbits && !c->camera.eye_given) camera_frame_orbit(&c->camera.camera, &s->box, aspect);
+        return VXS_OK;
+    }
+    vxs_result r = scene_camera_find(&view, &s->scene, c->camera_name, c->scene_path, m);
+    if (r != VXS_OK) return r;
+    if (view->kind == VIEW_ORTHOGRAPHIC && o->fog)
+        return fail(m, VXS_E_ARGUMENT,
+                    "--fog is of the way to an eye, and the orthographic camera '%s' has none: expected a perspective one",
+                    view->name);
+    scene_camera_size(view, c->width_given, c->height_given, SIDE_MAX_PX, &o->width_px, &o->height_px);
+    c->camera.camera = scene_camera_pose(view, &s->box);
+    return check_samples(o, m);
+}
+
+/* Why the scene's light of a name does not shine; NULL: it does, or there is none. */
+static const char *dark_text(const scene *s, const char *name)
+{
+    for (size_t n = 0; n < s->lost_light_count; n++)
+        if (!strcmp(s->lost_lights[n].name, name))
+            return s->lost_lights[n].why ? "it cannot be read" : "it is hidden (KHR_node_visibility)";
+    for (size_t n = 0; n < s->light_count; n++)
+        if (!strcmp(s->lights[n].name, name)) return s->lights[n].dark;
+    return NULL;
+}
+
+enum { DARK_SHOWN = 3 };
+
+static void warn_about_dark_lights(const subject *s, message *m)
+{
+    size_t dark = 0;
+    for (uint32_t n = 0; n < s->light_count; n++) {
+        const char *name = s->lights[n]->light.name, *why = dark_text(&s->scene, name);
+        if (why && ++dark <= DARK_SHOWN)
+            warn(m, "light '%s' is not drawn: in the scene %s; set it there, or draw others with --light", name, why);
+    }
+    if (dark > DARK_SHOWN)
+        warn(m, "%zu more lights are not drawn for such reasons; see to those above, and run again", dark - DARK_SHOWN);
+}
+
+static vxs_result load(render_command *c, subject *s, message *m)
+{
+    json_t             *made = NULL;
+    const vxs_contents *contents;
+    vxs_result          r;
+    if ((r = open_asset(c, s, &contents, m)) != VXS_OK) goto done;
+    if ((r = provenance_read(&made, contents, m)) != VXS_OK) goto done;
+    c->options.baked_smoke = s->smoke;
+    if (c->options.smoke == SMOKE_ON && has_capsules(made))
+        memset(s->smoke, 0, sizeof s->smoke); /* drawn from the scene, they would dim light twice */
+    if ((r = asset_scene_choice(made, &c->choice, m)) != VXS_OK) goto done;
+    if ((r = scene_load_gltf(&s->scene, c->scene_path, &c->choice, m)) != VXS_OK) goto done;
+    r = asset_check_scene(contents, made, c->asset_path, &s->scene, c->scene_path, "its shadows may not fit", m);
+    if (r != VXS_OK) goto done;
+    if (!s->scene.triangle_count) {
+        r = casters_none(&s->scene, m);
+        goto done;
+    }
+    warn_about_dark_lights(s, m);
+    if ((r = message_check(m)) != VXS_OK) goto done;
+    s->box = box_of_corners(s->scene.positions_ws, s->scene.indices, 3 * s->scene.triangle_count);
+    if (c->moving_path && (r = load_moving(c, s, m)) != VXS_OK) goto done;
+    if (c->sky_path && (r = load_sky(c, s, m)) != VXS_OK) goto done;
+    if ((r = check_steps(c, s, m)) != VXS_OK) goto done;
+    r = place_camera(c, s, m);
+done:
+    json_decref(made);
+    return r;
+}
+
+/* Rays meet solids and sheets alike: nothing needs to be sorted. */
+static vxs_result make_truth(truth **t, casters *casting, const subject *s, uint32_t threads, message *m)
+{
+    vxs_result r = casters_from_scene(casting, &s->scene, CLOSED_OFF, threads, m);
+    return r == VXS_OK ? truth_create(t, casting, threads, m) : r;
+}
+
+/* A picture as it is drawn. */
+typedef struct pixels {
+    uint8_t *rgb;    /* [3 * width * height] as renderer_draw has them */
+    float   *linear; /* likewise, as renderer_read_linear has them; NULL: they are not asked for */
+    double   white;  /* as renderer_white has it; 0: unknown */
+} pixels;
+
+static vxs_result draw_by_rays(const render_command *c, const subject *s, const pixels *to, message *m)
+{
+    picture_options        o       = {.width_px  = c->options.width_px,
+                                      .height_px = c->options.height_px,
+                                      .filter_px = c->options.filter_px,
+                                      .threads   = c->options.threads,
+                                      .fog       = c->options.fog,
+                                      .camera    = c->camera.camera};
+    casters                casting = {0};
+    truth                 *t       = NULL;
+    vxs_result             r       = make_truth(&t, &casting, s, o.threads, m);
+    const vxs_baked_light *lights[VXS_LIGHTS_MAX];
+    uint32_t               count = 0;
+    for (uint32_t n = 0; n < s->light_count; n++)
+        if (!dark_text(&s->scene, s->lights[n]->light.name)) lights[count++] = s->lights[n];
+    if (r == VXS_OK) r = picture_render(to->rgb, to->linear, &o, t, &casting, lights, count, m);
+    truth_destroy(t);
+    casters_free(&casting);
+    return r;
+}
+
+static vxs_result choose_path(const render_command *c, camera_path *path, message *m)
+{
+    if (c->path_file) return camera_path_read(path, c->path_file, c->camera.camera.fov_degrees, m);
+    return c->orbits ? camera_path_orbit(path, &c->camera.camera, m) : VXS_OK;
+}
+
+/* What has come of a stream since the last frame; before the first one all is waited for, as behind a loading screen. */
+static vxs_result stream_frame(subject *s, drawn_frame *frame, const drawn_frame *before, message *m)
+{
+    double        since       = clock_seconds();
+    const double *eye_ws      = frame->camera.eye_ws;
+    frame->stream.struct_size = sizeof frame->stream;
+    vxs_result r              = before ? asset_stream_frame(&s->stream, eye_ws, &frame->stream, m)
+                                       : asset_stream_fill(&s->stream, eye_ws, &frame->stream, m);
+    frame->read_bytes         = frame->stream.bytes_read - (before ? before->stream.bytes_read : 0);
+    frame->wait_seconds       = clock_seconds() - since;
+    return r;
+}
+
+/* Each frame of a path, or the one that there is without; the last one is the picture. A stream is filled before anything is uploaded. */
+static vxs_result draw_frames(const render_command *c, subject *s, renderer **drawn, const camera_path *path, drawn_frame *frames,
+                              uint32_t count, uint8_t *rgb, message *m)
+{
+    vxs_result r = VXS_OK;
+    for (uint32_t n = 0; n < count && r == VXS_OK; n++) {
+        drawn_frame *f     = &frames[n];
+        double       share = count > 1 ? (double)n / (path->closed ? count : count - 1) : 0;
+        f->camera          = path->count ? camera_path_at(path, share) : c->camera.camera;
+        if (c->budget_given) r = stream_frame(s, f, n ? f - 1 : NULL, m);
+        if (r == VXS_OK && !n) r = renderer_create(drawn, &c->options, &s->scene, s->lights, s->light_count, m);
+        if (r == VXS_OK) r = renderer_draw(*drawn, &f->camera, n + 1 == count ? rgb : NULL, &f->frame, m);
+    }
+    return r;
+}
+
+static vxs_result write_passes(const render_command *c, const subject *s, renderer *drawn, truth_difference *difference, message *m)
+{
+    casters    casting = {0};
+    truth     *t       = NULL;
+    vxs_result r       = make_truth(&t, &casting, s, c->options.threads, m);
+    if (r == VXS_OK)
+        r = render_passes(drawn, c->passes_folder, s->lights, s->light_count,
+                          &(passes_options){.streamed  = c->budget_given,
+                                            .is_linear = c->linear_path != NULL,
+                                            .truth     = t,
+                                            .filter_px = c->options.filter_px,
+                                            .threads   = c->options.threads},
+                          difference, m);
+    truth_destroy(t);
+    casters_free(&casting);
+    return r;
+}
+
+/* lamps  NULL: there are none */
+static lamp_words words_of_lamps(const render_command *c, const subject *s, const lamp_pass *lamps)
+{
+    lamp_words w = {.gather = area_gather_names[c->options.area_gather], .baked = c->options.area_points != NULL};
+    if (!lamps) return w;
+    w.points      = lamp_pass_points(lamps);
+    w.capsules    = lamp_pass_capsules(lamps, &w.smoke_side);
+    w.baked_smoke = has_baked_smoke(c, s);
+    return w;
+}
+
+/* Of area lights there is something to say where there are some, or where they were asked for.   Returns 0 where there is not. */
+static int find_area_words(const render_command *c, const subject *s, const renderer *drawn, area_words *w)
+{
+    const area_pass *areas = renderer_areas(drawn);
+    *w                     = (area_words){.scene  = &s->scene,
+                                          .shares = areas ? area_pass_shares(areas) : NULL,
+                                          .lit    = words_of_lamps(c, s, areas ? area_pass_lamps(areas) : NULL)};
+    return areas || (c->area_given && c->options.area_lamps && !c->sky_path);
+}
+
+static sky_words words_of_sky(const render_command *c, const subject *s, const renderer *drawn)
+{
+    return (sky_words){.path         = c->sky_path,
+                       .wide_px      = s->sky.wide_px,
+                       .high_px      = s->sky.high_px,
+                       .light        = c->options.sky_light,
+                       .turn_degrees = c->options.sky_turn_degrees,
+                       .lamps        = c->options.area_lamps,
+                       .lit          = words_of_lamps(c, s, sky_pass_lamps(renderer_sky(drawn)))};
+}
+
+static vxs_result write_reports(const render_command *c, const subject *s, const renderer *drawn, const drawn_frame *frames,
+                                uint32_t count, const truth_difference *difference, message *m)
+{
+    area_words    areas;
+    sky_words     sky    = c->sky_path ? words_of_sky(c, s, drawn) : (sky_words){0};
+    render_report report = {.scene_path   = c->scene_path,
+                            .asset_path   = c->asset_path,
+                            .renderer     = renderer_name(drawn),
+                            .moving_path  = c->moving_path,
+                            .options      = &c->options,
+                            .fog_grid     = renderer_fog_grid(drawn),
+                            .fog_lights   = renderer_fog_lights(drawn),
+                            .smoke_lights = renderer_smoke_lights(drawn),
+                            .capsules     = s->scene.smoke.count,
+                            .areas        = find_area_words(c, s, drawn, &areas) ? &areas : NULL,
+                            .sky          = c->sky_path ? &sky : NULL,
+                            .lights       = s->lights,
+                            .light_count  = s->light_count,
+                            .culls        = renderer_culls(drawn),
+                            .budget_bytes = c->budget_given ? c->budget_bytes : 0,
+                            .frames       = frames,
+                            .frame_count  = count,
+                            .difference   = c->passes_folder ? difference : NULL};
+    vxs_result    r      = VXS_OK;
+    uint32_t      words  = 0;
+    if (s->stream.stream) vxs_stream_words(s->stream.stream, &words);
+    report.word_bytes = words * sizeof(uint32_t);
+    for (uint32_t n = 0; n < s->light_count && !s->stream.stream; n++)
+        report.word_bytes += (uint64_t)s->lights[n]->word_count * sizeof(uint32_t);
+    if (c->json_path) r = json_write(c->json_path, render_report_json(&report), m);
+    if (r == VXS_OK && c->csv_path) r = render_report_csv(&report, c->csv_path, m);
+    if (r == VXS_OK && c->plot_path) r = render_report_plot(&report, c->plot_path, m);
+    return r;
+}
+
+static void print_moving(FILE *to, const moving_plan *plan)
+{
+    fprintf(to, "moving       seen by %u light%s in %u depth map%s", plan->lights, plan->lights == 1 ? "" : "s", plan->maps,
+            plan->maps == 1 ? "" : "s");
+    if (plan->left_out) fprintf(to, ", not by %u more: %d maps are drawn in a frame", plan->left_out, MOVING_MAPS);
+    fputc('\n', to);
+}
+
+/* Where the report goes; NULL: nowhere. */
+static FILE *report_of(const render_command *c, const message *m)
+{
+    const char *outs[] = {c->out, c->linear_path, c->json_path, c->csv_path, c->plot_path};
+    int         taken  = 0;
+    for (int n = 0; n < 5; n++) taken |= outs[n] && is_standard_output(outs[n]);
+    return report_stream(m, taken);
+}
+
+static void print_written(const render_command *c, const message *m)
+{
+    FILE *to = report_of(c, m);
+    char  size[48];
+    if (!to) return;
+    snprintf(size, sizeof size, "%u x %u pixels", c->options.width_px, c->options.height_px);
+    written_print(to, c->passes_folder, "passes, as pictures");
+    written_print(to, c->json_path, "times of frames as JSON");
+    written_print(to, c->csv_path, "times of frames as a table");
+    written_print(to, c->plot_path, "times of frames as a plot");
+    written_print(to, c->linear_path, "the picture as linear floats");
+    written_print(to, c->out, size);
+}
+
+/* Of the picture's frame: which lights see what moves, which smoke dims, which area lights are drawn, and which lights its fog is drawn of. */
+static void print_plan(const render_command *c, const subject *s, const renderer *drawn, const drawn_frame *last, const message *m)
+{
+    area_words areas;
+    sky_words  sky = c->sky_path ? words_of_sky(c, s, drawn) : (sky_words){0};
+    FILE      *to  = report_of(c, m);
+    if (!to) return;
+    if (c->options.moving) print_moving(to, &last->frame.moving);
+    if (renderer_smoke_lights(drawn))
+        smoke_plan_print(to, &last->frame.smoke, s->scene.smoke.count, c->options.smoke_side, renderer_smoke_lights(drawn),
+                         s->lights, s->light_count, m->verbose);
+    if (find_area_words(c, s, drawn, &areas)) area_plan_print(to, &last->frame.area, &areas, m->verbose);
+    if (c->sky_path) sky_plan_print(to, &sky, m->verbose);
+    if (c->options.fog)
+        fog_plan_print(to, &last->frame.fog, c->options.fog_by, renderer_fog_lights(drawn), s->lights, s->light_count, m->verbose);
+}
+
+static vxs_result draw_by_gl(const render_command *c, subject *s, pixels *to, message *m)
+{
+    renderer        *drawn      = NULL;
+    camera_path      path       = {0};
+    truth_difference difference = {0};
+    uint32_t         count      = c->path_file || c->orbits ? c->frames : 1;
+    drawn_frame     *frames     = calloc(count, sizeof *frames);
+    vxs_result       r          = frames ? choose_path(c, &path, m) : fail(m, VXS_E_MEMORY, "out of memory for %u frames", count);
+    if (r == VXS_OK) r = draw_frames(c, s, &drawn, &path, frames, count, to->rgb, m);
+    if (r == VXS_OK && to->linear) r = renderer_read_linear(drawn, to->linear, m);
+    if (r == VXS_OK) to->white = renderer_white(drawn);
+    if (r == VXS_OK && c->passes_folder) r = write_passes(c, s, drawn, &difference, m);
+    if (r == VXS_OK) r = write_reports(c, s, drawn, frames, count, &difference, m);
+    if (r == VXS_OK) print_plan(c, s, drawn, &frames[count - 1], m);
+    renderer_destroy(drawn);
+    camera_path_free(&path);
+    free(frames);
+    return r;
+}
+
+static vxs_result write_linear(const render_command *c, const pixels *p, message *m)
+{
+    output_file out  = {0};
+    size_t      size = 0;
+    uint8_t    *exr  = exr_encode(p->linear, c->options.width_px, c->options.height_px, "RGB", (float)p->white, &size);
+    vxs_result  r    = exr ? output_file_open(&out, c->linear_path, m) : VXS_E_MEMORY;
+    if (r == VXS_OK) r = output_file_write(&out, exr, size, m);
+    if (r == VXS_OK) r = output_file_commit(&out, m);
+    output_file_abort(&out);
+    free(exr);
+    return r;
+}
+
+static vxs_result draw(const render_command *c, subject *s, output_file *out, message *m)
+{
+    uint32_t   width = c->options.width_px, height = c->options.height_px;
+    size_t     count = (size_t)3 * width * height, size_bytes = 0;
+    uint8_t   *png = NULL;
+    pixels     p   = {.rgb = malloc(count), .linear = c->linear_path ? malloc(count * sizeof(float)) : NULL};
+    vxs_result r   = VXS_E_MEMORY;
+    if (p.rgb && (p.linear || !c->linear_path)) r = c->draw == DRAW_RAYS ? draw_by_rays(c, s, &p, m) : draw_by_gl(c, s, &p, m);
+    if (r == VXS_OK && p.linear) r = write_linear(c, &p, m);
+    if (r == VXS_OK && !(png = png_encode(p.rgb, width, height, 3, &size_bytes))) r = VXS_E_MEMORY;
+    if (r == VXS_OK) r = output_file_write(out, png, size_bytes, m);
+    free(png);
+    free(p.rgb);
+    free(p.linear);
+    if (r != VXS_E_MEMORY) return r;
+    return fail(m, r, "out of memory for a picture of %u x %u pixels", width, height); /* the first message stays */
+}
+
+static vxs_result run(void *command, message *m)
+{
+    render_command *c              = command;
+    subject        *s              = calloc(1, sizeof *s);
+    output_file     out            = {0};
+    vxs_result      r              = s ? check_options(c, m) : fail(m, VXS_E_MEMORY, "out of memory for a picture");
+    fog_medium      medium         = fog_of(&c->fog);
+    c->options.filter_px           = filter_px_of(&c->filter);
+    c->options.fog                 = c->fog.given ? &medium : NULL;
+    c->options.fog_by              = c->fog.by;
+    c->options.fog_steps           = c->fog.steps;
+    c->options.fog_grid            = c->fog.grid;
+    c->options.smoke_side_is_asked = c->smoke_side_given;
+    c->choice.areas                = c->draw == DRAW_GL && c->options.area_lamps;
+    if (r == VXS_OK) r = load(c, s, m);
+    if (r == VXS_OK) r = output_file_open(&out, c->out, m);
+    if (r == VXS_OK) r = draw(c, s, &out, m);
+    if (r == VXS_OK) r = output_file_commit(&out, m);
+    if (r == VXS_OK) print_written(c, m);
+    output_file_abort(&out);
+    if (s) {
+        scene_free(&s->scene);
+        scene_free(&s->moving);
+        sky_map_free(&s->sky);
+        vxs_asset_close(s->asset);
+        asset_stream_close(&s->stream);
+    }
+    free(s);
+    return r;
+}
+
+int cmd_render(int argc, char **argv)
+{
+    render_command  c      = {.options       = {.width_px     = 1280,
+                                                .height_px    = 720,
+                                                .samples      = 2,
+                                                .tile_lights  = TILE_LIGHTS,
+                                                .upload_bytes = UPLOAD_BYTES,
+                                                .smoke_side   = SMOKE_SIDE,
+                                                .area_lamps   = AREA_LAMPS,
+                                                .area_gather  = VXS_AREA_QUARTER,
+                                                .sky_light    = 1,
+                                                .threads      = parallel_default_threads()},
+                              .filter.box_px = 5,
+                              .frames        = 60,
+                              .fog           = FOG_DEFAULTS};
+    render_options *o      = &c.options;
+    camera_pose    *camera = &c.camera.camera;
+    camera->fov_degrees    = 35;
+    const option options[] = {
+        {"SCENE", OPTION_INPUT, &c.scene_path, FILE_SCENE, 0, NULL, NULL, "a glTF 2.0 scene, .gltf or .glb", NULL},
+        {"FILE.vxs", OPTION_INPUT, &c.asset_path, FILE_ASSET, 0, NULL, NULL, "what vxs bake wrote", NULL},
+        {"-o", OPTION_OUTPUT, &c.out, 1, 0, ".png", "OUT.png", "where the picture goes; - is standard output", NULL},
+        {"--linear", OPTION_OUTPUT, &c.linear_path, 0, 0, ".exr", "FILE.exr",
+         "also the picture as linear floats, as OpenEXR, and with --passes each pass; - is standard output", NULL},
+        {"--draw", OPTION_CHOICE, &c.draw, 0, 0, "gl|rays", NULL,
+         "with OpenGL, as a game would, or all but shadows by rays, with light from the sky (default gl)", NULL},
+        {"--width", OPTION_U32, &o->width_px, SIDE_MIN_PX, SIDE_MAX_PX, NULL, "PX", "16 to 8192 (default 1280)", &c.width_given},
+        {"--height", OPTION_U32, &o->height_px, SIDE_MIN_PX, SIDE_MAX_PX, NULL, "PX", "16 to 8192 (default 720)", &c.height_given},
+        {"--samples", OPTION_U32, &o->samples, 1, SAMPLES_MAX, NULL, "N",
+         "a pixel is the mean of N x N samples, 1 to 4 (default 2)", &c.samples_given},
+        {"--exposure", OPTION_F64, &o->stops, -20, 20, NULL, "STOPS", "brighter or darker by powers of two, -20 to 20 (default 0)",
+         &c.stops_given},
+        {"--eye", OPTION_VECTOR, camera->eye_ws, 0, 3, NULL, "X,Y,Z", "where to stand, metres (default all of the scene in view)",
+         &c.camera.eye_given},
+        {"--target", OPTION_VECTOR, camera->target_ws, 0, 3, NULL, "X,Y,Z", "where to look; goes with --eye",
+         &c.camera.target_given},
+        {"--fov", OPTION_F64, &camera->fov_degrees, 1, 170, NULL, "DEGREES", "from top to bottom, 1 to 170 (default 35)",
+         &c.fov_given},
+        {"--camera", OPTION_TEXT, &c.camera_name, 0, 0, NULL, "NAME",
+         "a camera of the scene, by its name, a pattern, or its number from 0; without --width or --height the picture has its "
+         "shape",
+         NULL},
+        {"--light", OPTION_TEXTS, &c.light_names, 0, 0, NULL, "NAME",
+         "a light that shines, or all that a pattern names; repeat for more (default all of the file)", NULL},
+        FILTER_ROWS(c.filter, "K x K box filter, K odd, 1 to 17 texels (default 5)"),
+        FOG_ROWS(c.fog),
+        {"--area", OPTION_U32, &o->area_lamps, 0, VXS_AREA_LAMPS, NULL, "N",
+         "with OpenGL: virtual lights on what shines in the scene, parallelograms of two triangles; 0 to 256, 0: they do not shine "
+         "(default 64)",
+         &c.area_given},
+        {"--area-gather", OPTION_CHOICE, &o->area_gather, 0, 0, AREA_GATHER_CHOICES, NULL,
+         "of virtual lights a sample asks each, a ninth, or each for one sample in four (default quarter)", &c.gather_given},
+        {"--sky", OPTION_INPUT, &c.sky_path, FILE_PICTURE, 0, NULL, "FILE",
+         "with OpenGL: a map of the sky that lights surfaces and fog, by as many virtual lights as --area says, and is seen: .hdr "
+         "or "
+         "PNG, twice as wide as high",
+         NULL},
+        {"--sky-light", OPTION_F64, &o->sky_light, 1e-9, 1e9, NULL, "FACTOR",
+         "candela a square metre of what is 1 in the map, 1e-9 to 1e9 (default 1)", &c.sky_light_given},
+        {"--sky-turn", OPTION_F64, &o->sky_turn_degrees, -360, 360, NULL, "DEGREES",
+         "of the map, whose middle is along +X, about +Y, counter-clockwise from above, -360 to 360 (default 0)",
+         &c.sky_turn_given},
+        {"--smoke", OPTION_CHOICE, &o->smoke, 0, 0, SMOKE_CHOICES, NULL,
+         "points and lines of the scene that are smoke dim light, and are drawn (default on)", &c.smoke_given},
+        {"--smoke-side", OPTION_U32, &o->smoke_side, SMOKE_SIDE_MIN, SMOKE_SIDE_MAX, NULL, "PX",
+         "curves a side of a light's map of smoke, 16 to 2048; fewer where smoke is very thick (default 256)", &c.smoke_side_given},
+        {"--moving", OPTION_INPUT, &c.moving_path, FILE_SCENE, 0, NULL, "SCENE",
+         "another scene that is not baked: it is drawn, and casts shadows by depth maps", NULL},
+        {"--moving-by", OPTION_VECTOR, o->moving_by_ws, 0, 3, NULL, "X,Y,Z",
+         "metres that it moves from frame to frame (default 0,0,0)", &c.moving_by_given},
+        {"--cull", OPTION_CHOICE, &o->cull, 0, 0, CULL_CHOICES, NULL,
+         "lists of lights for tiles of 8 x 8 pixels; auto: where there are several lights (default auto)", &c.cull_given},
+        {"--budget", OPTION_BYTES, &c.budget_bytes, 0, 0, NULL, "BYTES",
+         "stream FILE.vxs: hold no more of it than this, 4M or plain bytes (default all of the file)", &c.budget_given},
+        {"--upload", OPTION_BYTES, &o->upload_bytes, 0, 0, NULL, "BYTES",
+         "of a stream's pages, in each frame of a path at most (default 1M)", &c.upload_given},
+        {"--passes", OPTION_FOLDER, &c.passes_folder, 0, 0, RENDER_PASSES_NAMES, "FOLDER",
+         "also depth, normals, light, lights of each pixel, each light's shadow, what rays say, and of a stream what is there, as "
+         "PNG",
+         NULL},
+        {"--path", OPTION_INPUT, &c.path_file, FILE_UNKNOWN, 0, NULL, "FILE",
+         "frames along a path: lines of x y z of the eye, x y z of where it looks; the last one is the picture", NULL},
+        {"--orbit", OPTION_SWITCH, &c.orbits, 0, 0, NULL, NULL, "frames once around the target", NULL},
+        {"--frames", OPTION_U32, &c.frames, 1, FRAMES_MAX, NULL, "N", "of --path or --orbit, 1 to 100000 (default 60)",
+         &c.frames_given},
+        {"--json", OPTION_OUTPUT, &c.json_path, 0, 0, ".json", "FILE.json", "times of each frame as JSON; - is standard output",
+         NULL},
+        {"--csv", OPTION_OUTPUT, &c.csv_path, 0, 0, ".csv", "FILE.csv", "times of each frame as a table; - is standard output",
+         NULL},
+        {"--plot", OPTION_OUTPUT, &c.plot_path, 0, 0, ".svg", "FILE.svg", "times of each frame as a plot; - is standard output",
+         NULL},
+        {"--gl", OPTION_CHOICE, &o->backend, 0, 0, "osmesa|egl", NULL, "whose OpenGL draws (default osmesa)", NULL},
+        SCENE_ROWS(c.choice),
+        {"--threads", OPTION_U32, &o->threads, 1, PARALLEL_THREADS_MAX, NULL, "N", "threads (default all processors)", NULL},
+    };
+    const command_line line = COMMAND_LINE("render", "SCENE FILE.vxs -o OUT.png [options]",
+                                           "Draw a picture (PNG) of a scene with the shadows of a .vxs file.", options);
+    return command_run(&line, argc, argv, run, &c);
+}

@@ -1,0 +1,50 @@
+/* The report of vxs compare, as text and as JSON (docs/compare.schema.json).
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef COMPARE_REPORT_H
+#define COMPARE_REPORT_H
+
+#include <jansson.h>
+#include <stdio.h>
+
+#include "baker/casters/casters.h"
+#include "baker/lab/compare/compare.h"
+#include "runtime/vxs.h"
+
+typedef struct compared_asset {
+    const char *path;
+    vxs_asset  *asset;
+    json_t     *made;                                 /* its metadata; owned; NULL: none that vxs wrote */
+    closed_mode closed;                               /* which components are solids, as it was baked or as the command line says */
+    size_t      triangle_count, solid_triangle_count; /* of the scene, so made */
+    uint64_t    file_bytes, memory_bytes;             /* of the file; of the words that lookups read, all lights */
+
+    int      bake_given; /* 1: the next two come from a report of its bake */
+    double   bake_seconds;
+    uint64_t bake_peak_bytes;
+
+    json_t *scene_differences;      /* from the scene that it was baked from, in words: an array, owned; NULL: not yet known */
+    const vxs_baked_light **lights; /* [light_count] that are compared; owned, the lights are the asset's */
+    uint32_t                light_count;
+    compare_result         *results; /* [light_count] owned; NULL: not yet compared */
+} compared_asset;
+
+typedef struct compare_report {
+    const char     *scene_path;
+    compare_options options;
+    double          max_error; /* share of wrong points that is accepted */
+    int             max_error_given;
+    compared_asset *assets; /* [asset_count] */
+    size_t          asset_count;
+} compare_report;
+
+/* 1 when no answer of an asset is unexplained, its bias has no fault, and no more are wrong than accepted; of all assets. */
+int compare_asset_passes(const compare_report *r, const compared_asset *a);
+int compare_passes(const compare_report *r);
+
+/* A line or a few for each asset; all of it when m is verbose. */
+void compare_print(FILE *to, const compare_report *r, const message *m);
+
+/* NULL or incomplete without memory: json_write says so. */
+json_t *compare_json(const compare_report *r);
+
+#endif

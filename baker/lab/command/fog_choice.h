@@ -1,0 +1,51 @@
+/* Fog from a command line.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef FOG_CHOICE_H
+#define FOG_CHOICE_H
+
+#include "baker/base/message.h"
+#include "baker/lab/render/fog_pass.h"
+
+typedef struct fog_choice {
+    double   per_metre, albedo, anisotropy, top_metres;
+    fog_by   by;
+    uint32_t steps, grid;
+    int      given, albedo_given, anisotropy_given, top_given, by_given, steps_given, grid_given;
+} fog_choice;
+
+/* Most of what light meets in fog is drops, which absorb little and turn light by small angles. */
+#define FOG_DEFAULTS                                                                                                               \
+    {                                                                                                                              \
+        .albedo = 0.9, .anisotropy = 0.4, .by = FOG_BY_INTERVALS, .steps = 64                                                      \
+    }
+
+/* choice  a fog_choice, FOG_DEFAULTS before */
+/* clang-format off */
+#define FOG_ROWS(choice)                                                                                                           \
+    {"--fog", OPTION_F64, &(choice).per_metre, 0, 1e6, NULL, "PER_METRE",                                                          \
+     "fog that takes so much of light in a metre: 0.01 leaves a third after 110 m", &(choice).given},                              \
+    {"--fog-albedo", OPTION_F64, &(choice).albedo, 0, 1, NULL, "SHARE",                                                            \
+     "how much of that turns instead of being absorbed, 0 to 1 (default 0.9)", &(choice).albedo_given},                            \
+    {"--fog-anisotropy", OPTION_F64, &(choice).anisotropy, -0.99, 0.99, NULL, "G",                                                 \
+     "-0.99, light turns back, to 0.99, it goes on (default 0.4)", &(choice).anisotropy_given},                                    \
+    {"--fog-top", OPTION_F64, &(choice).top_metres, -1e7, 1e7, NULL, "Y",                                                          \
+     "fog lies on the ground, to this height (default everywhere)", &(choice).top_given},                                          \
+    {"--fog-by", OPTION_CHOICE, &(choice).by, 0, 0, FOG_BY_CHOICES, NULL,                                                          \
+     "with OpenGL: questions at even steps of each ray, or at steps that scatter alike; what is lit, exactly; a mesh of what is lit, made once; or a "  \
+     "grid of light rays (default intervals)", &(choice).by_given},     \
+    {"--fog-steps", OPTION_U32, &(choice).steps, 1, 65536, NULL, "N",                                                              \
+     "of march or angles, and of lights that smoke dims or that see what moves, 1 to 65536 (default 64)", &(choice).steps_given},  \
+    {"--fog-grid", OPTION_U32, &(choice).grid, 16, 1024, NULL, "N",                                                                \
+     "of grid: N x 2N x N voxels, 16 to 1024 (default 256, with egl 512)", &(choice).grid_given}
+/* clang-format on */
+
+/* Returns VXS_OK, or VXS_E_ARGUMENT for what means nothing without --fog, or for the way that shadows are found. */
+vxs_result fog_check(const fog_choice *c, message *m);
+
+/* The same of steps, where nothing moves, or is smoke, for whose lights they are taken whatever is asked.
+ * others  what else would do, or why it does not: the end of a line */
+vxs_result fog_check_steps(const fog_choice *c, const char *others, message *m);
+
+fog_medium fog_of(const fog_choice *c);
+
+#endif

@@ -1,0 +1,271 @@
+/* A baked light against the ray-traced truth; see compare.h.
+ *
+ * A pass over all points of a kind writes one verdict each; counts and examples are taken from the verdicts in order. Then it is
+ * measured how far the wrong ones are from a boundary (compare_boundary.c).
+ *
+ * A voxel follows the ray through the centre of its texel: lit before casters, shadow behind them, and either where that ray is
+ * inside of a solid or meets a surface. So a wrong answer has one of two excuses, or it is a fault:
+ *
+ *        u ->      +-----+-----+-----+        p  the point    c  the ray through the centre of the texel that was looked up
+ *      depth       |     |  c p|/////|
+ *        |         +-----+--c--+/////+        near a boundary: where c is in the voxel, the truth agrees with the asset
+ *        v         |     |  c /|/////|        near a surface: c is inside of a solid there, or meets a surface
+ *                  +-----+--c--+-----+
+ *
+ * A rasterizer moves edges a little, and depths and rays are rounded: rays are tried about the centre, and voxels count as somewhat
+ * deeper. Rays are traced in the world: a place beyond the side of a cube's map is a place like any other.
+ *
+ * Source: [CPVS16] 5.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/lab/compare/compare.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/base/parallel.h"
+#include "baker/base/vec3.h"
+#include "baker/lab/compare/compare_points.h"
+#include "baker/light/baked_light.h"
+#include "runtime/vxs.h"
+
+enum { POINTS_AT_A_TIME = 256 };
+
+/* A rasterizer may move an edge by half of this, and its corner by as much again: in texels. */
+#define SNAP (1.0 / 256)
+
+/* How far depths may be off, in voxels. */
+#define DEPTH_SLACK 0.05
+
+/* How far a ray may be off, in truth_precision: it is rounded, it may be tilted, and it crosses a map at an angle. */
+#define RAY_SLACK 3
+
+/* No more is excused, texels and voxels. */
+#define SLACK_MAX 2.0
+
+typedef enum verdict {
+    VERDICT_OUTSIDE,
+    VERDICT_INSIDE_SOLID,
+    VERDICT_RIGHT,
+    VERDICT_NEAR_BOUNDARY,
+    VERDICT_NEAR_SURFACE,
+    VERDICT_UNEXPLAINED,
+    VERDICT_LEFT_FREE,
+    VERDICT_CAUSE       = 7,  /* a mask for the above */
+    VERDICT_LEAK        = 8,  /* a flag for the wrong ones: asset lit, truth shadow */
+    VERDICT_SELF_SHADOW = 16, /* and faults of the bias, as compare_fault has them */
+    VERDICT_DEEP_LEAK   = 32
+} verdict;
+
+typedef struct judgement {
+    const comparison *comparison;
+    compare_kind      kind;
+    uint8_t          *verdicts; /* [compare_point_count] */
+} judgement;
+
+/* A voxel about the centre of its texel, and how far rounding may have moved it. */
+typedef struct centre {
+    int    map;
+    double u, v, near_vx, far_vx; /* near and far side, with their slack */
+    double step_px;               /* from one place that is tried to the next */
+} centre;
+
+/* The distance from the light to the nearest caster on the way to a texel or to its neighbours: there rays that were rounded are
+ * farthest aside in texels of the map. A directional light has the same texels everywhere: 1. */
+static double nearest_caster_m(const comparison *c, int map, double u, double v, double depth)
+{
+    static const double about[5][2] = {{0, 0}, {1, 0}, {-1, 0}, {0, 1}, {0, -1}};
+    double              nearest     = INFINITY;
+    if (c->shape.kind == LIGHT_DIRECTIONAL) return 1;
+    for (int n = 0; n < 5; n++) {
+        double end_ws[3], way_ws[3], distance;
+        vxs_point(c->light, map, (double[3]){u + about[n][0], v + about[n][1], depth}, end_ws);
+        vec3_sub(end_ws, c->shape.position_ws, way_ws);
+        if (vec3_unit(way_ws, way_ws) && truth_first_hit(c->truth, c->shape.position_ws, way_ws, &distance, NULL, NULL))
+            nearest = fmin(nearest, distance);
+    }
+    return nearest;
+}
+
+double compare_step_px(const comparison *c, int map, double u, double v, double depth)
+{
+    double ray_m = RAY_SLACK * truth_precision(c->truth), caster_m = nearest_caster_m(c, map, u, v, depth);
+    return fmin(SLACK_MAX, 2 * SNAP + ray_m / (caster_m * c->light->texel_metres)) / COMPARE_STEPS;
+}
+
+static centre centre_of(const comparison *c, const sample *s)
+{
+    const vxs_light *l    = c->light;
+    int32_t          last = ((int32_t)1 << l->levels) - 1, voxel[3];
+    double           from_light_ws[3], metres = 1;
+    vxs_voxel(l, s->point_ws, s->normal, 1, voxel);
+    if (voxel[2] > last) voxel[2] = last; /* what lies behind the map */
+
+    vec3_sub(s->truth_ws, c->shape.position_ws, from_light_ws);
+    if (c->shape.kind != LIGHT_DIRECTIONAL) metres = sqrt(vec3_dot(from_light_ws, from_light_ws));
+    double ray_m    = RAY_SLACK * truth_precision(c->truth);
+    double depth_vx = fmin(SLACK_MAX, DEPTH_SLACK + ray_m / (metres * l->voxel_metres));
+    double u = voxel[0] + 0.5, v = voxel[1] + 0.5, step_px = compare_step_px(c, s->map, u, v, voxel[2] + 0.5);
+    return (centre){s->map, u, v, voxel[2] - depth_vx, voxel[2] + 1 + depth_vx, step_px};
+}
+
+/* 1 when the truth has this answer at the near side of the voxel, in its middle, or at its far side. */
+static int truth_agrees(const comparison *c, const centre *at, double u, double v, int lit)
+{
+    return compare_lit_at(c, at->map, u, v, at->near_vx) == lit ||
+           compare_lit_at(c, at->map, u, v, 0.5 * (at->near_vx + at->far_vx)) == lit ||
+           compare_lit_at(c, at->map, u, v, at->far_vx) == lit;
+}
+
+/* 1 when the voxel may be lit or shadow: its middle is inside of a solid, or a surface crosses it. */
+static int is_free(const comparison *c, const centre *at, double u, double v, int unused)
+{
+    double begin_ws[3], middle_ws[3], end_ws[3], way_ws[3], distance;
+    (void)unused;
+    vxs_point(c->light, at->map, (double[3]){u, v, at->near_vx}, begin_ws);
+    vxs_point(c->light, at->map, (double[3]){u, v, 0.5 * (at->near_vx + at->far_vx)}, middle_ws);
+    vxs_point(c->light, at->map, (double[3]){u, v, at->far_vx}, end_ws);
+    if (truth_inside_solid(c->truth, middle_ws)) return 1;
+    vec3_sub(end_ws, begin_ws, way_ws);
+    double length = sqrt(vec3_dot(way_ws, way_ws));
+    return vec3_unit(way_ws, way_ws) && truth_first_hit(c->truth, begin_ws, way_ws, &distance, NULL, NULL) && distance <= length;
+}
+
+/* 1 when it holds anywhere about the centre. */
+static int holds_about(const comparison *c, const centre *at, int lit,
+                       int (*holds)(const comparison *c, const centre *at, double u, double v, int lit))
+{
+    for (int j = -COMPARE_STEPS; j <= COMPARE_STEPS; j++)
+        for (int i = -COMPARE_STEPS; i <= COMPARE_STEPS; i++)
+            if (holds(c, at, at->u + at->step_px * i, at->v + at->step_px * j, lit)) return 1;
+    return 0;
+}
+
+/* 1 when the asset was asked to leave it open. */
+static int is_left_free(const comparison *c, const centre *at, double u, double v, int unused)
+{
+    (void)unused;
+    return compare_left_free(c, at->map, u, v, at->near_vx, at->far_vx);
+}
+
+static verdict explain(const comparison *c, const sample *s, int asset_lit)
+{
+    centre at = centre_of(c, s);
+    if (asset_lit && compare_leaves_free(c) && holds_about(c, &at, asset_lit, is_left_free)) return VERDICT_LEFT_FREE;
+    if (holds_about(c, &at, asset_lit, truth_agrees)) return VERDICT_NEAR_BOUNDARY;
+    return holds_about(c, &at, asset_lit, is_free) ? VERDICT_NEAR_SURFACE : VERDICT_UNEXPLAINED;
+}
+
+static uint8_t judge(const judgement *j, size_t index)
+{
+    const comparison *c = j->comparison;
+    sample            s;
+    if (!compare_point(c, j->kind, index, &s)) return VERDICT_OUTSIDE;
+    float lookup    = vxs_lookup(c->baked, s.point_ws, s.normal, 1);
+    int   asset_lit = lookup > 0;
+    if (lookup < 0) return VERDICT_OUTSIDE;
+    if (truth_inside_solid(c->truth, s.truth_ws)) return VERDICT_INSIDE_SOLID;
+    if (truth_lit(c->truth, s.truth_ws, &c->shape) == asset_lit) return VERDICT_RIGHT;
+    verdict v = explain(c, &s, asset_lit);
+    if (v == VERDICT_LEFT_FREE) return VERDICT_LEFT_FREE;
+    compare_fault fault = compare_bias_fault(c, &s, 1, lookup, !asset_lit);
+    return (uint8_t)(v | (asset_lit ? VERDICT_LEAK : 0) | (fault == FAULT_SELF_SHADOW ? VERDICT_SELF_SHADOW : 0) |
+                     (fault == FAULT_DEEP_LEAK ? VERDICT_DEEP_LEAK : 0));
+}
+
+static void judge_points(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    judgement *j = user;
+    (void)worker;
+    for (size_t n = begin; n < end; n++) j->verdicts[n] = judge(j, n);
+}
+
+/* counts ---------------------------------------------------------------------------------------------- */
+
+static int is_wrong(uint8_t v)
+{
+    int cause = v & VERDICT_CAUSE;
+    return cause > VERDICT_RIGHT && cause != VERDICT_LEFT_FREE;
+}
+
+static void add_example(const judgement *j, size_t index, compare_fault fault, int asset_lit, compare_result *out)
+{
+    if (out->example_count == COMPARE_EXAMPLES_MAX) return;
+    compare_example *e = &out->examples[out->example_count++];
+    sample           s;
+    compare_point(j->comparison, j->kind, index, &s);
+    *e = (compare_example){.fault = fault, .kind = j->kind, .asset_lit = asset_lit, .truth_lit = !asset_lit};
+    memcpy(e->point_ws, s.point_ws, sizeof e->point_ws);
+    if (s.normal) memcpy(e->normal_ws, s.normal, sizeof e->normal_ws);
+    e->map = vxs_voxel(j->comparison->light, s.point_ws, s.normal, 1, e->voxel);
+}
+
+static void count_verdicts(const judgement *j, compare_result *out)
+{
+    compare_counts *n = &out->counts[j->kind];
+    n->points         = compare_point_count(j->comparison, j->kind);
+    for (size_t i = 0; i < n->points; i++) {
+        int cause = j->verdicts[i] & VERDICT_CAUSE, leak = (j->verdicts[i] & VERDICT_LEAK) != 0;
+        n->outside += cause == VERDICT_OUTSIDE;
+        n->inside_solid += cause == VERDICT_INSIDE_SOLID;
+        n->left_free += cause == VERDICT_LEFT_FREE;
+        n->checked += cause >= VERDICT_RIGHT && cause != VERDICT_LEFT_FREE;
+        n->leaks += leak;
+        n->false_shadows += is_wrong(j->verdicts[i]) && !leak;
+        n->near_boundary += cause == VERDICT_NEAR_BOUNDARY;
+        n->near_surface += cause == VERDICT_NEAR_SURFACE;
+        n->unexplained += cause == VERDICT_UNEXPLAINED;
+        n->bias.self_shadows += (j->verdicts[i] & VERDICT_SELF_SHADOW) != 0;
+        n->bias.deep_leaks += (j->verdicts[i] & VERDICT_DEEP_LEAK) != 0;
+        if (cause == VERDICT_UNEXPLAINED) add_example(j, i, FAULT_UNEXPLAINED, leak, out);
+        if (j->verdicts[i] & VERDICT_SELF_SHADOW) add_example(j, i, FAULT_SELF_SHADOW, leak, out);
+        if (j->verdicts[i] & VERDICT_DEEP_LEAK) add_example(j, i, FAULT_DEEP_LEAK, leak, out);
+    }
+}
+
+uint64_t compare_wrong(const compare_counts *n)
+{
+    return n->leaks + n->false_shadows;
+}
+
+static vxs_result measure_distances(const judgement *j, compare_counts *n, message *m)
+{
+    size_t        count = 0, wrong = compare_wrong(n);
+    wrong_answer *answers = wrong ? malloc(wrong * sizeof *answers) : NULL;
+    if (!wrong) return VXS_OK;
+    if (!answers) return fail(m, VXS_E_MEMORY, "out of memory for %zu wrong answers", wrong);
+    for (size_t i = 0; i < n->points; i++)
+        if (is_wrong(j->verdicts[i])) answers[count++] = (wrong_answer){i, (j->verdicts[i] & VERDICT_LEAK) != 0, 0};
+    n->boundary = compare_boundary(j->comparison, j->kind, answers, count);
+    free(answers);
+    return VXS_OK;
+}
+
+/* all of it ------------------------------------------------------------------------------------------- */
+
+static vxs_result compare_points_of_kind(const comparison *c, compare_kind kind, compare_result *out, message *m)
+{
+    const compare_options *o     = c->options;
+    size_t                 count = compare_point_count(c, kind);
+    judgement              j     = {c, kind, malloc(count)};
+    if (count && !j.verdicts) return fail(m, VXS_E_MEMORY, "out of memory for %zu points", count);
+    parallel_for(o->threads, count, POINTS_AT_A_TIME, judge_points, &j);
+    count_verdicts(&j, out);
+    vxs_result r = measure_distances(&j, &out->counts[kind], m);
+    for (uint32_t n = 0; n < o->filter_count && r == VXS_OK; n++)
+        r = compare_filtered(c, kind, o->filters_px[n], &out->filters[n].error[kind], m);
+    free(j.verdicts);
+    return r;
+}
+
+vxs_result compare_light(compare_result *out, const truth *t, const casters *c, const vxs_baked_light *light,
+                         const compare_freedom *freedom, const compare_options *o, message *m)
+{
+    comparison work;
+    vxs_result r = VXS_OK;
+    memset(out, 0, sizeof *out);
+    comparison_init(&work, t, c, light, o);
+    work.freedom = *freedom;
+    for (int kind = 0; kind < COMPARE_KINDS && r == VXS_OK; kind++) r = compare_points_of_kind(&work, (compare_kind)kind, out, m);
+    return r == VXS_OK ? compare_measure_time(&work, out, m) : r;
+}

@@ -1,0 +1,120 @@
+/* What is compared of a baked light, and what was found: points, counts, distances, errors, times.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef COMPARE_RESULT_H
+#define COMPARE_RESULT_H
+
+#include "baker/lab/truth/camera.h"
+#include "formats/vxs_file.h"
+
+enum {
+    COMPARE_EXAMPLES_MAX      = 10,
+    COMPARE_FILTERS_MAX       = VXS_FILTER_MAX / 2 + VXS_FILTER_MAX, /* the odd widths above 1; smooth ones of all */
+    COMPARE_FILTER_POINTS_MAX = 20000,
+    COMPARE_TIMED_POINTS_MAX  = 1000000
+};
+
+/* The shape of a camera's picture: width / height. */
+#define COMPARE_CAMERA_ASPECT (16.0 / 9)
+
+/* Where the points come from. */
+typedef enum compare_kind {
+    /* Uniform in the light's volume (map, cone, range) and the casters' bounding box, 5 % larger; without a normal. */
+    COMPARE_RANDOM,
+    /* Uniform by area on casters, both sides of sheets; looked up with the normal. Of a spot or point light: on what it reaches, and
+     * where that is too little to be found so, on what its rays meet behind random points. */
+    COMPARE_SURFACE,
+    /* What is seen through the middle of each pixel of a camera; looked up with the normal, towards the eye. */
+    COMPARE_CAMERA,
+    COMPARE_KINDS
+} compare_kind;
+
+/* What an asset leaves free besides the insides of solids, as it was baked. */
+typedef struct compare_freedom {
+    int    behind;      /* 1: behind the last surface */
+    double thickness_m; /* of single-sided sheets that face the light */
+} compare_freedom;
+
+typedef struct compare_options {
+    uint32_t           points; /* of each kind; a camera's are as many as make a picture */
+    uint32_t           seed;
+    uint32_t           filters_px[COMPARE_FILTERS_MAX]; /* as for vxs_lookup, none twice: compared besides single taps */
+    uint32_t           filter_count;
+    const camera_pose *camera; /* NULL: no points of a camera */
+    uint32_t           threads;
+} compare_options;
+
+/* How far wrong answers are from the nearest boundary, in texels: from a place where the truth agrees with the asset. */
+typedef struct compare_distance {
+    uint64_t points;                 /* of the wrong ones: those near enough to be found */
+    uint64_t beyond;                 /* the others */
+    double   mean, median, p95, max; /* of points; 0 when there are none */
+} compare_distance;
+
+/* What may be wrong without an excuse. */
+typedef enum compare_fault { FAULT_NONE, FAULT_UNEXPLAINED, FAULT_SELF_SHADOW, FAULT_DEEP_LEAK } compare_fault;
+
+/* Faults of the bias of lookups on surfaces. */
+typedef struct compare_bias {
+    uint64_t
+        self_shadows; /* not wholly lit, though nothing lies between the light and the plane of the surface, under the filter and a texel about it */
+    uint64_t
+        deep_leaks; /* lit, though casters lie before the filter and a texel about it, and farther from the point than the filter is wide */
+} compare_bias;
+
+/* points = outside + inside_solid + left_free + checked; wrong = leaks + false_shadows = near_boundary + near_surface + unexplained
+ * = boundary.points + boundary.beyond. All are 0 for a kind that was not asked for, and the last two for random points. */
+typedef struct compare_counts {
+    uint64_t points;
+    uint64_t outside; /* not in the light's volume, like all other places that were tried; a camera's: or nothing is seen there */
+    uint64_t inside_solid; /* where answers are undefined */
+    uint64_t left_free;    /* lit, though in shadow by the truth, where the asset was asked to leave that open */
+    uint64_t checked;
+    uint64_t leaks;         /* lit in the asset, in shadow by the truth */
+    uint64_t false_shadows; /* in shadow in the asset, lit by the truth */
+    uint64_t near_boundary; /* the ray through the centre of the texel agrees with the asset, in the voxel that was looked up */
+    uint64_t near_surface;  /* not that, but the voxel is free there: inside of a solid, or a surface crosses it */
+    uint64_t unexplained;   /* neither: a fault */
+    compare_distance boundary;
+    compare_bias     bias;
+} compare_counts;
+
+/* A wrong answer that has no excuse. */
+typedef struct compare_example {
+    compare_fault fault;
+    compare_kind  kind;
+    double        point_ws[3];
+    double        normal_ws[3]; /* zero for random points */
+    int           map;          /* of the light: 0, or 0 to 5 of six */
+    int32_t       voxel[3];     /* that was looked up */
+    int           asset_lit, truth_lit;
+} compare_example;
+
+/* Filtered lookups against the same filter over rays. */
+typedef struct compare_error {
+    uint64_t     points; /* compared: neither outside nor inside a solid */
+    double       rmse, max_error;
+    compare_bias bias; /* of these points */
+} compare_error;
+
+typedef struct compare_filter {
+    compare_error error[COMPARE_KINDS];
+    double        lookup_s; /* as compare_time.lookup_s */
+} compare_filter;
+
+typedef struct compare_time {
+    uint64_t points;            /* random points inside the map */
+    double   lookup_s, truth_s; /* a single tap and a ray, for one point, on one thread: the median of five runs */
+} compare_time;
+
+typedef struct compare_result {
+    compare_counts  counts[COMPARE_KINDS];
+    compare_filter  filters[COMPARE_FILTERS_MAX]; /* [filter_count] */
+    compare_example examples[COMPARE_EXAMPLES_MAX];
+    uint32_t        example_count;
+    compare_time    time;
+} compare_result;
+
+/* The size of a camera's picture of at most so many points, as near to COMPARE_CAMERA_ASPECT as it can be. */
+void compare_picture_size(uint32_t points, uint32_t *width_px, uint32_t *height_px);
+
+#endif

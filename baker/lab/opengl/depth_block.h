@@ -1,0 +1,106 @@
+/* One block of a depth map while it is rendered: a square of texels small enough for a processor's cache.
+ *
+ * Rendering is split where a processor would wait: `issue` hands work to OpenGL and returns, `read` waits for it, `resolve` looks at
+ * what came and prepares the next pass. So two blocks in turn keep the rasterizer busy while the other's texels are resolved.
+ * Source: [CPVS16] 3.3; how exit depths are found is drawn in depth_block.c.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef DEPTH_BLOCK_H
+#define DEPTH_BLOCK_H
+
+#include "baker/lab/opengl/exit_depth.h"
+#include "baker/lab/opengl/gl.h"
+#include "baker/lab/opengl/holes_pass.h"
+#include "baker/light/texel_box.h"
+
+enum { BLOCK_MAX_PX = 512, CELL_PX = 32 };
+
+/* Triangles that are drawn at once. */
+enum { DRAW_MAX = 1 << 19 };
+
+/* So many passes peel the deepest block: a texel counts no more front faces, and every pass takes one away. */
+enum { PEEL_PASSES_MAX = 255 };
+
+/* How OpenGL's depths become depths that grow away from the light. Where those of OpenGL shrink, they are negated. */
+typedef struct depth_order {
+    float  sign;                    /* 1, or -1 */
+    float  far_gl, near_gl;         /* what a texture is cleared to: no caster; a depth that nothing is in front of */
+    GLenum nearer, nearer_or_equal; /* depth tests */
+} depth_order;
+
+/* What all blocks of a map share. */
+typedef struct block_context {
+    gl_context *gl;
+    projection  casters; /* in the map */
+    hole_images images;
+    depth_order order;
+    exit_mode   mode;
+    uint32_t    block_px;
+    uint32_t    cell_side;  /* cells a side of a block */
+    texel_box  *boxes;      /* [casters.triangle_count] */
+    uint32_t   *candidates; /* [candidate_count] triangles that may touch the tile in work, in the casters' order */
+    size_t      candidate_count;
+    uint32_t   *vertex_slot; /* [casters.vertex_count] of the block gathered last: valid where vertex_gather is its number */
+    uint32_t   *vertex_gather;
+    uint32_t    gather;
+    GLuint      framebuffer;
+    GLuint      program_depth, program_count, program_next;
+    depth_stats stats;
+} block_context;
+
+/* Cells are the squares of a block that are left out when none of their texels is open any more. */
+typedef enum cell_state {
+    CELL_OPEN,   /* some texel's exit is not yet found */
+    CELL_CLOSED, /* since the last pass */
+    CELL_CLEAN   /* for longer: nothing has to be done */
+} cell_state;
+
+/* A rectangle of a block's texels. */
+typedef struct block_rect {
+    uint32_t u, v, width, height;
+} block_rect;
+
+typedef struct depth_block {
+    block_context *context;
+    int32_t        u0, v0;       /* texel of the map where the block starts */
+    float         *enter, *exit; /* the block's corner in the map, rows of row_px texels */
+    uint32_t       row_px;
+    uint32_t       pass; /* of peeling */
+
+    float    *positions; /* [3 * vertex_count] clip space */
+    uint32_t *indices;   /* [3 * triangle_count] into positions */
+    uint32_t *triangles; /* [triangle_count] of the projection: solids first */
+    uint32_t  solid_count, triangle_count, vertex_count;
+    int       has_sheets;
+    int       peels; /* some solid meets another: the nearest back face may not be where light leaves their union */
+
+    holed_triangles masked; /* of the sheets, those with holes: not in triangles */
+
+    /* [block_px * block_px] each */
+    float     *sheet;    /* enter depth of sheets */
+    float     *layer[2]; /* back layers, this pass and the last; before a pass far_gl for open texels, near_gl for done ones */
+    uint8_t   *count;    /* solids that are open behind the layer */
+    uint8_t   *cell;     /* [cell_side^2] CELL_* */
+    block_rect open;     /* holds all open cells */
+
+    GLuint vertex_array, buffers[2];
+    GLuint texture_solid, texture_sheet, texture_layer[2], texture_count;
+} depth_block;
+
+/* Returns VXS_OK, VXS_E_MEMORY, VXS_E_GL; released with depth_block_free either way. */
+vxs_result depth_block_init(depth_block *b, block_context *context, message *m);
+
+/* Accepts a zeroed object. */
+void depth_block_free(depth_block *b);
+
+/* Take on the block at texel (u0, v0), whose corner in the maps is enter and exit, and gather its triangles. Returns 0 when there are
+ * none: the block is filled already. exit may be enter when there are no solids. */
+int depth_block_start(depth_block *b, float *enter, float *exit, uint32_t row_px, int32_t u0, int32_t v0);
+
+/* Hand the next pass to OpenGL; wait for it and fetch what it made. */
+void depth_block_issue(depth_block *b);
+void depth_block_read(depth_block *b);
+
+/* Look at what was read. Returns 0 when the block is done: its part of the maps is complete. */
+int depth_block_resolve(depth_block *b);
+
+#endif

@@ -1,0 +1,189 @@
+/* The one place that knows OSMesa from EGL; see gl.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/lab/opengl/gl.h" /* first: its glcorearb.h must come before the older gl.h that osmesa.h brings */
+
+#include <EGL/egl.h>
+#include <EGL/eglext.h>
+#include <GL/osmesa.h>
+#include <dlfcn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef gl_function (*gl_lookup)(const char *name);
+
+static vxs_result load_functions(gl_context *gl, gl_lookup lookup, message *m)
+{
+#define GL_FUNCTION_LOAD(type, name)                                                                                               \
+    gl->name = (type)lookup("gl" #name);                                                                                           \
+    if (!gl->name) return fail(m, VXS_E_GL, "this OpenGL has no gl" #name ": version 4.5 is needed");
+    GL_FUNCTIONS(GL_FUNCTION_LOAD)
+#undef GL_FUNCTION_LOAD
+    gl->lookup           = lookup;
+    const char *renderer = (const char *)gl->GetString(GL_RENDERER);
+    snprintf(gl->renderer, sizeof gl->renderer, "%s", renderer ? renderer : "unknown");
+    return VXS_OK;
+}
+
+/* llvmpipe compiles for the processor that it finds, or for a lesser one that GALLIUM_OVERRIDE_CPU_CAPS names. */
+static const char *cpu_class(void)
+{
+#if defined(__x86_64__)
+    static const char *const names[] = {"sse2", "sse4.1", "avx", "avx2", "avx512"};
+    const char              *most    = getenv("GALLIUM_OVERRIDE_CPU_CAPS");
+    int                      found   = __builtin_cpu_supports("avx512f")  ? 4
+                                       : __builtin_cpu_supports("avx2")   ? 3
+                                       : __builtin_cpu_supports("avx")    ? 2
+                                       : __builtin_cpu_supports("sse4.1") ? 1
+                                                                          : 0;
+    for (int n = 0; most && n < found; n++)
+        if (!strcmp(most, names[n]) || (!n && !strncmp(most, "sse", 3) && strcmp(most, "sse4.1")) || !strcmp(most, "nosse"))
+            return names[n];
+    return names[found];
+#else
+    return "other";
+#endif
+}
+
+/* Libraries of OpenGL are opened when a context is made: OSMesa brings LLVM, which takes four times as long to load as all the rest of
+ * the command, and most commands draw nothing; EGL may not be there. */
+typedef struct osmesa {
+    OSMesaContext (*CreateContextAttribs)(const int *attributes, OSMesaContext share);
+    GLboolean (*MakeCurrent)(OSMesaContext context, void *pixels, GLenum type, GLsizei width, GLsizei height);
+    gl_lookup GetProcAddress;
+    void (*DestroyContext)(OSMesaContext context);
+} osmesa;
+
+static int open_osmesa(osmesa *o, void *library)
+{
+    *(void **)&o->CreateContextAttribs = dlsym(library, "OSMesaCreateContextAttribs");
+    *(void **)&o->MakeCurrent          = dlsym(library, "OSMesaMakeCurrent");
+    *(void **)&o->GetProcAddress       = dlsym(library, "OSMesaGetProcAddress");
+    *(void **)&o->DestroyContext       = dlsym(library, "OSMesaDestroyContext");
+    return o->CreateContextAttribs && o->MakeCurrent && o->GetProcAddress && o->DestroyContext;
+}
+
+static vxs_result create_osmesa(gl_context *gl, message *m)
+{
+    static const int attributes[] = {OSMESA_FORMAT,
+                                     OSMESA_RGBA,
+                                     OSMESA_DEPTH_BITS,
+                                     0,
+                                     OSMESA_PROFILE,
+                                     OSMESA_CORE_PROFILE,
+                                     OSMESA_CONTEXT_MAJOR_VERSION,
+                                     4,
+                                     OSMESA_CONTEXT_MINOR_VERSION,
+                                     5,
+                                     0};
+    osmesa           o;
+    gl->library = dlopen("libOSMesa.so.8", RTLD_NOW | RTLD_LOCAL);
+    if (!gl->library || !open_osmesa(&o, gl->library))
+        return fail(m, VXS_E_GL, "libOSMesa.so.8, which draws without a graphics processor, is not installed");
+    gl->handle = o.CreateContextAttribs(attributes, NULL);
+    if (!gl->handle) return fail(m, VXS_E_GL, "OSMesa cannot make an OpenGL 4.5 core context");
+    if (!o.MakeCurrent(gl->handle, gl->pixels, GL_UNSIGNED_BYTE, 16, 16))
+        return fail(m, VXS_E_GL, "OSMesa cannot make its context current");
+    snprintf(gl->cpu_class, sizeof gl->cpu_class, "%s", cpu_class());
+    return load_functions(gl, o.GetProcAddress, m);
+}
+
+typedef struct egl {
+    PFNEGLGETPROCADDRESSPROC     GetProcAddress;
+    PFNEGLGETPLATFORMDISPLAYPROC GetPlatformDisplay;
+    PFNEGLINITIALIZEPROC         Initialize;
+    PFNEGLBINDAPIPROC            BindAPI;
+    PFNEGLCREATECONTEXTPROC      CreateContext;
+    PFNEGLMAKECURRENTPROC        MakeCurrent;
+    PFNEGLDESTROYCONTEXTPROC     DestroyContext;
+    PFNEGLTERMINATEPROC          Terminate;
+} egl;
+
+static int open_egl(egl *e, void *library)
+{
+    *(void **)&e->GetProcAddress     = dlsym(library, "eglGetProcAddress");
+    *(void **)&e->GetPlatformDisplay = dlsym(library, "eglGetPlatformDisplay");
+    *(void **)&e->Initialize         = dlsym(library, "eglInitialize");
+    *(void **)&e->BindAPI            = dlsym(library, "eglBindAPI");
+    *(void **)&e->CreateContext      = dlsym(library, "eglCreateContext");
+    *(void **)&e->MakeCurrent        = dlsym(library, "eglMakeCurrent");
+    *(void **)&e->DestroyContext     = dlsym(library, "eglDestroyContext");
+    *(void **)&e->Terminate          = dlsym(library, "eglTerminate");
+    return e->GetProcAddress && e->GetPlatformDisplay && e->Initialize && e->BindAPI && e->CreateContext && e->MakeCurrent &&
+           e->DestroyContext && e->Terminate;
+}
+
+/* Mesa's, or that of the first device, which drivers have that are not Mesa's. */
+static int open_display(gl_context *gl, const egl *e)
+{
+    PFNEGLQUERYDEVICESEXTPROC devices = (PFNEGLQUERYDEVICESEXTPROC)e->GetProcAddress("eglQueryDevicesEXT");
+    EGLDeviceEXT              device;
+    EGLint                    count = 0;
+    gl->display                     = e->GetPlatformDisplay(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL);
+    if (gl->display && e->Initialize(gl->display, NULL, NULL)) return 1;
+    if (!devices || !devices(1, &device, &count) || !count) return 0;
+    gl->display = e->GetPlatformDisplay(EGL_PLATFORM_DEVICE_EXT, device, NULL);
+    return gl->display && e->Initialize(gl->display, NULL, NULL);
+}
+
+static vxs_result create_egl(gl_context *gl, message *m)
+{
+    static const EGLint attributes[] = {
+        EGL_CONTEXT_MAJOR_VERSION,           4,       EGL_CONTEXT_MINOR_VERSION, 5, EGL_CONTEXT_OPENGL_PROFILE_MASK,
+        EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
+    egl e;
+    gl->library = dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL);
+    if (!gl->library || !open_egl(&e, gl->library))
+        return fail(m, VXS_E_GL, "--gl egl needs libEGL.so.1 (version 1.5), which is not installed");
+    if (!open_display(gl, &e)) return fail(m, VXS_E_GL, "EGL has no surfaceless display on this machine");
+    if (!e.BindAPI(EGL_OPENGL_API) || !(gl->handle = e.CreateContext(gl->display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes)) ||
+        !e.MakeCurrent(gl->display, EGL_NO_SURFACE, EGL_NO_SURFACE, gl->handle))
+        return fail(m, VXS_E_GL, "EGL cannot make an OpenGL 4.5 core context");
+    return load_functions(gl, (gl_lookup)e.GetProcAddress, m);
+}
+
+vxs_result gl_context_create(gl_context **out, gl_backend backend, uint32_t threads, message *m)
+{
+    *out           = NULL;
+    gl_context *gl = calloc(1, sizeof *gl);
+    if (!gl) return fail(m, VXS_E_MEMORY, "out of memory for an OpenGL context");
+    gl->backend = backend;
+
+    /* llvmpipe reads this once; 0 rasterizes on the calling thread */
+    char count[16];
+    snprintf(count, sizeof count, "%u", threads > 1 ? threads : 0);
+    setenv("LP_NUM_THREADS", count, 1);
+
+    vxs_result r = backend == GL_BACKEND_EGL ? create_egl(gl, m) : create_osmesa(gl, m);
+    if (r != VXS_OK) {
+        gl_context_destroy(gl);
+        return r;
+    }
+    *out = gl;
+    return VXS_OK;
+}
+
+static void destroy_osmesa(gl_context *gl)
+{
+    osmesa o;
+    if (gl->handle && open_osmesa(&o, gl->library)) o.DestroyContext(gl->handle);
+}
+
+static void destroy_egl(gl_context *gl)
+{
+    egl e;
+    if (!gl->display || !open_egl(&e, gl->library)) return;
+    e.MakeCurrent(gl->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    if (gl->handle) e.DestroyContext(gl->display, gl->handle);
+    e.Terminate(gl->display);
+}
+
+void gl_context_destroy(gl_context *gl)
+{
+    if (!gl) return;
+    if (gl->backend == GL_BACKEND_EGL)
+        destroy_egl(gl);
+    else
+        destroy_osmesa(gl);
+    free(gl); /* the library stays open: drivers do not like to be unloaded */
+}

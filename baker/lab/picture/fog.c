@@ -1,0 +1,61 @@
+/* Fog along a ray; see fog.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/lab/picture/fog.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "baker/lab/picture/fog_air.h"
+#include "runtime/vxs_query.h"
+
+enum { INTERVALS = 32 }; /* asked for at a time */
+
+/* Where a map ends, the sun shines on, and a lamp does not. */
+static void add_light(const vxs_medium *medium, const fog_light *light, const vxs_air_path *path, const double eye_ws[3],
+                      const double direction[3], double airlight[3])
+{
+    vxs_ray      ray = {.t_begin = path->begin, .t_end = path->end};
+    vxs_lit_walk walk;
+    vxs_interval found[INTERVALS];
+    size_t       count          = INTERVALS;
+    int          outside_is_lit = light->shape.kind == LIGHT_DIRECTIONAL;
+    memcpy(ray.origin_ws, eye_ws, sizeof ray.origin_ws);
+    memcpy(ray.direction_ws, direction, sizeof ray.direction_ws);
+    if (vxs_lit_begin(&walk, light->light, &ray) != VXS_OK) return;
+    while (count == INTERVALS) {
+        count = vxs_lit_next(&walk, found, INTERVALS);
+        for (size_t n = 0; n < count; n++) {
+            double lit[3];
+            if (found[n].state == VXS_INTERVAL_SHADOW || (found[n].state == VXS_INTERVAL_OUTSIDE && !outside_is_lit)) continue;
+            vxs_air_lit(medium, path, found[n].t_begin, found[n].t_end, lit);
+            for (int i = 0; i < 3; i++) airlight[i] += light->colour[i] * lit[i];
+        }
+    }
+}
+
+void fog_add_airlight(const fog_medium *f, const fog_light *lights, uint32_t light_count, const double eye_ws[3],
+                      const double direction[3], double metres, double airlight[3])
+{
+    vxs_medium medium = fog_air_medium(f);
+    double     in_fog[2];
+    for (uint32_t n = 0; n < light_count; n++) {
+        vxs_air_light light = fog_air_light(&lights[n]);
+        vxs_air_path  path  = vxs_air_path_of(&light, eye_ws, direction, metres, f->top_ws, in_fog);
+        if (path.end > path.begin) add_light(&medium, &lights[n], &path, eye_ws, direction, airlight);
+    }
+}
+
+void fog_reaches(const fog_medium *f, const fog_light *light, const double place_ws[3], double to_light[3], double reaches[3])
+{
+    vxs_medium    medium = fog_air_medium(f);
+    vxs_air_light air    = fog_air_light(light);
+    vxs_air_reaches(&medium, &air, place_ws, f->top_ws, to_light, reaches);
+}
+
+void fog_left(const fog_medium *f, const double eye_ws[3], const double direction[3], double metres, double left[3])
+{
+    vxs_medium medium    = fog_air_medium(f);
+    double     in_fog[2] = {0, metres};
+    if (f->top_ws < VXS_AIR_EVERYWHERE) vxs_air_in_fog(eye_ws[1], direction[1], f->top_ws, in_fog);
+    vxs_air_left(&medium, fmax(0, in_fog[1] - in_fog[0]), left);
+}

@@ -1,0 +1,13 @@
+/* Media and lights of fog as airlight's functions take them.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef FOG_AIR_H
+#define FOG_AIR_H
+
+#include "baker/lab/picture/fog_light.h"
+#include "baker/scene/fog_medium.h"
+#include "runtime/volumes/vxs_air_path.h"
+
+vxs_medium    fog_air_medium(const fog_medium *f);
+vxs_air_light fog_air_light(const fog_light *light);
+
+#endif

@@ -1,0 +1,409 @@
+/* A picture of a scene in the shadows of baked lights; see picture.h.
+ *
+ * A pixel is the mean of 2 x 2 rays. What a ray meets is one matt material under these lights:
+ *
+ *     suns      lambert, times the lookup in the asset at the point, with its normal, filtered
+ *     lamps     the same, weaker with distance: at the distance of most of what a lamp shines on it is as bright as a sun
+ *     sky       rays over the hemisphere: the sky's colour where they leave the scene, darker the sooner they meet it
+ *     haze      mixed over all, by distance behind the nearest corner of the scene
+ *     air       before all, what haze scatters of lamps' light: single lookups at some places along the ray
+ *     fog       in the place of both, where it is asked for: what it leaves of all, and what it scatters of suns' and lamps' light along
+ *               exactly those parts of the ray that are lit (fog.h). Then lights reach surfaces by the law of light in the air, too: by the square of
+ *               the distance, and dimmed on their way
+ *
+ * Colours are linear until the end.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/lab/picture/picture.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/base/box.h"
+#include "baker/base/parallel.h"
+#include "baker/base/random.h"
+#include "baker/base/vec3.h"
+#include "baker/files/png_encode.h"
+#include "baker/light/baked_light.h"
+#include "runtime/vxs.h"
+
+enum { SIDE_SAMPLES = 2, SKY_RAYS_SIDE = 3, SKY_RAYS = SKY_RAYS_SIDE * SKY_RAYS_SIDE, AIR_STEPS = 16, LAMP_PROBES = 64 };
+
+static const double pi = 3.14159265358979323846;
+
+static const double albedo[3]      = {0.66, 0.62, 0.56};
+static const double sun_colour[3]  = {2.05, 1.76, 1.34};
+static const double lamp_colour[3] = {2.00, 1.55, 0.95};
+static const double sky_zenith[3]  = {0.20, 0.40, 0.86};
+static const double sky_horizon[3] = {0.70, 0.81, 0.95};
+static const double sky_below[3]   = {0.56, 0.61, 0.68};
+static const double bounce[3]      = {0.09, 0.08, 0.07};
+
+static const double night = 0.07; /* of a sky without a sun */
+
+typedef struct lamp {
+    const vxs_baked_light *light;
+    light_shape            shape;
+    double                 usual_metres; /* to what it shines on */
+    double                 reach_metres; /* its light ends there */
+} lamp;
+
+typedef struct view {
+    const picture_options  *options;
+    const truth            *truth;
+    const vxs_baked_light **suns;       /* [sun_count] */
+    lamp                   *lamps;      /* [lamp_count] */
+    fog_light              *fog_lights; /* [sun_count + lamp_count] */
+    uint32_t                sun_count, lamp_count;
+    double                  day; /* of the sky's light: 1, or night */
+    uint8_t                *rgb;
+    float                  *linear; /* NULL: not asked for */
+    camera_view             seen;
+    double                  near_metres; /* haze begins */
+    double                  haze_metres; /* it takes 1 - 1/e in so much */
+    double                  end_metres;  /* fog ends there, where nothing is seen before */
+    double                  sky_metres;  /* what is this far away shuts out half of the sky behind it */
+} view;
+
+/* the scene ------------------------------------------------------------------------------------------- */
+
+/* How far the eye is from the box; 0 inside. */
+static double distance_to_box(const box *b, const double eye[3])
+{
+    double square = 0;
+    for (int i = 0; i < 3; i++) {
+        double outside = fmax(fmax(b->min[i] - eye[i], eye[i] - b->max[i]), 0);
+        square += outside * outside;
+    }
+    return sqrt(square);
+}
+
+static view make_view(const picture_options *o, const truth *t, const casters *c, uint8_t *rgb)
+{
+    box    b      = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
+    double size   = fmax(box_diagonal(&b), 1e-9);
+    view   v      = {.options = o, .truth = t, .rgb = rgb};
+    v.seen        = camera_view_of(&o->camera, (double)o->width_px / o->height_px);
+    v.near_metres = distance_to_box(&b, o->camera.eye_ws);
+    v.haze_metres = 4 * size;
+    v.sky_metres  = 0.03 * size;
+    v.end_metres  = v.near_metres + 2 * size;
+    return v;
+}
+
+/* light ----------------------------------------------------------------------------------------------- */
+
+static void mix(const double a[3], const double b[3], double share, double out[3])
+{
+    for (int i = 0; i < 3; i++) out[i] = a[i] + share * (b[i] - a[i]);
+}
+
+static void sky_colour(const double direction[3], double out[3])
+{
+    double y = direction[1];
+    if (y >= 0)
+        mix(sky_horizon, sky_zenith, 1 - pow(1 - y, 2.5), out);
+    else
+        mix(sky_horizon, sky_below, 1 - pow(1 + y, 2), out);
+}
+
+/* A frame around a unit normal. */
+static void frame_of(const double normal[3], double a[3], double b[3])
+{
+    double axis[3] = {fabs(normal[0]) < 0.5, fabs(normal[0]) >= 0.5, 0};
+    vec3_cross(normal, axis, a);
+    double length = sqrt(vec3_dot(a, a));
+    for (int i = 0; i < 3; i++) a[i] /= length;
+    vec3_cross(normal, a, b);
+}
+
+/* Light from the sky and from what stands before it, by cosine-distributed rays: a square of cells, a ray in each, bent to
+ * a disk and lifted to the hemisphere. The samples of a pixel share the cells. */
+static void sky_light(const view *v, const double from_ws[3], const double normal[3], int sample, rng *r, double out[3])
+{
+    double a[3], b[3];
+    frame_of(normal, a, b);
+    memset(out, 0, 3 * sizeof *out);
+    for (int n = 0; n < SKY_RAYS; n++) {
+        int    row    = n / SKY_RAYS_SIDE * SIDE_SAMPLES + sample / SIDE_SAMPLES;
+        int    column = n % SKY_RAYS_SIDE * SIDE_SAMPLES + sample % SIDE_SAMPLES;
+        double square = (column + rng_unit(r)) / (SKY_RAYS_SIDE * SIDE_SAMPLES);
+        double angle  = (row + rng_unit(r)) / (SKY_RAYS_SIDE * SIDE_SAMPLES) * 2 * pi;
+        double radius = sqrt(square), height = sqrt(1 - square), distance, direction[3], sky[3];
+        for (int i = 0; i < 3; i++) direction[i] = radius * cos(angle) * a[i] + radius * sin(angle) * b[i] + height * normal[i];
+        sky_colour(direction, sky);
+        if (truth_first_hit(v->truth, from_ws, direction, &distance, NULL, NULL))
+            mix(bounce, sky, distance / (distance + v->sky_metres) * 0.85, sky);
+        for (int i = 0; i < 3; i++) out[i] += sky[i] / SKY_RAYS;
+    }
+}
+
+/* Of the suns, what the asset lets through. Beyond its map nothing casts a shadow. */
+static double sun_light(const view *v, const double point_ws[3], const double normal[3])
+{
+    double sum = 0;
+    for (uint32_t n = 0; n < v->sun_count; n++) {
+        double facing = -vec3_dot(normal, v->suns[n]->light.direction_ws);
+        if (facing <= 0) continue;
+        float lit = vxs_lookup(v->suns[n], point_ws, normal, v->options->filter_px);
+        sum += facing * (lit < 0 ? 1 : (double)lit) / v->sun_count;
+    }
+    return sum;
+}
+
+/* lamps ----------------------------------------------------------------------------------------------- */
+
+/* A random direction of a lamp's cone. */
+static void lamp_direction(const light_shape *s, rng *r, double direction[3])
+{
+    double a[3], b[3], sunk = rng_unit(r), turn = 2 * pi * rng_unit(r);
+    sunk *= s->kind == LIGHT_POINT ? 2 : 1 - cos(s->outer_rad);
+    double wide = sqrt(sunk * (2 - sunk));
+    frame_of(s->direction_ws, a, b);
+    for (int i = 0; i < 3; i++) direction[i] = wide * (cos(turn) * a[i] + sin(turn) * b[i]) + (1 - sunk) * s->direction_ws[i];
+}
+
+static lamp make_lamp(const view *v, const vxs_baked_light *light, double size)
+{
+    lamp   l    = {.light = light, .shape = baked_light_shape(&light->light)};
+    rng    r    = {1};
+    double sum  = 0, metres;
+    int    hits = 0;
+    for (int n = 0; n < LAMP_PROBES; n++) {
+        double direction[3];
+        lamp_direction(&l.shape, &r, direction);
+        if (!truth_first_hit(v->truth, l.shape.position_ws, direction, &metres, NULL, NULL)) continue;
+        sum += metres;
+        hits++;
+    }
+    l.usual_metres = fmax(fmin(hits ? sum / hits : 0.1 * size, 0.5 * l.shape.range_m), 1e-6 * size);
+    l.reach_metres = fmin(l.shape.range_m, 8 * l.usual_metres);
+    return l;
+}
+
+/* How bright a lamp is at a point: weaker with distance, and to the edge of its cone and the end of its range. 0 out of reach.
+ * to_lamp  [out] unit */
+static double lamp_strength(const lamp *l, const double point_ws[3], double to_lamp[3])
+{
+    double way[3];
+    vec3_sub(l->shape.position_ws, point_ws, way);
+    double metres = sqrt(vec3_dot(way, way)), share = metres / l->usual_metres;
+    if (!(metres < l->reach_metres) || !vec3_unit(way, to_lamp)) return 0;
+    double strength = 2 / (1 + share * share) * (1 - pow(metres / l->reach_metres, 4));
+    if (l->shape.kind == LIGHT_POINT) return strength;
+    double angle = acos(fmin(1, fmax(-1, -vec3_dot(to_lamp, l->shape.direction_ws))));
+    double edge  = fmin(1, (l->shape.outer_rad - angle) / (0.1 * l->shape.outer_rad));
+    return edge <= 0 ? 0 : strength * edge * edge * (3 - 2 * edge);
+}
+
+static double lamp_light(const view *v, const double point_ws[3], const double normal[3])
+{
+    double sum = 0, to_lamp[3];
+    for (uint32_t n = 0; n < v->lamp_count; n++) {
+        double strength = lamp_strength(&v->lamps[n], point_ws, to_lamp), facing = 0;
+        if (strength > 0) facing = vec3_dot(normal, to_lamp);
+        if (facing > 0)
+            sum += strength * facing * fmax(0, (double)vxs_lookup(v->lamps[n].light, point_ws, normal, v->options->filter_px));
+    }
+    return sum;
+}
+
+/* Where a ray from the eye passes a lamp no farther than its reach.
+ * nearest, beside  [out] how far along the ray it is nearest to the lamp, and how near
+ * Returns 0 when it does not. */
+static int pass_lamp(const view *v, const lamp *l, const double direction[3], double *begin, double *end, double *nearest,
+                     double *beside)
+{
+    double from[3];
+    vec3_sub(v->options->camera.eye_ws, l->shape.position_ws, from);
+    *nearest      = -vec3_dot(from, direction);
+    double across = fmax(0, vec3_dot(from, from) - *nearest * *nearest), half = l->reach_metres * l->reach_metres - across;
+    if (half <= 0) return 0;
+    *beside = fmax(sqrt(across), 1e-3 * l->usual_metres);
+    *begin  = fmax(0, *nearest - sqrt(half));
+    *end    = fmin(*end, *nearest + sqrt(half));
+    return *begin < *end;
+}
+
+/* What lamps light up in the air along a ray. The places that are looked up lie at equal angles as the lamp sees them (Kulla and
+ * Fajardo, "Importance Sampling Techniques for Path Tracing in Participating Media", EGSR 2012). */
+static double air_light(const view *v, const double direction[3], double metres, rng *r)
+{
+    const double scattered = 0.10; /* along a way as long as the usual one, by light as strong as there */
+    double       sum       = 0;
+    for (uint32_t n = 0; n < v->lamp_count; n++) {
+        const lamp *l     = &v->lamps[n];
+        double      begin = 0, end = metres, nearest, beside, first = rng_unit(r), to_lamp[3], point[3];
+        if (!pass_lamp(v, l, direction, &begin, &end, &nearest, &beside)) continue;
+        double low = atan((begin - nearest) / beside), step = (atan((end - nearest) / beside) - low) / AIR_STEPS;
+        for (int i = 0; i < AIR_STEPS; i++) {
+            double slope = tan(low + (i + first) * step), length = step * beside * (1 + slope * slope);
+            vec3_mad(v->options->camera.eye_ws, nearest + beside * slope, direction, point);
+            double strength = lamp_strength(l, point, to_lamp);
+            if (!(strength > 0)) continue;
+            /* once more by strength: else haze far from lamps would hide the scene */
+            double lit = fmax(0, (double)vxs_lookup(l->light, point, NULL, 1));
+            sum += scattered * strength * fmin(1, strength) * lit * length / l->usual_metres;
+        }
+    }
+    return sum;
+}
+
+/* Of suns and lamps, in fog. */
+static void light_in_fog(const view *v, const double point_ws[3], const double normal[3], double out[3])
+{
+    memset(out, 0, 3 * sizeof *out);
+    for (uint32_t n = 0; n < v->sun_count + v->lamp_count; n++) {
+        const fog_light *l = &v->fog_lights[n];
+        double           to_light[3], reaches[3];
+        fog_reaches(v->options->fog, l, point_ws, to_light, reaches);
+        double facing = vec3_dot(normal, to_light);
+        if (facing <= 0 || !(reaches[0] + reaches[1] + reaches[2] > 0)) continue;
+        double lit = (double)vxs_lookup(l->light, point_ws, normal, v->options->filter_px);
+        if (lit < 0) lit = l->shape.kind == LIGHT_DIRECTIONAL;
+        for (int i = 0; i < 3; i++) out[i] += facing * lit * reaches[i] * l->colour[i] / pi;
+    }
+}
+
+/* What comes back along one ray from the eye, up to where it meets something. */
+static int trace_surface(const view *v, const double direction[3], int sample, rng *r, double *distance, double out[3])
+{
+    double normal[3], point[3], lifted[3], haze[3];
+    sky_colour(direction, haze);
+    for (int i = 0; i < 3; i++) haze[i] *= v->day;
+    memcpy(out, haze, sizeof haze);
+    double begin = v->options->camera.near_metres / vec3_dot(direction, v->seen.forward), from[3];
+    vec3_mad(v->options->camera.eye_ws, begin, direction, from);
+    if (!truth_first_hit(v->truth, from, direction, distance, normal, NULL)) return 0;
+    *distance += begin;
+    double turn = vec3_dot(normal, direction) > 0 ? -1 : 1; /* a sheet may be seen from behind */
+    for (int i = 0; i < 3; i++) normal[i] *= turn;
+    vec3_mad(v->options->camera.eye_ws, *distance, direction, point);
+    truth_lift(v->truth, point, normal, lifted);
+
+    double sky[3], light[3];
+    if (v->options->fog)
+        light_in_fog(v, point, normal, light);
+    else {
+        double sun = sun_light(v, point, normal), lamps = lamp_light(v, point, normal);
+        for (int i = 0; i < 3; i++) light[i] = sun * sun_colour[i] + lamps * lamp_colour[i];
+    }
+    sky_light(v, lifted, normal, sample, r, sky);
+    for (int i = 0; i < 3; i++) out[i] = albedo[i] * (light[i] + 0.42 * v->day * sky[i]);
+    if (!v->options->fog) mix(out, haze, 1 - exp(-fmax(*distance - v->near_metres, 0) / v->haze_metres), out);
+    return 1;
+}
+
+/* Fog before it. Of the sky's light it scatters as much as if a tenth of the sky were seen from everywhere. */
+static void put_in_fog(const view *v, const double direction[3], double metres, double colour[3])
+{
+    const double      seen = 0.1;
+    const double     *eye  = v->options->camera.eye_ws;
+    const fog_medium *f    = v->options->fog;
+    double            left[3];
+    fog_left(f, eye, direction, metres, left);
+    for (int i = 0; i < 3; i++) {
+        double turned = f->extinction[i] > 0 ? f->scattering[i] / f->extinction[i] : 0;
+        colour[i]     = left[i] * colour[i] + (1 - left[i]) * turned * seen * v->day * sky_horizon[i];
+    }
+    fog_add_airlight(f, v->fog_lights, v->sun_count + v->lamp_count, eye, direction, metres, colour);
+}
+
+static void trace(const view *v, const double direction[3], int sample, rng *r, double out[3])
+{
+    double distance;
+    if (!trace_surface(v, direction, sample, r, &distance, out)) distance = v->options->fog ? v->end_metres : INFINITY;
+    if (v->options->fog) {
+        put_in_fog(v, direction, distance, out);
+        return;
+    }
+    double air = v->lamp_count ? air_light(v, direction, distance, r) : 0;
+    for (int i = 0; i < 3; i++) out[i] += air * lamp_colour[i];
+}
+
+/* pixels ---------------------------------------------------------------------------------------------- */
+
+/* A soft shoulder, so that sunlit walls keep their drawing, then the sRGB curve. */
+static double curve(double x)
+{
+    x = x < 0.6 ? x : 0.6 + 0.4 * (1 - exp(-(x - 0.6) / 0.4));
+    return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055;
+}
+
+static void render_pixel(const view *v, size_t index)
+{
+    const double           shown  = 0.80;
+    const picture_options *o      = v->options;
+    double                 sum[3] = {0};
+    for (int n = 0; n < SIDE_SAMPLES * SIDE_SAMPLES; n++) {
+        rng    r = rng_split(index, (uint64_t)n);
+        double x = (double)(index % o->width_px) + (n % SIDE_SAMPLES + 0.5) / SIDE_SAMPLES;
+        double y = (double)(index / o->width_px) + (n / SIDE_SAMPLES + 0.5) / SIDE_SAMPLES;
+        double direction[3], colour[3];
+        camera_direction(&v->seen, x / o->width_px, y / o->height_px, direction);
+        trace(v, direction, n, &r, colour);
+        for (int i = 0; i < 3; i++) sum[i] += colour[i] / (SIDE_SAMPLES * SIDE_SAMPLES);
+    }
+    for (size_t i = 0; i < 3; i++) {
+        double light          = shown * sum[i];
+        v->rgb[3 * index + i] = png_dithered(curve(light), (uint32_t)(index % o->width_px), (uint32_t)(index / o->width_px));
+        if (v->linear) v->linear[3 * index + i] = (float)light;
+    }
+}
+
+static void render_pixels(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    const view *v = user;
+    (void)worker;
+    for (size_t n = begin; n < end; n++) render_pixel(v, n);
+}
+
+/* As bright as what they shine on says: a matt surface sends back 1 / pi of what reaches it to each direction. */
+static void light_fog(view *v)
+{
+    uint32_t count = 0;
+    for (uint32_t n = 0; n < v->sun_count; n++) {
+        fog_light *out = &v->fog_lights[count++];
+        *out           = (fog_light){.light = v->suns[n], .shape = baked_light_shape(&v->suns[n]->light)};
+        for (int i = 0; i < 3; i++) out->colour[i] = pi * sun_colour[i] / v->sun_count;
+    }
+    for (uint32_t n = 0; n < v->lamp_count; n++) {
+        const lamp *l   = &v->lamps[n];
+        fog_light  *out = &v->fog_lights[count++];
+        *out            = (fog_light){.light = l->light, .shape = l->shape, .radius_metres = 0.03 * l->usual_metres};
+        out->cos_inner      = cos(0.9 * l->shape.outer_rad);
+        out->shape.range_m  = l->reach_metres;
+        for (int i = 0; i < 3; i++) out->colour[i] = pi * lamp_colour[i] * 2 * l->usual_metres * l->usual_metres;
+    }
+}
+
+vxs_result picture_render(uint8_t *rgb, float *linear, const picture_options *o, const truth *t, const casters *c,
+                          const vxs_baked_light *const *lights, uint32_t light_count, message *m)
+{
+    view       v    = make_view(o, t, c, rgb);
+    box        b    = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
+    vxs_result r    = VXS_OK;
+    double     size = fmax(box_diagonal(&b), 1e-9);
+    v.linear        = linear;
+    v.suns          = malloc((light_count + 1) * sizeof *v.suns);
+    v.lamps         = malloc((light_count + 1) * sizeof *v.lamps);
+    v.fog_lights    = malloc((light_count + 1) * sizeof *v.fog_lights);
+    if (!v.suns || !v.lamps || !v.fog_lights) {
+        r = fail(m, VXS_E_MEMORY, "out of memory for %u lights", light_count);
+        goto done;
+    }
+    for (uint32_t n = 0; n < light_count; n++) {
+        if (lights[n]->light.kind == VXS_LIGHT_KIND_DIRECTIONAL)
+            v.suns[v.sun_count++] = lights[n];
+        else
+            v.lamps[v.lamp_count++] = make_lamp(&v, lights[n], size);
+    }
+    v.day = v.sun_count ? 1 : night;
+    light_fog(&v);
+    parallel_for(o->threads, (size_t)o->width_px * o->height_px, o->width_px, render_pixels, &v);
+done:
+    free(v.suns);
+    free(v.lamps);
+    free(v.fog_lights);
+    return r;
+}

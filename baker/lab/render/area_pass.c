@@ -1,0 +1,223 @@
+/* Area lights; see area_pass.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/lab/render/area_pass.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/base/vec3.h"
+#include "baker/lab/render/renderer_state.h"
+
+EMBEDDED(glow_vert_glsl)
+EMBEDDED(glow_frag_glsl)
+
+enum { DENSE = 16 }; /* lamps that say where points of shadows are densest */
+
+struct area_pass {
+    area_pass_options options;
+    const gl_context *gl;
+    lamp_pass        *lamps;
+    double           *powers;        /* [areas] */
+    area_share       *shares, *next; /* [areas] of the last frame; of this one */
+    double            exposure;      /* that its lamps have; 0: there are none */
+    uint32_t          count;         /* areas */
+    GLuint            glow_program;
+    GLuint           *textures; /* [areas] */
+};
+
+/* what is made once --------------------------------------------------------------------------------------------------------------- */
+
+static void put_texture(area_pass *p, uint32_t n)
+{
+    static const float white[3] = {1, 1, 1};
+    const gl_context  *gl       = p->gl;
+    const scene_area  *a        = &p->options.lit.scene->areas[n];
+    GLsizei            wide = a->texture ? (GLsizei)a->wide_px : 1, high = a->texture ? (GLsizei)a->high_px : 1;
+    gl->CreateTextures(GL_TEXTURE_2D, 1, &p->textures[n]);
+    gl->TextureStorage2D(p->textures[n], 1, GL_RGBA32F, wide, high);
+    gl->TextureSubImage2D(p->textures[n], 0, 0, 0, wide, high, GL_RGB, GL_FLOAT, a->texture ? a->texture : white);
+    gl->TextureParameteri(p->textures[n], GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    gl->TextureParameteri(p->textures[n], GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    gl->TextureParameteri(p->textures[n], GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+}
+
+static vxs_area_rectangle rectangle_of(const area_pass *p, const scene_area *a, double exposure)
+{
+    vxs_area_rectangle r = {.texture = a->texture, .wide_px = a->wide_px, .high_px = a->high_px};
+    for (int n = 0; n < 3; n++) {
+        r.corner[n]   = (float)(a->corner_ws[n] - p->options.lit.middle_ws[n]);
+        r.across[n]   = (float)a->across_ws[n];
+        r.up[n]       = (float)a->up_ws[n];
+        r.radiance[n] = (float)(exposure * p->options.scale * (double)a->radiance[n]);
+    }
+    return r;
+}
+
+/* Lamps of all parallelograms that have a share of them.   lamps  [out] as many as there are shares, `count` */
+static vxs_result place_lamps(const area_pass *p, double exposure, vxs_area_lamp *lamps, uint32_t *count)
+{
+    vxs_result result = VXS_OK;
+    *count            = 0;
+    for (uint32_t n = 0; n < p->count && result == VXS_OK; n++) {
+        vxs_area_rectangle r = rectangle_of(p, &p->options.lit.scene->areas[n], exposure);
+        if (p->shares[n].lamps) result = vxs_area_sample(&r, VXS_AREA_IMPORTANCE, 0, lamps + *count, p->shares[n].lamps);
+        *count += p->shares[n].lamps;
+    }
+    return result;
+}
+
+static vxs_result make(area_pass *p, vxs_volumes *volumes, message *m)
+{
+    text_part     glow = part_of(glow_frag_glsl);
+    const scene  *s    = p->options.lit.scene;
+    vxs_area_lamp dense[DENSE];
+    vxs_result    r;
+    p->powers   = calloc(p->count, sizeof *p->powers);
+    p->shares   = calloc(p->count, sizeof *p->shares);
+    p->next     = calloc(p->count, sizeof *p->next);
+    p->textures = calloc(p->count, sizeof *p->textures);
+    if (!p->powers || !p->shares || !p->next || !p->textures)
+        return fail(m, VXS_E_MEMORY, "out of memory for %u area lights", p->count);
+    for (uint32_t n = 0; n < p->count; n++) p->powers[n] = area_power(&s->areas[n]);
+    lamp_pass_options lit = p->options.lit;
+    area_plan         plan;
+    area_plan_share(p->powers, p->shares, p->count, DENSE, &plan);
+    if (place_lamps(p, 1, dense, &lit.dense_count) != VXS_OK) lit.dense_count = 0; /* a frame says why */
+    lit.dense = dense;
+    if ((r = lamp_pass_create(&p->lamps, &lit, p->gl, volumes, m)) != VXS_OK) return r;
+    if ((r = renderer_program(p->gl, &p->glow_program, glow_vert_glsl, &glow, 1, m)) != VXS_OK) return r;
+    for (uint32_t n = 0; n < p->count; n++) put_texture(p, n);
+    return VXS_OK;
+}
+
+vxs_result area_pass_create(area_pass **out, const area_pass_options *o, const gl_context *gl, vxs_volumes *volumes, message *m)
+{
+    area_pass *p = calloc(1, sizeof *p);
+    *out         = NULL;
+    if (!p) return fail(m, VXS_E_MEMORY, "out of memory for area lights");
+    p->options   = *o;
+    p->gl        = gl;
+    p->count     = (uint32_t)o->lit.scene->area_count;
+    vxs_result r = make(p, volumes, m);
+    if (r == VXS_OK)
+        *out = p;
+    else
+        area_pass_destroy(p);
+    return r;
+}
+
+void area_pass_destroy(area_pass *p)
+{
+    if (!p) return;
+    lamp_pass_destroy(p->lamps);
+    if (p->textures) p->gl->DeleteTextures((GLsizei)p->count, p->textures);
+    if (p->glow_program) p->gl->DeleteProgram(p->glow_program);
+    free(p->powers);
+    free(p->shares);
+    free(p->next);
+    free(p->textures);
+    free(p);
+}
+
+/* a frame ------------------------------------------------------------------------------------------------------------------------- */
+
+/* Whether some of a capsule is before a light that is drawn. */
+static int is_shone_on(const void *pass, const vxs_capsule *c)
+{
+    const area_pass *p = pass;
+    for (uint32_t n = 0; n < p->count; n++) {
+        const scene_area *a    = &p->options.lit.scene->areas[n];
+        double            most = -INFINITY, normal[3], way[3];
+        vec3_cross(a->across_ws, a->up_ws, normal);
+        for (int end = 0; end < 2; end++) {
+            for (int i = 0; i < 3; i++)
+                way[i] = (double)(end ? c->end : c->begin)[i] + p->options.lit.middle_ws[i] - a->corner_ws[i];
+            most = fmax(most, vec3_dot(way, normal));
+        }
+        if (p->shares[n].lamps && most > -(double)c->radius_metres * sqrt(vec3_dot(normal, normal))) return 1;
+    }
+    return 0;
+}
+
+/* Lamps of all that are drawn, what smoke leaves of them, and their shadow maps: again, where something has moved. */
+static vxs_result cast(area_pass *p, double exposure)
+{
+    vxs_area_lamp lamps[VXS_AREA_LAMPS];
+    uint32_t      count;
+    vxs_result    result = place_lamps(p, exposure, lamps, &count);
+    if (result == VXS_OK) result = lamp_pass_set(p->lamps, lamps, count, is_shone_on, p);
+    p->exposure = result == VXS_OK ? exposure : 0;
+    return result;
+}
+
+static int is_as_before(const area_pass *p, double exposure)
+{
+    return exposure == p->exposure && !memcmp(p->shares, p->next, p->count * sizeof *p->next);
+}
+
+vxs_result area_pass_draw(area_pass *p, const double eye_ws[3], const camera_view *seen, const double moved_ws[3],
+                          double far_metres, unsigned normals, double exposure, area_plan *plan, message *m)
+{
+    vxs_result r     = VXS_OK;
+    int        moved = lamp_pass_move(p->lamps, moved_ws);
+    for (uint32_t n = 0; n < p->count; n++)
+        p->next[n].fate = area_is_behind(&p->options.lit.scene->areas[n], eye_ws, seen, far_metres) ? AREA_BEHIND : AREA_FAINT;
+    area_plan_share(p->powers, p->next, p->count, p->options.lit.lamps, plan);
+    int same = is_as_before(p, exposure);
+    memcpy(p->shares, p->next, p->count * sizeof *p->next);
+    if (plan->lamps && (moved || !same)) r = cast(p, exposure);
+    if (r == VXS_OK && plan->lamps) r = lamp_pass_draw(p->lamps, eye_ws, normals);
+    return r == VXS_OK ? VXS_OK : fail(m, r, "area lights cannot be drawn: %s", vxs_result_text(r));
+}
+
+void area_pass_add_light(const area_pass *p)
+{
+    lamp_pass_add_light(p->lamps, p->exposure);
+}
+
+static void set_vector(const gl_context *gl, GLuint program, const char *name, const float v[3])
+{
+    gl->ProgramUniform3f(program, gl->GetUniformLocation(program, name), v[0], v[1], v[2]);
+}
+
+/* Whether the eye sees the side that shines. */
+static int is_seen(const scene_area *a, const double eye_ws[3])
+{
+    double normal[3], way[3];
+    vec3_cross(a->across_ws, a->up_ws, normal);
+    vec3_sub(eye_ws, a->corner_ws, way);
+    return vec3_dot(normal, way) > 0;
+}
+
+void area_pass_add_glow(const area_pass *p, const float clip_from_scene[16], unsigned depths, const double eye_ws[3],
+                        double exposure)
+{
+    const gl_context *gl      = p->gl;
+    GLuint            program = p->glow_program;
+    lamp_pass_begin_adding(p->lamps, program);
+    gl->ProgramUniformMatrix4fv(program, gl->GetUniformLocation(program, "clip_from_scene"), 1, GL_FALSE, clip_from_scene);
+    gl->BindTextureUnit(0, depths);
+    for (uint32_t n = 0; n < p->count; n++) {
+        const scene_area *a = &p->options.lit.scene->areas[n];
+        if (!is_seen(a, eye_ws)) continue;
+        vxs_area_rectangle r = rectangle_of(p, a, exposure);
+        set_vector(gl, program, "corner", r.corner);
+        set_vector(gl, program, "across", r.across);
+        set_vector(gl, program, "up", r.up);
+        set_vector(gl, program, "radiance", r.radiance);
+        gl->BindTextureUnit(1, p->textures[n]);
+        gl->DrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+    }
+    gl->Disable(GL_BLEND);
+}
+
+const area_share *area_pass_shares(const area_pass *p)
+{
+    return p->shares;
+}
+
+const lamp_pass *area_pass_lamps(const area_pass *p)
+{
+    return p->lamps;
+}

@@ -1,0 +1,33 @@
+/* Where a camera is, frame by frame.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef CAMERA_PATH_H
+#define CAMERA_PATH_H
+
+#include <stddef.h>
+
+#include "baker/base/message.h"
+#include "baker/lab/truth/camera.h"
+
+typedef struct camera_path {
+    camera_pose *keys; /* [count] owned */
+    size_t       count;
+    int          closed; /* behind the last key comes the first */
+} camera_path;
+
+enum { PATH_KEYS_MAX = 10000 };
+
+/* Keys from a file, a line each: "x y z  target x y z", metres; blank lines and lines that begin with # are skipped. A key in which both are one
+ * point is an error, as are fewer than two keys.
+ * path  [out] released with camera_path_free, whatever is returned
+ * Returns VXS_OK, VXS_E_READ (one line says which line of the file), VXS_E_MEMORY. */
+vxs_result camera_path_read(camera_path *path, const char *file, double fov_degrees, message *m);
+
+/* Once around the target of a camera, at its height.   Returns VXS_OK or VXS_E_MEMORY. */
+vxs_result camera_path_orbit(camera_path *path, const camera_pose *camera, message *m);
+
+/* At a share of the path, [0, 1]: eye and target each on a smooth curve through its keys (Catmull-Rom), which take equal times. */
+camera_pose camera_path_at(const camera_path *path, double share);
+
+void camera_path_free(camera_path *path);
+
+#endif

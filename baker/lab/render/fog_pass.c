@@ -1,0 +1,325 @@
+/* Fog; see fog_pass.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/lab/render/fog_pass.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/lab/render/baked_mesh.h"
+#include "runtime/volumes/vxs_air_path.h"
+#include "runtime/volumes/vxs_shadow_grid.h"
+
+/* A mesh is made of a map of so many texels a side at most: six maps take a second. A grid has so many voxels along alpha and phi, fewer where a
+ * processor fills it, for each light of each frame. */
+enum { MAP_SIDE = 1024, MESH_SIDE = 1024, GRID_SIDE = 512, GRID_SIDE_SOFTWARE = 256 };
+
+/* A light, and the most airlight that any ray has of it. */
+typedef struct faint_light {
+    uint32_t light;
+    float    most;
+} faint_light;
+
+struct fog_pass {
+    fog_pass_options  options;
+    const gl_context *gl;
+    vxs_gl           *shadows;
+    vxs_volumes      *volumes;
+    vxs_shadow_grid  *grid;   /* FOG_BY_GRID */
+    vxs_light_mesh  **meshes; /* FOG_BY_MESH: [lights], NULL before the first frame in which a light is drawn */
+    vxs_light_map   **maps;   /* [lights] of those that have seen something move; else NULL */
+    uint32_t          meshes_made;
+    fog_light_plan   *lights; /* [lights] of the last frame */
+    faint_light      *faint;  /* [lights] */
+    uint32_t          last;   /* light that was drawn then; UINT32_MAX: none */
+};
+
+static vxs_gl_function lookup(const char *name, void *user)
+{
+    return (vxs_gl_function)((const gl_context *)user)->lookup(name);
+}
+
+static vxs_result make_grid(fog_pass *p, message *m)
+{
+    uint32_t             fits   = p->gl->backend == GL_BACKEND_OSMESA ? GRID_SIDE_SOFTWARE : GRID_SIDE;
+    uint32_t             side   = p->options.grid ? p->options.grid : fits;
+    vxs_shadow_grid_desc desc   = {.columns = side, .rows = 2 * side, .bits = side};
+    vxs_result           result = vxs_shadow_grid_create(&p->grid, p->volumes, &desc);
+    p->options.grid             = side;
+    if (result == VXS_OK) return VXS_OK;
+    return fail(m, result, "a shadow grid of %u x %u x %u voxels is larger than what OpenGL has room for", side, 2 * side, side);
+}
+
+vxs_result fog_pass_create(fog_pass **out, const fog_pass_options *o, const gl_context *gl, vxs_gl *shadows, message *m)
+{
+    vxs_volumes_desc desc = {.struct_size      = sizeof desc,
+                             .get_proc_address = lookup,
+                             .user             = (void *)(uintptr_t)gl,
+                             .shadows          = shadows,
+                             .width_px         = o->width,
+                             .height_px        = o->height};
+    fog_pass        *p    = calloc(1, sizeof *p);
+    *out                  = NULL;
+    if (!p) return fail(m, VXS_E_MEMORY, "out of memory for fog");
+    p->options        = *o;
+    p->gl             = gl;
+    p->shadows        = shadows;
+    p->last           = UINT32_MAX;
+    p->lights         = calloc(vxs_gl_light_count(shadows), sizeof *p->lights);
+    p->meshes         = calloc(vxs_gl_light_count(shadows), sizeof *p->meshes);
+    p->maps           = calloc(vxs_gl_light_count(shadows), sizeof *p->maps);
+    p->faint          = calloc(vxs_gl_light_count(shadows), sizeof *p->faint);
+    vxs_result result = p->lights && p->meshes && p->maps && p->faint ? vxs_volumes_create(&p->volumes, &desc) : VXS_E_MEMORY;
+    if (result != VXS_OK)
+        fail(m, result, "OpenGL cannot draw fog of %u x %u samples: %s", o->width, o->height, vxs_result_text(result));
+    else if (o->by == FOG_BY_GRID)
+        result = make_grid(p, m);
+    if (result == VXS_OK)
+        *out = p;
+    else
+        fog_pass_destroy(p);
+    return result;
+}
+
+void fog_pass_destroy(fog_pass *p)
+{
+    if (!p) return;
+    for (uint32_t n = 0; p->meshes && n < vxs_gl_light_count(p->shadows); n++) vxs_light_mesh_destroy(p->meshes[n]);
+    for (uint32_t n = 0; p->maps && n < vxs_gl_light_count(p->shadows); n++) vxs_light_map_destroy(p->maps[n]);
+    vxs_shadow_grid_destroy(p->grid);
+    vxs_volumes_destroy(p->volumes);
+    free(p->faint);
+    free(p->maps);
+    free(p->meshes);
+    free(p->lights);
+    free(p);
+}
+
+/* meshes -------------------------------------------------------------------------------------------------------------------------- */
+
+/* Rays end 2 sizes of the scene before the eye, which a path may lead some sizes away from where it is now. */
+static vxs_result make_mesh(fog_pass *p, uint32_t light, message *m)
+{
+    const baked_mesh_options o = {
+        .light = light, .side_px = MESH_SIDE, .far_metres = 16 * p->options.size_metres, .error_texels = 1};
+    vxs_result result = baked_mesh_make(&p->meshes[light], &o, p->gl, p->shadows, p->volumes, m);
+    p->meshes_made += result == VXS_OK;
+    return result;
+}
+
+/* maps ---------------------------------------------------------------------------------------------------------------------------- */
+
+/* Where a light ends: at what stands, and before that at what moves. */
+static vxs_result join_map(fog_pass *p, uint32_t light, const vxs_moving_casters *casters, uint32_t count)
+{
+    const vxs_light_map_desc desc   = {.baked = light, .side_px = MAP_SIDE, .moves = 1};
+    vxs_result               result = p->maps[light] ? VXS_OK : vxs_light_map_create(&p->maps[light], p->volumes, &desc);
+    if (result != VXS_OK) return result;
+    if (p->options.streamed) vxs_light_map_refill(p->maps[light]);
+    vxs_light_map_fill(p->maps[light], UINT64_MAX);
+    return vxs_light_map_join(p->maps[light], casters, count);
+}
+
+/* a frame ------------------------------------------------------------------------------------------------------------------------- */
+
+double fog_pass_far_metres(const fog_pass *p)
+{
+    return 2 * p->options.size_metres;
+}
+
+/* Fog lies below the eye's own height by so much. */
+static vxs_volumes_frame frame_of(const fog_pass *p, const vxs_view *view, unsigned depths, const double eye_ws[3],
+                                  const double ambient[3])
+{
+    const fog_medium *medium = p->options.medium;
+    vxs_volumes_frame f      = {.anisotropy    = (float)medium->anisotropy,
+                                .top_metres    = (float)fmin(medium->top_ws - eye_ws[1], 1e30),
+                                .view          = *view,
+                                .far_metres    = (float)fog_pass_far_metres(p),
+                                .least         = (float)FOG_FAINTEST,
+                                .depth_texture = depths};
+    for (int n = 0; n < 3; n++) {
+        f.scattering[n] = (float)medium->scattering[n];
+        f.extinction[n] = (float)medium->extinction[n];
+        f.ambient[n]    = (float)ambient[n];
+    }
+    return f;
+}
+
+/* What becomes of a light in the frame that has begun. */
+static fog_light_plan plan_light(const fog_pass *p, const vxs_volumes_light *light)
+{
+    static const fog_fate fates[] = {[VXS_REACH_SEEN]   = FOG_DRAWN,
+                                     [VXS_REACH_FAINT]  = FOG_FAINT,
+                                     [VXS_REACH_BESIDE] = FOG_OUT_OF_VIEW,
+                                     [VXS_REACH_CLEAR]  = FOG_CLEAR};
+    vxs_pixels            pixels;
+    fog_fate              fate = fates[vxs_volumes_reach(p->volumes, light, &pixels)];
+    double                all  = (double)p->options.width * p->options.height;
+    return (fog_light_plan){
+        .fate = fate, .share = fate == FOG_DRAWN ? (double)pixels.wide_px * pixels.high_px / all : 0, .by = p->options.by};
+}
+
+/* Steps for a light that what was asked does not draw right: all but marches have closed forms, of light that nothing dims; and intervals, which ask the
+ * file, and meshes, which are made once, do not know what moves. */
+static void plan_steps(fog_light_plan *light, int is_dimmed, int meets_moving)
+{
+    int marches = light->by == FOG_BY_MARCH || light->by == FOG_BY_ANGLES, knows_moving = marches || light->by == FOG_BY_GRID;
+    if (is_dimmed && !marches)
+        light->why = "smoke dims it";
+    else if (meets_moving && !knows_moving)
+        light->why = "something moves in its light";
+    if (light->why) light->by = FOG_BY_ANGLES;
+}
+
+/* map  NULL: the file is asked */
+static vxs_result draw_light(fog_pass *p, const vxs_volumes_light *light, const vxs_light_map *map, message *m)
+{
+    uint32_t   n      = light->baked;
+    vxs_result result = VXS_OK;
+    switch (p->lights[n].by) {
+    case FOG_BY_MARCH: return vxs_volumes_march(p->volumes, light, map, p->options.steps, VXS_STEPS_EVEN);
+    case FOG_BY_ANGLES: return vxs_volumes_march(p->volumes, light, map, p->options.steps, VXS_STEPS_ANGLE);
+    case FOG_BY_GRID: return vxs_volumes_grid(p->volumes, light, map, p->grid, 0);
+    case FOG_BY_INTERVALS: break;
+    case FOG_BY_MESH:
+        if (!p->meshes[n]) result = make_mesh(p, n, m);
+        return result == VXS_OK ? vxs_volumes_mesh(p->volumes, light, p->meshes[n]) : result;
+    }
+    return vxs_volumes_intervals_in_pieces(p->volumes, light);
+}
+
+static vxs_volumes_light light_of(const fog_pass *p, uint32_t n, const fog_shine *shine, double exposure)
+{
+    const double      radius = 5e-4 * p->options.size_metres; /* airlight has no bound where a ray meets a point */
+    vxs_volumes_light light  = {.baked = n, .cos_inner = (float)shine->cos_inner, .radius_metres = (float)radius};
+    for (int k = 0; k < 3; k++) light.colour[k] = (float)(exposure * shine->colour[k]);
+    return light;
+}
+
+static int fainter(const void *a, const void *b)
+{
+    const faint_light *p = a, *q = b;
+    if (p->most != q->most) return p->most < q->most ? -1 : 1;
+    return p->light < q->light ? -1 : 1;
+}
+
+/* Of all lights, from the faintest on: those that together have no more than half of what may be left out are; pixels of each of the others may miss an equal part
+ * of the rest.   least  [out] of each, as vxs_volumes_light has it */
+static void choose_faint(fog_pass *p, const fog_shine *shines, double exposure, float *least)
+{
+    uint32_t count = vxs_gl_light_count(p->shadows), faint = 0;
+    double   sum = 0;
+    for (uint32_t n = 0; n < count; n++) {
+        vxs_volumes_light light = light_of(p, n, &shines[n], exposure);
+        p->faint[n]             = (faint_light){n, vxs_volumes_most(p->volumes, &light)};
+    }
+    qsort(p->faint, count, sizeof *p->faint, fainter);
+    while (faint < count && sum + (double)p->faint[faint].most <= 0.5 * FOG_FAINTEST) sum += (double)p->faint[faint++].most;
+    for (uint32_t n = 0; n < count; n++)
+        least[p->faint[n].light] = n < faint ? fmaxf(1.001F * p->faint[n].most, 1e-30F) : (float)(0.5 * FOG_FAINTEST / (count - faint));
+}
+
+/* What is left out costs no call, and no mesh.   light  which it is */
+static vxs_result add_light(fog_pass *p, vxs_volumes_light light, const moving_pass *moving, const smoke_pass *smoke, fog_plan *plan,
+                            message *m)
+{
+    vxs_moving_casters casters[MOVING_FACES];
+    uint32_t           n = light.baked, caster_count = moving ? moving_pass_casters(moving, n, casters) : 0;
+    vxs_result         result = VXS_OK;
+    p->lights[n]              = plan_light(p, &light);
+    plan->lights[p->lights[n].fate]++;
+    if (p->lights[n].fate != FOG_DRAWN) return VXS_OK;
+    p->last     = n;
+    light.smoke = smoke ? smoke_pass_map(smoke, n) : NULL;
+    plan_steps(&p->lights[n], light.smoke || (p->options.baked_smoke && p->options.baked_smoke[n]), caster_count > 0);
+    if (caster_count) {
+        plan->light_maps++;
+        result = join_map(p, n, casters, caster_count);
+    }
+    plan->by_angles += p->lights[n].why != NULL;
+    return result == VXS_OK ? draw_light(p, &light, caster_count ? p->maps[n] : NULL, m) : result;
+}
+
+vxs_result fog_pass_begin(fog_pass *p, const vxs_view *view, unsigned depths, const double eye_ws[3], const double ambient[3],
+                          message *m)
+{
+    vxs_volumes_frame frame  = frame_of(p, view, depths, eye_ws, ambient);
+    vxs_result        result = vxs_volumes_begin(p->volumes, &frame);
+    return result == VXS_OK ? VXS_OK : fail(m, result, "fog cannot be drawn: %s", vxs_result_text(result));
+}
+
+vxs_result fog_pass_draw(fog_pass *p, const fog_shine *shines, const moving_pass *moving, const smoke_pass *smoke, double exposure,
+                         fog_plan *plan, message *m)
+{
+    uint32_t   count  = vxs_gl_light_count(p->shadows);
+    float     *least  = malloc((count + 1) * sizeof *least);
+    vxs_result result = least ? VXS_OK : VXS_E_MEMORY;
+    *plan             = (fog_plan){0};
+    p->last           = UINT32_MAX;
+    if (least) choose_faint(p, shines, exposure, least);
+    for (uint32_t n = 0; n < count && result == VXS_OK; n++) {
+        vxs_volumes_light light = light_of(p, n, &shines[n], exposure);
+        light.least             = least[n];
+        result                  = add_light(p, light, moving, smoke, plan, m);
+    }
+    free(least);
+    if (result != VXS_OK) return fail(m, result, "fog cannot be drawn: %s", vxs_result_text(result));
+    plan->meshes_made = p->meshes_made;
+    vxs_volumes_composite(p->volumes);
+    return VXS_OK;
+}
+
+vxs_volumes *fog_pass_volumes(const fog_pass *p)
+{
+    return p->volumes;
+}
+
+const fog_light_plan *fog_pass_lights(const fog_pass *p)
+{
+    return p->lights;
+}
+
+const vxs_light_mesh *fog_pass_mesh(const fog_pass *p, uint32_t *light)
+{
+    *light = p->last;
+    return p->last != UINT32_MAX ? p->meshes[p->last] : NULL;
+}
+
+void fog_pass_left(const fog_pass *p, const double eye_ws[3], const double direction[3], double metres, double left[3])
+{
+    const fog_medium *medium    = p->options.medium;
+    double            in_fog[2] = {0, fmin(metres, fog_pass_far_metres(p))};
+    vxs_medium        air       = {.anisotropy = medium->anisotropy};
+    memcpy(air.scattering, medium->scattering, sizeof air.scattering);
+    memcpy(air.extinction, medium->extinction, sizeof air.extinction);
+    if (medium->top_ws < INFINITY) vxs_air_in_fog(eye_ws[1], direction[1], medium->top_ws, in_fog);
+    vxs_air_left(&air, fmax(in_fog[1] - in_fog[0], 0), left);
+}
+
+uint32_t fog_pass_grid(const fog_pass *p)
+{
+    return p->options.grid;
+}
+
+vxs_result fog_pass_read_grid(const fog_pass *p, float *dark, message *m)
+{
+    enum { HEAD_BYTES = 128 };
+    const int     side  = (int)p->options.grid;
+    vxs_grid_size size  = {.columns = side, .rows = 2 * side, .bits = side};
+    size_t        bytes = sizeof(uint32_t) * (size_t)vxs_grid_words(&size);
+    uint32_t     *words = malloc(bytes);
+    if (!words) return fail(m, VXS_E_MEMORY, "out of memory for a shadow grid");
+    memset(words, 0, bytes);
+    if (p->last != UINT32_MAX) p->gl->GetNamedBufferSubData(vxs_shadow_grid_buffer(p->grid), HEAD_BYTES, (GLsizeiptr)bytes, words);
+    for (int row = 0; row < size.rows; row++)
+        for (int column = 0; column < size.columns; column++)
+            dark[row * side + column] = (float)(1 - vxs_grid_lit_part(words, &size, column, row, 0, size.bits));
+    free(words);
+    return VXS_OK;
+}
+
+unsigned fog_pass_airlight(const fog_pass *p)
+{
+    return vxs_volumes_airlight(p->volumes);
+}

@@ -1,0 +1,271 @@
+/* Virtual lights in a frame; see lamp_pass.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/lab/render/lamp_pass.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/lab/render/renderer_state.h"
+
+EMBEDDED(screen_vert_glsl)
+EMBEDDED(area_frag_glsl)
+
+const char *const area_gather_names[] = {"each", "ninths", "quarter"};
+
+static const double pi = 3.14159265358979324;
+
+/* Points in one place on the average of a file of which one in each place is drawn. */
+enum { CROWD = 4 };
+
+/* Of all triangles; of those that move. */
+enum { POINTS = 1 << 18, MOVING_POINTS = 1 << 15 };
+
+/* Lamps are many, and each has its curves of smoke. All capsules may cover all texels of all lamps: so many times in all, which takes a minute or two on
+ * two processors, and no more. */
+enum { SMOKE_SIDE_MOST = 64, SMOKE_SIDE_LEAST = 8, SMOKE_COVERED_MOST = 1 << 30 };
+
+struct lamp_pass {
+    lamp_pass_options options;
+    const gl_context *gl;
+    vxs_volumes      *volumes;
+    vxs_area_light   *light;
+    uint32_t          points, moving_points; /* of what stands, which come first in the buffer; of what moves */
+    vxs_area_point   *moving, *moved;        /* [moving_points] where they are in their file; and now */
+    double            moved_ws[3];           /* by how much */
+    int               has_moved;             /* since shadow maps were cast */
+    vxs_capsule      *capsules;              /* [options.smoke->count] of smoke: those that lamps shine on */
+    uint32_t          capsule_count;
+    GLuint            buffer, add_program, empty_array;
+};
+
+/* what is made once --------------------------------------------------------------------------------------------------------------- */
+
+/* Over a scene's triangles.
+ * lamps  how many there are where points are densest, as in the options;   found  [out] how many points: none, where triangles have no area */
+static vxs_result scatter(const lamp_pass *p, const scene *s, uint32_t lamps, vxs_area_point *points, uint32_t count,
+                          uint32_t *found, message *m)
+{
+    uint32_t triangles = (uint32_t)s->triangle_count;
+    float   *positions = malloc(3 * s->vertex_count * sizeof *positions);
+    if (!positions) return fail(m, VXS_E_MEMORY, "out of memory for %u points of shadows", count);
+    for (size_t n = 0; n < 3 * s->vertex_count; n++) positions[n] = (float)(s->positions_ws[n] - p->options.middle_ws[n % 3]);
+    double area = lamps ? vxs_area_scatter_for(positions, s->indices, triangles, p->options.dense, lamps, points, count)
+                        : vxs_area_scatter(positions, s->indices, triangles, points, count);
+    *found      = area > 0 ? count : 0;
+    free(positions);
+    return VXS_OK;
+}
+
+static vxs_result scatter_moving(lamp_pass *p, message *m)
+{
+    if (!p->options.moving) return VXS_OK;
+    p->moving = malloc(MOVING_POINTS * sizeof *p->moving);
+    p->moved  = malloc(MOVING_POINTS * sizeof *p->moved);
+    if (!p->moving || !p->moved) return fail(m, VXS_E_MEMORY, "out of memory for %d points of shadows", MOVING_POINTS);
+    return scatter(p, p->options.moving, 0, p->moving, MOVING_POINTS, &p->moving_points, m);
+}
+
+/* Where they are now, behind those that stand. */
+static void put_moving(lamp_pass *p, const double moved_ws[3])
+{
+    GLsizeiptr size = sizeof *p->moved;
+    for (uint32_t n = 0; n < p->moving_points; n++) {
+        p->moved[n] = p->moving[n];
+        for (int k = 0; k < 3; k++) p->moved[n].place[k] += (float)moved_ws[k];
+    }
+    p->gl->NamedBufferSubData(p->buffer, p->points * size, p->moving_points * size, p->moved);
+    memcpy(p->moved_ws, moved_ws, sizeof p->moved_ws);
+    p->has_moved = 1;
+}
+
+/* How many bits of coordinates tell points apart that are a quarter as far from each other as they are wide, or farther. */
+static uint32_t bits_that_count(const vxs_baked_points *points)
+{
+    double   units = 0.25 * sqrt(points->square_metres) / points->step_metres;
+    uint32_t none  = 0;
+    while (none < 16 && units >= 2) units /= 2, none++;
+    return none;
+}
+
+static int in_one_cell(const uint16_t *a, const uint16_t *b, uint32_t shift)
+{
+    return a[0] >> shift == b[0] >> shift && a[1] >> shift == b[1] >> shift && a[2] >> shift == b[2] >> shift;
+}
+
+/* Points of a file are as far from each other as each is wide, but where surfaces lie on each other. What a point covers of shadow maps is the work, so one
+ * that has millions of them in one place, and says that each is wide, would take minutes: where nearly all lie in each other, one of each place is
+ * drawn, which covers the same. In the order of their codes those of a place come one behind the other.
+ * points  [baked->count] out
+ * Returns how many there are. */
+static uint32_t unpack(const vxs_baked_points *baked, const double middle_ws[3], vxs_area_point *points, message *m)
+{
+    uint32_t shift = bits_that_count(baked), places = 1, kept = 0;
+    for (uint32_t n = 1; n < baked->count; n++) {
+        const uint16_t *c = baked->coordinates + 3 * (size_t)n;
+        places += !in_one_cell(c - 3, c, shift);
+    }
+    vxs_points_unpack(baked, middle_ws, points->place);
+    if (places >= baked->count / CROWD) return baked->count;
+    for (uint32_t n = 0; n < baked->count; n++) {
+        const uint16_t *c = baked->coordinates + 3 * (size_t)n;
+        if (!n || !in_one_cell(c - 3, c, shift)) points[kept++] = points[n];
+    }
+    warn(m, "%u of %u points of the file lie within a quarter of their width of others: %u are drawn", baked->count - kept, baked->count,
+         kept);
+    return kept;
+}
+
+static vxs_result put_points(lamp_pass *p, message *m)
+{
+    static const double     nowhere[3] = {0};
+    const vxs_baked_points *baked      = p->options.points;
+    uint32_t                most       = baked ? baked->count : POINTS;
+    vxs_area_point         *points     = malloc(most * sizeof *points);
+    vxs_result r = points ? scatter_moving(p, m) : fail(m, VXS_E_MEMORY, "out of memory for %u points of shadows", most);
+    p->points    = most;
+    if (r == VXS_OK && baked) p->points = unpack(baked, p->options.middle_ws, points, m);
+    if (r == VXS_OK && !baked) r = scatter(p, p->options.scene, p->options.dense_count, points, most, &p->points, m);
+    GLsizeiptr size = sizeof *points, still = r == VXS_OK ? p->points * size : 0;
+    p->gl->GenBuffers(1, &p->buffer);
+    p->gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, p->buffer);
+    p->gl->BufferData(GL_SHADER_STORAGE_BUFFER, still + p->moving_points * size, NULL, GL_DYNAMIC_DRAW);
+    if (still) p->gl->NamedBufferSubData(p->buffer, 0, still, points);
+    if (p->moving_points) put_moving(p, nowhere);
+    free(points);
+    return r;
+}
+
+static vxs_result make(lamp_pass *p, message *m)
+{
+    text_part           add      = part_of(area_frag_glsl);
+    uint32_t            capsules = p->options.smoke ? p->options.smoke->count : 0;
+    vxs_area_light_desc desc     = {.lamps = p->options.lamps, .capsules = capsules, .smoke_side_px = p->options.smoke_side};
+    vxs_result          r        = vxs_area_light_create(&p->light, p->volumes, &desc);
+    p->capsules                  = calloc(capsules + !capsules, sizeof *p->capsules);
+    if (!p->capsules) return fail(m, VXS_E_MEMORY, "out of memory for %u capsules of smoke", capsules);
+    if (r != VXS_OK) return fail(m, r, "OpenGL cannot draw area lights of %u lamps: %s", p->options.lamps, vxs_result_text(r));
+    if ((r = renderer_program(p->gl, &p->add_program, screen_vert_glsl, &add, 1, m)) != VXS_OK) return r;
+    p->gl->GenVertexArrays(1, &p->empty_array);
+    return put_points(p, m);
+}
+
+static uint32_t choose_smoke_side(const lamp_pass_options *o, message *m)
+{
+    uint32_t side  = o->smoke_side < SMOKE_SIDE_MOST ? o->smoke_side : SMOKE_SIDE_MOST, asked = side;
+    double   count = o->smoke ? o->smoke->count : 0;
+    while (side > SMOKE_SIDE_LEAST && count * o->lamps * side * side > SMOKE_COVERED_MOST) side /= 2;
+    if (side < asked)
+        warn(m, "smoke: %u capsules are many for %u virtual lights: each has %u x %u curves of smoke in place of %u x %u; --area below %u "
+                "leaves more",
+             o->smoke->count, o->lamps, side, side, asked, asked, o->lamps);
+    return side;
+}
+
+vxs_result lamp_pass_create(lamp_pass **out, const lamp_pass_options *o, const gl_context *gl, vxs_volumes *volumes, message *m)
+{
+    lamp_pass *p = calloc(1, sizeof *p);
+    *out         = NULL;
+    if (!p) return fail(m, VXS_E_MEMORY, "out of memory for area lights");
+    p->options = *o;
+    p->options.smoke_side = choose_smoke_side(o, m);
+    p->gl        = gl;
+    p->volumes   = volumes;
+    vxs_result r = make(p, m);
+    if (r == VXS_OK)
+        *out = p;
+    else
+        lamp_pass_destroy(p);
+    return r;
+}
+
+void lamp_pass_destroy(lamp_pass *p)
+{
+    if (!p) return;
+    vxs_area_light_destroy(p->light);
+    if (p->buffer) p->gl->DeleteBuffers(1, &p->buffer);
+    if (p->add_program) p->gl->DeleteProgram(p->add_program);
+    if (p->empty_array) p->gl->DeleteVertexArrays(1, &p->empty_array);
+    free(p->moving);
+    free(p->moved);
+    free(p->capsules);
+    free(p);
+}
+
+/* a frame ------------------------------------------------------------------------------------------------------------------------- */
+
+int lamp_pass_move(lamp_pass *p, const double moved_ws[3])
+{
+    if (p->moving_points && memcmp(moved_ws, p->moved_ws, sizeof p->moved_ws)) put_moving(p, moved_ws);
+    return p->has_moved;
+}
+
+/* What smoke leaves of each lamp. */
+static vxs_result dim(lamp_pass *p, int (*is_shone_on)(const void *user, const vxs_capsule *c), const void *user)
+{
+    const scene_smoke *smoke = p->options.smoke;
+    p->capsule_count         = 0;
+    for (uint32_t n = 0; smoke && n < smoke->count; n++) {
+        vxs_capsule *c = &p->capsules[p->capsule_count];
+        *c             = smoke->list[n];
+        smoke_from_eye(smoke, c, p->options.middle_ws);
+        p->capsule_count += !is_shone_on || is_shone_on(user, c);
+    }
+    return vxs_area_light_smoke(p->light, &(vxs_capsules){.list = p->capsules, .count = p->capsule_count});
+}
+
+vxs_result lamp_pass_set(lamp_pass *p, const vxs_area_lamp *lamps, uint32_t count,
+                         int (*is_shone_on)(const void *user, const vxs_capsule *c), const void *user)
+{
+    vxs_result r    = vxs_area_light_set(p->light, lamps, count);
+    int        stay = vxs_area_light_is_cast(p->light);
+    if (r == VXS_OK && !stay) r = dim(p, is_shone_on, user);
+    if (r == VXS_OK && (p->has_moved || !stay))
+        r = vxs_area_light_cast(p->light, &(vxs_area_casters){p->buffer, p->points + p->moving_points, 0});
+    p->has_moved = 0;
+    return r;
+}
+
+vxs_result lamp_pass_draw(lamp_pass *p, const double eye_ws[3], unsigned normals)
+{
+    float anchor[3];
+    for (int n = 0; n < 3; n++) anchor[n] = (float)(p->options.middle_ws[n] - eye_ws[n]);
+    vxs_result r = vxs_area_light_anchor(p->light, anchor);
+    if (r != VXS_OK) return r;
+    return vxs_volumes_area(p->volumes, p->light, &(vxs_area_look){.gather = p->options.gather, .normal_texture = normals});
+}
+
+void lamp_pass_begin_adding(const lamp_pass *p, GLuint program)
+{
+    p->gl->Enable(GL_BLEND);
+    p->gl->BlendEquation(GL_FUNC_ADD);
+    p->gl->BlendFunc(GL_ONE, GL_ONE);
+    p->gl->UseProgram(program);
+    p->gl->BindVertexArray(p->empty_array);
+}
+
+void lamp_pass_add_light(const lamp_pass *p, double exposure)
+{
+    const gl_context *gl = p->gl;
+    lamp_pass_begin_adding(p, p->add_program);
+    gl->BindTextureUnit(0, lamp_pass_irradiance(p));
+    gl->ProgramUniform1f(p->add_program, gl->GetUniformLocation(p->add_program, "factor"), (float)(1 / (pi * exposure)));
+    gl->DrawArrays(GL_TRIANGLES, 0, 3);
+    gl->Disable(GL_BLEND);
+}
+
+uint32_t lamp_pass_capsules(const lamp_pass *p, uint32_t *smoke_side)
+{
+    *smoke_side = p->options.smoke_side;
+    return p->capsule_count;
+}
+
+uint32_t lamp_pass_points(const lamp_pass *p)
+{
+    return p->points + p->moving_points;
+}
+
+unsigned lamp_pass_irradiance(const lamp_pass *p)
+{
+    return vxs_area_light_irradiance(p->light);
+}

@@ -1,0 +1,394 @@
+/* What a frame is made of, each as a picture; see render_passes.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/lab/render/render_passes.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "baker/base/memory.h"
+#include "baker/base/parallel.h"
+#include "baker/base/vec3.h"
+#include "baker/files/exr_encode.h"
+#include "baker/files/output_file.h"
+#include "baker/files/png_encode.h"
+#include "baker/files/run_files.h"
+#include "baker/light/baked_light.h"
+#include "baker/lab/truth/truth_filter.h"
+
+typedef struct passes {
+    renderer    *renderer;
+    const char  *folder;
+    const truth *truth;
+    uint32_t     width, height, threads;
+    int          is_linear;                          /* floats are written, too */
+    int          filter_px;                          /* as for vxs_lookup */
+    size_t       count;                              /* samples */
+    float       *depths, *normals, *albedos, *light; /* of renderer_read */
+    float       *lit;                                /* [count] of one light */
+    float       *sum, *true_sum, *reached;           /* [count] over lights that were asked */
+    uint8_t     *rgb;
+} passes;
+
+static const double pi = 3.14159265358979324;
+
+static uint8_t byte_of(double share)
+{
+    return (uint8_t)(255 * fmin(fmax(share, 0), 1) + 0.5);
+}
+
+static double curve(double x)
+{
+    return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055;
+}
+
+static void set_grey(uint8_t rgb[3], double share)
+{
+    memset(rgb, byte_of(share), 3);
+}
+
+static const uint8_t nothing[3] = {255, 0, 255};
+
+/* bytes  [size] of the picture, which are freed; NULL: there was no memory for them */
+static vxs_result write_file(const passes *p, const char *name, const char *extension, uint8_t *bytes, size_t size, message *m)
+{
+    char        path[4096];
+    output_file out = {0};
+    vxs_result  r   = VXS_OK;
+    if ((size_t)snprintf(path, sizeof path, "%s/%s%s", p->folder, name, extension) >= sizeof path)
+        r = fail(m, VXS_E_WRITE, "--passes %s: the path is too long", p->folder);
+    if (r == VXS_OK)
+        r = bytes ? run_files_check_write_in_folder("--passes", path, m) : fail(m, VXS_E_MEMORY, "out of memory for %s", path);
+    if (r == VXS_OK) r = output_file_open(&out, path, m);
+    if (r == VXS_OK) r = output_file_write(&out, bytes, size, m);
+    if (r == VXS_OK) r = output_file_commit(&out, m);
+    output_file_abort(&out);
+    free(bytes);
+    return r;
+}
+
+static vxs_result write_pixels(const passes *p, const char *name, const uint8_t *rgb, uint32_t width, uint32_t height, message *m)
+{
+    size_t   size = 0;
+    uint8_t *png  = png_encode(rgb, width, height, 3, &size);
+    return write_file(p, name, ".png", png, size, m);
+}
+
+/* The floats that a pass is drawn from, where they are asked for.   channels  as exr_encode has them; NULL: there are no floats */
+static vxs_result write_floats(const passes *p, const char *name, const float *floats, uint32_t width, uint32_t height,
+                               const char *channels, message *m)
+{
+    size_t size = 0;
+    if (!p->is_linear || !channels) return VXS_OK;
+    uint8_t *exr = exr_encode(floats, width, height, channels, 0, &size);
+    return write_file(p, name, ".exr", exr, size, m);
+}
+
+/* What is in p->rgb, and the floats of it. */
+static vxs_result write_pass(const passes *p, const char *name, const float *floats, const char *channels, message *m)
+{
+    vxs_result r = write_pixels(p, name, p->rgb, p->width, p->height, m);
+    return r == VXS_OK ? write_floats(p, name, floats, p->width, p->height, channels, m) : r;
+}
+
+/* surfaces and light -------------------------------------------------------------------------------------------------------------- */
+
+static vxs_result write_depth(passes *p, message *m)
+{
+    float near = INFINITY, far = 0;
+    for (size_t n = 0; n < p->count; n++) {
+        if (p->depths[n] > 0) near = fminf(near, p->depths[n]);
+        far = fmaxf(far, p->depths[n]);
+    }
+    for (size_t n = 0; n < p->count; n++)
+        set_grey(p->rgb + 3 * n,
+                 p->depths[n] > 0 && far > near ? 1 - 0.9 * (log((double)p->depths[n] / near) / log((double)far / near)) : 0);
+    return write_pass(p, "depth", p->depths, "Z", m);
+}
+
+static vxs_result write_normal(passes *p, message *m)
+{
+    for (size_t n = 0; n < 3 * p->count; n++) p->rgb[n] = p->depths[n / 3] > 0 ? byte_of(0.5 + 0.5 * (double)p->normals[n]) : 0;
+    return write_pass(p, "normal", p->normals, "XYZ", m);
+}
+
+static vxs_result write_albedo(passes *p, message *m)
+{
+    for (size_t n = 0; n < 3 * p->count; n++) p->rgb[n] = p->depths[n / 3] > 0 ? byte_of(curve((double)p->albedos[n])) : 0;
+    return write_pass(p, "albedo", p->albedos, "RGB", m);
+}
+
+static vxs_result write_light(passes *p, message *m)
+{
+    double exposure = renderer_exposure(p->renderer);
+    for (size_t n = 0; n < p->count; n++)
+        for (size_t k = 0; k < 3; k++) {
+            float *light      = &p->light[4 * n + k];
+            *light            = (float)(exposure * (double)*light);
+            p->rgb[3 * n + k] = byte_of(curve(fmin(1, (double)*light)));
+        }
+    return write_pass(p, "light", p->light, "RGB.", m);
+}
+
+/* Linear light that the renderer gives back, times a factor. */
+static vxs_result write_linear(passes *p, const char *name, vxs_result (*read)(renderer *, float *, message *), double factor,
+                               message *m)
+{
+    float     *light = malloc(3 * p->count * sizeof *light);
+    vxs_result r     = light ? read(p->renderer, light, m) : fail(m, VXS_E_MEMORY, "out of memory for a picture");
+    for (size_t n = 0; n < 3 * p->count && r == VXS_OK; n++) {
+        light[n]  = (float)(factor * (double)light[n]);
+        p->rgb[n] = byte_of(curve(fmin(1, (double)light[n])));
+    }
+    if (r == VXS_OK) r = write_pass(p, name, light, "RGB", m);
+    free(light);
+    return r;
+}
+
+static vxs_result write_transmittance(passes *p, message *m)
+{
+    float *left = malloc(3 * p->count * sizeof *left);
+    if (!left) return fail(m, VXS_E_MEMORY, "out of memory for a picture");
+    renderer_fog_left(p->renderer, p->depths, left);
+    for (size_t n = 0; n < 3 * p->count; n++) p->rgb[n] = byte_of((double)left[n]);
+    vxs_result r = write_pass(p, "transmittance", left, "RGB", m);
+    free(left);
+    return r;
+}
+
+static vxs_result write_shadow_grid(const passes *p, message *m)
+{
+    uint32_t   side  = renderer_fog_grid(p->renderer);
+    size_t     count = (size_t)2 * side * side;
+    float     *dark  = malloc(count * sizeof *dark);
+    uint8_t   *rgb   = malloc(3 * count);
+    vxs_result r = dark && rgb ? renderer_read_grid(p->renderer, dark, m) : fail(m, VXS_E_MEMORY, "out of memory for a picture");
+    for (size_t n = 0; n < count && r == VXS_OK; n++) set_grey(rgb + 3 * n, (double)(dark[n] = 1 - dark[n])); /* lit */
+    if (r == VXS_OK) r = write_pixels(p, "shadow-grid", rgb, side, 2 * side, m);
+    if (r == VXS_OK) r = write_floats(p, "shadow-grid", dark, side, 2 * side, "Y", m);
+    free(dark);
+    free(rgb);
+    return r;
+}
+
+/* The mesh in the light of a dim scene. */
+static vxs_result write_light_mesh(const passes *p, message *m)
+{
+    float     *mesh = malloc(3 * p->count * sizeof *mesh);
+    vxs_result r    = mesh ? renderer_read_mesh(p->renderer, mesh, m) : fail(m, VXS_E_MEMORY, "out of memory for a picture");
+    for (size_t n = 0; n < 3 * p->count && r == VXS_OK; n++) {
+        double dim = p->depths[n / 3] > 0 ? 0.05 + 0.03 * (double)p->normals[n - n % 3 + 1] : 0.004;
+        p->rgb[n]  = byte_of(curve(dim - expm1(-(double)mesh[n])));
+    }
+    free(mesh);
+    return r == VXS_OK ? write_pass(p, "light-mesh", NULL, NULL, m) : r;
+}
+
+/* Blue, green, yellow, red. */
+static void set_heat(uint8_t rgb[3], double share)
+{
+    rgb[0] = byte_of(3 * share - 1);
+    rgb[1] = byte_of(share < 0.5 ? 3 * share : 3 - 3 * share);
+    rgb[2] = byte_of(1 - 3 * share);
+}
+
+static vxs_result write_lights(passes *p, message *m)
+{
+    float most = 1;
+    for (size_t n = 0; n < p->count; n++) most = fmaxf(most, p->light[4 * n + 3]);
+    for (size_t n = 0; n < p->count; n++) {
+        memset(p->rgb + 3 * n, 0, 3);
+        if (p->light[4 * n + 3] > 0) set_heat(p->rgb + 3 * n, (double)(p->light[4 * n + 3] / most));
+    }
+    return write_pass(p, "lights", p->light, "...Y", m);
+}
+
+static vxs_result write_resident(passes *p, message *m)
+{
+    static const double full_rgb[3] = {0.75, 0.75, 0.75}, coarse_rgb[3] = {0.85, 0.15, 0.05};
+    vxs_result          r = renderer_read_full(p->renderer, p->lit, m);
+    for (size_t n = 0; n < p->count && r == VXS_OK; n++) {
+        double share = (double)p->lit[n];
+        set_grey(p->rgb + 3 * n, p->lit[n] == RENDER_NOT_ASKED ? 0.25 : 0);
+        for (size_t k = 0; k < 3 && share >= 0; k++) p->rgb[3 * n + k] = byte_of(share * full_rgb[k] + (1 - share) * coarse_rgb[k]);
+    }
+    return r == VXS_OK ? write_pass(p, "resident", p->lit, "Y", m) : r;
+}
+
+/* each light ---------------------------------------------------------------------------------------------------------------------- */
+
+typedef struct asked_light {
+    passes          *passes;
+    const vxs_light *light;
+    light_shape      shape;
+} asked_light;
+
+static int faces(const asked_light *a, const double place_ws[3], const double normal[3])
+{
+    double to_light[3];
+    for (int k = 0; k < 3; k++)
+        to_light[k] = a->shape.kind == LIGHT_DIRECTIONAL ? -a->shape.direction_ws[k] : a->shape.position_ws[k] - place_ws[k];
+    return vec3_dot(to_light, normal) > 0;
+}
+
+static void trace_sample(const asked_light *a, size_t n)
+{
+    passes *p = a->passes;
+    double  place_ws[3], normal[3] = {(double)p->normals[3 * n], (double)p->normals[3 * n + 1], (double)p->normals[3 * n + 2]};
+    if (!(p->lit[n] >= 0)) return;
+    renderer_place(p->renderer, (uint32_t)(n % p->width), (uint32_t)(n / p->width), p->depths[n], place_ws);
+    if (!faces(a, place_ws, normal)) return;
+    filter_taps taps = filter_taps_of(a->light, place_ws, normal, p->filter_px);
+    if (taps.map < 0) return;
+    p->true_sum[n] += (float)truth_filtered(p->truth, a->light, &a->shape, &taps);
+    p->sum[n] += p->lit[n];
+    p->reached[n] += 1;
+}
+
+static void trace_samples(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    (void)worker;
+    for (size_t n = begin; n < end; n++) trace_sample(user, n);
+}
+
+/* The same of a light. */
+static vxs_result write_of_light(const passes *p, const char *what, uint32_t number, const vxs_light *light, const float *floats,
+                                 message *m)
+{
+    char name[VXS_LIGHT_NAME_BYTES + 32];
+    snprintf(name, sizeof name, "%s-%u-%s", what, number, light->name);
+    for (char *c = name; *c; c++)
+        if (!isalnum((unsigned char)*c) && !strchr("-_.", *c)) *c = '_';
+    return write_pass(p, name, floats, "Y", m);
+}
+
+/* Nothing where the light reaches no sample: of hundreds most do not. */
+static vxs_result write_lit(passes *p, uint32_t number, const vxs_light *light, message *m)
+{
+    size_t reached = 0;
+    for (size_t n = 0; n < p->count; n++) reached += p->lit[n] >= 0;
+    if (!reached) return VXS_OK;
+    for (size_t n = 0; n < p->count; n++) {
+        set_grey(p->rgb + 3 * n, (double)p->lit[n]);
+        if (!(p->lit[n] >= 0)) memcpy(p->rgb + 3 * n, nothing, sizeof nothing);
+    }
+    return write_of_light(p, "lit", number, light, p->lit, m);
+}
+
+static vxs_result write_lights_each(passes *p, const vxs_baked_light *const *lights, uint32_t light_count, message *m)
+{
+    vxs_result r = VXS_OK;
+    for (uint32_t n = 0; n < light_count && r == VXS_OK; n++) {
+        asked_light a = {p, &lights[n]->light, baked_light_shape(&lights[n]->light)};
+        r             = renderer_read_lit(p->renderer, n, p->lit, m);
+        if (r == VXS_OK) r = write_lit(p, n, a.light, m);
+        if (r == VXS_OK && p->truth) parallel_for(p->threads, p->count, p->width, trace_samples, &a);
+    }
+    return r;
+}
+
+/* What smoke leaves of each light that it dims, where something is seen; and to the eye of what is behind it. */
+static vxs_result write_smoke(passes *p, const vxs_baked_light *const *lights, uint32_t light_count, message *m)
+{
+    float     *left = malloc(p->count * sizeof *left);
+    vxs_result r    = left ? renderer_read_through(p->renderer, left, m) : fail(m, VXS_E_MEMORY, "out of memory for a picture");
+    for (size_t i = 0; i < p->count && r == VXS_OK; i++) set_grey(p->rgb + 3 * i, (double)left[i]);
+    if (r == VXS_OK) r = write_pass(p, "smoke", left, "Y", m);
+    for (uint32_t n = 0; n < light_count && r == VXS_OK; n++) {
+        if (renderer_smoke_lights(p->renderer)[n].fate != SMOKE_DIMS) continue;
+        r = renderer_read_smoke(p->renderer, n, left, m);
+        for (size_t i = 0; i < p->count && r == VXS_OK; i++) {
+            set_grey(p->rgb + 3 * i, (double)left[i]);
+            if (!(p->depths[i] > 0)) memcpy(p->rgb + 3 * i, nothing, sizeof nothing);
+        }
+        if (r == VXS_OK) r = write_of_light(p, "smoke", n, &lights[n]->light, left, m);
+    }
+    free(left);
+    return r;
+}
+
+static vxs_result write_truth(passes *p, truth_difference *d, message *m)
+{
+    double sum = 0;
+    *d         = (truth_difference){0};
+    for (size_t n = 0; n < p->count; n++) {
+        memcpy(p->rgb + 3 * n, nothing, sizeof nothing);
+        p->lit[n] = p->reached[n] > 0 ? p->true_sum[n] / p->reached[n] : -1;
+        if (p->reached[n] > 0) set_grey(p->rgb + 3 * n, (double)p->lit[n]);
+    }
+    vxs_result r = write_pass(p, "truth", p->lit, "Y", m);
+    for (size_t n = 0; n < p->count; n++) {
+        double difference = p->reached[n] > 0 ? (double)((p->sum[n] - p->true_sum[n]) / p->reached[n]) : 0;
+        p->lit[n]         = (float)difference;
+        p->rgb[3 * n]     = byte_of(0.5 - 0.5 * difference);
+        p->rgb[3 * n + 2] = byte_of(0.5 + 0.5 * difference);
+        p->rgb[3 * n + 1] = byte_of(0.5 - 0.5 * fabs(difference));
+        d->asked += p->reached[n] > 0;
+        d->too_dark += difference < -0.5;
+        d->too_light += difference > 0.5;
+        sum += fabs(difference);
+    }
+    d->mean = d->asked ? sum / (double)d->asked : 0;
+    return r == VXS_OK ? write_pass(p, "difference", p->lit, "Y", m) : r;
+}
+
+/* ---------------------------------------------------------------------------------------------------------------------------------- */
+
+static vxs_result take(passes *p, message *m)
+{
+    float    **of[]   = {&p->depths, &p->normals, &p->albedos, &p->light, &p->lit, &p->sum, &p->true_sum, &p->reached};
+    size_t     size[] = {1, 3, 3, 4, 1, 1, 1, 1};
+    vxs_result r      = memory_check(p->count * (15 * sizeof(float) + 3), m, "passes of %u x %u samples need", p->width, p->height);
+    if (r != VXS_OK) return r;
+    for (int n = 0; n < 8; n++)
+        if (!(*of[n] = calloc(size[n] * p->count, sizeof(float)))) r = VXS_E_MEMORY;
+    p->rgb = malloc(3 * p->count);
+    if (r == VXS_OK && p->rgb) return renderer_read(p->renderer, p->depths, p->normals, p->albedos, p->light, m);
+    return fail(m, VXS_E_MEMORY, "out of memory for passes of %u x %u samples", p->width, p->height);
+}
+
+vxs_result render_passes(renderer *drawn, const char *folder, const vxs_baked_light *const *lights, uint32_t light_count,
+                         const passes_options *o, truth_difference *difference, message *m)
+{
+    const truth *t = o->truth;
+    passes       p = {.renderer  = drawn,
+                      .folder    = folder,
+                      .truth     = t,
+                      .is_linear = o->is_linear,
+                      .filter_px = o->filter_px,
+                      .threads   = o->threads};
+    if (mkdir(folder, 0777) && errno != EEXIST)
+        return fail(m, VXS_E_WRITE, "--passes %s: the folder cannot be made: %s", folder, strerror(errno));
+    renderer_size(drawn, &p.width, &p.height);
+    p.count      = (size_t)p.width * p.height;
+    vxs_result r = take(&p, m);
+    if (r == VXS_OK) r = write_depth(&p, m);
+    if (r == VXS_OK) r = write_normal(&p, m);
+    if (r == VXS_OK) r = write_albedo(&p, m);
+    if (r == VXS_OK) r = write_light(&p, m);
+    if (r == VXS_OK) r = write_lights(&p, m);
+    if (r == VXS_OK && renderer_areas(drawn)) r = write_linear(&p, "area", renderer_read_area, 1 / pi, m);
+    if (r == VXS_OK && renderer_sky(drawn)) r = write_linear(&p, "sky", renderer_read_sky, 1 / pi, m);
+    if (r == VXS_OK && renderer_is_in_fog(drawn)) r = write_linear(&p, "airlight", renderer_read_airlight, 1, m);
+    if (r == VXS_OK && renderer_is_in_fog(drawn)) r = write_transmittance(&p, m);
+    if (r == VXS_OK && renderer_fog_grid(drawn)) r = write_shadow_grid(&p, m);
+    if (r == VXS_OK && renderer_has_mesh(drawn)) r = write_light_mesh(&p, m);
+    if (r == VXS_OK && renderer_smoke_lights(drawn)) r = write_smoke(&p, lights, light_count, m);
+    if (r == VXS_OK && o->streamed) r = write_resident(&p, m);
+    if (r == VXS_OK) r = write_lights_each(&p, lights, light_count, m);
+    if (r == VXS_OK && t) r = write_truth(&p, difference, m);
+    free(p.depths);
+    free(p.normals);
+    free(p.albedos);
+    free(p.light);
+    free(p.lit);
+    free(p.sum);
+    free(p.true_sum);
+    free(p.reached);
+    free(p.rgb);
+    return r;
+}

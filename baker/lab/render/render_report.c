@@ -1,0 +1,338 @@
+/* What frames took; see render_report.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/lab/render/render_report.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/base/text.h"
+#include "baker/base/version.h"
+#include "baker/files/json_value.h"
+#include "baker/files/output_file.h"
+#include "baker/base/spread.h"
+
+static int has_stage(const render_report *r, int stage)
+{
+    if (stage == RENDER_SMOKE) return r->smoke_lights != NULL;
+    if (stage == RENDER_AREA) return r->areas && r->areas->shares;
+    if (stage == RENDER_SKY) return r->sky != NULL;
+    return stage == RENDER_UPLOAD   ? r->budget_bytes != 0
+           : stage == RENDER_MOVING ? r->options->moving != NULL
+                                    : stage != RENDER_FOG || r->options->fog;
+}
+
+static double total_of(const render_frame *f)
+{
+    double sum = 0;
+    for (int n = 0; n < RENDER_STAGES; n++) sum += f->seconds[n];
+    return sum;
+}
+
+static double lights_per_pixel(const render_frame *f)
+{
+    return f->surface_pixels ? (double)f->asked_lights / (double)f->surface_pixels : 0;
+}
+
+static double full_share(const render_frame *f)
+{
+    return f->surface_pixels ? (double)f->full_pixels / (double)f->surface_pixels : 1;
+}
+
+static json_t *milliseconds(double seconds)
+{
+    return json_real(rounded(1000 * seconds, 4));
+}
+
+/* What is said of a stream's frame, in JSON and as columns. */
+typedef struct stream_number {
+    const char *name;
+    double      value;
+    int         whole;
+} stream_number;
+
+enum { STREAM_NUMBERS = 10 };
+
+static void stream_numbers(const drawn_frame *d, stream_number numbers[STREAM_NUMBERS])
+{
+    const stream_number all[STREAM_NUMBERS] = {
+        {"wait_ms", 1000 * d->wait_seconds, 0},
+        {"read_bytes", (double)d->read_bytes, 1},
+        {"uploaded_bytes", (double)d->frame.uploaded_bytes, 1},
+        {"waiting_bytes", (double)d->frame.waiting_bytes, 1},
+        {"resident_bytes", (double)d->stream.bytes_resident, 1},
+        {"pages", d->stream.pages, 1},
+        {"pages_resident", d->stream.pages_resident, 1},
+        {"pages_appeared", d->stream.appeared, 1},
+        {"pages_left", d->stream.left, 1},
+        {"full_share", full_share(&d->frame), 0},
+    };
+    memcpy(numbers, all, sizeof all);
+}
+
+static json_t *stream_json(const drawn_frame *d)
+{
+    stream_number n[STREAM_NUMBERS];
+    json_t       *o = json_object();
+    stream_numbers(d, n);
+    for (int k = 0; k < STREAM_NUMBERS; k++)
+        json_set(&o, n[k].name, n[k].whole ? json_integer((json_int_t)n[k].value) : json_real(rounded(n[k].value, 4)));
+    return o;
+}
+
+static json_t *moving_json(const moving_plan *plan)
+{
+    json_t *o = json_object();
+    json_set(&o, "lights", json_integer(plan->lights));
+    json_set(&o, "maps", json_integer(plan->maps));
+    json_set(&o, "left_out", json_integer(plan->left_out));
+    return o;
+}
+
+static json_t *frame_json(const render_report *r, const drawn_frame *d)
+{
+    json_t *o = json_object(), *stages = json_object();
+    for (int n = 0; n < RENDER_STAGES; n++)
+        if (has_stage(r, n)) json_set(&stages, render_stage_names[n], milliseconds(d->frame.seconds[n]));
+    json_set(&o, "eye", json_vector(d->camera.eye_ws));
+    json_set(&o, "target", json_vector(d->camera.target_ws));
+    json_set(&o, "ms", stages);
+    json_set(&o, "total_ms", milliseconds(total_of(&d->frame)));
+    json_set(&o, "surface_samples", json_integer((json_int_t)d->frame.surface_pixels));
+    json_set(&o, "lights_per_sample", json_real(rounded(lights_per_pixel(&d->frame), 4)));
+    json_set(&o, "longest_list", json_integer(d->frame.longest_list));
+    if (r->options->fog) json_set(&o, "fog_lights", fog_plan_counts(&d->frame.fog));
+    if (r->options->moving) json_set(&o, "moving", moving_json(&d->frame.moving));
+    if (r->smoke_lights) json_set(&o, "smoke_lights", smoke_plan_counts(&d->frame.smoke));
+    if (r->areas) json_set(&o, "area_lights", area_plan_counts(&d->frame.area));
+    if (r->budget_bytes) json_set(&o, "stream", stream_json(d));
+    return o;
+}
+
+/* Of stages of all frames but the first, in which shaders are made ready, where there are several; then of their sums. */
+static json_t *median_json(const render_report *r)
+{
+    size_t  skipped = r->frame_count > 1, count = r->frame_count - skipped;
+    double *values = malloc(count * sizeof *values);
+    json_t *o      = values ? json_object() : NULL;
+    for (int stage = 0; stage <= RENDER_STAGES && values; stage++) {
+        if (!has_stage(r, stage)) continue;
+        for (size_t n = 0; n < count; n++) {
+            const render_frame *f = &r->frames[skipped + n].frame;
+            values[n]             = stage < RENDER_STAGES ? f->seconds[stage] : total_of(f);
+        }
+        json_set(&o, stage < RENDER_STAGES ? render_stage_names[stage] : "total",
+                 milliseconds(spread_of(values, (uint32_t)count).median));
+    }
+    free(values);
+    return o;
+}
+
+static json_t *difference_json(const truth_difference *d)
+{
+    json_t *o = json_object();
+    json_set(&o, "samples", json_integer((json_int_t)d->asked));
+    json_set(&o, "mean", json_real(rounded(d->mean, 4)));
+    json_set(&o, "too_dark", json_integer((json_int_t)d->too_dark));
+    json_set(&o, "too_light", json_integer((json_int_t)d->too_light));
+    return o;
+}
+
+static json_t *fog_json(const render_report *r)
+{
+    const render_options *o    = r->options;
+    const fog_plan       *last = &r->frames[r->frame_count - 1].frame.fog;
+    json_t               *fog  = json_object();
+    json_set(&fog, "extinction_per_metre", json_vector(o->fog->extinction));
+    json_set(&fog, "scattering_per_metre", json_vector(o->fog->scattering));
+    json_set(&fog, "anisotropy", json_real(o->fog->anisotropy));
+    json_set(&fog, "top_metres", o->fog->top_ws < INFINITY ? json_real(o->fog->top_ws) : json_null());
+    json_set(&fog, "by", json_text(fog_by_names[o->fog_by]));
+    if (o->moving || r->smoke_lights || last->by_angles || o->fog_by == FOG_BY_MARCH || o->fog_by == FOG_BY_ANGLES)
+        json_set(&fog, "steps", json_integer(o->fog_steps));
+    if (r->fog_grid) json_set(&fog, "grid", json_integer(r->fog_grid));
+    json_set(&fog, "lights", fog_plan_lights(r->fog_lights, r->lights, r->light_count));
+    json_set(&fog, "left_out", fog_plan_left_out(last, o->fog_by, r->light_count));
+    return fog;
+}
+
+static json_t *smoke_json(const render_report *r)
+{
+    json_t *smoke = json_object();
+    json_set(&smoke, "capsules", json_integer(r->capsules));
+    json_set(&smoke, "side_px", json_integer(r->options->smoke_side));
+    json_set(&smoke, "lights", smoke_plan_lights(r->smoke_lights, r->lights, r->light_count));
+    return smoke;
+}
+
+json_t *render_report_json(const render_report *r)
+{
+    json_t *o = json_object(), *frames = json_array();
+    for (size_t n = 0; n < r->frame_count; n++) json_append(&frames, frame_json(r, &r->frames[n]));
+    json_set(&o, "generator", json_text("vxs " VXS_VERSION));
+    json_set(&o, "scene", json_text(r->scene_path));
+    json_set(&o, "asset", json_text(r->asset_path));
+    json_set(&o, "renderer", json_text(r->renderer));
+    json_set(&o, "width_px", json_integer(r->options->width_px));
+    json_set(&o, "height_px", json_integer(r->options->height_px));
+    json_set(&o, "samples", json_integer(r->options->samples));
+    json_set(&o, "filter_px", json_integer(r->options->filter_px % VXS_SMOOTH));
+    json_set(&o, "smooth", json_boolean(r->options->filter_px >= VXS_SMOOTH));
+    json_set(&o, "lights", json_integer(r->light_count));
+    json_set(&o, "culling", json_boolean(r->culls));
+    json_set(&o, "word_bytes", json_integer((json_int_t)r->word_bytes));
+    if (r->options->fog) json_set(&o, "fog", fog_json(r));
+    if (r->moving_path) json_set(&o, "moving", json_text(r->moving_path));
+    if (r->smoke_lights) json_set(&o, "smoke", smoke_json(r));
+    if (r->areas) json_set(&o, "area", area_plan_json(&r->frames[r->frame_count - 1].frame.area, r->areas));
+    if (r->sky) json_set(&o, "sky", sky_plan_json(r->sky));
+    if (r->budget_bytes) {
+        json_set(&o, "budget_bytes", json_integer((json_int_t)r->budget_bytes));
+        json_set(&o, "held_bytes", json_integer((json_int_t)r->frames[0].stream.bytes_held));
+    }
+    json_set(&o, "frames", frames);
+    json_set(&o, "median_ms", median_json(r));
+    if (r->difference) json_set(&o, "difference", difference_json(r->difference));
+    return o;
+}
+
+static void write_stream_names(FILE *to, const render_report *r)
+{
+    stream_number n[STREAM_NUMBERS];
+    stream_numbers(&r->frames[0], n);
+    for (int k = 0; k < STREAM_NUMBERS; k++) fprintf(to, ",%s", n[k].name);
+}
+
+static void write_stream_numbers(FILE *to, const drawn_frame *d)
+{
+    stream_number n[STREAM_NUMBERS];
+    stream_numbers(d, n);
+    for (int k = 0; k < STREAM_NUMBERS; k++) fprintf(to, n[k].whole ? ",%.0f" : ",%.4g", n[k].value);
+}
+
+vxs_result render_report_csv(const render_report *r, const char *path, message *m)
+{
+    output_file out    = {0};
+    vxs_result  result = output_file_open(&out, path, m);
+    if (result != VXS_OK) return result;
+    fputs("frame,eye_x,eye_y,eye_z,target_x,target_y,target_z", out.stream);
+    for (int n = 0; n < RENDER_STAGES; n++)
+        if (has_stage(r, n)) fprintf(out.stream, ",%s_ms", render_stage_names[n]);
+    fputs(",total_ms,surface_samples,lights_per_sample,longest_list", out.stream);
+    if (r->budget_bytes) write_stream_names(out.stream, r);
+    fputc('\n', out.stream);
+    for (size_t n = 0; n < r->frame_count; n++) {
+        const drawn_frame *d = &r->frames[n];
+        fprintf(out.stream, "%zu", n);
+        for (int k = 0; k < 6; k++) fprintf(out.stream, ",%.6g", k < 3 ? d->camera.eye_ws[k] : d->camera.target_ws[k - 3]);
+        for (int k = 0; k < RENDER_STAGES; k++)
+            if (has_stage(r, k)) fprintf(out.stream, ",%.4g", 1000 * d->frame.seconds[k]);
+        fprintf(out.stream, ",%.4g,%llu,%.4g,%u", 1000 * total_of(&d->frame), (unsigned long long)d->frame.surface_pixels,
+                lights_per_pixel(&d->frame), d->frame.longest_list);
+        if (r->budget_bytes) write_stream_numbers(out.stream, d);
+        fputc('\n', out.stream);
+    }
+    result = output_file_commit(&out, m);
+    output_file_abort(&out);
+    return result;
+}
+
+/* plot ---------------------------------------------------------------------------------------------------------------------------- */
+
+enum { PLOT_WIDE = 900, PLOT_HIGH = 360, LEFT = 60, RIGHT = 150, TOP = 20, BOTTOM = 40, STREAM_HIGH = 160 };
+
+static const char *const plot_colours[RENDER_STAGES] = {"#66ccee", "#117733", "#4477aa", "#ddaa99", "#ccbb44",
+                                                        "#cc6677", "#228833", "#88ccee", "#aa3377", "#999999"};
+
+/* 1, 2 or 5 times a power of ten, five of which or fewer reach `most`. */
+static double step_for(double most)
+{
+    double power = pow(10, floor(log10(most / 5)));
+    for (int n = 0; n < 3; n++) {
+        double step = (const double[]){1, 2, 5}[n] * power;
+        if (most / step <= 5) return step;
+    }
+    return 10 * power;
+}
+
+static double x_of(const render_report *r, size_t frame)
+{
+    return LEFT + (PLOT_WIDE - LEFT - RIGHT) * (r->frame_count > 1 ? (double)frame / (double)(r->frame_count - 1) : 0.5);
+}
+
+static double y_of(double ms, double most)
+{
+    return PLOT_HIGH - BOTTOM - (PLOT_HIGH - TOP - BOTTOM) * ms / most;
+}
+
+/* Milliseconds of the stages before one. */
+static double below(const render_frame *f, int stage)
+{
+    double sum = 0;
+    for (int n = 0; n < stage; n++) sum += 1000 * f->seconds[n];
+    return sum;
+}
+
+static void plot_stage(FILE *to, const render_report *r, int stage, double most)
+{
+    fprintf(to, "<polygon fill=\"%s\" points=\"", plot_colours[stage]);
+    for (size_t n = 0; n < r->frame_count; n++)
+        fprintf(to, "%.1f,%.1f ", x_of(r, n), y_of(fmin(most, below(&r->frames[n].frame, stage + 1)), most));
+    for (size_t n = r->frame_count; n-- > 0;)
+        fprintf(to, "%.1f,%.1f ", x_of(r, n), y_of(fmin(most, below(&r->frames[n].frame, stage)), most));
+    fprintf(to, "\"/>\n<rect x=\"%d\" y=\"%d\" width=\"12\" height=\"12\" fill=\"%s\"/><text x=\"%d\" y=\"%d\">%s</text>\n",
+            PLOT_WIDE - RIGHT + 20, TOP + 22 * (RENDER_STAGES - 1 - stage), plot_colours[stage], PLOT_WIDE - RIGHT + 38,
+            TOP + 11 + 22 * (RENDER_STAGES - 1 - stage), render_stage_names[stage]);
+}
+
+/* Bytes that are uploaded in a frame as bars, of the first frame none; the share of samples that are answered in full as a line. */
+static void plot_stream(FILE *to, const render_report *r)
+{
+    const double foot = PLOT_HIGH + STREAM_HIGH - BOTTOM, high = STREAM_HIGH - BOTTOM - 10;
+    uint64_t     most = 1;
+    char         a[32], b[32], c[32];
+    for (size_t n = 1; n < r->frame_count; n++)
+        if (r->frames[n].frame.uploaded_bytes > most) most = r->frames[n].frame.uploaded_bytes;
+    fputs("<path stroke=\"#66ccee\" stroke-width=\"3\" d=\"", to);
+    for (size_t n = 1; n < r->frame_count; n++)
+        fprintf(to, "M%.1f %.1fv%.1f", x_of(r, n), foot, -high * (double)r->frames[n].frame.uploaded_bytes / (double)most);
+    fputs("\"/>\n<polyline fill=\"none\" stroke=\"#228833\" stroke-width=\"2\" points=\"", to);
+    for (size_t n = 0; n < r->frame_count; n++)
+        fprintf(to, "%.1f,%.1f ", x_of(r, n), foot - high * full_share(&r->frames[n].frame));
+    fprintf(to, "\"/>\n<path stroke=\"#ccc\" d=\"M%d %.1fH%dM%d %.1fH%d\"/>\n", LEFT, foot, PLOT_WIDE - RIGHT, LEFT, foot - high,
+            PLOT_WIDE - RIGHT);
+    fprintf(to,
+            "<text x=\"%d\" y=\"%.1f\" text-anchor=\"end\">100 %%</text><text x=\"%d\" y=\"%.1f\" text-anchor=\"end\">0</text>\n",
+            LEFT - 6, foot - high + 4, LEFT - 6, foot + 4);
+    fprintf(to, "<text x=\"%d\" y=\"%.1f\" fill=\"#228833\">in full</text>\n", PLOT_WIDE - RIGHT + 20, foot - high + 4);
+    fprintf(to, "<text x=\"%d\" y=\"%.1f\">samples in full; bytes uploaded, %s at most; %s resident of %s</text>\n", LEFT, foot + 28,
+            size_text(a, most), size_text(b, r->frames[r->frame_count - 1].stream.bytes_resident), size_text(c, r->budget_bytes));
+}
+
+vxs_result render_report_plot(const render_report *r, const char *path, message *m)
+{
+    output_file out    = {0};
+    vxs_result  result = output_file_open(&out, path, m);
+    double      most   = 1e-3;
+    int         high   = PLOT_HIGH + (r->budget_bytes ? STREAM_HIGH : 0);
+    if (result != VXS_OK) return result;
+    /* in the first frame shaders are made ready: it may stand out of the plot */
+    for (size_t n = r->frame_count > 1; n < r->frame_count; n++) most = fmax(most, 1050 * total_of(&r->frames[n].frame));
+    fprintf(out.stream,
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %d %d\" font-family=\"sans-serif\" font-size=\"13\">\n",
+            PLOT_WIDE, high);
+    fprintf(out.stream, "<rect width=\"%d\" height=\"%d\" fill=\"white\"/>\n", PLOT_WIDE, high);
+    for (int n = 0; n < RENDER_STAGES; n++)
+        if (has_stage(r, n)) plot_stage(out.stream, r, n, most);
+    for (double ms = 0, step = step_for(most); ms <= most; ms += step)
+        fprintf(out.stream, "<path stroke=\"#ccc\" d=\"M%d %.1fH%d\"/><text x=\"%d\" y=\"%.1f\" text-anchor=\"end\">%g</text>\n",
+                LEFT, y_of(ms, most), PLOT_WIDE - RIGHT, LEFT - 6, y_of(ms, most) + 4, ms);
+    fprintf(out.stream, "<text x=\"%d\" y=\"%d\">frames 0 to %zu, milliseconds; %u lights</text>\n", LEFT, PLOT_HIGH - 12,
+            r->frame_count - 1, r->light_count);
+    if (r->budget_bytes) plot_stream(out.stream, r);
+    fputs("</svg>\n", out.stream);
+    result = output_file_commit(&out, m);
+    output_file_abort(&out);
+    return result;
+}

@@ -1,0 +1,350 @@
+/* A renderer is made; see render.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/base/memory.h"
+#include "baker/base/vec3.h"
+#include "baker/lab/render/renderer_state.h"
+
+EMBEDDED(surface_vert_glsl)
+EMBEDDED(surface_frag_glsl)
+EMBEDDED(screen_vert_glsl)
+EMBEDDED(moving_glsl)
+EMBEDDED(smoke_glsl)
+EMBEDDED(vxs_air_light_h)
+EMBEDDED(shine_glsl)
+EMBEDDED(shade_frag_glsl)
+EMBEDDED(tone_frag_glsl)
+
+static const double pi = 3.14159265358979324;
+
+/* programs ------------------------------------------------------------------------------------------------------------------------ */
+
+enum { PARTS_MOST = VXS_GL_TEXTS + 6 };
+
+static void add_shader(const gl_context *gl, GLuint program, GLenum kind, const text_part *parts, int count)
+{
+    const char *texts[PARTS_MOST];
+    GLint       sizes[PARTS_MOST];
+    GLuint      shader = gl->CreateShader(kind);
+    for (int n = 0; n < count; n++) {
+        texts[n] = parts[n].text;
+        sizes[n] = parts[n].size;
+    }
+    gl->ShaderSource(shader, count, texts, sizes);
+    gl->CompileShader(shader);
+    gl->AttachShader(program, shader);
+    gl->DeleteShader(shader);
+}
+
+vxs_result renderer_program(const gl_context *gl, GLuint *program, embedded vertex, const text_part *fragment, int count,
+                            message *m)
+{
+    text_part head     = part_of(vertex);
+    GLint     linked   = 0;
+    char      log[256] = "";
+    *program           = gl->CreateProgram();
+    add_shader(gl, *program, GL_VERTEX_SHADER, &head, 1);
+    add_shader(gl, *program, GL_FRAGMENT_SHADER, fragment, count);
+    gl->LinkProgram(*program);
+    gl->GetProgramiv(*program, GL_LINK_STATUS, &linked);
+    if (linked) return VXS_OK;
+    gl->GetProgramInfoLog(*program, sizeof log, NULL, log);
+    return fail(m, VXS_E_GL, "OpenGL cannot link a shader: %s", log);
+}
+
+vxs_result renderer_lit_program(const renderer *r, GLuint *program, embedded fragment, message *m)
+{
+    const char *texts[VXS_GL_TEXTS];
+    char        knows[128];
+    text_part   none = {"", 0}, parts[PARTS_MOST];
+    snprintf(knows, sizeof knows, "#define FILTER_PX %d\n#define LIGHTS_AT_ONCE %uu\n%s%s%s", r->options.filter_px, LIGHTS_AT_ONCE,
+             r->options.stream ? "#define STREAMED\n" : "", r->moving ? "#define MOVING\n" : "", r->smoke ? "#define SMOKE\n" : "");
+    const text_part own[] = {{knows, -1},
+                             r->moving ? part_of(moving_glsl) : none,
+                             r->smoke ? part_of(smoke_glsl) : none,
+                             part_of(vxs_air_light_h),
+                             part_of(shine_glsl),
+                             part_of(fragment)};
+    vxs_gl_texts(r->shadows, texts);
+    for (int n = 0; n < VXS_GL_TEXTS; n++) parts[n] = (text_part){texts[n], -1};
+    memcpy(parts + VXS_GL_TEXTS, own, sizeof own);
+    return renderer_program(r->gl, program, screen_vert_glsl, parts, PARTS_MOST, m);
+}
+
+static vxs_result make_programs(renderer *r, message *m)
+{
+    text_part  surface   = part_of(surface_frag_glsl);
+    text_part  tone[]    = {{"#version 450 core\n", -1}, {r->fog ? "#define FROM_PICTURE\n" : "", -1}, part_of(tone_frag_glsl)};
+    text_part  picture[] = {tone[0], {"#define TO_PICTURE\n", -1}, tone[2]};
+    vxs_result result;
+    if ((result = renderer_program(r->gl, &r->surface_program, surface_vert_glsl, &surface, 1, m)) != VXS_OK) return result;
+    if ((result = renderer_program(r->gl, &r->tone_program, screen_vert_glsl, tone, 3, m)) != VXS_OK) return result;
+    if (r->fog && (result = renderer_program(r->gl, &r->picture_program, screen_vert_glsl, picture, 3, m)) != VXS_OK) return result;
+    return renderer_lit_program(r, &r->shade_program, shade_frag_glsl, m);
+}
+
+/* targets ------------------------------------------------------------------------------------------------------------------------- */
+
+GLuint renderer_frame_of(const gl_context *gl, GLuint depth, const GLuint *colours, GLsizei count)
+{
+    static const GLenum attached[2] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
+    GLuint              frame;
+    gl->GenFramebuffers(1, &frame);
+    gl->BindFramebuffer(GL_FRAMEBUFFER, frame);
+    if (depth) gl->FramebufferTexture(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, depth, 0);
+    for (GLsizei n = 0; n < count; n++) gl->FramebufferTexture(GL_FRAMEBUFFER, attached[n], colours[n], 0);
+    gl->DrawBuffers(count, attached);
+    return frame;
+}
+
+static vxs_result make_targets(renderer *r, message *m)
+{
+    static const GLenum formats[TARGETS] = {GL_DEPTH_COMPONENT32F, GL_RGBA32F, GL_RGBA8,  GL_RGBA32F,
+                                             GL_RGBA32F,            GL_RGBA32F, GL_RGBA32F};
+    const gl_context   *gl               = r->gl;
+    for (int n = 0; n < TARGETS; n++) {
+        int small = n == SCREEN || n == LINEAR;
+        if (n == PICTURE && !r->fog) continue;
+        gl->CreateTextures(GL_TEXTURE_2D, 1, &r->target[n]);
+        gl->TextureStorage2D(r->target[n], 1, formats[n], (GLsizei)(small ? r->options.width_px : r->width),
+                             (GLsizei)(small ? r->options.height_px : r->height));
+        gl->TextureParameteri(r->target[n], GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+        gl->TextureParameteri(r->target[n], GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    }
+    r->surface_frame = renderer_frame_of(gl, r->target[DEPTHS], &r->target[NORMALS], 2);
+    r->light_frame   = renderer_frame_of(gl, 0, &r->target[LIGHTS], 1);
+    r->screen_frame  = renderer_frame_of(gl, 0, &r->target[SCREEN], 2);
+    if (r->fog) r->picture_frame = renderer_frame_of(gl, 0, &r->target[PICTURE], 1);
+    gl->GenVertexArrays(1, &r->empty_array);
+    if (gl->GetError() == GL_NO_ERROR) return VXS_OK;
+    return fail(m, VXS_E_MEMORY, "OpenGL has no room for a picture of %u x %u samples", r->width, r->height);
+}
+
+/* lights -------------------------------------------------------------------------------------------------------------------------- */
+
+static vxs_gl_function lookup(const char *name, void *user)
+{
+    return (vxs_gl_function)((const gl_context *)user)->lookup(name);
+}
+
+/* What the scene says of a light; where it has none of its name, and of what it does not say, that is white, and an inner cone without width. What is
+ * dark there, or hidden, shines with nothing. */
+static scene_light described(const scene *s, const vxs_light *light)
+{
+    scene_light found = {.colour = {1, 1, 1}};
+    for (size_t n = 0; n < s->lost_light_count; n++)
+        if (!strcmp(s->lost_lights[n].name, light->name)) memset(found.colour, 0, sizeof found.colour);
+    for (size_t n = 0; n < s->light_count; n++) {
+        if (strcmp(s->lights[n].name, light->name) != 0) continue;
+        found    = s->lights[n];
+        int said = found.dark || vec3_dot(found.colour, found.colour) > 0;
+        for (int k = 0; k < 3 && !said; k++) found.colour[k] = 1;
+    }
+    return found;
+}
+
+/* As floats the greatest is 1: exposure does the rest. Beside them the cosine of a spot light's inner cone. */
+static vxs_result put_colours(renderer *r, const scene *s, const vxs_baked_light *const *lights, message *m)
+{
+    double most     = 0;
+    float(*rows)[4] = calloc(r->light_count, sizeof *rows);
+    r->colours      = calloc(r->light_count, sizeof *r->colours);
+    r->shines       = calloc(r->light_count, sizeof *r->shines);
+    if (!rows || !r->colours || !r->shines) {
+        free(rows);
+        return fail(m, VXS_E_MEMORY, "out of memory for %u lights", r->light_count);
+    }
+    for (uint32_t n = 0; n < r->light_count; n++) {
+        scene_light light = described(s, &lights[n]->light);
+        memcpy(r->colours[n], light.colour, sizeof light.colour);
+        r->shines[n].cos_inner = cos(light.inner_rad);
+        rows[n][3]             = (float)r->shines[n].cos_inner;
+        r->day |= lights[n]->light.kind == VXS_LIGHT_KIND_DIRECTIONAL && vec3_dot(light.colour, light.colour) > 0;
+        for (int k = 0; k < 3; k++) most = fmax(most, r->colours[n][k]);
+    }
+    if (!(most > 0)) most = 1; /* all are dark */
+    r->scale = 1 / most;
+    for (uint32_t n = 0; n < r->light_count; n++)
+        for (int k = 0; k < 3; k++) {
+            rows[n][k] = (float)(r->colours[n][k] /= most);
+            r->shines[n].colour[k] =
+                pi * r->colours[n][k]; /* a matt surface sends back 1 / pi of what reaches it to each direction */
+        }
+    r->gl->GenBuffers(1, &r->colour_buffer);
+    r->gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, r->colour_buffer);
+    r->gl->BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)(r->light_count * sizeof *rows), rows, GL_STATIC_DRAW);
+    free(rows);
+    return VXS_OK;
+}
+
+static vxs_result put_asset(renderer *r, const vxs_baked_light *const *lights, vxs_gl_desc *desc)
+{
+    uint64_t      words  = 0;
+    vxs_gl_light *placed = calloc(r->light_count, sizeof *placed);
+    vxs_result    result = placed ? VXS_OK : VXS_E_MEMORY;
+    for (uint32_t n = 0; n < r->light_count && placed; n++) {
+        placed[n] = (vxs_gl_light){&lights[n]->light, (uint32_t)words};
+        words += lights[n]->word_count;
+    }
+    if (words > UINT32_MAX) result = VXS_E_MEMORY;
+    desc->lights      = placed;
+    desc->light_count = r->light_count;
+    desc->word_count  = (uint32_t)words;
+    if (result == VXS_OK) result = vxs_gl_create(&r->shadows, desc);
+    for (uint32_t n = 0; n < r->light_count && result == VXS_OK; n++)
+        result = vxs_gl_put(r->shadows, lights[n]->words, placed[n].first_word, lights[n]->word_count);
+    free(placed);
+    return result;
+}
+
+static vxs_result put_shadows(renderer *r, const vxs_baked_light *const *lights, message *m)
+{
+    vxs_gl_desc desc   = {.struct_size      = sizeof desc,
+                          .get_proc_address = lookup,
+                          .user             = r->gl,
+                          .storage          = VXS_GL_BUFFER,
+                          .smoke            = r->options.baked_smoke,
+                          .stream           = r->options.stream};
+    vxs_result  result = desc.stream ? vxs_gl_create(&r->shadows, &desc) : put_asset(r, lights, &desc);
+    if (result != VXS_OK) return fail(m, result, "%u lights cannot be uploaded: %s", r->light_count, vxs_result_text(result));
+    vxs_gl_upload(r->shadows, SIZE_MAX);
+    return VXS_OK;
+}
+
+/* ---------------------------------------------------------------------------------------------------------------------------------- */
+
+/* Clear air where there is none: area lights, a sky and smoke need its frame. */
+static vxs_result make_fog(renderer *r, message *m)
+{
+    static const fog_medium clear = {.top_ws = INFINITY};
+    const render_options   *o     = &r->options;
+    fog_pass_options        fog   = {.medium      = o->fog ? o->fog : &clear,
+                                     .by          = o->fog_by,
+                                     .steps       = o->fog_steps,
+                                     .grid        = o->fog_grid,
+                                     .width       = r->width,
+                                     .height      = r->height,
+                                     .size_metres = r->mesh.size_metres,
+                                     .baked_smoke = o->baked_smoke,
+                                     .streamed    = o->stream != NULL};
+    return fog_pass_create(&r->fog, &fog, r->gl, r->shadows, m);
+}
+
+static lamp_pass_options lit_by_lamps(const renderer *r, const scene *s)
+{
+    return (lamp_pass_options){.scene      = s,
+                               .points     = r->options.area_points,
+                               .moving     = r->options.moving,
+                               .smoke      = r->options.smoke == SMOKE_ON && s->smoke.count ? &s->smoke : NULL,
+                               .smoke_side = r->options.smoke_side,
+                               .middle_ws  = r->mesh.middle_ws,
+                               .lamps      = r->options.area_lamps,
+                               .gather     = r->options.area_gather};
+}
+
+/* As what a matt surface sends back to each direction is counted pi times, so is what shines. */
+static vxs_result make_areas(renderer *r, const scene *s, message *m)
+{
+    area_pass_options o = {.lit = lit_by_lamps(r, s), .scale = pi * r->scale};
+    return area_pass_create(&r->areas, &o, r->gl, fog_pass_volumes(r->fog), m);
+}
+
+static vxs_result make_sky(renderer *r, const scene *s, message *m)
+{
+    sky_pass_options o = {.lit           = lit_by_lamps(r, s),
+                          .radius_metres = 0.5 * r->mesh.size_metres,
+                          .map           = r->options.sky,
+                          .scale         = pi * r->scale * r->options.sky_light,
+                          .turn_rad      = r->options.sky_turn_degrees * pi / 180};
+    return sky_pass_create(&r->sky, &o, r->gl, fog_pass_volumes(r->fog), m);
+}
+
+static vxs_result make_moving(renderer *r, const vxs_baked_light *const *lights, message *m)
+{
+    const scene *moving = r->options.moving;
+    return moving ? moving_pass_create(&r->moving, r->gl, moving, lights, r->light_count, m) : VXS_OK;
+}
+
+static vxs_result make_smoke(renderer *r, const scene *s, const vxs_baked_light *const *lights, message *m)
+{
+    const smoke_pass_options o      = {.smoke       = &s->smoke,
+                                       .lights      = lights,
+                                       .light_count = r->light_count,
+                                       .side_px     = r->options.smoke_side,
+                                       .is_asked    = r->options.smoke_side_is_asked,
+                                       .width       = r->width,
+                                       .height      = r->height};
+    vxs_result               result = smoke_pass_create(&r->smoke, &o, r->gl, fog_pass_volumes(r->fog), m);
+    return result == VXS_OK ? renderer_make_cloud(r, &s->smoke, m) : result;
+}
+
+static vxs_result make(renderer *r, const scene *s, const vxs_baked_light *const *lights, message *m)
+{
+    uint64_t samples = (uint64_t)r->width * r->height;
+    int      shines = r->options.area_lamps && s->area_count, smokes = r->options.smoke == SMOKE_ON && s->smoke.count,
+        is_airy         = r->options.fog || shines || smokes || r->options.sky;
+    uint64_t bytes_each = 4 + 16 + 4 + 16 + 28 + (is_airy ? 32 : 0) + (shines ? 48 : 0) + (r->options.sky ? 48 : 0) +
+                          (smokes ? 4 * SMOKE_MAPS : 0); /* targets, and two that are read back */
+    vxs_result result = memory_check(samples * bytes_each, m, "a picture of %u x %u samples needs", r->width, r->height);
+    if (result != VXS_OK) return result;
+    if ((result = gl_context_create(&r->gl, r->options.backend, r->options.threads, m)) != VXS_OK) return result;
+    if ((result = surface_mesh_make(&r->mesh, r->gl, s, m)) != VXS_OK) return result;
+    if ((result = put_colours(r, s, lights, m)) != VXS_OK) return result;
+    if ((result = put_shadows(r, lights, m)) != VXS_OK) return result;
+    if ((result = make_moving(r, lights, m)) != VXS_OK) return result;
+    if (is_airy && (result = make_fog(r, m)) != VXS_OK) return result;
+    if (shines && (result = make_areas(r, s, m)) != VXS_OK) return result;
+    if (r->options.sky && (result = make_sky(r, s, m)) != VXS_OK) return result;
+    if (smokes && (result = make_smoke(r, s, lights, m)) != VXS_OK) return result;
+    if ((result = make_programs(r, m)) != VXS_OK) return result;
+    return make_targets(r, m);
+}
+
+vxs_result renderer_create(renderer **out, const render_options *o, const scene *s, const vxs_baked_light *const *lights,
+                           uint32_t light_count, message *m)
+{
+    renderer *r = calloc(1, sizeof *r);
+    *out        = NULL;
+    if (!r) return fail(m, VXS_E_MEMORY, "out of memory for a picture");
+    r->options        = *o;
+    r->light_count    = light_count;
+    r->width          = o->width_px * o->samples;
+    r->height         = o->height_px * o->samples;
+    vxs_result result = make(r, s, lights, m);
+    if (result == VXS_OK)
+        *out = r;
+    else
+        renderer_destroy(r);
+    return result;
+}
+
+void renderer_destroy(renderer *r)
+{
+    if (!r) return;
+    if (r->gl) {
+        surface_mesh_free(&r->mesh, r->gl);
+        moving_pass_destroy(r->moving);
+        area_pass_destroy(r->areas);
+        sky_pass_destroy(r->sky);
+        renderer_free_cloud(r);
+        smoke_pass_destroy(r->smoke);
+        fog_pass_destroy(r->fog);
+        vxs_gl_destroy(r->shadows);
+        r->gl->DeleteTextures(TARGETS, r->target);
+        r->gl->DeleteFramebuffers(4, (const GLuint[4]){r->surface_frame, r->light_frame, r->screen_frame, r->picture_frame});
+        for (int n = 0; n < 4; n++) {
+            GLuint program = (const GLuint[4]){r->surface_program, r->shade_program, r->tone_program, r->picture_program}[n];
+            if (program) r->gl->DeleteProgram(program);
+        }
+        r->gl->DeleteBuffers(1, &r->colour_buffer);
+        r->gl->DeleteVertexArrays(1, &r->empty_array);
+        gl_context_destroy(r->gl);
+    }
+    free(r->colours);
+    free(r->shines);
+    free(r);
+}

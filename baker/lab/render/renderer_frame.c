@@ -1,0 +1,435 @@
+/* Frames; see render.h.
+ *
+ *     upload     of a stream, what has come
+ *     moving     depth maps of what moves, as lights see it (moving_pass.h); left out where nothing does
+ *     surfaces   depth (near / distance along the axis, so that far ones keep their digits), normal, albedo
+ *     cull       lists of lights of tiles of 8 x 8 (vxs_gl_cull); left out where there is one light
+ *     smoke      how much it leaves of each light (smoke_pass.h), and, over all the air, itself (renderer_smoke.c); left out where there is none
+ *     shade      light of each sample, lookups and all
+ *     area       what area lights send to it and to the air (area_pass.h); left out where there is none
+ *     sky        the same of a map of the sky (sky_pass.h)
+ *     fog        over the picture that this makes (fog_pass.h); left out where there is none
+ *     tone       what a screen shows of the mean of a pixel's samples
+ *
+ * Places count from the camera, in which lookups are as fine as a float can be.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "runtime/volumes/vxs_air_light.h" /* first: box.h has a type of a name that its functions have */
+
+#include "baker/base/vec3.h"
+#include "baker/base/clock.h"
+#include "baker/lab/render/renderer_state.h"
+
+const char *const render_stage_names[RENDER_STAGES] = {"upload", "moving", "surfaces", "cull", "smoke",
+                                                       "shade",  "area",   "sky",      "fog",  "tone"};
+
+enum { COLOURS_BINDING = 3, PICTURE_UNIT = 4 };
+
+/* Depths are near / z; u and v go up from the lower left corner. By columns. */
+static void set_view(renderer *r, const camera_pose *camera)
+{
+    const camera_view *v = &r->seen;
+    float             *m = r->view.point_from_depth;
+    r->camera            = *camera;
+    r->near_metres       = camera->near_metres > 0 ? camera->near_metres : 1e-5 * r->mesh.size_metres;
+    r->seen              = camera_view_of(camera, (double)r->width / r->height);
+    r->view =
+        (vxs_view){.width_px = r->width, .height_px = r->height, .empty_depth = 0, .filter_px = (int32_t)r->options.filter_px};
+    for (int n = 0; n < 3; n++) {
+        m[n]      = (float)(2 * v->right[n]);
+        m[4 + n]  = (float)(2 * v->up[n]);
+        m[12 + n] = (float)(v->forward[n] - v->right[n] - v->up[n]);
+    }
+    m[11] = (float)(1 / r->near_metres);
+}
+
+void renderer_clip(const renderer *r, const double eye[3], float m[16])
+{
+    const camera_view *v      = &r->seen;
+    const double      *row[3] = {v->right, v->up, v->forward};
+    memset(m, 0, 16 * sizeof *m);
+    for (int i = 0; i < 3; i++) {
+        int    to     = i == 2 ? 3 : i;
+        double square = vec3_dot(row[i], row[i]);
+        for (int n = 0; n < 3; n++) m[4 * n + to] = (float)(row[i][n] / square);
+        m[12 + to] = (float)(-vec3_dot(row[i], eye) / square);
+    }
+    m[14] = (float)r->near_metres;
+}
+
+static void draw_mesh(const renderer *r, const surface_mesh *mesh)
+{
+    const gl_context *gl = r->gl;
+    double            eye[3];
+    float             matrix[16];
+    vec3_sub(r->camera.eye_ws, mesh->middle_ws, eye);
+    renderer_clip(r, eye, matrix);
+    gl->ProgramUniformMatrix4fv(r->surface_program, gl->GetUniformLocation(r->surface_program, "clip_from_scene"), 1, GL_FALSE,
+                                matrix);
+    gl->ProgramUniform3f(r->surface_program, gl->GetUniformLocation(r->surface_program, "eye"), (float)eye[0], (float)eye[1],
+                         (float)eye[2]);
+    surface_mesh_draw(mesh, gl, r->surface_program);
+}
+
+static void draw_surfaces(const renderer *r)
+{
+    const gl_context *gl       = r->gl;
+    const float       black[4] = {0};
+    gl->BindFramebuffer(GL_FRAMEBUFFER, r->surface_frame);
+    gl->Viewport(0, 0, (GLsizei)r->width, (GLsizei)r->height);
+    gl->ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+    gl->Enable(GL_DEPTH_TEST);
+    gl->DepthMask(GL_TRUE);
+    gl->DepthFunc(GL_GREATER);
+    gl->ClearBufferfv(GL_DEPTH, 0, black);
+    gl->ClearBufferfv(GL_COLOR, 0, black);
+    gl->ClearBufferfv(GL_COLOR, 1, black);
+    gl->UseProgram(r->surface_program);
+    draw_mesh(r, &r->mesh);
+    if (r->moving) draw_mesh(r, moving_pass_mesh(r->moving));
+    gl->Disable(GL_DEPTH_TEST);
+}
+
+/* textures  of targets, from the first on, that the program reads */
+static void begin_screen(const renderer *r, GLuint frame, GLuint program, GLuint textures, uint32_t width, uint32_t height)
+{
+    const gl_context *gl = r->gl;
+    gl->BindFramebuffer(GL_FRAMEBUFFER, frame);
+    gl->Viewport(0, 0, (GLsizei)width, (GLsizei)height);
+    for (GLuint n = 0; n < textures; n++) gl->BindTextureUnit(n, r->target[n]);
+    gl->ProgramUniformMatrix4fv(program, gl->GetUniformLocation(program, "point_from_depth"), 1, GL_FALSE,
+                                r->view.point_from_depth);
+}
+
+static void draw_screen(const renderer *r, GLuint frame, GLuint program, GLuint textures, uint32_t width, uint32_t height)
+{
+    begin_screen(r, frame, program, textures, width, height);
+    r->gl->UseProgram(program);
+    r->gl->BindVertexArray(r->empty_array);
+    r->gl->DrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void renderer_bind_lights(const renderer *r)
+{
+    vxs_gl_bind(r->shadows);
+    if (r->moving) moving_pass_bind(r->moving);
+    if (r->smoke) smoke_pass_bind(r->smoke);
+    r->gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, COLOURS_BINDING, r->colour_buffer);
+}
+
+/* Of the fog that dims lights on their way. Places count from the eye. */
+static void set_fog(const renderer *r, GLuint program)
+{
+    const fog_medium *f      = r->is_clear ? NULL : r->options.fog;
+    float             fog[4] = {0, 0, 0, (float)VXS_AIR_EVERYWHERE};
+    for (int n = 0; n < 3 && f; n++) fog[n] = (float)f->extinction[n];
+    if (f && f->top_ws < INFINITY) fog[3] = (float)(f->top_ws - r->camera.eye_ws[1]);
+    r->gl->ProgramUniform4f(program, r->gl->GetUniformLocation(program, "fog"), fog[0], fog[1], fog[2], fog[3]);
+}
+
+void renderer_add_lights(const renderer *r, GLuint program, const char *uniform, int element, const GLint values[4])
+{
+    const gl_context *gl       = r->gl;
+    const float       black[4] = {0};
+    GLint             v[4]     = {values[0], values[1], values[2], values[3]};
+    gl->ClearBufferfv(GL_COLOR, 0, black);
+    gl->Enable(GL_BLEND);
+    gl->BlendEquation(GL_FUNC_ADD);
+    gl->BlendFunc(GL_ONE, GL_ONE);
+    gl->UseProgram(program);
+    gl->BindVertexArray(r->empty_array);
+    set_fog(r, program);
+    for (uint32_t first = 0; first < r->light_count; first += LIGHTS_AT_ONCE) {
+        v[element] = (GLint)first;
+        gl->ProgramUniform4i(program, gl->GetUniformLocation(program, uniform), v[0], v[1], v[2], v[3]);
+        gl->DrawArrays(GL_TRIANGLES, 0, 3);
+    }
+    gl->Disable(GL_BLEND);
+}
+
+void renderer_shade(const renderer *r, int show, uint32_t light)
+{
+    const gl_context *gl       = r->gl;
+    GLuint            p        = r->shade_program;
+    const GLint       asked[4] = {show, (GLint)light, renderer_culls(r), 0};
+    gl->ProgramUniform4f(p, gl->GetUniformLocation(p, "sizes"), (float)r->width, (float)r->height, 0, 0);
+    gl->BindTextureUnit(LIGHTS, 0); /* what is drawn to */
+    renderer_bind_lights(r);
+    begin_screen(r, r->light_frame, p, LIGHTS, r->width, r->height);
+    renderer_add_lights(r, p, "asked", 3, asked);
+}
+
+double renderer_day(const renderer *r)
+{
+    return r->sky ? 0 : r->day ? 1 : 0.07;
+}
+
+static void set_sizes(const renderer *r, GLuint program)
+{
+    r->gl->ProgramUniform4f(program, r->gl->GetUniformLocation(program, "sizes"), (float)r->width, (float)r->height,
+                            (float)r->exposure, (float)renderer_day(r));
+}
+
+void renderer_fog_ambient(const renderer *r, double ambient[3])
+{
+    static const double horizon[3] = {0.070, 0.081, 0.095};
+    for (int n = 0; n < 3; n++) ambient[n] = renderer_day(r) * horizon[n];
+}
+
+static vxs_result begin_air(const renderer *r, message *m)
+{
+    double ambient[3];
+    renderer_fog_ambient(r, ambient);
+    return fog_pass_begin(r->fog, &r->view, r->target[DEPTHS], r->camera.eye_ws, ambient, m);
+}
+
+/* How much of each light gets through smoke, in a frame of the air. */
+static vxs_result dim_lights(const renderer *r, smoke_plan *plan, message *m)
+{
+    vxs_result result = begin_air(r, m);
+    return result == VXS_OK ? smoke_pass_draw(r->smoke, r->camera.eye_ws, &r->seen, plan, m) : result;
+}
+
+/* Airlight of area lights, in a frame of the air that begins here, and what surfaces get of them. */
+static vxs_result draw_areas(const renderer *r, double exposure, area_plan *plan, message *m)
+{
+    vxs_result result = begin_air(r, m);
+    if (result != VXS_OK) return result;
+    double moved_ws[3] = {0};
+    if (r->moving) moving_pass_moved(r->moving, moved_ws);
+    return area_pass_draw(r->areas, r->camera.eye_ws, &r->seen, moved_ws, fog_pass_far_metres(r->fog), r->target[NORMALS], exposure,
+                          plan, m);
+}
+
+static vxs_result light_by_areas(const renderer *r, area_plan *plan, message *m)
+{
+    vxs_result result = draw_areas(r, r->exposure > 0 ? r->exposure : 1, plan, m);
+    if (result != VXS_OK || !plan->lamps) return result;
+    r->gl->BindFramebuffer(GL_FRAMEBUFFER, r->light_frame);
+    area_pass_add_light(r->areas);
+    return VXS_OK;
+}
+
+/* The same of the sky, in the frame of area lights where there are some. */
+static vxs_result draw_sky(const renderer *r, double exposure, message *m)
+{
+    vxs_result result      = r->areas ? VXS_OK : begin_air(r, m);
+    double     moved_ws[3] = {0};
+    if (r->moving) moving_pass_moved(r->moving, moved_ws);
+    return result == VXS_OK ? sky_pass_draw(r->sky, r->camera.eye_ws, moved_ws, r->target[NORMALS], exposure, m) : result;
+}
+
+static vxs_result light_by_sky(const renderer *r, message *m)
+{
+    vxs_result result = draw_sky(r, r->exposure > 0 ? r->exposure : 1, m);
+    if (result != VXS_OK) return result;
+    r->gl->BindFramebuffer(GL_FRAMEBUFFER, r->light_frame);
+    sky_pass_add_light(r->sky);
+    return VXS_OK;
+}
+
+/* The picture, what shines in it, and the air over it. */
+static vxs_result fog(const renderer *r, fog_plan *plan, message *m)
+{
+    double eye[3];
+    float  matrix[16];
+    set_sizes(r, r->picture_program);
+    draw_screen(r, r->picture_frame, r->picture_program, SCREEN, r->width, r->height);
+    vec3_sub(r->camera.eye_ws, r->mesh.middle_ws, eye);
+    renderer_clip(r, eye, matrix);
+    vxs_result result = r->areas || r->sky ? VXS_OK : begin_air(r, m);
+    if (r->areas) area_pass_add_glow(r->areas, matrix, r->target[DEPTHS], r->camera.eye_ws, r->exposure);
+    if (r->sky) sky_pass_add_map(r->sky, &r->view, r->target[DEPTHS], r->exposure);
+    return result != VXS_OK ? result : fog_pass_draw(r->fog, r->shines, r->moving, r->smoke, r->exposure, plan, m);
+}
+
+static void tone(const renderer *r)
+{
+    GLuint p = r->tone_program;
+    set_sizes(r, p);
+    if (r->fog) r->gl->BindTextureUnit(PICTURE_UNIT, r->target[PICTURE]);
+    r->gl->ProgramUniform1i(p, r->gl->GetUniformLocation(p, "samples"), (GLint)r->options.samples);
+    draw_screen(r, r->screen_frame, p, SCREEN, r->options.width_px, r->options.height_px);
+}
+
+static int brighter(const void *a, const void *b)
+{
+    float x = *(const float *)a, y = *(const float *)b;
+    return x < y ? -1 : x > y;
+}
+
+/* So that of the samples that have light, the brightest tenth begins where a screen is nearly white. */
+static double exposure_of(const float *light, const float *albedos, size_t count, double stops)
+{
+    const double white = 0.8, share = 0.9;
+    size_t       lit    = 0;
+    float       *bright = malloc((count + 1) * sizeof *bright);
+    double       value  = 0;
+    for (size_t n = 0; bright && n < count; n++) {
+        const float *c = light + 4 * n, *a = albedos + 3 * n;
+        bright[lit] = 0.2126f * a[0] * c[0] + 0.7152f * a[1] * c[1] + 0.0722f * a[2] * c[2];
+        lit += bright[lit] > 0;
+    }
+    if (lit) {
+        qsort(bright, lit, sizeof *bright, brighter);
+        value = (double)bright[(size_t)(share * (double)(lit - 1))];
+    }
+    free(bright);
+    return (value > 0 ? white / value : 1) * exp2(stops);
+}
+
+static vxs_result choose_exposure(renderer *r, message *m)
+{
+    size_t     count = (size_t)r->width * r->height;
+    float     *light = malloc(4 * count * sizeof *light), *albedos = malloc(3 * count * sizeof *albedos);
+    vxs_result result = light && albedos
+                            ? renderer_read(r, NULL, NULL, albedos, light, m)
+                            : fail(m, VXS_E_MEMORY, "out of memory for a picture of %u x %u samples", r->width, r->height);
+    if (result == VXS_OK) r->exposure = exposure_of(light, albedos, count, r->options.stops);
+    free(light);
+    free(albedos);
+    return result;
+}
+
+/* How many lights samples asked for, and how long lists are. */
+static vxs_result count_lights(renderer *r, render_frame *frame, message *m)
+{
+    size_t     count  = (size_t)r->width * r->height;
+    float     *depths = malloc(count * sizeof *depths), *light = malloc(4 * count * sizeof *light);
+    vxs_result result = depths && light
+                            ? renderer_read(r, depths, NULL, NULL, light, m)
+                            : fail(m, VXS_E_MEMORY, "out of memory for a picture of %u x %u samples", r->width, r->height);
+    for (size_t n = 0; result == VXS_OK && n < count; n++) {
+        uint32_t asked = (uint32_t)light[4 * n + 3];
+        frame->surface_pixels += depths[n] > 0;
+        frame->asked_lights += asked;
+        if (renderer_culls(r) && asked > frame->longest_list) frame->longest_list = asked;
+    }
+    free(depths);
+    free(light);
+    return result;
+}
+
+/* How many samples are answered in full. */
+static vxs_result count_full(renderer *r, render_frame *frame, message *m)
+{
+    size_t     count  = (size_t)r->width * r->height;
+    float     *full   = malloc(count * sizeof *full);
+    vxs_result result = full ? renderer_read_full(r, full, m)
+                             : fail(m, VXS_E_MEMORY, "out of memory for a picture of %u x %u samples", r->width, r->height);
+    for (size_t n = 0; result == VXS_OK && n < count; n++) frame->full_pixels += full[n] >= 1 || full[n] == RENDER_NOT_ASKED;
+    free(full);
+    return result;
+}
+
+/* What has come, in a slice. */
+static void upload(renderer *r, render_frame *frame)
+{
+    size_t slice          = r->options.upload_bytes < SIZE_MAX ? (size_t)r->options.upload_bytes : SIZE_MAX;
+    frame->waiting_bytes  = vxs_gl_upload(r->shadows, slice);
+    frame->uploaded_bytes = vxs_gl_uploaded_bytes(r->shadows) - r->uploaded_bytes;
+    r->uploaded_bytes += frame->uploaded_bytes;
+}
+
+static void cast_moving(renderer *r, moving_plan *plan)
+{
+    double by_ws[3];
+    for (int n = 0; n < 3; n++) by_ws[n] = r->frames_drawn * r->options.moving_by_ws[n];
+    moving_pass_cast(r->moving, r->surface_program, by_ws, r->camera.eye_ws, plan);
+}
+
+static double finished(const gl_context *gl)
+{
+    gl->Finish();
+    return clock_seconds();
+}
+
+static void stage_ends(const renderer *r, render_frame *frame, int stage, double *since)
+{
+    double now = finished(r->gl);
+    frame->seconds[stage] += now - *since;
+    *since = now;
+}
+
+/* All that surfaces get. */
+static vxs_result light_surfaces(const renderer *r, render_frame *frame, double *since, message *m)
+{
+    vxs_result result = VXS_OK;
+    renderer_shade(r, SHOW_LIGHT, 0);
+    stage_ends(r, frame, RENDER_SHADE, since);
+    if (r->areas) {
+        result = light_by_areas(r, &frame->area, m);
+        stage_ends(r, frame, RENDER_AREA, since);
+    }
+    if (result == VXS_OK && r->sky) {
+        result = light_by_sky(r, m);
+        stage_ends(r, frame, RENDER_SKY, since);
+    }
+    return result;
+}
+
+/* Exposure is that of clear air: fog does not make a picture brighter. Airlight of areas and of the sky is exposed, so that they are drawn again. */
+static vxs_result light_exposed(renderer *r, render_frame *frame, double *since, message *m)
+{
+    int is_first      = r->exposure <= 0;
+    r->is_clear       = is_first;
+    vxs_result result = light_surfaces(r, frame, since, m);
+    r->is_clear       = 0;
+    if (result != VXS_OK || !is_first) return result;
+    result = choose_exposure(r, m);
+    *since = finished(r->gl);
+    return result == VXS_OK && (r->options.fog || r->areas || r->sky) ? light_surfaces(r, frame, since, m) : result;
+}
+
+static vxs_result draw_frame(renderer *r, render_frame *frame, message *m)
+{
+    double since = finished(r->gl);
+    if (r->options.stream) upload(r, frame);
+    stage_ends(r, frame, RENDER_UPLOAD, &since);
+    if (r->moving) cast_moving(r, &frame->moving);
+    stage_ends(r, frame, RENDER_MOVING, &since);
+    vxs_gl_origin(r->shadows, r->camera.eye_ws);
+    draw_surfaces(r);
+    stage_ends(r, frame, RENDER_SURFACES, &since);
+    if (renderer_culls(r) && vxs_gl_cull(r->shadows, &r->view, r->target[DEPTHS], r->options.tile_lights) != VXS_OK)
+        return fail(m, VXS_E_GL, "OpenGL cannot make lists of lights for %u x %u samples", r->width, r->height);
+    stage_ends(r, frame, RENDER_CULL, &since);
+    if (r->smoke) {
+        vxs_result result = dim_lights(r, &frame->smoke, m);
+        if (result != VXS_OK) return result;
+        stage_ends(r, frame, RENDER_SMOKE, &since);
+    }
+    if (r->options.stream) {
+        vxs_result result = count_full(r, frame, m);
+        if (result != VXS_OK) return result;
+        since = finished(r->gl);
+    }
+    vxs_result result = light_exposed(r, frame, &since, m);
+    if (result == VXS_OK && r->fog) result = fog(r, &frame->fog, m);
+    stage_ends(r, frame, RENDER_FOG, &since);
+    if (result == VXS_OK && r->smoke) {
+        result = renderer_draw_cloud(r, m);
+        stage_ends(r, frame, RENDER_SMOKE, &since);
+    }
+    if (result != VXS_OK) return result;
+    tone(r);
+    stage_ends(r, frame, RENDER_TONE, &since);
+    return VXS_OK;
+}
+
+vxs_result renderer_draw(renderer *r, const camera_pose *camera, uint8_t *rgb, render_frame *frame, message *m)
+{
+    *frame = (render_frame){0};
+    set_view(r, camera);
+    vxs_result result = draw_frame(r, frame, m);
+    r->frames_drawn++;
+    if (result == VXS_OK) result = count_lights(r, frame, m);
+    if (result != VXS_OK) return result;
+    if (!r->options.stream) frame->full_pixels = frame->surface_pixels;
+    if (rgb && (result = renderer_read_screen(r, rgb, m)) != VXS_OK) return result;
+    GLenum error = r->gl->GetError();
+    return error == GL_NO_ERROR ? VXS_OK : fail(m, VXS_E_GL, "OpenGL says error 0x%x of a frame", error);
+}

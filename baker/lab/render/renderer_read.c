@@ -1,0 +1,218 @@
+/* What a renderer shows, and says of itself; see render.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include <math.h>
+#include <stdlib.h>
+
+#include "baker/base/vec3.h"
+#include "baker/files/png_encode.h"
+#include "baker/lab/render/renderer_state.h"
+
+/* Rows of a picture from the bottom up, turned over. */
+static void turn_over(void *pixels, size_t row_bytes, uint32_t height)
+{
+    char *p = pixels;
+    for (uint32_t y = 0; y < height / 2; y++) {
+        char *a = p + y * row_bytes, *b = p + (height - 1 - y) * row_bytes;
+        for (size_t n = 0; n < row_bytes; n++) {
+            char c = a[n];
+            a[n]   = b[n];
+            b[n]   = c;
+        }
+    }
+}
+
+void renderer_read_target(const renderer *r, int target, GLenum format, GLenum type, size_t pixel_bytes, void *out)
+{
+    int      small = target == SCREEN || target == LINEAR;
+    uint32_t width = small ? r->options.width_px : r->width, height = small ? r->options.height_px : r->height;
+    r->gl->PixelStorei(GL_PACK_ALIGNMENT, 1);
+    r->gl->GetTextureImage(r->target[target], 0, format, type, (GLsizei)(width * height * pixel_bytes), out);
+    turn_over(out, width * pixel_bytes, height);
+}
+
+void renderer_size(const renderer *r, uint32_t *width, uint32_t *height)
+{
+    *width  = r->width;
+    *height = r->height;
+}
+
+vxs_result renderer_read_screen(const renderer *r, uint8_t *rgb, message *m)
+{
+    uint32_t width = r->options.width_px, height = r->options.height_px;
+    float   *screen = malloc(3 * sizeof *screen * width * height);
+    if (!screen) return fail(m, VXS_E_MEMORY, "out of memory for a picture of %u x %u pixels", width, height);
+    renderer_read_target(r, SCREEN, GL_RGB, GL_FLOAT, 3 * sizeof *screen, screen);
+    for (uint32_t n = 0; n < width * height; n++)
+        for (size_t k = 0; k < 3; k++) rgb[3 * (size_t)n + k] = png_dithered((double)screen[3 * (size_t)n + k], n % width, n / width);
+    free(screen);
+    return VXS_OK;
+}
+
+vxs_result renderer_read_linear(renderer *r, float *rgb, message *m)
+{
+    renderer_read_target(r, LINEAR, GL_RGB, GL_FLOAT, 3 * sizeof *rgb, rgb);
+    return r->gl->GetError() == GL_NO_ERROR ? VXS_OK : fail(m, VXS_E_GL, "OpenGL cannot give back a picture");
+}
+
+vxs_result renderer_read(renderer *r, float *depths, float *normals, float *albedos, float *light, message *m)
+{
+    size_t count = (size_t)r->width * r->height;
+    if (depths) {
+        renderer_read_target(r, DEPTHS, GL_DEPTH_COMPONENT, GL_FLOAT, sizeof(float), depths);
+        for (size_t n = 0; n < count; n++) depths[n] = depths[n] > 0 ? (float)r->near_metres / depths[n] : 0;
+    }
+    if (normals) renderer_read_target(r, NORMALS, GL_RGB, GL_FLOAT, 3 * sizeof(float), normals);
+    if (albedos) renderer_read_target(r, ALBEDOS, GL_RGB, GL_FLOAT, 3 * sizeof(float), albedos);
+    if (light) renderer_read_target(r, LIGHTS, GL_RGBA, GL_FLOAT, 4 * sizeof(float), light);
+    return r->gl->GetError() == GL_NO_ERROR ? VXS_OK : fail(m, VXS_E_GL, "OpenGL cannot give back a picture");
+}
+
+vxs_result renderer_read_lit(renderer *r, uint32_t n, float *lit, message *m)
+{
+    size_t count = (size_t)r->width * r->height;
+    float *light = malloc(4 * count * sizeof *light);
+    if (!light) return fail(m, VXS_E_MEMORY, "out of memory for a picture of %u x %u samples", r->width, r->height);
+    renderer_shade(r, SHOW_LIT, n);
+    vxs_result result = renderer_read(r, NULL, NULL, NULL, light, m);
+    for (size_t i = 0; result == VXS_OK && i < count; i++) lit[i] = light[4 * i + 3] > 0 ? light[4 * i] : -1;
+    free(light);
+    return result;
+}
+
+/* A texture of a pass, of all samples.   out  [3 * count] */
+static vxs_result read_texture(const renderer *r, GLuint texture, float *out, message *m)
+{
+    size_t row = 3 * sizeof *out * r->width;
+    r->gl->PixelStorei(GL_PACK_ALIGNMENT, 1);
+    r->gl->GetTextureImage(texture, 0, GL_RGB, GL_FLOAT, (GLsizei)(row * r->height), out);
+    turn_over(out, row, r->height);
+    return r->gl->GetError() == GL_NO_ERROR ? VXS_OK : fail(m, VXS_E_GL, "OpenGL cannot give back a picture");
+}
+
+vxs_result renderer_read_airlight(renderer *r, float *air, message *m)
+{
+    return read_texture(r, fog_pass_airlight(r->fog), air, m);
+}
+
+vxs_result renderer_read_area(renderer *r, float *light, message *m)
+{
+    return read_texture(r, lamp_pass_irradiance(area_pass_lamps(r->areas)), light, m);
+}
+
+vxs_result renderer_read_sky(renderer *r, float *light, message *m)
+{
+    return read_texture(r, lamp_pass_irradiance(sky_pass_lamps(r->sky)), light, m);
+}
+
+vxs_result renderer_read_full(renderer *r, float *full, message *m)
+{
+    size_t count = (size_t)r->width * r->height;
+    float *found = malloc(4 * count * sizeof *found); /* lookups, those in full, -, whether there is a surface */
+    if (!found) return fail(m, VXS_E_MEMORY, "out of memory for a picture of %u x %u samples", r->width, r->height);
+    renderer_shade(r, SHOW_FULL, 0);
+    vxs_result result = renderer_read(r, NULL, NULL, NULL, found, m);
+    for (size_t n = 0; result == VXS_OK && n < count; n++) {
+        const float *f = found + 4 * n;
+        full[n]        = !(f[3] > 0) ? -1 : f[0] > 0 ? f[1] / f[0] : RENDER_NOT_ASKED;
+    }
+    free(found);
+    return result;
+}
+
+void renderer_place(const renderer *r, uint32_t x, uint32_t y, float depth, double place_ws[3])
+{
+    double across = 2 * (x + 0.5) / r->width - 1, up = 1 - 2 * (y + 0.5) / r->height;
+    for (int n = 0; n < 3; n++)
+        place_ws[n] = r->camera.eye_ws[n] + (double)depth * (r->seen.forward[n] + across * r->seen.right[n] + up * r->seen.up[n]);
+}
+
+void renderer_fog_left(const renderer *r, const float *depths, float *left)
+{
+    for (uint32_t n = 0; n < r->width * r->height; n++) {
+        double way[3], direction[3], part[3];
+        renderer_place(r, n % r->width, n / r->width, depths[n] > 0 ? depths[n] : 1, way);
+        vec3_sub(way, r->camera.eye_ws, way);
+        double metres = sqrt(vec3_dot(way, way));
+        for (int k = 0; k < 3; k++) direction[k] = way[k] / metres;
+        fog_pass_left(r->fog, r->camera.eye_ws, direction, depths[n] > 0 ? metres : INFINITY, part);
+        for (size_t k = 0; k < 3; k++) left[3 * (size_t)n + k] = (float)part[k];
+    }
+}
+
+double renderer_exposure(const renderer *r)
+{
+    return r->exposure;
+}
+
+double renderer_white(const renderer *r)
+{
+    return 1 / (3.14159265358979324 * r->scale * r->exposure);
+}
+
+const char *renderer_name(const renderer *r)
+{
+    return r->gl->renderer;
+}
+
+int renderer_culls(const renderer *r)
+{
+    return r->options.cull == CULL_ON || (r->options.cull == CULL_AUTO && r->light_count > 1);
+}
+
+int renderer_is_in_fog(const renderer *r)
+{
+    return r->options.fog != NULL;
+}
+
+const area_pass *renderer_areas(const renderer *r)
+{
+    return r->areas;
+}
+
+const sky_pass *renderer_sky(const renderer *r)
+{
+    return r->sky;
+}
+
+const fog_light_plan *renderer_fog_lights(const renderer *r)
+{
+    return r->options.fog ? fog_pass_lights(r->fog) : NULL;
+}
+
+uint32_t renderer_fog_grid(const renderer *r)
+{
+    return r->fog ? fog_pass_grid(r->fog) : 0;
+}
+
+int renderer_has_mesh(const renderer *r)
+{
+    uint32_t light;
+    return r->fog && fog_pass_mesh(r->fog, &light);
+}
+
+vxs_result renderer_read_grid(const renderer *r, float *dark, message *m)
+{
+    return fog_pass_read_grid(r->fog, dark, m);
+}
+
+const smoke_light_plan *renderer_smoke_lights(const renderer *r)
+{
+    return r->smoke ? smoke_pass_lights(r->smoke) : NULL;
+}
+
+vxs_result renderer_read_smoke(renderer *r, uint32_t n, float *left, message *m)
+{
+    size_t row = sizeof *left * r->width;
+    r->gl->PixelStorei(GL_PACK_ALIGNMENT, 1);
+    r->gl->GetTextureImage(smoke_pass_picture(r->smoke, n), 0, GL_RED, GL_FLOAT, (GLsizei)(row * r->height), left);
+    turn_over(left, row, r->height);
+    return r->gl->GetError() == GL_NO_ERROR ? VXS_OK : fail(m, VXS_E_GL, "OpenGL cannot give back a picture");
+}
+
+vxs_result renderer_read_through(renderer *r, float *left, message *m)
+{
+    size_t count = (size_t)r->width * r->height;
+    renderer_read_target(r, PICTURE, GL_ALPHA, GL_FLOAT, sizeof *left, left);
+    for (size_t n = 0; n < count; n++) left[n] = 1 - left[n];
+    return r->gl->GetError() == GL_NO_ERROR ? VXS_OK : fail(m, VXS_E_GL, "OpenGL cannot give back a picture");
+}

@@ -1,0 +1,173 @@
+/* A sky; see sky_pass.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/lab/render/sky_pass.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "baker/base/box.h"
+#include "baker/base/vec3.h"
+#include "baker/lab/render/renderer_state.h"
+
+EMBEDDED(screen_vert_glsl)
+EMBEDDED(sky_frag_glsl)
+
+static const double pi = 3.14159265358979324;
+
+struct sky_pass {
+    sky_pass_options  options;
+    const gl_context *gl;
+    lamp_pass        *lamps;
+    vxs_area_lamp    *placed;    /* [lamps] without exposure */
+    double            exposure;  /* that they have been set with; 0: they have not */
+    box               moving_ws; /* of what moves, in its file */
+    GLuint            program, texture;
+};
+
+/* what is made once --------------------------------------------------------------------------------------------------------------- */
+
+/* From the axes of vxs_area_sky, whose first column is along x, to the map's. */
+static void turn_lamp(vxs_area_lamp *lamp, double turn_rad)
+{
+    double x = (double)lamp->normal[0], z = (double)lamp->normal[2], along = -cos(turn_rad), across = -sin(turn_rad);
+    lamp->normal[0] = (float)(along * x + across * z);
+    lamp->normal[2] = (float)(along * z - across * x);
+}
+
+static vxs_result place_lamps(sky_pass *p, message *m)
+{
+    const sky_map *map   = p->options.map;
+    uint32_t       count = p->options.lit.lamps;
+    float          scale = (float)p->options.scale;
+    vxs_area_sky   sky   = {map->radiance, map->wide_px, map->high_px, {scale, scale, scale}, {0}, (float)p->options.radius_metres};
+    p->placed            = malloc(count * sizeof *p->placed);
+    if (!p->placed) return fail(m, VXS_E_MEMORY, "out of memory for the lamps of a sky");
+    vxs_result r = vxs_area_sample_sky(&sky, VXS_AREA_IMPORTANCE, 0, p->placed, count);
+    if (r != VXS_OK) return fail(m, r, "the sky has no lamps: %s", vxs_result_text(r));
+    for (uint32_t n = 0; n < count; n++) {
+        const float *colour = p->placed[n].colour;
+        if (!isfinite(colour[0] + colour[1] + colour[2]))
+            return fail(m, VXS_E_ARGUMENT, "--sky-light makes the sky brighter than any number: expected a smaller one");
+        turn_lamp(&p->placed[n], p->options.turn_rad);
+    }
+    return VXS_OK;
+}
+
+static void put_texture(sky_pass *p)
+{
+    const gl_context *gl  = p->gl;
+    const sky_map    *map = p->options.map;
+    gl->CreateTextures(GL_TEXTURE_2D, 1, &p->texture);
+    gl->TextureStorage2D(p->texture, 1, GL_RGB32F, (GLsizei)map->wide_px, (GLsizei)map->high_px);
+    gl->TextureSubImage2D(p->texture, 0, 0, 0, (GLsizei)map->wide_px, (GLsizei)map->high_px, GL_RGB, GL_FLOAT, map->radiance);
+    gl->TextureParameteri(p->texture, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    gl->TextureParameteri(p->texture, GL_TEXTURE_WRAP_S, GL_REPEAT);
+    gl->TextureParameteri(p->texture, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+}
+
+static vxs_result make(sky_pass *p, vxs_volumes *volumes, message *m)
+{
+    text_part    seen   = part_of(sky_frag_glsl);
+    const scene *moving = p->options.lit.moving;
+    vxs_result   r      = place_lamps(p, m);
+    if (moving) p->moving_ws = box_of_corners(moving->positions_ws, moving->indices, 3 * moving->triangle_count);
+    if (r == VXS_OK) r = lamp_pass_create(&p->lamps, &p->options.lit, p->gl, volumes, m);
+    if (r == VXS_OK) r = renderer_program(p->gl, &p->program, screen_vert_glsl, &seen, 1, m);
+    if (r == VXS_OK) put_texture(p);
+    return r;
+}
+
+vxs_result sky_pass_create(sky_pass **out, const sky_pass_options *o, const gl_context *gl, vxs_volumes *volumes, message *m)
+{
+    sky_pass *p = calloc(1, sizeof *p);
+    *out        = NULL;
+    if (!p) return fail(m, VXS_E_MEMORY, "out of memory for the sky");
+    p->options   = *o;
+    p->gl        = gl;
+    vxs_result r = make(p, volumes, m);
+    if (r == VXS_OK)
+        *out = p;
+    else
+        sky_pass_destroy(p);
+    return r;
+}
+
+void sky_pass_destroy(sky_pass *p)
+{
+    if (!p) return;
+    lamp_pass_destroy(p->lamps);
+    if (p->texture) p->gl->DeleteTextures(1, &p->texture);
+    if (p->program) p->gl->DeleteProgram(p->program);
+    free(p->placed);
+    free(p);
+}
+
+/* a frame ------------------------------------------------------------------------------------------------------------------------- */
+
+/* Of the sphere that holds what moves, too, where it is now. */
+static double radius_of(const sky_pass *p, const double moved_ws[3])
+{
+    double way[3], corner = 0;
+    if (!p->options.lit.moving) return p->options.radius_metres;
+    for (int n = 0; n < 3; n++) {
+        double from = moved_ws[n] - p->options.lit.middle_ws[n];
+        way[n]      = fmax(fabs(p->moving_ws.min[n] + from), fabs(p->moving_ws.max[n] + from));
+        corner += way[n] * way[n];
+    }
+    return fmax(p->options.radius_metres, sqrt(corner));
+}
+
+static vxs_result cast(sky_pass *p, const double moved_ws[3], double exposure)
+{
+    vxs_area_lamp lamps[VXS_AREA_LAMPS];
+    float         radius = (float)radius_of(p, moved_ws);
+    for (uint32_t n = 0; n < p->options.lit.lamps; n++) {
+        lamps[n]               = p->placed[n];
+        lamps[n].radius_metres = radius;
+        for (int k = 0; k < 3; k++) lamps[n].colour[k] = (float)(exposure * (double)lamps[n].colour[k]);
+    }
+    vxs_result r = lamp_pass_set(p->lamps, lamps, p->options.lit.lamps, NULL, NULL);
+    p->exposure  = r == VXS_OK ? exposure : 0;
+    return r;
+}
+
+vxs_result sky_pass_draw(sky_pass *p, const double eye_ws[3], const double moved_ws[3], unsigned normals, double exposure,
+                         message *m)
+{
+    vxs_result r = VXS_OK;
+    if (lamp_pass_move(p->lamps, moved_ws) || exposure != p->exposure) r = cast(p, moved_ws, exposure);
+    if (r == VXS_OK) r = lamp_pass_draw(p->lamps, eye_ws, normals);
+    return r == VXS_OK ? VXS_OK : fail(m, r, "light of the sky cannot be drawn: %s", vxs_result_text(r));
+}
+
+void sky_pass_add_light(const sky_pass *p)
+{
+    lamp_pass_add_light(p->lamps, p->exposure);
+}
+
+void sky_pass_add_map(const sky_pass *p, const vxs_view *view, unsigned depths, double exposure)
+{
+    const gl_context *gl      = p->gl;
+    GLuint            program = p->program;
+    lamp_pass_begin_adding(p->lamps, program);
+    gl->ProgramUniformMatrix4fv(program, gl->GetUniformLocation(program, "point_from_depth"), 1, GL_FALSE, view->point_from_depth);
+    gl->ProgramUniform4f(program, gl->GetUniformLocation(program, "sizes"), (float)view->width_px, (float)view->height_px,
+                         (float)(p->options.turn_rad / (2 * pi)), (float)(exposure * p->options.scale));
+    gl->BindTextureUnit(0, depths);
+    gl->BindTextureUnit(1, p->texture);
+    gl->DrawArrays(GL_TRIANGLES, 0, 3);
+    gl->Disable(GL_BLEND);
+}
+
+void sky_pass_mean(const sky_pass *p, double exposure, double rgb[3])
+{
+    for (int k = 0; k < 3; k++) {
+        rgb[k] = 0;
+        for (uint32_t n = 0; n < p->options.lit.lamps; n++) rgb[k] += exposure / (4 * pi) * (double)p->placed[n].colour[k];
+    }
+}
+
+const lamp_pass *sky_pass_lamps(const sky_pass *p)
+{
+    return p->lamps;
+}

@@ -1,0 +1,332 @@
+/* Smoke between lights and what is seen; see smoke_pass.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/lab/render/smoke_pass.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/base/vec3.h"
+#include "baker/light/baked_light.h"
+#include "baker/lab/truth/camera.h"
+
+/* Lists have room for so many segments at first; where they ask for more, and no more than the most, they get it. */
+enum { SEGMENTS = 1 << 20, SEGMENTS_MOST = 1 << 22, BINDING = 7, UNIT = 7 };
+
+/* That a map is made of, which takes 10 s on two processors. Many times more would be a minute and more, of a file of some kilobytes. */
+enum { SEGMENTS_MADE = 1 << 26, SIDE_LEAST = 16 };
+
+struct smoke_pass {
+    smoke_pass_options     options;
+    const gl_context      *gl;
+    vxs_volumes           *volumes;
+    uint32_t               layers, used;         /* of the pictures */
+    vxs_transmittance_map *maps[SMOKE_MAPS];     /* by layer, in the order in which they were built */
+    GLuint                 pictures[SMOKE_MAPS]; /* views of layers */
+    GLuint                 array, buffer;
+    smoke_light_plan      *lights;   /* [light_count] */
+    int32_t               *layer_of; /* [light_count] -1: none, yet */
+    uint8_t               *in_reach; /* [light_count] of a capsule at least */
+    vxs_capsule           *capsules; /* [smoke's count] as a light sees them */
+};
+
+/* reach ------------------------------------------------------------------------------------------------------------------------ */
+
+/* A ball about a capsule.   Returns its radius */
+static double ball_of(const scene_smoke *smoke, const vxs_capsule *c, double middle_ws[3])
+{
+    double square = 0;
+    for (int n = 0; n < 3; n++) {
+        double half  = 0.5 * ((double)c->end[n] - (double)c->begin[n]);
+        middle_ws[n] = smoke->origin_ws[n] + (double)c->begin[n] + half;
+        square += half * half;
+    }
+    return sqrt(square) + (double)c->radius_metres;
+}
+
+/* Whether a ball is in a sun's prism, but for its ends. */
+static int is_in_prism(const vxs_light *light, const double middle_ws[3], double radius)
+{
+    double edge = ldexp(1, (int)light->levels), texels = radius / light->texel_metres;
+    for (int row = 0; row < 2; row++) {
+        double at = vec3_dot(light->ls_from_ws + 4 * row, middle_ws) + light->ls_from_ws[4 * row + 3];
+        if (at + texels < 0 || at - texels > edge) return 0;
+    }
+    return 1;
+}
+
+static int reaches_smoke(const scene_smoke *smoke, const vxs_light *light)
+{
+    light_shape shape = baked_light_shape(light);
+    for (uint32_t n = 0; n < smoke->count; n++) {
+        double middle_ws[3], radius = ball_of(smoke, &smoke->list[n], middle_ws);
+        if (shape.kind == LIGHT_DIRECTIONAL ? is_in_prism(light, middle_ws, radius) : light_reaches_ball(&shape, middle_ws, radius))
+            return 1;
+    }
+    return 0;
+}
+
+/* Whether the view has something of a lamp's range: on the inner side of all planes through the eye and an edge of the picture. */
+static int is_in_view(const vxs_light *light, const double eye_ws[3], const camera_view *seen)
+{
+    light_shape shape = baked_light_shape(light);
+    double      way[3];
+    if (shape.range_m == INFINITY) return 1;
+    vec3_sub(shape.position_ws, eye_ws, way);
+    for (int side = 0; side < 4; side++) {
+        const double *across  = side < 2 ? seen->right : seen->up;
+        double        tangent = sqrt(vec3_dot(across, across)), inside[3];
+        for (int n = 0; n < 3; n++) inside[n] = tangent * seen->forward[n] + (side % 2 ? -1 : 1) * across[n] / tangent;
+        if (vec3_dot(inside, way) < -shape.range_m * sqrt(vec3_dot(inside, inside))) return 0;
+    }
+    return 1;
+}
+
+/* create ----------------------------------------------------------------------------------------------------------------------- */
+
+static vxs_result make_pictures(smoke_pass *p, message *m)
+{
+    const gl_context *gl = p->gl;
+    gl->GenBuffers(1, &p->buffer);
+    gl->CreateTextures(GL_TEXTURE_2D_ARRAY, 1, &p->array);
+    gl->TextureStorage3D(p->array, 1, GL_R32F, (GLsizei)p->options.width, (GLsizei)p->options.height,
+                         (GLsizei)(p->layers + !p->layers));
+    gl->GenTextures((GLsizei)p->layers, p->pictures);
+    for (GLuint n = 0; n < p->layers; n++) gl->TextureView(p->pictures[n], GL_TEXTURE_2D, p->array, GL_R32F, 0, 1, n, 1);
+    if (gl->GetError() == GL_NO_ERROR) return VXS_OK;
+    return fail(m, VXS_E_MEMORY, "OpenGL has no room for %u pictures of %u x %u samples", p->layers, p->options.width,
+                p->options.height);
+}
+
+static vxs_result make(smoke_pass *p, message *m)
+{
+    uint32_t lights = p->options.light_count, reached = 0;
+    p->lights   = calloc(lights, sizeof *p->lights);
+    p->layer_of = malloc(lights * sizeof *p->layer_of);
+    p->in_reach = calloc(lights, 1);
+    p->capsules = malloc(p->options.smoke->count * sizeof *p->capsules);
+    if (!p->lights || !p->layer_of || !p->in_reach || !p->capsules) return fail(m, VXS_E_MEMORY, "out of memory for smoke");
+    for (uint32_t n = 0; n < lights; n++) {
+        p->layer_of[n] = -1;
+        p->in_reach[n] = (uint8_t)reaches_smoke(p->options.smoke, &p->options.lights[n]->light);
+        reached += p->in_reach[n];
+    }
+    p->layers = reached < SMOKE_MAPS ? reached : SMOKE_MAPS;
+    return make_pictures(p, m);
+}
+
+vxs_result smoke_pass_create(smoke_pass **out, const smoke_pass_options *o, const gl_context *gl, vxs_volumes *volumes, message *m)
+{
+    smoke_pass *p = calloc(1, sizeof *p);
+    *out          = NULL;
+    if (!p) return fail(m, VXS_E_MEMORY, "out of memory for smoke");
+    p->options        = *o;
+    p->gl             = gl;
+    p->volumes        = volumes;
+    vxs_result result = make(p, m);
+    if (result == VXS_OK)
+        *out = p;
+    else
+        smoke_pass_destroy(p);
+    return result;
+}
+
+void smoke_pass_destroy(smoke_pass *p)
+{
+    if (!p) return;
+    for (uint32_t n = 0; n < SMOKE_MAPS; n++) vxs_transmittance_map_destroy(p->maps[n]);
+    p->gl->DeleteTextures((GLsizei)p->layers, p->pictures);
+    p->gl->DeleteTextures(1, &p->array);
+    p->gl->DeleteBuffers(1, &p->buffer);
+    free(p->capsules);
+    free(p->in_reach);
+    free(p->layer_of);
+    free(p->lights);
+    free(p);
+}
+
+/* maps ------------------------------------------------------------------------------------------------------------------------- */
+
+/* How wide a texel of the light's map of side_px texels a side is where a capsule is. */
+static double texel_at(const smoke_pass *p, const vxs_light *light, const light_shape *shape, const vxs_capsule *c, uint32_t side_px)
+{
+    double middle_ws[3], way[3], texel = ldexp(light->texel_metres, (int)light->levels) / side_px;
+    if (shape->kind == LIGHT_DIRECTIONAL) return texel;
+    ball_of(p->options.smoke, c, middle_ws);
+    vec3_sub(middle_ws, shape->position_ws, way);
+    return texel * sqrt(vec3_dot(way, way));
+}
+
+/* How many texels of a map all capsules cover, each at most all of it: about as many segments are put into its lists. */
+static double covered_texels(const smoke_pass *p, const vxs_light *light, uint32_t side_px)
+{
+    const scene_smoke *smoke = p->options.smoke;
+    light_shape        shape = baked_light_shape(light);
+    double             all = (double)vxs_light_map_count(light) * side_px * side_px, sum = 0;
+    for (uint32_t n = 0; n < smoke->count; n++) {
+        const vxs_capsule *c = &smoke->list[n];
+        double middle_ws[3], axis[3], radius = ball_of(smoke, c, middle_ws), texel = texel_at(p, light, &shape, c, side_px);
+        if (!(shape.kind == LIGHT_DIRECTIONAL ? is_in_prism(light, middle_ws, radius) : light_reaches_ball(&shape, middle_ws, radius)))
+            continue;
+        for (int k = 0; k < 3; k++) axis[k] = (double)c->end[k] - (double)c->begin[k];
+        double wide = 2 * (double)c->radius_metres / texel + 1;
+        sum += fmin(wide * (wide + sqrt(vec3_dot(axis, axis)) / texel), all);
+    }
+    return sum;
+}
+
+/* The side of a light's map: as many texels as are asked for; or fewer, where smoke covers it so many times that it would take minutes. */
+static uint32_t choose_side(const smoke_pass *p, const vxs_light *light, message *m)
+{
+    uint32_t asked = p->options.side_px, side = asked;
+    double   covered = covered_texels(p, light, asked);
+    if (!(covered > SEGMENTS_MADE)) return side;
+    if (!p->options.is_asked) side = (uint32_t)(asked * sqrt(SEGMENTS_MADE / covered));
+    if (side < SIDE_LEAST) side = SIDE_LEAST;
+    if (side < asked)
+        warn(m, "smoke: %u capsules cover %.3g texels of the map of light %s: it has %u x %u curves in place of %u x %u, unless "
+                "--smoke-side asks for more",
+             p->options.smoke->count, covered, light->name, side, side, asked, asked);
+    else
+        warn(m, "smoke: %u capsules cover %.3g texels of the map of light %s, which takes long: --smoke-side below %u takes less",
+             p->options.smoke->count, covered, light->name, asked);
+    return side;
+}
+
+/* As the light sees them: from the eye, and none thinner than a texel. */
+static void place_capsules(smoke_pass *p, const vxs_light *light, uint32_t side_px, const double eye_ws[3])
+{
+    const scene_smoke *smoke = p->options.smoke;
+    light_shape        shape = baked_light_shape(light);
+    for (uint32_t n = 0; n < smoke->count; n++) {
+        const vxs_capsule *from = &smoke->list[n];
+        vxs_capsule        c    = smoke_widened(*from, 0.5 * texel_at(p, light, &shape, from, side_px));
+        smoke_from_eye(smoke, &c, eye_ws);
+        p->capsules[n] = c;
+    }
+}
+
+static vxs_result build(smoke_pass *p, uint32_t light, uint32_t side_px, uint32_t segments, vxs_transmittance_map **map)
+{
+    const vxs_capsules     capsules = {.list = p->capsules, .count = p->options.smoke->count};
+    vxs_transmittance_desc desc = {.baked = light, .side_px = side_px, .capsules = capsules.count, .segments = segments};
+    vxs_result             result = vxs_transmittance_map_create(map, p->volumes, &desc);
+    return result == VXS_OK ? vxs_transmittance_map_build(*map, &capsules, NULL) : result;
+}
+
+static void warn_about_room(const smoke_pass *p, uint32_t light, uint32_t side_px, const vxs_transmittance_counts *counts,
+                            message *m)
+{
+    const char *name = p->options.lights[light]->light.name;
+    if (counts->merged)
+        warn(m,
+             "smoke: %u of %u segments in the map of light %s have no room, and are merged: it is right behind the smoke, and "
+             "coarse in it; "
+             "--smoke-side below %u takes fewer",
+             counts->merged, counts->segments, name, side_px);
+    if (counts->cut_texels)
+        warn(m,
+             "smoke: OpenGL ended the lists of %u texels in the map of light %s before their end: there it is too light; "
+             "--smoke-side above "
+             "%u spreads them over more",
+             counts->cut_texels, name, side_px);
+}
+
+/* Once more where lists were too short, and can be longer. */
+static vxs_result make_map(smoke_pass *p, uint32_t light, const double eye_ws[3], message *m)
+{
+    vxs_transmittance_map  **map    = &p->maps[p->used];
+    vxs_transmittance_counts counts = {0};
+    const vxs_light         *of   = &p->options.lights[light]->light;
+    uint32_t                 side = choose_side(p, of, m);
+    vxs_result               result;
+    place_capsules(p, of, side, eye_ws);
+    result = build(p, light, side, SEGMENTS, map);
+    if (result == VXS_OK) counts = vxs_transmittance_map_counts(*map);
+    if (counts.merged) {
+        uint32_t room = counts.segments < SEGMENTS_MOST ? counts.segments : SEGMENTS_MOST;
+        vxs_transmittance_map_destroy(*map);
+        result = build(p, light, side, room, map);
+        if (result == VXS_OK) counts = vxs_transmittance_map_counts(*map);
+    }
+    if (result != VXS_OK)
+        return fail(m, result, "a map of smoke of %u x %u curves is more than OpenGL has room for", side, side);
+    warn_about_room(p, light, side, &counts, m);
+    p->lights[light]   = (smoke_light_plan){.segments = counts.segments, .merged = counts.merged, .cut_texels = counts.cut_texels};
+    p->layer_of[light] = (int32_t)p->used++;
+    return VXS_OK;
+}
+
+/* a frame ---------------------------------------------------------------------------------------------------------------------- */
+
+static smoke_fate fate_of(const smoke_pass *p, uint32_t light, const double eye_ws[3], const camera_view *seen)
+{
+    if (!p->in_reach[light]) return SMOKE_OUT_OF_REACH;
+    if (!is_in_view(&p->options.lights[light]->light, eye_ws, seen)) return SMOKE_OUT_OF_VIEW;
+    return p->layer_of[light] >= 0 || p->used < p->layers ? SMOKE_DIMS : SMOKE_NO_ROOM;
+}
+
+static vxs_result draw_light(smoke_pass *p, uint32_t light, const double eye_ws[3], smoke_plan *plan, message *m)
+{
+    vxs_result result = VXS_OK;
+    if (p->layer_of[light] < 0) {
+        plan->built++;
+        result = make_map(p, light, eye_ws, m);
+    }
+    if (result != VXS_OK) return result;
+    int32_t layer         = p->layer_of[light];
+    p->lights[light].fate = SMOKE_DIMS;
+    result                = vxs_volumes_transmittance(p->volumes, p->maps[layer], p->pictures[layer], VXS_CURVE_LINES);
+    return result == VXS_OK ? VXS_OK : fail(m, result, "a map of smoke cannot be asked: %s", vxs_result_text(result));
+}
+
+vxs_result smoke_pass_draw(smoke_pass *p, const double eye_ws[3], const camera_view *seen, smoke_plan *plan, message *m)
+{
+    vxs_result result = VXS_OK;
+    *plan             = (smoke_plan){0};
+    for (uint32_t n = 0; n < p->options.light_count && result == VXS_OK; n++) {
+        smoke_fate fate   = fate_of(p, n, eye_ws, seen);
+        p->lights[n].fate = fate;
+        plan->lights[fate]++;
+        if (fate == SMOKE_DIMS) result = draw_light(p, n, eye_ws, plan, m);
+    }
+    return result;
+}
+
+void smoke_pass_bind(const smoke_pass *p)
+{
+    const gl_context *gl = p->gl;
+    gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, p->buffer);
+    gl->BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)(p->options.light_count * sizeof *p->layer_of), p->layer_of,
+                   GL_DYNAMIC_DRAW);
+    gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING, p->buffer);
+    gl->BindTextureUnit(UNIT, p->array);
+}
+
+vxs_result smoke_pass_ask(const smoke_pass *p, GLuint places, uint32_t count, GLuint left)
+{
+    vxs_result result = VXS_OK;
+    for (uint32_t n = 0; n < p->used && result == VXS_OK; n++)
+        result = vxs_volumes_transmittance_at(p->volumes, p->maps[n], places, count, left, n * count, VXS_CURVE_LINES);
+    return result;
+}
+
+const vxs_transmittance_map *smoke_pass_map(const smoke_pass *p, uint32_t light)
+{
+    return p->lights[light].fate == SMOKE_DIMS ? p->maps[p->layer_of[light]] : NULL;
+}
+
+GLuint smoke_pass_picture(const smoke_pass *p, uint32_t light)
+{
+    return p->lights[light].fate == SMOKE_DIMS ? p->pictures[p->layer_of[light]] : 0;
+}
+
+const smoke_light_plan *smoke_pass_lights(const smoke_pass *p)
+{
+    return p->lights;
+}
+
+uint32_t smoke_pass_layers(const smoke_pass *p)
+{
+    return p->layers;
+}

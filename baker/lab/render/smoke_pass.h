@@ -1,0 +1,59 @@
+/* Smoke of a scene in the light of its lamps and suns, by libvxs_volumes: a map of transmittance for each light that capsules can
+ * dim, and for each pixel how much of it is left. Maps are built once, when their light is first in view: nothing of the smoke
+ * moves.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SMOKE_PASS_H
+#define SMOKE_PASS_H
+
+#include "baker/lab/opengl/gl.h"
+#include "baker/lab/render/smoke_plan.h"
+#include "baker/scene/scene.h"
+#include "runtime/volumes/vxs_transmittance.h"
+
+enum { SMOKE_MAPS = 16, SMOKE_SIDE = 256 }; /* maps of a renderer at most; texels a side where nothing else is asked */
+
+typedef struct smoke_pass_options {
+    const scene_smoke            *smoke;  /* at least one capsule; it outlives the pass, as lights do */
+    const vxs_baked_light *const *lights; /* [light_count] those of the volumes */
+    uint32_t                      light_count;
+    uint32_t                      side_px;       /* of maps; of one that capsules cover very many times fewer, unless that is_asked */
+    int                           is_asked;
+    uint32_t                      width, height; /* samples */
+} smoke_pass_options;
+
+struct camera_view; /* of baker/lab/truth/camera.h */
+
+typedef struct smoke_pass smoke_pass;
+
+/* pass  [out] NULL on failure.   Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
+vxs_result smoke_pass_create(smoke_pass **pass, const smoke_pass_options *o, const gl_context *gl, vxs_volumes *volumes,
+                             message *m);
+
+/* Before the volumes. Accepts NULL. */
+void smoke_pass_destroy(smoke_pass *pass);
+
+/* Maps of lights that are new in view, and the pictures of all of them, in the frame of the volumes that has begun. A map without
+ * room for all segments is a warning.
+ * seen  from eye_ws, which the volumes' places count from;   plan  [out] */
+vxs_result smoke_pass_draw(smoke_pass *pass, const double eye_ws[3], const struct camera_view *seen, smoke_plan *plan, message *m);
+
+/* For shaders that have smoke.glsl. */
+void smoke_pass_bind(const smoke_pass *pass);
+
+/* How much of each light is left at places, layer by layer, into a storage buffer of float.   places  as for
+ * vxs_volumes_transmittance_at */
+vxs_result smoke_pass_ask(const smoke_pass *pass, GLuint places, uint32_t count, GLuint left);
+
+/* The map of a light that the last frame's smoke dims; else NULL. */
+const vxs_transmittance_map *smoke_pass_map(const smoke_pass *pass, uint32_t light);
+
+/* A GL_R32F picture of width x height of a light that has one; else 0. */
+GLuint smoke_pass_picture(const smoke_pass *pass, uint32_t light);
+
+/* Of the last frame, [light_count]. */
+const smoke_light_plan *smoke_pass_lights(const smoke_pass *pass);
+
+/* How many lights may get a picture each, of those that capsules can dim. */
+uint32_t smoke_pass_layers(const smoke_pass *pass);
+
+#endif

@@ -1,0 +1,46 @@
+/* Filters over rays; see truth_filter.h.
+ * Source: [CPVS16] 5.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/lab/truth/truth_filter.h"
+
+#include "formats/vxs_space.h"
+#include "runtime/vxs.h"
+
+/* Along one axis: K texels about one, or those that a row of K about a place in it, `within` / 256 from its near side, covers. */
+static void set_axis(filter_taps *taps, int axis, int32_t texel, uint32_t within, int filter_px)
+{
+    int width = vxs_filter_width(filter_px), begin = (int)within - 128 * width; /* in 1/256, counted from the texel */
+    if (filter_px < VXS_SMOOTH) begin = -256 * (width / 2);
+    int first         = begin < 0 ? (begin - 255) / 256 : begin / 256; /* rounded down */
+    taps->first[axis] = texel + first;
+    taps->count[axis] = 0;
+    for (int x = 256 * first; x < begin + 256 * width; x += 256) {
+        int from = x > begin ? x : begin, to = x + 256 < begin + 256 * width ? x + 256 : begin + 256 * width;
+        taps->part[axis][taps->count[axis]++] = (uint32_t)(to - from);
+    }
+}
+
+filter_taps filter_taps_of(const vxs_light *light, const double point_ws[3], const double *normal_ws, int filter_px)
+{
+    static const double in_the_air[3] = {0, 0, 0};
+    vxs_place           place         = vxs_place_from_ws(light, point_ws, normal_ws ? normal_ws : in_the_air, filter_px);
+    filter_taps         taps          = {.map = place.map, .depth = place.voxel[2]};
+    if (place.map < 0) return taps;
+    set_axis(&taps, 0, place.voxel[0], place.across, filter_px);
+    set_axis(&taps, 1, place.voxel[1], place.down, filter_px);
+    return taps;
+}
+
+double truth_filtered(const truth *t, const vxs_light *light, const light_shape *shape, const filter_taps *taps)
+{
+    double lit = 0, all = 0;
+    for (int j = 0; j < taps->count[1]; j++)
+        for (int i = 0; i < taps->count[0]; i++) {
+            double from_ws[3], part = (double)taps->part[0][i] * taps->part[1][j];
+            vxs_point(light, taps->map, (double[3]){taps->first[0] + i + 0.5, taps->first[1] + j + 0.5, taps->depth + 0.5},
+                      from_ws);
+            all += part;
+            if (truth_lit(t, from_ws, shape)) lit += part;
+        }
+    return lit / all;
+}

@@ -1,0 +1,153 @@
+/* The bytes of a glTF file, and of the files beside it; where the JSON is in them (4.4).
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/scene/gltf/gltf_loader.h"
+
+#include <cerrno>
+#include <endian.h>
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "baker/files/foreign_file.h"
+#include "baker/files/input_file.h"
+
+namespace gltf
+{
+
+namespace
+{
+struct descriptor {
+    int file;
+    ~descriptor()
+    {
+        if (file >= 0) close(file);
+    }
+};
+} // namespace
+
+static constexpr size_t LOOKED_AT = 65536;
+
+file_bytes read_bytes(loader &l, const char *path, size_t limit, bool regular_only, int &error, scene_look look)
+{
+    file_bytes  out;
+    descriptor  d = {regular_only ? open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK) : input_open(path)};
+    struct stat status;
+    error = d.file < 0 || fstat(d.file, &status) ? errno : 0;
+    if (error) return out;
+    bool regular = S_ISREG(status.st_mode);
+    if (S_ISDIR(status.st_mode)) error = EISDIR;
+    if (!error && regular_only && !regular) error = EINVAL;
+
+    std::string what  = strcmp(path, l.path) ? "the file '" + std::string(path) + "'" : "the file";
+    size_t      found = 0, known = regular && !error ? std::min((size_t)status.st_size, limit) : 0;
+    auto        make_room = [&](size_t size) {
+        l.need(size, what);
+        out.resize(size);
+    };
+    if (!error) make_room(std::min(known, look ? LOOKED_AT : known));
+    while (!error && found < limit) {
+        if (found == out.size()) make_room(std::min(limit, found < known ? known : found + std::max(found, LOOKED_AT)));
+        ssize_t n = read(d.file, out.data() + found, out.size() - found);
+        if (n < 0 && errno != EINTR) error = errno;
+        if (n > 0) found += (size_t)n;
+        if (look && n >= 0 && (n == 0 || found >= LOOKED_AT || found == known)) {
+            limit = std::min(limit, look(l, out.data(), found, regular ? (uint64_t)status.st_size : n == 0 ? found : 0));
+            known = std::min(known, limit);
+            look  = nullptr;
+        }
+        if (n == 0 || (regular && found == out.size() && found >= known)) break;
+    }
+    out.resize(std::min(found, limit));
+    return out;
+}
+
+/* What a scene may be, by its beginning: what it is not is said before it is read, however large it is. Of what cannot be JSON the parser gets the
+ * beginning alone, and says so; a GLB says how long it is, and a pipe may go on behind it.
+ * Returns how many bytes are to be read at most. */
+static size_t look_at_scene(loader &l, const unsigned char *bytes, size_t size, uint64_t total_bytes)
+{
+    char text[FOREIGN_BYTES];
+    bool is_glb = size >= 12 && !memcmp(bytes, "glTF", 4), is_gltf = may_be_gltf(bytes, size);
+    if (!is_gltf && foreign_file_text(text, bytes, size, total_bytes)) l.refused("", "is %s, expected glTF", text);
+    if (total_bytes >= FILE_BYTES_MAX) l.refused("", "is 4 GiB or larger, and a glTF file is less");
+    if (!is_gltf) return size;
+    uint32_t length = 0;
+    if (is_glb) memcpy(&length, bytes + 8, sizeof length);
+    return is_glb && !total_bytes && le32toh(length) >= 20 ? le32toh(length) : FILE_BYTES_MAX;
+}
+
+void read_scene_file(loader &l, const char *path)
+{
+    int         reason;
+    struct stat status;
+    l.file            = read_bytes(l, path, FILE_BYTES_MAX, false, reason, look_at_scene);
+    /* what comes through a pipe lies nowhere: beside it are the files of the working folder */
+    const char *slash = !stat(path, &status) && S_ISREG(status.st_mode) ? strrchr(path, '/') : nullptr;
+    if (slash) l.folder.assign(path, slash + 1);
+    if (reason || l.file.empty())
+        throw failure{fail(l.m, VXS_E_READ, "cannot read '%s': %s", l.path, reason ? strerror(reason) : "the file is empty"), "",
+                      true};
+    if (l.file.size() >= FILE_BYTES_MAX) l.refused("", "is 4 GiB or larger, and a glTF file is less");
+}
+
+static constexpr uint32_t JSON_CHUNK = 0x4e4f534a, BIN_CHUNK = 0x004e4942;
+
+static uint32_t u32_at(const file_bytes &file, size_t offset)
+{
+    const unsigned char *b = file.data() + offset;
+    return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
+}
+
+/* Where the chunk after the JSON begins: at a multiple of four, or right behind it, where some exporters put it. */
+static size_t second_chunk(const file_bytes &file, size_t begin, size_t length)
+{
+    size_t aligned = (begin + 3) / 4 * 4;
+    bool   is_bin  = begin != aligned && begin + 8 <= length && u32_at(file, begin + 4) == BIN_CHUNK;
+    return is_bin ? begin : std::min(aligned, length);
+}
+
+static container open_chunks(loader &l, size_t length)
+{
+    const file_bytes &file      = l.file;
+    container         c         = {(const char *)file.data() + 20, u32_at(file, 12), nullptr, 0};
+    uint32_t          text_size = u32_at(file, 12);
+    if (u32_at(file, 16) != JSON_CHUNK) l.broken("", "the first GLB chunk is not JSON");
+    if (!text_size || length < 20 || text_size > length - 20)
+        l.broken("", "GLB JSON chunk of %u bytes in a file of %zu: it must be there, and fit", text_size, length);
+
+    size_t at = second_chunk(file, 20 + (size_t)text_size, length);
+    for (size_t n = 1; at < length; n++) {
+        if (length - at < 8 || u32_at(file, at) > length - at - 8) l.broken("", "GLB chunk %zu does not fit in the file", n);
+        uint32_t size = u32_at(file, at), type = u32_at(file, at + 4);
+        if (n == 1 && type != BIN_CHUNK) l.broken("", "the second GLB chunk is not BIN");
+        if (n > 1 && (type == BIN_CHUNK || type == JSON_CHUNK)) l.broken("", "GLB chunk %zu is a second one of its type", n);
+        if (n == 1) c.bin = file.data() + at + 8, c.bin_size = size;
+        at += std::min((size_t)8 + (size + 3) / 4 * 4, (size_t)length - at); /* other types are for others */
+    }
+    while (c.text_size && !c.text[c.text_size - 1]) c.text_size--; /* some writers fill the chunk with zeros, not with blanks */
+    return c;
+}
+
+/* A header may promise more than there is where the chunks are whole: then it is wrong, and not the file. */
+container open_container(loader &l)
+{
+    const file_bytes &file = l.file;
+    if (file.size() < 4 || memcmp(file.data(), "glTF", 4)) return {(const char *)file.data(), file.size(), nullptr, 0};
+
+    if (file.size() < 20) l.broken("GLB header", "%zu bytes found, at least 20 expected", file.size());
+    uint32_t version = u32_at(file, 4), length = u32_at(file, 8);
+    if (version != 2)
+        l.refused("", "GLB version %u, expected 2%s", version,
+                  version == 1 ? ": binary glTF 1.0 is another format; convert it with gltf-pipeline, or export it again" : "");
+    if (length <= file.size()) return open_chunks(l, length);
+    container c = {};
+    if (caught([&] { c = open_chunks(l, file.size()); }))
+        l.broken("", "GLB header promises %u bytes, the file has %zu: it is not all there; copy it again", length, file.size());
+    take_note(l, cost::TREE, (uint64_t)1 << 52, "GLB header",
+              "promises " + std::to_string(length) + " bytes, the file has " + std::to_string(file.size()) +
+                  ": its chunks are whole, and read",
+              "export it again");
+    return c;
+}
+
+} // namespace gltf

@@ -1,0 +1,156 @@
+/* KHR_draco_mesh_compression: primitives decompressed with Draco.
+ *
+ * A primitive that also has uncompressed accessors is read from these: they are what was compressed.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/scene/gltf/gltf_loader.h"
+
+#include <draco/compression/decode.h>
+#include <draco/compression/point_cloud/point_cloud_decoder.h>
+#include <draco/core/varint_decoding.h>
+#include <draco/metadata/metadata_decoder.h>
+
+namespace gltf
+{
+
+static const char *const NAME = "KHR_draco_mesh_compression";
+
+/* Triangles that a stream of so many bytes may hold. Regular meshes take few bits a triangle; a stream that promises millions in a
+ * few bytes is no mesh. */
+static size_t plausible_triangles(size_t bytes)
+{
+    return ((size_t)1 << 20) + 64 * bytes;
+}
+
+bool needs_draco(const loader &l, const tinygltf::Primitive &p)
+{
+    if (!p.extensions.count(NAME)) return false;
+    for (int accessor : {attribute(p.attributes, "POSITION"), p.indices})
+        if (accessor >= 0 && l.model.accessors[accessor].bufferView < 0) return true;
+    return false;
+}
+
+/* The number of triangles in a stream's header, before anything is allocated for them. */
+static bool triangles_in_header(const char *from, size_t size, uint32_t &triangles)
+{
+    draco::DecoderBuffer buffer;
+    draco::DracoHeader   header;
+    buffer.Init(from, size);
+    if (!draco::PointCloudDecoder::DecodeHeader(&buffer, &header).ok() || header.encoder_type != draco::TRIANGULAR_MESH)
+        return false;
+    uint16_t version = DRACO_BITSTREAM_VERSION(header.version_major, header.version_minor);
+    if (version < DRACO_BITSTREAM_VERSION(2, 2)) return false; /* glTF has always had 2.2 */
+    buffer.set_bitstream_version(version);
+    if (header.flags & METADATA_FLAG_MASK) {
+        draco::GeometryMetadata metadata;
+        if (!draco::MetadataDecoder().DecodeGeometryMetadata(&buffer, &metadata)) return false;
+    }
+    uint8_t  kind;
+    uint32_t vertices;
+    if (header.encoder_method == draco::MESH_SEQUENTIAL_ENCODING) return draco::DecodeVarint(&triangles, &buffer);
+    return buffer.Decode(&kind) && draco::DecodeVarint(&vertices, &buffer) && draco::DecodeVarint(&triangles, &buffer);
+}
+
+/* Of a mesh while it is decoded, at least. */
+constexpr uint64_t TRIANGLE_BYTES = 60;
+
+/* Room for elements that follow each other. */
+static elements dense_elements(const elements &like, int component, size_t components, size_t count)
+{
+    elements e       = {};
+    e.label          = like.label;
+    e.type           = like.type;
+    e.component      = component;
+    e.component_size = component_bytes(component);
+    e.normalized     = like.normalized;
+    e.size = e.stride = components * e.component_size;
+    e.count           = count;
+    e.dense.resize(count * e.size);
+    e.data  = e.dense.data();
+    e.ready = true;
+    return e;
+}
+
+/* An attribute's values for every point, in the type of the accessor that they stand for. */
+static elements copy_attribute(loader &l, const std::string &where, const draco::Mesh &mesh, const tinygltf::Value &ids,
+                               const std::string &name, const elements &accessor)
+{
+    const draco::PointAttribute *from =
+        ids.Has(name) && ids.Get(name).IsInt() ? mesh.GetAttributeByUniqueId((uint32_t)ids.Get(name).GetNumberAsInt()) : nullptr;
+    if (!from) l.broken(where, "%s is not in its %s data", name.c_str(), NAME);
+
+    static const std::map<int, draco::DataType> types      = {{TINYGLTF_COMPONENT_TYPE_BYTE, draco::DT_INT8},
+                                                              {TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE, draco::DT_UINT8},
+                                                              {TINYGLTF_COMPONENT_TYPE_SHORT, draco::DT_INT16},
+                                                              {TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT, draco::DT_UINT16},
+                                                              {TINYGLTF_COMPONENT_TYPE_FLOAT, draco::DT_FLOAT32}};
+    auto                                        type       = types.find(accessor.component);
+    int                                         components = tinygltf::GetNumComponentsInType((uint32_t)accessor.type);
+    if (type == types.end() || from->data_type() != type->second || from->num_components() != components)
+        l.broken(where, "%s in its %s data is not of its accessor's type", name.c_str(), NAME);
+
+    elements e = dense_elements(accessor, accessor.component, (size_t)components, mesh.num_points());
+    for (uint32_t i = 0; i < mesh.num_points(); i++) {
+        draco::AttributeValueIndex value = from->mapped_index(draco::PointIndex(i));
+        if (value.value() >= from->size() || !from->IsAddressValid(from->GetAddress(value) + e.size - 1))
+            l.broken(where, "%s in its %s data is incomplete", name.c_str(), NAME);
+        memcpy(e.dense.data() + i * e.size, from->GetAddress(value), e.size);
+    }
+    return e;
+}
+
+static elements copy_indices(const draco::Mesh &mesh, const elements &accessor)
+{
+    elements e = dense_elements(accessor, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, 1, 3 * (size_t)mesh.num_faces());
+    for (size_t i = 0; i < e.count; i++) {
+        uint32_t index = mesh.face(draco::FaceIndex((uint32_t)(i / 3)))[i % 3].value();
+        memcpy(e.dense.data() + i * sizeof index, &index, sizeof index);
+    }
+    return e;
+}
+
+static draco_primitive decode(loader &l, const std::string &where, const tinygltf::Primitive &p)
+{
+    const tinygltf::Value &e    = p.extensions.at(NAME);
+    size_t                 view = (size_t)e.Get("bufferView").GetNumberAsInt();
+    const char            *from = (const char *)whole_view(l, where + " " + NAME, view);
+    if (p.mode != TINYGLTF_MODE_TRIANGLES || p.indices < 0)
+        l.unsupported(where, "%s data is read for indexed triangles only", NAME);
+
+    const elements &indices = l.accessors[p.indices];
+    size_t          size    = l.views[view].length;
+    uint32_t        triangles;
+    if (!triangles_in_header(from, size, triangles)) l.broken(where, "its %s data is not a mesh", NAME);
+    if (3 * (size_t)triangles != indices.count)
+        l.broken(where, "its %s data holds %u triangles, accessor %d says %zu indices", NAME, triangles, p.indices, indices.count);
+    if (triangles > plausible_triangles(size)) l.unsupported(where, "%u triangles in %zu bytes of %s data", triangles, size, NAME);
+
+    l.need(TRIANGLE_BYTES * triangles, where);
+    draco::DecoderBuffer buffer;
+    buffer.Init(from, size);
+    draco::Decoder decoder;
+    auto           mesh = decoder.DecodeMeshFromBuffer(&buffer);
+    if (!mesh.ok()) l.broken(where, "its %s data: %s", NAME, one_line(mesh.status().error_msg_string()).c_str());
+    if (mesh.value()->num_faces() != triangles) l.broken(where, "its %s data is incomplete", NAME);
+
+    draco_primitive out    = {{}, copy_indices(*mesh.value(), indices)};
+    bool            masked = p.material >= 0 && l.materials[p.material].mode != alpha_mode::SOLID;
+    for (const auto &[name, accessor] : p.attributes) {
+        bool is_alpha = name.rfind("TEXCOORD_", 0) == 0 || name == "COLOR_0",
+             is_skin  = name.rfind("JOINTS_", 0) == 0 || name.rfind("WEIGHTS_", 0) == 0;
+        bool is_read  = (masked && is_alpha) || (is_skin && l.choice->skinned == SKINNED_REST);
+        if ((size_t)accessor >= l.accessors.size() || l.accessors[accessor].fault)
+            continue; /* of none that is needed without a word */
+        if (name == "POSITION" || (is_read && e.Get("attributes").Has(name)))
+            out.attributes[name] = copy_attribute(l, where, *mesh.value(), e.Get("attributes"), name, l.accessors[accessor]);
+    }
+    return out;
+}
+
+const draco_primitive &use_draco(loader &l, const std::string &where, const tinygltf::Primitive &p)
+{
+    auto found = l.draco.find(&p);
+    if (found == l.draco.end()) found = l.draco.emplace(&p, decode(l, where, p)).first;
+    return found->second;
+}
+
+} // namespace gltf

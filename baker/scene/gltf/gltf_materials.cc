@@ -1,0 +1,407 @@
+/* Materials, and where those of alphaMode MASK have holes (3.9.4). The alpha of the base colour's texture, times the base colour's own,
+ * is held against alphaCutoff; KHR_texture_transform moves the texture. A material that reaches the cutoff everywhere has no alpha
+ * mask, one that reaches it nowhere no surface.
+ *
+ * A bake knows light and shadow, and nothing between. BLEND is a mask, too, at half of the light: where alpha is a, a share 1 - a of the light gets
+ * through, and of the two answers the nearer one errs by min(a, 1 - a), never more than a wall does, 1 - a, or nothing at all, a.
+ *
+ * The JSON of textures, samplers and masked materials is looked at only when triangles are placed that need it. What cannot be read of a
+ * mask makes it opaque.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/scene/gltf/gltf_loader.h"
+
+#include <cmath>
+
+namespace gltf
+{
+
+double number_or(const json &object, const char *name, double otherwise, double most)
+{
+    auto value = object.find(name);
+    if (value == object.end() || !value->is_number()) return otherwise;
+    double number = value->get<double>();
+    return number >= 0 && number <= most && std::isfinite(number) ? number : otherwise;
+}
+
+void numbers_or(const json &object, const char *name, double otherwise, double out[3])
+{
+    auto values = object.find(name);
+    bool good   = values != object.end() && values->is_array() && values->size() >= 3;
+    for (size_t n = 0; good && n < 3; n++) good = (*values)[n].is_number() && (*values)[n] >= 0 && (*values)[n] <= 1;
+    for (size_t n = 0; n < 3; n++) out[n] = good ? (*values)[n].get<double>() : otherwise;
+}
+
+/* Only pictures ask: what is no colour is white, as when nothing is said, and what is textured is grey times its colour. */
+static void read_colour(const json &object, material &m)
+{
+    static const double grey      = 0.45;
+    const json         *older     = extension(object, "KHR_materials_pbrSpecularGlossiness");
+    auto                newer     = object.find("pbrMetallicRoughness");
+    double              colour[3] = {1, 1, 1};
+    if (older || (newer != object.end() && newer->is_object())) {
+        const json &base = older ? *older : *newer;
+        numbers_or(base, older ? "diffuseFactor" : "baseColorFactor", 1, colour);
+        if (base.contains(older ? "diffuseTexture" : "baseColorTexture"))
+            for (double &c : colour) c *= grey;
+    }
+    for (size_t n = 0; n < 3; n++) m.colour[n] = (float)colour[n];
+}
+
+void place_materials(loader &l)
+{
+    size_t count          = l.materials.size();
+    l.s->material_colours = (float(*)[3])calloc(count + 1, sizeof *l.s->material_colours);
+    if (!l.s->material_colours) throw std::bad_alloc();
+    l.s->material_count = count;
+    for (size_t n = 0; n < count; n++) {
+        const float *shine = l.materials[n].radiance;
+        memcpy(l.s->material_colours[n], l.materials[n].colour, sizeof l.materials[n].colour);
+        l.s->shining_count += shine[0] > 0 || shine[1] > 0 || shine[2] > 0;
+    }
+}
+
+static const char *const TRANSMISSION = "KHR_materials_transmission", *const DIFFUSE_TRANSMISSION =
+                                                                          "KHR_materials_diffuse_transmission";
+
+/* The extension by which a material lets light through besides its alpha; NULL: none does. */
+static const char *transmission_of(const json &object)
+{
+    static const struct {
+        const char *name, *factor;
+    } ways[] = {{TRANSMISSION, "transmissionFactor"}, {DIFFUSE_TRANSMISSION, "diffuseTransmissionFactor"}};
+    if (!items(object, "extensions").is_object()) return nullptr;
+    for (const auto &way : ways) {
+        const json *e = extension(object, way.name);
+        if (e && e->is_object() && number_or(*e, way.factor, 0, 1) > 0) return way.name;
+    }
+    return nullptr;
+}
+
+static alpha_mode read_mode(const json &object, std::string &odd)
+{
+    auto        found = object.find("alphaMode");
+    std::string mode  = found == object.end() ? "OPAQUE" : found->is_string() ? found->get<std::string>() : "";
+    if (mode == "MASK") return alpha_mode::MASK;
+    if (mode == "BLEND") return alpha_mode::BLEND;
+    if (mode != "OPAQUE") odd = "unknown alphaMode '" + mode.substr(0, 40) + "': taken as OPAQUE";
+    return alpha_mode::SOLID;
+}
+
+void read_materials(loader &l, const json &root)
+{
+    for (const json &object : items(root, "materials")) {
+        material m   = {};
+        auto     two = object.find("doubleSided");
+        m.name       = object.value("name", "");
+        m.mode       = read_mode(object, m.odd);
+        if (two != object.end() && !two->is_boolean()) m.odd = "'doubleSided' is not true or false: taken as false";
+        m.double_sided = two != object.end() && *two == true;
+        m.transmits    = transmission_of(object);
+        read_colour(object, m);
+        read_radiance(object, m);
+        l.materials.push_back(m);
+    }
+}
+
+/* Item `index` of a list of the file. */
+static const json &item(loader &l, const std::string &where, const char *list, const char *kind, size_t index)
+{
+    const json &all = items(l.rest, list);
+    if (!all.is_array() || index >= all.size() || !all[index].is_object()) l.broken(where, "%s %zu does not exist", kind, index);
+    return all[index];
+}
+
+/* The image that a texture shows. */
+size_t texture_image(loader &l, const std::string &where, const json &texture)
+{
+    const json *source = &texture;
+    const json *webp   = extension(texture, "EXT_texture_webp");
+    if (webp && webp->contains("source")) source = webp;
+    for (const char *name : {"KHR_texture_basisu", "MSFT_texture_dds", "EXT_texture_avif"})
+        if (!source->contains("source") && extension(texture, name))
+            l.unsupported(where, "its image is one of %s alone, which is not read: expected PNG, JPEG or WebP beside it", name);
+    check_shape(l, where + " texture", *source, {{"source", is::index, true}});
+    item(l, where, "images", "image", (*source)["source"]);
+    return (*source)["source"];
+}
+
+static texture_wrap wrap_mode(loader &l, const std::string &where, const json &sampler, const char *name)
+{
+    json mode = sampler.value(name, json(10497));
+    if (mode != 10497 && mode != 33071 && mode != 33648) l.broken(where + " sampler", "'%s' is not 10497, 33071 or 33648", name);
+    return mode == 10497 ? WRAP_REPEAT : mode == 33071 ? WRAP_CLAMP : WRAP_MIRROR;
+}
+
+void read_sampler(loader &l, const std::string &where, const json &texture, alpha_mask &out)
+{
+    json sampler = json::object();
+    check_shape(l, where + " texture", texture, {{"sampler", is::index}});
+    if (texture.contains("sampler")) sampler = item(l, where, "samplers", "sampler", texture["sampler"]);
+    out.nearest = sampler.value("magFilter", json()) == 9728;
+    out.wrap_u  = wrap_mode(l, where, sampler, "wrapS");
+    out.wrap_v  = wrap_mode(l, where, sampler, "wrapT");
+}
+
+/* Scaled, then turned counter-clockwise as seen in the image, whose v goes down, then moved. */
+texture_place read_texture_place(loader &l, const std::string &where, const json &info)
+{
+    static constexpr shape members = {
+        {"offset", is::numbers, false, 2}, {"scale", is::numbers, false, 2}, {"texCoord", is::index}, {"rotation", is::number}};
+    const json   *moved = check_extension(l, where, info, "KHR_texture_transform", members);
+    texture_place place;
+    place.uv_set = info.value("texCoord", (size_t)0);
+    if (!moved) return place;
+
+    std::vector<double> offset = moved->value("offset", std::vector<double>{0, 0}),
+                        scale  = moved->value("scale", std::vector<double>{1, 1});
+    double       angle = moved->value("rotation", 0.0), c = std::cos(angle), s = std::sin(angle);
+    const double matrix[6] = {c * scale[0], s * scale[1], offset[0], -s * scale[0], c * scale[1], offset[1]};
+    memcpy(place.transform, matrix, sizeof matrix);
+    place.uv_set = moved->value("texCoord", place.uv_set);
+    return place;
+}
+
+/* Give the scene an alpha mask and its image. Returns the mask's number there. */
+static uint32_t add_mask(loader &l, image_alpha &image, alpha_mask added)
+{
+    if (image.in_scene == SIZE_MAX) {
+        image.in_scene = l.hole_images.size();
+        l.hole_images.push_back(&image);
+    }
+    added.image = (uint32_t)image.in_scene;
+    l.alpha_masks.push_back(added);
+    return (uint32_t)l.alpha_masks.size() - 1;
+}
+
+const json &texture_of(loader &l, const std::string &where, const json &info)
+{
+    check_shape(l, where, info, {{"index", is::index, true}, {"texCoord", is::index}, {"extensions", is::extensions}});
+    const json &texture = item(l, where, "textures", "texture", info["index"]);
+    check_shape(l, where + " texture", texture, {{"extensions", is::extensions}});
+    return texture;
+}
+
+/* The holes that a texture makes where its alpha is below the threshold. */
+static void read_texture(loader &l, const std::string &where, const json &info, material &m)
+{
+    const json  &texture = texture_of(l, where, info);
+    size_t       index   = texture_image(l, where, texture);
+    image_alpha &image   = use_image(l, index);
+
+    alpha_mask added = {};
+    added.threshold  = (float)m.threshold;
+    m.is_clear |= image.least < 255;
+    m.is_nothing |= image.most == 0;
+    m.surface        = (float)image.least / 255.0f >= added.threshold ? material::EVERYWHERE
+                       : (float)image.most / 255.0f < added.threshold ? material::NOWHERE
+                                                                      : material::WITH_HOLES;
+    if (m.surface == material::EVERYWHERE && !image.has_alpha && m.mode == alpha_mode::MASK)
+        m.trap = "is a mask, but " + label("image", index) + " has no alpha: there are no holes";
+    if (m.surface != material::WITH_HOLES) return;
+    read_sampler(l, where, texture, added);
+    m.holes      = read_texture_place(l, where, info);
+    m.alpha_mask = add_mask(l, image, added);
+}
+
+static double cutoff_of(loader &l, const std::string &where, const json &object, const material &m)
+{
+    if (m.mode == alpha_mode::BLEND) return 0.5; /* of the light */
+    json cutoff = object.value("alphaCutoff", json(0.5));
+    if (!cutoff.is_number() || !(cutoff.get<double>() >= 0)) l.broken(where, "'alphaCutoff' is not a number, 0 or more");
+    return cutoff.get<double>();
+}
+
+/* What a material's alpha is made of. */
+struct alpha_source {
+    double      factor;
+    const json *texture; /* NULL: none */
+};
+
+static alpha_source alpha_of(loader &l, const std::string &where, const json &object)
+{
+    static const json nothing = json::object();
+    check_shape(l, where, object, {{"pbrMetallicRoughness", is::object}, {"extensions", is::extensions}});
+    const json *older  = extension(object, "KHR_materials_pbrSpecularGlossiness");
+    auto        newer  = object.find("pbrMetallicRoughness");
+    const json &base   = older ? *older : newer != object.end() ? *newer : nothing;
+    const char *factor = older ? "diffuseFactor" : "baseColorFactor", *texture = older ? "diffuseTexture" : "baseColorTexture";
+    check_shape(l, where, base, {{factor, is::numbers, false, 4}, {texture, is::object}});
+    return {base.contains(factor) ? base[factor][3].get<double>() : 1, base.contains(texture) ? &base[texture] : nullptr};
+}
+
+static void read_mask(loader &l, const std::string &where, const json &object, material &m)
+{
+    alpha_source alpha  = alpha_of(l, where, object);
+    double       cutoff = cutoff_of(l, where, object, m);
+    m.threshold         = alpha.factor > 0 ? cutoff / alpha.factor : INFINITY;
+    m.is_clear          = alpha.factor < 1;
+    m.is_nothing        = !(alpha.factor > 0);
+    if (cutoff <= 0 && alpha.texture) m.trap = "alphaCutoff is 0, which any alpha reaches: there are no holes";
+    if (cutoff > 0 && !(m.threshold <= 1)) m.surface = material::NOWHERE;
+    if (cutoff > 0 && m.threshold <= 1 && alpha.texture) read_texture(l, where, *alpha.texture, m);
+}
+
+/* BLEND that is to be a wall, or nothing. What has an alpha of 0 everywhere is nothing by any reading, and of 1 a wall. */
+static void read_whole(loader &l, const std::string &where, const json &object, material &m)
+{
+    alpha_source alpha = alpha_of(l, where, object);
+    m.is_clear         = alpha.factor < 1;
+    m.is_nothing       = !(alpha.factor > 0);
+    if (alpha.texture && !m.is_nothing) {
+        const image_alpha &image = use_image(l, texture_image(l, where, texture_of(l, where, *alpha.texture)));
+        m.is_clear |= image.least < 255;
+        m.is_nothing = image.most == 0;
+    }
+    if (m.is_nothing || (m.is_clear && l.choice->blend == BLEND_EXCLUDE)) m.surface = material::NOWHERE;
+}
+
+material &use_material(loader &l, size_t index)
+{
+    material &m = l.materials[index];
+    if (m.surface != material::UNKNOWN) return m;
+    const json &object = items(l.rest, "materials")[index];
+    std::string where  = label("material", l.materials, index);
+    bool        whole  = m.mode == alpha_mode::BLEND && l.choice->blend != BLEND_MASK;
+    m.surface          = material::EVERYWHERE;
+    if (m.mode != alpha_mode::SOLID)
+        m.fault = caught([&] { whole ? read_whole(l, where, object, m) : read_mask(l, where, object, m); }).text;
+    if (!m.fault.empty()) m.surface = material::EVERYWHERE;
+    if (m.transmits == TRANSMISSION && l.choice->blend == BLEND_EXCLUDE) m.surface = material::NOWHERE;
+    return m;
+}
+
+/* ---- what there is to say of materials, once their triangles are counted ---- */
+
+/* Why a material lets light through, and how that is baked. */
+static void warn_about_light(loader &l, size_t index, const material &m, const std::string &where)
+{
+    std::string exclude = exclude_remedy("material:", index, m.name);
+    bool        blends  = m.mode == alpha_mode::BLEND && m.fault.empty() && m.is_clear && !m.is_nothing;
+    if (l.choice->blend_given) return;
+    if (blends && m.surface == material::NOWHERE)
+        take_note(l, cost::PRIMITIVE, (uint64_t)1 << 62 | index, where,
+                  "alphaMode BLEND, with an alpha below 0.5 everywhere, casts nothing",
+                  "set alphaMode to OPAQUE, or give --blend: mask says that this is meant, opaque bakes walls", m.left_out);
+    else if (blends)
+        take_note(
+            l, cost::BLEND, index, where,
+            "alphaMode BLEND is baked as a mask, a wall where alpha is 0.5 or more and nothing elsewhere",
+            "set alphaMode to MASK or OPAQUE, or give --blend: mask says that this is meant, opaque bakes walls, exclude nothing",
+            m.triangles);
+    else if (m.transmits)
+        take_note(l, cost::BLEND, index, where, std::string(m.transmits) + " lets light through, and is baked as a wall",
+                  (m.transmits == TRANSMISSION
+                       ? "--blend exclude leaves such materials out, --blend opaque says that walls are meant, "
+                       : "") +
+                      exclude,
+                  m.triangles);
+}
+
+static void warn_about_material(loader &l, size_t index, const material &m)
+{
+    std::string where = label("material", l.materials, index) + m.used_by, image = "store its image as PNG or WebP, or ";
+    if (m.surface == material::NOWHERE && m.mode == alpha_mode::MASK && m.left_out)
+        take_note(l, cost::PRIMITIVE, (uint64_t)1 << 62 | index, label("material", l.materials, index),
+                  "its alpha is below the cutoff everywhere", "lower alphaCutoff, or set alphaMode to OPAQUE", m.left_out);
+    if (!m.odd.empty() && m.triangles) take_note(l, cost::MATERIAL, (uint64_t)1 << 62 | index, where, m.odd, "export it again");
+    if (!m.trap.empty() && m.triangles)
+        take_note(l, cost::TRAP, index, where, m.trap,
+                  m.trap[0] == 'i' ? "store it with its alpha as PNG or WebP, or set alphaMode to OPAQUE"
+                                   : "raise alphaCutoff, or set alphaMode to OPAQUE",
+                  m.triangles);
+    if (!m.fault.empty() && m.triangles)
+        take_note(l, cost::MASK, index, where, why_of({VXS_E_SCENE, m.fault, false}, label("material", l.materials, index)),
+                  (m.fault.find("image") < std::string::npos ? image : "mend it, or ") + exclude_remedy("material:", index, m.name),
+                  m.triangles);
+    if (m.triangles || m.left_out) warn_about_light(l, index, m, where);
+}
+
+/* ---- what primitives need of them ---- */
+
+/* The elements of a further attribute of a primitive. */
+static const elements &further_attribute(loader &l, const std::string &where, const placement &p, const std::string &name)
+{
+    int accessor = attribute(p.primitive->attributes, name);
+    if (accessor < 0)
+        l.broken(where, "no %s, which the mask of %s needs", name.c_str(),
+                 label("material", l.materials, (size_t)p.primitive->material).c_str());
+    bool            in_draco = p.draco && p.draco->attributes.count(name);
+    const elements &e        = in_draco ? p.draco->attributes.at(name)
+                                        : (sound_accessor(l, where, name.c_str(), accessor), use_accessor(l, (size_t)accessor));
+    if (e.count != p.positions->count)
+        l.broken(where, "%zu elements of %s, expected %zu", e.count, name.c_str(), p.positions->count);
+    return e;
+}
+
+/* The first two of three or four are what is meant: some exporters write a third, 0. */
+void find_uvs(loader &l, const std::string &where, placement &p)
+{
+    std::string     name  = "TEXCOORD_" + std::to_string(p.material->holes.uv_set);
+    const elements &e     = further_attribute(l, where, p, name);
+    bool            plain = e.component == TINYGLTF_COMPONENT_TYPE_FLOAT || e.normalized;
+    bool            many  = e.type == TINYGLTF_TYPE_VEC2 || e.type == TINYGLTF_TYPE_VEC3 || e.type == TINYGLTF_TYPE_VEC4;
+    if (!many || e.component == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT || (!plain && !l.quantization))
+        l.broken(where + ", " + e.label, "%s is not a VEC2 of floats or normalised unsigned integers", name.c_str());
+    p.uvs     = &e;
+    bool same = e.count > 0;
+    for (size_t i = 1; i < e.count && same; i++) same = e.value(i, 0) == e.value(0, 0) && e.value(i, 1) == e.value(0, 1);
+    if (same)
+        take_note(l, cost::TRAP, (uint64_t)3 << 32 | (uint64_t)p.primitive->material, where,
+                  "its texture coordinates are all one: its mask is one pixel of the image",
+                  "give it texture coordinates, or a material without a mask", p.triangles);
+}
+
+/* A broken colour is not this baker's business. */
+void warn_about_colors(loader &l, const std::string &where, size_t node, const placement &p)
+{
+    int accessor = attribute(p.primitive->attributes, "COLOR_0");
+    if (accessor < 0 || (size_t)accessor >= l.accessors.size() || l.accessors[accessor].type != TINYGLTF_TYPE_VEC4) return;
+    const elements *e    = nullptr;
+    bool            seen = false;
+    failure         f    = caught([&] { e = &further_attribute(l, where, p, "COLOR_0"); });
+    for (size_t i = 0; e && i < e->count && !seen; i++) seen = e->value(i, 3) != 1;
+    if (seen)
+        take_note(l, cost::COLOUR, (uint64_t)l.model.nodes[node].mesh << 32 | p.index, where, "the alpha of COLOR_0 is ignored",
+                  "where it makes holes, put it into the texture of the base colour");
+}
+
+bool append_mask_triangle(loader &l, const placement &p, const uint32_t element[3])
+{
+    const double  *t   = p.material->holes.transform;
+    holed_triangle out = {(uint32_t)l.s->triangle_count, p.material->alpha_mask, {}};
+    for (int k = 0; k < 3; k++) {
+        double u = p.uvs->value(element[k], 0), v = p.uvs->value(element[k], 1);
+        out.uv[k][0] = (float)(t[0] * u + t[1] * v + t[2]);
+        out.uv[k][1] = (float)(t[3] * u + t[4] * v + t[5]);
+        if (!std::isfinite(out.uv[k][0]) || !std::isfinite(out.uv[k][1])) return false;
+    }
+    l.holed_triangles.push_back(out);
+    return true;
+}
+
+/* Triangles of materials that let light through, and are left out for it. */
+static size_t count_blended(const loader &l)
+{
+    size_t count = 0;
+    for (const material &m : l.materials) count += m.surface == material::NOWHERE && m.mode != alpha_mode::MASK ? m.left_out : 0;
+    return count;
+}
+
+void place_masks(loader &l)
+{
+    scene *s = l.s;
+    for (size_t i = 0; i < l.materials.size(); i++) warn_about_material(l, i, l.materials[i]);
+    l.exclusions.back().triangles = count_blended(l);
+    if (l.holed_triangles.empty()) return;
+
+    s->images = (alpha_image *)calloc(l.hole_images.size(), sizeof *s->images);
+    if (!s->images) throw std::bad_alloc();
+    for (const image_alpha *image : l.hole_images)
+        s->images[s->image_count++] = {image->width_px, image->height_px, copied(image->alpha)};
+    s->alpha_masks          = copied(l.alpha_masks);
+    s->alpha_mask_count     = l.alpha_masks.size();
+    s->holed_triangles      = copied(l.holed_triangles);
+    s->holed_triangle_count = l.holed_triangles.size();
+}
+
+} // namespace gltf

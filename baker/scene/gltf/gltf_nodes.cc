@@ -1,0 +1,290 @@
+/* Nodes (3.5): transforms, the tree, and the scene that is asked for.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/scene/gltf/gltf_loader.h"
+
+#include <cmath>
+#include <set>
+
+namespace gltf
+{
+
+transform multiply(const transform &a, const transform &b)
+{
+    return {{rotate_scale(a, b.axis[0]), rotate_scale(a, b.axis[1]), rotate_scale(a, b.axis[2])}, apply(a, b.origin)};
+}
+
+bool trs_transform(const double translation[3], const double rotation[4], const double scale[3], transform &t)
+{
+    double x = rotation[0], y = rotation[1], z = rotation[2], w = rotation[3];
+    double length = std::sqrt(x * x + y * y + z * z + w * w);
+    double sx = scale[0], sy = scale[1], sz = scale[2];
+    if (!(length > 0) || !std::isfinite(length)) return false;
+    x /= length, y /= length, z /= length, w /= length;
+    t = {{{sx * (1 - 2 * (y * y + z * z)), sx * 2 * (x * y + z * w), sx * 2 * (x * z - y * w)},
+          {sy * 2 * (x * y - z * w), sy * (1 - 2 * (x * x + z * z)), sy * 2 * (y * z + x * w)},
+          {sz * 2 * (x * z + y * w), sz * 2 * (y * z - x * w), sz * (1 - 2 * (x * x + y * y))}},
+         {translation[0], translation[1], translation[2]}};
+    return true;
+}
+
+double volume_scale(const transform &t)
+{
+    const vec3 *a = t.axis;
+    return a[0].x * (a[1].y * a[2].z - a[1].z * a[2].y) - a[0].y * (a[1].x * a[2].z - a[1].z * a[2].x) +
+           a[0].z * (a[1].x * a[2].y - a[1].y * a[2].x);
+}
+
+bool is_mirrored(const transform &t)
+{
+    return volume_scale(t) < 0;
+}
+
+/* A matrix by rows, as some exporters write it, has the translation where the last row should be. */
+static bool is_by_rows(const std::vector<double> &m)
+{
+    return m[12] == 0 && m[13] == 0 && m[14] == 0 && m[15] == 1 && (m[3] != 0 || m[7] != 0 || m[11] != 0);
+}
+
+transform node_transform(loader &l, size_t index)
+{
+    const tinygltf::Node      &node  = l.model.nodes[index];
+    const std::vector<double> &m     = node.matrix;
+    std::string                where = label("node", index, node.name);
+    if (l.nodes[index].fault) throw l.nodes[index].fault;
+    if (!m.empty()) {
+        if (std::fabs(m[3]) + std::fabs(m[7]) + std::fabs(m[11]) + std::fabs(m[15] - 1) > 1e-6)
+            l.broken(where, "the last row of its matrix is not 0, 0, 0, 1%s",
+                     is_by_rows(m) ? " (it seems to be written by rows, not by columns)" : "");
+        return {{{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}}, {m[12], m[13], m[14]}};
+    }
+
+    double    translation[3] = {0, 0, 0}, rotation[4] = {0, 0, 0, 1}, scale[3] = {1, 1, 1};
+    transform t;
+    std::copy(node.translation.begin(), node.translation.end(), translation);
+    std::copy(node.rotation.begin(), node.rotation.end(), rotation);
+    std::copy(node.scale.begin(), node.scale.end(), scale);
+    if (trs_transform(translation, rotation, scale, t)) return t;
+    if (rotation[0] != 0 || rotation[1] != 0 || rotation[2] != 0 || rotation[3] != 0)
+        l.broken(where, "its rotation is not a unit quaternion");
+    /* by the formula every viewer uses, zeros turn nothing */
+    take_note(l, cost::TREE, index, where, "its rotation is 0, 0, 0, 0, not a unit quaternion: taken as none", "export it again");
+    rotation[3] = 1;
+    trs_transform(translation, rotation, scale, t);
+    return t;
+}
+
+/* Children that do not exist, and those that are listed twice, are taken out. */
+static void mend_children(loader &l, size_t index)
+{
+    auto            &children = l.model.nodes[index].children;
+    std::set<int>    seen;
+    std::vector<int> kept;
+    std::string      where = label("node", index, l.model.nodes[index].name);
+    for (int child : children) {
+        bool        exists = (size_t)child < l.model.nodes.size();
+        std::string what   = "child " + std::to_string(child);
+        if (exists && seen.insert(child).second)
+            kept.push_back(child);
+        else if (exists)
+            take_note(l, cost::TREE, index, where, what + " is listed twice: it is placed once", "export it again");
+        else
+            take_fault(l, cost::TREE, index, where, {VXS_E_SCENE, where + ": " + what + " does not exist: ignored", false},
+                       "export it again");
+    }
+    children = kept;
+}
+
+/* Nodes form a forest: every node has one parent at most, and hangs from a root. Which of two parents is meant cannot be known. */
+std::vector<int> check_tree(loader &l)
+{
+    const auto      &nodes = l.model.nodes;
+    std::vector<int> parent(nodes.size(), -1), open;
+    for (size_t i = 0; i < nodes.size(); i++) {
+        mend_children(l, i);
+        for (int child : nodes[i].children) {
+            if (parent[child] >= 0)
+                l.refused("", "%s has two parents, node %d and %s: a node may be a child of one; make a copy of it for the other",
+                          label("node", nodes, (size_t)child).c_str(), parent[child], label("node", i).c_str());
+            parent[child] = (int)i;
+        }
+    }
+
+    std::vector<char> reached(nodes.size(), 0);
+    for (size_t i = 0; i < nodes.size(); i++)
+        if (parent[i] < 0) open.push_back((int)i);
+    while (!open.empty()) {
+        int at = open.back();
+        open.pop_back();
+        reached[at] = 1;
+        open.insert(open.end(), nodes[at].children.begin(), nodes[at].children.end());
+    }
+    for (size_t i = 0; i < nodes.size(); i++)
+        if (!reached[i])
+            l.refused("", "%s is in a loop of nodes, each a child of the one before: take it out of the children of one of them",
+                      label("node", nodes, i).c_str());
+    return parent;
+}
+
+/* What a node of the scene refers to and is not there is left out of it. Lights are judged where they are placed. */
+void check_references(loader &l)
+{
+    tinygltf::Model &model = l.model;
+    for (size_t i : l.order) {
+        tinygltf::Node &node = model.nodes[i];
+        struct {
+            const char *kind;
+            int        *index;
+            size_t      count;
+        } references[] = {{"mesh", &node.mesh, model.meshes.size()},
+                          {"skin", &node.skin, l.skins.size()},
+                          {"camera", &node.camera, l.camera_count}};
+        for (const auto &reference : references) {
+            if (*reference.index < 0 || (size_t)*reference.index < reference.count) continue;
+            std::string where = label("node", model.nodes, i), text = reference.kind;
+            text += " " + std::to_string(*reference.index) + " does not exist, the file has " + std::to_string(reference.count);
+            take_fault(l, cost::REFERENCE, 16 * i + (size_t)(&reference - references), where,
+                       {VXS_E_SCENE, where + ": " + text, false}, "export it again");
+            *reference.index = -1;
+        }
+    }
+}
+
+/* The scene to take where no option names one. */
+static int default_scene(loader &l)
+{
+    const auto &scenes = l.model.scenes;
+    int         named  = l.model.defaultScene;
+    std::string count  = std::to_string(scenes.size()),
+                first  = scenes.empty() ? "all nodes without a parent are taken" : label("scene", scenes, 0) + " is taken";
+    if (named >= 0 && (size_t)named < scenes.size()) return named;
+    if (named >= 0)
+        take_fault(l, cost::TREE, SIZE_MAX, "glTF",
+                   {VXS_E_SCENE,
+                    "its default scene " + std::to_string(named) + " does not exist, the file has " + count + ": " + first, false},
+                   "set it, or choose with --scene");
+    else if (scenes.size() > 1)
+        take_note(l, cost::TREE, SIZE_MAX, "glTF", "it has " + count + " scenes, and says of none that it is the default: " + first,
+                  "set 'scene', or choose with --scene");
+    return scenes.empty() ? -1 : 0;
+}
+
+int choose_scene(loader &l, const char *which)
+{
+    const auto &scenes = l.model.scenes;
+    if (!which) return default_scene(l);
+    for (size_t i = 0; i < scenes.size(); i++)
+        if (*which && scenes[i].name == which) return (int)i;
+
+    size_t digits = strspn(which, "0123456789");
+    if (digits && !which[digits] && digits < 10 && strtoul(which, nullptr, 10) < scenes.size())
+        return (int)strtoul(which, nullptr, 10);
+
+    std::string known;
+    for (size_t i = 0; i < scenes.size() && known.size() < 200; i++) known += (i ? ", " : ": ") + label("scene", scenes, i);
+    l.error(VXS_E_ARGUMENT, "no scene '%s'; the file has %zu%s", which, scenes.size(), known.c_str());
+}
+
+/* Whether a node is anywhere else than what it hangs from. */
+static bool is_moved(loader &l, size_t node)
+{
+    transform t   = {};
+    failure   f   = fault_of([&] { t = node_transform(l, node); });
+    double    off = std::fabs(t.axis[0].x - 1) + std::fabs(t.axis[1].y - 1) + std::fabs(t.axis[2].z - 1);
+    for (double n :
+         {t.axis[0].y, t.axis[0].z, t.axis[1].x, t.axis[1].z, t.axis[2].x, t.axis[2].y, t.origin.x, t.origin.y, t.origin.z})
+        off += std::fabs(n);
+    return f || off > 0;
+}
+
+/* Which nodes are below one that a scene lists. */
+static std::vector<char> find_covered(const loader &l, const std::vector<int> &parent, const std::vector<char> &listed)
+{
+    std::vector<char> covered(parent.size(), 0);
+    std::vector<int>  open;
+    for (size_t i = 0; i < parent.size(); i++)
+        if (parent[i] < 0) open.push_back((int)i);
+    while (!open.empty()) {
+        int at = open.back();
+        open.pop_back();
+        for (int child : l.model.nodes[at].children) {
+            covered[child] = covered[at] || listed[at];
+            open.push_back(child);
+        }
+    }
+    return covered;
+}
+
+/* A scene lists its roots. One that is listed and hangs from another that is, is meant to be there once; one whose parent is not in the scene is
+ * a root.
+ * parent  [out] that of a root is -1 */
+void choose_roots(loader &l, int chosen, std::vector<int> &parent)
+{
+    for (size_t i = 0; chosen < 0 && i < parent.size(); i++)
+        if (parent[i] < 0) l.roots.push_back(i);
+    if (chosen < 0) return;
+    auto broken = l.faults[SCENES].find((size_t)chosen);
+    if (broken != l.faults[SCENES].end()) throw broken->second;
+
+    const auto       &nodes = l.model.nodes;
+    std::string       where = label("scene", (size_t)chosen);
+    std::vector<char> listed(parent.size(), 0), taken(parent.size(), 0);
+    for (int node : l.model.scenes[chosen].nodes)
+        if ((size_t)node < parent.size()) listed[node] = 1;
+    std::vector<char> covered = find_covered(l, parent, listed);
+    for (int node : l.model.scenes[chosen].nodes) {
+        bool exists = (size_t)node < parent.size();
+        if (exists && !taken[node] && !covered[node] && parent[node] < 0) {
+            taken[node] = 1;
+            l.roots.push_back((size_t)node);
+            continue;
+        }
+        std::string name   = label("node", (size_t)node, exists ? nodes[node].name : ""), why,
+                    remedy = "list the roots alone in the scene's nodes";
+        uint64_t id        = (uint64_t)node + ((uint64_t)1 << 32);
+        if (!exists) {
+            take_fault(l, cost::TREE, id, where, {VXS_E_SCENE, where + ": " + name + " does not exist: ignored", false}, remedy);
+            continue;
+        }
+        if (taken[node])
+            why = " is listed twice: it is placed once";
+        else if (covered[node])
+            why = " is listed, and is a child of " + label("node", nodes, (size_t)parent[node]) +
+                  ", too: it is placed once, under its parent";
+        else
+            why = " is not a root, its parent is " + label("node", nodes, (size_t)parent[node]) +
+                  ", which is not in the scene: it is taken as a root" +
+                  (is_moved(l, (size_t)parent[node]) ? ", and its parent's transform is not applied" : "");
+        take_note(l, cost::TREE, id, where, name + why, remedy);
+        if (taken[node] || covered[node]) continue;
+        parent[node] = -1;
+        taken[node]  = 1;
+        l.roots.push_back((size_t)node);
+    }
+}
+
+/* Parents come before children, children in the file's order; no recursion, for trees may be deep. A node that cannot be placed costs those
+ * below it, too. */
+void place_nodes(loader &l, const std::vector<int> &parent)
+{
+    std::vector<size_t> open(l.roots.rbegin(), l.roots.rend());
+    l.ws_from_node.resize(l.model.nodes.size());
+    while (!open.empty()) {
+        size_t at = open.back();
+        open.pop_back();
+        transform &t = l.ws_from_node[at];
+        if (failure f = fault_of([&] { t = node_transform(l, at); })) {
+            take_fault(l, cost::NODE, at, label("node", l.model.nodes, at), f, "export it again");
+            continue;
+        }
+        if (parent[at] >= 0) {
+            t = multiply(l.ws_from_node[parent[at]], t);
+            l.nodes[at].hidden |= l.nodes[parent[at]].hidden;
+        }
+        l.nodes[at].in_scene = true;
+        l.order.push_back(at);
+        const auto &children = l.model.nodes[at].children;
+        open.insert(open.end(), children.rbegin(), children.rend());
+    }
+}
+
+} // namespace gltf

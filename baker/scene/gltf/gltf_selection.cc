@@ -1,0 +1,200 @@
+/* What casts shadows: --include and --exclude patterns, a flag in extras, and skins, which have no pose here.
+ *
+ * Rules are numbered in the order in which they are asked: what no --include names, each --exclude, extras, skins.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/scene/gltf/gltf_loader.h"
+
+#include <algorithm>
+#include <fnmatch.h>
+#include <utility>
+
+namespace gltf
+{
+
+static const char *const FLAG = "vxs_cast_shadow";
+
+static const struct {
+    const char *name, *list, *prefix;
+} kinds[KINDS] = {{"node", "nodes", "node:"}, {"mesh", "meshes", "mesh:"}, {"material", "materials", "material:"}};
+
+/* --- extras ----------------------------------------------------------------------------------------------------------- */
+
+/* Blender has written booleans as 0 and 1, too. */
+void read_flags(loader &l, const json &root)
+{
+    size_t      wrong = 0;
+    std::string first;
+    for (int k = 0; k < KINDS; k++) {
+        const json &list = items(root, kinds[k].list);
+        l.marks[k].resize(list.size());
+        for (size_t i = 0; i < list.size(); i++) {
+            const json &extras = items(list[i], "extras");
+            auto        flag   = extras.find(FLAG);
+            if (flag == extras.end()) continue;
+            l.marks[k][i].flagged = *flag == false || *flag == 0;
+            if (l.marks[k][i].flagged || *flag == true || *flag == 1) continue;
+            if (!wrong++) first = label(kinds[k].name, i, list[i].value("name", ""));
+        }
+    }
+    if (wrong)
+        warn(l.m, "%s: %s in its extras is neither true nor false: ignored%s", first.c_str(), FLAG,
+             wrong > 1 ? (", as in " + std::to_string(wrong - 1) + " more").c_str() : "");
+}
+
+/* --- patterns --------------------------------------------------------------------------------------------------------- */
+
+struct pattern {
+    const char *option, *text;
+    std::string glob;
+    bool        of[KINDS];
+    bool        used;
+};
+
+static pattern read_pattern(const char *option, const char *text)
+{
+    pattern p = {option, text, text, {true, true, true}, false};
+    for (int k = 0; k < KINDS; k++) {
+        size_t length = strlen(kinds[k].prefix);
+        if (strncmp(text, kinds[k].prefix, length) != 0) continue;
+        for (int other = 0; other < KINDS; other++) p.of[other] = other == k;
+        p.glob = text + length;
+    }
+    return p;
+}
+
+static bool matches(const pattern &p, int k, size_t index, const std::string &name)
+{
+    if (!p.of[k] || p.glob.empty()) return false;
+    return name == p.glob || p.glob == "#" + std::to_string(index) || !fnmatch(p.glob.c_str(), name.c_str(), 0);
+}
+
+/* All that can be named, in the file's order. */
+struct nameable {
+    kind               k;
+    size_t             index;
+    const std::string *name;
+};
+
+static std::vector<nameable> collect(const loader &l)
+{
+    std::vector<nameable> found;
+    std::vector<char>     meshes(l.model.meshes.size(), 0), materials(l.materials.size(), 0);
+    for (size_t node : l.order) {
+        found.push_back({NODE, node, &l.model.nodes[node].name});
+        int mesh = l.model.nodes[node].mesh;
+        if (mesh < 0 || std::exchange(meshes[mesh], 1)) continue;
+        found.push_back({MESH, (size_t)mesh, &l.model.meshes[mesh].name});
+        for (const tinygltf::Primitive &p : l.model.meshes[mesh].primitives)
+            if (p.material >= 0 && !std::exchange(materials[p.material], 1))
+                found.push_back({MATERIAL, (size_t)p.material, &l.materials[p.material].name});
+    }
+    return found;
+}
+
+/* A few names that are there: those that a pattern may have meant, where case or an end is all that is wrong, or the first ones. */
+static std::string list_names(const pattern &p, const std::vector<nameable> &all, bool near)
+{
+    std::vector<std::string> listed;
+    std::string              text, wanted = "*" + p.glob + "*";
+    for (size_t i = 0; i < all.size() && listed.size() < 6; i++) {
+        std::string shown = kinds[all[i].k].prefix + all[i].name->substr(0, 60);
+        if (!p.of[all[i].k] || all[i].name->empty() || std::find(listed.begin(), listed.end(), shown) != listed.end()) continue;
+        if (near && fnmatch(wanted.c_str(), all[i].name->c_str(), FNM_CASEFOLD) != 0) continue;
+        text += (listed.empty() ? "" : ", ") + shown;
+        listed.push_back(shown);
+    }
+    return text;
+}
+
+[[noreturn]] static void refuse(loader &l, const pattern &p, const std::vector<nameable> &all)
+{
+    std::string near = list_names(p, all, true), some = list_names(p, all, false);
+    l.error(VXS_E_ARGUMENT, "%s %s names nothing in the scene; %s%s", p.option, p.text,
+            !near.empty()   ? "near it are "
+            : !some.empty() ? "there are "
+                            : "nothing there has a name, #0 is the first of each kind",
+            (near.empty() ? some : near).c_str());
+}
+
+/* What patterns say of one: the first `excludes` of them exclude. */
+static void mark_by_patterns(std::vector<pattern> &patterns, size_t excludes, const nameable &n, mark &said)
+{
+    for (size_t i = patterns.size(); i-- > 0;) {
+        if (!matches(patterns[i], n.k, n.index, *n.name)) continue;
+        patterns[i].used = true;
+        if (i < excludes)
+            said.excluded = i;
+        else
+            said.included = true;
+    }
+    if (said.included) said.flagged = false;
+}
+
+static void inherit(mark &said, const mark &above)
+{
+    said.flagged  = said.flagged || (above.flagged && !said.included);
+    said.included = said.included || above.included;
+    said.excluded = std::min(said.excluded, above.excluded);
+}
+
+void select_casters(loader &l, const std::vector<int> &parent)
+{
+    const text_list     &exclude = l.choice->exclude, &include = l.choice->include;
+    std::vector<pattern> patterns;
+    for (size_t i = 0; i < exclude.count; i++) patterns.push_back(read_pattern("--exclude", exclude.items[i]));
+    for (size_t i = 0; i < include.count; i++) patterns.push_back(read_pattern("--include", include.items[i]));
+
+    std::vector<nameable> all = collect(l);
+    for (const nameable &n : all) {
+        mark &said = l.marks[n.k][n.index];
+        mark_by_patterns(patterns, exclude.count, n, said);
+        if (n.k == NODE && parent[n.index] >= 0) inherit(said, l.marks[NODE][parent[n.index]]); /* parents come first */
+    }
+    for (const pattern &p : patterns)
+        if (!p.used) refuse(l, p, all);
+
+    l.exclusions.push_back({EXCLUDED_BY_INCLUDE, nullptr, 0, 0});
+    for (size_t i = 0; i < exclude.count; i++) l.exclusions.push_back({EXCLUDED_BY_EXCLUDE, exclude.items[i], 0, 0});
+    for (exclusion_rule rule : {EXCLUDED_BY_EXTRAS, EXCLUDED_AS_SKINNED, EXCLUDED_AS_HIDDEN, EXCLUDED_AS_BLEND})
+        l.exclusions.push_back({rule, nullptr, 0, 0});
+}
+
+size_t exclusion_of(const loader &l, size_t node, const tinygltf::Primitive &p)
+{
+    static const mark     nothing;
+    const tinygltf::Node &n = l.model.nodes[node];
+    const mark           &a = l.marks[NODE][node], &b = l.marks[MESH][n.mesh];
+    const mark           &c        = p.material >= 0 ? l.marks[MATERIAL][p.material] : nothing;
+    size_t                excluded = std::min({a.excluded, b.excluded, c.excluded}), excludes = l.choice->exclude.count;
+    if (l.nodes[node].hidden) return 3 + excludes;
+    if (l.choice->include.count && !a.included && !b.included && !c.included) return 0;
+    if (excluded < excludes) return 1 + excluded;
+    if (a.flagged || b.flagged || c.flagged) return 1 + excludes;
+    if (n.skin >= 0 && l.choice->skinned == SKINNED_EXCLUDE) return 2 + excludes;
+    return CASTS;
+}
+
+void warn_about_skinned(loader &l)
+{
+    size_t triangles = l.exclusions[2 + l.choice->exclude.count].triangles;
+    if (l.skinned_excluded && !l.choice->skinned_given)
+        warn(l.m,
+             "skinned meshes cast no shadow, for they move: %zu with %zu triangles are left out; --skinned rest takes "
+             "them in the pose that the file has, --skinned exclude says that this is meant",
+             l.skinned_excluded, triangles);
+}
+
+void finish_exclusions(loader &l)
+{
+    std::vector<scene_exclusion> kept;
+    size_t                       hidden = 0;
+    for (size_t node : l.order) hidden += l.nodes[node].hidden;
+    for (scene_exclusion e : l.exclusions) {
+        if (e.rule == EXCLUDED_AS_HIDDEN) e.nodes = hidden;
+        if (e.triangles || e.nodes || e.rule == EXCLUDED_BY_EXCLUDE) kept.push_back(e);
+    }
+    l.s->exclusions      = copied(kept);
+    l.s->exclusion_count = kept.size();
+}
+
+} // namespace gltf
