@@ -15,8 +15,8 @@ static const struct {
     const char *name;
     int (*run)(int argc, char **argv);
 } commands[] = {
-    {"bake", cmd_bake},       {"plan", cmd_plan},     {"merge", cmd_merge},     {"info", cmd_info},   {"validate", cmd_validate},
-    {"query", cmd_query},     {"truth", cmd_truth},   {"compare", cmd_compare}, {"bench", cmd_bench}, {"report", cmd_report},
+    {"bake", cmd_bake},     {"plan", cmd_plan},     {"merge", cmd_merge},     {"info", cmd_info},   {"validate", cmd_validate},
+    {"query", cmd_query},   {"truth", cmd_truth},   {"compare", cmd_compare}, {"bench", cmd_bench}, {"report", cmd_report},
     {"render", cmd_render}, {"health", cmd_health}, {"mend", cmd_mend},       {"scene", cmd_scene},
 };
 

@@ -80,9 +80,10 @@ struct vxs_walk {
     vxs_i32   state;       /* and what that is; with VXS_SPAN_COARSE */
     vxs_i32   outside;     /* the state of what is outside: VXS_SPAN_OUTSIDE, unless the caller says otherwise */
     vxs_i32   steps;       /* that are left */
-    vxs_i32   pause;       /* with fewer left than this the walk ends at t, as if t_end was there; 0: it does not. Of a walk that has begun, the caller may set it */
-    vxs_i32   map;
-    vxs_int3  voxel, way; /* and which way each coordinate goes */
+    vxs_i32
+             pause; /* with fewer left than this the walk ends at t, as if t_end was there; 0: it does not. Of a walk that has begun, the caller may set it */
+    vxs_i32  map;
+    vxs_int3 voxel, way; /* and which way each coordinate goes */
 
     vxs_depths_square block;    /* bounds of a block, or of something greater; side_px 0: none is known */
     vxs_i32           is_block; /* 1: of a block, which is */

@@ -200,7 +200,8 @@ VXS_FN vxs_u32 vxs_bits_of_rows(const vxs_lanes4 *rows)
 #ifdef __SSE2__
     __m128i row[4];
     memcpy(row, rows, sizeof row);
-    return vxs_bits_of_bytes(VXS_CAST(vxs_bytes16, _mm_packs_epi16(_mm_packs_epi32(row[0], row[1]), _mm_packs_epi32(row[2], row[3]))));
+    return vxs_bits_of_bytes(
+        VXS_CAST(vxs_bytes16, _mm_packs_epi16(_mm_packs_epi32(row[0], row[1]), _mm_packs_epi32(row[2], row[3]))));
 #else
     static const vxs_lanes4 bit  = {1, 2, 4, 8};
     vxs_lanes4              bits = (rows[0] & bit) | (rows[1] & (bit << 4)) | (rows[2] & (bit << 8)) | (rows[3] & (bit << 12));
@@ -278,7 +279,8 @@ VXS_FN vxs_u32 vxs_first_bytes(vxs_i32 count)
 
 /* How many depths of a palette are at or before k, which is relative to the first of them.
  * at, half_at  where `count` deltas start, up to 31; width  0: bytes, 1: halves, 2: two halves each; shift  of deltas, to the left */
-VXS_FN vxs_u32 vxs_blocks_rank(VXS_WORDS blocks, vxs_u32 at, vxs_u32 half_at, vxs_u32 width, vxs_u32 shift, vxs_u32 count, vxs_i32 k)
+VXS_FN vxs_u32 vxs_blocks_rank(VXS_WORDS blocks, vxs_u32 at, vxs_u32 half_at, vxs_u32 width, vxs_u32 shift, vxs_u32 count,
+                               vxs_i32 k)
 {
     if (k < 0) return 0u;
     if (count == 0u) return 1u;
@@ -1011,7 +1013,8 @@ VXS_INLINE vxs_blocks_taps vxs_blocks_filter_taps(vxs_u32 levels, vxs_i32 i, vxs
 }
 
 /* Those of a smooth one about a place. */
-VXS_INLINE vxs_blocks_taps vxs_blocks_smooth_taps(vxs_u32 levels, vxs_i32 i, vxs_i32 j, vxs_u32 across, vxs_u32 down, vxs_i32 filter_px)
+VXS_INLINE vxs_blocks_taps vxs_blocks_smooth_taps(vxs_u32 levels, vxs_i32 i, vxs_i32 j, vxs_u32 across, vxs_u32 down,
+                                                  vxs_i32 filter_px)
 {
     vxs_smooth_box  begin = vxs_smooth_box_at(i, j, across, down, filter_px);
     vxs_blocks_taps taps;

@@ -23,7 +23,7 @@ typedef struct os_file {
 static inline int os_failed(void)
 {
     DWORD why = GetLastError();
-    errno     = why == ERROR_FILE_NOT_FOUND || why == ERROR_PATH_NOT_FOUND        ? ENOENT
+    errno     = why == ERROR_FILE_NOT_FOUND || why == ERROR_PATH_NOT_FOUND   ? ENOENT
                 : why == ERROR_NOT_ENOUGH_MEMORY || why == ERROR_OUTOFMEMORY ? ENOMEM
                                                                              : EACCES;
     return 0;

@@ -15,10 +15,10 @@
 #include "baker/bake/light_columns.h"
 #include "baker/bake/provenance.h"
 #include "baker/bake/scene_warnings.h"
+#include "baker/base/clock.h"
 #include "baker/base/memory.h"
 #include "baker/files/output_file.h"
 #include "baker/files/run_files.h"
-#include "baker/base/clock.h"
 #include "baker/scene/light_warnings.h"
 
 /* Who drew the maps, where nobody did. */

@@ -5,13 +5,13 @@
 
 #include <jansson.h>
 
+#include "baker/bake/cache/square_exchange.h"
 #include "baker/base/text.h"
+#include "baker/base/watch.h"
 #include "baker/casters/casters.h"
+#include "baker/coding/dag/build.h"
 #include "baker/lab/opengl/exit_depth.h"
 #include "baker/lab/opengl/opengl_columns.h"
-#include "baker/coding/dag/build.h"
-#include "baker/bake/cache/square_exchange.h"
-#include "baker/base/watch.h"
 #include "baker/smoke/smoke_map.h"
 
 enum { RESOLUTION_MIN_PX = 8, RESOLUTION_MAX_PX = 262144 };
@@ -76,8 +76,8 @@ typedef struct bake_options {
     gl_backend         gl;
     const opengl_rendering *rendering; /* with MAPS_GL; NULL: this program has none */
     uint32_t                threads;
-    uint32_t                zstd_level; /* 1..19 */
-    uint32_t                points;     /* of what casts, in the file; 0: none */
+    uint32_t                zstd_level;   /* 1..19 */
+    uint32_t                points;       /* of what casts, in the file; 0: none */
     const char             *smoke_path;   /* a grid of smoke in NRRD; NULL: none */
     int                     scene_smoke;  /* 1: the scene's capsules are baked, too */
     double                  smoke_factor; /* on its numbers: extinction per metre */

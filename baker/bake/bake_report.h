@@ -55,13 +55,13 @@ typedef struct light_left_out {
 
 typedef struct bake_report {
     stage_report    stage[STAGE_COUNT];
-    double          total_seconds;                     /* from start to the file under its name */
+    double          total_seconds;   /* from start to the file under its name */
     double          picture_seconds; /* no part of the total */
     uint64_t        peak_bytes;
     char            renderer[128];
     char            cpu_class[16]; /* "" where the renderer does not depend on it */
     uint64_t        file_bytes;
-    uint64_t        points_bytes; /* of that, points of what casts */
+    uint64_t        points_bytes;                         /* of that, points of what casts */
     uint32_t        capsule_count;                        /* of the scene's smoke */
     casters         casters;                              /* counts only: no arrays */
     double          casters_min_ws[3], casters_max_ws[3]; /* metres */

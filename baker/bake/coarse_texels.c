@@ -101,7 +101,8 @@ int warn_about_far_objects(const check_scene *k, const far_objects *far, const o
         if (l->left_out || !is_sun(l) || is_preview(l)) continue;
         double side   = ldexp(1, (int)l->light.levels);
         double across = span_of(&l->light, &far->rest, 0, 1), along = span_of(&l->light, &far->rest, 2, 2);
-        double times  = side / fmax(across, 1e-9), layers = l->light.voxel_metres > 1.5 * l->light.texel_metres ? side / fmax(along, 1e-9) : 0;
+        double times  = side / fmax(across, 1e-9),
+               layers = l->light.voxel_metres > 1.5 * l->light.texel_metres ? side / fmax(along, 1e-9) : 0;
         if (fmax(times, layers) <= most) continue;
         worst  = l;
         most   = fmax(times, layers);
@@ -113,8 +114,9 @@ int warn_about_far_objects(const check_scene *k, const far_objects *far, const o
     if (texels > 64 && median > 32 * size) return 0; /* coarser than need be, and still fine */
     char names[LIST_BYTES], remedies[LIST_BYTES], region[160];
     name_far(k, far, of, names, remedies);
-    warn(k->m, "%zu of %zu triangles, %s, make %s of light '%s' %.15g times as %s, %.3g m: all else is %.15g of them %s; "
-               "--region %s, or %s",
+    warn(k->m,
+         "%zu of %zu triangles, %s, make %s of light '%s' %.15g times as %s, %.3g m: all else is %.15g of them %s; "
+         "--region %s, or %s",
          far->triangles, casters_whole_count(k->c), names, deep ? "depths" : "texels", worst->name, rounded(most, 2),
          deep ? "deep" : "large", size, ceil(texels), deep ? "deep" : "wide", region_text(region, &far->rest),
          remedies[0] ? remedies : "leave them out");
@@ -181,8 +183,8 @@ int texels_lose_most(const check_scene *k, const plan_light *l, size_t *lost, si
     *lost = count_lost(seen, *of, LOST_PX);
     if (*of >= COMPONENTS_MIN && 2 * *lost > *of) {
         qsort(seen, *of, sizeof *seen, nearer);
-        size_t near = is_sun(l) ? *of : *of / 4 > COMPONENTS_MIN ? *of / 4 : COMPONENTS_MIN;
-        is          = 2 * count_lost(seen, near, LOST_PX) > near;
+        size_t near  = is_sun(l) ? *of : *of / 4 > COMPONENTS_MIN ? *of / 4 : COMPONENTS_MIN;
+        is           = 2 * count_lost(seen, near, LOST_PX) > near;
         size_t nodes = see_objects(seen, k, &k->nodes, l, 0);
         if (nodes >= COMPONENTS_MIN) is &= 2 * count_lost(seen, nodes, LOST_NODE_PX) > nodes;
     }
@@ -196,8 +198,8 @@ uint32_t coarser_side(const check_scene *k, const plan_light *l)
 {
     enum { FINE_SIDE_PX = 16384, FINE_WIDTH_PX = 4096 };
     const double fine_m = 0.5e-3;
-    double       texel = l->texels.median;
-    uint32_t     side  = 1u << l->light.levels;
+    double       texel  = l->texels.median;
+    uint32_t     side   = 1u << l->light.levels;
     if (side < FINE_SIDE_PX || texel >= fine_m) return 0;
     double width = median_width(k, &EVERYWHERE);
     if (width < FINE_WIDTH_PX * texel) return 0;
@@ -218,19 +220,21 @@ static uint32_t enough_texels(const check_scene *k, const plan_light *l)
 
 void warn_about_lost(const check_scene *k, const plan_light *l, size_t lost, size_t of)
 {
-    uint32_t side = enough_texels(k, l);
+    uint32_t side                             = enough_texels(k, l);
     char     finer[32 + VXS_LIGHT_NAME_BYTES] = "";
     if (side && k->plan->light_count > 1)
         snprintf(finer, sizeof finer, "--resolution %s=%u, or ", l->name, side);
     else if (side)
         snprintf(finer, sizeof finer, "--resolution %u, or ", side);
     if (is_sun(l))
-        warn(k->m, "light '%s': a texel is %.3g m, and %zu of %zu components are narrower than two texels: their shadows are lost; %s--region around "
-                   "what matters",
+        warn(k->m,
+             "light '%s': a texel is %.3g m, and %zu of %zu components are narrower than two texels: their shadows are lost; "
+             "%s--region around "
+             "what matters",
              l->name, l->texels.median, lost, of, finer);
     else
-        warn(k->m, "light '%s' is %.15g m from what it lights, where a texel is %.3g m, and %zu of %zu components are narrower than "
-                   "two texels: their shadows are lost; %smake it a sun, or a spot that lights these alone",
+        warn(k->m,
+             "light '%s' is %.15g m from what it lights, where a texel is %.3g m, and %zu of %zu components are narrower than "
+             "two texels: their shadows are lost; %smake it a sun, or a spot that lights these alone",
              l->name, rounded(l->texels.median / l->light.texel_metres, 3), l->texels.median, lost, of, finer);
 }
-

@@ -63,7 +63,7 @@ static size_t farthest(uint32_t out[FAR_OBJECTS_MAX], const object_list *l, cons
 
 int far_objects_find(far_objects *out, const object_list *l)
 {
-    box    all = box_empty(), rests[FAR_OBJECTS_MAX + 1];
+    box    all       = box_empty(), rests[FAR_OBJECTS_MAX + 1];
     size_t triangles = 0, found;
     double middle[3];
     *out = (far_objects){0};

@@ -8,9 +8,9 @@
 enum { FAR_OBJECTS_MAX = 8 };
 
 typedef struct far_objects {
-    size_t    count, triangles;       /* 0: there are none */
-    uint32_t  items[FAR_OBJECTS_MAX]; /* of the list, the farthest first */
-    box       rest;                   /* around all others, metres */
+    size_t   count, triangles;       /* 0: there are none */
+    uint32_t items[FAR_OBJECTS_MAX]; /* of the list, the farthest first */
+    box      rest;                   /* around all others, metres */
 } far_objects;
 
 /* Find objects without which the scene is a tenth as large or less: at most FAR_OBJECTS_MAX, of a quarter of its triangles at most.

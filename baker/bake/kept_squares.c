@@ -6,11 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/bake/cache/kept_square.h"
 #include "baker/bake/provenance.h"
 #include "baker/base/array.h"
 #include "baker/base/version.h"
 #include "baker/files/json_value.h"
-#include "baker/bake/cache/kept_square.h"
 
 /* Raise it with any change of what a square becomes that a version number does not tell of. */
 #define SQUARES_MADE_BY "vxs " VXS_VERSION " squares 2"

@@ -8,10 +8,10 @@
 #define KEPT_SQUARES_H
 
 #include "baker/bake/bake_report.h"
-#include "baker/bake/part_common.h"
-#include "baker/columns/square_keeper.h"
 #include "baker/bake/cache/part_file.h"
 #include "baker/bake/cache/square_store.h"
+#include "baker/bake/part_common.h"
+#include "baker/columns/square_keeper.h"
 
 /* Of a bake. Zero it. */
 typedef struct kept_squares {

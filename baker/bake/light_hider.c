@@ -169,7 +169,8 @@ static const double ways_around[14][3] = {{1, .02, .03},  {-1, .03, .02}, {.03, 
 static const double ways_level[5][3]   = {{1, .02, .03}, {-1, .03, .02}, {.02, .03, 1}, {.03, .02, -1}, {.03, 1, .02}};
 
 /* What the hidden points say of an object: is it, where light falls on it, not worth a bake? */
-static int is_useless(const shell *s, const lit_points_desc *d, const lit_point *points, size_t hidden, size_t from_behind, double farthest_m)
+static int is_useless(const shell *s, const lit_points_desc *d, const lit_point *points, size_t hidden, size_t from_behind,
+                      double farthest_m)
 {
     int sees_back = (double)from_behind >= (1 - SHARE_MIXED) * (double)hidden;
     if (d->shape->kind != LIGHT_DIRECTIONAL)
@@ -198,10 +199,10 @@ static int hides(object_list *objects, size_t object, const lit_point *all, size
     lit_points_desc others = *d;
     shell           s      = {0};
     size_t          count = 0, lit = 0, behind = 0;
-    int             is     = 0;
-    others.object_of       = objects->of;
-    others.without         = (uint32_t)object;
-    others.triangles_max   = 0;
+    int             is   = 0;
+    others.object_of     = objects->of;
+    others.without       = (uint32_t)object;
+    others.triangles_max = 0;
     if (!shell_of(&s, objects, object, d->c) || lets_light_past(&s, objects, object, all, all_count, d)) goto done;
     if ((count = lit_points_choose(points, POINTS, &others)) < POINTS_MIN) goto done;
     size_t free_most = (size_t)(SHARE_LIT * (double)count);
@@ -219,8 +220,8 @@ done:
     return is;
 }
 
-const scene_object *light_hider_find(object_list *objects, const lit_point *points, size_t point_count,
-                                     const lit_points_desc *d, double *distance_m)
+const scene_object *light_hider_find(object_list *objects, const lit_point *points, size_t point_count, const lit_points_desc *d,
+                                     double *distance_m)
 {
     size_t suspects[OBJECTS_TRIED];
     if (objects->count < 2) return NULL;

@@ -17,7 +17,7 @@
  * d       of the light; its object_of and without are not looked at
  * distance_m  [out] spot, point: from the light to where it is hidden, at most
  * Returns an object of the list, NULL when there is none, no memory, or too little else to tell. */
-const scene_object *light_hider_find(object_list *objects, const lit_point *points, size_t point_count,
-                                     const lit_points_desc *d, double *distance_m);
+const scene_object *light_hider_find(object_list *objects, const lit_point *points, size_t point_count, const lit_points_desc *d,
+                                     double *distance_m);
 
 #endif

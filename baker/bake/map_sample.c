@@ -15,9 +15,9 @@
 #include "baker/base/random.h"
 #include "baker/coding/blocks/block_build.h"
 #include "baker/coding/blocks/block_words.h"
-#include "baker/lab/opengl/depth_block.h"
 #include "baker/columns/sparse/freedom.h"
 #include "baker/columns/stored/depth_maps.h"
+#include "baker/lab/opengl/depth_block.h"
 #include "baker/light/texel_box.h"
 
 enum { CELLS_MAX = 32, MAPS_FEW = 8 }; /* windows a side; maps that are looked at closely */

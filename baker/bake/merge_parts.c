@@ -10,8 +10,8 @@
 #include "baker/bake/bake_light.h"
 #include "baker/bake/chosen_coder.h"
 #include "baker/bake/kept_squares.h"
-#include "baker/files/input_file.h"
 #include "baker/base/clock.h"
+#include "baker/files/input_file.h"
 
 /* All parts of a bake. */
 typedef struct part_set {

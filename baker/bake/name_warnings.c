@@ -6,8 +6,8 @@
 #include <string.h>
 #include <strings.h>
 
-#include "baker/base/box.h"
 #include "baker/bake/scene_warnings.h"
+#include "baker/base/box.h"
 
 /* One node's triangles: its parts follow each other. */
 typedef struct named_node {
@@ -58,9 +58,9 @@ static int ends_with(const char *name, const char *end)
 /* The pattern that names such nodes, as Unreal Engine (UCX_ and its like) and Godot (-colonly and its like) have it; NULL: it is seen. */
 static const char *collision_pattern(const char *name)
 {
-    static const char *const prefixes[] = {"UCX_", "UBX_", "USP_", "UCP_"};
-    static const char *const ends[]     = {"-colonly", "-convcolonly", "-navmesh", "-occonly", "-noimp"};
-    static const char *const words[]    = {"collider", "colliders", "collision", "collisions", "hitbox", "navmesh"};
+    static const char *const prefixes[]        = {"UCX_", "UBX_", "USP_", "UCP_"};
+    static const char *const ends[]            = {"-colonly", "-convcolonly", "-navmesh", "-occonly", "-noimp"};
+    static const char *const words[]           = {"collider", "colliders", "collision", "collisions", "hitbox", "navmesh"};
     static const char *const prefix_patterns[] = {"node:UCX_*", "node:UBX_*", "node:USP_*", "node:UCP_*"};
     static const char *const end_patterns[]    = {"node:*-colonly", "node:*-convcolonly", "node:*-navmesh", "node:*-occonly",
                                                   "node:*-noimp"};
@@ -75,7 +75,7 @@ static const char *collision_pattern(const char *name)
 
 static void warn_about_collisions(const named_node *nodes, size_t count, message *m)
 {
-    const named_node *first = NULL;
+    const named_node *first   = NULL;
     const char       *pattern = NULL;
     size_t            found = 0, triangles = 0;
     char              option[160];
@@ -94,12 +94,16 @@ static void warn_about_collisions(const named_node *nodes, size_t count, message
     else
         snprintf(option, sizeof option, "'node:%.100s'", first->name);
     if (found > 1)
-        warn(m, "node '%s' and %zu more are named like shapes for collisions, which are not seen, and cast shadows of %zu triangles; leave "
-                "them out with --exclude %s",
+        warn(m,
+             "node '%s' and %zu more are named like shapes for collisions, which are not seen, and cast shadows of %zu triangles; "
+             "leave "
+             "them out with --exclude %s",
              first->name, found - 1, triangles, option);
     else
-        warn(m, "node '%s' is named like a shape for collisions, which is not seen, and casts shadows of %zu triangles; leave it out with "
-                "--exclude %s",
+        warn(m,
+             "node '%s' is named like a shape for collisions, which is not seen, and casts shadows of %zu triangles; leave it out "
+             "with "
+             "--exclude %s",
              first->name, triangles, option);
 }
 
@@ -158,7 +162,8 @@ static void warn_about_details(const scene *s, named_node *nodes, size_t count, 
             of = n + 1;
             continue;
         }
-        if (*detail_number(nodes[of].name) == *detail_number(nodes[n + 1].name) || !same_place(s, &nodes[of], &nodes[n + 1])) continue;
+        if (*detail_number(nodes[of].name) == *detail_number(nodes[n + 1].name) || !same_place(s, &nodes[of], &nodes[n + 1]))
+            continue;
         if (!found++) {
             first = &nodes[of];
             other = &nodes[n + 1];
@@ -168,8 +173,10 @@ static void warn_about_details(const scene *s, named_node *nodes, size_t count, 
     const char *digit = detail_number(other->name), *word = digit;
     while (word[-1] && !isalpha((unsigned char)word[-1])) word--;
     word -= strlen("lod") + 1;
-    warn(m, "node '%s' is a coarser '%s' in the same place%s: only one level of detail is seen, and all cast shadows; leave the others out "
-            "with --exclude 'node:*%.*s[1-9]*'",
+    warn(m,
+         "node '%s' is a coarser '%s' in the same place%s: only one level of detail is seen, and all cast shadows; leave the "
+         "others out "
+         "with --exclude 'node:*%.*s[1-9]*'",
          other->name, first->name, found > 1 ? ", and there are more" : "", (int)(digit - word), word);
 }
 

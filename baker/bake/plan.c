@@ -7,11 +7,11 @@
 #include <string.h>
 
 #include "baker/bake/light_picture.h"
+#include "baker/base/clock.h"
 #include "baker/base/integer.h"
 #include "baker/base/memory.h"
 #include "baker/base/text.h"
 #include "baker/light/light_fit.h"
-#include "baker/base/clock.h"
 
 const char REACHES_NOTHING[] = "reaches no caster";
 
@@ -233,8 +233,8 @@ static vxs_result plan_memory(bake_plan *plan, const bake_options *o, const cast
     plan->picture_bytes = o->page_path ? picture_bytes(plan) : 0;
     plan->peak_bytes    = plan_peak_bytes(plan, o, c, plan->tile_px);
     uint64_t held = memory_held_bytes(), left = memory_available_bytes();
-    uint64_t machine = left < UINT64_MAX - held ? held + left : UINT64_MAX;
-    uint64_t most    = plan->budget_bytes ? min_u64(plan->budget_bytes, machine) : machine;
+    uint64_t machine  = left < UINT64_MAX - held ? held + left : UINT64_MAX;
+    uint64_t most     = plan->budget_bytes ? min_u64(plan->budget_bytes, machine) : machine;
     plan->least_bytes = least_peak_bytes(plan, o, c, least);
     while (plan->peak_bytes > most && plan->tile_px > least) {
         plan->tile_px /= 2;

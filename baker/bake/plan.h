@@ -9,8 +9,8 @@
 
 #include "baker/bake/bake_options.h"
 #include "baker/bake/map_sample.h"
-#include "baker/light/reach.h"
 #include "baker/base/context.h"
+#include "baker/light/reach.h"
 #include "baker/scene/light_choice.h"
 
 enum { PLAN_SAVINGS_MAX = 3 };

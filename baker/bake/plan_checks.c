@@ -55,7 +55,8 @@ static texel_range texels_of(const plan_light *l, lit_point *points, size_t coun
 
 /* an object in front of all others -------------------------------------------------------------------------------------------- */
 
-static const scene_object *find_hider(check_scene *k, const lit_points_desc *d, const lit_point *points, size_t count, double *metres)
+static const scene_object *find_hider(check_scene *k, const lit_points_desc *d, const lit_point *points, size_t count,
+                                      double *metres)
 {
     const scene_object *o = light_hider_find(&k->components, points, count, d, metres);
     if (!o && k->nodes.count && k->nodes.count < k->components.count) o = light_hider_find(&k->nodes, points, count, d, metres);
@@ -72,8 +73,8 @@ static void warn_about_hider(const check_scene *k, const plan_light *l, const sc
         warn(k->m, "light '%s': all else is in the shadow of %s; if that is a sky or a cover, %s%s%s", l->name, name.text, out,
              name.option, own);
     else
-        warn(k->m, "light '%s': all else is in the shadow of %s, %.2g m from it at most; move the light, or %s%s%s", l->name, name.text,
-             metres, out, name.option, own);
+        warn(k->m, "light '%s': all else is in the shadow of %s, %.2g m from it at most; move the light, or %s%s%s", l->name,
+             name.text, metres, out, name.option, own);
 }
 
 /* far objects ----------------------------------------------------------------------------------------------------------------- */
@@ -82,7 +83,7 @@ static void warn_about_hider(const check_scene *k, const plan_light *l, const sc
 static int check_far(const check_scene *k, const scene_object *const *hiders)
 {
     far_objects        far;
-    const object_list *of = k->nodes.count > 1 && far_objects_find(&far, &k->nodes) ? &k->nodes : &k->components;
+    const object_list *of   = k->nodes.count > 1 && far_objects_find(&far, &k->nodes) ? &k->nodes : &k->components;
     size_t             hide = 0;
     if (of == &k->components && !far_objects_find(&far, of)) return 0;
     for (size_t n = 0; n < far.count; n++)
@@ -159,7 +160,7 @@ static void warn_about_steps(const check_scene *k)
 {
     const scene      *s     = k->s;
     const scene_part *worst = NULL, *last = NULL;
-    box               all = box_empty();
+    box               all   = box_empty();
     size_t            nodes = 0, origin = 0;
     double            worst_far = 0;
     for (size_t n = 0; n < k->components.count; n++) {
@@ -184,8 +185,10 @@ static void warn_about_steps(const check_scene *k)
     if (!worst) return;
     char more[48] = "";
     if (nodes > 1) snprintf(more, sizeof more, " and %zu more", nodes - 1);
-    warn(k->m, "node %u '%s'%s: positions are floats %.9g m from the origin of the node, in steps of %.3g m; store them near it, and place "
-               "them by the translation of the node",
+    warn(k->m,
+         "node %u '%s'%s: positions are floats %.9g m from the origin of the node, in steps of %.3g m; store them near it, and "
+         "place "
+         "them by the translation of the node",
          worst->node, s->names + worst->node_name, more, rounded(worst_far, 3), float_step(worst_far));
 }
 
@@ -208,8 +211,9 @@ static void warn_about_fine(const check_scene *k, const plan_light *l, uint32_t 
 {
     char name[VXS_LIGHT_NAME_BYTES + 2] = "";
     if (k->plan->light_count > 1) snprintf(name, sizeof name, "%s=", l->name);
-    warn(k->m, "light '%s': a texel is %.2g mm, and most components are more than 4096 texels wide, finer than shadows are seen; "
-               "--resolution %s%u takes less time and a smaller file",
+    warn(k->m,
+         "light '%s': a texel is %.2g mm, and most components are more than 4096 texels wide, finer than shadows are seen; "
+         "--resolution %s%u takes less time and a smaller file",
          l->name, 1000 * l->texels.median, name, side);
 }
 

@@ -10,8 +10,8 @@
 
 #include "baker/bake/plan.h"
 #include "baker/columns/descent.h"
-#include "baker/lab/opengl/depth_block.h"
 #include "baker/columns/sparse/sparse_columns.h"
+#include "baker/lab/opengl/depth_block.h"
 
 /* counts ---------------------------------------------------------------------------------------------------------------------- */
 
@@ -209,7 +209,7 @@ static uint64_t rendered_peak_bytes(const bake_plan *plan, const casters *c, uin
         drawn = fmax(drawn, (double)l->sample.block_most);
     }
     /* a block's triangles, with vertices of their own at worst, and what llvmpipe bins of them */
-    double block    = 28 * drawn + 24 * fmin(3 * drawn, (double)c->vertex_count) + 150 * fmin(drawn, DRAW_MAX);
+    double block = 28 * drawn + 24 * fmin(3 * drawn, (double)c->vertex_count) + 150 * fmin(drawn, DRAW_MAX);
     return (uint64_t)(1.06 * (118e6 + 150e3 * (double)plan->baked_count + array_bytes(c) + block + built + tile +
                               (double)plan->picture_bytes));
 }

@@ -7,8 +7,8 @@
 #include <string.h>
 
 #include "baker/bake/plan.h"
-#include "baker/base/vec3.h"
 #include "baker/base/clock.h"
+#include "baker/base/vec3.h"
 
 /* Less is not worth a question; of --closed on, which asks more of the scene, much less. */
 static const double LEAST_SHARE_SAVED = 0.1, LEAST_SHARE_CLOSED = 0.2;
@@ -19,8 +19,8 @@ enum { TWO_SIDED_SHARE = 4 };
 #define THICKNESS_M 0.02
 
 /* reach  of c */
-static vxs_result estimate(const bake_plan *plan, const reach_index *reach, const bake_options *asked, const casters *c, plan_saving *out,
-                           message *m)
+static vxs_result estimate(const bake_plan *plan, const reach_index *reach, const bake_options *asked, const casters *c,
+                           plan_saving *out, message *m)
 {
     double     bytes = (double)plan->file_bytes;
     bake_plan  as_if = *plan;

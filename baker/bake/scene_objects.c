@@ -43,8 +43,8 @@ int objects_by_component(object_list *list, const casters *c)
 int objects_by_node(object_list *list, const casters *c, const scene *s)
 {
     size_t    components = count_components(c), nodes = 0;
-    uint32_t *object_of  = NULL; /* [nodes] 1 + its object; 0: none yet */
-    *list                = (object_list){0};
+    uint32_t *object_of = NULL; /* [nodes] 1 + its object; 0: none yet */
+    *list               = (object_list){0};
     if (!s || !s->part_count) return 0;
     for (size_t n = 0; n < s->part_count; n++)
         if (s->parts[n].node >= nodes) nodes = (size_t)s->parts[n].node + 1;
@@ -155,9 +155,10 @@ void object_name_find(object_name *name, const scene_object *object, const caste
     const box *b    = &object->around;
     name->option[0] = 0;
     if (s && s->part_count) {
-        const scene_part *part = &s->parts[c->parts_of[object->component].first];
-        size_t least = object->triangles / 2, most = object->triangles + object->triangles / 4 + 2; /* splitting may have added some */
-        for (int turn = 0; turn < 2 * LABELS; turn++) { /* those with a name first */
+        const scene_part *part  = &s->parts[c->parts_of[object->component].first];
+        size_t            least = object->triangles / 2,
+               most             = object->triangles + object->triangles / 4 + 2; /* splitting may have added some */
+        for (int turn = 0; turn < 2 * LABELS; turn++) {                          /* those with a name first */
             part_label by      = (part_label)(turn % LABELS);
             int        is_none = by == BY_MATERIAL && part->material == SCENE_NO_MATERIAL, alone;
             if (is_none || (turn < LABELS && !*name_of(s, part, by))) continue;

@@ -17,7 +17,8 @@ typedef struct object_list {
     scene_object *items;
     uint32_t     *of; /* [components] the object that a component belongs to */
 
-    uint32_t *first;   /* [count + 1] an object's triangles are members from its entry to the next; NULL before objects_find_members */
+    uint32_t
+        *first; /* [count + 1] an object's triangles are members from its entry to the next; NULL before objects_find_members */
     uint32_t *members; /* [triangles of the casters] */
 } object_list;
 

@@ -70,8 +70,10 @@ void warn_about_ranges(const casters *c, const light_choice *chosen, message *m)
     if (2 * wider <= count) return;
     box all = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
     if (box_diagonal(&all) < CENTIMETRES_ACROSS_MIN_M) return;
-    warn(m, "light '%s' reaches %.3g m, no lamp farther, and %zu of %zu components are wider than %.3g m, in a scene of %.15g m: as of one in "
-            "centimetres with lights in metres; scale its root nodes by 0.01, or give lights longer ranges",
+    warn(m,
+         "light '%s' reaches %.3g m, no lamp farther, and %zu of %zu components are wider than %.3g m, in a scene of %.15g m: as "
+         "of one in "
+         "centimetres with lights in metres; scale its root nodes by 0.01, or give lights longer ranges",
          longest->name, longest->shape.range_m, wider, count, width, rounded(box_diagonal(&all), 3));
 }
 

@@ -5,11 +5,11 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "baker/base/clock.h"
 #include "baker/base/gate.h"
 #include "baker/base/integer.h"
 #include "baker/base/memory.h"
 #include "baker/base/text.h"
-#include "baker/base/clock.h"
 
 static const char *const stage_names[STAGE_COUNT] = {"load",   "solids",   "plan",  "gl",     "maps",  "pyramid", "masks",
                                                      "insert", "compress", "merge", "encode", "smoke", "write"};

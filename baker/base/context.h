@@ -17,21 +17,21 @@
 #include "baker/base/watch.h"
 
 typedef enum bake_stage {
-    STAGE_LOAD,                   /* glTF to triangles */
-    STAGE_SOLIDS,                 /* weld, components, solids and sheets */
-    STAGE_PLAN,                   /* what the scene needs, and which solids meet */
-    STAGE_GL,                     /* OpenGL context, vertices in light space */
-    STAGE_MAPS,                   /* enter and exit depth */
-    STAGE_PYRAMID,                /* min-max pyramid */
-    STAGE_MASKS,                  /* visibility masks */
-    STAGE_INSERT,                 /* sub-DAGs */
-    STAGE_COMPRESS,               /* sub-DAG compression */
-    STAGE_MERGE,                  /* into one DAG */
-    STAGE_ENCODE,                 /* sections, zstd */
-    STAGE_SMOKE,                  /* what smoke leaves of each light */
-    STAGE_WRITE,                  /* reading back what was encoded, and the file */
-    STAGE_COUNT,                  /* of the stages that make an asset; the rest are no part of its time */
-    STAGE_PICTURE = STAGE_COUNT,  /* of the maps, for a page */
+    STAGE_LOAD,                  /* glTF to triangles */
+    STAGE_SOLIDS,                /* weld, components, solids and sheets */
+    STAGE_PLAN,                  /* what the scene needs, and which solids meet */
+    STAGE_GL,                    /* OpenGL context, vertices in light space */
+    STAGE_MAPS,                  /* enter and exit depth */
+    STAGE_PYRAMID,               /* min-max pyramid */
+    STAGE_MASKS,                 /* visibility masks */
+    STAGE_INSERT,                /* sub-DAGs */
+    STAGE_COMPRESS,              /* sub-DAG compression */
+    STAGE_MERGE,                 /* into one DAG */
+    STAGE_ENCODE,                /* sections, zstd */
+    STAGE_SMOKE,                 /* what smoke leaves of each light */
+    STAGE_WRITE,                 /* reading back what was encoded, and the file */
+    STAGE_COUNT,                 /* of the stages that make an asset; the rest are no part of its time */
+    STAGE_PICTURE = STAGE_COUNT, /* of the maps, for a page */
     STAGE_NONE
 } bake_stage;
 

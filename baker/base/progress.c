@@ -6,8 +6,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "baker/base/text.h"
 #include "baker/base/clock.h"
+#include "baker/base/text.h"
 
 /* A longer line would wrap on the narrowest of terminals, and could not be taken back. */
 enum { LINE_MAX_BYTES = 79 };

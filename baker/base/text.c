@@ -93,8 +93,8 @@ void print_quoted(FILE *to, const char *text, const char *special)
 const char *size_text(char text[32], uint64_t bytes)
 {
     static const char *const units[] = {"KiB", "MiB", "GiB", "TiB"};
-    double size = (double)bytes / 1024;
-    int    unit = 0;
+    double                   size    = (double)bytes / 1024;
+    int                      unit    = 0;
     if (bytes < 10 * 1024) {
         snprintf(text, 32, "%llu B", (unsigned long long)bytes);
         return text;

@@ -165,8 +165,8 @@ static vxs_result connect(work *w, int wants_border, message *m)
     enum { EACH = 7 * sizeof(uint32_t), OF_VERTEX = sizeof(uint32_t) };
     const mesh_weld *mesh = &w->mesh;
     if (check_room(mesh->triangle_count, EACH, mesh->vertex_count, OF_VERTEX, m) != VXS_OK) return VXS_E_MEMORY;
-    edges            e    = {w, pages_alloc(3 * mesh->triangle_count * sizeof *e.sorted), 0};
-    vxs_result       r    = VXS_E_MEMORY;
+    edges      e = {w, pages_alloc(3 * mesh->triangle_count * sizeof *e.sorted), 0};
+    vxs_result r = VXS_E_MEMORY;
     if (e.sorted) r = mesh_sort_edges(e.sorted, mesh->indices, mesh->triangle_count, mesh->vertex_count, w->threads);
     if (r == VXS_OK && !(w->component_of = pages_alloc(mesh->triangle_count * sizeof *w->component_of))) r = VXS_E_MEMORY;
     if (r == VXS_OK) {
@@ -493,8 +493,8 @@ static int make_room(casters *c, const work *w, const scene *s, const uint32_t *
     c->alpha_masks      = allocate(s->alpha_mask_count, sizeof *c->alpha_masks);
     c->alpha_mask_first = allocate(s->alpha_mask_count + 1, sizeof *c->alpha_mask_first);
     c->hole_uvs         = allocate(w->mesh.triangle_count - first[GROUP_MASKS], 6 * sizeof *c->hole_uvs);
-    if (!c->positions_ws || !c->indices || !c->component_of || !c->kind_of || !c->parts_of || !c->boxes ||
-        !c->alpha_masks || !c->alpha_mask_first || !c->hole_uvs || (any_double_sided(w) && !c->double_sided))
+    if (!c->positions_ws || !c->indices || !c->component_of || !c->kind_of || !c->parts_of || !c->boxes || !c->alpha_masks ||
+        !c->alpha_mask_first || !c->hole_uvs || (any_double_sided(w) && !c->double_sided))
         return 0;
 
     c->solid_triangle_count = first[GROUP_SHEETS];
@@ -512,9 +512,9 @@ static vxs_result emit(casters *c, work *w, const scene *s, message *m)
     vxs_result r     = VXS_E_MEMORY;
     size_t     count = w->mesh.triangle_count, groups = GROUP_MASKS + s->alpha_mask_count;
     if (check_room(count, EACH, w->mesh.vertex_count, OF_VERTEX, m) != VXS_OK) return r;
-    uint32_t  *group = pages_alloc(count * sizeof *group);
-    uint32_t  *first = malloc((groups + 1) * sizeof *first);
-    emission   e     = {c, w, s, pages_alloc(count * sizeof *e.order), pages_alloc(w->mesh.vertex_count * sizeof *e.emitted_as)};
+    uint32_t *group = pages_alloc(count * sizeof *group);
+    uint32_t *first = malloc((groups + 1) * sizeof *first);
+    emission  e     = {c, w, s, pages_alloc(count * sizeof *e.order), pages_alloc(w->mesh.vertex_count * sizeof *e.emitted_as)};
     if (!group || !first || !e.order || !e.emitted_as) goto done;
     for (size_t t = 0; t < count; t++) group[t] = group_of(w, t);
     if ((r = group_by_key(first, e.order, group, count, groups, w->threads)) != VXS_OK) goto done;

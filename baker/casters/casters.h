@@ -62,8 +62,8 @@ typedef struct casters {
     uint32_t *component_of; /* [triangle_count] components are numbered, solids first, each in the order of its first triangle */
     uint8_t  *kind_of;      /* [all components] component_kind */
 
-    part_span *parts_of; /* [all components] the parts of the scene that it is made of */
-    struct box *boxes;   /* [all components] around its triangles, metres (baker/base/box.h) */
+    part_span  *parts_of; /* [all components] the parts of the scene that it is made of */
+    struct box *boxes;    /* [all components] around its triangles, metres (baker/base/box.h) */
 
     uint8_t       *solid_meets; /* [solid_triangle_count] 1: its solid meets another or itself; NULL before casters_find_meeting */
     meeting_counts meeting;

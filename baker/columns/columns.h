@@ -19,8 +19,8 @@
 
 #include <stdint.h>
 
-#include "baker/base/integer.h"
 #include "baker/base/context.h"
+#include "baker/base/integer.h"
 
 /* Of all columns of a square. May be loose (emin, xmin too small; emax, xmax too large), never wrong. */
 typedef struct column_bounds {

@@ -6,12 +6,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/base/clock.h"
 #include "baker/base/gate.h"
 #include "baker/base/parallel.h"
 #include "baker/base/z_order.h"
 #include "baker/columns/square_keeper.h"
 #include "baker/columns/square_record.h"
-#include "baker/base/clock.h"
 
 /* What becomes of a square that waits. */
 typedef enum waiting_kind {

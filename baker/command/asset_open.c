@@ -32,7 +32,9 @@ static uint64_t wanted_bytes(void *user, const uint8_t *first, size_t size_bytes
     if (size_bytes < VXS_HEADER_BYTES || memcmp(first, VXS_MAGIC, VXS_MAGIC_BYTES) != 0) return 0;
     uint32_t version = vxs_load32(first + VXS_HEADER_VERSION);
     int      known   = version >= 1 && version <= VXS_FORMAT_VERSION;
-    return known && XXH64(first, VXS_HEADER_HASH, 0) == vxs_load64(first + VXS_HEADER_HASH) ? vxs_load64(first + VXS_HEADER_FILE_BYTES) : 0;
+    return known && XXH64(first, VXS_HEADER_HASH, 0) == vxs_load64(first + VXS_HEADER_HASH)
+               ? vxs_load64(first + VXS_HEADER_FILE_BYTES)
+               : 0;
 }
 
 vxs_result asset_read(vxs_asset **asset, const char *path, const vxs_read_desc *desc, message *m)
@@ -40,9 +42,9 @@ vxs_result asset_read(vxs_asset **asset, const char *path, const vxs_read_desc *
     vxs_read_desc rest = *desc;
     uint8_t      *bytes;
     size_t        size_bytes;
-    uint64_t      most  = desc->memory_limit_bytes ? desc->memory_limit_bytes - 1 : READ_MAX;
-    vxs_result    r     = input_read(&bytes, &size_bytes, path, most, &(input_head){wanted_bytes, NULL}, m);
-    uint64_t      limit = vxs_memory_limit_of(desc, size_bytes); /* more than the file in any case */
+    uint64_t      most      = desc->memory_limit_bytes ? desc->memory_limit_bytes - 1 : READ_MAX;
+    vxs_result    r         = input_read(&bytes, &size_bytes, path, most, &(input_head){wanted_bytes, NULL}, m);
+    uint64_t      limit     = vxs_memory_limit_of(desc, size_bytes); /* more than the file in any case */
     rest.memory_limit_bytes = limit - size_bytes;
     *asset                  = NULL;
     if (r == VXS_OK) r = vxs_asset_open(asset, bytes, size_bytes, &rest);

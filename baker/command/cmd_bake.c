@@ -2,15 +2,15 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <stdio.h>
 
-#include "baker/command/commands.h"
 #include "baker/base/progress.h"
+#include "baker/command/commands.h"
 #include "baker/command/options/bake_arguments.h"
 #include "baker/command/process/process.h"
-#include "baker/lab/pages/bake_page.h"
 #include "baker/command/report/part_report.h"
 #include "baker/command/report/report.h"
 #include "baker/command/report/summary.h"
 #include "baker/command/report/unchanged.h"
+#include "baker/lab/pages/bake_page.h"
 
 static vxs_result write_reports(const bake_arguments *a, const bake_page *page, const bake_report *report, message *m)
 {

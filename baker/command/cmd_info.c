@@ -8,11 +8,11 @@
 #include "baker/command/asset_open.h"
 #include "baker/command/commands.h"
 #include "baker/command/light_text.h"
+#include "baker/command/options/options.h"
 #include "baker/command/provenance_text.h"
+#include "baker/command/report/report.h"
 #include "baker/files/input_file.h"
 #include "baker/files/json_file.h"
-#include "baker/command/options/options.h"
-#include "baker/command/report/report.h"
 
 /* What a section holds: parts of its light, most of them one, or its smoke; points; of others the kind is all that there is to say.
  * parts  [VXS_LEVELS_MAX] [out]
@@ -71,8 +71,8 @@ static void print_info(FILE *to, const char *path, const vxs_asset *asset, const
 {
     const vxs_contents *c = vxs_asset_contents(asset);
     char                a[32], b[48], plain[PLAIN_BYTES];
-    fprintf(to, "%s: .vxs version %u, %s, %u light%s\n", plain_text(plain, path), c->version, size_text(a, file_bytes), c->light_count,
-            c->light_count == 1 ? "" : "s");
+    fprintf(to, "%s: .vxs version %u, %s, %u light%s\n", plain_text(plain, path), c->version, size_text(a, file_bytes),
+            c->light_count, c->light_count == 1 ? "" : "s");
     if (made) provenance_print(to, made);
     if (!made && c->metadata)
         fprintf(to, "made by      unknown: vxs did not write the metadata, %s\n", size_text(a, c->metadata_bytes));

@@ -5,12 +5,12 @@
 
 #include "baker/bake/merge_parts.h"
 #include "baker/base/parallel.h"
+#include "baker/base/progress.h"
 #include "baker/base/version.h"
 #include "baker/command/commands.h"
-#include "baker/files/json_file.h"
-#include "baker/base/progress.h"
 #include "baker/command/options/options.h"
 #include "baker/command/process/process.h"
+#include "baker/files/json_file.h"
 
 typedef struct merge_command {
     merge_options o;
@@ -22,7 +22,8 @@ static void print_report(FILE *to, const merge_command *c, const merge_report *r
     char size[32], memory[32], plain[PLAIN_BYTES];
     fprintf(to, "parts        %u, %llu squares of %u lights\n", r->parts, (unsigned long long)r->squares, r->lights.light_count);
     fprintf(to, "file         %s: %s\n",
-            is_standard_output(c->o.output_path) ? "standard output" : plain_text(plain, c->o.output_path), size_text(size, r->lights.file_bytes));
+            is_standard_output(c->o.output_path) ? "standard output" : plain_text(plain, c->o.output_path),
+            size_text(size, r->lights.file_bytes));
     fprintf(to, "time         %.2f s; memory %s\n", r->lights.total_seconds, size_text(memory, r->lights.peak_bytes));
 }
 

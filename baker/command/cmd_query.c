@@ -3,9 +3,9 @@
 #include "baker/command/asset_open.h"
 #include "baker/command/asset_stream.h"
 #include "baker/command/commands.h"
-#include "baker/command/points.h"
 #include "baker/command/options/filter_choice.h"
 #include "baker/command/options/options.h"
+#include "baker/command/points.h"
 
 typedef struct query {
     const vxs_baked_light *lights[VXS_LIGHTS_MAX]; /* [light_count] */

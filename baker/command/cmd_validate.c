@@ -6,9 +6,9 @@
 #include "baker/base/parallel.h"
 #include "baker/command/asset_open.h"
 #include "baker/command/commands.h"
+#include "baker/command/options/options.h"
 #include "baker/files/input_file.h"
 #include "baker/files/json_file.h"
-#include "baker/command/options/options.h"
 #include "runtime/vxs.h"
 
 static void collect(void *user, int number, const char *text, int section, uint64_t offset)

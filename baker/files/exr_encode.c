@@ -56,7 +56,7 @@ static exr_result_t write_chunk(exr_context_t file, exr_encode_pipeline_t *pipe,
                                 const float *row, uint32_t width_px, const char *channels)
 {
     const size_t count = strlen(channels), pixel_bytes = count * sizeof *row;
-    exr_result_t r     = is_first ? exr_encoding_initialize(file, 0, chunk, pipe) : exr_encoding_update(file, 0, chunk, pipe);
+    exr_result_t r = is_first ? exr_encoding_initialize(file, 0, chunk, pipe) : exr_encoding_update(file, 0, chunk, pipe);
     for (int n = 0; n < pipe->channel_count && r == EXR_ERR_SUCCESS; n++) { /* in the order of their names */
         exr_coding_channel_info_t *c = &pipe->channels[n];
         c->encode_from_ptr           = (const uint8_t *)(row + (strchr(channels, c->channel_name[0]) - channels));
@@ -83,7 +83,8 @@ static exr_result_t write_chunks(exr_context_t file, const float *pixels, uint32
     return r;
 }
 
-uint8_t *exr_encode(const float *pixels, uint32_t width_px, uint32_t height_px, const char *channels, float white, size_t *size_bytes)
+uint8_t *exr_encode(const float *pixels, uint32_t width_px, uint32_t height_px, const char *channels, float white,
+                    size_t *size_bytes)
 {
     bytes                     b    = {0};
     exr_context_t             file = NULL;

@@ -54,9 +54,9 @@ static int keep_attributes(const char *path, int descriptor)
 vxs_result replaced_file_keep(const char *path, const struct stat *old, int descriptor, message *m)
 {
     struct stat now;
-    vxs_result  r     = VXS_OK;
-    mode_t      kept  = 0777; /* as whom it would run is said of the old bytes, and no system lets that stay when a file is written */
-    int         error = fstat(descriptor, &now) ? errno : 0;
+    vxs_result  r = VXS_OK;
+    mode_t kept   = 0777; /* as whom it would run is said of the old bytes, and no system lets that stay when a file is written */
+    int    error  = fstat(descriptor, &now) ? errno : 0;
     if (!error && (now.st_uid != old->st_uid || now.st_gid != old->st_gid) && fchown(descriptor, old->st_uid, old->st_gid))
         r = not_kept(path, "owner and group", errno, m);
     int lost = keep_attributes(path, descriptor);

@@ -116,7 +116,8 @@ static vxs_result add_held(run_files *f, size_t folder, const file_identity *ide
     f->links |= is_link;
     for (const run_held *h = f->held; h < f->held + f->held_count && f->links; h++)
         if ((h->is_link || is_link) && is_same(&h->identity, identity))
-            return fail(m, VXS_E_ARGUMENT, "%s %s: %s and %s of it are one file: expected two", in->option, in->path, h->name, name);
+            return fail(m, VXS_E_ARGUMENT, "%s %s: %s and %s of it are one file: expected two", in->option, in->path, h->name,
+                        name);
     char *copy = strdup(name);
     if (!copy || !array_reserve(&f->held, &f->held_capacity, f->held_count + 1, sizeof *f->held)) {
         free(copy);
@@ -163,8 +164,8 @@ vxs_result run_files_add_folder(const char *option, const char *path, const char
 
 static vxs_result is_the_input(const char *option, const char *path, const char *what, message *m)
 {
-    return fail(m, VXS_E_ARGUMENT, "%s%s%s: is the input itself, %s: expected another name for the output", option, *option ? " " : "",
-                path, what);
+    return fail(m, VXS_E_ARGUMENT, "%s%s%s: is the input itself, %s: expected another name for the output", option,
+                *option ? " " : "", path, what);
 }
 
 static vxs_result remember_input(run_files *f, const file_identity *in, const char *what, message *m)
@@ -186,7 +187,7 @@ vxs_result run_files_check_input(const char *path, const char *what, message *m)
     run_files *f = m->files;
     if (!f) return VXS_OK;
     file_identity     in = identify(path, STDIN_FILENO), shown = identify("-", STDOUT_FILENO);
-    const run_output *o  = find_output(f, &in);
+    const run_output *o = find_output(f, &in);
     if (o) return is_the_input(o->option, o->path, what, m);
     for (const run_held *h = f->held; h < f->held + f->held_count; h++)
         if (is_same(&h->identity, &in))

@@ -57,7 +57,7 @@ typedef struct run_files {
     size_t      folder_count, folder_capacity;
     run_held   *held; /* [held_count] */
     size_t      held_count, held_capacity;
-    int         links; /* 1: one of them is a symbolic link */
+    int         links;  /* 1: one of them is a symbolic link */
     run_input  *inputs; /* [input_count] */
     size_t      input_count, input_capacity;
 } run_files;

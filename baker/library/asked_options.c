@@ -25,7 +25,7 @@ static vxs_result take_known(vxs_bake_options *known, const vxs_bake_options *op
     if (!options || options->struct_bytes < least || options->struct_bytes > 64 * sizeof *known)
         return fail(m, VXS_E_ARGUMENT, "options: expected what vxs_bake_defaults returns, with what is to be changed");
     memcpy(known, options, options->struct_bytes < sizeof *known ? least : sizeof *known);
-    known->struct_bytes = sizeof *known;
+    known->struct_bytes        = sizeof *known;
     const unsigned char *bytes = (const unsigned char *)options;
     for (size_t n = sizeof *known; n < options->struct_bytes; n++)
         if (bytes[n]) return fail(m, VXS_E_ARGUMENT, "options: some are of a later version than this library");

@@ -7,8 +7,8 @@
 #include <stdlib.h>
 
 #include "baker/bake/bake.h"
-#include "baker/library/array_scene.h"
 #include "baker/base/clock.h"
+#include "baker/library/array_scene.h"
 #include "runtime/vxs.h"
 
 /* telling --------------------------------------------------------------------------------------------------------------------- */

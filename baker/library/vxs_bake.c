@@ -10,8 +10,8 @@
 #include <time.h>
 
 #include "baker/bake/bake.h"
-#include "baker/library/bake_run.h"
 #include "baker/base/clock.h"
+#include "baker/library/bake_run.h"
 
 void vxs_bake_bytes_free(vxs_bake_bytes *bytes)
 {

@@ -60,7 +60,7 @@ static size_t take(candidates *out, const lit_points_desc *d, const uint8_t *tou
         size_t end = touched[run] ? end_of_run(d, run) : 0;
         for (size_t t = run * REACH_RUN; t < end; t++) {
             if ((d->object_of && d->object_of[c->component_of[t]] == d->without) || --until_next) continue;
-            until_next = step;
+            until_next            = step;
             double own            = 0.5 * cross_length(corner_of(c, t, 0), corner_of(c, t, 1), corner_of(c, t, 2));
             out->triangles[count] = (uint32_t)t;
             out->area_to[count++] = area += isfinite(own) ? own : 0;
@@ -113,7 +113,7 @@ static double polygon_area(const map_polygon *p)
 static void point_in(const map_polygon *p, double area, rng *random, double out[3])
 {
     double left = rng_unit(random) * area, u = sqrt(rng_unit(random)), v = rng_unit(random);
-    int    n    = 1;
+    int    n = 1;
     for (; n + 2 < p->count; n++) {
         double part = 0.5 * cross_length(p->corners[0].at, p->corners[n].at, p->corners[n + 1].at);
         if (left < part) break;
@@ -165,7 +165,8 @@ static int point_of_lamp(lit_point *out, const lit_points_desc *d, const map_sid
         all += areas[n] = polygon_area(&seen[n]);
     }
     if (!(all > 0)) return 0;
-    for (double left = rng_unit(random) * all; map + 1 < maps && (!(areas[map] > 0) || left >= areas[map]); map++) left -= areas[map];
+    for (double left = rng_unit(random) * all; map + 1 < maps && (!(areas[map] > 0) || left >= areas[map]); map++)
+        left -= areas[map];
     if (!(areas[map] > 0)) return 0;
     map_frame frame = map_frame_of(d->light, map);
     point_in(&seen[map], areas[map], random, at);

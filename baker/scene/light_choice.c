@@ -138,7 +138,9 @@ static vxs_result add_named(const scene *s, const light_choice *all, const char 
     }
     for (size_t i = 0; i < all->count; i++) {
         const chosen_light *l = &all->lights[i];
-        if (!light_name_matches(name, i, l->name) && !(l->light && l->light->node_name && light_name_matches(name, i, l->light->node_name))) continue;
+        if (!light_name_matches(name, i, l->name) &&
+            !(l->light && l->light->node_name && light_name_matches(name, i, l->light->node_name)))
+            continue;
         matched++;
         if (!find(chosen, all->lights[i].name)) add(chosen, all->lights[i]);
     }

@@ -10,8 +10,8 @@
 #define SUN_NAME "sun"
 
 typedef struct chosen_light {
-    const char *name; /* the scene's, or that of --sun; borrowed */
-    light_shape shape;
+    const char        *name; /* the scene's, or that of --sun; borrowed */
+    light_shape        shape;
     int                is_option; /* nonzero: --sun gives it, not the scene */
     const scene_light *light;     /* the scene's; NULL: --sun gives it */
 } chosen_light;

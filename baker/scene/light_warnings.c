@@ -28,8 +28,10 @@ static void warn_about_unturned(const chosen_light *light, message *m)
 {
     const double *d = light->shape.direction_ws;
     if (light->is_option || d[2] > -1 + 1e-9 || fabs(d[0]) > 1e-6 || fabs(d[1]) > 1e-6) return;
-    warn(m, "light '%s' travels level, along -Z, as a node without a rotation has it: sunlight comes from above; turn its node, or give "
-            "--sun X,Y,Z",
+    warn(m,
+         "light '%s' travels level, along -Z, as a node without a rotation has it: sunlight comes from above; turn its node, or "
+         "give "
+         "--sun X,Y,Z",
          light->name);
 }
 

@@ -30,7 +30,7 @@ typedef struct scene_light {
     light_shape shape;
     double      colour
         [3]; /* linear, times intensity: lux of a directional light, candela of others; for pictures. 0: unknown, or it is dark */
-    double inner_rad; /* spot: up to this angle from its direction it is at its full strength, [0, outer_rad]; for pictures */
+    double      inner_rad; /* spot: up to this angle from its direction it is at its full strength, [0, outer_rad]; for pictures */
     char       *node_name; /* owned; of the node that places it, "" where that has none; NULL: it came from no file */
     uint32_t    node;      /* the file's number of that node */
     char       *odd;       /* owned; what of it is not read as it is written, and what to do; NULL: nothing */

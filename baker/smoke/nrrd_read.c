@@ -230,8 +230,8 @@ static vxs_result check_size(const nrrd *n)
     uint64_t wanted = number_bytes_of(n), there = n->size_bytes - n->at;
     if (there == wanted) return VXS_OK;
     return fail(n->m, VXS_E_SCENE, "'%s': %s%llu bytes of numbers: expected %llu, for %u x %u x %u", n->name,
-                there > wanted ? "more than " : "", (unsigned long long)(there > wanted ? wanted : there), (unsigned long long)wanted,
-                n->size[0], n->size[1], n->size[2]);
+                there > wanted ? "more than " : "", (unsigned long long)(there > wanted ? wanted : there),
+                (unsigned long long)wanted, n->size[0], n->size[1], n->size[2]);
 }
 
 /* numbers ---------------------------------------------------------------------------------------------------------------------- */

@@ -335,12 +335,12 @@ static int try_lookup(const maker *k, const uint32_t *words, size_t texel, rng *
     const tile       t     = tile_of(k, texel / TILE_TEXELS);
     double           x = texel % TILE_PX + rng_unit(r) - 0.5, y = texel % TILE_TEXELS / TILE_PX + rng_unit(r) - 0.5;
     double           scale = ldexp(1, (int)(light->levels - k->levels)), part = fmin(2 * rng_unit(r), 1), from[3], way[3], ws[3];
-    smoke_path      *path  = &k->tools->path;
-    *off                   = NAN;
+    smoke_path      *path = &k->tools->path;
+    *off                  = NAN;
     if (!find_ray_path(k, &t, x, y, k->tools)) return 0;
     if (!path->count) return 1;
     int32_t first = vxs_first_shadow(k->baked, t.map, (int32_t)((t.x + x + 0.5) * scale), (int32_t)((t.y + y + 0.5) * scale), NULL);
-    double  last  = path->depth[path->count - 1], end = first < 0 ? last : fmin(last, metres_of(light, first - 0.01));
+    double  last = path->depth[path->count - 1], end = first < 0 ? last : fmin(last, metres_of(light, first - 0.01));
     double  depth = path->depth[0] + part * (end - path->depth[0]);
     ray_of(k, t.map, t.x + x, t.y + y, from, way);
     vec3_mad(from, depth, way, ws);

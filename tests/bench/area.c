@@ -13,9 +13,9 @@
 
 #include "baker/base/parallel.h"
 #include "baker/base/random.h"
+#include "baker/command/options/options.h"
 #include "baker/files/json_value.h"
 #include "baker/lab/opengl/gl.h"
-#include "baker/command/options/options.h"
 #include "baker/vxs_bake.h"
 #include "runtime/volumes/vxs_area_light.h"
 #include "tests/bench/volumes_bench.h"

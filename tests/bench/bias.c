@@ -15,8 +15,8 @@
 #include <jansson.h>
 
 #include "baker/base/version.h"
-#include "baker/files/json_file.h"
 #include "baker/command/options/options.h"
+#include "baker/files/json_file.h"
 #include "tests/bench/bias_stage.h"
 
 enum { KINDS = 3, OTHER_CASTERS = 3, FILTERS = 7, STEPS = 400, WALL_SIDE_MIN = 1024 };

@@ -13,11 +13,11 @@
 #include <stdlib.h>
 #include <time.h>
 
+#include "baker/base/clock.h"
 #include "baker/base/random.h"
 #include "baker/base/version.h"
-#include "baker/files/json_file.h"
-#include "baker/base/clock.h"
 #include "baker/command/options/options.h"
+#include "baker/files/json_file.h"
 #include "runtime/vxs_stream.h"
 
 enum { POINTS = 200, FILTER_PX = 9, AROUND_M = 100, ABOVE_M = 20, FRAMES_PER_SECOND = 60 };

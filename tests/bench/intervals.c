@@ -11,12 +11,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "baker/base/random.h"
-#include "baker/base/vec3.h"
-#include "baker/files/json_file.h"
 #include "baker/base/clock.h"
+#include "baker/base/random.h"
 #include "baker/base/spread.h"
+#include "baker/base/vec3.h"
 #include "baker/command/options/options.h"
+#include "baker/files/json_file.h"
 #include "runtime/vxs_query.h"
 
 enum { SIDE_PX = 32, ABOVE_M = 2, WAYS = 3, RUNS_MAX = 99 };

@@ -14,10 +14,10 @@
 #include <string.h>
 
 #include "baker/base/parallel.h"
-#include "baker/files/json_file.h"
-#include "baker/files/run_files.h"
 #include "baker/command/options/options.h"
 #include "baker/command/process/process.h"
+#include "baker/files/json_file.h"
+#include "baker/files/run_files.h"
 #include "tests/bench/rival_report.h"
 
 typedef enum fault { FAULT_NONE, FAULT_DEPTH, FAULT_FILTER } fault;
@@ -156,8 +156,7 @@ static vxs_result parse(rivals_command *c, int argc, char **argv, int *help_show
 int main(int argc, char **argv)
 {
     rivals_command c = {
-        .bake =
-            {.resolution = 4096, .reuse = 1, .stop = STOP_FINAL, .threads = parallel_default_threads()},
+        .bake    = {.resolution = 4096, .reuse = 1, .stop = STOP_FINAL, .threads = parallel_default_threads()},
         .measure = {.runs = 5, .points = 1000000, .seed = 1, .width_px = 1920, .camera = {.camera = {.fov_degrees = 35}}},
         .threads = 1,
     };

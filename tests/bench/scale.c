@@ -9,13 +9,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "baker/base/clock.h"
 #include "baker/base/parallel.h"
+#include "baker/base/spread.h"
 #include "baker/base/version.h"
 #include "baker/coding/dag/build.h"
-#include "baker/files/json_file.h"
-#include "baker/base/clock.h"
-#include "baker/base/spread.h"
 #include "baker/command/options/options.h"
+#include "baker/files/json_file.h"
 #include "tests/columns/analytic.h"
 
 enum { SMALLEST_PX = 16384, LARGEST_PX = 262144, SIZES_MAX = 5, RUNS_MAX = 99 };

@@ -10,9 +10,9 @@
 #include <stdlib.h>
 
 #include "baker/base/parallel.h"
+#include "baker/command/options/options.h"
 #include "baker/files/json_value.h"
 #include "baker/lab/opengl/gl.h"
-#include "baker/command/options/options.h"
 #include "baker/vxs_bake.h"
 #include "runtime/volumes/transmittance_map.h"
 #include "tests/bench/volumes_bench.h"

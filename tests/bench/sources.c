@@ -22,13 +22,13 @@
 #include "baker/base/parallel.h"
 #include "baker/base/vec3.h"
 #include "baker/base/version.h"
-#include "baker/lab/opengl/depth_gl.h"
-#include "baker/lab/opengl/opengl_columns.h"
 #include "baker/columns/sparse/sparse_columns.h"
 #include "baker/columns/sparse/sparse_triangles.h"
-#include "baker/files/json_file.h"
-#include "baker/light/light_fit.h"
 #include "baker/command/options/options.h"
+#include "baker/files/json_file.h"
+#include "baker/lab/opengl/depth_gl.h"
+#include "baker/lab/opengl/opengl_columns.h"
+#include "baker/light/light_fit.h"
 #include "tests/columns/brute.h"
 
 /* What single precision moves corners by is less than the grid, but may be more on the plane of a thin triangle. */

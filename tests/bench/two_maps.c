@@ -9,13 +9,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "baker/base/clock.h"
 #include "baker/base/parallel.h"
 #include "baker/base/random.h"
+#include "baker/command/options/options.h"
 #include "baker/lab/opengl/depth_gl.h"
 #include "baker/lab/opengl/opengl_columns.h"
 #include "baker/light/light_fit.h"
-#include "baker/base/clock.h"
-#include "baker/command/options/options.h"
 #include "baker/scene/light_choice.h"
 
 typedef struct two_maps_options {

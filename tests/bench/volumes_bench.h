@@ -7,8 +7,8 @@
 #include <jansson.h>
 
 #include "baker/base/message.h"
-#include "baker/casters/casters.h"
 #include "baker/base/spread.h"
+#include "baker/casters/casters.h"
 #include "baker/lab/command/fog_choice.h"
 #include "baker/lab/truth/camera.h"
 #include "baker/lab/truth/truth.h"

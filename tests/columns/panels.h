@@ -15,9 +15,9 @@
 #include <string.h>
 
 #include "baker/base/box.h"
-#include "baker/lab/opengl/opengl_columns.h"
 #include "baker/columns/sparse/sparse_columns.h"
 #include "baker/columns/sparse/sparse_triangles.h"
+#include "baker/lab/opengl/opengl_columns.h"
 #include "baker/light/light_fit.h"
 #include "baker/light/map_space.h"
 #include "tests/unit/random_lamp.h"

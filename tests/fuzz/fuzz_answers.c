@@ -131,7 +131,11 @@ static void check_column(const asked *a, uint64_t *random, const int32_t t[3])
     int32_t                side = side_of(l), depth = vxs_first_shadow(l, t[2], t[0], t[1], &coarse);
     FUZZ_CHECK(depth >= 0 && depth <= side && (coarse == 0 || coarse == 1));
     for (int n = 0; n < 8; n++) {
-        int32_t k = n == 0 ? 0 : n == 1 ? depth - 1 : n == 2 ? depth : n == 3 ? side - 1 : (int32_t)random_below_of(random, (uint32_t)side);
+        int32_t k = n == 0   ? 0
+                    : n == 1 ? depth - 1
+                    : n == 2 ? depth
+                    : n == 3 ? side - 1
+                             : (int32_t)random_below_of(random, (uint32_t)side);
         if (k < 0 || k >= side) continue;
         if (k <= depth || l->light.coding == VXS_CODING_BLOCKS) FUZZ_CHECK(is_dark(l, t[2], t[0], t[1], k) == (k >= depth));
     }
@@ -166,17 +170,17 @@ static uint32_t pixel_of(const vxs_baked_light *l, const vxs_depth_map_desc *d, 
 static void check_depth_map(const asked *a, uint64_t *random)
 {
     static uint32_t        voxels[MAP_PX * MAP_PX];
-    const vxs_baked_light *l     = a->light;
-    uint32_t               side  = (uint32_t)side_of(l), shift = random_below_of(random, 3);
-    vxs_depth_map_desc     d     = {.struct_size = sizeof d,
-                                    .map         = (int32_t)random_below_of(random, vxs_light_map_count(&l->light)),
-                                    .i           = (int32_t)random_below_of(random, side + 16) - 12,
-                                    .j           = (int32_t)random_below_of(random, side + 16) - 12,
-                                    .wide_px     = 1 + random_below_of(random, MAP_PX),
-                                    .high_px     = 1 + random_below_of(random, MAP_PX),
-                                    .shift       = shift < l->light.levels ? shift : 0,
-                                    .which       = random_below_of(random, 3),
-                                    .voxels      = voxels};
+    const vxs_baked_light *l    = a->light;
+    uint32_t               side = (uint32_t)side_of(l), shift = random_below_of(random, 3);
+    vxs_depth_map_desc     d = {.struct_size = sizeof d,
+                                .map         = (int32_t)random_below_of(random, vxs_light_map_count(&l->light)),
+                                .i           = (int32_t)random_below_of(random, side + 16) - 12,
+                                .j           = (int32_t)random_below_of(random, side + 16) - 12,
+                                .wide_px     = 1 + random_below_of(random, MAP_PX),
+                                .high_px     = 1 + random_below_of(random, MAP_PX),
+                                .shift       = shift < l->light.levels ? shift : 0,
+                                .which       = random_below_of(random, 3),
+                                .voxels      = voxels};
     FUZZ_CHECK(vxs_depth_map(l, &d, NULL) == VXS_OK);
     for (uint32_t y = 0; y < d.high_px; y++)
         for (uint32_t x = 0; x < d.wide_px; x += 1 + shift)
@@ -298,8 +302,8 @@ static uint64_t least_budget(const uint8_t *data, size_t size, uint64_t ample)
 {
     uint64_t low = 0, high = ample;
     while (high - low > 256) {
-        uint64_t    middle = low + (high - low) / 2;
-        vxs_stream *stream = open_stream(data, size, middle);
+        uint64_t    middle       = low + (high - low) / 2;
+        vxs_stream *stream       = open_stream(data, size, middle);
         *(stream ? &high : &low) = middle;
         vxs_stream_close(stream);
     }
@@ -308,7 +312,7 @@ static uint64_t least_budget(const uint8_t *data, size_t size, uint64_t ample)
 
 static void check_streams(const uint8_t *data, size_t size, const vxs_asset *whole, uint64_t random)
 {
-    const uint64_t ample = 4 * (uint64_t)MEMORY_LIMIT_BYTES;
+    const uint64_t ample  = 4 * (uint64_t)MEMORY_LIMIT_BYTES;
     uint32_t       levels = 0;
     for (uint32_t n = 0; n < vxs_asset_light_count(whole); n++) {
         uint32_t l = vxs_asset_light(whole, n)->light.levels;

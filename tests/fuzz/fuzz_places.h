@@ -84,7 +84,8 @@ static inline int32_t state_at(const vxs_baked_light *l, const double point[3])
 
 /* The state in the middle of a part of a ray by single lookups, where it is the same all about, as far as rounding may lead, and the part is longer
  * than that; else -1. */
-static inline int32_t clear_state(const vxs_baked_light *baked, const vxs_ray *r, double begin, double end, walk_precision precision)
+static inline int32_t clear_state(const vxs_baked_light *baked, const vxs_ray *r, double begin, double end,
+                                  walk_precision precision)
 {
     const vxs_light *l = &baked->light;
     double           t = isfinite(end) ? 0.5 * begin + 0.5 * end : begin + 1, most_t = isfinite(end) ? end : t;

@@ -185,8 +185,8 @@ static void put_buffer(GLuint buffer, GLuint binding, size_t size, const void *d
     on.gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, buffer);
 }
 
-static void ask(const vxs_gl *shadows, GLuint *program, const char *body, GLuint count, const void *asked, size_t asked_bytes, void *answers,
-                size_t answer_bytes)
+static void ask(const vxs_gl *shadows, GLuint *program, const char *body, GLuint count, const void *asked, size_t asked_bytes,
+                void *answers, size_t answer_bytes)
 {
     if (!*program) *program = program_of(shadows, body);
     on.gl->UseProgram(*program);
@@ -216,7 +216,7 @@ static float as_float(double x)
 /* Anywhere; half of them at the voxel where light first ends, or beside it. */
 static place random_place(const lights *l, uint64_t *random)
 {
-    place                  p     = {.light = (int32_t)random_below_of(random, l->count), .ask = (int32_t)random_below_of(random, ASKS)};
+    place                  p = {.light = (int32_t)random_below_of(random, l->count), .ask = (int32_t)random_below_of(random, ASKS)};
     const vxs_baked_light *baked = l->baked[p.light];
     int32_t                side  = 1 << baked->light.levels, out;
     double                 ws[3];
@@ -241,8 +241,8 @@ static void check_place(const lights *l, const place *p, const answer *a)
 {
     const vxs_baked_light *baked = l->baked[p->light];
     const vxs_light       *light = &baked->light;
-    int32_t                last  = (1 << light->levels) - 1, width_px = vxs_filter_width(p->filter_px), is_point = p->ask == ASK_POINT;
-    vxs_place              at    = {p->map, {p->i, p->j, p->k}, (uint32_t)(7 * p->i) & 255, (uint32_t)(5 * p->j) & 255};
+    int32_t   last = (1 << light->levels) - 1, width_px = vxs_filter_width(p->filter_px), is_point = p->ask == ASK_POINT;
+    vxs_place at = {p->map, {p->i, p->j, p->k}, (uint32_t)(7 * p->i) & 255, (uint32_t)(5 * p->j) & 255};
     if (is_point) at = (vxs_place){a->map, {a->i, a->j, a->k}, a->across, a->down};
     FUZZ_CHECK(at.map >= -1 && at.map < (int32_t)vxs_light_map_count(light));
     if (at.map < 0) return;
@@ -303,8 +303,8 @@ static void check_rays(const vxs_gl *shadows, const lights *l, uint64_t *random)
     static ray   rays[RAYS];
     static spans found[RAYS];
     for (int n = 0; n < RAYS; n++) {
-        ray             *r     = &rays[n];
-        double           from[3], to[3];
+        ray   *r = &rays[n];
+        double from[3], to[3];
         *r                     = (ray){.end = 1, .light = (int32_t)random_below_of(random, l->count)};
         const vxs_light *light = &l->baked[r->light]->light;
         point_ws(light, random, from);
@@ -364,12 +364,12 @@ static void check_lights(const lights *l, const vxs_gl_light *list, uint32_t wor
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    static int     started;
-    vxs_read_desc  desc  = {.memory_limit_bytes = MEMORY_LIMIT_BYTES};
-    vxs_asset     *asset = NULL;
-    vxs_gl_light   list[2 * LIGHTS];
-    lights         l     = {0};
-    uint32_t       words = 0, copies = 0;
+    static int    started;
+    vxs_read_desc desc  = {.memory_limit_bytes = MEMORY_LIMIT_BYTES};
+    vxs_asset    *asset = NULL;
+    vxs_gl_light  list[2 * LIGHTS];
+    lights        l     = {0};
+    uint32_t      words = 0, copies = 0;
     if (!started) started = start() ? 1 : -1;
     if (started < 0 || vxs_asset_open(&asset, data, size, &desc) != VXS_OK) return 0;
     for (uint32_t n = 0; n < vxs_asset_light_count(asset) && n < LIGHTS; n++) {

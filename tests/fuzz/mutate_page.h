@@ -76,9 +76,10 @@ static void find_planes(plane_places *p, const uint32_t *words, const vxs_page_n
 /* One half or one byte of words[first .. first + count - 1], which `place` says, becomes another, or more or less by one. */
 static void change_some_word(uint32_t *words, uint32_t first, uint32_t count, uint32_t place, uint32_t number)
 {
-    uint32_t *word = words + first + place % count, low = 8 * (place >> 16 & 3), mask = number & 0x10000 ? 0xffu << low : 0xffffu << (low & 16);
-    uint32_t  one = mask & -mask, more = *word + (number & 2 ? one : -one);
-    *word         = (*word & ~mask) | ((number & 1 ? more : number * one) & mask);
+    uint32_t *word = words + first + place % count, low = 8 * (place >> 16 & 3),
+             mask = number & 0x10000 ? 0xffu << low : 0xffffu << (low & 16);
+    uint32_t one = mask & -mask, more = *word + (number & 2 ? one : -one);
+    *word = (*word & ~mask) | ((number & 1 ? more : number * one) & mask);
 }
 
 /* Code the resident part of a light again, with one of its words changed.
@@ -98,8 +99,8 @@ static void change_resident(vxs_bytes *out, light_pages *l, uint32_t levels, uin
 
 /* Code a page of a light again, with one number of a plane changed: `place` of them becomes `number`; or, any: with any of its words changed.
  * out  what it is coded to; of no bytes when it cannot be */
-static void change_plane(vxs_bytes *out, const light_pages *l, uint32_t page, const uint8_t *bytes, size_t size, int any, uint32_t place,
-                         uint32_t number)
+static void change_plane(vxs_bytes *out, const light_pages *l, uint32_t page, const uint8_t *bytes, size_t size, int any,
+                         uint32_t place, uint32_t number)
 {
     const vxs_resident  *r     = &l->resident;
     const vxs_page_node *nodes = r->nodes + r->page_first[page];

@@ -288,7 +288,8 @@ static int find_page(const part *pages, uint32_t page_count, uint32_t page, size
 static void change_a_plane(const light_pages *l, part *pages)
 {
     if (!l->sizes.page_count) return;
-    uint32_t  page = random_below(l->sizes.page_count), number = random_below(2) ? numbers[random_below(NUMBERS)] : random_below(1 << 20);
+    uint32_t page   = random_below(l->sizes.page_count),
+             number = random_below(2) ? numbers[random_below(NUMBERS)] : random_below(1 << 20);
     size_t    at, size;
     vxs_bytes coded;
     if (!find_page(pages, l->sizes.page_count, page, &at, &size)) return;

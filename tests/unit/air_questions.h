@@ -9,8 +9,8 @@
 
 #include "random_lamp.h"
 #include "read_text.h"
-#include "runtime/volumes/vxs_air_path.h"
 #include "runtime/volumes/vxs_air.h"
+#include "runtime/volumes/vxs_air_path.h"
 #include "tests/volumes/airlight.h"
 
 /* Uniform in the logarithm. */
@@ -218,8 +218,9 @@ static const char air_ask_text[] = "struct question { vec4 lamp, way, axis, scat
 /* ask_lamp  text that defines this function, as vxs_air_lamp */
 static inline void use_air(drawing *d, const char *ask_lamp)
 {
-    const char *paths[] = {"formats/vxs_lookup.h",           "formats/vxs_lookup_blocks.h",     "formats/vxs_space.h",
-                           "runtime/volumes/vxs_air_light.h", "runtime/volumes/vxs_air_ray.h", "runtime/volumes/vxs_air.h"};
+    const char *paths[] = {"formats/vxs_lookup.h",          "formats/vxs_lookup_blocks.h",
+                           "formats/vxs_space.h",           "runtime/volumes/vxs_air_light.h",
+                           "runtime/volumes/vxs_air_ray.h", "runtime/volumes/vxs_air.h"};
     enum { PATHS = sizeof paths / sizeof *paths };
     char       *texts[PATHS];
     const char *all[PATHS + 3] = {"#version 430\n#define vxs_word(dag, i) 0u\n"};

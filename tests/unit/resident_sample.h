@@ -37,7 +37,8 @@ static inline void random_entry(rng *r, light_sample *l, uint32_t at, uint32_t m
         w[0]                      = (l->page_count - 1) << 16 | offset;
     }
     w[1] = rng_below(r, 2) ? rng_u32(r) : rng_below(r, 100) | 0x40200000;
-    if (w[1] >> 24 < (w[1] >> 16 & 255)) w[1] = (w[1] & 0xffff) | w[1] >> 24 << 16 | (w[1] >> 16 & 255) << 24; /* min is not above max */
+    if (w[1] >> 24 < (w[1] >> 16 & 255))
+        w[1] = (w[1] & 0xffff) | w[1] >> 24 << 16 | (w[1] >> 16 & 255) << 24; /* min is not above max */
 }
 
 /* A light whose common pool is c; page words are put in when their number is known: tops are made in words of their own first. */

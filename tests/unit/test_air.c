@@ -207,9 +207,9 @@ static void test_cones(void **state)
 static uint32_t check_cone(const double to_lamp[3], const double direction[3], const double axis[3], double cosine)
 {
     enum { PLACES = 400 };
-    vxs_air_ray ray      = vxs_air_ray_of_spot(to_lamp, direction, 1e-9, axis, 1, cosine);
-    double      part[2]  = {0, 100};
-    uint32_t    inside   = 0;
+    vxs_air_ray ray     = vxs_air_ray_of_spot(to_lamp, direction, 1e-9, axis, 1, cosine);
+    double      part[2] = {0, 100};
+    uint32_t    inside  = 0;
     vxs_air_in_cone(&ray, cosine, part);
     assert_true(part[0] == part[0] && part[1] == part[1]);
     for (int k = 0; k < PLACES; k++) {
@@ -222,8 +222,8 @@ static uint32_t check_cone(const double to_lamp[3], const double direction[3], c
         double margin = dot - cosine * sqrt(square);
         if (fabs(margin) < 1e-7 * (1 + sqrt(square)) * (1 + cosine)) continue; /* on the side itself */
         if ((margin > 0) != (x >= part[0] && x <= part[1]))
-            fail_msg("at %g of a ray (%g %g %g) the lamp at (%g %g %g), cosine %g: margin %g, part [%g, %g]", x, direction[0], direction[1],
-                     direction[2], to_lamp[0], to_lamp[1], to_lamp[2], cosine, margin, part[0], part[1]);
+            fail_msg("at %g of a ray (%g %g %g) the lamp at (%g %g %g), cosine %g: margin %g, part [%g, %g]", x, direction[0],
+                     direction[1], direction[2], to_lamp[0], to_lamp[1], to_lamp[2], cosine, margin, part[0], part[1]);
         inside += margin > 0;
     }
     return inside;
@@ -233,11 +233,12 @@ static uint32_t check_cone(const double to_lamp[3], const double direction[3], c
 static void test_rays_along_cones(void **state)
 {
     (void)state;
-    static const double turns[] = {0, 1e-16, 1e-15, -1e-15, 1e-12, -1e-12, 1e-9, -1e-9, 1e-6, -1e-6, 1e-3};
-    static const double axis[3] = {0, -1, 0};
-    static const double lamps[][3] = {{-1, 5, 0}, {1, 5, 0}, {-3, 2, 0}, {-3, 2, 1}, {3, -2, 0}, {0, 5, 0}, {0, 1, 0}, {0, -4, 0}, {5, 0, 0}, {0, 0, 2}, {0, 0, 0}};
-    uint32_t parallel = 0, inside = 0;
-    double   most = 0;
+    static const double turns[]    = {0, 1e-16, 1e-15, -1e-15, 1e-12, -1e-12, 1e-9, -1e-9, 1e-6, -1e-6, 1e-3};
+    static const double axis[3]    = {0, -1, 0};
+    static const double lamps[][3] = {{-1, 5, 0}, {1, 5, 0},  {-3, 2, 0}, {-3, 2, 1}, {3, -2, 0}, {0, 5, 0},
+                                      {0, 1, 0},  {0, -4, 0}, {5, 0, 0},  {0, 0, 2},  {0, 0, 0}};
+    uint32_t            parallel = 0, inside = 0;
+    double              most = 0;
     for (int angle = 0; angle <= 90; angle += 5)
         for (size_t t = 0; t < sizeof turns / sizeof *turns; t++)
             for (size_t l = 0; l < sizeof lamps / sizeof *lamps; l++)
@@ -254,10 +255,11 @@ static void test_rays_along_cones(void **state)
                     vxs_medium  medium = {{0.1, 0.1, 0.1}, {0.1, 0.1, 0.1}, 0.2};
                     double      inner  = cosine + 0.3 * (1 - cosine);
                     vxs_air_ray ray    = vxs_air_ray_of_spot(lamps[l], direction, 1e-2, axis, inner, cosine);
-                    air_passing p      = air_passing_of(direction, lamps[l], 1e-2, axis, inner, cosine), all = p;
-                    all.is_spot        = 0;
+                    air_passing p = air_passing_of(direction, lamps[l], 1e-2, axis, inner, cosine), all = p;
+                    all.is_spot = 0;
                     vxs_air_lamp(&medium, &ray, 0, 50, found);
-                    double wanted = 0.1 * air_of_lamp(&p, 0.2, 0.1, 0, 50), scale = fmax(wanted, 0.001 * air_of_lamp(&all, 0.2, 0.1, 0, 50));
+                    double wanted = 0.1 * air_of_lamp(&p, 0.2, 0.1, 0, 50),
+                           scale  = fmax(wanted, 0.001 * air_of_lamp(&all, 0.2, 0.1, 0, 50));
                     assert_true(isfinite(found[0]));
                     most = fmax(most, fabs(found[0] - wanted) / scale);
                 }
@@ -270,13 +272,13 @@ static void test_rays_along_cones(void **state)
 static void test_reaches(void **state)
 {
     (void)state;
-    rng      r = {9};
+    rng      r  = {9};
     uint32_t on = 0, off = 0, above = 0;
     for (uint32_t n = 0; n < repeats(20000, 400000); n++) {
         vxs_air_light light  = {.kind = 1 + rng_below(&r, 3), .cos_outer = uniform(&r, 0, 1), .radius_metres = 1e-9};
         vxs_medium    medium = {.anisotropy = uniform(&r, -0.9, 0.9)};
         double eye[3], way[3], at[3], to_light[3], reaches[3], air[3], in_fog[2], metres = 100, x = uniform(&r, 0, 100), facing = 0;
-        double top = rng_below(&r, 2) ? uniform(&r, -20, 20) : VXS_AIR_EVERYWHERE;
+        double top      = rng_below(&r, 2) ? uniform(&r, -20, 20) : VXS_AIR_EVERYWHERE;
         light.cos_inner = uniform(&r, light.cos_outer, 1);
         if (light.kind != VXS_LIGHT_KIND_DIRECTIONAL && rng_below(&r, 2)) light.range_metres = uniform(&r, 1, 80);
         random_direction(&r, way);
@@ -291,7 +293,8 @@ static void test_reaches(void **state)
         }
         vxs_air_path path = vxs_air_path_of(&light, eye, way, metres, top, in_fog);
         vxs_air_reaches(&medium, &light, at, top, to_light, reaches);
-        if (fabs(x - path.begin) < 1e-6 || fabs(x - path.end) < 1e-6 || fabs(x - in_fog[0]) < 1e-6 || fabs(x - in_fog[1]) < 1e-6) continue;
+        if (fabs(x - path.begin) < 1e-6 || fabs(x - path.end) < 1e-6 || fabs(x - in_fog[0]) < 1e-6 || fabs(x - in_fog[1]) < 1e-6)
+            continue;
         if (x < path.begin || x > path.end) {
             if (x < in_fog[0] || x > in_fog[1]) continue;
             for (int i = 0; i < 3; i++) assert_true(reaches[i] < 1e-12);
@@ -301,7 +304,8 @@ static void test_reaches(void **state)
         for (int i = 0; i < 3; i++) facing += to_light[i] * way[i];
         vxs_air_at(&medium, &path, x, air);
         for (int i = 0; i < 3; i++) {
-            double wanted = medium.scattering[i] * vxs_air_phase(medium.anisotropy, facing) * reaches[i] * exp(-medium.extinction[i] * (x - in_fog[0]));
+            double wanted = medium.scattering[i] * vxs_air_phase(medium.anisotropy, facing) * reaches[i] *
+                            exp(-medium.extinction[i] * (x - in_fog[0]));
             assert_true(fabs(air[i] - wanted) <= 1e-9 * wanted + 1e-15);
         }
         above += top < VXS_AIR_EVERYWHERE && light.kind != VXS_LIGHT_KIND_DIRECTIONAL && light.place[1] > top;
@@ -340,8 +344,8 @@ static void test_shader(void **state)
     drawing d = drawing_make();
     use_air(&d, "#define ask_lamp vxs_air_lamp\n");
     errors points = errors_in_shader(&d, random_question, 0, QUERIES / 3), spots = errors_in_shader(&d, random_question, 1, 1500);
-    errors points_below = errors_in_shader(&d, random_question_below, 0, 1000),
-           spots_below  = errors_in_shader(&d, random_question_below, 1, 400);
+    errors points_below    = errors_in_shader(&d, random_question_below, 0, 1000),
+           spots_below     = errors_in_shader(&d, random_question_below, 1, 400);
     errors points_in_range = errors_in_shader(&d, random_question_in_range, 0, 1500),
            spots_in_range  = errors_in_shader(&d, random_question_in_range, 1, 400);
     check_errors(&points, 1e-2, 2e-4, 0.03, 6000);
@@ -356,11 +360,17 @@ static void test_shader(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_points),          cmocka_unit_test(test_faces), cmocka_unit_test(test_ranges),
-        cmocka_unit_test(test_spots),           cmocka_unit_test(test_points_below_top),
-        cmocka_unit_test(test_spots_below_top), cmocka_unit_test(test_sun),
-        cmocka_unit_test(test_phase),           cmocka_unit_test(test_cones),
-        cmocka_unit_test(test_rays_along_cones), cmocka_unit_test(test_reaches),
+        cmocka_unit_test(test_points),
+        cmocka_unit_test(test_faces),
+        cmocka_unit_test(test_ranges),
+        cmocka_unit_test(test_spots),
+        cmocka_unit_test(test_points_below_top),
+        cmocka_unit_test(test_spots_below_top),
+        cmocka_unit_test(test_sun),
+        cmocka_unit_test(test_phase),
+        cmocka_unit_test(test_cones),
+        cmocka_unit_test(test_rays_along_cones),
+        cmocka_unit_test(test_reaches),
         cmocka_unit_test(test_shader),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,8 +1,8 @@
 /* The bias of lookups with a normal (formats/vxs_space.h): taps lie before the plane of the surface, and not farther than they must; baked
  * planes do not shade themselves.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/light/baked_light.h"
 #include "baker/lab/truth/truth_filter.h"
+#include "baker/light/baked_light.h"
 #include "formats/vxs_space.h"
 #include "random_lamp.h"
 #include "repeats.h"

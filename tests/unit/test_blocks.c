@@ -552,7 +552,7 @@ static void searches_find_the_same(void **state)
     (void)state;
     enum { FINDS = 9000, MASKS = 2 };
     pattern_set set[CPU_AVX2 + 1] = {{.cpu = CPU_SSE2}, {.cpu = CPU_AVX2}};
-    rng         r                   = {5};
+    rng         r                 = {5};
     for (int n = 0; n < FINDS; n++) {
         mask_need needs[MASKS];
         uint32_t  id[CPU_AVX2 + 1];

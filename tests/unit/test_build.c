@@ -322,14 +322,10 @@ static void references_run_out(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_voxel_of_every_shape),
-        cmocka_unit_test(one_file_however_it_is_built),
-        cmocka_unit_test(maps_of_262144_texels),
-        cmocka_unit_test(work_follows_silhouettes),
-        cmocka_unit_test(parts_are_merged),
-        cmocka_unit_test(what_cannot_be_merged),
-        cmocka_unit_test(every_call_may_fail),
-        cmocka_unit_test(references_run_out),
+        cmocka_unit_test(every_voxel_of_every_shape), cmocka_unit_test(one_file_however_it_is_built),
+        cmocka_unit_test(maps_of_262144_texels),      cmocka_unit_test(work_follows_silhouettes),
+        cmocka_unit_test(parts_are_merged),           cmocka_unit_test(what_cannot_be_merged),
+        cmocka_unit_test(every_call_may_fail),        cmocka_unit_test(references_run_out),
     };
     return cmocka_run_group_tests_name("build", tests, NULL, NULL);
 }

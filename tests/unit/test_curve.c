@@ -206,7 +206,8 @@ static void test_t_is_0(void **state)
         vxs_curve c = curve_of(s, 5, 16), alone = curve_of(s + 4, 1, 4);
         assert_true(vxs_curve_at(&c, 8, exponential) == 0 && vxs_curve_at(&c, 1e9, exponential) == 0);
         assert_float_equal(vxs_curve_at(&c, 6.5, exponential), 0.25, 1e-12);
-        assert_true(vxs_curve_at(&alone, 7, exponential) > 0.99 && vxs_curve_at(&alone, 8, exponential) < 1e-3); /* opaque from its entry on */
+        assert_true(vxs_curve_at(&alone, 7, exponential) > 0.99 &&
+                    vxs_curve_at(&alone, 8, exponential) < 1e-3); /* opaque from its entry on */
         for (double at = 0; at < 14; at += 0.01) assert_true(isfinite(vxs_curve_at(&c, at, exponential)));
     }
 }
@@ -221,7 +222,7 @@ static void test_empty_segments(void **state)
     vxs_curve     c      = curve_of(none, sizeof none / sizeof *none, 8);
     assert_int_equal(c.count, 0);
     assert_true(vxs_curve_at(&c, 5, 0) == 1 && vxs_curve_at(&c, 5, 1) == 1);
-    c = curve_of(&one, 1, 8);
+    c         = curve_of(&one, 1, 8);
     int count = c.count;
     for (size_t n = 0; n < sizeof none / sizeof *none; n++) vxs_curve_insert(&c, 8, none[n].entry, none[n].exit, none[n].through);
     assert_int_equal(c.count, count);
@@ -246,7 +247,8 @@ static void test_thick_segments(void **state)
     (void)state;
     enum { SEGMENTS = 500, KINDS = 3 };
     static const char *const kinds[KINDS]            = {"a thick one", "500 at one place", "thick ones that overlap"};
-    static const double      rms[KINDS][NODE_COUNTS] = {{0.06, 0.015, 0.01, 0.01}, {0.12, 0.035, 0.012, 0.01}, {0.07, 0.015, 0.006, 0.005}};
+    static const double      rms[KINDS][NODE_COUNTS] = {
+             {0.06, 0.015, 0.01, 0.01}, {0.12, 0.035, 0.012, 0.01}, {0.07, 0.015, 0.006, 0.005}};
     for (int kind = 0; kind < KINDS; kind++)
         for (int k = 0; k < NODE_COUNTS; k++) {
             rng      r      = {9};
@@ -258,15 +260,16 @@ static void test_thick_segments(void **state)
                 double         depth = uniform(&r, 2, kind == 1 ? 20 : 30), end = 0;
                 for (int i = 0; i < count; i++) {
                     double entry = kind == 2 ? uniform(&r, 0, 60) : 10, exit = entry + (kind == 2 ? uniform(&r, 1, 20) : 20);
-                    s[i]         = (segment){entry, exit, exp(kind == 2 ? -uniform(&r, 0.5, 8) : -depth / count)};
-                    end          = fmax(end, exit);
+                    s[i] = (segment){entry, exit, exp(kind == 2 ? -uniform(&r, 0.5, 8) : -depth / count)};
+                    end  = fmax(end, exit);
                 }
                 vxs_curve c = curve_of(s, count, node_counts[k]);
                 check_curve(&c, node_counts[k]);
                 assert_true(fabs(c.left[c.count - 1] - left_by_all(s, count, INFINITY)) < 1e-12);
                 errors_of(&c, s, count, 0, end, &square, &most);
             }
-            print_message("%s, %2d nodes: an RMS of %.4f, %.3f at most\n", kinds[kind], node_counts[k], sqrt(square / curves), most);
+            print_message("%s, %2d nodes: an RMS of %.4f, %.3f at most\n", kinds[kind], node_counts[k], sqrt(square / curves),
+                          most);
             assert_true(sqrt(square / curves) < rms[kind][k]);
         }
 }

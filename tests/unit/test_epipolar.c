@@ -343,13 +343,13 @@ static void test_shader(void **state)
     static double       sizes[ASKED];
     static query        queries[QUERIES];
     static float        answers[QUERIES];
-    rng                 r       = {7};
-    drawing             d       = drawing_make();
+    rng                 r = {7};
+    drawing             d = drawing_make();
     enum { TEXTS = 7 };
-    char       *texts[]    = {read_text("formats/vxs_lookup.h"),            read_text("formats/vxs_lookup_blocks.h"),
-                              read_text("formats/vxs_space.h"),             read_text("runtime/volumes/vxs_air_light.h"),
-                              read_text("runtime/volumes/vxs_air_ray.h"),   read_text("runtime/volumes/vxs_air.h"),
-                              read_text("runtime/volumes/vxs_epipolar.h")};
+    char       *texts[]        = {read_text("formats/vxs_lookup.h"),          read_text("formats/vxs_lookup_blocks.h"),
+                                  read_text("formats/vxs_space.h"),           read_text("runtime/volumes/vxs_air_light.h"),
+                                  read_text("runtime/volumes/vxs_air_ray.h"), read_text("runtime/volumes/vxs_air.h"),
+                                  read_text("runtime/volumes/vxs_epipolar.h")};
     const char *all[TEXTS + 2] = {"#version 430\n#define vxs_word(dag, i) 0u\n"};
     memcpy(all + 1, texts, sizeof texts);
     all[TEXTS + 1] = ask_text;

@@ -129,8 +129,8 @@ static void test_texture_coordinates_of_every_kind(void **state)
     must(load_mask("", ",'TEXCOORD_3':1", "'pbrMetallicRoughness':{'baseColorTexture':{'index':0,'texCoord':3}}", TEXTURE));
     expect_uv(0, 1, 1, 1);
     must(load_mask("", ",'TEXCOORD_0':7", BASE, TEXTURE ",'extensionsUsed':['KHR_mesh_quantization']"));
-    expect_uv(0, 0, 256, 0);                                 /* bytes 0, 1 as a short */
-    must(load_mask("", ",'TEXCOORD_0':0", BASE, TEXTURE));   /* three where two are enough: assimp writes the third */
+    expect_uv(0, 0, 256, 0);                               /* bytes 0, 1 as a short */
+    must(load_mask("", ",'TEXCOORD_0':0", BASE, TEXTURE)); /* three where two are enough: assimp writes the third */
     expect_uv(0, 1, 1, 0);
     expect_uv(0, 2, 1, 1);
     assert_int_equal(m.warning_count, 0);

@@ -2,8 +2,8 @@
  * is written again. In the JSON below ' stands for ", so that it can be read.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/files/output_file.h"
-#include "scenes/generate.h"
 #include "baker/scene/gltf/scene_to_glb.h"
+#include "scenes/generate.h"
 #include "tests/unit/gltf_file.h"
 
 /* What the binary chunk of files here holds; accessors are its members in order. */

@@ -480,8 +480,8 @@ static void test_missing_pages(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_blocks),      cmocka_unit_test(test_dags),     cmocka_unit_test(test_far_away),
-        cmocka_unit_test(test_without_end), cmocka_unit_test(test_extremes), cmocka_unit_test(test_steep_depths),
+        cmocka_unit_test(test_blocks),        cmocka_unit_test(test_dags),     cmocka_unit_test(test_far_away),
+        cmocka_unit_test(test_without_end),   cmocka_unit_test(test_extremes), cmocka_unit_test(test_steep_depths),
         cmocka_unit_test(test_missing_pages),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

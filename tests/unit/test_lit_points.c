@@ -28,11 +28,11 @@ static void add_square(floor_scene *s, double x, double y, double z, double side
 {
     static const int corners[6][2] = {{0, 0}, {0, 1}, {1, 1}, {0, 0}, {1, 1}, {1, 0}};
     for (int n = 0; n < 6; n++) {
-        double *p = s->positions + 3 * s->c.vertex_count;
-        p[0]      = x + side * corners[n][0];
-        p[1]      = y;
-        p[2]      = z + side * corners[n][1];
-        s->indices[s->c.vertex_count] = (uint32_t)s->c.vertex_count;
+        double *p                              = s->positions + 3 * s->c.vertex_count;
+        p[0]                                   = x + side * corners[n][0];
+        p[1]                                   = y;
+        p[2]                                   = z + side * corners[n][1];
+        s->indices[s->c.vertex_count]          = (uint32_t)s->c.vertex_count;
         s->component_of[s->c.vertex_count / 3] = component;
         s->c.vertex_count++;
     }
@@ -57,9 +57,9 @@ static void make(floor_scene *s)
 static size_t choose(floor_scene *s, const light_shape *shape, const uint32_t *object_of, uint32_t without, size_t triangles_max,
                      lit_point *points, double *area)
 {
-    message         m   = {0};
-    vxs_light       light;
-    light_fit_desc  fit = {.name = "l", .shape = shape, .resolution = 1024};
+    message        m = {0};
+    vxs_light      light;
+    light_fit_desc fit = {.name = "l", .shape = shape, .resolution = 1024};
     assert_int_equal(light_fit(&light, &s->c, &fit, &m), VXS_OK);
     lit_points_desc d     = {&s->c, &s->reach, shape, &light, object_of, without, triangles_max};
     size_t          count = lit_points_choose(points, POINTS, &d);
@@ -90,8 +90,8 @@ static void test_a_sun_reaches_all(void **state)
     assert_int_equal(choose(&s, &sun, NULL, 0, 0, points, &area), POINTS);
     assert_about(area, SIDE * SIDE + SMALL * SMALL, 0.03);
     for (size_t n = 0; n < POINTS; n++) {
-        const double *p = points[n].at_ws;
-        int small = points[n].triangle >= 2;
+        const double *p     = points[n].at_ws;
+        int           small = points[n].triangle >= 2;
         on_small += (size_t)small;
         assert_true(fabs(p[1] - small) < 1e-9 && fabs(p[0]) <= SIDE / 2 && fabs(p[2]) <= SIDE / 2 && points[n].along_m == 0);
     }
@@ -104,9 +104,10 @@ static void test_a_lamp_reaches_a_disc(void **state)
 {
     static floor_scene s;
     const double       height = 5;
-    light_shape        spot = {LIGHT_SPOT, {0, 5, 0}, {0, -1, 0}, 0.5, INFINITY}, wide = {LIGHT_SPOT, {0, 5, 0}, {0, -1, 0}, 1.2, INFINITY},
-                       bulb = {.kind = LIGHT_POINT, .position_ws = {0, 5, 0}, .range_m = 8};
-    double             area;
+    light_shape        spot   = {LIGHT_SPOT, {0, 5, 0}, {0, -1, 0}, 0.5, INFINITY},
+                wide          = {LIGHT_SPOT, {0, 5, 0}, {0, -1, 0}, 1.2, INFINITY},
+                bulb          = {.kind = LIGHT_POINT, .position_ws = {0, 5, 0}, .range_m = 8};
+    double area;
     (void)state;
     make(&s);
     size_t count = choose(&s, &spot, NULL, 0, 0, points, &area);
@@ -127,7 +128,7 @@ static void test_without_an_object(void **state)
 {
     static floor_scene    s;
     static const uint32_t object_of[2] = {0, 1};
-    light_shape           bulb = {.kind = LIGHT_POINT, .position_ws = {17, 4, 17}, .range_m = INFINITY};
+    light_shape           bulb         = {.kind = LIGHT_POINT, .position_ws = {17, 4, 17}, .range_m = INFINITY};
     double                area;
     (void)state;
     make(&s);
@@ -143,8 +144,9 @@ static void test_without_an_object(void **state)
 static void test_thinned_out(void **state)
 {
     static floor_scene s;
-    light_shape        sun = {.kind = LIGHT_DIRECTIONAL, .direction_ws = {0, -1, 0}}, far = {.kind = LIGHT_POINT, .position_ws = {900, 5, 0}, .range_m = 3};
-    double             area, again;
+    light_shape        sun = {.kind = LIGHT_DIRECTIONAL, .direction_ws = {0, -1, 0}},
+                far        = {.kind = LIGHT_POINT, .position_ws = {900, 5, 0}, .range_m = 3};
+    double area, again;
     (void)state;
     make(&s);
     assert_int_equal(choose(&s, &sun, NULL, 0, 33, points, &area), POINTS);
@@ -152,8 +154,8 @@ static void test_thinned_out(void **state)
     choose(&s, &sun, NULL, 0, 33, others, &again);
     assert_true(area == again && !memcmp(points, others, sizeof points));
 
-    vxs_light       light = {.kind = VXS_LIGHT_KIND_POINT, .flags = VXS_LIGHT_CUBE, .levels = 8, .texel_metres = 0.01, .near_metres = 1};
-    lit_points_desc d     = {&s.c, &s.reach, &far, &light, NULL, 0, 0};
+    vxs_light light = {.kind = VXS_LIGHT_KIND_POINT, .flags = VXS_LIGHT_CUBE, .levels = 8, .texel_metres = 0.01, .near_metres = 1};
+    lit_points_desc d = {&s.c, &s.reach, &far, &light, NULL, 0, 0};
     assert_int_equal(lit_points_choose(points, POINTS, &d), 0);
     reach_free(&s.reach);
 }

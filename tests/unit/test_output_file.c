@@ -325,8 +325,7 @@ int main(void)
         IN_FOLDER(test_commit_sees_a_full_disk), IN_FOLDER(test_commit_sees_a_full_standard_output),
         IN_FOLDER(test_a_folder_is_no_file),     IN_FOLDER(test_read_only_files_are_left_alone),
         IN_FOLDER(test_modes_are_kept),          IN_FOLDER(test_hard_links_are_not_parted),
-        IN_FOLDER(test_links_lead_to_files),
-        IN_FOLDER(test_inputs_are_not_written),
+        IN_FOLDER(test_links_lead_to_files),     IN_FOLDER(test_inputs_are_not_written),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -57,7 +57,7 @@ static scene_light    lights[] = {
         .shape  = {LIGHT_SPOT, {1e7, 0.1, -3}, {0, 0, 1}, 0.7, 12.5},
         .colour = {20, 5, 0}},
        {.name = "\xc3\xa9", .shape = {LIGHT_POINT, {1, 2, 3}, {0}, 0, INFINITY}, .dark = "its intensity is 0"}};
-static double         cameras[] = {1, 2.1, 3, -4, 5, 6};
+static double cameras[] = {1, 2.1, 3, -4, 5, 6};
 
 static scene sample_scene(void)
 {

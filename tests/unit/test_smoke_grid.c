@@ -176,17 +176,18 @@ static void test_dense_smoke_uses_its_nodes(void **state)
 {
     (void)state;
     enum { SIZE = 5, MIDDLE = SIZE * SIZE * SIZE / 2, ASKED = 400 };
-    const double  unit[3][3] = {{0.3, 0, 0}, {0, 0.3, 0}, {0, 0, 0.3}}, corner[3] = {-0.6, -0.6, -0.6}, from[3] = {0, 0, -2}, way[3] = {0, 0, 1};
+    const double unit[3][3] = {{0.3, 0, 0}, {0, 0.3, 0}, {0, 0, 0.3}}, corner[3] = {-0.6, -0.6, -0.6}, from[3] = {0, 0, -2},
+                 way[3]                       = {0, 0, 1};
     float         numbers[SIZE * SIZE * SIZE] = {0};
     smoke_grid    g                           = {.size = {SIZE, SIZE, SIZE}, .extinction = numbers};
     smoke_changes scratch                     = {0};
     smoke_path    path                        = {0};
     assert_int_equal(smoke_grid_place(&g, unit, corner), 1);
     for (int n = 0; n < 18; n++) {
-        int               is_grid    = n % 2;
-        double            extinction = pow(10, n / 2), half = is_grid ? 0.3 : 0.5, all = extinction * half * (is_grid ? 1 : 2), most = 0;
-        const vxs_capsule ball       = {.radius_metres = 0.5F, .extinction = (float)extinction};
-        const scene_smoke one        = {.count = 1, .list = (vxs_capsule *)&ball};
+        int    is_grid    = n % 2;
+        double extinction = pow(10, n / 2), half = is_grid ? 0.3 : 0.5, all = extinction * half * (is_grid ? 1 : 2), most = 0;
+        const vxs_capsule ball = {.radius_metres = 0.5F, .extinction = (float)extinction};
+        const scene_smoke one  = {.count = 1, .list = (vxs_capsule *)&ball};
         uint32_t          nodes[VXS_SMOKE_NODES_MAX];
         numbers[MIDDLE] = (float)extinction;
         path.count      = 0;
@@ -194,7 +195,8 @@ static void test_dense_smoke_uses_its_nodes(void **state)
             assert_int_equal(smoke_grid_march(&g, from, way, 0, 5, &path), 1);
         else
             assert_int_equal(smoke_capsules_march(&one, &(uint32_t){0}, 1, from, way, 0, 5, &scratch, &path), 1);
-        for (int k = 1; k <= ASKED; k++) { /* extinction is a tent in the voxel, of which the first half is asked, and even in the capsule */
+        for (int k = 1; k <= ASKED;
+             k++) { /* extinction is a tent in the voxel, of which the first half is asked, and even in the capsule */
             double thick = fmin(is_grid ? all / 2 : all, SMOKE_OPAQUE) * k / ASKED;
             double depth = 2 - half + (is_grid ? half * sqrt(2 * thick / all) : 2 * half * thick / all);
             most         = fmax(most, fabs(exp(-smoke_path_thick(&path, depth)) - exp(-thick)));
@@ -203,10 +205,11 @@ static void test_dense_smoke_uses_its_nodes(void **state)
         const smoke_units units = {path.depth[0], (path.depth[path.count - 1] - path.depth[0]) / 65000};
         uint32_t          count = smoke_path_nodes(&path, &units, 0.001, VXS_SMOKE_NODES_MAX, nodes);
         double            error = smoke_path_error(&path, &units, nodes, count);
-        print_message("%s of %.0e / m: %zu points, off by %.5f at most; %u nodes, within %.4f\n", is_grid ? "a voxel" : "a capsule", extinction,
-                      path.count, most, count, error);
+        print_message("%s of %.0e / m: %zu points, off by %.5f at most; %u nodes, within %.4f\n", is_grid ? "a voxel" : "a capsule",
+                      extinction, path.count, most, count, error);
         assert_true(most < 0.0015);
-        if (extinction * units.step_metres < 0.05) assert_true(error < 0.007 && (all < 1 || count >= 11)); /* a file's depths are fine enough */
+        if (extinction * units.step_metres < 0.05)
+            assert_true(error < 0.007 && (all < 1 || count >= 11)); /* a file's depths are fine enough */
     }
     smoke_path_free(&path);
     free(scratch.list);

@@ -154,11 +154,13 @@ static int random_lit_place(rng *r, const vxs_baked_light *baked, double ws[3])
 
 static double voxel_of(const vxs_light *light, double metres)
 {
-    return light->kind == VXS_LIGHT_KIND_DIRECTIONAL ? metres / light->voxel_metres : log(metres / light->near_metres) / light->voxel_metres;
+    return light->kind == VXS_LIGHT_KIND_DIRECTIONAL ? metres / light->voxel_metres
+                                                     : log(metres / light->near_metres) / light->voxel_metres;
 }
 
 /* Depths, metres along a map's axis, between which the ray through a place of the map loses light, as far as the light comes.   Returns 0: nowhere */
-static int depths_with_smoke(const vxs_baked_light *baked, const vxs_baked_smoke *smoke, int map, const double at[2], double depths[2])
+static int depths_with_smoke(const vxs_baked_light *baked, const vxs_baked_smoke *smoke, int map, const double at[2],
+                             double depths[2])
 {
     enum { DEPTHS = 100 };
     const vxs_light *light = &baked->light;
@@ -168,7 +170,8 @@ static int depths_with_smoke(const vxs_baked_light *baked, const vxs_baked_smoke
     int              first = 0, last = 0;
     memcpy(units, smoke->words + 1, sizeof units);
     for (int n = 0; n <= DEPTHS; n++) {
-        double depth = (double)units[0] + 65535.0 * (double)units[1] * n / DEPTHS, voxel = depth > 0 || !light->near_metres ? voxel_of(light, depth) : -1e9, ws[3];
+        double depth = (double)units[0] + 65535.0 * (double)units[1] * n / DEPTHS,
+               voxel = depth > 0 || !light->near_metres ? voxel_of(light, depth) : -1e9, ws[3];
         if (shadow >= 0 && voxel > shadow) break;
         vxs_point(light, map, (const double[3]){at[0], at[1], voxel}, ws);
         left[n] = exp(-thick_to(light, ws));
@@ -188,9 +191,9 @@ static void check_lookups(const smoke_lookups *told, const vxs_baked_light *bake
     uint32_t         asked = 0;
     rng              r     = {17};
     for (int tries = 0; asked < repeats(300, 3000) && tries < 400000; tries++) {
-        int            map = (int)rng_below(&r, (uint32_t)map_count(light)), x = (int)rng_below(&r, SIDE), y = (int)rng_below(&r, SIDE);
-        uint32_t       tile = smoke->words[3 + TILES * map + y / 8 * (SIDE / 8) + x / 8];
-        const uint16_t *ends = (const uint16_t *)(smoke->words + tile) + x % 8 + 8 * (y % 8);
+        int      map = (int)rng_below(&r, (uint32_t)map_count(light)), x = (int)rng_below(&r, SIDE), y = (int)rng_below(&r, SIDE);
+        uint32_t tile         = smoke->words[3 + TILES * map + y / 8 * (SIDE / 8) + x / 8];
+        const uint16_t *ends  = (const uint16_t *)(smoke->words + tile) + x % 8 + 8 * (y % 8);
         double          at[3] = {(x + uniform(&r, 0, 1)) * texel, (y + uniform(&r, 0, 1)) * texel}, depths[2], ws[3];
         if (!tile || *ends == (x % 8 + y % 8 ? ends[-1] : 0) || !depths_with_smoke(baked, smoke, map, at, depths)) continue;
         at[2] = voxel_of(light, depths[0] + fmin(uniform(&r, 0, 2), 1) * (depths[1] - depths[0]));
@@ -201,8 +204,8 @@ static void check_lookups(const smoke_lookups *told, const vxs_baked_light *bake
         most = fmax(most, off);
         asked++;
     }
-    print_message("  between rays: an RMS of %.4f, %.4f at most at %u places; the bake says %.4f, %.4f at %u\n", sqrt(square / asked), most, asked,
-                  told->rms, told->largest, told->places);
+    print_message("  between rays: an RMS of %.4f, %.4f at most at %u places; the bake says %.4f, %.4f at %u\n",
+                  sqrt(square / asked), most, asked, told->rms, told->largest, told->places);
     assert_true(asked >= repeats(300, 3000) && told->places > 300);
     double apart = source.capsules ? 1.7 : 1.3; /* few places beside hard edges make most of it */
     assert_true(told->rms > sqrt(square / asked) / apart && told->rms < sqrt(square / asked) * apart && told->largest > most / 1.7);

@@ -12,9 +12,9 @@
 #include "runtime/vxs.h"
 
 #include "baker/base/random.h" /* before cmocka, whose fail() is a macro */
+#include "baker/coding/dag/build.h"
 #include "baker/columns/square_keeper.h"
 #include "baker/columns/square_record.h"
-#include "baker/coding/dag/build.h"
 
 #include <cmocka.h>
 

@@ -296,10 +296,10 @@ static void fickle_sample_init(stream_sample *s, uint64_t seed, uint32_t levels)
     vxs_write_desc  desc      = {.lights = lights, .light_count = 3, .zstd_level = 1, .metadata = "{}"};
     assert_int_equal(vxs_write(&plain, &desc), VXS_OK);
     random_curves(&curves, &r, 1);
-    smoke[0] = curves_view(&curves, -3, 0.016F);
-    smoke[2] = curves_view(&curves, -1, 0.016F);
+    smoke[0]        = curves_view(&curves, -3, 0.016F);
+    smoke[2]        = curves_view(&curves, -1, 0.016F);
     smoke[2].levels = 3; /* of the first tiles */
-    *s = (stream_sample){0};
+    *s              = (stream_sample){0};
     assert_int_equal(vxs_read(&contents, plain.data, plain.size_bytes, NULL), VXS_OK);
     assert_int_equal(vxs_write_smoke(&s->file, plain.data, plain.size_bytes, &contents, smoke, 1), VXS_OK);
     vxs_contents_free(&contents);
@@ -314,8 +314,7 @@ enum { FICKLE_WORDS = 8, FICKLE_VALUES = 11, FICKLE_CHANGES = FICKLE_WORDS * FIC
 /* Kind `n` of change of a read. */
 static fickle_reading fickle_change(const stream_sample *file, const stream_sample *other, uint32_t read, uint32_t n)
 {
-    static const uint32_t values[FICKLE_VALUES] = {0,       1,       5,         100,        1000,      20000,
-                                                   1 << 16, 1 << 20, 0x3ffffff, 0x7fffffff, UINT32_MAX};
+    static const uint32_t values[FICKLE_VALUES] = {0, 1, 5, 100, 1000, 20000, 1 << 16, 1 << 20, 0x3ffffff, 0x7fffffff, UINT32_MAX};
     fickle_reading        f                     = {.file = &file->file, .other = &other->file, .at = read};
     if (n < FICKLE_WORDS * FICKLE_VALUES) {
         f.change = OTHER_WORD;

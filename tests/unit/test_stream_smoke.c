@@ -196,7 +196,8 @@ static void answers_of(drawing *d, given from, int n, float answers[QUERIES])
                         .smoke            = from == ASSET || from == OWN ? NULL : smoke};
     assert_int_equal(vxs_gl_create(&gl, &desc), VXS_OK);
     while (vxs_gl_upload(gl, 5000)) continue;
-    if (from == OWN || from == SAME) assert_int_equal(gl->words.count, words + LIGHTS + VXS_BLOCKS_SPARE_WORDS); /* no second copy */
+    if (from == OWN || from == SAME)
+        assert_int_equal(gl->words.count, words + LIGHTS + VXS_BLOCKS_SPARE_WORDS); /* no second copy */
     use_body(d, gl, versions[n], SMOKE_LEFT_BODY);
     for (int frame = 0; frame < 4 && from != ASSET; frame++) {
         double at[3];

@@ -125,7 +125,7 @@ static uint32_t texels_as_in_c(const texels *t, const vxs_capsule *smoke)
         }
         for (int n = 0; n < c.count; n++) {
             double behind = c.depth[n] + 1e-4;
-            off = fmax(off, fabs(curve_at(t, texel, behind, 0) - vxs_curve_at(&c, behind, 0)));
+            off           = fmax(off, fabs(curve_at(t, texel, behind, 0) - vxs_curve_at(&c, behind, 0)));
         }
         for (size_t n = 0; n < t->nodes; n++) {
             double behind = (double)t->curves[2 * (texel * t->nodes + n)] + 1e-4;

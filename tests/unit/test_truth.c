@@ -12,8 +12,8 @@
 #include "baker/base/parallel.h"
 #include "baker/base/random.h"
 #include "baker/base/vec3.h"
-#include "baker/scene/alpha_mask.h"
 #include "baker/lab/truth/truth.h"
+#include "baker/scene/alpha_mask.h"
 
 #include <cmocka.h> /* last: it makes a macro of fail */
 

@@ -172,7 +172,8 @@ static void test_marches(void **state)
 static void test_marches_in_dense_fog(void **state)
 {
     (void)state;
-    static const vxs_medium media[] = {{{0.9, 0.9, 0.9}, {1, 1, 1}, 0.3}, {{9, 9, 9}, {10, 10, 10}, 0}, {{0.02, 0.5, 4}, {0.02, 1, 5}, 0.5}};
+    static const vxs_medium media[] = {
+        {{0.9, 0.9, 0.9}, {1, 1, 1}, 0.3}, {{9, 9, 9}, {10, 10, 10}, 0}, {{0.02, 0.5, 4}, {0.02, 1, 5}, 0.5}};
     volumes_scene s;
     static seen   v;
     float         pixels[4 * PIXELS];
@@ -189,7 +190,8 @@ static void test_marches_in_dense_fog(void **state)
                 scene_read(&s, pixels);
                 double error = error_of(pixels, v.wanted, &mean);
                 if (getenv("VXS_VERBOSE"))
-                    print_message("light %d, medium %zu, %s: brighter by %.4f, error %.4f\n", light, k, which ? "angle" : "even", mean, error);
+                    print_message("light %d, medium %zu, %s: brighter by %.4f, error %.4f\n", light, k, which ? "angle" : "even",
+                                  mean, error);
                 assert_true(fabs(mean) < 0.03 && error < 0.03);
             }
         }
@@ -228,9 +230,9 @@ static void test_intervals_in_pieces(void **state)
     (void)state;
     enum { FINE = 4096 };
     static const double eye[3] = {-9.5, 0.001, 0.4}, to[3] = {9, 0, 0.1};
-    volumes_scene s;
-    static float  whole[4 * PIXELS], pieces[4 * PIXELS];
-    static double metres[PIXELS], wanted[3 * PIXELS];
+    volumes_scene       s;
+    static float        whole[4 * PIXELS], pieces[4 * PIXELS];
+    static double       metres[PIXELS], wanted[3 * PIXELS];
     scene_open(&s, FINE, WIDE, HIGH);
     volumes_camera    c     = camera_at(eye, to, 0.002);
     vxs_volumes_frame frame = scene_frame(&s, &c, &haze, VXS_AIR_EVERYWHERE, 30, metres);
@@ -253,7 +255,8 @@ static void test_intervals_in_pieces(void **state)
         scene_read(&s, pieces);
         double error = error_of(pieces, wanted, &mean);
         for (int n = 0; n < PIXELS; n++) short_of += whole[4 * n] < 0.999F * pieces[4 * n];
-        if (getenv("VXS_VERBOSE")) print_message("light %d: error %.1e, %u rays cut, %u short of light\n", light, error, cut, short_of);
+        if (getenv("VXS_VERBOSE"))
+            print_message("light %d: error %.1e, %u rays cut, %u short of light\n", light, error, cut, short_of);
         assert_true(error < 1e-4);
         assert_true(short_of <= cut);
     }
@@ -835,9 +838,18 @@ static void test_misuse(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_light_maps),      cmocka_unit_test(test_marches), cmocka_unit_test(test_marches_in_dense_fog), cmocka_unit_test(test_many_steps), cmocka_unit_test(test_intervals_in_pieces),   cmocka_unit_test(test_joined),
-        cmocka_unit_test(test_joined_airlight), cmocka_unit_test(test_composite), cmocka_unit_test(test_state),
-        cmocka_unit_test(test_any_numbers),     cmocka_unit_test(test_reach),     cmocka_unit_test(test_misuse),
+        cmocka_unit_test(test_light_maps),
+        cmocka_unit_test(test_marches),
+        cmocka_unit_test(test_marches_in_dense_fog),
+        cmocka_unit_test(test_many_steps),
+        cmocka_unit_test(test_intervals_in_pieces),
+        cmocka_unit_test(test_joined),
+        cmocka_unit_test(test_joined_airlight),
+        cmocka_unit_test(test_composite),
+        cmocka_unit_test(test_state),
+        cmocka_unit_test(test_any_numbers),
+        cmocka_unit_test(test_reach),
+        cmocka_unit_test(test_misuse),
     };
     return cmocka_run_group_tests_name("volumes", tests, NULL, NULL);
 }

@@ -340,16 +340,17 @@ static void test_any_numbers(void **state)
 static void test_eye_in_lamp(void **state)
 {
     (void)state;
-    static const double offsets[][3] = {{0, 0, 0}, {1e-6, 0, 0}, {0.03, -0.05, 0.02}, {0.095, 0, 0}, {0.2, 0, 0.2}}, to[3] = {9, 1.5, 3};
-    volumes_scene       s;
-    static double       metres[PIXELS], wanted[3 * PIXELS];
-    static float        pixels[4 * PIXELS];
+    static const double offsets[][3] = {{0, 0, 0}, {1e-6, 0, 0}, {0.03, -0.05, 0.02}, {0.095, 0, 0}, {0.2, 0, 0.2}},
+                        to[3]        = {9, 1.5, 3};
+    volumes_scene s;
+    static double metres[PIXELS], wanted[3 * PIXELS];
+    static float  pixels[4 * PIXELS];
     scene_open(&s, RESOLUTION, WIDE, HIGH);
     vxs_shadow_grid *grid = make_grid(&s, 256, 512, 256, 0);
     for (int light = SCENE_SPOT; light < SCENE_LIGHTS; light++)
         for (size_t n = 0; n < sizeof offsets / sizeof *offsets; n++)
             for (int large = 0; large < 2; large++) {
-                vxs_volumes_light l      = scene_light(light);
+                vxs_volumes_light l = scene_light(light);
                 double            eye[3], look[3];
                 vxs_air_light     air;
                 l.radius_metres = large ? 0.5F : 0.1F;
@@ -382,9 +383,9 @@ static void test_eye_in_lamp(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_scans),       cmocka_unit_test(test_words), cmocka_unit_test(test_bounded_sun),
-        cmocka_unit_test(test_converges),   cmocka_unit_test(test_state), cmocka_unit_test(test_eye_in_lamp), cmocka_unit_test(test_misuse),
-        cmocka_unit_test(test_any_numbers),
+        cmocka_unit_test(test_scans),     cmocka_unit_test(test_words),       cmocka_unit_test(test_bounded_sun),
+        cmocka_unit_test(test_converges), cmocka_unit_test(test_state),       cmocka_unit_test(test_eye_in_lamp),
+        cmocka_unit_test(test_misuse),    cmocka_unit_test(test_any_numbers),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

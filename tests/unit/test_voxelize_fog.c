@@ -187,11 +187,11 @@ static void test_cut(void **state)
     static const uint32_t corners[3] = {0, 1, 2};
     const volumes_scene  *s          = opened();
     const double          eye[3] = {0, 1, 9}, to[3] = {0, 1, -9};
-    vxs_volumes_light     l      = bare_light(s, SCENE_POINT);
-    volumes_camera        at     = camera_at(eye, to, 0.8);
-    vxs_volumes_frame     frame  = scene_frame(s, &at, &haze, VXS_AIR_EVERYWHERE, 60, NULL);
-    vxs_casters           c      = casters_of(s, (triangles){places, 3, corners, 1}, VXS_VOXELS_SOLID);
-    vxs_shadow_grid      *grids[2] = {casting_grid(s, 64, 64, 64), casting_grid(s, 2048, 64, 2048)};
+    vxs_volumes_light     l           = bare_light(s, SCENE_POINT);
+    volumes_camera        at          = camera_at(eye, to, 0.8);
+    vxs_volumes_frame     frame       = scene_frame(s, &at, &haze, VXS_AIR_EVERYWHERE, 60, NULL);
+    vxs_casters           c           = casters_of(s, (triangles){places, 3, corners, 1}, VXS_VOXELS_SOLID);
+    vxs_shadow_grid      *grids[2]    = {casting_grid(s, 64, 64, 64), casting_grid(s, 2048, 64, 2048)};
     int                   is_llvmpipe = strstr(s->gl->renderer, "llvmpipe") != NULL;
     for (int n = 0; n < 2; n++) {
         assert_int_equal(vxs_volumes_begin(s->volumes, &frame), VXS_OK);
@@ -215,8 +215,8 @@ static void test_shade_in_lamp(void **state)
         double            eye[3], to[3];
         float             places[12];
         uint32_t          corners[6] = {0, 1, 2, 2, 1, 3};
-        l.radius_metres = 0.5F;
-        air.radius_metres = 0.5;
+        l.radius_metres              = 0.5F;
+        air.radius_metres            = 0.5;
         for (int i = 0; i < 3; i++) {
             eye[i] = air.place[i] + (i == 0 ? 0.3 : 0);
             to[i]  = eye[i] + (i == 2 ? 1 : 0);
@@ -274,12 +274,8 @@ static void test_misuse(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_converges),
-        cmocka_unit_test(test_turned),
-        cmocka_unit_test(test_any_triangles),
-        cmocka_unit_test(test_cut),
-        cmocka_unit_test(test_shade_in_lamp),
-        cmocka_unit_test(test_misuse),
+        cmocka_unit_test(test_converges), cmocka_unit_test(test_turned),        cmocka_unit_test(test_any_triangles),
+        cmocka_unit_test(test_cut),       cmocka_unit_test(test_shade_in_lamp), cmocka_unit_test(test_misuse),
     };
     return cmocka_run_group_tests(tests, NULL, close_scene);
 }

@@ -79,9 +79,9 @@ static inline void scene_bake_file(const volumes_scene *s, uint32_t resolution, 
                                  {"point", VXS_BAKE_POINT, {0.5, 2.5, -0.3}, {0, 0, 0}, 0, 15}};
     vxs_bake_arrays  arrays   = {.meshes = &mesh, .mesh_count = 1, .lights = lights, .light_count = SCENE_LIGHTS};
     vxs_bake_options options  = vxs_bake_defaults();
-    options.arrays     = &arrays;
-    options.resolution = resolution;
-    options.threads    = 1;
+    options.arrays            = &arrays;
+    options.resolution        = resolution;
+    options.threads           = 1;
     assert_int_equal(vxs_bake(&options, file, NULL), VXS_OK);
 }
 

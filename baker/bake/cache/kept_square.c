@@ -26,7 +26,7 @@ int kept_square_begins(const uint8_t *head)
 
 int kept_square_may_be(const uint8_t *head, uint64_t file_bytes, const column_key *key)
 {
-    byte_reader from = {head + sizeof magic, KEPT_HEAD_BYTES - sizeof magic};
+    byte_reader from    = {head + sizeof magic, KEPT_HEAD_BYTES - sizeof magic};
     uint32_t    version = take32(&from), zero = take32(&from);
     int         is_square = take64(&from) == key->low;
     is_square &= take64(&from) == key->high;

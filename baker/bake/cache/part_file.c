@@ -9,9 +9,9 @@
 #include <unistd.h>
 #include <xxhash.h>
 
+#include "baker/bake/cache/kept_square.h"
 #include "baker/base/byte_stream.h"
 #include "baker/files/input_file.h"
-#include "baker/bake/cache/kept_square.h"
 
 static const char end_magic[8] = {'v', 'x', 's', ' ', 'p', 'a', 'r', 't'};
 

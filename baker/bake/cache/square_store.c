@@ -14,11 +14,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "baker/bake/cache/kept_square.h"
 #include "baker/base/array.h"
 #include "baker/base/memory.h"
 #include "baker/base/text.h"
 #include "baker/files/output_file.h"
-#include "baker/bake/cache/kept_square.h"
 
 #define EXTENSION ".square"
 enum { KEY_DIGITS = 32, NAME_BYTES = KEY_DIGITS + sizeof EXTENSION };

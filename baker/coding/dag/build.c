@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/columns/descent.h"
-#include "baker/coding/dag/dag_file.h"
 #include "baker/base/clock.h"
+#include "baker/coding/dag/dag_file.h"
+#include "baker/columns/descent.h"
 
 uint32_t sub_dag_side(uint32_t map_side_px)
 {

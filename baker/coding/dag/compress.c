@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/coding/dag/dag.h"
 #include "baker/base/ref_table.h"
+#include "baker/coding/dag/dag.h"
 
 /* Top-down --------------------------------------------------------------------------------------------------------------------
  *

@@ -7,8 +7,8 @@
 #ifndef MERGE_H
 #define MERGE_H
 
-#include "baker/coding/dag/dag.h"
 #include "baker/base/ref_table.h"
+#include "baker/coding/dag/dag.h"
 
 typedef struct stack_run {
     uint32_t ref; /* to a node of the square's level */

@@ -27,8 +27,8 @@ static inline lean lean_of(const square_list *l, const sparse_triangles *s, texe
                        .half = (at.side - 1) / 2.0 * px,
                        .gx   = farthest ? s->all[farthest->id].gx : 0,
                        .gy   = farthest ? s->all[farthest->id].gy : 0};
-    w.steep = (fabs(w.gx) + fabs(w.gy)) * w.half;
-    w.slack = ldexp(w.steep, -45);
+    w.steep         = (fabs(w.gx) + fabs(w.gy)) * w.half;
+    w.slack         = ldexp(w.steep, -45);
     return w;
 }
 

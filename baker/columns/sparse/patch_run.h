@@ -9,14 +9,15 @@
 
 /* The triangles of one patch in a list: items [begin, end). */
 typedef struct patch_run {
-    size_t   begin, end;
-    int      ends;    /* an end of the patch may cross the square */
-    double   lo, hi;  /* of all */
-    double   covered; /* hi of the nearest that covers the square alone */
-    uint32_t sampled; /* how many cover the middle of the square; not beside `ends`, or gcc waits for both to be stored to load them as one */
-    int      exits;   /* some are back faces of solids */
-    int      sheets;  /* some are of sheets */
-    int      faces;   /* all are of sheets that face the light, and are seen from there alone */
+    size_t begin, end;
+    int    ends;    /* an end of the patch may cross the square */
+    double lo, hi;  /* of all */
+    double covered; /* hi of the nearest that covers the square alone */
+    uint32_t
+        sampled; /* how many cover the middle of the square; not beside `ends`, or gcc waits for both to be stored to load them as one */
+    int exits;  /* some are back faces of solids */
+    int sheets; /* some are of sheets */
+    int faces;  /* all are of sheets that face the light, and are seen from there alone */
 } patch_run;
 
 static inline patch_run patch_run_from(const square_list *l, const sparse_triangles *s, size_t begin)
@@ -31,8 +32,8 @@ static inline patch_run patch_run_from(const square_list *l, const sparse_triang
         r.faces &= (t->kind & SPARSE_FACES) != 0;
         r.sampled += (e->bits & ENTRY_SAMPLE) != 0;
         r.ends |= (e->bits & ENTRY_END) != 0;
-        r.lo = least(r.lo, e->lo);
-        r.hi = greatest(r.hi, e->hi);
+        r.lo                      = least(r.lo, e->lo);
+        r.hi                      = greatest(r.hi, e->hi);
         const double if_covers[2] = {INFINITY, e->hi}; /* no branch: half of them cover, in no order */
         r.covered                 = least(r.covered, if_covers[e->bits & ENTRY_COVERS]);
     }

@@ -9,9 +9,9 @@
 #ifndef SPARSE_SQUARE_H
 #define SPARSE_SQUARE_H
 
+#include "baker/base/context.h"
 #include "baker/columns/sparse/leaf.h"
 #include "baker/columns/sparse/triangle_bins.h"
-#include "baker/base/context.h"
 
 enum { SPARSE_LEVELS_MAX = 20 };
 

@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <time.h>
 
+#include "baker/bake/cache/square_exchange.h"
 #include "baker/base/array.h"
 #include "baker/command/commands.h"
-#include "baker/bake/cache/square_exchange.h"
 #include "baker/command/mpi/desk.h"
 #include "baker/command/mpi/ranks.h"
 #include "runtime/vxs.h"

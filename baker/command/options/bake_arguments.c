@@ -8,11 +8,11 @@
 #include <strings.h>
 #include <unistd.h>
 
-#include "baker/base/parallel.h"
-#include "baker/files/input_file.h"
 #include "baker/bake/cache/part_file.h"
 #include "baker/bake/cache/square_store.h"
+#include "baker/base/parallel.h"
 #include "baker/command/options/scene_rows.h"
+#include "baker/files/input_file.h"
 
 static vxs_result check_map_sizes(bake_options *o, message *m)
 {
@@ -45,8 +45,7 @@ static vxs_result choose_maps(bake_arguments *a, message *m)
     if (a->o.maps == MAPS_AUTO) a->o.maps = wanted ? MAPS_GL : MAPS_SPARSE;
     if (a->o.maps == MAPS_GL && leaves_more_free(&a->o))
         return fail(m, VXS_E_ARGUMENT, "%s asks what lies behind surfaces, which depth maps do not show: expected --maps sparse%s",
-                    a->o.behind == BEHIND_FREE ? "--behind free" : "--thickness",
-                    wanted ? ", and no --gl" : "");
+                    a->o.behind == BEHIND_FREE ? "--behind free" : "--thickness", wanted ? ", and no --gl" : "");
     return VXS_OK;
 }
 
@@ -169,7 +168,8 @@ void bake_arguments_init(bake_arguments *a, const char *name, const char *synops
         {"--sun", OPTION_NAMED_VECTOR, &a->o.suns, 0, 3, SUN_NAME, "[NAME=]X,Y,Z",
          "add a light that travels this way, named sun or NAME; repeat for more", NULL},
         {"--resolution", OPTION_NAMED_U32, &a->o.resolutions, RESOLUTION_MIN_PX, RESOLUTION_MAX_PX, NULL, "[NAME=]N",
-         "texels a side of the map, of light NAME or of all others, a power of two, 8 to 262144, or 4K for 4096 (default 4096)", NULL},
+         "texels a side of the map, of light NAME or of all others, a power of two, 8 to 262144, or 4K for 4096 (default 4096)",
+         NULL},
         {"--texel", OPTION_NAMED_F64, &a->o.texels, 1e-9, 1e9, NULL, "[NAME=]METRES",
          "side of a texel, of light NAME or of all others; the resolution follows from it (default from --resolution)", NULL},
         {"--region", OPTION_VECTOR, a->o.region_ws, 0, 6, NULL, "MIN,MAX",

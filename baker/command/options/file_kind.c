@@ -7,8 +7,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "baker/files/foreign_file.h"
 #include "baker/bake/cache/part_file.h"
+#include "baker/files/foreign_file.h"
 #include "formats/vxs_format.h"
 
 enum { LOOKED_AT = FOREIGN_LOOKED_AT };
@@ -76,8 +76,8 @@ const char *file_kind_foreign(char *text, const char *path)
 
 const char *file_kind_text(file_kind kind)
 {
-    static const char *const texts[] = {"something else",  "a glTF scene",  "a .vxs file",      "JSON",
-                                        "a report of vxs", "a picture", "a part of a bake", "a folder"};
+    static const char *const texts[] = {"something else",  "a glTF scene", "a .vxs file",      "JSON",
+                                        "a report of vxs", "a picture",    "a part of a bake", "a folder"};
     return texts[kind];
 }
 

@@ -5,10 +5,10 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "baker/command/options/options.h"
 #include "baker/files/foreign_file.h"
 #include "baker/files/input_file.h"
 #include "baker/files/output_file.h"
-#include "baker/command/options/options.h"
 
 static const char *output_of(const option *o)
 {

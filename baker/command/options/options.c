@@ -246,7 +246,11 @@ static void begun_text(char text[128], const command_line *c, const char *typed)
     if (!count || count > 3) return;
     qsort(names, count, sizeof *names, by_name);
     for (size_t n = 0; n < count; n++)
-        used += (size_t)snprintf(text + used, 128 - used, "%s'%s'", !n ? ": did you mean " : n + 1 == count ? " or " : ", ", names[n]);
+        used += (size_t)snprintf(text + used, 128 - used, "%s'%s'",
+                                 !n               ? ": did you mean "
+                                 : n + 1 == count ? " or "
+                                                  : ", ",
+                                 names[n]);
     snprintf(text + used, 128 - used, "?");
 }
 
@@ -259,7 +263,8 @@ static vxs_result unknown_option(const command_line *c, const char *arg, message
     for (const option *o = c->options; o < c->options + c->option_count; o++)
         if (o->name && !is_operand(o)) nearest_try(&near, o->name, strlen(o->name));
     if (!meant[0]) nearest_text(meant, &near);
-    return fail(m, VXS_E_ARGUMENT, "unknown option '%s'%s%s vxs %s --help lists the options", arg, meant, meant[0] ? "" : ":", c->name);
+    return fail(m, VXS_E_ARGUMENT, "unknown option '%s'%s%s vxs %s --help lists the options", arg, meant, meant[0] ? "" : ":",
+                c->name);
 }
 
 static vxs_result parse_arguments(const command_line *c, int argc, char **argv, char *given, int *help_shown, message *m)

@@ -6,8 +6,8 @@
 #include <string.h>
 
 #include "baker/base/message.h"
-#include "baker/files/run_files.h"
 #include "baker/command/options/option_table.h"
+#include "baker/files/run_files.h"
 
 /* Parse argv[1..argc). `--name value` and `--name=value` are the same; "-" alone is an operand; "--" ends the options; a
  * value may begin with '-' ("--sun -1,-2,0"). Options that every command has are kept in m. An option that is no list is given once at most.

@@ -76,7 +76,8 @@ static void give_threads_stacks(void)
     pthread_attr_t attributes;
     size_t         size;
     if (pthread_getattr_default_np(&attributes)) return;
-    if (!pthread_attr_getstacksize(&attributes, &size) && size < STACK_LEAST && !pthread_attr_setstacksize(&attributes, STACK_BYTES))
+    if (!pthread_attr_getstacksize(&attributes, &size) && size < STACK_LEAST &&
+        !pthread_attr_setstacksize(&attributes, STACK_BYTES))
         pthread_setattr_default_np(&attributes);
     pthread_attr_destroy(&attributes);
 #endif

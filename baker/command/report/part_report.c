@@ -4,16 +4,17 @@
 
 #include "baker/base/text.h"
 #include "baker/base/version.h"
+#include "baker/command/report/plan_text.h"
 #include "baker/files/json_file.h"
 #include "baker/files/run_files.h"
-#include "baker/command/report/plan_text.h"
 
 void part_print(FILE *to, const bake_options *o, const bake_report *r)
 {
     square_counts squares = report_squares(r);
     char          size[32], plain[PLAIN_BYTES];
     fprintf(to, "part         %u of %u: %s, %s\n", o->part, o->parts,
-            is_standard_output(o->output_path) ? "standard output" : plain_text(plain, o->output_path), size_text(size, r->file_bytes));
+            is_standard_output(o->output_path) ? "standard output" : plain_text(plain, o->output_path),
+            size_text(size, r->file_bytes));
     fprintf(to, "squares      %llu of %llu made, %llu kept%s%s\n", (unsigned long long)squares.made,
             (unsigned long long)squares.all, (unsigned long long)(squares.all - squares.made), o->resume_path ? " in " : "",
             o->resume_path ? plain_text(plain, o->resume_path) : "");

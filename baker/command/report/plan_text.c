@@ -210,8 +210,9 @@ static void print_light(FILE *to, const bake_options *o, const plan_light *l)
         return;
     }
     fprintf(to, "light %s\n", name);
-    fprintf(to, "  map        %u of %u x %u texels of %s, voxels %.4g %s deep\n", l->map_count, side, side, texels_text(a, &l->texels, 4),
-            l->light.voxel_metres, l->light.kind == VXS_LIGHT_KIND_DIRECTIONAL ? "m" : "of the distance");
+    fprintf(to, "  map        %u of %u x %u texels of %s, voxels %.4g %s deep\n", l->map_count, side, side,
+            texels_text(a, &l->texels, 4), l->light.voxel_metres,
+            l->light.kind == VXS_LIGHT_KIND_DIRECTIONAL ? "m" : "of the distance");
     fprintf(to, "  tiles      %llu, left out without casters: %llu", (unsigned long long)l->tiles,
             (unsigned long long)l->tiles_empty);
     if (o->maps != MAPS_SPARSE)
@@ -238,8 +239,8 @@ static const char *share_words(double share)
     static const struct {
         double      share;
         const char *words;
-    } known[]   = {{0.1, "a tenth"}, {0.2, "a fifth"}, {0.25, "a quarter"}, {1.0 / 3, "a third"}, {0.4, "two fifths"}, {0.5, "half"},
-                   {0.6, "three fifths"}, {2.0 / 3, "two thirds"}, {0.75, "three quarters"}, {0.8, "four fifths"}};
+    } known[]   = {{0.1, "a tenth"}, {0.2, "a fifth"},      {0.25, "a quarter"},     {1.0 / 3, "a third"},     {0.4, "two fifths"},
+                   {0.5, "half"},    {0.6, "three fifths"}, {2.0 / 3, "two thirds"}, {0.75, "three quarters"}, {0.8, "four fifths"}};
     size_t best = 0;
     for (size_t n = 1; n < sizeof known / sizeof *known; n++)
         if (fabs(known[n].share - share) < fabs(known[best].share - share)) best = n;
@@ -254,7 +255,8 @@ void plan_print_savings(FILE *to, const bake_plan *plan, uint64_t file_bytes)
         fprintf(to, "%-12s %s: %.15g s, a file of %s, ", s == plan->savings ? "would save" : "", s->option, rounded(s->seconds, 2),
                 size_text(a, (uint64_t)(share * (double)file_bytes)));
         if (s->triangles)
-            fprintf(to, "about %s: %zu triangles are closed, but their material has two sides; it promises nothing inside of them\n",
+            fprintf(to,
+                    "about %s: %zu triangles are closed, but their material has two sides; it promises nothing inside of them\n",
                     share_words(share), s->triangles);
         else
             fprintf(to, "which promises less\n");
@@ -356,13 +358,13 @@ static json_t *coded_json(const plan_light *l)
 static json_t *light_json(const plan_light *l)
 {
     if (l->left_out) return json_pack("{s:o, s:s}", "name", json_text(l->name), "left_out", l->left_out);
-    json_t *light =
-        json_pack("{s:o, s:I, s:i, s:o, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "name", json_text(l->name), "resolution_px",
-                  (json_int_t)1 << l->light.levels, "maps", (int)l->map_count, "texel_at_casters_m", texels_json(&l->texels), "triangles", (json_int_t)l->triangles, "tiles",
-                  (json_int_t)l->tiles, "tiles_without_casters", (json_int_t)l->tiles_empty, "blocks", (json_int_t)l->blocks,
-                  "blocks_without_casters", (json_int_t)l->blocks_empty, "blocks_peeled", (json_int_t)l->blocks_peeled,
-                  "blocks_not_peeled", (json_int_t)l->blocks_not_peeled, "mask_tiles", (json_int_t)l->mask_tiles, "memory_bytes",
-                  (json_int_t)l->memory_bytes, "stored_bytes", (json_int_t)l->stored_bytes);
+    json_t *light = json_pack("{s:o, s:I, s:i, s:o, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "name", json_text(l->name),
+                              "resolution_px", (json_int_t)1 << l->light.levels, "maps", (int)l->map_count, "texel_at_casters_m",
+                              texels_json(&l->texels), "triangles", (json_int_t)l->triangles, "tiles", (json_int_t)l->tiles,
+                              "tiles_without_casters", (json_int_t)l->tiles_empty, "blocks", (json_int_t)l->blocks,
+                              "blocks_without_casters", (json_int_t)l->blocks_empty, "blocks_peeled", (json_int_t)l->blocks_peeled,
+                              "blocks_not_peeled", (json_int_t)l->blocks_not_peeled, "mask_tiles", (json_int_t)l->mask_tiles,
+                              "memory_bytes", (json_int_t)l->memory_bytes, "stored_bytes", (json_int_t)l->stored_bytes);
     json_t *coded = coded_json(l);
     json_object_update(light, coded);
     json_decref(coded);
@@ -380,8 +382,8 @@ json_t *plan_savings_json(const bake_plan *plan)
 {
     json_t *savings = json_array();
     for (const plan_saving *s = plan->savings; s < plan->savings + plan->saving_count; s++) {
-        json_t *saving = json_pack("{s:s, s:I, s:f}", "option", s->option, "file_bytes", (json_int_t)s->file_bytes, "total_seconds",
-                                   s->seconds);
+        json_t *saving =
+            json_pack("{s:s, s:I, s:f}", "option", s->option, "file_bytes", (json_int_t)s->file_bytes, "total_seconds", s->seconds);
         if (s->triangles) json_object_set_new(saving, "triangles", json_integer((json_int_t)s->triangles));
         json_array_append_new(savings, saving);
     }
@@ -391,11 +393,11 @@ json_t *plan_savings_json(const bake_plan *plan)
 vxs_result plan_write_json(const char *path, const bake_options *o, const bake_report *report, message *m)
 {
     const bake_plan *plan = report->plan;
-    json_t          *root =
-        json_pack("{s:s, s:o, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:I, s:o, s:f}", "vxs", VXS_VERSION, "scene",
-                  json_text(o->scene_path), "unchanged", 0, "options", bake_options_json(o), "casters", report_casters_json(report),
-                  "decisions", plan_decisions_json(plan, o, report), "lights", plan_lights_json(plan), "lights_left_out",
-                  report_left_out_json(report), "warnings", report_warnings_json(m), "estimate", plan_estimate_json(plan),
-                  "least_bytes", (json_int_t)plan->least_bytes, "savings", plan_savings_json(plan), "plan_seconds", plan->plan_seconds);
+    json_t *root = json_pack("{s:s, s:o, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:I, s:o, s:f}", "vxs", VXS_VERSION, "scene",
+                             json_text(o->scene_path), "unchanged", 0, "options", bake_options_json(o), "casters",
+                             report_casters_json(report), "decisions", plan_decisions_json(plan, o, report), "lights",
+                             plan_lights_json(plan), "lights_left_out", report_left_out_json(report), "warnings",
+                             report_warnings_json(m), "estimate", plan_estimate_json(plan), "least_bytes",
+                             (json_int_t)plan->least_bytes, "savings", plan_savings_json(plan), "plan_seconds", plan->plan_seconds);
     return json_write(path, root, m);
 }

@@ -7,9 +7,9 @@
 
 #include "baker/base/text.h"
 #include "baker/base/version.h"
-#include "baker/files/json_file.h"
 #include "baker/command/report/plan_text.h"
 #include "baker/command/report/summary.h"
+#include "baker/files/json_file.h"
 
 /* for people ------------------------------------------------------------------------------------------------------------------ */
 
@@ -57,7 +57,9 @@ static void print_smoke(FILE *to, const smoke_counts *s)
 {
     char a[32], b[32];
     if (!s->curves) return;
-    fprintf(to, "  smoke      %u x %u texels a map; %zu with a curve, of %.1f nodes, within %.2g of its own ray; %s in memory, %s on disk\n",
+    fprintf(to,
+            "  smoke      %u x %u texels a map; %zu with a curve, of %.1f nodes, within %.2g of its own ray; %s in memory, %s on "
+            "disk\n",
             s->side_px, s->side_px, s->curves, (double)s->nodes / (double)s->curves, s->largest_error,
             size_text(a, s->memory_bytes), size_text(b, s->stored_bytes));
     if (s->lookups.places)
@@ -71,8 +73,8 @@ static void print_light(FILE *to, const light_report *l)
     unsigned side = 1u << l->light.levels;
     char     name[VXS_LIGHT_NAME_BYTES];
     fprintf(to, "light %s\n", one_line(strcpy(name, l->light.name)));
-    fprintf(to, "  map        %u x %u texels of %s, voxels %.4g %s deep\n", side, side, texels_text(a, &l->texels, 4), l->light.voxel_metres,
-            l->light.kind == VXS_LIGHT_KIND_DIRECTIONAL ? "m" : "of the distance");
+    fprintf(to, "  map        %u x %u texels of %s, voxels %.4g %s deep\n", side, side, texels_text(a, &l->texels, 4),
+            l->light.voxel_metres, l->light.kind == VXS_LIGHT_KIND_DIRECTIONAL ? "m" : "of the distance");
     fprintf(to, "  tiles      %llu, left out without casters: %llu", (unsigned long long)l->tiles,
             (unsigned long long)l->tiles_skipped);
     print_rendering(to, &l->depth);
@@ -157,13 +159,13 @@ static json_t *light_json(const light_report *l)
     json_t *o      = json_pack(
              "{s:o, s:s, s:I, s:i, s:f, s:o, s:f, s:[f,f,f], s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:o}", "name",
              json_text(l->light.name), "kind", kind_text(&l->light), "resolution_px", (json_int_t)1 << l->light.levels, "maps",
-             (int)vxs_light_map_count(&l->light), "texel_m", l->light.texel_metres, "texel_at_casters_m", texels_json(&l->texels), "voxel_m", l->light.voxel_metres, "direction",
-             l->light.direction_ws[0], l->light.direction_ws[1], l->light.direction_ws[2], "tiles", (json_int_t)l->tiles,
-             "tiles_without_casters", (json_int_t)l->tiles_skipped, "blocks_rendered", (json_int_t)l->depth.blocks_rendered,
-             "blocks_without_casters", (json_int_t)l->depth.blocks_empty, "triangles_drawn", (json_int_t)l->depth.triangles_drawn,
-             "blocks_peeled", (json_int_t)l->depth.blocks_peeled, "blocks_not_peeled", (json_int_t)l->depth.blocks_not_peeled,
-             "peel_passes", (json_int_t)l->depth.peel_passes, "peel_passes_max", (json_int_t)l->depth.peel_passes_max, "mask_tiles",
-             (json_int_t)l->mask_tiles, "levels", parts_json(l));
+             (int)vxs_light_map_count(&l->light), "texel_m", l->light.texel_metres, "texel_at_casters_m", texels_json(&l->texels),
+             "voxel_m", l->light.voxel_metres, "direction", l->light.direction_ws[0], l->light.direction_ws[1], l->light.direction_ws[2],
+             "tiles", (json_int_t)l->tiles, "tiles_without_casters", (json_int_t)l->tiles_skipped, "blocks_rendered",
+             (json_int_t)l->depth.blocks_rendered, "blocks_without_casters", (json_int_t)l->depth.blocks_empty, "triangles_drawn",
+             (json_int_t)l->depth.triangles_drawn, "blocks_peeled", (json_int_t)l->depth.blocks_peeled, "blocks_not_peeled",
+             (json_int_t)l->depth.blocks_not_peeled, "peel_passes", (json_int_t)l->depth.peel_passes, "peel_passes_max",
+             (json_int_t)l->depth.peel_passes_max, "mask_tiles", (json_int_t)l->mask_tiles, "levels", parts_json(l));
     json_t *coded = coded_json(l);
     json_object_update(o, coded);
     json_decref(coded);
@@ -191,9 +193,9 @@ static json_t *plan_json(const bake_options *o, const bake_report *r)
     uint64_t memory_bytes = 0;
     for (uint32_t n = 0; n < r->light_count; n++) memory_bytes += r->lights[n].memory_bytes;
     return json_pack("{s:o, s:o, s:o, s:o, s:{s:f, s:I, s:I, s:I}}", "decisions", plan_decisions_json(r->plan, o, r), "lights",
-                     plan_lights_json(r->plan), "estimate", plan_estimate_json(r->plan), "savings", plan_savings_json(r->plan), "actual", "total_seconds",
-                     r->total_seconds, "peak_bytes", (json_int_t)r->peak_bytes, "file_bytes", (json_int_t)r->file_bytes,
-                     "memory_bytes", (json_int_t)memory_bytes);
+                     plan_lights_json(r->plan), "estimate", plan_estimate_json(r->plan), "savings", plan_savings_json(r->plan),
+                     "actual", "total_seconds", r->total_seconds, "peak_bytes", (json_int_t)r->peak_bytes, "file_bytes",
+                     (json_int_t)r->file_bytes, "memory_bytes", (json_int_t)memory_bytes);
 }
 
 static json_t *squares_json(const bake_options *o, const bake_report *r)
@@ -207,13 +209,12 @@ json_t *report_json(const bake_options *o, const bake_report *r, const message *
 {
     json_t *lights = json_array();
     for (uint32_t n = 0; n < r->light_count; n++) json_array_append_new(lights, light_json(&r->lights[n]));
-    json_t *root =
-        json_pack("{s:s, s:o, s:o, s:b, s:o, s:s, s:s, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:f, s:I}", "vxs", VXS_VERSION,
-                  "scene", json_text(o->scene_path), "output", json_text(o->output_path), "unchanged", 0, "options",
-                  bake_options_json(o), "renderer", r->renderer, "cpu_class", r->cpu_class, "file_bytes", (json_int_t)r->file_bytes,
-                  "casters", report_casters_json(r), "lights", lights, "lights_left_out", report_left_out_json(r), "warnings",
-                  report_warnings_json(m), "stages", stages_json(r), "plan", plan_json(o, r), "total_seconds", r->total_seconds,
-                  "peak_bytes", (json_int_t)r->peak_bytes);
+    json_t *root = json_pack("{s:s, s:o, s:o, s:b, s:o, s:s, s:s, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:f, s:I}", "vxs", VXS_VERSION,
+                             "scene", json_text(o->scene_path), "output", json_text(o->output_path), "unchanged", 0, "options",
+                             bake_options_json(o), "renderer", r->renderer, "cpu_class", r->cpu_class, "file_bytes",
+                             (json_int_t)r->file_bytes, "casters", report_casters_json(r), "lights", lights, "lights_left_out",
+                             report_left_out_json(r), "warnings", report_warnings_json(m), "stages", stages_json(r), "plan",
+                             plan_json(o, r), "total_seconds", r->total_seconds, "peak_bytes", (json_int_t)r->peak_bytes);
     if (o->resume_path) json_object_set_new(root, "squares", squares_json(o, r));
     if (o->points)
         json_object_set_new(root, "points",

@@ -6,8 +6,8 @@
 #include <string.h>
 
 #include "baker/base/text.h"
-#include "baker/files/input_file.h"
 #include "baker/command/report/plan_text.h"
+#include "baker/files/input_file.h"
 
 /* "sun, lamp and 12 more": as many names as a line has room for, the first in any case. */
 typedef struct name_list {
@@ -125,9 +125,11 @@ static void print_smoke(FILE *to, const bake_options *o, const bake_report *r)
     if (!lights)
         fprintf(to, "it dims no light: the file has none\n");
     else
-        fprintf(to, "of %u light%s: %zu curves of %.1f nodes, within %.2g of their own rays; lookups between rays: RMS error %.2g, %.2g at most; %s of the file\n",
-                lights, lights == 1 ? "" : "s", sum.curves, (double)sum.nodes / (double)sum.curves, sum.largest_error, sum.lookups.rms,
-                sum.lookups.largest, size_text(size, sum.stored_bytes));
+        fprintf(to,
+                "of %u light%s: %zu curves of %.1f nodes, within %.2g of their own rays; lookups between rays: RMS error %.2g, "
+                "%.2g at most; %s of the file\n",
+                lights, lights == 1 ? "" : "s", sum.curves, (double)sum.nodes / (double)sum.curves, sum.largest_error,
+                sum.lookups.rms, sum.lookups.largest, size_text(size, sum.stored_bytes));
 }
 
 static void print_time(FILE *to, const bake_options *o, const bake_report *r)

@@ -4,8 +4,8 @@
 
 #include "baker/base/text.h"
 #include "baker/base/version.h"
-#include "baker/files/json_file.h"
 #include "baker/command/report/plan_text.h"
+#include "baker/files/json_file.h"
 
 void unchanged_print(FILE *to, const bake_options *o, const bake_report *r)
 {

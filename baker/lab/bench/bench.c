@@ -12,15 +12,15 @@
 #include <unistd.h>
 #include <xxhash.h>
 
+#include "baker/base/clock.h"
+#include "baker/base/progress.h"
 #include "baker/base/version.h"
-#include "baker/lab/bench/bench_cell.h"
-#include "baker/lab/bench/bench_text.h"
 #include "baker/files/foreign_file.h"
 #include "baker/files/input_file.h"
 #include "baker/files/json_file.h"
-#include "baker/base/clock.h"
+#include "baker/lab/bench/bench_cell.h"
+#include "baker/lab/bench/bench_text.h"
 #include "baker/lab/bench/machine.h"
-#include "baker/base/progress.h"
 
 typedef struct bench_work {
     const bench_options *o;

@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/command/options/bake_arguments.h"
 #include "baker/files/input_file.h"
 #include "baker/files/json_file.h"
-#include "baker/command/options/bake_arguments.h"
 
 static vxs_result no_memory(message *m)
 {

@@ -4,9 +4,9 @@
 #define BENCH_JOBS_H
 
 #include "baker/base/text.h"
+#include "baker/command/options/filter_choice.h"
 #include "baker/lab/bench/bench_json.h"
 #include "baker/lab/bench/children.h"
-#include "baker/command/options/filter_choice.h"
 
 /* Options of bake that are swept, in the order of the table of options; a cell for each combination of their values. Values for lights
  * ("sun=512") are combined with those for other lights, and with those for all ("64"). */

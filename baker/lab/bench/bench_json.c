@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/lab/bench/json_shape.h"
 #include "baker/files/json_file.h"
+#include "baker/lab/bench/json_shape.h"
 
 /* What a file holds (json_shape.h); names with a question mark are those of one coding. */
 static const char file_shape[] =

@@ -7,8 +7,8 @@
 #include <string.h>
 
 #include "baker/base/text.h"
-#include "baker/files/json_file.h"
 #include "baker/command/options/filter_choice.h"
+#include "baker/files/json_file.h"
 
 /* Tables --------------------------------------------------------------------------------------------------------------------- */
 

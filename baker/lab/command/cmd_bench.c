@@ -4,13 +4,13 @@
 #include <stdlib.h>
 
 #include "baker/bake/bake.h"
+#include "baker/command/commands.h"
+#include "baker/command/options/filter_choice.h"
+#include "baker/files/input_file.h"
+#include "baker/files/json_file.h"
 #include "baker/lab/bench/bench.h"
 #include "baker/lab/bench/bench_against.h"
 #include "baker/lab/bench/bench_text.h"
-#include "baker/command/commands.h"
-#include "baker/files/input_file.h"
-#include "baker/files/json_file.h"
-#include "baker/command/options/filter_choice.h"
 #include "baker/scene/scene.h"
 #include "formats/vxs_format.h"
 
@@ -90,8 +90,8 @@ int cmd_bench(int argc, char **argv)
           "K x K box filters to look up, besides single taps; K odd, 1 to 17 texels (default single taps only)", NULL},
          {"--smooth", OPTION_U32S, &c.smooth, 1, VXS_FILTER_MAX, NULL, "K",
           "smooth K x K filters to look up, too; K even or odd, 1 to 17 texels", NULL},
-         {"--light", OPTION_TEXTS, &c.o.light_names, 0, 0, NULL, "NAME", "bake this light, or all that a pattern names, in all scenes (default all lights)",
-          NULL},
+         {"--light", OPTION_TEXTS, &c.o.light_names, 0, 0, NULL, "NAME",
+          "bake this light, or all that a pattern names, in all scenes (default all lights)", NULL},
          {"--sun", OPTION_TEXTS, &c.o.suns, 0, 0, NULL, "[NAME=]X,Y,Z",
           "add a light that travels this way, named sun or NAME, to all scenes; repeat for more", NULL},
          {"--region", OPTION_TEXT, &c.o.region, 0, 0, NULL, "MIN,MAX",

@@ -9,13 +9,13 @@
 #include "baker/base/parallel.h"
 #include "baker/command/asset_open.h"
 #include "baker/command/commands.h"
-#include "baker/lab/command/compare_report.h"
-#include "baker/files/input_file.h"
-#include "baker/files/json_file.h"
-#include "baker/lab/command/camera_choice.h"
 #include "baker/command/options/filter_choice.h"
 #include "baker/command/options/options.h"
 #include "baker/command/options/scene_rows.h"
+#include "baker/files/input_file.h"
+#include "baker/files/json_file.h"
+#include "baker/lab/command/camera_choice.h"
+#include "baker/lab/command/compare_report.h"
 
 typedef struct compare_command {
     const char   *json_path;

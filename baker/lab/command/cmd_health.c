@@ -4,15 +4,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/base/progress.h"
 #include "baker/base/text.h"
 #include "baker/command/commands.h"
-#include "baker/lab/command/part_text.h"
-#include "baker/files/json_file.h"
-#include "baker/files/output_file.h"
-#include "baker/base/progress.h"
-#include "baker/lab/mend/mesh_health.h"
 #include "baker/command/options/options.h"
 #include "baker/command/options/scene_rows.h"
+#include "baker/files/json_file.h"
+#include "baker/files/output_file.h"
+#include "baker/lab/command/part_text.h"
+#include "baker/lab/mend/mesh_health.h"
 
 enum { ROWS = 30, NAMES = 3, COLUMNS = 100, FROM_MIN = 24 };
 

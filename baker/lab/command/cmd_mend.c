@@ -5,13 +5,13 @@
 
 #include "baker/casters/casters.h"
 #include "baker/command/commands.h"
-#include "baker/lab/command/part_text.h"
-#include "baker/files/json_file.h"
-#include "baker/files/output_file.h"
-#include "baker/scene/gltf/scene_to_glb.h"
-#include "baker/lab/mend/mesh_repair.h"
 #include "baker/command/options/options.h"
 #include "baker/command/options/scene_rows.h"
+#include "baker/files/json_file.h"
+#include "baker/files/output_file.h"
+#include "baker/lab/command/part_text.h"
+#include "baker/lab/mend/mesh_repair.h"
+#include "baker/scene/gltf/scene_to_glb.h"
 #include "baker/scene/light_choice.h"
 
 enum { ROWS = 30 };
@@ -159,7 +159,8 @@ static vxs_result run(void *command, message *m)
     if ((r = message_check(m)) != VXS_OK) goto done;
     if ((r = count_solids(c, &s, 0, m)) != VXS_OK) goto done;
     glb_find_origin(&s, origin_ws);
-    if ((r = glb_round_positions(&s, origin_ws, m)) != VXS_OK) goto done; /* first, so that what is closed here is closed in the file */
+    if ((r = glb_round_positions(&s, origin_ws, m)) != VXS_OK)
+        goto done; /* first, so that what is closed here is closed in the file */
     if ((r = scene_repair(&s, &c->how, &c->report, m)) != VXS_OK) goto done;
     if ((r = count_solids(c, &s, 1, m)) != VXS_OK) goto done;
     if ((r = write_scene(c->output_path, &s, origin_ws, m)) != VXS_OK) goto done;

@@ -4,12 +4,12 @@
 #include <string.h>
 
 #include "baker/command/commands.h"
-#include "baker/lab/command/written_text.h"
-#include "baker/files/output_file.h"
-#include "scenes/generate.h"
-#include "baker/scene/gltf/glb_write.h"
 #include "baker/command/options/options.h"
+#include "baker/files/output_file.h"
+#include "baker/lab/command/written_text.h"
+#include "baker/scene/gltf/glb_write.h"
 #include "baker/scene/light_warnings.h"
+#include "scenes/generate.h"
 
 #define SCENE_KINDS "city|landscape|room|forest|smoke|hair|stress"
 typedef enum scene_kind { KIND_CITY, KIND_LANDSCAPE, KIND_ROOM, KIND_FOREST, KIND_SMOKE, KIND_HAIR, KIND_STRESS } scene_kind;
@@ -100,7 +100,8 @@ static void print_report(FILE *to, const scene_options *o, const glb_scene *s)
     size_t capsules = 0;
     for (size_t n = 0; n < s->smoke_count; n++) capsules += s->smoke[n].vertex_count / (s->smoke[n].lines ? 2 : 1);
     if (capsules) snprintf(smoke, sizeof smoke, ", %zu capsules of smoke", capsules);
-    snprintf(what, sizeof what, "%zu triangles, %zu light%s%s", s->triangle_count, s->light_count, s->light_count == 1 ? "" : "s", smoke);
+    snprintf(what, sizeof what, "%zu triangles, %zu light%s%s", s->triangle_count, s->light_count, s->light_count == 1 ? "" : "s",
+             smoke);
     written_print(to, o->out, what);
 }
 

@@ -8,14 +8,14 @@
 #include "baker/casters/casters.h"
 #include "baker/command/asset_open.h"
 #include "baker/command/commands.h"
-#include "baker/command/points.h"
 #include "baker/command/options/filter_choice.h"
 #include "baker/command/options/options.h"
 #include "baker/command/options/scene_rows.h"
+#include "baker/command/points.h"
+#include "baker/lab/truth/truth_filter.h"
+#include "baker/light/baked_light.h"
 #include "baker/scene/light_warnings.h"
 #include "baker/scene/scene.h"
-#include "baker/light/baked_light.h"
-#include "baker/lab/truth/truth_filter.h"
 
 typedef struct truth_options {
     const char   *scene_path;

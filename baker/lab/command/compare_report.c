@@ -9,9 +9,9 @@
 #include "baker/base/text.h"
 #include "baker/base/version.h"
 #include "baker/command/light_text.h"
+#include "baker/command/options/filter_choice.h"
 #include "baker/files/input_file.h"
 #include "baker/files/json_file.h"
-#include "baker/command/options/filter_choice.h"
 
 static const char *const kind_names[COMPARE_KINDS] = {"random", "surface", "camera"};
 

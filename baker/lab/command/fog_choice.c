@@ -6,13 +6,13 @@
 
 vxs_result fog_check(const fog_choice *c, message *m)
 {
-    const char *alone   = c->albedo_given       ? "--fog-albedo"
-                          : c->anisotropy_given ? "--fog-anisotropy"
-                          : c->top_given        ? "--fog-top"
-                          : c->by_given         ? "--fog-by"
-                          : c->steps_given      ? "--fog-steps"
-                          : c->grid_given       ? "--fog-grid"
-                                                : NULL;
+    const char *alone = c->albedo_given       ? "--fog-albedo"
+                        : c->anisotropy_given ? "--fog-anisotropy"
+                        : c->top_given        ? "--fog-top"
+                        : c->by_given         ? "--fog-by"
+                        : c->steps_given      ? "--fog-steps"
+                        : c->grid_given       ? "--fog-grid"
+                                              : NULL;
     if (alone && !c->given) return fail(m, VXS_E_ARGUMENT, "%s needs --fog", alone);
     if (c->grid_given && c->by != FOG_BY_GRID) return fail(m, VXS_E_ARGUMENT, "--fog-grid %u needs --fog-by grid", c->grid);
     return VXS_OK;

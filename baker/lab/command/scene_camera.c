@@ -41,8 +41,8 @@ static vxs_result fail_unknown(const scene *s, const char *name, const char *pat
     char    known[LIST_BYTES], meant[64];
     if (!s->view_count) return fail(m, VXS_E_ARGUMENT, "--camera %s: '%s' has no camera; --eye and --target give one", name, path);
     for (size_t n = 0; n < s->view_count; n++) nearest_try(&near, s->views[n].name, strlen(s->views[n].name));
-    return fail(m, VXS_E_ARGUMENT, "--camera %s: '%s' has no camera of that name; it has %s%s", name, path, list_cameras(known, s, NULL),
-                nearest_text(meant, &near));
+    return fail(m, VXS_E_ARGUMENT, "--camera %s: '%s' has no camera of that name; it has %s%s", name, path,
+                list_cameras(known, s, NULL), nearest_text(meant, &near));
 }
 
 vxs_result scene_camera_find(const scene_view **view, const scene *s, const char *name, const char *path, message *m)
@@ -61,8 +61,9 @@ vxs_result scene_camera_find(const scene_view **view, const scene *s, const char
         return fail(m, VXS_E_ARGUMENT, "--camera %s: '%s' has %zu of them, %s; expected one", name, path, by_pattern,
                     list_cameras(known, s, name));
     if ((*view)->kind != VIEW_NONE) return VXS_OK;
-    return fail(m, VXS_E_ARGUMENT, "--camera %s: '%s' says nothing sound of what it sees: expected a perspective with yfov, or an orthographic "
-                                   "with xmag and ymag, on a node without a scale of 0",
+    return fail(m, VXS_E_ARGUMENT,
+                "--camera %s: '%s' says nothing sound of what it sees: expected a perspective with yfov, or an orthographic "
+                "with xmag and ymag, on a node without a scale of 0",
                 name, path);
 }
 
@@ -72,7 +73,8 @@ static uint32_t side_of(double px, uint32_t side_max)
     return (uint32_t)fmin(fmax(rint(px), least), side_max);
 }
 
-void scene_camera_size(const scene_view *view, int width_given, int height_given, uint32_t side_max, uint32_t *width, uint32_t *height)
+void scene_camera_size(const scene_view *view, int width_given, int height_given, uint32_t side_max, uint32_t *width,
+                       uint32_t *height)
 {
     if (!(view->aspect > 0) || (width_given && height_given)) return;
     if (width_given)

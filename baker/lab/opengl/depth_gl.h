@@ -5,9 +5,9 @@
 #define DEPTH_GL_H
 
 #include "baker/casters/casters.h"
+#include "baker/columns/stored/depth_maps.h"
 #include "baker/lab/opengl/exit_depth.h"
 #include "baker/lab/opengl/gl.h"
-#include "baker/columns/stored/depth_maps.h"
 #include "formats/vxs_file.h"
 
 typedef struct depth_renderer depth_renderer;

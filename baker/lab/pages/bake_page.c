@@ -9,11 +9,11 @@
 #include <time.h>
 
 #include "baker/base/memory.h"
-#include "baker/files/png_encode.h"
 #include "baker/base/watch.h"
-#include "baker/lab/picture/asset_picture.h"
-#include "baker/lab/pages/page.h"
 #include "baker/command/report/report.h"
+#include "baker/files/png_encode.h"
+#include "baker/lab/pages/page.h"
+#include "baker/lab/picture/asset_picture.h"
 
 /* The picture of the shadows, and what drawing it may hold, at most: for itself, and for each triangle. */
 enum { PICTURE_WIDTH_PX = 480, PICTURE_HEIGHT_PX = 270, PICTURE_BYTES = 16 << 20, PICTURE_TRIANGLE_BYTES = 160 };

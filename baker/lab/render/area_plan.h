@@ -8,8 +8,8 @@
 #include <stdio.h>
 
 #include "baker/lab/render/lamp_plan.h"
-#include "baker/scene/scene.h"
 #include "baker/lab/truth/camera.h"
+#include "baker/scene/scene.h"
 
 /* What becomes of a parallelogram in a frame. */
 typedef enum area_fate {

@@ -217,12 +217,13 @@ static void choose_faint(fog_pass *p, const fog_shine *shines, double exposure, 
     qsort(p->faint, count, sizeof *p->faint, fainter);
     while (faint < count && sum + (double)p->faint[faint].most <= 0.5 * FOG_FAINTEST) sum += (double)p->faint[faint++].most;
     for (uint32_t n = 0; n < count; n++)
-        least[p->faint[n].light] = n < faint ? fmaxf(1.001F * p->faint[n].most, 1e-30F) : (float)(0.5 * FOG_FAINTEST / (count - faint));
+        least[p->faint[n].light] =
+            n < faint ? fmaxf(1.001F * p->faint[n].most, 1e-30F) : (float)(0.5 * FOG_FAINTEST / (count - faint));
 }
 
 /* What is left out costs no call, and no mesh.   light  which it is */
-static vxs_result add_light(fog_pass *p, vxs_volumes_light light, const moving_pass *moving, const smoke_pass *smoke, fog_plan *plan,
-                            message *m)
+static vxs_result add_light(fog_pass *p, vxs_volumes_light light, const moving_pass *moving, const smoke_pass *smoke,
+                            fog_plan *plan, message *m)
 {
     vxs_moving_casters casters[MOVING_FACES];
     uint32_t           n = light.baked, caster_count = moving ? moving_pass_casters(moving, n, casters) : 0;

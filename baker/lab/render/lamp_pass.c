@@ -111,8 +111,8 @@ static uint32_t unpack(const vxs_baked_points *baked, const double middle_ws[3],
         const uint16_t *c = baked->coordinates + 3 * (size_t)n;
         if (!n || !in_one_cell(c - 3, c, shift)) points[kept++] = points[n];
     }
-    warn(m, "%u of %u points of the file lie within a quarter of their width of others: %u are drawn", baked->count - kept, baked->count,
-         kept);
+    warn(m, "%u of %u points of the file lie within a quarter of their width of others: %u are drawn", baked->count - kept,
+         baked->count, kept);
     return kept;
 }
 
@@ -152,12 +152,14 @@ static vxs_result make(lamp_pass *p, message *m)
 
 static uint32_t choose_smoke_side(const lamp_pass_options *o, message *m)
 {
-    uint32_t side  = o->smoke_side < SMOKE_SIDE_MOST ? o->smoke_side : SMOKE_SIDE_MOST, asked = side;
+    uint32_t side = o->smoke_side < SMOKE_SIDE_MOST ? o->smoke_side : SMOKE_SIDE_MOST, asked = side;
     double   count = o->smoke ? o->smoke->count : 0;
     while (side > SMOKE_SIDE_LEAST && count * o->lamps * side * side > SMOKE_COVERED_MOST) side /= 2;
     if (side < asked)
-        warn(m, "smoke: %u capsules are many for %u virtual lights: each has %u x %u curves of smoke in place of %u x %u; --area below %u "
-                "leaves more",
+        warn(m,
+             "smoke: %u capsules are many for %u virtual lights: each has %u x %u curves of smoke in place of %u x %u; --area "
+             "below %u "
+             "leaves more",
              o->smoke->count, o->lamps, side, side, asked, asked, o->lamps);
     return side;
 }
@@ -167,11 +169,11 @@ vxs_result lamp_pass_create(lamp_pass **out, const lamp_pass_options *o, const g
     lamp_pass *p = calloc(1, sizeof *p);
     *out         = NULL;
     if (!p) return fail(m, VXS_E_MEMORY, "out of memory for area lights");
-    p->options = *o;
+    p->options            = *o;
     p->options.smoke_side = choose_smoke_side(o, m);
-    p->gl        = gl;
-    p->volumes   = volumes;
-    vxs_result r = make(p, m);
+    p->gl                 = gl;
+    p->volumes            = volumes;
+    vxs_result r          = make(p, m);
     if (r == VXS_OK)
         *out = p;
     else

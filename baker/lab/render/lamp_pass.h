@@ -19,8 +19,8 @@ typedef struct lamp_pass_options {
     const double           *middle_ws;  /* [3] places count from there */
     uint32_t                lamps;      /* 1 to VXS_AREA_LAMPS */
     vxs_area_gather         gather;
-    const vxs_area_lamp    *dense;       /* [dense_count] lamps where points are densest, of places from the middle; read by create alone */
-    uint32_t                dense_count; /* 0: points are as dense everywhere */
+    const vxs_area_lamp *dense; /* [dense_count] lamps where points are densest, of places from the middle; read by create alone */
+    uint32_t             dense_count; /* 0: points are as dense everywhere */
 } lamp_pass_options;
 
 typedef struct lamp_pass lamp_pass;

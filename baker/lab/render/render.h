@@ -10,8 +10,8 @@
 #include "baker/lab/render/moving_pass.h"
 #include "baker/lab/render/sky_pass.h"
 #include "baker/lab/render/smoke_pass.h"
-#include "baker/scene/scene.h"
 #include "baker/lab/truth/camera.h"
+#include "baker/scene/scene.h"
 #include "runtime/vxs_stream.h"
 
 typedef enum cull_mode { CULL_AUTO, CULL_ON, CULL_OFF } cull_mode;
@@ -40,15 +40,15 @@ typedef struct render_options {
     const vxs_baked_points *area_points;     /* as for area_pass_options */
     vxs_area_gather         area_gather;
 
-    const sky_map *sky;      /* it outlives the renderer, and lights by area_lamps of its own. NULL: the sky that pictures have */
-    double sky_light;        /* what its radiance is times: candela a square metre, where lights are in candela and lux */
-    double sky_turn_degrees; /* about +Y */
+    const sky_map *sky;       /* it outlives the renderer, and lights by area_lamps of its own. NULL: the sky that pictures have */
+    double         sky_light; /* what its radiance is times: candela a square metre, where lights are in candela and lux */
+    double         sky_turn_degrees; /* about +Y */
 
     const vxs_baked_smoke *const
         *baked_smoke; /* [lights] what smoke leaves of each; NULL: it loses nothing; NULL: no light loses any */
 
     smoke_mode smoke;
-    uint32_t   smoke_side; /* texels of a map of it, */
+    uint32_t   smoke_side;          /* texels of a map of it, */
     int        smoke_side_is_asked; /* 0: fewer, where they would take too long */
 
     const vxs_stream *stream;       /* whose lights these are, all of them; it outlives the renderer. NULL: of an asset */

@@ -17,8 +17,8 @@
 #include "baker/files/output_file.h"
 #include "baker/files/png_encode.h"
 #include "baker/files/run_files.h"
-#include "baker/light/baked_light.h"
 #include "baker/lab/truth/truth_filter.h"
+#include "baker/light/baked_light.h"
 
 typedef struct passes {
     renderer    *renderer;

@@ -7,11 +7,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/base/spread.h"
 #include "baker/base/text.h"
 #include "baker/base/version.h"
 #include "baker/files/json_value.h"
 #include "baker/files/output_file.h"
-#include "baker/base/spread.h"
 
 static int has_stage(const render_report *r, int stage)
 {
@@ -306,8 +306,9 @@ static void plot_stream(FILE *to, const render_report *r)
             "<text x=\"%d\" y=\"%.1f\" text-anchor=\"end\">100 %%</text><text x=\"%d\" y=\"%.1f\" text-anchor=\"end\">0</text>\n",
             LEFT - 6, foot - high + 4, LEFT - 6, foot + 4);
     fprintf(to, "<text x=\"%d\" y=\"%.1f\" fill=\"#228833\">in full</text>\n", PLOT_WIDE - RIGHT + 20, foot - high + 4);
-    fprintf(to, "<text x=\"%d\" y=\"%.1f\">samples in full; bytes uploaded, %s at most; %s resident of %s</text>\n", LEFT, foot + 28,
-            size_text(a, most), size_text(b, r->frames[r->frame_count - 1].stream.bytes_resident), size_text(c, r->budget_bytes));
+    fprintf(to, "<text x=\"%d\" y=\"%.1f\">samples in full; bytes uploaded, %s at most; %s resident of %s</text>\n", LEFT,
+            foot + 28, size_text(a, most), size_text(b, r->frames[r->frame_count - 1].stream.bytes_resident),
+            size_text(c, r->budget_bytes));
 }
 
 vxs_result render_report_plot(const render_report *r, const char *path, message *m)

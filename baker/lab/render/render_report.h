@@ -22,13 +22,13 @@ typedef struct drawn_frame {
 typedef struct render_report {
     const char                   *scene_path, *asset_path, *renderer, *moving_path; /* NULL: nothing moves */
     const render_options         *options;
-    uint32_t                      fog_grid;   /* n of the fog's grid; 0 without one */
-    const fog_light_plan         *fog_lights; /* [light_count] of the last frame; NULL without fog */
+    uint32_t                      fog_grid;     /* n of the fog's grid; 0 without one */
+    const fog_light_plan         *fog_lights;   /* [light_count] of the last frame; NULL without fog */
     const smoke_light_plan       *smoke_lights; /* [light_count] of the last frame; NULL without smoke */
     uint32_t                      capsules;     /* of the scene's smoke */
-    const area_words             *areas;      /* NULL: no area light was asked for */
-    const sky_words              *sky;        /* NULL: none was asked for */
-    const vxs_baked_light *const *lights;     /* [light_count] */
+    const area_words             *areas;        /* NULL: no area light was asked for */
+    const sky_words              *sky;          /* NULL: none was asked for */
+    const vxs_baked_light *const *lights;       /* [light_count] */
     uint32_t                      light_count;
     int                           culls;
     uint64_t                      word_bytes;

@@ -103,9 +103,9 @@ GLuint renderer_frame_of(const gl_context *gl, GLuint depth, const GLuint *colou
 
 static vxs_result make_targets(renderer *r, message *m)
 {
-    static const GLenum formats[TARGETS] = {GL_DEPTH_COMPONENT32F, GL_RGBA32F, GL_RGBA8,  GL_RGBA32F,
-                                             GL_RGBA32F,            GL_RGBA32F, GL_RGBA32F};
-    const gl_context   *gl               = r->gl;
+    static const GLenum formats[TARGETS] = {
+        GL_DEPTH_COMPONENT32F, GL_RGBA32F, GL_RGBA8, GL_RGBA32F, GL_RGBA32F, GL_RGBA32F, GL_RGBA32F};
+    const gl_context *gl = r->gl;
     for (int n = 0; n < TARGETS; n++) {
         int small = n == SCREEN || n == LINEAR;
         if (n == PICTURE && !r->fog) continue;

@@ -19,8 +19,8 @@
 
 #include "runtime/volumes/vxs_air_light.h" /* first: box.h has a type of a name that its functions have */
 
-#include "baker/base/vec3.h"
 #include "baker/base/clock.h"
+#include "baker/base/vec3.h"
 #include "baker/lab/render/renderer_state.h"
 
 const char *const render_stage_names[RENDER_STAGES] = {"upload", "moving", "surfaces", "cull", "smoke",

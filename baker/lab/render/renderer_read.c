@@ -43,7 +43,8 @@ vxs_result renderer_read_screen(const renderer *r, uint8_t *rgb, message *m)
     if (!screen) return fail(m, VXS_E_MEMORY, "out of memory for a picture of %u x %u pixels", width, height);
     renderer_read_target(r, SCREEN, GL_RGB, GL_FLOAT, 3 * sizeof *screen, screen);
     for (uint32_t n = 0; n < width * height; n++)
-        for (size_t k = 0; k < 3; k++) rgb[3 * (size_t)n + k] = png_dithered((double)screen[3 * (size_t)n + k], n % width, n / width);
+        for (size_t k = 0; k < 3; k++)
+            rgb[3 * (size_t)n + k] = png_dithered((double)screen[3 * (size_t)n + k], n % width, n / width);
     free(screen);
     return VXS_OK;
 }

@@ -147,7 +147,9 @@ vxs_result renderer_draw_cloud(renderer *r, message *m)
     float             matrix[16];
     upload(r, c);
     if (c->quads.covered_px > COVERED_MOST)
-        warn(m, "smoke: %u capsules cover the picture %.0f times, which takes long to draw: a smaller picture, or --samples 1, takes less",
+        warn(m,
+             "smoke: %u capsules cover the picture %.0f times, which takes long to draw: a smaller picture, or --samples 1, takes "
+             "less",
              c->quads.count, c->quads.covered_px / ((double)r->width * r->height));
     vxs_result result = light_corners(r, c);
     if (result != VXS_OK) return fail(m, result, "smoke cannot be drawn: %s", vxs_result_text(result));

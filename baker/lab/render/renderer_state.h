@@ -9,7 +9,16 @@
 #include "runtime/gl/vxs_gl.h"
 
 /* Pictures that are drawn to. */
-enum { DEPTHS, NORMALS, ALBEDOS, LIGHTS, SCREEN, LINEAR, PICTURE, TARGETS }; /* SCREEN and LINEAR of the picture, others of samples */
+enum {
+    DEPTHS,
+    NORMALS,
+    ALBEDOS,
+    LIGHTS,
+    SCREEN,
+    LINEAR,
+    PICTURE,
+    TARGETS
+}; /* SCREEN and LINEAR of the picture, others of samples */
 
 typedef struct smoke_cloud smoke_cloud;
 

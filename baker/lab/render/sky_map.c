@@ -55,8 +55,8 @@ static uint64_t wanted_bytes(void *user, const uint8_t *first, size_t size_bytes
 
 vxs_result sky_map_read(sky_map *map, const char *path, message *m)
 {
-    uint8_t *bytes = NULL;
-    size_t   size  = 0;
+    uint8_t *bytes  = NULL;
+    size_t   size   = 0;
     *map            = (sky_map){0};
     input_head head = {wanted_bytes, (void *)input_name(path)};
     vxs_result r    = input_read(&bytes, &size, path, FILE_BYTES_MAX, &head, m);

@@ -7,8 +7,8 @@
 #include <string.h>
 
 #include "baker/base/vec3.h"
-#include "baker/light/baked_light.h"
 #include "baker/lab/truth/camera.h"
+#include "baker/light/baked_light.h"
 
 /* Lists have room for so many segments at first; where they ask for more, and no more than the most, they get it. */
 enum { SEGMENTS = 1 << 20, SEGMENTS_MOST = 1 << 22, BINDING = 7, UNIT = 7 };
@@ -148,7 +148,8 @@ void smoke_pass_destroy(smoke_pass *p)
 /* maps ------------------------------------------------------------------------------------------------------------------------- */
 
 /* How wide a texel of the light's map of side_px texels a side is where a capsule is. */
-static double texel_at(const smoke_pass *p, const vxs_light *light, const light_shape *shape, const vxs_capsule *c, uint32_t side_px)
+static double texel_at(const smoke_pass *p, const vxs_light *light, const light_shape *shape, const vxs_capsule *c,
+                       uint32_t side_px)
 {
     double middle_ws[3], way[3], texel = ldexp(light->texel_metres, (int)light->levels) / side_px;
     if (shape->kind == LIGHT_DIRECTIONAL) return texel;
@@ -166,7 +167,8 @@ static double covered_texels(const smoke_pass *p, const vxs_light *light, uint32
     for (uint32_t n = 0; n < smoke->count; n++) {
         const vxs_capsule *c = &smoke->list[n];
         double middle_ws[3], axis[3], radius = ball_of(smoke, c, middle_ws), texel = texel_at(p, light, &shape, c, side_px);
-        if (!(shape.kind == LIGHT_DIRECTIONAL ? is_in_prism(light, middle_ws, radius) : light_reaches_ball(&shape, middle_ws, radius)))
+        if (!(shape.kind == LIGHT_DIRECTIONAL ? is_in_prism(light, middle_ws, radius)
+                                              : light_reaches_ball(&shape, middle_ws, radius)))
             continue;
         for (int k = 0; k < 3; k++) axis[k] = (double)c->end[k] - (double)c->begin[k];
         double wide = 2 * (double)c->radius_metres / texel + 1;
@@ -184,8 +186,9 @@ static uint32_t choose_side(const smoke_pass *p, const vxs_light *light, message
     if (!p->options.is_asked) side = (uint32_t)(asked * sqrt(SEGMENTS_MADE / covered));
     if (side < SIDE_LEAST) side = SIDE_LEAST;
     if (side < asked)
-        warn(m, "smoke: %u capsules cover %.3g texels of the map of light %s: it has %u x %u curves in place of %u x %u, unless "
-                "--smoke-side asks for more",
+        warn(m,
+             "smoke: %u capsules cover %.3g texels of the map of light %s: it has %u x %u curves in place of %u x %u, unless "
+             "--smoke-side asks for more",
              p->options.smoke->count, covered, light->name, side, side, asked, asked);
     else
         warn(m, "smoke: %u capsules cover %.3g texels of the map of light %s, which takes long: --smoke-side below %u takes less",
@@ -209,8 +212,8 @@ static void place_capsules(smoke_pass *p, const vxs_light *light, uint32_t side_
 static vxs_result build(smoke_pass *p, uint32_t light, uint32_t side_px, uint32_t segments, vxs_transmittance_map **map)
 {
     const vxs_capsules     capsules = {.list = p->capsules, .count = p->options.smoke->count};
-    vxs_transmittance_desc desc = {.baked = light, .side_px = side_px, .capsules = capsules.count, .segments = segments};
-    vxs_result             result = vxs_transmittance_map_create(map, p->volumes, &desc);
+    vxs_transmittance_desc desc     = {.baked = light, .side_px = side_px, .capsules = capsules.count, .segments = segments};
+    vxs_result             result   = vxs_transmittance_map_create(map, p->volumes, &desc);
     return result == VXS_OK ? vxs_transmittance_map_build(*map, &capsules, NULL) : result;
 }
 
@@ -237,8 +240,8 @@ static vxs_result make_map(smoke_pass *p, uint32_t light, const double eye_ws[3]
 {
     vxs_transmittance_map  **map    = &p->maps[p->used];
     vxs_transmittance_counts counts = {0};
-    const vxs_light         *of   = &p->options.lights[light]->light;
-    uint32_t                 side = choose_side(p, of, m);
+    const vxs_light         *of     = &p->options.lights[light]->light;
+    uint32_t                 side   = choose_side(p, of, m);
     vxs_result               result;
     place_capsules(p, of, side, eye_ws);
     result = build(p, light, side, SEGMENTS, map);
@@ -249,8 +252,7 @@ static vxs_result make_map(smoke_pass *p, uint32_t light, const double eye_ws[3]
         result = build(p, light, side, room, map);
         if (result == VXS_OK) counts = vxs_transmittance_map_counts(*map);
     }
-    if (result != VXS_OK)
-        return fail(m, result, "a map of smoke of %u x %u curves is more than OpenGL has room for", side, side);
+    if (result != VXS_OK) return fail(m, result, "a map of smoke of %u x %u curves is more than OpenGL has room for", side, side);
     warn_about_room(p, light, side, &counts, m);
     p->lights[light]   = (smoke_light_plan){.segments = counts.segments, .merged = counts.merged, .cut_texels = counts.cut_texels};
     p->layer_of[light] = (int32_t)p->used++;

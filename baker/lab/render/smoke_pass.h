@@ -16,7 +16,7 @@ typedef struct smoke_pass_options {
     const scene_smoke            *smoke;  /* at least one capsule; it outlives the pass, as lights do */
     const vxs_baked_light *const *lights; /* [light_count] those of the volumes */
     uint32_t                      light_count;
-    uint32_t                      side_px;       /* of maps; of one that capsules cover very many times fewer, unless that is_asked */
+    uint32_t                      side_px; /* of maps; of one that capsules cover very many times fewer, unless that is_asked */
     int                           is_asked;
     uint32_t                      width, height; /* samples */
 } smoke_pass_options;

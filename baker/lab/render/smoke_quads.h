@@ -4,8 +4,8 @@
 #define SMOKE_QUADS_H
 
 #include "baker/base/message.h"
-#include "baker/scene/smoke.h"
 #include "baker/lab/truth/camera.h"
+#include "baker/scene/smoke.h"
 
 /* As smoke_frag.glsl has it. Places are metres from the eye. */
 typedef struct drawn_capsule {

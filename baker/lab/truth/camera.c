@@ -78,13 +78,14 @@ void camera_frame_orbit(camera_pose *camera, const box *b, double aspect)
 {
     enum { STEPS = 360 };
     const double margin = 1.03;
-    double       tan_y = tan(camera->fov_degrees * pi / 360) / margin, tan_x = tan_y * aspect, away[3], unit[3] = {0, 0, 1}, distance = 0;
+    double tan_y = tan(camera->fov_degrees * pi / 360) / margin, tan_x = tan_y * aspect, away[3], unit[3] = {0, 0, 1}, distance = 0;
     vec3_sub(camera->eye_ws, camera->target_ws, away);
     vec3_unit(away, unit);
     for (int axis = 0; axis < 3; axis++) camera->target_ws[axis] = 0.5 * (b->min[axis] + b->max[axis]);
     for (int step = 0; step < STEPS; step++) {
         double angle      = 2 * pi * step / STEPS, right[3], up[3];
-        double forward[3] = {-(unit[0] * cos(angle) - unit[2] * sin(angle)), -unit[1], -(unit[0] * sin(angle) + unit[2] * cos(angle))};
+        double forward[3] = {-(unit[0] * cos(angle) - unit[2] * sin(angle)), -unit[1],
+                             -(unit[0] * sin(angle) + unit[2] * cos(angle))};
         camera_axes(forward, (const double[3]){0}, right, up);
         for (int n = 0; n < 8; n++) {
             double corner[3], from[3];

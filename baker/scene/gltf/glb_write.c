@@ -309,7 +309,8 @@ static int append_origin(json_t *root, const double origin_ws[3])
     json_t *drawn    = json_array_get(json_object_get(root, "scenes"), 0);
     json_t *children = json_incref(json_object_get(drawn, "nodes"));
     if (json_object_set_new(drawn, "nodes", json_array())) return json_decref(children), 1;
-    return append_node(root, json_pack("{s:s, s:o, s:o}", "name", "origin", "translation", json_vector(origin_ws), "children", children));
+    return append_node(root,
+                       json_pack("{s:s, s:o, s:o}", "name", "origin", "translation", json_vector(origin_ws), "children", children));
 }
 
 static int has_sampler(const glb_material *material)

@@ -56,9 +56,11 @@ typedef struct glb_image {
 typedef struct glb_scene {
     const char *name; /* borrowed, UTF-8 */
 
-    double origin_ws[3]; /* metres: where positions of meshes and places of smoke count from; a root node with this translation holds them. 0,0,0: no such node */
+    double origin_ws
+        [3]; /* metres: where positions of meshes and places of smoke count from; a root node with this translation holds them. 0,0,0: no such node */
     size_t vertex_count;
-    float *positions; /* [3 * vertex_count] metres from the origin, +Y up; owned. What is not finite is written too, for scenes that are broken */
+    float    *
+        positions; /* [3 * vertex_count] metres from the origin, +Y up; owned. What is not finite is written too, for scenes that are broken */
     float *texcoords; /* [2 * vertex_count] owned; NULL when no mesh has a material with an image */
 
     size_t    triangle_count;

@@ -253,10 +253,10 @@ static void read_buffer_view(loader &l, size_t index, const json &object)
     std::string  where = label("bufferView", index);
     auto         bad   = l.faults[VIEWS].find(index);
     if (bad != l.faults[VIEWS].end()) throw bad->second;
-    v.buffer           = object["buffer"].get<size_t>();
-    v.offset           = object.value("byteOffset", (size_t)0);
-    v.length           = object["byteLength"].get<size_t>();
-    v.stride           = object.value("byteStride", (size_t)0);
+    v.buffer = object["buffer"].get<size_t>();
+    v.offset = object.value("byteOffset", (size_t)0);
+    v.length = object["byteLength"].get<size_t>();
+    v.stride = object.value("byteStride", (size_t)0);
     if (v.buffer >= l.buffers.size()) l.broken(where, "buffer %zu does not exist", v.buffer);
     if (!v.length) l.broken(where, "byteLength is 0");
     check_in_buffer(l, where, v.length, v.offset, v.buffer);

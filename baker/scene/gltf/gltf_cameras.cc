@@ -50,8 +50,9 @@ static bool read_pose(const transform &t, scene_view &view)
 {
     vec3 forward = {-t.axis[2].x, -t.axis[2].y, -t.axis[2].z}, up = t.axis[1];
     if (!finite(t.origin) || !unit(forward, view.forward_ws)) return false;
-    double along = up.x * view.forward_ws[0] + up.y * view.forward_ws[1] + up.z * view.forward_ws[2], eye[3] = {t.origin.x, t.origin.y, t.origin.z};
-    up = {up.x - along * view.forward_ws[0], up.y - along * view.forward_ws[1], up.z - along * view.forward_ws[2]};
+    double along  = up.x * view.forward_ws[0] + up.y * view.forward_ws[1] + up.z * view.forward_ws[2],
+           eye[3] = {t.origin.x, t.origin.y, t.origin.z};
+    up            = {up.x - along * view.forward_ws[0], up.y - along * view.forward_ws[1], up.z - along * view.forward_ws[2]};
     std::copy(eye, eye + 3, view.eye_ws);
     return unit(up, view.up_ws);
 }

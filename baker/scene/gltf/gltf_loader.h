@@ -229,21 +229,21 @@ struct morph {
 
 /* One primitive placed by one node. */
 struct placement {
-    const tinygltf::Primitive *primitive;
-    const draco_primitive     *draco; /* NULL: not compressed */
-    const elements            *positions;
-    const elements            *indices;  /* NULL: 0, 1, 2, ... */
-    const elements            *uvs;      /* NULL: no holes */
-    const gltf::material      *material; /* NULL: none */
-    size_t                        index;    /* of the primitive in its mesh */
-    const gltf::skin             *skin;     /* NULL: its node places it */
+    const tinygltf::Primitive    *primitive;
+    const draco_primitive        *draco; /* NULL: not compressed */
+    const elements               *positions;
+    const elements               *indices;         /* NULL: 0, 1, 2, ... */
+    const elements               *uvs;             /* NULL: no holes */
+    const gltf::material         *material;        /* NULL: none */
+    size_t                        index;           /* of the primitive in its mesh */
+    const gltf::skin             *skin;            /* NULL: its node places it */
     std::vector<const elements *> joints, weights; /* [sets] */
     size_t                        off_count;       /* vertices whose weights are far from a sum of 1 */
-    std::vector<morph>         targets;
-    transform                  ws_from_node;
-    bool                       mirrored;
-    uint8_t                    flags; /* TRIANGLE_* */
-    size_t                     triangles;
+    std::vector<morph>            targets;
+    transform                     ws_from_node;
+    bool                          mirrored;
+    uint8_t                       flags; /* TRIANGLE_* */
+    size_t                        triangles;
 };
 
 /* What has a name that patterns may give, and extras. */

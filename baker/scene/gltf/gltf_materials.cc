@@ -192,9 +192,9 @@ static void read_texture(loader &l, const std::string &where, const json &info, 
     added.threshold  = (float)m.threshold;
     m.is_clear |= image.least < 255;
     m.is_nothing |= image.most == 0;
-    m.surface        = (float)image.least / 255.0f >= added.threshold ? material::EVERYWHERE
-                       : (float)image.most / 255.0f < added.threshold ? material::NOWHERE
-                                                                      : material::WITH_HOLES;
+    m.surface = (float)image.least / 255.0f >= added.threshold ? material::EVERYWHERE
+                : (float)image.most / 255.0f < added.threshold ? material::NOWHERE
+                                                               : material::WITH_HOLES;
     if (m.surface == material::EVERYWHERE && !image.has_alpha && m.mode == alpha_mode::MASK)
         m.trap = "is a mask, but " + label("image", index) + " has no alpha: there are no holes";
     if (m.surface != material::WITH_HOLES) return;

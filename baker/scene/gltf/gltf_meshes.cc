@@ -224,8 +224,14 @@ size_t measure(loader &l)
         vertices += instances * casting.vertices;
         placed += triangles ? instances : 0;
     }
-    if (skip.points) warn(l.m, "primitives of points skipped: %zu; what is to cast a shadow needs triangles, or is smoke by _RADIUS and _EXTINCTION", skip.points);
-    if (skip.lines) warn(l.m, "primitives of lines skipped: %zu; what is to cast a shadow needs triangles, or is smoke by _RADIUS and _EXTINCTION", skip.lines);
+    if (skip.points)
+        warn(l.m,
+             "primitives of points skipped: %zu; what is to cast a shadow needs triangles, or is smoke by _RADIUS and _EXTINCTION",
+             skip.points);
+    if (skip.lines)
+        warn(l.m,
+             "primitives of lines skipped: %zu; what is to cast a shadow needs triangles, or is smoke by _RADIUS and _EXTINCTION",
+             skip.lines);
     warn_about_skinned(l);
     l.vertex_capacity = vertices;
     if (total)

@@ -58,7 +58,7 @@ void check_smoke(loader &l, const std::string &primitive, const tinygltf::Primit
 struct cloud {
     const tinygltf::Primitive *primitive;
     const elements            *positions, *radii, *extinctions;
-    const elements            *indices; /* NULL: 0, 1, 2, ... */
+    const elements            *indices;         /* NULL: 0, 1, 2, ... */
     size_t                     capsules, index; /* index: of the primitive in its mesh */
     float                      albedo[3];
 };

@@ -256,8 +256,10 @@ vxs_result glb_round_positions(scene *s, const double origin_ws[3], message *m)
         s->positions_ws[i] = from + rounded;
     }
     if (moved > MOVED_MAX_M)
-        warn(m, "positions become floats, and vertices move by up to %.2g m, as the scene is %.3g m wide; mend what lies far apart by itself, "
-                "with --include",
+        warn(m,
+             "positions become floats, and vertices move by up to %.2g m, as the scene is %.3g m wide; mend what lies far apart by "
+             "itself, "
+             "with --include",
              moved, farthest_of(s, origin_ws));
     return message_check(m);
 }
