@@ -2,6 +2,7 @@
 #
 #   make                build the command and the libraries of the runtime, its OpenGL, and the bake: build/release/vxs, libvxs.a and .so,
 #                       libvxs_gl.a and .so, libvxs_bake.a and .so; and vxs-mpi, where there is an mpicc
+#   make core=1         the same without the laboratory (baker/lab), which needs OpenGL, Embree and OpenEXR: build/release/vxs-core, libvxs and libvxs_bake
 #   make demo           install what is missing, build, bake a city, compare it with ray-traced truth, draw it
 #   make check          install what is missing, build, run every test but for what check-repeats adds
 #   make check-fast     the same without what is slow: under a minute on two processors, once all is built
@@ -53,6 +54,9 @@ Q          := $(if $(V),,@)
 packages.build := g++ gcc make pkg-config libosmesa6-dev libegl-dev libgl-dev libcgal-dev libtinygltf-dev \
                   nlohmann-json3-dev libzstd-dev libxxhash-dev libembree-dev libjansson-dev \
                   libdraco-dev libmeshoptimizer-dev libpng-dev libwebp-dev libopenexr-dev libjs-chart.js
+ifdef core
+packages.build := $(filter-out libosmesa6-dev libegl-dev libgl-dev libembree-dev libopenexr-dev libjs-chart.js,$(packages.build))
+endif
 packages.test  := python3 python3-pytest python3-pytest-xdist python3-jsonschema libcmocka-dev libgsl-dev glslang-tools zlib1g-dev gnuplot-nox chromium \
                   groff-base zsh fish cmake
 packages.deb   := dpkg-dev
@@ -85,6 +89,7 @@ cxxflags    := -std=c++17 -Wall -Wextra $(if $(werror),-Werror) $(flags)
 # looked up when the first link needs it: before, pkg-config itself may not be there
 bake.pc      := libzstd libxxhash jansson libpng libwebp
 bake.libs    := -ldraco -lmeshoptimizer -lgmp -lmpfr -lm
+core.libs    = $(shell $(PKG_CONFIG) --libs $(bake.pc)) $(bake.libs)
 libs         = $(eval libs := $(shell $(PKG_CONFIG) --libs $(bake.pc)) $(bake.libs) -lOpenEXRCore -lembree3 -ldl)$(libs)
 
 # --- what is built --------------------------------------------------------------------------------------------------------
@@ -103,25 +108,39 @@ air.h     := $(filter-out $(volumes.h),$(wildcard runtime/volumes/vxs_*.h))
 volumes.c := $(wildcard runtime/volumes/*.c)
 volumes.text := $(wildcard runtime/volumes/*.glsl) $(air.h) formats/vxs_depths.h formats/vxs_intervals.h
 format.c  := $(filter-out $(runtime.c),$(wildcard formats/*.c))
+# libvxs_bake, which the command links; the command; and the laboratory, which measures, compares, draws, mends and generates: vxs-core is the
+# command without it
+bake.rooms := base files scene scene/gltf casters light columns columns/sparse columns/stored coding/blocks coding/dag smoke bake bake/cache
+bake.c    := $(foreach r,$(bake.rooms),$(wildcard baker/$r/*.c))
 library.c := $(wildcard baker/library/*.c)
-baker.c   := $(filter-out $(library.c) $(mpi.c),$(wildcard baker/*/*.c baker/*/*/*.c scenes/*.c))
+no_lab.c  := baker/command/options/no_laboratory.c
+command.c := $(filter-out $(no_lab.c),$(wildcard baker/command/*.c $(foreach r,options report process,baker/command/$r/*.c)))
+lab.c     := $(wildcard baker/lab/*.c baker/lab/*/*.c scenes/*.c)
 library.o := $(library.c:%=$B/%.o)
 runtime.o := $(runtime.c:%=$B/%.o)
 gl.o      := $(gl.c:%=$B/%.o) $B/runtime/gl/texts.c.o
 volumes.o := $(volumes.c:%=$B/%.o) $B/runtime/volumes/texts.c.o
 # what takes longest to compile comes first, so that no processor waits for it in the end
-baker.o   := $(patsubst %,$B/%.o,$(wildcard baker/lab/mend/*.cc baker/casters/*.cc baker/*/*/*.cc) $(baker.c) $(format.c))
+lab.o     := $(patsubst %,$B/%.o,$(wildcard baker/lab/mend/*.cc) $(lab.c))
+bake.o    := $(patsubst %,$B/%.o,$(wildcard baker/casters/*.cc baker/scene/gltf/*.cc) $(bake.c) $(format.c))
+command.o := $(patsubst %,$B/%.o,$(command.c) $(wildcard baker/command/process/*.cc))
 # what is compiled for several processors (baker/base/cpu.h): once more for each, with the level in the names of its functions
 ifneq ($(findstring x86_64,$(MAKE_HOST)),)
 level.c   := baker/columns/sparse/leaf.c baker/columns/sparse/square_list.c
-baker.o   += $(level.c:%=$B/%.avx2.o)
+bake.o    += $(level.c:%=$B/%.avx2.o)
 endif
 # with CGAL's templates, which take 35 s to compile under sanitizers: check-asan links those of release, check-unit config=asan its own
 cgal      := $(wildcard baker/lab/mend/*.cc baker/casters/*.cc)
-baker.o   := $(filter-out $(unsanitized:%=$B/%.o),$(baker.o)) $(unsanitized:%=build/release/%.o)
+of_release = $(patsubst %,build/release/%.o,$(filter $(patsubst $B/%.o,%,$1),$(unsanitized))) $(filter-out $(unsanitized:%=$B/%.o),$1)
+bake.o    := $(call of_release,$(bake.o))
+lab.o     := $(call of_release,$(lab.o))
 # files that go into the command as they are; baker/base/embedded.h names their bytes
-embedded  := $(patsubst %,$B/%.o,$(wildcard baker/lab/pages/*.html baker/lab/pages/*.js baker/command/options/completion.* baker/lab/render/*.glsl) $(addprefix runtime/volumes/,capsule.glsl vxs_air_light.h)) $B/baker/lab/pages/chart.min.js.o
-baker.o   += $(embedded)
+lab.data  := $(patsubst %,$B/%.o,$(wildcard baker/lab/pages/*.html baker/lab/pages/*.js baker/lab/render/*.glsl) $(addprefix runtime/volumes/,capsule.glsl vxs_air_light.h)) $B/baker/lab/pages/chart.min.js.o
+command.data := $(patsubst %,$B/%.o,$(wildcard baker/command/options/completion.*))
+embedded  := $(lab.data) $(command.data)
+lab.o     += $(lab.data)
+command.o += $(command.data)
+baker.o   := $(lab.o) $(bake.o) $(command.o)
 # what check-asan leaves to `make check-unit config=asan`: programs that read no bytes of files, take 4 s or more there to draw (llvmpipe's code,
 # mostly), to trace rays or to bake, and call functions that others call, too; but for compare, generate, and one function that volumes calls
 long.asan := air area_floor area_holes area_light area_sky area_slope area_smoke bias blocks build casters compare cracks dag depth_gl generate gl_stream intervals_gl light_mesh lit_intervals mesh \
@@ -148,23 +167,31 @@ fuzz      := $(addprefix $B/,$(basename $(fuzz.c)))
 fuzz.vxs  := tests/fuzz/fuzz_vxs.c tests/fuzz/fuzz_answers.c tests/fuzz/fuzz_shaders.c
 fuzz.loop  = $(if $(filter fuzz,$(config)),$(if $(filter $(fuzz.vxs),$1),tests/fuzz/mutate_vxs.c,$(wildcard $(1:tests/fuzz/fuzz_%=tests/fuzz/mutate_%))),tests/fuzz/replay.c)
 test.o    := $(patsubst $B/%,$B/%.c.o,$(unit) $(helper)) $(patsubst %,$B/%.o,$(fuzz.c) $(foreach f,$(fuzz.c),$(call fuzz.loop,$f))) $(exact.o) $(rival.o) $(volumes_bench.o) $(reference.o) $B/tests/unit/blocks_scalar.c.o $B/tests/unit/lookup_many_scalar.c.o
-objects    = $(if $(mpi),$(mpi.o),$B/baker/command/mpi/desk.c.o) $B/baker/main.c.o $(baker.o) $(library.o) $(runtime.o) $(gl.o) $(volumes.o) $(pic.o) $(gl.pic.o) $(volumes.pic.o) $(test.o)
+objects    = $(no_lab.c:%=$B/%.o) $(if $(mpi),$(mpi.o),$B/baker/command/mpi/desk.c.o) $B/baker/main.c.o $(baker.o) $(library.o) $(runtime.o) $(gl.o) $(volumes.o) $(pic.o) $(gl.pic.o) $(volumes.pic.o) $(test.o)
 
 .DELETE_ON_ERROR:
 .PHONY: all unit fuzz fuzzers fuzz-commands demo check check-fast check-unit check-asan check-repeats check-exact check-memory check-faults check-sparse check-cracks check-sanitizers bench bench-bias bench-flight bench-large bench-lights bench-volumes bench-smoke packages format clean
-all: $B/vxs $(mpi) $B/libvxs.a $B/libvxs.so $B/libvxs_gl.a $B/libvxs_gl.so $B/libvxs_volumes.a $B/libvxs_volumes.so $B/libvxs_bake.a $B/libvxs_bake.so
+ifdef core
+all: $B/vxs-core $B/libvxs.a $B/libvxs.so $B/libvxs_bake.a $B/libvxs_bake.so
+else
+all: $B/vxs $B/vxs-core $(mpi) $B/libvxs.a $B/libvxs.so $B/libvxs_gl.a $B/libvxs_gl.so $B/libvxs_volumes.a $B/libvxs_volumes.so $B/libvxs_bake.a $B/libvxs_bake.so
+endif
 unit: $(unit) $(helper) $(fuzz)
 
 include runtime/install/install.mk
 
-$B/vxs: $B/baker/main.c.o $(baker.o) $B/libvxs_volumes.a $B/libvxs_gl.a $B/libvxs.a
+$B/vxs-core: $B/baker/main.c.o $(command.o) $(no_lab.c:%=$B/%.o) $B/bake.a $B/libvxs_volumes.a $B/libvxs.a
+$B/vxs-core: libs = $(core.libs)
+$B/vxs: $B/baker/main.c.o $(lab.o) $(command.o) $B/bake.a $B/libvxs_volumes.a $B/libvxs_gl.a $B/libvxs.a
 ifdef mpi
 $(mpi): $(mpi.o) $B/baker.a $B/libvxs_volumes.a $B/libvxs_gl.a $B/libvxs.a
 $(mpi): test_libs = $(shell $(MPICC) --showme:link)
 $(mpi.o): cflags += $(shell $(MPICC) --showme:compile)
 endif
+$B/bake.a: $(bake.o) $(library.o)
 # an archive: what a test does not call is not linked into it, which takes the linker a quarter of the time
 $B/baker.a: $(baker.o) $(library.o)
+$B/bake.a $B/baker.a:
 	$Q$(RM) $@ && $(AR) rcsT $@ $^
 $(unit) $(helper): $B/%: $B/%.c.o $B/baker.a $B/libvxs_volumes.a $B/libvxs_gl.a $B/libvxs.a
 $(unit): test_libs := -lcmocka -lOSMesa
@@ -182,7 +209,7 @@ $B/tests/bench/rivals: $(rival.o) $(filter-out $B/tests/%,$(shader))
 $B/tests/bench/rivals: test_libs := -lz -lOSMesa
 $(patsubst %,$B/tests/bench/%,volumes smoke area): $(volumes_bench.o) $(reference.o)
 $(patsubst %,$B/tests/bench/%,volumes smoke area): test_libs := -lOSMesa -lgsl -lgslcblas
-$B/vxs $(mpi) $(unit) $(helper):
+$B/vxs $B/vxs-core $(mpi) $(unit) $(helper):
 	@echo "  link $@"
 	$Q$(CXX) $(opt) $(linker) -pthread -o $@ $(filter %.o,$^) $(filter %.a,$^) $(test_libs) $(libs) $(LDFLAGS)
 
@@ -239,7 +266,7 @@ $(gltf.o): cxxflags += -iquote $B
 $(gltf.o): $(gltf.gch)
 
 # the command's objects are those of a shared library, too, and of an archive, in which gcc's unique names cannot be hidden
-$(baker.o) $(library.o): cflags += $(pic)
+$(baker.o) $(library.o) $(no_lab.c:%=$B/%.o): cflags += $(pic)
 $(baker.o) $(library.o) $(gltf.gch): cxxflags += $(pic) $(if $(filter fuzz,$(config)),,-fno-gnu-unique)
 $B/%.c.avx2.o: cflags += -mavx2
 define compile

@@ -8,19 +8,22 @@
 #include "baker/base/version.h"
 #include "baker/command/commands.h"
 #include "baker/command/options/help.h"
+#include "baker/command/options/laboratory.h"
 #include "baker/command/options/options.h"
 #include "baker/command/process/process.h"
 
-static const struct {
-    const char *name;
-    int (*run)(int argc, char **argv);
-} commands[] = {
-    {"bake", cmd_bake},     {"plan", cmd_plan},     {"merge", cmd_merge},     {"info", cmd_info},   {"validate", cmd_validate},
-    {"query", cmd_query},   {"truth", cmd_truth},   {"compare", cmd_compare}, {"bench", cmd_bench}, {"report", cmd_report},
-    {"render", cmd_render}, {"health", cmd_health}, {"mend", cmd_mend},       {"scene", cmd_scene},
+static const command_entry commands[] = {
+    {"bake", cmd_bake},         {"plan", cmd_plan},   {"merge", cmd_merge}, {"info", cmd_info},
+    {"validate", cmd_validate}, {"query", cmd_query}, {NULL, NULL},
 };
 
-enum { COMMAND_COUNT = sizeof commands / sizeof *commands };
+/* The command after this one, of the product and then of the laboratory; NULL before the first and behind the last. */
+static const command_entry *next_command(const command_entry *c)
+{
+    c = c ? c + 1 : commands;
+    if (c == commands + sizeof commands / sizeof *commands - 1) c = linked_laboratory.commands;
+    return c->name ? c : NULL;
+}
 
 /* What each command says of itself, between what is said of vxs. */
 static int print_help(const char *format_word)
@@ -32,8 +35,8 @@ static int print_help(const char *format_word)
         return command_end(&m, fail(&m, VXS_E_ARGUMENT, "--help %s: expected one of %s", format_word, HELP_FORMATS_OF_ALL));
     snprintf(part_option, sizeof part_option, "--help=%s", choice_word(part, HELP_FORMATS, help_part(format)));
     help_print_head(format);
-    for (int n = 0; n < COMMAND_COUNT && !status; n++)
-        status = commands[n].run(2, (char *[]){(char *)commands[n].name, part_option, NULL});
+    for (const command_entry *c = NULL; !status && (c = next_command(c));)
+        status = c->run(2, (char *[]){(char *)c->name, part_option, NULL});
     if (!status) help_print_tail(format);
     return status ? status : command_end(&m, VXS_OK);
 }
@@ -51,7 +54,7 @@ static int unknown_command(const char *name)
     message m    = {0};
     nearest near = {.typed = name};
     char    meant[64];
-    for (int n = 0; n < COMMAND_COUNT; n++) nearest_try(&near, commands[n].name, strlen(commands[n].name));
+    for (const command_entry *c = NULL; (c = next_command(c));) nearest_try(&near, c->name, strlen(c->name));
     nearest_try(&near, "help", strlen("help"));
     nearest_try(&near, "version", strlen("version"));
     return command_end(&m, fail(&m, VXS_E_ARGUMENT, "unknown command '%s'%s%s vxs --help lists the commands", name,
@@ -77,8 +80,8 @@ static int run(int argc, char **argv)
         printf("vxs %s\n", VXS_VERSION);
         return command_end(&m, VXS_OK);
     }
-    for (int n = 0; n < COMMAND_COUNT; n++)
-        if (!strcmp(name, commands[n].name)) return commands[n].run(argc - 1, argv + 1);
+    for (const command_entry *c = NULL; (c = next_command(c));)
+        if (!strcmp(name, c->name)) return c->run(argc - 1, argv + 1);
     return unknown_command(name);
 }
 

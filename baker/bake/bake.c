@@ -74,7 +74,7 @@ static void report_light(light_report *light, const plan_light *planned, const l
 
 /* picture  NULL: nobody wants one */
 static vxs_result bake_planned(const bake_options *o, const bake_plan *plan, const plan_light *planned, const casters *c,
-                               gl_context *gl, kept_squares *kept, light_picture *picture, coded_light *out, light_report *light,
+                               void *device, kept_squares *kept, light_picture *picture, coded_light *out, light_report *light,
                                bake_context *ctx)
 {
     light_columns columns;
@@ -82,7 +82,7 @@ static vxs_result bake_planned(const bake_options *o, const bake_plan *plan, con
     chosen_coder  coding;
     chosen_coder_init(&coding, o, plan->compress, picture);
     stage_begin(ctx, STAGE_GL);
-    vxs_result r = light_columns_init(&columns, gl, o, plan, planned, c, picture, ctx->message);
+    vxs_result r = light_columns_init(&columns, device, o, plan, planned, c, picture, ctx->message);
     stage_begin(ctx, STAGE_NONE);
     if (r == VXS_OK) {
         column_source source = light_columns_source(&columns);
@@ -97,7 +97,7 @@ static vxs_result bake_planned(const bake_options *o, const bake_plan *plan, con
 }
 
 /* Bake the next light, and its picture where one is wanted. */
-static vxs_result bake_next(const bake_options *o, const plan_light *planned, const casters *c, gl_context *gl, coded_light *coded,
+static vxs_result bake_next(const bake_options *o, const plan_light *planned, const casters *c, void *device, coded_light *coded,
                             kept_squares *kept, bake_report *report, bake_context *ctx)
 {
     uint32_t      baked   = report->light_count++;
@@ -106,7 +106,7 @@ static vxs_result bake_next(const bake_options *o, const plan_light *planned, co
     vxs_result    r       = VXS_OK;
     if (wanted) r = light_picture_init(&picture, baked, 1u << planned->light.levels, planned->map_count, ctx->message);
     if (r == VXS_OK)
-        r = bake_planned(o, report->plan, planned, c, gl, kept, wanted ? &picture : NULL, &coded[baked], &report->lights[baked],
+        r = bake_planned(o, report->plan, planned, c, device, kept, wanted ? &picture : NULL, &coded[baked], &report->lights[baked],
                          ctx);
     if (r == VXS_OK && wanted)
         keep_picture(report, coded, &picture);
@@ -127,21 +127,21 @@ static vxs_result check_address_space(const bake_options *o, const bake_plan *pl
                 size_text(needed, bytes), o->scene_path);
 }
 
-/* OpenGL, where maps are rendered; else *gl is NULL. */
-static vxs_result begin_rendering(gl_context **gl, const bake_options *o, bake_report *report, bake_context *ctx)
+/* The renderer's device, where maps are rendered; else *device is NULL. */
+static vxs_result begin_rendering(void **device, const bake_options *o, bake_report *report, bake_context *ctx)
 {
-    *gl = NULL;
-    snprintf(report->renderer, sizeof report->renderer, "%s", SPARSE_RENDERER);
-    if (o->maps == MAPS_SPARSE) return VXS_OK;
-    if (!o->rendering) return fail(ctx->message, VXS_E_GL, "this program bakes straight from triangles alone: it has no OpenGL");
-    vxs_result r = check_address_space(o, report->plan, ctx->message);
-    if (r != VXS_OK) return r;
-    stage_begin(ctx, STAGE_GL);
-    r = o->rendering->create(gl, o->gl, o->threads, ctx->message);
-    stage_begin(ctx, STAGE_NONE);
-    if (r != VXS_OK) return r;
-    snprintf(report->renderer, sizeof report->renderer, "%s", (*gl)->renderer);
-    snprintf(report->cpu_class, sizeof report->cpu_class, "%s", (*gl)->cpu_class);
+    device_names names = {.renderer = SPARSE_RENDERER};
+    vxs_result   r     = VXS_OK;
+    *device            = NULL;
+    if (o->maps != MAPS_SPARSE) {
+        if (!o->renderer) return fail(ctx->message, VXS_E_GL, "this program bakes straight from triangles alone: it has no OpenGL");
+        if ((r = check_address_space(o, report->plan, ctx->message)) != VXS_OK) return r;
+        stage_begin(ctx, STAGE_GL);
+        r = o->renderer->create(device, &names, o->gl, o->threads, ctx->message);
+        stage_begin(ctx, STAGE_NONE);
+    }
+    memcpy(report->renderer, names.renderer, sizeof report->renderer);
+    memcpy(report->cpu_class, names.cpu_class, sizeof report->cpu_class);
     return r;
 }
 
@@ -149,14 +149,14 @@ static vxs_result bake_lights(const bake_options *o, const casters *c, coded_lig
                               bake_context *ctx)
 {
     const bake_plan *plan = report->plan;
-    gl_context      *gl;
-    vxs_result       r = begin_rendering(&gl, o, report, ctx);
+    void            *device;
+    vxs_result       r = begin_rendering(&device, o, report, ctx);
     if (r == VXS_OK) r = kept_squares_open(kept, o, report, ctx->message);
     ctx->total_seconds = plan->total_seconds;
     for (int s = STAGE_LOAD; s <= STAGE_GL; s++) ctx->past_seconds += plan->seconds[s];
     for (size_t n = 0; n < plan->light_count && r == VXS_OK; n++)
-        if (!plan->lights[n].left_out) r = bake_next(o, &plan->lights[n], c, gl, coded, kept, report, ctx);
-    if (gl) o->rendering->destroy(gl);
+        if (!plan->lights[n].left_out) r = bake_next(o, &plan->lights[n], c, device, coded, kept, report, ctx);
+    if (device) o->renderer->destroy(device);
     return r;
 }
 

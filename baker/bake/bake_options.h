@@ -10,8 +10,7 @@
 #include "baker/base/watch.h"
 #include "baker/casters/casters.h"
 #include "baker/coding/dag/build.h"
-#include "baker/lab/opengl/exit_depth.h"
-#include "baker/lab/opengl/opengl_columns.h"
+#include "baker/columns/rendered_columns.h"
 #include "baker/smoke/smoke_map.h"
 
 enum { RESOLUTION_MIN_PX = 8, RESOLUTION_MAX_PX = 262144 };
@@ -50,41 +49,41 @@ typedef enum compress_choice { COMPRESS_CHOICE_AUTO, COMPRESS_CHOICE_TOP_DOWN, C
 #define GL_CHOICES       "osmesa|egl"
 
 typedef struct bake_options {
-    const char        *scene_path;
-    struct bake_scene *prepared;    /* NULL: the scene is read; else it is there, with its casters, and read only (bake_scene.h) */
-    const char        *output_path; /* "-" is standard output; NULL: nothing is written */
-    const char        *page_path;   /* NULL: none. Else pictures of the maps of the largest lights are kept for it */
-    scene_choice       scene;       /* which one of the file, and what of it casts */
-    text_list          light_names; /* none: all lights, or the suns */
-    named_list         suns;        /* all have a name; the way sunlight travels, of any length but zero */
-    uint32_t           resolution;  /* texels a side of a map whose light has none of its own below; 0: from texel_metres */
-    double             texel_metres;
-    named_list         resolutions, texels; /* by light; none is in both */
-    int                region_given;
-    double             region_ws[6]; /* min xyz, max xyz */
-    maps_choice        maps;
-    closed_mode        closed;
-    exit_mode          exit;
-    behind_choice      behind;
-    double             thickness_m; /* of sheets that face the light; 0: none */
-    coding_choice      coding;
-    pack_choice        pack; /* of palette blocks */
-    mask_rule          rule;
-    int                reuse;
-    compress_choice    compress;
-    stop_stage         stop;
-    gl_backend         gl;
-    const opengl_rendering *rendering; /* with MAPS_GL; NULL: this program has none */
-    uint32_t                threads;
-    uint32_t                zstd_level;   /* 1..19 */
-    uint32_t                points;       /* of what casts, in the file; 0: none */
-    const char             *smoke_path;   /* a grid of smoke in NRRD; NULL: none */
-    int                     scene_smoke;  /* 1: the scene's capsules are baked, too */
-    double                  smoke_factor; /* on its numbers: extinction per metre */
-    smoke_settings          smoke;
-    uint64_t                memory_bytes; /* what the bake may hold at most; 0: as much as it needs */
-    const char             *resume_path;  /* a folder where squares are kept; NULL: none */
-    uint32_t                part, parts;  /* which of how many parts is baked, from 1; 0 of 0: all is */
+    const char            *scene_path;
+    struct bake_scene     *prepared; /* NULL: the scene is read; else it is there, with its casters, and read only (bake_scene.h) */
+    const char            *output_path; /* "-" is standard output; NULL: nothing is written */
+    const char            *page_path;   /* NULL: none. Else pictures of the maps of the largest lights are kept for it */
+    scene_choice           scene;       /* which one of the file, and what of it casts */
+    text_list              light_names; /* none: all lights, or the suns */
+    named_list             suns;        /* all have a name; the way sunlight travels, of any length but zero */
+    uint32_t               resolution;  /* texels a side of a map whose light has none of its own below; 0: from texel_metres */
+    double                 texel_metres;
+    named_list             resolutions, texels; /* by light; none is in both */
+    int                    region_given;
+    double                 region_ws[6]; /* min xyz, max xyz */
+    maps_choice            maps;
+    closed_mode            closed;
+    exit_mode              exit;
+    behind_choice          behind;
+    double                 thickness_m; /* of sheets that face the light; 0: none */
+    coding_choice          coding;
+    pack_choice            pack; /* of palette blocks */
+    mask_rule              rule;
+    int                    reuse;
+    compress_choice        compress;
+    stop_stage             stop;
+    gl_backend             gl;
+    const column_renderer *renderer; /* with MAPS_GL; NULL: this program has none */
+    uint32_t               threads;
+    uint32_t               zstd_level;   /* 1..19 */
+    uint32_t               points;       /* of what casts, in the file; 0: none */
+    const char            *smoke_path;   /* a grid of smoke in NRRD; NULL: none */
+    int                    scene_smoke;  /* 1: the scene's capsules are baked, too */
+    double                 smoke_factor; /* on its numbers: extinction per metre */
+    smoke_settings         smoke;
+    uint64_t               memory_bytes; /* what the bake may hold at most; 0: as much as it needs */
+    const char            *resume_path;  /* a folder where squares are kept; NULL: none */
+    uint32_t               part, parts;  /* which of how many parts is baked, from 1; 0 of 0: all is */
     int              if_changed; /* 1: where the output was baked from the same by this version, it stays, and nothing is done */
     const run_watch *watch;      /* who is told how far it is; NULL: nobody; borrowed */
 

@@ -15,23 +15,23 @@ static vxs_result take_depths(void *user, uint32_t map, uint32_t i, uint32_t j, 
     return VXS_OK;
 }
 
-vxs_result light_columns_init(light_columns *c, gl_context *gl, const bake_options *o, const bake_plan *plan,
+vxs_result light_columns_init(light_columns *c, void *device, const bake_options *o, const bake_plan *plan,
                               const plan_light *planned, const casters *all, light_picture *picture, message *m)
 {
     memset(c, 0, sizeof *c);
     c->all        = all;
     c->maps       = o->maps;
-    c->rendering  = o->rendering;
+    c->renderer   = o->renderer;
     c->picture    = picture;
     uint32_t tile = min_u32(1u << planned->light.levels, plan->tile_px);
-    c->rendered   = (opengl_columns){.gl           = gl,
-                                     .casters      = &c->near,
-                                     .light        = &planned->light,
-                                     .exit         = plan->peels_all ? EXIT_PEEL : o->exit,
-                                     .has_exit_map = plan->has_exit_map,
-                                     .tile_px      = tile,
-                                     .watch        = take_depths,
-                                     .watch_user   = c};
+    c->rendered   = (rendered_columns){.device       = device,
+                                       .casters      = &c->near,
+                                       .light        = &planned->light,
+                                       .exit         = plan->peels_all ? EXIT_PEEL : o->exit,
+                                       .has_exit_map = plan->has_exit_map,
+                                       .tile_px      = tile,
+                                       .watch        = take_depths,
+                                       .watch_user   = c};
     c->sparse     = (sparse_columns){.casters      = &c->near,
                                      .light        = &planned->light,
                                      .free_behind  = o->behind == BEHIND_FREE,
@@ -43,7 +43,7 @@ vxs_result light_columns_init(light_columns *c, gl_context *gl, const bake_optio
 
 column_source light_columns_source(light_columns *c)
 {
-    return c->maps == MAPS_SPARSE ? sparse_columns_source(&c->sparse) : c->rendering->source(&c->rendered);
+    return c->maps == MAPS_SPARSE ? sparse_columns_source(&c->sparse) : c->renderer->source(&c->rendered);
 }
 
 vxs_result light_columns_draw(const light_columns *c, light_picture *picture, bake_context *ctx)
@@ -64,7 +64,7 @@ vxs_result light_columns_draw(const light_columns *c, light_picture *picture, ba
 
 void light_columns_free(light_columns *c)
 {
-    if (c->rendering) c->rendering->free(&c->rendered);
+    if (c->renderer) c->renderer->free(&c->rendered);
     if (c->all) reach_release(&c->near, c->all);
     memset(c, 0, sizeof *c);
 }

@@ -9,19 +9,19 @@
 #include "baker/columns/sparse/sparse_columns.h"
 
 typedef struct light_columns {
-    maps_choice             maps;
-    const opengl_rendering *rendering; /* of rendered maps */
-    opengl_columns          rendered;  /* one of these two */
-    sparse_columns          sparse;
-    casters                 near; /* that the light may reach */
-    const casters          *all;
-    light_picture          *picture; /* NULL: none is drawn; borrowed */
+    maps_choice            maps;
+    const column_renderer *renderer; /* of rendered maps */
+    rendered_columns       rendered; /* one of these two */
+    sparse_columns         sparse;
+    casters                near; /* that the light may reach */
+    const casters         *all;
+    light_picture         *picture; /* NULL: none is drawn; borrowed */
 } light_columns;
 
-/* gl  NULL where nothing is rendered
- * gl, plan, planned, all  borrowed until light_columns_free
+/* device  of the renderer; NULL where nothing is rendered
+ * device, plan, planned, all  borrowed until light_columns_free
  * Returns VXS_OK or VXS_E_MEMORY; released with light_columns_free either way. */
-vxs_result light_columns_init(light_columns *c, gl_context *gl, const bake_options *o, const bake_plan *plan,
+vxs_result light_columns_init(light_columns *c, void *device, const bake_options *o, const bake_plan *plan,
                               const plan_light *planned, const casters *all, light_picture *picture, message *m);
 
 /* Valid where c lies, until light_columns_free. */

@@ -7,7 +7,7 @@
 #define MAP_SAMPLE_H
 
 #include "baker/bake/bake_options.h"
-#include "baker/lab/opengl/opengl_columns.h"
+#include "baker/columns/rendered_columns.h"
 #include "baker/light/projection.h"
 
 enum { SAMPLE_LEVELS = 3, SAMPLE_WINDOW_PX = 32, TILE_SIZES = 4 };

@@ -5,12 +5,12 @@
 #include "baker/base/progress.h"
 #include "baker/command/commands.h"
 #include "baker/command/options/bake_arguments.h"
+#include "baker/command/options/laboratory.h"
 #include "baker/command/process/process.h"
 #include "baker/command/report/part_report.h"
 #include "baker/command/report/report.h"
 #include "baker/command/report/summary.h"
 #include "baker/command/report/unchanged.h"
-#include "baker/lab/pages/bake_page.h"
 
 static vxs_result write_reports(const bake_arguments *a, const bake_page *page, const bake_report *report, message *m)
 {
@@ -30,22 +30,23 @@ static vxs_result write_reports(const bake_arguments *a, const bake_page *page, 
     if (to) (m->verbose ? report_print : bake_summary_print)(to, o, report);
     if (a->json_path && (r = report_write_json(a->json_path, o, report, m)) != VXS_OK) return r;
     if (!o->page_path) return VXS_OK;
-    return bake_page_write(o->page_path, page, o, report, m);
+    return linked_laboratory.pages->write(o->page_path, page, o, report, m);
 }
 
 static vxs_result run(void *command, message *m)
 {
-    bake_arguments *a      = command;
-    bake_report     report = {0};
-    bake_page       page   = {0};
-    bake_observer   drawn  = {bake_page_look, &page};
-    vxs_result      r      = bake_arguments_check(a, m);
+    bake_arguments   *a      = command;
+    bake_report       report = {0};
+    bake_page         page   = {0};
+    const bake_pages *pages  = linked_laboratory.pages;
+    bake_observer     drawn  = {pages ? pages->look : NULL, &page};
+    vxs_result        r      = bake_arguments_check(a, m);
     process_return_large();
     a->o.watch = progress_wanted(m) ? &progress_watch : NULL;
     if (r == VXS_OK) r = bake(&a->o, a->o.page_path ? &drawn : NULL, &report, m);
     progress_clear();
     if (r == VXS_OK) r = write_reports(a, &page, &report, m);
-    bake_page_free(&page);
+    if (pages) pages->free(&page);
     bake_report_free(&report);
     return r;
 }

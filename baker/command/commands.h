@@ -12,14 +12,6 @@ int cmd_merge(int argc, char **argv);
 int cmd_info(int argc, char **argv);
 int cmd_validate(int argc, char **argv);
 int cmd_query(int argc, char **argv);
-int cmd_truth(int argc, char **argv);
-int cmd_compare(int argc, char **argv);
-int cmd_bench(int argc, char **argv);
-int cmd_report(int argc, char **argv);
-int cmd_render(int argc, char **argv);
 int cmd_plan(int argc, char **argv);
-int cmd_health(int argc, char **argv);
-int cmd_mend(int argc, char **argv);
-int cmd_scene(int argc, char **argv);
 
 #endif

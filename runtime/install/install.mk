@@ -50,14 +50,14 @@ $B/libvxs.map $B/libvxs_gl.map $B/libvxs_volumes.map:
 	$Q mkdir -p $(@D) && { echo "$(if $(findstring _gl,$@),VXS_GL,$(if $(findstring _volumes,$@),VXS_VOLUMES,VXS))_$(major) { global:"; \
 	    sed -n '/^typedef\|^static/!s/^[a-z].*[ *]\(vxs_[a-z_]*\)(.*/    \1;/p' $^; echo "local: *; };"; } >$@
 
-# --- libvxs_bake: of the command's objects, those that baker/vxs_bake.h leads to, in one, whose other names are its own -----------------
+# --- libvxs_bake: the objects that baker/vxs_bake.h leads to in one, whose other names are its own -----------------
 
 bake.names = sed -n '/^typedef\|^static/!s/^[a-z].*[ *]\(vxs_bake[a-z_]*\)(.*/$(1)/p' baker/vxs_bake.h
 
 $B/pic.a: $(pic.o) $B/pic/runtime/volumes/area_points.c.o
 	$Q$(RM) $@ && $(AR) rcsT $@ $^
 
-$B/vxs_bake.o: $B/baker/library/vxs_bake.c.o $B/baker.a $B/pic.a baker/vxs_bake.h
+$B/vxs_bake.o: $B/baker/library/vxs_bake.c.o $B/bake.a $B/pic.a baker/vxs_bake.h
 	@echo "  link $@"
 	$Q$(LD) -r --force-group-allocation -o $@ $(filter %.o,$^) --start-group $(filter %.a,$^) --end-group
 	$Q$(call bake.names,\1) >$@.names && $(OBJCOPY) --keep-global-symbols=$@.names $@

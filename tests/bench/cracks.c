@@ -147,10 +147,10 @@ static vxs_result judge_sun(deep_counts *n, gl_context *gl, const casters *whole
     if (!e) return fail(ctx->message, VXS_E_MEMORY, "out of memory");
     make_unit(shape.direction_ws);
     if ((r = light_fit(&light, made, &fit, ctx->message)) != VXS_OK) goto done;
-    opengl_columns rendered = {.gl = gl, .casters = made, .light = &light, .tile_px = min_u32(side, TILE_MAX_PX)};
-    sparse_columns sparse   = {.casters = made, .light = &light, .fetch_px = rendered.tile_px};
-    column_source  source   = gl ? opengl_columns_source(&rendered) : sparse_columns_source(&sparse);
-    r                       = fetch_depths(e, &source, ctx);
+    rendered_columns rendered = {.device = gl, .casters = made, .light = &light, .tile_px = min_u32(side, TILE_MAX_PX)};
+    sparse_columns   sparse   = {.casters = made, .light = &light, .fetch_px = rendered.tile_px};
+    column_source    source   = gl ? opengl_columns_source(&rendered) : sparse_columns_source(&sparse);
+    r                         = fetch_depths(e, &source, ctx);
     opengl_columns_free(&rendered);
     if (r == VXS_OK && (r = projection_init(&p, whole, &light, 0, ctx->threads, ctx->message)) == VXS_OK) judge_map(n, &p, e, side);
     projection_free(&p);

@@ -16,7 +16,7 @@ static vxs_result render(light_maps *out, const bake_options *o, message *m)
     double          start    = clock_seconds();
     vxs_result      r;
     if ((r = gl_context_create(&gl, o->gl, o->threads, m)) != VXS_OK) goto done;
-    snprintf(out->renderer, sizeof out->renderer, "%s", gl->renderer);
+    snprintf(out->renderer, sizeof out->renderer, "%s", gl->names.renderer);
     if ((r = depth_maps_init(&out->maps, side, side, 0, out->plan.has_exit_map, m)) != VXS_OK) goto done;
     if ((r = depth_renderer_create(&renderer, gl, &out->casters, &out->light, 0, exit, o->threads, m)) != VXS_OK) goto done;
     r = depth_renderer_tile(renderer, &out->maps, 0, 0, m);

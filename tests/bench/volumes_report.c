@@ -103,7 +103,7 @@ static vxs_result write_json(const bench *b, const cell *cells, size_t count, me
     json_set(&o, "machine", machine_json());
     json_set(&o, "reference", json_text(b->reference));
     json_set(&o, "light", json_text(b->light_name));
-    json_set(&o, "renderer", json_text(b->gl->renderer));
+    json_set(&o, "renderer", json_text(b->gl->names.renderer));
     json_set(&o, "clock", json_text(b->clock == CLOCK_WALL ? "wall" : "processor"));
     json_set(&o, "width_px", json_integer(b->width));
     json_set(&o, "height_px", json_integer(b->height));

@@ -295,11 +295,11 @@ static inline vxs_result panels_leaks(leak_counts *sum, gl_context *gl, uint64_t
     if (!p.s.positions_ws) return fail(ctx->message, VXS_E_MEMORY, "out of memory");
     if ((r = make(&c, &p.s, CLOSED_AUTO, ctx->threads, ctx->message)) == VXS_OK &&
         (r = light_fit(&light, &c, &fit, ctx->message)) == VXS_OK) {
-        uint32_t       fetch    = min_u32(side_px, TILE_MAX_PX);
-        opengl_columns rendered = {.gl = gl, .casters = &c, .light = &light, .tile_px = fetch};
-        sparse_columns sparse   = {.casters = &c, .light = &light, .fetch_px = fetch};
-        column_source  source   = gl ? opengl_columns_source(&rendered) : sparse_columns_source(&sparse);
-        r                       = panels_count(sum, &p, &light, &source, ldexp(1, gl ? -8 : -(int)sparse_grid(side_px)), ctx);
+        uint32_t         fetch    = min_u32(side_px, TILE_MAX_PX);
+        rendered_columns rendered = {.device = gl, .casters = &c, .light = &light, .tile_px = fetch};
+        sparse_columns   sparse   = {.casters = &c, .light = &light, .fetch_px = fetch};
+        column_source    source   = gl ? opengl_columns_source(&rendered) : sparse_columns_source(&sparse);
+        r                         = panels_count(sum, &p, &light, &source, ldexp(1, gl ? -8 : -(int)sparse_grid(side_px)), ctx);
         opengl_columns_free(&rendered);
     }
     casters_free(&c);

@@ -487,7 +487,7 @@ static vxs_result compare_all(const exact_options *o, int *right, message *m)
     named_value  sun_now = {.name = (char[]){SUN_NAME}};
     const char  *left_free;
     vxs_result   r;
-    bake.rendering = &opengl_rendered;
+    bake.renderer = &opengl_renderer;
     if (!lamps_asked_for(o) && o->fault == FAULT_NONE) {
         way ways[WAYS_MAX];
         bake.closed = (closed_mode)o->value[CHOICE_CLOSED][0];

@@ -700,7 +700,7 @@ static void same_bytes_at_any_thread_count(void **state)
     (void)state;
     for (stop_stage stop = STOP_INSERT; stop <= STOP_FINAL; stop++)
         for (compress_choice order = COMPRESS_CHOICE_AUTO; order <= COMPRESS_CHOICE_BOTTOM_UP; order++) {
-            bake_options o     = {.rendering  = &opengl_rendered,
+            bake_options o     = {.renderer   = &opengl_renderer,
                                   .resolution = 1024,
                                   .reuse      = 1,
                                   .stop       = stop,

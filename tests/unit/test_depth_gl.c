@@ -1161,19 +1161,19 @@ static void several_maps_are_open(void **state)
 {
     (void)state;
     enum { SIDE = 512, MAPS = 7 };
-    mesh           k         = city(3, 256);
-    light_shape    shapes[2] = {{.kind = LIGHT_DIRECTIONAL, .direction_ws = {0.3, 0.4, -0.866}, .range_m = INFINITY},
-                                {.kind = LIGHT_POINT, .position_ws = {128, 128, 120}, .range_m = INFINITY}};
-    message        m         = {0};
-    bake_context   ctx       = {.message = &m, .threads = 2};
-    vxs_light      lights[2];
-    opengl_columns rendered[2];
-    column_source  sources[2];
+    mesh             k         = city(3, 256);
+    light_shape      shapes[2] = {{.kind = LIGHT_DIRECTIONAL, .direction_ws = {0.3, 0.4, -0.866}, .range_m = INFINITY},
+                                  {.kind = LIGHT_POINT, .position_ws = {128, 128, 120}, .range_m = INFINITY}};
+    message          m         = {0};
+    bake_context     ctx       = {.message = &m, .threads = 2};
+    vxs_light        lights[2];
+    rendered_columns rendered[2];
+    column_source    sources[2];
     for (int n = 0; n < 2; n++) {
         light_fit_desc fit = {.name = "light", .shape = &shapes[n], .resolution = SIDE};
         assert_int_equal(light_fit(&lights[n], &k.c, &fit, &m), VXS_OK);
-        rendered[n] =
-            (opengl_columns){.gl = gl, .casters = &k.c, .light = &lights[n], .exit = EXIT_PEEL, .has_exit_map = 1, .tile_px = SIDE};
+        rendered[n] = (rendered_columns){
+            .device = gl, .casters = &k.c, .light = &lights[n], .exit = EXIT_PEEL, .has_exit_map = 1, .tile_px = SIDE};
         sources[n] = opengl_columns_source(&rendered[n]);
     }
     assert_int_equal(sources[0].map_count + sources[1].map_count, MAPS);

@@ -192,7 +192,7 @@ static void test_cut(void **state)
     vxs_volumes_frame     frame       = scene_frame(s, &at, &haze, VXS_AIR_EVERYWHERE, 60, NULL);
     vxs_casters           c           = casters_of(s, (triangles){places, 3, corners, 1}, VXS_VOXELS_SOLID);
     vxs_shadow_grid      *grids[2]    = {casting_grid(s, 64, 64, 64), casting_grid(s, 2048, 64, 2048)};
-    int                   is_llvmpipe = strstr(s->gl->renderer, "llvmpipe") != NULL;
+    int                   is_llvmpipe = strstr(s->gl->names.renderer, "llvmpipe") != NULL;
     for (int n = 0; n < 2; n++) {
         assert_int_equal(vxs_volumes_begin(s->volumes, &frame), VXS_OK);
         assert_int_equal(vxs_volumes_grid_cast(s->volumes, &l, NULL, grids[n], 0, &c, 1), VXS_OK);

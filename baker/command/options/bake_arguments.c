@@ -11,6 +11,7 @@
 #include "baker/bake/cache/part_file.h"
 #include "baker/bake/cache/square_store.h"
 #include "baker/base/parallel.h"
+#include "baker/command/options/laboratory.h"
 #include "baker/command/options/scene_rows.h"
 #include "baker/files/input_file.h"
 
@@ -121,6 +122,9 @@ vxs_result bake_arguments_check(bake_arguments *a, message *m)
     if (r == VXS_OK) r = check_part_name(o, m);
     if (r == VXS_OK) r = check_smoke(a, m);
     if (r != VXS_OK) return r;
+    if (o->page_path && !linked_laboratory.pages)
+        return fail(m, VXS_E_ARGUMENT, "--report %s: this program was built without pages (make core=1): expected --json",
+                    o->page_path);
     if (o->coding != CODING_DAG && a->dag_step_given)
         return fail(m, VXS_E_ARGUMENT, "--rule, --reuse, --compress and --stop are steps of a DAG: they need --coding dag");
     if (o->points && o->parts)
@@ -146,7 +150,7 @@ void bake_arguments_init(bake_arguments *a, const char *name, const char *synops
                                             .coding       = CODING_BLOCKS,
                                             .reuse        = 1,
                                             .stop         = STOP_FINAL,
-                                            .rendering    = &opengl_rendered,
+                                            .renderer     = linked_laboratory.renderer,
                                             .zstd_level   = 12,
                                             .threads      = parallel_default_threads(),
                                             .smoke        = {.nodes = 8, .error = 0.005},

@@ -4,13 +4,13 @@
 #include <stdlib.h>
 
 #include "baker/bake/bake.h"
-#include "baker/command/commands.h"
 #include "baker/command/options/filter_choice.h"
 #include "baker/files/input_file.h"
 #include "baker/files/json_file.h"
 #include "baker/lab/bench/bench.h"
 #include "baker/lab/bench/bench_against.h"
 #include "baker/lab/bench/bench_text.h"
+#include "baker/lab/command/lab_commands.h"
 #include "baker/scene/scene.h"
 #include "formats/vxs_format.h"
 

@@ -8,7 +8,6 @@
 #include "baker/bake/provenance.h"
 #include "baker/base/parallel.h"
 #include "baker/command/asset_open.h"
-#include "baker/command/commands.h"
 #include "baker/command/options/filter_choice.h"
 #include "baker/command/options/options.h"
 #include "baker/command/options/scene_rows.h"
@@ -16,6 +15,7 @@
 #include "baker/files/json_file.h"
 #include "baker/lab/command/camera_choice.h"
 #include "baker/lab/command/compare_report.h"
+#include "baker/lab/command/lab_commands.h"
 
 typedef struct compare_command {
     const char   *json_path;

@@ -6,11 +6,11 @@
 
 #include "baker/base/progress.h"
 #include "baker/base/text.h"
-#include "baker/command/commands.h"
 #include "baker/command/options/options.h"
 #include "baker/command/options/scene_rows.h"
 #include "baker/files/json_file.h"
 #include "baker/files/output_file.h"
+#include "baker/lab/command/lab_commands.h"
 #include "baker/lab/command/part_text.h"
 #include "baker/lab/mend/mesh_health.h"
 

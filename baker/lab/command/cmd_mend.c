@@ -4,11 +4,11 @@
 #include <stdlib.h>
 
 #include "baker/casters/casters.h"
-#include "baker/command/commands.h"
 #include "baker/command/options/options.h"
 #include "baker/command/options/scene_rows.h"
 #include "baker/files/json_file.h"
 #include "baker/files/output_file.h"
+#include "baker/lab/command/lab_commands.h"
 #include "baker/lab/command/part_text.h"
 #include "baker/lab/mend/mesh_repair.h"
 #include "baker/scene/gltf/scene_to_glb.h"

@@ -2,11 +2,11 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <stdlib.h>
 
-#include "baker/command/commands.h"
 #include "baker/command/options/options.h"
 #include "baker/files/json_file.h"
 #include "baker/lab/bench/bench_json.h"
 #include "baker/lab/bench/volumes_json.h"
+#include "baker/lab/command/lab_commands.h"
 #include "baker/lab/pages/page.h"
 
 typedef struct report_command {

@@ -7,7 +7,7 @@
 #ifndef DEPTH_BLOCK_H
 #define DEPTH_BLOCK_H
 
-#include "baker/lab/opengl/exit_depth.h"
+#include "baker/columns/rendered_columns.h"
 #include "baker/lab/opengl/gl.h"
 #include "baker/lab/opengl/holes_pass.h"
 #include "baker/light/texel_box.h"

@@ -6,9 +6,7 @@
 #include <GL/glcorearb.h>
 #include <stdint.h>
 
-#include "baker/base/message.h"
-
-typedef enum gl_backend { GL_BACKEND_OSMESA, GL_BACKEND_EGL } gl_backend;
+#include "baker/columns/rendered_columns.h"
 
 /* Functions are looked up at run time, because OSMesa and EGL each bring their own. Type, name without "gl". */
 /* clang-format off */
@@ -89,14 +87,13 @@ typedef struct gl_context {
     GL_FUNCTIONS(GL_FUNCTION_POINTER)
 #undef GL_FUNCTION_POINTER
     gl_function (*lookup)(const char *name); /* what gave them, for libraries that have their own */
-    gl_backend backend;
-    void      *handle;          /* OSMesaContext, or EGLContext */
-    void      *display;         /* EGLDisplay */
-    void      *library;         /* libEGL, opened when it is asked for */
-    uint32_t   pixels[16 * 16]; /* OSMesa wants a buffer of its own; maps are drawn elsewhere */
-    char       renderer[128];   /* what GL calls itself */
-    char       cpu_class[16]; /* OSMesa: the instructions that it draws with, by which depths may differ in a few texels; else "" */
-    GLuint     depth_programs[3]; /* of depth_gl.c, made when they are first needed: they go with the context */
+    gl_backend   backend;
+    void        *handle;            /* OSMesaContext, or EGLContext */
+    void        *display;           /* EGLDisplay */
+    void        *library;           /* libEGL, opened when it is asked for */
+    uint32_t     pixels[16 * 16];   /* OSMesa wants a buffer of its own; maps are drawn elsewhere */
+    GLuint       depth_programs[3]; /* of depth_gl.c, made when they are first needed: they go with the context */
+    device_names names;
 } gl_context;
 
 /* Make a context and make it current on the calling thread, which alone may use it until gl_context_destroy.

@@ -21,7 +21,7 @@ static vxs_result load_functions(gl_context *gl, gl_lookup lookup, message *m)
 #undef GL_FUNCTION_LOAD
     gl->lookup           = lookup;
     const char *renderer = (const char *)gl->GetString(GL_RENDERER);
-    snprintf(gl->renderer, sizeof gl->renderer, "%s", renderer ? renderer : "unknown");
+    snprintf(gl->names.renderer, sizeof gl->names.renderer, "%s", renderer ? renderer : "unknown");
     return VXS_OK;
 }
 
@@ -84,7 +84,7 @@ static vxs_result create_osmesa(gl_context *gl, message *m)
     if (!gl->handle) return fail(m, VXS_E_GL, "OSMesa cannot make an OpenGL 4.5 core context");
     if (!o.MakeCurrent(gl->handle, gl->pixels, GL_UNSIGNED_BYTE, 16, 16))
         return fail(m, VXS_E_GL, "OSMesa cannot make its context current");
-    snprintf(gl->cpu_class, sizeof gl->cpu_class, "%s", cpu_class());
+    snprintf(gl->names.cpu_class, sizeof gl->names.cpu_class, "%s", cpu_class());
     return load_functions(gl, o.GetProcAddress, m);
 }
 

@@ -6,17 +6,17 @@
 #include <string.h>
 
 typedef struct opengl_map {
-    opengl_columns *owner;
-    depth_renderer *renderer;
-    depth_maps      maps; /* of the tile that was fetched last */
-    uint32_t        map;
-    bake_context   *ctx; /* while a tile is rendered */
+    rendered_columns *owner;
+    depth_renderer   *renderer;
+    depth_maps       *maps; /* of the tile that was fetched last */
+    uint32_t          map;
+    bake_context     *ctx; /* while a tile is rendered */
 } opengl_map;
 
 static vxs_result map_bounds(void *data, uint32_t level, uint32_t i, uint32_t j, column_bounds *out)
 {
     const opengl_map *o     = data;
-    uint32_t          depth = o->maps.depth_vx;
+    uint32_t          depth = o->maps->depth_vx;
     *out = depth_renderer_has_casters(o->renderer, 8u << level, i, j) ? bounds_unknown(depth) : bounds_empty(depth);
     return VXS_OK;
 }
@@ -32,15 +32,15 @@ static vxs_result map_fetch(void *data, uint32_t level, uint32_t i, uint32_t j, 
     opengl_map *o = data;
     vxs_result  r;
     *out = (column_square){0};
-    if (8u << level != o->maps.side_px) return VXS_E_ARGUMENT;
+    if (8u << level != o->maps->side_px) return VXS_E_ARGUMENT;
     o->ctx = ctx;
     stage_begin(ctx, STAGE_MAPS);
-    if ((r = depth_renderer_tile(o->renderer, &o->maps, i, j, ctx->message)) != VXS_OK) return r;
+    if ((r = depth_renderer_tile(o->renderer, o->maps, i, j, ctx->message)) != VXS_OK) return r;
     stage_begin(ctx, STAGE_PYRAMID);
-    depth_maps_reduce(&o->maps, ctx->threads);
+    depth_maps_reduce(o->maps, ctx->threads);
     stage_begin(ctx, STAGE_NONE);
-    if (o->owner->watch && (r = o->owner->watch(o->owner->watch_user, o->map, i, j, &o->maps, ctx)) != VXS_OK) return r;
-    *out      = depth_maps_square(&o->maps);
+    if (o->owner->watch && (r = o->owner->watch(o->owner->watch_user, o->map, i, j, o->maps, ctx)) != VXS_OK) return r;
+    *out      = depth_maps_square(o->maps);
     out->u_px = i * out->side_px;
     out->v_px = j * out->side_px;
     return r;
@@ -68,28 +68,35 @@ static void map_close(void *data)
     opengl_map *o = data;
     if (o->renderer) add_stats(&o->owner->stats, depth_renderer_stats(o->renderer));
     depth_renderer_destroy(o->renderer);
-    depth_maps_free(&o->owner->spare);
+    opengl_columns_free(o->owner);
     o->owner->spare = o->maps;
     free(o);
 }
 
+/* The memory of the map before, or new memory. */
+static vxs_result take_maps(opengl_map *o, uint32_t tile_px, uint32_t side_px, message *m)
+{
+    rendered_columns *owner = o->owner;
+    int               lamp  = owner->light->kind != VXS_LIGHT_KIND_DIRECTIONAL;
+    o->maps                 = owner->spare;
+    owner->spare            = NULL;
+    if (o->maps && o->maps->enter) return VXS_OK;
+    if (!o->maps && !(o->maps = calloc(1, sizeof *o->maps))) return fail(m, VXS_E_MEMORY, "out of memory for rendering depth maps");
+    return depth_maps_init(o->maps, tile_px, side_px, lamp ? owner->light->voxel_metres : 0, owner->has_exit_map, m);
+}
+
 static vxs_result open_map(void *data, uint32_t map, column_map *out, bake_context *ctx)
 {
-    opengl_columns *owner = data;
-    uint32_t        side = 1u << owner->light->levels, tile = min_u32(side, owner->tile_px);
-    int             lamp = owner->light->kind != VXS_LIGHT_KIND_DIRECTIONAL;
-    opengl_map     *o    = calloc(1, sizeof *o);
-    vxs_result      r;
-    *out = (column_map){0};
+    rendered_columns *owner = data;
+    uint32_t          side = 1u << owner->light->levels, tile = min_u32(side, owner->tile_px);
+    opengl_map       *o = calloc(1, sizeof *o);
+    *out                = (column_map){0};
     if (!o) return fail(ctx->message, VXS_E_MEMORY, "out of memory for rendering depth maps");
-    *o           = (opengl_map){.owner = owner, .map = map, .maps = owner->spare};
-    owner->spare = (depth_maps){0};
+    *o = (opengl_map){.owner = owner, .map = map};
     stage_begin(ctx, STAGE_GL);
-    r = o->maps.enter
-            ? VXS_OK
-            : depth_maps_init(&o->maps, tile, side, lamp ? owner->light->voxel_metres : 0, owner->has_exit_map, ctx->message);
+    vxs_result r = take_maps(o, tile, side, ctx->message);
     if (r == VXS_OK)
-        r = depth_renderer_create(&o->renderer, owner->gl, owner->casters, owner->light, (int)map, owner->exit, ctx->threads,
+        r = depth_renderer_create(&o->renderer, owner->device, owner->casters, owner->light, (int)map, owner->exit, ctx->threads,
                                   ctx->message);
     stage_begin(ctx, STAGE_NONE);
     if (r != VXS_OK) {
@@ -108,14 +115,32 @@ static vxs_result open_map(void *data, uint32_t map, column_map *out, bake_conte
     return VXS_OK;
 }
 
-column_source opengl_columns_source(opengl_columns *o)
+column_source opengl_columns_source(rendered_columns *c)
 {
-    return (column_source){.data = o, .map_count = vxs_light_map_count(o->light), .open = open_map};
+    return (column_source){.data = c, .map_count = vxs_light_map_count(c->light), .open = open_map};
 }
 
-void opengl_columns_free(opengl_columns *o)
+void opengl_columns_free(rendered_columns *c)
 {
-    depth_maps_free(&o->spare);
+    if (!c->spare) return;
+    depth_maps_free(c->spare);
+    free(c->spare);
+    c->spare = NULL;
 }
 
-const opengl_rendering opengl_rendered = {gl_context_create, gl_context_destroy, opengl_columns_source, opengl_columns_free};
+static vxs_result create_device(void **device, device_names *names, gl_backend backend, uint32_t threads, message *m)
+{
+    gl_context *gl;
+    vxs_result  r = gl_context_create(&gl, backend, threads, m);
+    *device       = gl;
+    if (r != VXS_OK) return r;
+    *names = gl->names;
+    return r;
+}
+
+static void destroy_device(void *device)
+{
+    gl_context_destroy(device);
+}
+
+const column_renderer opengl_renderer = {create_device, destroy_device, opengl_columns_source, opengl_columns_free};

@@ -3,12 +3,7 @@
 #ifndef BAKE_PAGE_H
 #define BAKE_PAGE_H
 
-#include "baker/bake/bake.h"
-
-/* What is drawn while the bake still has its scene. Zero it first. */
-typedef struct bake_page {
-    uint8_t *rgb; /* the shadows; owned; NULL: not drawn */
-} bake_page;
+#include "baker/command/options/laboratory.h"
 
 /* Look at a bake (bake_observer): draw its shadows, unless that would need more memory than the bake may hold. */
 vxs_result bake_page_look(void *page, const bake_options *o, const casters *c, vxs_bytes *file, message *m);

@@ -13,10 +13,10 @@
 #include "baker/base/memory.h"
 #include "baker/base/parallel.h"
 #include "baker/base/vec3.h"
-#include "baker/files/exr_encode.h"
 #include "baker/files/output_file.h"
 #include "baker/files/png_encode.h"
 #include "baker/files/run_files.h"
+#include "baker/lab/render/exr_encode.h"
 #include "baker/lab/truth/truth_filter.h"
 #include "baker/light/baked_light.h"
 

@@ -152,7 +152,7 @@ double renderer_white(const renderer *r)
 
 const char *renderer_name(const renderer *r)
 {
-    return r->gl->renderer;
+    return r->gl->names.renderer;
 }
 
 int renderer_culls(const renderer *r)

@@ -1,6 +1,6 @@
 /* Floats as OpenEXR: scan lines, zlib; see exr_encode.h. The library writes with a function of ours, into memory.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/files/exr_encode.h"
+#include "baker/lab/render/exr_encode.h"
 
 #include <OpenEXR/openexr.h>
 #include <stdlib.h>

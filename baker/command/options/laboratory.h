@@ -1,0 +1,35 @@
+/* What the laboratory (baker/lab) adds to a program: commands, OpenGL for --maps gl, pages for --report. A program is linked with
+ * baker/lab/laboratory.c, or without the laboratory (make core=1) with no_laboratory.c.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LABORATORY_H
+#define LABORATORY_H
+
+#include "baker/bake/bake.h"
+
+/* argv[0] is the command's own name; the result is the exit status (docs/manual.md). */
+typedef struct command_entry {
+    const char *name;
+    int (*run)(int argc, char **argv);
+} command_entry;
+
+/* What a page needs of a bake that is gone when it ends. Zero it first. */
+typedef struct bake_page {
+    uint8_t *rgb; /* the shadows; owned; NULL: not drawn */
+} bake_page;
+
+/* Pages of bakes; see baker/lab/pages/bake_page.h. */
+typedef struct bake_pages {
+    vxs_result (*look)(void *page, const bake_options *o, const casters *c, vxs_bytes *file, message *m);
+    vxs_result (*write)(const char *path, const bake_page *page, const bake_options *o, const bake_report *r, message *m);
+    void (*free)(bake_page *page);
+} bake_pages;
+
+typedef struct laboratory {
+    const command_entry   *commands; /* ends with a NULL name */
+    const column_renderer *renderer; /* NULL: none */
+    const bake_pages      *pages;    /* NULL: none */
+} laboratory;
+
+extern const laboratory linked_laboratory;
+
+#endif
