@@ -99,71 +99,6 @@ static void plan_exit(bake_plan *plan, const bake_options *o, const casters *c)
     if (o->exit == EXIT_AUTO && !plan->meeting_known) plan->peels_all = plan->has_exit_map;
 }
 
-/* maps ------------------------------------------------------------------------------------------------------------------------ */
-
-/* Another map of the light. */
-static void add_sample(map_sample *sum, const map_sample *s)
-{
-    sum->blocks += s->blocks;
-    sum->blocks_empty += s->blocks_empty;
-    sum->blocks_peeled += s->blocks_peeled;
-    sum->blocks_not_peeled += s->blocks_not_peeled;
-    sum->block_triangles += s->block_triangles;
-    sum->block_most = max_u64(sum->block_most, s->block_most);
-    sum->peeled_triangles += s->peeled_triangles;
-    for (int size = 0; size < TILE_SIZES; size++) {
-        sum->tiles[size] += s->tiles[size];
-        sum->tiles_empty[size] += s->tiles_empty[size];
-    }
-    sum->texels += s->texels;
-    sum->weight = s->weight; /* the same for all maps of a light */
-    sum->layers += s->layers;
-    sum->peeled_windows += s->peeled_windows;
-    sum->mask_tiles += s->mask_tiles;
-    sum->mask_runs += s->mask_runs;
-    sum->masks += s->masks;
-    sum->unique_masks += s->unique_masks;
-    sum->unique_nodes += s->unique_nodes;
-    for (int l = 0; l < SAMPLE_LEVELS; l++) sum->nodes[l] += s->nodes[l];
-    sum->palette.blocks += s->palette.blocks;
-    sum->palette.unique_blocks += s->palette.unique_blocks;
-    sum->palette.patterns += s->palette.patterns;
-    sum->palette.own_patterns += s->palette.own_patterns;
-    sum->palette.block_words += s->palette.block_words;
-    sum->palette.pattern_words += s->palette.pattern_words;
-}
-
-uint32_t plan_count_maps(const bake_plan *plan)
-{
-    uint32_t maps = 0;
-    for (size_t n = 0; n < plan->light_count; n++) maps += plan->lights[n].left_out ? 0 : plan->lights[n].map_count;
-    return maps;
-}
-
-vxs_result plan_sample_light(const bake_plan *plan, uint32_t maps, plan_light *l, const bake_options *o, const casters *c,
-                             message *m)
-{
-    casters    near;
-    vxs_result r = reach_casters(&near, &plan->reach, c, &l->shape, m);
-    memset(&l->sample, 0, sizeof l->sample);
-    l->triangles = 0;
-    for (uint32_t map = 0; map < l->map_count && r == VXS_OK; map++) {
-        projection p;
-        map_sample s = {0};
-        r            = projection_init(&p, &near, &l->light, (int)map, o->threads, m);
-        if (r == VXS_OK) r = map_sample_take(&s, &p, &l->light, plan->peels_all, maps, o, m);
-        l->triangles += p.triangle_count;
-        projection_free(&p);
-        add_sample(&l->sample, &s);
-    }
-    reach_release(&near, c);
-    l->blocks            = l->sample.blocks;
-    l->blocks_empty      = l->sample.blocks_empty;
-    l->blocks_peeled     = o->exit == EXIT_BACK || o->maps == MAPS_SPARSE ? 0 : l->sample.blocks_peeled;
-    l->blocks_not_peeled = l->sample.blocks_not_peeled + l->sample.blocks_peeled - l->blocks_peeled;
-    return r;
-}
-
 /* sub-DAGs -------------------------------------------------------------------------------------------------------------------- */
 
 /* The pass finds what repeats within a sub-DAG, on all threads; the merge, on one, finds it too, but spends less on what it knows. */
@@ -183,6 +118,24 @@ static void plan_compression(bake_plan *plan, const bake_options *o)
     int pays =
         o->stop == STOP_PARTIAL || o->compress != COMPRESS_CHOICE_AUTO || plan->merge_seconds_spared > plan->compress_seconds;
     plan->compress = o->stop == STOP_INSERT || !pays ? COMPRESS_NONE : compress_order_of(o->compress);
+}
+
+/* estimates ------------------------------------------------------------------------------------------------------------------- */
+
+vxs_result plan_estimate(bake_plan *plan, const bake_options *o, const casters *c, message *m)
+{
+    uint32_t   maps = 0;
+    vxs_result r    = VXS_OK;
+    for (size_t n = 0; n < plan->light_count; n++) maps += plan->lights[n].left_out ? 0 : plan->lights[n].map_count;
+    for (size_t n = 0; n < plan->light_count && r == VXS_OK; n++) {
+        if (plan->lights[n].left_out) continue;
+        r = plan_sample_light(&plan->lights[n], plan, maps, o, c, m);
+        plan_estimate_light(&plan->lights[n], o);
+    }
+    if (r != VXS_OK) return r;
+    plan_compression(plan, o);
+    plan_estimate_scene(plan, c);
+    return VXS_OK;
 }
 
 /* memory ---------------------------------------------------------------------------------------------------------------------- */
@@ -264,21 +217,12 @@ vxs_result plan_make(bake_plan *plan, const bake_options *o, casters *c, const s
 {
     double     start = clock_seconds();
     vxs_result r;
-    memset(plan, 0, sizeof *plan);
+    *plan = (bake_plan){.scene_bytes = scene_bytes};
     if ((r = reach_init(&plan->reach, c, m)) != VXS_OK) goto done;
     if ((r = fit_lights(plan, o, c, s, chosen, m)) != VXS_OK) goto done;
     plan_exit(plan, o, c);
-    uint32_t maps = plan_count_maps(plan);
     if (plan->meeting_known && (r = casters_find_meeting(c, o->threads, m)) != VXS_OK) goto done;
-    for (size_t n = 0; n < plan->light_count && r == VXS_OK; n++) {
-        plan_light *l = &plan->lights[n];
-        if (l->left_out) continue;
-        r = plan_sample_light(plan, maps, l, o, c, m);
-        plan_estimate_light(l, o);
-    }
-    if (r != VXS_OK) goto done;
-    plan_compression(plan, o);
-    plan_estimate_scene(plan, c, scene_bytes);
+    if ((r = plan_estimate(plan, o, c, m)) != VXS_OK) goto done;
     r = plan_memory(plan, o, c, m);
     if (r == VXS_OK) count_tiles(plan);
 done:

@@ -1,19 +1,42 @@
-/* What a scene needs and what is left out, written down before the work. The bake takes its decisions from it and from nowhere else.
+/* What a scene needs and what is left out, decided before the work. The bake takes its decisions from the plan alone.
  *
  * Decisions come with the numbers that they rest on; plan_text.c puts them into words. Estimates come from a sample of each map
- * (baker/bake/map_sample.h) and coefficients that were measured (plan_estimate.c): they decide nothing but what takes less time or
- * memory, never what is in the file. docs/manual.md says how far off they are.
+ * (plan_sample.c) and from measured coefficients (plan_estimate.c): they decide only what takes less time or memory, never what is in
+ * the file. docs/manual.md says how far off they are.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef PLAN_H
 #define PLAN_H
 
 #include "baker/bake/bake_options.h"
-#include "baker/bake/map_sample.h"
 #include "baker/base/context.h"
 #include "baker/light/reach.h"
 #include "baker/scene/light_choice.h"
 
-enum { PLAN_SAVINGS_MAX = 3 };
+enum { PLAN_SAVINGS_MAX = 3, SAMPLE_LEVELS = 3, TILE_SIZES = 4 };
+
+/* What is known of all maps of a light from a sample of them: windows of 4 << SAMPLE_LEVELS texels a side, one in each cell of a map. */
+typedef struct light_sample {
+    /* of whole maps, and exact; blocks are those of depth_block.h */
+    size_t   triangles;                                  /* that may touch them */
+    uint64_t blocks, blocks_empty;                       /* blocks_empty: no triangle may touch them */
+    uint64_t blocks_peeled;                              /* hold solids that meet another, where that is peeled */
+    uint64_t blocks_not_peeled;                          /* hold other solids alone */
+    uint64_t block_triangles;                            /* over all blocks, the triangles that may touch each */
+    uint64_t block_most;                                 /* of the block with the most */
+    uint64_t tiles[TILE_SIZES], tiles_empty[TILE_SIZES]; /* of TILE_MAX_PX >> n texels a side, or the whole map */
+
+    /* of the windows */
+    double   weight;                      /* texels of the maps for each texel of a window */
+    uint64_t mask_tiles;                  /* tiles that no single depth parts into lit and shadowed */
+    uint64_t mask_runs;                   /* of a DAG: their masks */
+    uint64_t masks, nodes[SAMPLE_LEVELS]; /* of a DAG: inserted, by level */
+    uint64_t unique_masks, unique_nodes;  /* different ones among them */
+
+    /* of windows with patterns, as palette blocks */
+    uint64_t palette_blocks, unique_blocks; /* all, and different ones */
+    uint64_t patterns, own_patterns;        /* different ones; of them, those with depths of their own */
+    uint64_t block_words, pattern_words;
+} light_sample;
 
 /* Palette blocks that a light will take, different ones alone. */
 typedef struct palette_estimate {
@@ -35,11 +58,7 @@ typedef struct plan_light {
     vxs_light   light; /* fitted */
     texel_range texels;
     uint32_t    map_count;
-    size_t      triangles; /* that the light can reach */
-
-    /* exact, over all maps */
-    uint64_t tiles, tiles_empty;
-    uint64_t blocks, blocks_empty, blocks_peeled, blocks_not_peeled;
+    uint64_t    tiles, tiles_empty; /* of all maps, of tile_px texels a side; tiles_empty: no triangle may touch them */
 
     /* estimated */
     double           seconds[STAGE_COUNT];
@@ -50,7 +69,7 @@ typedef struct plan_light {
     double           memory_bytes, stored_bytes;                   /* in the words that lookups read; in the file */
     double           built_bytes;                                  /* held for it until the file is written */
     double           part_bytes; /* held, of all of it, while it is built: of each tile its share */
-    map_sample       sample;     /* of all maps together */
+    light_sample     sample;
 } plan_light;
 
 /* What an option would save that nobody has asked for, as it changes what the file promises. */
@@ -76,6 +95,7 @@ typedef struct bake_plan {
     uint64_t picture_bytes; /* what pictures of the largest lights hold; 0: nobody asked for them */
     uint64_t budget_bytes;  /* --memory; 0: none */
     uint64_t least_bytes;   /* what the smallest plan needs */
+    uint64_t scene_bytes;   /* of the scene's file */
 
     reach_index reach;
     plan_light *lights; /* [light_count] as chosen, left out ones among them */
@@ -123,15 +143,19 @@ vxs_result plan_find_savings(bake_plan *plan, const bake_options *o, const caste
  * sampled where there are fewer. */
 vxs_result plan_find_closed(bake_plan *plan, const bake_options *o, const casters *c, message *m);
 
-/* Sample all maps of a light.
- * maps  of all lights */
-vxs_result plan_sample_light(const bake_plan *plan, uint32_t maps, plan_light *l, const bake_options *o, const casters *c,
-                             message *m);
-uint32_t   plan_count_maps(const bake_plan *plan);
+/* Sample all lights as these options would bake them, and estimate counts, seconds and bytes of them and of the whole.
+ * Returns VXS_OK or VXS_E_MEMORY. */
+vxs_result plan_estimate(bake_plan *plan, const bake_options *o, const casters *c, message *m);
 
-/* plan_estimate.c: from the samples to seconds and bytes. */
+/* plan_sample.c: fill l->sample.
+ * maps  that are sampled of all lights: of many, each gets fewer windows
+ * Returns VXS_OK or VXS_E_MEMORY.  Same input, same result, at any number of threads. */
+vxs_result plan_sample_light(plan_light *l, const bake_plan *plan, uint32_t maps, const bake_options *o, const casters *c,
+                             message *m);
+
+/* plan_estimate.c: from samples to seconds and bytes. */
 void plan_estimate_light(plan_light *l, const bake_options *o);
-void plan_estimate_scene(bake_plan *plan, const casters *c, uint64_t scene_bytes);
+void plan_estimate_scene(bake_plan *plan, const casters *c);
 
 /* Peak memory with tiles of so many texels. */
 uint64_t plan_peak_bytes(const bake_plan *plan, const bake_options *o, const casters *c, uint32_t tile_px);

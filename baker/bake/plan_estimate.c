@@ -11,7 +11,6 @@
 #include "baker/bake/plan.h"
 #include "baker/columns/descent.h"
 #include "baker/columns/sparse/sparse_columns.h"
-#include "baker/lab/opengl/depth_block.h"
 
 /* counts ---------------------------------------------------------------------------------------------------------------------- */
 
@@ -32,9 +31,9 @@ static double above(uint64_t below, uint64_t top, double count)
 
 static void estimate_dag(plan_light *l)
 {
-    const map_sample *s        = &l->sample;
-    int               top      = (int)fmin(SAMPLE_LEVELS, l->light.levels - 2) - 1;
-    double            inserted = 0;
+    const light_sample *s        = &l->sample;
+    int                 top      = (int)fmin(SAMPLE_LEVELS, l->light.levels - 2) - 1;
+    double              inserted = 0;
     for (int n = 0; n <= top; n++) inserted += (double)s->nodes[n];
     double upper      = top == SAMPLE_LEVELS - 1 ? above(s->nodes[top - 1], s->nodes[top], (double)s->nodes[top]) : 0;
     l->mask_runs      = (double)s->mask_runs * s->weight;
@@ -51,7 +50,7 @@ static void estimate_dag(plan_light *l)
 /* Nodes take a word for each of their blocks, which are fewer where blocks, and so nodes, repeat; and some for themselves. */
 static double node_words(const plan_light *l, double squares)
 {
-    double blocks = (double)l->sample.palette.blocks * l->sample.weight;
+    double blocks = (double)l->sample.palette_blocks * l->sample.weight;
     return 1.1 * sqrt(blocks * l->palette.blocks) + 5.5 * fmin(squares, blocks);
 }
 
@@ -61,7 +60,7 @@ static double palette_built_bytes(const plan_light *l)
 {
     const palette_estimate *p = &l->palette;
     enum { REPEATING = 20000 };
-    double own  = (double)l->sample.palette.own_patterns * pow(l->sample.weight, 0.95);
+    double own  = (double)l->sample.own_patterns * pow(l->sample.weight, 0.95);
     double free = fmax(0, p->patterns - p->own_patterns);
     if (free > REPEATING) free = REPEATING * pow(free / REPEATING, 0.35);
     return 900 * own + 150 * free + 160 * p->blocks + 10 * p->words;
@@ -70,21 +69,21 @@ static double palette_built_bytes(const plan_light *l)
 /* fast: its pages are packed so */
 static void estimate_blocks(plan_light *l, int fast)
 {
-    const palette_sample *s       = &l->sample.palette;
-    palette_estimate     *p       = &l->palette;
-    double                weight  = l->sample.weight;
-    double                squares = fmax(1, ldexp(1, 2 * ((int)l->light.levels - 8))) * l->map_count;
-    double                grown   = different(s->patterns, l->sample.mask_tiles, weight, 0.85, 0.95) / fmax(1, (double)s->patterns);
-    p->blocks                     = different(s->unique_blocks, s->blocks, weight, 0.70, 1.0);
-    p->patterns                   = (double)s->patterns * grown;
-    p->own_patterns               = (double)s->own_patterns * grown;
-    p->block_words                = (double)s->block_words * p->blocks / fmax(1, (double)s->unique_blocks);
-    p->pattern_words              = (double)s->pattern_words * grown;
-    p->words                      = 8 + 2 * squares + node_words(l, squares) + p->block_words + p->pattern_words;
-    l->memory_bytes               = 4 * p->words;
-    l->stored_bytes               = (fast ? 1.75 : 1) * (1.1 * p->block_words + 1.7 * p->pattern_words) + 600;
-    l->built_bytes                = palette_built_bytes(l);
-    l->part_bytes                 = 0.3 * l->built_bytes;
+    const light_sample *s       = &l->sample;
+    palette_estimate   *p       = &l->palette;
+    double              weight  = l->sample.weight;
+    double              squares = fmax(1, ldexp(1, 2 * ((int)l->light.levels - 8))) * l->map_count;
+    double              grown   = different(s->patterns, s->mask_tiles, weight, 0.85, 0.95) / fmax(1, (double)s->patterns);
+    p->blocks                   = different(s->unique_blocks, s->palette_blocks, weight, 0.70, 1.0);
+    p->patterns                 = (double)s->patterns * grown;
+    p->own_patterns             = (double)s->own_patterns * grown;
+    p->block_words              = (double)s->block_words * p->blocks / fmax(1, (double)s->unique_blocks);
+    p->pattern_words            = (double)s->pattern_words * grown;
+    p->words                    = 8 + 2 * squares + node_words(l, squares) + p->block_words + p->pattern_words;
+    l->memory_bytes             = 4 * p->words;
+    l->stored_bytes             = (fast ? 1.75 : 1) * (1.1 * p->block_words + 1.7 * p->pattern_words) + 600;
+    l->built_bytes              = palette_built_bytes(l);
+    l->part_bytes               = 0.3 * l->built_bytes;
 }
 
 /* seconds and bytes, for one light -------------------------------------------------------------------------------------------- */
@@ -110,24 +109,21 @@ static void estimate_blocks_seconds(plan_light *l, double full, double threads, 
 
 static void estimate_seconds(plan_light *l, const bake_options *o)
 {
-    const map_sample *s       = &l->sample;
-    double            texels  = ldexp(1, 2 * (int)l->light.levels) * l->map_count;
-    double            full    = texels * (1 - (double)s->tiles_empty[0] / (double)s->tiles[0]);
-    double            block   = texels / (double)l->blocks / (512.0 * 512.0); /* in blocks of full size */
-    double            drawn   = (double)(l->blocks - l->blocks_empty) * block;
-    double            solid   = (double)(l->blocks_peeled + l->blocks_not_peeled) * block;
-    double            passes  = 1 + (s->peeled_windows ? (double)s->layers / (double)s->peeled_windows : 1);
-    double            peeled  = (double)l->blocks_peeled * passes * block;
-    double            peels   = l->blocks_peeled ? (double)s->peeled_triangles * passes : 0;
-    double            threads = o->threads;
+    const light_sample *s       = &l->sample;
+    double              texels  = ldexp(1, 2 * (int)l->light.levels) * l->map_count;
+    double              full    = texels * (1 - (double)s->tiles_empty[0] / (double)s->tiles[0]);
+    double              block   = texels / (double)s->blocks / (512.0 * 512.0); /* in blocks of full size */
+    double              drawn   = (double)(s->blocks - s->blocks_empty) * block;
+    double              solid   = (double)(s->blocks_peeled + s->blocks_not_peeled) * block;
+    double              peeled  = (double)s->blocks_peeled * block;
+    double              threads = o->threads;
 
     if (o->maps == MAPS_SPARSE) {
-        l->seconds[STAGE_MAPS] = (7e-7 * (double)l->triangles + 1.5e-6 * l->mask_tiles) / threads;
+        l->seconds[STAGE_MAPS] = (7e-7 * (double)l->sample.triangles + 1.5e-6 * l->mask_tiles) / threads;
     } else {
         /* rendering waits for one thread of two */
-        l->seconds[STAGE_GL] = 5e-4 * l->map_count + 4.5e-8 * (double)l->triangles;
-        l->seconds[STAGE_MAPS] =
-            6e-4 * drawn + 1e-3 * solid + 1.4e-3 * peeled + 2.9e-7 * (double)s->block_triangles + 1.1e-7 * peels;
+        l->seconds[STAGE_GL]      = 5e-4 * l->map_count + 4.5e-8 * (double)l->sample.triangles;
+        l->seconds[STAGE_MAPS]    = 6e-4 * drawn + 1e-3 * solid + 5e-3 * peeled + 4e-7 * (double)s->block_triangles;
         l->seconds[STAGE_PYRAMID] = 1e-9 * full / threads;
     }
     o->coding == CODING_DAG ? estimate_dag_seconds(l, full, threads)
@@ -143,7 +139,7 @@ void plan_estimate_light(plan_light *l, const bake_options *o)
 
 /* the scene ------------------------------------------------------------------------------------------------------------------- */
 
-void plan_estimate_scene(bake_plan *plan, const casters *c, uint64_t scene_bytes)
+void plan_estimate_scene(bake_plan *plan, const casters *c)
 {
     double compress = plan->compress != COMPRESS_NONE ? plan->compress_seconds : 0;
     double bytes    = 1200;
@@ -155,7 +151,7 @@ void plan_estimate_scene(bake_plan *plan, const casters *c, uint64_t scene_bytes
         bytes += l->stored_bytes;
         memory += l->memory_bytes;
     }
-    plan->seconds[STAGE_LOAD]   = 1e-3 + 3e-10 * (double)scene_bytes + 3.6e-8 * (double)c->triangle_count;
+    plan->seconds[STAGE_LOAD]   = 1e-3 + 3e-10 * (double)plan->scene_bytes + 3.6e-8 * (double)c->triangle_count;
     plan->seconds[STAGE_SOLIDS] = 1.2e-7 * (double)c->triangle_count;
     plan->seconds[STAGE_PLAN] =
         (plan->meeting_known ? plan->meeting_seconds : 0) + 6e-8 * (double)c->triangle_count + 4e-3 * (double)plan->baked_count;
@@ -188,7 +184,7 @@ static uint64_t sparse_peak_bytes(const bake_plan *plan, const bake_options *o, 
         double part  = side * side / (map * map) / l->map_count;
         double tiles = fmin(side * side / 64, (part < 1 ? 2 : 1) * part * l->mask_tiles);
         square = fmax(square, o->threads * (side * side / 64 * 30 + 540 * tiles) + fmin(1, DESCENT_BATCH * part) * l->part_bytes +
-                                  80 * (double)l->triangles);
+                                  80 * (double)l->sample.triangles);
         built += l->built_bytes;
     }
     return (uint64_t)(1.15 * (9e6 + 20e3 * (double)plan->baked_count + array_bytes(c) + square + built));

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "baker/bake/plan.h"
+#include "baker/base/box.h"
 #include "baker/base/clock.h"
 #include "baker/base/vec3.h"
 
@@ -18,54 +19,36 @@ enum { TWO_SIDED_SHARE = 4 };
 
 #define THICKNESS_M 0.02
 
-/* reach  of c */
-static vxs_result estimate(const bake_plan *plan, const reach_index *reach, const bake_options *asked, const casters *c,
-                           plan_saving *out, message *m)
+/* Note what is saved, unless it is less than a share.
+ * reach  of c */
+static vxs_result consider(bake_plan *plan, const reach_index *reach, const bake_options *asked, const casters *c,
+                           plan_saving saving, double least_share, message *m)
 {
-    double     bytes = (double)plan->file_bytes;
-    bake_plan  as_if = *plan;
-    vxs_result r     = VXS_OK;
-    as_if.reach      = *reach;
-    out->seconds     = plan->total_seconds;
-    for (size_t n = 0; n < plan->light_count && r == VXS_OK; n++) {
-        const plan_light *now   = &plan->lights[n];
-        plan_light        other = *now;
-        if (now->left_out) continue;
-        r = plan_sample_light(&as_if, plan_count_maps(plan), &other, asked, c, m);
-        plan_estimate_light(&other, asked);
-        bytes += other.stored_bytes - now->stored_bytes;
-        for (int s = 0; s < STAGE_COUNT; s++) out->seconds += other.seconds[s] - now->seconds[s];
-    }
-    out->file_bytes = bytes > 0 ? (uint64_t)bytes : 0;
-    return r;
-}
-
-static vxs_result consider(bake_plan *plan, const bake_options *asked, const char *option, const casters *c, message *m)
-{
-    plan_saving saving = {.option = option};
-    vxs_result  r      = estimate(plan, &plan->reach, asked, c, &saving, m);
-    if (r == VXS_OK && (double)saving.file_bytes <= (1 - LEAST_SHARE_SAVED) * (double)plan->file_bytes)
+    bake_plan as_if = *plan;
+    as_if.reach     = *reach;
+    as_if.lights    = malloc(plan->light_count * sizeof *as_if.lights);
+    if (!as_if.lights) return fail(m, VXS_E_MEMORY, "out of memory for an estimate of %s", saving.option);
+    memcpy(as_if.lights, plan->lights, plan->light_count * sizeof *as_if.lights);
+    vxs_result r      = plan_estimate(&as_if, asked, c, m);
+    saving.file_bytes = as_if.file_bytes;
+    saving.seconds    = as_if.total_seconds;
+    free(as_if.lights);
+    if (r == VXS_OK && (double)saving.file_bytes <= (1 - least_share) * (double)plan->file_bytes)
         plan->savings[plan->saving_count++] = saving;
     return r;
 }
 
 /* closed components whose material has two sides ------------------------------------------------------------------------------ */
 
-static const double *corner_of(const casters *c, size_t triangle, size_t n)
-{
-    return c->positions_ws + 3 * (size_t)c->indices[3 * triangle + n];
-}
-
-/* Volumes of components, times 6, seen from their first corners.   volumes  [components] 0 at first;   first  [components] NULL at first */
-static void add_volumes(const casters *c, double *volumes, const double **first)
+/* Volumes of components, times 6, seen from a corner of their boxes.   volumes  [components] 0 at first */
+static void add_volumes(const casters *c, double *volumes)
 {
     for (size_t t = c->solid_triangle_count; t < c->holed_first; t++) {
         uint32_t k = c->component_of[t];
-        double   edges[3][3], normal[3];
-        if (!first[k]) first[k] = corner_of(c, t, 0);
-        for (size_t n = 0; n < 3; n++) vec3_sub(corner_of(c, t, n), first[k], edges[n]);
-        vec3_cross(edges[1], edges[2], normal);
-        volumes[k] += vec3_dot(edges[0], normal);
+        double   from[3][3], normal[3];
+        for (size_t n = 0; n < 3; n++) vec3_sub(c->positions_ws + 3 * (size_t)c->indices[3 * t + n], c->boxes[k].min, from[n]);
+        vec3_cross(from[1], from[2], normal);
+        volumes[k] += vec3_dot(from[0], normal);
     }
 }
 
@@ -87,21 +70,19 @@ static int as_if_closed(casters *out, const casters *c)
 {
     size_t components = 0;
     for (int kind = 0; kind < COMPONENT_KINDS; kind++) components += c->component_count[kind];
-    double        *volumes = calloc(components + 1, sizeof *volumes);
-    const double **first   = calloc(components + 1, sizeof *first);
-    *out                   = *c;
-    out->indices           = malloc(3 * c->triangle_count * sizeof *out->indices);
-    out->double_sided      = malloc(c->triangle_count);
-    int ok                 = volumes && first && out->indices && out->double_sided;
+    double *volumes   = calloc(components + 1, sizeof *volumes);
+    *out              = *c;
+    out->indices      = malloc(3 * c->triangle_count * sizeof *out->indices);
+    out->double_sided = malloc(c->triangle_count);
+    int ok            = volumes && out->indices && out->double_sided;
     if (ok) {
         memcpy(out->indices, c->indices, 3 * c->triangle_count * sizeof *out->indices);
         memcpy(out->double_sided, c->double_sided, c->triangle_count);
-        add_volumes(c, volumes, first);
+        add_volumes(c, volumes);
         out->solid_triangle_count = take_sheets(out, c, volumes, 1, c->solid_triangle_count);
         take_sheets(out, c, volumes, 0, out->solid_triangle_count);
     }
     free(volumes);
-    free(first);
     return ok;
 }
 
@@ -115,9 +96,7 @@ vxs_result plan_find_closed(bake_plan *plan, const bake_options *o, const caster
     if (o->maps != MAPS_SPARSE || o->closed != CLOSED_AUTO || TWO_SIDED_SHARE * saving.triangles < casters_whole_count(c)) return r;
     if (!as_if_closed(&closed, c)) r = fail(m, VXS_E_MEMORY, "out of memory for an estimate of --closed on");
     if (r == VXS_OK) r = reach_init(&reach, &closed, m);
-    if (r == VXS_OK) r = estimate(plan, &reach, o, &closed, &saving, m);
-    if (r == VXS_OK && (double)saving.file_bytes <= (1 - LEAST_SHARE_CLOSED) * (double)plan->file_bytes)
-        plan->savings[plan->saving_count++] = saving;
+    if (r == VXS_OK) r = consider(plan, &reach, o, &closed, saving, LEAST_SHARE_CLOSED, m);
     reach_free(&reach);
     free(closed.indices);
     free(closed.double_sided);
@@ -133,8 +112,10 @@ vxs_result plan_find_savings(bake_plan *plan, const bake_options *o, const caste
     behind.behind     = BEHIND_FREE;
     thick.thickness_m = THICKNESS_M;
     if (o->maps != MAPS_SPARSE || c->solid_triangle_count == c->triangle_count) return r;
-    if (o->behind != BEHIND_FREE) r = consider(plan, &behind, "--behind free", c, m);
-    if (r == VXS_OK && !(o->thickness_m > 0)) r = consider(plan, &thick, "--thickness 0.02", c, m);
+    if (o->behind != BEHIND_FREE)
+        r = consider(plan, &plan->reach, &behind, c, (plan_saving){.option = "--behind free"}, LEAST_SHARE_SAVED, m);
+    if (r == VXS_OK && !(o->thickness_m > 0))
+        r = consider(plan, &plan->reach, &thick, c, (plan_saving){.option = "--thickness 0.02"}, LEAST_SHARE_SAVED, m);
     plan->plan_seconds += clock_seconds() - start;
     return r;
 }

@@ -29,7 +29,8 @@ typedef struct depth_stats {
     uint32_t peel_passes_max;               /* of the block that took most */
 } depth_stats;
 
-enum { TILE_MIN_PX = 512, TILE_MAX_PX = 4096 };
+/* Sides of tiles; and of a tile, of the blocks that are drawn at once, and how many triangles a draw has at most: the plan counts on them. */
+enum { TILE_MIN_PX = 512, TILE_MAX_PX = 4096, BLOCK_MAX_PX = 512, DRAW_MAX = 1 << 19 };
 
 /* Gets the depth maps of each tile that is rendered: tile (i, j), counted in tiles, of map `map`.
  * Returns VXS_OK, or what ends the fetch. */

@@ -234,6 +234,49 @@ vxs_result projection_init(projection *p, const casters *c, const vxs_light *lig
     return complete ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory for the vertices of a map");
 }
 
+/* Items of the triangles that are kept move to `to`, which may be `items`.
+ * items  of triangles [first, end), size_bytes each */
+static void keep_items(void *to, const void *items, size_t size_bytes, const uint8_t *kept, size_t first, size_t end)
+{
+    uint8_t       *out = to;
+    const uint8_t *in  = items;
+    for (size_t t = first; t < end; t++) {
+        if (!kept[t]) continue;
+        memmove(out, in + (t - first) * size_bytes, size_bytes);
+        out += size_bytes;
+    }
+}
+
+/* A number of triangles becomes that of the kept ones among them. Calls come with ascending numbers.
+ * counted, found  [in, out] triangles that were looked at, and kept ones among them; 0 at first */
+static void keep_count(size_t *count, const uint8_t *kept, size_t *counted, size_t *found)
+{
+    for (; *counted < *count; ++*counted) *found += kept[*counted];
+    *count = *found;
+}
+
+vxs_result projection_keep(projection *p, const uint8_t *kept)
+{
+    size_t count = p->triangle_count, counted = 0, found = 0;
+    if (!p->own_indices) p->own_indices = malloc((3 * count + 1) * sizeof *p->own_indices);
+    if (!p->own_meets && p->meets) p->own_meets = malloc(count + 1);
+    if (!p->own_double_sided && p->double_sided) p->own_double_sided = malloc(count + 1);
+    if (!p->own_indices || (p->meets && !p->own_meets) || (p->double_sided && !p->own_double_sided)) return VXS_E_MEMORY;
+    keep_items(p->own_indices, p->indices, 3 * sizeof *p->indices, kept, 0, count);
+    if (p->meets) keep_items(p->own_meets, p->meets, 1, kept, 0, p->solid_triangle_count);
+    if (p->double_sided) keep_items(p->own_double_sided, p->double_sided, 1, kept, 0, count);
+    if (p->uvq) keep_items(p->uvq, p->uvq, sizeof *p->uvq, kept, p->holed_first, count);
+    p->indices      = p->own_indices;
+    p->meets        = p->own_meets;
+    p->double_sided = p->own_double_sided;
+    keep_count(&p->solid_triangle_count, kept, &counted, &found);
+    keep_count(&p->holed_first, kept, &counted, &found);
+    for (size_t mask = 0; mask <= p->casters->alpha_mask_count; mask++)
+        keep_count(&p->alpha_mask_first[mask], kept, &counted, &found);
+    keep_count(&p->triangle_count, kept, &counted, &found);
+    return VXS_OK;
+}
+
 void projection_free(projection *p)
 {
     free(p->vertices);

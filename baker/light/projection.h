@@ -53,6 +53,11 @@ typedef struct projection {
  * Returns VXS_OK or VXS_E_MEMORY; released with projection_free either way. */
 vxs_result projection_init(projection *p, const casters *c, const vxs_light *light, int map, uint32_t threads, message *m);
 
+/* Leave out all triangles but some, in their order; vertices stay.
+ * kept  [p->triangle_count] 1: the triangle stays
+ * Returns VXS_OK or VXS_E_MEMORY. */
+vxs_result projection_keep(projection *p, const uint8_t *kept);
+
 /* Accepts a zeroed object. */
 void projection_free(projection *p);
 

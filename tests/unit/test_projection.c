@@ -306,12 +306,69 @@ static void nothing_to_see(void **state)
     projection_free(&p);
 }
 
+/* The triangles that are kept, with all that belongs to them, whether the arrays are the projection's own or the casters'. */
+static void what_is_kept(void **state)
+{
+    enum { ALL = 60, SOLIDS_END = 20, HOLED = 35, MASKS = 3 };
+    static const size_t first[MASKS + 1] = {HOLED, 41, 41, ALL};
+    (void)state;
+    for (uint32_t n = 0; n < 40; n++) {
+        casters    c = {.alpha_mask_count = MASKS};
+        projection p = {.casters = &c, .triangle_count = ALL, .solid_triangle_count = SOLIDS_END, .holed_first = HOLED};
+        uint32_t   indices[3 * ALL];
+        uint8_t    meets[ALL], sides[ALL], kept[ALL];
+        size_t     to = 0, solids = 0, holed = 0, mask = 0;
+        rng        r  = rng_split(n, 7);
+        p.uvq              = malloc((ALL - HOLED) * sizeof *p.uvq);
+        p.alpha_mask_first = malloc(sizeof first);
+        assert_true(p.uvq && p.alpha_mask_first);
+        memcpy(p.alpha_mask_first, first, sizeof first);
+        for (uint32_t t = 0; t < ALL; t++) {
+            kept[t]  = n ? rng_below(&r, 3) > n % 3 : 0;
+            meets[t] = (uint8_t)rng_below(&r, 2);
+            sides[t] = (uint8_t)rng_below(&r, 2);
+            for (uint32_t k = 0; k < 3; k++) indices[3 * t + k] = 3 * t + k;
+            for (uint32_t k = 0; k < 3 && t >= HOLED; k++) p.uvq[t - HOLED][k] = (hole_uvq){(float)t, (float)k, 1};
+        }
+        if (n % 2) {
+            p.own_indices = malloc(sizeof indices);
+            p.own_meets   = malloc(sizeof meets);
+            assert_true(p.own_indices && p.own_meets);
+            memcpy(p.own_indices, indices, sizeof indices);
+            memcpy(p.own_meets, meets, sizeof meets);
+        }
+        p.indices      = n % 2 ? p.own_indices : indices;
+        p.meets        = n % 2 ? p.own_meets : n % 4 ? meets : NULL;
+        p.double_sided = n % 8 < 4 ? sides : NULL;
+        assert_int_equal(projection_keep(&p, kept), VXS_OK);
+        for (uint32_t t = 0; t < ALL; t++) {
+            if (t >= HOLED && t == first[mask]) assert_int_equal(p.alpha_mask_first[mask++], to);
+            if (mask && t == first[mask]) assert_int_equal(p.alpha_mask_first[mask++], to); /* one without triangles */
+            if (!kept[t]) continue;
+            assert_memory_equal(p.indices + 3 * to, indices + 3 * t, 3 * sizeof *indices);
+            if (p.meets && t < SOLIDS_END) assert_int_equal(p.meets[to], meets[t]);
+            if (p.double_sided) assert_int_equal(p.double_sided[to], sides[t]);
+            for (uint32_t k = 0; k < 3 && t >= HOLED; k++)
+                assert_true(p.uvq[to - p.holed_first][k].u == (float)t && p.uvq[to - p.holed_first][k].v == (float)k);
+            to++;
+            solids += t < SOLIDS_END;
+            holed += t < HOLED;
+        }
+        assert_int_equal(mask, MASKS);
+        assert_int_equal(p.alpha_mask_first[MASKS], to);
+        assert_true(p.triangle_count == to && p.solid_triangle_count == solids && p.holed_first == holed);
+        assert_true((p.meets != NULL) == (n % 2 || n % 4) && (p.double_sided != NULL) == (n % 8 < 4));
+        projection_free(&p);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_a_map_sees_is_there),
         cmocka_unit_test(windings_stay),
         cmocka_unit_test(nothing_to_see),
+        cmocka_unit_test(what_is_kept),
     };
     return cmocka_run_group_tests_name("projection", tests, NULL, NULL);
 }

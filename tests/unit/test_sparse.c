@@ -8,6 +8,7 @@
 #include "baker/columns/sparse/sparse_columns.h" /* before cmocka, whose fail() is a macro */
 #include "baker/columns/sparse/sparse_square.h"
 #include "baker/light/light_fit.h"
+#include "baker/light/texel_box.h"
 #include "runtime/vxs.h"
 #include "tests/columns/brute.h"
 #include "tests/unit/mesh_sample.h"
@@ -254,7 +255,31 @@ static ways some_ways(uint32_t n)
     return (ways){n % 5 == 4, n % 6 == 1 || n % 6 == 3, n % 6 >= 2 && n % 6 <= 4 ? metres[n / 6 % 3] : 0};
 }
 
-/* All maps of a light, fetched in squares of `fetch_px`. */
+/* One square of a map, of the triangles alone that may touch it: of a projection, which is used up. */
+static void compare_window(const sparse_columns *own, projection *p, const brute *b, uint32_t i, uint32_t j, bake_context *ctx)
+{
+    uint32_t      side = min_u32(32, b->side_px), cells = b->side_px / side;
+    uint8_t      *kept = malloc(p->triangle_count + 1);
+    column_map    columns;
+    column_square square;
+    counts        sum = {0};
+    i %= cells;
+    j %= cells;
+    assert_non_null(kept);
+    for (size_t t = 0; t < p->triangle_count; t++) {
+        texel_box box = texel_box_of(p, t);
+        kept[t]       = (uint8_t)texel_box_touches(&box, (int32_t)(i * side), (int32_t)(j * side), (int32_t)side);
+    }
+    assert_int_equal(projection_keep(p, kept), VXS_OK);
+    assert_int_equal(sparse_columns_open(own, p, &columns, ctx), VXS_OK);
+    assert_int_equal(columns.fetch(columns.data, square_level(side), i, j, &square, NULL), VXS_OK);
+    compare_square(b, &square, &sum);
+    columns.release(columns.data, &square);
+    columns.close(columns.data);
+    free(kept);
+}
+
+/* All maps of a light, fetched in squares of `fetch_px`, and a window of each. */
 static counts compare_light(const casters *c, const vxs_light *light, const ways *w, uint32_t fetch_px, uint32_t threads)
 {
     message        m      = {0};
@@ -272,7 +297,7 @@ static counts compare_light(const casters *c, const vxs_light *light, const ways
         column_map    columns;
         column_square square;
         column_bounds known;
-        projection    p;
+        projection    p, some;
         brute         b;
         assert_int_equal(source.open(source.data, map, &columns, &ctx), VXS_OK);
         assert_int_equal(projection_init(&p, c, light, (int)map, 1, &m), VXS_OK);
@@ -291,6 +316,9 @@ static counts compare_light(const casters *c, const vxs_light *light, const ways
             assert_true(known.emin < known.emax || sum.texels == before); /* where nothing was said to be, nothing is */
         }
         columns.close(columns.data);
+        assert_int_equal(projection_init(&some, c, light, (int)map, 1, &m), VXS_OK);
+        compare_window(&own, &some, &b, map + fetch_px / 32, map + (uint32_t)c->triangle_count, &ctx);
+        projection_free(&some);
         brute_free(&b);
         projection_free(&p);
     }

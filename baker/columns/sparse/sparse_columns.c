@@ -122,21 +122,12 @@ static void map_close(void *data)
     free(data);
 }
 
-/* side  of the map, or less for one that is coarser */
-static vxs_result prepare(sparse_map *o, const sparse_columns *owner, uint32_t map, uint32_t side, bake_context *ctx)
+/* side  of the map that p is in */
+static vxs_result prepare(sparse_map *o, const projection *p, uint32_t side, bake_context *ctx)
 {
-    projection p;
-    double     coarser = ldexp(side, -(int)owner->light->levels);
-    o->ctx             = ctx;
-    vxs_result r       = projection_init(&p, owner->casters, owner->light, (int)map, ctx->threads, ctx->message);
-    for (size_t n = 0; n < p.vertex_count && coarser < 1; n++) {
-        p.vertices[n].u *= coarser;
-        p.vertices[n].v *= coarser;
-    }
-    if (r == VXS_OK)
-        r = memory_check(sparse_triangles_bytes(&p), ctx->message, "%zu triangles of a map: they need", p.triangle_count);
-    if (r == VXS_OK) r = sparse_triangles_init(&o->triangles, &p, side, ctx->threads);
-    projection_free(&p);
+    o->ctx       = ctx;
+    vxs_result r = memory_check(sparse_triangles_bytes(p), ctx->message, "%zu triangles of a map: they need", p->triangle_count);
+    if (r == VXS_OK) r = sparse_triangles_init(&o->triangles, p, side, ctx->threads);
     if (r == VXS_OK) r = triangle_bins_init(&o->bins, &o->triangles, side, ctx->threads);
     return r == VXS_OK ? r : fail(ctx->message, r, "out of memory for the triangles of a map");
 }
@@ -168,7 +159,15 @@ vxs_result sparse_columns_enter(const sparse_columns *owner, uint32_t map, uint3
                        .desc  = {.triangles = &o.triangles, .scale = scale_of(owner->light, depth_vx), .every_texel = 1},
                        .lock  = PTHREAD_MUTEX_INITIALIZER};
     column_square square;
-    vxs_result    r = prepare(&o, owner, map, side_px, ctx);
+    projection    p;
+    double        coarser = ldexp(side_px, -(int)owner->light->levels);
+    vxs_result    r       = projection_init(&p, owner->casters, owner->light, (int)map, ctx->threads, ctx->message);
+    for (size_t n = 0; n < p.vertex_count && coarser < 1; n++) {
+        p.vertices[n].u *= coarser;
+        p.vertices[n].v *= coarser;
+    }
+    if (r == VXS_OK) r = prepare(&o, &p, side_px, ctx);
+    projection_free(&p);
     if (r == VXS_OK) {
         r = fetch_square(&o, (texel_square){0, 0, side_px}, &square, ctx->threads);
         if (r != VXS_OK) fail(ctx->message, r, "out of memory for the depths of %u x %u texels", side_px, side_px);
@@ -181,12 +180,11 @@ vxs_result sparse_columns_enter(const sparse_columns *owner, uint32_t map, uint3
     return r;
 }
 
-static vxs_result open_map(void *data, uint32_t map, column_map *out, bake_context *ctx)
+vxs_result sparse_columns_open(const sparse_columns *owner, const projection *p, column_map *out, bake_context *ctx)
 {
-    const sparse_columns *owner = data;
-    uint32_t              side  = 1u << owner->light->levels;
-    sparse_map           *o     = calloc(1, sizeof *o);
-    *out                        = (column_map){0};
+    uint32_t    side = 1u << owner->light->levels;
+    sparse_map *o    = calloc(1, sizeof *o);
+    *out             = (column_map){0};
     if (!o) return fail(ctx->message, VXS_E_MEMORY, "out of memory for the triangles of a map");
     o->desc  = (leaf_desc){.triangles    = &o->triangles,
                            .scale        = scale_of(owner->light, side),
@@ -194,9 +192,7 @@ static vxs_result open_map(void *data, uint32_t map, column_map *out, bake_conte
                            .freedom      = freedom_of(owner->light, owner->free_behind, owner->thickness_m)};
     o->level = &sparse_levels[cpu_level()];
     pthread_mutex_init(&o->lock, NULL);
-    stage_begin(ctx, STAGE_MAPS);
-    vxs_result r = prepare(o, owner, map, side, ctx);
-    stage_begin(ctx, STAGE_NONE);
+    vxs_result r = prepare(o, p, side, ctx);
     if (r != VXS_OK) {
         map_close(o);
         return r;
@@ -212,6 +208,19 @@ static vxs_result open_map(void *data, uint32_t map, column_map *out, bake_conte
                         .close       = map_close,
                         .key         = map_key};
     return VXS_OK;
+}
+
+static vxs_result open_map(void *data, uint32_t map, column_map *out, bake_context *ctx)
+{
+    const sparse_columns *owner = data;
+    projection            p;
+    *out = (column_map){0};
+    stage_begin(ctx, STAGE_MAPS);
+    vxs_result r = projection_init(&p, owner->casters, owner->light, (int)map, ctx->threads, ctx->message);
+    if (r == VXS_OK) r = sparse_columns_open(owner, &p, out, ctx);
+    projection_free(&p);
+    stage_begin(ctx, STAGE_NONE);
+    return r;
 }
 
 column_source sparse_columns_source(sparse_columns *o)

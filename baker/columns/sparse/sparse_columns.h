@@ -19,6 +19,7 @@
 
 #include "baker/casters/casters.h"
 #include "baker/columns/columns.h"
+#include "baker/light/projection.h"
 #include "formats/vxs_file.h"
 
 enum { SPARSE_PARALLEL_PX = 1024 }; /* squares of so much, or less, may be fetched by many threads at once */
@@ -39,6 +40,13 @@ typedef struct sparse_columns {
  * Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result sparse_columns_enter(const sparse_columns *o, uint32_t map, uint32_t side_px, uint32_t depth_vx, uint32_t *enter,
                                 bake_context *ctx);
+
+/* Open a map of casters that are projected already, or of some of their triangles: then only squares that no other triangle may touch can be
+ * fetched.
+ * p    nothing is kept of it but its casters
+ * out  [out] zeroed on failure; ends with out->close(out->data)
+ * Returns VXS_OK or VXS_E_MEMORY. */
+vxs_result sparse_columns_open(const sparse_columns *o, const projection *p, column_map *out, bake_context *ctx);
 
 /* The source; borrowed. Maps may be open at once, on any threads. */
 column_source sparse_columns_source(sparse_columns *o);

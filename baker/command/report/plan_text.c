@@ -49,8 +49,8 @@ static block_sums sums_of(const bake_plan *plan)
     for (size_t n = 0; n < plan->light_count; n++) {
         s.tiles += plan->lights[n].tiles;
         s.tiles_empty += plan->lights[n].tiles_empty;
-        s.blocks_peeled += plan->lights[n].blocks_peeled;
-        s.blocks_not_peeled += plan->lights[n].blocks_not_peeled;
+        s.blocks_peeled += plan->lights[n].sample.blocks_peeled;
+        s.blocks_not_peeled += plan->lights[n].sample.blocks_not_peeled;
     }
     return s;
 }
@@ -216,8 +216,8 @@ static void print_light(FILE *to, const bake_options *o, const plan_light *l)
     fprintf(to, "  tiles      %llu, left out without casters: %llu", (unsigned long long)l->tiles,
             (unsigned long long)l->tiles_empty);
     if (o->maps != MAPS_SPARSE)
-        fprintf(to, "; %llu blocks to render, %llu of them to peel", (unsigned long long)(l->blocks - l->blocks_empty),
-                (unsigned long long)l->blocks_peeled);
+        fprintf(to, "; %llu blocks to render, %llu of them to peel",
+                (unsigned long long)(l->sample.blocks - l->sample.blocks_empty), (unsigned long long)l->sample.blocks_peeled);
     fprintf(to, "\n");
     if (l->light.coding == VXS_CODING_DAG)
         fprintf(to, "  about      %.15g masks, %.15g nodes", rounded(l->masks, 3), rounded(l->nodes, 3));
@@ -358,13 +358,13 @@ static json_t *coded_json(const plan_light *l)
 static json_t *light_json(const plan_light *l)
 {
     if (l->left_out) return json_pack("{s:o, s:s}", "name", json_text(l->name), "left_out", l->left_out);
-    json_t *light = json_pack("{s:o, s:I, s:i, s:o, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "name", json_text(l->name),
-                              "resolution_px", (json_int_t)1 << l->light.levels, "maps", (int)l->map_count, "texel_at_casters_m",
-                              texels_json(&l->texels), "triangles", (json_int_t)l->triangles, "tiles", (json_int_t)l->tiles,
-                              "tiles_without_casters", (json_int_t)l->tiles_empty, "blocks", (json_int_t)l->blocks,
-                              "blocks_without_casters", (json_int_t)l->blocks_empty, "blocks_peeled", (json_int_t)l->blocks_peeled,
-                              "blocks_not_peeled", (json_int_t)l->blocks_not_peeled, "mask_tiles", (json_int_t)l->mask_tiles,
-                              "memory_bytes", (json_int_t)l->memory_bytes, "stored_bytes", (json_int_t)l->stored_bytes);
+    json_t *light = json_pack(
+        "{s:o, s:I, s:i, s:o, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "name", json_text(l->name), "resolution_px",
+        (json_int_t)1 << l->light.levels, "maps", (int)l->map_count, "texel_at_casters_m", texels_json(&l->texels), "triangles",
+        (json_int_t)l->sample.triangles, "tiles", (json_int_t)l->tiles, "tiles_without_casters", (json_int_t)l->tiles_empty,
+        "blocks", (json_int_t)l->sample.blocks, "blocks_without_casters", (json_int_t)l->sample.blocks_empty, "blocks_peeled",
+        (json_int_t)l->sample.blocks_peeled, "blocks_not_peeled", (json_int_t)l->sample.blocks_not_peeled, "mask_tiles",
+        (json_int_t)l->mask_tiles, "memory_bytes", (json_int_t)l->memory_bytes, "stored_bytes", (json_int_t)l->stored_bytes);
     json_t *coded = coded_json(l);
     json_object_update(light, coded);
     json_decref(coded);

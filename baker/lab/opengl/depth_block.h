@@ -12,10 +12,7 @@
 #include "baker/lab/opengl/holes_pass.h"
 #include "baker/light/texel_box.h"
 
-enum { BLOCK_MAX_PX = 512, CELL_PX = 32 };
-
-/* Triangles that are drawn at once. */
-enum { DRAW_MAX = 1 << 19 };
+enum { CELL_PX = 32 };
 
 /* So many passes peel the deepest block: a texel counts no more front faces, and every pass takes one away. */
 enum { PEEL_PASSES_MAX = 255 };
