@@ -2,11 +2,11 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <stdio.h>
 
-#include "baker/base/progress.h"
 #include "baker/command/commands.h"
 #include "baker/command/options/bake_arguments.h"
 #include "baker/command/options/laboratory.h"
 #include "baker/command/process/process.h"
+#include "baker/command/process/progress.h"
 #include "baker/command/report/part_report.h"
 #include "baker/command/report/report.h"
 #include "baker/command/report/summary.h"

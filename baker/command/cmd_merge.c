@@ -5,11 +5,11 @@
 
 #include "baker/bake/merge_parts.h"
 #include "baker/base/parallel.h"
-#include "baker/base/progress.h"
 #include "baker/base/version.h"
 #include "baker/command/commands.h"
 #include "baker/command/options/options.h"
 #include "baker/command/process/process.h"
+#include "baker/command/process/progress.h"
 #include "baker/files/json_file.h"
 
 typedef struct merge_command {

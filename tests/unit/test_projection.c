@@ -318,7 +318,7 @@ static void what_is_kept(void **state)
         uint32_t   indices[3 * ALL];
         uint8_t    meets[ALL], sides[ALL], kept[ALL];
         size_t     to = 0, solids = 0, holed = 0, mask = 0;
-        rng        r  = rng_split(n, 7);
+        rng        r       = rng_split(n, 7);
         p.uvq              = malloc((ALL - HOLED) * sizeof *p.uvq);
         p.alpha_mask_first = malloc(sizeof first);
         assert_true(p.uvq && p.alpha_mask_first);

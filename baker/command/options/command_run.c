@@ -4,9 +4,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "baker/base/progress.h"
 #include "baker/command/options/options.h"
 #include "baker/command/process/process.h"
+#include "baker/command/process/progress.h"
 #include "baker/files/run_files.h"
 
 /* What a command returns when it worked and found something wrong. */

@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 #include "baker/base/message.h"
-#include "baker/base/progress_line.h"
+#include "baker/command/process/progress_line.h"
 #include "baker/files/json_file.h"
 #include "baker/files/temporary_files.h"
 

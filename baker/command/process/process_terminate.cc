@@ -8,8 +8,8 @@
 #include <new>
 
 #include "baker/base/message.h"
-#include "baker/base/progress_line.h"
 #include "baker/command/process/process.h"
+#include "baker/command/process/progress_line.h"
 
 /* Where a function may not throw, the exception is at times not caught but still under way, and cannot be looked at; nothing but
  * missing memory is thrown there. */

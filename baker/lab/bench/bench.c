@@ -13,8 +13,8 @@
 #include <xxhash.h>
 
 #include "baker/base/clock.h"
-#include "baker/base/progress.h"
 #include "baker/base/version.h"
+#include "baker/command/process/progress.h"
 #include "baker/files/foreign_file.h"
 #include "baker/files/input_file.h"
 #include "baker/files/json_file.h"

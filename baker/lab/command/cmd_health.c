@@ -4,10 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/base/progress.h"
 #include "baker/base/text.h"
 #include "baker/command/options/options.h"
 #include "baker/command/options/scene_rows.h"
+#include "baker/command/process/progress.h"
 #include "baker/files/json_file.h"
 #include "baker/files/output_file.h"
 #include "baker/lab/command/lab_commands.h"

@@ -1,6 +1,6 @@
 /* A line that is written over; see progress_line.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/base/progress_line.h"
+#include "baker/command/process/progress_line.h"
 
 #include <stdatomic.h>
 #include <stdio.h>

@@ -1,4 +1,4 @@
-/* The line of a terminal that shows how far a run is (baker/base/progress.h), as far as everything that prints has to know it.
+/* The line of a terminal that shows how far a run is (baker/command/process/progress.h), as far as everything that prints has to know it.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef PROGRESS_LINE_H
 #define PROGRESS_LINE_H

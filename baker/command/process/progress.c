@@ -1,6 +1,6 @@
 /* How far a run is; see progress.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/base/progress.h"
+#include "baker/command/process/progress.h"
 
 #include <stdarg.h>
 #include <stdio.h>

@@ -10,8 +10,8 @@
 #ifndef PROGRESS_H
 #define PROGRESS_H
 
-#include "baker/base/progress_line.h"
 #include "baker/base/watch.h"
+#include "baker/command/process/progress_line.h"
 
 #ifdef __cplusplus
 extern "C" {
