@@ -6,9 +6,9 @@
 #include <stdio.h>
 
 #include "baker/base/clock.h"
-#include "baker/base/gate.h"
 #include "baker/base/integer.h"
 #include "baker/base/memory.h"
+#include "baker/base/run_control.h"
 #include "baker/base/text.h"
 
 static const char *const stage_names[STAGE_COUNT] = {"load",   "solids",   "plan",  "gl",     "maps",  "pyramid", "masks",
@@ -66,8 +66,8 @@ void stage_begin_after(bake_context *ctx, bake_stage stage, bake_stage first, co
 vxs_result context_check(const bake_context *ctx)
 {
     char budget[32], held[32];
-    gate_pass();
-    if (gate_is_cancelled()) return fail(ctx->message, VXS_E_INTERRUPTED, "the bake of '%s' was given up", ctx->subject);
+    run_control_wait();
+    if (run_control_is_cancelled()) return fail(ctx->message, VXS_E_INTERRUPTED, "the bake of '%s' was given up", ctx->subject);
     if (!ctx->memory_bytes || ctx->peak_bytes <= ctx->memory_bytes) return VXS_OK;
     return fail(ctx->message, VXS_E_MEMORY, "--memory %s is too little for '%s': the bake has come to hold %s, and is given up",
                 size_text(budget, ctx->memory_bytes), ctx->subject, size_text(held, ctx->peak_bytes));

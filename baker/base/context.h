@@ -76,7 +76,7 @@ void stage_begin_after(bake_context *ctx, bake_stage stage, bake_stage first, co
 
 const char *bake_stage_name(bake_stage stage);
 
-/* VXS_E_INTERRUPTED when the run is given up (gate.h); VXS_E_MEMORY when more was held than memory_bytes: estimates may be wrong, the promise is
+/* VXS_E_INTERRUPTED when the run is given up (run_control.h); VXS_E_MEMORY when more was held than memory_bytes: estimates may be wrong, the promise is
  * kept. */
 vxs_result context_check(const bake_context *ctx);
 

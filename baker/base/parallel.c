@@ -6,7 +6,7 @@
 #include <sched.h>
 #include <stdatomic.h>
 
-#include "baker/base/gate.h"
+#include "baker/base/run_control.h"
 
 typedef struct loop {
     atomic_size_t next; /* the chunk to hand out next; counts chunks, so that it cannot wrap */
@@ -14,8 +14,8 @@ typedef struct loop {
     size_t        count;
     size_t        grain;
     void (*body)(void *user, size_t begin, size_t end, uint32_t worker);
-    void *user;
-    gate *gate; /* of whoever started it */
+    void        *user;
+    run_control *run_control; /* of whoever started it */
 } loop;
 
 typedef struct worker {
@@ -28,7 +28,7 @@ static void work(const worker *w)
 {
     loop *l = w->shared;
     for (;;) {
-        gate_pass();
+        run_control_wait();
         size_t chunk = atomic_fetch_add_explicit(&l->next, 1, memory_order_relaxed);
         if (chunk >= l->chunk_count) return;
         size_t begin = chunk * l->grain;
@@ -40,9 +40,9 @@ static void work(const worker *w)
 static void *work_on_thread(void *argument)
 {
     const worker *w = argument;
-    gate_enter(w->shared->gate);
+    run_control_enter(w->shared->run_control);
     work(w);
-    gate_leave(w->shared->gate);
+    run_control_leave(w->shared->run_control);
     return NULL;
 }
 
@@ -54,8 +54,12 @@ void parallel_for(uint32_t threads, size_t count, size_t grain, void (*body)(voi
     if (threads < 1) threads = 1;
     if (threads > PARALLEL_THREADS_MAX) threads = PARALLEL_THREADS_MAX;
 
-    loop l = {
-        .chunk_count = (count - 1) / grain + 1, .count = count, .grain = grain, .body = body, .user = user, .gate = gate_here()};
+    loop l = {.chunk_count = (count - 1) / grain + 1,
+              .count       = count,
+              .grain       = grain,
+              .body        = body,
+              .user        = user,
+              .run_control = run_control_current()};
     atomic_init(&l.next, 0);
     if (threads > l.chunk_count) threads = (uint32_t)l.chunk_count;
 
@@ -71,9 +75,9 @@ void parallel_for(uint32_t threads, size_t count, size_t grain, void (*body)(voi
     }
     work(&workers[0]);
     if (started == 1) return;
-    gate_leave(l.gate); /* not at work while others are */
+    run_control_leave(l.run_control); /* not at work while others are */
     for (uint32_t i = 1; i < started; i++) pthread_join(workers[i].thread, NULL);
-    gate_enter(l.gate);
+    run_control_enter(l.run_control);
 }
 
 typedef struct lent_loop {
@@ -98,7 +102,7 @@ static void run_lent(void *user, uint32_t count, void (*task)(void *work, uint32
 static void pause_lent(void *user)
 {
     (void)user;
-    gate_pass();
+    run_control_wait();
 }
 
 vxs_parallel parallel_lent(uint32_t threads)

@@ -23,7 +23,7 @@ extern "C" {
  * same result at any thread count, body writes only to slots named by item, never by worker or by order of arrival. Runs in
  * the caller alone when count <= grain. A thread that cannot be started leaves its work to the others, so this never fails.
  * Returns when all work is done and seen by the caller. Loops may be nested, and run from several threads at once.
- * Between ranges the threads pass the caller's gate (gate.h): the caller holds no lock that body takes. */
+ * Between ranges the threads call run_control_wait for the caller's run (run_control.h): the caller holds no lock that body takes. */
 void parallel_for(uint32_t threads, size_t count, size_t grain, void (*body)(void *user, size_t begin, size_t end, uint32_t worker),
                   void *user);
 

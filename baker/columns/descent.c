@@ -7,8 +7,8 @@
 #include <string.h>
 
 #include "baker/base/clock.h"
-#include "baker/base/gate.h"
 #include "baker/base/parallel.h"
+#include "baker/base/run_control.h"
 #include "baker/base/z_order.h"
 #include "baker/columns/square_keeper.h"
 #include "baker/columns/square_record.h"
@@ -171,7 +171,9 @@ static void make_slots(void *user, size_t begin, size_t end, uint32_t worker)
     (void)worker;
     for (size_t n = begin; n < end; n++) {
         waiting *s = &w->batch[n];
-        s->result = gate_is_cancelled() ? VXS_E_INTERRUPTED : context_has_memory(w->ctx) ? make_slot(w, (uint32_t)n) : VXS_E_MEMORY;
+        s->result  = run_control_is_cancelled()   ? VXS_E_INTERRUPTED
+                     : context_has_memory(w->ctx) ? make_slot(w, (uint32_t)n)
+                                                  : VXS_E_MEMORY;
         pthread_mutex_lock(&w->lock);
         s->done = 1;
         if (w->d->add_early && s->kind != WAITING_KNOWN) add_ready(w);

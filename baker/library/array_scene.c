@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/base/gate.h"
 #include "baker/base/memory.h"
+#include "baker/base/run_control.h"
 #include "baker/base/vec3.h"
 #include "baker/scene/light_choice.h"
 #include "formats/vxs_format.h"
@@ -69,14 +69,14 @@ static vxs_result add_mesh(scene *s, const vxs_bake_mesh *mesh, size_t number, m
     s->origins[s->origin_count++] =
         (scene_origin){(uint32_t)s->triangle_count, {mesh->origin_ws[0], mesh->origin_ws[1], mesh->origin_ws[2]}};
     for (size_t n = 0; n < 3 * (size_t)mesh->vertex_count; n++) {
-        if (n % BETWEEN_PASSES == 0) gate_pass();
+        if (n % BETWEEN_PASSES == 0) run_control_wait();
         if (!isfinite(mesh->positions[n]))
             return fail(m, VXS_E_ARGUMENT, "arrays: mesh %zu: vertex %zu is not finite", number, n / 3);
         s->positions_ws[3 * s->vertex_count + n] = mesh->origin_ws[n % 3] + mesh->positions[n];
     }
     for (size_t n = 0; n < 3 * (size_t)mesh->triangle_count; n++) {
         uint32_t index = mesh->indices ? mesh->indices[n] : (uint32_t)n;
-        if (n % BETWEEN_PASSES == 0) gate_pass();
+        if (n % BETWEEN_PASSES == 0) run_control_wait();
         if (index >= mesh->vertex_count)
             return fail(m, VXS_E_ARGUMENT, "arrays: mesh %zu: index %zu is %u, and there are %u vertices", number, n, index,
                         mesh->vertex_count);

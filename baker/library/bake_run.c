@@ -17,7 +17,7 @@ static void tell_progress(bake_run *run, double seconds_left, const char *doing)
 {
     const vxs_bake_options *asked = &run->options.asked;
     vxs_bake_progress       now   = {.share = run->share, .seconds_left = seconds_left, .doing = doing};
-    if (asked->progress && asked->progress(asked->user, &now)) gate_cancel(&run->gate);
+    if (asked->progress && asked->progress(asked->user, &now)) run_control_cancel(&run->run_control);
 }
 
 static void say(void *user, const char *doing)
@@ -73,7 +73,7 @@ vxs_result bake_run_init(bake_run *run, const vxs_bake_options *options, int lig
     run->watch   = (run_watch){.say = say, .share = share, .user = run};
     vxs_result r = asked_options_init(&run->options, options, lights, &run->m);
     run->m.force = run->options.asked.replace != 0;
-    gate_init(&run->gate);
+    run_control_init(&run->run_control);
     if (r != VXS_OK) return r;
     run->options.o.watch = &run->watch;
     if (run->options.asked.scene) use_scene(&run->options.o, run->options.asked.scene);
@@ -85,9 +85,9 @@ vxs_result bake_run_guarded(bake_run *run, vxs_result (*work)(bake_run *run, voi
     fenv_t callers;
     fegetenv(&callers);
     fesetenv(FE_DFL_ENV);
-    gate_enter(&run->gate);
-    vxs_result r = gate_is_cancelled() ? fail(&run->m, VXS_E_INTERRUPTED, "given up before it was begun") : work(run, user);
-    gate_leave(&run->gate);
+    run_control_enter(&run->run_control);
+    vxs_result r = run_control_is_cancelled() ? fail(&run->m, VXS_E_INTERRUPTED, "given up before it was begun") : work(run, user);
+    run_control_leave(&run->run_control);
     fesetenv(&callers);
     return r;
 }
@@ -119,7 +119,7 @@ void bake_run_free(bake_run *run)
     asked_options_free(&run->options);
     run_files_free(&run->files);
     message_free(&run->m);
-    gate_free(&run->gate);
+    run_control_free(&run->run_control);
 }
 
 vxs_result bake_run_error(const bake_run *run, vxs_result result, char *error)

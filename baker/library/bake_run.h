@@ -1,10 +1,10 @@
-/* What scenes and jobs of the library share: options, messages, and a gate, for work on a thread of its own or of the caller's.
+/* What scenes and jobs of the library share: options, messages, and a run control, for work on a thread of its own or of the caller's.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef BAKE_RUN_H
 #define BAKE_RUN_H
 
 #include "baker/bake/bake_scene.h"
-#include "baker/base/gate.h"
+#include "baker/base/run_control.h"
 #include "baker/files/run_files.h"
 #include "baker/library/asked_options.h"
 
@@ -19,9 +19,9 @@ typedef struct bake_run {
     message       m;
     run_files     files;
     run_watch     watch;
-    gate          gate;
+    run_control   run_control;
     double        share;        /* told last; below 0: none */
-    double        held_seconds; /* that the gate was shut */
+    double        held_seconds; /* that the run was paused */
 } bake_run;
 
 /* Check options, and outputs where lights are asked for.
@@ -29,7 +29,7 @@ typedef struct bake_run {
  * Returns VXS_OK, VXS_E_ARGUMENT, VXS_E_MEMORY, VXS_E_WRITE. */
 vxs_result bake_run_init(bake_run *run, const vxs_bake_options *options, int lights);
 
-/* Work behind the gate, with the floating point that bytes are promised for, which the thread has back afterwards. */
+/* Work under the run control, with the floating point that bytes are promised for, which the thread has back afterwards. */
 vxs_result bake_run_guarded(bake_run *run, vxs_result (*work)(bake_run *run, void *user), void *user);
 
 /* Read the scene that was asked for, and find its casters. */

@@ -64,7 +64,7 @@ struct vxs_bake_job {
     pthread_cond_t  ended;
     vxs_bake_state  state; /* under the lock while there is a thread */
     vxs_result      result;
-    int             has_thread; /* that bakes, or waits at the gate */
+    int             has_thread; /* that bakes, or is paused */
     int             bad_budget; /* of the last call */
     pthread_t       thread;
     double          held_since;
@@ -145,11 +145,11 @@ static void join(vxs_bake_job *job)
     job->has_thread = 0;
 }
 
-/* Open the gate after a step. */
+/* Resume after a step. */
 static void go_on(vxs_bake_job *job)
 {
     if (job->held_since > 0) job->run.held_seconds += clock_seconds() - job->held_since;
-    gate_open(&job->run.gate);
+    run_control_resume(&job->run.run_control);
 }
 
 vxs_result vxs_bake_job_run(vxs_bake_job *job)
@@ -202,7 +202,7 @@ vxs_bake_state vxs_bake_step(vxs_bake_job *job, double budget_ms)
         return job->state;
     }
     if (!wait_for(job, begun + 1e-3 * fmin(budget_ms, longest_ms))) {
-        gate_shut(&job->run.gate);
+        run_control_pause(&job->run.run_control);
         job->held_since = clock_seconds();
         if (!wait_for(job, 0)) return VXS_BAKE_MORE;
     }
@@ -212,7 +212,7 @@ vxs_bake_state vxs_bake_step(vxs_bake_job *job, double budget_ms)
 
 void vxs_bake_job_cancel(vxs_bake_job *job)
 {
-    gate_cancel(&job->run.gate);
+    run_control_cancel(&job->run.run_control);
 }
 
 vxs_result vxs_bake_job_result(const vxs_bake_job *job)
@@ -237,7 +237,7 @@ void vxs_bake_job_close(vxs_bake_job *job)
     if (!job) return;
     vxs_bake_job_cancel(job);
     if (job->has_thread) {
-        gate_open(&job->run.gate);
+        run_control_resume(&job->run.run_control);
         join(job);
     }
     vxs_bake_bytes_free(&job->file);

@@ -185,9 +185,9 @@ def test_only_the_headers_names_are_seen(build):  # noqa: F811
 
 # Of the libraries whose templates are compiled here: constants, counters that are atomic, and what belongs to a thread.
 FOREIGN = r"(guard variable for )?(CGAL::|boost::|std::|tinygltf::|nlohmann::)"
-# Ours: tables of the glTF reader, static const and made when they are first used; and the gate of a thread.
+# Ours: tables of the glTF reader, static const and made when they are first used; and the run control of a thread.
 CONSTANT = {"filters", "modes", "types", "known", "none", "kinds", "nothing"}
-OF_A_THREAD = {"here"}
+OF_A_THREAD = {"current"}
 
 
 def test_bakes_share_no_state(build):  # noqa: F811
@@ -202,7 +202,7 @@ def test_bakes_share_no_state(build):  # noqa: F811
     assert len(rows) > 10 and ours <= CONSTANT
     assert {name for name in names if "gltf::" not in name} == OF_A_THREAD
     for name in ours:  # a table says itself that it is one
-        sources = "".join(path.read_text() for path in (ROOT / "baker" / "gltf").glob("*.cc"))
+        sources = "".join(path.read_text() for path in (ROOT / "baker" / "scene" / "gltf").glob("*.cc"))
         assert re.search(rf"static const [^;]*\b{name}\b", sources), name
 
 

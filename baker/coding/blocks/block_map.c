@@ -3,7 +3,7 @@
 #include <stdlib.h>
 
 #include "baker/base/cpu.h"
-#include "baker/base/gate.h"
+#include "baker/base/run_control.h"
 #include "baker/base/z_order.h"
 #include "baker/coding/blocks/block_build.h"
 #include "baker/coding/blocks/block_file.h"
@@ -45,7 +45,7 @@ static vxs_result build_slot(void *user, uint32_t slot, const column_square *col
     b->batch[slot]     = (block_set){.patterns.cpu = b->cpu, .own.cpu = b->cpu};
     for (uint32_t n = 0; n < nodes * nodes && r == VXS_OK; n++) {
         z_place at = z_order(n);
-        gate_pass();
+        run_control_wait();
         r = block_build_node(&b->batch[slot], columns, b->map, i * nodes + at.i, j * nodes + at.j);
     }
     return r;

@@ -6,8 +6,8 @@
 #include <string.h>
 
 #include "baker/base/array.h"
-#include "baker/base/gate.h"
 #include "baker/base/parallel.h"
+#include "baker/base/run_control.h"
 #include "baker/coding/blocks/block_pack.h"
 #include "baker/coding/blocks/pattern_code.h"
 
@@ -415,7 +415,7 @@ static void write_page(page_writer *w, size_t page, uint32_t *words)
     for (uint32_t n = first; n < end; n++) {
         const node_shape *shape = shape_of(l, &l->nodes[n]);
         if (l->nodes[n].word != next_word) continue;
-        gate_pass();
+        run_control_wait();
         uint32_t node_words = write_node(&w->scratch, words + next_word, shape);
         next_word += node_words;
         c->nodes++;

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "baker/base/array.h"
-#include "baker/base/gate.h"
+#include "baker/base/run_control.h"
 #include "baker/coding/blocks/block_pack.h"
 
 enum { BETWEEN_PASSES = 64 };
@@ -50,14 +50,14 @@ static vxs_result merge_patterns(block_set *s, const block_set *from, new_ids *i
     for (int depths = 2; depths <= PALETTE_MAX; depths++) {
         const pattern_class *c = &from->patterns.by_depths[depths];
         for (size_t n = 0; n < c->count; n++) {
-            gate_pass_each(BETWEEN_PASSES, n);
+            run_control_wait_each(BETWEEN_PASSES, n);
             pattern_needs(&from->patterns, depths, n, needs);
             vxs_result r = pattern_find(&s->patterns, depths, needs, &ids->pattern[c->ids[n]]);
             if (r != VXS_OK) return r;
         }
     }
     for (size_t n = 0; n < from->own.count; n++) {
-        gate_pass_each(BETWEEN_PASSES, n);
+        run_control_wait_each(BETWEEN_PASSES, n);
         vxs_result r = own_adopt(&s->own, &from->own.patterns[n], &ids->own[n], &ids->own_base[n]);
         if (r != VXS_OK) return r;
     }
@@ -71,7 +71,7 @@ static vxs_result merge_blocks(block_set *s, block_set *from, const new_ids *ids
     uint64_t     hash[AHEAD];
     const size_t count = from->blocks.count;
     for (size_t n = 0; n < count + AHEAD; n++) {
-        gate_pass_each(BETWEEN_PASSES, n);
+        run_control_wait_each(BETWEEN_PASSES, n);
         if (n >= AHEAD) {
             const uint32_t found = (uint32_t)(n - AHEAD);
             vxs_result     r     = intern_find_asked(&s->blocks, hash[n % AHEAD], intern_at(&from->blocks, found),

@@ -7,9 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/base/gate.h"
 #include "baker/base/integer.h"
 #include "baker/base/parallel.h"
+#include "baker/base/run_control.h"
 #include "baker/columns/bounds_pyramid.h"
 #include "baker/columns/sparse/square_settle.h"
 
@@ -17,7 +17,7 @@ enum {
     PAGE_TILES  = 63,
     TASK_PX_MAX = 1024, /* a square from which the descent begins: there are enough of them for all threads */
     SMALL_PX    = 16,   /* a square as small as this is settled only if that tells as much as its texels would */
-    PASS_PX     = 64,   /* a square before which a thread passes the gate */
+    PASS_PX     = 64,   /* squares of this side call run_control_wait */
     LOOK_PAGES  = 16,   /* fresh pages, half a mebibyte, after which a thread looks whether there may be more */
 };
 
@@ -145,7 +145,7 @@ static int make_square(const square_maker *w, square_worker *worker, texel_squar
     if (!l->count) return settle_empty(w, at);
     if (!w->d->every_texel && (at.side > SMALL_PX ? settle_large(w, at, &bound, l) : settle_small(w, at, &bound, l))) return 1;
     if (at.side == 8) return make_leaf(w, worker, at, &bound, l);
-    if (at.side == PASS_PX) gate_pass();
+    if (at.side == PASS_PX) run_control_wait();
     uint32_t     half    = at.side / 2;
     square_list *quarter = worker->quarter[log2_u32(at.side)];
     if (!w->level->split(quarter, w->d->triangles, l, at)) return 0;

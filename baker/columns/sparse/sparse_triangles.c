@@ -5,10 +5,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "baker/base/gate.h"
 #include "baker/base/group.h"
 #include "baker/base/pages.h"
 #include "baker/base/parallel.h"
+#include "baker/base/run_control.h"
 #include "baker/columns/sparse/patches.h"
 
 enum { GRAIN = 4096 };
@@ -109,7 +109,7 @@ static void make_triangles(void *user, size_t begin, size_t end, uint32_t worker
         int              faces = !solid && !holed && !back && !(p->double_sided && p->double_sided[from]);
         corner           c[3];
         sparse_triangle *t = &w->s->all[n];
-        gate_pass_each(256, n);
+        run_control_wait_each(256, n);
         order_corners(w, from, c, was);
         for (int k = 0; k < 3; k++) {
             t->x[k] = c[k].x;

@@ -1,6 +1,6 @@
-/* A gate holds the threads of a loop between its chunks, and lets them go on.
+/* A run control pauses the threads of a loop between its chunks, and resumes them.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/base/gate.h"
+#include "baker/base/run_control.h"
 
 #include <unistd.h>
 
@@ -17,7 +17,7 @@
 enum { CHUNKS = 1 << 15 };
 
 typedef struct held_loop {
-    gate        gate;
+    run_control run_control;
     uint32_t    threads;
     atomic_uint begun, ended, cancelled;
 } held_loop;
@@ -29,7 +29,7 @@ static void do_chunk(void *user, size_t begin, size_t end, uint32_t worker)
     (void)end;
     (void)worker;
     atomic_fetch_add(&l->begun, 1);
-    if (gate_is_cancelled())
+    if (run_control_is_cancelled())
         atomic_fetch_add(&l->cancelled, 1);
     else
         usleep(20);
@@ -39,9 +39,9 @@ static void do_chunk(void *user, size_t begin, size_t end, uint32_t worker)
 static void *run_loop(void *user)
 {
     held_loop *l = user;
-    gate_enter(&l->gate);
+    run_control_enter(&l->run_control);
     parallel_for(l->threads, CHUNKS, 1, do_chunk, l);
-    gate_leave(&l->gate);
+    run_control_leave(&l->run_control);
     return NULL;
 }
 
@@ -51,42 +51,43 @@ static void test_loops_are_held(void **state)
     for (uint32_t threads = 1; threads <= 4; threads += 3) {
         held_loop l = {.threads = threads};
         pthread_t runner;
-        gate_init(&l.gate);
+        run_control_init(&l.run_control);
         assert_int_equal(pthread_create(&runner, NULL, run_loop, &l), 0);
         uint32_t before = 0;
         for (int n = 0; n < 5; n++) {
             while (atomic_load(&l.begun) == before) usleep(500);
-            gate_shut(&l.gate);
+            run_control_pause(&l.run_control);
             uint32_t held = atomic_load(&l.begun);
             assert_int_equal(held, atomic_load(&l.ended)); /* nobody is in the middle of a chunk */
             assert_true(held > before && held < CHUNKS);
             usleep(2000);
             assert_int_equal(held, atomic_load(&l.begun));
             before = held;
-            gate_open(&l.gate);
+            run_control_resume(&l.run_control);
         }
         assert_int_equal(atomic_load(&l.cancelled), 0);
-        gate_cancel(&l.gate);
+        run_control_cancel(&l.run_control);
         pthread_join(runner, NULL);
         assert_int_equal(atomic_load(&l.ended), CHUNKS);
         assert_true(atomic_load(&l.cancelled) > 0);
-        gate_shut(&l.gate); /* nobody is there: it does not wait */
-        gate_free(&l.gate);
+        run_control_pause(&l.run_control); /* nobody is there: it does not wait */
+        run_control_free(&l.run_control);
     }
 }
 
-static void test_threads_without_a_gate_pass(void **state)
+static void test_threads_without_a_run_do_not_wait(void **state)
 {
     (void)state;
-    assert_null(gate_here());
-    assert_int_equal(gate_is_cancelled(), 0);
-    gate_pass();
-    gate_enter(NULL);
-    gate_leave(NULL);
+    assert_null(run_control_current());
+    assert_int_equal(run_control_is_cancelled(), 0);
+    run_control_wait();
+    run_control_enter(NULL);
+    run_control_leave(NULL);
 }
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_loops_are_held), cmocka_unit_test(test_threads_without_a_gate_pass)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_loops_are_held),
+                                       cmocka_unit_test(test_threads_without_a_run_do_not_wait)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

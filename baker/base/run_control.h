@@ -1,0 +1,58 @@
+/* Pause, resume and cancel the threads of a run.
+ *
+ *     run_control_enter(&g);              // the thread works for this run; waits while the run is paused
+ *     for (...) { run_control_wait(); ... }
+ *     run_control_leave(&g);
+ *
+ * Loops on threads (parallel.h) call run_control_wait between their chunks, and their threads belong to the run of the thread that started
+ * them. Work of milliseconds on one thread calls it by itself, never while it holds a lock. For a thread without a run all calls do nothing.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef RUN_CONTROL_H
+#define RUN_CONTROL_H
+
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stddef.h>
+#include <stdint.h>
+
+typedef struct run_control {
+    atomic_int      is_paused, is_cancelled;
+    pthread_mutex_t lock;
+    pthread_cond_t  resumed, still;
+    uint32_t        at_work; /* threads between enter and leave, that do not wait */
+} run_control;
+
+/* A run that is neither paused nor cancelled. */
+void run_control_init(run_control *g);
+void run_control_free(run_control *g);
+
+/* The run of the calling thread; NULL: none. */
+run_control *run_control_current(void);
+
+/* The calling thread begins to work for a run, or continues; NULL does nothing. */
+void run_control_enter(run_control *g);
+
+/* It ends, or waits for other threads of the same run; NULL does nothing. */
+void run_control_leave(run_control *g);
+
+/* Wait while the run of the calling thread is paused. Takes a few nanoseconds when it is not. */
+void run_control_wait(void);
+
+/* The same, once in `items` steps of a loop, a power of two. */
+static inline void run_control_wait_each(size_t items, size_t n)
+{
+    if (!(n & (items - 1))) run_control_wait();
+}
+
+/* 1 when the run of the calling thread is cancelled. */
+int run_control_is_cancelled(void);
+
+void run_control_resume(run_control *g);
+
+/* Pause; returns when no thread is at work any more. */
+void run_control_pause(run_control *g);
+
+/* Cancel. A paused run stays paused, and ends after run_control_resume. */
+void run_control_cancel(run_control *g);
+
+#endif
