@@ -1,4 +1,4 @@
-# The documents hold what they say: options and exit statuses, links, schemas, and the listings of the runtime guide.
+# The documents hold what they say: options and exit statuses, links, schemas, and the listings of the guides and of the reference.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import json
 import os
@@ -132,6 +132,14 @@ def test_packages_are_explained():
     assert len(packages) > 15 and [p for p in packages if f"`{p}`" not in text] == []
 
 
+def test_changelog_begins_with_this_version(vxs):
+    """The version is written once, in runtime/vxs.h; what has changed since is above it."""
+    headings = re.findall(r"^## (.*)$", (DOCS / "CHANGELOG.md").read_text(), re.MULTILINE)
+    numbers = re.findall(r"^#define VXS_VERSION_(?:MAJOR|MINOR|PATCH) (\d+)$", (ROOT / "runtime" / "vxs.h").read_text(), re.MULTILINE)
+    assert len(numbers) == 3 and headings[:2] == ["Unreleased", ".".join(numbers)]
+    assert vxs("--version").stdout.split()[:2] == ["vxs", headings[1]]
+
+
 # --- schemas --------------------------------------------------------------------------------------------------------------------
 
 
@@ -169,59 +177,87 @@ def test_validate_schema(vxs, asset, tmp_path):
     assert report["findings"]
 
 
-# --- the runtime guide (VXS_FLAGS: what libvxs.a was compiled with, sanitizers for instance) ------------------------------------------------------------------------------------------------------------
+# --- listings (VXS_FLAGS: what libvxs.a was compiled with, sanitizers for instance) ---------------------------------------------------
+
+WITH_LISTINGS = [ROOT / "README.md", *(DOCS / f"{name}.md" for name in ("guide-bake", "guide-shadows", "guide-fog", "runtime"))]
 
 
-def listings(language):
-    return re.findall(rf"^```{language}\n(.*?)^```", (DOCS / "runtime.md").read_text(), re.MULTILINE | re.DOTALL)
+def listings(language, *pages):
+    """Of the guides and the reference of libvxs, or of these pages."""
+    text = "".join(page.read_text() for page in pages or WITH_LISTINGS[1:])
+    return re.findall(rf"^```{language}\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
 
 
-@pytest.mark.parametrize("on_threads", [False, True])
-def test_listing_in_c(vxs, vxs_path, asset, tmp_path, on_threads):
+@pytest.fixture(scope="module")
+def compile_listing(vxs_path, tmp_path_factory):
+    """compile_listing(text, *options): a program of a listing and libvxs.a."""
     library = vxs_path.parent / "libvxs.a"
     if not library.is_file():
         pytest.skip(f"no {library}")
-    others = ("vxs_query.h", "vxs_stream.h", "vxs_gl.h")
+
+    def compiled(text, *options):
+        folder = tmp_path_factory.mktemp("listing")
+        (folder / "game.c").write_text(text)
+        subprocess.run(["cc", "-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", f"-I{ROOT / 'runtime'}", f"-I{ROOT / 'formats'}",
+                        folder / "game.c", library, *os.environ.get("VXS_FLAGS", "").split(), "-lzstd", "-lxxhash", "-lm", *options,
+                        "-o", folder / "game"], check=True)
+        return folder / "game"
+
+    return compiled
+
+
+def run_on(program, path, points=""):
+    done = subprocess.run([program, path], input=points, capture_output=True, text=True, check=True)
+    assert not done.stderr
+    assert subprocess.run([program, program.parent / "absent.vxs"], capture_output=True).returncode == 1
+    return done.stdout
+
+
+GROUND = "".join(f"{x / 4} 0 {z / 4} 0 1 0\n" for x in range(-12, 13) for z in range(-12, 13))
+
+
+def test_five_lines_of_the_readme(vxs, asset, compile_listing, tmp_path):
+    """They are five, and answer as vxs query does."""
+    (lines,) = listings("c", WITH_LISTINGS[0])
+    assert len(lines.splitlines()) == 5
+    program = compile_listing("#include <stdio.h>\n#include <vxs.h>\nint main(void)\n{\n"
+                              "    const double position_ws[3] = {0.6, 0, 0.4}, normal_ws[3] = {0, 1, 0};\n"
+                              f"{lines}    return printf(\"%.6g\\n\", lit) < 0;\n}}\n")
+    (tmp_path / "level.vxs").write_bytes((asset / "a.vxs").read_bytes())
+    done = subprocess.run([program], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert done.stdout == vxs("query", asset / "a.vxs", "--filter", 9, input="0.6 0 0.4 0 1 0\n").stdout and 0 < float(done.stdout) < 1
+    assert subprocess.run([program], cwd=program.parent, capture_output=True).returncode == 1
+
+
+@pytest.mark.parametrize("on_threads", [False, True])
+def test_listing_in_c(vxs, asset, compile_listing, on_threads):
+    others = ("vxs_query.h", "vxs_stream.h", "vxs_gl.h", "vxs_volumes.h")
     game, threads = (text for text in listings("c") if not any(header in text for header in others))
     if on_threads:
         game = game.replace("int main", threads + "\nint main")
         game, count = re.subn(r"vxs_asset_open_file\((&shadows, .*), NULL\)", r"open_on_threads(\1)", game)
         assert count == 1
-    (tmp_path / "game.c").write_text(game)
-    subprocess.run(["cc", "-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-fopenmp", f"-I{ROOT / 'runtime'}", f"-I{ROOT / 'formats'}",
-                    tmp_path / "game.c", library, *os.environ.get("VXS_FLAGS", "").split(), "-lzstd", "-lxxhash", "-lm",
-                    "-o", tmp_path / "game"], check=True)
-    points = "".join(f"{x / 4} 0 {z / 4} 0 1 0\n" for x in range(-12, 13) for z in range(-12, 13))
-    game = subprocess.run([tmp_path / "game", asset / "a.vxs"], input=points, capture_output=True, text=True, check=True).stdout
-    assert game == vxs("query", asset / "a.vxs", "--filter", 9, input=points).stdout
-    assert len(set(game.split())) > 10, "lit, dark, and between"
-    assert subprocess.run([tmp_path / "game", tmp_path / "nobody.vxs"], capture_output=True).returncode == 1
+    program = compile_listing(game, "-fopenmp")
+    done = subprocess.run([program, asset / "a.vxs"], input=GROUND, capture_output=True, text=True, check=True).stdout
+    assert done == vxs("query", asset / "a.vxs", "--filter", 9, input=GROUND).stdout
+    assert len(set(done.split())) > 10, "lit, dark, and between"
+    assert subprocess.run([program, program.parent / "absent.vxs"], capture_output=True).returncode == 1
 
 
 @pytest.fixture(scope="module")
-def run_query(vxs_path, tmp_path_factory):
+def run_query(compile_listing):
     """run(function, asset, input): what the listing printed that calls a function of vxs_query.h."""
-    library = vxs_path.parent / "libvxs.a"
-    if not library.is_file():
-        pytest.skip(f"no {library}")
 
     def run(function, path, points=""):
         listing, = (text for text in listings("c") if f"{function}(" in text and "vxs_query.h" in text)
-        folder = tmp_path_factory.mktemp("listing")
-        (folder / "query.c").write_text(listing)
-        subprocess.run(["cc", "-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", f"-I{ROOT / 'runtime'}", f"-I{ROOT / 'formats'}",
-                        folder / "query.c", library, *os.environ.get("VXS_FLAGS", "").split(), "-lzstd", "-lxxhash", "-lm",
-                        "-o", folder / "query"], check=True)
-        assert subprocess.run([folder / "query", folder / "nobody.vxs"], capture_output=True).returncode == 1
-        return subprocess.run([folder / "query", path], input=points, capture_output=True, text=True, check=True).stdout
+        return run_on(compile_listing(listing), path, points)
 
     return run
 
 
 def test_listing_of_batches(vxs, asset, run_query):
-    points = "".join(f"{x / 4} 0 {z / 4} 0 1 0\n" for x in range(-12, 13) for z in range(-12, 13))
-    found = run_query("vxs_lookup_batch", asset / "a.vxs", points)
-    assert found == vxs("query", asset / "a.vxs", "--filter", 9, input=points).stdout
+    found = run_query("vxs_lookup_batch", asset / "a.vxs", GROUND)
+    assert found == vxs("query", asset / "a.vxs", "--filter", 9, input=GROUND).stdout
     assert len(set(found.split())) > 10, "lit, dark, and between"
 
 
@@ -251,33 +287,26 @@ def test_listing_of_rays(vxs, asset, run_query):
     assert min(found) < 0.95 and max(found) > 0.5, "some are in shadow"
 
 
-def test_listing_of_opengl(tmp_path):
-    """It compiles; tests/unit/test_gl.c and test_gl_stream.c run what it calls."""
-    listing, = (text for text in listings("c") if "vxs_gl.h" in text)
+@pytest.mark.parametrize("header, folders", [("vxs_gl.h", ["gl"]), ("vxs_volumes.h", ["gl", "volumes"])])
+def test_listing_of_opengl(tmp_path, header, folders):
+    """It compiles; tests/unit/test_gl.c and test_gl_stream.c run what the first calls, and test_example.py the second."""
+    listing, = (text for text in listings("c") if f"<{header}>" in text)
     (tmp_path / "gl.c").write_text(listing)
-    subprocess.run([*os.environ.get("CC", "cc").split(), "-std=c99", "-Wall", "-Wextra", "-Werror", f"-I{ROOT / 'runtime' / 'gl'}",
+    subprocess.run([*os.environ.get("CC", "cc").split(), "-std=c99", "-Wall", "-Wextra", "-Werror",
+                    *(f"-I{ROOT / 'runtime' / folder}" for folder in folders),
                     f"-I{ROOT / 'runtime'}", f"-I{ROOT / 'formats'}", "-c", "gl.c"], cwd=tmp_path, check=True)
 
 
-def test_listing_of_streams(vxs, vxs_path, asset, tmp_path):
-    library = vxs_path.parent / "libvxs.a"
-    if not library.is_file():
-        pytest.skip(f"no {library}")
-    listing, = (text for text in listings("c") if "vxs_stream.h" in text)
-    (tmp_path / "game.c").write_text(listing)
-    subprocess.run(["cc", "-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", f"-I{ROOT / 'runtime'}", f"-I{ROOT / 'formats'}",
-                    tmp_path / "game.c", library, *os.environ.get("VXS_FLAGS", "").split(), "-lzstd", "-lxxhash", "-lm", "-lpthread",
-                    "-o", tmp_path / "game"], check=True)
-    points = "".join(f"{x / 4} 0 {z / 4} 0 1 0\n" for x in range(-12, 13) for z in range(-12, 13))
-    done = subprocess.run([tmp_path / "game", asset / "a.vxs"], input=points, capture_output=True, text=True, check=True)
-    assert done.stdout == vxs("query", asset / "a.vxs", "--filter", 9, input=points).stdout and not done.stderr
-    assert subprocess.run([tmp_path / "game", tmp_path / "nobody.vxs"], capture_output=True).returncode == 1
+def test_listing_of_streams(vxs, asset, compile_listing):
+    listing, = (text for text in listings("c") if "<vxs_stream.h>" in text)
+    assert run_on(compile_listing(listing, "-lpthread"), asset / "a.vxs", GROUND) == vxs("query", asset / "a.vxs", "--filter", 9, input=GROUND).stdout
 
 
 def test_listings_of_shaders():
-    """They are shaders of tests/shaders, which test_shaders.py compiles and tests/unit/test_shaders.c runs."""
+    """They are shaders of tests/shaders, which test_shaders.py compiles and tests/unit/test_shaders.c runs; and the one of the guide to fog."""
     shaders = ROOT / "tests" / "shaders"
-    assert listings("glsl") == [(shaders / name).read_text() for name in ("lit_430.frag", "lit_300es.frag")]
+    lit, fog, other = listings("glsl")
+    assert [lit, other] == [(shaders / name).read_text() for name in ("lit_430.frag", "lit_300es.frag")] and "vxs_air_path.h" in fog
     assert listings("hlsl") == [(shaders / "lit.hlsl").read_text()]
 
 
