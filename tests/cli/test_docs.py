@@ -29,57 +29,119 @@ def asset(vxs, tmp_path_factory):
 # --- the manual ---------------------------------------------------------------------------------------------------------------
 
 
-def manual_section(command):
-    text = (DOCS / "manual.md").read_text()
-    return re.search(rf"^## {command}\n(.*?)(?=^## )", text, re.MULTILINE | re.DOTALL)[1]
+MANUAL = (DOCS / "manual.md").read_text()
 
 
-def manual_options(command):
-    """What each row of a section's table names: "--stop insert|partial|final"."""
-    rows = re.findall(r"^\| `(-[^`]*)` \|(.*)\|$", manual_section(command), re.MULTILINE)
-    assert all(len(re.split(r"(?<!\\)\|", rest)) == 3 for _, rest in rows), "option, unit, default, effect"
-    return [name.replace("\\|", "|") for name, _ in rows]
+def manual_section(heading):
+    return re.search(rf"^##+ {heading}\n(.*?)(?=^## |\Z)", MANUAL, re.MULTILINE | re.DOTALL)[1]
+
+
+def named_in(text):
+    """Options that a text names."""
+    return {name for span in re.findall(r"`([^`\n]*)`", text) for name in re.findall(r"(?<![\w-])--?[a-z][a-z-]*", span)}
 
 
 EVERYWHERE, STEPS = "in every command", "steps of a DAG, with --coding dag alone"
+REMOVED = {"--baseline"}  # is about to go
+SHARED = "Options of several commands"
 
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_manual_has_every_option(vxs, command):
-    assert manual_options(command) == [f"{name} {value}".strip() for group, name, value, _ in options(vxs, command)
-                                       if group != EVERYWHERE]
+    """In the section of the command, or among those that several have; what it takes, units and defaults are told by help alone."""
+    names = {name for group, name, _, _ in options(vxs, command) if group != EVERYWHERE} - REMOVED
+    here = manual_section(command if command != "plan" else "bake")
+    assert names <= named_in(here) | named_in(manual_section(SHARED))
+
+
+def test_manual_names_no_other_options(vxs):
+    """What is shared is there in several commands, and what a section names is an option of some command."""
+    of = {command: {name for _, name, _, _ in options(vxs, command)} for command in COMMANDS}
+    every = set().union(*of.values()) | {"--version", "--help"}
+    table = "".join(re.findall(r"^\|[^|]*\|", manual_section(SHARED).partition("\n### ")[0], re.MULTILINE))
+    assert len(named_in(table)) > 20 and all(sum(name in found for found in of.values()) > 1 for name in named_in(table))
+    assert named_in(MANUAL) - every == {"--name", "-colonly", "-v"}, "any option, a name of a collision shape, ulimit -v"
+
+
+def test_plan_has_the_options_of_bake(vxs):
+    """The manual says so, and does not repeat them."""
+    bake, plan = ([(group, name, value) for group, name, value, _ in options(vxs, command)] for command in ("bake", "plan"))
+    assert plan == bake and "vxs plan SCENE [options of bake]" in manual_section("plan")
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_help_says_the_defaults_of_the_manual(vxs, command):
-    """In one way, at the end; nothing where an option must be given, is a switch, or is not there unless it is given."""
-    manual = re.findall(r"^\| `(-\S+)(?: [^`]*)?` \|[^|]*\| ?([^|]*?) ?\|", re.sub(r"\\\|", "/", manual_section(command)), re.MULTILINE)
-    texts = {name: text for group, name, _, text in options(vxs, command) if group != EVERYWHERE}
-    assert list(texts) == [name for name, _ in manual]
-    for name, default in manual:
-        said = [] if default in ("", "none", "off", "must be given") else [default.replace("`", "")]
-        assert re.findall(r" \(default ([^()]+)\)$", texts[name]) == said, name
-        assert texts[name].count("default") == len(said), name
+def test_help_says_each_default_once(vxs, command):
+    """In one way, at the end."""
+    for _, name, _, text in options(vxs, command):
+        said = re.findall(r" \(default ([^()]+)\)$", text)
+        assert text.count("default") == len(said), name
+
+
+NEED_OTHERS = {"plan": ["--rule", "--reuse", "--compress", "--stop", "--smoke-extinction", "--smoke-nodes", "--smoke-error", "--gl"],
+               "render": ["--width", "--height", "--fog-steps", "--fog-grid", "--area-gather", "--sky-light", "--sky-turn", "--smoke-side",
+                          "--moving-by", "--upload", "--frames"],
+               "scene": ["--size", "--height", "--capsules"], "mend": []}
+
+
+def given_defaults(vxs, command, without):
+    """Each option with the default that help tells, where that is a value that can be given."""
+    found = []
+    for group, name, value, text in options(vxs, command):
+        default = re.search(r" \(default (\S+)\)$", text)
+        if default and group != EVERYWHERE and name not in without and (default[1] in value.split("|") or re.match(r"-?\d", default[1])):
+            found.append(f"{name}={default[1]}")
+    return found
+
+
+@pytest.mark.parametrize("command, least, line", [
+    ("plan", 12, ["scene.gltf", "--json", "{}"]), ("scene", 4, ["city", "-o", "{}"]), ("mend", 4, ["scene.gltf", "-o", "{}"]),
+    ("render", 14, ["scene.gltf", "a.vxs", "-o", "{}", "--width", "64", "--height", "48", "--fog", "0.05"])])
+def test_defaults_of_help_are_the_defaults(vxs, asset, tmp_path, command, least, line):
+    """What is made is the same with all of them given as without."""
+    defaults, made = given_defaults(vxs, command, REMOVED.union(NEED_OTHERS[command])), []
+    assert len(defaults) >= least
+    for name, more in (("without", []), ("given", defaults)):
+        out = tmp_path / f"{name}{'.json' if command == 'plan' else '.png' if command == 'render' else '.glb'}"
+        vxs(command, *(str(asset / word) if "." in word and (asset / word).is_file() else word.format(out) for word in line), *more)
+        made.append(out.read_bytes() if command != "plan" else {k: v for k, v in json.loads(out.read_text()).items() if k != "plan_seconds"})
+    assert made[0] == made[1]
 
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_manual_has_the_options_of_every_command(vxs, command):
-    listed = re.findall(r"^\| `(-[^` ]*)[^`]*` \|", manual_section("In common"), re.MULTILINE)
-    assert listed == [name for group, name, _, _ in options(vxs, command) if group == EVERYWHERE]
+    listed = re.search(r"^Options of every command: (.*?)\n\n", manual_section("In common"), re.MULTILINE | re.DOTALL)[1]
+    assert re.findall(r"`(--[a-z]+)`", listed) == [name for group, name, _, _ in options(vxs, command) if group == EVERYWHERE]
 
 
 @pytest.mark.parametrize("command", ["bake", "plan"])
 def test_steps_of_a_dag_stand_apart(vxs, command):
     steps = ["--rule", "--reuse", "--compress", "--stop"]
     assert [name for group, name, _, _ in options(vxs, command) if group == STEPS] == steps
-    listed = manual_section(command).partition("Steps of a DAG, for comparison with older work; each needs `--coding dag`:")[2]
-    assert re.findall(r"^\| `(-\S+)", listed, re.MULTILINE) == steps
+    listed = manual_section("bake").partition("Steps of a DAG, for comparison with older work; each needs `--coding dag`:")[2]
+    assert re.findall(r"`(--[a-z]+)` \(", listed.partition("\n\n")[0]) == steps
+
+
+def test_command_lines_of_the_documents(vxs):
+    """Each line of a document that calls vxs names a command and options that it has."""
+    of = {command: {name for _, name, _, _ in options(vxs, command)} for command in COMMANDS}
+    seen = 0
+    for page in PAGES:
+        text = page.read_text().replace("\\\n", " ")
+        for line in re.findall(r"^(?:    |\t)(?:.*[|;] )?(vxs [a-z].*)$", text, re.MULTILINE):
+            command, *rest = line.partition(" #")[0].partition(" | ")[0].split()[1:]
+            if command in ("help",):
+                continue
+            assert command in COMMANDS, f"{page.name}: {line}"
+            unknown = {word.partition("=")[0] for word in rest if re.match(r"--?[a-z]", word)} - of[command]
+            assert not unknown, f"{page.name}: {line}"
+            seen += 1
+    assert seen > 40
 
 
 def test_manual_has_every_command(vxs):
     listed = re.findall(r"^  (\w+)  ", vxs("--help").stdout, re.MULTILINE)
     assert listed == COMMANDS
-    headings = re.findall(r"^## (\w+)$", (DOCS / "manual.md").read_text(), re.MULTILINE)
+    headings = re.findall(r"^## (\w+)$", MANUAL, re.MULTILINE)
     assert [h for h in headings if h in COMMANDS] == COMMANDS
 
 
@@ -87,7 +149,7 @@ def test_manual_has_every_exit_status():
     source = (ROOT / "baker" / "base" / "message.c").read_text()
     body = source[source.index("int exit_status"):]
     used = {int(n) for n in re.findall(r"return (\d+);", body)} | {1}
-    listed = {int(n) for n in re.findall(r"^\| (\d+) \|", (DOCS / "manual.md").read_text(), re.MULTILINE)}
+    listed = {int(n) for n in re.findall(r"^\| (\d+) \|", MANUAL, re.MULTILINE)}
     assert listed == used
 
 
