@@ -42,14 +42,13 @@ def named_in(text):
 
 
 EVERYWHERE, STEPS = "in every command", "steps of a DAG, with --coding dag alone"
-REMOVED = {"--baseline"}  # is about to go
 SHARED = "Options of several commands"
 
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_manual_has_every_option(vxs, command):
     """In the section of the command, or among those that several have; what it takes, units and defaults are told by help alone."""
-    names = {name for group, name, _, _ in options(vxs, command) if group != EVERYWHERE} - REMOVED
+    names = {name for group, name, _, _ in options(vxs, command) if group != EVERYWHERE}
     here = manual_section(command if command != "plan" else "bake")
     assert names <= named_in(here) | named_in(manual_section(SHARED))
 
@@ -98,7 +97,7 @@ def given_defaults(vxs, command, without):
     ("render", 14, ["scene.gltf", "a.vxs", "-o", "{}", "--width", "64", "--height", "48", "--fog", "0.05"])])
 def test_defaults_of_help_are_the_defaults(vxs, asset, tmp_path, command, least, line):
     """What is made is the same with all of them given as without."""
-    defaults, made = given_defaults(vxs, command, REMOVED.union(NEED_OTHERS[command])), []
+    defaults, made = given_defaults(vxs, command, NEED_OTHERS[command]), []
     assert len(defaults) >= least
     for name, more in (("without", []), ("given", defaults)):
         out = tmp_path / f"{name}{'.json' if command == 'plan' else '.png' if command == 'render' else '.glb'}"

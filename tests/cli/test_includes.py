@@ -90,7 +90,7 @@ def test_journeys_go_downward(title):
     for step in journeys()[title]:
         here = []
         for name in step:
-            (file,) = {p for p in [ROOT / name] if p.is_file()} or {p for folder in ("baker", "formats", "runtime") for p in (ROOT / folder).rglob(name)}
+            (file,) = {p for p in [ROOT / name] if p.is_file()} or {p for folder in ("baker", "formats", "runtime", "scenes") for p in (ROOT / folder).rglob(name)}
             here.append(folder_of(str(file.relative_to(ROOT))))
         assert here
         for folder in here:
