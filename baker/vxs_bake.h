@@ -225,7 +225,7 @@ typedef enum vxs_bake_state { VXS_BAKE_MORE, VXS_BAKE_DONE, VXS_BAKE_FAILED } vx
 
 /* Bake for about so long, and hold. Between steps no thread of the job runs: it waits, with all that it holds.
  * budget_ms  > 0, infinity too; the call ends this much later, or as soon as the job does. It takes longer by what is between two places where
- *            work can be held: docs/bake-library.md has measurements
+ *            work can be held (docs/bake-library.md)
  * Returns VXS_BAKE_MORE; VXS_BAKE_DONE; VXS_BAKE_FAILED: vxs_bake_job_result says why, VXS_E_ARGUMENT for a budget that is none, after which the
  * job may go on.
  * Threads: one at a time for a job. The job's own threads work while the caller waits; the callbacks are called from one of them. */

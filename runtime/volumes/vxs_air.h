@@ -23,7 +23,7 @@
  * The segment is cut where the detour has cost 1, 5, 21... units of optical depth, and ends at 24. Of a lamp with a range it is also cut at a third of the
  * range: what the range takes lies behind, where b hardly changes. Below the level top of fog, of a lamp above it, light's way through the fog may get
  * shorter along the ray: the segment is cut by what light loses from its bright end on.
- * Relative error, of 10^5 random rays of any optical depth from 1e-6 to 1e4 and g from -0.99 to 0.99: docs/volumes.md.
+ * Relative error, of 10^5 random rays of any optical depth from 1e-6 to 1e4 and g from -0.99 to 0.99: docs/measurements.md.
  * Source: [Sun 2005] for airlight by angles; [Billeter 2010] for the sum over lit segments. The variable b is ours.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_AIR_H

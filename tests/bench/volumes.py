@@ -3,7 +3,7 @@
 # it is behind the front of what nothing as near is faster than; ratios beside those of the papers, and where error rises along a knob.
 #
 #     make bench-volumes                                                      # llvmpipe; build/volumes.json, .html, build/volumes/
-#     make bench-volumes plots=docs/plots                                     # and the plots of docs/volumes.md, whose tables it prints
+#     make bench-volumes plots=docs/plots                                     # and the plots of docs/measurements.md
 #     make bench-volumes only=room values=2 rounds=1                          # a look at some scenes
 #     make bench-volumes only=smoke clock=processor                           # times that other programs hardly disturb
 #     make bench-volumes gl=egl size=1920x1080 rounds=31                      # a graphics card

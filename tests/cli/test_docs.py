@@ -1,4 +1,4 @@
-# The documents hold what they say: options and exit statuses, links, schemas, and the listings of the runtime guide.
+# The documents hold what they say: options and exit statuses, links, schemas, and the listings of the guides and of the reference.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import json
 import os
@@ -29,57 +29,118 @@ def asset(vxs, tmp_path_factory):
 # --- the manual ---------------------------------------------------------------------------------------------------------------
 
 
-def manual_section(command):
-    text = (DOCS / "manual.md").read_text()
-    return re.search(rf"^## {command}\n(.*?)(?=^## )", text, re.MULTILINE | re.DOTALL)[1]
+MANUAL = (DOCS / "manual.md").read_text()
 
 
-def manual_options(command):
-    """What each row of a section's table names: "--stop insert|partial|final"."""
-    rows = re.findall(r"^\| `(-[^`]*)` \|(.*)\|$", manual_section(command), re.MULTILINE)
-    assert all(len(re.split(r"(?<!\\)\|", rest)) == 3 for _, rest in rows), "option, unit, default, effect"
-    return [name.replace("\\|", "|") for name, _ in rows]
+def manual_section(heading):
+    return re.search(rf"^##+ {heading}\n(.*?)(?=^## |\Z)", MANUAL, re.MULTILINE | re.DOTALL)[1]
+
+
+def named_in(text):
+    """Options that a text names."""
+    return {name for span in re.findall(r"`([^`\n]*)`", text) for name in re.findall(r"(?<![\w-])--?[a-z][a-z-]*", span)}
 
 
 EVERYWHERE, STEPS = "in every command", "steps of a DAG, with --coding dag alone"
+SHARED = "Options of several commands"
 
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_manual_has_every_option(vxs, command):
-    assert manual_options(command) == [f"{name} {value}".strip() for group, name, value, _ in options(vxs, command)
-                                       if group != EVERYWHERE]
+    """In the section of the command, or among those that several have; what it takes, units and defaults are told by help alone."""
+    names = {name for group, name, _, _ in options(vxs, command) if group != EVERYWHERE}
+    here = manual_section(command if command != "plan" else "bake")
+    assert names <= named_in(here) | named_in(manual_section(SHARED))
+
+
+def test_manual_names_no_other_options(vxs):
+    """What is shared is there in several commands, and what a section names is an option of some command."""
+    of = {command: {name for _, name, _, _ in options(vxs, command)} for command in COMMANDS}
+    every = set().union(*of.values()) | {"--version", "--help"}
+    table = "".join(re.findall(r"^\|[^|]*\|", manual_section(SHARED).partition("\n### ")[0], re.MULTILINE))
+    assert len(named_in(table)) > 20 and all(sum(name in found for found in of.values()) > 1 for name in named_in(table))
+    assert named_in(MANUAL) - every == {"--name", "-colonly", "-v"}, "any option, a name of a collision shape, ulimit -v"
+
+
+def test_plan_has_the_options_of_bake(vxs):
+    """The manual says so, and does not repeat them."""
+    bake, plan = ([(group, name, value) for group, name, value, _ in options(vxs, command)] for command in ("bake", "plan"))
+    assert plan == bake and "vxs plan SCENE [options of bake]" in manual_section("plan")
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_help_says_the_defaults_of_the_manual(vxs, command):
-    """In one way, at the end; nothing where an option must be given, is a switch, or is not there unless it is given."""
-    manual = re.findall(r"^\| `(-\S+)(?: [^`]*)?` \|[^|]*\| ?([^|]*?) ?\|", re.sub(r"\\\|", "/", manual_section(command)), re.MULTILINE)
-    texts = {name: text for group, name, _, text in options(vxs, command) if group != EVERYWHERE}
-    assert list(texts) == [name for name, _ in manual]
-    for name, default in manual:
-        said = [] if default in ("", "none", "off", "must be given") else [default.replace("`", "")]
-        assert re.findall(r" \(default ([^()]+)\)$", texts[name]) == said, name
-        assert texts[name].count("default") == len(said), name
+def test_help_says_each_default_once(vxs, command):
+    """In one way, at the end."""
+    for _, name, _, text in options(vxs, command):
+        said = re.findall(r" \(default ([^()]+)\)$", text)
+        assert text.count("default") == len(said), name
+
+
+NEED_OTHERS = {"plan": ["--rule", "--reuse", "--compress", "--stop", "--smoke-extinction", "--smoke-nodes", "--smoke-error", "--gl"],
+               "render": ["--width", "--height", "--fog-steps", "--fog-grid", "--area-gather", "--sky-light", "--sky-turn", "--smoke-side",
+                          "--moving-by", "--upload", "--frames"],
+               "scene": ["--size", "--height", "--capsules"], "mend": []}
+
+
+def given_defaults(vxs, command, without):
+    """Each option with the default that help tells, where that is a value that can be given."""
+    found = []
+    for group, name, value, text in options(vxs, command):
+        default = re.search(r" \(default (\S+)\)$", text)
+        if default and group != EVERYWHERE and name not in without and (default[1] in value.split("|") or re.match(r"-?\d", default[1])):
+            found.append(f"{name}={default[1]}")
+    return found
+
+
+@pytest.mark.parametrize("command, least, line", [
+    ("plan", 12, ["scene.gltf", "--json", "{}"]), ("scene", 4, ["city", "-o", "{}"]), ("mend", 4, ["scene.gltf", "-o", "{}"]),
+    ("render", 14, ["scene.gltf", "a.vxs", "-o", "{}", "--width", "64", "--height", "48", "--fog", "0.05"])])
+def test_defaults_of_help_are_the_defaults(vxs, asset, tmp_path, command, least, line):
+    """What is made is the same with all of them given as without."""
+    defaults, made = given_defaults(vxs, command, NEED_OTHERS[command]), []
+    assert len(defaults) >= least
+    for name, more in (("without", []), ("given", defaults)):
+        out = tmp_path / f"{name}{'.json' if command == 'plan' else '.png' if command == 'render' else '.glb'}"
+        vxs(command, *(str(asset / word) if "." in word and (asset / word).is_file() else word.format(out) for word in line), *more)
+        made.append(out.read_bytes() if command != "plan" else {k: v for k, v in json.loads(out.read_text()).items() if k != "plan_seconds"})
+    assert made[0] == made[1]
 
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_manual_has_the_options_of_every_command(vxs, command):
-    listed = re.findall(r"^\| `(-[^` ]*)[^`]*` \|", manual_section("In common"), re.MULTILINE)
-    assert listed == [name for group, name, _, _ in options(vxs, command) if group == EVERYWHERE]
+    listed = re.search(r"^Options of every command: (.*?)\n\n", manual_section("In common"), re.MULTILINE | re.DOTALL)[1]
+    assert re.findall(r"`(--[a-z]+)`", listed) == [name for group, name, _, _ in options(vxs, command) if group == EVERYWHERE]
 
 
 @pytest.mark.parametrize("command", ["bake", "plan"])
 def test_steps_of_a_dag_stand_apart(vxs, command):
     steps = ["--rule", "--reuse", "--compress", "--stop"]
     assert [name for group, name, _, _ in options(vxs, command) if group == STEPS] == steps
-    listed = manual_section(command).partition("Steps of a DAG, for comparison with older work; each needs `--coding dag`:")[2]
-    assert re.findall(r"^\| `(-\S+)", listed, re.MULTILINE) == steps
+    listed = manual_section("bake").partition("Steps of a DAG, for comparison with older work; each needs `--coding dag`:")[2]
+    assert re.findall(r"`(--[a-z]+)` \(", listed.partition("\n\n")[0]) == steps
+
+
+def test_command_lines_of_the_documents(vxs):
+    """Each line of a document that calls vxs names a command and options that it has."""
+    of = {command: {name for _, name, _, _ in options(vxs, command)} for command in COMMANDS}
+    seen = 0
+    for page in PAGES:
+        text = page.read_text().replace("\\\n", " ")
+        for line in re.findall(r"^(?:    |\t)(?:.*[|;] )?(vxs [a-z].*)$", text, re.MULTILINE):
+            command, *rest = line.partition(" #")[0].partition(" | ")[0].split()[1:]
+            if command in ("help",):
+                continue
+            assert command in COMMANDS, f"{page.name}: {line}"
+            unknown = {word.partition("=")[0] for word in rest if re.match(r"--?[a-z]", word)} - of[command]
+            assert not unknown, f"{page.name}: {line}"
+            seen += 1
+    assert seen > 40
 
 
 def test_manual_has_every_command(vxs):
     listed = re.findall(r"^  (\w+)  ", vxs("--help").stdout, re.MULTILINE)
     assert listed == COMMANDS
-    headings = re.findall(r"^## (\w+)$", (DOCS / "manual.md").read_text(), re.MULTILINE)
+    headings = re.findall(r"^## (\w+)$", MANUAL, re.MULTILINE)
     assert [h for h in headings if h in COMMANDS] == COMMANDS
 
 
@@ -87,7 +148,7 @@ def test_manual_has_every_exit_status():
     source = (ROOT / "baker" / "base" / "message.c").read_text()
     body = source[source.index("int exit_status"):]
     used = {int(n) for n in re.findall(r"return (\d+);", body)} | {1}
-    listed = {int(n) for n in re.findall(r"^\| (\d+) \|", (DOCS / "manual.md").read_text(), re.MULTILINE)}
+    listed = {int(n) for n in re.findall(r"^\| (\d+) \|", MANUAL, re.MULTILINE)}
     assert listed == used
 
 
@@ -127,9 +188,17 @@ def test_every_page_is_linked():
 
 def test_packages_are_explained():
     makefile = (ROOT / "Makefile").read_text().replace("\\\n", " ")
-    packages = " ".join(re.findall(r"^packages\.\w+\s*:= (.*)$", makefile, re.MULTILINE)).split()
+    packages = " ".join(re.findall(r"^packages\.\w+\s*:= ([^$\n]*)$", makefile, re.MULTILINE)).split()
     text = (DOCS / "dependencies.md").read_text()
     assert len(packages) > 15 and [p for p in packages if f"`{p}`" not in text] == []
+
+
+def test_changelog_begins_with_this_version(vxs):
+    """The version is written once, in runtime/vxs.h; what has changed since is above it."""
+    headings = re.findall(r"^## (.*)$", (DOCS / "CHANGELOG.md").read_text(), re.MULTILINE)
+    numbers = re.findall(r"^#define VXS_VERSION_(?:MAJOR|MINOR|PATCH) (\d+)$", (ROOT / "runtime" / "vxs.h").read_text(), re.MULTILINE)
+    assert len(numbers) == 3 and headings[:2] == ["Unreleased", ".".join(numbers)]
+    assert vxs("--version").stdout.split()[:2] == ["vxs", headings[1]]
 
 
 # --- schemas --------------------------------------------------------------------------------------------------------------------
@@ -169,59 +238,87 @@ def test_validate_schema(vxs, asset, tmp_path):
     assert report["findings"]
 
 
-# --- the runtime guide (VXS_FLAGS: what libvxs.a was compiled with, sanitizers for instance) ------------------------------------------------------------------------------------------------------------
+# --- listings (VXS_FLAGS: what libvxs.a was compiled with, sanitizers for instance) ---------------------------------------------------
+
+WITH_LISTINGS = [ROOT / "README.md", *(DOCS / f"{name}.md" for name in ("guide-bake", "guide-shadows", "guide-fog", "runtime"))]
 
 
-def listings(language):
-    return re.findall(rf"^```{language}\n(.*?)^```", (DOCS / "runtime.md").read_text(), re.MULTILINE | re.DOTALL)
+def listings(language, *pages):
+    """Of the guides and the reference of libvxs, or of these pages."""
+    text = "".join(page.read_text() for page in pages or WITH_LISTINGS[1:])
+    return re.findall(rf"^```{language}\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
 
 
-@pytest.mark.parametrize("on_threads", [False, True])
-def test_listing_in_c(vxs, vxs_path, asset, tmp_path, on_threads):
+@pytest.fixture(scope="module")
+def compile_listing(vxs_path, tmp_path_factory):
+    """compile_listing(text, *options): a program of a listing and libvxs.a."""
     library = vxs_path.parent / "libvxs.a"
     if not library.is_file():
         pytest.skip(f"no {library}")
-    others = ("vxs_query.h", "vxs_stream.h", "vxs_gl.h")
+
+    def compiled(text, *options):
+        folder = tmp_path_factory.mktemp("listing")
+        (folder / "game.c").write_text(text)
+        subprocess.run(["cc", "-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", f"-I{ROOT / 'runtime'}", f"-I{ROOT / 'formats'}",
+                        folder / "game.c", library, *os.environ.get("VXS_FLAGS", "").split(), "-lzstd", "-lxxhash", "-lm", *options,
+                        "-o", folder / "game"], check=True)
+        return folder / "game"
+
+    return compiled
+
+
+def run_on(program, path, points=""):
+    done = subprocess.run([program, path], input=points, capture_output=True, text=True, check=True)
+    assert not done.stderr
+    assert subprocess.run([program, program.parent / "absent.vxs"], capture_output=True).returncode == 1
+    return done.stdout
+
+
+GROUND = "".join(f"{x / 4} 0 {z / 4} 0 1 0\n" for x in range(-12, 13) for z in range(-12, 13))
+
+
+def test_five_lines_of_the_readme(vxs, asset, compile_listing, tmp_path):
+    """They are five, and answer as vxs query does."""
+    (lines,) = listings("c", WITH_LISTINGS[0])
+    assert len(lines.splitlines()) == 5
+    program = compile_listing("#include <stdio.h>\n#include <vxs.h>\nint main(void)\n{\n"
+                              "    const double position_ws[3] = {0.6, 0, 0.4}, normal_ws[3] = {0, 1, 0};\n"
+                              f"{lines}    return printf(\"%.6g\\n\", lit) < 0;\n}}\n")
+    (tmp_path / "level.vxs").write_bytes((asset / "a.vxs").read_bytes())
+    done = subprocess.run([program], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert done.stdout == vxs("query", asset / "a.vxs", "--filter", 9, input="0.6 0 0.4 0 1 0\n").stdout and 0 < float(done.stdout) < 1
+    assert subprocess.run([program], cwd=program.parent, capture_output=True).returncode == 1
+
+
+@pytest.mark.parametrize("on_threads", [False, True])
+def test_listing_in_c(vxs, asset, compile_listing, on_threads):
+    others = ("vxs_query.h", "vxs_stream.h", "vxs_gl.h", "vxs_volumes.h")
     game, threads = (text for text in listings("c") if not any(header in text for header in others))
     if on_threads:
         game = game.replace("int main", threads + "\nint main")
         game, count = re.subn(r"vxs_asset_open_file\((&shadows, .*), NULL\)", r"open_on_threads(\1)", game)
         assert count == 1
-    (tmp_path / "game.c").write_text(game)
-    subprocess.run(["cc", "-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-fopenmp", f"-I{ROOT / 'runtime'}", f"-I{ROOT / 'formats'}",
-                    tmp_path / "game.c", library, *os.environ.get("VXS_FLAGS", "").split(), "-lzstd", "-lxxhash", "-lm",
-                    "-o", tmp_path / "game"], check=True)
-    points = "".join(f"{x / 4} 0 {z / 4} 0 1 0\n" for x in range(-12, 13) for z in range(-12, 13))
-    game = subprocess.run([tmp_path / "game", asset / "a.vxs"], input=points, capture_output=True, text=True, check=True).stdout
-    assert game == vxs("query", asset / "a.vxs", "--filter", 9, input=points).stdout
-    assert len(set(game.split())) > 10, "lit, dark, and between"
-    assert subprocess.run([tmp_path / "game", tmp_path / "nobody.vxs"], capture_output=True).returncode == 1
+    program = compile_listing(game, "-fopenmp")
+    done = subprocess.run([program, asset / "a.vxs"], input=GROUND, capture_output=True, text=True, check=True).stdout
+    assert done == vxs("query", asset / "a.vxs", "--filter", 9, input=GROUND).stdout
+    assert len(set(done.split())) > 10, "lit, dark, and between"
+    assert subprocess.run([program, program.parent / "absent.vxs"], capture_output=True).returncode == 1
 
 
 @pytest.fixture(scope="module")
-def run_query(vxs_path, tmp_path_factory):
+def run_query(compile_listing):
     """run(function, asset, input): what the listing printed that calls a function of vxs_query.h."""
-    library = vxs_path.parent / "libvxs.a"
-    if not library.is_file():
-        pytest.skip(f"no {library}")
 
     def run(function, path, points=""):
         listing, = (text for text in listings("c") if f"{function}(" in text and "vxs_query.h" in text)
-        folder = tmp_path_factory.mktemp("listing")
-        (folder / "query.c").write_text(listing)
-        subprocess.run(["cc", "-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", f"-I{ROOT / 'runtime'}", f"-I{ROOT / 'formats'}",
-                        folder / "query.c", library, *os.environ.get("VXS_FLAGS", "").split(), "-lzstd", "-lxxhash", "-lm",
-                        "-o", folder / "query"], check=True)
-        assert subprocess.run([folder / "query", folder / "nobody.vxs"], capture_output=True).returncode == 1
-        return subprocess.run([folder / "query", path], input=points, capture_output=True, text=True, check=True).stdout
+        return run_on(compile_listing(listing), path, points)
 
     return run
 
 
 def test_listing_of_batches(vxs, asset, run_query):
-    points = "".join(f"{x / 4} 0 {z / 4} 0 1 0\n" for x in range(-12, 13) for z in range(-12, 13))
-    found = run_query("vxs_lookup_batch", asset / "a.vxs", points)
-    assert found == vxs("query", asset / "a.vxs", "--filter", 9, input=points).stdout
+    found = run_query("vxs_lookup_batch", asset / "a.vxs", GROUND)
+    assert found == vxs("query", asset / "a.vxs", "--filter", 9, input=GROUND).stdout
     assert len(set(found.split())) > 10, "lit, dark, and between"
 
 
@@ -251,33 +348,26 @@ def test_listing_of_rays(vxs, asset, run_query):
     assert min(found) < 0.95 and max(found) > 0.5, "some are in shadow"
 
 
-def test_listing_of_opengl(tmp_path):
-    """It compiles; tests/unit/test_gl.c and test_gl_stream.c run what it calls."""
-    listing, = (text for text in listings("c") if "vxs_gl.h" in text)
+@pytest.mark.parametrize("header, folders", [("vxs_gl.h", ["gl"]), ("vxs_volumes.h", ["gl", "volumes"])])
+def test_listing_of_opengl(tmp_path, header, folders):
+    """It compiles; tests/unit/test_gl.c and test_gl_stream.c run what the first calls, and test_example.py the second."""
+    listing, = (text for text in listings("c") if f"<{header}>" in text)
     (tmp_path / "gl.c").write_text(listing)
-    subprocess.run([*os.environ.get("CC", "cc").split(), "-std=c99", "-Wall", "-Wextra", "-Werror", f"-I{ROOT / 'runtime' / 'gl'}",
+    subprocess.run([*os.environ.get("CC", "cc").split(), "-std=c99", "-Wall", "-Wextra", "-Werror",
+                    *(f"-I{ROOT / 'runtime' / folder}" for folder in folders),
                     f"-I{ROOT / 'runtime'}", f"-I{ROOT / 'formats'}", "-c", "gl.c"], cwd=tmp_path, check=True)
 
 
-def test_listing_of_streams(vxs, vxs_path, asset, tmp_path):
-    library = vxs_path.parent / "libvxs.a"
-    if not library.is_file():
-        pytest.skip(f"no {library}")
-    listing, = (text for text in listings("c") if "vxs_stream.h" in text)
-    (tmp_path / "game.c").write_text(listing)
-    subprocess.run(["cc", "-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", f"-I{ROOT / 'runtime'}", f"-I{ROOT / 'formats'}",
-                    tmp_path / "game.c", library, *os.environ.get("VXS_FLAGS", "").split(), "-lzstd", "-lxxhash", "-lm", "-lpthread",
-                    "-o", tmp_path / "game"], check=True)
-    points = "".join(f"{x / 4} 0 {z / 4} 0 1 0\n" for x in range(-12, 13) for z in range(-12, 13))
-    done = subprocess.run([tmp_path / "game", asset / "a.vxs"], input=points, capture_output=True, text=True, check=True)
-    assert done.stdout == vxs("query", asset / "a.vxs", "--filter", 9, input=points).stdout and not done.stderr
-    assert subprocess.run([tmp_path / "game", tmp_path / "nobody.vxs"], capture_output=True).returncode == 1
+def test_listing_of_streams(vxs, asset, compile_listing):
+    listing, = (text for text in listings("c") if "<vxs_stream.h>" in text)
+    assert run_on(compile_listing(listing, "-lpthread"), asset / "a.vxs", GROUND) == vxs("query", asset / "a.vxs", "--filter", 9, input=GROUND).stdout
 
 
 def test_listings_of_shaders():
-    """They are shaders of tests/shaders, which test_shaders.py compiles and tests/unit/test_shaders.c runs."""
+    """They are shaders of tests/shaders, which test_shaders.py compiles and tests/unit/test_shaders.c runs; and the one of the guide to fog."""
     shaders = ROOT / "tests" / "shaders"
-    assert listings("glsl") == [(shaders / name).read_text() for name in ("lit_430.frag", "lit_300es.frag")]
+    lit, fog, other = listings("glsl")
+    assert [lit, other] == [(shaders / name).read_text() for name in ("lit_430.frag", "lit_300es.frag")] and "vxs_air_path.h" in fog
     assert listings("hlsl") == [(shaders / "lit.hlsl").read_text()]
 
 

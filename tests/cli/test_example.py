@@ -131,6 +131,55 @@ def test_a_frame(installed, vxs, tmp_path):
     assert seen(0, 34)[1] - seen(0, 34)[0] > 20 > abs(seen(20, 60)[1] - seen(20, 60)[0])
 
 
+# docs/guide-fog.md calls for a renderer: that of the example, whose picture is black ground below black sky
+FOG_USER = """
+#include "gl_picture.h"
+
+int main(int argc, char **argv)
+{
+    vxs_asset *level;
+    vxs_gl    *shadows;
+    double     eye_ws[3];
+    if (argc != 3 || !gl_begin() || vxs_asset_open_file(&level, argv[1], NULL)) return 1;
+    const vxs_light *sun = &vxs_asset_light(level, 0)->light;
+    if (vxs_gl_create(&shadows, &(vxs_gl_desc){.get_proc_address = gl_function, .asset = level})) return 1;
+    vxs_gl_upload(shadows, SIZE_MAX);
+    vxs_point(sun, 0, (double[3]){512, 512, 512}, eye_ws);
+    eye_ws[1] = 10;
+    vxs_gl_origin(shadows, eye_ws);
+    vxs_volumes *fog = fog_create(shadows, gl_function, WIDE, HIGH);
+    if (!fog) return 1;
+    glClearColor(0, 0, 0, 1);
+    glClear(GL_COLOR_BUFFER_BIT);
+    fog_draw(fog, gl_ground(10), WIDE, HIGH, gl_point_from_depth);
+    return gl_write(argv[2]) ? 0 : 1;
+}
+"""
+
+
+def test_fog_of_the_guide(installed, vxs, tmp_path):
+    """Over black, airlight alone: some everywhere, more along longer rays, less where a wall keeps the sun off the air."""
+    (listing,) = re.findall(r"^```c\n(.*?)^```", (ROOT / "docs" / "guide-fog.md").read_text(), re.MULTILINE | re.DOTALL)
+    (tmp_path / "fog.c").write_text(listing + FOG_USER)
+    flags = pkg_config(installed / "lib" / "pkgconfig", {}, "--cflags", "--libs", package="vxs_volumes")
+    done = subprocess.run(["cc", "-std=c11", *WARNINGS, "-Wno-unused-function", f"-I{EXAMPLES}", "fog.c", *flags, "-lOSMesa", "-lm", "-o", "fog"], cwd=tmp_path,
+                          capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    ground = ((-100, -1, -100), (100, 0, 100))
+    pixels = {}
+    for name, boxes in (("open", [ground]), ("roof", [ground, ((-60, 40, 0), (0, 41, 90))])):
+        small_scene.write(tmp_path / "ground.gltf", boxes=boxes)
+        vxs("bake", tmp_path / "ground.gltf", "-o", tmp_path / "ground.vxs", "--resolution", 1024)
+        run(tmp_path / "fog", installed, "ground.vxs", "fog.ppm", folder=tmp_path)
+        head, data = (tmp_path / "fog.ppm").read_bytes().split(b"255\n", 1)
+        wide, high = map(int, head.split()[1:])
+        pixels[name] = [[data[3 * (y * wide + x)] for x in range(wide)] for y in range(high)]
+    near, far, left, right = high - 5, high // 2 + 5, wide // 4, 3 * wide // 4
+    assert 0 < pixels["open"][near][left] < pixels["open"][far][left], "longer rays have more air"
+    assert pixels["roof"][far][left] < 0.8 * pixels["open"][far][left], "below the roof the air is dark"
+    assert pixels["roof"][far][left] < 0.8 * pixels["roof"][far][right], "and lit beside it"
+
+
 @pytest.mark.slow
 def test_by_cmake(programs, installed, level, tmp_path):
     if not shutil.which("cmake"):

@@ -86,20 +86,24 @@ def test_fields(number, prefix, size):
 
 def test_sizes_in_prose():
     defined = macros()
-    assert f"first {defined['VXS_HEADER_BYTES']} bytes" in section(3)
-    assert f"entries of {defined['VXS_ENTRY_BYTES']} bytes" in section(4)
-    assert f"size of a record, {defined['VXS_LIGHT_BYTES']};" in section(5)
+
+    def prose(number):
+        return " ".join(section(number).split())
+
+    assert f"first {defined['VXS_HEADER_BYTES']} bytes" in prose(3)
+    assert f"entries of {defined['VXS_ENTRY_BYTES']} bytes" in prose(4)
+    assert f"size of a record, {defined['VXS_LIGHT_BYTES']};" in prose(5)
     assert defined["VXS_LIGHTS_PREFIX_BYTES"] == 8 and defined["VXS_MAGIC_BYTES"] == 8
     assert defined["VXS_LIGHT_NAME_BYTES"] == int(next(f for f in tables(section(5))[0] if f["name"] == "name")["size"])
-    assert defined["VXS_NO_LIGHT"] == 0xffffffff and "`ffffffff`: none" in section(4)
-    assert f"size of an entry, {defined['VXS_PAGE_BYTES']};" in section(14) and defined["VXS_PAGES_PREFIX_BYTES"] == 8
-    assert defined["VXS_BLOCKS_SPARE_WORDS"] == 4 and "a reader keeps four\nmore" in section(13)
+    assert defined["VXS_NO_LIGHT"] == 0xffffffff and "`ffffffff`: none" in prose(4)
+    assert f"size of an entry, {defined['VXS_PAGE_BYTES']};" in prose(14) and defined["VXS_PAGES_PREFIX_BYTES"] == 8
+    assert defined["VXS_BLOCKS_SPARE_WORDS"] == 4 and "a reader keeps four more" in prose(13)
     assert defined["VXS_SECTION_OPTIONAL"] == 1 and defined["VXS_SECTION_STORED"] == 2 and defined["VXS_LIGHT_BOUNDED"] == 1
     assert defined["VXS_LIGHT_CUBE"] == 2 and defined["VXS_CUBE_FACES"] == 6
     kinds = [defined["VXS_LIGHT_KIND_" + kind] for kind in ("DIRECTIONAL", "SPOT", "POINT")]
-    assert kinds == [1, 2, 3] and "| 1: directional; 2: spot; 3: point |" in section(5)
-    assert [defined["VXS_CODING_" + coding] for coding in ("DAG", "BLOCKS")] == [1, 2] and "1: a DAG; 2: palette blocks." in section(5)
-    assert [defined["VXS_PACKING_" + packing] for packing in ("SMALL", "FAST")] == [0, 1] and "0: small, 14.1 to 14.9; 1: fast, 14.10." in section(5)
+    assert kinds == [1, 2, 3] and "| 1: directional; 2: spot; 3: point |" in prose(5)
+    assert [defined["VXS_CODING_" + coding] for coding in ("DAG", "BLOCKS")] == [1, 2] and "1: a DAG; 2: palette blocks." in prose(5)
+    assert [defined["VXS_PACKING_" + packing] for packing in ("SMALL", "FAST")] == [0, 1] and "0: small, 14.1 to 14.9; 1: fast, 14.10." in prose(5)
     assert defined["VXS_FORMAT_VERSION_BLOCKS"] == 2
 
 

@@ -73,3 +73,31 @@ def test_no_two_modules_include_each_other():
     pairs = {(str(Path(file).with_suffix("")), str(Path(used).with_suffix(""))) for file, includes in product_files().items()
              for used in includes}
     assert {(a, b) for a, b in pairs if a < b and (b, a) in pairs} == set()
+
+
+def journeys():
+    """Title: the files of each step, in their order."""
+    section = (ROOT / "docs/overview.md").read_text().split("\n## Journeys\n")[1].split("\n## ")[0]
+    parts = re.split(r"^\*\*(.+)\*\*$", section, flags=re.M)[1:]
+    return {title: [re.findall(r"`([\w./]+\.(?:cc?|h|glsl))`", step.partition(":")[0]) for step in re.findall(r"^\d+\. (.*)$", steps, re.M)]
+            for title, steps in zip(parts[::2], parts[1::2])}
+
+
+@pytest.mark.parametrize("title", journeys())
+def test_journeys_go_downward(title):
+    """Each file is there, by its path or a name that no other has; a step above may use it, and it may use none above."""
+    may, above = rules(), []
+    for step in journeys()[title]:
+        here = []
+        for name in step:
+            (file,) = {p for p in [ROOT / name] if p.is_file()} or {p for folder in ("baker", "formats", "runtime", "scenes") for p in (ROOT / folder).rglob(name)}
+            here.append(folder_of(str(file.relative_to(ROOT))))
+        assert here
+        for folder in here:
+            assert not above or any(folder in may[upper] for upper in above + here), f"{step}: nothing above may use it"
+            assert not [upper for upper in above if upper != folder and upper in may[folder]], f"{step} may use what is above it"
+        above += here
+
+
+def test_there_are_five_journeys():
+    assert len(journeys()) == 5 and all(len(steps) > 2 for steps in journeys().values())

@@ -92,7 +92,7 @@ def test_shader_asks_for_smoke(glslang, shader):
 
 
 def test_light_in_the_air_in_hlsl(glslang):
-    """The law of light and airlight (docs/volumes.md) say that they are HLSL, too; GLSL is run by unit tests."""
+    """The headers of the law of light and of airlight say that they are HLSL, too; GLSL is run by unit tests."""
     text = (ROOT / "tests" / "shaders" / "lit.hlsl").read_text().partition("cbuffer")[0] + """#include "vxs_air_light.h"
 #include "vxs_air.h"
 #include "vxs_air_path.h"
@@ -109,6 +109,15 @@ float3 main(float3 at : POSITION_WS, float3 eye : EYE, float3 direction : DIRECT
 }
 """
     glslang(text, "air.hlsl", *options_of("air.hlsl"), f"-I{ROOT / 'runtime' / 'volumes'}")
+
+
+def test_fog_of_the_guide(glslang):
+    """The listing of docs/guide-fog.md compiles as it stands, each header a string."""
+    (text,) = re.findall(r"^```glsl\n(.*?)^```", (ROOT / "docs" / "guide-fog.md").read_text(), re.MULTILINE | re.DOTALL)
+    for name in re.findall(r'^#include "(\S+)"$', text, re.MULTILINE):
+        folder = next(f for f in ("formats", "runtime/volumes") if (ROOT / f / name).is_file())
+        text = text.replace(f'#include "{name}"\n', (ROOT / folder / name).read_text())
+    glslang(text, "fog.frag")
 
 
 def test_blocks_headers_alone(glslang):

@@ -331,7 +331,7 @@ static void test_sentinel_depths_are_finite(void **state)
     }
 }
 
-/* Errors fall with nodes; sorted by depth they are less; with few nodes the order matters. Figures of docs/smoke.md. */
+/* Errors fall with nodes; sorted by depth they are less; with few nodes the order matters. Figures of docs/measurements.md. */
 static void test_errors_by_nodes(void **state)
 {
     (void)state;
