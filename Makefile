@@ -167,7 +167,7 @@ fuzz      := $(addprefix $B/,$(basename $(fuzz.c)))
 fuzz.vxs  := tests/fuzz/fuzz_vxs.c tests/fuzz/fuzz_answers.c tests/fuzz/fuzz_shaders.c
 fuzz.loop  = $(if $(filter fuzz,$(config)),$(if $(filter $(fuzz.vxs),$1),tests/fuzz/mutate_vxs.c,$(wildcard $(1:tests/fuzz/fuzz_%=tests/fuzz/mutate_%))),tests/fuzz/replay.c)
 test.o    := $(patsubst $B/%,$B/%.c.o,$(unit) $(helper)) $(patsubst %,$B/%.o,$(fuzz.c) $(foreach f,$(fuzz.c),$(call fuzz.loop,$f))) $(exact.o) $(rival.o) $(volumes_bench.o) $(reference.o) $B/tests/unit/blocks_scalar.c.o $B/tests/unit/lookup_many_scalar.c.o
-objects    = $(no_lab.c:%=$B/%.o) $(if $(mpi),$(mpi.o),$B/baker/command/mpi/desk.c.o) $B/baker/main.c.o $(baker.o) $(library.o) $(runtime.o) $(gl.o) $(volumes.o) $(pic.o) $(gl.pic.o) $(volumes.pic.o) $(test.o)
+objects    = $(no_lab.c:%=$B/%.o) $(if $(mpi),$(mpi.o),$B/baker/command/mpi/square_scheduler.c.o) $B/baker/main.c.o $(baker.o) $(library.o) $(runtime.o) $(gl.o) $(volumes.o) $(pic.o) $(gl.pic.o) $(volumes.pic.o) $(test.o)
 
 .DELETE_ON_ERROR:
 .PHONY: all unit fuzz fuzzers fuzz-commands demo check check-fast check-unit check-asan check-repeats check-exact check-memory check-faults check-sparse check-cracks check-sanitizers bench bench-bias bench-flight bench-large bench-lights bench-volumes bench-smoke packages format clean
@@ -201,7 +201,7 @@ $(reference): $(reference.o)
 $(reference): test_libs += -lgsl -lgslcblas
 $B/tests/unit/test_lookup_blocks $B/tests/unit/test_gl: $B/tests/unit/blocks_scalar.c.o
 $B/tests/unit/test_lookup_many $B/tests/unit/test_gl: $B/tests/unit/lookup_many_scalar.c.o
-$B/tests/unit/test_desk: $B/baker/command/mpi/desk.c.o
+$B/tests/unit/test_square_scheduler: $B/baker/command/mpi/square_scheduler.c.o
 # what they test is optimised as it is delivered; they themselves take longer to compile than to run
 $(patsubst %,$B/%.o,$(wildcard tests/unit/*.c)): cflags += $(if $(filter release,$(config)),-O1)
 $B/tests/exact/exact: $(exact.o)

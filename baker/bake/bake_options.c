@@ -17,7 +17,7 @@ static void set_maps(json_t **object, const bake_options *o)
 }
 
 /* What is free besides the insides of solids, where it was asked for. */
-static void set_freedom(json_t **object, const bake_options *o)
+static void set_dont_care(json_t **object, const bake_options *o)
 {
     if (o->behind != BEHIND_SHADOW) set_word(object, "behind", BEHIND_CHOICES, (int)o->behind);
     if (o->thickness_m > 0) json_set(object, "thickness_m", json_real(o->thickness_m));
@@ -43,7 +43,7 @@ json_t *bake_choices_json(const bake_options *o)
     set_word(&object, "closed", CLOSED_CHOICES, (int)o->closed);
     set_word(&object, "exit", EXIT_CHOICES, (int)o->exit);
     set_maps(&object, o);
-    set_freedom(&object, o);
+    set_dont_care(&object, o);
     set_coding(&object, o);
     set_word(&object, "gl", GL_CHOICES, (int)o->gl);
     json_set(&object, "zstd_level", json_integer(o->zstd_level));

@@ -19,7 +19,7 @@
 #include "baker/coding/blocks/block_words.h"
 #include "baker/coding/blocks/depth_axis.h"
 #include "baker/coding/blocks/pattern_code.h"
-#include "baker/coding/blocks/pierce.h"
+#include "baker/coding/blocks/stabbing_set.h"
 #include "baker/coding/blocks/tile_needs.h"
 #include "tests/columns/analytic.h"
 
@@ -412,10 +412,10 @@ static void piercing(void **state)
     (void)state;
     rng r = {1};
     for (uint32_t round = 0; round < repeats(1000, 3000); round++) {
-        intervals    s = {.count = 1 + (int)rng_below(&r, round % 2 ? 40 : 1040)};
-        int16_t      low[1040], high[1040];
-        pierce_group groups[1040];
-        int          count = s.count, range = 1 + (int)rng_below(&r, 32767);
+        intervals  s = {.count = 1 + (int)rng_below(&r, round % 2 ? 40 : 1040)};
+        int16_t    low[1040], high[1040];
+        stab_group groups[1040];
+        int        count = s.count, range = 1 + (int)rng_below(&r, 32767);
         for (int n = 0; n < count; n++) {
             int a = (int)rng_below(&r, (uint32_t)range), b = (int)rng_below(&r, (uint32_t)(range / (1 + round % 50)) + 1);
             low[n] = s.low[n] = (int16_t)a;
@@ -423,9 +423,9 @@ static void piercing(void **state)
         }
         int points = 0;
         for (int cpu = CPU_SSE2; cpu <= cpu_level_of_machine(); cpu++) {
-            intervals    used = s; /* each use takes it up */
-            pierce_group same[1040];
-            points = pierce(&used, cpu ? same : groups, 1040, cpu);
+            intervals  used = s; /* each use takes it up */
+            stab_group same[1040];
+            points = minimum_stabbing_set(&used, cpu ? same : groups, 1040, cpu);
             if (cpu) assert_memory_equal(same, groups, (size_t)points * sizeof *groups);
             assert_int_equal(points, fewest_points(low, high, count));
         }
@@ -568,7 +568,7 @@ static void searches_find_the_same(void **state)
     for (int cpu = CPU_SSE2; cpu <= CPU_AVX2; cpu++) pattern_set_free(&set[cpu]);
 }
 
-/* A quadrant has as few depths as its ranges can do with: those are pierced one by one, the one that ends first before all others. */
+/* A quadrant has as few depths as its ranges can do with: those are stabbed one by one, the one that ends first before all others. */
 static void quadrants_have_few_depths(void **state)
 {
     (void)state;

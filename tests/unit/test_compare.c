@@ -58,7 +58,7 @@ static compare_result compared_scene(const casters *c, vxs_baked_light light, co
     truth         *t = NULL;
     compare_result result;
     assert_int_equal(truth_create(&t, c, 1, &m), VXS_OK);
-    assert_int_equal(compare_light(&result, t, c, &light, &(compare_freedom){0}, &o, &m), VXS_OK);
+    assert_int_equal(compare_light(&result, t, c, &light, &(compare_dont_care){0}, &o, &m), VXS_OK);
     truth_destroy(t);
     for (int kind = 0; kind < COMPARE_KINDS; kind++) {
         const compare_counts *n = &result.counts[kind];

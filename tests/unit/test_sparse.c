@@ -508,7 +508,7 @@ static void assert_column(const sample *b, const vxs_light *light, const ways *w
                           .scale        = {64, sun ? 0 : light->voxel_metres},
                           .nearest_back = w->nearest_back,
                           .every_texel  = 1,
-                          .freedom      = freedom_of(light, w->free_behind, w->thickness_m)};
+                          .dont_care    = dont_care_rules_of(light, w->free_behind, w->thickness_m)};
     assert_int_equal(projection_init(&p, &b->c, light, 0, 1, &m), VXS_OK);
     assert_int_equal(sparse_triangles_init(&s, &p, 64, 1), VXS_OK);
     ids = calloc(s.count, sizeof *ids);
@@ -520,7 +520,7 @@ static void assert_column(const sample *b, const vxs_light *light, const ways *w
         assert_true(sparse_levels[level].leaf(&scratch, &d, &list, &bound, (texel_square){32, 32, 8}, &tile, &bounds));
         if (tile.e[9] != e || tile.x[9] != x) fail_msg("%s: %u and %u, expected %u and %u", what, tile.e[9], tile.x[9], e, x);
         assert_true(sparse_levels[level].gather(&list, &s, ids, s.count, (texel_square){32, 32, 32}));
-        square_bound_tighten(&bound, &list, &s, &d.freedom);
+        square_bound_tighten(&bound, &list, &s, &d.dont_care);
         uint32_t least_x = depth_up(d.scale, depth_clamped(d.scale, bound.exit_least));
         if (least_x != square_x) fail_msg("%s: a square says %u, expected %u", what, least_x, square_x);
     }

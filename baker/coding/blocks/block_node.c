@@ -6,7 +6,7 @@
 #include "baker/base/simd.h"
 #include "baker/coding/blocks/block_build.h"
 #include "baker/coding/blocks/depth_axis.h"
-#include "baker/coding/blocks/pierce.h"
+#include "baker/coding/blocks/stabbing_set.h"
 #include "baker/coding/blocks/tile_needs.h"
 
 enum {
@@ -164,12 +164,12 @@ static void add_tile(intervals *s, const tile_in *t)
 static void count_depths(node_builder *b)
 {
     for (tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
-        intervals    s;
-        pierce_group groups[64];
+        intervals  s;
+        stab_group groups[64];
         if (t->kind != TILE_PATTERN) continue;
         s.count = 0;
         add_tile(&s, t);
-        t->depths = pierce(&s, groups, 64, b->set->patterns.cpu);
+        t->depths = minimum_stabbing_set(&s, groups, 64, b->set->patterns.cpu);
     }
 }
 
@@ -204,7 +204,7 @@ static void give_one_own_depths(node_builder *b)
 }
 
 /* The fewest depths for all tiles but those with their own; as many tiles get their own as it takes. */
-static int block_groups(node_builder *b, pierce_group groups[PALETTE_MAX + 1])
+static int block_groups(node_builder *b, stab_group groups[PALETTE_MAX + 1])
 {
     for (int counted = 0;;) {
         intervals s; /* 4 KiB, of which the count alone has to be 0 */
@@ -222,7 +222,7 @@ static int block_groups(node_builder *b, pierce_group groups[PALETTE_MAX + 1])
             s.high[0] = first->high[0];
             s.count   = 1;
         }
-        int count = pierce(&s, groups, PALETTE_MAX + 1, b->set->patterns.cpu);
+        int count = minimum_stabbing_set(&s, groups, PALETTE_MAX + 1, b->set->patterns.cpu);
         if (count >= OWN_FROM && !counted) {
             counted = 1;
             count_depths(b);
@@ -241,7 +241,7 @@ static int32_t roundest(int32_t low, int32_t high)
 }
 
 /* Depths within their groups, such that differences to the first are round. Returns the first. */
-static int32_t place(block *out, const depth_axis *axis, const pierce_group *groups, int count)
+static int32_t place(block *out, const depth_axis *axis, const stab_group *groups, int count)
 {
     int32_t low = axis_depth(axis, groups[0].low), high = axis_depth(axis, groups[0].high);
     out->depths = (uint32_t)count;
@@ -337,7 +337,7 @@ static void give_planes(node_builder *b)
  * codes  [out] of its depths;   Returns the first of them. */
 static int32_t build_palette(node_builder *b, block *out, int16_t codes[PALETTE_MAX])
 {
-    pierce_group groups[PALETTE_MAX + 1];
+    stab_group groups[PALETTE_MAX + 1];
     scale_block(b);
     int     count = block_groups(b, groups);
     int32_t base  = place(out, &b->axis, groups, count);

@@ -10,7 +10,7 @@
 #include "baker/base/simd.h"
 #include "baker/coding/blocks/pattern_code.h"
 #include "baker/coding/blocks/patterns.h"
-#include "baker/coding/blocks/pierce.h"
+#include "baker/coding/blocks/stabbing_set.h"
 
 #ifdef __x86_64__
 #include <immintrin.h>
@@ -210,14 +210,14 @@ static int choose_bytes(own_pattern *p, const tile_ranges *t, int shift, int32_t
 /* As few different depths as there may be. */
 static void choose_few(own_pattern *p, const half_ranges *t, int32_t *base)
 {
-    intervals    s;
-    pierce_group groups[64];
-    int16_t      points[64];
-    uint8_t      low[64], high[64], index[64];
+    intervals  s;
+    stab_group groups[64];
+    int16_t    points[64];
+    uint8_t    low[64], high[64], index[64];
     s.count = 64;
     memcpy(s.low, t->low, sizeof t->low);
     memcpy(s.high, t->high, sizeof t->high);
-    int count = pierce(&s, groups, 64, CPU_SSE2); /* seldom asked */
+    int count = minimum_stabbing_set(&s, groups, 64, CPU_SSE2); /* seldom asked */
     for (int n = 0; n < count; n++) points[n] = groups[n].low;
     points_of_ranges(t->low, t->high, points, count, low, high);
     pattern_choose_within(low, high, index);

@@ -193,7 +193,7 @@ static uint64_t texels_of(const leaf *f, const square_entry *e)
     const sparse_triangle *t      = &f->d->triangles->all[e->id];
     uint64_t               texels = e->bits & ENTRY_COVERS ? ALL_TEXELS : covered(f, t);
     if (!(t->kind & SPARSE_HOLED)) return texels;
-    if (sparse_is_sheet(t) && !freedom_looks_on(&f->d->freedom)) texels = met_first(f, t, texels);
+    if (sparse_is_sheet(t) && !dont_care_needs_next(&f->d->dont_care)) texels = met_first(f, t, texels);
     return without_holes(f, e->id, texels);
 }
 
@@ -329,7 +329,7 @@ static f64s exits_of(leaf *f, int first, i64s open)
 /* Whether light leaves the triangle where its thickness ends. */
 static int is_thick(const leaf *f, const sparse_triangle *t)
 {
-    return f->d->freedom.thickness > 0 && t->kind & SPARSE_FACES;
+    return f->d->dont_care.thickness > 0 && t->kind & SPARSE_FACES;
 }
 
 /* Exits of LANES texels from one on where more is free than the insides of solids: by all that they meet. */
@@ -348,7 +348,7 @@ static f64s later_exits(const leaf *f, int first, f64s exits)
         if (is_thick(f, face->t)) thick = f64s_min(thick, z);
     }
     f64s_store(through, nearest);
-    for (int n = 0; n < LANES; n++) through[n] = freedom_through(&f->d->freedom, through[n]);
+    for (int n = 0; n < LANES; n++) through[n] = dont_care_through(&f->d->dont_care, through[n]);
     f64s x = f64s_choose((i64s)(thick == nearest), f64s_min(f64s_load(through), next), exits);
     return f->frees ? f64s_choose((i64s)(last <= exits), none, x) : x;
 }
@@ -362,7 +362,7 @@ static void find_columns(leaf *f, int first)
     const i64s open = (i64s)(e < f64s_load(f->sheet + first));
     f64s       x    = e;
     if (i64s_negative(open)) x = f64s_choose(open, exits_of(f, first, open), e);
-    if (freedom_looks_on(&f->d->freedom)) x = later_exits(f, first, x);
+    if (dont_care_needs_next(&f->d->dont_care)) x = later_exits(f, first, x);
     f64s_store(f->e + first, e);
     f64s_store(f->x + first, x);
 }
@@ -413,7 +413,7 @@ int AT_LEVEL(leaf_columns)(leaf_scratch *s, const leaf_desc *d, const square_lis
     f.bound  = b;
     f.x0     = ((int64_t)(2 * square.u + 1) << d->triangles->grid) / 2;
     f.y0     = ((int64_t)(2 * square.v + 1) << d->triangles->grid) / 2;
-    f.frees  = d->freedom.behind && !b->behind;
+    f.frees  = d->dont_care.behind && !b->behind;
     f.known  = f.frees ? DBL_MAX : b->enter_most;
     f.faces  = s->faces;
     f.hits   = s->hits;

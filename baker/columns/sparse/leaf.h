@@ -5,7 +5,7 @@
  * What begins behind F (square_bound.h) is not in the list, and need not be: a tile is entered before F, and what is left behind F decides
  * nothing. There the next back face known, of the list or left out of it, stands for the exit.
  *
- * Where more is to be free (freedom.h), it matters what a ray meets behind where light leaves: the nearest of it ends a sheet's thickness, and
+ * Where more is to be free (dont_care.h), it matters what a ray meets behind where light leaves: the nearest of it ends a sheet's thickness, and
  * where there is none, x is the end of the map. The list has all of it, or it is known that no texel's exit is the last surface.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef LEAF_H
@@ -29,7 +29,7 @@ typedef struct leaf_desc {
     depth_scale             scale;
     int                     nearest_back; /* 1: light leaves at the nearest back face, whatever is open */
     int                     every_texel;  /* 1: all columns of a tile are wanted, also where one depth parts them */
-    column_freedom          freedom;
+    dont_care_rules         dont_care;
 } leaf_desc;
 
 /* out     [out] the columns, where one depth does not part all that is lit from all that is in shadow

@@ -27,7 +27,7 @@ enum { SPARSE_PARALLEL_PX = 1024 }; /* squares of so much, or less, may be fetch
 typedef struct sparse_columns {
     const casters   *casters;      /* that the light may reach; borrowed, as is the light */
     const vxs_light *light;        /* fitted */
-    int              free_behind;  /* 1: nobody asks behind the last surface (freedom.h) */
+    int              free_behind;  /* 1: nobody asks behind the last surface (dont_care.h) */
     double           thickness_m;  /* of sheets that face the light, metres along the axis of the map; 0: none */
     int              nearest_back; /* 1: light leaves solids at the nearest back face, also where they meet others */
     uint32_t         fetch_px;     /* a power of two: side of the squares that are computed at once, at most */

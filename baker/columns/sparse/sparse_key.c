@@ -84,7 +84,7 @@ vxs_result sparse_key(sparse_keys *k, const leaf_desc *d, const triangle_bins *b
     uint32_t cells = max_u32(at.side / bins->cell_px, 1), i = at.u / bins->cell_px, j = at.v / bins->cell_px;
     XXH3_128bits_reset(&state);
     XXH3_128bits_update(&state, place, sizeof place);
-    const double measures[] = {d->scale.voxel_log, d->freedom.thickness, d->freedom.behind != 0};
+    const double measures[] = {d->scale.voxel_log, d->dont_care.thickness, d->dont_care.behind != 0};
     XXH3_128bits_update(&state, measures, sizeof measures);
     for (uint32_t cell = 0; cell < cells * cells; cell++) {
         const size_t *first = bins->first + (size_t)(j + cell / cells) * bins->cells + i + cell % cells;

@@ -126,14 +126,14 @@ static int settle_empty(const square_maker *w, texel_square at)
 
 static int settle_large(const square_maker *w, texel_square at, square_bound *bound, square_list *l)
 {
-    square_bound_tighten(bound, l, w->d->triangles, &w->d->freedom);
+    square_bound_tighten(bound, l, w->d->triangles, &w->d->dont_care);
     return l->count ? settle(w, at, bound->enter_most, bound->exit_least, 0) : settle_empty(w, at);
 }
 
 static int settle_small(const square_maker *w, texel_square at, const square_bound *bound, const square_list *l)
 {
     square_parting p;
-    if (freedom_looks_on(&w->d->freedom)) return 0; /* more than insides of solids is free, which takes texels to tell */
+    if (dont_care_needs_next(&w->d->dont_care)) return 0; /* more than insides of solids is free, which takes texels to tell */
     if (!square_settle(l, w->d->triangles, at, bound, w->d->nearest_back, &p)) return 0;
     if (at.side == 8) return p.is_certain && settle(w, at, p.enter_most, p.exit_least, 0);
     return settle(w, at, p.enter_most, p.exit_least, at.side); /* else its tiles, of which each has more room, are worth more */

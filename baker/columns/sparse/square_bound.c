@@ -99,19 +99,19 @@ static run_depths depths_of_runs(const square_list *l, const sparse_triangles *s
 
 /* Before where light leaves a run of sheets, or of back faces of solids. What is said of a run holds where every texel meets it once, and so
  * nothing of it lies behind it; one that reaches what was left out may only seem so. */
-static double run_exit_least(const square_bound *b, const column_freedom *f, const patch_run *r, const run_depths *d,
+static double run_exit_least(const square_bound *b, const dont_care_rules *f, const patch_run *r, const run_depths *d,
                              double left_out)
 {
     const double nearest = d->lo[d->lo_of == r->begin], farthest = d->hi[d->hi_of == r->begin]; /* of the others */
     if (r->sampled != 1 || r->ends || r->hi > left_out) return r->lo;
     if (f->behind && !b->behind && farthest < r->lo) return INFINITY;
     if (!r->faces || !(f->thickness > 0)) return r->lo;
-    const double rounded = ldexp(1, -50); /* more than freedom_through is off */
-    return greatest(r->lo, least(freedom_through(f, r->lo) - rounded, nearest));
+    const double rounded = ldexp(1, -50); /* more than dont_care_through is off */
+    return greatest(r->lo, least(dont_care_through(f, r->lo) - rounded, nearest));
 }
 
 /* xmin, where more is free than the insides of solids.   left_out  what begins behind it may not be in the list */
-static double later_exit_least(const square_bound *b, const square_list *l, const sparse_triangles *s, const column_freedom *f,
+static double later_exit_least(const square_bound *b, const square_list *l, const sparse_triangles *s, const dont_care_rules *f,
                                double left_out)
 {
     run_depths d    = depths_of_runs(l, s);
@@ -127,13 +127,13 @@ static double later_exit_least(const square_bound *b, const square_list *l, cons
 /* the square ------------------------------------------------------------------------------------------------------------------ */
 
 /* Where what begins no longer matters. */
-static double limit_of(const square_bound *b, const column_freedom *f)
+static double limit_of(const square_bound *b, const dont_care_rules *f)
 {
-    if (!freedom_looks_on(f)) return b->enter_most;
-    return f->behind && !b->behind ? INFINITY : freedom_through(f, b->enter_most);
+    if (!dont_care_needs_next(f)) return b->enter_most;
+    return f->behind && !b->behind ? INFINITY : dont_care_through(f, b->enter_most);
 }
 
-void square_bound_tighten(square_bound *b, square_list *l, const sparse_triangles *s, const column_freedom *f)
+void square_bound_tighten(square_bound *b, square_list *l, const sparse_triangles *s, const dont_care_rules *f)
 {
     size_t kept   = 0;
     double nearer = INFINITY;
@@ -151,5 +151,5 @@ void square_bound_tighten(square_bound *b, square_list *l, const sparse_triangle
         l->items[kept++] = *e;
     }
     l->count      = kept;
-    b->exit_least = freedom_looks_on(f) ? later_exit_least(b, l, s, f, limit) : least(nearer, b->left_out);
+    b->exit_least = dont_care_needs_next(f) ? later_exit_least(b, l, s, f, limit) : least(nearer, b->left_out);
 }

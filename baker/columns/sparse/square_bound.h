@@ -9,13 +9,13 @@
  * What begins behind F is left out from here on. The nearest back face of a solid among it is kept as K: where a list has no back face
  * for a texel any more, light leaves at K or behind.
  *
- * Where more is to be free (freedom.h), what lies behind where light leaves matters, too: what may end a sheet's thickness stays, and, until it
+ * Where more is to be free (dont_care.h), what lies behind where light leaves matters, too: what may end a sheet's thickness stays, and, until it
  * is known that something lies behind F in all texels, all does.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SQUARE_BOUND_H
 #define SQUARE_BOUND_H
 
-#include "baker/columns/sparse/freedom.h"
+#include "baker/columns/sparse/dont_care.h"
 #include "baker/columns/sparse/square_list.h"
 
 typedef struct square_bound {
@@ -26,6 +26,6 @@ typedef struct square_bound {
 } square_bound;
 
 /* Tighten what is known of a square from the larger one around it by its own list, and take out of the list what no longer matters. */
-void square_bound_tighten(square_bound *b, square_list *l, const sparse_triangles *s, const column_freedom *f);
+void square_bound_tighten(square_bound *b, square_list *l, const sparse_triangles *s, const dont_care_rules *f);
 
 #endif

@@ -9,8 +9,8 @@
 #include "baker/bake/cache/square_exchange.h"
 #include "baker/base/array.h"
 #include "baker/command/commands.h"
-#include "baker/command/mpi/desk.h"
 #include "baker/command/mpi/ranks.h"
+#include "baker/command/mpi/square_scheduler.h"
 #include "runtime/vxs.h"
 
 /* Between two looks for messages: short beside a square, long beside a look. */
@@ -19,14 +19,14 @@ enum { LOOK_NANOSECONDS = 200000 };
 typedef struct first_rank {
     pthread_t thread; /* the only one that calls MPI while it runs */
 
-    pthread_mutex_t lock;  /* of all below */
-    pthread_cond_t  event; /* a square has come, or a rank has failed */
-    desk            desk;
-    uint32_t        ranks, ended;
-    uint8_t        *waits; /* [ranks] 1: it wants a square, and has no answer */
-    int             over;  /* 1: nothing is needed any more */
-    int             failed_rank;
-    end_note        failure; /* the first of another rank */
+    pthread_mutex_t  lock;  /* of all below */
+    pthread_cond_t   event; /* a square has come, or a rank has failed */
+    square_scheduler square_scheduler;
+    uint32_t         ranks, ended;
+    uint8_t         *waits; /* [ranks] 1: it wants a square, and has no answer */
+    int              over;  /* 1: nothing is needed any more */
+    int              failed_rank;
+    end_note         failure; /* the first of another rank */
 } first_rank;
 
 /* what the thread does -------------------------------------------------------------------------------------------------------- */
@@ -60,9 +60,9 @@ static void receive_square(first_rank *f, int rank)
                  MPI_STATUS_IGNORE);
     }
     pthread_mutex_lock(&f->lock);
-    desk_square *s = desk_deliver(&f->desk, head[HEAD_NUMBER], (uint32_t)rank);
+    scheduled_square *s = square_scheduler_deliver(&f->square_scheduler, head[HEAD_NUMBER], (uint32_t)rank);
     if (s)
-        *s = (desk_square){(uint32_t)rank, 1, head[HEAD_MADE] != 0, {head[HEAD_KEY_LOW], head[HEAD_KEY_HIGH]}, record};
+        *s = (scheduled_square){(uint32_t)rank, 1, head[HEAD_MADE] != 0, {head[HEAD_KEY_LOW], head[HEAD_KEY_HIGH]}, record};
     else
         free(record.data);
     pthread_cond_signal(&f->event);
@@ -90,12 +90,12 @@ static void receive_end(first_rank *f, int rank)
 static int ticket_for(first_rank *f, uint32_t rank, uint64_t *ticket)
 {
     pthread_mutex_lock(&f->lock);
-    int given = DESK_GIVEN;
+    int given = SCHEDULER_GIVEN;
     *ticket   = NO_MORE;
-    if (!f->over && f->failure.result == VXS_OK) given = desk_next(&f->desk, rank, ticket);
-    if (given == DESK_MEMORY) note_no_memory(f);
+    if (!f->over && f->failure.result == VXS_OK) given = square_scheduler_next(&f->square_scheduler, rank, ticket);
+    if (given == SCHEDULER_MEMORY) note_no_memory(f);
     pthread_mutex_unlock(&f->lock);
-    return given != DESK_WAIT;
+    return given != SCHEDULER_WAIT;
 }
 
 static void answer_claims(first_rank *f)
@@ -143,7 +143,7 @@ static vxs_result claim(void *data, uint64_t number, square_fate *fate, message 
 {
     first_rank *f = data;
     pthread_mutex_lock(&f->lock);
-    const desk_square *s = desk_arrive(&f->desk, number);
+    const scheduled_square *s = square_scheduler_take(&f->square_scheduler, number);
     if (!s) note_no_memory(f);
     if (s) *fate = s->rank ? SQUARE_KNOWN : SQUARE_MAKE;
     vxs_result r = f->failure.result == VXS_OK ? VXS_OK : failure_of(f, m);
@@ -156,10 +156,10 @@ static vxs_result take(void *data, uint64_t number, const column_key *key, vxs_b
     first_rank *f = data;
     vxs_result  r = VXS_OK;
     pthread_mutex_lock(&f->lock);
-    while (f->failure.result == VXS_OK && !f->desk.squares[number].is_here) pthread_cond_wait(&f->event, &f->lock);
-    desk_square *s = &f->desk.squares[number];
-    *record        = (vxs_bytes){0};
-    *made          = s->made;
+    while (f->failure.result == VXS_OK && !f->square_scheduler.squares[number].is_here) pthread_cond_wait(&f->event, &f->lock);
+    scheduled_square *s = &f->square_scheduler.squares[number];
+    *record             = (vxs_bytes){0};
+    *made               = s->made;
     if (f->failure.result != VXS_OK)
         r = failure_of(f, m);
     else if (s->key.low != key->low || s->key.high != key->high)
@@ -178,11 +178,11 @@ static vxs_result take(void *data, uint64_t number, const column_key *key, vxs_b
 
 int bake_first(int ranks, int argc, char **argv)
 {
-    first_rank f = {.ranks = (uint32_t)ranks,
-                    .desk  = {.ranks = (uint32_t)ranks},
-                    .lock  = PTHREAD_MUTEX_INITIALIZER,
-                    .event = PTHREAD_COND_INITIALIZER,
-                    .waits = calloc((size_t)ranks, 1)};
+    first_rank f = {.ranks            = (uint32_t)ranks,
+                    .square_scheduler = {.ranks = (uint32_t)ranks},
+                    .lock             = PTHREAD_MUTEX_INITIALIZER,
+                    .event            = PTHREAD_COND_INITIALIZER,
+                    .waits            = calloc((size_t)ranks, 1)};
     if (!f.waits || pthread_create(&f.thread, NULL, speak, &f)) {
         fprintf(stderr, "vxs: error: rank 0 cannot start the thread that speaks with others\n");
         MPI_Abort(MPI_COMM_WORLD, exit_status(VXS_E_MEMORY));
@@ -193,7 +193,7 @@ int bake_first(int ranks, int argc, char **argv)
     f.over = 1;
     pthread_mutex_unlock(&f.lock);
     pthread_join(f.thread, NULL);
-    desk_free(&f.desk);
+    square_scheduler_free(&f.square_scheduler);
     free(f.waits);
     return status;
 }

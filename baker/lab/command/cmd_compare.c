@@ -73,12 +73,12 @@ static closed_mode closed_of_asset(const json_t *made)
 }
 
 /* What its metadata says that it leaves free besides the insides of solids. */
-static compare_freedom freedom_of_asset(const json_t *made)
+static compare_dont_care dont_care_of_asset(const json_t *made)
 {
     const json_t *options   = json_object_get(made, "options");
     const char   *behind    = json_string_value(json_object_get(options, "behind"));
     double        thickness = json_number_value(json_object_get(options, "thickness_m"));
-    return (compare_freedom){behind && choice_index(BEHIND_CHOICES, behind) == BEHIND_FREE, thickness > 0 ? thickness : 0};
+    return (compare_dont_care){behind && choice_index(BEHIND_CHOICES, behind) == BEHIND_FREE, thickness > 0 ? thickness : 0};
 }
 
 /* What vxs bake --json wrote of an asset. */
@@ -157,16 +157,16 @@ static vxs_result require_checked(const compare_command *c, const vxs_light *l, 
 
 static vxs_result compare_asset(compare_command *c, compared_asset *a, const traced_scene *t, message *m)
 {
-    const compare_freedom freedom = freedom_of_asset(a->made);
-    uint32_t              count   = a->light_count;
-    vxs_result            r       = VXS_OK;
-    a->triangle_count             = t->casters.triangle_count;
-    a->solid_triangle_count       = t->casters.solid_triangle_count;
-    a->results                    = calloc(count, sizeof *a->results);
+    const compare_dont_care dont_care = dont_care_of_asset(a->made);
+    uint32_t                count     = a->light_count;
+    vxs_result              r         = VXS_OK;
+    a->triangle_count                 = t->casters.triangle_count;
+    a->solid_triangle_count           = t->casters.solid_triangle_count;
+    a->results                        = calloc(count, sizeof *a->results);
     if (!a->results) return fail(m, VXS_E_MEMORY, "out of memory for the results of %u lights", count);
     for (uint32_t n = 0; n < count && r == VXS_OK; n++) {
         const vxs_baked_light *l = a->lights[n];
-        if ((r = compare_light(&a->results[n], t->truth, &t->casters, l, &freedom, &c->report.options, m)) == VXS_OK)
+        if ((r = compare_light(&a->results[n], t->truth, &t->casters, l, &dont_care, &c->report.options, m)) == VXS_OK)
             r = require_checked(c, &l->light, &a->results[n], m);
     }
     return r;

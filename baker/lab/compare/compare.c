@@ -259,13 +259,13 @@ static vxs_result compare_points_of_kind(const comparison *c, compare_kind kind,
 }
 
 vxs_result compare_light(compare_result *out, const truth *t, const casters *c, const vxs_baked_light *light,
-                         const compare_freedom *freedom, const compare_options *o, message *m)
+                         const compare_dont_care *dont_care, const compare_options *o, message *m)
 {
     comparison work;
     vxs_result r = VXS_OK;
     memset(out, 0, sizeof *out);
     comparison_init(&work, t, c, light, o);
-    work.freedom = *freedom;
+    work.dont_care = *dont_care;
     for (int kind = 0; kind < COMPARE_KINDS && r == VXS_OK; kind++) r = compare_points_of_kind(&work, (compare_kind)kind, out, m);
     return r == VXS_OK ? compare_measure_time(&work, out, m) : r;
 }

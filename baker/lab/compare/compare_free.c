@@ -91,7 +91,7 @@ static int is_within_thickness(const comparison *c, const double from_ws[3], dou
     if (!is_sheet(c, &s) || s.triangle >= all->holed_first) return 0;
     if (all->double_sided && all->double_sided[s.triangle]) return 0;
     if (vec3_dot(s.normal_ws, way_ws) <= 0) return 0;
-    if (s.distance * metres_deep(c, depth_vx, to_light) > c->freedom.thickness_m) return 0;
+    if (s.distance * metres_deep(c, depth_vx, to_light) > c->dont_care.thickness_m) return 0;
     to_light -= pass(c, p, way_ws, &s);
     return !meets(c, p, way_ws, to_light, &before);
 }
@@ -101,6 +101,6 @@ int compare_left_free(const comparison *c, int map, double u, double v, double n
     double near_ws[3], far_ws[3];
     vxs_point(c->light, map, (double[3]){u, v, near_vx}, near_ws);
     vxs_point(c->light, map, (double[3]){u, v, far_vx}, far_ws);
-    return (c->freedom.behind && is_behind_last(c, far_ws)) ||
-           (c->freedom.thickness_m > 0 && is_within_thickness(c, near_ws, near_vx));
+    return (c->dont_care.behind && is_behind_last(c, far_ws)) ||
+           (c->dont_care.thickness_m > 0 && is_within_thickness(c, near_ws, near_vx));
 }

@@ -17,7 +17,7 @@ typedef struct comparison {
     const vxs_light       *light; /* of baked */
     light_shape            shape; /* of the light, for the truth */
     const compare_options *options;
-    compare_freedom        freedom;
+    compare_dont_care      dont_care;
     light_volume           volume; /* that random points are drawn from */
     camera_view            view;   /* of options->camera, where there is one */
     uint32_t               width_px, height_px;
@@ -52,7 +52,7 @@ double compare_step_px(const comparison *c, int map, double u, double v, double 
 /* Whether it was asked to leave anything open. */
 static inline int compare_leaves_free(const comparison *c)
 {
-    return c->freedom.behind || c->freedom.thickness_m > 0;
+    return c->dont_care.behind || c->dont_care.thickness_m > 0;
 }
 
 /* compare_free.c: 1 when the asset was asked to leave open whether a voxel is lit, of the ray through (u, v) of a map, between two depths. */

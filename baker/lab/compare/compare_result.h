@@ -29,10 +29,10 @@ typedef enum compare_kind {
 } compare_kind;
 
 /* What an asset leaves free besides the insides of solids, as it was baked. */
-typedef struct compare_freedom {
+typedef struct compare_dont_care {
     int    behind;      /* 1: behind the last surface */
     double thickness_m; /* of single-sided sheets that face the light */
-} compare_freedom;
+} compare_dont_care;
 
 typedef struct compare_options {
     uint32_t           points; /* of each kind; a camera's are as many as make a picture */

@@ -1,6 +1,6 @@
-/* The fewest points that pierce intervals; see pierce.h.
+/* Minimum stabbing set; see stabbing_set.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/coding/blocks/pierce.h"
+#include "baker/coding/blocks/stabbing_set.h"
 
 #include <string.h>
 
@@ -20,9 +20,9 @@ static void pad(intervals *s, int lanes)
     }
 }
 
-/* One pass a point: vectors with nothing left to pierce give their place to the last one, which was looked at before, and the next point is
+/* One pass a point: vectors with no interval left give their place to the last one, which was looked at before, and the next point is
  * found on the way. */
-static int pierce_plain(intervals *s, pierce_group *groups, int most)
+static int stab_plain(intervals *s, stab_group *groups, int most)
 {
     const i16x8 far = i16x8_all(INT16_MAX);
     pad(s, 8);
@@ -42,7 +42,7 @@ static int pierce_plain(intervals *s, pierce_group *groups, int most)
             i16x8_store(s->low + n, i16x8_load(s->low + s->count));
             i16x8_store(s->high + n, i16x8_load(s->high + s->count));
         }
-        groups[count++] = (pierce_group){(int16_t)i16x8_greatest(last_low), (int16_t)point};
+        groups[count++] = (stab_group){(int16_t)i16x8_greatest(last_low), (int16_t)point};
         if (!s->count || count == most) return count;
     }
 }
@@ -62,7 +62,7 @@ CPU_TARGET_AVX2 static ALWAYS_INLINE int greatest_avx2(__m256i v)
 }
 
 /* The same 16 at a time. */
-CPU_TARGET_AVX2 static int pierce_avx2(intervals *s, pierce_group *groups, int most)
+CPU_TARGET_AVX2 static int stab_avx2(intervals *s, stab_group *groups, int most)
 {
     const __m256i far  = _mm256_set1_epi16(INT16_MAX);
     __m256i       next = far;
@@ -83,20 +83,20 @@ CPU_TARGET_AVX2 static int pierce_avx2(intervals *s, pierce_group *groups, int m
             memcpy(s->low + n, s->low + s->count, sizeof low);
             memcpy(s->high + n, s->high + s->count, sizeof high);
         }
-        groups[count++] = (pierce_group){(int16_t)greatest_avx2(last_low), (int16_t)point};
+        groups[count++] = (stab_group){(int16_t)greatest_avx2(last_low), (int16_t)point};
         if (!s->count || count == most) return count;
     }
 }
 
 #endif
 
-int pierce(intervals *s, pierce_group *groups, int most, int cpu)
+int minimum_stabbing_set(intervals *s, stab_group *groups, int most, int cpu)
 {
 #ifdef __x86_64__
-    if (cpu == CPU_AVX2) return pierce_avx2(s, groups, most);
+    if (cpu == CPU_AVX2) return stab_avx2(s, groups, most);
 #endif
     (void)cpu;
-    return pierce_plain(s, groups, most);
+    return stab_plain(s, groups, most);
 }
 
 void points_of_ranges(const int16_t low[64], const int16_t high[64], const int16_t *points, int count, uint8_t first[64],

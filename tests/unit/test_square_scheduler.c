@@ -1,4 +1,4 @@
-/* Who makes which square of a bake by many ranks, in a time that is counted: ranks and the merge take given times for a square.
+/* How squares are distributed to ranks, in simulated time: ranks and the merge take given times for a square.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -7,15 +7,15 @@
 #include <stdio.h>
 
 #include "baker/base/random.h"
-#include "baker/command/mpi/desk.h"
+#include "baker/command/mpi/square_scheduler.h"
 
 #include <cmocka.h>
 
 enum { RANKS_MAX = 8, SQUARES = 512 };
 
 typedef struct farm {
-    desk     desk;
-    uint32_t ranks;
+    square_scheduler square_scheduler;
+    uint32_t         ranks;
     double   making[RANKS_MAX], adding, varies; /* time for a square; how much more one may take than another, in its ratio */
     double   cost[SQUARES], done[SQUARES];      /* when it is made */
     double   free_at[RANKS_MAX];                /* when it is done with what it has */
@@ -30,8 +30,9 @@ static void others_until(farm *f, double now)
         uint64_t number;
         for (uint32_t rank = 2; rank < f->ranks; rank++)
             if (f->free_at[rank] < f->free_at[first]) first = rank;
-        if (f->free_at[first] > now || f->desk.count >= SQUARES) return;
-        if (desk_next(&f->desk, first, &number) != DESK_GIVEN) { /* it asks again when rank 0 has gone on */
+        if (f->free_at[first] > now || f->square_scheduler.count >= SQUARES) return;
+        if (square_scheduler_next(&f->square_scheduler, first, &number) !=
+            SCHEDULER_GIVEN) { /* it asks again when rank 0 has gone on */
             f->free_at[first] = now + 1e-9;
             continue;
         }
@@ -45,13 +46,13 @@ static void others_until(farm *f, double now)
 /* Returns how long it takes, and everything is made once. */
 static double run(farm *f)
 {
-    double now    = 0;
-    rng    r      = rng_split(1, 1);
-    f->desk.ranks = f->ranks;
+    double now                = 0;
+    rng    r                  = rng_split(1, 1);
+    f->square_scheduler.ranks = f->ranks;
     for (int n = 0; n < SQUARES; n++) f->cost[n] = 1 + f->varies * rng_unit(&r);
     for (uint64_t n = 0; n < SQUARES; n++) {
         if (f->ranks > 1) others_until(f, now);
-        const desk_square *s = desk_arrive(&f->desk, n);
+        const scheduled_square *s = square_scheduler_take(&f->square_scheduler, n);
         assert_non_null(s);
         if (!s->rank) {
             now += f->making[0] * f->cost[n];
@@ -64,7 +65,7 @@ static double run(farm *f)
     uint32_t all = 0;
     for (uint32_t rank = 0; rank < f->ranks; rank++) all += f->made[rank];
     assert_int_equal(all, SQUARES);
-    desk_free(&f->desk);
+    square_scheduler_free(&f->square_scheduler);
     return now;
 }
 
@@ -117,33 +118,33 @@ static void some_are_slow(void **state)
 static void what_nobody_was_given(void **state)
 {
     (void)state;
-    desk     d = {.ranks = 3};
-    uint64_t number;
-    assert_int_equal(desk_next(&d, 1, &number), DESK_GIVEN);
+    square_scheduler d = {.ranks = 3};
+    uint64_t         number;
+    assert_int_equal(square_scheduler_next(&d, 1, &number), SCHEDULER_GIVEN);
     assert_int_equal(number, 1); /* the first is left for rank 0 */
-    assert_null(desk_deliver(&d, 1, 2));
-    assert_null(desk_deliver(&d, 0, 1));
-    assert_null(desk_deliver(&d, 2, 1));
-    assert_null(desk_deliver(&d, UINT64_MAX, 1));
-    desk_square *s = desk_deliver(&d, 1, 1);
+    assert_null(square_scheduler_deliver(&d, 1, 2));
+    assert_null(square_scheduler_deliver(&d, 0, 1));
+    assert_null(square_scheduler_deliver(&d, 2, 1));
+    assert_null(square_scheduler_deliver(&d, UINT64_MAX, 1));
+    scheduled_square *s = square_scheduler_deliver(&d, 1, 1);
     assert_non_null(s);
     s->is_here = 1;
-    assert_null(desk_deliver(&d, 1, 1));
-    desk_free(&d);
+    assert_null(square_scheduler_deliver(&d, 1, 1));
+    square_scheduler_free(&d);
 }
 
 /* What is held is bounded, where rank 0 does not go on. */
 static void others_wait_in_the_end(void **state)
 {
     (void)state;
-    desk     d     = {.ranks = 4};
-    uint32_t given = 0;
-    uint64_t number;
-    while (desk_next(&d, 1 + given % 3, &number) == DESK_GIVEN && given < 100000) given++;
+    square_scheduler d     = {.ranks = 4};
+    uint32_t         given = 0;
+    uint64_t         number;
+    while (square_scheduler_next(&d, 1 + given % 3, &number) == SCHEDULER_GIVEN && given < 100000) given++;
     assert_in_range(given, 64, 256);
-    assert_non_null(desk_arrive(&d, 1));
-    assert_int_equal(desk_next(&d, 1, &number), DESK_GIVEN);
-    desk_free(&d);
+    assert_non_null(square_scheduler_take(&d, 1));
+    assert_int_equal(square_scheduler_next(&d, 1, &number), SCHEDULER_GIVEN);
+    square_scheduler_free(&d);
 }
 
 int main(void)

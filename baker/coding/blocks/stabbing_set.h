@@ -1,11 +1,11 @@
-/* The fewest points that pierce all of many intervals: the depths that an area of a map cannot do without.
+/* Minimum stabbing set of intervals: the fewest points so that each interval holds one. They are the depths that an area of a map needs.
  *
  * A column may have any depth of an interval [e, x]. Sorted by x, the first interval needs a point at its x at the latest, and a point
- * there pierces every interval that begins at or before it; what is left is the same question again. Each point may then be moved to
- * anywhere between the last of the e of what it pierces, and that x.
+ * there stabs every interval that begins at or before it; the rest is solved in the same way. A point may then be moved to anywhere
+ * between the greatest e of the intervals that it stabs, and that x.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef PIERCE_H
-#define PIERCE_H
+#ifndef STABBING_SET_H
+#define STABBING_SET_H
 
 #include <stdint.h>
 
@@ -18,17 +18,17 @@ typedef struct intervals {
 } intervals;
 
 /* Where one point may lie. */
-typedef struct pierce_group {
+typedef struct stab_group {
     int16_t low, high;
-} pierce_group;
+} stab_group;
 
-/* The points that pierce a set, ascending; the set is used up.
+/* Points in ascending order; the set is used up.
  * s       at least one interval
  * groups  [most]
- * most    the search ends there
- * cpu     what may be used, of cpu.h: it decides on time alone
+ * most    number of points after which the search ends
+ * cpu     of cpu.h; the result does not depend on it
  * Returns their number. */
-int pierce(intervals *s, pierce_group *groups, int most, int cpu);
+int minimum_stabbing_set(intervals *s, stab_group *groups, int most, int cpu);
 
 /* Which points each texel of a tile may have: those in its range.
  * points       [count] ascending, at most 127
