@@ -53,7 +53,7 @@ typedef struct vxs_baked_light {
 } vxs_baked_light;
 
 /* How many maps a light has: 1, or 6. */
-static inline uint32_t vxs_light_map_count(const vxs_light *light)
+static inline uint32_t vxs_map_count(const vxs_light *light)
 {
     return light->flags & VXS_LIGHT_CUBE ? VXS_CUBE_FACES : 1;
 }

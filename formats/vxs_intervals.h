@@ -242,7 +242,8 @@ VXS_FN vxs_i32 vxs_walk_origin(VXS_LIGHT light, vxs_i32 row)
 
 VXS_FN vxs_real vxs_walk_rest(VXS_LIGHT light, vxs_i32 row)
 {
-    vxs_u32 rest = row == 2 ? VXS_FIELD(light, rest_k) << 16u : VXS_FIELD(light, rest_ij) << (row == 0 ? 16u : 0u);
+    vxs_u32 rest =
+        row == 2 ? VXS_FIELD(light, origin_fraction_k) << 16u : VXS_FIELD(light, origin_fraction_ij) << (row == 0 ? 16u : 0u);
     return VXS_REAL(VXS_I(rest) >> 16) / 1048576.0;
 }
 #endif

@@ -192,8 +192,8 @@ static void decode_pages(blocks_reader *b)
 static void list_parts(blocks_reader *b)
 {
     uint32_t resident = b->sizes.word_count, common = resident - b->words[1], side = 1u << b->baked->light.levels;
-    b->baked->parts[0] = (vxs_part){"tops", side, vxs_light_map_count(&b->baked->light), 4 * (uint64_t)(resident - common),
-                                    (uint32_t)b->resident_section};
+    b->baked->parts[0] =
+        (vxs_part){"tops", side, vxs_map_count(&b->baked->light), 4 * (uint64_t)(resident - common), (uint32_t)b->resident_section};
     b->baked->parts[1] = (vxs_part){"patterns", 8, b->sizes.pattern_count, 4 * (uint64_t)common, (uint32_t)b->resident_section};
     b->baked->parts[2] =
         (vxs_part){"pages", 0, b->sizes.page_count, 4 * (uint64_t)(b->baked->word_count - resident), (uint32_t)b->pages_section};
@@ -204,7 +204,7 @@ static int decode_resident(blocks_reader *b)
 {
     b->light.packing   = b->baked->packing;
     b->light.levels    = b->baked->light.levels;
-    b->light.map_count = vxs_light_map_count(&b->baked->light);
+    b->light.map_count = vxs_map_count(&b->baked->light);
     return vxs_read_resident(&b->light, &b->sizes, vxs_stored_bytes(b->r, b->resident_section),
                              b->r->out.sections[b->resident_section].stored_bytes, &b->tools[0]);
 }

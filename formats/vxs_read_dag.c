@@ -139,7 +139,7 @@ static int decode_light(light_reader *lr)
 {
     vxs_reader *r   = lr->r;
     lr->level_count = lr->baked->light.levels - 2;
-    lr->maps        = vxs_light_map_count(&lr->baked->light);
+    lr->maps        = vxs_map_count(&lr->baked->light);
     lr->words       = lr->maps > 1 ? lr->maps : 0;
     for (uint32_t l = lr->level_count; l-- > 0;)
         if (!lay_out_level(lr, l)) return 0;

@@ -44,7 +44,7 @@ static int find_parts(smoke_reader *s, const vxs_light *light)
     s->node_count = vxs_load32(s->content + VXS_SMOKE_NODE_COUNT);
     if (!head_valid(s, light)) return vxs_found(s->r, 602, s->section, 0), 0;
 
-    s->tiles        = (uint64_t)vxs_light_map_count(light) << (2 * (s->levels - 3));
+    s->tiles        = (uint64_t)vxs_map_count(light) << (2 * (s->levels - 3));
     uint64_t counts = VXS_SMOKE_PREFIX_BYTES + (s->tiles + 7) / 8, nodes;
     if (s->size < counts) return vxs_found(s->r, 601, s->section, VXS_SMOKE_PREFIX_BYTES), 0;
     s->mask = s->content + VXS_SMOKE_PREFIX_BYTES;

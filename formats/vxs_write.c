@@ -126,8 +126,8 @@ static vxs_result add_light(vxs_sections *s, const vxs_write_light *l, uint32_t 
 {
     int        blocks = l->light.coding == VXS_CODING_BLOCKS;
     uint32_t   words  = l->blocks.word_count;
-    vxs_result r      = blocks ? vxs_write_blocks(s, &l->blocks, &l->light, n)
-                               : vxs_write_dag(s, &l->dag, vxs_light_map_count(&l->light), n, &words);
+    vxs_result r =
+        blocks ? vxs_write_blocks(s, &l->blocks, &l->light, n) : vxs_write_dag(s, &l->dag, vxs_map_count(&l->light), n, &words);
     encode_light_record(record, &l->light, words, s->version >= VXS_FORMAT_VERSION_BLOCKS ? l->light.coding : 0,
                         blocks ? l->blocks.packing : 0);
     return r;

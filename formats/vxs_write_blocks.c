@@ -57,7 +57,7 @@ static vxs_result know_resident(known_resident *k, const vxs_bytes *bytes, const
     to->patterns   = malloc(((size_t)k->sizes.pattern_count + 1) * sizeof *to->patterns);
     k->scratch     = malloc(vxs_page_scratch_bytes());
     if (!to->words || !to->nodes || !to->page_first || !to->patterns || !k->scratch) return VXS_E_MEMORY;
-    return vxs_resident_decode(to, light->levels, vxs_light_map_count(light), bytes->data, bytes->size_bytes, k->scratch) == VXS_OK
+    return vxs_resident_decode(to, light->levels, vxs_map_count(light), bytes->data, bytes->size_bytes, k->scratch) == VXS_OK
                ? VXS_OK
                : VXS_E_ARGUMENT;
 }
@@ -193,7 +193,7 @@ vxs_result vxs_write_blocks(vxs_sections *s, const vxs_blocks_view *view, const 
     uint32_t      *patterns = malloc(((size_t)view->common_count + 1) * sizeof *patterns);
     vxs_result     r        = patterns ? index_common(&common, patterns, view) : VXS_E_MEMORY;
     if (r == VXS_OK)
-        r = vxs_resident_encode(&resident, view->words, page_start(view, 0), light->levels, vxs_light_map_count(light), &common);
+        r = vxs_resident_encode(&resident, view->words, page_start(view, 0), light->levels, vxs_map_count(light), &common);
     if (r == VXS_OK) r = know_resident(&known, &resident, light);
     if (r == VXS_OK) r = encode_pages(&pages, view, &known.resident, s);
     if (r == VXS_OK && view->packing == VXS_PACKING_FAST) r = pack_resident(&resident, &known, view, s->zstd);

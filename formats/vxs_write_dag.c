@@ -9,7 +9,7 @@
 int vxs_dag_fits(const vxs_dag_view *view, const vxs_light *light)
 {
     if (view->level_count != light->levels - 2) return 0;
-    for (uint32_t map = 0; map < vxs_light_map_count(light); map++)
+    for (uint32_t map = 0; map < vxs_map_count(light); map++)
         if (view->roots[map] >= view->count[view->level_count - 1]) return 0;
     return 1;
 }

@@ -110,7 +110,7 @@ vxs_result vxs_add_smoke(vxs_sections *s, const vxs_smoke_view *smoke, const vxs
 {
     vxs_bytes content = {0};
     if (!map_fits(smoke, light)) return VXS_E_ARGUMENT;
-    smoke_writer w = {.view = smoke, .tiles = (size_t)vxs_light_map_count(light) << (2 * (smoke->levels - 3))};
+    smoke_writer w = {.view = smoke, .tiles = (size_t)vxs_map_count(light) << (2 * (smoke->levels - 3))};
     if (!count_curves(&w)) return VXS_E_ARGUMENT;
     vxs_result r = encode(&w, &content);
     if (r == VXS_OK) r = vxs_add_section(s, VXS_KIND_SMOKE, VXS_SECTION_OPTIONAL, number, 0, &content);

@@ -147,7 +147,7 @@ vxs_result vxs_depth_map(const vxs_baked_light *baked, const vxs_depth_map_desc 
     const int64_t       limit = 1 << 30;
     if (coarse) *coarse = 0;
     if (vxs_desc_take(to, sizeof *to, sizeof *to, desc) != VXS_OK) return VXS_E_ARGUMENT;
-    if (to->map < 0 || to->map >= (int32_t)vxs_light_map_count(&baked->light)) return VXS_E_ARGUMENT;
+    if (to->map < 0 || to->map >= (int32_t)vxs_map_count(&baked->light)) return VXS_E_ARGUMENT;
     if (to->shift > baked->light.levels || to->which > VXS_DEPTH_GREATEST) return VXS_E_ARGUMENT;
     if (to->i < -limit || to->j < -limit || to->wide_px > limit || to->high_px > limit) return VXS_E_ARGUMENT;
     const int64_t wide = (int64_t)to->wide_px << to->shift, high = (int64_t)to->high_px << to->shift;

@@ -13,7 +13,7 @@ int vxs_voxel(const vxs_light *light, const double point_ws[3], const double nor
 
 void vxs_point(const vxs_light *light, int map, const double coordinates[3], double point_ws[3])
 {
-    int last = (int)vxs_light_map_count(light) - 1;
+    int last = (int)vxs_map_count(light) - 1;
     vxs_ws_from_voxel(light, map < 0 ? 0 : map < last ? map : last, coordinates, point_ws);
 }
 
@@ -71,7 +71,7 @@ vxs_light_constants vxs_light_constants_of(const vxs_light *light, const double 
         c.ls_from_ws[4 * row + 3] = (float)at_origin[row];
     }
     if (light->kind != VXS_LIGHT_KIND_DIRECTIONAL) return c;
-    c.rest_ij = rest_of(at_origin[0]) | rest_of(at_origin[1]) << 16;
-    c.rest_k  = rest_of(at_origin[2]);
+    c.origin_fraction_ij = rest_of(at_origin[0]) | rest_of(at_origin[1]) << 16;
+    c.origin_fraction_k  = rest_of(at_origin[2]);
     return c;
 }

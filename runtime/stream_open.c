@@ -183,7 +183,7 @@ static int fill_blocks(opening *o, stream_light *light, const light_plan *plan)
     int                       section = plan->resident_section;
     paged->packing                    = baked->packing;
     paged->levels                     = baked->light.levels;
-    paged->map_count                  = vxs_light_map_count(&baked->light);
+    paged->map_count                  = vxs_map_count(&baked->light);
     paged->resident.words             = o->s->words + light->first_word;
     const uint8_t *bytes              = vxs_stream_load(r, section);
     if (!bytes) return 0;

@@ -21,7 +21,7 @@ static inline void vxs_taps_init(vxs_taps *taps, const vxs_baked_light *baked)
 {
     taps->baked  = baked;
     taps->cached = (uint32_t)vxs_tap_cache_serves(baked);
-    taps->paths  = baked->light.coding == VXS_CODING_DAG ? vxs_light_map_count(&baked->light) : 0;
+    taps->paths  = baked->light.coding == VXS_CODING_DAG ? vxs_map_count(&baked->light) : 0;
     if (taps->cached) vxs_tap_cache_init(&taps->kept.cache, baked);
     for (uint32_t map = 0; map < taps->paths; map++) vxs_dag_path_init(&taps->kept.path[map], baked, map);
 }

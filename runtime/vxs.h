@@ -136,9 +136,10 @@ typedef struct vxs_light_constants {
     uint32_t levels;         /* byte 76 */
     uint32_t dag;            /* byte 80: where the light's words start among those of all lights */
     uint32_t coding;         /* byte 84: VXS_CODING_* */
-    uint32_t rest_ij; /* byte 88: of a sun, what rounding took from the last column, in 2^-20 texels, signed: across | down << 16 */
-    uint32_t rest_k;  /* byte 92: and along the light; both 0: it is not known */
-} vxs_light_constants; /* 96 bytes */
+    uint32_t
+        origin_fraction_ij; /* byte 88: of a sun, what rounding took from the last column, in 2^-20 texels, signed: across | down << 16 */
+    uint32_t origin_fraction_k; /* byte 92: and along the light; both 0: it is not known */
+} vxs_light_constants;          /* 96 bytes */
 
 /* The constants of a light, for positions that count from an origin.
  * origin_ws   metres; NULL: (0, 0, 0). A float has 24 bits, so that far from the world's origin only positions relative to something near,

@@ -34,7 +34,7 @@ typedef struct light_report {
 /* Of all its maps: texels, and the bytes of plain depth maps of 16 bits. */
 static inline double light_texels(const light_report *l)
 {
-    return (double)((uint64_t)vxs_light_map_count(&l->light) << (2 * l->light.levels));
+    return (double)((uint64_t)vxs_map_count(&l->light) << (2 * l->light.levels));
 }
 
 static inline double light_depth16_bytes(const light_report *l)

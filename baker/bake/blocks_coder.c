@@ -44,7 +44,7 @@ static vxs_result finish(void *data, coded_light *out)
 {
     blocks_coder *c = data;
     block_words  *w = calloc(1, sizeof *w);
-    vxs_result r = w ? block_words_lay_out(w, &c->set, c->light->levels, vxs_light_map_count(c->light), c->threads) : VXS_E_MEMORY;
+    vxs_result    r = w ? block_words_lay_out(w, &c->set, c->light->levels, vxs_map_count(c->light), c->threads) : VXS_E_MEMORY;
     block_set_free(&c->set);
     if (r != VXS_OK) {
         free(w);

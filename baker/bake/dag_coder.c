@@ -18,7 +18,7 @@ static vxs_result begin(void *data, const vxs_light *light)
 {
     dag_coder *c = data;
     c->light     = light;
-    return dag_merger_init(&c->merger, 1u << light->levels, vxs_light_map_count(light), c->unify);
+    return dag_merger_init(&c->merger, 1u << light->levels, vxs_map_count(light), c->unify);
 }
 
 /* A picture gets the masks of a square; and what the run may hold is looked at after each step. */

@@ -181,7 +181,7 @@ static vxs_result open_map(void *data, uint32_t map, column_map *out, bake_conte
 static uint64_t squares_of(const part_light *l)
 {
     uint64_t squares = 0;
-    for (uint32_t map = 0; map < vxs_light_map_count(&l->light); map++) {
+    for (uint32_t map = 0; map < vxs_map_count(&l->light); map++) {
         uint64_t across = (1u << l->light.levels) / l->maps[map].fetch_px;
         squares += across * across;
     }
@@ -191,7 +191,7 @@ static uint64_t squares_of(const part_light *l)
 static vxs_result merge_light(part_set *s, uint32_t light, const bake_options *o, coded_light *out, bake_context *ctx)
 {
     const part_light *of      = &s->common.lights[light];
-    plan_light        planned = {.light = of->light, .map_count = vxs_light_map_count(&of->light), .tiles = squares_of(of)};
+    plan_light        planned = {.light = of->light, .map_count = vxs_map_count(&of->light), .tiles = squares_of(of)};
     part_columns      columns = {.set = s, .of = of, .light = light, .keeper = {&columns, 0, NULL, ask, keep}};
     column_source     source  = {&columns, planned.map_count, open_map};
     chosen_coder      coding;

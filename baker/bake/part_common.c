@@ -48,7 +48,7 @@ static int put_light(vxs_bytes *out, const part_light *p)
         vxs_store_f64(bytes, *of[n]);
         ok = put_bytes(out, bytes, sizeof bytes);
     }
-    for (uint32_t map = 0; map < vxs_light_map_count(&l) && ok; map++) ok = put_map(out, &p->maps[map]);
+    for (uint32_t map = 0; map < vxs_map_count(&l) && ok; map++) ok = put_map(out, &p->maps[map]);
     return ok;
 }
 
@@ -111,7 +111,7 @@ static vxs_result take_light(byte_reader *from, part_common *c)
     numbers_of(l, of);
     for (int n = 0; n < NUMBERS; n++) *of[n] = vxs_load_f64(take_bytes(from, 8));
     vxs_result r = VXS_OK;
-    for (uint32_t map = 0; map < vxs_light_map_count(l) && r == VXS_OK; map++) r = take_map(from, &p->maps[map], 1u << l->levels);
+    for (uint32_t map = 0; map < vxs_map_count(l) && r == VXS_OK; map++) r = take_map(from, &p->maps[map], 1u << l->levels);
     return r;
 }
 

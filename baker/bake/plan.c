@@ -45,7 +45,7 @@ static vxs_result fit_light(bake_plan *plan, plan_light *l, const bake_options *
         return VXS_OK;
     }
     plan->baked_count++;
-    l->map_count = vxs_light_map_count(&l->light);
+    l->map_count = vxs_map_count(&l->light);
     return r == VXS_OK ? check_name(plan, l, m) : r;
 }
 

@@ -319,7 +319,7 @@ static vxs_result count_palettes(sampler *job, uint32_t map_count)
 
 static vxs_result sample_maps(sampler *job, message *m)
 {
-    uint32_t   maps = vxs_light_map_count(job->light), windows = job->side_px / job->window_px;
+    uint32_t   maps = vxs_map_count(job->light), windows = job->side_px / job->window_px;
     int        is_dag = job->o->coding == CODING_DAG;
     vxs_result r      = is_dag ? dag_merger_init(&job->merger, job->side_px, maps, 1) : VXS_OK;
     job->counts       = malloc(job->workers * CLASSES * job->counts_size * sizeof *job->counts);

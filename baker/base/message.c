@@ -81,7 +81,7 @@ int exit_status(vxs_result code)
     case VXS_E_GL:
     case VXS_E_PROGRAM: return 6;
     case VXS_E_INTERRUPTED: return 130;
-    case VXS_E_DESERTED: return 141; /* as a shell says it of what SIGPIPE ended */
+    case VXS_E_BROKEN_PIPE: return 141; /* as a shell says it of what SIGPIPE ended */
     }
     return 6;
 }

@@ -23,7 +23,7 @@ const char *colored(char text[COLORED_BYTES], color_mode mode, FILE *to, word_co
     return text;
 }
 
-int standard_output_is_deserted(void)
+int standard_output_is_broken(void)
 {
     struct pollfd p = {.fd = STDOUT_FILENO, .events = POLLOUT};
     return poll(&p, 1, 0) == 1 && p.revents & (POLLERR | POLLHUP);

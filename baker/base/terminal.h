@@ -26,7 +26,7 @@ const char *colored(char text[COLORED_BYTES], color_mode mode, FILE *to, word_co
 int terminal_can_clear(FILE *to);
 
 /* 1 when standard output is a pipe or a socket that nobody reads any more, as that of `vxs query | head -1`. */
-int standard_output_is_deserted(void);
+int standard_output_is_broken(void);
 
 #ifdef __cplusplus
 }

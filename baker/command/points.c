@@ -209,8 +209,8 @@ vxs_result points_answer(point_answer answer, void *user, size_t light_count, ui
         if (b.fails) goto done;
         for (size_t n = 0; n < count * light_count; n++) print_answer(b.lit[n], (n + 1) % light_count ? ' ' : '\n');
         if (fflush(stdout) || ferror(stdout)) {
-            r = standard_output_is_deserted() ? VXS_E_DESERTED
-                                              : fail(m, VXS_E_WRITE, "standard output: cannot be written: %s", strerror(errno));
+            r = standard_output_is_broken() ? VXS_E_BROKEN_PIPE
+                                            : fail(m, VXS_E_WRITE, "standard output: cannot be written: %s", strerror(errno));
             goto done;
         }
     } while (count);

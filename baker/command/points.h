@@ -52,7 +52,7 @@ vxs_result points_check_input(const char *name, const char *path, message *m);
  * between, or "out". Points are answered in blocks; the block that a bad line is in is not,
  * nor is the one of a point that has no answer.
  * light_count  1 or more
- * Returns VXS_OK, and also where a point has no answer, of which `answer` knows more; VXS_E_READ, VXS_E_WRITE, VXS_E_MEMORY, or VXS_E_DESERTED:
+ * Returns VXS_OK, and also where a point has no answer, of which `answer` knows more; VXS_E_READ, VXS_E_WRITE, VXS_E_MEMORY, or VXS_E_BROKEN_PIPE:
  * nobody reads the answers any more. */
 vxs_result points_answer(point_answer answer, void *user, size_t light_count, uint32_t threads, message *m);
 

@@ -76,7 +76,7 @@ static void extend(reach *r, const map_polygon *p, double range_m)
 static reach measure(const vxs_light *light, const casters *c, double range_m)
 {
     reach     r    = {INFINITY, 0};
-    int       maps = (int)vxs_light_map_count(light);
+    int       maps = (int)vxs_map_count(light);
     map_sides s    = map_sides_of(light, 0);
     for (int map = 0; map < maps; map++) {
         map_frame frame = map_frame_of(light, map);

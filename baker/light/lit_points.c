@@ -126,7 +126,7 @@ static void point_in(const map_polygon *p, double area, rng *random, double out[
 /* Of a map of a lamp without its border, in which the faces of a cube overlap. */
 static double slope_of(const lit_points_desc *d)
 {
-    return vxs_light_map_count(d->light) > 1 ? 1 : tan(d->shape->outer_rad);
+    return vxs_map_count(d->light) > 1 ? 1 : tan(d->shape->outer_rad);
 }
 
 /* What of a triangle a map of a lamp sees, in map space: the range is cut flat, points beyond it are left out later. */
@@ -158,7 +158,7 @@ static int point_of_lamp(lit_point *out, const lit_points_desc *d, const map_sid
 {
     map_polygon seen[VXS_CUBE_FACES];
     double      areas[VXS_CUBE_FACES], all = 0, at[3];
-    int         maps = (int)vxs_light_map_count(d->light), map = 0;
+    int         maps = (int)vxs_map_count(d->light), map = 0;
     for (int n = 0; n < maps; n++) {
         map_frame frame = map_frame_of(d->light, n);
         seen_part(d, &frame, sides, n, t, &seen[n]);

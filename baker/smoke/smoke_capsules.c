@@ -84,7 +84,7 @@ static int tiles_of(const scene_smoke *smoke, uint32_t n, const vxs_light *light
 static void visit(const smoke_bins *b, const scene_smoke *smoke, const vxs_light *light, uint32_t levels)
 {
     uint32_t across = 1u << (levels - 3), first[2], end[2];
-    for (uint32_t map = 0; map < vxs_light_map_count(light); map++)
+    for (uint32_t map = 0; map < vxs_map_count(light); map++)
         for (uint32_t n = 0; n < smoke->count; n++) {
             if (!tiles_of(smoke, n, light, levels, (int32_t)map, first, end)) continue;
             for (uint32_t y = first[1]; y < end[1]; y++)
@@ -98,7 +98,7 @@ static void visit(const smoke_bins *b, const scene_smoke *smoke, const vxs_light
 
 int smoke_bins_make(smoke_bins *b, const scene_smoke *smoke, const vxs_light *light, uint32_t levels)
 {
-    size_t tiles = (size_t)vxs_light_map_count(light) << (2 * (levels - 3)), sum = 0;
+    size_t tiles = (size_t)vxs_map_count(light) << (2 * (levels - 3)), sum = 0;
     b->first = calloc(tiles + 1, sizeof *b->first);
     if (!b->first) return 0;
     visit(b, smoke, light, levels);

@@ -111,7 +111,7 @@ static int find_units(maker *k)
 {
     const vxs_light *light    = &k->baked->light;
     double           range[2] = {INFINITY, -INFINITY};
-    for (uint32_t map = 0; map < vxs_light_map_count(light); map++) find_range(k, (int32_t)map, range);
+    for (uint32_t map = 0; map < vxs_map_count(light); map++) find_range(k, (int32_t)map, range);
     double least = range[0], most = range[1];
     if (!is_sun(light)) {
         least = fmax(least, 0);
@@ -240,7 +240,7 @@ static void make_tiles(void *user, size_t begin, size_t end, uint32_t worker)
 
 static size_t tile_count(const maker *k)
 {
-    return (size_t)vxs_light_map_count(&k->baked->light) * k->tiles_across * k->tiles_across;
+    return (size_t)vxs_map_count(&k->baked->light) * k->tiles_across * k->tiles_across;
 }
 
 static int take_memory(maker *k)

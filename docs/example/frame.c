@@ -16,7 +16,7 @@ int main(int argc, char **argv)
     vxs_asset             *level;
     vxs_gl                *shadows;
     vxs_volumes           *air;
-    vxs_light_map         *map;
+    vxs_shadow_depth_map         *map;
     vxs_transmittance_map *smoke;
     vxs_area_light        *screen;
     if (argc != 3) return fprintf(stderr, "usage: frame LEVEL.vxs OUT.ppm\n"), 2;
@@ -27,16 +27,16 @@ int main(int argc, char **argv)
     if (vxs_gl_create(&shadows, &(vxs_gl_desc){.get_proc_address = gl_function, .asset = level}) ||
         vxs_volumes_create(
             &air, &(vxs_volumes_desc){.get_proc_address = gl_function, .shadows = shadows, .width_px = WIDE, .height_px = HIGH}) ||
-        vxs_light_map_create(&map, air, &(vxs_light_map_desc){.side_px = 1024, .moves = 1}) ||
+        vxs_shadow_depth_map_create(&map, air, &(vxs_shadow_depth_map_desc){.side_px = 1024, .moves = 1}) ||
         vxs_transmittance_map_create(&smoke, air, &(vxs_transmittance_desc){.capsules = 1, .segments = 1 << 18}) ||
         vxs_area_light_create(&screen, air, &(vxs_area_light_desc){.lamps = 16, .side_px = 64}))
         return fprintf(stderr, "frame: OpenGL cannot do it\n"), 1;
     vxs_gl_upload(shadows, SIZE_MAX);
-    vxs_light_map_fill(map, UINT64_MAX);
+    vxs_shadow_depth_map_fill(map, UINT64_MAX);
 
     /* what casts and shines */
     const vxs_area_casters casters = {gl_buffer(rubble, sizeof rubble), sizeof rubble / sizeof *rubble, 1};
-    vxs_area_lamp          lamps[16];
+    vxs_vpl          lamps[16];
     vxs_area_sample(&rectangle, VXS_AREA_HALTON, 0, lamps, 16);
     vxs_area_light_set(screen, lamps, 16);
 
@@ -59,9 +59,9 @@ int main(int argc, char **argv)
     vxs_moving_casters board = board_at(sun, eye_ws, (const double[]){eye_ws[0] - 10, 5, eye_ws[2] + 40});
     vxs_gl_origin(shadows, eye_ws);
     vxs_volumes_begin(air, &frame);
-    vxs_light_map_join(map, &board, 1);
+    vxs_shadow_depth_map_join(map, &board, 1);
     vxs_transmittance_map_build(smoke, &(vxs_capsules){&column, 0, 1}, NULL);
-    vxs_volumes_march(air, &light, map, 64, VXS_STEPS_ANGLE);
+    vxs_volumes_march(air, &light, map, 64, VXS_STEPS_EQUIANGULAR);
     vxs_area_light_cast(screen, &casters);
     vxs_volumes_area(air, screen, &(vxs_area_look){.normal_texture = gl_normals_up()});
     vxs_volumes_transmittance(air, smoke, left, VXS_CURVE_LINES);
@@ -72,7 +72,7 @@ int main(int argc, char **argv)
     texts[VXS_GL_TEXTS] = shade;
     vxs_gl_bind(shadows);
     glBindTextures(0, 4,
-                   (const GLuint[]){frame.depth_texture, left, vxs_area_light_irradiance(screen), vxs_light_map_texture(map)});
+                   (const GLuint[]){frame.depth_texture, left, vxs_area_light_irradiance(screen), vxs_shadow_depth_map_texture(map)});
     gl_draw(texts, VXS_GL_TEXTS + 1);
     vxs_volumes_composite(air);
     return gl_write(argv[2]) ? 0 : 1;

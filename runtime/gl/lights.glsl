@@ -41,8 +41,8 @@ vxs_light_constants vxs_light_at(uint n)
     light.levels        = b.w;
     light.dag           = c.x;
     light.coding        = c.y;
-    light.rest_ij       = c.z;
-    light.rest_k        = c.w;
+    light.origin_fraction_ij       = c.z;
+    light.origin_fraction_k        = c.w;
     return light;
 }
 #endif

@@ -1,6 +1,6 @@
 /* Virtual point lights with the heads of their grids, and words: of all grids, then of all imperfect shadow maps. As area_state.h has it. */
 #ifdef VXS_USES_AREA
-struct vxs_area_lamp {
+struct vxs_vpl {
     vec4  axis, ahead, side, alpha_theta, phi; /* of a grid, as grid.glsl has them */
     ivec4 size, eye, reserved;
     vec4  place;  /* and radius */
@@ -15,7 +15,7 @@ struct vxs_area_lamp {
 #define VXS_AT_AREA VXS_AT_GRID
 #endif
 layout(std430, binding = VXS_AT_AREA) VXS_GRID_ACCESS buffer vxs_area_buffer {
-    vxs_area_lamp lamps[256];
+    vxs_vpl lamps[256];
     uint          words[];
 } vxs_area;
 
@@ -27,10 +27,10 @@ layout(std430, binding = VXS_AT_AREA) VXS_GRID_ACCESS buffer vxs_area_buffer {
 #endif
 #if defined(VXS_AREA_GATHERS) && (defined(VXS_USES_CURVES) || defined(VXS_AREA_BAKED))
 /* The lamp and the eye ray that are gathered, and what smoke leaves of the one along the other. */
-uint  vxs_area_lamp_now;
+uint  vxs_vpl_now;
 vec3  vxs_area_direction;
 float vxs_area_left(uint lamp, vec3 at);
-#define vxs_grid_left(metres) vxs_area_left(vxs_area_lamp_now, vxs_frame.eye_far.xyz + (metres) * vxs_area_direction)
+#define vxs_grid_left(metres) vxs_area_left(vxs_vpl_now, vxs_frame.eye_far.xyz + (metres) * vxs_area_direction)
 #endif
 
 vxs_epipolar vxs_area_space(uint lamp)

@@ -25,7 +25,7 @@ static vxs_epipolar space_of(const frame_block *f, const area_lamp *lamp, const 
     return space;
 }
 
-static void put_heads(vxs_area_light *light, const vxs_light_map *const *maps, uint32_t runs)
+static void put_heads(vxs_area_light *light, const vxs_shadow_depth_map *const *maps, uint32_t runs)
 {
     const vxs_volumes *v    = light->volumes;
     vxs_epipolar_view  view = vxs_grid_view_of(&v->frame);
@@ -45,7 +45,7 @@ static void fill(const vxs_area_light *light)
     v->api.ClearNamedBufferSubData(light->buffer, GL_FORMAT_R32UI, sizeof light->lamps,
                                    (gl_bytes)light->count * 16 * (gl_bytes)texels, GL_FORMAT_RED_INTEGER, GL_TYPE_UNSIGNED_INT,
                                    NULL);
-    vxs_area_light_count(light, light->count, light->side_px, vxs_area_light_maps(light), 0);
+    vxs_area_light_count(light, light->count, light->side_px, vxs_area_shadow_depth_maps(light), 0);
     vxs_volumes_use_storage(v, light->buffer, 0);
     volumes_kept kept = vxs_volumes_use(v, light->programs[AREA_GRIDS], 0, 0, 0);
     v->api.DispatchCompute(groups(AREA_BITS, 32), groups(rows, 4), light->count);
@@ -54,24 +54,24 @@ static void fill(const vxs_area_light *light)
 }
 
 /* Make a lamp's light map the frame's. All pixels of the view may see it: a lamp of an area has no range. */
-static void set_map(const vxs_area_light *light, uint32_t lamp, const vxs_light_map *map)
+static void set_map(const vxs_area_light *light, uint32_t lamp, const vxs_shadow_depth_map *map)
 {
     vxs_volumes      *v   = light->volumes;
-    vxs_volumes_light of  = {.constants = vxs_light_map_constants(map), .radius_metres = light->lamps[lamp].radius_metres};
+    vxs_volumes_light of  = {.constants = vxs_shadow_depth_map_constants(map), .radius_metres = light->lamps[lamp].radius_metres};
     vxs_pixels        all = v->frame.pixels;
     vxs_volumes_set_light(v, &of, map);
     v->frame.pixels = all;
 }
 
 /* By light maps, one after the other, each through a grid of its own. */
-static void fill_exactly(vxs_area_light *light, const vxs_light_map *const *maps, uint32_t runs)
+static void fill_exactly(vxs_area_light *light, const vxs_shadow_depth_map *const *maps, uint32_t runs)
 {
     const vxs_volumes *v     = light->volumes;
     gl_bytes           bytes = 4 * (gl_bytes)vxs_grid_words(&light->size);
     for (uint32_t n = 0; n < light->count; n++) {
         const area_lamp *lamp = &light->lamps[n];
         set_map(light, n, maps[n]);
-        vxs_shadow_grid_make(light->exact, vxs_light_map_texture(maps[n]), runs);
+        vxs_shadow_grid_make(light->exact, vxs_shadow_depth_map_texture(maps[n]), runs);
         gl_name from = vxs_shadow_grid_buffer(light->exact);
         v->api.CopyNamedBufferSubData(from, light->buffer, 0, (gl_bytes)(n * sizeof *lamp), sizeof lamp->grid);
         v->api.CopyNamedBufferSubData(from, light->buffer, sizeof lamp->grid, (gl_bytes)sizeof light->lamps + (gl_bytes)n * bytes,
@@ -109,7 +109,7 @@ static void gather(const vxs_area_light *light, const vxs_area_look *look, uint3
     v->frame.map_side_px = wide;
     v->frame.map_layers  = high;
     v->frame.first       = light->side_px;
-    v->frame.end         = vxs_area_light_maps(light);
+    v->frame.end         = vxs_area_shadow_depth_maps(light);
     v->frame.knobs[0]    = (float)runs;
     v->frame.knobs[1]    = !is_clear(&v->frame);
     v->frame.knobs[2]    = look->normal_texture && !look->maps;
@@ -119,7 +119,7 @@ static void gather(const vxs_area_light *light, const vxs_area_look *look, uint3
         set_map(light, n, look->maps[n]);
         v->frame.pixels = (vxs_pixels){0, 0, wide, high};
         vxs_area_light_count(light, n, look->gather, 0, light->curves.side_px);
-        gather_by(light, exact, vxs_light_map_texture(look->maps[n]), look->normal_texture, wide, high);
+        gather_by(light, exact, vxs_shadow_depth_map_texture(look->maps[n]), look->normal_texture, wide, high);
     }
 }
 
@@ -131,10 +131,10 @@ void vxs_area_light_show(const vxs_area_light *light, vxs_area_gather gather, ui
                     groups((uint32_t)v->frame.high_px, GROUP));
 }
 
-static int are_maps(const vxs_area_light *light, const vxs_light_map *const *maps)
+static int are_maps(const vxs_area_light *light, const vxs_shadow_depth_map *const *maps)
 {
     for (uint32_t n = 0; n < light->count; n++)
-        if (light->lamps[n].kind == AREA_FAR || !maps[n] || vxs_light_map_constants(maps[n])->kind == VXS_LIGHT_KIND_DIRECTIONAL)
+        if (light->lamps[n].kind == AREA_FAR || !maps[n] || vxs_shadow_depth_map_constants(maps[n])->kind == VXS_LIGHT_KIND_DIRECTIONAL)
             return 0;
     return light->exact != NULL;
 }

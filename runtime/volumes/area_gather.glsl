@@ -22,7 +22,7 @@ vec3 air_of(vxs_area_pixel p, uint n)
     vxs_grid_rows    rows = vxs_grid_row_of(space, size, ray.theta);
     vec3             air;
 #ifdef VXS_GRID_DIMS
-    vxs_area_lamp_now  = n;
+    vxs_vpl_now  = n;
     vxs_area_direction = p.direction;
 #endif
     if (vxs_frame.counts.z != 0u) rows = vxs_grid_rows_about(space, size, ray.theta);

@@ -7,7 +7,7 @@
 
 _Static_assert(sizeof(area_lamp) == 192, "a lamp is twelve texels");
 
-enum { LAMPS = VXS_AREA_LAMPS, SIDE = 128, SIDE_MOST = 256, FILL_LEVELS = 5 };
+enum { LAMPS = VXS_VPLS_MAX, SIDE = 128, SIDE_MOST = 256, FILL_LEVELS = 5 };
 
 /* How wide a point is drawn, and a texel at most of the coarsest level from which gaps between points are filled; of what it stands for. */
 #define POINT_WIDE 1.5F
@@ -21,14 +21,14 @@ static uint32_t words_of_map(uint32_t side)
     return (4 * side * side - 1) / 3;
 }
 
-uint32_t vxs_area_light_maps(const vxs_area_light *light)
+uint32_t vxs_area_shadow_depth_maps(const vxs_area_light *light)
 {
     return light->most * (uint32_t)vxs_grid_words(&light->size);
 }
 
 static uint64_t bytes_of(const vxs_area_light *light)
 {
-    return sizeof light->lamps + 4 * ((uint64_t)vxs_area_light_maps(light) + (uint64_t)light->most * words_of_map(light->side_px));
+    return sizeof light->lamps + 4 * ((uint64_t)vxs_area_shadow_depth_maps(light) + (uint64_t)light->most * words_of_map(light->side_px));
 }
 
 static int make_programs(vxs_area_light *light, int takes_maps)
@@ -105,14 +105,14 @@ unsigned vxs_area_light_irradiance(const vxs_area_light *light)
 
 /* lamps --------------------------------------------------------------------------------------------------------------------------- */
 
-static float kind_of(const vxs_area_lamp *lamp)
+static float kind_of(const vxs_vpl *lamp)
 {
     static const float none[3] = {0, 0, 0};
     return lamp->is_far ? AREA_FAR : memcmp(lamp->normal, none, sizeof none) ? AREA_ONE_SIDE : AREA_ALL_SIDES;
 }
 
 /* Returns 0 where it is none. */
-static int lamp_of(const vxs_area_lamp *from, area_lamp *to)
+static int lamp_of(const vxs_vpl *from, area_lamp *to)
 {
     float square = 0;
     int   least  = 0;
@@ -135,14 +135,14 @@ static int lamp_of(const vxs_area_lamp *from, area_lamp *to)
     return 1;
 }
 
-static int is_where_it_was(const area_lamp *before, const vxs_area_lamp *lamp)
+static int is_where_it_was(const area_lamp *before, const vxs_vpl *lamp)
 {
     return !memcmp(before->place, lamp->place, sizeof before->place) &&
            !memcmp(before->normal, lamp->normal, sizeof before->normal) && before->radius_metres == lamp->radius_metres &&
            (before->kind == AREA_FAR) == (lamp->is_far != 0);
 }
 
-vxs_result vxs_area_light_set(vxs_area_light *light, const vxs_area_lamp *lamps, uint32_t count)
+vxs_result vxs_area_light_set(vxs_area_light *light, const vxs_vpl *lamps, uint32_t count)
 {
     area_lamp unused;
     if (!count || count > light->most) return VXS_E_ARGUMENT;
@@ -193,7 +193,7 @@ void vxs_area_light_count(const vxs_area_light *light, uint32_t a, uint32_t b, u
 static void clear(const vxs_area_light *light)
 {
     static const uint32_t none  = UINT32_MAX;
-    gl_bytes              first = (gl_bytes)(sizeof light->lamps + 4 * (size_t)vxs_area_light_maps(light));
+    gl_bytes              first = (gl_bytes)(sizeof light->lamps + 4 * (size_t)vxs_area_shadow_depth_maps(light));
     light->volumes->api.ClearNamedBufferSubData(light->buffer, GL_FORMAT_R32UI, first,
                                                 (gl_bytes)light->count * 4 * (gl_bytes)words_of_map(light->side_px),
                                                 GL_FORMAT_RED_INTEGER, GL_TYPE_UNSIGNED_INT, &none);
@@ -208,7 +208,7 @@ static void splat(const vxs_area_light *light, const vxs_area_casters *casters)
     v->frame.knobs[1] = POINT_WIDE;
     v->frame.knobs[2] = GAP_WIDE;
     v->frame.knobs[3] = POINTS_APART;
-    vxs_area_light_count(light, light->count, casters->count, casters->is_whole != 0, vxs_area_light_maps(light));
+    vxs_area_light_count(light, light->count, casters->count, casters->is_whole != 0, vxs_area_shadow_depth_maps(light));
     vxs_volumes_use_storage(v, light->buffer, casters->buffer);
     vxs_volumes_run(v, light->programs[AREA_SPLAT], 0, 0, across, (groups + across - 1) / across);
 }
@@ -228,7 +228,7 @@ vxs_result vxs_area_light_cast(vxs_area_light *light, const vxs_area_casters *ca
     vxs_area_light_put(light, 0);
     clear(light);
     if (casters->count) splat(light, casters);
-    vxs_area_light_count(light, light->count, FILL_LEVELS, light->side_px, vxs_area_light_maps(light));
+    vxs_area_light_count(light, light->count, FILL_LEVELS, light->side_px, vxs_area_shadow_depth_maps(light));
     vxs_volumes_use_storage(v, light->buffer, 0);
     vxs_volumes_run(v, light->programs[AREA_HOLES], 0, 0, light->count, 1);
     vxs_volumes_put_back_storage(v, &kept);

@@ -92,7 +92,7 @@ static vxs_area_point point_on(const float *const v[CORNERS], part p, double t, 
 static const double by_area = 0.25;
 
 typedef struct scattering {
-    const vxs_area_lamp *lamps;
+    const vxs_vpl *lamps;
     uint32_t             lamp_count, count, next; /* points, and which comes next */
     vxs_area_point      *points;
     double               area, seen, before; /* of all triangles: area, and what lamps see of it; how much of both is behind */
@@ -104,7 +104,7 @@ static double seen_at(const scattering *s, const double place[3], double *neares
     double sum = 0;
     *nearest   = INFINITY;
     for (uint32_t n = 0; n < s->lamp_count; n++) {
-        const vxs_area_lamp *lamp = &s->lamps[n];
+        const vxs_vpl *lamp = &s->lamps[n];
         double               way[3], square = 0, along = 0, radius = (double)lamp->radius_metres;
         for (int i = 0; i < 3; i++) {
             way[i] = place[i] - (double)lamp->place[i];
@@ -176,7 +176,7 @@ double vxs_area_scatter(const float *positions, const uint32_t *corners, uint32_
     return all;
 }
 
-double vxs_area_scatter_for(const float *positions, const uint32_t *corners, uint32_t triangle_count, const vxs_area_lamp *lamps,
+double vxs_area_scatter_for(const float *positions, const uint32_t *corners, uint32_t triangle_count, const vxs_vpl *lamps,
                             uint32_t lamp_count, vxs_area_point *points, uint32_t count)
 {
     enum { HALVINGS = 24 };

@@ -43,7 +43,7 @@ static uint32_t nearest_of(const double (*places)[3], uint32_t count, const doub
 
 void vxs_area_share_light(const area_picture *p, area_site *sites, uint32_t count)
 {
-    double places[VXS_AREA_LAMPS][3];
+    double places[VXS_VPLS_MAX][3];
     for (uint32_t n = 0; n < count; n++) {
         vxs_area_place_of(p, sites[n].u, sites[n].v, places[n]);
         sites[n].light[0] = sites[n].light[1] = sites[n].light[2] = 0;

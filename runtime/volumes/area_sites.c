@@ -142,7 +142,7 @@ static void move_in_row(const area_picture *p, uint32_t y, double row, double in
 static void by_importance(const area_picture *p, double all, area_site *sites, uint32_t count)
 {
     double before                   = 0;
-    int    is_moved[VXS_AREA_LAMPS] = {0};
+    int    is_moved[VXS_VPLS_MAX] = {0};
     for (uint32_t y = 0; y < p->high_px; y++) {
         double row = luminance_of_row(p, y), part = row * part_of_texel(p, y);
         for (uint32_t n = 0; n < count; n++) {

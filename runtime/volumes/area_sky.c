@@ -6,18 +6,18 @@
 
 static const double pi = 3.14159265358979324;
 
-vxs_result vxs_area_sample_sky(const vxs_area_sky *sky, vxs_area_places places, uint32_t seed, vxs_area_lamp *lamps, uint32_t count)
+vxs_result vxs_area_sample_sky(const vxs_area_sky *sky, vxs_area_places places, uint32_t seed, vxs_vpl *lamps, uint32_t count)
 {
-    area_site    sites[VXS_AREA_LAMPS];
+    area_site    sites[VXS_VPLS_MAX];
     double       from[3];
     area_picture picture = {sky->texture, sky->radiance, sky->wide_px, sky->high_px, 1, 2};
-    if (!count || count > VXS_AREA_LAMPS || (unsigned)places > VXS_AREA_JITTERED) return VXS_E_ARGUMENT;
+    if (!count || count > VXS_VPLS_MAX || (unsigned)places > VXS_AREA_JITTERED) return VXS_E_ARGUMENT;
     if (!vxs_area_is_number(sky->middle, -INFINITY) || !vxs_area_is_number(sky->radiance, 0)) return VXS_E_ARGUMENT;
     if (!(sky->radius_metres > 0) || !isfinite(sky->radius_metres) || !sky->texture || !sky->wide_px || !sky->high_px)
         return VXS_E_ARGUMENT;
     vxs_area_sites(&picture, places, seed, sites, count);
     for (uint32_t n = 0; n < count; n++) {
-        lamps[n] = (vxs_area_lamp){.is_far = 1, .radius_metres = sky->radius_metres};
+        lamps[n] = (vxs_vpl){.is_far = 1, .radius_metres = sky->radius_metres};
         vxs_area_place_of(&picture, sites[n].u, sites[n].v, from);
         for (int i = 0; i < 3; i++) {
             lamps[n].place[i]  = sky->middle[i];

@@ -50,21 +50,21 @@ struct vxs_area_light {
     vxs_grid_size    size; /* of each grid */
     uint32_t         most, side_px, count;
     int              is_cast;
-    gl_name          buffer;               /* VXS_AREA_LAMPS lamps, words of `most` grids, of as many maps */
+    gl_name          buffer;               /* VXS_VPLS_MAX lamps, words of `most` grids, of as many maps */
     gl_name          gathered, irradiance; /* textures; gathered: two layers, air and surfaces */
     gl_name          programs[AREA_PROGRAMS];
     or_scan          scan;
     vxs_shadow_grid *exact; /* NULL: no light maps are taken */
     area_smoke       smoke;
     float            anchor[3];
-    area_lamp        lamps[VXS_AREA_LAMPS];  /* places count from the anchor */
-    area_lamp        placed[VXS_AREA_LAMPS]; /* from the origin, as they were uploaded last so */
+    area_lamp        lamps[VXS_VPLS_MAX];  /* places count from the anchor */
+    area_lamp        placed[VXS_VPLS_MAX]; /* from the origin, as they were uploaded last so */
 
     vxs_transmittance_map curves; /* of smoke, a layer for each lamp; all 0: none is taken */
 };
 
 /* The first word of all maps. */
-uint32_t vxs_area_light_maps(const vxs_area_light *light);
+uint32_t vxs_area_shadow_depth_maps(const vxs_area_light *light);
 
 /* Upload the lamps, their places counted from the anchor, or from the origin. */
 void vxs_area_light_put(vxs_area_light *light, int from_origin);

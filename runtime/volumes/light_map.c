@@ -7,12 +7,12 @@
 
 static const float no_end = 1e30F;
 
-const vxs_light_constants *vxs_light_map_constants(const vxs_light_map *map)
+const vxs_light_constants *vxs_shadow_depth_map_constants(const vxs_shadow_depth_map *map)
 {
     return map->is_baked ? &vxs_gl_constants(map->volumes->shadows)[map->baked] : &map->constants;
 }
 
-static uint64_t texels_of(const vxs_light_map *map)
+static uint64_t texels_of(const vxs_shadow_depth_map *map)
 {
     return (uint64_t)map->side_px * map->side_px * map->layers;
 }
@@ -22,17 +22,17 @@ static int is_power_of_two(uint32_t n)
     return n && !(n & (n - 1));
 }
 
-vxs_result vxs_light_map_create(vxs_light_map **out, vxs_volumes *v, const vxs_light_map_desc *desc)
+vxs_result vxs_shadow_depth_map_create(vxs_shadow_depth_map **out, vxs_volumes *v, const vxs_shadow_depth_map_desc *desc)
 {
     int most = 0;
     *out     = NULL;
     if (desc->side_px && !is_power_of_two(desc->side_px)) return VXS_E_ARGUMENT;
     if (!desc->constants && desc->baked >= vxs_gl_light_count(v->shadows)) return VXS_E_ARGUMENT;
-    vxs_light_map *map = vxs_volumes_take(v, sizeof *map);
+    vxs_shadow_depth_map *map = vxs_volumes_take(v, sizeof *map);
     if (!map) return VXS_E_MEMORY;
-    *map = (vxs_light_map){.volumes = v, .baked = desc->baked, .is_baked = !desc->constants};
+    *map = (vxs_shadow_depth_map){.volumes = v, .baked = desc->baked, .is_baked = !desc->constants};
     if (desc->constants) map->constants = *desc->constants;
-    const vxs_light_constants *light = vxs_light_map_constants(map);
+    const vxs_light_constants *light = vxs_shadow_depth_map_constants(map);
     uint32_t                   side  = light->levels < 31 ? 1U << light->levels : 0;
     map->side_px                     = desc->side_px && desc->side_px < side ? desc->side_px : side;
     map->layers                      = light->flags & VXS_LIGHT_CUBE ? 6 : 1;
@@ -44,7 +44,7 @@ vxs_result vxs_light_map_create(vxs_light_map **out, vxs_volumes *v, const vxs_l
         if (!map->first || (desc->moves && !map->joined)) result = VXS_E_MEMORY;
     }
     if (result != VXS_OK) {
-        vxs_light_map_destroy(map);
+        vxs_shadow_depth_map_destroy(map);
         return result;
     }
     v->api.ClearTexImage(map->first, 0, GL_FORMAT_RED, GL_TYPE_FLOAT, &no_end);
@@ -53,7 +53,7 @@ vxs_result vxs_light_map_create(vxs_light_map **out, vxs_volumes *v, const vxs_l
     return VXS_OK;
 }
 
-void vxs_light_map_destroy(vxs_light_map *map)
+void vxs_shadow_depth_map_destroy(vxs_shadow_depth_map *map)
 {
     if (!map) return;
     const vxs_volumes *v = map->volumes;
@@ -62,15 +62,15 @@ void vxs_light_map_destroy(vxs_light_map *map)
     vxs_volumes_give_back(v, map, sizeof *map);
 }
 
-static void set_map(vxs_light_map *map)
+static void set_map(vxs_shadow_depth_map *map)
 {
     frame_block *to = &map->volumes->frame;
-    to->light       = *vxs_light_map_constants(map);
+    to->light       = *vxs_shadow_depth_map_constants(map);
     to->map_side_px = map->side_px;
     to->map_layers  = map->layers;
 }
 
-uint64_t vxs_light_map_fill(vxs_light_map *map, uint64_t max_texels)
+uint64_t vxs_shadow_depth_map_fill(vxs_shadow_depth_map *map, uint64_t max_texels)
 {
     enum { GROUP = 64, GROUPS_MAX = 65535 };
     vxs_volumes *v    = map->volumes;
@@ -89,13 +89,13 @@ uint64_t vxs_light_map_fill(vxs_light_map *map, uint64_t max_texels)
     return texels_of(map) - map->filled;
 }
 
-void vxs_light_map_refill(vxs_light_map *map)
+void vxs_shadow_depth_map_refill(vxs_shadow_depth_map *map)
 {
     if (map->is_baked) map->filled = 0;
 }
 
 /* The block's matrix and sizes are those of the caller's depth map, as long as it is joined. */
-static void join(vxs_light_map *map, const vxs_moving_casters *casters)
+static void join(vxs_shadow_depth_map *map, const vxs_moving_casters *casters)
 {
     vxs_volumes *v      = map->volumes;
     frame_block  frame  = v->frame;
@@ -114,7 +114,7 @@ static void join(vxs_light_map *map, const vxs_moving_casters *casters)
     v->depth_texture = depths;
 }
 
-vxs_result vxs_light_map_join(vxs_light_map *map, const vxs_moving_casters *casters, uint32_t count)
+vxs_result vxs_shadow_depth_map_join(vxs_shadow_depth_map *map, const vxs_moving_casters *casters, uint32_t count)
 {
     if (!map->joined) return VXS_E_ARGUMENT;
     for (uint32_t n = 0; n < count; n++)
@@ -126,17 +126,17 @@ vxs_result vxs_light_map_join(vxs_light_map *map, const vxs_moving_casters *cast
     return VXS_OK;
 }
 
-unsigned vxs_light_map_texture(const vxs_light_map *map)
+unsigned vxs_shadow_depth_map_texture(const vxs_shadow_depth_map *map)
 {
     return map->joined ? map->joined : map->first;
 }
 
-uint32_t vxs_light_map_side_px(const vxs_light_map *map)
+uint32_t vxs_shadow_depth_map_side_px(const vxs_shadow_depth_map *map)
 {
     return map->side_px;
 }
 
-uint32_t vxs_light_map_layers(const vxs_light_map *map)
+uint32_t vxs_shadow_depth_map_layers(const vxs_shadow_depth_map *map)
 {
     return map->layers;
 }

@@ -17,7 +17,7 @@ vxs_mesh_shape vxs_light_mesh_shape(const vxs_light_constants *light, uint32_t s
  * map    NULL: of a mesh that was made in C
  * shape  [out] of the map's mesh
  * Returns VXS_OK; VXS_E_ARGUMENT without a frame, such a light, or an inverse of the view, and for a mesh of more corners than an int counts. */
-vxs_result vxs_mesh_begin(vxs_volumes *v, const vxs_volumes_light *light, const vxs_light_map *map, vxs_mesh_shape *shape);
+vxs_result vxs_mesh_begin(vxs_volumes *v, const vxs_volumes_light *light, const vxs_shadow_depth_map *map, vxs_mesh_shape *shape);
 
 /* How a mesh is drawn. */
 typedef struct mesh_draw {
@@ -28,6 +28,6 @@ typedef struct mesh_draw {
 } mesh_draw;
 
 /* Add the light of the frame. */
-void vxs_mesh_add(vxs_volumes *v, const vxs_light_map *map, const mesh_draw *draw);
+void vxs_mesh_add(vxs_volumes *v, const vxs_shadow_depth_map *map, const mesh_draw *draw);
 
 #endif

@@ -7,17 +7,17 @@
  * 100. */
 enum { STEPS_AT_ONCE = 512 };
 
-static void add_steps(vxs_volumes *v, gl_name program, const vxs_light_map *map, uint32_t steps)
+static void add_steps(vxs_volumes *v, gl_name program, const vxs_shadow_depth_map *map, uint32_t steps)
 {
     for (uint32_t first = 0; first < steps; first += STEPS_AT_ONCE) {
         v->frame.first = first;
         v->frame.end   = steps - first < STEPS_AT_ONCE ? steps : first + STEPS_AT_ONCE;
-        vxs_volumes_add(v, program, map ? vxs_light_map_texture(map) : 0);
+        vxs_volumes_add(v, program, map ? vxs_shadow_depth_map_texture(map) : 0);
     }
 }
 
 /* In smoke. */
-static void march_dimmed(vxs_volumes *v, const vxs_volumes_light *light, const vxs_light_map *map, uint32_t steps)
+static void march_dimmed(vxs_volumes *v, const vxs_volumes_light *light, const vxs_shadow_depth_map *map, uint32_t steps)
 {
     storage_kept kept = vxs_volumes_keep_storage(v);
     vxs_transmittance_set_reader(light->smoke, (vxs_curve_lookup)light->smoke_lookup);
@@ -26,11 +26,11 @@ static void march_dimmed(vxs_volumes *v, const vxs_volumes_light *light, const v
     vxs_volumes_put_back_storage(v, &kept);
 }
 
-vxs_result vxs_volumes_march(vxs_volumes *v, const vxs_volumes_light *light, const vxs_light_map *map, uint32_t steps,
+vxs_result vxs_volumes_march(vxs_volumes *v, const vxs_volumes_light *light, const vxs_shadow_depth_map *map, uint32_t steps,
                              vxs_steps which)
 {
     enum { STEPS_MAX = 65536 };
-    if (!steps || steps > STEPS_MAX || (which != VXS_STEPS_EVEN && which != VXS_STEPS_ANGLE)) return VXS_E_ARGUMENT;
+    if (!steps || steps > STEPS_MAX || (which != VXS_STEPS_EVEN && which != VXS_STEPS_EQUIANGULAR)) return VXS_E_ARGUMENT;
     if (!map && light->constants) return VXS_E_ARGUMENT;
     if (light->smoke && !vxs_transmittance_is_of(light->smoke, v, light)) return VXS_E_ARGUMENT;
     vxs_result result = vxs_volumes_set_light(v, light, map);

@@ -110,7 +110,7 @@ static vxs_mesh_shape set_shape(frame_block *f, const double eye_ls[3])
     return s;
 }
 
-vxs_result vxs_mesh_begin(vxs_volumes *v, const vxs_volumes_light *light, const vxs_light_map *map, vxs_mesh_shape *shape)
+vxs_result vxs_mesh_begin(vxs_volumes *v, const vxs_volumes_light *light, const vxs_shadow_depth_map *map, vxs_mesh_shape *shape)
 {
     double eye_ls[3];
     if (light->smoke) return VXS_E_ARGUMENT;
@@ -159,16 +159,16 @@ static void draw_crossings(const vxs_volumes *v, const mesh_draw *draw)
 }
 
 /* At its crossings, and then all of it where these leave the eye in light. */
-void vxs_mesh_add(vxs_volumes *v, const vxs_light_map *map, const mesh_draw *draw)
+void vxs_mesh_add(vxs_volumes *v, const vxs_shadow_depth_map *map, const mesh_draw *draw)
 {
-    if (vxs_volumes_find_reach(v, &v->frame.pixels) != VXS_REACH_SEEN) return;
-    volumes_kept kept = vxs_volumes_use(v, draw->program, map ? vxs_light_map_texture(map) : 0, 0, 0);
+    if (vxs_volumes_find_cull_result(v, &v->frame.pixels) != VXS_NOT_CULLED) return;
+    volumes_kept kept = vxs_volumes_use(v, draw->program, map ? vxs_shadow_depth_map_texture(map) : 0, 0, 0);
     draw_crossings(v, draw);
     vxs_volumes_put_back(v, &kept);
     vxs_volumes_add(v, v->programs[PROGRAM_MESH_WHOLE], 0);
 }
 
-vxs_result vxs_volumes_mesh_map(vxs_volumes *v, const vxs_volumes_light *light, const vxs_light_map *map)
+vxs_result vxs_volumes_mesh_map(vxs_volumes *v, const vxs_volumes_light *light, const vxs_shadow_depth_map *map)
 {
     vxs_mesh_shape shape;
     if (!map) return VXS_E_ARGUMENT;

@@ -138,15 +138,15 @@ static void list_triangles(const vxs_adaptive_mesh *mesh, const vxs_mesh_shape *
     for (int level = shape->levels; level >= least; level--) run(mesh, mesh->add, map, level, shape->side >> level);
 }
 
-vxs_result vxs_volumes_mesh_adaptive(vxs_volumes *v, const vxs_volumes_light *light, const vxs_light_map *map,
+vxs_result vxs_volumes_mesh_adaptive(vxs_volumes *v, const vxs_volumes_light *light, const vxs_shadow_depth_map *map,
                                      vxs_adaptive_mesh *mesh, float error_texels)
 {
     vxs_mesh_shape shape;
     if (!map || !mesh || !(error_texels >= 0)) return VXS_E_ARGUMENT;
     if (map->side_px > (uint32_t)mesh->most.side || map->layers > (uint32_t)mesh->most.layers) return VXS_E_ARGUMENT;
     vxs_result result = vxs_mesh_begin(v, light, map, &shape);
-    if (result != VXS_OK || vxs_volumes_find_reach(v, &v->frame.pixels) != VXS_REACH_SEEN) return result;
-    gl_name      texture  = vxs_light_map_texture(map);
+    if (result != VXS_OK || vxs_volumes_find_cull_result(v, &v->frame.pixels) != VXS_NOT_CULLED) return result;
+    gl_name      texture  = vxs_shadow_depth_map_texture(map);
     storage_kept kept     = vxs_volumes_keep_storage(v);
     v->frame.error_texels = error_texels;
     v->frame.counts[1]    = mesh->triangles_most;

@@ -148,7 +148,7 @@ double vxs_volumes_find_most(const vxs_volumes *v)
     return f->light.kind == VXS_LIGHT_KIND_DIRECTIONAL ? most_of_sun(f) : most_at_a_metre(f) / (double)f->radius_metres;
 }
 
-vxs_reach vxs_volumes_find_reach(const vxs_volumes *v, vxs_pixels *pixels)
+vxs_cull_result vxs_volumes_find_cull_result(const vxs_volumes *v, vxs_pixels *pixels)
 {
     const frame_block *f    = &v->frame;
     uint32_t           wide = (uint32_t)f->wide_px, high = (uint32_t)f->high_px, across[2] = {0, wide}, up[2] = {0, high};
@@ -157,14 +157,14 @@ vxs_reach vxs_volumes_find_reach(const vxs_volumes *v, vxs_pixels *pixels)
     projection         p;
     int                is_seen = projection_of(f, &p);
     *pixels                    = (vxs_pixels){0, 0, wide, high};
-    if (is_light_clear(f) || (is_seen && is_view_clear(f, &p))) return VXS_REACH_CLEAR;
-    if (f->light.kind == VXS_LIGHT_KIND_DIRECTIONAL) return most_of_sun(f) > least || least == 0 ? VXS_REACH_SEEN : VXS_REACH_FAINT;
+    if (is_light_clear(f) || (is_seen && is_view_clear(f, &p))) return VXS_CULLED_CLEAR;
+    if (f->light.kind == VXS_LIGHT_KIND_DIRECTIONAL) return most_of_sun(f) > least || least == 0 ? VXS_NOT_CULLED : VXS_CULLED_FAINT;
     sphere lit = sphere_of_range(f), bright = {{0}, 0};
     for (int n = 0; n < 3; n++) bright.middle[n] = (double)f->place[n] - (double)f->eye[n];
     at_a_metre    = most_at_a_metre(f);
     bright.radius = least > 0 ? at_a_metre / least : INFINITY;
-    if (bright.radius < (double)f->radius_metres) return VXS_REACH_FAINT;
-    if (!is_seen) return VXS_REACH_SEEN;
+    if (bright.radius < (double)f->radius_metres) return VXS_CULLED_FAINT;
+    if (!is_seen) return VXS_NOT_CULLED;
     const sphere *both[2] = {&lit, &bright};
     for (int n = 0; n < 2; n++) {
         narrow(both[n], p.u, p.s, wide, across);
@@ -172,5 +172,5 @@ vxs_reach vxs_volumes_find_reach(const vxs_volumes *v, vxs_pixels *pixels)
         if (both[n]->radius < INFINITY && dot(p.s, both[n]->middle) < -both[n]->radius * sqrt(dot(p.s, p.s))) across[1] = across[0];
     }
     *pixels = (vxs_pixels){across[0], up[0], across[1] - across[0], up[1] - up[0]};
-    return pixels->wide_px && pixels->high_px ? VXS_REACH_SEEN : VXS_REACH_BESIDE;
+    return pixels->wide_px && pixels->high_px ? VXS_NOT_CULLED : VXS_CULLED_OFFSCREEN;
 }

@@ -171,7 +171,7 @@ void vxs_shadow_grid_make(vxs_shadow_grid *grid, gl_name map, uint32_t runs)
     make_grid(grid, 1, map, runs, NULL, 0);
 }
 
-vxs_result vxs_volumes_grid_cast(vxs_volumes *v, const vxs_volumes_light *light, const vxs_light_map *map, vxs_shadow_grid *grid,
+vxs_result vxs_volumes_grid_cast(vxs_volumes *v, const vxs_volumes_light *light, const vxs_shadow_depth_map *map, vxs_shadow_grid *grid,
                                  uint32_t runs, const vxs_casters *casters, uint32_t count)
 {
     int is_alone = !map && light->constants;
@@ -181,16 +181,16 @@ vxs_result vxs_volumes_grid_cast(vxs_volumes *v, const vxs_volumes_light *light,
     if (result != VXS_OK) return result;
     if (!map) v->frame.map_side_px = 1U << v->frame.light.levels; /* the asset is asked as a map of its own texels */
     if (!runs) runs = is_sharp(&v->frame) ? RUNS_SHARP : RUNS;
-    if (vxs_volumes_find_reach(v, &v->frame.pixels) != VXS_REACH_SEEN) return VXS_OK;
+    if (vxs_volumes_find_cull_result(v, &v->frame.pixels) != VXS_NOT_CULLED) return VXS_OK;
     storage_kept kept = vxs_volumes_keep_storage(v);
-    make_grid(grid, !is_alone, map ? vxs_light_map_texture(map) : 0, runs, casters, count);
+    make_grid(grid, !is_alone, map ? vxs_shadow_depth_map_texture(map) : 0, runs, casters, count);
     vxs_volumes_use_storage(v, grid->buffer, 0);
     vxs_volumes_add(v, grid->look_up, 0);
     vxs_volumes_put_back_storage(v, &kept);
     return VXS_OK;
 }
 
-vxs_result vxs_volumes_grid(vxs_volumes *v, const vxs_volumes_light *light, const vxs_light_map *map, vxs_shadow_grid *grid,
+vxs_result vxs_volumes_grid(vxs_volumes *v, const vxs_volumes_light *light, const vxs_shadow_depth_map *map, vxs_shadow_grid *grid,
                             uint32_t runs)
 {
     return vxs_volumes_grid_cast(v, light, map, grid, runs, NULL, 0);

@@ -151,7 +151,7 @@ void vxs_transmittance_map_destroy(vxs_transmittance_map *map)
 
 /* build ---------------------------------------------------------------------------------------------------------------------------- */
 
-void vxs_transmittance_set(const vxs_transmittance_map *map, const vxs_light_map *opaque, uint32_t capsule_count)
+void vxs_transmittance_set(const vxs_transmittance_map *map, const vxs_shadow_depth_map *opaque, uint32_t capsule_count)
 {
     enum { SORTED = 1, ENDS_AT_OPAQUE = 2 };
     frame_block *to = &map->volumes->frame;
@@ -164,14 +164,14 @@ void vxs_transmittance_set(const vxs_transmittance_map *map, const vxs_light_map
     to->counts[3]   = map->side_px;
 }
 
-static void dispatch(const vxs_volumes *v, gl_name program, const vxs_light_map *opaque, uint32_t x, uint32_t y, uint32_t z)
+static void dispatch(const vxs_volumes *v, gl_name program, const vxs_shadow_depth_map *opaque, uint32_t x, uint32_t y, uint32_t z)
 {
-    volumes_kept kept = vxs_volumes_use(v, program, opaque ? vxs_light_map_texture(opaque) : 0, 0, 0);
+    volumes_kept kept = vxs_volumes_use(v, program, opaque ? vxs_shadow_depth_map_texture(opaque) : 0, 0, 0);
     v->api.DispatchCompute(x, y, z);
     vxs_volumes_put_back(v, &kept);
 }
 
-void vxs_transmittance_run(const vxs_transmittance_map *map, gl_name program, const vxs_light_map *opaque)
+void vxs_transmittance_run(const vxs_transmittance_map *map, gl_name program, const vxs_shadow_depth_map *opaque)
 {
     uint32_t groups = (map->side_px + 7) / 8;
     dispatch(map->volumes, program, opaque, groups, groups, map->layers);
@@ -195,7 +195,7 @@ static uint32_t capture_parts(const vxs_transmittance_map *map)
     return (uint32_t)(((uint64_t)map->side_px * map->side_px + TEXELS - 1) / TEXELS);
 }
 
-void vxs_transmittance_capture(const vxs_transmittance_map *map, const vxs_capsules *capsules, const vxs_light_map *opaque)
+void vxs_transmittance_capture(const vxs_transmittance_map *map, const vxs_capsules *capsules, const vxs_shadow_depth_map *opaque)
 {
     const vxs_volumes *v     = map->volumes;
     uint32_t           count = capsules->count, across = count < GROUPS_ACROSS ? count : GROUPS_ACROSS;
@@ -208,12 +208,12 @@ void vxs_transmittance_capture(const vxs_transmittance_map *map, const vxs_capsu
         dispatch(v, map->capture, opaque, across, (count + across - 1) / across, map->layers * capture_parts(map));
 }
 
-static int is_of_its_light(const vxs_transmittance_map *map, const vxs_light_map *opaque)
+static int is_of_its_light(const vxs_transmittance_map *map, const vxs_shadow_depth_map *opaque)
 {
     return opaque->layers == map->layers && opaque->is_baked == map->is_baked && (!map->is_baked || opaque->baked == map->baked);
 }
 
-vxs_result vxs_transmittance_map_build_drawn(vxs_transmittance_map *map, const vxs_capsules *capsules, const vxs_light_map *opaque,
+vxs_result vxs_transmittance_map_build_drawn(vxs_transmittance_map *map, const vxs_capsules *capsules, const vxs_shadow_depth_map *opaque,
                                              void (*draw)(void *user), void *user)
 {
     if (capsules->count > map->capsule_room || (capsules->count && !capsules->list && !capsules->buffer)) return VXS_E_ARGUMENT;
@@ -229,7 +229,7 @@ vxs_result vxs_transmittance_map_build_drawn(vxs_transmittance_map *map, const v
     return VXS_OK;
 }
 
-vxs_result vxs_transmittance_map_build(vxs_transmittance_map *map, const vxs_capsules *capsules, const vxs_light_map *opaque)
+vxs_result vxs_transmittance_map_build(vxs_transmittance_map *map, const vxs_capsules *capsules, const vxs_shadow_depth_map *opaque)
 {
     return vxs_transmittance_map_build_drawn(map, capsules, opaque, NULL, NULL);
 }

@@ -27,7 +27,7 @@ vxs_result vxs_transmittance_take(vxs_transmittance_map *map);
 void       vxs_transmittance_give_back(vxs_transmittance_map *map);
 
 /* The map and its light, for shaders (curves.glsl).   opaque  NULL: none */
-void vxs_transmittance_set(const vxs_transmittance_map *map, const vxs_light_map *opaque, uint32_t capsule_count);
+void vxs_transmittance_set(const vxs_transmittance_map *map, const vxs_shadow_depth_map *opaque, uint32_t capsule_count);
 
 /* For programs that read curves of any map (curves.glsl), beside the light. */
 void vxs_transmittance_set_reader(const vxs_transmittance_map *map, vxs_curve_lookup how);
@@ -36,7 +36,7 @@ void vxs_transmittance_set_reader(const vxs_transmittance_map *map, vxs_curve_lo
 int vxs_transmittance_is_of(const vxs_transmittance_map *map, const vxs_volumes *volumes, const vxs_volumes_light *light);
 
 /* Capture the segments of capsules anew, where there are lists. Between vxs_volumes_keep_storage and vxs_volumes_put_back_storage. */
-void vxs_transmittance_capture(const vxs_transmittance_map *map, const vxs_capsules *capsules, const vxs_light_map *opaque);
+void vxs_transmittance_capture(const vxs_transmittance_map *map, const vxs_capsules *capsules, const vxs_shadow_depth_map *opaque);
 
 /* The buffer of a map's view.   Returns 0 where there is no room */
 gl_name vxs_transmittance_view(const vxs_volumes *volumes);
@@ -46,7 +46,7 @@ void vxs_transmittance_draw(const vxs_transmittance_map *map, const vxs_light_co
                             void *user);
 
 /* Run a program of 8 x 8 texels a group, on all texels. */
-void vxs_transmittance_run(const vxs_transmittance_map *map, gl_name program, const vxs_light_map *opaque);
+void vxs_transmittance_run(const vxs_transmittance_map *map, gl_name program, const vxs_shadow_depth_map *opaque);
 
 /* Run a program on the frame's pixels, which writes to a texture.   other  a storage buffer beside the map's; 0: none */
 void vxs_transmittance_pass(const vxs_transmittance_map *map, gl_name program, gl_name other, gl_name texture);

@@ -177,7 +177,7 @@ vxs_result vxs_volumes_begin(vxs_volumes *v, const vxs_volumes_frame *f)
 }
 
 /* Places from the matrix, whose inverse is that of a rotation but for a sun's scale. */
-vxs_result vxs_volumes_set_light(vxs_volumes *v, const vxs_volumes_light *light, const vxs_light_map *map)
+vxs_result vxs_volumes_set_light(vxs_volumes *v, const vxs_volumes_light *light, const vxs_shadow_depth_map *map)
 {
     frame_block *to = &v->frame;
     if (!v->depth_texture || (!light->constants && light->baked >= vxs_gl_light_count(v->shadows))) return VXS_E_ARGUMENT;
@@ -208,17 +208,17 @@ float vxs_volumes_most(vxs_volumes *v, const vxs_volumes_light *light)
     return vxs_volumes_set_light(v, light, NULL) == VXS_OK ? (float)vxs_volumes_find_most(v) : 0;
 }
 
-vxs_reach vxs_volumes_reach(vxs_volumes *v, const vxs_volumes_light *light, vxs_pixels *pixels)
+vxs_cull_result vxs_volumes_cull(vxs_volumes *v, const vxs_volumes_light *light, vxs_pixels *pixels)
 {
     *pixels = (vxs_pixels){0};
-    return vxs_volumes_set_light(v, light, NULL) == VXS_OK ? vxs_volumes_find_reach(v, pixels) : VXS_REACH_BESIDE;
+    return vxs_volumes_set_light(v, light, NULL) == VXS_OK ? vxs_volumes_find_cull_result(v, pixels) : VXS_CULLED_OFFSCREEN;
 }
 
 void vxs_volumes_add(vxs_volumes *v, gl_name program, gl_name map)
 {
     enum { GROUP = 8 };
     vxs_pixels *p = &v->frame.pixels;
-    if (vxs_volumes_find_reach(v, p) != VXS_REACH_SEEN) return;
+    if (vxs_volumes_find_cull_result(v, p) != VXS_NOT_CULLED) return;
     volumes_kept kept = vxs_volumes_use(v, program, map, v->airlight, GL_FORMAT_RGBA32F);
     v->api.DispatchCompute((p->wide_px + GROUP - 1) / GROUP, (p->high_px + GROUP - 1) / GROUP, 1);
     vxs_volumes_put_back(v, &kept);

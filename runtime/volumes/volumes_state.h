@@ -77,7 +77,7 @@ struct vxs_volumes {
     gl_name     depth_texture; /* of the frame; 0: none has begun */
 };
 
-struct vxs_light_map {
+struct vxs_shadow_depth_map {
     vxs_volumes        *volumes;
     vxs_light_constants constants; /* of a light that is not baked */
     uint32_t            baked, is_baked, side_px, layers;
@@ -149,19 +149,19 @@ raster_kept vxs_volumes_draw(const vxs_volumes *v, gl_enum source, gl_enum desti
 void        vxs_volumes_put_back_raster(const vxs_volumes *v, const raster_kept *kept);
 
 /* The light of what follows, for shaders.   map  NULL: none.   Returns VXS_OK; VXS_E_ARGUMENT without a frame or such a light. */
-vxs_result vxs_volumes_set_light(vxs_volumes *v, const vxs_volumes_light *light, const vxs_light_map *map);
+vxs_result vxs_volumes_set_light(vxs_volumes *v, const vxs_volumes_light *light, const vxs_shadow_depth_map *map);
 
 /* The most airlight of it that a ray can have. */
 double vxs_volumes_find_most(const vxs_volumes *v);
 
 /* Which of the frame's pixels may see that light.   Returns why there are none */
-vxs_reach vxs_volumes_find_reach(const vxs_volumes *v, vxs_pixels *pixels);
+vxs_cull_result vxs_volumes_find_cull_result(const vxs_volumes *v, vxs_pixels *pixels);
 
 /* Add its airlight by a program, in groups of 8 x 8 pixels, where it may be seen. */
 void vxs_volumes_add(vxs_volumes *v, gl_name program, gl_name map);
 
 /* Its constants. */
-const vxs_light_constants *vxs_light_map_constants(const vxs_light_map *map);
+const vxs_light_constants *vxs_shadow_depth_map_constants(const vxs_shadow_depth_map *map);
 
 /* The texts of shaders (made by the Makefile from the files of these names). */
 extern const char vxs_volumes_text_frame_glsl[], vxs_volumes_text_first_shadow_glsl[], vxs_volumes_text_march_glsl[],

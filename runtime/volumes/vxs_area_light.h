@@ -22,12 +22,12 @@
 extern "C" {
 #endif
 
-enum { VXS_AREA_LAMPS = 256 }; /* no more at once */
+enum { VXS_VPLS_MAX = 256 }; /* no more at once */
 
 /* virtual point lights ------------------------------------------------------------------------------------------------------------ */
 
 /* A small piece of a surface that shines to one side: its intensity is `colour` times the cosine to its normal. */
-typedef struct vxs_area_lamp {
+typedef struct vxs_vpl {
     float place[3];
     float normal[3];     /* of length 1; all 0: it shines to all sides alike */
     float colour[3];     /* intensity along the normal, in candela, or in the units of the picture; >= 0 */
@@ -35,7 +35,7 @@ typedef struct vxs_area_lamp {
     uint32_t
         is_far; /* 1: it is far away: its light travels along the normal everywhere, and `colour` is the irradiance of what lies across that.
                             What casts its shadows is within radius_metres of its place */
-} vxs_area_lamp;
+} vxs_vpl;
 
 /* A picture that shines, such as a screen or a window. */
 typedef struct vxs_area_rectangle {
@@ -58,10 +58,10 @@ typedef enum vxs_area_places {
  * 64 x 64 pieces, so that no bright place is missed; without a texture all are alike. Their sum is the rectangle's light, by importance in luminance.
  * seed   of what is at random; of Halton's and Hammersley's points a shift of all, round the edges. 0: none
  * lamps  [out] [count]
- * count  1 to VXS_AREA_LAMPS
+ * count  1 to VXS_VPLS_MAX
  * Returns VXS_OK; VXS_E_ARGUMENT for numbers that are none, a rectangle without area, or a texture without texels.
  * Cost: a reading of the texture, and 4096 distances for each lamp; of importance, two readings, and a row for each lamp. Threads: none shared; no memory is taken. */
-vxs_result vxs_area_sample(const vxs_area_rectangle *rectangle, vxs_area_places places, uint32_t seed, vxs_area_lamp *lamps,
+vxs_result vxs_area_sample(const vxs_area_rectangle *rectangle, vxs_area_places places, uint32_t seed, vxs_vpl *lamps,
                            uint32_t count);
 
 /* A picture of all that shines from far away, from each direction. */
@@ -77,7 +77,7 @@ typedef struct vxs_area_sky {
 
 /* Lamps of a sky, far away, likewise: texels count by their solid angle, and by importance by luminance times that.
  * seed, lamps, count  as above;   Returns, cost and threads likewise */
-vxs_result vxs_area_sample_sky(const vxs_area_sky *sky, vxs_area_places places, uint32_t seed, vxs_area_lamp *lamps,
+vxs_result vxs_area_sample_sky(const vxs_area_sky *sky, vxs_area_places places, uint32_t seed, vxs_vpl *lamps,
                                uint32_t count);
 
 /* points of what casts shadows ---------------------------------------------------------------------------------------------------- */
@@ -103,7 +103,7 @@ double vxs_area_scatter(const float *positions, const uint32_t *corners, uint32_
  * points  [out] [count] with areas of their own, which add up to about the whole
  * Returns, threads: as above; without light points are those of vxs_area_scatter.
  * Cost: for each lamp two looks at each triangle, and more at triangles that are wider than half of their distance. */
-double vxs_area_scatter_for(const float *positions, const uint32_t *corners, uint32_t triangle_count, const vxs_area_lamp *lamps,
+double vxs_area_scatter_for(const float *positions, const uint32_t *corners, uint32_t triangle_count, const vxs_vpl *lamps,
                             uint32_t lamp_count, vxs_area_point *points, uint32_t count);
 
 /* the light ------------------------------------------------------------------------------------------------------------------------ */
@@ -112,7 +112,7 @@ typedef struct vxs_area_light vxs_area_light;
 
 /* What is not named is 0, and means the default. */
 typedef struct vxs_area_light_desc {
-    uint32_t lamps;         /* the most that are set at once, VXS_AREA_LAMPS and fewer; 0: all of them */
+    uint32_t lamps;         /* the most that are set at once, VXS_VPLS_MAX and fewer; 0: all of them */
     uint32_t side_px;       /* of each lamp's imperfect shadow map: 32, 64, 128, 256; 0: 128 */
     uint32_t columns, rows; /* of each lamp's grid, whose eye rays have 128 bits: 1 to 256; 0: 128 */
     uint32_t takes_maps;    /* 1: exact light maps may be given in place of imperfect ones */
@@ -131,7 +131,7 @@ void       vxs_area_light_destroy(vxs_area_light *light); /* accepts NULL */
 /* Its lamps; copied. Their shadow maps are those of before where nothing but colours has changed, as of a picture that moves; else they have none.
  * count  1 to those of create
  * Returns VXS_OK; VXS_E_ARGUMENT for numbers that are none, or normals of another length. */
-vxs_result vxs_area_light_set(vxs_area_light *light, const vxs_area_lamp *lamps, uint32_t count);
+vxs_result vxs_area_light_set(vxs_area_light *light, const vxs_vpl *lamps, uint32_t count);
 
 /* Where the place is that lamps and casters count from, in metres from the origin that vxs_gl_origin was told last: again, when that origin follows a camera.
  * Shadow maps stay. Before the first call it is the origin.
@@ -179,7 +179,7 @@ typedef struct vxs_area_look {
     uint32_t        is_sharp; /* 1: of a grid's rows the one that an eye ray is in, and not what lies between two */
     unsigned
                                 normal_texture; /* GL_TEXTURE_2D of the view's size: normals of what was drawn, of length 1, 0 where nothing was; 0: airlight alone */
-    const vxs_light_map *const *maps; /* [lamps] of lamps that stay where they are: exact shadows; NULL: imperfect ones */
+    const vxs_shadow_depth_map *const *maps; /* [lamps] of lamps that stay where they are: exact shadows; NULL: imperfect ones */
 } vxs_area_look;
 
 /* Add the airlight of all lamps to the frame's, by a grid for each, all made in one dispatch of all their light rays and one scan; and the light that they

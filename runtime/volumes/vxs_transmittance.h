@@ -63,7 +63,7 @@ typedef struct vxs_capsules {
  * opaque  where shadow begins, of the same light: light ends there, and what lies behind casts nothing. NULL: only smoke casts; what stands is in the asset's
  *         shadow, which a shader multiplies. With it a surface itself is where light ends: it is for what is in the air, not for what surfaces receive
  * Returns VXS_OK; VXS_E_ARGUMENT for more capsules than create was told, or for another light's map. */
-vxs_result vxs_transmittance_map_build(vxs_transmittance_map *map, const vxs_capsules *capsules, const vxs_light_map *opaque);
+vxs_result vxs_transmittance_map_build(vxs_transmittance_map *map, const vxs_capsules *capsules, const vxs_shadow_depth_map *opaque);
 
 /* Smoke of other shapes: shaders of the caller's own add segments to the lists while the map is built, beside those of capsules.
  *
@@ -92,7 +92,7 @@ vxs_result vxs_transmittance_map_texts(const vxs_transmittance_map *map, const c
 /* As vxs_transmittance_map_build.
  * draw  called once, with those two storage buffers bound; it leaves them bound. State that it changes, it puts back. NULL: nothing is drawn
  * Returns as that, and VXS_E_ARGUMENT for a map without lists. */
-vxs_result vxs_transmittance_map_build_drawn(vxs_transmittance_map *map, const vxs_capsules *capsules, const vxs_light_map *opaque,
+vxs_result vxs_transmittance_map_build_drawn(vxs_transmittance_map *map, const vxs_capsules *capsules, const vxs_shadow_depth_map *opaque,
                                              void (*draw)(void *user), void *user);
 
 typedef struct vxs_transmittance_counts {

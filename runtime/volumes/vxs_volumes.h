@@ -29,7 +29,7 @@ extern "C" {
 #endif
 
 typedef struct vxs_volumes       vxs_volumes;
-typedef struct vxs_light_map     vxs_light_map;
+typedef struct vxs_shadow_depth_map     vxs_shadow_depth_map;
 typedef struct vxs_shadow_grid   vxs_shadow_grid;
 typedef struct vxs_adaptive_mesh vxs_adaptive_mesh;
 
@@ -91,12 +91,12 @@ typedef struct vxs_volumes_light {
 } vxs_volumes_light;
 
 /* Why a light is left out of a frame. */
-typedef enum vxs_reach {
-    VXS_REACH_SEEN,   /* it is not */
-    VXS_REACH_FAINT,  /* it has no more airlight than the least that counts, wherever one looks */
-    VXS_REACH_BESIDE, /* nor in any pixel of the view: the rest is out of it */
-    VXS_REACH_CLEAR,  /* the fog has a level top, and no ray of the view comes below it, or none of the light */
-} vxs_reach;
+typedef enum vxs_cull_result {
+    VXS_NOT_CULLED,   /* it is not */
+    VXS_CULLED_FAINT,  /* it has no more airlight than the least that counts, wherever one looks */
+    VXS_CULLED_OFFSCREEN, /* nor in any pixel of the view: the rest is out of it */
+    VXS_CULLED_CLEAR,  /* the fog has a level top, and no ray of the view comes below it, or none of the light */
+} vxs_cull_result;
 
 /* A rectangle of pixels. */
 typedef struct vxs_pixels {
@@ -106,8 +106,8 @@ typedef struct vxs_pixels {
 /* Whether a light's airlight can be seen in the frame that has begun, and where: in no other pixel there is more than `least` of it. By its cone, its range
  * and a bound that holds whatever is in shadow; techniques draw no other pixels, so that nobody has to ask.
  * pixels  [out]
- * Returns VXS_REACH_BESIDE also for what the techniques refuse. */
-vxs_reach vxs_volumes_reach(vxs_volumes *volumes, const vxs_volumes_light *light, vxs_pixels *pixels);
+ * Returns VXS_CULLED_OFFSCREEN also for what the techniques refuse. */
+vxs_cull_result vxs_volumes_cull(vxs_volumes *volumes, const vxs_volumes_light *light, vxs_pixels *pixels);
 
 /* The most airlight of a light that any ray of the frame can have in any channel, whatever is in shadow. Lights of which this adds up to no more than a bound
  * may be left out together.   Returns 0 for what the techniques refuse */
@@ -123,27 +123,27 @@ void vxs_volumes_composite(vxs_volumes *volumes);
 
 /* light maps ---------------------------------------------------------------------------------------------------------------------- */
 
-typedef struct vxs_light_map_desc {
+typedef struct vxs_shadow_depth_map_desc {
     uint32_t baked; /* the light's number in vxs_gl; without constants */
     const vxs_light_constants
             *constants; /* of a light that is not baked: a map without end is of this prism, frustum or cube; NULL: it is */
     uint32_t side_px;   /* a power of two; 0, or more than the baked map has: as that */
-    uint32_t moves;     /* 1: vxs_light_map_join will be called */
-} vxs_light_map_desc;
+    uint32_t moves;     /* 1: vxs_shadow_depth_map_join will be called */
+} vxs_shadow_depth_map_desc;
 
 /* An R32F array of one or six layers of side_px x side_px texels, in the prism, frustum or cube of the light's baked maps. A texel is where
  * shadow begins on the light ray through its centre: of suns in voxels of the baked light, of lamps in metres along the map's axis; 1e30
- * where light does not end. The baked part is looked up once, in calls of vxs_light_map_fill.
+ * where light does not end. The baked part is looked up once, in calls of vxs_shadow_depth_map_fill.
  * Returns VXS_OK; VXS_E_ARGUMENT; VXS_E_MEMORY; VXS_E_GL for a side that the context does not have. */
-vxs_result vxs_light_map_create(vxs_light_map **map, vxs_volumes *volumes, const vxs_light_map_desc *desc);
-void       vxs_light_map_destroy(vxs_light_map *map);
+vxs_result vxs_shadow_depth_map_create(vxs_shadow_depth_map **map, vxs_volumes *volumes, const vxs_shadow_depth_map_desc *desc);
+void       vxs_shadow_depth_map_destroy(vxs_shadow_depth_map *map);
 
 /* Look up what is baked of the next max_texels, or fewer; again, when pages have come.
  * Returns how many are left. */
-uint64_t vxs_light_map_fill(vxs_light_map *map, uint64_t max_texels);
+uint64_t vxs_shadow_depth_map_fill(vxs_shadow_depth_map *map, uint64_t max_texels);
 
-/* Look all of it up again in calls of vxs_light_map_fill that follow. */
-void vxs_light_map_refill(vxs_light_map *map);
+/* Look all of it up again in calls of vxs_shadow_depth_map_fill that follow. */
+void vxs_shadow_depth_map_refill(vxs_shadow_depth_map *map);
 
 /* A depth map of what moves, seen from the light. Of a point light there may be several, each of a part. */
 typedef struct vxs_moving_casters {
@@ -155,25 +155,25 @@ typedef struct vxs_moving_casters {
 
 /* Each frame: the baked map, and before it what moves.
  * casters  [count]; 0: the baked map alone */
-vxs_result vxs_light_map_join(vxs_light_map *map, const vxs_moving_casters *casters, uint32_t count);
+vxs_result vxs_shadow_depth_map_join(vxs_shadow_depth_map *map, const vxs_moving_casters *casters, uint32_t count);
 
-/* The texture, a GL_TEXTURE_2D_ARRAY. Valid until vxs_light_map_destroy. */
-unsigned vxs_light_map_texture(const vxs_light_map *map);
-uint32_t vxs_light_map_side_px(const vxs_light_map *map);
-uint32_t vxs_light_map_layers(const vxs_light_map *map);
+/* The texture, a GL_TEXTURE_2D_ARRAY. Valid until vxs_shadow_depth_map_destroy. */
+unsigned vxs_shadow_depth_map_texture(const vxs_shadow_depth_map *map);
+uint32_t vxs_shadow_depth_map_side_px(const vxs_shadow_depth_map *map);
+uint32_t vxs_shadow_depth_map_layers(const vxs_shadow_depth_map *map);
 
 /* marches ------------------------------------------------------------------------------------------------------------------------- */
 
 typedef enum vxs_steps {
     VXS_STEPS_EVEN,  /* alike in metres */
-    VXS_STEPS_ANGLE, /* of lamps alike in an angle in which phase and falloff are nearly even; of suns alike in what they scatter */
+    VXS_STEPS_EQUIANGULAR, /* of lamps alike in an angle in which phase and falloff are nearly even; of suns alike in what they scatter */
 } vxs_steps;
 
 /* Add a light's airlight by so many questions a ray, each at the middle of a step; of a light with smoke, what a step scatters is times what reaches it, and so
  * it is of a baked light whose smoke is baked. Of that no other technique knows: their forms are closed.
  * map  of the light; NULL: the asset is asked at each step
  * steps  1 to 65536 */
-vxs_result vxs_volumes_march(vxs_volumes *volumes, const vxs_volumes_light *light, const vxs_light_map *map, uint32_t steps,
+vxs_result vxs_volumes_march(vxs_volumes *volumes, const vxs_volumes_light *light, const vxs_shadow_depth_map *map, uint32_t steps,
                              vxs_steps which);
 
 /* voxelized shadow volumes -------------------------------------------------------------------------------------------------------- */
@@ -202,7 +202,7 @@ unsigned vxs_shadow_grid_buffer(const vxs_shadow_grid *grid);
  * runs  how many parts of an eye ray are each as lit as their bits are in the mean; 0: 16, or 32 where the anisotropy is 0.7 and more, or a cone has a
  *       sharp rim; 16384 at most
  * Behind the end of a sun's map that is bounded, what was in shadow is taken to stay so. */
-vxs_result vxs_volumes_grid(vxs_volumes *volumes, const vxs_volumes_light *light, const vxs_light_map *map, vxs_shadow_grid *grid,
+vxs_result vxs_volumes_grid(vxs_volumes *volumes, const vxs_volumes_light *light, const vxs_shadow_depth_map *map, vxs_shadow_grid *grid,
                             uint32_t runs);
 
 /* How triangles become voxels. */
@@ -230,7 +230,7 @@ typedef struct vxs_casters {
  * grid     made with `casts`
  * casters  [count]
  * Cost: a pass over the triangles for each of casters, and what they cover: light rays, or eye rays and bits behind these (VXS_VOXELS_SOLID). */
-vxs_result vxs_volumes_grid_cast(vxs_volumes *volumes, const vxs_volumes_light *light, const vxs_light_map *map,
+vxs_result vxs_volumes_grid_cast(vxs_volumes *volumes, const vxs_volumes_light *light, const vxs_shadow_depth_map *map,
                                  vxs_shadow_grid *grid, uint32_t runs, const vxs_casters *casters, uint32_t count);
 
 /* Invocations of the last vxs_volumes_grid_cast that a driver ended early: shadows of some triangles are missing, or where models are closed
@@ -262,7 +262,7 @@ vxs_result vxs_volumes_intervals_in_pieces(vxs_volumes *volumes, const vxs_volum
 
 /* Add a light's airlight by the surface of its map as it is now: two triangles for each texel, made where they are drawn. Six maps have 4096 x 4096 texels
  * at most, one has 8192 x 8192. */
-vxs_result vxs_volumes_mesh_map(vxs_volumes *volumes, const vxs_volumes_light *light, const vxs_light_map *map);
+vxs_result vxs_volumes_mesh_map(vxs_volumes *volumes, const vxs_volumes_light *light, const vxs_shadow_depth_map *map);
 
 typedef struct vxs_adaptive_mesh_desc {
     uint32_t side_px, layers; /* of the largest light map that it is used with: a power of two, 1 to 8192, of six 4096; 1 or 6 */
@@ -285,7 +285,7 @@ unsigned vxs_adaptive_mesh_buffer(const vxs_adaptive_mesh *mesh);
  * map  no larger than the mesh was created for
  * error_texels  as vxs_light_mesh_desc has it, >= 0; below a hundredth, the rounding of floats may split what is flat
  * Where the triangles are more than there is room for, which the buffer tells, vxs_volumes_mesh_map's are drawn. */
-vxs_result vxs_volumes_mesh_adaptive(vxs_volumes *volumes, const vxs_volumes_light *light, const vxs_light_map *map,
+vxs_result vxs_volumes_mesh_adaptive(vxs_volumes *volumes, const vxs_volumes_light *light, const vxs_shadow_depth_map *map,
                                      vxs_adaptive_mesh *mesh, float error_texels);
 
 /* The surface of a map in which nothing moves: made in C when a level is loaded, with few triangles where it is flat. What is not named is 0, and
@@ -293,7 +293,7 @@ vxs_result vxs_volumes_mesh_adaptive(vxs_volumes *volumes, const vxs_volumes_lig
 typedef struct vxs_light_mesh_desc {
     size_t                     struct_size; /* sizeof(vxs_light_mesh_desc); 0: as it was at first, up to error_texels */
     const vxs_light_constants *light;       /* how its maps lie; their origin does not count */
-    const float               *first;       /* [layers][side_px][side_px] the light map, as vxs_light_map_create has it */
+    const float               *first;       /* [layers][side_px][side_px] the light map, as vxs_shadow_depth_map_create has it */
     uint32_t                   side_px;     /* a power of two, 1 to 8192; no more than the baked map has */
     float far_metres;   /* > 0: what an eye ray sees is no farther from a lamp without a range, or from a sun's map */
     float error_texels; /* how far a larger quad's triangles may be off the depth of a texel, in widths of one; 0: none is larger */

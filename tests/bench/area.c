@@ -23,23 +23,23 @@
 #include "tests/volumes/rival_faces.h"
 #include "tests/volumes/rival_froxels.h"
 
-enum { LAMPS = VXS_AREA_LAMPS, LIGHTS = LAMPS + 1, WIDE = 16, HIGH = 9, STEPS = 64 };
+enum { LAMPS = VXS_VPLS_MAX, LIGHTS = LAMPS + 1, WIDE = 16, HIGH = 9, STEPS = 64 };
 
 typedef struct area {
-    double             corner_ws[3], across[3], up[3];
-    uint32_t           points, side_px, samples;
-    int                has_picture;
-    vxs_area_rectangle screen; /* places count from the eye */
-    float              picture[HIGH][WIDE][3];
-    area_source        source;
-    vxs_area_lamp      lamps[LAMPS]; /* of the frame */
-    vxs_area_light    *all, *one;    /* of all techniques */
-    uint32_t           lamps_most;   /* of those that have exact maps; behind them is one in the middle */
-    vxs_light_map     *maps[LIGHTS];
-    rival_faces       *faces;
-    GLuint             casters;
-    vxs_area_point    *scattered; /* [points] */
-    double            *off;       /* [pixels] of the reference, about, at most */
+    double                corner_ws[3], across[3], up[3];
+    uint32_t              points, side_px, samples;
+    int                   has_picture;
+    vxs_area_rectangle    screen; /* places count from the eye */
+    float                 picture[HIGH][WIDE][3];
+    area_source           source;
+    vxs_vpl               lamps[LAMPS]; /* of the frame */
+    vxs_area_light       *all, *one;    /* of all techniques */
+    uint32_t              lamps_most;   /* of those that have exact maps; behind them is one in the middle */
+    vxs_shadow_depth_map *maps[LIGHTS];
+    rival_faces          *faces;
+    GLuint                casters;
+    vxs_area_point       *scattered; /* [points] */
+    double               *off;       /* [pixels] of the reference, about, at most */
 } area;
 
 /* techniques ---------------------------------------------------------------------------------------------------------------------- */
@@ -68,7 +68,7 @@ static vxs_result jittered(bench *b, void *state, uint32_t count)
 }
 
 /* Lamps of `light`, and what casts shadows of them. */
-static vxs_result cast_lamps(vxs_area_light *light, const vxs_area_lamp *lamps, uint32_t count, GLuint points, uint32_t point_count)
+static vxs_result cast_lamps(vxs_area_light *light, const vxs_vpl *lamps, uint32_t count, GLuint points, uint32_t point_count)
 {
     vxs_result r = vxs_area_light_set(light, lamps, count);
     return r == VXS_OK ? vxs_area_light_cast(light, &(vxs_area_casters){points, point_count, 0}) : r;
@@ -111,7 +111,9 @@ static vxs_result exact(bench *b, void *state, uint32_t count)
     area      *a = b->area;
     vxs_result r = vxs_area_light_set(a->all, a->lamps, count);
     (void)state;
-    return r == VXS_OK ? vxs_volumes_area(b->volumes, a->all, &(vxs_area_look){.maps = (const vxs_light_map *const *)a->maps}) : r;
+    return r == VXS_OK
+               ? vxs_volumes_area(b->volumes, a->all, &(vxs_area_look){.maps = (const vxs_shadow_depth_map *const *)a->maps})
+               : r;
 }
 
 static GLuint upload(const bench *b, const vxs_area_point *points, uint32_t count)
@@ -302,7 +304,7 @@ static vxs_result open_lights(bench *b, message *m)
 
 static void close_lights(area *a)
 {
-    for (uint32_t n = 0; n < LIGHTS; n++) vxs_light_map_destroy(a->maps[n]);
+    for (uint32_t n = 0; n < LIGHTS; n++) vxs_shadow_depth_map_destroy(a->maps[n]);
     rival_faces_destroy(a->faces);
     vxs_area_light_destroy(a->one);
     vxs_area_light_destroy(a->all);

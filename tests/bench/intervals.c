@@ -52,7 +52,7 @@ static void place_eye(const vxs_baked_light *l, rng *r, double metres, double ey
 {
     int32_t side = (int32_t)1 << l->light.levels, i, j, depth, map = 0;
     do {
-        map   = (int32_t)rng_below(r, vxs_light_map_count(&l->light));
+        map   = (int32_t)rng_below(r, vxs_map_count(&l->light));
         i     = (int32_t)rng_below(r, (uint32_t)side);
         j     = (int32_t)rng_below(r, (uint32_t)side);
         depth = vxs_first_shadow(l, map, i, j, NULL);

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "baker/base/clock.h"
+#include "baker/lab/opengl/depth_gl.h"
 #include "tests/bench/rival.h"
 
 static vxs_result render(light_maps *out, const bake_options *o, message *m)

@@ -59,7 +59,7 @@ static vxs_result render_some(const two_maps_options *o, const scene *s, const c
         light_fit_desc fit    = {.name = chosen.lights[n].name, .shape = &chosen.lights[n].shape, .resolution = o->resolution};
         uint64_t       across = max_u32(o->resolution / TILE_MAX_PX, 1), tiles = 0;
         vxs_result     fitted = light_fit(&lights[n], c, &fit, m);
-        if (fitted == VXS_OK) tiles = vxs_light_map_count(&lights[n]) * across * across;
+        if (fitted == VXS_OK) tiles = vxs_map_count(&lights[n]) * across * across;
         if (fitted != VXS_E_NO_CASTER) r = fitted;
         first[n + 1] = first[n] + tiles;
     }
@@ -68,7 +68,7 @@ static vxs_result render_some(const two_maps_options *o, const scene *s, const c
         uint64_t tile = *total <= o->tiles ? rendered : (uint64_t)(rng_unit(&random) * (double)*total);
         size_t   n    = 0;
         while (tile >= first[n + 1]) n++;
-        uint64_t maps = vxs_light_map_count(&lights[n]), of_map = (first[n + 1] - first[n]) / maps;
+        uint64_t maps = vxs_map_count(&lights[n]), of_map = (first[n + 1] - first[n]) / maps;
         r = render_tile(seconds, gl, c, &lights[n], (int)((tile - first[n]) / of_map), (uint32_t)((tile - first[n]) % of_map),
                         o->threads, m);
     }

@@ -37,7 +37,7 @@ static vxs_result run(void *command, message *m)
         r = fail(m, r, "no light map: %s", vxs_result_text(r));
     for (uint32_t camera = 0; camera < CAMERAS && r == VXS_OK; camera++) r = volumes_see(b, camera, volumes_airlight_wanted, m);
     if (r == VXS_OK) r = volumes_measure(b, m);
-    vxs_light_map_destroy(b->map);
+    vxs_shadow_depth_map_destroy(b->map);
     volumes_close_gl(b);
     free((void *)b->spheres.at);
     volumes_free_scene(b);

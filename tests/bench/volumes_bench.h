@@ -56,15 +56,15 @@ struct bench {
     vxs_volumes *volumes;
 
     /* a light of a scene in fog, seen from a camera, and from others a third of a texel of the light's map aside */
-    double            far_metres, radius_metres;
-    fog_medium        medium;
-    scene             scene;
-    casters           casting;
-    truth            *truth;
-    lit_spheres       spheres; /* of a scene that is of nothing else */
-    uint32_t          number;  /* of the light */
-    vxs_volumes_light light;
-    vxs_light_map    *map; /* as fine as the baked one */
+    double                far_metres, radius_metres;
+    fog_medium            medium;
+    scene                 scene;
+    casters               casting;
+    truth                *truth;
+    lit_spheres           spheres; /* of a scene that is of nothing else */
+    uint32_t              number;  /* of the light */
+    vxs_volumes_light     light;
+    vxs_shadow_depth_map *map; /* as fine as the baked one */
 
     struct smoke *smoke; /* smoke.c */
     struct area  *area;  /* area.c */
@@ -118,7 +118,7 @@ void       volumes_free_scene(bench *b);
 float *volumes_casters_from_eye(const bench *b);
 
 /* A map of a baked light, filled. side_px  0: as fine as the baked one */
-vxs_result volumes_open_map(const bench *b, uint32_t number, uint32_t side_px, vxs_light_map **map);
+vxs_result volumes_open_map(const bench *b, uint32_t number, uint32_t side_px, vxs_shadow_depth_map **map);
 
 /* Find the spheres that a light's rays may meet: of each component, unless the light is in it. The axes' ends are among its corners. */
 vxs_result volumes_find_spheres(bench *b, message *m);

@@ -81,10 +81,10 @@ float *volumes_casters_from_eye(const bench *b)
     return laid;
 }
 
-vxs_result volumes_open_map(const bench *b, uint32_t number, uint32_t side_px, vxs_light_map **map)
+vxs_result volumes_open_map(const bench *b, uint32_t number, uint32_t side_px, vxs_shadow_depth_map **map)
 {
-    vxs_light_map_desc desc = {.baked = number, .side_px = side_px};
-    vxs_result         r    = vxs_light_map_create(map, b->volumes, &desc);
-    while (r == VXS_OK && vxs_light_map_fill(*map, 1 << 20)) continue;
+    vxs_shadow_depth_map_desc desc = {.baked = number, .side_px = side_px};
+    vxs_result                r    = vxs_shadow_depth_map_create(map, b->volumes, &desc);
+    while (r == VXS_OK && vxs_shadow_depth_map_fill(*map, 1 << 20)) continue;
     return r;
 }

@@ -17,13 +17,13 @@ static vxs_result even_of_map(bench *b, void *state, uint32_t steps)
 static vxs_result angles_of_map(bench *b, void *state, uint32_t steps)
 {
     (void)state;
-    return vxs_volumes_march(b->volumes, &b->light, b->map, steps, VXS_STEPS_ANGLE);
+    return vxs_volumes_march(b->volumes, &b->light, b->map, steps, VXS_STEPS_EQUIANGULAR);
 }
 
 static vxs_result angles_of_asset(bench *b, void *state, uint32_t steps)
 {
     (void)state;
-    return vxs_volumes_march(b->volumes, &b->light, NULL, steps, VXS_STEPS_ANGLE);
+    return vxs_volumes_march(b->volumes, &b->light, NULL, steps, VXS_STEPS_EQUIANGULAR);
 }
 
 static vxs_result intervals(bench *b, void *state, uint32_t value)
@@ -55,7 +55,7 @@ static void close_mesh(void *mesh)
 /* A mesh that is made where it is drawn, of a map of so many texels a side. */
 static vxs_result open_map(bench *b, void **state, uint32_t side_px)
 {
-    return volumes_open_map(b, b->number, side_px, (vxs_light_map **)state);
+    return volumes_open_map(b, b->number, side_px, (vxs_shadow_depth_map **)state);
 }
 
 static vxs_result mesh_of_map(bench *b, void *map, uint32_t value)
@@ -66,13 +66,13 @@ static vxs_result mesh_of_map(bench *b, void *map, uint32_t value)
 
 static void close_map(void *map)
 {
-    vxs_light_map_destroy(map);
+    vxs_shadow_depth_map_destroy(map);
 }
 
 /* A mesh that shaders make in each frame, of the map that the march reads, with quads as large as so many texels' width of error lets them be. */
 static vxs_result open_adaptive(bench *b, void **state, uint32_t error_texels)
 {
-    vxs_adaptive_mesh_desc desc = {.side_px = vxs_light_map_side_px(b->map), .layers = vxs_light_map_layers(b->map)};
+    vxs_adaptive_mesh_desc desc = {.side_px = vxs_shadow_depth_map_side_px(b->map), .layers = vxs_shadow_depth_map_layers(b->map)};
     (void)error_texels;
     return vxs_adaptive_mesh_create((vxs_adaptive_mesh **)state, b->volumes, &desc);
 }

@@ -286,7 +286,7 @@ def nm(library, *args):
 
 
 @pytest.mark.parametrize("library, some", [("libvxs.a", {"vxs_lookup", "vxs_read"}), ("libvxs_gl.a", {"vxs_gl_create", "vxs_cull"}),
-                                           ("libvxs_volumes.a", {"vxs_volumes_create", "vxs_light_map_fill"})])
+                                           ("libvxs_volumes.a", {"vxs_volumes_create", "vxs_shadow_depth_map_fill"})])
 def test_library_symbols(build, library, some):
     defined = nm(build / library, "-g", "--defined-only")
     assert some <= defined

@@ -40,6 +40,7 @@
 #include "baker/base/vec3.h"
 #include "baker/command/asset_open.h"
 #include "baker/command/options/options.h"
+#include "baker/lab/opengl/opengl_columns.h"
 #include "baker/light/light_fit.h"
 #include "baker/scene/light_choice.h"
 #include "tests/exact/check.h"
@@ -319,7 +320,7 @@ static vxs_result check_light(const exact_options *o, const world *w, way *ways,
                              .seed        = ways[0].seed,
                              .files       = files,
                              .file_count  = count};
-    int              maps = (int)vxs_light_map_count(light);
+    int              maps = (int)vxs_map_count(light);
     vxs_result       r    = VXS_OK;
     memset(files, 0, sizeof files);
     for (uint32_t y = 0; y < count; y++) {

@@ -4,6 +4,7 @@
 #define EXACT_SPOIL_H
 
 #include "baker/bake/bake.h"
+#include "baker/lab/opengl/depth_gl.h"
 
 typedef enum fault {
     FAULT_NONE,       /* bake() itself */

@@ -120,7 +120,7 @@ static void next_texel(const vxs_baked_light *l, uint64_t *random, int32_t texel
         int32_t moved = texel[k] + (int32_t)random_below_of(random, 17) - 8;
         texel[k]      = near && moved >= 0 && moved < (int32_t)side ? moved : (int32_t)random_below_of(random, side);
     }
-    if (!near) texel[2] = (int32_t)random_below_of(random, vxs_light_map_count(&l->light));
+    if (!near) texel[2] = (int32_t)random_below_of(random, vxs_map_count(&l->light));
 }
 
 /* Where light first ends: all before is lit, that voxel is dark, and of palette blocks all behind it. */
@@ -173,7 +173,7 @@ static void check_depth_map(const asked *a, uint64_t *random)
     const vxs_baked_light *l    = a->light;
     uint32_t               side = (uint32_t)side_of(l), shift = random_below_of(random, 3);
     vxs_depth_map_desc     d = {.struct_size = sizeof d,
-                                .map         = (int32_t)random_below_of(random, vxs_light_map_count(&l->light)),
+                                .map         = (int32_t)random_below_of(random, vxs_map_count(&l->light)),
                                 .i           = (int32_t)random_below_of(random, side + 16) - 12,
                                 .j           = (int32_t)random_below_of(random, side + 16) - 12,
                                 .wide_px     = 1 + random_below_of(random, MAP_PX),

@@ -221,7 +221,7 @@ static place random_place(const lights *l, uint64_t *random)
     int32_t                side  = 1 << baked->light.levels, out;
     double                 ws[3];
     if (p.ask == ASK_DEPTH && baked->light.coding != VXS_CODING_BLOCKS) p.ask = ASK_VOXEL;
-    p.map       = (int32_t)random_below_of(random, vxs_light_map_count(&baked->light));
+    p.map       = (int32_t)random_below_of(random, vxs_map_count(&baked->light));
     p.filter_px = 1 + 2 * (int32_t)random_below_of(random, VXS_FILTER_MAX / 2 + 1);
     if (random_below_of(random, 2)) p.filter_px = VXS_SMOOTH + 1 + (int32_t)random_below_of(random, VXS_FILTER_MAX);
     out = p.ask == ASK_VOXEL && p.filter_px > 1 ? 12 : 0;
@@ -244,7 +244,7 @@ static void check_place(const lights *l, const place *p, const answer *a)
     int32_t   last = (1 << light->levels) - 1, width_px = vxs_filter_width(p->filter_px), is_point = p->ask == ASK_POINT;
     vxs_place at = {p->map, {p->i, p->j, p->k}, (uint32_t)(7 * p->i) & 255, (uint32_t)(5 * p->j) & 255};
     if (is_point) at = (vxs_place){a->map, {a->i, a->j, a->k}, a->across, a->down};
-    FUZZ_CHECK(at.map >= -1 && at.map < (int32_t)vxs_light_map_count(light));
+    FUZZ_CHECK(at.map >= -1 && at.map < (int32_t)vxs_map_count(light));
     if (at.map < 0) return;
     uint32_t k = (uint32_t)(at.voxel[2] < last ? at.voxel[2] : last), dark = 0;
     if (p->ask == ASK_DEPTH)

@@ -77,7 +77,7 @@ static inline int area_by_begin(const void *a, const void *b)
 }
 
 /* Airlight of lamps along a ray, each by the exact parts of it that it reaches.   sum  [in, out] */
-static inline void area_airlight(const volumes_scene *s, const vxs_area_lamp *lamps, uint32_t count, const vxs_medium *medium,
+static inline void area_airlight(const volumes_scene *s, const vxs_vpl *lamps, uint32_t count, const vxs_medium *medium,
                                  const double eye[3], const double direction[3], double metres, double sum[3])
 {
     for (uint32_t n = 0; n < count; n++) {
@@ -137,7 +137,7 @@ static inline void area_normal(const volumes_scene *s, const double place[3], fl
 }
 
 /* What lamps send to a place of a surface, less what fog takes of it, where nothing is between them: one channel. */
-static inline double area_irradiance(const volumes_scene *s, const vxs_area_lamp *lamps, uint32_t count, double extinction,
+static inline double area_irradiance(const volumes_scene *s, const vxs_vpl *lamps, uint32_t count, double extinction,
                                      const double place[3], const float normal[3])
 {
     double sum = 0, above[3];
@@ -194,7 +194,7 @@ static inline int area_tear_down(void **state)
 }
 
 /* A screen that hangs over the boxes, tilted. */
-static inline void screen_lamps(uint32_t seed, vxs_area_lamp *lamps, uint32_t count)
+static inline void screen_lamps(uint32_t seed, vxs_vpl *lamps, uint32_t count)
 {
     const vxs_area_rectangle screen = {{-1.5F, 4.5F, -1}, {3, 0, 0}, {0, -0.6F, 1.8F}, {10, 8, 6}, NULL, 0, 0};
     assert_int_equal(vxs_area_sample(&screen, VXS_AREA_HALTON, seed, lamps, count), VXS_OK);
@@ -222,7 +222,7 @@ static inline void read_buffer(size_t start, size_t size, void *data)
 
 static inline size_t map_at(uint32_t number, uint32_t side)
 {
-    return sizeof light->lamps + 4 * (vxs_area_light_maps(light) + (size_t)number * ((4 * side * side - 1) / 3));
+    return sizeof light->lamps + 4 * (vxs_area_shadow_depth_maps(light) + (size_t)number * ((4 * side * side - 1) / 3));
 }
 
 /* A word of a lamp's imperfect shadow map, as area_map.glsl has them: 15 bits of a float of the depth in radii of the lamp; a level surface. 1e30: nothing is there. */

@@ -99,7 +99,7 @@ static inline void check_lookups(const asked_places *a)
  * a      [out] what others are to be asked, and the answer */
 static inline void ask_places(asked_places *a, rng *r, const vxs_baked_light *light)
 {
-    int32_t  side = 1 << light->light.levels, map = (int32_t)rng_below(r, vxs_light_map_count(&light->light));
+    int32_t  side = 1 << light->light.levels, map = (int32_t)rng_below(r, vxs_map_count(&light->light));
     int32_t  middle[2] = {(int32_t)rng_below(r, (uint32_t)side), (int32_t)rng_below(r, (uint32_t)side)};
     int32_t  reach     = rng_below(r, 2) ? 24 : side;
     uint32_t smooth    = rng_below(r, 2);

@@ -60,7 +60,7 @@ static inline query random_taps(rng *r, const subject *subjects, uint32_t count)
     uint32_t n = rng_below(r, count), filter_px = 1 + 2 * rng_below(r, VXS_FILTER_MAX / 2 + 1);
     if (rng_below(r, 2)) filter_px = VXS_SMOOTH + 1 + rng_below(r, VXS_FILTER_MAX);
     int32_t side = 1 << subjects[n].light->levels, out = filter_px > 1 ? 12 : 0;
-    query   q = {{0}, {(float)n, (float)rng_below(r, vxs_light_map_count(subjects[n].light)), (float)filter_px}};
+    query   q = {{0}, {(float)n, (float)rng_below(r, vxs_map_count(subjects[n].light)), (float)filter_px}};
     for (int k = 0; k < 2; k++) q.position[k] = (float)rng_between(r, -out, side - 1 + out);
     q.position[2] = (float)rng_between(r, 0, side - 1);
     return q;

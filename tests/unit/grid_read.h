@@ -20,25 +20,25 @@ static inline void read_buffer(GLuint buffer, size_t start, size_t size, void *d
     get(buffer, (GLintptr)start, (GLsizeiptr)size, data);
 }
 
-static inline vxs_light_map *filled_map(const volumes_scene *s, int light)
+static inline vxs_shadow_depth_map *filled_map(const volumes_scene *s, int light)
 {
-    vxs_light_map     *map;
-    vxs_light_map_desc desc = {.baked = (uint32_t)light};
-    assert_int_equal(vxs_light_map_create(&map, s->volumes, &desc), VXS_OK);
-    while (vxs_light_map_fill(map, 1 << 20)) continue;
+    vxs_shadow_depth_map     *map;
+    vxs_shadow_depth_map_desc desc = {.baked = (uint32_t)light};
+    assert_int_equal(vxs_shadow_depth_map_create(&map, s->volumes, &desc), VXS_OK);
+    while (vxs_shadow_depth_map_fill(map, 1 << 20)) continue;
     return map;
 }
 
 /* The same map in memory. */
-static inline light_map read_map(const volumes_scene *s, const vxs_light_map *map, int light)
+static inline light_map read_map(const volumes_scene *s, const vxs_shadow_depth_map *map, int light)
 {
     light_map m    = {.light  = vxs_asset_light(s->asset, (uint32_t)light)->light,
-                      .side   = (int)vxs_light_map_side_px(map),
-                      .layers = (int)vxs_light_map_layers(map)};
+                      .side   = (int)vxs_shadow_depth_map_side_px(map),
+                      .layers = (int)vxs_shadow_depth_map_layers(map)};
     size_t    size = sizeof(float) * (size_t)(m.side * m.side * m.layers);
     m.first        = malloc(size);
     assert_non_null(m.first);
-    s->gl->GetTextureImage(vxs_light_map_texture(map), 0, GL_RED, GL_FLOAT, (GLsizei)size, m.first);
+    s->gl->GetTextureImage(vxs_shadow_depth_map_texture(map), 0, GL_RED, GL_FLOAT, (GLsizei)size, m.first);
     return m;
 }
 

@@ -120,7 +120,7 @@ static inline void stream_sample_free(stream_sample *s)
 static inline void stream_random_point(const vxs_light *light, rng *r, double point_ws[3])
 {
     double side  = (double)(1u << light->levels), at[3];
-    int    faces = (int)vxs_light_map_count(light);
+    int    faces = (int)vxs_map_count(light);
     for (int k = 0; k < 3; k++) at[k] = side * rng_between(r, -200, 4296) / 4096.0;
     if (!rng_below(r, 3)) at[rng_below(r, 2)] = 256 * rng_between(r, 0, (int32_t)(side / 256)) + rng_between(r, -900, 900) / 100.0;
     vxs_point(light, rng_between(r, 0, faces - 1), at, point_ws);

@@ -168,7 +168,7 @@ static GLuint scatter(const room *r, int is_about_lamps, uint32_t point_count)
 {
     float           positions[36];
     uint32_t        corners[18], count = triangles(r, positions, corners);
-    vxs_area_lamp   lamps[SHOWN];
+    vxs_vpl         lamps[SHOWN];
     vxs_area_point *scattered = malloc(point_count * sizeof *scattered);
     GLuint          buffer;
     assert_non_null(scattered);
@@ -290,7 +290,7 @@ static volumes_camera camera_of(int view)
 
 static void set_lamps(uint32_t seed, uint32_t count)
 {
-    vxs_area_lamp lamps[VXS_AREA_LAMPS];
+    vxs_vpl lamps[VXS_VPLS_MAX];
     assert_int_equal(vxs_area_sample(&panel, VXS_AREA_IMPORTANCE, seed, lamps, count), VXS_OK);
     assert_int_equal(vxs_area_light_set(light, lamps, count), VXS_OK);
 }
@@ -452,7 +452,7 @@ static void test_ball(void **state)
     static double         wanted[2][PIXELS];
     volumes_camera        c     = camera_at((double[3]){2, 1.6, 2}, (double[3]){0, 0.3, 0}, 0.5);
     vxs_volumes_frame     frame = scene_frame(&scene, &c, &clear_air, VXS_AIR_EVERYWHERE, far_metres, NULL);
-    vxs_area_lamp         lamps[COUNT];
+    vxs_vpl               lamps[COUNT];
     assert_int_equal(vxs_area_sample(&panel, VXS_AREA_IMPORTANCE, 0, lamps, COUNT), VXS_OK);
     for (uint32_t n = 0; n < PIXELS; n++) {
         double direction[3], place[3], up[3] = {0, 1, 0};

@@ -125,7 +125,7 @@ static light_parts parts_of(const quads *q, uint32_t lamp_count, uint32_t lamp_s
 static light_parts cast_wall(const quads *q, uint32_t point_count, uint32_t lamp_count)
 {
     const vxs_area_rectangle screen = {{-1, 0.7F, -1.5F}, {2, 0, 0}, {0, 1.6F, 0}, {1, 1, 1}, NULL, 0, 0};
-    vxs_area_lamp            lamps[VXS_AREA_LAMPS];
+    vxs_vpl                  lamps[VXS_VPLS_MAX];
     GLuint                   buffer = points_of(q, point_count);
     assert_int_equal(vxs_area_sample(&screen, VXS_AREA_HALTON, 0, lamps, lamp_count), VXS_OK);
     assert_int_equal(vxs_area_light_set(light, lamps, lamp_count), VXS_OK);

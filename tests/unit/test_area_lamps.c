@@ -41,7 +41,7 @@ static void random_texture(rng *r, float *texture)
     for (int i = 0; i < 3; i++) texture[3 * (4 * WIDE + 5) + i] = 100;
 }
 
-static void lamps_of(const vxs_area_rectangle *r, int places, uint32_t seed, vxs_area_lamp *lamps, uint32_t count)
+static void lamps_of(const vxs_area_rectangle *r, int places, uint32_t seed, vxs_vpl *lamps, uint32_t count)
 {
     assert_int_equal(vxs_area_sample(r, (vxs_area_places)places, seed, lamps, count), VXS_OK);
 }
@@ -52,13 +52,13 @@ static void test_sums(void **state)
     (void)state;
     static const uint32_t counts[] = {1, 2, 7, 64, 256};
     vxs_area_rectangle    r        = rectangle_of(NULL);
-    vxs_area_lamp         lamps[VXS_AREA_LAMPS];
+    vxs_vpl               lamps[VXS_VPLS_MAX];
     for (int places = 0; places < PLACES; places++)
         for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) {
             double sum[3] = {0}, discs = 0;
             lamps_of(&r, places, (uint32_t)k, lamps, counts[k]);
             for (uint32_t n = 0; n < counts[k]; n++) {
-                const vxs_area_lamp *l = &lamps[n];
+                const vxs_vpl *l = &lamps[n];
                 for (int i = 0; i < 3; i++) sum[i] += (double)l->colour[i];
                 assert_true(l->place[0] >= 1 && l->place[0] <= 3 && l->place[1] >= 2 && l->place[1] <= 3 && l->place[2] == 3);
                 assert_true(l->normal[0] == 0 && l->normal[1] == 0 && l->normal[2] == 1);
@@ -73,22 +73,22 @@ static void test_sums(void **state)
 static void test_importance(void **state)
 {
     (void)state;
-    rng           r = {5};
-    float         texture[3 * WIDE * HIGH];
-    vxs_area_lamp lamps[VXS_AREA_LAMPS];
+    rng     r = {5};
+    float   texture[3 * WIDE * HIGH];
+    vxs_vpl lamps[VXS_VPLS_MAX];
     for (uint32_t seed = 0; seed < 100; seed++) {
         double all = 0;
         random_texture(&r, texture);
         vxs_area_rectangle of = rectangle_of(texture);
         for (int n = 0; n < WIDE * HIGH; n++)
             all += luminance((float[3]){3 * texture[3 * n], 2 * texture[3 * n + 1], texture[3 * n + 2]}) * 2 / (WIDE * HIGH);
-        lamps_of(&of, VXS_AREA_IMPORTANCE, seed, lamps, VXS_AREA_LAMPS);
-        for (int n = 0; n < VXS_AREA_LAMPS; n++) {
-            const vxs_area_lamp *l = &lamps[n];
-            int                  x = (int)(((double)l->place[0] - 1) / 2 * WIDE), y = (int)(((double)l->place[1] - 2) * HIGH);
-            const float         *texel  = texture + 3 * (WIDE * y + x);
-            double               bright = luminance(texel);
-            assert_true(fabs(luminance(l->colour) * VXS_AREA_LAMPS / all - 1) < 1e-5);
+        lamps_of(&of, VXS_AREA_IMPORTANCE, seed, lamps, VXS_VPLS_MAX);
+        for (int n = 0; n < VXS_VPLS_MAX; n++) {
+            const vxs_vpl *l = &lamps[n];
+            int            x = (int)(((double)l->place[0] - 1) / 2 * WIDE), y = (int)(((double)l->place[1] - 2) * HIGH);
+            const float   *texel  = texture + 3 * (WIDE * y + x);
+            double         bright = luminance(texel);
+            assert_true(fabs(luminance(l->colour) * VXS_VPLS_MAX / all - 1) < 1e-5);
             if (fabs(((double)l->place[0] - 1) / 2 * WIDE - x - 0.5) > 0.4999 ||
                 fabs(((double)l->place[1] - 2) * HIGH - y - 0.5) > 0.4999)
                 continue; /* a float does not know on which side of a border it is */
@@ -107,11 +107,11 @@ static void test_importance(void **state)
 static void test_shares(void **state)
 {
     (void)state;
-    rng           r = {6};
-    float         texture[3 * WIDE * HIGH];
-    vxs_area_lamp lamps[VXS_AREA_LAMPS];
+    rng     r = {6};
+    float   texture[3 * WIDE * HIGH];
+    vxs_vpl lamps[VXS_VPLS_MAX];
     for (uint32_t seed = 0; seed < 20; seed++) {
-        uint32_t           count = 1 + rng_below(&r, VXS_AREA_LAMPS);
+        uint32_t           count = 1 + rng_below(&r, VXS_VPLS_MAX);
         vxs_area_rectangle of    = rectangle_of(texture);
         random_texture(&r, texture);
         for (int places = 0; places < PLACES; places++) {
@@ -137,9 +137,9 @@ static int by_size(const void *a, const void *b)
 }
 
 /* The largest difference, of all boxes from the corner, of a box's area and the part of the points in it: at boxes that end at points. */
-static double star_discrepancy(const vxs_area_lamp *lamps, uint32_t count)
+static double star_discrepancy(const vxs_vpl *lamps, uint32_t count)
 {
-    double at[2][VXS_AREA_LAMPS], ends[2][VXS_AREA_LAMPS + 1], most = 0;
+    double at[2][VXS_VPLS_MAX], ends[2][VXS_VPLS_MAX + 1], most = 0;
     for (uint32_t n = 0; n < count; n++)
         for (int i = 0; i < 2; i++) at[i][n] = ends[i][n] = i ? (double)lamps[n].place[1] - 2 : ((double)lamps[n].place[0] - 1) / 2;
     for (int i = 0; i < 2; i++) {
@@ -164,7 +164,7 @@ static void test_evenness(void **state)
     (void)state;
     enum { COUNT = 64 };
     vxs_area_rectangle r = rectangle_of(NULL);
-    vxs_area_lamp      lamps[COUNT];
+    vxs_vpl            lamps[COUNT];
     rng                random = {3};
     double             found[PLACES], at_random = 0;
     for (int places = 0; places < PLACES; places++) {
@@ -184,7 +184,7 @@ static void test_evenness(void **state)
 }
 
 /* What a place before the rectangle gets of the lamps, nothing between them. */
-static double irradiance_of(const vxs_area_lamp *lamps, uint32_t count)
+static double irradiance_of(const vxs_vpl *lamps, uint32_t count)
 {
     const double place[3] = {2.2, 2.4, 4.5};
     double       sum      = 0;
@@ -203,8 +203,8 @@ static double irradiance_of(const vxs_area_lamp *lamps, uint32_t count)
 static double error_of(const vxs_area_rectangle *r, int places, double wanted)
 {
     enum { SEEDS = 400, COUNT = 16 };
-    vxs_area_lamp lamps[COUNT];
-    double        square = 0, mean = 0;
+    vxs_vpl lamps[COUNT];
+    double  square = 0, mean = 0;
     for (uint32_t seed = 1; seed <= SEEDS; seed++) {
         lamps_of(r, places, seed, lamps, COUNT);
         double found = irradiance_of(lamps, COUNT) / wanted;
@@ -222,8 +222,8 @@ static double exactly(const vxs_area_rectangle *r)
     double sum = 0;
     for (int y = 0; y < HIGH * FINE; y++)
         for (int x = 0; x < WIDE * FINE; x++) {
-            const float  *texel = r->texture + 3 * (y / FINE * WIDE + x / FINE);
-            vxs_area_lamp l     = {{1 + 2 * (x + 0.5F) / (WIDE * FINE), 2 + (y + 0.5F) / (HIGH * FINE), 3}, {0, 0, 1}, {0}, 1, 0};
+            const float *texel = r->texture + 3 * (y / FINE * WIDE + x / FINE);
+            vxs_vpl      l     = {{1 + 2 * (x + 0.5F) / (WIDE * FINE), 2 + (y + 0.5F) / (HIGH * FINE), 3}, {0, 0, 1}, {0}, 1, 0};
             for (int i = 0; i < 3; i++) l.colour[i] = texel[i] * r->radiance[i] * 2 / (WIDE * HIGH * FINE * FINE);
             sum += irradiance_of(&l, 1);
         }
@@ -321,7 +321,7 @@ static void test_scatter_for(void **state)
     static const uint32_t corners[6]    = {0, 1, 2, 0, 2, 3};
     static const double   ends[]        = {0, 1, 2, 5, 12, 40};
     static vxs_area_point points[COUNT];
-    const vxs_area_lamp   bulb = {{5, 2, -3}, {0, -1, 0}, {1, 1, 1}, 0.1F, 0};
+    const vxs_vpl         bulb = {{5, 2, -3}, {0, -1, 0}, {1, 1, 1}, 0.1F, 0};
     double                sum = 0, in_rings[RINGS] = {0}, area[RINGS] = {0}, all = 0;
     assert_true(fabs(vxs_area_scatter_for(positions, corners, 2, &bulb, 1, points, COUNT) / 1e4 - 1) < 1e-6);
     for (int n = 0; n < COUNT; n++) {
@@ -343,7 +343,7 @@ static void test_scatter_for(void **state)
         print_message("to %g m: %.0f points of %.0f, %.3f of the area\n", ends[k + 1], in_rings[k], wanted, area[k] / here);
         assert_true(fabs(in_rings[k] / wanted - 1) < 0.05 && fabs(area[k] / here - 1) < 0.05);
     }
-    vxs_area_lamp dark = bulb; /* without light points are by area alone */
+    vxs_vpl dark = bulb; /* without light points are by area alone */
     memset(dark.colour, 0, sizeof dark.colour);
     static vxs_area_point alike[COUNT];
     vxs_area_scatter_for(positions, corners, 2, &dark, 1, points, COUNT);
@@ -355,7 +355,7 @@ static void test_scatter_for(void **state)
 static void test_misuse(void **state)
 {
     (void)state;
-    vxs_area_lamp      lamps[1];
+    vxs_vpl            lamps[1];
     float              texture[3] = {1, 1, 1};
     vxs_area_rectangle good       = rectangle_of(NULL), bad[5];
     for (int n = 0; n < 5; n++) bad[n] = good;
@@ -367,7 +367,7 @@ static void test_misuse(void **state)
     bad[4].across[0]   = INFINITY;
     for (int n = 0; n < 5; n++) assert_int_equal(vxs_area_sample(&bad[n], VXS_AREA_HALTON, 0, lamps, 1), VXS_E_ARGUMENT);
     assert_int_equal(vxs_area_sample(&good, VXS_AREA_HALTON, 0, lamps, 0), VXS_E_ARGUMENT);
-    assert_int_equal(vxs_area_sample(&good, VXS_AREA_HALTON, 0, lamps, VXS_AREA_LAMPS + 1), VXS_E_ARGUMENT);
+    assert_int_equal(vxs_area_sample(&good, VXS_AREA_HALTON, 0, lamps, VXS_VPLS_MAX + 1), VXS_E_ARGUMENT);
     assert_int_equal(vxs_area_sample(&good, (vxs_area_places)PLACES, 0, lamps, 1), VXS_E_ARGUMENT);
 }
 

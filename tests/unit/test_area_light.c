@@ -35,24 +35,24 @@ static void read_grids(uint32_t count, uint32_t *words)
 static void test_one_lamp_is_a_grid(void **state)
 {
     (void)state;
-    static double        metres[PIXELS];
-    static float         found[4 * PIXELS], wanted[4 * PIXELS];
-    vxs_shadow_grid     *grid;
-    vxs_shadow_grid_desc size = {.columns = COLUMNS, .rows = ROWS, .bits = 128};
-    vxs_light_map       *map;
-    vxs_light_map_desc   desc = {.baked = SCENE_POINT};
-    vxs_volumes_light    l    = scene_light(SCENE_POINT);
-    const vxs_air_light  air  = scene_air_light(&scene, &l);
-    vxs_area_lamp        of   = {.colour = {l.colour[0], l.colour[1], l.colour[2]}, .radius_metres = l.radius_metres};
-    double               most = 0, off = 0;
+    static double             metres[PIXELS];
+    static float              found[4 * PIXELS], wanted[4 * PIXELS];
+    vxs_shadow_grid          *grid;
+    vxs_shadow_grid_desc      size = {.columns = COLUMNS, .rows = ROWS, .bits = 128};
+    vxs_shadow_depth_map     *map;
+    vxs_shadow_depth_map_desc desc = {.baked = SCENE_POINT};
+    vxs_volumes_light         l    = scene_light(SCENE_POINT);
+    const vxs_air_light       air  = scene_air_light(&scene, &l);
+    vxs_vpl                   of   = {.colour = {l.colour[0], l.colour[1], l.colour[2]}, .radius_metres = l.radius_metres};
+    double                    most = 0, off = 0;
     assert_int_equal(vxs_shadow_grid_create(&grid, scene.volumes, &size), VXS_OK);
-    assert_int_equal(vxs_light_map_create(&map, scene.volumes, &desc), VXS_OK);
-    while (vxs_light_map_fill(map, 1 << 20)) continue;
+    assert_int_equal(vxs_shadow_depth_map_create(&map, scene.volumes, &desc), VXS_OK);
+    while (vxs_shadow_depth_map_fill(map, 1 << 20)) continue;
     for (int i = 0; i < 3; i++) of.place[i] = (float)air.place[i];
-    const vxs_light_map *maps[]    = {map};
-    vxs_light_constants  constants = vxs_gl_constants(scene.shadows)[SCENE_POINT];
-    constants.range_metres         = 0; /* lamps of an area have none */
-    l.constants                    = &constants;
+    const vxs_shadow_depth_map *maps[]    = {map};
+    vxs_light_constants         constants = vxs_gl_constants(scene.shadows)[SCENE_POINT];
+    constants.range_metres                = 0; /* lamps of an area have none */
+    l.constants                           = &constants;
     for (int camera = 0; camera < CAMERAS; camera++) {
         volumes_camera    c     = camera_at(eyes[camera], look, 0.7);
         vxs_volumes_frame frame = scene_frame(&scene, &c, &haze, camera == 1 ? 2.5 : 1e30, 30, metres);
@@ -68,7 +68,7 @@ static void test_one_lamp_is_a_grid(void **state)
     }
     print_message("one lamp and a plain grid differ by %.1e of the brightest pixel\n", off / most);
     assert_true(most > 0 && off < 1e-5 * most);
-    vxs_light_map_destroy(map);
+    vxs_shadow_depth_map_destroy(map);
     vxs_shadow_grid_destroy(grid);
 }
 
@@ -82,7 +82,7 @@ static void test_no_bit_leaks(void **state)
     static uint32_t   board[SIDE * SIDE], none[SIDE * SIDE];
     static float      pixels[4 * PIXELS];
     static double     metres[PIXELS];
-    vxs_area_lamp     lamps[COUNT];
+    vxs_vpl           lamps[COUNT];
     volumes_camera    c     = camera_at(eyes[0], look, 0.7);
     vxs_volumes_frame frame = scene_frame(&scene, &c, &haze, 1e30, 30, metres);
     uint32_t          dark  = 0;
@@ -118,7 +118,7 @@ static void test_points_stay_in_their_map(void **state)
     enum { COUNT = 9, MANY = 1 << 12 };
     static float          map[SIDE * SIDE];
     static vxs_area_point all[MANY];
-    vxs_area_lamp         lamps[COUNT];
+    vxs_vpl               lamps[COUNT];
     vxs_area_point        one = {{0.3F, 1, 0.5F}, 0.1F};
     GLuint                buffer;
     screen_lamps(0, lamps, COUNT);
@@ -182,7 +182,7 @@ static void test_points_are_thinned(void **state)
     static const float    patch[12]  = {-2, 1, -2, 2, 1, -2, 2, 1, 2, -2, 1, 2};
     static const uint32_t corners[6] = {0, 1, 2, 0, 2, 3}, counts[] = {1 << 10, 1 << 14, 1 << 18}, some[] = {1, 64};
     vxs_area_point       *of_patch = malloc((1 << 18) * sizeof *of_patch);
-    vxs_area_lamp         lamps[64];
+    vxs_vpl               lamps[64];
     GLuint                buffer;
     double                off;
     assert_non_null(of_patch);
@@ -247,7 +247,7 @@ static void test_gather(void **state)
     static double   metres[PIXELS], wanted[3 * PIXELS];
     static float    pixels[4 * PIXELS];
     area_lamp       heads[COUNT];
-    vxs_area_lamp   lamps[COUNT];
+    vxs_vpl         lamps[COUNT];
     double          most = 0;
     screen_lamps(0, lamps, COUNT);
     assert_int_equal(vxs_area_light_set(light, lamps, COUNT), VXS_OK);
@@ -327,18 +327,18 @@ static void test_error_falls(void **state)
     enum { MANY = 4, STEP = 2 };
     static double metres[PIXELS], wanted[3 * PIXELS];
     static float  pixels[4 * PIXELS];
-    vxs_area_lamp lamps[VXS_AREA_LAMPS];
+    vxs_vpl       lamps[VXS_VPLS_MAX];
     for (uint32_t camera = 0; camera < repeats(2, CAMERAS); camera++) {
         volumes_camera    c     = camera_at(eyes[camera], look, 0.7);
         vxs_volumes_frame frame = scene_frame(&scene, &c, &haze, 1e30, 30, metres);
         memset(wanted, 0, sizeof wanted);
         for (uint32_t seed = 1; seed <= MANY; seed++) {
-            screen_lamps(seed, lamps, VXS_AREA_LAMPS);
+            screen_lamps(seed, lamps, VXS_VPLS_MAX);
             for (uint32_t n = 0; n < PIXELS; n++) {
                 double direction[3];
                 if (n % WIDE % STEP || n / WIDE % STEP) continue;
                 camera_ray(&scene, &c, n % WIDE, n / WIDE, direction);
-                area_airlight(&scene, lamps, VXS_AREA_LAMPS, &haze, c.eye, direction, metres[n], wanted + 3 * (size_t)n);
+                area_airlight(&scene, lamps, VXS_VPLS_MAX, &haze, c.eye, direction, metres[n], wanted + 3 * (size_t)n);
             }
         }
         for (int n = 0; n < 3 * PIXELS; n++) wanted[n] /= MANY;
@@ -373,7 +373,7 @@ static void test_surfaces_and_less(void **state)
     static double metres[PIXELS], wanted[3 * PIXELS], every[3 * PIXELS];
     static float  normal[4 * PIXELS], pixels[4 * PIXELS];
     const double  low[3] = {0, 1, 0};
-    vxs_area_lamp lamps[COUNT];
+    vxs_vpl       lamps[COUNT];
     screen_lamps(0, lamps, COUNT);
     assert_int_equal(vxs_area_light_set(light, lamps, COUNT), VXS_OK);
     cast(POINTS, 0);
@@ -437,7 +437,7 @@ static void test_leaks(void **state)
     static vxs_area_point    of_wall[POINTS_OF_WALL];
     static float             depths[PLACES], normal[4 * PLACES], found[2][4 * PLACES];
     vxs_area_light          *its;
-    vxs_area_lamp            lamps[COUNT];
+    vxs_vpl                  lamps[COUNT];
     rng                      r = {3};
     GLuint                   buffer, to_normals;
     double                   leaked = 0;
@@ -494,9 +494,9 @@ static void test_any_numbers(void **state)
     static float  pixels[2][4 * PIXELS];
     rng           r = {11};
     for (uint32_t n = 0; n < repeats(40, 1000); n++) {
-        double        eye[3], to[3], tangent = exp(uniform(&r, -7, 1.5));
-        vxs_medium    medium = {.anisotropy = uniform(&r, -0.99, 0.99)};
-        vxs_area_lamp lamps[COUNT];
+        double     eye[3], to[3], tangent = exp(uniform(&r, -7, 1.5));
+        vxs_medium medium = {.anisotropy = uniform(&r, -0.99, 0.99)};
+        vxs_vpl    lamps[COUNT];
         for (int i = 0; i < 3; i++) {
             medium.extinction[i] = exp(uniform(&r, log(1e-8), log(1e4)));
             medium.scattering[i] = medium.extinction[i] * uniform(&r, 0, 1);
@@ -506,7 +506,7 @@ static void test_any_numbers(void **state)
         for (int k = 0; k < COUNT; k++) {
             double normal[3];
             random_direction(&r, normal);
-            lamps[k] = (vxs_area_lamp){.radius_metres = (float)exp(uniform(&r, log(1e-4), 0)), .colour = {40, 0, 1}};
+            lamps[k] = (vxs_vpl){.radius_metres = (float)exp(uniform(&r, log(1e-4), 0)), .colour = {40, 0, 1}};
             for (int i = 0; i < 3; i++) {
                 lamps[k].place[i]  = (float)uniform(&r, -5, 5);
                 lamps[k].normal[i] = (float)normal[i];
@@ -550,7 +550,7 @@ static void test_state(void **state)
     static double          metres[PIXELS];
     static float           pixels[4 * PIXELS];
     GLint                  before[8], after[8];
-    vxs_area_lamp          lamps[4];
+    vxs_vpl                lamps[4];
     volumes_camera         c     = camera_at(eyes[0], look, 0.7);
     vxs_volumes_frame      frame = scene_frame(&scene, &c, &haze, 1e30, 30, metres);
     screen_lamps(0, lamps, 4);
@@ -584,7 +584,7 @@ static void test_misuse(void **state)
     const vxs_area_light_desc        large = {.side_px = 256, .columns = 256, .rows = 256},
                               small        = {.lamps = 1, .side_px = 32, .columns = 1, .rows = 1};
     vxs_area_light   *other;
-    vxs_area_lamp     lamps[2], wrong;
+    vxs_vpl           lamps[2], wrong;
     volumes_camera    c     = camera_at(eyes[0], look, 0.7);
     vxs_volumes_frame frame = scene_frame(&scene, &c, &haze, 1e30, 30, metres);
     for (size_t n = 0; n < sizeof bad / sizeof *bad; n++) {
@@ -616,7 +616,7 @@ static void test_misuse(void **state)
     assert_int_equal(vxs_area_light_cast(other, &(vxs_area_casters){0}), VXS_OK);
     assert_int_equal(vxs_volumes_area(scene.volumes, other, &(vxs_area_look){.runs = 129}), VXS_E_ARGUMENT);
     assert_int_equal(vxs_volumes_area(scene.volumes, other, &(vxs_area_look){.gather = (vxs_area_gather)3}), VXS_E_ARGUMENT);
-    assert_int_equal(vxs_volumes_area(scene.volumes, other, &(vxs_area_look){.maps = (const vxs_light_map *[1]){NULL}}),
+    assert_int_equal(vxs_volumes_area(scene.volumes, other, &(vxs_area_look){.maps = (const vxs_shadow_depth_map *[1]){NULL}}),
                      VXS_E_ARGUMENT);
     assert_int_equal(vxs_volumes_area(scene.volumes, other, &(vxs_area_look){0}), VXS_OK); /* one column and one row are a grid */
     memset(lamps[0].normal, 0, sizeof lamps[0].normal);

@@ -66,7 +66,7 @@ static double exactly(const vxs_area_sky *sky, const double normal[3], double *a
     return sum;
 }
 
-static double by_lamps(const vxs_area_lamp *lamps, uint32_t count, const double normal[3])
+static double by_lamps(const vxs_vpl *lamps, uint32_t count, const double normal[3])
 {
     double sum = 0;
     for (uint32_t n = 0; n < count; n++) {
@@ -81,12 +81,12 @@ static double by_lamps(const vxs_area_lamp *lamps, uint32_t count, const double 
 static void test_energy(void **state)
 {
     (void)state;
-    const double  up[3] = {0, 1, 0};
-    vxs_area_sky  sky   = make_sky();
-    vxs_area_lamp lamps[VXS_AREA_LAMPS];
-    double        all, sum;
+    const double up[3] = {0, 1, 0};
+    vxs_area_sky sky   = make_sky();
+    vxs_vpl      lamps[VXS_VPLS_MAX];
+    double       all, sum;
     exactly(&sky, up, &all);
-    for (uint32_t count = 1; count <= VXS_AREA_LAMPS; count = 3 * count + 1) {
+    for (uint32_t count = 1; count <= VXS_VPLS_MAX; count = 3 * count + 1) {
         assert_int_equal(vxs_area_sample_sky(&sky, VXS_AREA_IMPORTANCE, count, lamps, count), VXS_OK);
         sum = 0;
         for (uint32_t n = 0; n < count; n++) {
@@ -107,7 +107,7 @@ static void test_convergence(void **state)
     static const char *const names[]   = {"Halton", "importance", "regular", "jittered"};
     const double             normal[3] = {0.6, 0.8, 0};
     vxs_area_sky             sky       = make_sky();
-    vxs_area_lamp            lamps[VXS_AREA_LAMPS];
+    vxs_vpl                  lamps[VXS_VPLS_MAX];
     double                   all, is = exactly(&sky, normal, &all), last[4], slope[4];
     for (int places = 0; places <= VXS_AREA_JITTERED; places++) {
         double first = 0, mean = 0;
@@ -138,7 +138,7 @@ static void test_a_sun(void **state)
     static float        pixels[4 * PIXELS], normal[4 * PIXELS];
     vxs_volumes_light   l   = scene_light(SCENE_SUN);
     const vxs_air_light sun = scene_air_light(&scene, &l);
-    vxs_area_lamp of = {.colour = {l.colour[0], l.colour[1], l.colour[2]}, .place = {0, 2, 0}, .radius_metres = 13, .is_far = 1};
+    vxs_vpl of = {.colour = {l.colour[0], l.colour[1], l.colour[2]}, .place = {0, 2, 0}, .radius_metres = 13, .is_far = 1};
     for (int i = 0; i < 3; i++) of.normal[i] = (float)-sun.place[i];
     vxs_area_light *coarse = light;
     assert_int_equal(vxs_area_light_create(&light, scene.volumes, &(vxs_area_light_desc){.lamps = 1, .side_px = 256}), VXS_OK);
@@ -238,7 +238,7 @@ static double error_in_corner(const vxs_volumes_frame *frame, const double *righ
     float              white[3 * 16] = {0};
     const vxs_area_sky sky           = {white, 4, 4, {1, 1, 1}, {10, 20, 10}, 25};
     vxs_area_point    *of_corner     = malloc(point_count * sizeof *of_corner);
-    vxs_area_lamp      lamps[VXS_AREA_LAMPS];
+    vxs_vpl            lamps[VXS_VPLS_MAX];
     GLuint             buffer;
     double             off = 0, size = 0, found = 0, there = 0;
     for (int n = 0; n < 48; n++) white[n] = n < 24; /* there is none from below */
@@ -305,10 +305,10 @@ static void test_any_sky(void **state)
 {
     (void)state;
     enum { COUNT = 5 };
-    static float  pixels[2][4 * PIXELS];
-    rng           r   = {4};
-    vxs_area_sky  sky = make_sky();
-    vxs_area_lamp lamps[COUNT + 2];
+    static float pixels[2][4 * PIXELS];
+    rng          r   = {4};
+    vxs_area_sky sky = make_sky();
+    vxs_vpl      lamps[COUNT + 2];
     for (uint32_t n = 0; n < repeats(8, 400); n++) {
         double eye[3]     = {uniform(&r, -9, 9), uniform(&r, -2, 9), uniform(&r, -9, 9)},
                to[3]      = {uniform(&r, -5, 5), 2, uniform(&r, -5, 5)};

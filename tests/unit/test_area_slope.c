@@ -39,7 +39,7 @@ static void end_of(int ray, double to[3])
 }
 
 /* Airlight of lamps along rays, one channel, added. */
-static void add_airlight(const vxs_area_lamp *lamps, uint32_t count, double *sums)
+static void add_airlight(const vxs_vpl *lamps, uint32_t count, double *sums)
 {
     static const vxs_medium medium = {{0.1, 0.1, 0.1}, {0.1, 0.1, 0.1}, 0};
     static const double     eye[3] = {3, 0.6, 4};
@@ -73,8 +73,8 @@ static int by_size(const void *a, const void *b)
 static void errors_of(const vxs_area_rectangle *r, int places, uint32_t count, uint32_t seeds, const double *wanted, double *all,
                       double *far)
 {
-    double        errors[2][SEEDS_MOST];
-    vxs_area_lamp lamps[VXS_AREA_LAMPS];
+    double  errors[2][SEEDS_MOST];
+    vxs_vpl lamps[VXS_VPLS_MAX];
     for (uint32_t seed = 0; seed < seeds; seed++) {
         double found[RAYS] = {0}, wrong[2] = {0}, size[2] = {0}, to[3];
         assert_int_equal(vxs_area_sample(r, (vxs_area_places)places, seed, lamps, count), VXS_OK);
@@ -114,12 +114,12 @@ static void test_slopes(void **state)
     enum { MANY = 8 };
     static const char *const names[] = {"Halton", "importance", "regular", "jittered"};
     vxs_area_rectangle       r       = screen();
-    vxs_area_lamp            lamps[VXS_AREA_LAMPS];
+    vxs_vpl                  lamps[VXS_VPLS_MAX];
     double                   wanted[RAYS] = {0}, all[STEPS], far[STEPS];
     for (uint32_t seed = 1; seed <= MANY; seed++) {
-        assert_int_equal(vxs_area_sample(&r, VXS_AREA_IMPORTANCE, seed, lamps, VXS_AREA_LAMPS), VXS_OK);
-        for (int n = 0; n < VXS_AREA_LAMPS; n++) lamps[n].radius_metres /= (float)sqrt(MANY);
-        add_airlight(lamps, VXS_AREA_LAMPS, wanted);
+        assert_int_equal(vxs_area_sample(&r, VXS_AREA_IMPORTANCE, seed, lamps, VXS_VPLS_MAX), VXS_OK);
+        for (int n = 0; n < VXS_VPLS_MAX; n++) lamps[n].radius_metres /= (float)sqrt(MANY);
+        add_airlight(lamps, VXS_VPLS_MAX, wanted);
     }
     for (int n = 0; n < RAYS; n++) wanted[n] /= MANY;
     for (int places = 0; places <= VXS_AREA_JITTERED; places++) {

@@ -26,9 +26,9 @@
 
 enum { RESOLUTION = 64, CAPSULES = 60, LAMPS = 16 };
 
-static vxs_capsule   smoke[CAPSULES]; /* puffs and strands below the screen and before it */
-static vxs_area_lamp lamps[LAMPS];
-static double        metres[PIXELS];
+static vxs_capsule smoke[CAPSULES]; /* puffs and strands below the screen and before it */
+static vxs_vpl     lamps[LAMPS];
+static double      metres[PIXELS];
 
 static vxs_area_light *make_light(const volumes_scene *s, uint32_t side_px, uint32_t capsules)
 {
@@ -66,7 +66,7 @@ static int set_up(void **state)
 }
 
 /* What capsules leave between a lamp and a place. */
-static double left_between(const vxs_area_lamp *l, const double at[3])
+static double left_between(const vxs_vpl *l, const double at[3])
 {
     smoke_part parts[CAPSULES];
     double     from[3], way[3];
@@ -110,7 +110,7 @@ static void put_smoke(vxs_area_light *its, uint32_t count)
     assert_int_equal(vxs_area_light_smoke(its, &(vxs_capsules){.list = smoke, .count = count}), VXS_OK);
 }
 
-static void put_lamps(vxs_area_light *its, const vxs_area_lamp *of, uint32_t count)
+static void put_lamps(vxs_area_light *its, const vxs_vpl *of, uint32_t count)
 {
     assert_int_equal(vxs_area_light_set(its, of, count), VXS_OK);
     assert_int_equal(vxs_area_light_cast(its, &(vxs_area_casters){0}), VXS_OK);
@@ -126,7 +126,7 @@ static void look_at(vxs_area_light *its, const vxs_volumes_frame *frame, uint32_
 }
 
 /* Irradiance of a lamp at a place that faces up, without smoke: one channel. */
-static double shines(const vxs_area_lamp *l, const double at[3])
+static double shines(const vxs_vpl *l, const double at[3])
 {
     double way[3], normal[3];
     for (int i = 0; i < 3; i++) {
@@ -139,7 +139,7 @@ static double shines(const vxs_area_lamp *l, const double at[3])
 }
 
 /* Of what reaches places without smoke, the part that does with it.   wanted  [out] < 0: nothing does */
-static void parts_left(const vxs_area_lamp *of, uint32_t count, double places[PIXELS][3], double wanted[PIXELS])
+static void parts_left(const vxs_vpl *of, uint32_t count, double places[PIXELS][3], double wanted[PIXELS])
 {
     for (uint32_t n = 0; n < PIXELS; n++) {
         double all = 0, left = 0;
@@ -178,7 +178,7 @@ static void test_surfaces(void **state)
     vxs_area_light   *of[2]  = {make_light(&scene, 32, CAPSULES), light};
     volumes_camera    c      = camera_of(0);
     vxs_volumes_frame frame  = random_places(&c, 16, places);
-    vxs_area_lamp     middle = lamps[0];
+    vxs_vpl           middle = lamps[0];
     for (int i = 0; i < 3; i++) middle.place[i] = 0;
     for (int n = 0; n < 3 * LAMPS; n++) middle.place[n % 3] += lamps[n / 3].place[n % 3] / LAMPS;
     parts_left(lamps, LAMPS, places, wanted);
@@ -200,8 +200,7 @@ static void test_surfaces(void **state)
 }
 
 /* Airlight of lamps by many places of each ray, each dimmed by itself, and that without smoke. */
-static void airlight(const vxs_area_lamp *of, uint32_t count, const double eye[3], const double direction[3], double end,
-                     double sums[2])
+static void airlight(const vxs_vpl *of, uint32_t count, const double eye[3], const double direction[3], double end, double sums[2])
 {
     enum { STEPS = 48 };
     sums[0] = sums[1] = 0;
@@ -329,7 +328,7 @@ static void test_far_lamps(void **state)
     enum { COUNT = 3 };
     static double     places[PIXELS][3], wanted[PIXELS];
     static float      air[4 * PIXELS], found[2][4 * PIXELS];
-    vxs_area_lamp     far[COUNT];
+    vxs_vpl           far[COUNT];
     volumes_camera    c     = camera_of(0);
     vxs_volumes_frame frame = random_places(&c, 16, places);
     for (int narrow = 0; narrow < 2; narrow++) {
@@ -337,7 +336,7 @@ static void test_far_lamps(void **state)
         for (uint32_t n = 0; n < count; n++) {
             double normal[3] = {0.4 * n - 0.3, -1, 0.3 * n};
             make_unit(normal);
-            far[n] = (vxs_area_lamp){.place = {0, 2, 1}, .colour = {1, 1, 1}, .radius_metres = narrow ? 2 : 12, .is_far = 1};
+            far[n] = (vxs_vpl){.place = {0, 2, 1}, .colour = {1, 1, 1}, .radius_metres = narrow ? 2 : 12, .is_far = 1};
             for (int i = 0; i < 3; i++) far[n].normal[i] = (float)normal[i];
         }
         put_lamps(light, far, count);
@@ -388,29 +387,29 @@ static vxs_asset *smoky_asset(void)
 /* Mean airlight of the point light: as a lamp with its map, and by a march of many steps. */
 static void air_of_point(volumes_scene *s, double means[2])
 {
-    static float         pixels[4 * PIXELS];
-    volumes_camera       c       = camera_of(1);
-    vxs_volumes_frame    frame   = scene_frame(s, &c, &haze, 1e30, 8, metres); /* within the light's range */
-    vxs_volumes_light    l       = scene_light(SCENE_POINT);
-    const vxs_air_light  air     = scene_air_light(s, &l);
-    vxs_area_lamp        shining = {.colour = {l.colour[0], l.colour[1], l.colour[2]}, .radius_metres = l.radius_metres};
-    vxs_area_light      *its     = make_light(s, 0, 0);
-    vxs_light_map       *map;
-    const vxs_light_map *maps[1];
+    static float                pixels[4 * PIXELS];
+    volumes_camera              c       = camera_of(1);
+    vxs_volumes_frame           frame   = scene_frame(s, &c, &haze, 1e30, 8, metres); /* within the light's range */
+    vxs_volumes_light           l       = scene_light(SCENE_POINT);
+    const vxs_air_light         air     = scene_air_light(s, &l);
+    vxs_vpl                     shining = {.colour = {l.colour[0], l.colour[1], l.colour[2]}, .radius_metres = l.radius_metres};
+    vxs_area_light             *its     = make_light(s, 0, 0);
+    vxs_shadow_depth_map       *map;
+    const vxs_shadow_depth_map *maps[1];
     for (int i = 0; i < 3; i++) shining.place[i] = (float)air.place[i];
-    assert_int_equal(vxs_light_map_create(&map, s->volumes, &(vxs_light_map_desc){.baked = SCENE_POINT}), VXS_OK);
-    while (vxs_light_map_fill(map, 1 << 20)) continue;
+    assert_int_equal(vxs_shadow_depth_map_create(&map, s->volumes, &(vxs_shadow_depth_map_desc){.baked = SCENE_POINT}), VXS_OK);
+    while (vxs_shadow_depth_map_fill(map, 1 << 20)) continue;
     maps[0] = map;
     assert_int_equal(vxs_area_light_set(its, &shining, 1), VXS_OK);
     for (int march = 0; march < 2; march++) {
         assert_int_equal(vxs_volumes_begin(s->volumes, &frame), VXS_OK);
-        if (march) assert_int_equal(vxs_volumes_march(s->volumes, &l, map, 200, VXS_STEPS_ANGLE), VXS_OK);
+        if (march) assert_int_equal(vxs_volumes_march(s->volumes, &l, map, 200, VXS_STEPS_EQUIANGULAR), VXS_OK);
         if (!march) assert_int_equal(vxs_volumes_area(s->volumes, its, &(vxs_area_look){.runs = 32, .maps = maps}), VXS_OK);
         scene_read(s, pixels);
         means[march] = 0;
         for (int n = 0; n < PIXELS; n++) means[march] += (double)pixels[4 * n] / PIXELS;
     }
-    vxs_light_map_destroy(map);
+    vxs_shadow_depth_map_destroy(map);
     vxs_area_light_destroy(its);
 }
 
@@ -445,7 +444,7 @@ static void test_when(void **state)
     static double     places[PIXELS][3];
     static float      air[4][4 * PIXELS], surfaces[4][4 * PIXELS];
     vxs_area_light   *plain = make_light(&scene, 0, 0);
-    vxs_area_lamp     moved[COUNT];
+    vxs_vpl           moved[COUNT];
     volumes_camera    c     = camera_of(0);
     vxs_volumes_frame frame = random_places(&c, 16, places);
     memcpy(moved, lamps, sizeof moved);
@@ -502,7 +501,7 @@ static void test_misuse(void **state)
     static const vxs_area_light_desc bad[] = {
         {.capsules = 1, .smoke_nodes = 5}, {.capsules = 1, .smoke_side_px = 8193}, {.capsules = 1U << 25}};
     vxs_area_light *other = make_light(&scene, 0, 0);
-    vxs_area_lamp   round = lamps[0];
+    vxs_vpl         round = lamps[0];
     put_lamps(light, lamps, 1);
     assert_int_equal(vxs_area_light_smoke(light, &more), VXS_E_ARGUMENT);
     assert_int_equal(vxs_area_light_smoke(light, &none), VXS_E_ARGUMENT); /* neither a list nor a buffer */
@@ -532,7 +531,7 @@ static void test_any_numbers(void **state)
     rng           r = {12};
     memcpy(kept, smoke, sizeof kept);
     for (uint32_t n = 0; n < repeats(9, 1000); n++) {
-        vxs_area_lamp     some[COUNT];
+        vxs_vpl           some[COUNT];
         volumes_camera    c     = scene_random_camera(&r);
         vxs_volumes_frame frame = random_places(&c, 16, places);
         for (int k = 0; k < COUNT; k++) {

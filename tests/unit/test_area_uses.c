@@ -54,7 +54,7 @@ static void test_origin_follows_the_eye(void **state)
     (void)state;
     enum { COUNT = 9 };
     static float  air[2][4 * PIXELS], surfaces[2][4 * PIXELS];
-    vxs_area_lamp lamps[COUNT];
+    vxs_vpl       lamps[COUNT];
     vxs_area_look asked = {.normal_texture = normals};
     screen_lamps(0, lamps, COUNT);
     assert_int_equal(vxs_area_light_set(light, lamps, COUNT), VXS_OK);
@@ -85,7 +85,7 @@ static void test_a_picture_moves(void **state)
     (void)state;
     enum { COUNT = 9 };
     static float      pixels[2][4 * PIXELS];
-    vxs_area_lamp     lamps[COUNT], kept[COUNT];
+    vxs_vpl           lamps[COUNT], kept[COUNT];
     volumes_camera    c     = camera_at(eyes[0], look, 0.7);
     vxs_volumes_frame frame = scene_frame(&scene, &c, &haze, 1e30, 30, metres);
     screen_lamps(0, lamps, COUNT);
@@ -111,7 +111,7 @@ static void test_a_picture_moves(void **state)
 }
 
 /* What a lamp sends to surfaces, nothing dimmed, one channel: where a map of the asset's lets it through, as rays to the lamp do. */
-static void exact_surfaces(const volumes_camera *c, const vxs_area_lamp *lamp_of, double *wanted)
+static void exact_surfaces(const volumes_camera *c, const vxs_vpl *lamp_of, double *wanted)
 {
     static float normal[4 * PIXELS];
     scene.gl->GetTextureImage(normals, 0, GL_RGBA, GL_FLOAT, sizeof normal, normal);
@@ -136,20 +136,22 @@ static void test_baked_lights(void **state)
 {
     (void)state;
     enum { COUNT = 2 };
-    static const int     baked[COUNT] = {SCENE_POINT, SCENE_SPOT};
-    static float         pixels[COUNT + 1][4 * PIXELS], surfaces[COUNT + 1][4 * PIXELS];
-    static double        wanted[PIXELS];
-    vxs_light_map       *maps[COUNT];
-    vxs_area_lamp        lamps[COUNT];
-    const vxs_light_map *given[COUNT];
-    double               off = 0, size = 0, lit[2] = {0};
+    static const int            baked[COUNT] = {SCENE_POINT, SCENE_SPOT};
+    static float                pixels[COUNT + 1][4 * PIXELS], surfaces[COUNT + 1][4 * PIXELS];
+    static double               wanted[PIXELS];
+    vxs_shadow_depth_map       *maps[COUNT];
+    vxs_vpl                     lamps[COUNT];
+    const vxs_shadow_depth_map *given[COUNT];
+    double                      off = 0, size = 0, lit[2] = {0};
     for (int n = 0; n < COUNT; n++) {
         vxs_volumes_light   l   = scene_light(baked[n]);
         const vxs_air_light air = scene_air_light(&scene, &l);
-        lamps[n] = (vxs_area_lamp){.colour = {l.colour[0], l.colour[1], l.colour[2]}, .radius_metres = l.radius_metres};
+        lamps[n]                = (vxs_vpl){.colour = {l.colour[0], l.colour[1], l.colour[2]}, .radius_metres = l.radius_metres};
         for (int i = 0; i < 3; i++) lamps[n].place[i] = (float)air.place[i];
-        assert_int_equal(vxs_light_map_create(&maps[n], scene.volumes, &(vxs_light_map_desc){.baked = (uint32_t)baked[n]}), VXS_OK);
-        while (vxs_light_map_fill(maps[n], 1 << 20)) continue;
+        assert_int_equal(
+            vxs_shadow_depth_map_create(&maps[n], scene.volumes, &(vxs_shadow_depth_map_desc){.baked = (uint32_t)baked[n]}),
+            VXS_OK);
+        while (vxs_shadow_depth_map_fill(maps[n], 1 << 20)) continue;
         given[n] = maps[n];
     }
     const vxs_medium thin = {
@@ -178,7 +180,7 @@ static void test_baked_lights(void **state)
         surfaces[0][n] += surfaces[1][n];
     }
     assert_true(difference(pixels[COUNT], 1, pixels[0]) < 1e-5 && difference(surfaces[COUNT], 1, surfaces[0]) < 1e-5);
-    for (int n = 0; n < COUNT; n++) vxs_light_map_destroy(maps[n]);
+    for (int n = 0; n < COUNT; n++) vxs_shadow_depth_map_destroy(maps[n]);
 }
 
 /* any numbers --------------------------------------------------------------------------------------------------------------------- */
@@ -197,7 +199,7 @@ static void test_any_rectangle(void **state)
     uint32_t sampled = 0;
     for (uint32_t n = 0; n < repeats(4000, 40000); n++) {
         float              texture[3 * SIDE_MOST_PX * SIDE_MOST_PX];
-        vxs_area_lamp      lamps[COUNT];
+        vxs_vpl            lamps[COUNT];
         double             size = power_of_ten(&r, -6, 6), away = rng_below(&r, 2) ? 1e6 : 1;
         vxs_area_rectangle a = {
             .texture = texture, .wide_px = 1 + rng_below(&r, SIDE_MOST_PX), .high_px = 1 + rng_below(&r, SIDE_MOST_PX)};
@@ -260,9 +262,9 @@ static void test_any_view(void **state)
     GLuint                buffer;
     scene.gl->GenBuffers(1, &buffer);
     for (uint32_t n = 0; n < repeats(24, 1000); n++) {
-        double        away   = n % 3 ? power_of_ten(&r, -3, 6) : 1, eye[3], to[3];
-        vxs_medium    medium = {.anisotropy = uniform(&r, -0.99, 0.99)};
-        vxs_area_lamp lamps[COUNT];
+        double     away   = n % 3 ? power_of_ten(&r, -3, 6) : 1, eye[3], to[3];
+        vxs_medium medium = {.anisotropy = uniform(&r, -0.99, 0.99)};
+        vxs_vpl    lamps[COUNT];
         for (int i = 0; i < 3; i++) {
             medium.extinction[i] = rng_below(&r, 4) ? power_of_ten(&r, -8, 4) : 0;
             medium.scattering[i] = medium.extinction[i];
@@ -272,8 +274,7 @@ static void test_any_view(void **state)
         for (int k = 0; k < COUNT; k++) {
             double normal[3];
             random_direction(&r, normal);
-            lamps[k] =
-                (vxs_area_lamp){.radius_metres = (float)power_of_ten(&r, -6, 1), .colour = {(float)power_of_ten(&r, -6, 6), 0, 1}};
+            lamps[k] = (vxs_vpl){.radius_metres = (float)power_of_ten(&r, -6, 1), .colour = {(float)power_of_ten(&r, -6, 6), 0, 1}};
             for (int i = 0; i < 3; i++) {
                 lamps[k].place[i]  = (float)(rng_below(&r, 4) ? away * uniform(&r, -1, 1) : eye[i]);
                 lamps[k].normal[i] = (float)normal[i];

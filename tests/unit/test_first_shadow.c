@@ -94,7 +94,7 @@ static void test_blocks(void **state)
         blocks_sample_init(&s, &r, levels[n], levels[n] < 10 ? 6 : 1, 6);
         for (int kind = 0; kind < (s.map_count == 6 ? LIGHTS : 3); kind++) {
             vxs_baked_light l = blocks_light(s.words, levels[n], kind);
-            for (uint32_t map = 0; map < vxs_light_map_count(&l.light); map++) check_light(&r, &l, &(truth_of){.blocks = &s}, map);
+            for (uint32_t map = 0; map < vxs_map_count(&l.light); map++) check_light(&r, &l, &(truth_of){.blocks = &s}, map);
         }
         blocks_sample_free(&s);
     }
@@ -110,7 +110,7 @@ static void test_dags(void **state)
         vxs_asset *asset = dag_asset(&s);
         for (uint32_t kind = 0; kind < LIGHTS; kind++) {
             const vxs_baked_light *l = vxs_asset_light(asset, kind);
-            for (uint32_t map = 0; map < vxs_light_map_count(&l->light); map++) {
+            for (uint32_t map = 0; map < vxs_map_count(&l->light); map++) {
                 dag_sample_show(&s, map);
                 check_light(&r, l, &(truth_of){.dag = &s}, map);
             }

@@ -135,7 +135,7 @@ static vxs_bytes paged_file(void)
 static void check_parts(const vxs_baked_light *l, const block_words *w)
 {
     static const char *const kinds[3]  = {"tops", "patterns", "pages"};
-    const uint32_t           counts[3] = {vxs_light_map_count(&l->light), w->common_count, w->words[0]};
+    const uint32_t           counts[3] = {vxs_map_count(&l->light), w->common_count, w->words[0]};
     uint64_t                 sum       = 0;
     assert_int_equal(l->part_count, 3);
     for (int n = 0; n < 3; n++) {
@@ -322,7 +322,7 @@ static int accepted(const vxs_bytes *file)
         rng                    r    = {7};
         if (l->light.coding != VXS_CODING_BLOCKS) continue; /* test_format.c walks them */
         for (int voxel = 0; voxel < 64; voxel++) {
-            uint32_t map = rng_below(&r, vxs_light_map_count(&l->light));
+            uint32_t map = rng_below(&r, vxs_map_count(&l->light));
             int32_t  i = (int32_t)rng_below(&r, side), j = (int32_t)rng_below(&r, side);
             assert_in_range(vxs_blocks_shadow_count(l->words, map, l->light.levels, i, j, rng_below(&r, side), 9), 0, 81);
         }

@@ -145,7 +145,7 @@ static vxs_light light_of(rng *r, int kind, uint32_t levels, const double at[3])
 static block_light block_light_make(rng *r, int kind, uint32_t levels, const double at[3])
 {
     block_light l    = {.light = light_of(r, kind, levels, at)};
-    uint32_t    maps = vxs_light_map_count(&l.light);
+    uint32_t    maps = vxs_map_count(&l.light);
     l.light.coding   = VXS_CODING_BLOCKS;
     blocks_sample_init(&l.blocks, r, levels, maps, maps + 4);
     return l;

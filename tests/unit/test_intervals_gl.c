@@ -112,7 +112,7 @@ static volumes_camera random_camera(rng *r, const vxs_baked_light *baked, const 
     int32_t depth, i, j, map, side = 1 << baked->light.levels;
     double  eye[3], angle = uniform(r, 0, 7), near = uniform(r, 0.1, 0.9);
     do {
-        map   = (int32_t)rng_below(r, vxs_light_map_count(&baked->light));
+        map   = (int32_t)rng_below(r, vxs_map_count(&baked->light));
         i     = (int32_t)rng_below(r, (uint32_t)side);
         j     = (int32_t)rng_below(r, (uint32_t)side);
         depth = vxs_first_shadow(baked, map, i, j, NULL);
@@ -310,7 +310,7 @@ static void random_place(rng *r, const vxs_light *light, double *ws)
 {
     double side = ldexp(1, (int)light->levels), c[3];
     for (int axis = 0; axis < 3; axis++) c[axis] = uniform(r, -0.3, 1.3) * side;
-    vxs_point(light, (int)rng_below(r, vxs_light_map_count(light)), c, ws);
+    vxs_point(light, (int)rng_below(r, vxs_map_count(light)), c, ws);
 }
 
 static void random_rays(rng *r, asker *a, const vxs_baked_light *lights, uint32_t light_count)

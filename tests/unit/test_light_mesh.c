@@ -84,7 +84,7 @@ static lit_map random_map(rng *r, int shape, int side_most)
     } else
         m.light = random_sun(r, shape == (int)BOUNDED_SUN);
     m.constants = vxs_light_constants_of(&m.light, NULL, 0);
-    m.layers    = (int)vxs_light_map_count(&m.light);
+    m.layers    = (int)vxs_map_count(&m.light);
     m.side      = 1 << rng_below(r, m.light.levels + 1);
     while (m.side > side_most) m.side /= 2;
     m.first = malloc((size_t)(m.layers * m.side * m.side) * sizeof *m.first);
@@ -316,7 +316,7 @@ static void test_threshold(void **state)
         m.light.levels       = 6;
         m.light.texel_metres = shape == SPOT ? 0.02 : 1 / 29.0;
         m.constants          = vxs_light_constants_of(&m.light, NULL, 0);
-        m.layers             = (int)vxs_light_map_count(&m.light);
+        m.layers             = (int)vxs_map_count(&m.light);
         m.first              = malloc((size_t)(m.layers * m.side * m.side) * sizeof *m.first);
         fill_city(&r, &m);
         mesh_lists all       = mesh_of(&m, 0);

@@ -216,7 +216,7 @@ static void check_borders(const vxs_baked_light *l, const vxs_ray *ray, const vx
 static void random_place(rng *r, const vxs_light *light, double *ws)
 {
     double side = ldexp(1, (int)light->levels), c[3];
-    int    map  = (int)rng_below(r, vxs_light_map_count(light));
+    int    map  = (int)rng_below(r, vxs_map_count(light));
     for (int axis = 0; axis < 3; axis++) {
         c[axis] = (unit(r) * 1.6 - 0.3) * side;
         if (rng_below(r, 2)) c[axis] = floor(c[axis]);

@@ -55,7 +55,7 @@ static void wild_point(rng *r, const vxs_light *light, double *at)
         c[axis] = (rng_u32(r) / 4294967296.0 * 1.4 - 0.2) * side;
         if (!rng_below(r, 4)) c[axis] = rng_between(r, -1, (int32_t)side + 1);
     }
-    vxs_point(light, (int)rng_below(r, vxs_light_map_count(light)), c, at);
+    vxs_point(light, (int)rng_below(r, vxs_map_count(light)), c, at);
     if (!rng_below(r, 12)) at[rng_below(r, 3)] = bad[rng_below(r, sizeof bad / sizeof *bad)];
     if (!rng_below(r, 12)) at[rng_below(r, 3)] *= 1e10;
 }
@@ -82,7 +82,7 @@ static void random_normal(rng *r, double *n)
 
 static void fill_points(rng *r, const vxs_light *light, points *p, points *normals, size_t count)
 {
-    int    near = rng_below(r, 4) != 0, map = (int)rng_below(r, vxs_light_map_count(light));
+    int    near = rng_below(r, 4) != 0, map = (int)rng_below(r, vxs_map_count(light));
     double c[3] = {-9, -9, -9}, at[3], normal[3];
     for (size_t n = 0; n < count; n++) {
         if (near)

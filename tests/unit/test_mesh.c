@@ -29,24 +29,24 @@ typedef enum surface { OF_MAP, OF_MESH, OF_FEW, SURFACES } surface;
 
 /* A light's map, its texels, and its mesh with a quad for each, and with few. */
 typedef struct lit_surface {
-    vxs_volumes_light light;
-    vxs_light_map    *map;
-    float            *texels;
-    mesh_lists        all, few;
-    vxs_light_mesh   *meshes[SURFACES];
+    vxs_volumes_light     light;
+    vxs_shadow_depth_map *map;
+    float                *texels;
+    mesh_lists            all, few;
+    vxs_light_mesh       *meshes[SURFACES];
 } lit_surface;
 
 static lit_surface surface_make(const volumes_scene *s, const vxs_volumes_light *light, uint32_t side_px)
 {
-    lit_surface        out  = {.light = *light};
-    vxs_light_map_desc desc = {.baked = light->baked, .constants = light->constants, .side_px = side_px};
-    assert_int_equal(vxs_light_map_create(&out.map, s->volumes, &desc), VXS_OK);
-    while (vxs_light_map_fill(out.map, UINT64_MAX)) continue;
-    uint32_t side = vxs_light_map_side_px(out.map), layers = vxs_light_map_layers(out.map);
+    lit_surface               out  = {.light = *light};
+    vxs_shadow_depth_map_desc desc = {.baked = light->baked, .constants = light->constants, .side_px = side_px};
+    assert_int_equal(vxs_shadow_depth_map_create(&out.map, s->volumes, &desc), VXS_OK);
+    while (vxs_shadow_depth_map_fill(out.map, UINT64_MAX)) continue;
+    uint32_t side = vxs_shadow_depth_map_side_px(out.map), layers = vxs_shadow_depth_map_layers(out.map);
     size_t   size = sizeof(float) * side * side * layers;
     out.texels    = malloc(size);
     assert_non_null(out.texels);
-    s->gl->GetTextureImage(vxs_light_map_texture(out.map), 0, GL_RED, GL_FLOAT, (GLsizei)size, out.texels);
+    s->gl->GetTextureImage(vxs_shadow_depth_map_texture(out.map), 0, GL_RED, GL_FLOAT, (GLsizei)size, out.texels);
 
     const vxs_light_constants *constants = light->constants ? light->constants : &vxs_gl_constants(s->shadows)[light->baked];
     vxs_light_mesh_desc        of        = {.light = constants, .first = out.texels, .side_px = side, .far_metres = 60};
@@ -64,7 +64,7 @@ static lit_surface surface_make(const volumes_scene *s, const vxs_volumes_light 
 static void surface_free(lit_surface *l)
 {
     for (int n = OF_MESH; n < SURFACES; n++) vxs_light_mesh_destroy(l->meshes[n]);
-    vxs_light_map_destroy(l->map);
+    vxs_shadow_depth_map_destroy(l->map);
     mesh_free(&l->all);
     mesh_free(&l->few);
     free(l->texels);
@@ -119,7 +119,7 @@ static void test_counts(void **state)
             int               few = mesh_is_lit(&u.few, &vxs_asset_light(s.asset, l.baked)->light, c.eye);
             for (int which = 0; which < SURFACES; which++) {
                 draw_surface(&s, &u, (surface)which, &f, pixels);
-                vxs_volumes_reach(s.volumes, &l, &seen);
+                vxs_volumes_cull(s.volumes, &l, &seen);
                 for (uint32_t k = 0; k < PIXELS; k++) {
                     if (k % WIDE - seen.x >= seen.wide_px || k / WIDE - seen.y >= seen.high_px) continue; /* none of its light */
                     if (pixels[4 * k + 3] != (float)(which == OF_FEW ? few : wanted))
@@ -324,7 +324,7 @@ static void test_least(void **state)
         draw_surface(&s, &u, (surface)which, &f, all);
         f.least = 0.15F;
         draw_surface(&s, &u, (surface)which, &f, some);
-        assert_int_equal(vxs_volumes_reach(s.volumes, &l, &seen), VXS_REACH_SEEN);
+        assert_int_equal(vxs_volumes_cull(s.volumes, &l, &seen), VXS_NOT_CULLED);
         assert_in_range(seen.wide_px * seen.high_px, PIXELS / 20, PIXELS / 2);
         for (uint32_t k = 0; k < PIXELS; k++) {
             int within = k % WIDE - seen.x < seen.wide_px && k / WIDE - seen.y < seen.high_px;

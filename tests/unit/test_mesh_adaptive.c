@@ -30,19 +30,19 @@ static const vxs_medium haze = {{0.03, 0.035, 0.04}, {0.04, 0.045, 0.05}, 0.4};
 
 /* A light of the scene, and a map of it that may hold anything. */
 typedef struct own_map {
-    vxs_light_constants constants;
-    vxs_volumes_light   light;
-    const vxs_light    *baked;
-    vxs_light_map      *map;
-    float              *texels;
-    uint32_t            side, layers;
+    vxs_light_constants   constants;
+    vxs_volumes_light     light;
+    const vxs_light      *baked;
+    vxs_shadow_depth_map *map;
+    float                *texels;
+    uint32_t              side, layers;
 } own_map;
 
 static own_map map_make(const volumes_scene *s, int light, uint32_t side)
 {
     own_map m = {.constants = vxs_gl_constants(s->shadows)[light], .light = scene_light(light), .side = side};
     m.baked   = &vxs_asset_light(s->asset, (uint32_t)light)->light;
-    m.layers  = vxs_light_map_count(m.baked);
+    m.layers  = vxs_map_count(m.baked);
     m.texels  = malloc(sizeof *m.texels * side * side * m.layers);
     assert_non_null(m.texels);
     return m;
@@ -51,25 +51,25 @@ static own_map map_make(const volumes_scene *s, int light, uint32_t side)
 /* Upload it, as a map of a light that is not baked. */
 static void map_upload(own_map *m, const volumes_scene *s)
 {
-    vxs_light_map_desc         desc = {.constants = &m->constants, .side_px = m->side};
+    vxs_shadow_depth_map_desc  desc = {.constants = &m->constants, .side_px = m->side};
     PFNGLTEXTURESUBIMAGE3DPROC put  = (PFNGLTEXTURESUBIMAGE3DPROC)(vxs_gl_function)OSMesaGetProcAddress("glTextureSubImage3D");
     m->light.constants              = &m->constants;
-    assert_int_equal(vxs_light_map_create(&m->map, s->volumes, &desc), VXS_OK);
-    assert_int_equal(vxs_light_map_side_px(m->map), m->side);
-    put(vxs_light_map_texture(m->map), 0, 0, 0, 0, (GLsizei)m->side, (GLsizei)m->side, (GLsizei)m->layers, GL_RED, GL_FLOAT,
+    assert_int_equal(vxs_shadow_depth_map_create(&m->map, s->volumes, &desc), VXS_OK);
+    assert_int_equal(vxs_shadow_depth_map_side_px(m->map), m->side);
+    put(vxs_shadow_depth_map_texture(m->map), 0, 0, 0, 0, (GLsizei)m->side, (GLsizei)m->side, (GLsizei)m->layers, GL_RED, GL_FLOAT,
         m->texels);
 }
 
 /* What is baked of it. */
 static void map_fill_baked(own_map *m, const volumes_scene *s)
 {
-    vxs_light_map_desc desc = {.baked = m->light.baked, .side_px = m->side};
-    vxs_light_map     *baked;
-    assert_int_equal(vxs_light_map_create(&baked, s->volumes, &desc), VXS_OK);
-    while (vxs_light_map_fill(baked, UINT64_MAX)) continue;
-    s->gl->GetTextureImage(vxs_light_map_texture(baked), 0, GL_RED, GL_FLOAT,
+    vxs_shadow_depth_map_desc desc = {.baked = m->light.baked, .side_px = m->side};
+    vxs_shadow_depth_map     *baked;
+    assert_int_equal(vxs_shadow_depth_map_create(&baked, s->volumes, &desc), VXS_OK);
+    while (vxs_shadow_depth_map_fill(baked, UINT64_MAX)) continue;
+    s->gl->GetTextureImage(vxs_shadow_depth_map_texture(baked), 0, GL_RED, GL_FLOAT,
                            (GLsizei)(sizeof *m->texels * m->side * m->side * m->layers), m->texels);
-    vxs_light_map_destroy(baked);
+    vxs_shadow_depth_map_destroy(baked);
 }
 
 /* Of each layer anything that a field of depths may look like; its last depth is none. */
@@ -87,7 +87,7 @@ static void map_fill_random(own_map *m, rng *r)
 
 static void map_free(own_map *m)
 {
-    vxs_light_map_destroy(m->map);
+    vxs_shadow_depth_map_destroy(m->map);
     free(m->texels);
 }
 
@@ -294,7 +294,7 @@ static void test_counts(void **state)
             int                 is   = mesh_is_lit(&made, m.baked, c.eye);
             vxs_pixels          seen;
             draw_adaptive(&s, &m, mesh, &f, off, pixels);
-            vxs_volumes_reach(s.volumes, &m.light, &seen);
+            vxs_volumes_cull(s.volumes, &m.light, &seen);
             for (uint32_t k = 0; k < PIXELS; k++) {
                 if (k % WIDE - seen.x >= seen.wide_px || k / WIDE - seen.y >= seen.high_px) continue; /* none of its light */
                 if (pixels[4 * k + 3] != (float)is)

@@ -51,7 +51,7 @@ static void check_depth_map(rng *r, const vxs_baked_light *l)
 static void check_numbers(rng *r, const vxs_baked_light *l)
 {
     static const double wild[] = {NAN, INFINITY, -INFINITY, 1e30, -1e300, 0, 3.5};
-    int32_t             side = 1 << l->light.levels, map, maps = (int32_t)vxs_light_map_count(&l->light);
+    int32_t             side = 1 << l->light.levels, map, maps = (int32_t)vxs_map_count(&l->light);
     for (int n = 0; n < 4000; n++) {
         int32_t i = an_int(r), j = an_int(r);
         double  at[3], point[3];

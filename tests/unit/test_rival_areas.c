@@ -45,12 +45,12 @@ static void test_reference(void **state)
     for (uint32_t ray = 0; ray < RAYS; ray++) {
         volumes_camera c         = camera_at(eyes[ray % CAMERAS], look, 0.7);
         double         wanted[3] = {0}, found[3] = {0}, direction[3];
-        vxs_area_lamp  lamps[VXS_AREA_LAMPS];
+        vxs_vpl        lamps[VXS_VPLS_MAX];
         camera_ray(&scene, &c, 7 * ray % WIDE, 5 * ray % HIGH, direction);
         double metres = fmin(scene_trace(&scene, c.eye, direction), 30);
         for (uint32_t seed = 1; seed <= SETS; seed++) {
-            screen_lamps(seed, lamps, VXS_AREA_LAMPS);
-            area_airlight(&scene, lamps, VXS_AREA_LAMPS, &haze, c.eye, direction, metres, wanted);
+            screen_lamps(seed, lamps, VXS_VPLS_MAX);
+            area_airlight(&scene, lamps, VXS_VPLS_MAX, &haze, c.eye, direction, metres, wanted);
         }
         off += 3 * pow(area_reference_add(&source, &fog, c.eye, direction, metres, SAMPLES, ray, found), 2);
         for (int n = 0; n < 3; n++) {
@@ -64,25 +64,25 @@ static void test_reference(void **state)
 
 /* A lamp where the scene's point light is, that shines down; its map; and a view of it. */
 typedef struct one_lamp {
-    vxs_area_lamp     lamp;
-    vxs_light_map    *map;
-    vxs_volumes_light light;
-    vxs_volumes_frame frame;
-    volumes_camera    camera;
-    double            metres[PIXELS];
+    vxs_vpl               lamp;
+    vxs_shadow_depth_map *map;
+    vxs_volumes_light     light;
+    vxs_volumes_frame     frame;
+    volumes_camera        camera;
+    double                metres[PIXELS];
 } one_lamp;
 
 static void open_one(one_lamp *o, int camera)
 {
-    const vxs_light_map_desc desc = {.baked = SCENE_POINT};
-    o->light                      = scene_light(SCENE_POINT);
-    const vxs_air_light air       = scene_air_light(&scene, &o->light);
-    o->lamp                       = (vxs_area_lamp){.normal = {0, -1, 0}, .colour = {4, 3, 2}, .radius_metres = 0.1F};
+    const vxs_shadow_depth_map_desc desc = {.baked = SCENE_POINT};
+    o->light                             = scene_light(SCENE_POINT);
+    const vxs_air_light air              = scene_air_light(&scene, &o->light);
+    o->lamp                              = (vxs_vpl){.normal = {0, -1, 0}, .colour = {4, 3, 2}, .radius_metres = 0.1F};
     for (int n = 0; n < 3; n++) o->lamp.place[n] = (float)air.place[n];
     o->camera = camera_at(eyes[camera], look, 0.7);
     o->frame  = scene_frame(&scene, &o->camera, &haze, 1e30, 30, o->metres);
-    assert_int_equal(vxs_light_map_create(&o->map, scene.volumes, &desc), VXS_OK);
-    while (vxs_light_map_fill(o->map, 1 << 20)) continue;
+    assert_int_equal(vxs_shadow_depth_map_create(&o->map, scene.volumes, &desc), VXS_OK);
+    while (vxs_shadow_depth_map_fill(o->map, 1 << 20)) continue;
 }
 
 static void march(const one_lamp *o, rival_faces *faces, uint32_t steps, float *pixels)
@@ -118,7 +118,7 @@ static void test_faces(void **state)
     print_message("marches of a face: %.4f, %.4f, %.4f\n", errors[0], errors[1], errors[2]);
     assert_true(errors[1] < 0.5 * errors[0] && errors[2] < errors[1] && errors[2] < 0.02); /* of a map of 64 x 64 texels */
     rival_faces_destroy(faces);
-    vxs_light_map_destroy(o.map);
+    vxs_shadow_depth_map_destroy(o.map);
 }
 
 /* A rectangle that is small is a lamp. */
@@ -153,7 +153,7 @@ static void test_rectangle(void **state)
     print_message("froxels of a small rectangle: %.4f, %.4f, %.4f\n", errors[0], errors[1], errors[2]);
     assert_true(errors[1] < 0.5 * errors[0] && errors[2] < 0.5 * errors[1] && errors[2] < 0.02);
     rival_faces_destroy(faces);
-    vxs_light_map_destroy(o.map);
+    vxs_shadow_depth_map_destroy(o.map);
 }
 
 int main(void)

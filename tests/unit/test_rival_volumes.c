@@ -40,38 +40,38 @@ typedef struct truth_seen {
 
 /* A light seen by a camera. */
 typedef struct seen {
-    vxs_volumes_light light;
-    vxs_light_map    *map;
-    vxs_volumes_frame frame;
-    const truth_seen *wanted;
+    vxs_volumes_light     light;
+    vxs_shadow_depth_map *map;
+    vxs_volumes_frame     frame;
+    const truth_seen     *wanted;
 } seen;
 
-static vxs_light_map *filled_map(const volumes_scene *s, int light)
+static vxs_shadow_depth_map *filled_map(const volumes_scene *s, int light)
 {
-    vxs_light_map     *map;
-    vxs_light_map_desc desc = {.baked = (uint32_t)light};
-    assert_int_equal(vxs_light_map_create(&map, s->volumes, &desc), VXS_OK);
-    while (vxs_light_map_fill(map, 100000)) continue;
+    vxs_shadow_depth_map     *map;
+    vxs_shadow_depth_map_desc desc = {.baked = (uint32_t)light};
+    assert_int_equal(vxs_shadow_depth_map_create(&map, s->volumes, &desc), VXS_OK);
+    while (vxs_shadow_depth_map_fill(map, 100000)) continue;
     return map;
 }
 
-static float *read_map(const volumes_scene *s, const vxs_light_map *map)
+static float *read_map(const volumes_scene *s, const vxs_shadow_depth_map *map)
 {
-    size_t side = vxs_light_map_side_px(map), size = sizeof(float) * side * side * vxs_light_map_layers(map);
+    size_t side = vxs_shadow_depth_map_side_px(map), size = sizeof(float) * side * side * vxs_shadow_depth_map_layers(map);
     float *data = malloc(size);
     assert_non_null(data);
-    s->gl->GetTextureImage(vxs_light_map_texture(map), 0, GL_RED, GL_FLOAT, (GLsizei)size, data);
+    s->gl->GetTextureImage(vxs_shadow_depth_map_texture(map), 0, GL_RED, GL_FLOAT, (GLsizei)size, data);
     return data;
 }
 
-static void find_truth(const volumes_scene *s, const volumes_camera *c, int light, double top, const vxs_light_map *map,
+static void find_truth(const volumes_scene *s, const volumes_camera *c, int light, double top, const vxs_shadow_depth_map *map,
                        const double *metres, truth_seen *t)
 {
-    vxs_volumes_light l     = scene_light(light);
-    float            *first = read_map(s, map);
-    light_map texels   = {&vxs_asset_light(s->asset, (uint32_t)light)->light, vxs_light_map_side_px(map), vxs_light_map_layers(map),
-                          first};
-    reference_light of = {.light = scene_air_light(s, &l), .oracle = map_parts, .subject = &texels};
+    vxs_volumes_light l      = scene_light(light);
+    float            *first  = read_map(s, map);
+    light_map         texels = {&vxs_asset_light(s->asset, (uint32_t)light)->light, vxs_shadow_depth_map_side_px(map),
+                                vxs_shadow_depth_map_layers(map), first};
+    reference_light   of     = {.light = scene_air_light(s, &l), .oracle = map_parts, .subject = &texels};
     for (int n = 0; n < 3; n++) of.colour[n] = (double)l.colour[n];
     for (uint32_t n = 0; n < PIXELS; n++) {
         eye_ray ray = {.end = metres[n]};
@@ -141,7 +141,7 @@ static void test_froxels(void **state)
             assert_true(errors[2] < 2e-2 && errors[2] < 0.06 * errors[0]); /* first order */
             assert_true(errors[3] > 3 * errors[2]);
             if (light == SCENE_SUN && camera != 1) assert_true(errors[0] < 0.016); /* pixels read between slices */
-            vxs_light_map_destroy(v.map);
+            vxs_shadow_depth_map_destroy(v.map);
         }
     assert_int_equal(s.gl->GetError(), GL_NO_ERROR);
     scene_close(&s);
@@ -185,7 +185,7 @@ static void test_slices(void **state)
             assert_true(errors[3] < 1e-2 && errors[4] > 10 * errors[2]);
             if (light == SCENE_SUN && camera != 1)
                 assert_true(errors[4] < 0.03); /* pixels before what samples see walk themselves */
-            vxs_light_map_destroy(v.map);
+            vxs_shadow_depth_map_destroy(v.map);
         }
     assert_int_equal(s.gl->GetError(), GL_NO_ERROR);
     scene_close(&s);
@@ -218,7 +218,7 @@ static void test_slices_tree(void **state)
             if (getenv("VXS_VERBOSE")) print_message("light %d, camera %d: %.1e\n", light, camera, most / largest);
             assert_true(most < 1e-6 * largest);
             rival_slices_destroy(slices);
-            vxs_light_map_destroy(v.map);
+            vxs_shadow_depth_map_destroy(v.map);
         }
     scene_close(&s);
 }
@@ -248,7 +248,7 @@ static void test_moments(void **state)
             assert_true(errors[0] < 0.15 && errors[1] < 0.035 && errors[2] < 0.01);
             assert_true(errors[4] < 5e-3 && errors[4] < 0.1 * errors[0]);
             rival_slices_destroy(slices);
-            vxs_light_map_destroy(v.map);
+            vxs_shadow_depth_map_destroy(v.map);
         }
     assert_int_equal(s.gl->GetError(), GL_NO_ERROR);
     scene_close(&s);
@@ -268,9 +268,9 @@ static void test_finite(void **state)
     assert_int_equal(rival_froxels_create(&froxels, s.volumes, 10, 8, 32), VXS_OK);
     assert_int_equal(rival_slices_create(&slices, s.volumes, 64, 256, 64), VXS_OK);
     for (int light = 0; light < SCENE_LIGHTS; light++) {
-        vxs_volumes_light l     = scene_light(light);
-        vxs_light_map    *map   = filled_map(&s, light);
-        vxs_air_light     place = scene_air_light(&s, &l);
+        vxs_volumes_light     l     = scene_light(light);
+        vxs_shadow_depth_map *map   = filled_map(&s, light);
+        vxs_air_light         place = scene_air_light(&s, &l);
         for (uint32_t n = 0; n < repeats(12, 200); n++) {
             double eye[3], to[3], away = n % 4 == 0 ? 0 : n % 4 == 1 ? 1e-3 : 5;
             for (int k = 0; k < 3; k++) {
@@ -294,7 +294,7 @@ static void test_finite(void **state)
                         fail_msg("rival %d, light %d, view %u: %g", which, light, n, (double)pixels[k]);
             }
         }
-        vxs_light_map_destroy(map);
+        vxs_shadow_depth_map_destroy(map);
     }
     rival_froxels_destroy(froxels);
     rival_slices_destroy(slices);

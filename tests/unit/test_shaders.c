@@ -446,7 +446,7 @@ static void test_positions(void **state)
                 blocks_sample          blocks  = {0};
                 vxs_baked_light        blocked = {.light = baked->light};
                 if ((dialect + kind + width) % 2) { /* the same light of other words */
-                    blocks_sample_init(&blocks, &r, levels, vxs_light_map_count(&baked->light), vxs_light_map_count(&baked->light));
+                    blocks_sample_init(&blocks, &r, levels, vxs_map_count(&baked->light), vxs_map_count(&baked->light));
                     blocked.light.coding = VXS_CODING_BLOCKS;
                     blocked.words        = blocks.words;
                     blocked.word_count   = (uint32_t)blocks.word_count + BLOCKS_SPARE_WORDS;
@@ -596,14 +596,14 @@ static void test_constants(void **state)
     assert_int_equal(offsetof(vxs_light_constants, levels), 76);
     assert_int_equal(offsetof(vxs_light_constants, dag), 80);
     assert_int_equal(offsetof(vxs_light_constants, coding), 84);
-    assert_int_equal(offsetof(vxs_light_constants, rest_ij), 88);
-    assert_int_equal(offsetof(vxs_light_constants, rest_k), 92);
+    assert_int_equal(offsetof(vxs_light_constants, origin_fraction_ij), 88);
+    assert_int_equal(offsetof(vxs_light_constants, origin_fraction_k), 92);
     assert_int_equal(sizeof(vxs_light_constants), 96);
     for (int n = 0; n < 12; n++) assert_true(c.ls_from_ws[n] == (float)light->ls_from_ws[n]);
     assert_true(c.texel_metres == (float)light->texel_metres && c.voxel_metres == (float)light->voxel_metres);
     assert_true(c.near_metres == (float)light->near_metres && c.range_metres == 0 && c.cos_outer == 0.75f);
     assert_true(c.kind == VXS_LIGHT_KIND_SPOT && c.flags == 0 && c.levels == 6 && c.dag == 77 && c.coding == VXS_CODING_DAG);
-    assert_true(!c.rest_ij && !c.rest_k);
+    assert_true(!c.origin_fraction_ij && !c.origin_fraction_k);
     for (int row = 0; row < 3; row++) {
         const double *m = light->ls_from_ws + 4 * row;
         assert_memory_equal(moved.ls_from_ws + 4 * row, c.ls_from_ws + 4 * row, 3 * sizeof(float));
@@ -621,14 +621,14 @@ static void test_rest(void **state)
     for (int n = 0; n < 1000; n++) {
         for (int row = 0; row < 3; row++) sun.ls_from_ws[4 * row + 3] = ldexp(uniform(&r, -1, 1), (int)rng_below(&r, 20));
         vxs_light_constants c        = vxs_light_constants_of(&sun, NULL, 0);
-        const uint32_t      rests[3] = {c.rest_ij & 0xffffu, c.rest_ij >> 16, c.rest_k};
+        const uint32_t      rests[3] = {c.origin_fraction_ij & 0xffffu, c.origin_fraction_ij >> 16, c.origin_fraction_k};
         for (int row = 0; row < 3; row++) {
             double rest = ldexp((int16_t)rests[row], -20), is = sun.ls_from_ws[4 * row + 3];
             assert_true(fabs((double)c.ls_from_ws[4 * row + 3] + rest - is) <= 0x1p-21);
         }
     }
     sun.ls_from_ws[3] = 1e9 + 0.4; /* a float does not know the voxel: held */
-    assert_int_equal(vxs_light_constants_of(&sun, NULL, 0).rest_ij & 0xffffu, 0x7fff);
+    assert_int_equal(vxs_light_constants_of(&sun, NULL, 0).origin_fraction_ij & 0xffffu, 0x7fff);
 }
 
 int main(void)

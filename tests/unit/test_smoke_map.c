@@ -275,7 +275,7 @@ static void test_light_falls_along_rays(void **state)
         uint32_t         number = (uint32_t)n % SCENE_LIGHTS;
         const vxs_light *light  = &vxs_asset_light(asset, number)->light;
         double           side = ldexp(1, (int)light->levels), at[3] = {uniform(&r, 0, side), uniform(&r, 0, side), 0}, before = 1;
-        int              map = (int)rng_below(&r, vxs_light_map_count(light));
+        int              map = (int)rng_below(&r, vxs_map_count(light));
         for (at[2] = -0.5; at[2] < side; at[2] += side / 40) {
             double ws[3];
             vxs_point(light, map, at, ws);
@@ -304,7 +304,7 @@ static void test_what_lies_behind_is_dropped(void **state)
         int32_t                texel = RESOLUTION / SIDE, side = 1 << light->levels;
         float                  units[2];
         memcpy(units, smoke->words + 1, sizeof units);
-        for (uint32_t n = 0; n < SIDE * SIDE * vxs_light_map_count(light); n++) {
+        for (uint32_t n = 0; n < SIDE * SIDE * vxs_map_count(light); n++) {
             uint32_t x = n % SIDE, y = n / SIDE % SIDE, map = n / (SIDE * SIDE),
                      tile        = smoke->words[3 + TILES * map + y / 8 * (SIDE / 8) + x / 8];
             const uint16_t *ends = (const uint16_t *)(smoke->words + tile), *end = ends + x % 8 + 8 * (y % 8);

@@ -250,13 +250,13 @@ static void test_opaque(void **state)
         for (int how = 0; how < WAYS; how++) {
             if (how == CROWDED || !asks(light, how)) continue;
             static float           first[6 * 32 * 32];
-            vxs_light_map         *opaque = opaque_map(light);
+            vxs_shadow_depth_map  *opaque = opaque_map(light);
             vxs_transmittance_map *map    = map_of(light, how);
             texels                 t      = texels_of(light, NODES);
             uint32_t               dark = 0, met = 0;
             rng                    r     = {4};
             double                 scale = light == SCENE_SUN ? t.map.light.voxel_metres : 1, square = 0;
-            s.gl->GetTextureImage(vxs_light_map_texture(opaque), 0, GL_RED, GL_FLOAT, sizeof first, first);
+            s.gl->GetTextureImage(vxs_shadow_depth_map_texture(opaque), 0, GL_RED, GL_FLOAT, sizeof first, first);
             build(map, smoke, CAPSULES, opaque, &t);
             for (size_t texel = 0; texel < t.count; texel++) {
                 size_t x = (texel % SIDE * 2 + 1) * 32 / (2 * SIDE), y = (texel / SIDE % SIDE * 2 + 1) * 32 / (2 * SIDE),
@@ -281,7 +281,7 @@ static void test_opaque(void **state)
             if (how != STREAMED)
                 assert_true(fabs((double)counts.segments - (double)met) <= 1e-3 * (double)met); /* no more is captured */
             free(t.curves);
-            vxs_light_map_destroy(opaque);
+            vxs_shadow_depth_map_destroy(opaque);
         }
 }
 
@@ -351,8 +351,8 @@ static void test_misuse(void **state)
     assert_int_equal(vxs_transmittance_map_create(&map, s.volumes, &large), VXS_E_GL);
     assert_null(map);
     vxs_transmittance_map_destroy(NULL);
-    map                  = map_make(SCENE_SUN, STREAMED, 0);
-    vxs_light_map *other = opaque_map(SCENE_SPOT);
+    map                         = map_make(SCENE_SUN, STREAMED, 0);
+    vxs_shadow_depth_map *other = opaque_map(SCENE_SPOT);
     assert_int_equal(vxs_transmittance_map_build(map, &many, NULL), VXS_E_ARGUMENT);
     assert_int_equal(vxs_transmittance_map_build(map, &lost, NULL), VXS_E_ARGUMENT);
     assert_int_equal(vxs_transmittance_map_build(map, &smoke, other), VXS_E_ARGUMENT);
@@ -364,7 +364,7 @@ static void test_misuse(void **state)
     assert_int_equal(vxs_volumes_transmittance(s.volumes, map, 0, VXS_CURVE_LINES), VXS_E_ARGUMENT);
     assert_int_equal(vxs_volumes_transmittance(s.volumes, map, s.depths, (vxs_curve_lookup)2), VXS_E_ARGUMENT);
     assert_int_equal(s.gl->GetError(), GL_NO_ERROR);
-    vxs_light_map_destroy(other);
+    vxs_shadow_depth_map_destroy(other);
     vxs_transmittance_map_destroy(map);
 }
 

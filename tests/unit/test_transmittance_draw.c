@@ -171,7 +171,7 @@ static void make_balls(vxs_capsule *balls)
 }
 
 static void build_drawn(vxs_transmittance_map *map, engine *e, const vxs_capsule *balls, uint32_t drawn,
-                        const vxs_light_map *opaque, texels *t)
+                        const vxs_shadow_depth_map *opaque, texels *t)
 {
     vxs_capsules rest = {.list = balls + drawn, .count = CAPSULES - drawn};
     e->vertices       = 36 * (int)drawn;
@@ -203,7 +203,7 @@ static void test_balls_are_drawn(void **state)
     make_balls(balls);
     for (int light = 0; light < SCENE_LIGHTS; light++) {
         vxs_transmittance_map *map    = map_of(light, SORTED);
-        vxs_light_map         *opaque = opaque_map(light);
+        vxs_shadow_depth_map  *opaque = opaque_map(light);
         texels                 wanted = texels_of(light, NODES), got = texels_of(light, NODES);
         engine                 e = engine_make(map, wanted.map.layers, vertex_body, fragment_body);
         e.culled                 = GL_BACK;
@@ -225,7 +225,7 @@ static void test_balls_are_drawn(void **state)
             assert_true(alike > 0.97 * (double)got.count);
         }
         engine_free(&e);
-        vxs_light_map_destroy(opaque);
+        vxs_shadow_depth_map_destroy(opaque);
         free(wanted.curves);
         free(got.curves);
     }

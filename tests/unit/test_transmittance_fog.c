@@ -92,7 +92,7 @@ static void test_marches_are_dimmed(void **state)
     volumes_camera   c = camera_at(eye, to, 0.7);
     for (int light = 0; light < SCENE_LIGHTS; light++) {
         vxs_transmittance_map *map     = fine_map(light);
-        vxs_light_map         *opaque  = opaque_map(light);
+        vxs_shadow_depth_map  *opaque  = opaque_map(light);
         vxs_volumes_frame      frame   = scene_frame(&s, &c, &haze, 1e30, 20, metres);
         vxs_volumes_light      shining = scene_light(light);
         shining.smoke                  = map;
@@ -113,7 +113,7 @@ static void test_marches_are_dimmed(void **state)
         for (int which = 1; which < 3; which++) { /* steps alike in angle, of the asset; even ones, of a map of 32 texels a side */
             assert_int_equal(vxs_volumes_begin(s.volumes, &frame), VXS_OK);
             assert_int_equal(vxs_volumes_march(s.volumes, &shining, which == 2 ? opaque : NULL, 4 * STEPS,
-                                               which == 2 ? VXS_STEPS_EVEN : VXS_STEPS_ANGLE),
+                                               which == 2 ? VXS_STEPS_EVEN : VXS_STEPS_EQUIANGULAR),
                              VXS_OK);
             scene_read(&s, pixels);
             for (uint32_t n = 0; n < FOG_WIDE * FOG_HIGH; n++) sums[which] += (double)pixels[4 * n];
@@ -122,7 +122,7 @@ static void test_marches_are_dimmed(void **state)
                       sqrt(square / size), sqrt(clear / size), sums[1] / sums[0], sums[2] / sums[0]);
         assert_true(sqrt(square / size) < 0.02 && sqrt(clear / size) > 0.05);
         assert_true(fabs(sums[1] / sums[0] - 1) < 0.06 && fabs(sums[2] / sums[0] - 1) < 0.06);
-        vxs_light_map_destroy(opaque);
+        vxs_shadow_depth_map_destroy(opaque);
         vxs_transmittance_map_destroy(map);
     }
 }
@@ -177,7 +177,7 @@ static void test_what_is_refused(void **state)
     const double           eye[3] = {9, 6, 7}, to[3] = {0, 2, 0};
     volumes_camera         c       = camera_at(eye, to, 0.7);
     vxs_transmittance_map *map     = fine_map(SCENE_SUN);
-    vxs_light_map         *opaque  = opaque_map(SCENE_SUN);
+    vxs_shadow_depth_map  *opaque  = opaque_map(SCENE_SUN);
     vxs_volumes_frame      frame   = scene_frame(&s, &c, &haze, 1e30, 20, NULL);
     vxs_volumes_light      shining = scene_light(SCENE_SUN), other = scene_light(SCENE_SPOT);
     vxs_shadow_grid       *grid;
@@ -195,7 +195,7 @@ static void test_what_is_refused(void **state)
     assert_int_equal(vxs_volumes_transmittance_at(s.volumes, map, 1, 2, 1, UINT32_MAX - 1, VXS_CURVE_LINES), VXS_E_ARGUMENT);
     assert_int_equal(s.gl->GetError(), GL_NO_ERROR);
     vxs_shadow_grid_destroy(grid);
-    vxs_light_map_destroy(opaque);
+    vxs_shadow_depth_map_destroy(opaque);
     vxs_transmittance_map_destroy(map);
 }
 

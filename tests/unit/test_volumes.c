@@ -70,22 +70,22 @@ static void see(const volumes_scene *s, int camera, int light, double top, seen 
     see_in(s, camera, light, &haze, top, v);
 }
 
-static vxs_light_map *filled_map(const volumes_scene *s, int light, uint32_t side_px, int moves)
+static vxs_shadow_depth_map *filled_map(const volumes_scene *s, int light, uint32_t side_px, int moves)
 {
-    vxs_light_map     *map;
-    vxs_light_map_desc desc = {.baked = (uint32_t)light, .side_px = side_px, .moves = (uint32_t)moves};
-    assert_int_equal(vxs_light_map_create(&map, s->volumes, &desc), VXS_OK);
-    while (vxs_light_map_fill(map, 10000)) continue;
+    vxs_shadow_depth_map     *map;
+    vxs_shadow_depth_map_desc desc = {.baked = (uint32_t)light, .side_px = side_px, .moves = (uint32_t)moves};
+    assert_int_equal(vxs_shadow_depth_map_create(&map, s->volumes, &desc), VXS_OK);
+    while (vxs_shadow_depth_map_fill(map, 10000)) continue;
     return map;
 }
 
-static float *read_map(const volumes_scene *s, const vxs_light_map *map)
+static float *read_map(const volumes_scene *s, const vxs_shadow_depth_map *map)
 {
-    uint32_t side = vxs_light_map_side_px(map), layers = vxs_light_map_layers(map);
+    uint32_t side = vxs_shadow_depth_map_side_px(map), layers = vxs_shadow_depth_map_layers(map);
     size_t   size = sizeof(float) * side * side * layers;
     float   *data = malloc(size);
     assert_non_null(data);
-    s->gl->GetTextureImage(vxs_light_map_texture(map), 0, GL_RED, GL_FLOAT, (GLsizei)size, data);
+    s->gl->GetTextureImage(vxs_shadow_depth_map_texture(map), 0, GL_RED, GL_FLOAT, (GLsizei)size, data);
     return data;
 }
 
@@ -105,12 +105,12 @@ static void test_light_maps(void **state)
         for (uint32_t shift = 0; shift < 3; shift++) {
             const vxs_baked_light *baked = vxs_asset_light(s.asset, (uint32_t)light);
             uint32_t               side = RESOLUTION >> shift, shadowed = 0;
-            vxs_light_map         *map    = filled_map(&s, light, side, 0);
+            vxs_shadow_depth_map  *map    = filled_map(&s, light, side, 0);
             float                 *found  = read_map(&s, map);
             uint32_t              *voxels = malloc(sizeof *voxels * side * side);
-            assert_int_equal(vxs_light_map_side_px(map), side);
-            assert_int_equal(vxs_light_map_layers(map), light == SCENE_POINT ? 6 : 1);
-            for (uint32_t layer = 0; layer < vxs_light_map_layers(map); layer++) {
+            assert_int_equal(vxs_shadow_depth_map_side_px(map), side);
+            assert_int_equal(vxs_shadow_depth_map_layers(map), light == SCENE_POINT ? 6 : 1);
+            for (uint32_t layer = 0; layer < vxs_shadow_depth_map_layers(map); layer++) {
                 vxs_depth_map_desc desc = {
                     .map = (int32_t)layer, .wide_px = side, .high_px = side, .shift = shift, .voxels = voxels};
                 assert_int_equal(vxs_depth_map(baked, &desc, NULL), VXS_OK);
@@ -123,7 +123,7 @@ static void test_light_maps(void **state)
             assert_true(shadowed > side);
             free(voxels);
             free(found);
-            vxs_light_map_destroy(map);
+            vxs_shadow_depth_map_destroy(map);
         }
     scene_close(&s);
 }
@@ -137,13 +137,13 @@ static void test_marches(void **state)
     float         pixels[4 * PIXELS];
     scene_open(&s, RESOLUTION, WIDE, HIGH);
     for (int light = 0; light < SCENE_LIGHTS; light++) {
-        vxs_volumes_light l   = scene_light(light);
-        vxs_light_map    *map = filled_map(&s, light, 0, 0);
+        vxs_volumes_light     l   = scene_light(light);
+        vxs_shadow_depth_map *map = filled_map(&s, light, 0, 0);
         for (int camera = 0; camera < CAMERAS; camera++) {
             double top = camera == 1 ? 2.5 : VXS_AIR_EVERYWHERE;
             if (!scene_asks(light, camera)) continue;
             see(&s, camera, light, top, &v);
-            for (int which = VXS_STEPS_EVEN; which <= VXS_STEPS_ANGLE; which++)
+            for (int which = VXS_STEPS_EVEN; which <= VXS_STEPS_EQUIANGULAR; which++)
                 for (int asset = 0; asset < 2; asset++) {
                     double errors[3], mean;
                     for (int n = 0; n < 3; n++) {
@@ -162,7 +162,7 @@ static void test_marches(void **state)
                     assert_true(errors[2] < 3e-3);
                 }
         }
-        vxs_light_map_destroy(map);
+        vxs_shadow_depth_map_destroy(map);
     }
     assert_int_equal(s.gl->GetError(), GL_NO_ERROR);
     scene_close(&s);
@@ -183,7 +183,7 @@ static void test_marches_in_dense_fog(void **state)
         for (size_t k = 0; k < sizeof media / sizeof *media; k++) {
             double top = k == 1 && light != SCENE_POINT ? 3 : VXS_AIR_EVERYWHERE; /* lamps above it, too */
             see_in(&s, light == SCENE_SUN ? 0 : 2, light, &media[k], top, &v);
-            for (int which = VXS_STEPS_EVEN; which <= VXS_STEPS_ANGLE; which++) {
+            for (int which = VXS_STEPS_EVEN; which <= VXS_STEPS_EQUIANGULAR; which++) {
                 double mean;
                 assert_int_equal(vxs_volumes_begin(s.volumes, &v.frame), VXS_OK);
                 assert_int_equal(vxs_volumes_march(s.volumes, &l, NULL, 32, (vxs_steps)which), VXS_OK);
@@ -213,7 +213,7 @@ static void test_many_steps(void **state)
         see(&s, 1, light, VXS_AIR_EVERYWHERE, &v);
         for (int n = 0; n < 2; n++) {
             assert_int_equal(vxs_volumes_begin(s.volumes, &v.frame), VXS_OK);
-            assert_int_equal(vxs_volumes_march(s.volumes, &l, NULL, n ? 16000 : 700, VXS_STEPS_ANGLE), VXS_OK);
+            assert_int_equal(vxs_volumes_march(s.volumes, &l, NULL, n ? 16000 : 700, VXS_STEPS_EQUIANGULAR), VXS_OK);
             scene_read(&s, pixels[n]);
         }
         for (int n = 0; n < 3 * PIXELS; n++) some[n] = (double)pixels[0][4 * (n / 3) + n % 3];
@@ -319,17 +319,17 @@ static void test_joined(void **state)
     scene_open(&s, RESOLUTION, WIDE, HIGH);
     GLuint depths = moving_depths(&s);
     for (int light = 0; light < SCENE_LIGHTS; light++) {
-        const vxs_light *l      = &vxs_asset_light(s.asset, (uint32_t)light)->light;
-        int              is_sun = l->kind == VXS_LIGHT_KIND_DIRECTIONAL;
-        moving_disc      moving = disc_before(&s, light, depths);
-        double           side = ldexp(1, (int)l->levels), disc = moving.depth, radius = moving.radius;
-        vxs_light_map   *map = filled_map(&s, light, SIDE, 1);
-        assert_int_equal(vxs_light_map_join(map, NULL, 0), VXS_OK);
+        const vxs_light      *l      = &vxs_asset_light(s.asset, (uint32_t)light)->light;
+        int                   is_sun = l->kind == VXS_LIGHT_KIND_DIRECTIONAL;
+        moving_disc           moving = disc_before(&s, light, depths);
+        double                side = ldexp(1, (int)l->levels), disc = moving.depth, radius = moving.radius;
+        vxs_shadow_depth_map *map = filled_map(&s, light, SIDE, 1);
+        assert_int_equal(vxs_shadow_depth_map_join(map, NULL, 0), VXS_OK);
         float *alone = read_map(&s, map);
-        assert_int_equal(vxs_light_map_join(map, &moving.casters, 1), VXS_OK);
+        assert_int_equal(vxs_shadow_depth_map_join(map, &moving.casters, 1), VXS_OK);
         float   *joined = read_map(&s, map);
         uint32_t nearer = 0, kept = 0;
-        for (uint32_t n = 0; n < SIDE * SIDE * vxs_light_map_layers(map); n++) {
+        for (uint32_t n = 0; n < SIDE * SIDE * vxs_shadow_depth_map_layers(map); n++) {
             uint32_t layer = n / (SIDE * SIDE);
             double scale = side / SIDE, u = (n % SIDE + 0.5) * scale - 0.5 * side, v = (n / SIDE % SIDE + 0.5) * scale - 0.5 * side;
             double x = is_sun ? u : u * l->texel_metres * disc, y = is_sun ? v : v * l->texel_metres * disc;
@@ -345,13 +345,13 @@ static void test_joined(void **state)
         assert_true(nearer > 100);
         if (light == SCENE_SUN) assert_true(kept > 0);
         /* and what does not move any more is as it was */
-        assert_int_equal(vxs_light_map_join(map, NULL, 0), VXS_OK);
+        assert_int_equal(vxs_shadow_depth_map_join(map, NULL, 0), VXS_OK);
         float *again = read_map(&s, map);
-        assert_memory_equal(again, alone, sizeof *again * SIDE * SIDE * vxs_light_map_layers(map));
+        assert_memory_equal(again, alone, sizeof *again * SIDE * SIDE * vxs_shadow_depth_map_layers(map));
         free(again);
         free(joined);
         free(alone);
-        vxs_light_map_destroy(map);
+        vxs_shadow_depth_map_destroy(map);
     }
     scene_close(&s);
 }
@@ -403,22 +403,22 @@ static void test_joined_airlight(void **state)
     assert_int_equal(vxs_shadow_grid_create(&grid, s.volumes, &desc), VXS_OK);
     assert_int_equal(vxs_adaptive_mesh_create(&mesh, s.volumes, &room), VXS_OK);
     for (int light = 0; light < SCENE_LIGHTS; light++) {
-        double            wanted[ASKED_PIXELS][3], standing[ASKED_PIXELS][3], found[ASKED_PIXELS][3];
-        float             pixels[4 * PIXELS];
-        volumes_camera    c      = camera_at(eyes[light == SCENE_POINT], looks[light == SCENE_POINT], 0.8);
-        vxs_volumes_light l      = scene_light(light);
-        vxs_light_map    *map    = filled_map(&s, light, JOINED_SIDE, 1);
-        moving_disc       moving = disc_before(&s, light, depths);
-        v.frame                  = scene_frame(&s, &c, &haze, VXS_AIR_EVERYWHERE, 30, v.metres);
+        double                wanted[ASKED_PIXELS][3], standing[ASKED_PIXELS][3], found[ASKED_PIXELS][3];
+        float                 pixels[4 * PIXELS];
+        volumes_camera        c      = camera_at(eyes[light == SCENE_POINT], looks[light == SCENE_POINT], 0.8);
+        vxs_volumes_light     l      = scene_light(light);
+        vxs_shadow_depth_map *map    = filled_map(&s, light, JOINED_SIDE, 1);
+        moving_disc           moving = disc_before(&s, light, depths);
+        v.frame                      = scene_frame(&s, &c, &haze, VXS_AIR_EVERYWHERE, 30, v.metres);
         for (int joined = 0; joined < 2; joined++) {
-            assert_int_equal(vxs_light_map_join(map, &moving.casters, (uint32_t)joined), VXS_OK);
+            assert_int_equal(vxs_shadow_depth_map_join(map, &moving.casters, (uint32_t)joined), VXS_OK);
             float *first = read_map(&s, map);
             traverse(&s, &c, light, &v, first, joined ? wanted : standing);
             free(first);
         }
         for (int n = 0; n < 4; n++) {
             assert_int_equal(vxs_volumes_begin(s.volumes, &v.frame), VXS_OK);
-            vxs_result result = n == 0   ? vxs_volumes_march(s.volumes, &l, map, 512, VXS_STEPS_ANGLE)
+            vxs_result result = n == 0   ? vxs_volumes_march(s.volumes, &l, map, 512, VXS_STEPS_EQUIANGULAR)
                                 : n == 1 ? vxs_volumes_mesh_map(s.volumes, &l, map)
                                 : n == 2 ? vxs_volumes_grid(s.volumes, &l, map, grid, 64)
                                          : vxs_volumes_mesh_adaptive(s.volumes, &l, map, mesh, 1);
@@ -430,7 +430,7 @@ static void test_joined_airlight(void **state)
             if (getenv("VXS_VERBOSE")) print_message("light %d, %s: %.5f, of what stands %.5f\n", light, names[n], error, without);
             if (!(error < tolerance[n] && without > 4 * error)) fail_msg("light %d, %s: %g, %g", light, names[n], error, without);
         }
-        vxs_light_map_destroy(map);
+        vxs_shadow_depth_map_destroy(map);
     }
     vxs_shadow_grid_destroy(grid);
     vxs_adaptive_mesh_destroy(mesh);
@@ -460,7 +460,7 @@ static void test_composite(void **state)
         v.frame.ambient[0] = 0.3F;
         s.gl->ClearBufferfv(GL_COLOR, 0, (float[4]){0.5F, 2, 7, 0.25F});
         assert_int_equal(vxs_volumes_begin(s.volumes, &v.frame), VXS_OK);
-        assert_int_equal(vxs_volumes_march(s.volumes, &l, NULL, 64, VXS_STEPS_ANGLE), VXS_OK);
+        assert_int_equal(vxs_volumes_march(s.volumes, &l, NULL, 64, VXS_STEPS_EQUIANGULAR), VXS_OK);
         vxs_volumes_composite(s.volumes);
         scene_read(&s, air);
         s.gl->ReadPixels(0, 0, WIDE, HIGH, GL_RGBA, GL_FLOAT, picture);
@@ -612,18 +612,18 @@ static void test_state(void **state)
     GLint         before[STATE], after[STATE];
     scene_open(&s, RESOLUTION, WIDE, HIGH);
     see(&s, 0, SCENE_SPOT, 2.5, &v);
-    vxs_volumes_light  l       = scene_light(SCENE_SPOT);
-    vxs_moving_casters casters = {s.depths, WIDE, HIGH, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 1}, 0};
-    vxs_light_map     *map     = filled_map(&s, SCENE_SPOT, 64, 1);
+    vxs_volumes_light     l       = scene_light(SCENE_SPOT);
+    vxs_moving_casters    casters = {s.depths, WIDE, HIGH, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 1}, 0};
+    vxs_shadow_depth_map *map     = filled_map(&s, SCENE_SPOT, 64, 1);
     disturb(&s);
     read_state(&s, before);
     for (int n = 0; n < STATE; n++) after[n] = -1;
-    vxs_light_map_refill(map);
-    vxs_light_map_fill(map, UINT64_MAX);
-    vxs_light_map_join(map, &casters, 1);
+    vxs_shadow_depth_map_refill(map);
+    vxs_shadow_depth_map_fill(map, UINT64_MAX);
+    vxs_shadow_depth_map_join(map, &casters, 1);
     vxs_volumes_begin(s.volumes, &v.frame);
     vxs_volumes_march(s.volumes, &l, map, 4, VXS_STEPS_EVEN);
-    vxs_volumes_march(s.volumes, &l, NULL, 4, VXS_STEPS_ANGLE);
+    vxs_volumes_march(s.volumes, &l, NULL, 4, VXS_STEPS_EQUIANGULAR);
     vxs_volumes_mesh_map(s.volumes, &l, map);
     vxs_light_mesh *mesh;
     assert_int_equal(vxs_light_mesh_create(&mesh, s.volumes, (const float[9]){0, 0, 1, 1, 0, 1, 0, 1, 1},
@@ -640,7 +640,7 @@ static void test_state(void **state)
     read_state(&s, after);
     for (int n = 0; n < STATE; n++)
         if (before[n] != after[n]) fail_msg("state %d was %d and is %d", n, before[n], after[n]);
-    vxs_light_map_destroy(map);
+    vxs_shadow_depth_map_destroy(map);
     scene_close(&s);
 }
 
@@ -653,7 +653,7 @@ static void test_any_numbers(void **state)
     float         pixels[4 * PIXELS], most = 0;
     rng           r = {11};
     scene_open(&s, 64, WIDE, HIGH);
-    vxs_light_map *maps[SCENE_LIGHTS];
+    vxs_shadow_depth_map *maps[SCENE_LIGHTS];
     for (int light = 0; light < SCENE_LIGHTS; light++) maps[light] = filled_map(&s, light, 64, 0);
     for (uint32_t n = 0; n < repeats(60, 2000); n++) {
         int               light = (int)rng_below(&r, SCENE_LIGHTS);
@@ -686,7 +686,7 @@ static void test_any_numbers(void **state)
             }
         }
     }
-    for (int light = 0; light < SCENE_LIGHTS; light++) vxs_light_map_destroy(maps[light]);
+    for (int light = 0; light < SCENE_LIGHTS; light++) vxs_shadow_depth_map_destroy(maps[light]);
     assert_true(most > 1);
     scene_close(&s);
 }
@@ -718,25 +718,26 @@ static void test_reach(void **state)
         /* a light without shadows, of any range and cone: what stands in its light can only take of it */
         if (light != SCENE_SUN) moved.range_metres = rng_below(&r, 2) ? (float)uniform(&r, 1, 20) : 0;
         if (light == SCENE_SPOT) moved.cos_outer = (float)cos(uniform(&r, 0.05, 1.5));
-        l.constants         = &moved;
-        volumes_camera    c = camera_at(eye, to, exp(uniform(&r, log(0.05), log(3))));
-        vxs_volumes_frame f = scene_frame(&s, &c, &medium, top, 100, NULL);
-        vxs_light_map    *map;
-        vxs_pixels        drawn;
-        assert_int_equal(vxs_light_map_create(&map, s.volumes, &(vxs_light_map_desc){.constants = &moved, .side_px = 8}), VXS_OK);
+        l.constants             = &moved;
+        volumes_camera        c = camera_at(eye, to, exp(uniform(&r, log(0.05), log(3))));
+        vxs_volumes_frame     f = scene_frame(&s, &c, &medium, top, 100, NULL);
+        vxs_shadow_depth_map *map;
+        vxs_pixels            drawn;
+        assert_int_equal(
+            vxs_shadow_depth_map_create(&map, s.volumes, &(vxs_shadow_depth_map_desc){.constants = &moved, .side_px = 8}), VXS_OK);
         float least = rng_below(&r, 3) ? (float)exp(uniform(&r, log(1e-5), log(1))) : 0;
         f.least     = least;
         assert_int_equal(vxs_volumes_begin(s.volumes, &f), VXS_OK);
-        assert_int_equal(vxs_volumes_march(s.volumes, &l, map, 64, VXS_STEPS_ANGLE), VXS_OK);
+        assert_int_equal(vxs_volumes_march(s.volumes, &l, map, 64, VXS_STEPS_EQUIANGULAR), VXS_OK);
         scene_read(&s, pixels);
-        vxs_reach reach = vxs_volumes_reach(s.volumes, &l, &drawn);
+        vxs_cull_result reach = vxs_volumes_cull(s.volumes, &l, &drawn);
         counts[reach]++;
         air.cos_outer    = (double)moved.cos_outer;
         air.cos_inner    = fmax((double)l.cos_inner, air.cos_outer);
         air.range_metres = (double)moved.range_metres;
         for (uint32_t p = 0; p < PIXELS; p++) {
             double direction[3], in_fog[2], lit[3], most = 0;
-            int    inside = reach == VXS_REACH_SEEN && p % WIDE - drawn.x < drawn.wide_px && p / WIDE - drawn.y < drawn.high_px;
+            int    inside = reach == VXS_NOT_CULLED && p % WIDE - drawn.x < drawn.wide_px && p / WIDE - drawn.y < drawn.high_px;
             camera_ray(&s, &c, p % WIDE, p / WIDE, direction);
             vxs_air_path path = vxs_air_path_of(&air, c.eye, direction, 100, top, in_fog);
             vxs_air_lit(&medium, &path, 0, 100, lit);
@@ -747,10 +748,10 @@ static void test_reach(void **state)
             left_out += !inside;
             dark += most <= (double)least;
         }
-        vxs_light_map_destroy(map);
+        vxs_shadow_depth_map_destroy(map);
     }
-    assert_true(counts[VXS_REACH_SEEN] > 60 && counts[VXS_REACH_FAINT] > 3 && counts[VXS_REACH_BESIDE] > 10 &&
-                counts[VXS_REACH_CLEAR] > 3);
+    assert_true(counts[VXS_NOT_CULLED] > 60 && counts[VXS_CULLED_FAINT] > 3 && counts[VXS_CULLED_OFFSCREEN] > 10 &&
+                counts[VXS_CULLED_CLEAR] > 3);
     assert_true(left_out > dark / 2);
     scene_close(&s);
 }
@@ -821,15 +822,16 @@ static void test_misuse(void **state)
     l.colour[0] = NAN;
     assert_int_equal(vxs_volumes_march(s.volumes, &l, NULL, 4, VXS_STEPS_EVEN), VXS_E_ARGUMENT);
 
-    vxs_light_map *map = (vxs_light_map *)&v;
-    assert_int_equal(vxs_light_map_create(&map, s.volumes, &(vxs_light_map_desc){.side_px = 100}), VXS_E_ARGUMENT);
+    vxs_shadow_depth_map *map = (vxs_shadow_depth_map *)&v;
+    assert_int_equal(vxs_shadow_depth_map_create(&map, s.volumes, &(vxs_shadow_depth_map_desc){.side_px = 100}), VXS_E_ARGUMENT);
     assert_null(map);
-    assert_int_equal(vxs_light_map_create(&map, s.volumes, &(vxs_light_map_desc){.baked = SCENE_LIGHTS}), VXS_E_ARGUMENT);
+    assert_int_equal(vxs_shadow_depth_map_create(&map, s.volumes, &(vxs_shadow_depth_map_desc){.baked = SCENE_LIGHTS}),
+                     VXS_E_ARGUMENT);
     map = filled_map(&s, SCENE_SUN, 1U << 31, 0); /* no more than is baked */
-    assert_int_equal(vxs_light_map_side_px(map), RESOLUTION);
-    assert_int_equal(vxs_light_map_join(map, NULL, 0), VXS_E_ARGUMENT); /* nothing was said to move */
-    vxs_light_map_destroy(map);
-    vxs_light_map_destroy(NULL);
+    assert_int_equal(vxs_shadow_depth_map_side_px(map), RESOLUTION);
+    assert_int_equal(vxs_shadow_depth_map_join(map, NULL, 0), VXS_E_ARGUMENT); /* nothing was said to move */
+    vxs_shadow_depth_map_destroy(map);
+    vxs_shadow_depth_map_destroy(NULL);
     vxs_volumes_destroy(NULL);
     assert_int_equal(s.gl->GetError(), GL_NO_ERROR);
     scene_close(&s);

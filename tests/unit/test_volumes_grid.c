@@ -97,10 +97,10 @@ static void test_words(void **state)
     vxs_shadow_grid *grids[GRIDS];
     for (int n = 0; n < GRIDS; n++) grids[n] = make_grid(&s, 150, 90, 300, n);
     for (int light = 0; light < SCENE_LIGHTS; light++) {
-        vxs_volumes_light l   = scene_light(light);
-        vxs_air_light     air = scene_air_light(&s, &l);
-        vxs_light_map    *map = filled_map(&s, light);
-        light_map         m   = read_map(&s, map, light);
+        vxs_volumes_light     l   = scene_light(light);
+        vxs_air_light         air = scene_air_light(&s, &l);
+        vxs_shadow_depth_map *map = filled_map(&s, light);
+        light_map             m   = read_map(&s, map, light);
         for (int camera = 0; camera < CAMERAS; camera++) {
             if (!scene_asks(light, camera)) continue;
             volumes_camera    c     = camera_at(eyes[camera], looks[camera], 0.8);
@@ -137,7 +137,7 @@ static void test_words(void **state)
             for (int n = 0; n < WAYS; n++) free(found[n].words);
         }
         free(m.first);
-        vxs_light_map_destroy(map);
+        vxs_shadow_depth_map_destroy(map);
     }
     print_message("%u light rays in shadow; airlight of shaders against double: RMS %.1e at most\n", dark, most);
     assert_true(dark > 20000);
@@ -157,13 +157,13 @@ static void test_bounded_sun(void **state)
     uint32_t      dark = 0;
     int           eye_lit;
     scene_open(&s, 64, WIDE, HIGH);
-    vxs_shadow_grid    *grid      = make_grid(&s, 64, 64, 128, 0);
-    vxs_light_map      *map       = filled_map(&s, SCENE_SUN);
-    vxs_volumes_light   l         = scene_light(SCENE_SUN);
-    vxs_light_constants constants = vxs_gl_constants(s.shadows)[SCENE_SUN];
-    const double        eye[3] = {-20, 40, -15}, look[3] = {0, 0, 0};
-    volumes_camera      c     = camera_at(eye, look, 0.4);
-    vxs_volumes_frame   frame = scene_frame(&s, &c, &haze, VXS_AIR_EVERYWHERE, 90, metres);
+    vxs_shadow_grid      *grid      = make_grid(&s, 64, 64, 128, 0);
+    vxs_shadow_depth_map *map       = filled_map(&s, SCENE_SUN);
+    vxs_volumes_light     l         = scene_light(SCENE_SUN);
+    vxs_light_constants   constants = vxs_gl_constants(s.shadows)[SCENE_SUN];
+    const double          eye[3] = {-20, 40, -15}, look[3] = {0, 0, 0};
+    volumes_camera        c     = camera_at(eye, look, 0.4);
+    vxs_volumes_frame     frame = scene_frame(&s, &c, &haze, VXS_AIR_EVERYWHERE, 90, metres);
     constants.flags |= VXS_LIGHT_BOUNDED;
     for (int n = 0; n < 2; n++) {
         l.constants = n ? &constants : NULL;
@@ -175,7 +175,7 @@ static void test_bounded_sun(void **state)
     assert_true(dark > 100);
     assert_memory_equal(found[1].words, found[0].words, (size_t)vxs_grid_words(&found[0].size) * sizeof(uint32_t));
     for (int n = 0; n < 2; n++) free(found[n].words);
-    vxs_light_map_destroy(map);
+    vxs_shadow_depth_map_destroy(map);
     vxs_shadow_grid_destroy(grid);
     scene_close(&s);
 }

@@ -22,7 +22,8 @@
 enum { ASKED, DARK, WRONG, EYES }; /* what is counted */
 
 static shadow_grid cast(const volumes_scene *s, const vxs_volumes_frame *frame, const vxs_volumes_light *l,
-                        const vxs_light_map *map, vxs_shadow_grid *grid, const vxs_casters *c, const double *eye, int *eye_lit)
+                        const vxs_shadow_depth_map *map, vxs_shadow_grid *grid, const vxs_casters *c, const double *eye,
+                        int *eye_lit)
 {
     assert_int_equal(vxs_volumes_begin(s->volumes, frame), VXS_OK);
     assert_int_equal(vxs_volumes_grid_cast(s->volumes, l, map, grid, 0, c, 1), VXS_OK);
@@ -114,14 +115,14 @@ static void test_with_what_stands(void **state)
     const float   turned[16] = {0, 0, 1, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0.3F, 0.4F, 0.2F, 1};
     memcpy(c.point_from_place, turned, sizeof turned);
     for (int light = 0; light < SCENE_LIGHTS; light++) {
-        vxs_light_map *map = filled_map(s, light);
+        vxs_shadow_depth_map *map = filled_map(s, light);
         for (int camera = 0; camera < CAMERAS; camera++) {
             if (!scene_asks(light, camera)) continue;
-            vxs_volumes_light l = scene_light(light), bare = bare_light(s, light);
-            volumes_camera    at    = camera_at(eyes[camera], looks[camera], 0.8);
-            vxs_volumes_frame frame = scene_frame(s, &at, &haze, VXS_AIR_EVERYWHERE, 30, metres);
-            vxs_light_map    *from  = camera & 1 ? map : NULL;
-            c.kind                  = light == SCENE_SUN ? VXS_VOXELS_RAYS : VXS_VOXELS_SOLID;
+            vxs_volumes_light     l = scene_light(light), bare = bare_light(s, light);
+            volumes_camera        at    = camera_at(eyes[camera], looks[camera], 0.8);
+            vxs_volumes_frame     frame = scene_frame(s, &at, &haze, VXS_AIR_EVERYWHERE, 30, metres);
+            vxs_shadow_depth_map *from  = camera & 1 ? map : NULL;
+            c.kind                      = light == SCENE_SUN ? VXS_VOXELS_RAYS : VXS_VOXELS_SOLID;
             shadow_grid found[GRIDS];
             int         lit[GRIDS];
             assert_int_equal(vxs_volumes_begin(s->volumes, &frame), VXS_OK);
@@ -137,7 +138,7 @@ static void test_with_what_stands(void **state)
             assert_int_equal(lit[BOTH], lit[STANDS] && lit[MOVES]);
             for (int n = 0; n < GRIDS; n++) free(found[n].words);
         }
-        vxs_light_map_destroy(map);
+        vxs_shadow_depth_map_destroy(map);
     }
     assert_true(more > 100);
 }

@@ -79,12 +79,12 @@ static inline int close_scene(void **state)
     return 0;
 }
 
-static inline vxs_light_map *opaque_map(int light)
+static inline vxs_shadow_depth_map *opaque_map(int light)
 {
-    vxs_light_map     *map;
-    vxs_light_map_desc desc = {.baked = (uint32_t)light, .side_px = 32};
-    assert_int_equal(vxs_light_map_create(&map, s.volumes, &desc), VXS_OK);
-    vxs_light_map_fill(map, UINT64_MAX);
+    vxs_shadow_depth_map     *map;
+    vxs_shadow_depth_map_desc desc = {.baked = (uint32_t)light, .side_px = 32};
+    assert_int_equal(vxs_shadow_depth_map_create(&map, s.volumes, &desc), VXS_OK);
+    vxs_shadow_depth_map_fill(map, UINT64_MAX);
     return map;
 }
 
@@ -123,7 +123,7 @@ static inline void read_curves(const vxs_transmittance_map *map, texels *t)
         }
 }
 
-static inline void build(vxs_transmittance_map *map, const vxs_capsule *list, uint32_t count, const vxs_light_map *opaque,
+static inline void build(vxs_transmittance_map *map, const vxs_capsule *list, uint32_t count, const vxs_shadow_depth_map *opaque,
                          texels *t)
 {
     vxs_capsules capsules = {.list = list, .count = count};

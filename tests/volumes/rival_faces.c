@@ -35,7 +35,7 @@ void rival_faces_destroy(rival_faces *f)
     free(f);
 }
 
-vxs_result rival_faces_march(rival_faces *f, const vxs_area_lamp *lamp, uint32_t baked, const vxs_light_map *map, uint32_t steps)
+vxs_result rival_faces_march(rival_faces *f, const vxs_vpl *lamp, uint32_t baked, const vxs_shadow_depth_map *map, uint32_t steps)
 {
     vxs_volumes_light light = {.baked = baked, .radius_metres = lamp->radius_metres};
     memcpy(light.colour, lamp->colour, sizeof light.colour);
@@ -43,9 +43,9 @@ vxs_result rival_faces_march(rival_faces *f, const vxs_area_lamp *lamp, uint32_t
     if (result != VXS_OK) return result;
     memcpy(f->v->frame.axis, lamp->normal, sizeof lamp->normal);
     f->v->frame.knobs[0] = (float)steps;
-    f->v->frame.knobs[1] = VXS_STEPS_ANGLE;
+    f->v->frame.knobs[1] = VXS_STEPS_EQUIANGULAR;
     f->v->frame.first    = 0;
     f->v->frame.end      = steps;
-    vxs_volumes_add(f->v, f->march, vxs_light_map_texture(map));
+    vxs_volumes_add(f->v, f->march, vxs_shadow_depth_map_texture(map));
     return VXS_OK;
 }

@@ -14,7 +14,7 @@ void       rival_faces_destroy(rival_faces *faces);
 
 /* Add the airlight of a lamp to the frame, at `steps` even steps of angle.
  * map  of a baked light where the lamp is, and `baked` is its number */
-vxs_result rival_faces_march(rival_faces *faces, const vxs_area_lamp *lamp, uint32_t baked, const vxs_light_map *map,
+vxs_result rival_faces_march(rival_faces *faces, const vxs_vpl *lamp, uint32_t baked, const vxs_shadow_depth_map *map,
                              uint32_t steps);
 
 #endif

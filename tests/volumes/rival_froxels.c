@@ -58,7 +58,7 @@ void rival_froxels_destroy(rival_froxels *f)
 }
 
 /* Of the light that is set. */
-static void add(const rival_froxels *f, const vxs_light_map *map)
+static void add(const rival_froxels *f, const vxs_shadow_depth_map *map)
 {
     vxs_volumes *v = f->v;
     rival_run(v, f->programs[FILL], map, f->cells, GL_FORMAT_RGBA32F, rival_groups(f->wide, 8), rival_groups(f->high, 8), 1);
@@ -66,7 +66,7 @@ static void add(const rival_froxels *f, const vxs_light_map *map)
               rival_groups((uint32_t)v->frame.high_px, 8), 1);
 }
 
-vxs_result rival_froxels_add(rival_froxels *f, const vxs_volumes_light *light, const vxs_light_map *map)
+vxs_result rival_froxels_add(rival_froxels *f, const vxs_volumes_light *light, const vxs_shadow_depth_map *map)
 {
     vxs_result result = vxs_volumes_set_light(f->v, light, map);
     if (result == VXS_OK) add(f, map);
@@ -82,7 +82,7 @@ static float mean_of(const vxs_area_rectangle *r, uint32_t channel)
 }
 
 vxs_result rival_froxels_add_rectangle(rival_froxels *f, const vxs_area_rectangle *rectangle, const vxs_volumes_light *centre,
-                                       const vxs_light_map *map)
+                                       const vxs_shadow_depth_map *map)
 {
     vxs_result   result = vxs_volumes_set_light(f->v, centre, map);
     frame_block *frame  = &f->v->frame;

@@ -18,8 +18,8 @@ gl_name rival_program(const vxs_volumes *v, const char *names, const embedded *t
 
 /* Run it in groups x * y * z on the frame and light that are set.
  * image   a layered texture at RIVAL_IMAGE;  format  of it */
-void rival_run(vxs_volumes *v, gl_name program, const vxs_light_map *map, gl_name image, gl_enum format, uint32_t x, uint32_t y,
-               uint32_t z);
+void rival_run(vxs_volumes *v, gl_name program, const vxs_shadow_depth_map *map, gl_name image, gl_enum format, uint32_t x,
+               uint32_t y, uint32_t z);
 
 /* Groups of `size` that have `count`. */
 static inline uint32_t rival_groups(uint32_t count, uint32_t size)

@@ -183,7 +183,7 @@ vxs_result rival_slices_set_moments(rival_slices *s, uint32_t parts)
     return s->moments ? VXS_OK : VXS_E_MEMORY;
 }
 
-static void run(rival_slices *s, int program, const vxs_light_map *map, gl_name image, uint32_t x, uint32_t y)
+static void run(rival_slices *s, int program, const vxs_shadow_depth_map *map, gl_name image, uint32_t x, uint32_t y)
 {
     s->v->api.BindBufferBase(GL_TARGET_UNIFORM_BUFFER, RIVAL_BLOCK, s->buffer);
     s->v->api.BindImageTexture(RIVAL_IMAGE + 1, program >= SUM ? s->moments : s->airlight, 0, 1, 0, GL_ACCESS_READ_WRITE,
@@ -191,7 +191,7 @@ static void run(rival_slices *s, int program, const vxs_light_map *map, gl_name 
     rival_run(s->v, s->programs[program], map, image, RIVAL_FORMAT_RG32F, x, y, 1);
 }
 
-vxs_result rival_slices_add(rival_slices *s, const vxs_volumes_light *light, const vxs_light_map *map)
+vxs_result rival_slices_add(rival_slices *s, const vxs_volumes_light *light, const vxs_shadow_depth_map *map)
 {
     vxs_volumes  *v = s->v;
     slices_block *b = &s->block;

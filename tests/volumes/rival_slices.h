@@ -36,6 +36,6 @@ void rival_slices_set_flat(rival_slices *s, int flat);
 vxs_result rival_slices_set_moments(rival_slices *s, uint32_t parts);
 
 /* Add a light's airlight to the frame, as vxs_volumes_march does. A sun's map that is bounded is taken for one that is not. */
-vxs_result rival_slices_add(rival_slices *s, const vxs_volumes_light *light, const vxs_light_map *map);
+vxs_result rival_slices_add(rival_slices *s, const vxs_volumes_light *light, const vxs_shadow_depth_map *map);
 
 #endif

@@ -12,7 +12,7 @@ typedef struct square_exchange {
 
     /* Who sees to a square. Numbers ascend.
      * fate  [out] SQUARE_MAKE: this process. SQUARE_LEAVE, where it does not add: another. SQUARE_KNOWN, where it does: another, and `take` has it
-     * Returns VXS_OK; VXS_E_MEMORY; VXS_E_DESERTED: nothing is needed any more; what another process failed with. */
+     * Returns VXS_OK; VXS_E_MEMORY; VXS_E_BROKEN_PIPE: nothing is needed any more; what another process failed with. */
     vxs_result (*claim)(void *data, uint64_t number, square_fate *fate, message *m);
 
     /* Where it adds: the record of a square, when it has come.

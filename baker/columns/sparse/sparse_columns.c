@@ -225,5 +225,5 @@ static vxs_result open_map(void *data, uint32_t map, column_map *out, bake_conte
 
 column_source sparse_columns_source(sparse_columns *o)
 {
-    return (column_source){.data = o, .map_count = vxs_light_map_count(o->light), .open = open_map};
+    return (column_source){.data = o, .map_count = vxs_map_count(o->light), .open = open_map};
 }

@@ -81,7 +81,7 @@ static void receive_end(first_rank *f, int rank)
     MPI_Recv(&note, sizeof note, MPI_BYTE, rank, TAG_END, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
     pthread_mutex_lock(&f->lock);
     f->ended++;
-    if (note.result != VXS_OK && note.result != VXS_E_DESERTED) note_failure(f, rank, &note);
+    if (note.result != VXS_OK && note.result != VXS_E_BROKEN_PIPE) note_failure(f, rank, &note);
     pthread_cond_signal(&f->event);
     pthread_mutex_unlock(&f->lock);
 }

@@ -21,7 +21,7 @@ static vxs_result claim(void *data, uint64_t number, square_fate *fate, message 
         MPI_Recv(&of->ticket, 1, MPI_UINT64_T, 0, TAG_TICKET, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
         of->has_ticket = 1;
     }
-    if (of->ticket == NO_MORE) return VXS_E_DESERTED;
+    if (of->ticket == NO_MORE) return VXS_E_BROKEN_PIPE;
     *fate = of->ticket == number ? SQUARE_MAKE : SQUARE_LEAVE;
     if (*fate == SQUARE_MAKE) of->has_ticket = 0;
     return VXS_OK;

@@ -16,10 +16,10 @@ int command_end(message *m, vxs_result code)
 {
     char word[COLORED_BYTES];
     /* what was printed counts as written only when it has arrived; nobody misses what nobody reads, but outputs (output_file.h) */
-    if ((fflush(stdout) || ferror(stdout)) && code == VXS_OK && !standard_output_is_deserted())
+    if ((fflush(stdout) || ferror(stdout)) && code == VXS_OK && !standard_output_is_broken())
         code = fail(m, VXS_E_WRITE, "standard output: cannot be written: %s", strerror(errno));
     progress_clear();
-    if (code != VXS_OK && code != VXS_E_DESERTED)
+    if (code != VXS_OK && code != VXS_E_BROKEN_PIPE)
         fprintf(stderr, "vxs: %s: %s\n", colored(word, m->color, stderr, COLOR_RED, "error"), m->error[0] ? m->error : "unknown");
     /* a run that stops at what it found wrong has found it; one that cannot write of it has not */
     int status = m->wrong && code != VXS_E_WRITE ? STATUS_WRONG : exit_status(code);

@@ -33,7 +33,7 @@ void options_free(const command_line *c);
 int command_run(const command_line *c, int argc, char **argv, vxs_result (*run)(void *command, message *m), void *command);
 
 /* Print "vxs: error: ..." when m holds an error, release m, and return the exit status of `code`; 1 when all went well and m says that
- * something is wrong. A report that nobody reads to its end is no error; one that cannot be written, to a full disk, is. Of VXS_E_DESERTED
+ * something is wrong. A report that nobody reads to its end is no error; one that cannot be written, to a full disk, is. Of VXS_E_BROKEN_PIPE
  * nothing is said. */
 int command_end(message *m, vxs_result code);
 

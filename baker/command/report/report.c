@@ -159,9 +159,9 @@ static json_t *light_json(const light_report *l)
     json_t *o      = json_pack(
              "{s:o, s:s, s:I, s:i, s:f, s:o, s:f, s:[f,f,f], s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:o}", "name",
              json_text(l->light.name), "kind", kind_text(&l->light), "resolution_px", (json_int_t)1 << l->light.levels, "maps",
-             (int)vxs_light_map_count(&l->light), "texel_m", l->light.texel_metres, "texel_at_casters_m", texels_json(&l->texels),
-             "voxel_m", l->light.voxel_metres, "direction", l->light.direction_ws[0], l->light.direction_ws[1], l->light.direction_ws[2],
-             "tiles", (json_int_t)l->tiles, "tiles_without_casters", (json_int_t)l->tiles_skipped, "blocks_rendered",
+             (int)vxs_map_count(&l->light), "texel_m", l->light.texel_metres, "texel_at_casters_m", texels_json(&l->texels), "voxel_m",
+             l->light.voxel_metres, "direction", l->light.direction_ws[0], l->light.direction_ws[1], l->light.direction_ws[2], "tiles",
+             (json_int_t)l->tiles, "tiles_without_casters", (json_int_t)l->tiles_skipped, "blocks_rendered",
              (json_int_t)l->depth.blocks_rendered, "blocks_without_casters", (json_int_t)l->depth.blocks_empty, "triangles_drawn",
              (json_int_t)l->depth.triangles_drawn, "blocks_peeled", (json_int_t)l->depth.blocks_peeled, "blocks_not_peeled",
              (json_int_t)l->depth.blocks_not_peeled, "peel_passes", (json_int_t)l->depth.peel_passes, "peel_passes_max",

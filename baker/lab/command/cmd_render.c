@@ -603,7 +603,7 @@ int cmd_render(int argc, char **argv)
          "a light that shines, or all that a pattern names; repeat for more (default all of the file)", NULL},
         FILTER_ROWS(c.filter, "K x K box filter, K odd, 1 to 17 texels (default 5)"),
         FOG_ROWS(c.fog),
-        {"--area", OPTION_U32, &o->area_lamps, 0, VXS_AREA_LAMPS, NULL, "N",
+        {"--area", OPTION_U32, &o->area_lamps, 0, VXS_VPLS_MAX, NULL, "N",
          "with OpenGL: virtual lights on what shines in the scene, parallelograms of two triangles; 0 to 256, 0: they do not shine "
          "(default 64)",
          &c.area_given},

@@ -117,7 +117,7 @@ static vxs_result open_map(void *data, uint32_t map, column_map *out, bake_conte
 
 column_source opengl_columns_source(rendered_columns *c)
 {
-    return (column_source){.data = c, .map_count = vxs_light_map_count(c->light), .open = open_map};
+    return (column_source){.data = c, .map_count = vxs_map_count(c->light), .open = open_map};
 }
 
 void opengl_columns_free(rendered_columns *c)

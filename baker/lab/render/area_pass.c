@@ -55,7 +55,7 @@ static vxs_area_rectangle rectangle_of(const area_pass *p, const scene_area *a, 
 }
 
 /* Lamps of all parallelograms that have a share of them.   lamps  [out] as many as there are shares, `count` */
-static vxs_result place_lamps(const area_pass *p, double exposure, vxs_area_lamp *lamps, uint32_t *count)
+static vxs_result place_lamps(const area_pass *p, double exposure, vxs_vpl *lamps, uint32_t *count)
 {
     vxs_result result = VXS_OK;
     *count            = 0;
@@ -69,10 +69,10 @@ static vxs_result place_lamps(const area_pass *p, double exposure, vxs_area_lamp
 
 static vxs_result make(area_pass *p, vxs_volumes *volumes, message *m)
 {
-    text_part     glow = part_of(glow_frag_glsl);
-    const scene  *s    = p->options.lit.scene;
-    vxs_area_lamp dense[DENSE];
-    vxs_result    r;
+    text_part    glow = part_of(glow_frag_glsl);
+    const scene *s    = p->options.lit.scene;
+    vxs_vpl      dense[DENSE];
+    vxs_result   r;
     p->powers   = calloc(p->count, sizeof *p->powers);
     p->shares   = calloc(p->count, sizeof *p->shares);
     p->next     = calloc(p->count, sizeof *p->next);
@@ -143,9 +143,9 @@ static int is_shone_on(const void *pass, const vxs_capsule *c)
 /* Lamps of all that are drawn, what smoke leaves of them, and their shadow maps: again, where something has moved. */
 static vxs_result cast(area_pass *p, double exposure)
 {
-    vxs_area_lamp lamps[VXS_AREA_LAMPS];
-    uint32_t      count;
-    vxs_result    result = place_lamps(p, exposure, lamps, &count);
+    vxs_vpl    lamps[VXS_VPLS_MAX];
+    uint32_t   count;
+    vxs_result result = place_lamps(p, exposure, lamps, &count);
     if (result == VXS_OK) result = lamp_pass_set(p->lamps, lamps, count, is_shone_on, p);
     p->exposure = result == VXS_OK ? exposure : 0;
     return result;

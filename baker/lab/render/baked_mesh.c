@@ -8,18 +8,19 @@
 static vxs_result read_map(const baked_mesh_options *o, const gl_context *gl, vxs_volumes *volumes, float **first,
                            uint32_t *side_px, message *m)
 {
-    vxs_light_map *map    = NULL;
-    vxs_result     result = vxs_light_map_create(&map, volumes, &(vxs_light_map_desc){.baked = o->light, .side_px = o->side_px});
+    vxs_shadow_depth_map *map = NULL;
+    vxs_result            result =
+        vxs_shadow_depth_map_create(&map, volumes, &(vxs_shadow_depth_map_desc){.baked = o->light, .side_px = o->side_px});
     if (result != VXS_OK) return fail(m, result, "OpenGL has no room for a light map: %s", vxs_result_text(result));
-    while (vxs_light_map_fill(map, UINT64_MAX)) continue;
-    *side_px    = vxs_light_map_side_px(map);
-    size_t size = sizeof **first * *side_px * *side_px * vxs_light_map_layers(map);
+    while (vxs_shadow_depth_map_fill(map, UINT64_MAX)) continue;
+    *side_px    = vxs_shadow_depth_map_side_px(map);
+    size_t size = sizeof **first * *side_px * *side_px * vxs_shadow_depth_map_layers(map);
     *first      = malloc(size);
     if (*first)
-        gl->GetTextureImage(vxs_light_map_texture(map), 0, GL_RED, GL_FLOAT, (GLsizei)size, *first);
+        gl->GetTextureImage(vxs_shadow_depth_map_texture(map), 0, GL_RED, GL_FLOAT, (GLsizei)size, *first);
     else
         result = fail(m, VXS_E_MEMORY, "out of memory for a light map of %u texels a side", *side_px);
-    vxs_light_map_destroy(map);
+    vxs_shadow_depth_map_destroy(map);
     return result;
 }
 

@@ -21,17 +21,17 @@ typedef struct faint_light {
 } faint_light;
 
 struct fog_pass {
-    fog_pass_options  options;
-    const gl_context *gl;
-    vxs_gl           *shadows;
-    vxs_volumes      *volumes;
-    vxs_shadow_grid  *grid;   /* FOG_BY_GRID */
-    vxs_light_mesh  **meshes; /* FOG_BY_MESH: [lights], NULL before the first frame in which a light is drawn */
-    vxs_light_map   **maps;   /* [lights] of those that have seen something move; else NULL */
-    uint32_t          meshes_made;
-    fog_light_plan   *lights; /* [lights] of the last frame */
-    faint_light      *faint;  /* [lights] */
-    uint32_t          last;   /* light that was drawn then; UINT32_MAX: none */
+    fog_pass_options       options;
+    const gl_context      *gl;
+    vxs_gl                *shadows;
+    vxs_volumes           *volumes;
+    vxs_shadow_grid       *grid;   /* FOG_BY_GRID */
+    vxs_light_mesh       **meshes; /* FOG_BY_MESH: [lights], NULL before the first frame in which a light is drawn */
+    vxs_shadow_depth_map **maps;   /* [lights] of those that have seen something move; else NULL */
+    uint32_t               meshes_made;
+    fog_light_plan        *lights; /* [lights] of the last frame */
+    faint_light           *faint;  /* [lights] */
+    uint32_t               last;   /* light that was drawn then; UINT32_MAX: none */
 };
 
 static vxs_gl_function lookup(const char *name, void *user)
@@ -85,7 +85,7 @@ void fog_pass_destroy(fog_pass *p)
 {
     if (!p) return;
     for (uint32_t n = 0; p->meshes && n < vxs_gl_light_count(p->shadows); n++) vxs_light_mesh_destroy(p->meshes[n]);
-    for (uint32_t n = 0; p->maps && n < vxs_gl_light_count(p->shadows); n++) vxs_light_map_destroy(p->maps[n]);
+    for (uint32_t n = 0; p->maps && n < vxs_gl_light_count(p->shadows); n++) vxs_shadow_depth_map_destroy(p->maps[n]);
     vxs_shadow_grid_destroy(p->grid);
     vxs_volumes_destroy(p->volumes);
     free(p->faint);
@@ -112,12 +112,12 @@ static vxs_result make_mesh(fog_pass *p, uint32_t light, message *m)
 /* Where a light ends: at what stands, and before that at what moves. */
 static vxs_result join_map(fog_pass *p, uint32_t light, const vxs_moving_casters *casters, uint32_t count)
 {
-    const vxs_light_map_desc desc   = {.baked = light, .side_px = MAP_SIDE, .moves = 1};
-    vxs_result               result = p->maps[light] ? VXS_OK : vxs_light_map_create(&p->maps[light], p->volumes, &desc);
+    const vxs_shadow_depth_map_desc desc = {.baked = light, .side_px = MAP_SIDE, .moves = 1};
+    vxs_result result = p->maps[light] ? VXS_OK : vxs_shadow_depth_map_create(&p->maps[light], p->volumes, &desc);
     if (result != VXS_OK) return result;
-    if (p->options.streamed) vxs_light_map_refill(p->maps[light]);
-    vxs_light_map_fill(p->maps[light], UINT64_MAX);
-    return vxs_light_map_join(p->maps[light], casters, count);
+    if (p->options.streamed) vxs_shadow_depth_map_refill(p->maps[light]);
+    vxs_shadow_depth_map_fill(p->maps[light], UINT64_MAX);
+    return vxs_shadow_depth_map_join(p->maps[light], casters, count);
 }
 
 /* a frame ------------------------------------------------------------------------------------------------------------------------- */
@@ -149,12 +149,12 @@ static vxs_volumes_frame frame_of(const fog_pass *p, const vxs_view *view, unsig
 /* What becomes of a light in the frame that has begun. */
 static fog_light_plan plan_light(const fog_pass *p, const vxs_volumes_light *light)
 {
-    static const fog_fate fates[] = {[VXS_REACH_SEEN]   = FOG_DRAWN,
-                                     [VXS_REACH_FAINT]  = FOG_FAINT,
-                                     [VXS_REACH_BESIDE] = FOG_OUT_OF_VIEW,
-                                     [VXS_REACH_CLEAR]  = FOG_CLEAR};
+    static const fog_fate fates[] = {[VXS_NOT_CULLED]       = FOG_DRAWN,
+                                     [VXS_CULLED_FAINT]     = FOG_FAINT,
+                                     [VXS_CULLED_OFFSCREEN] = FOG_OUT_OF_VIEW,
+                                     [VXS_CULLED_CLEAR]     = FOG_CLEAR};
     vxs_pixels            pixels;
-    fog_fate              fate = fates[vxs_volumes_reach(p->volumes, light, &pixels)];
+    fog_fate              fate = fates[vxs_volumes_cull(p->volumes, light, &pixels)];
     double                all  = (double)p->options.width * p->options.height;
     return (fog_light_plan){
         .fate = fate, .share = fate == FOG_DRAWN ? (double)pixels.wide_px * pixels.high_px / all : 0, .by = p->options.by};
@@ -173,13 +173,13 @@ static void plan_steps(fog_light_plan *light, int is_dimmed, int meets_moving)
 }
 
 /* map  NULL: the file is asked */
-static vxs_result draw_light(fog_pass *p, const vxs_volumes_light *light, const vxs_light_map *map, message *m)
+static vxs_result draw_light(fog_pass *p, const vxs_volumes_light *light, const vxs_shadow_depth_map *map, message *m)
 {
     uint32_t   n      = light->baked;
     vxs_result result = VXS_OK;
     switch (p->lights[n].by) {
     case FOG_BY_MARCH: return vxs_volumes_march(p->volumes, light, map, p->options.steps, VXS_STEPS_EVEN);
-    case FOG_BY_ANGLES: return vxs_volumes_march(p->volumes, light, map, p->options.steps, VXS_STEPS_ANGLE);
+    case FOG_BY_ANGLES: return vxs_volumes_march(p->volumes, light, map, p->options.steps, VXS_STEPS_EQUIANGULAR);
     case FOG_BY_GRID: return vxs_volumes_grid(p->volumes, light, map, p->grid, 0);
     case FOG_BY_INTERVALS: break;
     case FOG_BY_MESH:

@@ -216,7 +216,7 @@ static vxs_result dim(lamp_pass *p, int (*is_shone_on)(const void *user, const v
     return vxs_area_light_smoke(p->light, &(vxs_capsules){.list = p->capsules, .count = p->capsule_count});
 }
 
-vxs_result lamp_pass_set(lamp_pass *p, const vxs_area_lamp *lamps, uint32_t count,
+vxs_result lamp_pass_set(lamp_pass *p, const vxs_vpl *lamps, uint32_t count,
                          int (*is_shone_on)(const void *user, const vxs_capsule *c), const void *user)
 {
     vxs_result r    = vxs_area_light_set(p->light, lamps, count);

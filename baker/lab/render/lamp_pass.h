@@ -17,10 +17,10 @@ typedef struct lamp_pass_options {
     const scene_smoke      *smoke;      /* what dims the light; NULL: nothing does */
     uint32_t                smoke_side; /* curves a side of a map of it; a virtual light has no more than 64 */
     const double           *middle_ws;  /* [3] places count from there */
-    uint32_t                lamps;      /* 1 to VXS_AREA_LAMPS */
+    uint32_t                lamps;      /* 1 to VXS_VPLS_MAX */
     vxs_area_gather         gather;
-    const vxs_area_lamp *dense; /* [dense_count] lamps where points are densest, of places from the middle; read by create alone */
-    uint32_t             dense_count; /* 0: points are as dense everywhere */
+    const vxs_vpl *dense;       /* [dense_count] lamps where points are densest, of places from the middle; read by create alone */
+    uint32_t       dense_count; /* 0: points are as dense everywhere */
 } lamp_pass_options;
 
 typedef struct lamp_pass lamp_pass;
@@ -36,7 +36,7 @@ int lamp_pass_move(lamp_pass *pass, const double moved_ws[3]);
 
 /* Its lamps, of places from the middle, as exposed; what smoke leaves of them, and their shadows: again, where something has moved.
  * is_shone_on  whether some lamp may shine on a capsule, of places from the middle; NULL: some does on each */
-vxs_result lamp_pass_set(lamp_pass *pass, const vxs_area_lamp *lamps, uint32_t count,
+vxs_result lamp_pass_set(lamp_pass *pass, const vxs_vpl *lamps, uint32_t count,
                          int (*is_shone_on)(const void *user, const vxs_capsule *c), const void *user);
 
 /* Add airlight to the frame of volumes that has begun, and find what surfaces get.   normals  a texture of them */

@@ -18,7 +18,7 @@ struct sky_pass {
     sky_pass_options  options;
     const gl_context *gl;
     lamp_pass        *lamps;
-    vxs_area_lamp    *placed;    /* [lamps] without exposure */
+    vxs_vpl          *placed;    /* [lamps] without exposure */
     double            exposure;  /* that they have been set with; 0: they have not */
     box               moving_ws; /* of what moves, in its file */
     GLuint            program, texture;
@@ -27,7 +27,7 @@ struct sky_pass {
 /* what is made once --------------------------------------------------------------------------------------------------------------- */
 
 /* From the axes of vxs_area_sky, whose first column is along x, to the map's. */
-static void turn_lamp(vxs_area_lamp *lamp, double turn_rad)
+static void turn_lamp(vxs_vpl *lamp, double turn_rad)
 {
     double x = (double)lamp->normal[0], z = (double)lamp->normal[2], along = -cos(turn_rad), across = -sin(turn_rad);
     lamp->normal[0] = (float)(along * x + across * z);
@@ -119,8 +119,8 @@ static double radius_of(const sky_pass *p, const double moved_ws[3])
 
 static vxs_result cast(sky_pass *p, const double moved_ws[3], double exposure)
 {
-    vxs_area_lamp lamps[VXS_AREA_LAMPS];
-    float         radius = (float)radius_of(p, moved_ws);
+    vxs_vpl lamps[VXS_VPLS_MAX];
+    float   radius = (float)radius_of(p, moved_ws);
     for (uint32_t n = 0; n < p->options.lit.lamps; n++) {
         lamps[n]               = p->placed[n];
         lamps[n].radius_metres = radius;

@@ -163,7 +163,7 @@ static double covered_texels(const smoke_pass *p, const vxs_light *light, uint32
 {
     const scene_smoke *smoke = p->options.smoke;
     light_shape        shape = baked_light_shape(light);
-    double             all = (double)vxs_light_map_count(light) * side_px * side_px, sum = 0;
+    double             all = (double)vxs_map_count(light) * side_px * side_px, sum = 0;
     for (uint32_t n = 0; n < smoke->count; n++) {
         const vxs_capsule *c = &smoke->list[n];
         double middle_ws[3], axis[3], radius = ball_of(smoke, c, middle_ws), texel = texel_at(p, light, &shape, c, side_px);
