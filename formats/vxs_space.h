@@ -96,7 +96,7 @@ struct vxs_light_constants {
     float     texel_metres, voxel_metres, near_metres, range_metres;
     float     cos_outer;
     uint      kind, flags, levels;
-    uint      dag, coding, origin_fraction_ij, origin_fraction_k;
+    uint      first_word, coding, origin_fraction_ij, origin_fraction_k;
 };
 #endif
 

@@ -60,7 +60,7 @@ vxs_light_constants vxs_light_constants_of(const vxs_light *light, const double 
         .kind         = light->kind,
         .flags        = light->flags,
         .levels       = light->levels,
-        .dag          = first_word,
+        .first_word   = first_word,
         .coding       = light->coding,
     };
     double at_origin[3];

@@ -134,7 +134,7 @@ typedef struct vxs_light_constants {
     uint32_t kind;           /* byte 68: VXS_LIGHT_KIND_* */
     uint32_t flags;          /* byte 72: VXS_LIGHT_BOUNDED, VXS_LIGHT_CUBE */
     uint32_t levels;         /* byte 76 */
-    uint32_t dag;            /* byte 80: where the light's words start among those of all lights */
+    uint32_t first_word;     /* byte 80: where the light's words start among those of all lights */
     uint32_t coding;         /* byte 84: VXS_CODING_* */
     uint32_t
         origin_fraction_ij; /* byte 88: of a sun, what rounding took from the last column, in 2^-20 texels, signed: across | down << 16 */

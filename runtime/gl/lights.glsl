@@ -39,7 +39,7 @@ vxs_light_constants vxs_light_at(uint n)
     light.kind          = b.y;
     light.flags         = b.z;
     light.levels        = b.w;
-    light.dag           = c.x;
+    light.first_word           = c.x;
     light.coding        = c.y;
     light.origin_fraction_ij       = c.z;
     light.origin_fraction_k        = c.w;
@@ -55,7 +55,7 @@ uint vxs_light_count()
 float vxs_lit_by(uint n, vec3 at, vec3 normal, int filter_px)
 {
     vxs_light_constants light = vxs_light_at(n);
-    return vxs_lit(light.dag, light, at, normal, filter_px);
+    return vxs_lit(light.first_word, light, at, normal, filter_px);
 }
 
 /* How much smoke leaves of light n on its way to a place, 0 to 1. */

@@ -6,7 +6,7 @@ int vxs_first_shadow(vxs_light_constants light, int map, int i, int j)
     int first = 0, end = 1 << light.levels;
     while (first < end) {
         int middle = (first + end) >> 1;
-        if (vxs_shadow_taps(light.dag, light, map, i, j, uint(middle), 1) != 0u)
+        if (vxs_shadow_taps(light.first_word, light, map, i, j, uint(middle), 1) != 0u)
             end = middle;
         else
             first = middle + 1;

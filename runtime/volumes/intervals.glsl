@@ -27,7 +27,7 @@ void main()
     vxs_span     span;
     if (in_pieces) w.pause = w.steps - VXS_INTERVALS_STEPS;
     if (path.kind == VXS_LIGHT_KIND_DIRECTIONAL) w.outside = VXS_SPAN_LIT; /* where its map ends, the sun shines on */
-    while (vxs_walk_next_lit(vxs_frame.light.dag, vxs_frame.light, w, span) != 0) {
+    while (vxs_walk_next_lit(vxs_frame.light.first_word, vxs_frame.light, w, span) != 0) {
         vxs_air_lit(medium, path, span.begin, span.end, air);
         sum += air;
     }

@@ -9,7 +9,7 @@ layout(rgba32f, binding = VXS_AT_IMAGE) uniform restrict image2D airlight;
 bool lit(vec3 at)
 {
 #ifdef VXS_ASK_ASSET
-    return vxs_lit(vxs_frame.light.dag, vxs_frame.light, at, vec3(0.0), 1) != 0.0;
+    return vxs_lit(vxs_frame.light.first_word, vxs_frame.light, at, vec3(0.0), 1) != 0.0;
 #else
     return vxs_map_lit(at);
 #endif

@@ -149,7 +149,7 @@ static int is_view(const vxs_volumes *v, const vxs_volumes_frame *f)
     for (int n = 0; n < 3; n++)
         if (!isfinite(f->eye[n])) return 0;
     return f->view.width_px && f->view.height_px && f->view.width_px <= v->width_px && f->view.height_px <= v->height_px &&
-           f->far_metres > 0 && isfinite(f->far_metres) && f->least >= 0 && f->depth_texture;
+           f->far_metres > 0 && isfinite(f->far_metres) && f->min_radiance >= 0 && f->depth_texture;
 }
 
 vxs_result vxs_volumes_begin(vxs_volumes *v, const vxs_volumes_frame *f)
@@ -165,7 +165,7 @@ vxs_result vxs_volumes_begin(vxs_volumes *v, const vxs_volumes_frame *f)
                                      .anisotropy  = f->anisotropy,
                                      .two         = 2};
     v->depth_texture = f->depth_texture;
-    v->least = v->frame_least = f->least;
+    v->least = v->frame_least = f->min_radiance;
     memcpy(to->point_from_depth, f->view.point_from_depth, sizeof to->point_from_depth);
     memcpy(to->eye, f->eye, sizeof to->eye);
     memcpy(to->scattering, f->scattering, sizeof to->scattering);
@@ -189,7 +189,7 @@ vxs_result vxs_volumes_set_light(vxs_volumes *v, const vxs_volumes_light *light,
     if (!is_sun && !(light->radius_metres > 0 && isfinite(light->radius_metres))) return VXS_E_ARGUMENT;
     memcpy(to->colour, light->colour, sizeof to->colour);
     to->radius_metres = light->radius_metres;
-    v->least          = light->least > 0 ? light->least : v->frame_least;
+    v->least          = light->min_radiance > 0 ? light->min_radiance : v->frame_least;
     to->cos_inner     = light->cos_inner > c->cos_outer ? light->cos_inner : c->cos_outer;
     const float *z = c->ls_from_ws + 8, length = sqrtf(z[0] * z[0] + z[1] * z[1] + z[2] * z[2]);
     for (int n = 0; n < 3; n++) {

@@ -65,8 +65,8 @@ typedef struct vxs_volumes_frame {
     vxs_view view;       /* of vxs_gl.h; filter_px is not used */
     float    eye[3];     /* where all eye rays begin */
     float    far_metres; /* where a ray ends that meets nothing, > 0 */
-    float    least; /* airlight that is not worth a pass: a light is left out that has no more of it, and pixels that have no more of a light. 0: nothing is.
-                       It bounds what is left out of one light; vxs_volumes_light has another for each, so that a caller bounds the sum of all */
+    float    min_radiance; /* a light with no more airlight than this anywhere is culled, and so are pixels with no more of a light. 0: none.
+                              It bounds the error of one light; vxs_volumes_light has another for each, so that a caller bounds the sum */
     unsigned depth_texture; /* GL_TEXTURE_2D of view.width_px x view.height_px depths or R32F; level 0 is read */
 } vxs_volumes_frame;
 
@@ -87,14 +87,14 @@ typedef struct vxs_volumes_light {
     const struct vxs_transmittance_map *smoke;
     uint32_t                            smoke_lookup; /* as vxs_curve_lookup has it */
 
-    float least; /* airlight of this light that is not worth a pass; 0: the frame's */
+    float min_radiance; /* of this light; 0: the frame's */
 } vxs_volumes_light;
 
-/* Why a light is left out of a frame. */
+/* Why a light is culled in a frame. */
 typedef enum vxs_cull_result {
-    VXS_NOT_CULLED,   /* it is not */
-    VXS_CULLED_FAINT,  /* it has no more airlight than the least that counts, wherever one looks */
-    VXS_CULLED_OFFSCREEN, /* nor in any pixel of the view: the rest is out of it */
+    VXS_NOT_CULLED,
+    VXS_CULLED_FAINT,     /* no more airlight than min_radiance, in any direction */
+    VXS_CULLED_OFFSCREEN, /* no more than that in any pixel of the view */
     VXS_CULLED_CLEAR,  /* the fog has a level top, and no ray of the view comes below it, or none of the light */
 } vxs_cull_result;
 

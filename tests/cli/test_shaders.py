@@ -70,7 +70,7 @@ def test_shader_calls_every_function(glslang, shader):
     vec = ("int3", "float3") if shader.suffix == ".hlsl" else ("ivec3", "vec3")
     body = ("{%s voxel; %s p; vxs_ws_from_voxel(light, 5, position_ws, p);"
             " int map = vxs_voxel_from_ws(light, p, normal_ws, 17, voxel);"
-            " float a = vxs_lit_at_voxel(light.dag, light, map, voxel, 1); " % vec)
+            " float a = vxs_lit_at_voxel(light.first_word, light, map, voxel, 1); " % vec)
     call = re.search(r"(return|lit =) vxs_lit\(.*\);", text)
     text = text.replace(call[0], f"{body} {call[0].rstrip(';')} + a; }}")
     glslang(text if shader.suffix == ".hlsl" else with_headers(text), shader.name, *options_of(shader.name))
@@ -205,7 +205,7 @@ def test_constants_lie_as_in_c(glslang):
     assert reflected(said, "one.") == reflected(said, "all.") == wanted
     assert reflected(said, "some.") == {name: size + offset for name, offset in wanted.items()}
     for array in ("some", "all"):
-        assert re.search(rf"^{array}\.dag: .*topLevelArrayStride {size}$", said, re.MULTILINE)
+        assert re.search(rf"^{array}\.first_word: .*topLevelArrayStride {size}$", said, re.MULTILINE)
 
 
 # --- the same text in C and C++ with the includer's macros -------------------------------------------------------------------------
@@ -229,11 +229,11 @@ int main(void)
     float point[3] = {2.5f, 4.5f, 7.5f};
     int n;
     for (n = 0; n < 3; n++) light.ls_from_ws[5 * n] = 1;
-    if (vxs_lit(light.dag, &light, point, normal, 1) != 0) return 1;
+    if (vxs_lit(light.first_word, &light, point, normal, 1) != 0) return 1;
     point[2] = -1;
-    if (vxs_lit(light.dag, &light, point, normal, 1) != 1) return 2;
+    if (vxs_lit(light.first_word, &light, point, normal, 1) != 1) return 2;
     point[0] = 9;
-    return vxs_lit(light.dag, &light, point, normal, 9) == VXS_OUTSIDE ? 0 : 3;
+    return vxs_lit(light.first_word, &light, point, normal, 9) == VXS_OUTSIDE ? 0 : 3;
 }
 """
 

@@ -25,9 +25,9 @@
     "    int filter_px = int(normal_ws.z);\n"                                                                                      \
     "    uint k = uint(place.voxel.z), dark;\n"                                                                                    \
     "    if (filter_px < VXS_SMOOTH)\n"                                                                                            \
-    "        dark = vxs_shadow_taps(light.dag, light, place.map, place.voxel.x, place.voxel.y, k, filter_px);\n"                   \
+    "        dark = vxs_shadow_taps(light.first_word, light, place.map, place.voxel.x, place.voxel.y, k, filter_px);\n"            \
     "    else\n"                                                                                                                   \
-    "        dark = vxs_shadow_part(light.dag, light, place, k, filter_px - VXS_SMOOTH) % 16777213u;\n"                            \
+    "        dark = vxs_shadow_part(light.first_word, light, place, k, filter_px - VXS_SMOOTH) % 16777213u;\n"                     \
     "    " last "\n"                                                                                                               \
     "}\n"
 

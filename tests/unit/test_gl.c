@@ -200,7 +200,7 @@ static const char place_body[] = "in vec3 position_ws;\n"
                                  "    place.voxel = ivec3(position_ws);\n"
                                  "    place.across = uint(normal_ws.y) & 255u;\n"
                                  "    place.down = uint(normal_ws.y) >> 8;\n"
-                                 "    answer = vxs_lit_at_place(light.dag, light, place, int(normal_ws.z));\n"
+                                 "    answer = vxs_lit_at_place(light.first_word, light, place, int(normal_ws.z));\n"
                                  "}\n";
 
 /* A place as the shader takes it. */

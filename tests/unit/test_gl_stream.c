@@ -25,8 +25,8 @@ static vxs_gl_function loaded(const char *name, void *user)
 }
 
 /* Less than 0 where pages are missing. */
-static const char streamed_body[] =
-    TAPS_BODY("answer = vxs_is_full_at_place(light.dag, light, place, filter_px) != 0 ? float(dark + 1u) : -float(dark + 1u);");
+static const char streamed_body[] = TAPS_BODY(
+    "answer = vxs_is_full_at_place(light.first_word, light, place, filter_px) != 0 ? float(dark + 1u) : -float(dark + 1u);");
 
 static int is_full_in_c(const vxs_baked_light *of, const query *q)
 {

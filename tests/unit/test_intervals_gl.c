@@ -183,7 +183,7 @@ static const char rays_text[] =
     "    vxs_light_constants light = vxs_light_at(ray.light.x);\n"
     "    vxs_walk w = vxs_walk_of(light, ray.origin.xyz, ray.direction.xyz, ray.origin.w, ray.direction.w);\n"
     "    vxs_span span;\n"
-    "    while (count < 400 && vxs_walk_next(light.dag, light, w, span) != 0) {\n"
+    "    while (count < 400 && vxs_walk_next(light.first_word, light, w, span) != 0) {\n"
     "        count++;\n"
     "        spans[at + count] = vec4(span.begin, span.end, float(span.state), float(span.coarse));\n"
     "    }\n"

@@ -320,9 +320,9 @@ static void test_least(void **state)
     vxs_volumes_frame f = scene_frame(&s, &c, &haze, VXS_AIR_EVERYWHERE, 30, metres);
     for (int which = 0; which < SURFACES; which++) {
         vxs_pixels seen;
-        f.least = 0;
+        f.min_radiance = 0;
         draw_surface(&s, &u, (surface)which, &f, all);
-        f.least = 0.15F;
+        f.min_radiance = 0.15F;
         draw_surface(&s, &u, (surface)which, &f, some);
         assert_int_equal(vxs_volumes_cull(s.volumes, &l, &seen), VXS_NOT_CULLED);
         assert_in_range(seen.wide_px * seen.high_px, PIXELS / 20, PIXELS / 2);

@@ -475,7 +475,7 @@ static const char filter_body[] = "layout(std140) uniform shadow_light { vxs_lig
                                   "in vec3 normal_ws;\n"
                                   "out float answer;\n"
                                   "void main() {\n"
-                                  "    answer = vxs_lit(light.dag, light, position_ws, vec3(0.0), int(normal_ws.x));\n"
+                                  "    answer = vxs_lit(light.first_word, light, position_ws, vec3(0.0), int(normal_ws.x));\n"
                                   "}\n";
 
 /* Filters of any number, which the compiler of the shader does not know. */
@@ -594,7 +594,7 @@ static void test_constants(void **state)
     assert_int_equal(offsetof(vxs_light_constants, kind), 68);
     assert_int_equal(offsetof(vxs_light_constants, flags), 72);
     assert_int_equal(offsetof(vxs_light_constants, levels), 76);
-    assert_int_equal(offsetof(vxs_light_constants, dag), 80);
+    assert_int_equal(offsetof(vxs_light_constants, first_word), 80);
     assert_int_equal(offsetof(vxs_light_constants, coding), 84);
     assert_int_equal(offsetof(vxs_light_constants, origin_fraction_ij), 88);
     assert_int_equal(offsetof(vxs_light_constants, origin_fraction_k), 92);
@@ -602,7 +602,7 @@ static void test_constants(void **state)
     for (int n = 0; n < 12; n++) assert_true(c.ls_from_ws[n] == (float)light->ls_from_ws[n]);
     assert_true(c.texel_metres == (float)light->texel_metres && c.voxel_metres == (float)light->voxel_metres);
     assert_true(c.near_metres == (float)light->near_metres && c.range_metres == 0 && c.cos_outer == 0.75f);
-    assert_true(c.kind == VXS_LIGHT_KIND_SPOT && c.flags == 0 && c.levels == 6 && c.dag == 77 && c.coding == VXS_CODING_DAG);
+    assert_true(c.kind == VXS_LIGHT_KIND_SPOT && c.flags == 0 && c.levels == 6 && c.first_word == 77 && c.coding == VXS_CODING_DAG);
     assert_true(!c.origin_fraction_ij && !c.origin_fraction_k);
     for (int row = 0; row < 3; row++) {
         const double *m = light->ls_from_ws + 4 * row;

@@ -725,8 +725,8 @@ static void test_reach(void **state)
         vxs_pixels            drawn;
         assert_int_equal(
             vxs_shadow_depth_map_create(&map, s.volumes, &(vxs_shadow_depth_map_desc){.constants = &moved, .side_px = 8}), VXS_OK);
-        float least = rng_below(&r, 3) ? (float)exp(uniform(&r, log(1e-5), log(1))) : 0;
-        f.least     = least;
+        float least    = rng_below(&r, 3) ? (float)exp(uniform(&r, log(1e-5), log(1))) : 0;
+        f.min_radiance = least;
         assert_int_equal(vxs_volumes_begin(s.volumes, &f), VXS_OK);
         assert_int_equal(vxs_volumes_march(s.volumes, &l, map, 64, VXS_STEPS_EQUIANGULAR), VXS_OK);
         scene_read(&s, pixels);

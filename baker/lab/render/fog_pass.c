@@ -136,7 +136,7 @@ static vxs_volumes_frame frame_of(const fog_pass *p, const vxs_view *view, unsig
                                 .top_metres    = (float)fmin(medium->top_ws - eye_ws[1], 1e30),
                                 .view          = *view,
                                 .far_metres    = (float)fog_pass_far_metres(p),
-                                .least         = (float)FOG_FAINTEST,
+                                .min_radiance  = (float)FOG_FAINTEST,
                                 .depth_texture = depths};
     for (int n = 0; n < 3; n++) {
         f.scattering[n] = (float)medium->scattering[n];
@@ -261,7 +261,7 @@ vxs_result fog_pass_draw(fog_pass *p, const fog_shine *shines, const moving_pass
     if (least) choose_faint(p, shines, exposure, least);
     for (uint32_t n = 0; n < count && result == VXS_OK; n++) {
         vxs_volumes_light light = light_of(p, n, &shines[n], exposure);
-        light.least             = least[n];
+        light.min_radiance      = least[n];
         result                  = add_light(p, light, moving, smoke, plan, m);
     }
     free(least);
