@@ -20,6 +20,8 @@
 #   make check-cracks   look for light between sheets that meet, in 100 million columns of each source of maps: a minute
 #   make fuzz           build the fuzzers with clang: build/fuzz/tests/fuzz/fuzz_*, which run until they find something. seconds=60: run each of them,
 #                       and fuzz-commands, for so long, with a line for each; seed=2 tries other inputs, only=fuzz_answers runs one
+#   make fuzz-pack      add inputs to a fuzzer's corpus: corpus=vxs inputs=build/fuzz/found/vxs, files or folders (tests/fuzz/corpus.py)
+#   make fuzz-minimise  leave out inputs that no fuzzer needs for its coverage; those that once showed a fault stay
 #   make fuzz-commands  random command lines over files of all kinds, for seconds=60; config=asan finds more, seed=2 tries others
 #   make bench          measure; a table to read, and JSON to $(BENCH_JSON)
 #   make bench-large    measure maps of up to 262144 texels a side, straight from triangles: five minutes; JSON to build/large.json
@@ -163,14 +165,14 @@ shader    := $(patsubst %,$B/%.o,formats/vxs_lookup.h formats/vxs_lookup_blocks.
 # fuzz_NAME.c or .cc, with a loop around it: libFuzzer's, and mutate_NAME.c where there is one; or a replay of the corpus
 fuzz.c    := $(wildcard tests/fuzz/fuzz_*.c tests/fuzz/fuzz_*.cc)
 fuzz      := $(addprefix $B/,$(basename $(fuzz.c)))
-# programs whose bytes are .vxs files have the changes and the corpus of fuzz_vxs (tests/fuzz/corpus/NAME is a link to it)
+# programs whose bytes are .vxs files have the changes and the corpus of fuzz_vxs (tests/fuzz/corpus/NAME.tar.xz is a link to it)
 fuzz.vxs  := tests/fuzz/fuzz_vxs.c tests/fuzz/fuzz_answers.c tests/fuzz/fuzz_shaders.c
 fuzz.loop  = $(if $(filter fuzz,$(config)),$(if $(filter $(fuzz.vxs),$1),tests/fuzz/mutate_vxs.c,$(wildcard $(1:tests/fuzz/fuzz_%=tests/fuzz/mutate_%))),tests/fuzz/replay.c)
 test.o    := $(patsubst $B/%,$B/%.c.o,$(unit) $(helper)) $(patsubst %,$B/%.o,$(fuzz.c) $(foreach f,$(fuzz.c),$(call fuzz.loop,$f))) $(exact.o) $(rival.o) $(volumes_bench.o) $(reference.o) $B/tests/unit/blocks_scalar.c.o $B/tests/unit/lookup_many_scalar.c.o
 objects    = $(no_lab.c:%=$B/%.o) $(if $(mpi),$(mpi.o),$B/baker/command/mpi/square_scheduler.c.o) $B/baker/main.c.o $(baker.o) $(library.o) $(runtime.o) $(gl.o) $(volumes.o) $(pic.o) $(gl.pic.o) $(volumes.pic.o) $(test.o)
 
 .DELETE_ON_ERROR:
-.PHONY: all unit fuzz fuzzers fuzz-commands demo check check-fast check-unit check-asan check-repeats check-exact check-memory check-faults check-sparse check-cracks check-sanitizers bench bench-bias bench-flight bench-large bench-lights bench-volumes bench-smoke packages format clean
+.PHONY: all unit fuzz fuzzers fuzz-pack fuzz-minimise fuzz-commands demo check check-fast check-unit check-asan check-repeats check-exact check-memory check-faults check-sparse check-cracks check-sanitizers bench bench-bias bench-flight bench-large bench-lights bench-volumes bench-smoke packages format clean
 ifdef core
 all: $B/vxs-core $B/libvxs.a $B/libvxs.so $B/libvxs_bake.a $B/libvxs_bake.so
 else
@@ -221,6 +223,12 @@ $(fuzz):
 	@echo "  link $@"
 	$Q$(CXX) $(opt) $(linker) $(if $(filter fuzz,$(config)),-fsanitize=fuzzer) -pthread -o $@ $(filter %.o,$^) $(filter %.a,$^) $(test_libs) $(libs) $(LDFLAGS)
 
+# the corpora, unpacked once, before a fuzz program runs
+$(fuzz): | build/corpus
+build/corpus: $(wildcard tests/fuzz/corpus/*.tar.xz)
+	@echo "  data $@"
+	$Q$(python) tests/fuzz/corpus.py unpack
+
 fuzzers: $(fuzz)
 fuzz:
 	@command -v clang >/dev/null || { echo "make fuzz needs clang with its run-time library; Debian: clang libclang-rt-dev" >&2; exit 1; }
@@ -230,6 +238,10 @@ ifdef seconds
 	@$(python) tests/fuzz/run.py $(or $(only:%=build/fuzz/tests/fuzz/%),$(patsubst $B/%,build/fuzz/%,$(fuzz)) --vxs build/release/vxs) \
 	    --seconds $(seconds) --seed $(or $(seed),1)
 endif
+fuzz-pack:
+	@$(python) tests/fuzz/corpus.py pack $(corpus) $(inputs)
+fuzz-minimise: fuzz
+	@$(python) tests/fuzz/corpus.py minimise
 fuzz-commands: $B/vxs
 	@$(python) tests/fuzz/command_lines.py --vxs $< --seconds $(or $(seconds),60) --seed $(or $(seed),1)
 
@@ -299,7 +311,7 @@ $(CHART_JS): ; # it may come with a package that is yet to be installed
 ifneq ($(filter demo check check-fast check-unit check-asan check-repeats check-sanitizers bench deb packages,$(MAKECMDGOALS)),)
 jobs := $(if $(findstring -j,$(MAKEFLAGS)),,-j$(shell nproc))
 MAKEFLAGS += $(jobs)
-$(objects) $(gltf.gch): | packages # nothing is compiled before the headers are there
+$(objects) $(gltf.gch) build/corpus: | packages # nothing is compiled before the headers are there, or unpacked before python3 is
 endif
 
 # `make demo` compiles no tests, and needs none of their packages

@@ -1,6 +1,7 @@
 /* Run a fuzz program's function once for each file of its corpus, and say so in TAP: the part of fuzzing that any compiler can do.
  *
- * fuzz_NAME [FILE OR FOLDER...]; without one, tests/fuzz/corpus/NAME. The last file named is the one at which it crashed.
+ * fuzz_NAME [FILE OR FOLDER...]; without one, build/corpus/NAME, which `tests/fuzz/corpus.py unpack` writes. The last file named is
+ * the one at which it crashed.
  * VXS_FUZZ_SECONDS: how long one file may take (default 60).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <dirent.h>
@@ -68,11 +69,12 @@ int main(int argc, char **argv)
 
     const char *slash = strrchr(argv[0], '/'), *program = slash ? slash + 1 : argv[0];
     char        folder[4096];
-    snprintf(folder, sizeof folder, "tests/fuzz/corpus/%s", strncmp(program, "fuzz_", 5) ? program : program + 5);
+    snprintf(folder, sizeof folder, "build/corpus/%s", strncmp(program, "fuzz_", 5) ? program : program + 5);
 
     int good = 1;
     printf("1..%d\n", argc > 1 ? argc - 1 : 1);
     if (argc == 1) good = run(1, folder);
+    if (argc == 1 && access(folder, R_OK)) printf("# tests/fuzz/corpus.py unpack writes %s\n", folder);
     for (int n = 1; n < argc; n++) good &= run(n, argv[n]);
     return !good;
 }
