@@ -257,10 +257,11 @@ static void keep_count(size_t *count, const uint8_t *kept, size_t *counted, size
 
 vxs_result projection_keep(projection *p, const uint8_t *kept)
 {
-    size_t count = p->triangle_count, counted = 0, found = 0;
-    if (!p->own_indices) p->own_indices = malloc((3 * count + 1) * sizeof *p->own_indices);
-    if (!p->own_meets && p->meets) p->own_meets = malloc(count + 1);
-    if (!p->own_double_sided && p->double_sided) p->own_double_sided = malloc(count + 1);
+    size_t count = p->triangle_count, room = 1, counted = 0, found = 0;
+    for (size_t t = 0; t < count; t++) room += kept[t];
+    if (!p->own_indices) p->own_indices = malloc(3 * room * sizeof *p->own_indices);
+    if (!p->own_meets && p->meets) p->own_meets = malloc(room);
+    if (!p->own_double_sided && p->double_sided) p->own_double_sided = malloc(room);
     if (!p->own_indices || (p->meets && !p->own_meets) || (p->double_sided && !p->own_double_sided)) return VXS_E_MEMORY;
     keep_items(p->own_indices, p->indices, 3 * sizeof *p->indices, kept, 0, count);
     if (p->meets) keep_items(p->own_meets, p->meets, 1, kept, 0, p->solid_triangle_count);

@@ -108,9 +108,12 @@ def test_peeling(plan, folder):
     assert "no component is solid" in plan(folder / "sheets.gltf")["decided"]["exit map"]["reason"]
     assert "peeling" not in plan(folder / "sheets.gltf")["decided"]
     assert plan(folder / "apart.gltf", *big)["decided"]["peeling"]["choice"] == "nowhere"
-    meet = plan(folder / "meet.gltf", *big)["decided"]["peeling"]
+    meets = plan(folder / "meet.gltf", *big)
+    meet, meet_light = meets["decided"]["peeling"], meets["lights"][0]
     assert meet["choice"] == "where solids meet" and "2 of 3 solids" in meet["reason"]
-    assert plan(folder / "meet.gltf", "--maps", "gl", "--exit", "back")["decided"]["peeling"]["choice"] == "nowhere"
+    back = plan(folder / "meet.gltf", *big, "--exit", "back")
+    assert back["decided"]["peeling"]["choice"] == "nowhere" and back["lights"][0]["blocks_peeled"] == 0
+    assert back["lights"][0]["blocks_not_peeled"] == meet_light["blocks_peeled"] + meet_light["blocks_not_peeled"] > 0
     assert plan(folder / "apart.gltf", "--maps", "gl", "--exit", "peel")["decided"]["peeling"]["choice"] == "everywhere"
     sparse = plan(folder / "meet.gltf", "--exit", "peel")
     assert sparse["decided"]["peeling"]["choice"] == "nowhere" and "--maps sparse" in sparse["decided"]["peeling"]["reason"]
@@ -258,6 +261,15 @@ def test_stones_turned_inside_out(plan, tmp_path):
     path = write(tmp_path / "in.gltf", stones(TWO_SIDED, mesh=lambda n: inside_out(dome(0.5 + n % 3 / 4, 6, 10))),
                  [light("sun", "directional", direction=(0.3, -1, 0.2))])
     planned, solid = plan(path, "--resolution", 1024), plan(path, "--resolution", 1024, "--closed", "on")
+    assert planned["savings"][0]["file_bytes"] == solid["estimate"]["file_bytes"]
+
+
+def test_stones_that_a_spot_reaches(plan, tmp_path):
+    """With --closed on, stones come before bowls: which triangles the spot reaches is found again in that order."""
+    bowls = [node(f"bowl{n}", dome(0.7, 6, 10, lowest=-0.5), (3 * n, 7, 60)) for n in range(40)]
+    path = write(tmp_path / "spot.gltf", [*bowls[:20], *stones(TWO_SIDED), *bowls[20:]], [light("spot", "spot", at=(0, 14, 0))])
+    planned, solid = plan(path, "--resolution", 1024), plan(path, "--resolution", 1024, "--closed", "on")
+    assert planned["savings"][0]["option"] == "--closed on"
     assert planned["savings"][0]["file_bytes"] == solid["estimate"]["file_bytes"]
 
 
