@@ -35,11 +35,11 @@ void main()
         if (!one && !(max(power.r, max(power.g, power.b)) > 0.0)) continue;
 #ifdef STREAMED
         if (asked.x == SHOW_FULL) {
-            lookups += vec2(1.0, float(vxs_lit_is_full(l.dag, l, at, normal, FILTER_PX)));
+            lookups += vec2(1.0, float(vxs_lit_is_full(l.first_word, l, at, normal, FILTER_PX)));
             continue;
         }
 #endif
-        float lit = vxs_lit(l.dag, l, at, normal, FILTER_PX);
+        float lit = vxs_lit(l.first_word, l, at, normal, FILTER_PX);
         if (one) {
             light_out = vec4(vec3(lit), 1.0);
             return;
