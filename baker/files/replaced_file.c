@@ -54,10 +54,10 @@ static int keep_attributes(const char *path, int descriptor)
 vxs_result replaced_file_keep(const char *path, const struct stat *old, int descriptor, message *m)
 {
     struct stat now;
-    vxs_result  r = VXS_OK;
-    mode_t kept   = 0777; /* without set-user-ID and similar bits: they apply to the old bytes, and systems clear them on each
+    vxs_result  r     = VXS_OK;
+    mode_t      kept  = 0777; /* without set-user-ID and similar bits: they apply to the old bytes, and systems clear them on each
                              write */
-    int    error  = fstat(descriptor, &now) ? errno : 0;
+    int         error = fstat(descriptor, &now) ? errno : 0;
     if (!error && (now.st_uid != old->st_uid || now.st_gid != old->st_gid) && fchown(descriptor, old->st_uid, old->st_gid))
         r = not_kept(path, "owner and group", errno, m);
     int lost = keep_attributes(path, descriptor);
