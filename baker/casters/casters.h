@@ -80,7 +80,7 @@ typedef struct casters {
 
 /* Weld vertices at bit-equal world positions (-0 equals +0), drop triangles that collapse, split the rest into components connected
  * by edges, and classify these as solids or sheets (docs/overview.md, "Solids and sheets"; [CPVS16] 3.3 needs closed objects).
- * CLOSED_ON   every closed component without alpha mask is a solid, whatever its material or contents; inside-out ones are reversed.
+ * CLOSED_ON   every closed component without alpha mask is a solid, whatever its material or contents; inside-out ones are turned.
  * CLOSED_OFF  every component is a sheet.
  * A sheet is always correct, only larger in the asset. So doubtful components become sheets.
  * c  [out] zeroed on failure; released with casters_free.

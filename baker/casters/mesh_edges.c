@@ -34,7 +34,7 @@ static int by_high(const void *a, const void *b, void *indices)
     return p != q ? p < q ? -1 : 1 : h < g ? -1 : h > g;
 }
 
-/* Sort half-edges with the same lower vertex. There are few of them, except at the centre of a large fan: insertion sort is fastest. */
+/* Sort half-edges with the same lower vertex. There are few of them, except at the centre of a large fan. */
 static void sort_by_high(uint32_t *edges, uint32_t count, const uint32_t *indices)
 {
     enum { FEW = 32 };
