@@ -60,8 +60,7 @@ typedef struct glb_scene {
         [3]; /* metres: origin of the positions of meshes and smoke: the translation of a root node that contains them. 0,0,0: no
                 such node */
     size_t vertex_count;
-    float    *
-        positions; /* [3 * vertex_count] metres from the origin, +Y up; owned. Values that are not finite are also written, for
+    float *positions; /* [3 * vertex_count] metres from the origin, +Y up; owned. Values that are not finite are also written, for
                       tests with broken scenes */
     float *texcoords; /* [2 * vertex_count] owned; NULL when no material has an image */
 

@@ -29,8 +29,8 @@ struct quad {
     double   uv[4][2];
 };
 
-/* The triangles share the second and third corner of the first one. The fourth corner is the first one's reflection at the middle
- * of this diagonal. */
+/* Find the common edge of the two triangles: it is the diagonal between corners 1 and 3. Corner 0 is the other corner of the first
+ * triangle, corner 2 that of the second. Returns false when there is no common edge. */
 static bool quad_of(const loader &l, const placement &p, size_t first, quad &q)
 {
     uint32_t        element[2][3];

@@ -14,8 +14,8 @@ static int instance_accessor(const tinygltf::Node &node, const char *name)
     return attributes.Has(name) ? attributes.Get(name).GetNumberAsInt() : -1;
 }
 
-/* The extension requires floats for TRANSLATION and SCALE, and floats or normalised integers for ROTATION. The loader accepts any
- * component type. */
+/* The extension requires floats for TRANSLATION and SCALE, and floats or normalised integers for ROTATION. The loader accepts all
+ * component types except 32-bit integers. */
 static void check_attribute(loader &l, size_t node, const char *name, int type, size_t &count)
 {
     int index = instance_accessor(l.model.nodes[node], name);
@@ -40,7 +40,8 @@ static size_t read_count(loader &l, size_t node)
     for (const auto &other : n.extensions.at(NAME).Get("attributes").Get<tinygltf::Value::Object>()) {
         size_t index = (size_t)other.second.GetNumberAsInt();
         if (index >= l.accessors.size()) l.broken(where, "accessor %zu does not exist", index);
-        if (found == SIZE_MAX) found = l.accessors[index].count; /* index missing in the list: use the default */
+        /* without the three attributes above, another one gives the number of instances, all at the node's place */
+        if (found == SIZE_MAX) found = l.accessors[index].count;
     }
     if (found == SIZE_MAX) l.error(VXS_E_SCENE, "%s has no attributes", where.c_str());
     return found;

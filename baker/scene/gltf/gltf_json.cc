@@ -146,7 +146,7 @@ static std::string text_of(const json &object, const char *name)
     return found != object.end() && found->is_string() ? found->get<std::string>() : "";
 }
 
-/* A name, for messages only; "" if it is not a string. Removed from the object. */
+/* The name of an object, for messages only. If it is not a string, it is removed, and the result is "". */
 static std::string take_name(json &object)
 {
     if (object.contains("name") && !object["name"].is_string()) object.erase("name");

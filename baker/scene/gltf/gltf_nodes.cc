@@ -185,7 +185,7 @@ int choose_scene(loader &l, const char *which)
     l.error(VXS_E_ARGUMENT, "no scene '%s'; the file has %zu%s", which, scenes.size(), known.c_str());
 }
 
-/* 1 when a node's transform differs from its parent's. */
+/* True when a node's own transform is not the identity, or cannot be read. */
 static bool is_moved(loader &l, size_t node)
 {
     transform t   = {};
@@ -197,7 +197,7 @@ static bool is_moved(loader &l, size_t node)
     return f || off > 0;
 }
 
-/* Marks the nodes below a root that a scene lists. */
+/* Mark the nodes that are below a listed node. */
 static std::vector<char> find_covered(const loader &l, const std::vector<int> &parent, const std::vector<char> &listed)
 {
     std::vector<char> covered(parent.size(), 0);
