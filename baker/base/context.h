@@ -37,9 +37,10 @@ typedef enum bake_stage {
 
 typedef struct stage_report {
     double seconds; /* wall time over all tiles and lights */
-    uint64_t
-        peak_bytes; /* peak memory of the process during the stage, if this stage raised the peak of the process; else the larger of
-                       the amounts held at the begin and at the end of the stage; 0: unknown */
+
+    /* Peak memory of the process during the stage, if this stage raised the peak of the process; else the larger of the amounts held
+     * at the begin and at the end of the stage. 0: unknown. */
+    uint64_t peak_bytes;
 } stage_report;
 
 /* Zero it, then set the fields marked [in]. */

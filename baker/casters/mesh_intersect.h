@@ -23,8 +23,7 @@ typedef struct mesh_soup {
 
 typedef struct mesh_search {
     int (*wanted)(void *user, uint32_t a, uint32_t b); /* 0: skip this pair; called by several threads at once */
-    int (*found)(void *user, uint32_t a, uint32_t b);  /* the pair touches or crosses; each pair once, one call at a time; 1 ends
-                                                          the search */
+    int (*found)(void *user, uint32_t a, uint32_t b);  /* the pair meets; each pair once, one call at a time; 1: stop */
     void    *user;
     uint32_t threads;                 /* 0 and 1: the calling thread only; then the order of the pairs is deterministic */
     uint64_t overlaps_max, tests_max; /* limits on pairs with overlapping boxes, and on pairs tested exactly */

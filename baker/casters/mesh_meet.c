@@ -48,8 +48,7 @@ static void meeting_free(meeting *w)
 static void mark(meeting *w, uint32_t solid)
 {
     w->open -= !w->meets[solid];
-    __atomic_store_n(&w->meets[solid], 1, __ATOMIC_RELAXED); /* atomic, because is_undecided reads it concurrently; an outdated
-                                                                value only costs a test */
+    __atomic_store_n(&w->meets[solid], 1, __ATOMIC_RELAXED); /* is_undecided may read it now: an old value costs a test */
 }
 
 static void mark_pair(meeting *w, uint32_t a, uint32_t b)

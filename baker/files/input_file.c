@@ -69,8 +69,7 @@ static vxs_result read_up_to(input *in, uint64_t size_bytes)
 {
     while (in->size_bytes < size_bytes) {
         if (in->size_bytes == in->room) {
-            uint64_t   known = in->known_bytes < in->wanted_bytes ? in->known_bytes : 0; /* one byte of extra room detects the end
-                                                                                            of the file */
+            uint64_t   known = in->known_bytes < in->wanted_bytes ? in->known_bytes : 0; /* a byte more detects the end */
             uint64_t   room  = known >= in->room ? known + 1 : 2 * (uint64_t)in->room;
             vxs_result r     = make_room(in, (size_t)(room < size_bytes ? room : size_bytes));
             if (r != VXS_OK) return r;

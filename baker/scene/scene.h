@@ -28,8 +28,7 @@ typedef struct light_shape {
 typedef struct scene_light {
     char       *name; /* owned, never NULL; unique in the scene */
     light_shape shape;
-    double
-        colour[3]; /* linear, times intensity: lux for a directional light, candela for others; for pictures. 0: unknown, or dark */
+    double      colour[3]; /* linear, times intensity (directional: lux; else candela), for pictures; 0: unknown or dark */
     double      inner_rad; /* spot: full intensity up to this angle from its direction, [0, outer_rad]; for pictures */
     char       *node_name; /* owned; name of its node, "": the node has none; NULL: not from a file */
     uint32_t    node;      /* node number in the file */
@@ -61,9 +60,8 @@ typedef enum texture_wrap { WRAP_REPEAT, WRAP_CLAMP, WRAP_MIRROR } texture_wrap;
 
 /* Alpha test of a MASK material: there is a surface where the image's alpha is at least the threshold. */
 typedef struct alpha_mask {
-    uint32_t     image;     /* index into the scene's images */
-    float        threshold; /* alphaCutoff / alpha of baseColorFactor; (0, 1]. Materials that always or never reach it have no
-                               mask */
+    uint32_t image;     /* index into the scene's images */
+    float    threshold; /* alphaCutoff / alpha of baseColorFactor; (0, 1]: materials that always or never reach it have no mask */
     texture_wrap wrap_u, wrap_v;
     int          nearest; /* 1: nearest pixel; 0: bilinear */
 } alpha_mask;
@@ -92,8 +90,7 @@ typedef struct scene_area {
     double   across_ws[3], up_ws[3]; /* sides, metres; light is emitted in the direction of their cross product */
     float    radiance[3];      /* linear, candela per square metre; consistent with the candela and lux of the scene's lights */
     uint32_t wide_px, high_px; /* size of the texture; 0: none */
-    float   *texture; /* [high_px][wide_px][3] linear, multiplied by the radiance; the first texel is at the corner; owned by the
-                    scene */
+    float   *texture;          /* [high_px][wide_px][3] linear factor of radiance, first texel at the corner; owned by the scene */
 } scene_area;
 
 /* View of a camera of the file, for pictures. `aspect` gives the width of a picture relative to its height; half_high gives the

@@ -56,12 +56,10 @@ typedef struct glb_image {
 typedef struct glb_scene {
     const char *name; /* borrowed, UTF-8 */
 
-    double origin_ws
-        [3]; /* metres: origin of the positions of meshes and smoke: the translation of a root node that contains them. 0,0,0: no
-                such node */
+    /* metres: origin of the positions of meshes and smoke: the translation of a root node that contains them. 0,0,0: no such node */
+    double origin_ws[3];
     size_t vertex_count;
-    float *positions; /* [3 * vertex_count] metres from the origin, +Y up; owned. Values that are not finite are also written, for
-                      tests with broken scenes */
+    float *positions; /* [3 * vertex_count] metres from the origin, +Y up; owned. May contain NaN, for tests of broken scenes */
     float *texcoords; /* [2 * vertex_count] owned; NULL when no material has an image */
 
     size_t    triangle_count;

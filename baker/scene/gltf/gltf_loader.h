@@ -185,8 +185,7 @@ struct material {
     std::string   trap;                                            /* why its mask is probably a mistake */
     bool          is_clear = false, is_nothing = false;            /* its alpha is below 1 somewhere; its alpha is 0 everywhere */
     std::string   used_by;                                         /* " (node 1 'tree', mesh 0 'branch')" */
-    size_t        triangles = 0, left_out = 0;                     /* triangles that cast; triangles left out because the surface is
-                                                                      NOWHERE */
+    size_t        triangles = 0, left_out = 0;                     /* casting triangles; triangles left out by NOWHERE */
 };
 
 /* A primitive with vertices and indices from KHR_draco_mesh_compression. */
