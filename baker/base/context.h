@@ -38,8 +38,8 @@ typedef enum bake_stage {
 typedef struct stage_report {
     double seconds; /* wall time over all tiles and lights */
 
-    /* Peak memory of the process during the stage, if this stage raised the peak of the process; else the larger of the amounts held
-     * at the begin and at the end of the stage. 0: unknown. */
+    /* Peak memory of the process during the stage, if this stage raised the peak of the process; else the larger of the amounts
+     * held at the begin and at the end of the stage. 0: unknown. */
     uint64_t peak_bytes;
 } stage_report;
 
@@ -90,7 +90,7 @@ void steps_begin(bake_context *ctx, uint32_t steps, double seconds_each, const c
 /* Report the finished share of the current step, [0, 1]. */
 void step_part(bake_context *ctx, double part);
 
-/* Report how many steps are done. */
+/* Report that `steps` more steps are done. */
 void steps_done(bake_context *ctx, uint32_t steps);
 
 #endif

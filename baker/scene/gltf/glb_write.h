@@ -56,10 +56,11 @@ typedef struct glb_image {
 typedef struct glb_scene {
     const char *name; /* borrowed, UTF-8 */
 
-    /* metres: origin of the positions of meshes and smoke: the translation of a root node that contains them. 0,0,0: no such node */
+    /* Origin of the positions of meshes and smoke, metres: the translation of a root node that contains them. 0,0,0: no such
+     * node. */
     double origin_ws[3];
     size_t vertex_count;
-    float *positions; /* [3 * vertex_count] metres from the origin, +Y up; owned. May contain NaN, for tests of broken scenes */
+    float *positions; /* [3 * vertex_count] metres from the origin, +Y up; owned. May be not finite, for tests of broken scenes */
     float *texcoords; /* [2 * vertex_count] owned; NULL when no material has an image */
 
     size_t    triangle_count;
