@@ -57,7 +57,7 @@ static void place_chunks(void *user, size_t begin, size_t end, uint32_t worker)
             g->ranged[g->place[chunk][g->key_of[n] >> g->shift]++] = (uint32_t)n;
 }
 
-/* Place the items of each range. Afterwards each key's place is where the next key begins. */
+/* Place the items of each range. Afterwards first[key] is where the next key begins. */
 static void place_ranges(void *user, size_t begin, size_t end, uint32_t worker)
 {
     grouper *g = user;
