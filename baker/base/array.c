@@ -1,4 +1,4 @@
-/* Arrays that grow; see array.h.
+/* Growing arrays; see array.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/base/array.h"
 
@@ -17,7 +17,7 @@ int array_reserve(void *items, size_t *capacity, size_t needed, size_t item_byte
     if (room > SIZE_MAX / item_bytes) room = needed;
     if (room > SIZE_MAX / item_bytes) return 0;
 
-    void *array; /* a pointer of the caller's type: copied, because it may not be read as another type */
+    void *array; /* a copy of the caller's pointer: reading it through another pointer type would break strict aliasing */
     memcpy(&array, items, sizeof array);
     array = realloc(array, room * item_bytes);
     if (!array) return 0;

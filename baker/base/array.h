@@ -1,4 +1,4 @@
-/* Arrays that grow by doubling; every array of unknown length in the baker grows this way.
+/* Growing arrays: the capacity doubles. All arrays of unknown length in the baker use this.
  *
  *     if (!array_reserve(&l->items, &l->capacity, l->count + 1, sizeof *l->items)) return VXS_E_MEMORY;
  *     l->items[l->count++] = item;
@@ -14,9 +14,9 @@ extern "C" {
 #endif
 
 /* Make room for `needed` items.
- * items     the address of the pointer to the array, which is NULL while it has no capacity; released with free()
+ * items     address of the pointer to the array; the pointer is NULL while the capacity is 0; released with free()
  * capacity  [items] in and out
- * Returns 1; or 0 without memory, or where the size in bytes is beyond SIZE_MAX: the array is then as it was. */
+ * Returns 1; or 0 without memory, or when the size in bytes exceeds SIZE_MAX. On 0 the array is unchanged. */
 int array_reserve(void *items, size_t *capacity, size_t needed, size_t item_bytes);
 
 #ifdef __cplusplus

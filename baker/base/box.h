@@ -8,7 +8,7 @@
 #include <stdint.h>
 
 typedef struct box {
-    double min[3], max[3]; /* max < min while it holds no point */
+    double min[3], max[3]; /* max < min while the box is empty */
 } box;
 
 static inline box box_empty(void)
@@ -16,7 +16,7 @@ static inline box box_empty(void)
     return (box){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
 }
 
-/* What is not a number is passed over. */
+/* Ignores NaN coordinates. */
 static inline void box_add(box *b, const double point[3])
 {
     for (int axis = 0; axis < 3; axis++) {
@@ -25,22 +25,23 @@ static inline void box_add(box *b, const double point[3])
     }
 }
 
-/* The length of its diagonal; of a box that holds no point, INFINITY. */
+/* Length of the diagonal. INFINITY for an empty box. */
 static inline double box_diagonal(const box *b)
 {
     double x = b->max[0] - b->min[0], y = b->max[1] - b->min[1], z = b->max[2] - b->min[2];
     return sqrt(x * x + y * y + z * z);
 }
 
-/* The middle one of its sides: how wide something looks from where it is seen best. A pole's shadow is as wide as the pole. */
+/* The middle of the three side lengths: the visible width of a long object. For example, the width of a pole's shadow. */
 static inline double box_width(const box *b)
 {
     double x = b->max[0] - b->min[0], y = b->max[1] - b->min[1], z = b->max[2] - b->min[2];
     return fmax(fmin(x, y), fmin(fmax(x, y), z));
 }
 
-/* The box of the corners of triangles.
- * positions  [3 * vertices];   indices  [count] vertices */
+/* Bounding box of the corners of triangles.
+ * positions  [3 * vertices]
+ * indices    [count] vertex numbers */
 static inline box box_of_corners(const double *positions, const uint32_t *indices, size_t count)
 {
     box b = box_empty();

@@ -1,4 +1,4 @@
-/* Little-endian numbers into bytes that grow, and back out of bytes that anyone may have written.
+/* Write little-endian numbers to a growing byte array, and read them from untrusted bytes.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef BYTE_STREAM_H
 #define BYTE_STREAM_H
@@ -44,13 +44,13 @@ typedef struct byte_reader {
     size_t         left; /* bytes */
 } byte_reader;
 
-/* Whether there are `count` things of so many bytes. */
+/* 1 when `count` items of `bytes` bytes each are left. */
 static inline int has(const byte_reader *r, uint64_t count, uint64_t bytes)
 {
     return count <= r->left / bytes;
 }
 
-/* What comes next; the caller has asked whether it is there. */
+/* Read the next bytes. The caller must have checked with has() that they are there. */
 static inline const uint8_t *take_bytes(byte_reader *r, size_t size_bytes)
 {
     const uint8_t *at = r->at;

@@ -16,7 +16,7 @@ void memory_peak_reset(void)
 {
     FILE *f = fopen("/proc/self/clear_refs", "w");
     if (!f) return;
-    fputs("5", f); /* resets the high-water mark, proc(5) */
+    fputs("5", f); /* resets the high-water mark, see proc(5) */
     fclose(f);
 }
 

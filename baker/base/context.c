@@ -19,10 +19,11 @@ const char *bake_stage_name(bake_stage stage)
     return stage_names[stage];
 }
 
-/* The system's high-water mark is left alone, as others may ask for it: of a stage that does not raise it, the ends are known. */
+/* Does not reset the system's high-water mark, because the program around the baker may use it. For a stage that does not raise the
+ * peak, only the memory at its begin and end is known. */
 static uint64_t stage_peak(const bake_context *ctx)
 {
-    uint64_t peak = memory_peak_bytes(), held = memory_held_bytes(); /* both are asked for, so that all runs make the same calls */
+    uint64_t peak = memory_peak_bytes(), held = memory_held_bytes(); /* both, so that all runs make the same calls */
     return peak > ctx->past_peak ? peak : max_u64(ctx->held_bytes, held);
 }
 
@@ -85,7 +86,7 @@ void steps_begin(bake_context *ctx, uint32_t steps, double seconds_each, const c
     ctx->steps        = steps;
     ctx->steps_done   = 0;
     ctx->step_seconds = seconds_each;
-    if (first_of_all) /* said even when the line before it is younger than a share has to be */
+    if (first_of_all) /* always shown, even shortly after the line before it */
         watch_say(ctx->watch, "%s 1 of %u", ctx->doing, steps);
     else
         step_part(ctx, 0);

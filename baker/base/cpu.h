@@ -1,7 +1,7 @@
-/* What the processor can do, for loops that are compiled for several of them: each has to give the same bits as the plain one.
+/* Features of the processor, for loops that are compiled for several instruction sets. All variants must give the same bits.
  *
- * Single functions are given a target below; files whose vectors are as wide as the processor's are compiled once for each (level.c in the
- * Makefile, baker/columns/sparse/lanes.h).
+ * Single functions get a target with the macros below. Files whose vectors have the width of the processor's vectors are compiled
+ * once for each instruction set (level.c in the Makefile, baker/columns/sparse/lanes.h).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef CPU_H
 #define CPU_H
@@ -11,11 +11,11 @@
 
 enum { CPU_SSE2, CPU_AVX2 };
 
-/* A function for AVX2, and what is compiled into it. */
+/* CPU_TARGET_AVX2 compiles a function for AVX2; ALWAYS_INLINE marks functions that are inlined into it. */
 #define ALWAYS_INLINE   inline __attribute__((always_inline))
 #define CPU_TARGET_AVX2 __attribute__((target("avx2")))
 
-/* What the processor has of these; CPU_SSE2 also stands for what is no x86-64. */
+/* The best level of the processor. CPU_SSE2 also means: not x86-64. */
 static inline int cpu_level_of_machine(void)
 {
 #ifdef __x86_64__
@@ -25,7 +25,7 @@ static inline int cpu_level_of_machine(void)
 #endif
 }
 
-/* The same, or less with VXS_CPU=sse2 in the environment, for tests. Call it once, not in a loop. */
+/* The same, but limited by VXS_CPU=sse2 in the environment, for tests. Call it once, not in a loop. */
 static inline int cpu_level(void)
 {
     const char *most = getenv("VXS_CPU");

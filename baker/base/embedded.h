@@ -1,4 +1,4 @@
-/* Files that the Makefile put into the program, as they are.
+/* Files that the Makefile embeds in the program, unchanged.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef EMBEDDED_H
 #define EMBEDDED_H
@@ -6,12 +6,12 @@
 #include <stddef.h>
 #include <stdio.h>
 
-/* Bytes from `begin` to `end`. */
+/* The bytes [begin, end). */
 typedef struct embedded {
     const char *begin, *end;
 } embedded;
 
-/* page_html is page.html. */
+/* Declares an embedded file: page_html is page.html. */
 #define EMBEDDED(name)                                                                                                             \
     extern const char     name##_begin[] __asm__("_binary_" #name "_start"), name##_end[] __asm__("_binary_" #name "_end");        \
     static const embedded name = {name##_begin, name##_end};

@@ -2,7 +2,7 @@
  *
  *     items ---by range of keys, chunk by chunk---> ranges ---by key---> members
  *
- * Chunks of items are counted and placed alone, then ranges of keys, each of which fits a cache.
+ * Chunks of items are counted and placed independently, then ranges of keys. Each range fits a cache.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/base/group.h"
 
@@ -20,9 +20,9 @@ typedef struct grouper {
     const uint32_t *key_of;
     size_t          count, key_count;
     uint32_t        shift;  /* a range has 1 << shift keys */
-    uint32_t       *ranged; /* [count] items by range */
+    uint32_t       *ranged; /* [count] items grouped by range */
     uint32_t        range_first[RANGES + 1];
-    uint32_t        place[CHUNKS][RANGES]; /* how many items of a chunk are in a range, then where they go */
+    uint32_t        place[CHUNKS][RANGES]; /* number of items of a chunk in a range; later, where they go */
 } grouper;
 
 static void count_chunks(void *user, size_t begin, size_t end, uint32_t worker)
@@ -57,7 +57,7 @@ static void place_chunks(void *user, size_t begin, size_t end, uint32_t worker)
             g->ranged[g->place[chunk][g->key_of[n] >> g->shift]++] = (uint32_t)n;
 }
 
-/* Each key's place moves on to where the next key begins. */
+/* Place the items of each range. Afterwards first[key] is where the next key begins. */
 static void place_ranges(void *user, size_t begin, size_t end, uint32_t worker)
 {
     grouper *g = user;

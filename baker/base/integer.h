@@ -1,4 +1,4 @@
-/* Small questions about unsigned integers.
+/* Small functions of integers.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef INTEGER_H
 #define INTEGER_H
@@ -35,7 +35,7 @@ static inline uint64_t max_u64(uint64_t a, uint64_t b)
     return a > b ? a : b;
 }
 
-/* The exponent of a power of two. */
+/* Exponent of a power of two. */
 static inline uint32_t log2_u32(uint32_t power)
 {
     uint32_t log = 0;

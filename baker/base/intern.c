@@ -1,4 +1,4 @@
-/* Things that are kept once; see intern.h.
+/* Interning; see intern.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/base/intern.h"
 

@@ -1,4 +1,4 @@
-/* Things that are kept once: what is equal to one that is there gets its number. Contents are compared wherever hashes meet.
+/* Interning: equal things are stored once and share a number. Equal hashes are always verified by comparing contents.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef INTERN_H
 #define INTERN_H
@@ -11,16 +11,17 @@
 
 /* Zero it. */
 typedef struct intern {
-    uint8_t  *bytes; /* of all things, each aligned to 8 bytes */
-    size_t   *start; /* [count + 1] where each begins */
+    uint8_t  *bytes; /* all things, each aligned to 8 bytes */
+    size_t   *start; /* [count + 1] byte offset of each thing */
     size_t    count, byte_capacity, start_capacity;
     ref_table table;
 } intern;
 
-/* The number of a thing, [0, count): of an equal one, or a new one. Returns VXS_OK, VXS_E_MEMORY, VXS_E_REFERENCES. */
+/* Number of a thing, [0, count): that of an equal thing, or a new one. Returns VXS_OK, VXS_E_MEMORY, VXS_E_REFERENCES. */
 vxs_result intern_find(intern *t, const void *thing, size_t size_bytes, uint32_t *number);
 
-/* The same in two steps, for many things: what the second one needs is fetched while other work is done.
+/* The same in two steps, for many things: intern_ask prefetches what intern_find_asked needs, so that other work can be done
+ * meanwhile.
  * Returns the hash. */
 uint64_t   intern_ask(const intern *t, const void *thing, size_t size_bytes);
 vxs_result intern_find_asked(intern *t, uint64_t hash, const void *thing, size_t size_bytes, uint32_t *number);
@@ -30,7 +31,7 @@ static inline void *intern_at(const intern *t, uint32_t number)
     return t->bytes + t->start[number];
 }
 
-/* Its bytes, up to the next multiple of 8. */
+/* Size in bytes, rounded up to a multiple of 8. */
 static inline size_t intern_size(const intern *t, uint32_t number)
 {
     return t->start[number + 1] - t->start[number];

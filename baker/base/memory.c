@@ -1,4 +1,4 @@
-/* Memory before it is taken; see memory.h.
+/* Memory limits; see memory.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/base/memory.h"
 
@@ -14,9 +14,9 @@
 #include "baker/base/integer.h"
 #include "baker/base/text.h"
 
-enum { WORTH_A_LOOK = 1 << 20 }; /* bytes */
+enum { WORTH_A_LOOK = 1 << 20 }; /* bytes; smaller amounts are not checked */
 
-/* The address space and the resident set of the process. */
+/* Address space and resident set of the process. */
 static void own_sizes(uint64_t *address, uint64_t *resident)
 {
     uint64_t page = (uint64_t)sysconf(_SC_PAGESIZE);
@@ -38,7 +38,7 @@ uint64_t memory_held_bytes(void)
 
 /* control groups -------------------------------------------------------------------------------------------------------------- */
 
-/* The number after `key` in a file of a folder, or its first where key is ""; `otherwise` when there is none ("max"). */
+/* The number after `key` in a file of a folder; the first number when key is "". `otherwise` when there is none ("max"). */
 static uint64_t number_in(const char *folder, const char *name, const char *key, uint64_t otherwise)
 {
     char     path[PATH_MAX], line[256];
@@ -52,13 +52,13 @@ static uint64_t number_in(const char *folder, const char *name, const char *key,
     return number;
 }
 
-/* Of the names of files, those of version 1 and of version 2. */
+/* File names of control groups, version 1 and version 2. */
 static const char *const        roots[2]  = {"/sys/fs/cgroup/memory", "/sys/fs/cgroup"},
                          *const limits[2] = {"memory.limit_in_bytes", "memory.max"},
                          *const uses[2]   = {"memory.usage_in_bytes", "memory.current"},
                          *const files[2]  = {"total_inactive_file ", "inactive_file "};
 
-/* What a group leaves: its limit, less what it uses, without the files that the system would let go. */
+/* The rest of a group's limit. Cached files that the system can drop do not count as used. */
 static uint64_t left_in_group(int version, const char *path)
 {
     char folder[PATH_MAX];
@@ -69,7 +69,7 @@ static uint64_t left_in_group(int version, const char *path)
     return limit == UINT64_MAX ? limit : limit > used ? limit - used : 0;
 }
 
-/* What the group of the process leaves, and those that it is in. A line is "4:memory:/path", or "0::/path" in version 2. */
+/* Minimum over the group of the process and its parent groups. A line is "4:memory:/path", or "0::/path" in version 2. */
 static uint64_t left_in_groups(void)
 {
     char     line[PATH_MAX];
@@ -91,7 +91,7 @@ static uint64_t left_in_groups(void)
 
 /* ----------------------------------------------------------------------------------------------------------------------------- */
 
-/* What RLIMIT_AS leaves. */
+/* The rest of RLIMIT_AS. */
 static uint64_t left_of_addresses(void)
 {
     struct rlimit limit;

@@ -39,7 +39,7 @@ void warn(message *m, const char *format, ...)
         if (!strcmp(m->warnings[i], text)) return;
     if (m->tell) m->tell(m, text);
 
-    /* out of memory while warning: it was told, the report goes without it */
+    /* no memory for a copy: the warning was already shown, but is missing in the report */
     char *copy = strdup(text);
     if (copy && array_reserve(&m->warnings, &m->warning_capacity, m->warning_count + 1, sizeof *m->warnings))
         m->warnings[m->warning_count++] = copy;
@@ -81,7 +81,7 @@ int exit_status(vxs_result code)
     case VXS_E_GL:
     case VXS_E_PROGRAM: return 6;
     case VXS_E_INTERRUPTED: return 130;
-    case VXS_E_BROKEN_PIPE: return 141; /* as a shell says it of what SIGPIPE ended */
+    case VXS_E_BROKEN_PIPE: return 141; /* the status that a shell reports after SIGPIPE */
     }
     return 6;
 }

@@ -1,6 +1,6 @@
-/* Messages of a run to its user: one error at most, any number of warnings.
+/* Messages of a run to its user: at most one error, any number of warnings.
  *
- * A function that fails writes the reason, once, where it knows most, and returns the code; its callers only pass the code on.
+ * The function that detects a failure writes the reason once and returns the code. Its callers only pass the code on.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MESSAGE_H
 #define MESSAGE_H
@@ -17,24 +17,24 @@ extern "C" {
 #endif
 
 typedef struct message {
-    char   error[1024]; /* one line without a newline; "" when nothing failed */
+    char   error[1024]; /* one line without a newline; "": no failure */
     char **warnings;    /* [warning_count] one line each, owned */
     size_t warning_count, warning_capacity;
-    void (*tell)(const struct message *m, const char *warning); /* is told of each as it comes; NULL: they are kept alone */
+    void (*tell)(const struct message *m, const char *warning); /* called for each new warning; NULL: warnings are only stored */
     void *tell_user;
 
-    int strict; /* nonzero: a warning is an error, the first of them the one that counts */
-    int force;  /* nonzero: files are replaced that are read-only, or of which something is lost (baker/files/replaced_file.h) */
-    int wrong;  /* nonzero: the command works, and what it looked at is wrong: its exit status is 1 */
+    int strict; /* nonzero: the first warning becomes an error */
+    int force;  /* nonzero: replace files that are read-only, or that lose attributes (baker/files/replaced_file.h) */
+    int wrong;  /* nonzero: the command worked, but found its input wrong: exit status 1 */
 
-    struct run_files *files; /* what this run writes (baker/files/run_files.h); borrowed; NULL: nothing is known of it */
+    struct run_files *files; /* files of this run (baker/files/run_files.h); borrowed; NULL: not tracked */
     struct temporary_files
-            *temporary;    /* what a signal would have to remove (baker/files/temporary_files.h); borrowed; NULL: nobody does */
-    uint64_t memory_bytes; /* what the process may hold at most (baker/base/memory.h); 0: as much as there is */
+            *temporary;    /* files that a signal handler removes (baker/files/temporary_files.h); borrowed; NULL: none */
+    uint64_t memory_bytes; /* memory limit of the process (baker/base/memory.h); 0: no limit */
 
-    /* how much is said, and how: for people alone, no data depends on it */
-    int        verbose;   /* nonzero: reports at full length */
-    int        no_report; /* nonzero: no report, and no progress */
+    /* verbosity and colours: for people only; no data depends on them */
+    int        verbose;   /* nonzero: full reports */
+    int        no_report; /* nonzero: no report, no progress */
     color_mode color;
 } message;
 
@@ -46,27 +46,28 @@ typedef struct message {
 #define MESSAGE_PRINTF_WARN
 #endif
 
-/* Record why something failed (the first reason wins) and return `code`, so that `return fail(m, CODE, ...)` reads well.
- * The text is one line (control characters become '?'): what (file, element), where, what was found, what was expected. */
+/* Record the reason of a failure (the first reason wins) and return `code`, for `return fail(m, CODE, ...)`.
+ * The text is one line; control characters become '?'. It names the object (file, element), the place, the value found and the
+ * value expected. */
 vxs_result fail(message *m, vxs_result code, const char *format, ...) MESSAGE_PRINTF;
 
-/* Keep a warning for the report, and tell of it. Equal warnings are kept once. Where warnings are errors, the first becomes the error instead,
- * and message_check says so. */
+/* Store a warning for the report, and call m->tell. Equal warnings are stored once. With m->strict the first warning becomes the
+ * error, and message_check returns VXS_E_STRICT. */
 void warn(message *m, const char *format, ...) MESSAGE_PRINTF_WARN;
 
-/* VXS_OK, or VXS_E_STRICT when a warning has become an error. Called before an output appears. */
+/* VXS_OK, or VXS_E_STRICT when a warning has become an error. Call it before an output appears. */
 vxs_result message_check(const message *m);
 
 /* Release the warnings. Accepts a zeroed object. */
 void message_free(message *m);
 
-/* Where a report for people goes: standard output, or standard error when an output takes that; NULL: nowhere. */
+/* Stream of a report for people: standard output, or standard error when an output uses standard output; NULL: none. */
 FILE *report_stream(const message *m, int stdout_is_taken);
 
 /* 1 when progress may be shown on standard error. */
 int progress_wanted(const message *m);
 
-/* The exit status of a command that ended with `code`; results are mapped to statuses here alone (docs/manual.md). */
+/* Exit status of a command that ended with `code`. Only this function maps results to statuses (docs/manual.md). */
 int exit_status(vxs_result code);
 
 #ifdef __cplusplus

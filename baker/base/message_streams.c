@@ -1,4 +1,4 @@
-/* Where a command writes what is for people; see message.h.
+/* Streams of a command for people; see message.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/base/message.h"
 

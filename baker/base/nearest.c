@@ -1,4 +1,4 @@
-/* The word that was probably meant; see nearest.h.
+/* Suggestion for a mistyped word; see nearest.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/base/nearest.h"
 
@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Words of other cases are the same here. */
+/* Equal except for case. */
 static int same(char a, char b)
 {
     return tolower((unsigned char)a) == tolower((unsigned char)b);
@@ -17,8 +17,8 @@ static int least(int a, int b)
     return a < b ? a : b;
 }
 
-/* Edit distance, with neighbours that changed places as one edit (Damerau's, each letter moved once at most). Row i holds the distances of
- * the first i letters of a to the beginnings of b; three rows are in use. */
+/* Damerau's edit distance, where each letter takes part in at most one swap (optimal string alignment). Row i holds the distances
+ * of the first i letters of a to the prefixes of b. Three rows are enough. */
 static int distance(const char *a, size_t a_length, const char *b, size_t b_length)
 {
     int rows[3][NEAREST_LENGTH_MAX + 1];

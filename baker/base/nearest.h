@@ -1,4 +1,4 @@
-/* The word that was probably meant.
+/* Suggestion for a mistyped word.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef NEAREST_H
 #define NEAREST_H
@@ -8,22 +8,22 @@
 /* Longer words are not compared. */
 enum { NEAREST_LENGTH_MAX = 32 };
 
-/* Candidates are tried one by one; zeroed but for `typed` before the first. */
+/* Zero it and set `typed`; then call nearest_try for each candidate. */
 typedef struct nearest {
     const char *typed;
-    const char *word; /* NULL, or the best so far, [length], not terminated: of those equally near, the one tried first */
+    const char *word; /* best candidate so far, [length], not terminated, or NULL; of equally near ones the first */
     size_t      length;
     int         distance;
 } nearest;
 
-/* A candidate counts when not more than a third of the longer word's letters, and 3 at most, are other ones, missing, too many, or changed
- * places with their neighbours. Case does not matter. */
+/* A candidate is accepted when its edit distance is at most 3, and at most a third of the longer word's length. Edits: change,
+ * insert, delete, swap of neighbours. Case is ignored. */
 void nearest_try(nearest *n, const char *word, size_t length);
 
-/* The same for all words of "auto|on|off". */
+/* The same for each word of "auto|on|off". */
 void nearest_try_choices(nearest *n, const char *choices);
 
-/* ": did you mean 'bake'?" into text, or nothing. Returns text. */
+/* ": did you mean 'bake'?" into text, or "". Returns text. */
 const char *nearest_text(char text[64], const nearest *n);
 
 #endif

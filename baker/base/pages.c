@@ -1,4 +1,4 @@
-/* Large arrays on large pages; see pages.h.
+/* Large arrays on huge pages; see pages.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/base/pages.h"
 
@@ -13,6 +13,6 @@ void *pages_alloc(size_t size_bytes)
     if (size_bytes > SIZE_MAX - page) return NULL;
     size_t size   = (size_bytes + page - 1) / page * page;
     void  *memory = aligned_alloc(page, size);
-    if (memory) madvise(memory, size, MADV_HUGEPAGE); /* a wish: without it only time is lost */
+    if (memory) madvise(memory, size, MADV_HUGEPAGE); /* only a hint: failure costs time alone */
     return memory;
 }

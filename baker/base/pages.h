@@ -1,4 +1,4 @@
-/* Large arrays on large pages: a map of 64 MiB is touched in 32 steps instead of 16384.
+/* Large arrays on huge pages: the first use of a map of 64 MiB causes 32 page faults instead of 16384.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef PAGES_H
 #define PAGES_H
@@ -9,7 +9,7 @@
 extern "C" {
 #endif
 
-/* Memory without contents, released with free(); NULL when there is none. */
+/* Uninitialized memory, released with free(). NULL without memory. */
 void *pages_alloc(size_t size_bytes);
 
 #ifdef __cplusplus

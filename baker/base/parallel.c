@@ -1,4 +1,4 @@
-/* A loop over [0, count) shared by threads; see parallel.h.
+/* Parallel loop over [0, count); see parallel.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/base/parallel.h"
 
@@ -9,13 +9,13 @@
 #include "baker/base/run_control.h"
 
 typedef struct loop {
-    atomic_size_t next; /* the chunk to hand out next; counts chunks, so that it cannot wrap */
+    atomic_size_t next; /* the next chunk to hand out; counts chunks, not items, so that it cannot wrap */
     size_t        chunk_count;
     size_t        count;
     size_t        grain;
     void (*body)(void *user, size_t begin, size_t end, uint32_t worker);
     void        *user;
-    run_control *run_control; /* of whoever started it */
+    run_control *run_control; /* the caller's run */
 } loop;
 
 typedef struct worker {
@@ -63,7 +63,7 @@ void parallel_for(uint32_t threads, size_t count, size_t grain, void (*body)(voi
     atomic_init(&l.next, 0);
     if (threads > l.chunk_count) threads = (uint32_t)l.chunk_count;
 
-    /* the caller is worker 0; the first thread that cannot be started is the last one tried */
+    /* the caller is worker 0; after the first failure no more threads are started */
     worker   workers[PARALLEL_THREADS_MAX];
     uint32_t started = 1;
     workers[0]       = (worker){.shared = &l, .index = 0};
@@ -75,7 +75,7 @@ void parallel_for(uint32_t threads, size_t count, size_t grain, void (*body)(voi
     }
     work(&workers[0]);
     if (started == 1) return;
-    run_control_leave(l.run_control); /* not at work while others are */
+    run_control_leave(l.run_control); /* waiting for the other threads does not count as work */
     for (uint32_t i = 1; i < started; i++) pthread_join(workers[i].thread, NULL);
     run_control_enter(l.run_control);
 }

@@ -1,4 +1,4 @@
-/* A loop over [0, count) shared by threads.
+/* Parallel loop over [0, count).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef PARALLEL_H
 #define PARALLEL_H
@@ -12,25 +12,26 @@
 extern "C" {
 #endif
 
-/* More threads than this are never started by one loop. */
+/* Upper limit of the threads of one loop. */
 #define PARALLEL_THREADS_MAX 256
 
-/* Call body(user, begin, end, worker) until its ranges have covered [0, count) once, each at most `grain` long.
- * threads  at most this many ranges are in work at once; 0 and 1 mean the caller alone, PARALLEL_THREADS_MAX is the most
- * grain    items handed out at a time; 0 means 1
- * worker   in [0, threads), never two at once with the same number: an index into scratch memory of each worker
- * Which worker gets which range is left to chance, where ranges begin is not: every begin is a multiple of grain. For the
- * same result at any thread count, body writes only to slots named by item, never by worker or by order of arrival. Runs in
- * the caller alone when count <= grain. A thread that cannot be started leaves its work to the others, so this never fails.
- * Returns when all work is done and seen by the caller. Loops may be nested, and run from several threads at once.
- * Between ranges the threads call run_control_wait for the caller's run (run_control.h): the caller holds no lock that body takes. */
+/* Call body(user, begin, end, worker) for ranges that cover [0, count) exactly once.
+ * threads  at most this many ranges run at once; 0 and 1: only the calling thread; at most PARALLEL_THREADS_MAX
+ * grain    maximum length of a range; 0 means 1
+ * worker   in [0, threads); no two threads share a number at once: an index into scratch memory of each worker
+ * The assignment of ranges to workers is random. Each `begin` is a multiple of grain. To be independent of the number of threads,
+ * body must write only to slots indexed by item, never by worker or by order of execution. With count <= grain the loop runs in the
+ * caller. If a thread cannot be started, the others do its work: the loop never fails.
+ * Returns when all work is done and visible to the caller. Loops may be nested, and run from several threads at once.
+ * Between ranges the threads call run_control_wait for the caller's run (run_control.h). So the caller must hold no lock that body
+ * takes. */
 void parallel_for(uint32_t threads, size_t count, size_t grain, void (*body)(void *user, size_t begin, size_t end, uint32_t worker),
                   void *user);
 
-/* The same for formats/ and runtime/, which start no threads: a loop that is theirs to call. */
+/* The same loop as a callback for formats/ and runtime/, which start no threads themselves. */
 vxs_parallel parallel_lent(uint32_t threads);
 
-/* The processors that this process may run on, at least 1 and at most PARALLEL_THREADS_MAX. */
+/* Number of processors available to this process, [1, PARALLEL_THREADS_MAX]. */
 uint32_t parallel_default_threads(void);
 
 #ifdef __cplusplus

@@ -1,8 +1,8 @@
-/* Random numbers that are the same on every machine: whole numbers only, no state but the caller's.
+/* Random numbers that are equal on all machines: integer arithmetic, and no hidden state.
  *
- * SplitMix64 (Steele, Lea, Flood: "Fast splittable pseudorandom number generators", OOPSLA 2014): a counter that steps by
- * an odd constant, and a bijective mix of it. Splitting is what scenes need: each block, cell or lattice point draws from
- * a stream of its own, so its numbers do not depend on how many were drawn elsewhere.
+ * SplitMix64 (Steele, Lea, Flood: "Fast splittable pseudorandom number generators", OOPSLA 2014): a counter that steps by an odd
+ * constant, and a bijective mix of it. Scenes use splitting: each block, cell or lattice point has its own stream, so its numbers
+ * do not depend on how many were drawn elsewhere.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef RANDOM_H
 #define RANDOM_H
@@ -20,7 +20,7 @@ static inline uint64_t rng_mix(uint64_t x)
     return x ^ (x >> 31);
 }
 
-/* A stream of its own for each (parent, key): start with a seed, go on with the `state` of the parent. */
+/* An independent stream for each (parent, key). The first parent is a seed, later ones are the `state` of the parent. */
 static inline rng rng_split(uint64_t parent, uint64_t key)
 {
     return (rng){rng_mix(rng_mix(parent + 0x9e3779b97f4a7c15u) + key)};
@@ -39,8 +39,8 @@ static inline double rng_unit(rng *r)
     return rng_u32(r) * 0x1p-32;
 }
 
-/* Uniform in [0, count), count > 0: the high word of a product; the few low words that would make some results likelier
- * than others are drawn again (Lemire: "Fast random integer generation in an interval", 2019). */
+/* Uniform in [0, count), count > 0: the high word of a product. Low words that would bias the result are drawn again (Lemire: "Fast
+ * random integer generation in an interval", 2019). */
 static inline uint32_t rng_below(rng *r, uint32_t count)
 {
     uint64_t product = (uint64_t)rng_u32(r) * count;

@@ -1,5 +1,5 @@
-/* A hash table of references: open addressing, keyed by a 64-bit hash that the owner keeps beside what is referred to.
- * The table never decides that two things are equal: its owner compares their contents.
+/* Hash table of references: open addressing, keyed by a 64-bit hash that the owner stores with each referenced thing. The table
+ * never decides equality: the owner compares contents.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef REF_TABLE_H
 #define REF_TABLE_H
@@ -11,7 +11,7 @@
 #include "baker/base/pages.h"
 
 typedef struct ref_slot {
-    uint32_t tag; /* the hash's high half: most slots that do not match are passed over without a look at their contents */
+    uint32_t tag; /* high half of the hash: rejects most slots without reading their contents */
     uint32_t ref; /* 0: empty */
 } ref_slot;
 
@@ -27,7 +27,7 @@ static inline void ref_table_free(ref_table *t)
     memset(t, 0, sizeof *t);
 }
 
-/* Masks are their own content: spread their bits before they are used as a hash. */
+/* Mix the bits of a mask before it is used as a hash: the mask itself is the content. */
 static inline uint64_t ref_hash_mask(uint64_t mask)
 {
     mask ^= mask >> 32;
@@ -37,16 +37,16 @@ static inline uint64_t ref_hash_mask(uint64_t mask)
     return mask ^ mask >> 32;
 }
 
-/* Room for `more` further references, so that the loops below end; 0 when there is no memory. */
+/* Make room for `more` references. This also guarantees an empty slot, so that the loops below end. Returns 0 without memory. */
 static inline int ref_table_reserve(ref_table *t, uint64_t more)
 {
     uint64_t capacity = t->capacity ? t->capacity : 1024;
     while (capacity < 2 * (t->count + more)) capacity *= 2;
     if (capacity == t->capacity) return 1;
-    ref_slot *slots = pages_alloc(capacity * sizeof *slots); /* every look is at another page */
+    ref_slot *slots = pages_alloc(capacity * sizeof *slots); /* each lookup touches another page */
     if (!slots) return 0;
     memset(slots, 0, capacity * sizeof *slots);
-    /* the place of a reference comes from its tag alone, so that a table can grow without its owner */
+    /* the slot depends on the tag alone, so that the table can grow without its owner */
     for (uint64_t i = 0; i < t->capacity; i++) {
         if (!t->slots[i].ref) continue;
         uint64_t at = t->slots[i].tag & (capacity - 1);
@@ -59,7 +59,7 @@ static inline int ref_table_reserve(ref_table *t, uint64_t more)
     return 1;
 }
 
-/* Walk the references that may have this hash:
+/* Iterate over the references that may have this hash:
  *     for (uint64_t at = ref_table_first(t, h); (ref = ref_table_match(t, h, &at)); at = ref_table_next(t, at))
  *         if (the contents are equal) found;
  *     not found: ref_table_put(t, h, at, new_ref); */

@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/base/run_control.h"
 
-/* A thread has a run of its own: loops hand it to the threads that they start. */
+/* Each thread has its own current run. Parallel loops pass it to the threads that they start. */
 static _Thread_local run_control *current;
 
 void run_control_init(run_control *g)

@@ -1,11 +1,11 @@
-/* Arrays that are released together; see scratch.h.
+/* Arrays with the same lifetime; see scratch.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/base/scratch.h"
 
 #include <stdint.h>
 #include <stdlib.h>
 
-/* An array with the way to the one that was taken before it. */
+/* Header of an array: links to the array taken before it. */
 struct scratch_block {
     struct scratch_block *before;
     _Alignas(max_align_t) unsigned char items[];

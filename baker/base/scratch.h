@@ -1,4 +1,4 @@
-/* Arrays that live equally long: they are taken one by one, and released together.
+/* Arrays with the same lifetime: allocated one by one, released together.
  *
  *     scratch   memory = {0};
  *     uint32_t *a      = scratch_take(&memory, count, sizeof *a);
@@ -13,14 +13,14 @@
 #include <stddef.h>
 
 typedef struct scratch {
-    struct scratch_block *last;    /* of a list; owned */
-    int                   missing; /* 1: there was no memory for some array */
+    struct scratch_block *last;    /* last block of a linked list; owned */
+    int                   missing; /* 1: some allocation failed */
 } scratch;
 
-/* A zeroed array; NULL without memory. There may be no items. */
+/* A zeroed array; NULL without memory. count may be 0. */
 void *scratch_take(scratch *s, size_t count, size_t item_bytes);
 
-/* Release all arrays. Accepts a zeroed object, and leaves one. */
+/* Release all arrays. Accepts a zeroed object; the object is zeroed afterwards. */
 void scratch_free(scratch *s);
 
 #endif

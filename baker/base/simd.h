@@ -1,5 +1,4 @@
-/* Vectors of 16 bytes, as much of them as the baker needs: SSE2 where there is one, else what the compiler makes of plain
- * loops. Both give the same bits.
+/* The 16-byte vector operations that the baker needs: SSE2 where available, else plain loops. Both give the same bits.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SIMD_H
 #define SIMD_H
@@ -58,7 +57,7 @@ static inline i16x8 i16x8_min(i16x8 a, i16x8 b)
 #endif
 }
 
-/* Sum and difference that stop at the ends of the range. */
+/* Saturating sum and difference. */
 static inline i16x8 i16x8_adds(i16x8 a, i16x8 b)
 {
 #ifdef __SSE2__
@@ -81,7 +80,7 @@ static inline i16x8 i16x8_subs(i16x8 a, i16x8 b)
 #endif
 }
 
-/* Whether any bit of a mask is set. */
+/* 1 when any bit of a mask is set. */
 static inline int i16x8_any(i16x8 mask)
 {
 #ifdef __SSE2__
@@ -93,7 +92,7 @@ static inline int i16x8_any(i16x8 mask)
 #endif
 }
 
-/* Which of 16 elements of two masks are set, as bits. */
+/* Bit n is set when element n of the 16 elements of two masks is set. */
 static inline uint32_t i16x8_bits(i16x8 a, i16x8 b)
 {
 #ifdef __SSE2__
@@ -123,7 +122,7 @@ static inline int i16x8_least(i16x8 v)
     return least;
 }
 
-/* In each of the first four elements the greatest, or the least, of these; in the others that of the others. */
+/* Maximum or minimum of the first four elements, in each of them; of the last four likewise. */
 static inline i16x8 i16x8_max_of_four(i16x8 v)
 {
     v = i16x8_max(v, (i16x8){v[2], v[3], v[0], v[1], v[6], v[7], v[4], v[5]});
@@ -145,7 +144,7 @@ static inline int i16x8_sum(i16x8 v)
     return sum;
 }
 
-/* Which of 64 bytes are at most `limit`, as bits. */
+/* Bit n is set when byte n is at most `limit`. */
 static inline uint64_t bytes_at_most(const uint8_t bytes[64], uint8_t limit)
 {
     uint64_t bits = 0;
@@ -200,7 +199,7 @@ static inline int32_t i32x4_least(i32x4 v)
     return a < b ? a : b;
 }
 
-/* Both as halves: what is beyond their range becomes its end. */
+/* Narrow both to 16 bits, with saturation. */
 static inline i16x8 i16x8_clamped(i32x4 a, i32x4 b)
 {
 #ifdef __SSE2__
@@ -226,7 +225,7 @@ static inline f32x4 f32x4_all(float value)
     return (f32x4){value, value, value, value};
 }
 
-/* Of numbers; what NaN gives is open. */
+/* For NaN the result is unspecified. */
 static inline f32x4 f32x4_max(f32x4 a, f32x4 b)
 {
 #ifdef __SSE2__
@@ -245,7 +244,7 @@ static inline f32x4 f32x4_min(f32x4 a, f32x4 b)
 #endif
 }
 
-/* Which elements of a mask are set. */
+/* Bit n is set when element n of a mask is set. */
 static inline uint32_t i32x4_bits(i32x4 mask)
 {
 #ifdef __SSE2__
@@ -255,7 +254,7 @@ static inline uint32_t i32x4_bits(i32x4 mask)
 #endif
 }
 
-/* Which of 16 elements are zero, as bits, v[0] first. */
+/* Bit n is set when element n of 16 is zero, v[0] first. */
 static inline uint32_t u32x4_zeros(const u32x4 v[4])
 {
 #ifdef __SSE2__
@@ -282,10 +281,10 @@ static inline u64x2 u64x2_all(uint64_t value)
     return (u64x2){value, value};
 }
 
-/* The same of 16 elements of twice the size. */
+/* The same for 16 elements of 64 bits. */
 static inline uint32_t u64x2_zeros(const u64x2 v[8])
 {
-    u32x4 either[4]; /* half of each element */
+    u32x4 either[4]; /* OR of the two halves of each element */
     for (int n = 0; n < 4; n++) {
         u32x4 a = (u32x4)v[2 * n], b = (u32x4)v[2 * n + 1];
         either[n] = (u32x4){a[0], a[2], b[0], b[2]} | (u32x4){a[1], a[3], b[1], b[3]};

@@ -1,4 +1,4 @@
-/* How far runs of one thing lie apart; see spread.h.
+/* Statistics of repeated measurements; see spread.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/base/spread.h"
 

@@ -1,4 +1,4 @@
-/* The curve of sRGB.
+/* The sRGB transfer function.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SRGB_H
 #define SRGB_H
@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdint.h>
 
-/* The light that a byte stands for, 0 to 1. */
+/* Linear light of an sRGB byte, [0, 1]. */
 static inline float srgb_light(uint8_t byte)
 {
     double c = byte / 255.0;

@@ -1,4 +1,4 @@
-/* Who reads what is printed; see terminal.h.
+/* Properties of output streams; see terminal.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/base/terminal.h"
 

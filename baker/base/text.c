@@ -1,4 +1,4 @@
-/* Texts; see text.h.
+/* Small text functions; see text.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/base/text.h"
 
@@ -33,15 +33,16 @@ size_t utf8_letter(const char *text, uint32_t *code)
     size_t               size = c[0] < 0x80 ? 1 : c[0] < 0xc2 ? 0 : c[0] < 0xe0 ? 2 : c[0] < 0xf0 ? 3 : c[0] < 0xf5 ? 4 : 0;
     *code                     = size > 1 ? c[0] & (0x7fu >> size) : c[0];
     for (size_t n = 1; n < size; n++) {
-        if ((c[n] & 0xc0) != 0x80) return 0; /* a NUL, too */
+        if ((c[n] & 0xc0) != 0x80) return 0; /* also rejects a NUL */
         *code = *code << 6 | (c[n] & 0x3f);
     }
     int overlong = (size == 3 && *code < 0x800) || (size == 4 && *code < 0x10000), surrogate = *code >= 0xd800 && *code < 0xe000;
     return overlong || surrogate || *code > 0x10ffff ? 0 : size;
 }
 
-/* Controls are also those of 8 bits (U+0080 to U+009F), ends of lines and paragraphs (U+2028, U+2029), and those that turn the direction of text round
- * (U+061C, U+200E, U+200F, U+202A to U+202E, U+2066 to U+2069): they make a line read as another one. */
+/* Not printable: C0 and C1 control characters (C1: U+0080 to U+009F), line and paragraph separators (U+2028, U+2029), and the
+ * characters that change the text direction (U+061C, U+200E, U+200F, U+202A to U+202E, U+2066 to U+2069), which can make a line
+ * look like another one. */
 static int is_printable(uint32_t code)
 {
     if (code < 0x20 || (code >= 0x7f && code < 0xa0) || code == 0x61c || code == 0x200e || code == 0x200f) return 0;
@@ -99,7 +100,7 @@ const char *size_text(char text[32], uint64_t bytes)
         snprintf(text, 32, "%llu B", (unsigned long long)bytes);
         return text;
     }
-    while (size >= 1023.95 && unit < 3) { /* what would be printed as 1024.0 */
+    while (size >= 1023.95 && unit < 3) { /* would print as 1024.0 */
         size /= 1024;
         unit++;
     }

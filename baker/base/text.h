@@ -1,4 +1,4 @@
-/* Small texts: sizes, choices, lists of option values, paths.
+/* Small text functions: sizes, choices, lists of option values, paths.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef TEXT_H
 #define TEXT_H
@@ -12,70 +12,73 @@
 extern "C" {
 #endif
 
-/* Values of an option that may be repeated. */
+/* Values of a repeatable option. */
 typedef struct text_list {
     const char **items; /* owned; the strings are argv's */
     size_t       count, capacity;
 } text_list;
 
-/* A value that an option has for what is named, or for all that is not. */
+/* A value of an option for one name, or for all other names. */
 typedef struct named_value {
-    char  *name;       /* owned; NULL: none was given */
-    double numbers[3]; /* as many as the option has */
+    char  *name;       /* owned; NULL: the value for all other names */
+    double numbers[3]; /* as many as the option takes */
 } named_value;
 
-/* Values of an option that may be repeated, no two of one name. */
+/* Values of a repeatable option; names are unique. */
 typedef struct named_list {
     named_value *items; /* owned */
     size_t       count, capacity;
 } named_list;
 
-/* The value of a name (NULL: the one without); NULL when there is none. */
+/* Value for a name (NULL: the value without a name); NULL: none. */
 const named_value *named_find(const named_list *list, const char *name);
 
 /* Accepts a zeroed object. */
 void named_list_free(named_list *list);
 
-/* Another item of a list for a message: "noon, morning, ...", cut short where it would not fit. text  "" at first */
+/* Append an item to a list for a message: "noon, morning, ...". Cut short where it does not fit.
+ * text  "" at first */
 enum { LIST_BYTES = 512 };
 void list_item(char text[LIST_BYTES], const char *item);
 
-/* Bytes of the UTF-8 letter that a text begins with, 1 to 4; 0: it begins with no UTF-8.
- * code  its number [out]; of no meaning where 0 is returned */
+/* Length in bytes of the UTF-8 character at the start of a text, 1 to 4; 0: not UTF-8.
+ * code  [out] code point; undefined when 0 is returned */
 size_t utf8_letter(const char *text, uint32_t *code);
 
-/* Make text that comes from a file fit to print, in place: each byte of a control character, which would break the line, speak to the terminal or
- * turn the text round, and each byte that is no UTF-8, becomes '?'. Messages and progress lines do so themselves. Returns text. */
+/* Make text from a file safe to print, in place. Each byte that is not UTF-8 becomes '?', and each byte of a control character,
+ * which could break the line, control the terminal or reverse the text direction. Messages and progress lines do this themselves.
+ * Returns text. */
 char *one_line(char *text);
 
-/* A copy of a text that is fit to print as one_line makes it, cut to what a path may have: what a report prints of files and their names.
+/* Copy of a text, made safe as by one_line and cut to PLAIN_BYTES - 1 bytes: for file names and other names in reports.
  * text  [PLAIN_BYTES] out
  * Returns text. */
 enum { PLAIN_BYTES = PATH_MAX };
 const char *plain_text(char text[PLAIN_BYTES], const char *whole);
 
-/* A text with what is more than `bytes`, at least 3, left out of its middle: "SM_Wal...te_04". No letter of UTF-8 is cut in two.
+/* Shorten a text to `bytes`, at least 3, by removing its middle: "SM_Wal...te_04". UTF-8 characters stay whole.
  * text  [bytes + 1] out
  * Returns text. */
 const char *shorten(char *text, size_t bytes, const char *whole);
 
-/* What stands for a text between two single quotes of a shell; characters of `special` get a backslash before them. */
+/* Print a text for use between single quotes in a shell. Characters of `special` get a backslash. */
 void print_quoted(FILE *to, const char *text, const char *special);
 
-/* "9876 B", "12.3 KiB", "1.55 MiB", "2.00 GiB" into text: three digits or more, and 1023 of a unit at most. Returns text. */
+/* "9876 B", "12.3 KiB", "1.55 MiB", "2.00 GiB" into text: at least three digits, at most 1023 of a unit. Returns text. */
 const char *size_text(char text[32], uint64_t bytes);
 
-/* A number rounded to so many digits. Printed with %.15g it has no more of them, and no exponent where it is large: 12300, not 1.23e+04. */
+/* Round to `digits` significant digits. Then %.15g prints no more digits, and no exponent for large numbers: 12300, not
+ * 1.23e+04. */
 double rounded(double number, int digits);
 
-/* Word `index` of "auto|on|off" into word, cut to what fits. Returns word. */
+/* Copy word `index` of "auto|on|off" to `word`, cut to fit. Returns word. */
 const char *choice_word(char word[32], const char *choices, int index);
 
-/* The index of a word of "auto|on|off", or -1. */
+/* Index of a word in "auto|on|off", or -1. */
 int choice_index(const char *choices, const char *word);
 
-/* The folder that a path leads to, with a slash at its end: "./" where it names none.
- * Returns the name in it, which is a part of the path; NULL when the folder is longer than any that can be opened. */
+/* The folder part of a path, with a trailing slash; "./" when the path has none.
+ * Returns the name after it, a pointer into the path; NULL when the folder is longer than PATH_MAX. */
 const char *path_split(const char *path, char folder[PATH_MAX]);
 
 #ifdef __cplusplus

@@ -1,4 +1,4 @@
-/* Vectors of three doubles: the few operations that lights, maps and the ray-traced truth share.
+/* Vectors of three doubles: the operations that lights, maps and the ray-traced ground truth share.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef VEC3_H
 #define VEC3_H
@@ -29,7 +29,7 @@ static inline void vec3_cross(const double a[3], const double b[3], double out[3
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* The unit vector along v, for any finite length. Returns 0, and leaves out alone, when v is 0. */
+/* The unit vector along v, for any finite length. Returns 0, and leaves `out` unchanged, when v is 0. */
 static inline int vec3_unit(const double v[3], double out[3])
 {
     double largest = fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
@@ -44,7 +44,8 @@ static inline int vec3_unit(const double v[3], double out[3])
     return 1;
 }
 
-/* Two unit vectors at right angles to a unit vector and to each other, the first to the axis that it has least of, too. */
+/* Two unit vectors that are orthogonal to the unit vector `along` and to each other. The first is also orthogonal to the coordinate
+ * axis with the smallest component of `along`. */
 static inline void vec3_across(const double along[3], double right[3], double up[3])
 {
     double axis[3] = {0};

@@ -1,4 +1,4 @@
-/* The version of vxs, written once: runtime/vxs.h holds the numbers.
+/* The version of vxs as text. The numbers are defined in runtime/vxs.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef VERSION_H
 #define VERSION_H

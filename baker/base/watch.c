@@ -1,4 +1,4 @@
-/* Telling who watches; see watch.h.
+/* Progress callbacks; see watch.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/base/watch.h"
 
@@ -10,7 +10,7 @@
 
 enum { DOING_BYTES = PATH_MAX };
 
-/* What is done, as one line. */
+/* Format the description as one line. */
 static const char *line_of(char doing[DOING_BYTES], const char *format, va_list args)
 {
     vsnprintf(doing, DOING_BYTES, format, args);

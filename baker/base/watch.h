@@ -1,5 +1,5 @@
-/* Who watches a run, and is told how far it is: a terminal (progress.h), or a program that has the run done.
- * Threads: all calls of a run come from the one that runs it.
+/* Progress callbacks of a run: for a terminal (progress.h), or for a program that uses the baker as a library.
+ * Threads: all calls of a run come from the thread that runs it.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef WATCH_H
 #define WATCH_H
@@ -7,16 +7,19 @@
 #include "baker/base/message.h"
 
 typedef struct run_watch {
-    /* Work of unknown length begins.   doing  one line */
+    /* Work of unknown length begins.
+     * doing  one line */
     void (*say)(void *user, const char *doing);
 
-    /* So much of the whole is done.   share  0 to 1;   since  clock_seconds() when it was begun */
+    /* Progress of the whole run.
+     * share  [0, 1]
+     * since  clock_seconds() at the begin */
     void (*share)(void *user, double share, double since, const char *doing);
 
     void *user;
 } run_watch;
 
-/* w  NULL: nobody watches */
+/* w  NULL: no callbacks */
 void watch_say(const run_watch *w, const char *format, ...) MESSAGE_PRINTF_WARN;
 
 void watch_share(const run_watch *w, double share, double since, const char *format, ...) __attribute__((format(printf, 4, 5)));

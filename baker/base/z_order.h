@@ -1,4 +1,4 @@
-/* The order in which a quadtree's leaves are met: squares of a power of two a side, numbered along a Z of Zs.
+/* Z-order (Morton order) of the leaves of a quadtree: numbers the squares of a grid with a power of two a side.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef Z_ORDER_H
 #define Z_ORDER_H
@@ -9,7 +9,7 @@ typedef struct z_place {
     uint32_t i, j; /* [0, 2^16) column and row */
 } z_place;
 
-/* Every other bit of n, from the lowest on, close together. */
+/* Compact the even bits of n: bit 2 i becomes bit i. */
 static inline uint32_t z_even_bits(uint32_t n)
 {
     uint32_t even = 0;
@@ -17,13 +17,13 @@ static inline uint32_t z_even_bits(uint32_t n)
     return even;
 }
 
-/* Where square n is. */
+/* Position of square n. */
 static inline z_place z_order(uint32_t n)
 {
     return (z_place){z_even_bits(n), z_even_bits(n >> 1)};
 }
 
-/* The number of a square. */
+/* Number of the square at a position. */
 static inline uint32_t z_number(z_place at)
 {
     uint32_t n = 0;

@@ -1,9 +1,9 @@
-/* The triangles that cast shadows, welded and told apart; see casters.h.
+/* Weld and classify the triangles that cast shadow; see casters.h.
  *
  *   scene ---weld---> soup ---edges---> components ---measure, judge---> kinds ---emit---> casters
  *
- * Only inside solids may later stages choose freely between lit and shadowed ([CPVS16] 3.3), so a solid has to be shown to
- * be one, and what is not shown stays a sheet.
+ * Only inside solids may later stages choose freely between lit and shadowed ([CPVS16] 3.3). So a component becomes a solid only if
+ * the tests prove it; otherwise it stays a sheet.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/casters/casters.h"
 
@@ -26,38 +26,38 @@
 
 #define NONE UINT32_MAX
 
-enum { EDGE_OPEN = 0x80 }; /* beside the scene's TRIANGLE_* */
+enum { EDGE_OPEN = 0x80 }; /* in addition to the scene's TRIANGLE_* */
 
 enum { GRAIN = 1 << 14 };
 
 typedef struct component {
     uint32_t       triangle_count;
     part_span      parts;
-    uint8_t        flags; /* of all its triangles */
+    uint8_t        flags; /* OR of the flags of all its triangles */
     component_kind kind;
-    uint32_t       number;    /* in the result */
-    double         origin[3]; /* one of its corners: volumes are summed from there, so that large coordinates cancel */
+    uint32_t       number;    /* component number in the result */
+    double         origin[3]; /* one of its corners: origin of the volume sum, so that large coordinates cancel */
     double         volume;    /* signed: positive when it faces outward */
 } component;
 
-/* Everything between the scene and the result; vertex numbers are welded ones. */
+/* State between scene and result. Vertex numbers are those of welded vertices. */
 typedef struct work {
     uint32_t  threads;
     mesh_weld mesh;
     uint8_t  *flags;        /* [triangle_count] TRIANGLE_*, EDGE_OPEN */
-    uint32_t *hole_of;      /* [triangle_count] which of holes, or NONE; NULL: the scene has none */
+    uint32_t *hole_of;      /* [triangle_count] index into holes, or NONE; NULL: the scene has no holes */
     uint32_t *component_of; /* [triangle_count] */
 
-    const holed_triangle *holes;     /* the scene's; own_holes once triangles with holes are split */
-    holed_triangle       *own_holes; /* the scene's, and those of pieces */
+    const holed_triangle *holes;     /* the scene's; own_holes after triangles with holes are split */
+    holed_triangle       *own_holes; /* the scene's holes, followed by those of pieces */
 
     size_t    border_count, border_capacity;
-    uint32_t *border; /* [border_count] half-edges that are open, those of one edge together; none where nobody asks */
+    uint32_t *border; /* [border_count] open half-edges, grouped by edge; empty when not wanted */
 
     size_t     component_count;
-    component *components; /* in the order of their first triangles */
+    component *components; /* in the order of first triangles */
     box       *boxes;      /* [component_count] */
-    uint32_t  *first_of;   /* [component_count + 1] a component's triangles are members from its entry to the next */
+    uint32_t  *first_of;   /* [component_count + 1] component i owns members[first_of[i]] .. members[first_of[i + 1] - 1] */
     uint32_t  *members;    /* [triangle_count] */
 } work;
 
@@ -75,13 +75,13 @@ static void work_free(work *w)
     free(w->members);
 }
 
-/* Zeroed; a count of 0 is no failure, as it may be for calloc. */
+/* Zeroed memory. Never NULL for a count of 0, unlike calloc. */
 static void *allocate(size_t count, size_t size)
 {
     return calloc(count ? count : 1, size);
 }
 
-/* Whether a step of the sorting may take what its arrays hold: so many bytes for each triangle, and for each vertex. */
+/* Check the memory for the arrays of a step: bytes_each per triangle, and bytes_of_vertex per vertex. */
 static vxs_result check_room(size_t triangles, size_t bytes_each, size_t vertices, size_t bytes_of_vertex, message *m)
 {
     uint64_t bytes = (uint64_t)triangles * bytes_each + (uint64_t)vertices * bytes_of_vertex;
@@ -95,14 +95,14 @@ static vxs_result out_of_memory(message *m, size_t triangle_count)
 
 /* --- weld ------------------------------------------------------------------------------------------------------------- */
 
-/* Which of the scene's holed_triangles triangle t is, or NONE. *at runs along them, as t along the triangles. */
+/* Index of triangle t in the scene's holed_triangles, or NONE. *at is a cursor; call with ascending t. */
 static uint32_t find_hole(const scene *s, size_t t, size_t *at)
 {
     while (*at < s->holed_triangle_count && s->holed_triangles[*at].triangle < t) ++*at;
     return *at < s->holed_triangle_count && s->holed_triangles[*at].triangle == t ? (uint32_t)*at : NONE;
 }
 
-/* The flags and holes of each triangle that is left. */
+/* Set the flags and holes of the remaining triangles. */
 static void note_materials(work *w, const scene *s)
 {
     size_t hole_at = 0;
@@ -132,12 +132,12 @@ static vxs_result weld(work *w, const scene *s, message *m)
 
 typedef struct edges {
     work     *of;
-    uint32_t *sorted; /* as mesh_sort_edges makes it */
-    int       open;   /* 1: some edge is */
+    uint32_t *sorted; /* [3 * triangle_count] from mesh_sort_edges */
+    int       open;   /* 1: some edge is open */
 } edges;
 
-/* Mark a triangle of each edge that is not used equally often in both directions. An edge of four or six faces may well
- * balance: two boxes that touch along an edge are still two closed boxes. */
+/* Mark one triangle of each edge that is not used equally often in both directions. An edge of four or six faces may be balanced:
+ * two boxes that touch along an edge are still two closed boxes. */
 static void mark_open_edge(void *user, uint32_t begin, uint32_t end)
 {
     edges *e = user;
@@ -146,7 +146,7 @@ static void mark_open_edge(void *user, uint32_t begin, uint32_t end)
     __atomic_store_n(&e->open, 1, __ATOMIC_RELAXED);
 }
 
-/* Keep the half-edges of all open edges. Returns 0 without memory. */
+/* Store the half-edges of all open edges. Returns 0 without memory. */
 static int gather_border(work *w, const uint32_t *sorted)
 {
     uint32_t edge_count = (uint32_t)(3 * w->mesh.triangle_count);
@@ -232,8 +232,8 @@ static vxs_result measure_components(work *w, const scene *s, message *m)
     return VXS_OK;
 }
 
-/* The least volume that is more than rounding: of the sum, whose terms are products of the box's three sides, and of the
- * coordinates, which are only known to the last bit of the largest. */
+/* Smallest volume that is distinguishable from rounding errors: of the sum, whose terms are products of the three sides of the box,
+ * and of the coordinates, which are exact only to the last bit of the largest one. */
 static double least_volume(const box *b)
 {
     double side[3], longest = 0, reach = 0;
@@ -247,11 +247,12 @@ static double least_volume(const box *b)
 
 /* --- judge ------------------------------------------------------------------------------------------------------------ */
 
-/* The kind as far as the component alone shows. Occupied ones are still among the solids.
+/* Classify a component by itself. Occupied components still count as solids here.
  *
- * A positive volume does not mean that no part is inside out: of two lobes joined along one edge, the smaller may be. There
- * the winding number is negative: a ray leaves before it enters. The peeling of exit depths counts both and calls only a
- * positive count inside, so the volume is enough here. Sizes beyond 1e100, whose volume is not a number, make sheets. */
+ * A positive volume does not exclude that a part is inside out: for example, the smaller one of two lobes joined along an edge.
+ * There the winding number is negative: a ray leaves before it enters. Peeling of exit depths counts both, and treats only a
+ * positive count as inside, so the volume test is sufficient. Components larger than 1e100, whose volume is not a number, become
+ * sheets. */
 static component_kind judge(const component *c, const box *b, closed_mode closed)
 {
     if (closed == CLOSED_OFF) return COMPONENT_SHEET_FORCED;
@@ -262,13 +263,14 @@ static component_kind judge(const component *c, const box *b, closed_mode closed
     return c->volume > least_volume(b) ? COMPONENT_SOLID : COMPONENT_SHEET_INWARD;
 }
 
-/* Append a place; what is nowhere is not inside either. */
+/* Append a position, unless it is not finite. */
 static void add_point(double *points, size_t *count, const double *at_ws)
 {
     if (isfinite(at_ws[0]) && isfinite(at_ws[1]) && isfinite(at_ws[2])) memcpy(&points[3 * (*count)++], at_ws, 3 * sizeof *points);
 }
 
-/* Where lights and cameras are; sunlight comes from nowhere.  points  [3 * (light_count + camera_count)] */
+/* Positions of lights and cameras; directional lights have none.
+ * points  [3 * (light_count + camera_count)] */
 static size_t collect_points(double *points, const scene *s)
 {
     size_t count = 0;
@@ -278,11 +280,11 @@ static size_t collect_points(double *points, const scene *s)
     return count;
 }
 
-/* Solids with something inside become sheets: where a light or a camera is, or another component, shadows are asked for.
+/* Solids that contain a light, a camera or another component become sheets, because shadows are looked up inside.
  *
- * Copies of a solid: exact ones share their edges, so they are one component, whose winding number is that of both
- * together (2 inside when both face outward, 0 when one is turned). Copies with other vertices lie in each other, and all
- * become sheets: right, only larger. */
+ * Copies of a solid: exact copies share their edges, so they form one component, whose winding number is the sum (2 inside when
+ * both face outward, 0 when one is reversed). Copies with different vertices contain each other, and all become sheets: this is
+ * correct, only larger. */
 static vxs_result evict_occupied(work *w, const scene *s, message *m)
 {
     vxs_result r        = VXS_OK;
@@ -325,7 +327,7 @@ static vxs_result judge_components(work *w, const scene *s, closed_mode closed, 
 
 /* --- split ------------------------------------------------------------------------------------------------------------ */
 
-/* Triangles with holes that were split have entries of their own behind the scene's, with what their corners have in the image. */
+/* Split triangles with holes get new entries after the scene's, with interpolated image coordinates. */
 static int split_holes(work *w, const scene *s, const mesh_split *split)
 {
     size_t count = s->holed_triangle_count;
@@ -346,7 +348,7 @@ static int split_holes(work *w, const scene *s, const mesh_split *split)
     return 1;
 }
 
-/* What is known of triangles, for those that stand in their places. */
+/* Copy per-triangle data to the pieces of each triangle. */
 static int spread(work *w, const scene *s, const mesh_split *split)
 {
     size_t   count = w->mesh.triangle_count;
@@ -357,7 +359,7 @@ static int spread(work *w, const scene *s, const mesh_split *split)
     uint32_t *hole_of = w->hole_of ? realloc(w->hole_of, count * sizeof *w->hole_of) : NULL;
     if (hole_of) w->hole_of = hole_of;
     if (!flags || !component_of || (w->hole_of && !hole_of)) return 0;
-    for (size_t t = count; t-- > 0;) { /* from behind: none is before its parent */
+    for (size_t t = count; t-- > 0;) { /* backward: no triangle comes before its parent */
         w->flags[t]        = w->flags[split->parents[t]];
         w->component_of[t] = w->component_of[split->parents[t]];
         if (w->hole_of) w->hole_of[t] = w->hole_of[split->parents[t]];
@@ -365,8 +367,8 @@ static int spread(work *w, const scene *s, const mesh_split *split)
     return split_holes(w, s, split);
 }
 
-/* Borders that meet get the same vertices. Solids are told before: none of them has a border, so none is split, and what the split closes stays
- * a sheet, as a gap that a tolerance closes is no proof of an inside. */
+/* Give borders that meet the same vertices. Solids were determined before; they have no borders, so they are not split. A sheet
+ * that this step closes stays a sheet: a gap closed by a tolerance does not prove an inside. */
 static vxs_result split_borders(work *w, casters *c, const scene *s, message *m)
 {
     mesh_split split = {0};
@@ -392,7 +394,7 @@ static void count_kinds(casters *c, const work *w)
     }
 }
 
-/* Give components their numbers in the result: solids first. Their own numbers are in the order of their first triangles. */
+/* Number the components in the result: solids first, otherwise in the order of first triangles. */
 static void number_by_kind(casters *c, work *w)
 {
     size_t next_solid = 0, next_sheet = c->component_count[COMPONENT_SOLID];
@@ -410,7 +412,7 @@ static int has_holes(const work *w, size_t t)
     return w->hole_of && w->hole_of[t] != NONE;
 }
 
-/* The casters come in groups: solids, sheets, and the triangles with holes of each alpha mask. */
+/* Groups of casters in the result: solids, sheets, and one group per alpha mask for triangles with holes. */
 enum { GROUP_SOLIDS, GROUP_SHEETS, GROUP_MASKS };
 
 static uint32_t group_of(const work *w, size_t t)
@@ -423,12 +425,13 @@ typedef struct emission {
     casters     *c;
     const work  *w;
     const scene *s;
-    uint32_t    *order;      /* [triangle_count] of the work, as they come in the result */
-    uint32_t    *emitted_as; /* [vertex_count] the result's number of a vertex, or NONE */
+    uint32_t    *order;      /* [triangle_count] triangle numbers of `work` in the order of the result */
+    uint32_t    *emitted_as; /* [vertex_count] number of a vertex in the result, or NONE */
 } emission;
 
-/* Triangle t of the work as triangle `at` of the result, with the work's vertices so far. It begins at its least corner, wherever a file begins
- * it: rasterizers interpolate from the first corner, and the same surface in another encoding has to give the same depths. */
+/* Write triangle t as triangle `at` of the result; vertex numbers are still those of `work`. It starts at its least corner,
+ * whatever corner the file starts with: rasterizers interpolate from the first corner, and the same surface must give the same
+ * depths. */
 static void emit_triangle(const emission *e, size_t at, size_t t)
 {
     casters         *c     = e->c;
@@ -436,7 +439,7 @@ static void emit_triangle(const emission *e, size_t at, size_t t)
     const uint32_t  *from  = &w->mesh.indices[3 * t];
     const component *of    = &w->components[w->component_of[t]];
     unsigned         begin = mesh_least_corner(w->mesh.positions_ws, from);
-    int              turn  = of->kind == COMPONENT_SOLID && of->volume < 0; /* inside out: a solid by --closed on alone */
+    int              turn  = of->kind == COMPONENT_SOLID && of->volume < 0; /* inside out: a solid only with --closed on */
     for (unsigned n = 0; n < 3; n++) c->indices[3 * at + n] = from[(begin + (turn ? 3 - n : n)) % 3];
     c->component_of[at] = of->number;
     if (c->double_sided) c->double_sided[at] = (w->flags[t] & TRIANGLE_DOUBLE_SIDED) != 0;
@@ -452,7 +455,7 @@ static void emit_triangles(void *user, size_t begin, size_t end, uint32_t worker
     for (size_t at = begin; at < end; at++) emit_triangle(e, at, e->order[at]);
 }
 
-/* A vertex gets its number when it is first used; those of collapsed triangles alone get none. */
+/* Number vertices in the order of first use. Vertices used only by collapsed triangles get no number. */
 static void number_vertices(const emission *e)
 {
     casters *c = e->c;
@@ -480,7 +483,8 @@ static int any_double_sided(const work *w)
     return 0;
 }
 
-/* Room for the result, which casters_free releases.  first  [GROUP_MASKS + alpha_mask_count + 1] where each group begins */
+/* Allocate the result; casters_free releases it.
+ * first  [GROUP_MASKS + alpha_mask_count + 1] first triangle of each group */
 static int make_room(casters *c, const work *w, const scene *s, const uint32_t *first)
 {
     c->positions_ws     = pages_alloc(3 * w->mesh.vertex_count * sizeof *c->positions_ws);

@@ -1,4 +1,4 @@
-/* The triangles that cast shadows, welded and told apart: solids first, then sheets.
+/* Casters: the welded triangles that cast shadow, classified. Solids come first, then sheets.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef CASTERS_H
 #define CASTERS_H
@@ -9,102 +9,108 @@
 extern "C" {
 #endif
 
-/* Why a connected component is a sheet, or that it is a solid. The order is the order of the tests. */
+/* Solid, or the reason why a connected component is a sheet. The order is that of the tests. */
 typedef enum component_kind {
     COMPONENT_SOLID,
     COMPONENT_SHEET_FORCED,       /* --closed off */
-    COMPONENT_SHEET_ALPHA_MASK,   /* has holes that geometry does not show */
-    COMPONENT_SHEET_OPEN,         /* an edge whose triangles do not cancel: open or inconsistently oriented */
-    COMPONENT_SHEET_DOUBLE_SIDED, /* a material whose both sides are seen */
-    COMPONENT_SHEET_INWARD,       /* encloses no positive volume: turned inside out, or flat */
-    COMPONENT_SHEET_OCCUPIED,     /* a light, a camera or another whole component is inside */
+    COMPONENT_SHEET_ALPHA_MASK,   /* has holes from an alpha mask, which geometry does not show */
+    COMPONENT_SHEET_OPEN,         /* has an edge whose triangles do not cancel: open, or inconsistently oriented */
+    COMPONENT_SHEET_DOUBLE_SIDED, /* has a double-sided material */
+    COMPONENT_SHEET_INWARD,       /* encloses no positive volume: inside out, or flat */
+    COMPONENT_SHEET_OCCUPIED,     /* contains a light, a camera or another whole component */
     COMPONENT_KINDS
 } component_kind;
 
 typedef enum closed_mode { CLOSED_AUTO, CLOSED_ON, CLOSED_OFF } closed_mode;
-#define CLOSED_CHOICES "auto|on|off" /* their words, in that order */
+#define CLOSED_CHOICES "auto|on|off" /* words in the order of closed_mode */
 
-/* How many solids meet, and how that was found. */
+/* Counts of solids that meet, and of how this was determined. */
 typedef struct meeting_counts {
-    size_t solids, meet; /* all; those that meet another or themselves */
-    size_t apart_by_box; /* of those that meet nothing: no other solid's box is near */
-    size_t assumed;      /* of those that meet: not known, the search was given up */
+    size_t solids, meet; /* all solids; solids that meet another solid or themselves */
+    size_t apart_by_box; /* of those that do not meet: no other solid's box is near */
+    size_t assumed;      /* of those that meet: unknown, because the search gave up */
 } meeting_counts;
 
-/* What became of borders of sheets that meet (mesh_split.h). */
+/* Counts of welding and splitting borders of sheets (mesh_split.h). */
 typedef struct border_counts {
-    size_t edges;  /* that are open; none where nobody asked */
-    size_t split;  /* of them, split at vertices that lie on them */
-    size_t left;   /* of them, not looked at */
-    size_t added;  /* triangles more than before */
-    size_t joined; /* vertices that took another one's place */
+    size_t edges;  /* open edges; 0 when borders were not split */
+    size_t split;  /* open edges split at vertices that lie on them */
+    size_t left;   /* open edges not searched, because the search gave up */
+    size_t added;  /* number of triangles added by splitting */
+    size_t joined; /* vertices merged into another vertex */
 } border_counts;
 
 typedef struct casters {
     size_t  vertex_count;
-    double *positions_ws; /* [3 * vertex_count] welded: no two vertices have the same position */
+    double *positions_ws; /* [3 * vertex_count] welded: vertices have different positions */
 
     size_t    triangle_count;
-    size_t    solid_triangle_count; /* triangles [0, solid_triangle_count) belong to solids, the rest to sheets */
-    size_t    holed_first;          /* triangles [holed_first, triangle_count) have holes; they are sheets */
-    uint32_t *indices;              /* [3 * triangle_count], in the scene's order within solids, sheets, and each mask */
+    size_t    solid_triangle_count; /* triangles [0, solid_triangle_count) belong to solids, the others to sheets */
+    size_t    holed_first;          /* triangles [holed_first, triangle_count) have holes; all are sheets */
+    uint32_t *indices;              /* [3 * triangle_count] in the scene's order within solids, within sheets, and within each
+                                       mask */
 
-    /* The scene's masks keep their numbers; one whose triangles all collapsed has none. Without masks alpha_mask_count is 0, holed_first is
-     * triangle_count, and alpha_mask_first has its one entry. */
+    /* Masks have the same numbers as in the scene. A mask may have no triangles if all of them collapsed. Without masks
+     * alpha_mask_count is 0, holed_first is triangle_count, and alpha_mask_first has one entry. */
     size_t      alpha_mask_count;
     alpha_mask *alpha_masks;   /* [alpha_mask_count] */
-    size_t *alpha_mask_first;  /* [alpha_mask_count + 1] mask i cuts the triangles from its entry to the next; [0] is holed_first */
+    size_t *alpha_mask_first;  /* [alpha_mask_count + 1] mask i applies to triangles [alpha_mask_first[i], alpha_mask_first[i + 1]);
+                                  [0] is holed_first */
     float  *hole_uvs;          /* [6 * (triangle_count - holed_first)] u, v of each corner, as holed_triangle.uv */
-    const alpha_image *images; /* the scene's: borrowed, it must outlive the casters */
+    const alpha_image *images; /* the scene's; borrowed, must outlive the casters */
 
-    uint8_t *double_sided; /* [triangle_count] 1: both sides of its material are seen; NULL: of none */
+    uint8_t *double_sided; /* [triangle_count] 1: double-sided material; NULL: none */
 
-    uint32_t *component_of; /* [triangle_count] components are numbered, solids first, each in the order of its first triangle */
+    uint32_t *component_of; /* [triangle_count] component numbers: solids first, each kind in the order of first triangles */
     uint8_t  *kind_of;      /* [all components] component_kind */
 
-    part_span  *parts_of; /* [all components] the parts of the scene that it is made of */
-    struct box *boxes;    /* [all components] around its triangles, metres (baker/base/box.h) */
+    part_span  *parts_of; /* [all components] the scene parts of each component */
+    struct box *boxes;    /* [all components] bounding box of its triangles, metres (baker/base/box.h) */
 
-    uint8_t       *solid_meets; /* [solid_triangle_count] 1: its solid meets another or itself; NULL before casters_find_meeting */
+    uint8_t       *solid_meets; /* [solid_triangle_count] 1: its solid meets another solid or itself; NULL before
+                                   casters_find_meeting */
     meeting_counts meeting;
 
-    size_t        component_count[COMPONENT_KINDS];   /* components of each kind */
-    size_t        triangles_of_kind[COMPONENT_KINDS]; /* before any were split */
+    size_t        component_count[COMPONENT_KINDS];   /* number of components of each kind */
+    size_t        triangles_of_kind[COMPONENT_KINDS]; /* before splitting */
     border_counts borders;
     size_t        scene_vertex_count; /* before welding */
-    size_t        collapsed_count;    /* triangles dropped because two corners welded together */
+    size_t        collapsed_count;    /* triangles dropped because two corners were welded */
 } casters;
 
-/* Weld vertices at bit-equal world positions (-0 equals +0), drop triangles that collapse, split into components connected by
- * edges, and decide which are solids (docs/overview.md, "Solids and sheets"; design: [CPVS16] 3.3 needs closed objects).
- * CLOSED_ON   every closed component is a solid, whatever its material or contents; inward ones are turned outward.
- * CLOSED_OFF  everything is a sheet.
- * A sheet is always right, only larger, so every doubt makes a sheet.
+/* Weld vertices at bit-equal world positions (-0 equals +0), drop triangles that collapse, split the rest into components connected
+ * by edges, and classify these as solids or sheets (docs/overview.md, "Solids and sheets"; [CPVS16] 3.3 needs closed objects).
+ * CLOSED_ON   every closed component without alpha mask is a solid, whatever its material or contents; inside-out ones are turned.
+ * CLOSED_OFF  every component is a sheet.
+ * A sheet is always correct, only larger in the asset. So doubtful components become sheets.
  * c  [out] zeroed on failure; released with casters_free.
- * Returns VXS_OK, VXS_E_NO_CASTER (no triangle left), VXS_E_MEMORY, VXS_E_SCENE.  The same at any thread count. */
+ * Returns VXS_OK, VXS_E_NO_CASTER (no triangle left), VXS_E_MEMORY, VXS_E_SCENE. The result does not depend on the number of
+ * threads. */
 vxs_result casters_from_scene(casters *c, const scene *s, closed_mode closed, uint32_t threads, message *m);
 
-/* The error of a scene in which nothing casts a shadow: it has no triangles, or none is left, and why. Returns VXS_E_NO_CASTER. */
+/* Write the error message for a scene without casters: it has no triangles, or all were left out, with the reasons. Returns
+ * VXS_E_NO_CASTER. */
 vxs_result casters_none(const scene *s, message *m);
 
-/* The same for maps: where borders of sheets meet, they have the same vertices, so that no light falls between them (mesh_split.h). Which
- * components are solids is told before.
- * Time: as casters_from_scene where nothing is open; else some microseconds more for each open edge. */
+/* casters_from_scene for maps: also gives borders of sheets that meet the same vertices, so that no light leaks between them
+ * (mesh_split.h). Solids are determined before this step.
+ * Time: as casters_from_scene if there are no open edges; else some microseconds more for each open edge. */
 vxs_result casters_for_maps(casters *c, const scene *s, closed_mode closed, uint32_t threads, message *m);
 
-/* Fill solid_meets and meeting. A solid meets another when their surfaces have a point in common, or one is inside the other; it
- * meets itself when its surface has a point in common with another part of it that is more than an edge or a corner of both.
+/* Fill solid_meets and meeting. A solid meets another one when their surfaces have a common point, or one is inside the other. It
+ * meets itself when two parts of its surface have a common point that is not just a shared edge or corner.
  *
- * Of solids that meet nothing the nearest back face is where light leaves their union: no peeling is needed to find it. One that meets
- * must be peeled for the best exit depth; its nearest back face would be right as well, only earlier. So a search that takes too long
- * (a few seconds, for solids in one heap) is given up, and all solids count as meeting: doubt costs time, never truth.
- * About 0.1 s for 100 000 triangles, shared by the threads.
- * Returns VXS_OK or VXS_E_MEMORY (then solid_meets is NULL).  The same at any thread count, unless it is given up. */
+ * Light leaves the union of solids that meet nothing at the nearest back face, so these need no peeling. A solid that meets must be
+ * peeled to find the best exit depth; its nearest back face would also be correct, but is earlier. A search that takes too long (a
+ * few seconds, for a heap of solids) gives up, and all solids count as meeting: this costs time, but the result stays correct.
+ * Time: about 0.1 s for 100 000 triangles, shared by the threads.
+ * Returns VXS_OK or VXS_E_MEMORY (then solid_meets is NULL). The result does not depend on the number of threads, unless the search
+ * gives up. */
 vxs_result casters_find_meeting(casters *c, uint32_t threads, message *m);
 
 void casters_free(casters *c);
 
-/* How many triangles there were before any were split. */
+/* Number of triangles before splitting. */
 static inline size_t casters_whole_count(const casters *c)
 {
     return c->triangle_count - c->borders.added;

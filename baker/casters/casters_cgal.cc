@@ -1,14 +1,14 @@
 /* Which closed shells have something inside; see casters_cgal.h.
  *
- * Whatever lies in a shell has its box in the shell's box. A tree of boxes finds these guests one by one, since of most shells the first is
- * enough: of nested ones there are as many pairs as their number's square. For some at a time a tree is built of the part of the shell that
- * can matter.
+ * If a component or point is in a shell, its box is in the shell's box. A tree of boxes enumerates these candidates ("guests") one
+ * at a time, because for most shells the first one decides; among nested shells the number of pairs is quadratic. For several
+ * guests at a time, a tree is built of the part of the shell that matters for them.
  *
  * Inside is decided by the winding number, because the shells are balanced soups and need not be manifold, as
- * CGAL::Side_of_triangle_mesh wants them. It is counted along a vertical segment from the point to above the shell. That may
- * run through edges, corners and vertical triangles, so the count is made for the point moved by (h, h^2, 0), h > 0
- * infinitely small (simulation of simplicity: Edelsbrunner and Muecke 1990). Moved so, the segment crosses a triangle's
- * interior or misses the triangle, and no other direction has to be tried.
+ * CGAL::Side_of_triangle_mesh requires. The winding number is counted along a vertical segment from the point to above the shell.
+ * The segment may hit edges, corners and vertical triangles. Therefore the point is moved by (h, h^2, 0) with an infinitely small h
+ * > 0 (simulation of simplicity: Edelsbrunner and Muecke 1990). Then the segment either crosses the interior of a triangle or
+ * misses the triangle, and no other direction must be tried.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/casters/casters_cgal.h"
 
@@ -43,7 +43,7 @@ point point_at(const double *xyz)
     return point(xyz[0], xyz[1], xyz[2]);
 }
 
-/* Where p, moved by (h, h^2), lies of the line through a and b, seen from above. */
+/* Side of the line through a and b, seen from above, on which p is after the move by (h, h^2). */
 int side_above(const point &a, const point &b, const point &p)
 {
     using plane_point = kernel::Point_2;
@@ -53,14 +53,15 @@ int side_above(const point &a, const point &b, const point &p)
     return side;
 }
 
-/* What a triangle that the upward segment from p meets adds to the winding number of p: +1 when left through its back. */
+/* Contribution of a triangle to the winding number of p, along the upward segment from p: +1 when the segment leaves through its
+ * back. */
 int crossing(const triangle &t, const point &p)
 {
     int ab = side_above(t[0], t[1], p), bc = side_above(t[1], t[2], p), ca = side_above(t[2], t[0], p);
     return ab == bc && bc == ca ? ab : 0;
 }
 
-/* A guest below s.count is that component, any other is point guest - s.count. */
+/* Guest numbers: below s.count a component, else point guest - s.count. */
 CGAL::Bbox_3 guest_box(const shell_set &s, uint32_t guest)
 {
     if (guest >= s.count) return point_at(&s.points[3 * (guest - s.count)]).bbox();
@@ -68,21 +69,22 @@ CGAL::Bbox_3 guest_box(const shell_set &s, uint32_t guest)
     return CGAL::Bbox_3(low[0], low[1], low[2], high[0], high[1], high[2]);
 }
 
-/* The part of a component that is above or around an area, and so decides whether a point of the area is inside. */
+/* The part of a component above or around an area. It decides whether a point of the area is inside. */
 class shell
 {
   public:
     shell(const shell_set &s, uint32_t component, const CGAL::Bbox_3 &area)
     {
         const CGAL::Bbox_3 whole = guest_box(s, component);
-        top                      = whole.zmax() + (whole.zmax() - whole.zmin()); /* above all: no segment shrinks to a point */
+        /* above everything: no segment degenerates to a point */
+        top                      = whole.zmax() + (whole.zmax() - whole.zmin());
         const CGAL::Bbox_3 column(area.xmin(), area.ymin(), area.zmin(), area.xmax(), area.ymax(), top);
 
         for (uint32_t i = s.first[component]; i < s.first[component + 1]; i++) {
             const uint32_t *v = &s.indices[3 * size_t(s.members[i])];
             const triangle  t(point_at(&s.positions_ws[3 * size_t(v[0])]), point_at(&s.positions_ws[3 * size_t(v[1])]),
                               point_at(&s.positions_ws[3 * size_t(v[2])]));
-            /* one without area is seen edge on from everywhere: it adds nothing, and CGAL refuses it */
+            /* skip triangles without area: they are edge-on to the segment and contribute nothing, and CGAL refuses them */
             if (CGAL::do_overlap(t.bbox(), column) && !t.is_degenerate()) faces.push_back(t);
         }
         face_tree.insert(faces.cbegin(), faces.cend());
@@ -121,11 +123,11 @@ std::vector<uint32_t> vertices_of(const shell_set &s, uint32_t component)
     return vertices;
 }
 
-/* Is all of a component in the shell? On the surface counts as inside: a point on it decides nothing, so further ones do,
- * and where all are on it (as those of a copy of the shell are) the doubt is resolved to the safe side. */
+/* 1 when a whole component is in the shell. A vertex on the surface does not decide, so further vertices are tested. If all are on
+ * the surface (as for a copy of the shell), the component counts as inside: the safe answer. */
 bool holds_component(shell &outer, const shell_set &s, uint32_t inner)
 {
-    /* most are dismissed by one vertex */
+    /* one vertex rejects most components */
     const uint32_t corner = s.indices[3 * size_t(s.members[s.first[inner]])];
     if (!outer.holds(point_at(&s.positions_ws[3 * size_t(corner)]))) return false;
 
@@ -138,8 +140,9 @@ bool holds_component(shell &outer, const shell_set &s, uint32_t inner)
     return true;
 }
 
-/* Boxes of guests, asked for those that lie in a box: a balanced tree over their six bounds. What is known of a part of the tree are its
- * greatest lower bounds and its least upper ones: where these are not in the box, no guest of the part is. */
+/* Search structure for guests whose boxes lie in a box: a balanced tree over their six bounds. Each part of the tree stores the
+ * maxima of the lower bounds and the minima of the upper bounds of its guests; if these are outside the box, so are all guests of
+ * the part. */
 class guest_tree
 {
   public:
@@ -156,14 +159,14 @@ class guest_tree
         build(1, 0, guests.size());
     }
 
-    /* Call visit(number) with the guests in a box until one says true. */
+    /* Call visit(number) for the guests in a box until it returns true. */
     template <class visitor> bool any_inside(const CGAL::Bbox_3 &b, const visitor &visit) const
     {
         return any_inside({b.xmin(), b.ymin(), b.zmin(), -b.xmax(), -b.ymax(), -b.zmax()}, visit, 1, 0, guests.size());
     }
 
   private:
-    /* Lower bounds, and upper ones negated: in a box lies what has none less than the box's. */
+    /* Lower bounds and negated upper bounds. A guest is in a box when each of its values is at least the box's value. */
     using bounds = std::array<double, 6>;
     struct guest {
         bounds   at;
@@ -172,7 +175,7 @@ class guest_tree
     static constexpr size_t leaf_guests = 8;
     const uint32_t          threads;
     std::vector<guest>      guests;
-    std::vector<bounds>     greatest; /* by part; part n is divided into 2 n and 2 n + 1 */
+    std::vector<bounds>     greatest; /* by part; part n has the children 2 n and 2 n + 1 */
 
     bool is_leaf(size_t part) const { return 2 * part >= greatest.size(); }
 
@@ -199,7 +202,7 @@ class guest_tree
         std::nth_element(guests.begin() + (ptrdiff_t)begin, guests.begin() + (ptrdiff_t)middle, guests.begin() + (ptrdiff_t)end,
                          [widest](const guest &a, const guest &b) { return a.at[widest] < b.at[widest]; });
         halves both = {*this, 2 * part, {begin, middle, end}};
-        /* halves of halves, until there is one for each thread */
+        /* recursively, until there is one part per thread */
         parallel_for(part < threads ? 2 : 1, 2, 1, build_halves, &both);
     }
 
@@ -239,8 +242,8 @@ bool holds_any(const shell_set &s, uint32_t component, const std::vector<uint32_
     return std::any_of(guests.begin(), guests.end(), [&](uint32_t guest) { return holds_guest(outer, s, guest); });
 }
 
-/* Often the first guest in its box is inside, and a small part of the shell shows it; then eight more are tried, and so on, so that many
- * guests do not cost many trees. */
+/* Often the first guest in the box is inside, and a small part of the shell proves it. Otherwise groups of eight times as many
+ * guests follow, so that many guests do not need many trees. */
 bool is_occupied(const shell_set &s, const guest_tree &guests, uint32_t component)
 {
     std::vector<uint32_t> batch;
@@ -256,7 +259,7 @@ bool is_occupied(const shell_set &s, const guest_tree &guests, uint32_t componen
     }) || (!batch.empty() && holds_any(s, component, batch));
 }
 
-/* Of all components, several at once. */
+/* A search over all components by several threads. */
 struct search {
     const shell_set  &s;
     const uint8_t    *wanted;
@@ -292,7 +295,7 @@ vxs_result find_occupied(const shell_set &s, const uint8_t *wanted, uint8_t *occ
     return work.no_memory ? VXS_E_MEMORY : VXS_OK;
 }
 
-/* The pairs [begin, end) of one outer component. */
+/* Test the pairs [begin, end), which have the same outer component. */
 void find_inside(const shell_set &s, shell_pair *begin, shell_pair *end)
 {
     CGAL::Bbox_3 area;

@@ -15,9 +15,9 @@ enum { GRAIN = 1 << 14 };
 
 typedef struct edge_sorter {
     const uint32_t *indices;
-    uint32_t       *low;    /* [3 * triangle_count] of each half-edge */
-    uint32_t       *first;  /* [vertex_count + 1] where half-edges begin that have a vertex for their lower one */
-    uint32_t       *sorted; /* [3 * triangle_count] by low */
+    uint32_t       *low;    /* [3 * triangle_count] lower vertex of each half-edge */
+    uint32_t       *first;  /* [vertex_count + 1] first half-edge of each lower vertex in `sorted` */
+    uint32_t       *sorted; /* [3 * triangle_count] sorted by lower vertex */
 } edge_sorter;
 
 static void find_low(void *user, size_t begin, size_t end, uint32_t worker)
@@ -34,7 +34,7 @@ static int by_high(const void *a, const void *b, void *indices)
     return p != q ? p < q ? -1 : 1 : h < g ? -1 : h > g;
 }
 
-/* Few half-edges have one lower vertex, where not a whole fan is joined in one. */
+/* Sort half-edges with the same lower vertex. There are few of them, except at the centre of a large fan. */
 static void sort_by_high(uint32_t *edges, uint32_t count, const uint32_t *indices)
 {
     enum { FEW = 32 };
@@ -88,7 +88,7 @@ typedef struct edge_walk {
     void *user;
 } edge_walk;
 
-/* The edges whose runs begin in a part of the half-edges. */
+/* Visit the edges whose runs begin in [part_begin, part_end). */
 static void walk_edges(void *user, size_t part_begin, size_t part_end, uint32_t worker)
 {
     const edge_walk *w     = user;
@@ -111,7 +111,7 @@ void mesh_for_each_edge(const uint32_t *indices, const uint32_t *sorted, size_t 
 /* --- components ------------------------------------------------------------------------------------------------------- */
 
 typedef struct joining {
-    uint32_t       *component_of; /* first the parents of a forest */
+    uint32_t       *component_of; /* first the parents in a union-find forest */
     const uint32_t *sorted;
 } joining;
 
@@ -136,7 +136,7 @@ size_t mesh_find_components(uint32_t *component_of, const uint32_t *sorted, cons
     for (uint32_t t = 0; t < triangle_count; t++) component_of[t] = t;
     mesh_for_each_edge(indices, sorted, triangle_count, threads, join_edge, &j);
     parallel_for(threads, triangle_count, GRAIN, find_roots, &j);
-    /* a root is the first of its component: it has its number before anyone asks for it */
+    /* a root is the first triangle of its component, so its number is known before its members need it */
     for (uint32_t t = 0; t < triangle_count; t++)
         component_of[t] = component_of[t] == t ? (uint32_t)count++ : component_of[component_of[t]];
     return count;

@@ -24,8 +24,8 @@ using segment      = kernel::Segment_3;
 using triangle     = kernel::Triangle_3;
 using numbered_box = CGAL::Box_intersection_d::Box_with_info_d<double, 3, uint32_t>;
 
-constexpr std::ptrdiff_t scan_below = 300;  /* boxes that are compared one by one: fastest for meshes */
-constexpr size_t         slab_boxes = 8192; /* that begin in a slab */
+constexpr std::ptrdiff_t scan_below = 300;  /* this many boxes or fewer are compared one by one: fastest for meshes */
+constexpr size_t         slab_boxes = 8192; /* boxes that begin in one slab */
 
 struct limit_met {
 };
@@ -48,14 +48,14 @@ bool is_flat(const mesh_soup &s, uint32_t t)
     return CGAL::collinear(corner(s, t, 0), corner(s, t, 1), corner(s, t, 2));
 }
 
-/* Triangles with a common edge lie on each other when they are in one plane, on one side of the edge. */
+/* Two triangles with a common edge overlap when they are coplanar and on the same side of the edge. */
 bool overlap_beside_edge(const point &p, const point &q, const point &a, const point &b)
 {
     return CGAL::coplanar(p, q, a, b) && CGAL::coplanar_orientation(p, q, a, b) == CGAL::POSITIVE;
 }
 
-/* Two boxes have one point in common, or a line along an axis: the common corner or edge lies there, and is all of it. Most of a mesh of
- * voxels is like that, and exact predicates are slowest there, where everything lies in one plane. */
+/* 1 when the two boxes share only a point, or a line along an axis, and this is the common corner or edge. This shortcut covers
+ * most of a mesh of voxels, where exact predicates are slowest because all is coplanar. */
 bool boxes_have_only_corners_in_common(const mesh_soup &s, uint32_t a, uint32_t b, int common)
 {
     const CGAL::Bbox_3 u = triangle_at(s, a).bbox(), v = triangle_at(s, b).bbox();
@@ -78,22 +78,23 @@ bool do_meet(const mesh_soup &s, uint32_t a, uint32_t b)
         return overlap_beside_edge(corner(s, a, ours[0]), corner(s, a, ours[1]), corner(s, a, 3 - ours[0] - ours[1]),
                                    corner(s, b, 3 - theirs[0] - theirs[1]));
     if (common == 0) return CGAL::do_intersect(triangle_at(s, a), triangle_at(s, b));
-    /* with one common corner, the side opposite of it reaches the other triangle, one way round or the other */
+    /* with one common corner, the opposite side of one triangle must reach the other triangle */
     const int i = ours[0], j = theirs[0];
     return CGAL::do_intersect(triangle_at(s, a), segment(corner(s, b, j + 1), corner(s, b, j + 2))) ||
            CGAL::do_intersect(triangle_at(s, b), segment(corner(s, a, i + 1), corner(s, a, i + 2)));
 }
 
-/* Boxes are looked at by pointers, which are quicker to sort. */
+/* Sort pointers to boxes: faster than sorting boxes. */
 template <class visitor> void for_each_overlap(std::vector<const numbered_box *> &boxes, const visitor &visit)
 {
     CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), visit, scan_below);
 }
 
-/* Slabs of space across its longest axis, from one bound to the next. A pair belongs to the slab where both boxes have begun. */
+/* Slabs of space across its longest axis, between consecutive bounds. A pair belongs to the slab in which the later of its boxes
+ * begins. */
 struct slabs {
     int                 axis = 0;
-    std::vector<double> bounds; /* ascending, all different; the last slab has no end */
+    std::vector<double> bounds; /* strictly ascending; the last slab is unbounded */
 };
 
 slabs cut(const std::vector<numbered_box> &boxes)
@@ -114,7 +115,7 @@ slabs cut(const std::vector<numbered_box> &boxes)
     return s;
 }
 
-/* All slabs of a search, by several threads. What happens in one of them ends all. */
+/* Search of all slabs by several threads. An end or failure in one slab ends all. */
 struct slab_search {
     const mesh_soup          &soup;
     mesh_search              &search;
@@ -164,7 +165,7 @@ struct slab_search {
         } catch (const std::bad_alloc &) {
             s.no_memory = true;
         } catch (const all_found &) {
-        } catch (...) { /* a limit, or CGAL fails: either way some pairs are not known */
+        } catch (...) { /* a limit was reached or CGAL failed: some pairs are missing */
             s.gave_up = true;
         }
         s.done = true;
@@ -185,7 +186,7 @@ vxs_result mesh_find_intersections(const mesh_soup *s, mesh_search *search)
         return all.no_memory ? VXS_E_MEMORY : VXS_OK;
     } catch (const std::bad_alloc &) {
         return VXS_E_MEMORY;
-    } catch (...) { /* CGAL fails before the first pair */
+    } catch (...) { /* CGAL failed before the first pair */
         search->gave_up = 1;
     }
     return VXS_OK;
@@ -207,7 +208,7 @@ vxs_result mesh_find_overlaps(const box *boxes, size_t count, int (*found)(void 
         });
     } catch (const all_found &) {
     } catch (...) {
-        return VXS_E_MEMORY; /* boxes are compared, nothing else can fail */
+        return VXS_E_MEMORY; /* only memory can fail here: boxes are compared without CGAL */
     }
     return VXS_OK;
 }

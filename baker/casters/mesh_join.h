@@ -1,13 +1,13 @@
-/* Sets that are joined (union-find): items are numbers, and each set is named by its lowest, whoever joins first.
+/* Union-find: items are numbers. The name of a set is its lowest item, so it does not depend on the order of joins.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MESH_JOIN_H
 #define MESH_JOIN_H
 
 #include <stdint.h>
 
-/* Several threads may find and join at once. What one reads may be old, but is an ancestor still: only roots are hung onto others, by
- * exchange, and all else is hung higher.
- * parents  parents[i] = i before anything is joined */
+/* Lock-free: several threads may find and join at once. A value read may be outdated, but it is still an ancestor: only roots get a
+ * new parent, by compare-and-exchange; other items only move up to an ancestor.
+ * parents  parents[i] = i at first */
 static inline uint32_t mesh_find(uint32_t *parents, uint32_t i)
 {
     for (;;) {
@@ -18,7 +18,7 @@ static inline uint32_t mesh_find(uint32_t *parents, uint32_t i)
     }
 }
 
-/* Once nothing is joined any more: hang an item onto its root. Several threads may do so, each to items of its own. */
+/* Call after all joins: attach an item directly to its root. Several threads may do this for different items. */
 static inline void mesh_settle(uint32_t *parents, uint32_t item)
 {
     uint32_t i = item, up;
@@ -37,13 +37,13 @@ static inline void mesh_join(uint32_t *parents, uint32_t a, uint32_t b)
     }
 }
 
-/* The same with items that may be turned: turned[i] is 1 when i is turned against its parent. */
+/* The same for items with orientation: turned[i] is 1 when i is reversed relative to its parent. */
 static inline uint32_t mesh_find_turned(uint32_t *parents, uint8_t *turned, uint32_t i, int *is_turned)
 {
     *is_turned = 0;
     while (parents[i] != i) {
         uint32_t up = parents[i];
-        if (parents[up] != up) { /* halve the path: i hangs on its grandparent */
+        if (parents[up] != up) { /* path halving: attach i to its grandparent */
             turned[i] ^= turned[up];
             parents[i] = parents[up];
         }
@@ -53,7 +53,8 @@ static inline uint32_t mesh_find_turned(uint32_t *parents, uint8_t *turned, uint
     return i;
 }
 
-/* Join a and b, turned against each other or not. Returns 0 when they are joined already, the other way. */
+/* Join a and b, with `turn` 1 when they are reversed relative to each other. Returns 0 when they are already joined with the
+ * opposite orientation. */
 static inline int mesh_join_turned(uint32_t *parents, uint8_t *turned, uint32_t a, uint32_t b, int turn)
 {
     int      a_turned, b_turned;

@@ -1,8 +1,8 @@
 /* Which solids meet; see casters_find_meeting in casters.h.
  *
  *   corners ---in common---> meet
- *   triangles ---touch, cross---> meet          (of one solid too)
- *   boxes in boxes ---a corner inside---> meet  (what does not touch is inside as a whole, or not at all)
+ *   triangles ---touch, cross---> meet          (also within one solid)
+ *   boxes in boxes ---a corner inside---> meet  (without contact, a solid is inside as a whole or not at all)
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/casters/casters.h"
 
@@ -15,21 +15,21 @@
 #include "baker/casters/casters_cgal.h"
 #include "baker/casters/mesh_intersect.h"
 
-/* A few seconds each. */
+/* Limits of the searches: a few seconds each. */
 #define OVERLAPS_MAX 400000000u
 #define TESTS_MAX    20000000u
-#define PAIRS_MAX    4000000u /* of boxes in boxes */
+#define PAIRS_MAX    4000000u /* pairs of a box in another box */
 
 typedef struct meeting {
     const casters *c;
-    size_t         solids, open; /* all; those of which nothing is known yet */
+    size_t         solids, open; /* number of solids; number of undecided solids */
     uint8_t       *meets;        /* [solids] */
     box           *boxes;        /* [solids] */
     uint32_t      *first;        /* [solids + 1] */
     uint32_t      *members;      /* [solid_triangle_count] grouped by solid */
-    uint8_t       *near;         /* [solids] another's box touches its own */
-    uint32_t      *solid_at;     /* [vertex_count] one that has this corner, plus 1 */
-    shell_pair    *pairs;        /* [pair_count] boxes in boxes */
+    uint8_t       *near;         /* [solids] the box of another solid touches its box */
+    uint32_t      *solid_at;     /* [vertex_count] 1 + a solid with this corner; 0: none */
+    shell_pair    *pairs;        /* [pair_count] candidates: a box in another box */
     size_t         pair_count, pair_room;
     int            gave_up;
 } meeting;
@@ -48,7 +48,7 @@ static void meeting_free(meeting *w)
 static void mark(meeting *w, uint32_t solid)
 {
     w->open -= !w->meets[solid];
-    __atomic_store_n(&w->meets[solid], 1, __ATOMIC_RELAXED); /* is_undecided reads it meanwhile: what it misses costs a test */
+    __atomic_store_n(&w->meets[solid], 1, __ATOMIC_RELAXED); /* is_undecided may read it now: an old value costs a test */
 }
 
 static void mark_pair(meeting *w, uint32_t a, uint32_t b)
@@ -57,7 +57,7 @@ static void mark_pair(meeting *w, uint32_t a, uint32_t b)
     mark(w, b);
 }
 
-/* Is there nothing to learn from two solids? */
+/* 1 when both solids are decided already. */
 static int is_known(const meeting *w, uint32_t a, uint32_t b)
 {
     return __atomic_load_n(&w->meets[a], __ATOMIC_RELAXED) && __atomic_load_n(&w->meets[b], __ATOMIC_RELAXED);
@@ -82,7 +82,7 @@ static int box_holds(const box *outer, const box *inner)
 
 /* --- surfaces --------------------------------------------------------------------------------------------------------- */
 
-/* Solids with a common corner, which the search for triangles does not look for. */
+/* Find solids with a common corner; the search of triangles does not report these. */
 static void search_corners(meeting *w)
 {
     const casters *c        = w->c;
@@ -132,7 +132,7 @@ static int add_pair(meeting *w, uint32_t outer, uint32_t inner)
     return 1;
 }
 
-/* Two solids whose boxes overlap: one may be inside the other. */
+/* Callback for two overlapping boxes of solids: one solid may be inside the other. */
 static int boxes_meet(void *user, uint32_t a, uint32_t b)
 {
     meeting *w = user;
@@ -173,7 +173,7 @@ static vxs_result search_insides(meeting *w)
 static int make_room(meeting *w)
 {
     const casters *c         = w->c;
-    size_t         triangles = c->solid_triangle_count + 1; /* a count of 0 is no failure */
+    size_t         triangles = c->solid_triangle_count + 1; /* + 1: an allocation of 0 bytes may return NULL */
     w->meets                 = calloc(w->solids + 1, sizeof *w->meets);
     w->boxes                 = malloc((w->solids + 1) * sizeof *w->boxes);
     w->first                 = calloc(w->solids + 1, sizeof *w->first);
@@ -183,7 +183,7 @@ static int make_room(meeting *w)
     return w->meets && w->boxes && w->first && w->members && w->near && w->solid_at;
 }
 
-/* Everything that can be found out about the solids of c. */
+/* Decide all solids of c. */
 static vxs_result search(meeting *w, uint32_t threads, message *m)
 {
     const casters *c = w->c;

@@ -17,14 +17,14 @@
 
 #define NONE UINT32_MAX
 
-/* Searches visit so many nodes and points for each open edge, on the average, and cut it so often. Real scenes need a few dozen visits; a
- * mesh of edges that all lie in one line, on which each ends on all others, would need as many as it has pairs. */
+/* Limits per open edge, on average: visits of nodes and points, and cuts. Real scenes need a few dozen visits. A degenerate mesh of
+ * collinear edges, where each edge ends on all others, would need a quadratic number. */
 enum { VISITS_PER_EDGE = 512, VISITS_LEAST = 1 << 20, CUTS_PER_EDGE = 4, CUTS_LEAST = 1 << 16 };
 
 /* A vertex on an edge. */
 typedef struct cut {
     uint32_t vertex;
-    double   share; /* of the way from the edge's lower vertex to its higher one */
+    double   share; /* position along the edge from its lower to its higher vertex */
 } cut;
 
 /* The cuts of one half-edge. */
@@ -40,9 +40,9 @@ typedef struct splitter {
     size_t          border_count;
     const scene    *scene;
 
-    uint32_t  *slot_of; /* [vertex_count] its point, or NONE: it is on no border */
+    uint32_t  *slot_of; /* [vertex_count] index of its point, or NONE: not on a border */
     point_tree tree;
-    uint32_t  *target_of; /* [points] the point in whose place it is; itself */
+    uint32_t  *target_of; /* [points] the point that it is merged into, or itself */
 
     size_t    cut_count, cut_capacity, cut_edge_count, cut_edge_capacity;
     cut      *cuts;
@@ -71,7 +71,7 @@ static double distance2(const double *a, const double *b)
 
 /* --- points ------------------------------------------------------------------------------------------------------------ */
 
-/* How far apart two points may be that stand for one place on an edge: by its end that is known least. */
+/* Tolerance along an edge, for its end with the larger rounding error. */
 static double tolerance(const double *const ends[2], const scene_origin *from)
 {
     double largest = 0, farthest2 = 0, way[3];
@@ -87,7 +87,7 @@ static double tolerance(const double *const ends[2], const scene_origin *from)
     return fmax(32 * DBL_EPSILON * largest, from ? MESH_SPLIT_STEPS * ldexp(1, exponent - FLT_MANT_DIG) : 0);
 }
 
-/* Where a triangle of the scene is placed from, or NULL: nothing is known of it. */
+/* Origin of a triangle of the scene; NULL: unknown. */
 static const scene_origin *origin_at(const scene *s, uint32_t triangle)
 {
     size_t low = 0, high = s->origin_count;
@@ -102,7 +102,7 @@ static const scene_origin *origin_at(const scene *s, uint32_t triangle)
     return &s->origins[low];
 }
 
-/* The ends of open edges, once each, as sure as the least sure of their edges. */
+/* Collect the ends of open edges once each, with the largest tolerance of their edges. */
 static int collect_points(splitter *x)
 {
     tree_point *points = malloc((2 * x->border_count + 1) * sizeof *points);
@@ -129,7 +129,7 @@ static int collect_points(splitter *x)
 
 /* --- welding ----------------------------------------------------------------------------------------------------------- */
 
-/* Whether two points are one place: as far as the less sure of them may be off. */
+/* 1 when two points are within the larger of their tolerances. */
 static int is_same_place(const tree_point *a, const tree_point *b)
 {
     double reach = fmax(a->reach, b->reach);
@@ -149,7 +149,7 @@ static int find_another(void *user, size_t point)
     return s->found;
 }
 
-/* What is near, and in nobody's place yet, comes into the place of s->at. */
+/* Merge a point within tolerance that has no cluster yet into the cluster of s->at. */
 static int take_place(void *user, size_t point)
 {
     weld_search *s = user;
@@ -168,7 +168,7 @@ static int search_about(splitter *x, size_t point, point_tree_visitor *visit, we
     return point_tree_search(&x->tree, p->at, p->at, (double[]){p->reach, p->reach, p->reach}, visit, s);
 }
 
-/* The surest first, and then by place: the same in whatever order a file has them. */
+/* By tolerance, then by position: independent of the order in the file. */
 static int compare_points(const void *a, const void *b)
 {
     const tree_point *p = *(const tree_point *const *)a, *q = *(const tree_point *const *)b;
@@ -178,7 +178,7 @@ static int compare_points(const void *a, const void *b)
     return 0;
 }
 
-/* No triangle may lose a corner: two of its corners that would come into one place stay where they are. */
+/* Undo merges that would collapse a triangle: if two of its corners would merge, both stay. */
 static void keep_triangles(splitter *x)
 {
     const uint32_t *indices = x->mesh->indices;
@@ -199,7 +199,8 @@ static void move_corners(splitter *x)
     for (size_t n = 0; n < x->tree.count; n++) x->out->joined_count += x->target_of[n] != n;
 }
 
-/* Points that have others about them, from the surest on: each that is in nobody's place takes what is near into its own. */
+/* Cluster the points that have neighbours, from the smallest tolerance on: each point without a cluster starts one and takes the
+ * near points without a cluster. */
 static int weld_points(splitter *x)
 {
     size_t             crowd = 0, moved = 0;
@@ -240,7 +241,7 @@ typedef struct edge_search {
     int               out_of_memory;
 } edge_search;
 
-/* Add a point that lies on the edge, and is none of its ends. */
+/* Add a cut for a point that lies on the edge and is not an end of it. */
 static int add_cut(void *user, size_t point)
 {
     edge_search      *s = user;
@@ -267,7 +268,7 @@ static int compare_cuts(const void *a, const void *b)
     return (p->vertex > q->vertex) - (p->vertex < q->vertex);
 }
 
-/* The cuts of an edge, from its lower vertex to its higher one. Returns 0 without memory. */
+/* Find the cuts of an edge, sorted from its lower to its higher vertex. Returns 0 without memory. */
 static int find_cuts(splitter *x, uint32_t h, int *is_complete)
 {
     const uint32_t *indices = x->mesh->indices;
@@ -283,7 +284,7 @@ static int find_cuts(splitter *x, uint32_t h, int *is_complete)
     return !s.out_of_memory;
 }
 
-/* All open edges, one after the other; where there is no end of it, the rest is left as it is. */
+/* Process all open edges in order. When the limit of work is reached, the remaining edges stay as they are. */
 static int find_all_cuts(splitter *x)
 {
     const uint32_t *indices     = x->mesh->indices;
@@ -315,13 +316,13 @@ typedef struct corner {
     double   weights[3];
 } corner;
 
-/* The points on the three sides of a triangle, each side's in its direction. */
+/* The points on the three sides of a triangle, in the direction of each side. */
 typedef struct sides {
     corner *points; /* [first[3]] */
     size_t  first[4], capacity;
 } sides;
 
-/* The points on side k of triangle t, which is cut. */
+/* Add the points on side k of triangle t, from its cuts. */
 static void add_side(const splitter *x, sides *s, uint32_t t, uint32_t k, const cut_edge *e)
 {
     const uint32_t *indices = x->mesh->indices;
@@ -329,7 +330,7 @@ static void add_side(const splitter *x, sides *s, uint32_t t, uint32_t k, const 
     int             rises = indices[h] == mesh_edge_low(indices, h);
     for (size_t n = 0; n < e->end - e->first; n++) {
         const cut *c = &x->cuts[rises ? e->first + n : e->end - 1 - n];
-        if (c->vertex == mesh_edge_opposite(indices, h)) continue; /* the triangle is as flat as that already */
+        if (c->vertex == mesh_edge_opposite(indices, h)) continue; /* the triangle is degenerate there already */
         corner *p        = &s->points[s->first[k + 1]++];
         double  share    = rises ? c->share : 1 - c->share;
         *p               = (corner){.vertex = c->vertex};
@@ -338,7 +339,8 @@ static void add_side(const splitter *x, sides *s, uint32_t t, uint32_t k, const 
     }
 }
 
-/* Returns 0 without memory.   e  in and out: the first of the cut edges that is not one of triangles before t */
+/* Collect the points of all sides. Returns 0 without memory.
+ * e  in and out: the first cut edge that does not belong to a triangle before t */
 static int find_sides(const splitter *x, sides *s, uint32_t t, const cut_edge **e)
 {
     const cut_edge *end   = x->cut_edges + x->cut_edge_count;
@@ -352,7 +354,7 @@ static int find_sides(const splitter *x, sides *s, uint32_t t, const cut_edge **
     return 1;
 }
 
-/* Append a piece of triangle t. One with two corners in one place is none: the triangle is as narrow as the tolerance there, and one vertex
+/* Append a piece of triangle t. Skip it if two corners are equal: there the triangle is as narrow as the tolerance, and one vertex
  * lies on two of its sides. */
 static void add_piece(splitter *x, uint32_t t, const corner *a, const corner *b, const corner *c)
 {
@@ -368,7 +370,7 @@ static void add_piece(splitter *x, uint32_t t, const corner *a, const corner *b,
     x->out->parents[at] = t;
 }
 
-/* Triangles from `apex` to the parts of side k. */
+/* Append triangles from `apex` to the segments of side k. */
 static void add_fan(splitter *x, const sides *s, uint32_t t, const corner corners[3], uint32_t k, const corner *apex)
 {
     const corner *from = &corners[k];
@@ -379,8 +381,8 @@ static void add_fan(splitter *x, const sides *s, uint32_t t, const corner corner
     add_piece(x, t, from, &corners[(k + 1) % 3], apex);
 }
 
-/* Side k has points: from the corner that is not on it triangles go to its parts, and what is on the other two sides is on the outermost
- * of these. */
+/* Split a triangle whose side k has points: a fan from the opposite corner to the segments of side k. Points on the other two sides
+ * split the outermost triangles of the fan. */
 static void add_pieces(splitter *x, const sides *s, uint32_t t, const corner corners[3], uint32_t k)
 {
     uint32_t      next = (k + 1) % 3, last = (k + 2) % 3;
@@ -390,7 +392,7 @@ static void add_pieces(splitter *x, const sides *s, uint32_t t, const corner cor
     add_fan(x, s, t, corners, next, end - 1);
 }
 
-/* The side that is split first: the same wherever the triangle begins. */
+/* The side to split first. Does not depend on the first corner of the triangle. */
 static uint32_t first_side(const splitter *x, const sides *s, uint32_t t)
 {
     uint32_t k = mesh_least_corner(x->mesh->positions_ws, &x->mesh->indices[3 * (size_t)t]);
@@ -398,7 +400,7 @@ static uint32_t first_side(const splitter *x, const sides *s, uint32_t t)
     return k;
 }
 
-/* Append triangle t, or its pieces, if any is left. Returns 0 without memory. */
+/* Append triangle t or its remaining pieces. Returns 0 without memory. */
 static int take_triangle(splitter *x, sides *s, uint32_t t, const cut_edge **e)
 {
     const uint32_t *v     = &x->mesh->indices[3 * (size_t)t];
@@ -414,7 +416,8 @@ static int take_triangle(splitter *x, sides *s, uint32_t t, const cut_edge **e)
     return 1;
 }
 
-/* All triangles again, and those with cuts in pieces. Returns 0 without memory, or where there are more than numbers for half-edges. */
+/* Write all triangles again, with cut ones as pieces. Returns 0 without memory, or when there are too many half-edges for 32
+ * bits. */
 static int make_triangles(splitter *x)
 {
     mesh_weld      *mesh = x->mesh;
@@ -434,7 +437,7 @@ static int make_triangles(splitter *x)
     return complete;
 }
 
-/* The mesh takes over what was made. */
+/* Replace the triangles of the mesh with the new ones. */
 static int replace_triangles(splitter *x)
 {
     mesh_weld *mesh = x->mesh;

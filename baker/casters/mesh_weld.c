@@ -23,11 +23,11 @@ enum { GRAIN = 1 << 14 };
 
 typedef struct welder {
     const double *positions_ws; /* the scene's */
-    uint32_t     *bucket_of;    /* [the scene's vertex_count] vertices at one position are in one bucket */
+    uint32_t     *bucket_of;    /* [the scene's vertex_count] equal positions have equal buckets */
     uint32_t      bucket_mask;
-    uint32_t     *first, *members; /* vertices by bucket, ascending in each */
-    uint32_t     *alike;           /* [the scene's vertex_count] the first vertex at the same position */
-    uint32_t     *welded_as;       /* [the scene's vertex_count] what is made of the first vertex at a position, or NONE */
+    uint32_t     *first, *members; /* vertices grouped by bucket, ascending */
+    uint32_t     *alike;           /* [the scene's vertex_count] first vertex at the same position */
+    uint32_t     *welded_as;       /* [the scene's vertex_count] welded vertex of the first vertex at a position, or NONE */
 } welder;
 
 static void welder_free(welder *d)
@@ -39,7 +39,7 @@ static void welder_free(welder *d)
     free(d->welded_as);
 }
 
-/* -0 becomes +0 */
+/* Normalizes -0 to +0. */
 static void take_position(double p[3], const double *positions_ws, size_t vertex)
 {
     for (int axis = 0; axis < 3; axis++) p[axis] = positions_ws[3 * vertex + (size_t)axis] + 0.0;
@@ -56,7 +56,7 @@ static void find_buckets(void *user, size_t begin, size_t end, uint32_t worker)
     }
 }
 
-/* The first vertices at each position of a bucket are brought to its front: there are few, and others are compared with them. */
+/* Move the first vertices of each position to the front of their bucket, and compare the others with these; there are few. */
 static void match_buckets(void *user, size_t begin, size_t end, uint32_t worker)
 {
     welder *d = user;
@@ -94,12 +94,12 @@ static vxs_result find_alike(welder *d, size_t vertex_count, uint32_t threads)
     free(d->members);
     free(d->first);
     d->members = d->first = NULL;
-    d->welded_as          = d->bucket_of; /* which has done its work */
+    d->welded_as          = d->bucket_of; /* reuses the memory of bucket_of */
     d->bucket_of          = NULL;
     return r;
 }
 
-/* The welded vertex of a corner, a new one when there is none yet. */
+/* Welded vertex of a corner; created at its first use. */
 static uint32_t weld_vertex(mesh_weld *w, const welder *d, uint32_t vertex)
 {
     uint32_t *as = &d->welded_as[d->alike[vertex]];
@@ -115,7 +115,7 @@ static int is_finite_position(const double *p)
     return isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]);
 }
 
-/* Vertices that no triangle uses are left out: they may be anything and must not widen the bounds. */
+/* Vertices that no triangle uses are left out: they may be invalid and must not enlarge the bounds. */
 static vxs_result weld_triangles(mesh_weld *w, const welder *d, const scene *s, message *m)
 {
     for (size_t t = 0; t < s->triangle_count; t++) {
@@ -152,7 +152,7 @@ vxs_result mesh_weld_scene(mesh_weld *w, const scene *s, uint32_t threads, messa
     welder d = {.positions_ws = s->positions_ws};
 
     *w = (mesh_weld){0};
-    /* half-edges are numbered with 32 bits */
+    /* half-edge numbers have 32 bits */
     if (s->triangle_count >= NONE / 3 || s->vertex_count >= NONE)
         return fail(m, VXS_E_SCENE, "%zu triangles with %zu vertices, expected fewer than %u and %u", s->triangle_count,
                     s->vertex_count, NONE / 3, NONE);

@@ -1,4 +1,4 @@
-/* Points in a tree of boxes; see point_tree.h.
+/* A bounding volume tree of points; see point_tree.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/casters/point_tree.h"
 
@@ -7,7 +7,7 @@
 
 enum { LEAF_POINTS = 8, DEPTH_MAX = 64 };
 
-/* A node and its points. */
+/* A node and its range of points. */
 typedef struct span {
     size_t node, begin, end;
 } span;
@@ -32,15 +32,15 @@ static void swap_points(tree_point *a, tree_point *b)
     *b                 = swapped;
 }
 
-/* Bring points [begin, end) into such an order that none before `middle` is beyond one from there on: quickselect, with a pivot drawn at
- * random, and with what equals the pivot set apart, as many points of a mesh have the same coordinate. */
+/* Partially sort [begin, end): no point before `middle` is greater than one from `middle` on. Quickselect with a random pivot and a
+ * three-way partition, because many points of a mesh have equal coordinates. */
 static void part_points(tree_point *p, size_t begin, size_t end, size_t middle, int axis)
 {
     uint64_t state = begin ^ end;
     while (end - begin > 1) {
         state        = state * 6364136223846793005u + 1442695040888963407u;
         double pivot = p[begin + (state >> 33) % (end - begin)].at[axis];
-        size_t less = begin, more = end; /* before `less` are those before the pivot, from `more` on those behind it */
+        size_t less = begin, more = end; /* [begin, less) is less than the pivot, [more, end) is greater */
         for (size_t n = begin; n < more;) {
             if (p[n].at[axis] < pivot)
                 swap_points(&p[less++], &p[n++]);
@@ -85,7 +85,8 @@ static void build(point_tree *t, span s)
 int point_tree_init(point_tree *t, tree_point *points, size_t count, uint64_t visits)
 {
     size_t nodes = 1;
-    for (size_t most = count; most > LEAF_POINTS; most -= most / 2) nodes = 2 * nodes + 1; /* the larger half decides the depth */
+    /* the larger half determines the depth */
+    for (size_t most = count; most > LEAF_POINTS; most -= most / 2) nodes = 2 * nodes + 1;
     *t = (point_tree){.count = count, .points = points, .visits = visits, .boxes = malloc(nodes * sizeof *t->boxes)};
     if (!t->boxes) return 0;
     build(t, (span){0, 0, count});
@@ -100,7 +101,7 @@ void point_tree_free(point_tree *t)
 
 /* --- searching --------------------------------------------------------------------------------------------------------- */
 
-/* 0: the segment is nowhere within `radius` of the box, along each axis. */
+/* 0 when no point of the segment is within `radius` of the box, along each axis. */
 static int may_touch(const box *b, const double a[3], const double step[3], const double radius[3])
 {
     double from = 0, to = 1;
@@ -114,7 +115,7 @@ static int may_touch(const box *b, const double a[3], const double step[3], cons
         from = fmax(from, fmin(enter, leave));
         to   = fmin(to, fmax(enter, leave));
     }
-    return from <= to * (1 + 1e-12); /* quotients are rounded */
+    return from <= to * (1 + 1e-12); /* tolerance for rounded quotients */
 }
 
 int point_tree_search(point_tree *t, const double a[3], const double b[3], const double radius[3], point_tree_visitor *visit,

@@ -1,4 +1,4 @@
-/* Files of other kinds; see foreign_file.h.
+/* Recognizes other file formats; see foreign_file.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/files/foreign_file.h"
 
@@ -8,7 +8,7 @@
 
 #define EXPORT "export it as glTF, .glb"
 
-/* What begins with these bytes. */
+/* Formats by their first bytes. */
 static const struct {
     const char *magic;
     uint8_t     size;
@@ -45,7 +45,7 @@ static const struct {
     {"NRRD000", 7, "a grid in NRRD, which --smoke takes"},
 };
 
-/* Text that begins with these words, in any case, behind a byte order mark and blanks. */
+/* Text formats by their first word, in upper or lower case, after an optional byte order mark and white space. */
 static const struct {
     const char *word, *text;
 } texts[] = {
@@ -70,7 +70,8 @@ static uint32_t u32_at(const uint8_t *b)
     return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
 }
 
-/* Tiles of 3D Tiles are a header, tables of the lengths that it says, and a GLB; a composite one is such tiles behind each other. */
+/* A tile of 3D Tiles has a header, tables whose lengths the header gives, and a GLB. A composite tile is a sequence of such
+ * tiles. */
 static int is_tile(char text[FOREIGN_BYTES], const uint8_t *b, size_t size)
 {
     int      instances = size >= 32 && !memcmp(b, "i3dm", 4), batched = size >= 28 && !memcmp(b, "b3dm", 4);
@@ -90,7 +91,7 @@ static int is_tile(char text[FOREIGN_BYTES], const uint8_t *b, size_t size)
     return 1;
 }
 
-/* Text in two bytes a letter, with or without a mark: what a pipe of PowerShell writes. */
+/* Text with two bytes per character, with or without a byte order mark: for example, written by a PowerShell pipe. */
 static int is_utf16(const uint8_t *b, size_t size)
 {
     if (size < 4) return 0;
@@ -98,7 +99,7 @@ static int is_utf16(const uint8_t *b, size_t size)
            (!b[0] && b[1] == '{' && !b[2]);
 }
 
-/* In an archive the name of its first file stands at byte 30. */
+/* In a ZIP archive the name of the first file is at byte 30. */
 static const char *archive_text(const uint8_t *b, size_t size)
 {
     size_t length = size >= 30 ? (size_t)b[26] | (size_t)b[27] << 8 : 0;
@@ -106,13 +107,13 @@ static const char *archive_text(const uint8_t *b, size_t size)
     return memmem(b + 30, length, ".usd", 4) ? "USDZ (" EXPORT ")" : "a ZIP archive (unpack it)";
 }
 
-/* A triangle of a binary STL takes 50 bytes, behind 80 that mean nothing and their number. */
+/* A binary STL has 80 arbitrary bytes, the number of triangles, and 50 bytes per triangle. */
 static int is_binary_stl(const uint8_t *b, size_t size, uint64_t total_bytes)
 {
     return size >= 84 && u32_at(b + 80) && total_bytes == 84 + 50 * (uint64_t)u32_at(b + 80);
 }
 
-/* The first line of a Wavefront file that is no comment says a vertex, a group, a material. */
+/* The first line of a Wavefront file that is not a comment defines a vertex, a group or a material. */
 static int is_obj(const char *text)
 {
     static const char *const words[] = {"v ", "vn ", "vt ", "o ", "g ", "mtllib ", "usemtl ", "s "};
@@ -130,7 +131,7 @@ static const char *xml_text(const char *text)
                                        : "XML (" EXPORT ")";
 }
 
-/* text  ended by a NUL, which comes where a binary file has its first */
+/* text  ends at a NUL; in a binary file this is its first zero byte */
 static const char *text_kind(const char *text)
 {
     if (!strncmp(text, "\xef\xbb\xbf", 3)) text += 3;

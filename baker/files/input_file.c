@@ -35,24 +35,24 @@ int is_read_once(const char *path)
     return is_standard_input(path) || (!stat(path, &status) && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode));
 }
 
-/* Bytes that a file is known to have; 0: a pipe. */
+/* Size of a file; 0: a pipe. */
 static size_t known_bytes(int descriptor)
 {
     struct stat status;
     return !fstat(descriptor, &status) && S_ISREG(status.st_mode) && status.st_size > 0 ? (size_t)status.st_size : 0;
 }
 
-/* An input while it is read. */
+/* State while an input is read. */
 typedef struct input {
     const char *name;
     int         descriptor;
     uint8_t    *bytes;
     size_t      size_bytes, room;
-    uint64_t    known_bytes, wanted_bytes; /* a regular file has; what the first bytes say */
+    uint64_t    known_bytes, wanted_bytes; /* size of a regular file; size that the first bytes give */
     message    *m;
 } input;
 
-/* Room for so many bytes, asked for before it is taken. */
+/* Grow the buffer to `room` bytes, after a check of the memory. */
 static vxs_result make_room(input *in, size_t room)
 {
     vxs_result r = memory_check(room, in->m, "'%s': reading it needs", in->name);
@@ -64,12 +64,12 @@ static vxs_result make_room(input *in, size_t room)
     return VXS_OK;
 }
 
-/* Read until there are so many bytes, or no more come. */
+/* Read until size_bytes bytes are there, or to the end. */
 static vxs_result read_up_to(input *in, uint64_t size_bytes)
 {
     while (in->size_bytes < size_bytes) {
         if (in->size_bytes == in->room) {
-            uint64_t   known = in->known_bytes < in->wanted_bytes ? in->known_bytes : 0; /* a byte more shows that no more comes */
+            uint64_t   known = in->known_bytes < in->wanted_bytes ? in->known_bytes : 0; /* a byte more detects the end */
             uint64_t   room  = known >= in->room ? known + 1 : 2 * (uint64_t)in->room;
             vxs_result r     = make_room(in, (size_t)(room < size_bytes ? room : size_bytes));
             if (r != VXS_OK) return r;
@@ -85,7 +85,7 @@ static vxs_result read_up_to(input *in, uint64_t size_bytes)
     return VXS_OK;
 }
 
-/* The first bytes, and then all others that are wanted. */
+/* Read the first bytes, then the rest if head wants it. */
 static vxs_result read_all(input *in, uint64_t limit_bytes, const input_head *head)
 {
     char       text[32];

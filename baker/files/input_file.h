@@ -1,4 +1,4 @@
-/* Input files: a file, a pipe (`<(...)`), or "-", which is standard input. All are read from where they stand to their end, once.
+/* Input files: a file, a pipe (`<(...)`), or "-" for standard input. Each is read once, from its current position to its end.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef INPUT_FILE_H
 #define INPUT_FILE_H
@@ -14,28 +14,28 @@ extern "C" {
 
 int is_standard_input(const char *path);
 
-/* How messages call it: the path, or "standard input". */
+/* Name of the input in messages: the path, or "standard input". */
 const char *input_name(const char *path);
 
-/* A descriptor to read from and to close; -1: errno says why. A folder can be opened, and not read. */
+/* Returns a descriptor to read from and to close; -1 and errno on failure. A folder can be opened, but not read. */
 int input_open(const char *path);
 
-/* A pipe, a device or standard input: what comes from it once does not come again. */
+/* 1 for a pipe, a device or standard input: its data can be read only once. */
 int is_read_once(const char *path);
 
-/* What the first bytes of an input say. */
+/* Looks at the first bytes of an input. */
 typedef struct input_head {
-    /* Called once with the first bytes: 64 KiB, or all that there are. Returns how many bytes the whole input should have: no more than one
-     * more are read, which shows that there are more; 0: it is not what was expected, and no more is read. UINT64_MAX: they do not say */
+    /* Called once with the first 64 KiB, or all bytes if there are fewer. Returns the expected size of the whole input; at most one
+     * byte more is read, to detect longer inputs. 0: not the expected format, stop reading. UINT64_MAX: the size is not known */
     uint64_t (*wanted)(void *user, const uint8_t *first, size_t size_bytes);
     void *user;
 } input_head;
 
-/* All of an input. Memory is asked for before it is taken (memory.h), and counted by m->memory_bytes.
+/* Read a whole input. Memory is checked against m->memory_bytes before it is allocated (memory.h).
  * bytes        [out] NULL on failure; released with free()
- * limit_bytes  of more is VXS_E_MEMORY, and no more than that is read
- * head         looks at the first bytes before more is read; NULL: nothing does
- * Returns VXS_OK; VXS_E_READ; VXS_E_MEMORY. One line in m says which. */
+ * limit_bytes  maximum size; a larger input is VXS_E_MEMORY and is not read further
+ * head         called with the first bytes before the rest is read; NULL: none
+ * Returns VXS_OK, VXS_E_READ, VXS_E_MEMORY. On failure m has the reason. */
 vxs_result input_read(uint8_t **bytes, size_t *size_bytes, const char *path, uint64_t limit_bytes, const input_head *head,
                       message *m);
 

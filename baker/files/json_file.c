@@ -1,4 +1,4 @@
-/* JSON to files and from them; see json_file.h.
+/* Write JSON files and read them; see json_file.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/files/json_file.h"
 
@@ -55,7 +55,7 @@ vxs_result json_write(const char *path, json_t *value, message *m)
     return r;
 }
 
-/* An input that jansson reads piece by piece; a pipe has no size that could be known before. */
+/* Input for jansson, which reads it in pieces: the size of a pipe is not known in advance. */
 typedef struct json_input {
     int    descriptor, error;
     size_t bytes_left;

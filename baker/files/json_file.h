@@ -1,4 +1,4 @@
-/* JSON to files and from them.
+/* Write JSON files and read them.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef JSON_FILE_H
 #define JSON_FILE_H
@@ -6,23 +6,23 @@
 #include "baker/base/message.h"
 #include "baker/files/json_value.h"
 
-/* Call this first: from then on json_memory_missing and json_print notice when any value could not be allocated. jansson reports that
- * call by call where an object is filled, and not always where one is printed. */
+/* Call this before any other JSON function. From then on json_memory_missing and json_print detect failed allocations of any JSON
+ * value. This is needed because jansson reports them for each call that fills an object, but not always when it prints. */
 void json_watch_memory(void);
 
-/* Nonzero when any value of this process was made without enough memory. */
+/* Nonzero when any allocation of a JSON value failed in this process. */
 int json_memory_missing(void);
 
-/* json_dumps, or NULL when the text, or any value of this process, was made without enough memory. Released with free(). */
+/* json_dumps. NULL when any allocation for the text, or for any JSON value of this process, failed. Released with free(). */
 char *json_print(const json_t *value, size_t flags);
 
-/* Write any JSON value as an output file ("-" is standard output), indented, with a newline at its end; the value is released.
+/* Write a JSON value to an output file ("-" is standard output), indented, with a final newline. Releases the value.
  * Returns VXS_OK, VXS_E_WRITE, or VXS_E_MEMORY, also when the value is NULL or incomplete. */
 vxs_result json_write(const char *path, json_t *value, message *m);
 
-/* Read a file that anyone may have written, of at most 256 MiB, nested at most 2048 deep; an object has no key twice.
+/* Read an untrusted JSON file: at most 256 MiB, nested at most 2048 deep, no duplicate keys in an object.
  * value  [out] NULL on failure; released with json_decref
- * Returns VXS_OK, VXS_E_READ: it cannot be read, or is no JSON; VXS_E_MEMORY. */
+ * Returns VXS_OK; VXS_E_READ: unreadable or not JSON; VXS_E_MEMORY. */
 vxs_result json_read(json_t **value, const char *path, message *m);
 
 #endif

@@ -1,4 +1,4 @@
-/* JSON that is put together; see json_value.h.
+/* Build JSON values; see json_value.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/files/json_value.h"
 

@@ -1,4 +1,4 @@
-/* A file that appears complete or not at all; see output_file.h.
+/* Output files that appear complete or not at all; see output_file.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/files/output_file.h"
 
@@ -17,7 +17,7 @@
 #include "baker/files/run_files.h"
 #include "baker/files/temporary_files.h"
 
-/* enough for the files of earlier runs that were killed and had the same process number */
+/* enough for the files left by killed runs with the same process number */
 enum { TEMPORARY_NAMES = 1000 };
 
 static vxs_result out_of_memory(const char *path, message *m)
@@ -31,7 +31,7 @@ static vxs_result cannot_write(const output_file *f, int error, message *m)
                 error == ENOENT ? ": its folder is not there" : "");
 }
 
-/* A name beside the target that no other process takes: its number is in it. NULL without memory. */
+/* A temporary name beside the target, unique by the process number. NULL without memory. */
 static char *temporary_name(const output_file *f, int n)
 {
     char folder[PATH_MAX] = "", *name;
@@ -39,13 +39,13 @@ static char *temporary_name(const output_file *f, int n)
     return asprintf(&name, "%s.vxs-%ld-%d.tmp", folder, (long)getpid(), n) < 0 ? NULL : name;
 }
 
-/* Where the system shows an open file; a link to it gives the file its first name. */
+/* The path in /proc of an open file. A link to this path gives the unnamed file its first name. */
 static void descriptor_path(char path[64], int descriptor)
 {
     snprintf(path, 64, "/proc/self/fd/%d", descriptor);
 }
 
-/* Make a file of a new name, or give the file without a name that `descriptor` is one. Returns -1, and errno, when that fails. */
+/* Create a new file with this name, or link the unnamed file `descriptor` to it. Returns -1 and errno on failure. */
 static int take_name(const char *name, int descriptor)
 {
     char from[64];
@@ -54,8 +54,8 @@ static int take_name(const char *name, int descriptor)
     return linkat(AT_FDCWD, from, AT_FDCWD, name, AT_SYMLINK_FOLLOW);
 }
 
-/* The same, and remember the name for as long as the file has it, where somebody does. No signal comes between the two steps: the name
- * alone would not do, since the file may be that of another process until it was made. */
+/* The same, and register the name with f->remembered for as long as the file has it. Signals are blocked between the two steps: the
+ * name must not be registered earlier, because until then it may belong to another process's file. */
 static int take_and_remember_name(output_file *f, int descriptor)
 {
     sigset_t all, before;
@@ -70,9 +70,9 @@ static int take_and_remember_name(output_file *f, int descriptor)
     return taken;
 }
 
-/* Find f->temporary, a name that is free, for a new file (descriptor -1) or for one that has none yet. mkstemp would not do: it gives
- * the permissions 0600, and umask cannot be asked for without changing it.
- * taken  [out] what open or linkat returned */
+/* Find a free name, f->temporary, for a new file (descriptor -1) or for an unnamed one. mkstemp is not usable: it sets the
+ * permissions 0600, and umask cannot be read without changing it.
+ * taken  [out] result of open or linkat */
 static vxs_result name_temporary(output_file *f, int descriptor, int *taken, message *m)
 {
     for (int n = 0; n < TEMPORARY_NAMES; n++) {
@@ -88,7 +88,7 @@ static vxs_result name_temporary(output_file *f, int descriptor, int *taken, mes
     return cannot_write(f, EEXIST, m);
 }
 
-/* Open the folder of f->target. -1, and errno, when that fails. */
+/* Open the folder of f->target. Returns -1 and errno on failure. */
 static int open_folder(const output_file *f, int flags)
 {
     char folder[PATH_MAX];
@@ -96,8 +96,8 @@ static int open_folder(const output_file *f, int flags)
     return path_split(f->target, folder) ? open(folder, flags, 0666) : -1;
 }
 
-/* A new file in the folder of f->target that has no name until it is complete, so that nothing is left of it when this process ends,
- * however it ends. -1 where the file system or the kernel has no such files, or would give them no name later. */
+/* Create an unnamed file in the folder of f->target. The system removes it if the process ends early. Returns -1 where the file
+ * system or the kernel does not support this, or cannot name such a file later. */
 static int create_nameless(const output_file *f)
 {
 #ifdef O_TMPFILE
@@ -125,7 +125,7 @@ static vxs_result open_temporary(output_file *f, message *m)
     return out_of_memory(f->name, m);
 }
 
-/* What nothing can be renamed over: a device, a pipe, and a file that has lost its name and is open yet (/dev/fd/3). */
+/* Objects that a rename cannot replace: a device, a pipe, and an open file whose name was removed (/dev/fd/3). */
 static int is_written_directly(const struct stat *s)
 {
     return !S_ISDIR(s->st_mode) && (!S_ISREG(s->st_mode) || !s->st_nlink);
@@ -137,8 +137,8 @@ static vxs_result open_directly(output_file *f, const char *path, message *m)
     return f->stream ? VXS_OK : cannot_write(f, errno, m);
 }
 
-/* A path that exists is replaced where its links lead; a new one stays as it was given.
- * old  the status of what is there; NULL: nothing */
+/* For an existing path, links are resolved; a new path is used as given.
+ * old  status of the existing file; NULL: none */
 static vxs_result open_beside(output_file *f, const char *path, const struct stat *old, message *m)
 {
     vxs_result r = old ? replaced_file_check(path, old, m) : VXS_OK;
@@ -175,10 +175,10 @@ vxs_result output_file_open(output_file *f, const char *path, message *m)
         r = fail(m, VXS_E_WRITE, "the output's name is empty: expected a file name, or - for standard output");
     else if (exists && S_ISDIR(status.st_mode))
         r = fail(m, VXS_E_WRITE, "%s: cannot write: it is a folder, expected a file name", path);
-    else if (!exists && !lstat(path, &link) && S_ISLNK(link.st_mode)) /* what is no link has come meanwhile */
+    else if (!exists && !lstat(path, &link) && S_ISLNK(link.st_mode)) /* not a link: created by another process meanwhile */
         r = fail(m, VXS_E_WRITE, "%s: cannot write: it is a link that leads to no file: %s", path, strerror(error));
     else if (exists && (r = run_files_check_write(path, m)) != VXS_OK)
-        ; /* whatever its name is here, the run reads it */
+        ; /* the run reads this file, perhaps by another name */
     else if (exists && is_written_directly(&status))
         r = open_directly(f, path, m);
     else
@@ -192,7 +192,7 @@ vxs_result output_file_check(const char *path, message *m)
     struct stat out;
     if (!strcmp(path, "-") || (!stat(path, &out) && is_written_directly(&out))) return VXS_OK;
 
-    /* as far as the name that it would get: not every file system that has files without names lets them have one later */
+    /* includes the naming step: some file systems support unnamed files but cannot name them later */
     output_file f = {0};
     int         linked;
     vxs_result  r = output_file_open(&f, path, m);
@@ -207,7 +207,7 @@ vxs_result output_file_write(output_file *f, const void *bytes, size_t size_byte
     return VXS_OK;
 }
 
-/* Bring to the disk what was written, of a file or the names of a folder. Returns 0, or an errno; a file system that cannot is let be. */
+/* Flush a file, or the names of a folder, to the disk. Returns 0 or an errno. File systems without this operation are accepted. */
 static int sync_to_disk(int descriptor)
 {
     return !fsync(descriptor) || errno == EINVAL || errno == ENOTSUP ? 0 : errno;
@@ -216,7 +216,7 @@ static int sync_to_disk(int descriptor)
 vxs_result output_file_commit(output_file *f, message *m)
 {
     vxs_result r      = message_check(m);
-    int        error  = ferror(f->stream) ? EIO : 0, linked; /* of a write through stdio that was not checked: its errno is lost */
+    int        error  = ferror(f->stream) ? EIO : 0, linked; /* an unchecked write through stdio failed: its errno is lost */
     int        folder = -1;
     if (fflush(f->stream)) error = errno;
     if (r != VXS_OK) {
@@ -225,7 +225,7 @@ vxs_result output_file_commit(output_file *f, message *m)
     }
     int synced = f->target && !f->unsynced;
     if (!error && synced) error = sync_to_disk(fileno(f->stream));
-    /* a folder that may be written and not read is never brought to the disk by hand */
+    /* a folder that is writable but not readable cannot be flushed: accept this */
     if (!error && synced && (folder = open_folder(f, O_RDONLY | O_DIRECTORY | O_CLOEXEC)) < 0 && errno != EACCES) error = errno;
     if (!error && f->target && !f->temporary) r = name_temporary(f, fileno(f->stream), &linked, m);
     if (f->stream != stdout && fclose(f->stream) && !error) error = errno;

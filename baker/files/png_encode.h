@@ -1,4 +1,4 @@
-/* Pixels as PNG, and the 8 bits of a screen.
+/* Encode pixels as PNG; dither to 8 bits.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef PNG_ENCODE_H
 #define PNG_ENCODE_H
@@ -7,14 +7,16 @@
 #include <stdint.h>
 
 /* pixels      [channels * width * height] sRGB, top row first
- * channels    3: RGB; 4: RGBA, alpha not multiplied in
+ * channels    3: RGB; 4: RGBA with straight alpha
  * size_bytes  [out]
- * Returns the file's bytes, released with free(); NULL without memory. The same pixels give the same bytes, by the same libpng and zlib. */
+ * Returns the bytes of the file, released with free(); NULL without memory. With the same versions of libpng and zlib, the same
+ * pixels give the same bytes. */
 uint8_t *png_encode(const uint8_t *pixels, uint32_t width_px, uint32_t height_px, uint32_t channels, size_t *size_bytes);
 
-/* One of 255 steps for a value from 0 to 1, by ordered dither: a value between two steps becomes the higher one in as many pixels as it is nearer to it, so
- * that dark gradients have no bands, and the mean of some pixels is that of the values. The thresholds are a lattice whose neighbours are as unlike as can be
- * (multiples of the powers of the inverse plastic number), the same in each run. A value that is a step stays as it is. */
+/* Quantize a value in [0, 1] to 8 bits with ordered dithering, so that dark gradients show no bands and averages are preserved. A
+ * value between two steps is rounded up in a share of the pixels equal to its fraction. The thresholds form a lattice whose
+ * neighbours differ as much as possible (multiples of the powers of the inverse plastic number). They are the same in each run.
+ * Values that are exact steps do not change. */
 static inline uint8_t png_dithered(double value, uint32_t x, uint32_t y)
 {
     double threshold = ((x * 3242174889U + y * 2447445414U) >> 8) / 16777216.0, held = value > 0 ? value < 1 ? value : 1 : 0;

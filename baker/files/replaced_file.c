@@ -1,4 +1,4 @@
-/* What a file that is replaced has, and the new one shall have; see replaced_file.h.
+/* Attributes of a replaced file; see replaced_file.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/files/replaced_file.h"
 
@@ -7,7 +7,7 @@
 #include <sys/xattr.h>
 #include <unistd.h>
 
-/* as much as Linux allows */
+/* limit of Linux */
 enum { ATTRIBUTE_BYTES_MAX = 65536 };
 
 static const char access_list[] = "system.posix_acl_access";
@@ -46,7 +46,7 @@ static int keep_attributes(const char *path, int descriptor)
         if (length < 0 || fsetxattr(descriptor, name, value, (size_t)length, 0)) return errno;
         listed |= !strcmp(name, access_list);
     }
-    /* one that the new file has from its folder */
+    /* the new file may have inherited an access list from its folder */
     int inherited = !listed && fgetxattr(descriptor, access_list, NULL, 0) >= 0;
     return inherited && fremovexattr(descriptor, access_list) ? errno : 0;
 }
@@ -54,15 +54,16 @@ static int keep_attributes(const char *path, int descriptor)
 vxs_result replaced_file_keep(const char *path, const struct stat *old, int descriptor, message *m)
 {
     struct stat now;
-    vxs_result  r = VXS_OK;
-    mode_t kept   = 0777; /* as whom it would run is said of the old bytes, and no system lets that stay when a file is written */
-    int    error  = fstat(descriptor, &now) ? errno : 0;
+    vxs_result  r     = VXS_OK;
+    mode_t      kept  = 0777; /* without set-user-ID and similar bits: they apply to the old bytes, and systems clear them on each
+                             write */
+    int         error = fstat(descriptor, &now) ? errno : 0;
     if (!error && (now.st_uid != old->st_uid || now.st_gid != old->st_gid) && fchown(descriptor, old->st_uid, old->st_gid))
         r = not_kept(path, "owner and group", errno, m);
     int lost = keep_attributes(path, descriptor);
     if (lost && r == VXS_OK) r = not_kept(path, "attributes", lost, m);
 
-    /* last: the calls before change them, and a read-only file takes no attributes */
+    /* last, because the calls above change the permissions, and a read-only file accepts no attributes */
     if (!error && fstat(descriptor, &now)) error = errno;
     if (!error && ((now.st_mode ^ old->st_mode) & kept) && fchmod(descriptor, old->st_mode & kept)) error = errno;
     if (error && r == VXS_OK) r = not_kept(path, "permissions", error, m);

@@ -1,6 +1,6 @@
-/* What a file that is replaced has, and the new one shall have: a name of its own, leave to be written, owner, permissions, access
- * lists and attributes. They are kept, or the file is left alone; --force (m->force) replaces it all the same, with a warning of what
- * is lost.
+/* Attributes of a replaced file that the new file must keep: a single hard link, write permission, owner, permissions, access lists
+ * and extended attributes. If they cannot be kept, the file is not replaced, unless --force (m->force) is set: then a warning lists
+ * the loss.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef REPLACED_FILE_H
 #define REPLACED_FILE_H
@@ -9,14 +9,15 @@
 
 #include "baker/base/message.h"
 
-/* May it be replaced? Not one that its owner made read-only, whoever asks, nor one with further names, which would keep the old bytes.
- * old  its status
+/* Check that the file may be replaced. Refused for a read-only file, whatever user runs the program, and for a file with several
+ * hard links, whose other names would keep the old bytes.
+ * old  status of the file
  * Returns VXS_OK, VXS_E_WRITE, VXS_E_STRICT. */
 vxs_result replaced_file_check(const char *path, const struct stat *old, message *m);
 
-/* Give a new file what the old one at `path` has: owner and group, access list, attributes user.*, and permissions. What the system
- * itself gives to files (security.*) is left to it. Permissions are to read, write and execute: set-user-ID, set-group-ID and sticky bits go, as
- * they do when a file is written in place.
+/* Copy the attributes of the old file at `path` to a new file: owner and group, access list, attributes user.*, and permissions.
+ * Attributes that the system sets itself (security.*) are not copied. Permissions are the read, write and execute bits;
+ * set-user-ID, set-group-ID and sticky bits are dropped, as on a write in place.
  * Returns VXS_OK, VXS_E_WRITE, VXS_E_STRICT. */
 vxs_result replaced_file_keep(const char *path, const struct stat *old, int descriptor, message *m);
 

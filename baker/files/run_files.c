@@ -1,4 +1,4 @@
-/* The files that a run writes; see run_files.h.
+/* Tracks the files of a run; see run_files.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/files/run_files.h"
 
@@ -18,7 +18,7 @@ static file_identity identity_of(const struct stat *s)
     return (file_identity){!S_ISCHR(s->st_mode) && !S_ISSOCK(s->st_mode), s->st_dev, s->st_ino, NULL};
 }
 
-/* By the folder and the name in it. */
+/* Identify a path by its folder and the name in it. */
 static file_identity identify_place(const char *path)
 {
     struct stat s;
@@ -27,7 +27,7 @@ static file_identity identify_place(const char *path)
     return !name || stat(folder, &s) ? (file_identity){0} : (file_identity){1, s.st_dev, s.st_ino, name};
 }
 
-/* descriptor  what "-" stands for */
+/* descriptor  used for the path "-" */
 static file_identity identify(const char *path, int descriptor)
 {
     struct stat s;
@@ -41,7 +41,7 @@ static int is_same(const file_identity *a, const file_identity *b)
     return a->name && b->name ? !strcmp(a->name, b->name) : a->name == b->name;
 }
 
-/* Whether a name is one of "depth.png|lit-*.png". */
+/* 1 when a name matches one of the patterns "depth.png|lit-*.png". */
 static int is_one_of(const char *names, const char *name)
 {
     char pattern[64];
@@ -62,9 +62,9 @@ static vxs_result out_of_memory(const char *what, message *m)
     return fail(m, VXS_E_MEMORY, "out of memory while reading %s", what);
 }
 
-/* outputs ------------------------------------------------------------------------------------------------------------------------- */
+/* outputs ---------------------------------------------------------------------------------------------------------------------- */
 
-/* Another output that is a file, or NULL. */
+/* Another output with this identity, or NULL. */
 static const run_output *find_output(const run_files *f, const file_identity *identity)
 {
     for (const run_output *o = f->outputs; o < f->outputs + f->count; o++)
@@ -91,9 +91,9 @@ vxs_result run_files_add_output(const char *option, const char *path, message *m
     return VXS_OK;
 }
 
-/* folders ------------------------------------------------------------------------------------------------------------------------- */
+/* folders ---------------------------------------------------------------------------------------------------------------------- */
 
-/* An output that is a file of the folder, there or not. NULL: none is. */
+/* An output that is a file of the folder, existing or not. NULL: none. */
 static const run_output *output_in(const run_files *f, const run_folder *folder)
 {
     for (const run_output *o = f->outputs; o < f->outputs + f->count; o++) {
@@ -105,7 +105,7 @@ static const run_output *output_in(const run_files *f, const run_folder *folder)
     return NULL;
 }
 
-/* What one name of a folder leads to is what no output and no other name there leads to. */
+/* Add an existing file of a folder. Its target must not be an output, nor the target of another name in the folder. */
 static vxs_result add_held(run_files *f, size_t folder, const file_identity *identity, const char *name, int is_link, message *m)
 {
     const run_folder *in    = &f->folders[folder];
@@ -127,7 +127,7 @@ static vxs_result add_held(run_files *f, size_t folder, const file_identity *ide
     return VXS_OK;
 }
 
-/* Files of the folder that are there. */
+/* List the existing files of the folder that match its patterns. */
 static vxs_result list_held(run_files *f, size_t folder, message *m)
 {
     DIR       *open   = opendir(f->folders[folder].path);
@@ -160,7 +160,7 @@ vxs_result run_files_add_folder(const char *option, const char *path, const char
     return list_held(f, f->folder_count - 1, m);
 }
 
-/* inputs -------------------------------------------------------------------------------------------------------------------------- */
+/* inputs ----------------------------------------------------------------------------------------------------------------------- */
 
 static vxs_result is_the_input(const char *option, const char *path, const char *what, message *m)
 {
@@ -170,7 +170,7 @@ static vxs_result is_the_input(const char *option, const char *path, const char 
 
 static vxs_result remember_input(run_files *f, const file_identity *in, const char *what, message *m)
 {
-    if (!in->is_known || in->name) return VXS_OK; /* a device, or nothing */
+    if (!in->is_known || in->name) return VXS_OK; /* a device, or it does not exist */
     for (const run_input *i = f->inputs; i < f->inputs + f->input_count; i++)
         if (is_same(&i->identity, in)) return VXS_OK;
     char *copy = strdup(what);
@@ -198,7 +198,7 @@ vxs_result run_files_check_input(const char *path, const char *what, message *m)
     return remember_input(f, &in, what, m);
 }
 
-/* writing ------------------------------------------------------------------------------------------------------------------------- */
+/* writing ---------------------------------------------------------------------------------------------------------------------- */
 
 static vxs_result check_write(const char *option, const char *path, const file_identity *out, message *m)
 {
@@ -223,7 +223,7 @@ vxs_result run_files_check_write_in_folder(const char *option, const char *path,
     return o ? are_one_file(o, option, path, m) : check_write(option, path, &out, m);
 }
 
-/* --------------------------------------------------------------------------------------------------------------------------------- */
+/* ------------------------------------------------------------------------------------------------------------------------------ */
 
 int is_standard_output(const char *path)
 {

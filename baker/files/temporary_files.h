@@ -1,7 +1,8 @@
-/* The temporary files of a run, for a signal handler that removes them.
+/* Temporary files of a run, for a signal handler that removes them.
  *
- * A handler may not lock or allocate, so names are copied to where they are never freed, and a state marks those that count. Files may be
- * opened and closed by several threads. A run whose signals are its own has none of these (message.h).
+ * A signal handler must not lock or allocate. So names are copied to fixed slots that are never freed, and an atomic state marks
+ * the valid ones. Files may be opened and closed by several threads. A program that handles signals itself uses none of this
+ * (message.h).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef TEMPORARY_FILES_H
 #define TEMPORARY_FILES_H
@@ -11,7 +12,8 @@
 
 enum { TEMPORARY_FILES_MAX = 8 };
 
-/* Zero it; it outlives the handler. Up to 8 files are remembered at a time; further ones would be left behind. */
+/* Zero it; it must outlive the handler. At most TEMPORARY_FILES_MAX files are remembered at a time; further ones are left
+ * behind. */
 typedef struct temporary_files {
     struct {
         atomic_int state;
@@ -19,13 +21,13 @@ typedef struct temporary_files {
     } slots[TEMPORARY_FILES_MAX];
 } temporary_files;
 
-/* The number of a slot for `name`, from 1; 0 when there is none. */
+/* Store `name` in a slot. Returns the slot number, from 1; 0 when all slots are in use. */
 int temporary_files_remember(temporary_files *t, const char *name);
 
-/* Slot 0 is none. */
+/* Release a slot; 0 does nothing. */
 void temporary_files_forget(temporary_files *t, int slot);
 
-/* Remove those that there are. Safe in a signal handler. */
+/* Remove all remembered files. Async-signal-safe. */
 void temporary_files_remove(temporary_files *t);
 
 #endif

@@ -1,4 +1,4 @@
-/* Shape and maps of a baked light; see baked_light.h.
+/* Shape of a baked light; see baked_light.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/light/baked_light.h"
 
@@ -18,20 +18,20 @@ light_shape baked_light_shape(const vxs_light *light)
     shape.kind      = light->kind == VXS_LIGHT_KIND_SPOT ? LIGHT_SPOT : LIGHT_POINT;
     shape.outer_rad = acos(light->cos_outer);
     if (light->range_metres > 0) shape.range_m = light->range_metres;
-    /* a map's pyramid ends in the light: there log depth has gone to -infinity */
+    /* the pyramid of a map ends at the light, where log depth is -infinity */
     double middle = ldexp(0.5, (int)light->levels);
     vxs_point(light, 0, (double[]){middle, middle, -INFINITY}, shape.position_ws);
     return shape;
 }
 
-/* A point in metres across, down and away from the light, along the axes of a map. These axes are found by a light whose space is the
- * world's. */
+/* A point in metres across, down and away from the light, along the axes of a map. The axes are found with a copy of the light
+ * whose light space is world space. */
 static void map_from_ws(const vxs_light *light, int map, const double point_ws[3], double out[3])
 {
     vxs_light plain    = *light;
     double    half     = ldexp(0.5, (int)light->levels), ls[3];
-    double    one      = -log(light->near_metres) / light->voxel_metres; /* depth of one metre */
-    double    texels   = 1 / light->texel_metres;                        /* a metre, there */
+    double    one      = -log(light->near_metres) / light->voxel_metres; /* depth at one metre */
+    double    texels   = 1 / light->texel_metres;                        /* per metre, at that depth */
     double    at[3][3] = {{half + texels, half, one}, {half, half + texels, one}, {half, half, one}}, axis[3][3];
     memcpy(plain.ls_from_ws, (double[12]){1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, sizeof plain.ls_from_ws);
     for (int row = 0; row < 3; row++) {

@@ -1,4 +1,4 @@
-/* The shape of a baked light, and where in its maps a point lies.
+/* Shape of a baked light, and coordinates of points in its maps.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef BAKED_LIGHT_H
 #define BAKED_LIGHT_H
@@ -6,11 +6,11 @@
 #include "baker/scene/scene.h"
 #include "formats/vxs_file.h"
 
-/* Kind, place, direction, cone and range, in world space. */
+/* Kind, position, direction, cone and range, in world space. */
 light_shape baked_light_shape(const vxs_light *light);
 
-/* The light-space coordinates of a point in a map: texels u, v and depth in voxels, none of them whole; vxs_point leads back.
- * map  0, or 0 to 5 of a light with six maps: the point lies before it, as in the map that vxs_voxel returns */
+/* Light-space coordinates of a point in a map: texels u, v and depth in voxels, not rounded. Inverse of vxs_point.
+ * map  0, or 0 to 5 for a light with six maps: the map that vxs_voxel returns, in front of which the point lies */
 void baked_light_coordinates(const vxs_light *light, int map, const double point_ws[3], double coordinates[3]);
 
 #endif

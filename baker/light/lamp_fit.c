@@ -1,4 +1,4 @@
-/* Fitting the maps of a spot or point light; see light_fit.h.
+/* Fit the maps of a spot or point light; see light_fit.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/light/light_fit.h"
 
@@ -9,7 +9,7 @@
 #include "baker/base/vec3.h"
 #include "baker/light/map_space.h"
 
-/* Along the axes of the maps, in metres. */
+/* Distances along the axes of the maps, metres. */
 typedef struct reach {
     double near, far;
 } reach;
@@ -24,7 +24,7 @@ static double segment_distance(const double a[3], const double b[3])
     return sqrt(vec3_dot(nearest, nearest));
 }
 
-/* Clipping may leave the same corner twice, so the normal is that of the whole. */
+/* Sum over all corners, because clipping may produce duplicate corners. */
 static void normal_of(const map_polygon *p, double normal[3])
 {
     double ab[3], ac[3], part[3];
@@ -37,8 +37,8 @@ static void normal_of(const map_polygon *p, double normal[3])
     }
 }
 
-/* The light lies in the triangle's plane, but for rounding: it sees an edge, which covers no texel. So the ceiling that a lamp is set
- * into does not draw the near plane to the lamp. */
+/* 1 when the light is in the plane of the triangle, up to rounding. Then the triangle covers no texel, and must not pull the near
+ * plane to the light: for example, the ceiling around a recessed lamp. */
 static int edge_on(const map_polygon *triangle)
 {
     const double rounding = 1e-12;
@@ -48,7 +48,8 @@ static int edge_on(const map_polygon *triangle)
     return fabs(vec3_dot(triangle->corners[0].at, normal)) <= rounding * sqrt(farthest * vec3_dot(normal, normal));
 }
 
-/* From the light to a convex polygon: to its plane where its foot is inside, else to an edge. */
+/* Distance from the light to a convex polygon: to its plane if the foot of the perpendicular is inside, else to the nearest
+ * edge. */
 static double polygon_distance(const map_polygon *p)
 {
     double normal[3], side[3], nearest = INFINITY;
@@ -72,7 +73,7 @@ static void extend(reach *r, const map_polygon *p, double range_m)
     }
 }
 
-/* Of the casters in the light's maps and range; far is 0 when there are none. */
+/* Near and far of the casters in the light's maps and range. far is 0 when there are none. */
 static reach measure(const vxs_light *light, const casters *c, double range_m)
 {
     reach     r    = {INFINITY, 0};
@@ -92,13 +93,13 @@ static reach measure(const vxs_light *light, const casters *c, double range_m)
     return r;
 }
 
-/* Texels of a map beside the cone, or beside the sides of the cube, on each side. */
+/* Border texels at each side of the cone, or of a side of the cube. */
 static uint32_t border_px(uint32_t side)
 {
     return min_u32(LAMP_BORDER_PX, side / 8);
 }
 
-/* The width of a texel a metre away, when this many serve the cone. */
+/* Width of a texel at one metre, when `side` texels cover the cone and its border. */
 static double slope_of(double half_slope, uint32_t side)
 {
     return half_slope / (side / 2.0 - border_px(side));
@@ -124,7 +125,7 @@ vxs_result lamp_fit(vxs_light *light, const casters *c, const light_fit_desc *de
         light->ls_from_ws[4 * row + 3] = -vec3_dot(axes[row], shape->position_ws);
     }
 
-    /* what there is to see does not depend on how finely it is seen: but for the border */
+    /* the visible casters depend on the resolution only through the border */
     light->levels       = log2_u32(side);
     light->texel_metres = slope_of(slope, side);
     light->near_metres  = DBL_MIN;
@@ -143,7 +144,8 @@ vxs_result lamp_fit(vxs_light *light, const casters *c, const light_fit_desc *de
         light->texel_metres = slope_of(slope, side);
     }
 
-    /* one voxel in front of the casters and two behind, as the sun has; none flatter than a texel is wide */
+    /* margins: one voxel in front of the casters and two behind, as for directional lights; a voxel is not thinner than a texel is
+     * wide */
     double near         = fmax(r.near, r.far / LAMP_FAR_NEAR_MAX);
     light->voxel_metres = fmax(log(r.far / near) / (side - 3), light->texel_metres);
     light->near_metres  = near * exp(-light->voxel_metres);

@@ -1,4 +1,4 @@
-/* Fitting a light's maps; see light_fit.h.
+/* Fit the maps of a light; see light_fit.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/light/light_fit.h"
 
@@ -14,7 +14,7 @@ static void axes_from_direction(double axes[3][3], const double *direction)
     static const double up[3] = {0, 1, 0}, east[3] = {1, 0, 0};
     double              v[3];
     vec3_cross(up, direction, axes[0]);
-    /* no horizontal axis lies across light from straight above: u is then along world x */
+    /* light from straight above has no unique horizontal axis: use world x for u */
     if (vec3_dot(axes[0], axes[0]) < 1e-6) {
         vec3_cross(direction, east, v);
         vec3_cross(v, direction, axes[0]);
@@ -25,13 +25,13 @@ static void axes_from_direction(double axes[3][3], const double *direction)
     memcpy(axes[2], direction, sizeof axes[2]);
 }
 
-/* extent: along the axes, metres */
+/* extent  along the axes, metres */
 static void extend_along(box *extent, double axes[3][3], const double *point)
 {
     box_add(extent, (double[3]){vec3_dot(axes[0], point), vec3_dot(axes[1], point), vec3_dot(axes[2], point)});
 }
 
-/* The format has room for 63 bytes: longer names are cut at a whole UTF-8 character. */
+/* The format stores up to 63 bytes. Longer names are cut between UTF-8 characters. */
 static void set_name(vxs_light *light, const char *name, message *m)
 {
     size_t length = strlen(name);
@@ -87,7 +87,7 @@ static vxs_result sun_fit(vxs_light *light, const casters *c, const light_fit_de
     light->texel_metres = texel;
     light->voxel_metres = voxel;
 
-    /* rows of ls_from_ws: casters in the middle of u and v, one voxel behind the near plane */
+    /* rows of ls_from_ws: casters centred in u and v, one voxel behind the near plane */
     double determinant = 1;
     for (int row = 0; row < 3; row++) {
         double unit   = row < 2 ? texel : voxel;
@@ -96,7 +96,7 @@ static vxs_result sun_fit(vxs_light *light, const casters *c, const light_fit_de
         light->ls_from_ws[row * 4 + 3] = before - extent.min[row] / unit;
         determinant /= unit;
     }
-    /* what the format asks of a transform */
+    /* the format requires an invertible transform */
     if (!isfinite(determinant) || determinant == 0)
         return fail(m, VXS_E_ARGUMENT, "%s spans %g x %g m seen from light '%s': no map can be fitted to it",
                     desc->region_ws ? "--region" : "the scene", width, depth, desc->name);
@@ -105,7 +105,7 @@ static vxs_result sun_fit(vxs_light *light, const casters *c, const light_fit_de
 
 vxs_result light_fit(vxs_light *light, const casters *c, const light_fit_desc *desc, message *m)
 {
-    static const double ahead[3] = {0, 0, 1}; /* the cube of a point light stands along the axes of the world */
+    static const double ahead[3] = {0, 0, 1}; /* a point light's cube is aligned with the world axes */
     double              axes[3][3];
     memset(light, 0, sizeof *light);
     set_name(light, desc->name, m);

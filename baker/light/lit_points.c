@@ -1,4 +1,4 @@
-/* Points of the casters that a light can light; see lit_points.h.
+/* Random points that a light can light; see lit_points.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/light/lit_points.h"
 
@@ -11,11 +11,11 @@
 
 enum { SEED = 0x11f7 };
 
-/* Triangles that may be in reach, with the sum of their areas. */
+/* Triangles that may be in reach, with the prefix sums of their areas. */
 typedef struct candidates {
     size_t    count;
     uint32_t *triangles; /* [count] */
-    double   *area_to;   /* [count] square metres of all up to this one */
+    double   *area_to;   /* [count] total square metres up to and including each triangle */
 } candidates;
 
 static double cross_length(const double *a, const double *b, const double *c)
@@ -32,7 +32,7 @@ static const double *corner_of(const casters *c, size_t triangle, size_t n)
     return c->positions_ws + 3 * (size_t)c->indices[3 * triangle + n];
 }
 
-/* What of a ball may be in reach, without trigonometry for each of many. */
+/* 1 when a ball may be in reach. The caller computes cosine and sine of the cone once. */
 static int touches(const light_shape *shape, double cosine, double sine, const reach_run *run)
 {
     double way[3], r = run->radius_m;
@@ -50,7 +50,7 @@ static size_t end_of_run(const lit_points_desc *d, size_t run)
     return (run + 1) * REACH_RUN < d->c->triangle_count ? (run + 1) * REACH_RUN : d->c->triangle_count;
 }
 
-/* Every step-th triangle of the runs that are touched. Returns how many. */
+/* Take every step-th triangle of the touched runs. Returns how many. */
 static size_t take(candidates *out, const lit_points_desc *d, const uint8_t *touched, size_t step)
 {
     const casters *c     = d->c;
@@ -69,7 +69,7 @@ static size_t take(candidates *out, const lit_points_desc *d, const uint8_t *tou
     return count;
 }
 
-/* Returns 0 when there is none. */
+/* Returns 0 when there are none. */
 static int find_candidates(candidates *k, const lit_points_desc *d)
 {
     uint8_t *touched = malloc(d->reach->run_count + 1);
@@ -77,7 +77,7 @@ static int find_candidates(candidates *k, const lit_points_desc *d)
     size_t   step = 1;
     for (size_t run = 0; touched && run < d->reach->run_count; run++) {
         touched[run] = (uint8_t)touches(d->shape, cosine, sine, &d->reach->runs[run]);
-        k->count += touched[run] ? end_of_run(d, run) - run * REACH_RUN : 0; /* without an object, fewer */
+        k->count += touched[run] ? end_of_run(d, run) - run * REACH_RUN : 0; /* fewer if an object is left out */
     }
     if (d->triangles_max && k->count > d->triangles_max) step = (k->count + d->triangles_max - 1) / d->triangles_max;
     k->triangles = malloc((k->count / step + 1) * sizeof *k->triangles);
@@ -87,7 +87,7 @@ static int find_candidates(candidates *k, const lit_points_desc *d)
     return k->count && k->area_to[k->count - 1] > 0;
 }
 
-/* The candidate at this share of the whole area. */
+/* The candidate at a given share of the total area. */
 static size_t candidate_at(const candidates *k, double share)
 {
     double area = share * k->area_to[k->count - 1];
@@ -109,7 +109,7 @@ static double polygon_area(const map_polygon *p)
     return area;
 }
 
-/* A uniform point of a convex polygon. */
+/* A uniformly distributed point of a convex polygon. */
 static void point_in(const map_polygon *p, double area, rng *random, double out[3])
 {
     double left = rng_unit(random) * area, u = sqrt(rng_unit(random)), v = rng_unit(random);
@@ -123,13 +123,14 @@ static void point_in(const map_polygon *p, double area, rng *random, double out[
         out[axis] = (1 - u) * p->corners[0].at[axis] + u * ((1 - v) * p->corners[n].at[axis] + v * p->corners[n + 1].at[axis]);
 }
 
-/* Of a map of a lamp without its border, in which the faces of a cube overlap. */
+/* Half width of a map at one metre, without the border, where the maps of a cube overlap. */
 static double slope_of(const lit_points_desc *d)
 {
     return vxs_map_count(d->light) > 1 ? 1 : tan(d->shape->outer_rad);
 }
 
-/* What of a triangle a map of a lamp sees, in map space: the range is cut flat, points beyond it are left out later. */
+/* The part of a triangle that a map of a spot or point light sees, in map space. The range is cut by a plane here; points beyond it
+ * are rejected later. */
 static void seen_part(const lit_points_desc *d, const map_frame *frame, const map_sides *sides, int map, size_t t, map_polygon *out)
 {
     map_polygon triangle = {.count = 3}, kept;
@@ -138,7 +139,7 @@ static void seen_part(const lit_points_desc *d, const map_frame *frame, const ma
     for (size_t n = 0; n < 3; n++) map_space_from_ws(frame, corner_of(d->c, t, n), triangle.corners[n].at);
     if (!map_sides_touch(sides, &triangle) || map_space_behind(d->light, map, &triangle)) return;
     map_sides_clip(sides, &triangle, &kept);
-    for (int n = 0; n < MAP_SIDES; n++) range.n[n][3] = 1; /* all is inside of these */
+    for (int n = 0; n < MAP_SIDES; n++) range.n[n][3] = 1; /* always inside */
     if (isfinite(d->shape->range_m)) {
         range.n[0][2] = -1;
         range.n[0][3] = d->shape->range_m;
@@ -153,7 +154,7 @@ static void ws_from_map_space(const map_frame *f, const double at[3], double out
     for (int n = 0; n < 3; n++) vec3_mad(out, (n == 2 ? at[n] * f->unit : at[n]) - f->rows[n][3], f->rows[n], out);
 }
 
-/* A point of what a lamp sees of a triangle.   Returns 0 when it sees nothing there. */
+/* A random point of the visible part of a triangle. Returns 0 when no part is visible. */
 static int point_of_lamp(lit_point *out, const lit_points_desc *d, const map_sides *sides, size_t t, rng *random)
 {
     map_polygon seen[VXS_CUBE_FACES];

@@ -7,7 +7,7 @@
 
 #include "formats/vxs_space.h"
 
-/* A caster may come nearer than the near plane of a light that hangs in it; what is nearer than this share of it is cut off. */
+/* Casters may be nearer than the near plane. Parts nearer than this share of it are clipped. */
 #define NEAREST_SHARE (1.0 / 1024)
 
 map_frame map_frame_of(const vxs_light *light, int map)
@@ -18,7 +18,7 @@ map_frame map_frame_of(const vxs_light *light, int map)
     return f;
 }
 
-/* Metres along a spot's direction. */
+/* Metres along the direction of a spot light. */
 static double along_spot(int face, const double at[3])
 {
     int n = vxs_face_axis_from_ls(face, 2);
@@ -67,7 +67,8 @@ int map_sides_touch(const map_sides *s, const map_polygon *triangle)
     return 1;
 }
 
-/* Where the edge from a corner inside to one outside leaves: computed in that direction, whichever way the edge is walked. */
+/* Intersection of an edge with a side. Always computed from the inside corner to the outside one, so that both triangles of an edge
+ * get the same result. */
 static map_corner crossing(const map_corner *inside, double d_inside, const map_corner *outside, double d_outside)
 {
     map_corner c;
@@ -77,7 +78,7 @@ static map_corner crossing(const map_corner *inside, double d_inside, const map_
     return c;
 }
 
-/* Sutherland and Hodgman, 1974. Returns 0 when all of it is inside. */
+/* Clipping by Sutherland and Hodgman, 1974. Returns 0 when all of it is inside. */
 static int clip(const double side[4], const map_polygon *polygon, map_polygon *out)
 {
     double d[MAP_CORNERS_MAX];
@@ -100,7 +101,7 @@ int map_sides_clip(const map_sides *s, const map_polygon *triangle, map_polygon 
     map_polygon kept;
     int         clipped = 0;
     *out                = *triangle;
-    /* the tip first: the sides of a pyramid mean something only in front of it */
+    /* the last side (the tip) first: the other sides are only valid in front of it */
     for (int n = MAP_SIDES - 1; n >= 0 && out->count; n--)
         if (clip(s->n[n], out, &kept)) {
             *out    = kept;

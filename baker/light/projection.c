@@ -1,4 +1,4 @@
-/* Projecting casters into a map; see projection.h.
+/* Project casters into a map; see projection.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/light/projection.h"
 
@@ -23,11 +23,11 @@ typedef struct projector {
     map_frame        frame;
     map_corner      *corners; /* [casters->vertex_count] in map space */
     map_sides        touch, keep;
-    uint32_t        *slot; /* [casters->vertex_count] its vertex in the projection, or NONE */
+    uint32_t        *slot; /* [casters->vertex_count] vertex number in the projection, or NONE */
     size_t           vertex_capacity, triangle_capacity, uvq_capacity, meets_capacity, sides_capacity;
-    uint8_t          meets;                               /* of the caster that is added: 1: its solid meets another or itself */
-    uint8_t          double_sided;                        /* the same: 1: both its sides are seen */
-    int              leaves_bounds[PARALLEL_THREADS_MAX]; /* by worker: 1: a vertex is far outside the map */
+    uint8_t          meets;                               /* for the current caster; 1: its solid meets another solid or itself */
+    uint8_t          double_sided;                        /* for the current caster; 1: double-sided */
+    int              leaves_bounds[PARALLEL_THREADS_MAX]; /* by worker; 1: a vertex is far outside the map */
 } projector;
 
 static vertex_ls project(const projector *w, const double at[3])
@@ -44,7 +44,7 @@ static void transform_vertices(void *user, size_t begin, size_t end, uint32_t wo
     for (size_t n = begin; n < end; n++) map_space_from_ws(&w->frame, w->p->casters->positions_ws + 3 * n, w->corners[n].at);
 }
 
-/* Those of a sun, which all may be in bounds. */
+/* Project vertices for a directional light; often all of them are in bounds. */
 static void project_vertices(void *user, size_t begin, size_t end, uint32_t worker)
 {
     projector *w    = user;
@@ -58,7 +58,7 @@ static void project_vertices(void *user, size_t begin, size_t end, uint32_t work
 
 /* one caster ------------------------------------------------------------------------------------------------------------------ */
 
-/* The index of a new vertex, or NONE. */
+/* Returns the index of a new vertex, or NONE. */
 static uint32_t add_vertex(projector *w, const double at[3])
 {
     projection *p = w->p;
@@ -68,7 +68,7 @@ static uint32_t add_vertex(projector *w, const double at[3])
     return (uint32_t)p->vertex_count++;
 }
 
-/* The corners of the triangle that is added next, in the image of its alpha mask. */
+/* Store the image coordinates of the next triangle's corners. */
 static int add_uvq(projector *w, const map_corner *const corners[3])
 {
     projection *p     = w->p;
@@ -107,7 +107,7 @@ static int add_whole(projector *w, const uint32_t *caster, const map_polygon *tr
     return (!has_holes || add_uvq(w, of)) && add_triangle(w, corners);
 }
 
-/* A convex polygon as triangles around its first corner. */
+/* Add a convex polygon as a triangle fan from its first corner. */
 static int add_polygon(projector *w, const map_polygon *polygon, int has_holes)
 {
     uint32_t corners[3];
@@ -144,13 +144,13 @@ static int add_caster(projector *w, size_t n)
 
 /* the casters ----------------------------------------------------------------------------------------------------------------- */
 
-/* Where triangles with holes begin. */
+/* First triangle with holes. */
 static size_t opaque_end(const casters *c)
 {
     return c->alpha_mask_count ? c->holed_first : c->triangle_count;
 }
 
-/* Casters [first, end), in order. */
+/* Add casters [first, end) in order. */
 static int add_run(projector *w, size_t first, size_t end)
 {
     for (size_t n = first; n < end; n++)
@@ -185,7 +185,7 @@ static int add_casters(projector *w, uint32_t threads)
     return 1;
 }
 
-/* Project all vertices. Returns 0 when some are not in bounds, or there is no memory. */
+/* Project all vertices. Returns 0 when some are out of bounds, or without memory. */
 static int project_all(projector *w, uint32_t threads)
 {
     projection *p       = w->p;
@@ -200,7 +200,7 @@ static int project_all(projector *w, uint32_t threads)
     return 0;
 }
 
-/* All vertices are in bounds: the casters' own triangles serve. */
+/* All vertices are in bounds: use the casters' own triangles. */
 static int take_casters(projector *w)
 {
     projection    *p        = w->p;
@@ -234,7 +234,7 @@ vxs_result projection_init(projection *p, const casters *c, const vxs_light *lig
     return complete ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory for the vertices of a map");
 }
 
-/* Items of the triangles that are kept move to `to`, which may be `items`.
+/* Copy the items of kept triangles to `to`, which may be `items`.
  * items  of triangles [first, end), size_bytes each */
 static void keep_items(void *to, const void *items, size_t size_bytes, const uint8_t *kept, size_t first, size_t end)
 {
@@ -247,8 +247,8 @@ static void keep_items(void *to, const void *items, size_t size_bytes, const uin
     }
 }
 
-/* A number of triangles becomes that of the kept ones among them. Calls come with ascending numbers.
- * counted, found  [in, out] triangles that were looked at, and kept ones among them; 0 at first */
+/* Replace a triangle number by the number of kept triangles before it. Call with ascending numbers.
+ * counted, found  [in, out] triangles counted so far, and kept ones among them; 0 at first */
 static void keep_count(size_t *count, const uint8_t *kept, size_t *counted, size_t *found)
 {
     for (; *counted < *count; ++*counted) *found += kept[*counted];

@@ -1,4 +1,4 @@
-/* Casters that a light reaches; see reach.h.
+/* Index of casters in reach of a light; see reach.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/light/reach.h"
 
@@ -40,7 +40,8 @@ void reach_free(reach_index *x)
     memset(x, 0, sizeof *x);
 }
 
-/* A cone about all of the map: its corners, and its border, which is an eighth of its side at most on each side. A little more. */
+/* Slope of a cone around the whole map: its corners and its border, which is at most an eighth of the map's side at each side.
+ * Rounded up a little. */
 static double slope_around(const light_shape *light)
 {
     return tan(light->outer_rad) * (4.0 / 3) * sqrt(2) * 1.02;
@@ -52,16 +53,16 @@ static int touches_cone(const reach_run *run, const light_shape *light, double s
     vec3_sub(run->center_ws, light->position_ws, from);
     double along = vec3_dot(from, light->direction_ws);
     vec3_mad(from, -along, light->direction_ws, across);
-    double beside = sqrt(vec3_dot(across, across)) - along * slope; /* across the axis, beyond the cone */
+    double beside = sqrt(vec3_dot(across, across)) - along * slope; /* distance from the axis minus the cone's radius */
     return along > -run->radius_m && beside <= run->radius_m * sqrt(1 + slope * slope);
 }
 
-/* arrays of the casters that are kept ------------------------------------------------------------------------------------------- */
+/* arrays of the casters that are kept ------------------------------------------------------------------------------------------ */
 
 typedef struct keeper {
     casters       *out;
     const casters *c;
-    uint32_t      *slot; /* [c->vertex_count] 1 + its vertex in out; 0: none yet */
+    uint32_t      *slot; /* [c->vertex_count] 1 + vertex number in out; 0: not copied yet */
 } keeper;
 
 static uint32_t keep_vertex(keeper *k, uint32_t vertex)
@@ -98,7 +99,7 @@ static void keep_runs(keeper *k, const uint8_t *kept, size_t run_count)
         for (size_t t = n * REACH_RUN; t < (n + 1) * REACH_RUN && t < k->c->triangle_count && kept[n]; t++) keep_triangle(k, t);
     casters *out = k->out;
     if (!out->alpha_mask_first) return;
-    /* counts of each mask become where it starts */
+    /* prefix sums: counts of each mask become first indices */
     out->alpha_mask_first[0] = out->holed_first;
     for (size_t mask = 0; mask < out->alpha_mask_count; mask++) out->alpha_mask_first[mask + 1] += out->alpha_mask_first[mask];
 }

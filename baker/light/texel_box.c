@@ -1,15 +1,15 @@
-/* The texels that a triangle may touch; see texel_box.h.
+/* Bounding boxes of triangles in texels; see texel_box.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/light/texel_box.h"
 
-/* A texel index within int32_t whatever the coordinate; boxes far outside the map stay far outside. */
+/* Clamp a coordinate, so that it fits an int32_t. Boxes far outside the map stay far outside. */
 static double in_range(double t)
 {
     t = t > -1e9 ? t : -1e9;
     return t < 1e9 ? t : 1e9;
 }
 
-/* The first texel at t or after it, and the last one at t or before it. */
+/* First texel at or after t; last texel at or before t. */
 static int32_t texel_from(double t)
 {
     int32_t index = (int32_t)in_range(t);
@@ -38,7 +38,7 @@ texel_box texel_box_of(const projection *p, size_t triangle)
 {
     const uint32_t  *t = p->indices + 3 * triangle;
     const vertex_ls *a = &p->vertices[t[0]], *b = &p->vertices[t[1]], *c = &p->vertices[t[2]];
-    /* centres lie at half texels; snapping may move an edge by half a subtexel */
+    /* texel centres are at half integers; snapping may move an edge by half a subtexel */
     const double     slack = 0.5 / SUBTEXELS;
     return (texel_box){
         texel_from(least(a->u, b->u, c->u) - 0.5 - slack),

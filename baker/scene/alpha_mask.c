@@ -1,10 +1,10 @@
-/* Where an alpha-tested material has a surface; see alpha_mask.h.
+/* Evaluates alpha masks; see alpha_mask.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/scene/alpha_mask.h"
 
 #include <math.h>
 
-/* The same place within two periods of the wrap mode, so that pixels can be numbered by whole numbers. */
+/* The equivalent coordinate within two periods of the wrap mode, so that pixel numbers fit integers. */
 static double reduced(double u, texture_wrap wrap)
 {
     if (!isfinite(u)) return 0;

@@ -1,6 +1,6 @@
 /* The fingerprint of a scene; see fingerprint.h.
  *
- * Hashed are numbers one by one, as 64-bit words, never structs: what lies between their members is nobody's.
+ * Numbers are hashed one by one, as 64-bit words. Structs are never hashed, because their padding is undefined.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/scene/fingerprint.h"
 
@@ -15,7 +15,7 @@
 
 enum { BUFFER_WORDS = 512 };
 
-/* Words are collected: the hash takes many at once much faster than one by one. */
+/* Words are buffered: hashing many at once is much faster. */
 typedef struct hasher {
     XXH3_state_t state;
     uint64_t     words[BUFFER_WORDS];
@@ -40,7 +40,7 @@ static void hash_word(hasher *h, uint64_t word)
     h->words[h->count++] = htole64(word);
 }
 
-/* -0 equals 0, and there is one NaN. */
+/* Normalizes -0 to 0, and all NaN to one. */
 static void hash_number(hasher *h, double number)
 {
     uint64_t bits;
@@ -102,7 +102,7 @@ mask_fingerprint alpha_mask_fingerprint(const alpha_mask *mask, const alpha_imag
     return (mask_fingerprint){hash.low64, hash.high64};
 }
 
-/* Which triangles they are, the geometry tells. */
+/* Triangle numbers are not hashed: the geometry hash already includes which triangles have holes. */
 static vxs_result take_alpha_masks(hasher *h, const scene *s, char text[FINGERPRINT_BYTES], message *m)
 {
     XXH128_hash_t *masks = calloc(s->alpha_mask_count + 1, sizeof *masks);

@@ -1,4 +1,4 @@
-/* Which lights a command works on; see light_choice.h.
+/* Selection of lights; see light_choice.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/scene/light_choice.h"
 
@@ -31,7 +31,8 @@ static const chosen_light *find(const light_choice *lights, const char *name)
     return NULL;
 }
 
-/* " (node 3 'Lamp')", what the file calls the node of a light; "" where it came from no file. A name that is the light's is not said again. */
+/* " (node 3 'Lamp')": the node of a light; "" for a light without a file. The node's name is left out if it equals the light's
+ * name. */
 static const char *node_text(char text[128], const char *light_name, uint32_t node, const char *node_name)
 {
     char shown[65];
@@ -65,7 +66,7 @@ static const char *meant_light(const light_choice *lights, const char *name, cha
     return nearest_text(text, &near);
 }
 
-/* As JSON has to be: what is no UTF-8 is no string there. */
+/* JSON strings must be UTF-8. */
 static int is_utf8(const char *text)
 {
     json_t *string = json_string(text);
@@ -73,7 +74,7 @@ static int is_utf8(const char *text)
     return string != NULL;
 }
 
-/* What there is to choose from: the scene's lights, and the suns, in the place of those that have their names. */
+/* All candidates: the scene's lights, and the suns, which replace lights of the same name. */
 static vxs_result add_all(const scene *s, const named_list *suns, light_choice *all, message *m)
 {
     for (size_t i = 0; i < s->light_count; i++)
@@ -93,7 +94,8 @@ static vxs_result add_all(const scene *s, const named_list *suns, light_choice *
     return VXS_OK;
 }
 
-/* A light by the name of its node.   count  [out] how many there are */
+/* Find a light by the name of its node.
+ * count  [out] number of matches */
 static const chosen_light *find_by_node(const light_choice *lights, const char *name, size_t *count)
 {
     const chosen_light *found = NULL;
@@ -184,7 +186,7 @@ static void warn_about_dark_lights(const scene *s, message *m)
              dark - SHOWN);
 }
 
-/* Of lights that are chosen: what of them is not read as it is written. */
+/* Warn of chosen lights with properties that are not used as given. */
 static void warn_about_odd_lights(const light_choice *chosen, message *m)
 {
     size_t odd = 0;

@@ -1,4 +1,4 @@
-/* Which lights a command works on: --light NAME and --sun [NAME=]X,Y,Z against the lights of a scene.
+/* Selection of lights for a command: --light NAME and --sun [NAME=]X,Y,Z, applied to the lights of a scene.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef LIGHT_CHOICE_H
 #define LIGHT_CHOICE_H
@@ -6,56 +6,58 @@
 #include "baker/base/text.h"
 #include "baker/scene/scene.h"
 
-/* The name of the light that --sun adds without a name. */
+/* Name of a light that --sun adds without a name. */
 #define SUN_NAME "sun"
 
 typedef struct chosen_light {
-    const char        *name; /* the scene's, or that of --sun; borrowed */
+    const char        *name; /* from the scene or from --sun; borrowed */
     light_shape        shape;
-    int                is_option; /* nonzero: --sun gives it, not the scene */
-    const scene_light *light;     /* the scene's; NULL: --sun gives it */
+    int                is_option; /* nonzero: given by --sun */
+    const scene_light *light;     /* the scene's light; NULL: given by --sun */
 } chosen_light;
 
 typedef struct light_choice {
     size_t        count;  /* at least 1 on success */
-    chosen_light *lights; /* [count] owned; no two have the same name */
+    chosen_light *lights; /* [count] owned; names are unique */
 } light_choice;
 
-/* 1 when a pattern names a light: by a name with the wildcards of a shell, "lamp*", or by its number from 0, "#3". */
+/* 1 when a pattern matches a light: a name with shell wildcards, "lamp*", or its number from 0, "#3". */
 int light_name_matches(const char *pattern, size_t number, const char *name);
 
 /* Choose lights.
- *   neither option         all lights of the scene that shine, in its order; those that do not, or cannot be baked, are warned of
- *   --light NAME ...       those, in the order given, by their names or by those of their nodes; what cannot be baked is an error. Where no light
- *                          and no node has that name, it is a pattern, and stands for all that it names, in the scene's order, but for those that
- *                          are there already
- *   --sun NAME=X,Y,Z ...   suns, each in place of the scene's own light of that name; last, or where --light NAME asks for one
- * names   the values of --light
- * suns    those of --sun, all with a name: the way sunlight travels, of any length but zero
+ *   neither option         all lights of the scene that emit light, in its order; a warning lists the dark ones and those that
+ *                          cannot be baked
+ *   --light NAME ...       those, in the given order, by their name or their node's name; a light that cannot be baked is an error.
+ *                          If no light or node has the name, it is a pattern for all matching lights that are not chosen yet, in
+ *                          the scene's order
+ *   --sun NAME=X,Y,Z ...   directional lights; each replaces the scene's light of that name. They come last, or at the place where
+ *                          --light names them
+ * names   values of --light
+ * suns    values of --sun, all with names: the direction in which sunlight travels, of any nonzero length
  * chosen  [out] zeroed on failure; released with light_choice_free; borrows names from s and suns
- * Returns VXS_OK, VXS_E_NO_LIGHT (neither option, and no light that shines), VXS_E_ARGUMENT (unknown name, name given twice, a light that
- * cannot be baked, sun of length zero, or whose name is none that a file can hold), VXS_E_MEMORY. */
+ * Returns VXS_OK; VXS_E_NO_LIGHT (neither option, and no light that emits light); VXS_E_ARGUMENT (unknown name, name given twice, a
+ * light that cannot be baked, a sun of length zero or with a name that the format cannot store); VXS_E_MEMORY. */
 vxs_result lights_choose(const scene *s, const text_list *names, const named_list *suns, light_choice *chosen, message *m);
 
-/* Warn of lights of the file that cannot be baked, as lights_choose does where all are meant. */
+/* Warn of lights of the file that cannot be baked, as lights_choose does without options. */
 void warn_about_lost_lights(const scene *s, message *m);
 
-/* The same as a question to a scene before a triangle is placed. */
+/* The same selection, made by a scene_check before triangles are placed. */
 typedef struct light_question {
     const text_list  *names;
     const named_list *suns;
     light_choice     *chosen;                                    /* [out] */
-    vxs_result (*judge)(const light_choice *chosen, message *m); /* what a command has to say of them */
+    vxs_result (*judge)(const light_choice *chosen, message *m); /* the command's own check of the chosen lights */
 } light_question;
 
-/* The check that asks it: for scene_load_gltf_checked, while the question lives. */
+/* A check for scene_load_gltf_checked. Valid while the question exists. */
 scene_check light_question_check(light_question *q);
 
-/* Returns VXS_OK when every name that an option has a value for is that of a chosen light, or VXS_E_ARGUMENT.
- * option  "--resolution" */
+/* Check that each name in the values of an option is the name of a chosen light. Returns VXS_OK or VXS_E_ARGUMENT.
+ * option  for messages: "--resolution" */
 vxs_result light_choice_require(const light_choice *chosen, const char *option, const named_list *values, message *m);
 
-/* 1 when a light may have the name: 1 to VXS_LIGHT_NAME_BYTES - 1 bytes of UTF-8. */
+/* 1 when a name is valid for a light: 1 to VXS_LIGHT_NAME_BYTES - 1 bytes of UTF-8. */
 int light_name_is_sound(const char *name);
 
 /* Accepts a zeroed object. */

@@ -1,4 +1,4 @@
-/* What is probably wrong with lights; see light_warnings.h.
+/* Warnings of probable mistakes in lights; see light_warnings.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/scene/light_warnings.h"
 
@@ -9,7 +9,8 @@
 
 #include "baker/base/vec3.h"
 
-/* What rounding to float and back leaves: of unit vectors and radians, of metres, and of a share. Sun at the horizon is none from below. */
+/* Tolerance for values that were rounded to float: unit vectors, radians, metres, shares. A sun at the horizon does not count as
+ * below it. */
 #define ALIKE 1e-4
 
 void warn_about_sun(const char *name, const double direction_ws[3], message *m)
@@ -20,10 +21,10 @@ void warn_about_sun(const char *name, const double direction_ws[3], message *m)
     warn(m,
          "light '%s' travels upward, (%.3g, %.3g, %.3g), as from a sun below the horizon: the direction is the way light travels; "
          "turn it round, or give --sun %.3g,%.3g,%.3g",
-         name, d[0], d[1], d[2], 0 - d[0], 0 - d[1], 0 - d[2]); /* no -0 */
+         name, d[0], d[1], d[2], 0 - d[0], 0 - d[1], 0 - d[2]); /* avoids -0 */
 }
 
-/* A node that was never turned: the scene's sun shines along the ground, which it only grazes. */
+/* Warn of a node that was never rotated: its light travels horizontally and only grazes the ground. */
 static void warn_about_unturned(const chosen_light *light, message *m)
 {
     const double *d = light->shape.direction_ws;
@@ -57,7 +58,7 @@ static int shapes_alike(const light_shape *a, const light_shape *b)
     if (a->kind != LIGHT_POINT && !near_by(a->direction_ws, b->direction_ws)) return 0;
     if (a->kind == LIGHT_DIRECTIONAL) return 1;
     if (a->kind == LIGHT_SPOT && fabs(a->outer_rad - b->outer_rad) > ALIKE) return 0;
-    int ranges_alike = a->range_m == b->range_m || fabs(a->range_m - b->range_m) <= ALIKE * a->range_m; /* no range is infinity */
+    int ranges_alike = a->range_m == b->range_m || fabs(a->range_m - b->range_m) <= ALIKE * a->range_m; /* both may be INFINITY */
     return ranges_alike && near_by(a->position_ws, b->position_ws);
 }
 
@@ -66,7 +67,7 @@ static int same_but_for_case(const char *a, const char *b)
     return !strcasecmp(a, b) && strcmp(a, b) != 0;
 }
 
-/* Two lights are one. What the command line gives is easier left out than what the scene has. */
+/* Warn of two equal lights. The advice is to drop the one given on the command line, if any: that is easier. */
 static void warn_about_twins(const chosen_light *first, const chosen_light *second, message *m)
 {
     const chosen_light *option      = second->is_option ? second : first->is_option ? first : NULL;
@@ -76,7 +77,7 @@ static void warn_about_twins(const chosen_light *first, const chosen_light *seco
          remedy);
 }
 
-/* The first light before `light` for which a question is answered by yes is named; one is enough. */
+/* Warn of the first earlier light with the same shape, and of the first one whose name differs only in case. */
 static void warn_about_pairs(const light_choice *chosen, const chosen_light *light, message *m)
 {
     const chosen_light *other = chosen->lights;

@@ -1,4 +1,4 @@
-/* The scene as plain arrays; see scene.h. Loaders fill it, everybody else only reads it.
+/* Data structures of a scene; see scene.h. Loaders fill them; other code only reads them.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/scene/scene.h"
 

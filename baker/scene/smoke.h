@@ -1,4 +1,4 @@
-/* Smoke, hair and dust of a scene: capsules that dim light.
+/* Smoke, hair and dust of a scene: capsules that attenuate light.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SMOKE_H
 #define SMOKE_H
@@ -8,17 +8,18 @@
 
 #include "runtime/volumes/vxs_capsule.h"
 
-#define SMOKE_CAPSULES_MAX (1u << 24) /* of a scene; as of a map of transmittance */
+#define SMOKE_CAPSULES_MAX (1u << 24) /* limit of a scene, and of a transmittance map */
 
 typedef struct scene_smoke {
-    double   origin_ws[3]; /* places of capsules count from there: floats do for a cloud, but not for where in the world it is */
-    uint32_t count;
-    vxs_capsule *list;   /* [count] radii and extinctions more than 0; owned by the scene */
-    float (*albedos)[3]; /* [count] the share of what a capsule takes that it scatters, linear, 0 to 1; owned likewise */
+    double       origin_ws[3]; /* origin of the capsules' coordinates: floats are precise enough within a cloud, but not for its
+                              position in the world */
+    uint32_t     count;
+    vxs_capsule *list;   /* [count] radii and extinctions are positive; owned by the scene */
+    float (*albedos)[3]; /* [count] single-scattering albedo: scattering / extinction, linear, [0, 1]; owned by the scene */
 } scene_smoke;
 
-/* As wide as a radius at least, and as much less dense as it is larger then, a cylinder and a ball: what rays far apart miss at times, they meet, and it takes as much
- * light in all, while that is little. */
+/* Widen a capsule to a minimum radius, and reduce its extinction by the ratio of the volumes, so that its total attenuation stays
+ * the same while it is small. Then sparse rays do not miss thin capsules. */
 static inline vxs_capsule smoke_widened(vxs_capsule c, double least_metres)
 {
     double radius = (double)c.radius_metres, part = radius / least_metres, square = 0;
@@ -30,7 +31,7 @@ static inline vxs_capsule smoke_widened(vxs_capsule c, double least_metres)
     return c;
 }
 
-/* Places from the eye, and not from the origin. */
+/* Make positions relative to the eye instead of the origin. */
 static inline void smoke_from_eye(const scene_smoke *smoke, vxs_capsule *c, const double eye_ws[3])
 {
     for (int n = 0; n < 3; n++) {

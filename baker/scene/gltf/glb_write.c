@@ -1,5 +1,4 @@
-/* Triangle meshes, materials with holes, smoke, lights and cameras as a binary glTF 2.0 file (glTF 2.0 specification, section 4, "GLB File
- * Format").
+/* Write a binary glTF 2.0 file; see glb_write.h (glTF 2.0 specification, section 4, "GLB File Format").
  *
  *     header  magic, version 2, length of the file            3 words
  *     chunk   length, "JSON", text padded with spaces         2 words + text
@@ -45,15 +44,15 @@ enum {
 typedef struct part {
     const void *bytes;
     uint64_t    size_bytes;     /* without padding */
-    int         stride, target; /* 0: not mentioned */
-    void       *owned;          /* NULL, or what to free */
+    int         stride, target; /* 0: left out */
+    void       *owned;          /* memory to free, or NULL */
 } part;
 
-/* The binary chunk: positions, indices, texture coordinates and smoke if there are any, images. */
+/* The binary chunk: positions, indices, texture coordinates and smoke if any, images. */
 typedef struct chunk {
     size_t   part_count;
     part    *parts;
-    size_t   texcoord_part, smoke_part, image_part; /* where those begin */
+    size_t   texcoord_part, smoke_part, image_part; /* numbers of the first parts of these kinds */
     uint64_t size_bytes;                            /* with padding */
 } chunk;
 
@@ -108,7 +107,7 @@ static void chunk_free(chunk *c)
 
 /* ---- the text ---- */
 
-/* Each appends to an array of the root that it makes when it is not there: what a scene has none of is not mentioned. */
+/* Append an item to an array of the root. The array is created at first use, so that empty lists are left out. */
 static int append(json_t *root, const char *list, json_t *item)
 {
     json_t *array = json_object_get(root, list);
@@ -119,7 +118,7 @@ static int append(json_t *root, const char *list, json_t *item)
     return json_array_append_new(array, item);
 }
 
-/* A node, which the scene draws. */
+/* Append a node, and add it to the scene's roots. */
 static int append_node(json_t *root, json_t *node)
 {
     json_t *drawn = json_array_get(json_object_get(root, "scenes"), 0);
@@ -144,18 +143,18 @@ static void quaternion_from_direction(double q[4], const double direction[3])
     double aside = d[0] * d[0] + d[1] * d[1];
     double w     = d[2] > 0 ? aside / (1 + d[2]) : 1 - d[2]; /* 1 - d[2] either way, without cancellation */
     double norm  = sqrt(aside + w * w);
-    if (norm == 0) { /* straight along +Z: half a turn, about any axis across */
+    if (norm == 0) { /* exactly along +Z: half a turn about any perpendicular axis */
         q[0] = q[2] = q[3] = 0;
         q[1]               = 1;
         return;
     }
     q[0] = d[1] / norm;
-    q[1] = 0 - d[0] / norm; /* not -d[0]: no "-0.0" in the file */
+    q[1] = 0 - d[0] / norm; /* avoids "-0.0" in the file */
     q[2] = 0;
     q[3] = w / norm;
 }
 
-/* The largest part is the intensity: a colour's own are 1 at most. */
+/* The largest component becomes the intensity: components of `color` are at most 1. */
 static int set_colour(json_t *light, const double colour[3])
 {
     double intensity = fmax(colour[0], fmax(colour[1], colour[2])), share[3];
@@ -178,7 +177,7 @@ static json_t *json_light(const scene_light *light)
     return NULL;
 }
 
-/* The lights themselves, in front of all else, since nodes come last. */
+/* Write the light definitions. */
 static int set_lights(json_t *root, const glb_scene *s)
 {
     json_t *lights = json_array();
@@ -208,20 +207,20 @@ static int append_light_node(json_t *root, const glb_scene *s, size_t i)
     return 1;
 }
 
-/* All share one camera. */
+/* All camera nodes share one camera. */
 static int append_camera_node(json_t *root, const double position[3])
 {
     return append_node(root, json_pack("{s:s, s:i, s:o}", "name", "camera", "camera", 0, "translation", json_vector(position)));
 }
 
-/* `count` elements of floats from a byte of a buffer view on. */
+/* `count` float elements from an offset in a buffer view. */
 static json_t *float_accessor(size_t view, size_t offset, size_t count, const char *type)
 {
     return json_pack("{s:I, s:I, s:i, s:I, s:s}", "bufferView", (json_int_t)view, "byteOffset", (json_int_t)offset, "componentType",
                      GL_FLOAT, "count", (json_int_t)count, "type", type);
 }
 
-/* places  `stride` floats from one to the next. Bounds are those of finite positions: JSON has no other numbers. */
+/* places  positions, `stride` floats apart. Bounds ignore positions that are not finite, because JSON cannot represent them. */
 static json_t *position_accessor(size_t view, size_t offset, size_t count, const float *places, size_t stride)
 {
     double low[3], high[3];
@@ -303,7 +302,7 @@ static int append_smoke(json_t *root, const chunk *c, const glb_scene *s, size_t
     return failed | append_node(root, json_pack("{s:s, s:I}", "name", smoke->name, "mesh", (json_int_t)(s->mesh_count + i)));
 }
 
-/* What is drawn so far becomes the children of a node that puts it in its place. */
+/* Make all nodes so far children of a node with the translation origin_ws. */
 static int append_origin(json_t *root, const double origin_ws[3])
 {
     json_t *drawn    = json_array_get(json_object_get(root, "scenes"), 0);
@@ -318,7 +317,7 @@ static int has_sampler(const glb_material *material)
     return material->image && (material->wrap_u != WRAP_REPEAT || material->wrap_v != WRAP_REPEAT || material->nearest);
 }
 
-/* Image i is texture i, which repeats and is bilinear. Materials that want another sampler have textures behind these. */
+/* Texture i shows image i, repeated and bilinear. Materials with other samplers have additional textures after these. */
 static size_t texture_of(const glb_scene *s, size_t material)
 {
     if (!has_sampler(&s->materials[material])) return s->materials[material].image - 1;
@@ -393,7 +392,7 @@ static int append_views(json_t *root, const chunk *c)
     return failed;
 }
 
-/* The arrays come in the order in which something is first put into them. */
+/* Arrays appear in the order of their first item. */
 static json_t *json_from_scene(const glb_scene *s, const chunk *c)
 {
     json_t *root   = json_pack("{s:{s:s, s:s}}", "asset", "version", "2.0", "generator", "vxs");
@@ -459,7 +458,7 @@ vxs_result glb_write(const glb_scene *s, output_file *out, message *m)
     json_t    *root = chunk_of(&c, s) ? NULL : json_from_scene(s, &c);
     vxs_result r;
 
-    /* 17 digits bring back the same double; jansson keeps the order of insertion and ignores the locale */
+    /* 17 digits reproduce a double exactly; jansson keeps insertion order and ignores the locale */
     if (root) text = json_print(root, JSON_COMPACT | JSON_REAL_PRECISION(17));
     r = text ? write_file(out, text, &c, m) : fail(m, VXS_E_MEMORY, "out of memory while writing %s", out->name);
     free(text);

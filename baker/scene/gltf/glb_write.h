@@ -1,4 +1,4 @@
-/* Triangle meshes, materials with holes, smoke, lights and cameras as a binary glTF 2.0 file.
+/* Write triangle meshes, materials with holes, smoke, lights and cameras as a binary glTF 2.0 file.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef GLB_WRITE_H
 #define GLB_WRITE_H
@@ -14,57 +14,57 @@
 extern "C" {
 #endif
 
-/* A run of the scene's vertices and triangles; becomes a mesh and a node of that name. */
+/* A range of the scene's vertices and triangles; becomes a mesh and a node with this name. */
 typedef struct glb_mesh {
     char     name[32];
     size_t   vertex_first, vertex_count;
     size_t   triangle_first, triangle_count; /* both counts > 0 */
     uint32_t material;                       /* 1 + index into materials; 0: none */
-    double   translation[3];                 /* metres: where the node puts the mesh's origin */
+    double   translation[3];                 /* metres: translation of the node */
 } glb_mesh;
 
 typedef struct glb_material {
     const char  *name; /* borrowed */
     int          double_sided;
-    double       alpha_cutoff; /* 0: OPAQUE; else alphaMode is MASK with this cutoff, (0, 1] */
-    uint32_t     image;        /* 1 + index into images: the base colour texture; 0: none */
-    double       shines;       /* above 0: the image, times this, is what it shines with, and the base colour is black */
+    double       alpha_cutoff; /* 0: OPAQUE; else alphaMode MASK with this cutoff, (0, 1] */
+    uint32_t     image;        /* 1 + index into images: base colour texture; 0: none */
+    double       shines;       /* above 0: emissive strength: the image is the emissive texture, and the base colour is black */
     texture_wrap wrap_u, wrap_v;
-    int          nearest;   /* 1: the nearest pixel; 0: bilinear */
-    double       colour[3]; /* base colour, linear, 0 to 1; all 0: none is said, which is white */
+    int          nearest;   /* 1: nearest pixel; 0: bilinear */
+    double       colour[3]; /* base colour, linear, [0, 1]; all 0: not written, which means white */
 } glb_material;
 
-/* A run of smoke's vertices; becomes a mesh and a node of that name. */
+/* A range of the smoke vertices; becomes a mesh and a node with this name. */
 typedef struct glb_smoke {
     char     name[32];
-    int      lines; /* 1: each two vertices are a line; 0: points */
+    int      lines; /* 1: LINES, two vertices each; 0: POINTS */
     size_t   vertex_first, vertex_count;
     uint32_t material; /* 1 + index into materials; 0: none */
 } glb_smoke;
 
-/* As the file has it: attributes side by side. */
+/* Layout in the file: interleaved attributes. */
 typedef struct glb_smoke_vertex {
-    float place[3], radius_metres, extinction; /* per metre; places are metres from the origin */
+    float place[3], radius_metres, extinction; /* extinction per metre; place in metres from the origin */
 } glb_smoke_vertex;
 
 /* Stored as PNG. */
 typedef struct glb_image {
     uint32_t width_px, height_px; /* 1 to ALPHA_IMAGE_MAX_PX each */
-    uint8_t *rgba;                /* [4 * width * height] rows from the top, sRGB and straight alpha; owned */
+    uint8_t *rgba;                /* [4 * width * height] rows from the top, sRGB with straight alpha; owned */
 } glb_image;
 
 typedef struct glb_scene {
     const char *name; /* borrowed, UTF-8 */
 
-    double origin_ws
-        [3]; /* metres: where positions of meshes and places of smoke count from; a root node with this translation holds them. 0,0,0: no such node */
+    /* Origin of the positions of meshes and smoke, metres: the translation of a root node that contains them. 0,0,0: no such
+     * node. */
+    double origin_ws[3];
     size_t vertex_count;
-    float    *
-        positions; /* [3 * vertex_count] metres from the origin, +Y up; owned. What is not finite is written too, for scenes that are broken */
-    float *texcoords; /* [2 * vertex_count] owned; NULL when no mesh has a material with an image */
+    float *positions; /* [3 * vertex_count] metres from the origin, +Y up; owned. May be not finite, for tests of broken scenes */
+    float *texcoords; /* [2 * vertex_count] owned; NULL when no material has an image */
 
     size_t    triangle_count;
-    uint32_t *indices; /* [3 * triangle_count] counted from the mesh's vertex_first; counter-clockwise from outside; owned */
+    uint32_t *indices; /* [3 * triangle_count] relative to the mesh's vertex_first; counter-clockwise from outside; owned */
 
     size_t    mesh_count;
     glb_mesh *meshes; /* [mesh_count] owned */
@@ -76,14 +76,14 @@ typedef struct glb_scene {
     size_t        material_count, image_count, light_count, camera_count;
     glb_material *materials;           /* [material_count] owned */
     glb_image    *images;              /* [image_count] owned */
-    scene_light  *lights;              /* [light_count] directions of any length but 0; owned with their names */
-    double       *camera_positions_ws; /* [3 * camera_count] owned; their directions are not kept */
+    scene_light  *lights;              /* [light_count] directions of any nonzero length; owned, with their names */
+    double       *camera_positions_ws; /* [3 * camera_count] owned; directions are not stored */
 } glb_scene;
 
-/* Write the scene: one node a mesh, then one for each run of smoke, then one a light of KHR_lights_punctual, then one a camera. Positions, texture coordinates and smoke
- * are FLOAT, indices UNSIGNED_INT, one buffer view each, one for each image; what a scene has none of is not mentioned. The same
- * scene gives the same bytes (images: by the same version of libpng).
- * Returns VXS_OK, VXS_E_WRITE, VXS_E_ARGUMENT (more than the 4 GiB a GLB can hold), VXS_E_MEMORY. */
+/* Write the scene. Nodes: one per mesh, one per run of smoke, one per light (KHR_lights_punctual), one per camera. Positions,
+ * texture coordinates and smoke are FLOAT, indices UNSIGNED_INT, in one buffer view each; images have one buffer view each. Empty
+ * lists are left out. The same scene gives the same bytes (images: with the same version of libpng).
+ * Returns VXS_OK, VXS_E_WRITE, VXS_E_ARGUMENT (more than 4 GiB, the limit of GLB), VXS_E_MEMORY. */
 vxs_result glb_write(const glb_scene *s, output_file *out, message *m);
 
 /* Accepts a zeroed object. */

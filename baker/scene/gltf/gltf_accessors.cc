@@ -1,4 +1,4 @@
-/* Accessors (3.6): elements, held against their bufferViews and buffers.
+/* Accessors (3.6): their elements, checked against bufferViews and buffers.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/scene/gltf/gltf_loader.h"
 
@@ -35,7 +35,8 @@ static size_t element_bytes(int type, size_t component)
     return (size_t)tinygltf::GetNumComponentsInType((uint32_t)type) * component;
 }
 
-/* That `count` elements of `size` bytes from `offset` lie in a bufferView, and in what there is of its buffer. Returns how far apart they are. */
+/* Check that `count` elements of `size` bytes from `offset` are inside a bufferView, and inside the available part of its buffer.
+ * Returns the stride. */
 static size_t check_extent(loader &l, const std::string &where, int index, size_t offset, size_t count, size_t size)
 {
     check_view_index(l, where, (size_t)index);
@@ -155,7 +156,7 @@ const elements &use_accessor(loader &l, size_t index)
     return e;
 }
 
-/* The largest value of a type restarts strips and fans; in lists of triangles it is a vertex like others, where there is one. */
+/* The largest value of a type restarts strips and fans. In triangle lists it is an ordinary index, if that vertex exists. */
 void check_index_values(loader &l, const elements &e, size_t vertices, bool restarts)
 {
     size_t largest = e.size == 4 ? (size_t)UINT32_MAX : ((size_t)1 << 8 * e.size) - 1;

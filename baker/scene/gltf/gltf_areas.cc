@@ -1,5 +1,6 @@
-/* What shines, for pictures: two triangles of one primitive that are a parallelogram, of a material with emissiveFactor, times the strength of
- * KHR_materials_emissive_strength and emissiveTexture (3.9.3). The texture is turned to lie as the parallelogram does.
+/* Area lights, for pictures: two triangles of one primitive that form a parallelogram, with an emissive material: emissiveFactor,
+ * times the strength of KHR_materials_emissive_strength, times emissiveTexture (3.9.3). The texture is resampled along the sides of
+ * the parallelogram.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/scene/gltf/gltf_loader.h"
 
@@ -10,8 +11,8 @@
 namespace gltf
 {
 
-static constexpr double GREY       = 0.45; /* of a texture that is not read, as of a base colour's */
-static constexpr double TEXELS_MAX = 2048; /* a side, of one that is turned */
+static constexpr double GREY       = 0.45; /* value of a texture that is not read, as for base colours */
+static constexpr double TEXELS_MAX = 2048; /* maximum side of a resampled texture */
 
 void read_radiance(const json &object, material &m)
 {
@@ -21,14 +22,15 @@ void read_radiance(const json &object, material &m)
     for (int n = 0; n < 3; n++) m.radiance[n] = (float)(strength * factor[n]);
 }
 
-/* Corners of a parallelogram in turn, counter-clockwise as it is seen from the front, and where a texture has them. */
+/* The corners of a parallelogram in order, counter-clockwise seen from the front, with texture coordinates. */
 struct quad {
-    uint32_t element[4]; /* of the placement's accessors */
+    uint32_t element[4]; /* numbers in the placement's accessors */
     double   corner[4][3];
     double   uv[4][2];
 };
 
-/* The triangles share the second and the third corner of the first, of which the fourth is the point's reflection. */
+/* Find the common edge of the two triangles: it is the diagonal between corners 1 and 3. Corner 0 is the other corner of the first
+ * triangle, corner 2 that of the second. Returns false when there is no common edge. */
 static bool quad_of(const loader &l, const placement &p, size_t first, quad &q)
 {
     uint32_t        element[2][3];
@@ -49,7 +51,7 @@ static bool quad_of(const loader &l, const placement &p, size_t first, quad &q)
     return false;
 }
 
-/* Whether the fourth corner of four is where the others say. */
+/* 1 when the fourth corner is where the other three imply. */
 template <size_t count> static bool is_parallelogram(const double (&corner)[4][count])
 {
     double off = 0, size = 0;
@@ -71,7 +73,7 @@ static size_t wrapped(double texels, size_t count, texture_wrap wrap)
     return (size_t)turn % count;
 }
 
-/* How many texels lie along a side. */
+/* Number of texels along a side. */
 static uint32_t texels_along(const image_colours &image, const double from[2], const double to[2])
 {
     double count = std::hypot((to[0] - from[0]) * image.width_px, (to[1] - from[1]) * image.height_px);
@@ -97,7 +99,8 @@ static void turn_texture(const image_colours &image, const alpha_mask &wraps, co
         }
 }
 
-/* Where the texture has the corners. Returns false where the primitive does not say, or the texture is bent. */
+/* Find the texture coordinates of the corners. Returns false where the primitive has none, or where they are not a
+ * parallelogram. */
 static bool find_corner_uvs(loader &l, const placement &p, const texture_place &place, quad &q)
 {
     int accessor = attribute(p.primitive->attributes, "TEXCOORD_" + std::to_string(place.uv_set));
@@ -115,7 +118,7 @@ static bool find_corner_uvs(loader &l, const placement &p, const texture_place &
     return is_parallelogram(q.uv);
 }
 
-/* Returns false where its texture is there, and cannot be read. */
+/* Add the resampled texture. Returns false where the texture exists but cannot be read. */
 static bool add_texture(loader &l, const std::string &where, const json &object, const placement &p, quad &q, scene_area &area)
 {
     check_shape(l, where, object, {{"emissiveTexture", is::object}});
@@ -129,7 +132,7 @@ static bool add_texture(loader &l, const std::string &where, const json &object,
     return true;
 }
 
-/* ---------------------------------------------------------------------------------------------------------------------------------- */
+/* ------------------------------------------------------------------------------------------------------------------------------ */
 
 void append_area(loader &l, const placement &p, size_t first, size_t count)
 {

@@ -42,8 +42,8 @@ static bool is_there(const loader &l, const std::string &path)
     return l.files_beside && path.find('\0') == std::string::npos && !stat((l.folder + path).c_str(), &status);
 }
 
-/* The file that a uri names, as seen from the scene's folder. Exporters forget to encode names, or write Windows' separators: those are
- * tried where the file that the rules name is not there. */
+/* The file of a URI, relative to the scene's folder. Some exporters do not percent-encode names, or write backslashes as
+ * separators; these forms are tried if the file by the standard does not exist. */
 static std::string file_of(const loader &l, const std::string &uri)
 {
     std::string path = percent_decoded(begins_with(uri, "file://") ? uri.substr(7) : uri), slashed = path;
@@ -58,7 +58,7 @@ static std::string path_beside(const loader &l, const std::string &file)
     return file[0] == '/' ? file : l.folder + file;
 }
 
-/* Whether a file is named by a way out of the scene's folder. Where links in it lead is the business of whoever made them. */
+/* 1 when a path leaves the scene's folder. Symbolic links inside it are not checked: they are their owner's responsibility. */
 static bool leads_out(const std::string &file)
 {
     long depth = 0;
@@ -84,7 +84,7 @@ static void check_file_beside(loader &l, const std::string &what, const json &ob
     const std::string *uri   = found == object.end() ? nullptr : found->get_ptr<const std::string *>();
     if (!uri || uri->empty() || is_data(*uri)) return;
     std::string path = path_beside(l, file_of(l, *uri));
-    if (path == "-") path = "./-"; /* a file, not standard input */
+    if (path == "-") path = "./-"; /* here "-" is a file name, not standard input */
     vxs_result r = run_files_check_input(path.c_str(), (what + " of '" + l.path + "'").c_str(), l.m);
     if (r != VXS_OK) throw failure{r, "", true};
 }
@@ -98,7 +98,7 @@ void check_files_beside(loader &l, const json &root)
     for (const json &object : items(root, "images")) check_file_beside(l, label("image", index++), object);
 }
 
-/* A file of the same folder whose name differs in case, which other systems take for the same. */
+/* A file in the same folder whose name differs only in case: on other systems this is the same file. */
 static std::string other_case(const std::string &path)
 {
     char        folder[PATH_MAX];
@@ -132,7 +132,7 @@ file_bytes read_beside(loader &l, const std::string &what, const std::string &ur
     throw failure{VXS_E_READ, text + (near.empty() ? "" : "; there is '" + near + "': rename it"), true};
 }
 
-/* ---- data URIs (RFC 2397): data:[type][;parameter]...[;base64],data, all but the data in any case ---- */
+/* ---- data URIs (RFC 2397): data:[type][;parameter]...[;base64],data; the prefix is not case-sensitive ---- */
 
 static int sextet(char c)
 {
@@ -141,7 +141,7 @@ static int sextet(char c)
     return found ? (int)(found - digits) : -1;
 }
 
-/* Blanks and ends of lines are nothing, and what is missing at the end is not.   Returns how many characters are good. */
+/* Decode base64. White space is ignored, and final padding may be missing. Returns the number of valid characters. */
 static size_t decode_base64(const char *text, size_t size, file_bytes &out)
 {
     uint32_t bits = 0;
@@ -194,7 +194,7 @@ static bool is_fallback(const json &object)
     return false;
 }
 
-/* The bytes of a buffer. `there` stays 0 where none can be read. */
+/* Read the bytes of a buffer. `there` stays 0 if none can be read. */
 static void read_buffer(loader &l, const json &object, const container &c, size_t index)
 {
     buffer     &b     = l.buffers[index];
@@ -223,7 +223,7 @@ static void read_buffer(loader &l, const json &object, const container &c, size_
         found  = b.owned.size();
     }
     b.there = std::min(found, b.size_bytes);
-    /* bytes after the promised ones are not read */
+    /* bytes beyond the declared length are ignored */
     if (found < b.size_bytes) l.broken(where, "%s ends after %zu bytes, expected %zu", source.c_str(), found, b.size_bytes);
 }
 

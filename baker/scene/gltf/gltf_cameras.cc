@@ -1,5 +1,5 @@
-/* What cameras see (3.10), for pictures: numbers that are unsound make a camera that is told so when a picture asks for it, and never fail a
- * bake.
+/* Views of cameras (3.10), for pictures. Invalid numbers make a camera without a view; a picture that needs it reports this, and a
+ * bake never fails.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/scene/gltf/gltf_loader.h"
 
@@ -8,7 +8,7 @@
 namespace gltf
 {
 
-/* A member that is a number above 0, or 0. */
+/* A positive number, or 0 if it is missing or invalid. */
 static double above_zero(const json &object, const char *name)
 {
     auto value = object.find(name);
@@ -45,7 +45,7 @@ static bool unit(vec3 v, double out[3])
     return true;
 }
 
-/* A camera looks along the -Z of its node, and up is +Y, which a scale may have brought out of the right angle. */
+/* A camera looks along -Z of its node. Up is +Y, made orthogonal again, because a scale may have changed the angle. */
 static bool read_pose(const transform &t, scene_view &view)
 {
     vec3 forward = {-t.axis[2].x, -t.axis[2].y, -t.axis[2].z}, up = t.axis[1];

@@ -1,4 +1,4 @@
-/* The bytes of a glTF file, and of the files beside it; where the JSON is in them (4.4).
+/* The bytes of a glTF file and of files beside it; the chunks of a GLB (4.4).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/scene/gltf/gltf_loader.h"
 
@@ -61,9 +61,10 @@ file_bytes read_bytes(loader &l, const char *path, size_t limit, bool regular_on
     return out;
 }
 
-/* What a scene may be, by its beginning: what it is not is said before it is read, however large it is. Of what cannot be JSON the parser gets the
- * beginning alone, and says so; a GLB says how long it is, and a pipe may go on behind it.
- * Returns how many bytes are to be read at most. */
+/* Recognize the file format by the first bytes, so that other formats are refused before they are read, however large they are. If
+ * it cannot be JSON, only the beginning is read, and the parser reports the error. A GLB contains its own length; a pipe may
+ * continue after it.
+ * Returns the maximum number of bytes to read. */
 static size_t look_at_scene(loader &l, const unsigned char *bytes, size_t size, uint64_t total_bytes)
 {
     char text[FOREIGN_BYTES];
@@ -81,7 +82,7 @@ void read_scene_file(loader &l, const char *path)
     int         reason;
     struct stat status;
     l.file            = read_bytes(l, path, FILE_BYTES_MAX, false, reason, look_at_scene);
-    /* what comes through a pipe lies nowhere: beside it are the files of the working folder */
+    /* a pipe has no folder: files beside the scene are in the working folder */
     const char *slash = !stat(path, &status) && S_ISREG(status.st_mode) ? strrchr(path, '/') : nullptr;
     if (slash) l.folder.assign(path, slash + 1);
     if (reason || l.file.empty())
@@ -98,7 +99,7 @@ static uint32_t u32_at(const file_bytes &file, size_t offset)
     return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
 }
 
-/* Where the chunk after the JSON begins: at a multiple of four, or right behind it, where some exporters put it. */
+/* Start of the chunk after the JSON: the next multiple of four, or directly after the JSON, where some exporters put it. */
 static size_t second_chunk(const file_bytes &file, size_t begin, size_t length)
 {
     size_t aligned = (begin + 3) / 4 * 4;
@@ -122,13 +123,13 @@ static container open_chunks(loader &l, size_t length)
         if (n == 1 && type != BIN_CHUNK) l.broken("", "the second GLB chunk is not BIN");
         if (n > 1 && (type == BIN_CHUNK || type == JSON_CHUNK)) l.broken("", "GLB chunk %zu is a second one of its type", n);
         if (n == 1) c.bin = file.data() + at + 8, c.bin_size = size;
-        at += std::min((size_t)8 + (size + 3) / 4 * 4, (size_t)length - at); /* other types are for others */
+        at += std::min((size_t)8 + (size + 3) / 4 * 4, (size_t)length - at); /* chunks of other types are ignored */
     }
-    while (c.text_size && !c.text[c.text_size - 1]) c.text_size--; /* some writers fill the chunk with zeros, not with blanks */
+    while (c.text_size && !c.text[c.text_size - 1]) c.text_size--; /* some writers pad with zeros instead of spaces */
     return c;
 }
 
-/* A header may promise more than there is where the chunks are whole: then it is wrong, and not the file. */
+/* A header may declare a wrong file length: this is accepted if the chunks are complete. */
 container open_container(loader &l)
 {
     const file_bytes &file = l.file;

@@ -1,6 +1,6 @@
-/* KHR_draco_mesh_compression: primitives decompressed with Draco.
+/* KHR_draco_mesh_compression: decompress primitives with Draco.
  *
- * A primitive that also has uncompressed accessors is read from these: they are what was compressed.
+ * If a primitive also has uncompressed accessors, these are used: they are the original data.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/scene/gltf/gltf_loader.h"
 
@@ -14,8 +14,8 @@ namespace gltf
 
 static const char *const NAME = "KHR_draco_mesh_compression";
 
-/* Triangles that a stream of so many bytes may hold. Regular meshes take few bits a triangle; a stream that promises millions in a
- * few bytes is no mesh. */
+/* Upper limit for the triangles in a stream of this many bytes. Regular meshes need only a few bits per triangle, but a declaration
+ * of millions in a few bytes is invalid. */
 static size_t plausible_triangles(size_t bytes)
 {
     return ((size_t)1 << 20) + 64 * bytes;
@@ -29,7 +29,7 @@ bool needs_draco(const loader &l, const tinygltf::Primitive &p)
     return false;
 }
 
-/* The number of triangles in a stream's header, before anything is allocated for them. */
+/* Read the number of triangles from a stream's header, before memory is allocated. */
 static bool triangles_in_header(const char *from, size_t size, uint32_t &triangles)
 {
     draco::DecoderBuffer buffer;
@@ -38,7 +38,7 @@ static bool triangles_in_header(const char *from, size_t size, uint32_t &triangl
     if (!draco::PointCloudDecoder::DecodeHeader(&buffer, &header).ok() || header.encoder_type != draco::TRIANGULAR_MESH)
         return false;
     uint16_t version = DRACO_BITSTREAM_VERSION(header.version_major, header.version_minor);
-    if (version < DRACO_BITSTREAM_VERSION(2, 2)) return false; /* glTF has always had 2.2 */
+    if (version < DRACO_BITSTREAM_VERSION(2, 2)) return false; /* glTF always requires 2.2 */
     buffer.set_bitstream_version(version);
     if (header.flags & METADATA_FLAG_MASK) {
         draco::GeometryMetadata metadata;
@@ -50,10 +50,10 @@ static bool triangles_in_header(const char *from, size_t size, uint32_t &triangl
     return buffer.Decode(&kind) && draco::DecodeVarint(&vertices, &buffer) && draco::DecodeVarint(&triangles, &buffer);
 }
 
-/* Of a mesh while it is decoded, at least. */
+/* lower estimate of the memory while a mesh is decoded */
 constexpr uint64_t TRIANGLE_BYTES = 60;
 
-/* Room for elements that follow each other. */
+/* Allocate tightly packed elements. */
 static elements dense_elements(const elements &like, int component, size_t components, size_t count)
 {
     elements e       = {};
@@ -70,7 +70,7 @@ static elements dense_elements(const elements &like, int component, size_t compo
     return e;
 }
 
-/* An attribute's values for every point, in the type of the accessor that they stand for. */
+/* Copy the values of an attribute for all points, in the component type of the corresponding accessor. */
 static elements copy_attribute(loader &l, const std::string &where, const draco::Mesh &mesh, const tinygltf::Value &ids,
                                const std::string &name, const elements &accessor)
 {
@@ -139,7 +139,7 @@ static draco_primitive decode(loader &l, const std::string &where, const tinyglt
              is_skin  = name.rfind("JOINTS_", 0) == 0 || name.rfind("WEIGHTS_", 0) == 0;
         bool is_read  = (masked && is_alpha) || (is_skin && l.choice->skinned == SKINNED_REST);
         if ((size_t)accessor >= l.accessors.size() || l.accessors[accessor].fault)
-            continue; /* of none that is needed without a word */
+            continue; /* needed attributes report their fault elsewhere */
         if (name == "POSITION" || (is_read && e.Get("attributes").Has(name)))
             out.attributes[name] = copy_attribute(l, where, *mesh.value(), e.Get("attributes"), name, l.accessors[accessor]);
     }

@@ -1,5 +1,6 @@
-/* Extensions that a file says it uses or requires. One that is neither read nor known to move no shadow may change shapes, places, lights or what is
- * seen: a file that requires it is refused, and one that uses it is warned of.
+/* Extensions that a file uses or requires. An extension that is neither implemented nor known to be irrelevant to shadows may
+ * change shapes, places, lights or visibility. A file that requires such an extension is refused; a file that uses it gets a
+ * warning.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/scene/gltf/gltf_loader.h"
 
@@ -11,13 +12,13 @@ namespace gltf
 {
 
 /* clang-format off */
-/* Read, as far as a bake asks for it. */
+/* Implemented, as far as a bake needs them. */
 static const char *const known_to_be_read[] = {
     "EXT_mesh_gpu_instancing", "EXT_meshopt_compression", "EXT_texture_webp", "KHR_draco_mesh_compression", "KHR_lights_punctual",
     "KHR_materials_diffuse_transmission", "KHR_materials_emissive_strength", "KHR_materials_pbrSpecularGlossiness", "KHR_materials_transmission",
     "KHR_materials_variants", "KHR_mesh_quantization", "KHR_meshopt_compression", "KHR_node_visibility", "KHR_texture_transform"};
 
-/* How surfaces look, how images are stored, what moves later, what is heard or touched, what things are called: no shadow follows from any. */
+/* Irrelevant to shadows: appearance of surfaces, storage of images, animation, sound, touch, metadata. */
 static const char *const known_to_be_harmless[] = {
     "ADOBE_materials_clearcoat_specular", "ADOBE_materials_clearcoat_tint", "EXT_materials_clearcoat_color", "EXT_textureInfo_constant_lod",
     "KHR_materials_anisotropy", "KHR_materials_clearcoat", "KHR_materials_common", "KHR_materials_diffuse_roughness", "KHR_materials_dispersion",

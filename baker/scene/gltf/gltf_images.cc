@@ -1,6 +1,6 @@
-/* Images that masks and lights need: PNG by libpng, WebP by libwebp. A JPEG has no alpha, and its colours are not read.
+/* Images for masks and lights: PNG with libpng, WebP with libwebp. A JPEG has no alpha, and its colours are not read.
  *
- * Sizes are checked before pixels are decoded: ALPHA_IMAGE_MAX_PX a side, PIXELS_MAX an image, and l.pixels_left together.
+ * Sizes are checked before pixels are decoded: ALPHA_IMAGE_MAX_PX a side, PIXELS_MAX an image, and l.pixels_left in total.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/scene/gltf/gltf_loader.h"
 
@@ -10,8 +10,8 @@
 namespace gltf
 {
 
-static constexpr size_t IMAGE_BYTES_MAX = (size_t)1 << 28; /* of a file */
-static constexpr size_t PIXELS_MAX      = (size_t)1 << 26; /* decoded to four bytes each */
+static constexpr size_t IMAGE_BYTES_MAX = (size_t)1 << 28; /* of an image file */
+static constexpr size_t PIXELS_MAX      = (size_t)1 << 26; /* per image, decoded to four bytes each */
 
 static void check_pixels(loader &l, const std::string &where, int width, int height, image_colours &out)
 {
@@ -22,7 +22,7 @@ static void check_pixels(loader &l, const std::string &where, int width, int hei
         l.unsupported(where, "%d x %d pixels: textures may have %zu in an image, %zu together", width, height, PIXELS_MAX,
                       ALPHA_PIXELS_MAX);
     l.pixels_left -= pixels;
-    l.need(5 * pixels, where); /* four bytes each, and the alpha of them */
+    l.need(5 * pixels, where); /* four bytes per pixel, and one for its alpha */
     out.width_px  = (uint32_t)width;
     out.height_px = (uint32_t)height;
 }
@@ -43,7 +43,7 @@ static image_alpha alpha_of(const image_colours &image)
     return out;
 }
 
-/* Frees what libpng holds, whatever happens. */
+/* Frees libpng's memory in all cases. */
 struct png_reader {
     png_image image = {};
     ~png_reader() { png_image_free(&image); }
@@ -76,7 +76,7 @@ static void decode_webp(loader &l, const std::string &where, const unsigned char
     if (!WebPDecodeRGBAInto(from, size, out.rgba.data(), out.rgba.size(), 4 * features.width)) l.broken(where, "broken WebP");
 }
 
-/* The format of an image that is not read; NULL: it is unknown. */
+/* Name of a known image format that is not supported; NULL: unknown. */
 static const char *other_format(const unsigned char *from, size_t size)
 {
     static const struct {
@@ -110,7 +110,7 @@ static void decode(loader &l, const std::string &where, const unsigned char *fro
     const char *other = other_format(from, size);
     if (!begins("\xff\xd8\xff", 3, 0))
         l.unsupported(where, "not a PNG, JPEG or WebP%s%s", other ? ", but " : "", other ? other : "");
-    /* a JPEG is opaque, if it is there from its first marker to its last */
+    /* a JPEG is opaque; only check that its start and end markers are there */
     if (!memmem(from, size, "\xff\xd9", 2)) l.broken(where, "broken JPEG: it has no end");
 }
 

@@ -1,4 +1,4 @@
-/* EXT_mesh_gpu_instancing: a node's mesh, placed once for each element of its TRANSLATION, ROTATION and SCALE.
+/* EXT_mesh_gpu_instancing: a node's mesh is placed once for each element of TRANSLATION, ROTATION and SCALE.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/scene/gltf/gltf_loader.h"
 
@@ -7,14 +7,15 @@ namespace gltf
 
 static const char *const NAME = "EXT_mesh_gpu_instancing";
 
-/* The accessor of an attribute of the extension, or -1; the extension's shape is known. */
+/* Accessor number of an attribute of the extension, or -1. The JSON shape is already checked. */
 static int instance_accessor(const tinygltf::Node &node, const char *name)
 {
     const tinygltf::Value &attributes = node.extensions.at(NAME).Get("attributes");
     return attributes.Has(name) ? attributes.Get(name).GetNumberAsInt() : -1;
 }
 
-/* TRANSLATION and SCALE are floats by the extension, ROTATION floats or normalised integers; all of them are read in any type. */
+/* The extension requires floats for TRANSLATION and SCALE, and floats or normalised integers for ROTATION. The loader accepts all
+ * component types except 32-bit integers. */
 static void check_attribute(loader &l, size_t node, const char *name, int type, size_t &count)
 {
     int index = instance_accessor(l.model.nodes[node], name);
@@ -39,13 +40,14 @@ static size_t read_count(loader &l, size_t node)
     for (const auto &other : n.extensions.at(NAME).Get("attributes").Get<tinygltf::Value::Object>()) {
         size_t index = (size_t)other.second.GetNumberAsInt();
         if (index >= l.accessors.size()) l.broken(where, "accessor %zu does not exist", index);
-        if (found == SIZE_MAX) found = l.accessors[index].count; /* where they are is the node's own place */
+        /* without the three attributes above, another one gives the number of instances, all at the node's place */
+        if (found == SIZE_MAX) found = l.accessors[index].count;
     }
     if (found == SIZE_MAX) l.error(VXS_E_SCENE, "%s has no attributes", where.c_str());
     return found;
 }
 
-/* Why a node's mesh cannot be placed. */
+/* Note why a node's mesh cannot be placed. */
 static void lose_instances(loader &l, size_t node, const failure &f)
 {
     const std::string &name = l.model.nodes[node].name;
@@ -60,7 +62,7 @@ size_t count_instances(loader &l, size_t node)
     if (state.counted) return state.instances;
     state.counted   = true;
     state.instances = 1;
-    if (n.skin >= 0) return 1; /* its joints say where it is */
+    if (n.skin >= 0) return 1; /* a skinned mesh is placed by its joints */
     failure f = state.instancing;
     if (!f && n.extensions.count(NAME)) f = fault_of([&] { state.instances = read_count(l, node); });
     if (f) lose_instances(l, node, f);

@@ -1,8 +1,8 @@
-/* Shape of the JSON: all that is read here has the type that the specification gives it.
+/* Check the JSON: everything the loader reads must have the type that the specification requires.
  *
- * tinygltf reads leniently: a property of the wrong type counts as absent, and a primitive that it cannot parse is dropped. A baker
- * must not bake something else than the file holds, so the tables below list all that is read, and it is checked first. What is wrong
- * with an item of a list is a fault of that item; in its place an empty one is handed on.
+ * tinygltf is lenient: it treats a property of the wrong type as missing, and drops a primitive that it cannot parse. A bake must
+ * not silently differ from the file. So the tables below list everything that is read, and it is checked before. If an item of a
+ * list is wrong, its fault is stored, and tinygltf gets an empty item instead.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/scene/gltf/gltf_loader.h"
 
@@ -83,7 +83,7 @@ static bool all(const json &values, bool (*hold)(const json &))
     return std::all_of(values.begin(), values.end(), hold);
 }
 
-/* NULL when the value has the shape, else what was expected. */
+/* NULL when the value has the expected type, else a description of that type. */
 static const char *expected_instead(const json &value, is kind)
 {
     bool array = value.is_array(), object = value.is_object();
@@ -139,28 +139,28 @@ const json *extension(const json &object, const char *name)
     return found == extensions.end() ? nullptr : &*found;
 }
 
-/* A member that is a text; "" where there is none. */
+/* A string member; "" if missing. */
 static std::string text_of(const json &object, const char *name)
 {
     auto found = object.find(name);
     return found != object.end() && found->is_string() ? found->get<std::string>() : "";
 }
 
-/* A name is for people alone: one that is no text is none. */
+/* The name of an object, for messages only. If it is not a string, it is removed, and the result is "". */
 static std::string take_name(json &object)
 {
     if (object.contains("name") && !object["name"].is_string()) object.erase("name");
     return text_of(object, "name");
 }
 
-/* A tileset of 3D Tiles is JSON with an asset, too. */
+/* Refuse a 3D Tiles tileset, which is also JSON with an `asset`. */
 static void refuse_tileset(loader &l, const json &root)
 {
     if (root.contains("geometricError") && root.contains("root"))
         l.refused("", "is a tileset of 3D Tiles: give the glTF files that it refers to, one by one");
 }
 
-/* "2.0", and what writers make of it: 2.0 and 2, as a number or a text. */
+/* Parse the version: "2.0", and variants that some writers use: 2.0 and 2, as a number or a string. */
 static bool read_version(const json &value, unsigned *major, unsigned *minor)
 {
     char end;
@@ -197,7 +197,7 @@ static void check_version(loader &l, const json &root)
 
 static const char export_again[] = "export it again";
 
-/* A member that is not in shape is taken out.   Returns its fault. */
+/* Remove a member with the wrong type. Returns its fault. */
 static failure take_out(loader &l, const std::string &where, json &object, const property &p)
 {
     failure f = fault_of([&] { check_member(l, where, object, p); });
@@ -205,7 +205,7 @@ static failure take_out(loader &l, const std::string &where, json &object, const
     return f;
 }
 
-/* The members of an extension that is not in shape; it is taken out then. */
+/* Check the members of an extension, and remove the extension if they are wrong. */
 static failure take_out_extension(loader &l, const std::string &where, json &object, const char *name, const shape &expected)
 {
     failure f = fault_of([&] { check_extension(l, where, object, name, expected); });
@@ -213,7 +213,7 @@ static failure take_out_extension(loader &l, const std::string &where, json &obj
     return f;
 }
 
-/* What the file says of where a node is has to be sound, or nothing below it can be placed; all else costs itself. */
+/* A wrong transform or child list is a fault of the node and its subtree; other faults affect only their own part. */
 static void check_node(loader &l, json &node, size_t index)
 {
     node_state &state = l.nodes[index];
@@ -239,7 +239,7 @@ static void check_node(loader &l, json &node, size_t index)
     state.hidden           = visibility && visibility->value("visible", true) == false;
 }
 
-/* The type that tinygltf knows, and a component that this loader does. */
+/* Check that tinygltf knows the type, and this loader the component type. */
 static void check_accessor(loader &l, const std::string &where, const json &accessor)
 {
     static const std::set<std::string> types = {"SCALAR", "VEC2", "VEC3", "VEC4", "MAT2", "MAT3", "MAT4"};
@@ -275,14 +275,14 @@ static void check_mesh(loader &l, json &mesh, size_t index)
         if (failure f = fault_of([&] { check_primitive(l, where + " " + label("primitive", i), primitive); })) {
             json instead = {{"attributes", json::object()}};
             if (primitive.contains("material") && is_index(primitive["material"]))
-                instead["material"] = primitive["material"]; /* patterns may name it */
+                instead["material"] = primitive["material"]; /* kept, because patterns may match it */
             l.primitive_faults[{index, i}] = f;
             primitive                      = instead;
         }
     }
 }
 
-/* Items that are looked up by number. */
+/* Check items that are looked up by number. */
 template <typename function>
 static void check_items(loader &l, json &root, list which, const char *name, const json &instead, function &&check)
 {
@@ -333,7 +333,7 @@ json take_model(json &root)
     json model = json::object();
     for (const char *name : {"asset", "scene"})
         if (root.contains(name)) model[name] = std::move(root[name]);
-    model["asset"]["version"] = "2.0"; /* as it is, where it is written as a number */
+    model["asset"]["version"] = "2.0"; /* as a string, even if the file has a number */
     for (const auto &list : lists) {
         if (!root.contains(list.name)) continue;
         json &to = model[list.name] = json::array();
@@ -348,10 +348,10 @@ json take_model(json &root)
 
 /* ---- the text ---- */
 
-/* What a text is made of. */
+/* Statistics of a JSON text. */
 struct text_counts {
-    long   deepest = 0; /* how deep brackets nest; nlohmann could count while it parses, but in quadratic time */
-    size_t values  = 0; /* nearly */
+    long   deepest = 0; /* maximum nesting of brackets; counting it in nlohmann's parser would take quadratic time */
+    size_t values  = 0; /* approximate */
 };
 
 static text_counts count_text(const container &c)
@@ -375,19 +375,19 @@ static text_counts count_text(const container &c)
     return counts;
 }
 
-/* What a text becomes, with the model that tinygltf makes of it: measured with long lists of nodes and with data URIs. */
+/* Memory per JSON value and per byte of text, including tinygltf's model. Measured with long lists of nodes and with data URIs. */
 constexpr uint64_t JSON_VALUE_BYTES = 150, JSON_TEXT_BYTES = 3;
 
-/* What printf and scripts write of numbers that JSON has not: NaN, -Infinity, inf, -nan(ind), 1.#QNAN, and 1e999. */
+/* Invalid numbers that printf and scripts write: NaN, -Infinity, inf, -nan(ind), 1.#QNAN, and 1e999. */
 static bool is_no_number(const std::string &token)
 {
     if (token == "true" || token == "false" || token == "null") return false;
     char  *end;
-    double number = strtod(token.c_str(), &end); /* which knows their words */
+    double number = strtod(token.c_str(), &end); /* strtod accepts these words */
     return end != token.c_str() && (*end == '#' || *end == '(' || (!*end && !std::isfinite(number)));
 }
 
-/* A text with null in the place of such numbers: what needs one will say so. Returns how many there are. */
+/* Replace such numbers by null; properties that need a number then report an error. Returns how many were replaced. */
 static size_t replace_no_numbers(const container &c, std::string &text)
 {
     static const char token_of[] = "+-.#()0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz";
@@ -413,7 +413,8 @@ static size_t replace_no_numbers(const container &c, std::string &text)
     return count;
 }
 
-/* Bytes that are no UTF-8, as the Latin-1 that older exporters of Western Europe write: names are in the text, and not much else. Returns how many. */
+/* Convert bytes that are not UTF-8 from Latin-1, as older Western European exporters write. These are nearly always in names.
+ * Returns how many were converted. */
 static size_t replace_latin1(std::string &text)
 {
     std::string out;
@@ -456,7 +457,7 @@ static json parse_text(loader &l, const container &c)
     }
 }
 
-/* Some languages write every number with a fraction: 24.0 counts as 24, where an integer is expected, too. */
+/* Convert floats with integral values to integers: some languages write all numbers with a fraction, 24.0 for 24. */
 static void take_whole_numbers(json &value)
 {
     if (value.is_structured())

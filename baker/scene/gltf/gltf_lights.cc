@@ -7,7 +7,7 @@
 namespace gltf
 {
 
-/* A name that no other light of the scene has: the second "lamp" becomes "lamp#2". */
+/* A name that is unique in the scene: the second "lamp" becomes "lamp#2". */
 static std::string unique_name(std::map<std::string, size_t> &uses, const std::string &name)
 {
     std::string candidate = name;
@@ -18,7 +18,8 @@ static std::string unique_name(std::map<std::string, size_t> &uses, const std::s
     return candidate;
 }
 
-/* What is not in shape is as if it was not there: the bake asks for a name, a range and a cone, and can do without any of them. */
+/* A number, or `otherwise` if it is missing or invalid. Invalid numbers are accepted with a note, because a bake can do without a
+ * name, range or cone. */
 static double number_of(const json &object, const char *name, double otherwise, std::string &odd, const char *taken)
 {
     auto found = object.find(name);
@@ -35,8 +36,8 @@ static std::string formatted(const char *format, double value)
     return text;
 }
 
-/* Angles between the light's direction and the edge of its cone. Writers that round pi/2 to float go beyond it a little. A wider spot is a point
- * light: its six maps have all that it can shine on, and an engine that knows such cones knows where they end. */
+/* Read the cone angles. Some writers round pi/2 to a float slightly above it. A wider spot light becomes a point light: its six
+ * maps cover all it can light, and an engine that supports such cones knows their limits. */
 static void read_cone(const json &light, light_definition &out)
 {
     static const json none = json::object();
@@ -65,7 +66,7 @@ static void read_range(const json &light, light_definition &out)
     if (range > 0) out.shape.range_m = range;
 }
 
-/* Only pictures ask how it shines, but for what shines with nothing: what is no colour or no intensity is 1, as when nothing is said. */
+/* Colour and intensity are only for pictures, and to detect dark lights. Missing or invalid ones are 1. */
 static void read_colour(const json &light, light_definition &out)
 {
     auto   found     = light.find("intensity");
@@ -107,7 +108,7 @@ void read_lights(loader &l, const json &root)
         l.lights.push_back(list[i].is_object() ? read_light(list[i]) : read_light(json::object()));
 }
 
-/* Where a node puts a light; or why it cannot. */
+/* Compute position and direction from a node, or set the fault. */
 static void place_light(loader &l, size_t node, light_definition &light)
 {
     const transform &t       = l.ws_from_node[node];
@@ -124,7 +125,7 @@ static void place_light(loader &l, size_t node, light_definition &light)
     memcpy(light.shape.direction_ws, direction, sizeof direction);
 }
 
-/* The light that a node uses. */
+/* The light definition that a node uses. */
 static light_definition used_light(loader &l, size_t node, size_t &index)
 {
     const auto      &extensions = l.model.nodes[node].extensions;
@@ -173,8 +174,8 @@ static void add_lost_light(scene *s, const light_definition &light, const std::s
     if (!is_hidden) out->why = duplicate(light.fault + "; mend it in the scene");
 }
 
-/* A light has the name of its definition, where that has one and one node uses it, else the name of its node: exporters drop names of
- * definitions, or let several nodes share one. */
+/* The name of a light is the name of its definition, if it has one and only one node uses it; else the name of its node. Exporters
+ * often omit names of definitions, or share a definition between nodes. */
 void place_lights(loader &l)
 {
     std::map<std::string, size_t> names;
@@ -209,7 +210,7 @@ void place_lights(loader &l)
     }
 }
 
-/* What is not visible still sees (KHR_node_visibility). */
+/* Cameras of invisible nodes are included (KHR_node_visibility). */
 void place_cameras(loader &l)
 {
     std::vector<double> positions;

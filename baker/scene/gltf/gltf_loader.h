@@ -1,11 +1,11 @@
-/* What the files of the glTF loader share; private to baker/scene/gltf/.
+/* Internals of the glTF loader; private to baker/scene/gltf/.
  *
  *   file -> container (GLB chunks) -> JSON shape -> tinygltf -> node tree -> placements -> triangles in world space
  *
- * Every range is checked before it is read. What fails throws `failure`, as the libraries below throw errors of their own. A fault of one
- * primitive, material, light or node costs that part: it is caught where the part is used (fault_of), and noted (gltf_notes.cc). All other
- * failures end in scene_gltf.cc, which returns a result.
- * Section numbers are those of the glTF 2.0 specification.
+ * Every range is checked before it is read. Errors throw `failure`, as the libraries used here also throw. A fault of one
+ * primitive, material, light or node drops only that part: it is caught where the part is used (fault_of) and noted
+ * (gltf_notes.cc). All other failures are caught in scene_gltf.cc, which returns a result.
+ * Section numbers refer to the glTF 2.0 specification.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef GLTF_LOADER_H
 #define GLTF_LOADER_H
@@ -36,7 +36,7 @@ namespace gltf
 using json  = nlohmann::json;
 using bytes = std::vector<unsigned char>;
 
-/* For arrays that lie on large pages, and are not filled with zeros before something is read into them. */
+/* Allocator for arrays on huge pages that are not zeroed, because data is read into them immediately. */
 template <typename item> struct unfilled {
     using value_type = item;
 
@@ -56,24 +56,24 @@ template <typename item> struct unfilled {
 };
 using file_bytes = std::vector<unsigned char, unfilled<unsigned char>>;
 
-constexpr size_t FILE_BYTES_MAX   = UINT32_MAX;      /* GLB and tinygltf count in 32 bits */
-constexpr size_t TRIANGLES_MAX    = (size_t)1 << 26; /* of the whole scene: instancing makes scenes much larger than files */
-constexpr size_t DENSE_MAX        = (size_t)1 << 24; /* elements that sparse accessors may expand to, together */
-constexpr size_t DECODED_MAX      = (size_t)1 << 30; /* bytes that compressed bufferViews may expand to, together */
-constexpr size_t ALPHA_PIXELS_MAX = (size_t)1 << 28; /* of all images whose alpha is read */
+constexpr size_t FILE_BYTES_MAX   = UINT32_MAX;      /* sizes in GLB and tinygltf have 32 bits */
+constexpr size_t TRIANGLES_MAX    = (size_t)1 << 26; /* of the whole scene: instancing can make a scene much larger than its file */
+constexpr size_t DENSE_MAX        = (size_t)1 << 24; /* total number of elements that sparse accessors may expand to */
+constexpr size_t DECODED_MAX      = (size_t)1 << 30; /* total bytes that compressed bufferViews may expand to */
+constexpr size_t ALPHA_PIXELS_MAX = (size_t)1 << 28; /* total pixels of images whose alpha is read */
 constexpr long   JSON_DEPTH_MAX   = 200;             /* tinygltf recurses into extras */
-constexpr size_t NAME_BYTES       = 60;              /* of a name in a message */
+constexpr size_t NAME_BYTES       = 60;              /* maximum length of a name in a message */
 
-/* Why something cannot be read. */
+/* The reason why something cannot be read. */
 struct failure {
     vxs_result  code = VXS_OK;
-    std::string text;          /* "accessor 3: ..."; "": the message has it already */
-    bool        whole = false; /* no part of the scene can be read without it */
+    std::string text;          /* "accessor 3: ..."; "": already written to the message */
+    bool        whole = false; /* 1: the whole scene cannot be read without it */
 
     explicit operator bool() const { return code != VXS_OK; }
 };
 
-/* What work throws, to be thrown where it is needed; none where it succeeds. Missing memory and wrong options are passed on. */
+/* Run `work` and return the failure that it throws; no failure if it succeeds. Out of memory and wrong options are rethrown. */
 template <typename function> failure caught(function &&work)
 {
     try {
@@ -85,7 +85,7 @@ template <typename function> failure caught(function &&work)
     return {};
 }
 
-/* The same, but what no part of the scene can be read without is passed on, too. */
+/* The same, but also rethrows failures that affect the whole scene. */
 template <typename function> failure fault_of(function &&work)
 {
     failure f = caught(work);
@@ -93,21 +93,21 @@ template <typename function> failure fault_of(function &&work)
     return f;
 }
 
-/* An accessor's elements, known to lie in their bufferView; use_accessor finds the data. */
+/* The elements of an accessor, checked to be inside their bufferView. use_accessor sets the data. */
 struct elements {
     std::string          label; /* "accessor 3 'name'" */
     const unsigned char *data;
-    size_t               stride, count, size; /* size: bytes of an element */
+    size_t               stride, count, size; /* size: bytes per element */
     int                  type;                /* TINYGLTF_TYPE_* */
     int                  component;           /* TINYGLTF_COMPONENT_TYPE_* */
     size_t               component_size;      /* bytes: 1, 2 or 4 */
     bool                 normalized;
-    bool                 ready;         /* data is there */
-    mutable size_t       indices_below; /* every one, taken as an index, is less; 0: not looked for */
-    bytes                dense;         /* owns data when the accessor is sparse, compressed, or has no bufferView */
-    failure              fault;         /* use_accessor throws it */
+    bool                 ready;         /* data is set */
+    mutable size_t       indices_below; /* upper bound of the elements as indices (all are less); 0: not computed */
+    bytes                dense;         /* owns data if the accessor is sparse or compressed, or has no bufferView */
+    failure              fault;         /* thrown by use_accessor */
 
-    /* Element i of indices: of 1, 2 or 4 bytes. */
+    /* Element i of indices with 1, 2 or 4 bytes. */
     uint32_t index(size_t i) const
     {
         const unsigned char *at = data + i * stride;
@@ -118,19 +118,19 @@ struct elements {
         return memcpy(&four, at, sizeof four), four;
     }
 
-    /* Component k of element i: a float, or an integer, normalised if it is so (3.11, KHR_mesh_quantization). */
+    /* Component k of element i: a float or an integer; a normalised integer is converted (3.11, KHR_mesh_quantization). */
     double value(size_t i, size_t k) const;
 };
 
 struct buffer {
-    const unsigned char *data; /* NULL: a fallback for readers that know no compression, never read; or a fault */
+    const unsigned char *data; /* NULL: a fallback for readers without decompression, never read; or a fault */
     size_t               size_bytes;
-    size_t               there; /* bytes of these that there are, and may be read */
-    file_bytes           owned; /* unless data is the GLB's own */
-    failure              fault; /* of what lies in it */
+    size_t               there; /* bytes that are available to read, at most size_bytes */
+    file_bytes           owned; /* owns data, unless it points into the GLB */
+    failure              fault; /* applies to everything in the buffer */
 };
 
-/* EXT_meshopt_compression, KHR_meshopt_compression: the bytes of a bufferView as they are stored. */
+/* EXT_meshopt_compression, KHR_meshopt_compression: the compressed bytes of a bufferView. */
 struct compressed_view {
     const char *extension; /* NULL: not compressed */
     size_t      buffer, offset, length, count, stride;
@@ -138,29 +138,29 @@ struct compressed_view {
 };
 
 struct buffer_view {
-    size_t          buffer, offset, length, stride; /* stride 0: elements follow each other */
+    size_t          buffer, offset, length, stride; /* stride 0: tightly packed */
     compressed_view compressed;
-    bytes           decoded; /* [length] once it was asked for */
-    failure         fault;   /* of what lies in it */
+    bytes           decoded; /* [length] after first use */
+    failure         fault;   /* applies to everything in the view */
 };
 
-/* An image's alpha; a JPEG's has no pixels, and is 255. */
+/* The alpha of an image. A JPEG has no pixels here; its alpha is 255. */
 struct image_alpha {
     uint32_t             width_px, height_px;
     std::vector<uint8_t> alpha; /* [height * width] */
     uint8_t              least, most;
-    bool                 has_alpha;           /* it says something of alpha */
-    size_t               in_scene = SIZE_MAX; /* its number there, when an alpha mask needs it */
+    bool                 has_alpha;           /* the image has an alpha channel */
+    size_t               in_scene = SIZE_MAX; /* its number in the scene, if an alpha mask uses it */
 };
 
-/* An image's colours, as it has them: sRGB. */
+/* The colours of an image, in sRGB. */
 struct image_colours {
     uint32_t             width_px, height_px;
     bool                 has_alpha;
-    std::vector<uint8_t> rgba; /* [4 * height * width]; empty: a JPEG's, which are not read */
+    std::vector<uint8_t> rgba; /* [4 * height * width]; empty for a JPEG, which is not read */
 };
 
-/* Which texture coordinates a texture is seen by. */
+/* Texture coordinate set and transform of a texture. */
 struct texture_place {
     size_t uv_set       = 0;
     double transform[6] = {1, 0, 0, 0, 1, 0}; /* two rows: u, v, 1 */
@@ -168,29 +168,29 @@ struct texture_place {
 
 enum class alpha_mode { SOLID, MASK, BLEND };
 
-/* What the baker reads of a material, and where one that is no wall is a surface. */
+/* Properties of a material that the baker reads, and where a material with alpha has a surface. */
 struct material {
-    std::string name, odd; /* odd: what of it is not read as it is written, and why; "": nothing */
+    std::string name, odd; /* odd: properties not used as given, and why; "": none */
     bool        double_sided;
     alpha_mode  mode;
-    const char *transmits;   /* the extension by which it lets light through; NULL: none */
-    float       colour[3];   /* its base colour, linear */
-    float       radiance[3]; /* what it shines with, linear */
+    const char *transmits;   /* the extension that lets light through; NULL: none */
+    float       colour[3];   /* base colour, linear */
+    float       radiance[3]; /* emitted radiance, linear */
 
     enum { UNKNOWN, EVERYWHERE, WITH_HOLES, NOWHERE } surface = UNKNOWN;
     double        threshold                                   = 0;
     uint32_t      alpha_mask                                  = 0; /* WITH_HOLES: index into l.alpha_masks */
     texture_place holes;                                           /* WITH_HOLES */
-    std::string   fault;                                           /* why its mask cannot be read, which is EVERYWHERE then */
-    std::string   trap;                                            /* why its mask is hardly meant as it is */
-    bool          is_clear = false, is_nothing = false;            /* its alpha is below 1 somewhere, 0 everywhere */
+    std::string   fault;                                           /* why its mask cannot be read; then its surface is EVERYWHERE */
+    std::string   trap;                                            /* why its mask is probably a mistake */
+    bool          is_clear = false, is_nothing = false;            /* its alpha is below 1 somewhere; its alpha is 0 everywhere */
     std::string   used_by;                                         /* " (node 1 'tree', mesh 0 'branch')" */
-    size_t        triangles = 0, left_out = 0;                     /* that cast; NOWHERE: that do not */
+    size_t        triangles = 0, left_out = 0;                     /* casting triangles; triangles left out by NOWHERE */
 };
 
-/* A primitive whose vertices and indices come from KHR_draco_mesh_compression. */
+/* A primitive with vertices and indices from KHR_draco_mesh_compression. */
 struct draco_primitive {
-    std::map<std::string, elements> attributes; /* POSITION; of a masked material, all that its alpha is made of */
+    std::map<std::string, elements> attributes; /* POSITION; for a masked material also the attributes that its alpha depends on */
     elements                        indices;
 };
 
@@ -198,28 +198,28 @@ struct vec3 {
     double x, y, z;
 };
 
-/* Affine, column-major as in glTF: three axes, then the translation. */
+/* Affine transform, column-major as in glTF: three axes, then the translation. */
 struct transform {
     vec3 axis[3], origin;
 };
 
-/* A light as the file defines it: position and direction come with the nodes that use it. */
+/* A light definition of the file. Position and direction come from the nodes that use it. */
 struct light_definition {
     std::string name;
     light_shape shape;
-    double      colour[3]; /* times intensity */
+    double      colour[3]; /* linear, times intensity */
     double      inner_rad;
-    const char *dark;  /* why it shines with nothing; NULL: it shines */
+    const char *dark;  /* why it emits no light; NULL: it does */
     std::string fault; /* why it cannot be baked; "": it can */
-    std::string odd;   /* what of it is not read as it is written, and why; "": nothing */
+    std::string odd;   /* properties not used as given, and why; "": none */
 };
 
-/* A skin's joints, and where each of them was when the mesh was bound to them. */
+/* A skin: joints, and their inverse bind matrices. */
 struct skin {
     std::vector<size_t>    joints;       /* nodes */
     int                    inverse_bind; /* accessor, or -1 */
     failure                fault;
-    std::vector<transform> ws_from_bind; /* [joints] once it was asked for */
+    std::vector<transform> ws_from_bind; /* [joints] computed at first use */
 };
 
 struct morph {
@@ -235,10 +235,10 @@ struct placement {
     const elements               *indices;         /* NULL: 0, 1, 2, ... */
     const elements               *uvs;             /* NULL: no holes */
     const gltf::material         *material;        /* NULL: none */
-    size_t                        index;           /* of the primitive in its mesh */
-    const gltf::skin             *skin;            /* NULL: its node places it */
+    size_t                        index;           /* number of the primitive in its mesh */
+    const gltf::skin             *skin;            /* NULL: placed by its node */
     std::vector<const elements *> joints, weights; /* [sets] */
-    size_t                        off_count;       /* vertices whose weights are far from a sum of 1 */
+    size_t                        off_count;       /* vertices whose weights do not sum to 1, even approximately */
     std::vector<morph>            targets;
     transform                     ws_from_node;
     bool                          mirrored;
@@ -246,31 +246,31 @@ struct placement {
     size_t                        triangles;
 };
 
-/* What has a name that patterns may give, and extras. */
+/* Kinds of objects with names that patterns can match, and with extras. */
 enum kind { NODE, MESH, MATERIAL, KINDS };
 
-/* What is said of one of them. */
+/* Results of options and extras for one object. */
 struct mark {
-    bool   included = false;    /* an --include names it */
-    bool   flagged  = false;    /* its extras say that it casts no shadow */
-    size_t excluded = SIZE_MAX; /* the first --exclude that names it; SIZE_MAX: none */
+    bool   included = false;    /* matched by an --include */
+    bool   flagged  = false;    /* its extras disable its shadow */
+    size_t excluded = SIZE_MAX; /* number of the first matching --exclude; SIZE_MAX: none */
 };
 
-/* What of the JSON's lists is not in shape costs what refers to it: lists whose items are looked up by number. */
+/* Lists whose items are looked up by number. An item with the wrong JSON shape is a fault of the objects that refer to it. */
 enum list { SCENES, ACCESSORS, VIEWS, BUFFERS, SKINS, LISTS };
 
-/* What is known of a node besides what tinygltf has. */
+/* State of a node in addition to tinygltf's data. */
 struct node_state {
-    failure     fault;      /* it cannot be placed, nor what is below it */
+    failure     fault;      /* the node and its subtree cannot be placed */
     failure     instancing; /* its mesh cannot be placed */
-    std::string light;      /* why its light cannot be read; "": it can, or there is none */
-    bool        hidden;     /* by KHR_node_visibility: this one; once placed, also by one above it */
+    std::string light;      /* why its light cannot be read; "": no fault, or no light */
+    bool        hidden;     /* KHR_node_visibility of this node; after placement also of its ancestors */
     bool        in_scene;
-    bool        counted; /* instances is known */
+    bool        counted; /* instances is set */
     size_t      instances;
 };
 
-/* What a fault costs; the words are in gltf_notes.cc. */
+/* What a fault costs. The texts are in gltf_notes.cc. */
 enum class cost {
     NUMBERS,
     TREE,
@@ -294,24 +294,24 @@ enum class cost {
     KINDS
 };
 
-/* Something that is left out, or is not read as it is written. */
+/* Something that is left out, or not used as given. */
 struct note {
     cost        kind;
     std::string where, why, remedy;
-    size_t      count; /* of triangles or capsules */
+    size_t      count; /* triangles or capsules */
 };
 
 struct loader {
     message            *m;
-    const char         *path; /* as messages call it */
+    const char         *path; /* name in messages */
     const scene_choice *choice;
     scene              *s;
     bool                files_beside; /* buffers and images may be in other files */
-    std::string         folder;       /* of those: "" or with a slash at its end */
+    std::string         folder;       /* folder of these files: "" or with a trailing slash */
     tinygltf::Model     model;
 
-    file_bytes file; /* a GLB's buffer 0 lies in it */
-    json       rest; /* what tinygltf does not get: materials, textures, samplers, images */
+    file_bytes file; /* contains buffer 0 of a GLB */
+    json       rest; /* JSON that tinygltf does not get: materials, textures, samplers, images */
 
     std::vector<buffer>           buffers;
     std::vector<buffer_view>      views;
@@ -322,12 +322,12 @@ struct loader {
     size_t                        camera_count = 0;
     bool                          quantization = false; /* KHR_mesh_quantization is used */
 
-    std::map<size_t, failure>                    faults[LISTS]; /* by item */
+    std::map<size_t, failure>                    faults[LISTS]; /* by item number */
     std::map<size_t, failure>                    mesh_faults;
     std::map<std::pair<size_t, size_t>, failure> primitive_faults; /* by mesh and number in it */
-    failure                                      first_fault;      /* by which geometry is lost */
-    std::vector<note>                            notes;            /* in order; of each kind some, the rest counted */
-    std::map<std::pair<int, uint64_t>, size_t>   note_of;          /* by kind and what it is about: in notes, or SIZE_MAX */
+    failure                                      first_fault;      /* the first fault that drops geometry */
+    std::vector<note>                            notes;            /* in order; limited per kind, further ones are only counted */
+    std::map<std::pair<int, uint64_t>, size_t>   note_of;          /* by kind and id of the subject: index in notes, or SIZE_MAX */
     size_t                                       notes_more[(int)cost::KINDS] = {}, notes_more_count[(int)cost::KINDS] = {};
 
     std::vector<elements> accessors;
@@ -335,47 +335,47 @@ struct loader {
 
     std::map<const tinygltf::Primitive *, draco_primitive> draco;
 
-    std::map<size_t, image_alpha>    images;            /* those that were looked at, by the file's number */
+    std::map<size_t, image_alpha>    images;            /* decoded images, by number in the file */
     std::map<size_t, image_colours>  colours;           /* likewise */
-    size_t                           area_capacity = 0; /* of the scene */
+    size_t                           area_capacity = 0; /* capacity of the scene's areas */
     size_t                           pixels_left   = ALPHA_PIXELS_MAX;
-    std::vector<const image_alpha *> hole_images; /* the scene's */
+    std::vector<const image_alpha *> hole_images; /* images that are in the scene */
     std::vector<alpha_mask>          alpha_masks;
     std::vector<holed_triangle>      holed_triangles;
 
-    std::vector<mark>            marks[KINDS];         /* of a node: with what is said of those above it */
+    std::vector<mark>            marks[KINDS];         /* for nodes: inherited from their ancestors */
     std::vector<scene_exclusion> exclusions;           /* all rules, by number */
-    size_t                       skinned_excluded = 0; /* nodes */
+    size_t                       skinned_excluded = 0; /* number of nodes */
 
     std::vector<scene_part>   parts;
-    std::vector<uint32_t>     name_at[KINDS]; /* in names, 0: not there */
+    std::vector<uint32_t>     name_at[KINDS]; /* offset in names; 0: not stored yet */
     std::string               names;
     std::vector<scene_origin> origins;
 
-    std::vector<size_t>    roots, order; /* the scene's nodes, parents first */
-    std::vector<int>       file_parent;  /* by node, whatever the scene takes for roots; -1: none */
+    std::vector<size_t>    roots, order; /* nodes of the scene; in `order` parents come first */
+    std::vector<int>       file_parent;  /* parent of each node in the file, whatever the roots of the scene are; -1: none */
     std::vector<transform> ws_from_node; /* by node */
 
-    /* vertices emitted so far: slot i of the current generation is accessor element i */
+    /* emitted vertices: a slot i of the current generation has the vertex of accessor element i */
     struct slot {
         uint32_t generation, vertex;
     };
     std::vector<slot> slots;
     uint32_t          generation      = 0;
-    size_t            vertex_capacity = 0; /* of the scene; as many as are expected, before any is emitted */
+    size_t            vertex_capacity = 0; /* capacity of the scene's vertices; reserved for the expected number in advance */
 
-    /* Throw "where: ..." (an empty `where` is left out). broken: VXS_E_SCENE; unsupported: VXS_E_UNSUPPORTED; refused: the same, and
-     * whole. */
+    /* Throw "where: ..." ("where: " is left out if empty). broken: VXS_E_SCENE; unsupported: VXS_E_UNSUPPORTED; refused:
+     * VXS_E_UNSUPPORTED for the whole scene. */
     [[noreturn]] void error(vxs_result code, const char *format, ...) __attribute__((format(printf, 3, 4)));
     [[noreturn]] void broken(const std::string &where, const char *format, ...) __attribute__((format(printf, 3, 4)));
     [[noreturn]] void unsupported(const std::string &where, const char *format, ...) __attribute__((format(printf, 3, 4)));
     [[noreturn]] void refused(const std::string &where, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
-    /* So many bytes are about to be taken for something, "buffer 3": throw when there are not as many. */
+    /* Throw when there is no memory for size_bytes more bytes. what  purpose, for the message: "buffer 3". */
     void need(uint64_t size_bytes, const std::string &what);
 };
 
-/* "node 3 'lamp'": a long name is shortened. */
+/* "node 3 'lamp'"; long names are shortened. */
 std::string label(const char *kind, size_t index, const std::string &name = "");
 
 template <typename item> std::string label(const char *kind, const std::vector<item> &items, size_t index)
@@ -383,10 +383,11 @@ template <typename item> std::string label(const char *kind, const std::vector<i
     return label(kind, index, items[index].name);
 }
 
-/* tinygltf's and nlohmann's texts may hold several lines, whole data URIs, and a bracketed class of error. */
+/* Shortens error texts of tinygltf and nlohmann to one line: these may contain several lines, whole data URIs, and an error class
+ * in brackets. */
 std::string one_line(std::string text);
 
-/* An array of the scene, which is freed by free(). */
+/* A copy of an array for the scene, released with free(). */
 template <typename item> item *copied(const std::vector<item> &from)
 {
     item *to = (item *)malloc(std::max(from.size(), (size_t)1) * sizeof(item));
@@ -397,27 +398,27 @@ template <typename item> item *copied(const std::vector<item> &from)
 
 /* ---- gltf_notes.cc ---- */
 
-/* Note what is wrong with what `id` stands for: the same again adds to its count. The line will be "where: why: cost; remedy". */
+/* Note a fault of the subject `id`. A repeated note adds to its count. The line will be "where: why: cost; remedy". */
 void take_note(loader &l, cost kind, uint64_t id, const std::string &where, const std::string &why, const std::string &remedy,
                size_t count = 0);
 
-/* Note a fault by which geometry is lost: where no geometry is left, it is the error. besides: what stands behind `where` in the note alone. */
+/* Note a fault that drops geometry. If no geometry is left, it becomes the error. besides: appended to `where` in the note only. */
 void take_fault(loader &l, cost kind, uint64_t id, const std::string &where, const failure &f, const std::string &remedy,
                 size_t count = 0, const std::string &besides = "");
 
-/* Warn of all notes since the last call: of some of each kind, and how many more there are. */
+/* Warn of all notes since the last call: the first ones of each kind, and the number of others. */
 void say_notes(loader &l);
 
-/* What a fault says of what it is about, which most begin with. */
+/* The text of a failure without the leading `where`, which most texts start with. */
 std::string why_of(const failure &f, const std::string &where);
 
-/* Throw the first fault where there is nothing else. */
+/* Throw the first fault if there is no geometry. */
 void require_geometry(const loader &l, size_t triangles, size_t capsules);
 
-/* "--exclude mesh:crate bakes without it": by name, or by number where it has none that a pattern can give. */
+/* "--exclude mesh:crate bakes without it", by name; by number if the name cannot be used in a pattern. */
 std::string exclude_remedy(const char *prefix, size_t index, const std::string &name);
 
-/* A uri as messages print it: shortened, and of data nothing but the media type. */
+/* A URI for messages: shortened; of a data URI only the media type. */
 std::string shown_uri(const std::string &uri);
 
 /* ---- gltf_container.cc ---- */
@@ -430,10 +431,12 @@ struct container {
     size_t               bin_size;
 };
 
-/* Asked of a file's beginning, 64 KiB or all of it: how many bytes are to be read.   total_bytes  0: not known */
+/* Callback with the first 64 KiB of a file, or all of it. Returns how many bytes to read.
+ * total_bytes  0: unknown */
 using scene_look = size_t (*)(loader &l, const unsigned char *bytes, size_t size, uint64_t total_bytes);
 
-/* The first `limit` bytes of a file; `error` is 0 or an errno. A file that a scene refers to must be a regular one: a pipe may never end. */
+/* Read at most `limit` bytes of a file. `error` becomes 0 or an errno. With regular_only, for files that a scene refers to, a pipe
+ * is an error, because it may never end. */
 file_bytes read_bytes(loader &l, const char *path, size_t limit, bool regular_only, int &error, scene_look look = nullptr);
 void       read_scene_file(loader &l, const char *path);
 container  open_container(loader &l);
@@ -446,62 +449,62 @@ struct property {
     const char *name;
     is          kind;
     bool        required = false;
-    size_t      count    = 0; /* of numbers; 0: any */
+    size_t      count    = 0; /* count of numbers; 0: any */
 };
 using shape = std::initializer_list<property>;
 
-/* Members of an object have the types that are given. */
+/* Check that the members of an object have the given types. Throws a failure. */
 void check_shape(loader &l, const std::string &where, const json &object, const shape &expected);
 
-/* The items of a list, none when it is not there. */
+/* The items of a list; empty if there is no such list. */
 const json &items(const json &object, const char *name);
 
-/* The members of extensions.NAME, or NULL; the second checks them, too. */
+/* The members of extensions.NAME, or NULL. check_extension also checks their types. */
 const json *extension(const json &object, const char *name);
 const json *check_extension(loader &l, const std::string &where, const json &object, const char *name, const shape &expected);
 
 json parse_json(loader &l, const container &c);
 
-/* What is not in shape is taken out and noted, or kept as a fault of what refers to it. */
+/* Remove and note members with the wrong type, or store them as faults of the objects that refer to them. */
 void check_json(loader &l, json &root);
 
-/* What tinygltf gets of a file that is checked, taken out of it: lists, with no members but those that are read, and so checked. */
+/* Extract the part for tinygltf from a checked file: lists that contain only members that are read, and thus checked. */
 json take_model(json &root);
 
-/* From the file to l.model, with all that is read of it in shape. */
+/* Parse the file into l.model, and check everything that is read. */
 void parse(loader &l);
 
 /* ---- gltf_extensions.cc ---- */
 
-/* Refuse what is required and not known; note what is used and not known. */
+/* Refuse a required extension that is unknown. Note a used extension that is unknown. */
 void check_extensions(loader &l, const json &root);
 
 /* ---- gltf_buffers.cc, gltf_meshopt.cc ---- */
 
-/* The bytes of every buffer, and the bufferViews, which lie in them. */
+/* Read the bytes of all buffers, and the bufferViews, which refer to them. */
 void read_buffers(loader &l, const json &root, const container &c);
 void read_buffer_views(loader &l, const json &root);
 
-/* That so many bytes of a buffer can be read, which are within its promised length. */
+/* Throw unless these bytes of a buffer, which are within its declared length, are available. */
 void check_there(loader &l, size_t buffer, size_t offset, size_t size);
 
-/* No file that the scene refers to, whether it will be read or not, is an output of this run. */
+/* Check that no file that the scene refers to, needed or not, is an output of this run. */
 void check_files_beside(loader &l, const json &root);
 
-/* At most `limit` bytes of a file beside the scene, by the uri of a buffer or an image, `what`. */
+/* Read at most `limit` bytes of a file beside the scene, from the URI of the buffer or image `what`. */
 file_bytes read_beside(loader &l, const std::string &what, const std::string &uri, size_t limit);
 
-/* Whether a uri holds data itself; the bytes of one that does. */
+/* 1 for a data URI; the bytes of a data URI. */
 bool       is_data(const std::string &uri);
 file_bytes data_of(loader &l, const std::string &where, const std::string &uri);
 
-/* The `length` bytes of a bufferView, decompressed once. Of one that is not compressed check_there says which of them there are. */
+/* The `length` bytes of a bufferView, decompressed at first use. Of an uncompressed view some may be missing, see check_there. */
 const unsigned char *view_bytes(loader &l, size_t view);
 
-/* The same of one that is read as a whole; throws when it does not exist, or not all of it is there. */
+/* The same for a view that is read completely. Throws when it does not exist or is incomplete. */
 const unsigned char *whole_view(loader &l, const std::string &where, size_t view);
 
-/* Throws when there is none, or it cannot be read. */
+/* Throws when the view does not exist or cannot be read. */
 void check_view_index(loader &l, const std::string &where, size_t view);
 void check_in_buffer(loader &l, const std::string &where, size_t length, size_t offset, size_t buffer);
 void read_compressed_view(loader &l, const std::string &where, const json &view, compressed_view &c);
@@ -509,37 +512,40 @@ void decode_view(loader &l, size_t index);
 
 /* ---- gltf_accessors.cc ---- */
 
-size_t component_bytes(int component); /* 0: unknown */
+size_t component_bytes(int component); /* 0: unknown component type */
 bool   is_unsigned(int component);
 
-/* Of each accessor what it is, or why it cannot be read. */
+/* Set l.accessors: the elements of each accessor, or its fault. */
 void check_accessors(loader &l);
 
-/* An accessor by what refers to it, "NORMAL"; throws when there is none, or it cannot be read. Its data may not be there yet. */
+/* An accessor by its user, for example "NORMAL". Throws when it does not exist or cannot be read. Its data may not be decoded
+ * yet. */
 const elements &sound_accessor(loader &l, const std::string &where, const char *what, int index);
 
-/* Where the first element of an accessor with a bufferView begins. */
+/* Offset of the first element of an accessor with a bufferView. */
 size_t offset_in_buffer(const loader &l, const tinygltf::Accessor &a);
 
-/* The elements of an accessor that exists: in the buffer, or made dense once. */
+/* The elements of an existing accessor, in the buffer or expanded at first use. */
 const elements &use_accessor(loader &l, size_t index);
 
-/* 3.7.2.1: no index may name a missing vertex, or be one that restarts a primitive. */
+/* 3.7.2.1: indices must refer to existing vertices. `restarts`: the largest value of the type, which restarts a primitive, is not
+ * allowed either. */
 void check_index_values(loader &l, const elements &indices, size_t vertices, bool restarts);
 
 /* ---- gltf_draco.cc ---- */
 
-/* A primitive that is there in compressed form only. */
+/* 1 when a primitive exists only in compressed form. */
 bool needs_draco(const loader &l, const tinygltf::Primitive &p);
 
-/* Decode it once. */
+/* Decode it at first use. */
 const draco_primitive &use_draco(loader &l, const std::string &where, const tinygltf::Primitive &p);
 
 /* ---- gltf_instances.cc: EXT_mesh_gpu_instancing ---- */
 
-/* How often a node's mesh is placed, 1 without the extension, 0 where it cannot be read; and where the i-th of them is. */
+/* Number of times that a node's mesh is placed: 1 without the extension, 0 where it cannot be read. instance_transform returns the
+ * transform of the i-th placement. */
 size_t    count_instances(loader &l, size_t node);
-size_t    usable_instances(loader &l, size_t node); /* the same, once their data is decoded */
+size_t    usable_instances(loader &l, size_t node); /* the same, after decoding the data */
 transform instance_transform(loader &l, size_t node, size_t i);
 
 /* ---- gltf_nodes.cc ---- */
@@ -556,10 +562,11 @@ inline vec3 apply(const transform &t, vec3 v)
     return {p.x + t.origin.x, p.y + t.origin.y, p.z + t.origin.z};
 }
 
-/* First b, then a. */
+/* The product a b: applies b, then a. */
 transform multiply(const transform &a, const transform &b);
 
-/* Scale, then rotation by a quaternion (x, y, z, w) of any length but 0, then translation; false when it has none. */
+/* Scale, then rotation by a quaternion (x, y, z, w) of any length but 0, then translation. Returns false when the rotation is
+ * invalid. */
 bool trs_transform(const double translation[3], const double rotation[4], const double scale[3], transform &t);
 
 inline bool finite(vec3 v)
@@ -567,19 +574,19 @@ inline bool finite(vec3 v)
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-/* How many times a volume it is once transformed; less than 0 where it is mirrored. */
+/* Signed ratio of the transformed volume to the original; negative for a mirrored transform. */
 double volume_scale(const transform &t);
 
-/* The triangles of a mirrored node turn their backs, unless two corners are swapped (3.7.4). */
+/* 1 for a mirrored node: two corners of its triangles must be swapped (3.7.4). */
 bool is_mirrored(const transform &t);
 
-/* A node's own transform, by its parent's. */
+/* The local transform of a node. */
 transform node_transform(loader &l, size_t node);
 
-/* The parent of each node, -1 of a root. */
+/* Returns the parent of each node; -1 for roots. */
 std::vector<int> check_tree(loader &l);
 
-/* The scene that is asked for: -1 when the file has none and all root nodes are meant. */
+/* Index of the requested scene; -1: the file has no scenes, use all root nodes. */
 int  choose_scene(loader &l, const char *which);
 void choose_roots(loader &l, int chosen, std::vector<int> &parent);
 void place_nodes(loader &l, const std::vector<int> &parent);
@@ -589,28 +596,28 @@ void check_references(loader &l);
 
 constexpr size_t CASTS = SIZE_MAX;
 
-/* What extras say, into l.marks. */
+/* Read the extras into l.marks. */
 void read_flags(loader &l, const json &root);
 
-/* What patterns say of the scene's nodes, of their meshes and of the materials of these, beside what extras do. */
+/* Apply the patterns to the scene's nodes, their meshes and the materials of these, in addition to extras. */
 void select_casters(loader &l, const std::vector<int> &parent);
 
-/* The rule by which a node's primitive casts no shadow, a number of l.exclusions, or CASTS. */
+/* Number in l.exclusions of the rule that excludes a node's primitive, or CASTS. */
 size_t exclusion_of(const loader &l, size_t node, const tinygltf::Primitive &p);
 
-/* Warn of what is excluded without an option that asks for it. */
+/* Warn of skinned meshes that are excluded without an option for it. */
 void warn_about_skinned(loader &l);
 
-/* What was excluded, into the scene, once all that is left out is known. */
+/* Store the exclusions in the scene, after all triangles are counted. */
 void finish_exclusions(loader &l);
 
-/* The triangles from here on are of that primitive, placed from that origin. */
+/* Start a part: the next triangles are of this primitive, with this origin. */
 void begin_part(loader &l, size_t node, const tinygltf::Primitive &p, vec3 origin);
 void finish_parts(loader &l);
 
 /* ---- gltf_meshes.cc, gltf_triangles.cc ---- */
 
-/* The accessor of an attribute, or -1. */
+/* Accessor number of an attribute, or -1. */
 int attribute(const std::map<std::string, int> &attributes, const std::string &name);
 
 /* "mesh 0 'house' primitive 2" */
@@ -619,47 +626,47 @@ std::string primitive_label(const loader &l, size_t mesh, size_t primitive);
 bool   makes_triangles(const tinygltf::Primitive &p);
 size_t triangle_count(const loader &l, const tinygltf::Primitive &p);
 
-/* Faults of all primitives, placed or not. */
+/* Find the faults of all primitives, placed or not. */
 void check_model_meshes(loader &l);
 void check_all_indices(loader &l);
 
-/* Why a primitive cannot be read; NULL: it can, as far as is known. */
+/* Why a primitive cannot be read; NULL: no fault is known. */
 const failure *primitive_fault(const loader &l, size_t mesh, size_t primitive);
 
-/* Note that a node's primitive, or so much of it, is left out; throws a fault that is whole. */
+/* Note that a node's primitive, or `count` of its elements, is left out. Throws a failure that affects the whole scene. */
 void lose_primitive(loader &l, cost kind, size_t node, size_t primitive, const failure &f, size_t count);
 
-/* The scene's triangles, counted before they are placed: instancing makes scenes much larger than files. */
+/* Count the scene's triangles before they are placed: instancing can make a scene much larger than its file. */
 size_t measure(loader &l);
 void   place_meshes(loader &l, size_t triangles);
 
-/* An element of an accessor of positions. */
+/* Element `index` of a position accessor. */
 vec3 position(const elements &e, size_t index);
 
-/* The accessor elements of a triangle's corners, in the order of the scene's. */
+/* Accessor elements of a triangle's corners, in the scene's order. */
 void triangle_elements(const placement &p, size_t t, uint32_t element[3]);
 
 /* ---- gltf_skins.cc ---- */
 
 void read_skins(loader &l, const json &root);
 
-/* Of a placement of a node with a skin: its joints, and what each vertex has to do with them. */
+/* For a node with a skin: set the joints, and the joint numbers and weights of the vertices. */
 void find_skin(loader &l, const std::string &where, const tinygltf::Node &node, placement &p);
 
-/* Where an element of a placement with a skin is in bind space to the world: its joints' transforms, weighted.
- * off  set to 1 where weights are far from a sum of 1 */
+/* Transform from bind space to world space of an element of a skinned placement: the weighted sum of its joints' transforms.
+ * off  set to 1 where the weights do not sum to 1, even approximately */
 transform skin_transform(const placement &p, uint32_t element, bool &off);
 
 /* ---- gltf_smoke.cc ---- */
 
-/* Points and lines that dim light, and how many capsules they are each time that they are placed. */
+/* 1 for points and lines that attenuate light. capsule_count: number of capsules per placement. */
 bool   makes_smoke(const tinygltf::Primitive &p);
 size_t capsule_count(const loader &l, const tinygltf::Primitive &p);
 
-/* Its attributes that triangles have not. */
+/* Check the attributes that only smoke has. */
 void check_smoke(loader &l, const std::string &primitive, const tinygltf::Primitive &p);
 
-/* The scene's capsules, counted before they are placed, and placed. */
+/* Count the scene's capsules before they are placed; place them. */
 size_t count_capsules(loader &l);
 void   place_smoke(loader &l);
 
@@ -668,49 +675,53 @@ void   place_smoke(loader &l);
 void read_materials(loader &l, const json &root);
 void place_materials(loader &l);
 
-/* What pictures alone ask for, and no bake may fail by: a member that is 0 to `most`, three that are 0 to 1, or what it is otherwise. */
+/* Numbers for pictures only; these must not fail a bake. Returns a member in [0, most], or three members in [0, 1]; `otherwise` if
+ * missing or invalid. */
 double number_or(const json &object, const char *name, double otherwise, double most);
 void   numbers_or(const json &object, const char *name, double otherwise, double out[3]);
 
-/* Decode image `index`, which exists, once: its alpha, or its colours. */
+/* Decode the existing image `index` at first use: its alpha, or its colours. */
 image_alpha   &use_image(loader &l, size_t index);
 image_colours &use_colours(loader &l, size_t index);
 
-/* A texture of the file by what refers to it, whose shape is checked; the image that it shows; how it goes on beyond [0, 1]; which coordinates it is seen by. */
+/* Properties of a texture, given the (checked) texture info that refers to it: the texture, its image, its sampler (wrap modes and
+ * filter), and its texture coordinates. */
 const json   &texture_of(loader &l, const std::string &where, const json &info);
 size_t        texture_image(loader &l, const std::string &where, const json &texture);
 void          read_sampler(loader &l, const std::string &where, const json &texture, alpha_mask &out);
 texture_place read_texture_place(loader &l, const std::string &where, const json &info);
 
-/* A material, once it is known where it is a surface. */
+/* A material, after evaluating where it has a surface. */
 material &use_material(loader &l, size_t index);
 
-/* The texture coordinates of a placement that has holes. */
+/* Find the texture coordinates of a placement with holes. */
 void find_uvs(loader &l, const std::string &where, placement &p);
 void warn_about_colors(loader &l, const std::string &where, size_t node, const placement &p);
 
-/* The holes of the next triangle of the scene, the placement's with these elements. Returns false where a coordinate is not finite. */
+/* Store the holes of the scene's next triangle, from these elements of the placement. Returns false where a coordinate is not
+ * finite. */
 bool append_mask_triangle(loader &l, const placement &p, const uint32_t element[3]);
 
-/* Alpha masks and their images, into the scene. */
+/* Store alpha masks and their images in the scene. */
 void place_masks(loader &l);
 
 /* ---- gltf_areas.cc ---- */
 
-/* What a material shines with. */
+/* Read the emitted radiance of a material. */
 void read_radiance(const json &object, material &m);
 
-/* The triangles that the placement made, `count` from `first` on, shine: the scene has an area light more, if they are a parallelogram. */
+/* Add an area light for the triangles [first, first + count) of an emissive placement, if they are a parallelogram. */
 void append_area(loader &l, const placement &p, size_t first, size_t count);
 
 /* ---- gltf_traps.cc ---- */
 
-/* Note what is sound and hardly meant.   triangles  that are to be placed */
+/* Note valid content that is probably a mistake.
+ * triangles  number of triangles to be placed */
 void look_at_traps(loader &l, int chosen_scene, size_t triangles);
 
 /* ---- gltf_lights.cc ---- */
 
-/* The lights of KHR_lights_punctual, into l.lights. */
+/* Read the lights of KHR_lights_punctual into l.lights. */
 void read_lights(loader &l, const json &root);
 
 void place_lights(loader &l);
@@ -718,7 +729,7 @@ void place_cameras(loader &l);
 
 /* ---- gltf_cameras.cc ---- */
 
-/* What cameras see, into the scene. */
+/* Store the views of cameras in the scene. */
 void place_views(loader &l);
 
 } // namespace gltf

@@ -1,12 +1,13 @@
-/* Materials, and where those of alphaMode MASK have holes (3.9.4). The alpha of the base colour's texture, times the base colour's own,
- * is held against alphaCutoff; KHR_texture_transform moves the texture. A material that reaches the cutoff everywhere has no alpha
- * mask, one that reaches it nowhere no surface.
+/* Materials, and holes of materials with alphaMode MASK (3.9.4): the alpha of the base colour texture times the alpha of the base
+ * colour is compared with alphaCutoff. KHR_texture_transform is applied. If all of a material reaches the cutoff, it has no alpha
+ * mask; if nothing does, it has no surface.
  *
- * A bake knows light and shadow, and nothing between. BLEND is a mask, too, at half of the light: where alpha is a, a share 1 - a of the light gets
- * through, and of the two answers the nearer one errs by min(a, 1 - a), never more than a wall does, 1 - a, or nothing at all, a.
+ * A bake distinguishes only lit and shadowed. So BLEND is also a mask, with a cutoff of 0.5: where alpha is a, a share 1 - a of the
+ * light passes, and choosing the nearer of lit and shadowed has the error min(a, 1 - a). This is never more than the error of
+ * always shadowed, 1 - a, or of always lit, a.
  *
- * The JSON of textures, samplers and masked materials is looked at only when triangles are placed that need it. What cannot be read of a
- * mask makes it opaque.
+ * The JSON of textures, samplers and masked materials is read only for materials of placed triangles. A mask that cannot be read is
+ * opaque.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/scene/gltf/gltf_loader.h"
 
@@ -31,7 +32,7 @@ void numbers_or(const json &object, const char *name, double otherwise, double o
     for (size_t n = 0; n < 3; n++) out[n] = good ? (*values)[n].get<double>() : otherwise;
 }
 
-/* Only pictures ask: what is no colour is white, as when nothing is said, and what is textured is grey times its colour. */
+/* For pictures only. A missing or invalid colour is white; a textured surface is grey times its colour. */
 static void read_colour(const json &object, material &m)
 {
     static const double grey      = 0.45;
@@ -63,7 +64,7 @@ void place_materials(loader &l)
 static const char *const TRANSMISSION = "KHR_materials_transmission", *const DIFFUSE_TRANSMISSION =
                                                                           "KHR_materials_diffuse_transmission";
 
-/* The extension by which a material lets light through besides its alpha; NULL: none does. */
+/* The extension with which a material lets light through, in addition to alpha; NULL: none. */
 static const char *transmission_of(const json &object)
 {
     static const struct {
@@ -103,7 +104,7 @@ void read_materials(loader &l, const json &root)
     }
 }
 
-/* Item `index` of a list of the file. */
+/* Item `index` of a list of the file. Throws if there is none. */
 static const json &item(loader &l, const std::string &where, const char *list, const char *kind, size_t index)
 {
     const json &all = items(l.rest, list);
@@ -111,7 +112,7 @@ static const json &item(loader &l, const std::string &where, const char *list, c
     return all[index];
 }
 
-/* The image that a texture shows. */
+/* The image number of a texture. */
 size_t texture_image(loader &l, const std::string &where, const json &texture)
 {
     const json *source = &texture;
@@ -142,7 +143,7 @@ void read_sampler(loader &l, const std::string &where, const json &texture, alph
     out.wrap_v  = wrap_mode(l, where, sampler, "wrapT");
 }
 
-/* Scaled, then turned counter-clockwise as seen in the image, whose v goes down, then moved. */
+/* Order: scale, then rotation, counter-clockwise as seen in the image (where v goes down), then translation. */
 texture_place read_texture_place(loader &l, const std::string &where, const json &info)
 {
     static constexpr shape members = {
@@ -161,7 +162,7 @@ texture_place read_texture_place(loader &l, const std::string &where, const json
     return place;
 }
 
-/* Give the scene an alpha mask and its image. Returns the mask's number there. */
+/* Add an alpha mask and its image to the scene. Returns the mask's number. */
 static uint32_t add_mask(loader &l, image_alpha &image, alpha_mask added)
 {
     if (image.in_scene == SIZE_MAX) {
@@ -181,7 +182,7 @@ const json &texture_of(loader &l, const std::string &where, const json &info)
     return texture;
 }
 
-/* The holes that a texture makes where its alpha is below the threshold. */
+/* Set the holes of a material: where the texture's alpha is below the threshold. */
 static void read_texture(loader &l, const std::string &where, const json &info, material &m)
 {
     const json  &texture = texture_of(l, where, info);
@@ -205,13 +206,13 @@ static void read_texture(loader &l, const std::string &where, const json &info, 
 
 static double cutoff_of(loader &l, const std::string &where, const json &object, const material &m)
 {
-    if (m.mode == alpha_mode::BLEND) return 0.5; /* of the light */
+    if (m.mode == alpha_mode::BLEND) return 0.5; /* half of the light passes */
     json cutoff = object.value("alphaCutoff", json(0.5));
     if (!cutoff.is_number() || !(cutoff.get<double>() >= 0)) l.broken(where, "'alphaCutoff' is not a number, 0 or more");
     return cutoff.get<double>();
 }
 
-/* What a material's alpha is made of. */
+/* The factors of a material's alpha. */
 struct alpha_source {
     double      factor;
     const json *texture; /* NULL: none */
@@ -241,7 +242,7 @@ static void read_mask(loader &l, const std::string &where, const json &object, m
     if (cutoff > 0 && m.threshold <= 1 && alpha.texture) read_texture(l, where, *alpha.texture, m);
 }
 
-/* BLEND that is to be a wall, or nothing. What has an alpha of 0 everywhere is nothing by any reading, and of 1 a wall. */
+/* BLEND with --blend opaque or exclude: alpha 0 everywhere has no surface, alpha 1 everywhere is opaque, in both modes. */
 static void read_whole(loader &l, const std::string &where, const json &object, material &m)
 {
     alpha_source alpha = alpha_of(l, where, object);
@@ -270,9 +271,9 @@ material &use_material(loader &l, size_t index)
     return m;
 }
 
-/* ---- what there is to say of materials, once their triangles are counted ---- */
+/* ---- notes about materials, after their triangles are counted ---- */
 
-/* Why a material lets light through, and how that is baked. */
+/* Warn of a material that lets light through, with the reason and how it is baked. */
 static void warn_about_light(loader &l, size_t index, const material &m, const std::string &where)
 {
     std::string exclude = exclude_remedy("material:", index, m.name);
@@ -316,9 +317,9 @@ static void warn_about_material(loader &l, size_t index, const material &m)
     if (m.triangles || m.left_out) warn_about_light(l, index, m, where);
 }
 
-/* ---- what primitives need of them ---- */
+/* ---- materials of primitives ---- */
 
-/* The elements of a further attribute of a primitive. */
+/* The elements of an additional attribute of a primitive. */
 static const elements &further_attribute(loader &l, const std::string &where, const placement &p, const std::string &name)
 {
     int accessor = attribute(p.primitive->attributes, name);
@@ -333,7 +334,7 @@ static const elements &further_attribute(loader &l, const std::string &where, co
     return e;
 }
 
-/* The first two of three or four are what is meant: some exporters write a third, 0. */
+/* Find the texture coordinates. Some exporters write a third component, 0: components after the second are ignored. */
 void find_uvs(loader &l, const std::string &where, placement &p)
 {
     std::string     name  = "TEXCOORD_" + std::to_string(p.material->holes.uv_set);
@@ -351,7 +352,7 @@ void find_uvs(loader &l, const std::string &where, placement &p)
                   "give it texture coordinates, or a material without a mask", p.triangles);
 }
 
-/* A broken colour is not this baker's business. */
+/* Invalid colours are ignored: a bake does not need them. */
 void warn_about_colors(loader &l, const std::string &where, size_t node, const placement &p)
 {
     int accessor = attribute(p.primitive->attributes, "COLOR_0");
@@ -379,7 +380,7 @@ bool append_mask_triangle(loader &l, const placement &p, const uint32_t element[
     return true;
 }
 
-/* Triangles of materials that let light through, and are left out for it. */
+/* Number of triangles left out because their material lets light through. */
 static size_t count_blended(const loader &l)
 {
     size_t count = 0;

@@ -1,4 +1,4 @@
-/* Meshes (3.7): their primitives checked, and how many triangles there will be.
+/* Meshes (3.7): check primitives, and count triangles.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/scene/gltf/gltf_loader.h"
 
@@ -16,7 +16,7 @@ std::string primitive_label(const loader &l, size_t mesh, size_t primitive)
     return label("mesh", l.model.meshes, mesh) + " " + label("primitive", primitive);
 }
 
-/* Of floats, or, with or without the word that KHR_mesh_quantization is used, of 8 or 16 bits: they say themselves what they are. */
+/* Positions are floats, or 8 or 16 bit integers, even if KHR_mesh_quantization is not declared: the accessor gives the type. */
 static void check_positions(loader &l, const std::string &primitive, int index, size_t count)
 {
     const elements &e     = sound_accessor(l, primitive, "POSITION", index);
@@ -50,7 +50,7 @@ size_t triangle_count(const loader &l, const tinygltf::Primitive &p)
     return p.mode == TINYGLTF_MODE_TRIANGLES ? corners / 3 : corners < 3 ? 0 : corners - 2;
 }
 
-/* What its triangles, or its smoke, cannot be without. Other attributes are judged where they are needed. */
+/* Check what triangles or smoke require. Other attributes are checked where they are used. */
 static void check_primitive(loader &l, const std::string &where, const tinygltf::Primitive &p)
 {
     if (p.mode > TINYGLTF_MODE_TRIANGLE_FAN) l.broken(where, "unknown mode %d", p.mode);
@@ -76,14 +76,14 @@ void check_model_meshes(loader &l)
             failure              f     = primitive_fault(l, i, k) ? failure{} : caught([&] { check_primitive(l, where, p); });
             if (f) l.primitive_faults[{i, k}] = f;
             if (p.material < 0 || (size_t)p.material < l.materials.size())
-                continue; /* of what is left out, too: patterns ask for it */
+                continue; /* also for primitives that are left out, because patterns refer to materials */
             take_note(l, cost::REFERENCE, (uint64_t)1 << 63 | i << 32 | k, where,
                       "material " + std::to_string(p.material) + " does not exist", "export it again");
             p.material = -1;
         }
 }
 
-/* Indices whose data is there can be judged before anything is decoded. */
+/* Check indices before decoding, if their data is available. */
 static void check_primitive_indices(loader &l, const tinygltf::Primitive &p)
 {
     if (p.indices < 0 || !(makes_triangles(p) || makes_smoke(p)) || needs_draco(l, p)) return;
@@ -121,7 +121,7 @@ void lose_primitive(loader &l, cost kind, size_t node, size_t index, const failu
                "mend it, or " + exclude_remedy("mesh:", mesh, l.model.meshes[mesh].name), count, placed_by(l, node, p));
 }
 
-/* What is not baked, or not as it is shown, and no rule excludes. */
+/* Primitives that are not baked, or not exactly, and that no rule excludes. */
 struct skipped {
     size_t points, lines; /* primitives */
 };
@@ -146,11 +146,11 @@ static void warn_about(loader &l, size_t mesh, size_t i, skipped &skip)
                   "set those to the shape that is to cast");
 }
 
-/* Triangles of a node's mesh that cast, and vertices that are made of them each time it is placed: primitives that follow each other share
- * those of an accessor. */
+/* Casting triangles of a node's mesh, and vertices created for them per placement. Consecutive primitives with the same accessor
+ * share vertices. */
 struct mesh_counts {
     size_t triangles = 0, vertices = 0;
-    size_t sharing = 0, shared = 0; /* triangles over the same accessor so far, and their vertices */
+    size_t sharing = 0, shared = 0; /* triangles of consecutive primitives with this accessor, and their vertices */
     int    last = -1;
 
     void add(const loader &l, const tinygltf::Primitive &p, size_t more)
@@ -166,13 +166,14 @@ struct mesh_counts {
     }
 };
 
-/* The arrays of a scene, and those that all who read one make of it: welded vertices, then edges (mesh_weld.c, casters.c). */
+/* Memory of a scene's arrays, and of the arrays that all users of a scene create: welded vertices, then edges (mesh_weld.c,
+ * casters.c). */
 static uint64_t scene_bytes(uint64_t triangles, uint64_t vertices)
 {
     return std::max(29 * triangles + 60 * vertices, 66 * triangles + 28 * vertices);
 }
 
-/* A mesh of which nothing can be read. */
+/* Warn of a mesh without any readable primitive. */
 static void warn_about_mesh(loader &l, size_t node)
 {
     size_t mesh   = (size_t)l.model.nodes[node].mesh;
@@ -182,7 +183,7 @@ static void warn_about_mesh(loader &l, size_t node)
                "mend it, or " + exclude_remedy("mesh:", mesh, l.model.meshes[mesh].name));
 }
 
-/* What of a node's mesh casts, once; triangles that do not are counted where they are excluded. */
+/* Count what a node's mesh casts, per placement. Other triangles are counted by their exclusion rule. */
 static mesh_counts measure_node(loader &l, size_t index, size_t instances, skipped &skip)
 {
     const tinygltf::Node &node       = l.model.nodes[index];

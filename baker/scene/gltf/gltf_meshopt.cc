@@ -1,4 +1,4 @@
-/* EXT_meshopt_compression, and KHR_meshopt_compression as far as it is the same: bufferViews decompressed with meshoptimizer.
+/* EXT_meshopt_compression, and the common subset of KHR_meshopt_compression: decompress bufferViews with meshoptimizer.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/scene/gltf/gltf_loader.h"
 
@@ -8,11 +8,11 @@
 namespace gltf
 {
 
-/* No stream of the codecs decompresses to more than this many times its bytes: a byte column of 256 vertices takes 4 bytes at least,
- * a triangle of indices one. */
+/* Upper limit of the compression ratio: a byte column of 256 vertices takes at least 4 bytes, a triangle of indices at least
+ * one. */
 static constexpr size_t RATIO_MAX = 64;
 
-/* What the decoders assert. */
+/* The stride that the decoders require. */
 static const char *expected_stride(const compressed_view &c)
 {
     if (c.mode != "ATTRIBUTES") return c.stride == 2 || c.stride == 4 ? nullptr : "2 or 4";

@@ -1,4 +1,4 @@
-/* Nodes (3.5): transforms, the tree, and the scene that is asked for.
+/* Nodes (3.5): transforms, the tree, and the selected scene.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/scene/gltf/gltf_loader.h"
 
@@ -39,7 +39,7 @@ bool is_mirrored(const transform &t)
     return volume_scale(t) < 0;
 }
 
-/* A matrix by rows, as some exporters write it, has the translation where the last row should be. */
+/* Some exporters write matrices row by row: then the translation is in the last row. */
 static bool is_by_rows(const std::vector<double> &m)
 {
     return m[12] == 0 && m[13] == 0 && m[14] == 0 && m[15] == 1 && (m[3] != 0 || m[7] != 0 || m[11] != 0);
@@ -66,14 +66,14 @@ transform node_transform(loader &l, size_t index)
     if (trs_transform(translation, rotation, scale, t)) return t;
     if (rotation[0] != 0 || rotation[1] != 0 || rotation[2] != 0 || rotation[3] != 0)
         l.broken(where, "its rotation is not a unit quaternion");
-    /* by the formula every viewer uses, zeros turn nothing */
+    /* as in all viewers: zeros mean no rotation */
     take_note(l, cost::TREE, index, where, "its rotation is 0, 0, 0, 0, not a unit quaternion: taken as none", "export it again");
     rotation[3] = 1;
     trs_transform(translation, rotation, scale, t);
     return t;
 }
 
-/* Children that do not exist, and those that are listed twice, are taken out. */
+/* Remove children that do not exist or are listed twice. */
 static void mend_children(loader &l, size_t index)
 {
     auto            &children = l.model.nodes[index].children;
@@ -94,7 +94,8 @@ static void mend_children(loader &l, size_t index)
     children = kept;
 }
 
-/* Nodes form a forest: every node has one parent at most, and hangs from a root. Which of two parents is meant cannot be known. */
+/* Check that nodes form a forest: each node has at most one parent and a root above it. With two parents the intended one is
+ * unknown. */
 std::vector<int> check_tree(loader &l)
 {
     const auto      &nodes = l.model.nodes;
@@ -125,7 +126,7 @@ std::vector<int> check_tree(loader &l)
     return parent;
 }
 
-/* What a node of the scene refers to and is not there is left out of it. Lights are judged where they are placed. */
+/* Remove references to missing objects from the nodes of the scene. Lights are checked where they are placed. */
 void check_references(loader &l)
 {
     tinygltf::Model &model = l.model;
@@ -149,7 +150,7 @@ void check_references(loader &l)
     }
 }
 
-/* The scene to take where no option names one. */
+/* The scene to load if no option selects one. */
 static int default_scene(loader &l)
 {
     const auto &scenes = l.model.scenes;
@@ -184,7 +185,7 @@ int choose_scene(loader &l, const char *which)
     l.error(VXS_E_ARGUMENT, "no scene '%s'; the file has %zu%s", which, scenes.size(), known.c_str());
 }
 
-/* Whether a node is anywhere else than what it hangs from. */
+/* True when a node's own transform is not the identity, or cannot be read. */
 static bool is_moved(loader &l, size_t node)
 {
     transform t   = {};
@@ -196,7 +197,7 @@ static bool is_moved(loader &l, size_t node)
     return f || off > 0;
 }
 
-/* Which nodes are below one that a scene lists. */
+/* Mark the nodes that are below a listed node. */
 static std::vector<char> find_covered(const loader &l, const std::vector<int> &parent, const std::vector<char> &listed)
 {
     std::vector<char> covered(parent.size(), 0);
@@ -214,9 +215,9 @@ static std::vector<char> find_covered(const loader &l, const std::vector<int> &p
     return covered;
 }
 
-/* A scene lists its roots. One that is listed and hangs from another that is, is meant to be there once; one whose parent is not in the scene is
- * a root.
- * parent  [out] that of a root is -1 */
+/* A scene lists its roots. If a listed node is below another listed node, it is placed only once. A listed node whose parent is not
+ * in the scene is a root.
+ * parent  [out] -1 for roots */
 void choose_roots(loader &l, int chosen, std::vector<int> &parent)
 {
     for (size_t i = 0; chosen < 0 && i < parent.size(); i++)
@@ -262,8 +263,8 @@ void choose_roots(loader &l, int chosen, std::vector<int> &parent)
     }
 }
 
-/* Parents come before children, children in the file's order; no recursion, for trees may be deep. A node that cannot be placed costs those
- * below it, too. */
+/* Place parents before children, and children in the file's order. Not recursive, because trees may be deep. If a node cannot be
+ * placed, neither can its subtree. */
 void place_nodes(loader &l, const std::vector<int> &parent)
 {
     std::vector<size_t> open(l.roots.rbegin(), l.roots.rend());

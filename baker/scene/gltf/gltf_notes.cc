@@ -1,5 +1,5 @@
-/* What is wrong with parts of a scene, collected while it is read, and said in a few lines: of each kind the first ones, then how many
- * more there are. A file of ten thousand broken primitives is no longer to read than one of four.
+/* Notes: faults of parts of a scene, collected while it is read and reported in a few lines: the first ones of each kind, then the
+ * number of others. So the report stays short for a file with thousands of faults.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/scene/gltf/gltf_loader.h"
 
@@ -8,7 +8,7 @@ namespace gltf
 
 static constexpr size_t SHOWN = 3, EXTENSIONS_SHOWN = 16, URI_BYTES = 100;
 
-/* By cost: what a line says of it, with a count or without, and what many of them are called. */
+/* Texts by cost: for one note with a count, without a count, and for many notes. */
 static const struct {
     const char *counted, *plain, *many;
 } words[] = {
@@ -92,7 +92,7 @@ void say_notes(loader &l)
     l.note_of.clear();
 }
 
-/* A fault of something that nothing of the scene uses: where there is nothing to bake, it may say why. */
+/* A fault of an object that the scene does not use. If there is nothing to bake, it may be the reason. */
 static const failure *idle_fault(const loader &l)
 {
     for (const auto &of_list : l.faults)
@@ -112,7 +112,7 @@ void require_geometry(const loader &l, size_t triangles, size_t capsules)
 {
     if (triangles || capsules) return;
     if (l.first_fault) throw l.first_fault;
-    bool excludes = false; /* what is left out because somebody wants so is no fault */
+    bool excludes = false; /* exclusions that the user requested are not a fault */
     for (const scene_exclusion &e : l.exclusions) excludes |= e.triangles > 0;
     if (const failure *f = excludes ? nullptr : idle_fault(l)) throw *f;
 }

@@ -1,7 +1,7 @@
-/* From the bytes of a file to tinygltf's model.
+/* Parse the bytes of a file into tinygltf's model.
  *
- * tinygltf gets what it is good for, the lists of nodes, meshes and accessors. Buffers are read here, without a copy of the GLB's
- * bytes; animations, cameras and images are nothing it could fail at.
+ * tinygltf gets only the lists of nodes, meshes and accessors. Buffers are read here, without a copy of the GLB's bytes.
+ * Animations, cameras and images are not passed on, so that it cannot fail on them.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <fstream> /* which tinygltf forgets */
 
@@ -36,7 +36,7 @@ static void load_model(loader &l, json &root)
     for (tinygltf::Mesh &mesh : l.model.meshes)
         for (tinygltf::Primitive &p : mesh.primitives)
             if (next < indices.size()) p.indices = indices[next++];
-    if (error.find("bad_alloc") != std::string::npos) throw std::bad_alloc(); /* tinygltf makes a text of every exception */
+    if (error.find("bad_alloc") != std::string::npos) throw std::bad_alloc(); /* tinygltf converts every exception to a text */
     if (!ok || next != indices.size()) l.broken("", "%s", one_line(error).c_str());
 }
 
@@ -55,7 +55,7 @@ void parse(loader &l)
     l.camera_count = items(root, "cameras").size();
     for (const char *list : {"extensionsUsed", "extensionsRequired"})
         for (const json &name : items(root, list)) l.quantization |= name == "KHR_mesh_quantization";
-    root.erase("buffers"); /* and the data URIs in them */
+    root.erase("buffers"); /* with their data URIs */
 
     load_model(l, root);
     l.rest = std::move(root);

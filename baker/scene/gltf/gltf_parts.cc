@@ -1,14 +1,14 @@
-/* Which node, mesh and material triangles come from: what a scene keeps of it for people.
+/* Origin of triangles: node, mesh and material, stored in the scene for messages.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/scene/gltf/gltf_loader.h"
 
 namespace gltf
 {
 
-/* Where a name begins in l.names, where each is kept once. */
+/* Offset of a name in l.names, where each name is stored once. */
 static uint32_t name_at(loader &l, kind k, size_t index, const std::string &name)
 {
-    if (l.names.empty()) l.names.push_back('\0'); /* that of whatever has none */
+    if (l.names.empty()) l.names.push_back('\0'); /* offset 0 is the empty name */
     if (l.name_at[k].size() <= index) l.name_at[k].resize(index + 1, 0);
     uint32_t &at = l.name_at[k][index];
     if (at || name.empty()) return at;
@@ -32,7 +32,7 @@ void begin_part(loader &l, size_t node, const tinygltf::Primitive &p, vec3 origi
     part.mesh       = (uint32_t)l.model.nodes[node].mesh;
     part.material   = p.material >= 0 ? (uint32_t)p.material : SCENE_NO_MATERIAL;
     if (!l.parts.empty()) {
-        const scene_part &last = l.parts.back(); /* instances of one primitive follow each other */
+        const scene_part &last = l.parts.back(); /* instances of a primitive are consecutive and share a part */
         if (last.node == part.node && last.mesh == part.mesh && last.material == part.material) return;
     }
     part.triangle_first = (uint32_t)l.s->triangle_count;

@@ -1,6 +1,6 @@
-/* What casts shadows: --include and --exclude patterns, a flag in extras, and skins, which have no pose here.
+/* Selection of casters: --include and --exclude patterns, a flag in extras, and skins (whose pose is unknown).
  *
- * Rules are numbered in the order in which they are asked: what no --include names, each --exclude, extras, skins.
+ * Rules are numbered in the order in which they apply: objects that no --include matches, each --exclude, extras, skins.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/scene/gltf/gltf_loader.h"
 
@@ -19,7 +19,7 @@ static const struct {
 
 /* --- extras ----------------------------------------------------------------------------------------------------------- */
 
-/* Blender has written booleans as 0 and 1, too. */
+/* Read the flag. Blender also writes booleans as 0 and 1. */
 void read_flags(loader &l, const json &root)
 {
     size_t      wrong = 0;
@@ -68,7 +68,7 @@ static bool matches(const pattern &p, int k, size_t index, const std::string &na
     return name == p.glob || p.glob == "#" + std::to_string(index) || !fnmatch(p.glob.c_str(), name.c_str(), 0);
 }
 
-/* All that can be named, in the file's order. */
+/* All objects with names, in the file's order. */
 struct nameable {
     kind               k;
     size_t             index;
@@ -91,7 +91,7 @@ static std::vector<nameable> collect(const loader &l)
     return found;
 }
 
-/* A few names that are there: those that a pattern may have meant, where case or an end is all that is wrong, or the first ones. */
+/* A few existing names for a message: those similar to the pattern (except for case or an affix), else the first ones. */
 static std::string list_names(const pattern &p, const std::vector<nameable> &all, bool near)
 {
     std::vector<std::string> listed;
@@ -116,7 +116,7 @@ static std::string list_names(const pattern &p, const std::vector<nameable> &all
             (near.empty() ? some : near).c_str());
 }
 
-/* What patterns say of one: the first `excludes` of them exclude. */
+/* Apply the patterns to one object. The first `excludes` patterns exclude. */
 static void mark_by_patterns(std::vector<pattern> &patterns, size_t excludes, const nameable &n, mark &said)
 {
     for (size_t i = patterns.size(); i-- > 0;) {

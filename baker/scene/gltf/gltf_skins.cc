@@ -1,5 +1,5 @@
-/* Skins (3.7.3): a vertex is where its joints put it, in the pose that the file's nodes have. The transform of the node that shows the mesh means
- * nothing. Bind space is that of the stored vertices; each joint's inverse bind matrix leads from there to the joint.
+/* Skins (3.7.3): joints determine the position of each vertex, in the pose given by the file's nodes. The transform of the mesh's
+ * node is ignored. Bind space is the space of the stored vertices; a joint's inverse bind matrix transforms from it to the joint.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/scene/gltf/gltf_loader.h"
 
@@ -8,7 +8,7 @@
 namespace gltf
 {
 
-/* Sums of weights that rounding to 8 bits does not explain. */
+/* Deviation of a sum of weights that rounding to 8 bits cannot explain. */
 static constexpr double FAR_OFF = 0.05;
 
 void read_skins(loader &l, const json &root)
@@ -24,7 +24,7 @@ void read_skins(loader &l, const json &root)
     }
 }
 
-/* Where any node is, in the scene or not. */
+/* World transform of a node, in the scene or not. */
 static transform ws_from_any(loader &l, size_t node)
 {
     std::vector<size_t> chain;
@@ -120,7 +120,7 @@ transform skin_transform(const placement &p, uint32_t element, bool &off)
     for (size_t set = 0; set < p.joints.size(); set++)
         for (size_t k = 0; k < 4; k++) {
             double weight = p.weights[set]->value(element, k);
-            if (!(weight > 0)) continue; /* NaN and less than nothing are none */
+            if (!(weight > 0)) continue; /* ignores NaN and negative weights */
             total += weight;
         }
     off |= !(std::fabs(total - 1) <= FAR_OFF);

@@ -1,12 +1,11 @@
-/* Points and lines with the attributes _RADIUS and _EXTINCTION (3.7.2.1: names that begin with _ are an application's own):
- * capsules that dim light.
+/* Smoke: points and lines with the attributes _RADIUS and _EXTINCTION (3.7.2.1: names starting with _ are application-specific)
+ * become capsules that attenuate light.
  *
- *     POINTS                            a ball for each
- *     LINES, LINE_STRIP, LINE_LOOP      a capsule for each line, as wide and as dense as its ends are in the mean
+ *     POINTS                            a ball per point
+ *     LINES, LINE_STRIP, LINE_LOOP      a capsule per line, with the mean radius and extinction of its ends
  *
- * A node that makes the scene larger by a factor makes radii so, and extinctions less by the same: what a puff lets through does
- * not depend on its size. Where it does so unevenly the factor is the cube root of how many times the volume it is, since a ball
- * stays a ball.
+ * The scale of a node multiplies radii and divides extinctions, so that the transmittance of a cloud does not depend on its size.
+ * For a non-uniform scale, the cube root of the change in volume is used, because a ball stays a ball.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/scene/gltf/gltf_loader.h"
 
@@ -15,7 +14,7 @@ namespace gltf
 
 static const char *const RADIUS = "_RADIUS", *const EXTINCTION = "_EXTINCTION";
 
-/* Places, radii and extinctions beyond these are none (vxs_capsule.h). */
+/* Larger positions, radii and extinctions are invalid (vxs_capsule.h). */
 static const double METRES_MOST = 1e12, EXTINCTION_MOST = 1e30;
 
 bool makes_smoke(const tinygltf::Primitive &p)
@@ -24,7 +23,7 @@ bool makes_smoke(const tinygltf::Primitive &p)
            attribute(p.attributes, EXTINCTION) >= 0;
 }
 
-/* The corners of its lines, or its points. */
+/* Number of points, or of vertices of lines. */
 static size_t end_count(const loader &l, const tinygltf::Primitive &p)
 {
     size_t accessor = (size_t)(p.indices >= 0 ? p.indices : attribute(p.attributes, "POSITION"));
@@ -70,7 +69,7 @@ static double amount(loader &l, const elements &e, const char *name, uint32_t ve
     return value;
 }
 
-/* The vertices between which capsule i lies. */
+/* The two vertices of capsule i. */
 static void find_ends(const cloud &c, size_t i, uint32_t ends[2])
 {
     int    mode  = c.primitive->mode;
@@ -124,7 +123,7 @@ static cloud find_cloud(loader &l, const tinygltf::Primitive &p, size_t index)
     return c;
 }
 
-/* Whether a node's primitive is smoke, as far as is known. */
+/* 1 when a node's primitive is smoke, as far as is known. */
 static bool is_cloud(const loader &l, size_t node, size_t index)
 {
     size_t                     mesh = (size_t)l.model.nodes[node].mesh;
@@ -141,7 +140,7 @@ static void place_cloud(loader &l, size_t node, const cloud &c, const transform 
     }
 }
 
-/* Instances of a node's mesh. */
+/* Place all instances of a node's smoke. */
 static void place_clouds(loader &l, size_t node)
 {
     const auto &primitives = l.model.meshes[l.model.nodes[node].mesh].primitives;

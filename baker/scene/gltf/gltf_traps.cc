@@ -1,6 +1,6 @@
-/* What is sound and hardly meant: things that cast shadows in a bake and are not there in an engine, or are there twice, or move. Each is said once, with
- * the first node that has it, how many more do, and what they have of triangles.
- * Names of collision shapes and of levels of detail are judged elsewhere, where triangles have their places.
+/* Warnings of valid content that is probably a mistake: objects that cast shadow in a bake but are absent, duplicated or moving in
+ * an engine. Each warning names the first node, the number of others, and their triangles. Names of collision shapes and of levels
+ * of detail are checked elsewhere, when triangles are placed.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/scene/gltf/gltf_loader.h"
 
@@ -9,7 +9,7 @@
 namespace gltf
 {
 
-/* What each node has of triangles that cast, by what is known before they are placed. */
+/* Casting triangles of each node, as far as known before they are placed. */
 using casting = std::vector<size_t>;
 
 static size_t casting_triangles(loader &l, size_t node)
@@ -24,7 +24,7 @@ static size_t casting_triangles(loader &l, size_t node)
     return count * count_instances(l, node);
 }
 
-/* Nodes that have something in common. */
+/* Nodes with the same problem. */
 struct group {
     size_t first = SIZE_MAX, count = 0, triangles = 0;
 
@@ -46,7 +46,7 @@ static void say(loader &l, uint64_t id, const group &g, const std::string &why, 
 
 /* ---- names ---- */
 
-/* Levels of detail by MSFT_lod, where the scene shows them beside the finest. */
+/* Levels of detail with MSFT_lod that the scene shows in addition to the finest level. */
 static void look_at_lods(loader &l, const casting &casts)
 {
     group             shown;
@@ -66,7 +66,7 @@ static void look_at_lods(loader &l, const casting &casts)
         shown.count ? exclude_remedy("node:", shown.first, l.model.nodes[shown.first].name) : "");
 }
 
-/* Materials of brushes that are compiled into no wall, as level editors call them. */
+/* Materials of tool brushes (names from level editors), which an engine does not draw. */
 static void look_at_materials(loader &l, const casting &casts)
 {
     static const char *const names[] = {"clip",      "playerclip", "trigger",         "hint",
@@ -90,7 +90,7 @@ static void look_at_materials(loader &l, const casting &casts)
 
 /* ---- places ---- */
 
-/* No two axes of it span anything. */
+/* 1 when a transform is degenerate: no two axes span an area. */
 static bool is_collapsed(const transform &t)
 {
     for (int i = 0; i < 3; i++) {
@@ -121,7 +121,7 @@ static void look_at_places(loader &l, const casting &casts)
     say(l, 101, twice, "shows a mesh that another node shows at the same place: it is there twice", "delete one of the two");
 }
 
-/* ---- what is not shown, or not as it stands ---- */
+/* ---- hidden or moving objects ---- */
 
 static void look_at_animations(loader &l, const casting &casts)
 {
@@ -149,7 +149,7 @@ static void look_at_animations(loader &l, const casting &casts)
         moved.count ? exclude_remedy("node:", moved.first, l.model.nodes[moved.first].name) : "");
 }
 
-/* Nodes with meshes that no scene shows. */
+/* Nodes with meshes that are in no scene. */
 static void look_at_scenes(loader &l, int chosen, size_t triangles)
 {
     std::vector<char> shown(l.nodes.size(), 0);

@@ -1,7 +1,7 @@
-/* Primitives to triangles in world space.
+/* Convert primitives to triangles in world space.
  *
- * Shared accessors: vertices are emitted when an index first names them and shared between the primitives of a node, so
- * memory follows the triangles and not the accessors (2023 fans over one accessor emit its vertices once).
+ * Shared accessors: a vertex is created when an index first refers to it, and is shared by the primitives of a node. So memory
+ * depends on triangles and not on accessors (2023 fans over one accessor create its vertices once).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/scene/gltf/gltf_loader.h"
 
@@ -20,7 +20,7 @@ vec3 position(const elements &e, size_t index)
     return {p[0], p[1], p[2]};
 }
 
-/* Where an element is before its node, or its joints, place it. */
+/* Position of an element after morphing, before the transform of its node or joints. */
 static vec3 morphed(const placement &p, uint32_t index)
 {
     vec3 v = position(*p.positions, index);
@@ -31,7 +31,7 @@ static vec3 morphed(const placement &p, uint32_t index)
     return v;
 }
 
-/* The scene's vertex for an accessor's element; UINT32_MAX when it has no finite position. */
+/* Vertex number in the scene of an accessor's element; UINT32_MAX when its position is not finite. */
 static inline uint32_t vertex_of(loader &l, placement &p, uint32_t index)
 {
     loader::slot &slot = l.slots[index];
@@ -48,7 +48,7 @@ static inline uint32_t vertex_of(loader &l, placement &p, uint32_t index)
     return slot.vertex;
 }
 
-/* Corners of triangle t (3.7.2.1). */
+/* Accessor elements of the corners of triangle t (3.7.2.1). */
 void triangle_elements(const placement &p, size_t t, uint32_t element[3])
 {
     bool   off       = false;
@@ -59,7 +59,7 @@ void triangle_elements(const placement &p, size_t t, uint32_t element[3])
     if (p.skin ? is_mirrored(skin_transform(p, element[0], off)) : p.mirrored) std::swap(element[1], element[2]);
 }
 
-/* Which accessor has the value that is not finite; when none has, the place is too far away. */
+/* Find the accessor with the value that is not finite. If there is none, the transformed position is too far away. */
 static failure bad_vertex(const placement &p, uint32_t vertex)
 {
     const elements *bad = finite(position(*p.positions, vertex)) ? nullptr : p.positions;
@@ -93,7 +93,7 @@ static const elements &target_positions(loader &l, const std::string &where, con
     return use_accessor(l, (size_t)accessor);
 }
 
-/* The weights of a node's morph targets (3.7.2.2) are its own, else the mesh's, else none; those of no target mean nothing. */
+/* Find the weights of morph targets (3.7.2.2): the node's, else the mesh's, else none. Additional weights are ignored. */
 static void find_targets(loader &l, const tinygltf::Node &node, const std::string &where, placement &p)
 {
     const std::vector<double> &weights = node.weights.empty() ? l.model.meshes[node.mesh].weights : node.weights;
@@ -122,7 +122,7 @@ static void apply_material(loader &l, const std::string &where, size_t node, siz
     p.flags = (uint8_t)((p.material->double_sided ? TRIANGLE_DOUBLE_SIDED : 0) | (holes ? TRIANGLE_ALPHA_MASK : 0));
 }
 
-/* One primitive of a node. Returns false where its material has no surface anywhere. */
+/* Prepare one primitive of a node. Returns false if its material has no surface. */
 static bool find_placement(loader &l, size_t node, size_t instances, placement &p)
 {
     const tinygltf::Node &n     = l.model.nodes[node];
@@ -143,7 +143,7 @@ static bool find_placement(loader &l, size_t node, size_t instances, placement &
     return true;
 }
 
-/* What one node places, each time. */
+/* Prepare all primitives of one node, for one placement. */
 static std::vector<placement> find_placements(loader &l, size_t index, size_t instances)
 {
     std::vector<placement> placements;
@@ -162,9 +162,9 @@ static std::vector<placement> find_placements(loader &l, size_t index, size_t in
     return placements;
 }
 
-/* The next triangle of the scene.
- * why  [out] where it has no place, and nothing is there yet
- * Returns false where it has none. */
+/* Place the next triangle.
+ * why  [out] the fault if it cannot be placed; only the first one is stored
+ * Returns false if it cannot be placed. */
 static bool place_triangle(loader &l, placement &p, size_t t, failure &why)
 {
     scene   *s = l.s;
@@ -184,7 +184,8 @@ static bool place_triangle(loader &l, placement &p, size_t t, failure &why)
     return true;
 }
 
-/* Primitives that follow each other over one accessor share its vertices; `last` is what the slots hold. */
+/* Place the triangles of a primitive. Consecutive primitives with the same accessor share its vertices; `last` is the accessor of
+ * the current slots. */
 static void place_primitive(loader &l, size_t node, placement &p, const elements *&last)
 {
     bool    own_places = !p.targets.empty() || p.skin;

@@ -1,4 +1,4 @@
-/* glTF 2.0 to a scene, through tinygltf: the order of things; gltf_loader.h has the parts.
+/* Load glTF 2.0 into a scene with tinygltf: the sequence of steps; see gltf_loader.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/scene/gltf/gltf_loader.h"
 
@@ -74,7 +74,7 @@ static void require_no_error(const loader &l, vxs_result r)
     if (r != VXS_OK) throw failure{r, "", true};
 }
 
-/* What stops the work is said before the triangles, which may be many more than the file's. */
+/* Checks before triangles are placed, which may be many more than in the file. */
 static void check_before_triangles(loader &l, size_t triangles, const scene_check *check)
 {
     require_geometry(l, triangles, count_capsules(l));
@@ -114,7 +114,7 @@ static void load(loader &l, const scene_check *check)
 
 } // namespace gltf
 
-/* No exception leaves the loader. */
+/* Converts exceptions to results: none leaves the loader. */
 template <typename function>
 static vxs_result guarded(scene *s, const char *path, const scene_choice *choice, message *m, function &&work)
 {

@@ -1,12 +1,12 @@
-/* A loaded scene as one that can be written; see scene_to_glb.h.
+/* Convert a loaded scene to a glb_scene; see scene_to_glb.h.
  *
- * A mesh holds the triangles of one material. Meshes without a mask share the scene's vertices; those with one have three of their own for
- * each triangle, because texture coordinates belong to corners:
+ * Each mesh holds the triangles of one material. Meshes without a mask share the scene's vertices. Meshes with a mask have three
+ * vertices per triangle, because texture coordinates belong to corners:
  *
  *     vertices   the scene's | 3 of each masked triangle
  *     triangles  one-sided | double-sided | mask 0, one-sided | mask 0, double-sided | mask 1, ...
  *
- * Capsules of smoke keep their order: those that follow each other, all of them points or all lines, and of one colour, are a run.
+ * Capsules of smoke keep their order. Consecutive capsules form a run if all are points or all are lines, and have the same colour.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/scene/gltf/scene_to_glb.h"
 
@@ -18,19 +18,19 @@
 enum { MATERIALS_WITHOUT_MASK = 2 };
 
 typedef struct material_sort {
-    size_t  count; /* materials: one-sided and double-sided, without a mask and with each */
-    size_t *first; /* [count + 1] triangles first[i] .. first[i + 1] - 1 have material i */
-    size_t *next;  /* [count] where the next triangle of a material goes */
+    size_t  count; /* number of materials: one-sided and double-sided, without a mask and with each mask */
+    size_t *first; /* [count + 1] material i has triangles first[i] .. first[i + 1] - 1 */
+    size_t *next;  /* [count] index for the next triangle of a material */
 } material_sort;
 
-/* The number of a triangle's material. 0 is the default one: glTF needs no entry for it, and glb_mesh.material calls it "none". */
+/* Material number of a triangle. 0 is glTF's default material, which needs no entry; glb_mesh.material is 0 for it. */
 static size_t material_of(const scene *s, size_t triangle, const holed_triangle *hole)
 {
     size_t double_sided = (s->triangle_flags[triangle] & TRIANGLE_DOUBLE_SIDED) != 0;
     return double_sided + (hole ? MATERIALS_WITHOUT_MASK * (1 + (size_t)hole->mask) : 0);
 }
 
-/* The mask of triangle t, or NULL. *at runs along holed_triangles, as t along the triangles. */
+/* The hole of triangle t, or NULL. *at is a cursor in holed_triangles; call with ascending t. */
 static const holed_triangle *hole_of(const scene *s, size_t t, size_t *at)
 {
     while (*at < s->holed_triangle_count && s->holed_triangles[*at].triangle < t) ++*at;
@@ -94,7 +94,7 @@ static void add_materials(glb_scene *out, const scene *s)
     }
 }
 
-/* White, with the image's alpha. */
+/* Add an image: white, with the mask's alpha. */
 static int add_image(glb_scene *out, const alpha_image *image)
 {
     size_t   pixels = (size_t)image->width_px * image->height_px;
@@ -106,7 +106,7 @@ static int add_image(glb_scene *out, const alpha_image *image)
     return 1;
 }
 
-/* With its colour, unless that is white at an intensity of 1, as what says nothing is: what is dark stays so. */
+/* Add a light. White with intensity 1 is glTF's default: it is stored as 0, and not written. A dark light stays dark. */
 static int add_light(glb_scene *out, const scene_light *light)
 {
     scene_light   copy = {.name = strdup(light->name), .shape = light->shape, .dark = light->dark};
@@ -123,7 +123,7 @@ static int is_line(const vxs_capsule *c)
     return memcmp(c->begin, c->end, sizeof c->begin) != 0;
 }
 
-/* Whether capsule n begins a run. */
+/* 1 when capsule n starts a run. */
 static int begins_run(const scene_smoke *smoke, uint32_t n)
 {
     return !n || is_line(&smoke->list[n]) != is_line(&smoke->list[n - 1]) ||
@@ -169,7 +169,7 @@ static uint32_t count_runs(const scene_smoke *smoke)
 
 /* ---- room ---- */
 
-/* Room for everything, whose counts are known but for what is added one by one. */
+/* Allocate everything whose count is known; other arrays grow item by item. */
 static int reserve(glb_scene *out, material_sort *k, const scene *s)
 {
     uint32_t runs       = count_runs(&s->smoke);
@@ -201,7 +201,7 @@ static double farthest_of(const scene *s, const double from[3])
     return far;
 }
 
-/* What the longest run of triangles was placed from; the first of several. NULL: nothing is known of it. */
+/* Origin of the longest run of triangles; the first of equally long ones. NULL: unknown. */
 static const double *usual_origin(const scene *s)
 {
     size_t most = 0, best = 0;
@@ -215,7 +215,7 @@ static const double *usual_origin(const scene *s)
     return s->origin_count ? s->origins[best].at_ws : NULL;
 }
 
-/* How far rounding moves a coordinate at most, in metres. */
+/* Maximum rounding error of a coordinate, metres. */
 static double rounding_of(const scene *s, const double from[3])
 {
     double moved = 0;
@@ -241,7 +241,7 @@ void glb_find_origin(const scene *s, double origin_ws[3])
     memcpy(origin_ws, zero, sizeof zero);
     double far = farthest_of(s, zero);
     if (!(far > FAR_TIMES * half) || !isfinite(far)) return;
-    double grid = half > 0 ? ldexp(1, ilogb(half) - 4) : 1; /* few digits, and nearly the middle */
+    double grid = half > 0 ? ldexp(1, ilogb(half) - 4) : 1; /* few digits, and close to the centre */
     for (int axis = 0; axis < 3; axis++) origin_ws[axis] = rint(0.5 * (low[axis] + high[axis]) / grid) * grid;
     if (usual && rounding_of(s, usual) <= rounding_of(s, origin_ws)) memcpy(origin_ws, usual, sizeof zero);
 }
