@@ -207,8 +207,7 @@ vxs_result vxs_bake(const vxs_bake_options *options, vxs_bake_bytes *file, char 
  * only the work that depends on their lights.
  * scene    [out] NULL on failure; closed with vxs_bake_scene_close, after the jobs that use it
  * options  of the scene; options of lights are ignored. Its callbacks get progress and warnings during the call. Arrays are
- *          copied; texts
- *          are borrowed until the scene is closed
+ *          copied; texts are borrowed until the scene is closed
  * error    as for vxs_bake
  * Returns what vxs_bake returns.   Threads: an open scene is never changed: any number of jobs may use it at once. */
 vxs_result vxs_bake_scene_open(vxs_bake_scene **scene, const vxs_bake_options *options, char *error);
@@ -225,8 +224,8 @@ void vxs_bake_scene_close(vxs_bake_scene *scene);
  * Returns VXS_OK, VXS_E_ARGUMENT, VXS_E_MEMORY. */
 vxs_result vxs_bake_job_open(vxs_bake_job **job, const vxs_bake_options *options, char *error);
 
-/* Bake to the end, from the begin or from the last step on. Does nothing on a job that has ended.   Returns what vxs_bake
- * returns. */
+/* Bake to the end, from the begin or from the last step on. Does nothing on a job that has ended.
+ * Returns what vxs_bake returns. */
 vxs_result vxs_bake_job_run(vxs_bake_job *job);
 
 typedef enum vxs_bake_state { VXS_BAKE_MORE, VXS_BAKE_DONE, VXS_BAKE_FAILED } vxs_bake_state;

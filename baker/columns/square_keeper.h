@@ -25,8 +25,7 @@ struct square_keeper {
 
     /* Decide about the square (i, j) of `level` of a map, which cannot be settled before it is fetched. Called in z order.
      * record  [out] if SQUARE_KNOWN: its record; released by the caller with free(record->data). If the record is not sound, the
-     *         descent makes
-     *         the square anyway */
+     *         descent makes the square anyway */
     vxs_result (*ask)(void *data, const column_map *columns, uint32_t level, uint32_t i, uint32_t j, square_fate *fate,
                       vxs_bytes *record, bake_context *ctx);
 
