@@ -275,7 +275,7 @@ static vxs_result record_end(walker *w, square_record *record, vxs_result r)
     return r;
 }
 
-/* A square that was settled before must be settled by the same bounds. */
+/* Settle the steps that were settled before. Their bounds must still settle them. */
 static vxs_result settle_known(const walker *w, const square_record *known)
 {
     vxs_result r = VXS_OK;

@@ -161,7 +161,7 @@ static inline void keep_depth(double (*nearest)[64], int count, int first, f64s 
 /* The same for all texels that a triangle covers. */
 static inline void keep_depths(const leaf *f, const sparse_triangle *t, uint64_t texels, double (*nearest)[64], int count)
 {
-    const sparse_triangle plane = *t; /* a copy, which the compiler knows that stores of depths do not change */
+    const sparse_triangle plane = *t; /* a copy, so that the compiler need not reload it after stores of depths */
     const int             begin = __builtin_ctzll(texels) & ~7, end = 64 - __builtin_clzll(texels);
     for (int n = 0; n < 8; n += LANES) {
         const f64s rise = lanes_rise(&plane, f64s_ramp(x_of(f, n), (double)px_of(f)));

@@ -82,7 +82,7 @@ static void add_patch(layers *y, const lean *w, const square_list *l, const spar
     if (p->is_whole) add(y, first, &all, 1);
 }
 
-/* Number of front faces that cover the square before a depth, less back faces that may be there. */
+/* Number of front faces that surely lie before a depth; number of back faces that may lie there. */
 static int opened(const layers *y, double near)
 {
     int count = 0;
