@@ -17,7 +17,7 @@ static int is_preview(const plan_light *l)
     return 1u << l->light.levels < PREVIEW_PX;
 }
 
-/* objects far from the rest --------------------------------------------------------------------------------------------------- */
+/* far objects ----------------------------------------------------------------------------------------------------------------- */
 
 static int by_value(const void *a, const void *b)
 {
@@ -123,7 +123,7 @@ int warn_about_far_objects(const check_scene *k, const far_objects *far, const o
     return 1;
 }
 
-/* texels that are larger than things ------------------------------------------------------------------------------------------ */
+/* texels wider than components ------------------------------------------------------------------------------------------------ */
 
 /* A component as seen from a light. */
 typedef struct seen_component {

@@ -53,7 +53,7 @@ static texel_range texels_of(const plan_light *l, lit_point *points, size_t coun
     return (texel_range){slope * points[0].along_m, slope * points[n].along_m, slope * points[count - 1].along_m};
 }
 
-/* an object in front of all others -------------------------------------------------------------------------------------------- */
+/* objects that hide a light --------------------------------------------------------------------------------------------------- */
 
 static const scene_object *find_hider(check_scene *k, const lit_points_desc *d, const lit_point *points, size_t count,
                                       double *metres)
@@ -96,7 +96,7 @@ static int check_far(const check_scene *k, const scene_object *const *hiders)
     return hide < far.count && warn_about_far_objects(k, &far, of);
 }
 
-/* ranges that end too soon ---------------------------------------------------------------------------------------------------- */
+/* short ranges ---------------------------------------------------------------------------------------------------------------- */
 
 static double distance_to(const box *b, const double from[3])
 {
@@ -139,7 +139,7 @@ static void warn_about_fixture(const check_scene *k, const plan_light *l, const 
          l->name, name.text, l->shape.range_m, next_m);
 }
 
-/* positions that are stored too coarsely -------------------------------------------------------------------------------------- */
+/* coarse positions ------------------------------------------------------------------------------------------------------------ */
 
 /* Difference between a float of this size and the next. */
 static double float_step(double size)
@@ -193,7 +193,7 @@ static void warn_about_steps(const check_scene *k)
          worst->node, s->names + worst->node_name, more, rounded(worst_far, 3), float_step(worst_far));
 }
 
-/* all of it ------------------------------------------------------------------------------------------------------------------- */
+/* all checks ------------------------------------------------------------------------------------------------------------------ */
 
 /* Sample points for a light: its texels, and the object that hides it. */
 static void sample_light(check_scene *k, plan_light *l, const scene_object **hider, light_tally *hidden)

@@ -62,7 +62,7 @@ typedef struct sampler {
     window     batch[BATCH];
 } sampler;
 
-/* what lies where --------------------------------------------------------------------------------------------------------------- */
+/* counts by block and window -------------------------------------------------------------------------------------------------- */
 
 /* Place a window in each cell: every 64th texel of a map of 4096; all of small maps; fewer for many maps. */
 static void place_windows(sampler *job, uint32_t maps)

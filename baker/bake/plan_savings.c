@@ -38,7 +38,7 @@ static vxs_result consider(bake_plan *plan, const reach_index *reach, const bake
     return r;
 }
 
-/* closed components whose material has two sides ------------------------------------------------------------------------------ */
+/* closed double-sided components ---------------------------------------------------------------------------------------------- */
 
 /* Add the volumes of components, times 6, relative to a corner of their boxes.   volumes  [components] zeroed */
 static void add_volumes(const casters *c, double *volumes)

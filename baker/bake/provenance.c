@@ -14,7 +14,7 @@
 /* vxs never writes more. JSON takes about twenty times its text in memory. */
 enum { METADATA_MAX_BYTES = 4 << 20 };
 
-/* what goes in ---------------------------------------------------------------------------------------------------------------- */
+/* input ----------------------------------------------------------------------------------------------------------------------- */
 
 /* Without -0, which equals 0. */
 static json_t *number_json(double number)
@@ -85,7 +85,7 @@ vxs_result provenance_inputs(json_t **inputs, const bake_options *o, const bake_
     return *inputs ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory for what is to be baked");
 }
 
-/* what came of it ------------------------------------------------------------------------------------------------------------- */
+/* results --------------------------------------------------------------------------------------------------------------------- */
 
 char *provenance_text(const bake_report *report)
 {

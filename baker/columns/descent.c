@@ -251,7 +251,7 @@ static uint32_t steps_of(const walker *w, uint32_t level)
 
 static vxs_result visit(walker *w, uint32_t level, uint32_t i, uint32_t j);
 
-/* squares that are kept ------------------------------------------------------------------------------------------------------- */
+/* known squares --------------------------------------------------------------------------------------------------------------- */
 
 /* Begin the record of a square. */
 static void record_begin(walker *w, square_record *record)
@@ -305,7 +305,7 @@ static vxs_result recall(walker *w, uint32_t level, uint32_t i, uint32_t j, cons
     return r;
 }
 
-/* squares that are made ------------------------------------------------------------------------------------------------------- */
+/* new squares ----------------------------------------------------------------------------------------------------------------- */
 
 /* Fetch a square, and descend into it. */
 static vxs_result fetch(walker *w, uint32_t level, uint32_t i, uint32_t j)

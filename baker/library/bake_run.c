@@ -11,7 +11,7 @@
 #include "baker/library/array_scene.h"
 #include "runtime/vxs.h"
 
-/* telling --------------------------------------------------------------------------------------------------------------------- */
+/* progress and warnings ------------------------------------------------------------------------------------------------------- */
 
 static void tell_progress(bake_run *run, double seconds_left, const char *doing)
 {

@@ -236,7 +236,7 @@ static void make_tiles(void *user, size_t begin, size_t end, uint32_t worker)
     for (size_t n = begin; n < end && !k->failed[worker]; n++) make_tile(k, n, worker);
 }
 
-/* all of them ------------------------------------------------------------------------------------------------------------------ */
+/* all tiles ------------------------------------------------------------------------------------------------------------------- */
 
 static size_t tile_count(const maker *k)
 {

@@ -57,7 +57,7 @@ vxs_result square_store_open(square_store *s, const char *folder, message *m)
     return r;
 }
 
-/* finding --------------------------------------------------------------------------------------------------------------------- */
+/* lookup ---------------------------------------------------------------------------------------------------------------------- */
 
 vxs_result square_store_use(square_store *s, const column_key *key, message *m)
 {
@@ -131,7 +131,7 @@ vxs_result square_store_find(square_store *s, const column_key *key, vxs_bytes *
     return message_check(m);
 }
 
-/* keeping --------------------------------------------------------------------------------------------------------------------- */
+/* storing --------------------------------------------------------------------------------------------------------------------- */
 
 /* Write a file into the folder. Anything there that is not a regular file is kept. */
 static vxs_result write_file(const square_store *s, const char *name, const vxs_bytes *bytes, message *m)
@@ -168,7 +168,7 @@ vxs_result square_store_keep(square_store *s, const column_key *key, const vxs_b
     return message_check(m);
 }
 
-/* the end --------------------------------------------------------------------------------------------------------------------- */
+/* removal --------------------------------------------------------------------------------------------------------------------- */
 
 static int by_key(const void *a, const void *b)
 {

@@ -52,7 +52,7 @@ uint32_t pattern_encode(const uint8_t index[64], int depths, uint16_t *halves)
     return head + count;
 }
 
-/* patterns with depths of their own ------------------------------------------------------------------------------------------- */
+/* private-palette patterns ---------------------------------------------------------------------------------------------------- */
 
 /* The distinct depths, ascending. Each search starts at the previous texel's depth, because neighbours are similar.
  * Returns their number, or OWN_DEPTHS_MAX + 1. */

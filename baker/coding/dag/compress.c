@@ -9,9 +9,9 @@
 
 /* Top-down --------------------------------------------------------------------------------------------------------------------
  *
- * From the roots down, a node is kept when no kept node of its level has an equal subtree. Only children of kept nodes are visited
- * on the next level. Hashes say which kept node may be equal; a comparison of the two subtrees says whether it is. `alike` remembers
- * its answers, so that each dropped node is walked once for each node that it may equal. */
+ * From the roots down, a node is kept if no kept node of its level has an equal subtree. Only children of kept nodes are visited on
+ * the next level. A hash finds a kept node that may be equal, and a comparison of the two subtrees decides. `alike` stores the
+ * results, so that each dropped node is walked once for each node that it may equal. */
 
 typedef struct top_down {
     const dag *d;
@@ -117,7 +117,7 @@ static int compress_top_down(const dag *d, dag *out)
 
 /* Bottom-up -------------------------------------------------------------------------------------------------------------------
  *
- * From the masks up, a level is sorted by contents, equal neighbours are unified, and the references one level above follow. */
+ * From the masks up: sort a level by contents, unify equal neighbours, and update the references of the level above. */
 
 static int compare_masks(const void *a, const void *b, void *user)
 {

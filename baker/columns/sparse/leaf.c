@@ -134,7 +134,7 @@ static uint64_t without_holes(const leaf *f, uint32_t id, uint64_t texels)
     return texels;
 }
 
-/* the nearest ----------------------------------------------------------------------------------------------------------------- */
+/* nearest depths -------------------------------------------------------------------------------------------------------------- */
 
 static uint32_t bits_of(uint64_t texels, int first)
 {
@@ -222,7 +222,7 @@ static void meet_all(leaf *f, const square_list *l)
     }
 }
 
-/* where light leaves solids --------------------------------------------------------------------------------------------------- */
+/* exits from solids ----------------------------------------------------------------------------------------------------------- */
 
 /* Number of front faces less back faces, up to a layer of back faces; *next becomes the next layer, if that is nearer. */
 static f64s count_open(const leaf *f, f64s layer, f64s *next)
@@ -328,7 +328,7 @@ static f64s exits_of(leaf *f, int first, i64s open)
     return f64s_choose(open, others, exits);
 }
 
-/* more that is free ----------------------------------------------------------------------------------------------------------- */
+/* more don't-care voxels ------------------------------------------------------------------------------------------------------ */
 
 /* Whether the exit is at the end of the triangle's thickness. */
 static int is_thick(const leaf *f, const sparse_triangle *t)

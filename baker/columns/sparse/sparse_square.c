@@ -52,7 +52,7 @@ const sparse_level sparse_levels[2] = {{square_list_gather_sse2, square_list_spl
 const sparse_level sparse_levels[2] = {{square_list_gather_sse2, square_list_split_sse2, leaf_columns_sse2}};
 #endif
 
-/* what is found --------------------------------------------------------------------------------------------------------------- */
+/* results --------------------------------------------------------------------------------------------------------------------- */
 
 static size_t tile_at(const sparse_square *q, texel_square at)
 {

@@ -59,7 +59,7 @@ static void find_enter_most(square_bound *b, square_list *l, const sparse_triang
     l->count = kept;
 }
 
-/* more that is free ----------------------------------------------------------------------------------------------------------- */
+/* more don't-care voxels ------------------------------------------------------------------------------------------------------ */
 
 /* Whether a surface lies behind F in every texel. Back faces of solids do not count: they may be the exit. */
 static int is_followed(const square_bound *b, const square_list *l, const sparse_triangles *s)
