@@ -146,8 +146,7 @@ typedef struct vxs_bake_options {
     const char     *output_path; /* .vxs file; it is written completely or not at all. NULL: the bytes stay in memory */
     int             replace;     /* 1: replace also a read-only file, or one of several links to a file: --force */
     const char     *resume_path; /* folder of the square cache: --resume; NULL: no cache */
-    int             if_changed;  /* 1: needs output_path; if this version has baked the file from the same input, keep it as it
-                                    is */
+    int             if_changed;  /* 1: keep the file at output_path if this version baked it from the same input */
 
     /* how the bake runs; does not change the bytes */
     uint32_t threads;      /* 1 to 256; 0: all processors available to the process */
@@ -190,8 +189,7 @@ void vxs_bake_bytes_free(vxs_bake_bytes *bytes);
  * file     [out] the asset; NULL: not wanted. Zeroed on failure, and if if_changed kept the output
  * error    [VXS_BAKE_ERROR_BYTES] out: the error text, or ""; NULL: not wanted
  * Returns VXS_OK;
- *   VXS_E_ARGUMENT     an option is outside its range, excludes another one or names no light, or neither output_path nor file
- *                      is given
+ *   VXS_E_ARGUMENT     an option is outside its range, excludes another one or names no light, or no output is given
  *   VXS_E_MEMORY       out of memory, or more than memory_bytes needed
  *   VXS_E_READ, VXS_E_SCENE, VXS_E_UNSUPPORTED   error in the scene's file
  *   VXS_E_NO_CASTER, VXS_E_NO_LIGHT              the scene has no caster, or no light
@@ -251,8 +249,7 @@ vxs_result vxs_bake_job_result(const vxs_bake_job *job);
 const char *vxs_bake_job_error(const vxs_bake_job *job);
 
 /* Take the file of a job that is done. The job does not keep a copy.
- * file  [out] zeroed if there is none: the job is not done or has failed, if_changed kept the output, or the file was taken
- *       before */
+ * file  [out] zeroed if there is none: the job is not done or has failed, if_changed kept the output, or the file is taken */
 void vxs_bake_job_take(vxs_bake_job *job, vxs_bake_bytes *file);
 
 /* Close a job. A job that is not done is cancelled, and the call waits until it has ended. Accepts NULL. */

@@ -268,9 +268,7 @@ static vxs_result prepare(const bake_options *o, bake_scene *s, bake_report *rep
     if ((r = bake_scene_read_smoke(s, o, ctx)) != VXS_OK) goto done;
     if ((r = provenance_inputs(&report->inputs, o, s, &chosen, m)) != VXS_OK) goto done;
     if ((report->unchanged = is_unchanged(o, report, m))) goto done;
-    if (o->if_changed && (r = bake_check_outputs(o, m)) != VXS_OK)
-        goto done; /* without if_changed this was checked before the
-                                                                                 scene was read */
+    if (o->if_changed && (r = bake_check_outputs(o, m)) != VXS_OK) goto done; /* else checked before */
 
     if (!o->prepared && (r = bake_scene_find_casters(s, o, ctx)) != VXS_OK) goto done;
     warn_about_scene(o, s, &chosen, m);

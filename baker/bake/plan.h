@@ -76,8 +76,7 @@ typedef struct plan_saving {
     const char *option; /* "--behind free" */
     uint64_t    file_bytes;
     double      seconds;   /* of the whole bake */
-    size_t      triangles; /* --closed on: triangles that are closed, and would be solids except for a double-sided material;
-                              else 0 */
+    size_t      triangles; /* --closed on: closed triangles of double-sided materials, which would be solids; else 0 */
 } plan_saving;
 
 typedef struct bake_plan {

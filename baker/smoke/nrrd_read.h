@@ -13,8 +13,7 @@
  *     numbers, the first axis fastest
  *
  * Space is the world space of the scene, metres, +Y up: sample (i, j, k) is at origin + i, j and k times the directions. Without
- * directions,
- * "spacings" are distances along x, y and z. Numbers are float, unsigned char (uint8) or unsigned short (uint16).
+ * directions, "spacings" are distances along x, y and z. Numbers are float, unsigned char (uint8) or unsigned short (uint16).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef NRRD_READ_H
 #define NRRD_READ_H
