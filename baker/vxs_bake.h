@@ -249,7 +249,7 @@ vxs_result vxs_bake_job_result(const vxs_bake_job *job);
 const char *vxs_bake_job_error(const vxs_bake_job *job);
 
 /* Take the file of a job that is done. The job does not keep a copy.
- * file  [out] zeroed if there is none: the job is not done or has failed, if_changed kept the output, or the file is taken */
+ * file  [out] zeroed if there is none: the job is not done or has failed, if_changed kept the output, or it was taken before */
 void vxs_bake_job_take(vxs_bake_job *job, vxs_bake_bytes *file);
 
 /* Close a job. A job that is not done is cancelled, and the call waits until it has ended. Accepts NULL. */
