@@ -335,9 +335,7 @@ int plane_fit_pair(plane pair[2], uint64_t *second, const plane_ranges *t)
     uint64_t            tried       = 0;
     for (unsigned n = 0; n < sizeof window / sizeof *window; n++) {
         uint64_t texels = window_texels(window[n][0], window[n][1]);
-        if ((texels & tried) == texels)
-            continue; /* a plane through this window was tried: no plane passes through the other
-                                                     texels */
+        if ((texels & tried) == texels) continue; /* tried: no plane passes through the other texels */
         uint64_t on = grow(&pair[0], t, texels);
         tried |= on;
         *second = ~on;
