@@ -28,7 +28,7 @@ vxs_result asset_encode(const bake_options *o, const coded_light *coded, uint32_
     return r == VXS_OK ? r : fail(m, r, "the asset cannot be encoded: %s", r == VXS_E_MEMORY ? "out of memory" : "it is too large");
 }
 
-/* Sizes by part, from the file as a reader sees it. */
+/* Fill sizes by part from the file, as a reader sees it. */
 static void report_contents(const vxs_contents *c, bake_report *report)
 {
     for (uint32_t s = 0; s < c->section_count; s++)
@@ -40,7 +40,7 @@ static void report_contents(const vxs_contents *c, bake_report *report)
         light->memory_bytes          = (uint64_t)baked->word_count * 4;
         light->part_count            = baked->part_count;
         for (uint32_t p = 0; p < baked->part_count; p++) {
-            /* a section that holds several parts is counted with the first */
+            /* a section with several parts counts for the first of them */
             int is_first    = !p || baked->parts[p].section != baked->parts[p - 1].section;
             light->parts[p] = (part_report){baked->parts[p], is_first ? c->sections[baked->parts[p].section].stored_bytes : 0};
         }

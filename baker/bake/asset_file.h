@@ -8,15 +8,14 @@
 
 /* Encode lights.
  * coded     [light_count]
- * metadata  of the file (provenance.h); NULL: memory has run out
+ * metadata  of the file (provenance.h); NULL: out of memory
  * points    NULL: none
  * out       [out] zero it first, release with free(out->data)
- * Returns VXS_OK, VXS_E_MEMORY; VXS_E_ARGUMENT when the format has no room for it. */
+ * Returns VXS_OK, VXS_E_MEMORY; VXS_E_ARGUMENT if the format cannot hold it. */
 vxs_result asset_encode(const bake_options *o, const coded_light *coded, uint32_t light_count, const char *metadata,
                         const vxs_points_view *points, vxs_bytes *out, message *m);
 
-/* Read back what was encoded, as a game would, tell the report what it holds, and give it the name of the output,
- * where there is one. */
+/* Read the encoded file back, as a game would, fill the report from it, and write it to the output path, if there is one. */
 vxs_result asset_write(const bake_options *o, const vxs_bytes *file, bake_report *report, message *m);
 
 #endif

@@ -21,12 +21,12 @@
 #include "baker/files/run_files.h"
 #include "baker/scene/light_warnings.h"
 
-/* Who drew the maps, where nobody did. */
+/* The renderer's name if nothing was rendered. */
 #define SPARSE_RENDERER "nobody: straight from triangles"
 
 /* pictures -------------------------------------------------------------------------------------------------------------------- */
 
-/* Keep a picture of a light when it is one of the largest so far; the picture of a smaller one is released for it. */
+/* Keep the picture of a light that is one of the largest so far; release that of a smaller one. */
 static void keep_picture(bake_report *report, const coded_light *coded, light_picture *picture)
 {
     light_picture *least = &report->pictures[0];
@@ -44,7 +44,7 @@ static void keep_picture(bake_report *report, const coded_light *coded, light_pi
     *least = *picture;
 }
 
-/* Whether a light may be one of the largest: a picture takes time, and of many lights most are thrown away. */
+/* Whether a light may be one of the largest. A picture takes time, and with many lights most pictures are dropped. */
 static int is_picture_wanted(const bake_options *o, const bake_plan *plan, const plan_light *planned)
 {
     uint32_t larger = 0;
@@ -72,7 +72,7 @@ static void report_light(light_report *light, const plan_light *planned, const l
     light->palette            = coding->blocks.counts;
 }
 
-/* picture  NULL: nobody wants one */
+/* picture  NULL: not wanted */
 static vxs_result bake_planned(const bake_options *o, const bake_plan *plan, const plan_light *planned, const casters *c,
                                void *device, kept_squares *kept, light_picture *picture, coded_light *out, light_report *light,
                                bake_context *ctx)
@@ -96,7 +96,7 @@ static vxs_result bake_planned(const bake_options *o, const bake_plan *plan, con
     return r;
 }
 
-/* Bake the next light, and its picture where one is wanted. */
+/* Bake the next light, with a picture if wanted. */
 static vxs_result bake_next(const bake_options *o, const plan_light *planned, const casters *c, void *device, coded_light *coded,
                             kept_squares *kept, bake_report *report, bake_context *ctx)
 {
@@ -115,8 +115,8 @@ static vxs_result bake_next(const bake_options *o, const plan_light *planned, co
     return r;
 }
 
-/* Mesa and LLVM do not survive that the address space ends (ulimit -v): they are not begun where it may. Beside what is held they
- * map libraries, code, and for each thread a stack and a heap. */
+/* Mesa and LLVM crash if the address space is exhausted (ulimit -v), so they are not started if this may happen. In addition to
+ * counted memory, they map libraries, code, and a stack and a heap for each thread. */
 static vxs_result check_address_space(const bake_options *o, const bake_plan *plan, message *m)
 {
     uint64_t bytes = ((uint64_t)450 << 20) + o->threads * ((uint64_t)72 << 20) + plan->peak_bytes;
@@ -127,7 +127,7 @@ static vxs_result check_address_space(const bake_options *o, const bake_plan *pl
                 size_text(needed, bytes), o->scene_path);
 }
 
-/* The renderer's device, where maps are rendered; else *device is NULL. */
+/* Create the renderer's device if maps are rendered; else *device is NULL. */
 static vxs_result begin_rendering(void **device, const bake_options *o, bake_report *report, bake_context *ctx)
 {
     device_names names = {.renderer = SPARSE_RENDERER};
@@ -160,7 +160,7 @@ static vxs_result bake_lights(const bake_options *o, const casters *c, coded_lig
     return r;
 }
 
-/* All lights, and their file. */
+/* Bake all lights, and encode their file. */
 static vxs_result bake_file(const bake_options *o, const casters *c, kept_squares *kept, vxs_bytes *file, bake_report *report,
                             bake_context *ctx)
 {
@@ -193,7 +193,7 @@ done:
     return r;
 }
 
-/* What smoke leaves of the lights of a file, into it. */
+/* Add smoke to the lights of a file. */
 static vxs_result bake_smoke(const bake_options *o, const smoke_source *source, vxs_bytes *file, bake_report *report,
                              bake_context *ctx)
 {
@@ -226,10 +226,10 @@ static void warn_about_scene(const bake_options *o, const bake_scene *s, const l
     warn_about_ranges(c, chosen, m);
     warn_about_flat(c, m);
     warn_about_names(&s->scene, m);
-    if (o->region_given && has_sun) warn_about_region(c, o->region_ws, m); /* lamps do not look at it */
+    if (o->region_given && has_sun) warn_about_region(c, o->region_ws, m); /* regions do not affect lamps */
 }
 
-/* Whether the output was made of these inputs, and may stay. What had warnings would not have been written by a strict run. */
+/* Whether the output was made from the same input and is kept. A strict run would not have written an output with warnings. */
 static int is_unchanged(const bake_options *o, bake_report *report, const message *m)
 {
     return o->if_changed && provenance_is_current(o->output_path, report->inputs, &report->file_bytes, &report->warning_count) &&
@@ -247,7 +247,7 @@ vxs_result bake_add_folder(const bake_options *o, const char *option, message *m
     return o->resume_path ? run_files_add_folder(option, o->resume_path, SQUARE_STORE_NAMES, m) : VXS_OK;
 }
 
-/* A scene, and the lights of it that are baked. One that is there already is not read again. */
+/* Read a scene, unless it is given, and choose the lights. */
 static vxs_result begin_scene(const bake_options *o, bake_scene *s, light_choice *chosen, bake_context *ctx)
 {
     light_question question = {&o->light_names, &o->suns, chosen, judge_lights};
@@ -255,7 +255,7 @@ static vxs_result begin_scene(const bake_options *o, bake_scene *s, light_choice
     return o->prepared ? check.check(check.user, &s->scene, ctx->message) : bake_scene_read(s, o, &check, ctx);
 }
 
-/* From the scene's file to the plan of its bake; or to the finding that there is nothing to do. */
+/* Prepare a bake up to its plan; or find that the output is up to date. */
 static vxs_result prepare(const bake_options *o, bake_scene *s, bake_report *report, bake_context *ctx)
 {
     light_choice chosen = {0};
@@ -268,7 +268,7 @@ static vxs_result prepare(const bake_options *o, bake_scene *s, bake_report *rep
     if ((r = bake_scene_read_smoke(s, o, ctx)) != VXS_OK) goto done;
     if ((r = provenance_inputs(&report->inputs, o, s, &chosen, m)) != VXS_OK) goto done;
     if ((report->unchanged = is_unchanged(o, report, m))) goto done;
-    if (o->if_changed && (r = bake_check_outputs(o, m)) != VXS_OK) goto done; /* else it was asked before the scene was read */
+    if (o->if_changed && (r = bake_check_outputs(o, m)) != VXS_OK) goto done; /* else checked before */
 
     if (!o->prepared && (r = bake_scene_find_casters(s, o, ctx)) != VXS_OK) goto done;
     warn_about_scene(o, s, &chosen, m);
@@ -333,7 +333,7 @@ vxs_result bake(const bake_options *o, const bake_observer *observer, bake_repor
     if (o->parts) r = kept_squares_end_part(&kept, report, m);
     if (!is_baked_apart(o)) r = asset_write(o, &file, report, m);
     if (r != VXS_OK) goto done;
-    if (kept.has_store && !is_baked_apart(o)) square_store_clean(&kept.store); /* others use the rest of it */
+    if (kept.has_store && !is_baked_apart(o)) square_store_clean(&kept.store); /* other processes use the other squares */
     stage_begin(&ctx, STAGE_NONE);
     report_stages(report, &ctx);
     if (observer) r = observer->look(observer->user, o, &s->casters, &file, m);

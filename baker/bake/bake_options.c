@@ -10,20 +10,20 @@ static void set_word(json_t **object, const char *key, const char *choices, int 
     json_set(object, key, json_string(choice_word(word, choices, index)));
 }
 
-/* Where depths come from. Files say nothing of OpenGL's, which all of them were once. */
+/* Source of depths. Files omit OpenGL, which was once the only source. */
 static void set_maps(json_t **object, const bake_options *o)
 {
     if (o->maps == MAPS_SPARSE) set_word(object, "maps", MAPS_CHOICES, (int)o->maps);
 }
 
-/* What is free besides the insides of solids, where it was asked for. */
+/* Don't-care rules in addition to the insides of solids, if any. */
 static void set_dont_care(json_t **object, const bake_options *o)
 {
     if (o->behind != BEHIND_SHADOW) set_word(object, "behind", BEHIND_CHOICES, (int)o->behind);
     if (o->thickness_m > 0) json_set(object, "thickness_m", json_real(o->thickness_m));
 }
 
-/* A coding, and what it alone knows. Files say nothing of a DAG, which all of them were once, nor of pages that are small. */
+/* A coding and its own options. Files omit the DAG coding, which was once the only one, and small packing. */
 static void set_coding(json_t **object, const bake_options *o)
 {
     if (o->coding != CODING_DAG) {
@@ -33,7 +33,7 @@ static void set_coding(json_t **object, const bake_options *o)
     }
     set_word(object, "rule", RULE_CHOICES, (int)o->rule);
     set_word(object, "stop", STOP_CHOICES, (int)o->stop);
-    if (o->stop == STOP_INSERT) set_word(object, "reuse", REUSE_CHOICES, o->reuse); /* compression finds the same */
+    if (o->stop == STOP_INSERT) set_word(object, "reuse", REUSE_CHOICES, o->reuse); /* compression gives the same result */
 }
 
 json_t *bake_choices_json(const bake_options *o)
@@ -64,7 +64,7 @@ json_t *bake_smoke_json(const bake_options *o)
     return smoke;
 }
 
-/* Without memory there are no values, and then no object. */
+/* Without memory there are no values, and the object becomes NULL. */
 static void set_unless_empty(json_t **object, const char *key, json_t *values, size_t count)
 {
     if (!values || count)
@@ -73,7 +73,7 @@ static void set_unless_empty(json_t **object, const char *key, json_t *values, s
         json_decref(values);
 }
 
-/* {"noon": [0, -1, 0]}, or {"noon": 1024}, of those that have a name; absent where none has. */
+/* {"noon": [0, -1, 0]}, or {"noon": 1024}, for entries with a name; omitted if there are none. */
 static void set_named(json_t **object, const char *key, const named_list *list, json_t *(*value_json)(const double numbers[3]))
 {
     json_t *values = json_object();
@@ -92,7 +92,7 @@ static json_t *real_json(const double numbers[3])
     return json_real(numbers[0]);
 }
 
-/* Which lights, and how large their maps are. */
+/* The lights, and the sizes of their maps. */
 static void set_lights(json_t **object, const bake_options *o)
 {
     json_t *names = json_array();
@@ -137,7 +137,7 @@ compress_order compress_order_of(compress_choice choice)
 
 build_options build_options_of(const bake_options *o, compress_order compress)
 {
-    /* parts that are alike are kept once where the merge would find them anyway; what is left side by side is kept as insertion made it */
+    /* share equal parts where the merge would find them anyway; keep inserted parts separate where they are left side by side */
     return (build_options){.rule     = o->rule,
                            .reuse    = o->reuse,
                            .compress = o->stop == STOP_INSERT ? COMPRESS_NONE : compress,

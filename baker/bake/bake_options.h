@@ -1,4 +1,4 @@
-/* What a bake is asked to do.
+/* Options of a bake.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef BAKE_OPTIONS_H
 #define BAKE_OPTIONS_H
@@ -16,27 +16,27 @@
 enum { RESOLUTION_MIN_PX = 8, RESOLUTION_MAX_PX = 262144 };
 
 typedef enum stop_stage {
-    STOP_INSERT,  /* sub-DAGs as they were inserted, side by side */
-    STOP_PARTIAL, /* each sub-DAG compressed, side by side */
-    STOP_FINAL    /* merged into one DAG without equal subtrees */
+    STOP_INSERT,  /* sub-DAGs as inserted, side by side */
+    STOP_PARTIAL, /* compressed sub-DAGs, side by side */
+    STOP_FINAL    /* one merged DAG without equal subtrees */
 } stop_stage;
 
-/* Where depths come from. auto: sparse, or gl where other options ask for it; a bake is told which. */
+/* Source of depths. auto: sparse, or gl if other options need it; resolved before the bake. */
 typedef enum maps_choice { MAPS_AUTO, MAPS_GL, MAPS_SPARSE } maps_choice;
 
-/* What is baked of where a ray leaves the last surface of the scene. */
+/* Voxels behind the last surface on a ray: in shadow, or don't-care voxels. */
 typedef enum behind_choice { BEHIND_SHADOW, BEHIND_FREE } behind_choice;
 
-/* How the words of a light hold its maps, in the order of VXS_CODING_DAG and after. */
+/* Coding of a light's maps, in the order of VXS_CODING_DAG and on. */
 typedef enum coding_choice { CODING_DAG, CODING_BLOCKS } coding_choice;
 
-/* How pages of palette blocks are stored, in the order of VXS_PACKING_SMALL and after. */
+/* Storage of the pages of palette blocks, in the order of VXS_PACKING_SMALL and on. */
 typedef enum pack_choice { PACK_SMALL, PACK_FAST } pack_choice;
 
-/* Order of sub-DAG compression; auto: top-down, where the plan says that it pays. */
+/* Order of sub-DAG compression; auto: top-down, if the plan finds that it pays. */
 typedef enum compress_choice { COMPRESS_CHOICE_AUTO, COMPRESS_CHOICE_TOP_DOWN, COMPRESS_CHOICE_BOTTOM_UP } compress_choice;
 
-/* The words of the options below, in the order of their enums. */
+/* Words of the options below, in the order of their enums. */
 #define MAPS_CHOICES     "auto|gl|sparse"
 #define BEHIND_CHOICES   "shadow|free"
 #define CODING_CHOICES   "dag|blocks"
@@ -50,15 +50,15 @@ typedef enum compress_choice { COMPRESS_CHOICE_AUTO, COMPRESS_CHOICE_TOP_DOWN, C
 
 typedef struct bake_options {
     const char            *scene_path;
-    struct bake_scene     *prepared; /* NULL: the scene is read; else it is there, with its casters, and read only (bake_scene.h) */
+    struct bake_scene     *prepared;    /* NULL: read the scene; else a scene with its casters, read only (bake_scene.h) */
     const char            *output_path; /* "-" is standard output; NULL: nothing is written */
-    const char            *page_path;   /* NULL: none. Else pictures of the maps of the largest lights are kept for it */
-    scene_choice           scene;       /* which one of the file, and what of it casts */
-    text_list              light_names; /* none: all lights, or the suns */
-    named_list             suns;        /* all have a name; the way sunlight travels, of any length but zero */
-    uint32_t               resolution;  /* texels a side of a map whose light has none of its own below; 0: from texel_metres */
+    const char            *page_path;   /* NULL: none; else pictures of the maps of the largest lights are kept for the page */
+    scene_choice           scene;       /* scene of the file, and which parts of it cast */
+    text_list              light_names; /* empty: all lights, or the suns */
+    named_list             suns;        /* all have a name; direction in which sunlight travels, any length but zero */
+    uint32_t               resolution;  /* texels a side, for lights without an entry below; 0: from texel_metres */
     double                 texel_metres;
-    named_list             resolutions, texels; /* by light; none is in both */
+    named_list             resolutions, texels; /* by light; no light is in both */
     int                    region_given;
     double                 region_ws[6]; /* min xyz, max xyz */
     maps_choice            maps;
@@ -67,66 +67,66 @@ typedef struct bake_options {
     behind_choice          behind;
     double                 thickness_m; /* of sheets that face the light; 0: none */
     coding_choice          coding;
-    pack_choice            pack; /* of palette blocks */
+    pack_choice            pack; /* for palette blocks */
     mask_rule              rule;
     int                    reuse;
     compress_choice        compress;
     stop_stage             stop;
     gl_backend             gl;
-    const column_renderer *renderer; /* with MAPS_GL; NULL: this program has none */
+    const column_renderer *renderer; /* for MAPS_GL; NULL: this program has none */
     uint32_t               threads;
     uint32_t               zstd_level;   /* 1..19 */
-    uint32_t               points;       /* of what casts, in the file; 0: none */
-    const char            *smoke_path;   /* a grid of smoke in NRRD; NULL: none */
-    int                    scene_smoke;  /* 1: the scene's capsules are baked, too */
-    double                 smoke_factor; /* on its numbers: extinction per metre */
+    uint32_t               points;       /* number of random points on casters in the file; 0: none */
+    const char            *smoke_path;   /* a smoke grid in NRRD; NULL: none */
+    int                    scene_smoke;  /* 1: bake also the scene's smoke capsules */
+    double                 smoke_factor; /* factor from the grid's numbers to extinction per metre */
     smoke_settings         smoke;
-    uint64_t               memory_bytes; /* what the bake may hold at most; 0: as much as it needs */
-    const char            *resume_path;  /* a folder where squares are kept; NULL: none */
-    uint32_t               part, parts;  /* which of how many parts is baked, from 1; 0 of 0: all is */
-    int              if_changed; /* 1: where the output was baked from the same by this version, it stays, and nothing is done */
-    const run_watch *watch;      /* who is told how far it is; NULL: nobody; borrowed */
+    uint64_t               memory_bytes; /* limit of the bake's memory; 0: none */
+    const char            *resume_path;  /* folder of the square cache; NULL: none */
+    uint32_t               part, parts;  /* bake part `part` of `parts`, from 1; 0 of 0: the whole */
+    int                    if_changed;   /* 1: keep the output and do nothing, if this version baked it from the same input */
+    const run_watch       *watch;        /* gets the progress; NULL: not wanted; borrowed */
 
-    const square_exchange *others; /* processes that make squares of this bake, too; NULL: none */
+    const square_exchange *others; /* other processes that make squares of this bake; NULL: none */
 } bake_options;
 
-/* Whether squares of the maps are kept, in a folder, as a part, or for others. */
+/* Whether squares are kept: in the cache, as a part, or for other processes. */
 static inline int keeps_squares(const bake_options *o)
 {
     return o->resume_path || o->parts || o->others;
 }
 
-/* Whether squares are made here and added by somebody else, who writes the asset. */
+/* Whether another process adds the squares that are made here, and writes the asset. */
 static inline int is_baked_apart(const bake_options *o)
 {
     return o->parts || (o->others && !o->others->adds);
 }
 
-/* Whether smoke is baked, where there is some. */
+/* Whether smoke is baked, if there is some. */
 static inline int bakes_smoke(const bake_options *o)
 {
     return o->smoke_path || o->scene_smoke;
 }
 
-/* Whether more is left free than the insides of solids, as only the sparse source can tell. */
+/* Whether more voxels than the insides of solids are don't-care voxels; only the sparse source supports this. */
 static inline int leaves_more_free(const bake_options *o)
 {
     return o->behind == BEHIND_FREE || o->thickness_m > 0;
 }
 
-/* The order that a choice names; auto: top-down, where sub-DAGs are compressed at all. */
+/* The order of a choice; auto: top-down, if sub-DAGs are compressed at all. */
 compress_order compress_order_of(compress_choice choice);
 
-/* How DAGs are built by these options: rule, reuse and stop, with sub-DAGs compressed in an order that the stop may leave out. */
+/* Options of a DAG build: rule, reuse and stop. If the stop comes before compression, `compress` is ignored. */
 build_options build_options_of(const bake_options *o, compress_order compress);
 
-/* The side of a light's map in texels; 0: from *texel_metres, which is written. */
+/* Side of a light's map in texels; 0: from *texel_metres, which is set. */
 uint32_t light_resolution(const bake_options *o, const char *light_name, double *texel_metres);
 
-/* Words and numbers of the options that decide which bytes are baked, but for what goes by light; and of all that make a difference to
- * the report. NULL without memory. */
+/* As JSON: the options that decide the baked bytes, except those by light; and all options that matter for the report. NULL
+ * without memory. */
 json_t *bake_choices_json(const bake_options *o);
-json_t *bake_smoke_json(const bake_options *o); /* of smoke alone */
+json_t *bake_smoke_json(const bake_options *o); /* only smoke */
 json_t *bake_options_json(const bake_options *o);
 
 #endif

@@ -1,4 +1,4 @@
-/* Points of what casts; see bake_points.h.
+/* Random points on casters; see bake_points.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/bake/bake_points.h"
 
@@ -8,10 +8,10 @@
 #include "baker/base/box.h"
 #include "runtime/volumes/vxs_area_light.h"
 
-/* A place is rounded to so much of how far points are from each other: less than what a point is drawn wide, by far. */
+/* Positions are rounded to this share of the distance between points, much less than the drawn width of a point. */
 #define ROUNDED_TO (1.0 / 32)
 
-/* Scattering counts from the middle of the triangles, in floats. */
+/* Floats relative to the centre of the triangles. */
 static double scatter(const casters *c, uint32_t count, double *places_ws, float *positions, vxs_area_point *points)
 {
     box    b = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);

@@ -12,7 +12,7 @@
 static void report_casters(bake_report *report, const casters *c)
 {
     report->casters      = *c;
-    casters *counts      = &report->casters; /* no arrays: they are the casters' */
+    casters *counts      = &report->casters; /* without arrays, which belong to the casters */
     counts->positions_ws = NULL;
     counts->indices = counts->component_of = NULL;
     counts->kind_of = counts->solid_meets = NULL;
@@ -36,7 +36,7 @@ static void leave_out(bake_report *report, const char *name, const char *why)
     l->why = why;
 }
 
-/* Lights that are not asked for, dark, faulty or hidden, and those that reach nothing. */
+/* Lights that were not chosen, are dark, faulty or hidden, and lights that reach nothing. */
 static vxs_result report_left_out(bake_report *report, const scene *s, message *m)
 {
     const bake_plan *plan = report->plan;

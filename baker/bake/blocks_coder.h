@@ -7,10 +7,10 @@
 #include "baker/coding/blocks/blocks.h"
 #include "baker/coding/dag/build.h"
 
-/* What the words of a light hold: equal ones are one in their page. */
+/* Contents of a light's words; equal things in a page are counted once. */
 typedef struct palette_counts {
     uint64_t pages, nodes, blocks;
-    uint64_t tiles, own_tiles; /* with patterns; of them, those with depths of their own */
+    uint64_t tiles, own_tiles; /* with patterns; those of them with a private palette */
     uint64_t patterns;         /* of both kinds, in pages and common ones */
 } palette_counts;
 
@@ -18,15 +18,15 @@ typedef struct blocks_coder {
     const vxs_light *light; /* NULL: not begun */
     block_set        set;
     build_stats      stats;  /* tiles and squares */
-    palette_counts   counts; /* once it is finished */
+    palette_counts   counts; /* set by finish */
     uint32_t         threads;
     uint32_t         packing; /* VXS_PACKING_* */
 } blocks_coder;
 
-/* Valid where c lies, which is zeroed but for threads and packing, until blocks_coder_free. */
+/* Valid until blocks_coder_free, while c stays at its address. Zero c before, except for threads and packing. */
 light_coder blocks_coder_seam(blocks_coder *c);
 
-/* Accepts a zeroed object. */
+/* Accepts a coder that was not begun. */
 void blocks_coder_free(blocks_coder *c);
 
 #endif

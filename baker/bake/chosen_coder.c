@@ -1,4 +1,4 @@
-/* The coding that options ask for; see chosen_coder.h.
+/* The chosen coding; see chosen_coder.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/bake/chosen_coder.h"
 

@@ -1,4 +1,4 @@
-/* The coding that options ask for, behind the seam of light_coder.h.
+/* The coding that the options choose, behind the seam of light_coder.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef CHOSEN_CODER_H
 #define CHOSEN_CODER_H
@@ -10,12 +10,12 @@ typedef struct chosen_coder {
     dag_coder          dags;
     blocks_coder       blocks;
     light_coder        coder;
-    const build_stats *stats; /* of the one that is chosen */
+    const build_stats *stats; /* of the chosen coding */
 } chosen_coder;
 
-/* compress  the order that a plan has chosen, for DAGs
- * picture   NULL, or what gets the masks of DAGs; borrowed
- * c         [out] not moved until chosen_coder_free */
+/* compress  order of compression from the plan, for DAGs
+ * picture   NULL, or where masks of DAGs are drawn; borrowed
+ * c         [out] must not move until chosen_coder_free */
 void chosen_coder_init(chosen_coder *c, const bake_options *o, compress_order compress, light_picture *picture);
 
 void chosen_coder_free(chosen_coder *c);

@@ -17,7 +17,7 @@ static int is_preview(const plan_light *l)
     return 1u << l->light.levels < PREVIEW_PX;
 }
 
-/* objects far from the rest --------------------------------------------------------------------------------------------------- */
+/* far objects ----------------------------------------------------------------------------------------------------------------- */
 
 static int by_value(const void *a, const void *b)
 {
@@ -25,13 +25,13 @@ static int by_value(const void *a, const void *b)
     return p < q ? -1 : p > q;
 }
 
-/* Cards of a few triangles, as leaves are, shade together. */
+/* Whether a component counts: cards of a few triangles, such as leaves, cast their shadows together. */
 static int counts_alone(const casters *c, const scene_object *component, uint32_t number)
 {
     return component->triangles > 4 || c->kind_of[number] == COMPONENT_SOLID;
 }
 
-/* The width that half of the components in a box have at most; 0 when there is none. */
+/* Median width of the components in a box; 0: none. */
 static double median_width(const check_scene *k, const box *within)
 {
     const object_list *l     = &k->components;
@@ -51,7 +51,7 @@ static double median_width(const check_scene *k, const box *within)
     return median;
 }
 
-/* Texels, or voxels, of a sun's map from one end of a box to the other. */
+/* Texels, or voxels, of a sun's map across a box. */
 static double span_of(const vxs_light *light, const box *b, int first_row, int last_row)
 {
     double span = 0;
@@ -63,7 +63,7 @@ static double span_of(const vxs_light *light, const box *b, int first_row, int l
     return span;
 }
 
-/* "-12.5,0,-3,12.5,4,3": the box, a little larger, in few digits. */
+/* The box, slightly enlarged, with few digits: "-12.5,0,-3,12.5,4,3". */
 static const char *region_text(char text[160], const box *b)
 {
     double size = 0;
@@ -77,7 +77,7 @@ static const char *region_text(char text[160], const box *b)
     return text;
 }
 
-/* "node 'sea', node 'sky'", and the options that leave them out. */
+/* Names of the objects, "node 'sea', node 'sky'", and the options that exclude them. */
 static void name_far(const check_scene *k, const far_objects *far, const object_list *of, char names[LIST_BYTES],
                      char remedies[LIST_BYTES])
 {
@@ -111,7 +111,7 @@ int warn_about_far_objects(const check_scene *k, const far_objects *far, const o
     }
     if (!worst || most < 8) return 0;
     double size = deep ? worst->light.voxel_metres : worst->light.texel_metres;
-    if (texels > 64 && median > 32 * size) return 0; /* coarser than need be, and still fine */
+    if (texels > 64 && median > 32 * size) return 0; /* coarser than necessary, but still fine */
     char names[LIST_BYTES], remedies[LIST_BYTES], region[160];
     name_far(k, far, of, names, remedies);
     warn(k->m,
@@ -123,9 +123,9 @@ int warn_about_far_objects(const check_scene *k, const far_objects *far, const o
     return 1;
 }
 
-/* texels that are larger than things ------------------------------------------------------------------------------------------ */
+/* texels wider than components ------------------------------------------------------------------------------------------------ */
 
-/* A component as a light's map sees it. */
+/* A component as seen from a light. */
 typedef struct seen_component {
     double metres; /* from the light; sun: 0 */
     double width_px;
@@ -138,7 +138,7 @@ static int nearer(const void *a, const void *b)
     return p->width_px < q->width_px ? -1 : p->width_px > q->width_px;
 }
 
-/* From a lamp along the axis of the map that sees a point. */
+/* Distance from a lamp to a point along the axis of the map that sees it. */
 static double along_axis(const plan_light *l, const double at_ws[3])
 {
     double from[3], along = 0;
@@ -210,7 +210,7 @@ uint32_t coarser_side(const check_scene *k, const plan_light *l)
     return side == 1u << l->light.levels ? side / 2 : side;
 }
 
-/* The resolution at which a texel is a quarter of what half of the components are wide; 0: none is so fine. */
+/* Resolution at which a texel is a quarter of the components' median width; 0: no resolution is that fine. */
 static uint32_t enough_texels(const check_scene *k, const plan_light *l)
 {
     double median = median_width(k, &EVERYWHERE), side = ldexp(1, (int)l->light.levels);

@@ -1,4 +1,4 @@
-/* Texels, or depths, of a map that are coarser than they should be, as the checks of a plan find them.
+/* Checks of a plan: texels or depths of a map that are coarser than they should be.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef COARSE_TEXELS_H
 #define COARSE_TEXELS_H
@@ -6,12 +6,12 @@
 #include "baker/bake/far_objects.h"
 #include "baker/bake/plan.h"
 
-/* What the checks of a plan share. */
+/* State shared by the checks of a plan. */
 typedef struct check_scene {
     bake_plan     *plan;
     const casters *c;
-    const scene   *s;                 /* NULL: none is known */
-    object_list    components, nodes; /* without nodes where the scene has none */
+    const scene   *s;                 /* NULL: not known */
+    object_list    components, nodes; /* nodes is empty if the scene has none */
     message       *m;
 } check_scene;
 
@@ -20,23 +20,23 @@ static inline int is_sun(const plan_light *l)
     return l->shape.kind == LIGHT_DIRECTIONAL;
 }
 
-/* A map of fewer texels was asked for to see something soon: that it is coarse is known. */
+/* A map with fewer texels is a preview: the user knows that it is coarse. */
 enum { PREVIEW_PX = 256 };
 
-/* Warn of objects far from the rest where they make the texels of a sun's map coarse, or its depths; of the sun whose map suffers most.
- * of  the list that far is of
- * Returns 1 when something was said. */
+/* Warn of far objects that make the texels or depths of a sun's map coarse, for the sun whose map is affected most.
+ * of  the list that `far` refers to
+ * Returns 1 if it has warned. */
 int warn_about_far_objects(const check_scene *k, const far_objects *far, const object_list *of);
 
-/* Whether most of what a light reaches is narrower than two texels: of components, of the quarter of them that is nearest to a lamp, and of
- * nodes, where there are several, so that leaves of trees are not counted one by one.
- * lost, of  [out] components that are; all that count */
+/* Whether most of what a light reaches is narrower than two texels. Counts components; for a lamp, the nearest quarter of them; and
+ * nodes, if there are several, so that leaves of trees do not count one by one.
+ * lost, of  [out] number of narrow components; of all that count */
 int texels_lose_most(const check_scene *k, const plan_light *l, size_t *lost, size_t *of);
 
 void warn_about_lost(const check_scene *k, const plan_light *l, size_t lost, size_t of);
 
-/* The resolution that is as good as a light's own, where that makes texels of less than half a millimetre, with 4096 of them or more across most
- * components, in a map of 16384 a side or more; 0: its own is no finer than that. */
+/* A resolution that is as good as the light's own one: used if its texels are below half a millimetre, with at least 4096 of them
+ * across most components, in a map of at least 16384 a side. 0: the own one is not that fine. */
 uint32_t coarser_side(const check_scene *k, const plan_light *l);
 
 #endif

@@ -21,7 +21,7 @@ static vxs_result begin(void *data, const vxs_light *light)
     return dag_merger_init(&c->merger, 1u << light->levels, vxs_map_count(light), c->unify);
 }
 
-/* A picture gets the masks of a square; and what the run may hold is looked at after each step. */
+/* Draw the masks of a square into the picture; check the memory limit after each step. */
 static vxs_result after_step(void *user, bake_stage stage, column_tree *tree, dag *d)
 {
     const dag_coder *c = user;

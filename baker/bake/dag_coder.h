@@ -10,20 +10,20 @@
 typedef struct dag_coder {
     build_options    build;
     int              unify;   /* 1: one DAG without equal subtrees; 0: sub-DAGs side by side */
-    light_picture   *picture; /* NULL, or what gets the masks; borrowed */
+    light_picture   *picture; /* NULL, or where masks are drawn; borrowed */
     const vxs_light *light;   /* NULL: not begun */
     dag_merger       merger;
     build_stats      stats; /* of all maps so far */
 
-    uint32_t            map; /* that is added */
-    const bake_context *ctx; /* the run's, meanwhile */
+    uint32_t            map; /* map in work */
+    const bake_context *ctx; /* run context during add_map */
 } dag_coder;
 
-/* compress  the order that a plan has chosen
- * picture   NULL, or what gets the masks; borrowed */
+/* compress  order of compression from the plan
+ * picture   NULL, or where masks are drawn; borrowed */
 dag_coder dag_coder_for(const bake_options *o, compress_order compress, light_picture *picture);
 
-/* Valid where c lies, until dag_coder_free. */
+/* Valid until dag_coder_free, while c stays at its address. */
 light_coder dag_coder_seam(dag_coder *c);
 
 /* Accepts one that was not begun. */

@@ -20,7 +20,8 @@ static double size_of(const box *b)
     return size;
 }
 
-/* Half of all triangles belong to objects with their middle before it; to 1/1024 of the scene's size, which is enough to tell far from near. */
+/* Median of the objects' centres along an axis, weighted by triangles, to 1/1024 of the scene's size: enough to tell far
+ * from near. */
 static double median(const object_list *l, const box *all, size_t triangles, int axis)
 {
     size_t bins[BINS] = {0}, before = 0;
@@ -42,7 +43,7 @@ static double reach_of(const box *b, const double from[3])
     return reach;
 }
 
-/* The objects that reach farthest, the farthest first, of equal ones the scene's first.   Returns how many. */
+/* The objects that extend farthest, in this order; ties in the scene's order.   Returns their number. */
 static size_t farthest(uint32_t out[FAR_OBJECTS_MAX], const object_list *l, const double from[3])
 {
     double reaches[FAR_OBJECTS_MAX];
@@ -74,7 +75,7 @@ int far_objects_find(far_objects *out, const object_list *l)
     for (int axis = 0; axis < 3; axis++) middle[axis] = median(l, &all, triangles, axis);
     found = farthest(out->items, l, middle);
 
-    /* the box of what is left without the first n of them */
+    /* bounding box without the first n of them */
     rests[found] = box_empty();
     for (size_t n = 0; n < l->count; n++) {
         int is_far = 0;

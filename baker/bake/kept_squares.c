@@ -1,4 +1,4 @@
-/* Squares that are kept; see kept_squares.h.
+/* Keys and keeper of cached squares; see kept_squares.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/bake/kept_squares.h"
 
@@ -12,7 +12,7 @@
 #include "baker/base/version.h"
 #include "baker/files/json_value.h"
 
-/* Raise it with any change of what a square becomes that a version number does not tell of. */
+/* Increase it with any change of the results of squares that does not change the version number. */
 #define SQUARES_MADE_BY "vxs " VXS_VERSION " squares 2"
 
 static column_key with_text(column_key before, const char *text)
@@ -20,7 +20,7 @@ static column_key with_text(column_key before, const char *text)
     return column_key_with(before, text, strlen(text) + 1);
 }
 
-/* The coding, and how it builds: not in which order it finds what is equal. */
+/* The coding and its build options; without the order of compression, which does not change results. */
 static column_key coding_key(const bake_options *o)
 {
     const build_options b         = build_options_of(o, COMPRESS_NONE);
@@ -29,7 +29,7 @@ static column_key coding_key(const bake_options *o)
     return column_key_with(with_text((column_key){0, 0}, SQUARES_MADE_BY), choices, sizeof choices);
 }
 
-/* All that goes in, and who renders. */
+/* All input of the bake, and the renderer. */
 static vxs_result bake_key(column_key *key, const bake_report *report, message *m)
 {
     char *inputs = json_whole_text(report->inputs, JSON_COMPACT | JSON_SORT_KEYS);
@@ -39,7 +39,7 @@ static vxs_result bake_key(column_key *key, const bake_report *report, message *
     return VXS_OK;
 }
 
-/* What is known of the bake before its first light. */
+/* Set the common data that is known before the first light. */
 static vxs_result begin_common(part_common *c, const bake_options *o, const bake_report *report, message *m)
 {
     c->o = *o;
@@ -87,7 +87,7 @@ void kept_squares_close(kept_squares *k)
 
 /* a light --------------------------------------------------------------------------------------------------------------------- */
 
-/* Whether what is made here goes to the process that adds it; whether anybody but this one adds it. */
+/* is_for_others: squares made here go to the process that adds them. is_apart: another process adds them, or a merge does. */
 static int is_for_others(const kept_squares *k)
 {
     return k->others && !k->others->adds;
@@ -118,7 +118,7 @@ static vxs_result square_key(const kept_light *l, const column_map *columns, uin
     return r;
 }
 
-/* A square that another process has made. */
+/* Get a square that another process has made. */
 static vxs_result take_from_other(kept_light *l, vxs_bytes *record, message *m)
 {
     kept_squares *k    = l->squares;
@@ -128,7 +128,7 @@ static vxs_result take_from_other(kept_light *l, vxs_bytes *record, message *m)
     return r == VXS_OK && k->has_store ? square_store_use(&k->store, &l->asked, m) : r;
 }
 
-/* Hand a square to whoever adds it. Where nobody else does, nothing happens. */
+/* Hand a square to the process that adds it, or to the part. Does nothing if this process adds it. */
 static vxs_result hand_over(const kept_light *l, const vxs_bytes *record, int made, message *m)
 {
     kept_squares *k = l->squares;
@@ -136,7 +136,7 @@ static vxs_result hand_over(const kept_light *l, const vxs_bytes *record, int ma
     return is_for_others(k) ? k->others->give(k->others->data, l->number, &l->asked, record, made, m) : VXS_OK;
 }
 
-/* A square that this process sees to: whether it is in the folder. */
+/* Look up a square of this process in the cache. */
 static vxs_result find_stored(kept_light *l, square_fate *fate, vxs_bytes *record, message *m)
 {
     kept_squares *k     = l->squares;
@@ -181,7 +181,7 @@ static vxs_result keep(void *data, const vxs_bytes *record, bake_context *ctx)
     return r;
 }
 
-/* For a part, the answers of its maps go to what is common. */
+/* Store the bounds that maps give in the common data of a part. */
 static vxs_result note(void *data, const column_bounds *bounds)
 {
     kept_light *l = data;

@@ -1,8 +1,8 @@
-/* Squares of a bake that are kept, in a folder, as a part of the bake, or for another process: what decides their bytes, from options and
- * scene, as keys; and a light's columns with a keeper.
+/* Squares of a bake in the square cache, in a part of the bake, or for another process: computes the keys of squares from options
+ * and scene, and wraps a light's columns with a keeper.
  *
- * Where a source has keys of its squares, those and the coding decide. Where it has none, all that goes into the bake does
- * (provenance.h), and who renders.
+ * If a column source has keys, the key of a square combines that key with the coding. Otherwise it combines all input of the bake
+ * (provenance.h) with the renderer.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef KEPT_SQUARES_H
 #define KEPT_SQUARES_H
@@ -15,42 +15,42 @@
 
 /* Of a bake. Zero it. */
 typedef struct kept_squares {
-    int          has_store, has_part; /* neither, and no others: nothing is kept */
+    int          has_store, has_part; /* both 0 and no `others`: nothing is kept */
     square_store store;
     part_writer  part;
-    part_common  common;       /* of the parts */
-    uint32_t     lights;       /* that were begun */
-    uint64_t     next;         /* number of the square that is asked about next, over all lights and maps */
-    column_key   coding, bake; /* what all squares follow from; of squares without keys of their own */
+    part_common  common;       /* of all parts */
+    uint32_t     lights;       /* number of lights begun */
+    uint64_t     next;         /* number of the next square, over all lights and maps */
+    column_key   coding, bake; /* hashed into the keys of all squares; into those without a key of the source */
 
     const square_exchange *others; /* NULL: none */
 } kept_squares;
 
 /* Open the folder of --resume, and begin the part of --part.
- * report  with its inputs and renderer
+ * report  inputs and renderer must be set
  * Returns what square_store_open and part_begin return; ends with kept_squares_close either way. */
 vxs_result kept_squares_open(kept_squares *k, const bake_options *o, const bake_report *report, message *m);
 
-/* The part is complete.   report  of all lights; gets the size of the file */
+/* Complete the part.   report  of all lights; its file_bytes is set */
 vxs_result kept_squares_end_part(kept_squares *k, bake_report *report, message *m);
 
 /* Accepts a zeroed object. */
 void kept_squares_close(kept_squares *k);
 
-/* The maps of a light while they are baked. */
+/* The maps of a light during the bake. */
 typedef struct kept_light {
     kept_squares *squares;
     column_source under;
     square_keeper keeper;
     light_report *report;
     uint32_t      light, map;
-    uint64_t      number; /* of the square that was asked about last, and its keys: in the folder, and in the part */
+    uint64_t      number; /* of the last square of `ask`, with its keys in the cache and in the part */
     column_key    asked, part_key;
 } kept_light;
 
-/* The columns of the next light get a keeper, where something is kept.
- * l       [out] where the source lies from then on, as long as it is used
- * report  of the light: counts go there
+/* Wrap the columns of the next light with a keeper, if squares are kept.
+ * l       [out] must not move while the source is used
+ * report  of the light; its counts are added to
  * Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result kept_light_source(kept_light *l, kept_squares *k, column_source *source, const vxs_light *light, light_report *report,
                              message *m);

@@ -1,4 +1,5 @@
-/* The seam between columns and words: what makes of the maps of a light what is written. The bake knows nothing else of codings.
+/* The seam between columns and words: a coding turns the maps of a light into words. The bake uses codings only through this
+ * interface.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef LIGHT_CODER_H
 #define LIGHT_CODER_H
@@ -8,9 +9,9 @@
 
 /* A light in its coding. */
 typedef struct coded_light {
-    vxs_write_light written; /* borrows what is owned */
-    uint64_t memory_bytes;   /* that lookups read, nearly: enough to tell large lights from small ones before they are encoded */
-    void    *owned;
+    vxs_write_light written;      /* borrows from `owned` */
+    uint64_t        memory_bytes; /* approximate memory that lookups read, enough to rank lights by size before they are encoded */
+    void           *owned;
     void (*free)(void *owned);
 } coded_light;
 
@@ -21,11 +22,11 @@ static inline void coded_light_free(coded_light *c)
     *c = (coded_light){0};
 }
 
-/* A coding at work on one light: begun, given each map once, and finished. All return VXS_OK, VXS_E_MEMORY, VXS_E_REFERENCES. */
+/* A coding that works on one light: begin, add_map once for each map, finish. All return VXS_OK, VXS_E_MEMORY, VXS_E_REFERENCES. */
 typedef struct light_coder {
-    void *data; /* of the coding; released by whoever made it */
+    void *data; /* of the coding; released by its creator */
 
-    /* light  as it was fitted; borrowed until the coder is finished */
+    /* light  fitted; borrowed until the coder has finished */
     vxs_result (*begin)(void *data, const vxs_light *light);
 
     /* columns  of map `map`, open
@@ -33,7 +34,7 @@ typedef struct light_coder {
      * Returns also what the columns return. */
     vxs_result (*add_map)(void *data, uint32_t map, const column_map *columns, bake_context *ctx);
 
-    /* out  [out] written only when VXS_OK is returned; released with coded_light_free */
+    /* out  [out] written only if VXS_OK is returned; released with coded_light_free */
     vxs_result (*finish)(void *data, coded_light *out);
 } light_coder;
 

@@ -1,5 +1,5 @@
-/* Where the columns of a planned light come from: maps of the casters that it reaches, rendered with OpenGL, or straight from triangles.
- * A picture takes rendered depths as they pass.
+/* Column source of a planned light: maps of the casters that it reaches, rendered with OpenGL or computed straight from triangles.
+ * Rendered depths are also drawn into the light's picture.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef LIGHT_COLUMNS_H
 #define LIGHT_COLUMNS_H
@@ -10,24 +10,24 @@
 
 typedef struct light_columns {
     maps_choice            maps;
-    const column_renderer *renderer; /* of rendered maps */
-    rendered_columns       rendered; /* one of these two */
+    const column_renderer *renderer; /* for rendered maps */
+    rendered_columns       rendered; /* used by `maps`: this one, or sparse */
     sparse_columns         sparse;
     casters                near; /* that the light may reach */
     const casters         *all;
-    light_picture         *picture; /* NULL: none is drawn; borrowed */
+    light_picture         *picture; /* NULL: not wanted; borrowed */
 } light_columns;
 
-/* device  of the renderer; NULL where nothing is rendered
+/* device  of the renderer; NULL if nothing is rendered
  * device, plan, planned, all  borrowed until light_columns_free
  * Returns VXS_OK or VXS_E_MEMORY; released with light_columns_free either way. */
 vxs_result light_columns_init(light_columns *c, void *device, const bake_options *o, const bake_plan *plan,
                               const plan_light *planned, const casters *all, light_picture *picture, message *m);
 
-/* Valid where c lies, until light_columns_free. */
+/* Valid until light_columns_free, while c stays at its address. */
 column_source light_columns_source(light_columns *c);
 
-/* Draw the depths of all maps, where they do not pass while they are rendered. Returns VXS_OK or VXS_E_MEMORY. */
+/* Draw the depths of all maps into a picture, if rendering has not drawn them. Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result light_columns_draw(const light_columns *c, light_picture *picture, bake_context *ctx);
 
 void light_columns_free(light_columns *c);

@@ -1,6 +1,6 @@
-/* What hides a light from all else; see light_hider.h.
+/* Finding an object that hides a light; see light_hider.h.
  *
- *     points on all objects ---boxes---> a few objects that may hide it ---rays to points on the others---> the one that does
+ *     points on all objects ---boxes---> a few candidates ---rays to points on the other objects---> the hider
  *
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/bake/light_hider.h"
@@ -14,7 +14,7 @@
 enum { POINTS = 256, POINTS_SOON = 16, POINTS_LIT = 6, POINTS_MIN = 24, OBJECTS_TRIED = 4 };
 static const double SHARE_LIT = 0.02, SHARE_MIXED = 0.1, BULB_M = 1.5, GRAZING = 1e-6;
 
-/* From a point to the light: at + t * way; t ends at 1 at a lamp, and nowhere on the way to a sun. */
+/* Ray from a point to the light: at + t * way. t ends at 1 for a lamp; it has no end for a sun. */
 typedef struct light_ray {
     double at[3], way[3], t_end;
     double over_way[3]; /* 1 / way */
@@ -34,7 +34,7 @@ static light_ray ray_to_light(const light_shape *shape, const double at_ws[3])
 static int meets_box(const light_ray *r, const box *b)
 {
     double from = 0, to = r->t_end;
-    for (int n = 0; n < 3; n++) { /* on a side that the way runs along: no number, and no bound */
+    for (int n = 0; n < 3; n++) { /* a ray along a face of the box gives NaN, which bounds nothing */
         double low  = ((r->over_way[n] < 0 ? b->max[n] : b->min[n]) - r->at[n]) * r->over_way[n];
         double high = ((r->over_way[n] < 0 ? b->min[n] : b->max[n]) - r->at[n]) * r->over_way[n];
         if (low > from) from = low;
@@ -45,7 +45,8 @@ static int meets_box(const light_ray *r, const box *b)
 
 /* boxes ----------------------------------------------------------------------------------------------------------------------- */
 
-/* A lamp is hidden from all by what is about it or near it: farther away than it is large, it leaves most ways free. */
+/* Whether an object contains a lamp or is near it. An object whose distance is greater than its size leaves most directions
+ * free. */
 static int is_near(const box *b, const light_shape *shape)
 {
     double away = 0, diagonal = box_diagonal(b);
@@ -57,7 +58,7 @@ static int is_near(const box *b, const light_shape *shape)
     return away <= diagonal * diagonal;
 }
 
-/* 0 when more than a tenth of the points on other objects are not behind an object's box. */
+/* Returns 0 if more than a tenth of the points on other objects are not behind the object's box. */
 static int may_hide(const object_list *objects, size_t object, const lit_point *points, const light_ray *rays, size_t count,
                     const uint32_t *component_of)
 {
@@ -67,7 +68,7 @@ static int may_hide(const object_list *objects, size_t object, const lit_point *
     return free <= most;
 }
 
-/* The few of fewest triangles come first. Returns how many. */
+/* Candidates, those with fewest triangles first. Returns their number. */
 static size_t find_suspects(size_t suspects[OBJECTS_TRIED], const object_list *objects, const lit_point *points, size_t count,
                             const lit_points_desc *d)
 {
@@ -91,7 +92,7 @@ static size_t find_suspects(size_t suspects[OBJECTS_TRIED], const object_list *o
 
 /* rays ------------------------------------------------------------------------------------------------------------------------ */
 
-/* An object's triangles as corners and edges. */
+/* An object's triangles: one corner and two edges each. */
 typedef struct shell {
     size_t count;
     double (*triangles)[9]; /* [count] corner, edge, edge */
@@ -121,10 +122,10 @@ static int shell_of(shell *s, object_list *objects, size_t object, const casters
     return 1;
 }
 
-/* What a ray meets of an object, nearest to the light. Where it begins on the object's surface, as under a crate on a floor, that is in
- * its way when it has to come through: the light sees the surface from behind. */
+/* Intersection of a ray with an object, nearest to the light. A ray that begins on the object's surface, as under a crate on a
+ * floor, is blocked if it passes through that surface: the light sees the surface from behind. */
 typedef struct shell_hit {
-    int    found, from_behind; /* from_behind: the light sees the back of a material of one side */
+    int    found, from_behind; /* from_behind: the light sees the back of a one-sided material */
     double t;
 } shell_hit;
 
@@ -136,7 +137,7 @@ static shell_hit meet(const shell *s, const light_ray *r)
         const double *corner = s->triangles[n], *e1 = corner + 3, *e2 = corner + 6;
         double        p[3], q[3], from[3];
         vec3_cross(r->way, e2, p);
-        double facing = vec3_dot(e1, p); /* above 0: the way goes against the normal */
+        double facing = vec3_dot(e1, p); /* > 0: the ray goes against the normal */
         if (facing == 0) continue;
         vec3_sub(r->at, corner, from);
         double u = vec3_dot(from, p) / facing;
@@ -149,7 +150,7 @@ static shell_hit meet(const shell *s, const light_ray *r)
     return hit;
 }
 
-/* The share of these ways from a point that meet an object. */
+/* Share of rays from a point that meet an object. */
 static double share_around(const shell *s, const double at_ws[3], const double (*ways)[3], int count)
 {
     int met = 0;
@@ -162,13 +163,13 @@ static double share_around(const shell *s, const double at_ws[3], const double (
     return (double)met / count;
 }
 
-/* No way is along a side of a box, whose edges would be met. */
+/* No direction is parallel to a face of a box: the ray could meet its edges. */
 static const double ways_around[14][3] = {{1, .02, .03},  {-1, .03, .02}, {.03, 1, .02},  {.02, -1, .03}, {.02, .03, 1},
                                           {.03, .02, -1}, {1, 1.1, .9},   {-1, 1.1, .9},  {1, -1.1, .9},  {1, 1.1, -.9},
                                           {-1, -1.1, .9}, {-1, 1.1, -.9}, {1, -1.1, -.9}, {-1, -1.1, -.9}};
 static const double ways_level[5][3]   = {{1, .02, .03}, {-1, .03, .02}, {.02, .03, 1}, {.03, .02, -1}, {.03, 1, .02}};
 
-/* What the hidden points say of an object: is it, where light falls on it, not worth a bake? */
+/* Whether the object is not worth a bake itself, judged by its lit points. */
 static int is_useless(const shell *s, const lit_points_desc *d, const lit_point *points, size_t hidden, size_t from_behind,
                       double farthest_m)
 {
@@ -180,7 +181,7 @@ static int is_useless(const shell *s, const lit_points_desc *d, const lit_point 
     return sees_back || around >= 0.95;
 }
 
-/* Soon found out from the points on all objects, most of which are on others: several are lit. */
+/* A fast test with the points on all objects: several points on other objects are lit. */
 static int lets_light_past(const shell *s, const object_list *objects, size_t object, const lit_point *all, size_t count,
                            const lit_points_desc *d)
 {

@@ -1,4 +1,4 @@
-/* What a light's maps look like; see light_picture.h.
+/* Pictures of a light's maps; see light_picture.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/bake/light_picture.h"
 
@@ -8,7 +8,7 @@
 #include "baker/base/integer.h"
 #include "baker/base/parallel.h"
 
-enum { SAMPLES = 4 }; /* a side of a pixel: enough to see what is there */
+enum { SAMPLES = 4 }; /* along a side of a pixel */
 
 static uint32_t side_of(uint32_t map_px, uint32_t map_count)
 {
@@ -55,11 +55,11 @@ void light_picture_free(light_picture *p)
 typedef struct depth_job {
     light_picture    *p;
     const depth_maps *tile;
-    uint16_t         *corner; /* of the tile in the picture */
+    uint16_t         *corner; /* position of the tile in the picture */
     uint32_t          pixel;  /* texels a side */
 } depth_job;
 
-/* The mean of the samples that see a caster, when they are half of them.   sum  of their depths, shares of the whole */
+/* Mean depth of the samples with a caster, if they are at least half.   sum  of their depths, shares of the whole */
 static uint16_t mean_depth(double sum, uint32_t seen, uint32_t all)
 {
     return 2 * seen < all ? PICTURE_NO_CASTER : (uint16_t)(sum / seen * (PICTURE_NO_CASTER - 1));
@@ -122,7 +122,7 @@ void light_picture_add_enter(light_picture *p, const uint32_t *enter, uint32_t s
 
 void light_picture_add_masks(light_picture *p, const column_tree *tree, uint32_t map)
 {
-    uint32_t pixel = p->map_px / 8 / p->mask_px; /* tiles a side */
+    uint32_t pixel = p->map_px / 8 / p->mask_px; /* tiles along a side of a pixel */
     uint32_t x = tree->columns->u_px / 8, y = tree->columns->v_px / 8;
     uint8_t *picture = p->masks + (size_t)map * p->mask_px * p->mask_px;
     for (size_t n = 0; n < tree->tile_count; n++) {

@@ -1,6 +1,7 @@
-/* What a light's maps look like, small, and where they need masks: gathered tile by tile while the light is baked.
+/* Small pictures of a light's maps: depths, and number of masks. They are filled tile by tile while the light is baked.
  *
- * A picture has the side of its map, but at most PICTURE_MAX_PX, or CUBE_PICTURE_MAX_PX for each of six: a pixel is a square of texels.
+ * A picture has the side of its map, but at most PICTURE_MAX_PX, or CUBE_PICTURE_MAX_PX for each of six: a pixel is a square of
+ * texels.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef LIGHT_PICTURE_H
 #define LIGHT_PICTURE_H
@@ -12,33 +13,33 @@
 enum { PICTURES_MAX = 4, PICTURE_MAX_PX = 1024, CUBE_PICTURE_MAX_PX = 512, PICTURE_NO_CASTER = 65535 };
 
 typedef struct light_picture {
-    uint32_t  light;      /* its place among those that are baked */
+    uint32_t  light;      /* index among the baked lights */
     uint32_t  map_count;  /* 1 or 6 */
     uint32_t  map_px;     /* side of a map */
-    uint32_t  side_px;    /* of a picture of depths */
-    uint32_t  mask_px;    /* of a picture of masks: side_px, or less where a pixel would be less than a tile of 8 x 8 */
-    uint32_t  mask_tiles; /* 8 x 8 tiles in a pixel of masks */
+    uint32_t  side_px;    /* side of a picture of depths */
+    uint32_t  mask_px;    /* side of a picture of masks: side_px, or less so that a pixel is at least a tile of 8 x 8 */
+    uint32_t  mask_tiles; /* side of a pixel of masks in tiles of 8 x 8 */
     uint16_t *depth;      /* [map_count * side_px^2] rows; mean depth, 0 to 65534 over the map's depth, or PICTURE_NO_CASTER */
-    uint8_t  *masks;      /* [map_count * mask_px^2] rows; masks (runs) of the tile in the pixel that needs most */
+    uint8_t  *masks;      /* [map_count * mask_px^2] rows; most masks (runs) of any tile in the pixel */
 } light_picture;
 
-/* What a picture of maps of map_px holds. */
+/* Memory of a picture of maps of map_px. */
 uint64_t light_picture_bytes(uint32_t map_px, uint32_t map_count);
 
 /* A picture without casters. p  [out] zeroed on failure; released with light_picture_free.   Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result light_picture_init(light_picture *p, uint32_t light, uint32_t map_px, uint32_t map_count, message *m);
 
-/* Take in a rendered tile of a map, tile (i, j) in tiles of its own side. */
+/* Add a rendered tile of a map: tile (i, j), counted in tiles of its side. */
 void light_picture_add_depths(light_picture *p, const depth_maps *tile, uint32_t map, uint32_t i, uint32_t j, uint32_t threads);
 
-/* The side of the coarser map that a picture can be drawn from. */
+/* Side of the coarser map that is enough for the picture. */
 uint32_t light_picture_enter_px(const light_picture *p);
 
-/* Take in enter depths of a map, or of a coarser one.
+/* Add enter depths of a map, or of a coarser one.
  * enter  [side_px^2] rows, [0, depth_vx]; depth_vx: no caster */
 void light_picture_add_enter(light_picture *p, const uint32_t *enter, uint32_t side_px, uint32_t depth_vx, uint32_t map);
 
-/* Take in the masks of a square of a map.
+/* Add the masks of a square of a map.
  * Threads: at once for squares that are aligned to their side, which is a power of two and at least a pixel's. */
 void light_picture_add_masks(light_picture *p, const column_tree *tree, uint32_t map);
 

@@ -15,11 +15,11 @@
 
 /* All parts of a bake. */
 typedef struct part_set {
-    part_reader *parts; /* [count] as they were given; of those that are open */
+    part_reader *parts; /* [count] in the given order; count of open ones */
     size_t       count;
-    uint32_t    *at; /* [parts of the bake] 1 + where each of them is among those; 0: it was not given */
+    uint32_t    *at; /* [parts of the bake] 1 + index into `parts`; 0: not given */
     part_common  common;
-    uint64_t     next; /* the square that is asked about next */
+    uint64_t     next; /* number of the next square */
 } part_set;
 
 /* the parts ------------------------------------------------------------------------------------------------------------------- */
@@ -29,7 +29,7 @@ static vxs_result is_damaged(const part_reader *p, message *m)
     return fail(m, VXS_E_CORRUPT, "'%s' is a part of a bake, and damaged: make it again", input_name(p->path));
 }
 
-/* A part is another one than those before it, and of the same bake. */
+/* Check that a part is not a duplicate, and belongs to the same bake. */
 static vxs_result check_part(const part_set *s, const part_reader *p, message *m)
 {
     const part_reader *first = &s->parts[0];
@@ -90,18 +90,18 @@ static void close_parts(part_set *s)
 typedef struct part_columns {
     part_set         *set;
     const part_light *of;
-    uint32_t          light, map; /* their numbers */
+    uint32_t          light, map; /* their indices */
     size_t            answered;
     square_keeper     keeper;
 } part_columns;
 
-/* The part that a square is in. */
+/* The part that has a square. */
 static const part_reader *part_of(const part_set *s, uint64_t number)
 {
     return &s->parts[s->at[number % s->parts[0].parts] - 1];
 }
 
-/* The map answers as it did. */
+/* Return the next stored bounds of the map. */
 static vxs_result answer(void *data, uint32_t level, uint32_t i, uint32_t j, column_bounds *out)
 {
     part_columns   *c = data;
@@ -127,7 +127,7 @@ static vxs_result ask(void *data, const column_map *columns, uint32_t level, uin
     return s ? part_read(p, s, &key, record, ctx->message) : is_damaged(p, ctx->message);
 }
 
-/* What was known of a square was not sound. */
+/* Called only if the record of a square was not sound: an error. */
 static vxs_result fetch(void *data, uint32_t level, uint32_t i, uint32_t j, column_square *out, bake_context *ctx)
 {
     const part_columns *c = data;
@@ -143,7 +143,7 @@ static vxs_result keep(void *data, const vxs_bytes *record, bake_context *ctx)
     (void)data;
     (void)record;
     (void)ctx;
-    return VXS_OK; /* nothing is made */
+    return VXS_OK; /* nothing is kept */
 }
 
 static void release(void *data, column_square *square)
@@ -215,7 +215,7 @@ static vxs_result merge_lights(part_set *s, const bake_options *o, coded_light *
     return r == VXS_OK && there != s->next ? is_damaged(&s->parts[0], ctx->message) : r;
 }
 
-/* From parts to a file. */
+/* Merge the parts into a file. */
 static vxs_result merge_file(part_set *s, const bake_options *o, bake_report *report, bake_context *ctx)
 {
     size_t       count = s->common.light_count;

@@ -1,5 +1,5 @@
-/* The asset of parts that were baked apart: vxs merge. A part is a column source all of whose squares are known, so that they are added as a
- * bake adds them.
+/* Merges the parts of a bake into an asset: vxs merge. A part is a column source whose squares are all known; they are added in the
+ * same way as in a bake.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MERGE_PARTS_H
 #define MERGE_PARTS_H
@@ -10,19 +10,19 @@ typedef struct merge_options {
     text_list        paths; /* of the parts, in any order */
     const char      *output_path;
     uint32_t         threads;
-    const run_watch *watch; /* who is told how far it is; NULL: nobody */
+    const run_watch *watch; /* gets the progress; NULL: not wanted */
 } merge_options;
 
 typedef struct merge_report {
-    bake_report lights; /* what there is in the file, its size, and how long it took: the rest is not known */
+    bake_report lights; /* contents of the file, its size, and the time of the merge; other fields are not known */
     uint32_t    parts;
     uint64_t    squares;
 } merge_report;
 
 /* Merge all parts of a bake.
  * report  [out] zero it first; released with merge_report_free, whatever is returned
- * Returns VXS_OK; VXS_E_ARGUMENT: a part is missing, or there twice; what part_open returns, VXS_E_CORRUPT also for parts of different bakes;
- * VXS_E_WRITE, VXS_E_MEMORY, VXS_E_REFERENCES. */
+ * Returns VXS_OK; VXS_E_ARGUMENT: a part is missing, or given twice; what part_open returns; VXS_E_CORRUPT also for parts of
+ * different bakes; VXS_E_WRITE, VXS_E_MEMORY, VXS_E_REFERENCES. */
 vxs_result merge_parts(const merge_options *o, merge_report *report, message *m);
 
 void merge_report_free(merge_report *r);

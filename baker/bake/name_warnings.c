@@ -1,4 +1,4 @@
-/* Nodes that are named like what is never seen; see scene_warnings.h.
+/* Nodes with names of invisible things; see scene_warnings.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <ctype.h>
 #include <stdio.h>
@@ -9,7 +9,7 @@
 #include "baker/bake/scene_warnings.h"
 #include "baker/base/box.h"
 
-/* One node's triangles: its parts follow each other. */
+/* A node's triangles: its parts are contiguous. */
 typedef struct named_node {
     const char *name;
     uint32_t    node;
@@ -21,7 +21,7 @@ static const char *name_of(const scene *s, size_t part)
     return s->names + s->parts[part].node_name;
 }
 
-/* Nodes with a name, in the scene's order. Returns how many; 0 without memory. */
+/* List the nodes with a name, in the scene's order. Returns their number; 0 without memory. */
 static size_t list_nodes(named_node **out, const scene *s)
 {
     size_t count = 0;
@@ -55,7 +55,8 @@ static int ends_with(const char *name, const char *end)
     return length > end_length && !strcmp(name + length - end_length, end);
 }
 
-/* The pattern that names such nodes, as Unreal Engine (UCX_ and its like) and Godot (-colonly and its like) have it; NULL: it is seen. */
+/* The pattern of collision nodes that a name matches, by the rules of Unreal Engine (UCX_ ...) and Godot (-colonly ...); NULL:
+ * none. */
 static const char *collision_pattern(const char *name)
 {
     static const char *const prefixes[]        = {"UCX_", "UBX_", "USP_", "UCP_"};
@@ -109,7 +110,7 @@ static void warn_about_collisions(const named_node *nodes, size_t count, message
 
 /* levels of detail ------------------------------------------------------------------------------------------------------------ */
 
-/* Where the number of "Tree_LOD1" begins, NULL: it has none. */
+/* Position of the number in "Tree_LOD1"; NULL: none. */
 static const char *detail_number(const char *name)
 {
     for (const char *at = name; *at; at++)
@@ -120,7 +121,7 @@ static const char *detail_number(const char *name)
     return NULL;
 }
 
-/* By what stands before the number, and then by the number. */
+/* Sort by the name before the number, then by the number. */
 static int by_thing(const void *a, const void *b)
 {
     const named_node *p = a, *q = b;
@@ -138,7 +139,7 @@ static int same_thing(const named_node *a, const named_node *b)
     return (size_t)(detail_number(b->name) - b->name) == length && !strncmp(a->name, b->name, length);
 }
 
-/* One's middle lies in the other's box. */
+/* Whether the centre of one is in the box of the other. */
 static int same_place(const scene *s, const named_node *a, const named_node *b)
 {
     box one   = box_of_corners(s->positions_ws, s->indices + 3 * a->first, 3 * (a->end - a->first));

@@ -1,4 +1,4 @@
-/* What parts have in common, as bytes; see part_common.h.
+/* Serialization of the data common to all parts; see part_common.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/bake/part_common.h"
 
@@ -9,7 +9,7 @@
 
 enum { CHOICES = 5, NUMBERS = 20, LIGHT_BYTES = VXS_LIGHT_NAME_BYTES + 4 * 4 + 8 * NUMBERS, ANSWER_BYTES = 16 };
 
-/* The numbers of a light, in their order in the struct. */
+/* Pointers to the numbers of a light, in the order of the struct. */
 static void numbers_of(vxs_light *l, double *of[NUMBERS])
 {
     size_t at = 0;

@@ -1,5 +1,5 @@
-/* What all parts of a bake have in common: its lights and options, what the file will say of it, and what their maps have answered, so that
- * squares can be merged without the scene. Equal bytes are parts of one bake.
+/* Data common to all parts of a bake: lights, options, metadata of the file, and the bounds that maps gave before fetches. Parts
+ * can be merged with it without the scene. Parts with equal bytes belong to one bake.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef PART_COMMON_H
 #define PART_COMMON_H
@@ -8,10 +8,10 @@
 #include "baker/columns/columns.h"
 #include "formats/vxs_file.h"
 
-/* A map, as far as it is known before a square is fetched. */
+/* A map, as it is known before a square is fetched. */
 typedef struct part_map {
     uint32_t       fetch_px;
-    column_bounds *answers; /* [count] in the order in which it is asked */
+    column_bounds *answers; /* [count] bounds in the order of the calls */
     size_t         count, capacity;
 } part_map;
 
@@ -22,17 +22,17 @@ typedef struct part_light {
 
 /* Zero it. */
 typedef struct part_common {
-    bake_options o;        /* coding, pack, rule, reuse and zstd_level alone */
-    char        *made_by;  /* versions and renderer: owned */
-    char        *metadata; /* of the file: owned */
+    bake_options o;        /* only coding, pack, rule, reuse and zstd_level */
+    char        *made_by;  /* versions and renderer; owned */
+    char        *metadata; /* of the file; owned */
     part_light  *lights;   /* [light_count] */
     size_t       light_count, light_capacity;
 } part_common;
 
-/* Append it. Returns VXS_OK or VXS_E_MEMORY. */
+/* Append it to out. Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result part_common_write(const part_common *c, vxs_bytes *out);
 
-/* Read it, all of the bytes.
+/* Read it from all of the bytes.
  * c  [out] zero it first; released with part_common_free, whatever is returned
  * Returns VXS_OK, VXS_E_MEMORY, VXS_E_CORRUPT. */
 vxs_result part_common_read(part_common *c, const void *bytes, size_t size_bytes);

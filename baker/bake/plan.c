@@ -76,7 +76,7 @@ static vxs_result fit_lights(bake_plan *plan, const bake_options *o, const caste
 
 /* solids ---------------------------------------------------------------------------------------------------------------------- */
 
-/* Finding out which solids meet takes time for each of their triangles, on all threads, and may spare time in each block. */
+/* Finding the solids that meet costs time per triangle, on all threads, and may save time in each block. */
 static const double MEETING_SECONDS_PER_TRIANGLE = 1.4e-6, PEELING_SECONDS_PER_BLOCK = 2.5e-3, PEELING_SECONDS_PER_TRIANGLE = 8e-8;
 
 static void plan_exit(bake_plan *plan, const bake_options *o, const casters *c)
@@ -101,7 +101,8 @@ static void plan_exit(bake_plan *plan, const bake_options *o, const casters *c)
 
 /* sub-DAGs -------------------------------------------------------------------------------------------------------------------- */
 
-/* The pass finds what repeats within a sub-DAG, on all threads; the merge, on one, finds it too, but spends less on what it knows. */
+/* Compression finds repetition within a sub-DAG on all threads. The merge would find it too, on one thread, but spends less on
+ * known nodes. */
 static const double TOP_DOWN_SECONDS_PER_NODE = 4.5e-8, MERGE_SECONDS_PER_REPEATED_NODE = 1.5e-8;
 
 static void plan_compression(bake_plan *plan, const bake_options *o)
@@ -148,7 +149,7 @@ static uint32_t largest_map(const bake_plan *plan)
     return side;
 }
 
-/* As many as are kept, and one in work; each counts as the largest. */
+/* Memory of the kept pictures and one in work; each counts as the largest. */
 static uint64_t picture_bytes(const bake_plan *plan)
 {
     uint64_t largest = 0;
@@ -160,23 +161,23 @@ static uint64_t picture_bytes(const bake_plan *plan)
     return largest * (plan->baked_count < PICTURES_MAX ? plan->baked_count : PICTURES_MAX + 1);
 }
 
-/* Squares that are kept are an eighth of the map, so that what has changed is a small part of it; those that are rendered are as large as can
- * be, because each draws all that it may see. */
+/* Cached squares have an eighth of the map's side, so that a change affects a small part of it. Rendered squares are as large as
+ * possible, because each draws all triangles that it may see. */
 static uint32_t largest_tile(uint32_t side, uint32_t least, const bake_options *o)
 {
     uint32_t most = keeps_squares(o) && o->maps == MAPS_SPARSE ? max_u32(least, side / 8) : side;
     return min_u32(most, TILE_MAX_PX);
 }
 
-/* What a bake with tiles of this size needs in any case. Straight from triangles it holds what is built, which a sample tells to within a half:
- * a bake that may fit is begun, and given up where it does not. */
+/* Least memory of a bake with tiles of this size. Straight from triangles it is what is built, which a sample estimates only within
+ * a half: a bake that may fit is begun, and fails if it does not. */
 static uint64_t least_peak_bytes(const bake_plan *plan, const bake_options *o, const casters *c, uint32_t tile_px)
 {
     uint64_t bytes = plan_peak_bytes(plan, o, c, tile_px);
     return o->maps == MAPS_SPARSE ? bytes / 3 * 2 : bytes;
 }
 
-/* Smaller tiles until it fits; the last one is as small as a sub-DAG, or a block. */
+/* Halve the tiles until the plan fits; the smallest are a sub-DAG, or a block. */
 static vxs_result plan_memory(bake_plan *plan, const bake_options *o, const casters *c, message *m)
 {
     uint32_t side       = largest_map(plan);

@@ -1,4 +1,4 @@
-/* Bakes that would be of little use; see plan.h.
+/* Checks for bakes of little use; see plan.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 #include <stdio.h>
@@ -13,7 +13,7 @@
 
 enum { POINTS = 256, POINT_TRIANGLES_MAX = 1 << 14, TOLD_EACH = 3 };
 
-/* Lights of which the same is said: the first few have a line each, the others are listed in one. */
+/* Lights with the same warning: the first few get a line each, the others are listed in one line. */
 typedef struct light_tally {
     size_t count;
     char   more[LIST_BYTES];
@@ -39,7 +39,7 @@ static int by_distance(const void *a, const void *b)
     return p->along_m < q->along_m ? -1 : p->along_m > q->along_m;
 }
 
-/* points  sorted here by their distance */
+/* points  are sorted by distance */
 static texel_range texels_of(const plan_light *l, lit_point *points, size_t count)
 {
     double slope = l->light.texel_metres, near = l->light.near_metres, all = 0, before = 0;
@@ -53,7 +53,7 @@ static texel_range texels_of(const plan_light *l, lit_point *points, size_t coun
     return (texel_range){slope * points[0].along_m, slope * points[n].along_m, slope * points[count - 1].along_m};
 }
 
-/* an object in front of all others -------------------------------------------------------------------------------------------- */
+/* objects that hide a light --------------------------------------------------------------------------------------------------- */
 
 static const scene_object *find_hider(check_scene *k, const lit_points_desc *d, const lit_point *points, size_t count,
                                       double *metres)
@@ -79,7 +79,8 @@ static void warn_about_hider(const check_scene *k, const plan_light *l, const sc
 
 /* far objects ----------------------------------------------------------------------------------------------------------------- */
 
-/* Returns 1 when something was said. Of objects that hide lights enough is said.   hiders  [lights] NULL: nothing hides it */
+/* Warn of far objects. Objects that hide lights have a warning already.   hiders  [lights] NULL: not hidden
+ * Returns 1 if it has warned. */
 static int check_far(const check_scene *k, const scene_object *const *hiders)
 {
     far_objects        far;
@@ -95,7 +96,7 @@ static int check_far(const check_scene *k, const scene_object *const *hiders)
     return hide < far.count && warn_about_far_objects(k, &far, of);
 }
 
-/* ranges that end too soon ---------------------------------------------------------------------------------------------------- */
+/* short ranges ---------------------------------------------------------------------------------------------------------------- */
 
 static double distance_to(const box *b, const double from[3])
 {
@@ -107,7 +108,7 @@ static double distance_to(const box *b, const double from[3])
     return sqrt(square);
 }
 
-/* Within a lamp's range is one object, and no large one: its own fixture.   next_m  [out] from the lamp to the next object */
+/* Find the only object within a lamp's range, if it is small: the lamp's fixture.   next_m  [out] distance to the next object */
 static const scene_object *find_fixture(const check_scene *k, const plan_light *l, double *next_m)
 {
     const object_list  *list  = k->nodes.count > 1 ? &k->nodes : &k->components;
@@ -138,9 +139,9 @@ static void warn_about_fixture(const check_scene *k, const plan_light *l, const 
          l->name, name.text, l->shape.range_m, next_m);
 }
 
-/* positions that are stored too coarsely -------------------------------------------------------------------------------------- */
+/* coarse positions ------------------------------------------------------------------------------------------------------------ */
 
-/* From a float of this size to the next. */
+/* Difference between a float of this size and the next. */
 static double float_step(double size)
 {
     return size > 0 ? ldexp(1, ilogb(size) - 23) : 0;
@@ -155,7 +156,7 @@ static double farthest_corner(const box *b, const double from[3])
 
 static const double STEP_MAX_M = 1e-3, FAR_TIMES = 16;
 
-/* Positions are floats, counted from the origin of their node. The node that suffers most is named. */
+/* Warn of coarse positions: they are floats relative to the origin of their node. Names the node with the coarsest steps. */
 static void warn_about_steps(const check_scene *k)
 {
     const scene      *s     = k->s;
@@ -172,7 +173,7 @@ static void warn_about_steps(const check_scene *k)
         size_t            first = part->triangle_first, end = n + 1 < s->part_count ? part[1].triangle_first : s->triangle_count;
         while (origin + 1 < s->origin_count && s->origins[origin + 1].triangle_first <= first) origin++;
         const double *from = s->origins[origin].at_ws;
-        if (float_step(farthest_corner(&all, from)) <= STEP_MAX_M) continue; /* soon known of most scenes */
+        if (float_step(farthest_corner(&all, from)) <= STEP_MAX_M) continue; /* a fast test, enough for most scenes */
         box    own = box_of_corners(s->positions_ws, s->indices + 3 * first, 3 * (end - first));
         double far = farthest_corner(&own, from);
         if (float_step(far) <= STEP_MAX_M || far < FAR_TIMES * box_diagonal(&own)) continue;
@@ -192,9 +193,9 @@ static void warn_about_steps(const check_scene *k)
          worst->node, s->names + worst->node_name, more, rounded(worst_far, 3), float_step(worst_far));
 }
 
-/* all of it ------------------------------------------------------------------------------------------------------------------- */
+/* all checks ------------------------------------------------------------------------------------------------------------------ */
 
-/* Of a light's sample of points: its texels, and what hides it. */
+/* Sample points for a light: its texels, and the object that hides it. */
 static void sample_light(check_scene *k, plan_light *l, const scene_object **hider, light_tally *hidden)
 {
     lit_point       points[POINTS];
@@ -217,7 +218,7 @@ static void warn_about_fine(const check_scene *k, const plan_light *l, uint32_t 
          l->name, 1000 * l->texels.median, name, side);
 }
 
-/* What is said of a light that is not hidden. */
+/* Checks of a light that is not hidden. */
 static void check_light(const check_scene *k, const plan_light *l, int far_told, light_tally *short_ones, light_tally *coarse,
                         light_tally *fine)
 {

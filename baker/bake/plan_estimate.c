@@ -1,10 +1,11 @@
 /* Estimates of a plan; see plan.h.
  *
- * Counts are those of the sample times its weight. Different nodes grow with a power of inserted ones, as different words do with the
- * length of a text (Heaps' law), and so do different blocks and patterns; the power follows from how many are different in the sample.
- * Seconds and bytes are linear in the counts; the coefficients were fitted to 45 bakes of 21 scenes at 1024 to 16384 texels, those of
- * palette blocks to 55 bakes of 20 scenes at 256 to 8192; their seconds, and those of maps straight from triangles, to the bakes of a city, a
- * landscape and Sponza at 4096 to 65536 in docs/measurements.md.
+ * Counts are those of the sample times its weight. The number of distinct nodes is a power of the number of inserted ones, as the
+ * vocabulary of a text is of its length (Heaps' law). The same holds for distinct blocks and patterns. The exponent is computed
+ * from the share of distinct ones in the sample. Seconds and bytes are linear in the counts. The coefficients were fitted to 45
+ * bakes of 21 scenes at 1024 to 16384 texels, those of palette blocks to 55 bakes of 20 scenes at 256 to 8192. Their seconds, and
+ * those of maps straight from triangles, were fitted to the bakes of a city, a landscape and Sponza at 4096 to 65536 in
+ * docs/measurements.md.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 
@@ -14,14 +15,14 @@
 
 /* counts ---------------------------------------------------------------------------------------------------------------------- */
 
-/* How many different ones there are among `weight` times as many; `unlike`: the power where all in the sample are different. */
+/* Number of distinct ones among `weight` times as many; `unlike`: the exponent if all in the sample are distinct. */
 static double different(uint64_t unique, uint64_t all, double weight, double alike, double unlike)
 {
     double share = all ? (double)unique / (double)all : 0;
     return (double)unique * pow(weight, alike + (unlike - alike) * share);
 }
 
-/* Nodes of the levels above those of a window: there are fewer of each by the same factor. */
+/* Nodes of the levels above a window: each level has fewer by the same factor. */
 static double above(uint64_t below, uint64_t top, double count)
 {
     double ratio = below ? (double)top / (double)below : 0.25;
@@ -47,15 +48,15 @@ static void estimate_dag(plan_light *l)
     l->part_bytes     = 11 * (l->inserted_nodes + l->inserted_masks);
 }
 
-/* Nodes take a word for each of their blocks, which are fewer where blocks, and so nodes, repeat; and some for themselves. */
+/* A node takes a word for each of its blocks, fewer if blocks repeat, and some words for itself. */
 static double node_words(const plan_light *l, double squares)
 {
     double blocks = (double)l->sample.palette_blocks * l->sample.weight;
     return 1.1 * sqrt(blocks * l->palette.blocks) + 5.5 * fmin(squares, blocks);
 }
 
-/* What is held until all is built. Patterns of depths that tiles choose freely repeat the more, the more there are; those with depths of their
- * own hardly do. */
+/* Memory held until all is built. Patterns with freely chosen depths repeat more often the more there are; private-palette patterns
+ * rarely repeat. */
 static double palette_built_bytes(const plan_light *l)
 {
     const palette_estimate *p = &l->palette;
@@ -66,7 +67,7 @@ static double palette_built_bytes(const plan_light *l)
     return 900 * own + 150 * free + 160 * p->blocks + 10 * p->words;
 }
 
-/* fast: its pages are packed so */
+/* fast: packing of its pages */
 static void estimate_blocks(plan_light *l, int fast)
 {
     const light_sample *s       = &l->sample;
@@ -88,7 +89,7 @@ static void estimate_blocks(plan_light *l, int fast)
 
 /* seconds and bytes, for one light -------------------------------------------------------------------------------------------- */
 
-/* full  texels of tiles that are not empty */
+/* full  texels of tiles with triangles */
 static void estimate_dag_seconds(plan_light *l, double full, double threads)
 {
     double inserted          = l->inserted_nodes + l->inserted_masks;
@@ -112,7 +113,7 @@ static void estimate_seconds(plan_light *l, const bake_options *o)
     const light_sample *s       = &l->sample;
     double              texels  = ldexp(1, 2 * (int)l->light.levels) * l->map_count;
     double              full    = texels * (1 - (double)s->tiles_empty[0] / (double)s->tiles[0]);
-    double              block   = texels / (double)s->blocks / (512.0 * 512.0); /* in blocks of full size */
+    double              block   = texels / (double)s->blocks / (512.0 * 512.0); /* relative to a block of full size */
     double              drawn   = (double)(s->blocks - s->blocks_empty) * block;
     double              solid   = (double)(s->blocks_peeled + s->blocks_not_peeled) * block;
     double              peeled  = (double)s->blocks_peeled * block;
@@ -121,7 +122,7 @@ static void estimate_seconds(plan_light *l, const bake_options *o)
     if (o->maps == MAPS_SPARSE) {
         l->seconds[STAGE_MAPS] = (7e-7 * (double)l->sample.triangles + 1.5e-6 * l->mask_tiles) / threads;
     } else {
-        /* rendering waits for one thread of two */
+        /* rendering waits for one of two threads */
         l->seconds[STAGE_GL]      = 5e-4 * l->map_count + 4.5e-8 * (double)l->sample.triangles;
         l->seconds[STAGE_MAPS]    = 6e-4 * drawn + 1e-3 * solid + 5e-3 * peeled + 4e-7 * (double)s->block_triangles;
         l->seconds[STAGE_PYRAMID] = 1e-9 * full / threads;
@@ -155,9 +156,9 @@ void plan_estimate_scene(bake_plan *plan, const casters *c)
     plan->seconds[STAGE_SOLIDS] = 1.2e-7 * (double)c->triangle_count;
     plan->seconds[STAGE_PLAN] =
         (plan->meeting_known ? plan->meeting_seconds : 0) + 6e-8 * (double)c->triangle_count + 4e-3 * (double)plan->baked_count;
-    if (plan->seconds[STAGE_GL] > 0) { /* something is rendered */
+    if (plan->seconds[STAGE_GL] > 0) { /* some light is rendered */
         plan->seconds[STAGE_GL] += 0.026;
-        plan->seconds[STAGE_MAPS] += 0.02; /* programs are compiled */
+        plan->seconds[STAGE_MAPS] += 0.02; /* compilation of shaders */
     }
     plan->seconds[STAGE_COMPRESS] = compress;
     plan->total_seconds           = 0;
@@ -166,14 +167,14 @@ void plan_estimate_scene(bake_plan *plan, const casters *c)
     plan->memory_bytes = (uint64_t)memory;
 }
 
-/* The scene, the casters and their projection. */
+/* Memory of the scene, the casters and their projection. */
 static double array_bytes(const casters *c)
 {
     return 54 * (double)c->triangle_count + 24 * (double)c->scene_vertex_count + 56 * (double)c->vertex_count;
 }
 
-/* While squares straight from triangles are made: triangles and their lists; for each thread a square, with bounds of all of its tiles and
- * columns of some, which are unevenly spread; and what was built of those that wait for their turn. */
+/* Peak while squares are computed straight from triangles: triangles and their lists; for each thread a square, with bounds of all
+ * of its tiles and columns of some, unevenly distributed; and built squares that wait for their turn. */
 static uint64_t sparse_peak_bytes(const bake_plan *plan, const bake_options *o, const casters *c, uint32_t tile_px)
 {
     double square = 0, built = 0;
@@ -190,8 +191,8 @@ static uint64_t sparse_peak_bytes(const bake_plan *plan, const bake_options *o, 
     return (uint64_t)(1.15 * (9e6 + 20e3 * (double)plan->baked_count + array_bytes(c) + square + built));
 }
 
-/* The most is held while a tile is rendered or merged: its maps, what OpenGL and the scene need, what was built so far, and what is built of
- * it. */
+/* Peak while a tile is rendered or merged: its maps, the memory of OpenGL and the scene, everything built so far, and what is built
+ * of the tile. */
 static uint64_t rendered_peak_bytes(const bake_plan *plan, const casters *c, uint32_t tile_px)
 {
     double texel = plan->has_exit_map ? 8 : 4, pyramid = 1.0 / 3, tile = 0, built = 0, drawn = 0;
@@ -204,7 +205,7 @@ static uint64_t rendered_peak_bytes(const bake_plan *plan, const casters *c, uin
         built += l->built_bytes;
         drawn = fmax(drawn, (double)l->sample.block_most);
     }
-    /* a block's triangles, with vertices of their own at worst, and what llvmpipe bins of them */
+    /* triangles of a block, with separate vertices in the worst case, and llvmpipe's bins for them */
     double block = 28 * drawn + 24 * fmin(3 * drawn, (double)c->vertex_count) + 150 * fmin(drawn, DRAW_MAX);
     return (uint64_t)(1.06 * (118e6 + 150e3 * (double)plan->baked_count + array_bytes(c) + block + built + tile +
                               (double)plan->picture_bytes));

@@ -1,8 +1,8 @@
-/* What the maps of a light will be made of, found out from a part of them; see plan.h.
+/* Samples of a light's maps; see plan.h.
  *
- * Each map is divided into cells, and in each cell one window of 32 x 32 texels, at a place that the cell's number decides, is made as a bake
- * makes it: columns by the sparse source, from the triangles that may touch a window and no others; then masks and inserted nodes, or
- * palette blocks. Which blocks and tiles hold triangles is counted for whole maps.
+ * Each map is divided into cells. Each cell has one window of 32 x 32 texels, at a position that depends on the cell's number. A
+ * window is made as in a bake: columns from the sparse source, from only the triangles that may touch a window; then masks and
+ * inserted nodes, or palette blocks. Blocks and tiles with triangles are counted for whole maps.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/bake/plan.h"
 
@@ -20,19 +20,19 @@
 enum {
     WINDOW_PX   = 4 << SAMPLE_LEVELS,
     CELLS_MAX   = 32,      /* a side */
-    MAPS_FEW    = 8,       /* that are looked at closely */
-    ENTRIES_MAX = 1 << 22, /* of triangles in windows: where more lie over each other, windows are left out */
-    WORKERS_MAX = 8,       /* threads that count triangles, each for itself */
+    MAPS_FEW    = 8,       /* most maps that are sampled densely */
+    ENTRIES_MAX = 1 << 22, /* limit for triangles in windows; if more overlap, windows are left out */
+    WORKERS_MAX = 8,       /* threads that count triangles, each with its own counts */
     BATCH       = 16,      /* windows that are made at once */
 };
 
-/* Triangles of sheets, of solids that are not peeled, and of those that are. */
+/* Triangles of sheets, of solids without peeling, of solids with peeling. */
 enum { CLASS_SHEET, CLASS_APART, CLASS_MEETS, CLASSES };
 
 typedef struct window {
-    uint32_t    cell; /* its number */
+    uint32_t    cell; /* number of its cell */
     vxs_result  result;
-    block_set   set; /* one of these two */
+    block_set   set; /* used: this one, or the DAG */
     dag         dag;
     build_stats stats;
 } window;
@@ -45,26 +45,26 @@ typedef struct sampler {
     int                 peels_all;
     uint32_t            workers;
     uint32_t            side_px, window_px;
-    uint32_t            blocks, cells;                /* a side of a map */
-    uint32_t            block_log2, cell_log2;        /* of their sides in texels */
+    uint32_t            blocks, cells;                /* along a side of a map */
+    uint32_t            block_log2, cell_log2;        /* log2 of their sides in texels */
     uint32_t            at[CELLS_MAX * CELLS_MAX][2]; /* column and row of each window, in windows */
-    block_set           set;                          /* of the windows of all maps: a node of one block each; or */
+    block_set           set;                          /* of the windows of all maps: nodes of one block each */
     dag_merger          merger;
 
-    /* of the map in work */
+    /* of the current map */
     uint32_t   map;
     projection p;
     uint8_t   *kept;                          /* [p.triangle_count] 1: may touch a window */
     int32_t   *counts;                        /* [workers][CLASSES][counts_size] of triangles by block */
-    size_t     counts_size;                   /* (blocks + 1)^2: differences along both axes until they are summed up */
+    size_t     counts_size;                   /* (blocks + 1)^2: differences along both axes, then sums */
     size_t (*entries)[CELLS_MAX * CELLS_MAX]; /* [workers] triangles that may touch each window */
     column_map columns;
     window     batch[BATCH];
 } sampler;
 
-/* what lies where --------------------------------------------------------------------------------------------------------------- */
+/* counts by block and window -------------------------------------------------------------------------------------------------- */
 
-/* A window in each cell: every 64th texel of a map of 4096; all of small maps; of many maps, fewer. */
+/* Place a window in each cell: every 64th texel of a map of 4096; all of small maps; fewer for many maps. */
 static void place_windows(sampler *job, uint32_t maps)
 {
     uint32_t windows = job->side_px / job->window_px, cells = job->side_px / 256;
@@ -87,7 +87,7 @@ static int class_of(const sampler *job, size_t triangle)
     return job->peels_all || !p->meets || p->meets[triangle] ? CLASS_MEETS : CLASS_APART;
 }
 
-/* Add one to the blocks that a box touches.   counts  of a class */
+/* Count a triangle in the blocks that its box touches.   counts  of its class */
 static void count_in_blocks(const sampler *job, const texel_box *b, int32_t *counts)
 {
     int32_t shift = (int32_t)job->block_log2, row = (int32_t)job->blocks + 1;
@@ -98,7 +98,7 @@ static void count_in_blocks(const sampler *job, const texel_box *b, int32_t *cou
     counts[v1 * row + u1]++;
 }
 
-/* Whether a box touches a window; it is counted in each. */
+/* Count a triangle in each window that its box touches. Returns 1 if there are any. */
 static int count_in_windows(const sampler *job, const texel_box *b, size_t *entries)
 {
     int32_t side = (int32_t)job->window_px, shift = (int32_t)job->cell_log2, found = 0;
@@ -161,7 +161,7 @@ static void add_blocks(const sampler *job)
 /* Tiles of TILE_MAX_PX >> size texels a side, or the whole map. */
 static void add_tiles(const sampler *job, uint32_t size)
 {
-    uint32_t across = max_u32(1, min_u32(job->side_px, TILE_MAX_PX >> size) >> job->block_log2); /* blocks a side of a tile */
+    uint32_t across = max_u32(1, min_u32(job->side_px, TILE_MAX_PX >> size) >> job->block_log2); /* blocks along a side of a tile */
     uint32_t tiles  = job->blocks / across;
     for (uint32_t n = 0; n < tiles * tiles; n++) {
         uint64_t all = 0;
@@ -184,7 +184,8 @@ static int has_pattern(const block_set *set, const block_node *node)
     return 0;
 }
 
-/* A window as a node of its own. Where no tile needs a pattern nothing is kept: in a bake, the slope of the node around it settles it. */
+/* Build a window as a node of its own. If no tile needs a pattern, nothing is kept: in a bake, the slope of the surrounding node
+ * settles it. */
 static vxs_result build_node(const sampler *job, window *w, column_square columns)
 {
     int cpu      = cpu_level();
@@ -229,7 +230,7 @@ static vxs_result add_window(sampler *job, window *w)
     return dag_merger_add(&job->merger, &w->dag, job->map, square_level(job->window_px), job->at[w->cell][0], job->at[w->cell][1]);
 }
 
-/* The cell that is the rank-th: the bits of its number are those of the rank in reverse, so that the first few lie all over the map. */
+/* Cell of a rank: the rank with its bits reversed, so that the first cells are spread over the whole map. */
 static uint32_t cell_of_rank(const sampler *job, uint32_t rank)
 {
     uint32_t n = 0;
@@ -237,7 +238,7 @@ static uint32_t cell_of_rank(const sampler *job, uint32_t rank)
     return n;
 }
 
-/* The windows that are made: fewer where many large triangles lie over each other. */
+/* Number of windows to make: fewer if many large triangles overlap. */
 static uint32_t count_windows(const sampler *job)
 {
     size_t   entries = 0;
@@ -249,7 +250,7 @@ static uint32_t count_windows(const sampler *job)
     return rank;
 }
 
-/* All windows of a map, added in the same order at any number of threads. */
+/* Make all windows of a map, and add them in an order that does not depend on the number of threads. */
 static vxs_result sample_windows(sampler *job)
 {
     uint32_t   windows = count_windows(job);
@@ -298,7 +299,7 @@ static vxs_result sample_map(sampler *job, message *m)
     return r;
 }
 
-/* The windows as a bake would lay them out, if they were all that there is. */
+/* Lay out the windows as a bake would, as if they were the whole. */
 static vxs_result count_palettes(sampler *job, uint32_t map_count)
 {
     enum { LEVELS = 13 }; /* of a map with a node for each window */

@@ -1,7 +1,7 @@
-/* What options would save that change what a file promises; see plan.h.
+/* Savings of options that change what a file promises; see plan.h.
  *
- * They are of sheets: of a solid the inside is free already. The maps are sampled as they would be with the option, and estimated by the same
- * coefficients as the plan.
+ * These options affect sheets; the inside of solids is don't-care already. The maps are sampled as with the option, and estimated
+ * with the coefficients of the plan.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <stdlib.h>
 #include <string.h>
@@ -11,15 +11,15 @@
 #include "baker/base/clock.h"
 #include "baker/base/vec3.h"
 
-/* Less is not worth a question; of --closed on, which asks more of the scene, much less. */
+/* A smaller saving is not reported. --closed on demands more of the scene, so it must save more. */
 static const double LEAST_SHARE_SAVED = 0.1, LEAST_SHARE_CLOSED = 0.2;
 
-/* Fewer triangles change little, and are not sampled for. */
+/* Fewer triangles change little, and are not sampled. */
 enum { TWO_SIDED_SHARE = 4 };
 
 #define THICKNESS_M 0.02
 
-/* Note what is saved, unless it is less than a share.
+/* Add a saving, unless it is below a share of the whole.
  * reach  of c */
 static vxs_result consider(bake_plan *plan, const reach_index *reach, const bake_options *asked, const casters *c,
                            plan_saving saving, double least_share, message *m)
@@ -38,9 +38,9 @@ static vxs_result consider(bake_plan *plan, const reach_index *reach, const bake
     return r;
 }
 
-/* closed components whose material has two sides ------------------------------------------------------------------------------ */
+/* closed double-sided components ---------------------------------------------------------------------------------------------- */
 
-/* Volumes of components, times 6, seen from a corner of their boxes.   volumes  [components] 0 at first */
+/* Add the volumes of components, times 6, relative to a corner of their boxes.   volumes  [components] zeroed */
 static void add_volumes(const casters *c, double *volumes)
 {
     for (size_t t = c->solid_triangle_count; t < c->holed_first; t++) {
@@ -52,20 +52,21 @@ static void add_volumes(const casters *c, double *volumes)
     }
 }
 
-/* Triangles of one kind, from `at` on: those of components that are closed and have two sides, or all others between solids and masks. */
+/* Copy triangles of one kind to position `at` and on: closed double-sided components, or all others between solids and masks. */
 static size_t take_sheets(casters *out, const casters *c, const double *volumes, int closed, size_t at)
 {
     for (size_t t = c->solid_triangle_count; t < c->holed_first; t++) {
         uint32_t k = c->component_of[t];
         if ((c->kind_of[k] == COMPONENT_SHEET_DOUBLE_SIDED) != closed) continue;
-        for (size_t n = 0; n < 3; n++) /* inward ones are turned outward */
+        for (size_t n = 0; n < 3; n++) /* turn inward triangles outward */
             out->indices[3 * at + n] = c->indices[3 * t + (closed && volumes[k] < 0 ? 2 - n : n)];
         out->double_sided[at++] = c->double_sided[t];
     }
     return at;
 }
 
-/* The casters as they would be if those were solids, which is most of what --closed on does: indices and double_sided are the result's own. */
+/* The casters with these components as solids, which is the main effect of --closed on. The result owns only indices and
+ * double_sided. */
 static int as_if_closed(casters *out, const casters *c)
 {
     size_t components = 0;

@@ -1,4 +1,4 @@
-/* Where an asset comes from; see provenance.h.
+/* Provenance of an asset; see provenance.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/bake/provenance.h"
 
@@ -11,12 +11,12 @@
 #include "baker/files/json_value.h"
 #include "baker/scene/fingerprint.h"
 
-/* More than this is not what vxs writes. JSON takes some twenty times its text in memory. */
+/* vxs never writes more. JSON takes about twenty times its text in memory. */
 enum { METADATA_MAX_BYTES = 4 << 20 };
 
-/* what goes in ---------------------------------------------------------------------------------------------------------------- */
+/* input ----------------------------------------------------------------------------------------------------------------------- */
 
-/* No -0, which equals 0. */
+/* Without -0, which equals 0. */
 static json_t *number_json(double number)
 {
     return json_real(number + 0.0);
@@ -56,7 +56,7 @@ static json_t *scene_json(const scene *s, const scene_fingerprint *f)
                      "geometry", f->geometry, "alpha_masks", f->alpha_masks, "cameras", f->cameras, "lights", f->lights);
 }
 
-/* Options and, where there is smoke, what smoke it is. */
+/* Options, and the fingerprint of the smoke, if there is some. */
 static json_t *options_json(const bake_options *o, const bake_scene *s)
 {
     json_t      *options = bake_choices_json(o);
@@ -85,11 +85,11 @@ vxs_result provenance_inputs(json_t **inputs, const bake_options *o, const bake_
     return *inputs ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory for what is to be baked");
 }
 
-/* what came of it ------------------------------------------------------------------------------------------------------------- */
+/* results --------------------------------------------------------------------------------------------------------------------- */
 
 char *provenance_text(const bake_report *report)
 {
-    json_t *root     = json_object(); /* json_copy leaves out what there is no memory for */
+    json_t *root     = json_object(); /* json_copy silently omits values if memory runs out */
     json_t *outcome  = json_pack("{s:I, s:I, s:I, s:o, s:I}", "triangles", (json_int_t)casters_whole_count(&report->casters),
                                  "solids", (json_int_t)report->casters.component_count[COMPONENT_SOLID], "solid_triangles",
                                  (json_int_t)report->casters.solid_triangle_count, "left_out", report_left_out_json(report),
@@ -103,7 +103,7 @@ char *provenance_text(const bake_report *report)
 
 /* reading --------------------------------------------------------------------------------------------------------------------- */
 
-/* Whether a value has the members that a format of json_unpack tells, of the types that it tells. */
+/* Whether a value has the members and types of a format of json_unpack. */
 #define HAS_TYPES(value, ...) (!json_unpack_ex(value, NULL, JSON_VALIDATE_ONLY, __VA_ARGS__))
 
 static int is_light(json_t *light)
@@ -117,7 +117,7 @@ static int is_left_out(json_t *light)
     return HAS_TYPES(light, "{s:s, s:s}", "name", "why");
 }
 
-/* An array of what `is_item` accepts, or nothing at all. */
+/* An array of items that `is_item` accepts, or NULL. */
 static int is_list(const json_t *list, int (*is_item)(json_t *item))
 {
     json_t *item;
@@ -127,7 +127,7 @@ static int is_list(const json_t *list, int (*is_item)(json_t *item))
     return 1;
 }
 
-/* Members that vxs writes have their types. Older versions wrote fewer. */
+/* Whether members that vxs writes have their types. Older versions wrote fewer members. */
 static int is_provenance(json_t *root)
 {
     json_t *input = json_object_get(root, "scene"), *options = json_object_get(root, "options");
@@ -162,7 +162,7 @@ int provenance_is_current(const char *path, const json_t *inputs, uint64_t *file
     struct stat         status;
     vxs_asset          *asset = NULL;
     const vxs_read_desc desc  = {.metadata = 1};
-    if (stat(path, &status) || !S_ISREG(status.st_mode)) return 0; /* reading a pipe would wait for what nobody writes */
+    if (stat(path, &status) || !S_ISREG(status.st_mode)) return 0; /* reading a pipe without a writer would block */
     if (vxs_asset_open_file(&asset, path, &desc) != VXS_OK) return 0;
     json_t *made    = provenance_parse(vxs_asset_contents(asset));
     int     current = has_inputs(made, inputs);

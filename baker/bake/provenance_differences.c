@@ -1,4 +1,4 @@
-/* What differs between a scene and the one that a file was baked from; see provenance.h.
+/* Differences between a scene and the scene of a file; see provenance.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <stdio.h>
 #include <string.h>
@@ -17,7 +17,7 @@ vxs_result provenance_read(json_t **made, const vxs_contents *contents, message 
     return fail(m, VXS_E_MEMORY, "out of memory for the metadata of a file");
 }
 
-/* Of a light that the metadata tells of: names in the file may be cut short. */
+/* Whether a light of the metadata is in the file; names in the file may be truncated. */
 static int is_baked(const vxs_contents *contents, const char *name)
 {
     for (uint32_t n = 0; n < contents->light_count; n++) {
@@ -72,7 +72,7 @@ static json_t *differences_of(const json_t *made, const vxs_contents *contents, 
         if (!json_is_true(json_object_get(light, "in_scene"))) continue;
         if (is_baked(contents, json_string_value(json_object_get(light, "name")))) add_light_difference(differences, light, s);
     }
-    /* the name alone makes no difference, and where there is one it says which scene of a file is meant */
+    /* a different name alone is no difference; otherwise it tells which scene of a file is meant */
     const char *name = json_string_value(json_object_get(was, "name"));
     if (name && name[0] && json_array_size(differences) && strcmp(name, s->name))
         json_array_insert_new(differences, 0, json_sprintf("name, which was '%s'", name));

@@ -15,7 +15,7 @@ static size_t count_components(const casters *c)
     return count;
 }
 
-/* Boxes and counts of the objects in list->of. */
+/* Fill boxes and counts of the objects from list->of. */
 static void fill(object_list *list, const casters *c, size_t components)
 {
     for (size_t n = 0; n < list->count; n++) list->items[n] = (scene_object){.around = box_empty(), .component = UINT32_MAX};
@@ -43,7 +43,7 @@ int objects_by_component(object_list *list, const casters *c)
 int objects_by_node(object_list *list, const casters *c, const scene *s)
 {
     size_t    components = count_components(c), nodes = 0;
-    uint32_t *object_of = NULL; /* [nodes] 1 + its object; 0: none yet */
+    uint32_t *object_of = NULL; /* [nodes] 1 + index of its object; 0: none yet */
     *list               = (object_list){0};
     if (!s || !s->part_count) return 0;
     for (size_t n = 0; n < s->part_count; n++)
@@ -108,7 +108,7 @@ static const char *name_of(const scene *s, const scene_part *p, part_label by)
     return s->names + (by == BY_NODE ? p->node_name : by == BY_MESH ? p->mesh_name : p->material_name);
 }
 
-/* How many triangles of the scene have the label of `part`; *alone: 0 when another number has the same name. */
+/* Number of the scene's triangles with the label of `part`; *alone: 0 if another label has the same name. */
 static size_t count_labelled(const scene *s, const scene_part *part, part_label by, int *alone)
 {
     size_t count = 0;
@@ -124,7 +124,7 @@ static size_t count_labelled(const scene *s, const scene_part *part, part_label 
     return count;
 }
 
-/* A name that a pattern can be as it stands; "#7" is one for any other. */
+/* Whether a name can be a pattern as it is; "#7" can be used for any other. */
 static int is_plain(const char *name)
 {
     size_t length = strlen(name);
@@ -157,8 +157,8 @@ void object_name_find(object_name *name, const scene_object *object, const caste
     if (s && s->part_count) {
         const scene_part *part  = &s->parts[c->parts_of[object->component].first];
         size_t            least = object->triangles / 2,
-               most             = object->triangles + object->triangles / 4 + 2; /* splitting may have added some */
-        for (int turn = 0; turn < 2 * LABELS; turn++) {                          /* those with a name first */
+               most             = object->triangles + object->triangles / 4 + 2; /* splitting may have added triangles */
+        for (int turn = 0; turn < 2 * LABELS; turn++) {                          /* labels with a name first */
             part_label by      = (part_label)(turn % LABELS);
             int        is_none = by == BY_MATERIAL && part->material == SCENE_NO_MATERIAL, alone;
             if (is_none || (turn < LABELS && !*name_of(s, part, by))) continue;

@@ -1,4 +1,4 @@
-/* What a scene is made of, as warnings name it: components, or what one node places.
+/* Objects of a scene, as warnings name them: single components, or all that one node places.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SCENE_OBJECTS_H
 #define SCENE_OBJECTS_H
@@ -7,39 +7,39 @@
 #include "baker/casters/casters.h"
 
 typedef struct scene_object {
-    box      around;    /* metres */
-    size_t   triangles; /* of the casters */
-    uint32_t component; /* its first */
+    box      around;    /* bounding box, metres */
+    size_t   triangles; /* number of the casters' triangles in it */
+    uint32_t component; /* its first component */
 } scene_object;
 
 typedef struct object_list {
     size_t        count;
     scene_object *items;
-    uint32_t     *of; /* [components] the object that a component belongs to */
+    uint32_t     *of; /* [components] the object of each component */
 
-    uint32_t
-        *first; /* [count + 1] an object's triangles are members from its entry to the next; NULL before objects_find_members */
-    uint32_t *members; /* [triangles of the casters] */
+    uint32_t *first;   /* [count + 1] object n has members[first[n]] and on; NULL before objects_find_members */
+    uint32_t *members; /* [triangles of the casters] triangles, object by object */
 } object_list;
 
-/* Each component is an object; or all components of a node are one, where a component of several nodes counts to its first.
- * list  [out] released with objects_free, also when this fails
- * Returns 1; 0 without memory, and by nodes where the scene has no parts. */
+/* Make a list of objects. By component: each component is an object. By node: all components of a node are one object; a component
+ * of several nodes belongs to the first.
+ * list  [out] released with objects_free, also on failure
+ * Returns 1; 0 without memory; objects_by_node also if the scene has no parts. */
 int  objects_by_component(object_list *list, const casters *c);
 int  objects_by_node(object_list *list, const casters *c, const scene *s);
 void objects_free(object_list *list);
 
-/* Which triangles each object has; nothing is done the second time. Returns 0 without memory. */
+/* Find the triangles of each object; a second call does nothing. Returns 0 without memory. */
 int objects_find_members(object_list *list, const casters *c);
 
-/* What to call an object, and the option that leaves it out. */
+/* Name of an object, and the option that excludes it. */
 typedef struct object_name {
     char text[160];   /* "node 'Sky'", "material 'Glass'", "the component of 12 triangles at (1, 2, 3)" */
-    char option[128]; /* "--exclude node:Sky"; "": no pattern names it without much else */
+    char option[128]; /* "--exclude node:Sky"; "": no pattern selects it without much else */
 } object_name;
 
-/* A node, a mesh or a material names an object when it has about as many triangles as the object; the first of them that does.
- * s  NULL, or without parts: nothing has a name */
+/* Find a name: the first node, mesh or material that has about as many triangles as the object.
+ * s  NULL, or without parts: no names are known */
 void object_name_find(object_name *name, const scene_object *object, const casters *c, const scene *s);
 
 #endif

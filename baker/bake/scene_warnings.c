@@ -1,4 +1,4 @@
-/* What is probably wrong with a scene's size or region; see scene_warnings.h.
+/* Warnings about a scene's size or region; see scene_warnings.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/bake/scene_warnings.h"
 
@@ -11,14 +11,15 @@
 
 /* scale ----------------------------------------------------------------------------------------------------------------------- */
 
-/* The surface of the Earth bends away over a farther distance; no terrain is half as high; no building is as small. */
+/* Beyond the first distance the Earth is not flat; no terrain is half as high as the second; no building is as small as the
+ * third. */
 static const double ACROSS_MAX_M = 200e3, HEIGHT_MAX_M = 20e3, ACROSS_MIN_M = 0.01;
 
-/* One thing may be as small, of few parts; a room with its furniture is not. */
+/* A single object may be this small, but not a furnished room. */
 static const double PLACE_ACROSS_MIN_M = 0.1;
 
-/* A place this large has many things in it that are not: the smallest tenth of a city's parts is 3 m and less, of a terrain in tiles
- * there are few parts. In centimetres nearly all is larger. */
+/* A place of this size has many small things. In a city the smallest tenth of the parts is 3 m or less; a tiled terrain has few
+ * parts. In centimetres nearly all parts are larger. */
 static const double PLACE_MIN_M = 5e3, PART_LARGE_M = 50;
 enum { PARTS_MIN = 16, PARTS_SMALL_SHARE = 10 };
 
@@ -29,7 +30,7 @@ static size_t all_components(const casters *c)
     return count;
 }
 
-/* Nine in ten components are larger than anything in a level is; no where there are few. */
+/* Whether nine of ten components are larger than objects of a level are; 0 if there are few. */
 static int parts_are_large(const casters *c)
 {
     size_t count = all_components(c), small = 0;
@@ -99,9 +100,9 @@ void warn_about_flat(const casters *c, message *m)
 
 /* region ---------------------------------------------------------------------------------------------------------------------- */
 
-enum { CORNERS_MAX = 9 }; /* of a triangle that six planes cut */
+enum { CORNERS_MAX = 9 }; /* most corners of a triangle clipped by six planes */
 
-/* Keep the part of a convex polygon where sign * (coordinate - limit) >= 0. Returns how many corners it has. */
+/* Clip a convex polygon to sign * (coordinate - limit) >= 0. Returns the number of corners. */
 static int cut(double corners[CORNERS_MAX][3], int count, int axis, double limit, double sign)
 {
     double kept[CORNERS_MAX][3], along[3];

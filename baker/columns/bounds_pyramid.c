@@ -4,9 +4,9 @@
 
 #include "baker/base/parallel.h"
 
-enum { ROWS_TO_SHARE = 128 }; /* of a level; fewer are done sooner than shared */
+enum { ROWS_TO_SHARE = 128 }; /* levels with fewer rows are faster on one thread */
 
-/* A level from the finer one. */
+/* Compute a level from the finer one. */
 typedef struct reduction {
     const column_bounds *finer;
     column_bounds       *level;

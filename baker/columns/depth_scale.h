@@ -1,5 +1,6 @@
-/* From the depths of a map to voxels. Depths grow away from the light: shares of the whole for a directional light, [0, 1], where 1 is
- * no caster; -near / z of a perspective map, [-1, 0], where 0 is no caster and z lies log(z / near) / voxel_log voxels deep ([CPVS16] 5).
+/* Conversion from the depths of a map to voxels. Depths grow away from the light. Directional light: shares of the whole depth, [0,
+ * 1]; 1 is no caster. Perspective map: -near / z, [-1, 0]; 0 is no caster, and distance z is log(z / near) / voxel_log voxels
+ * deep ([CPVS16] 5).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEPTH_SCALE_H
 #define DEPTH_SCALE_H
@@ -12,19 +13,19 @@ typedef struct depth_scale {
     double   voxel_log; /* 0: depths are shares */
 } depth_scale;
 
-/* The depth that means no caster. Nothing is nearer than 1 before it. */
+/* Depth that means no caster. The least depth is 1 less than that. */
 static inline double depth_none(depth_scale s)
 {
     return s.voxel_log == 0 ? 1 : 0;
 }
 
-/* A depth that may lie before the near plane or behind the far one, between them. */
+/* Clamp a depth to the range between the near plane and the far plane. */
 static inline double depth_clamped(depth_scale s, double depth)
 {
     return fmax(depth_none(s) - 1, fmin(depth, depth_none(s)));
 }
 
-/* A depth in voxels, [0, depth_vx]: as the contract of an asset means it, not rounded. */
+/* A depth in voxels, [0, depth_vx], not rounded: the depth in the contract of an asset (docs/overview.md). */
 static inline double depth_in_voxels(depth_scale s, double depth)
 {
     if (s.voxel_log == 0) return depth * s.depth_vx;

@@ -1,4 +1,4 @@
-/* From the top of a map down; see descent.h.
+/* Descent of a map; see descent.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/columns/descent.h"
 
@@ -13,24 +13,24 @@
 #include "baker/columns/square_keeper.h"
 #include "baker/columns/square_record.h"
 
-/* What becomes of a square that waits. */
+/* State of a square in the batch. */
 typedef enum waiting_kind {
-    WAITING_SETTLED, /* by its bounds */
-    WAITING_KNOWN,   /* it was built before */
-    WAITING_BUILT,   /* of fetched columns */
-    WAITING_FETCHED, /* by the thread that builds it, or finds that its bounds settle it */
+    WAITING_SETTLED, /* settled by its bounds */
+    WAITING_KNOWN,   /* known from the square cache */
+    WAITING_BUILT,   /* built from the fetched columns */
+    WAITING_FETCHED, /* fetched by the building thread, which may find that bounds settle it */
 } waiting_kind;
 
 typedef struct waiting {
     waiting_kind kind;
     uint32_t     level, i, j;      /* of the map */
-    uint32_t     inner_i, inner_j; /* built: the same square, of the fetched columns */
+    uint32_t     inner_i, inner_j; /* built: position in the fetched columns */
     vxs_result   result;
     int          done;
 
     column_bounds      bounds;     /* settled: of its columns */
-    const record_step *known;      /* what it was before */
-    double             seconds[2]; /* of fetching and building it */
+    const record_step *known;      /* known: its step in the record */
+    double             seconds[2]; /* time of fetch and of build */
 } waiting;
 
 typedef struct walker {
@@ -41,27 +41,27 @@ typedef struct walker {
     uint32_t             fetched_level, fetched_i, fetched_j;
     waiting              batch[DESCENT_BATCH];
     uint32_t             count;
-    uint32_t             steps; /* of progress, that the batch ends */
+    uint32_t             steps; /* steps of progress that the batch completes */
 
-    /* of the fetched square, where somebody keeps what becomes of it; NULL: nobody does */
+    /* record of the fetched square for the square cache; NULL: none */
     square_record *record;
-    vxs_bytes      frames[DESCENT_BATCH]; /* what was built, in its slot */
+    vxs_bytes      frames[DESCENT_BATCH]; /* by slot: what was built, packed */
     uint64_t       built_bytes[DESCENT_BATCH];
 
-    /* of the batch: what one thread at a time adds, in order, while others build */
+    /* shared by the threads of a batch, under the lock: one thread at a time adds squares, in order, while others build */
     pthread_mutex_t lock;
     uint32_t        added;
     int             adding;
-    vxs_result      result; /* of the squares that were added, or the first that failed */
+    vxs_result      result; /* first error of the added squares, or VXS_OK */
 } walker;
 
-/* Whether the next square waits only for being added. */
+/* Whether the next square to add is made. */
 static int next_is_ready(const walker *w)
 {
     return w->result == VXS_OK && w->added < w->count && w->batch[w->added].done;
 }
 
-/* Note in the record what becomes of a square. Frames move up to where those before it end. */
+/* Add the square's step to the record. Frames move down to be contiguous. */
 static vxs_result record_square(walker *w, uint32_t slot)
 {
     const waiting *s  = &w->batch[slot];
@@ -87,7 +87,7 @@ static vxs_result add_square(walker *w, uint32_t slot)
     return VXS_OK;
 }
 
-/* Add all that can be. Where another thread does so, it goes on with what is done meanwhile. */
+/* Add all squares that are ready. If another thread is adding, that thread adds them too. */
 static void add_ready(walker *w)
 {
     while (!w->adding && next_is_ready(w)) {
@@ -103,7 +103,7 @@ static void add_ready(walker *w)
 
 /* making the squares of a batch ----------------------------------------------------------------------------------------------- */
 
-/* What was built, as it is kept. */
+/* Pack what was built, for the square cache. */
 static vxs_result pack_slot(walker *w, uint32_t slot)
 {
     vxs_bytes  built = {0};
@@ -114,7 +114,7 @@ static vxs_result pack_slot(walker *w, uint32_t slot)
     return r;
 }
 
-/* inner_i, inner_j  of the columns' squares of its level */
+/* inner_i, inner_j  position in the columns, in squares of its level */
 static vxs_result build_slot(walker *w, uint32_t slot, const column_square *columns, uint32_t inner_i, uint32_t inner_j)
 {
     waiting   *s     = &w->batch[slot];
@@ -190,7 +190,7 @@ static void batch_phase(const walker *w, int phase)
     w->d->batch(w->d->user, w->ctx, phase, w->count, seconds);
 }
 
-/* Whether a square that was known turned out not to be. */
+/* Whether the record of a known square was not sound. */
 static int is_unsound(const walker *w)
 {
     int unsound = 0;
@@ -198,7 +198,7 @@ static int is_unsound(const walker *w)
     return unsound;
 }
 
-/* Make the squares that wait. VXS_E_CORRUPT: one that was known was not sound, and nothing is left of any. */
+/* Make the squares of the batch. VXS_E_CORRUPT: the record of a known square was not sound; all slots are released. */
 static vxs_result make_batch(walker *w)
 {
     w->added  = 0;
@@ -211,7 +211,7 @@ static vxs_result make_batch(walker *w)
     return unsound ? VXS_E_CORRUPT : VXS_OK;
 }
 
-/* Add them in the order in which they came. */
+/* Add the squares in order. */
 static vxs_result add_batch(walker *w)
 {
     for (; next_is_ready(w); w->added++) w->result = add_square(w, w->added);
@@ -220,7 +220,7 @@ static vxs_result add_batch(walker *w)
     return w->result;
 }
 
-/* Make and add what waits, none of which is known. */
+/* Make and add the squares of the batch; none of them is known. */
 static vxs_result end_batch(walker *w)
 {
     vxs_result made = VXS_OK;
@@ -234,7 +234,7 @@ static vxs_result end_batch(walker *w)
     return r == VXS_OK ? made : r;
 }
 
-/* The next square waits. What becomes of a square that is kept waits together. */
+/* Append a square to the batch. The squares of one record must fit into one batch. */
 static vxs_result wait_with(walker *w, const waiting *s)
 {
     vxs_result r = w->count < DESCENT_BATCH ? VXS_OK : w->record ? VXS_E_ARGUMENT : end_batch(w);
@@ -242,7 +242,7 @@ static vxs_result wait_with(walker *w, const waiting *s)
     return r;
 }
 
-/* Of the steps of progress, one for each square of fetch_px a side. */
+/* Progress steps of a square: one for each square of fetch_px. */
 static uint32_t steps_of(const walker *w, uint32_t level)
 {
     uint32_t across = (8u << level) / w->columns->fetch_px;
@@ -251,16 +251,16 @@ static uint32_t steps_of(const walker *w, uint32_t level)
 
 static vxs_result visit(walker *w, uint32_t level, uint32_t i, uint32_t j);
 
-/* squares that are kept ------------------------------------------------------------------------------------------------------- */
+/* known squares --------------------------------------------------------------------------------------------------------------- */
 
-/* Begin what is kept of a square. */
+/* Begin the record of a square. */
 static void record_begin(walker *w, square_record *record)
 {
     *record   = (square_record){0};
     w->record = w->columns->keeper ? record : NULL;
 }
 
-/* End it, with what was built. */
+/* Complete the record, with what was built, and keep it. */
 static vxs_result record_end(walker *w, square_record *record, vxs_result r)
 {
     const square_keeper *keeper = w->columns->keeper;
@@ -275,20 +275,20 @@ static vxs_result record_end(walker *w, square_record *record, vxs_result r)
     return r;
 }
 
-/* What bounds settled is settled by them again. */
+/* Settle the steps that were settled before. Their bounds must still settle them. */
 static vxs_result settle_known(const walker *w, const square_record *known)
 {
     vxs_result r = VXS_OK;
     for (const record_step *s = known->steps; s < known->steps + known->count && r == VXS_OK; s++) {
         if (s->is_built) continue;
         if (w->d->look(w->d->user, &s->bounds, s->level, 1) != DESCENT_SETTLED)
-            return VXS_E_VERSION; /* sound, and made by another program */
+            return VXS_E_VERSION; /* sound, but from another version */
         r = w->d->settle(w->d->user, &s->bounds, s->level, s->i, s->j);
     }
     return r;
 }
 
-/* The square as it was. VXS_E_CORRUPT: it is not sound, and nothing was added. */
+/* Restore a square from its record. VXS_E_CORRUPT: the record is not sound, and nothing was added. */
 static vxs_result recall(walker *w, uint32_t level, uint32_t i, uint32_t j, const vxs_bytes *bytes)
 {
     square_record known = {0};
@@ -305,9 +305,9 @@ static vxs_result recall(walker *w, uint32_t level, uint32_t i, uint32_t j, cons
     return r;
 }
 
-/* squares that are made ------------------------------------------------------------------------------------------------------- */
+/* new squares ----------------------------------------------------------------------------------------------------------------- */
 
-/* Fetch a square, and go on with its parts. */
+/* Fetch a square, and descend into it. */
 static vxs_result fetch(walker *w, uint32_t level, uint32_t i, uint32_t j)
 {
     column_square square;
@@ -324,14 +324,14 @@ static vxs_result fetch(walker *w, uint32_t level, uint32_t i, uint32_t j)
     return r;
 }
 
-/* The side of the parts of a square that threads fetch; 0: they do not. */
+/* Side of the parts of a square that building threads fetch; 0: they do not. */
 static uint32_t part_px(const walker *w, uint32_t level)
 {
     uint32_t side = min_u32(8u << level, w->d->square_px);
     return side <= w->columns->parallel_px ? side : 0;
 }
 
-/* Leave the parts of a square to the threads. */
+/* Put the parts of a square into the batch; the building threads fetch them. */
 static vxs_result fetch_parts(walker *w, uint32_t level, uint32_t i, uint32_t j, uint32_t side)
 {
     uint32_t   part = square_level(side), across = 1u << (level - part);
@@ -352,7 +352,7 @@ static vxs_result make(walker *w, uint32_t level, uint32_t i, uint32_t j)
     return record_end(w, &record, r);
 }
 
-/* A square that cannot be settled as a whole before it is fetched. */
+/* Make a square that cannot be settled as a whole before a fetch. */
 static vxs_result make_square(walker *w, uint32_t level, uint32_t i, uint32_t j)
 {
     const square_keeper *keeper = w->columns->keeper;
@@ -381,7 +381,7 @@ static vxs_result bounds_of(const walker *w, uint32_t level, uint32_t i, uint32_
     return w->fetched->bounds(w->fetched->data, level, i - (w->fetched_i << inner), j - (w->fetched_j << inner), out);
 }
 
-/* The square (i, j) of `level` of the map. */
+/* Descend into the square (i, j) of `level` of the map. */
 static vxs_result visit(walker *w, uint32_t level, uint32_t i, uint32_t j)
 {
     waiting    s = {.level = level, .i = i, .j = j};

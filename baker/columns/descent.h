@@ -1,9 +1,10 @@
-/* From the top of a map down to squares that can be built: what every coding of columns begins with.
+/* Descent from the whole map to squares that can be built: the first stage of every coding of columns.
  *
- * A square whose bounds settle it is added as it is. What is left is fetched, in squares as wide as the source can give, and descended
- * further, until a square is small enough to be built. Squares are built on all threads, a batch at once, and added in z order:
- * behind the batch, or while others of it are still built. Of a source that many threads may ask, each thread fetches what it builds. Where somebody keeps what becomes of fetched squares (square_keeper.h), a
- * square that is known is neither fetched nor built, and what was built is added in the same order.
+ * If the bounds of a square settle it, the square is added with these bounds. Other squares are fetched, in squares as wide as the
+ * source allows, and are split further until they are small enough to be built. All threads build the squares of a batch at once.
+ * Squares are added in z order: after the batch, or while other squares of the batch are still being built. If the source supports
+ * parallel fetches, each thread fetches the squares that it builds. With a square cache (square_keeper.h), a known square is
+ * neither fetched nor built; what was built of it is added in the same order.
  * Source: [CPVS16] 4.3, 6.1.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DESCENT_H
@@ -12,55 +13,58 @@
 #include "baker/columns/columns.h"
 #include "formats/vxs_file.h"
 
-enum { DESCENT_BATCH = 32 }; /* squares that are in memory at once; where squares are kept, a fetched one has no more of them */
+enum { DESCENT_BATCH = 32 }; /* squares in memory at once; with a square cache also the most in one fetched square */
 
-/* What becomes of a square. */
+/* What the descent does with a square. */
 typedef enum descent_step {
-    DESCENT_SETTLED, /* its bounds are all that matters */
-    DESCENT_BUILD,   /* it is small enough, or as good as small; as DESCENT_SPLIT until it is fetched */
-    DESCENT_SPLIT,   /* on with its quarters */
+    DESCENT_SETTLED, /* its bounds are enough */
+    DESCENT_BUILD,   /* it is small enough, or as good as small; before it is fetched, the same as DESCENT_SPLIT */
+    DESCENT_SPLIT,   /* go on with its quarters */
 } descent_step;
 
 typedef struct descent {
     void *user;
 
-    uint32_t  square_px;       /* side of the squares that are built, at least */
-    uint64_t *squares_fetched; /* [in, out] how many had to be, of fetch_px or what the map has: so many more */
+    uint32_t  square_px;       /* least side of the squares that are built */
+    uint64_t *squares_fetched; /* [in, out] count of fetched squares, of fetch_px or the whole map; added to */
 
-    /* What to do with a square of `level`, by its bounds.   fetched  1: they are bounds of fetched columns, else what is known before.
-     * From any thread. */
+    /* Decide about a square of `level` by its bounds.   fetched  1: bounds of fetched columns, 0: bounds known before the fetch.
+     * Threads: any. */
     descent_step (*look)(const void *user, const column_bounds *bounds, uint32_t level, int fetched);
 
-    /* Add the square (i, j) of `level` of the map, which its bounds settle. Called in z order with add. */
+    /* Add the square (i, j) of `level` of the map; its bounds settle it. Called in z order together with add. */
     vxs_result (*settle)(void *user, const column_bounds *bounds, uint32_t level, uint32_t i, uint32_t j);
 
-    /* Build the square (i, j) of `level` of fetched columns, counted from where these start. From any thread, once for each slot,
-     * [0, DESCENT_BATCH), before it is added. */
+    /* Build the square (i, j) of `level`, counted from the corner of the fetched columns. Called once for each slot, [0,
+     * DESCENT_BATCH), before that slot is added.   Threads: any. */
     vxs_result (*build)(void *user, uint32_t slot, const column_square *columns, uint32_t level, uint32_t i, uint32_t j);
 
-    /* Add what was built in a slot; level, i, j as look was given them. Called in z order, once at a time, and not where building failed. */
+    /* Add what was built in a slot; level, i, j are those of the map. Called in z order, one call at a time, and not after a
+     * failed build. */
     vxs_result (*add)(void *user, uint32_t slot, uint32_t level, uint32_t i, uint32_t j);
 
-    /* What was built in a slot as bytes, before it is added, and back, in the place of building; level, i, j as look was given them. Each from
-     * any thread, once for each slot. load returns VXS_E_CORRUPT for bytes that are none of its own.
+    /* save: what was built in a slot, as bytes, before it is added. load: the reverse, instead of a build; level, i, j are those of
+     * the map. Each is called once for each slot. load returns VXS_E_CORRUPT for bytes that save did not write.   Threads: any.
      * out  [out] zeroed; released by the caller with free(out->data) */
     vxs_result (*save)(void *user, uint32_t slot, vxs_bytes *out);
     vxs_result (*load)(void *user, uint32_t slot, const vxs_bytes *bytes, uint32_t level, uint32_t i, uint32_t j);
 
-    /* Release what is in a slot, whatever that is. */
+    /* Release what is in a slot, in any state. */
     void (*drop)(void *user, uint32_t slot);
 
-    /* Of a batch: before it is built; between building and adding; behind it. Stages of time belong there. May be NULL.
-     * seconds  over all threads, since the batch began: of fetching, where threads do that; of building */
+    /* Called for a batch in phase 0: before building; 1: between building and adding; 2: after adding. Time stages here. May be
+     * NULL.
+     * seconds  sum over all threads since the batch began: [0] of fetches by these threads, [1] of builds */
     void (*batch)(void *user, bake_context *ctx, int phase, uint32_t count, const double seconds[2]);
 
-    /* 1: add is called from any thread, as soon as a square and all before it are built: there is nothing between building and adding. */
+    /* 1: any thread calls add as soon as a square and all squares before it are built; then no work is allowed between building
+     * and adding. */
     int add_early;
 } descent;
 
 /* Descend a map.
- * ctx  threads; a step of progress is done for each square of fetch_px
- * Returns VXS_OK, or what a callback or the columns return; what was built and not added is the user's to release. */
+ * ctx  threads; one step of progress is done for each square of fetch_px
+ * Returns VXS_OK, or what a callback or the columns return. On failure the user releases what was built and not added. */
 vxs_result descend(const descent *d, const column_map *columns, bake_context *ctx);
 
 #endif

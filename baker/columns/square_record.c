@@ -1,4 +1,4 @@
-/* What became of a square, as bytes; see square_record.h.
+/* Serialization of square records; see square_record.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/columns/square_record.h"
 
@@ -7,8 +7,8 @@
 
 enum {
     HEAD_BYTES  = 16, /* of a step */
-    STEP_BYTES  = 16, /* and what follows, of both kinds */
-    PACK_LEVEL  = 1,  /* of zstd: packing is no more than a part of building */
+    STEP_BYTES  = 16, /* rest of a step of either kind */
+    PACK_LEVEL  = 1,  /* of zstd: fast against the build */
     BUILT_LIMIT = 1 << 30
 };
 
@@ -84,7 +84,7 @@ static int are_bounds(const column_bounds *b, uint32_t depth_vx)
     return b->emin <= b->emax && b->xmin <= b->xmax && b->emax <= depth_vx && b->xmax <= depth_vx;
 }
 
-/* A step, which begins so many squares of the least size behind the corner, along the Z; it moves on behind it. */
+/* Whether step s begins at *at, in z order, counted in squares of the least size from the corner; advances *at past the step. */
 static int is_next(const record_step *s, uint32_t level, uint32_t i, uint32_t j, uint64_t *at)
 {
     if (s->level > level) return 0;

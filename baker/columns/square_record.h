@@ -1,10 +1,12 @@
-/* What became of a fetched square: the steps of the descent into it, in z order, and what was built.
+/* Result of a fetched square: the steps of the descent into it, in z order, and what was built.
  *
- *     steps      how many, of 4 bytes; then each: its level, i and j in the map, 1: built, 0: settled, all of 4 bytes. A settled one: the
- *                bounds that settled it, four of 4 bytes. A built one: bytes of what was built, and of its frame, 8 each
- *     frames     of what was built, zstd, one after the other
+ *     steps      count, 4 bytes; then for each step: level, i and j in the map, and 1: built or 0: settled, 4 bytes each. A
+ *                settled step has
+ *                the bounds that settled it, four times 4 bytes. A built step has the sizes of what was built and of its frame,
+ *                8 bytes each
+ *     frames     zstd frames of what was built, one after the other
  *
- * The steps tile the square: what is read is as whole as what was written, whoever wrote it.
+ * The steps must tile the square: record_read checks this, because a file can come from any writer.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SQUARE_RECORD_H
 #define SQUARE_RECORD_H
@@ -15,9 +17,9 @@
 typedef struct record_step {
     uint32_t       level, i, j; /* of the map */
     int            is_built;
-    column_bounds  bounds;      /* settled */
-    uint64_t       built_bytes; /* built */
-    const uint8_t *frame;       /* read: where it lies in the bytes */
+    column_bounds  bounds;      /* settled steps */
+    uint64_t       built_bytes; /* built steps */
+    const uint8_t *frame;       /* after record_read: position in the bytes */
     size_t         frame_bytes;
 } record_step;
 
@@ -28,21 +30,21 @@ typedef struct square_record {
     uint32_t     built_count;
 } square_record;
 
-/* Add a step that a square's bounds settled, or that is built. Return VXS_OK or VXS_E_MEMORY. */
+/* Add a settled or a built step. Return VXS_OK or VXS_E_MEMORY. */
 vxs_result record_add_settled(square_record *r, uint32_t level, uint32_t i, uint32_t j, const column_bounds *bounds);
 vxs_result record_add_built(square_record *r, uint32_t level, uint32_t i, uint32_t j);
 
-/* What was built, as a frame. Its own threads may do it.   frame  [out] zero it first; released with free(frame->data) */
+/* Compress what was built into a frame. Threads: any.   frame  [out] zero it first; released with free(frame->data) */
 vxs_result record_pack(const vxs_bytes *built, vxs_bytes *frame);
 
-/* And back.   built  [out] zero it first, released the same way. VXS_E_CORRUPT also where a frame is none. */
+/* The reverse.   built  [out] zero it first, released the same way. Returns VXS_E_CORRUPT also for bytes that are no frame. */
 vxs_result record_unpack(const record_step *s, vxs_bytes *built);
 
-/* The bytes of a record.   frames  [r->built_count] with the sizes of what is in them in built_bytes, in the order of the steps */
+/* The bytes of a record.   frames  [r->built_count] in the order of the steps; built_bytes has the sizes of their contents */
 vxs_result record_write(const square_record *r, const vxs_bytes *frames, const uint64_t *built_bytes, vxs_bytes *out);
 
-/* Read the record of the square (i, j) of `level`, whose depth is depth_vx.
- * r  [out] zero it first; borrows the bytes; released with record_free, whatever is returned
+/* Read the record of the square (i, j) of `level` of a map with depth depth_vx.
+ * r  [out] zero it first; borrows the bytes; released with record_free either way
  * Returns VXS_OK, VXS_E_MEMORY, VXS_E_CORRUPT. */
 vxs_result record_read(square_record *r, const void *bytes, size_t size_bytes, uint32_t level, uint32_t i, uint32_t j,
                        uint32_t depth_vx);

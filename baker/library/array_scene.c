@@ -1,4 +1,4 @@
-/* A scene of arrays; see array_scene.h.
+/* Scenes from arrays; see array_scene.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/library/array_scene.h"
 
@@ -12,11 +12,11 @@
 #include "baker/scene/light_choice.h"
 #include "formats/vxs_format.h"
 
-static const size_t TRIANGLES_MAX = (size_t)1 << 26; /* as of a file's scene */
+static const size_t TRIANGLES_MAX = (size_t)1 << 26; /* the same limit as for files */
 
 enum { BETWEEN_PASSES = 4096 };
 
-/* Of all meshes. */
+/* Sums over all meshes. */
 typedef struct array_counts {
     size_t vertices, triangles;
 } array_counts;
@@ -93,7 +93,7 @@ static int are_finite(const double v[3])
     return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]);
 }
 
-/* What a light's kind gives a meaning to. NULL: it is one; else what is wrong. */
+/* Convert a light, with the fields that its kind uses. Returns NULL, or an error text. */
 static const char *shape_of(light_shape *out, const vxs_bake_light *l)
 {
     static const light_kind kinds[] = {LIGHT_DIRECTIONAL, LIGHT_SPOT, LIGHT_POINT};

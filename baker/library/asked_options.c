@@ -17,10 +17,11 @@ static const double TEXEL_MIN_METRES = 1e-9, TEXEL_MAX_METRES = 1e9;
 
 /* the struct ------------------------------------------------------------------------------------------------------------------ */
 
-/* A program may be older than the library, when it says less; or newer, when what this library does not know has to be 0. */
+/* Copy the options. The struct of an older program is shorter. A newer program's is longer; its fields that this library does
+ * not know must be 0. */
 static vxs_result take_known(vxs_bake_options *known, const vxs_bake_options *options, message *m)
 {
-    const size_t least = offsetof(vxs_bake_options, blend); /* of the first version */
+    const size_t least = offsetof(vxs_bake_options, blend); /* size of the first version */
     *known             = (vxs_bake_options){0};
     if (!options || options->struct_bytes < least || options->struct_bytes > 64 * sizeof *known)
         return fail(m, VXS_E_ARGUMENT, "options: expected what vxs_bake_defaults returns, with what is to be changed");
@@ -56,7 +57,7 @@ static vxs_result check_choices(const vxs_bake_options *a, message *m)
     return r;
 }
 
-/* One of the two is given, or none. */
+/* At most one of the two may be given. */
 static vxs_result check_map_size(const char *light, uint32_t side, double texel, message *m)
 {
     if (side && texel != 0)
@@ -180,7 +181,7 @@ static vxs_result check_files(const vxs_bake_options *a, int lights, message *m)
 
 /* ----------------------------------------------------------------------------------------------------------------------------- */
 
-/* In the command's words; what is not set here has its default there, too. */
+/* Convert to the command's options. Fields that are not set here have the command's defaults. */
 static void translate(asked_options *a)
 {
     static const closed_mode closed[] = {CLOSED_AUTO, CLOSED_ON, CLOSED_OFF};
@@ -192,7 +193,7 @@ static void translate(asked_options *a)
     o->scene.name                     = asked->scene_name;
     o->scene.skinned                  = asked->skinned == VXS_BAKE_SKINNED_REST ? SKINNED_REST : SKINNED_EXCLUDE;
     o->scene.skinned_given            = o->scene.skinned != SKINNED_EXCLUDE;
-    o->scene.blend                    = (int)asked->blend; /* the same words in the same order */
+    o->scene.blend                    = (int)asked->blend; /* both enums have the same order */
     o->scene.blend_given              = o->scene.blend != BLEND_MASK;
     o->scene.allow_outside            = asked->allow_outside != 0;
     o->resolution   = asked->texel_metres != 0 ? 0 : asked->resolution ? asked->resolution : RESOLUTION_DEFAULT_PX;

@@ -1,4 +1,4 @@
-/* Work of the library; see bake_run.h.
+/* Runs of the library; see bake_run.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/library/bake_run.h"
 
@@ -11,7 +11,7 @@
 #include "baker/library/array_scene.h"
 #include "runtime/vxs.h"
 
-/* telling --------------------------------------------------------------------------------------------------------------------- */
+/* progress and warnings ------------------------------------------------------------------------------------------------------- */
 
 static void tell_progress(bake_run *run, double seconds_left, const char *doing)
 {
@@ -41,7 +41,7 @@ static void tell_warning(const message *m, const char *warning)
 
 /* ----------------------------------------------------------------------------------------------------------------------------- */
 
-/* The output is no input, and can be written. */
+/* Check that the output is no input, and can be written. */
 static vxs_result check_output(bake_run *run)
 {
     const vxs_bake_options *asked = &run->options.asked;
@@ -53,11 +53,11 @@ static vxs_result check_output(bake_run *run)
     return r == VXS_OK && !o->if_changed ? bake_check_outputs(o, &run->m) : r;
 }
 
-/* What an open scene was asked for is what is baked. */
+/* Use the options that the scene was opened with. */
 static void use_scene(bake_options *o, const vxs_bake_scene *opened)
 {
     const bake_options *of = &opened->options.o;
-    o->prepared            = (bake_scene *)&opened->scene; /* only read */
+    o->prepared            = (bake_scene *)&opened->scene; /* read only */
     o->scene_path          = of->scene_path;
     o->closed              = of->closed;
     text_list mine[2]      = {o->scene.exclude, o->scene.include};
@@ -115,7 +115,7 @@ vxs_result bake_run_open_scene(bake_run *run, bake_scene *s)
 
 void bake_run_free(bake_run *run)
 {
-    if (run->options.o.prepared) run->options.o.scene = (scene_choice){0}; /* the scene's */
+    if (run->options.o.prepared) run->options.o.scene = (scene_choice){0}; /* owned by the scene */
     asked_options_free(&run->options);
     run_files_free(&run->files);
     message_free(&run->m);

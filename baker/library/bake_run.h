@@ -1,4 +1,5 @@
-/* What scenes and jobs of the library share: options, messages, and a run control, for work on a thread of its own or of the caller's.
+/* State shared by scenes and jobs of the library: options, messages, and a run control. The work runs on a separate thread or on
+ * the caller's.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef BAKE_RUN_H
 #define BAKE_RUN_H
@@ -10,29 +11,31 @@
 
 struct vxs_bake_scene {
     bake_scene    scene;
-    asked_options options; /* what was asked for it; texts are the caller's */
+    asked_options options; /* options it was opened with; texts belong to the caller */
 };
 
-/* It stays where it is. */
+/* Must not move. */
 typedef struct bake_run {
     asked_options options;
     message       m;
     run_files     files;
     run_watch     watch;
     run_control   run_control;
-    double        share;        /* told last; below 0: none */
-    double        held_seconds; /* that the run was paused */
+    double        share;        /* last reported share; below 0: none */
+    double        held_seconds; /* total time of pauses */
 } bake_run;
 
-/* Check options, and outputs where lights are asked for.
- * run  [out] released with bake_run_free, whatever is returned
+/* Check the options.
+ * run     [out] released with bake_run_free, whatever is returned
+ * lights  1: check also options of lights and outputs
  * Returns VXS_OK, VXS_E_ARGUMENT, VXS_E_MEMORY, VXS_E_WRITE. */
 vxs_result bake_run_init(bake_run *run, const vxs_bake_options *options, int lights);
 
-/* Work under the run control, with the floating point that bytes are promised for, which the thread has back afterwards. */
+/* Run `work` under the run control, in the floating-point mode that guarantees equal bytes. The thread's mode is restored
+ * afterwards. */
 vxs_result bake_run_guarded(bake_run *run, vxs_result (*work)(bake_run *run, void *user), void *user);
 
-/* Read the scene that was asked for, and find its casters. */
+/* Read the scene of the options, and find its casters. */
 vxs_result bake_run_open_scene(bake_run *run, bake_scene *s);
 
 void bake_run_free(bake_run *run);

@@ -62,10 +62,10 @@ struct vxs_bake_job {
     vxs_bake_bytes  file;
     pthread_mutex_t lock;
     pthread_cond_t  ended;
-    vxs_bake_state  state; /* under the lock while there is a thread */
+    vxs_bake_state  state; /* under the lock while the thread exists */
     vxs_result      result;
-    int             has_thread; /* that bakes, or is paused */
-    int             bad_budget; /* of the last call */
+    int             has_thread; /* 1: the baking thread exists, running or paused */
+    int             bad_budget; /* 1: the last call had an invalid budget */
     pthread_t       thread;
     double          held_since;
     char            error[VXS_BAKE_ERROR_BYTES];
@@ -82,7 +82,7 @@ static vxs_result take_file(void *user, const bake_options *o, const casters *c,
     return VXS_OK;
 }
 
-/* The whole of it. */
+/* Run the whole bake. */
 static vxs_result bake_all(bake_run *run, void *user)
 {
     bake_options  o        = run->options.o;
@@ -90,7 +90,7 @@ static vxs_result bake_all(bake_run *run, void *user)
     bake_report   report   = {0};
     bake_observer observer = {take_file, user};
     vxs_result    r        = VXS_OK;
-    if (run->options.asked.arrays) { /* a file is read by the bake itself, which asks for its lights first */
+    if (run->options.asked.arrays) { /* a scene that is a file is read by bake(), which checks its lights first */
         r          = bake_run_open_scene(run, &own);
         o.prepared = &own;
     }
@@ -145,7 +145,7 @@ static void join(vxs_bake_job *job)
     job->has_thread = 0;
 }
 
-/* Resume after a step. */
+/* Resume after a pause. */
 static void go_on(vxs_bake_job *job)
 {
     if (job->held_since > 0) job->run.held_seconds += clock_seconds() - job->held_since;
@@ -163,7 +163,7 @@ vxs_result vxs_bake_job_run(vxs_bake_job *job)
     return job->result;
 }
 
-/* The program's signals are for its own threads. */
+/* Block all signals in the thread: they are for the program's own threads. */
 static int start_thread(vxs_bake_job *job)
 {
     sigset_t all, before;
@@ -174,7 +174,7 @@ static int start_thread(vxs_bake_job *job)
     return job->has_thread;
 }
 
-/* Returns 1 when the job has ended before. */
+/* Returns 1 if the job has ended before. */
 static int wait_for(vxs_bake_job *job, double until)
 {
     struct timespec at   = {.tv_sec = (time_t)until, .tv_nsec = (long)(1e9 * (until - floor(until)))};

@@ -16,12 +16,12 @@ enum { LINE_BYTES = 1024, SIZE_MOST = 1 << 14 };
 
 static const uint64_t FILE_BYTES_MAX = (uint64_t)16 << 30;
 
-/* A file while it is read. */
+/* A file during reading. */
 typedef struct nrrd {
     const char    *name; /* for messages */
     const uint8_t *bytes;
     size_t         size_bytes, at;
-    uint32_t       dimension, number_bytes; /* 0: not said */
+    uint32_t       dimension, number_bytes; /* 0: not given */
     uint32_t       size[3];
     double         axes[3][3], origin[3];
     int            has_axes, has_spacings, is_raw, is_little;
@@ -36,7 +36,7 @@ static vxs_result is_unsupported(const nrrd *n, const char *field, const char *v
 
 /* the header ------------------------------------------------------------------------------------------------------------------- */
 
-/* The next line of the header, without its end.   Returns 0: there is none, or it is no line of text */
+/* The next line of the header, without its end.   Returns 0: no more lines, or not text */
 static int next_line(nrrd *n, char line[LINE_BYTES])
 {
     const uint8_t *from = n->bytes + n->at, *end = memchr(from, '\n', n->size_bytes - n->at);
@@ -49,7 +49,7 @@ static int next_line(nrrd *n, char line[LINE_BYTES])
     return 1;
 }
 
-/* Numbers of a vector, "(1,2,3)".   Returns where it ends; NULL: it is none */
+/* Parse a vector, "(1,2,3)".   Returns its end; NULL: not a vector */
 static const char *read_vector(const char *text, double v[3])
 {
     int used = 0;
@@ -131,7 +131,7 @@ static vxs_result read_origin(nrrd *n, const char *value)
     return is_end(read_vector(value, n->origin)) ? VXS_OK : is_unsupported(n, "space origin", value, "a vector of three numbers");
 }
 
-/* Other spaces have axes that lie in a body, or in a world of other hands. */
+/* Other spaces are relative to a body, or have axes of another handedness. */
 static vxs_result read_space(nrrd *n, const char *value)
 {
     if (!strcmp(value, "3") || !strcasecmp(value, "3D-right-handed") || !strcasecmp(value, "3DRH")) return VXS_OK;
@@ -170,12 +170,12 @@ static vxs_result read_field(nrrd *n, const char *line)
                          {"line skip", read_skip},
                          {"lineskip", read_skip}};
     const char *value = strstr(line, ": ");
-    if (line[0] == '#' || strstr(line, ":=")) return VXS_OK; /* a remark; a key of the writer's own */
+    if (line[0] == '#' || strstr(line, ":=")) return VXS_OK; /* a comment; a private key */
     if (!value) return fail(n->m, VXS_E_SCENE, "'%s': '%s': expected a field of NRRD, 'name: value'", n->name, line);
     for (size_t k = 0; k < sizeof fields / sizeof *fields; k++)
         if (strlen(fields[k].name) == (size_t)(value - line) && !strncasecmp(line, fields[k].name, (size_t)(value - line)))
             return fields[k].read(n, value + 2 + strspn(value + 2, " "));
-    return VXS_OK; /* kinds, units, names: they change no number */
+    return VXS_OK; /* kinds, units, names: they do not change numbers */
 }
 
 static vxs_result read_header(nrrd *n)
@@ -193,7 +193,7 @@ static vxs_result read_header(nrrd *n)
     return r;
 }
 
-/* Bytes of all numbers. */
+/* Size of all numbers. */
 static uint64_t number_bytes_of(const nrrd *n)
 {
     return (uint64_t)n->size[0] * n->size[1] * n->size[2] * n->number_bytes;
@@ -214,7 +214,7 @@ static vxs_result check_header(const nrrd *n)
     return VXS_OK;
 }
 
-/* What the header says that the file has; 0: it is none, and the message says why. */
+/* File size that the header requires; 0: not valid, with a message. */
 static uint64_t wanted_bytes(void *user, const uint8_t *first, size_t size_bytes)
 {
     nrrd *n       = user;

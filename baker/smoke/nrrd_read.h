@@ -1,4 +1,4 @@
-/* Reading a grid of smoke from NRRD, a header of text before raw numbers (teem.sourceforge.net/nrrd/format.html):
+/* Reads a grid of smoke from NRRD, a text header before raw numbers (teem.sourceforge.net/nrrd/format.html):
  *
  *     NRRD0004
  *     type: float
@@ -12,7 +12,7 @@
  *
  *     numbers, the first axis fastest
  *
- * Space is the scene's world space, metres, +Y up: sample (i, j, k) lies at origin + i, j and k times the directions. Without
+ * Space is the world space of the scene, metres, +Y up: sample (i, j, k) is at origin + i, j and k times the directions. Without
  * directions, "spacings" are distances along x, y and z. Numbers are float, unsigned char (uint8) or unsigned short (uint16).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef NRRD_READ_H
@@ -21,12 +21,12 @@
 #include "baker/base/message.h"
 #include "baker/smoke/smoke_grid.h"
 
-/* The header, of 64 KiB at most, is looked at first: it says how many numbers there are, and no more are read. Memory is counted by
+/* Reads the header first, at most 64 KiB; it gives the count of numbers, and no more are read. Memory is limited by
  * m->memory_bytes.
- * factor  on all numbers, which then are extinction per metre
+ * factor  multiplied with all numbers; the products are extinction per metre
  * g       [out] zeroed; released with smoke_grid_free whatever is returned
- * Returns VXS_OK; VXS_E_READ; VXS_E_UNSUPPORTED: what NRRD has and this reader has not; VXS_E_SCENE: it is none, or has a number
- * that is no extinction; VXS_E_MEMORY. */
+ * Returns VXS_OK; VXS_E_READ; VXS_E_UNSUPPORTED: a feature of NRRD that this reader lacks; VXS_E_SCENE: not NRRD, or a number that
+ * is not a valid extinction; VXS_E_MEMORY. */
 vxs_result nrrd_read(smoke_grid *g, const char *path, double factor, message *m);
 
 #endif

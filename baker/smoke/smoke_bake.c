@@ -1,4 +1,4 @@
-/* Smoke into an asset; see smoke_bake.h.
+/* Bakes smoke into an asset; see smoke_bake.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/smoke/smoke_bake.h"
 
@@ -18,7 +18,7 @@ static vxs_result make_maps(smoke_map *maps, const vxs_contents *contents, const
     return r;
 }
 
-/* The file with smoke in the place of the one without. */
+/* Replace the file by one with smoke. */
 static vxs_result add_maps(vxs_bytes *file, const vxs_contents *contents, const smoke_map *maps, int zstd_level, message *m)
 {
     vxs_bytes       with  = {0};

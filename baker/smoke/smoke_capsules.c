@@ -29,7 +29,7 @@ void smoke_capsules_fingerprint(const scene_smoke *smoke, char text[SMOKE_FINGER
 
 /* bins ------------------------------------------------------------------------------------------------------------------------- */
 
-/* The box of a capsule in a map: metres across, down, and along its axis.   box  [out] least, greatest */
+/* Box of a capsule in a map: metres across, down, and along its axis.   box  [out] least, greatest */
 static void box_in_map(const scene_smoke *smoke, uint32_t n, const vxs_light *light, int32_t map, double box[2][3])
 {
     double ends[2][3], ls[3], at[2][3], radius = (double)smoke->list[n].radius_metres;
@@ -66,7 +66,7 @@ static int tiles_of(const scene_smoke *smoke, uint32_t n, const vxs_light *light
     if (!is_sun && box[1][2] <= 0) return 0;
     for (int i = 0; i < 2; i++) {
         double low = box[0][i], high = box[1][i];
-        if (!is_sun) { /* slopes; a capsule that is beside the lamp or about it may be anywhere */
+        if (!is_sun) { /* slopes; a capsule that is beside the lamp or around it may be anywhere */
             double near = fmax(box[0][2], 0), far = box[1][2];
             low  = fmin(low / near, low / far);
             high = fmax(high / near, high / far);
@@ -80,7 +80,7 @@ static int tiles_of(const scene_smoke *smoke, uint32_t n, const vxs_light *light
     return first[0] < end[0] && first[1] < end[1];
 }
 
-/* Count capsules, each in the place behind its tile's, or put them where they go: b->capsules NULL, or not. */
+/* Count capsules in the entry behind their tile's (if b->capsules is NULL), or store them. */
 static void visit(const smoke_bins *b, const scene_smoke *smoke, const vxs_light *light, uint32_t levels)
 {
     uint32_t across = 1u << (levels - 3), first[2], end[2];
@@ -102,7 +102,7 @@ int smoke_bins_make(smoke_bins *b, const scene_smoke *smoke, const vxs_light *li
     b->first = calloc(tiles + 1, sizeof *b->first);
     if (!b->first) return 0;
     visit(b, smoke, light, levels);
-    for (size_t n = 1; n <= tiles; n++) { /* where each begins stands in the place behind it, until all are put there */
+    for (size_t n = 1; n <= tiles; n++) { /* the begin of each tile is in the entry behind it, until all capsules are stored */
         size_t count = b->first[n];
         b->first[n]  = sum;
         sum += count;
@@ -121,7 +121,7 @@ void smoke_bins_free(smoke_bins *b)
 
 /* rays ------------------------------------------------------------------------------------------------------------------------- */
 
-/* Join the part of a ray in a ball about the origin.   from  of the ray;   way  of length 1;   part  [in, out] */
+/* Extend a part by the ray inside a ball around the origin.   from  of the ray;   way  of length 1;   part  [in, out] */
 static void join_ball(const double from[3], const double way[3], double radius, double part[2])
 {
     double near = -vec3_dot(from, way), beside[3];
@@ -132,7 +132,7 @@ static void join_ball(const double from[3], const double way[3], double radius, 
     part[1] = fmax(part[1], near + sqrt(inside));
 }
 
-/* The same of a cylinder from the origin to `axis`: of the ray between the planes of its ends, what is within the radius. */
+/* The same for a cylinder from the origin to `axis`: the part of the ray between its end planes and within its radius. */
 static void join_cylinder(const double from[3], const double way[3], const double axis[3], double radius, double part[2])
 {
     double u[3], beside[3], turned[3], size = sqrt(vec3_dot(axis, axis));
@@ -159,7 +159,7 @@ static void join_cylinder(const double from[3], const double way[3], const doubl
     part[1] = fmax(part[1], high);
 }
 
-/* The depths between which a ray is in capsule n.   Returns 0: nowhere */
+/* Depth range of a ray in capsule n.   Returns 0: it misses */
 static int part_of(const scene_smoke *smoke, uint32_t n, const double from[3], const double way[3], double depths[2])
 {
     double begin[3], end[3], unit[3], at[3], axis[3], from_end[3], part[2] = {INFINITY, -INFINITY};
@@ -168,7 +168,7 @@ static int part_of(const scene_smoke *smoke, uint32_t n, const double from[3], c
     vec3_sub(end, begin, axis);
     for (int i = 0; i < 3; i++) unit[i] = way[i] / length;
     vec3_sub(from, begin, at);
-    double near = -vec3_dot(at, unit); /* all that follows counts from there: it is no difference of what is far */
+    double near = -vec3_dot(at, unit); /* all that follows is relative to this point, to avoid cancellation */
     vec3_mad(at, near, unit, at);
     vec3_sub(at, axis, from_end);
     join_ball(at, unit, radius, part);
@@ -186,7 +186,7 @@ static int add_change(smoke_changes *c, double depth, double loss)
     return 1;
 }
 
-/* By depth; of one depth what begins comes first, so that sums stay above zero. */
+/* By depth. At equal depths begins come before ends, so that sums stay positive. */
 static int by_depth(const void *a, const void *b)
 {
     const smoke_change *p = a, *q = b;
@@ -194,7 +194,7 @@ static int by_depth(const void *a, const void *b)
     return (p->loss < q->loss) - (p->loss > q->loss);
 }
 
-/* Pieces short enough for a line, as far as light is left; what is behind that is the last one. */
+/* Pieces short enough to be linear, as far as light is left; the last piece has all the rest. */
 static int add_even(smoke_path *path, double begin, double end, double thick)
 {
     double parts = ceil(thick / SMOKE_PIECE);

@@ -16,7 +16,7 @@ void smoke_grid_free(smoke_grid *g)
     *g = (smoke_grid){0};
 }
 
-/* one  1: of a place; 0: of a direction */
+/* one  1: a position; 0: a direction */
 static void apply(const double matrix[12], const double v[3], double one, double out[3])
 {
     for (int n = 0; n < 3; n++) out[n] = vec3_dot(matrix + 4 * n, v) + one * matrix[4 * n + 3];
@@ -47,7 +47,7 @@ double smoke_grid_spacing(const smoke_grid *g)
     return least;
 }
 
-/* No corner is farther than 1e9 m. */
+/* Whether all corners are within 1e9 m. */
 static int is_near(const smoke_grid *g)
 {
     for (int corner = 0; corner < 8; corner++) {
@@ -86,7 +86,7 @@ void smoke_grid_fingerprint(const smoke_grid *g, char text[SMOKE_FINGERPRINT_BYT
     snprintf(text, SMOKE_FINGERPRINT_BYTES, "%016" PRIx64 "%016" PRIx64, (uint64_t)hash.high64, (uint64_t)hash.low64);
 }
 
-/* Of a place in the grid's box. */
+/* Extinction at a position in the grid's box. */
 static double extinction_at(const smoke_grid *g, const double at[3])
 {
     size_t step[3] = {1, g->size[0], (size_t)g->size[0] * g->size[1]}, first = 0, next[3];
@@ -112,7 +112,7 @@ static double extinction_at(const smoke_grid *g, const double at[3])
 typedef struct march {
     const smoke_grid *grid;
     double            from[3], way[3]; /* in voxels */
-    double            metres;          /* of the ray, a unit of depth */
+    double            metres;          /* length of the ray per unit of depth */
 } march;
 
 static double extinction_along(const march *m, double depth)
@@ -123,7 +123,7 @@ static double extinction_along(const march *m, double depth)
 }
 
 /* Optical depth between two planes of samples, by Simpson's rule.
- * bow  [out] how far a line in optical depth is off in between, where extinction changes evenly */
+ * bow  [out] greatest error of linear optical depth in between, for linear extinction */
 static double piece_thick(const march *m, double begin, double end, double *bow)
 {
     double a = extinction_along(m, begin), middle = extinction_along(m, 0.5 * (begin + end)), b = extinction_along(m, end);
@@ -131,8 +131,8 @@ static double piece_thick(const march *m, double begin, double end, double *bow)
     return (end - begin) / 6 * m->metres * (a + 4 * middle + b);
 }
 
-/* Of what is so thick that equal parts are too many, or too coarse: as much at a time as is thin enough, until no light is left.
- * 0: no memory. */
+/* Add smoke that is too dense for equal pieces: pieces of limited optical depth, until no light is left.
+ * Returns 0 without memory. */
 static int add_dense(const march *m, double begin, double end, smoke_path *path)
 {
     double step = (end - begin) / SMOKE_PARTS_MOST;
@@ -150,7 +150,7 @@ static int add_dense(const march *m, double begin, double end, smoke_path *path)
     return 1;
 }
 
-/* 0: no memory. */
+/* Returns 0 without memory. */
 static int add_piece(const march *m, double begin, double end, smoke_path *path)
 {
     double bow, thick = piece_thick(m, begin, end, &bow), parts = fmax(ceil(thick / SMOKE_PIECE), ceil(sqrt(bow / SMOKE_BOW)));
@@ -164,7 +164,7 @@ static int add_piece(const march *m, double begin, double end, smoke_path *path)
     return 1;
 }
 
-/* Keep what is in the grid's box. */
+/* Clip to the grid's box. */
 static void clip(const march *m, double *begin, double *end)
 {
     for (int n = 0; n < 3; n++) {
@@ -182,7 +182,7 @@ static void clip(const march *m, double *begin, double *end)
 int smoke_grid_march(const smoke_grid *g, const double from[3], const double way[3], double begin, double end, smoke_path *path)
 {
     march  m = {.grid = g, .metres = sqrt(vec3_dot(way, way))};
-    double plane[3]; /* the next one of each axis */
+    double plane[3]; /* depth of the next plane of each axis */
     apply(g->grid_from_ws, from, 1, m.from);
     apply(g->grid_from_ws, way, 0, m.way);
     clip(&m, &begin, &end);

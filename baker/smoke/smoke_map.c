@@ -18,15 +18,15 @@
 
 enum { TILE_PX = SMOKE_TILE_PX, TILE_TEXELS = TILE_PX * TILE_PX, ENDS_PX_MOST = 2 * TILE_PX + 2 };
 enum { PLACES_ASKED = 1000 };
-enum { SIDE_LEAST = 64, SIDE_MOST = 1024, SIDE_OF_CAPSULES = 256 }; /* where nobody says */
+enum { SIDE_LEAST = 64, SIDE_MOST = 1024, SIDE_OF_CAPSULES = 256 }; /* of maps without a given side */
 
-/* What a worker has for itself. */
+/* Scratch of a worker. */
 typedef struct tools {
     smoke_path    path, of_grid, of_capsules; /* the first is the sum of both */
     smoke_changes changes;
 } tools;
 
-/* A map while it is made. */
+/* A map in work. */
 typedef struct maker {
     smoke_source           source;
     smoke_bins             bins; /* of capsules */
@@ -37,17 +37,17 @@ typedef struct maker {
     uint8_t               *counts;     /* [maps * 4^levels] */
     uint32_t             **tile_nodes; /* [tiles] owned; NULL: the tile has none */
     tools                 *tools;      /* [workers] */
-    double                *errors;     /* [workers] the largest */
+    double                *errors;     /* [workers] largest error */
     int                   *failed;     /* [workers] 1: no memory */
 } maker;
 
 /* A tile of curves. */
 typedef struct tile {
     size_t   number;
-    int32_t  map, x, y; /* its first texel */
+    int32_t  map, x, y; /* position of its first texel */
     int      has_ends;
-    uint32_t px; /* pixels of `ends` in a row: of half a texel, or of a texel where that is one of the light's */
-    uint32_t ends[ENDS_PX_MOST * ENDS_PX_MOST]; /* voxels where light ends last in each, from the pixel before the tile on */
+    uint32_t px; /* pixels of `ends` in a row: half a texel, or a texel if it is as small as one of the light's */
+    uint32_t ends[ENDS_PX_MOST * ENDS_PX_MOST]; /* last lit depth in each pixel, voxels; from the pixel before the tile on */
 } tile;
 
 static int is_sun(const vxs_light *light)
@@ -63,7 +63,7 @@ static double metres_of(const vxs_light *light, double voxel)
     return is_sun(light) ? voxel * light->voxel_metres : light->near_metres * exp(voxel * light->voxel_metres);
 }
 
-/* The other way: 0 is the near side of the map. */
+/* The reverse: 0 is the near side of the map. */
 static double voxel_of(const vxs_light *light, double metres)
 {
     return is_sun(light) ? metres / light->voxel_metres : log(metres / light->near_metres) / light->voxel_metres;
@@ -79,7 +79,7 @@ static double depth_of(const vxs_light *light, int32_t map, const double ws[3])
     return turned[2];
 }
 
-/* The ray through the middle of a texel: at depth d it is at from + d * way. */
+/* The ray through the centre of a texel: at depth d it is at from + d * way. */
 static void ray_of(const maker *k, int32_t map, double x, double y, double from[3], double way[3])
 {
     const vxs_light *light   = &k->baked->light;
@@ -92,7 +92,7 @@ static void ray_of(const maker *k, int32_t map, double x, double y, double from[
     vec3_sub(from, way, from);
 }
 
-/* Between which depths of a map smoke is.   range  [in, out] least, greatest */
+/* Depth range of smoke in a map.   range  [in, out] least, greatest */
 static void find_range(const maker *k, int32_t map, double range[2])
 {
     const scene_smoke *capsules = k->source.capsules;
@@ -106,7 +106,8 @@ static void find_range(const maker *k, int32_t map, double range[2])
     for (uint32_t n = 0; capsules && n < capsules->count; n++) smoke_capsule_depths(capsules, n, &k->baked->light, map, range);
 }
 
-/* Units that have all depths of the smoke; before a lamp there is no light. Returns 0: the light does not reach there. */
+/* Choose units that cover the depths of all smoke; a lamp's light begins at its near plane. Returns 0: light does not reach the
+ * smoke. */
 static int find_units(maker *k)
 {
     const vxs_light *light    = &k->baked->light;
@@ -125,8 +126,7 @@ static int find_units(maker *k)
     return most > least && step > 0;
 }
 
-/* As many curves a side as bring them about as close to each other as samples of the grid are, where it is; of capsules alone,
- * SIDE_OF_CAPSULES. */
+/* Curves along a side: their spacing at the grid is about that of its samples. SIDE_OF_CAPSULES without a grid. */
 static uint32_t side_of(const smoke_source *source, const vxs_light *light)
 {
     double   middle[3], far[3], at[3], wide = ldexp(light->texel_metres, (int)light->levels);
@@ -135,7 +135,7 @@ static uint32_t side_of(const smoke_source *source, const vxs_light *light)
     smoke_grid_middle(source->grid, middle);
     smoke_grid_corner(source->grid, 0, far);
     vec3_sub(far, middle, far);
-    vxs_ls_from_ws(light, middle, 1, at); /* of lamps metres about the light: maps are as much wider there */
+    vxs_ls_from_ws(light, middle, 1, at); /* lamps: distance in metres, by which maps are wider there */
     if (!is_sun(light)) wide *= fmax(sqrt(vec3_dot(at, at)), sqrt(vec3_dot(far, far)));
     while (side < SIDE_MOST && wide / side > 1.01 * smoke_grid_spacing(source->grid)) side *= 2;
     return side;
@@ -160,7 +160,7 @@ static vxs_result find_ends(const maker *k, tile *t)
     return vxs_depth_map(k->baked, &desc, NULL);
 }
 
-/* The depth at which light has ended for all places that ask a texel's curve; x and y count from the tile's. */
+/* Depth at which light has ended for all points that use a texel's curve; x and y count from the tile's first texel. */
 static double end_of(const maker *k, const tile *t, uint32_t x, uint32_t y)
 {
     uint32_t pixels = (t->px - 2) / TILE_PX, last = 0;
@@ -171,8 +171,8 @@ static double end_of(const maker *k, const tile *t, uint32_t x, uint32_t y)
 
 /* curves ----------------------------------------------------------------------------------------------------------------------- */
 
-/* The path of a ray, whatever is opaque.
- * x, y  texels from the tile's first, within half a texel about the tile
+/* The path of a ray, also behind opaque smoke.
+ * x, y  texels from the tile's first, within half a texel around the tile
  * Returns 0 without memory */
 static int find_ray_path(const maker *k, const tile *t, double x, double y, tools *w)
 {
@@ -191,7 +191,7 @@ static int find_ray_path(const maker *k, const tile *t, double x, double y, tool
     return smoke_path_sum(&w->of_grid, &w->of_capsules, &w->path);
 }
 
-/* The path of a texel's ray, as far as light may be asked for.   Returns 0 without memory */
+/* The path of a texel's ray, up to the end of light.   Returns 0 without memory */
 static int find_path(const maker *k, tile *t, uint32_t x, uint32_t y, tools *w)
 {
     if (!find_ray_path(k, t, x, y, w)) return 0;
@@ -236,7 +236,7 @@ static void make_tiles(void *user, size_t begin, size_t end, uint32_t worker)
     for (size_t n = begin; n < end && !k->failed[worker]; n++) make_tile(k, n, worker);
 }
 
-/* all of them ------------------------------------------------------------------------------------------------------------------ */
+/* all tiles ------------------------------------------------------------------------------------------------------------------- */
 
 static size_t tile_count(const maker *k)
 {
@@ -274,7 +274,7 @@ static void give_memory_back(maker *k)
     free(k->failed);
 }
 
-/* Nodes of all tiles, one behind the other; of a map without any, nothing. */
+/* Concatenate the nodes of all tiles; leaves the map empty if there are none. */
 static int put_together(maker *k, smoke_map *map)
 {
     map->texel_count = tile_count(k) * TILE_TEXELS;
@@ -327,8 +327,8 @@ static uint32_t *words_of(const maker *k, const smoke_map *map)
     return words;
 }
 
-/* How far a lookup is off at a random place within half a texel of a curve, which the light reaches; in the smoke, or behind it.
- * off  [out] NAN: no such place was found.   Returns 0 without memory */
+/* Error of a lookup at a random lit point within half a texel of a curve; in the smoke, or behind it.
+ * off  [out] NAN: no such point was found.   Returns 0 without memory */
 static int try_lookup(const maker *k, const uint32_t *words, size_t texel, rng *r, double *off)
 {
     const vxs_light *light = &k->baked->light;
@@ -349,7 +349,7 @@ static int try_lookup(const maker *k, const uint32_t *words, size_t texel, rng *
     return 1;
 }
 
-/* Ask at places that are spread over all curves.   Returns 0 without memory */
+/* Measure lookups at points spread over all curves.   Returns 0 without memory */
 static int measure_lookups(maker *k, smoke_map *map)
 {
     rng       r      = {1};

@@ -37,7 +37,7 @@ void smoke_path_cut(smoke_path *p, double depth)
     double thick = smoke_path_thick(p, depth);
     while (p->count && p->depth[p->count - 1] > depth) p->count--;
     if (!p->count) return;
-    p->depth[p->count]   = depth; /* in the place of one that was behind it */
+    p->depth[p->count]   = depth; /* replaces one behind it */
     p->thick[p->count++] = thick;
 }
 
@@ -71,8 +71,8 @@ int smoke_path_sum(const smoke_path *a, const smoke_path *b, smoke_path *sum)
 
 /* nodes ------------------------------------------------------------------------------------------------------------------------ */
 
-/* A curve while it gets its nodes: points of the path, and for each gap behind one the point that is farthest from the line over
- * it. */
+/* A curve during the choice of its nodes: points of the path; for each gap between two of them, the point that is farthest from the
+ * straight line. */
 typedef struct curve {
     const smoke_path *path;
     size_t            point[VXS_SMOKE_NODES_MAX], worst[VXS_SMOKE_NODES_MAX];
@@ -100,7 +100,7 @@ static void look_into_gap(curve *c, uint32_t n)
     }
 }
 
-/* One more node, in gap n. */
+/* Insert a node in gap n. */
 static void split_gap(curve *c, uint32_t n)
 {
     for (uint32_t k = c->count++; k > n + 1; k--) {
@@ -121,7 +121,8 @@ static uint32_t farthest_gap(const curve *c)
     return farthest;
 }
 
-/* A node at a whole unit has what is left there. The first one lies no farther than the path, the last one no nearer. */
+/* A node at a whole unit, with the transmittance there. The first node is not behind the path's begin, the last not before its
+ * end. */
 static uint32_t node_at(const smoke_path *p, const smoke_units *units, double unit)
 {
     double depth = fmin(fmax(unit, 0), 65535), left = exp(-smoke_path_thick(p, units->first_metres + depth * units->step_metres));
@@ -148,7 +149,7 @@ uint32_t smoke_path_nodes(const smoke_path *p, const smoke_units *units, double 
 double smoke_path_error(const smoke_path *p, const smoke_units *units, const uint32_t *nodes, uint32_t count)
 {
     double   most   = 0;
-    uint32_t before = 0; /* nodes that lie no farther */
+    uint32_t before = 0; /* number of nodes at or before the depth */
     for (size_t k = 0; k < p->count; k++) {
         double unit = (p->depth[k] - units->first_metres) / units->step_metres, left = 65535;
         while (before < count && (nodes[before] & 0xffff) <= unit) before++;

@@ -17,7 +17,7 @@ static const char end_magic[8] = {'v', 'x', 's', ' ', 'p', 'a', 'r', 't'};
 
 enum { MAGIC_BYTES = sizeof PART_MAGIC - 1, PART_VERSION = 1, HEAD_BYTES = 24, SQUARE_BYTES = 24, TRAILER_BYTES = 40 };
 
-/* What is read whole: of a pipe, and what is common. */
+/* Limit of what is read as a whole: a pipe, and the common data. */
 static const uint64_t LIMIT_BYTES = (uint64_t)4 << 30;
 
 static vxs_result out_of_memory(message *m)
@@ -39,7 +39,7 @@ static vxs_result note_square(part_squares *list, const part_square *s, message 
 
 /* writing --------------------------------------------------------------------------------------------------------------------- */
 
-/* Write what is in bytes, which are emptied. */
+/* Write the bytes, and empty them. */
 static vxs_result flush(part_writer *w, vxs_bytes *bytes, message *m)
 {
     vxs_result r = output_file_write(&w->out, bytes->data, bytes->size_bytes, m);
@@ -68,7 +68,7 @@ vxs_result part_add(part_writer *w, uint64_t square, const column_key *key, cons
     return r;
 }
 
-/* All that is checked when a part is opened: the head, and what is behind the squares. */
+/* Hash over what part_open checks: the head, and all that follows the squares. */
 static uint64_t hash_of(const vxs_bytes *head, const uint8_t *rest, size_t size_bytes)
 {
     return XXH64(rest, size_bytes, XXH64(head->data, head->size_bytes, 0));
@@ -107,7 +107,7 @@ static vxs_result cannot_read(const part_reader *p, message *m)
     return fail(m, VXS_E_READ, "cannot read '%s': %s", input_name(p->path), strerror(errno));
 }
 
-/* Some bytes of the file.   out  [out] zero it first, released with free(out->data) */
+/* Read bytes of the file.   out  [out] zero it first, released with free(out->data) */
 static vxs_result read_at(const part_reader *p, uint64_t at, uint64_t size_bytes, vxs_bytes *out, message *m)
 {
     if (at > p->size_bytes || size_bytes > p->size_bytes - at || size_bytes > LIMIT_BYTES) return is_damaged(p, m);
@@ -117,7 +117,7 @@ static vxs_result read_at(const part_reader *p, uint64_t at, uint64_t size_bytes
     for (uint64_t have = 0; p->file >= 0 && have < size_bytes;) {
         ssize_t n = pread(p->file, out->data + have, size_bytes - have, (off_t)(at + have));
         if (n < 0 && errno != EINTR) return cannot_read(p, m);
-        if (n == 0) return is_damaged(p, m); /* it has become shorter */
+        if (n == 0) return is_damaged(p, m); /* the file has become shorter */
         if (n > 0) have += (uint64_t)n;
     }
     return VXS_OK;
@@ -129,7 +129,7 @@ static uint64_t wanted_bytes(void *user, const uint8_t *first, size_t size_bytes
     return size_bytes >= MAGIC_BYTES && !memcmp(first, PART_MAGIC, MAGIC_BYTES) ? UINT64_MAX : 0;
 }
 
-/* A file stays where it is; what else comes once is taken whole. */
+/* Open a regular file; read anything else into memory as a whole. */
 static vxs_result open_source(part_reader *p, message *m)
 {
     struct stat status;
@@ -162,7 +162,7 @@ static vxs_result read_head(part_reader *p, vxs_bytes *head, message *m)
     return p->number >= 1 && p->number <= p->parts && p->parts <= PARTS_MAX ? VXS_OK : is_damaged(p, m);
 }
 
-/* Squares come by number, one behind the other. */
+/* Read the list of squares. Numbers ascend, and squares are contiguous. */
 static vxs_result take_squares(part_reader *p, byte_reader *from, uint64_t count, uint64_t end, message *m)
 {
     uint64_t   at = HEAD_BYTES;

@@ -1,5 +1,5 @@
-/* Squares of one bake that several processes make together: one of them adds all squares and writes the file, the others make squares for it.
- * All go through the same maps, and number the squares as they come to them (part_file.h).
+/* Shares the squares of one bake among several processes: one process adds all squares and writes the file, the others make squares
+ * for it. All processes descend the same maps and give the squares the same numbers (part_file.h).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SQUARE_EXCHANGE_H
 #define SQUARE_EXCHANGE_H
@@ -8,21 +8,22 @@
 
 typedef struct square_exchange {
     void *data;
-    int   adds; /* 1: this process adds them */
+    int   adds; /* 1: this process adds the squares */
 
-    /* Who sees to a square. Numbers ascend.
-     * fate  [out] SQUARE_MAKE: this process. SQUARE_LEAVE, where it does not add: another. SQUARE_KNOWN, where it does: another, and `take` has it
-     * Returns VXS_OK; VXS_E_MEMORY; VXS_E_BROKEN_PIPE: nothing is needed any more; what another process failed with. */
+    /* Ask which process makes a square. Numbers ascend.
+     * fate  [out] SQUARE_MAKE: this process. SQUARE_LEAVE, only if it does not add: another process. SQUARE_KNOWN, only if it adds:
+     *       another process; `take` returns the square
+     * Returns VXS_OK; VXS_E_MEMORY; VXS_E_BROKEN_PIPE: no more squares are needed; or the error of another process. */
     vxs_result (*claim)(void *data, uint64_t number, square_fate *fate, message *m);
 
-    /* Where it adds: the record of a square, when it has come.
-     * key     of the square as this process has it: that of another is an error
+    /* In the process that adds: wait for the record of a square.
+     * key     of the square in this process; a different key of the other process is an error
      * record  [out] released with free(record->data)
      * made    [out] 1: it was made in this run
-     * Returns VXS_OK, VXS_E_ARGUMENT, or what another process failed with. */
+     * Returns VXS_OK, VXS_E_ARGUMENT, or the error of another process. */
     vxs_result (*take)(void *data, uint64_t number, const column_key *key, vxs_bytes *record, int *made, message *m);
 
-    /* Where it does not: hand over the square that was claimed last. Returns VXS_OK or VXS_E_MEMORY. */
+    /* In the other processes: hand over the square that was claimed last. Returns VXS_OK or VXS_E_MEMORY. */
     vxs_result (*give)(void *data, uint64_t number, const column_key *key, const vxs_bytes *record, int made, message *m);
 } square_exchange;
 

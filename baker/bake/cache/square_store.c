@@ -1,4 +1,4 @@
-/* A folder of squares; see square_store.h.
+/* Square cache in a folder; see square_store.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/bake/cache/square_store.h"
 
@@ -33,7 +33,7 @@ static vxs_result out_of_memory(message *m)
     return fail(m, VXS_E_MEMORY, "out of memory for squares that are kept");
 }
 
-/* A warning of the store's own. */
+/* A warning of the cache. */
 #define WARN(s, m, ...)                                                                                                            \
     do {                                                                                                                           \
         size_t before = (m)->warning_count;                                                                                        \
@@ -48,7 +48,7 @@ vxs_result square_store_open(square_store *s, const char *folder, message *m)
     int missing = mkdir(folder, 0777) && errno != EEXIST ? errno : 0;
     if (!missing) s->descriptor = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (s->descriptor >= 0) {
-        flock(s->descriptor, LOCK_SH); /* where there are no locks, nothing is removed in the end */
+        flock(s->descriptor, LOCK_SH); /* without locks, nothing is removed at the end */
         return VXS_OK;
     }
     vxs_result r = fail(m, VXS_E_WRITE, "--resume %s: the folder cannot be %s: %s", folder, missing ? "made" : "opened",
@@ -57,7 +57,7 @@ vxs_result square_store_open(square_store *s, const char *folder, message *m)
     return r;
 }
 
-/* finding --------------------------------------------------------------------------------------------------------------------- */
+/* lookup ---------------------------------------------------------------------------------------------------------------------- */
 
 vxs_result square_store_use(square_store *s, const column_key *key, message *m)
 {
@@ -66,7 +66,7 @@ vxs_result square_store_use(square_store *s, const column_key *key, message *m)
     return VXS_OK;
 }
 
-/* Open a file of the folder to read it: a file, and no link, pipe or device. -1: there is none. */
+/* Open a regular file of the folder for reading; no link, pipe or device. -1: there is none. */
 static int open_regular(const square_store *s, const char *name, uint64_t *size_bytes)
 {
     struct stat status;
@@ -80,7 +80,7 @@ static int open_regular(const square_store *s, const char *name, uint64_t *size_
     return -1;
 }
 
-/* Exactly so many bytes. */
+/* Read exactly size_bytes. */
 static int read_bytes(int file, uint8_t *to, size_t size_bytes)
 {
     for (size_t at = 0; at < size_bytes;) {
@@ -94,7 +94,7 @@ static int read_bytes(int file, uint8_t *to, size_t size_bytes)
 
 typedef enum finding { FOUND, DAMAGED, TOO_LARGE } finding;
 
-/* A square's file of so many bytes. No room is made before its head says that it is the square's, and as large as it is. */
+/* Read a square's file. Memory is allocated only after its head has shown the right key and size. */
 static finding read_file(int file, uint64_t size_bytes, const column_key *key, vxs_bytes *record, const message *m)
 {
     uint8_t head[KEPT_HEAD_BYTES];
@@ -131,9 +131,9 @@ vxs_result square_store_find(square_store *s, const column_key *key, vxs_bytes *
     return message_check(m);
 }
 
-/* keeping --------------------------------------------------------------------------------------------------------------------- */
+/* storing --------------------------------------------------------------------------------------------------------------------- */
 
-/* Write a file into the folder. What is there and no file is left as it is. */
+/* Write a file into the folder. Anything there that is not a regular file is kept. */
 static vxs_result write_file(const square_store *s, const char *name, const vxs_bytes *bytes, message *m)
 {
     char        path[PATH_MAX];
@@ -168,7 +168,7 @@ vxs_result square_store_keep(square_store *s, const column_key *key, const vxs_b
     return message_check(m);
 }
 
-/* the end --------------------------------------------------------------------------------------------------------------------- */
+/* removal --------------------------------------------------------------------------------------------------------------------- */
 
 static int by_key(const void *a, const void *b)
 {
@@ -177,7 +177,7 @@ static int by_key(const void *a, const void *b)
     return (x->low > y->low) - (x->low < y->low);
 }
 
-/* Whether a name is that of a square's file. */
+/* Parse the name of a square's file. */
 static int key_of(const char *name, column_key *key)
 {
     if (strlen(name) != NAME_BYTES - 1 || strcmp(name + KEY_DIGITS, EXTENSION) != 0) return 0;
@@ -185,7 +185,7 @@ static int key_of(const char *name, column_key *key)
     return sscanf(name, "%16" SCNx64 "%16" SCNx64, &key->high, &key->low) == 2;
 }
 
-/* What a run left that ended before a name was given: ".vxs-PID-N.tmp". Nobody else is at work. */
+/* Whether it is a temporary file of a run that ended early: ".vxs-PID-N.tmp". Only called when no other run has the folder open. */
 static int is_left_over(const char *name)
 {
     static const char digits[] = "0123456789";
@@ -194,7 +194,7 @@ static int is_left_over(const char *name)
     return n && !strcmp(name + pid + 1 + n, ".tmp");
 }
 
-/* Whether a file is one of the folder's own that this run has not used: by its name, and a square by how it begins, too. */
+/* Whether the cache wrote the file and this run has not used it. Squares must also begin as a square does. */
 static int is_unused(const square_store *s, const char *name)
 {
     column_key key;

@@ -1,4 +1,4 @@
-/* A palette block of 32 x 32 texels, and its tiles of 8 x 8, as they are built.
+/* A palette block of 32 x 32 texels and its tiles of 8 x 8, during the build.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef BLOCK_H
 #define BLOCK_H
@@ -10,12 +10,12 @@ enum { BLOCK_TILES = 16 };
 
 typedef enum tile_kind { TILE_UNIFORM, TILE_PATTERN, TILE_OWN, TILE_PLANE } tile_kind;
 
-/* Tiles of one kind with equal fields are equal; unused fields are 0. */
+/* Unused fields are 0, so that equal tiles have equal fields. */
 typedef struct block_tile {
     uint16_t kind;
     uint16_t palette; /* uniform: the entry; pattern: bit n: entry n is used */
-    uint32_t pattern; /* id of a pattern, or of an own one */
-    int32_t  base;    /* own: of its depths, relative to the block's */
+    uint32_t pattern; /* id of a pattern, or of a private-palette pattern */
+    int32_t  base;    /* private palette: base of its depths, relative to the block's */
 } block_tile;
 
 static inline int tile_has_pattern(const block_tile *t)
@@ -26,7 +26,7 @@ static inline int tile_has_pattern(const block_tile *t)
 typedef struct block {
     uint32_t   depths;             /* [1, PALETTE_MAX] entries of the palette */
     int32_t    depth[PALETTE_MAX]; /* [depths] ascending from 0 */
-    plane      plane;              /* of those that lie on it, relative to the block's base, without the node's slope */
+    plane      plane;              /* for the tiles on it, relative to the block's base, without the node's slope */
     block_tile tile[BLOCK_TILES];  /* rows */
 } block;
 

@@ -1,11 +1,12 @@
-/* Sets of palette blocks as bytes; see block_file.h. All numbers are little-endian, of 4 bytes where nothing is said.
+/* Serialization of sets of palette blocks; see block_file.h. All numbers are little-endian, of 4 bytes unless noted.
  *
- *     head       uniform squares, nodes, blocks, patterns with depths of their own, patterns of 2 to PALETTE_MAX depths; 8: tiles
+ *     head       counts of uniform squares, nodes, blocks, private-palette patterns, patterns of 2 to PALETTE_MAX depths; 8
+ *                bytes: tiles
  *     uniform    level, x, y, depth
- *     nodes      x, y, emin, xmax, slope (2); 8: which blocks are mixed; 64 depths; of mixed blocks, their numbers
- *     patterns   of each class: id; 16 for each mask: dark, lit
- *     own        64 depths; ranges (128); halves of planes, each of 4 bytes, behind their count
- *     blocks     depths, plane (3), and of each tile kind | palette << 16, pattern, base; before the plane, as many depths
+ *     nodes      x, y, emin, xmax, slope (2); 8 bytes: which blocks are mixed; 64 depths; ids of mixed blocks
+ *     patterns   of each class: id; 16 bytes for each mask: dark, lit
+ *     own        64 depths; ranges (128); count of halves of planes, then these halves, 4 bytes each
+ *     blocks     number of depths, plane (3), depths, and of each tile kind | palette << 16, pattern, base
  *
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/coding/blocks/block_file.h"
@@ -20,7 +21,7 @@ enum {
     OWN_BYTES     = 4 * (64 + 128 + 1),   /* without planes */
     TILE_BYTES    = 12,
     BLOCK_BYTES   = 4 * 4 + TILE_BYTES * BLOCK_TILES, /* without depths */
-    DEPTH_LIMIT   = 1 << 24,                          /* within which depths, and what they are counted from, can be added up */
+    DEPTH_LIMIT   = 1 << 24,                          /* limit of depths and bases: their sums do not overflow */
     PLANE_LIMIT   = 1 << 30
 };
 
@@ -102,7 +103,7 @@ typedef struct set_loader {
     block_set        *s;
     const block_area *area;
     uint32_t          blocks, own, patterns, of_class[PALETTE_MAX + 1];
-    uint8_t          *depths_of; /* [patterns] of each id; 0: it was not met yet */
+    uint8_t          *depths_of; /* [patterns] number of depths by id; 0: id not met yet */
 } set_loader;
 
 static int within(int32_t value, int32_t least, int32_t most)
@@ -243,10 +244,10 @@ static vxs_result take_block(set_loader *l)
         if (!is_sound_tile(l, t, b.depths)) return VXS_E_CORRUPT;
     }
     vxs_result r = block_set_find(l->s, &b, &number);
-    return r == VXS_OK && number + 1 != l->s->blocks.count ? VXS_E_CORRUPT : r; /* two of them are equal */
+    return r == VXS_OK && number + 1 != l->s->blocks.count ? VXS_E_CORRUPT : r; /* two blocks are equal */
 }
 
-/* Counts are believed as far as there are bytes for them. */
+/* Checks counts against the remaining bytes before memory is allocated. */
 static vxs_result load_parts(set_loader *l, uint32_t uniforms, uint32_t nodes)
 {
     own_set   *own = &l->s->own;

@@ -1,4 +1,4 @@
-/* From palette blocks to words; see block_words.h.
+/* Lays out palette blocks as words; see block_words.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/coding/blocks/block_words.h"
 
@@ -12,14 +12,14 @@
 
 /* patterns -------------------------------------------------------------------------------------------------------------------- */
 
-enum { OWN_KIND = PALETTE_MAX + 1 }; /* behind those of 2 to PALETTE_MAX depths */
+enum { OWN_KIND = PALETTE_MAX + 1 }; /* kind behind those of 2 to PALETTE_MAX depths */
 
-/* All patterns while they become codes, kind by kind. */
+/* All patterns during their encoding, sorted by kind. */
 typedef struct pattern_coder {
     const block_set *set;
     size_t           first[OWN_KIND + 2]; /* patterns of kind k are first[k]..first[k + 1] - 1 */
 
-    /* codes: how many halves, and depths << 8, none of an own one; then those halves */
+    /* codes: number of halves | depths << 8 (0: private palette); then the halves */
     uint16_t (*shared)[PATTERN_HALVES_MAX + 1]; /* [first[OWN_KIND]] */
     uint16_t (*own)[OWN_HALVES_MAX + 1];        /* [set->own.count] */
 } pattern_coder;
@@ -63,7 +63,7 @@ static vxs_result intern_patterns(layout *l, const pattern_coder *c)
     return r;
 }
 
-/* Depths are chosen and encoded on all threads; what is equal becomes one in order. */
+/* Choose and encode depths on all threads, then unify equal codes in order. */
 static vxs_result encode_patterns(layout *l)
 {
     pattern_coder c = {.set = l->set};
@@ -85,7 +85,7 @@ static vxs_result encode_patterns(layout *l)
 
 /* nodes ----------------------------------------------------------------------------------------------------------------------- */
 
-/* The depth that all others of a node are counted from, in steps. */
+/* Base of all depths of a node, in steps. */
 static uint32_t node_base(const layout *l, const block_node *n)
 {
     int32_t least = INT32_MAX;
@@ -133,7 +133,7 @@ static vxs_result shape_nodes(layout *l)
 
 /* words ----------------------------------------------------------------------------------------------------------------------- */
 
-/* Head, table of pages, tops, common patterns, pages. */
+/* Write head, table of pages, tops, common patterns, pages. */
 static vxs_result assemble(layout *l)
 {
     size_t    top = HEAD_WORDS + l->page_count, common = top + l->top_count, common_words = (l->common_halves + 1) / 2;

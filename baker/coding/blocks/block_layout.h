@@ -1,5 +1,4 @@
-/* The layout of a light's palette blocks as words while it is made: what its parts share. Only for block_layout.c, block_pages.c and
- * block_top.c.
+/* State shared by the layout of a light's palette blocks as words. Only for block_layout.c, block_pages.c and block_top.c.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef BLOCK_LAYOUT_H
 #define BLOCK_LAYOUT_H
@@ -9,75 +8,75 @@
 #include "formats/vxs_page.h"
 
 enum {
-    HEAD_WORDS  = 8, /* before the table of pages */
-    CELL_LEVELS = 15 /* maps of so many levels have cells above the entries of the top */
+    HEAD_WORDS  = 8, /* words before the table of pages */
+    CELL_LEVELS = 15 /* maps of this many levels or more have cells above the entries of the top */
 };
 
-/* The square has one depth: a bit of cells and entries of the top, and the depth in the others. */
+/* Bit of cells and entries of the top: the square has one depth, in the other bits. */
 #define ENTRY_UNIFORM 0x80000000u
 
-/* The depth of what is never in shadow. */
+/* Depth of squares that are never in shadow. */
 #define NEVER UINT32_MAX
 
-/* A node without its place: nodes of equal shapes are one. */
+/* A node without its position: nodes of equal shape are stored once. */
 typedef struct node_shape {
     node_slope slope;
     uint64_t   mixed;
-    uint32_t   depth[NODE_BLOCKS]; /* of the base on; NEVER */
+    uint32_t   depth[NODE_BLOCKS]; /* relative to the base; or NEVER */
     uint32_t   block[NODE_BLOCKS];
 } node_shape;
 
-/* A node of the set as it is laid out. */
+/* Position of a node of the set in the layout. */
 typedef struct node_place {
-    uint32_t node, shape, base; /* the base is in steps of the map's depth */
+    uint32_t node, shape, base; /* base: in steps of the map's depth */
     uint32_t page, word;
 } node_place;
 
-/* Where a thing is in the page in work: what has another stamp is not there yet. */
+/* Position of a thing in the current page; not in the page if the stamp differs. */
 typedef struct in_page {
     uint32_t stamp, at;
 } in_page;
 
-/* The pattern of a tile, as it is written. */
+/* The pattern of a tile in the layout. */
 typedef struct tile_code {
     int      own;
     uint32_t code;
 } tile_code;
 
-/* What is in the page in work. */
+/* Contents of the current page. */
 typedef struct page_scratch {
     in_page  *shape_at, *block_at, *code_at[2];
     uint32_t  stamp;
-    uint32_t  fresh_count; /* patterns that the last node is the first to use */
+    uint32_t  fresh_count; /* patterns that no node before the last one uses */
     tile_code fresh[NODE_BLOCKS * BLOCK_TILES];
 } page_scratch;
 
-/* Where a page ends. */
+/* End of a page. */
 typedef struct page_end {
-    uint32_t node, word; /* the first node that is not in it; words of all pages up to here */
+    uint32_t node, word; /* first node behind it; words of all pages up to here */
 } page_end;
 
 typedef struct layout {
     const block_set *set;
     uint32_t         threads, levels, map_count, never, base_shift;
-    intern           shapes, codes[2]; /* patterns as halves: shared ones, own ones */
-    uint32_t        *code_of[2];       /* by id of a pattern */
+    intern           shapes, codes[2]; /* shapes of nodes; patterns as halves: [0] shared, [1] private palette */
+    uint32_t        *code_of[2];       /* [0], [1]: by pattern id */
     node_place      *nodes;            /* [node_count] in z order, map by map */
-    uint16_t        *block_words;      /* [blocks] that a block takes, without its patterns */
+    uint16_t        *block_words;      /* [blocks] words of a block without its patterns */
     page_end        *page_end;         /* [page_count] */
     size_t           page_count, page_capacity;
-    page_scratch     scratch;   /* of the thread that cuts */
-    uint32_t        *common[2]; /* [code] 1 + the half of the common pool where it starts; 0: it is not there */
+    page_scratch     scratch;   /* scratch of the thread that cuts pages */
+    uint32_t        *common[2]; /* [code] 1 + position of its half in the common pool; 0: not there */
     uint32_t         common_halves;
-    uint8_t         *common_kinds; /* [common_count] of patterns as they lie in the common pool */
+    uint8_t         *common_kinds; /* [common_count] kinds of patterns, in the order of the common pool */
     size_t           common_count, common_capacity;
-    uint32_t        *top; /* all maps' tops and cells */
+    uint32_t        *top; /* tops and cells of all maps */
     size_t           top_count, top_capacity;
     uint32_t         top_start[VXS_CUBE_FACES];
     block_words     *out;
 } layout;
 
-/* Codes are kept with their length and their kind before them. */
+/* The halves of a code. They are stored behind their length and kind. */
 static inline const uint16_t *code_halves(const layout *l, int own, uint32_t code, uint32_t *count)
 {
     const uint16_t *halves = intern_at(&l->codes[own], code);
@@ -85,7 +84,7 @@ static inline const uint16_t *code_halves(const layout *l, int own, uint32_t cod
     return halves + 1;
 }
 
-/* The word where a page begins, from the first one on; of the page behind the last one: where that ends. */
+/* First word of a page, counted from the first page; for the index behind the last page: the end. */
 static inline uint32_t page_place(const layout *l, size_t page)
 {
     return page ? l->page_end[page - 1].word : 0;
@@ -96,16 +95,16 @@ static inline const node_shape *shape_of(const layout *l, const node_place *n)
     return intern_at(&l->shapes, n->shape);
 }
 
-/* Cut the nodes into pages, no more than it takes and alike in size, and place them; choose the patterns that are kept once for all of them. */
+/* Cut the nodes into as few pages as possible, of about equal size, and place them; choose the common patterns. */
 vxs_result layout_cut_pages(layout *l);
 
-/* Write all pages, one behind the other, on all threads; `to` has zeros. Returns VXS_OK or VXS_E_MEMORY. */
+/* Write all pages, one behind the other, on all threads; `to` must be zeroed. Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result layout_write_pages(layout *l, uint32_t *to);
 
-/* Write the patterns that are kept once; `to` has zeros. */
+/* Write the common patterns; `to` must be zeroed. */
 void layout_write_common(const layout *l, uint32_t *to);
 
-/* The tops of all maps, after nodes have their places: cells count from the first word of all tops. */
+/* Build the tops of all maps, after nodes are placed. Cells count from the first word of all tops. */
 vxs_result layout_build_top(layout *l);
 
 #endif

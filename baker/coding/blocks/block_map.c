@@ -1,4 +1,4 @@
-/* The palette blocks of a whole map; see block_build.h.
+/* Palette blocks of a whole map; see block_build.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <stdlib.h>
 
@@ -23,7 +23,7 @@ typedef struct map_builder {
     block_set  batch[DESCENT_BATCH];
 } map_builder;
 
-/* Before a fetch, only what would give each part of the square the same depth settles it: bounds may be looser than those after it. */
+/* Before a fetch, a square is settled only if every part of it would get the same depth: bounds may be tighter after the fetch. */
 static descent_step look(const void *user, const column_bounds *bounds, uint32_t level, int fetched)
 {
     const map_builder *b = user;
@@ -81,7 +81,7 @@ static void drop_slot(void *user, uint32_t slot)
     block_set_free(&b->batch[slot]);
 }
 
-/* Squares are merged while others are built. */
+/* Merging overlaps with building. */
 static void time_batch(void *user, bake_context *ctx, int phase, uint32_t count, const double seconds[2])
 {
     (void)user;

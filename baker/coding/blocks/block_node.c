@@ -10,46 +10,46 @@
 #include "baker/coding/blocks/tile_needs.h"
 
 enum {
-    OWN_FROM        = 10, /* depths that a tile needs, from which on it has its own */
+    OWN_FROM        = 10, /* a tile that needs this many depths gets a private palette */
     NODE_TILE_COUNT = NODE_TILES * NODE_TILES,
-    PLANE_LEAST     = -(1 << 25), /* so that a plane's least depth, from any block's base on, can be written */
+    PLANE_LEAST     = -(1 << 25), /* limit for which a plane's least depth can be stored relative to any block's base */
     PLANE_MOST      = (1 << 26) + (1 << 22)
 };
 
-/* A tile of the block in work, its slope added. */
+/* A tile of the current block, with the slope added. */
 typedef struct tile_in {
-    tile_ranges ranges;            /* of texels, in the order of patterns; of a tile that is not uniform */
-    int16_t     low[64], high[64]; /* the same as codes of the block's axis */
-    int32_t     emax, xmin;        /* of all of them */
+    tile_ranges ranges;            /* of texels, in the order of patterns.h; unless the tile is uniform */
+    int16_t     low[64], high[64]; /* the same as codes of the block's depth axis */
+    int32_t     emax, xmin;        /* over all texels */
     tile_kind   kind;
-    int32_t     shift;  /* the slope that was added */
-    int         flat;   /* it may lie on a plane */
-    int         depths; /* that it needs; 0: not counted */
-    own_planes  plane;  /* that it lies on alone */
+    int32_t     shift;  /* depth that the slope added */
+    int         flat;   /* 1: it may lie on a plane */
+    int         depths; /* number of depths that it needs; 0: not counted */
+    own_planes  plane;  /* a plane through this tile alone */
 } tile_in;
 
 typedef struct node_builder {
     block_set           *set;
     const column_square *columns;
-    uint32_t             tile_x, tile_y; /* where the node starts, in tiles of the columns */
+    uint32_t             tile_x, tile_y; /* position of the node, in tiles of the columns */
     block_node           node;
-    int32_t              emax[NODE_TILE_COUNT], xmin[NODE_TILE_COUNT]; /* of tiles; from add_slope on with it */
-    tile_in              tile[BLOCK_TILES];                            /* of the block in work */
+    int32_t              emax[NODE_TILE_COUNT], xmin[NODE_TILE_COUNT]; /* of tiles; with the slope after add_slope */
+    tile_in              tile[BLOCK_TILES];                            /* of the current block */
     depth_axis           axis;
 } node_builder;
 
-/* A column that is lit to the end may be lit beyond. */
+/* Exit depth of a column; FAR_DEPTH if it is lit to the end, because it may then be lit beyond. */
 static int32_t exit_depth(uint32_t x, uint32_t depth_vx)
 {
     return x >= depth_vx ? FAR_DEPTH : (int32_t)x;
 }
 
-/* What all of a run of squares may have as their one depth. */
+/* Range of single depths that suit a whole run of squares. */
 typedef struct run_range {
     int32_t low, high;
 } run_range;
 
-/* One more square joins the run, if there is a depth left for all. */
+/* Add a square to the run if a common depth is left. */
 static int run_takes(run_range *run, int32_t low, int32_t high)
 {
     low  = max_i32(low, run->low);
@@ -61,7 +61,7 @@ static int run_takes(run_range *run, int32_t low, int32_t high)
 
 /* tiles ----------------------------------------------------------------------------------------------------------------------- */
 
-/* The columns of a tile, its slope added. */
+/* Fetch the columns of a tile, and add the slope. */
 static vxs_result fetch_tile(node_builder *b, tile_in *t, uint32_t tile_x, uint32_t tile_y, int32_t shift)
 {
     column_tile columns;
@@ -73,7 +73,7 @@ static vxs_result fetch_tile(node_builder *b, tile_in *t, uint32_t tile_x, uint3
         for (int row = 0; row < 4; row++) {
             int   from = 8 * (4 * (quad >> 1) + row) + 4 * (quad & 1), to = 16 * quad + 4 * row;
             i32x4 e = i32x4_load(columns.e + from) + up, x = i32x4_load(columns.x + from);
-            x    = i32x4_select((i32x4)(x > last), far, x) + up; /* what is lit to the end may be lit beyond */
+            x    = i32x4_select((i32x4)(x > last), far, x) + up; /* as in exit_depth */
             emax = i32x4_max(emax, e);
             xmin = i32x4_min(xmin, x);
             memcpy(t->ranges.low + to, &e, sizeof e);
@@ -102,13 +102,13 @@ static vxs_result fetch_block(node_builder *b, uint32_t block_x, uint32_t block_
     return VXS_OK;
 }
 
-/* A scale of the depths that occur in the block's tiles, and the codes of these. */
+/* Make a depth axis of the depths that occur in the block's tiles, and set their codes. */
 static void scale_by_depths(node_builder *b)
 {
     int32_t depths[AXIS_DEPTHS_MAX];
     int16_t codes[AXIS_DEPTHS_MAX];
     int     count = 0, next = 0;
-    depths[0] = 0; /* there is always one, which compilers don't see */
+    depths[0] = 0; /* there is always one; avoids a compiler warning */
     for (const tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
         if (t->kind == TILE_PLANE) continue;
         int of_tile = t->kind == TILE_UNIFORM ? 1 : 64;
@@ -130,7 +130,7 @@ static void scale_by_depths(node_builder *b)
     }
 }
 
-/* The scale on which the block's tiles are compared. */
+/* Make the depth axis for the block's tiles. */
 static void scale_block(node_builder *b)
 {
     int32_t least_high = INT32_MAX, greatest_low = INT32_MIN;
@@ -139,7 +139,7 @@ static void scale_block(node_builder *b)
         least_high   = min_i32(least_high, t->xmin);
         greatest_low = max_i32(greatest_low, t->emax);
     }
-    /* the first is behind the second where all that is not on a plane is uniform, and alike */
+    /* the first is greater if all tiles that are not on a plane are uniform, and have a common depth */
     if (!axis_init(&b->axis, min_i32(least_high, greatest_low), max_i32(least_high, greatest_low))) {
         scale_by_depths(b);
         return;
@@ -160,7 +160,7 @@ static void add_tile(intervals *s, const tile_in *t)
 
 /* palettes -------------------------------------------------------------------------------------------------------------------- */
 
-/* How many depths each tile needs that has not its own yet. */
+/* Count the depths that each tile needs, except those with a private palette. */
 static void count_depths(node_builder *b)
 {
     for (tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
@@ -173,7 +173,7 @@ static void count_depths(node_builder *b)
     }
 }
 
-/* Tiles that need so many depths get their own. Returns how many that were. */
+/* Give private palettes to tiles that need at least `from` depths. Returns their number. */
 static int give_own_depths(node_builder *b, int from)
 {
     int count = 0;
@@ -185,7 +185,7 @@ static int give_own_depths(node_builder *b, int from)
     return count;
 }
 
-/* The palette is full: the tile that needs most depths gets its own. Uniform tiles alone may need more than there is room for. */
+/* The palette is full: give a private palette to the tile that needs most depths. Uniform tiles alone may need too many. */
 static void give_one_own_depths(node_builder *b)
 {
     tile_in *most = NULL;
@@ -197,17 +197,17 @@ static void give_one_own_depths(node_builder *b)
     }
     if (most->kind == TILE_UNIFORM) {
         own_plane(&most->plane, &most->ranges);
-        most->low[0]  = axis_code(&b->axis, most->emax); /* block_groups may ask it */
+        most->low[0]  = axis_code(&b->axis, most->emax); /* block_groups may use it */
         most->high[0] = axis_code(&b->axis, most->xmin);
     }
     most->kind = TILE_OWN;
 }
 
-/* The fewest depths for all tiles but those with their own; as many tiles get their own as it takes. */
+/* The fewest depths for all tiles without a private palette. Gives tiles private palettes until the palette is large enough. */
 static int block_groups(node_builder *b, stab_group groups[PALETTE_MAX + 1])
 {
     for (int counted = 0;;) {
-        intervals s; /* 4 KiB, of which the count alone has to be 0 */
+        intervals s; /* 4 KiB; only the count needs to be initialized */
         s.count = 0;
         for (const tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
             if (t->kind == TILE_PATTERN) add_tile(&s, t);
@@ -215,7 +215,7 @@ static int block_groups(node_builder *b, stab_group groups[PALETTE_MAX + 1])
             s.low[s.count]    = axis_code(&b->axis, t->emax);
             s.high[s.count++] = axis_code(&b->axis, t->xmin);
         }
-        if (!s.count) { /* all have their own: the palette is where their depths are counted from */
+        if (!s.count) { /* all tiles have private palettes: the palette's depth is only their base */
             const tile_in *first = b->tile;
             while (first->kind == TILE_PLANE) first++;
             s.low[0]  = first->low[0];
@@ -233,14 +233,14 @@ static int block_groups(node_builder *b, stab_group groups[PALETTE_MAX + 1])
     }
 }
 
-/* Of all numbers from low, 1 at least, to high the one that is a multiple of the highest power of two. */
+/* Number in [low, high] divisible by the largest power of two; low >= 1. */
 static int32_t roundest(int32_t low, int32_t high)
 {
     int bit = 31 - __builtin_clz((uint32_t)((low - 1) ^ high));
     return high >> bit << bit;
 }
 
-/* Depths within their groups, such that differences to the first are round. Returns the first. */
+/* Choose depths within their groups, with round differences to the first. Returns the first. */
 static int32_t place(block *out, const depth_axis *axis, const stab_group *groups, int count)
 {
     int32_t low = axis_depth(axis, groups[0].low), high = axis_depth(axis, groups[0].high);
@@ -256,7 +256,7 @@ static int32_t place(block *out, const depth_axis *axis, const stab_group *group
 
 enum { PALETTE_LANES = 16 };
 
-/* How many depths are less than this one. */
+/* Number of depths below this one. */
 static int count_below(const int32_t depths[PALETTE_LANES], int32_t depth)
 {
     i32x4 count = i32x4_all(0);
@@ -264,14 +264,14 @@ static int count_below(const int32_t depths[PALETTE_LANES], int32_t depth)
     return count[0] + count[1] + count[2] + count[3];
 }
 
-/* Uniform tiles [first, end) have this entry. */
+/* Give this entry to the uniform tiles [first, end). */
 static void place_run(const node_builder *b, block *out, int first, int end, int32_t entry)
 {
     for (int n = first; n < end; n++)
         if (b->tile[n].kind == TILE_UNIFORM) out->tile[n].palette = (uint16_t)entry;
 }
 
-/* Entries for uniform tiles: as those before them where they may. */
+/* Choose entries of uniform tiles: the same as the tiles before, where possible. */
 static void place_uniform(const node_builder *b, block *out, int32_t base)
 {
     int32_t   depths[PALETTE_LANES];
@@ -290,7 +290,7 @@ static void place_uniform(const node_builder *b, block *out, int32_t base)
     place_run(b, out, first, BLOCK_TILES, run.low);
 }
 
-/* The tiles that lie on a plane are left out of what follows.
+/* Find the tiles on a common plane; the following steps skip them.
  * p  [out] the plane, in voxels of the map
  * Returns the bits of those tiles. */
 static uint32_t find_plane(node_builder *b, plane *p)
@@ -322,7 +322,7 @@ static uint32_t find_plane(node_builder *b, plane *p)
     return on;
 }
 
-/* Tiles that lie on planes of their own take those: three halves, which serve at any depth. */
+/* Give tiles that lie on planes of their own these planes: three halves each, at any depth. */
 static void give_planes(node_builder *b)
 {
     for (tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
@@ -333,8 +333,8 @@ static void give_planes(node_builder *b)
     }
 }
 
-/* The palette of what does not lie on a plane.
- * codes  [out] of its depths;   Returns the first of them. */
+/* Build the palette for the tiles that are not on the plane.
+ * codes  [out] codes of its depths;   Returns the first depth. */
 static int32_t build_palette(node_builder *b, block *out, int16_t codes[PALETTE_MAX])
 {
     stab_group groups[PALETTE_MAX + 1];
@@ -346,7 +346,7 @@ static int32_t build_palette(node_builder *b, block *out, int16_t codes[PALETTE_
     return base;
 }
 
-/* The block in work, of fetched tiles.
+/* Build the current block from fetched tiles.
  * base  [out] the first depth of its palette */
 static vxs_result build_block(node_builder *b, uint32_t *id, int32_t *base)
 {
@@ -383,7 +383,8 @@ static vxs_result build_block(node_builder *b, uint32_t *id, int32_t *base)
 
 /* nodes ----------------------------------------------------------------------------------------------------------------------- */
 
-/* The bounds of the tiles of a square of the node at tile (x, y): where all of its columns are alike, so are they. */
+/* Set the bounds of the tiles of a square of the node at tile (x, y). If all columns of a square are equal, its tiles get the
+ * same bounds. */
 static vxs_result bound_tiles(node_builder *b, uint32_t level, uint32_t x, uint32_t y)
 {
     uint32_t      side = 1u << level;
@@ -403,7 +404,7 @@ static vxs_result bound_tiles(node_builder *b, uint32_t level, uint32_t x, uint3
     return r;
 }
 
-/* Beyond columns that are less than a node, a tile may be anything. */
+/* If the columns are smaller than a node, tiles outside of them may have any depth. */
 static void bound_beyond(node_builder *b)
 {
     for (uint32_t n = 0; n < NODE_TILE_COUNT; n++) {
@@ -423,7 +424,7 @@ static void add_slope(node_builder *b)
         }
 }
 
-/* What a block of the node may have as its only depth. */
+/* Range of depths that a block of the node may have as its single depth. */
 static run_range bound_block(const node_builder *b, uint32_t block_x, uint32_t block_y)
 {
     i32x4 low = i32x4_all(0), high = i32x4_all(2 * FAR_DEPTH);
@@ -434,14 +435,14 @@ static run_range bound_block(const node_builder *b, uint32_t block_x, uint32_t b
     return (run_range){i32x4_greatest(low), i32x4_least(high)};
 }
 
-/* Blocks [first, end) of one depth have this one. */
+/* Give this depth to the blocks of single depth in [first, end). */
 static void depth_of_run(node_builder *b, uint32_t first, uint32_t end, int32_t depth)
 {
     for (uint32_t n = first; n < end; n++)
         if (!(b->node.mixed >> n & 1)) b->node.depth[n] = depth;
 }
 
-/* Blocks of one depth take that of the ones before them where they may. */
+/* Blocks of a single depth take the depth of the blocks before, where possible. */
 static vxs_result build_blocks(node_builder *b)
 {
     run_range run   = {0, INT32_MAX};
@@ -463,7 +464,7 @@ static vxs_result build_blocks(node_builder *b)
     return VXS_OK;
 }
 
-/* The slope that the last node of the set has. */
+/* Slope of the last node of the set. */
 static node_slope last_slope(const block_set *s)
 {
     return s->node_count ? s->nodes[s->node_count - 1].slope : (node_slope){0, 0};

@@ -12,10 +12,10 @@
 #include "baker/coding/blocks/pattern_code.h"
 
 enum {
-    NODE_HALVES = 11, /* before the arrays of a node */
+    NODE_HALVES = 11, /* halves before the arrays of a node */
     PLANE_WORDS = 2,
-    WRITERS_MAX = 8,   /* of pages at once: each takes memory */
-    FAR_BASE    = 8192 /* bases of own tiles from here on have words of their own */
+    WRITERS_MAX = 8,   /* most threads that write pages: each needs scratch memory */
+    FAR_BASE    = 8192 /* bases of private palettes from here on have words of their own */
 };
 
 #define NODE_WIDE 1u
@@ -24,7 +24,7 @@ enum {
 
 /* nodes ----------------------------------------------------------------------------------------------------------------------- */
 
-/* Blocks that begin a new run of a depth. */
+/* Blocks that begin a new run of equal depths. */
 static uint64_t fresh_blocks(const node_shape *s)
 {
     uint64_t fresh = 0;
@@ -52,9 +52,9 @@ static uint32_t shape_words(const node_shape *s)
 
 /* blocks ---------------------------------------------------------------------------------------------------------------------- */
 
-/* What the parts of a block take. */
+/* Sizes and kinds of a block's parts. */
 typedef struct block_form {
-    uint32_t mixed, own, plane, fresh; /* bits of tiles */
+    uint32_t mixed, own, plane, fresh; /* bit masks of tiles */
     uint32_t width, shift, far;        /* of deltas: 0 bytes, 1 halves, 2 words */
     uint32_t words;
 } block_form;
@@ -88,12 +88,12 @@ static block_form form_of(const block *b)
 
 /* pages ----------------------------------------------------------------------------------------------------------------------- */
 
-/* What a page would take with what it has and a node more. */
+/* Size of a page, with a node added. */
 typedef struct page_size {
     uint32_t words, halves;
 } page_size;
 
-/* Whether a thing is not in the page yet; from now on it is, at `at`. */
+/* Whether a thing is not in the page yet. Marks it as in the page, at `at`. */
 static int is_new(in_page *p, uint32_t stamp, uint32_t at)
 {
     if (p->stamp == stamp) return 0;
@@ -101,7 +101,7 @@ static int is_new(in_page *p, uint32_t stamp, uint32_t at)
     return 1;
 }
 
-/* The patterns of a block's tiles. Returns how many there are. */
+/* The patterns of a block's tiles. Returns their number. */
 static int codes_of(const layout *l, uint32_t id, tile_code tiles[BLOCK_TILES])
 {
     block_head head;
@@ -114,14 +114,15 @@ static int codes_of(const layout *l, uint32_t id, tile_code tiles[BLOCK_TILES])
     return count;
 }
 
-/* Blocks lie apart from each other: all of a node's are fetched at once. */
+/* Blocks are scattered in memory: prefetch all blocks of a node. */
 static void fetch_blocks(const layout *l, const node_shape *shape)
 {
     for (uint64_t rest = shape->mixed; rest; rest &= rest - 1)
         __builtin_prefetch(intern_at(&l->set->blocks, shape->block[__builtin_ctzll(rest)]));
 }
 
-/* Add a node's words, and those of blocks and patterns that the page has not yet, each at its place: patterns count from half 0. */
+/* Add to a page the words of a node, and of its blocks and patterns that are not in the page yet; give them places. Patterns
+ * count from half 0. */
 static void add_to_page(const layout *l, page_scratch *s, page_size *page, const node_place *n)
 {
     const node_shape *shape = shape_of(l, n);
@@ -166,7 +167,7 @@ static void scratch_free(page_scratch *s)
     free(s->code_at[1]);
 }
 
-/* A page ends before node n. */
+/* End the page before node n. */
 static vxs_result end_page(layout *l, uint32_t n, uint32_t words)
 {
     if (!array_reserve(&l->page_end, &l->page_capacity, l->page_count + 1, sizeof *l->page_end)) return VXS_E_MEMORY;
@@ -177,8 +178,8 @@ static vxs_result end_page(layout *l, uint32_t n, uint32_t words)
     return VXS_OK;
 }
 
-/* Pages end where they are full, or where those so far come nearest to `share` words each.
- * pages  [own][code] in how many pages each pattern is, zeros before; NULL: it is not asked */
+/* End pages where they are full, or where the words so far are nearest to a multiple of `share`.
+ * pages  [own][code] zeroed; [out] number of pages with each pattern; NULL: not wanted */
 static vxs_result cut(layout *l, uint64_t share, uint32_t *const *pages)
 {
     page_scratch *s     = &l->scratch;
@@ -192,7 +193,7 @@ static vxs_result cut(layout *l, uint64_t share, uint32_t *const *pages)
         uint32_t    before = page_words(&page);
         add_to_page(l, s, &page, node);
         uint64_t middle =
-            page_place(l, l->page_count) + ((uint64_t)before + page_words(&page)) / 2; /* of this node, among all words */
+            page_place(l, l->page_count) + ((uint64_t)before + page_words(&page)) / 2; /* middle of this node among all words */
         if (n > first && (page_words(&page) > VXS_PAGE_WORDS_MAX || middle >= share * (l->page_count + 1))) {
             /* this node begins the next page */
             r     = end_page(l, n, before);
@@ -222,7 +223,7 @@ static int by_use(const void *a, const void *b)
     return (x->code > y->code) - (x->code < y->code);
 }
 
-/* One more pattern of the common pool, if there is room. */
+/* Add a pattern to the common pool, if there is space. */
 static vxs_result add_common(layout *l, const shared_code *c)
 {
     uint32_t        count;
@@ -235,7 +236,7 @@ static vxs_result add_common(layout *l, const shared_code *c)
     return VXS_OK;
 }
 
-/* Patterns of several pages are kept once, as many as there is room for.   pages  [own][code] in how many they are */
+/* Store patterns of several pages once, as many as there is space for.   pages  [own][code] number of pages with each pattern */
 static vxs_result choose_common(layout *l, uint32_t *const *pages)
 {
     size_t       all = l->codes[0].count + l->codes[1].count, count = 0;
@@ -260,7 +261,8 @@ static void size_some_blocks(void *user, size_t begin, size_t end, uint32_t work
     }
 }
 
-/* First each as full as it gets, which tells how many there have to be; then as many, alike in size, so that threads have as much to do. */
+/* First fill each page, which gives the least number of pages. Then cut again into this number of equal pages, so that threads
+ * get equal work. */
 static vxs_result cut_twice(layout *l, uint32_t *const *pages)
 {
     vxs_result r = cut(l, VXS_PAGE_WORDS_MAX, pages);
@@ -287,16 +289,16 @@ vxs_result layout_cut_pages(layout *l)
 
 /* words ----------------------------------------------------------------------------------------------------------------------- */
 
-/* A thread that writes pages. */
+/* Scratch of a thread that writes pages. */
 typedef struct page_writer {
     const layout *l;
     uint32_t     *to;
-    size_t        first, step; /* its pages */
+    size_t        first, step; /* its pages: first, first + step, ... */
     page_scratch  scratch;
     block_counts  counts;
 } page_writer;
 
-/* Halves and bytes of words, from a place on. */
+/* Writes halves and bytes into words, from a place on. */
 typedef struct half_writer {
     uint32_t *words;
     uint32_t  at;
@@ -319,7 +321,7 @@ static void put_bytes(uint32_t *words, uint32_t at, uint32_t value, uint32_t cou
     for (uint32_t n = 0; n < count; n++, at++) words[at / 4] |= (value >> 8 * n & 0xff) << 8 * (at & 3);
 }
 
-/* Returns how many words it takes. */
+/* Returns the number of words. */
 static uint32_t write_node(const page_scratch *places, uint32_t *to, const node_shape *s)
 {
     uint64_t    fresh = fresh_blocks(s);
@@ -339,7 +341,7 @@ static uint32_t write_node(const page_scratch *places, uint32_t *to, const node_
     return (w.at + 1) / 2;
 }
 
-/* pool  the half of the page where its patterns begin */
+/* pool  half of the page where its patterns begin */
 static void write_block(const layout *l, const page_scratch *s, uint32_t *to, const block *b, block_form f, uint32_t pool)
 {
     uint32_t word = 2, byte, nibbles = 0;
@@ -378,7 +380,7 @@ static void write_pattern(const layout *l, uint32_t *to, uint32_t half, int own,
     for (uint32_t n = 0; n < count; n++) put_half(&w, halves[n]);
 }
 
-/* The patterns that a block is the first of its page to use. */
+/* Write the patterns that no earlier block of the page uses. */
 static void write_block_patterns(page_writer *w, uint32_t *to, const block *b, uint32_t pool, uint32_t *next_half)
 {
     const layout *l = w->l;
@@ -402,7 +404,7 @@ static void count_block(block_counts *c, const block_form *f)
     c->own_tiles += (uint32_t)__builtin_popcount(f->own);
 }
 
-/* Write what a page holds.   words  zeros */
+/* Write the contents of a page.   words  zeroed */
 static void write_page(page_writer *w, size_t page, uint32_t *words)
 {
     const layout *l     = w->l;
@@ -446,7 +448,7 @@ static void add_counts(block_counts *to, const block_counts *c)
     to->pattern_words += c->pattern_words;
 }
 
-/* Each writer takes every so many pages: what it needs to know of a page is as large as all that pages can hold. */
+/* Each writer takes every step-th page: its scratch is as large as all that pages can contain, so there are few writers. */
 static void write_some_pages(void *user, size_t begin, size_t end, uint32_t worker)
 {
     page_writer *w = user;

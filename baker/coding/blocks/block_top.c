@@ -10,7 +10,7 @@
 
 enum { CELL_SIDE = 8, CELL_WORDS = 2 * CELL_SIDE * CELL_SIDE };
 
-/* The entries of all squares of a map, two words each, rows of squares. */
+/* Entries of all squares of a map, two words each, by rows of squares. */
 typedef struct map_entries {
     uint32_t *words;
     uint32_t  side;
@@ -32,7 +32,7 @@ static void put_node(const layout *l, map_entries *e, const node_place *n)
     entry[1] = n->base | min_u32(from->emin >> coarse, 255) << 16 | min_u32(from->xmax >> coarse, 255) << 24;
 }
 
-/* The next words of the tops. NULL without memory. */
+/* Allocate the next words of the tops. NULL without memory. */
 static uint32_t *more_top(layout *l, size_t count)
 {
     if (!array_reserve(&l->top, &l->top_capacity, l->top_count + count, sizeof *l->top)) return NULL;
@@ -40,7 +40,7 @@ static uint32_t *more_top(layout *l, size_t count)
     return l->top + l->top_count - count;
 }
 
-/* Copy the entries of cell (x, y).   Returns 1 when all of them are one depth. */
+/* Copy the entries of cell (x, y).   Returns 1 if all of them have the same single depth. */
 static int copy_cell(const map_entries *e, z_place cell, uint32_t to[CELL_WORDS])
 {
     int alike = 1;
@@ -51,7 +51,7 @@ static int copy_cell(const map_entries *e, z_place cell, uint32_t to[CELL_WORDS]
     return alike;
 }
 
-/* Cells, and behind them, in z order, the entries of those that are not of one depth. */
+/* Write the cells, then, in z order, the entries of cells without a single depth. */
 static vxs_result put_cells(layout *l, const map_entries *e)
 {
     uint32_t cells = e->side / CELL_SIDE, words[CELL_WORDS];

@@ -38,10 +38,10 @@ block block_at(const block_set *s, uint32_t id)
     return b;
 }
 
-/* The ids in `s` of the patterns of `from`, both kinds of them. */
+/* New ids in `s` for the patterns of `from`, of both kinds. */
 typedef struct new_ids {
     uint32_t *pattern, *own;
-    int32_t  *own_base; /* what is added to the bases of tiles */
+    int32_t  *own_base; /* added to the bases of tiles */
 } new_ids;
 
 static vxs_result merge_patterns(block_set *s, const block_set *from, new_ids *ids)
@@ -64,7 +64,7 @@ static vxs_result merge_patterns(block_set *s, const block_set *from, new_ids *i
     return VXS_OK;
 }
 
-/* Blocks are renumbered where they lie, some ahead of the one that is looked for. */
+/* Blocks are renumbered in place, some of them before the loop reaches them. */
 static vxs_result merge_blocks(block_set *s, block_set *from, const new_ids *ids, uint32_t *block_ids)
 {
     enum { AHEAD = 16 };

@@ -1,4 +1,4 @@
-/* Depths of a block on a scale of halves; see depth_axis.h.
+/* Maps the depths of a block to 16-bit codes; see depth_axis.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/coding/blocks/depth_axis.h"
 
@@ -12,12 +12,12 @@ int axis_init(depth_axis *a, int32_t least_high, int32_t greatest_low)
     return greatest_low - a->floor <= INT16_MAX - AXIS_MARGIN;
 }
 
-/* A depth that occurs, and where among all of them. */
+/* A depth, and its index in the input. */
 typedef struct placed_depth {
     int32_t depth, place;
 } placed_depth;
 
-/* From `from` to `to`, in the order of one byte of what depths lie behind the least; what is equal in it stays in its order. */
+/* A stable radix sort step: by one byte of the depths relative to `least`. */
 static void order_by_byte(placed_depth *to, const placed_depth *from, int count, int32_t least, int shift)
 {
     int next[256] = {0}, before = 0;

@@ -1,4 +1,4 @@
-/* Patterns with depths of their own; see own_patterns.h.
+/* Private-palette patterns; see own_patterns.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/coding/blocks/own_patterns.h"
 
@@ -16,9 +16,9 @@
 #include <immintrin.h>
 #endif
 
-enum { PAIRS = 4, GROUP = 16, SHIFTS = 8, MARGIN = 1024, BYTES_HALVES_MIN = 19 /* that depths in bytes take */ };
+enum { PAIRS = 4, GROUP = 16, SHIFTS = 8, MARGIN = 1024, BYTES_HALVES_MIN = 19 /* least size of depths in bytes */ };
 
-/* Texels that are compared first, spread over the tile: how much deeper the second of a pair is than the first does not depend on a base. */
+/* Pairs of texels that are compared first, spread over the tile: the depth difference of a pair does not depend on the base. */
 static const int pair_texels[PAIRS][2] = {{0, 63}, {22, 41}, {15, 51}, {28, 37}};
 
 typedef struct own_known {
@@ -26,12 +26,12 @@ typedef struct own_known {
     uint32_t id;
 } own_known;
 
-/* The pairs of patterns, which are searched so many at a time. */
+/* Pairs of GROUP patterns, which are searched at once. */
 typedef struct own_group {
     int16_t deeper[PAIRS][GROUP];
 } own_group;
 
-/* Ranges in halves, from `floor` on; nothing that could be chosen is lost. */
+/* Ranges in 16 bits, relative to `floor`; clamping excludes no choice. */
 typedef struct half_ranges {
     int16_t low[64], high[64];
     int32_t floor;
@@ -44,7 +44,7 @@ static int32_t greatest_low(const tile_ranges *t)
     return greatest;
 }
 
-/* 0: the depths lie too far apart. */
+/* Returns 0 if the depths span too much. */
 static int ranges_in_halves(half_ranges *h, const tile_ranges *t)
 {
     h->floor = least_high(t) - MARGIN;
@@ -57,7 +57,7 @@ static int ranges_in_halves(half_ranges *h, const tile_ranges *t)
     return 1;
 }
 
-/* Whether there is a base at which all depths lie in their ranges. */
+/* Whether there is a base with which all depths are in their ranges. */
 static int fits_at(const half_ranges *t, const int16_t depth[64], int *base)
 {
     i16x8 least = i16x8_all(0), most = i16x8_all(INT16_MAX);
@@ -71,12 +71,12 @@ static int fits_at(const half_ranges *t, const int16_t depth[64], int *base)
     return *base <= i16x8_least(most);
 }
 
-/* How much deeper the second texel of each pair may be. */
+/* Range of the depth difference of each pair. */
 typedef struct pair_ranges {
     int16_t low[PAIRS], high[PAIRS];
 } pair_ranges;
 
-/* Which patterns of a group the pairs do not rule out, as bits. */
+/* Bits of the patterns of a group that the pairs do not rule out. */
 typedef uint32_t find_possible(const own_group *g, const pair_ranges *r);
 
 static ALWAYS_INLINE uint32_t possible(const own_group *g, const pair_ranges *r)
@@ -166,7 +166,7 @@ static void exchange_pairs(own_set *s, size_t a, size_t b)
     }
 }
 
-/* Halfway to where searches begin. */
+/* Move a pattern halfway to where searches begin. */
 static void move_up(own_set *s, size_t at)
 {
     size_t    to  = at + (s->known_count - at) / 2;
@@ -178,7 +178,7 @@ static void move_up(own_set *s, size_t at)
 
 /* choosing -------------------------------------------------------------------------------------------------------------------- */
 
-/* What the texels before say of one: a plane through three of them, or a line through two. */
+/* Predict a depth from earlier texels: by a plane through three of them, or a line through two. */
 static int32_t predicted(int32_t d[8][8], int x, int y)
 {
     if (x && y) return d[y][x - 1] + d[y - 1][x] - d[y - 1][x - 1];
@@ -186,7 +186,8 @@ static int32_t predicted(int32_t d[8][8], int x, int y)
     return y > 1 ? 2 * d[y - 1][0] - d[y - 2][0] : d[0][0];
 }
 
-/* Depths in bytes, in steps of 1 << shift, each as near to what is predicted as it may be. 0: they don't fit. */
+/* Choose depths in bytes, in steps of 1 << shift, each as near to its prediction as its range allows. Returns 0 if they do not
+ * fit. */
 static int choose_bytes(own_pattern *p, const tile_ranges *t, int shift, int32_t *base)
 {
     int32_t first = least_high(t), last = greatest_low(t), step = 1 << shift, d[8][8], least = 255;
@@ -207,7 +208,7 @@ static int choose_bytes(own_pattern *p, const tile_ranges *t, int shift, int32_t
     return 1;
 }
 
-/* As few different depths as there may be. */
+/* Choose as few distinct depths as possible. */
 static void choose_few(own_pattern *p, const half_ranges *t, int32_t *base)
 {
     intervals  s;
@@ -217,7 +218,7 @@ static void choose_few(own_pattern *p, const half_ranges *t, int32_t *base)
     s.count = 64;
     memcpy(s.low, t->low, sizeof t->low);
     memcpy(s.high, t->high, sizeof t->high);
-    int count = minimum_stabbing_set(&s, groups, 64, CPU_SSE2); /* seldom asked */
+    int count = minimum_stabbing_set(&s, groups, 64, CPU_SSE2); /* rarely called */
     for (int n = 0; n < count; n++) points[n] = groups[n].low;
     points_of_ranges(t->low, t->high, points, count, low, high);
     pattern_choose_within(low, high, index);
@@ -225,14 +226,14 @@ static void choose_few(own_pattern *p, const half_ranges *t, int32_t *base)
     *base = t->floor + groups[0].low;
 }
 
-/* Depths far apart: each as near to the first as it may be. */
+/* For depths that span much: choose each as near to the first as its range allows. */
 static void choose_any(own_pattern *p, const tile_ranges *t, int32_t *base)
 {
     *base = least_high(t);
     for (int n = 0; n < 64; n++) p->depth[n] = t->low[n] > *base ? t->low[n] - *base : 0;
 }
 
-/* The least depth becomes 0. */
+/* Make the least depth 0. */
 static void count_from_least(own_pattern *p, int32_t *base)
 {
     int32_t least = p->depth[0];
@@ -241,7 +242,7 @@ static void count_from_least(own_pattern *p, int32_t *base)
     *base += least;
 }
 
-/* Depths that take few halves: as few as there may be, or bytes. Returns how many it takes. */
+/* Choose depths that take few halves: few distinct ones, or bytes. Returns the number of halves. */
 static uint32_t choose_depths(own_pattern *p, const tile_ranges *t, const half_ranges *halves, int32_t *base)
 {
     uint16_t    code[OWN_HALVES_MAX];
@@ -265,7 +266,7 @@ static uint32_t choose_depths(own_pattern *p, const tile_ranges *t, const half_r
     return halves_of_few;
 }
 
-/* Whether a search can compare all depths. */
+/* Whether a search can compare all depths in 16 bits. */
 static int in_halves(const int32_t depth[64])
 {
     for (int n = 0; n < 64; n++)
@@ -281,7 +282,7 @@ static void take_planes(own_pattern *p, const own_planes *planes, int32_t *base)
     *base           = planes->base;
 }
 
-/* A plane, or depths, or two planes if they take less for sure. */
+/* Choose one plane, or depths, or two planes if these are certain to take less. */
 static void choose(own_pattern *p, const tile_ranges *t, const half_ranges *halves, const own_planes *one, int32_t *base)
 {
     own_planes pair;
@@ -301,7 +302,7 @@ uint32_t own_pattern_encode(const own_pattern *p, uint16_t *halves)
     return p->plane_halves;
 }
 
-/* The pattern stands for one more tile. */
+/* Narrow the pattern's ranges by one more tile. */
 static void narrow(own_pattern *p, const tile_ranges *t, int32_t base)
 {
     for (int n = 0; n < 64; n++) {
@@ -326,7 +327,7 @@ static vxs_result remember(own_set *s, const own_pattern *p, uint32_t id)
     return VXS_OK;
 }
 
-/* A pattern that none known fits.   like  what it is; NULL: it is chosen, and may be the plane `one` */
+/* Add a new pattern.   like  the pattern to copy; NULL: choose one, which may be the plane `one` */
 static vxs_result add(own_set *s, const tile_ranges *t, const half_ranges *halves, const own_planes *one, const own_pattern *like,
                       uint32_t *id, int32_t *base)
 {

@@ -1,4 +1,5 @@
-/* Patterns of tiles with many depths: 64 depths relative to a base, shared wherever tiles may have the same ones, at any base.
+/* Private-palette patterns, for tiles with many depths: 64 depths relative to a base. Tiles whose ranges allow it share a pattern,
+ * with different bases.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef OWN_PATTERNS_H
 #define OWN_PATTERNS_H
@@ -9,13 +10,13 @@
 #include "baker/coding/blocks/own_planes.h"
 #include "formats/vxs_result.h"
 
-enum { OWN_WINDOW = 1024 }; /* patterns that a tile is compared with */
+enum { OWN_WINDOW = 1024 }; /* number of patterns that a tile is compared with */
 
 typedef struct own_pattern {
-    int32_t     depth[64]; /* none below 0 */
-    tile_ranges may;       /* what all tiles that have it allow, from their bases on */
+    int32_t     depth[64]; /* all >= 0 */
+    tile_ranges may;       /* intersection of the ranges of all its tiles, relative to their bases */
     uint32_t    plane_halves;
-    uint16_t    planes[OWN_PLANES_HALVES_MAX]; /* [plane_halves] the pattern, if it is planes */
+    uint16_t    planes[OWN_PLANES_HALVES_MAX]; /* [plane_halves] the pattern as planes, if it is planes */
 } own_pattern;
 
 /* Zero it. */
@@ -23,23 +24,24 @@ typedef struct own_set {
     own_pattern *patterns; /* by id */
     size_t       count, pattern_capacity;
 
-    /* as they are searched, the last first; those with depths that fit into halves */
+    /* search order is last to first; only patterns whose depths fit into halves */
     struct own_known *known;
     struct own_group *groups;
     size_t            known_count, known_capacity, group_capacity;
-    int               cpu; /* [in] what searches may use, of cpu.h: it decides on time alone */
+    int               cpu; /* [in] level of cpu.h for searches; affects only time */
 } own_set;
 
-/* A pattern that fits, or a new one: planes, or depths that follow their neighbours as far as they may.
- * one   what own_plane found for the ranges
- * id    [out];   base  [out] what is added to its depths
+/* Find a pattern that fits, or add one: planes, or depths that follow their neighbours as far as the ranges allow.
+ * one   result of own_plane for the ranges
+ * id    [out];   base  [out] added to the pattern's depths
  * Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result own_find(own_set *s, const tile_ranges *t, const own_planes *one, uint32_t *id, int32_t *base);
 
-/* The same for what all tiles of a pattern of another set allow; where none fits, the pattern itself. */
+/* The same for a pattern of another set, within the ranges that its tiles allow. If no pattern fits, the pattern itself is
+ * added. */
 vxs_result own_adopt(own_set *s, const own_pattern *p, uint32_t *id, int32_t *base);
 
-/* How many halves a pattern takes.   halves  [out] [OWN_HALVES_MAX] */
+/* Number of halves of a pattern.   halves  [out] [OWN_HALVES_MAX] */
 uint32_t own_pattern_encode(const own_pattern *p, uint16_t *halves);
 
 void own_set_free(own_set *s);

@@ -14,12 +14,12 @@ enum {
     FARTHER,
     BY_MASK,
     FAR_SHIFT_MAX = 5,
-    PLANE_PART    = PLANE_ONE / 4, /* least depths are so many parts of a voxel */
-    FIRST_PARTS   = 3,             /* bits where they are */
+    PLANE_PART    = PLANE_ONE / 4, /* unit of least depths */
+    FIRST_PARTS   = 3,             /* bits of their fraction */
     SECOND_PARTS  = 5
 };
 
-/* What is so far away that any plane may pass it; where none may, what was found is not right, and is not taken. */
+/* A range that any plane may pass. If the true range forbids it, the result is found invalid later, and is not used. */
 enum { FAR_VX = PLANE_FREE / PLANE_ONE };
 
 void plane_ranges_of(plane_ranges *to, const tile_ranges *t, int32_t from)
@@ -41,7 +41,7 @@ static uint16_t slope_half(int32_t slope, int shift)
     return (uint16_t)(slope >> shift);
 }
 
-/* The plane comes nearer by all whole voxels of its least depth. Returns those. */
+/* Subtract the whole voxels of the plane's least depth. Returns them. */
 static int32_t whole_voxels(plane *p)
 {
     int32_t whole = p->least >> 8;
@@ -54,7 +54,7 @@ static int parts(const plane *p)
     return p->least / PLANE_PART;
 }
 
-/* Whether each depth lies in its range. */
+/* Whether each depth is in its range. */
 static int all_fit(const tile_ranges *t, const int32_t depth[64], int32_t base)
 {
     i32x4 off = i32x4_all(0);
@@ -88,16 +88,16 @@ void own_plane(own_planes *to, const tile_ranges *t)
     to->count     = OWN_PLANE_HALVES;
 }
 
-/* Two planes as they are written: from the nearer one on, with slopes in the same steps. */
+/* Two planes in their stored form: relative to the nearer one, with slopes in the same unit. */
 typedef struct plane_pair {
     plane    p[2];
     uint64_t second; /* texels of the second one */
     int      shift;
     int32_t  base;
-    uint32_t far, far_shift; /* the second one's least depth, without its parts: far << far_shift */
+    uint32_t far, far_shift; /* integer part of the second one's least depth: far << far_shift */
 } plane_pair;
 
-/* 0: they cannot be written. */
+/* Returns 0 if they cannot be stored. */
 static int prepare_pair(plane_pair *pair)
 {
     plane *p = pair->p;
@@ -132,7 +132,7 @@ static void depths_of_pair(const plane_pair *pair, int kind, int32_t depth[64])
         }
 }
 
-/* Returns how many halves, or 0: there is a texel that it does not suit. */
+/* Returns the number of halves; 0: some texel's range does not contain its plane. */
 static uint32_t encode_pair(own_planes *to, plane_pair pair, int kind, const tile_ranges *t, int32_t from)
 {
     if (!prepare_pair(&pair)) return 0;
@@ -162,7 +162,7 @@ void own_plane_pair(own_planes *to, const tile_ranges *t)
     if (!plane_fit_pair(found.p, &found.second, &ranges)) return;
     if (!found.second) found.p[1] = found.p[0];
     for (int kind = NEARER; kind <= FARTHER && !to->count; kind++) {
-        /* where they meet, each lies beyond the other's texels: no mask is needed */
+        /* if the texels of each plane end where the planes meet, no mask is needed */
         plane_pair   pair   = found;
         plane_others others = kind == NEARER ? OTHERS_BEHIND : OTHERS_BEFORE;
         if (!plane_fit_texels(&pair.p[0], &ranges, ~pair.second, others)) continue;

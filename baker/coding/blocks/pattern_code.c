@@ -1,4 +1,4 @@
-/* Patterns as halves; see pattern_code.h.
+/* Encodes patterns as halves; see pattern_code.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/coding/blocks/pattern_code.h"
 
@@ -9,7 +9,7 @@
 enum { STATE_LIT, STATE_DARK, STATE_OWN, STATE_SAME, IMAGE = 0xff };
 enum { OWN_BYTES, OWN_HALVES, OWN_WORDS, RAW_NIBBLES, RAW_BYTES };
 
-/* Bytes are the low and the high byte of halves in turn. */
+/* Bytes are stored low byte first in halves. */
 static void put_byte(uint16_t *halves, uint32_t at, uint32_t byte)
 {
     if (at & 1)
@@ -18,7 +18,7 @@ static void put_byte(uint16_t *halves, uint32_t at, uint32_t byte)
         halves[at / 2] = (uint16_t)byte;
 }
 
-/* Texels below 32 in the low nibbles of 32 bytes, the others in the high ones. */
+/* Texels below 32 are in the low nibbles of 32 bytes, the others in the high nibbles. */
 static void put_nibbles(uint16_t *halves, const uint8_t nibble[64])
 {
     for (uint32_t n = 0; n < 32; n++) put_byte(halves, n, nibble[n] | (uint32_t)nibble[n + 32] << 4);
@@ -52,10 +52,10 @@ uint32_t pattern_encode(const uint8_t index[64], int depths, uint16_t *halves)
     return head + count;
 }
 
-/* patterns with depths of their own ------------------------------------------------------------------------------------------- */
+/* private-palette patterns ---------------------------------------------------------------------------------------------------- */
 
-/* The depths that there are, ascending. Each is looked for from where the one before it is: neighbours are alike.
- * Returns how many, or OWN_DEPTHS_MAX + 1. */
+/* The distinct depths, ascending. Each search starts at the previous texel's depth, because neighbours are similar.
+ * Returns their number, or OWN_DEPTHS_MAX + 1. */
 static int depths_of(const int32_t depth[64], int32_t *list)
 {
     int count = 0, at = 0;
@@ -70,7 +70,7 @@ static int depths_of(const int32_t depth[64], int32_t *list)
     return count;
 }
 
-/* A palette and a pattern; 0: there are too many depths. */
+/* Encode as a palette and a pattern. Returns 0 if there are too many depths. */
 static uint32_t encode_palette(const int32_t depth[64], int shift, int32_t greatest, uint16_t *halves)
 {
     int32_t  list[OWN_DEPTHS_MAX + 1];
@@ -97,7 +97,7 @@ static uint32_t encode_palette(const int32_t depth[64], int shift, int32_t great
     return at + pattern_encode(index, count, halves + at);
 }
 
-/* Nibbles on bases of the quadrants; 0: the depths of one lie too far apart. */
+/* Encode as nibbles over a base for each quadrant. Returns 0 if the depths of a quadrant span too much. */
 static uint32_t encode_nibbles(const int32_t depth[64], int shift, uint16_t *halves)
 {
     uint8_t nibble[64];
@@ -116,7 +116,7 @@ static uint32_t encode_nibbles(const int32_t depth[64], int shift, uint16_t *hal
     return 19;
 }
 
-/* bytes  of each depth */
+/* bytes  per depth */
 static void encode_raw(const int32_t depth[64], int shift, uint32_t bytes, uint16_t *halves)
 {
     halves[0] = (uint16_t)((RAW_BYTES + bytes - 1) << 12 | (uint32_t)shift << 8);

@@ -1,4 +1,4 @@
-/* Patterns as lookups read them: halves (formats/vxs.md, "Patterns").
+/* Encodes patterns as halves for lookups (formats/vxs.md, "Patterns").
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef PATTERN_CODE_H
 #define PATTERN_CODE_H
@@ -7,7 +7,7 @@
 
 enum { PATTERN_HALVES_MAX = 17, OWN_HALVES_MAX = 97, OWN_DEPTHS_MAX = 16 };
 
-/* How far depths, whose bits are or-ed together, may be shifted without a loss: 15 at most. */
+/* Number of trailing zero bits that depths have in common, at most 15.   bits  the depths, or-ed together */
 static inline uint32_t common_shift(uint32_t bits)
 {
     uint32_t shift = 0;
@@ -15,11 +15,11 @@ static inline uint32_t common_shift(uint32_t bits)
     return shift;
 }
 
-/* index  [64] the depth of each texel, [0, depths);   depths  [2, OWN_DEPTHS_MAX];   halves  [out] [PATTERN_HALVES_MAX]
- * Returns how many halves it takes. */
+/* index  [64] depth of each texel, [0, depths);   depths  [2, OWN_DEPTHS_MAX];   halves  [out] [PATTERN_HALVES_MAX]
+ * Returns the number of halves. */
 uint32_t pattern_encode(const uint8_t index[64], int depths, uint16_t *halves);
 
-/* depth  [64] each [0, 2^24);   halves  [out] [OWN_HALVES_MAX]. Returns how many it takes, in the form that takes fewest. */
+/* depth  [64] each [0, 2^24);   halves  [out] [OWN_HALVES_MAX]. Returns the number of halves, in the smallest form. */
 uint32_t own_encode(const int32_t depth[64], uint16_t *halves);
 
 #endif

@@ -14,7 +14,7 @@
 
 enum { DARK, LIT, MASK_ROWS };
 
-/* The rows of a mask, DARK and LIT, `capacity` apart. */
+/* Rows of a mask, DARK and LIT, `capacity` apart. */
 static uint64_t *mask_rows(const pattern_class *c, int mask)
 {
     return c->needs + (size_t)(MASK_ROWS * mask) * c->capacity;
@@ -48,7 +48,8 @@ static void swap_u64(uint64_t *a, uint64_t *b)
     *b           = was;
 }
 
-/* The pattern at `at` takes on what a tile needs, and moves halfway to where searches begin: what is used often is found soon. */
+/* Add a tile's needs to the pattern at `at`, and move it halfway to where searches begin, so that frequent patterns are found
+ * fast. */
 static uint32_t take(pattern_class *c, size_t at, const mask_need *needs, int masks)
 {
     size_t   to = at + (c->count - at) / 2;
@@ -65,8 +66,7 @@ static uint32_t take(pattern_class *c, size_t at, const mask_need *needs, int ma
     return id;
 }
 
-/* Which of the 16 patterns whose rows are these agree with what a mask needs. Behind the last pattern there may be places without one, of
- * which the bits say nothing. */
+/* Which of 16 patterns agree with the needs of a mask, from their rows. Bits of places behind the last pattern are undefined. */
 typedef uint32_t find_agreeing(const uint64_t *dark, const uint64_t *lit, mask_need need);
 
 static ALWAYS_INLINE uint32_t agreeing(const uint64_t *dark, const uint64_t *lit, mask_need need)
@@ -77,7 +77,7 @@ static ALWAYS_INLINE uint32_t agreeing(const uint64_t *dark, const uint64_t *lit
     return u64x2_zeros(against);
 }
 
-/* The mask that needs most, which is looked at first. */
+/* Index of the mask with the most needs; it is compared first. */
 static int neediest(const mask_need *needs, int masks)
 {
     int found = 0, most = -1;
@@ -90,8 +90,9 @@ static int neediest(const mask_need *needs, int masks)
     return found;
 }
 
-/* Of places [stop, end), the last 16 or fewer of which some agree with what a mask needs.   from  [out] the first of those
- * Returns which of them agree; 0: none of all does. */
+/* Search places [stop, end) from the last, 16 at a time, for patterns that agree with the needs of a mask.   from  [out] first
+ * of the 16
+ * Returns the bits of those that agree; 0: none. */
 static ALWAYS_INLINE uint32_t last_agreeing(find_agreeing *find, const uint64_t *dark, const uint64_t *lit, mask_need need,
                                             size_t stop, size_t end, size_t *from)
 {
@@ -105,7 +106,7 @@ static ALWAYS_INLINE uint32_t last_agreeing(find_agreeing *find, const uint64_t 
     return end > stop ? find(dark + stop, lit + stop, need) & ((1u << (end - stop)) - 1) : 0;
 }
 
-/* The last place of a pattern that agrees in all, or the count: none. 16 patterns are looked at at a time, mask by mask. */
+/* The last pattern that agrees in all masks, or the count: none. Compares 16 patterns at a time, mask by mask. */
 static ALWAYS_INLINE size_t search_by(find_agreeing *find, const pattern_class *c, const mask_need *needs, int masks)
 {
     const int       first = neediest(needs, masks);
@@ -157,7 +158,7 @@ static size_t search(int cpu, const pattern_class *c, const mask_need *needs, in
     return search_plain(c, needs, masks);
 }
 
-/* One more pattern, where searches begin. */
+/* Append a pattern, where searches begin. */
 static vxs_result append(pattern_class *c, const mask_need *needs, int masks, uint32_t id)
 {
     if (c->count == c->capacity && class_grow(c, masks) != VXS_OK) return VXS_E_MEMORY;
@@ -202,9 +203,9 @@ void pattern_needs(const pattern_set *s, int depths, size_t n, mask_need *needs)
 
 /* choosing -------------------------------------------------------------------------------------------------------------------- */
 
-/* The fewest depths that each quadrant can do with, by piercing its ranges from the front: a depth is used where a range ends at it that has
- * none yet, and all that have none take it, if they may.
- * used  [out] the bits of those of each quadrant;   index  [out] [64] of each texel */
+/* The fewest depths for each quadrant, by stabbing its ranges from the front: where a range without a depth ends, its last depth is
+ * used, and all ranges without a depth that contain it take it.
+ * used  [out] bits of the depths of each quadrant;   index  [out] [64] of each texel */
 static void choose_in_quadrants(const uint8_t low[64], const uint8_t high[64], uint64_t used[4], uint8_t index[64])
 {
     uint64_t left = UINT64_MAX;
@@ -223,7 +224,7 @@ static void choose_in_quadrants(const uint8_t low[64], const uint8_t high[64], u
     }
 }
 
-/* A texel takes the depth of a neighbour that was met before, where it may and its quadrant uses it: masks get plain outlines. */
+/* Give a texel the depth of an earlier neighbour if its range and quadrant have that depth: masks get simple outlines. */
 static void follow_neighbours(const uint8_t *low, const uint8_t *high, const uint64_t used[4], uint8_t *index)
 {
     static const int beside[4][2] = {{-1, 0}, {0, -1}, {-1, -1}, {1, -1}};

@@ -1,8 +1,8 @@
 /* Planes through ranges; see plane.h.
  *
- * Of the texels that a plane misses by most, in front and behind, the two together say more than that it misses: they bound the room of
- * every plane, by a function that is linear in its slopes. Slopes move to the nearest that all bounds so far leave room; where there are
- * none, no plane has it.
+ * Take the two texels that a plane misses by most, one in front and one behind. Together they bound the room of every plane by a
+ * function that is linear in its slopes. The slopes move to the nearest ones for which all bounds so far leave room. If there
+ * are none, no plane exists.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/coding/blocks/plane.h"
 
@@ -13,14 +13,14 @@
 #include "baker/coding/blocks/patterns.h"
 
 enum {
-    MOVES       = 7,                 /* of a plane, until it is given up */
-    ROOM        = PLANE_ONE - 1,     /* that is looked for: with it one of the depths in reach is a whole voxel */
-    ROOM_LEAST  = PLANE_ONE / 4,     /* where there is no such plane: depths of own planes are in such parts */
-    SPARE       = 8,                 /* for slopes that are rounded */
-    SLOPE_ZEROS = 5,                 /* bits that slopes may do without */
-    SLOPE_END   = PLANE_FREE / 64,   /* so that depths in an area of 32 x 32 texels are exact */
-    NEAR        = 3 * PLANE_ONE / 2, /* texels that may yet join a plane */
-    WINDOW      = 3                  /* side of the areas that pairs of planes start from */
+    MOVES       = 7,                 /* most moves of a plane */
+    ROOM        = PLANE_ONE - 1,     /* wanted room: one of the possible depths is then a whole voxel */
+    ROOM_LEAST  = PLANE_ONE / 4,     /* least room otherwise: the unit of depths of private planes */
+    SPARE       = 8,                 /* additional room, for rounding of slopes */
+    SLOPE_ZEROS = 5,                 /* low bits of slopes that may be rounded to zero */
+    SLOPE_END   = PLANE_FREE / 64,   /* limit for which depths in an area of 32 x 32 texels are exact */
+    NEAR        = 3 * PLANE_ONE / 2, /* distance of texels that may still join a plane */
+    WINDOW      = 3                  /* side of the areas from which pairs of planes start */
 };
 
 int plane_shift(const plane *p)
@@ -30,10 +30,10 @@ int plane_shift(const plane *p)
     return shift;
 }
 
-/* Which depths at texel (0, 0) of the area are right for all texels. */
+/* Range of depths at texel (0, 0) of the area for which the plane passes through all ranges. */
 typedef struct plane_room {
     float   low, high;
-    int32_t low_in, high_in; /* the quadrant that leaves no more, in front and behind: four of each tile, [0, 4 * count) */
+    int32_t low_in, high_in; /* quadrants that limit it, in front and behind: four for each tile, [0, 4 * count) */
 } plane_room;
 
 static inline float size_of(const plane_room *r)
@@ -41,7 +41,7 @@ static inline float size_of(const plane_room *r)
     return r->high - r->low;
 }
 
-/* Depths at the rows of a quadrant: the first one, and how much deeper each other is than the one before. */
+/* Depths in the rows of a quadrant: the first row, and the differences to the next rows. */
 typedef struct quadrant_depths {
     f32x4 first, down;
 } quadrant_depths;
@@ -94,7 +94,7 @@ typedef struct texel_place {
     int32_t x, y;
 } texel_place;
 
-/* Where the room ends: the first texel of a quadrant whose range does.   ranges  its low ones, or its high ones */
+/* The first texel of a quadrant whose range ends at the end of the room.   ranges  low ones, or high ones */
 static texel_place bounding_texel(const plane *p, const plane_ranges *t, int q, const float *ranges, float end)
 {
     quadrant_depths at = depths_at(p, t, q);
@@ -105,7 +105,7 @@ static texel_place bounding_texel(const plane *p, const plane_ranges *t, int q, 
     return (texel_place){t->x + 4 * (q & 1) + n % 4, t->y + 4 * (q >> 1) + n / 4};
 }
 
-/* Planes have no more room than rest + across * x + down * y: two texels, one in front and one behind, leave no more. */
+/* A bound: planes have at most rest + across * x + down * y room, because of two texels, one in front and one behind. */
 typedef struct room_bound {
     double x, y, rest;
 } room_bound;
@@ -119,8 +119,9 @@ static room_bound bound_of(const plane *p, const plane_room *room, const plane_r
     return (room_bound){x, y, (double)size_of(room) - x * p->across - y * p->down};
 }
 
-/* Move the slopes to the nearest that all bounds leave `room`: all but the last do where they are, so that it is on the line where the last
- * one leaves just so much, and each of the others leaves a part of that. 0: there are none, or they are too steep. */
+/* Move the slopes to the nearest ones for which all bounds leave `room`. Only the last bound is violated now. So the result is on
+ * the line where the last bound leaves exactly `room`, in the part that each other bound allows. Returns 0 if there is none, or
+ * it is too steep. */
 static int move(plane *p, const room_bound *bounds, int count, double room)
 {
     const room_bound *last   = &bounds[count - 1];
@@ -147,7 +148,7 @@ static int move(plane *p, const room_bound *bounds, int count, double room)
     return 1;
 }
 
-/* Of all numbers from low to high, low being less, a multiple of the highest power of two up to PLANE_ONE. */
+/* Number in [low, high] divisible by the largest power of two, up to PLANE_ONE; low < high. */
 static int32_t roundest(int32_t low, int32_t high)
 {
     for (int32_t step = PLANE_ONE; step > 1; step /= 2)
@@ -155,13 +156,13 @@ static int32_t roundest(int32_t low, int32_t high)
     return high;
 }
 
-/* How much deeper texel (0, 0) of an area is than its least corner. */
+/* Depth of texel (0, 0) of an area relative to the least corner. */
 static int32_t first_over_least(const plane *p, int32_t side)
 {
     return (p->across < 0 ? -p->across * (side - 1) : 0) + (p->down < 0 ? -p->down * (side - 1) : 0);
 }
 
-/* Where in the room. */
+/* Choose the depth within the room. */
 static void place(plane *p, const plane_room *room, int32_t side)
 {
     int32_t over = first_over_least(p, side);
@@ -176,7 +177,7 @@ int plane_place(plane *p, const plane_ranges *const *tiles, int count, int32_t s
     return 1;
 }
 
-/* The slopes with most room of those that are met until there is enough.   Returns 0 where none have any. */
+/* Move slopes until there is enough room, and keep those with most room.   Returns 0 if none have room. */
 static int find_slopes(plane *p, plane_room *room, const plane_ranges *const *tiles, int count)
 {
     plane      at  = *p;
@@ -285,7 +286,7 @@ uint64_t plane_texels(const plane *p, const plane_ranges *t, int32_t margin)
     return texels;
 }
 
-/* Slopes between a texel and its neighbours, as a start for a set of texels. */
+/* Start slopes for a set of texels, from differences of neighbours. */
 static plane start_of_texels(const plane_ranges *t, uint64_t texels)
 {
     for (int y = 0; y < 7; y++)
@@ -305,7 +306,7 @@ static uint64_t window_texels(int x, int y)
     return texels;
 }
 
-/* A plane through a window, and as many texels beside it as join one by one. Returns them; 0: no plane. */
+/* Fit a plane through a window, and add other texels one by one if they join. Returns the texels; 0: no plane. */
 static uint64_t grow(plane *p, const plane_ranges *t, uint64_t window)
 {
     *p = start_of_texels(t, window);
@@ -316,7 +317,7 @@ static uint64_t grow(plane *p, const plane_ranges *t, uint64_t window)
         uint64_t near = plane_texels(p, t, NEAR);
         if (near == on) break;
         if (!plane_fit_texels(&next, t, near, OTHERS_ANYWHERE)) {
-            /* some of them are on another: what is on this one says better where it goes */
+            /* some texels belong to another plane: fit again to those on this one, which gives better slopes */
             next = *p;
             if (!plane_fit_texels(&next, t, on, OTHERS_ANYWHERE)) break;
         }
@@ -334,7 +335,7 @@ int plane_fit_pair(plane pair[2], uint64_t *second, const plane_ranges *t)
     uint64_t            tried       = 0;
     for (unsigned n = 0; n < sizeof window / sizeof *window; n++) {
         uint64_t texels = window_texels(window[n][0], window[n][1]);
-        if ((texels & tried) == texels) continue; /* a plane through it left a rest that no plane passes through */
+        if ((texels & tried) == texels) continue; /* tried: no plane passes through the other texels */
         uint64_t on = grow(&pair[0], t, texels);
         tried |= on;
         *second = ~on;
@@ -348,7 +349,7 @@ int plane_fit_pair(plane pair[2], uint64_t *second, const plane_ranges *t)
 
 /* blocks ---------------------------------------------------------------------------------------------------------------------- */
 
-enum { BLOCK_PX = 32, SEEDS = 3, TILES_MIN = 3 /* on a plane: what it takes is paid for by so many */ };
+enum { BLOCK_PX = 32, SEEDS = 3, TILES_MIN = 3 /* least tiles on a plane that pay for its size */ };
 
 static uint32_t fit_tiles(plane *p, const plane_ranges tiles[16], uint32_t on, int move_it)
 {
@@ -358,7 +359,7 @@ static uint32_t fit_tiles(plane *p, const plane_ranges tiles[16], uint32_t on, i
     return (move_it ? plane_fit(p, list, count, BLOCK_PX) : plane_place(p, list, count, BLOCK_PX)) ? on : 0;
 }
 
-/* The tiles that one plane with these slopes passes through at one depth, as many as may be.   flat  those that are asked */
+/* The most tiles that one plane with these slopes passes through at one depth.   flat  candidates */
 static uint32_t tiles_on_slopes(const plane *p, const plane_ranges tiles[16], uint32_t flat)
 {
     plane_room rooms[16];
@@ -381,7 +382,7 @@ static uint32_t tiles_on_slopes(const plane *p, const plane_ranges tiles[16], ui
     return most;
 }
 
-/* Tiles that a plane through the block comes near to. */
+/* Tiles that a plane through the block comes near. */
 static uint32_t tiles_near(const plane *p, const plane_ranges tiles[16], uint32_t mixed)
 {
     int32_t  first = p->least + first_over_least(p, BLOCK_PX);
@@ -395,7 +396,7 @@ static uint32_t tiles_near(const plane *p, const plane_ranges tiles[16], uint32_
     return near;
 }
 
-/* From one tile to all that its plane passes through. */
+/* Grow from one tile to all tiles that its plane passes through. */
 static uint32_t tiles_about(plane *p, const plane_ranges tiles[16], uint32_t mixed, uint32_t flat, int seed)
 {
     uint32_t on = 1u << seed;
@@ -406,7 +407,7 @@ static uint32_t tiles_about(plane *p, const plane_ranges tiles[16], uint32_t mix
         uint32_t near = tiles_near(p, tiles, mixed) | on;
         if (near == on) break;
         if (!fit_tiles(&next, tiles, near, 1)) {
-            /* some of them are not on it: those beside what is */
+            /* some of them are not on it: try only neighbours of tiles that are */
             uint32_t beside = (on << 1 & 0xeeee) | (on >> 1 & 0x7777) | on << 4 | on >> 4;
             near            = (near & beside) | on;
             next            = *p;

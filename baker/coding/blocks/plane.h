@@ -1,4 +1,5 @@
-/* Planes through the ranges that texels allow: slanted sheets, which need a depth for each texel, but are three numbers.
+/* Planes through the depth ranges of texels. A slanted sheet needs a different depth for each texel, but only three numbers as a
+ * plane.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef PLANE_H
 #define PLANE_H
@@ -6,27 +7,27 @@
 #include <stdint.h>
 
 enum {
-    PLANE_ONE       = 256, /* parts of a voxel that slopes and depths of planes are in */
+    PLANE_ONE       = 256, /* parts of a voxel: the unit of slopes and depths of planes */
     PLANE_SHIFT_MAX = 8,
     PLANES_RECENT   = 4,
-    PLANE_FREE      = 1 << 22 /* a texel that any plane may pass in front of or behind: sums of such numbers are exact as floats */
+    PLANE_FREE      = 1 << 22 /* range of a texel that does not bound planes. Sums of such numbers are exact in float */
 };
 
-/* Depth is that of the corner where it is least, and grows from there: as formats/vxs.md 13 has it. */
+/* Depth at the corner where it is least, and slopes from there (formats/vxs.md 13). */
 typedef struct plane {
-    int32_t across, down; /* a texel on; each within +-32767 << PLANE_SHIFT_MAX */
+    int32_t across, down; /* slopes per texel; each within +-32767 << PLANE_SHIFT_MAX */
     int32_t least;
 } plane;
 
-/* The ranges of a tile's texels, in the order of patterns.h, in parts of a voxel, whole numbers within
- * +-PLANE_FREE; and where its first texel is in the area of the plane. */
+/* Ranges of a tile's texels, in the order of patterns.h: integers in parts of a voxel, within +-PLANE_FREE; and the position of the
+ * tile's first texel in the area of the plane. */
 typedef struct plane_ranges {
     float    low[64], high[64];
     int32_t  x, y;
-    uint32_t quadrants; /* bits of those in which a texel bounds planes */
+    uint32_t quadrants; /* bit mask of quadrants with texels that bound planes */
 } plane_ranges;
 
-/* How far slopes are shifted so that they fit into halves. */
+/* Shift of the slopes that makes them fit into halves. */
 int plane_shift(const plane *p);
 
 /* Depth of texel (x, y) of an area of `side` texels, in voxels. */
@@ -35,45 +36,47 @@ static inline int32_t plane_depth(const plane *p, int32_t side, int32_t x, int32
     return (p->least + p->across * (p->across < 0 ? x - side + 1 : x) + p->down * (p->down < 0 ? y - side + 1 : y)) >> 8;
 }
 
-/* Whether three texels of any of a few lines, at equal distances, leave room for a plane. Most tiles that none passes through are told so. */
+/* A fast test: whether three equidistant texels of any of a few lines leave room for a plane. It rejects most tiles that have no
+ * plane. */
 int plane_may_fit(const plane_ranges *t);
 
-/* Move a plane until it passes through all ranges of all tiles, with room to spare if there is some.
- * p     slopes to start from; [out] the slopes found, multiples of 1 << plane_shift(p), and as round a depth as there is
+/* Move a plane until it passes through all ranges of all tiles, with room to spare if possible.
+ * p     slopes to start from; [out] the slopes found, multiples of 1 << plane_shift(p), and the roundest depth that fits
  * side  of the area: 8, or 32
- * Returns 0 where none was found; then *p means nothing. */
+ * Returns 0 if none was found; then *p is undefined. */
 int plane_fit(plane *p, const plane_ranges *const *tiles, int count, int32_t side);
 
-/* The same without a move of slopes that can be written already: only the depth is found. */
+/* Find only the depth; keep the slopes, which can be written already. */
 int plane_place(plane *p, const plane_ranges *const *tiles, int count, int32_t side);
 
-/* Give a plane that was fitted to one tile of 8 x 8 rounder slopes, which take fewer bits: as round as there are that leave its depth as
- * round as it is. */
+/* Give a plane that was fitted to one tile of 8 x 8 rounder slopes, which take fewer bits: the roundest that keep its depth as
+ * round as before. */
 void plane_round(plane *p, const plane_ranges *t);
 
-/* Where a plane may pass the texels that are not its own. */
+/* Where a plane may pass the texels outside its set. */
 typedef enum plane_others { OTHERS_ANYWHERE, OTHERS_BEHIND, OTHERS_BEFORE } plane_others;
 
-/* The same as plane_fit for texels of one tile of 8 x 8, whose bits are set; behind or before the others, slopes are rounded, too. */
+/* Like plane_fit, for the texels of one tile of 8 x 8 whose bits are set. With OTHERS_BEHIND or OTHERS_BEFORE slopes are
+ * rounded, too. */
 int plane_fit_texels(plane *p, const plane_ranges *t, uint64_t texels, plane_others others);
 
-/* Texels of a tile of 8 x 8 whose ranges, each `margin` wider, the plane passes through. */
+/* The texels of a tile of 8 x 8 whose ranges, widened by `margin`, contain the plane. */
 uint64_t plane_texels(const plane *p, const plane_ranges *t, int32_t margin);
 
-/* Slopes between the ends of a tile, as a start. */
+/* Start slopes, from the ends of a tile. */
 plane plane_start(const plane_ranges *t);
 
-/* The tiles of a block of 32 x 32 texels that lie on one plane, as many as are found to.
+/* Find a plane for as many tiles of a block of 32 x 32 texels as possible.
  * p       [out] the plane, in the block
- * tiles   [16] rows; those whose bits of `mixed` are set are looked at
- * flat    those of them that plane_may_fit says
- * recent  [PLANES_RECENT] slopes that are tried first; what is found joins them
- * Returns the bits of those tiles; 0: it is not worth it. */
+ * tiles   [16] rows; only those with bits in `mixed` are used
+ * flat    tiles of these that pass plane_may_fit
+ * recent  [PLANES_RECENT] slopes to try first; a plane that is found is added
+ * Returns the bits of its tiles; 0: not worth it. */
 uint32_t plane_of_block(plane *p, const plane_ranges tiles[16], uint32_t mixed, uint32_t flat, plane recent[PLANES_RECENT]);
 
-/* Two planes that pass through all texels of a tile of 8 x 8, each through its own.
+/* Find two planes that pass through all texels of a tile of 8 x 8, each through its own texels.
  * second  [out] texels of the second plane
- * Returns 0 where none were found; 1: *second is 0, and one plane does. */
+ * Returns 0 if none were found; 1 otherwise, with *second 0 if one plane is enough. */
 int plane_fit_pair(plane pair[2], uint64_t *second, const plane_ranges *t);
 
 #endif

@@ -10,23 +10,23 @@ enum {
     TILES     = NODE_TILES * NODE_TILES,
     ROWS      = NODE_TILES / 4, /* of blocks */
     SHIFT_MAX = 12000,
-    STEPS     = NODE_TILES / 2 * (NODE_TILES / 2 - 2) /* between tiles that slopes are read from */
+    STEPS     = NODE_TILES / 2 * (NODE_TILES / 2 - 2) /* pairs of tiles from which slopes are estimated */
 };
 
-/* Bounds of tiles in steps that fit into halves with a slope on top. */
+/* Bounds of tiles in steps that fit into 16 bits with a slope added. */
 typedef struct tile_bounds {
     int16_t emax[TILES], xmin[TILES];
-    int     torn[ROWS]; /* of a row of blocks, those in which a tile has no depth by itself: under any slope they have none */
+    int     torn[ROWS]; /* of a row of blocks: blocks with a tile that has no single depth. No slope can help them */
 } tile_bounds;
 
-/* How many of two blocks of four columns of bounds have no depth. */
+/* How many of two blocks have no common depth, from four columns of bounds each. */
 static int folded_count(i16x8 low, i16x8 high)
 {
     i16x8 no_depth = (i16x8)(i16x8_max_of_four(low) > i16x8_min_of_four(high));
     return -no_depth[0] - no_depth[4];
 }
 
-/* What a slope adds along a row of tiles, in 1/256 voxel: whole voxels and the rest. */
+/* Depth added by a slope along a row of tiles: whole voxels, and the rest in 1/256 voxel. */
 typedef struct row_shift {
     int16_t whole[NODE_TILES], part[NODE_TILES];
 } row_shift;
@@ -47,7 +47,7 @@ static int torn_blocks(const tile_bounds *t)
     return count;
 }
 
-/* Blocks that are left without a depth; counting ends at `enough`. */
+/* Number of blocks without a common depth; stops at `enough`. */
 static int blocks_left(const tile_bounds *t, node_slope s, int enough)
 {
     row_shift across, down;
@@ -70,10 +70,10 @@ static int blocks_left(const tile_bounds *t, node_slope s, int enough)
     return count;
 }
 
-/* The number in the middle of [STEPS], were they in order. */
+/* Median of [STEPS]. */
 static int middle_of(const int16_t *steps)
 {
-    int least = INT16_MIN, most = INT16_MAX; /* half of the range, with the number in it, until it is one */
+    int least = INT16_MIN, most = INT16_MAX; /* bisect the range that contains the median */
     while (least < most) {
         int   middle = (least + most) >> 1;
         i16x8 at = i16x8_all((int16_t)middle), count = i16x8_all(0);
@@ -86,7 +86,7 @@ static int middle_of(const int16_t *steps)
     return least;
 }
 
-/* The middle of how much deeper the map is four tiles on, in 1/256 voxel a tile. */
+/* Median of the depth differences over four tiles, in 1/256 voxel per tile. */
 static node_slope middle_slope(const tile_bounds *t)
 {
     int16_t across[STEPS], down[STEPS];
@@ -104,7 +104,7 @@ static int within_range(node_slope s)
     return abs(s.x) <= SLOPE_MAX && abs(s.y) <= SLOPE_MAX && slope_shift_max(s) <= SHIFT_MAX;
 }
 
-/* A mask is -1 in tiles without a depth. */
+/* Mask elements are -1 in tiles without a single depth. */
 static void find_torn(tile_bounds *t)
 {
     for (int row = 0; row < ROWS; row++) {
@@ -135,7 +135,7 @@ node_slope slope_find(const int32_t *emax, const int32_t *xmin, node_slope first
     first.y >>= steps;
     find_torn(&t);
 
-    /* a slope has to save more than itself */
+    /* a slope must save more than its own size */
     int fewest = blocks_left(&t, best, TILES) - 1;
     if (fewest <= torn_blocks(&t)) return best;
     node_slope middle = middle_slope(&t);

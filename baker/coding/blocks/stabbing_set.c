@@ -11,7 +11,7 @@
 #include <immintrin.h>
 #endif
 
-/* Fill the last vector with what is there already. */
+/* Fill the last vector with existing intervals. */
 static void pad(intervals *s, int lanes)
 {
     for (; s->count % lanes; s->count++) {
@@ -20,8 +20,8 @@ static void pad(intervals *s, int lanes)
     }
 }
 
-/* One pass a point: vectors with no interval left give their place to the last one, which was looked at before, and the next point is
- * found on the way. */
+/* One pass for each point. A vector without remaining intervals is replaced by the last one, which was visited before. The next
+ * point is found in the same pass. */
 static int stab_plain(intervals *s, stab_group *groups, int most)
 {
     const i16x8 far = i16x8_all(INT16_MAX);
@@ -49,7 +49,7 @@ static int stab_plain(intervals *s, stab_group *groups, int most)
 
 #ifdef __x86_64__
 
-/* The least and the greatest of numbers that are not below 0. */
+/* The least and the greatest of nonnegative numbers. */
 CPU_TARGET_AVX2 static ALWAYS_INLINE int least_avx2(__m256i v)
 {
     __m128i half = _mm_min_epi16(_mm256_castsi256_si128(v), _mm256_extracti128_si256(v, 1));
@@ -61,7 +61,7 @@ CPU_TARGET_AVX2 static ALWAYS_INLINE int greatest_avx2(__m256i v)
     return INT16_MAX - least_avx2(_mm256_sub_epi16(_mm256_set1_epi16(INT16_MAX), v));
 }
 
-/* The same 16 at a time. */
+/* The same with 16 lanes. */
 CPU_TARGET_AVX2 static int stab_avx2(intervals *s, stab_group *groups, int most)
 {
     const __m256i far  = _mm256_set1_epi16(INT16_MAX);

@@ -1,8 +1,9 @@
-/* Minimum stabbing set of intervals: the fewest points so that each interval holds one. They are the depths that an area of a map needs.
+/* Minimum stabbing set of intervals: the fewest points such that each interval contains one. These are the depths that an area of a
+ * map needs.
  *
- * A column may have any depth of an interval [e, x]. Sorted by x, the first interval needs a point at its x at the latest, and a point
- * there stabs every interval that begins at or before it; the rest is solved in the same way. A point may then be moved to anywhere
- * between the greatest e of the intervals that it stabs, and that x.
+ * A column may have any depth in an interval [e, x]. With intervals sorted by x, the first one needs a point at its x or before. A
+ * point at x stabs every interval that begins at or before it; the rest is solved in the same way. Afterwards a point may move
+ * within [greatest e of the intervals that it stabs, x].
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef STABBING_SET_H
 #define STABBING_SET_H
@@ -17,22 +18,22 @@ typedef struct intervals {
     int     count;
 } intervals;
 
-/* Where one point may lie. */
+/* Range of positions of one point. */
 typedef struct stab_group {
     int16_t low, high;
 } stab_group;
 
-/* Points in ascending order; the set is used up.
+/* Find the points, in ascending order. Changes s.
  * s       at least one interval
  * groups  [most]
- * most    number of points after which the search ends
- * cpu     of cpu.h; the result does not depend on it
- * Returns their number. */
+ * most    stop after this number of points
+ * cpu     level of cpu.h; the result does not depend on it
+ * Returns the number of points. */
 int minimum_stabbing_set(intervals *s, stab_group *groups, int most, int cpu);
 
-/* Which points each texel of a tile may have: those in its range.
+/* The points in the range of each texel of a tile.
  * points       [count] ascending, at most 127
- * first, last  [out] the numbers of the first and the last of them */
+ * first, last  [out] index of the first and the last of them */
 void points_of_ranges(const int16_t low[64], const int16_t high[64], const int16_t *points, int count, uint8_t first[64],
                       uint8_t last[64]);
 

@@ -1,15 +1,15 @@
-/* What a tile needs of a palette: which of its entries, and which texels have to be lit and dark between them.
+/* Needs of a tile for a given palette: entries that it uses, and texels that must be lit or dark between them.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef TILE_NEEDS_H
 #define TILE_NEEDS_H
 
 #include "baker/coding/blocks/patterns.h"
 
-/* The fewest entries that a tile can do with, and what each mask between two of them needs.
- * low, high  [64] of texels, as codes
- * points     [count] codes of the palette's depths, ascending; each texel may have one of them at least
+/* Find the fewest entries that are enough for a tile, and the needs of each mask between two of them.
+ * low, high  [64] ranges of texels, as codes
+ * points     [count] codes of the palette's depths, ascending; the range of each texel contains at least one
  * needs      [out] [entries - 1]
- * cpu        what may be used, of cpu.h: it decides on time alone
+ * cpu        level of cpu.h; affects only time
  * Returns the bits of the entries. */
 uint32_t tile_needs(const int16_t low[64], const int16_t high[64], const int16_t *points, int count, mask_need *needs, int cpu);
 

@@ -1,4 +1,4 @@
-/* Where the columns of a tile let the shadow begin.
+/* Depth ranges in which the columns of a tile allow the shadow to begin.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef TILE_RANGES_H
 #define TILE_RANGES_H

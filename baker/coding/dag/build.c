@@ -1,4 +1,4 @@
-/* From columns to DAGs; see build.h.
+/* Builds DAGs from columns; see build.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/coding/dag/build.h"
 
@@ -16,7 +16,7 @@ uint32_t sub_dag_side(uint32_t map_side_px)
 
 /* one square ------------------------------------------------------------------------------------------------------------------ */
 
-/* The end of a step of a square: its time is noted, and `after` is called. */
+/* End a step of a square: add its time, and call `after`. */
 static vxs_result step_end(const build_options *o, bake_stage stage, double *since, column_tree *tree, dag *d, build_stats *stats)
 {
     double now = clock_seconds();
@@ -52,7 +52,7 @@ done:
 
 /* a map ----------------------------------------------------------------------------------------------------------------------- */
 
-/* A square that is built. */
+/* A slot for a sub-DAG. */
 typedef struct sub_dag {
     dag         dag;
     build_stats stats;
@@ -66,14 +66,14 @@ typedef struct map_builder {
     sub_dag              batch[DESCENT_BATCH];
 } map_builder;
 
-/* A square is decided when each of its sub-DAGs would be nothing but slabs of light and shadow, the same in all of them. A sub-DAG is lit up
- * to the last boundary of slabs that its xmin allows, which lies anywhere between the xmin and the xmax of a larger square.
- * lit_slabs  [out] slabs as deep as a sub-DAG is wide that are lit */
+/* Whether a square is decided: each of its sub-DAGs would have only lit and shadowed slabs, the same in all of them. A sub-DAG is
+ * lit up to the last slab boundary that its own xmin allows. That xmin is between the xmin and the xmax of the larger square.
+ * lit_slabs  [out] lit slabs, as deep as a sub-DAG is wide */
 static int is_decided(const map_builder *b, const column_bounds *bounds, uint32_t level, uint32_t *lit_slabs)
 {
     uint32_t shift = b->sub_level + 3, boundary = bounds->xmin >> shift << shift;
     *lit_slabs = boundary >> shift;
-    /* within a slab of the square the boundary takes nodes, of which parts that are not shared want their own */
+    /* a boundary within a slab of the square needs nodes, and unshared parts need nodes of their own */
     if (!b->o->share && boundary & ((8u << level) - 1)) return 0;
     return bounds->emax <= boundary && (level == b->sub_level || bounds->xmax >> shift == *lit_slabs);
 }
@@ -99,7 +99,7 @@ static vxs_result build_slot(void *user, uint32_t slot, const column_square *col
 {
     map_builder *b    = user;
     sub_dag     *s    = &b->batch[slot];
-    uint32_t     down = level - b->sub_level; /* where all columns are alike, one sub-DAG stands for a larger square */
+    uint32_t     down = level - b->sub_level; /* if all columns are equal, one sub-DAG stands for a larger square */
     s->stats          = (build_stats){0};
     return dag_build_square(&s->dag, columns, b->sub_level, i << down, j << down, b->o, &s->stats);
 }
@@ -124,7 +124,7 @@ static void add_stats(build_stats *to, const build_stats *from)
 
 enum { STAT_COUNT = 5 };
 
-/* What is told of a square, whenever it was built. */
+/* The counts of a square that are saved with it. */
 static void stats_of(build_stats *s, uint64_t *of[STAT_COUNT])
 {
     of[0] = &s->mask_tiles;
@@ -134,7 +134,7 @@ static void stats_of(build_stats *s, uint64_t *of[STAT_COUNT])
     of[4] = &s->squares_built;
 }
 
-/* A sub-DAG as bytes: what is told of it, 8 each; roots, how many, and the rest (dag_file.h), 4 each. */
+/* A sub-DAG as bytes: counts, 8 bytes each; number of roots, roots, 4 bytes each; then dag_file.h. */
 static vxs_result save_slot(void *user, uint32_t slot, vxs_bytes *out)
 {
     map_builder *b  = user;
@@ -184,7 +184,7 @@ static void drop_slot(void *user, uint32_t slot)
     dag_free(&b->batch[slot].dag);
 }
 
-/* Stages of a square take turns on all threads. */
+/* The stages of a square run in turn on all threads. */
 static void time_batch(void *user, bake_context *ctx, int phase, uint32_t count, const double seconds[2])
 {
     map_builder *b     = user;
@@ -195,7 +195,7 @@ static void time_batch(void *user, bake_context *ctx, int phase, uint32_t count,
     }
     if (phase == 0) stage_begin(ctx, STAGE_MASKS);
     if (phase == 1) {
-        double all[2 + SQUARE_STAGES] = {seconds[0], 0}; /* from the maps on */
+        double all[2 + SQUARE_STAGES] = {seconds[0], 0}; /* [0] is the time of fetches */
         memcpy(all + 2, batch.seconds, sizeof batch.seconds);
         stage_begin_after(ctx, STAGE_MERGE, STAGE_MAPS, all, 2 + SQUARE_STAGES);
     }

@@ -9,13 +9,13 @@
 
 /* Top-down --------------------------------------------------------------------------------------------------------------------
  *
- * From the roots down, a node is kept when no kept node of its level has an equal subtree. Only children of kept nodes are visited
- * on the next level. Hashes say which kept node may be equal; a comparison of the two subtrees says whether it is. `alike` remembers
- * its answers, so that each dropped node is walked once for each node that it may equal. */
+ * From the roots down, a node is kept if no kept node of its level has an equal subtree. Only children of kept nodes are visited on
+ * the next level. A hash finds a kept node that may be equal, and a comparison of the two subtrees decides. `alike` stores the
+ * results, so that each dropped node is walked once for each node that it may equal. */
 
 typedef struct top_down {
     const dag *d;
-    uint32_t  *alike[DAG_LEVELS_MAX]; /* [node] 1 + a node whose subtree was found equal; 0: none yet */
+    uint32_t  *alike[DAG_LEVELS_MAX]; /* [node] 1 + index of a node with an equal subtree; 0: none yet */
     uint32_t  *ref[DAG_LEVELS_MAX];   /* [node] its reference in the compressed DAG; 0: not reached */
     uint32_t  *mask_ref;              /* [mask] the same */
 } top_down;
@@ -38,7 +38,7 @@ static int equal_subtrees(top_down *t, uint32_t level, uint32_t a, uint32_t b)
     return 1;
 }
 
-/* The new reference of a node, which is kept (appended to `out` as it is) when no kept one is equal. 0: out of memory. */
+/* The new reference of a node. If no kept node is equal, the node is appended to `out` and kept. 0: out of memory. */
 static uint32_t keep_node(top_down *t, dag *out, ref_table *table, uint32_t *kept, uint32_t level, uint32_t node)
 {
     uint32_t *ref = &t->ref[level][node];
@@ -68,7 +68,7 @@ static uint32_t keep_mask(top_down *t, dag *out, ref_table *table, uint32_t mask
     return *ref;
 }
 
-/* Give every child of the kept nodes of `level` (or every root) its new reference. */
+/* Replace the children of the kept nodes of `level` (or the roots) by new references. */
 static int keep_below(top_down *t, dag *out, uint32_t level)
 {
     const dag *d         = t->d;
@@ -117,7 +117,7 @@ static int compress_top_down(const dag *d, dag *out)
 
 /* Bottom-up -------------------------------------------------------------------------------------------------------------------
  *
- * From the masks up, a level is sorted by contents, equal neighbours are unified, and the references one level above follow. */
+ * From the masks up: sort a level by contents, unify equal neighbours, and update the references of the level above. */
 
 static int compare_masks(const void *a, const void *b, void *user)
 {
@@ -136,7 +136,7 @@ static int compare_nodes(const void *a, const void *b, void *user)
     return x < y ? -1 : x > y;
 }
 
-/* Indices [0, count) in the order of their contents; NULL without memory. */
+/* Indices [0, count) sorted by contents; NULL without memory. */
 static uint32_t *sorted(uint32_t count, int (*compare)(const void *, const void *, void *), void *contents)
 {
     uint32_t *order = malloc(((size_t)count + 1) * sizeof *order);
@@ -160,7 +160,7 @@ static int unify_masks(const dag *d, dag *out, uint32_t *ref)
     return ok;
 }
 
-/* below: new references of the level below; nodes of this level get theirs in `ref`. */
+/* below: new references of the level below; `ref` gets those of this level. */
 static int unify_nodes(const dag *d, dag *out, uint32_t level, const uint32_t *below, uint32_t *ref)
 {
     const dag_level *l     = &d->level[level];

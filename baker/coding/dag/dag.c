@@ -20,7 +20,7 @@ void dag_free(dag *d)
     memset(d, 0, sizeof *d);
 }
 
-/* Whether one more of `count` elements can be referred to. */
+/* Whether there is a reference for one more of `count` elements. */
 static int has_room(dag *d, uint32_t count)
 {
     uint32_t limit = d->limit ? d->limit : UINT32_MAX - REF_FIRST;
@@ -42,11 +42,11 @@ uint32_t dag_add_mask(dag *d, uint64_t mask)
     return REF_FIRST + d->mask_count++;
 }
 
-/* The hash of a subtree as its parent at `level` refers to it. */
+/* The hash of a child of a node at `level`. */
 static uint64_t child_hash(const dag *d, uint32_t level, uint32_t ref)
 {
     if (ref < REF_FIRST) return ref;
-    /* a mask is hashed as it is: its parent's hash mixes it */
+    /* a mask is its own hash: its parent's hash mixes it */
     return level ? d->level[level - 1].hash[ref - REF_FIRST] : d->masks[ref - REF_FIRST];
 }
 

@@ -1,4 +1,4 @@
-/* A DAG as bytes; see dag_file.h.
+/* Serialization of a DAG; see dag_file.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/coding/dag/dag_file.h"
 

@@ -1,15 +1,15 @@
-/* Top-down insertion in z order, with reuse of the neighbour nearer the light; see dag.h.
+/* Top-down insertion in z order, with reuse of the neighbour nearer to the light; see dag.h.
  *
- * A volume is a square of columns times a range of depth as long as the square is wide. From the bounds of its columns it is
+ * A volume is a square of columns and a range of depth as long as the square is wide. From the bounds of its columns it is
  *
- *     lit         when it ends at or before xmin: nothing in it has to be dark
- *     shadowed    when it starts at or behind emax: nothing in it has to be lit
- *     a copy      of the volume before it, when the contents of that one hold up to this one's end
- *     a node      otherwise, and its eight parts are looked at, the four nearer the light first
+ *     lit         if it ends at or before xmin: nothing in it must be shadowed
+ *     shadowed    if it starts at or behind emax: nothing in it must be lit
+ *     a copy      of the volume before it, if the contents of that one hold up to the end of this one
+ *     a node      otherwise; its eight parts are inserted, the four nearer to the light first
  *
- * Contents "hold until" a depth: up to there every column keeps the state it has at the node's start. It is the least over the
- * parts: xmin for a lit one, for ever for a shadowed one, the end of its run for a mask. Since a node holds until its own end only
- * if nothing changes inside it, a copy is made only of volumes that are the same at every depth.
+ * Contents "hold until" a depth if every column keeps its state from the start of the node up to there. This depth is the least
+ * over the parts: xmin for a lit one, infinite for a shadowed one, the end of its run for a mask. A node holds until its own end
+ * only if nothing changes inside it. So only volumes that are equal at every depth are copied.
  *
  * Source: [CPVS16] 3.1, 3.2.
  * SPDX-License-Identifier: GPL-3.0-or-later */
@@ -24,10 +24,10 @@ typedef struct inserter {
     int          reuse;
 } inserter;
 
-/* A volume that was placed. */
+/* An inserted volume. */
 typedef struct placed {
     uint32_t ref;
-    uint32_t until; /* voxels: what ref holds stays the same up to here */
+    uint32_t until; /* voxels: the contents of ref hold until here */
 } placed;
 
 /* The mask of a tile at depth k. */
@@ -64,7 +64,7 @@ static vxs_result add_slice_node(inserter *s, tree_square *q, uint32_t k0)
 
 static vxs_result place(inserter *s, size_t at, uint32_t level, uint32_t i, uint32_t j, uint32_t k0, placed *out);
 
-/* A node of eight parts. Squares may move in memory while parts are placed. */
+/* A node of eight parts. Insertion of parts may move the array of squares. */
 static vxs_result add_octree_node(inserter *s, size_t at, uint32_t level, uint32_t i, uint32_t j, uint32_t k0)
 {
     column_tree *t = s->tree;
@@ -91,7 +91,7 @@ static vxs_result add_octree_node(inserter *s, size_t at, uint32_t level, uint32
     return q->ref ? VXS_OK : dag_failure(s->d);
 }
 
-/* The volume of square (i, j) of `level`, number `at` of the tree, that starts at depth k0. */
+/* Insert the volume of square (i, j) of `level`, index `at` of the tree, that starts at depth k0. */
 static vxs_result place(inserter *s, size_t at, uint32_t level, uint32_t i, uint32_t j, uint32_t k0, placed *out)
 {
     tree_square *q   = &s->tree->squares[at];

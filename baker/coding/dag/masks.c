@@ -1,14 +1,14 @@
 /* Visibility masks with reuse depths; see masks.h.
  *
- * Both rules walk a tile from its xmin, the first depth that must not be all lit, to its emax, the first that may be all shadow.
- * At depth k0 every texel that may be shadowed is, that is e <= k0:
+ * Both rules walk a tile from its xmin, the first depth where a texel must be shadowed, to its emax, the first where all texels may
+ * be. At depth k0 every texel is shadowed that may be, that is e <= k0:
  *
  *        k ->      xmin                           emax
- *     texel a  ......e~~~~x############################      . lit   ~ free   # shadow
+ *     texel a  ......e~~~~x############################      . lit   ~ don't care   # shadow
  *     texel b  .........e~~~~~~~~~~x###################
  *     texel c  .............................e~~~~~~~~~~
- *     greedy         [   a     ][  a b       ][ all            the mask changes where a lit texel has to go dark (x)
- *     shadow   ......[ab][ a b              ][ all             the mask changes where a lit texel may go dark (e)
+ *     greedy         [   a     ][  a b       ][ all            the mask changes where a lit texel must become shadowed (x)
+ *     shadow   ......[ab][ a b              ][ all             the mask changes where a lit texel may become shadowed (e)
  *
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/coding/dag/masks.h"
@@ -17,13 +17,13 @@
 #include <emmintrin.h>
 #endif
 
-/* A tile's columns relative to its xmin, in 16 bits: depths before xmin become 0 and depths beyond emax `FAR`. That changes no mask,
- * since only depths of [xmin, emax) are asked about. */
+/* A tile's columns relative to its xmin, in 16 bits. Depths before xmin become 0, and depths beyond emax `FAR`. This changes no
+ * mask, because only depths in [xmin, emax) matter. */
 enum { FAR = 32767 };
 
 typedef struct near_columns {
-    _Alignas(16) int16_t e[64];    /* a texel may be dark from here on */
-    _Alignas(16) int16_t next[64]; /* a texel that was left lit ends the run here: x, or e under the older rule */
+    _Alignas(16) int16_t e[64];    /* the texel may be shadowed from here on */
+    _Alignas(16) int16_t next[64]; /* a texel left lit ends the run here: x, or e with MASK_RULE_SHADOW */
 } near_columns;
 
 static void columns_relative(near_columns *out, const column_tile *columns, uint32_t base, mask_rule rule)
@@ -37,7 +37,7 @@ static void columns_relative(near_columns *out, const column_tile *columns, uint
     }
 }
 
-/* The mask at depth k0 and, in *next, the least `next` of the texels that it leaves lit; FAR when there is none. */
+/* The mask at depth k0; *next becomes the least `next` of its lit texels, FAR if there is none. */
 static uint64_t mask_at(const near_columns *c, int16_t k0, int16_t *next)
 {
 #ifdef __SSE2__
@@ -73,7 +73,7 @@ static uint64_t mask_at(const near_columns *c, int16_t k0, int16_t *next)
 #endif
 }
 
-/* The same for any depths: tiles that hold a cliff of more than FAR voxels. */
+/* The same without a limit on depths, for tiles with a cliff of more than FAR voxels. */
 static uint64_t mask_at_far(const column_tile *c, uint32_t k0, mask_rule rule, uint32_t *next)
 {
     const uint32_t *ends   = rule == MASK_RULE_GREEDY ? c->x : c->e;
@@ -90,7 +90,7 @@ static uint64_t mask_at_far(const column_tile *c, uint32_t k0, mask_rule rule, u
 
 uint32_t tile_runs(const column_tile *columns, mask_rule rule, mask_run runs[TILE_RUNS_MAX], column_bounds *bounds)
 {
-    column_bounds b     = tile_bounds(columns); /* a source's may be loose, and runs must not depend on how loose */
+    column_bounds b     = tile_bounds(columns); /* bounds from a source may be loose; the runs must not depend on that */
     uint32_t      count = 0;
     *bounds             = b;
     if (b.emax <= b.xmin) return 0;

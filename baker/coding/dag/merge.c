@@ -1,8 +1,8 @@
-/* Squares into one DAG; see merge.h.
+/* Merges squares into one DAG; see merge.h.
  *
- * DAGs are added one after the other, each from its masks up: when a level's references have been turned into those of the merged DAG,
- * equal contents mean equal subtrees, and one table a level finds them. So each can be freed as soon as it was added.
- * [CPVS16] 4.3 merges sorted levels instead; tables keep the order of arrival, in which neighbours stay neighbours.
+ * DAGs are added one after the other, each from its masks up. Once the references of a level are those of the merged DAG, equal
+ * contents mean equal subtrees, and one hash table per level finds them. So an added DAG can be freed at once.
+ * [CPVS16] 4.3 merges sorted levels instead. Tables keep the order of arrival, in which neighbours stay neighbours.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/coding/dag/merge.h"
 
@@ -13,13 +13,13 @@
 
 /* nodes and masks ------------------------------------------------------------------------------------------------------------- */
 
-/* Room in a table, which only unifying needs. */
+/* Reserve space in a table; only `unify` needs it. */
 static int reserve(const dag_merger *g, ref_table *table, uint64_t more)
 {
     return !g->unify || ref_table_reserve(table, more);
 }
 
-/* 0: dag_failure says why. The table has room. */
+/* Returns 0 on failure: see dag_failure. The table must have space. */
 static uint32_t merged_mask(dag_merger *g, uint64_t mask)
 {
     if (!g->unify) return dag_add_mask(&g->merged, mask);
@@ -32,7 +32,7 @@ static uint32_t merged_mask(dag_merger *g, uint64_t mask)
     return ref;
 }
 
-/* hash: of the subtree; the node refers to nodes of the merged DAG. The same. */
+/* hash: of the subtree. The node has references of the merged DAG. Returns the same. */
 static uint32_t merged_node(dag_merger *g, uint32_t level, const dag_node *node, uint64_t hash)
 {
     if (!g->unify) return dag_add_node_hashed(&g->merged, level, node, hash);
@@ -45,7 +45,7 @@ static uint32_t merged_node(dag_merger *g, uint32_t level, const dag_node *node,
     return ref;
 }
 
-/* What the nodes of a DAG are in the merged one: ref[l][n] of node n of level l. */
+/* References in the merged DAG: ref[l][n] for node n of level l. */
 typedef struct adopted {
     uint32_t *ref[DAG_LEVELS_MAX];
 } adopted;
@@ -102,7 +102,7 @@ static uint32_t top_level(const dag_merger *g)
     return g->merged.level_count - 1;
 }
 
-/* Slabs of a square of `level` in its depth. */
+/* Number of slabs of a square of `level` over the whole depth. */
 static uint32_t slabs_of(const dag_merger *g, uint32_t level)
 {
     return 1u << (top_level(g) - level);
@@ -126,7 +126,7 @@ static int stack_push(dag_stack *s, size_t *capacity, uint32_t ref, uint32_t end
     return 1;
 }
 
-/* A node of these eight children, or what all of them are when that is lit or shadowed. 0: dag_failure says why. */
+/* A node with these children; if all are lit, or all shadowed, that reference. Returns 0 on failure: see dag_failure. */
 static int merged_parent(dag_merger *g, uint32_t level, const dag_node *node, uint32_t *ref)
 {
     int same = node->child[0] < REF_FIRST;
@@ -140,8 +140,8 @@ static int merged_parent(dag_merger *g, uint32_t level, const dag_node *node, ui
     return *ref != 0;
 }
 
-/* The children of a slab of a square, from the stacks of its parts, whose runs at[] hold the slab's near half.
- * Returns for how many slabs, this one included, they stay the same. */
+/* Children of a slab of a square, from the stacks of its parts. The run at[] of each part contains the near half of the slab.
+ * Returns the number of slabs with these children, at least 1. */
 static uint32_t children_of_slab(const dag_stack *const part[4], const uint32_t at[4], uint32_t slab, dag_node *node)
 {
     uint32_t same = UINT32_MAX;
@@ -154,7 +154,7 @@ static uint32_t children_of_slab(const dag_stack *const part[4], const uint32_t 
     return same;
 }
 
-/* The stack of a square of `level` from those of its four parts. */
+/* Make the stack of a square of `level` from the stacks of its four parts. */
 static vxs_result stack_compose(dag_merger *g, uint32_t level, const dag_stack *const part[4], dag_stack *out)
 {
     uint32_t at[4] = {0}, slabs = slabs_of(g, level), ref;
@@ -165,7 +165,7 @@ static vxs_result stack_compose(dag_merger *g, uint32_t level, const dag_stack *
         for (int q = 0; q < 4; q++)
             while (part[q]->runs[at[q]].end <= 2 * slab) at[q]++;
         same = children_of_slab(part, at, slab, &node);
-        if (!g->unify) same = 1; /* put side by side, each slab has a node of its own */
+        if (!g->unify) same = 1; /* without unify, each slab has a node of its own */
         if (!merged_parent(g, level, &node, &ref) || !stack_push(out, &capacity, ref, slab + same)) {
             stack_free(out);
             return dag_failure(&g->merged);
@@ -174,7 +174,7 @@ static vxs_result stack_compose(dag_merger *g, uint32_t level, const dag_stack *
     return VXS_OK;
 }
 
-/* Make of a stack of a square that of a square of level `to` whose parts are all alike. */
+/* Widen a stack to a square of level `to` whose parts are all equal. */
 static vxs_result stack_widen(dag_merger *g, dag_stack *s, uint32_t level, uint32_t to)
 {
     for (; level < to; level++) {
@@ -190,7 +190,7 @@ static vxs_result stack_widen(dag_merger *g, dag_stack *s, uint32_t level, uint3
 
 /* squares --------------------------------------------------------------------------------------------------------------------- */
 
-/* Four squares with nothing in them; the index of the first, or 0 without memory. */
+/* Take four empty squares. Returns the index of the first, or 0 without memory. */
 static uint32_t take_four(dag_merger *g)
 {
     uint32_t first = g->spare;
@@ -219,7 +219,7 @@ static int are_complete(const dag_merger *g, uint32_t first)
     return 1;
 }
 
-/* Four complete parts become their square's stack. */
+/* Replace four complete parts by the stack of their square. */
 static vxs_result close_square(dag_merger *g, uint32_t at, uint32_t level)
 {
     uint32_t               first   = g->squares[at].parts;
@@ -233,7 +233,8 @@ static vxs_result close_square(dag_merger *g, uint32_t at, uint32_t level)
     return VXS_OK;
 }
 
-/* Put a stack at its place below square `at` of `top`, and close what it completes. The stack is the merger's from then on. */
+/* Put a stack at its place below square `at` of `top`, and close the squares that this completes. The merger owns the stack
+ * afterwards. */
 static vxs_result put_stack(dag_merger *g, uint32_t at, uint32_t top, uint32_t level, uint32_t i, uint32_t j, dag_stack *stack)
 {
     vxs_result r;
@@ -254,7 +255,7 @@ static vxs_result put_stack(dag_merger *g, uint32_t at, uint32_t top, uint32_t l
     return are_complete(g, first) ? close_square(g, at, top) : VXS_OK;
 }
 
-/* Add a square by references to nodes that the merger holds. Releases the stack, whatever it returns; results as of dag_merger_add. */
+/* Add a square whose stack refers to nodes of the merger. Always releases the stack. Returns what dag_merger_add returns. */
 static vxs_result add_stack(dag_merger *g, uint32_t map, uint32_t level, uint32_t i, uint32_t j, dag_stack *stack)
 {
     vxs_result r = VXS_E_ARGUMENT;
@@ -320,7 +321,7 @@ vxs_result dag_merger_add_split(dag_merger *g, uint32_t map, uint32_t level, uin
     return r;
 }
 
-/* Complete a square: what was never added is lit. */
+/* Complete a square: parts that were never added are lit. */
 static vxs_result finish_square(dag_merger *g, uint32_t at, uint32_t level)
 {
     vxs_result r = VXS_OK;
@@ -333,7 +334,7 @@ static vxs_result finish_square(dag_merger *g, uint32_t at, uint32_t level)
     return r == VXS_OK ? close_square(g, at, level) : r;
 }
 
-/* The root of a map, as a node even where it is all lit or shadowed. 0: dag_failure says why. */
+/* The root of a map: a node, even if the map is all lit or shadowed. Returns 0 on failure: see dag_failure. */
 static uint32_t root_node(dag_merger *g, uint32_t root)
 {
     dag_node node;

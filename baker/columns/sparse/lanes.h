@@ -1,7 +1,7 @@
-/* Vectors as wide as the instructions that a file is compiled for: doubles and whole numbers of 64 bits, side by side.
+/* SIMD vectors, as wide as the target of the compiled file allows: doubles and 64-bit integers.
  *
- * leaf.c and square_list.c are compiled once for each level of cpu.h, and every function that others call has the level in its name. All
- * levels do the same arithmetic on each number, so that they give the same bits.
+ * leaf.c and square_list.c are compiled once for each level of cpu.h. Every external function has the level in its name. All levels
+ * do the same arithmetic on each number, so their results are equal bit by bit.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef LANES_H
 #define LANES_H
@@ -68,7 +68,7 @@ static inline void f64s_store(double *to, f64s v)
     memcpy(to, &v, sizeof v);
 }
 
-/* Which elements are negative, as bits. */
+/* Bit mask of the negative elements. */
 static inline uint32_t i64s_negative(i64s v)
 {
 #ifdef __AVX2__
@@ -80,7 +80,7 @@ static inline uint32_t i64s_negative(i64s v)
 #endif
 }
 
-/* Of numbers; what NaN gives is open. */
+/* Maximum; the result for NaN is not defined. */
 static inline f64s f64s_max(f64s a, f64s b)
 {
 #ifdef __AVX2__
@@ -103,7 +103,7 @@ static inline f64s f64s_min(f64s a, f64s b)
 #endif
 }
 
-/* a where the bits are set, else b. */
+/* Element of a where its bit is set, else of b. */
 static inline f64s f64s_select(uint32_t bits, f64s a, f64s b)
 {
 #ifdef __AVX2__
@@ -116,7 +116,7 @@ static inline f64s f64s_select(uint32_t bits, f64s a, f64s b)
 #endif
 }
 
-/* a where the mask is set, else b. */
+/* Element of a where the mask is all ones, else of b. */
 static inline f64s f64s_choose(i64s mask, f64s a, f64s b)
 {
     return (f64s)(((i64s)a & mask) | ((i64s)b & ~mask));
@@ -136,7 +136,7 @@ static inline double f64s_least(f64s v)
     return least;
 }
 
-/* Depth of a triangle at x, y, subtexels, in two steps: what is the same for all rows of texels, and the rest. */
+/* Depth of a triangle at (x, y), in subtexels, in two steps: the part that is the same for all rows of texels, then the rest. */
 static inline f64s lanes_rise(const sparse_triangle *t, f64s x)
 {
     return f64s_all(t->gx) * (x - f64s_all(t->x[0]));

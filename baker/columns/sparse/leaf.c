@@ -1,7 +1,8 @@
 /* Columns of a tile; see leaf.h.
  *
- * Which texels a triangle covers is told by whole numbers, as bits; then each of them keeps its depth there if it is among the nearest of its
- * kind. Where light leaves is mostly plain from those: no further front face is met before a back face. Only else are all faces counted.
+ * Integer arithmetic gives the texels that a triangle covers, as bits. Each of these texels keeps the triangle's depth if it is
+ * among the nearest of its kind. These depths usually give the exit: the next front face lies behind the back face. Only
+ * otherwise all faces are counted.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/columns/sparse/leaf.h"
 
@@ -14,41 +15,43 @@
 #include "baker/scene/alpha_mask.h"
 
 enum {
-    LAYERS    = 2, /* of back faces of which it is plain whether light leaves there */
-    FEW_FACES = 32 /* so many are counted for each layer of back faces; of more, those of a texel are sorted */
+    LAYERS    = 2, /* nearest back faces that are checked for the exit without counting */
+    FEW_FACES = 32 /* up to this number, all faces are counted for each layer of back faces; above it, the faces of a texel are
+                      sorted */
 };
 
 #define ALL_TEXELS UINT64_MAX
 
-/* A triangle that covers some of the tile. */
+/* A triangle that covers some texels of the tile. */
 typedef struct leaf_face {
     const sparse_triangle *t;
-    uint64_t               texels; /* that it covers: bit u + 8 v */
+    uint64_t               texels; /* covered texels: bit u + 8 v */
 } leaf_face;
 
-/* What a texel meets. */
+/* A face that a texel meets. */
 typedef struct leaf_hit {
     double depth;
     int    is_exit;
 } leaf_hit;
 
-/* The texels of a tile while it is looked at. Depths are INFINITY where there is none. */
+/* The texels of a tile during evaluation. Missing depths are INFINITY. */
 typedef struct leaf {
     const leaf_desc    *d;
     const square_bound *bound;
     int64_t             x0, y0; /* centre of the first texel, subtexels */
-    int                 frees;  /* 1: free behind the last surface */
-    double              known;  /* the list lacks nothing that begins before it; less than INFINITY */
+    int                 frees;  /* 1: don't-care voxels behind the last surface */
+    double              known;  /* the list has all triangles that begin before this depth; less than INFINITY */
     leaf_face          *faces;
     size_t              count;
-    double front[LAYERS + 1][64], back[LAYERS][64], sheet[64]; /* the nearest of faces of solids, in order; of sheets */
+    double front[LAYERS + 1][64], back[LAYERS][64], sheet[64]; /* nearest depths, in order: of solids' front and back faces; of
+                                                                  sheets */
     double e[64], x[64];
 
-    /* of solids, where faces are counted */
+    /* faces of solids, if they are counted */
     double   *depths; /* [LANES * solids] */
     uint8_t  *backs;  /* [solids] 1: of a back face */
     size_t    solids;
-    leaf_hit *hits; /* [solids] while they are sorted */
+    leaf_hit *hits; /* [solids] scratch for sorting */
 } leaf;
 
 static int64_t px_of(const leaf *f)
@@ -58,7 +61,7 @@ static int64_t px_of(const leaf *f)
 
 /* coverage -------------------------------------------------------------------------------------------------------------------- */
 
-/* The rows of the tile that a triangle may touch: [*begin, *end). */
+/* Rows of the tile that a triangle may touch: [*begin, *end). */
 static void rows_of(const leaf *f, const sparse_triangle *t, int *begin, int *end)
 {
     const uint32_t grid = f->d->triangles->grid;
@@ -68,7 +71,7 @@ static void rows_of(const leaf *f, const sparse_triangle *t, int *begin, int *en
     *end                = y1 < 0 ? 0 : (int)(y1 >> grid < 7 ? (y1 >> grid) + 1 : 8);
 }
 
-/* The texels whose centres are in a triangle. */
+/* Texels whose centres are in a triangle. */
 static uint64_t covered(const leaf *f, const sparse_triangle *t)
 {
     i64s     at[3][8 / LANES], down[3];
@@ -104,7 +107,7 @@ static int is_hole(const sparse_triangles *s, uint32_t id, double x, double y)
     const alpha_mask      *mask = &s->casters->alpha_masks[s->mask_of[id - s->holed_first]];
     double                 u = 0, v = 0, q = 0;
     for (int k = 0; k < 3; k++) {
-        double share = share_of(t, k < 2 ? k + 1 : 0, x, y); /* of the corner that the edge does not touch */
+        double share = share_of(t, k < 2 ? k + 1 : 0, x, y); /* weight of the corner opposite to the edge */
         u += share * (double)uvq[k].u;
         v += share * (double)uvq[k].v;
         q += share * (double)uvq[k].q;
@@ -131,21 +134,21 @@ static uint64_t without_holes(const leaf *f, uint32_t id, uint64_t texels)
     return texels;
 }
 
-/* the nearest ----------------------------------------------------------------------------------------------------------------- */
+/* nearest depths -------------------------------------------------------------------------------------------------------------- */
 
 static uint32_t bits_of(uint64_t texels, int first)
 {
     return (uint32_t)(texels >> first) & ((1u << LANES) - 1);
 }
 
-/* The depths of a triangle in LANES texels from one on.   bits  those that it covers */
+/* Depths of a triangle in LANES texels from `first` on.   bits  the covered ones */
 static f64s depths_of(const leaf *f, const sparse_triangle *t, int first, uint32_t bits)
 {
     const f64s rise = lanes_rise(t, f64s_ramp(x_of(f, first), (double)px_of(f)));
     return f64s_select(bits, lanes_depth(t, rise, y_of(f, first)), f64s_all(INFINITY));
 }
 
-/* Keep a depth in LANES texels from one on if it is among the `count` nearest, which are in order. */
+/* Insert a depth in LANES texels from `first` on if it is among the `count` nearest, which are sorted. */
 static inline void keep_depth(double (*nearest)[64], int count, int first, f64s z)
 {
     for (int n = 0; n < count; n++) {
@@ -155,10 +158,10 @@ static inline void keep_depth(double (*nearest)[64], int count, int first, f64s 
     }
 }
 
-/* The same of all texels that a triangle covers. */
+/* The same for all texels that a triangle covers. */
 static inline void keep_depths(const leaf *f, const sparse_triangle *t, uint64_t texels, double (*nearest)[64], int count)
 {
-    const sparse_triangle plane = *t; /* which no depth that is stored changes */
+    const sparse_triangle plane = *t; /* a copy, so that the compiler need not reload it after stores of depths */
     const int             begin = __builtin_ctzll(texels) & ~7, end = 64 - __builtin_clzll(texels);
     for (int n = 0; n < 8; n += LANES) {
         const f64s rise = lanes_rise(&plane, f64s_ramp(x_of(f, n), (double)px_of(f)));
@@ -169,13 +172,13 @@ static inline void keep_depths(const leaf *f, const sparse_triangle *t, uint64_t
     }
 }
 
-/* What the texels from one on meet first. */
+/* Nearest depths in LANES texels from `first` on. */
 static f64s first_of(const leaf *f, int first)
 {
     return f64s_min(f64s_load(f->sheet + first), f64s_min(f64s_load(f->front[0] + first), f64s_load(f->back[0] + first)));
 }
 
-/* Which of the texels meet a triangle no later than all before it. */
+/* The texels in which no surface lies before the triangle. */
 static uint64_t met_first(const leaf *f, const sparse_triangle *t, uint64_t texels)
 {
     uint64_t met = 0;
@@ -186,8 +189,8 @@ static uint64_t met_first(const leaf *f, const sparse_triangle *t, uint64_t texe
     return met & texels;
 }
 
-/* The texels that a triangle of the list covers. Those with holes are last in it: an image is asked only where its triangle is met first, or
- * where it matters what lies behind. */
+/* Texels that a triangle of the list covers. Triangles with holes come last. Their alpha mask is read only if the triangle is met
+ * first, or if surfaces behind matter. */
 static uint64_t texels_of(const leaf *f, const square_entry *e)
 {
     const sparse_triangle *t      = &f->d->triangles->all[e->id];
@@ -219,9 +222,9 @@ static void meet_all(leaf *f, const square_list *l)
     }
 }
 
-/* where light leaves solids --------------------------------------------------------------------------------------------------- */
+/* exits from solids ----------------------------------------------------------------------------------------------------------- */
 
-/* Front faces less back faces up to a layer of back faces; and the next layer, where it is nearer than *next. */
+/* Number of front faces less back faces, up to a layer of back faces; *next becomes the next layer, if that is nearer. */
 static f64s count_open(const leaf *f, f64s layer, f64s *next)
 {
     const f64s none = f64s_all(INFINITY), one = f64s_all(1);
@@ -240,13 +243,13 @@ static f64s count_open(const leaf *f, f64s layer, f64s *next)
     return open;
 }
 
-/* Where light leaves that does so by a layer of back faces: there, or by what the list lacks. */
+/* Exit depth for a texel that exits by a layer of back faces: this layer, or a face missing in the list. */
 static f64s exit_by(const leaf *f, f64s layer)
 {
     return f64s_choose((i64s)(layer > f64s_all(f->known)), f64s_min(layer, f64s_all(f->bound->left_out)), layer);
 }
 
-/* Where light leaves in the texels that are `open`, by counting from a layer of back faces on. */
+/* Exit depths of the texels in `open`, by counting from a layer of back faces on. */
 static f64s exits_by_counting(const leaf *f, f64s layer, i64s open)
 {
     f64s exits = f64s_all(INFINITY);
@@ -267,7 +270,7 @@ static int compare_hits(const void *a, const void *b)
     return p->is_exit - q->is_exit; /* front faces first */
 }
 
-/* The same of one texel, by sorting all that it meets.   lane  of the depths */
+/* The same for one texel, by sorting all of its faces.   lane  of the depths */
 static double exit_by_sorting(const leaf *f, int lane)
 {
     size_t  count = 0;
@@ -293,7 +296,7 @@ static f64s exits_by_sorting(const leaf *f, uint32_t texels)
     return f64s_load(exits);
 }
 
-/* The depths in LANES texels from one on of all solids that some of them meet. */
+/* Depths, in LANES texels from `first` on, of all solids that some of these texels meet. */
 static void find_solids(leaf *f, int first, uint32_t texels)
 {
     f->solids = 0;
@@ -305,14 +308,15 @@ static void find_solids(leaf *f, int first, uint32_t texels)
     }
 }
 
-/* Where light leaves solids in LANES texels from one on.   open  those that it enters */
+/* Exit depths from solids in LANES texels from `first` on.   open  texels that enter a solid */
 static f64s exits_of(leaf *f, int first, i64s open)
 {
     const i64s count = i64s_all(f->d->nearest_back ? 0 : -1);
     f64s       exits = f64s_all(INFINITY);
     for (int n = 0; n < LAYERS && i64s_negative(open); n++) {
         const f64s back = f64s_load(f->back[n] + first), front = f64s_load(f->front[n + 1] + first);
-        const i64s more = (i64s)(front <= back) & (i64s)(back <= f64s_all(f->known)) & count; /* it may have entered another */
+        const i64s more = (i64s)(front <= back) & (i64s)(back <= f64s_all(f->known)) & count; /* the ray may have entered another
+                                                                                                 solid before */
         exits           = f64s_choose(open & ~more, exit_by(f, back), exits);
         open &= more;
     }
@@ -324,19 +328,19 @@ static f64s exits_of(leaf *f, int first, i64s open)
     return f64s_choose(open, others, exits);
 }
 
-/* more that is free ----------------------------------------------------------------------------------------------------------- */
+/* more don't-care voxels ------------------------------------------------------------------------------------------------------ */
 
-/* Whether light leaves the triangle where its thickness ends. */
+/* Whether the exit is at the end of the triangle's thickness. */
 static int is_thick(const leaf *f, const sparse_triangle *t)
 {
     return f->d->dont_care.thickness > 0 && t->kind & SPARSE_FACES;
 }
 
-/* Exits of LANES texels from one on where more is free than the insides of solids: by all that they meet. */
+/* Exit depths of LANES texels from `first` on, with more don't-care voxels than the insides of solids: uses all surfaces. */
 static f64s later_exits(const leaf *f, int first, f64s exits)
 {
     const f64s none    = f64s_all(INFINITY);
-    f64s       nearest = none, next = none, last = -none, thick = none; /* the nearest of what is thick */
+    f64s       nearest = none, next = none, last = -none, thick = none; /* thick: nearest surface with a thickness */
     double     through[LANES];
     for (const leaf_face *face = f->faces; face < f->faces + f->count; face++) {
         const uint32_t met = bits_of(face->texels, first);
@@ -355,7 +359,7 @@ static f64s later_exits(const leaf *f, int first, f64s exits)
 
 /* the tile -------------------------------------------------------------------------------------------------------------------- */
 
-/* LANES columns from one on. */
+/* Compute LANES columns from `first` on. */
 static void find_columns(leaf *f, int first)
 {
     const f64s e    = first_of(f, first);
@@ -367,7 +371,7 @@ static void find_columns(leaf *f, int first)
     f64s_store(f->x + first, x);
 }
 
-/* Depths in voxels, those of exits rounded up. */
+/* Round depths to voxels: down, or up for exit depths. */
 static void round_depths(depth_scale s, const double depths[64], int up, uint32_t voxels[64])
 {
     const f64s far = f64s_all(depth_none(s)), near = f64s_all(depth_none(s) - 1), depth_vx = f64s_all(s.depth_vx);
@@ -387,7 +391,7 @@ static void round_depths(depth_scale s, const double depths[64], int up, uint32_
     }
 }
 
-/* Whether one depth parts the columns; then their bounds say so. */
+/* Whether one depth separates lit from shadowed in all columns; sets the bounds if so. */
 static int is_parted(const leaf *f, column_bounds *b)
 {
     const depth_scale s = f->d->scale;

@@ -1,5 +1,5 @@
-/* Depths in a square of texels, told from those of a plane on: faces that lie over each other are mostly as steep as each other, and then
- * apart however steep they are.
+/* Depths in a square of texels, relative to a plane. Surfaces one behind the other often have nearly the same slope. Relative to a
+ * plane of that slope their depth ranges do not overlap, however steep they are.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef LEAN_H
 #define LEAN_H
@@ -8,14 +8,14 @@
 
 #include "baker/columns/sparse/square_list.h"
 
-/* Of a square, or of a tile: the box of its texels' centres, and the plane. */
+/* Of a square or a tile: the box of its texels' centres, and the plane. */
 typedef struct lean {
-    double x, y, half;   /* middle of the box, half of its side: subtexels */
-    double gx, gy;       /* of the plane, which is 0 in the middle */
-    double steep, slack; /* how far it is from 0 in the box; what is lost in computing with it */
+    double x, y, half;   /* centre of the box, half of its side: subtexels */
+    double gx, gy;       /* gradient of the plane, which has depth 0 in the centre */
+    double steep, slack; /* greatest absolute depth of the plane in the box; bound of rounding errors */
 } lean;
 
-/* By the farthest triangle that covers the square: the ground, or a floor. */
+/* Take the plane of the farthest triangle that covers the square: usually the ground, or a floor. */
 static inline lean lean_of(const square_list *l, const sparse_triangles *s, texel_square at)
 {
     const square_entry *farthest = NULL;
@@ -32,7 +32,7 @@ static inline lean lean_of(const square_list *l, const sparse_triangles *s, texe
     return w;
 }
 
-/* Between which depths from the plane on a triangle of the list lies. */
+/* Depth range of a triangle of the list, relative to the plane. */
 static inline void lean_range(const lean *w, const square_entry *e, const sparse_triangle *t, double *lo, double *hi)
 {
     const double middle = t->zmin + t->gy * (w->y - t->y[0]) + t->gx * (w->x - t->x[0]);

@@ -1,4 +1,4 @@
-/* The triangles of a patch as a list has them, side by side: what they are to the square together.
+/* The adjacent triangles of one patch in a list, and their common properties in the square.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef PATCH_RUN_H
 #define PATCH_RUN_H
@@ -9,15 +9,14 @@
 
 /* The triangles of one patch in a list: items [begin, end). */
 typedef struct patch_run {
-    size_t begin, end;
-    int    ends;    /* an end of the patch may cross the square */
-    double lo, hi;  /* of all */
-    double covered; /* hi of the nearest that covers the square alone */
-    uint32_t
-        sampled; /* how many cover the middle of the square; not beside `ends`, or gcc waits for both to be stored to load them as one */
-    int exits;  /* some are back faces of solids */
-    int sheets; /* some are of sheets */
-    int faces;  /* all are of sheets that face the light, and are seen from there alone */
+    size_t   begin, end;
+    int      ends;    /* the border of the patch may cross the square */
+    double   lo, hi;  /* depth range of all */
+    double   covered; /* least hi of the triangles that cover the whole square */
+    uint32_t sampled; /* triangles that cover the middle. Not next to `ends`: gcc would load both as one, after a stall */
+    int      exits;   /* some are back faces of solids */
+    int      sheets;  /* some belong to sheets */
+    int      faces;   /* all belong to one-sided sheets that face the light */
 } patch_run;
 
 static inline patch_run patch_run_from(const square_list *l, const sparse_triangles *s, size_t begin)
@@ -34,14 +33,14 @@ static inline patch_run patch_run_from(const square_list *l, const sparse_triang
         r.ends |= (e->bits & ENTRY_END) != 0;
         r.lo                      = least(r.lo, e->lo);
         r.hi                      = greatest(r.hi, e->hi);
-        const double if_covers[2] = {INFINITY, e->hi}; /* no branch: half of them cover, in no order */
+        const double if_covers[2] = {INFINITY, e->hi}; /* no branch: it would be unpredictable */
         r.covered                 = least(r.covered, if_covers[e->bits & ENTRY_COVERS]);
     }
     return r;
 }
 
-/* No texel's centre is in it. One that has lost triangles to larger squares may only seem so; but it reaches those, which begin behind what
- * was known of the square. */
+/* No texel's centre is in the patch. A patch that has lost triangles in larger squares may look like this too; but then it reaches
+ * those triangles, which begin behind the known F of the square. */
 static inline int patch_run_is_missed(const patch_run *r, double known)
 {
     return !r->ends && !r->sampled && r->hi < known;

@@ -14,13 +14,13 @@ enum { ALL_ENDS = 7, GRAIN = 1 << 14 };
 typedef struct finder {
     const projection *p;
     const int8_t     *facing;
-    uint32_t         *sorted; /* as mesh_sort_edges makes it */
+    uint32_t         *sorted; /* from mesh_sort_edges */
     uint32_t         *patch_of;
     uint8_t          *ends;
-    uint8_t          *inner; /* [3 * p->triangle_count] 1: the half-edge is no end */
+    uint8_t          *inner; /* [3 * p->triangle_count] 1: the half-edge is not on a border */
 } finder;
 
-/* What has holes covers nothing. Solids and sheets have no edge in common. */
+/* Triangles with holes cover nothing. Solids and sheets share no edge. */
 static int may_join(const finder *f, uint32_t a, uint32_t b)
 {
     return f->facing[a] && f->facing[a] == f->facing[b] && a < f->p->holed_first && b < f->p->holed_first;

@@ -1,8 +1,8 @@
-/* Patches: triangles of a map that lie side by side and face the same way.
+/* Patches: adjacent triangles of a map that face the same way.
  *
- * Away from the ends of a patch every point of the map is covered by as many of its triangles as its neighbours are: where one ends, the
- * next begins. So a square of texels in which no end of the patch lies is covered as often everywhere as in one of its texels, and what is
- * made of thousands of small triangles bounds a square as a single large one does.
+ * Away from the border of a patch, the number of its triangles that cover a point is constant: where one triangle ends, the next
+ * begins. So if no border of the patch crosses a square of texels, the patch covers each texel as often as any other. Thousands of
+ * small triangles then bound the square as a single large triangle does.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef PATCHES_H
 #define PATCHES_H
@@ -10,10 +10,11 @@
 #include "baker/light/projection.h"
 
 /* Find the patches of a projection.
- * patch_of  [out] [p->triangle_count] the number of its first triangle; triangles with holes, and those that face no way, are alone
- * ends      [out] [p->triangle_count] bit k: the edge from corner k to the next is an end of the patch
- * facing    [p->triangle_count] 1 and -1 the two ways, 0: seen from its edge
- * Returns VXS_OK or VXS_E_MEMORY.  The same at any thread count. */
+ * patch_of  [out] [p->triangle_count] index of the first triangle of the patch. Triangles with holes, and those with facing 0,
+ *           are patches alone
+ * ends      [out] [p->triangle_count] bit k: the edge from corner k to the next is on the border of the patch
+ * facing    [p->triangle_count] 1 and -1: the two sides, 0: seen edge-on
+ * Returns VXS_OK or VXS_E_MEMORY. The result does not depend on the number of threads. */
 vxs_result patches_find(uint32_t *patch_of, uint8_t *ends, const int8_t *facing, const projection *p, uint32_t threads);
 
 #endif

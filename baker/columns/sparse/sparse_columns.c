@@ -12,7 +12,7 @@
 #include "baker/columns/sparse/sparse_key.h"
 #include "baker/columns/sparse/sparse_square.h"
 
-/* A fetched square, or one that was released and waits for the next fetch. */
+/* A fetched square, or a released one that will be used again. */
 typedef struct pooled_square {
     sparse_square         square;
     struct pooled_square *next;
@@ -24,12 +24,12 @@ typedef struct sparse_map {
     leaf_desc           desc;
     const sparse_level *level;
     sparse_keys         keys;
-    const bake_context *ctx;   /* of the run: what it may hold */
+    const bake_context *ctx;   /* for the memory limit */
     pthread_mutex_t     lock;  /* of the pool */
-    pooled_square      *spare; /* squares that were released */
+    pooled_square      *spare; /* released squares */
 } sparse_map;
 
-/* Where no triangle's box is, there is no caster. */
+/* If no triangle's box touches the square, it has no caster. */
 static vxs_result map_bounds(void *data, uint32_t level, uint32_t i, uint32_t j, column_bounds *out)
 {
     const sparse_map    *o    = data;
@@ -84,7 +84,7 @@ static vxs_result map_fetch(void *data, uint32_t level, uint32_t i, uint32_t j, 
     stage_begin(ctx, STAGE_MAPS);
     vxs_result r = fetch_square(data, (texel_square){i * side, j * side, side}, out, ctx->threads);
     stage_begin(ctx, STAGE_NONE);
-    if (r == VXS_E_MEMORY) context_check(ctx); /* says more, where it was not allowed */
+    if (r == VXS_E_MEMORY) context_check(ctx); /* explains the failure if a limit was reached */
     return r == VXS_OK ? r : fail(ctx->message, r, "out of memory for the columns of %u x %u texels", side, side);
 }
 
@@ -97,7 +97,7 @@ static vxs_result map_key(void *data, uint32_t level, uint32_t i, uint32_t j, co
 
 static void map_release(void *data, column_square *square)
 {
-    pooled_square *p = square->data; /* whose first member it is */
+    pooled_square *p = square->data; /* square is its first member */
     sparse_square_clear(&p->square);
     put_square(data, p);
     *square = (column_square){0};
@@ -145,7 +145,7 @@ static vxs_result take_enter(const column_square *square, uint32_t *enter)
     return VXS_OK;
 }
 
-/* A voxel of a lamp is a share of the logarithm of depth. */
+/* Voxels of a punctual light are equal steps of log depth. */
 static depth_scale scale_of(const vxs_light *light, uint32_t depth_vx)
 {
     double log = light->kind == VXS_LIGHT_KIND_DIRECTIONAL ? 0 : light->voxel_metres;

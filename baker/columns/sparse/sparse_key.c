@@ -11,18 +11,18 @@
 
 enum { HASHED_AT_ONCE = 64 };
 
-/* A triangle as it is hashed: numbers of 8 bytes, so that nothing lies between them. */
+/* A triangle as it is hashed: 8-byte numbers, so that there is no padding. */
 typedef struct hashed_triangle {
     int64_t  x[3], y[3];
     double   zmin, zmax, gx, gy, slack;
-    uint64_t bits; /* kind, ends, and whether it is of the patch of the one before it */
+    uint64_t bits; /* kind, ends, and whether its patch is that of the triangle before it */
 } hashed_triangle;
 
-/* What a triangle with holes has besides. */
+/* Additional data of a triangle with holes. */
 typedef struct hashed_holes {
     mask_fingerprint mask;
     float            uvq[3][3];
-    uint32_t         none; /* 0 */
+    uint32_t         none; /* 0, padding */
 } hashed_holes;
 
 static hashed_triangle hashed(const sparse_triangle *t, int same_patch)
@@ -48,7 +48,7 @@ static void hash_holes(XXH3_state_t *state, const sparse_keys *keys, const spars
     XXH3_128bits_update(state, &h, sizeof h);
 }
 
-/* The triangles of a cell, in their order. */
+/* Hash the triangles of a cell in order. */
 static void hash_cell(XXH3_state_t *state, const sparse_keys *keys, const sparse_triangles *s, const uint32_t *ids, size_t count)
 {
     hashed_triangle some[HASHED_AT_ONCE];

@@ -1,8 +1,8 @@
-/* The key of a square: all that its columns are computed from, and nothing else of the map.
+/* Key of a square: a hash of everything that its columns are computed from, and of nothing else in the map.
  *
- * Columns follow from the triangles of the bins that the square lies in, in their order; from which neighbours in it are of one patch, not
- * from the patches' numbers; from where the square and its bins are; from the scale of depths. So what is elsewhere may change, and the
- * key stays. Casters of the light, its place and its name are in it only as far as they move these triangles.
+ * The columns follow from: the triangles in the bins of the square, in order; which neighbouring triangles there share a patch, not
+ * the numbers of the patches; the position of the square and of its bins; the scale of depths. So the key stays the same when other
+ * parts of the map change. Casters, position and name of the light count only as far as they change these triangles.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SPARSE_KEY_H
 #define SPARSE_KEY_H
@@ -11,9 +11,9 @@
 #include "baker/columns/sparse/triangle_bins.h"
 #include "baker/scene/fingerprint.h"
 
-/* What is known of the alpha masks of a map. Zero it. */
+/* Fingerprints of the alpha masks of a map. Zero it. */
 typedef struct sparse_keys {
-    mask_fingerprint *masks; /* of the casters' alpha masks; NULL: nobody has asked yet */
+    mask_fingerprint *masks; /* of the casters' alpha masks; NULL: not computed yet */
 } sparse_keys;
 
 /* Returns VXS_OK or VXS_E_MEMORY. */

@@ -15,10 +15,10 @@
 
 enum {
     PAGE_TILES  = 63,
-    TASK_PX_MAX = 1024, /* a square from which the descent begins: there are enough of them for all threads */
-    SMALL_PX    = 16,   /* a square as small as this is settled only if that tells as much as its texels would */
+    TASK_PX_MAX = 1024, /* the descent begins with squares of this side: enough tasks for all threads */
+    SMALL_PX    = 16,   /* a square of this side or less is settled only if its list gives as much as its texels would */
     PASS_PX     = 64,   /* squares of this side call run_control_wait */
-    LOOK_PAGES  = 16,   /* fresh pages, half a mebibyte, after which a thread looks whether there may be more */
+    LOOK_PAGES  = 16,   /* new pages, half a mebibyte, after which a thread checks the memory limit */
 };
 
 struct leaf_page {
@@ -27,12 +27,12 @@ struct leaf_page {
     column_tile tiles[PAGE_TILES];
 };
 
-/* The lists of the quarters of a square, at each level, what a leaf needs, and the tiles that it has found. */
+/* Scratch memory of a worker: lists of the quarters of a square at each level, what a leaf needs, and the tiles found. */
 struct square_worker {
     square_list  list, quarter[SPARSE_LEVELS_MAX][4];
     leaf_scratch leaf;
-    leaf_page   *pages, *spare; /* the first of them is filled; those of squares before */
-    uint32_t     page_count;    /* of both */
+    leaf_page   *pages, *spare; /* the first page is being filled; pages of earlier squares */
+    uint32_t     page_count;    /* of both lists */
 };
 
 typedef struct square_maker {
@@ -52,7 +52,7 @@ const sparse_level sparse_levels[2] = {{square_list_gather_sse2, square_list_spl
 const sparse_level sparse_levels[2] = {{square_list_gather_sse2, square_list_split_sse2, leaf_columns_sse2}};
 #endif
 
-/* what is found --------------------------------------------------------------------------------------------------------------- */
+/* results --------------------------------------------------------------------------------------------------------------------- */
 
 static size_t tile_at(const sparse_square *q, texel_square at)
 {
@@ -72,7 +72,7 @@ static void set_bounds(sparse_square *q, texel_square at, column_bounds b)
         for (uint32_t i = 0; i < side; i++) corner[(size_t)j * across + i] = b;
 }
 
-/* A page that is empty, before the others of the worker. Returns 0 without memory. */
+/* Put an empty page before the worker's other pages. Returns 0 without memory. */
 static int next_page(const bake_context *ctx, square_worker *worker)
 {
     leaf_page *page = worker->spare;
@@ -98,7 +98,7 @@ static int keep_tile(const square_maker *w, square_worker *worker, texel_square 
 
 /* the descent ----------------------------------------------------------------------------------------------------------------- */
 
-/* Look at all texels. Columns that one depth parts are not kept. */
+/* Evaluate all texels. Columns are not stored if one depth separates lit from shadowed. */
 static int make_leaf(const square_maker *w, square_worker *worker, texel_square at, const square_bound *bound, const square_list *l)
 {
     column_tile   tile;
@@ -108,7 +108,8 @@ static int make_leaf(const square_maker *w, square_worker *worker, texel_square 
     return (b.emax <= b.xmin && !w->d->every_texel) || keep_tile(w, worker, at, &tile);
 }
 
-/* Whether one depth parts all that is lit from all that is in shadow, with so much room; then it is said so. */
+/* Settle the square if one depth separates lit from shadowed, with at least `room` between enter and exit depths. Returns 1 if
+ * it was settled. */
 static int settle(const square_maker *w, texel_square at, double enter_most, double exit_least, uint32_t room)
 {
     depth_scale s = w->d->scale;
@@ -118,7 +119,7 @@ static int settle(const square_maker *w, texel_square at, double enter_most, dou
     return 1;
 }
 
-/* Nothing is in it. */
+/* Settle a square without triangles. */
 static int settle_empty(const square_maker *w, texel_square at)
 {
     return settle(w, at, depth_none(w->d->scale), depth_none(w->d->scale), 0);
@@ -133,13 +134,14 @@ static int settle_large(const square_maker *w, texel_square at, square_bound *bo
 static int settle_small(const square_maker *w, texel_square at, const square_bound *bound, const square_list *l)
 {
     square_parting p;
-    if (dont_care_needs_next(&w->d->dont_care)) return 0; /* more than insides of solids is free, which takes texels to tell */
+    if (dont_care_needs_next(&w->d->dont_care)) return 0; /* the additional don't-care voxels can only be found from texels */
     if (!square_settle(l, w->d->triangles, at, bound, w->d->nearest_back, &p)) return 0;
     if (at.side == 8) return p.is_certain && settle(w, at, p.enter_most, p.exit_least, 0);
-    return settle(w, at, p.enter_most, p.exit_least, at.side); /* else its tiles, of which each has more room, are worth more */
+    return settle(w, at, p.enter_most, p.exit_least, at.side); /* with less room its tiles are better: each has more room by
+                                                                  itself */
 }
 
-/* A square, what is known of the one around it, and its own list, which is used up. Returns 0 without memory. */
+/* Compute a square from the bound of the larger one and its own list, which is used up. Returns 0 without memory. */
 static int make_square(const square_maker *w, square_worker *worker, texel_square at, square_bound bound, square_list *l)
 {
     if (!l->count) return settle_empty(w, at);
@@ -175,7 +177,7 @@ static void make_tasks(void *user, size_t begin, size_t end, uint32_t worker)
 
 /* the square ------------------------------------------------------------------------------------------------------------------ */
 
-/* Arrays for a square of its side. Those of a square of the same side serve again: fresh pages cost as much as what goes into them. */
+/* Allocate arrays for a square. Arrays of a square of the same side are used again: new pages cost as much time as filling them. */
 static int make_room(sparse_square *q, texel_square at, uint32_t threads)
 {
     size_t   squares = 0, tiles = (size_t)(at.side / 8) * (at.side / 8);

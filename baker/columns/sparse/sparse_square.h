@@ -1,10 +1,10 @@
-/* A fetched square: a pyramid of bounds, and the columns of the tiles that no single depth decides.
+/* A fetched square: a pyramid of bounds, and the columns of those tiles that no single depth decides.
  *
- * A square is split until what is known of it decides it: when nothing in it is entered behind where something is left, all of its columns
- * are said to be alike, entered at F and left at xmin. Whoever keeps to that keeps to what is there, but has less to choose from than
- * there is. So small squares are decided only where their lists tell as much as their texels would (square_settle.h), and lose nothing to
- * those who look at them; tiles of the others are looked at texel by texel, and keep all that is free before F. Files get smaller by it: a city
- * at 16384 texels from 12 to 2 % more than when it is rendered.
+ * A square is split until its list decides it. If no enter depth is behind any exit depth, the square stores one column for all
+ * texels: enter depth F and exit depth xmin. This column keeps the contract of every texel, but leaves the coding fewer don't-care
+ * voxels than there are. So small squares are decided only if their lists give as much as their texels do (square_settle.h). In the
+ * other small squares tiles are evaluated texel by texel, and keep all don't-care voxels before F. This makes files smaller: a city
+ * at 16384 texels was 12 % larger than with rendered maps, and is 2 % larger now.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SPARSE_SQUARE_H
 #define SPARSE_SQUARE_H
@@ -22,14 +22,14 @@ typedef struct sparse_square {
     texel_square   at;
     depth_scale    scale;
     column_bounds *pyramid[SPARSE_LEVELS_MAX]; /* [l]: squares of 8 << l texels, rows of squares; pyramid[0] owns all */
-    column_tile  **tiles;                      /* [(side / 8)^2] NULL: all columns are as the bounds say */
-    int            is_settled;                 /* 1: as a whole, by these bounds, and there is no pyramid */
+    column_tile  **tiles;                      /* [(side / 8)^2] NULL: all columns equal the bounds */
+    int            is_settled;                 /* 1: `settled` has the bounds of the whole square, and there is no pyramid */
     column_bounds  settled;
-    square_worker *workers; /* [worker_count] what each thread needs, and the pages that own the tiles */
+    square_worker *workers; /* [worker_count] scratch memory of each thread, and the pages that own the tiles */
     uint32_t       worker_count;
 } sparse_square;
 
-/* The functions of a level of cpu.h. */
+/* The functions of one level of cpu.h. */
 typedef struct sparse_level {
     square_list_gather *gather;
     square_list_split  *split;
@@ -38,20 +38,20 @@ typedef struct sparse_level {
 
 extern const sparse_level sparse_levels[2];
 
-/* Compute a square. Its bins are as large as it is, or the square as large as one of them or smaller.
- * q    zeroed, or cleared: what it holds serves again
- * ctx  the run's, which may hold so much; nothing is told to it
+/* Compute a square. Its bins have the side of the square; or the square has the side of a bin, or less.
+ * q    zeroed, or cleared: its arrays are used again
+ * ctx  read only: memory limit; no progress is reported
  * Returns VXS_OK or VXS_E_MEMORY; released with sparse_square_free either way. */
 vxs_result sparse_square_make(sparse_square *q, const sparse_level *level, const leaf_desc *d, const triangle_bins *bins,
                               texel_square at, uint32_t threads, const bake_context *ctx);
 
-/* Release the columns, and keep arrays for the next square. Accepts a zeroed object. */
+/* Release the columns; keep the arrays for the next square. Accepts a zeroed object. */
 void sparse_square_clear(sparse_square *q);
 
 /* Accepts a zeroed object. */
 void sparse_square_free(sparse_square *q);
 
-/* As columns; valid where q lies. */
+/* The square as a column_square; valid as long as q is at its address. */
 column_square sparse_square_columns(sparse_square *q);
 
 #endif

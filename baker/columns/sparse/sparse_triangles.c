@@ -21,12 +21,12 @@ typedef struct corner {
 typedef struct maker {
     sparse_triangles *s;
     const projection *p;
-    double            px;     /* subtexels of a texel */
-    double            extent; /* subtexels: no point of the map is farther from a vertex */
+    double            px;     /* subtexels per texel */
+    double            extent; /* subtexels: greatest distance from a vertex to a point of the map */
     int8_t           *facing; /* [p->triangle_count] */
     uint32_t         *patch_of;
     uint8_t          *ends;
-    uint32_t         *order; /* [s->count] the triangles of p in the order of s */
+    uint32_t         *order; /* [s->count] index in p of each triangle of s */
 } maker;
 
 static int32_t snapped(const maker *w, double texels)
@@ -40,7 +40,7 @@ static corner corner_of(const maker *w, size_t triangle, int k)
     return (corner){snapped(w, v->u), snapped(w, v->v), w->p->reversed ? -v->z : v->z};
 }
 
-/* Twice the area: exact. */
+/* Twice the area, exact. */
 static int64_t area_of(const corner c[3])
 {
     return ((int64_t)c[1].x - c[0].x) * ((int64_t)c[2].y - c[0].y) - ((int64_t)c[2].x - c[0].x) * ((int64_t)c[1].y - c[0].y);
@@ -57,7 +57,7 @@ static void find_facing(void *user, size_t begin, size_t end, uint32_t worker)
     }
 }
 
-/* The triangle's corners in the order that sparse_triangle wants; `from` tells where each of them was. */
+/* Put the corners into the order of sparse_triangle; `from` gets the old index of each. */
 static void order_corners(const maker *w, size_t triangle, corner c[3], int from[3])
 {
     corner at[3];
@@ -71,7 +71,7 @@ static void order_corners(const maker *w, size_t triangle, corner c[3], int from
     }
 }
 
-/* Ends of the patch, with corners in another order: edge k begins at corner from[k], or, walked the other way, ends there. */
+/* Border bits for the new order of corners: edge k begins at corner from[k]; if the direction is reversed, it ends there. */
 static uint8_t ends_in_order(uint8_t ends, const int from[3], int facing)
 {
     int in_order = 0;
@@ -82,8 +82,8 @@ static uint8_t ends_in_order(uint8_t ends, const int from[3], int facing)
     return (uint8_t)in_order;
 }
 
-/* The plane of depth through corner 0. What rounding may do to it anywhere in the map is bounded by the terms that the slopes are made of,
- * which may be much larger than the slopes. */
+/* Plane of depth through corner 0. The rounding error anywhere in the map is bounded by the terms of the slopes, which may be much
+ * larger than the slopes. */
 static void set_plane(sparse_triangle *t, const corner c[3], double extent)
 {
     double x1 = (double)c[1].x - c[0].x, y1 = (double)c[1].y - c[0].y, z1 = c[1].z - c[0].z;
@@ -104,7 +104,7 @@ static void make_triangles(void *user, size_t begin, size_t end, uint32_t worker
     (void)worker;
     for (size_t n = begin; n < end; n++) {
         size_t           from   = w->order[n];
-        int              facing = w->facing[from], back = facing > 0, was[3]; /* seen from the light, the map is mirrored */
+        int              facing = w->facing[from], back = facing > 0, was[3]; /* the map is a mirror image of what the light sees */
         int              solid = from < p->solid_triangle_count, holed = from >= p->holed_first;
         int              faces = !solid && !holed && !back && !(p->double_sided && p->double_sided[from]);
         corner           c[3];
@@ -124,7 +124,7 @@ static void make_triangles(void *user, size_t begin, size_t end, uint32_t worker
     }
 }
 
-/* All that face some way, by patch; those with holes are patches of their own, and come last. */
+/* Sort all triangles that are not edge-on by patch. Triangles with holes are patches of their own, and come last. */
 static vxs_result order_by_patch(maker *w, uint32_t threads)
 {
     size_t     count   = w->p->triangle_count;
@@ -175,7 +175,7 @@ static vxs_result make(maker *w, uint32_t threads)
 
 uint64_t sparse_triangles_bytes(const projection *p)
 {
-    const maker *w     = NULL; /* for sizes alone */
+    const maker *w     = NULL; /* for sizeof only */
     uint64_t     whole = sizeof *w->facing + sizeof *w->patch_of + sizeof *w->ends + sizeof *w->order + sizeof *w->s->all;
     return p->triangle_count * whole + (p->triangle_count - p->holed_first) * (sizeof *w->s->uvq + sizeof *w->s->mask_of);
 }

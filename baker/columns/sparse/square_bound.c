@@ -7,9 +7,9 @@
 
 #include "baker/columns/sparse/patch_run.h"
 
-enum { LAYERED_MAX = 64 }; /* triangles of a patch that are taken by depth; more of them are rarely apart */
+enum { LAYERED_MAX = 64 }; /* most triangles of a patch that are sorted by depth; larger groups rarely have gaps */
 
-/* The farthest depth of the nearest layer of a run that covers the square. */
+/* The greatest depth of the nearest layer of a run that covers the square. */
 static double nearest_layer(const square_list *l, const patch_run *r, double known)
 {
     square_entry sorted[LAYERED_MAX];
@@ -24,7 +24,7 @@ static double nearest_layer(const square_list *l, const patch_run *r, double kno
         sorted[to] = e;
     }
     for (size_t n = 0; n < count && sorted[n].lo <= known; n++) {
-        if (sorted[n].lo > hi) { /* a gap: the layer before it is whole */
+        if (sorted[n].lo > hi) { /* a gap: the layer before it is complete */
             if (all & ENTRY_SAMPLE && !(all & ENTRY_END)) return hi;
             all = 0;
         }
@@ -34,7 +34,7 @@ static double nearest_layer(const square_list *l, const patch_run *r, double kno
     return all & ENTRY_SAMPLE && !(all & ENTRY_END) ? hi : INFINITY;
 }
 
-/* Where the run has covered the square. */
+/* Depth at which the run has covered the square. */
 static double covered_by(const square_list *l, const sparse_triangles *s, const patch_run *r, double known)
 {
     if (r->sampled == 1 && !r->ends) return least(r->covered, r->hi);
@@ -43,7 +43,7 @@ static double covered_by(const square_list *l, const sparse_triangles *s, const 
     return least(r->covered, nearest_layer(l, r, known));
 }
 
-/* complete  nothing that begins before it was left out of the list */
+/* complete  no triangle that begins before this depth was removed from the list */
 static void find_enter_most(square_bound *b, square_list *l, const sparse_triangles *s, double complete)
 {
     double known = b->enter_most;
@@ -59,9 +59,9 @@ static void find_enter_most(square_bound *b, square_list *l, const sparse_triang
     l->count = kept;
 }
 
-/* more that is free ----------------------------------------------------------------------------------------------------------- */
+/* more don't-care voxels ------------------------------------------------------------------------------------------------------ */
 
-/* Whether a surface lies behind F in all texels. Back faces of solids do not tell: light may leave there. */
+/* Whether a surface lies behind F in every texel. Back faces of solids do not count: they may be the exit. */
 static int is_followed(const square_bound *b, const square_list *l, const sparse_triangles *s)
 {
     for (size_t begin = 0; begin < l->count;) {
@@ -73,10 +73,10 @@ static int is_followed(const square_bound *b, const square_list *l, const sparse
     return 0;
 }
 
-/* Depths of the runs of a list, to tell those of all others from. */
+/* Extreme depths over all runs of a list, with which those of all other runs are found. */
 typedef struct run_depths {
-    double lo[2], hi[2]; /* the least, the greatest, and the next ones */
-    size_t lo_of, hi_of; /* where the runs of the first ones begin */
+    double lo[2], hi[2]; /* the extreme depth, and the next one */
+    size_t lo_of, hi_of; /* begin of the runs that have the extreme depths */
 } run_depths;
 
 static run_depths depths_of_runs(const square_list *l, const sparse_triangles *s)
@@ -97,20 +97,21 @@ static run_depths depths_of_runs(const square_list *l, const sparse_triangles *s
     return d;
 }
 
-/* Before where light leaves a run of sheets, or of back faces of solids. What is said of a run holds where every texel meets it once, and so
- * nothing of it lies behind it; one that reaches what was left out may only seem so. */
+/* Least exit depth at a run of sheets, or of back faces of solids. It holds if every texel meets the run once, so that no part of
+ * the run lies behind the exit. This is not certain for a run that reaches triangles removed from the list. */
 static double run_exit_least(const square_bound *b, const dont_care_rules *f, const patch_run *r, const run_depths *d,
                              double left_out)
 {
-    const double nearest = d->lo[d->lo_of == r->begin], farthest = d->hi[d->hi_of == r->begin]; /* of the others */
+    const double nearest = d->lo[d->lo_of == r->begin], farthest = d->hi[d->hi_of == r->begin]; /* over the other runs */
     if (r->sampled != 1 || r->ends || r->hi > left_out) return r->lo;
     if (f->behind && !b->behind && farthest < r->lo) return INFINITY;
     if (!r->faces || !(f->thickness > 0)) return r->lo;
-    const double rounded = ldexp(1, -50); /* more than dont_care_through is off */
+    const double rounded = ldexp(1, -50); /* greater than the rounding error of dont_care_through */
     return greatest(r->lo, least(dont_care_through(f, r->lo) - rounded, nearest));
 }
 
-/* xmin, where more is free than the insides of solids.   left_out  what begins behind it may not be in the list */
+/* xmin, with more don't-care voxels than the insides of solids.   left_out  triangles that begin behind this depth may be
+ * missing */
 static double later_exit_least(const square_bound *b, const square_list *l, const sparse_triangles *s, const dont_care_rules *f,
                                double left_out)
 {
@@ -126,7 +127,7 @@ static double later_exit_least(const square_bound *b, const square_list *l, cons
 
 /* the square ------------------------------------------------------------------------------------------------------------------ */
 
-/* Where what begins no longer matters. */
+/* Triangles that begin behind this depth no longer matter. */
 static double limit_of(const square_bound *b, const dont_care_rules *f)
 {
     if (!dont_care_needs_next(f)) return b->enter_most;

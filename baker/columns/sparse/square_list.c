@@ -4,9 +4,9 @@
 #include "baker/base/array.h"
 #include "baker/columns/sparse/lanes.h"
 
-enum { QUARTERS = 4, AT_ONCE = 64 }; /* triangles between looks at whether lists have room */
+enum { QUARTERS = 4, AT_ONCE = 64 }; /* triangles between checks of the lists' capacity */
 
-/* A number for each quarter, at all levels: with SSE2 it is two vectors, and never leaves this file. */
+/* Vectors of four quarters, at all levels: with SSE2 each is two registers. The type is not used outside this file. */
 #pragma GCC diagnostic ignored "-Wpsabi"
 typedef double         f64x4 __attribute__((vector_size(32)));
 typedef int64_t        i64x4 __attribute__((vector_size(32)));
@@ -45,10 +45,10 @@ static inline uint32_t i64x4_negative(i64x4 v)
 #endif
 }
 
-/* What is asked of all triangles. */
+/* Constants for all triangles. */
 typedef struct splitter {
     int64_t x, y; /* middle of the square, subtexels */
-    int64_t step; /* from there to the middles of quarters, along x and along y; 0: all of them are the square itself */
+    int64_t step; /* from there to the centres of the quarters, along x and y; 0: the whole square in place of quarters */
     int64_t half; /* of the side of the box of a quarter's texel centres */
     f64x4   middle_x, middle_y;
 } splitter;
@@ -68,19 +68,19 @@ static splitter splitter_of(const sparse_triangles *s, texel_square square, uint
     return w;
 }
 
-/* The number, or less than nothing of it where the mask is. */
+/* The number, negated where the mask is set. */
 static i64x4 turned(int64_t number, i64x4 mask)
 {
     return ((number - (i64x4){0}) ^ mask) - mask;
 }
 
-/* Quarters as bits. */
+/* Results for the four quarters, as bits. */
 typedef struct quarter_answer {
     uint32_t missed, uncovered, unsampled, ended;
     double   lo[QUARTERS], hi[QUARTERS];
 } quarter_answer;
 
-/* Quarters whose box the box of an edge does not touch. */
+/* Quarters whose box does not overlap the box of an edge. */
 static uint32_t apart_from(const splitter *w, const sparse_triangle *t, int k)
 {
     const int     next = k < 2 ? k + 1 : 0;
@@ -96,7 +96,8 @@ static uint32_t apart_from(const splitter *w, const sparse_triangle *t, int k)
 
 static void ask_edges(quarter_answer *q, const splitter *w, const sparse_triangle *t)
 {
-    i64x4 missed = {0}, uncovered = {0}, unsampled = {0}; /* where less than 0: the box, some of it, its middle */
+    i64x4 missed = {0}, uncovered = {0}, unsampled = {0}; /* negative: the box is missed, not all covered, its centre is not
+                                                             covered */
     for (int k = 0; k < 3; k++) {
         const sparse_edge e  = sparse_edge_of(t, k);
         const int64_t     at = sparse_edge_at(&e, w->x, w->y), reach = ((e.a < 0 ? -e.a : e.a) + (e.b < 0 ? -e.b : e.b)) * w->half;
@@ -114,7 +115,7 @@ static void ask_edges(quarter_answer *q, const splitter *w, const sparse_triangl
     q->unsampled = i64x4_negative(unsampled);
 }
 
-/* Between which depths the triangle lies in each quarter. Where there are none, the plane passes the quarter out of the triangle's range. */
+/* Depth range of the triangle in each quarter. If it is empty, the plane is outside the triangle's depth range there. */
 static void ask_depth(quarter_answer *q, const splitter *w, const sparse_triangle *t)
 {
     const double steep = (t->gx < 0 ? -t->gx : t->gx) + (t->gy < 0 ? -t->gy : t->gy), rise = steep * (double)w->half + t->slack;
@@ -133,12 +134,12 @@ static quarter_answer ask(const splitter *w, const sparse_triangle *t, int cover
     return q;
 }
 
-/* Add it to a list that has room, if it is not missed. */
+/* Add the triangle to a list with spare capacity, unless the quarter is missed. */
 static inline void add(square_list *l, const quarter_answer *q, int quarter, uint32_t id, int holed)
 {
     uint32_t bits = (q->uncovered >> quarter & 1 ? 0u : ENTRY_COVERS) | (q->unsampled >> quarter & 1 ? 0u : ENTRY_SAMPLE) |
                     (q->ended >> quarter & 1 ? ENTRY_END : 0u);
-    if (holed) bits = ENTRY_END; /* it covers nothing for sure, and may be anywhere */
+    if (holed) bits = ENTRY_END; /* it may cover any texels */
     l->items[l->count] = (square_entry){q->lo[quarter], q->hi[quarter], id, bits};
     l->count += !(q->missed >> quarter & 1);
 }

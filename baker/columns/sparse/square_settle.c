@@ -5,16 +5,16 @@
 #include "baker/columns/sparse/lean.h"
 #include "baker/columns/sparse/patch_run.h"
 
-/* Faces one behind another, which cover the square unless it is said that they may not. */
+/* A layer of faces. Layers cover the square, unless noted otherwise. */
 typedef struct layer {
-    double near, far; /* leaned (lean.h) */
+    double near, far; /* relative to the plane of lean.h */
     double lo;        /* depth */
 } layer;
 
 typedef struct layers {
     layer  fronts[SETTLE_LIST_MAX], backs[SETTLE_LIST_MAX]; /* of solids */
     int    front_count, back_count;
-    double partial; /* the nearest of what may not cover the square */
+    double partial; /* nearest layer that may not cover the square */
 } layers;
 
 static void widen(layer *a, const layer *b)
@@ -26,11 +26,11 @@ static void widen(layer *a, const layer *b)
 
 static const layer nothing = {INFINITY, -INFINITY, INFINITY};
 
-/* One triangle; `covers` the square. A back face counts wherever it may be, a front face where it surely is. */
+/* Add a triangle; covers: it covers the square. Back faces count wherever they may be, front faces only where they are certain. */
 static void add(layers *y, const sparse_triangle *t, const layer *of, int covers)
 {
     if (!covers) y->partial = least(y->partial, of->near);
-    if (sparse_is_sheet(t)) return; /* it is met after a solid */
+    if (sparse_is_sheet(t)) return; /* a ray meets it after a solid */
     if (sparse_is_exit(t))
         y->backs[y->back_count++] = *of;
     else if (covers)
@@ -40,11 +40,11 @@ static void add(layers *y, const sparse_triangle *t, const layer *of, int covers
 /* A run of the list: items [begin, end). */
 typedef struct patch_items {
     size_t begin, end;
-    int    is_whole; /* they are one layer that covers the square */
+    int    is_whole; /* 1: one layer that covers the square */
 } patch_items;
 
-/* What is told without counting: by the nearest face behind which light leaves. Returns how many patches there are; 0: a texel may have met a
- * sheet first, or have left before another is entered. */
+/* Depths that are known without counting, from the nearest possible exit face. Returns the number of patches; 0: a texel may have
+ * met a sheet first, or may have exited before another one enters. */
 static size_t find_patches(patch_items *patches, const square_list *l, const sparse_triangles *s, const square_bound *outer,
                            square_parting *out)
 {
@@ -55,7 +55,7 @@ static size_t find_patches(patch_items *patches, const square_list *l, const spa
     out->exit_least    = outer->left_out;
     for (size_t n = 0; n < l->count;) {
         const patch_run r     = patch_run_from(l, s, n);
-        const int       whole = !r.ends && r.hi < known && r.sampled == 1; /* and none of it was left out of larger squares */
+        const int       whole = !r.ends && r.hi < known && r.sampled == 1; /* and no part of it was removed in larger squares */
         n                     = r.end;
         out->enter_most       = least(out->enter_most, whole ? least(r.covered, r.hi) : r.covered);
         if (patch_run_is_missed(&r, known)) continue;
@@ -63,7 +63,7 @@ static size_t find_patches(patch_items *patches, const square_list *l, const spa
         if (r.exits) out->exit_least = least(out->exit_least, r.lo);
         patches[count++] = (patch_items){r.begin, r.end, whole};
     }
-    return out->exit_least < out->enter_most || sheet <= out->enter_most ? 0 : count; /* counting could part some all the same */
+    return out->exit_least < out->enter_most || sheet <= out->enter_most ? 0 : count; /* counting could still settle it */
 }
 
 static void add_patch(layers *y, const lean *w, const square_list *l, const sparse_triangles *s, const patch_items *p)
@@ -82,7 +82,7 @@ static void add_patch(layers *y, const lean *w, const square_list *l, const spar
     if (p->is_whole) add(y, first, &all, 1);
 }
 
-/* How many front faces cover the square before a depth; how many back faces may be there. */
+/* Number of front faces that surely lie before a depth; number of back faces that may lie there. */
 static int opened(const layers *y, double near)
 {
     int count = 0;
@@ -97,7 +97,7 @@ static int closed(const layers *y, double near)
     return count;
 }
 
-/* Whether all that may be met before a layer is behind is met before it begins, and covers the square. */
+/* Whether all faces that a ray may meet before the end of a layer are met before its begin, and cover the square. */
 static int is_apart(const layers *y, const layer *back)
 {
     if (y->partial <= back->far) return 0;
@@ -108,7 +108,7 @@ static int is_apart(const layers *y, const layer *back)
     return 1;
 }
 
-/* The first back face by which a texel may have left. NULL: none */
+/* The first back face that may be an exit. NULL: none */
 static const layer *first_exit(const layers *y, int nearest_back)
 {
     const layer *first = NULL;

@@ -8,7 +8,8 @@
 #include "baker/base/parallel.h"
 
 enum {
-    CHUNKS         = 64, /* of triangles, each counted and placed alone: the same bins at any thread count */
+    CHUNKS         = 64, /* chunks of triangles, counted and placed separately, so that bins do not depend on the number of
+                            threads */
     IDS_A_TRIANGLE = 8,  /* on average, at most */
     LEAST_CELL_PX  = 256,
 };
@@ -17,7 +18,7 @@ typedef struct binner {
     triangle_bins          *b;
     const sparse_triangles *s;
     uint32_t                cell_log2; /* subtexels of a cell */
-    size_t                 *place;     /* [CHUNKS * cells^2] how many ids a chunk has for a cell, then where they go */
+    size_t                 *place;     /* [CHUNKS * cells^2] number of ids of a chunk in a cell, then their position */
 } binner;
 
 typedef struct cell_range {
@@ -29,7 +30,7 @@ static uint32_t cell_of(const binner *w, int32_t subtexels)
     return subtexels < 0 ? 0 : min_u32((uint32_t)subtexels >> w->cell_log2, w->b->cells - 1);
 }
 
-/* 0 when the triangle's box is outside the map. */
+/* Returns 0 if the triangle's box is outside the map. */
 static int cells_of(const binner *w, const sparse_triangle *t, cell_range *r)
 {
     int32_t x0 = min_i32(min_i32(t->x[0], t->x[1]), t->x[2]), x1 = max_i32(max_i32(t->x[0], t->x[1]), t->x[2]);
@@ -67,7 +68,7 @@ static void place_chunks(void *user, size_t begin, size_t end, uint32_t worker)
     for (size_t n = begin; n < end; n++) walk_chunk(user, n, 1);
 }
 
-/* Ids go cell by cell, and in each chunk by chunk. Returns how many they are. */
+/* Order ids by cell, and in each cell by chunk. Returns their number. */
 static size_t counts_to_places(binner *w)
 {
     size_t cells = (size_t)w->b->cells * w->b->cells, sum = 0;

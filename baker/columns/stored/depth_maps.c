@@ -64,7 +64,7 @@ static uint32_t voxels_up(const depth_maps *d, float depth)
     return depth_up(scale_of(d), (double)depth);
 }
 
-/* The lowest level of the pyramid, rows [begin, end) of tiles. Minimum and maximum commute with rounding, so floats are compared. */
+/* Level 0 of the pyramid, rows [begin, end) of tiles. Rounding is monotonic, so minimum and maximum are taken of floats. */
 static void reduce_tiles(void *user, size_t begin, size_t end, uint32_t worker)
 {
     depth_maps *d     = user;
@@ -108,7 +108,7 @@ static vxs_result maps_bounds(void *data, uint32_t level, uint32_t i, uint32_t j
     return VXS_OK;
 }
 
-/* The same as voxels_down and voxels_up for four depths in equal steps, which are exact as floats, too. */
+/* voxels_down and voxels_up for four linear depths at once; this is exact in float, too. */
 static void four_down(const depth_maps *d, const float *depths, uint32_t *to)
 {
     i32x4 down = __builtin_convertvector(f32x4_load(depths) * (float)d->depth_vx, i32x4);
