@@ -34,8 +34,8 @@ typedef struct city_options {
 /* A city of closed boxes, 12 triangles and 8 vertices of its own each: ground, kerbs, buildings, street lamps, roof and
  * wall clutter. Boxes touch or intersect as solids do in real levels; each touches one before it or the ground, none lies
  * wholly inside another. One mesh for the ground, then one a block that got any box.
- * Spots are shared out evenly over the blocks: under the arms of street lamps, at most 12 a block, and the rest in turn on walls and
- * over streets. None is inside a box. Cones of 20 to 60 degrees from the axis to the edge, 15 to 40 m of range.
+ * Spots are shared out evenly over the blocks: under the arms of street lamps, at most 12 a block, and the rest in turn on walls
+ * and over streets. None is inside a box. Cones of 20 to 60 degrees from the axis to the edge, 15 to 40 m of range.
  * s  [out] zeroed on failure; released with glb_scene_free.
  * Returns VXS_OK, VXS_E_MEMORY, VXS_E_ARGUMENT (so many triangles do not fit so few blocks). */
 vxs_result generate_city(glb_scene *s, const city_options *o, message *m);
@@ -77,8 +77,8 @@ typedef struct forest_options {
 
 #define FOREST_SIZE_MIN 10.0
 
-/* Trees on hilly ground: the ground, trunks and branches are closed solids, each branch grown into its trunk and each trunk into the
- * ground; leaves are cards, two triangles each, of a double-sided MASK material whose image is about half transparent.
+/* Trees on hilly ground: the ground, trunks and branches are closed solids, each branch grown into its trunk and each trunk into
+ * the ground; leaves are cards, two triangles each, of a double-sided MASK material whose image is about half transparent.
  * s  [out] zeroed on failure; released with glb_scene_free.  Returns VXS_OK, VXS_E_MEMORY. */
 vxs_result generate_forest(glb_scene *s, const forest_options *o, message *m);
 
@@ -90,13 +90,13 @@ typedef struct smoke_options {
 #define SMOKE_MIN 8
 #define SMOKE_MAX 1000000
 
-/* A yard between houses, a low sun "sun" through three columns of smoke from barrels, and a spot "street lamp" in one of them: as many points as
- * asked, of three materials; columns are as dense with any number. All that stands are closed solids.
+/* A yard between houses, a low sun "sun" through three columns of smoke from barrels, and a spot "street lamp" in one of them:
+ * as many points as asked, of three materials; columns are as dense with any number. All that stands are closed solids.
  * s  [out] zeroed on failure; released with glb_scene_free.  Returns VXS_OK, VXS_E_MEMORY. */
 vxs_result generate_smoke(glb_scene *s, const smoke_options *o, message *m);
 
-/* A head with hair on a table, and a thread of smoke beside it, between two spots, "lamp" and "behind": of the capsules three in four are pieces of
- * strands, eight a strand, the others puffs. All that stands are closed solids.
+/* A head with hair on a table, and a thread of smoke beside it, between two spots, "lamp" and "behind": of the capsules three in
+ * four are pieces of strands, eight a strand, the others puffs. All that stands are closed solids.
  * s  [out] as above.  Returns VXS_OK, VXS_E_MEMORY. */
 vxs_result generate_hair(glb_scene *s, const smoke_options *o, message *m);
 

@@ -63,7 +63,8 @@ void     parts_triangle(parts *p, uint32_t a, uint32_t b, uint32_t c);
 /* A closed box, 12 triangles; low and high in the frame. Turned inside out when high < low on one axis or three. */
 void parts_box(parts *p, parts_frame f, const double low[3], const double high[3]);
 
-/* The triangles of a box whose eight vertices begin at `first`: vertex c is at the box's high end of axis a where bit a of c is set. */
+/* The triangles of a box whose eight vertices begin at `first`: vertex c is at the box's high end of axis a where bit a of c is
+ * set. */
 void parts_box_triangles(parts *p, uint32_t first);
 
 /* An upright box.  mesh: the name of a new mesh for it, without a material; NULL: it goes into the last. */

@@ -5,7 +5,8 @@
 
 #include "scenes/generate_parts.h"
 
-/* A flat box on a wall that looks along -X, in front of `wall_x`, and before it a picture of a low sun, two triangles of an emissive material.
+/* A flat box on a wall that looks along -X, in front of `wall_x`, and before it a picture of a low sun, two triangles of an
+ * emissive material.
  * middle  of it, metres: y, z */
 void generate_screen(parts *p, double wall_x, const double middle[2]);
 

@@ -49,8 +49,9 @@ vxs_result asset_scene_choice(const json_t *made, scene_choice *choice, message 
 vxs_result asset_check_scene(const vxs_contents *asset, const json_t *made, const char *path, const scene *s,
                              const char *scene_path, const char *consequence, message *m);
 
-/* Choose lights of a file by name: all of them, in file order, when there is no name; else the named ones, in the order given. What is no
- * name is a pattern (light_choice.h), and stands for all that it names, in file order, but for those that are there already.
+/* Choose lights of a file by name: all of them, in file order, when there is no name; else the named ones, in the order given.
+ * What is no name is a pattern (light_choice.h), and stands for all that it names, in file order, but for those that are there
+ * already.
  * path    for messages
  * lights  [out] [VXS_LIGHTS_MAX] valid as long as the contents are
  * Returns VXS_OK or VXS_E_ARGUMENT: no such light, or one given twice. */

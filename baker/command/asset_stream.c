@@ -157,7 +157,8 @@ typedef struct name_texts {
     const char *names[VXS_LIGHTS_MAX];
 } name_texts;
 
-/* No light has a name that was given: it is a pattern, or wrong. Which lights there are is known when all are open; the stream is closed again.
+/* No light has a name that was given: it is a pattern, or wrong. Which lights there are is known when all are open; the stream
+ * is closed again.
  * lights, light_count  room to work in */
 static vxs_result expand_patterns(asset_stream *s, vxs_stream_desc *desc, const text_list *names, name_texts *out,
                                   const vxs_baked_light **lights, uint32_t *light_count, message *m)

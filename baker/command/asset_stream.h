@@ -22,12 +22,13 @@ typedef struct asset_stream {
  * points 1: points of what casts are kept, too, beside the budget
  * lights, light_count  [out] these lights, as asset_choose_lights has them
  * smoke  [out] [VXS_LIGHTS_MAX] what smoke leaves of each; NULL: it has none
- * Returns VXS_OK; VXS_E_ARGUMENT: a pipe, no such light, or one given twice; VXS_E_MEMORY: the budget is too small, and the message says how much is the
- * least; VXS_E_READ and others as vxs_stream_open. */
+ * Returns VXS_OK; VXS_E_ARGUMENT: a pipe, no such light, or one given twice; VXS_E_MEMORY: the budget is too small, and the
+ * message says how much is the least; VXS_E_READ and others as vxs_stream_open. */
 vxs_result asset_stream_open(asset_stream *s, const char *path, uint64_t budget_bytes, const text_list *names, int points,
                              const vxs_baked_light **lights, const vxs_baked_smoke **smoke, uint32_t *light_count, message *m);
 
-/* A frame for an eye: pages that the last one asked for are waited for, so that what is there depends on the frames before and on nothing else.
+/* A frame for an eye: pages that the last one asked for are waited for, so that what is there depends on the frames before and
+ * on nothing else.
  * status  [in, out] as for vxs_stream_frame
  * Returns VXS_OK, VXS_E_READ or VXS_E_CORRUPT: a page that cannot be had. */
 vxs_result asset_stream_frame(asset_stream *s, const double eye_ws[3], vxs_stream_status *status, message *m);

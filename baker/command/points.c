@@ -98,8 +98,8 @@ static number_row parse_numbers(const char *line)
     return row;
 }
 
-/* Whether a line may mean something else: "1,5 2,5 3,5" and "1,5;2,5;3,5" are three numbers where the decimal point is a comma, and so is
- * "1,5, 2,5, 3,5"; "1,2,3, 0,1,0" is not. */
+/* Whether a line may mean something else: "1,5 2,5 3,5" and "1,5;2,5;3,5" are three numbers where the decimal point is a comma,
+ * and so is "1,5, 2,5, 3,5"; "1,2,3, 0,1,0" is not. */
 static int is_ambiguous(const number_row *row)
 {
     size_t alike = 1, in_pairs = 1;

@@ -4,8 +4,8 @@
  *     x y z nx ny nz        a point of a surface, and the surface's normal there
  *     # a comment           skipped, like a blank line
  *
- * World space, metres. Numbers are separated by blanks and tabs, or all of a line by commas, or all by semicolons; lines end in LF or CRLF,
- * the last one may do without. A byte order mark of UTF-8 before the first line is skipped.
+ * World space, metres. Numbers are separated by blanks and tabs, or all of a line by commas, or all by semicolons; lines end in
+ * LF or CRLF, the last one may do without. A byte order mark of UTF-8 before the first line is skipped.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef POINTS_H
 #define POINTS_H
@@ -48,12 +48,12 @@ typedef int (*point_answer)(void *user, const query_point *point, float *lit);
 /* Points have standard input: VXS_E_ARGUMENT when an operand, called `name`, is "-" as well. */
 vxs_result points_check_input(const char *name, const char *path, message *m);
 
-/* Read points from standard input to its end, and print a line for each on standard output, with a column for each light: "0", "1", a number
- * between, or "out". Points are answered in blocks; the block that a bad line is in is not,
+/* Read points from standard input to its end, and print a line for each on standard output, with a column for each light: "0",
+ * "1", a number between, or "out". Points are answered in blocks; the block that a bad line is in is not,
  * nor is the one of a point that has no answer.
  * light_count  1 or more
- * Returns VXS_OK, and also where a point has no answer, of which `answer` knows more; VXS_E_READ, VXS_E_WRITE, VXS_E_MEMORY, or VXS_E_BROKEN_PIPE:
- * nobody reads the answers any more. */
+ * Returns VXS_OK, and also where a point has no answer, of which `answer` knows more; VXS_E_READ, VXS_E_WRITE, VXS_E_MEMORY, or
+ * VXS_E_BROKEN_PIPE: nobody reads the answers any more. */
 vxs_result points_answer(point_answer answer, void *user, size_t light_count, uint32_t threads, message *m);
 
 #endif

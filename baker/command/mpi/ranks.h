@@ -27,7 +27,8 @@ typedef struct end_note {
     char    error[1024]; /* one line; "": none */
 } end_note;
 
-/* vxs bake on rank 0, and on another rank of `ranks`. Return the exit status; that of another rank is 0: what went wrong, rank 0 says. */
+/* vxs bake on rank 0, and on another rank of `ranks`. Return the exit status; that of another rank is 0: what went wrong, rank 0
+ * says. */
 int bake_first(int ranks, int argc, char **argv);
 int bake_other(int argc, char **argv);
 

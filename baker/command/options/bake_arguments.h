@@ -22,7 +22,8 @@ typedef struct bake_arguments {
 /* Defaults, and the table. name: "bake" or "plan"; output_needed: -o must be given. */
 void bake_arguments_init(bake_arguments *a, const char *name, const char *synopsis, const char *summary, int output_needed);
 
-/* What the table does not check; called when the line was parsed. Returns VXS_OK, VXS_E_ARGUMENT, or what bake_check_outputs returns. */
+/* What the table does not check; called when the line was parsed. Returns VXS_OK, VXS_E_ARGUMENT, or what bake_check_outputs
+ * returns. */
 vxs_result bake_arguments_check(bake_arguments *a, message *m);
 
 #endif

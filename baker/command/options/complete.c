@@ -49,7 +49,7 @@ static void print_words(const char *before, const char *words)
     }
 }
 
-/* bash: arrays of what an option's value is, by the option's name, and of what an operand is, by its number --------------------- */
+/* bash: arrays of what an option's value is, by the option's name, and of what an operand is, by its number -------------------- */
 
 static void bash_value(const command_line *c, const option *o, const char *key)
 {
@@ -77,7 +77,7 @@ static void bash_part(const command_line *c)
     }
 }
 
-/* zsh: a function for each command, with what _arguments takes ------------------------------------------------------------------ */
+/* zsh: a function for each command, with what _arguments takes ----------------------------------------------------------------- */
 
 static void zsh_value(const option *o, const char *name)
 {
@@ -118,7 +118,7 @@ static void zsh_part(const command_line *c)
     printf("\n}\n");
 }
 
-/* fish: calls of complete -------------------------------------------------------------------------------------------------------- */
+/* fish: calls of complete ------------------------------------------------------------------------------------------------------ */
 
 static void fish_value(const option *o)
 {
@@ -151,7 +151,7 @@ static void fish_part(const command_line *c)
     }
 }
 
-/* of each shell ------------------------------------------------------------------------------------------------------------------ */
+/* of each shell ---------------------------------------------------------------------------------------------------------------- */
 
 static const struct {
     const char *name, *first, *begin;

@@ -34,7 +34,8 @@ static inline int filter_given(const filter_choice *c)
     return c->box_given || c->smooth_given;
 }
 
-/* The filters of a command that has many, as lookups take them: boxes wider than single taps, which need no mention, then smooth ones.
+/* The filters of a command that has many, as lookups take them: boxes wider than single taps, which need no mention, then smooth
+ * ones.
  * boxes, smooth  each none twice, from 1 to VXS_FILTER_MAX; smooth may be NULL
  * filters_px     [FILTERS_MAX] each in the order given;   count  [out]
  * Returns VXS_OK, or VXS_E_ARGUMENT for a box of even width. */

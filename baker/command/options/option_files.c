@@ -65,7 +65,8 @@ static vxs_result check_kind(const command_line *c, const option *o, const char 
                 c->name, c->synopsis);
 }
 
-/* The extension of an output's name, when it is not that of what is written. Names without one say nothing, devices and pipes have their
+/* The extension of an output's name, when it is not that of what is written. Names without one say nothing, devices and pipes
+ * have their
  * own.   lower  [out] its beginning, in lower case
  * Returns NULL when there is none such. */
 static const char *other_extension(const option *output, char lower[16])

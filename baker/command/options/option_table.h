@@ -1,5 +1,5 @@
-/* The command line of a command as a table: parsing, checking, help, manual pages, completion, and which files are read and written come
- * from the same rows.
+/* The command line of a command as a table: parsing, checking, help, manual pages, completion, and which files are read and
+ * written come from the same rows.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef OPTION_TABLE_H
 #define OPTION_TABLE_H
@@ -20,7 +20,8 @@ typedef enum option_kind {
     OPTION_TEXT,   /* const char *, borrowed from argv */
     OPTION_TEXTS,  /* text_list, repeated; borrowed from argv */
     OPTION_CHOICE, /* int, or an enum of its size: index of the value in `choices` */
-    /* named_list, repeated as [NAME=]value, each name and no name once; the value as that of VECTOR (of 3), U32 (also "4K": times 1024), F64 */
+    /* named_list, repeated as [NAME=]value, each name and no name once; the value as that of VECTOR (of 3), U32 (also "4K":
+     * times 1024), F64 */
     OPTION_NAMED_VECTOR,
     OPTION_NAMED_U32,
     OPTION_NAMED_F64,
@@ -41,17 +42,19 @@ typedef struct number_list {
     size_t   count;
 } number_list;
 
-/* A row. One whose name does not begin with '-' is an operand, of kind TEXT, CHOICE, INPUT or INPUTS: operands are given in the order of
- * their rows, each of them, and the last takes all others that there are when it is a list. */
+/* A row. One whose name does not begin with '-' is an operand, of kind TEXT, CHOICE, INPUT or INPUTS: operands are given in the
+ * order of their rows, each of them, and the last takes all others that there are when it is a list. */
 typedef struct option {
     const char *name; /* "--resolution", "-o"; "SCENE"; NULL for a group */
     option_kind kind;
     void       *target; /* holds the default on entry */
     double      min, max;
     const char *choices; /* OPTION_CHOICE: "auto|peel|back"; of a named one the name of a value that has none, or NULL;
-                            OPTION_OUTPUT: the extensions for what is written, ".html|.htm"; OPTION_FOLDER: patterns of names, "lit-*.png|sky.png" */
+                            OPTION_OUTPUT: the extensions for what is written, ".html|.htm"; OPTION_FOLDER: patterns of names,
+                            "lit-*.png|sky.png" */
     const char *
-        value; /* name of the value in help: "N", "OUT.vxs"; NULL for operands, switches and choices. A file's ends as the file does */
+        value; /* name of the value in help: "N", "OUT.vxs"; NULL for operands, switches and choices. A file's ends as the file
+                  does */
     const char *help;  /* what, unit; in the end "(default X)" where it has one */
     int        *given; /* NULL, or set to 1 when the option was given */
 } option;

@@ -16,8 +16,8 @@
 #include "baker/files/json_file.h"
 #include "baker/files/temporary_files.h"
 
-/* A number that is free is given to what can only be used the wrong way round: reading standard input is then an error, like writing
- * the other two. open takes the lowest number that is free. */
+/* A number that is free is given to what can only be used the wrong way round: reading standard input is then an error, like
+ * writing the other two. open takes the lowest number that is free. */
 static void fill_standard_descriptors(void)
 {
     for (int number = STDIN_FILENO; number <= STDERR_FILENO; number++)
@@ -65,7 +65,7 @@ static void catch_signals(void)
     }
 }
 
-/* stacks -------------------------------------------------------------------------------------------------------------------------- */
+/* stacks ----------------------------------------------------------------------------------------------------------------------- */
 
 enum { STACK_LEAST = 1 << 20, STACK_BYTES = 8 << 20 }; /* what a run needs, and what systems give */
 
@@ -122,7 +122,7 @@ int process_run(int (*run)(int argc, char **argv), int argc, char **argv)
     return s.status;
 }
 
-/* --------------------------------------------------------------------------------------------------------------------------------- */
+/* ------------------------------------------------------------------------------------------------------------------------------ */
 
 void process_begin(void)
 {

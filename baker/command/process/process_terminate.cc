@@ -1,5 +1,6 @@
 /* What ends a process that C++ gives up on; see process.h.
- * nlohmann::json allocates where it promises not to throw, in its destructor and when it is moved: without memory the process ends there.
+ * nlohmann::json allocates where it promises not to throw, in its destructor and when it is moved: without memory the process
+ * ends there.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <unistd.h>
 

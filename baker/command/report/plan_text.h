@@ -13,7 +13,8 @@ void plan_print_decisions(FILE *to, const bake_plan *plan, const bake_options *o
 /* A line: time, memory and size as they are expected. */
 void plan_print_estimate(FILE *to, const bake_plan *plan);
 
-/* A line for each option that was not asked for, and that would save something.   file_bytes  without it: as planned, or as baked */
+/* A line for each option that was not asked for, and that would save something.   file_bytes  without it: as planned, or as
+ * baked */
 void plan_print_savings(FILE *to, const bake_plan *plan, uint64_t file_bytes);
 
 /* The whole of vxs plan. */

@@ -8,8 +8,8 @@
 #include "baker/lab/bench/bench_json.h"
 #include "baker/lab/bench/children.h"
 
-/* Options of bake that are swept, in the order of the table of options; a cell for each combination of their values. Values for lights
- * ("sun=512") are combined with those for other lights, and with those for all ("64"). */
+/* Options of bake that are swept, in the order of the table of options; a cell for each combination of their values. Values for
+ * lights ("sun=512") are combined with those for other lights, and with those for all ("64"). */
 enum { BENCH_SWEEPS = 14 };
 
 typedef struct bench_options {

@@ -10,12 +10,14 @@
 
 enum { BENCH_CELLS_MAX = 4096, BENCH_RUNS_MAX = 1000 };
 
-/* Whether JSON is what vxs bench writes.   path  its file's.   Returns VXS_OK; VXS_E_READ, and one line in m says where; VXS_E_MEMORY. */
+/* Whether JSON is what vxs bench writes.   path  its file's.   Returns VXS_OK; VXS_E_READ, and one line in m says where;
+ * VXS_E_MEMORY. */
 vxs_result bench_json_check(const json_t *bench, const char *path, message *m);
 
 /* Read a file that anyone may have written.
  * result  [out] NULL on failure; released with json_decref
- * Returns VXS_OK; VXS_E_READ: it cannot be read, is no JSON, or not what vxs bench writes, and one line in m says where; VXS_E_MEMORY. */
+ * Returns VXS_OK; VXS_E_READ: it cannot be read, is no JSON, or not what vxs bench writes, and one line in m says where;
+ * VXS_E_MEMORY. */
 vxs_result bench_json_read(json_t **result, const char *path, message *m);
 
 /* The member or item that a path leads to: "bake/wall_seconds", "errors/0". NULL when it is not there. */

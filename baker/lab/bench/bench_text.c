@@ -54,8 +54,8 @@ static int is_meaningless(const json_t *cell, const char *name)
     return choice_index(is_blocks ? "rule|reuse|compress|stop" : "pack", name) >= 0;
 }
 
-/* The options that are not the same in all cells, but for the resolution, which always is said: as keys of an object, which the caller
- * releases. */
+/* The options that are not the same in all cells, but for the resolution, which always is said: as keys of an object, which the
+ * caller releases. */
 static json_t *varying_options(const json_t *result)
 {
     const json_t *cells   = json_at(result, "cells"), *cell;

@@ -22,8 +22,8 @@ typedef struct children {
     char    *asset, *report, *errors; /* in the folder: what a child writes, and its standard error */
 } children;
 
-/* From now on signals wait, those to this thread and, in a process of one thread, all; and there is a new folder in $TMPDIR, or /tmp
- * where that is not set.
+/* From now on signals wait, those to this thread and, in a process of one thread, all; and there is a new folder in $TMPDIR, or
+ * /tmp where that is not set.
  * c  [out] ends with children_end, whatever is returned
  * Returns VXS_OK, VXS_E_WRITE, VXS_E_MEMORY. */
 vxs_result children_begin(children *c, message *m);

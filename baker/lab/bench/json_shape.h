@@ -2,9 +2,10 @@
  *
  *     {'name': 'text', 'runs': 'u32', 'bytes?': 'count', 'kind': 'tops|pages', 'cells': [4096, {'side': 'u32'}]}
  *
- * A name with a question mark may be missing; there may be more names than these. Leaves are 'text', 'bool', words that a text may be, a
- * kind of numbers (json_shape.c), 'size or null', or 'spread', of times. In an array, the most items that it may have come first, and then
- * what an item is; where there are two, the second is of those that are smooth, refused, or have a "filter_px" above 1.
+ * A name with a question mark may be missing; there may be more names than these. Leaves are 'text', 'bool', words that a text
+ * may be, a kind of numbers (json_shape.c), 'size or null', or 'spread', of times. In an array, the most items that it may have
+ * come first, and then what an item is; where there are two, the second is of those that are smooth, refused, or have a
+ * "filter_px" above 1.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef JSON_SHAPE_H
 #define JSON_SHAPE_H

@@ -326,7 +326,8 @@ static vxs_result stream_frame(subject *s, drawn_frame *frame, const drawn_frame
     return r;
 }
 
-/* Each frame of a path, or the one that there is without; the last one is the picture. A stream is filled before anything is uploaded. */
+/* Each frame of a path, or the one that there is without; the last one is the picture. A stream is filled before anything is
+ * uploaded. */
 static vxs_result draw_frames(const render_command *c, subject *s, renderer **drawn, const camera_path *path, drawn_frame *frames,
                               uint32_t count, uint8_t *rgb, message *m)
 {
@@ -458,7 +459,8 @@ static void print_written(const render_command *c, const message *m)
     written_print(to, c->out, size);
 }
 
-/* Of the picture's frame: which lights see what moves, which smoke dims, which area lights are drawn, and which lights its fog is drawn of. */
+/* Of the picture's frame: which lights see what moves, which smoke dims, which area lights are drawn, and which lights its fog
+ * is drawn of. */
 static void print_plan(const render_command *c, const subject *s, const renderer *drawn, const drawn_frame *last, const message *m)
 {
     area_words areas;

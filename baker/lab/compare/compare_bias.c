@@ -3,7 +3,8 @@
  *      light      self-shadow: rays go to the light from the plane of the surface, one under each texel of the filter and of a
  *     | | | |     ring about it. Where all of them arrive, nothing but the surface itself can have darkened the lookup.
  *     | |p| |
- *     ----------- deep leak: rays go to the light from each of these texels at a depth that lies before the point by more than the filter is
+ *     ----------- deep leak: rays go to the light from each of these texels at a depth that lies before the point by more than
+ *     the filter is
  *                 wide. Where none of them arrives, no bias may lead the lookup into the light.
  *
  * Both leave out what a bias may do near the edges of shadows.
@@ -21,7 +22,8 @@ enum { LIFT = 4 };
 /* The deepest bias: some two voxels, rounded up. */
 #define BIAS_VOXELS 3
 
-/* Where the light's ray through texel coordinates meets the plane of a surface, just above it; at the far side of the map where it does not. */
+/* Where the light's ray through texel coordinates meets the plane of a surface, just above it; at the far side of the map where
+ * it does not. */
 static void plane_point(const comparison *c, const sample *s, double u, double v, double out_ws[3])
 {
     double near_ws[3], far_ws[3], way_ws[3], to_plane_ws[3], side = ldexp(1, (int)c->light->levels);

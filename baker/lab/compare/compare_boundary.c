@@ -1,10 +1,12 @@
 /* How far wrong answers are from a place where they would be right.
  *
- * From where the truth was traced, probes go 26 ways in the coordinates of the map, where a texel counts as much as a voxel's depth:
- * across the light, along it, and between, as from the middle of a cube to its corners and to the middles of its edges and faces.
+ * From where the truth was traced, probes go 26 ways in the coordinates of the map, where a texel counts as much as a voxel's
+ * depth: across the light, along it, and between, as from the middle of a cube to its corners and to the middles of its edges
+ * and faces.
  *
  *        \ | /        Each way the truth is traced at 1/2, 1, 1 1/2, 2, 3, 4, 6 and 8 texels. Where it first agrees with
- *       -- p --       the asset, the last step is halved six times. The least distance of all ways is the answer. To a flat boundary
+ *       -- p --       the asset, the last step is halved six times. The least distance of all ways is the answer. To a flat
+ *                     boundary
  *        / | \        that is at most 13 % too far; what is thinner than a step may be missed. Inside of solids it is dark.
  *
  * SPDX-License-Identifier: GPL-3.0-or-later */

@@ -44,8 +44,8 @@ int compare_point(const comparison *c, compare_kind kind, size_t index, sample *
 /* The truth at a place of a map: texels, texels, voxels. 1: lit. */
 int compare_lit_at(const comparison *c, int map, double u, double v, double depth);
 
-/* Rays are tried at so many places on each side of a texel's centre, along both axes, one step from the next: a rasterizer and the rounding of
- * rays may move an edge so far. In texels. */
+/* Rays are tried at so many places on each side of a texel's centre, along both axes, one step from the next: a rasterizer and
+ * the rounding of rays may move an edge so far. In texels. */
 enum { COMPARE_STEPS = 2 };
 double compare_step_px(const comparison *c, int map, double u, double v, double depth);
 
@@ -55,7 +55,8 @@ static inline int compare_leaves_free(const comparison *c)
     return c->dont_care.behind || c->dont_care.thickness_m > 0;
 }
 
-/* compare_free.c: 1 when the asset was asked to leave open whether a voxel is lit, of the ray through (u, v) of a map, between two depths. */
+/* compare_free.c: 1 when the asset was asked to leave open whether a voxel is lit, of the ray through (u, v) of a map, between
+ * two depths. */
 int compare_left_free(const comparison *c, int map, double u, double v, double near_vx, double far_vx);
 
 /* compare_bias.c: FAULT_SELF_SHADOW, FAULT_DEEP_LEAK (see compare_bias), or FAULT_NONE, which random points have.
@@ -75,13 +76,13 @@ typedef struct wrong_answer {
  * Cost: 208 rays and some for an answer that is beyond, a few dozen for most others. */
 compare_distance compare_boundary(const comparison *c, compare_kind kind, wrong_answer *answers, size_t count);
 
-/* compare_filter.c: filtered lookups against the same filter over rays, of COMPARE_FILTER_POINTS_MAX points at most, spread over all of
- * the kind.
+/* compare_filter.c: filtered lookups against the same filter over rays, of COMPARE_FILTER_POINTS_MAX points at most, spread over
+ * all of the kind.
  * out  [out] written only when VXS_OK is returned.   Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result compare_filtered(const comparison *c, compare_kind kind, uint32_t filter_px, compare_error *out, message *m);
 
-/* compare_time.c: fill a result's time, and that of its filters. Only points that the map reaches count: others cost nothing, and would
- * flatter.
+/* compare_time.c: fill a result's time, and that of its filters. Only points that the map reaches count: others cost nothing,
+ * and would flatter.
  * Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result compare_measure_time(const comparison *c, compare_result *out, message *m);
 

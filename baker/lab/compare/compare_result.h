@@ -20,8 +20,8 @@ enum {
 typedef enum compare_kind {
     /* Uniform in the light's volume (map, cone, range) and the casters' bounding box, 5 % larger; without a normal. */
     COMPARE_RANDOM,
-    /* Uniform by area on casters, both sides of sheets; looked up with the normal. Of a spot or point light: on what it reaches, and
-     * where that is too little to be found so, on what its rays meet behind random points. */
+    /* Uniform by area on casters, both sides of sheets; looked up with the normal. Of a spot or point light: on what it reaches,
+     * and where that is too little to be found so, on what its rays meet behind random points. */
     COMPARE_SURFACE,
     /* What is seen through the middle of each pixel of a camera; looked up with the normal, towards the eye. */
     COMPARE_CAMERA,
@@ -56,9 +56,11 @@ typedef enum compare_fault { FAULT_NONE, FAULT_UNEXPLAINED, FAULT_SELF_SHADOW, F
 /* Faults of the bias of lookups on surfaces. */
 typedef struct compare_bias {
     uint64_t
-        self_shadows; /* not wholly lit, though nothing lies between the light and the plane of the surface, under the filter and a texel about it */
+        self_shadows; /* not wholly lit, though nothing lies between the light and the plane of the surface, under the filter and
+                         a texel about it */
     uint64_t
-        deep_leaks; /* lit, though casters lie before the filter and a texel about it, and farther from the point than the filter is wide */
+        deep_leaks; /* lit, though casters lie before the filter and a texel about it, and farther from the point than the filter
+                       is wide */
 } compare_bias;
 
 /* points = outside + inside_solid + left_free + checked; wrong = leaks + false_shadows = near_boundary + near_surface + unexplained

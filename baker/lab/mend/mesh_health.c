@@ -119,8 +119,8 @@ static void join_hole(examination *x, uint32_t begin, uint32_t end)
     if (end - begin == 1) mesh_join(x->joined, x->c->indices[x->sorted[begin]], mesh_edge_end(x->c->indices, x->sorted[begin]));
 }
 
-/* A hole is counted once, at the boundary edge whose root is its lowest vertex. A vertex that two components share joins their holes:
- * each still has its own, so roots are told apart by component. */
+/* A hole is counted once, at the boundary edge whose root is its lowest vertex. A vertex that two components share joins their
+ * holes: each still has its own, so roots are told apart by component. */
 static void count_holes(examination *x)
 {
     size_t key_count = 0;

@@ -58,8 +58,8 @@ vxs_result mesh_health_examine(mesh_health *h, const casters *c, void (*progress
 
 void mesh_health_free(mesh_health *h);
 
-/* 2 when the component is not a closed surface, oriented outward; else 1 when any count of faults is not 0; else 0. Solids may meet: that is
- * no fault. */
+/* 2 when the component is not a closed surface, oriented outward; else 1 when any count of faults is not 0; else 0. Solids may
+ * meet: that is no fault. */
 int component_faults(const component_health *c);
 
 #ifdef __cplusplus

@@ -135,9 +135,9 @@ static int goes_on(const snapshot *v, uint32_t t, uint32_t copies)
     return 1;
 }
 
-/* Mark copies of triangles of one edge. Each triangle is seen once, at the edge of its two lowest corners. Of its copies the first one with
- * the winding of most stays. When both windings are as many and the surface does not go on, they are walls of closed surfaces that touch:
- * all stay. */
+/* Mark copies of triangles of one edge. Each triangle is seen once, at the edge of its two lowest corners. Of its copies the
+ * first one with the winding of most stays. When both windings are as many and the surface does not go on, they are walls of
+ * closed surfaces that touch: all stay. */
 static void find_repeated(const repair *x, uint32_t begin, uint32_t end, uint8_t *removed)
 {
     const snapshot *v       = &x->v;
@@ -366,7 +366,8 @@ static void measure_boxes(const snapshot *v, box *boxes)
     for (size_t i = 0; i < v->edge_count; i++) box_add(&boxes[v->component_of[i / 3]], position(v, v->mesh.indices[i]));
 }
 
-/* Triangles for a hole into x->filled, from its half-edges, against the way they run. Returns 0 when it is not to be filled, or cannot be. */
+/* Triangles for a hole into x->filled, from its half-edges, against the way they run. Returns 0 when it is not to be filled, or
+ * cannot be. */
 static int triangulate(repair *x, const filling *f, const uint32_t *edges, size_t count)
 {
     const snapshot *v      = &x->v;
@@ -415,8 +416,8 @@ static void settle(repair *x, filling *f)
     f->added_count = kept;
 }
 
-/* Follow borders from a half-edge. Whenever the path comes back to a vertex, the part since then is a hole of its own, so that none meets
- * itself. */
+/* Follow borders from a half-edge. Whenever the path comes back to a vertex, the part since then is a hole of its own, so that
+ * none meets itself. */
 static void follow_border(repair *x, filling *f, uint32_t first)
 {
     const uint32_t *indices = x->v.mesh.indices;

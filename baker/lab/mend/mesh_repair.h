@@ -1,7 +1,7 @@
 /* Mending components, so that more of them are solids: between loading a scene and sorting its casters.
  *
- * What is mended is what is not closed and consistently oriented; a component that is, is left as it is, inward ones too: a room whose walls are seen from
- * inside has that orientation on purpose. Components with alpha-tested triangles are left alone.
+ * What is mended is what is not closed and consistently oriented; a component that is, is left as it is, inward ones too: a room
+ * whose walls are seen from inside has that orientation on purpose. Components with alpha-tested triangles are left alone.
  *
  *   remove   repeated triangles, and those without area
  *   orient   triangles whose winding differs from that of most of their neighbours
@@ -21,7 +21,8 @@ extern "C" {
 typedef struct repair_options {
     uint32_t hole_edges_max; /* holes with more edges are not filled; 3 to REPAIR_HOLE_EDGES_MAX, 0: none */
     double
-        hole_diameter_m; /* [0, inf) metres: nor holes whose box has a longer diagonal. A crack, all on one line, may have any length */
+        hole_diameter_m; /* [0, inf) metres: nor holes whose box has a longer diagonal. A crack, all on one line, may have any
+                            length */
 } repair_options;
 
 #define REPAIR_HOLE_EDGES_MAX 1000u
@@ -30,11 +31,12 @@ typedef struct repair_options {
         .hole_edges_max = 64, .hole_diameter_m = 0.1                                                                               \
     }
 
-/* No hole is filled that is longer than this part of its component's diagonal: it is not a hole but the opening of a cup, or the rim
- * of a sheet. */
+/* No hole is filled that is longer than this part of its component's diagonal: it is not a hole but the opening of a cup, or the
+ * rim of a sheet. */
 #define REPAIR_HOLE_SHARE 0.25
 
-/* Triangles with mixed winding are given the winding that at least this share of their area has; where neither has, the outward one. */
+/* Triangles with mixed winding are given the winding that at least this share of their area has; where neither has, the outward
+ * one. */
 #define REPAIR_MAJORITY 0.75
 
 enum { REPAIR_COUNTS = 6 };
@@ -65,7 +67,8 @@ typedef struct repair_report {
 /* Mend a scene in place. Triangles keep their order; new ones are added at its end, holed_triangles and parts are
  * kept right; a part keeps its number.
  * out  [out] zeroed on failure; released with repair_report_free
- * Returns VXS_OK, VXS_E_MEMORY, VXS_E_SCENE (as mesh_weld_scene). After a failure the scene can only be freed. A scene without triangles is not
+ * Returns VXS_OK, VXS_E_MEMORY, VXS_E_SCENE (as mesh_weld_scene). After a failure the scene can only be freed. A scene without
+ * triangles is not
  * an error here.  Deterministic; threads: none. Linear but for the holes that are filled. */
 vxs_result scene_repair(scene *s, const repair_options *o, repair_report *out, message *m);
 

@@ -1,8 +1,8 @@
 /* One block of a depth map while it is rendered: a square of texels small enough for a processor's cache.
  *
- * Rendering is split where a processor would wait: `issue` hands work to OpenGL and returns, `read` waits for it, `resolve` looks at
- * what came and prepares the next pass. So two blocks in turn keep the rasterizer busy while the other's texels are resolved.
- * Source: [CPVS16] 3.3; how exit depths are found is drawn in depth_block.c.
+ * Rendering is split where a processor would wait: `issue` hands work to OpenGL and returns, `read` waits for it, `resolve`
+ * looks at what came and prepares the next pass. So two blocks in turn keep the rasterizer busy while the other's texels are
+ * resolved. Source: [CPVS16] 3.3; how exit depths are found is drawn in depth_block.c.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEPTH_BLOCK_H
 #define DEPTH_BLOCK_H
@@ -89,8 +89,8 @@ vxs_result depth_block_init(depth_block *b, block_context *context, message *m);
 /* Accepts a zeroed object. */
 void depth_block_free(depth_block *b);
 
-/* Take on the block at texel (u0, v0), whose corner in the maps is enter and exit, and gather its triangles. Returns 0 when there are
- * none: the block is filled already. exit may be enter when there are no solids. */
+/* Take on the block at texel (u0, v0), whose corner in the maps is enter and exit, and gather its triangles. Returns 0 when
+ * there are none: the block is filled already. exit may be enter when there are no solids. */
 int depth_block_start(depth_block *b, float *enter, float *exit, uint32_t row_px, int32_t u0, int32_t v0);
 
 /* Hand the next pass to OpenGL; wait for it and fetch what it made. */

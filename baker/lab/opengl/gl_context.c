@@ -45,8 +45,8 @@ static const char *cpu_class(void)
 #endif
 }
 
-/* Libraries of OpenGL are opened when a context is made: OSMesa brings LLVM, which takes four times as long to load as all the rest of
- * the command, and most commands draw nothing; EGL may not be there. */
+/* Libraries of OpenGL are opened when a context is made: OSMesa brings LLVM, which takes four times as long to load as all the
+ * rest of the command, and most commands draw nothing; EGL may not be there. */
 typedef struct osmesa {
     OSMesaContext (*CreateContextAttribs)(const int *attributes, OSMesaContext share);
     GLboolean (*MakeCurrent)(OSMesaContext context, void *pixels, GLenum type, GLsizei width, GLsizei height);

@@ -38,7 +38,8 @@ typedef struct holed_triangles {
     GLuint    vertex_array, buffer;
 } holed_triangles;
 
-/* Room for all of a projection's; both are borrowed. Returns VXS_OK or VXS_E_MEMORY; released with holed_triangles_free either way. */
+/* Room for all of a projection's; both are borrowed. Returns VXS_OK or VXS_E_MEMORY; released with holed_triangles_free either
+ * way. */
 vxs_result holed_triangles_init(holed_triangles *t, const hole_images *images, const projection *p, message *m);
 
 /* Accepts a zeroed object. */

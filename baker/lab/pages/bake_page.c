@@ -75,8 +75,9 @@ static void grey(uint8_t rgba[4], double lightness)
     rgba[3]                     = 255;
 }
 
-/* Where the picture of a face of a cube lies when the cube is unfolded into a cross, and how it is turned, so that edges meet: +x, +z, -x
- * and -z in a row, as the light sees them with +y above; all in the light's own axes, of which y is as upright as can be. */
+/* Where the picture of a face of a cube lies when the cube is unfolded into a cross, and how it is turned, so that edges meet:
+ * +x, +z, -x and -z in a row, as the light sees them with +y above; all in the light's own axes, of which y is as upright as can
+ * be. */
 typedef enum turn { TURN_NONE, TURN_QUARTER, TURN_HALF, TURN_THREE_QUARTERS } turn;
 
 typedef struct face_place {
@@ -104,7 +105,8 @@ typedef struct canvas {
     uint8_t *rgba; /* [4 * width * height] blank where no map is */
 } canvas;
 
-/* Depths; or with `masks`, [mask_px * mask_px] of a map, faint shapes, and the colour of its class where a pixel's tiles need masks. */
+/* Depths; or with `masks`, [mask_px * mask_px] of a map, faint shapes, and the colour of its class where a pixel's tiles need
+ * masks. */
 static void draw(canvas *c, face_place place, const float *light, const uint16_t *depth, const light_picture *p,
                  const uint8_t *masks)
 {

@@ -1,5 +1,5 @@
-/* A page that stands alone: the frame page.html with data, a script that shows them, and page.js, which all scripts use. Pages need no
- * network and no other file.
+/* A page that stands alone: the frame page.html with data, a script that shows them, and page.js, which all scripts use. Pages
+ * need no network and no other file.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef PAGE_H
 #define PAGE_H

@@ -8,7 +8,8 @@
 /* Each lamp takes time in each pixel, and of hundreds most light a corner. */
 enum { ASSET_PICTURE_LIGHTS = 6 };
 
-/* Draw it, from above, with everything in view, in the light of the ASSET_PICTURE_LIGHTS lights whose shadows are largest in memory.
+/* Draw it, from above, with everything in view, in the light of the ASSET_PICTURE_LIGHTS lights whose shadows are largest in
+ * memory.
  * rgb   [out] [3 * width * height] sRGB, top row first
  * file  [size_bytes] the asset's
  * Returns VXS_OK, VXS_E_MEMORY, or what an asset or casters that are not sound return. */

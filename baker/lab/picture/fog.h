@@ -1,5 +1,5 @@
-/* Fog in the light of baked lights, without a march: along a ray from the eye the asset says where it is lit, exactly, and between the ends
- * of each lit interval airlight has a closed form (runtime/volumes/vxs_air.h).
+/* Fog in the light of baked lights, without a march: along a ray from the eye the asset says where it is lit, exactly, and
+ * between the ends of each lit interval airlight has a closed form (runtime/volumes/vxs_air.h).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef FOG_H
 #define FOG_H

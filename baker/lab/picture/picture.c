@@ -7,9 +7,9 @@
  *     sky       rays over the hemisphere: the sky's colour where they leave the scene, darker the sooner they meet it
  *     haze      mixed over all, by distance behind the nearest corner of the scene
  *     air       before all, what haze scatters of lamps' light: single lookups at some places along the ray
- *     fog       in the place of both, where it is asked for: what it leaves of all, and what it scatters of suns' and lamps' light along
- *               exactly those parts of the ray that are lit (fog.h). Then lights reach surfaces by the law of light in the air, too: by the square of
- *               the distance, and dimmed on their way
+ *     fog       in the place of both, where it is asked for: what it leaves of all, and what it scatters of suns' and lamps'
+ *               light along exactly those parts of the ray that are lit (fog.h). Then lights reach surfaces by the law of light
+ *               in the air, too: by the square of the distance, and dimmed on their way
  *
  * Colours are linear until the end.
  * SPDX-License-Identifier: GPL-3.0-or-later */

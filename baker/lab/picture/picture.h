@@ -18,8 +18,8 @@ typedef struct picture_options {
     const fog_medium *fog;    /* in the place of haze, and of what lamps light up in it; NULL: none */
 } picture_options;
 
-/* Render: shadows from the lights' lookups, all else (what is seen, light from the sky) by rays. Where no light is directional it is
- * night, and the light of spot and point lights is seen in the air too.
+/* Render: shadows from the lights' lookups, all else (what is seen, light from the sky) by rays. Where no light is directional
+ * it is night, and the light of spot and point lights is seen in the air too.
  * rgb     [out] [3 * width * height] sRGB, top row first.   The same at any thread count.
  * linear  [out] as many floats, before a screen's shoulder and curve; NULL: they are not asked for
  * lights  [light_count]

@@ -1,4 +1,5 @@
-/* The plan of a frame's area lights: which of a scene's parallelograms that shine have virtual lights, how many, what is left out, and why.
+/* The plan of a frame's area lights: which of a scene's parallelograms that shine have virtual lights, how many, what is left
+ * out, and why.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef AREA_PLAN_H
 #define AREA_PLAN_H

@@ -13,7 +13,8 @@ typedef struct baked_mesh_options {
     double   error_texels;
 } baked_mesh_options;
 
-/* mesh  [out] untouched on failure; released with vxs_light_mesh_destroy.   Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY, VXS_E_ARGUMENT. */
+/* mesh  [out] untouched on failure; released with vxs_light_mesh_destroy.   Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY,
+ *       VXS_E_ARGUMENT. */
 vxs_result baked_mesh_make(vxs_light_mesh **mesh, const baked_mesh_options *o, const gl_context *gl, const vxs_gl *shadows,
                            vxs_volumes *volumes, message *m);
 

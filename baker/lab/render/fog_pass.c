@@ -10,8 +10,8 @@
 #include "runtime/volumes/vxs_air_path.h"
 #include "runtime/volumes/vxs_shadow_grid.h"
 
-/* A mesh is made of a map of so many texels a side at most: six maps take a second. A grid has so many voxels along alpha and phi, fewer where a
- * processor fills it, for each light of each frame. */
+/* A mesh is made of a map of so many texels a side at most: six maps take a second. A grid has so many voxels along alpha and
+ * phi, fewer where a processor fills it, for each light of each frame. */
 enum { MAP_SIDE = 1024, MESH_SIDE = 1024, GRID_SIDE = 512, GRID_SIDE_SOFTWARE = 256 };
 
 /* A light, and the most airlight that any ray has of it. */
@@ -95,7 +95,7 @@ void fog_pass_destroy(fog_pass *p)
     free(p);
 }
 
-/* meshes -------------------------------------------------------------------------------------------------------------------------- */
+/* meshes ----------------------------------------------------------------------------------------------------------------------- */
 
 /* Rays end 2 sizes of the scene before the eye, which a path may lead some sizes away from where it is now. */
 static vxs_result make_mesh(fog_pass *p, uint32_t light, message *m)
@@ -107,7 +107,7 @@ static vxs_result make_mesh(fog_pass *p, uint32_t light, message *m)
     return result;
 }
 
-/* maps ---------------------------------------------------------------------------------------------------------------------------- */
+/* maps ------------------------------------------------------------------------------------------------------------------------- */
 
 /* Where a light ends: at what stands, and before that at what moves. */
 static vxs_result join_map(fog_pass *p, uint32_t light, const vxs_moving_casters *casters, uint32_t count)
@@ -120,7 +120,7 @@ static vxs_result join_map(fog_pass *p, uint32_t light, const vxs_moving_casters
     return vxs_shadow_depth_map_join(p->maps[light], casters, count);
 }
 
-/* a frame ------------------------------------------------------------------------------------------------------------------------- */
+/* a frame ---------------------------------------------------------------------------------------------------------------------- */
 
 double fog_pass_far_metres(const fog_pass *p)
 {
@@ -160,8 +160,8 @@ static fog_light_plan plan_light(const fog_pass *p, const vxs_volumes_light *lig
         .fate = fate, .share = fate == FOG_DRAWN ? (double)pixels.wide_px * pixels.high_px / all : 0, .by = p->options.by};
 }
 
-/* Steps for a light that what was asked does not draw right: all but marches have closed forms, of light that nothing dims; and intervals, which ask the
- * file, and meshes, which are made once, do not know what moves. */
+/* Steps for a light that what was asked does not draw right: all but marches have closed forms, of light that nothing dims; and
+ * intervals, which ask the file, and meshes, which are made once, do not know what moves. */
 static void plan_steps(fog_light_plan *light, int is_dimmed, int meets_moving)
 {
     int marches = light->by == FOG_BY_MARCH || light->by == FOG_BY_ANGLES, knows_moving = marches || light->by == FOG_BY_GRID;
@@ -204,7 +204,8 @@ static int fainter(const void *a, const void *b)
     return p->light < q->light ? -1 : 1;
 }
 
-/* Of all lights, from the faintest on: those that together have no more than half of what may be left out are; pixels of each of the others may miss an equal part
+/* Of all lights, from the faintest on: those that together have no more than half of what may be left out are; pixels of each of
+ * the others may miss an equal part
  * of the rest.   least  [out] of each, as vxs_volumes_light has it */
 static void choose_faint(fog_pass *p, const fog_shine *shines, double exposure, float *least)
 {

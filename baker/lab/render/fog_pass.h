@@ -67,7 +67,8 @@ uint32_t fog_pass_grid(const fog_pass *pass);
  * dark  [out] [2n][n] rows of theta, columns of alpha, 0 to 1;   Returns VXS_OK, VXS_E_MEMORY. */
 vxs_result fog_pass_read_grid(const fog_pass *pass, float *dark, message *m);
 
-/* The mesh of the light that the last frame was drawn of last, by meshes.   light  [out] its number;   Returns NULL where there is none */
+/* The mesh of the light that the last frame was drawn of last, by meshes.   light  [out] its number;   Returns NULL where there
+ * is none */
 const vxs_light_mesh *fog_pass_mesh(const fog_pass *pass, uint32_t *light);
 
 /* An RGBA32F texture of width x height. */

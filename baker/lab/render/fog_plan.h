@@ -14,8 +14,8 @@ typedef enum fog_by { FOG_BY_MARCH, FOG_BY_ANGLES, FOG_BY_INTERVALS, FOG_BY_MESH
 #define FOG_BY_CHOICES "march|angles|intervals|mesh|grid" /* their words, in that order */
 extern const char *const fog_by_names[];
 
-/* Airlight that is not worth a pass, where 1 is white: half of one of a screen's 255 steps in black, where they are finest: 1 / (2 * 255 * 12.92). It bounds the
- * sum of all that is left out in a pixel: half of it lights as a whole, half pixels of others. */
+/* Airlight that is not worth a pass, where 1 is white: half of one of a screen's 255 steps in black, where they are finest: 1 /
+ * (2 * 255 * 12.92). It bounds the sum of all that is left out in a pixel: half of it lights as a whole, half pixels of others. */
 #define FOG_FAINTEST (1.0 / 6600)
 
 /* What becomes of a light in a frame. */

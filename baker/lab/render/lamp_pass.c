@@ -21,8 +21,8 @@ enum { CROWD = 4 };
 /* Of all triangles; of those that move. */
 enum { POINTS = 1 << 18, MOVING_POINTS = 1 << 15 };
 
-/* Lamps are many, and each has its curves of smoke. All capsules may cover all texels of all lamps: so many times in all, which takes a minute or two on
- * two processors, and no more. */
+/* Lamps are many, and each has its curves of smoke. All capsules may cover all texels of all lamps: so many times in all, which
+ * takes a minute or two on two processors, and no more. */
 enum { SMOKE_SIDE_MOST = 64, SMOKE_SIDE_LEAST = 8, SMOKE_COVERED_MOST = 1 << 30 };
 
 struct lamp_pass {
@@ -39,10 +39,11 @@ struct lamp_pass {
     GLuint            buffer, add_program, empty_array;
 };
 
-/* what is made once --------------------------------------------------------------------------------------------------------------- */
+/* what is made once ------------------------------------------------------------------------------------------------------------ */
 
 /* Over a scene's triangles.
- * lamps  how many there are where points are densest, as in the options;   found  [out] how many points: none, where triangles have no area */
+ * lamps  how many there are where points are densest, as in the options;   found  [out] how many points: none, where triangles
+ *        have no area */
 static vxs_result scatter(const lamp_pass *p, const scene *s, uint32_t lamps, vxs_area_point *points, uint32_t count,
                           uint32_t *found, message *m)
 {
@@ -93,9 +94,10 @@ static int in_one_cell(const uint16_t *a, const uint16_t *b, uint32_t shift)
     return a[0] >> shift == b[0] >> shift && a[1] >> shift == b[1] >> shift && a[2] >> shift == b[2] >> shift;
 }
 
-/* Points of a file are as far from each other as each is wide, but where surfaces lie on each other. What a point covers of shadow maps is the work, so one
- * that has millions of them in one place, and says that each is wide, would take minutes: where nearly all lie in each other, one of each place is
- * drawn, which covers the same. In the order of their codes those of a place come one behind the other.
+/* Points of a file are as far from each other as each is wide, but where surfaces lie on each other. What a point covers of
+ * shadow maps is the work, so one that has millions of them in one place, and says that each is wide, would take minutes: where
+ * nearly all lie in each other, one of each place is drawn, which covers the same. In the order of their codes those of a place
+ * come one behind the other.
  * points  [baked->count] out
  * Returns how many there are. */
 static uint32_t unpack(const vxs_baked_points *baked, const double middle_ws[3], vxs_area_point *points, message *m)
@@ -194,7 +196,7 @@ void lamp_pass_destroy(lamp_pass *p)
     free(p);
 }
 
-/* a frame ------------------------------------------------------------------------------------------------------------------------- */
+/* a frame ---------------------------------------------------------------------------------------------------------------------- */
 
 int lamp_pass_move(lamp_pass *p, const double moved_ws[3])
 {

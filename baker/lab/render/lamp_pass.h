@@ -1,4 +1,5 @@
-/* Virtual lights in a frame: their shadows, cast by points of a scene, their light in the air, and what surfaces get of it, by libvxs_volumes.
+/* Virtual lights in a frame: their shadows, cast by points of a scene, their light in the air, and what surfaces get of it, by
+ * libvxs_volumes.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef LAMP_PASS_H
 #define LAMP_PASS_H
@@ -31,7 +32,8 @@ vxs_result lamp_pass_create(lamp_pass **pass, const lamp_pass_options *o, const 
 /* Accepts NULL. */
 void lamp_pass_destroy(lamp_pass *pass);
 
-/* Where what moves is now: moved_ws metres from where it is in its file.   Returns 1: it has moved since shadows were cast, and lamps are to be set. */
+/* Where what moves is now: moved_ws metres from where it is in its file.   Returns 1: it has moved since shadows were cast, and
+ * lamps are to be set. */
 int lamp_pass_move(lamp_pass *pass, const double moved_ws[3]);
 
 /* Its lamps, of places from the middle, as exposed; what smoke leaves of them, and their shadows: again, where something has moved.

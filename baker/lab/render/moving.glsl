@@ -9,7 +9,8 @@ layout(std430, binding = 6) readonly restrict buffer moving_block {
 };
 layout(binding = 6) uniform sampler2DArray moving_depths;
 
-/* The part of 3 x 3 texels about a place, itself in texels, in which nothing is nearer to the light than a depth: 1 where nothing is. */
+/* The part of 3 x 3 texels about a place, itself in texels, in which nothing is nearer to the light than a depth: 1 where
+ * nothing is. */
 float moving_part(vec2 place, uint layer, float depth)
 {
     vec2  first = floor(place - 1.5), part = place - 1.5 - first;

@@ -1,5 +1,5 @@
-/* What moves; see moving_pass.h. A depth map is of the sphere about all of it: of a sun a square across its way, of a lamp a frustum that looks at the
- * sphere's middle, or, where the lamp is in the sphere or near it, six.
+/* What moves; see moving_pass.h. A depth map is of the sphere about all of it: of a sun a square across its way, of a lamp a
+ * frustum that looks at the sphere's middle, or, where the lamp is in the sphere or near it, six.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/render/moving_pass.h"
 
@@ -12,7 +12,8 @@
 
 enum { SIDE_PX = 1024, BINDING = 6, UNIT = 6 };
 
-/* How a light sees it: rows of texture coordinates, depth and w by places of the world; and how wide a texel is, in metres, times w. */
+/* How a light sees it: rows of texture coordinates, depth and w by places of the world; and how wide a texel is, in metres,
+ * times w. */
 typedef struct moving_view {
     double rows[4][4], texel;
 } moving_view;
@@ -37,7 +38,7 @@ struct moving_pass {
     GLuint                        buffer, depths, layers[MOVING_MAPS], frames[MOVING_MAPS];
 };
 
-/* views --------------------------------------------------------------------------------------------------------------------------- */
+/* views ------------------------------------------------------------------------------------------------------------------------ */
 
 /* A row that says how far a place is along an axis from another, and what is added. */
 static void set_row(double row[4], const double axis[3], double scale, const double from[3], double more)
@@ -103,7 +104,7 @@ static uint32_t views_of(const vxs_light *light, const double middle[3], double 
     return MOVING_FACES;
 }
 
-/* create -------------------------------------------------------------------------------------------------------------------------- */
+/* create ----------------------------------------------------------------------------------------------------------------------- */
 
 static size_t block_bytes(const moving_pass *p)
 {
@@ -162,9 +163,10 @@ void moving_pass_destroy(moving_pass *p)
     free(p);
 }
 
-/* cast ---------------------------------------------------------------------------------------------------------------------------- */
+/* cast ------------------------------------------------------------------------------------------------------------------------- */
 
-/* From places that count from one to clip space, where x and y are in [-1, 1] and depth is in [0, 1]; or to texture coordinates. By columns. */
+/* From places that count from one to clip space, where x and y are in [-1, 1] and depth is in [0, 1]; or to texture coordinates.
+ * By columns. */
 static void set_matrix(const moving_view *v, const double from_ws[3], int is_clip, float matrix[16])
 {
     for (int row = 0; row < 4; row++) {

@@ -1,5 +1,5 @@
-/* What moves: a scene of its own, drawn beside the one whose shadows are baked. Lights that can meet it see it in depth maps of its own, made anew each
- * frame, which shade surfaces (moving.glsl) and end light in fog (vxs_shadow_depth_map_join).
+/* What moves: a scene of its own, drawn beside the one whose shadows are baked. Lights that can meet it see it in depth maps of
+ * its own, made anew each frame, which shade surfaces (moving.glsl) and end light in fog (vxs_shadow_depth_map_join).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MOVING_PASS_H
 #define MOVING_PASS_H

@@ -1,5 +1,5 @@
-/* A scene in baked shadows, drawn with OpenGL as a game would: what each pixel shows, lights culled for tiles of 8 x 8 pixels, lookups by
- * libvxs_gl, shading, tone mapping.
+/* A scene in baked shadows, drawn with OpenGL as a game would: what each pixel shows, lights culled for tiles of 8 x 8 pixels,
+ * lookups by libvxs_gl, shading, tone mapping.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef RENDER_H
 #define RENDER_H
@@ -55,7 +55,8 @@ typedef struct render_options {
     uint64_t          upload_bytes; /* of its pages, in each frame but the first at most */
 } render_options;
 
-/* What a frame took, in seconds, each stage by itself: OpenGL is waited for behind each. Without a stream, what moves, area lights, a sky, or fog, theirs is left out. */
+/* What a frame took, in seconds, each stage by itself: OpenGL is waited for behind each. Without a stream, what moves, area
+ * lights, a sky, or fog, theirs is left out. */
 enum {
     RENDER_UPLOAD,
     RENDER_MOVING,
@@ -90,7 +91,8 @@ typedef struct renderer renderer;
 /* Upload a scene and the words of lights: all of an asset's, of a stream's what is there.
  * r       [out] NULL on failure; released with renderer_destroy
  * s       at least one triangle; only read here
- * lights  [light_count] of an asset or the stream, which outlives the renderer; those of the scene's names shine with the scene's colours
+ * lights  [light_count] of an asset or the stream, which outlives the renderer; those of the scene's names shine with the
+ *         scene's colours
  * Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
 vxs_result renderer_create(renderer **r, const render_options *o, const scene *s, const vxs_baked_light *const *lights,
                            uint32_t light_count, message *m);
@@ -108,19 +110,21 @@ vxs_result renderer_draw(renderer *r, const camera_pose *camera, uint8_t *rgb, r
  * rgb  [out] [3 * width_px * height_px] top row first */
 vxs_result renderer_read_linear(renderer *r, float *rgb, message *m);
 
-/* What is 1 there, in cd/m2, where lights of the scene are in candela and lux. Of what is not lit by them, such as the sky that pictures have, it says nothing. */
+/* What is 1 there, in cd/m2, where lights of the scene are in candela and lux. Of what is not lit by them, such as the sky that
+ * pictures have, it says nothing. */
 double renderer_white(const renderer *r);
 
 /* Of the frame that was drawn last, at all samples: [width, height] samples a side as renderer_size says, top row first. */
 void renderer_size(const renderer *r, uint32_t *width, uint32_t *height);
 
 /* depths       [out] [count] metres along the camera's axis; 0: nothing is there
- * normals      [out] [3 * count]; albedos likewise, linear;   light  [out] [4 * count] direct light without albedo and exposure; how many lights were asked
+ * normals      [out] [3 * count]; albedos likewise, linear;   light  [out] [4 * count] direct light without albedo and exposure;
+ *              how many lights were asked
  * Any of them may be NULL. */
 vxs_result renderer_read(renderer *r, float *depths, float *normals, float *albedos, float *light, message *m);
 
-/* The lit fraction that light n has at each place, as lookups of the last frame say it.   lit  [out] [count]; -1 where nothing is, and
- * where the light does not reach */
+/* The lit fraction that light n has at each place, as lookups of the last frame say it.   lit  [out] [count]; -1 where nothing
+ * is, and where the light does not reach */
 vxs_result renderer_read_lit(renderer *r, uint32_t n, float *lit, message *m);
 
 /* What fog scatters toward the eye, as exposed.   air  [out] [3 * count] linear */
@@ -163,8 +167,9 @@ const fog_light_plan *renderer_fog_lights(const renderer *r);
 uint32_t   renderer_fog_grid(const renderer *r);
 vxs_result renderer_read_grid(const renderer *r, float *dark, message *m);
 
-/* Whether there is a mesh of a light that the last frame's fog was drawn of; if so, the last one, as it is seen: a veil for each surface of it that the scene does not
- * hide, and its edges; warm where a ray comes into the light, cold where it leaves it.   light  [out] [3 * count] added up */
+/* Whether there is a mesh of a light that the last frame's fog was drawn of; if so, the last one, as it is seen: a veil for each
+ * surface of it that the scene does not hide, and its edges; warm where a ray comes into the light, cold where it leaves it.
+ * light  [out] [3 * count] added up */
 int        renderer_has_mesh(const renderer *r);
 vxs_result renderer_read_mesh(renderer *r, float *light, message *m);
 

@@ -95,7 +95,7 @@ static vxs_result write_pass(const passes *p, const char *name, const float *flo
     return r == VXS_OK ? write_floats(p, name, floats, p->width, p->height, channels, m) : r;
 }
 
-/* surfaces and light -------------------------------------------------------------------------------------------------------------- */
+/* surfaces and light ----------------------------------------------------------------------------------------------------------- */
 
 static vxs_result write_depth(passes *p, message *m)
 {
@@ -219,7 +219,7 @@ static vxs_result write_resident(passes *p, message *m)
     return r == VXS_OK ? write_pass(p, "resident", p->lit, "Y", m) : r;
 }
 
-/* each light ---------------------------------------------------------------------------------------------------------------------- */
+/* each light ------------------------------------------------------------------------------------------------------------------- */
 
 typedef struct asked_light {
     passes          *passes;
@@ -336,7 +336,7 @@ static vxs_result write_truth(passes *p, truth_difference *d, message *m)
     return r == VXS_OK ? write_pass(p, "difference", p->lit, "Y", m) : r;
 }
 
-/* ---------------------------------------------------------------------------------------------------------------------------------- */
+/* ------------------------------------------------------------------------------------------------------------------------------ */
 
 static vxs_result take(passes *p, message *m)
 {

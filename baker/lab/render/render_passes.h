@@ -39,19 +39,22 @@ typedef struct passes_options {
  *     sky.png          the same of a map of the sky
  *     airlight.png     what fog scatters toward the eye, as exposed, where there is fog
  *     transmittance.png  what fog leaves of what is seen, linear: white is all of it
- *     shadow-grid.png  of fog by a grid, of the light that was drawn last: columns of alpha, rows of theta, how much of each is lit
- *     light-mesh.png   of fog by meshes, of the light that was drawn last: the mesh about what it reaches, warm where a ray from the eye comes into its
- *                      light, cold where it leaves it, before the scene
- *     lit-N-NAME.png   lit fraction of light N, if it reaches a sample; magenta where nothing is, or where its map does not reach
- *     resident.png     of a stream: grey where each lookup is answered in full, red where coarsely, between them by the share; dark where there is
- *                      none, for surfaces that face no light
+ *     shadow-grid.png  of fog by a grid, of the light that was drawn last: columns of alpha, rows of theta, how much of each is
+ *                      lit
+ *     light-mesh.png   of fog by meshes, of the light that was drawn last: the mesh about what it reaches, warm where a ray from
+ *                      the eye comes into its light, cold where it leaves it, before the scene
+ *     lit-N-NAME.png   lit fraction of light N, if it reaches a sample; magenta where nothing is, or where its map does not
+ *                      reach
+ *     resident.png     of a stream: grey where each lookup is answered in full, red where coarsely, between them by the share;
+ *                      dark where there is none, for surfaces that face no light
  *     truth.png        mean lit fraction of lights that reach, by K x K rays for the taps of a lookup
  *     difference.png   the same by lookups, less truth: grey where equal, red where too dark, blue where too light
  *
- * Floats are linear, top row first, -1 where PNGs are magenta: depth (metres along the axis, 0: nothing) as Z, normals as XYZ, colours and light as RGB,
- * as exposed, fractions and counts as Y. light-mesh is a drawing and has none.
+ * Floats are linear, top row first, -1 where PNGs are magenta: depth (metres along the axis, 0: nothing) as Z, normals as XYZ,
+ * colours and light as RGB, as exposed, fractions and counts as Y. light-mesh is a drawing and has none.
  * lights  as renderer_create was given them
- * Returns VXS_OK, VXS_E_ARGUMENT (a picture would go where the run reads, or to another output), VXS_E_WRITE, VXS_E_GL, VXS_E_MEMORY. */
+ * Returns VXS_OK, VXS_E_ARGUMENT (a picture would go where the run reads, or to another output), VXS_E_WRITE, VXS_E_GL,
+ * VXS_E_MEMORY. */
 vxs_result render_passes(renderer *r, const char *folder, const vxs_baked_light *const *lights, uint32_t light_count,
                          const passes_options *o, truth_difference *difference, message *m);
 

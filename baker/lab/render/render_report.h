@@ -44,7 +44,8 @@ json_t *render_report_json(const render_report *r);
 /* A line of names, and a line for each frame.   Returns VXS_OK, VXS_E_WRITE, VXS_E_MEMORY, as the next does. */
 vxs_result render_report_csv(const render_report *r, const char *path, message *m);
 
-/* Milliseconds of stages by frame, one above the other, as SVG; of a stream, below it, what is uploaded and what is answered in full. */
+/* Milliseconds of stages by frame, one above the other, as SVG; of a stream, below it, what is uploaded and what is answered in
+ * full. */
 vxs_result render_report_plot(const render_report *r, const char *path, message *m);
 
 #endif

@@ -21,7 +21,7 @@ EMBEDDED(tone_frag_glsl)
 
 static const double pi = 3.14159265358979324;
 
-/* programs ------------------------------------------------------------------------------------------------------------------------ */
+/* programs --------------------------------------------------------------------------------------------------------------------- */
 
 enum { PARTS_MOST = VXS_GL_TEXTS + 6 };
 
@@ -87,7 +87,7 @@ static vxs_result make_programs(renderer *r, message *m)
     return renderer_lit_program(r, &r->shade_program, shade_frag_glsl, m);
 }
 
-/* targets ------------------------------------------------------------------------------------------------------------------------- */
+/* targets ---------------------------------------------------------------------------------------------------------------------- */
 
 GLuint renderer_frame_of(const gl_context *gl, GLuint depth, const GLuint *colours, GLsizei count)
 {
@@ -124,15 +124,15 @@ static vxs_result make_targets(renderer *r, message *m)
     return fail(m, VXS_E_MEMORY, "OpenGL has no room for a picture of %u x %u samples", r->width, r->height);
 }
 
-/* lights -------------------------------------------------------------------------------------------------------------------------- */
+/* lights ----------------------------------------------------------------------------------------------------------------------- */
 
 static vxs_gl_function lookup(const char *name, void *user)
 {
     return (vxs_gl_function)((const gl_context *)user)->lookup(name);
 }
 
-/* What the scene says of a light; where it has none of its name, and of what it does not say, that is white, and an inner cone without width. What is
- * dark there, or hidden, shines with nothing. */
+/* What the scene says of a light; where it has none of its name, and of what it does not say, that is white, and an inner cone
+ * without width. What is dark there, or hidden, shines with nothing. */
 static scene_light described(const scene *s, const vxs_light *light)
 {
     scene_light found = {.colour = {1, 1, 1}};
@@ -215,7 +215,7 @@ static vxs_result put_shadows(renderer *r, const vxs_baked_light *const *lights,
     return VXS_OK;
 }
 
-/* ---------------------------------------------------------------------------------------------------------------------------------- */
+/* ------------------------------------------------------------------------------------------------------------------------------ */
 
 /* Clear air where there is none: area lights, a sky and smoke need its frame. */
 static vxs_result make_fog(renderer *r, message *m)

@@ -4,7 +4,8 @@
  *     moving     depth maps of what moves, as lights see it (moving_pass.h); left out where nothing does
  *     surfaces   depth (near / distance along the axis, so that far ones keep their digits), normal, albedo
  *     cull       lists of lights of tiles of 8 x 8 (vxs_gl_cull); left out where there is one light
- *     smoke      how much it leaves of each light (smoke_pass.h), and, over all the air, itself (renderer_smoke.c); left out where there is none
+ *     smoke      how much it leaves of each light (smoke_pass.h), and, over all the air, itself (renderer_smoke.c); left out
+ *                where there is none
  *     shade      light of each sample, lookups and all
  *     area       what area lights send to it and to the air (area_pass.h); left out where there is none
  *     sky        the same of a map of the sky (sky_pass.h)
@@ -371,7 +372,8 @@ static vxs_result light_surfaces(const renderer *r, render_frame *frame, double 
     return result;
 }
 
-/* Exposure is that of clear air: fog does not make a picture brighter. Airlight of areas and of the sky is exposed, so that they are drawn again. */
+/* Exposure is that of clear air: fog does not make a picture brighter. Airlight of areas and of the sky is exposed, so that they
+ * are drawn again. */
 static vxs_result light_exposed(renderer *r, render_frame *frame, double *since, message *m)
 {
     int is_first      = r->exposure <= 0;

@@ -10,7 +10,8 @@ EMBEDDED(mesh_frag_glsl)
 
 enum { MESH_BINDING = 5 };
 
-/* From light space to clip space. Rows of the light's matrix are at right angles, and count from the eye: its inverse has them as columns. */
+/* From light space to clip space. Rows of the light's matrix are at right angles, and count from the eye: its inverse has them
+ * as columns. */
 static void clip_from_ls(const renderer *r, const vxs_light_constants *light, float out[16])
 {
     const double eye[3] = {0};

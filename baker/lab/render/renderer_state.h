@@ -62,18 +62,20 @@ static inline text_part part_of(embedded e)
     return (text_part){e.begin, (GLint)(e.end - e.begin)};
 }
 
-/* Make a program of a vertex shader and `count` parts of a fragment shader.   program  [out] deleted by the caller, whatever is returned */
+/* Make a program of a vertex shader and `count` parts of a fragment shader.   program  [out] deleted by the caller, whatever is
+ * returned */
 vxs_result renderer_program(const gl_context *gl, GLuint *program, embedded vertex, const text_part *fragment, int count,
                             message *m);
 
-/* The same of a full-screen pass that asks lights: behind the texts of vxs_gl.h, what is between lights and places, and shine.glsl. */
+/* The same of a full-screen pass that asks lights: behind the texts of vxs_gl.h, what is between lights and places, and
+ * shine.glsl. */
 vxs_result renderer_lit_program(const renderer *r, GLuint *program, embedded fragment, message *m);
 
 /* For such programs. */
 void renderer_bind_lights(const renderer *r);
 
-/* Lights that such a pass adds up. llvmpipe ends all loops of a fragment shader after 65535 rounds, which four groups of pixels share: so a light may take 512
- * of them for each. A lookup of 17 x 17 texels in a city takes less than 135. */
+/* Lights that such a pass adds up. llvmpipe ends all loops of a fragment shader after 65535 rounds, which four groups of pixels
+ * share: so a light may take 512 of them for each. A lookup of 17 x 17 texels in a city takes less than 135. */
 #define LIGHTS_AT_ONCE 32U
 
 /* Draw a full-screen triangle for each LIGHTS_AT_ONCE lights into the framebuffer that is bound, and add up what they send.

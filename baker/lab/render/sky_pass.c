@@ -24,7 +24,7 @@ struct sky_pass {
     GLuint            program, texture;
 };
 
-/* what is made once --------------------------------------------------------------------------------------------------------------- */
+/* what is made once ------------------------------------------------------------------------------------------------------------ */
 
 /* From the axes of vxs_area_sky, whose first column is along x, to the map's. */
 static void turn_lamp(vxs_vpl *lamp, double turn_rad)
@@ -102,7 +102,7 @@ void sky_pass_destroy(sky_pass *p)
     free(p);
 }
 
-/* a frame ------------------------------------------------------------------------------------------------------------------------- */
+/* a frame ---------------------------------------------------------------------------------------------------------------------- */
 
 /* Of the sphere that holds what moves, too, where it is now. */
 static double radius_of(const sky_pass *p, const double moved_ws[3])

@@ -1,4 +1,5 @@
-/* Light of a map of the sky in the air and on surfaces, by virtual lights that are far away; and the map itself, where nothing is before it.
+/* Light of a map of the sky in the air and on surfaces, by virtual lights that are far away; and the map itself, where nothing
+ * is before it.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SKY_PASS_H
 #define SKY_PASS_H

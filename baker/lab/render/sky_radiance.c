@@ -1,4 +1,5 @@
-/* A sky from a picture of Radiance: lines of text, an empty one, its size, and rows of pixels, three mantissas and an exponent, plain or in runs; see sky_map.h.
+/* A sky from a picture of Radiance: lines of text, an empty one, its size, and rows of pixels, three mantissas and an exponent,
+ * plain or in runs; see sky_map.h.
  *
  * None of the libraries that are linked reads it.
  * SPDX-License-Identifier: GPL-3.0-or-later */
@@ -31,7 +32,7 @@ static vxs_result ends_early(const reader *r)
     return fail(r->m, VXS_E_TRUNCATED, "'%s' ends in row %u of %u", r->file->name, r->row + 1, r->high_px);
 }
 
-/* lines of text ------------------------------------------------------------------------------------------------------------------- */
+/* lines of text ---------------------------------------------------------------------------------------------------------------- */
 
 /* The next line, cut to what fits, without its end.   Returns 0 where the file ends before it does. */
 static int next_line(reader *r, char line[LINE_BYTES])
@@ -121,7 +122,7 @@ static vxs_result read_head(reader *r)
     return next_line(r, line) ? read_size(r, line) : broken(r, VXS_E_TRUNCATED, "it ends before its pixels begin");
 }
 
-/* rows ---------------------------------------------------------------------------------------------------------------------------- */
+/* rows ------------------------------------------------------------------------------------------------------------------------- */
 
 /* One of a row's four bytes, all along it: a length and so many of them, or RUN more than a length and the one that all are. */
 static vxs_result read_channel(reader *r, uint8_t (*row)[4], int channel)
@@ -178,7 +179,7 @@ static vxs_result put_row(const reader *r, const uint8_t (*row)[4], float *radia
     return VXS_OK;
 }
 
-/* ---------------------------------------------------------------------------------------------------------------------------------- */
+/* ------------------------------------------------------------------------------------------------------------------------------ */
 
 int sky_is_radiance(const sky_file *file)
 {

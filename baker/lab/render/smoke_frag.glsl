@@ -29,7 +29,8 @@ void main()
 {
     drawn_capsule c = capsules[capsule];
     float         depth = texelFetch(depths, ivec2(gl_FragCoord.xy), 0).r, size = length(way), near;
-    float         end = depth > 0.0 ? lights.y / depth * size * gl_FragCoord.w : turned.w; /* gl_FragCoord.w: 1 over the way along the axis */
+    float         end = depth > 0.0 ? lights.y / depth * size * gl_FragCoord.w : turned.w; /* gl_FragCoord.w: 1 over the way along the
+                                                                                              axis */
     vec3          direction = way / size;
     vec2          part = vxs_capsule_part(c.begin.xyz, c.end.xyz - c.begin.xyz, c.begin.w, direction, near) + near;
     part = vec2(max(part.x, 0.0), min(part.y, end));

@@ -13,7 +13,8 @@
 /* Lists have room for so many segments at first; where they ask for more, and no more than the most, they get it. */
 enum { SEGMENTS = 1 << 20, SEGMENTS_MOST = 1 << 22, BINDING = 7, UNIT = 7 };
 
-/* That a map is made of, which takes 10 s on two processors. Many times more would be a minute and more, of a file of some kilobytes. */
+/* That a map is made of, which takes 10 s on two processors. Many times more would be a minute and more, of a file of some
+ * kilobytes. */
 enum { SEGMENTS_MADE = 1 << 26, SIDE_LEAST = 16 };
 
 struct smoke_pass {
@@ -177,7 +178,8 @@ static double covered_texels(const smoke_pass *p, const vxs_light *light, uint32
     return sum;
 }
 
-/* The side of a light's map: as many texels as are asked for; or fewer, where smoke covers it so many times that it would take minutes. */
+/* The side of a light's map: as many texels as are asked for; or fewer, where smoke covers it so many times that it would take
+ * minutes. */
 static uint32_t choose_side(const smoke_pass *p, const vxs_light *light, message *m)
 {
     uint32_t asked = p->options.side_px, side = asked;

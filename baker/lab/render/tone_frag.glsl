@@ -1,5 +1,6 @@
-/* From light to what a screen shows: exposure, light from the sky, a soft shoulder, the sRGB curve, the mean of samples x samples; and the mean of what is linear,
- * without shoulder and curve. In fog it is done in two parts, TO_PICTURE, which is linear, and FROM_PICTURE, and between them there is the fog. */
+/* From light to what a screen shows: exposure, light from the sky, a soft shoulder, the sRGB curve, the mean of samples x
+ * samples; and the mean of what is linear, without shoulder and curve. In fog it is done in two parts, TO_PICTURE, which is
+ * linear, and FROM_PICTURE, and between them there is the fog. */
 layout(binding = 0) uniform sampler2D depths;
 layout(binding = 1) uniform sampler2D normals;
 layout(binding = 2) uniform sampler2D albedos;

@@ -36,10 +36,11 @@ double truth_precision(const truth *t);
 void truth_lift(const truth *t, const double point_ws[3], const double normal_ws[3], double lifted_ws[3]);
 
 /* 1 when no caster lies between the point and the light, 0 otherwise; whether the point is in the light's cone and range does
- * not count: light_reaches() tests that. Neither a caster within truth_precision of the point, along the ray, counts (a point on a
- * floor is not in the floor's shadow, unless the light all but grazes it), nor one through a spot or point light itself (a lamp
- * may lie in a ceiling). What is within a thousandth of the scene of such a light is tested in double, so that a caster a millimetre in
- * front of a lamp shades what it should a kilometre away. A light may be inside the casters' bounds or far outside.
+ * not count: light_reaches() tests that. Neither a caster within truth_precision of the point, along the ray, counts (a point on
+ * a floor is not in the floor's shadow, unless the light all but grazes it), nor one through a spot or point light itself (a
+ * lamp may lie in a ceiling). What is within a thousandth of the scene of such a light is tested in double, so that a caster a
+ * millimetre in front of a lamp shades what it should a kilometre away. A light may be inside the casters' bounds or far
+ * outside.
  * Cost: one or two rays; 2 to 10 million points a second on one core, with up to 700 000 triangles. */
 int truth_lit(const truth *t, const double point_ws[3], const light_shape *light);
 

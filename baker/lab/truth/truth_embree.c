@@ -320,8 +320,8 @@ typedef struct way_context {
     const double              *lamp_ws; /* NULL for a directional light */
 } way_context;
 
-/* Holes let light pass. Embree's weights of a triangle's corners are off by what rounding displaces the ray, which truth_precision has
- * room for. Casters at the lamp are left to is_occluded_at_lamp. */
+/* Holes let light pass. Embree's weights of a triangle's corners are off by what rounding displaces the ray, which
+ * truth_precision has room for. Casters at the lamp are left to is_occluded_at_lamp. */
 static void pass_holes(const struct RTCFilterFunctionNArguments *args)
 {
     const way_context   *way = (const way_context *)args->context;

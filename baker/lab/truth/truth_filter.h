@@ -20,8 +20,9 @@ typedef struct filter_taps {
 /* normal_ws, filter_px  as for vxs_lookup: all are allowed */
 filter_taps filter_taps_of(const vxs_light *light, const double point_ws[3], const double *normal_ws, int filter_px);
 
-/* The lit fraction, 0 to 1, of a ray to the light for each texel, by what it counts: each begins where the texel's centre is, in the middle of the
- * voxel's depth, as in a lookup (vxs_lookup) a texel's centre decides for the texel. Beside the map rays are like any other.
+/* The lit fraction, 0 to 1, of a ray to the light for each texel, by what it counts: each begins where the texel's centre is, in
+ * the middle of the voxel's depth, as in a lookup (vxs_lookup) a texel's centre decides for the texel. Beside the map rays are
+ * like any other.
  * shape  baked_light_shape of light;   taps  whose map is not -1 */
 double truth_filtered(const truth *t, const vxs_light *light, const light_shape *shape, const filter_taps *taps);
 
