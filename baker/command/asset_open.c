@@ -25,7 +25,7 @@ void keep_first_finding(void *user, int number, const char *text, int section, u
     if (!f->number) *f = (first_finding){number, section, offset, text};
 }
 
-/* As many bytes as a header says whose hash holds; one that does not is all that has to be read to say so. */
+/* The file's size as its header states it. 0 when the header is invalid: the bytes read so far suffice for the error. */
 static uint64_t wanted_bytes(void *user, const uint8_t *first, size_t size_bytes)
 {
     (void)user;
@@ -64,7 +64,7 @@ vxs_result asset_fail(const char *path, vxs_result r, const first_finding *found
                 (unsigned long long)f.offset, where, r == VXS_E_MEMORY ? remedy : "");
 }
 
-/* Where it cannot be opened, a message says what was found first. */
+/* Open; on failure, the message names the first finding. */
 static vxs_result open_told(vxs_asset **asset, const char *path, vxs_read_desc *desc, message *m)
 {
     first_finding f    = {0};
@@ -95,7 +95,7 @@ uint64_t asset_file_bytes(const vxs_asset *asset)
     return last->offset_bytes + last->stored_bytes;
 }
 
-/* Patterns of the metadata, which anyone may have written: what is no text is none. */
+/* The metadata is untrusted input: skip items that are not strings. */
 static vxs_result add_patterns(text_list *list, const json_t *patterns, message *m)
 {
     json_t *pattern;
@@ -110,7 +110,7 @@ static vxs_result add_patterns(text_list *list, const json_t *patterns, message 
     return VXS_OK;
 }
 
-/* What was baked with an option was meant so. */
+/* An option in the metadata counts as given on the command line. */
 static void take_word(const json_t *options, const char *key, const char *choices, int *value, int *given)
 {
     const char *word  = json_string_value(json_object_get(options, key));

@@ -13,13 +13,13 @@
 
 enum { PAGES_A_FRAME = 4, THREADS = 4, FILL_FRAMES_MAX = 100000 };
 
-/* From here on what threads decode by is a small part of the budget. */
+/* From this budget on, the memory that threads need for decoding is a small part of the budget. */
 static const uint64_t threads_from_bytes = (uint64_t)64 << 20;
 
 static void keep_metadata(void *user, const char *text, size_t size_bytes)
 {
     vxs_contents *c   = user;
-    c->metadata       = malloc(size_bytes + 1); /* without memory it is as one that has none */
+    c->metadata       = malloc(size_bytes + 1); /* out of memory: treated as a file without metadata */
     c->metadata_bytes = c->metadata ? size_bytes : 0;
     if (!c->metadata) return;
     memcpy(c->metadata, text, size_bytes);
@@ -140,7 +140,7 @@ static vxs_result fail_opening(asset_stream *s, const vxs_stream_desc *desc, vxs
                 (unsigned long long)least, size_text(needed, least));
 }
 
-/* What is known of the stream's lights. */
+/* List the lights of the stream. */
 static vxs_result list_lights(asset_stream *s, message *m)
 {
     vxs_contents *c = &s->contents;
@@ -157,9 +157,9 @@ typedef struct name_texts {
     const char *names[VXS_LIGHTS_MAX];
 } name_texts;
 
-/* No light has a name that was given: it is a pattern, or wrong. Which lights there are is known when all are open; the stream
- * is closed again.
- * lights, light_count  room to work in */
+/* A given name matches no light: it is a pattern, or wrong. The lights are known only when all are open, so open all, expand the
+ * patterns, and close the stream again.
+ * lights, light_count  scratch */
 static vxs_result expand_patterns(asset_stream *s, vxs_stream_desc *desc, const text_list *names, name_texts *out,
                                   const vxs_baked_light **lights, uint32_t *light_count, message *m)
 {

@@ -24,7 +24,7 @@ static double cone_degrees(const light_shape *s)
     return 2 * degrees(s->outer_rad);
 }
 
-/* "(1, 0, -2.5)", where what rounding left of a zero is one. */
+/* "(1, 0, -2.5)". Values that rounding left close to zero are printed as 0. */
 static const char *vector_text(char text[64], const double v[3])
 {
     double tidy[3];

@@ -52,13 +52,13 @@ static int is_separator(char c)
     return is_blank(c) || c == ',' || c == ';';
 }
 
-/* What stands between two numbers. */
+/* The separator between two numbers. */
 typedef struct separator {
-    char mark;  /* ',' or ';'; 0: blanks alone */
+    char mark;  /* ',' or ';'; 0: only blanks */
     int  loose; /* blanks before the next number */
 } separator;
 
-/* A line's numbers and what separates them. */
+/* The numbers of a line, and their separators. */
 typedef struct number_row {
     double      numbers[6]; /* the first of them */
     separator   after[6];   /* behind each */
@@ -98,8 +98,8 @@ static number_row parse_numbers(const char *line)
     return row;
 }
 
-/* Whether a line may mean something else: "1,5 2,5 3,5" and "1,5;2,5;3,5" are three numbers where the decimal point is a comma,
- * and so is "1,5, 2,5, 3,5"; "1,2,3, 0,1,0" is not. */
+/* Whether a line is ambiguous, because the decimal point may be a comma: "1,5 2,5 3,5", "1,5;2,5;3,5" and "1,5, 2,5, 3,5" may be
+ * three numbers each. "1,2,3, 0,1,0" is not ambiguous. */
 static int is_ambiguous(const number_row *row)
 {
     size_t alike = 1, in_pairs = 1;

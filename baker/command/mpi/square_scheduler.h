@@ -1,9 +1,9 @@
 /* Distributes the squares of a bake to the ranks of an MPI job.
  *
- * Every rank goes through the maps once, forward. Rank 0 adds all squares in their order, and makes squares itself: of as many
- * squares as there are ranks, one is left for it, so that it does not wait while others make the squares that it needs next. A
- * rank that has finished a square gets the next one, so ranks need not be equally fast. Where rank 0 is late, others make its
- * squares, too. Where it is very late, they wait, since finished squares are held in memory until they are added.
+ * Every rank goes through the maps once, forward. Rank 0 adds all squares in their order. It also makes squares: of each `ranks`
+ * squares one is left for it, so that it does not wait while others make the squares that it needs next. A rank that has
+ * finished a square gets the next one, so ranks need not be equally fast. When rank 0 is late, others make its squares, too.
+ * When it is very late, they wait, since finished squares are held in memory until they are added.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SQUARE_SCHEDULER_H
 #define SQUARE_SCHEDULER_H

@@ -1,4 +1,4 @@
-/* What a file is; see file_kind.h.
+/* The kind of a file; see file_kind.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/command/options/file_kind.h"
 
@@ -83,6 +83,6 @@ const char *file_kind_text(file_kind kind)
 
 int file_kind_may_be(file_kind found, file_kind expected)
 {
-    if (found == FILE_JSON) return expected != FILE_ASSET; /* a scene whose "asset" comes late */
+    if (found == FILE_JSON) return expected != FILE_ASSET; /* it may be a scene whose "asset" member comes late */
     return found == FILE_UNKNOWN || found == expected || (found == FILE_REPORT && expected == FILE_JSON);
 }

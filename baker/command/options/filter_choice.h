@@ -34,9 +34,9 @@ static inline int filter_given(const filter_choice *c)
     return c->box_given || c->smooth_given;
 }
 
-/* The filters of a command that has many, as lookups take them: boxes wider than single taps, which need no mention, then smooth
- * ones.
- * boxes, smooth  each none twice, from 1 to VXS_FILTER_MAX; smooth may be NULL
+/* Collect the filters of a command that takes several: the boxes, then the smooth filters. Boxes of width 1, single taps, are
+ * skipped: the callers always measure them.
+ * boxes, smooth  each without duplicates, from 1 to VXS_FILTER_MAX; smooth may be NULL
  * filters_px     [FILTERS_MAX] each in the order given;   count  [out]
  * Returns VXS_OK, or VXS_E_ARGUMENT for a box of even width. */
 vxs_result filters_take(const number_list *boxes, const number_list *smooth, uint32_t *filters_px, uint32_t *count, message *m);

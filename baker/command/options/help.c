@@ -1,4 +1,4 @@
-/* What a command's table says of the command; see help.h.
+/* Help from a command's table; see help.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/command/options/help.h"
 

@@ -23,8 +23,8 @@ static const char *input_of(const option *o, size_t n)
     return o->kind == OPTION_INPUTS && n < list->count ? list->items[n] : NULL;
 }
 
-/* No input is an output; and what is read from a pipe cannot be read again.
- * piped  the row that standard input was given to so far, or NULL */
+/* An input must not be an output, and standard input can be read only once.
+ * piped  the row that reads standard input so far, or NULL */
 static vxs_result check_input(const option *o, const char *path, const option **piped, message *m)
 {
     if (is_standard_input(path) && *piped)
@@ -34,7 +34,7 @@ static vxs_result check_input(const option *o, const char *path, const option **
     return run_files_check_input(path, o->name, m);
 }
 
-/* An operand that was given what belongs into the row of o, and the other way round; NULL when there is none. */
+/* The value of an operand that was swapped with that of o: each has the kind that the other expects. NULL when there is none. */
 static const char *swapped_with(const command_line *c, const option *o, file_kind found)
 {
     for (const option *other = c->options; other < c->options + c->option_count; other++) {
@@ -65,10 +65,10 @@ static vxs_result check_kind(const command_line *c, const option *o, const char 
                 c->name, c->synopsis);
 }
 
-/* The extension of an output's name, when it is not that of what is written. Names without one say nothing, devices and pipes
- * have their
- * own.   lower  [out] its beginning, in lower case
- * Returns NULL when there is none such. */
+/* The extension of an output's name, when it does not match the format written. Names without an extension, devices and pipes
+ * are not checked.
+ * lower  [out] the extension's beginning, in lower case
+ * Returns NULL when it matches or is not checked. */
 static const char *other_extension(const option *output, char lower[16])
 {
     const char *path = output_of(output), *slash = path ? strrchr(path, '/') : NULL, *name = slash ? slash + 1 : path;
@@ -83,7 +83,7 @@ static const char *other_extension(const option *output, char lower[16])
 
 static int is_known(const char *extension)
 {
-    return choice_index(".vxs|.part|.gltf|.glb|.json|.html|.htm|.png|.exr", extension) >= 0; /* what vxs reads or writes */
+    return choice_index(".vxs|.part|.gltf|.glb|.json|.html|.htm|.png|.exr", extension) >= 0; /* formats that vxs reads or writes */
 }
 
 static vxs_result check_extension(const option *output, message *m)

@@ -12,7 +12,7 @@
 #include "baker/base/nearest.h"
 #include "baker/command/options/help.h"
 
-/* What every command understands, after its own rows. */
+/* Options of every command, after its own rows. */
 enum { COMMON_OPTIONS = 7 };
 
 static void common_options(option rows[COMMON_OPTIONS], message *m, help_format *format)
@@ -235,7 +235,8 @@ static int by_name(const void *a, const void *b)
     return strcmp(*(const char *const *)a, *(const char *const *)b);
 }
 
-/* Options that begin with what was typed, three at most: ": did you mean '--resolution' or '--resume'?" into text, or nothing. */
+/* Suggest options that begin with the text typed, three at most: ": did you mean '--resolution' or '--resume'?" into text, or
+ * "". */
 static void begun_text(char text[128], const command_line *c, const char *typed)
 {
     const char *names[OPTIONS_MAX];
@@ -256,7 +257,7 @@ static void begun_text(char text[128], const command_line *c, const char *typed)
 
 static vxs_result unknown_option(const command_line *c, const char *arg, message *m)
 {
-    char    name[NEAREST_LENGTH_MAX + 2], meant[128]; /* longer names are cut, but not to what is compared */
+    char    name[NEAREST_LENGTH_MAX + 2], meant[128]; /* longer names are cut after the part that is compared */
     nearest near = {.typed = name};
     snprintf(name, sizeof name, "%.*s", (int)strcspn(arg, "="), arg);
     begun_text(meant, c, name);

@@ -1,4 +1,4 @@
-/* How far a run is: one line on a terminal that is written over and gone in the end.
+/* Progress of a run: one line on a terminal, overwritten each time and cleared at the end.
  *
  *     progress_say(shown, "reading %s", path);
  *     double since = clock_seconds();
@@ -30,7 +30,7 @@ void progress_say(int shown, const char *format, ...) PROGRESS_PRINTF(2, 3);
  * share  of the work that is done, 0 to 1;   since  clock_seconds() when it was begun */
 void progress_share(int shown, double share, double since, const char *format, ...) PROGRESS_PRINTF(4, 5);
 
-/* Who watches from a terminal. */
+/* Run callbacks that show progress on a terminal. */
 extern const run_watch progress_watch;
 
 #ifdef __cplusplus

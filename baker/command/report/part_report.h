@@ -1,4 +1,4 @@
-/* What is said of a part of a bake: --part.
+/* The report of a bake of one part: --part.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef PART_REPORT_H
 #define PART_REPORT_H

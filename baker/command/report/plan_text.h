@@ -1,4 +1,4 @@
-/* A plan in words: for people, and as JSON (docs/plan.schema.json). The report of a bake repeats it, with what came of it.
+/* A plan as text and as JSON (docs/plan.schema.json). The report of a bake repeats the plan, with the results.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef PLAN_TEXT_H
 #define PLAN_TEXT_H
@@ -28,7 +28,7 @@ enum { TEXELS_BYTES = 96 };
 const char *texels_text(char text[TEXELS_BYTES], const texel_range *t, int digits);
 json_t     *texels_json(const texel_range *t);
 
-/* Parts of it, for the report of the bake: what casts shadows, what was warned of, what was decided. */
+/* Parts of the plan for the report of the bake: casters, warnings, decisions. */
 void    report_print_casters(FILE *to, const bake_report *r);
 void    report_print_excluded(FILE *to, const bake_report *r, const char *head); /* a line a rule, head first */
 json_t *report_casters_json(const bake_report *r);

@@ -1,4 +1,4 @@
-/* What is said of a bake that had nothing to do: --if-changed.
+/* The report of a bake that was up to date: --if-changed.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef UNCHANGED_H
 #define UNCHANGED_H

@@ -1,4 +1,4 @@
-/* What moved between two measurements; see bench_against.h.
+/* Changes between two measurements; see bench_against.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/bench/bench_against.h"
 

@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* What each of some objects or arrays has at a path: an array, released by the caller. */
+/* Collect the value at a path in each object or array of `from`: an array, released by the caller. */
 static json_t *pick(const json_t *from, const char *format, ...) __attribute__((format(printf, 2, 3)));
 static json_t *pick(const json_t *from, const char *format, ...)
 {
@@ -24,7 +24,7 @@ static json_t *pick(const json_t *from, const char *format, ...)
     return picked;
 }
 
-/* The sum of what objects have at a path. */
+/* The sum of the values at a path in all objects. */
 static double total(const json_t *objects, const char *path)
 {
     const json_t *object;
@@ -34,7 +34,7 @@ static double total(const json_t *objects, const char *path)
     return sum;
 }
 
-/* The mean, each object weighted by what is at another path; 0 where that is 0 everywhere. */
+/* The mean, weighted by the value at another path; 0 when all weights are 0. */
 static double mean(const json_t *objects, const char *path, const char *weight_path)
 {
     const json_t *object;
@@ -74,7 +74,7 @@ static void add_count(json_t *object, const char *name, uint64_t count)
     json_object_set_new(object, name, json_integer((json_int_t)(count_at(object, name) + count)));
 }
 
-/* What a level or a part takes. */
+/* Add the bytes of a level or a part. */
 static void add_bytes(json_t *sum, const json_t *part)
 {
     static const char *const figures[] = {"count", "memory_bytes", "stored_bytes"};
@@ -129,7 +129,7 @@ static json_t *size_json(const json_t *bake, const json_t *lights)
 
 /* A comparison ---------------------------------------------------------------------------------------------------------------- */
 
-/* What lights found at points of a kind, by single taps. found: released */
+/* Errors of the lights at points of one kind, by single taps. found: released */
 static json_t *tap_error(json_t *found, const char *kind)
 {
     double  checked = total(found, "checked"), leaks = total(found, "leaks"), false_shadows = total(found, "false_shadows");
@@ -218,7 +218,7 @@ static json_t *spread_json(const json_t *numbers)
     return json_pack("{s:f, s:f, s:f}", "median", s.median, "min", s.min, "max", s.max);
 }
 
-/* What runs have under a name. values: released */
+/* The values of all runs under one name. values: released */
 static json_t *of_runs(const char *name, json_t *values)
 {
     json_t     *part, *first = json_array_get(values, 0), *whole = NULL;

@@ -1,4 +1,4 @@
-/* What is to be measured; see bench_jobs.h.
+/* The jobs of a measurement; see bench_jobs.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/bench/bench_jobs.h"
 
@@ -66,7 +66,7 @@ static size_t append_all(const char **arguments, size_t count, const char *name,
     return count;
 }
 
-/* The command line that bakes cell `index`: what all have, its values, its scene. NULL without memory. */
+/* The command line that bakes cell `index`: common arguments, the cell's values, its scene. NULL when out of memory. */
 static const char **arguments_of(const bench_options *o, const char *scene_path, const children *c, size_t index)
 {
     size_t pairs = o->light_names.count + o->suns.count + o->exclude.count + o->include.count + 8, count = 0;
@@ -94,7 +94,7 @@ static const char **arguments_of(const bench_options *o, const char *scene_path,
     return all;
 }
 
-/* As a file will have it: numbers in nine digits, so that what is measured equals what was. NULL without memory. */
+/* Round numbers to nine digits, as in a file, so that new measurements compare equal to stored ones. NULL when out of memory. */
 static json_t *as_written(json_t *value)
 {
     char   *text    = json_print(value, JSON_REAL_PRECISION(9));
@@ -104,7 +104,7 @@ static json_t *as_written(json_t *value)
     return written;
 }
 
-/* What makes a difference: bake's own words, and the scene. Without what is the same in every bench. */
+/* Options that distinguish cells: bake's options and the scene, without those that are the same in every bench. */
 static json_t *options_json(const bake_options *o)
 {
     json_t *object = bake_options_json(o);

@@ -1,4 +1,4 @@
-/* What is to be measured: options of a measurement, and a job for each cell.
+/* The jobs of a measurement: its options, and a job for each cell.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef BENCH_JOBS_H
 #define BENCH_JOBS_H
@@ -8,14 +8,14 @@
 #include "baker/lab/bench/bench_json.h"
 #include "baker/lab/bench/children.h"
 
-/* Options of bake that are swept, in the order of the table of options; a cell for each combination of their values. Values for
- * lights ("sun=512") are combined with those for other lights, and with those for all ("64"). */
+/* Options of bake that can be swept, in the order of the table of options. Each combination of their values is a cell. Values
+ * for one light ("sun=512") are combined with those for other lights, and with those for all ("64"). */
 enum { BENCH_SWEEPS = 14 };
 
 typedef struct bench_options {
     text_list   scenes;
     const char *sweep_name[BENCH_SWEEPS];  /* "--resolution": the first varies slowest */
-    text_list   sweep_value[BENCH_SWEEPS]; /* none: what bake does by default */
+    text_list   sweep_value[BENCH_SWEEPS]; /* empty: bake's default */
     text_list   light_names, suns;         /* these, too, go to every bake; NULL or none: not given */
     text_list   exclude, include;
     const char *region, *scene_name;
@@ -29,7 +29,7 @@ typedef struct bench_options {
 
 typedef struct bench_job {
     const char  *scene_path; /* "-" when there is an input */
-    int          input;      /* descriptor of what children have as standard input; -1: none; borrowed */
+    int          input;      /* file descriptor for the standard input of children; -1: none; borrowed */
     const char **arguments;  /* of the bake: "vxs", "bake", ...; NULL at the end; owned, the texts are not */
     json_t      *cell;       /* of the result: "scene" and "options" */
     json_t      *runs;       /* cells of one run each; owned */

@@ -30,7 +30,7 @@ static void hold_signals(children *c)
         struct sigaction action;
         if (!sigaction(numbers[n], NULL, &action) && action.sa_handler != SIG_IGN) sigaddset(&c->held, numbers[n]);
     }
-    signal(SIGCHLD, SIG_DFL); /* where it is ignored nobody learns how a child ended */
+    signal(SIGCHLD, SIG_DFL); /* if SIGCHLD is ignored, the exit status of a child is lost */
     sigprocmask(SIG_BLOCK, &c->held, &c->before);
 }
 
@@ -84,7 +84,7 @@ static int redirect(const char *path, int flags, int descriptor)
     return opened >= 0 && dup2(opened, descriptor) == descriptor;
 }
 
-/* Between fork and exec: only what is safe in a signal handler. */
+/* Runs between fork and exec: async-signal-safe calls only. */
 static void become(const children *c, const char *const *arguments, int input, pid_t parent)
 {
     prctl(PR_SET_PDEATHSIG, SIGTERM);

@@ -10,7 +10,7 @@ typedef struct bench_machine {
     uint64_t cores;        /* that this process may use */
     uint64_t memory_bytes; /* of the machine */
     char    *system;       /* kernel and C library */
-    char    *renderer;     /* what OpenGL calls itself */
+    char    *renderer;     /* OpenGL's GL_RENDERER */
 } bench_machine;
 
 /* All but the renderer.

@@ -60,7 +60,7 @@ typedef struct render_command {
         smoke_side_given, sky_light_given, sky_turn_given, width_given, height_given, fov_given;
 } render_command;
 
-/* What is drawn. */
+/* The scene, asset and camera that are drawn. */
 typedef struct subject {
     scene                  scene, moving;
     sky_map                sky;
@@ -68,11 +68,11 @@ typedef struct subject {
     vxs_asset             *asset;  /* NULL where it is streamed */
     asset_stream           stream; /* with --budget */
     const vxs_baked_light *lights[VXS_LIGHTS_MAX];
-    const vxs_baked_smoke *smoke[VXS_LIGHTS_MAX]; /* of each of them; NULL: it has none */
+    const vxs_baked_smoke *smoke[VXS_LIGHTS_MAX]; /* baked smoke of each light; NULL: it has none */
     uint32_t               light_count;
 } subject;
 
-/* The first option that is given and means nothing without OpenGL, or without a path; NULL: there is none. */
+/* The first given option that needs OpenGL, or a path; NULL: there is none. */
 static const char *needs_gl(const render_command *c)
 {
     return c->samples_given      ? "--samples"
@@ -138,7 +138,7 @@ static vxs_result check_options(const render_command *c, message *m)
     return check_samples(o, m);
 }
 
-/* All of an asset, or what is resident of it.   contents  [out] */
+/* Open all of an asset, or its resident part as a stream.   contents  [out] */
 static vxs_result open_asset(render_command *c, subject *s, const vxs_contents **contents, message *m)
 {
     vxs_result r;
@@ -158,7 +158,7 @@ static vxs_result open_asset(render_command *c, subject *s, const vxs_contents *
     return r;
 }
 
-/* Skinned meshes as they stand: they are what moves most. */
+/* Include skinned meshes, in their pose: they are typical moving objects. */
 static vxs_result load_moving(render_command *c, subject *s, message *m)
 {
     const scene_choice all = {.skinned = SKINNED_REST, .skinned_given = 1};
@@ -168,7 +168,7 @@ static vxs_result load_moving(render_command *c, subject *s, message *m)
     return fail(m, VXS_E_SCENE, "%s has no triangles: nothing moves", c->moving_path);
 }
 
-/* Whether what is baked dims a light. */
+/* Whether baked smoke dims any light. */
 static int has_baked_smoke(const render_command *c, const subject *s)
 {
     int some = 0;
@@ -195,7 +195,7 @@ static int has_capsules(const json_t *made)
     return json_object_get(json_object_get(json_object_get(made, "options"), "smoke"), "capsules") != NULL;
 }
 
-/* The scene's own camera, or one that all of the scene is in view of: on an orbit from everywhere. */
+/* The scene's own camera, or one that sees the whole scene; on an orbit, from each of its poses. */
 static vxs_result place_camera(render_command *c, subject *s, message *m)
 {
     render_options   *o    = &c->options;
@@ -272,7 +272,7 @@ done:
     return r;
 }
 
-/* Rays meet solids and sheets alike: nothing needs to be sorted. */
+/* Rays treat solids and sheets alike, so components are not classified. */
 static vxs_result make_truth(truth **t, casters *casting, const subject *s, uint32_t threads, message *m)
 {
     vxs_result r = casters_from_scene(casting, &s->scene, CLOSED_OFF, threads, m);
@@ -313,7 +313,7 @@ static vxs_result choose_path(const render_command *c, camera_path *path, messag
     return c->orbits ? camera_path_orbit(path, &c->camera.camera, m) : VXS_OK;
 }
 
-/* What has come of a stream since the last frame; before the first one all is waited for, as behind a loading screen. */
+/* Update the stream: pages loaded since the last frame. The first frame waits for all pages, as a loading screen does. */
 static vxs_result stream_frame(subject *s, drawn_frame *frame, const drawn_frame *before, message *m)
 {
     double        since       = clock_seconds();
@@ -326,8 +326,8 @@ static vxs_result stream_frame(subject *s, drawn_frame *frame, const drawn_frame
     return r;
 }
 
-/* Each frame of a path, or the one that there is without; the last one is the picture. A stream is filled before anything is
- * uploaded. */
+/* Draw each frame of a path, or a single frame without a path; the last one is the picture. A stream is filled before the first
+ * upload. */
 static vxs_result draw_frames(const render_command *c, subject *s, renderer **drawn, const camera_path *path, drawn_frame *frames,
                               uint32_t count, uint8_t *rgb, message *m)
 {
@@ -459,8 +459,8 @@ static void print_written(const render_command *c, const message *m)
     written_print(to, c->out, size);
 }
 
-/* Of the picture's frame: which lights see what moves, which smoke dims, which area lights are drawn, and which lights its fog
- * is drawn of. */
+/* The plans of the picture's frame: lights that see moving casters, lights that smoke dims, area lights that are drawn, lights
+ * in fog. */
 static void print_plan(const render_command *c, const subject *s, const renderer *drawn, const drawn_frame *last, const message *m)
 {
     area_words areas;

@@ -1,4 +1,4 @@
-/* vxs scene: procedural test scenes (scenes/README.md says what they are for).
+/* vxs scene: procedural test scenes (scenes/README.md has their purposes).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <stdio.h>
 #include <string.h>
@@ -50,7 +50,7 @@ static vxs_result check_kind(const scene_options *o, message *m)
     return VXS_OK;
 }
 
-/* What the table of options does not check. */
+/* Checks that the table of options cannot express. */
 static vxs_result check(const scene_options *o, message *m)
 {
     vxs_result r = check_kind(o, m);
@@ -112,7 +112,7 @@ static vxs_result make_scene(const scene_options *o, message *m)
     FILE       *to  = report_stream(m, is_standard_output(o->out));
     vxs_result  r;
 
-    if ((r = output_file_open(&out, o->out, m)) != VXS_OK) goto done; /* first: a name that cannot be written costs nothing */
+    if ((r = output_file_open(&out, o->out, m)) != VXS_OK) goto done; /* open first: fail early when the file cannot be written */
     if ((r = generate(&s, o, m)) != VXS_OK) goto done;
     if ((r = glb_write(&s, &out, m)) != VXS_OK) goto done;
     r = output_file_commit(&out, m);

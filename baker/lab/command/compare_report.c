@@ -28,7 +28,7 @@ static int kind_count(const compare_report *r)
 
 /* all lights together --------------------------------------------------------------------------------- */
 
-/* What counts for the exit status, of kinds [first, last]. */
+/* The sums of kinds [first, last] that decide the exit status. */
 static compare_counts total(const compared_asset *a, int first, int last)
 {
     compare_counts sum = {0};

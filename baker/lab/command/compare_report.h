@@ -14,7 +14,8 @@ typedef struct compared_asset {
     const char *path;
     vxs_asset  *asset;
     json_t     *made;                                 /* its metadata; owned; NULL: none that vxs wrote */
-    closed_mode closed;                               /* which components are solids, as it was baked or as the command line says */
+    closed_mode closed;                               /* which components are solids: as in the bake, or as the command line sets
+                                                         it */
     size_t      triangle_count, solid_triangle_count; /* of the scene, so made */
     uint64_t    file_bytes, memory_bytes;             /* of the file; of the words that lookups read, all lights */
 
@@ -44,7 +45,7 @@ int compare_passes(const compare_report *r);
 /* A line or a few for each asset; all of it when m is verbose. */
 void compare_print(FILE *to, const compare_report *r, const message *m);
 
-/* NULL or incomplete without memory: json_write says so. */
+/* NULL or incomplete when out of memory; json_write reports it. */
 json_t *compare_json(const compare_report *r);
 
 #endif

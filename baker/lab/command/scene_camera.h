@@ -6,10 +6,10 @@
 #include "baker/lab/truth/camera.h"
 #include "baker/scene/scene.h"
 
-/* Find a camera by its name; by a pattern with the wildcards of a shell; or by its number from 0, "#2" or "2". Several of one
- * name are an error that lists their numbers.
+/* Find a camera by its name, by a pattern with shell wildcards, or by its number from 0, "#2" or "2". If several match, the
+ * error lists their numbers.
  * path  of the scene, for messages
- * Returns VXS_OK; VXS_E_ARGUMENT: none, several, or one whose numbers are unsound. */
+ * Returns VXS_OK; VXS_E_ARGUMENT: none, several, or one with invalid numbers. */
 vxs_result scene_camera_find(const scene_view **view, const scene *s, const char *name, const char *path, message *m);
 
 /* The size of its picture: a side that is not given follows from the camera's shape; the defaults are 1280 x 720. */

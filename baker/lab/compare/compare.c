@@ -99,7 +99,7 @@ static centre centre_of(const comparison *c, const sample *s)
     int32_t          last = ((int32_t)1 << l->levels) - 1, voxel[3];
     double           from_light_ws[3], metres = 1;
     vxs_voxel(l, s->point_ws, s->normal, 1, voxel);
-    if (voxel[2] > last) voxel[2] = last; /* what lies behind the map */
+    if (voxel[2] > last) voxel[2] = last; /* clamp points beyond the map's far end */
 
     vec3_sub(s->truth_ws, c->shape.position_ws, from_light_ws);
     if (c->shape.kind != LIGHT_DIRECTIONAL) metres = sqrt(vec3_dot(from_light_ws, from_light_ws));

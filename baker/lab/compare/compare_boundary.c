@@ -1,13 +1,15 @@
-/* How far wrong answers are from a place where they would be right.
+/* Distance of wrong answers from a place where they would be right.
  *
- * From where the truth was traced, probes go 26 ways in the coordinates of the map, where a texel counts as much as a voxel's
- * depth: across the light, along it, and between, as from the middle of a cube to its corners and to the middles of its edges
- * and faces.
+ * Probes go in 26 directions from the point where the truth was traced, in the coordinates of the map, where a texel and a
+ * voxel's depth have the same length: across the light, along it, and between, as from the centre of a cube to its corners and
+ * to the centres of its edges and faces.
  *
- *        \ | /        Each way the truth is traced at 1/2, 1, 1 1/2, 2, 3, 4, 6 and 8 texels. Where it first agrees with
- *       -- p --       the asset, the last step is halved six times. The least distance of all ways is the answer. To a flat
- *                     boundary
- *        / | \        that is at most 13 % too far; what is thinner than a step may be missed. Inside of solids it is dark.
+ *        \ | /        In each direction the truth is traced at 1/2, 1, 1 1/2, 2, 3, 4, 6 and 8 texels. Where it first agrees
+ *        with
+ *       -- p --       the asset, the last step is halved six times. The least distance of all directions is the result. For a
+ *                     flat
+ *        / | \        boundary it is at most 13 % too large; features thinner than a step may be missed. Insides of solids are
+ *        dark.
  *
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/compare/compare_points.h"
@@ -85,7 +87,7 @@ static int by_distance(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The value below which this share of them lies; [count] sorted, count > 0. */
+/* The value below which this share of the answers is; [count] sorted, count > 0. */
 static double quantile(const wrong_answer *answers, size_t count, double share)
 {
     return (double)answers[(size_t)(share * (double)(count - 1) + 0.5)].texels;

@@ -91,7 +91,7 @@ static int sample_by_area(const comparison *c, rng *r, sample *s)
     return truth_sample_surface(c->truth, uniforms, s->point_ws, s->normal_ws, &triangle) && finish_drawn_sample(c, triangle, r, s);
 }
 
-/* Whatever lies behind a random point of the light's volume. */
+/* A sample at the first surface behind a random point of the light's volume. */
 static int sample_along_light(const comparison *c, rng *r, sample *s)
 {
     double   from_ws[3], way_ws[3], distance;

@@ -9,7 +9,7 @@
 #include "baker/lab/compare/light_volume.h"
 #include "baker/lab/truth/truth.h"
 
-/* What is compared with what. */
+/* The inputs of a comparison. */
 typedef struct comparison {
     const truth           *truth;
     const casters         *casters;
@@ -38,14 +38,14 @@ void comparison_init(comparison *out, const truth *t, const casters *c, const vx
 size_t compare_point_count(const comparison *c, compare_kind kind);
 
 /* Point `index` of a kind, [0, compare_point_count).
- * Returns 0 when there is none: casters without area, outside the light's volume, nothing seen in the pixel. */
+ * Returns 0 when there is none: casters without area, outside the light's volume, no surface in the pixel. */
 int compare_point(const comparison *c, compare_kind kind, size_t index, sample *s);
 
 /* The truth at a place of a map: texels, texels, voxels. 1: lit. */
 int compare_lit_at(const comparison *c, int map, double u, double v, double depth);
 
-/* Rays are tried at so many places on each side of a texel's centre, along both axes, one step from the next: a rasterizer and
- * the rounding of rays may move an edge so far. In texels. */
+/* Rays are tried at this many places on each side of a texel's centre, along both axes, one step apart: the rasterizer and the
+ * rounding of rays may move an edge this far. In texels. */
 enum { COMPARE_STEPS = 2 };
 double compare_step_px(const comparison *c, int map, double u, double v, double depth);
 
@@ -55,8 +55,7 @@ static inline int compare_leaves_free(const comparison *c)
     return c->dont_care.behind || c->dont_care.thickness_m > 0;
 }
 
-/* compare_free.c: 1 when the asset was asked to leave open whether a voxel is lit, of the ray through (u, v) of a map, between
- * two depths. */
+/* compare_free.c: 1 when voxels on the ray through (u, v) of a map, between two depths, are don't-care voxels. */
 int compare_left_free(const comparison *c, int map, double u, double v, double near_vx, double far_vx);
 
 /* compare_bias.c: FAULT_SELF_SHADOW, FAULT_DEEP_LEAK (see compare_bias), or FAULT_NONE, which random points have.
@@ -76,13 +75,13 @@ typedef struct wrong_answer {
  * Cost: 208 rays and some for an answer that is beyond, a few dozen for most others. */
 compare_distance compare_boundary(const comparison *c, compare_kind kind, wrong_answer *answers, size_t count);
 
-/* compare_filter.c: filtered lookups against the same filter over rays, of COMPARE_FILTER_POINTS_MAX points at most, spread over
- * all of the kind.
+/* compare_filter.c: compare filtered lookups with the same filter over rays, for COMPARE_FILTER_POINTS_MAX points at most,
+ * spread evenly over the points of the kind.
  * out  [out] written only when VXS_OK is returned.   Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result compare_filtered(const comparison *c, compare_kind kind, uint32_t filter_px, compare_error *out, message *m);
 
-/* compare_time.c: fill a result's time, and that of its filters. Only points that the map reaches count: others cost nothing,
- * and would flatter.
+/* compare_time.c: measure the time of lookups, and of filtered ones. Only points within the map count: others cost nothing, and
+ * would make the mean too low.
  * Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result compare_measure_time(const comparison *c, compare_result *out, message *m);
 

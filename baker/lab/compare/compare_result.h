@@ -1,4 +1,4 @@
-/* What is compared of a baked light, and what was found: points, counts, distances, errors, times.
+/* The comparison of a baked light: its options and its results: points, counts, distances, errors, times.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef COMPARE_RESULT_H
 #define COMPARE_RESULT_H
@@ -20,15 +20,15 @@ enum {
 typedef enum compare_kind {
     /* Uniform in the light's volume (map, cone, range) and the casters' bounding box, 5 % larger; without a normal. */
     COMPARE_RANDOM,
-    /* Uniform by area on casters, both sides of sheets; looked up with the normal. Of a spot or point light: on what it reaches,
-     * and where that is too little to be found so, on what its rays meet behind random points. */
+    /* Uniform by area on casters, both sides of sheets; looked up with the normal. For a spot or point light, on the surfaces
+     * that it reaches; where these are too small to be sampled so, the first surfaces behind random points of its volume. */
     COMPARE_SURFACE,
-    /* What is seen through the middle of each pixel of a camera; looked up with the normal, towards the eye. */
+    /* The surface seen through the centre of each pixel of a camera; looked up with the normal, towards the eye. */
     COMPARE_CAMERA,
     COMPARE_KINDS
 } compare_kind;
 
-/* What an asset leaves free besides the insides of solids, as it was baked. */
+/* The don't-care rules of an asset besides the insides of solids. */
 typedef struct compare_dont_care {
     int    behind;      /* 1: behind the last surface */
     double thickness_m; /* of single-sided sheets that face the light */
@@ -50,24 +50,22 @@ typedef struct compare_distance {
     double   mean, median, p95, max; /* of points; 0 when there are none */
 } compare_distance;
 
-/* What may be wrong without an excuse. */
+/* Faults that nothing excuses. */
 typedef enum compare_fault { FAULT_NONE, FAULT_UNEXPLAINED, FAULT_SELF_SHADOW, FAULT_DEEP_LEAK } compare_fault;
 
 /* Faults of the bias of lookups on surfaces. */
 typedef struct compare_bias {
-    uint64_t
-        self_shadows; /* not wholly lit, though nothing lies between the light and the plane of the surface, under the filter and
-                         a texel about it */
-    uint64_t
-        deep_leaks; /* lit, though casters lie before the filter and a texel about it, and farther from the point than the filter
-                       is wide */
+    uint64_t self_shadows; /* not fully lit, although no caster is between the light and the plane of the surface, under the filter
+                              and one texel around it */
+    uint64_t deep_leaks;   /* lit, although casters are before the filter and one texel around it, farther from the point than the
+                              filter's width */
 } compare_bias;
 
 /* points = outside + inside_solid + left_free + checked; wrong = leaks + false_shadows = near_boundary + near_surface + unexplained
  * = boundary.points + boundary.beyond. All are 0 for a kind that was not asked for, and the last two for random points. */
 typedef struct compare_counts {
     uint64_t points;
-    uint64_t outside; /* not in the light's volume, like all other places that were tried; a camera's: or nothing is seen there */
+    uint64_t outside;      /* tried, but not in the light's volume; for a camera also pixels without a surface */
     uint64_t inside_solid; /* where answers are undefined */
     uint64_t left_free;    /* lit, though in shadow by the truth, where the asset was asked to leave that open */
     uint64_t checked;

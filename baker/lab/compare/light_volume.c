@@ -1,12 +1,12 @@
 /* Random points in a baked light's volume and a box; see light_volume.h.
  *
- * Draw in one of them, leave out what is not in the other. Where the light is bounded, the smaller of the two is drawn from. A cone
- * may be a needle in a large box, and may reach far beyond it, so its own volume is one within the box:
+ * Draw points in one of them, and reject those outside the other. If the light is bounded, draw in the smaller of the two. A
+ * cone may be narrow in a large box, and may reach far beyond it, so its own volume is taken within the box:
  *
  *         light *        box +---------+
- *                 \ ` .      |         |        the cone's directions in cells of equal solid angle, cell by cell as
- *                   \   ` . t0- - - - -t1       likely as it has volume in the box, t1^3 - t0^3; then a direction in the
- *                     \      |` .      |        cell, and a distance from t0 to t1
+ *                 \ ` .      |         |        the cone's directions in cells of equal solid angle; a cell's probability is its
+ *                   \   ` . t0- - - - -t1       volume in the box, t1^3 - t0^3; then a direction in the cell, and a distance
+ *                     \      |` .      |        from t0 to t1
  *                       ` ...|.....` . |
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/compare/light_volume.h"
@@ -120,7 +120,7 @@ static void cone_axes(light_volume *v)
     vec3_cross(along, v->axes[0], v->axes[1]);
 }
 
-/* Cells are too coarse for a box that is small or far away: most of it is in the cone then, or nothing is. */
+/* For a small or distant box the cells are too coarse: then most of the box is in the cone, or none of it. */
 static void choose_for_cone(light_volume *v, double box_volume)
 {
     cone_axes(v);
