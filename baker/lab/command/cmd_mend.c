@@ -160,7 +160,7 @@ static vxs_result run(void *command, message *m)
     if ((r = count_solids(c, &s, 0, m)) != VXS_OK) goto done;
     glb_find_origin(&s, origin_ws);
     if ((r = glb_round_positions(&s, origin_ws, m)) != VXS_OK)
-        goto done; /* first, so that scene_repair closes holes in the file's own triangles */
+        goto done; /* round first, as the file does, so that holes closed here are closed in the file */
     if ((r = scene_repair(&s, &c->how, &c->report, m)) != VXS_OK) goto done;
     if ((r = count_solids(c, &s, 1, m)) != VXS_OK) goto done;
     if ((r = write_scene(c->output_path, &s, origin_ws, m)) != VXS_OK) goto done;

@@ -1,4 +1,4 @@
-/* What keeps each component of the casters from being a solid, and what else is wrong with it.
+/* Why components of the casters are not solids, and their other faults.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MESH_HEALTH_H
 #define MESH_HEALTH_H
@@ -21,12 +21,12 @@ typedef struct component_health {
             uint64_t boundary_edges;       /* of one triangle: the first fault */
             uint64_t holes;                /* connected groups of boundary edges */
             uint64_t nonmanifold_edges;    /* of more than two triangles */
-            uint64_t misoriented_edges;    /* of two triangles whose windings differ */
-            uint64_t nonmanifold_vertices; /* whose triangles fall into groups that no edge connects */
+            uint64_t misoriented_edges;    /* edges of two triangles with different windings */
+            uint64_t nonmanifold_vertices; /* vertices whose triangles form several groups that no edge connects */
             /* pairs of its triangles that have more in common than an edge or a corner; repeated ones do not count */
             uint64_t self_intersections;
             uint64_t zero_area_triangles; /* without area: three corners on one line */
-            uint64_t repeated_triangles;  /* whose three corners occurred before, in any order */
+            uint64_t repeated_triangles;  /* triangles with the same three corners as an earlier one, in any order */
         };
         uint64_t counts[HEALTH_COUNTS]; /* the same, one after the other */
     };
@@ -49,17 +49,17 @@ typedef struct mesh_health {
     int       gave_up;             /* 1: there are more intersections than are listed */
 } mesh_health;
 
-/* Examine all components. Intersections are exact (CGAL); solids one of which is wholly inside the other are not counted.
+/* Examine all components. Intersections are exact (CGAL); they do not include solids that are wholly inside another.
  * h         [out] zeroed on failure; released with mesh_health_free
- * progress  NULL, or called with what is done next
- * A few seconds at most for intersections, linear time for the rest.
+ * progress  NULL, or called with the name of the next step
+ * Cost: a few seconds at most for intersections, linear time for the rest.
  * Returns VXS_OK or VXS_E_MEMORY.  Deterministic; threads: none. */
 vxs_result mesh_health_examine(mesh_health *h, const casters *c, void (*progress)(const char *what), message *m);
 
 void mesh_health_free(mesh_health *h);
 
-/* 2 when the component is not a closed surface, oriented outward; else 1 when any count of faults is not 0; else 0. Solids may
- * meet: that is no fault. */
+/* 2 when the component is not a closed surface, oriented outward; else 1 when any count of faults is not 0; else 0.
+ * Intersections of solids are no fault. */
 int component_faults(const component_health *c);
 
 #ifdef __cplusplus

@@ -21,13 +21,13 @@
 
 enum {
     COPIES_MAX  = 64, /* an edge of more faces is no mistake of copying */
-    BORDERS_MAX = 256 /* around one vertex; beyond, holes cannot be told apart in good time */
+    BORDERS_MAX = 256 /* around one vertex; with more, holes could be separated only in too long a time */
 };
 
 /* The scene between two steps, welded. */
 typedef struct snapshot {
     mesh_weld mesh;
-    scratch   memory; /* of what follows */
+    scratch   memory; /* owns the following arrays */
     uint32_t  edge_count;
     uint32_t *sorted;       /* [edge_count] half-edges, those of an edge together: a run */
     uint32_t *faces;        /* [edge_count] how many half-edges the edge of a half-edge has */
@@ -37,7 +37,7 @@ typedef struct snapshot {
     uint8_t  *masked; /* [component_count] 1: some triangle is */
 } snapshot;
 
-/* What is known of a triangle of the scene. */
+/* Facts about a triangle of the scene. */
 typedef struct triangle_note {
     uint32_t origin; /* its component in the scene as it was; NONE: it was collapsed */
     uint32_t part;   /* of the scene as it was */
@@ -114,7 +114,7 @@ static int is_broken(const snapshot *v, uint32_t triangle)
     return v->broken[v->component_of[triangle]];
 }
 
-/* What is done to a triangle is counted for the component that it was part of in the beginning. */
+/* Changes to a triangle are counted for its original component. */
 static repaired_component *origin_at(const repair *x, uint32_t triangle)
 {
     return &x->out->components[x->notes[x->v.mesh.from[triangle]].origin];
@@ -127,7 +127,7 @@ static const double *position(const snapshot *v, uint32_t vertex)
 
 /* --- remove ----------------------------------------------------------------------------------------------------------- */
 
-/* 1 when the surface goes on from a triangle that has `copies` in all: each of its edges has an odd number of other triangles. */
+/* 1 when the surface continues from a triangle that has `copies` in all: each of its edges has an odd number of other triangles. */
 static int goes_on(const snapshot *v, uint32_t t, uint32_t copies)
 {
     for (uint32_t h = 3 * t; h < 3 * t + 3; h++)
@@ -135,9 +135,9 @@ static int goes_on(const snapshot *v, uint32_t t, uint32_t copies)
     return 1;
 }
 
-/* Mark copies of triangles of one edge. Each triangle is seen once, at the edge of its two lowest corners. Of its copies the
- * first one with the winding of most stays. When both windings are as many and the surface does not go on, they are walls of
- * closed surfaces that touch: all stay. */
+/* Mark repeated triangles at one edge. Each triangle is handled once, at the edge of its two lowest corners. Of its copies, keep
+ * the first one with the winding of the majority. If both windings are equally frequent and the surface does not continue, they
+ * are walls of closed surfaces that touch: keep all. */
 static void find_repeated(const repair *x, uint32_t begin, uint32_t end, uint8_t *removed)
 {
     const snapshot *v       = &x->v;
@@ -366,8 +366,7 @@ static void measure_boxes(const snapshot *v, box *boxes)
     for (size_t i = 0; i < v->edge_count; i++) box_add(&boxes[v->component_of[i / 3]], position(v, v->mesh.indices[i]));
 }
 
-/* Triangles for a hole into x->filled, from its half-edges, against the way they run. Returns 0 when it is not to be filled, or
- * cannot be. */
+/* Fill a hole with triangles, into x->filled, opposite to its half-edges. Returns 0 when the hole must not or cannot be filled. */
 static int triangulate(repair *x, const filling *f, const uint32_t *edges, size_t count)
 {
     const snapshot *v      = &x->v;
@@ -416,8 +415,8 @@ static void settle(repair *x, filling *f)
     f->added_count = kept;
 }
 
-/* Follow borders from a half-edge. Whenever the path comes back to a vertex, the part since then is a hole of its own, so that
- * none meets itself. */
+/* Follow a border from a half-edge. When the path returns to a vertex, split off the loop since then as its own hole, so that no
+ * hole touches itself. */
 static void follow_border(repair *x, filling *f, uint32_t first)
 {
     const uint32_t *indices = x->v.mesh.indices;
@@ -535,7 +534,7 @@ static void note_closed(repair *x)
         if (!is_closed(&x->v, t)) origin_at(x, t)->closed_after = 0;
 }
 
-/* Of all components those stay in the report of which there is something to tell. */
+/* Keep only those components in the report that have something to report. */
 static void sum_up(repair_report *out)
 {
     for (size_t i = 0; i < out->component_count; i++) {

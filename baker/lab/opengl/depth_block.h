@@ -1,8 +1,8 @@
 /* One block of a depth map while it is rendered: a square of texels small enough for a processor's cache.
  *
- * Rendering is split where a processor would wait: `issue` hands work to OpenGL and returns, `read` waits for it, `resolve`
- * looks at what came and prepares the next pass. So two blocks in turn keep the rasterizer busy while the other's texels are
- * resolved. Source: [CPVS16] 3.3; how exit depths are found is drawn in depth_block.c.
+ * Rendering is split where the processor would wait: `issue` submits work to OpenGL and returns, `read` waits for it, `resolve`
+ * examines the result and prepares the next pass. So with two blocks in turn, the rasterizer works on one while the other is
+ * resolved. Source: [CPVS16] 3.3; depth_block.c has a drawing of how exit depths are found.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEPTH_BLOCK_H
 #define DEPTH_BLOCK_H
@@ -20,11 +20,11 @@ enum { PEEL_PASSES_MAX = 255 };
 /* How OpenGL's depths become depths that grow away from the light. Where those of OpenGL shrink, they are negated. */
 typedef struct depth_order {
     float  sign;                    /* 1, or -1 */
-    float  far_gl, near_gl;         /* what a texture is cleared to: no caster; a depth that nothing is in front of */
+    float  far_gl, near_gl;         /* clear values: no caster; a depth nearer than all casters */
     GLenum nearer, nearer_or_equal; /* depth tests */
 } depth_order;
 
-/* What all blocks of a map share. */
+/* Data shared by all blocks of a map. */
 typedef struct block_context {
     gl_context *gl;
     projection  casters; /* in the map */
@@ -48,7 +48,7 @@ typedef struct block_context {
 typedef enum cell_state {
     CELL_OPEN,   /* some texel's exit is not yet found */
     CELL_CLOSED, /* since the last pass */
-    CELL_CLEAN   /* for longer: nothing has to be done */
+    CELL_CLEAN   /* clean before the last pass, too: nothing to do */
 } cell_state;
 
 /* A rectangle of a block's texels. */
@@ -89,15 +89,15 @@ vxs_result depth_block_init(depth_block *b, block_context *context, message *m);
 /* Accepts a zeroed object. */
 void depth_block_free(depth_block *b);
 
-/* Take on the block at texel (u0, v0), whose corner in the maps is enter and exit, and gather its triangles. Returns 0 when
+/* Begin the block at texel (u0, v0), whose corner in the maps is at enter and exit, and gather its triangles. Returns 0 when
  * there are none: the block is filled already. exit may be enter when there are no solids. */
 int depth_block_start(depth_block *b, float *enter, float *exit, uint32_t row_px, int32_t u0, int32_t v0);
 
-/* Hand the next pass to OpenGL; wait for it and fetch what it made. */
+/* issue: submit the next pass to OpenGL. read: wait for it and fetch its results. */
 void depth_block_issue(depth_block *b);
 void depth_block_read(depth_block *b);
 
-/* Look at what was read. Returns 0 when the block is done: its part of the maps is complete. */
+/* Examine the results. Returns 0 when the block is done: its part of the maps is complete. */
 int depth_block_resolve(depth_block *b);
 
 #endif

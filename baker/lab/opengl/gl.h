@@ -1,4 +1,4 @@
-/* An OpenGL 4.5 core context without a window, and its functions. Nothing else knows where the context comes from.
+/* An OpenGL 4.5 core context without a window, and its functions. Only this file depends on how the context is created.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef GL_H
 #define GL_H
@@ -86,7 +86,7 @@ typedef struct gl_context {
 #define GL_FUNCTION_POINTER(type, name) type name;
     GL_FUNCTIONS(GL_FUNCTION_POINTER)
 #undef GL_FUNCTION_POINTER
-    gl_function (*lookup)(const char *name); /* what gave them, for libraries that have their own */
+    gl_function (*lookup)(const char *name); /* the loader of these functions, for libraries that load their own */
     gl_backend   backend;
     void        *handle;            /* OSMesaContext, or EGLContext */
     void        *display;           /* EGLDisplay */
@@ -96,9 +96,9 @@ typedef struct gl_context {
     device_names names;
 } gl_context;
 
-/* Make a context and make it current on the calling thread, which alone may use it until gl_context_destroy.
+/* Make a context and make it current on the calling thread. Only that thread may use it until gl_context_destroy.
  * threads  rasterizer threads of a software renderer.
- * Returns VXS_OK, VXS_E_GL (the line says what is missing), or VXS_E_MEMORY. */
+ * Returns VXS_OK, VXS_E_GL (the message has what is missing), or VXS_E_MEMORY. */
 vxs_result gl_context_create(gl_context **out, gl_backend backend, uint32_t threads, message *m);
 
 void gl_context_destroy(gl_context *gl);

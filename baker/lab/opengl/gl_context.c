@@ -25,7 +25,7 @@ static vxs_result load_functions(gl_context *gl, gl_lookup lookup, message *m)
     return VXS_OK;
 }
 
-/* llvmpipe compiles for the processor that it finds, or for a lesser one that GALLIUM_OVERRIDE_CPU_CAPS names. */
+/* The instruction set that llvmpipe compiles for: the processor's, or a lesser one from GALLIUM_OVERRIDE_CPU_CAPS. */
 static const char *cpu_class(void)
 {
 #if defined(__x86_64__)
@@ -45,8 +45,8 @@ static const char *cpu_class(void)
 #endif
 }
 
-/* Libraries of OpenGL are opened when a context is made: OSMesa brings LLVM, which takes four times as long to load as all the
- * rest of the command, and most commands draw nothing; EGL may not be there. */
+/* OpenGL libraries are loaded when a context is made. OSMesa loads LLVM, which takes four times as long as the rest of the
+ * command, and most commands draw nothing; EGL may not be installed. */
 typedef struct osmesa {
     OSMesaContext (*CreateContextAttribs)(const int *attributes, OSMesaContext share);
     GLboolean (*MakeCurrent)(OSMesaContext context, void *pixels, GLenum type, GLsizei width, GLsizei height);

@@ -31,7 +31,7 @@ static const char fragment_text[] =
     "{\n"
     "    if (wrap == 1) return clamp(pixel, 0, width - 1);\n"
     "    int period = wrap == 2 ? 2 * width : width;\n"
-    "    pixel = (pixel + period) % period;\n" /* reduced() leaves nothing before -1 */
+    "    pixel = (pixel + period) % period;\n" /* reduced() returns no less than -1 */
     "    return pixel < width ? pixel : period - 1 - pixel;\n"
     "}\n"
     "float alpha(ivec2 at, ivec2 size)\n"

@@ -15,7 +15,7 @@
 #include "baker/lab/pages/page.h"
 #include "baker/lab/picture/asset_picture.h"
 
-/* The picture of the shadows, and what drawing it may hold, at most: for itself, and for each triangle. */
+/* The size of the picture of the shadows, and limits on memory for drawing it: in all, and for each triangle. */
 enum { PICTURE_WIDTH_PX = 480, PICTURE_HEIGHT_PX = 270, PICTURE_BYTES = 16 << 20, PICTURE_TRIANGLE_BYTES = 160 };
 
 /* pixels of pictures ---------------------------------------------------------------------------------------------------------- */
@@ -30,7 +30,7 @@ static const struct {
 
 enum { MASK_CLASSES = sizeof mask_classes / sizeof *mask_classes };
 
-/* Depths that nearly all of a map lies between, so that one far thing does not make all else look flat. */
+/* A depth range that covers nearly all of a map, so that a single distant object does not reduce the contrast of the rest. */
 static void depth_range(const uint16_t *depth, size_t count, double *from, double *until)
 {
     uint32_t histogram[1024] = {0}, seen = 0, sum = 0;
@@ -45,7 +45,7 @@ static void depth_range(const uint16_t *depth, size_t count, double *from, doubl
     }
 }
 
-/* Depth at a pixel or, beside the map and where there is no caster, at the one that it is compared with. */
+/* The depth at a pixel; `otherwise` beside the map and where there is no caster. */
 static double depth_near(const uint16_t *depth, uint32_t side, int64_t x, int64_t y, double otherwise)
 {
     if (x < 0 || y < 0 || x >= side || y >= side) return otherwise;
@@ -75,9 +75,8 @@ static void grey(uint8_t rgba[4], double lightness)
     rgba[3]                     = 255;
 }
 
-/* Where the picture of a face of a cube lies when the cube is unfolded into a cross, and how it is turned, so that edges meet:
- * +x, +z, -x and -z in a row, as the light sees them with +y above; all in the light's own axes, of which y is as upright as can
- * be. */
+/* Position and rotation of a cube's faces when it is unfolded into a cross, so that edges meet: +x, +z, -x and -z in a row, as
+ * seen by the light with +y above. Axes are the light's own; its y is as upright as possible. */
 typedef enum turn { TURN_NONE, TURN_QUARTER, TURN_HALF, TURN_THREE_QUARTERS } turn;
 
 typedef struct face_place {
@@ -105,7 +104,7 @@ typedef struct canvas {
     uint8_t *rgba; /* [4 * width * height] blank where no map is */
 } canvas;
 
-/* Depths; or with `masks`, [mask_px * mask_px] of a map, faint shapes, and the colour of its class where a pixel's tiles need
+/* Draw depths. With `masks`, [mask_px * mask_px] of a map: faint shapes, and the colour of its class where a pixel's tiles need
  * masks. */
 static void draw(canvas *c, face_place place, const float *light, const uint16_t *depth, const light_picture *p,
                  const uint8_t *masks)
@@ -195,7 +194,7 @@ static json_t *picture_json(const light_picture *p, const vxs_light *light)
                      (int)p->mask_tiles, "axes", axes_json(light), "depths", depths, "masks", masks);
 }
 
-/* What colours mean, in the order of a key. */
+/* The meaning of colours, in the order of a legend. */
 static json_t *mask_colours_json(void)
 {
     json_t *colours = json_array();

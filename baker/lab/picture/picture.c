@@ -1,15 +1,15 @@
 /* A picture of a scene in the shadows of baked lights; see picture.h.
  *
- * A pixel is the mean of 2 x 2 rays. What a ray meets is one matt material under these lights:
+ * A pixel is the mean of 2 x 2 rays. All surfaces are one matt material under these lights:
  *
  *     suns      lambert, times the lookup in the asset at the point, with its normal, filtered
- *     lamps     the same, weaker with distance: at the distance of most of what a lamp shines on it is as bright as a sun
+ *     lamps     the same, weaker with distance: as bright as a sun at the usual distance of surfaces that the lamp lights
  *     sky       rays over the hemisphere: the sky's colour where they leave the scene, darker the sooner they meet it
  *     haze      mixed over all, by distance behind the nearest corner of the scene
- *     air       before all, what haze scatters of lamps' light: single lookups at some places along the ray
- *     fog       in the place of both, where it is asked for: what it leaves of all, and what it scatters of suns' and lamps'
- *               light along exactly those parts of the ray that are lit (fog.h). Then lights reach surfaces by the law of light
- *               in the air, too: by the square of the distance, and dimmed on their way
+ *     air       in front of all, lamps' light that haze scatters: single lookups at some places along the ray
+ *     fog       optional, replaces haze and air: its transmittance, and airlight of suns and lamps along exactly those parts of
+ *               the ray that are lit (fog.h). Then lights reach surfaces by the law of light in the air, too: by the square of
+ *               the distance, and with transmittance along the way
  *
  * Colours are linear until the end.
  * SPDX-License-Identifier: GPL-3.0-or-later */
@@ -44,7 +44,7 @@ static const double night = 0.07; /* of a sky without a sun */
 typedef struct lamp {
     const vxs_baked_light *light;
     light_shape            shape;
-    double                 usual_metres; /* to what it shines on */
+    double                 usual_metres; /* usual distance of the surfaces that it lights */
     double                 reach_metres; /* its light ends there */
 } lamp;
 
@@ -61,8 +61,8 @@ typedef struct view {
     camera_view             seen;
     double                  near_metres; /* haze begins */
     double                  haze_metres; /* it takes 1 - 1/e in so much */
-    double                  end_metres;  /* fog ends there, where nothing is seen before */
-    double                  sky_metres;  /* what is this far away shuts out half of the sky behind it */
+    double                  end_metres;  /* beyond it no surface is seen, and fog ends */
+    double                  sky_metres;  /* a surface at this distance shuts out half of the sky */
 } view;
 
 /* the scene ------------------------------------------------------------------------------------------- */
@@ -117,8 +117,8 @@ static void frame_of(const double normal[3], double a[3], double b[3])
     vec3_cross(normal, a, b);
 }
 
-/* Light from the sky and from what stands before it, by cosine-distributed rays: a square of cells, a ray in each, bent to
- * a disk and lifted to the hemisphere. The samples of a pixel share the cells. */
+/* Light from the sky, shut out by surfaces, by cosine-distributed rays: a grid of cells, a ray in each, mapped to a disk and
+ * projected to the hemisphere. The samples of a pixel share the cells. */
 static void sky_light(const view *v, const double from_ws[3], const double normal[3], int sample, rng *r, double out[3])
 {
     double a[3], b[3];
@@ -138,7 +138,7 @@ static void sky_light(const view *v, const double from_ws[3], const double norma
     }
 }
 
-/* Of the suns, what the asset lets through. Beyond its map nothing casts a shadow. */
+/* Light of the suns after shadows. Beyond the map there is no shadow. */
 static double sun_light(const view *v, const double point_ws[3], const double normal[3])
 {
     double sum = 0;
@@ -225,8 +225,8 @@ static int pass_lamp(const view *v, const lamp *l, const double direction[3], do
     return *begin < *end;
 }
 
-/* What lamps light up in the air along a ray. The places that are looked up lie at equal angles as the lamp sees them (Kulla and
- * Fajardo, "Importance Sampling Techniques for Path Tracing in Participating Media", EGSR 2012). */
+/* Lamps' light that the air scatters along a ray. Lookups are at equal angles as seen from the lamp (Kulla and Fajardo,
+ * "Importance Sampling Techniques for Path Tracing in Participating Media", EGSR 2012). */
 static double air_light(const view *v, const double direction[3], double metres, rng *r)
 {
     const double scattered = 0.10; /* along a way as long as the usual one, by light as strong as there */
@@ -265,7 +265,7 @@ static void light_in_fog(const view *v, const double point_ws[3], const double n
     }
 }
 
-/* What comes back along one ray from the eye, up to where it meets something. */
+/* Light that comes to the eye along one ray, from the first surface. */
 static int trace_surface(const view *v, const double direction[3], int sample, rng *r, double *distance, double out[3])
 {
     double normal[3], point[3], lifted[3], haze[3];
@@ -358,7 +358,8 @@ static void render_pixels(void *user, size_t begin, size_t end, uint32_t worker)
     for (size_t n = begin; n < end; n++) render_pixel(v, n);
 }
 
-/* As bright as what they shine on says: a matt surface sends back 1 / pi of what reaches it to each direction. */
+/* Colours of lights in fog match those on surfaces: a matt surface reflects 1 / pi of the light that reaches it in each
+ * direction. */
 static void light_fog(view *v)
 {
     uint32_t count = 0;
