@@ -47,8 +47,8 @@ typedef struct block_context {
 /* Cells are the squares of a block that are left out when none of their texels is open any more. */
 typedef enum cell_state {
     CELL_OPEN,   /* some texel's exit is not yet found */
-    CELL_CLOSED, /* since the last pass */
-    CELL_CLEAN   /* clean before the last pass, too: nothing to do */
+    CELL_CLOSED, /* closed in the last pass: its texels still have to be reset */
+    CELL_CLEAN   /* closed before the last pass: nothing to do */
 } cell_state;
 
 /* A rectangle of a block's texels. */

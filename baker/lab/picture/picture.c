@@ -358,8 +358,8 @@ static void render_pixels(void *user, size_t begin, size_t end, uint32_t worker)
     for (size_t n = begin; n < end; n++) render_pixel(v, n);
 }
 
-/* Colours of lights in fog match those on surfaces: a matt surface reflects 1 / pi of the light that reaches it in each
- * direction. */
+/* A matt surface reflects 1 / pi of the light that reaches it in each direction. So in fog, a light has pi times its colour on
+ * surfaces. */
 static void light_fog(view *v)
 {
     uint32_t count = 0;

@@ -26,7 +26,7 @@ struct area_pass {
     GLuint           *textures; /* [areas] */
 };
 
-/* what is made once ------------------------------------------------------------------------------------------------------------ */
+/* set-up ----------------------------------------------------------------------------------------------------------------------- */
 
 static void put_texture(area_pass *p, uint32_t n)
 {
@@ -83,7 +83,7 @@ static vxs_result make(area_pass *p, vxs_volumes *volumes, message *m)
     lamp_pass_options lit = p->options.lit;
     area_plan         plan;
     area_plan_share(p->powers, p->shares, p->count, DENSE, &plan);
-    if (place_lamps(p, 1, dense, &lit.dense_count) != VXS_OK) lit.dense_count = 0; /* a frame says why */
+    if (place_lamps(p, 1, dense, &lit.dense_count) != VXS_OK) lit.dense_count = 0; /* the frame reports the reason */
     lit.dense = dense;
     if ((r = lamp_pass_create(&p->lamps, &lit, p->gl, volumes, m)) != VXS_OK) return r;
     if ((r = renderer_program(p->gl, &p->glow_program, glow_vert_glsl, &glow, 1, m)) != VXS_OK) return r;
@@ -140,7 +140,7 @@ static int is_shone_on(const void *pass, const vxs_capsule *c)
     return 0;
 }
 
-/* Lamps of all that are drawn, what smoke leaves of them, and their shadow maps: again, where something has moved. */
+/* Set the virtual lights of all drawn area lights, their smoke and their shadow maps; again when something has moved. */
 static vxs_result cast(area_pass *p, double exposure)
 {
     vxs_vpl    lamps[VXS_VPLS_MAX];

@@ -63,7 +63,7 @@ void area_plan_share(const double *powers, area_share *shares, uint32_t count, u
     for (uint32_t n = 0; n < count; n++) plan->areas[shares[n].fate]++;
 }
 
-/* in words --------------------------------------------------------------------------------------------------------------------- */
+/* text ------------------------------------------------------------------------------------------------------------------------- */
 
 static const char *const fate_names[AREA_FATES] = {"drawn", "faint", "behind"};
 static const char *const fate_texts[AREA_FATES] = {

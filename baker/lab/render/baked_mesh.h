@@ -1,4 +1,4 @@
-/* The mesh about what a baked light reaches, made once of its first shadow depths.
+/* The mesh around the lit volume of a baked light, made once from its shadow depths.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef BAKED_MESH_H
 #define BAKED_MESH_H

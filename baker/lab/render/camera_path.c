@@ -12,7 +12,7 @@ enum { ORBIT_KEYS = 24, FILE_BYTES_MAX = 8 << 20 };
 
 static const double pi = 3.14159265358979323846;
 
-/* A line of six finite numbers, and nothing else. */
+/* Parse a line of exactly six finite numbers. */
 static int read_key(char *line, camera_pose *key)
 {
     double numbers[6];

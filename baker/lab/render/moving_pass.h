@@ -1,5 +1,5 @@
-/* What moves: a scene of its own, drawn beside the one whose shadows are baked. Lights that can meet it see it in depth maps of
- * its own, made anew each frame, which shade surfaces (moving.glsl) and end light in fog (vxs_shadow_depth_map_join).
+/* Moving casters: a second scene, drawn beside the one whose shadows are baked. Each light that can reach them renders them into
+ * its own depth maps, anew in each frame. These shade surfaces (moving.glsl) and end light in fog (vxs_shadow_depth_map_join).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MOVING_PASS_H
 #define MOVING_PASS_H
@@ -8,12 +8,12 @@
 #include "runtime/volumes/vxs_volumes.h"
 
 enum {
-    MOVING_FACES = 6, /* depth maps of a light at most: where it is among what moves */
+    MOVING_FACES = 6, /* depth maps of a light at most, when it is among the moving casters */
     MOVING_MAPS  = 16 /* of a frame; lights that find none left do without */
 };
 
 typedef struct moving_plan {
-    uint32_t lights;   /* that see what moves */
+    uint32_t lights;   /* lights that reach moving casters */
     uint32_t maps;     /* depth maps that were drawn for them */
     uint32_t left_out; /* lights, because all maps were taken */
 } moving_plan;

@@ -1,4 +1,4 @@
-/* What a frame is made of, each as a picture; see render_passes.h.
+/* The passes of a frame as pictures; see render_passes.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/render/render_passes.h"
 
@@ -88,7 +88,7 @@ static vxs_result write_floats(const passes *p, const char *name, const float *f
     return write_file(p, name, ".exr", exr, size, m);
 }
 
-/* What is in p->rgb, and the floats of it. */
+/* Write the picture in p->rgb, and its floats. */
 static vxs_result write_pass(const passes *p, const char *name, const float *floats, const char *channels, message *m)
 {
     vxs_result r = write_pixels(p, name, p->rgb, p->width, p->height, m);
@@ -266,7 +266,7 @@ static vxs_result write_of_light(const passes *p, const char *what, uint32_t num
     return write_pass(p, name, floats, "Y", m);
 }
 
-/* Nothing where the light reaches no sample: of hundreds most do not. */
+/* Write no file if the light reaches no sample: of hundreds of lights most do not. */
 static vxs_result write_lit(passes *p, uint32_t number, const vxs_light *light, message *m)
 {
     size_t reached = 0;
@@ -291,7 +291,7 @@ static vxs_result write_lights_each(passes *p, const vxs_baked_light *const *lig
     return r;
 }
 
-/* What smoke leaves of each light that it dims, where something is seen; and to the eye of what is behind it. */
+/* Transmittance of smoke towards each light that it dims, at surfaces; and towards the eye. */
 static vxs_result write_smoke(passes *p, const vxs_baked_light *const *lights, uint32_t light_count, message *m)
 {
     float     *left = malloc(p->count * sizeof *left);

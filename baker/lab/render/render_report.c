@@ -1,4 +1,4 @@
-/* What frames took; see render_report.h.
+/* Measurements of frames; see render_report.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/render/render_report.h"
 
@@ -45,7 +45,7 @@ static json_t *milliseconds(double seconds)
     return json_real(rounded(1000 * seconds, 4));
 }
 
-/* What is said of a stream's frame, in JSON and as columns. */
+/* A number of a stream's frame, in JSON and as a column. */
 typedef struct stream_number {
     const char *name;
     double      value;
@@ -245,7 +245,7 @@ enum { PLOT_WIDE = 900, PLOT_HIGH = 360, LEFT = 60, RIGHT = 150, TOP = 20, BOTTO
 static const char *const plot_colours[RENDER_STAGES] = {"#66ccee", "#117733", "#4477aa", "#ddaa99", "#ccbb44",
                                                         "#cc6677", "#228833", "#88ccee", "#aa3377", "#999999"};
 
-/* 1, 2 or 5 times a power of ten, five of which or fewer reach `most`. */
+/* 1, 2 or 5 times a power of ten: the smallest such that five steps or fewer reach `most`. */
 static double step_for(double most)
 {
     double power = pow(10, floor(log10(most / 5)));

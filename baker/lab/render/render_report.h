@@ -1,4 +1,4 @@
-/* What frames took: JSON, a table, a plot.
+/* Measurements of frames: JSON, a table, a plot.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef RENDER_REPORT_H
 #define RENDER_REPORT_H
@@ -13,14 +13,14 @@ typedef struct drawn_frame {
     camera_pose  camera;
     render_frame frame;
 
-    /* of a stream, before the frame: what it held then, what it read since the last one, and how long it was waited for */
+    /* of a stream, before the frame: pages held, pages read since the last frame, and time waited for them */
     vxs_stream_status stream;
     uint64_t          read_bytes;
     double            wait_seconds;
 } drawn_frame;
 
 typedef struct render_report {
-    const char                   *scene_path, *asset_path, *renderer, *moving_path; /* NULL: nothing moves */
+    const char                   *scene_path, *asset_path, *renderer, *moving_path; /* moving_path NULL: nothing moves */
     const render_options         *options;
     uint32_t                      fog_grid;     /* n of the fog's grid; 0 without one */
     const fog_light_plan         *fog_lights;   /* [light_count] of the last frame; NULL without fog */
@@ -44,8 +44,7 @@ json_t *render_report_json(const render_report *r);
 /* A line of names, and a line for each frame.   Returns VXS_OK, VXS_E_WRITE, VXS_E_MEMORY, as the next does. */
 vxs_result render_report_csv(const render_report *r, const char *path, message *m);
 
-/* Milliseconds of stages by frame, one above the other, as SVG; of a stream, below it, what is uploaded and what is answered in
- * full. */
+/* Plot milliseconds of stages by frame, stacked, as SVG; for a stream, below it, uploads and the share of full answers. */
 vxs_result render_report_plot(const render_report *r, const char *path, message *m);
 
 #endif

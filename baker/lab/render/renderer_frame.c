@@ -1,18 +1,18 @@
 /* Frames; see render.h.
  *
- *     upload     of a stream, what has come
- *     moving     depth maps of what moves, as lights see it (moving_pass.h); left out where nothing does
- *     surfaces   depth (near / distance along the axis, so that far ones keep their digits), normal, albedo
- *     cull       lists of lights of tiles of 8 x 8 (vxs_gl_cull); left out where there is one light
- *     smoke      how much it leaves of each light (smoke_pass.h), and, over all the air, itself (renderer_smoke.c); left out
- *                where there is none
- *     shade      light of each sample, lookups and all
- *     area       what area lights send to it and to the air (area_pass.h); left out where there is none
- *     sky        the same of a map of the sky (sky_pass.h)
- *     fog        over the picture that this makes (fog_pass.h); left out where there is none
- *     tone       what a screen shows of the mean of a pixel's samples
+ *     upload     of a stream, pages that were loaded
+ *     moving     depth maps of moving casters, from lights (moving_pass.h); left out without moving casters
+ *     surfaces   depth (near / distance along the axis, precise at a distance), normal, albedo
+ *     cull       lists of lights of tiles of 8 x 8 (vxs_gl_cull); left out with one light
+ *     smoke      its transmittance towards each light (smoke_pass.h), and, after the fog, itself (renderer_smoke.c); left out
+ *                without smoke
+ *     shade      light of each sample, including lookups
+ *     area       light of area lights on surfaces and in the air (area_pass.h); left out without area lights
+ *     sky        the same for a map of the sky (sky_pass.h)
+ *     fog        over the resulting picture (fog_pass.h); left out without fog
+ *     tone       tone mapping, and the mean of a pixel's samples
  *
- * Places count from the camera, in which lookups are as fine as a float can be.
+ * Positions are relative to the camera, where floats are precise enough for lookups.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 #include <stdlib.h>
@@ -157,7 +157,7 @@ void renderer_shade(const renderer *r, int show, uint32_t light)
     GLuint            p        = r->shade_program;
     const GLint       asked[4] = {show, (GLint)light, renderer_culls(r), 0};
     gl->ProgramUniform4f(p, gl->GetUniformLocation(p, "sizes"), (float)r->width, (float)r->height, 0, 0);
-    gl->BindTextureUnit(LIGHTS, 0); /* what is drawn to */
+    gl->BindTextureUnit(LIGHTS, 0); /* unbind the texture that is the target now */
     renderer_bind_lights(r);
     begin_screen(r, r->light_frame, p, LIGHTS, r->width, r->height);
     renderer_add_lights(r, p, "asked", 3, asked);
@@ -194,7 +194,7 @@ static vxs_result dim_lights(const renderer *r, smoke_plan *plan, message *m)
     return result == VXS_OK ? smoke_pass_draw(r->smoke, r->camera.eye_ws, &r->seen, plan, m) : result;
 }
 
-/* Airlight of area lights, in a frame of the air that begins here, and what surfaces get of them. */
+/* Begin a frame of the air, add the airlight of area lights, and compute their light on surfaces. */
 static vxs_result draw_areas(const renderer *r, double exposure, area_plan *plan, message *m)
 {
     vxs_result result = begin_air(r, m);
@@ -232,7 +232,7 @@ static vxs_result light_by_sky(const renderer *r, message *m)
     return VXS_OK;
 }
 
-/* The picture, what shines in it, and the air over it. */
+/* The picture, emissive surfaces, and the air over it. */
 static vxs_result fog(const renderer *r, fog_plan *plan, message *m)
 {
     double eye[3];
@@ -326,7 +326,7 @@ static vxs_result count_full(renderer *r, render_frame *frame, message *m)
     return result;
 }
 
-/* What has come, in a slice. */
+/* Upload a slice of the pages that were loaded. */
 static void upload(renderer *r, render_frame *frame)
 {
     size_t slice          = r->options.upload_bytes < SIZE_MAX ? (size_t)r->options.upload_bytes : SIZE_MAX;
@@ -372,8 +372,8 @@ static vxs_result light_surfaces(const renderer *r, render_frame *frame, double 
     return result;
 }
 
-/* Exposure is that of clear air: fog does not make a picture brighter. Airlight of areas and of the sky is exposed, so that they
- * are drawn again. */
+/* The exposure is that of clear air: fog does not make a picture brighter. Airlight of area lights and of the sky depends on the
+ * exposure, so they are drawn again. */
 static vxs_result light_exposed(renderer *r, render_frame *frame, double *since, message *m)
 {
     int is_first      = r->exposure <= 0;

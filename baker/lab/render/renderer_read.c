@@ -1,4 +1,4 @@
-/* What a renderer shows, and says of itself; see render.h.
+/* Reads back a renderer's results and properties; see render.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
-/* Smoke as the eye sees it: capsules over the picture, from back to front, each as far as the ray runs in it. Their light is asked
- * at four places each, and between these is what lies between.
+/* Smoke as the eye sees it: capsules over the picture, from back to front, each as dense as the ray's length in it. Their light
+ * is looked up at four places each, and interpolated between these.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 #include <stdlib.h>
@@ -119,7 +119,7 @@ static void set4(const renderer *r, const char *name, const double rgb[3], doubl
     r->gl->ProgramUniform4f(p, r->gl->GetUniformLocation(p, name), (float)rgb[0], (float)rgb[1], (float)rgb[2], (float)last);
 }
 
-/* Of the sky's light smoke gets what surfaces that stand upright do; of a map its mean. */
+/* Smoke gets the sky light of vertical surfaces; of a sky map, its mean. */
 static void set_uniforms(const renderer *r)
 {
     static const double sky[3] = {0.375, 0.4425, 0.5775}; /* between the ground and the sky of tone_frag.glsl */

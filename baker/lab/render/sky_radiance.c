@@ -1,7 +1,7 @@
-/* A sky from a picture of Radiance: lines of text, an empty one, its size, and rows of pixels, three mantissas and an exponent,
- * plain or in runs; see sky_map.h.
+/* Reads a sky from a picture in the Radiance format; see sky_map.h. The format: lines of text, an empty line, the size, and rows
+ * of pixels of three mantissas and an exponent, plain or run-length encoded.
  *
- * None of the libraries that are linked reads it.
+ * None of the linked libraries reads it.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <float.h>
 #include <math.h>
@@ -13,12 +13,12 @@
 
 enum { LINE_BYTES = 1024, RUNS_WIDE_MIN = 8, RUN = 128 };
 
-/* What is read, and where. */
+/* The file and the position in it. */
 typedef struct reader {
     const sky_file *file;
     const uint8_t  *at;
     uint32_t        wide_px, high_px, row;
-    double          exposure[3]; /* what red, green and blue were multiplied with */
+    double          exposure[3]; /* factors that red, green and blue were multiplied with */
     message        *m;
 } reader;
 
@@ -34,7 +34,7 @@ static vxs_result ends_early(const reader *r)
 
 /* lines of text ---------------------------------------------------------------------------------------------------------------- */
 
-/* The next line, cut to what fits, without its end.   Returns 0 where the file ends before it does. */
+/* Read the next line, cut to the size of `line`, without its end.   Returns 0 when the file ends first. */
 static int next_line(reader *r, char line[LINE_BYTES])
 {
     const uint8_t *end = memchr(r->at, '\n', (size_t)(r->file->end - r->at));
@@ -78,7 +78,7 @@ static void judge_primaries(const reader *r, const char *text)
     static const double known[][8] = {
         {0.64, 0.33, 0.29, 0.6, 0.15, 0.06, 1.0 / 3, 1.0 / 3}, {0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329}, {0}};
     double found[8];
-    int    is_known = read_numbers(text, found, 8) < 8; /* says nothing */
+    int    is_known = read_numbers(text, found, 8) < 8; /* unknown lines are ignored */
     for (size_t k = 0; k < sizeof known / sizeof *known && !is_known; k++) {
         is_known = 1;
         for (int n = 0; n < 8; n++) is_known &= fabs(found[n] - known[k][n]) < 2e-3;
@@ -124,7 +124,7 @@ static vxs_result read_head(reader *r)
 
 /* rows ------------------------------------------------------------------------------------------------------------------------- */
 
-/* One of a row's four bytes, all along it: a length and so many of them, or RUN more than a length and the one that all are. */
+/* Decode one of the four bytes of all pixels of a row: a length and so many bytes, or RUN plus a length and one byte to repeat. */
 static vxs_result read_channel(reader *r, uint8_t (*row)[4], int channel)
 {
     for (uint32_t x = 0; x < r->wide_px;) {
@@ -140,7 +140,7 @@ static vxs_result read_channel(reader *r, uint8_t (*row)[4], int channel)
     return VXS_OK;
 }
 
-/* Pixels one by one. 1, 1, 1, n says that the one before is there n times more; behind another such one, 256 n. */
+/* Decode pixels one by one. 1, 1, 1, n repeats the pixel before n times; directly after another such pixel, 256 n times. */
 static vxs_result read_pixels(reader *r, uint8_t (*row)[4])
 {
     uint64_t unit = 1;

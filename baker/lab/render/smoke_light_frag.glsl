@@ -1,4 +1,4 @@
-/* What lights send to places in smoke, from all sides; a place a pixel, row by row. Behind the texts of vxs_gl.h, smoke.glsl
+/* Light from all directions at places in smoke; one place for each pixel, row by row. Follows the texts of vxs_gl.h, smoke.glsl
  * and shine.glsl. */
 layout(std430, binding = 5) readonly restrict buffer places_block { vec4 places[]; };
 layout(std430, binding = 8) readonly restrict buffer left_block { float left[]; }; /* of each layer, and in it of each place */

@@ -1,4 +1,4 @@
-/* Smoke between lights and what is seen; see smoke_pass.h.
+/* Smoke between lights and surfaces; see smoke_pass.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/render/smoke_pass.h"
 
@@ -13,8 +13,7 @@
 /* Lists have room for so many segments at first; where they ask for more, and no more than the most, they get it. */
 enum { SEGMENTS = 1 << 20, SEGMENTS_MOST = 1 << 22, BINDING = 7, UNIT = 7 };
 
-/* That a map is made of, which takes 10 s on two processors. Many times more would be a minute and more, of a file of some
- * kilobytes. */
+/* The limit on segments of a map; it takes 10 s on two processors. Without it, a file of some kilobytes could take minutes. */
 enum { SEGMENTS_MADE = 1 << 26, SIDE_LEAST = 16 };
 
 struct smoke_pass {
@@ -178,8 +177,7 @@ static double covered_texels(const smoke_pass *p, const vxs_light *light, uint32
     return sum;
 }
 
-/* The side of a light's map: as many texels as are asked for; or fewer, where smoke covers it so many times that it would take
- * minutes. */
+/* The side of a light's map: the requested one, or less when capsules cover it so many times that it would take minutes. */
 static uint32_t choose_side(const smoke_pass *p, const vxs_light *light, message *m)
 {
     uint32_t asked = p->options.side_px, side = asked;

@@ -1,6 +1,6 @@
-/* Smoke of a scene in the light of its lamps and suns, by libvxs_volumes: a map of transmittance for each light that capsules can
- * dim, and for each pixel how much of it is left. Maps are built once, when their light is first in view: nothing of the smoke
- * moves.
+/* A scene's smoke in the light of its lamps and suns, by libvxs_volumes: a transmittance map for each light that capsules can
+ * dim, and for each pixel the transmittance towards each light. A map is built once, when its light is first in view: smoke does
+ * not move.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SMOKE_PASS_H
 #define SMOKE_PASS_H
@@ -10,13 +10,14 @@
 #include "baker/scene/scene.h"
 #include "runtime/volumes/vxs_transmittance.h"
 
-enum { SMOKE_MAPS = 16, SMOKE_SIDE = 256 }; /* maps of a renderer at most; texels a side where nothing else is asked */
+enum { SMOKE_MAPS = 16, SMOKE_SIDE = 256 }; /* maps of a renderer at most; their default side in texels */
 
 typedef struct smoke_pass_options {
     const scene_smoke            *smoke;  /* at least one capsule; it outlives the pass, as lights do */
     const vxs_baked_light *const *lights; /* [light_count] those of the volumes */
     uint32_t                      light_count;
-    uint32_t                      side_px; /* of maps; of one that capsules cover very many times fewer, unless that is_asked */
+    uint32_t                      side_px; /* side of maps; smaller for a map that capsules cover very many times, unless
+                                              is_asked */
     int                           is_asked;
     uint32_t                      width, height; /* samples */
 } smoke_pass_options;

@@ -9,16 +9,16 @@
 
 #include "formats/vxs_file.h"
 
-/* What becomes of a light. */
+/* The decision on a light. */
 typedef enum smoke_fate {
     SMOKE_DIMS,
     SMOKE_OUT_OF_REACH, /* no capsule is in its range, cone or prism */
-    SMOKE_OUT_OF_VIEW,  /* nor is what is seen: its range is */
+    SMOKE_OUT_OF_VIEW,  /* the smoke in its range is not between it and visible surfaces */
     SMOKE_NO_ROOM,      /* all maps are taken */
     SMOKE_FATES
 } smoke_fate;
 
-/* Of one light. What was built stays, while nothing moves. */
+/* The plan of one light. A built map stays. */
 typedef struct smoke_light_plan {
     smoke_fate fate;
     uint32_t   segments, merged, cut_texels; /* of its map, as vxs_transmittance_counts has them */

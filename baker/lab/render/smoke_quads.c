@@ -68,7 +68,7 @@ typedef struct quad_plane {
     double middle[3], u[3], v[3], half_u, half_v;
 } quad_plane;
 
-/* What is nearer than the plane seems larger there.   Returns 0 where the capsule is about the eye, or nearly */
+/* Find the plane of a capsule's quad; parts nearer than it appear larger.   Returns 0 when the eye is in the capsule, or nearly */
 static int find_plane(const vxs_capsule *c, quad_plane *p)
 {
     double axis[3], way[3], radius = (double)c->radius_metres;

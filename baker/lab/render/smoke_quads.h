@@ -21,10 +21,10 @@ typedef struct smoke_quads {
     float (*corners)[4];      /* [4 * count] of quads, in the order of a strip; a fourth number that is not read, as in places */
     float (*places)[4];       /* [4 * count] between a capsule's middle and the corners: there its light is asked */
     struct quad_order *order; /* [count] */
-    double             covered_px; /* samples of the picture that quads cover, nearly; of each of them all of it at most */
+    double             covered_px; /* about how many samples of the picture quads cover; each quad at most all of the picture */
 } smoke_quads;
 
-/* What looks at them. */
+/* The view of the quads. */
 typedef struct smoke_eye {
     double      at_ws[3];
     camera_view seen;

@@ -11,7 +11,7 @@
 #include "baker/base/memory.h"
 #include "baker/base/vec3.h"
 
-/* Where materials say nothing. */
+/* The default colour of materials. */
 static const float plain[3] = {0.66f, 0.62f, 0.56f};
 
 typedef struct surface_vertex {

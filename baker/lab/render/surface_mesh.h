@@ -20,7 +20,7 @@ typedef struct surface_mesh {
  * Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result surface_mesh_make(surface_mesh *mesh, gl_context *gl, const scene *s, message *m);
 
-/* Draw all of it with a program whose uniform `threshold` is there. */
+/* Draw all of it with a program that has the uniform `threshold`. */
 void surface_mesh_draw(const surface_mesh *mesh, const gl_context *gl, GLuint program);
 
 void surface_mesh_free(surface_mesh *mesh, const gl_context *gl);
