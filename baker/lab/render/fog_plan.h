@@ -22,9 +22,9 @@ extern const char *const fog_by_names[];
 /* The decision on a light in a frame. */
 typedef enum fog_fate {
     FOG_DRAWN,
-    FOG_FAINT,       /* left out: with all others that are, less than half of FOG_FAINTEST, wherever one looks */
-    FOG_OUT_OF_VIEW, /* left out: the sum of all such lights is below half of FOG_FAINTEST, in any direction of view */
-    FOG_CLEAR,       /* left out: its volume is not in view */
+    FOG_FAINT,       /* left out: the sum of all such lights is below half of FOG_FAINTEST, in any direction of view */
+    FOG_OUT_OF_VIEW, /* left out: the same, but only in the pixels of this view */
+    FOG_CLEAR,       /* left out: the light, or all visible space, is above the fog's top; or the sun is below the horizon */
     FOG_FATES
 } fog_fate;
 

@@ -18,7 +18,6 @@ void main()
     float nearest = min(pixels.x, min(pixels.y, pixels.z)), widest = max(wide.x, max(wide.y, wide.z));
     float seen = texelFetch(depths, ivec2(gl_FragCoord.xy), 0).r;
     if (gl_FragCoord.z < max((1.0 - on_surface) * seen, farthest)) discard;
-    float line = (1.0 - smoothstep(0.4, 1.2, nearest)) * clamp(1.5 - 2.0 * widest, 0.0, 1.0); /* fades out in triangles of less than a
-                                                                                                 pixel */
+    float line = (1.0 - smoothstep(0.4, 1.2, nearest)) * clamp(1.5 - 2.0 * widest, 0.0, 1.0); /* fades out in triangles under a pixel */
     light      = vec4((gl_FrontFacing == (turn > 0) ? leaves : enters) * (veil + edge * line), 0.0);
 }

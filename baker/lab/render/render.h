@@ -18,9 +18,7 @@ typedef enum cull_mode { CULL_AUTO, CULL_ON, CULL_OFF } cull_mode;
 #define CULL_CHOICES "auto|on|off" /* their words, in that order; auto: where there is more than one light */
 
 typedef enum smoke_mode { SMOKE_ON, SMOKE_OFF } smoke_mode;
-#define SMOKE_CHOICES                                                                                                              \
-    "on|off" /* the words of render_smoke, in its order; off: the scene's smoke neither dims lights nor is
-                drawn */
+#define SMOKE_CHOICES "on|off" /* on, off: whether smoke dims lights and is drawn */
 
 typedef struct render_options {
     uint32_t   width_px, height_px;

@@ -13,7 +13,7 @@
 typedef enum smoke_fate {
     SMOKE_DIMS,
     SMOKE_OUT_OF_REACH, /* no capsule is in its range, cone or prism */
-    SMOKE_OUT_OF_VIEW,  /* the smoke in its range is not between it and visible surfaces */
+    SMOKE_OUT_OF_VIEW,  /* its range is not in view */
     SMOKE_NO_ROOM,      /* all maps are taken */
     SMOKE_FATES
 } smoke_fate;
