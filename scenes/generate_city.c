@@ -1,21 +1,21 @@
 /* A city of closed boxes.
  *
- * Everything is whole numbers of 1/64 m until a vertex is written, and buildings are turned by Pythagorean triples (3-4-5,
- * 5-12-13, ...), whose sines and cosines are fractions: one division and one rounding to float make a coordinate.
+ * All coordinates are integers in units of 1/64 m until a vertex is written, and buildings are turned by Pythagorean triples
+ * (3-4-5, 5-12-13, ...), whose sines and cosines are fractions: one division and one rounding to float make a coordinate.
  *
- *        _|_                antenna         A block is a list of boxes in order of importance, each standing on one before
- *     __|___|_              roof clutter    it: the first box of every lot, the kerb, the second boxes (tiers, wings,
+ *        _|_                antenna         A block is a list of boxes in order of importance, each standing on an earlier one:
+ *     __|___|_              roof clutter    the first box of every lot, the kerb, the second boxes (tiers, wings,
  *    |  tier  |_            wall clutter    towers) and so on, street lamps, clutter on roofs and walls. The triangle
- *   _|________|_            sunk 1 to 2 m   budget is shared out evenly over the blocks and takes as many as it can
- *  |            |  ___                      from the front of each list; the clutter is cut to size so that the list
- *  |    base    |   |       lamp            is never too short.
+ *   _|________|_            sunk 1 to 2 m   budget is divided evenly among the blocks; each uses as many boxes as it can
+ *  |            |  ___                      from the front of its list. The size of clutter is chosen so that the list
+ *  |    base    |   |       lamp            is always long enough.
  *  |            |   |
  * _|____________|___|_      kerb
  *  ground
  *
- * No box lies inside another: a box of a building reaches above or beside those that it meets; clutter of one surface
- * has a cell of its own there, and stays more than a metre, which is as far as wall clutter sticks out, away from every box
- * of its lot but the one that it is fixed to.
+ * No box is inside another: a box of a building extends above or beside those that it meets. Each piece of clutter on a surface
+ * has its own cell. From all boxes of its lot except the one that it is fixed to, it is more than a metre away, which is the
+ * greatest extent of wall clutter.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/base/integer.h"
 #include "scenes/generate.h"
@@ -261,7 +261,7 @@ static void place_in_cell(rng *r, int32_t low, int32_t cell, int32_t least, int3
     *to            = *from + length;
 }
 
-/* How deep clutter goes into what it is fixed to; 0 is mere contact, which happens in real levels. */
+/* Depth by which clutter intersects the box that it is fixed to; 0 is mere contact, which occurs in real levels. */
 static int32_t sink(rng *r, int32_t most)
 {
     return rng_below(r, 4) ? rng_between(r, 1, most) : 0;
@@ -295,8 +295,8 @@ static void place_on_wall(box *out, const box *host, int axis, bool is_high, int
     out->high[axis] = is_high ? host->high[axis] + out_by : host->low[axis] + in_by;
 }
 
-/* Every way to put clutter of one kind on a block. A walk over the same cells gives the same boxes each time, so that one
- * walk can count them and the next choose. */
+/* All ways to put clutter of one kind on a block. Walks over the same cells give the same boxes, so that one walk can count them
+ * and the next can choose. */
 typedef struct clutter_walk {
     const block *k;
     bool         on_roofs; /* else on walls */

@@ -72,8 +72,8 @@ static int is_free(const glb_scene *s, const city_block *k, const double at[3])
     return 1;
 }
 
-/* In front of a wall of some box that is large enough, further out than what is fixed to walls. Returns 0 when that place is taken,
- * or the box too small. */
+/* Add a spot in front of a wall of a large enough box, farther out than wall clutter. Returns 0 when the position is inside or
+ * near another box, or the box is too small. */
 static int add_on_wall(parts *p, rng *r, const city_block *k, uint32_t *made)
 {
     const float *corners = p->s->positions + 24 * (k->box_first + rng_below(r, (uint32_t)k->box_count));

@@ -6,7 +6,8 @@
 #include "baker/base/random.h"
 #include "scenes/generate_parts.h"
 
-/* Where a spot may hang over the street: under a lamp's arm. along, out: unit, level; the street runs along, and lies out. */
+/* A position for a spot above the street, under a street lamp's arm. along, out: unit, horizontal: along the street, and towards
+ * its middle. */
 typedef struct city_lamp {
     double head[3], along[3], out[3];
 } city_lamp;

@@ -24,7 +24,7 @@ typedef struct grid {
     uint32_t columns, rows; /* cells along X and Z */
 } grid;
 
-/* The nearly square grid whose triangles, 2 cr + 6 (c + r) = 2 (c + 3)(r + 3) - 18, come nearest to the target. */
+/* The nearly square grid whose number of triangles, 2 cr + 6 (c + r) = 2 (c + 3)(r + 3) - 18, is nearest to the target. */
 static grid grid_from_triangles(uint32_t triangles)
 {
     int64_t target = triangles / 2 + 9;

@@ -1,4 +1,4 @@
-/* What generators build scenes of.
+/* Building blocks of generators; see generate_parts.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenes/generate_parts.h"
 

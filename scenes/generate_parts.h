@@ -1,11 +1,11 @@
-/* What generators build scenes of: a scene that grows, shapes that are closed or open, lights.
+/* Building blocks of generators: a scene that grows, closed and open shapes, lights.
  *
  *     parts p = parts_begin(s, "room");
  *     parts_mesh(&p, "table", 0);
  *     parts_box(&p, parts_upright, low, high);
  *     return parts_end(&p, m);
  *
- * Out of memory is kept until parts_end, which reports it; until then calls do nothing.
+ * Out of memory is recorded; later calls have no effect, and parts_end reports it.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef GENERATE_PARTS_H
 #define GENERATE_PARTS_H
@@ -34,16 +34,16 @@ static const parts_frame parts_upright = {{0, 0, 0}, 1, 0};
 /* s  [out] zeroed, then filled; its owner releases it with glb_scene_free, unless parts_end fails */
 parts parts_begin(glb_scene *s, const char *name);
 
-/* Append to a scene that has been made; what follows needs a parts_mesh first. */
+/* Append to a finished scene; call parts_mesh before adding shapes. */
 parts parts_continue(glb_scene *s);
 
 /* Returns VXS_OK, or VXS_E_MEMORY with the scene released and zeroed. A last mesh that stayed empty is taken away. */
 vxs_result parts_end(parts *p, message *m);
 
-/* What follows goes into a new mesh. material: as in glb_mesh. */
+/* Begin a new mesh for the following shapes. material: as in glb_mesh. */
 void parts_mesh(parts *p, const char *name, uint32_t material);
 
-/* What follows is a run of smoke of its own. lines, material: as in glb_smoke. */
+/* Begin a new run of smoke. lines, material: as in glb_smoke. */
 void parts_smoke(parts *p, const char *name, int lines, uint32_t material);
 /* A point, or an end of a line. */
 void parts_smoke_vertex(parts *p, const double place[3], double radius_metres, double extinction);
@@ -63,8 +63,7 @@ void     parts_triangle(parts *p, uint32_t a, uint32_t b, uint32_t c);
 /* A closed box, 12 triangles; low and high in the frame. Turned inside out when high < low on one axis or three. */
 void parts_box(parts *p, parts_frame f, const double low[3], const double high[3]);
 
-/* The triangles of a box whose eight vertices begin at `first`: vertex c is at the box's high end of axis a where bit a of c is
- * set. */
+/* The triangles of a box whose eight vertices begin at `first`: vertex c is at the high end of axis a if bit a of c is set. */
 void parts_box_triangles(parts *p, uint32_t first);
 
 /* An upright box.  mesh: the name of a new mesh for it, without a material; NULL: it goes into the last. */

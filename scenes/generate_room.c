@@ -1,14 +1,14 @@
 /* A furnished room, seen from inside.
  *
  *     +----------------------------------+     8 x 6 m, 3 m high. Walls, floor and ceiling are one open sheet that faces
- *     | corner        sofa               |     inward; all furniture is closed. Beyond the door lie a floor and a wall
- *     |s            chair                |     that catch the light which gets through.
+ *     | corner        sofa               |     inward; all furniture is closed. Beyond the door are a floor and a wall
+ *     |s            chair                |     that receive the light through it.
  *     |h      chair table chair  cabinet |
  *     |elf         lamp                  |     X to the right, Z down
  *     |             chair                |
  *     +--------------------+ door +------+
  *
- * Most triangles are those of books and of round things: the shelf fills up first, then what is round gets rounder.
+ * Most triangles are those of books and of round objects: the shelf is filled first, then round objects get more segments.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenes/generate.h"
 
@@ -26,7 +26,7 @@ enum { SHELF_LEVELS = 6, BOOKS_MAX = 360, ROUND_MAX = 8, ROUND_TRIANGLES = 200, 
 
 static const double lamp_at[3] = {0, 2, 0};
 
-/* ---- what does not move ---- */
+/* ---- fixed parts ---- */
 
 static void wall(parts *p, double x, double y, double z, const double u[3], const double v[3])
 {

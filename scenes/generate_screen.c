@@ -1,4 +1,4 @@
-/* A screen, and what it shows: the sky red at the foot and blue above, a sun, and hills before it.
+/* A screen and its picture: a sky, red below and blue above, a sun, and hills in front.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenes/generate_screen.h"
 

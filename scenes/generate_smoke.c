@@ -1,10 +1,11 @@
-/* Scenes whose smoke and hair cast shadows: points and lines with radius and extinction, and what their shadows fall on.
+/* Scenes with smoke and hair that cast shadows: points and lines with radius and extinction, and surfaces that receive the
+ * shadows.
  *
- *     smoke   a yard between two houses, a low sun through three columns      hair   a head with strands on a table between lamps,
- *             that rise from barrels, widen and thin, and a street lamp              and a thread of smoke beside it
+ *     smoke   a yard between two houses, a low sun through three columns      hair   a head with strands on a table between
+ *             lamps, that rise from barrels, widen and thin, and a street lamp              and a thread of smoke beside it
  *
- * A column is made of billows, balls that rise, lean with the wind and grow, and each of them of puffs. How dense a puff is
- * follows from how many there are, so that a column is as dense with any number of them.
+ * A column consists of billows: balls that rise, lean with the wind and grow. A billow consists of puffs. The density of a puff
+ * depends on their number, so that a column's density does not.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenes/generate.h"
 
@@ -45,7 +46,7 @@ static void scale_to(double v[3], double length)
     for (int n = 0; n < 3; n++) v[n] *= length / has;
 }
 
-/* what shadows fall on --------------------------------------------------------------------------------------------------------- */
+/* receivers of shadows --------------------------------------------------------------------------------------------------------- */
 
 static uint32_t paint(parts *p, const char *name, double red, double green, double blue)
 {
@@ -101,7 +102,7 @@ static billow billow_of(const column *c, rng *r, uint32_t n, uint32_t count)
     return b;
 }
 
-/* A puff of a billow: what all of a column take of light is its depth times what it is wide and tall. */
+/* A puff of a billow. The puffs of a column together take as much light as its depth times its width and height. */
 static void add_puff(parts *p, const column *c, const billow *b, rng *r, uint32_t puffs)
 {
     double at[3], radius = b->radius * between(r, 0.3, 0.6), volume = 4.19 * radius * radius * radius;

@@ -1,7 +1,7 @@
-/* Scenes at the edges of what a baker can be given; tests/cli/test_stress.py holds what has to come of each.
+/* Edge cases for a baker; tests/cli/test_stress.py has the expected results.
  *
- * Most have a ground whose top is y = 0 and a sun that falls at 45 degrees towards +X, so that a shadow lies beside what casts it
- * by as much as that is high.
+ * Most have a ground with its top at y = 0 and a sun that falls at 45 degrees towards +X, so that a shadow is as far beside its
+ * caster as the caster is high.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenes/generate.h"
 
@@ -70,7 +70,7 @@ static void near_far(parts *p)
     parts_point(p, "point", (double[3]){0, 0, 0}, 2000);
 }
 
-/* As far away as far_coordinates, but by the vertices themselves: whole metres are what floats can tell apart there. */
+/* As far away as far_coordinates, but by the vertices themselves: at this distance floats resolve only whole metres. */
 static void far_vertices(parts *p)
 {
     const double x = 1e7, z = -1e7;
@@ -113,7 +113,7 @@ static void grazing_wall(parts *p)
     parts_sun(p, direction);
 }
 
-/* A solid one, one of no thickness, and one that the spot lies in the plane of. */
+/* A solid wall, one without thickness, and one whose plane contains the spot. */
 static void wall_along_light(parts *p)
 {
     ground(p, 10);
@@ -140,7 +140,7 @@ static void light_in_wall(parts *p)
     parts_point(p, "lamp", (double[3]){0, 2, 0}, 20);
 }
 
-/* One above the light, one that covers all of the sky, and one beside it that reaches from behind the light to before it. */
+/* A caster above the light, one that covers the whole sky, and one beside it that extends from behind the light to before it. */
 static void caster_behind_light(parts *p)
 {
     ground(p, 8);
@@ -248,7 +248,7 @@ static void fan_100000(parts *p)
     parts_sun(p, slanted);
 }
 
-/* Quads whose sides cross, three sheets with a common edge, solids that have only a corner or an edge in common. */
+/* Quads whose sides cross, three sheets with a common edge, solids that share only a corner or an edge. */
 static void bow_ties(parts *p)
 {
     ground(p, 8);
@@ -400,7 +400,7 @@ static void intersecting_100(parts *p)
     parts_sun(p, slanted);
 }
 
-/* Blocks of 3 x 3 x 3 boxes whose faces lie on each other. */
+/* Blocks of 3 x 3 x 3 boxes whose faces touch. */
 static void touching_27(parts *p)
 {
     ground(p, 8);
@@ -472,7 +472,7 @@ static void spiral(parts *p)
     parts_sun(p, slanted);
 }
 
-/* Three stacks of a thousand: solids apart from each other, solids each of which reaches into the next, sheets. */
+/* Three stacks of a thousand: separate solids, solids that each intersect the next, sheets. */
 static void layers_1000(parts *p)
 {
     const double nearly_down[3] = {0.01, -1, 0.02};
@@ -499,8 +499,8 @@ static void inside_out_room(parts *p)
 
 /* ---- surfaces with one side ---- */
 
-/* A strip of `columns` quads around, whose end is glued to its beginning upside down: vertex (columns, j) is (0, last - j).
- * Where the grid is closed across too, row `rows` is row 0. */
+/* A strip of `columns` quads around, whose end is joined to its beginning upside down: vertex (columns, j) is (0, last - j).
+ * If the grid is also closed across, row `rows` is row 0. */
 static void add_twisted(parts *p, uint32_t columns, uint32_t rows, int closed,
                         void (*at)(double half[2], double across, double v[3]))
 {

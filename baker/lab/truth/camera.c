@@ -15,8 +15,7 @@ static void corner_of(const box *b, int n, double corner[3])
     for (int i = 0; i < 3; i++) corner[i] = n >> i & 1 ? b->max[i] : b->min[i];
 }
 
-/* Unit axes of a camera with the direction `forward`, level with the horizon unless that is straight up or down, or another way
- * is up. */
+/* Unit axes of a camera with the direction `forward`: level with the horizon, unless that is vertical or up_ws is given. */
 static void camera_axes(const double forward[3], const double up_ws[3], double right[3], double up[3])
 {
     static const double vertical[3] = {0, 1, 0};

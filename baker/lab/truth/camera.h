@@ -9,8 +9,9 @@
 typedef struct camera_pose {
     double eye_ws[3], target_ws[3];
     double fov_degrees; /* from top to bottom, above 0, below 180 */
-    double up_ws[3]; /* what is up in the picture, of any length, not along the way to the target; 0,0,0: level with the horizon */
-    double near_metres; /* nearer along its axis nothing is seen; 0: all is */
+    double up_ws[3];    /* up in the picture, of any length, not parallel to the direction to the target; 0,0,0: level with the
+                           horizon */
+    double near_metres; /* surfaces nearer than this, along the axis, are not seen; 0: all are */
 } camera_pose;
 
 /* Place a camera so that a box fills its view, no corner cut, from above, with the sun to the side.

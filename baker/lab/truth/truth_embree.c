@@ -1,11 +1,11 @@
 /* The ray-traced truth, by Embree 3; see truth.h.
  *
  * Embree's space, "unit space" below: the casters' bounds centred on 0 and scaled by a power of two, so that their half
- * diagonal lies in [0.5, 1). All triangles are one geometry, so that Embree's primID is the caster's triangle index.
+ * diagonal is in [0.5, 1). All triangles are one geometry, so that Embree's primID is the caster's triangle index.
  *
- *        point outside        first point where the ray can meet anything
+ *        point outside        first point where the ray can meet a caster
  *             o ---- skipped ----o------------->      rays begin at the casters' bounding sphere at the earliest,
- *                              (   bounds   )         so that the origin's rounding stays in proportion
+ *                              (   bounds   )         so that rounding of the origin is small relative to the casters
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/truth/truth.h"
 
@@ -26,7 +26,7 @@
 
 #define LIFT 1e-5
 
-#define SURFACE_TRIES 64 /* points drawn before surfaces count as nothing but holes */
+#define SURFACE_TRIES 64 /* points drawn before surfaces are taken as consisting of holes only */
 
 struct truth {
     const casters *casters;
@@ -210,7 +210,7 @@ static double segment_distance2(const double a[3], const double b[3])
     return vec3_dot(nearest, nearest);
 }
 
-/* The squared distance from 0 to a triangle, which may have no area: to its plane where 0 lies above the inside, else to an
+/* The squared distance from 0 to a triangle, which may have no area: to its plane where 0 projects into the triangle, else to an
  * edge. */
 static double triangle_distance2(const double a[3], const double b[3], const double c[3])
 {
@@ -233,8 +233,8 @@ static double triangle_distance2(const double a[3], const double b[3], const dou
 }
 
 /* A ray in unit space.
- * skipped  [out] metres between origin_ws and where the ray begins
- * Returns 0 when the ray misses the bounds, or so nearly that nothing can be hit. */
+ * skipped  [out] metres between origin_ws and the start of the ray
+ * Returns 0 when the ray misses the bounds, or only touches them so that it can meet no caster. */
 static int ray_begin(const truth *t, const double origin_ws[3], const double direction_ws[3], struct RTCRay *ray, double *skipped)
 {
     double from_centre[3], begin_ws[3];
@@ -262,7 +262,7 @@ static int ray_begin(const truth *t, const double origin_ws[3], const double dir
     return 1;
 }
 
-/* Turn a ray about its origin, by half of what rounding is allowed. */
+/* Turn a ray about its origin, by half of the allowed rounding error. */
 static void tilt(struct RTCRay *ray)
 {
     const double along[3] = {ray->dir_x, ray->dir_y, ray->dir_z};
@@ -313,15 +313,15 @@ static int is_at_lamp(const truth *t, size_t triangle, const double lamp_ws[3])
     return triangle_distance2(corners[0], corners[1], corners[2]) <= limit * limit;
 }
 
-/* One ray of which only the first caster in its way counts. */
+/* One ray, for which only the first caster on its way counts. */
 typedef struct way_context {
     struct RTCIntersectContext embree; /* first: the filter gets a pointer to it */
     const truth               *truth;
     const double              *lamp_ws; /* NULL for a directional light */
 } way_context;
 
-/* Holes let light pass. Embree's weights of a triangle's corners are off by what rounding displaces the ray, which
- * truth_precision has room for. Casters at the lamp are left to is_occluded_at_lamp. */
+/* Holes let light pass. Embree's barycentric weights are off by the rounding displacement of the ray, which truth_precision
+ * includes. Casters at the lamp are left to is_occluded_at_lamp. */
 static void pass_holes(const struct RTCFilterFunctionNArguments *args)
 {
     const way_context   *way = (const way_context *)args->context;
@@ -344,7 +344,7 @@ typedef struct lamp_query {
     const truth  *truth;
     const double *lamp_ws;
     double        way_ws[3]; /* unit, from the lamp */
-    double        end;       /* metres: what is farther does not count */
+    double        end;       /* metres: casters farther away are ignored */
     int           occluded;
 } lamp_query;
 
@@ -396,7 +396,7 @@ int truth_lit(const truth *t, const double point_ws[3], const light_shape *light
     double        distance = way_to_light(light, point_ws, to_light_ws);
     struct RTCRay ray;
     if (!ray_begin(t, point_ws, to_light_ws, &ray, &skipped)) return 1;
-    if (skipped == 0) ray.tnear = FLOAT_SLACK; /* the surface that the point lies on is not in its own way */
+    if (skipped == 0) ray.tnear = FLOAT_SLACK; /* the surface of the point itself does not count */
     if (distance < INFINITY) {
         double own = skipped == 0 ? truth_precision(t) : 0;
         if (is_occluded_at_lamp(t, light->position_ws, to_light_ws, distance - own)) return 0;
@@ -447,7 +447,7 @@ int truth_first_hit(const truth *t, const double origin_ws[3], const double dire
     rtcIntersect1(t->scene, &nearest.embree, &query);
     if (nearest.triangle == UINT32_MAX) return 0;
 
-    /* the triangle's plane, in double, gives a better distance, unless the ray all but lies in it */
+    /* the triangle's plane, in double, gives a more precise distance, unless the ray is nearly parallel to it */
     double normal[3], unit[3] = {0, 0, 0}, to_corner[3];
     double metres = skipped + nearest.distance / t->scale;
     scaled_normal(t, nearest.triangle, normal);
@@ -465,8 +465,8 @@ int truth_first_hit(const truth *t, const double origin_ws[3], const double dire
 
 /* -- inside ---------------------------------------------------------------------------------------------- */
 
-/* Signed crossings along one ray. A ray that passes an edge closer than rounding can tell may cross both of its triangles,
- * where only one counts; such a ray is doubtful, and another direction is tried. */
+/* Signed crossings along one ray. A ray that passes an edge within the rounding error may cross both of its triangles instead of
+ * one; such a ray is doubtful, and another direction is tried. */
 typedef struct winding_context {
     struct RTCIntersectContext embree; /* first: the filter gets a pointer to it */
     const truth               *truth;
@@ -533,7 +533,7 @@ int truth_inside_solid(const truth *t, const double point_ws[3])
 
 /* -- surface points -------------------------------------------------------------------------------------- */
 
-/* The first triangle whose sum exceeds `area`: never one without area. */
+/* The first triangle whose cumulative sum exceeds `area`: never one without area. */
 static size_t triangle_at_area(const truth *t, double area)
 {
     size_t low = 0, high = t->casters->triangle_count - 1;
@@ -570,7 +570,7 @@ int truth_sample_surface(const truth *t, const double uniforms[3], double point_
     int    tries = 1;
     if (!(t->area_sums[t->casters->triangle_count - 1] > 0)) return 0;
 
-    /* what is drawn after a hole is as random as what was drawn before, and follows from it */
+    /* after a hole, continue with random numbers that are derived from the given ones, so that the result is deterministic */
     rng again = {(uint64_t)ldexp(uniforms[0], 60) ^ (uint64_t)ldexp(uniforms[1], 52) ^ (uint64_t)ldexp(uniforms[2], 44)};
     while (!draw_surface_point(t, drawn_from, found, &chosen)) {
         if (tries++ == SURFACE_TRIES) return 0;
