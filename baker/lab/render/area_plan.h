@@ -14,8 +14,8 @@
 /* The decision on a parallelogram in a frame. */
 typedef enum area_fate {
     AREA_DRAWN,
-    AREA_FAINT,  /* left out: black, or brighter ones have all lamps */
-    AREA_BEHIND, /* all that is seen is behind it */
+    AREA_FAINT,  /* left out: black, or brighter ones have all virtual lights */
+    AREA_BEHIND, /* left out: all visible space is behind it */
     AREA_FATES
 } area_fate;
 
@@ -31,7 +31,7 @@ typedef struct area_plan {
 /* The power that a parallelogram emits on its front: its area times the mean luminance. */
 double area_power(const scene_area *a);
 
-/* 1: no place of a ray from the eye is before it. */
+/* 1: no point of a ray from the eye is in front of it. */
 int area_is_behind(const scene_area *a, const double eye_ws[3], const camera_view *seen, double far_metres);
 
 /* Distribute virtual lights by power to the parallelograms that are not behind the view, in descending order of power. Each gets
@@ -50,7 +50,7 @@ typedef struct area_words {
 /* Print a line; with `verbose` a line for each parallelogram, and for emissive surfaces that are not parallelograms. */
 void area_plan_print(FILE *to, const area_plan *plan, const area_words *w, int verbose);
 
-/* Of a frame: how many have which fate. Of the picture: all that is said of it. */
+/* Counts of decisions in a frame; all data of the picture's plan. */
 json_t *area_plan_counts(const area_plan *plan);
 json_t *area_plan_json(const area_plan *plan, const area_words *w);
 

@@ -8,8 +8,8 @@
 
 typedef struct baked_mesh_options {
     uint32_t light;      /* its number in vxs_gl */
-    uint32_t side_px;    /* of the light map, a power of two; 0, or more than the baked map has: as that */
-    double   far_metres; /* as for vxs_light_mesh_desc, as is the next */
+    uint32_t side_px;    /* side of the shadow depth map, a power of two; 0, or more than the baked map's: that side */
+    double   far_metres; /* as for vxs_light_mesh_desc, like the next one */
     double   error_texels;
 } baked_mesh_options;
 

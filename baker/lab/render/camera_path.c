@@ -52,7 +52,7 @@ static vxs_result read_keys(camera_path *path, char *text, const char *name, dou
 static uint64_t wanted_bytes(void *user, const uint8_t *first, size_t size_bytes)
 {
     (void)user;
-    return memchr(first, 0, size_bytes) ? 0 : UINT64_MAX; /* no text */
+    return memchr(first, 0, size_bytes) ? 0 : UINT64_MAX; /* not a text file */
 }
 
 vxs_result camera_path_read(camera_path *path, const char *file, double fov_degrees, message *m)

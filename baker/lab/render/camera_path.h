@@ -11,7 +11,7 @@
 typedef struct camera_path {
     camera_pose *keys; /* [count] owned */
     size_t       count;
-    int          closed; /* behind the last key comes the first */
+    int          closed; /* 1: the first key follows the last one */
 } camera_path;
 
 enum { PATH_KEYS_MAX = 10000 };
@@ -22,10 +22,11 @@ enum { PATH_KEYS_MAX = 10000 };
  * Returns VXS_OK, VXS_E_READ (the message has the line's number), VXS_E_MEMORY. */
 vxs_result camera_path_read(camera_path *path, const char *file, double fov_degrees, message *m);
 
-/* Once around the target of a camera, at its height.   Returns VXS_OK or VXS_E_MEMORY. */
+/* A circle around the target of a camera, at its height.   Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result camera_path_orbit(camera_path *path, const camera_pose *camera, message *m);
 
-/* At a share of the path, [0, 1]: eye and target each on a smooth curve through its keys (Catmull-Rom), which take equal times. */
+/* The pose at a share of the path, [0, 1]: eye and target each on a Catmull-Rom curve through the keys, with equal times between
+ * keys. */
 camera_pose camera_path_at(const camera_path *path, double share);
 
 void camera_path_free(camera_path *path);

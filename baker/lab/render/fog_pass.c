@@ -14,7 +14,7 @@
  * phi; fewer on a software renderer, which fills the grid for each light in each frame. */
 enum { MAP_SIDE = 1024, MESH_SIDE = 1024, GRID_SIDE = 512, GRID_SIDE_SOFTWARE = 256 };
 
-/* A light, and the most airlight that any ray has of it. */
+/* A light, and the maximum of its airlight on any ray. */
 typedef struct faint_light {
     uint32_t light;
     float    most;
@@ -26,12 +26,12 @@ struct fog_pass {
     vxs_gl                *shadows;
     vxs_volumes           *volumes;
     vxs_shadow_grid       *grid;   /* FOG_BY_GRID */
-    vxs_light_mesh       **meshes; /* FOG_BY_MESH: [lights], NULL before the first frame in which a light is drawn */
-    vxs_shadow_depth_map **maps;   /* [lights] of those that have seen something move; else NULL */
+    vxs_light_mesh       **meshes; /* FOG_BY_MESH: [lights], NULL until the light is first drawn */
+    vxs_shadow_depth_map **maps;   /* [lights] for lights that have met moving casters; else NULL */
     uint32_t               meshes_made;
     fog_light_plan        *lights; /* [lights] of the last frame */
     faint_light           *faint;  /* [lights] */
-    uint32_t               last;   /* light that was drawn then; UINT32_MAX: none */
+    uint32_t               last;   /* the light that was drawn last; UINT32_MAX: none */
 };
 
 static vxs_gl_function lookup(const char *name, void *user)
@@ -97,7 +97,7 @@ void fog_pass_destroy(fog_pass *p)
 
 /* meshes ----------------------------------------------------------------------------------------------------------------------- */
 
-/* Rays end 2 sizes of the scene before the eye, which a path may lead some sizes away from where it is now. */
+/* Mesh rays end 2 scene sizes beyond the usual end, since a path may move the eye away by some scene sizes. */
 static vxs_result make_mesh(fog_pass *p, uint32_t light, message *m)
 {
     const baked_mesh_options o = {
@@ -173,7 +173,7 @@ static void plan_steps(fog_light_plan *light, int is_dimmed, int meets_moving)
     if (light->why) light->by = FOG_BY_ANGLES;
 }
 
-/* map  NULL: the file is asked */
+/* map  NULL: use the baked data */
 static vxs_result draw_light(fog_pass *p, const vxs_volumes_light *light, const vxs_shadow_depth_map *map, message *m)
 {
     uint32_t   n      = light->baked;
@@ -192,7 +192,7 @@ static vxs_result draw_light(fog_pass *p, const vxs_volumes_light *light, const 
 
 static vxs_volumes_light light_of(const fog_pass *p, uint32_t n, const fog_shine *shine, double exposure)
 {
-    const double      radius = 5e-4 * p->options.size_metres; /* airlight has no bound where a ray meets a point */
+    const double      radius = 5e-4 * p->options.size_metres; /* airlight is unbounded on a ray through a point light */
     vxs_volumes_light light  = {.baked = n, .cos_inner = (float)shine->cos_inner, .radius_metres = (float)radius};
     for (int k = 0; k < 3; k++) light.colour[k] = (float)(exposure * shine->colour[k]);
     return light;

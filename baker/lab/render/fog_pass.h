@@ -15,10 +15,10 @@ typedef struct fog_pass_options {
     const fog_medium             *medium; /* it outlives the pass */
     fog_by                        by;
     uint32_t                      steps;         /* of a march */
-    uint32_t                      grid;          /* n: a grid of n x 2n x n; 0: as fits the processor that draws */
+    uint32_t                      grid;          /* n: a grid of n x 2n x n; 0: chosen for the renderer */
     uint32_t                      width, height; /* samples */
     double                        size_metres;   /* of the scene */
-    const vxs_baked_smoke *const *baked_smoke;   /* [lights] as render_options has it */
+    const vxs_baked_smoke *const *baked_smoke;   /* [lights] as in render_options */
     int                           streamed;      /* 1: baked data may change, so light maps are looked up anew in each frame */
 } fog_pass_options;
 
@@ -36,8 +36,8 @@ vxs_result fog_pass_create(fog_pass **pass, const fog_pass_options *o, const gl_
 /* Accepts NULL. */
 void fog_pass_destroy(fog_pass *pass);
 
-/* Begin a frame: no airlight yet.
- * ambient  of the sky, which fog scatters, too */
+/* Begin a frame without airlight.
+ * ambient  of the sky, scattered by the fog, too */
 vxs_result fog_pass_begin(fog_pass *pass, const vxs_view *view, unsigned depths, const double eye_ws[3], const double ambient[3],
                           message *m);
 

@@ -30,9 +30,9 @@ typedef enum fog_fate {
 
 typedef struct fog_plan {
     uint32_t lights[FOG_FATES];
-    uint32_t by_angles;   /* of lights that are drawn, those that are so though something else was asked */
-    uint32_t light_maps;  /* of them all, which end where something moves */
-    uint32_t meshes_made; /* up to and with this frame, of lights that are drawn; of FOG_BY_MESH */
+    uint32_t by_angles;   /* lights drawn by equiangular steps instead of the requested method */
+    uint32_t light_maps;  /* lights drawn by maps that are joined with moving casters */
+    uint32_t meshes_made; /* for FOG_BY_MESH: all meshes made so far, including this frame */
 } fog_plan;
 
 /* Of one light. */
@@ -58,7 +58,7 @@ void fog_plan_savings(const fog_plan *plan, fog_by by, uint32_t light_count, fog
 void fog_plan_print(FILE *to, const fog_plan *plan, fog_by by, const fog_light_plan *lights, const vxs_baked_light *const *names,
                     uint32_t light_count, int verbose);
 
-/* Of a frame: how many lights have which fate. */
+/* For a frame: the number of lights with each decision. */
 json_t *fog_plan_counts(const fog_plan *plan);
 
 /* For the picture: each light, and the savings. */

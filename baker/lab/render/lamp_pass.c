@@ -18,7 +18,7 @@ static const double pi = 3.14159265358979324;
 /* If a file has more points per place than this on average, only one point of each place is drawn. */
 enum { CROWD = 4 };
 
-/* Of all triangles; of those that move. */
+/* Numbers of points: for all triangles; for moving ones. */
 enum { POINTS = 1 << 18, MOVING_POINTS = 1 << 15 };
 
 /* Limits on smoke maps: there are many virtual lights, and each has its map. The last is the limit on texels that all capsules
@@ -31,10 +31,10 @@ struct lamp_pass {
     vxs_volumes      *volumes;
     vxs_area_light   *light;
     uint32_t          points, moving_points; /* of static casters, first in the buffer; of moving casters */
-    vxs_area_point   *moving, *moved;        /* [moving_points] where they are in their file; and now */
-    double            moved_ws[3];           /* by how much */
-    int               has_moved;             /* since shadow maps were cast */
-    vxs_capsule      *capsules;              /* [options.smoke->count] of smoke: those that lamps shine on */
+    vxs_area_point   *moving, *moved;        /* [moving_points] at their position in the file; at their current one */
+    double            moved_ws[3];           /* the offset between them */
+    int               has_moved;             /* 1: moved since shadow maps were cast */
+    vxs_capsule      *capsules;              /* [options.smoke->count] capsules of smoke that virtual lights reach */
     uint32_t          capsule_count;
     GLuint            buffer, add_program, empty_array;
 };
@@ -42,9 +42,8 @@ struct lamp_pass {
 /* set-up ----------------------------------------------------------------------------------------------------------------------- */
 
 /* Scatter points over a scene's triangles.
- * lamps  number of virtual lights where points are densest, as in the options;   found  [out] number of points: 0 if all
- *        triangles have no
- * area */
+ * lamps  number of virtual lights where points are densest, as in the options
+ * found  [out] number of points: 0 if all triangles have no area */
 static vxs_result scatter(const lamp_pass *p, const scene *s, uint32_t lamps, vxs_area_point *points, uint32_t count,
                           uint32_t *found, message *m)
 {
@@ -68,7 +67,7 @@ static vxs_result scatter_moving(lamp_pass *p, message *m)
     return scatter(p, p->options.moving, 0, p->moving, MOVING_POINTS, &p->moving_points, m);
 }
 
-/* Where they are now, behind those that stand. */
+/* Append the moving points, at their current position, to the static ones. */
 static void put_moving(lamp_pass *p, const double moved_ws[3])
 {
     GLsizeiptr size = sizeof *p->moved;
@@ -81,7 +80,7 @@ static void put_moving(lamp_pass *p, const double moved_ws[3])
     p->has_moved = 1;
 }
 
-/* How many bits of coordinates tell points apart that are a quarter as far from each other as they are wide, or farther. */
+/* The number of coordinate bits that distinguish points whose distance is a quarter of their width or more. */
 static uint32_t bits_that_count(const vxs_baked_points *points)
 {
     double   units = 0.25 * sqrt(points->square_metres) / points->step_metres;

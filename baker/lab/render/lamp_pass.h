@@ -16,13 +16,13 @@ typedef struct lamp_pass_options {
     const vxs_baked_points *points;     /* that cast shadows; NULL: they are scattered over the scene's triangles */
     const scene            *moving;     /* moving casters, at their position in each frame; NULL: none */
     const scene_smoke      *smoke;      /* smoke that dims the light; NULL: none */
-    uint32_t                smoke_side; /* curves a side of a map of it; a virtual light has no more than 64 */
-    const double           *middle_ws;  /* [3] places count from there */
+    uint32_t                smoke_side; /* side of its maps in curves; at most 64 for a virtual light */
+    const double           *middle_ws;  /* [3] origin of relative positions */
     uint32_t                lamps;      /* 1 to VXS_VPLS_MAX */
     vxs_area_gather         gather;
     const vxs_vpl          *dense; /* [dense_count] virtual lights where points are densest, relative to the middle; read only by
                                       create */
-    uint32_t                dense_count; /* 0: points are as dense everywhere */
+    uint32_t                dense_count; /* 0: points are equally dense everywhere */
 } lamp_pass_options;
 
 typedef struct lamp_pass lamp_pass;
@@ -57,7 +57,7 @@ void lamp_pass_begin_adding(const lamp_pass *pass, GLuint program);
 uint32_t lamp_pass_points(const lamp_pass *pass);
 unsigned lamp_pass_irradiance(const lamp_pass *pass);
 
-/* How many capsules of smoke dim the lamps; and by how many curves a side of each. */
+/* The number of smoke capsules that dim the virtual lights, and the side of each one's smoke map. */
 uint32_t lamp_pass_capsules(const lamp_pass *pass, uint32_t *smoke_side);
 
 #endif

@@ -4,7 +4,7 @@
  * too. */
 layout(binding = 0) uniform sampler2D depths; /* near / distance along the axis, as gl_FragCoord.z */
 uniform float farthest; /* in the same units */
-uniform int   turn;     /* 1, or -1: light space is turned over in the view */
+uniform int   turn;     /* 1, or -1: the view mirrors light space */
 in vec3 beside;
 layout(location = 0) out vec4 light;
 
@@ -18,6 +18,6 @@ void main()
     float nearest = min(pixels.x, min(pixels.y, pixels.z)), widest = max(wide.x, max(wide.y, wide.z));
     float seen = texelFetch(depths, ivec2(gl_FragCoord.xy), 0).r;
     if (gl_FragCoord.z < max((1.0 - on_surface) * seen, farthest)) discard;
-    float line = (1.0 - smoothstep(0.4, 1.2, nearest)) * clamp(1.5 - 2.0 * widest, 0.0, 1.0); /* fades out in triangles under a pixel */
+    float line = (1.0 - smoothstep(0.4, 1.2, nearest)) * clamp(1.5 - 2.0 * widest, 0.0, 1.0); /* none in tiny triangles */
     light      = vec4((gl_FrontFacing == (turn > 0) ? leaves : enters) * (veil + edge * line), 0.0);
 }

@@ -17,7 +17,7 @@ typedef struct moving_view {
     double rows[4][4], texel;
 } moving_view;
 
-/* As moving.glsl has it. */
+/* Layout as in moving.glsl. */
 typedef struct shader_view {
     float depth_from_point[16], texel[4];
 } shader_view;
@@ -77,7 +77,7 @@ static moving_view perspective_view(const double place[3], const double forward[
     return v;
 }
 
-/* How a light sees a sphere.   Returns how many views there are */
+/* The views of a sphere from a light.   Returns their number */
 static uint32_t views_of(const vxs_light *light, const double middle[3], double radius, moving_view views[MOVING_FACES])
 {
     light_shape   shape = baked_light_shape(light);

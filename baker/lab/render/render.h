@@ -24,7 +24,7 @@ typedef struct render_options {
     uint32_t   width_px, height_px;
     uint32_t   samples;     /* a pixel is the mean of samples x samples, 1 to 4 */
     int        filter_px;   /* of lookups, as for vxs_lookup */
-    uint32_t   tile_lights; /* that a tile's list has room for */
+    uint32_t   tile_lights; /* capacity of a tile's list */
     double     stops;       /* exposure, in addition to that of the first frame */
     cull_mode  cull;
     gl_backend backend;
@@ -32,15 +32,15 @@ typedef struct render_options {
 
     const fog_medium *fog; /* NULL: there is none */
     fog_by            fog_by;
-    uint32_t          fog_steps, fog_grid; /* as for fog_pass_options */
+    uint32_t          fog_steps, fog_grid; /* as in fog_pass_options */
 
-    const scene            *moving;          /* a scene of its own that moves; NULL: none */
+    const scene            *moving;          /* a separate scene that moves; NULL: none */
     double                  moving_by_ws[3]; /* metres, from frame to frame */
-    uint32_t                area_lamps;      /* of the scene's area lights; 0: they do not shine */
+    uint32_t                area_lamps;      /* virtual lights for the scene's area lights; 0: these emit no light */
     const vxs_baked_points *area_points;     /* as for area_pass_options */
     vxs_area_gather         area_gather;
 
-    const sky_map *sky;       /* it outlives the renderer, and lights by area_lamps of its own. NULL: the sky that pictures have */
+    const sky_map *sky;       /* outlives the renderer; has its own area_lamps virtual lights. NULL: the default sky of pictures */
     double         sky_light; /* factor on its radiance: cd/m2, if lights are in candela and lux */
     double         sky_turn_degrees; /* about +Y */
 
@@ -48,12 +48,12 @@ typedef struct render_options {
         *baked_smoke; /* [lights] baked smoke of each; a NULL item: of that light there is none; NULL: there is none at all */
 
     smoke_mode smoke;
-    uint32_t   smoke_side;          /* texels of a map of it, */
-    int        smoke_side_is_asked; /* 0: fewer, where they would take too long */
+    uint32_t   smoke_side;          /* side of smoke maps, texels */
+    int        smoke_side_is_asked; /* 0: smaller, if they would take too long */
 
     const vxs_stream *stream;       /* the stream of these lights, all of them; outlives the renderer. NULL: the lights of an
                                        asset */
-    uint64_t          upload_bytes; /* of its pages, in each frame but the first at most */
+    uint64_t          upload_bytes; /* limit on uploads of its pages in each frame but the first */
 } render_options;
 
 /* Times of a frame's stages in seconds; each stage waits for OpenGL to finish. Stages that are not needed (of a stream, moving
@@ -75,11 +75,11 @@ extern const char *const render_stage_names[RENDER_STAGES]; /* "upload", ... */
 
 typedef struct render_frame {
     double      seconds[RENDER_STAGES];
-    uint64_t    surface_pixels; /* that show the scene, with all samples */
-    uint64_t    asked_lights;   /* lookups of all pixels but those of lights that they face away from */
-    uint32_t    longest_list;   /* lights of a tile; 0 without culling */
+    uint64_t    surface_pixels; /* samples of pixels that show the scene */
+    uint64_t    asked_lights;   /* lookups of all samples, without lights that the surface faces away from */
+    uint32_t    longest_list;   /* lights in the longest list of a tile; 0 without culling */
     uint64_t    uploaded_bytes; /* of a stream's words; in the first frame, since the renderer was made */
-    uint64_t    waiting_bytes;  /* that are there, and for the next frames to upload */
+    uint64_t    waiting_bytes;  /* loaded, but not yet uploaded */
     fog_plan    fog;            /* lights of it; without fog all 0 */
     smoke_plan  smoke;          /* lights that it dims; without it all 0 */
     area_plan   area;           /* area lights; without them all 0 */
@@ -107,7 +107,7 @@ void renderer_destroy(renderer *r);
  * Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
 vxs_result renderer_draw(renderer *r, const camera_pose *camera, uint8_t *rgb, render_frame *frame, message *m);
 
-/* The picture that was drawn last as linear light, as exposed, without a screen's shoulder and curve: the mean of samples.
+/* The picture that was drawn last as exposed linear light, before tone mapping: the mean of samples.
  * rgb  [out] [3 * width_px * height_px] top row first */
 vxs_result renderer_read_linear(renderer *r, float *rgb, message *m);
 
@@ -139,10 +139,10 @@ void renderer_fog_left(const renderer *r, const float *depths, float *left);
 #define RENDER_NOT_ASKED (-2.0f)
 vxs_result renderer_read_full(renderer *r, float *full, message *m);
 
-/* The place of sample (x, y) of the last frame, top row first, `depth` metres along the axis. */
+/* The position of sample (x, y) of the last frame, top row first, `depth` metres along the axis. */
 void renderer_place(const renderer *r, uint32_t x, uint32_t y, float depth, double place_ws[3]);
 
-/* The factor that direct light is shown with. */
+/* The factor on direct light. */
 double renderer_exposure(const renderer *r);
 
 /* Whether lists of lights are made; whether there is fog. */
@@ -176,7 +176,7 @@ vxs_result renderer_read_mesh(renderer *r, float *light, message *m);
 /* Each light in the last frame's smoke, [light_count]; NULL without smoke. */
 const smoke_light_plan *renderer_smoke_lights(const renderer *r);
 
-/* How much of light n, which it dims, smoke leaves at each place of the last frame.   left  [out] [count] */
+/* The transmittance of smoke towards light n, which it dims, at each sample of the last frame.   left  [out] [count] */
 vxs_result renderer_read_smoke(renderer *r, uint32_t n, float *left, message *m);
 
 /* The transmittance of smoke towards the eye.   left  [out] [count] */

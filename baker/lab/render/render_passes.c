@@ -30,7 +30,7 @@ typedef struct passes {
     size_t       count;                              /* samples */
     float       *depths, *normals, *albedos, *light; /* of renderer_read */
     float       *lit;                                /* [count] of one light */
-    float       *sum, *true_sum, *reached;           /* [count] over lights that were asked */
+    float       *sum, *true_sum, *reached;           /* [count] sums over lights that were looked up */
     uint8_t     *rgb;
 } passes;
 
@@ -53,7 +53,7 @@ static void set_grey(uint8_t rgb[3], double share)
 
 static const uint8_t nothing[3] = {255, 0, 255};
 
-/* bytes  [size] of the picture, which are freed; NULL: there was no memory for them */
+/* bytes  [size] of the picture, freed here; NULL: out of memory */
 static vxs_result write_file(const passes *p, const char *name, const char *extension, uint8_t *bytes, size_t size, message *m)
 {
     char        path[4096];
@@ -78,7 +78,7 @@ static vxs_result write_pixels(const passes *p, const char *name, const uint8_t 
     return write_file(p, name, ".png", png, size, m);
 }
 
-/* The floats that a pass is drawn from, where they are asked for.   channels  as exr_encode has them; NULL: there are no floats */
+/* Write the floats of a pass, if wanted.   channels  as in exr_encode; NULL: the pass has no floats */
 static vxs_result write_floats(const passes *p, const char *name, const float *floats, uint32_t width, uint32_t height,
                                const char *channels, message *m)
 {
@@ -134,7 +134,7 @@ static vxs_result write_light(passes *p, message *m)
     return write_pass(p, "light", p->light, "RGB.", m);
 }
 
-/* Linear light that the renderer gives back, times a factor. */
+/* Write linear light that `read` returns, times a factor. */
 static vxs_result write_linear(passes *p, const char *name, vxs_result (*read)(renderer *, float *, message *), double factor,
                                message *m)
 {
@@ -175,7 +175,7 @@ static vxs_result write_shadow_grid(const passes *p, message *m)
     return r;
 }
 
-/* The mesh in the light of a dim scene. */
+/* The mesh over a dimmed picture of the scene. */
 static vxs_result write_light_mesh(const passes *p, message *m)
 {
     float     *mesh = malloc(3 * p->count * sizeof *mesh);
@@ -255,7 +255,7 @@ static void trace_samples(void *user, size_t begin, size_t end, uint32_t worker)
     for (size_t n = begin; n < end; n++) trace_sample(user, n);
 }
 
-/* The same of a light. */
+/* The same for one light. */
 static vxs_result write_of_light(const passes *p, const char *what, uint32_t number, const vxs_light *light, const float *floats,
                                  message *m)
 {

@@ -6,14 +6,14 @@
 #include "baker/lab/render/render.h"
 #include "baker/lab/truth/truth.h"
 
-/* How lookups of a frame compare with filtered rays, where a light reaches a sample that faces it. */
+/* The difference between a frame's lookups and filtered rays, over lights and samples that face them. */
 typedef struct truth_difference {
     uint64_t asked;
-    double   mean;                /* of the lit fractions' difference, without its sign */
+    double   mean;                /* of the absolute difference of lit fractions */
     uint64_t too_dark, too_light; /* by more than half */
 } truth_difference;
 
-/* All that render_passes writes into its folder (run_files_add_folder). */
+/* Patterns of all files that render_passes writes (run_files_add_folder). */
 #define RENDER_PASSES_NAMES                                                                                                        \
     "depth.png|normal.png|albedo.png|light.png|lights.png|smoke.png|smoke-*.png|area.png|sky.png|airlight.png|"                    \
     "transmittance.png|shadow-grid.png|light-mesh.png|lit-*.png|resident.png|truth.png|difference.png|depth.exr|"                  \

@@ -110,7 +110,7 @@ static json_t *frame_json(const render_report *r, const drawn_frame *d)
     return o;
 }
 
-/* Of stages of all frames but the first, in which shaders are made ready, where there are several; then of their sums. */
+/* Medians of stages and of their sums, without the first frame if there are several: it compiles shaders. */
 static json_t *median_json(const render_report *r)
 {
     size_t  skipped = r->frame_count > 1, count = r->frame_count - skipped;
@@ -266,7 +266,7 @@ static double y_of(double ms, double most)
     return PLOT_HIGH - BOTTOM - (PLOT_HIGH - TOP - BOTTOM) * ms / most;
 }
 
-/* Milliseconds of the stages before one. */
+/* The sum of the stages below one in the plot, milliseconds. */
 static double below(const render_frame *f, int stage)
 {
     double sum = 0;
@@ -286,7 +286,7 @@ static void plot_stage(FILE *to, const render_report *r, int stage, double most)
             TOP + 11 + 22 * (RENDER_STAGES - 1 - stage), render_stage_names[stage]);
 }
 
-/* Bytes that are uploaded in a frame as bars, of the first frame none; the share of samples that are answered in full as a line. */
+/* Uploaded bytes of each frame but the first as bars; the share of samples that are answered in full as a line. */
 static void plot_stream(FILE *to, const render_report *r)
 {
     const double foot = PLOT_HIGH + STREAM_HIGH - BOTTOM, high = STREAM_HIGH - BOTTOM - 10;

@@ -18,7 +18,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "runtime/volumes/vxs_air_light.h" /* first: box.h has a type of a name that its functions have */
+#include "runtime/volumes/vxs_air_light.h" /* first: box.h defines a type with the name of one of its functions */
 
 #include "baker/base/clock.h"
 #include "baker/base/vec3.h"
@@ -29,7 +29,7 @@ const char *const render_stage_names[RENDER_STAGES] = {"upload", "moving", "surf
 
 enum { COLOURS_BINDING = 3, PICTURE_UNIT = 4 };
 
-/* Depths are near / z; u and v go up from the lower left corner. By columns. */
+/* The camera's matrices. Depths are near / z; u and v go up from the lower left corner. Column-major. */
 static void set_view(renderer *r, const camera_pose *camera)
 {
     const camera_view *v = &r->seen;
@@ -94,7 +94,7 @@ static void draw_surfaces(const renderer *r)
     gl->Disable(GL_DEPTH_TEST);
 }
 
-/* textures  of targets, from the first on, that the program reads */
+/* textures  the first of the targets that the program reads */
 static void begin_screen(const renderer *r, GLuint frame, GLuint program, GLuint textures, uint32_t width, uint32_t height)
 {
     const gl_context *gl = r->gl;
@@ -121,7 +121,7 @@ void renderer_bind_lights(const renderer *r)
     r->gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, COLOURS_BINDING, r->colour_buffer);
 }
 
-/* Of the fog that dims lights on their way. Places count from the eye. */
+/* Uniforms of the fog that dims lights on their way. Positions are relative to the eye. */
 static void set_fog(const renderer *r, GLuint program)
 {
     const fog_medium *f      = r->is_clear ? NULL : r->options.fog;
@@ -187,7 +187,7 @@ static vxs_result begin_air(const renderer *r, message *m)
     return fog_pass_begin(r->fog, &r->view, r->target[DEPTHS], r->camera.eye_ws, ambient, m);
 }
 
-/* How much of each light gets through smoke, in a frame of the air. */
+/* Compute the transmittance of smoke towards each light, in a frame of the air. */
 static vxs_result dim_lights(const renderer *r, smoke_plan *plan, message *m)
 {
     vxs_result result = begin_air(r, m);
@@ -214,7 +214,7 @@ static vxs_result light_by_areas(const renderer *r, area_plan *plan, message *m)
     return VXS_OK;
 }
 
-/* The same of the sky, in the frame of area lights where there are some. */
+/* The same for the sky, in the frame of area lights if there are some. */
 static vxs_result draw_sky(const renderer *r, double exposure, message *m)
 {
     vxs_result result      = r->areas ? VXS_OK : begin_air(r, m);
@@ -262,7 +262,7 @@ static int brighter(const void *a, const void *b)
     return x < y ? -1 : x > y;
 }
 
-/* So that of the samples that have light, the brightest tenth begins where a screen is nearly white. */
+/* The exposure for which the brightest tenth of lit samples begins near white. */
 static double exposure_of(const float *light, const float *albedos, size_t count, double stops)
 {
     const double white = 0.8, share = 0.9;
@@ -295,7 +295,7 @@ static vxs_result choose_exposure(renderer *r, message *m)
     return result;
 }
 
-/* How many lights samples asked for, and how long lists are. */
+/* Count the lights that samples look up, and the lengths of lists. */
 static vxs_result count_lights(renderer *r, render_frame *frame, message *m)
 {
     size_t     count  = (size_t)r->width * r->height;
@@ -314,7 +314,7 @@ static vxs_result count_lights(renderer *r, render_frame *frame, message *m)
     return result;
 }
 
-/* How many samples are answered in full. */
+/* Count the samples that are answered in full. */
 static vxs_result count_full(renderer *r, render_frame *frame, message *m)
 {
     size_t     count  = (size_t)r->width * r->height;
@@ -355,7 +355,7 @@ static void stage_ends(const renderer *r, render_frame *frame, int stage, double
     *since = now;
 }
 
-/* All that surfaces get. */
+/* All light on surfaces. */
 static vxs_result light_surfaces(const renderer *r, render_frame *frame, double *since, message *m)
 {
     vxs_result result = VXS_OK;

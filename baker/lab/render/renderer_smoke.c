@@ -13,7 +13,7 @@ EMBEDDED(smoke_vert_glsl)
 EMBEDDED(smoke_frag_glsl)
 EMBEDDED(capsule_glsl)
 
-/* Bindings; and lights of corners lie in rows of so many. */
+/* Bindings; and the width of the texture with the lights of corners. */
 enum {
     CAPSULES_BINDING = 5,
     CORNERS_BINDING  = 6,
@@ -25,7 +25,7 @@ enum {
 };
 enum { CAPSULES, CORNERS, PLACES, LEFT, BUFFERS };
 
-/* Samples that take a minute to be drawn over on two processors. */
+/* Limit on samples that quads cover: they take a minute on two processors. */
 static const double COVERED_MOST = 2e9;
 
 struct smoke_cloud {
@@ -83,7 +83,7 @@ void renderer_free_cloud(renderer *r)
     free(c);
 }
 
-/* a frame ---------------------------------------------------------------------------------------------------------------------- */
+/* frame ------------------------------------------------------------------------------------------------------------------------ */
 
 static void upload(const renderer *r, smoke_cloud *c)
 {

@@ -8,7 +8,7 @@
 #include "baker/lab/render/surface_mesh.h"
 #include "runtime/gl/vxs_gl.h"
 
-/* Pictures that are drawn to. */
+/* Render targets. */
 enum {
     DEPTHS,
     NORMALS,
@@ -18,7 +18,7 @@ enum {
     LINEAR,
     PICTURE,
     TARGETS
-}; /* SCREEN and LINEAR of the picture, others of samples */
+}; /* SCREEN and LINEAR have the picture's size, the others one texel for each sample */
 
 typedef struct smoke_cloud smoke_cloud;
 
@@ -37,15 +37,15 @@ struct renderer {
     smoke_pass    *smoke;                      /* NULL: there is none */
     smoke_cloud   *cloud;                      /* likewise */
     uint32_t       frames_drawn;
-    double (*colours)[3]; /* [light_count] the greatest is 1 */
-    fog_shine  *shines;   /* [light_count] the same, as fog has it */
-    int         day;      /* there is a sun */
+    double (*colours)[3]; /* [light_count] scaled so that the largest is 1 */
+    fog_shine  *shines;   /* [light_count] the same, as fog_pass needs it */
+    int         day;      /* 1: there is a sun */
     GLuint      colour_buffer, empty_array;
     GLuint      surface_program, shade_program, tone_program, picture_program;
-    uint64_t    uploaded_bytes; /* up to and with the last frame */
+    uint64_t    uploaded_bytes; /* including the last frame */
     GLuint      target[TARGETS], surface_frame, light_frame, screen_frame, picture_frame;
     double      exposure; /* 0: not yet chosen */
-    int         is_clear; /* fog does not dim lights now: exposure is chosen */
+    int         is_clear; /* 1: fog does not dim lights, while the exposure is chosen */
     camera_pose camera;   /* of the last frame */
     camera_view seen;
     vxs_view    view;
@@ -71,7 +71,7 @@ vxs_result renderer_program(const gl_context *gl, GLuint *program, embedded vert
 /* The same for a full-screen pass with lookups: adds the texts of vxs_gl.h, those of moving casters and smoke, and shine.glsl. */
 vxs_result renderer_lit_program(const renderer *r, GLuint *program, embedded fragment, message *m);
 
-/* For such programs. */
+/* Bind the resources of such programs. */
 void renderer_bind_lights(const renderer *r);
 
 /* Number of lights that one draw of such a pass adds up. llvmpipe ends all loops of a fragment shader after 65535 iterations,
@@ -89,7 +89,7 @@ GLuint renderer_frame_of(const gl_context *gl, GLuint depth, const GLuint *colou
 /* The factor on the sky's light: 1 by day, less at night, or when a map replaces the sky. */
 double renderer_day(const renderer *r);
 
-/* Of the sky's light fog scatters as much as if a tenth of its horizon were seen from everywhere.   ambient  [out] */
+/* The sky's light that fog scatters: that of a tenth of the horizon, at every place.   ambient  [out] */
 void renderer_fog_ambient(const renderer *r, double ambient[3]);
 
 /* Smoke as the eye sees it (renderer_smoke.c): make its resources; draw it over the picture and its fog. */
@@ -97,19 +97,20 @@ vxs_result renderer_make_cloud(renderer *r, const scene_smoke *smoke, message *m
 void       renderer_free_cloud(renderer *r);
 vxs_result renderer_draw_cloud(renderer *r, message *m);
 
-/* From the scene's middle to clip space: x / w and y / w in [-1, 1], z / w = near / w.   eye  from there, too */
+/* The matrix from positions relative to the scene's middle to clip space: x / w and y / w in [-1, 1], z / w = near / w.
+ * eye  relative to the middle, too */
 void renderer_clip(const renderer *r, const double eye[3], float m[16]);
 
 /* Modes of shade_frag.glsl. */
 enum { SHOW_LIGHT = 0, SHOW_LIT = 1, SHOW_FULL = 2 };
 
-/* Ask all lights again of the last frame's surfaces, into target LIGHTS.   light  of SHOW_LIT */
+/* Look up all lights again for the last frame's surfaces, into target LIGHTS.   light  of SHOW_LIT */
 void renderer_shade(const renderer *r, int show, uint32_t light);
 
 /* The last frame as a screen shows it, in 8 bits.   rgb  [out] as for renderer_draw */
 vxs_result renderer_read_screen(const renderer *r, uint8_t *rgb, message *m);
 
-/* A target's pixels, top row first.   out  [width * height] of pixel_bytes each */
+/* Read a target's pixels, top row first.   out  [width * height] of pixel_bytes each */
 void renderer_read_target(const renderer *r, int target, GLenum format, GLenum type, size_t pixel_bytes, void *out);
 
 #endif

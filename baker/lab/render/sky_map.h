@@ -6,11 +6,11 @@
 
 #include "baker/base/message.h"
 
-enum { SKY_HIGH_MAX = 4096 }; /* pixels, of twice as many across */
+enum { SKY_HIGH_MAX = 4096 }; /* rows; there are twice as many columns */
 
 typedef struct sky_map {
     uint32_t wide_px, high_px; /* wide_px is 2 * high_px */
-    float   *radiance; /* [high_px][wide_px][3] linear, with the primaries of Rec. 709; finite, >= 0, somewhere greater; owned */
+    float   *radiance;         /* [high_px][wide_px][3] linear, primaries of Rec. 709; finite, >= 0, not all 0; owned */
 } sky_map;
 
 /* Read a picture: Radiance (.hdr, RGBE), or PNG with sRGB colours of 8 bits, at most 1. Sizes are checked before memory is
@@ -25,13 +25,13 @@ void sky_map_free(sky_map *map);
 
 /* internal, for its readers ---------------------------------------------------------------------------------------------------- */
 
-/* A file in memory, and how messages call it. */
+/* A file in memory, and its name in messages. */
 typedef struct sky_file {
     const char    *name;
     const uint8_t *bytes, *end;
 } sky_file;
 
-/* Make room for a picture of a size that a file names.   Returns VXS_OK, VXS_E_UNSUPPORTED, VXS_E_MEMORY. */
+/* Allocate a map of the size that a file states.   Returns VXS_OK, VXS_E_UNSUPPORTED, VXS_E_MEMORY. */
 vxs_result sky_map_make(sky_map *map, const sky_file *file, uint32_t wide_px, uint32_t high_px, message *m);
 
 /* Whether the file begins with Radiance's signature. */

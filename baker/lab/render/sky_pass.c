@@ -19,7 +19,7 @@ struct sky_pass {
     const gl_context *gl;
     lamp_pass        *lamps;
     vxs_vpl          *placed;    /* [lamps] without exposure */
-    double            exposure;  /* that they have been set with; 0: they have not */
+    double            exposure;  /* exposure of the virtual lights; 0: not yet set */
     box               moving_ws; /* box of the moving casters, as in their file */
     GLuint            program, texture;
 };

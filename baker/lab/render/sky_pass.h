@@ -9,7 +9,7 @@
 
 typedef struct sky_pass_options {
     lamp_pass_options lit;           /* the receivers */
-    double            radius_metres; /* of a sphere about the middle, that holds all that stands */
+    double            radius_metres; /* of a sphere around the middle that contains all static casters */
     const sky_map    *map;           /* it outlives the pass */
     double            scale;         /* factor on the map's radiance, before exposure */
     double            turn_rad;      /* of the map about +Y, from +Z towards +X */
@@ -35,7 +35,7 @@ void sky_pass_add_light(const sky_pass *pass);
 /* Draw the map into the current framebuffer, where there is no surface.   depths  of the scene */
 void sky_pass_add_map(const sky_pass *pass, const vxs_view *view, unsigned depths, double exposure);
 
-/* The mean of the map over all directions, as exposed.   rgb  [out] */
+/* The mean of the map over all directions, exposed.   rgb  [out] */
 void sky_pass_mean(const sky_pass *pass, double exposure, double rgb[3]);
 
 /* Its pass of virtual lights. */

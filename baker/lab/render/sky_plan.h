@@ -13,7 +13,7 @@ typedef struct sky_words {
     lamp_words  lit;
 } sky_words;
 
-/* A line; with `verbose` more of it. */
+/* Print a line; with `verbose` more lines. */
 void sky_plan_print(FILE *to, const sky_words *w, int verbose);
 
 json_t *sky_plan_json(const sky_words *w);

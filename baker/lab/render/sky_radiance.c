@@ -47,7 +47,7 @@ static int next_line(reader *r, char line[LINE_BYTES])
     return 1;
 }
 
-/* So many numbers, each read as strtod does.   Returns how many there are. */
+/* Read up to `most` numbers, by strtod.   Returns how many were found. */
 static int read_numbers(const char *text, double *numbers, int most)
 {
     int count = 0;
@@ -58,7 +58,7 @@ static int read_numbers(const char *text, double *numbers, int most)
     return count;
 }
 
-/* EXPOSURE= has one factor for all of a picture, COLORCORR= one for each colour; both may be there many times. */
+/* EXPOSURE= has one factor for the whole picture, COLORCORR= one for each colour; both may occur many times. */
 static vxs_result read_factors(reader *r, const char *text, int count)
 {
     double factor[3];
@@ -72,7 +72,8 @@ static vxs_result read_factors(reader *r, const char *text, int count)
     return VXS_OK;
 }
 
-/* PRIMARIES= has the colours that red, green, blue and white are. Those of Radiance are near those of sRGB, which scenes have. */
+/* PRIMARIES= has the chromaticities of red, green, blue and white. Radiance's defaults are near those of sRGB, which scenes
+ * have. */
 static void judge_primaries(const reader *r, const char *text)
 {
     static const double known[][8] = {

@@ -9,15 +9,15 @@ layout(std430, binding = 5) readonly restrict buffer capsules_block { drawn_caps
 layout(binding = 0) uniform sampler2D depths;   /* near / distance along the axis */
 layout(binding = 1) uniform sampler2D airlight; /* of the fog, up to the surface */
 uniform vec4 lights;     /* exposure; near */
-uniform vec4 ambient;    /* light from all sides, as exposed */
-uniform vec4 extinction; /* of the fog, and its top over the eye */
+uniform vec4 ambient;    /* light from all directions, exposed */
+uniform vec4 extinction; /* of the fog, and its top relative to the eye */
 uniform vec4 turned;     /* the fog's factor on such light, and the end of rays that meet no surface, metres */
 in vec3 way;
 in vec3 light;
 flat in int capsule;
 layout(location = 0) out vec4 colour_out;
 
-/* Metres in the fog of so many from the eye, along a ray that rises by a slope. */
+/* The metres in the fog, of the first `metres` from the eye, along a ray with this slope. */
 float in_fog(float slope, float metres)
 {
     float top = extinction.w;
@@ -39,6 +39,6 @@ void main()
     vec3  left = exp(-extinction.rgb * in_fog(direction.y, 0.5 * (part.x + part.y))), all = exp(-extinction.rgb * in_fog(direction.y, end));
     vec3  share = (1.0 - left) / max(1.0 - all, vec3(1e-6)); /* the share of the air up to the surface that is before the smoke */
     vec3  air = texelFetch(airlight, ivec2(gl_FragCoord.xy), 0).rgb + turned.rgb * (1.0 - all);
-    vec3  sent = c.albedo.rgb * (0.25 * lights.x * light + ambient.rgb); /* to each direction alike */
+    vec3  sent = c.albedo.rgb * (0.25 * lights.x * light + ambient.rgb); /* equally in all directions */
     colour_out = alpha * vec4(sent * left + air * min(share, vec3(1.0)), 1.0);
 }

@@ -12,8 +12,8 @@ typedef struct surface_mesh {
     float  *thresholds; /* [mask_count] */
     size_t *first;      /* [mask_count + 2] triangles without a mask are before first[1], those of mask n before first[n + 2] */
     size_t  mask_count;
-    double  middle_ws[3]; /* positions count from there */
-    double  size_metres;  /* of the box around them, from corner to corner */
+    double  middle_ws[3]; /* origin of positions */
+    double  size_metres;  /* diagonal of the box around them */
 } surface_mesh;
 
 /* mesh  [out] released with surface_mesh_free, whatever is returned

@@ -42,7 +42,7 @@ float curve(float x)
 void main()
 {
 #ifdef TO_PICTURE
-    colour_out = vec4(shown(ivec2(gl_FragCoord.xy)), 0.0); /* alpha: how much smoke hides */
+    colour_out = vec4(shown(ivec2(gl_FragCoord.xy)), 0.0); /* alpha: the share that smoke hides */
 #else
     vec3 sum = vec3(0.0), light = vec3(0.0);
     for (int y = 0; y < samples; y++)
