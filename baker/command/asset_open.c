@@ -16,7 +16,7 @@
 #include "formats/vxs_bytes.h"
 #include "formats/vxs_memory.h"
 
-/* of a file, where no limit is given */
+/* limit on the bytes of a file, if none is given */
 #define READ_MAX ((uint64_t)4 << 30)
 
 void keep_first_finding(void *user, int number, const char *text, int section, uint64_t offset)
@@ -44,7 +44,7 @@ vxs_result asset_read(vxs_asset **asset, const char *path, const vxs_read_desc *
     size_t        size_bytes;
     uint64_t      most      = desc->memory_limit_bytes ? desc->memory_limit_bytes - 1 : READ_MAX;
     vxs_result    r         = input_read(&bytes, &size_bytes, path, most, &(input_head){wanted_bytes, NULL}, m);
-    uint64_t      limit     = vxs_memory_limit_of(desc, size_bytes); /* more than the file in any case */
+    uint64_t      limit     = vxs_memory_limit_of(desc, size_bytes); /* larger than the file in any case */
     rest.memory_limit_bytes = limit - size_bytes;
     *asset                  = NULL;
     if (r == VXS_OK) r = vxs_asset_open(asset, bytes, size_bytes, &rest);
@@ -170,7 +170,7 @@ static int is_among(const vxs_baked_light *light, const vxs_baked_light *const *
     return 0;
 }
 
-/* All that a pattern names, but for those that are there already. Returns how many it names. */
+/* Add all lights that a pattern matches, except those already chosen. Returns the number of matches. */
 static uint32_t add_matching(const vxs_contents *asset, const char *pattern, const vxs_baked_light **lights, uint32_t *count)
 {
     uint32_t matched = 0;

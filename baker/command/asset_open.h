@@ -25,7 +25,7 @@ void keep_first_finding(void *user, int number, const char *text, int section, u
  * Returns r, which is not VXS_OK. */
 vxs_result asset_fail(const char *path, vxs_result r, const first_finding *f, const char *remedy, message *m);
 
-/* As vxs_asset_open_file, of any input (input_file.h). One line in m only when the bytes could not be had. */
+/* As vxs_asset_open_file, for any input (input_file.h). Sets the message only when the bytes could not be read. */
 vxs_result asset_read(vxs_asset **asset, const char *path, const vxs_read_desc *desc, message *m);
 
 /* Open on all processors.
@@ -37,7 +37,7 @@ vxs_result asset_open_within(vxs_asset **asset, const char *path, uint64_t memor
  * asset  [out] NULL on failure; closed with vxs_asset_close.   Returns what vxs_asset_open_file returns. */
 vxs_result asset_open(vxs_asset **asset, const char *path, uint32_t threads, message *m);
 
-/* The size of an open file: its last section ends where it does. */
+/* The size of an open file: the end of its last section. */
 uint64_t asset_file_bytes(const vxs_asset *asset);
 
 /* Use the scene options of the asset's bake. If the command line gives any of these options itself, change nothing.

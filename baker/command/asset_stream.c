@@ -37,7 +37,7 @@ static void keep_points(void *user, const vxs_baked_points *points)
 {
     vxs_baked_points *kept       = user;
     const size_t      size_bytes = points->count * 3 * sizeof *points->coordinates;
-    uint16_t         *copy       = malloc(size_bytes); /* without memory they are as those of a file that has none */
+    uint16_t         *copy       = malloc(size_bytes); /* out of memory: treated as a file without points */
     if (!copy) return;
     *kept             = *points;
     kept->coordinates = memcpy(copy, points->coordinates, size_bytes);
@@ -88,7 +88,7 @@ static void forget_contents(asset_stream *s)
     s->points   = (vxs_baked_points){0};
 }
 
-/* The last attempt has one thread, which needs the least. */
+/* The last attempt uses one thread, which needs the least memory. */
 static vxs_result open_stream(asset_stream *s, vxs_stream_desc *desc)
 {
     vxs_result r = vxs_stream_open(&s->stream, desc);
@@ -110,7 +110,7 @@ static int opens_within(vxs_stream_desc desc, uint64_t budget_bytes)
     return r == VXS_OK;
 }
 
-/* The least budget by which a file opens, more than `low`; 0: none does. */
+/* The smallest budget above `low` with which the file opens; 0: there is none. */
 static uint64_t least_budget(const vxs_stream_desc *desc, uint64_t low)
 {
     uint64_t high = low;
@@ -151,7 +151,7 @@ static vxs_result list_lights(asset_stream *s, message *m)
     return VXS_OK;
 }
 
-/* Lights by name, as a stream takes them. */
+/* Pass the names of lights to the stream. */
 typedef struct name_texts {
     char (*texts)[VXS_LIGHT_NAME_BYTES]; /* owned */
     const char *names[VXS_LIGHTS_MAX];
@@ -198,7 +198,8 @@ vxs_result asset_stream_open(asset_stream *s, const char *path, uint64_t budget_
     desc.finding_user    = &f;
     errno                = 0;
     vxs_result r         = open_stream(s, &desc);
-    if (names->count && (r == VXS_E_ARGUMENT || f.number == 211)) { /* a small budget may end before names are looked at */
+    if (names->count && (r == VXS_E_ARGUMENT || f.number == 211)) { /* with a small budget, opening may fail before names are
+                                                                       checked */
         f = (first_finding){0};
         r = expand_patterns(s, &desc, names, &expanded, lights, light_count, m);
         if (r == VXS_OK) r = open_stream(s, &desc);

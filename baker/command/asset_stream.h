@@ -10,7 +10,7 @@
 typedef struct asset_stream {
     vxs_stream      *stream;
     const char      *path;
-    vxs_contents     contents; /* lights that were chosen, and metadata; no sections */
+    vxs_contents     contents; /* chosen lights, and metadata; no sections */
     vxs_baked_points points;   /* of casters; coordinates NULL: there are none, or they are not wanted */
     vxs_result       broken;   /* result of the first page that failed to load, and its message */
     char             broken_text[192];

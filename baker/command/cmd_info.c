@@ -52,7 +52,7 @@ static void print_section(FILE *to, const vxs_asset *asset, uint32_t section)
                 n ? "-" : size_text(stored, s->stored_bytes));
 }
 
-/* How pages of palette blocks are kept; NULL: it is a DAG. */
+/* The coding of palette blocks' pages; NULL: the light is a DAG. */
 static const char *packing_text(const vxs_baked_light *l)
 {
     if (l->light.coding != VXS_CODING_BLOCKS) return NULL;

@@ -19,7 +19,7 @@ typedef struct query {
     int                    memory_given, budget_given;
 } query;
 
-/* A query of a file that is streamed. */
+/* A query of a streamed file. */
 typedef struct streamed_query {
     query       *query;
     asset_stream stream;

@@ -33,7 +33,7 @@ static const char *vector_text(char text[64], const double v[3])
     return text;
 }
 
-/* Where a spot or point light is, and how far it goes. */
+/* Position and range of a spot or point light. */
 static void lamp_text(char *text, size_t size, const vxs_light *l, const light_shape *s)
 {
     char at[64], way[64], cone[128] = "", range[32] = "no range";

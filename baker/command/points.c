@@ -13,13 +13,13 @@
 #include "baker/files/input_file.h"
 #include "baker/files/run_files.h"
 
-/* Points of a block. With many lights it has fewer, so that answers take 16 MiB at most. */
+/* Limits of a block: points, and answers. With many lights a block has fewer points, so that answers take 16 MiB at most. */
 #define BLOCK_POINTS      ((size_t)1 << 16)
 #define BLOCK_ANSWERS_MAX ((size_t)1 << 22)
 #define POINTS_AT_A_TIME  256
 #define BYTE_ORDER_MARK   "\xef\xbb\xbf"
 
-/* The next line, ended by a NUL in place of its LF.
+/* Read the next line; its LF becomes a NUL.
  * length  [out] without the line's end
  * at_end  [out] 1: there is no further line */
 static vxs_result next_line(point_reader *reader, size_t *length, int *at_end, message *m)
@@ -55,7 +55,7 @@ static int is_separator(char c)
 /* The separator between two numbers. */
 typedef struct separator {
     char mark;  /* ',' or ';'; 0: only blanks */
-    int  loose; /* blanks before the next number */
+    int  loose; /* 1: blanks before the next number */
 } separator;
 
 /* The numbers of a line, and their separators. */
@@ -64,10 +64,10 @@ typedef struct number_row {
     separator   after[6];   /* behind each */
     size_t      count;
     int         has_points; /* decimal points */
-    const char *wrong;      /* NULL, or the word that is not a finite number */
+    const char *wrong;      /* NULL, or the text that is not a finite number */
 } number_row;
 
-/* Skip blanks, and a mark among them. */
+/* Skip blanks, and at most one mark. */
 static const char *skip_separator(const char *at, separator *s)
 {
     *s = (separator){0};

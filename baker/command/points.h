@@ -28,7 +28,8 @@ typedef struct point_reader {
     FILE       *file;              /* borrowed */
     const char *name;              /* for messages: "standard input"; borrowed */
     uint64_t    line;              /* number of the line read last, from 1 */
-    char text[POINT_LINE_MAX + 3]; /* that line; room for a CR, for one character that shows that it is longer, and for a NUL */
+    char text[POINT_LINE_MAX + 3]; /* the line; with room for a CR, for one character beyond the limit, which shows that the line
+                                      is too long, and for a NUL */
 } point_reader;
 
 /* Read up to `capacity` points. A smaller count means the end of the file; 0 means that there are no more.
@@ -39,13 +40,13 @@ typedef struct point_reader {
  * Threads: none shared.   Cost: some 0.3 us a point. */
 vxs_result points_read(point_reader *reader, query_point *points, size_t capacity, size_t *count, message *m);
 
-/* How lit a point is by each light.
- * lit  [out] [light_count] a share, [0, 1]; negative where the point is outside the light's reach
- * Returns 0 where it cannot be said, nor of points that follow.
- * Threads: several at once. */
+/* Compute the lit fraction of a point for each light.
+ * lit  [out] [light_count] [0, 1]; negative where the point is outside the light's reach
+ * Returns 0 on failure, which also ends the following points.
+ * Threads: called by several at once. */
 typedef int (*point_answer)(void *user, const query_point *point, float *lit);
 
-/* Points have standard input: VXS_E_ARGUMENT when an operand, called `name`, is "-" as well. */
+/* Standard input is used for points: VXS_E_ARGUMENT when an operand, called `name`, is "-" as well. */
 vxs_result points_check_input(const char *name, const char *path, message *m);
 
 /* Read points from standard input to its end, and print a line for each on standard output, with a column for each light: "0",

@@ -7,7 +7,7 @@
 #include "baker/base/text.h"
 #include "baker/command/options/bake_arguments.h"
 
-/* A string of a file, fit to print: there it may have any length. */
+/* A string from a file, made printable and cut: it may have any content and length. */
 static void print_string(FILE *to, const json_t *string)
 {
     char text[256];
@@ -60,7 +60,7 @@ static void print_scene(FILE *to, const json_t *made)
     fprintf(to, "%s\n", input ? "" : "none: no scene can be told from the one that was baked");
 }
 
-/* An option that is a word, unless it is the default. */
+/* Print an option that is a word, unless it is the default. */
 static void print_word(FILE *to, const json_t *options, const char *key, const char *choices, int default_index)
 {
     char          word[32];
@@ -106,7 +106,7 @@ static void print_patterns(FILE *to, const json_t *options, const char *key)
     }
 }
 
-/* As the command line has them. */
+/* Print values in the syntax of the command line. */
 static void print_options(FILE *to, const json_t *made)
 {
     const json_t  *lights = json_object_get(made, "lights"), *options = json_object_get(made, "options"), *light;

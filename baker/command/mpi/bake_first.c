@@ -13,17 +13,17 @@
 #include "baker/command/mpi/square_scheduler.h"
 #include "runtime/vxs.h"
 
-/* Between two looks for messages: short beside a square, long beside a look. */
+/* Pause between polls for messages: short compared with a square, long compared with a poll. */
 enum { LOOK_NANOSECONDS = 200000 };
 
 typedef struct first_rank {
     pthread_t thread; /* while it runs, only this thread calls MPI */
 
     pthread_mutex_t  lock;  /* of all below */
-    pthread_cond_t   event; /* a square has come, or a rank has failed */
+    pthread_cond_t   event; /* a square was received, or a rank has failed */
     square_scheduler square_scheduler;
     uint32_t         ranks, ended;
-    uint8_t         *waits; /* [ranks] 1: it wants a square, and has no answer */
+    uint8_t         *waits; /* [ranks] 1: it wants a square, and has not been answered */
     int              over;  /* 1: no more squares are needed */
     int              failed_rank;
     end_note         failure; /* the first of another rank */
@@ -86,7 +86,7 @@ static void receive_end(first_rank *f, int rank)
     pthread_mutex_unlock(&f->lock);
 }
 
-/* The number for a rank that wants a square. 0: it has to wait. */
+/* The number of a square for a rank that wants one. 0: it has to wait. */
 static int ticket_for(first_rank *f, uint32_t rank, uint64_t *ticket)
 {
     pthread_mutex_lock(&f->lock);

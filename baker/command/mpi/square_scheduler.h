@@ -22,13 +22,13 @@ typedef struct scheduled_square {
 /* Zero it but for ranks. */
 typedef struct square_scheduler {
     uint32_t          ranks;
-    uint64_t          at;      /* the square that rank 0 has reached */
+    uint64_t          at;      /* the current square of rank 0 */
     scheduled_square *squares; /* [count] */
     size_t            count, capacity;
 } square_scheduler;
 
 enum {
-    SCHEDULER_WAIT = 0, /* none yet: call again when rank 0 has gone on */
+    SCHEDULER_WAIT = 0, /* none now: call again when rank 0 has advanced */
     SCHEDULER_GIVEN,
     SCHEDULER_MEMORY,
 };
@@ -36,10 +36,10 @@ enum {
 /* The next square for another rank. Returns one of the above. */
 int square_scheduler_next(square_scheduler *d, uint32_t rank, uint64_t *number);
 
-/* Rank 0 has reached a square, and makes it, unless another rank has it. NULL: no memory. */
+/* Rank 0 has reached a square. It makes the square itself, unless another rank has it. NULL: out of memory. */
 scheduled_square *square_scheduler_take(square_scheduler *d, uint64_t number);
 
-/* A rank delivers a square. NULL: it was not given that square, or delivered it before. */
+/* A rank delivers a square. NULL: the square was not assigned to it, or is delivered already. */
 scheduled_square *square_scheduler_deliver(square_scheduler *d, uint64_t number, uint32_t rank);
 
 /* Accepts a zeroed object. */

@@ -25,7 +25,7 @@ static int is_file(const option *o)
     return o->kind == OPTION_INPUT || o->kind == OPTION_INPUTS || o->kind == OPTION_OUTPUT;
 }
 
-/* "auto|on|off", or NULL. Rows of texts may show choices, too, which are read later. */
+/* "auto|on|off", or NULL. Rows of OPTION_TEXT may have choices, too; their values are parsed later. */
 static const char *choices_of(const option *o)
 {
     if (o->kind == OPTION_CHOICE) return o->choices;
@@ -39,7 +39,7 @@ static const char *extensions_of(const option *o)
     return !strcmp(name, "SCENE") ? "glb|gltf" : dot ? dot + 1 : "";
 }
 
-/* "auto|on|off", with other text before each word. */
+/* Print "auto|on|off" with a text before each word. */
 static void print_words(const char *before, const char *words)
 {
     while (*words) {

@@ -9,7 +9,7 @@
 #include "baker/base/version.h"
 #include "baker/command/options/option_text.h"
 
-/* docs/manual.md has the same statuses, with more words. */
+/* docs/manual.md describes the same statuses in more detail. */
 static const struct {
     int         status;
     const char *meaning;

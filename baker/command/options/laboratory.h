@@ -14,7 +14,7 @@ typedef struct command_entry {
 
 /* Data for a page, kept from a bake, which is released before the page is written. Zero it first. */
 typedef struct bake_page {
-    uint8_t *rgb; /* the shadows; owned; NULL: not drawn */
+    uint8_t *rgb; /* picture of the shadows; owned; NULL: not drawn */
 } bake_page;
 
 /* Pages of bakes; see baker/lab/pages/bake_page.h. */

@@ -15,7 +15,7 @@ static const char *output_of(const option *o)
     return o->kind == OPTION_OUTPUT ? *(const char **)o->target : NULL;
 }
 
-/* The n-th file that an input's row was given, NULL after the last. */
+/* The n-th file of an input row, NULL after the last. */
 static const char *input_of(const option *o, size_t n)
 {
     const text_list *list = o->target;
@@ -49,7 +49,9 @@ static vxs_result check_kind(const command_line *c, const option *o, const char 
     char        foreign[FOREIGN_BYTES];
     file_kind   found = file_kind_of(path), expected = (file_kind)o->min;
     const char *text = found == FILE_UNKNOWN && expected != FILE_UNKNOWN ? file_kind_foreign(foreign, path) : NULL;
-    if (text && expected == FILE_PICTURE && strstr(text, " picture")) text = NULL; /* of a kind that its reader names better */
+    if (text && expected == FILE_PICTURE && strstr(text, " picture"))
+        text = NULL; /* the picture's reader has a better error for
+                        this */
     if (text && is_operand(o))
         return fail(m, VXS_E_READ, "'%s' is %s, expected %s: usage is vxs %s %s", path, text, file_kind_text(expected), c->name,
                     c->synopsis);

@@ -13,7 +13,7 @@
 typedef enum option_kind {
     OPTION_SWITCH, /* int, set to 1; takes no value */
     OPTION_U32,    /* uint32_t in [min, max] */
-    OPTION_U32S,   /* number_list, repeated: each in [min, max], none twice */
+    OPTION_U32S,   /* number_list, repeated: each in [min, max], without duplicates */
     OPTION_BYTES,  /* uint64_t, at least 1: plain, or with K, M, G, T (powers of 1024), and iB or B after it */
     OPTION_F64,    /* double in [min, max], finite */
     OPTION_VECTOR, /* double[(size_t)max]: that many comma-separated finite numbers; see min */
@@ -25,11 +25,11 @@ typedef enum option_kind {
     OPTION_NAMED_VECTOR,
     OPTION_NAMED_U32,
     OPTION_NAMED_F64,
-    OPTION_INPUT,  /* const char *, borrowed from argv: a file that is read, of the kind (file_kind.h) that min is */
-    OPTION_INPUTS, /* text_list, repeated: files that are read, of the kind that min is */
-    OPTION_OUTPUT, /* const char *, borrowed from argv: a file that is written, - is standard output; min 1: must be given;
-                      max OUTPUT_CHECKED_BY_COMMAND: whether it can be written is not found out before the command runs */
-    OPTION_FOLDER, /* const char *, borrowed from argv: a folder into which files are written that have the names in choices */
+    OPTION_INPUT,  /* const char *, borrowed from argv: an input file of kind `min` (file_kind.h) */
+    OPTION_INPUTS, /* text_list, repeated: input files of kind `min` */
+    OPTION_OUTPUT, /* const char *, borrowed from argv: an output file, - is standard output; min 1: required; max
+                      OUTPUT_CHECKED_BY_COMMAND: the command itself checks that it can be written */
+    OPTION_FOLDER, /* const char *, borrowed from argv: an output folder; `choices` has the patterns of its files */
     OPTION_HELP,   /* int: index of a format in `choices`; the value follows '=' only; without a value it is the first format */
     OPTION_GROUP   /* no option: a heading in help, `help`, for the rows that follow; the other fields are 0 */
 } option_kind;
@@ -61,8 +61,8 @@ typedef struct option {
 typedef struct command_line {
     const char   *name;     /* "bake" */
     const char   *synopsis; /* "SCENE -o OUT.vxs [options]" */
-    const char   *summary;  /* its first sentence stands in the list of commands, too */
-    const option *options;  /* [option_count]; with those of every command, at most OPTIONS_MAX */
+    const char   *summary;  /* its first sentence is also in the list of commands */
+    const option *options;  /* [option_count]; at most OPTIONS_MAX together with the options of every command */
     size_t        option_count;
 } command_line;
 

@@ -29,8 +29,8 @@ void options_warn_of_names(const command_line *c, message *m);
 /* Release the lists that parsing filled. */
 void options_free(const command_line *c);
 
-/* All of a command: parse its line, check its files, run it unless help was asked for, print its error, release its lists.
- * command  whatever run works on, and the options' targets are in
+/* Run a command: parse its line, check its files, call `run` unless help was printed, print its error, release its lists.
+ * command  passed to run; contains the options' targets
  * Returns the exit status. */
 int command_run(const command_line *c, int argc, char **argv, vxs_result (*run)(void *command, message *m), void *command);
 

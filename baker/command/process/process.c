@@ -84,7 +84,7 @@ static void give_threads_stacks(void)
 #endif
 }
 
-/* Whether the stack of the first thread may grow as far as a run needs: its limit is raised where that is allowed. */
+/* Whether the first thread's stack may grow as far as a run needs. Raises its limit if that is allowed. */
 static int has_stack(void)
 {
     struct rlimit limit;
@@ -118,7 +118,7 @@ int process_run(int (*run)(int argc, char **argv), int argc, char **argv)
     if (failed) return run(argc, argv);
     sigset_t all;
     sigfillset(&all);
-    pthread_sigmask(SIG_BLOCK, &all, NULL); /* signals are the other thread's */
+    pthread_sigmask(SIG_BLOCK, &all, NULL); /* the other thread handles signals */
     pthread_join(thread, NULL);
     return s.status;
 }

@@ -24,7 +24,7 @@ void process_begin(void);
  * Returns what run returns. */
 int process_run(int (*run)(int argc, char **argv), int argc, char **argv);
 
-/* The last part, which is C++. */
+/* The part of process_begin that is C++: sets the terminate handler. */
 void process_catch_terminate(void);
 
 /* From now on, free every array of a few megabytes to the system at once. By default glibc keeps such arrays after some were
@@ -34,7 +34,7 @@ void process_return_large(void);
 /* The temporary files that a signal handler removes: those of a run whose messages borrow this (message.h). */
 struct temporary_files *process_temporary_files(void);
 
-/* Remove those that there are, before a process ends that cannot go on. Safe in a signal handler. */
+/* Remove all temporary files, before a fatal end of the process. Async-signal-safe. */
 void process_remove_temporary(void);
 
 #ifdef __cplusplus

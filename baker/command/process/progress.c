@@ -9,7 +9,7 @@
 #include "baker/base/clock.h"
 #include "baker/base/text.h"
 
-/* A longer line would wrap on the narrowest of terminals, and could not be taken back. */
+/* Longer lines would wrap on narrow terminals, and could not be cleared. */
 enum { LINE_MAX_BYTES = 79 };
 
 static const double interval_seconds = 0.1;

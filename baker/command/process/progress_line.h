@@ -7,7 +7,7 @@
 extern "C" {
 #endif
 
-/* Write a text over the line that is shown, to standard error. */
+/* Replace the line by a text, on standard error. */
 void progress_line_show(const char *text);
 
 /* 1 while there is a line. */

@@ -10,7 +10,7 @@
 /* A few lines. */
 void part_print(FILE *to, const bake_options *o, const bake_report *r);
 
-/* In the place of the report: "part" is in it. */
+/* Replaces the report; it contains "part". */
 vxs_result part_write_json(const char *path, const bake_options *o, const bake_report *r, message *m);
 
 #endif

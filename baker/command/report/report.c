@@ -39,7 +39,7 @@ static void print_found(FILE *to, const light_report *l)
             (unsigned long long)l->inserted_masks);
 }
 
-/* The rest of a line, and another, where something was rendered. */
+/* The rest of a line, and one more, if maps were rendered. */
 static void print_rendering(FILE *to, const depth_stats *s)
 {
     if (!s->blocks_rendered) {

@@ -9,7 +9,7 @@
 
 void report_print(FILE *to, const bake_options *o, const bake_report *r);
 
-/* The same as JSON; m holds the warnings. Incomplete or NULL without memory: json_print and json_write see it. */
+/* The report as JSON; m holds the warnings. Incomplete or NULL when out of memory: json_print and json_write detect it. */
 json_t *report_json(const bake_options *o, const bake_report *r, const message *m);
 
 /* path "-" is standard output. Returns VXS_OK, VXS_E_WRITE, VXS_E_MEMORY. */

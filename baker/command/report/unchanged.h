@@ -10,7 +10,7 @@
 /* One line. */
 void unchanged_print(FILE *to, const bake_options *o, const bake_report *r);
 
-/* In the place of the report or the plan: "unchanged" is true in it. */
+/* Replaces the report or the plan; "unchanged" is true in it. */
 vxs_result unchanged_write_json(const char *path, const bake_options *o, const bake_report *r, message *m);
 
 #endif

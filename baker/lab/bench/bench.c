@@ -27,7 +27,7 @@ typedef struct bench_work {
     json_t              *result;
     bench_job           *jobs; /* [job_count] */
     size_t               job_count;
-    int                 *inputs; /* [scene] see keep_pipe; owned */
+    int                 *inputs; /* [scene] copies of pipes, see keep_pipe; owned */
     children             children;
     double               since; /* when the first run began */
     int                  outputs_differ;
@@ -35,7 +35,7 @@ typedef struct bench_work {
 
 /* Children ------------------------------------------------------------------------------------------------------------------- */
 
-/* The error that a child printed, which is the last line when there is one; "" when there is none. */
+/* The error that a child printed: its last line; "" when there is none. */
 static void read_error(const char *path, char text[512])
 {
     static const char begin[] = "vxs: error: ";
@@ -145,7 +145,7 @@ static vxs_result run_once(bench_work *w, bench_job *job, uint32_t run, message 
 
 /* Rounds --------------------------------------------------------------------------------------------------------------------- */
 
-/* How long a job takes: as long as the last time, or by its weight among those that ran. */
+/* Expected time of a job: that of its last run, or by its weight relative to jobs that ran. */
 static double expected_seconds(const bench_work *w, const bench_job *job)
 {
     double seconds = 0, weight = 0;
@@ -189,15 +189,15 @@ static vxs_result run_rounds(bench_work *w, message *m)
 
 /* Scenes from pipes ------------------------------------------------------------------------------------------------------------ */
 
-/* A GLB, or text that may be glTF, is read whole. Of anything else the first bytes are enough: the bake refuses it. */
+/* Read a GLB, or text that may be glTF, completely. For other files the first bytes suffice: the bake rejects them. */
 static uint64_t wanted_bytes(void *user, const uint8_t *first, size_t size_bytes)
 {
     (void)user;
     return may_be_gltf(first, size_bytes) ? UINT64_MAX : 0;
 }
 
-/* Each run reads its scene again, which a pipe gives once: a copy in memory.
- * kept  [out] its descriptor; -1: the scene is a file, or cannot be had, which its bake will say */
+/* Each run reads its scene again, but a pipe can be read only once: copy it to memory.
+ * kept  [out] the copy's descriptor; -1: the scene is a file, or cannot be read, which its bake will report */
 static vxs_result keep_pipe(int *kept, const char *path, message *m)
 {
     struct stat status;

@@ -59,7 +59,7 @@ static double maps_to_words_seconds(const json_t *stages)
     return seconds;
 }
 
-/* The level of that side; levels stand in the order of their sides, the root first, masks (0) last. */
+/* The level with that side. Levels are sorted by side, the root first, masks (0) last. */
 static json_t *level_of(json_t *levels, uint64_t side_voxels)
 {
     size_t at = 0;
@@ -100,7 +100,7 @@ static void set_dag_size(json_t *size, const json_t *lights)
     json_array_foreach(lights, n, light) json_array_foreach(json_at(light, "levels"), i, level) add_level(size, level);
 }
 
-/* All lights have the same parts, in one order. */
+/* All lights have the same parts in the same order. */
 static void set_blocks_size(json_t *size, const json_t *lights)
 {
     json_t     *light, *part, *count, *parts = json_array(), *kept = json_object();
@@ -140,7 +140,7 @@ static json_t *tap_error(json_t *found, const char *kind)
     return error;
 }
 
-/* The same, by lookups through a filter. */
+/* The same, for lookups with a filter. */
 static json_t *filter_error(json_t *found, const char *kind, const json_t *filter)
 {
     const json_t *of;
@@ -174,7 +174,7 @@ static json_t *errors_json(const json_t *lights)
     return errors;
 }
 
-/* Nanoseconds, the mean over points that were looked up. */
+/* Nanoseconds: the mean over points that were looked up. */
 static json_t *lookups_json(const json_t *lights)
 {
     static const char points[] = "time/points";

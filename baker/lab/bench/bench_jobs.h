@@ -16,15 +16,15 @@ typedef struct bench_options {
     text_list   scenes;
     const char *sweep_name[BENCH_SWEEPS];  /* "--resolution": the first varies slowest */
     text_list   sweep_value[BENCH_SWEEPS]; /* empty: bake's default */
-    text_list   light_names, suns;         /* these, too, go to every bake; NULL or none: not given */
+    text_list   light_names, suns;         /* passed to every bake, too; NULL or empty: not given */
     text_list   exclude, include;
     const char *region, *scene_name;
     int         allow_outside;           /* 1: likewise */
-    uint32_t    filters_px[FILTERS_MAX]; /* besides single taps: as filters_take has them */
+    uint32_t    filters_px[FILTERS_MAX]; /* besides single taps; from filters_take */
     uint32_t    filter_count;
     uint32_t    runs;
-    uint32_t    points;   /* that errors are measured at, of each kind; 0: neither errors nor lookups */
-    int         progress; /* 1: say on standard error how far it is */
+    uint32_t    points;   /* points of each kind for measuring errors; 0: measure neither errors nor lookups */
+    int         progress; /* 1: show progress on standard error */
 } bench_options;
 
 typedef struct bench_job {
@@ -34,8 +34,8 @@ typedef struct bench_job {
     json_t      *cell;       /* of the result: "scene" and "options" */
     json_t      *runs;       /* cells of one run each; owned */
     uint64_t     asset_hash; /* of the first run's bytes */
-    double       weight;     /* how long it may take, in no unit, until it has run */
-    double       seconds;    /* that its last run took; 0: has not run */
+    double       weight;     /* expected time without a unit, before its first run */
+    double       seconds;    /* of its last run; 0: has not run */
 } bench_job;
 
 /* Make a job and its cell for each scene and combination of options, checked as bake checks its own.

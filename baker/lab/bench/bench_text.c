@@ -47,7 +47,7 @@ vxs_result table_print(json_t *table, size_t columns, FILE *to, message *m)
 
 /* Options -------------------------------------------------------------------------------------------------------------------- */
 
-/* Whether a cell has no such option because its coding has none: that makes no difference to others. */
+/* Whether a cell lacks an option because its coding does not have it: this is no difference. */
 static int is_meaningless(const json_t *cell, const char *name)
 {
     int is_blocks = !strcmp(text_at(cell, "options/coding"), "blocks");

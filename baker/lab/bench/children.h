@@ -29,7 +29,7 @@ typedef struct children {
  * Returns VXS_OK, VXS_E_WRITE, VXS_E_MEMORY. */
 vxs_result children_begin(children *c, message *m);
 
-/* Take the folder away with all files in it (there are no folders in it). Returns only when no signal came. */
+/* Remove the folder and the files in it (it has no folders). Does not return if a signal came. */
 void children_end(children *c);
 
 /* Run this executable and wait until it ends. Its standard output is discarded. When this process ends, or a held signal comes,

@@ -13,8 +13,8 @@ typedef struct bench_machine {
     char    *renderer;     /* OpenGL's GL_RENDERER */
 } bench_machine;
 
-/* All but the renderer.
- * Returns 0 without memory; released with machine_free either way. */
+/* Fill all but the renderer.
+ * Returns 0 when out of memory; released with machine_free either way. */
 int machine_describe(bench_machine *machine);
 
 /* Accepts a zeroed object. */

@@ -64,7 +64,7 @@ static vxs_result run(void *command, message *m)
     return r;
 }
 
-/* The values of a swept option are read by bake's own parser, later: here they are texts. */
+/* Values of swept options are texts here; bake's own parser reads them later. */
 static option swept(bench_command *c, int n, const char *name, const char *value, const char *help)
 {
     c->o.sweep_name[n] = name;

@@ -19,7 +19,7 @@
 
 typedef struct compare_command {
     const char   *json_path;
-    scene_choice  choice; /* may have texts of the first asset's metadata */
+    scene_choice  choice; /* may borrow texts from the first asset's metadata */
     text_list     asset_paths, light_names;
     number_list   filters_px, smooth_px;
     camera_choice camera;
@@ -56,7 +56,7 @@ static vxs_result check_options(compare_command *c, message *m)
 
 /* assets ---------------------------------------------------------------------------------------------- */
 
-/* A number of a JSON object in [0, most]. Returns 0 when there is none. */
+/* Read a number of a JSON object in [0, most]. Returns 0 when there is none. */
 static int number_member(const json_t *object, const char *key, double most, double *out)
 {
     const json_t *value = json_object_get(object, key);
@@ -204,7 +204,7 @@ static void traced_scene_free(traced_scene *t)
     *t = (traced_scene){0};
 }
 
-/* One camera serves all assets; where its place is not given, it follows from the lights of the first. */
+/* One camera serves all assets. If it is not given, it is placed for the lights of the first. */
 static void place_camera(compare_command *c, const traced_scene *t)
 {
     const compared_asset *first  = &c->report.assets[0];
@@ -213,7 +213,7 @@ static void place_camera(compare_command *c, const traced_scene *t)
     c->report.options.camera = &c->camera.camera;
 }
 
-/* An asset, and with it all others that were baked with the same solids: casters are made once for them. */
+/* Compare an asset, and all others that were baked with the same solids: they share the casters. */
 static vxs_result compare_alike(compare_command *c, size_t first, message *m)
 {
     compared_asset *assets = c->report.assets;

@@ -54,7 +54,7 @@ static void print_counts(FILE *to, const component_health *k)
     fputc('\n', to);
 }
 
-/* Where a component is, which solids it meets, and where it is from, in one line. */
+/* Print a component's position, the solids it intersects, and its origin, in one line. */
 static void print_place(FILE *to, const scene *s, const casters *c, const mesh_health *h, const component_health *k)
 {
     char from[PART_TEXT_BYTES], shown[COLUMNS + 1];

@@ -25,7 +25,7 @@ typedef struct mend_command {
     size_t         solids[2], triangles[2]; /* solids, and triangles of solids, before and after */
 } mend_command;
 
-/* In the order of repaired_component.counts: members of the JSON, and words. */
+/* Names in the order of repaired_component.counts: JSON members, and words. */
 static const struct repair_count {
     const char *member, *text;
 } repair_counts[REPAIR_COUNTS] = {

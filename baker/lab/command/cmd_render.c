@@ -51,7 +51,7 @@ typedef struct render_command {
     filter_choice  filter;
     draw_mode      draw;
     fog_choice     fog;
-    const char    *camera_name; /* of the scene's own; NULL: none */
+    const char    *camera_name; /* name of a camera of the scene; NULL: none */
     const char    *linear_path, *passes_folder, *path_file, *json_path, *csv_path, *plot_path, *moving_path, *sky_path;
     uint32_t       frames;
     uint64_t       budget_bytes;
@@ -176,7 +176,7 @@ static int has_baked_smoke(const render_command *c, const subject *s)
     return some;
 }
 
-/* Whether some light takes steps in fog is known when scene and file are. */
+/* Whether some light takes steps in fog; known when scene and file are loaded. */
 static vxs_result check_steps(const render_command *c, const subject *s, message *m)
 {
     if (c->moving_path || (c->options.smoke == SMOKE_ON && s->scene.smoke.count) || has_baked_smoke(c, s)) return VXS_OK;
@@ -189,7 +189,7 @@ static vxs_result load_sky(render_command *c, subject *s, message *m)
     return sky_map_read(&s->sky, c->sky_path, m);
 }
 
-/* Whether an asset's smoke is that of the scene's capsules, too. */
+/* Whether an asset's smoke comes from the scene's capsules, which are drawn, too. */
 static int has_capsules(const json_t *made)
 {
     return json_object_get(json_object_get(json_object_get(made, "options"), "smoke"), "capsules") != NULL;
@@ -217,7 +217,7 @@ static vxs_result place_camera(render_command *c, subject *s, message *m)
     return check_samples(o, m);
 }
 
-/* Why the scene's light of a name does not shine; NULL: it does, or there is none. */
+/* The reason why the scene's light of a name emits no light; NULL: it does, or does not exist. */
 static const char *dark_text(const scene *s, const char *name)
 {
     for (size_t n = 0; n < s->lost_light_count; n++)
@@ -251,7 +251,7 @@ static vxs_result load(render_command *c, subject *s, message *m)
     if ((r = provenance_read(&made, contents, m)) != VXS_OK) goto done;
     c->options.baked_smoke = s->smoke;
     if (c->options.smoke == SMOKE_ON && has_capsules(made))
-        memset(s->smoke, 0, sizeof s->smoke); /* drawn from the scene, they would dim light twice */
+        memset(s->smoke, 0, sizeof s->smoke); /* the scene's capsules are drawn: both would dim light twice */
     if ((r = asset_scene_choice(made, &c->choice, m)) != VXS_OK) goto done;
     if ((r = scene_load_gltf(&s->scene, c->scene_path, &c->choice, m)) != VXS_OK) goto done;
     r = asset_check_scene(contents, made, c->asset_path, &s->scene, c->scene_path, "its shadows may not fit", m);
@@ -281,9 +281,9 @@ static vxs_result make_truth(truth **t, casters *casting, const subject *s, uint
 
 /* A picture as it is drawn. */
 typedef struct pixels {
-    uint8_t *rgb;    /* [3 * width * height] as renderer_draw has them */
-    float   *linear; /* likewise, as renderer_read_linear has them; NULL: they are not asked for */
-    double   white;  /* as renderer_white has it; 0: unknown */
+    uint8_t *rgb;    /* [3 * width * height] from renderer_draw */
+    float   *linear; /* likewise, from renderer_read_linear; NULL: not wanted */
+    double   white;  /* from renderer_white; 0: unknown */
 } pixels;
 
 static vxs_result draw_by_rays(const render_command *c, const subject *s, const pixels *to, message *m)
@@ -372,7 +372,7 @@ static lamp_words words_of_lamps(const render_command *c, const subject *s, cons
     return w;
 }
 
-/* Of area lights there is something to say where there are some, or where they were asked for.   Returns 0 where there is not. */
+/* Print area lights if there are some, or if they were requested.   Returns 0 if nothing was printed. */
 static int find_area_words(const render_command *c, const subject *s, const renderer *drawn, area_words *w)
 {
     const area_pass *areas = renderer_areas(drawn);
@@ -436,7 +436,7 @@ static void print_moving(FILE *to, const moving_plan *plan)
     fputc('\n', to);
 }
 
-/* Where the report goes; NULL: nowhere. */
+/* The stream of the report; NULL: no report. */
 static FILE *report_of(const render_command *c, const message *m)
 {
     const char *outs[] = {c->out, c->linear_path, c->json_path, c->csv_path, c->plot_path};

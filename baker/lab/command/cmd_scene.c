@@ -24,7 +24,7 @@ typedef struct scene_options {
         capsules_given;
 } scene_options;
 
-/* Which option goes with which kind. */
+/* The options that are valid for each kind of scene. */
 static vxs_result check_kind(const scene_options *o, message *m)
 {
     const struct {
@@ -93,7 +93,7 @@ static void print_cases(void)
     for (size_t i = 0; stress_name(i); i++) printf("%-24s %s\n", stress_name(i), stress_purpose(i));
 }
 
-/* "99996 triangles, 2 lights", and smoke in it. */
+/* "99996 triangles, 2 lights", and smoke if there is some. */
 static void print_report(FILE *to, const scene_options *o, const glb_scene *s)
 {
     char   what[128], smoke[48] = "";

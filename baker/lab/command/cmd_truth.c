@@ -20,7 +20,7 @@
 typedef struct truth_options {
     const char   *scene_path;
     scene_choice  choice;
-    const char   *like_path; /* NULL: rays from the points themselves */
+    const char   *like_path; /* NULL: trace rays from the points themselves */
     text_list     light_names;
     named_list    suns;
     filter_choice filter;

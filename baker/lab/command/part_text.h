@@ -14,7 +14,7 @@ enum { PART_TEXT_BYTES = 512 };
  * Returns text. */
 const char *part_text(char *text, const scene *s, const part_span *span);
 
-/* An object with node, mesh, material and the name of each, null where there is none, and parts: how many. NULL without memory. */
+/* An object with node, mesh, material and the name of each (null if missing), and the number of parts. NULL when out of memory. */
 json_t *part_json(const scene *s, const part_span *span);
 
 #endif

@@ -12,12 +12,13 @@
  * Returns VXS_OK; VXS_E_ARGUMENT: none, several, or one with invalid numbers. */
 vxs_result scene_camera_find(const scene_view **view, const scene *s, const char *name, const char *path, message *m);
 
-/* The size of its picture: a side that is not given follows from the camera's shape; the defaults are 1280 x 720. */
+/* The size of the camera's picture: a missing side follows from the camera's aspect; defaults are 1280 x 720. */
 void scene_camera_size(const scene_view *view, int width_given, int height_given, uint32_t side_max, uint32_t *width,
                        uint32_t *height);
 
-/* An orthographic camera is put so far away, and its angle is so small, that lines along its axis are parallel to a thousandth.
- * around  all of the scene */
+/* An orthographic camera becomes a perspective one so far away, with so small an angle, that lines along its axis are parallel
+ * to a thousandth.
+ * around  box of the scene */
 camera_pose scene_camera_pose(const scene_view *view, const box *around);
 
 #endif

@@ -19,7 +19,7 @@
 /* Height of a ray's origin above the plane, in truth_precision: above its own surface, and below everything on top of it. */
 enum { LIFT = 4 };
 
-/* The deepest bias: some two voxels, rounded up. */
+/* The deepest bias: about two voxels, rounded up. */
 #define BIAS_VOXELS 3
 
 /* The point just above a surface's plane on the light's ray through texel coordinates; at the far end of the map if the ray
@@ -36,7 +36,7 @@ static void plane_point(const comparison *c, const sample *s, double u, double v
     vec3_mad(out_ws, LIFT * truth_precision(c->truth), s->normal_ws, out_ws);
 }
 
-/* Rays about the centre of a texel. */
+/* Rays around the centre of a texel. */
 static int all_arrive(const comparison *c, const sample *s, double u, double v, double step_px)
 {
     for (int n = 0; n < (2 * COMPARE_STEPS + 1) * (2 * COMPARE_STEPS + 1); n++) {

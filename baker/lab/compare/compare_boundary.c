@@ -30,14 +30,14 @@ typedef struct search {
     wrong_answer     *answers;
 } search;
 
-/* One way from a point: `way` is as long as a texel. */
+/* One direction from a point: `way` has the length of a texel. */
 static int lit_along(const comparison *c, const sample *s, const double way[3], double texels)
 {
     const double *at = s->truth_ls;
     return compare_lit_at(c, s->map, at[0] + texels * way[0], at[1] + texels * way[1], at[2] + texels * way[2]);
 }
 
-/* Between `from`, where the truth differs from the asset, and `to`, where they agree. */
+/* Halve the step between `from`, where the truth differs from the asset, and `to`, where they agree. */
 static double halved(const comparison *c, const sample *s, const double way[3], int lit, double from, double to)
 {
     for (int n = 0; n < HALVINGS; n++) {
@@ -50,7 +50,7 @@ static double halved(const comparison *c, const sample *s, const double way[3], 
     return 0.5 * (from + to);
 }
 
-/* The nearest boundary between two steps, all ways; INFINITY when there is none. */
+/* The nearest boundary between two steps, over all directions; INFINITY when there is none. */
 static double nearest_between(const comparison *c, const sample *s, int lit, double from, double to)
 {
     double nearest = INFINITY;

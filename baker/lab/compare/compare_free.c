@@ -18,12 +18,12 @@ enum { SURFACES_MAX = 1024 }; /* on one ray; places beyond them are never don't-
 
 /* A surface on the way to the light. */
 typedef struct met {
-    double   distance; /* from where it was looked for */
+    double   distance; /* from the start of the search */
     double   normal_ws[3];
     uint32_t triangle;
 } met;
 
-/* The way from a point to the light, and how far it is. */
+/* The direction from a point to the light, and the distance. */
 static int way_to_light(const comparison *c, const double p[3], double way_ws[3], double *distance)
 {
     *distance = INFINITY;
@@ -46,7 +46,7 @@ static int is_sheet(const comparison *c, const met *s)
     return s->triangle >= c->casters->solid_triangle_count;
 }
 
-/* Past a surface, by as little as rays can tell. Returns how far that is from where it was looked for. */
+/* Move past a surface, by the least distance that rays resolve. Returns the distance from the start of the search. */
 static double pass(const comparison *c, double p[3], const double way_ws[3], const met *s)
 {
     double step = s->distance + 2 * truth_precision(c->truth);
@@ -75,7 +75,7 @@ static int is_behind_last(const comparison *c, const double p[3])
     return !meets(c, p, away_ws, INFINITY, &s) && leaves_at_last(c, p, way_ws, to_light);
 }
 
-/* Metres along the axis of the map for a metre on the way to the light. */
+/* Metres along the axis of the map for each metre towards the light. */
 static double metres_deep(const comparison *c, double depth_vx, double to_light)
 {
     if (c->shape.kind == LIGHT_DIRECTIONAL) return 1;

@@ -8,12 +8,12 @@
 
 enum {
     COMPARE_EXAMPLES_MAX      = 10,
-    COMPARE_FILTERS_MAX       = VXS_FILTER_MAX / 2 + VXS_FILTER_MAX, /* the odd widths above 1; smooth ones of all */
+    COMPARE_FILTERS_MAX       = VXS_FILTER_MAX / 2 + VXS_FILTER_MAX, /* the odd widths above 1; smooth ones of all widths */
     COMPARE_FILTER_POINTS_MAX = 20000,
     COMPARE_TIMED_POINTS_MAX  = 1000000
 };
 
-/* The shape of a camera's picture: width / height. */
+/* The aspect of a camera's picture: width / height. */
 #define COMPARE_CAMERA_ASPECT (16.0 / 9)
 
 /* Where the points come from. */
@@ -35,17 +35,17 @@ typedef struct compare_dont_care {
 } compare_dont_care;
 
 typedef struct compare_options {
-    uint32_t           points; /* of each kind; a camera's are as many as make a picture */
+    uint32_t           points; /* of each kind; a camera's number is rounded to make a picture */
     uint32_t           seed;
-    uint32_t           filters_px[COMPARE_FILTERS_MAX]; /* as for vxs_lookup, none twice: compared besides single taps */
+    uint32_t           filters_px[COMPARE_FILTERS_MAX]; /* as for vxs_lookup, without duplicates: compared besides single taps */
     uint32_t           filter_count;
     const camera_pose *camera; /* NULL: no points of a camera */
     uint32_t           threads;
 } compare_options;
 
-/* How far wrong answers are from the nearest boundary, in texels: from a place where the truth agrees with the asset. */
+/* Distance in texels from wrong answers to the nearest place where the truth agrees with the asset. */
 typedef struct compare_distance {
-    uint64_t points;                 /* of the wrong ones: those near enough to be found */
+    uint64_t points;                 /* number of wrong answers that are near enough to be measured */
     uint64_t beyond;                 /* the others */
     double   mean, median, p95, max; /* of points; 0 when there are none */
 } compare_distance;
@@ -61,24 +61,25 @@ typedef struct compare_bias {
                               filter's width */
 } compare_bias;
 
-/* points = outside + inside_solid + left_free + checked; wrong = leaks + false_shadows = near_boundary + near_surface + unexplained
- * = boundary.points + boundary.beyond. All are 0 for a kind that was not asked for, and the last two for random points. */
+/* points = outside + inside_solid + left_free + checked; wrong = leaks + false_shadows = near_boundary + near_surface +
+ * unexplained = boundary.points + boundary.beyond. All are 0 for a kind that was not compared, and the last two for random
+ * points. */
 typedef struct compare_counts {
     uint64_t points;
     uint64_t outside;      /* tried, but not in the light's volume; for a camera also pixels without a surface */
     uint64_t inside_solid; /* where answers are undefined */
-    uint64_t left_free;    /* lit, though in shadow by the truth, where the asset was asked to leave that open */
+    uint64_t left_free;    /* lit, in shadow by the truth, in a don't-care voxel of the asset */
     uint64_t checked;
     uint64_t leaks;         /* lit in the asset, in shadow by the truth */
     uint64_t false_shadows; /* in shadow in the asset, lit by the truth */
     uint64_t near_boundary; /* the ray through the centre of the texel agrees with the asset, in the voxel that was looked up */
-    uint64_t near_surface;  /* not that, but the voxel is free there: inside of a solid, or a surface crosses it */
+    uint64_t near_surface;  /* else, the voxel is free there: inside a solid, or crossed by a surface */
     uint64_t unexplained;   /* neither: a fault */
     compare_distance boundary;
     compare_bias     bias;
 } compare_counts;
 
-/* A wrong answer that has no excuse. */
+/* A wrong answer without an excuse. */
 typedef struct compare_example {
     compare_fault fault;
     compare_kind  kind;
@@ -114,7 +115,7 @@ typedef struct compare_result {
     compare_time    time;
 } compare_result;
 
-/* The size of a camera's picture of at most so many points, as near to COMPARE_CAMERA_ASPECT as it can be. */
+/* The size of a camera's picture with at most this many points, with an aspect as near to COMPARE_CAMERA_ASPECT as possible. */
 void compare_picture_size(uint32_t points, uint32_t *width_px, uint32_t *height_px);
 
 #endif

@@ -16,7 +16,7 @@ typedef struct light_volume {
     box              box_ws;
     enum { DRAW_FROM_BOX, DRAW_FROM_MAP, DRAW_FROM_CONE } way;
     double axes[3][3];                /* of the cone: two across it, and its direction */
-    double cell_weight[VOLUME_CELLS]; /* the mean of t1^3 - t0^3 of rays through a cell, which are in the box from t0 to t1 */
+    double cell_weight[VOLUME_CELLS]; /* the mean of t1^3 - t0^3 over rays through a cell, which are in the box from t0 to t1 */
     double cell_sum[VOLUME_CELLS];    /* this cell and all before it */
 } light_volume;
 

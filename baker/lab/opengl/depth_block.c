@@ -108,7 +108,7 @@ static float snapped(double texels)
     return (float)(floor(texels * SUBTEXELS + 0.5) / SUBTEXELS);
 }
 
-/* A vertex in the block's clip space: exact but for the depth. */
+/* A vertex in the block's clip space: exact, except for the depth. */
 static void clip_vertex(const depth_block *b, uint32_t vertex, float clip[3])
 {
     const vertex_ls *p  = &b->context->casters.vertices[vertex];
@@ -118,7 +118,7 @@ static void clip_vertex(const depth_block *b, uint32_t vertex, float clip[3])
     clip[2]             = (float)p->z;
 }
 
-/* The slot of a vertex among those of this block. */
+/* The slot of a vertex in this block. */
 static uint32_t block_vertex(depth_block *b, uint32_t vertex)
 {
     block_context *x = b->context;
@@ -130,7 +130,7 @@ static uint32_t block_vertex(depth_block *b, uint32_t vertex)
     return x->vertex_slot[vertex];
 }
 
-/* A triangle with holes: its corners are its own, because of their places in an image. */
+/* Add a triangle with holes: it has its own corners, because of their texture coordinates. */
 static void add_masked(depth_block *b, size_t t)
 {
     const projection *c  = &b->context->casters;
@@ -171,7 +171,7 @@ static int needs_peeling(const depth_block *b)
     return 0;
 }
 
-/* 1 when some texel of the triangle's box may be open. */
+/* 1 when some texel in the triangle's box may be open. */
 static int touches_open_cell(const depth_block *b, const texel_box *box)
 {
     int32_t cells = (int32_t)b->context->cell_side;
@@ -271,7 +271,7 @@ static void target(const depth_block *b, GLuint depth, GLuint color)
     gl->FramebufferTexture(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, color, 0);
 }
 
-/* Draw the nearest of some triangles into a cleared depth texture. */
+/* Draw the nearest surface of some triangles into a cleared depth texture. */
 static void draw_nearest(depth_block *b, GLuint depth, uint32_t first, uint32_t count)
 {
     gl_context *gl = b->context->gl;
@@ -289,8 +289,8 @@ static void draw_sheets(depth_block *b)
     b->context->gl->BindVertexArray(b->vertex_array);
 }
 
-/* Draw the nearest front faces, and the nearest back faces, which are the first layer. The nearer of the two is where a ray enters
- * solids: a back face only where a solid is turned inside out in part. */
+/* Draw the nearest front faces, and the nearest back faces, which are the first layer. The nearer of the two is where a ray
+ * enters solids. It can be a back face only if a part of a solid is inside out. */
 static void draw_first_layers(depth_block *b)
 {
     gl_context *gl = b->context->gl;
@@ -423,8 +423,8 @@ static int resolve_first_run(depth_order order, float *restrict enter, const flo
     return any != 0;
 }
 
-/* The same after a later pass; texels that were done have the nearest layer there is. A layer that did not move on would be met for
- * ever: it ends the search too. `last` is the layer before, and becomes where the next pass starts from. */
+/* The same after a later pass; done texels have the nearest possible layer. A layer that did not advance would be found again
+ * forever, so it ends the search, too. `last` is the layer before, and becomes the start depth of the next pass. */
 static int resolve_next_run(depth_order order, const float *restrict layer, const uint8_t *restrict open_solids,
                             float *restrict exit, float *restrict last, uint32_t count)
 {
@@ -437,7 +437,7 @@ static int resolve_next_run(depth_order order, const float *restrict layer, cons
         uint32_t more = (uint32_t)(b > near) & (uint32_t)(b < far) & (uint32_t)(b > before);
         uint32_t open = more & (uint32_t)(solids[n] > 0);
         exit[n]       = more > open ? b : x;
-        last[n]       = near_gl + (float)(int32_t)open * step; /* far_gl or near_gl: a choice would be a branch */
+        last[n]       = near_gl + (float)(int32_t)open * step; /* far_gl or near_gl, without a branch */
         any |= open;
     }
     return any != 0;
@@ -459,7 +459,7 @@ static int resolve_row(depth_block *b, cell_state state, uint32_t u, uint32_t ro
     return resolve_first_run(order, b->enter + out, now, b->count + at, (uint32_t)b->peels, b->exit + out, old, run);
 }
 
-/* Exits of the texels that were open, and the rectangle of those that stay so; 0 when there are none. */
+/* Write the exits of texels that were open, and find the rectangle of those that stay open; 0 when there are none. */
 static int resolve_layer(depth_block *b)
 {
     uint32_t side = b->context->cell_side, block_px = b->context->block_px;
@@ -484,7 +484,7 @@ static int resolve_layer(depth_block *b)
     return u0 < u1;
 }
 
-/* Where a sheet is met first, or at the same depth, a ray enters it and leaves it at once. */
+/* Where a ray meets a sheet first, or at the same depth, it enters and leaves there. */
 static void mix_sheets(const depth_block *b)
 {
     for (uint32_t row = 0; row < b->context->block_px; row++) {

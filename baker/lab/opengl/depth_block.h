@@ -14,10 +14,10 @@
 
 enum { CELL_PX = 32 };
 
-/* So many passes peel the deepest block: a texel counts no more front faces, and every pass takes one away. */
+/* The maximum number of passes for a block: a texel counts no more front faces than this, and every pass removes one. */
 enum { PEEL_PASSES_MAX = 255 };
 
-/* How OpenGL's depths become depths that grow away from the light. Where those of OpenGL shrink, they are negated. */
+/* Conversion of OpenGL's depths to depths that increase away from the light. Where OpenGL's decrease, they are negated. */
 typedef struct depth_order {
     float  sign;                    /* 1, or -1 */
     float  far_gl, near_gl;         /* clear values: no caster; a depth nearer than all casters */
@@ -34,9 +34,9 @@ typedef struct block_context {
     uint32_t    block_px;
     uint32_t    cell_side;  /* cells a side of a block */
     texel_box  *boxes;      /* [casters.triangle_count] */
-    uint32_t   *candidates; /* [candidate_count] triangles that may touch the tile in work, in the casters' order */
+    uint32_t   *candidates; /* [candidate_count] triangles that may touch the current tile, in the casters' order */
     size_t      candidate_count;
-    uint32_t   *vertex_slot; /* [casters.vertex_count] of the block gathered last: valid where vertex_gather is its number */
+    uint32_t   *vertex_slot; /* [casters.vertex_count] slots in the block gathered last: valid if vertex_gather is its number */
     uint32_t   *vertex_gather;
     uint32_t    gather;
     GLuint      framebuffer;
@@ -44,7 +44,7 @@ typedef struct block_context {
     depth_stats stats;
 } block_context;
 
-/* Cells are the squares of a block that are left out when none of their texels is open any more. */
+/* Cells: squares of a block, skipped when they have no open texel. */
 typedef enum cell_state {
     CELL_OPEN,   /* some texel's exit is not yet found */
     CELL_CLOSED, /* closed in the last pass: its texels still have to be reset */
@@ -68,13 +68,13 @@ typedef struct depth_block {
     uint32_t *triangles; /* [triangle_count] of the projection: solids first */
     uint32_t  solid_count, triangle_count, vertex_count;
     int       has_sheets;
-    int       peels; /* some solid meets another: the nearest back face may not be where light leaves their union */
+    int       peels; /* some solids intersect: the nearest back face may not be the exit of their union */
 
     holed_triangles masked; /* of the sheets, those with holes: not in triangles */
 
     /* [block_px * block_px] each */
     float     *sheet;    /* enter depth of sheets */
-    float     *layer[2]; /* back layers, this pass and the last; before a pass far_gl for open texels, near_gl for done ones */
+    float     *layer[2]; /* back layers of this pass and the last; before a pass, far_gl for open texels, near_gl for done ones */
     uint8_t   *count;    /* solids that are open behind the layer */
     uint8_t   *cell;     /* [cell_side^2] CELL_* */
     block_rect open;     /* holds all open cells */

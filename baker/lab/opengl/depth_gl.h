@@ -19,10 +19,11 @@ typedef struct depth_renderer depth_renderer;
 vxs_result depth_renderer_create(depth_renderer **out, gl_context *gl, const casters *c, const vxs_light *light, int map,
                                  exit_mode mode, uint32_t threads, message *m);
 
-/* 1 when some caster may touch the square of side_px texels at (i, j), counted in such squares. */
+/* 1 when some caster may touch the square (i, j), in units of side_px. */
 int depth_renderer_has_casters(const depth_renderer *r, uint32_t side_px, uint32_t i, uint32_t j);
 
-/* From now on call watch(user, share) while a square is rendered: the share of its blocks that is begun, 0 to 1. NULL: no more. */
+/* From now on call watch(user, share) while a square is rendered: the share of its blocks that have begun, 0 to 1. NULL: stop
+ * calls. */
 void depth_renderer_watch(depth_renderer *r, void (*watch)(void *user, double share), void *user);
 
 /* Render the square (i, j), in units of maps->side_px, into maps->enter and maps->exit. These may be the same array only when

@@ -8,7 +8,7 @@
 
 #include "baker/columns/rendered_columns.h"
 
-/* Functions are looked up at run time, because OSMesa and EGL each bring their own. Type, name without "gl". */
+/* Functions are loaded at run time, because OSMesa and EGL each have their own. Type, name without "gl". */
 /* clang-format off */
 #define GL_FUNCTIONS(X)                                            \
     X(PFNGLATTACHSHADERPROC, AttachShader)                          \
@@ -90,9 +90,9 @@ typedef struct gl_context {
     gl_backend   backend;
     void        *handle;            /* OSMesaContext, or EGLContext */
     void        *display;           /* EGLDisplay */
-    void        *library;           /* libEGL, opened when it is asked for */
-    uint32_t     pixels[16 * 16];   /* OSMesa wants a buffer of its own; maps are drawn elsewhere */
-    GLuint       depth_programs[3]; /* of depth_gl.c, made when they are first needed: they go with the context */
+    void        *library;           /* libEGL, loaded when it is needed */
+    uint32_t     pixels[16 * 16];   /* OSMesa requires a default framebuffer; maps are drawn elsewhere */
+    GLuint       depth_programs[3]; /* of depth_gl.c, made when first needed, deleted with the context */
     device_names names;
 } gl_context;
 

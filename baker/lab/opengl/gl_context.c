@@ -113,7 +113,7 @@ static int open_egl(egl *e, void *library)
            e->DestroyContext && e->Terminate;
 }
 
-/* Mesa's, or that of the first device, which drivers have that are not Mesa's. */
+/* Mesa's display, or that of the first device, which drivers other than Mesa have. */
 static int open_display(gl_context *gl, const egl *e)
 {
     PFNEGLQUERYDEVICESEXTPROC devices = (PFNEGLQUERYDEVICESEXTPROC)e->GetProcAddress("eglQueryDevicesEXT");
@@ -185,5 +185,5 @@ void gl_context_destroy(gl_context *gl)
         destroy_egl(gl);
     else
         destroy_osmesa(gl);
-    free(gl); /* the library stays open: drivers do not like to be unloaded */
+    free(gl); /* the library stays loaded: drivers may fail when unloaded */
 }

@@ -111,7 +111,7 @@ vxs_result hole_images_init(hole_images *x, gl_context *gl, const casters *c, me
 void hole_images_free(hole_images *x)
 {
     if (x->textures) {
-        /* masks may share a texture: a name that is deleted twice is ignored the second time */
+        /* masks may share a texture: OpenGL ignores names that are already deleted */
         x->gl->DeleteTextures((GLsizei)x->casters->alpha_mask_count, x->textures);
         x->gl->DeleteProgram(x->program);
     }

@@ -32,7 +32,7 @@ typedef struct hole_corner {
 typedef struct holed_triangles {
     const hole_images *images;
     const projection  *projection;
-    hole_corner (*corners)[3]; /* [count] in the projection's order: those of a mask follow each other */
+    hole_corner (*corners)[3]; /* [count] in the projection's order: those of a mask are adjacent */
     uint32_t *triangle;        /* [count] of the projection */
     uint32_t  count;
     GLuint    vertex_array, buffer;
@@ -45,7 +45,7 @@ vxs_result holed_triangles_init(holed_triangles *t, const hole_images *images, c
 /* Accepts a zeroed object. */
 void holed_triangles_free(holed_triangles *t);
 
-/* Draw them into the bound framebuffer by the depth test that is set. */
+/* Draw them into the bound framebuffer with the current depth test. */
 void holed_triangles_draw(const holed_triangles *t);
 
 /* Shared by the programs of this folder: compile and link one. Returns VXS_OK or VXS_E_GL. */

@@ -97,7 +97,7 @@ void fog_pass_destroy(fog_pass *p)
 
 /* meshes ----------------------------------------------------------------------------------------------------------------------- */
 
-/* Mesh rays end 2 scene sizes beyond the usual end, since a path may move the eye away by some scene sizes. */
+/* The mesh extends to 16 scene sizes: rays end 2 sizes from the eye, and a path may move the eye by some sizes. */
 static vxs_result make_mesh(fog_pass *p, uint32_t light, message *m)
 {
     const baked_mesh_options o = {
