@@ -68,7 +68,7 @@ static int run(int argc, char **argv)
     if (argc < 2) return no_command();
     if (!strcmp(name, "help") && argc > 3)
         return command_end(&m, fail(&m, VXS_E_ARGUMENT, "unexpected argument '%s': usage is vxs help COMMAND", argv[3]));
-    if (!strcmp(name, "help") && argc == 3 && argv[2][0] != '-') { /* vxs help bake is vxs bake --help */
+    if (!strcmp(name, "help") && argc == 3 && argv[2][0] != '-') { /* vxs help COMMAND is vxs COMMAND --help */
         name    = argv[2];
         argv[1] = argv[2];
         argv[2] = "--help";

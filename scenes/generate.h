@@ -24,11 +24,11 @@ extern "C" {
 #define LANDSCAPE_HEIGHT_MAX   10000.0
 
 typedef struct city_options {
-    uint32_t blocks;    /* a side: blocks x blocks; [1, CITY_BLOCKS_MAX] */
-    uint32_t triangles; /* [GENERATE_TRIANGLES_MIN, GENERATE_TRIANGLES_MAX], met to the nearest dozen */
+    uint32_t blocks;    /* blocks along a side, [1, CITY_BLOCKS_MAX] */
+    uint32_t triangles; /* [GENERATE_TRIANGLES_MIN, GENERATE_TRIANGLES_MAX], met within a dozen */
     uint32_t seed;
-    double   sun[3]; /* the way the light travels; not zero */
-    uint32_t spots;  /* [0, CITY_SPOTS_MAX] street lamps that shine; the boxes are the same with any number */
+    double   sun[3]; /* direction of the light; not zero */
+    uint32_t spots;  /* [0, CITY_SPOTS_MAX] spot lights; the boxes do not depend on it */
 } city_options;
 
 /* A city of closed boxes, each with its own 12 triangles and 8 vertices: ground, kerbs, buildings, street lamps, roof and
@@ -43,23 +43,24 @@ vxs_result generate_city(glb_scene *s, const city_options *o, message *m);
 typedef struct landscape_options {
     uint32_t triangles; /* [GENERATE_TRIANGLES_MIN, GENERATE_TRIANGLES_MAX], met within 2% */
     uint32_t seed;
-    double   size_metres;   /* a side; [LANDSCAPE_SIZE_MIN, LANDSCAPE_SIZE_MAX] */
-    double   height_metres; /* lowest to highest point; [0, LANDSCAPE_HEIGHT_MAX] */
-    double   sun[3];        /* the way the light travels; not zero */
+    double   size_metres;   /* of a side; [LANDSCAPE_SIZE_MIN, LANDSCAPE_SIZE_MAX] */
+    double   height_metres; /* from lowest to highest point; [0, LANDSCAPE_HEIGHT_MAX] */
+    double   sun[3];        /* direction of the light; not zero */
 } landscape_options;
 
 /* Fractal terrain as one closed mesh: a heightfield, skirts, and a flat bottom.
  * s  [out] zeroed on failure; released with glb_scene_free.  Returns VXS_OK, VXS_E_MEMORY. */
 vxs_result generate_landscape(glb_scene *s, const landscape_options *o, message *m);
 
-/* Height of the surface of a scene that generate_landscape made with these options, and to which more may have been added since.
+/* Height of the surface of a scene that generate_landscape made with these options. Objects may have been added to the scene
+ * since.
  * x, z  metres, inside the landscape */
 double terrain_height(const glb_scene *s, const landscape_options *o, double x, double z);
 
 typedef struct room_options {
     uint32_t triangles; /* [GENERATE_TRIANGLES_MIN, GENERATE_TRIANGLES_MAX], met within 2% */
     uint32_t seed;
-    int      screen; /* 1: a screen hangs above the cabinet, and shines */
+    int      screen; /* 1: add an emissive screen above the cabinet */
 } room_options;
 
 /* A furnished room, 8 x 3 x 6 m. Walls, floor and ceiling are one open sheet that faces inward, with an opening for a door.
@@ -71,8 +72,8 @@ vxs_result generate_room(glb_scene *s, const room_options *o, message *m);
 typedef struct forest_options {
     uint32_t triangles; /* [GENERATE_TRIANGLES_MIN, GENERATE_TRIANGLES_MAX], met within 2% */
     uint32_t seed;
-    double   size_metres; /* a side; [FOREST_SIZE_MIN, LANDSCAPE_SIZE_MAX] */
-    double   sun[3];      /* the way the light travels; not zero */
+    double   size_metres; /* of a side; [FOREST_SIZE_MIN, LANDSCAPE_SIZE_MAX] */
+    double   sun[3];      /* direction of the light; not zero */
 } forest_options;
 
 #define FOREST_SIZE_MIN 10.0
@@ -106,7 +107,7 @@ vxs_result generate_hair(glb_scene *s, const smoke_options *o, message *m);
  * s     [out] zeroed on failure; released with glb_scene_free.  Returns VXS_OK, VXS_E_MEMORY, VXS_E_ARGUMENT (no such case). */
 vxs_result generate_stress(glb_scene *s, const char *name, message *m);
 
-/* VXS_OK, or VXS_E_ARGUMENT with a line that names the cases. */
+/* Returns VXS_OK, or VXS_E_ARGUMENT with the names of all cases in the message. */
 vxs_result stress_check(const char *name, message *m);
 
 /* The name of case i, and its purpose; NULL after the last. */

@@ -19,7 +19,7 @@
 #include "scenes/generate_parts.h"
 #include "scenes/generate_screen.h"
 
-/* the room, metres; whole, so that the cells of 1 m of neighbouring walls have the same corners */
+/* size of the room, metres; integers, so that the cells of 1 m of adjacent walls share corners */
 static const double left = -4, right = 4, back = -3, front = 3, top = 3, door_left = 1, door_right = 2, door_top = 2;
 
 enum { SHELF_LEVELS = 6, BOOKS_MAX = 360, ROUND_MAX = 8, ROUND_TRIANGLES = 200, SHADE_SEGMENTS = 24 };
@@ -87,7 +87,7 @@ static void add_chair(parts *p, parts_frame f)
     }
 }
 
-/* Each stands at its side of the table, turned a little by chance. */
+/* Each chair is at its side of the table, turned a little at random. */
 static void add_chairs(parts *p, rng r)
 {
     static const double at[4][2] = {{0, -0.85}, {1.2, 0.05}, {0.1, 0.9}, {-1.25, 0}};
@@ -122,7 +122,7 @@ static void add_shelf(parts *p)
         parts_box_at(p, NULL, -3.95, -3.6, shelf_height(level), shelf_height(level) + 0.03, -1.97, 1.97);
 }
 
-/* Upright, side by side: a level has room for 60 of 6.5 cm. Some lean out further than others; none touches the next. */
+/* Upright, side by side: a level has room for 60 books of 6.5 cm. Some protrude more than others; none touches the next. */
 static void add_books(parts *p, rng r, uint32_t count)
 {
     parts_mesh(p, "books", 0);
@@ -137,10 +137,10 @@ static void add_books(parts *p, rng r, uint32_t count)
 /* ---- round things ---- */
 
 typedef struct round_thing {
-    double x, floor, z, radius, belly; /* belly: 0 is a ball, more is a vase that is wider below */
+    double x, floor, z, radius, belly; /* belly 0: a ball; more: a vase that is wider below */
 } round_thing;
 
-/* About `triangles` of them, in squares. Returns how many. */
+/* Add about `triangles` triangles, in squares. Returns their number. */
 static uint32_t add_round(parts *p, const round_thing *t, uint32_t triangles)
 {
     uint32_t segments = (uint32_t)sqrt((double)triangles) / 4 * 4;

@@ -20,14 +20,14 @@ static double between(rng *r, double low, double high)
     return low + (high - low) * rng_unit(r);
 }
 
-/* As a sine: 0 at 0, 1 at a quarter, 0 at a half; of parabolas. */
+/* An approximate sine by parabolas: 0 at 0, 1 at a quarter, 0 at a half. */
 static double wave(double turns)
 {
     double y = turns - (double)(int64_t)turns;
     return y < 0.5 ? 16 * y * (0.5 - y) : -16 * (y - 0.5) * (1 - y);
 }
 
-/* A place in the unit ball, as likely anywhere. */
+/* A random point in the unit ball, uniform by volume. */
 static void in_ball(rng *r, double place[3])
 {
     double square;
@@ -79,9 +79,9 @@ static void add_camera(parts *p, double x, double y, double z)
 
 typedef struct column {
     const char *name;
-    double      foot[3], tall, narrow, wide; /* metres; half of how wide it is at its foot and its top */
+    double      foot[3], tall, narrow, wide; /* metres; half the width at its bottom and its top */
     double      lean[2];                     /* metres along x and z, at its top */
-    double      depth;                       /* optical, across it at its foot; it thins to a third */
+    double      depth;                       /* optical depth across it at its bottom; it decreases to a third */
     double      colour[3];
 } column;
 
@@ -212,7 +212,7 @@ enum { STRAND_PIECES = 8 };
 
 static const double head_at[3] = {-0.12, 1.13, 0}, head_radius = 0.12;
 
-/* Where a strand may grow: not in the face, which looks along +Z, nor below. */
+/* Places where a strand may grow: not on the face, towards +Z, nor below. */
 static void find_root(rng *r, double out[3])
 {
     do {
@@ -221,7 +221,7 @@ static void find_root(rng *r, double out[3])
     } while (out[1] < -0.35 || (out[2] > 0.35 && out[1] < 0.55));
 }
 
-/* Out of the head, but no farther than where it touches. */
+/* Move a point out of the head, only to its surface. */
 static void keep_outside(double at[3])
 {
     double from[3], square = 0, least = 1.03 * head_radius;

@@ -43,7 +43,7 @@ static file_kind kind_of_bytes(char bytes[LOOKED_AT + 1], size_t size)
     if (begins(bytes, size, png, sizeof png - 1) || begins(bytes, size, "#?", 2)) return FILE_PICTURE;
     if (begins(bytes, size, PART_MAGIC, sizeof PART_MAGIC - 1)) return FILE_PART;
     bytes[size] = '\0';
-    return size > 1 && bytes[0] == '{' && !bytes[1] ? FILE_UNKNOWN : kind_of_text(bytes); /* 0 in the first two bytes: UTF-16 */
+    return size > 1 && bytes[0] == '{' && !bytes[1] ? FILE_UNKNOWN : kind_of_text(bytes); /* '{' and 0: UTF-16 */
 }
 
 /* Read the beginning of a regular file. A pipe is not opened, since closing it would end its writer.

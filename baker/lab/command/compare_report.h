@@ -40,7 +40,7 @@ typedef struct compare_report {
 } compare_report;
 
 /* 1 when the asset passes: no answer is unexplained, the bias has no fault, and not more points are wrong than accepted.
- * compare_report_passed: all assets pass. */
+ * compare_passes: all assets pass. */
 int compare_asset_passes(const compare_report *r, const compared_asset *a);
 int compare_passes(const compare_report *r);
 

@@ -50,7 +50,7 @@ bool fill_hole(const double *points, size_t count, uint32_t *triangles)
     return true;
 }
 
-/* Do n - 2 triangles run once along each side of the line, and both ways along all other sides? */
+/* Check that n - 2 triangles have each side of the polygon once, and all other sides in both directions. */
 bool runs_along(size_t count, const uint32_t *triangles)
 {
     std::vector<std::pair<uint32_t, uint32_t>> sides;

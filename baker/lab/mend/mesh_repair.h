@@ -41,7 +41,7 @@ typedef struct repair_options {
 enum { REPAIR_COUNTS = 6 };
 
 typedef struct repaired_component {
-    uint32_t  triangle, triangles; /* its first in the scene as it was, and how many it had */
+    uint32_t  triangle, triangles; /* its first triangle in the original scene, and their number */
     part_span parts;
     uint8_t   closed_before; /* closed and consistently oriented */
     uint8_t   closed_after;  /* 1: all parts of the component are closed now */
@@ -52,15 +52,15 @@ typedef struct repaired_component {
             uint32_t filled_holes, added_triangles;
             uint32_t left_holes; /* too large, or the component stays open for other reasons */
         };
-        uint32_t counts[REPAIR_COUNTS]; /* the same, one after the other */
+        uint32_t counts[REPAIR_COUNTS]; /* the same as an array */
     };
 } repaired_component;
 
 typedef struct repair_report {
     size_t              count;
-    repaired_component *components; /* [count] those to which something was done or that still have holes, in the scene's order */
+    repaired_component *components; /* [count] components that were changed or still have holes, in the scene's order */
     repaired_component  total;      /* sums over all components; its flags are unused */
-    size_t              component_count, closed_before, closed_after; /* of all components of the scene as it was */
+    size_t              component_count, closed_before, closed_after; /* over all components of the original scene */
 } repair_report;
 
 /* Mend a scene in place. Triangles keep their order; new ones are appended; holed_triangles and parts are updated; parts keep

@@ -20,7 +20,7 @@ enum { PICTURE_WIDTH_PX = 480, PICTURE_HEIGHT_PX = 270, PICTURE_BYTES = 16 << 20
 
 /* pixels of pictures ---------------------------------------------------------------------------------------------------------- */
 
-/* Masks that a tile needs, from few to many; until: of the class, inclusive. */
+/* Classes of the number of masks that a tile needs, ascending; until: the class's largest number. */
 static const struct {
     uint8_t     until;
     uint8_t     colour[3];
@@ -53,7 +53,7 @@ static double depth_near(const uint16_t *depth, uint32_t side, int64_t x, int64_
     return d == PICTURE_NO_CASTER ? otherwise : d;
 }
 
-/* Lightness of each pixel, 0 to 1: near is light, and slopes are lit from the upper left. rise: of a unit of depth, in pixels. */
+/* Lightness of each pixel, 0 to 1: near is light, and slopes are lit from the upper left. rise: pixels for a unit of depth. */
 static void shade(float *light, const uint16_t *depth, uint32_t side, double rise, double from, double until)
 {
     for (uint32_t y = 0; y < side; y++)
@@ -61,7 +61,7 @@ static void shade(float *light, const uint16_t *depth, uint32_t side, double ris
             double d  = depth[(size_t)y * side + x];
             double gx = (depth_near(depth, side, (int64_t)x + 1, y, d) - depth_near(depth, side, (int64_t)x - 1, y, d)) / 2 * rise;
             double gy = (depth_near(depth, side, x, (int64_t)y + 1, d) - depth_near(depth, side, x, (int64_t)y - 1, d)) / 2 * rise;
-            /* the surface looks towards the light of the map: its normal is (gx, gy, 1), shortened */
+            /* the surface faces the light in the picture: its normal is (gx, gy, 1), normalized */
             double facing               = (0.7 - 0.45 * gx - 0.45 * gy) / sqrt(1 + gx * gx + gy * gy);
             double tone                 = 1 - 0.55 * fmin(1, fmax(0, (d - from) / fmax(1, until - from)));
             light[(size_t)y * side + x] = (float)(tone * fmin(1, fmax(0.15, 0.35 + 0.85 * facing)));
@@ -88,7 +88,7 @@ static const face_place cross_places[6] = {{0, 1, TURN_QUARTER},        {2, 1, T
                                            {1, 0, TURN_THREE_QUARTERS}, {1, 2, TURN_HALF}, /* +y, -y */
                                            {1, 1, TURN_HALF},           {3, 1, TURN_QUARTER}};
 
-/* The pixel of a map that is seen at (x, y) of its turned picture. */
+/* The pixel of a map at (x, y) of its rotated picture. */
 static size_t turned_pixel(turn turned, uint32_t side, uint32_t x, uint32_t y)
 {
     uint32_t u = x, v = y, last = side - 1;
@@ -101,7 +101,7 @@ static size_t turned_pixel(turn turned, uint32_t side, uint32_t x, uint32_t y)
 /* A picture of all maps of a light: one map, or the cross of six. */
 typedef struct canvas {
     uint32_t width_px, height_px;
-    uint8_t *rgba; /* [4 * width * height] blank where no map is */
+    uint8_t *rgba; /* [4 * width * height] transparent outside of maps */
 } canvas;
 
 /* Draw depths. With `masks`, [mask_px * mask_px] of a map: faint shapes, and the colour of its class where a pixel's tiles need
@@ -128,7 +128,7 @@ static void draw(canvas *c, face_place place, const float *light, const uint16_t
 
 /* pictures as JSON ------------------------------------------------------------------------------------------------------------ */
 
-/* The text of a URL that holds a picture, of 3 or 4 channels; NULL without memory. Released with free(). */
+/* A data URL with a picture of 3 or 4 channels; NULL when out of memory. Released with free(). */
 static char *png_url(const uint8_t *pixels, uint32_t width_px, uint32_t height_px, uint32_t channels)
 {
     static const char begin[]  = "data:image/png;base64,",
@@ -158,7 +158,7 @@ static json_t *png_json(const uint8_t *pixels, uint32_t width_px, uint32_t heigh
     return json;
 }
 
-/* All maps of a light in one picture, of depths or of masks. NULL without memory. */
+/* All maps of a light in one picture, of depths or of masks. NULL when out of memory. */
 static json_t *maps_json(const light_picture *p, const vxs_light *light, int masks)
 {
     uint32_t side = p->side_px, cube = p->map_count > 1;
@@ -167,7 +167,7 @@ static json_t *maps_json(const light_picture *p, const vxs_light *light, int mas
     double   texels = (double)p->map_px / side, voxels = (double)p->map_px / PICTURE_NO_CASTER, from, until;
     float   *shades = malloc(count * sizeof *shades);
     c.rgba          = calloc((size_t)c.width_px * c.height_px, 4);
-    depth_range(p->depth, p->map_count * count, &from, &until); /* of all six, so that tones go on from face to face */
+    depth_range(p->depth, p->map_count * count, &from, &until); /* of all six, so that tones are continuous from face to face */
     for (uint32_t map = 0; map < p->map_count && shades && c.rgba; map++) {
         const uint16_t *depth = p->depth + map * count;
         shade(shades, depth, side, voxels * light->voxel_metres / (texels * light->texel_metres), from, until);
@@ -180,7 +180,7 @@ static json_t *maps_json(const light_picture *p, const vxs_light *light, int mas
     return json;
 }
 
-/* Which way a light's own axes point in the world. */
+/* The directions of a light's own axes in the world. */
 static json_t *axes_json(const vxs_light *light)
 {
     const double *a = light->ls_from_ws;
@@ -206,7 +206,7 @@ static json_t *mask_colours_json(void)
     return colours;
 }
 
-/* When the scene's file was last written, "2026-11-22 08:30 UTC"; null where that is not known. */
+/* The modification time of the scene's file, "2026-11-22 08:30 UTC"; null if unknown. */
 static json_t *scene_date_json(const char *path)
 {
     struct stat status;

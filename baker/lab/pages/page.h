@@ -11,7 +11,7 @@
 /* The content of a page, which selects its script. */
 typedef enum page_kind {
     PAGE_BAKE,   /* bake_page.js */
-    PAGE_BENCH,  /* bench_page.js, with charts.js and its library */
+    PAGE_BENCH,  /* bench_page.js, with charts.js and the chart library */
     PAGE_VOLUMES /* volumes_page.js, with them */
 } page_kind;
 

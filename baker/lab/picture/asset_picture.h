@@ -5,7 +5,7 @@
 
 #include "baker/lab/picture/picture.h"
 
-/* Each lamp takes time in each pixel, and of hundreds most light a corner. */
+/* Limit on lights: each takes time in each pixel, and of hundreds of lamps most light a small area. */
 enum { ASSET_PICTURE_LIGHTS = 6 };
 
 /* Draw the asset's scene from above, all of it in view, in the light of the ASSET_PICTURE_LIGHTS lights with the largest shadows

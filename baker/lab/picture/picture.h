@@ -14,7 +14,7 @@ typedef struct picture_options {
     uint32_t          width_px, height_px;
     int               filter_px; /* of lookups, as for vxs_lookup */
     uint32_t          threads;
-    camera_pose       camera; /* eye and target apart, and not in line with the vertical by less than a rounding */
+    camera_pose       camera; /* eye and target are different, and their direction is not vertical within rounding */
     const fog_medium *fog;    /* replaces haze, and lamps' light in it; NULL: none */
 } picture_options;
 

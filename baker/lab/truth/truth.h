@@ -26,7 +26,7 @@ vxs_result truth_create(truth **t, const casters *c, uint32_t threads, message *
 /* Accepts NULL. */
 void truth_destroy(truth *t);
 
-/* The distance in metres, at most, by which rounding to float may displace a surface or a ray inside the casters' bounds. */
+/* The maximum distance in metres by which rounding to float may displace a surface or a ray inside the casters' bounds. */
 double truth_precision(const truth *t);
 
 /* Move a point off its surface, so that the surface does not shadow it: by 1e-5 of the diagonal of the casters' bounds along its
@@ -44,16 +44,16 @@ void truth_lift(const truth *t, const double point_ws[3], const double normal_ws
  * Cost: one or two rays; 2 to 10 million points a second on one core, with up to 700 000 triangles. */
 int truth_lit(const truth *t, const double point_ws[3], const light_shape *light);
 
-/* 1 when the winding number of the solids about the point is above zero: inside one solid or more. Sheets do not count.
- * Within truth_precision of a solid's surface the answer may be either. */
+/* 1 when the winding number of the solids around the point is above zero: inside one solid or more. Sheets are ignored.
+ * Within truth_precision of a solid's surface the result may be either. */
 int truth_inside_solid(const truth *t, const double point_ws[3]);
 
-/* The first caster along a ray; the lower triangle where several are equally near.
+/* The first caster along a ray; at equal distances, the one with the lower triangle number.
  * direction_ws  unit
  * distance      [out] metres, >= 0; may be NULL, as may the next two; none is written when 0 is returned
  * normal_ws     [out] unit, by the triangle's winding: outward, whichever side was hit
  * triangle      [out] index into the casters' triangles
- * Returns 1 when something was hit. */
+ * Returns 1 when a caster was hit. */
 int truth_first_hit(const truth *t, const double origin_ws[3], const double direction_ws[3], double *distance, double normal_ws[3],
                     uint32_t *triangle);
 
