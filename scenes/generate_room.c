@@ -54,7 +54,7 @@ static void add_hall(parts *p)
     parts_box_at(p, "hall", -2, 5, -0.25, 0, front, 6);
     parts_box_at(p, NULL, -2, 5, -0.25, top, 6, 6.25);
     parts_mesh(p, "door", 0);
-    parts_frame hinge = {{door_right, 0, front + 0.03}, -0.6, -0.8}; /* it stands open */
+    parts_frame hinge = {{door_right, 0, front + 0.03}, -0.6, -0.8}; /* the door is open */
     parts_box(p, hinge, (double[3]){0, 0.01, 0}, (double[3]){0.95, door_top - 0.02, 0.04});
 }
 

@@ -27,8 +27,8 @@ typedef struct asset_stream {
 vxs_result asset_stream_open(asset_stream *s, const char *path, uint64_t budget_bytes, const text_list *names, int points,
                              const vxs_baked_light **lights, const vxs_baked_smoke **smoke, uint32_t *light_count, message *m);
 
-/* Update the stream for an eye. First waits for the pages that the last frame requested, so that the result depends on the
- * frames before alone, not on timing.
+/* Update the stream for an eye. First waits for the pages that the last frame requested, so that the result depends only on
+ * earlier frames, not on timing.
  * status  [in, out] as for vxs_stream_frame
  * Returns VXS_OK, VXS_E_READ or VXS_E_CORRUPT: a page could not be loaded. */
 vxs_result asset_stream_frame(asset_stream *s, const double eye_ws[3], vxs_stream_status *status, message *m);

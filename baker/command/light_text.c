@@ -1,4 +1,4 @@
-/* A baked light in words and in JSON; see light_text.h.
+/* A baked light as text and as JSON; see light_text.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/command/light_text.h"
 

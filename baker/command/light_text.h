@@ -1,4 +1,4 @@
-/* A baked light in words and in JSON, for reports.
+/* A baked light as text and as JSON, for reports.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef LIGHT_TEXT_H
 #define LIGHT_TEXT_H

@@ -1,4 +1,4 @@
-/* How an asset was made, in words; see provenance_text.h.
+/* The provenance of an asset as text; see provenance_text.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/command/provenance_text.h"
 

@@ -1,4 +1,4 @@
-/* How an asset was made, in words.
+/* The provenance of an asset as text.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef PROVENANCE_TEXT_H
 #define PROVENANCE_TEXT_H

@@ -1,4 +1,4 @@
-/* A plan in words; see plan_text.h.
+/* A plan as text; see plan_text.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/command/report/plan_text.h"
 

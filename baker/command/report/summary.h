@@ -1,4 +1,4 @@
-/* A bake or its plan in about five lines: which scene and lights, the file's size, the time, what is left out.
+/* A bake or its plan in about five lines: scene and lights, the file's size, the time, what is left out.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SUMMARY_H
 #define SUMMARY_H

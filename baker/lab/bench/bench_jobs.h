@@ -39,7 +39,7 @@ typedef struct bench_job {
 } bench_job;
 
 /* Make a job and its cell for each scene and combination of options, checked as bake checks its own.
- * cells  an array, which gets the cells
+ * cells  an array to which the cells are added
  * inputs [scene] descriptors; -1: the scene is a file
  * c      where bakes write; outlives the jobs
  * jobs   [out] [count], released with bench_jobs_free, whatever is returned

@@ -1,4 +1,4 @@
-/* Measurements in words; see bench_text.h.
+/* Measurements as text; see bench_text.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/bench/bench_text.h"
 

@@ -1,4 +1,4 @@
-/* Measurements in words: figures, tables of them, names of cells.
+/* Measurements as text: figures, tables of them, names of cells.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef BENCH_TEXT_H
 #define BENCH_TEXT_H
@@ -13,7 +13,7 @@ typedef enum figure_kind { FIGURE_SECONDS, FIGURE_BYTES, FIGURE_PEAK_BYTES, FIGU
 
 /* How a figure is used, besides comparing it. */
 typedef enum figure_flags {
-    FIGURE_COLUMN  = 1, /* the table has it */
+    FIGURE_COLUMN  = 1, /* a column of the table */
     FIGURE_LIMITED = 2, /* it may be too slow */
     FIGURE_STAGE   = 4, /* a part of the cell's first figure */
     FIGURE_ERROR   = 8  /* comparable only between runs with the same points */

@@ -1,4 +1,4 @@
-/* The camera that --eye, --target and --fov ask for.
+/* The camera of the options --eye, --target and --fov.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef CAMERA_CHOICE_H
 #define CAMERA_CHOICE_H

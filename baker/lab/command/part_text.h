@@ -1,4 +1,4 @@
-/* Where a component comes from, in words and in JSON, for reports: the node, mesh and material of its first triangle.
+/* The origin of a component as text and as JSON, for reports: the node, mesh and material of its first triangle.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef PART_TEXT_H
 #define PART_TEXT_H

@@ -1,6 +1,6 @@
-/* The points at which a baked light is compared with the truth, and where the truth is traced from for each.
+/* The points at which a baked light is compared with the truth, and for each the start of its truth rays.
  *
- * Points are made from (seed, kind, index), so none is stored and every thread makes its own.
+ * Points are generated from (seed, kind, index), so that none is stored and every thread makes its own.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef COMPARE_POINTS_H
 #define COMPARE_POINTS_H

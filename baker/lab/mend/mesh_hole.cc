@@ -20,7 +20,7 @@ point point_at(const double *points, size_t i)
     return point(points[3 * i], points[3 * i + 1], points[3 * i + 2]);
 }
 
-/* As CGAL wants its output. */
+/* The face type that CGAL requires. */
 struct face {
     face(int a, int b, int c) : corners{a, b, c} {}
     std::array<int, 3> corners;

@@ -1,4 +1,4 @@
-/* The one place that knows OSMesa from EGL; see gl.h.
+/* The only file that depends on OSMesa and EGL; see gl.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h" /* first: its glcorearb.h must come before the older gl.h that osmesa.h brings */
 

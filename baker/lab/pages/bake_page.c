@@ -149,7 +149,7 @@ static char *png_url(const uint8_t *pixels, uint32_t width_px, uint32_t height_p
     return url;
 }
 
-/* NULL without memory. */
+/* NULL when out of memory. */
 static json_t *png_json(const uint8_t *pixels, uint32_t width_px, uint32_t height_px, uint32_t channels)
 {
     char   *url  = pixels ? png_url(pixels, width_px, height_px, channels) : NULL;

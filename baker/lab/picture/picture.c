@@ -57,7 +57,7 @@ typedef struct view {
     uint32_t                sun_count, lamp_count;
     double                  day; /* factor on the sky's light: 1, or night */
     uint8_t                *rgb;
-    float                  *linear; /* NULL: not asked for */
+    float                  *linear; /* NULL: not wanted */
     camera_view             seen;
     double                  near_metres; /* haze begins */
     double                  haze_metres; /* it takes 1 - 1/e in so much */

@@ -1,4 +1,4 @@
-/* The plan of a frame's fog in words; see fog_plan.h.
+/* The plan of a frame's fog as text and JSON; see fog_plan.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/render/fog_plan.h"
 

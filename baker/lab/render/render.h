@@ -15,7 +15,7 @@
 #include "runtime/vxs_stream.h"
 
 typedef enum cull_mode { CULL_AUTO, CULL_ON, CULL_OFF } cull_mode;
-#define CULL_CHOICES "auto|on|off" /* their words, in that order; auto: where there is more than one light */
+#define CULL_CHOICES "auto|on|off" /* the words of cull_mode, in its order; auto: with more than one light */
 
 typedef enum smoke_mode { SMOKE_ON, SMOKE_OFF } smoke_mode;
 #define SMOKE_CHOICES "on|off" /* on, off: whether smoke dims lights and is drawn */

@@ -318,7 +318,7 @@ vxs_result render_report_plot(const render_report *r, const char *path, message 
     double      most   = 1e-3;
     int         high   = PLOT_HIGH + (r->budget_bytes ? STREAM_HIGH : 0);
     if (result != VXS_OK) return result;
-    /* in the first frame shaders are made ready: it may stand out of the plot */
+    /* the first frame compiles shaders: it may exceed the plot */
     for (size_t n = r->frame_count > 1; n < r->frame_count; n++) most = fmax(most, 1050 * total_of(&r->frames[n].frame));
     fprintf(out.stream,
             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %d %d\" font-family=\"sans-serif\" font-size=\"13\">\n",

@@ -26,19 +26,19 @@ typedef struct render_report {
     const fog_light_plan         *fog_lights;   /* [light_count] of the last frame; NULL without fog */
     const smoke_light_plan       *smoke_lights; /* [light_count] of the last frame; NULL without smoke */
     uint32_t                      capsules;     /* of the scene's smoke */
-    const area_words             *areas;        /* NULL: no area light was asked for */
-    const sky_words              *sky;          /* NULL: none was asked for */
+    const area_words             *areas;        /* NULL: area lights were not requested */
+    const sky_words              *sky;          /* NULL: not requested */
     const vxs_baked_light *const *lights;       /* [light_count] */
     uint32_t                      light_count;
     int                           culls;
     uint64_t                      word_bytes;
-    uint64_t                      budget_bytes; /* of a stream; 0: there is none */
+    uint64_t                      budget_bytes; /* of a stream; 0: no stream */
     const drawn_frame            *frames;       /* [frame_count] */
     size_t                        frame_count;
-    const truth_difference       *difference; /* NULL: none was asked for */
+    const truth_difference       *difference; /* NULL: not requested */
 } render_report;
 
-/* docs/render.schema.json. NULL without memory. */
+/* As in docs/render.schema.json. NULL when out of memory. */
 json_t *render_report_json(const render_report *r);
 
 /* A line of names, and a line for each frame.   Returns VXS_OK, VXS_E_WRITE, VXS_E_MEMORY, as the next does. */

@@ -217,7 +217,7 @@ static vxs_result put_shadows(renderer *r, const vxs_baked_light *const *lights,
 
 /* ------------------------------------------------------------------------------------------------------------------------------ */
 
-/* Clear air where there is none: area lights, a sky and smoke need its frame. */
+/* Without fog, make clear air: area lights, a sky and smoke need its frame. */
 static vxs_result make_fog(renderer *r, message *m)
 {
     static const fog_medium clear = {.top_ws = INFINITY};

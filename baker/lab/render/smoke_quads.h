@@ -1,4 +1,5 @@
-/* Capsules as a shader draws them: from back to front, each by a quad before the eye that covers it, and where its light is asked.
+/* Capsules as a shader draws them: from back to front, each by a quad that covers it, facing the eye, with places for light
+ * lookups.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SMOKE_QUADS_H
 #define SMOKE_QUADS_H

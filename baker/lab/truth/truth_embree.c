@@ -362,7 +362,7 @@ static bool ask_at_lamp(struct RTCPointQueryFunctionArguments *args)
     double volume = vec3_dot(ab, p);
     double second = -vec3_dot(corners[0], p) / volume, third = vec3_dot(q->way_ws, r) / volume, at = vec3_dot(ac, r) / volume;
     if (!(second >= 0 && third >= 0 && second + third <= 1)) return false;
-    if (!(at > 1e-9 * q->end && at < q->end)) return false; /* a lamp may lie in a ceiling */
+    if (!(at > 1e-9 * q->end && at < q->end)) return false; /* a lamp may be in a ceiling */
     q->occluded = !is_hole(q->truth->casters, args->primID, second, third);
     return false;
 }
