@@ -32,7 +32,7 @@ typedef struct traced {
     const light_choice *lights;
 } traced;
 
-/* The lights of an asset, and the points at which it is traced. */
+/* The lights of an asset, traced with the filter of lookups. */
 typedef struct traced_like {
     const truth           *truth;
     const vxs_baked_light *lights[VXS_LIGHTS_MAX]; /* [light_count] */

@@ -79,7 +79,7 @@ static void judge_primaries(const reader *r, const char *text)
     static const double known[][8] = {
         {0.64, 0.33, 0.29, 0.6, 0.15, 0.06, 1.0 / 3, 1.0 / 3}, {0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329}, {0}};
     double found[8];
-    int    is_known = read_numbers(text, found, 8) < 8; /* unknown lines are ignored */
+    int    is_known = read_numbers(text, found, 8) < 8; /* incomplete lines are ignored */
     for (size_t k = 0; k < sizeof known / sizeof *known && !is_known; k++) {
         is_known = 1;
         for (int n = 0; n < 8; n++) is_known &= fabs(found[n] - known[k][n]) < 2e-3;
