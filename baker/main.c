@@ -17,7 +17,7 @@ static const command_entry commands[] = {
     {"validate", cmd_validate}, {"query", cmd_query}, {NULL, NULL},
 };
 
-/* The command after this one, of the product and then of the laboratory; NULL before the first and behind the last. */
+/* Command after c: the product's commands first, then the laboratory's. c NULL: the first one. Returns NULL after the last. */
 static const command_entry *next_command(const command_entry *c)
 {
     c = c ? c + 1 : commands;
@@ -25,7 +25,7 @@ static const command_entry *next_command(const command_entry *c)
     return c->name ? c : NULL;
 }
 
-/* What each command says of itself, between what is said of vxs. */
+/* Help of vxs itself: a head, the part that each command prints, and a tail. */
 static int print_help(const char *format_word)
 {
     message m      = {0};
@@ -41,7 +41,7 @@ static int print_help(const char *format_word)
     return status ? status : command_end(&m, VXS_OK);
 }
 
-/* The list of commands is the error, and goes where errors go. */
+/* Print the list of commands as the error message, so to standard error. */
 static int no_command(void)
 {
     dup2(STDERR_FILENO, STDOUT_FILENO);
@@ -68,7 +68,7 @@ static int run(int argc, char **argv)
     if (argc < 2) return no_command();
     if (!strcmp(name, "help") && argc > 3)
         return command_end(&m, fail(&m, VXS_E_ARGUMENT, "unexpected argument '%s': usage is vxs help COMMAND", argv[3]));
-    if (!strcmp(name, "help") && argc == 3 && argv[2][0] != '-') { /* vxs help bake is vxs bake --help */
+    if (!strcmp(name, "help") && argc == 3 && argv[2][0] != '-') { /* vxs help COMMAND is vxs COMMAND --help */
         name    = argv[2];
         argv[1] = argv[2];
         argv[2] = "--help";

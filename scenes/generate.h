@@ -1,7 +1,7 @@
 /* Procedural test scenes: the same options give the same scene on every machine.
  *
- * Nothing here calls libm except sqrt, and floating point is plain +, -, *, / in double with one rounding to float at
- * the end, so that no rounding is left to a library or a compiler.
+ * This code calls no libm function except sqrt, and computes with plain +, -, *, / in double, with one rounding to float at the
+ * end. So no rounding depends on a library or a compiler.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef GENERATE_H
 #define GENERATE_H
@@ -24,61 +24,62 @@ extern "C" {
 #define LANDSCAPE_HEIGHT_MAX   10000.0
 
 typedef struct city_options {
-    uint32_t blocks;    /* a side: blocks x blocks; [1, CITY_BLOCKS_MAX] */
-    uint32_t triangles; /* [GENERATE_TRIANGLES_MIN, GENERATE_TRIANGLES_MAX], met to the nearest dozen */
+    uint32_t blocks;    /* blocks along a side, [1, CITY_BLOCKS_MAX] */
+    uint32_t triangles; /* [GENERATE_TRIANGLES_MIN, GENERATE_TRIANGLES_MAX], met within a dozen */
     uint32_t seed;
-    double   sun[3]; /* the way the light travels; not zero */
-    uint32_t spots;  /* [0, CITY_SPOTS_MAX] street lamps that shine; the boxes are the same with any number */
+    double   sun[3]; /* direction of the light; not zero */
+    uint32_t spots;  /* [0, CITY_SPOTS_MAX] spot lights; the boxes do not depend on it */
 } city_options;
 
-/* A city of closed boxes, 12 triangles and 8 vertices of its own each: ground, kerbs, buildings, street lamps, roof and
- * wall clutter. Boxes touch or intersect as solids do in real levels; each touches one before it or the ground, none lies
- * wholly inside another. One mesh for the ground, then one a block that got any box.
- * Spots are shared out evenly over the blocks: under the arms of street lamps, at most 12 a block, and the rest in turn on walls and
- * over streets. None is inside a box. Cones of 20 to 60 degrees from the axis to the edge, 15 to 40 m of range.
+/* A city of closed boxes, each with its own 12 triangles and 8 vertices: ground, kerbs, buildings, street lamps, roof and
+ * wall clutter. Boxes touch or intersect, as solids do in real levels; each touches an earlier one or the ground, and none is
+ * wholly inside another. One mesh for the ground, then one for each block that has a box.
+ * Spots are distributed evenly over the blocks: under the arms of street lamps, at most 12 a block, and the rest alternately on
+ * walls and over streets. None is inside a box. Cones of 20 to 60 degrees from the axis to the edge, 15 to 40 m of range.
  * s  [out] zeroed on failure; released with glb_scene_free.
- * Returns VXS_OK, VXS_E_MEMORY, VXS_E_ARGUMENT (so many triangles do not fit so few blocks). */
+ * Returns VXS_OK, VXS_E_MEMORY, VXS_E_ARGUMENT (too many triangles for so few blocks). */
 vxs_result generate_city(glb_scene *s, const city_options *o, message *m);
 
 typedef struct landscape_options {
     uint32_t triangles; /* [GENERATE_TRIANGLES_MIN, GENERATE_TRIANGLES_MAX], met within 2% */
     uint32_t seed;
-    double   size_metres;   /* a side; [LANDSCAPE_SIZE_MIN, LANDSCAPE_SIZE_MAX] */
-    double   height_metres; /* lowest to highest point; [0, LANDSCAPE_HEIGHT_MAX] */
-    double   sun[3];        /* the way the light travels; not zero */
+    double   size_metres;   /* of a side; [LANDSCAPE_SIZE_MIN, LANDSCAPE_SIZE_MAX] */
+    double   height_metres; /* from lowest to highest point; [0, LANDSCAPE_HEIGHT_MAX] */
+    double   sun[3];        /* direction of the light; not zero */
 } landscape_options;
 
 /* Fractal terrain as one closed mesh: a heightfield, skirts, and a flat bottom.
  * s  [out] zeroed on failure; released with glb_scene_free.  Returns VXS_OK, VXS_E_MEMORY. */
 vxs_result generate_landscape(glb_scene *s, const landscape_options *o, message *m);
 
-/* Height of the surface of a scene that generate_landscape made with these options, and to which more may have been added since.
+/* Height of the surface of a scene that generate_landscape made with these options. Objects may have been added to the scene
+ * since.
  * x, z  metres, inside the landscape */
 double terrain_height(const glb_scene *s, const landscape_options *o, double x, double z);
 
 typedef struct room_options {
     uint32_t triangles; /* [GENERATE_TRIANGLES_MIN, GENERATE_TRIANGLES_MAX], met within 2% */
     uint32_t seed;
-    int      screen; /* 1: a screen hangs above the cabinet, and shines */
+    int      screen; /* 1: add an emissive screen above the cabinet */
 } room_options;
 
-/* A furnished room, 8 x 3 x 6 m: walls, floor and ceiling are one open sheet that faces inward, with the opening of a door;
- * furniture, what hangs and what lies beyond the door are closed solids, but for the lampshade, an open sheet. A point light
- * "lamp" in the shade, a spot "corner" under the ceiling; no sun. Neither light is inside a solid.
+/* A furnished room, 8 x 3 x 6 m. Walls, floor and ceiling are one open sheet that faces inward, with an opening for a door.
+ * Furniture, hanging objects and the objects beyond the door are closed solids, except the lampshade, an open sheet. A point
+ * light "lamp" in the shade, a spot "corner" under the ceiling; no sun. Neither light is inside a solid.
  * s  [out] zeroed on failure; released with glb_scene_free.  Returns VXS_OK, VXS_E_MEMORY. */
 vxs_result generate_room(glb_scene *s, const room_options *o, message *m);
 
 typedef struct forest_options {
     uint32_t triangles; /* [GENERATE_TRIANGLES_MIN, GENERATE_TRIANGLES_MAX], met within 2% */
     uint32_t seed;
-    double   size_metres; /* a side; [FOREST_SIZE_MIN, LANDSCAPE_SIZE_MAX] */
-    double   sun[3];      /* the way the light travels; not zero */
+    double   size_metres; /* of a side; [FOREST_SIZE_MIN, LANDSCAPE_SIZE_MAX] */
+    double   sun[3];      /* direction of the light; not zero */
 } forest_options;
 
 #define FOREST_SIZE_MIN 10.0
 
-/* Trees on hilly ground: the ground, trunks and branches are closed solids, each branch grown into its trunk and each trunk into the
- * ground; leaves are cards, two triangles each, of a double-sided MASK material whose image is about half transparent.
+/* Trees on hilly ground. The ground, trunks and branches are closed solids; each branch intersects its trunk, and each trunk the
+ * ground. Leaves are cards, two triangles each, of a double-sided MASK material whose image is about half transparent.
  * s  [out] zeroed on failure; released with glb_scene_free.  Returns VXS_OK, VXS_E_MEMORY. */
 vxs_result generate_forest(glb_scene *s, const forest_options *o, message *m);
 
@@ -90,25 +91,26 @@ typedef struct smoke_options {
 #define SMOKE_MIN 8
 #define SMOKE_MAX 1000000
 
-/* A yard between houses, a low sun "sun" through three columns of smoke from barrels, and a spot "street lamp" in one of them: as many points as
- * asked, of three materials; columns are as dense with any number. All that stands are closed solids.
+/* A yard between houses, with a low sun "sun" through three columns of smoke from barrels, and a spot "street lamp" in one of
+ * them. The smoke has `capsules` points, of three materials; its density does not depend on their number. All other objects are
+ * closed solids.
  * s  [out] zeroed on failure; released with glb_scene_free.  Returns VXS_OK, VXS_E_MEMORY. */
 vxs_result generate_smoke(glb_scene *s, const smoke_options *o, message *m);
 
-/* A head with hair on a table, and a thread of smoke beside it, between two spots, "lamp" and "behind": of the capsules three in four are pieces of
- * strands, eight a strand, the others puffs. All that stands are closed solids.
+/* A head with hair on a table, and a thread of smoke beside it, between two spots, "lamp" and "behind". Three in four capsules
+ * are parts of strands, eight for each strand; the others are puffs of smoke. All other objects are closed solids.
  * s  [out] as above.  Returns VXS_OK, VXS_E_MEMORY. */
 vxs_result generate_hair(glb_scene *s, const smoke_options *o, message *m);
 
-/* Scenes at the edges of what a baker can be given, some of them broken on purpose (scenes/README.md, "Stress").
+/* Edge cases for a baker, some of them broken on purpose (scenes/README.md, "Stress").
  * name  one of stress_name
  * s     [out] zeroed on failure; released with glb_scene_free.  Returns VXS_OK, VXS_E_MEMORY, VXS_E_ARGUMENT (no such case). */
 vxs_result generate_stress(glb_scene *s, const char *name, message *m);
 
-/* VXS_OK, or VXS_E_ARGUMENT with a line that names the cases. */
+/* Returns VXS_OK, or VXS_E_ARGUMENT with the names of all cases in the message. */
 vxs_result stress_check(const char *name, message *m);
 
-/* Case i and what it is for; NULL behind the last. */
+/* The name of case i, and its purpose; NULL after the last. */
 const char *stress_name(size_t i);
 const char *stress_purpose(size_t i);
 

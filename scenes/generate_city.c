@@ -1,21 +1,21 @@
 /* A city of closed boxes.
  *
- * Everything is whole numbers of 1/64 m until a vertex is written, and buildings are turned by Pythagorean triples (3-4-5,
- * 5-12-13, ...), whose sines and cosines are fractions: one division and one rounding to float make a coordinate.
+ * All coordinates are integers in units of 1/64 m until a vertex is written, and buildings are turned by Pythagorean triples
+ * (3-4-5, 5-12-13, ...), whose sines and cosines are fractions: one division and one rounding to float make a coordinate.
  *
- *        _|_                antenna         A block is a list of boxes in order of importance, each standing on one before
- *     __|___|_              roof clutter    it: the first box of every lot, the kerb, the second boxes (tiers, wings,
+ *        _|_                antenna         A block is a list of boxes in order of importance, each standing on an earlier one:
+ *     __|___|_              roof clutter    the first box of every lot, the kerb, the second boxes (tiers, wings,
  *    |  tier  |_            wall clutter    towers) and so on, street lamps, clutter on roofs and walls. The triangle
- *   _|________|_            sunk 1 to 2 m   budget is shared out evenly over the blocks and takes as many as it can
- *  |            |  ___                      from the front of each list; the clutter is cut to size so that the list
- *  |    base    |   |       lamp            is never too short.
+ *   _|________|_            sunk 1 to 2 m   budget is divided evenly among the blocks; each uses as many boxes as it can
+ *  |            |  ___                      from the front of its list. The size of clutter is chosen so that the list
+ *  |    base    |   |       lamp            is always long enough.
  *  |            |   |
  * _|____________|___|_      kerb
  *  ground
  *
- * No box lies inside another: a box of a building reaches above or beside those that it meets; clutter of one surface
- * has a cell of its own there, and stays more than a metre, which is as far as wall clutter sticks out, away from every box
- * of its lot but the one that it is fixed to.
+ * No box is inside another: a box of a building extends above or beside those that it meets. Each piece of clutter on a surface
+ * has its own cell. From all boxes of its lot except the one that it is fixed to, it is more than a metre away, which is the
+ * greatest extent of wall clutter.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/base/integer.h"
 #include "scenes/generate.h"
@@ -36,25 +36,25 @@ enum {
     STREET        = 12 * METRE,
     PITCH         = BLOCK + STREET,
     SIDEWALK      = 3 * METRE,
-    LOT_MIN       = 24 * METRE, /* a side that may be cut once more */
+    LOT_MIN       = 24 * METRE, /* a side at least this long may be split once more */
     LOT_MAX       = 32 * METRE, /* a side that must be cut */
     HEIGHT_MIN    = 8 * METRE,
     HEIGHT_MAX    = 120 * METRE,
     KERB_TOP      = 10,
-    PROTRUSION    = METRE,     /* the most by which wall clutter sticks out */
-    CLEARANCE     = METRE + 4, /* clutter to other boxes: more than that */
+    PROTRUSION    = METRE,     /* maximum extent of wall clutter */
+    CLEARANCE     = METRE + 4, /* distance of clutter from other boxes: more than this */
     CELL_MAX      = 4 * METRE, /* side of a cell of clutter */
     CELL_MIN      = 4,
-    WALL_START    = 5 * METRE / 2, /* no wall clutter lower than this */
+    WALL_START    = 5 * METRE / 2, /* minimum height of wall clutter */
     LOTS_MAX      = 32,            /* a lot is 0.4 LOT_MIN = 9.6 m at least: 31 fit in 54 x 54 m */
     LOT_BOXES_MAX = 4,
     LAMPS         = 12,
-    LAMP_BELOW    = 8, /* a spot hangs so far below the arm, and so far from its end */
+    LAMP_BELOW    = 8, /* a spot's distance below the arm, and from the arm's end */
     BOX_VERTICES  = 8,
     BOX_TRIANGLES = 12
 };
 
-/* Where a building stands and how it is turned: about +Y by the angle with that cosine and sine. */
+/* Position and rotation of a building: about +Y by the angle with that cosine and sine. */
 typedef struct frame {
     int32_t x, z;
     int32_t cosine, sine, radius; /* cosine^2 + sine^2 = radius^2 */
@@ -62,7 +62,7 @@ typedef struct frame {
 
 typedef struct box {
     frame   at;
-    int32_t low[3], high[3]; /* in the frame; Y is the world's */
+    int32_t low[3], high[3]; /* in the frame; Y as in the world */
 } box;
 
 typedef struct rectangle {
@@ -71,7 +71,7 @@ typedef struct rectangle {
 
 typedef struct lot {
     rectangle area;
-    size_t    box_count; /* of the building; each stands on one before it */
+    size_t    box_count; /* of the building; each stands on an earlier one */
     box       boxes[LOT_BOXES_MAX];
 } lot;
 
@@ -111,7 +111,7 @@ static void emit(parts *p, const box *b)
     parts_box_triangles(p, last + 1 - BOX_VERTICES);
 }
 
-/* Whether two boxes are CLEARANCE apart, as seen by the axes of `a`'s frame. */
+/* Whether two boxes are CLEARANCE apart along an axis of `a`'s frame. */
 static bool is_beside(const box *a, const box *b)
 {
     double low[2] = {1e30, 1e30}, high[2] = {-1e30, -1e30};
@@ -137,7 +137,7 @@ static bool is_clear(const box *a, const box *b)
 
 /* Lots and buildings. */
 
-/* Cut the longer side near its middle until the lots have the size of a building's. */
+/* Split the longer side near its middle until the lots have the size of a building. */
 static void split_into_lots(block *k, rng *r, rectangle area)
 {
     int     axis = area.high[0] - area.low[0] >= area.high[1] - area.low[1] ? 0 : 1;
@@ -164,7 +164,7 @@ static void add_box(lot *l, frame at, int32_t x0, int32_t x1, int32_t z0, int32_
     l->boxes[l->box_count++] = (box){at, {x0, bottom, z0}, {x1, top, z1}};
 }
 
-/* Boxes that get narrower as they go up, each sunk into the one below. */
+/* Boxes that get narrower upwards, each sunk into the one below. */
 static void build_tiers(lot *l, rng *r, frame at, int32_t a, int32_t b, int32_t height)
 {
     int32_t count = height < 24 * METRE ? 2 : rng_between(r, 2, LOT_BOXES_MAX);
@@ -181,7 +181,7 @@ static void build_tiers(lot *l, rng *r, frame at, int32_t a, int32_t b, int32_t 
     }
 }
 
-/* A main box and one or two lower wings that cross its side: plans like an L, a T or a cross. */
+/* A main box and one or two lower wings that cross its side: plans in the shape of an L, a T or a cross. */
 static void build_wings(lot *l, rng *r, frame at, int32_t a, int32_t b, int32_t height)
 {
     int32_t back = -b * rng_between(r, 20, 50) / 100, front = b * rng_between(r, 10, 40) / 100;
@@ -192,7 +192,7 @@ static void build_wings(lot *l, rng *r, frame at, int32_t a, int32_t b, int32_t 
     if (rng_below(r, 2)) add_box(l, at, left / 2, right / 2, -b, front / 2, foundation(r), height * rng_between(r, 45, 90) / 100);
 }
 
-/* A low base over the lot, and a turned tower on it. */
+/* A low base over the lot, and a rotated tower on it. */
 static void build_podium(lot *l, rng *r, frame base, int32_t a, int32_t b, frame tower, int32_t reach, int32_t height)
 {
     int32_t top  = rng_between(r, 4 * METRE, min_i32(height / 2, 14 * METRE));
@@ -214,7 +214,7 @@ static void build(lot *l, rng *r, int32_t tallest)
     frame turned  = turns[rng_below(r, sizeof turns / sizeof *turns)];
     turned.x      = straight.x;
     turned.z      = straight.z;
-    int32_t reach = narrow * turned.radius / (turned.cosine + turned.sine); /* half the side of a turned square that fits */
+    int32_t reach = narrow * turned.radius / (turned.cosine + turned.sine); /* half the side of a rotated square that fits */
     if (rng_below(r, 2)) turned.sine = -turned.sine;
 
     int32_t top    = max_i32(HEIGHT_MIN, min_i32(tallest, 10 * narrow));
@@ -251,7 +251,7 @@ static void make_lamp(const block *k, uint32_t index, box lamp[2])
     lamp[1] = (box){at, {x - 3, top - 20, z}, {x + 3, top - 12, z + rng_between(&r, 2 * METRE, 3 * METRE)}};
 }
 
-/* Clutter: one box in a cell of a roof or a wall. */
+/* Clutter: a box in a cell of a roof or a wall. */
 
 /* A part of [low, low + cell) that does not touch its ends. */
 static void place_in_cell(rng *r, int32_t low, int32_t cell, int32_t least, int32_t most, int32_t *from, int32_t *to)
@@ -261,7 +261,7 @@ static void place_in_cell(rng *r, int32_t low, int32_t cell, int32_t least, int3
     *to            = *from + length;
 }
 
-/* How deep clutter goes into what it is fixed to; 0 is mere contact, which happens in real levels. */
+/* Depth by which clutter intersects the box that it is fixed to; 0 is mere contact, which occurs in real levels. */
 static int32_t sink(rng *r, int32_t most)
 {
     return rng_below(r, 4) ? rng_between(r, 1, most) : 0;
@@ -282,7 +282,7 @@ static void place_on_roof(box *out, const box *host, int32_t x, int32_t z, int32
     out->high[1] = host->high[1] + tall;
 }
 
-/* axis, is_high: the wall looks along X (0) or Z (2), down or up that axis. */
+/* axis, is_high: the wall faces along X (0) or Z (2), towards negative or positive values. */
 static void place_on_wall(box *out, const box *host, int axis, bool is_high, int32_t u, int32_t y, int32_t cell, rng *r)
 {
     int     along  = 2 - axis;
@@ -295,16 +295,16 @@ static void place_on_wall(box *out, const box *host, int axis, bool is_high, int
     out->high[axis] = is_high ? host->high[axis] + out_by : host->low[axis] + in_by;
 }
 
-/* Every way to put clutter of one kind on a block. A walk over the same cells gives the same boxes each time, so that one
- * walk can count them and the next choose. */
+/* All ways to put clutter of one kind on a block. Walks over the same cells give the same boxes, so that one walk can count them
+ * and the next can choose. */
 typedef struct clutter_walk {
     const block *k;
     bool         on_roofs; /* else on walls */
     int32_t      cell;     /* side */
-    uint32_t     found;    /* [out] boxes that stay clear of all others */
+    uint32_t     found;    /* [out] number of boxes that are clear of all others */
 
-    /* when choosing: `wanted` of the `available` boxes go to the scene, every choice as likely (selection sampling,
-     * Knuth, "The Art of Computer Programming", volume 2, algorithm S) */
+    /* when choosing: add `wanted` of the `available` boxes to the scene, every choice equally likely (selection sampling, Knuth,
+     * "The Art of Computer Programming", volume 2, algorithm S) */
     parts   *chosen; /* NULL: only count */
     uint32_t wanted, available;
     rng      choice;
@@ -318,7 +318,8 @@ static void visit(clutter_walk *w, const lot *l, size_t host, const box *clutter
     if (w->chosen && rng_below(&w->choice, w->available--) < w->wanted) emit(w->chosen, clutter), w->wanted--;
 }
 
-/* Of the lot's box `host`: its roof (axis 1), or the wall that looks along X (0) or Z (2), down or up that axis. */
+/* A face of the lot's box `host`: its roof (axis 1), or the wall that faces along X (0) or Z (2), in negative or positive
+ * direction. */
 static void walk_surface(clutter_walk *w, const lot *l, size_t host, int axis, bool is_high, uint64_t *stream)
 {
     const box *h      = &l->boxes[host];
@@ -364,7 +365,7 @@ static void choose_clutter(parts *p, const block *k, bool on_roofs, int32_t cell
 }
 
 /* Half the clutter goes on roofs, as long as a quarter of their cells stays free. The cells shrink until there are enough.
- * Returns false when they would have to be smaller than CELL_MIN. */
+ * Returns false when they would be smaller than CELL_MIN. */
 static bool make_clutter(parts *p, const block *k, uint32_t wanted)
 {
     for (int32_t cell = CELL_MAX; wanted && cell >= CELL_MIN; cell = cell * 4 / 5) {
@@ -382,7 +383,7 @@ static bool make_clutter(parts *p, const block *k, uint32_t wanted)
 
 /* Blocks and the city. */
 
-/* Towers stand in the middle of the city, and here and there outside. */
+/* Towers are in the middle of the city, and sometimes outside. */
 static int32_t tallest_in_block(uint32_t blocks, uint32_t i, uint32_t j, rng *r)
 {
     if (rng_below(r, 8) == 0) return HEIGHT_MAX;
@@ -408,7 +409,7 @@ static void plan_block(block *k, const city_options *o, uint32_t i, uint32_t j)
     }
 }
 
-/* Kerb, buildings and lamps, most important first, until there are `budget` boxes. Returns how many there are. */
+/* Add kerb, buildings and lamps, most important first, until there are `budget` boxes. Returns their number. */
 static uint32_t make_structure(parts *p, const block *k, uint32_t budget)
 {
     uint32_t made = 0;
@@ -439,7 +440,7 @@ static bool make_boxes(parts *p, const block *k, uint32_t i, uint32_t j, uint32_
     return make_clutter(p, k, budget - make_structure(p, k, budget));
 }
 
-/* Boxes of a block without lamps and clutter: the buildings' and the kerb. */
+/* Number of boxes of a block without lamps and clutter: the buildings' and the kerb. */
 static uint32_t structure_count(const block *k)
 {
     uint32_t count = 1;
@@ -447,7 +448,7 @@ static uint32_t structure_count(const block *k)
     return count;
 }
 
-/* Under the far end of a lamp's arm. */
+/* The position under the far end of a lamp's arm. */
 static city_lamp lamp_from_box(const box *arm)
 {
     const frame *f = &arm->at; /* of radius 1 */
@@ -458,7 +459,7 @@ static city_lamp lamp_from_box(const box *arm)
                        {f->sine, 0, f->cosine}};
 }
 
-/* The lamps that got both their boxes are the first of the block's. */
+/* The lamps with both of their boxes are the first of the block's lamps. */
 static void make_spots(parts *p, const block *k, size_t box_first, uint32_t budget, uint32_t count, uint32_t *made)
 {
     city_lamp lamps[LAMPS];

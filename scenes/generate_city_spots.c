@@ -7,7 +7,7 @@
 
 static const double distance_to_boxes = 0.1, wall_lamp_height_most = 15;
 
-/* In [low, high], in 1024 steps. */
+/* A random value in [low, high], in 1024 steps. */
 static double between(rng *r, double low, double high)
 {
     return low + (high - low) * rng_between(r, 0, 1024) / 1024;
@@ -21,7 +21,7 @@ static void add_spot(parts *p, rng *r, const double at[3], const double directio
     parts_spot(p, name, at, direction, degrees, rng_between(r, 15, 40));
 }
 
-/* Down, leaning along one axis either way, and along the other. */
+/* A downward direction that leans along one axis to either side, and along the other one. */
 static void down(rng *r, const double along[3], double lean, const double out[3], double out_least, double out_most, double d[3])
 {
     double a = between(r, -lean, lean), o = between(r, out_least, out_most);
@@ -35,7 +35,7 @@ static void add_under_lamp(parts *p, rng *r, const city_lamp *lamp, uint32_t *ma
     add_spot(p, r, lamp->head, direction, made);
 }
 
-/* In the middle third of the street beside the block's side, where neither side's lamps reach. */
+/* Add a spot in the middle third of the street beside the block's side, out of reach of the lamps on both sides. */
 static void add_over_street(parts *p, rng *r, const city_block *k, uint32_t side, uint32_t *made)
 {
     double along[3] = {side & 1 ? 0 : 1, 0, side & 1}, out[3] = {side & 1, 0, side & 1 ? 0 : 1}, at[3], direction[3];
@@ -72,8 +72,8 @@ static int is_free(const glb_scene *s, const city_block *k, const double at[3])
     return 1;
 }
 
-/* In front of a wall of some box that is large enough, further out than what is fixed to walls. Returns 0 when that place is taken,
- * or the box too small. */
+/* Add a spot in front of a wall of a large enough box, farther out than wall clutter. Returns 0 when the position is inside or
+ * near another box, or the box is too small. */
 static int add_on_wall(parts *p, rng *r, const city_block *k, uint32_t *made)
 {
     const float *corners = p->s->positions + 24 * (k->box_first + rng_below(r, (uint32_t)k->box_count));

@@ -6,7 +6,8 @@
 #include "baker/base/random.h"
 #include "scenes/generate_parts.h"
 
-/* Where a spot may hang over the street: under a lamp's arm. along, out: unit, level; the street runs along, and lies out. */
+/* A position for a spot above the street, under a street lamp's arm. along, out: unit, horizontal: along the street, and towards
+ * its middle. */
 typedef struct city_lamp {
     double head[3], along[3], out[3];
 } city_lamp;
@@ -14,15 +15,15 @@ typedef struct city_lamp {
 typedef struct city_block {
     const city_lamp *lamps;
     uint32_t         lamp_count;
-    size_t           box_first, box_count; /* the block's boxes: eight vertices of the scene each, corner c at high of axis a where
-                                              bit a of c is set */
+    size_t           box_first, box_count; /* the block's boxes, eight vertices of the scene each: corner c is at the high end of
+                                              axis a if bit a of c is set */
     double           x, z;                 /* its centre, metres */
-    double           half, street;         /* half its side and the width of the streets around it, metres */
+    double           half, street;         /* half its side, and the width of the streets around it, metres */
 } city_block;
 
-/* Add `count` spots, named on from spot%04u of *made + 1: as many as there are lamps under lamps, the rest in turn on walls and
- * over the streets; none is inside one of the block's boxes, or closer to it than 10 cm. Each points down and a bit along the
- * street or away from the wall; cones of 20 to 60 degrees, from the axis to the edge; 15 to 40 m of range. */
+/* Add `count` spots, named spot%04u from *made + 1: first one under each lamp, the rest alternately on walls and over the
+ * streets. None is inside one of the block's boxes, or closer to it than 10 cm. Each points down, and slightly along the street
+ * or away from the wall. Cones of 20 to 60 degrees, from the axis to the edge; 15 to 40 m of range. */
 void add_city_spots(parts *p, const city_block *k, rng r, uint32_t count, uint32_t *made);
 
 #endif

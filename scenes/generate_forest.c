@@ -15,9 +15,9 @@
 #include "scenes/generate_parts.h"
 
 enum {
-    GROUND_SHARE     = 5, /* one triangle in so many is the ground's */
+    GROUND_SHARE     = 5, /* one of this many triangles is for the ground */
     TRUNK_SIDES      = 8,
-    TRUNK_TRIANGLES  = 2 * TRUNK_SIDES * 4, /* five rows and two ends that are points */
+    TRUNK_TRIANGLES  = 2 * TRUNK_SIDES * 4, /* five rows; both ends are points */
     BRANCHES         = 4,
     BRANCH_SIDES     = 4,
     BRANCH_TRIANGLES = 4 * BRANCH_SIDES - 4,
@@ -42,7 +42,7 @@ static double between(rng *r, double low, double high)
 
 /* ---- the image ---- */
 
-/* One leaf: long along (c, s), its sides two parabolas. */
+/* One leaf: its length is along (c, s), its sides are two parabolas. */
 typedef struct leaf {
     double x, y, c, s, half_length, half_width;
     int    shade;
@@ -59,7 +59,7 @@ static leaf random_leaf(rng *r)
     return l;
 }
 
-/* 255 inside, 0 outside, and between over the pixel of the edge. */
+/* 255 inside, 0 outside, and a value between in the pixel of the edge. */
 static int leaf_alpha(const leaf *l, double x, double y)
 {
     double along = ((x - l->x) * l->c + (y - l->y) * l->s) / l->half_length, across = (y - l->y) * l->c - (x - l->x) * l->s;
@@ -123,7 +123,7 @@ static void add_wood(parts *p, tree *t)
     }
 }
 
-/* In the ball of radius 1, not at its middle. Returns the length. */
+/* A random vector in the unit ball, not near its middle. Returns the length. */
 static double random_in_ball(rng *r, double v[3])
 {
     double square;
@@ -148,7 +148,7 @@ static void random_square(rng *r, double half, double u[3], double v[3])
     for (int i = 0; i < 3; i++) u[i] *= half / length_u, v[i] *= half / length_v;
 }
 
-/* The image begins at any of the square's corners. */
+/* The image's origin is at any of the square's corners. */
 static void add_card(parts *p, tree *t)
 {
     double   at[3], u[3], v[3], half = t->crown * between(&t->leaves, 0.18, 0.3);

@@ -24,7 +24,7 @@ typedef struct grid {
     uint32_t columns, rows; /* cells along X and Z */
 } grid;
 
-/* The nearly square grid whose triangles, 2 cr + 6 (c + r) = 2 (c + 3)(r + 3) - 18, come nearest to the target. */
+/* The nearly square grid whose number of triangles, 2 cr + 6 (c + r) = 2 (c + 3)(r + 3) - 18, is nearest to the target. */
 static grid grid_from_triangles(uint32_t triangles)
 {
     int64_t target = triangles / 2 + 9;
@@ -47,7 +47,7 @@ static double lattice_value(uint64_t seed, int64_t x, int64_t z)
     return rng_u32(&r) / 2147483648.0 - 1;
 }
 
-/* 0 to 1 with first and second derivatives 0 at both ends. */
+/* Rises from 0 to 1, with first and second derivatives 0 at both ends. */
 static double fade(double t)
 {
     return t * t * t * (t * (t * 6 - 15) + 10);
@@ -84,7 +84,7 @@ static double fractal(uint32_t seed, int octaves, double x, double z)
     return sum;
 }
 
-/* As many octaves as the cells can show: the last is at least three of them long. */
+/* As many octaves as the cells can represent: the wavelength of the last is at least three cells. */
 static int octaves_from_grid(grid g, double wavelengths)
 {
     double cells   = (double)(g.columns < g.rows ? g.columns : g.rows) / wavelengths;
@@ -96,7 +96,7 @@ static int octaves_from_grid(grid g, double wavelengths)
     return octaves;
 }
 
-/* Fractal heights, stretched to [0, height]. They are kept as floats until then: the rounding is far below a millimetre. */
+/* Fractal heights, scaled to [0, height]. They are stored as floats before scaling: rounding is far below a millimetre. */
 static void make_top(parts *p, const landscape_options *o, grid g)
 {
     const double wavelengths = 3; /* mountains a side, about */
@@ -125,8 +125,8 @@ static void make_top(parts *p, const landscape_options *o, grid g)
         }
 }
 
-/* The k-th vertex of the top's border, in the order in which the top's triangles pass it: down X = 0, along the last row,
- * up the last column, back along the first row. */
+/* The k-th vertex of the top's border, in the order of the top's triangles: down X = 0, along the last row, up the last column,
+ * back along the first row. */
 static uint32_t border_vertex(grid g, uint32_t k)
 {
     uint32_t stride = g.columns + 1;
@@ -157,7 +157,7 @@ static void make_skirts_and_bottom(parts *p, const landscape_options *o, grid g)
     }
 }
 
-/* As its triangles have it: each cell is parted from its lower left to its upper right, in (u, v). */
+/* Interpolate as the triangles do: each cell is split from its lower left to its upper right, in (u, v). */
 double terrain_height(const glb_scene *s, const landscape_options *o, double x, double z)
 {
     grid   g = grid_from_triangles(o->triangles);

@@ -1,4 +1,4 @@
-/* What generators build scenes of.
+/* Building blocks of generators; see generate_parts.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenes/generate_parts.h"
 
@@ -11,14 +11,14 @@
 
 /* ---- a scene that grows ---- */
 
-/* Room for one more item in *list. 0 when there is no memory, or was none before. */
+/* Make room for one more item in *list. Returns 0 when out of memory, now or before. */
 static int reserve(parts *p, void *list, size_t *capacity, size_t count, size_t item_bytes)
 {
     if (!p->out_of_memory && !array_reserve(list, capacity, count + 1, item_bytes)) p->out_of_memory = 1;
     return !p->out_of_memory;
 }
 
-/* Texture coordinates for `count` vertices; (0, 0) for those that were given none. */
+/* Texture coordinates for `count` vertices; (0, 0) for those without. */
 static int reserve_texcoords(parts *p, size_t count)
 {
     glb_scene *s    = p->s;
@@ -48,7 +48,7 @@ parts parts_continue(glb_scene *s)
                    .smoke_vertices = s->smoke_vertex_count};
 }
 
-/* Take a last mesh away that stayed empty. */
+/* Remove the last mesh if it is empty. */
 static void drop_empty_mesh(glb_scene *s)
 {
     if (s->mesh_count && !s->meshes[s->mesh_count - 1].triangle_count) s->mesh_count--;
@@ -223,7 +223,7 @@ static uint32_t ring(parts *p, const double at[3], const double point[2], uint32
     return last + 1 - count;
 }
 
-/* The quad of segment k between two rings. From +X towards +Z is clockwise seen from above: it looks outward. */
+/* The quad of segment k between two rings. From +X towards +Z is clockwise seen from above: it faces outward. */
 static void ring_quad(parts *p, uint32_t upper, uint32_t lower, uint32_t k, uint32_t segments)
 {
     uint32_t next = (k + 1) % segments;

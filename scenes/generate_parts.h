@@ -1,11 +1,11 @@
-/* What generators build scenes of: a scene that grows, shapes that are closed or open, lights.
+/* Building blocks of generators: a scene that grows, closed and open shapes, lights.
  *
  *     parts p = parts_begin(s, "room");
  *     parts_mesh(&p, "table", 0);
  *     parts_box(&p, parts_upright, low, high);
  *     return parts_end(&p, m);
  *
- * Out of memory is kept until parts_end, which reports it; until then calls do nothing.
+ * Out of memory is recorded; later calls have no effect, and parts_end reports it.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef GENERATE_PARTS_H
 #define GENERATE_PARTS_H
@@ -23,7 +23,7 @@ typedef struct parts {
     int out_of_memory;
 } parts;
 
-/* Where a part stands: moved to `at`, and turned about +Y by the angle with that cosine and sine. */
+/* Frame of a part: moved to `at`, and rotated about +Y by the angle with that cosine and sine. */
 typedef struct parts_frame {
     double at[3];
     double cosine, sine; /* cosine^2 + sine^2 = 1 */
@@ -31,42 +31,42 @@ typedef struct parts_frame {
 
 static const parts_frame parts_upright = {{0, 0, 0}, 1, 0};
 
-/* s  [out] zeroed, then filled; its owner releases it with glb_scene_free, unless parts_end fails */
+/* s  [out] zeroed, then filled; the caller releases it with glb_scene_free, unless parts_end fails */
 parts parts_begin(glb_scene *s, const char *name);
 
-/* Append to a scene that has been made; what follows needs a parts_mesh first. */
+/* Append to a finished scene; call parts_mesh before adding shapes. */
 parts parts_continue(glb_scene *s);
 
-/* Returns VXS_OK, or VXS_E_MEMORY with the scene released and zeroed. A last mesh that stayed empty is taken away. */
+/* Returns VXS_OK, or VXS_E_MEMORY with the scene released and zeroed. Removes the last mesh if it is empty. */
 vxs_result parts_end(parts *p, message *m);
 
-/* What follows goes into a new mesh. material: as in glb_mesh. */
+/* Begin a new mesh for the following shapes. material: as in glb_mesh. */
 void parts_mesh(parts *p, const char *name, uint32_t material);
 
-/* What follows is a run of smoke of its own. lines, material: as in glb_smoke. */
+/* Begin a new run of smoke. lines, material: as in glb_smoke. */
 void parts_smoke(parts *p, const char *name, int lines, uint32_t material);
-/* A point, or an end of a line. */
+/* Add a point, or an end of a line. */
 void parts_smoke_vertex(parts *p, const double place[3], double radius_metres, double extinction);
 
-/* 1 + the new material's index, as glb_mesh.material wants it. */
+/* Returns 1 + the new material's index, as in glb_mesh.material. */
 uint32_t parts_material(parts *p, glb_material material);
 
-/* 1 + the new image's index. Takes rgba, from malloc; NULL counts as out of memory. */
+/* Returns 1 + the new image's index. Takes ownership of rgba, from malloc; NULL counts as out of memory. */
 uint32_t parts_image(parts *p, uint32_t width_px, uint32_t height_px, uint8_t *rgba);
 
-/* Returns the vertex's number, counted from the mesh's first. Rounded to float here. */
+/* Returns the vertex's number within the mesh. The position is rounded to float. */
 uint32_t parts_vertex(parts *p, double x, double y, double z);
-/* As parts_vertex, with a texture coordinate. Scenes that use it use it for every vertex of meshes with an image. */
+/* As parts_vertex, with a texture coordinate. If a scene uses it, all vertices of meshes with an image must. */
 uint32_t parts_vertex_uv(parts *p, const double position[3], double u, double v);
 void     parts_triangle(parts *p, uint32_t a, uint32_t b, uint32_t c);
 
-/* A closed box, 12 triangles; low and high in the frame. Turned inside out when high < low on one axis or three. */
+/* A closed box, 12 triangles; low and high in the frame. It is inside out if high < low on one axis or three. */
 void parts_box(parts *p, parts_frame f, const double low[3], const double high[3]);
 
-/* The triangles of a box whose eight vertices begin at `first`: vertex c is at the box's high end of axis a where bit a of c is set. */
+/* The triangles of a box whose eight vertices begin at `first`: vertex c is at the high end of axis a if bit a of c is set. */
 void parts_box_triangles(parts *p, uint32_t first);
 
-/* An upright box.  mesh: the name of a new mesh for it, without a material; NULL: it goes into the last. */
+/* An upright box.  mesh: the name of a new mesh for it, without a material; NULL: append to the last mesh. */
 void parts_box_at(parts *p, const char *mesh, double x0, double x1, double y0, double y1, double z0, double z1);
 
 /* Two triangles a b c, a c d; counter-clockwise seen from the front. */
@@ -75,13 +75,13 @@ void parts_quad(parts *p, const double a[3], const double b[3], const double c[3
 /* A sheet of columns x rows cells over a parallelogram: corner, corner + u, corner + v; its front is where u x v points. */
 void parts_grid(parts *p, const double corner[3], const double u[3], const double v[3], uint32_t columns, uint32_t rows);
 
-/* A surface of revolution about +Y: count points (radius, height) from the top down, seen from outside, segments (a multiple
- * of 4) around. A radius of 0 at an end closes it there by a point. One of 0 elsewhere is not allowed.
+/* A surface of revolution about +Y: count points (radius, height) from the top down, facing outward, segments (a multiple of 4)
+ * around. A radius of 0 is allowed only at an end, and closes it by a point.
  * 2 segments (count - 1) triangles, less segments for each end of radius 0. */
 void parts_lathe(parts *p, const double at[3], const double (*profile)[2], uint32_t count, uint32_t segments);
 
-/* A closed tube from one regular polygon to another: sides around, 4 sides - 4 triangles. The axes of the polygons are level:
- * branches that rise are sheared, not bent. Runs from bottom to top, radii > 0, sides a multiple of 4. */
+/* A closed tube between two regular polygons: sides around, 4 sides - 4 triangles. The polygons are horizontal: rising branches
+ * are sheared, not bent. From bottom to top, radii > 0, sides a multiple of 4. */
 void parts_tube(parts *p, const double bottom[3], double bottom_radius, const double top[3], double top_radius, uint32_t sides);
 
 void parts_light(parts *p, const char *name, light_shape shape);
@@ -92,7 +92,7 @@ void parts_spot(parts *p, const char *name, const double at[3], const double dir
 void parts_sun(parts *p, const double direction[3]);
 
 /* Cosine and sine of k / n turns, for k in [0, n), n a multiple of 4: exact at quarters, else a point of the unit circle by
- * the rational parametrisation of each quarter, (1 - t^2, 2 t) / (1 + t^2): in order, though not quite evenly spaced. */
+ * the rational parametrisation of each quarter, (1 - t^2, 2 t) / (1 + t^2): in order, but not evenly spaced. */
 void parts_turn(uint32_t k, uint32_t n, double *cosine, double *sine);
 
 #ifdef __cplusplus

@@ -1,14 +1,14 @@
 /* A furnished room, seen from inside.
  *
  *     +----------------------------------+     8 x 6 m, 3 m high. Walls, floor and ceiling are one open sheet that faces
- *     | corner        sofa               |     inward; all furniture is closed. Beyond the door lie a floor and a wall
- *     |s            chair                |     that catch the light which gets through.
+ *     | corner        sofa               |     inward; all furniture is closed. Beyond the door are a floor and a wall
+ *     |s            chair                |     that receive the light through it.
  *     |h      chair table chair  cabinet |
  *     |elf         lamp                  |     X to the right, Z down
  *     |             chair                |
  *     +--------------------+ door +------+
  *
- * Most triangles are those of books and of round things: the shelf fills up first, then what is round gets rounder.
+ * Most triangles are those of books and of round objects: the shelf is filled first, then round objects get more segments.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenes/generate.h"
 
@@ -19,14 +19,14 @@
 #include "scenes/generate_parts.h"
 #include "scenes/generate_screen.h"
 
-/* the room, metres; whole, so that the cells of 1 m of neighbouring walls have the same corners */
+/* size of the room, metres; integers, so that the cells of 1 m of adjacent walls share corners */
 static const double left = -4, right = 4, back = -3, front = 3, top = 3, door_left = 1, door_right = 2, door_top = 2;
 
 enum { SHELF_LEVELS = 6, BOOKS_MAX = 360, ROUND_MAX = 8, ROUND_TRIANGLES = 200, SHADE_SEGMENTS = 24 };
 
 static const double lamp_at[3] = {0, 2, 0};
 
-/* ---- what does not move ---- */
+/* ---- fixed parts ---- */
 
 static void wall(parts *p, double x, double y, double z, const double u[3], const double v[3])
 {
@@ -54,7 +54,7 @@ static void add_hall(parts *p)
     parts_box_at(p, "hall", -2, 5, -0.25, 0, front, 6);
     parts_box_at(p, NULL, -2, 5, -0.25, top, 6, 6.25);
     parts_mesh(p, "door", 0);
-    parts_frame hinge = {{door_right, 0, front + 0.03}, -0.6, -0.8}; /* it stands open */
+    parts_frame hinge = {{door_right, 0, front + 0.03}, -0.6, -0.8}; /* the door is open */
     parts_box(p, hinge, (double[3]){0, 0.01, 0}, (double[3]){0.95, door_top - 0.02, 0.04});
 }
 
@@ -87,7 +87,7 @@ static void add_chair(parts *p, parts_frame f)
     }
 }
 
-/* Each stands at its side of the table, turned a little by chance. */
+/* Each chair is at its side of the table, turned a little at random. */
 static void add_chairs(parts *p, rng r)
 {
     static const double at[4][2] = {{0, -0.85}, {1.2, 0.05}, {0.1, 0.9}, {-1.25, 0}};
@@ -122,7 +122,7 @@ static void add_shelf(parts *p)
         parts_box_at(p, NULL, -3.95, -3.6, shelf_height(level), shelf_height(level) + 0.03, -1.97, 1.97);
 }
 
-/* Upright, side by side: a level has room for 60 of 6.5 cm. Some lean out further than others; none touches the next. */
+/* Upright, side by side: a level has room for 60 books of 6.5 cm. Some protrude more than others; none touches the next. */
 static void add_books(parts *p, rng r, uint32_t count)
 {
     parts_mesh(p, "books", 0);
@@ -137,10 +137,10 @@ static void add_books(parts *p, rng r, uint32_t count)
 /* ---- round things ---- */
 
 typedef struct round_thing {
-    double x, floor, z, radius, belly; /* belly: 0 is a ball, more is a vase that is wider below */
+    double x, floor, z, radius, belly; /* belly 0: a ball; more: a vase that is wider below */
 } round_thing;
 
-/* About `triangles` of them, in squares. Returns how many. */
+/* Add about `triangles` triangles, in squares. Returns their number. */
 static uint32_t add_round(parts *p, const round_thing *t, uint32_t triangles)
 {
     uint32_t segments = (uint32_t)sqrt((double)triangles) / 4 * 4;

@@ -1,4 +1,4 @@
-/* A screen, and what it shows: the sky red at the foot and blue above, a sun, and hills before it.
+/* A screen and its picture: a sky, red below and blue above, a sun, and hills in front.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenes/generate_screen.h"
 
@@ -8,14 +8,14 @@ enum { WIDE_PX = 96, HIGH_PX = 54 };
 
 static const double half_wide = 0.82, half_high = 0.46, deep = 0.05, edge = 0.02, gap = 0.001;
 
-/* [0, 1] from the foot up, of a place [0, 1] from the left. */
+/* Height of hills, [0, 1] from the bottom, at a place [0, 1] from the left. */
 static double hills(double x)
 {
     double a = x - 0.25, b = x - 0.85;
     return 0.08 + 0.16 / (1 + 30 * a * a) + 0.24 / (1 + 40 * b * b);
 }
 
-/* x, y  [0, 1] from the left, from the foot up */
+/* x, y  [0, 1] from the left, from the bottom */
 static void colour_at(double x, double y, uint8_t rgba[4])
 {
     static const double foot[3] = {255, 130, 50}, top[3] = {20, 70, 170}, sun[3] = {255, 244, 214}, hill[3] = {16, 12, 22};
@@ -46,7 +46,7 @@ void generate_screen(parts *p, double wall_x, const double middle[2])
     parts_box_at(p, "screen's case", front, wall_x, y - half_high - edge, y + half_high + edge, z - half_wide - edge,
                  z + half_wide + edge);
     parts_mesh(p, "screen", material);
-    for (int n = 0; n < 4; n++) { /* in turn, as seen from the front, where +Z is to the right */
+    for (int n = 0; n < 4; n++) { /* in order, as seen from the front, where +Z is to the right */
         double u = n == 1 || n == 2, v = n < 2;
         corner[n] = parts_vertex_uv(p, (double[3]){front - gap, y + half_high * (1 - 2 * v), z + half_wide * (2 * u - 1)}, u, v);
     }

@@ -1,10 +1,11 @@
-/* Scenes whose smoke and hair cast shadows: points and lines with radius and extinction, and what their shadows fall on.
+/* Scenes with smoke and hair that cast shadows: points and lines with radius and extinction, and surfaces that receive the
+ * shadows.
  *
- *     smoke   a yard between two houses, a low sun through three columns      hair   a head with strands on a table between lamps,
- *             that rise from barrels, widen and thin, and a street lamp              and a thread of smoke beside it
+ *     smoke   a yard between two houses, a low sun through three columns      hair   a head with strands on a table between
+ *             lamps, that rise from barrels, widen and thin, and a street lamp              and a thread of smoke beside it
  *
- * A column is made of billows, balls that rise, lean with the wind and grow, and each of them of puffs. How dense a puff is
- * follows from how many there are, so that a column is as dense with any number of them.
+ * A column consists of billows: balls that rise, lean with the wind and grow. A billow consists of puffs. The density of a puff
+ * depends on their number, so that a column's density does not.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenes/generate.h"
 
@@ -19,14 +20,14 @@ static double between(rng *r, double low, double high)
     return low + (high - low) * rng_unit(r);
 }
 
-/* As a sine: 0 at 0, 1 at a quarter, 0 at a half; of parabolas. */
+/* An approximate sine by parabolas: 0 at 0, 1 at a quarter, 0 at a half. */
 static double wave(double turns)
 {
     double y = turns - (double)(int64_t)turns;
     return y < 0.5 ? 16 * y * (0.5 - y) : -16 * (y - 0.5) * (1 - y);
 }
 
-/* A place in the unit ball, as likely anywhere. */
+/* A random point in the unit ball, uniform by volume. */
 static void in_ball(rng *r, double place[3])
 {
     double square;
@@ -45,7 +46,7 @@ static void scale_to(double v[3], double length)
     for (int n = 0; n < 3; n++) v[n] *= length / has;
 }
 
-/* what shadows fall on --------------------------------------------------------------------------------------------------------- */
+/* receivers of shadows --------------------------------------------------------------------------------------------------------- */
 
 static uint32_t paint(parts *p, const char *name, double red, double green, double blue)
 {
@@ -78,9 +79,9 @@ static void add_camera(parts *p, double x, double y, double z)
 
 typedef struct column {
     const char *name;
-    double      foot[3], tall, narrow, wide; /* metres; half of how wide it is at its foot and its top */
+    double      foot[3], tall, narrow, wide; /* metres; half the width at its bottom and its top */
     double      lean[2];                     /* metres along x and z, at its top */
-    double      depth;                       /* optical, across it at its foot; it thins to a third */
+    double      depth;                       /* optical depth across it at its bottom; it decreases to a third */
     double      colour[3];
 } column;
 
@@ -101,7 +102,7 @@ static billow billow_of(const column *c, rng *r, uint32_t n, uint32_t count)
     return b;
 }
 
-/* A puff of a billow: what all of a column take of light is its depth times what it is wide and tall. */
+/* A puff of a billow. The puffs of a column together take as much light as its depth times its width and height. */
 static void add_puff(parts *p, const column *c, const billow *b, rng *r, uint32_t puffs)
 {
     double at[3], radius = b->radius * between(r, 0.3, 0.6), volume = 4.19 * radius * radius * radius;
@@ -211,7 +212,7 @@ enum { STRAND_PIECES = 8 };
 
 static const double head_at[3] = {-0.12, 1.13, 0}, head_radius = 0.12;
 
-/* Where a strand may grow: not in the face, which looks along +Z, nor below. */
+/* Places where a strand may grow: not on the face, towards +Z, nor below. */
 static void find_root(rng *r, double out[3])
 {
     do {
@@ -220,7 +221,7 @@ static void find_root(rng *r, double out[3])
     } while (out[1] < -0.35 || (out[2] > 0.35 && out[1] < 0.55));
 }
 
-/* Out of the head, but no farther than where it touches. */
+/* Move a point out of the head, only to its surface. */
 static void keep_outside(double at[3])
 {
     double from[3], square = 0, least = 1.03 * head_radius;

@@ -1,7 +1,7 @@
-/* Scenes at the edges of what a baker can be given; tests/cli/test_stress.py holds what has to come of each.
+/* Edge cases for a baker; tests/cli/test_stress.py has the expected results.
  *
- * Most have a ground whose top is y = 0 and a sun that falls at 45 degrees towards +X, so that a shadow lies beside what casts it
- * by as much as that is high.
+ * Most have a ground with its top at y = 0 and a sun that falls at 45 degrees towards +X, so that a shadow is as far beside its
+ * caster as the caster is high.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenes/generate.h"
 
@@ -17,7 +17,7 @@ static const double slanted[3] = {1, -1, 0}, straight_down[3] = {0, -1, 0};
 
 /* ---- parts of these scenes ---- */
 
-/* A level sheet that faces up. */
+/* A horizontal sheet that faces up. */
 static void sheet_at(parts *p, double x0, double x1, double y, double z0, double z1)
 {
     parts_quad(p, (double[3]){x0, y, z0}, (double[3]){x0, y, z1}, (double[3]){x1, y, z1}, (double[3]){x1, y, z0});
@@ -48,7 +48,7 @@ static void far_coordinates(parts *p)
     parts_spot(p, "spot", (double[3]){at[0], at[1] + 3, at[2]}, straight_down, 50, 10);
 }
 
-/* In units of a tenth of a micrometre. */
+/* In units of 0.1 micrometre. */
 static void tiny_scene(parts *p)
 {
     const double unit = 1e-7;
@@ -58,7 +58,7 @@ static void tiny_scene(parts *p)
     parts_spot(p, "spot", (double[3]){0, 8 * unit, 0}, straight_down, 30, 100 * unit);
 }
 
-/* Casters 1 mm, 1 m and 1 km below the lights, which stand at the origin, where floats are finest. */
+/* Casters 1 mm, 1 m and 1 km below the lights, which are at the origin, where floats are most precise. */
 static void near_far(parts *p)
 {
     parts_box_at(p, "ground", -600, 600, -1001, -1000, -600, 600);
@@ -70,7 +70,7 @@ static void near_far(parts *p)
     parts_point(p, "point", (double[3]){0, 0, 0}, 2000);
 }
 
-/* As far away as far_coordinates, but by the vertices themselves: whole metres are what floats can tell apart there. */
+/* As far away as far_coordinates, but by the vertices themselves: at this distance floats resolve only whole metres. */
 static void far_vertices(parts *p)
 {
     const double x = 1e7, z = -1e7;
@@ -104,7 +104,7 @@ static void one_triangle(parts *p)
 
 /* ---- lights ---- */
 
-/* The sine of 0.01 degrees, against a length that is 1 but for 5e-5. */
+/* z is the sine of 0.01 degrees; the length is 1 within 5e-5. */
 static void grazing_wall(parts *p)
 {
     const double direction[3] = {1, -0.01, 0.00017453};
@@ -113,7 +113,7 @@ static void grazing_wall(parts *p)
     parts_sun(p, direction);
 }
 
-/* A solid one, one of no thickness, and one that the spot lies in the plane of. */
+/* A solid wall, one without thickness, and one whose plane contains the spot. */
 static void wall_along_light(parts *p)
 {
     ground(p, 10);
@@ -140,7 +140,7 @@ static void light_in_wall(parts *p)
     parts_point(p, "lamp", (double[3]){0, 2, 0}, 20);
 }
 
-/* One above the light, one that covers all of the sky, and one beside it that reaches from behind the light to before it. */
+/* A caster above the light, one that covers the whole sky, and one beside it that extends from behind the light to before it. */
 static void caster_behind_light(parts *p)
 {
     ground(p, 8);
@@ -177,7 +177,7 @@ static void zero_area_and_needles(parts *p)
     parts_sun(p, slanted);
 }
 
-/* A closed one, whatever the order of its corners. */
+/* A closed surface, whatever the order of its corners. */
 static void tetrahedron(parts *p, double corner[4][3])
 {
     double   edge[3][3], volume = 0;
@@ -194,7 +194,7 @@ static void tetrahedron(parts *p, double corner[4][3])
     parts_triangle(p, b, at[0], at[3]);
 }
 
-/* Solids of 6 m by 10 micrometres to a millimetre, in all directions of a plane that slopes. */
+/* Solids of 6 m by 10 micrometres to a millimetre, in all directions of a sloping plane. */
 static void solid_needles(parts *p)
 {
     ground(p, 8);
@@ -248,7 +248,7 @@ static void fan_100000(parts *p)
     parts_sun(p, slanted);
 }
 
-/* Quads whose sides cross, three sheets with a common edge, solids that have only a corner or an edge in common. */
+/* Quads whose sides cross, three sheets with a common edge, solids that share only a corner or an edge. */
 static void bow_ties(parts *p)
 {
     ground(p, 8);
@@ -267,7 +267,7 @@ static void bow_ties(parts *p)
     parts_sun(p, slanted);
 }
 
-/* Borders with 7 and 11 quads on either side, across a fold. */
+/* Borders with 7 and 11 quads on the two sides of a fold. */
 static void t_junctions(parts *p)
 {
     ground(p, 8);
@@ -278,7 +278,7 @@ static void t_junctions(parts *p)
     parts_sun(p, slanted);
 }
 
-/* Sheets over each other that are the same but for rounding, and for how their cells are split. */
+/* Sheets at the same place except for rounding, and for the diagonals of their cells. */
 static void z_fighting(parts *p)
 {
     enum { CELLS = 20, SHEETS = 6 };
@@ -306,7 +306,7 @@ static void z_fighting(parts *p)
     parts_sun(p, slanted);
 }
 
-/* A sheet with large holes, the nearest pixel, over one with fine ones, bilinear; both lean. */
+/* A sheet with large holes, filter nearest, over one with fine holes, bilinear; both lean. */
 static void checkered_masks(parts *p)
 {
     ground(p, 8);
@@ -327,7 +327,7 @@ static void checkered_masks(parts *p)
     parts_sun(p, slanted);
 }
 
-/* The same boxes and sheets again, boxes that share planes, and a sheet with its own back. */
+/* The same boxes and sheets twice, boxes that share planes, and a sheet with its own back side. */
 static void coplanar_duplicates(parts *p)
 {
     for (int again = 0; again < 2; again++) {
@@ -387,7 +387,7 @@ static void nested_100(parts *p)
     parts_sun(p, slanted);
 }
 
-/* Bars turned about their middle, which all of them hold. */
+/* Bars rotated about their middle, which is in all of them. */
 static void intersecting_100(parts *p)
 {
     ground(p, 12);
@@ -400,7 +400,7 @@ static void intersecting_100(parts *p)
     parts_sun(p, slanted);
 }
 
-/* Blocks of 3 x 3 x 3 boxes whose faces lie on each other. */
+/* Blocks of 3 x 3 x 3 boxes whose faces touch. */
 static void touching_27(parts *p)
 {
     ground(p, 8);
@@ -412,7 +412,7 @@ static void touching_27(parts *p)
     parts_sun(p, slanted);
 }
 
-/* Boxes that reach into each other, and have tops and bottoms in common. */
+/* Boxes that intersect, with common planes at their tops and bottoms. */
 static void common_planes_50(parts *p)
 {
     ground(p, 8);
@@ -421,7 +421,7 @@ static void common_planes_50(parts *p)
     parts_sun(p, slanted);
 }
 
-/* A star of five points, drawn in one line: its middle is inside twice. */
+/* A five-pointed star drawn in one line: the winding number of its middle is two. */
 static void crossing_itself(parts *p)
 {
     static const double tip[5][2] = {
@@ -472,7 +472,7 @@ static void spiral(parts *p)
     parts_sun(p, slanted);
 }
 
-/* Three stacks of a thousand: solids apart from each other, solids each of which reaches into the next, sheets. */
+/* Three stacks of a thousand: separate solids, solids that each intersect the next, sheets. */
 static void layers_1000(parts *p)
 {
     const double nearly_down[3] = {0.01, -1, 0.02};
@@ -486,7 +486,7 @@ static void layers_1000(parts *p)
     parts_sun(p, nearly_down);
 }
 
-/* A closed box that faces inward, with things and a light in it. */
+/* A closed box that faces inward, with objects and a light in it. */
 static void inside_out_room(parts *p)
 {
     parts_box_at(p, "ground", -10, 10, -2, -1, -10, 10);
@@ -497,10 +497,10 @@ static void inside_out_room(parts *p)
     parts_point(p, "lamp", (double[3]){0, 2.5, 0}, 30);
 }
 
-/* ---- surfaces with one side ---- */
+/* ---- one-sided surfaces ---- */
 
-/* A strip of `columns` quads around, whose end is glued to its beginning upside down: vertex (columns, j) is (0, last - j).
- * Where the grid is closed across too, row `rows` is row 0. */
+/* A strip of `columns` quads around, whose end is joined to its beginning upside down: vertex (columns, j) is (0, last - j).
+ * If the grid is also closed across, row `rows` is row 0. */
 static void add_twisted(parts *p, uint32_t columns, uint32_t rows, int closed,
                         void (*at)(double half[2], double across, double v[3]))
 {
@@ -539,7 +539,7 @@ static void moebius_at(double half[2], double across, double v[3])
     around(half, 2 + w * half[0], 2.5 + w * half[1], v);
 }
 
-/* The figure of eight, turned by half a turn on its way around. */
+/* A figure of eight, rotated by half a turn on its way around. */
 static void klein_at(double half[2], double across, double v[3])
 {
     double c, s;

@@ -16,7 +16,7 @@
 #include "formats/vxs_bytes.h"
 #include "formats/vxs_memory.h"
 
-/* of a file, where no limit is given */
+/* limit on the bytes of a file, if none is given */
 #define READ_MAX ((uint64_t)4 << 30)
 
 void keep_first_finding(void *user, int number, const char *text, int section, uint64_t offset)
@@ -25,7 +25,7 @@ void keep_first_finding(void *user, int number, const char *text, int section, u
     if (!f->number) *f = (first_finding){number, section, offset, text};
 }
 
-/* As many bytes as a header says whose hash holds; one that does not is all that has to be read to say so. */
+/* The file's size as its header states it. 0 when the header is invalid: the bytes read so far suffice for the error. */
 static uint64_t wanted_bytes(void *user, const uint8_t *first, size_t size_bytes)
 {
     (void)user;
@@ -44,7 +44,7 @@ vxs_result asset_read(vxs_asset **asset, const char *path, const vxs_read_desc *
     size_t        size_bytes;
     uint64_t      most      = desc->memory_limit_bytes ? desc->memory_limit_bytes - 1 : READ_MAX;
     vxs_result    r         = input_read(&bytes, &size_bytes, path, most, &(input_head){wanted_bytes, NULL}, m);
-    uint64_t      limit     = vxs_memory_limit_of(desc, size_bytes); /* more than the file in any case */
+    uint64_t      limit     = vxs_memory_limit_of(desc, size_bytes); /* larger than the file in any case */
     rest.memory_limit_bytes = limit - size_bytes;
     *asset                  = NULL;
     if (r == VXS_OK) r = vxs_asset_open(asset, bytes, size_bytes, &rest);
@@ -64,7 +64,7 @@ vxs_result asset_fail(const char *path, vxs_result r, const first_finding *found
                 (unsigned long long)f.offset, where, r == VXS_E_MEMORY ? remedy : "");
 }
 
-/* Where it cannot be opened, a message says what was found first. */
+/* Open; on failure, the message names the first finding. */
 static vxs_result open_told(vxs_asset **asset, const char *path, vxs_read_desc *desc, message *m)
 {
     first_finding f    = {0};
@@ -95,7 +95,7 @@ uint64_t asset_file_bytes(const vxs_asset *asset)
     return last->offset_bytes + last->stored_bytes;
 }
 
-/* Patterns of the metadata, which anyone may have written: what is no text is none. */
+/* The metadata is untrusted input: skip items that are not strings. */
 static vxs_result add_patterns(text_list *list, const json_t *patterns, message *m)
 {
     json_t *pattern;
@@ -110,7 +110,7 @@ static vxs_result add_patterns(text_list *list, const json_t *patterns, message 
     return VXS_OK;
 }
 
-/* What was baked with an option was meant so. */
+/* An option in the metadata counts as given on the command line. */
 static void take_word(const json_t *options, const char *key, const char *choices, int *value, int *given)
 {
     const char *word  = json_string_value(json_object_get(options, key));
@@ -170,7 +170,7 @@ static int is_among(const vxs_baked_light *light, const vxs_baked_light *const *
     return 0;
 }
 
-/* All that a pattern names, but for those that are there already. Returns how many it names. */
+/* Add all lights that a pattern matches, except those already chosen. Returns the number of matches. */
 static uint32_t add_matching(const vxs_contents *asset, const char *pattern, const vxs_baked_light **lights, uint32_t *count)
 {
     uint32_t matched = 0;

@@ -13,13 +13,13 @@
 
 enum { PAGES_A_FRAME = 4, THREADS = 4, FILL_FRAMES_MAX = 100000 };
 
-/* From here on what threads decode by is a small part of the budget. */
+/* From this budget on, the memory that threads need for decoding is a small part of the budget. */
 static const uint64_t threads_from_bytes = (uint64_t)64 << 20;
 
 static void keep_metadata(void *user, const char *text, size_t size_bytes)
 {
     vxs_contents *c   = user;
-    c->metadata       = malloc(size_bytes + 1); /* without memory it is as one that has none */
+    c->metadata       = malloc(size_bytes + 1); /* out of memory: treated as a file without metadata */
     c->metadata_bytes = c->metadata ? size_bytes : 0;
     if (!c->metadata) return;
     memcpy(c->metadata, text, size_bytes);
@@ -37,7 +37,7 @@ static void keep_points(void *user, const vxs_baked_points *points)
 {
     vxs_baked_points *kept       = user;
     const size_t      size_bytes = points->count * 3 * sizeof *points->coordinates;
-    uint16_t         *copy       = malloc(size_bytes); /* without memory they are as those of a file that has none */
+    uint16_t         *copy       = malloc(size_bytes); /* out of memory: treated as a file without points */
     if (!copy) return;
     *kept             = *points;
     kept->coordinates = memcpy(copy, points->coordinates, size_bytes);
@@ -88,7 +88,7 @@ static void forget_contents(asset_stream *s)
     s->points   = (vxs_baked_points){0};
 }
 
-/* The last attempt has one thread, which needs the least. */
+/* The last attempt uses one thread, which needs the least memory. */
 static vxs_result open_stream(asset_stream *s, vxs_stream_desc *desc)
 {
     vxs_result r = vxs_stream_open(&s->stream, desc);
@@ -110,7 +110,7 @@ static int opens_within(vxs_stream_desc desc, uint64_t budget_bytes)
     return r == VXS_OK;
 }
 
-/* The least budget by which a file opens, more than `low`; 0: none does. */
+/* The smallest budget above `low` with which the file opens; 0: there is none. */
 static uint64_t least_budget(const vxs_stream_desc *desc, uint64_t low)
 {
     uint64_t high = low;
@@ -140,7 +140,7 @@ static vxs_result fail_opening(asset_stream *s, const vxs_stream_desc *desc, vxs
                 (unsigned long long)least, size_text(needed, least));
 }
 
-/* What is known of the stream's lights. */
+/* List the lights of the stream. */
 static vxs_result list_lights(asset_stream *s, message *m)
 {
     vxs_contents *c = &s->contents;
@@ -151,14 +151,15 @@ static vxs_result list_lights(asset_stream *s, message *m)
     return VXS_OK;
 }
 
-/* Lights by name, as a stream takes them. */
+/* Pass the names of lights to the stream. */
 typedef struct name_texts {
     char (*texts)[VXS_LIGHT_NAME_BYTES]; /* owned */
     const char *names[VXS_LIGHTS_MAX];
 } name_texts;
 
-/* No light has a name that was given: it is a pattern, or wrong. Which lights there are is known when all are open; the stream is closed again.
- * lights, light_count  room to work in */
+/* A given name matches no light: it is a pattern, or wrong. The lights are known only when all are open, so open all, expand the
+ * patterns, and close the stream again.
+ * lights, light_count  scratch */
 static vxs_result expand_patterns(asset_stream *s, vxs_stream_desc *desc, const text_list *names, name_texts *out,
                                   const vxs_baked_light **lights, uint32_t *light_count, message *m)
 {
@@ -197,7 +198,8 @@ vxs_result asset_stream_open(asset_stream *s, const char *path, uint64_t budget_
     desc.finding_user    = &f;
     errno                = 0;
     vxs_result r         = open_stream(s, &desc);
-    if (names->count && (r == VXS_E_ARGUMENT || f.number == 211)) { /* a small budget may end before names are looked at */
+    if (names->count && (r == VXS_E_ARGUMENT || f.number == 211)) { /* with a small budget, opening may fail before names are
+                                                                       checked */
         f = (first_finding){0};
         r = expand_patterns(s, &desc, names, &expanded, lights, light_count, m);
         if (r == VXS_OK) r = open_stream(s, &desc);

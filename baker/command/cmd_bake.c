@@ -16,7 +16,7 @@ static vxs_result write_reports(const bake_arguments *a, const bake_page *page, 
 {
     const bake_options *o = &a->o;
     int   to_stdout = is_standard_output(o->output_path) || is_standard_output(a->json_path) || is_standard_output(o->page_path);
-    FILE *to        = report_stream(m, to_stdout); /* what goes to standard output stays alone there */
+    FILE *to        = report_stream(m, to_stdout); /* keep the report out of standard output when an output goes there */
     vxs_result r;
 
     if (report->unchanged) {

@@ -1,4 +1,4 @@
-/* vxs info: what a .vxs file holds.
+/* vxs info: the contents of a .vxs file.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <jansson.h>
 #include <stdio.h>
@@ -14,8 +14,8 @@
 #include "baker/files/input_file.h"
 #include "baker/files/json_file.h"
 
-/* What a section holds: parts of its light, most of them one, or its smoke; points; of others the kind is all that there is to say.
- * parts  [VXS_LEVELS_MAX] [out]
+/* The parts of a section: of a light, usually one part; of smoke; of points; of other sections only their kind.
+ * parts  [out] [VXS_LEVELS_MAX]
  * Returns how many, 1 at least. */
 static uint32_t section_parts(vxs_part *parts, const vxs_asset *asset, uint32_t section)
 {
@@ -37,7 +37,7 @@ static uint32_t section_parts(vxs_part *parts, const vxs_asset *asset, uint32_t 
     return count;
 }
 
-/* A row for each part; what the section takes stands in the first. */
+/* A row for each part; the section's size is in the first row. */
 static void print_section(FILE *to, const vxs_asset *asset, uint32_t section)
 {
     const vxs_contents *c = vxs_asset_contents(asset);
@@ -52,14 +52,14 @@ static void print_section(FILE *to, const vxs_asset *asset, uint32_t section)
                 n ? "-" : size_text(stored, s->stored_bytes));
 }
 
-/* How pages of palette blocks are kept; NULL: it is a DAG. */
+/* The coding of palette blocks' pages; NULL: the light is a DAG. */
 static const char *packing_text(const vxs_baked_light *l)
 {
     if (l->light.coding != VXS_CODING_BLOCKS) return NULL;
     return l->packing == VXS_PACKING_SMALL ? "small" : "fast";
 }
 
-/* ", smoke of 256 x 256 curves", or nothing. */
+/* ", smoke of 256 x 256 curves", or "". */
 static const char *smoke_text(char text[48], const vxs_baked_smoke *smoke)
 {
     text[0] = 0;

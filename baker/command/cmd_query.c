@@ -19,11 +19,11 @@ typedef struct query {
     int                    memory_given, budget_given;
 } query;
 
-/* A query of a file that is streamed. */
+/* A query of a streamed file. */
 typedef struct streamed_query {
     query       *query;
     asset_stream stream;
-    uint64_t     coarse; /* points for whose pages there is no room */
+    uint64_t     coarse; /* points whose pages do not fit into the budget */
     vxs_result   result;
     message     *message;
 } streamed_query;
@@ -52,7 +52,7 @@ static int is_full(const query *q, const query_point *point)
     return full;
 }
 
-/* Frames about a point until its pages are there, or nothing comes any more. */
+/* Repeat frames around a point until its pages are loaded, or no page is pending. */
 static int look_up_streamed(void *user, const query_point *point, float *lit)
 {
     streamed_query   *s      = user;

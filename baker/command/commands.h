@@ -7,7 +7,8 @@ struct square_exchange;
 
 /* argv[0] is the command's own name; the result is the exit status (docs/manual.md). */
 int cmd_bake(int argc, char **argv);
-int cmd_bake_with(const struct square_exchange *others, int argc, char **argv); /* with other processes that make squares of it */
+int cmd_bake_with(const struct square_exchange *others, int argc, char **argv); /* together with other processes that make
+                                                                                   squares of it */
 int cmd_merge(int argc, char **argv);
 int cmd_info(int argc, char **argv);
 int cmd_validate(int argc, char **argv);

@@ -1,4 +1,4 @@
-/* A baked light in words and in JSON; see light_text.h.
+/* A baked light as text and as JSON; see light_text.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/command/light_text.h"
 
@@ -24,7 +24,7 @@ static double cone_degrees(const light_shape *s)
     return 2 * degrees(s->outer_rad);
 }
 
-/* "(1, 0, -2.5)", where what rounding left of a zero is one. */
+/* "(1, 0, -2.5)". Values that rounding left close to zero are printed as 0. */
 static const char *vector_text(char text[64], const double v[3])
 {
     double tidy[3];
@@ -33,7 +33,7 @@ static const char *vector_text(char text[64], const double v[3])
     return text;
 }
 
-/* Where a spot or point light is, and how far it goes. */
+/* Position and range of a spot or point light. */
 static void lamp_text(char *text, size_t size, const vxs_light *l, const light_shape *s)
 {
     char at[64], way[64], cone[128] = "", range[32] = "no range";

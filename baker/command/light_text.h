@@ -1,4 +1,4 @@
-/* A baked light in words and in JSON, for reports.
+/* A baked light as text and as JSON, for reports.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef LIGHT_TEXT_H
 #define LIGHT_TEXT_H
@@ -14,8 +14,8 @@ enum { LIGHT_TEXT_BYTES = 512 };
  * Returns text. */
 const char *light_text(char *text, const vxs_light *light);
 
-/* An object with name, kind, direction, resolution_px, maps, texel_m, voxel_m, of spot and point lights also position_m, near_m, far_m,
- * range_m where there is one, of spots cone_degrees; NULL when there is no memory. */
+/* An object with name, kind, direction, resolution_px, maps, texel_m, voxel_m; for spot and point lights also position_m,
+ * near_m, far_m, and range_m if the light has one; for spots cone_degrees. NULL when out of memory. */
 json_t *light_json(const vxs_light *light);
 
 #endif

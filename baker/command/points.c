@@ -13,13 +13,13 @@
 #include "baker/files/input_file.h"
 #include "baker/files/run_files.h"
 
-/* Points of a block. With many lights it has fewer, so that answers take 16 MiB at most. */
+/* Limits of a block: points, and answers. With many lights a block has fewer points, so that answers take 16 MiB at most. */
 #define BLOCK_POINTS      ((size_t)1 << 16)
 #define BLOCK_ANSWERS_MAX ((size_t)1 << 22)
 #define POINTS_AT_A_TIME  256
 #define BYTE_ORDER_MARK   "\xef\xbb\xbf"
 
-/* The next line, ended by a NUL in place of its LF.
+/* Read the next line; its LF becomes a NUL.
  * length  [out] without the line's end
  * at_end  [out] 1: there is no further line */
 static vxs_result next_line(point_reader *reader, size_t *length, int *at_end, message *m)
@@ -52,22 +52,22 @@ static int is_separator(char c)
     return is_blank(c) || c == ',' || c == ';';
 }
 
-/* What stands between two numbers. */
+/* The separator between two numbers. */
 typedef struct separator {
-    char mark;  /* ',' or ';'; 0: blanks alone */
-    int  loose; /* blanks before the next number */
+    char mark;  /* ',' or ';'; 0: only blanks */
+    int  loose; /* 1: blanks before the next number */
 } separator;
 
-/* A line's numbers and what separates them. */
+/* The numbers of a line, and their separators. */
 typedef struct number_row {
     double      numbers[6]; /* the first of them */
     separator   after[6];   /* behind each */
     size_t      count;
     int         has_points; /* decimal points */
-    const char *wrong;      /* NULL, or the word that is not a finite number */
+    const char *wrong;      /* NULL, or the text that is not a finite number */
 } number_row;
 
-/* Skip blanks, and a mark among them. */
+/* Skip blanks, and at most one mark. */
 static const char *skip_separator(const char *at, separator *s)
 {
     *s = (separator){0};
@@ -98,8 +98,8 @@ static number_row parse_numbers(const char *line)
     return row;
 }
 
-/* Whether a line may mean something else: "1,5 2,5 3,5" and "1,5;2,5;3,5" are three numbers where the decimal point is a comma, and so is
- * "1,5, 2,5, 3,5"; "1,2,3, 0,1,0" is not. */
+/* Whether a line is ambiguous, because the decimal point may be a comma: "1,5 2,5 3,5", "1,5;2,5;3,5" and "1,5, 2,5, 3,5" may be
+ * three numbers each. "1,2,3, 0,1,0" is not ambiguous. */
 static int is_ambiguous(const number_row *row)
 {
     size_t alike = 1, in_pairs = 1;

@@ -4,8 +4,8 @@
  *     x y z nx ny nz        a point of a surface, and the surface's normal there
  *     # a comment           skipped, like a blank line
  *
- * World space, metres. Numbers are separated by blanks and tabs, or all of a line by commas, or all by semicolons; lines end in LF or CRLF,
- * the last one may do without. A byte order mark of UTF-8 before the first line is skipped.
+ * World space, metres. The numbers of a line are separated by blanks and tabs, or by commas, or by semicolons. Lines end in LF
+ * or CRLF; the last line may have no end. A UTF-8 byte order mark before the first line is skipped.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef POINTS_H
 #define POINTS_H
@@ -28,32 +28,33 @@ typedef struct point_reader {
     FILE       *file;              /* borrowed */
     const char *name;              /* for messages: "standard input"; borrowed */
     uint64_t    line;              /* number of the line read last, from 1 */
-    char text[POINT_LINE_MAX + 3]; /* that line; room for a CR, for one character that shows that it is longer, and for a NUL */
+    char text[POINT_LINE_MAX + 3]; /* the line; with room for a CR, for one character beyond the limit, which shows that the line
+                                      is too long, and for a NUL */
 } point_reader;
 
-/* Read up to `capacity` points: fewer only at the end of the file, so that 0 means that there are no more.
+/* Read up to `capacity` points. A smaller count means the end of the file; 0 means that there are no more.
  * reader  its file and name are set, the rest is zero
  * points  [capacity] the first *count are written
  * count   [out] on failure, the points before the bad line
- * Returns VXS_OK, or VXS_E_READ: the file cannot be read, or a line is no point; m says which and why.
+ * Returns VXS_OK, or VXS_E_READ: the file cannot be read, or a line is not a point; m has the line and the reason.
  * Threads: none shared.   Cost: some 0.3 us a point. */
 vxs_result points_read(point_reader *reader, query_point *points, size_t capacity, size_t *count, message *m);
 
-/* How lit a point is by each light.
- * lit  [out] [light_count] a share, [0, 1]; negative where the point is outside the light's reach
- * Returns 0 where it cannot be said, nor of points that follow.
- * Threads: several at once. */
+/* Compute the lit fraction of a point for each light.
+ * lit  [out] [light_count] [0, 1]; negative where the point is outside the light's reach
+ * Returns 0 on failure, which also ends the following points.
+ * Threads: called by several at once. */
 typedef int (*point_answer)(void *user, const query_point *point, float *lit);
 
-/* Points have standard input: VXS_E_ARGUMENT when an operand, called `name`, is "-" as well. */
+/* Standard input is used for points: VXS_E_ARGUMENT when an operand, called `name`, is "-" as well. */
 vxs_result points_check_input(const char *name, const char *path, message *m);
 
-/* Read points from standard input to its end, and print a line for each on standard output, with a column for each light: "0", "1", a number
- * between, or "out". Points are answered in blocks; the block that a bad line is in is not,
- * nor is the one of a point that has no answer.
+/* Read points from standard input to its end, and print a line for each on standard output, with a column for each light: "0",
+ * "1", a number between, or "out". Points are answered in blocks. A block with a bad line, or with a point that `answer` fails
+ * on, is not printed.
  * light_count  1 or more
- * Returns VXS_OK, and also where a point has no answer, of which `answer` knows more; VXS_E_READ, VXS_E_WRITE, VXS_E_MEMORY, or VXS_E_BROKEN_PIPE:
- * nobody reads the answers any more. */
+ * Returns VXS_OK, also when `answer` failed on a point (the callback records the error); VXS_E_READ, VXS_E_WRITE, VXS_E_MEMORY,
+ * or VXS_E_BROKEN_PIPE: the reader has closed the pipe. */
 vxs_result points_answer(point_answer answer, void *user, size_t light_count, uint32_t threads, message *m);
 
 #endif

@@ -1,4 +1,4 @@
-/* How an asset was made, in words; see provenance_text.h.
+/* The provenance of an asset as text; see provenance_text.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/command/provenance_text.h"
 
@@ -7,7 +7,7 @@
 #include "baker/base/text.h"
 #include "baker/command/options/bake_arguments.h"
 
-/* A string of a file, fit to print: there it may have any length. */
+/* A string from a file, made printable and cut: it may have any content and length. */
 static void print_string(FILE *to, const json_t *string)
 {
     char text[256];
@@ -15,7 +15,7 @@ static void print_string(FILE *to, const json_t *string)
     fputs(one_line(text), to);
 }
 
-/* A name or a pattern of a file, as a shell reads it: it may hold blanks, and what a shell takes for its own. */
+/* Print a name or pattern from a file, quoted for a shell: it may contain blanks and special characters. */
 static void print_argument(FILE *to, const json_t *string)
 {
     char text[256];
@@ -50,7 +50,7 @@ static void print_scene(FILE *to, const json_t *made)
     fprintf(to, "scene        ");
     if (input) print_string(to, json_object_get(input, "name"));
     if (json_string_length(json_object_get(input, "name"))) fprintf(to, ": ");
-    if (input && read != cast) fprintf(to, "%lld triangles; ", read); /* what has no area casts no shadow */
+    if (input && read != cast) fprintf(to, "%lld triangles; ", read); /* triangles without area cast no shadow */
     fprintf(to, "%lld triangles cast shadows, %lld of them in %lld solid%s\nfingerprint  ", cast,
             integer_at(made, "solid_triangles"), solids, solids == 1 ? "" : "s");
     for (size_t n = 0; input && n < sizeof prints / sizeof *prints; n++) {
@@ -60,7 +60,7 @@ static void print_scene(FILE *to, const json_t *made)
     fprintf(to, "%s\n", input ? "" : "none: no scene can be told from the one that was baked");
 }
 
-/* An option that is a word, unless it is the default. */
+/* Print an option that is a word, unless it is the default. */
 static void print_word(FILE *to, const json_t *options, const char *key, const char *choices, int default_index)
 {
     char          word[32];
@@ -70,7 +70,7 @@ static void print_word(FILE *to, const json_t *options, const char *key, const c
     print_string(to, value);
 }
 
-/* Files that say nothing of their coding are of DAGs. */
+/* A file without a coding in its metadata was baked with DAGs. */
 static void print_coding(FILE *to, const json_t *options, coding_choice default_coding)
 {
     if (json_object_get(options, "coding"))
@@ -79,7 +79,7 @@ static void print_coding(FILE *to, const json_t *options, coding_choice default_
         fprintf(to, " --coding dag");
 }
 
-/* How large a light's maps were to be: what the first has is said of all; then what is not so. */
+/* The size options of the lights' maps: those of the first light for all, then the lights that differ. */
 static void print_size(FILE *to, const json_t *light, const json_t *first)
 {
     const char   *key  = json_object_get(light, "resolution_px") ? "resolution_px" : "texel_m";
@@ -106,7 +106,7 @@ static void print_patterns(FILE *to, const json_t *options, const char *key)
     }
 }
 
-/* As the command line has them. */
+/* Print values in the syntax of the command line. */
 static void print_options(FILE *to, const json_t *made)
 {
     const json_t  *lights = json_object_get(made, "lights"), *options = json_object_get(made, "options"), *light;

@@ -1,4 +1,4 @@
-/* How an asset was made, in words.
+/* The provenance of an asset as text.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef PROVENANCE_TEXT_H
 #define PROVENANCE_TEXT_H
@@ -7,8 +7,8 @@
 
 #include "baker/bake/provenance.h"
 
-/* Some lines: version, scene, fingerprints, the options that were not left alone, lights that were left out. What is not known is not
- * said.
+/* Print some lines: version, scene, fingerprints, options that are not default, lights that were left out. Unknown values are
+ * omitted.
  * made  as provenance_read returns it, not NULL */
 void provenance_print(FILE *to, const json_t *made);
 

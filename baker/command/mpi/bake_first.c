@@ -13,23 +13,23 @@
 #include "baker/command/mpi/square_scheduler.h"
 #include "runtime/vxs.h"
 
-/* Between two looks for messages: short beside a square, long beside a look. */
+/* Pause between polls for messages: short compared with a square, long compared with a poll. */
 enum { LOOK_NANOSECONDS = 200000 };
 
 typedef struct first_rank {
-    pthread_t thread; /* the only one that calls MPI while it runs */
+    pthread_t thread; /* while it runs, only this thread calls MPI */
 
     pthread_mutex_t  lock;  /* of all below */
-    pthread_cond_t   event; /* a square has come, or a rank has failed */
+    pthread_cond_t   event; /* a square was received, or a rank has failed */
     square_scheduler square_scheduler;
     uint32_t         ranks, ended;
-    uint8_t         *waits; /* [ranks] 1: it wants a square, and has no answer */
-    int              over;  /* 1: nothing is needed any more */
+    uint8_t         *waits; /* [ranks] 1: it wants a square, and has not been answered */
+    int              over;  /* 1: no more squares are needed */
     int              failed_rank;
     end_note         failure; /* the first of another rank */
 } first_rank;
 
-/* what the thread does -------------------------------------------------------------------------------------------------------- */
+/* the MPI thread --------------------------------------------------------------------------------------------------------------- */
 
 static void note_failure(first_rank *f, int rank, const end_note *note)
 {
@@ -43,14 +43,14 @@ static void note_no_memory(first_rank *f)
     note_failure(f, 0, &(end_note){VXS_E_MEMORY, "out of memory for squares of other ranks"});
 }
 
-/* A square and its bytes. What was not asked for is received as well, and released. */
+/* Receive a square and its bytes. Squares that were not requested are received, too, and released. */
 static void receive_square(first_rank *f, int rank)
 {
     uint64_t head[HEAD_NUMBERS];
     MPI_Recv(head, HEAD_NUMBERS, MPI_UINT64_T, rank, TAG_SQUARE, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
     uint64_t  size   = head[HEAD_BYTES];
     vxs_bytes record = {malloc(size + 1), size, size + 1};
-    if (!record.data) { /* nothing can be said to a rank that sends */
+    if (!record.data) { /* there is no message that stops a rank while it sends */
         fprintf(stderr, "vxs: error: out of memory for a square of rank %d\n", rank);
         MPI_Abort(MPI_COMM_WORLD, exit_status(VXS_E_MEMORY));
     }
@@ -86,7 +86,7 @@ static void receive_end(first_rank *f, int rank)
     pthread_mutex_unlock(&f->lock);
 }
 
-/* The number for a rank that wants a square. 0: it has to wait. */
+/* The number of a square for a rank that wants one. 0: it has to wait. */
 static int ticket_for(first_rank *f, uint32_t rank, uint64_t *ticket)
 {
     pthread_mutex_lock(&f->lock);
@@ -131,7 +131,7 @@ static void *speak(void *data)
     return NULL;
 }
 
-/* what the bake asks ---------------------------------------------------------------------------------------------------------- */
+/* calls from the bake ---------------------------------------------------------------------------------------------------------- */
 
 static vxs_result failure_of(const first_rank *f, message *m)
 {

@@ -40,7 +40,7 @@ static vxs_result give(void *data, uint64_t number, const column_key *key, const
     return VXS_OK;
 }
 
-/* The same bake as rank 0's, from the same command line, without what that one writes and says. */
+/* The same bake as rank 0's, from the same command line, but without outputs and messages. */
 static vxs_result bake_quietly(int argc, char **argv, message *m)
 {
     other_rank      of     = {0};

@@ -1,11 +1,11 @@
-/* A bake by all ranks of an MPI job, and what they say to each other.
+/* A bake by all ranks of an MPI job, and the messages between them.
  *
- *     to rank 0    CLAIM    nothing: a rank wants a square
+ *     to rank 0    CLAIM    empty: the rank wants a square
  *                  SQUARE   square_head; then BYTES: of its record, in as many messages as needed
- *                  END      end_note: a rank makes no more, and why
- *     from rank 0  TICKET   the number of a square; NO_MORE: nothing is needed any more
+ *                  END      end_note: the rank makes no more squares, and why
+ *     from rank 0  TICKET   the number of a square; NO_MORE: no more squares are needed
  *
- * Numbers are of 64 bits. A rank says END once, whatever has happened to it, and nothing after.
+ * Numbers have 64 bits. Each rank sends END exactly once, even after a failure, and nothing after it.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef RANKS_H
 #define RANKS_H
@@ -27,7 +27,8 @@ typedef struct end_note {
     char    error[1024]; /* one line; "": none */
 } end_note;
 
-/* vxs bake on rank 0, and on another rank of `ranks`. Return the exit status; that of another rank is 0: what went wrong, rank 0 says. */
+/* vxs bake on rank 0, and on another rank of `ranks`. Return the exit status. On other ranks it is always 0: rank 0 reports
+ * errors. */
 int bake_first(int ranks, int argc, char **argv);
 int bake_other(int argc, char **argv);
 

@@ -6,7 +6,8 @@
 
 #include "baker/base/array.h"
 
-/* Squares of each rank that the others may be ahead of rank 0: before they make its squares, and before they wait. */
+/* How far other ranks may be ahead of rank 0, in squares for each rank: before they also make rank 0's squares, and before they
+ * wait. */
 enum { AHEAD = 2, FAR_AHEAD = 32 };
 
 static int give_next(square_scheduler *d, uint32_t rank)

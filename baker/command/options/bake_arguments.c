@@ -39,7 +39,7 @@ static vxs_result check_map_sizes(bake_options *o, message *m)
     return VXS_OK;
 }
 
-/* Depth maps are rendered where --maps or --gl asks for them. */
+/* Render depth maps when --maps or --gl requires it. */
 static vxs_result choose_maps(bake_arguments *a, message *m)
 {
     int wanted = a->o.gl != GL_BACKEND_OSMESA;
@@ -66,7 +66,7 @@ static vxs_result read_part(bake_arguments *a, message *m)
     return VXS_OK;
 }
 
-/* What is written says in its name what it is. */
+/* The extension of the output must match: .part with --part, else .vxs. */
 static vxs_result check_part_name(const bake_options *o, message *m)
 {
     const char *dot = o->output_path ? strrchr(o->output_path, '.') : NULL;
@@ -78,7 +78,7 @@ static vxs_result check_part_name(const bake_options *o, message *m)
     return VXS_OK;
 }
 
-/* Squares are kept for their file: nothing else sees those that are not made, or not here. */
+/* Conflicts of options that store or share squares. Such a run does not make every square, so options that need all are refused. */
 static vxs_result check_kept(const bake_arguments *a, message *m)
 {
     const char *given = a->o.resume_path ? "--resume" : a->o.parts ? "--part" : "several processes";
@@ -139,7 +139,9 @@ vxs_result bake_arguments_check(bake_arguments *a, message *m)
         return fail(m, VXS_E_ARGUMENT, "--if-changed needs -o OUT.vxs: there is no older asset on standard output");
     if (o->if_changed && is_standard_output(o->page_path))
         return fail(m, VXS_E_ARGUMENT, "--if-changed and --report - exclude each other: a page is made of a bake");
-    if (o->page_path && access(o->page_path, F_OK)) o->if_changed = 0; /* one that is not there is made of a bake */
+    if (o->page_path && access(o->page_path, F_OK))
+        o->if_changed = 0; /* without a page, bake even if unchanged: the page is
+                              made from a bake */
     return o->if_changed ? VXS_OK : bake_check_outputs(o, m);
 }
 

@@ -9,19 +9,20 @@
 #include "baker/command/process/progress.h"
 #include "baker/files/run_files.h"
 
-/* What a command returns when it worked and found something wrong. */
+/* The exit status of a command that ran, but found something wrong. */
 enum { STATUS_WRONG = 1 };
 
 int command_end(message *m, vxs_result code)
 {
     char word[COLORED_BYTES];
-    /* what was printed counts as written only when it has arrived; nobody misses what nobody reads, but outputs (output_file.h) */
+    /* a flush can fail: output is written only after it succeeds. A reader that has closed the pipe is no error here
+     * (output_file.h) */
     if ((fflush(stdout) || ferror(stdout)) && code == VXS_OK && !standard_output_is_broken())
         code = fail(m, VXS_E_WRITE, "standard output: cannot be written: %s", strerror(errno));
     progress_clear();
     if (code != VXS_OK && code != VXS_E_BROKEN_PIPE)
         fprintf(stderr, "vxs: %s: %s\n", colored(word, m->color, stderr, COLOR_RED, "error"), m->error[0] ? m->error : "unknown");
-    /* a run that stops at what it found wrong has found it; one that cannot write of it has not */
+    /* STATUS_WRONG, even if the run stopped at its finding; except if it failed to write the report */
     int status = m->wrong && code != VXS_E_WRITE ? STATUS_WRONG : exit_status(code);
     message_free(m);
     return status;

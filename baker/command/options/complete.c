@@ -13,7 +13,7 @@ EMBEDDED(completion_bash)
 EMBEDDED(completion_zsh)
 EMBEDDED(completion_fish)
 
-/* what a row takes ------------------------------------------------------------------------------------------------------------ */
+/* values of a row -------------------------------------------------------------------------------------------------------------- */
 
 static int is_switch(const option *o)
 {
@@ -25,21 +25,21 @@ static int is_file(const option *o)
     return o->kind == OPTION_INPUT || o->kind == OPTION_INPUTS || o->kind == OPTION_OUTPUT;
 }
 
-/* "auto|on|off", or NULL. Rows of texts may show choices, too, which are read later. */
+/* "auto|on|off", or NULL. Rows of OPTION_TEXT may have choices, too; their values are parsed later. */
 static const char *choices_of(const option *o)
 {
     if (o->kind == OPTION_CHOICE) return o->choices;
     return o->value && strchr(o->value, '|') ? o->value : NULL;
 }
 
-/* How the names of its files end, "glb|gltf"; "" for any. The word for them says so: FILE.vxs. */
+/* The file extensions of an option's value, "glb|gltf", from its value word, such as FILE.vxs; "" for any. */
 static const char *extensions_of(const option *o)
 {
     const char *name = is_operand(o) ? o->name : o->value, *dot = strrchr(name, '.');
     return !strcmp(name, "SCENE") ? "glb|gltf" : dot ? dot + 1 : "";
 }
 
-/* "auto|on|off", with other text before each word. */
+/* Print "auto|on|off" with a text before each word. */
 static void print_words(const char *before, const char *words)
 {
     while (*words) {
@@ -49,7 +49,7 @@ static void print_words(const char *before, const char *words)
     }
 }
 
-/* bash: arrays of what an option's value is, by the option's name, and of what an operand is, by its number --------------------- */
+/* bash: arrays of values, by the option's name or the operand's number --------------------------------------------------------- */
 
 static void bash_value(const command_line *c, const option *o, const char *key)
 {
@@ -77,7 +77,7 @@ static void bash_part(const command_line *c)
     }
 }
 
-/* zsh: a function for each command, with what _arguments takes ------------------------------------------------------------------ */
+/* zsh: a function for each command, with arguments for _arguments -------------------------------------------------------------- */
 
 static void zsh_value(const option *o, const char *name)
 {
@@ -118,7 +118,7 @@ static void zsh_part(const command_line *c)
     printf("\n}\n");
 }
 
-/* fish: calls of complete -------------------------------------------------------------------------------------------------------- */
+/* fish: calls of complete ------------------------------------------------------------------------------------------------------ */
 
 static void fish_value(const option *o)
 {
@@ -151,7 +151,7 @@ static void fish_part(const command_line *c)
     }
 }
 
-/* of each shell ------------------------------------------------------------------------------------------------------------------ */
+/* functions of each shell ------------------------------------------------------------------------------------------------------ */
 
 static const struct {
     const char *name, *first, *begin;

@@ -1,6 +1,6 @@
 /* Completion of command lines by shells.
  *
- * A script is a head, a part for each command, and a tail: the functions that read the parts, which stand in completion.*.
+ * A script is a head, a part for each command, and a tail: the functions that read the parts, from the files completion.*.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef COMPLETE_H
 #define COMPLETE_H

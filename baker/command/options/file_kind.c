@@ -1,4 +1,4 @@
-/* What a file is; see file_kind.h.
+/* The kind of a file; see file_kind.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/command/options/file_kind.h"
 
@@ -18,7 +18,7 @@ static int begins(const char *bytes, size_t size, const char *with, size_t with_
     return size >= with_size && !memcmp(bytes, with, with_size);
 }
 
-/* A damaged .vxs file may begin with these four letters; a version follows in a GLB. */
+/* A damaged .vxs file may begin with these four letters; in a GLB, a version follows them. */
 static int is_glb(const char *bytes, size_t size)
 {
     return begins(bytes, size, "glTF", 4) && size > 8 && (bytes[4] == 1 || bytes[4] == 2) && !bytes[5] && !bytes[6] && !bytes[7];
@@ -43,11 +43,11 @@ static file_kind kind_of_bytes(char bytes[LOOKED_AT + 1], size_t size)
     if (begins(bytes, size, png, sizeof png - 1) || begins(bytes, size, "#?", 2)) return FILE_PICTURE;
     if (begins(bytes, size, PART_MAGIC, sizeof PART_MAGIC - 1)) return FILE_PART;
     bytes[size] = '\0';
-    return size > 1 && bytes[0] == '{' && !bytes[1] ? FILE_UNKNOWN : kind_of_text(bytes); /* else it is two bytes a letter */
+    return size > 1 && bytes[0] == '{' && !bytes[1] ? FILE_UNKNOWN : kind_of_text(bytes); /* '{' and 0: UTF-16 */
 }
 
-/* The beginning of a regular file. A pipe is not even opened: its writer would see its reader leave.
- * Returns how many bytes there are, 0 of anything else. */
+/* Read the beginning of a regular file. A pipe is not opened, since closing it would end its writer.
+ * Returns the number of bytes, 0 for other kinds of files. */
 static size_t read_beginning(char bytes[LOOKED_AT + 1], const char *path, struct stat *status)
 {
     if (stat(path, status) || !S_ISREG(status->st_mode)) return 0;
@@ -83,6 +83,6 @@ const char *file_kind_text(file_kind kind)
 
 int file_kind_may_be(file_kind found, file_kind expected)
 {
-    if (found == FILE_JSON) return expected != FILE_ASSET; /* a scene whose "asset" comes late */
+    if (found == FILE_JSON) return expected != FILE_ASSET; /* it may be a scene whose "asset" member comes late */
     return found == FILE_UNKNOWN || found == expected || (found == FILE_REPORT && expected == FILE_JSON);
 }

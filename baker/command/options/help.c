@@ -1,4 +1,4 @@
-/* What a command's table says of the command; see help.h.
+/* Help from a command's table; see help.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/command/options/help.h"
 
@@ -12,10 +12,10 @@
 #include "baker/command/options/help_man.h"
 #include "baker/command/options/option_text.h"
 
-/* Where the text of an option begins, and the least room that it gets. */
+/* Column of the options' texts, and the minimum width for them. */
 enum { TEXT_COLUMN = 26, TEXT_ROOM_MIN = 30 };
 
-/* Columns of the terminal that is written to; 80 where there is none. */
+/* Width of the terminal in columns; 80 without a terminal. */
 static int line_width(void)
 {
     struct winsize size;
@@ -23,7 +23,7 @@ static int line_width(void)
     return !known ? 80 : size.ws_col < TEXT_COLUMN + TEXT_ROOM_MIN ? TEXT_COLUMN + TEXT_ROOM_MIN : size.ws_col;
 }
 
-/* Words as they fit, from a column on in which the first line already is. */
+/* Print words wrapped to the width; the first line starts at a column that is already reached. */
 static void print_wrapped(const char *text, int indent)
 {
     int width = line_width(), column = indent;
@@ -46,7 +46,7 @@ static void print_row(const char *left, const char *text)
     print_wrapped(text, TEXT_COLUMN);
 }
 
-/* The operands, or the options, each group of them under its heading. */
+/* Print the operands, or the options, each group under its heading. */
 static void print_rows(const command_line *c, int operands, const char *heading)
 {
     char left[96];

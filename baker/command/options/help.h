@@ -1,19 +1,19 @@
-/* What a command's table says of the command: help, manual pages and shell completion.
+/* Output made from a command's table: help, manual pages and shell completion.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef HELP_H
 #define HELP_H
 
 #include "baker/command/options/option_table.h"
 
-/* What --help=FORMAT prints. The rows are what the list of all commands has of one. */
+/* Formats of --help=FORMAT. A row format prints one command's entry in the list of all commands. */
 #define HELP_FORMATS_OF_ALL "text|man|bash|zsh|fish"
 #define HELP_FORMATS        HELP_FORMATS_OF_ALL "|text-row|man-row"
 typedef enum help_format { HELP_TEXT, HELP_MAN, HELP_BASH, HELP_ZSH, HELP_FISH, HELP_TEXT_ROW, HELP_MAN_ROW } help_format;
 
-/* Print to standard output what a table says, which has the rows of every command, too. */
+/* Print a table to standard output. c includes the rows that every command has. */
 void help_print(const command_line *c, help_format format);
 
-/* The help of vxs itself is a head, a part of each command, in the format that help_part tells, and a tail.
+/* The help of vxs itself: a head, then each command in the format that help_part returns, then a tail.
  * format  HELP_TEXT to HELP_FISH */
 void        help_print_head(help_format format);
 help_format help_part(help_format format);

@@ -9,7 +9,7 @@
 #include "baker/base/version.h"
 #include "baker/command/options/option_text.h"
 
-/* docs/manual.md has the same statuses, with more words. */
+/* docs/manual.md describes the same statuses in more detail. */
 static const struct {
     int         status;
     const char *meaning;
@@ -25,7 +25,7 @@ static const struct {
     {141, "Nobody reads the answers of query or truth any more."},
 };
 
-/* Text that is what it looks like: no dash becomes a hyphen, no mark a request. */
+/* Print text literally: escape dashes, which would become hyphens, and marks that start roff requests. */
 static void print_escaped(const char *text)
 {
     if (*text == '.' || *text == '\'') fputs("\\&", stdout);
@@ -48,7 +48,7 @@ static void print_line(const char *text)
     putchar('\n');
 }
 
-/* The date is for whoever installs the page: a command does not know its own. */
+/* The date is empty: the program does not know its release date. A package may add it. */
 static void print_title(const char *page)
 {
     printf(".TH ");

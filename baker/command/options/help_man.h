@@ -5,10 +5,10 @@
 
 #include "baker/command/options/option_table.h"
 
-/* To standard output: the page of a command, vxs-bake(1). */
+/* Print the page of a command, vxs-bake(1), to standard output. */
 void man_page(const command_line *c);
 
-/* The page vxs(1): what stands before the list of commands, a command in it, and what stands behind it. */
+/* The page vxs(1): the part before the list of commands, one command of the list, and the part after it. */
 void man_head(void);
 void man_row(const command_line *c);
 void man_tail(void);

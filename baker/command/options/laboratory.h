@@ -12,9 +12,9 @@ typedef struct command_entry {
     int (*run)(int argc, char **argv);
 } command_entry;
 
-/* What a page needs of a bake that is gone when it ends. Zero it first. */
+/* Data for a page, kept from a bake, which is released before the page is written. Zero it first. */
 typedef struct bake_page {
-    uint8_t *rgb; /* the shadows; owned; NULL: not drawn */
+    uint8_t *rgb; /* picture of the shadows; owned; NULL: not drawn */
 } bake_page;
 
 /* Pages of bakes; see baker/lab/pages/bake_page.h. */

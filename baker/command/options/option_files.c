@@ -15,7 +15,7 @@ static const char *output_of(const option *o)
     return o->kind == OPTION_OUTPUT ? *(const char **)o->target : NULL;
 }
 
-/* The n-th file that an input's row was given, NULL after the last. */
+/* The n-th file of an input row, NULL after the last. */
 static const char *input_of(const option *o, size_t n)
 {
     const text_list *list = o->target;
@@ -23,8 +23,8 @@ static const char *input_of(const option *o, size_t n)
     return o->kind == OPTION_INPUTS && n < list->count ? list->items[n] : NULL;
 }
 
-/* No input is an output; and what is read from a pipe cannot be read again.
- * piped  the row that standard input was given to so far, or NULL */
+/* An input must not be an output, and standard input can be read only once.
+ * piped  the row that reads standard input so far, or NULL */
 static vxs_result check_input(const option *o, const char *path, const option **piped, message *m)
 {
     if (is_standard_input(path) && *piped)
@@ -34,7 +34,7 @@ static vxs_result check_input(const option *o, const char *path, const option **
     return run_files_check_input(path, o->name, m);
 }
 
-/* An operand that was given what belongs into the row of o, and the other way round; NULL when there is none. */
+/* The value of an operand that was swapped with that of o: each has the kind that the other expects. NULL when there is none. */
 static const char *swapped_with(const command_line *c, const option *o, file_kind found)
 {
     for (const option *other = c->options; other < c->options + c->option_count; other++) {
@@ -49,7 +49,9 @@ static vxs_result check_kind(const command_line *c, const option *o, const char 
     char        foreign[FOREIGN_BYTES];
     file_kind   found = file_kind_of(path), expected = (file_kind)o->min;
     const char *text = found == FILE_UNKNOWN && expected != FILE_UNKNOWN ? file_kind_foreign(foreign, path) : NULL;
-    if (text && expected == FILE_PICTURE && strstr(text, " picture")) text = NULL; /* of a kind that its reader names better */
+    if (text && expected == FILE_PICTURE && strstr(text, " picture"))
+        text = NULL; /* the picture's reader has a better error for
+                        this */
     if (text && is_operand(o))
         return fail(m, VXS_E_READ, "'%s' is %s, expected %s: usage is vxs %s %s", path, text, file_kind_text(expected), c->name,
                     c->synopsis);
@@ -65,9 +67,10 @@ static vxs_result check_kind(const command_line *c, const option *o, const char 
                 c->name, c->synopsis);
 }
 
-/* The extension of an output's name, when it is not that of what is written. Names without one say nothing, devices and pipes have their
- * own.   lower  [out] its beginning, in lower case
- * Returns NULL when there is none such. */
+/* The extension of an output's name, when it does not match the format written. Names without an extension, devices and pipes
+ * are not checked.
+ * lower  [out] the extension's beginning, in lower case
+ * Returns NULL when it matches or is not checked. */
 static const char *other_extension(const option *output, char lower[16])
 {
     const char *path = output_of(output), *slash = path ? strrchr(path, '/') : NULL, *name = slash ? slash + 1 : path;
@@ -82,7 +85,7 @@ static const char *other_extension(const option *output, char lower[16])
 
 static int is_known(const char *extension)
 {
-    return choice_index(".vxs|.part|.gltf|.glb|.json|.html|.htm|.png|.exr", extension) >= 0; /* what vxs reads or writes */
+    return choice_index(".vxs|.part|.gltf|.glb|.json|.html|.htm|.png|.exr", extension) >= 0; /* formats that vxs reads or writes */
 }
 
 static vxs_result check_extension(const option *output, message *m)

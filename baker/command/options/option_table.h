@@ -1,5 +1,5 @@
-/* The command line of a command as a table: parsing, checking, help, manual pages, completion, and which files are read and written come
- * from the same rows.
+/* The command line of a command as a table. Parsing, checks, help, manual pages, completion, and the lists of input and output
+ * files all use the same rows.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef OPTION_TABLE_H
 #define OPTION_TABLE_H
@@ -13,24 +13,25 @@
 typedef enum option_kind {
     OPTION_SWITCH, /* int, set to 1; takes no value */
     OPTION_U32,    /* uint32_t in [min, max] */
-    OPTION_U32S,   /* number_list, repeated: each in [min, max], none twice */
+    OPTION_U32S,   /* number_list, repeated: each in [min, max], without duplicates */
     OPTION_BYTES,  /* uint64_t, at least 1: plain, or with K, M, G, T (powers of 1024), and iB or B after it */
     OPTION_F64,    /* double in [min, max], finite */
     OPTION_VECTOR, /* double[(size_t)max]: that many comma-separated finite numbers; see min */
     OPTION_TEXT,   /* const char *, borrowed from argv */
     OPTION_TEXTS,  /* text_list, repeated; borrowed from argv */
     OPTION_CHOICE, /* int, or an enum of its size: index of the value in `choices` */
-    /* named_list, repeated as [NAME=]value, each name and no name once; the value as that of VECTOR (of 3), U32 (also "4K": times 1024), F64 */
+    /* named_list, repeated as [NAME=]value; at most one value for each name, and one without a name. Values are those of VECTOR
+     * (of 3), U32 (also "4K": times 1024), F64 */
     OPTION_NAMED_VECTOR,
     OPTION_NAMED_U32,
     OPTION_NAMED_F64,
-    OPTION_INPUT,  /* const char *, borrowed from argv: a file that is read, of the kind (file_kind.h) that min is */
-    OPTION_INPUTS, /* text_list, repeated: files that are read, of the kind that min is */
-    OPTION_OUTPUT, /* const char *, borrowed from argv: a file that is written, - is standard output; min 1: must be given;
-                      max OUTPUT_CHECKED_BY_COMMAND: whether it can be written is not found out before the command runs */
-    OPTION_FOLDER, /* const char *, borrowed from argv: a folder into which files are written that have the names in choices */
-    OPTION_HELP,   /* int: index of a format in `choices`; its value stands behind '=' alone, and is the first when there is none */
-    OPTION_GROUP   /* no option: what follows stands in help under this heading, `help`; the other fields are 0 */
+    OPTION_INPUT,  /* const char *, borrowed from argv: an input file of kind `min` (file_kind.h) */
+    OPTION_INPUTS, /* text_list, repeated: input files of kind `min` */
+    OPTION_OUTPUT, /* const char *, borrowed from argv: an output file, - is standard output; min 1: required; max
+                      OUTPUT_CHECKED_BY_COMMAND: the command itself checks that it can be written */
+    OPTION_FOLDER, /* const char *, borrowed from argv: an output folder; `choices` has the patterns of its files */
+    OPTION_HELP,   /* int: index of a format in `choices`; the value follows '=' only; without a value it is the first format */
+    OPTION_GROUP   /* no option: a heading in help, `help`, for the rows that follow; the other fields are 0 */
 } option_kind;
 
 enum { OPTION_NUMBERS_MAX = 32, OUTPUT_CHECKED_BY_COMMAND = 1 };
@@ -41,26 +42,27 @@ typedef struct number_list {
     size_t   count;
 } number_list;
 
-/* A row. One whose name does not begin with '-' is an operand, of kind TEXT, CHOICE, INPUT or INPUTS: operands are given in the order of
- * their rows, each of them, and the last takes all others that there are when it is a list. */
+/* A row. A row whose name does not begin with '-' is an operand, of kind TEXT, CHOICE, INPUT or INPUTS. Operands are given in
+ * the order of their rows, and all of them are required; if the last one is a list, it takes all remaining operands. */
 typedef struct option {
     const char *name; /* "--resolution", "-o"; "SCENE"; NULL for a group */
     option_kind kind;
     void       *target; /* holds the default on entry */
     double      min, max;
-    const char *choices; /* OPTION_CHOICE: "auto|peel|back"; of a named one the name of a value that has none, or NULL;
-                            OPTION_OUTPUT: the extensions for what is written, ".html|.htm"; OPTION_FOLDER: patterns of names, "lit-*.png|sky.png" */
-    const char *
-        value; /* name of the value in help: "N", "OUT.vxs"; NULL for operands, switches and choices. A file's ends as the file does */
-    const char *help;  /* what, unit; in the end "(default X)" where it has one */
+    const char *choices; /* OPTION_CHOICE: "auto|peel|back"; OPTION_NAMED_*: the name of a value without a name, or NULL;
+                            OPTION_OUTPUT: extensions of the format written, ".html|.htm"; OPTION_FOLDER: patterns of names,
+                            "lit-*.png|sky.png" */
+    const char *value; /* name of the value in help: "N", "OUT.vxs", for files with their extension; NULL for operands, switches and
+                          choices */
+    const char *help;  /* meaning and unit; at the end "(default X)" if it has a default */
     int        *given; /* NULL, or set to 1 when the option was given */
 } option;
 
 typedef struct command_line {
     const char   *name;     /* "bake" */
     const char   *synopsis; /* "SCENE -o OUT.vxs [options]" */
-    const char   *summary;  /* its first sentence stands in the list of commands, too */
-    const option *options;  /* [option_count]; with those of every command, at most OPTIONS_MAX */
+    const char   *summary;  /* its first sentence is also in the list of commands */
+    const option *options;  /* [option_count]; at most OPTIONS_MAX together with the options of every command */
     size_t        option_count;
 } command_line;
 

@@ -5,7 +5,7 @@
 
 #include "baker/command/options/option_table.h"
 
-/* What may follow the name of an option in help: "N", "auto|on|off"; NULL for switches and operands. */
+/* The value that follows an option's name in help: "N", "auto|on|off"; NULL for switches and operands. */
 const char *option_value(const option *o);
 
 /* "--resolution N", "--camera", "SCENE" into text. Returns text. */

@@ -12,7 +12,7 @@
 #include "baker/base/nearest.h"
 #include "baker/command/options/help.h"
 
-/* What every command understands, after its own rows. */
+/* Options of every command, after its own rows. */
 enum { COMMON_OPTIONS = 7 };
 
 static void common_options(option rows[COMMON_OPTIONS], message *m, help_format *format)
@@ -40,7 +40,7 @@ static const option *find_option(const command_line *c, const char *name, size_t
     return NULL;
 }
 
-/* The row of the next operand after `last`, NULL at first; NULL when there is none. */
+/* The next operand's row after `last` (NULL at first); NULL when there is none. */
 static const option *next_operand(const command_line *c, const option *last)
 {
     if (last && is_list(last)) return last;
@@ -49,7 +49,7 @@ static const option *next_operand(const command_line *c, const option *last)
     return NULL;
 }
 
-/* A finite number and the rest of the text, or NULL. */
+/* Parse a finite number. Returns the rest of the text, or NULL. */
 static const char *parse_number(const char *text, double *number)
 {
     char *end;
@@ -58,7 +58,7 @@ static const char *parse_number(const char *text, double *number)
     return end == text || !isfinite(*number) ? NULL : end;
 }
 
-/* "512M", "1.5GiB", "1000000": a whole number of bytes, at least 1. */
+/* Parse "512M", "1.5GiB", "1000000": a whole number of bytes, at least 1. */
 static int parse_bytes(const char *text, uint64_t *bytes)
 {
     static const char units[] = "KMGT";
@@ -75,7 +75,7 @@ static int parse_bytes(const char *text, uint64_t *bytes)
     return 1;
 }
 
-/* Where the value begins: a name may hold a '=', a number holds none. */
+/* The value of NAME=VALUE: after the last '=', since a name may contain one and a number cannot. */
 static const char *behind_name(const option *o, const char *text)
 {
     const char *equals = is_named(o) ? strrchr(text, '=') : NULL;
@@ -97,7 +97,7 @@ static vxs_result set_vector(const option *o, const char *value, double *out, me
     return VXS_OK;
 }
 
-/* "4K" is 4096: of texels, which come in powers of two. */
+/* "4K" is 4096, for texels, which are powers of two. */
 static const char *parse_thousands(const char *end, double *number)
 {
     if (!end || (*end != 'K' && *end != 'k')) return end;
@@ -110,7 +110,7 @@ static vxs_result parse_in_range(const option *o, const char *value, int whole, 
     const char *end = parse_number(behind_name(o, value), number);
     if (o->kind == OPTION_NAMED_U32) end = parse_thousands(end, number);
     if (end && !*end && *number >= o->min && *number <= o->max && (!whole || *number == floor(*number))) return VXS_OK;
-    int digits = whole ? 10 : 6; /* as many as a uint32_t may have; as many as %g has */
+    int digits = whole ? 10 : 6; /* digits of the largest uint32_t; digits of %g */
     return fail(m, VXS_E_ARGUMENT, "%s %s: expected a %snumber from %.*g to %.*g", o->name, value, whole ? "whole " : "", digits,
                 o->min, digits, o->max);
 }
@@ -157,7 +157,7 @@ static vxs_result add_named(const option *o, const char *text, message *m)
     *item = (named_value){0};
     if (length && !(item->name = strndup(text, length - 1))) goto no_memory;
     if (!length && o->choices && !(item->name = strdup(o->choices))) goto no_memory;
-    list->count++; /* from here on the list releases it */
+    list->count++; /* from here on, the list releases it */
     if (named_find(list, item->name) != item)
         return item->name ? fail(m, VXS_E_ARGUMENT, "%s is given twice for '%s': expected once", o->name, item->name)
                           : fail(m, VXS_E_ARGUMENT, "%s is given twice without a name: expected once", o->name);
@@ -208,7 +208,7 @@ static vxs_result set_option(const option *o, const char *value, message *m)
     return VXS_OK;
 }
 
-/* Set an option, once unless it is a list. given  [option_count] */
+/* Set an option; only lists may be set repeatedly. given  [option_count] */
 static vxs_result give(const command_line *c, const option *o, const char *value, char *given, message *m)
 {
     char *before = &given[o - c->options];
@@ -218,7 +218,7 @@ static vxs_result give(const command_line *c, const option *o, const char *value
     return set_option(o, value, m);
 }
 
-/* The value of option o in argv[*i], behind its '=' or in the argument that follows. NULL for switches. */
+/* The value of option o in argv[*i]: after its '=', or the next argument. NULL for switches. */
 static vxs_result take_value(const option *o, const char *equals, int argc, char **argv, int *i, const char **value, message *m)
 {
     *value = equals ? equals + 1 : NULL;
@@ -235,7 +235,8 @@ static int by_name(const void *a, const void *b)
     return strcmp(*(const char *const *)a, *(const char *const *)b);
 }
 
-/* Options that begin with what was typed, three at most: ": did you mean '--resolution' or '--resume'?" into text, or nothing. */
+/* Suggest options that begin with the text typed, three at most: ": did you mean '--resolution' or '--resume'?" into text, or
+ * "". */
 static void begun_text(char text[128], const command_line *c, const char *typed)
 {
     const char *names[OPTIONS_MAX];
@@ -256,7 +257,7 @@ static void begun_text(char text[128], const command_line *c, const char *typed)
 
 static vxs_result unknown_option(const command_line *c, const char *arg, message *m)
 {
-    char    name[NEAREST_LENGTH_MAX + 2], meant[128]; /* longer names are cut, but not to what is compared */
+    char    name[NEAREST_LENGTH_MAX + 2], meant[128]; /* longer names are cut after the part that is compared */
     nearest near = {.typed = name};
     snprintf(name, sizeof name, "%.*s", (int)strcspn(arg, "="), arg);
     begun_text(meant, c, name);

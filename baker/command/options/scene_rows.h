@@ -1,4 +1,4 @@
-/* The option rows of every command that loads a scene: which scene of the file, and what of it casts.
+/* The option rows of every command that loads a scene: the scene within the file, and which parts of it cast shadows.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SCENE_ROWS_H
 #define SCENE_ROWS_H

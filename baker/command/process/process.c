@@ -1,4 +1,4 @@
-/* What a run expects of the system; see process.h.
+/* Set-up of the process; see process.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/command/process/process.h"
 
@@ -16,8 +16,8 @@
 #include "baker/files/json_file.h"
 #include "baker/files/temporary_files.h"
 
-/* A number that is free is given to what can only be used the wrong way round: reading standard input is then an error, like writing
- * the other two. open takes the lowest number that is free. */
+/* Open a closed standard descriptor in the wrong mode: write-only for standard input, read-only for the other two. Using it
+ * stays an error, and no other file gets its number. open returns the lowest free number, so it is this one. */
 static void fill_standard_descriptors(void)
 {
     for (int number = STDIN_FILENO; number <= STDERR_FILENO; number++)
@@ -43,7 +43,7 @@ void process_remove_temporary(void)
     temporary_files_remove(&temporary);
 }
 
-/* The signal handler: only what is safe in one. A file that another thread commits meanwhile is either complete or gone. */
+/* The signal handler: async-signal-safe calls only. A file that another thread commits meanwhile is either complete or removed. */
 static void end_run(int number)
 {
     process_remove_temporary();
@@ -65,11 +65,12 @@ static void catch_signals(void)
     }
 }
 
-/* stacks -------------------------------------------------------------------------------------------------------------------------- */
+/* stacks ----------------------------------------------------------------------------------------------------------------------- */
 
-enum { STACK_LEAST = 1 << 20, STACK_BYTES = 8 << 20 }; /* what a run needs, and what systems give */
+enum { STACK_LEAST = 1 << 20, STACK_BYTES = 8 << 20 }; /* the least that a run needs, and the usual default of systems */
 
-/* Threads, those of libraries too, get stacks as large as the limit of the process says, which may be far too small. */
+/* Set the default stack size of threads, including those of libraries. It follows the limit of the process, which may be too
+ * small. */
 static void give_threads_stacks(void)
 {
 #ifdef __GLIBC__
@@ -83,7 +84,7 @@ static void give_threads_stacks(void)
 #endif
 }
 
-/* Whether the stack of the first thread may grow as far as a run needs: its limit is raised where that is allowed. */
+/* Whether the first thread's stack may grow as far as a run needs. Raises its limit if that is allowed. */
 static int has_stack(void)
 {
     struct rlimit limit;
@@ -117,12 +118,12 @@ int process_run(int (*run)(int argc, char **argv), int argc, char **argv)
     if (failed) return run(argc, argv);
     sigset_t all;
     sigfillset(&all);
-    pthread_sigmask(SIG_BLOCK, &all, NULL); /* signals are the other thread's */
+    pthread_sigmask(SIG_BLOCK, &all, NULL); /* the other thread handles signals */
     pthread_join(thread, NULL);
     return s.status;
 }
 
-/* --------------------------------------------------------------------------------------------------------------------------------- */
+/* ------------------------------------------------------------------------------------------------------------------------------ */
 
 void process_begin(void)
 {

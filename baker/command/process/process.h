@@ -1,4 +1,4 @@
-/* What a run expects of the system before it begins.
+/* Set-up of the process before a command runs.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef PROCESS_H
 #define PROCESS_H
@@ -8,28 +8,33 @@ extern "C" {
 #endif
 
 /* Call first, before a file is opened or a thread is started.
- * A closed standard input, output or error stays useless, and using it an error, but no file that is opened later takes its number: a
- * report would go into the asset. A reader that has gone away (terminal.h) and a file that grows beyond a limit are errors of writing, not the end
- * of the process. SIGINT, SIGTERM and SIGHUP take the temporary files of a run with them, and then end it: SIGINT with the exit status of an
- * interrupted run, the others as they do by default. A signal that is ignored stays ignored, a handler of the caller's stays too. Memory that is missing where C++ cannot throw,
- * in a destructor, ends the process as it does elsewhere: one line, and the exit status for it. Threads have stacks of a megabyte at least. */
+ * Descriptors: a closed standard input, output or error stays an error to use, and no file opened later gets its number. Else a
+ * report could be written into the asset.
+ * Errors of writing: a reader that has closed the pipe (terminal.h), or a file above its size limit, is an error and does not
+ * end the process.
+ * Signals: SIGINT, SIGTERM and SIGHUP remove the temporary files of a run, and then end it: SIGINT with the exit status of an
+ * interrupted run, the others with their default action. Ignored signals stay ignored; handlers of the caller stay installed.
+ * Memory: when an allocation fails where C++ cannot throw, as in a destructor, the process ends with the usual line and exit
+ * status.
+ * Threads: stacks have at least a megabyte. */
 void process_begin(void);
 
-/* Begin, and run main's work: on a thread with a stack of its own where that of the process may not grow as far as a run needs (ulimit -s).
- * Returns what it returns. */
+/* Call process_begin, then run(argc, argv): on a new thread with a larger stack, if the stack limit of the process (ulimit -s)
+ * is too small.
+ * Returns what run returns. */
 int process_run(int (*run)(int argc, char **argv), int argc, char **argv);
 
-/* The last part, which is C++. */
+/* The part of process_begin that is C++: sets the terminate handler. */
 void process_catch_terminate(void);
 
-/* From now on every array of a few megabytes goes back to the system when it is freed. Else glibc keeps such arrays once some were freed,
- * and small ones that lie between them hold their memory: a bake of many lights grew with each. */
+/* From now on, free every array of a few megabytes to the system at once. By default glibc keeps such arrays after some were
+ * freed, and small allocations between them hold their memory: a bake of many lights grew with each light. */
 void process_return_large(void);
 
-/* The temporary files that a signal removes: those of a run whose messages borrow this (message.h). */
+/* The temporary files that a signal handler removes: those of a run whose messages borrow this (message.h). */
 struct temporary_files *process_temporary_files(void);
 
-/* Remove those that there are, before a process ends that cannot go on. Safe in a signal handler. */
+/* Remove all temporary files, before a fatal end of the process. Async-signal-safe. */
 void process_remove_temporary(void);
 
 #ifdef __cplusplus

@@ -1,5 +1,6 @@
-/* What ends a process that C++ gives up on; see process.h.
- * nlohmann::json allocates where it promises not to throw, in its destructor and when it is moved: without memory the process ends there.
+/* The handler for std::terminate; see process.h.
+ * nlohmann::json allocates in functions that are noexcept, such as its destructor and move: out of memory terminates the process
+ * there.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <unistd.h>
 
@@ -11,8 +12,8 @@
 #include "baker/command/process/process.h"
 #include "baker/command/process/progress_line.h"
 
-/* Where a function may not throw, the exception is at times not caught but still under way, and cannot be looked at; nothing but
- * missing memory is thrown there. */
+/* When a noexcept function throws, the exception may be still in flight and cannot be inspected. Only out of memory is thrown
+ * there. */
 static bool out_of_memory()
 {
     try {

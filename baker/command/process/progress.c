@@ -9,7 +9,7 @@
 #include "baker/base/clock.h"
 #include "baker/base/text.h"
 
-/* A longer line would wrap on the narrowest of terminals, and could not be taken back. */
+/* Longer lines would wrap on narrow terminals, and could not be cleared. */
 enum { LINE_MAX_BYTES = 79 };
 
 static const double interval_seconds = 0.1;
@@ -35,7 +35,7 @@ void progress_say(int shown, const char *format, ...)
     va_end(args);
 }
 
-/* ", about 12 s left", or nothing when that cannot be told, or is over at once. */
+/* ", about 12 s left"; "" when unknown, or about to end. */
 static void estimate(char text[32], double share, double spent_seconds)
 {
     double left = share > 0 ? spent_seconds / share * (1 - share) : 0;

@@ -1,4 +1,4 @@
-/* How far a run is: one line on a terminal that is written over and gone in the end.
+/* Progress of a run: one line on a terminal, overwritten each time and cleared at the end.
  *
  *     progress_say(shown, "reading %s", path);
  *     double since = clock_seconds();
@@ -23,14 +23,14 @@ extern "C" {
 #define PROGRESS_PRINTF(text, values)
 #endif
 
-/* "vxs: TEXT", before work of unknown length. Text from files may be in it (one_line). */
+/* Show "vxs: TEXT", before work of unknown length. TEXT may contain text from files (one_line). */
 void progress_say(int shown, const char *format, ...) PROGRESS_PRINTF(2, 3);
 
-/* The same, and how long the rest may take: "vxs: TEXT, about 12 s left". At most ten times a second.
- * share  of the work that is done, 0 to 1;   since  clock_seconds() when it was begun */
+/* Show "vxs: TEXT, about 12 s left", at most ten times a second.
+ * share  of the work that is done, 0 to 1;   since  clock_seconds() at the start of the work */
 void progress_share(int shown, double share, double since, const char *format, ...) PROGRESS_PRINTF(4, 5);
 
-/* Who watches from a terminal. */
+/* Run callbacks that show progress on a terminal. */
 extern const run_watch progress_watch;
 
 #ifdef __cplusplus

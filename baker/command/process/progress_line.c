@@ -25,5 +25,5 @@ int progress_line_shown(void)
 void progress_clear(void)
 {
     if (!atomic_exchange(&line_shown, 0)) return;
-    if (write(STDERR_FILENO, clear_line, sizeof clear_line - 1) < 0) return; /* a terminal that is gone shows nothing */
+    if (write(STDERR_FILENO, clear_line, sizeof clear_line - 1) < 0) return; /* ignore errors: the terminal is gone */
 }

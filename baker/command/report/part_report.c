@@ -1,4 +1,4 @@
-/* What is said of a part of a bake; see part_report.h.
+/* The report of --part; see part_report.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/command/report/part_report.h"
 

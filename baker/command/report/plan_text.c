@@ -1,4 +1,4 @@
-/* A plan in words; see plan_text.h.
+/* A plan as text; see plan_text.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/command/report/plan_text.h"
 
@@ -127,7 +127,7 @@ static void decide_lights(decision_list *l, const bake_plan *plan, const bake_re
                report->left_out_count, unasked, nothing, others);
 }
 
-/* What was decided, and why. */
+/* The decisions, and the reason of each. */
 static decision_list decisions_of(const bake_plan *plan, const bake_options *o, const bake_report *report)
 {
     decision_list l = {0};
@@ -344,7 +344,7 @@ json_t *plan_estimate_json(const bake_plan *plan)
                      (json_int_t)plan->memory_bytes);
 }
 
-/* What a coding will find, and keep. */
+/* Estimates of the coding: what it finds and what it keeps. */
 static json_t *coded_json(const plan_light *l)
 {
     if (l->light.coding == VXS_CODING_DAG)

@@ -22,7 +22,7 @@ const char *part_name(char text[32], const vxs_part *part)
     return text;
 }
 
-/* What a coding found in the columns. */
+/* Statistics of the columns that a coding found. */
 static void print_found(FILE *to, const light_report *l)
 {
     if (l->light.coding != VXS_CODING_DAG) {
@@ -39,7 +39,7 @@ static void print_found(FILE *to, const light_report *l)
             (unsigned long long)l->inserted_masks);
 }
 
-/* The rest of a line, and another, where something was rendered. */
+/* The rest of a line, and one more, if maps were rendered. */
 static void print_rendering(FILE *to, const depth_stats *s)
 {
     if (!s->blocks_rendered) {
@@ -133,7 +133,7 @@ static const char *kind_text(const vxs_light *l)
     return l->kind == VXS_LIGHT_KIND_DIRECTIONAL ? "directional" : l->kind == VXS_LIGHT_KIND_SPOT ? "spot" : "point";
 }
 
-/* What a coding found, and what it kept. */
+/* Statistics of a coding: what it found, and what it kept. */
 static json_t *coded_json(const light_report *l)
 {
     const palette_counts *p = &l->palette;
@@ -187,7 +187,7 @@ static json_t *stages_json(const bake_report *r)
     return stages;
 }
 
-/* What was planned, and what came of it. */
+/* The plan and the results. */
 static json_t *plan_json(const bake_options *o, const bake_report *r)
 {
     uint64_t memory_bytes = 0;

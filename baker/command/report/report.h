@@ -9,13 +9,13 @@
 
 void report_print(FILE *to, const bake_options *o, const bake_report *r);
 
-/* The same as JSON; m holds the warnings. Incomplete or NULL without memory: json_print and json_write see it. */
+/* The report as JSON; m holds the warnings. Incomplete or NULL when out of memory: json_print and json_write detect it. */
 json_t *report_json(const bake_options *o, const bake_report *r, const message *m);
 
 /* path "-" is standard output. Returns VXS_OK, VXS_E_WRITE, VXS_E_MEMORY. */
 vxs_result report_write_json(const char *path, const bake_options *o, const bake_report *r, message *m);
 
-/* "64^3" for nodes, which are told by their size, else the kind of a part, into text. Returns text. */
+/* The name of a part: "64^3", the size, for nodes; else its kind. Into text. Returns text. */
 const char *part_name(char text[32], const vxs_part *part);
 
 #endif

@@ -9,7 +9,7 @@
 #include "baker/command/report/plan_text.h"
 #include "baker/files/input_file.h"
 
-/* "sun, lamp and 12 more": as many names as a line has room for, the first in any case. */
+/* "sun, lamp and 12 more": as many names as fit into a line, at least one. */
 typedef struct name_list {
     char   text[VXS_LIGHT_NAME_BYTES + 48];
     size_t count, shown;
@@ -93,7 +93,7 @@ static const char *ratio_text(char text[32], double ratio)
     return text;
 }
 
-/* What the file is worth: how much more plain depth maps of 16 bits take. */
+/* The size of the file, and how many times larger plain depth maps of 16 bits would be. */
 static void print_file(FILE *to, const bake_options *o, const bake_report *r)
 {
     char   size[32], ratio[32], plain[PLAIN_BYTES];
@@ -104,7 +104,7 @@ static void print_file(FILE *to, const bake_options *o, const bake_report *r)
             ratio_text(ratio, maps / (double)r->file_bytes));
 }
 
-/* What of the file smoke takes. */
+/* How much of the file is smoke. */
 static void print_smoke(FILE *to, const bake_options *o, const bake_report *r)
 {
     smoke_counts sum    = {0};

@@ -1,4 +1,4 @@
-/* What is said of a bake that had nothing to do; see unchanged.h.
+/* The report of a bake that was up to date; see unchanged.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/command/report/unchanged.h"
 

@@ -1,4 +1,4 @@
-/* What is said of a bake that had nothing to do: --if-changed.
+/* The report of a bake that was up to date: --if-changed.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef UNCHANGED_H
 #define UNCHANGED_H
@@ -10,7 +10,7 @@
 /* One line. */
 void unchanged_print(FILE *to, const bake_options *o, const bake_report *r);
 
-/* In the place of the report or the plan: "unchanged" is true in it. */
+/* Replaces the report or the plan; "unchanged" is true in it. */
 vxs_result unchanged_write_json(const char *path, const bake_options *o, const bake_report *r, message *m);
 
 #endif

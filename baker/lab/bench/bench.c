@@ -27,7 +27,7 @@ typedef struct bench_work {
     json_t              *result;
     bench_job           *jobs; /* [job_count] */
     size_t               job_count;
-    int                 *inputs; /* [scene] see keep_pipe; owned */
+    int                 *inputs; /* [scene] copies of pipes, see keep_pipe; owned */
     children             children;
     double               since; /* when the first run began */
     int                  outputs_differ;
@@ -35,7 +35,7 @@ typedef struct bench_work {
 
 /* Children ------------------------------------------------------------------------------------------------------------------- */
 
-/* The error that a child printed, which is the last line when there is one; "" when there is none. */
+/* The error that a child printed: its last line; "" when there is none. */
 static void read_error(const char *path, char text[512])
 {
     static const char begin[] = "vxs: error: ";
@@ -56,7 +56,7 @@ static vxs_result result_of_status(int status)
     return VXS_E_MEMORY; /* it crashed, or was killed */
 }
 
-/* Run a command whose exit status is 0, or `accepted`. */
+/* Run a command. Its exit status must be 0 or `accepted`. */
 static vxs_result run_child(bench_work *w, const bench_job *job, const char *const *arguments, int accepted, double *seconds,
                             message *m)
 {
@@ -86,7 +86,7 @@ static vxs_result hash_file(const char *path, uint64_t *hash, message *m)
     return r;
 }
 
-/* What is measured is the same work only when it makes the same bytes. */
+/* All runs must write the same bytes; else they did not do the same work. */
 static vxs_result require_same_bytes(bench_work *w, bench_job *job, uint32_t run, message *m)
 {
     uint64_t   hash;
@@ -116,7 +116,7 @@ static vxs_result compare_once(bench_work *w, const bench_job *job, double *seco
     if (o->scene_name) arguments[count++] = "--scene";
     if (o->scene_name) arguments[count++] = o->scene_name;
     if (o->allow_outside) arguments[count++] = "--allow-outside";
-    arguments[count++] = "--other-scene"; /* one that changed since its bake shows by the bytes of the next */
+    arguments[count++] = "--other-scene"; /* no check of the scene: if the scene changes, the next bake's bytes differ */
     arguments[count++] = "--";
     arguments[count++] = job->scene_path;
     arguments[count++] = w->children.asset;
@@ -145,7 +145,7 @@ static vxs_result run_once(bench_work *w, bench_job *job, uint32_t run, message 
 
 /* Rounds --------------------------------------------------------------------------------------------------------------------- */
 
-/* How long a job takes: as long as the last time, or by its weight among those that ran. */
+/* Expected time of a job: that of its last run, or by its weight relative to jobs that ran. */
 static double expected_seconds(const bench_work *w, const bench_job *job)
 {
     double seconds = 0, weight = 0;
@@ -169,7 +169,7 @@ static void show_progress(const bench_work *w, uint32_t run, size_t at)
     }
     double spent = clock_seconds() - w->since;
     double left  = left_seconds + (w->o->runs - run - 1) * round_seconds;
-    progress_clear(); /* what comes may take long: it is named even when the last one took no time */
+    progress_clear(); /* the next step may take long: show its name, even if the last step took no time */
     progress_share(1, left > 0 ? spent / (spent + left) : 0, w->since, "run %u of %u: %s", run + 1, w->o->runs,
                    bench_cell_name(name, sizeof name, w->result, w->jobs[at].cell));
 }
@@ -189,15 +189,15 @@ static vxs_result run_rounds(bench_work *w, message *m)
 
 /* Scenes from pipes ------------------------------------------------------------------------------------------------------------ */
 
-/* A GLB, or text that may be glTF, is read whole. Of anything else the first bytes are enough: the bake refuses it. */
+/* Read a GLB, or text that may be glTF, completely. For other files the first bytes suffice: the bake rejects them. */
 static uint64_t wanted_bytes(void *user, const uint8_t *first, size_t size_bytes)
 {
     (void)user;
     return may_be_gltf(first, size_bytes) ? UINT64_MAX : 0;
 }
 
-/* Each run reads its scene again, which a pipe gives once: a copy in memory.
- * kept  [out] its descriptor; -1: the scene is a file, or cannot be had, which its bake will say */
+/* Each run reads its scene again, but a pipe can be read only once: copy it to memory.
+ * kept  [out] the copy's descriptor; -1: the scene is a file, or cannot be read, which its bake will report */
 static vxs_result keep_pipe(int *kept, const char *path, message *m)
 {
     struct stat status;
@@ -233,7 +233,7 @@ static void release_pipes(bench_work *w)
 
 /* The whole ------------------------------------------------------------------------------------------------------------------ */
 
-/* What is known before the first run. NULL without memory. */
+/* The data known before the first run. NULL when out of memory. */
 static json_t *describe(const bench_options *o)
 {
     char          started[32];

@@ -1,4 +1,4 @@
-/* What moved between two measurements; see bench_against.h.
+/* Changes between two measurements; see bench_against.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/bench/bench_against.h"
 
@@ -9,8 +9,8 @@
 #include "baker/base/text.h"
 #include "baker/lab/bench/bench_text.h"
 
-static const double stage_share  = 0.05; /* stages that take less of a bake are left out */
-static const double memory_share = 0.05; /* of peak memory that is never quite the same */
+static const double stage_share  = 0.05; /* stages that take a smaller share of a bake are ignored */
+static const double memory_share = 0.05; /* change of peak memory that counts as a change */
 static const double equal_share  = 1e-8; /* numbers are written with nine digits */
 
 typedef struct moves {
@@ -60,7 +60,7 @@ static const char *value_text(char text[64], const bench_figure *f)
     return text;
 }
 
-/* Figures of one name that both cells have. same_points: errors were measured at the same points */
+/* Compare the figures that both cells have. same_points: errors were measured at the same points */
 static void compare_cells(moves *v, const json_t *before, const json_t *now, int same_points)
 {
     bench_figure a[BENCH_FIGURES_MAX], b[BENCH_FIGURES_MAX];
@@ -89,7 +89,7 @@ static const json_t *find_cell(const json_t *result, const json_t *cell)
 
 /* Results -------------------------------------------------------------------------------------------------------------------- */
 
-/* A line that may hold text from files. */
+/* Print a line that may contain text from files. */
 static void print_line(FILE *to, const char *format, ...) __attribute__((format(printf, 2, 3)));
 static void print_line(FILE *to, const char *format, ...)
 {

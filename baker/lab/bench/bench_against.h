@@ -1,4 +1,4 @@
-/* What moved between two measurements.
+/* Changes between two measurements.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef BENCH_AGAINST_H
 #define BENCH_AGAINST_H
@@ -8,13 +8,13 @@
 
 #include "baker/base/message.h"
 
-/* Print what differs: first of versions and machines, then of the cells that both have. A time moved when each median lies outside
- * of the other's spread; by chance alone that is so of one in twenty, with five runs each. Sizes and errors moved when they differ
- * at all, peak memory, which is never quite the same, by 5 %.
+/* Print the differences: first of versions and machines, then of the cells that both have. A time has changed when each median
+ * is outside of the other's spread; with five runs each, chance does this once in twenty. Sizes and errors have changed when
+ * they differ at all; peak memory, which always varies, by 5 %.
  * to           NULL: print nothing
- * before_path  what messages call the earlier one
+ * before_path  the earlier file's name in messages
  * max_slower   ratio of times
- * too_slow     [out] how many baking or lookup times moved to more than max_slower times what they were
+ * too_slow     [out] number of baking or lookup times that changed to more than max_slower times the earlier ones
  * Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result bench_against(FILE *to, const json_t *now, const json_t *before, const char *before_path, double max_slower,
                          size_t *too_slow, message *m);

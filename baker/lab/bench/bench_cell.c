@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* What each of some objects or arrays has at a path: an array, released by the caller. */
+/* Collect the value at a path in each object or array of `from`: an array, released by the caller. */
 static json_t *pick(const json_t *from, const char *format, ...) __attribute__((format(printf, 2, 3)));
 static json_t *pick(const json_t *from, const char *format, ...)
 {
@@ -24,7 +24,7 @@ static json_t *pick(const json_t *from, const char *format, ...)
     return picked;
 }
 
-/* The sum of what objects have at a path. */
+/* The sum of the values at a path in all objects. */
 static double total(const json_t *objects, const char *path)
 {
     const json_t *object;
@@ -34,7 +34,7 @@ static double total(const json_t *objects, const char *path)
     return sum;
 }
 
-/* The mean, each object weighted by what is at another path; 0 where that is 0 everywhere. */
+/* The mean, weighted by the value at another path; 0 when all weights are 0. */
 static double mean(const json_t *objects, const char *path, const char *weight_path)
 {
     const json_t *object;
@@ -59,7 +59,7 @@ static double maps_to_words_seconds(const json_t *stages)
     return seconds;
 }
 
-/* The level of that side; levels stand in the order of their sides, the root first, masks (0) last. */
+/* The level with that side. Levels are sorted by side, the root first, masks (0) last. */
 static json_t *level_of(json_t *levels, uint64_t side_voxels)
 {
     size_t at = 0;
@@ -74,7 +74,7 @@ static void add_count(json_t *object, const char *name, uint64_t count)
     json_object_set_new(object, name, json_integer((json_int_t)(count_at(object, name) + count)));
 }
 
-/* What a level or a part takes. */
+/* Add the bytes of a level or a part. */
 static void add_bytes(json_t *sum, const json_t *part)
 {
     static const char *const figures[] = {"count", "memory_bytes", "stored_bytes"};
@@ -100,7 +100,7 @@ static void set_dag_size(json_t *size, const json_t *lights)
     json_array_foreach(lights, n, light) json_array_foreach(json_at(light, "levels"), i, level) add_level(size, level);
 }
 
-/* All lights have the same parts, in one order. */
+/* All lights have the same parts in the same order. */
 static void set_blocks_size(json_t *size, const json_t *lights)
 {
     json_t     *light, *part, *count, *parts = json_array(), *kept = json_object();
@@ -129,7 +129,7 @@ static json_t *size_json(const json_t *bake, const json_t *lights)
 
 /* A comparison ---------------------------------------------------------------------------------------------------------------- */
 
-/* What lights found at points of a kind, by single taps. found: released */
+/* Errors of the lights at points of one kind, by single taps. found: released */
 static json_t *tap_error(json_t *found, const char *kind)
 {
     double  checked = total(found, "checked"), leaks = total(found, "leaks"), false_shadows = total(found, "false_shadows");
@@ -140,7 +140,7 @@ static json_t *tap_error(json_t *found, const char *kind)
     return error;
 }
 
-/* The same, by lookups through a filter. */
+/* The same, for lookups with a filter. */
 static json_t *filter_error(json_t *found, const char *kind, const json_t *filter)
 {
     const json_t *of;
@@ -174,7 +174,7 @@ static json_t *errors_json(const json_t *lights)
     return errors;
 }
 
-/* Nanoseconds, the mean over points that were looked up. */
+/* Nanoseconds: the mean over points that were looked up. */
 static json_t *lookups_json(const json_t *lights)
 {
     static const char points[] = "time/points";
@@ -218,7 +218,7 @@ static json_t *spread_json(const json_t *numbers)
     return json_pack("{s:f, s:f, s:f}", "median", s.median, "min", s.min, "max", s.max);
 }
 
-/* What runs have under a name. values: released */
+/* The values of all runs under one name. values: released */
 static json_t *of_runs(const char *name, json_t *values)
 {
     json_t     *part, *first = json_array_get(values, 0), *whole = NULL;

@@ -5,14 +5,15 @@
 
 #include "baker/lab/bench/bench_json.h"
 
-/* A cell of one run, with a number where a spread will be. NULL without memory.
+/* The cell of one run; single numbers where bench_cell_of_runs puts spreads. NULL when out of memory.
  * cell          has its "scene" and "options"
- * bake          what `vxs bake --json` wrote (docs/bake-report.schema.json)
- * compare       what `vxs compare --json` wrote (docs/compare.schema.json); NULL: nothing was compared
+ * bake          the JSON of `vxs bake --json` (docs/bake-report.schema.json)
+ * compare       the JSON of `vxs compare --json` (docs/compare.schema.json); NULL: no comparison
  * wall_seconds  of the whole process of the bake */
 json_t *bench_cell_of_run(const json_t *cell, const json_t *bake, const json_t *compare, double wall_seconds);
 
-/* What runs of one cell come to: times spread, of peaks the greatest counts, all else is the same in all. NULL without memory.
+/* Combine the runs of one cell: times become spreads, peaks their maximum; all other values are the same in all runs. NULL when
+ * out of memory.
  * runs  an array of at most BENCH_RUNS_MAX; released */
 json_t *bench_cell_of_runs(json_t *runs);
 

@@ -1,4 +1,4 @@
-/* What is to be measured; see bench_jobs.h.
+/* The jobs of a measurement; see bench_jobs.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/bench/bench_jobs.h"
 
@@ -15,14 +15,14 @@ static vxs_result no_memory(message *m)
     return fail(m, VXS_E_MEMORY, "out of memory for the cells of the bench");
 }
 
-/* 1 when both are for the same light ("sun=64" and "sun=512"), or for none. */
+/* 1 when both values are for the same light ("sun=64" and "sun=512"), or both for all lights. */
 static int same_name(const char *a, const char *b)
 {
     const char *a_end = strrchr(a, '='), *b_end = strrchr(b, '=');
     return !a_end || !b_end ? a_end == b_end : a_end - a == b_end - b && !memcmp(a, b, (size_t)(a_end - a));
 }
 
-/* How many values there are for the light that value n is for; 0 where an earlier one is for the same. */
+/* The number of values for the same light as value n; 0 if an earlier value is for that light. */
 static size_t count_alike(const text_list *values, size_t n)
 {
     size_t count = 0;
@@ -40,7 +40,7 @@ static const char *value_alike(const text_list *values, size_t n, size_t which)
     return values->items[i];
 }
 
-/* How many combinations there are; BENCH_CELLS_MAX + 1 when they are more. */
+/* The number of combinations; at most BENCH_CELLS_MAX + 1. */
 static size_t count_cells(const bench_options *o)
 {
     size_t count = o->scenes.count;
@@ -66,7 +66,7 @@ static size_t append_all(const char **arguments, size_t count, const char *name,
     return count;
 }
 
-/* The command line that bakes cell `index`: what all have, its values, its scene. NULL without memory. */
+/* The command line that bakes cell `index`: common arguments, the cell's values, its scene. NULL when out of memory. */
 static const char **arguments_of(const bench_options *o, const char *scene_path, const children *c, size_t index)
 {
     size_t pairs = o->light_names.count + o->suns.count + o->exclude.count + o->include.count + 8, count = 0;
@@ -94,7 +94,7 @@ static const char **arguments_of(const bench_options *o, const char *scene_path,
     return all;
 }
 
-/* As a file will have it: numbers in nine digits, so that what is measured equals what was. NULL without memory. */
+/* Round numbers to nine digits, as in a file, so that new measurements compare equal to stored ones. NULL when out of memory. */
 static json_t *as_written(json_t *value)
 {
     char   *text    = json_print(value, JSON_REAL_PRECISION(9));
@@ -104,7 +104,7 @@ static json_t *as_written(json_t *value)
     return written;
 }
 
-/* What makes a difference: bake's own words, and the scene. Without what is the same in every bench. */
+/* Options that distinguish cells: bake's options and the scene, without those that are the same in every bench. */
 static json_t *options_json(const bake_options *o)
 {
     json_t *object = bake_options_json(o);
@@ -113,11 +113,11 @@ static json_t *options_json(const bake_options *o)
     return as_written(object);
 }
 
-/* Read the arguments as the bake will: its checks, its defaults. */
+/* Parse the arguments as the bake will, with its checks and defaults. */
 static vxs_result read_arguments(bench_job *job, const char *name, json_t *cells, message *m)
 {
     bake_arguments a;
-    char         **argv = (char **)(size_t)(job->arguments + 1); /* that of a command begins with its own name */
+    char         **argv = (char **)(size_t)(job->arguments + 1); /* argv[0] of a command is its own name */
     int            argc = 0, help_shown;
     while (argv[argc]) argc++;
     bake_arguments_init(&a, "bake", "", "", 1);
@@ -127,7 +127,8 @@ static vxs_result read_arguments(bench_job *job, const char *name, json_t *cells
         const char *slash = strrchr(name, '/');
         job->runs         = json_array();
         job->cell         = json_pack("{s:o, s:o}", "scene", json_text(slash ? slash + 1 : name), "options", options_json(&a.o));
-        job->weight = 1e6 + (double)a.o.resolution * a.o.resolution; /* a bake takes as long as a million texels before it begins */
+        job->weight = 1e6 + (double)a.o.resolution * a.o.resolution; /* a bake takes about as long as a million texels before it
+                                                                        begins with its maps */
         for (size_t n = 0; n < a.o.resolutions.count; n++) job->weight += pow(a.o.resolutions.items[n].numbers[0], 2);
         if (json_array_append_new(cells, job->cell)) r = no_memory(m);
     }

@@ -1,4 +1,4 @@
-/* What is to be measured: options of a measurement, and a job for each cell.
+/* The jobs of a measurement: its options, and a job for each cell.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef BENCH_JOBS_H
 #define BENCH_JOBS_H
@@ -8,38 +8,38 @@
 #include "baker/lab/bench/bench_json.h"
 #include "baker/lab/bench/children.h"
 
-/* Options of bake that are swept, in the order of the table of options; a cell for each combination of their values. Values for lights
- * ("sun=512") are combined with those for other lights, and with those for all ("64"). */
+/* Options of bake that can be swept, in the order of the table of options. Each combination of their values is a cell. Values
+ * for one light ("sun=512") are combined with those for other lights, and with those for all ("64"). */
 enum { BENCH_SWEEPS = 14 };
 
 typedef struct bench_options {
     text_list   scenes;
     const char *sweep_name[BENCH_SWEEPS];  /* "--resolution": the first varies slowest */
-    text_list   sweep_value[BENCH_SWEEPS]; /* none: what bake does by default */
-    text_list   light_names, suns;         /* these, too, go to every bake; NULL or none: not given */
+    text_list   sweep_value[BENCH_SWEEPS]; /* empty: bake's default */
+    text_list   light_names, suns;         /* passed to every bake, too; NULL or empty: not given */
     text_list   exclude, include;
     const char *region, *scene_name;
     int         allow_outside;           /* 1: likewise */
-    uint32_t    filters_px[FILTERS_MAX]; /* besides single taps: as filters_take has them */
+    uint32_t    filters_px[FILTERS_MAX]; /* besides single taps; from filters_take */
     uint32_t    filter_count;
     uint32_t    runs;
-    uint32_t    points;   /* that errors are measured at, of each kind; 0: neither errors nor lookups */
-    int         progress; /* 1: say on standard error how far it is */
+    uint32_t    points;   /* points of each kind for measuring errors; 0: measure neither errors nor lookups */
+    int         progress; /* 1: show progress on standard error */
 } bench_options;
 
 typedef struct bench_job {
     const char  *scene_path; /* "-" when there is an input */
-    int          input;      /* descriptor of what children have as standard input; -1: none; borrowed */
+    int          input;      /* file descriptor for the standard input of children; -1: none; borrowed */
     const char **arguments;  /* of the bake: "vxs", "bake", ...; NULL at the end; owned, the texts are not */
     json_t      *cell;       /* of the result: "scene" and "options" */
     json_t      *runs;       /* cells of one run each; owned */
     uint64_t     asset_hash; /* of the first run's bytes */
-    double       weight;     /* how long it may take, in no unit, until it has run */
-    double       seconds;    /* that its last run took; 0: has not run */
+    double       weight;     /* expected time without a unit, before its first run */
+    double       seconds;    /* of its last run; 0: has not run */
 } bench_job;
 
 /* Make a job and its cell for each scene and combination of options, checked as bake checks its own.
- * cells  an array, which gets the cells
+ * cells  an array to which the cells are added
  * inputs [scene] descriptors; -1: the scene is a file
  * c      where bakes write; outlives the jobs
  * jobs   [out] [count], released with bench_jobs_free, whatever is returned

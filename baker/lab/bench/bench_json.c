@@ -8,7 +8,7 @@
 #include "baker/files/json_file.h"
 #include "baker/lab/bench/json_shape.h"
 
-/* What a file holds (json_shape.h); names with a question mark are those of one coding. */
+/* The shape of a bench file (json_shape.h). Names with a question mark exist for one coding only. */
 static const char file_shape[] =
     "{'cells': [4096, {"
     "     'scene': 'text', 'light': 'text', 'triangles': 'count', 'solid_triangles': 'count', 'lights': 'count', 'maps': 'count',"

@@ -10,24 +10,25 @@
 
 enum { BENCH_CELLS_MAX = 4096, BENCH_RUNS_MAX = 1000 };
 
-/* Whether JSON is what vxs bench writes.   path  its file's.   Returns VXS_OK; VXS_E_READ, and one line in m says where; VXS_E_MEMORY. */
+/* Check that JSON is a result of vxs bench.   path  of its file.   Returns VXS_OK; VXS_E_READ, with the place in one line of m;
+ * VXS_E_MEMORY. */
 vxs_result bench_json_check(const json_t *bench, const char *path, message *m);
 
-/* Read a file that anyone may have written.
+/* Read an untrusted file.
  * result  [out] NULL on failure; released with json_decref
- * Returns VXS_OK; VXS_E_READ: it cannot be read, is no JSON, or not what vxs bench writes, and one line in m says where; VXS_E_MEMORY. */
+ * Returns VXS_OK; VXS_E_READ: unreadable, not JSON, or not a result of vxs bench, with the place in one line of m; VXS_E_MEMORY. */
 vxs_result bench_json_read(json_t **result, const char *path, message *m);
 
-/* The member or item that a path leads to: "bake/wall_seconds", "errors/0". NULL when it is not there. */
+/* The member or item at a path: "bake/wall_seconds", "errors/0". NULL when there is none. */
 json_t *json_at(const json_t *object, const char *path);
 
-/* Members of what bench_json_read or bench_run gave. A spread without a unit becomes one of `unit`. */
+/* Members of JSON from bench_json_read or bench_run. A spread without a unit gets `unit`. */
 uint64_t    count_at(const json_t *object, const char *path);
 double      number_at(const json_t *object, const char *path);
 const char *text_at(const json_t *object, const char *path);
 spread      spread_at(const json_t *object, const char *path, double unit);
 
-/* Whether cells are of the same scene and options. */
+/* Whether two cells have the same scene and options. */
 int bench_cells_equal(const json_t *a, const json_t *b);
 
 #endif

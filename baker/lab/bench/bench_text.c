@@ -1,4 +1,4 @@
-/* Measurements in words; see bench_text.h.
+/* Measurements as text; see bench_text.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/bench/bench_text.h"
 
@@ -20,7 +20,7 @@ void table_add(json_t *table, const char *format, ...)
     if (vasprintf(&text, format, args) < 0) text = NULL;
     va_end(args);
     if (json_array_append_new(table, text ? json_text(one_line(text)) : json_null()))
-        json_array_append_new(table, json_null()); /* out of memory: table_print sees what is no text */
+        json_array_append_new(table, json_null()); /* out of memory: table_print detects the null */
     free(text);
 }
 
@@ -47,15 +47,14 @@ vxs_result table_print(json_t *table, size_t columns, FILE *to, message *m)
 
 /* Options -------------------------------------------------------------------------------------------------------------------- */
 
-/* Whether a cell has no such option because its coding has none: that makes no difference to others. */
+/* Whether a cell lacks an option because its coding does not have it: this is no difference. */
 static int is_meaningless(const json_t *cell, const char *name)
 {
     int is_blocks = !strcmp(text_at(cell, "options/coding"), "blocks");
     return choice_index(is_blocks ? "rule|reuse|compress|stop" : "pack", name) >= 0;
 }
 
-/* The options that are not the same in all cells, but for the resolution, which always is said: as keys of an object, which the caller
- * releases. */
+/* The options that differ between cells, and always the resolution: as keys of an object, which the caller releases. */
 static json_t *varying_options(const json_t *result)
 {
     const json_t *cells   = json_at(result, "cells"), *cell;
@@ -75,7 +74,7 @@ static json_t *varying_options(const json_t *result)
     return varying;
 }
 
-/* What an option is where a cell does not name it. */
+/* The value of an option when the cell does not have it. */
 static const char *unnamed_text(const char *name)
 {
     return !strcmp(name, "skinned") ? "exclude" : !strcmp(name, "blend") ? "mask" : "-";
@@ -123,7 +122,8 @@ const char *spread_text(char text[64], spread s)
 }
 
 typedef struct figure_row {
-    const char *of, *name, *path; /* in the cell, an object or a list of such; what it is called; where it is in the object */
+    const char *of, *name, *path; /* of: path in the cell, to an object or a list of objects; name: label; path: within the
+                                     object */
     figure_kind kind;
     unsigned    flags;
 } figure_row;
@@ -193,7 +193,7 @@ size_t bench_figures(const json_t *cell, bench_figure *figures)
     return count;
 }
 
-/* The figures of a cell that are columns of the table: what they are called, or what they are. */
+/* Add the figures of a cell to the table: their labels (is_head), or their values. */
 static void add_figures(json_t *t, const json_t *cell, int is_head)
 {
     bench_figure figures[BENCH_FIGURES_MAX];
@@ -212,7 +212,7 @@ static void add_figures(json_t *t, const json_t *cell, int is_head)
     }
 }
 
-/* is_head: what the columns are called, in place of what the cell has in them. */
+/* is_head: add the labels of the columns, in place of the cell's values. */
 static void add_row(json_t *t, const json_t *result, const json_t *cell, int is_head)
 {
     char          text[64];

@@ -1,4 +1,4 @@
-/* Measurements in words: figures, tables of them, names of cells.
+/* Measurements as text: figures, tables of them, names of cells.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef BENCH_TEXT_H
 #define BENCH_TEXT_H
@@ -11,39 +11,41 @@ enum { BENCH_FIGURES_MAX = 192 };
 
 typedef enum figure_kind { FIGURE_SECONDS, FIGURE_BYTES, FIGURE_PEAK_BYTES, FIGURE_COUNT, FIGURE_SHARE } figure_kind;
 
-/* What is done with a figure besides comparing it. */
+/* How a figure is used, besides comparing it. */
 typedef enum figure_flags {
-    FIGURE_COLUMN  = 1, /* the table has it */
+    FIGURE_COLUMN  = 1, /* a column of the table */
     FIGURE_LIMITED = 2, /* it may be too slow */
-    FIGURE_STAGE   = 4, /* a part of the first figure of the cell */
-    FIGURE_ERROR   = 8  /* means something for the same points alone */
+    FIGURE_STAGE   = 4, /* a part of the cell's first figure */
+    FIGURE_ERROR   = 8  /* comparable only between runs with the same points */
 } figure_flags;
 
 typedef struct bench_figure {
     char        name[96]; /* "RMSE 9 x 9, surface" */
     figure_kind kind;
     unsigned    flags;
-    spread      value; /* seconds, bytes, number, share of 1; all the same where there is only one */
+    spread      value; /* seconds, bytes, number, share of 1; all members are equal for a single value */
 } bench_figure;
 
-/* figures  [BENCH_FIGURES_MAX] [out] of a cell that bench_json_read or bench_run gave; the first is the time of the bake
- * Returns how many. */
+/* Collect the figures of a cell.
+ * figures  [BENCH_FIGURES_MAX] [out]; the first is the time of the bake
+ * Returns their number. */
 size_t bench_figures(const json_t *cell, bench_figure *figures);
 
-/* A row for each cell of a result, medians with least and greatest. Returns VXS_OK or VXS_E_MEMORY. */
+/* Print a row for each cell: medians with minimum and maximum. Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result bench_print(FILE *to, const json_t *result, message *m);
 
-/* "city.glb, 512 texels, exit back": what tells a cell from the others of its result, cut to what fits. Returns text. */
+/* The options that distinguish a cell from the others of its result: "city.glb, 512 texels, exit back", truncated to size.
+ * Returns text. */
 const char *bench_cell_name(char *text, size_t size, const json_t *result, const json_t *cell);
 
-/* "940 ms (931 to 962)", in the unit that fits; "940 ms" where all are the same. Returns text. */
+/* "940 ms (931 to 962)", in a suitable unit; "940 ms" if all are equal. Returns text. */
 const char *spread_text(char text[64], spread seconds);
 
-/* The next cell of a table, in one line. table: an array of texts, row by row. */
+/* Append a cell to a table, in one line. table: an array of texts, row by row. */
 void table_add(json_t *table, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-/* Print a table, columns as wide as what is in them, the first to the left, the others to the right; it is released.
- * Returns VXS_OK; or VXS_E_MEMORY when something was left out of it: then nothing is printed. */
+/* Print a table, and release it. Columns are as wide as their content; the first is left-aligned, the others right-aligned.
+ * Returns VXS_OK; or VXS_E_MEMORY when a value is missing in it: then nothing is printed. */
 vxs_result table_print(json_t *table, size_t columns, FILE *to, message *m);
 
 #endif

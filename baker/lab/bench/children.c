@@ -15,7 +15,7 @@
 
 #include "baker/base/clock.h"
 
-enum { CANNOT_START = 127 }; /* exit status of a child that is not yet the command; the command has none so large but 130 */
+enum { CANNOT_START = 127 }; /* exit status of a child whose exec failed; the command has no status as large except 130 */
 
 static const struct timespec patience = {.tv_nsec = 500000000};
 
@@ -30,7 +30,7 @@ static void hold_signals(children *c)
         struct sigaction action;
         if (!sigaction(numbers[n], NULL, &action) && action.sa_handler != SIG_IGN) sigaddset(&c->held, numbers[n]);
     }
-    signal(SIGCHLD, SIG_DFL); /* where it is ignored nobody learns how a child ended */
+    signal(SIGCHLD, SIG_DFL); /* if SIGCHLD is ignored, the exit status of a child is lost */
     sigprocmask(SIG_BLOCK, &c->held, &c->before);
 }
 
@@ -53,7 +53,7 @@ vxs_result children_begin(children *c, message *m)
         return fail(m, VXS_E_WRITE, "cannot make a folder for temporary files in %s: %s", parent, strerror(failed));
     }
     c->folder = folder;
-    c->names  = folder ? opendir(folder) : NULL; /* now: it takes memory, and later there may be none */
+    c->names  = folder ? opendir(folder) : NULL; /* open it now: it needs memory, which may be exhausted later */
     c->asset  = folder ? path_in(folder, "asset.vxs") : NULL;
     c->report = folder ? path_in(folder, "report.json") : NULL;
     c->errors = folder ? path_in(folder, "errors.txt") : NULL;
@@ -84,7 +84,7 @@ static int redirect(const char *path, int flags, int descriptor)
     return opened >= 0 && dup2(opened, descriptor) == descriptor;
 }
 
-/* Between fork and exec: only what is safe in a signal handler. */
+/* Runs between fork and exec: async-signal-safe calls only. */
 static void become(const children *c, const char *const *arguments, int input, pid_t parent)
 {
     prctl(PR_SET_PDEATHSIG, SIGTERM);

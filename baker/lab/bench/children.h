@@ -1,5 +1,5 @@
-/* Child processes: this executable with other arguments, one at a time, a folder for what they write, and signals that wait until
- * nothing is left of either.
+/* Child processes: this executable with other arguments, one at a time; a folder for their outputs; and signals, held back until
+ * both are gone.
  *
  *     children c;
  *     if ((r = children_begin(&c, m)) == VXS_OK) ... child_run(&c, ...) ...
@@ -15,27 +15,29 @@
 #include "baker/base/message.h"
 
 typedef struct children {
-    sigset_t held, before;            /* SIGCHLD and signals that end a run, but those that are ignored; what was blocked before */
+    sigset_t held, before;            /* held: SIGCHLD and the signals that end a run, except ignored ones; before: the signal
+                                         mask before */
     int      caught;                  /* the signal that stopped a child; 0: none */
     char    *folder;                  /* owned, as the paths are */
-    DIR     *names;                   /* what is in it; open */
-    char    *asset, *report, *errors; /* in the folder: what a child writes, and its standard error */
+    DIR     *names;                   /* the folder, open for listing */
+    char    *asset, *report, *errors; /* files in the folder: outputs of a child, and its standard error */
 } children;
 
-/* From now on signals wait, those to this thread and, in a process of one thread, all; and there is a new folder in $TMPDIR, or /tmp
- * where that is not set.
+/* Create a folder in $TMPDIR, or in /tmp if that is not set. From now on, signals to this thread are held back; in a process of
+ * one thread, these are all.
  * c  [out] ends with children_end, whatever is returned
  * Returns VXS_OK, VXS_E_WRITE, VXS_E_MEMORY. */
 vxs_result children_begin(children *c, message *m);
 
-/* Take the folder away with all files in it (there are no folders in it). Returns only when no signal came. */
+/* Remove the folder and the files in it (it has no folders). Does not return if a signal came. */
 void children_end(children *c);
 
-/* Run this executable and wait until it ends. What it prints to standard output is lost. It is stopped with
- * SIGTERM when this process ends, or when a signal comes that is held; then with SIGKILL when it takes longer than half a second.
+/* Run this executable and wait until it ends. Its standard output is discarded. When this process ends, or a held signal comes,
+ * the child gets SIGTERM; if it then runs for more than half a second, SIGKILL.
  * arguments    [] NULL at the end; arguments[0] is a name
- * input        a file's descriptor, which becomes its standard input, from the start of the file; -1: it reads nothing
- * seconds      [out] from before its start until it was gone; written only when VXS_OK is returned, as the next is
+ * input        a file's descriptor, which becomes its standard input, from the start of the file; -1: its standard input is
+ *              empty
+ * seconds      [out] from before the start of the child to its end; only written when VXS_OK is returned, as is exit_status
  * exit_status  [out] or -N: ended by signal N
  * Returns VXS_OK whatever the child's exit status is; VXS_E_INTERRUPTED; VXS_E_MEMORY: it could not be started.
  * Threads: only in a process of one thread. */

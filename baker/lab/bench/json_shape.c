@@ -21,7 +21,7 @@ static const struct number_kind {
 
 typedef struct reader {
     const char *path, *writer;
-    size_t      scene, cell; /* from 1 on; 0: outside of them */
+    size_t      scene, cell; /* from 1; 0: outside of them */
     message    *m;
 } reader;
 
@@ -134,7 +134,7 @@ static int check(reader *r, const char *name, const json_t *value, const json_t 
     return check_array(r, name, value, shape) && (strcmp(name, "levels") || check_levels(r, value));
 }
 
-/* JSON that C has to write with single quotes. */
+/* Parse JSON with single quotes, which C can contain without escapes. */
 static json_t *shape_json(const char *shape)
 {
     char *text = strdup(shape);

@@ -11,7 +11,7 @@
 
 #include "baker/base/parallel.h"
 
-/* The processor's model as the system names it, else the kind of machine. */
+/* The processor's model name from the system, else the machine type. */
 static char *processor(const char *kind)
 {
     char  line[512], *model = NULL;

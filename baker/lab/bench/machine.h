@@ -10,11 +10,11 @@ typedef struct bench_machine {
     uint64_t cores;        /* that this process may use */
     uint64_t memory_bytes; /* of the machine */
     char    *system;       /* kernel and C library */
-    char    *renderer;     /* what OpenGL calls itself */
+    char    *renderer;     /* OpenGL's GL_RENDERER */
 } bench_machine;
 
-/* All but the renderer.
- * Returns 0 without memory; released with machine_free either way. */
+/* Fill all but the renderer.
+ * Returns 0 when out of memory; released with machine_free either way. */
 int machine_describe(bench_machine *machine);
 
 /* Accepts a zeroed object. */

@@ -8,7 +8,7 @@
     "{'relative_rms': 'size or null', 'signed_mean': 'number', 'percentile_99': 'size', 'most': 'size', 'values': 'count'}"
 #define CELL "'technique': 'text', 'knob': 'text', 'value': 'u32', 'refused': 'bool', 'open_ms': 'time'"
 
-/* What a page asks for. */
+/* The shape that the page needs. */
 static const char file_shape[] =
     "{'machine': {'processor': 'text', 'cores': 'count', 'memory_bytes': 'count', 'system': 'text'},"
     " 'scenes': [256, {"

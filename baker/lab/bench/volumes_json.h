@@ -7,7 +7,7 @@
 
 #include "baker/base/message.h"
 
-/* Whether it means to be that, and not what vxs bench writes. */
+/* Whether this JSON claims to be such a file, and not a result of vxs bench. */
 int is_volumes_json(const json_t *measured);
 
 /* As bench_json_check. */

@@ -26,7 +26,7 @@ typedef struct bench_command {
     size_t  too_slow;
 } bench_command;
 
-/* What can be found wrong before the work. */
+/* Checks that are possible before the work begins. */
 static vxs_result check(bench_command *c, message *m)
 {
     vxs_result r = filters_take(&c->filters, &c->smooth, c->o.filters_px, &c->o.filter_count, m);
@@ -39,7 +39,8 @@ static vxs_result check(bench_command *c, message *m)
 
 static vxs_result measure(bench_command *c, message *m)
 {
-    FILE      *to = report_stream(m, is_standard_output(c->output_path)); /* JSON stays alone there */
+    FILE      *to = report_stream(m, is_standard_output(c->output_path)); /* keep the report out of standard output when JSON
+                                                                             goes there */
     char       word[COLORED_BYTES];
     vxs_result r  = check(c, m);
     c->o.progress = progress_wanted(m);
@@ -63,7 +64,7 @@ static vxs_result run(void *command, message *m)
     return r;
 }
 
-/* The values of a swept option are read by bake's own parser, later: here they are texts. */
+/* Values of swept options are texts here; bake's own parser reads them later. */
 static option swept(bench_command *c, int n, const char *name, const char *value, const char *help)
 {
     c->o.sweep_name[n] = name;

@@ -19,7 +19,7 @@
 
 typedef struct compare_command {
     const char   *json_path;
-    scene_choice  choice; /* may have texts of the first asset's metadata */
+    scene_choice  choice; /* may borrow texts from the first asset's metadata */
     text_list     asset_paths, light_names;
     number_list   filters_px, smooth_px;
     camera_choice camera;
@@ -32,7 +32,7 @@ typedef struct compare_command {
     compare_report report;
 } compare_command;
 
-/* The casters of a scene with the solids that an asset was baked with, and what rays need of it. */
+/* The casters of a scene, with the solids that the asset was baked with, and the ray tracer's data. */
 typedef struct traced_scene {
     casters casters;
     truth  *truth;
@@ -56,7 +56,7 @@ static vxs_result check_options(compare_command *c, message *m)
 
 /* assets ---------------------------------------------------------------------------------------------- */
 
-/* A number of a JSON object in [0, most]. Returns 0 when there is none. */
+/* Read a number of a JSON object in [0, most]. Returns 0 when there is none. */
 static int number_member(const json_t *object, const char *key, double most, double *out)
 {
     const json_t *value = json_object_get(object, key);
@@ -64,7 +64,7 @@ static int number_member(const json_t *object, const char *key, double most, dou
     return json_is_number(value) && *out >= 0 && *out <= most;
 }
 
-/* Which components were solids when an asset was baked, as its metadata says; auto where it does not. */
+/* The mode that decided which components were solids in the asset's bake, from its metadata; auto if it is missing. */
 static closed_mode closed_of_asset(const json_t *made)
 {
     const char *text  = json_string_value(json_object_get(json_object_get(made, "options"), "closed"));
@@ -72,7 +72,7 @@ static closed_mode closed_of_asset(const json_t *made)
     return index < 0 ? CLOSED_AUTO : (closed_mode)index;
 }
 
-/* What its metadata says that it leaves free besides the insides of solids. */
+/* The don't-care rules of the asset besides the insides of solids, from its metadata. */
 static compare_dont_care dont_care_of_asset(const json_t *made)
 {
     const json_t *options   = json_object_get(made, "options");
@@ -81,7 +81,7 @@ static compare_dont_care dont_care_of_asset(const json_t *made)
     return (compare_dont_care){behind && choice_index(BEHIND_CHOICES, behind) == BEHIND_FREE, thickness > 0 ? thickness : 0};
 }
 
-/* What vxs bake --json wrote of an asset. */
+/* Read the report that vxs bake --json wrote for an asset. */
 static vxs_result read_bake_report(compared_asset *a, const char *path, message *m)
 {
     static const char *const keys[] = {"total_seconds", "peak_bytes", "file_bytes"};
@@ -91,7 +91,7 @@ static vxs_result read_bake_report(compared_asset *a, const char *path, message 
     json_t                  *root;
     vxs_result               r = json_read(&root, path, &of_file);
     if (r != VXS_OK) return fail(m, r, "--bake-report %s", of_file.error);
-    int unchanged = json_is_true(json_object_get(root, "unchanged")); /* nothing was baked, and nothing was measured */
+    int unchanged = json_is_true(json_object_get(root, "unchanged")); /* nothing was baked, so there are no measurements */
     for (int n = unchanged ? 2 : 0; n < 3; n++)
         if (!number_member(root, keys[n], 1e18, &values[n]) && !absent) absent = keys[n];
     json_decref(root);
@@ -172,7 +172,7 @@ static vxs_result compare_asset(compare_command *c, compared_asset *a, const tra
     return r;
 }
 
-/* Errors against a scene that was not baked say nothing of an asset: that is found out before any work, for all of them. */
+/* Errors against a scene that was not baked are meaningless: check all assets before the work begins. */
 static vxs_result check_scene(compare_command *c, const scene *s, message *m)
 {
     vxs_result r = VXS_OK;
@@ -204,7 +204,7 @@ static void traced_scene_free(traced_scene *t)
     *t = (traced_scene){0};
 }
 
-/* One camera serves all assets; where its place is not given, it follows from the lights of the first. */
+/* One camera serves all assets. If it is not given, it is placed for the lights of the first. */
 static void place_camera(compare_command *c, const traced_scene *t)
 {
     const compared_asset *first  = &c->report.assets[0];
@@ -213,7 +213,7 @@ static void place_camera(compare_command *c, const traced_scene *t)
     c->report.options.camera = &c->camera.camera;
 }
 
-/* An asset, and with it all others that were baked with the same solids: casters are made once for them. */
+/* Compare an asset, and all others that were baked with the same solids: they share the casters. */
 static vxs_result compare_alike(compare_command *c, size_t first, message *m)
 {
     compared_asset *assets = c->report.assets;
@@ -238,7 +238,7 @@ static vxs_result compare_all(compare_command *c, message *m)
         if (!c->report.assets[n].results) r = compare_alike(c, n, m);
     if (r != VXS_OK) return r;
 
-    /* JSON that goes to standard output stays alone there */
+    /* keep the report out of standard output when JSON goes there */
     FILE *to = report_stream(m, is_standard_output(c->json_path));
     if (to) compare_print(to, &c->report, m);
     m->wrong = !compare_passes(&c->report);

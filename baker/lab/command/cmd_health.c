@@ -1,4 +1,4 @@
-/* vxs health: what keeps components of a scene from being solids, and what else is wrong with them.
+/* vxs health: why components of a scene are not solids, and other faults of them.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <stdio.h>
 #include <stdlib.h>
@@ -29,7 +29,7 @@ static void show_progress(const char *what)
     progress_say(1, "examining %s", what);
 }
 
-/* What a component is, in a word or two. A one-sided one without boundary edges is closed. */
+/* The shape of a component, in a word or two. A one-sided component without boundary edges is closed. */
 static const char *shape_name(const component_health *k)
 {
     if (!k->orientable) return "one-sided";
@@ -37,7 +37,7 @@ static const char *shape_name(const component_health *k)
     return k->oriented ? "closed" : "mixed";
 }
 
-/* Columns: what is counted along edges, at vertices, of triangles. */
+/* Columns: counts of edges, vertices, and triangles. */
 static void print_head(FILE *to)
 {
     static const char line[] = "%7s  %-12s %-11s %9s %8s %5s %5s %6s %8s %7s %4s %6s\n";
@@ -54,7 +54,7 @@ static void print_counts(FILE *to, const component_health *k)
     fputc('\n', to);
 }
 
-/* Where a component is, which solids it meets, and where it is from, in one line. */
+/* Print a component's position, the solids it intersects, and its origin, in one line. */
 static void print_place(FILE *to, const scene *s, const casters *c, const mesh_health *h, const component_health *k)
 {
     char from[PART_TEXT_BYTES], shown[COLUMNS + 1];
@@ -76,7 +76,8 @@ static void print_row(FILE *to, const scene *s, const casters *c, const mesh_hea
     print_place(to, s, c, h, k);
 }
 
-/* Pointers to components are ordered: what cannot be solid first, then other faults; the largest first, by number. */
+/* Compare pointers to components. Order: components that cannot be solids, then those with other faults; each by size, then by
+ * number. */
 static int worst_first(const void *a, const void *b)
 {
     const component_health *p = *(const component_health *const *)a, *q = *(const component_health *const *)b;

@@ -25,7 +25,7 @@ typedef struct mend_command {
     size_t         solids[2], triangles[2]; /* solids, and triangles of solids, before and after */
 } mend_command;
 
-/* In the order of repaired_component.counts: members of the JSON, and words. */
+/* Names in the order of repaired_component.counts: JSON members, and words. */
 static const struct repair_count {
     const char *member, *text;
 } repair_counts[REPAIR_COUNTS] = {
@@ -50,7 +50,7 @@ static void print_counts(FILE *to, const repaired_component *k)
     fprintf(to, "%s\n", *separator ? "" : "nothing to do");
 }
 
-/* What is still open first, the largest first, in the scene's order. */
+/* Order: components that are still open first; each by size, then in the scene's order. */
 static int worst_first(const void *a, const void *b)
 {
     const repaired_component *p = a, *q = b;
@@ -59,7 +59,7 @@ static int worst_first(const void *a, const void *b)
     return p->triangle < q->triangle ? -1 : 1;
 }
 
-/* The totals, and components where somebody asks for them. */
+/* Print the totals, and the components if verbose. */
 static void print_report(FILE *to, const mend_command *c, const scene *s, int verbose)
 {
     const repair_report *r    = &c->report;
@@ -160,12 +160,12 @@ static vxs_result run(void *command, message *m)
     if ((r = count_solids(c, &s, 0, m)) != VXS_OK) goto done;
     glb_find_origin(&s, origin_ws);
     if ((r = glb_round_positions(&s, origin_ws, m)) != VXS_OK)
-        goto done; /* first, so that what is closed here is closed in the file */
+        goto done; /* round first, as the file does, so that holes closed here are closed in the file */
     if ((r = scene_repair(&s, &c->how, &c->report, m)) != VXS_OK) goto done;
     if ((r = count_solids(c, &s, 1, m)) != VXS_OK) goto done;
     if ((r = write_scene(c->output_path, &s, origin_ws, m)) != VXS_OK) goto done;
     if (c->report.count) qsort(c->report.components, c->report.count, sizeof *c->report.components, worst_first);
-    /* what goes to standard output stays alone there */
+    /* keep the report out of standard output when an output goes there */
     FILE *to = report_stream(m, is_standard_output(c->output_path) || is_standard_output(c->json_path));
     if (to) print_report(to, c, &s, m->verbose);
     if (c->json_path) r = json_write(c->json_path, report_json(c, &s), m);

@@ -51,7 +51,7 @@ typedef struct render_command {
     filter_choice  filter;
     draw_mode      draw;
     fog_choice     fog;
-    const char    *camera_name; /* of the scene's own; NULL: none */
+    const char    *camera_name; /* name of a camera of the scene; NULL: none */
     const char    *linear_path, *passes_folder, *path_file, *json_path, *csv_path, *plot_path, *moving_path, *sky_path;
     uint32_t       frames;
     uint64_t       budget_bytes;
@@ -60,7 +60,7 @@ typedef struct render_command {
         smoke_side_given, sky_light_given, sky_turn_given, width_given, height_given, fov_given;
 } render_command;
 
-/* What is drawn. */
+/* The scene, asset and camera that are drawn. */
 typedef struct subject {
     scene                  scene, moving;
     sky_map                sky;
@@ -68,11 +68,11 @@ typedef struct subject {
     vxs_asset             *asset;  /* NULL where it is streamed */
     asset_stream           stream; /* with --budget */
     const vxs_baked_light *lights[VXS_LIGHTS_MAX];
-    const vxs_baked_smoke *smoke[VXS_LIGHTS_MAX]; /* of each of them; NULL: it has none */
+    const vxs_baked_smoke *smoke[VXS_LIGHTS_MAX]; /* baked smoke of each light; NULL: it has none */
     uint32_t               light_count;
 } subject;
 
-/* The first option that is given and means nothing without OpenGL, or without a path; NULL: there is none. */
+/* The first given option that needs OpenGL, or a path; NULL: there is none. */
 static const char *needs_gl(const render_command *c)
 {
     return c->samples_given      ? "--samples"
@@ -138,7 +138,7 @@ static vxs_result check_options(const render_command *c, message *m)
     return check_samples(o, m);
 }
 
-/* All of an asset, or what is resident of it.   contents  [out] */
+/* Open all of an asset, or its resident part as a stream.   contents  [out] */
 static vxs_result open_asset(render_command *c, subject *s, const vxs_contents **contents, message *m)
 {
     vxs_result r;
@@ -158,7 +158,7 @@ static vxs_result open_asset(render_command *c, subject *s, const vxs_contents *
     return r;
 }
 
-/* Skinned meshes as they stand: they are what moves most. */
+/* Include skinned meshes, in their pose: they are typical moving objects. */
 static vxs_result load_moving(render_command *c, subject *s, message *m)
 {
     const scene_choice all = {.skinned = SKINNED_REST, .skinned_given = 1};
@@ -168,7 +168,7 @@ static vxs_result load_moving(render_command *c, subject *s, message *m)
     return fail(m, VXS_E_SCENE, "%s has no triangles: nothing moves", c->moving_path);
 }
 
-/* Whether what is baked dims a light. */
+/* Whether baked smoke dims any light. */
 static int has_baked_smoke(const render_command *c, const subject *s)
 {
     int some = 0;
@@ -176,7 +176,7 @@ static int has_baked_smoke(const render_command *c, const subject *s)
     return some;
 }
 
-/* Whether some light takes steps in fog is known when scene and file are. */
+/* Whether some light takes steps in fog; known when scene and file are loaded. */
 static vxs_result check_steps(const render_command *c, const subject *s, message *m)
 {
     if (c->moving_path || (c->options.smoke == SMOKE_ON && s->scene.smoke.count) || has_baked_smoke(c, s)) return VXS_OK;
@@ -189,13 +189,13 @@ static vxs_result load_sky(render_command *c, subject *s, message *m)
     return sky_map_read(&s->sky, c->sky_path, m);
 }
 
-/* Whether an asset's smoke is that of the scene's capsules, too. */
+/* Whether an asset's smoke comes from the scene's capsules, which are drawn, too. */
 static int has_capsules(const json_t *made)
 {
     return json_object_get(json_object_get(json_object_get(made, "options"), "smoke"), "capsules") != NULL;
 }
 
-/* The scene's own camera, or one that all of the scene is in view of: on an orbit from everywhere. */
+/* The scene's own camera, or one that sees the whole scene; on an orbit, from each of its poses. */
 static vxs_result place_camera(render_command *c, subject *s, message *m)
 {
     render_options   *o    = &c->options;
@@ -217,7 +217,7 @@ static vxs_result place_camera(render_command *c, subject *s, message *m)
     return check_samples(o, m);
 }
 
-/* Why the scene's light of a name does not shine; NULL: it does, or there is none. */
+/* The reason why the scene's light of a name emits no light; NULL: it does, or does not exist. */
 static const char *dark_text(const scene *s, const char *name)
 {
     for (size_t n = 0; n < s->lost_light_count; n++)
@@ -251,7 +251,7 @@ static vxs_result load(render_command *c, subject *s, message *m)
     if ((r = provenance_read(&made, contents, m)) != VXS_OK) goto done;
     c->options.baked_smoke = s->smoke;
     if (c->options.smoke == SMOKE_ON && has_capsules(made))
-        memset(s->smoke, 0, sizeof s->smoke); /* drawn from the scene, they would dim light twice */
+        memset(s->smoke, 0, sizeof s->smoke); /* the scene's capsules are drawn: both would dim light twice */
     if ((r = asset_scene_choice(made, &c->choice, m)) != VXS_OK) goto done;
     if ((r = scene_load_gltf(&s->scene, c->scene_path, &c->choice, m)) != VXS_OK) goto done;
     r = asset_check_scene(contents, made, c->asset_path, &s->scene, c->scene_path, "its shadows may not fit", m);
@@ -272,7 +272,7 @@ done:
     return r;
 }
 
-/* Rays meet solids and sheets alike: nothing needs to be sorted. */
+/* Rays treat solids and sheets alike, so components are not classified. */
 static vxs_result make_truth(truth **t, casters *casting, const subject *s, uint32_t threads, message *m)
 {
     vxs_result r = casters_from_scene(casting, &s->scene, CLOSED_OFF, threads, m);
@@ -281,9 +281,9 @@ static vxs_result make_truth(truth **t, casters *casting, const subject *s, uint
 
 /* A picture as it is drawn. */
 typedef struct pixels {
-    uint8_t *rgb;    /* [3 * width * height] as renderer_draw has them */
-    float   *linear; /* likewise, as renderer_read_linear has them; NULL: they are not asked for */
-    double   white;  /* as renderer_white has it; 0: unknown */
+    uint8_t *rgb;    /* [3 * width * height] from renderer_draw */
+    float   *linear; /* likewise, from renderer_read_linear; NULL: not wanted */
+    double   white;  /* from renderer_white; 0: unknown */
 } pixels;
 
 static vxs_result draw_by_rays(const render_command *c, const subject *s, const pixels *to, message *m)
@@ -313,7 +313,7 @@ static vxs_result choose_path(const render_command *c, camera_path *path, messag
     return c->orbits ? camera_path_orbit(path, &c->camera.camera, m) : VXS_OK;
 }
 
-/* What has come of a stream since the last frame; before the first one all is waited for, as behind a loading screen. */
+/* Update the stream: pages loaded since the last frame. The first frame waits for all pages, as a loading screen does. */
 static vxs_result stream_frame(subject *s, drawn_frame *frame, const drawn_frame *before, message *m)
 {
     double        since       = clock_seconds();
@@ -326,7 +326,8 @@ static vxs_result stream_frame(subject *s, drawn_frame *frame, const drawn_frame
     return r;
 }
 
-/* Each frame of a path, or the one that there is without; the last one is the picture. A stream is filled before anything is uploaded. */
+/* Draw each frame of a path, or a single frame without a path; the last one is the picture. A stream is filled before the first
+ * upload. */
 static vxs_result draw_frames(const render_command *c, subject *s, renderer **drawn, const camera_path *path, drawn_frame *frames,
                               uint32_t count, uint8_t *rgb, message *m)
 {
@@ -371,7 +372,7 @@ static lamp_words words_of_lamps(const render_command *c, const subject *s, cons
     return w;
 }
 
-/* Of area lights there is something to say where there are some, or where they were asked for.   Returns 0 where there is not. */
+/* Print area lights if there are some, or if they were requested.   Returns 0 if nothing was printed. */
 static int find_area_words(const render_command *c, const subject *s, const renderer *drawn, area_words *w)
 {
     const area_pass *areas = renderer_areas(drawn);
@@ -435,7 +436,7 @@ static void print_moving(FILE *to, const moving_plan *plan)
     fputc('\n', to);
 }
 
-/* Where the report goes; NULL: nowhere. */
+/* The stream of the report; NULL: no report. */
 static FILE *report_of(const render_command *c, const message *m)
 {
     const char *outs[] = {c->out, c->linear_path, c->json_path, c->csv_path, c->plot_path};
@@ -458,7 +459,8 @@ static void print_written(const render_command *c, const message *m)
     written_print(to, c->out, size);
 }
 
-/* Of the picture's frame: which lights see what moves, which smoke dims, which area lights are drawn, and which lights its fog is drawn of. */
+/* The plans of the picture's frame: lights that see moving casters, lights that smoke dims, area lights that are drawn, lights
+ * in fog. */
 static void print_plan(const render_command *c, const subject *s, const renderer *drawn, const drawn_frame *last, const message *m)
 {
     area_words areas;

@@ -1,4 +1,4 @@
-/* vxs report: a page of what vxs bench measured, or make bench-volumes.
+/* vxs report: a page from the results of vxs bench, or of make bench-volumes.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <stdlib.h>
 

@@ -1,4 +1,4 @@
-/* vxs scene: procedural test scenes (scenes/README.md says what they are for).
+/* vxs scene: procedural test scenes (scenes/README.md has their purposes).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <stdio.h>
 #include <string.h>
@@ -24,7 +24,7 @@ typedef struct scene_options {
         capsules_given;
 } scene_options;
 
-/* Which option goes with which kind. */
+/* The options that are valid for each kind of scene. */
 static vxs_result check_kind(const scene_options *o, message *m)
 {
     const struct {
@@ -50,7 +50,7 @@ static vxs_result check_kind(const scene_options *o, message *m)
     return VXS_OK;
 }
 
-/* What the table of options does not check. */
+/* Checks that the table of options cannot express. */
 static vxs_result check(const scene_options *o, message *m)
 {
     vxs_result r = check_kind(o, m);
@@ -93,7 +93,7 @@ static void print_cases(void)
     for (size_t i = 0; stress_name(i); i++) printf("%-24s %s\n", stress_name(i), stress_purpose(i));
 }
 
-/* "99996 triangles, 2 lights", and smoke in it. */
+/* "99996 triangles, 2 lights", and smoke if there is some. */
 static void print_report(FILE *to, const scene_options *o, const glb_scene *s)
 {
     char   what[128], smoke[48] = "";
@@ -112,7 +112,7 @@ static vxs_result make_scene(const scene_options *o, message *m)
     FILE       *to  = report_stream(m, is_standard_output(o->out));
     vxs_result  r;
 
-    if ((r = output_file_open(&out, o->out, m)) != VXS_OK) goto done; /* first: a name that cannot be written costs nothing */
+    if ((r = output_file_open(&out, o->out, m)) != VXS_OK) goto done; /* open first: fail early when the file cannot be written */
     if ((r = generate(&s, o, m)) != VXS_OK) goto done;
     if ((r = glb_write(&s, &out, m)) != VXS_OK) goto done;
     r = output_file_commit(&out, m);

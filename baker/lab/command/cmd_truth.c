@@ -20,7 +20,7 @@
 typedef struct truth_options {
     const char   *scene_path;
     scene_choice  choice;
-    const char   *like_path; /* NULL: rays from the points themselves */
+    const char   *like_path; /* NULL: trace rays from the points themselves */
     text_list     light_names;
     named_list    suns;
     filter_choice filter;
@@ -32,7 +32,7 @@ typedef struct traced {
     const light_choice *lights;
 } traced;
 
-/* What a file should answer. */
+/* The lights of an asset, traced with the filter of lookups. */
 typedef struct traced_like {
     const truth           *truth;
     const vxs_baked_light *lights[VXS_LIGHTS_MAX]; /* [light_count] */
@@ -75,7 +75,7 @@ static vxs_result check_options(const truth_options *o, message *m)
     return filter_check(&o->filter, m);
 }
 
-/* The asset, the lights of it that are asked for, and what of the scene casts as in its bake. */
+/* Open the asset, choose the lights that are wanted, and set the scene options of its bake. */
 static vxs_result open_like(truth_options *o, vxs_asset **asset, json_t **made, traced_like *q, message *m)
 {
     vxs_result r = asset_open(asset, o->like_path, o->threads, m);
@@ -115,7 +115,7 @@ static vxs_result run(void *command, message *m)
     if (o->like_path)
         r = asset_check_scene(vxs_asset_contents(asset), made, o->like_path, &s, o->scene_path, "it may answer otherwise", m);
     if (r != VXS_OK) goto done;
-    /* solids and sheets cast the same shadow: nothing needs to be sorted */
+    /* solids and sheets cast the same shadow, so components are not classified */
     if ((r = casters_from_scene(&c, &s, CLOSED_OFF, o->threads, m)) != VXS_OK) goto done;
     if ((r = truth_create(&t, &c, o->threads, m)) != VXS_OK) goto done;
     like.truth = t;

@@ -20,7 +20,7 @@ static double share(uint64_t part, uint64_t whole)
     return whole ? (double)part / (double)whole : 0;
 }
 
-/* Kinds that were compared come first. */
+/* Sort kinds that were compared first. */
 static int kind_count(const compare_report *r)
 {
     return r->options.camera ? COMPARE_KINDS : COMPARE_CAMERA;
@@ -28,7 +28,7 @@ static int kind_count(const compare_report *r)
 
 /* all lights together --------------------------------------------------------------------------------- */
 
-/* What counts for the exit status, of kinds [first, last]. */
+/* The sums of kinds [first, last] that decide the exit status. */
 static compare_counts total(const compared_asset *a, int first, int last)
 {
     compare_counts sum = {0};
@@ -43,7 +43,7 @@ static compare_counts total(const compared_asset *a, int first, int last)
     return sum;
 }
 
-/* Of all lights and kinds, single taps and filters. */
+/* For all lights and kinds, single taps and filters. */
 static compare_bias bias_of_all(const compare_report *r, const compared_asset *a)
 {
     compare_bias sum = {0};
@@ -82,7 +82,7 @@ int compare_passes(const compare_report *r)
     return 1;
 }
 
-/* Of all lights, as if their points were those of one. */
+/* Sums over all lights, as for a single one. */
 static double rmse_of_all(const compared_asset *a, uint32_t filter, int kind)
 {
     double squares = 0, points = 0;
@@ -185,7 +185,7 @@ static void print_light(FILE *to, const compare_report *r, const vxs_light *l, c
     print_time(to, r, result);
 }
 
-/* "FAILED", and why; "passed". */
+/* "FAILED" with the reason; "passed". */
 static void print_judgement(FILE *to, const compare_report *r, const compared_asset *a, const message *m)
 {
     compare_counts sum    = total_of_all(a);
@@ -268,7 +268,7 @@ static void print_asset(FILE *to, const compare_report *r, const compared_asset 
     print_judgement(to, r, a, m);
 }
 
-/* "4096", or "64-4096" where lights differ. */
+/* "4096", or "64-4096" if lights differ. */
 static const char *texels_text(char text[32], const compared_asset *a)
 {
     uint32_t least = UINT32_MAX, most = 0;
@@ -281,13 +281,13 @@ static const char *texels_text(char text[32], const compared_asset *a)
     return text;
 }
 
-/* How wide a filter's column is. */
+/* The width of a filter's column. */
 static int filter_column(const compare_report *r, uint32_t f)
 {
     return (r->options.filters_px[f] < VXS_SMOOTH ? 15 : 22) + 8 * kind_count(r);
 }
 
-/* A row an asset, its name last: names may be long. */
+/* One row for each asset; its name is last, since it may be long. */
 static void print_table(FILE *to, const compare_report *r, const message *m)
 {
     char text[64], word[COLORED_BYTES], plain[PLAIN_BYTES];
@@ -427,7 +427,7 @@ static json_t *compared_light_json(const compare_report *r, const vxs_light *l, 
     return light;
 }
 
-/* The triangles that an asset was compared with: members of each asset, and of the whole report for the first one. */
+/* The triangles that an asset was compared with: members of each asset, and, for the first one, of the whole report. */
 static void set_casters(json_t *object, const compared_asset *a)
 {
     char closed[32];

@@ -13,17 +13,19 @@
 typedef struct compared_asset {
     const char *path;
     vxs_asset  *asset;
-    json_t     *made;                                 /* its metadata; owned; NULL: none that vxs wrote */
-    closed_mode closed;                               /* which components are solids, as it was baked or as the command line says */
+    json_t     *made;                                 /* its metadata; owned; NULL: not written by vxs */
+    closed_mode closed;                               /* which components are solids: as in the bake, or as the command line sets
+                                                         it */
     size_t      triangle_count, solid_triangle_count; /* of the scene, so made */
-    uint64_t    file_bytes, memory_bytes;             /* of the file; of the words that lookups read, all lights */
+    uint64_t    file_bytes, memory_bytes;             /* size of the file; size of the words of all lights in memory */
 
-    int      bake_given; /* 1: the next two come from a report of its bake */
+    int      bake_given; /* 1: the next two come from the report of its bake */
     double   bake_seconds;
     uint64_t bake_peak_bytes;
 
-    json_t *scene_differences;      /* from the scene that it was baked from, in words: an array, owned; NULL: not yet known */
-    const vxs_baked_light **lights; /* [light_count] that are compared; owned, the lights are the asset's */
+    json_t *scene_differences;      /* differences from the scene that it was baked from: an array of words, owned; NULL: not yet
+                                       known */
+    const vxs_baked_light **lights; /* [light_count] to compare; the array is owned, the lights belong to the asset */
     uint32_t                light_count;
     compare_result         *results; /* [light_count] owned; NULL: not yet compared */
 } compared_asset;
@@ -31,20 +33,21 @@ typedef struct compared_asset {
 typedef struct compare_report {
     const char     *scene_path;
     compare_options options;
-    double          max_error; /* share of wrong points that is accepted */
+    double          max_error; /* accepted share of wrong points */
     int             max_error_given;
     compared_asset *assets; /* [asset_count] */
     size_t          asset_count;
 } compare_report;
 
-/* 1 when no answer of an asset is unexplained, its bias has no fault, and no more are wrong than accepted; of all assets. */
+/* 1 when the asset passes: no answer is unexplained, the bias has no fault, and not more points are wrong than accepted.
+ * compare_passes: all assets pass. */
 int compare_asset_passes(const compare_report *r, const compared_asset *a);
 int compare_passes(const compare_report *r);
 
-/* A line or a few for each asset; all of it when m is verbose. */
+/* Print a line or a few for each asset; everything if m is verbose. */
 void compare_print(FILE *to, const compare_report *r, const message *m);
 
-/* NULL or incomplete without memory: json_write says so. */
+/* NULL or incomplete when out of memory; json_write reports it. */
 json_t *compare_json(const compare_report *r);
 
 #endif

@@ -13,7 +13,7 @@ typedef struct fog_choice {
     int      given, albedo_given, anisotropy_given, top_given, by_given, steps_given, grid_given;
 } fog_choice;
 
-/* Most of what light meets in fog is drops, which absorb little and turn light by small angles. */
+/* Typical fog is water drops: they absorb little, and scatter light forward. */
 #define FOG_DEFAULTS                                                                                                               \
     {                                                                                                                              \
         .albedo = 0.9, .anisotropy = 0.4, .by = FOG_BY_INTERVALS, .steps = 64                                                      \
@@ -39,11 +39,11 @@ typedef struct fog_choice {
      "of grid: N x 2N x N voxels, 16 to 1024 (default 256, with egl 512)", &(choice).grid_given}
 /* clang-format on */
 
-/* Returns VXS_OK, or VXS_E_ARGUMENT for what means nothing without --fog, or for the way that shadows are found. */
+/* Returns VXS_OK, or VXS_E_ARGUMENT for options that have no effect without --fog, or with the chosen way to find shadows. */
 vxs_result fog_check(const fog_choice *c, message *m);
 
-/* The same of steps, where nothing moves, or is smoke, for whose lights they are taken whatever is asked.
- * others  what else would do, or why it does not: the end of a line */
+/* The same check for the number of steps. Lights of moving casters or smoke always take steps; call this only if there are none.
+ * others  the end of the error line: alternatives, or the reason */
 vxs_result fog_check_steps(const fog_choice *c, const char *others, message *m);
 
 fog_medium fog_of(const fog_choice *c);

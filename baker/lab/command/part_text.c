@@ -1,4 +1,4 @@
-/* Where a component comes from, in words and in JSON; see part_text.h.
+/* The origin of a component as text and as JSON; see part_text.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/command/part_text.h"
 

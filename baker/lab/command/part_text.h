@@ -1,4 +1,4 @@
-/* Where a component comes from, in words and in JSON, for reports: the node, mesh and material of its first triangle.
+/* The origin of a component as text and as JSON, for reports: the node, mesh and material of its first triangle.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef PART_TEXT_H
 #define PART_TEXT_H
@@ -14,7 +14,7 @@ enum { PART_TEXT_BYTES = 512 };
  * Returns text. */
 const char *part_text(char *text, const scene *s, const part_span *span);
 
-/* An object with node, mesh, material and the name of each, null where there is none, and parts: how many. NULL without memory. */
+/* An object with node, mesh, material and the name of each (null if missing), and the number of parts. NULL when out of memory. */
 json_t *part_json(const scene *s, const part_span *span);
 
 #endif

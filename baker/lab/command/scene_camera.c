@@ -13,7 +13,7 @@
 
 static const double PARALLEL_TIMES = 1000;
 
-/* A name itself decides before this is asked. */
+/* Called only if no camera has exactly this name. */
 static int is_meant(const char *name, size_t number, const scene_view *v)
 {
     char digits[24];
@@ -21,7 +21,7 @@ static int is_meant(const char *name, size_t number, const scene_view *v)
     return !strcmp(name, digits) || light_name_matches(name, number, v->name);
 }
 
-/* "#0 'front' (perspective), ...": those that a name matches, or all. */
+/* "#0 'front' (perspective), ...": the cameras that match a name, or all. */
 static const char *list_cameras(char text[LIST_BYTES], const scene *s, const char *name)
 {
     static const char *const kinds[] = {"unsound", "perspective", "orthographic"};

@@ -1,4 +1,4 @@
-/* What a command wrote; see written_text.h.
+/* The report line on an output; see written_text.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/command/written_text.h"
 

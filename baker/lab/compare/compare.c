@@ -31,16 +31,16 @@
 
 enum { POINTS_AT_A_TIME = 256 };
 
-/* A rasterizer may move an edge by half of this, and its corner by as much again: in texels. */
+/* A rasterizer may move an edge by half of this, and its corner by the same amount: in texels. */
 #define SNAP (1.0 / 256)
 
-/* How far depths may be off, in voxels. */
+/* The maximum error of depths, in voxels. */
 #define DEPTH_SLACK 0.05
 
-/* How far a ray may be off, in truth_precision: it is rounded, it may be tilted, and it crosses a map at an angle. */
+/* The maximum error of a ray, in truth_precision: it is rounded, may be tilted, and crosses a map at an angle. */
 #define RAY_SLACK 3
 
-/* No more is excused, texels and voxels. */
+/* The maximum that is excused, in texels and voxels. */
 #define SLACK_MAX 2.0
 
 typedef enum verdict {
@@ -52,8 +52,8 @@ typedef enum verdict {
     VERDICT_UNEXPLAINED,
     VERDICT_LEFT_FREE,
     VERDICT_CAUSE       = 7,  /* a mask for the above */
-    VERDICT_LEAK        = 8,  /* a flag for the wrong ones: asset lit, truth shadow */
-    VERDICT_SELF_SHADOW = 16, /* and faults of the bias, as compare_fault has them */
+    VERDICT_LEAK        = 8,  /* flag for wrong answers: asset lit, truth in shadow */
+    VERDICT_SELF_SHADOW = 16, /* and faults of the bias, as in compare_fault */
     VERDICT_DEEP_LEAK   = 32
 } verdict;
 
@@ -63,15 +63,15 @@ typedef struct judgement {
     uint8_t          *verdicts; /* [compare_point_count] */
 } judgement;
 
-/* A voxel about the centre of its texel, and how far rounding may have moved it. */
+/* A voxel around the centre of its texel, and the distance by which rounding may have moved it. */
 typedef struct centre {
     int    map;
-    double u, v, near_vx, far_vx; /* near and far side, with their slack */
-    double step_px;               /* from one place that is tried to the next */
+    double u, v, near_vx, far_vx; /* near and far side, including the tolerance */
+    double step_px;               /* distance between the places that are tried */
 } centre;
 
-/* The distance from the light to the nearest caster on the way to a texel or to its neighbours: there rays that were rounded are
- * farthest aside in texels of the map. A directional light has the same texels everywhere: 1. */
+/* The distance from the light to the nearest caster on the way to a texel or to its neighbours: there, the error of rounded rays
+ * is largest in texels of the map. For a directional light it is the same everywhere: 1. */
 static double nearest_caster_m(const comparison *c, int map, double u, double v, double depth)
 {
     static const double about[5][2] = {{0, 0}, {1, 0}, {-1, 0}, {0, 1}, {0, -1}};
@@ -99,7 +99,7 @@ static centre centre_of(const comparison *c, const sample *s)
     int32_t          last = ((int32_t)1 << l->levels) - 1, voxel[3];
     double           from_light_ws[3], metres = 1;
     vxs_voxel(l, s->point_ws, s->normal, 1, voxel);
-    if (voxel[2] > last) voxel[2] = last; /* what lies behind the map */
+    if (voxel[2] > last) voxel[2] = last; /* clamp points beyond the map's far end */
 
     vec3_sub(s->truth_ws, c->shape.position_ws, from_light_ws);
     if (c->shape.kind != LIGHT_DIRECTIONAL) metres = sqrt(vec3_dot(from_light_ws, from_light_ws));
@@ -109,7 +109,7 @@ static centre centre_of(const comparison *c, const sample *s)
     return (centre){s->map, u, v, voxel[2] - depth_vx, voxel[2] + 1 + depth_vx, step_px};
 }
 
-/* 1 when the truth has this answer at the near side of the voxel, in its middle, or at its far side. */
+/* 1 when the truth agrees at the near side of the voxel, in its middle, or at its far side. */
 static int truth_agrees(const comparison *c, const centre *at, double u, double v, int lit)
 {
     return compare_lit_at(c, at->map, u, v, at->near_vx) == lit ||
@@ -117,7 +117,7 @@ static int truth_agrees(const comparison *c, const centre *at, double u, double 
            compare_lit_at(c, at->map, u, v, at->far_vx) == lit;
 }
 
-/* 1 when the voxel may be lit or shadow: its middle is inside of a solid, or a surface crosses it. */
+/* 1 when the voxel may be lit or in shadow: its middle is inside a solid, or a surface crosses it. */
 static int is_free(const comparison *c, const centre *at, double u, double v, int unused)
 {
     double begin_ws[3], middle_ws[3], end_ws[3], way_ws[3], distance;
@@ -131,7 +131,7 @@ static int is_free(const comparison *c, const centre *at, double u, double v, in
     return vec3_unit(way_ws, way_ws) && truth_first_hit(c->truth, begin_ws, way_ws, &distance, NULL, NULL) && distance <= length;
 }
 
-/* 1 when it holds anywhere about the centre. */
+/* 1 when it holds at any place around the centre. */
 static int holds_about(const comparison *c, const centre *at, int lit,
                        int (*holds)(const comparison *c, const centre *at, double u, double v, int lit))
 {
@@ -141,7 +141,7 @@ static int holds_about(const comparison *c, const centre *at, int lit,
     return 0;
 }
 
-/* 1 when the asset was asked to leave it open. */
+/* 1 when it is a don't-care voxel of the asset. */
 static int is_left_free(const comparison *c, const centre *at, double u, double v, int unused)
 {
     (void)unused;

@@ -9,11 +9,11 @@
 
 /* Compare one light with the truth.
  *
- * For a surface point the truth is traced from the surface itself (truth_lift), so that errors of the lookup's bias count as well.
- * An answer is explained by rays about the centre of the texel that was looked up, in its voxel. How far about: a rasterizer may move
- * edges by 1/128 texel and depths by a twentieth of a voxel, and rays are off by three times truth_precision, which is more of a texel
- * the nearer to a spot or point light a caster is; two texels at most. compare_boundary.c explains how the distance is measured.
- * Where the asset was asked to leave it open whether a place is lit (freedom), no answer is wrong.
+ * For a surface point the truth is traced from the surface itself (truth_lift), so that errors of the lookup's bias count as
+ * well. A wrong answer is explained if rays near the centre of the texel that was looked up, in its voxel, give that answer.
+ * "Near" covers rounding: a rasterizer may move edges by 1/128 texel and depths by a twentieth of a voxel, and rays are off by
+ * three times truth_precision. The latter is more texels the nearer a caster is to a spot or point light; two texels at most.
+ * compare_boundary.c explains how the distance is measured. In don't-care voxels no answer is wrong.
  * t      of c;   c  with the solids that the light was baked with
  * Same scene, asset, and options: same counts, at any thread count.   Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result compare_light(compare_result *out, const truth *t, const casters *c, const vxs_baked_light *light,

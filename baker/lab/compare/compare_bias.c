@@ -1,12 +1,13 @@
 /* Faults of the bias of lookups on surfaces; see compare_points.h.
  *
  *      light      self-shadow: rays go to the light from the plane of the surface, one under each texel of the filter and of a
- *     | | | |     ring about it. Where all of them arrive, nothing but the surface itself can have darkened the lookup.
+ *     | | | |     ring around it. If all of them reach the light, only the surface itself can have darkened the lookup.
  *     | |p| |
- *     ----------- deep leak: rays go to the light from each of these texels at a depth that lies before the point by more than the filter is
- *                 wide. Where none of them arrives, no bias may lead the lookup into the light.
+ *     ----------- deep leak: rays go to the light from each of these texels, from a depth before the point by more than the
+ *     filter's
+ *                 width. If none of them reaches the light, no bias may move the lookup into the light.
  *
- * Both leave out what a bias may do near the edges of shadows.
+ * Both ignore the effects of a bias near the edges of shadows.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 
@@ -15,13 +16,14 @@
 #include "baker/lab/truth/truth_filter.h"
 #include "runtime/vxs.h"
 
-/* How far above the plane a ray begins, in truth_precision: above its own surface, and below all that lies on it. */
+/* Height of a ray's origin above the plane, in truth_precision: above its own surface, and below everything on top of it. */
 enum { LIFT = 4 };
 
-/* The deepest bias: some two voxels, rounded up. */
+/* The deepest bias: about two voxels, rounded up. */
 #define BIAS_VOXELS 3
 
-/* Where the light's ray through texel coordinates meets the plane of a surface, just above it; at the far side of the map where it does not. */
+/* The point just above a surface's plane on the light's ray through texel coordinates; at the far end of the map if the ray
+ * misses the plane. */
 static void plane_point(const comparison *c, const sample *s, double u, double v, double out_ws[3])
 {
     double near_ws[3], far_ws[3], way_ws[3], to_plane_ws[3], side = ldexp(1, (int)c->light->levels);
@@ -34,7 +36,7 @@ static void plane_point(const comparison *c, const sample *s, double u, double v
     vec3_mad(out_ws, LIFT * truth_precision(c->truth), s->normal_ws, out_ws);
 }
 
-/* Rays about the centre of a texel. */
+/* Rays around the centre of a texel. */
 static int all_arrive(const comparison *c, const sample *s, double u, double v, double step_px)
 {
     for (int n = 0; n < (2 * COMPARE_STEPS + 1) * (2 * COMPARE_STEPS + 1); n++) {
@@ -57,7 +59,7 @@ static int is_unobstructed(const comparison *c, const sample *s, const filter_ta
     return 1;
 }
 
-/* What lies beside the map of a directional light is lit in a file, whatever it is. */
+/* Beside the map of a directional light, the file is always lit, whatever the truth is. */
 static int leaves_map(const comparison *c, const filter_taps *taps)
 {
     int32_t side = (int32_t)1 << c->light->levels;

@@ -1,11 +1,15 @@
-/* How far wrong answers are from a place where they would be right.
+/* Distance of wrong answers from a place where they would be right.
  *
- * From where the truth was traced, probes go 26 ways in the coordinates of the map, where a texel counts as much as a voxel's depth:
- * across the light, along it, and between, as from the middle of a cube to its corners and to the middles of its edges and faces.
+ * Probes go in 26 directions from the point where the truth was traced, in the coordinates of the map, where a texel and a
+ * voxel's depth have the same length: across the light, along it, and between, as from the centre of a cube to its corners and
+ * to the centres of its edges and faces.
  *
- *        \ | /        Each way the truth is traced at 1/2, 1, 1 1/2, 2, 3, 4, 6 and 8 texels. Where it first agrees with
- *       -- p --       the asset, the last step is halved six times. The least distance of all ways is the answer. To a flat boundary
- *        / | \        that is at most 13 % too far; what is thinner than a step may be missed. Inside of solids it is dark.
+ *        \ | /        In each direction the truth is traced at 1/2, 1, 1 1/2, 2, 3, 4, 6 and 8 texels. Where it first agrees
+ *        with
+ *       -- p --       the asset, the last step is halved six times. The least distance of all directions is the result. For a
+ *                     flat
+ *        / | \        boundary it is at most 13 % too large; features thinner than a step may be missed. Insides of solids are
+ *        dark.
  *
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/compare/compare_points.h"
@@ -26,14 +30,14 @@ typedef struct search {
     wrong_answer     *answers;
 } search;
 
-/* One way from a point: `way` is as long as a texel. */
+/* One direction from a point: `way` has the length of a texel. */
 static int lit_along(const comparison *c, const sample *s, const double way[3], double texels)
 {
     const double *at = s->truth_ls;
     return compare_lit_at(c, s->map, at[0] + texels * way[0], at[1] + texels * way[1], at[2] + texels * way[2]);
 }
 
-/* Between `from`, where the truth differs from the asset, and `to`, where they agree. */
+/* Halve the step between `from`, where the truth differs from the asset, and `to`, where they agree. */
 static double halved(const comparison *c, const sample *s, const double way[3], int lit, double from, double to)
 {
     for (int n = 0; n < HALVINGS; n++) {
@@ -46,7 +50,7 @@ static double halved(const comparison *c, const sample *s, const double way[3], 
     return 0.5 * (from + to);
 }
 
-/* The nearest boundary between two steps, all ways; INFINITY when there is none. */
+/* The nearest boundary between two steps, over all directions; INFINITY when there is none. */
 static double nearest_between(const comparison *c, const sample *s, int lit, double from, double to)
 {
     double nearest = INFINITY;
@@ -83,7 +87,7 @@ static int by_distance(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The value below which this share of them lies; [count] sorted, count > 0. */
+/* The value below which this share of the answers is; [count] sorted, count > 0. */
 static double quantile(const wrong_answer *answers, size_t count, double share)
 {
     return (double)answers[(size_t)(share * (double)(count - 1) + 0.5)].texels;

@@ -15,12 +15,12 @@ typedef struct filter_pass {
     const comparison *comparison;
     compare_kind      kind;
     uint32_t          filter_px;
-    size_t            count;  /* of points, spread over all of the kind */
+    size_t            count;  /* points, spread evenly over all of the kind */
     float            *errors; /* [count] of the lookup, signed; INFINITY: not compared */
     uint8_t          *faults; /* [count] compare_fault */
 } filter_pass;
 
-/* Whether some tap is where the asset was asked to leave it open. */
+/* Whether some tap is in a don't-care voxel. */
 static int is_left_free(const comparison *c, const filter_taps *taps)
 {
     for (int n = 0; n < taps->count[0] * taps->count[1]; n++) {

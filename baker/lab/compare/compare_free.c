@@ -1,10 +1,10 @@
-/* What an asset was asked to leave open; see compare_points.h.
+/* Don't-care voxels of an asset; see compare_points.h.
  *
- * A ray is walked from the place back to the light:
+ * A ray is traced from the point back to the light:
  *
  *     light ---------- s ======= L . . . . . p -----> nothing
  *
- * Behind the last surface: nothing lies farther than p; L is where light leaves the sheet, or the solids, that it meets first.
+ * Behind the last surface: there is no surface beyond p; L is where light leaves the sheet, or the solids, that it meets first.
  * Within a sheet's thickness: L is such a sheet, it is the first surface, and p is not too far behind it.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/compare/compare_points.h"
@@ -14,16 +14,16 @@
 #include "baker/base/vec3.h"
 #include "runtime/vxs.h"
 
-enum { SURFACES_MAX = 1024 }; /* of one walk; farther on nothing is said to be free */
+enum { SURFACES_MAX = 1024 }; /* on one ray; places beyond them are never don't-care */
 
 /* A surface on the way to the light. */
 typedef struct met {
-    double   distance; /* from where it was looked for */
+    double   distance; /* from the start of the search */
     double   normal_ws[3];
     uint32_t triangle;
 } met;
 
-/* The way from a point to the light, and how far it is. */
+/* The direction from a point to the light, and the distance. */
 static int way_to_light(const comparison *c, const double p[3], double way_ws[3], double *distance)
 {
     *distance = INFINITY;
@@ -46,7 +46,7 @@ static int is_sheet(const comparison *c, const met *s)
     return s->triangle >= c->casters->solid_triangle_count;
 }
 
-/* Past a surface, by as little as rays can tell. Returns how far that is from where it was looked for. */
+/* Move past a surface, by the least distance that rays resolve. Returns the distance from the start of the search. */
 static double pass(const comparison *c, double p[3], const double way_ws[3], const met *s)
 {
     double step = s->distance + 2 * truth_precision(c->truth);
@@ -54,7 +54,7 @@ static double pass(const comparison *c, double p[3], const double way_ws[3], con
     return step;
 }
 
-/* Whether light leaves at the last surface before p, what it meets first. Surfaces inside of solids decide nothing. */
+/* Whether the last surface before p is where light leaves the first caster that it meets. Surfaces inside of solids are ignored. */
 static int leaves_at_last(const comparison *c, const double from_ws[3], const double way_ws[3], double to_light)
 {
     double p[3] = {from_ws[0], from_ws[1], from_ws[2]};
@@ -75,7 +75,7 @@ static int is_behind_last(const comparison *c, const double p[3])
     return !meets(c, p, away_ws, INFINITY, &s) && leaves_at_last(c, p, way_ws, to_light);
 }
 
-/* Metres along the axis of the map for a metre on the way to the light. */
+/* Metres along the axis of the map for each metre towards the light. */
 static double metres_deep(const comparison *c, double depth_vx, double to_light)
 {
     if (c->shape.kind == LIGHT_DIRECTIONAL) return 1;

@@ -12,7 +12,7 @@
 
 enum { TRIES = 20 };
 
-/* Bounds of all triangles, 5 % larger; a flat scene gets some height too. */
+/* Bounds of all triangles, 5 % larger; a flat scene gets some height, too. */
 static box measure_box(const casters *c)
 {
     box    b = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
@@ -60,7 +60,7 @@ static int random_sample(const comparison *c, rng *r, sample *s)
     return 1;
 }
 
-/* Of a point and its normal. Returns 0 when the light does not reach the point. */
+/* Fill a sample from its point and normal. Returns 0 when the light does not reach the point. */
 static int finish_surface_sample(const comparison *c, sample *s)
 {
     int32_t voxel[3];
@@ -77,7 +77,7 @@ static void turn_normal(sample *s)
     for (int i = 0; i < 3; i++) s->normal_ws[i] = -s->normal_ws[i];
 }
 
-/* Either side of a sheet is drawn; of a solid the outer one. */
+/* Choose a random side of a sheet, or the outer side of a solid. */
 static int finish_drawn_sample(const comparison *c, uint32_t triangle, rng *r, sample *s)
 {
     if (triangle >= c->casters->solid_triangle_count && rng_below(r, 2)) turn_normal(s);
@@ -91,7 +91,7 @@ static int sample_by_area(const comparison *c, rng *r, sample *s)
     return truth_sample_surface(c->truth, uniforms, s->point_ws, s->normal_ws, &triangle) && finish_drawn_sample(c, triangle, r, s);
 }
 
-/* Whatever lies behind a random point of the light's volume. */
+/* A sample at the first surface behind a random point of the light's volume. */
 static int sample_along_light(const comparison *c, rng *r, sample *s)
 {
     double   from_ws[3], way_ws[3], distance;
@@ -104,7 +104,7 @@ static int sample_along_light(const comparison *c, rng *r, sample *s)
     return finish_drawn_sample(c, triangle, r, s);
 }
 
-/* A spot may reach a small part of the casters: draw again, and at last along its own rays. */
+/* A spot may reach only a small part of the casters: try again, and finally sample along its own rays. */
 static int surface_sample(const comparison *c, rng *r, sample *s)
 {
     if (c->light->kind == VXS_LIGHT_KIND_DIRECTIONAL) return sample_by_area(c, r, s);
@@ -114,7 +114,7 @@ static int surface_sample(const comparison *c, rng *r, sample *s)
     return found;
 }
 
-/* The surface in a pixel's middle, with the normal towards the eye. */
+/* The surface at a pixel's centre, with the normal towards the eye. */
 static int camera_sample(const comparison *c, size_t pixel, sample *s)
 {
     const double *eye_ws = c->options->camera->eye_ws;

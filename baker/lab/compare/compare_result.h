@@ -1,4 +1,4 @@
-/* What is compared of a baked light, and what was found: points, counts, distances, errors, times.
+/* The comparison of a baked light: its options and its results: points, counts, distances, errors, times.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef COMPARE_RESULT_H
 #define COMPARE_RESULT_H
@@ -8,77 +8,78 @@
 
 enum {
     COMPARE_EXAMPLES_MAX      = 10,
-    COMPARE_FILTERS_MAX       = VXS_FILTER_MAX / 2 + VXS_FILTER_MAX, /* the odd widths above 1; smooth ones of all */
+    COMPARE_FILTERS_MAX       = VXS_FILTER_MAX / 2 + VXS_FILTER_MAX, /* the odd widths above 1; smooth ones of all widths */
     COMPARE_FILTER_POINTS_MAX = 20000,
     COMPARE_TIMED_POINTS_MAX  = 1000000
 };
 
-/* The shape of a camera's picture: width / height. */
+/* The aspect of a camera's picture: width / height. */
 #define COMPARE_CAMERA_ASPECT (16.0 / 9)
 
 /* Where the points come from. */
 typedef enum compare_kind {
     /* Uniform in the light's volume (map, cone, range) and the casters' bounding box, 5 % larger; without a normal. */
     COMPARE_RANDOM,
-    /* Uniform by area on casters, both sides of sheets; looked up with the normal. Of a spot or point light: on what it reaches, and
-     * where that is too little to be found so, on what its rays meet behind random points. */
+    /* Uniform by area on casters, both sides of sheets; looked up with the normal. For a spot or point light, on the surfaces
+     * that it reaches; where these are too small to be sampled so, the first surfaces behind random points of its volume. */
     COMPARE_SURFACE,
-    /* What is seen through the middle of each pixel of a camera; looked up with the normal, towards the eye. */
+    /* The surface seen through the centre of each pixel of a camera; looked up with the normal, towards the eye. */
     COMPARE_CAMERA,
     COMPARE_KINDS
 } compare_kind;
 
-/* What an asset leaves free besides the insides of solids, as it was baked. */
+/* The don't-care rules of an asset besides the insides of solids. */
 typedef struct compare_dont_care {
     int    behind;      /* 1: behind the last surface */
     double thickness_m; /* of single-sided sheets that face the light */
 } compare_dont_care;
 
 typedef struct compare_options {
-    uint32_t           points; /* of each kind; a camera's are as many as make a picture */
+    uint32_t           points; /* of each kind; a camera's number is rounded to make a picture */
     uint32_t           seed;
-    uint32_t           filters_px[COMPARE_FILTERS_MAX]; /* as for vxs_lookup, none twice: compared besides single taps */
+    uint32_t           filters_px[COMPARE_FILTERS_MAX]; /* as for vxs_lookup, without duplicates: compared besides single taps */
     uint32_t           filter_count;
     const camera_pose *camera; /* NULL: no points of a camera */
     uint32_t           threads;
 } compare_options;
 
-/* How far wrong answers are from the nearest boundary, in texels: from a place where the truth agrees with the asset. */
+/* Distance in texels from wrong answers to the nearest place where the truth agrees with the asset. */
 typedef struct compare_distance {
-    uint64_t points;                 /* of the wrong ones: those near enough to be found */
+    uint64_t points;                 /* number of wrong answers that are near enough to be measured */
     uint64_t beyond;                 /* the others */
     double   mean, median, p95, max; /* of points; 0 when there are none */
 } compare_distance;
 
-/* What may be wrong without an excuse. */
+/* Faults that nothing excuses. */
 typedef enum compare_fault { FAULT_NONE, FAULT_UNEXPLAINED, FAULT_SELF_SHADOW, FAULT_DEEP_LEAK } compare_fault;
 
 /* Faults of the bias of lookups on surfaces. */
 typedef struct compare_bias {
-    uint64_t
-        self_shadows; /* not wholly lit, though nothing lies between the light and the plane of the surface, under the filter and a texel about it */
-    uint64_t
-        deep_leaks; /* lit, though casters lie before the filter and a texel about it, and farther from the point than the filter is wide */
+    uint64_t self_shadows; /* not fully lit, although no caster is between the light and the plane of the surface, under the filter
+                              and one texel around it */
+    uint64_t deep_leaks;   /* lit, although casters are before the filter and one texel around it, farther from the point than the
+                              filter's width */
 } compare_bias;
 
-/* points = outside + inside_solid + left_free + checked; wrong = leaks + false_shadows = near_boundary + near_surface + unexplained
- * = boundary.points + boundary.beyond. All are 0 for a kind that was not asked for, and the last two for random points. */
+/* points = outside + inside_solid + left_free + checked; wrong = leaks + false_shadows = near_boundary + near_surface +
+ * unexplained = boundary.points + boundary.beyond. All are 0 for a kind that was not compared, and the last two for random
+ * points. */
 typedef struct compare_counts {
     uint64_t points;
-    uint64_t outside; /* not in the light's volume, like all other places that were tried; a camera's: or nothing is seen there */
+    uint64_t outside;      /* tried, but not in the light's volume; for a camera also pixels without a surface */
     uint64_t inside_solid; /* where answers are undefined */
-    uint64_t left_free;    /* lit, though in shadow by the truth, where the asset was asked to leave that open */
+    uint64_t left_free;    /* lit, in shadow by the truth, in a don't-care voxel of the asset */
     uint64_t checked;
     uint64_t leaks;         /* lit in the asset, in shadow by the truth */
     uint64_t false_shadows; /* in shadow in the asset, lit by the truth */
     uint64_t near_boundary; /* the ray through the centre of the texel agrees with the asset, in the voxel that was looked up */
-    uint64_t near_surface;  /* not that, but the voxel is free there: inside of a solid, or a surface crosses it */
+    uint64_t near_surface;  /* else, the voxel is free there: inside a solid, or crossed by a surface */
     uint64_t unexplained;   /* neither: a fault */
     compare_distance boundary;
     compare_bias     bias;
 } compare_counts;
 
-/* A wrong answer that has no excuse. */
+/* A wrong answer without an excuse. */
 typedef struct compare_example {
     compare_fault fault;
     compare_kind  kind;
@@ -114,7 +115,7 @@ typedef struct compare_result {
     compare_time    time;
 } compare_result;
 
-/* The size of a camera's picture of at most so many points, as near to COMPARE_CAMERA_ASPECT as it can be. */
+/* The size of a camera's picture with at most this many points, with an aspect as near to COMPARE_CAMERA_ASPECT as possible. */
 void compare_picture_size(uint32_t points, uint32_t *width_px, uint32_t *height_px);
 
 #endif

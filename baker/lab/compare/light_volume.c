@@ -1,12 +1,12 @@
 /* Random points in a baked light's volume and a box; see light_volume.h.
  *
- * Draw in one of them, leave out what is not in the other. Where the light is bounded, the smaller of the two is drawn from. A cone
- * may be a needle in a large box, and may reach far beyond it, so its own volume is one within the box:
+ * Draw points in one of them, and reject those outside the other. If the light is bounded, draw in the smaller of the two. A
+ * cone may be narrow in a large box, and may reach far beyond it, so its own volume is taken within the box:
  *
  *         light *        box +---------+
- *                 \ ` .      |         |        the cone's directions in cells of equal solid angle, cell by cell as
- *                   \   ` . t0- - - - -t1       likely as it has volume in the box, t1^3 - t0^3; then a direction in the
- *                     \      |` .      |        cell, and a distance from t0 to t1
+ *                 \ ` .      |         |        the cone's directions in cells of equal solid angle; a cell's probability is its
+ *                   \   ` . t0- - - - -t1       volume in the box, t1^3 - t0^3; then a direction in the cell, and a distance
+ *                     \      |` .      |        from t0 to t1
  *                       ` ...|.....` . |
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/compare/light_volume.h"
@@ -31,7 +31,7 @@ static int in_box(const light_volume *v, const double point_ws[3])
 
 /* cones ----------------------------------------------------------------------------------------------- */
 
-/* A direction of the cone: x and y in [0, 1) are its way about the axis and away from it, each with equal solid angle. */
+/* A direction of the cone from x and y in [0, 1): angle around the axis, and away from it, uniform in solid angle. */
 static void cone_direction(const light_volume *v, double x, double y, double direction_ws[3])
 {
     double sunk = y * (1 - cos(v->shape.kind == LIGHT_POINT ? pi : v->shape.outer_rad)), wide = sqrt(sunk * (2 - sunk));
@@ -39,7 +39,7 @@ static void cone_direction(const light_volume *v, double x, double y, double dir
         direction_ws[i] = wide * (cos(2 * pi * x) * v->axes[0][i] + sin(2 * pi * x) * v->axes[1][i]) + (1 - sunk) * v->axes[2][i];
 }
 
-/* Where a ray from the light is in the box and in range. Returns 0 when it never is. */
+/* The interval of a ray from the light that is in the box and in range. Returns 0 when it is empty. */
 static int cross_box(const light_volume *v, const double direction_ws[3], double *begin, double *end)
 {
     *begin = 0;
@@ -56,7 +56,7 @@ static int cross_box(const light_volume *v, const double direction_ws[3], double
     return *begin < *end;
 }
 
-/* The volume along a direction, per solid angle: three times that. */
+/* Three times the volume along a direction, per solid angle. */
 static double weight_of(const light_volume *v, double x, double y)
 {
     double direction[3], begin, end;
@@ -100,7 +100,7 @@ static int draw_from_cone(const light_volume *v, rng *r, double point_ws[3])
     double kept = rng_unit(r), along = rng_unit(r);
     if (!cross_box(v, direction, &begin, &end)) return 0;
 
-    /* a cell's directions are not all as likely as the cell: keep the more likely ones more often */
+    /* directions of a cell are not equally likely: rejection by their volume */
     double volume = end * end * end - begin * begin * begin;
     if (kept * 2 * v->cell_weight[cell] > volume) return 0;
     vec3_mad(v->shape.position_ws, cbrt(begin * begin * begin + along * volume), direction, point_ws);
@@ -120,7 +120,7 @@ static void cone_axes(light_volume *v)
     vec3_cross(along, v->axes[0], v->axes[1]);
 }
 
-/* Cells are too coarse for a box that is small or far away: most of it is in the cone then, or nothing is. */
+/* For a small or distant box the cells are too coarse: then most of the box is in the cone, or none of it. */
 static void choose_for_cone(light_volume *v, double box_volume)
 {
     cone_axes(v);
@@ -130,7 +130,7 @@ static void choose_for_cone(light_volume *v, double box_volume)
     v->way             = volume > 0 && volume < 0.3 * box_volume ? DRAW_FROM_CONE : DRAW_FROM_BOX;
 }
 
-/* A volume that no region bounds has no end along the light, and was fitted to the box. */
+/* A directional volume without a region is unbounded along the light, and was fitted to the box. */
 static void choose_for_sun(light_volume *v, double box_volume)
 {
     const double *m = v->light->ls_from_ws;

@@ -12,11 +12,11 @@
 #include "baker/casters/mesh_intersect.h"
 #include "baker/casters/mesh_join.h"
 
-/* Limits of the search for intersections: some ten seconds together. */
+/* Limits of the search for intersections: about ten seconds in total. */
 #define LOOKS_MAX 1000000000u
 #define TESTS_MAX 40000000u
 
-enum { RECENT = 1 << 16 }; /* pairs of components that are remembered, so that most are listed once */
+enum { RECENT = 1 << 16 }; /* pairs of components that are remembered, so that most are listed only once */
 
 typedef struct examination {
     mesh_health   *h;
@@ -24,10 +24,10 @@ typedef struct examination {
     scratch        memory;     /* of the arrays but for pairs */
     uint32_t       edge_count; /* 3 * triangle_count */
     uint32_t      *sorted;     /* [edge_count] half-edges */
-    uint32_t      *joined;     /* scratch for union-find, [edge_count] at most */
-    uint8_t       *turned;     /* [triangle_count] against its parent in the forest */
+    uint32_t      *joined;     /* memory for union-find, [edge_count] at most */
+    uint8_t       *turned;     /* [triangle_count] 1: turned against its parent in the forest */
     uint64_t      *keys;       /* scratch: [edge_count] */
-    uint64_t      *pairs;      /* [pair_count] solids that meet: lower, higher */
+    uint64_t      *pairs;      /* [pair_count] solids that intersect: lower, higher number */
     size_t         pair_count, pair_capacity;
     uint64_t      *recent; /* [RECENT] */
     int            no_memory;
@@ -62,7 +62,7 @@ static size_t drop_repeated(uint64_t *keys, size_t count)
 
 /* --- edges ------------------------------------------------------------------------------------------------------------ */
 
-/* Half-edges [begin, end) of x->sorted are one edge. */
+/* Half-edges [begin, end) of x->sorted belong to one edge. */
 static void examine_edge(examination *x, uint32_t begin, uint32_t end)
 {
     const uint32_t   *indices = x->c->indices;
@@ -77,7 +77,8 @@ static void examine_edge(examination *x, uint32_t begin, uint32_t end)
     if (balance > (int64_t)(count % 2) || -balance > (int64_t)(count % 2)) k->oriented = 0;
 }
 
-/* Whether two sides exist: triangles are joined across edges of two, each with whether it is turned against its root. */
+/* Whether the surface is orientable: join triangles across edges of two triangles, each with a flag that it is turned against
+ * its root. */
 static void examine_sides(examination *x, uint32_t begin, uint32_t end)
 {
     if (end - begin != 2) return;
@@ -100,7 +101,7 @@ static void start_joining(examination *x, size_t count)
     for (uint32_t i = 0; i < count; i++) x->joined[i] = i;
 }
 
-/* Corners at the two ends of an edge belong together. */
+/* Join the corners at each end of an edge. */
 static void join_corners(examination *x, uint32_t begin, uint32_t end)
 {
     const uint32_t *indices = x->c->indices;
@@ -113,14 +114,14 @@ static void join_corners(examination *x, uint32_t begin, uint32_t end)
     }
 }
 
-/* Of a boundary edge, its two vertices belong to one hole. */
+/* Join the two vertices of a boundary edge: they belong to one hole. */
 static void join_hole(examination *x, uint32_t begin, uint32_t end)
 {
     if (end - begin == 1) mesh_join(x->joined, x->c->indices[x->sorted[begin]], mesh_edge_end(x->c->indices, x->sorted[begin]));
 }
 
-/* A hole is counted once, at the boundary edge whose root is its lowest vertex. A vertex that two components share joins their holes:
- * each still has its own, so roots are told apart by component. */
+/* A hole is counted once, at the boundary edge whose root is its lowest vertex. A vertex that two components share joins their
+ * holes, but each counts its own: roots are distinguished by component. */
 static void count_holes(examination *x)
 {
     size_t key_count = 0;
@@ -136,7 +137,7 @@ static void count_holes(examination *x)
     for (size_t i = 0; i < key_count; i++) x->h->components[x->keys[i] >> 32].holes++;
 }
 
-/* One root of corners for each group of triangles around a vertex. */
+/* Count the roots of corners around a vertex: one for each group of triangles. */
 static void count_vertices(examination *x)
 {
     size_t key_count = 0;
@@ -155,7 +156,7 @@ static void count_vertices(examination *x)
 
 /* --- triangles -------------------------------------------------------------------------------------------------------- */
 
-/* Corners of a triangle all differ. */
+/* The corners of a triangle are all different. */
 static int same_corners(const uint32_t *v, const uint32_t *w)
 {
     for (int i = 0; i < 3; i++)
@@ -163,7 +164,7 @@ static int same_corners(const uint32_t *v, const uint32_t *w)
     return 1;
 }
 
-/* Repeated triangles are found at the edge of their two lowest corners, where they differ only in the third. */
+/* Find repeated triangles at the edge of their two lowest corners: there, only the third corner differs. */
 static void find_repeated(examination *x, uint32_t begin, uint32_t end)
 {
     const uint32_t *indices = x->c->indices;
@@ -189,7 +190,7 @@ static void measure(examination *x)
     }
 }
 
-/* Once boxes are known: volumes are summed from a corner of the box, so that large coordinates cancel. */
+/* Call when boxes are known: volumes are summed relative to a corner of the box, to avoid cancellation with large coordinates. */
 static void sum_volumes(examination *x)
 {
     const casters *c = x->c;
@@ -216,7 +217,7 @@ static uint64_t *recent_at(const examination *x, uint64_t key)
     return &x->recent[(key * 0x9e3779b97f4a7c15u) >> 48];
 }
 
-/* Repeated pairs are dropped when the array is full, before it grows. */
+/* Remove repeated pairs when the array is full, before it grows. */
 static int add_pair(examination *x, uint64_t key)
 {
     if (x->pair_count == x->pair_capacity) x->pair_count = drop_repeated(x->pairs, x->pair_count);
@@ -227,7 +228,7 @@ static int add_pair(examination *x, uint64_t key)
     return 1;
 }
 
-/* Pairs within one component, or of two solids that are not known to meet. */
+/* Pairs within one component, or of two solids not yet known to intersect. */
 static int matters(void *user, uint32_t a, uint32_t b)
 {
     const examination *x  = user;
@@ -252,7 +253,7 @@ static int keep_intersection(void *user, uint32_t a, uint32_t b)
     return x->no_memory;
 }
 
-/* Lay out which solids meet: every pair twice, once from each side. */
+/* Store the solids that intersect: every pair twice, once for each solid. */
 static int list_met(examination *x)
 {
     mesh_health *h     = x->h;
@@ -305,7 +306,7 @@ static int make_room(examination *x, mesh_health *h, const casters *c)
     x->edge_count = (uint32_t)(3 * c->triangle_count);
     h->components = calloc(h->count + 1, sizeof *h->components);
     x->sorted     = scratch_take(&x->memory, x->edge_count, sizeof *x->sorted);
-    x->joined     = scratch_take(&x->memory, x->edge_count, sizeof *x->joined); /* there are no more vertices than corners */
+    x->joined     = scratch_take(&x->memory, x->edge_count, sizeof *x->joined); /* there are at most as many vertices as corners */
     x->turned     = scratch_take(&x->memory, c->triangle_count, sizeof *x->turned);
     x->keys       = scratch_take(&x->memory, x->edge_count, sizeof *x->keys);
     x->recent     = scratch_take(&x->memory, RECENT, sizeof *x->recent);

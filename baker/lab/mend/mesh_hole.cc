@@ -20,7 +20,7 @@ point point_at(const double *points, size_t i)
     return point(points[3 * i], points[3 * i + 1], points[3 * i + 2]);
 }
 
-/* As CGAL wants its output. */
+/* The face type that CGAL requires. */
 struct face {
     face(int a, int b, int c) : corners{a, b, c} {}
     std::array<int, 3> corners;
@@ -50,7 +50,7 @@ bool fill_hole(const double *points, size_t count, uint32_t *triangles)
     return true;
 }
 
-/* Do n - 2 triangles run once along each side of the line, and both ways along all other sides? */
+/* Check that n - 2 triangles have each side of the polygon once, and all other sides in both directions. */
 bool runs_along(size_t count, const uint32_t *triangles)
 {
     std::vector<std::pair<uint32_t, uint32_t>> sides;

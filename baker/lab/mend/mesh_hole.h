@@ -10,13 +10,13 @@
 extern "C" {
 #endif
 
-/* Fill a closed line of points with triangles between them: near the plane that fits best, or of least area and least angles.
- * points     [3 * count] along the line; 3 or more, all different
- * triangles  [out] [3 * (count - 2)] point numbers; they run along the line as it does
- * Returns 1, or 0 when there is no such surface (CGAL finds none, or there is no memory).  Cost: cubic at worst, so mind the count. */
+/* Fill a closed polygon with triangles: near its best-fit plane, or with minimal area and angles.
+ * points     [3 * count] in order; 3 or more, all different
+ * triangles  [out] [3 * (count - 2)] point numbers; wound in the polygon's direction
+ * Returns 1, or 0 when there is no such surface (CGAL finds none, or out of memory).  Cost: up to cubic, so limit count. */
 int mesh_fill_hole(const double *points, size_t count, uint32_t *triangles);
 
-/* 1 when all points lie on one line, exactly: what fills them covers nothing. */
+/* 1 when all points are exactly collinear: triangles between them have no area. */
 int mesh_is_crack(const double *points, size_t count);
 
 #ifdef __cplusplus

@@ -20,26 +20,26 @@
 #define NONE UINT32_MAX
 
 enum {
-    COPIES_MAX  = 64, /* an edge of more faces is no mistake of copying */
-    BORDERS_MAX = 256 /* around one vertex; beyond, holes cannot be told apart in good time */
+    COPIES_MAX  = 64, /* an edge with more faces is intentional, not an error of copying */
+    BORDERS_MAX = 256 /* around one vertex; with more, holes could be separated only in too long a time */
 };
 
 /* The scene between two steps, welded. */
 typedef struct snapshot {
     mesh_weld mesh;
-    scratch   memory; /* of what follows */
+    scratch   memory; /* owns the following arrays */
     uint32_t  edge_count;
-    uint32_t *sorted;       /* [edge_count] half-edges, those of an edge together: a run */
-    uint32_t *faces;        /* [edge_count] how many half-edges the edge of a half-edge has */
+    uint32_t *sorted;       /* [edge_count] half-edges, sorted so that those of an edge are adjacent: a run */
+    uint32_t *faces;        /* [edge_count] number of half-edges of a half-edge's edge */
     uint32_t *component_of; /* [triangles] */
     size_t    component_count;
-    uint8_t  *broken; /* [component_count] 1: some edge does not balance, and no triangle is alpha-tested */
-    uint8_t  *masked; /* [component_count] 1: some triangle is */
+    uint8_t  *broken; /* [component_count] 1: some edge is unbalanced, and no triangle is alpha-tested */
+    uint8_t  *masked; /* [component_count] 1: some triangle is alpha-tested */
 } snapshot;
 
-/* What is known of a triangle of the scene. */
+/* Facts about a triangle of the scene. */
 typedef struct triangle_note {
-    uint32_t origin; /* its component in the scene as it was; NONE: it was collapsed */
+    uint32_t origin; /* its component in the original scene; NONE: it was collapsed */
     uint32_t part;   /* of the scene as it was */
     uint8_t  masked; /* 1: alpha-tested */
 } triangle_note;
@@ -47,13 +47,13 @@ typedef struct triangle_note {
 typedef struct repair {
     scene                *s;
     const repair_options *o;
-    repair_report        *out;   /* its components: all of the scene as it was, until sum_up */
+    repair_report        *out;   /* its components: all of the original scene, until sum_up */
     triangle_note        *notes; /* [scene triangles] */
     size_t                note_capacity;
     snapshot              v;
     uint32_t              line[REPAIR_HOLE_EDGES_MAX];       /* vertices along a hole */
     double                points[3 * REPAIR_HOLE_EDGES_MAX]; /* of the line */
-    uint32_t              filled[3 * REPAIR_HOLE_EDGES_MAX]; /* triangles, as numbers along the line */
+    uint32_t              filled[3 * REPAIR_HOLE_EDGES_MAX]; /* triangles, as numbers along the polygon */
 } repair;
 
 /* --- snapshot --------------------------------------------------------------------------------------------------------- */
@@ -114,7 +114,7 @@ static int is_broken(const snapshot *v, uint32_t triangle)
     return v->broken[v->component_of[triangle]];
 }
 
-/* What is done to a triangle is counted for the component that it was part of in the beginning. */
+/* Changes to a triangle are counted for its original component. */
 static repaired_component *origin_at(const repair *x, uint32_t triangle)
 {
     return &x->out->components[x->notes[x->v.mesh.from[triangle]].origin];
@@ -127,7 +127,7 @@ static const double *position(const snapshot *v, uint32_t vertex)
 
 /* --- remove ----------------------------------------------------------------------------------------------------------- */
 
-/* 1 when the surface goes on from a triangle that has `copies` in all: each of its edges has an odd number of other triangles. */
+/* 1 when the surface continues from a triangle that has `copies` in all: each of its edges has an odd number of other triangles. */
 static int goes_on(const snapshot *v, uint32_t t, uint32_t copies)
 {
     for (uint32_t h = 3 * t; h < 3 * t + 3; h++)
@@ -135,16 +135,16 @@ static int goes_on(const snapshot *v, uint32_t t, uint32_t copies)
     return 1;
 }
 
-/* Mark copies of triangles of one edge. Each triangle is seen once, at the edge of its two lowest corners. Of its copies the first one with
- * the winding of most stays. When both windings are as many and the surface does not go on, they are walls of closed surfaces that touch:
- * all stay. */
+/* Mark repeated triangles at one edge. Each triangle is handled once, at the edge of its two lowest corners. Of its copies, keep
+ * the first one with the winding of the majority. If both windings are equally frequent and the surface does not continue, they
+ * are walls of closed surfaces that touch: keep all. */
 static void find_repeated(const repair *x, uint32_t begin, uint32_t end, uint8_t *removed)
 {
     const snapshot *v       = &x->v;
     const uint32_t *indices = v->mesh.indices;
     for (uint32_t i = begin; i < end && end - begin <= COPIES_MAX; i++) {
         uint32_t h = v->sorted[i], copies = 0;
-        int      more = 0, kept = 0; /* more copies have the winding of h than the other one */
+        int      more = 0, kept = 0; /* excess of copies with the winding of h */
         if (removed[h / 3] || mesh_edge_opposite(indices, h) < mesh_edge_high(indices, h)) continue;
         for (uint32_t k = begin; k < end; k++) {
             if (mesh_edge_opposite(indices, v->sorted[k]) != mesh_edge_opposite(indices, h)) continue;
@@ -162,7 +162,7 @@ static void find_repeated(const repair *x, uint32_t begin, uint32_t end, uint8_t
     }
 }
 
-/* Returns how many triangles are to be removed. */
+/* Returns the number of triangles to remove. */
 static size_t find_removed(repair *x, uint8_t *removed)
 {
     const snapshot *v     = &x->v;
@@ -182,8 +182,8 @@ static size_t find_removed(repair *x, uint8_t *removed)
     return count;
 }
 
-/* Take triangles out of the scene.
- * removed  [welded triangles], which are in the scene's order */
+/* Remove triangles from the scene.
+ * removed  [welded triangles], in the scene's order */
 static void take_out(repair *x, const uint8_t *removed)
 {
     scene           *s    = x->s;
@@ -219,10 +219,10 @@ static vxs_result remove_triangles(repair *x, message *m)
 
 /* --- orient ----------------------------------------------------------------------------------------------------------- */
 
-/* Triangles that are connected by edges of two. */
+/* A set of triangles connected by edges of two triangles. */
 typedef struct patch {
-    double area[2];   /* doubled: of those with the winding of its first one, and of those turned against it */
-    double volume;    /* six times, by the winding of the first one, from its first corner */
+    double area[2];   /* twice the area: with the winding of its first triangle, and with the opposite one */
+    double volume;    /* six times the volume, by the winding of the first triangle, relative to its first corner */
     double origin[3]; /* that corner */
     int    started, one_sided;
 } patch;
@@ -242,7 +242,7 @@ static void measure_patch(const snapshot *v, patch *p, uint32_t t, int turned)
     p->volume += (turned ? -1 : 1) * vec3_dot(from_origin, normal);
 }
 
-/* 1 when triangles with the winding of the first one are to be turned, 0 when the others are. */
+/* 1 to turn the triangles with the winding of the first one, 0 to turn the others. */
 static int first_is_wrong(const patch *p)
 {
     double all = p->area[0] + p->area[1];
@@ -260,7 +260,7 @@ static void turn_triangle(scene *s, uint32_t t)
 }
 
 /* parents, turned  [triangles];  patches  [triangles], used at roots
- * Returns how many triangles it turned. */
+ * Returns the number of triangles turned. */
 static size_t turn_patches(repair *x, uint32_t *parents, uint8_t *turned, patch *patches)
 {
     const snapshot *v     = &x->v;
@@ -312,13 +312,13 @@ typedef struct addition {
 
 typedef struct filling {
     scratch   memory;     /* of all up to the additions */
-    uint32_t *ends_at;    /* [vertices + 1] border half-edges that end at a vertex are at[ends_at[v]] .. at[ends_at[v + 1] - 1] */
+    uint32_t *ends_at;    /* [vertices + 1] border half-edges that end at vertex v are at[ends_at[v]] .. at[ends_at[v + 1] - 1] */
     uint32_t *at;         /* [half-edges] */
     uint8_t  *used;       /* [half-edges] */
-    uint32_t *on_path;    /* [vertices] place on the path plus 1, or 0 */
-    uint32_t *path;       /* [half-edges] half-edges, against the way they run */
-    uint32_t *vertex_of;  /* [vertices] one of the scene's */
-    uint8_t  *stays_open; /* [component_count] 1: holes are not all that is wrong, or some are too large */
+    uint32_t *on_path;    /* [vertices] position on the path plus 1, or 0 */
+    uint32_t *path;       /* [half-edges] half-edges, in reverse direction */
+    uint32_t *vertex_of;  /* [vertices] a vertex of the scene at its position */
+    uint8_t  *stays_open; /* [component_count] 1: it has other faults than holes, or too large holes */
     box      *boxes;      /* [component_count] */
     addition *added;      /* [added_count] */
     size_t    added_count, added_capacity;
@@ -339,7 +339,7 @@ static int filling_init(filling *f, const snapshot *v)
     return !memory->missing;
 }
 
-/* Gather border half-edges by the vertex where they end. Components with other edges that do not balance stay open.
+/* Group border half-edges by the vertex where they end. Components with other unbalanced edges stay open.
  * ends  [half-edges] scratch */
 static vxs_result gather_borders(const snapshot *v, filling *f, uint32_t *ends)
 {
@@ -366,7 +366,7 @@ static void measure_boxes(const snapshot *v, box *boxes)
     for (size_t i = 0; i < v->edge_count; i++) box_add(&boxes[v->component_of[i / 3]], position(v, v->mesh.indices[i]));
 }
 
-/* Triangles for a hole into x->filled, from its half-edges, against the way they run. Returns 0 when it is not to be filled, or cannot be. */
+/* Fill a hole with triangles, into x->filled, opposite to its half-edges. Returns 0 when the hole must not or cannot be filled. */
 static int triangulate(repair *x, const filling *f, const uint32_t *edges, size_t count)
 {
     const snapshot *v      = &x->v;
@@ -383,7 +383,7 @@ static int triangulate(repair *x, const filling *f, const uint32_t *edges, size_
     return mesh_fill_hole(x->points, count, x->filled);
 }
 
-/* A hole, or a path that does not close, from its half-edges. It counts as left until settle finds it filled. */
+/* Record a hole, or an open path, by its half-edges. It counts as left until settle finds it filled. */
 static void add_hole(repair *x, filling *f, const uint32_t *edges, size_t count, int closes)
 {
     uint32_t beside     = edges[0] / 3;
@@ -399,7 +399,7 @@ static void add_hole(repair *x, filling *f, const uint32_t *edges, size_t count,
     }
 }
 
-/* Drop the triangles of components that stay open, and count the others. */
+/* Discard the triangles for components that stay open, and count the others. */
 static void settle(repair *x, filling *f)
 {
     size_t kept = 0;
@@ -415,8 +415,8 @@ static void settle(repair *x, filling *f)
     f->added_count = kept;
 }
 
-/* Follow borders from a half-edge. Whenever the path comes back to a vertex, the part since then is a hole of its own, so that none meets
- * itself. */
+/* Follow a border from a half-edge. When the path returns to a vertex, split off the loop since then as its own hole, so that no
+ * hole touches itself. */
 static void follow_border(repair *x, filling *f, uint32_t first)
 {
     const uint32_t *indices = x->v.mesh.indices;
@@ -442,7 +442,7 @@ static void follow_border(repair *x, filling *f, uint32_t first)
     for (size_t i = 0; i < length; i++) f->on_path[mesh_edge_end(indices, f->path[i])] = 0;
 }
 
-/* New triangles at the scene's end. */
+/* Append the new triangles to the scene. */
 static int append(repair *x, const filling *f)
 {
     scene *s     = x->s;
@@ -495,7 +495,7 @@ static int is_closed(const snapshot *v, uint32_t triangle)
     return !is_broken(v, triangle) && !v->masked[v->component_of[triangle]];
 }
 
-/* Components as they are before anything is done. */
+/* Record the components of the original scene. */
 static vxs_result start(repair *x, message *m)
 {
     const scene *s = x->s;
@@ -523,7 +523,7 @@ static vxs_result start(repair *x, message *m)
     return VXS_OK;
 }
 
-/* Of a component that fell apart, all is closed, or it is not. */
+/* Of a component that fell apart, closed_after requires that all parts are closed. */
 static void note_closed(repair *x)
 {
     for (size_t i = 0; i < x->out->component_count; i++) {
@@ -534,7 +534,7 @@ static void note_closed(repair *x)
         if (!is_closed(&x->v, t)) origin_at(x, t)->closed_after = 0;
 }
 
-/* Of all components those stay in the report of which there is something to tell. */
+/* Keep only those components in the report that have something to report. */
 static void sum_up(repair_report *out)
 {
     for (size_t i = 0; i < out->component_count; i++) {
@@ -561,7 +561,7 @@ vxs_result scene_repair(scene *s, const repair_options *o, repair_report *out, m
     if ((r = remove_triangles(&x, m)) != VXS_OK) goto done;
     if ((r = orient(&x, m)) != VXS_OK) goto done;
     if ((r = fill(&x, m)) != VXS_OK) goto done;
-    s->origin_count = 0; /* triangles have moved in the order, and new ones are of no node */
+    s->origin_count = 0; /* the order of triangles has changed, and new ones belong to no node */
     note_closed(&x);
     sum_up(out);
 done:

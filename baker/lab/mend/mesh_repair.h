@@ -1,13 +1,14 @@
-/* Mending components, so that more of them are solids: between loading a scene and sorting its casters.
+/* Mend components, so that more of them are solids: after a scene is loaded and before its casters are classified.
  *
- * What is mended is what is not closed and consistently oriented; a component that is, is left as it is, inward ones too: a room whose walls are seen from
- * inside has that orientation on purpose. Components with alpha-tested triangles are left alone.
+ * Only components that are not closed or not consistently oriented are changed. All others stay as they are, even if oriented
+ * inward: a room whose walls are seen from inside has that orientation on purpose. Components with alpha-tested triangles are
+ * not changed.
  *
  *   remove   repeated triangles, and those without area
  *   orient   triangles whose winding differs from that of most of their neighbours
- *   fill     small holes, where that closes the component: what stays open anyway keeps its holes, light may be meant to pass
+ *   fill     small holes, if this closes the component; else all its holes stay, since light may be meant to pass through them
  *
- * Whether the result is a solid is judged by casters_from_scene, as for any other component.
+ * casters_from_scene decides whether the result is a solid, as for any other component.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MESH_REPAIR_H
 #define MESH_REPAIR_H
@@ -19,9 +20,9 @@ extern "C" {
 #endif
 
 typedef struct repair_options {
-    uint32_t hole_edges_max; /* holes with more edges are not filled; 3 to REPAIR_HOLE_EDGES_MAX, 0: none */
-    double
-        hole_diameter_m; /* [0, inf) metres: nor holes whose box has a longer diagonal. A crack, all on one line, may have any length */
+    uint32_t hole_edges_max;  /* holes with more edges are not filled; 3 to REPAIR_HOLE_EDGES_MAX, 0: none */
+    double   hole_diameter_m; /* [0, inf) metres: the largest diagonal of a filled hole's box. A crack (all points on one line) may
+                                 have any length */
 } repair_options;
 
 #define REPAIR_HOLE_EDGES_MAX 1000u
@@ -30,20 +31,20 @@ typedef struct repair_options {
         .hole_edges_max = 64, .hole_diameter_m = 0.1                                                                               \
     }
 
-/* No hole is filled that is longer than this part of its component's diagonal: it is not a hole but the opening of a cup, or the rim
- * of a sheet. */
+/* Holes longer than this share of their component's diagonal are not filled: they are openings, as of a cup, or the rim of a
+ * sheet. */
 #define REPAIR_HOLE_SHARE 0.25
 
-/* Triangles with mixed winding are given the winding that at least this share of their area has; where neither has, the outward one. */
+/* Triangles with mixed winding get the winding that at least this share of their area has; if neither has it, the outward one. */
 #define REPAIR_MAJORITY 0.75
 
 enum { REPAIR_COUNTS = 6 };
 
 typedef struct repaired_component {
-    uint32_t  triangle, triangles; /* its first in the scene as it was, and how many it had */
+    uint32_t  triangle, triangles; /* its first triangle in the original scene, and their number */
     part_span parts;
     uint8_t   closed_before; /* closed and consistently oriented */
-    uint8_t   closed_after;  /* what has become of all of it is */
+    uint8_t   closed_after;  /* 1: all parts of the component are closed now */
     union {
         struct {
             uint32_t removed_repeated, removed_zero_area;
@@ -51,22 +52,22 @@ typedef struct repaired_component {
             uint32_t filled_holes, added_triangles;
             uint32_t left_holes; /* too large, or the component stays open for other reasons */
         };
-        uint32_t counts[REPAIR_COUNTS]; /* the same, one after the other */
+        uint32_t counts[REPAIR_COUNTS]; /* the same as an array */
     };
 } repaired_component;
 
 typedef struct repair_report {
     size_t              count;
-    repaired_component *components; /* [count] those to which something was done or that still have holes, in the scene's order */
-    repaired_component  total;      /* of all: its flags count nothing */
-    size_t              component_count, closed_before, closed_after; /* of all components of the scene as it was */
+    repaired_component *components; /* [count] components that were changed or still have holes, in the scene's order */
+    repaired_component  total;      /* sums over all components; its flags are unused */
+    size_t              component_count, closed_before, closed_after; /* over all components of the original scene */
 } repair_report;
 
-/* Mend a scene in place. Triangles keep their order; new ones are added at its end, holed_triangles and parts are
- * kept right; a part keeps its number.
+/* Mend a scene in place. Triangles keep their order; new ones are appended; holed_triangles and parts are updated; parts keep
+ * their numbers.
  * out  [out] zeroed on failure; released with repair_report_free
- * Returns VXS_OK, VXS_E_MEMORY, VXS_E_SCENE (as mesh_weld_scene). After a failure the scene can only be freed. A scene without triangles is not
- * an error here.  Deterministic; threads: none. Linear but for the holes that are filled. */
+ * Returns VXS_OK, VXS_E_MEMORY, VXS_E_SCENE (as mesh_weld_scene). After a failure the scene can only be freed. A scene without
+ * triangles is no error here.  Deterministic; threads: none. Cost: linear, except for filling holes. */
 vxs_result scene_repair(scene *s, const repair_options *o, repair_report *out, message *m);
 
 void repair_report_free(repair_report *r);

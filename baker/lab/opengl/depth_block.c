@@ -1,29 +1,30 @@
 /* Rendering a block of enter and exit depths; see depth_block.h.
  *
- * Vertices are moved to the block in double and snapped to the 1/256 texel that rasterizers resolve, so that the triangle that is
- * interpolated is the one that is covered: else a wall nearly along the light gets depths far off its ends.
+ * Vertices are moved to the block in double and snapped to the 1/256 texel that rasterizers resolve. So the triangle that is
+ * interpolated equals the one that is covered; else a wall nearly parallel to the light would get depths far off its ends.
  *
- * Enter depth: nearest solid face s and nearest sheet h, apart from each other; e = min(s, h). A ray that meets a sheet first has
- * x = e. Otherwise x is where it first leaves the union of solids:
+ * Enter depth: nearest solid face s and nearest sheet h, computed separately; e = min(s, h). If a ray meets a sheet first, its
+ * exit depth is x = e. Otherwise x is where it first leaves the union of solids:
  *
  *     depth ->      s         b1        b2            b3
  *                   |F  F     B    F    B             B          F front face, B back face of any solid
  *     inside        1  2      1    2    1             0          x = b3: the first back face behind which no solid is open
  *
- * [CPVS16] 3.3 peels front and back layers in pairs and stops at a back layer that lies before its front layer. That counts layers,
- * so two faces at one depth (walls of adjoining boxes) count once and the ray leaves too late, in the open. Here each pass peels the
- * next back layer and counts, front faces minus back faces, all faces up to it, with as many passes and draws. Faces at one depth
- * count each; a face that starts where another ends keeps the union closed.
+ * [CPVS16] 3.3 peels front and back layers in pairs and stops at a back layer that is before its front layer. That counts
+ * layers, so two faces at one depth (walls of adjoining boxes) count once, and the exit is found too late, outside of solids.
+ * Here each pass peels the next back layer and counts, front faces minus back faces, all faces up to it, with as many passes and
+ * draws. Faces at one depth count each; a face that starts where another ends keeps the union closed.
  *
  *     pass n:  layer  nearest back face behind layer n - 1, in texels that are still open
- *              count  +1 for every front face, -1 for every back face at or before the layer: a depth test against it, and blending
+ *              count  +1 for every front face, -1 for every back face at or before the layer: a depth test against it, and
+ *                     blending
  *              texels whose count is zero are done: x is the layer
  *
- * Done texels start a pass with the nearest depth instead of the farthest, so that the depth test drops all of their fragments before any other work.
- * A block whose solids meet nothing needs none of this: there the first back face is the exit, and nothing is counted.
- * A texel that runs out of back faces takes the first one, which lies before the true exit: a smaller free range is always right.
- * So is what happens to counts beyond the 255 that a texel holds: front faces too many are not counted, and the ray leaves early. So peeling
- * takes 255 passes at most, and time that is linear in the triangles, however many layers there are.
+ * Done texels start a pass with the nearest depth instead of the farthest, so that the depth test rejects all of their fragments
+ * early. A block whose solids do not intersect needs no peeling: its first back face is the exit.
+ * A texel that runs out of back faces takes the first one, which is before the true exit. This is correct: the free range is
+ * smaller. The same holds for counts beyond the 255 that a texel can store: further front faces are not counted, and the exit is
+ * too early. So peeling takes 255 passes at most, and linear time in the triangles, however many layers there are.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/depth_block.h"
 
@@ -100,14 +101,14 @@ void depth_block_free(depth_block *b)
     *b = (depth_block){0};
 }
 
-/* what a block draws ---------------------------------------------------------------------------------------------------------- */
+/* draws of a block ------------------------------------------------------------------------------------------------------------- */
 
 static float snapped(double texels)
 {
     return (float)(floor(texels * SUBTEXELS + 0.5) / SUBTEXELS);
 }
 
-/* A vertex in the block's clip space: exact but for the depth. */
+/* A vertex in the block's clip space: exact, except for the depth. */
 static void clip_vertex(const depth_block *b, uint32_t vertex, float clip[3])
 {
     const vertex_ls *p  = &b->context->casters.vertices[vertex];
@@ -117,7 +118,7 @@ static void clip_vertex(const depth_block *b, uint32_t vertex, float clip[3])
     clip[2]             = (float)p->z;
 }
 
-/* The slot of a vertex among those of this block. */
+/* The slot of a vertex in this block. */
 static uint32_t block_vertex(depth_block *b, uint32_t vertex)
 {
     block_context *x = b->context;
@@ -129,7 +130,7 @@ static uint32_t block_vertex(depth_block *b, uint32_t vertex)
     return x->vertex_slot[vertex];
 }
 
-/* A triangle with holes: its corners are its own, because of their places in an image. */
+/* Add a triangle with holes: it has its own corners, because of their texture coordinates. */
 static void add_masked(depth_block *b, size_t t)
 {
     const projection *c  = &b->context->casters;
@@ -160,7 +161,7 @@ static void gather_triangles(depth_block *b)
     }
 }
 
-/* Solids that meet nothing have their insides apart: the nearest back face ends the inside that was entered first. */
+/* If solids do not intersect, their insides are disjoint: the nearest back face ends the inside that was entered first. */
 static int needs_peeling(const depth_block *b)
 {
     const uint8_t *meets = b->context->casters.meets;
@@ -170,7 +171,7 @@ static int needs_peeling(const depth_block *b)
     return 0;
 }
 
-/* 1 when some texel of the triangle's box may be open. */
+/* 1 when some texel in the triangle's box may be open. */
 static int touches_open_cell(const depth_block *b, const texel_box *box)
 {
     int32_t cells = (int32_t)b->context->cell_side;
@@ -249,7 +250,8 @@ static void upload(const depth_block *b)
                    GL_STREAM_DRAW);
 }
 
-/* Of very many triangles a part at a time, waited for: llvmpipe sorts triangles into up to 64 scenes of 36 MiB ahead of its rasterizer. */
+/* Draw very many triangles in parts, and wait after each: llvmpipe bins triangles into up to 64 scenes of 36 MiB ahead of its
+ * rasterizer. */
 static void draw(depth_block *b, GLuint program, uint32_t first, uint32_t count)
 {
     gl_context *gl = b->context->gl;
@@ -269,7 +271,7 @@ static void target(const depth_block *b, GLuint depth, GLuint color)
     gl->FramebufferTexture(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, color, 0);
 }
 
-/* Draw the nearest of some triangles into a cleared depth texture. */
+/* Draw the nearest surface of some triangles into a cleared depth texture. */
 static void draw_nearest(depth_block *b, GLuint depth, uint32_t first, uint32_t count)
 {
     gl_context *gl = b->context->gl;
@@ -287,8 +289,8 @@ static void draw_sheets(depth_block *b)
     b->context->gl->BindVertexArray(b->vertex_array);
 }
 
-/* Draw the nearest front faces, and the nearest back faces, which are the first layer. The nearer of the two is where a ray enters
- * solids: a back face only where a solid is turned inside out in part. */
+/* Draw the nearest front faces, and the nearest back faces, which are the first layer. The nearer of the two is where a ray
+ * enters solids. It can be a back face only if a part of a solid is inside out. */
 static void draw_first_layers(depth_block *b)
 {
     gl_context *gl = b->context->gl;
@@ -397,10 +399,10 @@ void depth_block_read(depth_block *b)
 
 /* exit depths ----------------------------------------------------------------------------------------------------------------- */
 
-/* A run of at most CELL_PX texels of one cell after the first pass. `enter` holds front faces and becomes the nearer of front and
- * back: where a ray enters solids. The first layer is everybody's exit for now, and stays it for those that are done. `next` is where
- * the next pass starts from. Returns whether one is open.
- * These two loops see every texel of every pass: each load stands alone and nothing branches, so that compilers vectorize them. */
+/* A run of at most CELL_PX texels of one cell after the first pass. `enter` holds front faces and becomes the nearer of front
+ * and back: where a ray enters solids. The first layer becomes the exit of all texels; for those that are done, it is final.
+ * `next` is the start depth of the next pass. Returns whether a texel is open.
+ * These two loops process every texel of every pass: no branches and independent loads, so that compilers vectorize them. */
 static int resolve_first_run(depth_order order, float *restrict enter, const float *restrict layer,
                              const uint8_t *restrict open_solids, uint32_t peel, float *restrict exit, float *restrict next,
                              uint32_t count)
@@ -421,8 +423,8 @@ static int resolve_first_run(depth_order order, float *restrict enter, const flo
     return any != 0;
 }
 
-/* The same after a later pass; texels that were done have the nearest layer there is. A layer that did not move on would be met for
- * ever: it ends the search too. `last` is the layer before, and becomes where the next pass starts from. */
+/* The same after a later pass; done texels have the nearest possible layer. A layer that did not advance would be found again
+ * forever, so it ends the search, too. `last` is the layer before, and becomes the start depth of the next pass. */
 static int resolve_next_run(depth_order order, const float *restrict layer, const uint8_t *restrict open_solids,
                             float *restrict exit, float *restrict last, uint32_t count)
 {
@@ -435,14 +437,14 @@ static int resolve_next_run(depth_order order, const float *restrict layer, cons
         uint32_t more = (uint32_t)(b > near) & (uint32_t)(b < far) & (uint32_t)(b > before);
         uint32_t open = more & (uint32_t)(solids[n] > 0);
         exit[n]       = more > open ? b : x;
-        last[n]       = near_gl + (float)(int32_t)open * step; /* far_gl or near_gl: a choice would be a branch */
+        last[n]       = near_gl + (float)(int32_t)open * step; /* far_gl or near_gl, without a branch */
         any |= open;
     }
     return any != 0;
 }
 
-/* One row of texels of a cell after a pass. Returns whether one is open. A cell that the last pass closed still has that pass's layer
- * where the next one starts from: done texels start from the nearest depth. */
+/* One row of texels of a cell after a pass. Returns whether one is open. A cell that the last pass closed still has that pass's
+ * layer as the start of the next one: reset its texels to the nearest depth. */
 static int resolve_row(depth_block *b, cell_state state, uint32_t u, uint32_t row)
 {
     uint32_t     block_px = b->context->block_px;
@@ -457,7 +459,7 @@ static int resolve_row(depth_block *b, cell_state state, uint32_t u, uint32_t ro
     return resolve_first_run(order, b->enter + out, now, b->count + at, (uint32_t)b->peels, b->exit + out, old, run);
 }
 
-/* Exits of the texels that were open, and the rectangle of those that stay so; 0 when there are none. */
+/* Write the exits of texels that were open, and find the rectangle of those that stay open; 0 when there are none. */
 static int resolve_layer(depth_block *b)
 {
     uint32_t side = b->context->cell_side, block_px = b->context->block_px;
@@ -482,7 +484,7 @@ static int resolve_layer(depth_block *b)
     return u0 < u1;
 }
 
-/* Where a sheet is met first, or at the same depth, a ray enters it and leaves it at once. */
+/* Where a ray meets a sheet first, or at the same depth, it enters and leaves there. */
 static void mix_sheets(const depth_block *b)
 {
     for (uint32_t row = 0; row < b->context->block_px; row++) {

@@ -1,8 +1,8 @@
 /* One block of a depth map while it is rendered: a square of texels small enough for a processor's cache.
  *
- * Rendering is split where a processor would wait: `issue` hands work to OpenGL and returns, `read` waits for it, `resolve` looks at
- * what came and prepares the next pass. So two blocks in turn keep the rasterizer busy while the other's texels are resolved.
- * Source: [CPVS16] 3.3; how exit depths are found is drawn in depth_block.c.
+ * Rendering is split where the processor would wait: `issue` submits work to OpenGL and returns, `read` waits for it, `resolve`
+ * examines the result and prepares the next pass. So with two blocks in turn, the rasterizer works on one while the other is
+ * resolved. Source: [CPVS16] 3.3; depth_block.c has a drawing of how exit depths are found.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEPTH_BLOCK_H
 #define DEPTH_BLOCK_H
@@ -14,17 +14,17 @@
 
 enum { CELL_PX = 32 };
 
-/* So many passes peel the deepest block: a texel counts no more front faces, and every pass takes one away. */
+/* The maximum number of passes for a block: a texel counts no more front faces than this, and every pass removes one. */
 enum { PEEL_PASSES_MAX = 255 };
 
-/* How OpenGL's depths become depths that grow away from the light. Where those of OpenGL shrink, they are negated. */
+/* Conversion of OpenGL's depths to depths that increase away from the light. Where OpenGL's decrease, they are negated. */
 typedef struct depth_order {
     float  sign;                    /* 1, or -1 */
-    float  far_gl, near_gl;         /* what a texture is cleared to: no caster; a depth that nothing is in front of */
+    float  far_gl, near_gl;         /* clear values: no caster; a depth nearer than all casters */
     GLenum nearer, nearer_or_equal; /* depth tests */
 } depth_order;
 
-/* What all blocks of a map share. */
+/* Data shared by all blocks of a map. */
 typedef struct block_context {
     gl_context *gl;
     projection  casters; /* in the map */
@@ -34,9 +34,9 @@ typedef struct block_context {
     uint32_t    block_px;
     uint32_t    cell_side;  /* cells a side of a block */
     texel_box  *boxes;      /* [casters.triangle_count] */
-    uint32_t   *candidates; /* [candidate_count] triangles that may touch the tile in work, in the casters' order */
+    uint32_t   *candidates; /* [candidate_count] triangles that may touch the current tile, in the casters' order */
     size_t      candidate_count;
-    uint32_t   *vertex_slot; /* [casters.vertex_count] of the block gathered last: valid where vertex_gather is its number */
+    uint32_t   *vertex_slot; /* [casters.vertex_count] slots in the block gathered last: valid if vertex_gather is its number */
     uint32_t   *vertex_gather;
     uint32_t    gather;
     GLuint      framebuffer;
@@ -44,11 +44,11 @@ typedef struct block_context {
     depth_stats stats;
 } block_context;
 
-/* Cells are the squares of a block that are left out when none of their texels is open any more. */
+/* Cells: squares of a block, skipped when they have no open texel. */
 typedef enum cell_state {
     CELL_OPEN,   /* some texel's exit is not yet found */
-    CELL_CLOSED, /* since the last pass */
-    CELL_CLEAN   /* for longer: nothing has to be done */
+    CELL_CLOSED, /* closed in the last pass: its texels still have to be reset */
+    CELL_CLEAN   /* closed before the last pass: nothing to do */
 } cell_state;
 
 /* A rectangle of a block's texels. */
@@ -68,13 +68,13 @@ typedef struct depth_block {
     uint32_t *triangles; /* [triangle_count] of the projection: solids first */
     uint32_t  solid_count, triangle_count, vertex_count;
     int       has_sheets;
-    int       peels; /* some solid meets another: the nearest back face may not be where light leaves their union */
+    int       peels; /* some solids intersect: the nearest back face may not be the exit of their union */
 
     holed_triangles masked; /* of the sheets, those with holes: not in triangles */
 
     /* [block_px * block_px] each */
     float     *sheet;    /* enter depth of sheets */
-    float     *layer[2]; /* back layers, this pass and the last; before a pass far_gl for open texels, near_gl for done ones */
+    float     *layer[2]; /* back layers of this pass and the last; before a pass, far_gl for open texels, near_gl for done ones */
     uint8_t   *count;    /* solids that are open behind the layer */
     uint8_t   *cell;     /* [cell_side^2] CELL_* */
     block_rect open;     /* holds all open cells */
@@ -89,15 +89,15 @@ vxs_result depth_block_init(depth_block *b, block_context *context, message *m);
 /* Accepts a zeroed object. */
 void depth_block_free(depth_block *b);
 
-/* Take on the block at texel (u0, v0), whose corner in the maps is enter and exit, and gather its triangles. Returns 0 when there are
- * none: the block is filled already. exit may be enter when there are no solids. */
+/* Begin the block at texel (u0, v0), whose corner in the maps is at enter and exit, and gather its triangles. Returns 0 when
+ * there are none: the block is filled already. exit may be enter when there are no solids. */
 int depth_block_start(depth_block *b, float *enter, float *exit, uint32_t row_px, int32_t u0, int32_t v0);
 
-/* Hand the next pass to OpenGL; wait for it and fetch what it made. */
+/* issue: submit the next pass to OpenGL. read: wait for it and fetch its results. */
 void depth_block_issue(depth_block *b);
 void depth_block_read(depth_block *b);
 
-/* Look at what was read. Returns 0 when the block is done: its part of the maps is complete. */
+/* Examine the results. Returns 0 when the block is done: its part of the maps is complete. */
 int depth_block_resolve(depth_block *b);
 
 #endif

@@ -8,7 +8,7 @@
 #include "baker/base/parallel.h"
 #include "baker/lab/opengl/depth_block.h"
 
-enum { LANES = 2 }; /* blocks in work: one is rasterized while the other's texels are resolved */
+enum { LANES = 2 }; /* blocks in flight: one is rasterized while the other's texels are resolved */
 
 struct depth_renderer {
     block_context context;
@@ -54,14 +54,14 @@ static vxs_result make_programs(block_context *x, message *m)
     return VXS_OK;
 }
 
-/* The context is shared with other renderers: whatever one of them may have left is set before a tile is rendered. */
+/* The context is shared with other renderers: set all state that one of them may have changed before rendering a tile. */
 static void set_state(const block_context *x)
 {
     gl_context *gl = x->gl;
     gl->BindFramebuffer(GL_FRAMEBUFFER, x->framebuffer);
     gl->ProgramUniform1f(x->program_next, 0, x->order.sign);
     gl->ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
-    gl->FrontFace(GL_CW); /* u, v and the light's direction are right-handed: seen from the light, the map is mirrored */
+    gl->FrontFace(GL_CW); /* u, v and the light's direction are right-handed: the map is mirrored as seen from the light */
     gl->Viewport(0, 0, (GLsizei)x->block_px, (GLsizei)x->block_px);
     gl->PixelStorei(GL_PACK_ALIGNMENT, 1);
     gl->Enable(GL_DEPTH_TEST);
@@ -164,7 +164,7 @@ typedef struct tile_blocks {
     uint32_t    next, count;
 } tile_blocks;
 
-/* Start the next block that has something to draw; 0 when there is none left. */
+/* Start the next block that has triangles; 0 when there is none left. */
 static int start_next(depth_block *lane, tile_blocks *t)
 {
     uint32_t side = t->maps->side_px, block = lane->context->block_px;
@@ -186,7 +186,7 @@ static void gather_candidates(block_context *x, const tile_blocks *t)
             x->candidates[x->candidate_count++] = (uint32_t)n;
 }
 
-/* Lanes take turns: while one is read and resolved, the rasterizer works on the other. */
+/* Lanes alternate: while one is read and resolved, the rasterizer works on the other. */
 static void render_blocks(depth_renderer *r, tile_blocks *t)
 {
     int active[LANES], any = 0;

@@ -12,20 +12,22 @@
 
 typedef struct depth_renderer depth_renderer;
 
-/* Set up for map `map` of a light (vxs.h numbers them). gl and casters are borrowed until depth_renderer_destroy; any number of renderers
- * may share a context and take turns. Depths are those of depth_maps.h: shares of the whole for a directional light, -near / distance for the others.
+/* Set up for map `map` of a light (numbered as in vxs.h). gl and casters are borrowed until depth_renderer_destroy. Renderers
+ * may share a context and take turns. Depths are those of depth_maps.h: fractions of the depth range for a directional light,
+ * -near / distance for others.
  * Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
 vxs_result depth_renderer_create(depth_renderer **out, gl_context *gl, const casters *c, const vxs_light *light, int map,
                                  exit_mode mode, uint32_t threads, message *m);
 
-/* 1 when some caster may touch the square of side_px texels at (i, j), counted in such squares. */
+/* 1 when some caster may touch the square (i, j), in units of side_px. */
 int depth_renderer_has_casters(const depth_renderer *r, uint32_t side_px, uint32_t i, uint32_t j);
 
-/* From now on call watch(user, share) while a square is rendered: the share of its blocks that is begun, 0 to 1. NULL: no more. */
+/* From now on call watch(user, share) while a square is rendered: the share of its blocks that have begun, 0 to 1. NULL: stop
+ * calls. */
 void depth_renderer_watch(depth_renderer *r, void (*watch)(void *user, double share), void *user);
 
-/* Render the square (i, j), counted in squares of maps->side_px, into maps->enter and maps->exit. maps->exit may be the same array as
- * enter only when there is no solid. Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
+/* Render the square (i, j), in units of maps->side_px, into maps->enter and maps->exit. These may be the same array only when
+ * there are no solids. Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
 vxs_result depth_renderer_tile(depth_renderer *r, depth_maps *maps, uint32_t i, uint32_t j, message *m);
 
 depth_stats depth_renderer_stats(const depth_renderer *r);

@@ -1,4 +1,4 @@
-/* An OpenGL 4.5 core context without a window, and its functions. Nothing else knows where the context comes from.
+/* An OpenGL 4.5 core context without a window, and its functions. Only this file depends on how the context is created.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef GL_H
 #define GL_H
@@ -8,7 +8,7 @@
 
 #include "baker/columns/rendered_columns.h"
 
-/* Functions are looked up at run time, because OSMesa and EGL each bring their own. Type, name without "gl". */
+/* Functions are loaded at run time, because OSMesa and EGL each have their own. Type, name without "gl". */
 /* clang-format off */
 #define GL_FUNCTIONS(X)                                            \
     X(PFNGLATTACHSHADERPROC, AttachShader)                          \
@@ -86,19 +86,19 @@ typedef struct gl_context {
 #define GL_FUNCTION_POINTER(type, name) type name;
     GL_FUNCTIONS(GL_FUNCTION_POINTER)
 #undef GL_FUNCTION_POINTER
-    gl_function (*lookup)(const char *name); /* what gave them, for libraries that have their own */
+    gl_function (*lookup)(const char *name); /* the loader of these functions, for libraries that load their own */
     gl_backend   backend;
     void        *handle;            /* OSMesaContext, or EGLContext */
     void        *display;           /* EGLDisplay */
-    void        *library;           /* libEGL, opened when it is asked for */
-    uint32_t     pixels[16 * 16];   /* OSMesa wants a buffer of its own; maps are drawn elsewhere */
-    GLuint       depth_programs[3]; /* of depth_gl.c, made when they are first needed: they go with the context */
+    void        *library;           /* libEGL, loaded when it is needed */
+    uint32_t     pixels[16 * 16];   /* OSMesa requires a default framebuffer; maps are drawn elsewhere */
+    GLuint       depth_programs[3]; /* of depth_gl.c, made when first needed, deleted with the context */
     device_names names;
 } gl_context;
 
-/* Make a context and make it current on the calling thread, which alone may use it until gl_context_destroy.
+/* Make a context and make it current on the calling thread. Only that thread may use it until gl_context_destroy.
  * threads  rasterizer threads of a software renderer.
- * Returns VXS_OK, VXS_E_GL (the line says what is missing), or VXS_E_MEMORY. */
+ * Returns VXS_OK, VXS_E_GL (the message has what is missing), or VXS_E_MEMORY. */
 vxs_result gl_context_create(gl_context **out, gl_backend backend, uint32_t threads, message *m);
 
 void gl_context_destroy(gl_context *gl);

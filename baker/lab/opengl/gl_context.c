@@ -1,4 +1,4 @@
-/* The one place that knows OSMesa from EGL; see gl.h.
+/* The only file that depends on OSMesa and EGL; see gl.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h" /* first: its glcorearb.h must come before the older gl.h that osmesa.h brings */
 
@@ -25,7 +25,7 @@ static vxs_result load_functions(gl_context *gl, gl_lookup lookup, message *m)
     return VXS_OK;
 }
 
-/* llvmpipe compiles for the processor that it finds, or for a lesser one that GALLIUM_OVERRIDE_CPU_CAPS names. */
+/* The instruction set that llvmpipe compiles for: the processor's, or a lesser one from GALLIUM_OVERRIDE_CPU_CAPS. */
 static const char *cpu_class(void)
 {
 #if defined(__x86_64__)
@@ -45,8 +45,8 @@ static const char *cpu_class(void)
 #endif
 }
 
-/* Libraries of OpenGL are opened when a context is made: OSMesa brings LLVM, which takes four times as long to load as all the rest of
- * the command, and most commands draw nothing; EGL may not be there. */
+/* OpenGL libraries are loaded when a context is made. OSMesa loads LLVM, which takes four times as long as the rest of the
+ * command, and most commands draw nothing; EGL may not be installed. */
 typedef struct osmesa {
     OSMesaContext (*CreateContextAttribs)(const int *attributes, OSMesaContext share);
     GLboolean (*MakeCurrent)(OSMesaContext context, void *pixels, GLenum type, GLsizei width, GLsizei height);
@@ -113,7 +113,7 @@ static int open_egl(egl *e, void *library)
            e->DestroyContext && e->Terminate;
 }
 
-/* Mesa's, or that of the first device, which drivers have that are not Mesa's. */
+/* Mesa's display, or that of the first device, which drivers other than Mesa have. */
 static int open_display(gl_context *gl, const egl *e)
 {
     PFNEGLQUERYDEVICESEXTPROC devices = (PFNEGLQUERYDEVICESEXTPROC)e->GetProcAddress("eglQueryDevicesEXT");
@@ -185,5 +185,5 @@ void gl_context_destroy(gl_context *gl)
         destroy_egl(gl);
     else
         destroy_osmesa(gl);
-    free(gl); /* the library stays open: drivers do not like to be unloaded */
+    free(gl); /* the library stays loaded: drivers may fail when unloaded */
 }

@@ -31,7 +31,7 @@ static const char fragment_text[] =
     "{\n"
     "    if (wrap == 1) return clamp(pixel, 0, width - 1);\n"
     "    int period = wrap == 2 ? 2 * width : width;\n"
-    "    pixel = (pixel + period) % period;\n" /* reduced() leaves nothing before -1 */
+    "    pixel = (pixel + period) % period;\n" /* reduced() returns no less than -1 */
     "    return pixel < width ? pixel : period - 1 - pixel;\n"
     "}\n"
     "float alpha(ivec2 at, ivec2 size)\n"
@@ -111,7 +111,7 @@ vxs_result hole_images_init(hole_images *x, gl_context *gl, const casters *c, me
 void hole_images_free(hole_images *x)
 {
     if (x->textures) {
-        /* masks may share a texture: a name that is deleted twice is ignored the second time */
+        /* masks may share a texture: OpenGL ignores names that are already deleted */
         x->gl->DeleteTextures((GLsizei)x->casters->alpha_mask_count, x->textures);
         x->gl->DeleteProgram(x->program);
     }

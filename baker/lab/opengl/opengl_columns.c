@@ -8,7 +8,7 @@
 typedef struct opengl_map {
     rendered_columns *owner;
     depth_renderer   *renderer;
-    depth_maps       *maps; /* of the tile that was fetched last */
+    depth_maps       *maps; /* of the tile that was rendered last */
     uint32_t          map;
     bake_context     *ctx; /* while a tile is rendered */
 } opengl_map;
@@ -73,7 +73,7 @@ static void map_close(void *data)
     free(o);
 }
 
-/* The memory of the map before, or new memory. */
+/* Reuse the memory of the previous map, or allocate it. */
 static vxs_result take_maps(opengl_map *o, uint32_t tile_px, uint32_t side_px, message *m)
 {
     rendered_columns *owner = o->owner;

@@ -1,6 +1,7 @@
 /* The maps of a light rendered with OpenGL: a column source.
  *
- * Squares are fetched by rendering depth maps of a tile and reducing them to a pyramid. Before, it is known only where no caster is.
+ * A square is made by rendering depth maps of a tile and reducing them to a pyramid. Before that, only regions without casters
+ * are known.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef OPENGL_COLUMNS_H
 #define OPENGL_COLUMNS_H

@@ -15,12 +15,12 @@
 #include "baker/lab/pages/page.h"
 #include "baker/lab/picture/asset_picture.h"
 
-/* The picture of the shadows, and what drawing it may hold, at most: for itself, and for each triangle. */
+/* The size of the picture of the shadows, and limits on memory for drawing it: in all, and for each triangle. */
 enum { PICTURE_WIDTH_PX = 480, PICTURE_HEIGHT_PX = 270, PICTURE_BYTES = 16 << 20, PICTURE_TRIANGLE_BYTES = 160 };
 
 /* pixels of pictures ---------------------------------------------------------------------------------------------------------- */
 
-/* Masks that a tile needs, from few to many; until: of the class, inclusive. */
+/* Classes of the number of masks that a tile needs, ascending; until: the class's largest number. */
 static const struct {
     uint8_t     until;
     uint8_t     colour[3];
@@ -30,7 +30,7 @@ static const struct {
 
 enum { MASK_CLASSES = sizeof mask_classes / sizeof *mask_classes };
 
-/* Depths that nearly all of a map lies between, so that one far thing does not make all else look flat. */
+/* A depth range that covers nearly all of a map, so that a single distant object does not reduce the contrast of the rest. */
 static void depth_range(const uint16_t *depth, size_t count, double *from, double *until)
 {
     uint32_t histogram[1024] = {0}, seen = 0, sum = 0;
@@ -45,7 +45,7 @@ static void depth_range(const uint16_t *depth, size_t count, double *from, doubl
     }
 }
 
-/* Depth at a pixel or, beside the map and where there is no caster, at the one that it is compared with. */
+/* The depth at a pixel; `otherwise` beside the map and where there is no caster. */
 static double depth_near(const uint16_t *depth, uint32_t side, int64_t x, int64_t y, double otherwise)
 {
     if (x < 0 || y < 0 || x >= side || y >= side) return otherwise;
@@ -53,7 +53,7 @@ static double depth_near(const uint16_t *depth, uint32_t side, int64_t x, int64_
     return d == PICTURE_NO_CASTER ? otherwise : d;
 }
 
-/* Lightness of each pixel, 0 to 1: near is light, and slopes are lit from the upper left. rise: of a unit of depth, in pixels. */
+/* Lightness of each pixel, 0 to 1: near is light, and slopes are lit from the upper left. rise: pixels for a unit of depth. */
 static void shade(float *light, const uint16_t *depth, uint32_t side, double rise, double from, double until)
 {
     for (uint32_t y = 0; y < side; y++)
@@ -61,7 +61,7 @@ static void shade(float *light, const uint16_t *depth, uint32_t side, double ris
             double d  = depth[(size_t)y * side + x];
             double gx = (depth_near(depth, side, (int64_t)x + 1, y, d) - depth_near(depth, side, (int64_t)x - 1, y, d)) / 2 * rise;
             double gy = (depth_near(depth, side, x, (int64_t)y + 1, d) - depth_near(depth, side, x, (int64_t)y - 1, d)) / 2 * rise;
-            /* the surface looks towards the light of the map: its normal is (gx, gy, 1), shortened */
+            /* the surface faces the light in the picture: its normal is (gx, gy, 1), normalized */
             double facing               = (0.7 - 0.45 * gx - 0.45 * gy) / sqrt(1 + gx * gx + gy * gy);
             double tone                 = 1 - 0.55 * fmin(1, fmax(0, (d - from) / fmax(1, until - from)));
             light[(size_t)y * side + x] = (float)(tone * fmin(1, fmax(0.15, 0.35 + 0.85 * facing)));
@@ -75,8 +75,8 @@ static void grey(uint8_t rgba[4], double lightness)
     rgba[3]                     = 255;
 }
 
-/* Where the picture of a face of a cube lies when the cube is unfolded into a cross, and how it is turned, so that edges meet: +x, +z, -x
- * and -z in a row, as the light sees them with +y above; all in the light's own axes, of which y is as upright as can be. */
+/* Position and rotation of a cube's faces when it is unfolded into a cross, so that edges meet: +x, +z, -x and -z in a row, as
+ * seen by the light with +y above. Axes are the light's own; its y is as upright as possible. */
 typedef enum turn { TURN_NONE, TURN_QUARTER, TURN_HALF, TURN_THREE_QUARTERS } turn;
 
 typedef struct face_place {
@@ -88,7 +88,7 @@ static const face_place cross_places[6] = {{0, 1, TURN_QUARTER},        {2, 1, T
                                            {1, 0, TURN_THREE_QUARTERS}, {1, 2, TURN_HALF}, /* +y, -y */
                                            {1, 1, TURN_HALF},           {3, 1, TURN_QUARTER}};
 
-/* The pixel of a map that is seen at (x, y) of its turned picture. */
+/* The pixel of a map at (x, y) of its rotated picture. */
 static size_t turned_pixel(turn turned, uint32_t side, uint32_t x, uint32_t y)
 {
     uint32_t u = x, v = y, last = side - 1;
@@ -101,10 +101,11 @@ static size_t turned_pixel(turn turned, uint32_t side, uint32_t x, uint32_t y)
 /* A picture of all maps of a light: one map, or the cross of six. */
 typedef struct canvas {
     uint32_t width_px, height_px;
-    uint8_t *rgba; /* [4 * width * height] blank where no map is */
+    uint8_t *rgba; /* [4 * width * height] transparent outside of maps */
 } canvas;
 
-/* Depths; or with `masks`, [mask_px * mask_px] of a map, faint shapes, and the colour of its class where a pixel's tiles need masks. */
+/* Draw depths. With `masks`, [mask_px * mask_px] of a map: faint shapes, and the colour of its class where a pixel's tiles need
+ * masks. */
 static void draw(canvas *c, face_place place, const float *light, const uint16_t *depth, const light_picture *p,
                  const uint8_t *masks)
 {
@@ -127,7 +128,7 @@ static void draw(canvas *c, face_place place, const float *light, const uint16_t
 
 /* pictures as JSON ------------------------------------------------------------------------------------------------------------ */
 
-/* The text of a URL that holds a picture, of 3 or 4 channels; NULL without memory. Released with free(). */
+/* A data URL with a picture of 3 or 4 channels; NULL when out of memory. Released with free(). */
 static char *png_url(const uint8_t *pixels, uint32_t width_px, uint32_t height_px, uint32_t channels)
 {
     static const char begin[]  = "data:image/png;base64,",
@@ -148,7 +149,7 @@ static char *png_url(const uint8_t *pixels, uint32_t width_px, uint32_t height_p
     return url;
 }
 
-/* NULL without memory. */
+/* NULL when out of memory. */
 static json_t *png_json(const uint8_t *pixels, uint32_t width_px, uint32_t height_px, uint32_t channels)
 {
     char   *url  = pixels ? png_url(pixels, width_px, height_px, channels) : NULL;
@@ -157,7 +158,7 @@ static json_t *png_json(const uint8_t *pixels, uint32_t width_px, uint32_t heigh
     return json;
 }
 
-/* All maps of a light in one picture, of depths or of masks. NULL without memory. */
+/* All maps of a light in one picture, of depths or of masks. NULL when out of memory. */
 static json_t *maps_json(const light_picture *p, const vxs_light *light, int masks)
 {
     uint32_t side = p->side_px, cube = p->map_count > 1;
@@ -166,7 +167,7 @@ static json_t *maps_json(const light_picture *p, const vxs_light *light, int mas
     double   texels = (double)p->map_px / side, voxels = (double)p->map_px / PICTURE_NO_CASTER, from, until;
     float   *shades = malloc(count * sizeof *shades);
     c.rgba          = calloc((size_t)c.width_px * c.height_px, 4);
-    depth_range(p->depth, p->map_count * count, &from, &until); /* of all six, so that tones go on from face to face */
+    depth_range(p->depth, p->map_count * count, &from, &until); /* of all six, so that tones are continuous from face to face */
     for (uint32_t map = 0; map < p->map_count && shades && c.rgba; map++) {
         const uint16_t *depth = p->depth + map * count;
         shade(shades, depth, side, voxels * light->voxel_metres / (texels * light->texel_metres), from, until);
@@ -179,7 +180,7 @@ static json_t *maps_json(const light_picture *p, const vxs_light *light, int mas
     return json;
 }
 
-/* Which way a light's own axes point in the world. */
+/* The directions of a light's own axes in the world. */
 static json_t *axes_json(const vxs_light *light)
 {
     const double *a = light->ls_from_ws;
@@ -193,7 +194,7 @@ static json_t *picture_json(const light_picture *p, const vxs_light *light)
                      (int)p->mask_tiles, "axes", axes_json(light), "depths", depths, "masks", masks);
 }
 
-/* What colours mean, in the order of a key. */
+/* The meaning of colours, in the order of a legend. */
 static json_t *mask_colours_json(void)
 {
     json_t *colours = json_array();
@@ -205,7 +206,7 @@ static json_t *mask_colours_json(void)
     return colours;
 }
 
-/* When the scene's file was last written, "2026-11-22 08:30 UTC"; null where that is not known. */
+/* The modification time of the scene's file, "2026-11-22 08:30 UTC"; null if unknown. */
 static json_t *scene_date_json(const char *path)
 {
     struct stat status;

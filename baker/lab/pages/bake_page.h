@@ -5,7 +5,7 @@
 
 #include "baker/command/options/laboratory.h"
 
-/* Look at a bake (bake_observer): draw its shadows, unless that would need more memory than the bake may hold. */
+/* Observe a bake (bake_observer): draw its shadows, unless that needs more memory than the bake may use. */
 vxs_result bake_page_look(void *page, const bake_options *o, const casters *c, vxs_bytes *file, message *m);
 
 /* Write the page. path  "-" is standard output.   Returns VXS_OK, VXS_E_WRITE or VXS_E_MEMORY. */

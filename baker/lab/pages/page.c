@@ -1,4 +1,4 @@
-/* A page that stands alone; see page.h.
+/* A self-contained page; see page.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/pages/page.h"
 
@@ -17,14 +17,14 @@ EMBEDDED(volumes_page_js)
 EMBEDDED(charts_js)
 EMBEDDED(chart_min_js)
 
-/* What follows a mark that is in it. The heads of templates are about the program: a page is its user's. */
+/* The text after a mark in it. This skips the comments at the head of templates, which are for developers. */
 static embedded behind(embedded text, const char *mark)
 {
     const char *at = memmem(text.begin, (size_t)(text.end - text.begin), mark, strlen(mark));
     return (embedded){at + strlen(mark), text.end};
 }
 
-/* JSON that no markup can end: '<' is in texts alone, where it has another spelling. */
+/* Print JSON so that it cannot end the script element: '<' occurs only in strings, and is escaped there. */
 static void print_json(FILE *to, const char *json)
 {
     for (size_t n; n = strcspn(json, "<"), fwrite(json, 1, n, to), json[n]; json += n + 1) fputs("\\u003c", to);

@@ -10,7 +10,7 @@
 
 enum { FILTER_PX = 5, FOV_DEGREES = 35 };
 
-/* Lights of equal size in the order of the file. */
+/* Order: by size; lights of equal size in the order of the file. */
 static int largest_first(const void *a, const void *b)
 {
     const vxs_baked_light *const *p = a, *const *q = b;

@@ -5,13 +5,14 @@
 
 #include "baker/lab/picture/picture.h"
 
-/* Each lamp takes time in each pixel, and of hundreds most light a corner. */
+/* Limit on lights: each takes time in each pixel, and of hundreds of lamps most light a small area. */
 enum { ASSET_PICTURE_LIGHTS = 6 };
 
-/* Draw it, from above, with everything in view, in the light of the ASSET_PICTURE_LIGHTS lights whose shadows are largest in memory.
+/* Draw the asset's scene from above, all of it in view, in the light of the ASSET_PICTURE_LIGHTS lights with the largest shadows
+ * in memory.
  * rgb   [out] [3 * width * height] sRGB, top row first
  * file  [size_bytes] the asset's
- * Returns VXS_OK, VXS_E_MEMORY, or what an asset or casters that are not sound return. */
+ * Returns VXS_OK, VXS_E_MEMORY, or the error of an invalid asset or invalid casters. */
 vxs_result asset_picture(uint8_t *rgb, uint32_t width_px, uint32_t height_px, const casters *c, const void *file, size_t size_bytes,
                          uint32_t threads, message *m);
 

@@ -8,9 +8,9 @@
 #include "baker/lab/picture/fog_air.h"
 #include "runtime/vxs_query.h"
 
-enum { INTERVALS = 32 }; /* asked for at a time */
+enum { INTERVALS = 32 }; /* looked up at a time */
 
-/* Where a map ends, the sun shines on, and a lamp does not. */
+/* Beyond its map, a sun is lit, and a lamp is not. */
 static void add_light(const vxs_medium *medium, const fog_light *light, const vxs_air_path *path, const double eye_ws[3],
                       const double direction[3], double airlight[3])
 {

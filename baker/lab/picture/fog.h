@@ -1,5 +1,5 @@
-/* Fog in the light of baked lights, without a march: along a ray from the eye the asset says where it is lit, exactly, and between the ends
- * of each lit interval airlight has a closed form (runtime/volumes/vxs_air.h).
+/* Fog in the light of baked lights, without a march: the asset gives the exact lit intervals of a ray from the eye, and airlight
+ * of an interval has a closed form (runtime/volumes/vxs_air.h).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef FOG_H
 #define FOG_H
@@ -7,17 +7,17 @@
 #include "baker/lab/picture/fog_light.h"
 #include "baker/scene/fog_medium.h"
 
-/* Add what fog scatters toward the eye between it and `metres`, finite, along a direction of length 1.
+/* Add the airlight between the eye and `metres`, finite, along a direction of length 1.
  * lights    [light_count]
  * airlight  [in, out] */
 void fog_add_airlight(const fog_medium *f, const fog_light *lights, uint32_t light_count, const double eye_ws[3],
                       const double direction[3], double metres, double airlight[3]);
 
-/* What of a light reaches a place, before shadows, by the law that its airlight has (runtime/volumes/vxs_air_light.h).
+/* Light that reaches a place, before shadows, by the same law as its airlight (runtime/volumes/vxs_air_light.h).
  * to_light  [out] of length 1;   reaches  [out] times the light's colour */
 void fog_reaches(const fog_medium *f, const fog_light *light, const double place_ws[3], double to_light[3], double reaches[3]);
 
-/* What it leaves of light that comes from there.   left  [out] 0 to 1 */
+/* Transmittance of the fog along a ray from the eye.   left  [out] 0 to 1 */
 void fog_left(const fog_medium *f, const double eye_ws[3], const double direction[3], double metres, double left[3]);
 
 #endif

@@ -8,8 +8,8 @@
 
 typedef struct fog_light {
     const vxs_baked_light *light;
-    light_shape            shape;         /* its range is where its light ends, in the air and on surfaces */
-    double                 colour[3];     /* suns: irradiance; lamps: intensity, times square metres */
+    light_shape            shape;         /* its range is the end of its light, in the air and on surfaces */
+    double                 colour[3];     /* suns: irradiance; lamps: intensity, irradiance times square metres */
     double                 cos_inner;     /* of spot lights */
     double                 radius_metres; /* of lamps, > 0 */
 } fog_light;

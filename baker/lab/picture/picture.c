@@ -1,15 +1,15 @@
 /* A picture of a scene in the shadows of baked lights; see picture.h.
  *
- * A pixel is the mean of 2 x 2 rays. What a ray meets is one matt material under these lights:
+ * A pixel is the mean of 2 x 2 rays. All surfaces are one matt material under these lights:
  *
  *     suns      lambert, times the lookup in the asset at the point, with its normal, filtered
- *     lamps     the same, weaker with distance: at the distance of most of what a lamp shines on it is as bright as a sun
+ *     lamps     the same, weaker with distance: as bright as a sun at the usual distance of surfaces that the lamp lights
  *     sky       rays over the hemisphere: the sky's colour where they leave the scene, darker the sooner they meet it
  *     haze      mixed over all, by distance behind the nearest corner of the scene
- *     air       before all, what haze scatters of lamps' light: single lookups at some places along the ray
- *     fog       in the place of both, where it is asked for: what it leaves of all, and what it scatters of suns' and lamps' light along
- *               exactly those parts of the ray that are lit (fog.h). Then lights reach surfaces by the law of light in the air, too: by the square of
- *               the distance, and dimmed on their way
+ *     air       in front of all, lamps' light that haze scatters: single lookups at some places along the ray
+ *     fog       optional, replaces haze and air: its transmittance, and airlight of suns and lamps along exactly those parts of
+ *               the ray that are lit (fog.h). Then lights reach surfaces by the law of light in the air, too: by the square of
+ *               the distance, and with transmittance along the way
  *
  * Colours are linear until the end.
  * SPDX-License-Identifier: GPL-3.0-or-later */
@@ -44,7 +44,7 @@ static const double night = 0.07; /* of a sky without a sun */
 typedef struct lamp {
     const vxs_baked_light *light;
     light_shape            shape;
-    double                 usual_metres; /* to what it shines on */
+    double                 usual_metres; /* usual distance of the surfaces that it lights */
     double                 reach_metres; /* its light ends there */
 } lamp;
 
@@ -55,19 +55,19 @@ typedef struct view {
     lamp                   *lamps;      /* [lamp_count] */
     fog_light              *fog_lights; /* [sun_count + lamp_count] */
     uint32_t                sun_count, lamp_count;
-    double                  day; /* of the sky's light: 1, or night */
+    double                  day; /* factor on the sky's light: 1, or night */
     uint8_t                *rgb;
-    float                  *linear; /* NULL: not asked for */
+    float                  *linear; /* NULL: not wanted */
     camera_view             seen;
     double                  near_metres; /* haze begins */
     double                  haze_metres; /* it takes 1 - 1/e in so much */
-    double                  end_metres;  /* fog ends there, where nothing is seen before */
-    double                  sky_metres;  /* what is this far away shuts out half of the sky behind it */
+    double                  end_metres;  /* beyond it no surface is seen, and fog ends */
+    double                  sky_metres;  /* a surface at this distance shuts out half of the sky */
 } view;
 
 /* the scene ------------------------------------------------------------------------------------------- */
 
-/* How far the eye is from the box; 0 inside. */
+/* Distance from the eye to the box; 0 inside. */
 static double distance_to_box(const box *b, const double eye[3])
 {
     double square = 0;
@@ -107,7 +107,7 @@ static void sky_colour(const double direction[3], double out[3])
         mix(sky_horizon, sky_below, 1 - pow(1 + y, 2), out);
 }
 
-/* A frame around a unit normal. */
+/* Two unit vectors perpendicular to a unit normal. */
 static void frame_of(const double normal[3], double a[3], double b[3])
 {
     double axis[3] = {fabs(normal[0]) < 0.5, fabs(normal[0]) >= 0.5, 0};
@@ -117,8 +117,8 @@ static void frame_of(const double normal[3], double a[3], double b[3])
     vec3_cross(normal, a, b);
 }
 
-/* Light from the sky and from what stands before it, by cosine-distributed rays: a square of cells, a ray in each, bent to
- * a disk and lifted to the hemisphere. The samples of a pixel share the cells. */
+/* Light from the sky, shut out by surfaces, by cosine-distributed rays: a grid of cells, a ray in each, mapped to a disk and
+ * projected to the hemisphere. The samples of a pixel share the cells. */
 static void sky_light(const view *v, const double from_ws[3], const double normal[3], int sample, rng *r, double out[3])
 {
     double a[3], b[3];
@@ -138,7 +138,7 @@ static void sky_light(const view *v, const double from_ws[3], const double norma
     }
 }
 
-/* Of the suns, what the asset lets through. Beyond its map nothing casts a shadow. */
+/* Light of the suns after shadows. Beyond the map there is no shadow. */
 static double sun_light(const view *v, const double point_ws[3], const double normal[3])
 {
     double sum = 0;
@@ -153,7 +153,7 @@ static double sun_light(const view *v, const double point_ws[3], const double no
 
 /* lamps ----------------------------------------------------------------------------------------------- */
 
-/* A random direction of a lamp's cone. */
+/* A random direction in a lamp's cone. */
 static void lamp_direction(const light_shape *s, rng *r, double direction[3])
 {
     double a[3], b[3], sunk = rng_unit(r), turn = 2 * pi * rng_unit(r);
@@ -181,7 +181,8 @@ static lamp make_lamp(const view *v, const vxs_baked_light *light, double size)
     return l;
 }
 
-/* How bright a lamp is at a point: weaker with distance, and to the edge of its cone and the end of its range. 0 out of reach.
+/* Brightness of a lamp at a point: it decreases with distance, to the edge of its cone and to the end of its range. 0 out of
+ * reach.
  * to_lamp  [out] unit */
 static double lamp_strength(const lamp *l, const double point_ws[3], double to_lamp[3])
 {
@@ -208,9 +209,9 @@ static double lamp_light(const view *v, const double point_ws[3], const double n
     return sum;
 }
 
-/* Where a ray from the eye passes a lamp no farther than its reach.
- * nearest, beside  [out] how far along the ray it is nearest to the lamp, and how near
- * Returns 0 when it does not. */
+/* The point of a ray from the eye nearest to a lamp.
+ * nearest, beside  [out] its distance along the ray, and from the lamp
+ * Returns 0 when the lamp's reach does not include it. */
 static int pass_lamp(const view *v, const lamp *l, const double direction[3], double *begin, double *end, double *nearest,
                      double *beside)
 {
@@ -225,11 +226,11 @@ static int pass_lamp(const view *v, const lamp *l, const double direction[3], do
     return *begin < *end;
 }
 
-/* What lamps light up in the air along a ray. The places that are looked up lie at equal angles as the lamp sees them (Kulla and
- * Fajardo, "Importance Sampling Techniques for Path Tracing in Participating Media", EGSR 2012). */
+/* Lamps' light that the air scatters along a ray. Lookups are at equal angles as seen from the lamp (Kulla and Fajardo,
+ * "Importance Sampling Techniques for Path Tracing in Participating Media", EGSR 2012). */
 static double air_light(const view *v, const double direction[3], double metres, rng *r)
 {
-    const double scattered = 0.10; /* along a way as long as the usual one, by light as strong as there */
+    const double scattered = 0.10; /* share scattered along the usual distance, by light of the usual strength */
     double       sum       = 0;
     for (uint32_t n = 0; n < v->lamp_count; n++) {
         const lamp *l     = &v->lamps[n];
@@ -241,7 +242,7 @@ static double air_light(const view *v, const double direction[3], double metres,
             vec3_mad(v->options->camera.eye_ws, nearest + beside * slope, direction, point);
             double strength = lamp_strength(l, point, to_lamp);
             if (!(strength > 0)) continue;
-            /* once more by strength: else haze far from lamps would hide the scene */
+            /* weighted by strength twice: else haze far from lamps would hide the scene */
             double lit = fmax(0, (double)vxs_lookup(l->light, point, NULL, 1));
             sum += scattered * strength * fmin(1, strength) * lit * length / l->usual_metres;
         }
@@ -265,7 +266,7 @@ static void light_in_fog(const view *v, const double point_ws[3], const double n
     }
 }
 
-/* What comes back along one ray from the eye, up to where it meets something. */
+/* Light that comes to the eye along one ray, from the first surface. */
 static int trace_surface(const view *v, const double direction[3], int sample, rng *r, double *distance, double out[3])
 {
     double normal[3], point[3], lifted[3], haze[3];
@@ -276,7 +277,7 @@ static int trace_surface(const view *v, const double direction[3], int sample, r
     vec3_mad(v->options->camera.eye_ws, begin, direction, from);
     if (!truth_first_hit(v->truth, from, direction, distance, normal, NULL)) return 0;
     *distance += begin;
-    double turn = vec3_dot(normal, direction) > 0 ? -1 : 1; /* a sheet may be seen from behind */
+    double turn = vec3_dot(normal, direction) > 0 ? -1 : 1; /* turn the normal: a sheet may be seen from behind */
     for (int i = 0; i < 3; i++) normal[i] *= turn;
     vec3_mad(v->options->camera.eye_ws, *distance, direction, point);
     truth_lift(v->truth, point, normal, lifted);
@@ -294,7 +295,7 @@ static int trace_surface(const view *v, const double direction[3], int sample, r
     return 1;
 }
 
-/* Fog before it. Of the sky's light it scatters as much as if a tenth of the sky were seen from everywhere. */
+/* Add the fog in front. It scatters the sky's light as if a tenth of the sky were seen from everywhere. */
 static void put_in_fog(const view *v, const double direction[3], double metres, double colour[3])
 {
     const double      seen = 0.1;
@@ -323,7 +324,7 @@ static void trace(const view *v, const double direction[3], int sample, rng *r, 
 
 /* pixels ---------------------------------------------------------------------------------------------- */
 
-/* A soft shoulder, so that sunlit walls keep their drawing, then the sRGB curve. */
+/* Tone mapping: a soft shoulder, which keeps detail in sunlit walls, then the sRGB curve. */
 static double curve(double x)
 {
     x = x < 0.6 ? x : 0.6 + 0.4 * (1 - exp(-(x - 0.6) / 0.4));
@@ -358,7 +359,8 @@ static void render_pixels(void *user, size_t begin, size_t end, uint32_t worker)
     for (size_t n = begin; n < end; n++) render_pixel(v, n);
 }
 
-/* As bright as what they shine on says: a matt surface sends back 1 / pi of what reaches it to each direction. */
+/* A matt surface reflects 1 / pi of the light that reaches it in each direction. So in fog, a light has pi times its colour on
+ * surfaces. */
 static void light_fog(view *v)
 {
     uint32_t count = 0;

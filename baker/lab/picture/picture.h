@@ -14,14 +14,14 @@ typedef struct picture_options {
     uint32_t          width_px, height_px;
     int               filter_px; /* of lookups, as for vxs_lookup */
     uint32_t          threads;
-    camera_pose       camera; /* eye and target apart, and not in line with the vertical by less than a rounding */
-    const fog_medium *fog;    /* in the place of haze, and of what lamps light up in it; NULL: none */
+    camera_pose       camera; /* eye and target are different, and their direction is not vertical within rounding */
+    const fog_medium *fog;    /* replaces haze, and lamps' light in it; NULL: none */
 } picture_options;
 
-/* Render: shadows from the lights' lookups, all else (what is seen, light from the sky) by rays. Where no light is directional it is
- * night, and the light of spot and point lights is seen in the air too.
+/* Render: shadows by lookups, all else (surfaces, light from the sky) by rays. Without directional lights it is night, and the
+ * light of spot and point lights is seen in the air, too.
  * rgb     [out] [3 * width * height] sRGB, top row first.   The same at any thread count.
- * linear  [out] as many floats, before a screen's shoulder and curve; NULL: they are not asked for
+ * linear  [out] as many floats, before tone mapping; NULL: not wanted
  * lights  [light_count]
  * Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result picture_render(uint8_t *rgb, float *linear, const picture_options *o, const truth *t, const casters *c,

@@ -1,5 +1,5 @@
 #version 450 core
-/* What surfaces get of area lights, as light is counted before exposure. */
+/* Light of area lights on surfaces, in the units of light before exposure. */
 layout(binding = 0) uniform sampler2D irradiance;
 uniform float factor;
 layout(location = 0) out vec4 light_out;

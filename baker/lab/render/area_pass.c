@@ -12,7 +12,7 @@
 EMBEDDED(glow_vert_glsl)
 EMBEDDED(glow_frag_glsl)
 
-enum { DENSE = 16 }; /* lamps that say where points of shadows are densest */
+enum { DENSE = 16 }; /* virtual lights that determine where points for shadows are densest */
 
 struct area_pass {
     area_pass_options options;
@@ -20,13 +20,13 @@ struct area_pass {
     lamp_pass        *lamps;
     double           *powers;        /* [areas] */
     area_share       *shares, *next; /* [areas] of the last frame; of this one */
-    double            exposure;      /* that its lamps have; 0: there are none */
+    double            exposure;      /* exposure of the virtual lights; 0: not yet set */
     uint32_t          count;         /* areas */
     GLuint            glow_program;
     GLuint           *textures; /* [areas] */
 };
 
-/* what is made once --------------------------------------------------------------------------------------------------------------- */
+/* set-up ----------------------------------------------------------------------------------------------------------------------- */
 
 static void put_texture(area_pass *p, uint32_t n)
 {
@@ -54,7 +54,7 @@ static vxs_area_rectangle rectangle_of(const area_pass *p, const scene_area *a, 
     return r;
 }
 
-/* Lamps of all parallelograms that have a share of them.   lamps  [out] as many as there are shares, `count` */
+/* The virtual lights of all parallelograms with a share.   lamps  [out] as many as all shares, `count` */
 static vxs_result place_lamps(const area_pass *p, double exposure, vxs_vpl *lamps, uint32_t *count)
 {
     vxs_result result = VXS_OK;
@@ -83,7 +83,7 @@ static vxs_result make(area_pass *p, vxs_volumes *volumes, message *m)
     lamp_pass_options lit = p->options.lit;
     area_plan         plan;
     area_plan_share(p->powers, p->shares, p->count, DENSE, &plan);
-    if (place_lamps(p, 1, dense, &lit.dense_count) != VXS_OK) lit.dense_count = 0; /* a frame says why */
+    if (place_lamps(p, 1, dense, &lit.dense_count) != VXS_OK) lit.dense_count = 0; /* the frame reports the reason */
     lit.dense = dense;
     if ((r = lamp_pass_create(&p->lamps, &lit, p->gl, volumes, m)) != VXS_OK) return r;
     if ((r = renderer_program(p->gl, &p->glow_program, glow_vert_glsl, &glow, 1, m)) != VXS_OK) return r;
@@ -120,9 +120,9 @@ void area_pass_destroy(area_pass *p)
     free(p);
 }
 
-/* a frame ------------------------------------------------------------------------------------------------------------------------- */
+/* frame ------------------------------------------------------------------------------------------------------------------------ */
 
-/* Whether some of a capsule is before a light that is drawn. */
+/* Whether a capsule is, at least partly, in front of a drawn area light. */
 static int is_shone_on(const void *pass, const vxs_capsule *c)
 {
     const area_pass *p = pass;
@@ -140,7 +140,7 @@ static int is_shone_on(const void *pass, const vxs_capsule *c)
     return 0;
 }
 
-/* Lamps of all that are drawn, what smoke leaves of them, and their shadow maps: again, where something has moved. */
+/* Set the virtual lights of all drawn area lights, their smoke and their shadow maps; again when something has moved. */
 static vxs_result cast(area_pass *p, double exposure)
 {
     vxs_vpl    lamps[VXS_VPLS_MAX];
@@ -181,7 +181,7 @@ static void set_vector(const gl_context *gl, GLuint program, const char *name, c
     gl->ProgramUniform3f(program, gl->GetUniformLocation(program, name), v[0], v[1], v[2]);
 }
 
-/* Whether the eye sees the side that shines. */
+/* Whether the eye sees the emissive side. */
 static int is_seen(const scene_area *a, const double eye_ws[3])
 {
     double normal[3], way[3];

@@ -7,8 +7,8 @@
 #include "baker/lab/render/lamp_pass.h"
 
 typedef struct area_pass_options {
-    lamp_pass_options lit;   /* what they light; its scene has area lights, and outlives the pass */
-    double            scale; /* what radiance is times, before exposure */
+    lamp_pass_options lit;   /* the receivers; its scene has area lights, and outlives the pass */
+    double            scale; /* factor on radiance, before exposure */
 } area_pass_options;
 
 typedef struct area_pass area_pass;
@@ -19,22 +19,22 @@ vxs_result area_pass_create(area_pass **pass, const area_pass_options *o, const 
 /* Accepts NULL. */
 void area_pass_destroy(area_pass *pass);
 
-/* Add airlight to the frame of volumes that has begun, and find what surfaces get.
- * moved_ws  how far what moves has, in metres
- * normals   a texture of them;   exposure  what light is times
+/* Add airlight to the volumes' current frame, and compute the light on surfaces.
+ * moved_ws  offset of moving casters, metres
+ * normals   a texture of surfaces' normals;   exposure  factor on light
  * plan      [out] */
 vxs_result area_pass_draw(area_pass *pass, const double eye_ws[3], const camera_view *seen, const double moved_ws[3],
                           double far_metres, unsigned normals, double exposure, area_plan *plan, message *m);
 
-/* Add what surfaces got to the current framebuffer, without exposure. */
+/* Add the light on surfaces to the current framebuffer, without exposure. */
 void area_pass_add_light(const area_pass *pass);
 
-/* Add the lights themselves to the picture in the current framebuffer, where nothing is before them.
- * clip_from_scene  of places that count from the middle;   depths  of the scene */
+/* Draw the area lights themselves into the current framebuffer, where no surface is in front of them.
+ * clip_from_scene  for positions relative to the scene's middle;   depths  of the scene */
 void area_pass_add_glow(const area_pass *pass, const float clip_from_scene[16], unsigned depths, const double eye_ws[3],
                         double exposure);
 
-/* [scene->area_count] of the last frame; what lights by them. */
+/* [scene->area_count] of the last frame. area_pass_lamps: its pass of virtual lights. */
 const area_share *area_pass_shares(const area_pass *pass);
 const lamp_pass  *area_pass_lamps(const area_pass *pass);
 

@@ -34,7 +34,7 @@ int area_is_behind(const scene_area *a, const double eye_ws[3], const camera_vie
     return eye <= 0 && eye + far_metres * (vec3_dot(seen->forward, normal) + across + up) <= 0;
 }
 
-/* The brightest that has no share yet; `count`: there is none. */
+/* The brightest parallelogram without a share; `count` if there is none. */
 static uint32_t brightest(const double *powers, const area_share *shares, uint32_t count)
 {
     uint32_t best = count;
@@ -63,7 +63,7 @@ void area_plan_share(const double *powers, area_share *shares, uint32_t count, u
     for (uint32_t n = 0; n < count; n++) plan->areas[shares[n].fate]++;
 }
 
-/* in words ------------------------------------------------------------------------------------------------------------------------ */
+/* text ------------------------------------------------------------------------------------------------------------------------- */
 
 static const char *const fate_names[AREA_FATES] = {"drawn", "faint", "behind"};
 static const char *const fate_texts[AREA_FATES] = {

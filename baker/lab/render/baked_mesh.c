@@ -4,7 +4,7 @@
 
 #include <stdlib.h>
 
-/* Where shadow begins on each light ray, from the asset.   first  [out] released with free */
+/* Read the first shadow depths of the light's rays from the asset.   first  [out] released with free */
 static vxs_result read_map(const baked_mesh_options *o, const gl_context *gl, vxs_volumes *volumes, float **first,
                            uint32_t *side_px, message *m)
 {

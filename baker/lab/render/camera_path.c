@@ -12,7 +12,7 @@ enum { ORBIT_KEYS = 24, FILE_BYTES_MAX = 8 << 20 };
 
 static const double pi = 3.14159265358979323846;
 
-/* A line of six finite numbers, and nothing else. */
+/* Parse a line of exactly six finite numbers. */
 static int read_key(char *line, camera_pose *key)
 {
     double numbers[6];
@@ -52,7 +52,7 @@ static vxs_result read_keys(camera_path *path, char *text, const char *name, dou
 static uint64_t wanted_bytes(void *user, const uint8_t *first, size_t size_bytes)
 {
     (void)user;
-    return memchr(first, 0, size_bytes) ? 0 : UINT64_MAX; /* no text */
+    return memchr(first, 0, size_bytes) ? 0 : UINT64_MAX; /* not a text file */
 }
 
 vxs_result camera_path_read(camera_path *path, const char *file, double fov_degrees, message *m)

@@ -11,21 +11,22 @@
 typedef struct camera_path {
     camera_pose *keys; /* [count] owned */
     size_t       count;
-    int          closed; /* behind the last key comes the first */
+    int          closed; /* 1: the first key follows the last one */
 } camera_path;
 
 enum { PATH_KEYS_MAX = 10000 };
 
-/* Keys from a file, a line each: "x y z  target x y z", metres; blank lines and lines that begin with # are skipped. A key in which both are one
- * point is an error, as are fewer than two keys.
+/* Read keys from a file, a line each: "x y z  target x y z", metres; blank lines and lines that begin with # are skipped. It is
+ * an error if a key's points are equal, or if there are fewer than two keys.
  * path  [out] released with camera_path_free, whatever is returned
- * Returns VXS_OK, VXS_E_READ (one line says which line of the file), VXS_E_MEMORY. */
+ * Returns VXS_OK, VXS_E_READ (the message has the line's number), VXS_E_MEMORY. */
 vxs_result camera_path_read(camera_path *path, const char *file, double fov_degrees, message *m);
 
-/* Once around the target of a camera, at its height.   Returns VXS_OK or VXS_E_MEMORY. */
+/* A circle around the target of a camera, at its height.   Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result camera_path_orbit(camera_path *path, const camera_pose *camera, message *m);
 
-/* At a share of the path, [0, 1]: eye and target each on a smooth curve through its keys (Catmull-Rom), which take equal times. */
+/* The pose at a share of the path, [0, 1]: eye and target each on a Catmull-Rom curve through the keys, with equal times between
+ * keys. */
 camera_pose camera_path_at(const camera_path *path, double share);
 
 void camera_path_free(camera_path *path);

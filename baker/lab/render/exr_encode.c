@@ -11,7 +11,7 @@ typedef struct bytes {
     size_t   size, room;
 } bytes;
 
-/* As pwrite: the library goes back to fill in where chunks begin. */
+/* Like pwrite: the library goes back to write the chunks' offsets. */
 static int64_t put(exr_const_context_t context, void *user, const void *buffer, uint64_t size, uint64_t offset,
                    exr_stream_error_func_ptr_t on_error)
 {
@@ -95,7 +95,7 @@ uint8_t *exr_encode(const float *pixels, uint32_t width_px, uint32_t height_px, 
     exr_result_t r                 = exr_start_write(&file, "picture", EXR_WRITE_FILE_DIRECTLY, &how);
     if (r == EXR_ERR_SUCCESS) r = describe(file, width_px, height_px, channels, white);
     if (r == EXR_ERR_SUCCESS) r = write_chunks(file, pixels, width_px, height_px, channels);
-    exr_result_t end = file ? exr_finish(&file) : EXR_ERR_SUCCESS; /* it writes where chunks begin */
+    exr_result_t end = file ? exr_finish(&file) : EXR_ERR_SUCCESS; /* writes the chunks' offsets */
     if (r != EXR_ERR_SUCCESS || end != EXR_ERR_SUCCESS) {
         free(b.data);
         return NULL;

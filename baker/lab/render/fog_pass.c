@@ -10,11 +10,11 @@
 #include "runtime/volumes/vxs_air_path.h"
 #include "runtime/volumes/vxs_shadow_grid.h"
 
-/* A mesh is made of a map of so many texels a side at most: six maps take a second. A grid has so many voxels along alpha and phi, fewer where a
- * processor fills it, for each light of each frame. */
+/* Largest side of the map that a mesh is made from, in texels: six such maps take a second. Voxels of a grid along alpha and
+ * phi; fewer on a software renderer, which fills the grid for each light in each frame. */
 enum { MAP_SIDE = 1024, MESH_SIDE = 1024, GRID_SIDE = 512, GRID_SIDE_SOFTWARE = 256 };
 
-/* A light, and the most airlight that any ray has of it. */
+/* A light, and the maximum of its airlight on any ray. */
 typedef struct faint_light {
     uint32_t light;
     float    most;
@@ -26,12 +26,12 @@ struct fog_pass {
     vxs_gl                *shadows;
     vxs_volumes           *volumes;
     vxs_shadow_grid       *grid;   /* FOG_BY_GRID */
-    vxs_light_mesh       **meshes; /* FOG_BY_MESH: [lights], NULL before the first frame in which a light is drawn */
-    vxs_shadow_depth_map **maps;   /* [lights] of those that have seen something move; else NULL */
+    vxs_light_mesh       **meshes; /* FOG_BY_MESH: [lights], NULL until the light is first drawn */
+    vxs_shadow_depth_map **maps;   /* [lights] for lights that have met moving casters; else NULL */
     uint32_t               meshes_made;
     fog_light_plan        *lights; /* [lights] of the last frame */
     faint_light           *faint;  /* [lights] */
-    uint32_t               last;   /* light that was drawn then; UINT32_MAX: none */
+    uint32_t               last;   /* the light that was drawn last; UINT32_MAX: none */
 };
 
 static vxs_gl_function lookup(const char *name, void *user)
@@ -95,9 +95,9 @@ void fog_pass_destroy(fog_pass *p)
     free(p);
 }
 
-/* meshes -------------------------------------------------------------------------------------------------------------------------- */
+/* meshes ----------------------------------------------------------------------------------------------------------------------- */
 
-/* Rays end 2 sizes of the scene before the eye, which a path may lead some sizes away from where it is now. */
+/* The mesh extends to 16 scene sizes: rays end 2 sizes from the eye, and a path may move the eye by some sizes. */
 static vxs_result make_mesh(fog_pass *p, uint32_t light, message *m)
 {
     const baked_mesh_options o = {
@@ -107,9 +107,9 @@ static vxs_result make_mesh(fog_pass *p, uint32_t light, message *m)
     return result;
 }
 
-/* maps ---------------------------------------------------------------------------------------------------------------------------- */
+/* maps ------------------------------------------------------------------------------------------------------------------------- */
 
-/* Where a light ends: at what stands, and before that at what moves. */
+/* Join the light's shadow depth map with those of moving casters: light ends at the first of them. */
 static vxs_result join_map(fog_pass *p, uint32_t light, const vxs_moving_casters *casters, uint32_t count)
 {
     const vxs_shadow_depth_map_desc desc = {.baked = light, .side_px = MAP_SIDE, .moves = 1};
@@ -120,14 +120,14 @@ static vxs_result join_map(fog_pass *p, uint32_t light, const vxs_moving_casters
     return vxs_shadow_depth_map_join(p->maps[light], casters, count);
 }
 
-/* a frame ------------------------------------------------------------------------------------------------------------------------- */
+/* frame ------------------------------------------------------------------------------------------------------------------------ */
 
 double fog_pass_far_metres(const fog_pass *p)
 {
     return 2 * p->options.size_metres;
 }
 
-/* Fog lies below the eye's own height by so much. */
+/* The fog's top relative to the eye's height. */
 static vxs_volumes_frame frame_of(const fog_pass *p, const vxs_view *view, unsigned depths, const double eye_ws[3],
                                   const double ambient[3])
 {
@@ -146,7 +146,7 @@ static vxs_volumes_frame frame_of(const fog_pass *p, const vxs_view *view, unsig
     return f;
 }
 
-/* What becomes of a light in the frame that has begun. */
+/* The plan of a light in the current frame. */
 static fog_light_plan plan_light(const fog_pass *p, const vxs_volumes_light *light)
 {
     static const fog_fate fates[] = {[VXS_NOT_CULLED]       = FOG_DRAWN,
@@ -160,8 +160,9 @@ static fog_light_plan plan_light(const fog_pass *p, const vxs_volumes_light *lig
         .fate = fate, .share = fate == FOG_DRAWN ? (double)pixels.wide_px * pixels.high_px / all : 0, .by = p->options.by};
 }
 
-/* Steps for a light that what was asked does not draw right: all but marches have closed forms, of light that nothing dims; and intervals, which ask the
- * file, and meshes, which are made once, do not know what moves. */
+/* Fall back to equiangular steps for lights that the requested method cannot draw correctly. If smoke dims the light, only
+ * marches can: the other methods use closed forms. If casters move in it, intervals and meshes cannot: intervals come from the
+ * file, and meshes are made once. */
 static void plan_steps(fog_light_plan *light, int is_dimmed, int meets_moving)
 {
     int marches = light->by == FOG_BY_MARCH || light->by == FOG_BY_ANGLES, knows_moving = marches || light->by == FOG_BY_GRID;
@@ -172,7 +173,7 @@ static void plan_steps(fog_light_plan *light, int is_dimmed, int meets_moving)
     if (light->why) light->by = FOG_BY_ANGLES;
 }
 
-/* map  NULL: the file is asked */
+/* map  NULL: use the baked data */
 static vxs_result draw_light(fog_pass *p, const vxs_volumes_light *light, const vxs_shadow_depth_map *map, message *m)
 {
     uint32_t   n      = light->baked;
@@ -191,7 +192,7 @@ static vxs_result draw_light(fog_pass *p, const vxs_volumes_light *light, const 
 
 static vxs_volumes_light light_of(const fog_pass *p, uint32_t n, const fog_shine *shine, double exposure)
 {
-    const double      radius = 5e-4 * p->options.size_metres; /* airlight has no bound where a ray meets a point */
+    const double      radius = 5e-4 * p->options.size_metres; /* airlight is unbounded on a ray through a point light */
     vxs_volumes_light light  = {.baked = n, .cos_inner = (float)shine->cos_inner, .radius_metres = (float)radius};
     for (int k = 0; k < 3; k++) light.colour[k] = (float)(exposure * shine->colour[k]);
     return light;
@@ -204,8 +205,9 @@ static int fainter(const void *a, const void *b)
     return p->light < q->light ? -1 : 1;
 }
 
-/* Of all lights, from the faintest on: those that together have no more than half of what may be left out are; pixels of each of the others may miss an equal part
- * of the rest.   least  [out] of each, as vxs_volumes_light has it */
+/* Choose lights to leave out, faintest first, as long as their sum is at most half of the allowed error, FOG_FAINTEST. The other
+ * half is shared equally by the remaining lights: each may skip pixels below its share.
+ * least  [out] of each light, as in vxs_volumes_light */
 static void choose_faint(fog_pass *p, const fog_shine *shines, double exposure, float *least)
 {
     uint32_t count = vxs_gl_light_count(p->shadows), faint = 0;
@@ -221,7 +223,7 @@ static void choose_faint(fog_pass *p, const fog_shine *shines, double exposure, 
             n < faint ? fmaxf(1.001F * p->faint[n].most, 1e-30F) : (float)(0.5 * FOG_FAINTEST / (count - faint));
 }
 
-/* What is left out costs no call, and no mesh.   light  which it is */
+/* Add one light; those left out cost no call and no mesh.   light  its values in libvxs_volumes */
 static vxs_result add_light(fog_pass *p, vxs_volumes_light light, const moving_pass *moving, const smoke_pass *smoke,
                             fog_plan *plan, message *m)
 {

@@ -15,14 +15,14 @@ typedef struct fog_pass_options {
     const fog_medium             *medium; /* it outlives the pass */
     fog_by                        by;
     uint32_t                      steps;         /* of a march */
-    uint32_t                      grid;          /* n: a grid of n x 2n x n; 0: as fits the processor that draws */
+    uint32_t                      grid;          /* n: a grid of n x 2n x n; 0: chosen for the renderer */
     uint32_t                      width, height; /* samples */
     double                        size_metres;   /* of the scene */
-    const vxs_baked_smoke *const *baked_smoke;   /* [lights] as render_options has it */
-    int                           streamed;      /* what is baked may change: light maps are looked up anew in each frame */
+    const vxs_baked_smoke *const *baked_smoke;   /* [lights] as in render_options */
+    int                           streamed;      /* 1: baked data may change, so light maps are looked up anew in each frame */
 } fog_pass_options;
 
-/* What a light of libvxs_gl is beside its shadows. */
+/* Properties of a light, in addition to its shadows in libvxs_gl. */
 typedef struct fog_shine {
     double colour[3]; /* as for vxs_volumes_light */
     double cos_inner;
@@ -36,38 +36,38 @@ vxs_result fog_pass_create(fog_pass **pass, const fog_pass_options *o, const gl_
 /* Accepts NULL. */
 void fog_pass_destroy(fog_pass *pass);
 
-/* Begin a frame: no airlight yet.
- * ambient  of the sky, which fog scatters, too */
+/* Begin a frame without airlight.
+ * ambient  of the sky, scattered by the fog, too */
 vxs_result fog_pass_begin(fog_pass *pass, const vxs_view *view, unsigned depths, const double eye_ws[3], const double ambient[3],
                           message *m);
 
-/* Add the lights' airlight, and lay all over the linear picture in the current framebuffer.
- * shines   [lights of shadows];   exposure  what their colours are times;   plan  [out]
- * moving   whose lights are drawn of maps that end where it begins, not by intervals or meshes; NULL: nothing moves */
+/* Add the airlight of lights, and blend fog over the linear picture in the current framebuffer.
+ * shines   [lights of shadows];   exposure  factor on their colours;   plan  [out]
+ * moving   moving casters: lights that meet them are drawn by maps joined with theirs, not by intervals or meshes; NULL: none */
 vxs_result fog_pass_draw(fog_pass *pass, const fog_shine *shines, const moving_pass *moving, const smoke_pass *smoke,
                          double exposure, fog_plan *plan, message *m);
 
-/* Whose frame it is, for passes that add to it. */
+/* The volumes that hold the frame, for passes that add to it. */
 vxs_volumes *fog_pass_volumes(const fog_pass *pass);
 
-/* Where rays end that meet nothing: nothing of the scene is there any more. */
+/* End of rays that meet no surface, in metres: beyond the whole scene. */
 double fog_pass_far_metres(const fog_pass *pass);
 
 /* Of the last frame, each light of shadows; NULL before the first. */
 const fog_light_plan *fog_pass_lights(const fog_pass *pass);
 
-/* What fog leaves of light that comes to the eye along a ray.
- * direction  of length 1;   metres  INFINITY: from where rays end that meet nothing;   left  [out] of each channel */
+/* Transmittance of the fog along a ray to the eye.
+ * direction  of length 1;   metres  INFINITY: up to the end of rays that meet no surface;   left  [out] of each channel */
 void fog_pass_left(const fog_pass *pass, const double eye_ws[3], const double direction[3], double metres, double left[3]);
 
 /* n of its grid of n x 2n x n; 0 without one. */
 uint32_t fog_pass_grid(const fog_pass *pass);
 
-/* Of the grid of the light that was drawn last: how much of each column and row is in shadow. Without such a light, nothing is.
+/* The share of shadow in each column and row of the grid of the light that was drawn last. 0 if there is no such light.
  * dark  [out] [2n][n] rows of theta, columns of alpha, 0 to 1;   Returns VXS_OK, VXS_E_MEMORY. */
 vxs_result fog_pass_read_grid(const fog_pass *pass, float *dark, message *m);
 
-/* The mesh of the light that the last frame was drawn of last, by meshes.   light  [out] its number;   Returns NULL where there is none */
+/* The mesh that the last frame drew last, with FOG_BY_MESH.   light  [out] its number;   Returns NULL if there is none */
 const vxs_light_mesh *fog_pass_mesh(const fog_pass *pass, uint32_t *light);
 
 /* An RGBA32F texture of width x height. */

@@ -1,4 +1,4 @@
-/* The plan of a frame's fog in words; see fog_plan.h.
+/* The plan of a frame's fog as text and JSON; see fog_plan.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/render/fog_plan.h"
 
@@ -20,7 +20,7 @@ static void fate_text(char text[64], fog_fate fate)
         snprintf(text, 64, "%s", texts[fate]);
 }
 
-/* what is left out --------------------------------------------------------------------------------------------------------------- */
+/* savings ---------------------------------------------------------------------------------------------------------------------- */
 
 static void leave_out(fog_saving **next, const char *what, const char *reason)
 {
@@ -45,7 +45,7 @@ void fog_plan_savings(const fog_plan *plan, fog_by by, uint32_t light_count, fog
         leave_out(&next, "light maps", "nothing moves: the file is asked where shadow begins");
 }
 
-/* for people ---------------------------------------------------------------------------------------------------------------------- */
+/* text ------------------------------------------------------------------------------------------------------------------------- */
 
 static void print_light(FILE *to, const fog_light_plan *light, const char *light_name)
 {
@@ -81,7 +81,7 @@ void fog_plan_print(FILE *to, const fog_plan *plan, fog_by by, const fog_light_p
     for (uint32_t n = 0; n < light_count; n++) print_light(to, &lights[n], names[n]->light.name);
 }
 
-/* as JSON ------------------------------------------------------------------------------------------------------------------------- */
+/* JSON ------------------------------------------------------------------------------------------------------------------------- */
 
 json_t *fog_plan_counts(const fog_plan *plan)
 {

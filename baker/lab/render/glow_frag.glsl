@@ -1,7 +1,7 @@
 #version 450 core
-/* What shines, where it is what the picture shows: its depth there is that of the scene. */
+/* Emissive surfaces, where they are visible: their depth equals that of the scene. */
 layout(binding = 0) uniform sampler2D depths;
-layout(binding = 1) uniform sampler2D colours; /* what radiance is times */
+layout(binding = 1) uniform sampler2D colours; /* and the factor on radiance */
 uniform vec3 radiance;
 in vec2 part;
 layout(location = 0) out vec4 glow_out;

@@ -15,14 +15,14 @@ const char *const area_gather_names[] = {"each", "ninths", "quarter"};
 
 static const double pi = 3.14159265358979324;
 
-/* Points in one place on the average of a file of which one in each place is drawn. */
+/* If a file has more points per place than this on average, only one point of each place is drawn. */
 enum { CROWD = 4 };
 
-/* Of all triangles; of those that move. */
+/* Numbers of points: for all triangles; for moving ones. */
 enum { POINTS = 1 << 18, MOVING_POINTS = 1 << 15 };
 
-/* Lamps are many, and each has its curves of smoke. All capsules may cover all texels of all lamps: so many times in all, which takes a minute or two on
- * two processors, and no more. */
+/* Limits on smoke maps: there are many virtual lights, and each has its map. The last is the limit on texels that all capsules
+ * cover in all maps: it takes a minute or two on two processors. */
 enum { SMOKE_SIDE_MOST = 64, SMOKE_SIDE_LEAST = 8, SMOKE_COVERED_MOST = 1 << 30 };
 
 struct lamp_pass {
@@ -30,19 +30,20 @@ struct lamp_pass {
     const gl_context *gl;
     vxs_volumes      *volumes;
     vxs_area_light   *light;
-    uint32_t          points, moving_points; /* of what stands, which come first in the buffer; of what moves */
-    vxs_area_point   *moving, *moved;        /* [moving_points] where they are in their file; and now */
-    double            moved_ws[3];           /* by how much */
-    int               has_moved;             /* since shadow maps were cast */
-    vxs_capsule      *capsules;              /* [options.smoke->count] of smoke: those that lamps shine on */
+    uint32_t          points, moving_points; /* of static casters, first in the buffer; of moving casters */
+    vxs_area_point   *moving, *moved;        /* [moving_points] at their position in the file; at their current one */
+    double            moved_ws[3];           /* the offset between them */
+    int               has_moved;             /* 1: moved since shadow maps were cast */
+    vxs_capsule      *capsules;              /* [options.smoke->count] capsules of smoke that virtual lights reach */
     uint32_t          capsule_count;
     GLuint            buffer, add_program, empty_array;
 };
 
-/* what is made once --------------------------------------------------------------------------------------------------------------- */
+/* set-up ----------------------------------------------------------------------------------------------------------------------- */
 
-/* Over a scene's triangles.
- * lamps  how many there are where points are densest, as in the options;   found  [out] how many points: none, where triangles have no area */
+/* Scatter points over a scene's triangles.
+ * lamps  number of virtual lights where points are densest, as in the options
+ * found  [out] number of points: 0 if all triangles have no area */
 static vxs_result scatter(const lamp_pass *p, const scene *s, uint32_t lamps, vxs_area_point *points, uint32_t count,
                           uint32_t *found, message *m)
 {
@@ -66,7 +67,7 @@ static vxs_result scatter_moving(lamp_pass *p, message *m)
     return scatter(p, p->options.moving, 0, p->moving, MOVING_POINTS, &p->moving_points, m);
 }
 
-/* Where they are now, behind those that stand. */
+/* Append the moving points, at their current position, to the static ones. */
 static void put_moving(lamp_pass *p, const double moved_ws[3])
 {
     GLsizeiptr size = sizeof *p->moved;
@@ -79,7 +80,7 @@ static void put_moving(lamp_pass *p, const double moved_ws[3])
     p->has_moved = 1;
 }
 
-/* How many bits of coordinates tell points apart that are a quarter as far from each other as they are wide, or farther. */
+/* The number of coordinate bits that distinguish points whose distance is a quarter of their width or more. */
 static uint32_t bits_that_count(const vxs_baked_points *points)
 {
     double   units = 0.25 * sqrt(points->square_metres) / points->step_metres;
@@ -93,11 +94,12 @@ static int in_one_cell(const uint16_t *a, const uint16_t *b, uint32_t shift)
     return a[0] >> shift == b[0] >> shift && a[1] >> shift == b[1] >> shift && a[2] >> shift == b[2] >> shift;
 }
 
-/* Points of a file are as far from each other as each is wide, but where surfaces lie on each other. What a point covers of shadow maps is the work, so one
- * that has millions of them in one place, and says that each is wide, would take minutes: where nearly all lie in each other, one of each place is
- * drawn, which covers the same. In the order of their codes those of a place come one behind the other.
+/* Points of a file are usually as far apart as they are wide, except where surfaces overlap. The cost of shadow maps is the
+ * texels that points cover, so a file with millions of wide points in one place would take minutes. If nearly all points
+ * overlap, draw only one of each place: it covers the same texels. Points are sorted by their codes, so those of a place are
+ * adjacent.
  * points  [baked->count] out
- * Returns how many there are. */
+ * Returns their number. */
 static uint32_t unpack(const vxs_baked_points *baked, const double middle_ws[3], vxs_area_point *points, message *m)
 {
     uint32_t shift = bits_that_count(baked), places = 1, kept = 0;
@@ -194,7 +196,7 @@ void lamp_pass_destroy(lamp_pass *p)
     free(p);
 }
 
-/* a frame ------------------------------------------------------------------------------------------------------------------------- */
+/* frame ------------------------------------------------------------------------------------------------------------------------ */
 
 int lamp_pass_move(lamp_pass *p, const double moved_ws[3])
 {
@@ -202,7 +204,7 @@ int lamp_pass_move(lamp_pass *p, const double moved_ws[3])
     return p->has_moved;
 }
 
-/* What smoke leaves of each lamp. */
+/* Make the smoke maps of all virtual lights. */
 static vxs_result dim(lamp_pass *p, int (*is_shone_on)(const void *user, const vxs_capsule *c), const void *user)
 {
     const scene_smoke *smoke = p->options.smoke;

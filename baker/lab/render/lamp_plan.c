@@ -1,4 +1,4 @@
-/* Virtual lights in words; see lamp_plan.h.
+/* Virtual lights as text and JSON; see lamp_plan.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/render/lamp_plan.h"
 

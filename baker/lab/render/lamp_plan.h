@@ -1,4 +1,4 @@
-/* What is said of virtual lights, of what shines in a scene as of a sky, for people and JSON.
+/* Text and JSON on virtual lights, of area lights or of a sky.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef LAMP_PLAN_H
 #define LAMP_PLAN_H
@@ -11,14 +11,14 @@ typedef struct lamp_words {
     const char *gather;               /* its word */
     uint32_t    points;               /* that cast shadows */
     int         baked;                /* they are those of the asset */
-    uint32_t    capsules, smoke_side; /* of smoke that dims what is drawn, and curves a side of each virtual light */
-    int         baked_smoke;          /* the asset has some for its lights, which nothing says of these */
+    uint32_t    capsules, smoke_side; /* capsules of smoke that dims the light, and the side of each virtual light's smoke map */
+    int         baked_smoke;          /* 1: the asset has baked smoke for its own lights, which does not dim virtual lights */
 } lamp_words;
 
-/* The end of the line that says how many there are: what dims them, where something does. */
+/* The end of the line with their number: the smoke that dims them, if any. */
 void lamp_plan_print_smoke(FILE *to, const lamp_words *w);
 
-/* Lines of what else is known of them. */
+/* Further lines on them. */
 void lamp_plan_print(FILE *to, const lamp_words *w);
 
 /* Members of an object. */

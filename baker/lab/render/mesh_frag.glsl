@@ -1,9 +1,10 @@
 #version 450 core
-/* A veil of a light's mesh, and its edges, where neither the scene hides them nor rays have ended: warm where a ray from the eye comes into the light,
- * cold where it leaves it. What lies on a surface is seen, within a few texels of the map. */
+/* A transparent view of a light's mesh, with its edges, where neither the scene hides it nor rays have ended: warm where a ray
+ * from the eye enters the light, cold where it leaves it. Mesh surfaces within a few texels of a scene's surface are visible,
+ * too. */
 layout(binding = 0) uniform sampler2D depths; /* near / distance along the axis, as gl_FragCoord.z */
-uniform float farthest; /* such a depth */
-uniform int   turn;     /* 1, or -1: light space is turned over in the view */
+uniform float farthest; /* in the same units */
+uniform int   turn;     /* 1, or -1: the view mirrors light space */
 in vec3 beside;
 layout(location = 0) out vec4 light;
 
@@ -12,10 +13,11 @@ const vec3 enters = vec3(1.0, 0.45, 0.08), leaves = vec3(0.06, 0.4, 1.0);
 
 void main()
 {
-    vec3  wide = fwidth(beside), pixels = beside / max(wide, vec3(1e-6)); /* how wide a pixel is, and how far the edges are, in pixels */
+    vec3  wide = fwidth(beside), pixels = beside / max(wide, vec3(1e-6)); /* the width of a pixel, and the distance of the edges
+                                                                             in pixels */
     float nearest = min(pixels.x, min(pixels.y, pixels.z)), widest = max(wide.x, max(wide.y, wide.z));
     float seen = texelFetch(depths, ivec2(gl_FragCoord.xy), 0).r;
     if (gl_FragCoord.z < max((1.0 - on_surface) * seen, farthest)) discard;
-    float line = (1.0 - smoothstep(0.4, 1.2, nearest)) * clamp(1.5 - 2.0 * widest, 0.0, 1.0); /* none in triangles of less than a pixel */
+    float line = (1.0 - smoothstep(0.4, 1.2, nearest)) * clamp(1.5 - 2.0 * widest, 0.0, 1.0); /* none in tiny triangles */
     light      = vec4((gl_FrontFacing == (turn > 0) ? leaves : enters) * (veil + edge * line), 0.0);
 }

@@ -1,5 +1,5 @@
 #version 450 core
-/* A light's mesh, three vertices for each triangle, so that each of its pixels knows how far the edges are. */
+/* A light's mesh, three vertices for each triangle, so that each fragment knows its distance from the edges. */
 layout(std430, binding = 5) readonly buffer mesh {
     uint words[]; /* corners, then places */
 };

@@ -1,4 +1,4 @@
-/* How much of a light gets by what moves: behind the texts of vxs_gl.h, with the depth maps of moving_pass.c. */
+/* The part of a light that passes moving casters: follows the texts of vxs_gl.h, uses the depth maps of moving_pass.c. */
 struct moving_view {
     mat4 depth_from_point;
     vec4 texel; /* x: metres of one, times w */
@@ -9,7 +9,7 @@ layout(std430, binding = 6) readonly restrict buffer moving_block {
 };
 layout(binding = 6) uniform sampler2DArray moving_depths;
 
-/* The part of 3 x 3 texels about a place, itself in texels, in which nothing is nearer to the light than a depth: 1 where nothing is. */
+/* The share of 3 x 3 texels around a place, in texels, without a caster nearer to the light than `depth`: 1 without any. */
 float moving_part(vec2 place, uint layer, float depth)
 {
     vec2  first = floor(place - 1.5), part = place - 1.5 - first;
@@ -24,7 +24,7 @@ float moving_part(vec2 place, uint layer, float depth)
     return sum / 9.0;
 }
 
-/* A surface asks a texel and a half before itself, so that it does not shade itself. */
+/* The lookup is moved 1.5 texels off the surface, so that the surface does not shadow itself. */
 float moving_lit(uint light, vec3 at, vec3 normal)
 {
     uvec2 views = moving_lights[light];

@@ -1,5 +1,5 @@
-/* What moves; see moving_pass.h. A depth map is of the sphere about all of it: of a sun a square across its way, of a lamp a frustum that looks at the
- * sphere's middle, or, where the lamp is in the sphere or near it, six.
+/* Moving casters; see moving_pass.h. A depth map covers the sphere around all of them: for a sun, a square across its direction;
+ * for a lamp, a frustum towards the sphere's centre, or, if the lamp is in the sphere or near it, six frusta.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/render/moving_pass.h"
 
@@ -12,12 +12,12 @@
 
 enum { SIDE_PX = 1024, BINDING = 6, UNIT = 6 };
 
-/* How a light sees it: rows of texture coordinates, depth and w by places of the world; and how wide a texel is, in metres, times w. */
+/* A light's view: rows that give texture coordinates, depth and w from world space; and the width of a texel, in metres, per w. */
 typedef struct moving_view {
     double rows[4][4], texel;
 } moving_view;
 
-/* As moving.glsl has it. */
+/* Layout as in moving.glsl. */
 typedef struct shader_view {
     float depth_from_point[16], texel[4];
 } shader_view;
@@ -37,9 +37,9 @@ struct moving_pass {
     GLuint                        buffer, depths, layers[MOVING_MAPS], frames[MOVING_MAPS];
 };
 
-/* views --------------------------------------------------------------------------------------------------------------------------- */
+/* views ------------------------------------------------------------------------------------------------------------------------ */
 
-/* A row that says how far a place is along an axis from another, and what is added. */
+/* A row that gives the distance of a place from another along an axis, times scale, plus `more`. */
 static void set_row(double row[4], const double axis[3], double scale, const double from[3], double more)
 {
     for (int n = 0; n < 3; n++) row[n] = scale * axis[n];
@@ -77,7 +77,7 @@ static moving_view perspective_view(const double place[3], const double forward[
     return v;
 }
 
-/* How a light sees a sphere.   Returns how many views there are */
+/* The views of a sphere from a light.   Returns their number */
 static uint32_t views_of(const vxs_light *light, const double middle[3], double radius, moving_view views[MOVING_FACES])
 {
     light_shape   shape = baked_light_shape(light);
@@ -103,7 +103,7 @@ static uint32_t views_of(const vxs_light *light, const double middle[3], double 
     return MOVING_FACES;
 }
 
-/* create -------------------------------------------------------------------------------------------------------------------------- */
+/* create ----------------------------------------------------------------------------------------------------------------------- */
 
 static size_t block_bytes(const moving_pass *p)
 {
@@ -162,9 +162,10 @@ void moving_pass_destroy(moving_pass *p)
     free(p);
 }
 
-/* cast ---------------------------------------------------------------------------------------------------------------------------- */
+/* cast ------------------------------------------------------------------------------------------------------------------------- */
 
-/* From places that count from one to clip space, where x and y are in [-1, 1] and depth is in [0, 1]; or to texture coordinates. By columns. */
+/* The matrix from positions relative to from_ws to clip space, where x and y are in [-1, 1] and depth is in [0, 1]; or to
+ * texture coordinates. Column-major. */
 static void set_matrix(const moving_view *v, const double from_ws[3], int is_clip, float matrix[16])
 {
     for (int row = 0; row < 4; row++) {

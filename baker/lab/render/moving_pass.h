@@ -1,5 +1,5 @@
-/* What moves: a scene of its own, drawn beside the one whose shadows are baked. Lights that can meet it see it in depth maps of its own, made anew each
- * frame, which shade surfaces (moving.glsl) and end light in fog (vxs_shadow_depth_map_join).
+/* Moving casters: a second scene, drawn beside the one whose shadows are baked. Each light that can reach them renders them into
+ * its own depth maps, anew in each frame. These shade surfaces (moving.glsl) and end light in fog (vxs_shadow_depth_map_join).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MOVING_PASS_H
 #define MOVING_PASS_H
@@ -8,20 +8,20 @@
 #include "runtime/volumes/vxs_volumes.h"
 
 enum {
-    MOVING_FACES = 6, /* depth maps of a light at most: where it is among what moves */
-    MOVING_MAPS  = 16 /* of a frame; lights that find none left do without */
+    MOVING_FACES = 6, /* depth maps of a light at most, when it is among the moving casters */
+    MOVING_MAPS  = 16 /* of a frame; further lights get none */
 };
 
 typedef struct moving_plan {
-    uint32_t lights;   /* that see what moves */
+    uint32_t lights;   /* lights that reach moving casters */
     uint32_t maps;     /* depth maps that were drawn for them */
-    uint32_t left_out; /* lights, because all maps were taken */
+    uint32_t left_out; /* lights without maps, because all maps were taken */
 } moving_plan;
 
 typedef struct moving_pass moving_pass;
 
 /* pass    [out] NULL on failure;   s  at least one triangle
- * lights  [light_count] they outlive the pass
+ * lights  [light_count] outlive the pass
  * Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
 vxs_result moving_pass_create(moving_pass **pass, gl_context *gl, const scene *s, const vxs_baked_light *const *lights,
                               uint32_t light_count, message *m);
@@ -29,20 +29,20 @@ vxs_result moving_pass_create(moving_pass **pass, gl_context *gl, const scene *s
 /* Accepts NULL. */
 void moving_pass_destroy(moving_pass *pass);
 
-/* Where it is now, and how lights see it.
- * program  that draws surfaces;   by_ws  metres from where its file has it;   eye_ws  from which places count */
+/* Move the casters, and render the depth maps of lights.
+ * program  that draws surfaces;   by_ws  offset from the file's position, metres;   eye_ws  origin of relative positions */
 void moving_pass_cast(moving_pass *pass, GLuint program, const double by_ws[3], const double eye_ws[3], moving_plan *plan);
 
-/* Its triangles where they are now: middle_ws has moved with them. */
+/* The triangles at their current position: middle_ws has moved with them. */
 const surface_mesh *moving_pass_mesh(const moving_pass *pass);
 
-/* How far it has moved from where its file has it. */
+/* The current offset from the file's position. */
 void moving_pass_moved(const moving_pass *pass, double by_ws[3]);
 
-/* For shaders that have moving.glsl. */
+/* Bind the resources of shaders that include moving.glsl. */
 void moving_pass_bind(const moving_pass *pass);
 
-/* How a light sees it.   casters  [out];   Returns how many there are */
+/* The depth maps of a light.   casters  [out];   Returns their number */
 uint32_t moving_pass_casters(const moving_pass *pass, uint32_t light, vxs_moving_casters casters[MOVING_FACES]);
 
 #endif

@@ -1,4 +1,4 @@
-/* What a frame is made of, each as a picture; see render_passes.h.
+/* The passes of a frame as pictures; see render_passes.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/render/render_passes.h"
 
@@ -30,7 +30,7 @@ typedef struct passes {
     size_t       count;                              /* samples */
     float       *depths, *normals, *albedos, *light; /* of renderer_read */
     float       *lit;                                /* [count] of one light */
-    float       *sum, *true_sum, *reached;           /* [count] over lights that were asked */
+    float       *sum, *true_sum, *reached;           /* [count] sums over lights that were looked up */
     uint8_t     *rgb;
 } passes;
 
@@ -53,7 +53,7 @@ static void set_grey(uint8_t rgb[3], double share)
 
 static const uint8_t nothing[3] = {255, 0, 255};
 
-/* bytes  [size] of the picture, which are freed; NULL: there was no memory for them */
+/* bytes  [size] of the picture, freed here; NULL: out of memory */
 static vxs_result write_file(const passes *p, const char *name, const char *extension, uint8_t *bytes, size_t size, message *m)
 {
     char        path[4096];
@@ -78,7 +78,7 @@ static vxs_result write_pixels(const passes *p, const char *name, const uint8_t 
     return write_file(p, name, ".png", png, size, m);
 }
 
-/* The floats that a pass is drawn from, where they are asked for.   channels  as exr_encode has them; NULL: there are no floats */
+/* Write the floats of a pass, if wanted.   channels  as in exr_encode; NULL: the pass has no floats */
 static vxs_result write_floats(const passes *p, const char *name, const float *floats, uint32_t width, uint32_t height,
                                const char *channels, message *m)
 {
@@ -88,14 +88,14 @@ static vxs_result write_floats(const passes *p, const char *name, const float *f
     return write_file(p, name, ".exr", exr, size, m);
 }
 
-/* What is in p->rgb, and the floats of it. */
+/* Write the picture in p->rgb, and its floats. */
 static vxs_result write_pass(const passes *p, const char *name, const float *floats, const char *channels, message *m)
 {
     vxs_result r = write_pixels(p, name, p->rgb, p->width, p->height, m);
     return r == VXS_OK ? write_floats(p, name, floats, p->width, p->height, channels, m) : r;
 }
 
-/* surfaces and light -------------------------------------------------------------------------------------------------------------- */
+/* surfaces and light ----------------------------------------------------------------------------------------------------------- */
 
 static vxs_result write_depth(passes *p, message *m)
 {
@@ -134,7 +134,7 @@ static vxs_result write_light(passes *p, message *m)
     return write_pass(p, "light", p->light, "RGB.", m);
 }
 
-/* Linear light that the renderer gives back, times a factor. */
+/* Write linear light that `read` returns, times a factor. */
 static vxs_result write_linear(passes *p, const char *name, vxs_result (*read)(renderer *, float *, message *), double factor,
                                message *m)
 {
@@ -175,7 +175,7 @@ static vxs_result write_shadow_grid(const passes *p, message *m)
     return r;
 }
 
-/* The mesh in the light of a dim scene. */
+/* The mesh over a dimmed picture of the scene. */
 static vxs_result write_light_mesh(const passes *p, message *m)
 {
     float     *mesh = malloc(3 * p->count * sizeof *mesh);
@@ -219,7 +219,7 @@ static vxs_result write_resident(passes *p, message *m)
     return r == VXS_OK ? write_pass(p, "resident", p->lit, "Y", m) : r;
 }
 
-/* each light ---------------------------------------------------------------------------------------------------------------------- */
+/* each light ------------------------------------------------------------------------------------------------------------------- */
 
 typedef struct asked_light {
     passes          *passes;
@@ -255,7 +255,7 @@ static void trace_samples(void *user, size_t begin, size_t end, uint32_t worker)
     for (size_t n = begin; n < end; n++) trace_sample(user, n);
 }
 
-/* The same of a light. */
+/* The same for one light. */
 static vxs_result write_of_light(const passes *p, const char *what, uint32_t number, const vxs_light *light, const float *floats,
                                  message *m)
 {
@@ -266,7 +266,7 @@ static vxs_result write_of_light(const passes *p, const char *what, uint32_t num
     return write_pass(p, name, floats, "Y", m);
 }
 
-/* Nothing where the light reaches no sample: of hundreds most do not. */
+/* Write no file if the light reaches no sample: of hundreds of lights most do not. */
 static vxs_result write_lit(passes *p, uint32_t number, const vxs_light *light, message *m)
 {
     size_t reached = 0;
@@ -291,7 +291,7 @@ static vxs_result write_lights_each(passes *p, const vxs_baked_light *const *lig
     return r;
 }
 
-/* What smoke leaves of each light that it dims, where something is seen; and to the eye of what is behind it. */
+/* Transmittance of smoke towards each light that it dims, at surfaces; and towards the eye. */
 static vxs_result write_smoke(passes *p, const vxs_baked_light *const *lights, uint32_t light_count, message *m)
 {
     float     *left = malloc(p->count * sizeof *left);
@@ -336,7 +336,7 @@ static vxs_result write_truth(passes *p, truth_difference *d, message *m)
     return r == VXS_OK ? write_pass(p, "difference", p->lit, "Y", m) : r;
 }
 
-/* ---------------------------------------------------------------------------------------------------------------------------------- */
+/* ------------------------------------------------------------------------------------------------------------------------------ */
 
 static vxs_result take(passes *p, message *m)
 {

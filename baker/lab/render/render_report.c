@@ -1,4 +1,4 @@
-/* What frames took; see render_report.h.
+/* Measurements of frames; see render_report.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/render/render_report.h"
 
@@ -45,7 +45,7 @@ static json_t *milliseconds(double seconds)
     return json_real(rounded(1000 * seconds, 4));
 }
 
-/* What is said of a stream's frame, in JSON and as columns. */
+/* A number of a stream's frame, in JSON and as a column. */
 typedef struct stream_number {
     const char *name;
     double      value;
@@ -110,7 +110,7 @@ static json_t *frame_json(const render_report *r, const drawn_frame *d)
     return o;
 }
 
-/* Of stages of all frames but the first, in which shaders are made ready, where there are several; then of their sums. */
+/* Medians of stages and of their sums, without the first frame if there are several: it compiles shaders. */
 static json_t *median_json(const render_report *r)
 {
     size_t  skipped = r->frame_count > 1, count = r->frame_count - skipped;
@@ -238,14 +238,14 @@ vxs_result render_report_csv(const render_report *r, const char *path, message *
     return result;
 }
 
-/* plot ---------------------------------------------------------------------------------------------------------------------------- */
+/* plot ------------------------------------------------------------------------------------------------------------------------- */
 
 enum { PLOT_WIDE = 900, PLOT_HIGH = 360, LEFT = 60, RIGHT = 150, TOP = 20, BOTTOM = 40, STREAM_HIGH = 160 };
 
 static const char *const plot_colours[RENDER_STAGES] = {"#66ccee", "#117733", "#4477aa", "#ddaa99", "#ccbb44",
                                                         "#cc6677", "#228833", "#88ccee", "#aa3377", "#999999"};
 
-/* 1, 2 or 5 times a power of ten, five of which or fewer reach `most`. */
+/* 1, 2 or 5 times a power of ten: the smallest such that five steps or fewer reach `most`. */
 static double step_for(double most)
 {
     double power = pow(10, floor(log10(most / 5)));
@@ -266,7 +266,7 @@ static double y_of(double ms, double most)
     return PLOT_HIGH - BOTTOM - (PLOT_HIGH - TOP - BOTTOM) * ms / most;
 }
 
-/* Milliseconds of the stages before one. */
+/* The sum of the stages below one in the plot, milliseconds. */
 static double below(const render_frame *f, int stage)
 {
     double sum = 0;
@@ -286,7 +286,7 @@ static void plot_stage(FILE *to, const render_report *r, int stage, double most)
             TOP + 11 + 22 * (RENDER_STAGES - 1 - stage), render_stage_names[stage]);
 }
 
-/* Bytes that are uploaded in a frame as bars, of the first frame none; the share of samples that are answered in full as a line. */
+/* Uploaded bytes of each frame but the first as bars; the share of samples that are answered in full as a line. */
 static void plot_stream(FILE *to, const render_report *r)
 {
     const double foot = PLOT_HIGH + STREAM_HIGH - BOTTOM, high = STREAM_HIGH - BOTTOM - 10;
@@ -318,7 +318,7 @@ vxs_result render_report_plot(const render_report *r, const char *path, message 
     double      most   = 1e-3;
     int         high   = PLOT_HIGH + (r->budget_bytes ? STREAM_HIGH : 0);
     if (result != VXS_OK) return result;
-    /* in the first frame shaders are made ready: it may stand out of the plot */
+    /* the first frame compiles shaders: it may exceed the plot */
     for (size_t n = r->frame_count > 1; n < r->frame_count; n++) most = fmax(most, 1050 * total_of(&r->frames[n].frame));
     fprintf(out.stream,
             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %d %d\" font-family=\"sans-serif\" font-size=\"13\">\n",

@@ -1,4 +1,4 @@
-/* What frames took: JSON, a table, a plot.
+/* Measurements of frames: JSON, a table, a plot.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef RENDER_REPORT_H
 #define RENDER_REPORT_H
@@ -13,38 +13,38 @@ typedef struct drawn_frame {
     camera_pose  camera;
     render_frame frame;
 
-    /* of a stream, before the frame: what it held then, what it read since the last one, and how long it was waited for */
+    /* of a stream, before the frame: pages held, pages read since the last frame, and time waited for them */
     vxs_stream_status stream;
     uint64_t          read_bytes;
     double            wait_seconds;
 } drawn_frame;
 
 typedef struct render_report {
-    const char                   *scene_path, *asset_path, *renderer, *moving_path; /* NULL: nothing moves */
+    const char                   *scene_path, *asset_path, *renderer, *moving_path; /* moving_path NULL: nothing moves */
     const render_options         *options;
     uint32_t                      fog_grid;     /* n of the fog's grid; 0 without one */
     const fog_light_plan         *fog_lights;   /* [light_count] of the last frame; NULL without fog */
     const smoke_light_plan       *smoke_lights; /* [light_count] of the last frame; NULL without smoke */
     uint32_t                      capsules;     /* of the scene's smoke */
-    const area_words             *areas;        /* NULL: no area light was asked for */
-    const sky_words              *sky;          /* NULL: none was asked for */
+    const area_words             *areas;        /* NULL: area lights were not requested */
+    const sky_words              *sky;          /* NULL: not requested */
     const vxs_baked_light *const *lights;       /* [light_count] */
     uint32_t                      light_count;
     int                           culls;
     uint64_t                      word_bytes;
-    uint64_t                      budget_bytes; /* of a stream; 0: there is none */
+    uint64_t                      budget_bytes; /* of a stream; 0: no stream */
     const drawn_frame            *frames;       /* [frame_count] */
     size_t                        frame_count;
-    const truth_difference       *difference; /* NULL: none was asked for */
+    const truth_difference       *difference; /* NULL: not requested */
 } render_report;
 
-/* docs/render.schema.json. NULL without memory. */
+/* As in docs/render.schema.json. NULL when out of memory. */
 json_t *render_report_json(const render_report *r);
 
 /* A line of names, and a line for each frame.   Returns VXS_OK, VXS_E_WRITE, VXS_E_MEMORY, as the next does. */
 vxs_result render_report_csv(const render_report *r, const char *path, message *m);
 
-/* Milliseconds of stages by frame, one above the other, as SVG; of a stream, below it, what is uploaded and what is answered in full. */
+/* Plot milliseconds of stages by frame, stacked, as SVG; for a stream, below it, uploads and the share of full answers. */
 vxs_result render_report_plot(const render_report *r, const char *path, message *m);
 
 #endif

@@ -21,7 +21,7 @@ EMBEDDED(tone_frag_glsl)
 
 static const double pi = 3.14159265358979324;
 
-/* programs ------------------------------------------------------------------------------------------------------------------------ */
+/* programs --------------------------------------------------------------------------------------------------------------------- */
 
 enum { PARTS_MOST = VXS_GL_TEXTS + 6 };
 
@@ -87,7 +87,7 @@ static vxs_result make_programs(renderer *r, message *m)
     return renderer_lit_program(r, &r->shade_program, shade_frag_glsl, m);
 }
 
-/* targets ------------------------------------------------------------------------------------------------------------------------- */
+/* targets ---------------------------------------------------------------------------------------------------------------------- */
 
 GLuint renderer_frame_of(const gl_context *gl, GLuint depth, const GLuint *colours, GLsizei count)
 {
@@ -124,15 +124,15 @@ static vxs_result make_targets(renderer *r, message *m)
     return fail(m, VXS_E_MEMORY, "OpenGL has no room for a picture of %u x %u samples", r->width, r->height);
 }
 
-/* lights -------------------------------------------------------------------------------------------------------------------------- */
+/* lights ----------------------------------------------------------------------------------------------------------------------- */
 
 static vxs_gl_function lookup(const char *name, void *user)
 {
     return (vxs_gl_function)((const gl_context *)user)->lookup(name);
 }
 
-/* What the scene says of a light; where it has none of its name, and of what it does not say, that is white, and an inner cone without width. What is
- * dark there, or hidden, shines with nothing. */
+/* The scene's light with the name of a baked light. Defaults for missing values: white, an inner cone of angle 0. Lights that
+ * are dark in the scene, or hidden, get colour 0. */
 static scene_light described(const scene *s, const vxs_light *light)
 {
     scene_light found = {.colour = {1, 1, 1}};
@@ -172,7 +172,7 @@ static vxs_result put_colours(renderer *r, const scene *s, const vxs_baked_light
         for (int k = 0; k < 3; k++) {
             rows[n][k] = (float)(r->colours[n][k] /= most);
             r->shines[n].colour[k] =
-                pi * r->colours[n][k]; /* a matt surface sends back 1 / pi of what reaches it to each direction */
+                pi * r->colours[n][k]; /* a matt surface reflects 1 / pi of the light that reaches it in each direction */
         }
     r->gl->GenBuffers(1, &r->colour_buffer);
     r->gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, r->colour_buffer);
@@ -215,9 +215,9 @@ static vxs_result put_shadows(renderer *r, const vxs_baked_light *const *lights,
     return VXS_OK;
 }
 
-/* ---------------------------------------------------------------------------------------------------------------------------------- */
+/* ------------------------------------------------------------------------------------------------------------------------------ */
 
-/* Clear air where there is none: area lights, a sky and smoke need its frame. */
+/* Without fog, make clear air: area lights, a sky and smoke need its frame. */
 static vxs_result make_fog(renderer *r, message *m)
 {
     static const fog_medium clear = {.top_ws = INFINITY};
@@ -246,7 +246,7 @@ static lamp_pass_options lit_by_lamps(const renderer *r, const scene *s)
                                .gather     = r->options.area_gather};
 }
 
-/* As what a matt surface sends back to each direction is counted pi times, so is what shines. */
+/* Light that a matt surface reflects is counted pi times here, so emitted light is, too. */
 static vxs_result make_areas(renderer *r, const scene *s, message *m)
 {
     area_pass_options o = {.lit = lit_by_lamps(r, s), .scale = pi * r->scale};

@@ -1,23 +1,24 @@
 /* Frames; see render.h.
  *
- *     upload     of a stream, what has come
- *     moving     depth maps of what moves, as lights see it (moving_pass.h); left out where nothing does
- *     surfaces   depth (near / distance along the axis, so that far ones keep their digits), normal, albedo
- *     cull       lists of lights of tiles of 8 x 8 (vxs_gl_cull); left out where there is one light
- *     smoke      how much it leaves of each light (smoke_pass.h), and, over all the air, itself (renderer_smoke.c); left out where there is none
- *     shade      light of each sample, lookups and all
- *     area       what area lights send to it and to the air (area_pass.h); left out where there is none
- *     sky        the same of a map of the sky (sky_pass.h)
- *     fog        over the picture that this makes (fog_pass.h); left out where there is none
- *     tone       what a screen shows of the mean of a pixel's samples
+ *     upload     of a stream, pages that were loaded
+ *     moving     depth maps of moving casters, from lights (moving_pass.h); left out without moving casters
+ *     surfaces   depth (near / distance along the axis, precise at a distance), normal, albedo
+ *     cull       lists of lights of tiles of 8 x 8 (vxs_gl_cull); left out with one light
+ *     smoke      its transmittance towards each light (smoke_pass.h), and, after the fog, itself (renderer_smoke.c); left out
+ *                without smoke
+ *     shade      light of each sample, including lookups
+ *     area       light of area lights on surfaces and in the air (area_pass.h); left out without area lights
+ *     sky        the same for a map of the sky (sky_pass.h)
+ *     fog        over the resulting picture (fog_pass.h); left out without fog
+ *     tone       tone mapping, and the mean of a pixel's samples
  *
- * Places count from the camera, in which lookups are as fine as a float can be.
+ * Positions are relative to the camera, where floats are precise enough for lookups.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "runtime/volumes/vxs_air_light.h" /* first: box.h has a type of a name that its functions have */
+#include "runtime/volumes/vxs_air_light.h" /* first: box.h defines a type with the name of one of its functions */
 
 #include "baker/base/clock.h"
 #include "baker/base/vec3.h"
@@ -28,7 +29,7 @@ const char *const render_stage_names[RENDER_STAGES] = {"upload", "moving", "surf
 
 enum { COLOURS_BINDING = 3, PICTURE_UNIT = 4 };
 
-/* Depths are near / z; u and v go up from the lower left corner. By columns. */
+/* The camera's matrices. Depths are near / z; u and v go up from the lower left corner. Column-major. */
 static void set_view(renderer *r, const camera_pose *camera)
 {
     const camera_view *v = &r->seen;
@@ -93,7 +94,7 @@ static void draw_surfaces(const renderer *r)
     gl->Disable(GL_DEPTH_TEST);
 }
 
-/* textures  of targets, from the first on, that the program reads */
+/* textures  the first of the targets that the program reads */
 static void begin_screen(const renderer *r, GLuint frame, GLuint program, GLuint textures, uint32_t width, uint32_t height)
 {
     const gl_context *gl = r->gl;
@@ -120,7 +121,7 @@ void renderer_bind_lights(const renderer *r)
     r->gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, COLOURS_BINDING, r->colour_buffer);
 }
 
-/* Of the fog that dims lights on their way. Places count from the eye. */
+/* Uniforms of the fog that dims lights on their way. Positions are relative to the eye. */
 static void set_fog(const renderer *r, GLuint program)
 {
     const fog_medium *f      = r->is_clear ? NULL : r->options.fog;
@@ -156,7 +157,7 @@ void renderer_shade(const renderer *r, int show, uint32_t light)
     GLuint            p        = r->shade_program;
     const GLint       asked[4] = {show, (GLint)light, renderer_culls(r), 0};
     gl->ProgramUniform4f(p, gl->GetUniformLocation(p, "sizes"), (float)r->width, (float)r->height, 0, 0);
-    gl->BindTextureUnit(LIGHTS, 0); /* what is drawn to */
+    gl->BindTextureUnit(LIGHTS, 0); /* unbind the texture that is the target now */
     renderer_bind_lights(r);
     begin_screen(r, r->light_frame, p, LIGHTS, r->width, r->height);
     renderer_add_lights(r, p, "asked", 3, asked);
@@ -186,14 +187,14 @@ static vxs_result begin_air(const renderer *r, message *m)
     return fog_pass_begin(r->fog, &r->view, r->target[DEPTHS], r->camera.eye_ws, ambient, m);
 }
 
-/* How much of each light gets through smoke, in a frame of the air. */
+/* Compute the transmittance of smoke towards each light, in a frame of the air. */
 static vxs_result dim_lights(const renderer *r, smoke_plan *plan, message *m)
 {
     vxs_result result = begin_air(r, m);
     return result == VXS_OK ? smoke_pass_draw(r->smoke, r->camera.eye_ws, &r->seen, plan, m) : result;
 }
 
-/* Airlight of area lights, in a frame of the air that begins here, and what surfaces get of them. */
+/* Begin a frame of the air, add the airlight of area lights, and compute their light on surfaces. */
 static vxs_result draw_areas(const renderer *r, double exposure, area_plan *plan, message *m)
 {
     vxs_result result = begin_air(r, m);
@@ -213,7 +214,7 @@ static vxs_result light_by_areas(const renderer *r, area_plan *plan, message *m)
     return VXS_OK;
 }
 
-/* The same of the sky, in the frame of area lights where there are some. */
+/* The same for the sky, in the frame of area lights if there are some. */
 static vxs_result draw_sky(const renderer *r, double exposure, message *m)
 {
     vxs_result result      = r->areas ? VXS_OK : begin_air(r, m);
@@ -231,7 +232,7 @@ static vxs_result light_by_sky(const renderer *r, message *m)
     return VXS_OK;
 }
 
-/* The picture, what shines in it, and the air over it. */
+/* The picture, emissive surfaces, and the air over it. */
 static vxs_result fog(const renderer *r, fog_plan *plan, message *m)
 {
     double eye[3];
@@ -261,7 +262,7 @@ static int brighter(const void *a, const void *b)
     return x < y ? -1 : x > y;
 }
 
-/* So that of the samples that have light, the brightest tenth begins where a screen is nearly white. */
+/* The exposure for which the brightest tenth of lit samples begins near white. */
 static double exposure_of(const float *light, const float *albedos, size_t count, double stops)
 {
     const double white = 0.8, share = 0.9;
@@ -294,7 +295,7 @@ static vxs_result choose_exposure(renderer *r, message *m)
     return result;
 }
 
-/* How many lights samples asked for, and how long lists are. */
+/* Count the lights that samples look up, and the lengths of lists. */
 static vxs_result count_lights(renderer *r, render_frame *frame, message *m)
 {
     size_t     count  = (size_t)r->width * r->height;
@@ -313,7 +314,7 @@ static vxs_result count_lights(renderer *r, render_frame *frame, message *m)
     return result;
 }
 
-/* How many samples are answered in full. */
+/* Count the samples that are answered in full. */
 static vxs_result count_full(renderer *r, render_frame *frame, message *m)
 {
     size_t     count  = (size_t)r->width * r->height;
@@ -325,7 +326,7 @@ static vxs_result count_full(renderer *r, render_frame *frame, message *m)
     return result;
 }
 
-/* What has come, in a slice. */
+/* Upload a slice of the pages that were loaded. */
 static void upload(renderer *r, render_frame *frame)
 {
     size_t slice          = r->options.upload_bytes < SIZE_MAX ? (size_t)r->options.upload_bytes : SIZE_MAX;
@@ -354,7 +355,7 @@ static void stage_ends(const renderer *r, render_frame *frame, int stage, double
     *since = now;
 }
 
-/* All that surfaces get. */
+/* All light on surfaces. */
 static vxs_result light_surfaces(const renderer *r, render_frame *frame, double *since, message *m)
 {
     vxs_result result = VXS_OK;
@@ -371,7 +372,8 @@ static vxs_result light_surfaces(const renderer *r, render_frame *frame, double 
     return result;
 }
 
-/* Exposure is that of clear air: fog does not make a picture brighter. Airlight of areas and of the sky is exposed, so that they are drawn again. */
+/* The exposure is that of clear air: fog does not make a picture brighter. Airlight of area lights and of the sky depends on the
+ * exposure, so they are drawn again. */
 static vxs_result light_exposed(renderer *r, render_frame *frame, double *since, message *m)
 {
     int is_first      = r->exposure <= 0;

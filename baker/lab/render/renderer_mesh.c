@@ -10,7 +10,8 @@ EMBEDDED(mesh_frag_glsl)
 
 enum { MESH_BINDING = 5 };
 
-/* From light space to clip space. Rows of the light's matrix are at right angles, and count from the eye: its inverse has them as columns. */
+/* The matrix from light space to clip space. Rows of the light's matrix are orthogonal, and positions are relative to the eye:
+ * so its inverse has the rows as columns. */
 static void clip_from_ls(const renderer *r, const vxs_light_constants *light, float out[16])
 {
     const double eye[3] = {0};
@@ -26,7 +27,7 @@ static void clip_from_ls(const renderer *r, const vxs_light_constants *light, fl
     }
 }
 
-/* Whether what is counterclockwise in light space is so in the picture: by the sign of a determinant of x, y and w. */
+/* Whether counterclockwise in light space stays so in the picture: the sign of a determinant of x, y and w. */
 static int turn_of(const float m[16])
 {
     double sum = 0;

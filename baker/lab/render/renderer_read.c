@@ -1,4 +1,4 @@
-/* What a renderer shows, and says of itself; see render.h.
+/* Reads back a renderer's results and properties; see render.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 #include <stdlib.h>
@@ -7,7 +7,7 @@
 #include "baker/files/png_encode.h"
 #include "baker/lab/render/renderer_state.h"
 
-/* Rows of a picture from the bottom up, turned over. */
+/* Reverse the order of rows: OpenGL has the bottom row first. */
 static void turn_over(void *pixels, size_t row_bytes, uint32_t height)
 {
     char *p = pixels;
@@ -80,7 +80,7 @@ vxs_result renderer_read_lit(renderer *r, uint32_t n, float *lit, message *m)
     return result;
 }
 
-/* A texture of a pass, of all samples.   out  [3 * count] */
+/* Read a texture with all samples of a pass.   out  [3 * count] */
 static vxs_result read_texture(const renderer *r, GLuint texture, float *out, message *m)
 {
     size_t row = 3 * sizeof *out * r->width;
@@ -108,7 +108,7 @@ vxs_result renderer_read_sky(renderer *r, float *light, message *m)
 vxs_result renderer_read_full(renderer *r, float *full, message *m)
 {
     size_t count = (size_t)r->width * r->height;
-    float *found = malloc(4 * count * sizeof *found); /* lookups, those in full, -, whether there is a surface */
+    float *found = malloc(4 * count * sizeof *found); /* channels: lookups, those in full, unused, whether there is a surface */
     if (!found) return fail(m, VXS_E_MEMORY, "out of memory for a picture of %u x %u samples", r->width, r->height);
     renderer_shade(r, SHOW_FULL, 0);
     vxs_result result = renderer_read(r, NULL, NULL, NULL, found, m);

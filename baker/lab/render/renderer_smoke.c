@@ -1,5 +1,5 @@
-/* Smoke as the eye sees it: capsules over the picture, from back to front, each as far as the ray runs in it. Their light is asked
- * at four places each, and between these is what lies between.
+/* Smoke as the eye sees it: capsules over the picture, from back to front, each as dense as the ray's length in it. Their light
+ * is looked up at four places each, and interpolated between these.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 #include <stdlib.h>
@@ -13,7 +13,7 @@ EMBEDDED(smoke_vert_glsl)
 EMBEDDED(smoke_frag_glsl)
 EMBEDDED(capsule_glsl)
 
-/* Bindings; and lights of corners lie in rows of so many. */
+/* Bindings; and the width of the texture with the lights of corners. */
 enum {
     CAPSULES_BINDING = 5,
     CORNERS_BINDING  = 6,
@@ -25,7 +25,7 @@ enum {
 };
 enum { CAPSULES, CORNERS, PLACES, LEFT, BUFFERS };
 
-/* Samples that take a minute to be drawn over on two processors. */
+/* Limit on samples that quads cover: they take a minute on two processors. */
 static const double COVERED_MOST = 2e9;
 
 struct smoke_cloud {
@@ -83,7 +83,7 @@ void renderer_free_cloud(renderer *r)
     free(c);
 }
 
-/* a frame ---------------------------------------------------------------------------------------------------------------------- */
+/* frame ------------------------------------------------------------------------------------------------------------------------ */
 
 static void upload(const renderer *r, smoke_cloud *c)
 {
@@ -119,7 +119,7 @@ static void set4(const renderer *r, const char *name, const double rgb[3], doubl
     r->gl->ProgramUniform4f(p, r->gl->GetUniformLocation(p, name), (float)rgb[0], (float)rgb[1], (float)rgb[2], (float)last);
 }
 
-/* Of the sky's light smoke gets what surfaces that stand upright do; of a map its mean. */
+/* Smoke gets the sky light of vertical surfaces; of a sky map, its mean. */
 static void set_uniforms(const renderer *r)
 {
     static const double sky[3] = {0.375, 0.4425, 0.5775}; /* between the ground and the sky of tone_frag.glsl */

@@ -1,4 +1,4 @@
-/* What a renderer holds, for the files that it is in: renderer.c makes it, renderer_frame.c draws, renderer_read.c reads back.
+/* A renderer's data, for its files: renderer.c makes it, renderer_frame.c draws, renderer_read.c reads back.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef RENDERER_STATE_H
 #define RENDERER_STATE_H
@@ -8,7 +8,7 @@
 #include "baker/lab/render/surface_mesh.h"
 #include "runtime/gl/vxs_gl.h"
 
-/* Pictures that are drawn to. */
+/* Render targets. */
 enum {
     DEPTHS,
     NORMALS,
@@ -18,7 +18,7 @@ enum {
     LINEAR,
     PICTURE,
     TARGETS
-}; /* SCREEN and LINEAR of the picture, others of samples */
+}; /* SCREEN and LINEAR have the picture's size, the others one texel for each sample */
 
 typedef struct smoke_cloud smoke_cloud;
 
@@ -28,23 +28,24 @@ struct renderer {
     vxs_gl        *shadows;
     surface_mesh   mesh;
     uint32_t       light_count, width, height; /* samples */
-    fog_pass      *fog;                        /* NULL: there is none, nor an area light or a sky, whose air may be clear */
+    fog_pass      *fog;                        /* NULL: there is no fog, area light or sky; for the latter two the air may be
+                                                  clear */
     area_pass     *areas;                      /* NULL: there is none */
     sky_pass      *sky;                        /* likewise */
-    double         scale;                      /* what lights of the scene are times, before exposure */
-    moving_pass   *moving;                     /* NULL: nothing moves */
+    double         scale;                      /* factor on lights of the scene, before exposure */
+    moving_pass   *moving;                     /* NULL: no moving casters */
     smoke_pass    *smoke;                      /* NULL: there is none */
     smoke_cloud   *cloud;                      /* likewise */
     uint32_t       frames_drawn;
-    double (*colours)[3]; /* [light_count] the greatest is 1 */
-    fog_shine  *shines;   /* [light_count] the same, as fog has it */
-    int         day;      /* there is a sun */
+    double (*colours)[3]; /* [light_count] scaled so that the largest is 1 */
+    fog_shine  *shines;   /* [light_count] the same, as fog_pass needs it */
+    int         day;      /* 1: there is a sun */
     GLuint      colour_buffer, empty_array;
     GLuint      surface_program, shade_program, tone_program, picture_program;
-    uint64_t    uploaded_bytes; /* up to and with the last frame */
+    uint64_t    uploaded_bytes; /* including the last frame */
     GLuint      target[TARGETS], surface_frame, light_frame, screen_frame, picture_frame;
     double      exposure; /* 0: not yet chosen */
-    int         is_clear; /* fog does not dim lights now: exposure is chosen */
+    int         is_clear; /* 1: fog does not dim lights, while the exposure is chosen */
     camera_pose camera;   /* of the last frame */
     camera_view seen;
     vxs_view    view;
@@ -62,51 +63,54 @@ static inline text_part part_of(embedded e)
     return (text_part){e.begin, (GLint)(e.end - e.begin)};
 }
 
-/* Make a program of a vertex shader and `count` parts of a fragment shader.   program  [out] deleted by the caller, whatever is returned */
+/* Make a program of a vertex shader and `count` parts of a fragment shader.   program  [out] deleted by the caller, whatever is
+ * returned */
 vxs_result renderer_program(const gl_context *gl, GLuint *program, embedded vertex, const text_part *fragment, int count,
                             message *m);
 
-/* The same of a full-screen pass that asks lights: behind the texts of vxs_gl.h, what is between lights and places, and shine.glsl. */
+/* The same for a full-screen pass with lookups: adds the texts of vxs_gl.h, those of moving casters and smoke, and shine.glsl. */
 vxs_result renderer_lit_program(const renderer *r, GLuint *program, embedded fragment, message *m);
 
-/* For such programs. */
+/* Bind the resources of such programs. */
 void renderer_bind_lights(const renderer *r);
 
-/* Lights that such a pass adds up. llvmpipe ends all loops of a fragment shader after 65535 rounds, which four groups of pixels share: so a light may take 512
- * of them for each. A lookup of 17 x 17 texels in a city takes less than 135. */
+/* Number of lights that one draw of such a pass adds up. llvmpipe ends all loops of a fragment shader after 65535 iterations,
+ * which four groups of pixels share: so a light may take 512 for each of them. A lookup of 17 x 17 texels in a city takes less
+ * than 135. */
 #define LIGHTS_AT_ONCE 32U
 
-/* Draw a full-screen triangle for each LIGHTS_AT_ONCE lights into the framebuffer that is bound, and add up what they send.
- * uniform, element  of the program: an ivec4, and which of its components is the first light;   values  of the others */
+/* Draw a full-screen triangle for each LIGHTS_AT_ONCE lights into the bound framebuffer, and add up their light.
+ * uniform, element  of the program: an ivec4, and its component that is the first light;   values  of the other components */
 void renderer_add_lights(const renderer *r, GLuint program, const char *uniform, int element, const GLint values[4]);
 
 /* A framebuffer.   depth  0: none */
 GLuint renderer_frame_of(const gl_context *gl, GLuint depth, const GLuint *colours, GLsizei count);
 
-/* What is left of the sky at night, or where a map takes its place: 1 by day. */
+/* The factor on the sky's light: 1 by day, less at night, or when a map replaces the sky. */
 double renderer_day(const renderer *r);
 
-/* Of the sky's light fog scatters as much as if a tenth of its horizon were seen from everywhere.   ambient  [out] */
+/* The sky's light that fog scatters: that of a tenth of the horizon, at every place.   ambient  [out] */
 void renderer_fog_ambient(const renderer *r, double ambient[3]);
 
-/* Smoke as the eye sees it (renderer_smoke.c): what it is drawn with, and over the picture and its fog. */
+/* Smoke as the eye sees it (renderer_smoke.c): make its resources; draw it over the picture and its fog. */
 vxs_result renderer_make_cloud(renderer *r, const scene_smoke *smoke, message *m);
 void       renderer_free_cloud(renderer *r);
 vxs_result renderer_draw_cloud(renderer *r, message *m);
 
-/* From the scene's middle to clip space: x / w and y / w in [-1, 1], z / w = near / w.   eye  from there, too */
+/* The matrix from positions relative to the scene's middle to clip space: x / w and y / w in [-1, 1], z / w = near / w.
+ * eye  relative to the middle, too */
 void renderer_clip(const renderer *r, const double eye[3], float m[16]);
 
-/* What shade_frag.glsl shows. */
+/* Modes of shade_frag.glsl. */
 enum { SHOW_LIGHT = 0, SHOW_LIT = 1, SHOW_FULL = 2 };
 
-/* Ask all lights again of the last frame's surfaces, into target LIGHTS.   light  of SHOW_LIT */
+/* Look up all lights again for the last frame's surfaces, into target LIGHTS.   light  of SHOW_LIT */
 void renderer_shade(const renderer *r, int show, uint32_t light);
 
-/* What a screen shows of the last frame, in its 8 bits.   rgb  [out] as renderer_draw has it */
+/* The last frame as a screen shows it, in 8 bits.   rgb  [out] as for renderer_draw */
 vxs_result renderer_read_screen(const renderer *r, uint8_t *rgb, message *m);
 
-/* A target's pixels, top row first.   out  [width * height] of pixel_bytes each */
+/* Read a target's pixels, top row first.   out  [width * height] of pixel_bytes each */
 void renderer_read_target(const renderer *r, int target, GLenum format, GLenum type, size_t pixel_bytes, void *out);
 
 #endif

@@ -1,6 +1,6 @@
-/* Behind the texts of vxs_gl.h, shine.glsl, and FILTER_PX, the filter of lookups, which a compiler then knows: the light of a pixel, each light's K x K PCF times lambert and what
- * reaches the pixel (shine.glsl). */
-#define SHOW_LIGHT   0 /* direct light, and how many lights were asked */
+/* Follows the texts of vxs_gl.h, shine.glsl, and FILTER_PX, the filter of lookups as a constant. The light of a pixel: each
+ * light's K x K PCF times lambert times the light that reaches the pixel (shine.glsl). */
+#define SHOW_LIGHT   0 /* direct light, and the number of lights that were looked up */
 #define SHOW_LIT     1 /* lit fraction of one light, or VXS_OUTSIDE */
 #define SHOW_FULL    2 /* lookups, and how many of them are answered in full; where STREAMED */
 
@@ -9,7 +9,8 @@ layout(binding = 1) uniform sampler2D normals;
 layout(binding = 2) uniform sampler2D albedos;
 uniform mat4 point_from_depth;
 uniform vec4 sizes;   /* width, height */
-uniform ivec4 asked;  /* SHOW_, light of SHOW_LIT, 1: lights of the pixel's tile, 0: all; the first light of LIGHTS_AT_ONCE that are added up */
+uniform ivec4 asked;  /* SHOW_*; the light of SHOW_LIT; 1: lights of the pixel's tile, 0: all; the first of the LIGHTS_AT_ONCE
+                         lights to add up */
 layout(location = 0) out vec4 light_out;
 
 void main()
@@ -26,7 +27,7 @@ void main()
 #ifdef STREAMED
     vec2 lookups = vec2(0.0);
 #endif
-    for (uint i = first; i < end; i++) { /* with one call of vxs_lit: it is inlined, and compilers take long */
+    for (uint i = first; i < end; i++) { /* a single call of vxs_lit: it is inlined, and compiling it takes long */
         uint                n = one ? uint(asked.y) : listed ? vxs_tile_light(tile, i) : i;
         vxs_light_constants l = vxs_light_at(n);
         vec3                to_light;

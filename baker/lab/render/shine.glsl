@@ -1,6 +1,6 @@
-/* What lights send to a place: the law of vxs_air_light.h, which this text stands on, behind the texts of vxs_gl.h. */
+/* Light that reaches a place, by the law of vxs_air_light.h, whose text this uses; follows the texts of vxs_gl.h. */
 layout(std430, binding = 3) readonly restrict buffer colours_block { vec4 colours[]; }; /* and the cosine of the inner cone */
-uniform vec4 fog; /* extinction per metre, and the height of its top; 0 and VXS_AIR_EVERYWHERE: there is none */
+uniform vec4 fog; /* extinction per metre, and the height of its top; 0 and VXS_AIR_EVERYWHERE: no fog */
 
 vec3 place_of(vxs_light_constants l)
 {

@@ -1,9 +1,9 @@
 #version 450 core
-/* The sky, where there is nothing before it. */
+/* The sky, where there is no surface. */
 layout(binding = 0) uniform sampler2D depths;
 layout(binding = 1) uniform sampler2D map; /* rows from the zenith down; its middle is along x */
 uniform mat4 point_from_depth;
-uniform vec4 sizes; /* width and height of the picture, turn, in parts of a whole one, what radiance is times */
+uniform vec4 sizes; /* width and height of the picture, turn in parts of a full turn, factor on radiance */
 layout(location = 0) out vec4 sky_out;
 
 const float turn = 6.28318531;

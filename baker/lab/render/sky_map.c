@@ -46,7 +46,7 @@ static vxs_result read_picture(sky_map *map, const sky_file *file, message *m)
     return r;
 }
 
-/* Pictures that are read begin as such. */
+/* Reads on only if the file begins as a supported picture. */
 static uint64_t wanted_bytes(void *user, const uint8_t *first, size_t size_bytes)
 {
     sky_file file = {user, first, first + size_bytes};

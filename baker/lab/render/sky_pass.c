@@ -19,14 +19,14 @@ struct sky_pass {
     const gl_context *gl;
     lamp_pass        *lamps;
     vxs_vpl          *placed;    /* [lamps] without exposure */
-    double            exposure;  /* that they have been set with; 0: they have not */
-    box               moving_ws; /* of what moves, in its file */
+    double            exposure;  /* exposure of the virtual lights; 0: not yet set */
+    box               moving_ws; /* box of the moving casters, as in their file */
     GLuint            program, texture;
 };
 
-/* what is made once --------------------------------------------------------------------------------------------------------------- */
+/* set-up ----------------------------------------------------------------------------------------------------------------------- */
 
-/* From the axes of vxs_area_sky, whose first column is along x, to the map's. */
+/* Turn from the axes of vxs_area_sky, whose first column is in direction x, to those of the map. */
 static void turn_lamp(vxs_vpl *lamp, double turn_rad)
 {
     double x = (double)lamp->normal[0], z = (double)lamp->normal[2], along = -cos(turn_rad), across = -sin(turn_rad);
@@ -102,9 +102,9 @@ void sky_pass_destroy(sky_pass *p)
     free(p);
 }
 
-/* a frame ------------------------------------------------------------------------------------------------------------------------- */
+/* frame ------------------------------------------------------------------------------------------------------------------------ */
 
-/* Of the sphere that holds what moves, too, where it is now. */
+/* The radius of the sphere around the scene and the moving casters at their current position. */
 static double radius_of(const sky_pass *p, const double moved_ws[3])
 {
     double way[3], corner = 0;

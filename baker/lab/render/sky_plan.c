@@ -1,4 +1,4 @@
-/* A sky in words; see sky_plan.h.
+/* A sky as text and JSON; see sky_plan.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/render/sky_plan.h"
 

@@ -13,7 +13,7 @@ int sky_is_png(const sky_file *file)
     return file->end - file->bytes >= 8 && !memcmp(file->bytes, magic, sizeof magic);
 }
 
-/* Where it is transparent it is black. */
+/* Transparent pixels become black. */
 static vxs_result decode(sky_map *map, png_image *image, const sky_file *file, message *m)
 {
     png_color  black  = {0, 0, 0};

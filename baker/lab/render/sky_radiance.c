@@ -1,6 +1,7 @@
-/* A sky from a picture of Radiance: lines of text, an empty one, its size, and rows of pixels, three mantissas and an exponent, plain or in runs; see sky_map.h.
+/* Reads a sky from a picture in the Radiance format; see sky_map.h. The format: lines of text, an empty line, the size, and rows
+ * of pixels of three mantissas and an exponent, plain or run-length encoded.
  *
- * None of the libraries that are linked reads it.
+ * None of the linked libraries reads it.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <float.h>
 #include <math.h>
@@ -12,12 +13,12 @@
 
 enum { LINE_BYTES = 1024, RUNS_WIDE_MIN = 8, RUN = 128 };
 
-/* What is read, and where. */
+/* The file and the position in it. */
 typedef struct reader {
     const sky_file *file;
     const uint8_t  *at;
     uint32_t        wide_px, high_px, row;
-    double          exposure[3]; /* what red, green and blue were multiplied with */
+    double          exposure[3]; /* factors that red, green and blue were multiplied with */
     message        *m;
 } reader;
 
@@ -31,9 +32,9 @@ static vxs_result ends_early(const reader *r)
     return fail(r->m, VXS_E_TRUNCATED, "'%s' ends in row %u of %u", r->file->name, r->row + 1, r->high_px);
 }
 
-/* lines of text ------------------------------------------------------------------------------------------------------------------- */
+/* lines of text ---------------------------------------------------------------------------------------------------------------- */
 
-/* The next line, cut to what fits, without its end.   Returns 0 where the file ends before it does. */
+/* Read the next line, cut to the size of `line`, without its end.   Returns 0 when the file ends first. */
 static int next_line(reader *r, char line[LINE_BYTES])
 {
     const uint8_t *end = memchr(r->at, '\n', (size_t)(r->file->end - r->at));
@@ -46,7 +47,7 @@ static int next_line(reader *r, char line[LINE_BYTES])
     return 1;
 }
 
-/* So many numbers, each read as strtod does.   Returns how many there are. */
+/* Read up to `most` numbers, by strtod.   Returns how many were found. */
 static int read_numbers(const char *text, double *numbers, int most)
 {
     int count = 0;
@@ -57,7 +58,7 @@ static int read_numbers(const char *text, double *numbers, int most)
     return count;
 }
 
-/* EXPOSURE= has one factor for all of a picture, COLORCORR= one for each colour; both may be there many times. */
+/* EXPOSURE= has one factor for the whole picture, COLORCORR= one for each colour; both may occur many times. */
 static vxs_result read_factors(reader *r, const char *text, int count)
 {
     double factor[3];
@@ -71,13 +72,14 @@ static vxs_result read_factors(reader *r, const char *text, int count)
     return VXS_OK;
 }
 
-/* PRIMARIES= has the colours that red, green, blue and white are. Those of Radiance are near those of sRGB, which scenes have. */
+/* PRIMARIES= has the chromaticities of red, green, blue and white. Radiance's defaults are near those of sRGB, which scenes
+ * have. */
 static void judge_primaries(const reader *r, const char *text)
 {
     static const double known[][8] = {
         {0.64, 0.33, 0.29, 0.6, 0.15, 0.06, 1.0 / 3, 1.0 / 3}, {0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329}, {0}};
     double found[8];
-    int    is_known = read_numbers(text, found, 8) < 8; /* says nothing */
+    int    is_known = read_numbers(text, found, 8) < 8; /* incomplete lines are ignored */
     for (size_t k = 0; k < sizeof known / sizeof *known && !is_known; k++) {
         is_known = 1;
         for (int n = 0; n < 8; n++) is_known &= fabs(found[n] - known[k][n]) < 2e-3;
@@ -121,9 +123,9 @@ static vxs_result read_head(reader *r)
     return next_line(r, line) ? read_size(r, line) : broken(r, VXS_E_TRUNCATED, "it ends before its pixels begin");
 }
 
-/* rows ---------------------------------------------------------------------------------------------------------------------------- */
+/* rows ------------------------------------------------------------------------------------------------------------------------- */
 
-/* One of a row's four bytes, all along it: a length and so many of them, or RUN more than a length and the one that all are. */
+/* Decode one of the four bytes of all pixels of a row: a length and so many bytes, or RUN plus a length and one byte to repeat. */
 static vxs_result read_channel(reader *r, uint8_t (*row)[4], int channel)
 {
     for (uint32_t x = 0; x < r->wide_px;) {
@@ -139,7 +141,7 @@ static vxs_result read_channel(reader *r, uint8_t (*row)[4], int channel)
     return VXS_OK;
 }
 
-/* Pixels one by one. 1, 1, 1, n says that the one before is there n times more; behind another such one, 256 n. */
+/* Decode pixels one by one. 1, 1, 1, n repeats the pixel before n times; directly after another such pixel, 256 n times. */
 static vxs_result read_pixels(reader *r, uint8_t (*row)[4])
 {
     uint64_t unit = 1;
@@ -178,7 +180,7 @@ static vxs_result put_row(const reader *r, const uint8_t (*row)[4], float *radia
     return VXS_OK;
 }
 
-/* ---------------------------------------------------------------------------------------------------------------------------------- */
+/* ------------------------------------------------------------------------------------------------------------------------------ */
 
 int sky_is_radiance(const sky_file *file)
 {

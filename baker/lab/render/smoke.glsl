@@ -1,4 +1,4 @@
-/* How much of a light smoke leaves at what a pixel shows: pictures of smoke_pass.c. */
+/* The transmittance of smoke towards a light at a pixel's surface: pictures of smoke_pass.c. */
 layout(std430, binding = 7) readonly restrict buffer smoke_block { int smoke_layers[]; }; /* of each light; -1: no smoke dims it */
 layout(binding = 7) uniform sampler2DArray smoke_pictures;
 

@@ -1,5 +1,5 @@
-/* A capsule over what was drawn, and over the fog that is behind it: what it lets through is told by how far the eye ray runs in
- * it before it meets the scene, so that it is soft where it meets that. Behind capsule.glsl. */
+/* A capsule over the picture, and over the fog behind it. Its transmittance follows from the length of the eye ray in it before
+ * the scene, so that its intersection with surfaces is soft. Follows capsule.glsl. */
 struct drawn_capsule {
     vec4 begin;  /* metres from the eye, and the radius */
     vec4 end;    /* and extinction */
@@ -7,17 +7,17 @@ struct drawn_capsule {
 };
 layout(std430, binding = 5) readonly restrict buffer capsules_block { drawn_capsule capsules[]; };
 layout(binding = 0) uniform sampler2D depths;   /* near / distance along the axis */
-layout(binding = 1) uniform sampler2D airlight; /* of the fog, to what is seen */
+layout(binding = 1) uniform sampler2D airlight; /* of the fog, up to the surface */
 uniform vec4 lights;     /* exposure; near */
-uniform vec4 ambient;    /* light from all sides, as exposed */
-uniform vec4 extinction; /* of the fog, and its top over the eye */
-uniform vec4 turned;     /* what the fog turns of such light, and where rays end that meet nothing, metres */
+uniform vec4 ambient;    /* light from all directions, exposed */
+uniform vec4 extinction; /* of the fog, and its top relative to the eye */
+uniform vec4 turned;     /* the fog's factor on such light, and the end of rays that meet no surface, metres */
 in vec3 way;
 in vec3 light;
 flat in int capsule;
 layout(location = 0) out vec4 colour_out;
 
-/* Metres in the fog of so many from the eye, along a ray that rises by a slope. */
+/* The metres in the fog, of the first `metres` from the eye, along a ray with this slope. */
 float in_fog(float slope, float metres)
 {
     float top = extinction.w;
@@ -29,15 +29,16 @@ void main()
 {
     drawn_capsule c = capsules[capsule];
     float         depth = texelFetch(depths, ivec2(gl_FragCoord.xy), 0).r, size = length(way), near;
-    float         end = depth > 0.0 ? lights.y / depth * size * gl_FragCoord.w : turned.w; /* gl_FragCoord.w: 1 over the way along the axis */
+    float         end = depth > 0.0 ? lights.y / depth * size * gl_FragCoord.w : turned.w; /* gl_FragCoord.w: 1 / distance along the
+                                                                                              axis */
     vec3          direction = way / size;
     vec2          part = vxs_capsule_part(c.begin.xyz, c.end.xyz - c.begin.xyz, c.begin.w, direction, near) + near;
     part = vec2(max(part.x, 0.0), min(part.y, end));
     if (!(part.y > part.x)) discard;
     float alpha = 1.0 - exp(-c.end.w * (part.y - part.x));
     vec3  left = exp(-extinction.rgb * in_fog(direction.y, 0.5 * (part.x + part.y))), all = exp(-extinction.rgb * in_fog(direction.y, end));
-    vec3  share = (1.0 - left) / max(1.0 - all, vec3(1e-6)); /* of the air to what is seen, how much is before the smoke */
+    vec3  share = (1.0 - left) / max(1.0 - all, vec3(1e-6)); /* the share of the air up to the surface that is before the smoke */
     vec3  air = texelFetch(airlight, ivec2(gl_FragCoord.xy), 0).rgb + turned.rgb * (1.0 - all);
-    vec3  sent = c.albedo.rgb * (0.25 * lights.x * light + ambient.rgb); /* to each direction alike */
+    vec3  sent = c.albedo.rgb * (0.25 * lights.x * light + ambient.rgb); /* equally in all directions */
     colour_out = alpha * vec4(sent * left + air * min(share, vec3(1.0)), 1.0);
 }

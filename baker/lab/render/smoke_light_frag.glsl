@@ -1,8 +1,8 @@
-/* What lights send to places in smoke, from all sides; a place a pixel, row by row. Behind the texts of vxs_gl.h, smoke.glsl
+/* Light from all directions at places in smoke; one place for each pixel, row by row. Follows the texts of vxs_gl.h, smoke.glsl
  * and shine.glsl. */
 layout(std430, binding = 5) readonly restrict buffer places_block { vec4 places[]; };
-layout(std430, binding = 8) readonly restrict buffer left_block { float left[]; }; /* of each layer, and in it of each place */
-uniform ivec4 sizes; /* pixels across, places; the first light of LIGHTS_AT_ONCE that are added up */
+layout(std430, binding = 8) readonly restrict buffer left_block { float left[]; }; /* layer by layer, in each place by place */
+uniform ivec4 sizes; /* pixels across, places; the first of the LIGHTS_AT_ONCE lights to add up */
 layout(location = 0) out vec4 light_out;
 
 void main()

@@ -1,4 +1,4 @@
-/* Smoke between lights and what is seen; see smoke_pass.h.
+/* Smoke between lights and surfaces; see smoke_pass.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/render/smoke_pass.h"
 
@@ -10,10 +10,10 @@
 #include "baker/lab/truth/camera.h"
 #include "baker/light/baked_light.h"
 
-/* Lists have room for so many segments at first; where they ask for more, and no more than the most, they get it. */
+/* Initial capacity of segment lists; if a map needs more, they grow up to SEGMENTS_MOST. */
 enum { SEGMENTS = 1 << 20, SEGMENTS_MOST = 1 << 22, BINDING = 7, UNIT = 7 };
 
-/* That a map is made of, which takes 10 s on two processors. Many times more would be a minute and more, of a file of some kilobytes. */
+/* The limit on segments of a map; it takes 10 s on two processors. Without it, a file of some kilobytes could take minutes. */
 enum { SEGMENTS_MADE = 1 << 26, SIDE_LEAST = 16 };
 
 struct smoke_pass {
@@ -26,13 +26,13 @@ struct smoke_pass {
     GLuint                 array, buffer;
     smoke_light_plan      *lights;   /* [light_count] */
     int32_t               *layer_of; /* [light_count] -1: none, yet */
-    uint8_t               *in_reach; /* [light_count] of a capsule at least */
-    vxs_capsule           *capsules; /* [smoke's count] as a light sees them */
+    uint8_t               *in_reach; /* [light_count] 1: some capsule is in reach */
+    vxs_capsule           *capsules; /* [smoke's count] relative to the light */
 };
 
 /* reach ------------------------------------------------------------------------------------------------------------------------ */
 
-/* A ball about a capsule.   Returns its radius */
+/* The bounding sphere of a capsule.   Returns its radius */
 static double ball_of(const scene_smoke *smoke, const vxs_capsule *c, double middle_ws[3])
 {
     double square = 0;
@@ -44,7 +44,7 @@ static double ball_of(const scene_smoke *smoke, const vxs_capsule *c, double mid
     return sqrt(square) + (double)c->radius_metres;
 }
 
-/* Whether a ball is in a sun's prism, but for its ends. */
+/* Whether a sphere is in a sun's prism, ignoring its ends. */
 static int is_in_prism(const vxs_light *light, const double middle_ws[3], double radius)
 {
     double edge = ldexp(1, (int)light->levels), texels = radius / light->texel_metres;
@@ -66,7 +66,7 @@ static int reaches_smoke(const scene_smoke *smoke, const vxs_light *light)
     return 0;
 }
 
-/* Whether the view has something of a lamp's range: on the inner side of all planes through the eye and an edge of the picture. */
+/* Whether a lamp's range is partly in view: not outside of any plane through the eye and an edge of the picture. */
 static int is_in_view(const vxs_light *light, const double eye_ws[3], const camera_view *seen)
 {
     light_shape shape = baked_light_shape(light);
@@ -147,7 +147,7 @@ void smoke_pass_destroy(smoke_pass *p)
 
 /* maps ------------------------------------------------------------------------------------------------------------------------- */
 
-/* How wide a texel of the light's map of side_px texels a side is where a capsule is. */
+/* The width of a texel at a capsule, for a light's map of side_px texels a side. */
 static double texel_at(const smoke_pass *p, const vxs_light *light, const light_shape *shape, const vxs_capsule *c,
                        uint32_t side_px)
 {
@@ -158,7 +158,7 @@ static double texel_at(const smoke_pass *p, const vxs_light *light, const light_
     return texel * sqrt(vec3_dot(way, way));
 }
 
-/* How many texels of a map all capsules cover, each at most all of it: about as many segments are put into its lists. */
+/* The number of texels of a map that all capsules cover, each at most all of it: about the number of segments in its lists. */
 static double covered_texels(const smoke_pass *p, const vxs_light *light, uint32_t side_px)
 {
     const scene_smoke *smoke = p->options.smoke;
@@ -177,7 +177,7 @@ static double covered_texels(const smoke_pass *p, const vxs_light *light, uint32
     return sum;
 }
 
-/* The side of a light's map: as many texels as are asked for; or fewer, where smoke covers it so many times that it would take minutes. */
+/* The side of a light's map: the requested one, or less when capsules cover it so many times that it would take minutes. */
 static uint32_t choose_side(const smoke_pass *p, const vxs_light *light, message *m)
 {
     uint32_t asked = p->options.side_px, side = asked;
@@ -196,7 +196,7 @@ static uint32_t choose_side(const smoke_pass *p, const vxs_light *light, message
     return side;
 }
 
-/* As the light sees them: from the eye, and none thinner than a texel. */
+/* Capsules for the light: relative to the eye, and at least a texel thick. */
 static void place_capsules(smoke_pass *p, const vxs_light *light, uint32_t side_px, const double eye_ws[3])
 {
     const scene_smoke *smoke = p->options.smoke;
@@ -235,7 +235,7 @@ static void warn_about_room(const smoke_pass *p, uint32_t light, uint32_t side_p
              counts->cut_texels, name, side_px);
 }
 
-/* Once more where lists were too short, and can be longer. */
+/* Repeat with longer lists if they were too short and may grow. */
 static vxs_result make_map(smoke_pass *p, uint32_t light, const double eye_ws[3], message *m)
 {
     vxs_transmittance_map  **map    = &p->maps[p->used];
@@ -259,7 +259,7 @@ static vxs_result make_map(smoke_pass *p, uint32_t light, const double eye_ws[3]
     return VXS_OK;
 }
 
-/* a frame ---------------------------------------------------------------------------------------------------------------------- */
+/* frame ------------------------------------------------------------------------------------------------------------------------ */
 
 static smoke_fate fate_of(const smoke_pass *p, uint32_t light, const double eye_ws[3], const camera_view *seen)
 {

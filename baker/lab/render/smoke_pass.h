@@ -1,6 +1,6 @@
-/* Smoke of a scene in the light of its lamps and suns, by libvxs_volumes: a map of transmittance for each light that capsules can
- * dim, and for each pixel how much of it is left. Maps are built once, when their light is first in view: nothing of the smoke
- * moves.
+/* A scene's smoke in the light of its lamps and suns, by libvxs_volumes: a transmittance map for each light that capsules can
+ * dim, and for each pixel the transmittance towards each light. A map is built once, when its light is first in view: smoke does
+ * not move.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SMOKE_PASS_H
 #define SMOKE_PASS_H
@@ -10,13 +10,14 @@
 #include "baker/scene/scene.h"
 #include "runtime/volumes/vxs_transmittance.h"
 
-enum { SMOKE_MAPS = 16, SMOKE_SIDE = 256 }; /* maps of a renderer at most; texels a side where nothing else is asked */
+enum { SMOKE_MAPS = 16, SMOKE_SIDE = 256 }; /* maps of a renderer at most; their default side in texels */
 
 typedef struct smoke_pass_options {
-    const scene_smoke            *smoke;  /* at least one capsule; it outlives the pass, as lights do */
+    const scene_smoke            *smoke;  /* at least one capsule; outlives the pass, as lights do */
     const vxs_baked_light *const *lights; /* [light_count] those of the volumes */
     uint32_t                      light_count;
-    uint32_t                      side_px; /* of maps; of one that capsules cover very many times fewer, unless that is_asked */
+    uint32_t                      side_px; /* side of maps; smaller for a map that capsules cover very many times, unless
+                                              is_asked */
     int                           is_asked;
     uint32_t                      width, height; /* samples */
 } smoke_pass_options;
@@ -29,19 +30,19 @@ typedef struct smoke_pass smoke_pass;
 vxs_result smoke_pass_create(smoke_pass **pass, const smoke_pass_options *o, const gl_context *gl, vxs_volumes *volumes,
                              message *m);
 
-/* Before the volumes. Accepts NULL. */
+/* Call before destroying the volumes. Accepts NULL. */
 void smoke_pass_destroy(smoke_pass *pass);
 
-/* Maps of lights that are new in view, and the pictures of all of them, in the frame of the volumes that has begun. A map without
- * room for all segments is a warning.
- * seen  from eye_ws, which the volumes' places count from;   plan  [out] */
+/* Build maps of lights that are newly in view, and the pictures of all maps, in the volumes' current frame. If a map has no room
+ * for all segments, warn.
+ * seen  from eye_ws, the origin of the volumes' positions;   plan  [out] */
 vxs_result smoke_pass_draw(smoke_pass *pass, const double eye_ws[3], const struct camera_view *seen, smoke_plan *plan, message *m);
 
-/* For shaders that have smoke.glsl. */
+/* Bind the resources of shaders that include smoke.glsl. */
 void smoke_pass_bind(const smoke_pass *pass);
 
-/* How much of each light is left at places, layer by layer, into a storage buffer of float.   places  as for
- * vxs_volumes_transmittance_at */
+/* Write the transmittance towards each light at places, layer by layer, into a storage buffer of float.
+ * places  as for vxs_volumes_transmittance_at */
 vxs_result smoke_pass_ask(const smoke_pass *pass, GLuint places, uint32_t count, GLuint left);
 
 /* The map of a light that the last frame's smoke dims; else NULL. */
@@ -53,7 +54,7 @@ GLuint smoke_pass_picture(const smoke_pass *pass, uint32_t light);
 /* Of the last frame, [light_count]. */
 const smoke_light_plan *smoke_pass_lights(const smoke_pass *pass);
 
-/* How many lights may get a picture each, of those that capsules can dim. */
+/* The maximum number of lights with a picture, of those that capsules can dim. */
 uint32_t smoke_pass_layers(const smoke_pass *pass);
 
 #endif

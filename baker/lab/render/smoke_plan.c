@@ -1,4 +1,4 @@
-/* The plan of a frame's smoke in words; see smoke_plan.h.
+/* The plan of a frame's smoke as text and JSON; see smoke_plan.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/render/smoke_plan.h"
 

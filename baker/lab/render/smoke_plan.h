@@ -9,19 +9,19 @@
 
 #include "formats/vxs_file.h"
 
-/* What becomes of a light. */
+/* The decision on a light. */
 typedef enum smoke_fate {
     SMOKE_DIMS,
     SMOKE_OUT_OF_REACH, /* no capsule is in its range, cone or prism */
-    SMOKE_OUT_OF_VIEW,  /* nor is what is seen: its range is */
+    SMOKE_OUT_OF_VIEW,  /* its range is not in view */
     SMOKE_NO_ROOM,      /* all maps are taken */
     SMOKE_FATES
 } smoke_fate;
 
-/* Of one light. What was built stays, while nothing moves. */
+/* The plan of one light. A built map stays. */
 typedef struct smoke_light_plan {
     smoke_fate fate;
-    uint32_t   segments, merged, cut_texels; /* of its map, as vxs_transmittance_counts has them */
+    uint32_t   segments, merged, cut_texels; /* of its map, as in vxs_transmittance_counts */
 } smoke_light_plan;
 
 typedef struct smoke_plan {
@@ -33,7 +33,7 @@ typedef struct smoke_plan {
 void smoke_plan_print(FILE *to, const smoke_plan *plan, uint32_t capsules, uint32_t side_px, const smoke_light_plan *lights,
                       const vxs_baked_light *const *names, uint32_t light_count, int verbose);
 
-/* Of a frame: how many lights have which fate, and how many maps were built. */
+/* For a frame: the number of lights with each decision, and of maps that were built. */
 json_t *smoke_plan_counts(const smoke_plan *plan);
 
 /* Of the picture: each light. */

@@ -14,7 +14,8 @@ typedef struct quad_order {
     uint32_t capsule;
 } quad_order;
 
-/* Of the way from a capsule's middle to a corner: corners are beside it, as far as the shadow of others may differ. */
+/* The place for light lookups, as a share of the distance from a capsule's middle to a corner: far enough out that the shadows
+ * of other capsules may differ. */
 static const double ASKED_AT = 0.6;
 
 vxs_result smoke_quads_reserve(smoke_quads *q, const scene_smoke *smoke, message *m)
@@ -45,7 +46,7 @@ static void middle_of(const scene_smoke *smoke, const vxs_capsule *c, const doub
     for (int n = 0; n < 3; n++) middle[n] = 0.5 * ((double)c->begin[n] + (double)c->end[n]) + smoke->origin_ws[n] - eye_ws[n];
 }
 
-/* The farthest first; of equal ones, the scene's order. */
+/* Order: the farthest first; equal ones in the scene's order. */
 static int is_farther(const void *a, const void *b)
 {
     const quad_order *x = a, *y = b;
@@ -63,12 +64,13 @@ static void sort(smoke_quads *q, const scene_smoke *smoke, const double eye_ws[3
     qsort(q->order, q->count, sizeof *q->order, is_farther);
 }
 
-/* The plane of a quad: through the capsule's middle and across the way to it, u along the axis as it is seen. */
+/* The plane of a quad: through the capsule's middle, perpendicular to the direction from the eye; u along the capsule's axis as
+ * seen. */
 typedef struct quad_plane {
     double middle[3], u[3], v[3], half_u, half_v;
 } quad_plane;
 
-/* What is nearer than the plane seems larger there.   Returns 0 where the capsule is about the eye, or nearly */
+/* Find the plane of a capsule's quad; parts nearer than it appear larger.   Returns 0 when the eye is in the capsule, or nearly */
 static int find_plane(const vxs_capsule *c, quad_plane *p)
 {
     double axis[3], way[3], radius = (double)c->radius_metres;
@@ -89,7 +91,7 @@ static int find_plane(const vxs_capsule *c, quad_plane *p)
     return 1;
 }
 
-/* All of the picture, a metre before the eye. */
+/* A quad that covers the whole picture, a metre in front of the eye. */
 static quad_plane whole_picture(const smoke_eye *eye)
 {
     quad_plane p = {.half_u = 1, .half_v = 1};

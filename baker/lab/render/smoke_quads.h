@@ -1,4 +1,5 @@
-/* Capsules as a shader draws them: from back to front, each by a quad before the eye that covers it, and where its light is asked.
+/* Capsules as a shader draws them: from back to front, each by a quad that covers it, facing the eye, with places for light
+ * lookups.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SMOKE_QUADS_H
 #define SMOKE_QUADS_H
@@ -7,7 +8,7 @@
 #include "baker/lab/truth/camera.h"
 #include "baker/scene/smoke.h"
 
-/* As smoke_frag.glsl has it. Places are metres from the eye. */
+/* Layout as in smoke_frag.glsl. Positions are in metres relative to the eye. */
 typedef struct drawn_capsule {
     vxs_capsule capsule;
     float       albedo[4];
@@ -17,26 +18,26 @@ enum { SMOKE_CORNERS = 4 };
 
 typedef struct smoke_quads {
     uint32_t       count;
-    drawn_capsule *capsules;  /* [count] */
-    float (*corners)[4];      /* [4 * count] of quads, in the order of a strip; a fourth number that is not read, as in places */
-    float (*places)[4];       /* [4 * count] between a capsule's middle and the corners: there its light is asked */
-    struct quad_order *order; /* [count] */
-    double             covered_px; /* samples of the picture that quads cover, nearly; of each of them all of it at most */
+    drawn_capsule *capsules;       /* [count] */
+    float (*corners)[4];           /* [4 * count] of quads, in the order of a strip; the fourth number is unused, as in places */
+    float (*places)[4];            /* [4 * count] places of light lookups, between a capsule's middle and the corners */
+    struct quad_order *order;      /* [count] */
+    double             covered_px; /* about how many samples of the picture quads cover; each quad at most all of the picture */
 } smoke_quads;
 
-/* What looks at them. */
+/* The view of the quads. */
 typedef struct smoke_eye {
     double      at_ws[3];
     camera_view seen;
-    double      pixel_metres; /* how wide a sample is at 1 m; no capsule is drawn thinner than that */
+    double      pixel_metres; /* width of a sample at 1 m; no capsule is drawn thinner */
     double      all_px;       /* samples of the picture */
 } smoke_eye;
 
-/* Room for the capsules of a scene.   q  [out]   Returns VXS_OK, VXS_E_MEMORY. */
+/* Allocate room for the capsules of a scene.   q  [out]   Returns VXS_OK, VXS_E_MEMORY. */
 vxs_result smoke_quads_reserve(smoke_quads *q, const scene_smoke *smoke, message *m);
 void       smoke_quads_free(smoke_quads *q);
 
-/* Capsules about the eye, or near it, are covered by all of the picture. */
+/* The quad of a capsule that contains the eye, or nearly, covers the whole picture. */
 void smoke_quads_make(smoke_quads *q, const scene_smoke *smoke, const smoke_eye *eye);
 
 #endif

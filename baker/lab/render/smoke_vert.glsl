@@ -1,5 +1,5 @@
 #version 450 core
-/* A quad before each capsule, of two triangles, with the light at its corners. */
+/* A quad in front of each capsule, of two triangles, with the light at its corners. */
 layout(std430, binding = 6) readonly restrict buffer corners_block { vec4 corners[]; }; /* four of each; metres from the eye */
 layout(binding = 3) uniform sampler2D corner_lights; /* row by row, as the corners */
 uniform mat4 clip_from_eye;

@@ -1,5 +1,5 @@
 #version 450 core
-/* What a pixel shows: the normal of the side that is seen, and its colour. Where it is, is in the depth. */
+/* The surface at a pixel: the normal of the visible side, and its colour. Its position follows from the depth. */
 layout(binding = 0) uniform sampler2D alpha;
 uniform float threshold; /* of the alpha mask; 0: no holes */
 in vec3 way;

@@ -11,12 +11,12 @@
 #include "baker/base/memory.h"
 #include "baker/base/vec3.h"
 
-/* Where materials say nothing. */
+/* The default colour of materials. */
 static const float plain[3] = {0.66f, 0.62f, 0.56f};
 
 typedef struct surface_vertex {
     float   position[3], normal[3];
-    uint8_t colour[4]; /* linear, square root of: 8 bits are too few for dark ones */
+    uint8_t colour[4]; /* the square root of the linear colour: 8 linear bits are too few for dark colours */
     float   uv[2];
 } surface_vertex;
 
@@ -59,7 +59,7 @@ static void fill_triangle(const filling *f, size_t triangle, uint32_t part, surf
     }
 }
 
-/* Those without a mask first, then mask by mask. */
+/* Triangles without a mask come first, then those of each mask. */
 static void fill(filling *f)
 {
     surface_mesh *mesh  = f->mesh;
@@ -89,7 +89,7 @@ static vxs_result take_masks(filling *f)
     return VXS_OK;
 }
 
-/* As baker/scene/alpha_mask.h has it, by the filters of OpenGL. */
+/* Sampling as in baker/scene/alpha_mask.h, by OpenGL's filters. */
 static void put_mask(surface_mesh *mesh, const gl_context *gl, const scene *s, size_t n)
 {
     static const GLint wraps[] = {GL_REPEAT, GL_CLAMP_TO_EDGE, GL_MIRRORED_REPEAT};

@@ -1,5 +1,5 @@
 #version 450 core
-/* Triangles, each with corners of its own: a normal and a colour are the whole triangle's. */
+/* Triangles, each with its own corners, since normal and colour are per triangle. */
 layout(location = 0) in vec3 position; /* from the scene's middle */
 layout(location = 1) in vec3 normal;
 layout(location = 2) in vec4 colour;

@@ -1,12 +1,13 @@
-/* From light to what a screen shows: exposure, light from the sky, a soft shoulder, the sRGB curve, the mean of samples x samples; and the mean of what is linear,
- * without shoulder and curve. In fog it is done in two parts, TO_PICTURE, which is linear, and FROM_PICTURE, and between them there is the fog. */
+/* Tone mapping: exposure, light from the sky, a soft shoulder, the sRGB curve, the mean of samples x samples; also the linear
+ * mean, without shoulder and curve. With fog it is done in two parts, TO_PICTURE, which is linear, and FROM_PICTURE; fog is
+ * added between them. */
 layout(binding = 0) uniform sampler2D depths;
 layout(binding = 1) uniform sampler2D normals;
 layout(binding = 2) uniform sampler2D albedos;
 layout(binding = 3) uniform sampler2D lights;
 layout(binding = 4) uniform sampler2D picture;
 uniform mat4 point_from_depth;
-uniform vec4 sizes; /* width, height of the light, exposure, day: 1, or what is left of the sky at night */
+uniform vec4 sizes; /* width and height of the light, exposure, day: 1, or the factor on the sky's light at night */
 uniform int samples;
 layout(location = 0) out vec4 colour_out;
 #ifndef TO_PICTURE
@@ -41,7 +42,7 @@ float curve(float x)
 void main()
 {
 #ifdef TO_PICTURE
-    colour_out = vec4(shown(ivec2(gl_FragCoord.xy)), 0.0); /* alpha: how much smoke hides */
+    colour_out = vec4(shown(ivec2(gl_FragCoord.xy)), 0.0); /* alpha: the share that smoke hides */
 #else
     vec3 sum = vec3(0.0), light = vec3(0.0);
     for (int y = 0; y < samples; y++)

@@ -15,7 +15,7 @@ static void corner_of(const box *b, int n, double corner[3])
     for (int i = 0; i < 3; i++) corner[i] = n >> i & 1 ? b->max[i] : b->min[i];
 }
 
-/* Unit axes of a camera with the direction `forward`, level with the horizon unless that is straight up or down, or another way is up. */
+/* Unit axes of a camera with the direction `forward`: level with the horizon, unless that is vertical or up_ws is given. */
 static void camera_axes(const double forward[3], const double up_ws[3], double right[3], double up[3])
 {
     static const double vertical[3] = {0, 1, 0};
@@ -25,7 +25,7 @@ static void camera_axes(const double forward[3], const double up_ws[3], double r
     vec3_cross(right, forward, up);
 }
 
-/* How far the box reaches to both sides of the target along an axis, seen from `distance`, as slopes. */
+/* Extent of the box on both sides of the target along an axis, seen from `distance`, as slopes. */
 static void slopes_of(const box *b, const double target[3], double distance, const double forward[3], const double axis[3],
                       double *low, double *high)
 {
@@ -52,7 +52,7 @@ void camera_frame(camera_pose *camera, const box *b, const double sun_ws[3], dou
     camera_axes(forward, (const double[3]){0}, right, up);
     for (int i = 0; i < 3; i++) target[i] = 0.5 * (b->min[i] + b->max[i]);
 
-    /* centre the box in the view, step back until it fits, and again, since perspective moves the centre */
+    /* centre the box in the view, move back until it fits, and repeat, since perspective moves the centre */
     for (int round = 0; round < 8; round++) {
         double low, high;
         distance = 0;

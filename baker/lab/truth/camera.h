@@ -8,33 +8,34 @@
 
 typedef struct camera_pose {
     double eye_ws[3], target_ws[3];
-    double fov_degrees; /* from top to bottom, above 0, below 180 */
-    double up_ws[3]; /* what is up in the picture, of any length, not along the way to the target; 0,0,0: level with the horizon */
-    double near_metres; /* nearer along its axis nothing is seen; 0: all is */
+    double fov_degrees; /* vertical field of view, above 0, below 180 */
+    double up_ws[3];    /* up in the picture, of any length, not parallel to the direction to the target; 0,0,0: level with the
+                           horizon */
+    double near_metres; /* surfaces nearer than this, along the axis, are not seen; 0: all are */
 } camera_pose;
 
-/* Place a camera so that a box fills its view, no corner cut, from above, with the sun to the side.
+/* Place a camera so that a box fills its view completely, from above, with the sun to the side.
  * camera     fov_degrees is read; eye and target are written
- * sun_ws     unit, the way the light travels
+ * sun_ws     unit, direction of the light
  * aspect     width / height */
 void camera_frame(camera_pose *camera, const box *b, const double sun_ws[3], double aspect);
 
-/* Step back, or come nearer, so that all of a box is in view from everywhere on a circle about its middle, as high as the eye is.
- * camera  as camera_frame places it; target becomes the middle */
+/* Move the camera so that all of a box is in view from every point of a circle around its middle, at the eye's height.
+ * camera  as from camera_frame; target becomes the middle */
 void camera_frame_orbit(camera_pose *camera, const box *b, double aspect);
 
-/* The same as camera_frame, beside the first sun of the lights, or as if there were a usual one.   lights  [light_count] */
+/* As camera_frame, beside the first sun of the lights, or a default one if there is none.   lights  [light_count] */
 void camera_frame_lit(camera_pose *camera, const box *b, const vxs_baked_light *const *lights, uint32_t light_count, double aspect);
 
-/* The field of view: the unit vector forward, and the ways from the picture's middle to its edges, at distance 1. */
+/* The view: the unit vector forward, and the vectors from the picture's centre to its edges, at distance 1. */
 typedef struct camera_view {
     double forward[3], right[3], up[3];
 } camera_view;
 
-/* aspect  width / height;   the camera's eye and target are apart */
+/* aspect  width / height;   the camera's eye and target are different */
 camera_view camera_view_of(const camera_pose *camera, double aspect);
 
-/* The unit direction that is seen at a place of the picture: x from its left edge, 0, to its right one, 1; y from the top down. */
+/* The unit direction through a place of the picture: x from its left edge, 0, to its right one, 1; y from the top down. */
 void camera_direction(const camera_view *v, double x, double y, double direction[3]);
 
 #endif

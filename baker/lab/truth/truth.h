@@ -1,9 +1,9 @@
-/* The ray-traced truth: what is lit, what is inside, what a ray meets. Slow, plain, and independent of the
- * bake, so that the bake can be judged by it.
+/* The ray-traced truth: whether points are lit, whether they are inside solids, what a ray meets first. Slow, plain, and
+ * independent of the bake, so that the bake can be checked against it.
  *
  * All coordinates are world space, in metres. Embree traces in float, so casters and points are moved to the centre of the
- * casters' bounds and scaled by a power of two, in double, before they are rounded: answers are those of casters and rays
- * displaced by at most truth_precision(), wherever the scene stands in the world. Both sides of every triangle count.
+ * casters' bounds and scaled by a power of two, in double, before they are rounded. Results are those of casters and rays
+ * displaced by at most truth_precision(), wherever the scene is in the world. Both sides of every triangle count.
  * Rays pass through the holes of alpha-tested triangles (baker/scene/alpha_mask.h).
  *
  * Threads: every function that takes a const truth may be called from any number of threads at once.
@@ -26,42 +26,43 @@ vxs_result truth_create(truth **t, const casters *c, uint32_t threads, message *
 /* Accepts NULL. */
 void truth_destroy(truth *t);
 
-/* The distance in metres, at most, by which rounding to float may displace a surface or a ray inside the casters' bounds. */
+/* The maximum distance in metres by which rounding to float may displace a surface or a ray inside the casters' bounds. */
 double truth_precision(const truth *t);
 
-/* A point moved off its surface, so that it is not in the shadow of the surface that it lies on: by 1e-5 of the diagonal of
- * the casters' bounds along its normal, some twenty times truth_precision.
+/* Move a point off its surface, so that the surface does not shadow it: by 1e-5 of the diagonal of the casters' bounds along its
+ * normal, about twenty times truth_precision.
  * normal_ws  unit
  * lifted_ws  [out] may be point_ws */
 void truth_lift(const truth *t, const double point_ws[3], const double normal_ws[3], double lifted_ws[3]);
 
-/* 1 when no caster lies between the point and the light, 0 otherwise; whether the point is in the light's cone and range does
- * not count: light_reaches() tests that. Neither a caster within truth_precision of the point, along the ray, counts (a point on a
- * floor is not in the floor's shadow, unless the light all but grazes it), nor one through a spot or point light itself (a lamp
- * may lie in a ceiling). What is within a thousandth of the scene of such a light is tested in double, so that a caster a millimetre in
- * front of a lamp shades what it should a kilometre away. A light may be inside the casters' bounds or far outside.
+/* 1 when no caster is between the point and the light, 0 otherwise. The light's cone and range are ignored; light_reaches()
+ * tests them. Casters within truth_precision of the point, along the ray, are ignored, so that a point on a floor is not in the
+ * floor's shadow, unless the light is nearly parallel to it. Casters at the position of a spot or point light are ignored, too:
+ * a lamp may be in a ceiling. Casters near such a light, within a thousandth of the scene's size, are tested in double, so that
+ * a caster a millimetre in front of a lamp casts the right shadow a kilometre away. A light may be inside the casters' bounds or
+ * far outside.
  * Cost: one or two rays; 2 to 10 million points a second on one core, with up to 700 000 triangles. */
 int truth_lit(const truth *t, const double point_ws[3], const light_shape *light);
 
-/* 1 when the winding number of the solids about the point is above zero: inside one solid or more. Sheets do not count.
- * Within truth_precision of a solid's surface the answer may be either. */
+/* 1 when the winding number of the solids around the point is above zero: inside one solid or more. Sheets are ignored.
+ * Within truth_precision of a solid's surface the result may be either. */
 int truth_inside_solid(const truth *t, const double point_ws[3]);
 
-/* The first caster along a ray; the lower triangle where several are equally near.
+/* The first caster along a ray; at equal distances, the one with the lower triangle number.
  * direction_ws  unit
  * distance      [out] metres, >= 0; may be NULL, as may the next two; none is written when 0 is returned
  * normal_ws     [out] unit, by the triangle's winding: outward, whichever side was hit
  * triangle      [out] index into the casters' triangles
- * Returns 1 when something was hit. */
+ * Returns 1 when a caster was hit. */
 int truth_first_hit(const truth *t, const double origin_ws[3], const double direction_ws[3], double *distance, double normal_ws[3],
                     uint32_t *triangle);
 
-/* A point of the casters' surfaces, uniform by area for uniforms that are uniform and independent.
+/* Sample a point of the casters' surfaces, uniform by area if `uniforms` are uniform and independent.
  * uniforms   [3] in [0,1)
  * point_ws   [out]
  * normal_ws  [out] unit, by the triangle's winding; may be NULL
  * triangle   [out] may be NULL
- * Returns 0, and writes nothing, when all triangles together have no area, or when 64 points in a row fall into holes of
+ * Returns 0, and writes nothing, when all triangles together have no area, or when 64 points in a row are in holes of
  * alpha-tested triangles.   Cost: O(log triangles) for each of them. */
 int truth_sample_surface(const truth *t, const double uniforms[3], double point_ws[3], double normal_ws[3], uint32_t *triangle);
 

@@ -1,11 +1,11 @@
 /* The ray-traced truth, by Embree 3; see truth.h.
  *
  * Embree's space, "unit space" below: the casters' bounds centred on 0 and scaled by a power of two, so that their half
- * diagonal lies in [0.5, 1). All triangles are one geometry, so that Embree's primID is the caster's triangle index.
+ * diagonal is in [0.5, 1). All triangles are one geometry, so that Embree's primID is the caster's triangle index.
  *
- *        point outside        first point where the ray can meet anything
+ *        point outside        first point where the ray can meet a caster
  *             o ---- skipped ----o------------->      rays begin at the casters' bounding sphere at the earliest,
- *                              (   bounds   )         so that the origin's rounding stays in proportion
+ *                              (   bounds   )         so that rounding of the origin is small relative to the casters
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/truth/truth.h"
 
@@ -20,13 +20,13 @@
 #include "baker/base/vec3.h"
 #include "baker/scene/alpha_mask.h"
 
-/* Relative to the sphere that holds the ray's origin and the casters: 16 roundings to float of the largest coordinate, for
- * origin, direction, vertices, and Embree's edge products. */
+/* Rounding error relative to the sphere that holds the ray's origin and the casters: 16 roundings to float of the largest
+ * coordinate, for origin, direction, vertices, and Embree's edge products. */
 #define FLOAT_SLACK 0x1p-20
 
 #define LIFT 1e-5
 
-#define SURFACE_TRIES 64 /* points drawn before surfaces count as nothing but holes */
+#define SURFACE_TRIES 64 /* points drawn before surfaces are taken as consisting of holes only */
 
 struct truth {
     const casters *casters;
@@ -35,7 +35,7 @@ struct truth {
     double         centre_ws[3];
     double         radius;    /* metres: half the diagonal of the bounds */
     double         scale;     /* unit space per metre, a power of two */
-    double        *area_sums; /* [triangle_count] in unit space: this triangle and all before it */
+    double        *area_sums; /* [triangle_count] in unit space: cumulative sums, each including its triangle */
 };
 
 /* -- building -------------------------------------------------------------------------------------------- */
@@ -45,7 +45,7 @@ static const double *corner(const casters *c, size_t triangle, int i)
     return &c->positions_ws[3 * (size_t)c->indices[3 * triangle + (size_t)i]];
 }
 
-/* Twice the area long, by winding; in unit space, so that no size of scene leaves the range of double. */
+/* A normal with twice the area as length, by winding; in unit space, so that doubles do not overflow for any size of scene. */
 static void scaled_normal(const truth *t, size_t triangle, double normal[3])
 {
     const double *a = corner(t->casters, triangle, 0);
@@ -102,7 +102,7 @@ static void unit_from_ws(const truth *t, const double ws[3], float unit[3])
     for (int i = 0; i < 3; i++) unit[i] = (float)((ws[i] - t->centre_ws[i]) * t->scale);
 }
 
-/* The error of the last calls on this device, as a result. */
+/* The last error on this device, as a result. */
 static vxs_result check_embree(RTCDevice device, message *m)
 {
     enum RTCError error = rtcGetDeviceError(device);
@@ -112,7 +112,7 @@ static vxs_result check_embree(RTCDevice device, message *m)
                 error == RTC_ERROR_UNSUPPORTED_CPU ? ": it does not know this processor" : "", (int)error);
 }
 
-/* Embree owns the buffers: it wants padding behind the last vertex, which it then adds itself. */
+/* Embree owns the buffers: it requires padding behind the last vertex, which it then adds itself. */
 static vxs_result fill_geometry(const truth *t, RTCGeometry geometry, message *m)
 {
     const casters *c = t->casters;
@@ -145,7 +145,7 @@ static vxs_result build_scene(truth *t, uint32_t threads, message *m)
     if ((r = check_embree(t->device, m)) != VXS_OK) goto done;
     if ((r = fill_geometry(t, geometry, m)) != VXS_OK) goto done;
 
-    /* medium quality: spatial splits (high) could show one triangle to a filter twice, and winding numbers would be wrong */
+    /* medium quality: spatial splits (high) could pass one triangle to a filter twice, and winding numbers would be wrong */
     rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_MEDIUM);
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(t->scene, geometry);
@@ -210,7 +210,7 @@ static double segment_distance2(const double a[3], const double b[3])
     return vec3_dot(nearest, nearest);
 }
 
-/* The squared distance from 0 to a triangle, which may have no area: to its plane where 0 lies above the inside, else to an
+/* The squared distance from 0 to a triangle, which may have no area: to its plane where 0 projects into the triangle, else to an
  * edge. */
 static double triangle_distance2(const double a[3], const double b[3], const double c[3])
 {
@@ -233,8 +233,8 @@ static double triangle_distance2(const double a[3], const double b[3], const dou
 }
 
 /* A ray in unit space.
- * skipped  [out] metres between origin_ws and where the ray begins
- * Returns 0 when the ray misses the bounds, or so nearly that nothing can be hit. */
+ * skipped  [out] metres between origin_ws and the start of the ray
+ * Returns 0 when the ray misses the bounds, or only touches them so that it can meet no caster. */
 static int ray_begin(const truth *t, const double origin_ws[3], const double direction_ws[3], struct RTCRay *ray, double *skipped)
 {
     double from_centre[3], begin_ws[3];
@@ -262,11 +262,11 @@ static int ray_begin(const truth *t, const double origin_ws[3], const double dir
     return 1;
 }
 
-/* Turn a ray about its origin, by half of what rounding is allowed. */
+/* Turn a ray about its origin, by half of the allowed rounding error. */
 static void tilt(struct RTCRay *ray)
 {
     const double along[3] = {ray->dir_x, ray->dir_y, ray->dir_z};
-    const double axis[3]  = {fabs(along[0]) < 0.6, fabs(along[0]) >= 0.6, 0}; /* not near the ray's own direction */
+    const double axis[3]  = {fabs(along[0]) < 0.6, fabs(along[0]) >= 0.6, 0}; /* not nearly parallel to the ray */
     double       across[3], tilted[3];
     vec3_cross(along, axis, across);
     vec3_unit(across, across);
@@ -276,7 +276,7 @@ static void tilt(struct RTCRay *ray)
     ray->dir_z = (float)tilted[2];
 }
 
-/* Whether a triangle has a hole where the weights of its second and third corner are these. */
+/* Whether a triangle has a hole where its second and third corner have these weights. */
 static int is_hole(const casters *c, size_t triangle, double second, double third)
 {
     if (!c->alpha_mask_count || triangle < c->holed_first) return 0;
@@ -297,10 +297,10 @@ static int is_hole(const casters *c, size_t triangle, double second, double thir
     return !alpha_mask_opaque(mask, &c->images[mask->image], at[0], at[1]);
 }
 
-/* Casters at most this far from a lamp, in unit space, are tested in double: there a float's rounding turns a ray by too much. */
+/* Casters within this distance of a lamp, in unit space, are tested in double: there, rounding to float turns a ray by too much. */
 #define AT_LAMP 0x1p-10
 
-/* Corners of a triangle as seen from a point, in metres. */
+/* Corners of a triangle relative to a point, in metres. */
 static void corners_from(const truth *t, size_t triangle, const double from_ws[3], double corners[3][3])
 {
     for (int k = 0; k < 3; k++) vec3_sub(corner(t->casters, triangle, k), from_ws, corners[k]);
@@ -313,15 +313,15 @@ static int is_at_lamp(const truth *t, size_t triangle, const double lamp_ws[3])
     return triangle_distance2(corners[0], corners[1], corners[2]) <= limit * limit;
 }
 
-/* One ray of which only the first caster in its way counts. */
+/* One ray, for which only the first caster on its way counts. */
 typedef struct way_context {
-    struct RTCIntersectContext embree; /* first: the filter gets a pointer to it */
+    struct RTCIntersectContext embree; /* first member: the filter gets a pointer to it */
     const truth               *truth;
     const double              *lamp_ws; /* NULL for a directional light */
 } way_context;
 
-/* Holes let light pass. Embree's weights of a triangle's corners are off by what rounding displaces the ray, which truth_precision has
- * room for. Casters at the lamp are left to is_occluded_at_lamp. */
+/* Holes let light pass. Embree's barycentric weights are off by the rounding displacement of the ray, which truth_precision
+ * includes. Casters at the lamp are left to is_occluded_at_lamp. */
 static void pass_holes(const struct RTCFilterFunctionNArguments *args)
 {
     const way_context   *way = (const way_context *)args->context;
@@ -336,15 +336,15 @@ static int is_occluded(const truth *t, struct RTCRay ray, const double *lamp_ws)
     rtcInitIntersectContext(&way.embree);
     if (t->casters->alpha_mask_count || lamp_ws) way.embree.filter = pass_holes;
     rtcOccluded1(t->scene, &way.embree, &ray);
-    return ray.tfar < 0; /* Embree's sign for occluded is -infinity */
+    return ray.tfar < 0; /* Embree sets -infinity when occluded */
 }
 
-/* The casters at a lamp, in double, on the way from it to a point. */
+/* Test casters near a lamp, in double, between it and a point. */
 typedef struct lamp_query {
     const truth  *truth;
     const double *lamp_ws;
     double        way_ws[3]; /* unit, from the lamp */
-    double        end;       /* metres: what is farther does not count */
+    double        end;       /* metres: casters farther away are ignored */
     int           occluded;
 } lamp_query;
 
@@ -362,7 +362,7 @@ static bool ask_at_lamp(struct RTCPointQueryFunctionArguments *args)
     double volume = vec3_dot(ab, p);
     double second = -vec3_dot(corners[0], p) / volume, third = vec3_dot(q->way_ws, r) / volume, at = vec3_dot(ac, r) / volume;
     if (!(second >= 0 && third >= 0 && second + third <= 1)) return false;
-    if (!(at > 1e-9 * q->end && at < q->end)) return false; /* a lamp may lie in a ceiling */
+    if (!(at > 1e-9 * q->end && at < q->end)) return false; /* a lamp may be in a ceiling */
     q->occluded = !is_hole(q->truth->casters, args->primID, second, third);
     return false;
 }
@@ -380,7 +380,7 @@ static int is_occluded_at_lamp(const truth *t, const double lamp_ws[3], const do
     return q.occluded;
 }
 
-/* The way from a point to a light, and how far it is: INFINITY for a directional light. */
+/* The direction from a point to a light, and the distance: INFINITY for a directional light. */
 static double way_to_light(const light_shape *light, const double point_ws[3], double way_ws[3])
 {
     double to_light[3];
@@ -396,7 +396,7 @@ int truth_lit(const truth *t, const double point_ws[3], const light_shape *light
     double        distance = way_to_light(light, point_ws, to_light_ws);
     struct RTCRay ray;
     if (!ray_begin(t, point_ws, to_light_ws, &ray, &skipped)) return 1;
-    if (skipped == 0) ray.tnear = FLOAT_SLACK; /* the surface that the point lies on is not in its own way */
+    if (skipped == 0) ray.tnear = FLOAT_SLACK; /* the surface of the point itself does not count */
     if (distance < INFINITY) {
         double own = skipped == 0 ? truth_precision(t) : 0;
         if (is_occluded_at_lamp(t, light->position_ws, to_light_ws, distance - own)) return 0;
@@ -406,15 +406,15 @@ int truth_lit(const truth *t, const double point_ws[3], const light_shape *light
     const double *lamp_ws = distance < INFINITY ? light->position_ws : NULL;
     if (is_occluded(t, ray, lamp_ws)) return 0;
 
-    /* Embree is watertight along edges, but now and then a ray that is aimed at a vertex slips through it, and points on a
-     * grid do aim at vertices: light must come in along a second ray, too */
+    /* Embree is watertight along edges, but rarely a ray towards a vertex passes through it, and points on a grid do aim at
+     * vertices: a second ray must reach the light, too */
     tilt(&ray);
     return !is_occluded(t, ray, lamp_ws);
 }
 
-/* Embree keeps whichever of two equally near triangles its tree shows last, and threads may build different trees. */
+/* At equal distances, Embree keeps the triangle that its tree visits last, and trees depend on threads: choose by number. */
 typedef struct nearest_context {
-    struct RTCIntersectContext embree; /* first: the filter gets a pointer to it */
+    struct RTCIntersectContext embree; /* first member: the filter gets a pointer to it */
     const casters             *casters;
     float                      distance;
     uint32_t                   triangle;
@@ -447,7 +447,7 @@ int truth_first_hit(const truth *t, const double origin_ws[3], const double dire
     rtcIntersect1(t->scene, &nearest.embree, &query);
     if (nearest.triangle == UINT32_MAX) return 0;
 
-    /* the triangle's plane, in double, gives a better distance, unless the ray all but lies in it */
+    /* the triangle's plane, in double, gives a more precise distance, unless the ray is nearly parallel to it */
     double normal[3], unit[3] = {0, 0, 0}, to_corner[3];
     double metres = skipped + nearest.distance / t->scale;
     scaled_normal(t, nearest.triangle, normal);
@@ -465,10 +465,10 @@ int truth_first_hit(const truth *t, const double origin_ws[3], const double dire
 
 /* -- inside ---------------------------------------------------------------------------------------------- */
 
-/* Signed crossings along one ray. A ray that passes an edge closer than rounding can tell may cross both of its triangles,
- * where only one counts; such a ray is doubtful, and another direction is tried. */
+/* Signed crossings along one ray. A ray that passes an edge within the rounding error may cross both of its triangles instead of
+ * one; such a ray is doubtful, and another direction is tried. */
 typedef struct winding_context {
-    struct RTCIntersectContext embree; /* first: the filter gets a pointer to it */
+    struct RTCIntersectContext embree; /* first member: the filter gets a pointer to it */
     const truth               *truth;
     double                     origin_ws[3];
     double                     direction_ws[3];
@@ -489,7 +489,7 @@ static void count_crossing(const struct RTCFilterFunctionNArguments *args)
     double from_origin[3][3];
     for (int i = 0; i < 3; i++) vec3_sub(corner(c, triangle, i), w->origin_ws, from_origin[i]);
     for (int i = 0; i < 3; i++) {
-        /* the distance of two lines: the ray's and an edge's */
+        /* the distance between the ray's line and an edge's line */
         const double *a = from_origin[i], *b = from_origin[(i + 1) % 3];
         double        edge[3], between[3], a_cross_b[3];
         vec3_sub(b, a, edge);
@@ -500,12 +500,12 @@ static void count_crossing(const struct RTCFilterFunctionNArguments *args)
 
     double normal[3];
     scaled_normal(w->truth, triangle, normal);
-    w->winding += vec3_dot(normal, w->direction_ws) > 0 ? 1 : -1; /* leaving a solid: the point was inside it */
+    w->winding += vec3_dot(normal, w->direction_ws) > 0 ? 1 : -1; /* the ray leaves a solid: the point was inside it */
 }
 
 int truth_inside_solid(const truth *t, const double point_ws[3])
 {
-    /* unit vectors to no side that scenes are built along */
+    /* unit vectors that are not parallel to usual sides of objects */
     static const double directions_ws[7][3] = {
         {0.270598050073, 0.900968867902, 0.339164873902},    {-0.629320391050, 0.611507863021, -0.479585031072},
         {0.412938472910, -0.350871947123, 0.840472639151},   {0.782304984125, 0.193847561029, -0.591976352714},
@@ -533,7 +533,7 @@ int truth_inside_solid(const truth *t, const double point_ws[3])
 
 /* -- surface points -------------------------------------------------------------------------------------- */
 
-/* The first triangle whose sum exceeds `area`: never one without area. */
+/* The first triangle whose cumulative sum exceeds `area`: never one without area. */
 static size_t triangle_at_area(const truth *t, double area)
 {
     size_t low = 0, high = t->casters->triangle_count - 1;
@@ -547,11 +547,11 @@ static size_t triangle_at_area(const truth *t, double area)
     return low;
 }
 
-/* A point of the triangles, holes and all. Returns 0 in a hole. */
+/* A point of the triangles, ignoring holes. Returns 0 in a hole. */
 static int draw_surface_point(const truth *t, const double uniforms[3], double point_ws[3], size_t *triangle)
 {
     double total  = t->area_sums[t->casters->triangle_count - 1];
-    /* u * total may round up to total, for u just below 1 */
+    /* for u just below 1, u * total may round up to total */
     size_t chosen = triangle_at_area(t, fmin(uniforms[0] * total, nextafter(total, 0)));
 
     /* uniform over a triangle: Turk, "Generating Random Points in Triangles", Graphics Gems, 1990 */
@@ -570,7 +570,7 @@ int truth_sample_surface(const truth *t, const double uniforms[3], double point_
     int    tries = 1;
     if (!(t->area_sums[t->casters->triangle_count - 1] > 0)) return 0;
 
-    /* what is drawn after a hole is as random as what was drawn before, and follows from it */
+    /* after a hole, continue with random numbers that are derived from the given ones, so that the result is deterministic */
     rng again = {(uint64_t)ldexp(uniforms[0], 60) ^ (uint64_t)ldexp(uniforms[1], 52) ^ (uint64_t)ldexp(uniforms[2], 44)};
     while (!draw_surface_point(t, drawn_from, found, &chosen)) {
         if (tries++ == SURFACE_TRIES) return 0;

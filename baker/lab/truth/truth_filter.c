@@ -6,10 +6,10 @@
 #include "formats/vxs_space.h"
 #include "runtime/vxs.h"
 
-/* Along one axis: K texels about one, or those that a row of K about a place in it, `within` / 256 from its near side, covers. */
+/* Taps along one axis: K texels around one; or those that a row of K, centred `within` / 256 from the texel's near side, covers. */
 static void set_axis(filter_taps *taps, int axis, int32_t texel, uint32_t within, int filter_px)
 {
-    int width = vxs_filter_width(filter_px), begin = (int)within - 128 * width; /* in 1/256, counted from the texel */
+    int width = vxs_filter_width(filter_px), begin = (int)within - 128 * width; /* in 1/256, relative to the texel */
     if (filter_px < VXS_SMOOTH) begin = -256 * (width / 2);
     int first         = begin < 0 ? (begin - 255) / 256 : begin / 256; /* rounded down */
     taps->first[axis] = texel + first;
