@@ -63,7 +63,7 @@ static inline const uint8_t *vxs_stored_bytes(vxs_reader *r, int section)
     return r->load ? r->load(r, section) : r->bytes + r->out.sections[section].offset_bytes;
 }
 
-/* vxs_read_dag.c ---------------------------------------------------------------------------------------------------------------- */
+/* vxs_read_dag.c --------------------------------------------------------------------------------------------------------------- */
 
 /* Whether a kind of section is one of the DAG's; whether a light has that section. */
 int vxs_is_dag_section(uint32_t kind);
@@ -73,13 +73,13 @@ int vxs_dag_has_section(const vxs_light *light, const vxs_section *s);
  * are, if they have a place already. */
 void vxs_read_dag(vxs_reader *r, vxs_baked_light *baked);
 
-/* vxs_read_blocks.c ------------------------------------------------------------------------------------------------------------- */
+/* vxs_read_blocks.c ------------------------------------------------------------------------------------------------------------ */
 
 /* The same for palette blocks. Their sections are stored as they are. */
 int  vxs_is_blocks_section(uint32_t kind);
 void vxs_read_blocks(vxs_reader *r, vxs_baked_light *baked);
 
-/* vxs_read_smoke.c -------------------------------------------------------------------------------------------------------------- */
+/* vxs_read_smoke.c ------------------------------------------------------------------------------------------------------------- */
 
 /* Check the smoke of all lights that have some, and lay out its words. */
 void vxs_read_smoke(vxs_reader *r);
@@ -96,7 +96,7 @@ void vxs_read_smoke_words(vxs_reader *r, const vxs_baked_smoke *measured, uint32
 /* smoke  [count] NULL: there is none */
 void vxs_smoke_free(vxs_baked_smoke *smoke, uint32_t count, const vxs_allocator *allocator);
 
-/* vxs_read_points.c ------------------------------------------------------------------------------------------------------------- */
+/* vxs_read_points.c ------------------------------------------------------------------------------------------------------------ */
 
 /* Check the points, where there are some, and lay out their coordinates. */
 void vxs_read_points(vxs_reader *r);
@@ -104,7 +104,7 @@ void vxs_read_points(vxs_reader *r);
 /* Accepts none. */
 void vxs_points_free(vxs_baked_points *points, const vxs_allocator *allocator);
 
-/* vxs_read.c -------------------------------------------------------------------------------------------------------------------- */
+/* vxs_read.c ------------------------------------------------------------------------------------------------------------------- */
 
 /* What is read beside the contents, whose layout stays as it is. */
 typedef struct vxs_beside {

@@ -30,7 +30,7 @@ vxs_result vxs_add_section(vxs_sections *s, uint32_t kind, uint32_t flags, uint3
 /* One more section of a light, whose content is stored as it is. Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result vxs_add_stored(vxs_sections *s, uint32_t kind, uint32_t light, const vxs_bytes *content);
 
-/* vxs_write_dag.c ----------------------------------------------------------------------------------------------------------------- */
+/* vxs_write_dag.c -------------------------------------------------------------------------------------------------------------- */
 
 /* Whether a DAG has the levels of a light, and a root for each of its maps. */
 int vxs_dag_fits(const vxs_dag_view *view, const vxs_light *light);
@@ -41,20 +41,20 @@ int vxs_dag_fits(const vxs_dag_view *view, const vxs_light *light);
  * Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT when words cannot be counted in 32 bits. */
 vxs_result vxs_write_dag(vxs_sections *s, const vxs_dag_view *view, uint32_t maps, uint32_t light, uint32_t *word_count);
 
-/* vxs_write_blocks.c -------------------------------------------------------------------------------------------------------------- */
+/* vxs_write_blocks.c ----------------------------------------------------------------------------------------------------------- */
 
 /* Sections of light number `number`: its resident part, then its pages.
  * Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT when its words are not in canonical order, or its common patterns are others, or its packing
  * is none. */
 vxs_result vxs_write_blocks(vxs_sections *s, const vxs_blocks_view *view, const vxs_light *light, uint32_t number);
 
-/* vxs_write_smoke.c --------------------------------------------------------------------------------------------------------------- */
+/* vxs_write_smoke.c ------------------------------------------------------------------------------------------------------------ */
 
 /* The section of light number `number`.
  * Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT as vxs_write_smoke. */
 vxs_result vxs_add_smoke(vxs_sections *s, const vxs_smoke_view *smoke, const vxs_light *light, uint32_t number);
 
-/* vxs_write_points.c -------------------------------------------------------------------------------------------------------------- */
+/* vxs_write_points.c ----------------------------------------------------------------------------------------------------------- */
 
 /* Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT as vxs_write. */
 vxs_result vxs_add_points(vxs_sections *s, const vxs_points_view *view);
