@@ -161,7 +161,7 @@ static int check_bases(const uint32_t *words, uint32_t half, uint32_t wide, uint
     return 1;
 }
 
-/* Check the node at the next word, and the blocks that it uses first. */
+/* Check the node at the next word, and the blocks that no earlier node uses. */
 static int check_node(checked_page *p, const vxs_page_node *node)
 {
     const uint32_t *words = p->words;

@@ -1,4 +1,4 @@
-/* Words of pages and of the resident part to their bytes; vxs_page.h.
+/* Encoding pages and the resident part: words to bytes; vxs_page.h.
  * SPDX-License-Identifier: MIT */
 #define PAGE_ENCODING 1
 #include "vxs_resident_model.h"

@@ -19,7 +19,7 @@ int vxs_is_blocks_section(uint32_t kind)
     return kind == VXS_KIND_RESIDENT || kind == VXS_KIND_PAGES;
 }
 
-/* A light while it is decoded. */
+/* State of decoding a light. */
 typedef struct blocks_reader {
     vxs_reader        *r;
     vxs_baked_light   *baked;

@@ -1,9 +1,8 @@
 /* What is coded of a light's resident part, and in what order: one text for encoder and decoder, like vxs_page_model.h.
  * Internal. Not installed.
  *
- *     top      entries in z order: a depth (that of the left or upper entry, or another), or a node (the next of its page,
- *     the first
- *              of the next page, or a known one) with its base and its least and greatest depth. From 15 levels on, cells
+ *     top      entries in z order: a depth (that of the left or upper entry, or another), or a node (the next of its page, the
+ *              first of the next page, or a known one) with its base and its least and greatest depth. From 15 levels on, cells
  *              first
  *     pool     number of patterns of each kind, then kind and pattern of each, in storage order
  *

@@ -3,13 +3,11 @@
  *
  *     world space --- ls_from_ws ---> light space --- one of its maps ---> texels u, v, and depth in voxels ---> a voxel
  *       metres        3 x 4 matrix      directional: unchanged
- *                                       spot, point: metres about the light; u, v = 2^levels / 2 + (x, y) / z /
- *                                       texel_metres,
+ *                                       spot, point: metres about the light; u, v = 2^levels / 2 + (x, y) / z / texel_metres,
  *                                                    depth = log(z / near_metres) / voxel_metres, z away from the light
  *
- *     vxs_place_from_ws    the place of a point: a voxel of a map and the position in its texel, moved off a surface along
- *     its normal;
- *                          and whether the light reaches there.   vxs_voxel_from_ws: only the voxel
+ *     vxs_place_from_ws    the place of a point: a voxel of a map and the position in its texel, moved off a surface along its
+ *                          normal; and whether the light reaches there.   vxs_voxel_from_ws: only the voxel
  *     vxs_shadow_taps      number of taps of a box around a voxel that are in shadow, for any coding of the words
  *     vxs_shadow_part      shadowed part of a smooth box around a place
  *     vxs_lit_at_place     the lit fraction around a place; vxs_lit_at_voxel: around the middle of a voxel
@@ -23,8 +21,8 @@
  * of vxs_lookup.h:
  *
  *     vxs_real             the scalar; C and C++: double. Shaders: float
- *     VXS_REAL_MIN         least distance from the light; nearer points count as this far; C and C++: DBL_MIN. Shaders:
- *     1e-30
+ *     VXS_REAL_MIN         least distance from the light; nearer points count as this far; C and C++: DBL_MIN.
+ *                          Shaders: 1e-30
  *     VXS_LIGHT            type of a light in C and C++: const vxs_light *
  *
  * In C all numbers are allowed: NaN and values beyond +-2^30 voxels are clamped and lie outside any map; no conversion
