@@ -26,7 +26,7 @@
 #ifndef VXS_INTERVALS_H
 #define VXS_INTERVALS_H
 
-#ifndef VXS_DEPTHS_H /* a shader without #include already has this text */
+#ifndef VXS_DEPTHS_H /* a shader that cannot include already has this text */
 #include "vxs_depths.h"
 #endif
 

@@ -8,7 +8,7 @@
  *
  * Each of these has either one depth for all of its texels, or a record of its own. Depths below the top are relative, so
  * that equal shapes at different depths share one record. A block uses few different depths: its palette. The rank of a
- * voxel is the number of palette depths at or before its depth; it is computed once for each block. A tile has the set of
+ * voxel is the number of palette depths at or before its depth; it is usually computed once for each block. A tile has the set of
  * palette entries that it uses, and a pattern: a mask of shadowed texels for each of these entries except the last, from
  * which on all texels are shadowed. Slanted sheets are stored as planes: one plane for several tiles of a block, or a plane
  * in a pattern.
@@ -52,7 +52,7 @@
 #ifndef VXS_LOOKUP_BLOCKS_H
 #define VXS_LOOKUP_BLOCKS_H
 
-#ifndef VXS_LOOKUP_H /* a shader without #include already has this text */
+#ifndef VXS_LOOKUP_H /* a shader that cannot include already has this text */
 #include "vxs_lookup.h"
 #endif
 

@@ -23,7 +23,7 @@
 #ifndef VXS_SMOKE_H
 #define VXS_SMOKE_H
 
-#ifndef VXS_SPACE_H /* a shader without #include already has this text */
+#ifndef VXS_SPACE_H /* a shader that cannot include already has this text */
 #include "vxs_space.h"
 #endif
 

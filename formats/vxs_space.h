@@ -34,7 +34,7 @@
 #ifndef VXS_SPACE_H
 #define VXS_SPACE_H
 
-#ifndef VXS_LOOKUP_H /* a shader without #include already has this text */
+#ifndef VXS_LOOKUP_H /* a shader that cannot include already has this text */
 #include "vxs_lookup.h"
 #endif
 
