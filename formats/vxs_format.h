@@ -5,7 +5,7 @@
 #define VXS_FORMAT_H
 
 #define VXS_FORMAT_VERSION        2 /* the latest; a file has the lowest version that has all of its features */
-#define VXS_FORMAT_VERSION_BLOCKS 2 /* the first with codings, and with sections stored without compression */
+#define VXS_FORMAT_VERSION_BLOCKS 2 /* the first with codings, and with sections that are not zstd frames */
 
 /* vxs.md section 3: header */
 #define VXS_MAGIC                 "\x8fVXS\r\n\x1a\n"

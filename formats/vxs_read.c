@@ -120,7 +120,7 @@ static int known_kind(const vxs_reader *r, uint32_t kind)
            vxs_is_dag_section(kind) || (has_blocks(r) && vxs_is_blocks_section(kind));
 }
 
-/* A section stored without compression has two equal sizes. For known kinds, the format fixes whether they are compressed. */
+/* A section that is not a zstd frame must have two equal sizes. The format fixes for each known kind whether it is a frame. */
 static int storage_valid(const vxs_reader *r, const vxs_section *s)
 {
     int stored = (s->flags & VXS_SECTION_STORED) != 0;

@@ -18,7 +18,7 @@ typedef struct vxs_items {
     const vxs_parallel *parallel; /* NULL: only the caller's thread */
 } vxs_items;
 
-/* Take the next item; pause first if a pause is requested. 0: no item is left. Items are taken in order. */
+/* Take the next item; calls parallel->pause first, if it is set. 0: no item is left. Items are taken in order. */
 static inline int vxs_items_take(vxs_items *items, uint32_t *item)
 {
     if (items->parallel && items->parallel->pause) items->parallel->pause(items->parallel->user);

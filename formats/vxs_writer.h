@@ -27,7 +27,7 @@ uint8_t *vxs_append(vxs_bytes *b, size_t size);
 vxs_result vxs_add_section(vxs_sections *s, uint32_t kind, uint32_t flags, uint32_t light, uint32_t level,
                            const vxs_bytes *content);
 
-/* Append a section of a light, stored without compression. Returns VXS_OK or VXS_E_MEMORY. */
+/* Append a section of a light, stored as it is, not as a zstd frame. Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result vxs_add_stored(vxs_sections *s, uint32_t kind, uint32_t light, const vxs_bytes *content);
 
 /* vxs_write_dag.c -------------------------------------------------------------------------------------------------------------- */
