@@ -1,4 +1,4 @@
-/* Little-endian numbers in byte arrays, whatever the machine's order and alignment. The caller has checked the bounds.
+/* Little-endian numbers in byte arrays, for any byte order and alignment of the machine. The caller checks the bounds.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_BYTES_H
 #define VXS_BYTES_H

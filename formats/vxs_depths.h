@@ -1,20 +1,20 @@
-/* Depths in palette blocks: where shadow begins in squares of texels, blocks, tiles, and single texels. A lookup asks whether a voxel is in
- * shadow, from the top down, by its depth; here the same records (vxs_lookup_blocks.h) are asked for the depth itself, and for bounds of it.
- * Every texel has one (formats/vxs.md 13). One text for C99, C++, GLSL and HLSL.
+/* Depths in palette blocks: where shadow begins in squares of texels, blocks, tiles, and single texels. A lookup finds
+ * whether one voxel is in shadow; these functions read the same records (vxs_lookup_blocks.h) for the depth itself, and for
+ * bounds of it. Every texel has one depth (formats/vxs.md 13). One text for C99, C++, GLSL and HLSL.
  *
- *     vxs_depths_square_at   what the top says of the square, or the cell, that a texel is in
+ *     vxs_depths_square_at   bounds from the top, of the square or cell that contains a texel
  *     vxs_depths_node_of     the node of a square that has one
  *     vxs_depths_bound_block bounds of a block
- *     vxs_depths_tile_of     a tile, as it is kept
+ *     vxs_depths_tile_of     a tile, as it is stored
  *     vxs_depths_bound       bounds of a tile
  *     vxs_depths_texel       the depth of one texel of a tile
  *
- * Nothing here checks an offset; loops end whatever the words are, and depths lie between the bounds of the square.
+ * Offsets are not checked here. For any words, loops end, and depths lie within the bounds of the square.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_DEPTHS_H
 #define VXS_DEPTHS_H
 
-#ifndef VXS_SPACE_H /* a shader that cannot include has it already */
+#ifndef VXS_SPACE_H /* a shader that cannot include already has this text */
 #include "vxs_space.h"
 #endif
 
@@ -22,7 +22,7 @@
 typedef struct vxs_depths_square vxs_depths_square;
 typedef struct vxs_depths_tile   vxs_depths_tile;
 typedef struct vxs_depths_bounds vxs_depths_bounds;
-typedef int64_t                  vxs_sum; /* a record may have its base far from the map */
+typedef int64_t                  vxs_sum; /* 64 bits: damaged records may have a base far from the map */
 #define VXS_SUM(x)      VXS_CAST(vxs_sum, x)
 #define VXS_DEPTHS_TILE const vxs_depths_tile *
 #else
@@ -31,25 +31,27 @@ typedef int64_t                  vxs_sum; /* a record may have its base far from
 #define VXS_DEPTHS_TILE vxs_depths_tile
 #endif
 
-/* A square of texels. Of each of them, voxels before `least` are lit, and those from `greatest` on are in shadow. */
+/* A square of texels. For each of its texels, voxels before `least` are lit, and voxels from `greatest` on are in shadow. */
 struct vxs_depths_square {
-    vxs_i32 i, j, side_px;   /* its first texel; a power of two, never more than the map's */
-    vxs_i32 least, greatest; /* [0, 2^levels]; equal: the depth of all of its texels */
-    vxs_i32 coarse;          /* 1: its page is missing, and they are the coarse answer (vxs_lookup_blocks.h) */
-    vxs_i32 low, high;       /* of a coarse one: voxels before low are lit, and those from high on in shadow, by the file itself */
+    vxs_i32 i, j, side_px;   /* first texel; side: a power of two, at most that of the map */
+    vxs_i32 least, greatest; /* [0, 2^levels]; equal: all texels have this depth */
+    vxs_i32 coarse;          /* 1: the page is missing, and least and greatest are the coarse answer (vxs_lookup_blocks.h) */
+    /* for a coarse square: exact bounds; voxels before low are lit, voxels from high on are in shadow */
+    vxs_i32 low, high;
 };
 
-/* A tile of 8 x 8: what is added to what each texel has, and where that is. */
+/* A tile of 8 x 8 texels: the base depth, and where the depths of the texels relative to it are stored. */
 struct vxs_depths_tile {
-    vxs_blocks_tile
-            tile;      /* kind VXS_BLOCKS_SHADOW: all of it has depth `base`; planes: what is at most tile.k is shadow from it on */
-    vxs_sum base;      /* of the map */
-    vxs_i32 low, high; /* bounds of the depths */
-    vxs_u32 shift;     /* of nibbles and raw depths, or of the palette's deltas */
-    vxs_u32 indexed;   /* 1: texels have the index of a palette's entry, by masks or nibbles */
-    vxs_u32 last;      /* index */
-    vxs_u32 used;      /* bits of the entries that indices count; 0: all */
-    vxs_u32 palette, palette_half, width; /* as for vxs_blocks_rank */
+    /* kind VXS_BLOCKS_SHADOW: the whole tile has depth `base`; planes: texels whose plane depth is at most tile.k are in shadow
+     * from depth `base` on */
+    vxs_blocks_tile tile;
+    vxs_sum         base;      /* relative to the map */
+    vxs_i32         low, high; /* bounds of the depths */
+    vxs_u32         shift;     /* left shift of nibbles, of raw depths, or of the deltas of the palette */
+    vxs_u32         indexed;   /* 1: texels have an index into a palette, as masks or as nibbles */
+    vxs_u32         last;      /* greatest index */
+    vxs_u32         used;      /* palette entries that indices count: index n is the n-th bit set; 0: all entries */
+    vxs_u32         palette, palette_half, width; /* as for vxs_blocks_rank */
 };
 
 struct vxs_depths_bounds {
@@ -61,7 +63,7 @@ VXS_FN vxs_i32 vxs_depths_held(vxs_sum depth, vxs_i32 low, vxs_i32 high)
     return depth < low ? low : depth > high ? high : VXS_I(depth);
 }
 
-/* Entry n of a palette, relative to the first, up to 2^29; arguments as for vxs_blocks_rank. */
+/* Palette entry n, relative to the first entry; clamped to 2^29. Arguments as for vxs_blocks_rank. */
 VXS_FN vxs_i32 vxs_depths_entry(VXS_WORDS blocks, vxs_u32 at, vxs_u32 half_at, vxs_u32 width, vxs_u32 shift, vxs_u32 n)
 {
     if (n == 0u) return 0;
@@ -74,9 +76,10 @@ VXS_FN vxs_i32 vxs_depths_entry(VXS_WORDS blocks, vxs_u32 at, vxs_u32 half_at, v
     return VXS_I(delta > most >> shift ? most : delta << shift);
 }
 
-/* squares and blocks ------------------------------------------------------------------------------------------------------------- */
+/* squares and blocks ----------------------------------------------------------------------------------------------------------- */
 
-/* Of a cell, whose squares are alike, all of it. */
+/* The square of 256 x 256 texels that contains texel (i, j); or its whole cell, if all squares of the cell have the same
+ * depth. */
 VXS_FN vxs_depths_square vxs_depths_square_at(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_i32 i, vxs_i32 j)
 {
     vxs_depths_square s;
@@ -103,7 +106,8 @@ VXS_FN vxs_depths_square vxs_depths_square_at(VXS_WORDS blocks, vxs_u32 map, vxs
     return s;
 }
 
-/* The node of the square that texel (i, j) is in; its k is that of depth 0.   least  of the square, which is neither of one depth nor coarse */
+/* The node of the square that contains texel (i, j); its k corresponds to depth 0.
+ * least  of the square, which has neither a single depth nor a coarse answer */
 VXS_FN vxs_blocks_node vxs_depths_node_of(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_i32 i, vxs_i32 j, vxs_i32 least)
 {
     vxs_blocks_node node = vxs_blocks_find_node(blocks, map, levels, VXS_U(i) >> 8, VXS_U(j) >> 8, least);
@@ -111,15 +115,16 @@ VXS_FN vxs_blocks_node vxs_depths_node_of(VXS_WORDS blocks, vxs_u32 map, vxs_u32
     return node;
 }
 
-/* Bounds of a block from tile (x, y) of its node on, last + 1 tiles a side. Slopes have their greatest and least in its corners.
- * low, high  of the square */
+/* Bounds of a block; (x, y) is its first tile in its node, and it has last + 1 tiles a side. The slope is least and greatest
+ * in two of its corners.
+ * low, high  bounds of the square */
 VXS_FN vxs_depths_bounds vxs_depths_bound_block(VXS_WORDS blocks, vxs_blocks_node node, vxs_blocks_block block, vxs_i32 x,
                                                 vxs_i32 y, vxs_i32 last, vxs_i32 low, vxs_i32 high)
 {
     vxs_depths_bounds b;
     b.least    = low;
     b.greatest = high;
-    if (block.own != 0u) return b; /* some of its tiles have depths that its palette does not */
+    if (block.own != 0u) return b; /* some tiles have depths that are not in the palette */
     vxs_i32 left = (node.slope & 0x8000u) != 0u ? x + last : x, right = 2 * x + last - left;
     vxs_i32 up = node.slope >= 0x80000000u ? y + last : y, down = 2 * y + last - up;
     vxs_sum near = vxs_blocks_tile_depth(node, left, up), far = vxs_blocks_tile_depth(node, right, down);
@@ -130,9 +135,9 @@ VXS_FN vxs_depths_bounds vxs_depths_bound_block(VXS_WORDS blocks, vxs_blocks_nod
     return b;
 }
 
-/* tiles --------------------------------------------------------------------------------------------------------------------------- */
+/* tiles ------------------------------------------------------------------------------------------------------------------------ */
 
-/* A pattern with depths of its own, of a tile whose base is r.base. */
+/* A tile with a private-palette pattern; its base is r.base. */
 VXS_FN vxs_depths_tile vxs_depths_own(VXS_WORDS blocks, vxs_depths_tile r, vxs_u32 pool, vxs_u32 at)
 {
     vxs_u32 first = vxs_half(blocks, pool, at), kind = first >> 12, count = (first - 1u) & 31u;
@@ -156,7 +161,8 @@ VXS_FN vxs_depths_tile vxs_depths_own(VXS_WORDS blocks, vxs_depths_tile r, vxs_u
     return r;
 }
 
-/* The depth of tile (x, y) of a block's node, x and y 0 to 31, which has neither a pattern nor a plane; slanted ground makes it nearer. */
+/* Depth of tile (x, y) of a node, x and y 0 to 31, which has neither a pattern nor a plane. The slope of the node is
+ * subtracted. */
 VXS_INLINE vxs_i32 vxs_depths_whole(VXS_WORDS blocks, vxs_blocks_node node, vxs_blocks_block block, vxs_i32 x, vxs_i32 y,
                                     vxs_i32 low, vxs_i32 high)
 {
@@ -166,7 +172,7 @@ VXS_INLINE vxs_i32 vxs_depths_whole(VXS_WORDS blocks, vxs_blocks_node node, vxs_
     return vxs_depths_held(VXS_SUM(block.base) + more - vxs_blocks_tile_depth(node, x, y), low, high);
 }
 
-/* Tile (x, y) of a block's node, x and y 0 to 31, which slanted ground makes nearer. */
+/* Tile (x, y) of a node, x and y 0 to 31. The slope of the node is subtracted. */
 VXS_INLINE vxs_depths_tile vxs_depths_tile_of(VXS_WORDS blocks, vxs_blocks_node node, vxs_blocks_block block, vxs_i32 x, vxs_i32 y,
                                               vxs_i32 low, vxs_i32 high)
 {
@@ -187,10 +193,11 @@ VXS_INLINE vxs_depths_tile vxs_depths_tile_of(VXS_WORDS blocks, vxs_blocks_node 
         if (own == 0u) {
             r.base = vxs_depths_whole(blocks, node, block, x, y, low, high);
             return r;
-        } /* the plane has the slope of the node in its own */
+        } /* the slope of the node is already in the plane */
         r.base   = VXS_SUM(block.base) - node.k;
         r.tile   = vxs_blocks_on_plane(blocks, block, t, 0);
-        r.tile.k = VXS_I(VXS_U(r.tile.k) - 255u); /* of the limit at depth 0; words may hold any */
+        /* removes the 255 of vxs_blocks_limit(0); unsigned, because damaged words may overflow */
+        r.tile.k = VXS_I(VXS_U(r.tile.k) - 255u);
         return r;
     }
     vxs_u32 word = vxs_word(blocks, block.palette - vxs_popcount(block.mixed >> t)), used = word & 0x3fffu,
@@ -207,7 +214,7 @@ VXS_INLINE vxs_depths_tile vxs_depths_tile_of(VXS_WORDS blocks, vxs_blocks_node 
     return r;
 }
 
-/* The lowest bit of what is not 0. */
+/* Index of the lowest bit set; bits is not 0. */
 VXS_FN vxs_u32 vxs_depths_lowest(vxs_u32 bits)
 {
 #if defined(VXS_C) && defined(__GNUC__)
@@ -217,7 +224,7 @@ VXS_FN vxs_u32 vxs_depths_lowest(vxs_u32 bits)
 #endif
 }
 
-/* The highest of 16 bits that are not all 0. */
+/* Index of the highest bit set; bits is not 0, and less than 2^16. */
 VXS_FN vxs_u32 vxs_depths_highest(vxs_u32 bits)
 {
 #if defined(VXS_C) && defined(__GNUC__)
@@ -231,7 +238,7 @@ VXS_FN vxs_u32 vxs_depths_highest(vxs_u32 bits)
 #endif
 }
 
-/* Entry n of a tile's palette, held. */
+/* Entry n of the palette of a tile, clamped to the bounds of the tile. */
 VXS_INLINE vxs_i32 vxs_depths_of_entry(VXS_WORDS blocks, VXS_DEPTHS_TILE r, vxs_u32 n)
 {
     vxs_i32 entry =
@@ -239,11 +246,11 @@ VXS_INLINE vxs_i32 vxs_depths_of_entry(VXS_WORDS blocks, VXS_DEPTHS_TILE r, vxs_
     return vxs_depths_held(VXS_FIELD(r, base) + entry, VXS_FIELD(r, low), VXS_FIELD(r, high));
 }
 
-/* The depth that has an index, up to that of the last; indices that a palette does not have are those of its last. */
+/* Depth of an index; indices beyond the last are clamped to the last. */
 VXS_INLINE vxs_i32 vxs_depths_of_index(VXS_WORDS blocks, VXS_DEPTHS_TILE r, vxs_u32 index)
 {
     vxs_u32 n = index < VXS_FIELD(r, last) ? index : VXS_FIELD(r, last);
-    if (VXS_FIELD(r, used) != 0u) { /* bit n of those that are set */
+    if (VXS_FIELD(r, used) != 0u) { /* index of the n-th bit set */
         vxs_u32 used = VXS_FIELD(r, used);
         while (n != 0u) {
             used &= used - 1u;
@@ -254,7 +261,7 @@ VXS_INLINE vxs_i32 vxs_depths_of_index(VXS_WORDS blocks, VXS_DEPTHS_TILE r, vxs_
     return vxs_depths_of_entry(blocks, r, n);
 }
 
-/* Of a plane, what is added to the base at a texel: what of vxs_blocks_plane_texel is the least k that it is shadowed at. */
+/* Depth of a plane at a texel, relative to the base of the tile: the least k at which vxs_blocks_plane_texel is 1. */
 VXS_FN vxs_i32 vxs_depths_plane(vxs_blocks_tile plane, vxs_u32 x, vxs_u32 y)
 {
     return VXS_I(plane.count * x + plane.bases * y - VXS_U(plane.k)) >> 8;
@@ -269,8 +276,8 @@ VXS_FN vxs_depths_bounds vxs_depths_bound_plane(vxs_blocks_tile plane)
     return b;
 }
 
-/* Bounds of a tile's depths that need few words: those of palettes and planes, which are the depths of some of its texels; of others what
- * the square allows. */
+/* Bounds of the depths of a tile, from few words. For palettes and planes they are depths of some of its texels; for other
+ * kinds they are the bounds of the square. */
 VXS_INLINE vxs_depths_bounds vxs_depths_bound(VXS_WORDS blocks, VXS_DEPTHS_TILE r)
 {
     vxs_depths_bounds b;
@@ -297,11 +304,12 @@ VXS_INLINE vxs_depths_bounds vxs_depths_bound(VXS_WORDS blocks, VXS_DEPTHS_TILE 
     return b;
 }
 
-/* Of masks, each of which has all texels of the one before it: the first that has texel z of quadrant c; all but the last depth's have one. */
+/* Index of the first mask that has texel z of quadrant c; tile.count if none has. Each mask has all texels of the one before
+ * it. */
 VXS_INLINE vxs_u32 vxs_depths_mask_index(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 c, vxs_u32 z)
 {
     vxs_u32 next = tile.at + ((tile.count + 1u) >> 1), before = ((1u << (2u * c)) - 1u) * 0x01010101u, half_bits = 0u;
-    for (vxs_u32 n = 0u; n < tile.count && c != 0u; n += 4u) { /* halves of quadrants before this one */
+    for (vxs_u32 n = 0u; n < tile.count && c != 0u; n += 4u) { /* counts the halves of quadrants before c */
         vxs_u32 states = vxs_four_bytes(blocks, tile.pool, 2u * tile.at + n) & vxs_first_bytes(VXS_I(tile.count - n));
         next += vxs_popcount((states >> 1) & ~states & before & 0x55555555u);
     }
@@ -317,14 +325,14 @@ VXS_INLINE vxs_u32 vxs_depths_mask_index(VXS_WORDS blocks, vxs_blocks_tile tile,
     return tile.count;
 }
 
-/* The depth that has an index, of a tile whose bounds are known: most have two. */
+/* Depth of an index, for a tile with known bounds. Fast for the first and the last index: most tiles have only two depths. */
 VXS_INLINE vxs_i32 vxs_depths_of_known(VXS_WORDS blocks, VXS_DEPTHS_TILE r, vxs_u32 index, vxs_i32 least, vxs_i32 greatest)
 {
     if (index == 0u) return least;
     return index >= VXS_FIELD(r, last) ? greatest : vxs_depths_of_index(blocks, r, index);
 }
 
-/* Texel (x, y), 0 to 7, of a tile whose texels have not all one depth.   least, greatest  as vxs_depths_bound has them */
+/* Depth of texel (x, y), 0 to 7, of a tile that has more than one depth.   least, greatest  from vxs_depths_bound */
 VXS_INLINE vxs_i32 vxs_depths_texel(VXS_WORDS blocks, VXS_DEPTHS_TILE r, vxs_i32 least, vxs_i32 greatest, vxs_u32 x, vxs_u32 y)
 {
     vxs_blocks_tile tile = VXS_FIELD(r, tile);

@@ -1,4 +1,5 @@
-/* Descriptions that a caller fills, and that grow from version to version: each begins with its struct_size. Not installed.
+/* Description structs that the caller fills. They grow from version to version, so each begins with its struct_size. Not
+ * installed.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_DESC_H
 #define VXS_DESC_H
@@ -7,16 +8,16 @@
 
 #include "vxs_result.h"
 
-/* No description will ever be so large: a size beyond was never set. */
+/* Largest size of a description. A larger struct_size was not initialized. */
 enum { VXS_DESC_BYTES_MAX = 4096 };
 
-/* A caller's description as this library knows it: what a program that was built with older headers does not have is zero, which is every
- * field's default.
+/* Copy a caller's description into the struct of this library version. Fields that a program built with older headers does
+ * not have become zero, the default of every field.
  * to     [size] zeroed; its struct_size becomes `size`, unless `from` is NULL
- * first  size that it had when it was released first, which is meant where struct_size is 0
+ * first  size in the first release; used if struct_size is 0
  * from   NULL: all defaults
- * Returns VXS_OK; VXS_E_ARGUMENT for a struct_size below the first, or that nobody set, and for fields this library does not know that are
- * not zero: the program was built with newer headers, and asks for what is not there. */
+ * Returns VXS_OK; VXS_E_ARGUMENT if struct_size is less than `first` or was not initialized, or if fields that this library
+ * does not know are not zero: the program was built with newer headers and uses a feature that is missing here. */
 static inline vxs_result vxs_desc_take(void *to, size_t size, size_t first, const void *from)
 {
     size_t given = 0;
@@ -27,7 +28,8 @@ static inline vxs_result vxs_desc_take(void *to, size_t size, size_t first, cons
     for (size_t n = size; n < given; n++)
         if (((const unsigned char *)from)[n]) return VXS_E_ARGUMENT;
     memcpy(to, from, given < size ? given : size);
-    memcpy(to, &size, sizeof size); /* its own: it may be taken again, and what is behind it in memory is no part of it */
+    /* the size of this version, so that the copy can be taken again without reading memory behind it */
+    memcpy(to, &size, sizeof size);
     return VXS_OK;
 }
 

@@ -1,5 +1,5 @@
-/* What can be wrong with a .vxs file: one list of stable numbers, the result each gives, and its text (formats/vxs.md section 8).
- * Numbers are only ever appended within their hundred, and never reused.
+/* Findings: everything that can be wrong with a .vxs file. One list of stable numbers, the result of each, and its text
+ * (formats/vxs.md section 8). Numbers are only appended within their hundred, and never reused.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_FINDINGS_H
 #define VXS_FINDINGS_H

@@ -4,8 +4,8 @@
 #ifndef VXS_FORMAT_H
 #define VXS_FORMAT_H
 
-#define VXS_FORMAT_VERSION        2 /* the latest; a file has the first that has all that is in it */
-#define VXS_FORMAT_VERSION_BLOCKS 2 /* the first with codings, and with sections that are stored as they are */
+#define VXS_FORMAT_VERSION        2 /* the latest; a file has the lowest version that has all of its features */
+#define VXS_FORMAT_VERSION_BLOCKS 2 /* the first with codings, and with sections that are not zstd frames */
 
 /* vxs.md section 3: header */
 #define VXS_MAGIC                 "\x8fVXS\r\n\x1a\n"
@@ -38,7 +38,7 @@
 #define VXS_KIND_SMOKE       0x454b4d53u /* "SMKE" */
 #define VXS_KIND_POINTS      0x53544e50u /* "PNTS" */
 #define VXS_SECTION_OPTIONAL 1u          /* entry flag: a reader that does not know the kind skips the section */
-#define VXS_SECTION_STORED   2u          /* entry flag: the stored bytes are the content, and no frame; from version 2 on */
+#define VXS_SECTION_STORED   2u          /* entry flag: the stored bytes are the content, not a zstd frame; from version 2 on */
 #define VXS_NO_LIGHT         0xffffffffu /* entry belongs to the file, not to one light */
 
 /* vxs.md section 5: lights */
@@ -55,7 +55,7 @@
 #define VXS_LIGHT_NEAR_METRES      152
 #define VXS_LIGHT_COS_OUTER        160
 #define VXS_LIGHT_RANGE_METRES     168
-#define VXS_LIGHT_CODING           176 /* from version 2 on; before, all are DAGs, and there are zeros */
+#define VXS_LIGHT_CODING           176 /* from version 2 on; in version 1 all lights are DAGs, and this is 0 */
 #define VXS_LIGHT_PACKING          180 /* of palette blocks; else 0 */
 #define VXS_LIGHT_RESERVED         184
 #define VXS_LIGHT_NAME             192
@@ -67,13 +67,13 @@
 #define VXS_LIGHT_CUBE             2u /* flag: six maps, one for each face of a cube about the light */
 #define VXS_CUBE_FACES             6u
 
-/* How a light's words hold its maps; each is a section of vxs.md */
+/* how the words of a light store its maps; each is a section of vxs.md */
 #define VXS_CODING_DAG    1u /* a graph of nodes and masks, section 6 */
 #define VXS_CODING_BLOCKS 2u /* palette blocks, section 13 */
 
 /* How the pages of palette blocks are stored */
-#define VXS_PACKING_SMALL 0u /* coded by odds that learn, vxs.md 14.1 to 14.8 */
-#define VXS_PACKING_FAST  1u /* words under zstd, 14.10 */
+#define VXS_PACKING_SMALL 0u /* coded with adaptive odds, vxs.md 14.1 to 14.8 */
+#define VXS_PACKING_FAST  1u /* words compressed by zstd, 14.10 */
 
 /* vxs.md section 14: the pages of palette blocks */
 #define VXS_PAGES_PREFIX_BYTES 8
@@ -90,7 +90,7 @@
 #define VXS_SMOKE_STEP_METRES  8
 #define VXS_SMOKE_NODE_COUNT   12
 
-/* vxs.md section 16: points of what casts */
+/* vxs.md section 16: points of casters */
 #define VXS_POINTS_PREFIX_BYTES  44
 #define VXS_POINTS_SQUARE_METRES 0
 #define VXS_POINTS_LOW           8
@@ -109,7 +109,7 @@
 #define VXS_SMOKE_NODES_MAX  16u /* of a curve */
 #define VXS_POINTS_MAX       0x400000u
 
-/* vxs.md section 6: what a child of a node is, two bits each */
+/* vxs.md section 6: state of a child of a node, two bits each */
 #define VXS_CHILD_LIT    0u
 #define VXS_CHILD_SHADOW 1u
 #define VXS_CHILD_OWN    2u /* the node stores an offset for it */

@@ -1,31 +1,32 @@
-/* Where a ray is lit, exactly to the voxel: a walk through the words of a light. One text for C99, C++, GLSL and HLSL, that stands on
- * vxs_depths.h.
+/* Exact intervals of a ray that are lit: a walk through the words of a light, exact to the voxel. One text for C99, C++,
+ * GLSL and HLSL; it needs vxs_depths.h.
  *
  *     vxs_walk w = vxs_walk_of(light, eye_ws, direction_ws, t_begin, t_end);
  *     vxs_span span;
  *     while (vxs_walk_next(words, light, w, span) != 0)
  *         if (span.state == VXS_SPAN_LIT) airlight += ... from span.begin to span.end;
  *
- * In light space a ray stays a line: of a sun in texels and voxels, of a lamp in metres about it, where borders of texels are planes
- * through the light, and borders of voxels planes across its axis. So all that may change along a ray is crossed at a plane, or at the
- * light's cone and range, which are quadrics:
+ * In light space a ray remains a line. For a sun, light space is in texels and voxels. For a punctual light it is in metres
+ * about the light: texel borders are planes through the light, and voxel borders are planes perpendicular to its axis. So
+ * the state can change only where the ray crosses a plane, or the cone and range of the light, which are quadrics:
  *
- *     t_begin --- cut --- cut ------------ cut --- t_end      cuts: cone, range, borders of maps; between two it is in one map, or outside
- *                          |  block | tile | tile |           in a map: through what is lit or in shadow as a whole, at once;
- *                                   |. . . |                  in tiles where that changes from texel to texel, each of which has a depth
+ *     t_begin --- cut --- cut ------------ cut --- t_end   cuts: cone, range, borders of maps; between two: one map or outside
+ *                          |  block | tile | tile |        in a map: regions that are all lit or all shadowed in one step;
+ *                                   |. . . |               texel by texel in other tiles; each texel has one depth
  *
- * What is a whole depends on how deep the ray is there: a square, a block, whose depths are bounded, is lit up to the least of them and in
- * shadow from the greatest on; a tile is so where the ray leaves it as well as where it enters. Only tiles where neither holds are
- * looked at by texels, and of those only the texels that the ray crosses.
+ * A square or block with bounds of its depths is all lit before the least depth, and all in shadow from the greatest depth
+ * on. A tile is passed in one step if the same answer holds where the ray enters and where it leaves. Only other tiles are
+ * walked by texels, and only through the texels that the ray crosses.
  *
- * Between cuts a voxel's coordinates only grow or only shrink. A step leaves a box through the plane that is crossed first, into the voxel
- * behind it; the other coordinates are held in the box, and never turn back. So rounding can move where a border is crossed, but not lead
- * through a border twice, and a walk ends, after as many steps as a map has texels a side times VXS_WALK_STEPS whatever the words are.
+ * Between two cuts each coordinate of the voxel only grows or only shrinks. A step leaves a box through the plane that is
+ * crossed first, into the voxel behind it; the other coordinates are clamped to the box and never go back. So rounding can
+ * move the point where a border is crossed, but cannot cross a border twice. A walk ends after at most VXS_WALK_STEPS times
+ * the side of the map in steps, for any words.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_INTERVALS_H
 #define VXS_INTERVALS_H
 
-#ifndef VXS_DEPTHS_H /* a shader that cannot include has it already */
+#ifndef VXS_DEPTHS_H /* a shader that cannot include already has this text */
 #include "vxs_depths.h"
 #endif
 
@@ -52,54 +53,55 @@ typedef struct vxs_box  vxs_box;
 #define VXS_SPAN_LIT     1
 #define VXS_SPAN_OUTSIDE 2
 #define VXS_SPAN_NONE    (-1)
-#define VXS_SPAN_COARSE  4 /* added to a state while a walk keeps it */
+#define VXS_SPAN_COARSE  4 /* added to a state inside a walk */
 
 #define VXS_WALK_STEPS 64
 #define VXS_NO_BORDER  (1 << 30)
 
-/* A part of a ray, [begin, end), that is all lit, in shadow, or outside of the light's volume. */
+/* A part of a ray, [begin, end), that is all lit, all in shadow, or outside the volume of the light. */
 struct vxs_span {
     vxs_real begin, end;
     vxs_i32  state;  /* VXS_SPAN_* */
     vxs_i32  coarse; /* 1: a page is missing, and this is the coarse answer; else 0 */
 };
 
-/* Voxels of a map that are alike: texels of a square, depths [near, far); VXS_NO_BORDER and its negative: no end. */
+/* Voxels of a map in the same state: a square of texels, depths [near, far). VXS_NO_BORDER and -VXS_NO_BORDER mean no end. */
 struct vxs_box {
     vxs_i32 i, j, side_px, near, far;
     vxs_i32 state; /* VXS_SPAN_*, with VXS_SPAN_COARSE */
 };
 
 struct vxs_walk {
-    vxs_int3  origin;      /* of a sun: the voxel that light space counts from here, so that floats near it are fine */
+    vxs_int3  origin;      /* sun: the voxel where light space starts here, so that floats near it are precise */
     vxs_real3 from, along; /* the ray in light space */
-    vxs_real3 p, d;        /* the same as its map has it, */
-    vxs_real3 per_d;       /* and 1 / d; of a lamp, away from it alone */
-    vxs_real  t, cut, end; /* where it is; up to where that is its map; the end of the ray */
-    vxs_real  begin;       /* of what is alike up to t, */
-    vxs_i32   state;       /* and what that is; with VXS_SPAN_COARSE */
-    vxs_i32   outside;     /* the state of what is outside: VXS_SPAN_OUTSIDE, unless the caller says otherwise */
-    vxs_i32   steps;       /* that are left */
-    vxs_i32
-             pause; /* with fewer left than this the walk ends at t, as if t_end was there; 0: it does not. Of a walk that has begun, the caller may set it */
-    vxs_i32  map;
-    vxs_int3 voxel, way; /* and which way each coordinate goes */
+    vxs_real3 p, d;        /* the ray in the space of the current map */
+    vxs_real3 per_d;       /* 1 / d; for a punctual light only [2] is used */
+    vxs_real  t, cut, end; /* t: current place; cut: the current map ends there; end: end of the ray */
+    vxs_real  begin;       /* start of the current interval, which reaches to t */
+    vxs_i32   state;       /* its state, with VXS_SPAN_COARSE */
+    vxs_i32   outside;     /* state outside the volume: VXS_SPAN_OUTSIDE unless the caller sets another */
+    vxs_i32   steps;       /* steps left */
+    /* the walk stops at t, as if t_end were there, if fewer steps than this are left; 0: never. The caller may set it after
+     * vxs_walk_of */
+    vxs_i32   pause;
+    vxs_i32   map;
+    vxs_int3  voxel, way; /* direction of each coordinate: 1, -1, or 0 */
 
-    vxs_depths_square block;    /* bounds of a block, or of something greater; side_px 0: none is known */
-    vxs_i32           is_block; /* 1: of a block, which is */
+    vxs_depths_square block;    /* bounds of a block or of something larger; side_px 0: none known */
+    vxs_i32           is_block; /* 1: they are of the block `record` */
     vxs_blocks_block  record;
-    vxs_i32           square_i, square_j; /* which square of 256 x 256 texels is known; -1: none */
+    vxs_i32           square_i, square_j; /* the known square of 256 x 256 texels; -1: none */
     vxs_depths_square square;
-    vxs_i32           has_node; /* 1: its node is known, too */
+    vxs_i32           has_node; /* 1: its node is known too */
     vxs_blocks_node   node;
 
-    vxs_i32         tile_i, tile_j; /* tile of the map; -1: none is known */
+    vxs_i32         tile_i, tile_j; /* tile of the map; -1: none known */
     vxs_depths_tile tile;
-    vxs_i32         least, greatest; /* of its depths */
+    vxs_i32         least, greatest; /* of the depths of the tile */
 
-    vxs_i32   in_tile;           /* 1: it goes from texel to texel, */
-    vxs_real3 next;              /* whose borders it crosses here, across and down, */
-    vxs_i32   nearest, farthest; /* from one depth to another */
+    vxs_i32   in_tile;           /* 1: the walk goes from texel to texel in the tile */
+    vxs_real3 next;              /* where the ray crosses the next texel border, across and down */
+    vxs_i32   nearest, farthest; /* depth range of the ray in the tile */
 };
 
 VXS_FN vxs_i32 vxs_walk_is_sun(VXS_LIGHT light)
@@ -112,21 +114,21 @@ VXS_FN vxs_i32 vxs_walk_side(VXS_LIGHT light)
     return VXS_I(1) << VXS_FIELD(light, levels);
 }
 
-/* cuts --------------------------------------------------------------------------------------------------------------------------- */
+/* cuts ------------------------------------------------------------------------------------------------------------------------- */
 
-/* Of two places behind t, the one that is nearer; one that is not behind it is none. */
+/* The smaller of two places behind t. A place that is not behind t is ignored. */
 VXS_FN vxs_real vxs_walk_sooner(vxs_real place, vxs_real t, vxs_real next)
 {
     return place > t && place < next ? place : next;
 }
 
-/* Where a + b t is 0. */
+/* Root of a + b t. */
 VXS_FN vxs_real vxs_walk_plane(vxs_real a, vxs_real b, vxs_real t, vxs_real next)
 {
     return b != 0.0 ? vxs_walk_sooner(-a / b, t, next) : next;
 }
 
-/* Where a s^2 + 2 b s + c is 0, s counted from `middle`; by sums that do not cancel. */
+/* Roots of a s^2 + 2 b s + c, where s = t - middle; the sums do not cancel. */
 VXS_FN vxs_real vxs_walk_roots(vxs_real middle, vxs_real a, vxs_real b, vxs_real c, vxs_real t, vxs_real next)
 {
     vxs_real part = b * b - a * c;
@@ -142,7 +144,8 @@ VXS_FN vxs_real vxs_walk_dot(const vxs_real3 a, const vxs_real3 b)
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* A lamp's range, and a spot's cone; from where the ray is nearest the light, so that its distance from there costs no digits. */
+/* Crossings of the range of a punctual light and of the cone of a spot. They are computed from the point of the ray nearest
+ * the light, so that a large distance from it costs no precision. */
 VXS_FN vxs_real vxs_walk_quadrics(VXS_LIGHT light, const vxs_real3 from, const vxs_real3 along, vxs_real t, vxs_real next)
 {
     vxs_real  length = vxs_walk_dot(along, along), range = VXS_FIELD(light, range_metres), outer = VXS_FIELD(light, cos_outer);
@@ -153,12 +156,12 @@ VXS_FN vxs_real vxs_walk_quadrics(VXS_LIGHT light, const vxs_real3 from, const v
     vxs_real slope = vxs_walk_dot(near, along), distance2 = vxs_walk_dot(near, near), cos2 = outer * outer;
     if (range > 0.0) next = vxs_walk_roots(middle, length, slope, distance2 - range * range, t, next);
     if (VXS_FIELD(light, kind) == VXS_LIGHT_KIND_POINT) return next;
-    next = vxs_walk_plane(from[2], along[2], t, next); /* the cone has another behind the light */
+    next = vxs_walk_plane(from[2], along[2], t, next); /* a second cone lies behind the light */
     return vxs_walk_roots(middle, along[2] * along[2] - cos2 * length, near[2] * along[2] - cos2 * slope,
                           near[2] * near[2] - cos2 * distance2, t, next);
 }
 
-/* The first cut behind t, but no later than the ray's end. */
+/* The first cut behind t, at most the end of the ray. */
 VXS_FN vxs_real vxs_walk_next_cut(VXS_LIGHT light, VXS_WALK w, vxs_real t)
 {
     vxs_real next   = VXS_FIELD(w, end);
@@ -181,16 +184,16 @@ VXS_FN vxs_real vxs_walk_next_cut(VXS_LIGHT light, VXS_WALK w, vxs_real t)
     return next;
 }
 
-/* maps --------------------------------------------------------------------------------------------------------------------------- */
+/* maps ------------------------------------------------------------------------------------------------------------------------- */
 
-/* A coordinate of light space at t, which may be infinite. */
+/* A coordinate in light space at t; t may be infinite. */
 VXS_FN vxs_real vxs_walk_ls(VXS_WALK w, vxs_i32 axis, vxs_real t)
 {
     vxs_real from = VXS_FIELD(w, from)[axis] + VXS_REAL(VXS_FIELD(w, origin)[axis]), along = VXS_FIELD(w, along)[axis];
     return along != 0.0 ? from + along * t : from;
 }
 
-/* The map of a point of light space, or -1. */
+/* The map that contains a point of light space, or -1. */
 VXS_FN vxs_i32 vxs_walk_map_at(VXS_LIGHT light, const vxs_real3 ls)
 {
     vxs_real side = VXS_REAL(vxs_walk_side(light));
@@ -200,7 +203,7 @@ VXS_FN vxs_i32 vxs_walk_map_at(VXS_LIGHT light, const vxs_real3 ls)
     return 0;
 }
 
-/* A coordinate as an integer, rounded down; as vxs_clamped, without floor, which not all processors have. */
+/* A coordinate as an integer, rounded down. Like vxs_clamped, but without floor, which not all processors have. */
 VXS_INLINE vxs_i32 vxs_walk_floor(vxs_real coordinate)
 {
     vxs_real limit = VXS_REAL(1 << 30);
@@ -210,7 +213,8 @@ VXS_INLINE vxs_i32 vxs_walk_floor(vxs_real coordinate)
     return VXS_REAL(n) > coordinate ? n - 1 : n;
 }
 
-/* The texel of the ray at t, across or down, where it is `along` away from the light: rounding may lead it out of the map. */
+/* Texel of the ray at t, across or down; `along` is its distance from the light there. Rounding may give a texel outside the
+ * map. */
 VXS_INLINE vxs_i32 vxs_walk_texel(VXS_LIGHT light, VXS_WALK w, vxs_i32 axis, vxs_real t, vxs_real along)
 {
     vxs_real at = VXS_FIELD(w, p)[axis] + VXS_FIELD(w, d)[axis] * t;
@@ -218,7 +222,7 @@ VXS_INLINE vxs_i32 vxs_walk_texel(VXS_LIGHT light, VXS_WALK w, vxs_i32 axis, vxs
     return vxs_walk_floor(vxs_lamp_coordinate(light, at, along > VXS_REAL_MIN ? along : VXS_REAL(VXS_REAL_MIN)));
 }
 
-/* And its depth, in voxels, `along` away. */
+/* Depth of the ray in voxels, at distance `along` from the light. */
 VXS_INLINE vxs_i32 vxs_walk_depth(VXS_LIGHT light, VXS_WALK w, vxs_real along)
 {
     if (vxs_walk_is_sun(light) == 0) {
@@ -229,8 +233,9 @@ VXS_INLINE vxs_i32 vxs_walk_depth(VXS_LIGHT light, VXS_WALK w, vxs_real along)
     return (VXS_FIELD(light, flags) & VXS_LIGHT_BOUNDED) != 0u ? vxs_clamp(k, 0, vxs_walk_side(light) - 1) : k;
 }
 
-/* Light space of a sun counts from the voxel that the world's origin is in, and from where it is in there to 2^-20 of it: so floats are as
- * fine along rays from near the origin as at the map's first texel, wherever in the map that is. Doubles are so anyway. */
+/* For a sun, light space starts at the voxel that contains the world's origin; the origin's place in that voxel is known to
+ * 2^-20 voxel. So floats are as precise for rays near the origin as at the first texel of the map, wherever in the map the
+ * origin is. Doubles need no such offset. */
 #ifdef VXS_C
 #define vxs_walk_origin(light, row) 0
 #define vxs_walk_rest(light, row)   0.0
@@ -253,8 +258,8 @@ VXS_FN vxs_i32 vxs_walk_sign(vxs_real x)
     return x > 0.0 ? 1 : x < 0.0 ? -1 : 0;
 }
 
-/* Within the part of the ray between two cuts: its middle; or, where that is very far, where the ray has gone as far again as it is from
- * anything: beyond, rounding would decide which of two maps it is in. */
+/* A place between two cuts: the middle; or, if that is very far away, a nearer place. At very large distances rounding would
+ * decide which of two maps contains the place. */
 VXS_FN vxs_real vxs_walk_within(VXS_LIGHT light, VXS_WALK w, vxs_real first, vxs_real next)
 {
     vxs_real size = VXS_REAL(vxs_walk_side(light)), speed = VXS_REAL(0.0), middle = 0.5 * next - 0.5 * first;
@@ -267,7 +272,7 @@ VXS_FN vxs_real vxs_walk_within(VXS_LIGHT light, VXS_WALK w, vxs_real first, vxs
     return first + (middle < far ? middle : far);
 }
 
-/* The texels and the depth of the ray at t, which is finite. */
+/* Set the voxel from the place of the ray at t, which is finite. */
 VXS_FN void vxs_walk_place(VXS_LIGHT light, VXS_WALK w, vxs_real t)
 {
     vxs_real z             = VXS_FIELD(w, p)[2] + VXS_FIELD(w, d)[2] * t;
@@ -277,8 +282,8 @@ VXS_FN void vxs_walk_place(VXS_LIGHT light, VXS_WALK w, vxs_real t)
     VXS_FIELD(w, voxel)[2] = vxs_walk_depth(light, w, z);
 }
 
-/* Into the map behind a cut: its space, the voxel there, and which way each coordinate goes. Of a lamp u is x / z: its way is the sign of
- * x' z - x z'. */
+/* Enter the map behind a cut: set its space, the voxel, and the direction of each coordinate. For a punctual light u is x /
+ * z, so its direction is the sign of x' z - x z'. */
 VXS_FN void vxs_walk_pass_cut(VXS_LIGHT light, VXS_WALK w)
 {
     vxs_real  t = VXS_FIELD(w, t);
@@ -292,7 +297,7 @@ VXS_FN void vxs_walk_pass_cut(VXS_LIGHT light, VXS_WALK w)
     VXS_FIELD(w, tile_i)        = -1;
     VXS_FIELD(w, in_tile)       = 0;
     if (VXS_FIELD(w, map) < 0) return;
-    vxs_i32 face = vxs_walk_is_sun(light) != 0 ? 4 : vxs_face_of_map(light, VXS_FIELD(w, map)); /* 4: as they are */
+    vxs_i32 face = vxs_walk_is_sun(light) != 0 ? 4 : vxs_face_of_map(light, VXS_FIELD(w, map)); /* 4: axes as they are */
     vxs_face_from_ls(face, VXS_FIELD(w, from), VXS_FIELD(w, p));
     vxs_face_from_ls(face, VXS_FIELD(w, along), VXS_FIELD(w, d));
     vxs_real z = VXS_FIELD(w, p)[2], dz = VXS_FIELD(w, d)[2];
@@ -305,8 +310,8 @@ VXS_FN void vxs_walk_pass_cut(VXS_LIGHT light, VXS_WALK w)
     vxs_walk_place(light, w, t);
 }
 
-/* Where the ray, from t on, crosses border `border` of texels, across or down, in its way there; VXS_NEVER: nowhere. At a border of the map
- * is a cut. */
+/* Where the ray, from t on, crosses texel border `border`, across or down, in its direction; VXS_NEVER: nowhere. Borders of
+ * the map are cuts, and are not found here. */
 VXS_INLINE vxs_real vxs_walk_cross(VXS_LIGHT light, VXS_WALK w, vxs_i32 axis, vxs_i32 border, vxs_real t)
 {
     vxs_i32  side = vxs_walk_side(light), way = VXS_FIELD(w, way)[axis];
@@ -324,7 +329,7 @@ VXS_INLINE vxs_real vxs_walk_cross(VXS_LIGHT light, VXS_WALK w, vxs_i32 axis, vx
     return -p / d > t ? -p / d : t;
 }
 
-/* The same of a border of voxels; the ray goes deeper, or nearer. */
+/* The same for a voxel border in depth, nearer or deeper. */
 VXS_INLINE vxs_real vxs_walk_cross_depth(VXS_LIGHT light, VXS_WALK w, vxs_i32 border, vxs_real t)
 {
     vxs_real z = VXS_REAL(border - VXS_FIELD(w, origin)[2]);
@@ -333,16 +338,16 @@ VXS_INLINE vxs_real vxs_walk_cross_depth(VXS_LIGHT light, VXS_WALK w, vxs_i32 bo
     return at > t ? at : t;
 }
 
-/* boxes -------------------------------------------------------------------------------------------------------------------------- */
+/* boxes ------------------------------------------------------------------------------------------------------------------------ */
 
-/* A coordinate that comes from rounding: held in [first, end), and not turned back. */
+/* A coordinate computed with rounding: clamped to [first, end), and not allowed to go back. */
 VXS_FN vxs_i32 vxs_walk_on(vxs_i32 was, vxs_i32 at, vxs_i32 way, vxs_i32 first, vxs_i32 end)
 {
     if (way > 0) return vxs_clamp(at, was, end - 1);
     return way < 0 ? vxs_clamp(at, first, was) : was;
 }
 
-/* From t to where a box is left, but not beyond the cut. */
+/* Move from t to where the ray leaves a box, but not beyond the cut. */
 VXS_FN void vxs_walk_leave(VXS_LIGHT light, VXS_WALK w, vxs_box box)
 {
     vxs_real t = VXS_FIELD(w, t), first = VXS_FIELD(w, cut);
@@ -380,7 +385,7 @@ VXS_FN void vxs_walk_leave(VXS_LIGHT light, VXS_WALK w, vxs_box box)
     VXS_FIELD(w, voxel)[2] = depth;
 }
 
-/* Before the map all texels are lit: near a lamp theirs would be rounding noise. */
+/* All is lit in front of the map. Texels are not computed there, because near a punctual light they would be rounding noise. */
 VXS_FN vxs_i32 vxs_walk_in_front(VXS_LIGHT light, VXS_WALK w)
 {
     vxs_real first = VXS_FIELD(w, cut);
@@ -394,20 +399,20 @@ VXS_FN vxs_i32 vxs_walk_in_front(VXS_LIGHT light, VXS_WALK w)
     return VXS_SPAN_LIT;
 }
 
-/* The depth of the ray in the map: what lies behind it is as its last voxels are. */
+/* Depth of the ray, clamped to the map: what lies behind the map is as its last voxels. */
 VXS_FN vxs_i32 vxs_walk_in_map(VXS_LIGHT light, vxs_i32 k)
 {
     vxs_i32 last = vxs_walk_side(light) - 1;
     return k < last ? k : last;
 }
 
-/* Whether the bounds of a square say what is at depth k. */
+/* Whether depth k is outside the bounds of a square, so that the bounds give its state. */
 VXS_INLINE vxs_i32 vxs_walk_decides(VXS_SQUARE s, vxs_i32 k)
 {
     return k < VXS_FIELD(s, least) || k >= VXS_FIELD(s, greatest) ? 1 : 0;
 }
 
-/* The part of it that is alike about that depth. Of a coarse one, what is nearer and farther than its page is certain. */
+/* The part of a square with the same state as depth k. In a coarse square, depths before `low` and from `high` on are exact. */
 VXS_FN vxs_box vxs_walk_box_in(VXS_LIGHT light, VXS_SQUARE s, vxs_i32 k)
 {
     vxs_box box;
@@ -439,9 +444,9 @@ VXS_FN vxs_box vxs_walk_box_in(VXS_LIGHT light, VXS_SQUARE s, vxs_i32 k)
     return box;
 }
 
-/* tiles -------------------------------------------------------------------------------------------------------------------------- */
+/* tiles ------------------------------------------------------------------------------------------------------------------------ */
 
-/* Out of a tile, or a texel of it, through the border that was crossed at t: along u (axis 0) or v. */
+/* Leave a tile through the border that was crossed at t: along u (axis 0) or v (axis 1). */
 VXS_INLINE void vxs_walk_into_next(VXS_LIGHT light, VXS_WALK w, vxs_i32 axis, vxs_real t)
 {
     vxs_i32  other = 1 - axis, i = VXS_FIELD(w, voxel)[other], way = VXS_FIELD(w, way)[other];
@@ -452,13 +457,13 @@ VXS_INLINE void vxs_walk_into_next(VXS_LIGHT light, VXS_WALK w, vxs_i32 axis, vx
     VXS_FIELD(w, voxel)[axis]  = VXS_FIELD(w, way)[axis] > 0 ? (u | 7) + 1 : (u & ~7) - 1;
 }
 
-/* The border of its texel, or of `side_px` texels about it, that the ray goes to. */
+/* The next border in the direction of the ray, of the squares of side_px texels. */
 VXS_FN vxs_i32 vxs_walk_ahead(vxs_i32 i, vxs_i32 way, vxs_i32 side_px)
 {
     return (i & -side_px) + (way > 0 ? side_px : 0);
 }
 
-/* Through a tile at once, or into its texels. */
+/* Pass a tile in one step, or enter its texels. */
 VXS_INLINE vxs_i32 vxs_walk_through_tile(VXS_LIGHT light, VXS_WALK w)
 {
     vxs_real t = VXS_FIELD(w, t), cut = VXS_FIELD(w, cut);
@@ -490,7 +495,7 @@ VXS_INLINE vxs_i32 vxs_walk_through_tile(VXS_LIGHT light, VXS_WALK w)
     return state;
 }
 
-/* To the end of a texel, or to where the ray crosses its depth. Of its borders only the one that is crossed is another then. */
+/* Move to the end of a texel, or to where the ray crosses its depth. After that only the border on the crossed axis changes. */
 VXS_INLINE vxs_i32 vxs_walk_through_texel(VXS_WORDS blocks, VXS_LIGHT light, VXS_WALK w)
 {
     vxs_i32  i = VXS_FIELD(w, voxel)[0], j = VXS_FIELD(w, voxel)[1], way = VXS_FIELD(w, way)[2], lit;
@@ -526,9 +531,9 @@ VXS_INLINE vxs_i32 vxs_walk_through_texel(VXS_WORDS blocks, VXS_LIGHT light, VXS
     return lit;
 }
 
-/* palette blocks ----------------------------------------------------------------------------------------------------------------- */
+/* palette blocks --------------------------------------------------------------------------------------------------------------- */
 
-/* Bounds of the square about the voxel where they say what is at its depth, else of the block. */
+/* Find bounds of the square about the voxel if they decide its depth, else of the block. */
 VXS_FN void vxs_walk_find_block(VXS_WORDS blocks, VXS_LIGHT light, VXS_WALK w)
 {
     vxs_i32 i = VXS_FIELD(w, voxel)[0], j = VXS_FIELD(w, voxel)[1], k = vxs_walk_in_map(light, VXS_FIELD(w, voxel)[2]);
@@ -597,9 +602,9 @@ VXS_INLINE vxs_i32 vxs_walk_in_blocks(VXS_WORDS blocks, VXS_LIGHT light, VXS_WAL
     return vxs_walk_through_tile(light, w);
 }
 
-/* DAGs --------------------------------------------------------------------------------------------------------------------------- */
+/* DAGs ------------------------------------------------------------------------------------------------------------------------- */
 
-/* The greatest node about a voxel that is uniform; of a slice with a mask, the voxel alone. */
+/* The largest uniform node about a voxel; in a slice with a mask, the single voxel. */
 VXS_FN vxs_box vxs_walk_box_of_dag(VXS_WORDS dag, VXS_LIGHT light, vxs_i32 map, vxs_i32 i, vxs_i32 j, vxs_i32 k)
 {
     vxs_box box;
@@ -644,9 +649,10 @@ VXS_FN vxs_i32 vxs_walk_in_dag(VXS_WORDS dag, VXS_LIGHT light, VXS_WALK w)
     return box.state;
 }
 
-/* the walk ----------------------------------------------------------------------------------------------------------------------- */
+/* the walk --------------------------------------------------------------------------------------------------------------------- */
 
-/* On to where something may change; not in a tile. Returns what the ray passed; VXS_SPAN_NONE: nothing. */
+/* One step to where the state may change; not inside a tile. Returns the state of what was passed; VXS_SPAN_NONE: nothing
+ * was passed. */
 VXS_INLINE vxs_i32 vxs_walk_step(VXS_WORDS words, VXS_LIGHT light, VXS_WALK w)
 {
     if (!(VXS_FIELD(w, t) < VXS_FIELD(w, cut))) vxs_walk_pass_cut(light, w);
@@ -659,7 +665,8 @@ VXS_INLINE vxs_i32 vxs_walk_step(VXS_WORDS words, VXS_LIGHT light, VXS_WALK w)
     return vxs_walk_in_dag(words, light, w);
 }
 
-/* What was passed from `from` on is in state `next`. Returns 1 where that ends an interval which is wanted; then span is that. */
+/* The walk passed from `from` to t in state `next`. Returns 1 if this ends an interval of the wanted state; then `span` is
+ * that interval. */
 VXS_INLINE vxs_i32 vxs_walk_passed(VXS_WALK w, vxs_real from, vxs_i32 next, vxs_i32 only, VXS_SPAN_INOUT span)
 {
     vxs_i32 was = VXS_FIELD(w, state);
@@ -674,9 +681,10 @@ VXS_INLINE vxs_i32 vxs_walk_passed(VXS_WALK w, vxs_real from, vxs_i32 next, vxs_
     return was != VXS_SPAN_NONE && (only == VXS_SPAN_NONE || (was & 3) == only) ? 1 : 0;
 }
 
-/* Begin at t_begin.
- * origin_ws, direction_ws  metres, as for vxs_place_from_ws; the direction of any length: t = 1 is a metre when that is 1
- * t_begin, t_end           finite in shaders; t_end < t_begin: there is nothing to walk */
+/* Start a walk at t_begin.
+ * origin_ws, direction_ws  metres, as for vxs_place_from_ws; the direction may have any length; with length 1, t is in
+ *                          metres
+ * t_begin, t_end           finite in shaders; t_end < t_begin: the walk is empty */
 VXS_FN vxs_walk vxs_walk_of(VXS_LIGHT light, const vxs_real3 origin_ws, const vxs_real3 direction_ws, vxs_real t_begin,
                             vxs_real t_end)
 {
@@ -698,8 +706,9 @@ VXS_FN vxs_walk vxs_walk_of(VXS_LIGHT light, const vxs_real3 origin_ws, const vx
     return w;
 }
 
-/* The next interval, or the next of one state. Texels have a loop of their own: where rays go side by side, few are in tiles at a time.
- * only  VXS_SPAN_NONE: of any */
+/* The next interval, or the next one in state `only`. Texels have a loop of their own, because of many rays side by side few
+ * are in tiles at one time.
+ * only  VXS_SPAN_NONE: any state */
 VXS_INLINE vxs_i32 vxs_walk_next_of(VXS_WORDS words, VXS_LIGHT light, VXS_WALK w, vxs_i32 only, VXS_SPAN span)
 {
     vxs_i32  found = 0, was;
@@ -720,7 +729,7 @@ VXS_INLINE vxs_i32 vxs_walk_next_of(VXS_WORDS words, VXS_LIGHT light, VXS_WALK w
         }
     }
     was = VXS_FIELD(w, state);
-    if (found == 0 && was != VXS_SPAN_NONE) { /* the last one */
+    if (found == 0 && was != VXS_SPAN_NONE) { /* the last interval */
         s.begin             = VXS_FIELD(w, begin);
         s.end               = VXS_FIELD(w, t);
         s.state             = was;
@@ -735,17 +744,18 @@ VXS_INLINE vxs_i32 vxs_walk_next_of(VXS_WORDS words, VXS_LIGHT light, VXS_WALK w
     return found;
 }
 
-/* The next interval of a ray, one behind the other without gaps, each unlike the one before it, from t_begin of the first to t_end of the
- * last. A point between has that state as a single tap at it without a normal, but for rounding within its ends.
+/* The next interval of a ray. Intervals follow each other without gaps, from t_begin to t_end; neighbours differ in state. A
+ * point in an interval has the same state as a single tap there without a normal, except for rounding near the ends.
  * words  of the light
- * span   [out] means something only when there is one
- * Returns 1, or 0: that was the end. */
+ * span   [out] valid only if 1 is returned
+ * Returns 1; 0: the walk has ended. */
 VXS_FN vxs_i32 vxs_walk_next(VXS_WORDS words, VXS_LIGHT light, VXS_WALK w, VXS_SPAN span)
 {
     return vxs_walk_next_of(words, light, w, VXS_SPAN_NONE, span);
 }
 
-/* The next that is lit: where rays go side by side, none waits for another that is in shadow. Outside a light's volume is as w.outside says. */
+/* The next lit interval. With this function, of many rays side by side none waits for another ray that is in shadow. State
+ * outside the volume of the light is w.outside. */
 VXS_FN vxs_i32 vxs_walk_next_lit(VXS_WORDS words, VXS_LIGHT light, VXS_WALK w, VXS_SPAN span)
 {
     return vxs_walk_next_of(words, light, w, VXS_SPAN_LIT, span);

@@ -1,32 +1,33 @@
-/* How a node is laid out, and how a lookup walks: one text for C99, C++, GLSL and HLSL.
+/* Layout of a DAG node, and the lookup in a DAG: one text for C99, C++, GLSL and HLSL.
  *
- * A light's DAG is an array of 32-bit words (formats/vxs.md section 6). The root is at word 0; a light with six maps has six
- * roots, and words 0 to 5 say where they start. A node is
+ * The DAG of a light is an array of 32-bit words (formats/vxs.md section 6). The root is at word 0; a light with six maps
+ * has six roots, and words 0 to 5 are where they start. A node is
  *
- *     word 0      bits 2c, 2c+1: what child c is (VXS_CHILD_*), c = 0..7; bits 16..31 are zero
+ *     word 0      bits 2c, 2c+1: state of child c (VXS_CHILD_*), c = 0..7; bits 16..31 are zero
  *     word 1...   one offset for each child that is VXS_CHILD_OWN, in the order of c
  *
- * A node of side 16 voxels and more is an octree node: c = x + 2y + 4z, z away from the light; an offset is the word where
- * the child starts. A node of side 8 is a stack of eight slices, c = z; an offset is the word where a visibility mask of
- * 8 x 8 texels starts: texel (x, y) is bit x + 8y of two words, low word first, 1 for shadow.
+ * A node of side 16 voxels or more is an octree node: c = x + 2y + 4z, z away from the light; an offset is the word where
+ * the child starts. A node of side 8 is a stack of eight slices, c = z; an offset is the word where a visibility mask of 8 x
+ * 8 texels starts: texel (x, y) is bit x + 8y of two words, low word first, 1 for shadow.
  *
  *     octree node      [states][child 1][child 4]                   children 0..7, two of them own
  *     slice node       [states][mask a][mask b]                     slices  ..aaab#  .. lit, # shadow, aa the same mask
  *     mask             [rows 0 to 3][rows 4 to 7]
  *
- * Shading languages have no pointers and no common way to a buffer: how a word is fetched is a macro of the includer.
+ * Shading languages have no pointers and no common way to access a buffer. So the includer defines how a word is read:
  *
  *     vxs_word(dag, i)   word i of a light. C and C++: dag[i]. A shader defines it before this text; there dag is the word
- *                        where the light's words start in a buffer or a texture of all lights' words:
+ *                        where the words of the light start in a buffer or texture with the words of all lights:
  *                            #define vxs_word(dag, i) shadow_words[(dag) + (i)]
- *     vxs_popcount(x)    how many bits of x are set; the default is the language's own, or arithmetic where it has none
+ *     vxs_popcount(x)    number of bits set in x; the default is a built-in function, or arithmetic if the language has none
  *     VXS_WORDS          type of dag: const uint32_t * in C and C++, uint in a shader
- *     VXS_HLSL           defined by the includer for compilers of HLSL that do not define __HLSL_VERSION
+ *     VXS_HLSL           defined by the includer for HLSL compilers that do not define __HLSL_VERSION
  *
- * GLSL 3.30 and later, ES 3.00 and later, and GLSL for Vulkan are told apart by what they predefine. The text declares structs and
- * functions only, and has no continued lines, which GLSL 3.30 lacks. In ES it sets highp for int and float from here on, because mediump
- * may be 16 bits.
- * Nothing here checks an offset: vxs_read_dag.c does once, before a lookup may trust it.
+ * GLSL 3.30 and later, ES 3.00 and later, and GLSL for Vulkan are distinguished by their predefined macros. The text
+ * declares only structs and functions, and has no continued lines, which GLSL 3.30 lacks. In ES it sets highp for int and
+ * float from here on, because mediump may be 16 bits.
+ *
+ * Offsets are not checked here: vxs_read_dag.c checks them once, before any lookup.
  * Source: [CPVS16] 3 and 5; [Sintorn 2014] for PCF by popcount.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_LOOKUP_H
@@ -46,7 +47,7 @@ typedef int32_t               vxs_i32;
 typedef struct vxs_mask       vxs_mask;
 typedef struct vxs_smooth_box vxs_smooth_box;
 #define VXS_FN static inline
-#ifdef __cplusplus /* where a cast of C may be a warning */
+#ifdef __cplusplus /* a C cast may be a warning there */
 #define VXS_CAST(type, x) (type(x))
 #else
 #define VXS_CAST(type, x) ((type)(x))
@@ -97,33 +98,35 @@ VXS_FN vxs_u32 vxs_popcount(vxs_u32 x)
 }
 #endif
 
-/* A slice's mask of 8 x 8 texels: texel (x, y) is bit x + 8y of two words, 1 for shadow. */
+/* Mask of a slice of 8 x 8 texels: texel (x, y) is bit x + 8y of two words, 1 for shadow. */
 struct vxs_mask {
     vxs_u32 low;  /* rows 0 to 3 */
     vxs_u32 high; /* rows 4 to 7 */
 };
 
-/* A box of K x K texels that lies between whole ones: it covers K + 1 of a row, the first and the last in part. It is the mean of four
- * boxes of whole texels, of which the first begins at (x, y), two begin a texel farther along one axis, and the last along both. */
+/* A box of K x K texels that need not begin at a texel border: it covers K + 1 texels in a row, the first and the last in
+ * part. It is the weighted mean of four boxes of whole texels: the first begins at (x, y), two begin one texel farther along
+ * one axis, and the last along both. */
 struct vxs_smooth_box {
-    vxs_i32 x, y; /* the first texel that it covers */
+    vxs_i32 x, y; /* the first texel that the box covers */
     vxs_u32 across,
-        down; /* what it does not cover of that, in 1/256: [0, 255]; 0: K texels are covered, and a box farther has no weight */
+        /* uncovered part of that texel, in 1/256: [0, 255]; 0: K whole texels, and the boxes one texel farther have weight 0 */
+        down;
 };
 
-/* The states (low bit of each pair) of the children that have an offset of their own: binary 10. */
+/* States of children (low bit of each pair) that have an offset of their own: binary 10. */
 VXS_FN vxs_u32 vxs_own(vxs_u32 states)
 {
     return (states >> 1) & ~states & 0x5555u;
 }
 
-/* Where the root of map `face` of a light with six maps starts; the root of a light with one map is 0. */
+/* Word where the root of map `face` starts, for a light with six maps. The root of a light with one map is 0. */
 VXS_FN vxs_u32 vxs_face_root(VXS_WORDS dag, vxs_u32 face)
 {
     return vxs_word(dag, face);
 }
 
-/* A slice of 8 x 8 x 1 voxels that is all lit (state 0) or all shadow (1). */
+/* Mask of a slice of 8 x 8 x 1 voxels that is all lit (state 0) or all in shadow (1). */
 VXS_FN vxs_mask vxs_uniform_mask(vxs_u32 state)
 {
     vxs_mask mask;
@@ -132,8 +135,8 @@ VXS_FN vxs_mask vxs_uniform_mask(vxs_u32 state)
     return mask;
 }
 
-/* The mask of a slice of 8 x 8 x 1 voxels: the tile of 8 x 8 texels at (tile_x, tile_y), depth k voxels.
- * dag     the light's words;   root  0, or vxs_face_root of the map
+/* Mask of a slice of 8 x 8 x 1 voxels: the tile of 8 x 8 texels at (tile_x, tile_y), at depth k voxels.
+ * dag     the words of the light;   root  0, or vxs_face_root of the map
  * levels  the map has 2^levels texels a side, and as many voxels in depth
  * tile_x, tile_y  [0, 2^(levels-3));   k  [0, 2^levels) */
 VXS_FN vxs_mask vxs_slice(VXS_WORDS dag, vxs_u32 root, vxs_u32 levels, vxs_u32 tile_x, vxs_u32 tile_y, vxs_u32 k)
@@ -158,7 +161,7 @@ VXS_FN vxs_mask vxs_slice(VXS_WORDS dag, vxs_u32 root, vxs_u32 levels, vxs_u32 t
     states        = vxs_word(dag, node);
     state         = (states >> (2u * slice)) & 3u;
     if (state < 2u) return vxs_uniform_mask(state);
-    /* the last slice at or before this one that owns a mask: VXS_CHILD_SAME needs no case of its own */
+    /* the last slice at or before this one that owns a mask; this also covers VXS_CHILD_SAME */
     vxs_u32  at = vxs_word(dag, node + vxs_popcount(vxs_own(states) & ((2u << (2u * slice)) - 1u)));
     vxs_mask mask;
     mask.low  = vxs_word(dag, at);
@@ -166,15 +169,15 @@ VXS_FN vxs_mask vxs_slice(VXS_WORDS dag, vxs_u32 root, vxs_u32 levels, vxs_u32 t
     return mask;
 }
 
-/* 1 when voxel (i, j, k) is in shadow, else 0; each of i, j, k in [0, 2^levels). */
+/* 1 if voxel (i, j, k) is in shadow, else 0; each of i, j, k in [0, 2^levels). */
 VXS_FN vxs_u32 vxs_shadow(VXS_WORDS dag, vxs_u32 root, vxs_u32 levels, vxs_u32 i, vxs_u32 j, vxs_u32 k)
 {
     vxs_mask mask = vxs_slice(dag, root, levels, i >> 3, j >> 3, k);
     return (((j & 4u) != 0u ? mask.high : mask.low) >> ((i & 7u) + 8u * (j & 3u))) & 1u;
 }
 
-/* Bits of one word of a mask that texel columns [x0, x1) and rows [y0, y1) cover; the word holds rows 0 to 3. Ranges are
- * clamped to the word. */
+/* Bits of one word of a mask in texel columns [x0, x1) and rows [y0, y1); the word holds rows 0 to 3. Ranges are clamped to
+ * the word. */
 VXS_FN vxs_u32 vxs_cover(vxs_i32 x0, vxs_i32 x1, vxs_i32 y0, vxs_i32 y1)
 {
     x0 = x0 < 0 ? 0 : x0;
@@ -188,15 +191,15 @@ VXS_FN vxs_u32 vxs_cover(vxs_i32 x0, vxs_i32 x1, vxs_i32 y0, vxs_i32 y1)
     return rows & keep & (0xffffffffu << VXS_U(8 * y0));
 }
 
-/* Texels of a mask in shadow, of those in columns [x0, x1) and rows [y0, y1); ranges are clamped to the mask. */
+/* Number of texels of a mask in shadow in columns [x0, x1) and rows [y0, y1); ranges are clamped to the mask. */
 VXS_FN vxs_u32 vxs_count_covered(vxs_mask mask, vxs_i32 x0, vxs_i32 x1, vxs_i32 y0, vxs_i32 y1)
 {
     return vxs_popcount(mask.low & vxs_cover(x0, x1, y0, y1)) + vxs_popcount(mask.high & vxs_cover(x0, x1, y0 - 4, y1 - 4));
 }
 
-/* How many of the K x K texels centred on (i, j) are in shadow at depth k: a box PCF by popcount ([CPVS16] 5).
- * i, j    any texel within +-2^30; taps outside the map are lit (no caster is there);   k  [0, 2^levels)
- * filter  K, odd, 1 to VXS_FILTER_MAX.   Cost: one walk for each of the at most nine tiles that the box touches. */
+/* Number of the K x K texels centred on (i, j) that are in shadow at depth k: a box PCF by popcount ([CPVS16] 5).
+ * i, j       any texel within +-2^30; taps outside the map are lit (no caster is there);   k  [0, 2^levels)
+ * filter_px  K, odd, 1 to VXS_FILTER_MAX.   Cost: one walk for each of the at most nine tiles that the box touches. */
 VXS_FN vxs_u32 vxs_shadow_count(VXS_WORDS dag, vxs_u32 root, vxs_u32 levels, vxs_i32 i, vxs_i32 j, vxs_u32 k, vxs_i32 filter_px)
 {
     vxs_i32 half_px = filter_px / 2;
@@ -214,7 +217,7 @@ VXS_FN vxs_u32 vxs_shadow_count(VXS_WORDS dag, vxs_u32 root, vxs_u32 levels, vxs
     return count;
 }
 
-/* Where a smooth box lies whose middle is `across` and `down`, [0, 255], 1/256 texel from the near corner of texel (i, j). */
+/* The smooth box whose middle is `across` and `down`, [0, 255], in 1/256 texel, from the near corner of texel (i, j). */
 VXS_FN vxs_smooth_box vxs_smooth_box_at(vxs_i32 i, vxs_i32 j, vxs_u32 across, vxs_u32 down, vxs_i32 filter_px)
 {
     vxs_i32        x = VXS_I(across) - 128 * filter_px, y = VXS_I(down) - 128 * filter_px;
@@ -226,15 +229,15 @@ VXS_FN vxs_smooth_box vxs_smooth_box_at(vxs_i32 i, vxs_i32 j, vxs_u32 across, vx
     return box;
 }
 
-/* The four boxes' sum by weight, in 1/65536, of how many texels are in shadow in each: the first, and those a texel to the right, down,
- * both. */
+/* Weighted sum, in 1/65536, of the number of shadowed texels in the four boxes of a smooth box: the first, and those one
+ * texel to the right, down, and both. */
 VXS_FN vxs_u32 vxs_weighted(vxs_smooth_box box, vxs_u32 first, vxs_u32 right, vxs_u32 down, vxs_u32 both)
 {
     return (256u - box.down) * ((256u - box.across) * first + box.across * right) +
            box.down * ((256u - box.across) * down + box.across * both);
 }
 
-/* The part of a mask in a smooth box; x and y: where the box begins, counted from the mask. */
+/* Shadowed part of a mask in a smooth box; x and y: first texel of the box, relative to the mask. */
 VXS_FN vxs_u32 vxs_weigh_mask(vxs_mask mask, vxs_smooth_box box, vxs_i32 x, vxs_i32 y, vxs_i32 filter_px)
 {
     return vxs_weighted(box, vxs_count_covered(mask, x, x + filter_px, y, y + filter_px),
@@ -243,10 +246,11 @@ VXS_FN vxs_u32 vxs_weigh_mask(vxs_mask mask, vxs_smooth_box box, vxs_i32 x, vxs_
                         vxs_count_covered(mask, x + 1, x + 1 + filter_px, y + 1, y + 1 + filter_px));
 }
 
-/* How much of a box of K x K texels about a place in texel (i, j) is in shadow at depth k, of 65536 K K: its texels by the part of each
- * that it covers. Other arguments as above.
- * across, down  where in the texel, in 1/256 of it: [0, 255];   filter  K, 1 to VXS_FILTER_MAX, even or odd
- * Of K odd and a texel's middle, 128, it is 65536 times the count of that box. Cost: one walk for each tile that the box touches. */
+/* Shadowed part of a box of K x K texels around a place in texel (i, j) at depth k, in units of 1 / (65536 K K). Each texel
+ * counts by the part of it that the box covers. Other arguments as above.
+ * across, down  the place in the texel, in 1/256 texel: [0, 255];   filter_px  K, 1 to VXS_FILTER_MAX, even or odd
+ * For K odd and the middle of a texel (128), the result is 65536 times vxs_shadow_count. Cost: one walk for each tile that
+ * the box touches. */
 VXS_FN vxs_u32 vxs_shadow_weight(VXS_WORDS dag, vxs_u32 root, vxs_u32 levels, vxs_i32 i, vxs_i32 j, vxs_u32 across, vxs_u32 down,
                                  vxs_u32 k, vxs_i32 filter_px)
 {

@@ -1,51 +1,58 @@
-/* How a light of palette blocks is laid out, and how a lookup walks: one text for C99, C++, GLSL and HLSL, that stands on vxs_lookup.h.
+/* Layout of a light of palette blocks, and the lookup in it. One text for C99, C++, GLSL and HLSL; it needs vxs_lookup.h.
  *
- * A map of 2^levels texels a side is cut into squares of 256 x 256 texels (nodes), blocks of 32 x 32 and tiles of 8 x 8:
+ * A map of 2^levels texels a side is divided into squares of 256 x 256 texels (nodes), blocks of 32 x 32 and tiles of 8 x 8:
  *
  *     top ------ node ----- block ----- tile ----- pattern
  *     T x T      8 x 8      4 x 4       8 x 8      which texels are shadowed, for each depth of the tile
  *     squares    blocks     tiles       texels
  *
- * Each of them is one depth for all that it covers, or something of its own; depths below the top are relative, so that equal shapes at
- * different depths are one. Few different depths occur in a block: they are its palette, and rank, the number of them at or before the
- * voxel's depth, is asked once. A tile has the set of those that it uses, and a pattern: a mask of shadowed texels for each of them but
- * the last, behind which all are. Slanted sheets are planes: of a block, for as many of its tiles as lie on it, or of a pattern.
+ * Each of these has either one depth for all of its texels, or a record of its own. Depths below the top are relative, so
+ * that equal shapes at different depths share one record. A block uses few different depths: its palette. The rank of a
+ * voxel is the number of palette depths at or before its depth; it is usually computed once for each block. A tile has the set of
+ * palette entries that it uses, and a pattern: a mask of shadowed texels for each of these entries except the last, from
+ * which on all texels are shadowed. Slanted sheets are stored as planes: one plane for several tiles of a block, or a plane
+ * in a pattern.
  *
- * Of a light's words, word 0 is the number of pages, word 1 where the common pool starts, 2 to 7 where the top of each map starts, and
- * 8... where each page starts: 0, it is not here. Then
+ * In the words of a light, word 0 is the number of pages, word 1 is where the common pool starts, words 2 to 7 are where the
+ * top of each map starts, and words 8... are where each page starts (0: the page is not loaded). The rest is:
  *
- *     top         T x T entries of 2 words, rows, T = max(1, 2^(levels-8)); from 15 levels on T/8 x T/8 cells of 1 word, rows
- *     cell        0x80000000 | depth, or the word where 8 x 8 entries start, rows
+ *     top         T x T entries of 2 words, by rows, T = max(1, 2^(levels-8)); from 15 levels on T/8 x T/8 cells of 1 word, by rows
+ *     cell        0x80000000 | depth, or the word where 8 x 8 entries start, by rows
  *     entry       0x80000000 | depth, 0, or page << 16 | offset of a node, base | min << 16 | max << 24
  *     node        halves: mixed, 4; fresh, 4; slope, 2; flags; refs and bases of mixed blocks; depths of fresh blocks
- *     block       mixed | fresh << 16, own | head << 16, two words of a plane if a tile lies on it, a word for each mixed tile; then bytes:
- *                 deltas of the palette, nibbles of fresh tiles; then words: bases of mixed own tiles that are far
+ *     block       mixed | fresh << 16, own | head << 16, two words of a plane if a tile lies on it, a word for each mixed tile;
+ *                 then bytes: deltas of the palette, nibbles of fresh tiles; then words: bases of mixed own tiles that are far
  *     tile        half of a pool << 14 | the palette entries it uses, or base + 8192 if the pattern is own: has depths of its own
  *     plane       slopes, 2; shift, 4 bits; depth, 28, in 1/256 voxel
  *     pattern     masks: a byte of states for each mask, then quadrants of 4 x 4 texels; or 0xff, 0, and a nibble for each texel
- *     own         kind << 12 | shift << 8 | count, then: a palette and a pattern; bases and nibbles; a depth of 1 to 3 bytes a texel; slopes
- *                 of a plane; or slopes of two planes, how much deeper the second is, and for kind 10 a mask of the texels on that one
+ *     own         kind << 12 | shift << 8 | count, then: a palette and a pattern; bases and nibbles; a depth of 1 to 3 bytes a
+ *                 texel; slopes of a plane; or slopes of two planes, how much deeper the second is, and for kind 10 a mask of
+ *                 the texels on the second plane
  *
- * The two pools, halves each, are the light's common one and the page's own. mixed has a bit for each block or tile that has something of
- * its own; fresh, for each of the others whose depth is not that of the one before it among them; own, for each mixed tile whose pattern has
- * depths of its own, and for each other that lies on the block's plane. Texels of a tile are numbered quadrant by quadrant, rows within:
- * (x, y) is bit (x & 3) + 4 (y & 3) + 16 (x >> 2) of the low word of a mask, or of the high word if y > 3.
+ * There are two pools of halves: the common pool of the light, and the pool of the page. `mixed` has a bit for each block or
+ * tile that has a record or pattern of its own. `fresh` has a bit for each of the others whose depth differs from that of
+ * the previous one of the others. `own` has a bit for each mixed tile with a private-palette pattern (depths of its own),
+ * and for each tile that is not mixed and lies on the plane of the block. Texels of a tile are numbered quadrant by
+ * quadrant, by rows in a quadrant: (x, y) is bit (x & 3) + 4 (y & 3) + 16 (x >> 2) of the low word of a mask, or of the high
+ * word if y > 3.
  *
- * A page that is not here is answered from its entry. Where c = max(0, levels - 8), a voxel is lit when k >> c < min, shadowed when
- * k >> c > max, which is exact; between them it is shadowed when 2 (k >> c) >= min + max + 1: the coarse answer. A filter that needs one
- * such page is answered from the entries of all squares that it touches, so that its taps agree.
+ * If a page is not loaded, its entry gives the answer. With c = max(0, levels - 8): a voxel is lit if k >> c < min, and
+ * shadowed if k >> c > max; both are exact. Between them it is shadowed if 2 (k >> c) >= min + max + 1: the coarse answer.
+ * If a filter needs one page that is not loaded, the entries of all squares that it touches give its answer, so that its
+ * taps are consistent.
  *
- * Macros are those of vxs_lookup.h; `blocks`, the words of a light, is what `dag` is there. In C and C++ by GCC and Clang, where words are
- * an array in little-endian memory, bytes and halves are read as they lie, and compared sixteen at a time. VXS_SCALAR, defined by the
- * includer, asks for what shaders do: word by word. Both agree bit for bit.
- * Behind its last word the array has four more that may be read, whatever they hold. Nothing here checks an offset; loops end whatever
- * the words are.
+ * Macros are those of vxs_lookup.h; `blocks`, the words of a light, corresponds to `dag` there. In C and C++ with GCC and
+ * Clang, where the words are an array in little-endian memory, bytes and halves are read directly and compared sixteen at a
+ * time. If the includer defines VXS_SCALAR, they are read word by word, as in shaders. Both ways give identical bits.
+ *
+ * The array needs four readable words of any value after its last word. Offsets are not checked here; all loops end for any
+ * words.
  * Source: ours; [Sintorn 2014] for PCF by popcount.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_LOOKUP_BLOCKS_H
 #define VXS_LOOKUP_BLOCKS_H
 
-#ifndef VXS_LOOKUP_H /* a shader that cannot include has it already */
+#ifndef VXS_LOOKUP_H /* a shader that cannot include already has this text */
 #include "vxs_lookup.h"
 #endif
 
@@ -57,8 +64,8 @@
 #endif
 #endif
 
-/* Functions that every lookup passes: a call would send their structs through memory, which is a fifth of the time. And those that few
- * lookups pass: inlined, they would take registers from the others. */
+/* VXS_INLINE: functions on the path of every lookup; a call would pass their structs through memory, which costs a fifth of
+ * the time. VXS_APART: functions that few lookups need; inlined, they would take registers from the others. */
 #if defined(VXS_C) && defined(__GNUC__)
 #define VXS_INLINE VXS_FN __attribute__((always_inline))
 #define VXS_APART  static __attribute__((noinline, unused))
@@ -67,16 +74,16 @@
 #define VXS_APART  VXS_FN
 #endif
 
-/* What a node or a tile is, at a voxel's depth. Own patterns of kinds 3 to 10 are tiles of these kinds. */
+/* Kind of a node or a tile, at the depth of a voxel. Private-palette patterns of kinds 3 to 10 are tiles of these kinds. */
 #define VXS_BLOCKS_LIT     0u
 #define VXS_BLOCKS_SHADOW  1u
-#define VXS_BLOCKS_MASKS   2u /* of a tile: masks; of a node: its blocks are to be asked */
+#define VXS_BLOCKS_MASKS   2u /* of a tile: masks; of a node: look into its blocks */
 #define VXS_BLOCKS_NIBBLES 3u /* a base for each quadrant, a nibble for each texel */
 #define VXS_BLOCKS_RAW     4u /* 4, 5, 6: one, two, three bytes for each texel */
 #define VXS_BLOCKS_PLANE   7u
-#define VXS_BLOCKS_NEARER  8u  /* two planes: of each texel the depth that is less */
-#define VXS_BLOCKS_FARTHER 9u  /* or greater */
-#define VXS_BLOCKS_EITHER  10u /* or that of the plane which a mask names */
+#define VXS_BLOCKS_NEARER  8u  /* two planes: each texel has the smaller of the two depths */
+#define VXS_BLOCKS_FARTHER 9u  /* each texel has the greater of the two depths */
+#define VXS_BLOCKS_EITHER  10u /* a mask selects the plane of each texel */
 
 #ifdef VXS_C
 typedef struct vxs_blocks_node  vxs_blocks_node;
@@ -87,32 +94,33 @@ typedef struct vxs_blocks_taps  vxs_blocks_taps;
 #endif
 
 struct vxs_blocks_node {
-    vxs_u32 kind;  /* VXS_BLOCKS_LIT, _SHADOW: all of its square is; else what follows */
-    vxs_u32 page;  /* word where its page starts */
-    vxs_u32 at;    /* word where it starts */
+    vxs_u32 kind;  /* VXS_BLOCKS_LIT, _SHADOW: the whole square is, and the other fields are unused */
+    vxs_u32 page;  /* word where the page starts */
+    vxs_u32 at;    /* word where the node starts */
     vxs_u32 slope; /* across | down << 16, signed: in 1/256 voxel a tile */
-    vxs_i32 k;     /* depth, relative to it */
+    vxs_i32 k;     /* depth, relative to the node */
 };
 
-/* One that is uniform is a block of one palette entry, which all of its tiles have. */
+/* A block. A uniform block is represented as a block with one palette entry that all of its tiles use. */
 struct vxs_blocks_block {
-    vxs_u32 page;    /* word where the page of its node starts */
-    vxs_u32 at;      /* word where it starts; 0 of a uniform one */
-    vxs_u32 mixed;   /* a bit for each tile that has a pattern */
-    vxs_u32 fresh;   /* for each other whose palette entry is not that of the one before it */
-    vxs_u32 own;     /* for each whose pattern has depths of its own, or that lies on the plane */
+    vxs_u32 page;    /* word where the page of the node starts */
+    vxs_u32 at;      /* word where the block starts; 0: uniform block */
+    vxs_u32 mixed;   /* bit t: tile t has a pattern */
+    vxs_u32 fresh;   /* bit t: tile t has no pattern, and its palette entry differs from that of the previous such tile */
+    vxs_u32 own;     /* bit t: tile t has a private-palette pattern, or lies on the plane */
     vxs_u32 head;    /* palette entries - 1 | shift << 4 | width << 8 | far << 10 */
-    vxs_u32 palette; /* word where the deltas of its palette start */
-    vxs_i32 base;    /* its first depth, relative to the node */
+    vxs_u32 palette; /* word where the deltas of the palette start */
+    vxs_i32 base;    /* first depth of the palette, relative to the node */
 };
 
 struct vxs_blocks_tile {
-    vxs_u32 kind;  /* VXS_BLOCKS_ */
-    vxs_u32 pool;  /* word that the halves of its pool are counted from */
-    vxs_u32 at;    /* half where its states, nibbles or bytes start; of two planes, where their pattern does */
-    vxs_u32 count; /* masks: how many; a plane: how much deeper it is a texel across, in 1/256 voxel */
-    vxs_u32 bases; /* nibbles: a byte for each quadrant; a plane: how much deeper it is a texel down */
-    vxs_i32 k;     /* masks: which one; else depth, of planes in 1/256 voxel: a texel is shadowed whose own is at most this */
+    vxs_u32 kind;  /* VXS_BLOCKS_* */
+    vxs_u32 pool;  /* word where the pool starts */
+    vxs_u32 at;    /* half where states, nibbles or bytes start; two planes: where the pattern starts */
+    vxs_u32 count; /* masks: number of masks; plane: increase of depth per texel across, in 1/256 voxel */
+    vxs_u32 bases; /* nibbles: a base byte for each quadrant; plane: increase of depth per texel down, in 1/256 voxel */
+    /* masks: index of the mask; else depth (planes: in 1/256 voxel): texels of at most this depth are shadowed */
+    vxs_i32 k;
 };
 
 /* Texels [x0, x1) x [y0, y1) of a map. */
@@ -120,12 +128,12 @@ struct vxs_blocks_box {
     vxs_i32 x0, x1, y0, y1;
 };
 
-/* The texels of a filter, and what each counts: by its column times by its row, the weights of the boxes that it is in. Of a plain box each
- * counts 1: `farther` is the same box, and has no weight. Of a smooth one, vxs_smooth_box, it begins a texel farther across, and down, where
- * the smooth one does not begin with a whole texel. */
+/* The taps of a filter and their weights: weight of the column times weight of the row. In a plain box each tap has weight
+ * 1; `farther` is then the same box with weight 0. A smooth box (vxs_smooth_box) is the weighted sum of `box` and `farther`;
+ * `farther` begins one texel later across, or down, if the smooth box does not begin at a texel border. */
 struct vxs_blocks_taps {
     vxs_blocks_box box, farther;
-    vxs_u32        across, across_farther, down, down_farther; /* weights of columns, and of rows */
+    vxs_u32        across, across_farther, down, down_farther; /* weights of the columns and rows of each box */
 };
 
 VXS_FN vxs_i32 vxs_clamp(vxs_i32 x, vxs_i32 low, vxs_i32 high)
@@ -133,8 +141,8 @@ VXS_FN vxs_i32 vxs_clamp(vxs_i32 x, vxs_i32 low, vxs_i32 high)
     return x < low ? low : x > high ? high : x;
 }
 
-/* halves, bytes, bits ---------------------------------------------------------------------------------------------------------------
- * Counted from word `at` of a light; half 0 is the low half of it, byte 0 the low byte. */
+/* halves, bytes, bits -------------------------------------------------------------------------------------------------------------
+ * Indices count from word `at` of a light; half 0 is the low half of that word, byte 0 is the low byte. */
 
 #ifdef VXS_VECTORS
 
@@ -179,14 +187,15 @@ VXS_FN vxs_u32 vxs_popcount_pair(vxs_u32 low, vxs_u32 high)
 #endif
 }
 
-/* Bit n: byte n is all ones; bytes are all ones or zero. */
+/* Bit n: byte n is 0xff. Each byte must be 0xff or 0. */
 VXS_FN vxs_u32 vxs_bits_of_bytes(vxs_bytes16 bytes)
 {
 #ifdef __SSE2__
     return VXS_U(_mm_movemask_epi8(VXS_CAST(__m128i, bytes)));
 #else
     static const vxs_bytes16 bit  = {1, 2, 4, 8, 16, 32, 64, 128, 1, 2, 4, 8, 16, 32, 64, 128};
-    const uint64_t           ones = ~(uint64_t)0 / 255; /* in each byte; a product with it has their sum in the last */
+    /* 1 in each byte; a product with it has the sum of all bytes in the last byte */
+    const uint64_t           ones = ~(uint64_t)0 / 255;
     uint64_t                 eight[2];
     bytes &= bit;
     memcpy(eight, &bytes, sizeof eight);
@@ -194,7 +203,7 @@ VXS_FN vxs_u32 vxs_bits_of_bytes(vxs_bytes16 bytes)
 #endif
 }
 
-/* Bit 4 y + x: lane x of row y, of four, is all ones; lanes are all ones or zero. */
+/* Bit 4 y + x: lane x of row y (of four) is all ones. Each lane must be all ones or zero. */
 VXS_FN vxs_u32 vxs_bits_of_rows(const vxs_lanes4 *rows)
 {
 #ifdef __SSE2__
@@ -237,21 +246,20 @@ VXS_FN vxs_u32 vxs_byte(VXS_WORDS blocks, vxs_u32 at, vxs_u32 byte_at)
     return (vxs_word(blocks, at + (byte_at >> 2)) >> (8u * (byte_at & 3u))) & 0xffu;
 }
 
-/* A word at any byte. */
+/* Four bytes at any byte position. */
 VXS_FN vxs_u32 vxs_four_bytes(VXS_WORDS blocks, vxs_u32 at, vxs_u32 byte_at)
 {
     vxs_u32 first = at + (byte_at >> 2), bits = 8u * (byte_at & 3u), low = vxs_word(blocks, first);
     return bits == 0u ? low : (low >> bits) | (vxs_word(blocks, first + 1u) << (32u - bits));
 }
 
-/* Bits in two words. */
 VXS_FN vxs_u32 vxs_popcount_pair(vxs_u32 low, vxs_u32 high)
 {
     return vxs_popcount(low) + vxs_popcount(high);
 }
 
-/* Bits 0 to 3: which bytes of a word are at most `limit`, 0 to 255. Of each byte, the highest bit decides; else the others, by a
- * difference that does not reach the next byte. */
+/* Bits 0 to 3: which bytes of a word are at most `limit`, 0 to 255. The highest bits of byte and limit decide if they
+ * differ; else a subtraction of the lower 7 bits decides, which cannot borrow from the next byte. */
 VXS_FN vxs_u32 vxs_four_at_most(vxs_u32 bytes, vxs_u32 limit)
 {
     vxs_u32 limits = limit * 0x01010101u;
@@ -260,7 +268,7 @@ VXS_FN vxs_u32 vxs_four_at_most(vxs_u32 bytes, vxs_u32 limit)
     return ((fit >> 7) * 0x01020408u) >> 24;
 }
 
-/* How many of `count` bytes, up to 15, are at most `limit`. */
+/* Number of bytes that are at most `limit`, of `count` ascending bytes; count up to 15. */
 VXS_FN vxs_u32 vxs_deltas_at_most(VXS_WORDS blocks, vxs_u32 at, vxs_u32 byte_at, vxs_u32 count, vxs_u32 limit)
 {
     vxs_u32 bits = 0u;
@@ -271,14 +279,15 @@ VXS_FN vxs_u32 vxs_deltas_at_most(VXS_WORDS blocks, vxs_u32 at, vxs_u32 byte_at,
 
 #endif
 
-/* The bits of the first `count` bytes of a word; any count. */
+/* Mask of the first `count` bytes of a word; any count. */
 VXS_FN vxs_u32 vxs_first_bytes(vxs_i32 count)
 {
     return count >= 4 ? 0xffffffffu : count <= 0 ? 0u : (1u << VXS_U(8 * count)) - 1u;
 }
 
-/* How many depths of a palette are at or before k, which is relative to the first of them.
- * at, half_at  where `count` deltas start, up to 31; width  0: bytes, 1: halves, 2: two halves each; shift  of deltas, to the left */
+/* Number of palette depths at or before k, which is relative to the first palette depth.
+ * at, half_at  where the deltas start;  count  number of deltas, up to 31
+ * width        0: bytes, 1: halves, 2: two halves each;  shift  left shift of the deltas */
 VXS_FN vxs_u32 vxs_blocks_rank(VXS_WORDS blocks, vxs_u32 at, vxs_u32 half_at, vxs_u32 width, vxs_u32 shift, vxs_u32 count,
                                vxs_i32 k)
 {
@@ -294,9 +303,9 @@ VXS_FN vxs_u32 vxs_blocks_rank(VXS_WORDS blocks, vxs_u32 at, vxs_u32 half_at, vx
     return rank;
 }
 
-/* top ------------------------------------------------------------------------------------------------------------------------------- */
+/* top -------------------------------------------------------------------------------------------------------------------------- */
 
-/* The word where the entry of a square of 256 x 256 texels is; or its cell, of which all has one depth. */
+/* Word where the entry of a square of 256 x 256 texels is; or the word of its cell, if the whole cell has one depth. */
 VXS_FN vxs_u32 vxs_blocks_entry(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_u32 x, vxs_u32 y)
 {
     vxs_u32 top = vxs_word(blocks, 2u + map);
@@ -307,7 +316,8 @@ VXS_FN vxs_u32 vxs_blocks_entry(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, v
     return entries >= 0x80000000u ? cell : entries + 2u * (((y & 7u) << 3) + (x & 7u));
 }
 
-/* Whether a square of 256 x 256 texels is known at depth k: its entry decides, or its page is here. */
+/* Whether the exact answer for a square of 256 x 256 texels at depth k is available: its entry decides, or its page is
+ * loaded. */
 VXS_FN vxs_u32 vxs_blocks_square_is_known(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_u32 x, vxs_u32 y, vxs_i32 k)
 {
     vxs_u32 entry = vxs_blocks_entry(blocks, map, levels, x, y), place = vxs_word(blocks, entry);
@@ -317,7 +327,8 @@ VXS_FN vxs_u32 vxs_blocks_square_is_known(VXS_WORDS blocks, vxs_u32 map, vxs_u32
     return vxs_word(blocks, 8u + (place >> 16)) != 0u ? 1u : 0u;
 }
 
-/* What the top says of a square of 256 x 256 texels at depth k, VXS_BLOCKS_LIT or _SHADOW, whether or not its page is here. */
+/* Answer of the top for a square of 256 x 256 texels at depth k, VXS_BLOCKS_LIT or _SHADOW, whether or not its page is
+ * loaded. */
 VXS_FN vxs_u32 vxs_blocks_coarse(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_u32 x, vxs_u32 y, vxs_i32 k)
 {
     vxs_u32 entry = vxs_blocks_entry(blocks, map, levels, x, y), place = vxs_word(blocks, entry);
@@ -351,25 +362,25 @@ VXS_INLINE vxs_blocks_node vxs_blocks_find_node(VXS_WORDS blocks, vxs_u32 map, v
     return node;
 }
 
-/* Depth at a tile, x and y 0 to 31, with the slope of its node, which makes flat ground that is slanted uniform. */
+/* Depth k at tile (x, y), 0 to 31, corrected by the slope of the node. The slope makes flat slanted ground uniform. */
 VXS_FN vxs_i32 vxs_blocks_tile_depth(vxs_blocks_node node, vxs_i32 x, vxs_i32 y)
 {
     vxs_i32 across = VXS_I(node.slope << 16) >> 16, down = VXS_I(node.slope) >> 16;
     return node.k + ((across * (across < 0 ? x - 31 : x) + down * (down < 0 ? y - 31 : y)) >> 8);
 }
 
-/* blocks ---------------------------------------------------------------------------------------------------------------------------- */
+/* blocks ----------------------------------------------------------------------------------------------------------------------- */
 
-/* Bits in front of bit c of two words. */
+/* Number of bits set before bit c of two words. */
 VXS_FN vxs_u32 vxs_blocks_before(vxs_u32 low, vxs_u32 high, vxs_u32 c)
 {
     vxs_u32 before = (1u << (c & 31u)) - 1u;
     return vxs_popcount_pair(low & (c < 32u ? before : 0xffffffffu), high & (c < 32u ? 0u : before));
 }
 
-/* Block c, which is uniform: its depth is that of the last fresh one at or before it. All ones: it is never shadowed, and its depth so
- * great that no k reaches it, and so small that k less it is a number.
- * wide  1 when depths are two halves each;   mixed  how many blocks of the node are */
+/* Uniform block c: its depth is that of the last fresh block at or before it. A depth of all ones means never shadowed: it
+ * is replaced by a depth that no k reaches, and from which k can be subtracted without overflow.
+ * wide  1: depths are two halves each;   mixed  number of mixed blocks of the node */
 VXS_INLINE vxs_blocks_block vxs_blocks_uniform(VXS_WORDS blocks, vxs_blocks_node node, vxs_u32 c, vxs_u32 wide, vxs_u32 mixed)
 {
     vxs_u32 low = vxs_word(blocks, node.at + 2u), high = vxs_word(blocks, node.at + 3u);
@@ -413,14 +424,15 @@ VXS_INLINE vxs_blocks_block vxs_blocks_find_block(VXS_WORDS blocks, vxs_blocks_n
     return block;
 }
 
-/* How many entries of a block's palette are at or before k, which is relative to the node. */
+/* Number of palette entries of a block at or before k, which is relative to the node. */
 VXS_FN vxs_u32 vxs_blocks_block_rank(VXS_WORDS blocks, vxs_blocks_block block, vxs_i32 k)
 {
     vxs_u32 width = (block.head >> 8) & 3u, shift = (block.head >> 4) & 15u;
     return vxs_blocks_rank(blocks, block.palette, 0u, width, shift, block.head & 15u, k - block.base);
 }
 
-/* What all tiles of a block are from depth k, of which rank is the block's, to depth k_last: VXS_BLOCKS_LIT, _SHADOW; else _MASKS. */
+/* VXS_BLOCKS_LIT or _SHADOW if all tiles of a block are so at all depths from k to k_last; else _MASKS.  rank  of the block
+ * at depth k */
 VXS_FN vxs_u32 vxs_blocks_block_kind(vxs_blocks_block block, vxs_u32 rank, vxs_i32 k_last)
 {
     if (block.own != 0u) return VXS_BLOCKS_MASKS;
@@ -428,13 +440,12 @@ VXS_FN vxs_u32 vxs_blocks_block_kind(vxs_blocks_block block, vxs_u32 rank, vxs_i
     return k_last < block.base ? VXS_BLOCKS_LIT : VXS_BLOCKS_MASKS;
 }
 
-/* Bytes that the deltas of a block's palette take. */
 VXS_FN vxs_u32 vxs_blocks_palette_bytes(vxs_blocks_block block)
 {
     return (block.head & 15u) << ((block.head >> 8) & 3u);
 }
 
-/* tiles ----------------------------------------------------------------------------------------------------------------------------- */
+/* tiles ------------------------------------------------------------------------------------------------------------------------ */
 
 VXS_FN vxs_blocks_tile vxs_blocks_tile_of(vxs_u32 kind, vxs_u32 pool, vxs_u32 at, vxs_u32 count, vxs_u32 bases, vxs_i32 k)
 {
@@ -448,13 +459,13 @@ VXS_FN vxs_blocks_tile vxs_blocks_tile_of(vxs_u32 kind, vxs_u32 pool, vxs_u32 at
     return tile;
 }
 
-/* All of a tile: VXS_BLOCKS_LIT or _SHADOW. */
+/* A tile that is all lit or all shadowed.  kind  VXS_BLOCKS_LIT or _SHADOW */
 VXS_FN vxs_blocks_tile vxs_blocks_whole(vxs_u32 kind)
 {
     return vxs_blocks_tile_of(kind, 0u, 0u, 0u, 0u, 0);
 }
 
-/* Mask n of a pattern of `count` masks, which are kept as such, or as the index of each texel's depth. */
+/* Mask n of a pattern of `count` masks, which is stored as masks, or as a depth index for each texel. */
 VXS_FN vxs_blocks_tile vxs_blocks_pattern(VXS_WORDS blocks, vxs_u32 pool, vxs_u32 at, vxs_u32 count, vxs_u32 n)
 {
     if ((vxs_half(blocks, pool, at) & 0xffu) == 0xffu)
@@ -462,21 +473,22 @@ VXS_FN vxs_blocks_tile vxs_blocks_pattern(VXS_WORDS blocks, vxs_u32 pool, vxs_u3
     return vxs_blocks_tile_of(VXS_BLOCKS_MASKS, pool, at, count, 0u, VXS_I(n));
 }
 
-/* What depths of planes, in 1/256 voxel, are at or before k: up to that much. Planes are less than 2^22 voxels deep. */
+/* Greatest plane depth, in 1/256 voxel, that is at or before voxel k. Planes are less than 2^22 voxels deep. */
 VXS_FN vxs_i32 vxs_blocks_limit(vxs_i32 k)
 {
     return 256 * vxs_clamp(k, -4194304, 4194304) + 255;
 }
 
-/* Where plane `which` of a pattern begins in its first voxel, in 1/256 voxel.   first  the pattern's first half */
+/* Start of plane `which` of a pattern within its first voxel, in 1/256 voxel.   first  first half of the pattern */
 VXS_FN vxs_i32 vxs_blocks_quarters(vxs_u32 first, vxs_u32 which)
 {
     return VXS_I(((first >> (3u + 2u * which)) & 3u) << 6);
 }
 
-/* A tile that is on a plane, from texel (x, y) of a square of last + 1 texels a side on, whose least depth is 0. Unsigned, because words may
- * hold slopes and shifts of which sums are too great.
- * slopes  across | down << 16, signed: in (1 << shift) / 256 voxel a texel;   limit  shadowed is what is at most so deep */
+/* A tile on a plane. Its first texel is (x, y) of a square of last + 1 texels a side; the least depth of the plane in that
+ * square is 0. Arithmetic is unsigned, because damaged words may hold slopes and shifts whose sums overflow.
+ * slopes  across | down << 16, signed: in (1 << shift) / 256 voxel per texel
+ * limit   texels of at most this depth are shadowed */
 VXS_FN vxs_blocks_tile vxs_blocks_plane(vxs_u32 slopes, vxs_u32 shift, vxs_u32 last, vxs_u32 x, vxs_u32 y, vxs_i32 limit)
 {
     vxs_u32 across = VXS_U(VXS_I(slopes << 16) >> 16) << shift, down = VXS_U(VXS_I(slopes) >> 16) << shift;
@@ -484,7 +496,7 @@ VXS_FN vxs_blocks_tile vxs_blocks_plane(vxs_u32 slopes, vxs_u32 shift, vxs_u32 l
     return vxs_blocks_tile_of(VXS_BLOCKS_PLANE, 0u, 0u, across, down, VXS_I(VXS_U(limit) - first));
 }
 
-/* A tile whose pattern has depths of its own; k is relative to its base. */
+/* A tile with a private-palette pattern; k is relative to its base. */
 VXS_FN vxs_blocks_tile vxs_blocks_own(VXS_WORDS blocks, vxs_u32 pool, vxs_u32 at, vxs_i32 k)
 {
     if (k < 0) return vxs_blocks_whole(VXS_BLOCKS_LIT);
@@ -503,7 +515,7 @@ VXS_FN vxs_blocks_tile vxs_blocks_own(VXS_WORDS blocks, vxs_u32 pool, vxs_u32 at
     return vxs_blocks_tile_of(kind, pool, at + 3u, 0u, vxs_four_bytes(blocks, pool, 2u * at + 2u), k);
 }
 
-/* Base of own tile t, which is mixed, relative to its block. low  14 bits of the tile's word */
+/* Base of mixed own tile t, relative to its block.   low  low 14 bits of the word of the tile */
 VXS_FN vxs_i32 vxs_blocks_own_base(VXS_WORDS blocks, vxs_blocks_block block, vxs_u32 t, vxs_u32 low)
 {
     if ((block.head & 0x400u) == 0u) return VXS_I(low) - 8192;
@@ -511,7 +523,7 @@ VXS_FN vxs_i32 vxs_blocks_own_base(VXS_WORDS blocks, vxs_blocks_block block, vxs
     return VXS_I(vxs_word(blocks, block.palette + ((bytes + 3u) >> 2) + vxs_popcount(block.own & block.mixed & ((1u << t) - 1u))));
 }
 
-/* Palette entry of uniform tile t: that of the last fresh one at or before it. */
+/* Palette entry of uniform tile t: that of the last fresh tile at or before it. */
 VXS_FN vxs_u32 vxs_blocks_entry_of_tile(VXS_WORDS blocks, vxs_blocks_block block, vxs_u32 t)
 {
     if (block.at == 0u) return 0u;
@@ -519,8 +531,8 @@ VXS_FN vxs_u32 vxs_blocks_entry_of_tile(VXS_WORDS blocks, vxs_blocks_block block
     return (vxs_byte(blocks, block.palette, vxs_blocks_palette_bytes(block) + (nth >> 1)) >> (4u * (nth & 1u))) & 15u;
 }
 
-/* Tile t, x + 4y, of a block, which lies on its plane.
- * k  depth relative to the block, without the slope of its node: the plane has it in its own */
+/* Tile t, x + 4y, of a block; the tile lies on the plane of the block.
+ * k  depth relative to the block, without the slope of the node, which is already in the plane */
 VXS_FN vxs_blocks_tile vxs_blocks_on_plane(VXS_WORDS blocks, vxs_blocks_block block, vxs_u32 t, vxs_i32 k)
 {
     vxs_u32 slopes = vxs_word(blocks, block.at + 2u), depth = vxs_word(blocks, block.at + 3u);
@@ -528,7 +540,7 @@ VXS_FN vxs_blocks_tile vxs_blocks_on_plane(VXS_WORDS blocks, vxs_blocks_block bl
     return vxs_blocks_plane(slopes, depth & 15u, 31u, 8u * (t & 3u), 8u * (t >> 2), limit);
 }
 
-/* Tile t, x + 4y, of a block of a node, at depth k relative to the node; rank is that of the block there. */
+/* Tile t, x + 4y, of a block, at depth k relative to the node.   rank  of the block at that depth */
 VXS_INLINE vxs_blocks_tile vxs_blocks_find_tile(VXS_WORDS blocks, vxs_blocks_node node, vxs_blocks_block block, vxs_u32 t,
                                                 vxs_u32 rank, vxs_i32 k)
 {
@@ -547,18 +559,19 @@ VXS_INLINE vxs_blocks_tile vxs_blocks_find_tile(VXS_WORDS blocks, vxs_blocks_nod
     return vxs_blocks_pattern(blocks, pool, at, vxs_popcount(used) - 1u, vxs_popcount(passed) - 1u);
 }
 
-/* patterns -------------------------------------------------------------------------------------------------------------------------- */
+/* patterns --------------------------------------------------------------------------------------------------------------------- */
 
-/* 16 bits of quadrant c of a mask: none or all of its texels, or the half before number nth of its pattern. */
+/* 16 bits of quadrant c of a mask: no texels, all texels, or the stored half with index nth - 1 of the pattern. */
 VXS_FN vxs_u32 vxs_blocks_half(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 states, vxs_u32 c, vxs_u32 nth)
 {
     vxs_u32 state = (states >> (2u * c)) & 3u, kept = 0u - (state >> 1);
     return ((vxs_half(blocks, tile.pool, tile.at + ((tile.count + 1u) >> 1) + nth - 1u) & kept) | (0u - (state & ~kept))) & 0xffffu;
 }
 
-/* All quadrants of a mask. Its states, two bits for each, say none of the texels, all, a half, or again the last half of the quadrant.
- * Halves lie quadrant by quadrant, in there mask by mask: those before a quadrant's own are counted, in four masks at once. A product with
- * ones makes of each byte the sum of those up to it; its nibbles count quadrants 0 and 2, or 1 and 3. */
+/* All quadrants of a mask. Each quadrant has a state of two bits: no texels, all texels, a new half, or the previous half of
+ * the quadrant again. Halves are stored quadrant by quadrant, and within a quadrant mask by mask, so the halves before the
+ * wanted one have to be counted. This counts four masks at once: a product with 0x01010101 makes of each byte the sum of all
+ * bytes up to it; its nibbles count quadrants 0 and 2, or 1 and 3. */
 VXS_INLINE vxs_mask vxs_blocks_quadrants(VXS_WORDS blocks, vxs_blocks_tile tile)
 {
     vxs_u32 even = 0u, odd = 0u, even_upto = 0u, odd_upto = 0u, k = VXS_U(tile.k);
@@ -611,7 +624,7 @@ VXS_FN vxs_u32 vxs_blocks_plane_texel(vxs_blocks_tile tile, vxs_u32 c, vxs_u32 z
     return VXS_I(tile.count * x + tile.bases * y) <= tile.k ? 1u : 0u;
 }
 
-/* Plane 0 or 1 of a tile that has two. */
+/* Plane 0 or 1 of a tile with two planes. */
 VXS_FN vxs_blocks_tile vxs_blocks_one_plane(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 which)
 {
     vxs_u32 first = vxs_half(blocks, tile.pool, tile.at), shift = (first >> 8) & 15u;
@@ -620,7 +633,7 @@ VXS_FN vxs_blocks_tile vxs_blocks_one_plane(VXS_WORDS blocks, vxs_blocks_tile ti
     return vxs_blocks_plane(slopes, shift, 7u, 0u, 0u, VXS_I(VXS_U(tile.k) - deeper) - vxs_blocks_quarters(first, which));
 }
 
-/* Bits of a tile of two planes, from those of each, and from those of the mask that says which are of the second. */
+/* Bits of a tile with two planes.   first, second  bits of each plane;   of_second  mask of the texels on the second plane */
 VXS_FN vxs_u32 vxs_blocks_join(vxs_u32 kind, vxs_u32 first, vxs_u32 second, vxs_u32 of_second)
 {
     if (kind == VXS_BLOCKS_NEARER) return first | second;
@@ -628,7 +641,7 @@ VXS_FN vxs_u32 vxs_blocks_join(vxs_u32 kind, vxs_u32 first, vxs_u32 second, vxs_
     return (first & ~of_second) | (second & of_second);
 }
 
-/* Texel z of quadrant c of a tile of two planes. */
+/* Texel z of quadrant c of a tile with two planes. */
 VXS_APART vxs_u32 vxs_blocks_two_planes_texel(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 c, vxs_u32 z)
 {
     vxs_u32 first  = vxs_blocks_plane_texel(vxs_blocks_one_plane(blocks, tile, 0u), c, z);
@@ -636,7 +649,7 @@ VXS_APART vxs_u32 vxs_blocks_two_planes_texel(VXS_WORDS blocks, vxs_blocks_tile 
     return vxs_blocks_join(tile.kind, first, second, vxs_half(blocks, tile.pool, tile.at + 6u + c) >> z) & 1u;
 }
 
-/* A texel of a tile that is neither lit nor shadowed: c the quadrant, z its number in there. */
+/* Texel z of quadrant c of a tile that is neither all lit nor all shadowed. */
 VXS_INLINE vxs_u32 vxs_blocks_texel(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 c, vxs_u32 z)
 {
     if (tile.kind == VXS_BLOCKS_MASKS) return (vxs_blocks_quadrant(blocks, tile, c) >> z) & 1u;
@@ -649,7 +662,8 @@ VXS_INLINE vxs_u32 vxs_blocks_texel(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_
 
 #ifdef VXS_VECTORS
 
-/* Quadrant c of a tile of nibbles: bytes 0 to 15, or 16 to 31; of quadrants 2 and 3 the high nibbles. */
+/* Quadrant c of a tile of nibbles: quadrants 0 and 2 use bytes 0 to 15, quadrants 1 and 3 use bytes 16 to 31; 2 and 3 are
+ * the high nibbles. */
 VXS_FN vxs_u32 vxs_blocks_nibbles(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 c)
 {
     vxs_i32 limit = tile.k - VXS_I((tile.bases >> (8u * c)) & 0xffu);
@@ -687,7 +701,7 @@ VXS_FN vxs_mask vxs_blocks_plane_mask(vxs_blocks_tile tile)
     return mask;
 }
 
-/* All texels of a tile of two planes. */
+/* All texels of a tile with two planes. */
 VXS_APART vxs_mask vxs_blocks_two_planes(VXS_WORDS blocks, vxs_blocks_tile tile)
 {
     vxs_mask first  = vxs_blocks_plane_mask(vxs_blocks_one_plane(blocks, tile, 0u));
@@ -697,7 +711,7 @@ VXS_APART vxs_mask vxs_blocks_two_planes(VXS_WORDS blocks, vxs_blocks_tile tile)
     return first;
 }
 
-/* All texels of a tile that is neither lit nor shadowed; 1 for shadow. */
+/* All texels of a tile that is neither all lit nor all shadowed; 1 for shadow. */
 VXS_INLINE vxs_mask vxs_blocks_mask(VXS_WORDS blocks, vxs_blocks_tile tile)
 {
     vxs_mask mask;
@@ -718,10 +732,11 @@ VXS_INLINE vxs_mask vxs_blocks_mask(VXS_WORDS blocks, vxs_blocks_tile tile)
 
 #else
 
-/* Of texels z and z + 32 those are asked whose z is below `end`: 32, or 0. Where one shader of a group takes a branch, and on some machines
- * even where none does, all walk through it; a loop ends when none needs it any more. So each kind of tile has a loop. */
+/* `end` is 32, or 0 for no texels: each function computes texels z and z + 32 for all z < end. If one shader invocation of a
+ * group takes a branch, all of the group execute it (on some machines always); but a loop ends as soon as no invocation
+ * needs it. So each kind of tile has a loop of its own. */
 
-/* A tile of nibbles: texels z and z + 32 are in one byte. */
+/* Texels z and z + 32 of a tile of nibbles are in one byte. */
 VXS_FN vxs_mask vxs_blocks_nibbles_mask(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 end)
 {
     vxs_mask mask = vxs_uniform_mask(0u);
@@ -754,7 +769,7 @@ VXS_FN vxs_mask vxs_blocks_plane_mask(vxs_blocks_tile tile, vxs_u32 end)
     return mask;
 }
 
-/* All texels of a tile of two planes. */
+/* All texels of a tile with two planes. */
 VXS_FN vxs_mask vxs_blocks_two_planes(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 end)
 {
     vxs_mask first = vxs_uniform_mask(0u), second = first;
@@ -767,7 +782,7 @@ VXS_FN vxs_mask vxs_blocks_two_planes(VXS_WORDS blocks, vxs_blocks_tile tile, vx
     return first;
 }
 
-/* All texels of a tile that is neither lit nor shadowed; 1 for shadow. */
+/* All texels of a tile that is neither all lit nor all shadowed; 1 for shadow. */
 VXS_INLINE vxs_mask vxs_blocks_mask(VXS_WORDS blocks, vxs_blocks_tile tile)
 {
     vxs_u32  kind    = tile.kind;
@@ -783,10 +798,10 @@ VXS_INLINE vxs_mask vxs_blocks_mask(VXS_WORDS blocks, vxs_blocks_tile tile)
 
 #endif
 
-/* lookups --------------------------------------------------------------------------------------------------------------------------- */
+/* lookups ---------------------------------------------------------------------------------------------------------------------- */
 
-/* 1 when voxel (i, j, k) is in shadow, else 0; each of i, j, k in [0, 2^levels).
- * blocks  the words of the light;   map  0, or 0 to 5 of a light with six
+/* 1 if voxel (i, j, k) is in shadow, else 0; each of i, j, k in [0, 2^levels).
+ * blocks  the words of the light;   map  0, or 0 to 5 for a light with six maps
  * levels  the map has 2^levels texels a side, and as many voxels in depth: 3 to 18 */
 VXS_FN vxs_u32 vxs_blocks_shadow(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_u32 i, vxs_u32 j, vxs_u32 k)
 {
@@ -804,7 +819,7 @@ VXS_FN vxs_u32 vxs_blocks_shadow(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, 
     return vxs_blocks_texel(blocks, tile, ((i >> 2) & 1u) | (((j >> 2) & 1u) << 1), (i & 3u) | ((j & 3u) << 2));
 }
 
-/* K x K texels from (x, y) on. */
+/* filter_px x filter_px texels; (x, y) is the first. */
 VXS_FN vxs_blocks_box vxs_blocks_box_at(vxs_i32 x, vxs_i32 y, vxs_i32 filter_px)
 {
     vxs_blocks_box box;
@@ -815,7 +830,7 @@ VXS_FN vxs_blocks_box vxs_blocks_box_at(vxs_i32 x, vxs_i32 y, vxs_i32 filter_px)
     return box;
 }
 
-/* What of a box lies in the square at (x, y), counted from there. */
+/* Part of a box that lies in the square at (x, y), relative to (x, y). */
 VXS_FN vxs_blocks_box vxs_blocks_cut(vxs_blocks_box box, vxs_i32 x, vxs_i32 y, vxs_i32 side)
 {
     box.x0 = vxs_clamp(box.x0 - x, 0, side);
@@ -832,7 +847,7 @@ VXS_INLINE vxs_blocks_taps vxs_blocks_cut_taps(vxs_blocks_taps taps, vxs_i32 x, 
     return taps;
 }
 
-/* What all taps count. */
+/* Sum of the weights of all taps. */
 VXS_INLINE vxs_u32 vxs_blocks_area(vxs_blocks_taps taps)
 {
     vxs_u32 columns =
@@ -841,8 +856,8 @@ VXS_INLINE vxs_u32 vxs_blocks_area(vxs_blocks_taps taps)
     return columns * rows;
 }
 
-/* Whether all squares of 256 x 256 texels that a box touches are known at depth k (vxs_blocks_square_is_known): else all of it is answered by the
- * top. A box has few of them. */
+/* Whether the exact answer is available for all squares of 256 x 256 texels that a box touches (vxs_blocks_square_is_known).
+ * If not, the top answers for the whole box. A box touches few squares. */
 VXS_FN vxs_u32 vxs_blocks_is_known(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_blocks_box box, vxs_i32 k)
 {
     for (vxs_i32 y = box.y0 >> 8; y <= (box.y1 - 1) >> 8; y++)
@@ -851,7 +866,7 @@ VXS_FN vxs_u32 vxs_blocks_is_known(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels
     return 1u;
 }
 
-/* What the shadowed texels of a map count, as the top says. */
+/* Sum of the weights of the shadowed texels of a map, by the coarse answer of the top. */
 VXS_APART vxs_u32 vxs_blocks_count_coarse(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_blocks_taps taps, vxs_i32 k)
 {
     vxs_u32 count = 0u;
@@ -862,7 +877,7 @@ VXS_APART vxs_u32 vxs_blocks_count_coarse(VXS_WORDS blocks, vxs_u32 map, vxs_u32
     return count;
 }
 
-/* All texels of taps. */
+/* The box of all taps. */
 VXS_INLINE vxs_blocks_box vxs_blocks_span(vxs_blocks_taps taps)
 {
     taps.box.x1 = taps.farther.x1;
@@ -870,13 +885,13 @@ VXS_INLINE vxs_blocks_box vxs_blocks_span(vxs_blocks_taps taps)
     return taps.box;
 }
 
-/* Whether a box touches several squares. */
+/* Whether a box touches more than one square. */
 VXS_FN vxs_u32 vxs_blocks_crosses(vxs_blocks_box box)
 {
     return (((box.x0 ^ (box.x1 - 1)) | (box.y0 ^ (box.y1 - 1))) >> 8) != 0 ? 1u : 0u;
 }
 
-/* Bits of a word of a mask in texel columns [x0, x1), 0 to 8, or in its rows [y0, y1), 0 to 4. */
+/* Bits of one word of a mask in texel columns [x0, x1), 0 to 8. vxs_blocks_rows: in rows [y0, y1), 0 to 4. */
 VXS_FN vxs_u32 vxs_blocks_columns(vxs_i32 x0, vxs_i32 x1)
 {
     vxs_u32 row = (1u << VXS_U(x1)) - (1u << VXS_U(x0));
@@ -888,7 +903,7 @@ VXS_FN vxs_u32 vxs_blocks_rows(vxs_i32 y0, vxs_i32 y1)
     return ((1u << VXS_U(4 * y1)) - (1u << VXS_U(4 * y0))) * 0x10001u;
 }
 
-/* What the texels of a mask in rows [y0, y1) count, by their columns. */
+/* Sum of the column weights of the texels of a mask in rows [y0, y1). */
 VXS_INLINE vxs_u32 vxs_blocks_count_in_rows(vxs_mask mask, vxs_blocks_taps taps, vxs_i32 y0, vxs_i32 y1)
 {
     vxs_u32 columns = vxs_blocks_columns(taps.box.x0, taps.box.x1), farther = vxs_blocks_columns(taps.farther.x0, taps.farther.x1);
@@ -898,7 +913,7 @@ VXS_INLINE vxs_u32 vxs_blocks_count_in_rows(vxs_mask mask, vxs_blocks_taps taps,
            taps.across_farther * vxs_popcount_pair(mask.low & farther, mask.high & farther);
 }
 
-/* What the shadowed texels of a tile count, of taps that are cut to it. */
+/* Sum of the weights of the shadowed texels of a tile.   taps  cut to the tile */
 VXS_INLINE vxs_u32 vxs_blocks_count_in_tile(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_blocks_taps taps)
 {
     if (tile.kind < VXS_BLOCKS_MASKS) return tile.kind * vxs_blocks_area(taps);
@@ -909,18 +924,19 @@ VXS_INLINE vxs_u32 vxs_blocks_count_in_tile(VXS_WORDS blocks, vxs_blocks_tile ti
 
 #ifdef VXS_C
 
-/* What the shadowed texels of block (x, y) of a node count, of taps that are cut to it. Depth in a node grows as its slope does, to one
- * corner of the box: from the least to the last depth of its tiles, all may be lit or shadowed. */
+/* Sum of the weights of the shadowed texels of block (x, y) of a node.   taps  cut to the block. The slope makes depth grow
+ * towards one corner of the box, so the least and the last depth of its tiles are at two corners; between these depths all
+ * tiles may be lit or shadowed. */
 VXS_INLINE vxs_u32 vxs_blocks_count_in_block(VXS_WORDS blocks, vxs_blocks_node node, vxs_i32 x, vxs_i32 y, vxs_blocks_taps taps)
 {
     vxs_blocks_block block  = vxs_blocks_find_block(blocks, node, VXS_U(x | (y << 3)));
-    vxs_i32          tile_x = 4 * x, tile_y = 4 * y; /* of the node */
+    vxs_i32          tile_x = 4 * x, tile_y = 4 * y; /* in the node */
     vxs_i32          x0 = taps.box.x0 >> 3, x1 = (taps.farther.x1 - 1) >> 3, y0 = taps.box.y0 >> 3, y1 = (taps.farther.y1 - 1) >> 3;
-    vxs_u32 left = node.slope & 0x8000u, up = node.slope & 0x80000000u; /* where it grows to, if not to the right, or down */
-    vxs_i32 depth = vxs_blocks_tile_depth(node, tile_x + (left != 0u ? x1 : x0), tile_y + (up != 0u ? y1 : y0));
-    vxs_i32 last  = vxs_blocks_tile_depth(node, tile_x + (left != 0u ? x0 : x1), tile_y + (up != 0u ? y0 : y1));
-    vxs_u32 rank = vxs_blocks_block_rank(blocks, block, depth), count = 0u;
-    vxs_u32 kind = vxs_blocks_block_kind(block, rank, last);
+    vxs_u32          left = node.slope & 0x8000u, up = node.slope & 0x80000000u; /* nonzero: depth grows to the left, or up */
+    vxs_i32          depth = vxs_blocks_tile_depth(node, tile_x + (left != 0u ? x1 : x0), tile_y + (up != 0u ? y1 : y0));
+    vxs_i32          last  = vxs_blocks_tile_depth(node, tile_x + (left != 0u ? x0 : x1), tile_y + (up != 0u ? y0 : y1));
+    vxs_u32          rank = vxs_blocks_block_rank(blocks, block, depth), count = 0u;
+    vxs_u32          kind = vxs_blocks_block_kind(block, rank, last);
     if (kind != VXS_BLOCKS_MASKS) return kind * vxs_blocks_area(taps);
 
     for (vxs_i32 v = y0; v <= y1; v++)
@@ -934,7 +950,7 @@ VXS_INLINE vxs_u32 vxs_blocks_count_in_block(VXS_WORDS blocks, vxs_blocks_node n
     return count;
 }
 
-/* What the shadowed texels of the square of 256 x 256 texels at (x, y) of a map count, of taps that are cut to it. */
+/* Sum of the weights of the shadowed texels of the square of 256 x 256 texels at (x, y) of a map.   taps  cut to the square */
 VXS_INLINE vxs_u32 vxs_blocks_count_in_square(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_i32 x, vxs_i32 y,
                                               vxs_blocks_taps taps, vxs_i32 k)
 {
@@ -947,7 +963,7 @@ VXS_INLINE vxs_u32 vxs_blocks_count_in_square(VXS_WORDS blocks, vxs_u32 map, vxs
     return count;
 }
 
-/* The same of several squares: where one is not known, all are answered by the top. Few lookups pass here. */
+/* The same for several squares: if one has no exact answer, the top answers for all. Few lookups reach this function. */
 VXS_APART vxs_u32 vxs_blocks_count_in_squares(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_blocks_taps taps, vxs_i32 k)
 {
     vxs_u32 count = 0u;
@@ -959,7 +975,7 @@ VXS_APART vxs_u32 vxs_blocks_count_in_squares(VXS_WORDS blocks, vxs_u32 map, vxs
     return count;
 }
 
-/* What the shadowed texels of a map count. */
+/* Sum of the weights of the shadowed texels of a map. */
 VXS_INLINE vxs_u32 vxs_blocks_count_taps(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_blocks_taps taps, vxs_i32 k)
 {
     vxs_i32 x = taps.box.x0 >> 8, y = taps.box.y0 >> 8;
@@ -969,7 +985,7 @@ VXS_INLINE vxs_u32 vxs_blocks_count_taps(VXS_WORDS blocks, vxs_u32 map, vxs_u32 
 
 #else
 
-/* What the shadowed texels of tile (x, y) of a map count. */
+/* Sum of the weights of the shadowed texels of tile (x, y) of a map. */
 VXS_FN vxs_u32 vxs_blocks_count_in_map(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_i32 x, vxs_i32 y, vxs_blocks_taps taps,
                                        vxs_i32 k)
 {
@@ -984,8 +1000,9 @@ VXS_FN vxs_u32 vxs_blocks_count_in_map(VXS_WORDS blocks, vxs_u32 map, vxs_u32 le
     return vxs_blocks_count_in_tile(blocks, tile, inside);
 }
 
-/* What the shadowed texels of a map count. A walk from the top for each tile: of loops in loops, each takes as many rounds as the longest
- * of a shader's group, while a box of 9 x 9 has four tiles wherever it lies. */
+/* Sum of the weights of the shadowed texels of a map. Each tile is looked up from the top: with nested loops, each loop
+ * would run as many rounds as the longest one in the group of shader invocations, while a box of 9 x 9 always touches at
+ * most four tiles. */
 VXS_FN vxs_u32 vxs_blocks_count_taps(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_blocks_taps taps, vxs_i32 k)
 {
     vxs_u32 count = 0u;
@@ -999,7 +1016,7 @@ VXS_FN vxs_u32 vxs_blocks_count_taps(VXS_WORDS blocks, vxs_u32 map, vxs_u32 leve
 
 #endif
 
-/* The texels of a filter of filter_px, centred on (i, j), that lie in a map. */
+/* Taps of a filter of filter_px, centred on (i, j), that lie in the map. */
 VXS_INLINE vxs_blocks_taps vxs_blocks_filter_taps(vxs_u32 levels, vxs_i32 i, vxs_i32 j, vxs_i32 filter_px)
 {
     vxs_blocks_taps taps;
@@ -1012,7 +1029,7 @@ VXS_INLINE vxs_blocks_taps vxs_blocks_filter_taps(vxs_u32 levels, vxs_i32 i, vxs
     return taps;
 }
 
-/* Those of a smooth one about a place. */
+/* Taps of a smooth filter around a place, that lie in the map. */
 VXS_INLINE vxs_blocks_taps vxs_blocks_smooth_taps(vxs_u32 levels, vxs_i32 i, vxs_i32 j, vxs_u32 across, vxs_u32 down,
                                                   vxs_i32 filter_px)
 {
@@ -1035,24 +1052,26 @@ VXS_INLINE vxs_blocks_taps vxs_blocks_smooth_taps(vxs_u32 levels, vxs_i32 i, vxs
     return vxs_blocks_cut_taps(taps, 0, 0, VXS_I(1) << levels);
 }
 
-/* How many of the K x K texels centred on (i, j) are in shadow at depth k: a box PCF by popcount. Other arguments as above.
- * i, j    any texel within +-2^30; taps outside the map are lit (no caster is there);   k  [0, 2^levels)
- * filter  K, odd, 1 to VXS_FILTER_MAX.   Each of the at most nine tiles that the box touches is read once. */
+/* Number of the K x K texels centred on (i, j) that are in shadow at depth k: a box PCF by popcount. Other arguments as above.
+ * i, j       any texel within +-2^30; taps outside the map are lit (no caster is there);   k  [0, 2^levels)
+ * filter_px  K, odd, 1 to VXS_FILTER_MAX.   Each of the at most nine tiles that the box touches is read once. */
 VXS_FN vxs_u32 vxs_blocks_shadow_count(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_i32 i, vxs_i32 j, vxs_u32 k,
                                        vxs_i32 filter_px)
 {
     return vxs_blocks_count_taps(blocks, map, levels, vxs_blocks_filter_taps(levels, i, j, filter_px), VXS_I(k));
 }
 
-/* How much of a box of K x K texels about a place in texel (i, j) is in shadow at depth k, of 65536 K K: its texels by the part of each that
- * it covers. Arguments as for vxs_shadow_weight (vxs_lookup.h), and as above. Each of the at most 16 tiles that it touches is read once. */
+/* Shadowed part of a box of K x K texels around a place in texel (i, j) at depth k, in units of 1 / (65536 K K). Each texel
+ * counts by the part of it that the box covers. Arguments as for vxs_shadow_weight (vxs_lookup.h), and as above. Each of the
+ * at most 16 tiles that the box touches is read once. */
 VXS_APART vxs_u32 vxs_blocks_shadow_weight(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_i32 i, vxs_i32 j, vxs_u32 across,
                                            vxs_u32 down, vxs_u32 k, vxs_i32 filter_px)
 {
     return vxs_blocks_count_taps(blocks, map, levels, vxs_blocks_smooth_taps(levels, i, j, across, down, filter_px), VXS_I(k));
 }
 
-/* 1 when the answer of vxs_blocks_shadow (filter_px 1) or vxs_blocks_shadow_count is exact; 0 when a page is missing, and it is coarse. */
+/* 1 if the answer of vxs_blocks_shadow (filter_px 1) or vxs_blocks_shadow_count is exact; 0 if a page is missing and the
+ * answer is coarse. */
 VXS_FN vxs_u32 vxs_blocks_is_full(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_i32 i, vxs_i32 j, vxs_u32 k, vxs_i32 filter_px)
 {
     return vxs_blocks_is_known(blocks, map, levels, vxs_blocks_span(vxs_blocks_filter_taps(levels, i, j, filter_px)), VXS_I(k));

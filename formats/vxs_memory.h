@@ -1,4 +1,4 @@
-/* What a reader's description means where it leaves memory to the library. Not installed.
+/* Defaults of vxs_read_desc for memory. Not installed.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_MEMORY_H
 #define VXS_MEMORY_H
@@ -33,8 +33,8 @@ static inline vxs_allocator vxs_allocator_of(const vxs_read_desc *desc)
     return desc->allocator && desc->allocator->alloc && desc->allocator->free ? *desc->allocator : standard;
 }
 
-/* Without a limit of its own, a file may take so many times its size: real ones take 6 to 9 times, all that is held while they are read. A
- * small one may take 64 MiB. */
+/* Memory limit for a file. Default: 256 times the file size, but at least 64 MiB. Real files need 6 to 9 times their size,
+ * including all working memory. */
 static inline uint64_t vxs_memory_limit_of(const vxs_read_desc *desc, uint64_t file_bytes)
 {
     const uint64_t least = (uint64_t)64 << 20, times = 256;

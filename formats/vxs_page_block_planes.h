@@ -1,23 +1,23 @@
-/* The plane of a block: which of those beside it goes on, or how steep it is; and where it lies.
- * Internal to vxs_page_*.c, which say PAGE_ENCODING. Not installed.
+/* The plane of a block: whether it continues a neighbour's plane, its slopes, and its depth.
+ * Internal to vxs_page_*.c, which define PAGE_ENCODING. Not installed.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_PAGE_BLOCK_PLANES_H
 #define VXS_PAGE_BLOCK_PLANES_H
 
 #include "vxs_page_planes.h"
 
-/* How many tiles of a block are on its plane; all: and its palette is one entry, without deltas. */
+/* Number of tiles of a block on its plane. ON_ALL also means that the palette has one entry. */
 enum { ON_NONE, ON_SOME, ON_ALL };
 
 enum { LIKE_LEFT, LIKE_ABOVE, LIKE_LAST, LIKE_NONE };
 
-enum { JUST_AS = 15 }; /* for a number of zeros */
+enum { JUST_AS = 15 }; /* code in place of a number of zeros: the depth is exactly the predicted one */
 
 typedef struct block_plane {
     uint32_t tiles; /* ON_* */
     plane    plane;
-    uint32_t least; /* its least depth in the node, in 1/256 voxel, modulo 2^28 */
-    int32_t  c;     /* what of that is not the block's base */
+    uint32_t least; /* least depth in the node, in 1/256 voxel, modulo 2^28 */
+    int32_t  c;     /* least minus the base of the block */
 } block_plane;
 
 PAGE_INLINE int32_t signed_28(uint32_t x)
@@ -25,7 +25,8 @@ PAGE_INLINE int32_t signed_28(uint32_t x)
     return (int32_t)(x << 4) >> 4;
 }
 
-/* The planes on the left of a block and above it, from its texel (0, 0) on: rather a block's than a pattern's. */
+/* The planes on the left of a block and above it, from texel (0, 0) of the block. Planes of blocks are preferred to planes
+ * of patterns. */
 typedef struct sheets_beside {
     sheet left, above;
 } sheets_beside;
@@ -41,13 +42,14 @@ static sheets_beside sheets_of_block(const walk *w, uint32_t x0, uint32_t y0)
     return found;
 }
 
-/* Whether a sheet that is known is as steep as another. */
+/* Whether a is known and has the slopes of b. */
 PAGE_INLINE int same_steps(const sheet *a, const sheet *b)
 {
     return a->known && a->x == b->x && a->y == b->y && a->shift == b->shift;
 }
 
-/* Least depth of a plane that goes on beside the block, or else meets what is there. Returns whether it goes on. */
+/* Predicted least depth of a plane: it continues the plane beside the block, or else meets the depths there. Returns whether
+ * it continues one. */
 static int meet_plane(const walk *w, const plane *p, const sheets_beside *beside, uint32_t x0, uint32_t y0, uint32_t *least)
 {
     sheet        s       = sheet_of(p, 0, BLOCK_PX, OF_BLOCK);
@@ -56,7 +58,7 @@ static int meet_plane(const walk *w, const plane *p, const sheets_beside *beside
     return goes_on != NULL;
 }
 
-/* How steep a plane is. */
+/* Slopes of a plane. */
 static int code_plane(walk *w, plane *p, const sheets_beside *beside)
 {
     page_odds   *odds    = w->odds;
@@ -77,8 +79,8 @@ static int code_plane(walk *w, plane *p, const sheets_beside *beside)
     return like == LIKE_NONE && p->shift <= PLANE_SHIFT_MAX && code_steps(w, &odds->block_plane, p, s);
 }
 
-/* The plane of a record, but where it lies.
- * record  [4], or [2] if it has none */
+/* The plane of a record, without its least depth.
+ * record  [4], or [2] without a plane */
 static void read_block_plane(block_plane *p, const uint32_t *record)
 {
     uint32_t shape = record[0], head = record[1];
@@ -88,7 +90,8 @@ static void read_block_plane(block_plane *p, const uint32_t *record)
     p->c     = (int32_t)record[3] >> 4;
 }
 
-/* Where a plane lies: just as one that goes on, or by how many low bits are zero, and the others beside those of the one that it meets. */
+/* Least depth of a plane: exactly the predicted one (JUST_AS), or the number of its low zero bits, and the other bits
+ * relative to the prediction. */
 static int code_least(walk *w, block_plane *p, const sheets_beside *beside, uint32_t x0, uint32_t y0)
 {
     uint32_t like, zeros = 0;
@@ -100,14 +103,15 @@ static int code_least(walk *w, block_plane *p, const sheets_beside *beside, uint
         p->least = like;
         return zeros == JUST_AS;
     }
-    uint32_t shift = zeros < ZEROS_MAX ? zeros + 1 : ZEROS_MAX, low = zeros < ZEROS_MAX ? 1u << zeros : 0; /* its low bits */
+    /* its low bits */
+    uint32_t shift = zeros < ZEROS_MAX ? zeros + 1 : ZEROS_MAX, low = zeros < ZEROS_MAX ? 1u << zeros : 0;
     like          = ((like - low + (1u << shift) / 2) >> shift << shift) + low;
     int32_t steps = signed_28(p->least - like) >> shift;
     p->least      = like + ((uint32_t)code_signed(&w->c, &w->odds->plane_least[goes_on][zeros / 4], steps) << shift);
     return 1;
 }
 
-/* Of a new block. from: word of the source; base: of the block, which only the encoder knows. */
+/* The plane of a new block.   from  word of the source;   base  of the block, used only by the encoder */
 static int code_block_plane(walk *w, block_plane *p, uint32_t from, uint32_t base, uint32_t x0, uint32_t y0)
 {
     sheets_beside beside = sheets_of_block(w, x0, y0);
@@ -123,7 +127,7 @@ static int code_block_plane(walk *w, block_plane *p, uint32_t from, uint32_t bas
     return code_least(w, p, &beside, x0, y0);
 }
 
-/* What the plane says of the base of a block that was met before. */
+/* Predicted base of a known block, from its plane. */
 static int32_t base_by_plane(const walk *w, const block_plane *p, uint32_t x0, uint32_t y0)
 {
     sheets_beside beside = sheets_of_block(w, x0, y0);

@@ -1,12 +1,12 @@
-/* Blocks: new ones, and those met before.
- * Internal to vxs_page_*.c, which say PAGE_ENCODING. Not installed.
+/* Blocks: new ones, and known ones.
+ * Internal to vxs_page_*.c, which define PAGE_ENCODING. Not installed.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_PAGE_BLOCKS_H
 #define VXS_PAGE_BLOCKS_H
 
 #include "vxs_page_tiles.h"
 
-/* The palette: how many entries, what deltas are stored as, and how far they lie apart. Deltas go to delta[entries - 1], as stored. */
+/* The palette: number of entries, width of the deltas, and the deltas.   delta  [entries - 1] out, as stored */
 static int code_palette(walk *w, block *b, uint32_t *form, uint32_t *delta)
 {
     coder     *c    = &w->c;
@@ -47,7 +47,8 @@ static int code_palette(walk *w, block *b, uint32_t *form, uint32_t *delta)
     return 1;
 }
 
-/* Tiles of row y that are on the plane, by whether that fits what is beside them. s: from the first one's texel (0, 0) on. */
+/* Which tiles of row y are on the plane, in the context of whether the plane fits the neighbours.   s  from texel (0, 0) of
+ * the first tile */
 static uint32_t code_on_plane(walk *w, sheet s, uint32_t y, uint32_t x0, uint32_t y0, uint32_t on)
 {
     uint32_t k = (uint32_t)fits_left(w, s, x0, y0) << 4 | (uint32_t)(y > 0) << 5;
@@ -56,7 +57,7 @@ static uint32_t code_on_plane(walk *w, sheet s, uint32_t y, uint32_t x0, uint32_
     return code_nibble(&w->c, &w->odds->row_on_plane[k], on);
 }
 
-/* Tiles of a row that are on the plane, and those that are mixed. */
+/* Which tiles of a row are on the plane, and which are mixed. */
 static int code_row(walk *w, block *b, uint32_t y, uint32_t x0, uint32_t y0, uint32_t *on, uint32_t *mixed)
 {
     uint32_t shape = source_word(w, b->from), own = source_word(w, b->from + 1);
@@ -71,7 +72,7 @@ static int code_row(walk *w, block *b, uint32_t y, uint32_t x0, uint32_t y0, uin
     return !(*on & *mixed);
 }
 
-/* What is not on a plane of all tiles. */
+/* All tiles of a block, unless all are on the plane. */
 static int code_tiles(walk *w, block *b, uint32_t x0, uint32_t y0)
 {
     uint32_t last = 16;
@@ -92,7 +93,7 @@ static int code_tiles(walk *w, block *b, uint32_t x0, uint32_t y0)
     return !b->plane.tiles || b->on;
 }
 
-/* A new block at w->word, whose base and plane are known. */
+/* A new block at w->word, with known base and plane. */
 static int code_block(walk *w, block *b, uint32_t x0, uint32_t y0)
 {
     uint32_t form = 0, delta[PALETTE_MAX];
@@ -125,7 +126,7 @@ static int code_block(walk *w, block *b, uint32_t x0, uint32_t y0)
     return 1;
 }
 
-/* The borders of a block that was met before: of its last row and its last column of tiles. */
+/* Set the borders after a known block: from its last row and last column of tiles. */
 static void draw_block(walk *w, uint32_t word, int32_t base, const sheet *whole, uint32_t x0, uint32_t y0)
 {
     const uint32_t *words = w->words;
@@ -168,7 +169,8 @@ static void draw_block(walk *w, uint32_t word, int32_t base, const sheet *whole,
     }
 }
 
-/* Base of a block: by the plane of a block that is all plane, or was met before, or by the least depth beside it. */
+/* Base of a block, predicted from the plane (if all tiles are on it, or if the block is known), else from the least depth
+ * beside the block. */
 static int code_base(walk *w, const block_plane *p, int met, int wide, uint32_t x0, uint32_t y0, uint32_t *base)
 {
     uint32_t by_plane = p->tiles == ON_NONE ? 0 : met ? 2 : p->tiles == ON_ALL, high = 0;
@@ -180,17 +182,17 @@ static int code_base(walk *w, const block_plane *p, int met, int wide, uint32_t 
     return high < DEPTH_END >> 16;
 }
 
-/* Where a block is found. */
+/* Source of a block. */
 enum { BLOCK_NEW, BLOCK_LISTED, BLOCK_LEFT, BLOCK_ABOVE };
 
-/* Only the encoder asks. */
+/* Encoder only. */
 static uint32_t find_block(const walk *w, uint32_t ref, uint32_t left, uint32_t above)
 {
     if (!w->block_rank[ref]) return BLOCK_NEW;
     return left == ref + 1 ? BLOCK_LEFT : above == ref + 1 ? BLOCK_ABOVE : BLOCK_LISTED;
 }
 
-/* The word of a block that was met before, + 1. 0: there is none. place: in the list */
+/* The word of a known block, + 1. 0: invalid.   place  in the list */
 static uint32_t code_met_block(walk *w, uint32_t found, uint32_t place, uint32_t left, uint32_t above)
 {
     if (found == BLOCK_LEFT) return left;
@@ -199,7 +201,7 @@ static uint32_t code_met_block(walk *w, uint32_t found, uint32_t place, uint32_t
     return found == BLOCK_LISTED && place < w->listed[LIST_OF_BLOCKS] ? list_use(w, LIST_OF_BLOCKS, place) + 1 : 0;
 }
 
-/* A mixed block of a node: its base, and where it is. */
+/* A mixed block of a node: its base and its word. */
 static int code_block_of(walk *w, int wide, uint32_t x0, uint32_t y0, uint32_t *ref, uint32_t *base)
 {
     uint32_t *left = &w->block_left[y0 / BLOCK_PX], *above = &w->block_above[x0 / BLOCK_PX], word = w->word;

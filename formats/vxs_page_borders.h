@@ -1,13 +1,13 @@
-/* Depths of the texels above what comes next, `above`, and on its left, `left`: by them all that is alike is found. They are relative to
- * the node, and modulo 2^16: they only choose odds and predict, so that a depth that does not fit costs bytes, no more.
- * Internal to vxs_page_*.c, which say PAGE_ENCODING. Not installed.
+/* Borders: depths of the texels above the next record (`above`) and on its left (`left`), from which values are predicted.
+ * They are relative to the node, and modulo 2^16. They only select odds and predictions, so a wrong depth only costs bytes.
+ * Internal to vxs_page_*.c, which define PAGE_ENCODING. Not installed.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_PAGE_BORDERS_H
 #define VXS_PAGE_BORDERS_H
 
 #include "vxs_page_walk.h"
 
-/* Whether depths at p are not all one. */
+/* Whether the depths at p differ. */
 PAGE_INLINE uint32_t varied(const int16_t *p, uint32_t count)
 {
 #ifdef PAGE_SSE2
@@ -22,7 +22,7 @@ PAGE_INLINE uint32_t varied(const int16_t *p, uint32_t count)
 #endif
 }
 
-/* Which of 16 depths are `depth`. */
+/* A bit for each of 16 depths: whether it equals `depth`. */
 PAGE_INLINE uint32_t equal_depths(const int16_t *palette, int16_t depth)
 {
 #ifdef PAGE_SSE2
@@ -36,7 +36,7 @@ PAGE_INLINE uint32_t equal_depths(const int16_t *palette, int16_t depth)
 #endif
 }
 
-/* Which depths of a palette eight texels have. */
+/* A bit for each palette entry: whether one of eight texels has its depth. */
 PAGE_INLINE uint32_t depths_met(const int16_t *palette, uint32_t entries, const int16_t *texels)
 {
     uint32_t met = 0;
@@ -59,15 +59,16 @@ PAGE_INLINE uint32_t depths_met(const int16_t *palette, uint32_t entries, const 
     return met;
 }
 
-/* How alike two things on the left and above are, each of which may be `none`: a context, 0..4. There is no branch, which would be a
- * guess. */
+/* Context 0..4 from the neighbours on the left and above, each of which may be `none`. There is no branch, because it would
+ * be unpredictable. */
 PAGE_INLINE uint32_t likeness(uint32_t left, uint32_t above, uint32_t none)
 {
-    static const uint8_t alike[8] = {4, 1, 2, 0, 3, 1, 2, 0}; /* bits: left is none, above is none, both are one */
+    static const uint8_t alike[8] = {4, 1, 2, 0, 3, 1, 2, 0}; /* bits: left is none, above is none, both are equal */
     return alike[(uint32_t)(left == none) | (uint32_t)(above == none) << 1 | (uint32_t)(left == above) << 2];
 }
 
-/* The least depth on the left of a square and above it, INT16_MAX: there is none. NEVER, which is -1, is none. side_px: a multiple of 8 */
+/* The least depth on the left of a square and above it; INT16_MAX: none. NEVER, which is -1, is ignored.   side_px  multiple
+ * of 8 */
 PAGE_INLINE int32_t least_border_depth(const walk *w, uint32_t x0, uint32_t y0, uint32_t side_px)
 {
 #ifdef PAGE_SSE2
@@ -93,14 +94,14 @@ PAGE_INLINE int32_t least_border_depth(const walk *w, uint32_t x0, uint32_t y0, 
 #endif
 }
 
-/* What lies beside a square is no plane. */
+/* Mark that there is no plane beside the next squares. */
 PAGE_INLINE void leave_no_sheet(walk *w, uint32_t x0, uint32_t y0, uint32_t side_px)
 {
     for (uint32_t n = 0; n < side_px / TILE_PX; n++)
         w->sheet_above[x0 / TILE_PX + n].known = w->sheet_left[y0 / TILE_PX + n].known = 0;
 }
 
-/* What a tile leaves for those on its right and below.
+/* Set the borders after a tile with a pattern.
  * depth  of its pattern, by index */
 static void draw_pattern(walk *w, uint64_t border, const int16_t *depth, uint32_t x0, uint32_t y0)
 {
@@ -118,13 +119,13 @@ PAGE_INLINE void draw_uniform(walk *w, uint32_t x0, uint32_t y0, uint32_t side_p
     leave_no_sheet(w, x0, y0, side_px);
 }
 
-/* What the node's slope adds to the depths of a tile; never negative. */
+/* Depth that the slope of the node adds to a tile; never negative. */
 PAGE_INLINE int32_t slope_shift(int32_t nx, int32_t ny, int32_t tx, int32_t ty)
 {
     return ((nx < 0 ? nx * (tx - 31) : nx * tx) + (ny < 0 ? ny * (ty - 31) : ny * ty)) >> 8;
 }
 
-/* The depths of a tile's side from another node's on: all but NEVER move. */
+/* Shift the depths of one side of a tile to another node, except NEVER. */
 PAGE_INLINE void move_depths(int16_t *restrict to, const int16_t *restrict from, int32_t by)
 {
     for (uint32_t k = 0; k < TILE_PX; k++) {
@@ -133,7 +134,7 @@ PAGE_INLINE void move_depths(int16_t *restrict to, const int16_t *restrict from,
     }
 }
 
-/* The depths about a node: those of its neighbours in the page, or its base. */
+/* Set the borders of a node: from its neighbours in the page, else the base of the node. */
 static void open_borders(walk *w, const vxs_page_node *n, int32_t nx, int32_t ny)
 {
     const vxs_page_scratch *s  = w->s;

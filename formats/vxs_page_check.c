@@ -1,8 +1,8 @@
-/* Pages that are packed fast, on the way in: from a frame to words, and the check of these; vxs_page_fast.h.
+/* Reading pages packed fast: checks their words; vxs_page_fast.h.
  *
- * The walk goes as 13.4 of formats/vxs.md orders records: node by node, block by block, tile by tile. What is new has to be the next record,
- * or the next pattern, and is checked there; what is not has to have started where its name says. So each record is looked at once, no word
- * is left out, and none is in two records.
+ * The walk follows the order of records in 13.4 of formats/vxs.md: node by node, block by block, tile by tile. A new record
+ * or pattern must be the next one in storage, and is checked there. Any other reference must point to the start of a checked
+ * one. So each record is checked once, every word belongs to a record, and no word belongs to two.
  * SPDX-License-Identifier: MIT */
 #include "vxs_page_fast.h"
 
@@ -13,16 +13,16 @@
 
 enum { PAGE_HEAD_BYTES = 4, MARK_BLOCK = 255 };
 
-/* A page while it is checked. */
+/* State of the check of a page. */
 typedef struct checked_page {
     uint32_t       *words;
     uint32_t        word_count, node_words;
-    uint32_t        word, half; /* where the next record, and the next pattern is */
+    uint32_t        word, half; /* where the next record and the next pattern must start */
     vxs_page_marks *marks;
     vxs_page_way    way;
 } checked_page;
 
-/* Whether a name is that of what is new, `next`; then it becomes what it is on the other side. */
+/* Whether a reference is that of the new record `next`. If so, convert it to the other direction. */
 static int turn_new(const checked_page *p, uint32_t *name, uint32_t next)
 {
     uint32_t stored = 0;
@@ -31,13 +31,13 @@ static int turn_new(const checked_page *p, uint32_t *name, uint32_t next)
     return 1;
 }
 
-/* Whether a pattern of the kind starts at a half of the common pool. */
+/* Whether a pattern of this kind starts at a half of the common pool. */
 static int is_common(const vxs_common_marks *marks, uint32_t half, uint32_t kind)
 {
     return half < marks->half_count && marks->at[half] == kind + 1;
 }
 
-/* The pattern that a tile's word names. kind: of `kind` depths of the palette, or KIND_OWN */
+/* Check the pattern that the word of a tile refers to.   kind  number of palette depths, or KIND_OWN */
 static int check_named_pattern(checked_page *p, uint32_t *word, uint32_t kind)
 {
     uint32_t name = *word >> 14, half = p->half;
@@ -53,14 +53,14 @@ static int check_named_pattern(checked_page *p, uint32_t *word, uint32_t kind)
 
 /* blocks ----------------------------------------------------------------------------------------------------------------------- */
 
-/* A block's record. */
+/* The record of a block. */
 typedef struct checked_block {
     uint32_t mixed, fresh, own, on; /* on: tiles on the plane */
     uint32_t entries, shift, width, far;
-    uint32_t tiles, palette, fresh_byte, bases, end; /* where they start: words, but for the byte of the first fresh tile */
+    uint32_t tiles, palette, fresh_byte, bases, end; /* where they start: in words; fresh_byte: in bytes */
 } checked_block;
 
-/* What the first two words say; whether it is a record, and within those of nodes. */
+/* Read the first two words; 0: they are invalid, or the record is not within the words of nodes and blocks. */
 static int read_block(const checked_page *p, checked_block *b)
 {
     if (p->node_words - p->word < 2) return 0;
@@ -85,7 +85,7 @@ static int read_block(const checked_page *p, checked_block *b)
     return b->end <= p->node_words;
 }
 
-/* Entries of fresh tiles: each is one, and another than the one before it; what they are padded with. */
+/* Palette entries of fresh tiles: each must be valid, and differ from the previous one; padding must be 0. */
 static int check_fresh(const checked_page *p, const checked_block *b)
 {
     uint32_t count = count_bits(b->fresh), last = PALETTE_MAX, byte = b->fresh_byte;
@@ -100,7 +100,7 @@ static int check_fresh(const checked_page *p, const checked_block *b)
     return 1;
 }
 
-/* own: not 0 when its pattern has depths of its own */
+/* own: not 0 if the tile has a private-palette pattern */
 static int check_tile(checked_page *p, const checked_block *b, uint32_t *word, uint32_t own)
 {
     uint32_t low = *word & 0x3fff, kind = KIND_OWN;
@@ -109,7 +109,7 @@ static int check_tile(checked_page *p, const checked_block *b, uint32_t *word, u
     return check_named_pattern(p, word, kind);
 }
 
-/* The block at the next word. */
+/* Check the block at the next word. */
 static int check_block(checked_page *p)
 {
     checked_block b;
@@ -126,7 +126,7 @@ static int check_block(checked_page *p)
     return 1;
 }
 
-/* The block that a half of a node names. */
+/* Check the block that a half of a node refers to. */
 static int check_named_block(checked_page *p, uint32_t half)
 {
     uint32_t name = get_half(p->words, half), before = name;
@@ -137,13 +137,13 @@ static int check_named_block(checked_page *p, uint32_t half)
 
 /* nodes ------------------------------------------------------------------------------------------------------------------------ */
 
-/* A depth or a base, number n of those that start at a half; wide: 1 when each is two halves. */
+/* Depth or base number n of those that start at a half.   wide  1: each is two halves */
 static uint32_t depth_at(const uint32_t *words, uint32_t half, uint32_t wide, uint32_t n)
 {
     return delta_at(words, half, 1 + wide, n);
 }
 
-/* Depths of fresh blocks: each is another than the one before it, and not too far, or never. */
+/* Depths of fresh blocks: each must differ from the previous one, and be within range or "never". */
 static int check_depths(const uint32_t *words, uint32_t half, uint32_t wide, uint32_t count)
 {
     for (uint32_t n = 0; n < count; n++) {
@@ -161,7 +161,7 @@ static int check_bases(const uint32_t *words, uint32_t half, uint32_t wide, uint
     return 1;
 }
 
-/* The node at the next word, and the blocks that it is the first to use. */
+/* Check the node at the next word, and the blocks that no earlier node uses. */
 static int check_node(checked_page *p, const vxs_page_node *node)
 {
     const uint32_t *words = p->words;

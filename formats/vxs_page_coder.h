@@ -1,14 +1,15 @@
 /* The entropy coder of pages: symbols to 16-bit words and back. Internal to vxs_page_*.c. Not installed.
  *
- * Two rANS states (Duda 2013) are used in turn, so that the processor works on two symbols at once: a state is a 32-bit number
- * of at least 2^16, odds are parts of 2^15, and a state that falls below 2^16 takes in one word. The encoder works backwards, so that
- * the decoder meets the words in the order in which they lie. A symbol is one of sixteen, a nibble, or plain bits. Odds of nibbles
- * learn as they go: they are kept as sums, from[s] is what lies before symbol s, and a symbol pulls all sums towards those of a
- * distribution that has only it: a subtraction, shift and addition for each of two vectors of eight.
+ * Two rANS states (Duda 2013) are used alternately, so that the processor works on two symbols at once. A state is a 32-bit
+ * number of at least 2^16; odds are parts of 2^15; a state that falls below 2^16 reads one word. The encoder works
+ * backwards, so that the decoder reads the words in storage order. A symbol is one of sixteen (a nibble), or plain bits. The
+ * odds of nibbles are adaptive. They are kept as sums: from[s] is the sum of the odds before symbol s. Each coded symbol
+ * moves all sums towards the distribution that has only this symbol: a subtraction, shift and addition for each of two
+ * vectors of eight.
  *
- * A file that includes this says which of both it is: PAGE_ENCODING 0 or 1. A function code_*(c, odds, value) of the encoder
- * codes `value` and returns it; of the decoder, it returns what was coded, whatever `value`.
- * With SSE2 and without, bytes are the same.
+ * The includer defines PAGE_ENCODING: 1 for the encoder, 0 for the decoder. In the encoder, a function code_*(c, odds,
+ * value) codes `value` and returns it; in the decoder it ignores `value` and returns the decoded value.
+ * With and without SSE2 the bytes are the same.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_PAGE_CODER_H
 #define VXS_PAGE_CODER_H
@@ -53,14 +54,14 @@ typedef struct nibble_odds {
     uint16_t seen;
 } nibble_odds;
 
-/* Shifts by which odds learn, after so many symbols: quickly at first. */
+/* Adaptation rate, as a shift, after so many symbols: fast at first. */
 static const uint8_t nibble_rate[161] = {
     1, 2, 3, 3, 3, 3, 4, 4, 4, 4, 4, 4, 4, 4, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 6,
     6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6,
     6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6,
     6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 7};
 
-/* What sums move towards, for each symbol: every other symbol keeps odds of at least 1. */
+/* The sums of the distribution that has only symbol s: every other symbol keeps odds of 1. */
 #define TOWARDS(s, i) ((i) <= (s) ? (i) : ODDS_ONE - 16 + (i))
 #define TOWARDS_ROW(s)                                                                                                             \
     {                                                                                                                              \
@@ -74,7 +75,7 @@ static const _Alignas(16) uint16_t nibble_towards[16][16] = {
     TOWARDS_ROW(12), TOWARDS_ROW(13), TOWARDS_ROW(14), TOWARDS_ROW(15),
 };
 
-/* The symbol whose part of the odds holds `at`, 0..ODDS_ONE - 1. */
+/* The symbol whose part of the odds contains `at`, 0..ODDS_ONE - 1. */
 PAGE_INLINE uint32_t nibble_at_plain(const nibble_odds *odds, uint32_t at)
 {
     uint32_t count = 0;
@@ -119,7 +120,8 @@ PAGE_INLINE void nibble_learn(nibble_odds *odds, uint32_t symbol, uint32_t rate)
 
 #endif
 
-/* Sums of odds in proportion to weights, whose sum is 2^32, each at least 1; seen: as if so many symbols had been met. */
+/* Start sums of odds in proportion to weights; their sum is 2^32, and each symbol gets at least 1.
+ * seen  adapt as slowly as after so many symbols */
 static void nibble_start(nibble_odds *odds, const uint32_t weight[16], uint32_t seen)
 {
     uint64_t before = 0;
@@ -137,7 +139,7 @@ static void nibble_start(nibble_odds *odds, const uint32_t weight[16], uint32_t 
 #error PAGE_ENCODING is not defined: 0 or 1
 #elif PAGE_ENCODING
 
-/* A symbol to be coded: where its part of the odds starts, and how much it is. They are coded when all are known, last one first. */
+/* Symbols to code: the start and size of each in the odds. Coding begins when all are known, with the last one. */
 typedef struct coder {
     uint32_t *parts; /* from << 16 | size */
     size_t    count, capacity;
@@ -162,13 +164,14 @@ static void code_part(coder *c, uint32_t from, uint32_t size)
 #else
 
 typedef struct coder {
-    uint32_t       now, next; /* the state of the next symbol, and of the one after it */
-    const uint8_t *in,
-        *end; /* words yet to be read; end: both states lie there, so that a word may be looked at before it is needed. Once one is
-                 taken that is not there, `in` is beyond `end` for good */
+    uint32_t       now, next; /* states of the next symbol and of the one after it */
+    /* in: next word; end: where the two states are stored, so that one word beyond the last can be read safely. If too many words
+     * are taken, `in` stays beyond `end` */
+    const uint8_t *in, *end;
 } coder;
 
-/* The symbol of odds from..from + size - 1 was met. Whether a word is taken in is anyone's guess: there is no branch on it. */
+/* Consume the symbol whose odds are from..from + size - 1. Whether a word is read is unpredictable, so there is no branch on
+ * it. */
 PAGE_INLINE void decode_part(coder *c, uint32_t from, uint32_t size)
 {
     uint32_t state = size * (c->now >> ODDS_BITS) + (c->now & (ODDS_ONE - 1)) - from, small = state < STATE_LEAST;
@@ -180,7 +183,7 @@ PAGE_INLINE void decode_part(coder *c, uint32_t from, uint32_t size)
 
 #endif
 
-/* The symbol `value`, which the decoder has found. Odds do not learn from it yet. */
+/* Code symbol `value`; in the decoder, it is already known. The odds do not adapt yet. */
 PAGE_INLINE void code_symbol(coder *c, const nibble_odds *odds, uint32_t value)
 {
     uint32_t from = odds->from[value], size = odds->from[value + 1] - from;
@@ -207,8 +210,9 @@ PAGE_INLINE uint32_t code_nibble(coder *c, nibble_odds *odds, uint32_t value)
     return value;
 }
 
-/* Two nibbles, the low one of a byte first. The high one has odds second[0], or second[apart] when the low one's highest bit is set: as each
- * has a state of its own, the decoder finds what it is by both while it finds the low one. So odds learn after both. */
+/* Two nibbles of a byte, the low one first. The high one has odds second[0], or second[apart] if the highest bit of the low
+ * one is set. The two nibbles use different states, so the decoder looks up the high one with both odds while it decodes the
+ * low one. So the odds adapt after both. */
 PAGE_INLINE uint32_t code_two_nibbles(coder *c, nibble_odds *first, nibble_odds *second, uint32_t apart, uint32_t value)
 {
     uint32_t low = value & 15, high = value >> 4;
@@ -225,7 +229,7 @@ PAGE_INLINE uint32_t code_two_nibbles(coder *c, nibble_odds *first, nibble_odds 
     return low | high << 4;
 }
 
-/* bits, 0..12, that are all alike. */
+/* 0 to 12 bits, all equally likely. */
 PAGE_INLINE uint32_t code_plain(coder *c, uint32_t bits, uint32_t value)
 {
     uint32_t shift = ODDS_BITS - bits;

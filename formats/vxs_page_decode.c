@@ -1,4 +1,4 @@
-/* Bytes of pages and of the resident part to their words; vxs_page.h.
+/* Decoding pages and the resident part: bytes to words; vxs_page.h.
  * SPDX-License-Identifier: MIT */
 #define PAGE_ENCODING 0
 #include "vxs_resident_model.h"

@@ -1,9 +1,9 @@
-/* Words of pages and of the resident part to their bytes; vxs_page.h.
+/* Encoding pages and the resident part: words to bytes; vxs_page.h.
  * SPDX-License-Identifier: MIT */
 #define PAGE_ENCODING 1
 #include "vxs_resident_model.h"
 
-/* Room for `more` bytes at the end. 0: no memory. */
+/* Reserve `more` bytes at the end. 0: no memory. */
 static int reserve(vxs_bytes *b, size_t more)
 {
     if (b->capacity_bytes - b->size_bytes >= more) return 1;
@@ -15,8 +15,8 @@ static int reserve(vxs_bytes *b, size_t more)
     return 1;
 }
 
-/* Append the words and the states of what was coded. The first symbol's state is the first, the second's the second, and so on in
- * turn; the last symbol is coded first, so that the first comes out first. */
+/* Append the coded words and the two states. Symbols use the two states alternately. The last symbol is coded first, so that
+ * the decoder gets the first symbol first. */
 static int append_coded(vxs_bytes *out, const coder *c)
 {
     uint16_t *words    = malloc((c->count + 1) * sizeof *words);
@@ -87,7 +87,7 @@ vxs_result vxs_resident_encode(vxs_bytes *out, const uint32_t *words, uint32_t w
                          .levels        = levels,
                          .map_count     = map_count,
                          .page_count    = words[0],
-                         .node_count    = word_count / 2, /* at most; it is known afterwards */
+                         .node_count    = word_count / 2, /* upper bound; the exact number is known afterwards */
                          .pattern_count = common->first[VXS_PATTERN_KINDS]};
     r.w.s             = malloc(sizeof *r.w.s);
     r.w.words         = calloc(word_count, sizeof *r.w.words);
@@ -121,7 +121,7 @@ vxs_result vxs_resident_encode(vxs_bytes *out, const uint32_t *words, uint32_t w
     return result;
 }
 
-/* Halves of a pattern over `depths` depths at a half of a pool; 0: it is none, or leaves it. */
+/* Number of halves of a pattern over `depths` depths at a half of the source; the pattern is valid (read_source). */
 static uint32_t pattern_halves(const walk *w, uint32_t half, uint32_t depths)
 {
     uint32_t size = depths / 2;

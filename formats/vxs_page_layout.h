@@ -1,4 +1,5 @@
-/* How words of pages lie (formats/vxs.md 13.2, 13.3), as all that reads or makes them says it. Internal to vxs_page_*.c. Not installed.
+/* Layout of the words of pages (formats/vxs.md 13.2, 13.3), shared by all code that reads or writes them. Internal to
+ * vxs_page_*.c. Not installed.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_PAGE_LAYOUT_H
 #define VXS_PAGE_LAYOUT_H
@@ -6,18 +7,18 @@
 #include "vxs_page.h"
 
 enum {
-    NODE_HALVES     = 11, /* before its lists */
+    NODE_HALVES     = 11, /* halves of a node before its lists */
     PALETTE_MAX     = 14,
-    DEPTHS_MAX      = 16,      /* of a pattern of its own */
-    DEPTH_END       = 1 << 24, /* no depth or base is as far: sums stay within 32 bits */
+    DEPTHS_MAX      = 16,      /* of a private-palette pattern */
+    DEPTH_END       = 1 << 24, /* all depths and bases are nearer to 0 than this, so that sums fit 32 bits */
     REF_COMMON      = 0x20000,
     KIND_OWN        = 0,
-    INDEX_HALVES    = 17, /* of a pattern as an image of indices */
+    INDEX_HALVES    = 17, /* size of a pattern stored as an image of indices */
     PLANE_SHIFT_MAX = 8,
     FAR_SHIFT_MAX   = 5,
 };
 
-/* Kinds of a pattern with depths of its own, bits 12..15 of its first half. */
+/* Kinds of private-palette patterns, bits 12..15 of the first half. */
 enum {
     OWN_BYTES,
     OWN_HALVES,
@@ -33,7 +34,7 @@ enum {
     OWN_KINDS,
 };
 
-/* Of patterns that are no palette. */
+/* Size in halves of the patterns without a palette. */
 static const uint32_t own_halves[OWN_KINDS] = {0, 0, 0, 1 + 2 + 16, 1 + 32, 1 + 64, 1 + 96, 1 + 2, 1 + 5, 1 + 5, 1 + 5 + 4};
 
 static inline uint32_t get_half(const uint32_t *words, uint32_t half)
@@ -41,7 +42,7 @@ static inline uint32_t get_half(const uint32_t *words, uint32_t half)
     return words[half >> 1] >> 16 * (half & 1) & 0xffff;
 }
 
-/* Over zeros. */
+/* The half must be 0 before. */
 static inline void put_half(uint32_t *words, uint32_t half, uint32_t value)
 {
     words[half >> 1] |= (value & 0xffff) << 16 * (half & 1);
@@ -52,7 +53,7 @@ static inline uint32_t get_byte(const uint32_t *words, uint32_t byte)
     return words[byte >> 2] >> 8 * (byte & 3) & 0xff;
 }
 
-/* Over zeros. */
+/* The byte must be 0 before. */
 static inline void put_byte(uint32_t *words, uint32_t byte, uint32_t value)
 {
     words[byte >> 2] |= (value & 0xff) << 8 * (byte & 3);
@@ -65,13 +66,13 @@ static inline uint32_t count_bits(uint32_t x)
     return ((x + (x >> 4)) & 0x0f0f0f0f) * 0x01010101 >> 24;
 }
 
-/* Words of a block's record before those of its tiles: two more when tiles lie on a plane. */
+/* Words of a block's record before those of its tiles: two more if tiles lie on a plane. */
 static inline uint32_t head_words(uint32_t mixed, uint32_t own)
 {
     return own & ~mixed & 0xffff ? 4 : 2;
 }
 
-/* Halves of the deltas of an own palette. */
+/* Halves of the deltas of a private palette. */
 static inline uint32_t own_delta_halves(uint32_t kind, uint32_t deltas)
 {
     return kind == OWN_BYTES ? (deltas + 1) / 2 : kind == OWN_HALVES ? deltas : 2 * deltas;
@@ -87,14 +88,14 @@ static inline uint32_t raw_depth(const uint32_t *words, uint32_t half, uint32_t 
     return get_byte(words, byte + 3 * z) | get_byte(words, byte + 3 * z + 1) << 8 | get_byte(words, byte + 3 * z + 2) << 16;
 }
 
-/* Of words that may be anything: beyond them are zeros. */
+/* For unchecked words: 0 if `at` is beyond the end. */
 static inline uint32_t word_or_zero(const uint32_t *words, uint32_t word_count, uint32_t at)
 {
     return at < word_count ? words[at] : 0;
 }
 
-/* Words before the pool of a page of which nothing is known: up to where the first pattern starts that a tile names, or all. Nodes and
- * blocks are packed, so that they can be walked without their meaning. */
+/* Number of words before the pool of an unchecked page: up to the first pattern that a tile refers to, or all words. Nodes
+ * and blocks have no gaps, so that they can be walked without interpreting them. */
 static inline uint32_t node_words_of(const uint32_t *words, uint32_t word_count, const vxs_page_node *nodes, uint32_t node_count)
 {
     uint32_t least = 2 * word_count;

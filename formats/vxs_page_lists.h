@@ -1,8 +1,10 @@
-/* What a page has met, in lists: patterns by their kinds, and blocks. What is met again says its place in the list.
+/* Lists of the records that a page has so far: patterns by kind, and blocks. A record used again is coded as its rank in the
+ * list.
  *
- * An entry is a word of the page, 16 bits: of a block where it starts, of a pattern that of the tile that was the first to name it. So no two entries
- * are one, and all lists together have no more of them than a page has words.
- * Internal to vxs_page_*.c, which say PAGE_ENCODING. Not installed.
+ * An entry is the offset of a word of the page, 16 bits: for a block its first word, for a pattern the word of the first
+ * tile that refers to it. So all entries are different, and all lists together have at most as many entries as the page has
+ * words.
+ * Internal to vxs_page_*.c, which define PAGE_ENCODING. Not installed.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_PAGE_LISTS_H
 #define VXS_PAGE_LISTS_H
@@ -16,14 +18,14 @@ PAGE_INLINE uint16_t *list_at(const walk *w, uint32_t list, uint32_t rank)
     return w->s->listed + w->s->chunk[list][rank / LIST_CHUNK] * (uint32_t)LIST_CHUNK + rank % LIST_CHUNK;
 }
 
-/* The entry of so high a rank is this one; the encoder keeps where what it names is. */
+/* Set the entry with this rank; the encoder also keeps the rank of each record. */
 PAGE_INLINE void list_set(walk *w, uint32_t list, uint32_t rank, uint32_t word)
 {
     *list_at(w, list, rank) = (uint16_t)word;
     if (PAGE_ENCODING) *(list == LIST_OF_BLOCKS ? &w->block_rank[word] : &w->pattern_rank[w->words[word] >> 14]) = rank + 1;
 }
 
-/* There is room: see above. */
+/* There is always room: see above. */
 static void list_add(walk *w, uint32_t list, uint32_t word)
 {
     uint32_t rank = w->listed[list]++;
@@ -31,7 +33,7 @@ static void list_add(walk *w, uint32_t list, uint32_t word)
     list_set(w, list, rank, word);
 }
 
-/* Of a list, what is used moves half the way to the front, and changes places with what is there. Returns its word. */
+/* Move the used entry half the way to the front: exchange it with the entry there. Returns its word. */
 static uint32_t list_use(walk *w, uint32_t list, uint32_t rank)
 {
     uint32_t word = *list_at(w, list, rank), other = *list_at(w, list, rank / 2);
@@ -40,14 +42,14 @@ static uint32_t list_use(walk *w, uint32_t list, uint32_t rank)
     return word;
 }
 
-/* The tile at hand is the first that has this pattern, and names it from here on. */
+/* Add a pattern; the current tile is the first that refers to it. */
 static void add_pattern(walk *w, uint32_t kind, uint32_t ref)
 {
     w->words[w->tile] = ref << 14;
     list_add(w, kind, w->tile);
 }
 
-/* 0: a new one; 1: the common pool's; else rank in its list + 2. */
+/* 0: new pattern; 1: from the common pool; else rank in its list + 2. */
 static uint32_t find_pattern(const walk *w, uint32_t kind, uint32_t ref)
 {
     uint32_t rank = w->pattern_rank[ref];
@@ -68,7 +70,7 @@ static uint32_t find_common(const vxs_common *common, uint32_t kind, uint32_t re
     return low - common->first[kind];
 }
 
-/* A pattern of the common pool that was not yet met. 0: there is none. */
+/* A pattern of the common pool, used for the first time. 0: invalid. */
 static int code_from_common(walk *w, uint32_t kind, uint32_t *ref)
 {
     uint32_t n = code_number(&w->c, &w->odds->common[kind], PAGE_ENCODING ? find_common(w->common, kind, *ref) : 0);
@@ -78,7 +80,7 @@ static int code_from_common(walk *w, uint32_t kind, uint32_t *ref)
     return 1;
 }
 
-/* A pattern that was met before, by its place. 0: there is none. */
+/* A pattern that is already in the list, by its rank. 0: invalid. */
 static int use_pattern(walk *w, uint32_t kind, uint32_t place, uint32_t *ref)
 {
     if (place >= w->listed[kind]) return 0;
@@ -86,9 +88,9 @@ static int use_pattern(walk *w, uint32_t kind, uint32_t place, uint32_t *ref)
     return 1;
 }
 
-/* The pattern of a tile over the palette. 0: this is no page.
+/* The pattern of a tile over the block palette. 0: invalid page.
  * depth  [kind]
- * ref    in: of the source */
+ * ref    in: in the source */
 static int code_pattern(walk *w, uint32_t kind, const int16_t *depth, uint32_t *ref, uint32_t x0, uint32_t y0)
 {
     uint32_t place = code_number(&w->c, &w->odds->pattern[kind], PAGE_ENCODING ? find_pattern(w, kind, *ref) : 0);
@@ -104,10 +106,11 @@ static int code_pattern(walk *w, uint32_t kind, const int16_t *depth, uint32_t *
 
 /* patterns with depths of their own -------------------------------------------------------------------------------------------- */
 
-/* Where the pattern of a tile is found: those of planes also in the row and the column of the tile, and among those used last. */
+/* Source of a pattern. Patterns of planes can also be found in the row and the column of the tile, and among those used
+ * last. */
 enum { FOUND_NEW, FOUND_COMMON, FOUND_LISTED, FOUND_LEFT, FOUND_ABOVE, FOUND_LATELY };
 
-/* Its place among those used last, or their number. */
+/* Its place among those used last; their number if it is not there. */
 static uint32_t find_lately(const walk *w, uint32_t ref)
 {
     uint32_t n = 0;
@@ -115,7 +118,7 @@ static uint32_t find_lately(const walk *w, uint32_t ref)
     return n;
 }
 
-/* Only the encoder asks. place: in the list, or among those used last. */
+/* Encoder only.   place  [out] in the list, or among those used last */
 static uint32_t find_own(const walk *w, uint32_t ref, uint32_t left, uint32_t above, uint32_t *place)
 {
     uint32_t listed = find_pattern(w, KIND_OWN, ref);
@@ -128,7 +131,7 @@ static uint32_t find_own(const walk *w, uint32_t ref, uint32_t left, uint32_t ab
     return FOUND_LISTED;
 }
 
-/* A tile has this pattern of planes. */
+/* Remember the pattern of planes that a tile uses. */
 static void remember_planes(walk *w, uint32_t ref, uint32_t x0, uint32_t y0)
 {
     uint32_t place = find_lately(w, ref);
@@ -138,7 +141,7 @@ static void remember_planes(walk *w, uint32_t ref, uint32_t x0, uint32_t y0)
     w->own_lately[0] = w->own_left[y0 / TILE_PX] = w->own_above[x0 / TILE_PX] = ref + 1;
 }
 
-/* A pattern that is known. 0: there is none. */
+/* A known pattern. 0: invalid. */
 static int code_found(walk *w, uint32_t *ref, uint32_t found, uint32_t place, uint32_t left, uint32_t above)
 {
     if (found == FOUND_COMMON) return code_from_common(w, KIND_OWN, ref);
@@ -152,8 +155,8 @@ static int code_found(walk *w, uint32_t *ref, uint32_t found, uint32_t place, ui
     return found <= FOUND_LATELY && name;
 }
 
-/* The pattern of a tile that has depths of its own, and the tile's base. 0: this is no page.
- * ref  in: of the source */
+/* The private-palette pattern of a tile, and the base of the tile. 0: invalid page.
+ * ref  in: in the source */
 static int code_own_pattern(walk *w, uint32_t *ref, own_base *base, uint32_t x0, uint32_t y0)
 {
     uint32_t left = w->own_left[y0 / TILE_PX], above = w->own_above[x0 / TILE_PX], place = 0;

@@ -1,23 +1,27 @@
-/* What is coded of a page, and in what order: one text for both ways. Internal to vxs_page_*.c, which say PAGE_ENCODING. Not installed.
+/* What is coded of a page, and in what order: one text for encoder and decoder. Internal to vxs_page_*.c, which define
+ * PAGE_ENCODING. Not installed.
  *
- * The walk goes from node to node, block to block, tile to tile, and lays each record out where it belongs in `words`: the decoder
- * makes the page so, and the encoder a second one, which has to come out as the page that it was given. The encoder reads from
- * `source` what it codes; nothing is assumed of it.
+ * The walk goes from node to node, block to block, tile to tile, and writes each record to its place in `words`. The decoder
+ * makes the page in this way. The encoder makes a second page, which must be equal to the given one; it reads the values to
+ * code from `source`, which is unchecked.
  *
- * What is alike is found through the depths of texels about what comes next (vxs_page_borders.h).
+ * Values are predicted from the depths of the texels around the next record (vxs_page_borders.h).
  *
- *     node     slope; which blocks are mixed, four a nibble; of the uniform ones depths: the left's, the upper's, the last's, another
- *     block    met before, the last one in its row or column or by its place in a list in which what is used moves half the way to the front;
- *              or new. A new one: whether it has a plane, by those beside it; how steep, as one of them or about so; and where it lies,
- *              where it goes on or meets what is beside it. Base, by the plane, or the least depth about the block. Of a new one, unless
- *              all tiles are on the plane: its palette; for each row of four tiles which are on the plane, by whether that fits, and
- *              which are mixed; of uniform tiles the index: as depths above
- *     tile     which palette entries are used, four a nibble, by whether the borders have them; none at all: depths of its own. Then
- *              the pattern: new, from the common pool, or met before, by its place in the list of its kind; of planes also the last one in
- *              its row or column, or one of those used last
- *     pattern  four texels a nibble: which differ from the texel above; of those, if there are more than two depths, what they are
- *     depths   that are no palette: a nibble each, the difference to left + above - the one between them
- *     planes   of a tile: how steep, by the planes beside it; the tile's base, so that they meet what is beside it; a mask as a pattern
+ *     node     slope; which blocks are mixed, four per nibble; depths of uniform blocks: that of the left, upper or last block,
+ *              or another
+ *     block    known (the last one in its row or column, or its rank in a list, where a used entry moves half the way to the
+ *              front) or new. A new block: whether it has a plane, in the context of its neighbours; its slopes, equal or
+ *              similar to those of a neighbour; and its depth, which continues or meets its neighbours. Base, from the plane,
+ *              or from the least depth around the block. Then, unless all tiles are on the plane: the palette; for each row of
+ *              four tiles which are on the plane, in the context of whether that fits, and which are mixed; for uniform tiles
+ *              the palette index, as depths above
+ *     tile     which palette entries are used, four per nibble, in the context of the borders; none: a private-palette pattern.
+ *              Then the pattern: new, from the common pool, or known by its rank in the list of its kind; patterns of planes
+ *              also as the last one in the row or column, or as one of those used last
+ *     pattern  four texels per nibble: which differ from the texel above; then, with more than two depths, the indices of these
+ *     depths   without a palette: a nibble each, the difference from left + above - (left of above)
+ *     planes   of a tile: slopes, from the planes beside it; base of the tile, so that they meet their neighbours; a mask as a
+ *              pattern
  *
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_PAGE_MODEL_H
@@ -42,8 +46,8 @@ static void code_slope(walk *w, int32_t *nx, int32_t *ny)
     *ny = w->slope_y;
 }
 
-/* A bit for each block: whether it is mixed. What the blocks above and on the left are is known; at the node's border, whether their
- * depths vary there. */
+/* A bit for each block: whether it is mixed. The context is whether the blocks above and on the left are mixed; at the
+ * border of the node, whether the depths vary there. */
 static uint64_t code_node_mixed(walk *w, uint64_t source)
 {
     uint64_t mixed = 0;
@@ -57,7 +61,7 @@ static uint64_t code_node_mixed(walk *w, uint64_t source)
     return mixed;
 }
 
-/* Depth of a uniform block. last: of the uniform block before it. */
+/* Depth of a uniform block.   last  depth of the previous uniform block */
 static uint32_t code_uniform_block(walk *w, int wide, uint32_t last, uint32_t depth, uint32_t x0, uint32_t y0)
 {
     uint32_t left = (uint16_t)w->left[y0], above = (uint16_t)w->above[8 + x0], low = depth & 0xffff, high = 0, symbol = 0;
@@ -138,7 +142,7 @@ static int code_node(walk *w, const vxs_page_node *node)
     return 1;
 }
 
-/* Nothing was met yet. */
+/* Start without any known records. */
 static void start_page(walk *w)
 {
     start_odds(w->odds);
@@ -148,7 +152,7 @@ static void start_page(walk *w)
     w->half = 2 * w->node_words;
 }
 
-/* All of a page: w says its size and what is known of it, its words are zeros. 0: this is no page. */
+/* A whole page: w has its size and context, and its words are zeros. 0: invalid page. */
 static int code_page(walk *w, const vxs_page_node *nodes, uint32_t node_count)
 {
     start_page(w);

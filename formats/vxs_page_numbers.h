@@ -1,12 +1,12 @@
-/* Numbers of the coder, made of nibbles and plain bits: of any size, steps to what is likely to be round, and signed ones.
- * Internal to vxs_page_*.c, which say PAGE_ENCODING. Not installed.
+/* Numbers as nibbles and plain bits: of any size, steps to a number that is probably round, and signed numbers.
+ * Internal to vxs_page_*.c, which define PAGE_ENCODING. Not installed.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_PAGE_NUMBERS_H
 #define VXS_PAGE_NUMBERS_H
 
 #include "vxs_page_coder.h"
 
-enum { NUMBER_LONG = 15, SIGNED_MOST = (1 << 28) - 1 /* of numbers with a sign */ };
+enum { NUMBER_LONG = 15, SIGNED_MOST = (1 << 28) - 1 /* greatest signed number */ };
 
 typedef struct number_odds {
     nibble_odds size, rest[5];
@@ -22,7 +22,7 @@ PAGE_INLINE uint32_t code_flag(coder *c, nibble_odds *odds, uint32_t value)
     return code_nibble(c, odds, value) != 0;
 }
 
-/* How many bits a number + 1 has behind its first; NUMBER_LONG: it is written whole. */
+/* Number of bits of value + 1 after the leading one; NUMBER_LONG: all 32 bits are coded. */
 PAGE_INLINE uint32_t code_size(coder *c, nibble_odds *odds, uint32_t value)
 {
     uint32_t size = 0;
@@ -36,7 +36,8 @@ PAGE_INLINE uint32_t code_long(coder *c, uint32_t value)
     return high << 24 | middle << 12 | code_plain(c, 12, value & 0xfff);
 }
 
-/* Any number below 2^32 - 1: the size, and the bits behind the first: up to four of them learn their odds, more are plain. */
+/* Any number below 2^32 - 1: its size, then the bits after the leading one. Up to four such bits are coded with adaptive
+ * odds, more as plain bits. */
 PAGE_INLINE uint32_t code_number(coder *c, number_odds *odds, uint32_t value)
 {
     uint32_t size = code_size(c, &odds->size, value), first = (1u << size) - 1, rest = value - first;
@@ -48,8 +49,8 @@ PAGE_INLINE uint32_t code_number(coder *c, number_odds *odds, uint32_t value)
     return first + (high << 12 | code_plain(c, 12, rest & 0xfff));
 }
 
-/* A number that is the step from `last` + 1 to one that is likely to be round: of more than four bits, those of the sum are coded, by how
- * many low ones are zero. */
+/* The step from last + 1 to a number that is probably round. If the step has more than four bits after the leading one, the
+ * low bits of the sum last + value + 1 are coded instead, with the number of their low zero bits. */
 PAGE_INLINE uint32_t code_step(coder *c, number_odds *odds, nibble_odds *round, uint32_t last, uint32_t value)
 {
     uint32_t size = code_size(c, &odds->size, value), first = (1u << size) - 1, rest = value - first;

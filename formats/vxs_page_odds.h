@@ -1,5 +1,5 @@
-/* The odds of a page: what is coded in which contexts, and what they start from.
- * Internal to vxs_page_*.c, which say PAGE_ENCODING. Not installed.
+/* The odds of a page: contexts of each value, and start values.
+ * Internal to vxs_page_*.c, which define PAGE_ENCODING. Not installed.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_PAGE_ODDS_H
 #define VXS_PAGE_ODDS_H
@@ -12,7 +12,7 @@ typedef struct plane_odds {
     signed_odds a[3], b[3];
 } plane_odds;
 
-/* Of nibble_odds and nothing else. */
+/* Consists only of nibble_odds, so that it can be used as one array. */
 typedef struct page_odds {
     /* nodes */
     nibble_odds node_mixed[64], depth_like[8];
@@ -31,7 +31,7 @@ typedef struct page_odds {
     plane_odds  block_plane;
     signed_odds plane_least[2][3];
     /* tiles */
-    nibble_odds used[4][256]; /* [entries left of four, 0: all] */
+    nibble_odds used[4][256]; /* [entries left if fewer than four, else 0] */
     number_odds pattern[VXS_PATTERN_KINDS], common[VXS_PATTERN_KINDS];
     signed_odds own_base[3];
     /* patterns */
@@ -43,7 +43,8 @@ typedef struct page_odds {
     number_odds far_plane;
 } page_odds;
 
-/* Nibbles whose bits are 1 independently, bit n with odds chance[(states >> n & 1) + 2 * (states >> (n + 4) & 1)] of 256. */
+/* Start odds of a nibble with independent bits: bit n is 1 with odds chance[(states >> n & 1) + 2 * (states >> (n + 4) & 1)]
+ * of 256. */
 static void start_mask(nibble_odds *odds, uint32_t states, const uint8_t chance[4], uint32_t bits)
 {
     uint32_t weight[16];
@@ -57,8 +58,8 @@ static void start_mask(nibble_odds *odds, uint32_t states, const uint8_t chance[
     nibble_start(odds, weight, 5);
 }
 
-/* Which of four texels differ from those above; bits 0..4 of k: texels above differ from those on their left; 5: the texel on the left
- * of the four does from the one above it. */
+/* Start odds of which of four texels differ from those above. Bits 0..4 of k: texels above differ from those on their left.
+ * Bit 5: the texel on the left of the four differs from the one above it. */
 static void start_differs(nibble_odds *odds, uint32_t k)
 {
     uint32_t weight[16];
@@ -86,7 +87,7 @@ static void start_odds(page_odds *odds)
         for (uint32_t q = 0; q < 5; q++) odds->block_mixed[q][k] = odds->node_mixed[k];
     }
     for (uint32_t left = 0; left < 4; left++) {
-        uint32_t bits = left ? left : 4, known = ((1u << bits) - 1) * 0x11; /* of k */
+        uint32_t bits = left ? left : 4, known = ((1u << bits) - 1) * 0x11; /* bits of k that are used */
         for (uint32_t k = 0; k < 256; k++)
             if (k & ~known)
                 odds->used[left][k] = odds->used[left][k & known];

@@ -1,12 +1,12 @@
-/* Patterns with depths of their own.
- * Internal to vxs_page_*.c, which say PAGE_ENCODING. Not installed.
+/* Private-palette patterns.
+ * Internal to vxs_page_*.c, which define PAGE_ENCODING. Not installed.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_PAGE_OWN_H
 #define VXS_PAGE_OWN_H
 
 #include "vxs_page_own_planes.h"
 
-/* Palette of an own pattern whose first half is `head`; deltas start at a half. */
+/* Delta n of a private palette.   head  first half of the pattern;   half  where the deltas start */
 static uint32_t own_delta(const uint32_t *words, uint32_t half, uint32_t head, uint32_t n)
 {
     uint32_t kind = head >> 12, shift = head >> 8 & 15;
@@ -15,7 +15,7 @@ static uint32_t own_delta(const uint32_t *words, uint32_t half, uint32_t head, u
     return (get_half(words, half + 2 * n) | get_half(words, half + 2 * n + 1) << 16) << shift;
 }
 
-/* What an own tile leaves. base: of the tile, in the node. */
+/* Set the borders after an own tile.   base  of the tile, in the node */
 static void draw_own(walk *w, uint32_t ref, int32_t base, uint32_t x0, uint32_t y0)
 {
     const uint32_t *words = pool_of(w, ref);
@@ -41,7 +41,7 @@ static void draw_own(walk *w, uint32_t ref, int32_t base, uint32_t x0, uint32_t 
     }
 }
 
-/* A palette and the pattern over it. from: the half of the source where the pattern starts. */
+/* A private palette and its pattern.   from  half of the source where it starts */
 static int code_own_palette(walk *w, uint32_t kind, uint32_t from, int32_t base, uint32_t x0, uint32_t y0)
 {
     coder     *c    = &w->c;
@@ -82,8 +82,9 @@ static int code_own_palette(walk *w, uint32_t kind, uint32_t from, int32_t base,
     return code_image(w, depth, depths, x0, y0, index) && put_pattern(w, index, depths);
 }
 
-/* What a depth of a raw pattern is likely to be, by those on its left and above; where it has none, by what is beside the tile.
- * d  of [8][8] */
+/* Predicted depth of a texel of a raw pattern: from the texels on its left and above; at the border, from the texels beside
+ * the tile.
+ * d  element of [8][8] */
 PAGE_INLINE int32_t raw_like(const walk *w, const uint32_t *d, uint32_t x, uint32_t y, int32_t base, uint32_t shift, uint32_t x0,
                              uint32_t y0)
 {
@@ -94,7 +95,8 @@ PAGE_INLINE int32_t raw_like(const walk *w, const uint32_t *d, uint32_t x, uint3
     return (int16_t)((left[0] < above[0] ? left[0] : above[0]) - base) >> shift;
 }
 
-/* 64 depths as they are. explicit_bases: the four bases of OWN_NIBBLES are not the least depths of their quadrants. */
+/* 64 depths without a palette.   explicit_bases  1: the four bases of OWN_NIBBLES are not the least depths of their
+ * quadrants */
 static int code_own_raw(walk *w, uint32_t kind, int explicit_bases, uint32_t from, int32_t base_depth, uint32_t x0, uint32_t y0)
 {
     coder     *c    = &w->c;
@@ -145,7 +147,7 @@ static int code_own_raw(walk *w, uint32_t kind, int explicit_bases, uint32_t fro
     return 1;
 }
 
-/* The base of a tile whose pattern is known. */
+/* The base of a tile with a known pattern. */
 static int code_base_of(walk *w, own_base *base, uint32_t ref, uint32_t x0, uint32_t y0)
 {
     const uint32_t *words = pool_of(w, ref);
@@ -155,7 +157,7 @@ static int code_base_of(walk *w, own_base *base, uint32_t ref, uint32_t x0, uint
     return code_own_base(w, base, &p, x0, y0);
 }
 
-/* A new own pattern. base: of the tile; NULL in the common pool: it is 0. */
+/* A new private-palette pattern.   base  of the tile; NULL in the common pool, where it counts as 0 */
 static int code_own(walk *w, uint32_t from, own_base *base, uint32_t x0, uint32_t y0)
 {
     uint32_t kind = source_half(w, from) >> 12;

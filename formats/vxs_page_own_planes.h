@@ -1,5 +1,5 @@
-/* Patterns of a plane, or of two: the nearer one, the farther one, or by a mask.
- * Internal to vxs_page_*.c, which say PAGE_ENCODING. Not installed.
+/* Patterns of one plane, or of two planes: the nearer one, the farther one, or selected by a mask.
+ * Internal to vxs_page_*.c, which define PAGE_ENCODING. Not installed.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_PAGE_OWN_PLANES_H
 #define VXS_PAGE_OWN_PLANES_H
@@ -7,22 +7,22 @@
 #include "vxs_page_patterns.h"
 #include "vxs_page_planes.h"
 
-enum { QUARTER = 64 /* of a voxel, in 1/256: planes of patterns begin at one */ };
+enum { QUARTER = 64 /* a quarter voxel, in 1/256 voxel: unit of the least depth of a plane of a pattern */ };
 
-/* Depths are those from the pattern's base on. */
+/* Depths are relative to the base of the pattern. */
 typedef struct own_planes {
     uint32_t kind;
     sheet    s[2];
-    uint64_t mask; /* of the texels of the second one, quadrant by quadrant */
+    uint64_t mask; /* texels of the second plane, quadrant by quadrant */
 } own_planes;
 
-/* Base of a tile whose pattern has depths of its own. */
+/* Base of a tile with a private-palette pattern. */
 typedef struct own_base {
-    int32_t  block, value; /* of its block, in the node; of the tile, from that on */
+    int32_t  block, value; /* block: of the block, in the node; value: of the tile, relative to that */
     uint32_t far;
 } own_base;
 
-/* Where texel (x, y) lies, quadrant by quadrant. */
+/* Index of texel (x, y), quadrant by quadrant. */
 PAGE_INLINE uint32_t texel_at(uint32_t x, uint32_t y)
 {
     return ((x >> 2) + 2 * (y >> 2)) * 16 + (y & 3) * 4 + (x & 3);
@@ -41,7 +41,7 @@ static own_planes read_own_planes(const uint32_t *words, uint32_t half)
     return p;
 }
 
-/* Which plane texel (x, y) is of; of a mask it has to be in the tile. */
+/* Plane of texel (x, y): 0 or 1; with a mask the texel must be in the tile. */
 PAGE_INLINE uint32_t which_plane(const own_planes *p, int32_t x, int32_t y)
 {
     if (p->kind == OWN_PLANE) return 0;
@@ -50,7 +50,7 @@ PAGE_INLINE uint32_t which_plane(const own_planes *p, int32_t x, int32_t y)
     return p->kind == OWN_NEARER ? second < first : second > first;
 }
 
-/* What a tile leaves. base: of the tile, in the node. */
+/* Set the borders after a tile.   base  of the tile, in the node */
 static void draw_own_planes(walk *w, const own_planes *p, int32_t base, uint32_t x0, uint32_t y0)
 {
     uint32_t without = (uint32_t)(base - tile_slope(w, x0 / TILE_PX, y0 / TILE_PX)) << 8;
@@ -66,13 +66,13 @@ static void draw_own_planes(walk *w, const own_planes *p, int32_t base, uint32_t
     w->last_own = *left;
 }
 
-/* The base of a tile, if its planes meet what lies beside it. */
+/* Predicted base of a tile: its planes meet the texels beside it. */
 static int32_t meet_own(const walk *w, const own_planes *p, uint32_t x0, uint32_t y0)
 {
     own_planes like = *p;
     int32_t    said[2 * TILE_PX], depth, slope = tile_slope(w, x0 / TILE_PX, y0 / TILE_PX);
     uint32_t   count = 0;
-    if (like.kind == OWN_MASK) like.kind = OWN_PLANE; /* texels beside the tile are in no mask */
+    if (like.kind == OWN_MASK) like.kind = OWN_PLANE; /* the mask has no texels beside the tile */
     for (uint32_t n = 1; n < TILE_PX; n += 2) {
         int32_t k = (int32_t)n;
         if (depth_above(w, x0 + n, y0, &depth))
@@ -83,7 +83,7 @@ static int32_t meet_own(const walk *w, const own_planes *p, uint32_t x0, uint32_
     return middle_of(said, count) + slope;
 }
 
-/* p: what planes the tile has; NULL: it has none. */
+/* p  planes of the tile; NULL: none */
 static int code_own_base(walk *w, own_base *o, const own_planes *p, uint32_t x0, uint32_t y0)
 {
     int32_t least = least_border_depth(w, x0, y0, TILE_PX);
@@ -92,7 +92,7 @@ static int code_own_base(walk *w, own_base *o, const own_planes *p, uint32_t x0,
     return o->far ? o->value > -DEPTH_END && o->value < DEPTH_END : o->value >= -OWN_ZERO && o->value < OWN_ZERO;
 }
 
-/* Whether a depth is nearer to the second plane at a texel. */
+/* Whether a depth at a texel is nearer to the second plane. */
 PAGE_INLINE uint8_t is_second(const own_planes *p, int32_t x, int32_t y, int32_t depth)
 {
     int32_t first  = depth - ((int32_t)sheet_from(p->s[0], x, y).at >> 8),
@@ -100,7 +100,7 @@ PAGE_INLINE uint8_t is_second(const own_planes *p, int32_t x, int32_t y, int32_t
     return (second < 0 ? -second : second) < (first < 0 ? -first : first);
 }
 
-/* Which texels are of the second plane; those beside the tile are of the plane that is nearer to their depths.
+/* The mask of texels on the second plane. Texels beside the tile count as on the plane that is nearer to their depth.
  * base  of the tile, in the node */
 static int code_own_mask(walk *w, const own_planes *p, uint32_t from, int32_t base, uint32_t x0, uint32_t y0)
 {
@@ -121,7 +121,7 @@ static int code_own_mask(walk *w, const own_planes *p, uint32_t from, int32_t ba
     return 1;
 }
 
-/* A new pattern. from: the half of the source where it starts; base: NULL in the common pool: it is 0. */
+/* A new pattern.   from  half of the source where it starts;   base  NULL in the common pool, where it counts as 0 */
 static int code_own_planes(walk *w, uint32_t kind, uint32_t from, own_base *base, uint32_t x0, uint32_t y0)
 {
     coder     *c    = &w->c;

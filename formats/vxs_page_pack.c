@@ -1,4 +1,4 @@
-/* Pages that are packed fast, on the way out; vxs_page_fast.h.
+/* Writing pages packed fast; vxs_page_fast.h.
  * SPDX-License-Identifier: MIT */
 #include "vxs_page_fast.h"
 
@@ -12,7 +12,7 @@
 
 enum { PAGE_HEAD_BYTES = 4 };
 
-/* A head, of which the first bytes are said, and a frame. */
+/* Append a head and the content as a frame. */
 static vxs_result append_packed(vxs_bytes *out, const uint8_t *head, size_t head_bytes, const uint8_t *content,
                                 size_t content_bytes, ZSTD_CCtx *zstd)
 {
@@ -25,7 +25,7 @@ static vxs_result append_packed(vxs_bytes *out, const uint8_t *head, size_t head
     return ZSTD_isError(stored) ? VXS_E_MEMORY : VXS_OK;
 }
 
-/* Words as bytes, where they lie. */
+/* Convert words to bytes in place. */
 static uint8_t *to_bytes(uint32_t *words, uint32_t word_count)
 {
     uint8_t *bytes = (uint8_t *)words;

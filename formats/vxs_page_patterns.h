@@ -1,12 +1,13 @@
-/* Patterns: which depth of a few each texel of a tile has.
- * Internal to vxs_page_*.c, which say PAGE_ENCODING. Not installed.
+/* Patterns: the palette index of each texel of a tile.
+ * Internal to vxs_page_*.c, which define PAGE_ENCODING. Not installed.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_PAGE_PATTERNS_H
 #define VXS_PAGE_PATTERNS_H
 
 #include "vxs_page_borders.h"
 
-/* Indices of depths of a pattern of `depths` depths whose states, or image, start at a half. Whoever calls knows that it is whole.
+/* Indices of a pattern of `depths` depths; `half` is where its states, or its image, start. The caller has checked that the
+ * pattern is complete.
  * index  [64] quadrant by quadrant */
 static void read_pattern(const uint32_t *words, uint32_t half, uint32_t depths, uint8_t *index)
 {
@@ -27,7 +28,7 @@ static void read_pattern(const uint32_t *words, uint32_t half, uint32_t depths, 
     }
 }
 
-/* A pattern of the source, of which nothing is known. 0: it is none. */
+/* Indices of an unchecked pattern of the source. 0: invalid. */
 static int read_source(const walk *w, uint32_t half, uint32_t depths, uint8_t *index)
 {
     uint32_t copy[(DEPTHS_MAX / 2 + 4 * DEPTHS_MAX) / 2] = {0}, none = 0;
@@ -37,13 +38,13 @@ static int read_source(const walk *w, uint32_t half, uint32_t depths, uint8_t *i
     return !none;
 }
 
-/* Nibbles of ones where a bit of four is set. */
+/* Four bits to four nibbles of 0 or 1. */
 PAGE_INLINE uint32_t nibbles_of_bits(uint32_t bits)
 {
     return (bits | bits << 3 | bits << 6 | bits << 9) & 0x1111;
 }
 
-/* What follows of a pattern that is nibbles, from a byte on. */
+/* border_of, for a pattern stored as nibbles that start at a byte. */
 static uint64_t border_of_image(const uint32_t *words, uint32_t byte)
 {
     uint32_t row = 0, column = 0;
@@ -55,11 +56,11 @@ static uint64_t border_of_image(const uint32_t *words, uint32_t byte)
     return row | (uint64_t)column << 32;
 }
 
-/* Nibbles of the indices in the last row (low half) and in the last column of a pattern that is whole, as of read_pattern. There are no branches on
- * states, which are hard to guess. */
+/* Indices in the last row (low half) and the last column of a valid pattern, a nibble each, as from read_pattern. There are
+ * no branches on states, because they are hard to predict. */
 static uint64_t border_of(const uint32_t *words, uint32_t half, uint32_t depths)
 {
-    uint32_t row[4], column[4], own = half + depths / 2 - 1; /* of each quadrant; the last half that was one's own */
+    uint32_t row[4], column[4], own = half + depths / 2 - 1; /* row, column: of each quadrant; own: the last stored half */
     if (get_byte(words, 2 * half) == 0xff) return border_of_image(words, 2 * half + 2);
     for (uint32_t c = 0; c < 4; c++) {
         row[c] = column[c] = 0;
@@ -67,7 +68,8 @@ static uint64_t border_of(const uint32_t *words, uint32_t half, uint32_t depths)
             uint32_t state = get_byte(words, 2 * half + n) >> 2 * c & 3;
             own += state == 2;
             uint32_t beyond =
-                ~(get_half(words, own) | (0 - (uint32_t)(state == 1))) | (0 - (uint32_t)(state == 0)); /* of a later depth */
+                /* texels of a later depth */
+                ~(get_half(words, own) | (0 - (uint32_t)(state == 1))) | (0 - (uint32_t)(state == 0));
             row[c] += nibbles_of_bits(beyond >> 12 & 15);
             column[c] += beyond >> 3 & 0x1111;
         }
@@ -75,7 +77,7 @@ static uint64_t border_of(const uint32_t *words, uint32_t half, uint32_t depths)
     return row[2] | row[3] << 16 | (uint64_t)(column[1] | column[3] << 16) << 32;
 }
 
-/* Of a pattern over a palette. Most are asked for again soon. */
+/* Border of a pattern over a palette, cached: most patterns are used again soon. */
 PAGE_INLINE uint64_t border_of_ref(walk *w, uint32_t ref, uint32_t depths)
 {
     vxs_page_scratch *s  = w->s;
@@ -87,7 +89,7 @@ PAGE_INLINE uint64_t border_of_ref(walk *w, uint32_t ref, uint32_t depths)
     return s->border[at];
 }
 
-/* Lay out a pattern at w->half, as masks or as an image, whichever is shorter. 0: there is no room. */
+/* Write a pattern at w->half, as masks or as an image, whichever is shorter. 0: no room. */
 static int put_pattern(walk *w, const uint8_t *index, uint32_t depths)
 {
     uint8_t  state[DEPTHS_MAX] = {0};
@@ -106,7 +108,7 @@ static int put_pattern(walk *w, const uint8_t *index, uint32_t depths)
             uint32_t s = 2 - 2 * (mask == 0) - (mask == 0xffff) + (mask == last);
             own[owns]  = (uint16_t)mask;
             owns += s == 2;
-            last ^= (last ^ mask) & (0 - (uint32_t)(s == 2)); /* no branch: states are hard to guess */
+            last ^= (last ^ mask) & (0 - (uint32_t)(s == 2)); /* no branch: states are hard to predict */
             state[n] |= (uint8_t)(s << 2 * c);
         }
     }
@@ -124,7 +126,8 @@ static int put_pattern(walk *w, const uint8_t *index, uint32_t depths)
     return 1;
 }
 
-/* Indices of the depths that the texels about a tile have, among those of its pattern; row[0] and row[1] are left of the corner.
+/* Palette indices of the texels around a tile: the index of the nearest depth of its pattern. row[0] and row[1] are left of
+ * the corner.
  * depth  [depths] ascending
  * row    [16] from two texels left of the tile
  * column [8] */
@@ -157,15 +160,15 @@ static void border_indices(const walk *w, const int16_t *depth, uint32_t depths,
 #endif
 }
 
-/* Which of eight bytes below 128 are not 0. */
+/* A bit for each of eight bytes: whether it is not 0. Bytes are below 128. */
 PAGE_INLINE uint32_t bytes_set(uint64_t x)
 {
     x = (x + 0x7f7f7f7f7f7f7f7f) >> 7 & 0x0101010101010101;
     return (uint32_t)(x * 0x0102040810204080 >> 56);
 }
 
-/* A texel that differs from N, the one above it; W is on its left, NE on the right of N. There are no branches on what they are, as there is
- * no telling. */
+/* Index of a texel that differs from N, the one above it; W is on its left, NE on the right of N. There are no branches on
+ * indices, because they are unpredictable. */
 PAGE_INLINE uint32_t code_other(coder *c, nibble_odds odds[5][3], nibble_odds *far, uint32_t depths, uint32_t value, uint32_t W,
                                 uint32_t N, uint32_t NE)
 {
@@ -180,22 +183,22 @@ PAGE_INLINE uint32_t code_other(coder *c, nibble_odds odds[5][3], nibble_odds *f
     return step ^ ((step ^ beside) & (0 - (uint32_t)(symbol < 2)));
 }
 
-/* Bytes of 1 where a bit of eight is set. */
+/* Eight bits to eight bytes of 0 or 1. */
 PAGE_INLINE uint64_t bytes_of_bits(uint32_t bits)
 {
     uint64_t low = bits & 15, high = bits >> 4;
     return (low * 0x00204081 & 0x01010101) | (high * 0x00204081 & 0x01010101) << 32;
 }
 
-/* The indices of a pattern's texels, row by row: for each four of eight texels which differ from the one above, and of those that do what
- * they are. 0: an index is none.
- * border, left  indices beside the tile, as of border_indices */
+/* The indices of the texels of a pattern, row by row: first which texels differ from the one above, four per nibble, then
+ * the index of each of these. 0: invalid index.
+ * border, left  indices beside the tile, from border_indices */
 static int code_indices(walk *w, const uint8_t *border, const uint8_t *left, uint32_t depths, uint8_t *index)
 {
-    coder        c    = w->c; /* a copy may live in registers */
+    coder        c    = w->c; /* a local copy can stay in registers */
     page_odds   *odds = w->odds;
     nibble_odds *far = &odds->far, (*other)[3] = odds->other[depths < 4 ? 0 : depths < 6 ? 1 : depths < 9 ? 2 : 3];
-    uint64_t     last = vxs_load64(border + 2), before = last; /* the row above, and the one above that: a byte a texel */
+    uint64_t     last = vxs_load64(border + 2), before = last; /* the row above, and the row above that: a byte per texel */
     uint32_t     corner = border[1], right = border[10];
     for (uint32_t y = 0; y < 8; y++) {
         uint32_t beside = bytes_set(last ^ (last << 8 | corner)) | (uint32_t)(right != last >> 56) << 8,

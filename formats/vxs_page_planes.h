@@ -1,28 +1,28 @@
-/* Planes: of blocks, and of patterns with depths of their own. How steep one is, is told by those beside it; where it lies, so that it meets
- * its borders.
- * Internal to vxs_page_*.c, which say PAGE_ENCODING. Not installed.
+/* Planes of blocks, and of private-palette patterns. Slopes are predicted from the planes beside it; the depth is predicted
+ * so that the plane meets its borders.
+ * Internal to vxs_page_*.c, which define PAGE_ENCODING. Not installed.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_PAGE_PLANES_H
 #define VXS_PAGE_PLANES_H
 
 #include "vxs_page_borders.h"
 
-enum { ZEROS_MAX = 8 /* low bits of numbers that may be round */ };
+enum { ZEROS_MAX = 8 /* greatest number of low zero bits that is coded */ };
 
-/* A plane as it is stored: a and b, in (1 << shift) / 256 voxel. */
+/* A plane as stored: a and b, slopes across and down, in (1 << shift) / 256 voxel. */
 typedef struct plane {
     int32_t  a, b;
     uint32_t shift;
 } plane;
 
-/* Of a square whose least depth is `least`, in 1/256 voxel. known: whose plane it is. */
+/* The plane in a square whose least depth is `least`, in 1/256 voxel.   known  OF_PATTERN or OF_BLOCK */
 PAGE_INLINE sheet sheet_of(const plane *p, uint32_t least, int32_t side_px, uint32_t known)
 {
     int32_t x = p->a * (1 << p->shift), y = p->b * (1 << p->shift), last = side_px - 1;
     return (sheet){x, y, least - (uint32_t)((x < 0 ? x * last : 0) + (y < 0 ? y * last : 0)), (uint8_t)p->shift, (uint8_t)known};
 }
 
-/* The same plane, from another texel on. */
+/* The same plane, with (x, y) as its first texel. */
 PAGE_INLINE sheet sheet_from(sheet s, int32_t x, int32_t y)
 {
     s.at += (uint32_t)(s.x * x + s.y * y);
@@ -34,13 +34,13 @@ PAGE_INLINE int16_t sheet_depth(sheet s, int32_t x, int32_t y)
     return (int16_t)(sheet_from(s, x, y).at >> 8);
 }
 
-/* What the node's slope adds to the depths of a tile. */
+/* Depth that the slope of the node adds to a tile. */
 PAGE_INLINE int32_t tile_slope(const walk *w, uint32_t tx, uint32_t ty)
 {
     return slope_shift(w->slope_x, w->slope_y, (int32_t)tx, (int32_t)ty);
 }
 
-/* The middle one of some numbers; 0: there are none. */
+/* The median; 0 if count is 0. Sorts the array. */
 static int32_t middle_of(int32_t *said, uint32_t count)
 {
     for (uint32_t n = 1; n < count; n++) {
@@ -52,8 +52,8 @@ static int32_t middle_of(int32_t *said, uint32_t count)
     return count ? said[count / 2] : 0;
 }
 
-/* Depth of a texel above a square, and of one on its left, without the node's slope; what lies beyond the node has the slope of the
- * node's own tiles (open_borders). 0: it is never reached. */
+/* Depth of the texel above a square, or on its left, without the slope of the node; texels beyond the node have the slope of
+ * the node's own tiles (open_borders). 0: never in shadow. */
 PAGE_INLINE int depth_above(const walk *w, uint32_t x, uint32_t y, int32_t *depth)
 {
     *depth = w->above[8 + x] - tile_slope(w, x / TILE_PX, y ? y / TILE_PX - 1 : 0);
@@ -66,7 +66,7 @@ PAGE_INLINE int depth_left(const walk *w, uint32_t x, uint32_t y, int32_t *depth
     return w->left[y] != (int16_t)NEVER;
 }
 
-/* Whether what is above a tile, or on its left, is as deep as its plane is there, to a voxel. s: from the tile's texel (0, 0) on. */
+/* Whether the depths above a tile, or on its left, are at most one voxel off its plane.   s  from texel (0, 0) of the tile */
 static int fits_above(const walk *w, sheet s, uint32_t x0, uint32_t y0)
 {
     int32_t depth, off;
@@ -89,7 +89,7 @@ static int fits_left(const walk *w, sheet s, uint32_t x0, uint32_t y0)
     return 1;
 }
 
-/* How deep texel (0, 0) of a block is, if its plane meets what lies beside it. s: its steps. */
+/* Depth of texel (0, 0) of a block if its plane meets its neighbours.   s  only its slopes are used */
 static uint32_t meet_block(const walk *w, const sheet *s, uint32_t x0, uint32_t y0)
 {
     int32_t  said[2 * TILE_PX], depth;
@@ -101,7 +101,7 @@ static uint32_t meet_block(const walk *w, const sheet *s, uint32_t x0, uint32_t 
     return (uint32_t)middle_of(said, count);
 }
 
-/* What a tile of a block's plane leaves. s: from the tile's texel (0, 0) on. */
+/* Set the borders after a tile on the plane of a block.   s  from texel (0, 0) of the tile */
 static void draw_sheet(walk *w, sheet s, uint32_t x0, uint32_t y0)
 {
     int16_t *above = w->above + 8 + x0, *left = w->left + y0;
@@ -113,7 +113,7 @@ static void draw_sheet(walk *w, sheet s, uint32_t x0, uint32_t y0)
     w->sheet_above[x0 / TILE_PX] = w->sheet_left[y0 / TILE_PX] = s;
 }
 
-/* a and b, beside a plane that is about as steep; they are likely to be round. */
+/* Slopes a and b, predicted by a plane with similar slopes; often they have zeros as low bits. */
 static int code_steps(walk *w, plane_odds *odds, plane *p, sheet like)
 {
     uint32_t zeros = 0;
@@ -130,8 +130,8 @@ static int code_steps(walk *w, plane_odds *odds, plane *p, sheet like)
     return p->a == (int16_t)p->a && p->b == (int16_t)p->b;
 }
 
-/* What is about as steep as a plane of a tile: the planes on its left and above it, or the last one.
- * which  0: of one plane; 1, 2: the first of two, the second */
+/* Predicted slopes for a plane of a tile: from the planes on its left and above it, or the last one.
+ * which  0: of a single plane; 1, 2: of the first or second of two planes */
 static sheet steps_beside(const walk *w, uint32_t x0, uint32_t y0, uint32_t which)
 {
     const sheet *left = &w->sheet_left[y0 / TILE_PX], *above = &w->sheet_above[x0 / TILE_PX];

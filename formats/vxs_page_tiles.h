@@ -1,5 +1,5 @@
-/* Tiles of a block: of one depth, of a pattern over its palette, or of a pattern with depths of its own.
- * Internal to vxs_page_*.c, which say PAGE_ENCODING. Not installed.
+/* Tiles of a block: with a single depth, with a pattern over the block palette, or with a private-palette pattern.
+ * Internal to vxs_page_*.c, which define PAGE_ENCODING. Not installed.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_PAGE_TILES_H
 #define VXS_PAGE_TILES_H
@@ -7,21 +7,21 @@
 #include "vxs_page_block_planes.h"
 #include "vxs_page_lists.h"
 
-/* A block while it is coded. */
+/* State of a block during coding. */
 typedef struct block {
-    _Alignas(16) int16_t depth[16];    /* of the palette, in the node */
-    uint32_t    entries, class;        /* of the palette; a rough measure of how many, 0..4 */
+    _Alignas(16) int16_t depth[16];    /* of the palette entries, in the node */
+    uint32_t    entries, class;        /* number of palette entries; class: a rough estimate of it, 0..4 */
     uint32_t    mixed, fresh, own, on; /* on: tiles on the plane */
-    uint32_t    tiles, from_tiles;     /* where the words of tiles are; in the source */
-    uint64_t    index;                 /* of fresh tiles, a nibble each */
+    uint32_t    tiles, from_tiles;     /* where the words of tiles start: in the page, in the source */
+    uint64_t    index;                 /* palette indices of fresh tiles, a nibble each */
     uint32_t    fresh_count, mixed_count, far;
     int32_t     base;
     int32_t     own_base[16];
     block_plane plane;
     sheet       sheet;    /* the plane, in the node */
-    uint32_t    word;     /* where it goes */
-    uint32_t    from;     /* where it is in the source */
-    uint16_t    used[16]; /* palette entries that each tile uses */
+    uint32_t    word;     /* where the block is in the page */
+    uint32_t    from;     /* where the block is in the source */
+    uint16_t    used[16]; /* palette entries used by each tile */
 } block;
 
 static int code_uniform_tile(walk *w, block *b, uint32_t t, uint32_t x0, uint32_t y0, uint32_t *last)
@@ -54,14 +54,15 @@ static int code_uniform_tile(walk *w, block *b, uint32_t t, uint32_t x0, uint32_
     return 1;
 }
 
-/* Which palette entries a tile uses; 0: none, it has depths of its own. */
+/* Which palette entries a tile uses; 0: none, it has a private-palette pattern. */
 static uint32_t code_used(walk *w, const block *b, uint32_t t, uint32_t value, uint32_t x0, uint32_t y0)
 {
     coder    c    = w->c;
     uint32_t left = depths_met(b->depth, b->entries, w->left + y0), above = depths_met(b->depth, b->entries, w->above + 8 + x0);
     uint32_t tiles = (t & 3 ? b->used[t - 1] : 0u) | (t > 3 ? b->used[t - 4] : 0u), either = left | above, used = 0;
     uint32_t span =
-        either ? (2u << page_last_bit(either)) - (1u << page_first_bit(either)) : 0; /* from the first to the last of the borders */
+        /* from the first to the last entry in the borders */
+        either ? (2u << page_last_bit(either)) - (1u << page_first_bit(either)) : 0;
     uint32_t low = (left & above) | ((tiles | span) & ~either);
     for (uint32_t n = 0; n < b->entries; n += 4) {
         uint32_t k = (low >> n & 15) | (either >> n & 15) << 4, more = b->entries - n;

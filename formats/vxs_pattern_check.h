@@ -1,24 +1,24 @@
-/* The check of patterns whose words come as they were stored, for pages and the common pool that are packed fast. Internal to vxs_page_check.c
- * and vxs_resident_check.c. Not installed.
+/* Check of stored patterns, for pages and the common pool packed fast. Internal to vxs_page_check.c and
+ * vxs_resident_check.c. Not installed.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_PATTERN_CHECK_H
 #define VXS_PATTERN_CHECK_H
 
 #include "vxs_page_layout.h"
 
-/* What patterns lie in. */
+/* The pool that contains the patterns. */
 typedef struct checked_pool {
     const uint32_t *words;
     uint32_t        half_end;
 } checked_pool;
 
-/* Halves from one on to the end of the pool. */
+/* Number of halves from `half` to the end of the pool. */
 static uint32_t halves_left(const checked_pool *p, uint32_t half)
 {
     return p->half_end - half;
 }
 
-/* Number n of those that start at a half: bytes, halves, or two halves each. */
+/* Delta n of those that start at a half: bytes, halves, or two halves each. */
 static uint32_t delta_at(const uint32_t *words, uint32_t half, uint32_t width, uint32_t n)
 {
     if (width == 0) return get_byte(words, 2 * half + n);
@@ -26,7 +26,7 @@ static uint32_t delta_at(const uint32_t *words, uint32_t half, uint32_t width, u
     return get_half(words, half + 2 * n) | get_half(words, half + 2 * n + 1) << 16;
 }
 
-/* Deltas of a palette: ascending, above zero, and not too far. Bytes are padded to a half. */
+/* Deltas of a palette must be ascending, above zero, and within DEPTH_END. A padding byte must be 0. */
 static int check_deltas(const uint32_t *words, uint32_t half, uint32_t width, uint32_t shift, uint32_t count)
 {
     uint32_t last = 0;
@@ -38,7 +38,7 @@ static int check_deltas(const uint32_t *words, uint32_t half, uint32_t width, ui
     return 1;
 }
 
-/* An image of indices: each of them is one, and masks would take more room. */
+/* An image of indices: each index must be valid, and masks must need more space. */
 static int check_image(const checked_pool *p, uint32_t half, uint32_t depths)
 {
     uint32_t size = depths / 2;
@@ -47,12 +47,13 @@ static int check_image(const checked_pool *p, uint32_t half, uint32_t depths)
         uint32_t met = 0;
         for (uint32_t n = 0; n < 16; n++) met |= 1u << (get_byte(p->words, 2 * half + 2 + 16 * (c & 1) + n) >> 4 * (c >> 1) & 15);
         if (met >> depths) return 0;
-        size += count_bits(met) - 1; /* the last of them has no mask of its own */
+        size += count_bits(met) - 1; /* the last depth has no mask */
     }
     return size > INDEX_HALVES;
 }
 
-/* Whether a quadrant's halves are masks, none of them empty or full, each with all texels of the one before it, and more. */
+/* Whether the halves of a quadrant are masks, neither empty nor full; each must contain all texels of the previous one, and
+ * more. */
 static int check_halves(const checked_pool *p, uint32_t half, uint32_t count)
 {
     uint32_t last = 0, wrong = 0;
@@ -64,8 +65,8 @@ static int check_halves(const checked_pool *p, uint32_t half, uint32_t count)
     return !wrong;
 }
 
-/* Halves of a pattern over `depths` depths; 0: it is none. A byte says what a mask is in all quadrants: in each it is none of the texels, then
- * halves, which may come again, then all. */
+/* Number of halves of a pattern over `depths` depths; 0: invalid. A byte has the state of a mask in each quadrant. In each
+ * quadrant the states must be: no texels, then halves, which may repeat, then all texels. */
 static uint32_t check_pattern(const checked_pool *p, uint32_t half, uint32_t depths)
 {
     const uint32_t *words = p->words;
@@ -78,7 +79,7 @@ static uint32_t check_pattern(const checked_pool *p, uint32_t half, uint32_t dep
         wrong |= (~(low | high) & 0x55 & (begun | full)) | (full & ~all) | (again & ~begun);
         begun |= is_new;
         full |= all;
-        counts += is_new * 0x41041 & 0x01010101; /* of each quadrant, a byte */
+        counts += is_new * 0x41041 & 0x01010101; /* a byte for each quadrant */
     }
     if (depths % 2 == 0) wrong |= get_byte(words, 2 * half + depths - 1);
     uint32_t halves = counts * 0x01010101 >> 24;
@@ -88,7 +89,7 @@ static uint32_t check_pattern(const checked_pool *p, uint32_t half, uint32_t dep
     return size;
 }
 
-/* Halves of a pattern over depths of its own. */
+/* Number of halves of a private-palette pattern with a palette; 0: invalid. */
 static uint32_t check_own_palette(const checked_pool *p, uint32_t half, uint32_t kind, uint32_t shift, uint32_t depths)
 {
     uint32_t first = half + 1, deltas = depths - 1;
@@ -100,7 +101,7 @@ static uint32_t check_own_palette(const checked_pool *p, uint32_t half, uint32_t
     return pattern ? 1 + halves + pattern : 0;
 }
 
-/* Whether depths are not too far. */
+/* Whether all depths are within DEPTH_END. */
 static int check_raw(const uint32_t *words, uint32_t half, uint32_t kind, uint32_t shift)
 {
     uint32_t greatest = 0;
@@ -111,7 +112,7 @@ static int check_raw(const uint32_t *words, uint32_t half, uint32_t kind, uint32
     return (uint64_t)greatest << shift < DEPTH_END;
 }
 
-/* Halves of a pattern with depths of its own; 0: it is none. */
+/* Number of halves of a private-palette pattern; 0: invalid. */
 static uint32_t check_own(const checked_pool *p, uint32_t half)
 {
     if (!halves_left(p, half)) return 0;
@@ -124,7 +125,7 @@ static uint32_t check_own(const checked_pool *p, uint32_t half)
     return own_halves[kind];
 }
 
-/* Halves of a pattern of a kind (VXS_PATTERN_KINDS) that starts at a half; 0: it is none, or leaves the pool. */
+/* Number of halves of a pattern of a kind (VXS_PATTERN_KINDS) that starts at a half; 0: invalid, or not within the pool. */
 static inline uint32_t check_pattern_of(const checked_pool *p, uint32_t half, uint32_t kind)
 {
     return kind == KIND_OWN ? check_own(p, half) : check_pattern(p, half, kind);

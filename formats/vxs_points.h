@@ -7,7 +7,7 @@
 
 enum { VXS_POINT_PLANES = 6 }; /* bytes of a code */
 
-/* Bits 0, 3, 6, ... of a code close together: a coordinate; and back. */
+/* A coordinate from bits 0, 3, 6, ... of a code; and the inverse. */
 static inline uint16_t vxs_point_coordinate(uint64_t code)
 {
     uint32_t found = 0;

@@ -1,6 +1,7 @@
-/* Reading a .vxs file: every check of formats/vxs.md section 8 on what all files have, and what codings read by (vxs_reader.h).
+/* Reading a .vxs file: every check of formats/vxs.md section 8 that is common to all files, and the functions for codings
+ * (vxs_reader.h).
  *
- * The order of work: header, directory, checksums of all sections, light table, then for each light what its coding keeps.
+ * Order: header, directory, checksums of all sections, light table, then for each light the sections of its coding.
  * SPDX-License-Identifier: MIT */
 #include <math.h>
 #include <string.h>
@@ -35,7 +36,7 @@ void vxs_found(vxs_reader *r, int number, int section, uint64_t offset)
     }
 }
 
-/* Whether to go on: nothing was found, or everything is wanted. */
+/* Whether to continue: there is no finding, or all findings are wanted. */
 static int go_on(const vxs_reader *r)
 {
     return r->result == VXS_OK || r->desc.find_all;
@@ -119,7 +120,7 @@ static int known_kind(const vxs_reader *r, uint32_t kind)
            vxs_is_dag_section(kind) || (has_blocks(r) && vxs_is_blocks_section(kind));
 }
 
-/* What is stored as it is says its size twice. Of a kind that is known, it is known whether it is. */
+/* A section that is not a zstd frame must have two equal sizes. The format fixes for each known kind whether it is a frame. */
 static int storage_valid(const vxs_reader *r, const vxs_section *s)
 {
     int stored = (s->flags & VXS_SECTION_STORED) != 0;
@@ -185,7 +186,7 @@ int vxs_find_section(vxs_reader *r, uint32_t kind, uint32_t light, uint32_t leve
     return -1;
 }
 
-/* Whether a section is one frame of the size that the directory says, as far as that is seen without inflating it; 0: a finding. */
+/* Whether a section is one frame of the inflated size in the directory, without inflating it; 0: a finding. */
 static int check_frame(vxs_reader *r, int section, const uint8_t *from, size_t extra)
 {
     const vxs_section *s = &r->out.sections[section];
@@ -231,16 +232,16 @@ static int kind_known(const vxs_light *l)
     return l->kind >= VXS_LIGHT_KIND_DIRECTIONAL && l->kind <= VXS_LIGHT_KIND_POINT;
 }
 
-/* Directional lights have no reach, and say 0; what the others say is theirs. */
+/* Directional lights have no reach, and these fields are 0; for other lights each must be in range. */
 static int reach_valid(const vxs_light *l)
 {
-    if (!kind_known(l)) return 1; /* nothing is known of it */
+    if (!kind_known(l)) return 1; /* kinds of later versions are not checked */
     if (l->kind == VXS_LIGHT_KIND_DIRECTIONAL) return l->near_metres == 0 && l->cos_outer == 0 && l->range_metres == 0;
     int cone = l->kind == VXS_LIGHT_KIND_SPOT ? l->cos_outer >= 0 && l->cos_outer < 1 : l->cos_outer == 0;
     return measure_valid(l->near_metres) && cone && isfinite(l->range_metres) && l->range_metres >= 0;
 }
 
-/* A flag has to belong to the light's kind; a point light has six maps. */
+/* A flag must belong to the kind of the light; a point light has six maps. */
 static int flags_valid(const vxs_light *l)
 {
     if (!kind_known(l)) return 1;
@@ -248,7 +249,7 @@ static int flags_valid(const vxs_light *l)
     return !(l->flags & ~(l->kind == VXS_LIGHT_KIND_SPOT ? VXS_LIGHT_CUBE : VXS_LIGHT_BOUNDED));
 }
 
-/* Only palette blocks have one. */
+/* Only palette blocks have a packing. */
 static void check_packing(vxs_reader *r, uint32_t coding, uint32_t packing, int section, uint64_t at)
 {
     if (packing == VXS_PACKING_SMALL) return;
@@ -329,7 +330,7 @@ static void read_lights(vxs_reader *r)
     vxs_give_back(r, table, size + VXS_LIGHTS_PREFIX_BYTES, 1);
 }
 
-/* Whether a section of a known kind belongs to what it says, and that to its kind. */
+/* Whether a section of a known kind belongs to an existing light and level, and to the right coding. */
 static int owner_valid(const vxs_reader *r, const vxs_section *s)
 {
     int dag = vxs_is_dag_section(s->kind), smoke = s->kind == VXS_KIND_SMOKE;
@@ -341,7 +342,7 @@ static int owner_valid(const vxs_reader *r, const vxs_section *s)
     return dag ? vxs_dag_has_section(light, s) : s->level == 0;
 }
 
-/* Sections of lights and levels that are not there would never be looked at: they are not allowed. */
+/* Sections of missing lights and levels would never be read, so they are not allowed. */
 static void check_owners(vxs_reader *r)
 {
     for (uint32_t n = 0; n < r->out.section_count && go_on(r); n++) {
@@ -353,7 +354,7 @@ static void check_owners(vxs_reader *r)
 
 /* all of it -------------------------------------------------------------------------------------------------------------------- */
 
-/* There is one at most; what says that it belongs to a light was found before, and is not read. */
+/* There is at most one. Metadata that belongs to a light has been reported before, and is ignored. */
 int vxs_read_metadata(vxs_reader *r)
 {
     const vxs_section wanted = {.kind = VXS_KIND_METADATA, .light = VXS_NO_LIGHT};

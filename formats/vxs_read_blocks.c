@@ -1,8 +1,9 @@
-/* Reading a light of palette blocks: every check of formats/vxs.md section 14 on its resident part and its pages (vxs_read_page.h), and
- * its words as section 13 has them.
+/* Reading a light of palette blocks: every check of formats/vxs.md section 14 on its resident part and its pages
+ * (vxs_read_page.h), and its words in the layout of section 13.
  *
- * What both say of their sizes is held against the limit before anything is decoded. Once the resident part is known, pages are decoded by
- * as many tasks as there are threads, and memory for what each of them needs; what was wrong is told afterwards, in the order of pages.
+ * The sizes in both sections are compared with the memory limit before anything is decoded. After the resident part, pages
+ * are decoded by up to as many tasks as there are threads and memory for their tools. Findings are reported afterwards, in
+ * the order of pages.
  * SPDX-License-Identifier: MIT */
 #include <string.h>
 
@@ -18,7 +19,7 @@ int vxs_is_blocks_section(uint32_t kind)
     return kind == VXS_KIND_RESIDENT || kind == VXS_KIND_PAGES;
 }
 
-/* A light while it is decoded. */
+/* State of decoding a light. */
 typedef struct blocks_reader {
     vxs_reader        *r;
     vxs_baked_light   *baked;
@@ -26,17 +27,17 @@ typedef struct blocks_reader {
     vxs_resident_sizes sizes;
     vxs_paged_light    light;
     uint32_t          *words;                /* [word_count + VXS_BLOCKS_SPARE_WORDS] */
-    vxs_page_tools     tools[VXS_TASKS_MAX]; /* zstd of the first is the reader's */
+    vxs_page_tools     tools[VXS_TASKS_MAX]; /* zstd of tools[0] belongs to the reader */
     uint8_t           *scratch_memory[VXS_TASKS_MAX];
-    uint32_t           task_count; /* that have all their tools */
-    uint16_t          *wrong;      /* [page_count] the number of what was found; 0: nothing */
+    uint32_t           task_count; /* tasks that have all their tools */
+    uint16_t          *wrong;      /* [page_count] number of the finding; 0: none */
     vxs_items          pages;
 } blocks_reader;
 
-/* A page, and where it is. */
+/* A page and its place. */
 typedef struct page_place {
-    uint32_t page, start; /* start: of its words, among the light's */
-    uint64_t at;          /* its bytes, in the section */
+    uint32_t page, start; /* start: of its words, in the words of the light */
+    uint64_t at;          /* of its bytes, in the section */
 } page_place;
 
 static const uint8_t *page_entry(const blocks_reader *b, uint32_t page)
@@ -44,7 +45,7 @@ static const uint8_t *page_entry(const blocks_reader *b, uint32_t page)
     return vxs_page_entry(vxs_stored_bytes(b->r, b->pages_section), page);
 }
 
-/* What the resident part and the pages are to take: whether their sizes fit each other, the sections and the light's record. */
+/* Whether the sizes of the resident part and the pages match each other, the sections and the light's record. 0: a finding. */
 static int check_sizes(blocks_reader *b)
 {
     vxs_reader *r       = b->r;
@@ -73,13 +74,13 @@ static int is_fast(const blocks_reader *b)
     return b->baked->packing == VXS_PACKING_FAST;
 }
 
-/* Without the first task's tools nothing is read; others only make it quicker. */
+/* Nothing can be read without the tools of task 0; other tasks are optional. */
 static void *take_tool(blocks_reader *b, uint32_t task, size_t size)
 {
     return task ? vxs_take_spare(b->r, size, 1) : vxs_take(b->r, size, 1, b->resident_section);
 }
 
-/* 0: there is no memory for one of them. */
+/* 0: no memory for one of the tools. */
 static int take_tools(blocks_reader *b, uint32_t task)
 {
     vxs_page_tools *t = &b->tools[task];
@@ -110,7 +111,7 @@ static int take_memory(blocks_reader *b)
     uint32_t                  wanted  = vxs_task_count(r->desc.parallel, s->page_count);
     b->words = vxs_take(r, b->baked->word_count + (uint64_t)VXS_BLOCKS_SPARE_WORDS, sizeof *b->words, b->pages_section);
     if (!b->words) return 0;
-    b->baked->words = b->words; /* given back with the light, whatever happens */
+    b->baked->words = b->words; /* set at once, so that they are freed with the light in any case */
     if (!(to->nodes = vxs_take(r, s->node_count, sizeof *to->nodes, section))) return 0;
     if (!(to->page_first = vxs_take(r, s->page_count + (uint64_t)1, sizeof *to->page_first, section))) return 0;
     if (is_fast(b)) {
@@ -163,7 +164,8 @@ static int decode_page(const blocks_reader *b, const page_place *p, uint32_t tas
     return wrong;
 }
 
-/* A task: pages that no other has taken. Behind one that is wrong none is wanted, but where everything is; all before it are taken. */
+/* A task: decodes pages that no other task has taken. After an invalid page no further page is taken, unless all findings
+ * are wanted; all pages before it are decoded. */
 static void decode_some_pages(void *work, uint32_t task)
 {
     blocks_reader *b = work;

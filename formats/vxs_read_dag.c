@@ -1,7 +1,8 @@
-/* Reading a light that is a DAG: every check of formats/vxs.md section 7 on its levels and masks, and its words as section 6 has them.
+/* Reading a light that is a DAG: every check of formats/vxs.md section 7 on its levels and masks, and its words in the
+ * layout of section 6.
  *
- * Levels are read from the root down. A level is checked when it is decoded: references only ever name a child that was referred to
- * before, or the next one, so that a child lies in its level and levels only go down; no check is left for a lookup.
+ * Levels are read from the root down. A level is checked when it is decoded: a reference can only be to a child used before,
+ * or to the next new one. So a child is always in the level below, and lookups need no check.
  * SPDX-License-Identifier: MIT */
 #include "vxs_bytes.h"
 #include "vxs_lookup.h"
@@ -17,13 +18,13 @@ int vxs_dag_has_section(const vxs_light *light, const vxs_section *s)
     return s->level <= (s->kind == VXS_KIND_LEVEL ? light->levels - VXS_LEVELS_MIN : 0);
 }
 
-/* A level while its light is decoded. */
+/* A level of the light being decoded. */
 typedef struct level {
     int       section;
     uint8_t  *content; /* inflated: node count, states, references */
     uint64_t  size;
     uint32_t  count;
-    uint32_t *word; /* [count] where each node starts in the light's words */
+    uint32_t *word; /* [count] word where each node starts */
 } level;
 
 typedef struct light_reader {
@@ -43,7 +44,8 @@ static uint32_t level_states(const level *l, uint32_t node)
     return vxs_load16(l->content + 4 + (size_t)node * 2);
 }
 
-/* A child that repeats its neighbour nearer the light has one: an octree child z = 1 one that is its own, a slice any mask. */
+/* A child that repeats its neighbour nearer the light must have one: for an octree child with z = 1, a neighbour with its
+ * own offset; for a slice, any mask. */
 static int states_valid(uint32_t states, int slices)
 {
     uint32_t same  = states & (states >> 1) & 0x5555u;
@@ -56,7 +58,7 @@ static void add_part(light_reader *lr, const char *kind, uint32_t side_voxels, u
     lr->baked->parts[lr->baked->part_count++] = (vxs_part){kind, side_voxels, count, 4 * words, (uint32_t)section};
 }
 
-/* Inflate a level and lay out its nodes behind those of the level above. */
+/* Inflate a level and place its nodes after those of the level above. */
 static int lay_out_level(light_reader *lr, uint32_t index)
 {
     vxs_reader *r = lr->r;
@@ -92,7 +94,7 @@ static int lay_out_masks(light_reader *lr)
     return 1;
 }
 
-/* The next reference: 0 for a child not seen before, else how far back from the next new one. Returns 0 on a finding. */
+/* The next reference: 0 for a new child, else its distance back from the next new one. Returns 0 for a finding. */
 static int read_code(light_reader *lr, const level *l, uint64_t *at, uint32_t *code)
 {
     uint64_t value = 0;
@@ -108,7 +110,7 @@ static int read_code(light_reader *lr, const level *l, uint64_t *at, uint32_t *c
     }
 }
 
-/* Write a level's words: states and the offsets of the children below. */
+/* Write the words of a level: states, and offsets of the children. */
 static int decode_level(light_reader *lr, uint32_t index, uint32_t *words, uint32_t mask_word)
 {
     const level *l     = &lr->level[index];
@@ -152,7 +154,7 @@ static int decode_light(light_reader *lr)
     uint32_t *words = (uint32_t *)lr->baked->words;
     if (!words && !(words = vxs_take(r, total, sizeof *words, lr->mask_section))) return 0;
     lr->baked->words                     = words;
-    words[mask_word ? mask_word - 1 : 0] = 0; /* the padding before masks, when there is some */
+    words[mask_word ? mask_word - 1 : 0] = 0; /* the padding before masks, if there is any */
     for (uint32_t map = 0; map < lr->maps && lr->maps > 1; map++) words[map] = lr->level[lr->level_count - 1].word[map];
     for (uint32_t l = 0; l < lr->level_count; l++)
         if (!decode_level(lr, l, words, mask_word)) return 0;

@@ -1,7 +1,7 @@
 /* The parts of a light of palette blocks, checked and decoded one by one; vxs_read_page.h.
  *
- * What the table says of sizes is added up, and held against the section and the light's record, before anything is decoded. Decoding is
- * the check of the rest (vxs_page.h), but for pages that are packed fast, which are checked as words (vxs_page_fast.h).
+ * Before decoding, the sizes in the table are added up, and compared with the section and the light's record. Decoding
+ * checks the rest (vxs_page.h), except for pages packed fast, whose words are checked (vxs_page_fast.h).
  * SPDX-License-Identifier: MIT */
 #include "vxs_read_page.h"
 

@@ -1,4 +1,4 @@
-/* Reading points of what casts: every check of formats/vxs.md section 16, and their coordinates.
+/* Reading points of casters: every check of formats/vxs.md section 16, and their coordinates.
  * SPDX-License-Identifier: MIT */
 #include <math.h>
 
@@ -6,7 +6,7 @@
 #include "vxs_points.h"
 #include "vxs_reader.h"
 
-/* Metres that a double holds, at the last unit, too. */
+/* Whether all places are finite, also at the last unit. */
 static int head_valid(const vxs_baked_points *p)
 {
     for (int n = 0; n < 3; n++)
@@ -24,7 +24,7 @@ static vxs_baked_points head_of(const uint8_t *content)
     return p;
 }
 
-/* Each code less the one before it, a plane for each byte. 0: a finding. */
+/* Decode codes stored as differences from the previous code, with a plane for each byte. 0: a finding. */
 static int decode(vxs_reader *r, int section, const uint8_t *planes, uint32_t count, uint16_t *coordinates)
 {
     uint64_t code = 0;

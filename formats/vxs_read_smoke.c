@@ -1,8 +1,8 @@
-/* Reading baked smoke: every check of formats/vxs.md section 15 on what is stored of a light's curves, and its words as lookups
- * have them.
+/* Reading baked smoke: every check of formats/vxs.md section 15 on the stored curves of a light, and its words in the layout
+ * for lookups.
  *
- * How many words there are follows from how many tiles and nodes are said to be there; counts are held against that before a node
- * is read.
+ * The number of words follows from the stored numbers of tiles and nodes; counts are compared with these before any node is
+ * read.
  * SPDX-License-Identifier: MIT */
 #include <math.h>
 #include <string.h>
@@ -13,7 +13,7 @@
 
 enum { HEAD_WORDS = 3, TILE_TEXELS = 64, TILE_WORDS = 32, NODE_BYTES = 4 };
 
-/* The smoke of a light while it is decoded. */
+/* State of decoding the smoke of a light. */
 typedef struct smoke_reader {
     vxs_reader    *r;
     int            section;
@@ -27,7 +27,7 @@ static int has_tile(const smoke_reader *s, uint64_t tile)
     return s->mask[tile >> 3] >> (tile & 7) & 1;
 }
 
-/* A number of depths and metres that a float holds, over all depths. */
+/* Whether the number of levels is valid, and depths and metres are finite floats for all depths. */
 static int head_valid(const smoke_reader *s, const vxs_light *light)
 {
     double first = vxs_real_of(vxs_load32(s->content + VXS_SMOKE_FIRST_METRES));
@@ -36,7 +36,7 @@ static int head_valid(const smoke_reader *s, const vxs_light *light)
            isfinite(step) && step > 0 && isfinite((float)(first + 65535 * step));
 }
 
-/* Where mask, counts and nodes lie. 0: a finding. */
+/* Find mask, counts and nodes in the section. 0: a finding. */
 static int find_parts(smoke_reader *s, const vxs_light *light)
 {
     if (s->size < VXS_SMOKE_PREFIX_BYTES) return vxs_found(s->r, 601, s->section, 0), 0;
@@ -58,7 +58,7 @@ static int find_parts(smoke_reader *s, const vxs_light *light)
     return 1;
 }
 
-/* Counts of nodes of each tile, within bounds, and as many in all as the head says. 0: a finding. */
+/* Check the node counts of each tile: within bounds, and with the sum in the head. 0: a finding. */
 static int check_counts(const smoke_reader *s)
 {
     uint64_t sum = 0;
@@ -82,7 +82,7 @@ static uint32_t node_byte(const smoke_reader *s, uint64_t n, uint32_t plane)
     return s->nodes[(uint64_t)plane * s->node_count + n];
 }
 
-/* The nodes of a curve from node `from` on, each less the one before it. 0: a finding. */
+/* Decode a curve from node `from` on; nodes are stored as differences from the previous one. 0: a finding. */
 static int decode_curve(const smoke_reader *s, uint64_t from, uint32_t count, uint32_t *words)
 {
     uint32_t depth = 0, left = 0xffff;
@@ -127,7 +127,7 @@ static int decode(const smoke_reader *s, uint32_t *words)
     return 1;
 }
 
-/* Inflate a section, and look how much it has: all of a vxs_baked_smoke but its words. 0: a finding. */
+/* Inflate a section and set all of a vxs_baked_smoke except its words. 0: a finding. */
 static int open_section(smoke_reader *s, vxs_reader *r, int section, vxs_baked_smoke *to)
 {
     const vxs_section *from  = &r->out.sections[section];
@@ -135,7 +135,7 @@ static int open_section(smoke_reader *s, vxs_reader *r, int section, vxs_baked_s
     *s = (smoke_reader){.r = r, .section = section, .content = vxs_inflate(r, section, 0), .size = from->inflated_bytes};
     if (!s->content || !find_parts(s, light) || !check_counts(s)) return 0;
     uint64_t count = HEAD_WORDS + s->tiles + (uint64_t)s->tile_count * TILE_WORDS + s->node_count;
-    if (count > INT32_MAX) return vxs_found(r, 601, section, 0), 0; /* as indices of shaders go */
+    if (count > INT32_MAX) return vxs_found(r, 601, section, 0), 0; /* must fit an int index of shaders */
     *to = (vxs_baked_smoke){NULL, (uint32_t)count, 1u << s->levels, s->tile_count, s->node_count, (uint32_t)section};
     return 1;
 }
@@ -161,7 +161,7 @@ void vxs_read_smoke_words(vxs_reader *r, const vxs_baked_smoke *measured, uint32
             now.node_count == measured->node_count)
             decode(&s, words);
         else
-            vxs_found(r, 601, s.section, 0); /* other bytes than a moment ago */
+            vxs_found(r, 601, s.section, 0); /* the bytes changed since vxs_measure_smoke */
     }
     close_section(&s);
 }

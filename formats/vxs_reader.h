@@ -1,5 +1,5 @@
-/* A file while it is read: what vxs_read.c gives the codings to read their sections by, and what they give it. Not installed.
- * The reader belongs to the thread that called vxs_read; what a coding leaves to tasks (vxs_tasks.h) reads it and calls nothing here.
+/* State of a file being read: interface between vxs_read.c and the readers of the codings. Not installed. The reader belongs
+ * to the thread that called vxs_read. Tasks of a coding (vxs_tasks.h) only read it, and call no function of this header.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_READER_H
 #define VXS_READER_H
@@ -11,7 +11,7 @@
 typedef struct vxs_reader vxs_reader;
 
 struct vxs_reader {
-    const uint8_t *bytes; /* of the file; only header and directory where sections are loaded */
+    const uint8_t *bytes; /* of the file; only header and directory if sections are loaded by `load` */
     uint64_t       size;  /* of the file */
     vxs_read_desc  desc;
     vxs_allocator  allocator;
@@ -19,101 +19,102 @@ struct vxs_reader {
     vxs_result     result; /* of the first finding */
     vxs_contents   out;
     ZSTD_DCtx     *zstd;
-    /* The stored bytes of a section, whose hash holds, until the next call; NULL: a finding. NULL: they are in the file's bytes */
+    /* Returns the stored bytes of a section, with a valid hash, until the next call; NULL: a finding. If `load` is NULL, all
+     * sections are in `bytes` */
     const uint8_t *(*load)(vxs_reader *r, int section);
     void            *load_user;
-    vxs_baked_smoke *smoke; /* [out.light_count] NULL: no light has any */
+    vxs_baked_smoke *smoke; /* [out.light_count] NULL: no light has smoke */
     vxs_baked_points points;
 };
 
-/* Check the header: of r->bytes the first VXS_HEADER_BYTES are looked at, or all where r->size is less. 0: a finding. */
+/* Check the header: reads the first VXS_HEADER_BYTES of r->bytes, or all if r->size is less. 0: a finding. */
 int vxs_read_header(vxs_reader *r);
 
 /* Check header and directory, and the hashes of sections that are in memory. 0: a finding. */
 int vxs_read_head(vxs_reader *r);
 
-/* Read the table of lights, once the head was read and there is a zstd context, and check that sections belong to them. Lights have no words
- * yet. 0: a finding. */
+/* Read the table of lights, and check that each section belongs to a light. Needs the head and a zstd context. The lights
+ * have no words yet. 0: a finding. */
 int vxs_read_light_table(vxs_reader *r);
 
-/* Inflate the metadata, where the description asks for it; else check its frame. 0: a finding. */
+/* Inflate the metadata if the description wants it; else only check its frame. 0: a finding. */
 int vxs_read_metadata(vxs_reader *r);
 
-/* Tell of a finding (vxs_findings.h) at an offset of a section, as it is inflated. */
+/* Report a finding (vxs_findings.h) at an offset of the inflated section. */
 void vxs_found(vxs_reader *r, int number, int section, uint64_t offset);
 
-/* count elements of `size` bytes, within the limit; NULL (a finding, or VXS_E_MEMORY) otherwise. */
+/* Allocate count elements of `size` bytes within the limit; NULL: a finding, or VXS_E_MEMORY. */
 void *vxs_take(vxs_reader *r, uint64_t count, size_t size, int section);
 
-/* The same where nothing is lost without it: NULL is no finding. */
+/* The same for optional memory: NULL is not a finding. */
 void *vxs_take_spare(vxs_reader *r, uint64_t count, size_t size);
 
-/* The same count and size. Accepts NULL. */
+/* Free memory from vxs_take or vxs_take_spare, with the same count and size. Accepts NULL. */
 void vxs_give_back(vxs_reader *r, void *memory, uint64_t count, size_t size);
 
-/* The index of a section, or -1: a finding. */
+/* Index of a section, or -1: a finding. */
 int vxs_find_section(vxs_reader *r, uint32_t kind, uint32_t light, uint32_t level);
 
-/* The inflated bytes of a section and `extra` zeros behind them, to be given back; NULL: a finding. */
+/* Inflated bytes of a section, followed by `extra` zeros; to be freed with vxs_give_back. NULL: a finding. */
 uint8_t *vxs_inflate(vxs_reader *r, int section, size_t extra);
 
-/* The bytes of a section as they are stored. */
+/* Stored bytes of a section. */
 static inline const uint8_t *vxs_stored_bytes(vxs_reader *r, int section)
 {
     return r->load ? r->load(r, section) : r->bytes + r->out.sections[section].offset_bytes;
 }
 
-/* vxs_read_dag.c ---------------------------------------------------------------------------------------------------------------- */
+/* vxs_read_dag.c --------------------------------------------------------------------------------------------------------------- */
 
-/* Whether a kind of section is one of the DAG's; whether a light has that section. */
+/* Whether a kind of section belongs to DAGs; whether a light has this section. */
 int vxs_is_dag_section(uint32_t kind);
 int vxs_dag_has_section(const vxs_light *light, const vxs_section *s);
 
-/* Check the levels and masks of a light, and lay out its words, of which the light table has said how many there are: where the light's words
- * are, if they have a place already. */
+/* Check the levels and masks of a light, and write its words; the light table has their number. If the light already has
+ * memory for its words, they are written there. */
 void vxs_read_dag(vxs_reader *r, vxs_baked_light *baked);
 
-/* vxs_read_blocks.c ------------------------------------------------------------------------------------------------------------- */
+/* vxs_read_blocks.c ------------------------------------------------------------------------------------------------------------ */
 
-/* The same for palette blocks. Their sections are stored as they are. */
+/* The same for palette blocks. Their sections are not zstd frames (VXS_SECTION_STORED). */
 int  vxs_is_blocks_section(uint32_t kind);
 void vxs_read_blocks(vxs_reader *r, vxs_baked_light *baked);
 
-/* vxs_read_smoke.c -------------------------------------------------------------------------------------------------------------- */
+/* vxs_read_smoke.c ------------------------------------------------------------------------------------------------------------- */
 
-/* Check the smoke of all lights that have some, and lay out its words. */
+/* Check the smoke of all lights that have some, and write its words. */
 void vxs_read_smoke(vxs_reader *r);
 
-/* The section of a light's smoke; -1: it has none. */
+/* The section with the smoke of a light; -1: none. */
 int vxs_find_smoke(const vxs_reader *r, uint32_t light);
 
-/* How much a section of smoke has, checked but for its curves: all of a vxs_baked_smoke but its words. */
+/* Check a section of smoke except its curves, and set all of a vxs_baked_smoke except its words. */
 void vxs_measure_smoke(vxs_reader *r, int section, vxs_baked_smoke *to);
 
-/* Check it again, and its curves, and lay out its words.   words  [measured->word_count] */
+/* Check the section again, with its curves, and write its words.   words  [measured->word_count] */
 void vxs_read_smoke_words(vxs_reader *r, const vxs_baked_smoke *measured, uint32_t *words);
 
-/* smoke  [count] NULL: there is none */
+/* smoke  [count] or NULL */
 void vxs_smoke_free(vxs_baked_smoke *smoke, uint32_t count, const vxs_allocator *allocator);
 
-/* vxs_read_points.c ------------------------------------------------------------------------------------------------------------- */
+/* vxs_read_points.c ------------------------------------------------------------------------------------------------------------ */
 
-/* Check the points, where there are some, and lay out their coordinates. */
+/* Check the points, if there are any, and write their coordinates. */
 void vxs_read_points(vxs_reader *r);
 
-/* Accepts none. */
+/* Accepts points without coordinates. */
 void vxs_points_free(vxs_baked_points *points, const vxs_allocator *allocator);
 
-/* vxs_read.c -------------------------------------------------------------------------------------------------------------------- */
+/* vxs_read.c ------------------------------------------------------------------------------------------------------------------- */
 
-/* What is read beside the contents, whose layout stays as it is. */
+/* Content that is not in vxs_contents, because the layout of that struct must not change. */
 typedef struct vxs_beside {
-    vxs_baked_smoke *smoke; /* [light_count] NULL: no light has any */
+    vxs_baked_smoke *smoke; /* [light_count] NULL: no light has smoke */
     vxs_baked_points points;
 } vxs_beside;
 
-/* vxs_read, that gives what is beside, too.
- * beside  [out] released with vxs_beside_free. Written only when VXS_OK is returned */
+/* vxs_read, with smoke and points.
+ * beside  [out] release with vxs_beside_free; written only if VXS_OK is returned */
 vxs_result vxs_read_beside(vxs_contents *contents, vxs_beside *beside, const void *bytes, size_t size_bytes,
                            const vxs_read_desc *desc);
 void       vxs_beside_free(vxs_beside *beside, uint32_t light_count, const vxs_allocator *allocator);

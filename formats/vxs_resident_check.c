@@ -1,7 +1,7 @@
-/* Resident parts that are packed fast, on the way in: from a frame to words, and the check of these; vxs_page_fast.h.
+/* Reading resident parts packed fast: checks their words; vxs_page_fast.h.
  *
- * The walk goes as 13.4 of formats/vxs.md orders what there is: tops map after map, entries in z order, then the common pool, pattern by
- * pattern. What it meets are the nodes of all pages, in their order.
+ * The walk follows the order in 13.4 of formats/vxs.md: tops map after map, entries in z order, then the common pool,
+ * pattern by pattern. It collects the nodes of all pages, in their order.
  * SPDX-License-Identifier: MIT */
 #include "vxs_page_fast.h"
 
@@ -11,15 +11,15 @@
 #include "vxs_pattern_check.h"
 #include "vxs_resident_layout.h"
 
-/* A resident part while it is checked. */
+/* State of the check of a resident part. */
 typedef struct checked_resident {
     const vxs_resident_sizes *sizes;
     const uint32_t           *words;
     uint32_t                  levels;
-    uint32_t                  word; /* where the next top, or the next cell's entries have to be */
+    uint32_t                  word; /* where the next top, or the entries of the next cell, must start */
     vxs_page_node            *nodes;
     uint32_t                 *page_first;
-    uint32_t                  met, pages; /* nodes and pages so far */
+    uint32_t                  met, pages; /* number of nodes and pages so far */
 } checked_resident;
 
 static int is_depth(uint32_t word)
@@ -27,7 +27,7 @@ static int is_depth(uint32_t word)
     return word >= top_uniform && word - top_uniform < SQUARE_DEPTH_END;
 }
 
-/* Whether a node was met before. */
+/* Whether a node is already known. */
 static int was_met(const checked_resident *r, uint32_t page, uint32_t offset)
 {
     if (page >= r->pages) return 0;
@@ -43,13 +43,13 @@ static int was_met(const checked_resident *r, uint32_t page, uint32_t offset)
     return 0;
 }
 
-/* The entry at a word, of square (x, y) of a map: a depth, a node that was met before, the next of the last page, or the first of the next
- * page. */
+/* The entry at a word, of square (x, y) of a map: a depth, a known node, the next node of the last page, or the first of the
+ * next page. */
 static int check_entry(checked_resident *r, uint32_t at, uint32_t map, uint32_t x, uint32_t y)
 {
     uint32_t name = r->words[at], bounds = r->words[at + 1], page = name >> 16, offset = name & 0xffff;
     if (name >= top_uniform) return is_depth(name) && !bounds;
-    if (bounds >> 24 < (bounds >> 16 & 0xff)) return 0; /* lookups and depths would not agree on what lies between */
+    if (bounds >> 24 < (bounds >> 16 & 0xff)) return 0; /* lookups and depths would disagree between the bounds */
     if (page == r->pages) {
         if (offset || r->pages == r->sizes->page_count) return 0;
         r->page_first[r->pages++] = r->met;
@@ -87,19 +87,19 @@ static int check_top(checked_resident *r, uint32_t map)
     return 1;
 }
 
-/* The head, and the tops of all maps. */
+/* Check the head and the tops of all maps. */
 static int check_tops(checked_resident *r, uint32_t map_count)
 {
     if (r->words[0] != r->sizes->page_count) return 0;
     for (uint32_t n = 2 + map_count; n < r->word; n++)
-        if (r->words[n]) return 0; /* no such map; no page is there yet */
+        if (r->words[n]) return 0; /* must be 0: a map that does not exist, or a page, since none is loaded yet */
     for (uint32_t map = 0; map < map_count; map++)
         if (!check_top(r, map)) return 0;
     r->page_first[r->pages] = r->met;
     return r->met == r->sizes->node_count && r->pages == r->sizes->page_count && r->words[1] == r->word;
 }
 
-/* The common pool: patterns one behind the other, to the last word. */
+/* Check the common pool: patterns without gaps, to the last word. */
 static int check_common(const checked_resident *r, const uint8_t *kinds, vxs_common_marks *marks)
 {
     uint32_t     words = r->sizes->word_count - r->word, half = 0;

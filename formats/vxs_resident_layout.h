@@ -1,5 +1,5 @@
-/* How words of a resident part lie (formats/vxs.md 13.1), as all that reads or makes them says it. Internal to vxs_page_*.c and
- * vxs_resident_*.c. Not installed.
+/* Layout of the words of a resident part (formats/vxs.md 13.1), shared by all code that reads or writes them. Internal to
+ * vxs_page_*.c and vxs_resident_*.c. Not installed.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_RESIDENT_LAYOUT_H
 #define VXS_RESIDENT_LAYOUT_H
@@ -7,22 +7,22 @@
 #include <stdint.h>
 
 enum {
-    RESIDENT_WORDS      = 8,  /* before the words of pages */
-    RESIDENT_HEAD_BYTES = 16, /* as it is stored: how much it takes */
-    CELL_SQUARES        = 8,  /* a cell of the top has so many squares a side */
+    RESIDENT_WORDS      = 8,  /* words before the words of pages */
+    RESIDENT_HEAD_BYTES = 16, /* stored head: its sizes */
+    CELL_SQUARES        = 8,  /* squares on a side of a cell of the top */
     CELL_LEVELS         = 15,
     SQUARE_DEPTH_END    = (1 << 18) + 1,
 };
 
 static const uint32_t top_uniform = 0x80000000u;
 
-/* How many squares of 256 x 256 texels a map has a side. */
+/* Number of squares of 256 x 256 texels on a side of a map. */
 static inline uint32_t squares_of(uint32_t levels)
 {
     return levels <= 8 ? 1 : 1u << (levels - 8);
 }
 
-/* The word where entry (x, y) of a top starts; of a cell that is one depth, the cell. */
+/* Word of entry (x, y) of a top; or of its cell, if the whole cell has one depth. */
 static inline uint32_t top_at(const uint32_t *words, uint32_t top, uint32_t levels, uint32_t x, uint32_t y)
 {
     uint32_t side = squares_of(levels);
@@ -31,7 +31,7 @@ static inline uint32_t top_at(const uint32_t *words, uint32_t top, uint32_t leve
     return words[at] & top_uniform ? at : words[at] + 2 * (y % CELL_SQUARES * CELL_SQUARES + x % CELL_SQUARES);
 }
 
-/* The base of a node, as the second word of its entry has it. */
+/* Base of a node, from the second word of its entry. */
 static inline int32_t square_base(uint32_t bounds, uint32_t levels)
 {
     return (int32_t)((bounds & 0xffff) << (levels > 16 ? levels - 16 : 0));

@@ -1,8 +1,10 @@
-/* What is coded of a light's resident part, and in what order: one text for both ways, as vxs_page_model.h. Internal. Not installed.
+/* What is coded of a light's resident part, and in what order: one text for encoder and decoder, like vxs_page_model.h.
+ * Internal. Not installed.
  *
- *     top      entries in z order: a depth, like the left or the upper one or another; or a node: the next of its page, the first of the
- *              next page, or one met before; with its base, and the least and greatest depth. From 2^15 texels on, cells first
- *     pool     how many patterns of each kind there are, then kind and pattern, as they lie
+ *     top      entries in z order: a depth (that of the left or upper entry, or another), or a node (the next of its page, the
+ *              first of the next page, or a known one) with its base and its least and greatest depth. From 15 levels on, cells
+ *              first
+ *     pool     number of patterns of each kind, then kind and pattern of each, in storage order
  *
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_RESIDENT_MODEL_H
@@ -13,7 +15,7 @@
 
 enum { TOP_LEFT, TOP_ABOVE, TOP_DEPTH, TOP_NEXT_NODE, TOP_NEXT_PAGE, TOP_OLD_NODE, TOP_CELL };
 
-/* Of nibble_odds and nothing else. */
+/* Consists only of nibble_odds, so that it can be used as one array. */
 typedef struct top_odds {
     nibble_odds kind[2][9], pattern_kind;
     signed_odds depth, base, least, range;
@@ -28,11 +30,11 @@ typedef struct resident_walk {
     uint32_t      *page_first; /* [page_count + 1] out */
     uint32_t      *patterns;   /* [pattern_count] out */
     uint32_t       pattern_count, first[VXS_PATTERN_KINDS + 1];
-    uint32_t       met, pages; /* nodes and pages so far */
+    uint32_t       met, pages; /* number of nodes and pages so far */
     vxs_page_node  last;
 } resident_walk;
 
-/* Base, least and greatest depth of an entry whose node is known. */
+/* Base, least and greatest depth of an entry with a known node. */
 static int code_range(resident_walk *r, uint32_t at, uint32_t like)
 {
     uint32_t *words = r->w.words, source = source_word(&r->w, at + 1),
@@ -63,7 +65,7 @@ static uint32_t page_of(const resident_walk *r, uint32_t node)
     return low;
 }
 
-/* The node that a word of the source names, if it was met. Only the encoder asks. */
+/* Index of the node that a word of the source refers to; r->met if it is not known yet. Encoder only. */
 static uint32_t find_node(const resident_walk *r, uint32_t name)
 {
     uint32_t page = name >> 16, low, high;
@@ -81,7 +83,7 @@ static uint32_t find_node(const resident_walk *r, uint32_t name)
     return r->met;
 }
 
-/* Which symbol the source has at word `at`. left, above: words of what lies beside it, or `at`. */
+/* Symbol for word `at` of the source.   left, above  words of the neighbours, or `at` if there is none */
 static uint32_t find_symbol(const resident_walk *r, uint32_t at, uint32_t left, uint32_t above, int cell)
 {
     uint32_t source = source_word(&r->w, at);
@@ -94,7 +96,7 @@ static uint32_t find_symbol(const resident_walk *r, uint32_t at, uint32_t left, 
     return r->pages && source >> 16 == r->pages - 1 ? TOP_NEXT_NODE : TOP_NEXT_PAGE;
 }
 
-/* The node of the entry at word `at`; next is 1 when it is the first of its page. */
+/* A new node for the entry at word `at`.   next  1: it is the first node of the next page */
 static int code_new_node(resident_walk *r, uint32_t at, int next, uint32_t like)
 {
     uint32_t offset = 0;
@@ -125,8 +127,8 @@ static int code_old_node(resident_walk *r, uint32_t at, uint32_t like)
     return code_range(r, at, like);
 }
 
-/* A cell, or an entry, at word `at`. left, above: words of what lies beside it, or `at`; they are known. 0: this is no top; 1: done;
- * 2: a cell of entries. */
+/* A cell, or an entry, at word `at`.   left, above  words of the neighbours, already coded, or `at` if there is none
+ * Returns 1: done; 2: a cell with entries; 0: invalid. */
 static int code_square(resident_walk *r, uint32_t at, uint32_t left, uint32_t above, int cell)
 {
     coder    *c     = &r->w.c;
@@ -195,7 +197,7 @@ static int code_top(resident_walk *r, uint32_t map)
     return 1;
 }
 
-/* The pattern of w->half in the common pool. */
+/* The pattern at w->half of the common pool. */
 static int code_common_pattern(walk *w, uint32_t kind)
 {
     static const int16_t depth[DEPTHS_MAX] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
@@ -205,7 +207,7 @@ static int code_common_pattern(walk *w, uint32_t kind)
     return code_image(w, depth, kind, 0, 0, index) && put_pattern(w, index, kind);
 }
 
-/* source: of the encoder, the patterns to code. */
+/* source  patterns to code; used only by the encoder */
 static int code_common(resident_walk *r, const vxs_common *source)
 {
     walk    *w     = &r->w;
@@ -235,7 +237,7 @@ static int code_common(resident_walk *r, const vxs_common *source)
     return (w->half + 1) / 2 == w->word_count && w->half - start <= VXS_COMMON_HALVES_MAX;
 }
 
-/* All of a resident part: r says its size, its words are zeros. 0: this is none. */
+/* A whole resident part: r has its sizes, and its words are zeros. 0: invalid. */
 static int code_resident(resident_walk *r, const vxs_common *source)
 {
     uint32_t *words = r->w.words;

@@ -1,6 +1,6 @@
-/* Results of every fallible vxs function: one list of name, pinned value, text.
+/* Results of all vxs functions that can fail: one list of name, fixed value, text.
  *
- * Values are grouped with gaps, only ever appended, and never reused, so that a stored value keeps its meaning.
+ * Values are grouped with gaps, only appended, and never reused, so that a stored value keeps its meaning.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_RESULT_H
 #define VXS_RESULT_H

@@ -1,28 +1,29 @@
-/* How much light baked smoke leaves on its way to a point: one text for C99, C++, GLSL and HLSL, that stands on vxs_space.h.
+/* Transmittance of baked smoke at a point: one text for C99, C++, GLSL and HLSL; it needs vxs_space.h.
  *
- * Smoke of a light is an array of 32-bit words (formats/vxs.md section 15): a map of curves over each of the light's maps, with as
- * many or fewer texels. A curve says how much light is left at depths along the light ray through its texel's centre, in metres
- * along the map's axis: of a lamp from it on, of a sun from the near side of its map, before which depths are less than 0.
+ * The smoke of a light is an array of 32-bit words (formats/vxs.md section 15): a map of curves over each map of the light,
+ * with as many texels or fewer. A curve has the transmittance at depths along the light ray through the centre of its texel.
+ * Depths are in metres along the axis of the map: from a punctual light itself; for a sun from the near side of its map,
+ * before which depths are negative.
  *
  *     word 0      log2 of the texels along a side
- *     word 1, 2   floats: the depth of unit 0 in metres, and metres a unit
- *     word 3...   of each tile of 8 x 8 texels, by rows, map after map, the word where it starts; 0: no light is lost there
- *     a tile      32 words, 64 halves: how many nodes the texels up to and with this one have; then the nodes
- *     a node      depth in units, and in the high half what is left there, of 65535; along a curve the first never falls, the other
- *                 never rises
+ *     word 1, 2   floats: the depth of unit 0 in metres, and metres per unit
+ *     word 3...   for each tile of 8 x 8 texels, by rows, map after map, the word where it starts; 0: transmittance 1
+ *     a tile      32 words, 64 halves: number of nodes of the texels up to and including this one; then the nodes
+ *     a node      depth in units, and in the high half the transmittance, of 65535; along a curve the depth never decreases,
+ *                 and the transmittance never increases
  *
- *     vxs_smoke_left    what is left at a point: of four curves, weighed, since curves themselves cannot be filtered
+ *     vxs_smoke_left    transmittance at a point: a weighted mean of four curves, since curves themselves cannot be filtered
  *
- * Before its first node a curve is 1, behind the last what that has, between two nodes a line. What is behind the first surface
- * that the light meets is in no curve: there the answer means nothing, and the point is in shadow.
- * A march through fog multiplies it into what is lit at each step, at the same place.
- * In C any number may be asked for, and the answer is never NaN; shaders as for vxs_space.h.
+ * A curve is 1 before its first node, constant behind the last, and linear between two nodes. Curves are undefined behind
+ * the first surface that the light meets: such a point is in shadow anyway. In a march through fog, multiply it with the lit
+ * fraction of each step, at the same place. In C any numbers are allowed, and the result is never NaN; shaders as for
+ * vxs_space.h.
  * Source: [AVSM10] 3.2 and 4.1, with integers.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_SMOKE_H
 #define VXS_SMOKE_H
 
-#ifndef VXS_SPACE_H /* a shader that cannot include has it already */
+#ifndef VXS_SPACE_H /* a shader that cannot include already has this text */
 #include "vxs_space.h"
 #endif
 
@@ -40,7 +41,7 @@ VXS_FN vxs_real vxs_real_of(vxs_u32 bits)
 #define vxs_real_of(bits) uintBitsToFloat(bits)
 #endif
 
-/* How many nodes the texels of a tile before texel n have. */
+/* Number of nodes of the texels of a tile before texel n. */
 VXS_FN vxs_u32 vxs_smoke_nodes_before(VXS_WORDS smoke, vxs_u32 tile, vxs_u32 n)
 {
     if (n == 0u) return 0u;
@@ -48,7 +49,7 @@ VXS_FN vxs_u32 vxs_smoke_nodes_before(VXS_WORDS smoke, vxs_u32 tile, vxs_u32 n)
     return (n & 1u) != 0u ? both & 0xffffu : both >> 16;
 }
 
-/* What the curve of a texel has at a depth in units.   map, x, y  of a texel of the smoke's maps */
+/* Transmittance of the curve of a texel at a depth in units.   map, x, y  texel of the maps of the smoke */
 VXS_FN vxs_real vxs_smoke_curve(VXS_WORDS smoke, vxs_i32 map, vxs_i32 x, vxs_i32 y, vxs_real depth)
 {
     vxs_i32 wide = VXS_I(1) << (vxs_word(smoke, 0u) - 3u), before = 0;
@@ -70,8 +71,8 @@ VXS_FN vxs_real vxs_smoke_curve(VXS_WORDS smoke, vxs_i32 map, vxs_i32 x, vxs_i32
     return left / 65535.0;
 }
 
-/* Where a point lies among the curves: texels across and down, metres of depth.
- * Returns the map; -1: where no light is lost, as nothing is known of it */
+/* Place of a point in the maps of curves: texels across and down, depth in metres.
+ * Returns the map; -1: outside, where nothing is known and the transmittance is 1 */
 VXS_FN vxs_i32 vxs_smoke_place(VXS_LIGHT light, const vxs_real3 point_ws, vxs_real texels, VXS_OUT vxs_real3 place)
 {
     vxs_real3 ls, p;
@@ -96,8 +97,8 @@ VXS_FN vxs_i32 vxs_smoke_place(VXS_LIGHT light, const vxs_real3 point_ws, vxs_re
     return map;
 }
 
-/* How much light is left at a point, 0 to 1; 1 outside the light's volume and beside its map. Beyond the map's border its last
- * texels go on.
+/* Transmittance at a point, 0 to 1; 1 outside the volume of the light and beside its map. The outer half texel of a map uses
+ * the values of its last texels.
  * smoke     the words
  * point_ws  as for vxs_place_from_ws */
 VXS_FN vxs_real vxs_smoke_left(VXS_WORDS smoke, VXS_LIGHT light, const vxs_real3 point_ws)

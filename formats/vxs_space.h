@@ -1,37 +1,40 @@
-/* From world space to a voxel, back, and the whole lookup: one text for C99, C++, GLSL and HLSL, that stands on vxs_lookup.h.
+/* World space to voxel, voxel to world space, and the whole lookup: one text for C99, C++, GLSL and HLSL; it needs
+ * vxs_lookup.h.
  *
  *     world space --- ls_from_ws ---> light space --- one of its maps ---> texels u, v, and depth in voxels ---> a voxel
- *       metres        3 x 4 matrix      directional: as it is
+ *       metres        3 x 4 matrix      directional: unchanged
  *                                       spot, point: metres about the light; u, v = 2^levels / 2 + (x, y) / z / texel_metres,
  *                                                    depth = log(z / near_metres) / voxel_metres, z away from the light
  *
- *     vxs_place_from_ws    the place of a point: a voxel of a map and where in its texel, moved off a surface along its normal, and
- *                          whether the light reaches there; vxs_voxel_from_ws: its voxel alone
- *     vxs_shadow_taps      how many taps of a box on a voxel are in shadow, in whatever coding the light's words are; vxs_shadow_part: how
- *                          much of a smooth box about a place
- *     vxs_lit_at_place     the lit fraction around a place; vxs_lit_at_voxel: around a voxel's middle
+ *     vxs_place_from_ws    the place of a point: a voxel of a map and the position in its texel, moved off a surface along its
+ *                          normal; and whether the light reaches there.   vxs_voxel_from_ws: only the voxel
+ *     vxs_shadow_taps      number of taps of a box around a voxel that are in shadow, for any coding of the words
+ *     vxs_shadow_part      shadowed part of a smooth box around a place
+ *     vxs_lit_at_place     the lit fraction around a place; vxs_lit_at_voxel: around the middle of a voxel
  *     vxs_lit              both: the lit fraction around a point
- *     vxs_lit_is_full      whether that is exact, or coarse because pages are missing
- *     vxs_ws_from_voxel    the point of map coordinates
+ *     vxs_lit_is_full      whether vxs_lit is exact, or coarse because pages are missing
+ *     vxs_ws_from_voxel    the point in world space of map coordinates
  *
- * A shader hands its compiler its own head (#version, the words, vxs_word), the texts of vxs_lookup.h and vxs_lookup_blocks.h, this text,
- * and its body. A shader whose lights are all DAGs may leave vxs_lookup_blocks.h out. Its lights are vxs_light_constants, which
- * vxs_light_constants_of (runtime/vxs.h) fills. Macros of the includer, beside those of vxs_lookup.h:
+ * A shader passes to its compiler: its own head (#version, the words, vxs_word), the texts of vxs_lookup.h and
+ * vxs_lookup_blocks.h, this text, and its body. A shader whose lights are all DAGs may omit vxs_lookup_blocks.h. Its lights
+ * are vxs_light_constants, which vxs_light_constants_of (runtime/vxs.h) fills. Macros of the includer, in addition to those
+ * of vxs_lookup.h:
  *
  *     vxs_real             the scalar; C and C++: double. Shaders: float
- *     VXS_REAL_MIN         a point nearer to the light than this counts as so near; C and C++: DBL_MIN. Shaders: 1e-30
+ *     VXS_REAL_MIN         least distance from the light; nearer points count as this far; C and C++: DBL_MIN.
+ *                          Shaders: 1e-30
  *     VXS_LIGHT            type of a light in C and C++: const vxs_light *
  *
- * In C every number is allowed: what is NaN or beyond +-2^30 voxels is clamped, lies outside any map, and no conversion overflows.
- * Shading languages let a compiler assume that there is no NaN and no infinity, and flush what is tiny: there, positions and normals
- * have to be finite numbers. Any filter_px is allowed in both (vxs_filter_width). Elsewhere both agree but for float rounding: see
- * docs/runtime.md.
+ * In C all numbers are allowed: NaN and values beyond +-2^30 voxels are clamped and lie outside any map; no conversion
+ * overflows. Compilers of shading languages may assume that there is no NaN and no infinity, and may flush tiny numbers to
+ * 0: there, positions and normals must be finite. Any filter_px is allowed in both (vxs_filter_width). Otherwise both agree
+ * except for float rounding: see docs/runtime.md.
  * Source: [CPVS16] 5.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_SPACE_H
 #define VXS_SPACE_H
 
-#ifndef VXS_LOOKUP_H /* a shader that cannot include has it already */
+#ifndef VXS_LOOKUP_H /* a shader that cannot include already has this text */
 #include "vxs_lookup.h"
 #endif
 
@@ -53,14 +56,14 @@ typedef vxs_i32          vxs_int3[3];
 typedef struct vxs_place vxs_place;
 #define VXS_OUT
 #define VXS_INOUT
-#define VXS_REF(x)                         (&(x)) /* a struct handed to a function that fills it, or that is not to copy it */
+#define VXS_REF(x)                         (&(x)) /* passes a struct by pointer, to be filled or to avoid a copy */
 #define VXS_REF_OF(object, field)          (&(object)->field)
 #define VXS_REAL(x)                        VXS_CAST(vxs_real, x)
 #define VXS_FIELD(light, field)            ((light)->field)
 #define VXS_LS_FROM_WS(light, row, column) ((light)->ls_from_ws[4 * (row) + (column)])
 #define vxs_abs(x)                         fabs(x)
 
-/* floor, without a call: of numbers that vxs_clamped leaves alone; others stay as they are. */
+/* floor without a call, for numbers that vxs_clamped does not clamp; other numbers are returned unchanged. */
 VXS_FN vxs_real vxs_floor(vxs_real x)
 {
     if (!(x > -2147483648.0 && x < 2147483648.0)) return x;
@@ -90,7 +93,8 @@ VXS_FN vxs_real vxs_floor(vxs_real x)
 #define vxs_abs(x)                         abs(x)
 #define vxs_floor(x)                       floor(x)
 
-/* As in runtime/vxs.h, where the fields are described: 96 bytes in std140, std430, a cbuffer and a StructuredBuffer. */
+/* The same as in runtime/vxs.h, where the fields are described: 96 bytes in std140, std430, a cbuffer and a
+ * StructuredBuffer. */
 struct vxs_light_constants {
     vxs_real4 ls_from_ws[3];
     float     texel_metres, voxel_metres, near_metres, range_metres;
@@ -100,7 +104,7 @@ struct vxs_light_constants {
 };
 #endif
 
-/* Numbers of vxs_format.h and vxs.h that shaders need, too; a C compiler sees both, and refuses two that differ. */
+/* Numbers of vxs_format.h and vxs.h that shaders need too. A C compiler sees both definitions, and rejects different ones. */
 #define VXS_LIGHT_KIND_DIRECTIONAL 1u
 #define VXS_LIGHT_KIND_POINT       3u
 #define VXS_LIGHT_BOUNDED          1u
@@ -112,34 +116,36 @@ struct vxs_light_constants {
 
 /* maps ------------------------------------------------------------------------------------------------------------------------ */
 
-/* Axis n (0 across, 1 down, 2 away from the light) of face `face` of a cube, as an axis of light space. Face 2a looks along axis a, and
- * the next two in turn are across and down. Face 2a + 1 looks against axis a; there they change places, which keeps it right-handed. */
+/* Axis n (0 across, 1 down, 2 away from the light) of face `face` of a cube, as an axis of light space. Face 2a looks along
+ * axis a; the next two axes in cyclic order are across and down. Face 2a + 1 looks against axis a; there across and down are
+ * exchanged, so that the face stays right-handed. */
 VXS_FN vxs_i32 vxs_ls_axis_from_face(vxs_i32 face, vxs_i32 n)
 {
     vxs_i32 after = n < 2 ? 1 + (n ^ (face & 1)) : 0;
     return (face / 2 + after) % 3;
 }
 
-/* The other way: which axis of the face, 0 to 2 as above, axis `axis` of light space is. */
+/* The inverse: the axis of the face, 0 to 2 as above, that is axis `axis` of light space. */
 VXS_FN vxs_i32 vxs_face_axis_from_ls(vxs_i32 face, vxs_i32 axis)
 {
     vxs_i32 after = (axis + 3 - face / 2) % 3;
     return after == 0 ? 2 : (after - 1) ^ (face & 1);
 }
 
-/* -1 where the face looks against its axis. */
+/* -1 if the face looks against its axis, else 1. */
 VXS_FN vxs_real vxs_face_sign(vxs_i32 face)
 {
     return (face & 1) != 0 ? VXS_REAL(-1.0) : VXS_REAL(1.0);
 }
 
-/* The face of the cube that a map is. The one map of a light without six has the axes of light space, as face 4 has. */
+/* The cube face of a map. The single map of a light without six maps has the axes of light space, as face 4 has. */
 VXS_FN vxs_i32 vxs_face_of_map(VXS_LIGHT light, vxs_i32 map)
 {
     return (VXS_FIELD(light, flags) & VXS_LIGHT_CUBE) != 0u ? map : 4;
 }
 
-/* The map that a point of light space lies in: of six, the one along its longest axis; of axes of one length, the first. */
+/* The map that contains a point of light space: of six maps, the one along its longest axis; if axes are equally long, the
+ * first. */
 VXS_FN vxs_i32 vxs_map_from_ls(VXS_LIGHT light, const vxs_real3 ls)
 {
     if ((VXS_FIELD(light, flags) & VXS_LIGHT_CUBE) == 0u) return 0;
@@ -148,7 +154,7 @@ VXS_FN vxs_i32 vxs_map_from_ls(VXS_LIGHT light, const vxs_real3 ls)
     return 2 * along + (ls[along] < 0.0 ? 1 : 0);
 }
 
-/* Light space as a face sees it: across, down, and away from the light. */
+/* Light space to the space of a face: across, down, and away from the light. */
 VXS_FN void vxs_face_from_ls(vxs_i32 face, const vxs_real3 ls, VXS_OUT vxs_real3 turned)
 {
     turned[0] = ls[vxs_ls_axis_from_face(face, 0)];
@@ -156,7 +162,7 @@ VXS_FN void vxs_face_from_ls(vxs_i32 face, const vxs_real3 ls, VXS_OUT vxs_real3
     turned[2] = ls[vxs_ls_axis_from_face(face, 2)] * vxs_face_sign(face);
 }
 
-/* And back. */
+/* The inverse of vxs_face_from_ls. */
 VXS_FN void vxs_ls_from_face(vxs_i32 face, const vxs_real3 turned, VXS_OUT vxs_real3 ls)
 {
     vxs_real3 p;
@@ -170,7 +176,7 @@ VXS_FN void vxs_ls_from_face(vxs_i32 face, const vxs_real3 turned, VXS_OUT vxs_r
 
 /* world to voxel -------------------------------------------------------------------------------------------------------------- */
 
-/* Coordinate `row` of light space, of a point (one = 1) or a direction (one = 0). */
+/* Coordinate `row` of a point (one = 1) or a direction (one = 0) in light space. */
 VXS_FN vxs_real vxs_ls_coordinate(VXS_LIGHT light, vxs_i32 row, const vxs_real3 ws, vxs_real one)
 {
     return VXS_LS_FROM_WS(light, row, 0) * ws[0] + VXS_LS_FROM_WS(light, row, 1) * ws[1] + VXS_LS_FROM_WS(light, row, 2) * ws[2] +
@@ -184,8 +190,8 @@ VXS_FN void vxs_ls_from_ws(VXS_LIGHT light, const vxs_real3 ws, vxs_real one, VX
     ls[2] = vxs_ls_coordinate(light, 2, ws, one);
 }
 
-/* What filter_px stands for: K of a box of K x K texels, or VXS_SMOOTH + K of a smooth one. Any number is allowed: K is held from 1 to
- * VXS_FILTER_MAX, and of a box that is not smooth, whose middle is that of a texel, it is the next odd number where it is even. */
+/* Width of filter_px: K for a box of K x K texels, VXS_SMOOTH + K for a smooth one. Any number is allowed: K is clamped to 1
+ * to VXS_FILTER_MAX. The box that is not smooth is centred on a texel; for it an even K becomes the next odd number. */
 VXS_FN vxs_i32 vxs_filter_width(vxs_i32 filter_px)
 {
     vxs_i32 width = filter_px < VXS_SMOOTH ? filter_px : filter_px - VXS_SMOOTH;
@@ -193,15 +199,15 @@ VXS_FN vxs_i32 vxs_filter_width(vxs_i32 filter_px)
     return filter_px < VXS_SMOOTH ? width | 1 : width;
 }
 
-/* Where a lookup is. */
+/* The place of a lookup. */
 struct vxs_place {
-    vxs_i32  map;   /* 0, or 0 to 5 of a light with six; -1: outside the light's volume */
+    vxs_i32  map;   /* 0, or 0 to 5 of a light with six maps; -1: outside the volume of the light */
     vxs_int3 voxel; /* [0] and [1] texels, [2] depth; may lie outside the map */
-    vxs_u32  across,
-        down; /* how far from the texel's near corner, rounded down to 1/256 of it: [0, 255]; 0 where the filter is not smooth */
+    /* distance from the near corner of the texel, rounded down to 1/256 texel: [0, 255]; 0 if the filter is not smooth */
+    vxs_u32  across, down;
 };
 
-/* A coordinate as an integer; one that is clamped lies far outside any map, and stays there. */
+/* A coordinate as an integer. A clamped coordinate is far outside any map. */
 VXS_FN vxs_i32 vxs_clamped(vxs_real coordinate)
 {
     vxs_real limit = VXS_REAL(1 << 30);
@@ -209,7 +215,7 @@ VXS_FN vxs_i32 vxs_clamped(vxs_real coordinate)
     return coordinate < limit ? VXS_I(coordinate) : 1 << 30;
 }
 
-/* How far into its texel a coordinate is, in 1/256; 0 for a filter that is not smooth. */
+/* Position of a coordinate in its texel, in 1/256 texel; 0 if the filter is not smooth. */
 VXS_FN vxs_u32 vxs_within(vxs_real coordinate, vxs_i32 filter_px)
 {
     if (filter_px < VXS_SMOOTH) return 0u;
@@ -220,51 +226,51 @@ VXS_FN vxs_u32 vxs_within(vxs_real coordinate, vxs_i32 filter_px)
 
 /* bias ------------------------------------------------------------------------------------------------------------------------
  *
- * A surface must not shade itself. So a point of a surface is looked up some texels and voxels away from it, in a box of taps that all lie
- * on the outer side of the plane through the point. A tap is the centre of a texel. Its voxel is certainly lit where the far side of the
- * voxel is before the surface (formats/vxs.md 2).
+ * A surface must not shade itself. So a point of a surface is looked up some texels and voxels away from it: all taps of the box
+ * lie on the outer side of the plane through the point. A tap is the centre of a texel. Its voxel is certainly lit if the far side
+ * of the voxel is before the surface (formats/vxs.md 2).
  *
  *      light        u ->   |   |   |   |   | ./|      p   the point, on the plane /
- *        |                 |   |   |   |  .|/  |      ==  the voxels of a 3 x 1 filter about p, one texel across and one voxel towards
- *        v  depth          |   |   |===|=/=|===|          the light: the plane is behind the far side of each at the texel's centre
- *                          |   |   |  /|   |   |
+ *        |                 |   |   |   |  .|/  |      ==  the voxels of a 3 x 1 filter about p, one texel across and one voxel
+ *        v  depth          |   |   |===|=/=|===|          towards the light: at each texel's centre, the plane is behind the far
+ *                          |   |   |  /|   |   |          side of the voxel
  *                          |   |   |/p |   |   |
  *
- * Let n be the normal in texels: across and down the map, and along the light's ray through the point. A step of (u, v, k) texels moves
- * n . (u, v, k) off the plane, times the size of a texel. The tap that is farthest behind the point needs n_u * reach_u + n_v * reach_v,
- * and the far side of its voxel n_k * 1 voxel.
+ * Let n be the normal in texels: across and down the map, and along the light's ray through the point. A step of (u, v, k) texels
+ * moves the place off the plane by n . (u, v, k) texels. The tap that is farthest behind the plane needs
+ * n_u * reach_u + n_v * reach_v, and the far side of its voxel needs n_k * 1 voxel more.
  *
- * A step along the light leaves the edges of shadows in their place, but detaches a shadow from its caster (peter-panning), and would be
- * endless where light grazes the surface. A step across the map moves the edges. So the step along the light is at most VXS_BIAS_ALONG
- * times the width of the filter, and one voxel; the rest is a step across.
- * Source: [CPVS16] 5 moves by half the filter along the normal. That is too little for the corners of a filter, and where voxels are deeper
- * than texels are wide. */
+ * A step along the light does not move the edges of shadows, but it detaches a shadow from its caster (peter-panning), and it would
+ * be infinite where light grazes the surface. A step across the map moves the edges. So the step along the light is at most
+ * VXS_BIAS_ALONG times the width of the filter, plus one voxel; the rest is a step across.
+ * Source: [CPVS16] 5 moves by half the filter along the normal. That is too little for the corners of a filter, and if voxels are
+ * deeper than texels are wide. */
 
-/* Of the filter's width. docs/measurements.md compares values. */
+/* Times the width of the filter. docs/measurements.md compares values. */
 #define VXS_BIAS_ALONG 0.2
 
 /* Added to distances, in texels and in voxels: for floats, rasterized depths, and normals of 8 bits. */
 #define VXS_BIAS_SLACK 0.0625
 
-/* The distance between the middle of a filter and its last tap along one axis, in texels: on average over places of the middle. At most it is
- * half a texel more. */
+/* Distance from the middle of a filter to its last tap along one axis, in texels: the average over positions of the middle.
+ * The maximum is half a texel more. */
 VXS_FN vxs_real vxs_filter_reach(vxs_i32 filter_px)
 {
     vxs_real half_px = 0.5 * VXS_REAL(vxs_filter_width(filter_px));
     return filter_px < VXS_SMOOTH ? half_px - 0.5 : half_px;
 }
 
-/* Where a point is between two taps of its filter: from -0.5 to 0.5 texels, 0 in the middle of its texel where the filter is not smooth.
- * The last tap is so much farther than vxs_filter_reach on the near side, and nearer on the other. */
+/* Position of a point between two taps of its filter: -0.5 to 0.5 texels; 0, the middle of the texel, if the filter is not
+ * smooth. On the near side the last tap is farther than vxs_filter_reach by this distance; on the other side it is nearer. */
 VXS_FN vxs_real vxs_between_taps(vxs_real at, vxs_i32 filter_px)
 {
     vxs_real first = filter_px < VXS_SMOOTH ? at : at - 0.5 * VXS_REAL(vxs_filter_width(filter_px));
     return first - vxs_floor(first) - 0.5;
 }
 
-/* The voxel in which a point of a surface is looked up.
+/* The voxel for the lookup of a point of a surface.
  * at      the point: texels, texels, voxels
- * normal  in texels, as above; of any length; no step where it is zero, or where one of its numbers is NaN */
+ * normal  in texels, as above; of any length; no step if it is zero, or if one of its numbers is NaN */
 VXS_FN void vxs_biased_voxel(VXS_LIGHT light, const vxs_real3 at, const vxs_real3 normal, vxs_i32 filter_px, VXS_OUT vxs_int3 voxel)
 {
     voxel[0]        = vxs_clamped(vxs_floor(at[0]));
@@ -276,7 +282,8 @@ VXS_FN void vxs_biased_voxel(VXS_LIGHT light, const vxs_real3 at, const vxs_real
     vxs_real reach = vxs_filter_reach(filter_px) + VXS_BIAS_SLACK, u = VXS_REAL(0.0), v = VXS_REAL(0.0);
     vxs_real most = VXS_BIAS_ALONG * VXS_REAL(vxs_filter_width(filter_px)) * along;
 
-    /* across: the same step for all points of a plane, so that the edges of shadows keep their shape; half a texel short for some points */
+    /* Step across: the same for all points of a plane, so that edges of shadows keep their shape; up to half a texel too
+     * short for some points. */
     vxs_real beyond = reach * (across + down) - most;
     if (beyond > 0.0) {
         beyond = beyond / (across * across + down * down);
@@ -284,7 +291,8 @@ VXS_FN void vxs_biased_voxel(VXS_LIGHT light, const vxs_real3 at, const vxs_real
         v      = vxs_floor(beyond * down + 0.5);
     }
 
-    /* what is missing for this point: with one texel more on each axis, it is no more than the step along the light may be */
+    /* Distance that is still missing for this point; with one more texel on each axis, it is at most the greatest step along
+     * the light. */
     vxs_real missing = reach * (across + down) + vxs_between_taps(at[0], filter_px) * normal[0] +
                        vxs_between_taps(at[1], filter_px) * normal[1] - u * across - v * down;
     for (vxs_i32 n = 0; n < 2 && missing > most; n++) {
@@ -296,7 +304,7 @@ VXS_FN void vxs_biased_voxel(VXS_LIGHT light, const vxs_real3 at, const vxs_real
     voxel[0] = vxs_clamped(vxs_floor(at[0]) + (normal[0] < 0.0 ? -u : u));
     voxel[1] = vxs_clamped(vxs_floor(at[1]) + (normal[1] < 0.0 ? -v : v));
 
-    /* along: towards the light, or away from it for the back of a surface */
+    /* Step along the light: towards it, or away from it for the back of a surface. */
     vxs_real voxels = (1.0 + VXS_BIAS_SLACK) * along + missing * (VXS_FIELD(light, texel_metres) / VXS_FIELD(light, voxel_metres));
     if (!(voxels > 0.0)) return;
     voxels   = voxels / along;
@@ -322,7 +330,7 @@ VXS_FN vxs_place vxs_sun_place(VXS_LIGHT light, const vxs_real3 point_ws, const 
     return place;
 }
 
-/* 1 in the cone and range of a spot or point light; 0 elsewhere, for NaN, and where the square of the distance is no number any more. */
+/* 1 in the cone and range of a spot or point light, else 0; 0 also for NaN, and if the square of the distance overflows. */
 VXS_FN vxs_i32 vxs_in_reach(VXS_LIGHT light, const vxs_real3 ls)
 {
     vxs_real distance2 = ls[0] * ls[0] + ls[1] * ls[1] + ls[2] * ls[2];
@@ -332,20 +340,21 @@ VXS_FN vxs_i32 vxs_in_reach(VXS_LIGHT light, const vxs_real3 ls)
     return VXS_FIELD(light, kind) == VXS_LIGHT_KIND_POINT || ls[2] >= VXS_FIELD(light, cos_outer) * sqrt(distance2) ? 1 : 0;
 }
 
-/* u or v of a spot or point light, where the point lies at `across` metres along it, and z away from the light. */
+/* u or v in the map of a spot or point light, for a point at `across` metres along that axis and z away from the light. */
 VXS_FN vxs_real vxs_lamp_coordinate(VXS_LIGHT light, vxs_real across, vxs_real z)
 {
     return 0.5 * VXS_REAL(VXS_I(1) << VXS_FIELD(light, levels)) + across / z / VXS_FIELD(light, texel_metres);
 }
 
-/* A texel, or the one in the map that is nearest to it: in a map of fewer than 256 texels the border is too narrow for some steps. */
+/* The nearest texel in the map. In maps of fewer than 256 texels the border is too narrow for some bias steps. */
 VXS_FN vxs_i32 vxs_texel_in_map(VXS_LIGHT light, vxs_i32 texel)
 {
     vxs_i32 side = VXS_I(1) << VXS_FIELD(light, levels);
     return texel < 0 ? 0 : texel < side ? texel : side - 1;
 }
 
-/* Texels are z * texel_metres wide, and voxels z * voxel_metres deep along the ray through the point: its direction is (p / z, q / z, 1). */
+/* Texels are z * texel_metres wide; voxels are z * voxel_metres deep, along the ray through the point: its direction is (p /
+ * z, q / z, 1). */
 VXS_FN vxs_place vxs_lamp_place(VXS_LIGHT light, const vxs_real3 point_ws, const vxs_real3 normal_ws, vxs_i32 filter_px)
 {
     vxs_real3 ls, normal_ls, p, normal, at;
@@ -356,7 +365,7 @@ VXS_FN vxs_place vxs_lamp_place(VXS_LIGHT light, const vxs_real3 point_ws, const
     vxs_face_from_ls(vxs_face_of_map(light, map), ls, p);
     vxs_face_from_ls(vxs_face_of_map(light, map), normal_ls, normal);
 
-    vxs_real z = p[2] > VXS_REAL_MIN ? p[2] : VXS_REAL_MIN; /* the light's own place is lit */
+    vxs_real z = p[2] > VXS_REAL_MIN ? p[2] : VXS_REAL_MIN; /* the position of the light itself is lit */
     at[0]      = vxs_lamp_coordinate(light, p[0], z);
     at[1]      = vxs_lamp_coordinate(light, p[1], z);
     at[2]      = log(z / VXS_FIELD(light, near_metres)) / VXS_FIELD(light, voxel_metres);
@@ -370,18 +379,18 @@ VXS_FN vxs_place vxs_lamp_place(VXS_LIGHT light, const vxs_real3 point_ws, const
     return place;
 }
 
-/* Where a point is looked up.
- * point_ws   metres; in a shader, relative to the origin that vxs_light_constants_of was given
- * normal_ws  the normal of the surface that the point lies on, of any length: the place is moved off it, so that it does not shade itself
- *            (bias, above); (0, 0, 0) in the air
- * filter_px  the filter that the place is for, as for vxs_lit */
+/* The place where a point is looked up.
+ * point_ws   metres; in a shader, relative to the origin passed to vxs_light_constants_of
+ * normal_ws  normal of the surface at the point, of any length: the place is moved off the surface, so that it does not
+ *            shade itself (bias, above); (0, 0, 0) in the air
+ * filter_px  the filter of the lookup, as for vxs_lit */
 VXS_FN vxs_place vxs_place_from_ws(VXS_LIGHT light, const vxs_real3 point_ws, const vxs_real3 normal_ws, vxs_i32 filter_px)
 {
     if (VXS_FIELD(light, kind) == VXS_LIGHT_KIND_DIRECTIONAL) return vxs_sun_place(light, point_ws, normal_ws, filter_px);
     return vxs_lamp_place(light, point_ws, normal_ws, filter_px);
 }
 
-/* The voxel of that place. Returns its map. */
+/* The voxel of vxs_place_from_ws. Returns its map. */
 VXS_FN vxs_i32 vxs_voxel_from_ws(VXS_LIGHT light, const vxs_real3 point_ws, const vxs_real3 normal_ws, vxs_i32 filter_px,
                                  VXS_OUT vxs_int3 voxel)
 {
@@ -394,11 +403,12 @@ VXS_FN vxs_i32 vxs_voxel_from_ws(VXS_LIGHT light, const vxs_real3 point_ws, cons
 
 /* lookup ---------------------------------------------------------------------------------------------------------------------- */
 
-/* These two are what knows how a light's words hold its maps (its coding). Without vxs_lookup_blocks.h all are taken for DAGs. */
+/* Only the next two functions depend on the coding of the words. Without vxs_lookup_blocks.h all words are assumed to be
+ * DAGs. */
 
-/* How many of the filter_px x filter_px texels centred on (i, j) of a map are in shadow at depth k, [0, 2^levels).
- * coded  the light's words
- * i, j   of the map where filter_px is 1, else as for vxs_shadow_count;   filter_px  odd, 1 to VXS_FILTER_MAX */
+/* Number of the filter_px x filter_px texels centred on (i, j) of a map that are in shadow at depth k, [0, 2^levels).
+ * coded  the words of the light
+ * i, j   in the map if filter_px is 1, else as for vxs_shadow_count;   filter_px  odd, 1 to VXS_FILTER_MAX */
 VXS_FN vxs_u32 vxs_shadow_taps(VXS_WORDS coded, VXS_LIGHT light, vxs_i32 map, vxs_i32 i, vxs_i32 j, vxs_u32 k, vxs_i32 filter_px)
 {
     vxs_u32 levels = VXS_FIELD(light, levels), root = 0u;
@@ -413,8 +423,8 @@ VXS_FN vxs_u32 vxs_shadow_taps(VXS_WORDS coded, VXS_LIGHT light, vxs_i32 map, vx
     return vxs_shadow_count(coded, root, levels, i, j, k, filter_px);
 }
 
-/* How much of a smooth box of width_px x width_px texels about a place of a map is in shadow at depth k, [0, 2^levels), of 65536 width_px
- * width_px. */
+/* Shadowed part of a smooth box of width_px x width_px texels around a place of a map at depth k, [0, 2^levels), in units of
+ * 1 / (65536 width_px width_px). */
 VXS_FN vxs_u32 vxs_shadow_part(VXS_WORDS coded, VXS_LIGHT light, vxs_place place, vxs_u32 k, vxs_i32 width_px)
 {
     vxs_u32 levels = VXS_FIELD(light, levels), root = 0u;
@@ -427,8 +437,8 @@ VXS_FN vxs_u32 vxs_shadow_part(VXS_WORDS coded, VXS_LIGHT light, vxs_place place
     return vxs_shadow_weight(coded, root, levels, i, j, place.across, place.down, k, width_px);
 }
 
-/* The lit fraction, 0 to 1, of a filter around a place, whose map is not -1. In front of the map all is lit; what is behind it is in the
- * shadow of its last voxels. filter_px as for vxs_lit. */
+/* The lit fraction, 0 to 1, of a filter around a place whose map is not -1. In front of the map all is lit; behind the map
+ * the answer is that of its last voxels. filter_px as for vxs_lit. */
 VXS_FN vxs_real vxs_lit_at_place(VXS_WORDS coded, VXS_LIGHT light, vxs_place place, vxs_i32 filter_px)
 {
     vxs_i32 last = (VXS_I(1) << VXS_FIELD(light, levels)) - 1, width = vxs_filter_width(filter_px);
@@ -456,9 +466,10 @@ VXS_FN vxs_real vxs_lit_at_voxel(VXS_WORDS coded, VXS_LIGHT light, vxs_i32 map, 
     return vxs_lit_at_place(coded, light, place, filter_px);
 }
 
-/* The lit fraction around a point; VXS_OUTSIDE when it is outside the light's volume. The point and the normal as for vxs_place_from_ws.
- * filter_px  K: the K x K texels about the one that the point lies in, a box PCF, K odd; VXS_SMOOTH + K: a box as wide about the point
- *            itself, K even or odd; others as vxs_filter_width has it */
+/* The lit fraction around a point; VXS_OUTSIDE if it is outside the volume of the light. Point and normal as for
+ * vxs_place_from_ws.
+ * filter_px  K, odd: a box PCF of the K x K texels around the texel of the point; VXS_SMOOTH + K, K even or odd: a box of
+ *            the same width around the point itself; other numbers: see vxs_filter_width */
 VXS_FN vxs_real vxs_lit(VXS_WORDS coded, VXS_LIGHT light, const vxs_real3 point_ws, const vxs_real3 normal_ws, vxs_i32 filter_px)
 {
     vxs_place place = vxs_place_from_ws(light, point_ws, normal_ws, filter_px);
@@ -466,7 +477,7 @@ VXS_FN vxs_real vxs_lit(VXS_WORDS coded, VXS_LIGHT light, const vxs_real3 point_
     return vxs_lit_at_place(coded, light, place, filter_px);
 }
 
-/* Whether vxs_lit_at_place with these arguments is exact: 1, or 0 when pages that it needs are missing and its answer is coarse. */
+/* Whether vxs_lit_at_place is exact for these arguments: 1; 0 if pages that it needs are missing and its answer is coarse. */
 VXS_FN vxs_i32 vxs_is_full_at_place(VXS_WORDS coded, VXS_LIGHT light, vxs_place place, vxs_i32 filter_px)
 {
 #ifdef VXS_LOOKUP_BLOCKS_H
@@ -481,7 +492,7 @@ VXS_FN vxs_i32 vxs_is_full_at_place(VXS_WORDS coded, VXS_LIGHT light, vxs_place 
 #endif
 }
 
-/* The same of vxs_lit. Outside the light's volume nothing is needed. */
+/* The same for vxs_lit. 1 outside the volume of the light. */
 VXS_FN vxs_i32 vxs_lit_is_full(VXS_WORDS coded, VXS_LIGHT light, const vxs_real3 point_ws, const vxs_real3 normal_ws,
                                vxs_i32 filter_px)
 {
@@ -498,7 +509,7 @@ VXS_FN vxs_real vxs_cofactor(VXS_LIGHT light, vxs_i32 row, vxs_i32 column)
     return VXS_LS_FROM_WS(light, a, c) * VXS_LS_FROM_WS(light, b, d) - VXS_LS_FROM_WS(light, a, d) * VXS_LS_FROM_WS(light, b, c);
 }
 
-/* A coordinate of world space; `from` is a point of light space less that of the world's origin. */
+/* A coordinate in world space; `from` is a point of light space minus the world's origin in light space. */
 VXS_FN vxs_real vxs_ws_coordinate(VXS_LIGHT light, const vxs_real3 from, vxs_i32 column)
 {
     vxs_real determinant = VXS_LS_FROM_WS(light, 0, 0) * vxs_cofactor(light, 0, 0) +
@@ -509,7 +520,7 @@ VXS_FN vxs_real vxs_ws_coordinate(VXS_LIGHT light, const vxs_real3 from, vxs_i32
            determinant;
 }
 
-/* The point in world space of coordinates of a map: texels u, v and depth in voxels, none of them whole. */
+/* The point in world space of map coordinates: texels u, v and depth in voxels, which may have fractions. */
 VXS_FN void vxs_ws_from_voxel(VXS_LIGHT light, vxs_i32 map, const vxs_real3 at, VXS_OUT vxs_real3 point_ws)
 {
     vxs_real3 ls, from;

@@ -1,5 +1,6 @@
-/* Items that tasks of the caller's threads share (vxs_parallel in vxs_file.h): each task takes the next item that nobody has, until there is
- * none. So no thread waits while there is work, and a task may keep memory of its own from item to item. Not installed.
+/* Items shared by tasks on the caller's threads (vxs_parallel in vxs_file.h). Each task repeatedly takes the next item that
+ * is not taken, until none is left. So no thread waits while there is work, and a task can keep its own memory from item to
+ * item. Not installed.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_TASKS_H
 #define VXS_TASKS_H
@@ -10,15 +11,14 @@
 
 enum { VXS_TASKS_MAX = 64 };
 
-/* Zero it but for the count, and for whose threads they are. */
+/* Zero it, then set count and parallel. */
 typedef struct vxs_items {
     uint32_t            count;
     atomic_uint         next;
-    const vxs_parallel *parallel; /* NULL: the caller's own */
+    const vxs_parallel *parallel; /* NULL: only the caller's thread */
 } vxs_items;
 
-/* Take the next item, after a pause if there is to be one. 0: there is none. Items are taken in their order: what is before one was taken
- * before. */
+/* Take the next item; calls parallel->pause first, if it is set. 0: no item is left. Items are taken in order. */
 static inline int vxs_items_take(vxs_items *items, uint32_t *item)
 {
     if (items->parallel && items->parallel->pause) items->parallel->pause(items->parallel->user);
@@ -26,13 +26,13 @@ static inline int vxs_items_take(vxs_items *items, uint32_t *item)
     return *item < items->count;
 }
 
-/* No further item is taken. */
+/* End the work: no further item is taken. */
 static inline void vxs_items_end(vxs_items *items)
 {
     atomic_store_explicit(&items->next, items->count, memory_order_relaxed);
 }
 
-/* How many tasks share so many items: 1..VXS_TASKS_MAX. */
+/* Number of tasks for so many items: 1..VXS_TASKS_MAX. */
 static inline uint32_t vxs_task_count(const vxs_parallel *parallel, uint32_t items)
 {
     uint32_t threads = parallel && parallel->run ? parallel->threads : 1;
@@ -40,7 +40,7 @@ static inline uint32_t vxs_task_count(const vxs_parallel *parallel, uint32_t ite
     return threads < 1 ? 1 : threads > VXS_TASKS_MAX ? VXS_TASKS_MAX : threads;
 }
 
-/* count  as vxs_task_count says it, or less */
+/* count  vxs_task_count, or less */
 static inline void vxs_tasks_run(const vxs_parallel *parallel, uint32_t count, void (*task)(void *work, uint32_t n), void *work)
 {
     if (count == 1)

@@ -1,4 +1,5 @@
-/* Writing a .vxs file: what all files have, formats/vxs.md sections 3 to 5; codings add their sections (vxs_writer.h).
+/* Writing a .vxs file: what is common to all files, formats/vxs.md sections 3 to 5; codings add their sections
+ * (vxs_writer.h).
  * SPDX-License-Identifier: MIT */
 #include <stdlib.h>
 #include <string.h>
@@ -34,7 +35,7 @@ uint8_t *vxs_append(vxs_bytes *b, size_t size)
     return at;
 }
 
-/* The entry of a section whose bytes were appended from `start` on. */
+/* Add the directory entry of a section whose bytes were appended from `start` on. */
 static vxs_result add_entry(vxs_sections *s, const vxs_section *section, size_t start)
 {
     uint8_t *entry  = vxs_append(&s->entries, VXS_ENTRY_BYTES);
@@ -72,8 +73,8 @@ vxs_result vxs_add_stored(vxs_sections *s, uint32_t kind, uint32_t light, const 
     return add_entry(s, &(vxs_section){kind, VXS_SECTION_STORED, light, .inflated_bytes = content->size_bytes}, start);
 }
 
-/* coding  as a file of its version says it
- * packing of palette blocks; of others 0 */
+/* coding   as stored in this version of the file
+ * packing  of palette blocks; else 0 */
 static void encode_light_record(uint8_t *at, const vxs_light *light, uint32_t word_count, uint32_t coding, uint32_t packing)
 {
     memset(at, 0, VXS_LIGHT_BYTES);
@@ -93,7 +94,7 @@ static void encode_light_record(uint8_t *at, const vxs_light *light, uint32_t wo
     memcpy(at + VXS_LIGHT_NAME, light->name, strlen(light->name));
 }
 
-/* Header, directory and stored sections, one after the other. */
+/* Join header, directory and stored sections. */
 static vxs_result assemble(vxs_bytes *out, const vxs_sections *s)
 {
     uint32_t section_count = (uint32_t)(s->entries.size_bytes / VXS_ENTRY_BYTES);
@@ -121,7 +122,7 @@ static vxs_result assemble(vxs_bytes *out, const vxs_sections *s)
     return VXS_OK;
 }
 
-/* The sections of light n, and what its record says of its words. */
+/* Add the sections of light n, and write its record. */
 static vxs_result add_light(vxs_sections *s, const vxs_write_light *l, uint32_t n, uint8_t *record)
 {
     int        blocks = l->light.coding == VXS_CODING_BLOCKS;
@@ -154,7 +155,7 @@ static vxs_result add_sections(vxs_sections *s, const vxs_write_desc *desc)
     return r;
 }
 
-/* Whether the format has room for a light, beside those before it. */
+/* Whether the format can store light n, given those before it. */
 static int light_fits(const vxs_write_light *lights, uint32_t n)
 {
     const vxs_light *light = &lights[n].light;
@@ -167,7 +168,7 @@ static int light_fits(const vxs_write_light *lights, uint32_t n)
     return 1;
 }
 
-/* The first version that has all codings that there are. */
+/* The lowest version that has the codings of all lights. */
 static uint32_t version_of(const vxs_write_desc *desc)
 {
     for (uint32_t n = 0; n < desc->light_count; n++)
@@ -196,7 +197,7 @@ done:
     return r;
 }
 
-/* Directory entries and stored bytes of a file, as they are. */
+/* Copy directory entries and stored bytes of a file unchanged. */
 static int copy_sections(vxs_sections *s, const uint8_t *bytes, size_t size_bytes, uint32_t count)
 {
     size_t   entries = (size_t)count * VXS_ENTRY_BYTES, stored = size_bytes - VXS_HEADER_BYTES - entries;

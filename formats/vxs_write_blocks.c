@@ -11,13 +11,13 @@
 
 enum { PAGE_COUNT_WORD = 0, COMMON_WORD = 1, FIRST_PAGE_WORD = 8 };
 
-/* Where page n starts in the words; for n = their number, where the last one ends. */
+/* Where page n starts in the words; for n = number of pages, the end of the last page. */
 static uint32_t page_start(const vxs_blocks_view *view, uint32_t n)
 {
     return n < view->words[PAGE_COUNT_WORD] ? view->words[FIRST_PAGE_WORD + n] : view->word_count;
 }
 
-/* Whether the words are a resident part, then pages one behind the other. */
+/* Whether the words are a resident part followed by pages without gaps. */
 static int in_order(const vxs_blocks_view *view)
 {
     if (view->word_count < FIRST_PAGE_WORD || view->words[PAGE_COUNT_WORD] > VXS_PAGES_MAX) return 0;
@@ -30,7 +30,7 @@ static int in_order(const vxs_blocks_view *view)
     return view->words[COMMON_WORD] >= head && view->words[COMMON_WORD] <= page_start(view, 0);
 }
 
-/* The common pool, from where it starts to the first page; its last half may be none of it. */
+/* Index the common pool, which ends at the first page; its last half may be padding. */
 static vxs_result index_common(vxs_common *common, uint32_t *patterns, const vxs_blocks_view *view)
 {
     const uint32_t *words  = view->words + view->words[COMMON_WORD];
@@ -40,7 +40,7 @@ static vxs_result index_common(vxs_common *common, uint32_t *patterns, const vxs
     return vxs_common_index(common, patterns, view->common_kinds, view->common_count, words, halves - 1);
 }
 
-/* What a reader will know of a light before its pages: decoded from the bytes that it will have. */
+/* What a reader knows of a light before its pages: decoded from the bytes written. */
 typedef struct known_resident {
     vxs_resident_sizes sizes;
     vxs_resident       resident;
@@ -71,23 +71,23 @@ static void forget_resident(known_resident *k)
     free(k->scratch);
 }
 
-/* The bytes of a page, or why there are none. */
+/* The bytes of a page, or the error. */
 typedef struct encoded_page {
     vxs_bytes  bytes;
     vxs_result result;
 } encoded_page;
 
-/* Pages while they are encoded. */
+/* State of encoding pages. */
 typedef struct page_encoder {
     const vxs_blocks_view *view;
     const vxs_resident    *resident;
-    vxs_common_marks       common; /* for pages that are to be fast, as the next */
+    vxs_common_marks       common; /* only for packing fast, like the next */
     int                    zstd_level;
     encoded_page          *out; /* [pages.count] */
     vxs_items              pages;
 } page_encoder;
 
-/* What a task packs pages by that are to be fast. */
+/* Working memory of a task, for packing fast. */
 typedef struct page_packer {
     vxs_page_marks *marks;
     ZSTD_CCtx      *zstd;
@@ -119,7 +119,8 @@ static vxs_result encode_page(const page_encoder *e, const page_packer *p, uint3
     return vxs_page_pack(out, words, count, nodes, node_count, p->marks, p->zstd);
 }
 
-/* A task: pages that no other has taken. Behind one that fails none is wanted; all before it are taken. */
+/* A task: encodes pages that no other task has taken. After an error no further page is taken; all pages before it are
+ * encoded. */
 static void encode_some_pages(void *work, uint32_t task)
 {
     page_encoder *e = work;
@@ -134,7 +135,7 @@ static void encode_some_pages(void *work, uint32_t task)
     free(p.marks);
 }
 
-/* The content of a section of pages: their table, then their bytes. */
+/* Join the content of the section of pages: table, then bytes of the pages. */
 static vxs_result join_pages(vxs_bytes *content, const vxs_blocks_view *view, const encoded_page *pages, uint32_t count)
 {
     size_t head = VXS_PAGES_PREFIX_BYTES + (size_t)count * VXS_PAGE_BYTES, size = head;
@@ -177,7 +178,8 @@ static vxs_result encode_pages(vxs_bytes *content, const vxs_blocks_view *view, 
     return r;
 }
 
-/* The bytes of a resident part that is to be fast, instead of those that have shown that it holds every rule. */
+/* Replace the bytes of a resident part by those of packing fast. The first bytes were needed to check that it keeps every
+ * rule. */
 static vxs_result pack_resident(vxs_bytes *resident, const known_resident *k, const vxs_blocks_view *view, ZSTD_CCtx *zstd)
 {
     resident->size_bytes = 0;

@@ -14,7 +14,7 @@ int vxs_dag_fits(const vxs_dag_view *view, const vxs_light *light)
     return 1;
 }
 
-/* What child c of a node is; VXS_CHILD_SAME spares the offset of a child that repeats its neighbour nearer the light. */
+/* State of child c of a node; VXS_CHILD_SAME saves the offset of a child that repeats its neighbour nearer the light. */
 static uint32_t child_state(const uint32_t *child, unsigned c, int slices)
 {
     if (child[c] < VXS_REF_FIRST) return child[c];
@@ -34,9 +34,10 @@ static int append_varint(vxs_bytes *b, uint32_t v)
     return 1;
 }
 
-/* A level's nodes in the order in which the level above first refers to them (vxs.md section 7).
- * order  [count] nodes of this level, as `view` numbers them
- * below  [out] the same for the level below, or for the masks; *below_count of them; number [size of that level] is scratch */
+/* Encode a level: its nodes in the order in which the level above first refers to them (vxs.md section 7).
+ * order  [count] nodes of this level, as indices of `view`
+ * below  [out] [*below_count] the same for the level below, or for the masks
+ * number [size of that level] scratch */
 static vxs_result encode_level(vxs_bytes *content, const vxs_dag_view *view, uint32_t level, const uint32_t *order, uint32_t count,
                                uint32_t *below, uint32_t *below_count, uint32_t *number, uint64_t *words)
 {
@@ -80,7 +81,7 @@ static vxs_result encode_masks(vxs_bytes *content, const vxs_dag_view *view, con
 vxs_result vxs_write_dag(vxs_sections *s, const vxs_dag_view *view, uint32_t maps, uint32_t light, uint32_t *word_count)
 {
     vxs_bytes content = {0};
-    uint64_t  words   = maps > 1 ? maps : 0; /* where each root starts */
+    uint64_t  words   = maps > 1 ? maps : 0; /* words with the starts of the roots */
     uint32_t  count   = maps;
     uint32_t *order   = malloc(maps * sizeof *order);
     if (!order) return VXS_E_MEMORY;
@@ -100,7 +101,7 @@ vxs_result vxs_write_dag(vxs_sections *s, const vxs_dag_view *view, uint32_t map
     }
     if (r == VXS_OK) r = encode_masks(&content, view, order, count);
     if (r == VXS_OK) r = vxs_add_section(s, VXS_KIND_MASKS, 0, light, 0, &content);
-    words += (words & 1) + (uint64_t)count * 2; /* masks lie at even words */
+    words += (words & 1) + (uint64_t)count * 2; /* masks start at even words */
     if (r == VXS_OK && words > UINT32_MAX) r = VXS_E_ARGUMENT;
     *word_count = (uint32_t)words;
     free(order);

@@ -1,4 +1,4 @@
-/* Writing points of what casts; formats/vxs.md section 16.
+/* Writing points of casters; formats/vxs.md section 16.
  * SPDX-License-Identifier: MIT */
 #include <math.h>
 #include <stdlib.h>
@@ -7,7 +7,7 @@
 #include "vxs_points.h"
 #include "vxs_writer.h"
 
-/* The box from its low corner on, and metres a unit.   Returns 0 where there is a place that is none. */
+/* Low corner of the bounding box of the points, and metres per unit.   Returns 0 if a place is NaN or infinite. */
 static int find_box(const vxs_points_view *view, double low[3], double *step)
 {
     double high[3], size = 0;

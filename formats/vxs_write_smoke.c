@@ -9,7 +9,7 @@
 
 enum { TILE_TEXELS = 64, NODE_BYTES = 4 };
 
-/* Smoke while it is written, tile by tile. */
+/* State of writing smoke, tile by tile. */
 typedef struct smoke_writer {
     const vxs_smoke_view *view;
     size_t                tiles; /* of all maps */
@@ -29,7 +29,7 @@ static int has_curve(const uint8_t counts[TILE_TEXELS])
     return 0;
 }
 
-/* Whether the format has room for a curve. */
+/* Whether the format can store a curve. */
 static int curve_fits(const uint32_t *nodes, uint32_t count)
 {
     if (count > VXS_SMOKE_NODES_MAX) return 0;
@@ -38,7 +38,7 @@ static int curve_fits(const uint32_t *nodes, uint32_t count)
     return 1;
 }
 
-/* Count what there is. 0: a curve has no room. */
+/* Count tiles and nodes. 0: the format cannot store a curve. */
 static int count_curves(smoke_writer *w)
 {
     uint64_t at = 0;
@@ -52,7 +52,7 @@ static int count_curves(smoke_writer *w)
     return 1;
 }
 
-/* Nodes less the one before them, a plane for each byte. */
+/* Write nodes as differences from the previous one, with a plane for each byte. */
 static void put_curve(smoke_writer *w, const uint32_t *nodes, uint32_t count)
 {
     uint32_t depth = 0, left = 0xffff;

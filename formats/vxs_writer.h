@@ -1,4 +1,4 @@
-/* A file while it is written: what vxs_write.c gives the codings to write their sections by, and what they give it. Not installed.
+/* State of a file being written: interface between vxs_write.c and the writers of the codings. Not installed.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_WRITER_H
 #define VXS_WRITER_H
@@ -7,7 +7,7 @@
 
 #include "vxs_file.h"
 
-/* The sections so far: directory entries and stored bytes, put together at the end. */
+/* The sections so far: directory entries and stored bytes, joined at the end. */
 typedef struct vxs_sections {
     vxs_bytes           entries; /* VXS_ENTRY_BYTES each; offsets are filled in at the end */
     vxs_bytes           stored;
@@ -17,46 +17,46 @@ typedef struct vxs_sections {
     const vxs_parallel *parallel;
 } vxs_sections;
 
-/* One that compresses at a level, or NULL without memory. Release with ZSTD_freeCCtx. */
+/* A zstd context for a level; NULL: no memory. Release with ZSTD_freeCCtx. */
 ZSTD_CCtx *vxs_compressor(int zstd_level);
 
-/* `size` more bytes at the end of `b`, or NULL without memory. */
+/* Append `size` bytes to `b` and return them; NULL: no memory. */
 uint8_t *vxs_append(vxs_bytes *b, size_t size);
 
-/* One more section, with content that is yet to be compressed. Returns VXS_OK or VXS_E_MEMORY. */
+/* Compress the content and append it as a section. Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result vxs_add_section(vxs_sections *s, uint32_t kind, uint32_t flags, uint32_t light, uint32_t level,
                            const vxs_bytes *content);
 
-/* One more section of a light, whose content is stored as it is. Returns VXS_OK or VXS_E_MEMORY. */
+/* Append a section of a light, stored as it is, not as a zstd frame. Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result vxs_add_stored(vxs_sections *s, uint32_t kind, uint32_t light, const vxs_bytes *content);
 
-/* vxs_write_dag.c ----------------------------------------------------------------------------------------------------------------- */
+/* vxs_write_dag.c -------------------------------------------------------------------------------------------------------------- */
 
 /* Whether a DAG has the levels of a light, and a root for each of its maps. */
 int vxs_dag_fits(const vxs_dag_view *view, const vxs_light *light);
 
-/* Sections of light number `light`: the roots' level first, the masks last. A root is a node of its own for each map, even where two are
- * equal.
- * word_count  [out] what a reader will need
- * Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT when words cannot be counted in 32 bits. */
+/* Write the sections of light number `light`: level of the roots first, masks last. Each map has its own root node, even if
+ * two roots are equal.
+ * word_count  [out] number of words for a reader
+ * Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT if the number of words exceeds 32 bits. */
 vxs_result vxs_write_dag(vxs_sections *s, const vxs_dag_view *view, uint32_t maps, uint32_t light, uint32_t *word_count);
 
-/* vxs_write_blocks.c -------------------------------------------------------------------------------------------------------------- */
+/* vxs_write_blocks.c ----------------------------------------------------------------------------------------------------------- */
 
-/* Sections of light number `number`: its resident part, then its pages.
- * Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT when its words are not in canonical order, or its common patterns are others, or its packing
- * is none. */
+/* Write the sections of light number `number`: resident part, then pages. Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT if
+ * the words are not in canonical order, if the common patterns do not match them, or if the packing is unknown. */
 vxs_result vxs_write_blocks(vxs_sections *s, const vxs_blocks_view *view, const vxs_light *light, uint32_t number);
 
-/* vxs_write_smoke.c --------------------------------------------------------------------------------------------------------------- */
+/* vxs_write_smoke.c ------------------------------------------------------------------------------------------------------------ */
 
-/* The section of light number `number`.
+/* Write the smoke section of light number `number`.
  * Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT as vxs_write_smoke. */
 vxs_result vxs_add_smoke(vxs_sections *s, const vxs_smoke_view *smoke, const vxs_light *light, uint32_t number);
 
-/* vxs_write_points.c -------------------------------------------------------------------------------------------------------------- */
+/* vxs_write_points.c ----------------------------------------------------------------------------------------------------------- */
 
-/* Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT as vxs_write. */
+/* Write the section of points.
+ * Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT as vxs_write. */
 vxs_result vxs_add_points(vxs_sections *s, const vxs_points_view *view);
 
 #endif
