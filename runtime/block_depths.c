@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-/* texels -------------------------------------------------------------------------------------------------------------------------- */
+/* texels ---------------------------------------------------------------------------------------------------------------------- */
 
 /* Texel z of quadrant c: how far right, and down, it lies. */
 static int32_t column_of(uint32_t c, uint32_t z)
@@ -112,7 +112,7 @@ static int read_depths(const uint32_t *words, const vxs_depths_tile *r, int32_t 
     return VXS_TILE_MIXED;
 }
 
-/* entry points --------------------------------------------------------------------------------------------------------------------- */
+/* entry points ---------------------------------------------------------------------------------------------------------------- */
 
 /* What the top says of the square that (i, j) is in; and its node, when there is something in it. */
 static vxs_depth_square find_square(vxs_blocks_map m, int32_t i, int32_t j, vxs_blocks_node *node)

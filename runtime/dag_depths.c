@@ -25,7 +25,7 @@ static uint64_t mask_at(const uint32_t *dag, uint32_t at)
     return dag[at] | (uint64_t)dag[at + 1] << 32;
 }
 
-/* first shadows ------------------------------------------------------------------------------------------------------------------ */
+/* first shadows --------------------------------------------------------------------------------------------------------------- */
 
 /* A walk down the columns of a tile. */
 typedef struct column_walk {

@@ -41,7 +41,7 @@ static void read_vectors(const vxs_vectors *v, size_t first, size_t count, coord
     (v->type == VXS_F32 ? read_floats : read_doubles)((const char *)v->data + first * stride, stride, count, out);
 }
 
-/* world to voxel ---------------------------------------------------------------------------------------------------------------- */
+/* world to voxel -------------------------------------------------------------------------------------------------------------- */
 
 /* One of them, as a lookup finds it. */
 static void find_place(const vxs_light *light, const coordinates *points, const coordinates *normals, size_t n, int filter_px,
@@ -192,7 +192,7 @@ static void find_places(const vxs_light *light, const coordinates *points, const
     }
 }
 
-/* lookups ------------------------------------------------------------------------------------------------------------------------ */
+/* lookups --------------------------------------------------------------------------------------------------------------------- */
 
 /* The lit fraction at a place, as vxs_lit has it. */
 static float lit_at(vxs_taps *taps, const places *p, size_t n, int filter_px)

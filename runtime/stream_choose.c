@@ -147,7 +147,7 @@ static void rank_pages_of(vxs_stream *s, uint32_t light, const vxs_stream_focus 
     }
 }
 
-/* the nearest first: a binary heap of pages, by rank, then by number -------------------------------------------------------------- */
+/* the nearest first: a binary heap of pages, by rank, then by number ---------------------------------------------------------- */
 
 static int is_nearer(const vxs_stream *s, uint32_t a, uint32_t b)
 {

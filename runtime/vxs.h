@@ -143,7 +143,7 @@ typedef struct vxs_light_constants {
     uint32_t first_word;     /* byte 80: where the light's words start in the array of all words */
     uint32_t coding;         /* byte 84: VXS_CODING_* */
     uint32_t
-        origin_fraction_ij; /* byte 88: directional light: what rounding took from the last column, 2^-20 texels, signed: u | v << 16 */
+        origin_fraction_ij; /* byte 88: directional light: rounding error of the last column, 2^-20 texels, signed: u | v << 16 */
     uint32_t origin_fraction_k; /* byte 92: the same for depth; both 0: not known */
 } vxs_light_constants;          /* 96 bytes */
 

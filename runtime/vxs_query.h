@@ -18,7 +18,7 @@
 extern "C" {
 #endif
 
-/* many lookups ------------------------------------------------------------------------------------------------------------------ */
+/* many lookups ---------------------------------------------------------------------------------------------------------------- */
 
 /* Type of a coordinate. */
 #define VXS_F64 0u
@@ -51,7 +51,7 @@ typedef struct vxs_batch {
  * reused for the next. Uses 48 KiB of stack. Threads: any. */
 vxs_result vxs_lookup_batch(const vxs_baked_light *lights, uint32_t light_count, const vxs_batch *batch);
 
-/* where light ends -------------------------------------------------------------------------------------------------------------- */
+/* where light ends ------------------------------------------------------------------------------------------------------------ */
 
 /* First voxel of a texel that is in shadow: between the texel's enter and exit depth (formats/vxs.md 2), rounded outward to
  * voxels. In palette blocks all voxels behind it are in shadow too; in a DAG those behind the exit depth are.
@@ -86,7 +86,7 @@ typedef struct vxs_depth_map_desc {
  * or is larger than 2^30 texels along a side, or struct_size is one that no version had. Threads: any. */
 vxs_result vxs_depth_map(const vxs_baked_light *baked, const vxs_depth_map_desc *desc, int *coarse);
 
-/* lit intervals ------------------------------------------------------------------------------------------------------------------ */
+/* lit intervals --------------------------------------------------------------------------------------------------------------- */
 
 #define VXS_INTERVAL_SHADOW  0
 #define VXS_INTERVAL_LIT     1

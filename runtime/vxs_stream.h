@@ -64,15 +64,15 @@ typedef struct vxs_stream_desc {
     const char *path;       /* a file, UTF-8; read by position, so that threads share it */
     const void *bytes;      /* [size_bytes] in memory; borrowed until vxs_stream_close, never copied */
     uint64_t    size_bytes; /* of the file, for sources other than `path` */
-    /* Read size_bytes at offset into a buffer. Decoding threads call it, once at a time for each request, so several calls may
-     * run at once. Open calls it on the caller's thread with request NULL; then PENDING counts as FAILED. */
+    /* Read size_bytes at offset into a buffer. Called by the threads that decode, once at a time for each request, so several
+     * calls may run at once. Open calls it on the caller's thread with request NULL; then PENDING counts as FAILED. */
     vxs_stream_answer (*read)(void *user, uint64_t offset, uint32_t size_bytes, void *buffer, vxs_stream_request *request);
     void *read_user;
 
     uint64_t budget_bytes; /* see **Memory** above */
 
     uint32_t
-        threads; /* threads of the stream that read and decode; 0: vxs_stream_frame or submit's threads do. Up to VXS_STREAM_THREADS_MAX */
+        threads; /* own threads, which read and decode; 0: vxs_stream_frame or submit's threads do. Up to VXS_STREAM_THREADS_MAX */
     /* Call run(job) once, soon, on any thread of the caller. At most `threads` jobs at once, or 1 if that is 0. NULL: not used */
     void (*submit)(void *user, void (*run)(void *job), void *job);
     void    *submit_user;

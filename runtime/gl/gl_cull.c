@@ -22,7 +22,7 @@ uint64_t vxs_lists_words(uint32_t width_px, uint32_t height_px, uint32_t tile_li
     return columns * rows > (UINT64_MAX - VXS_LISTS_HEAD) / list ? UINT64_MAX : VXS_LISTS_HEAD + columns * rows * list;
 }
 
-/* in C ---------------------------------------------------------------------------------------------------------------------------- */
+/* in C ------------------------------------------------------------------------------------------------------------------------ */
 
 /* Lights are asked for 64 tiles at once first, some at a time, and for each tile those that are left: of ten thousand lamps, most are far from all.
 
@@ -149,7 +149,7 @@ uint32_t vxs_cull(const vxs_light_constants *lights, uint32_t light_count, const
     return longest;
 }
 
-/* on the graphics processor ---------------------------------------------------------------------------------------------------------- */
+/* on the graphics processor --------------------------------------------------------------------------------------------------- */
 
 static int make_lists(vxs_gl *gl, uint64_t words)
 {

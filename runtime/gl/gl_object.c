@@ -13,7 +13,7 @@ enum { WORDS_WIDE = 2048, LIGHTS_WIDE = 64, LIGHT_TEXELS = 6, LIGHT_WORDS = 24, 
 
 _Static_assert(sizeof(vxs_light_constants) == LIGHT_WORDS * sizeof(uint32_t), "lights are uploaded as words");
 
-/* the context --------------------------------------------------------------------------------------------------------------------- */
+/* the context ----------------------------------------------------------------------------------------------------------------- */
 
 static int load(vxs_gl *gl, const vxs_gl_desc *desc)
 {
@@ -58,7 +58,7 @@ static vxs_result choose_storage(vxs_gl *gl, vxs_gl_storage asked, uint64_t word
     return gl->version < (gl->is_es ? 300 : 330) ? VXS_E_GL : VXS_OK;
 }
 
-/* lights and words ---------------------------------------------------------------------------------------------------------------- */
+/* lights and words ------------------------------------------------------------------------------------------------------------ */
 
 void *vxs_gl_take(const vxs_gl *gl, uint64_t count, size_t size)
 {
@@ -262,7 +262,7 @@ void vxs_gl_destroy(vxs_gl *gl)
     memory.free(gl, sizeof *gl, memory.user);
 }
 
-/* upload -------------------------------------------------------------------------------------------------------------------------- */
+/* upload ---------------------------------------------------------------------------------------------------------------------- */
 
 vxs_result vxs_gl_put(vxs_gl *gl, const uint32_t *words, uint32_t first, uint32_t count)
 {
@@ -314,7 +314,7 @@ uint32_t vxs_gl_light_count(const vxs_gl *gl)
     return gl->light_count;
 }
 
-/* shaders ------------------------------------------------------------------------------------------------------------------------- */
+/* shaders --------------------------------------------------------------------------------------------------------------------- */
 
 void vxs_gl_texts(const vxs_gl *gl, const char *texts[VXS_GL_TEXTS])
 {
