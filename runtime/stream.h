@@ -10,8 +10,7 @@
  *
  * Order of the block; the array of words extends from `words` to its end, tail included:
  *
- *     vxs_stream | lights | pages | lists | tools | words: resident parts, smoke | room for pages | tail: nodes of tools, buffers
- *     of requests
+ *     vxs_stream | lights | pages | lists | tools | words: resident parts, smoke | room for pages | tail: nodes, buffers
  *
  * Access: lights and the constant fields of pages: any thread. The other fields of pages, the lists, and the words of page
  * tables: the frame. Requests: under the lock, except for the memory that a request decodes from and to: the thread that works on
@@ -144,8 +143,9 @@ void     vxs_stream_show(vxs_stream *s, uint32_t page, int there);
 /* stream_work.c */
 int                 vxs_stream_work_start(vxs_stream *s);
 void                vxs_stream_work_end(vxs_stream *s);
-/* vxs_stream_can_ask: whether a request is free; vxs_stream_ask: request a page that has a place. */
+/* Whether a request is free. */
 int                 vxs_stream_can_ask(vxs_stream *s);
+/* Request a page that has a place; a request must be free. */
 void                vxs_stream_ask(vxs_stream *s, uint32_t page);
 /* Read and decode up to count queued pages on the calling thread. */
 void                vxs_stream_work_here(vxs_stream *s, uint32_t count);
