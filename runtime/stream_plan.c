@@ -59,7 +59,7 @@ int vxs_stream_read_head(opening *o)
     return good;
 }
 
-/* what is wanted -------------------------------------------------------------------------------------------------------------- */
+/* wanted lights --------------------------------------------------------------------------------------------------------------- */
 
 static int find_light(const opening *o, const char *name, uint32_t *number)
 {

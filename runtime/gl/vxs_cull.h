@@ -8,7 +8,7 @@
 #ifndef VXS_CULL_H
 #define VXS_CULL_H
 
-#ifndef VXS_SPACE_H /* a shader that cannot include has it already */
+#ifndef VXS_SPACE_H /* shaders without #include have it in their text already */
 #include "vxs_space.h"
 #endif
 
