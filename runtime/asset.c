@@ -34,7 +34,7 @@ vxs_result vxs_asset_open(vxs_asset **asset, const void *bytes, size_t size_byte
     return VXS_OK;
 }
 
-/* Whether a file is one of as many bytes as it says, before all of it is read: by its first bytes. */
+/* Check the header of a file, including the file size in it, before the rest is read. */
 static vxs_result check_header(const os_file *file, const vxs_read_desc *desc)
 {
     uint8_t    header[VXS_HEADER_BYTES] = {0};

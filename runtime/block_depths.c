@@ -1,13 +1,13 @@
-/* Depths in palette blocks; see block_depths.h. Sums are of 64 bits, and held between the bounds that a square's entry has: a record may
- * have its base far from the map.
+/* Depths in palette blocks; see block_depths.h. Sums have 64 bits and are clamped to the bounds in a square's entry, because the
+ * base of a record may be far outside the map.
  * SPDX-License-Identifier: MIT */
 #include "block_depths.h"
 
 #include <string.h>
 
-/* texels -------------------------------------------------------------------------------------------------------------------------- */
+/* texels ---------------------------------------------------------------------------------------------------------------------- */
 
-/* Texel z of quadrant c: how far right, and down, it lies. */
+/* Column and row of texel z of quadrant c of a tile. */
 static int32_t column_of(uint32_t c, uint32_t z)
 {
     return (int32_t)(4 * (c & 1) + (z & 3));
@@ -24,7 +24,7 @@ static void plane_depths(vxs_blocks_tile plane, int32_t depth[64])
         for (uint32_t x = 0; x < 8; x++) depth[8 * y + x] = vxs_depths_plane(plane, x, y);
 }
 
-/* Of two planes, that of either, as their kind has it. */
+/* Depths of a tile of two planes: for each texel one of the two, as the kind of the tile selects it. */
 static void two_planes_depths(const uint32_t *words, vxs_blocks_tile tile, int32_t depth[64])
 {
     int32_t second[64];
@@ -40,7 +40,8 @@ static void two_planes_depths(const uint32_t *words, vxs_blocks_tile tile, int32
     }
 }
 
-/* Of masks, each of which has all texels of the one before it: the depth that a texel has by the first that has it. */
+/* Depths of a tile of masks. Each mask contains the texels of the one before it. A texel has the depth of the first mask that
+ * contains it. */
 static void mask_depths(const uint32_t *words, const vxs_depths_tile *r, const int32_t *entries, int32_t depth[64])
 {
     static const int32_t   bit[16] = {1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768};
@@ -60,7 +61,7 @@ static void mask_depths(const uint32_t *words, const vxs_depths_tile *r, const i
     }
 }
 
-/* Of nibbles that are indices, or relative to a base of each quadrant. */
+/* Nibble of a texel: an index, or relative to a base of its quadrant. */
 static uint32_t nibble_at(const uint32_t *words, const vxs_blocks_tile *tile, uint32_t c, uint32_t z)
 {
     return vxs_byte(words, tile->pool, 2 * tile->at + 16 * (c & 1) + z) >> 4 * (c >> 1) & 15;
@@ -85,11 +86,11 @@ static void nibble_depths(const uint32_t *words, const vxs_depths_tile *r, const
         depth[8 * row_of(n >> 4, n & 15) + column_of(n >> 4, n & 15)] = entries[nibble_at(words, &r->tile, n >> 4, n & 15)];
 }
 
-/* All texels of a tile; returns as vxs_tile_depths. */
+/* Read the depths of all texels of a tile; returns as vxs_tile_depths. */
 static int read_depths(const uint32_t *words, const vxs_depths_tile *r, int32_t depth[64])
 {
     int32_t base = vxs_depths_held(r->base, -(1 << 29), 1 << 29), low = r->low,
-            high = r->high; /* planes are less than 2^22 voxels deep */
+            high = r->high; /* depths of planes are below 2^22 voxels */
     if (r->indexed) {
         int32_t entries[16];
         for (uint32_t n = 0; n < 16; n++) entries[n] = n <= r->last ? vxs_depths_of_index(words, r, n) : entries[n - 1];
@@ -112,9 +113,9 @@ static int read_depths(const uint32_t *words, const vxs_depths_tile *r, int32_t 
     return VXS_TILE_MIXED;
 }
 
-/* entry points --------------------------------------------------------------------------------------------------------------------- */
+/* entry points ---------------------------------------------------------------------------------------------------------------- */
 
-/* What the top says of the square that (i, j) is in; and its node, when there is something in it. */
+/* Find the square of (i, j) in the top level, and its node if it is not uniform. */
 static vxs_depth_square find_square(vxs_blocks_map m, int32_t i, int32_t j, vxs_blocks_node *node)
 {
     vxs_depth_square s = vxs_depths_square_at(m.words, m.map, m.levels, i, j);
@@ -122,7 +123,7 @@ static vxs_depth_square find_square(vxs_blocks_map m, int32_t i, int32_t j, vxs_
     return s;
 }
 
-/* Put the cursor on the block that texel (i, j) is in; its square has something. */
+/* Set the cursor to the block of texel (i, j), whose square must not be uniform. */
 static void set_cursor(vxs_block_cursor *c, vxs_blocks_map m, const vxs_depth_square *square, int32_t i, int32_t j)
 {
     c->record = vxs_blocks_find_block(m.words, c->node, (uint32_t)((i >> 5 & 7) | (j >> 5 & 7) << 3));
@@ -146,7 +147,7 @@ static void set_bounds(vxs_depth_square *s, vxs_depths_bounds b)
     s->greatest = b.greatest;
 }
 
-/* The part of a square of `side_px` about (i, j). */
+/* Shrink a square to the part of side side_px around (i, j). */
 static void part(vxs_depth_square *s, int32_t i, int32_t j, int32_t side_px)
 {
     if (s->side_px <= side_px) return;
@@ -155,7 +156,7 @@ static void part(vxs_depth_square *s, int32_t i, int32_t j, int32_t side_px)
     s->side_px = side_px;
 }
 
-/* Bounds of a tile: of palettes those need none of its depths. */
+/* Bounds of a tile. With a palette they usually follow from it, without reading any texel. */
 static vxs_depths_bounds bound_tile(const uint32_t *words, const vxs_depths_tile *r)
 {
     vxs_depths_bounds b = vxs_depths_bound(words, r);

@@ -14,7 +14,7 @@ static uint32_t state_of(uint32_t states, uint32_t c)
     return states >> 2 * c & 3;
 }
 
-/* Where own child c of a node starts. */
+/* Address of own child c of a node. */
 static uint32_t child_of(const uint32_t *dag, uint32_t node, uint32_t c)
 {
     return dag[node + 1 + vxs_popcount(vxs_own(dag[node]) & ((1u << 2 * c) - 1))];
@@ -25,17 +25,17 @@ static uint64_t mask_at(const uint32_t *dag, uint32_t at)
     return dag[at] | (uint64_t)dag[at + 1] << 32;
 }
 
-/* first shadows ------------------------------------------------------------------------------------------------------------------ */
+/* first shadows --------------------------------------------------------------------------------------------------------------- */
 
-/* A walk down the columns of a tile. */
+/* State of a walk down the columns of a tile. */
 typedef struct column_walk {
     const uint32_t *dag;
     uint32_t        tile_x, tile_y;
-    uint64_t        wanted; /* texels of which no shadow was met yet */
+    uint64_t        wanted; /* texels that have met no shadow yet */
     int32_t        *depth;
 } column_walk;
 
-/* Texels that are in shadow from k on. */
+/* Set the depth of wanted texels that are in shadow from k on. */
 static void meet(column_walk *w, uint64_t mask, int32_t k)
 {
     uint64_t met = mask & w->wanted;
@@ -44,7 +44,8 @@ static void meet(column_walk *w, uint64_t mask, int32_t k)
         if (met & 1) w->depth[n] = k;
 }
 
-/* A slice that has the mask of one before it has no shadow that was not met there. */
+/* Walk the slices of a node of side 8 at depth k. A slice that repeats the mask of the one before it adds no shadow and is
+ * skipped. */
 static void walk_slices(column_walk *w, uint32_t node, int32_t k)
 {
     for (uint32_t slice = 0; slice < 8 && w->wanted; slice++) {
@@ -54,8 +55,8 @@ static void walk_slices(column_walk *w, uint32_t node, int32_t k)
     }
 }
 
-/* A node of side 8 << level that begins at depth k: of its children those over the tile, the nearer one first. One that is the same as the
- * nearer has nothing new. */
+/* Walk a node of side 8 << level at depth k: its two children over the tile, the nearer first. A child that repeats the nearer
+ * one adds no shadow and is skipped. */
 static void walk_column(column_walk *w, uint32_t node, uint32_t level, int32_t k)
 {
     if (level == 0) {

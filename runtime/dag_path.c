@@ -1,4 +1,4 @@
-/* Walks through a DAG that go on from the last one; see dag_path.h.
+/* Walks through a DAG that reuse the last walk; see dag_path.h.
  * SPDX-License-Identifier: MIT */
 #include "dag_path.h"
 
@@ -7,18 +7,18 @@ void vxs_dag_path_init(vxs_dag_path *path, const vxs_baked_light *baked, uint32_
     path->words  = baked->words;
     path->levels = baked->light.levels;
     path->root   = baked->light.flags & VXS_LIGHT_CUBE ? vxs_face_root(baked->words, map) : 0;
-    path->x = path->y = path->z = ~0u; /* far from all slices: the root differs, too */
+    path->x = path->y = path->z = ~0u; /* no slice has this position, so that the first walk starts at the root */
     path->end                   = path->levels - 3;
     path->state                 = 2;
     path->node[path->end]       = path->root;
 }
 
-/* The slice's mask; as vxs_slice. */
+/* Mask of a slice, as vxs_slice. */
 static inline vxs_mask slice(vxs_dag_path *path, uint32_t x, uint32_t y, uint32_t k)
 {
     const uint32_t *dag = path->words;
     uint32_t        z = k >> 3, differ = (x ^ path->x) | (y ^ path->y) | (z ^ path->z), level = path->levels - 3;
-    while (level > path->end && !(differ >> (level - 1))) level--; /* the same child */
+    while (level > path->end && !(differ >> (level - 1))) level--; /* same child as in the last walk */
     if (level == path->end && path->state < 2 && !(differ >> (level - 1))) return vxs_uniform_mask(path->state);
 
     uint32_t node = path->node[level], states, state;

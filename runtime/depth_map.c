@@ -1,6 +1,6 @@
-/* Depth maps made of what an asset holds; see vxs_query.h. The rectangle is covered in strips of eight texels, each of boxes of one
- * depth: as much of a square of 256 texels or more as the strip has, or a tile, or texels. A box is written to all pixels that it has a
- * part in.
+/* Depth maps from baked lights; see vxs_query.h. The rectangle is covered by strips of eight texel rows, and each strip by boxes
+ * of uniform depth: the strip's part of a uniform square of 256 texels or more, a tile, or a texel. A box is written to all
+ * pixels that it overlaps.
  * SPDX-License-Identifier: MIT */
 #include <string.h>
 
@@ -21,7 +21,7 @@ typedef struct depth_painter {
     int                    coarse;
 } depth_painter;
 
-/* pixels ------------------------------------------------------------------------------------------------------------------------- */
+/* pixels ---------------------------------------------------------------------------------------------------------------------- */
 
 static uint32_t *voxels_at(const vxs_depth_map_desc *to, uint32_t y)
 {
@@ -35,14 +35,15 @@ static float *depths_at(const vxs_depth_map_desc *to, uint32_t y)
     return (float *)((char *)to->depths + y * stride);
 }
 
-/* The first pixel that texels from one on, counted from the rectangle's first, are asked by: at their middle, or with any. */
+/* First pixel that depends on texels from `texel` on (relative to the rectangle): with VXS_DEPTH_CENTRE by its middle texel, else
+ * by any texel. */
 static uint32_t pixel_from(const vxs_depth_map_desc *to, int32_t texel)
 {
     uint32_t size = 1u << to->shift, rest = to->which == VXS_DEPTH_CENTRE ? size / 2 : size - 1;
     return to->which == VXS_DEPTH_CENTRE ? ((uint32_t)texel + size - 1 - rest) >> to->shift : (uint32_t)texel >> to->shift;
 }
 
-/* The first behind those that are asked by texels before one. */
+/* End of the pixels that depend on texels before `texel`. */
 static uint32_t pixel_end(const vxs_depth_map_desc *to, int32_t texel)
 {
     if (to->which == VXS_DEPTH_CENTRE) return pixel_from(to, texel);
@@ -54,7 +55,7 @@ static int replaces(uint32_t which, uint32_t depth, uint32_t last)
     return which == VXS_DEPTH_LEAST ? depth < last : which == VXS_DEPTH_GREATEST ? depth > last : 1;
 }
 
-/* Floats of depths are exact, and in the same order. */
+/* Depths divided by 2^levels are exact floats in the same order, so that floats can be compared instead of voxels. */
 static void put_row(const vxs_depth_map_desc *to, uint32_t y, uint32_t x0, uint32_t x1, uint32_t depth, float scale)
 {
     uint32_t *voxels = to->voxels ? voxels_at(to, y) : NULL;
@@ -74,7 +75,7 @@ static void put_box(const depth_painter *p, texel_box box, int32_t depth)
     for (uint32_t y = pixel_from(to, box.j0 - to->j); y < y1; y++) put_row(to, y, x0, x1, (uint32_t)depth, scale);
 }
 
-/* What any depth replaces. */
+/* Fill with the value that any depth replaces. */
 static void clear(const vxs_depth_map_desc *to, uint32_t levels)
 {
     for (uint32_t y = 0; y < to->high_px && to->which != VXS_DEPTH_CENTRE; y++)
@@ -84,21 +85,21 @@ static void clear(const vxs_depth_map_desc *to, uint32_t levels)
         }
 }
 
-/* texels ------------------------------------------------------------------------------------------------------------------------- */
+/* texels ---------------------------------------------------------------------------------------------------------------------- */
 
 static int32_t less(int32_t a, int32_t b)
 {
     return a < b ? a : b;
 }
 
-/* Texels of a tile, the box being within it. */
+/* Write the texels of a box within a tile. */
 static void paint_texels(const depth_painter *p, texel_box box, const int32_t depth[64])
 {
     for (int32_t j = box.j0; j < box.j1; j++)
         for (int32_t i = box.i0; i < box.i1; i++) put_box(p, (texel_box){i, i + 1, j, j + 1}, depth[(i & 7) + 8 * (j & 7)]);
 }
 
-/* As much of a strip as has one depth, or a tile of it. Returns where that ends. */
+/* Write the first part of a strip: texels of one uniform square, or of one tile. Returns the column where it ends. */
 static int32_t paint_blocks(depth_painter *p, texel_box strip)
 {
     const vxs_blocks_map m = {p->baked->words, (uint32_t)p->to.map, p->baked->light.levels};
@@ -123,7 +124,7 @@ static int32_t paint_dag(depth_painter *p, texel_box strip)
     return strip.i1;
 }
 
-/* A strip within one of the rows of tiles that the map has, or above or below all of them. */
+/* Write a strip that is inside one row of tiles of the map, or completely above or below the map. */
 static void paint_strip(depth_painter *p, texel_box strip)
 {
     int32_t side = 1 << p->baked->light.levels, end = strip.i1, beside = strip.j0 < 0 || strip.j0 >= side;

@@ -1,4 +1,4 @@
-/* Where light first ends, of a texel and of a rectangle of them; see vxs_query.h. Palette blocks have depths; a DAG's columns are walked.
+/* First shadowed voxel of a texel; see vxs_query.h. Palette blocks contain it; in a DAG the column is walked.
  * SPDX-License-Identifier: MIT */
 #include "block_depths.h"
 #include "dag_depths.h"

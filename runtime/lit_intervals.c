@@ -1,4 +1,4 @@
-/* Where a ray is lit; see vxs_query.h. The walk itself is formats/vxs_intervals.h, in double.
+/* Lit intervals of a ray; see vxs_query.h. The walk is that of formats/vxs_intervals.h, in double.
  * SPDX-License-Identifier: MIT */
 #include <math.h>
 #include <string.h>

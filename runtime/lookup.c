@@ -1,10 +1,10 @@
-/* Lookups of world-space points; see vxs.h. What they do is formats/vxs_space.h, in double.
+/* Lookups of world-space points; see vxs.h. The computation is that of formats/vxs_space.h, in double.
  * SPDX-License-Identifier: MIT */
 #include "vxs_query.h"
 #include "vxs_smoke.h"
 #include "vxs_space.h"
 
-static const double zero[3] = {0, 0, 0}; /* a normal in the air; the origin of the world */
+static const double zero[3] = {0, 0, 0}; /* no normal; also the origin of the world */
 
 int vxs_voxel(const vxs_light *light, const double point_ws[3], const double normal_ws[3], int filter_px, int32_t voxel[3])
 {
@@ -43,7 +43,7 @@ float vxs_smoke_lookup(const vxs_light *light, const vxs_baked_smoke *smoke, con
     return smoke ? (float)vxs_smoke_left(smoke->words, light, point_ws) : 1;
 }
 
-/* In 2^-20, in 16 bits: as much as rounding takes from a number less than 2^19, and more is held. */
+/* Rounding error of (float)x in 2^-20, as 16 signed bits, clamped. 16 bits are enough for |x| below 2^19. */
 static uint32_t rest_of(double x)
 {
     return (uint32_t)lround(fmin(fmax((x - (double)(float)x) * 0x1p20, -32768), 32767)) & 0xffffu;

@@ -1,4 +1,5 @@
-/* Lookups of many points; see vxs_query.h. Points are taken 64 at a time: their coordinates side by side, then their places, then the taps.
+/* Lookups of many points; see vxs_query.h. Points are processed in chunks of 64: first all coordinates, then all places, then all
+ * taps.
  * SPDX-License-Identifier: MIT */
 #include <string.h>
 
@@ -9,12 +10,12 @@
 
 enum { CHUNK = 64 };
 
-/* Coordinates of some points, or normals: all x, all y, all z. */
+/* Coordinates of a chunk of points or normals: all x, all y, all z. */
 typedef struct coordinates {
     double at[3][CHUNK];
 } coordinates;
 
-/* Where they are looked up, as vxs_place has it; within a texel of smooth filters alone. */
+/* Places of a chunk of points, as vxs_place; `within` is used by smooth filters only. */
 typedef struct places {
     int32_t at[3][CHUNK], map[CHUNK];
     uint8_t within[2][CHUNK];
@@ -41,9 +42,9 @@ static void read_vectors(const vxs_vectors *v, size_t first, size_t count, coord
     (v->type == VXS_F32 ? read_floats : read_doubles)((const char *)v->data + first * stride, stride, count, out);
 }
 
-/* world to voxel ---------------------------------------------------------------------------------------------------------------- */
+/* world to voxel -------------------------------------------------------------------------------------------------------------- */
 
-/* One of them, as a lookup finds it. */
+/* Place of one point, as for a single lookup. */
 static void find_place(const vxs_light *light, const coordinates *points, const coordinates *normals, size_t n, int filter_px,
                        places *out)
 {
@@ -59,14 +60,14 @@ static void find_place(const vxs_light *light, const coordinates *points, const 
     out->within[1][n] = (uint8_t)place.down;
 }
 
-/* A row of the matrix and points, or directions (one = 0), in the order of vxs_ls_coordinate. */
+/* Product of a matrix row with points (one = 1) or directions (one = 0), with the operation order of vxs_ls_coordinate. */
 static inline vxs_lanes times_row(const double *m, const coordinates *c, int n, double one)
 {
     return vxs_lanes_of(m[0]) * vxs_load(c->at[0] + n) + vxs_lanes_of(m[1]) * vxs_load(c->at[1] + n) +
            vxs_lanes_of(m[2]) * vxs_load(c->at[2] + n) + vxs_lanes_of(m[3] * one);
 }
 
-/* As vxs_within.   floors  of the same */
+/* As vxs_within. floors  of `at` */
 static inline void find_within(vxs_lanes at, vxs_lanes floors, uint8_t *within)
 {
     double part[VXS_LANES];
@@ -74,7 +75,7 @@ static inline void find_within(vxs_lanes at, vxs_lanes floors, uint8_t *within)
     for (int n = 0; n < VXS_LANES; n++) within[n] = part[n] > 0 ? (uint8_t)(part[n] < 255 ? part[n] : 255) : 0;
 }
 
-/* As vxs_between_taps.   floors  of `at` */
+/* As vxs_between_taps. floors  of `at` */
 static inline vxs_lanes between_taps(vxs_lanes at, vxs_lanes floors, int filter_px)
 {
     if (filter_px < VXS_SMOOTH) return at - floors - vxs_lanes_of(0.5);
@@ -82,12 +83,12 @@ static inline vxs_lanes between_taps(vxs_lanes at, vxs_lanes floors, int filter_
     return first - vxs_small_floor(first) - vxs_lanes_of(0.5);
 }
 
-/* Points in the map of a directional light: loops over all of them, one behind the other, keep a processor busier than one loop that does
- * it all for a point. */
+/* Points in the map of a directional light. Each step is a loop of its own over all points: that is faster than one loop with all
+ * steps, because a processor can overlap more operations. */
 typedef struct sun_points {
-    double at[3][CHUNK], voxel[3][CHUNK]; /* as for vxs_biased_voxel; voxels: floors at first */
+    double at[3][CHUNK], voxel[3][CHUNK]; /* as for vxs_biased_voxel; voxel: initially floor(at) */
     double normal[3][CHUNK];
-    double missing[CHUNK], across[2][CHUNK]; /* its steps across */
+    double missing[CHUNK], across[2][CHUNK]; /* steps across the map */
 } sun_points;
 
 static void step_across(sun_points *p, int filter_px)
@@ -144,13 +145,13 @@ static void step_along(const vxs_light *light, sun_points *p)
     }
 }
 
-/* The voxels of a directional light, as vxs_sun_place has them. Returns 0 when some coordinates are so great that it would clamp them, or are
- * no numbers: then none of `out` counts.
+/* Voxels of a chunk in a directional light, as vxs_sun_place. Returns 0 when a coordinate is NaN, or so large that vxs_sun_place
+ * would clamp it; then `out` has no meaning.
  * normals  NULL: none */
 static int find_voxels(const vxs_light *light, const coordinates *points, const coordinates *normals, int filter_px, places *out)
 {
     const vxs_lanes limit = vxs_lanes_of(1 << 29), depth = vxs_lanes_of(light->voxel_metres / light->texel_metres);
-    vxs_lane_mask   small = vxs_lanes_of(0) < limit; /* all */
+    vxs_lane_mask   small = vxs_lanes_of(0) < limit; /* all ones */
     sun_points      p;
     for (int row = 0; row < 3; row++)
         for (int n = 0; n < CHUNK; n += VXS_LANES) {
@@ -192,9 +193,9 @@ static void find_places(const vxs_light *light, const coordinates *points, const
     }
 }
 
-/* lookups ------------------------------------------------------------------------------------------------------------------------ */
+/* lookups --------------------------------------------------------------------------------------------------------------------- */
 
-/* The lit fraction at a place, as vxs_lit has it. */
+/* Lit fraction at a place, as vxs_lit. */
 static float lit_at(vxs_taps *taps, const places *p, size_t n, int filter_px)
 {
     int32_t last = (1 << taps->baked->light.levels) - 1, width = vxs_filter_width(filter_px);
@@ -211,7 +212,7 @@ static float lit_at(vxs_taps *taps, const places *p, size_t n, int filter_px)
     return (float)((double)(all - dark) / (double)all);
 }
 
-/* At any address. */
+/* Store at an address of any alignment. */
 static void put(char *to, float lit)
 {
     memcpy(to, &lit, sizeof lit);

@@ -4,7 +4,7 @@
 #define PLATFORM_POSIX_H
 
 #ifndef _POSIX_C_SOURCE
-#define _POSIX_C_SOURCE 200809L /* threads and pread, where only the language is asked for */
+#define _POSIX_C_SOURCE 200809L /* declares threads and pread with a strict -std option */
 #endif
 #include <errno.h>
 #include <fcntl.h>

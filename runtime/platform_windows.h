@@ -29,7 +29,7 @@ static inline int os_failed(void)
     return 0;
 }
 
-/* A path is UTF-8, as everywhere. */
+/* path  UTF-8 */
 static inline HANDLE os_open_utf8(const char *path)
 {
     HANDLE   handle = INVALID_HANDLE_VALUE;

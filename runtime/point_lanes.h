@@ -1,5 +1,5 @@
-/* Several doubles at once: vectors of GCC and Clang, or a double alone where there are none, or VXS_SCALAR is defined. What is written with
- * them gives the same numbers either way. Internal to the runtime; not installed.
+/* Vectors of doubles: those of GCC and Clang, or a single double with other compilers or when VXS_SCALAR is defined. Code that
+ * uses them gives the same numbers either way. Internal to the runtime; not installed.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_POINT_LANES_H
 #define VXS_POINT_LANES_H
@@ -10,7 +10,7 @@
 
 #if defined(__GNUC__) && !defined(VXS_SCALAR)
 typedef double  vxs_lanes __attribute__((vector_size(16)));
-typedef int64_t vxs_lane_mask __attribute__((vector_size(16))); /* of a comparison: all ones, or zero */
+typedef int64_t vxs_lane_mask __attribute__((vector_size(16))); /* result of a comparison: all ones, or zero */
 
 /* x where the mask is set, else 0. */
 static inline vxs_lanes vxs_keep(vxs_lane_mask mask, vxs_lanes x)
@@ -23,7 +23,7 @@ static inline vxs_lanes vxs_abs_lanes(vxs_lanes x)
     return (vxs_lanes)((vxs_lane_mask)x & INT64_MAX);
 }
 
-/* x, which has no sign, with that of another. */
+/* x with the sign of `other`. x must not be negative. */
 static inline vxs_lanes vxs_signed_as(vxs_lanes x, vxs_lanes other)
 {
     return (vxs_lanes)((vxs_lane_mask)x | ((vxs_lane_mask)other & INT64_MIN));
@@ -94,10 +94,10 @@ static inline void vxs_store(double *to, vxs_lanes x)
     memcpy(to, &x, sizeof x);
 }
 
-/* floor, of numbers below 2^51, whatever the mode of rounding. */
+/* floor of numbers with |x| < 2^51, in any rounding mode. */
 static inline vxs_lanes vxs_small_floor(vxs_lanes x)
 {
-    const vxs_lanes units = vxs_lanes_of(6755399441055744.0); /* 1.5 * 2^52: of numbers about it, the next is one more */
+    const vxs_lanes units = vxs_lanes_of(6755399441055744.0); /* 1.5 * 2^52: doubles near it are spaced by 1 */
     vxs_lanes       whole = x + units - units;
     return whole - vxs_keep(whole > x, vxs_lanes_of(1));
 }

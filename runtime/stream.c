@@ -1,4 +1,4 @@
-/* The frame of a stream, and what is asked of it; vxs_stream.h.
+/* Frames and queries of a stream; see vxs_stream.h.
  * SPDX-License-Identifier: MIT */
 #include <float.h>
 #include <string.h>
@@ -7,7 +7,7 @@
 
 enum { STATUS_FIRST_BYTES = sizeof(vxs_stream_status) };
 
-/* A page that cannot be had, now or at all. */
+/* Record and report that a page cannot be loaded, now or at all. */
 static void fail(vxs_stream *s, uint32_t number, vxs_result result, int finding)
 {
     stream_page *page = &s->pages[number];
@@ -18,7 +18,7 @@ static void fail(vxs_stream *s, uint32_t number, vxs_result result, int finding)
     s->desc.failed(s->desc.failed_user, page->light, number - s->lights[page->light].first_page, result, finding);
 }
 
-/* Requests that have ended: their pages appear, or their places are free again. */
+/* Process done requests: their pages appear, or on failure their places become free. */
 static void collect(vxs_stream *s)
 {
     for (vxs_stream_request *r; (r = vxs_stream_next_done(s)); vxs_stream_release(r)) {
@@ -38,13 +38,13 @@ static void collect(vxs_stream *s)
     }
 }
 
-/* Of any bytes; what its table says may be wrong. */
+/* Whether sizes of a page are possible: the page table may be hostile. */
 static int is_possible(const stream_page *page)
 {
     return page->word_count >= 1 && page->word_count <= VXS_PAGE_WORDS_MAX && page->stored_bytes <= STORED_MAX;
 }
 
-/* A page that is among the nearest. */
+/* Request a page that is among the nearest, if it is away and a request and a place are available. */
 static void ask_for(vxs_stream *s, uint32_t number)
 {
     stream_page *page = &s->pages[number];
@@ -54,7 +54,7 @@ static void ask_for(vxs_stream *s, uint32_t number)
     vxs_stream_ask(s, number);
 }
 
-/* Keep the nearest that fit, all of which are marked before one has others leave; then ask for those that are not there. */
+/* Mark the nearest pages that fit as kept, all of them before any page is evicted; then request those that are missing. */
 static void choose(vxs_stream *s, const vxs_stream_focus *foci, uint32_t count)
 {
     uint32_t room = s->room_end - s->room_first, number, kept = 0;
@@ -70,12 +70,12 @@ static void choose(vxs_stream *s, const vxs_stream_focus *foci, uint32_t count)
         if (words > room) break;
         room -= words;
         page->kept                      = s->frame;
-        s->heap[s->page_count - ++kept] = number; /* where the heap has ended */
+        s->heap[s->page_count - ++kept] = number; /* the heap does not use this end any more */
     }
     for (uint32_t n = 0; n < kept; n++) ask_for(s, s->heap[s->page_count - 1 - n]);
 }
 
-/* status -------------------------------------------------------------------------------------------------------------------------- */
+/* status ---------------------------------------------------------------------------------------------------------------------- */
 
 static void count_pages(vxs_stream *s)
 {
@@ -97,7 +97,7 @@ static void count_pages(vxs_stream *s)
     t->pages_wanted = s->wanted;
 }
 
-/* As much as the caller knows of. */
+/* Copy the part of the status that the caller's struct has. */
 static void tell(const vxs_stream *s, vxs_stream_status *status)
 {
     size_t given = status->struct_size, known = given ? given : STATUS_FIRST_BYTES;
@@ -131,7 +131,7 @@ void vxs_stream_retry(vxs_stream *s)
     }
 }
 
-/* what there is ------------------------------------------------------------------------------------------------------------------- */
+/* queries --------------------------------------------------------------------------------------------------------------------- */
 
 uint32_t vxs_stream_light_count(const vxs_stream *s)
 {

@@ -1,9 +1,10 @@
-/* Which pages are wanted: those whose volume is near to a focus, the nearest first.
+/* Choice of wanted pages: those whose volume is near a focus, the nearest first.
  *
- * A page's volume holds all points that may need it: the squares of the map that have nodes in it, from the least to the greatest depth at
- * which they are asked, and around them as far as the widest filter and its bias reach. It is kept as a box along the axes of light space, in
- * metres: of a sun (u, v, depth), of a lamp what is about the light, where a square's volume is a piece of a pyramid and the box holds it. Boxes
- * of pages whose squares lie apart are too large, which only makes them come earlier.
+ * A page's volume contains all points that may need it: the map squares that have nodes in it, between the least and greatest
+ * depth at which lookups read them, extended by the reach of the widest filter and its bias. It is stored as a box along the axes
+ * of light space, in metres: (u, v, depth) for a directional light; coordinates relative to the light for a spot or point light,
+ * where the volume of a square is a part of a pyramid and the box encloses it. If the squares of a page are far apart its box is
+ * too large, so the page is only loaded earlier.
  * SPDX-License-Identifier: MIT */
 #include <float.h>
 #include <math.h>
@@ -11,10 +12,11 @@
 #include "stream.h"
 #include "vxs_space.h"
 
-/* How many texels a lookup reaches beyond its point: half a filter, and the bias of that filter (vxs_voxel). */
+/* Texels that a lookup reaches beyond its point: half a filter, and the bias of that filter (vxs_voxel). */
 static const double reach_px = VXS_FILTER_MAX / 2 + 1 + 1.2 * (VXS_FILTER_MAX + 1) / 2 + 1;
 
-/* Pages that are here count as nearer, so that what is as far does not take their place, nor what an eye that sways brings a metre nearer. */
+/* Rank of a present page. It is reduced so that a page at equal distance, or a little nearer when the camera moves to and fro,
+ * does not replace it. */
 static float rank_of_here(float rank)
 {
     float nearer = 0.75f * rank - 1;
@@ -25,7 +27,7 @@ typedef struct extent {
     double min[3], max[3];
 } extent;
 
-/* Hostile matrices may give any number; NaN is as far as can be. */
+/* Clamp to +-FAR_METRES; NaN becomes `otherwise`. Hostile matrices may give any number. */
 static float held(double x, double otherwise)
 {
     double limit = FAR_METRES;
@@ -41,7 +43,8 @@ static void page_add(stream_page *page, const extent *e)
     }
 }
 
-/* A square's depths, in metres of a sun, or along the axis of a lamp's map. What lies behind the map is its last voxel. */
+/* Depth range of a square: metres for a directional light, distance along the axis of the map for a spot or point light. Points
+ * behind the map use its last voxel, so a range that ends there extends to FAR_METRES, or to the light's range. */
 static void depth_range(const vxs_light *light, uint32_t bounds, double *nearest, double *farthest)
 {
     uint32_t coarse = light->levels > 8 ? light->levels - 8 : 0, first = (bounds >> 16 & 255) << coarse;
@@ -67,7 +70,7 @@ static void sun_extent(const vxs_light *light, const double from[2], const doubl
     e->max[2] = farthest;
 }
 
-/* The box around a piece of a pyramid: its corners. */
+/* Bounding box of a part of a pyramid, from its corners. */
 static void lamp_extent(const vxs_light *light, uint32_t map, const double from[2], const double to[2], double nearest,
                         double farthest, extent *e)
 {
@@ -101,7 +104,7 @@ void vxs_stream_page_add_square(stream_page *page, const vxs_light *light, uint3
     page_add(page, &e);
 }
 
-/* A focus as a light sees it. 0: it asks for nothing. */
+/* A focus in the coordinates of page volumes. 0: the focus is invalid and requests nothing. */
 static int focus_extent(const vxs_stream_focus *focus, const vxs_light *light, extent *e)
 {
     for (int k = 0; k < 3; k++)
@@ -122,7 +125,7 @@ static int focus_extent(const vxs_stream_focus *focus, const vxs_light *light, e
     return 1;
 }
 
-/* Metres from a focus to a page; 0 in it. */
+/* Distance in metres from a focus to a page; 0 when they overlap. */
 static double distance_to(const stream_page *page, const extent *e)
 {
     double sum = 0;
@@ -147,7 +150,7 @@ static void rank_pages_of(vxs_stream *s, uint32_t light, const vxs_stream_focus 
     }
 }
 
-/* the nearest first: a binary heap of pages, by rank, then by number -------------------------------------------------------------- */
+/* the nearest first: a binary heap of pages, by rank, then by number ---------------------------------------------------------- */
 
 static int is_nearer(const vxs_stream *s, uint32_t a, uint32_t b)
 {

@@ -1,8 +1,8 @@
 /* Opening a stream: from a file to one block of memory.
  *
- * First all is read that says how large things are (stream_plan.c): header, directory, table of lights, of each light of palette blocks
- * the first bytes of its resident part, and smoke. Then the block is taken, laid out, and filled light by light; what that needs for a
- * while lies in the room where pages will be, so that nothing else is allocated.
+ * First stream_plan.c reads what determines sizes: header, directory, table of lights, the first bytes of the resident part of
+ * each light of palette blocks, and smoke. Then the block is allocated, laid out, and filled light by light. Temporary data of
+ * this is in the room for pages, so that nothing else is allocated.
  * SPDX-License-Identifier: MIT */
 #include <float.h>
 #include <stddef.h>
@@ -15,9 +15,9 @@
 
 enum { BLOCK_ALIGN = 64 };
 
-/* the block ------------------------------------------------------------------------------------------------------------------------ */
+/* the block ------------------------------------------------------------------------------------------------------------------- */
 
-/* Where things lie in the block; without a block, only how much they take. */
+/* Layout of the block; with block NULL, only its size is computed. */
 typedef struct layout {
     uint8_t *block;
     uint64_t used;
@@ -30,7 +30,7 @@ static void *lay(layout *l, uint64_t count, size_t size)
     return l->block ? l->block + at : NULL;
 }
 
-/* All but the words. */
+/* Lay out everything except words and what lay_out_packings adds. */
 static void lay_out(const opening *o, layout *l, vxs_stream *s)
 {
     s->baked    = lay(l, o->light_count, sizeof *s->baked);
@@ -43,7 +43,7 @@ static void lay_out(const opening *o, layout *l, vxs_stream *s)
     s->tools    = lay(l, o->tool_count, sizeof *s->tools);
 }
 
-/* What depends on how lights are packed. */
+/* Lay out what depends on the packing of lights. */
 static void lay_out_packings(const opening *o, layout *l, vxs_stream *s)
 {
     for (uint32_t n = 0; n < o->light_count; n++) {
@@ -63,7 +63,7 @@ static void lay_out_packings(const opening *o, layout *l, vxs_stream *s)
     }
 }
 
-/* Take it: what there has to be, and as much room as the budget leaves, or as all pages need. */
+/* Allocate the block: the required data, and as much room for pages as the budget leaves, at most that for all pages. */
 static int take_block(opening *o)
 {
     vxs_stream none;
@@ -77,7 +77,7 @@ static int take_block(opening *o)
     uint64_t least = sum_or_max(l.used + 4 * o->resident_words, o->work_bytes);
     uint64_t most  = sum_or_max(l.used + 4 * o->all_words, tail + BLOCK_ALIGN);
     if (most < least) most = least + BLOCK_ALIGN;
-    if (most > 4 * (uint64_t)UINT32_MAX) most = 4 * (uint64_t)UINT32_MAX; /* words have numbers of 32 bits */
+    if (most > 4 * (uint64_t)UINT32_MAX) most = 4 * (uint64_t)UINT32_MAX; /* word indices have 32 bits */
     uint64_t size = (most < o->r.memory_left ? most : o->r.memory_left) / BLOCK_ALIGN * BLOCK_ALIGN;
     if (size < least) return vxs_found(&o->r, 211, -1, 0), 0;
     uint8_t *block = vxs_take(&o->r, size, 1, -1);
@@ -99,7 +99,7 @@ static int take_block(opening *o)
     return 1;
 }
 
-/* A bump allocator over the room. */
+/* Bump allocator in the room for pages, for temporary data. */
 static void *take_work(size_t size_bytes, void *user)
 {
     opening *o    = user;
@@ -116,7 +116,7 @@ static void free_work(void *memory, size_t size_bytes, void *user)
     (void)user;
 }
 
-/* filling it ----------------------------------------------------------------------------------------------------------------------- */
+/* filling the block ----------------------------------------------------------------------------------------------------------- */
 
 static uint32_t z_order(uint32_t x, uint32_t y)
 {
@@ -125,7 +125,7 @@ static uint32_t z_order(uint32_t x, uint32_t y)
     return z;
 }
 
-/* What is known of a light's pages from the table, and where each has its first node. */
+/* Fill the page data of a light from its page table, and find the first node of each page. */
 static int fill_pages(opening *o, stream_light *light, const light_plan *plan)
 {
     vxs_reader        *r       = &o->r;
@@ -160,7 +160,7 @@ static int fill_pages(opening *o, stream_light *light, const light_plan *plan)
     return 1;
 }
 
-/* Volumes of pages: every square that has a node, whichever entry was the first with it. */
+/* Compute the volumes of pages from all squares that have a node in them; several squares may share a node. */
 static void measure_pages(vxs_stream *s, const stream_light *light, const vxs_light *record)
 {
     const uint32_t *words = light->paged.resident.words;
@@ -210,7 +210,7 @@ static int fill_dag(opening *o, const stream_light *light, const light_plan *pla
     return o->r.result == VXS_OK;
 }
 
-/* The room is free. */
+/* Start to use the whole room for pages for temporary data. */
 static void begin_work(opening *o)
 {
     o->work          = (uint8_t *)(o->s->words + o->s->room_first);
@@ -237,7 +237,7 @@ static int fill_light(opening *o, uint32_t n)
     return 1;
 }
 
-/* Smoke of each light that has some, behind the words of all lights. */
+/* Read the smoke of each light that has some, behind the words of all lights. */
 static int fill_smoke(opening *o)
 {
     vxs_stream *s  = o->s;
@@ -255,7 +255,7 @@ static int fill_smoke(opening *o)
     return 1;
 }
 
-/* Nodes of tools and buffers of requests, now that it is known how large they have to be: from the end of the room. */
+/* Place the nodes of tools and the buffers of requests, whose sizes are now known, at the end of the room. */
 static int take_tail(opening *o)
 {
     vxs_stream *s     = o->s;
@@ -285,7 +285,7 @@ static int make_tools(opening *o)
     return 1;
 }
 
-/* The caller's as long as the call lasts, and of the budget no longer than that. */
+/* Pass metadata to the caller. It is valid during the call, and counts towards the budget during it. */
 static int tell_metadata(opening *o)
 {
     vxs_contents *c = &o->r.out;
@@ -298,7 +298,7 @@ static int tell_metadata(opening *o)
     return 1;
 }
 
-/* Likewise. */
+/* The same for points. */
 static int tell_points(opening *o)
 {
     vxs_baked_points *p = &o->r.points;
@@ -324,7 +324,7 @@ static int fill_block(opening *o)
     return good && take_tail(o);
 }
 
-/* all of it ------------------------------------------------------------------------------------------------------------------------ */
+/* open and close -------------------------------------------------------------------------------------------------------------- */
 
 static int open_all(opening *o)
 {

@@ -1,4 +1,4 @@
-/* What a stream that is opened will hold: header, directory, and how large each light is that is wanted.
+/* Sizes of a stream to be opened: header, directory, and the size of each wanted light.
  * SPDX-License-Identifier: MIT */
 #include <string.h>
 #include <xxhash.h>
@@ -9,7 +9,7 @@
 
 enum { NODE_WORDS_MIN = 6 };
 
-/* bytes ------------------------------------------------------------------------------------------------------------------------- */
+/* bytes ----------------------------------------------------------------------------------------------------------------------- */
 
 int vxs_stream_read(opening *o, uint64_t offset, uint64_t size_bytes, void *to)
 {
@@ -40,7 +40,8 @@ const uint8_t *vxs_stream_load(vxs_reader *r, int section)
     return NULL;
 }
 
-/* Header and directory, as long as the first says that the second is, and both may be. */
+/* Read header and directory. The header gives the length of the directory, which is limited to VXS_SECTIONS_MAX entries and the
+ * file size. */
 int vxs_stream_read_head(opening *o)
 {
     uint8_t  header[VXS_HEADER_BYTES] = {0}, *head;
@@ -58,7 +59,7 @@ int vxs_stream_read_head(opening *o)
     return good;
 }
 
-/* what is wanted ------------------------------------------------------------------------------------------------------------------ */
+/* wanted lights --------------------------------------------------------------------------------------------------------------- */
 
 static int find_light(const opening *o, const char *name, uint32_t *number)
 {
@@ -81,7 +82,7 @@ static int choose_lights(opening *o)
     return 1;
 }
 
-/* A DAG has no pages. Its levels and masks are inflated, and where nodes start is listed. */
+/* Plan a DAG. It has no pages. Temporary memory holds its inflated levels and masks, and a list of node starts. */
 static void plan_dag(opening *o, light_plan *l)
 {
     l->word_count = o->r.out.lights[l->number].word_count;
@@ -121,7 +122,7 @@ static int plan_blocks(opening *o, light_plan *l)
     return 1;
 }
 
-/* How many words smoke has is known only from its content, which is read again when there is room for them. */
+/* Measure smoke. Its word count is known only from its content, which is read again later, when there is room for the words. */
 static int plan_smoke(opening *o, light_plan *l)
 {
     int section = vxs_find_smoke(&o->r, l->number);

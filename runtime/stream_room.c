@@ -1,24 +1,24 @@
-/* Where a page goes among the words: a gap in the room for pages, or the place of others that leave for it.
+/* Choice of a page's place in the array of words: a gap in the room for pages, or the place of pages that are evicted.
  *
  *     room  | page 7 |    gap    | page 2 | page 11 |  gap  |         in_room: 7, 2, 11
  *
- * Pages differ in size, and do not move. A place is a run of gaps and of pages that may leave: those that nobody wants any more, the one that
- * was wanted longest ago first; and, only where no such run is wide enough, those that are farther than the page that comes. A page that
- * is being read or decoded does not leave.
+ * Pages differ in size and do not move. A place is a run of gaps and of pages that may be evicted: pages that are no longer
+ * wanted, the least recently wanted first; and only where no such run is wide enough, pages that are farther than the new page. A
+ * page that is being read or decoded is not evicted.
  * SPDX-License-Identifier: MIT */
 #include <float.h>
 #include <string.h>
 
 #include "stream.h"
 
-/* With the words behind a page that a lookup may fetch. */
+/* Words that a page takes, including those behind it that a lookup may fetch. */
 uint32_t vxs_stream_room_words(const stream_page *page)
 {
     return (page->word_count + VXS_BLOCKS_SPARE_WORDS + ROOM_ALIGN - 1) / ROOM_ALIGN * ROOM_ALIGN;
 }
 
-/* What it costs that a page leaves for one of a rank: less than 0 when it is not among the nearest, and the less, the longer; at most 1
- * when it is, and the less, the farther. More than 1: it may not. */
+/* Cost of evicting a page for one of rank `rank`. Negative when it is not among the nearest, lower the longer ago it was; 0 to 1
+ * when it is, lower the farther it is; 2: it must not be evicted. */
 static double cost_of(const vxs_stream *s, const stream_page *page, float rank)
 {
     if (page->state != PAGE_HERE) return 2;
@@ -27,11 +27,12 @@ static double cost_of(const vxs_stream *s, const stream_page *page, float rank)
 }
 
 typedef struct place {
-    uint32_t first_word, at, leaving; /* in_room[at] to [at + leaving - 1] leave */
+    uint32_t first_word, at, leaving; /* pages in_room[at] to [at + leaving - 1] are evicted */
     double   cost;
 } place;
 
-/* The place that begins where in_room[at - 1] ends: as many leave behind it as have to. Its cost is the greatest of theirs; 2: there is none. */
+/* The place that starts at the end of in_room[at - 1], with as many evicted pages as needed. Its cost is the greatest cost of
+ * these; 2: no place. */
 static place place_at(const vxs_stream *s, uint32_t at, uint32_t words, float rank)
 {
     place p = {s->room_first, at, 0, -DBL_MAX};

@@ -1,4 +1,4 @@
-/* Where a stream's bytes come from: a file that is read by position, memory, or the caller.
+/* Sources of a stream's bytes: a file read by position, memory, or the caller.
  * SPDX-License-Identifier: MIT */
 #include <string.h>
 

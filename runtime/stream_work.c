@@ -1,10 +1,11 @@
-/* Requests: pages that are read and decoded, by the stream's threads, by those of the caller, or by the frame itself.
+/* Requests: pages that are read and decoded by the stream's threads, by those of the caller, or by the frame.
  *
  *     FREE --ask--> QUEUED --taken--> WORKING --> DONE --frame--> FREE
  *                      ^                 |
  *                      '--read_done-- PENDING
  *
- * A request has a place in the room from the moment it is asked for; what it decodes there no lookup sees before a frame shows it.
+ * A request's page has a place in the room from the start. Lookups do not see the words decoded there before a frame shows the
+ * page.
  * SPDX-License-Identifier: MIT */
 #include <string.h>
 
@@ -13,7 +14,8 @@
 
 /* decoding -------------------------------------------------------------------------------------------------------------------- */
 
-/* The nodes of a page, as its light's top lists them: those of its first squares, in z order, that name it and lie behind the last one. */
+/* List the nodes of a page from its light's top level, in z order of squares: entries that name the page, with increasing offset.
+ * A lower or equal offset repeats an earlier node. */
 static uint32_t list_nodes(const vxs_stream *s, const stream_page *page, vxs_page_node *nodes)
 {
     const vxs_paged_light *light = &s->lights[page->light].paged;
@@ -62,7 +64,7 @@ static void finish(vxs_stream_request *r, request_state state)
     os_wake_all(&r->stream->rest);
 }
 
-/* Have its bytes read. Called and returns with the lock. 0: they are pending. */
+/* Read the bytes of a request. Called and returns with the lock held. 0: the read is pending. */
 static int read_request(vxs_stream_request *r)
 {
     vxs_stream        *s    = r->stream;
@@ -79,7 +81,7 @@ static int read_request(vxs_stream_request *r)
     return r->answered;
 }
 
-/* Take the oldest request that is queued as far as it goes. Called and returns with the lock. 0: there is none. */
+/* Process the oldest queued request as far as possible. Called and returns with the lock held. 0: none is queued. */
 static int work_once(stream_tools *tools)
 {
     vxs_stream         *s = tools->stream;
@@ -113,7 +115,8 @@ static void *run_thread(void *work)
 
 static void run_job(void *job);
 
-/* Hand jobs to the caller's threads, as many as there are tools for requests. Called and returns with the lock. */
+/* Submit jobs to the caller's threads, as many as there are queued requests and idle tools. Called and returns with the lock
+ * held. */
 static void submit_jobs(vxs_stream *s)
 {
     uint32_t queued = 0;
@@ -141,7 +144,7 @@ static void run_job(void *job)
     os_unlock(&s->lock);
 }
 
-/* Something is queued. Called and returns with the lock. */
+/* Wake or submit threads for queued requests. Called and returns with the lock held. */
 static void call_for_work(vxs_stream *s)
 {
     os_wake_all(&s->work);
@@ -154,7 +157,7 @@ void vxs_stream_read_done(vxs_stream_request *r, int ok)
     os_lock(&s->lock);
     r->answered = 1;
     r->ok       = ok;
-    if (r->state == REQUEST_PENDING) { /* else whoever called the callback goes on with it */
+    if (r->state == REQUEST_PENDING) { /* else the thread in read_request continues with it */
         r->state = REQUEST_QUEUED;
         if (!s->closing) call_for_work(s);
     }
@@ -162,7 +165,7 @@ void vxs_stream_read_done(vxs_stream_request *r, int ok)
     os_unlock(&s->lock);
 }
 
-/* what a frame asks ------------------------------------------------------------------------------------------------------------- */
+/* calls of the frame ---------------------------------------------------------------------------------------------------------- */
 
 int vxs_stream_can_ask(vxs_stream *s)
 {
@@ -203,14 +206,14 @@ void vxs_stream_release(vxs_stream_request *r)
     os_unlock(&r->stream->lock);
 }
 
-/* all of it --------------------------------------------------------------------------------------------------------------------- */
+/* start, wait, end ------------------------------------------------------------------------------------------------------------ */
 
 static int has_threads(const vxs_stream *s)
 {
     return s->thread_count || s->desc.submit;
 }
 
-/* Whether something is under way that will end by itself; queued: what is queued, too. */
+/* Whether a job or request will end by itself; queued: 1: count queued requests too. */
 static int is_busy(const vxs_stream *s, int queued)
 {
     for (uint32_t n = 0; n < s->tool_count; n++)

@@ -1,11 +1,12 @@
-/* Tiles of palette blocks as depths; see tap_cache.h.
+/* Cache of tile depths of palette blocks; see tap_cache.h.
  * SPDX-License-Identifier: MIT */
 #include "tap_cache.h"
 
 #include <string.h>
 
-/* In about the time that a lookup gains which finds its tiles: what a tile takes, how much is lent at first, and at most. When it is used
- * up, lookups walk the blocks for a while, twice as long each time that tiles are tried in vain. */
+/* Times in units of about what a lookup saves when its tiles are in the cache: cost of decoding a tile, and initial and greatest
+ * credit. When the credit is used up, lookups walk the blocks during a rest. Each rest is twice as long as the last one, until
+ * the credit reaches its maximum. */
 enum { PRICE_FOR_TAP = 6, PRICE_FOR_FILTER = 2, CREDIT_AT_FIRST = 48, CREDIT_MOST = 1000, REST_LEAST = 64, REST_MOST = 1 << 14 };
 
 int vxs_tap_cache_serves(const vxs_baked_light *baked)
@@ -52,7 +53,7 @@ static void keep_depths(vxs_tap_cache *c, uint32_t place, const int32_t depth[64
     }
 }
 
-/* Put a tile where it belongs; 0: its page is missing. */
+/* Decode a tile into the cache; 0: its page is missing. */
 static int keep_tile(vxs_tap_cache *c, uint32_t map, int32_t tile_x, int32_t tile_y)
 {
     int32_t              depth[64];
@@ -66,12 +67,13 @@ static int keep_tile(vxs_tap_cache *c, uint32_t map, int32_t tile_x, int32_t til
     return 1;
 }
 
-/* Texels of a square of filter_px of the cache that are less than k. Rows go on at the first of the cache behind its last. */
+/* Count the texels in a square of filter_px x filter_px texels of the cache whose depth is less than k. Rows wrap around at the
+ * end of the cache. */
 #ifdef VXS_VECTORS
 
 typedef int16_t eight __attribute__((vector_size(16), aligned(2), may_alias));
 
-/* Eight of a row are compared at once; what is read beyond the square is not counted. */
+/* Compares eight texels of a row at once; texels beyond the square are read but not counted. */
 static inline uint32_t count_texels(const int16_t *depths, int32_t column, int32_t row, int32_t filter_px, int32_t k)
 {
     static const eight lane = {0, 1, 2, 3, 4, 5, 6, 7};
@@ -89,7 +91,8 @@ static inline uint32_t count_texels(const int16_t *depths, int32_t column, int32
     return (uint32_t)(two[0] + (two[0] >> 16)) & 0xffff;
 }
 
-/* Columns by the weights of their rows, at most 256 * 17 each; of them the first `width_px` make a box, and all but the first the one beside it. */
+/* Sum each column with the weights of its rows, at most 256 * 17. The first width_px columns form one box, and all but the first
+ * column the box one texel beside it. */
 static inline uint32_t weigh_texels(const int16_t *depths, int32_t column, vxs_smooth_box box, int32_t width_px, int32_t k)
 {
     static const eight lane = {0, 1, 2, 3, 4, 5, 6, 7};
@@ -125,7 +128,8 @@ static inline uint32_t count_texels(const int16_t *depths, int32_t column, int32
 
 static inline uint32_t weigh_texels(const int16_t *depths, int32_t column, vxs_smooth_box box, int32_t width_px, int32_t k)
 {
-    int32_t right = box.across > 0, down = box.down > 0; /* beyond a whole texel nothing is kept, and has no weight */
+    int32_t right = box.across > 0,
+            down  = box.down > 0; /* with an offset of 0 the texels beyond are not cached, and their weight is 0 */
     return vxs_weighted(
         box, count_texels(depths, column, box.y, width_px, k), count_texels(depths, column + right, box.y, width_px, k),
         count_texels(depths, column, box.y + down, width_px, k), count_texels(depths, column + right, box.y + down, width_px, k));
@@ -138,7 +142,7 @@ static uint32_t walked(const vxs_tap_cache *c, uint32_t map, int32_t i, int32_t 
     return vxs_shadow_taps(c->baked->words, &c->baked->light, (int32_t)map, i, j, (uint32_t)k, filter_px);
 }
 
-/* A lookup earns credit; its tiles take it. */
+/* A lookup in the cache earns credit; decoding tiles spends it. */
 static void earn(vxs_tap_cache *c)
 {
     if (c->credit < CREDIT_MOST)
@@ -147,7 +151,7 @@ static void earn(vxs_tap_cache *c)
         c->next_rest = REST_LEAST;
 }
 
-/* Take a rest when the credit is used up. */
+/* Spend credit; start a rest when it is used up. */
 static void spend(vxs_tap_cache *c, int32_t price)
 {
     c->credit -= price;
@@ -157,7 +161,7 @@ static void spend(vxs_tap_cache *c, int32_t price)
     c->credit    = CREDIT_AT_FIRST;
 }
 
-/* Make sure of a tile; 0: its page is missing. */
+/* Ensure that a tile is in the cache; 0: its page is missing. */
 static inline int have_tile(vxs_tap_cache *c, uint32_t map, int32_t tile_x, int32_t tile_y, int32_t price)
 {
     uint32_t place = place_of(tile_x, tile_y), tag = tag_of(map, tile_x, tile_y);
@@ -174,12 +178,12 @@ static inline uint32_t tap(vxs_tap_cache *c, uint32_t map, int32_t i, int32_t j,
     return c->depth[(j & (VXS_CACHE_PX - 1)) * VXS_CACHE_PITCH + (i & (VXS_CACHE_PX - 1))] < k;
 }
 
-/* Of a map, the last ones with them. */
+/* A rectangle of texels of a map, x1 and y1 included. */
 typedef struct texels {
     int32_t x0, y0, x1, y1;
 } texels;
 
-/* What the tiles of some texels agree on. */
+/* State of the tiles of some texels at a depth. */
 typedef enum kind { LIT, DARK, MIXED, MISSING } kind;
 
 static inline kind look_at_tiles(vxs_tap_cache *c, uint32_t map, texels box, int32_t k)
@@ -210,7 +214,7 @@ uint32_t vxs_cached_taps(vxs_tap_cache *c, uint32_t map, int32_t i, int32_t j, i
     if (found == MISSING) return walked(c, map, i, j, k, filter_px);
     if (found != MIXED) return found == DARK ? (uint32_t)(filter_px * filter_px) : 0;
     int32_t column = x0 & (VXS_CACHE_PX - 1);
-    if (filter_px == 9) return count_texels(c->depth, column, y0, 9, k); /* most are: loops whose lengths are known */
+    if (filter_px == 9) return count_texels(c->depth, column, y0, 9, k); /* the most common size: loops with constant bounds */
     return count_texels(c->depth, column, y0, filter_px, k);
 }
 

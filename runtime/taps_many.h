@@ -1,5 +1,5 @@
-/* Taps of one filter at many voxels of a light, in whatever coding its words are: what one walk found is kept for the next. Internal to the
- * runtime; not installed.
+/* Taps of a filter at many voxels of a light, for any coding: data of one walk is kept for the next. Internal to the runtime; not
+ * installed.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_TAPS_MANY_H
 #define VXS_TAPS_MANY_H
@@ -26,7 +26,7 @@ static inline void vxs_taps_init(vxs_taps *taps, const vxs_baked_light *baked)
     for (uint32_t map = 0; map < taps->paths; map++) vxs_dag_path_init(&taps->kept.path[map], baked, map);
 }
 
-/* vxs_shadow_taps: the same answer. */
+/* Same result as vxs_shadow_taps. */
 static inline uint32_t vxs_taps_at(vxs_taps *taps, int32_t map, int32_t i, int32_t j, uint32_t k, int32_t filter_px)
 {
     if (taps->cached) return vxs_cached_taps(&taps->kept.cache, (uint32_t)map, i, j, (int32_t)k, filter_px);
@@ -35,7 +35,7 @@ static inline uint32_t vxs_taps_at(vxs_taps *taps, int32_t map, int32_t i, int32
     return vxs_dag_path_count(&taps->kept.path[map], i, j, k, filter_px);
 }
 
-/* vxs_shadow_part: the same answer. */
+/* Same result as vxs_shadow_part. */
 static inline uint32_t vxs_taps_part(vxs_taps *taps, vxs_place place, uint32_t k, int32_t width_px)
 {
     if (taps->cached) return vxs_cached_part(&taps->kept.cache, place, (int32_t)k, width_px);

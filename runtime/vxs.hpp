@@ -1,4 +1,4 @@
-/* Handles of libvxs for C++11 and later: what vxs.h and vxs_stream.h open is closed where its handle ends. Nothing here throws.
+/* RAII handles of libvxs for C++11 and later: they close what vxs.h and vxs_stream.h open. Nothing here throws.
  *
  *     vxs::asset asset;
  *     if (vxs::open(asset, "level.vxs") != VXS_OK) ...
@@ -22,7 +22,7 @@ struct closer {
 using asset  = std::unique_ptr<vxs_asset, closer>;
 using stream = std::unique_ptr<vxs_stream, closer>;
 
-/* vxs_asset_open_file, and vxs_asset_open. What the handle held is closed first; it is empty where anything but VXS_OK is returned. */
+/* vxs_asset_open_file and vxs_asset_open. The previous content of the handle is closed first. On failure the handle is empty. */
 inline vxs_result open(asset &to, const char *path, const vxs_read_desc *desc = nullptr) noexcept
 {
     vxs_asset *opened = nullptr;
@@ -41,7 +41,7 @@ inline vxs_result open_bytes(asset &to, const void *bytes, size_t size_bytes, co
     return result;
 }
 
-/* vxs_stream_open, alike. */
+/* The same for vxs_stream_open. */
 inline vxs_result open(stream &to, const vxs_stream_desc &desc) noexcept
 {
     vxs_stream *opened = nullptr;

@@ -1,5 +1,5 @@
-/* A group makes the list of a tile of 8 x 8 pixels: the box around what they show, then 64 lights at a time against it. Lights keep their
- * order, so that sums over them are the same in each frame. Behind lights.glsl. */
+/* A work group makes the list of a tile of 8 x 8 pixels: it computes the bounding box of the tile's points, then tests 64 lights
+ * at a time against it. Lights keep their order, so that sums over them are the same in each frame. Compiled behind lights.glsl. */
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(std430, binding = VXS_GL_AT_LISTS) writeonly restrict buffer vxs_lists_block { uint vxs_lists[]; };
 uniform highp sampler2D vxs_depths;
@@ -20,7 +20,7 @@ void main()
     if (float(pixel.x) < vxs_sizes.x && float(pixel.y) < vxs_sizes.y) {
         float depth = texelFetch(vxs_depths, pixel, 0).r;
         vec4  at    = vxs_point_from_depth * vec4((vec2(pixel) + 0.5) / vxs_sizes.xy, depth, 1.0);
-        vec3  place = at.xyz / at.w; /* one that is none would spoil the box for its neighbours */
+        vec3  place = at.xyz / at.w; /* not finite for some depths; such a point is left out of the box */
         if (depth != vxs_sizes.z && all(lessThan(abs(place), vec3(VXS_VIEW_METRES)))) vxs_low[self] = vxs_high[self] = place;
     }
     if (self < 2u) vxs_met[self] = 0u;

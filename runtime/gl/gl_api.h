@@ -1,4 +1,4 @@
-/* The OpenGL that libvxs_gl calls, by its own names: no header of OpenGL is needed to build it. Not installed.
+/* The OpenGL functions and constants of libvxs_gl, under their own names, so that no OpenGL header is needed. Not installed.
  * SPDX-License-Identifier: MIT */
 #ifndef GL_API_H
 #define GL_API_H

@@ -1,4 +1,4 @@
-/* Lists of lights for tiles of pixels; see vxs_gl.h. In C they are made of vxs_cull.h in float, as shaders make them.
+/* Lists of lights for tiles of pixels; see vxs_gl.h. The C version uses vxs_cull.h in float, as the shaders do.
  * SPDX-License-Identifier: MIT */
 #include <string.h>
 
@@ -22,11 +22,12 @@ uint64_t vxs_lists_words(uint32_t width_px, uint32_t height_px, uint32_t tile_li
     return columns * rows > (UINT64_MAX - VXS_LISTS_HEAD) / list ? UINT64_MAX : VXS_LISTS_HEAD + columns * rows * list;
 }
 
-/* in C ---------------------------------------------------------------------------------------------------------------------------- */
+/* in C ------------------------------------------------------------------------------------------------------------------------ */
 
-/* Lights are asked for 64 tiles at once first, some at a time, and for each tile those that are left: of ten thousand lamps, most are far from all.
-
-       some lights --- box of a square of tiles ---> few --- box of a tile ---> its list */
+/* SOME_LIGHTS lights at a time are tested first against a square of 64 tiles, then the remaining ones against each tile: with ten
+ * thousand lights, most are far from all tiles.
+ *
+ *       some lights --- box of a square of tiles ---> few --- box of a tile ---> its list */
 enum { SQUARE_TILES = 8, SOME_LIGHTS = 1024 };
 
 /* A box; empty where low is greater than high. */
@@ -36,7 +37,7 @@ typedef struct tile_box {
 
 static const tile_box empty_box = {{3e38f, 3e38f, 3e38f}, {-3e38f, -3e38f, -3e38f}};
 
-/* One that is no place would spoil the box for its neighbours. */
+/* Add a pixel's point to a box, unless the point is not finite or too far away. */
 static void add_pixel(tile_box *b, const vxs_view *v, uint32_t x, uint32_t y, float depth)
 {
     const float *m = v->point_from_depth, u = ((float)x + 0.5f) / (float)v->width_px, w = ((float)y + 0.5f) / (float)v->height_px;
@@ -71,9 +72,10 @@ static void add_box(tile_box *b, const tile_box *other)
     }
 }
 
-/* Of some lights those that meet a box, in their order.
- * some, met  [count] [room] numbers of lights; may be one array
- * Returns how many meet it, of which there is room for the first. */
+/* Select the lights that meet a box, in their order.
+ * some  [count] light indices
+ * met   [out] [room] light indices; may be the same array as some
+ * Returns how many lights meet the box; the first `room` of them are written. */
 static uint32_t choose_lights(const vxs_light_constants *lights, const uint32_t *some, uint32_t count, const tile_box *b,
                               int32_t filter_px, uint32_t *met, uint32_t room)
 {
@@ -92,7 +94,7 @@ static uint32_t choose_lights(const vxs_light_constants *lights, const uint32_t 
     return found;
 }
 
-/* A square of tiles, those of it that the view has. */
+/* A square of tiles, clipped to the view. */
 typedef struct tile_square {
     uint32_t column, row, columns, rows;
     tile_box boxes[SQUARE_TILES * SQUARE_TILES], all;
@@ -107,7 +109,7 @@ static void find_boxes(tile_square *s, const vxs_view *view, const float *depths
     }
 }
 
-/* Lights [first, end), behind those that the lists of a square's tiles have already. */
+/* Append those of lights [first, end) that meet a tile to the lists of a square's tiles. */
 static void list_lights(const vxs_light_constants *lights, uint32_t first, uint32_t end, const tile_square *s, int32_t filter_px,
                         uint32_t *lists)
 {
@@ -149,7 +151,7 @@ uint32_t vxs_cull(const vxs_light_constants *lights, uint32_t light_count, const
     return longest;
 }
 
-/* on the graphics processor ---------------------------------------------------------------------------------------------------------- */
+/* on the graphics processor --------------------------------------------------------------------------------------------------- */
 
 static int make_lists(vxs_gl *gl, uint64_t words)
 {
@@ -199,7 +201,7 @@ static int make_culling(vxs_gl *gl)
     return 0;
 }
 
-/* Depths are on the unit of the words' texture, which this storage has no use for. */
+/* Depths use texture unit 0, which is free here because words are in a buffer. */
 static void dispatch(const vxs_gl *gl, const vxs_view *v, gl_name depths, uint32_t columns, uint32_t rows, uint32_t tile_lights)
 {
     const gl_api *api = &gl->api;

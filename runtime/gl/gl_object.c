@@ -1,4 +1,4 @@
-/* Words and lights on a graphics processor; see vxs_gl.h.
+/* Words and lights on a GPU; see vxs_gl.h.
  * SPDX-License-Identifier: MIT */
 #include "vxs_gl.h"
 
@@ -13,7 +13,7 @@ enum { WORDS_WIDE = 2048, LIGHTS_WIDE = 64, LIGHT_TEXELS = 6, LIGHT_WORDS = 24, 
 
 _Static_assert(sizeof(vxs_light_constants) == LIGHT_WORDS * sizeof(uint32_t), "lights are uploaded as words");
 
-/* the context --------------------------------------------------------------------------------------------------------------------- */
+/* the context ----------------------------------------------------------------------------------------------------------------- */
 
 static int load(vxs_gl *gl, const vxs_gl_desc *desc)
 {
@@ -28,7 +28,7 @@ static int load(vxs_gl *gl, const vxs_gl_desc *desc)
     return 1;
 }
 
-/* "4.5 (Core Profile) ...", or "OpenGL ES 3.1 ...". */
+/* Parse "4.5 (Core Profile) ...", or "OpenGL ES 3.1 ...". */
 static void read_version(vxs_gl *gl)
 {
     static const char es[]  = "OpenGL ES ";
@@ -39,7 +39,7 @@ static void read_version(vxs_gl *gl)
     if (sscanf(text + (gl->is_es ? sizeof es - 1 : 0), "%d.%d", &major, &minor) == 2) gl->version = 100 * major + 10 * minor;
 }
 
-/* Whether words and lights can lie in storage buffers. */
+/* Whether storage buffers can hold words and lights. */
 static int has_buffers(const vxs_gl *gl, uint64_t bytes)
 {
     int blocks = 0, most = 0;
@@ -58,7 +58,7 @@ static vxs_result choose_storage(vxs_gl *gl, vxs_gl_storage asked, uint64_t word
     return gl->version < (gl->is_es ? 300 : 330) ? VXS_E_GL : VXS_OK;
 }
 
-/* lights and words ---------------------------------------------------------------------------------------------------------------- */
+/* lights and words ------------------------------------------------------------------------------------------------------------ */
 
 void *vxs_gl_take(const vxs_gl *gl, uint64_t count, size_t size)
 {
@@ -92,7 +92,7 @@ static vxs_result put_words(vxs_gl *gl, const uint32_t *words, uint32_t first, u
     return VXS_OK;
 }
 
-/* The lights of an asset, their words one behind the other.   Returns how many words that are. */
+/* Fill the lights from an asset, with consecutive words. Returns the number of words. */
 static uint64_t lights_of_asset(vxs_gl *gl, const vxs_asset *asset)
 {
     uint64_t words = 0;
@@ -111,7 +111,8 @@ static const vxs_baked_smoke *smoke_of(const vxs_gl_desc *desc, uint32_t light)
     return desc->stream ? vxs_stream_smoke(desc->stream, light) : NULL;
 }
 
-/* Where a light's smoke starts among the words, or will: a stream's own is there.   words  [in, out] how many there are.   0: no smoke */
+/* Returns the first word of a light's smoke; smoke that is not yet in a stream's words is placed at the end. 0: no smoke.
+ * words  [in, out] word count so far */
 static uint32_t place_of(const vxs_gl_desc *desc, uint32_t light, uint64_t *words)
 {
     const vxs_baked_smoke *smoke = smoke_of(desc, light);
@@ -123,8 +124,9 @@ static uint32_t place_of(const vxs_gl_desc *desc, uint32_t light, uint64_t *word
     return at;
 }
 
-/* Behind all lights' words a table of where each one's smoke starts, and what smoke is not among them.
- * words  [in, out] how many there are */
+/* Place a table with the first word of each light's smoke behind the words of all lights, followed by smoke that is not among
+ * these words.
+ * words  [in, out] word count so far */
 static vxs_result place_smoke(vxs_gl *gl, const vxs_gl_desc *desc, uint64_t *words)
 {
     uint32_t some = 0;
@@ -157,7 +159,8 @@ static vxs_result put_asset(vxs_gl *gl, const vxs_asset *asset)
     return r;
 }
 
-/* A power of two, so that a row is a shift away; more than every WebGL 2 has only where a texture would be too high. */
+/* Texels in a row of the words' texture: a power of two, so that row and column are a shift and a mask. More than WORDS_WIDE,
+ * which every WebGL 2 context supports, only where the texture would be too high. */
 static uint32_t words_wide(const vxs_gl *gl, uint64_t count)
 {
     int      most = 0;
@@ -167,8 +170,8 @@ static uint32_t words_wide(const vxs_gl *gl, uint64_t count)
     return wide;
 }
 
-/* Of an asset in buffers it says nothing but whether there is smoke: buffers know how long they are, so that programs of one level are those of the next, and a driver
- * that keeps what it compiled has them. */
+/* Write the first text of shaders. With buffers it does not depend on the asset, except for whether there is smoke, because
+ * buffers have their own length. So programs of all levels are the same, and a driver's program cache finds them. */
 static void write_head(vxs_gl *gl)
 {
     int   language = gl->is_es ? gl->is_texture ? 300 : 310 : gl->is_texture ? 330 : 430;
@@ -208,7 +211,7 @@ static vxs_result make(vxs_gl *gl, const vxs_gl_desc *desc)
     vxs_result r = place_smoke(gl, desc, &word_count);
     if (r != VXS_OK) return r;
 
-    /* lookups may read a few words behind a light's last one; and the last one says where the table of smoke is */
+    /* lookups may read a few words behind a light's last one; the last word is the position of the table of smoke */
     word_count += VXS_BLOCKS_SPARE_WORDS;
     r = choose_storage(gl, desc->storage, word_count);
     if (r != VXS_OK) return r;
@@ -262,7 +265,7 @@ void vxs_gl_destroy(vxs_gl *gl)
     memory.free(gl, sizeof *gl, memory.user);
 }
 
-/* upload -------------------------------------------------------------------------------------------------------------------------- */
+/* upload ---------------------------------------------------------------------------------------------------------------------- */
 
 vxs_result vxs_gl_put(vxs_gl *gl, const uint32_t *words, uint32_t first, uint32_t count)
 {
@@ -314,7 +317,7 @@ uint32_t vxs_gl_light_count(const vxs_gl *gl)
     return gl->light_count;
 }
 
-/* shaders ------------------------------------------------------------------------------------------------------------------------- */
+/* shaders --------------------------------------------------------------------------------------------------------------------- */
 
 void vxs_gl_texts(const vxs_gl *gl, const char *texts[VXS_GL_TEXTS])
 {

@@ -1,20 +1,21 @@
-/* The words of a stream on a graphics processor: what is resident once, then pages as they come and leave.
+/* The words of a stream on a GPU: resident words once, then pages as they appear and leave.
  *
- * A page is looked up where its name says. The names that the graphics processor has are kept here beside the stream's own; where they differ,
- * the page has left, moved or come:
+ * Lookups find a page by its name. This file keeps the names that the GPU has, beside the stream's own names. Where they differ,
+ * the page has left, moved or appeared:
  *
  *     stream         name   0      name   p       name   q
  *     uploaded       name   p      name   0       name   p
- *                    taken away    uploaded       taken away, then uploaded
+ *                    set to 0      uploaded       set to 0, then uploaded
  *
- * What a page is uploaded over is no page that is named: the stream gives its place to one page at a time, and names that are not the stream's
- * are taken away before anything else. That holds whichever frames were followed, so that no list of changes is needed.
+ * An upload never overwrites a page that a name on the GPU refers to: the stream gives a place to one page at a time, and names
+ * that differ from the stream's are set to 0 before any upload. This holds even if calls for some frames were left out, so no
+ * list of changes is needed.
  * SPDX-License-Identifier: MIT */
 #include <string.h>
 
 #include "gl_state.h"
 
-/* lights and what is resident ----------------------------------------------------------------------------------------------------- */
+/* lights and what is resident ------------------------------------------------------------------------------------------------- */
 
 uint32_t vxs_gl_stream_lights(vxs_gl *gl)
 {
@@ -39,7 +40,7 @@ static int list_pages(vxs_gl *gl)
     return 1;
 }
 
-/* Of a light's resident part all but the names, which are 0 until pages are uploaded. */
+/* Queue a light's resident part, with names of 0 until pages are uploaded. */
 static vxs_result put_light(vxs_gl *gl, uint32_t light, uint32_t first_page)
 {
     uint32_t         count, first = gl->lights[light].first_word;
@@ -63,9 +64,9 @@ vxs_result vxs_gl_stream_put(vxs_gl *gl)
     return r;
 }
 
-/* pages --------------------------------------------------------------------------------------------------------------------------- */
+/* pages ----------------------------------------------------------------------------------------------------------------------- */
 
-/* Where a page's name lies, and what the stream says that it is. */
+/* Returns the stream's name of a page. at  [out] index of that name in the array of all words */
 static uint32_t name_of(const vxs_gl *gl, uint32_t number, uint32_t *at)
 {
     uint32_t count;
@@ -87,7 +88,7 @@ void vxs_gl_stream_take_away(vxs_gl *gl)
         if (gl->names[n] && gl->names[n] != name_of(gl, n, &at)) write_name(gl, n, 0, at);
 }
 
-/* Upload so many words of a page that has come, from those that are uploaded on, and its name when it is whole. Returns how many they were. */
+/* Upload at most room_words more words of a page, and its name when the page is complete. Returns the number of words. */
 static size_t upload_page(vxs_gl *gl, uint32_t number, uint32_t name, uint32_t at, size_t room_words)
 {
     uint32_t         count;
@@ -105,7 +106,8 @@ static size_t upload_page(vxs_gl *gl, uint32_t number, uint32_t name, uint32_t a
     return (size_t)some + 1;
 }
 
-/* Pages take turns, from the one that is uploaded in part on: with small slices none waits for ever. */
+/* Pages are uploaded in turn, starting with the one that is partly uploaded: with small slices every page is still uploaded in
+ * the end. */
 uint64_t vxs_gl_stream_upload(vxs_gl *gl, size_t room_words)
 {
     uint64_t left = 0;

@@ -1,10 +1,10 @@
-/* Arrays of words on the graphics processor; see gl_state.h.
+/* Arrays of words on the GPU; see gl_state.h.
  * SPDX-License-Identifier: MIT */
 #include <string.h>
 
 #include "gl_state.h"
 
-/* What a texture's upload depends on. */
+/* State that affects texture uploads. */
 static const gl_enum unpacking[] = {GL_IS_UNPACK_ROW_LENGTH, GL_IS_UNPACK_SKIP_ROWS, GL_IS_UNPACK_SKIP_PIXELS,
                                     GL_IS_UNPACK_ALIGNMENT};
 enum { UNPACKING = sizeof unpacking / sizeof *unpacking };
@@ -36,7 +36,7 @@ static void end_texture(const gl_api *api, const texture_state *s)
 
 static void forget_error(const gl_api *api)
 {
-    for (int n = 0; n < 16 && api->GetError() != GL_ERROR_NONE; n++) continue; /* a lost context says it for ever */
+    for (int n = 0; n < 16 && api->GetError() != GL_ERROR_NONE; n++) continue; /* a lost context returns an error forever */
 }
 
 static int make_buffer(const vxs_gl *gl, gl_words *w)
@@ -83,7 +83,7 @@ void vxs_gl_words_delete(const vxs_gl *gl, gl_words *w)
     *w = (gl_words){0};
 }
 
-/* The rest of the first row, whole rows, and the beginning of the last one. */
+/* Writes the rest of the first row, whole rows, and the start of the last row. */
 static void write_texture(const vxs_gl *gl, const gl_words *w, const uint32_t *words, uint32_t first, uint32_t count)
 {
     gl_enum       format = w->lanes == 4 ? GL_FORMAT_RGBA_INTEGER : GL_FORMAT_RED_INTEGER;

@@ -1,5 +1,5 @@
-/* Lights, and the lists of those that may reach a tile; behind vxs_cull.h. Lists are as vxs_cull of vxs_gl.h says. Numbers of lights and places
- * in lists are held in what there is: a pixel beside the view, or lists of other lights, have some light, and nothing worse. */
+/* Lights, and the lists of lights for tiles, as vxs_cull of vxs_gl.h makes them. Compiled behind vxs_cull.h. Light numbers and
+ * list indices are clamped, so that a pixel outside the view, or lists made for other lights, only give a wrong light. */
 #ifdef VXS_GL_BUFFERS
 layout(std430, binding = VXS_GL_AT_LIGHTS) readonly restrict buffer vxs_lights_block { vxs_light_constants vxs_lights[]; };
 #define VXS_GL_LIGHT_COUNT uint(vxs_lights.length())
@@ -58,7 +58,7 @@ float vxs_lit_by(uint n, vec3 at, vec3 normal, int filter_px)
     return vxs_lit(light.first_word, light, at, normal, filter_px);
 }
 
-/* How much smoke leaves of light n on its way to a place, 0 to 1. */
+/* Transmittance of light n's smoke at a point, 0 to 1. */
 float vxs_smoke_left_by(uint n, vec3 at)
 {
 #ifdef VXS_GL_SMOKE
@@ -69,7 +69,7 @@ float vxs_smoke_left_by(uint n, vec3 at)
 }
 
 #ifndef VXS_GL_CULL
-/* A tile's list is full where its number is greater than its room: then it has all lights. */
+/* When a tile's count is above tile_lights, its list is incomplete, and all lights are used. */
 uint vxs_tile_of(ivec2 pixel)
 {
     return 4u + (uint(pixel.y >> 3) * vxs_list_word(0u) + uint(pixel.x >> 3)) * (vxs_list_word(2u) + 1u);

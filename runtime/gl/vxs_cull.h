@@ -1,27 +1,27 @@
-/* Does a light's volume meet a box? One text for C99, C++, GLSL and HLSL, that stands on vxs_space.h.
+/* Test of a light's volume against a box. One text for C99, C++, GLSL and HLSL; it needs vxs_space.h.
  *
- * The volume is that of vxs_voxel_from_ws: the prism over a directional light's map, the cone and range of a spot or point light. Answers
- * are conservative: 1 whenever the lookup of a point in the box may be one that the light reaches, float rounding and the step along a
- * normal included. The three axes of light space of a spot or point light are of length 1 and at right angles.
+ * The volume is that of vxs_voxel_from_ws: the prism over a directional light's map, the cone and range of a spot or point light.
+ * The test is conservative: it returns 1 whenever the light may reach the lookup of a point in the box, including float rounding
+ * and the bias along a normal. The three axes of light space of a spot or point light must be orthonormal.
  * Source: [CPVS16] 6.3 for boxes of tiles; separating planes for a box and a cone.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_CULL_H
 #define VXS_CULL_H
 
-#ifndef VXS_SPACE_H /* a shader that cannot include has it already */
+#ifndef VXS_SPACE_H /* shaders without #include have it in their text already */
 #include "vxs_space.h"
 #endif
 
-/* By how much a float coordinate of a sum may be wrong, of the sum of its terms' sizes. */
+/* Bound on the rounding error of a float sum, relative to the sum of the absolute values of its terms. */
 #define VXS_CULL_ROUNDING 2e-6
 
-/* How far a box of this half size reaches to both sides of its middle along a direction. */
+/* Half of the extent of a box along direction (x, y, z). */
 VXS_FN vxs_real vxs_box_reach(const vxs_real3 half_size, vxs_real x, vxs_real y, vxs_real z)
 {
     return vxs_abs(x) * half_size[0] + vxs_abs(y) * half_size[1] + vxs_abs(z) * half_size[2];
 }
 
-/* The same along row `row` of light space, with what rounding may add. */
+/* The same along row `row` of light space, plus a bound on rounding. */
 VXS_FN vxs_real vxs_row_reach(VXS_LIGHT light, vxs_i32 row, const vxs_real3 middle, const vxs_real3 half_size)
 {
     vxs_real x = VXS_LS_FROM_WS(light, row, 0), y = VXS_LS_FROM_WS(light, row, 1), z = VXS_LS_FROM_WS(light, row, 2);
@@ -31,8 +31,9 @@ VXS_FN vxs_real vxs_row_reach(VXS_LIGHT light, vxs_i32 row, const vxs_real3 midd
     return reach + VXS_CULL_ROUNDING * (size + reach);
 }
 
-/* Does a box meet the slab of a directional light's map between its sides along u, v or depth? A point's bias (vxs_space.h) may lead into it:
- * by (1 + sqrt(2)) / 2 times the filter's reach where the normal is a diagonal of the map, and what is rounded. */
+/* Returns 1 when a box meets the slab of a directional light's map between its sides along row: u, v or depth. The bias of a
+ * point (vxs_space.h) may move it into the slab: by at most (1 + sqrt(2)) / 2 times the filter's reach, where the normal is a
+ * diagonal of the map, plus rounding. */
 VXS_FN vxs_i32 vxs_sun_meets_box(VXS_LIGHT light, vxs_i32 row, const vxs_real3 middle, const vxs_real3 half_size, vxs_i32 filter_px)
 {
     vxs_real x = VXS_LS_FROM_WS(light, row, 0), y = VXS_LS_FROM_WS(light, row, 1), z = VXS_LS_FROM_WS(light, row, 2);
@@ -42,7 +43,7 @@ VXS_FN vxs_i32 vxs_sun_meets_box(VXS_LIGHT light, vxs_i32 row, const vxs_real3 m
     return at + slack >= 0.0 && at - slack <= side ? 1 : 0;
 }
 
-/* Does a box lie beyond the range of a spot or point light? */
+/* Returns 0 when a box is beyond the range of a spot or point light. */
 VXS_FN vxs_i32 vxs_lamp_in_range(VXS_LIGHT light, const vxs_real3 middle, const vxs_real3 half_size)
 {
     vxs_real range = VXS_FIELD(light, range_metres), square = VXS_REAL(0.0);
@@ -58,10 +59,11 @@ VXS_FN vxs_i32 vxs_lamp_in_range(VXS_LIGHT light, const vxs_real3 middle, const 
     return range <= 0.0 || square <= range * range * (1.0 + 4.0 * VXS_CULL_ROUNDING) ? 1 : 0;
 }
 
-/* Does a box lie before the plane that touches the cone of a spot light on the side where the box is, and before the one through its tip?
+/* Returns 0 when a box is outside the cone of a spot light: behind its tip, or on the outer side of the plane that touches the
+ * cone next to the middle of the box.
  *
- *            \  n    /         n is at right angles to the side of the cone next to the middle of the box; the cone lies behind the plane.
- *      box    \ ^   / cone     The cosine is taken smaller by more than the lookup's own rounding. */
+ *            \  n    /         n is the plane's normal, pointing away from the cone.
+ *      box    \ ^   / cone     The cosine is reduced by more than the lookup's own rounding. */
 VXS_FN vxs_i32 vxs_spot_meets_box(VXS_LIGHT light, const vxs_real3 middle, const vxs_real3 half_size)
 {
     vxs_real3 ls, reach;
@@ -89,9 +91,9 @@ VXS_FN vxs_i32 vxs_spot_meets_box(VXS_LIGHT light, const vxs_real3 middle, const
     return cosine * across - sine * ls[2] <= along * (1.0 + VXS_CULL_ROUNDING) + 2.0 * rounding ? 1 : 0;
 }
 
-/* 1 when a light may reach a point of a box, 0 when it reaches none.
- * middle, half_size  metres; in a shader, from the origin of the light's constants. half_size is not negative
- * filter_px          the widest filter of the lookups, as for vxs_lit */
+/* Returns 1 when a light may reach a point of a box, 0 when it reaches none.
+ * middle, half_size  metres; in a shader, relative to the origin of the light's constants. half_size is not negative
+ * filter_px          widest filter of the lookups, as for vxs_lit */
 VXS_FN vxs_i32 vxs_light_meets_box(VXS_LIGHT light, const vxs_real3 middle, const vxs_real3 half_size, vxs_i32 filter_px)
 {
     if (VXS_FIELD(light, kind) == VXS_LIGHT_KIND_DIRECTIONAL) {

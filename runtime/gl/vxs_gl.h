@@ -1,4 +1,4 @@
-/* libvxs_gl: baked shadows on a graphics processor. It stands on libvxs, which stays free of OpenGL.
+/* libvxs_gl: baked shadows on a GPU. It depends on libvxs, which stays free of OpenGL.
  *
  *     vxs_gl *shadows;                                                          // when a level is loaded, with a context current
  *     vxs_gl_desc desc = {.get_proc_address = my_loader, .asset = asset};
@@ -11,15 +11,16 @@
  *     glShaderSource(shader, VXS_GL_TEXTS + 1, text, NULL);
  *     ... glLinkProgram(program);  vxs_gl_link(shadows, program);
  *
- *     vxs_gl_upload(shadows, 1 << 20);                                          // each frame: of a stream (.stream = stream), what has come
+ *     vxs_gl_upload(shadows, 1 << 20);                                          // each frame: new pages of a stream (.stream = ..)
  *     vxs_gl_origin(shadows, camera_ws);
  *     vxs_gl_bind(shadows);
  *     glUseProgram(program);  draw();
  *
- * It links no OpenGL: functions come from the caller's get_proc_address. OpenGL 4.3 or ES 3.1 hold words in a storage buffer, OpenGL 3.3
- * and ES 3.0 (WebGL 2) in an integer texture; shaders read both by the same names.
- * Every call needs the context of vxs_gl_create current on the calling thread, and clears the error that glGetError would have said. What
- * it changes of the context's state it puts back, but for what a call says, and GL_COPY_WRITE_BUFFER, which it leaves at 0.
+ * It links no OpenGL: functions come from the caller's get_proc_address. Words are in a storage buffer with OpenGL 4.3 or ES 3.1,
+ * and in an integer texture with OpenGL 3.3 and ES 3.0 (WebGL 2); shaders read both by the same names.
+ * Every call needs the context of vxs_gl_create current on the calling thread, and may clear a pending glGetError error. Each
+ * call restores the context state that it changes, except for what its comment names, and for GL_COPY_WRITE_BUFFER, which becomes
+ * 0.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_GL_H
 #define VXS_GL_H
@@ -34,145 +35,154 @@ typedef struct vxs_gl vxs_gl;
 
 typedef void (*vxs_gl_function)(void);
 
-/* How words and lights lie on the graphics processor. */
+/* Storage of words and lights on the GPU. */
 typedef enum vxs_gl_storage {
-    VXS_GL_CHOOSE,  /* a buffer where fragment shaders may have two and one holds the words; else a texture */
+    VXS_GL_CHOOSE,  /* a buffer if fragment shaders can use enough storage buffers and one holds all words; else a texture */
     VXS_GL_BUFFER,  /* OpenGL 4.3, ES 3.1 */
     VXS_GL_TEXTURE, /* OpenGL 3.3, ES 3.0: R32UI for words, RGBA32UI for lights */
 } vxs_gl_storage;
 
-/* A light, and where its words are among those of all lights. */
+/* A light, and the index of its first word in the array of all words. */
 typedef struct vxs_gl_light {
     const vxs_light *light; /* borrowed until vxs_gl_destroy */
     uint32_t         first_word;
 } vxs_gl_light;
 
-/* What is not named is 0, and means the default. It grows at its end only. */
+/* Fields that are 0 have their default. The struct grows only at its end. */
 typedef struct vxs_gl_desc {
-    size_t struct_size; /* sizeof(vxs_gl_desc); 0: as it was at first, up to first_binding */
+    size_t struct_size; /* sizeof(vxs_gl_desc); 0: the first version, up to and including first_binding */
     vxs_gl_function (*get_proc_address)(const char *name, void *user);
     void                *user;
     const vxs_allocator *allocator; /* NULL: malloc and free; copied, but its functions must outlive the object */
     vxs_gl_storage       storage;
 
-    const vxs_asset
-        *asset; /* all its lights and their smoke, whose words are put as they are; borrowed until vxs_gl_upload returns 0 */
+    const vxs_asset *asset; /* all its lights and smoke; vxs_gl_create queues their words. Borrowed until vxs_gl_upload returns 0 */
 
-    /* without an asset or a stream: lights whose words the caller puts (vxs_gl_put) */
+    /* without an asset or a stream: lights whose words the caller supplies (vxs_gl_put) */
     const vxs_gl_light *lights; /* [light_count], copied */
     uint32_t            light_count;
     uint32_t            word_count; /* of all lights */
 
-    uint32_t first_binding; /* buffers take this binding of storage buffers and the next two; textures such texture units */
+    uint32_t first_binding; /* first of three consecutive storage buffer bindings, or texture units */
 
-    const vxs_stream *stream; /* without an asset: all its lights and smoke; vxs_gl_upload follows its pages. Borrowed until vxs_gl_destroy */
+    const vxs_stream
+        *stream; /* instead of an asset: its lights and smoke; vxs_gl_upload follows its pages. Borrowed until vxs_gl_destroy */
 
-    /* without an asset: [lights] baked smoke of each, NULL: it has none; NULL: that of the stream, and without one no light has any. Its
-     * words are borrowed until vxs_gl_upload returns 0 */
+    /* without an asset: [light count] baked smoke of each light, NULL: none. A NULL array: the smoke of the stream, or none
+     * without a stream. Words are borrowed until vxs_gl_upload returns 0 */
     const vxs_baked_smoke *const *smoke;
 } vxs_gl_desc;
 
-/* Make room for the words and the lights: one buffer for each, or one texture for each. Nothing is uploaded yet.
+/* Create the object, with storage for words and lights: one buffer for each, or one texture for each. No words are uploaded yet.
  * gl  [out] NULL on failure
- * Returns VXS_OK; VXS_E_ARGUMENT (no function, no light, an asset and a stream, a struct_size that makes no sense); VXS_E_MEMORY (the context's memory, too; more words than the largest buffer or
- * texture holds); VXS_E_GL (older than OpenGL 3.3 and ES 3.0, without a function, or without the storage that was asked for). */
+ * Returns VXS_OK; VXS_E_ARGUMENT (no get_proc_address, no light, both an asset and a stream, an invalid struct_size);
+ * VXS_E_MEMORY (also for GPU memory, and for more words than the largest buffer or texture holds); VXS_E_GL (OpenGL older than
+ * 3.3 or ES older than 3.0, a missing function, or the requested storage is not available). */
 vxs_result vxs_gl_create(vxs_gl **gl, const vxs_gl_desc *desc);
 
 /* Accepts NULL. */
 void vxs_gl_destroy(vxs_gl *gl);
 
-/* Words that are to be uploaded: at first, and whenever they change. They go in the order in which they are put, whatever the slices. Words that
- * change while shaders look them up are uploaded in whole before the next draw. Not for the words of a stream.
- * words  [count] borrowed until they are uploaded: what they are then counts
- * first  where they go among the words of all lights
- * Returns VXS_OK; VXS_E_ARGUMENT beyond word_count, or without words; VXS_E_MEMORY, and nothing is changed. */
+/* Queue words for upload: at first, and whenever they change. They are uploaded in the order of the calls, whatever the slices.
+ * To change words that shaders already use, upload them completely before the next draw. Not for the words of a stream.
+ * words  [count] borrowed until uploaded; read at upload
+ * first  index of the first one in the array of all words
+ * Returns VXS_OK; VXS_E_ARGUMENT beyond word_count, or without words; VXS_E_MEMORY, and nothing is queued. */
 vxs_result vxs_gl_put(vxs_gl *gl, const uint32_t *words, uint32_t first, uint32_t count);
 
-/* Upload of what is to be uploaded the next max_bytes, or fewer. SIZE_MAX: all. Returns how many bytes are left. Before it returns 0 lookups
- * give numbers that mean nothing.
+/* Upload at most max_bytes of the queued words. SIZE_MAX: all. Returns the number of bytes left. Until it returns 0, lookups give
+ * meaningless results.
  *
- * Of a stream, that is so until it has returned 0 once, at best before the first frame. Then call it between vxs_stream_frame and what is drawn; not
- * during that frame. Names of pages that have left are taken away first, all of them, 4 bytes each beside max_bytes; then pages that have come are
- * uploaded one by one, each with its name behind it. So whatever the slices, shaders answer as C does where pages are uploaded, and by the coarse level where
- * they are not yet; when 0 is returned, everywhere as C does. Frames of the stream may be left out. */
+ * With a stream this holds until it has returned 0 once, preferably before the first frame. After that, call it between
+ * vxs_stream_frame and the draw calls, not during vxs_stream_frame. First the names of all pages that were evicted are set to 0,
+ * 4 bytes each, not counted in max_bytes. Then new pages are uploaded one by one, each followed by its name. So with slices of
+ * any size, shaders give the same result as C where pages are uploaded, and the coarse answer where they are not; after a return
+ * of 0, the same as C everywhere. It need not be called for every frame of the stream. */
 uint64_t vxs_gl_upload(vxs_gl *gl, size_t max_bytes);
 
-/* How many bytes of words vxs_gl_upload has uploaded since vxs_gl_create. */
+/* Returns how many bytes of words vxs_gl_upload has uploaded since vxs_gl_create. */
 uint64_t vxs_gl_uploaded_bytes(const vxs_gl *gl);
 
-/* Fill the constants of all lights, for positions that count from an origin, and upload them: 96 bytes a light.
- * origin_ws  as for vxs_light_constants_of: the camera's place, where a world is large; NULL: (0, 0, 0)
- * Called by vxs_gl_create with NULL. */
+/* Compute and upload the constants of all lights for positions relative to an origin: 96 bytes a light.
+ * origin_ws  as for vxs_light_constants_of: the camera position in a large world; NULL: (0, 0, 0)
+ * vxs_gl_create calls it with NULL. */
 void vxs_gl_origin(vxs_gl *gl, const double origin_ws[3]);
 
-/* The constants of light n, as they were filled last; [0, light count). Valid until vxs_gl_destroy. */
+/* Returns the constants of all lights, [light count], as last computed. Valid until vxs_gl_destroy. */
 const vxs_light_constants *vxs_gl_constants(const vxs_gl *gl);
 uint32_t                   vxs_gl_light_count(const vxs_gl *gl);
 
-/* What a shader begins with, NUL-terminated texts valid until vxs_gl_destroy: the #version line and names of numbers, how words are
- * fetched, vxs_lookup.h, vxs_lookup_blocks.h, vxs_space.h, vxs_cull.h, and vxs_smoke.h with how lights are. With buffers they are the same for all assets
- * with smoke, and for all without, so that programs may be kept; with textures they have the asset's numbers. The body that follows them may call what those headers
- * declare, and
+/* Get the beginning of a shader as NUL-terminated texts, valid until vxs_gl_destroy: the #version line and constants, the fetch
+ * of words, vxs_lookup.h, vxs_lookup_blocks.h, vxs_space.h, vxs_cull.h, and vxs_smoke.h with the access to lights. With buffers
+ * they are the same for all assets with smoke, and for all without, so that programs can be cached; with textures they contain
+ * sizes of the asset. The body behind them may call what those headers declare, and
  *
  *     vxs_light_constants vxs_light_at(uint n)                            the constants of light n
  *     uint                vxs_light_count()                               as vxs_gl_light_count
  *     float               vxs_lit_by(uint n, vec3 at, vec3 normal, int filter_px)   vxs_lit of light n
- *     float               vxs_smoke_left_by(uint n, vec3 at)              how much of light n baked smoke leaves, 0 to 1: what is lit is multiplied by it
- *     uint                vxs_tile_of(ivec2 pixel)                        of lists that were culled; pixel counts as in the depths
- *     uint                vxs_tile_light_count(uint tile)                 how many lights may reach what the tile shows
- *     uint                vxs_tile_light(uint tile, uint n)               light n of them, in ascending order
+ *     float               vxs_smoke_left_by(uint n, vec3 at)              transmittance of light n's smoke, 0 to 1: a factor
+ *     uint                vxs_tile_of(ivec2 pixel)                        tile in the lists; pixel coordinates as in the depths
+ *     uint                vxs_tile_light_count(uint tile)                 number of lights that may reach the points in the tile
+ *     uint                vxs_tile_light(uint tile, uint n)               light n of these, in ascending order
  *
- * Words are fetched at indices that are clamped to the array, so that damaged ones give wrong numbers and nothing worse. A body that needs
- * an extension hands its compiler texts[0], its #extension lines, and texts 1 to VXS_GL_TEXTS - 1. */
+ * Word indices are clamped to the array, so that damaged words give only wrong numbers. For a body that needs an extension,
+ * compile texts[0], the #extension lines, and texts 1 to VXS_GL_TEXTS - 1. */
 enum { VXS_GL_TEXTS = 7 };
 void vxs_gl_texts(const vxs_gl *gl, const char *texts[VXS_GL_TEXTS]);
 
-/* Tell a program, once it is linked, where words and lights are. Nothing to do where they are buffers: their text says it. */
+/* Set the texture units of words and lights in a linked program. Does nothing with buffers: their bindings are in the shader
+ * text. */
 void vxs_gl_link(const vxs_gl *gl, unsigned program);
 
-/* Bind words, lights and lists for shaders that follow: storage buffers at first_binding and the two behind it, or textures at such units,
- * and there they stay. The active texture unit is put back. */
+/* Bind words, lights and lists for the shaders that follow: storage buffers at first_binding and the next two bindings, or
+ * textures at these units. They stay bound. The active texture unit is restored. */
 void vxs_gl_bind(const vxs_gl *gl);
 
-/* culling ------------------------------------------------------------------------------------------------------------------------- */
+/* culling --------------------------------------------------------------------------------------------------------------------- */
 
 enum { VXS_TILE_PX = 8, VXS_LISTS_HEAD = 4 };
 
-/* What a frame shows, and where: of each pixel (x, y) a depth d, at the place, from the origin of the lights' constants,
+/* Depths of the pixels of a frame. The point of pixel (x, y) with depth d, relative to the origin of the lights' constants, is
  *
  *     (a, b, c) / w,  (a, b, c, w) = point_from_depth * ((x + 0.5) / width_px, (y + 0.5) / height_px, d, 1)
  *
- * so that the matrix knows which way up the image is, and what its depths are. */
+ * so the matrix contains the vertical direction of the image and the depth convention. */
 typedef struct vxs_view {
     uint32_t width_px, height_px;
-    float    point_from_depth[16]; /* by columns, as OpenGL has it */
-    float    empty_depth;          /* of pixels that show nothing: the depth that was cleared to */
-    int32_t  filter_px;            /* the widest filter that lookups have, as for vxs_lookup */
+    float    point_from_depth[16]; /* column-major, as in OpenGL */
+    float    empty_depth;          /* depth of empty pixels: the clear value */
+    int32_t  filter_px;            /* widest filter of the lookups, as for vxs_lookup */
 } vxs_view;
 
-/* Pixels whose place is as far from that origin along an axis, or no place at all, show nothing. */
+/* A pixel whose point is this far from that origin along an axis, or is not finite, counts as empty. */
 #define VXS_VIEW_METRES 1e15
 
-/* Words of the lists of a view: VXS_LISTS_HEAD, then of each tile of 8 x 8 pixels, rows, 1 + tile_lights. UINT64_MAX: more than that. */
+/* Returns the number of words of the lists of a view: VXS_LISTS_HEAD, then 1 + tile_lights for each tile of 8 x 8 pixels, in
+ * rows. UINT64_MAX on overflow. */
 uint64_t vxs_lists_words(uint32_t width_px, uint32_t height_px, uint32_t tile_lights);
 
-/* Which lights may reach what each tile of 8 x 8 pixels shows: those whose volume (cone and range, prism) meets the box around its places
- * ([CPVS16] 6.3). No light that reaches a pixel is left out; one that is listed may reach none.
- * lights  [light_count];   depths  [height_px * width_px] rows
- * tile_lights  how many a list has room for. Where more are needed the list holds the number alone, and shaders ask all lights
- * lists   [out] [vxs_lists_words]: tiles in a row, tile rows, tile_lights, light_count; of each tile how many lights there are, and which.
- * Returns the longest list's number. */
+/* List for each tile of 8 x 8 pixels the lights that may reach its points: lights whose volume (cone and range, prism) meets the
+ * bounding box of these points ([CPVS16] 6.3). Conservative: no light that reaches a pixel is missing, but a listed light may
+ * reach no pixel.
+ * lights       [light_count]
+ * depths       [height_px * width_px] rows
+ * tile_lights  capacity of each list. When a tile has more lights, its list is incomplete, its count is above tile_lights, and
+ *              shaders use all lights
+ * lists        [out] [vxs_lists_words] tiles in a row, tile rows, tile_lights, light_count; then for each tile the light count
+ *              and the light indices
+ * Returns the greatest light count of a tile. */
 uint32_t vxs_cull(const vxs_light_constants *lights, uint32_t light_count, const vxs_view *view, const float *depths,
                   uint32_t tile_lights, uint32_t *lists);
 
-/* The same by a compute shader, in storage buffers alone. The lists are made, or made again where sizes change, and bound.
- * depth_texture  a GL_TEXTURE_2D of width_px x height_px texels of depth or R32F, that does not compare; level 0 is read
- * Leaves the lists bound as vxs_gl_bind does. A barrier for storage buffers is behind it.
+/* The same with a compute shader; needs storage buffers. The lists are created, or created again when sizes change.
+ * depth_texture  a GL_TEXTURE_2D of width_px x height_px depth or R32F texels, without depth comparison; level 0 is read
+ * The lists are then bound as by vxs_gl_bind. It ends with a memory barrier for storage buffers.
  * Returns VXS_OK; VXS_E_MEMORY; VXS_E_GL without storage buffers and compute shaders, or when its shader does not compile. */
 vxs_result vxs_gl_cull(vxs_gl *gl, const vxs_view *view, unsigned depth_texture, uint32_t tile_lights);
 
-/* Lists of vxs_cull, for shaders of any storage.
- * lists  [vxs_lists_words] not kept.   Returns VXS_OK or VXS_E_MEMORY. */
+/* Upload lists of vxs_cull, for shaders with any storage.
+ * lists  [vxs_lists_words] not kept
+ * Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result vxs_gl_put_lists(vxs_gl *gl, const uint32_t *lists);
 
 #ifdef __cplusplus

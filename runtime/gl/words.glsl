@@ -1,4 +1,4 @@
-/* How a word of the array of all lights' words is fetched; behind the numbers of vxs_gl.c. */
+/* Fetch of a word from the array of all words. Compiled behind the constants of gl_object.c (write_head). */
 #ifdef GL_ES
 precision highp float;
 precision highp int;
