@@ -103,7 +103,7 @@ unsigned vxs_area_light_irradiance(const vxs_area_light *light)
     return light->irradiance;
 }
 
-/* lamps --------------------------------------------------------------------------------------------------------------------------- */
+/* lamps ------------------------------------------------------------------------------------------------------------------------ */
 
 static float kind_of(const vxs_vpl *lamp)
 {
@@ -182,7 +182,7 @@ void vxs_area_light_put(vxs_area_light *light, int from_origin)
                                            from_origin ? light->placed : light->lamps);
 }
 
-/* imperfect shadow maps ----------------------------------------------------------------------------------------------------------- */
+/* imperfect shadow maps -------------------------------------------------------------------------------------------------------- */
 
 void vxs_area_light_count(const vxs_area_light *light, uint32_t a, uint32_t b, uint32_t c, uint32_t d)
 {

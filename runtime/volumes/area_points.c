@@ -86,7 +86,7 @@ static vxs_area_point point_on(const float *const v[CORNERS], part p, double t, 
     return point;
 }
 
-/* scattering by what lamps see ---------------------------------------------------------------------------------------------------- */
+/* scattering by what lamps see ------------------------------------------------------------------------------------------------- */
 
 /* Of all points so many lie by area alone. */
 static const double by_area = 0.25;

@@ -22,7 +22,7 @@ typedef struct mesh_plan {
     uint32_t            vertex_count, triangle_count;
 } mesh_plan;
 
-/* shape -------------------------------------------------------------------------------------------------------------------------- */
+/* shape ------------------------------------------------------------------------------------------------------------------------ */
 
 /* Rows of a sun's matrix are as long as a metre is in texels or voxels. */
 static double row_length(const vxs_light_constants *light, int row)
@@ -74,7 +74,7 @@ vxs_mesh_shape vxs_light_mesh_shape(const vxs_light_constants *light, uint32_t s
     return s;
 }
 
-/* quads -------------------------------------------------------------------------------------------------------------------------- */
+/* quads ------------------------------------------------------------------------------------------------------------------------ */
 
 /* For each quad of a level. */
 #define EACH_QUAD(p, q, level_)                                                                                                    \
@@ -99,7 +99,7 @@ static void choose_quads(mesh_plan *p)
     vxs_mesh_let_meet(p->splits, &p->shape, q);
 }
 
-/* triangles ---------------------------------------------------------------------------------------------------------------------- */
+/* triangles -------------------------------------------------------------------------------------------------------------------- */
 
 static uint32_t *number_of(const mesh_plan *p, vxs_mesh_vertex v)
 {
@@ -160,7 +160,7 @@ static void add_triangles(mesh_plan *p)
                      vxs_mesh_closing_corner(&p->shape, n, 2));
 }
 
-/* plan and fill -------------------------------------------------------------------------------------------------------------------- */
+/* plan and fill ---------------------------------------------------------------------------------------------------------------- */
 
 /* Returns 0 where the description makes no sense. */
 static int begin_plan(mesh_plan *p, const vxs_light_mesh_desc *desc)

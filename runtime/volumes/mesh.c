@@ -178,7 +178,7 @@ vxs_result vxs_volumes_mesh_map(vxs_volumes *v, const vxs_volumes_light *light, 
     return VXS_OK;
 }
 
-/* made in C ------------------------------------------------------------------------------------------------------------------------ */
+/* made in C -------------------------------------------------------------------------------------------------------------------- */
 
 vxs_result vxs_light_mesh_create(vxs_light_mesh **out, vxs_volumes *v, const float *places, const uint32_t *corners,
                                  const vxs_light_mesh_size *size)

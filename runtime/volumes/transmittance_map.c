@@ -43,7 +43,7 @@ void vxs_transmittance_names(const vxs_transmittance_map *map, char names[TRANSM
     snprintf(names, TRANSMITTANCE_NAMES, "#define VXS_USES_CURVES\n#define VXS_CURVE_MOST %u\n", map->nodes);
 }
 
-/* create --------------------------------------------------------------------------------------------------------------------------- */
+/* create ----------------------------------------------------------------------------------------------------------------------- */
 
 /* Those of a program that maps with as many nodes share, which is made when the first of them is. */
 static gl_name make_program(vxs_volumes *v, gl_name *made, const char *names, const char *body)
@@ -149,7 +149,7 @@ void vxs_transmittance_map_destroy(vxs_transmittance_map *map)
     vxs_volumes_give_back(map->volumes, map, sizeof *map);
 }
 
-/* build ---------------------------------------------------------------------------------------------------------------------------- */
+/* build ------------------------------------------------------------------------------------------------------------------------ */
 
 void vxs_transmittance_set(const vxs_transmittance_map *map, const vxs_shadow_depth_map *opaque, uint32_t capsule_count)
 {
@@ -246,7 +246,7 @@ unsigned vxs_transmittance_map_buffer(const vxs_transmittance_map *map)
     return map->buffer;
 }
 
-/* look up -------------------------------------------------------------------------------------------------------------------------- */
+/* look up ---------------------------------------------------------------------------------------------------------------------- */
 
 static int is_lookup(vxs_curve_lookup how)
 {

@@ -130,7 +130,7 @@ unsigned vxs_volumes_airlight(const vxs_volumes *v)
     return v->airlight;
 }
 
-/* a frame ------------------------------------------------------------------------------------------------------------------------- */
+/* a frame ---------------------------------------------------------------------------------------------------------------------- */
 
 /* What vxs_medium asks for. */
 static int is_medium(const vxs_volumes_frame *f)

@@ -122,7 +122,7 @@ void vxs_volumes_put_back_storage(const vxs_volumes *v, const storage_kept *kept
     v->api.BindBuffer(GL_TARGET_STORAGE_BUFFER, (gl_name)kept->buffer);
 }
 
-/* drawing -------------------------------------------------------------------------------------------------------------------------- */
+/* drawing ---------------------------------------------------------------------------------------------------------------------- */
 
 static void enable(const vxs_volumes *v, gl_enum what, int on)
 {

@@ -147,7 +147,7 @@ VXS_FN void vxs_air_in_cone(VXS_AIR_RAY ray, vxs_real cosine, VXS_INOUT vxs_real
     }
 }
 
-/* fog with a level top ------------------------------------------------------------------------------------------------------------ */
+/* fog with a level top --------------------------------------------------------------------------------------------------------- */
 
 /* The part of a ray that is in fog whose top is level: height, top and up are the eye's, the fog's, and the ray's along the vertical.
  * interval  [in, out] end < begin: there is none */

@@ -70,7 +70,7 @@ struct vxs_epipolar_ray {
 
 #define VXS_EPIPOLAR_NEAREST 1e-9 /* metres; a lamp that is nearer to the eye is taken to be as far away */
 
-/* angles -------------------------------------------------------------------------------------------------------------------------- */
+/* angles ----------------------------------------------------------------------------------------------------------------------- */
 
 /* atan2 in [0, pi], y >= 0; 0 where both are. C has it to all its digits; shading languages promise some 4096 units of the last. */
 VXS_FN vxs_real vxs_epipolar_angle(vxs_real y, vxs_real x)
@@ -118,7 +118,7 @@ VXS_FN vxs_real vxs_epipolar_unit(VXS_INOUT vxs_real3 v)
     return most * length;
 }
 
-/* places -------------------------------------------------------------------------------------------------------------------------- */
+/* places ----------------------------------------------------------------------------------------------------------------------- */
 
 /* An eye ray.   direction  of length 1, or a place on it */
 VXS_FN vxs_epipolar_ray vxs_epipolar_eye(VXS_EPIPOLAR space, const vxs_real3 direction)
@@ -220,7 +220,7 @@ VXS_FN vxs_real vxs_epipolar_alpha_at(VXS_EPIPOLAR space, const vxs_real2 turned
     return vxs_epipolar_angle(metres * turned[0], VXS_FIELD(space, away) - metres * turned[1]);
 }
 
-/* ranges -------------------------------------------------------------------------------------------------------------------------- */
+/* ranges ----------------------------------------------------------------------------------------------------------------------- */
 
 /* The frame about an axis, whose theta is 0 in the middle of the view, and 0 and 0 for its range. Where the axis runs through the middle
  * there is no such way across it: any will do, and theta is all the way round.

@@ -183,7 +183,7 @@ VXS_FN vxs_mesh_vertex vxs_mesh_vertex_from_code(vxs_u32 code)
     return v;
 }
 
-/* triangles ---------------------------------------------------------------------------------------------------------------------- */
+/* triangles -------------------------------------------------------------------------------------------------------------------- */
 
 #define VXS_MESH_CORNERS_CLOSED 6  /* triangles between where walls end; of a spot light they have no area */
 #define VXS_MESH_BOX            12 /* triangles of the sun's box */

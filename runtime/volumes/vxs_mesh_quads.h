@@ -111,7 +111,7 @@ VXS_FN vxs_mesh_quad vxs_mesh_beside(VXS_MESH shape, vxs_mesh_quad q, vxs_i32 ed
     return other;
 }
 
-/* splitting ---------------------------------------------------------------------------------------------------------------------- */
+/* splitting -------------------------------------------------------------------------------------------------------------------- */
 
 VXS_FN vxs_i32 vxs_mesh_has_split(VXS_MESH_SPLITS splits, VXS_MESH shape, vxs_mesh_quad q)
 {
@@ -141,7 +141,7 @@ VXS_FN void vxs_mesh_let_meet(VXS_MESH_SPLITS splits, VXS_MESH shape, vxs_mesh_q
     }
 }
 
-/* errors ------------------------------------------------------------------------------------------------------------------------- */
+/* errors ----------------------------------------------------------------------------------------------------------------------- */
 
 /* What is linear on a triangle, where vertices are by their places in the map: a sun's depth, the inverse of a lamp's. A lamp's depths below a millionth
  * of where its light ends are alike. */
@@ -187,7 +187,7 @@ VXS_FN vxs_i32 vxs_mesh_is_off(VXS_MESH_FIRST first, VXS_MESH shape, vxs_mesh_qu
     return 0;
 }
 
-/* triangles ---------------------------------------------------------------------------------------------------------------------- */
+/* triangles -------------------------------------------------------------------------------------------------------------------- */
 
 /* A place of the outline of a quad, counterclockwise: 0, 2, 4, 6 are its corners, 1, 3, 5, 7 the middles of edges 0 to 3. */
 VXS_FN vxs_mesh_vertex vxs_mesh_outline(vxs_mesh_quad q, vxs_i32 place)
