@@ -74,7 +74,7 @@ vxs_result vxs_transmittance_map_build(vxs_transmittance_map *map, const vxs_cap
 
 /* Smoke of other shapes: shaders of the caller add segments to the lists while the map is built, in addition to those of capsules.
  *
- *     const char *text[VXS_SEGMENT_TEXTS + 2] = {"#version 450 core\n"};  // vertex, fragment or compute; needs no other library text
+ *     const char *text[VXS_SEGMENT_TEXTS + 2] = {"#version 450 core\n"};  // vertex, fragment or compute; no other library text
  *     vxs_transmittance_map_texts(map, text + 1);
  *     text[VXS_SEGMENT_TEXTS + 1] = my_body;
  *     ...
