@@ -10,7 +10,7 @@
  * Distances are metres along the ray from the eye; the ray's direction has length 1. The numbers of the medium are per metre and
  * colour channel.
  *
- *           * lamp        Fog with a level top dims light only below the top. Light of a lamp above the top crosses clear air first:
+ *           * lamp        Fog with a level top dims light only below the top. From a lamp above it, light first crosses clear air:
  *     above |`.           of its path r to a point `below` the top, the share below / (above + below) is in fog.
  *     ------+--`.-----    Light that scatters `metres` behind the point where the ray enters the fog has a path through the fog of
  *           :    `. below

@@ -19,7 +19,7 @@
  *
  *     spot        four walls of triangles connect the border to the light
  *     six maps    nothing is added. The maps meet in the edges of the cube, inside of their borders. Vertices beyond an edge
- *                 in it. One of the faces that meet there gives the depth of the edge
+ *                 coincide in it. One of the faces that meet there gives the depth of the edge
  *     sun         everything beside the map is lit. So the mesh is the surface of the shadow volume below the grid, with four walls
  *                 and a far side, turned inside out, together with a box around everything
  *
