@@ -20,7 +20,7 @@ int vxs_are_casters(const vxs_casters *casters, uint32_t count, const vxs_grid_s
 
 /* Voxelize all casters of a kind. Call it for solid ones first, because they overwrite bits that others have set.
  * grid     a buffer with its head
- * columns  VXS_VOXELS_RAYS alone: shadow that begins behind this column is left out
+ * columns  VXS_VOXELS_RAYS alone: shadow must begin in one of so many columns
  * as       the kind that is used, instead of that of the casters
  * Leaves storage bindings with the grid first. */
 void vxs_voxelize(const voxelizer *voxelizer, gl_name grid, const vxs_epipolar *space, const vxs_casters *casters, uint32_t count,
