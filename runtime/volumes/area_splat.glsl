@@ -131,8 +131,8 @@ float count_of(uint lamp, vec4 ball, float square_metres)
     return min(float(group_size) * cosine * square_metres / (texel * texel), float(group_size));
 }
 
-/* A ball around most of a group's points: around every eighth point, enlarged by the distance between these.   square_metres
- * [out] the largest area that a point represents */
+/* A ball around most of a group's points: around every eighth point, enlarged by about the distance between these.
+ * square_metres  [out] the largest area that a point represents */
 vec4 ball_about(uint first, uint count, out float square_metres)
 {
     vec3 low = points[first].xyz, high = low;

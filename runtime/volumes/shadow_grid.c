@@ -114,7 +114,7 @@ static vxs_epipolar space_of(const frame_block *f)
     return space;
 }
 
-/* It also clears all bits, and marks the eye as not shadowed. */
+/* Upload the head, with the eye lit, and clear all bits. */
 static void put_head(const vxs_shadow_grid *grid, const vxs_epipolar *space, uint32_t runs)
 {
     const vxs_volumes *v    = grid->volumes;

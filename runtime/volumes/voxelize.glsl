@@ -69,7 +69,7 @@ ivec2 rows_of(vxs_epipolar space, vxs_grid_size size, vec3 a, vec3 b, vec3 c)
     return ivec2(begin, max(end - begin, 0));
 }
 
-/* The eye is in shadow if a triangle meets the axis between the eye and the lamp. */
+/* The eye is in shadow if a triangle meets the axis between the eye and the light. */
 void darken_eye(vec3 a, vec3 b, vec3 c)
 {
     vec3  sides = vec3(b.y * c.z - b.z * c.y, c.y * a.z - c.z * a.y, a.y * b.z - a.z * b.y);

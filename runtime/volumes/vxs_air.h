@@ -31,7 +31,7 @@
 #ifndef VXS_AIR_H
 #define VXS_AIR_H
 
-#ifndef VXS_AIR_RAY_H /* a shader without #include has it already */
+#ifndef VXS_AIR_RAY_H /* a shader that cannot include has it already */
 #include "vxs_air_ray.h"
 #endif
 

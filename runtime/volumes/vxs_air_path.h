@@ -13,7 +13,7 @@
 #ifndef VXS_AIR_PATH_H
 #define VXS_AIR_PATH_H
 
-#ifndef VXS_AIR_H /* a shader without #include has it already */
+#ifndef VXS_AIR_H /* a shader that cannot include has it already */
 #include "vxs_air.h"
 #endif
 

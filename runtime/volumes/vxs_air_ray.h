@@ -20,7 +20,7 @@
 #ifndef VXS_AIR_RAY_H
 #define VXS_AIR_RAY_H
 
-#ifndef VXS_AIR_LIGHT_H /* a shader without #include has it already */
+#ifndef VXS_AIR_LIGHT_H /* a shader that cannot include has it already */
 #include "vxs_air_light.h"
 #endif
 

@@ -12,7 +12,7 @@
 #ifndef VXS_AREA_GRID_H
 #define VXS_AREA_GRID_H
 
-#ifndef VXS_SHADOW_GRID_H /* a shader without #include has it already */
+#ifndef VXS_SHADOW_GRID_H /* a shader that cannot include has it already */
 #include "vxs_shadow_grid.h"
 #endif
 

@@ -32,7 +32,7 @@
 #ifndef VXS_CURVE_H
 #define VXS_CURVE_H
 
-#ifndef VXS_SPACE_H /* a shader without #include has it already */
+#ifndef VXS_SPACE_H /* a shader that cannot include has it already */
 #include "vxs_space.h"
 #endif
 

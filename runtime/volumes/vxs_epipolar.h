@@ -28,7 +28,7 @@
 #ifndef VXS_EPIPOLAR_H
 #define VXS_EPIPOLAR_H
 
-#ifndef VXS_AIR_H /* a shader without #include has it already */
+#ifndef VXS_AIR_H /* a shader that cannot include has it already */
 #include "vxs_air.h"
 #endif
 

@@ -29,7 +29,7 @@
 #ifndef VXS_LIGHT_MESH_H
 #define VXS_LIGHT_MESH_H
 
-#ifndef VXS_SPACE_H /* a shader without #include has it already */
+#ifndef VXS_SPACE_H /* a shader that cannot include has it already */
 #include "vxs_space.h"
 #endif
 

@@ -28,7 +28,7 @@
 #ifndef VXS_MESH_QUADS_H
 #define VXS_MESH_QUADS_H
 
-#ifndef VXS_LIGHT_MESH_H /* a shader without #include has it already */
+#ifndef VXS_LIGHT_MESH_H /* a shader that cannot include has it already */
 #include "vxs_light_mesh.h"
 #endif
 

@@ -20,7 +20,7 @@
 #ifndef VXS_SHADOW_GRID_H
 #define VXS_SHADOW_GRID_H
 
-#ifndef VXS_EPIPOLAR_H /* a shader without #include has them already */
+#ifndef VXS_EPIPOLAR_H /* a shader that cannot include has them already */
 #include "vxs_air_path.h"
 #include "vxs_epipolar.h"
 #endif

@@ -98,7 +98,7 @@ typedef enum vxs_cull_result {
     VXS_NOT_CULLED,
     VXS_CULLED_FAINT,     /* nowhere more airlight than min_radiance */
     VXS_CULLED_OFFSCREEN, /* no more than that in any pixel of the view */
-    VXS_CULLED_CLEAR,     /* the fog has a level top, and the view or the light lies wholly above it */
+    VXS_CULLED_CLEAR,     /* the fog has a level top, and no ray of the view, or no light, gets below it */
 } vxs_cull_result;
 
 /* A rectangle of pixels. */
