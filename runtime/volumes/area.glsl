@@ -1,15 +1,16 @@
-/* Virtual point lights with the heads of their grids, and words: of all grids, then of all imperfect shadow maps. As area_state.h has it. */
+/* Virtual point lights with the heads of their grids, and words: of all grids, then of all imperfect shadow maps. As in
+ * area_state.h. */
 #ifdef VXS_USES_AREA
 struct vxs_vpl {
-    vec4  axis, ahead, side, alpha_theta, phi; /* of a grid, as grid.glsl has them */
+    vec4  axis, ahead, side, alpha_theta, phi; /* of a grid, as in grid.glsl */
     ivec4 size, eye, reserved;
     vec4  place;  /* and radius */
-    vec4  normal; /* and how it shines: 0 to all sides, 1 to one, 2 along the normal from far away */
-    vec4  colour; /* and the number of the light whose baked smoke dims it, and 1; 0: none does */
+    vec4  normal; /* and how it emits: 0 in all directions, 1 to one side, 2 along the normal from far away */
+    vec4  colour; /* and 1 + index of the light whose baked smoke dims it; 0: none */
     vec4  across; /* the normal, of length 1 */
 };
 
-#ifdef VXS_USES_CURVES /* which are behind the first binding */
+#ifdef VXS_USES_CURVES /* they are after the first binding */
 #define VXS_AT_AREA (VXS_AT_GRID + 2)
 #else
 #define VXS_AT_AREA VXS_AT_GRID
@@ -26,7 +27,7 @@ layout(std430, binding = VXS_AT_AREA) VXS_GRID_ACCESS buffer vxs_area_buffer {
 #define VXS_AREA_BAKED
 #endif
 #if defined(VXS_AREA_GATHERS) && (defined(VXS_USES_CURVES) || defined(VXS_AREA_BAKED))
-/* The lamp and the eye ray that are gathered, and what smoke leaves of the one along the other. */
+/* The current lamp and eye ray, and below the transmittance of the lamp's smoke along the ray. */
 uint  vxs_vpl_now;
 vec3  vxs_area_direction;
 float vxs_area_left(uint lamp, vec3 at);
@@ -39,7 +40,7 @@ vxs_epipolar vxs_area_space(uint lamp)
                              vxs_area.lamps[lamp].alpha_theta, vxs_area.lamps[lamp].phi);
 }
 
-/* A way from a lamp in its frame: across, up, and along its normal. */
+/* A vector from a lamp in its frame: across, up, along its normal. */
 vec3 vxs_area_way(uint lamp, vec3 way)
 {
     vec3 normal = vxs_area.lamps[lamp].normal.xyz, across = vxs_area.lamps[lamp].across.xyz;
@@ -48,14 +49,14 @@ vec3 vxs_area_way(uint lamp, vec3 way)
 
 const float vxs_area_far = 2.0;
 
-/* Where a place is in the imperfect shadow map of a lamp that is far away, which shows the sphere about all that casts; in texels.
+/* Position in the imperfect shadow map of a distant lamp, which covers the sphere around all casters; in texels.
  * way  from the sphere's middle, in the lamp's frame */
 vec2 vxs_area_far_texel(uint lamp, vec3 way, int side)
 {
     return 0.5 * float(side) * (1.0 + way.xy / vxs_area.lamps[lamp].place.w);
 }
 
-/* The first word of level n of a lamp's imperfect shadow map, whose levels lie one behind the other.   maps  the first word of all maps */
+/* The first word of level n of a lamp's imperfect shadow map; levels are stored in order.   maps  the first word of all maps */
 uint vxs_area_level(uint maps, uint lamp, uint side, uint n)
 {
     uint part = side >> n;

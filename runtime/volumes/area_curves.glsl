@@ -1,12 +1,13 @@
-/* Lamps of an area light as layers of curves, in place of transmittance_light.glsl: the half of all directions that each shines to, as in its imperfect shadow map, or the
- * sphere about all that casts. Places are metres in the lamp's frame, from the lamp, or from the middle of the sphere; depths are metres along a ray from there, or
- * from the plane across it through the middle. */
+/* Lamps of an area light as layers of curves, instead of transmittance_light.glsl: over the half of all directions to which a
+ * lamp emits, as in its imperfect shadow map, or over the sphere around all casters. Positions are metres in the lamp's frame,
+ * from the lamp or from the middle of the sphere. Depths are metres along a ray from the lamp, or from the plane through the
+ * middle of the sphere, across the light. */
 bool vxs_area_is_far(int lamp)
 {
     return vxs_area.lamps[lamp].normal.w == vxs_area_far;
 }
 
-/* Where a place is in a lamp's layer, in texels.   wide  [out] metres of a texel there */
+/* Position in a lamp's layer, in texels.   wide  [out] width of a texel there, in metres */
 vec2 vxs_area_place(int lamp, vec3 way, out float wide)
 {
     int  side = int(vxs_frame.counts.w);
@@ -16,7 +17,8 @@ vec2 vxs_area_place(int lamp, vec3 way, out float wide)
     return at;
 }
 
-/* As wide as a texel at least, and as much less dense as it is larger then: so it takes as much light in all, while that is little. */
+/* Widen a capsule to at least a texel, and reduce its density by the increase of its area: so it takes the same light in all, as
+ * long as that is little. */
 vxs_capsule vxs_capsule_of(vec4 begin, vec4 end, int lamp)
 {
     vxs_capsule c = vxs_capsule_stored(begin, end);
@@ -32,7 +34,8 @@ vxs_capsule vxs_capsule_of(vec4 begin, vec4 end, int lamp)
     return c;
 }
 
-/* Of a ball about it. A paraboloid shows a ball's outline as a circle, whose ends toward the normal and away from it are tangents of half their angles. */
+/* Texels of a ball around the capsule. A paraboloid shows a ball's outline as a circle. The circle's ends toward the normal and
+ * away from it are tangents of half the angles of the ball's outline. */
 bool vxs_capsule_texels(vxs_capsule c, int lamp, out ivec4 box)
 {
     float side = float(vxs_frame.counts.w), wide;
@@ -55,7 +58,7 @@ bool vxs_capsule_texels(vxs_capsule c, int lamp, out ivec4 box)
     return box.z > box.x && box.w > box.y;
 }
 
-/* What is opaque casts in shadow maps. */
+/* Opaque casters are in shadow maps, not here. */
 float vxs_opaque_depth(ivec3 texel)
 {
     return VXS_NO_END;
@@ -70,7 +73,7 @@ bool vxs_capsule_segment(vxs_capsule c, ivec3 texel, float opaque, out vec3 segm
     return vxs_ray_segment(c, vec3(0.0), vec3(2.0 * at, 1.0 - square) / (1.0 + square), 1.0, true, opaque, segment);
 }
 
-/* How much of a lamp's light its curves leave at a place: outside its layer there is no smoke. */
+/* Transmittance of smoke between a lamp and a position, by its curves; 1 outside of its layer. */
 float vxs_area_curves_left(uint lamp, vec3 at)
 {
     vec3  way = vxs_area_way(lamp, at - vxs_area.lamps[lamp].place.xyz);

@@ -1,5 +1,5 @@
-/* Light on surfaces of one lamp, by its light map, which is the frame's: added to what was gathered. counts: the lamp, which (vxs_area_gather), unused,
- * the side of curves of smoke; pixels: how many are gathered across and up. */
+/* Adds the light of one lamp on surfaces, by its light map, which is that of the frame. counts: the lamp, the vxs_area_gather,
+ * unused, the side of curves of smoke; pixels: number of gathered pixels across and up. */
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(rgba32f, binding = VXS_AT_IMAGE) uniform restrict image2DArray gathered; /* air; surfaces */
 

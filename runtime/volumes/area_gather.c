@@ -1,4 +1,4 @@
-/* Area lights in a frame: grids of all lamps, and what pixels gather of them; see vxs_area_light.h.
+/* Area lights in a frame: the grids of all lamps, and the light that pixels gather from them; see vxs_area_light.h.
  * SPDX-License-Identifier: MIT */
 #include <math.h>
 
@@ -37,7 +37,7 @@ static void put_heads(vxs_area_light *light, const vxs_shadow_depth_map *const *
     vxs_area_light_put(light, 1);
 }
 
-/* By imperfect shadow maps. */
+/* Fill the grids by imperfect shadow maps. */
 static void fill(const vxs_area_light *light)
 {
     vxs_volumes *v      = light->volumes;
@@ -53,7 +53,7 @@ static void fill(const vxs_area_light *light)
     vxs_or_scan_run(&light->scan, light->buffer, sizeof light->lamps / 16, (uint32_t)light->size.columns, rows * light->count);
 }
 
-/* Make a lamp's light map the frame's. All pixels of the view may see it: a lamp of an area has no range. */
+/* Make a lamp's light map that of the frame. All pixels of the view are drawn, because a lamp of an area light has no range. */
 static void set_map(const vxs_area_light *light, uint32_t lamp, const vxs_shadow_depth_map *map)
 {
     vxs_volumes      *v   = light->volumes;
@@ -63,7 +63,7 @@ static void set_map(const vxs_area_light *light, uint32_t lamp, const vxs_shadow
     v->frame.pixels = all;
 }
 
-/* By light maps, one after the other, each through a grid of its own. */
+/* Fill the grids by light maps, one after the other, through the grid of vxs_shadow_grid. */
 static void fill_exactly(vxs_area_light *light, const vxs_shadow_depth_map *const *maps, uint32_t runs)
 {
     const vxs_volumes *v     = light->volumes;
@@ -79,7 +79,7 @@ static void fill_exactly(vxs_area_light *light, const vxs_shadow_depth_map *cons
     }
 }
 
-/* Run a program of two, for light that smoke does not dim, and for light that it does, on so many pixels.   map  a texture; 0: none */
+/* Run one of two programs, without or with smoke, on the given number of pixels.   map  a texture; 0: none */
 static void gather_by(const vxs_area_light *light, const area_program programs[2], gl_name map, unsigned normal_texture,
                       uint32_t wide, uint32_t high)
 {
@@ -94,7 +94,7 @@ static void gather_by(const vxs_area_light *light, const area_program programs[2
     vxs_volumes_put_back(v, &kept);
 }
 
-/* Nothing in the air scatters light: grids are not needed. */
+/* Whether nothing in the air scatters light, so that grids are not needed. */
 static int is_clear(const frame_block *f)
 {
     return f->scattering[0] == 0 && f->scattering[1] == 0 && f->scattering[2] == 0;
@@ -134,7 +134,8 @@ void vxs_area_light_show(const vxs_area_light *light, vxs_area_gather gather, ui
 static int are_maps(const vxs_area_light *light, const vxs_shadow_depth_map *const *maps)
 {
     for (uint32_t n = 0; n < light->count; n++)
-        if (light->lamps[n].kind == AREA_FAR || !maps[n] || vxs_shadow_depth_map_constants(maps[n])->kind == VXS_LIGHT_KIND_DIRECTIONAL)
+        if (light->lamps[n].kind == AREA_FAR || !maps[n] ||
+            vxs_shadow_depth_map_constants(maps[n])->kind == VXS_LIGHT_KIND_DIRECTIONAL)
             return 0;
     return light->exact != NULL;
 }

@@ -1,8 +1,10 @@
-/* Light of all lamps, or of each ninth, in the air and on surfaces, of each pixel, or of each second both ways. map: how many are gathered across and up, the side of
- * a shadow map, the first word of all of them; counts: lamps, which (vxs_area_gather), 1 to look up between rows, the side of curves of smoke;
- * knobs: runs; 1: there is air that scatters; 1: surfaces get their light by these maps. */
+/* Gathers light in the air and on surfaces: of all lamps, or of a ninth; for each pixel, or for one in four.
+ * map: number of gathered pixels across and up, the side of a shadow map, the first word of all maps
+ * counts: lamps, the vxs_area_gather, 1 to interpolate between rows, the side of curves of smoke
+ * knobs: runs; 1: air scatters light; 1: surfaces are lit by these maps */
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(rgba32f, binding = VXS_AT_IMAGE) uniform writeonly restrict image2DArray gathered; /* air, and how far it goes; surfaces */
+/* air, and the distance to the surface; surfaces */
+layout(rgba32f, binding = VXS_AT_IMAGE) uniform writeonly restrict image2DArray gathered;
 
 vec3 air_of(vxs_area_pixel p, uint n)
 {

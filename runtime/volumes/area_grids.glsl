@@ -1,8 +1,8 @@
-/* Of each light ray of each lamp's grid a bit in the column in which shadow begins on it, by the lamp's imperfect shadow map; a layer of groups for each
- * lamp. counts: lamps, the side of a map, the first word of all maps. */
+/* Sets for each light ray of each lamp's grid a bit in the column where shadow begins, by the lamp's imperfect shadow map; a
+ * layer of groups for each lamp. counts: lamps, the side of a map, the first word of all maps. */
 layout(local_size_x = 32, local_size_y = 4) in;
 
-/* Where shadow begins at a place of a map, in texels. */
+/* Depth where shadow begins at a point of a map.   at  in texels */
 float depth_at(uint lamp, vec2 at, int side)
 {
     ivec2 texel = clamp(ivec2(at), ivec2(0), ivec2(side - 1));
@@ -11,7 +11,8 @@ float depth_at(uint lamp, vec2 at, int side)
     return vxs_area_beside(lamp, s, vxs_area_middle(texel, side), at * (2.0 / float(side)) - 1.0).depth;
 }
 
-/* Metres along a light ray; VXS_NO_END: light does not end, or never begins.   from  the lamp, of which it begins there; of one that is far away any place on it */
+/* Metres along a light ray; VXS_NO_END: light does not end, or never begins.   from  the lamp, where the ray begins; for a
+ * distant lamp any point on the ray */
 float shadow_begins(uint lamp, vec3 from, vec3 direction)
 {
     int   side = int(vxs_frame.counts.y);

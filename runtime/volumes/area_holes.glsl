@@ -1,17 +1,17 @@
-/* Gaps between points in imperfect shadow maps, from coarser levels of the same map: a workgroup for each. counts: lamps, levels, the side of a map, the first
- * word of all maps. */
+/* Fills gaps between points in imperfect shadow maps from coarser levels of the same map: a workgroup for each map. counts:
+ * lamps, levels, the side of a map, the first word of all maps. */
 layout(local_size_x = 256) in;
 
-const float steepest = 4.0; /* of one surface: how much farther it goes away from a texel to the next than these are apart */
+const float steepest = 4.0; /* for texels of one surface: largest depth step between neighbours, in distances between them */
 
-/* How far away a surface may be that has a depth in a texel of a level with so many a side. */
+/* Largest depth of a surface that has the given depth in a texel of a level of the given side. */
 float end_of_surface(uint lamp, int side, ivec2 texel, float depth)
 {
     return depth + steepest * vxs_area_texel_metres(lamp, vxs_area_middle(texel, side), side, depth);
 }
 
-/* Of four texels, 2 by 2 of a finer level, the mean of those that are of the nearest surface, each as it is in the middle of all of them; as a word.
- * side, texel  of the coarser level;   finer  the first word of the finer one */
+/* Of four texels, 2 x 2 of a finer level, the mean of those on the nearest surface, each evaluated in the middle of all; as a word.
+ * side, texel  of the coarser level;   finer  the first word of the finer level */
 uint mean_of(uint lamp, int side, ivec2 texel, uint finer)
 {
     uint first = finer + uint(4 * texel.y * side + 2 * texel.x), below = first + 2u * uint(side);
@@ -34,7 +34,7 @@ uint mean_of(uint lamp, int side, ivec2 texel, uint finer)
     return vxs_area_word(lamp, mean);
 }
 
-/* The farthest depth of a texel of a level and of those on its four sides; VXS_NO_END: it is at the border of what casts shadows, which would grow. */
+/* The greatest depth of a texel of a level and its four neighbours; VXS_NO_END at the border of a caster, which must not grow. */
 float farthest_about(uint lamp, uint level, int side, ivec2 texel)
 {
     const ivec2 sides[5] = ivec2[5](ivec2(0), ivec2(1, 0), ivec2(-1, 0), ivec2(0, 1), ivec2(0, -1));
@@ -46,8 +46,9 @@ float farthest_about(uint lamp, uint level, int side, ivec2 texel)
     return farthest;
 }
 
-/* Fill gaps in the four texels of a finer level that are in a texel: nothing is seen there, or what is behind a surface that goes on about them.
- * number, level, finer  of the coarser level: how many it is above the map, its first word, and that of the finer one */
+/* Fill gaps in the four texels of a finer level that are in a texel: empty ones, and those behind a surface that continues
+ * around them.
+ * number, level, finer  of the coarser level: its number above the map, its first word, and that of the finer level */
 void fill(uint lamp, int side, ivec2 texel, uint number, uint level, uint finer)
 {
     uint word = vxs_area.words[level + uint(texel.y * side + texel.x)];

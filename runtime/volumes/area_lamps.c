@@ -4,7 +4,7 @@
 
 #include "area_sites.h"
 
-/* The normal, of length 1.   Returns square metres; 0: it has no area. */
+/* normal  [out] of length 1.   Returns the area in square metres; 0: it has none. */
 static double area_of(const vxs_area_rectangle *r, double normal[3])
 {
     double square = 0;

@@ -9,11 +9,12 @@ _Static_assert(sizeof(area_lamp) == 192, "a lamp is twelve texels");
 
 enum { LAMPS = VXS_VPLS_MAX, SIDE = 128, SIDE_MOST = 256, FILL_LEVELS = 5 };
 
-/* How wide a point is drawn, and a texel at most of the coarsest level from which gaps between points are filled; of what it stands for. */
+/* Relative to the width of what a point represents: the width of a drawn point, and the largest width of a texel of the coarsest
+ * level from which gaps between points are filled. */
 #define POINT_WIDE 1.5F
 #define GAP_WIDE   2.0F
 
-/* How far apart points are drawn where they are dense, in texels. */
+/* Distance between drawn points where they are dense, in texels. */
 #define POINTS_APART 0.5F
 
 static uint32_t words_of_map(uint32_t side)
@@ -28,7 +29,8 @@ uint32_t vxs_area_shadow_depth_maps(const vxs_area_light *light)
 
 static uint64_t bytes_of(const vxs_area_light *light)
 {
-    return sizeof light->lamps + 4 * ((uint64_t)vxs_area_shadow_depth_maps(light) + (uint64_t)light->most * words_of_map(light->side_px));
+    return sizeof light->lamps +
+           4 * ((uint64_t)vxs_area_shadow_depth_maps(light) + (uint64_t)light->most * words_of_map(light->side_px));
 }
 
 static int make_programs(vxs_area_light *light, int takes_maps)
@@ -103,7 +105,7 @@ unsigned vxs_area_light_irradiance(const vxs_area_light *light)
     return light->irradiance;
 }
 
-/* lamps --------------------------------------------------------------------------------------------------------------------------- */
+/* lamps ------------------------------------------------------------------------------------------------------------------------ */
 
 static float kind_of(const vxs_vpl *lamp)
 {
@@ -111,7 +113,7 @@ static float kind_of(const vxs_vpl *lamp)
     return lamp->is_far ? AREA_FAR : memcmp(lamp->normal, none, sizeof none) ? AREA_ONE_SIDE : AREA_ALL_SIDES;
 }
 
-/* Returns 0 where it is none. */
+/* Returns 0 if it is not a valid lamp. */
 static int lamp_of(const vxs_vpl *from, area_lamp *to)
 {
     float square = 0;
@@ -182,7 +184,7 @@ void vxs_area_light_put(vxs_area_light *light, int from_origin)
                                            from_origin ? light->placed : light->lamps);
 }
 
-/* imperfect shadow maps ----------------------------------------------------------------------------------------------------------- */
+/* imperfect shadow maps -------------------------------------------------------------------------------------------------------- */
 
 void vxs_area_light_count(const vxs_area_light *light, uint32_t a, uint32_t b, uint32_t c, uint32_t d)
 {

@@ -1,31 +1,32 @@
-/* Texels of imperfect shadow maps: each is a small plane, where the surface is known, so that what lies between the middles of texels, and in gaps beside them, is
- * as deep as the surface is there. Places of a map reach from -1 to 1 both ways. */
+/* Texels of imperfect shadow maps. If the surface is known, a texel is a small plane, so that the depth between the middles of
+ * texels, and in gaps beside them, is that of the surface. Coordinates of a map are from -1 to 1. */
 #ifdef VXS_USES_AREA
-const float vxs_area_steepest = 8.0;         /* slopes that a texel can have */
-const uint  vxs_area_none     = 0xffffffffu; /* the word of a texel in which there is nothing */
-const uint  vxs_area_reach    = 7u;          /* the bits of a word that say how wide gaps beside it may be */
+const float vxs_area_steepest = 8.0;         /* limit of the slopes of a texel */
+const uint  vxs_area_none     = 0xffffffffu; /* the word of an empty texel */
+const uint  vxs_area_reach    = 7u;          /* the bits of a word for the width of gaps beside it */
 
 struct vxs_area_surface {
-    float depth; /* where shadow begins, metres from the lamp; of a lamp that is far away, from the side of the sphere that its light comes from */
-    vec2  slope; /* how many metres deeper that is for each metre across, along x and y of the map */
-    uint  reach; /* from how many levels coarser gaps beside it may be filled */
-    bool  is_plane; /* else the depth alone is known, of something about as wide as a texel of the coarsest of these levels */
+    /* where shadow begins, metres from the lamp; for a distant lamp, from the side of the sphere that faces its light */
+    float depth;
+    vec2  slope; /* change of depth per metre across, along x and y of the map */
+    uint  reach; /* number of coarser levels from which gaps beside it may be filled */
+    bool  is_plane; /* false: only the depth is known; the object is about as wide as a texel of the coarsest of these levels */
 };
 
-/* The middle of a texel of a map with so many a side. */
+/* The middle of a texel in a map of the given side. */
 vec2 vxs_area_middle(ivec2 texel, int side)
 {
     return (vec2(texel) + 0.5) * (2.0 / float(side)) - 1.0;
 }
 
-/* How wide a texel is, in metres, where shadow begins so deep. */
+/* Width of a texel in metres, at the depth where shadow begins. */
 float vxs_area_texel_metres(uint lamp, vec2 at, int side, float depth)
 {
     if (vxs_area.lamps[lamp].normal.w == vxs_area_far) return 2.0 * vxs_area.lamps[lamp].place.w / float(side);
     return 4.0 * depth / (float(side) * (1.0 + dot(at, at)));
 }
 
-/* Where a depth is, in the lamp's frame. */
+/* The point at a depth, in the lamp's frame. */
 vec3 vxs_area_place_of(uint lamp, vec2 at, float depth)
 {
     float square = dot(at, at), radius = vxs_area.lamps[lamp].place.w;
@@ -33,9 +34,9 @@ vec3 vxs_area_place_of(uint lamp, vec2 at, float depth)
     return vec3(2.0 * at, 1.0 - square) * (depth / (1.0 + square));
 }
 
-/* A plane as it is seen at a place of the map: its depth, and its slope.
- * normal, way  of the plane, of any length; to a place on it; in the lamp's frame
- * Returns a depth of 0 and less where it is not seen. */
+/* A plane seen at a point of the map: its depth, and its slope.
+ * normal, way  normal of the plane, of any length; vector to a point of it; in the lamp's frame
+ * Returns a depth of 0 or less if it is not visible. */
 vxs_area_surface vxs_area_plane(uint lamp, vec3 normal, vec3 way, vec2 at)
 {
     vxs_area_surface found = vxs_area_surface(0.0, vec2(0.0), 0u, true);
@@ -53,8 +54,8 @@ vxs_area_surface vxs_area_plane(uint lamp, vec3 normal, vec3 way, vec2 at)
     return found;
 }
 
-/* The plane of a texel at another place. Of a plane (1 + x^2 + y^2) / depth is a x + b y + c (1 - x^2 - y^2): a, b and c are known by the depth and the slope.
- * Depths change by no more than the steepest slope does.
+/* The plane of a texel, at another point. For a plane, (1 + x^2 + y^2) / depth is a x + b y + c (1 - x^2 - y^2). Depth and slope
+ * give a, b and c. Depths change by at most the steepest slope.
  * at  the middle of the texel */
 vxs_area_surface vxs_area_beside(uint lamp, vxs_area_surface s, vec2 at, vec2 other)
 {
@@ -74,8 +75,8 @@ vxs_area_surface vxs_area_beside(uint lamp, vxs_area_surface s, vec2 at, vec2 ot
     return s;
 }
 
-/* A texel in a word, of which the nearer is the less: 15 bits of a float of the depth in radii of the lamp, which is 1 and more; of each slope its sign and 6 bits
- * of its square root, or -0 along x where no plane is known; 3 bits of the reach, 6 and less. */
+/* Pack a texel into a word; a nearer texel has a smaller word. 15 bits: a float of the depth in radii of the lamp, which is >=
+ * 1. For each slope, the sign and 6 bits of the square root; -0 along x if no plane is known. 3 bits: the reach, at most 6. */
 uint vxs_area_word(uint lamp, vxs_area_surface s)
 {
     float part = s.depth / vxs_area.lamps[lamp].place.w + (vxs_area.lamps[lamp].normal.w == vxs_area_far ? 1.0 : 0.0);
@@ -86,7 +87,7 @@ uint vxs_area_word(uint lamp, vxs_area_surface s)
     return min(depth, 0x7fffu) << 17 | slope.x << 10 | slope.y << 3 | s.reach;
 }
 
-/* And back.   depth  VXS_NO_END: there is nothing */
+/* The inverse of vxs_area_word.   depth  VXS_NO_END: empty */
 vxs_area_surface vxs_area_surface_of(uint lamp, uint word)
 {
     float part = uintBitsToFloat((word >> 17 << 13) + 0x3f800000u) - (vxs_area.lamps[lamp].normal.w == vxs_area_far ? 1.0 : 0.0);

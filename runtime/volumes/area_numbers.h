@@ -1,11 +1,12 @@
-/* Numbers that are spread evenly, and numbers at random, always the same. Not installed.
+/* Evenly distributed numbers, and reproducible pseudo-random numbers. Not installed.
  * SPDX-License-Identifier: MIT */
 #ifndef AREA_NUMBERS_H
 #define AREA_NUMBERS_H
 
 #include "vxs_area_grid.h"
 
-/* The digits of n in a base, mirrored at the point: [0, 1). Of n from 0 on they fill it evenly; of two bases without a common factor, a square [Halton 1960]. */
+/* Radical inverse of n: its digits in a base, mirrored at the point, [0, 1). For n = 0, 1, 2... they fill the interval evenly;
+ * two bases without a common factor fill a square [Halton 1960]. */
 static inline double vxs_area_radical_inverse(uint32_t n, uint32_t base)
 {
     double sum = 0, digit = 1;
@@ -13,7 +14,7 @@ static inline double vxs_area_radical_inverse(uint32_t n, uint32_t base)
     return sum;
 }
 
-/* Number n of a seed, [0, 1). */
+/* Pseudo-random number n of a seed, [0, 1). */
 static inline double vxs_area_random(uint32_t seed, uint32_t n)
 {
     return vxs_area_hash(vxs_area_hash(seed) + n) / 4294967296.0;

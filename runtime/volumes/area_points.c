@@ -22,7 +22,7 @@ static double area_of_corners(const float *positions, const uint32_t *corner)
     return area_of(positions + 3 * (size_t)corner[0], positions + 3 * (size_t)corner[1], positions + 3 * (size_t)corner[2]);
 }
 
-/* The corner that the longest side begins at: cut in its middle, parts of a triangle do not get thin. */
+/* The corner where the longest side begins. Halving this side avoids thin triangles. */
 static int longest_side(const float *positions, const uint32_t *corner)
 {
     double most = -1;
@@ -38,9 +38,10 @@ static int longest_side(const float *positions, const uint32_t *corner)
     return side;
 }
 
-enum { BEGIN, END, BESIDE, CORNERS }; /* of a part of a triangle */
+enum { BEGIN, END, BESIDE, CORNERS }; /* corners of a part of a triangle */
 
-/* A part of a triangle, where its corners are between the first corner, the second and the third: Sierpinski's curve runs from its begin to its end. */
+/* A part of a triangle; its corners are coordinates along the first two sides of the triangle. Sierpinski's curve runs from its
+ * BEGIN to its END. */
 typedef struct part {
     double at[CORNERS][2];
     double area;
@@ -48,11 +49,11 @@ typedef struct part {
 
 static const double whole[CORNERS][2] = {{0, 0}, {1, 0}, {0, 1}};
 
-/* Where a point is in its part of the curve: about the middle of that part's triangle. In the middle of the curve it would be at a corner, where as many as four
- * parts meet, and of a square with a power of two of points four would be in one place. */
+/* Position of a point in its part of the curve: about the middle of that part's triangle. The middle of the curve would be a
+ * corner, where up to four parts meet: four points of a square with a power of two of points would coincide. */
 static const double in_its_part = 1.0 / 3;
 
-/* Make a part one of its halves. */
+/* Replace a part by one of its halves. */
 static void halve(part *p, int is_behind)
 {
     double middle[2] = {0.5 * (p->at[BEGIN][0] + p->at[END][0]), 0.5 * (p->at[BEGIN][1] + p->at[END][1])};
@@ -69,11 +70,12 @@ static void place_of(const float *const v[CORNERS], const double at[2], double p
     }
 }
 
-/* The place t, [0, 1), of Sierpinski's curve through a part of a triangle: equal parts of it are in equal parts of the area, each in one piece. So places that
- * are evenly spaced along it are so on the triangle, and any few that follow each other are neighbours. */
+/* The point at t, [0, 1), on Sierpinski's curve through a part of a triangle. Equal parts of the curve are connected and have
+ * equal area. So evenly spaced points on the curve are evenly distributed on the triangle, and consecutive points are
+ * neighbours. */
 static vxs_area_point point_on(const float *const v[CORNERS], part p, double t, double area)
 {
-    enum { HALVINGS = 26 }; /* as a float has it */
+    enum { HALVINGS = 26 }; /* halvings that a float can resolve */
     vxs_area_point point = {.square_metres = (float)area};
     double         place[3];
     for (int n = 0; n < HALVINGS; n++) {
@@ -86,26 +88,27 @@ static vxs_area_point point_on(const float *const v[CORNERS], part p, double t, 
     return point;
 }
 
-/* scattering by what lamps see ---------------------------------------------------------------------------------------------------- */
+/* scattering by what lamps see ------------------------------------------------------------------------------------------------- */
 
-/* Of all points so many lie by area alone. */
+/* The share of all points that is distributed by area alone. */
 static const double by_area = 0.25;
 
 typedef struct scattering {
-    const vxs_vpl *lamps;
-    uint32_t             lamp_count, count, next; /* points, and which comes next */
-    vxs_area_point      *points;
-    double               area, seen, before; /* of all triangles: area, and what lamps see of it; how much of both is behind */
+    const vxs_vpl  *lamps;
+    uint32_t        lamp_count, count, next; /* number of points, and the next one */
+    vxs_area_point *points;
+    /* over all triangles: area, and light that they receive; the sum of both shares so far */
+    double          area, seen, before;
 } scattering;
 
-/* What lamps send to a square metre that faces them.   nearest  [out] metres to one of them, its radius at least */
+/* Irradiance of a face turned toward the lamps.   nearest  [out] metres to the nearest lamp, at least its radius */
 static double seen_at(const scattering *s, const double place[3], double *nearest)
 {
     double sum = 0;
     *nearest   = INFINITY;
     for (uint32_t n = 0; n < s->lamp_count; n++) {
         const vxs_vpl *lamp = &s->lamps[n];
-        double               way[3], square = 0, along = 0, radius = (double)lamp->radius_metres;
+        double         way[3], square = 0, along = 0, radius = (double)lamp->radius_metres;
         for (int i = 0; i < 3; i++) {
             way[i] = place[i] - (double)lamp->place[i];
             square += way[i] * way[i];
@@ -120,7 +123,8 @@ static double seen_at(const scattering *s, const double place[3], double *neares
     return sum;
 }
 
-/* Points of a part, where as many of them are as wide as what lamps see of it; without room for them what they see is summed. */
+/* Scatter the points of a part. It is halved until its longest side is at most half of the distance to the nearest lamp, so that
+ * the light hardly varies on it. Without an array of points, only the light is summed. */
 static void scatter_part(scattering *s, const float *const v[CORNERS], const part *p, int halvings)
 {
     double places[CORNERS][3], middle[3], nearest, longest = 0;
@@ -149,7 +153,7 @@ static void scatter_part(scattering *s, const float *const v[CORNERS], const par
     s->before += here;
 }
 
-/* A whole triangle.   v  [out] its corners, the longest side between the first two */
+/* A whole triangle.   v  [out] its corners; the longest side is between the first two */
 static part part_of(const float *positions, const uint32_t *corner, const float *v[CORNERS])
 {
     part p     = {.area = area_of_corners(positions, corner)};

@@ -1,18 +1,18 @@
-/* Which light of a picture has what of it; see area_sites.h.
+/* Shares of a texture's light for each sample; see area_sites.h.
  * SPDX-License-Identifier: MIT */
 #include <math.h>
 
 #include "area_sites.h"
 
-enum { PIECES = 64 }; /* across and down: each has one lamp */
+enum { PIECES = 64 }; /* across and down; each belongs to one lamp */
 
-/* How much of [begin, end] lies in [from, to]. */
+/* Length of the part of [begin, end] in [from, to]. */
 static double overlap(double begin, double end, double from, double to)
 {
     return fmax(fmin(end, to) - fmax(begin, from), 0);
 }
 
-/* Add a piece's light, times its part of the picture. */
+/* Add the light of a piece, times its share of the picture. */
 static void add_piece(const area_picture *p, uint32_t across, uint32_t down, double sum[3])
 {
     double top = down / (double)PIECES, bottom = (down + 1) / (double)PIECES, wide = p->wide_px / (double)PIECES,

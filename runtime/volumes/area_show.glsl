@@ -1,16 +1,17 @@
-/* What was gathered, for each pixel: as it is; of nine pixels that have a ninth of the lamps each; or between four that were gathered, by how near and how
- * far away they are. counts: which (vxs_area_gather); the layer; 1 to add it. map: how many were gathered across and up. */
+/* Writes gathered light to each pixel: unchanged; or averaged over nine pixels that have a ninth of the lamps each; or
+ * interpolated between four gathered pixels, by position and depth. counts: the vxs_area_gather; the layer; 1 to add it. map:
+ * number of gathered pixels across and up. */
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(rgba32f, binding = VXS_AT_IMAGE) uniform restrict image2D shown;
 
-/* More for what is as far away. */
+/* Weight, larger for similar depths. */
 float likeness(float metres, float other)
 {
     float off = (other - metres) / (0.05 * max(min(metres, other), 1e-6));
     return 1.0 / (1e-3 + off * off);
 }
 
-/* Pixels [first, first + count), each weighed by its likeness, and by how near it is to a place between them where there are two by two. */
+/* Weighted mean of pixels [first, first + count). Weights are the likeness and, for 2 x 2 pixels, bilinear weights. */
 vec3 mean_of(ivec2 first, int count, vec2 part, float metres)
 {
     vec4 sum = vec4(0.0);

@@ -1,4 +1,4 @@
-/* Places on pictures that shine; see area_sites.h.
+/* Sample positions on emitting pictures; see area_sites.h.
  * SPDX-License-Identifier: MIT */
 #include "area_sites.h"
 
@@ -35,13 +35,13 @@ const float *vxs_area_texel_of(const area_picture *p, uint32_t x, uint32_t y)
 
 void vxs_area_place_of(const area_picture *p, double u, double v, double place[3])
 {
-    double across = 2 * sqrt(fmax(v * (1 - v), 0)); /* v may be rounded to beyond 1 */
+    double across = 2 * sqrt(fmax(v * (1 - v), 0)); /* v may be rounded to above 1 */
     place[0]      = p->is_sky ? across * cos(2 * half_turn * u) : u * p->aspect;
     place[1]      = p->is_sky ? 1 - 2 * v : v;
     place[2]      = p->is_sky ? across * sin(2 * half_turn * u) : 0;
 }
 
-/* Of linear colours with the primaries of Rec. 709. */
+/* Luminance of linear colours with the primaries of Rec. 709. */
 static double luminance_of(const area_picture *p, const float *texel)
 {
     return 0.2126 * (double)texel[0] * (double)p->radiance[0] + 0.7152 * (double)texel[1] * (double)p->radiance[1] +
@@ -55,7 +55,7 @@ static double luminance_of_row(const area_picture *p, uint32_t y)
     return sum;
 }
 
-/* How much a texel of a row is of the picture. */
+/* Share of the picture of one texel of a row. */
 static double part_of_texel(const area_picture *p, uint32_t y)
 {
     return (vxs_area_before_row(p, y + 1) - vxs_area_before_row(p, y)) / p->wide_px;
@@ -82,7 +82,7 @@ static void halton(uint32_t seed, area_site *sites, uint32_t count)
     }
 }
 
-/* Hammersley's points, which are more even than Halton's where it is known how many there are. */
+/* Hammersley points; if the number of points is known, they are more even than Halton points. */
 static void hammersley(uint32_t seed, area_site *sites, uint32_t count)
 {
     double shift[2] = {seed ? vxs_area_random(seed, 0) : 0, seed ? vxs_area_random(seed, 1) : 0};
@@ -92,7 +92,7 @@ static void hammersley(uint32_t seed, area_site *sites, uint32_t count)
     }
 }
 
-/* Of so many cells, those in a row of the picture: they are as square as they can be. */
+/* Number of cells in a row, for `count` cells that are as square as possible. */
 static uint32_t cells_across(const area_picture *p, uint32_t count)
 {
     double   least  = INFINITY;
@@ -106,7 +106,7 @@ static uint32_t cells_across(const area_picture *p, uint32_t count)
     return across;
 }
 
-/* The middles of cells; or, where they are jittered, random places in them. */
+/* The middles of cells, or random positions in them. */
 static void in_cells(const area_picture *p, int is_jittered, uint32_t seed, area_site *sites, uint32_t count)
 {
     uint32_t across = cells_across(p, count);
@@ -117,7 +117,8 @@ static void in_cells(const area_picture *p, int is_jittered, uint32_t seed, area
     }
 }
 
-/* A site whose v says how much of the luminance is before it: in a row that has the rest of that before its own end. */
+/* Warp a site into row y. Its u, as a share of the row's luminance, chooses the texel; in_row, [0, 1], is the position between
+ * the row's edges. */
 static void move_in_row(const area_picture *p, uint32_t y, double row, double in_row, double mean, area_site *s)
 {
     double   left = s->u * row, here = 0;
@@ -128,7 +129,7 @@ static void move_in_row(const area_picture *p, uint32_t y, double row, double in
         if (left < here) break;
         left -= here;
     }
-    if (x == p->wide_px) { /* what is left is rounding */
+    if (x == p->wide_px) { /* rounding left a rest */
         here = luminance_of(p, vxs_area_texel_of(p, bright, y));
         left = 0.5 * here;
         x    = bright;
@@ -138,10 +139,10 @@ static void move_in_row(const area_picture *p, uint32_t y, double row, double in
     for (int n = 0; n < 3; n++) s->light[n] = mean / here * (double)vxs_area_texel_of(p, x, y)[n];
 }
 
-/* Move points to where the texture is bright: by its rows, and by the texels of a row. */
+/* Warp points to where the texture is bright: by rows, and by the texels of a row. */
 static void by_importance(const area_picture *p, double all, area_site *sites, uint32_t count)
 {
-    double before                   = 0;
+    double before                 = 0;
     int    is_moved[VXS_VPLS_MAX] = {0};
     for (uint32_t y = 0; y < p->high_px; y++) {
         double row = luminance_of_row(p, y), part = row * part_of_texel(p, y);

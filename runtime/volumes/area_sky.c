@@ -1,4 +1,4 @@
-/* Virtual lights of a sky; see vxs_area_light.h.
+/* Virtual point lights of a sky; see vxs_area_light.h.
  * SPDX-License-Identifier: MIT */
 #include <math.h>
 

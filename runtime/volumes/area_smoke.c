@@ -1,4 +1,4 @@
-/* What smoke leaves of the light of an area light's lamps: a layer of curves for each; see vxs_area_light.h.
+/* Smoke that dims the lamps of an area light: a layer of curves for each lamp; see vxs_area_light.h.
  * SPDX-License-Identifier: MIT */
 #include <stdio.h>
 

@@ -1,13 +1,17 @@
-/* Points of what casts shadows, into imperfect shadow maps. A workgroup has 64 points that follow each other, and draws as many of them into a lamp's map as that
- * can show. counts: lamps, points, 1 to draw each point, the first word of all maps; knobs: the side of a map; of what a point stands for, how wide it is
- * drawn, and how wide texels are from which gaps may be filled; how far apart points are drawn, in texels. */
+/* Draws points of shadow casters into imperfect shadow maps. A workgroup has 64 consecutive points, and draws as many of them
+ * into a lamp's map as that can resolve.
+ * counts: lamps, points, 1 to draw each point, the first word of all maps
+ * knobs: the side of a map; relative to the width of what a point represents: the width of the drawn point, and the width of
+ * texels from which gaps may be filled; the distance between drawn points, in texels. */
 layout(local_size_x = 64) in;
 layout(std430, binding = VXS_AT_GRID + 1) readonly buffer vxs_area_points { vec4 points[]; };
 
 const uint group_size = 64u;
 
-/* Normal of the plane through points [first, first + count), by least squares; 0: they are in a row, or far apart, or on no plane.
- * point  one of them;   off  how far they may be from the plane, RMS, in the width of what the point stands for */
+/* Normal of the plane through points [first, first + count), by least squares; 0 if they are in a line, far apart, or not in a
+ * plane.
+ * point  one of them
+ * off    largest RMS distance from the plane, in widths of what the point represents */
 vec3 plane_of(uint first, uint count, vec4 point, float off)
 {
     vec3 sum = vec3(0.0), squares = vec3(0.0), products = vec3(0.0);
@@ -18,20 +22,21 @@ vec3 plane_of(uint first, uint count, vec4 point, float off)
         products += from.yzx * from.zxy;
     }
     vec3 mean = sum / float(count), along = squares / float(count) - mean * mean, both = products / float(count) - mean.yzx * mean.zxy;
-    /* of their covariance the adjugate, whose columns are along the normal: the longest of them */
+    /* the columns of the adjugate of their covariance are along the normal: take the longest */
     vec3  minors = along.yzx * along.zxy - both * both, rest = both.yzx * both.zxy - both * along, normal = vec3(minors.x, rest.z, rest.y);
     float size = dot(along, vec3(1.0)), flat_size = dot(minors, vec3(1.0));
     if (minors.y > minors.x) normal = vec3(rest.z, minors.y, rest.x);
     if (minors.z > max(minors.x, minors.y)) normal = vec3(rest.y, rest.x, minors.z);
-    /* along a row of triangles points may be on a plane that is not their surface's */
+    /* along a row of triangles, points may be in a plane that is not that of their surface */
     if (!(flat_size > 0.05 * size * size && size < 0.5 * float(count) * point.w && dot(normal, normal) > 0.0)) return vec3(0.0);
     normal *= inversesqrt(dot(normal, normal));
     float square = dot(normal * normal, along) + 2.0 * dot(normal.yzx * normal.zxy, both);
     return square <= off * off * point.w ? normal : vec3(0.0);
 }
 
-/* The normal of the surface that a point is on, by points about it; near an edge of what is flat, by points behind it or before it. 0: these are on no plane.
- * first, count  points that follow each other, this one among them */
+/* The normal of the surface of a point, from neighbouring points; near an edge of a flat part, from points behind it or before
+ * it. 0 if they are not in a plane.
+ * first, count  consecutive points that contain this one */
 vec3 normal_of(uint n, uint first, uint count)
 {
     const uint some = 9u;
@@ -42,9 +47,9 @@ vec3 normal_of(uint n, uint first, uint count)
     return normal;
 }
 
-/* Where a point is in a lamp's map, and how deep there: of a lamp that is far away, in metres from one side of the sphere about all that casts.
- * wide  [out] metres of a texel there
- * Returns 0 and less where the map has no such point. */
+/* Position of a point in a lamp's map, and its depth; for a distant lamp, metres from one side of the sphere around all casters.
+ * wide  [out] width of a texel there, in metres
+ * Returns 0 or less if the point is not in the map. */
 float depth_of(uint lamp, vec3 way, int side, out vec2 at, out float wide)
 {
     float radius = vxs_area.lamps[lamp].place.w, metres = length(way);
@@ -56,7 +61,7 @@ float depth_of(uint lamp, vec3 way, int side, out vec2 at, out float wide)
     return metres;
 }
 
-/* How wide a disc is along x and y of the map, for one that is 1 wide across the light.   normal  of the disc, in the lamp's frame */
+/* Width of a disc along x and y of the map, relative to a disc that faces the light.   normal  of the disc, in the lamp's frame */
 vec2 foreshortened(uint lamp, vec3 normal, vec2 at)
 {
     float square = dot(at, at);
@@ -69,12 +74,15 @@ vec2 foreshortened(uint lamp, vec3 normal, vec2 at)
     return sqrt(max(1.0 - along * along, vec2(0.0)));
 }
 
-/* The texels whose middles are in what a point stands for: in a disc of its surface, as deep as that is there; where no surface is known, in a square across the
- * light. Something narrower than texels are apart is in as many of them as its part of the map.
- * normal  of the surface; 0: it is not known;   stands_for  how many points */
+/* Draw the texels whose middles are in the area of a point: in a disc on its surface, with the depth of that surface; or, if the
+ * surface is not known, in a square that faces the light. An area narrower than the distance of texels covers as many of them as
+ * its share of the map.
+ * normal      of the surface; 0: not known
+ * stands_for  number of points that this point represents */
 void splat(uint lamp, vec4 point, vec3 normal, float stands_for)
 {
-    const float most = 32.0, radius_of_1 = 0.564; /* texels across; of a disc as large as a square of 1 */
+    /* largest width in texels; radius of a disc with the area of a square of side 1 */
+    const float most = 32.0, radius_of_1 = 0.564;
     int   side = int(vxs_frame.knobs.x);
     bool  is_flat = normal != vec3(0.0);
     vec3  way = vxs_area_way(lamp, point.xyz - vxs_area.lamps[lamp].place.xyz), turned = vxs_area_way(lamp, normal);
@@ -83,10 +91,11 @@ void splat(uint lamp, vec4 point, vec3 normal, float stands_for)
     if (!(depth > 0.0)) return;
     float wide = sqrt(point.w * stands_for) / texel, across = min(vxs_frame.knobs.y * wide, most);
     uint  reach = uint(log2(clamp(vxs_frame.knobs.z * wide, 2.0, most)));
-    if (!is_flat) across = max(across - 0.5 * float(1u << reach), min(across, 1.0)); /* so that it reaches no farther from its surface than it must */
+    /* so that it extends no farther from its surface than needed */
+    if (!is_flat) across = max(across - 0.5 * float(1u << reach), min(across, 1.0));
     float radius = radius_of_1 * across * texel;
     vec2  half_wide = vec2(0.5 * across);
-    if (is_flat) /* what is nearer of it looks wider */
+    if (is_flat) /* the nearer part of it appears wider */
         half_wide = min((1.0 + min(radius / depth, 1.0)) * radius / texel * foreshortened(lamp, turned, at * (2.0 / float(side)) - 1.0), vec2(0.5 * most));
     ivec2 first = max(ivec2(ceil(at - half_wide - 0.5)), ivec2(0)), last = min(ivec2(floor(at + half_wide - 0.5)), ivec2(side - 1));
     for (int y = first.y; y <= last.y; y++)
@@ -103,9 +112,11 @@ void splat(uint lamp, vec4 point, vec3 normal, float stands_for)
         }
 }
 
-/* How many points of a group a lamp's map can show, as far apart as the frame says, by what of them is nearest to the lamp: group_size at most.
- * ball  about the points, and its radius;   square_metres  the most that one stands for
- * Returns 0 where all of them are behind the lamp. */
+/* Number of points of a group that a lamp's map can resolve, at the distance that the frame gives, for the point nearest to the
+ * lamp; at most group_size.
+ * ball           around the points, and its radius
+ * square_metres  the largest area that a point represents
+ * Returns 0 if all of them are behind the lamp. */
 float count_of(uint lamp, vec4 ball, float square_metres)
 {
     float side = vxs_frame.knobs.x, radius = vxs_area.lamps[lamp].place.w, texel = 2.0 * radius / side, cosine = 1.0;
@@ -113,14 +124,15 @@ float count_of(uint lamp, vec4 ball, float square_metres)
         vec3  way = ball.xyz - vxs_area.lamps[lamp].place.xyz;
         float metres = length(way), before = dot(way, vxs_area.lamps[lamp].normal.xyz) + ball.w;
         if (!(before > 0.0)) return 0.0;
-        cosine = clamp(before / max(metres, 1e-20), 0.1, 1.0); /* to where a lamp shines less, fewer */
+        cosine = clamp(before / max(metres, 1e-20), 0.1, 1.0); /* fewer in directions where the lamp emits less */
         texel  = 4.0 / side * max(metres - ball.w, radius);
     }
     texel *= vxs_frame.knobs.w;
     return min(float(group_size) * cosine * square_metres / (texel * texel), float(group_size));
 }
 
-/* A ball about most of a group's points: of eight each the last one, and as wide again as these are apart.   square_metres  [out] the most that one stands for */
+/* A ball around most of a group's points: around every eighth point, enlarged by about the distance between these.
+ * square_metres  [out] the largest area that a point represents */
 vec4 ball_about(uint first, uint count, out float square_metres)
 {
     vec3 low = points[first].xyz, high = low;
@@ -150,10 +162,10 @@ void main()
             shown = count_of(lamp, ball, square_metres);
             drawn = uint(ceil(shown));
             if (shown > 1.0) shown = float(drawn);
-            if (shown <= float(turn >> 8) / 16777216.0) drawn = 0u; /* of a group that is less than a point to the map, at random */
+            if (shown <= float(turn >> 8) / 16777216.0) drawn = 0u; /* if the map needs less than a point of the group: at random */
         }
         for (uint rank = gl_LocalInvocationID.x / at_once; rank < drawn; rank += group_size / at_once) {
-            uint n = first + ((bitfieldReverse(rank) >> 26) + turn) % group_size; /* evenly spread */
+            uint n = first + ((bitfieldReverse(rank) >> 26) + turn) % group_size; /* evenly distributed */
             if (n < first + here) splat(lamp, points[n], normal_of(n, first, here), float(group_size) / shown);
         }
     }

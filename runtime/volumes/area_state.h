@@ -10,22 +10,23 @@
 
 enum { AREA_BITS = 128 };
 
-/* As area.glsl has it (std430). */
+/* As in area.glsl (std430). */
 typedef struct area_lamp {
     grid_head grid;
     float     place[3], radius_metres;
     float     normal[3], kind;  /* AREA_ALL_SIDES and so on */
-    float     colour[3], baked; /* number of the light whose baked smoke dims it, and 1; 0: none does */
+    float     colour[3], baked; /* 1 + index of the light whose baked smoke dims it; 0: none */
     float     across[4];
 } area_lamp;
 
-/* What programs need beside the texts that all have: lines of #define. What only reads lamps, and what gathers, without exact maps and with them. */
+/* Texts that programs need in addition to the common ones: lines of #define. For programs that only read lamps, and for those
+ * that gather, without and with exact maps. */
 #define AREA_USES       "#define VXS_USES_GRID\n#define VXS_USES_AREA\n"
 #define AREA_READS      AREA_USES "#define VXS_GRID_ACCESS readonly\n"
 #define AREA_GATHERS    AREA_READS "#define VXS_AREA_GATHERS\n"
 #define AREA_TAKES_MAPS AREA_GATHERS "#define VXS_AREA_TAKES_MAPS\n"
 
-/* How a lamp shines. */
+/* How a lamp emits. */
 enum { AREA_ALL_SIDES, AREA_ONE_SIDE, AREA_FAR };
 
 typedef enum area_program {
@@ -34,15 +35,15 @@ typedef enum area_program {
     AREA_GRIDS,
     AREA_GATHER,
     AREA_SHOW,
-    AREA_EXACT, /* 0 where no light maps are taken */
+    AREA_EXACT, /* 0 if no light maps are used */
     AREA_CLEAR_PROGRAMS,
-    AREA_CURVES = AREA_CLEAR_PROGRAMS, /* this and the next: 0 where no smoke is taken */
+    AREA_CURVES = AREA_CLEAR_PROGRAMS, /* this and the next: 0 without smoke */
     AREA_GATHER_SMOKE,
     AREA_EXACT_SMOKE,
     AREA_PROGRAMS
 } area_program;
 
-/* Curves of smoke: there are none, they are those of the lamps, or of where these were before. */
+/* State of the smoke curves: none, valid for the lamps, or of earlier lamp positions. */
 typedef enum area_smoke { AREA_CLEAR, AREA_DIMMED, AREA_DIMMED_BEFORE } area_smoke;
 
 struct vxs_area_light {
@@ -50,38 +51,38 @@ struct vxs_area_light {
     vxs_grid_size    size; /* of each grid */
     uint32_t         most, side_px, count;
     int              is_cast;
-    gl_name          buffer;               /* VXS_VPLS_MAX lamps, words of `most` grids, of as many maps */
-    gl_name          gathered, irradiance; /* textures; gathered: two layers, air and surfaces */
+    gl_name          buffer;               /* VXS_VPLS_MAX lamps, words of `most` grids, words of as many maps */
+    gl_name          gathered, irradiance; /* textures; gathered has two layers: air and surfaces */
     gl_name          programs[AREA_PROGRAMS];
     or_scan          scan;
-    vxs_shadow_grid *exact; /* NULL: no light maps are taken */
+    vxs_shadow_grid *exact; /* NULL: no light maps are used */
     area_smoke       smoke;
     float            anchor[3];
-    area_lamp        lamps[VXS_VPLS_MAX];  /* places count from the anchor */
-    area_lamp        placed[VXS_VPLS_MAX]; /* from the origin, as they were uploaded last so */
+    area_lamp        lamps[VXS_VPLS_MAX];  /* positions from the anchor */
+    area_lamp        placed[VXS_VPLS_MAX]; /* positions from the origin, as last uploaded in this way */
 
-    vxs_transmittance_map curves; /* of smoke, a layer for each lamp; all 0: none is taken */
+    vxs_transmittance_map curves; /* smoke, a layer for each lamp; all 0: no smoke */
 };
 
 /* The first word of all maps. */
 uint32_t vxs_area_shadow_depth_maps(const vxs_area_light *light);
 
-/* Upload the lamps, their places counted from the anchor, or from the origin. */
+/* Upload the lamps, with positions from the anchor or from the origin. */
 void vxs_area_light_put(vxs_area_light *light, int from_origin);
 
-/* 1: each lamp shines to one side, so that a map of it has all that it shines to; of one lamp and more. */
+/* 1: there are lamps, and each emits to one side only, so that a map covers all of its directions. */
 int vxs_area_light_has_sides(const vxs_area_light *light);
 
-/* Make what smoke needs.   VXS_OK; VXS_E_ARGUMENT; VXS_E_GL; VXS_E_MEMORY */
+/* Allocate what smoke needs.   Returns VXS_OK; VXS_E_ARGUMENT; VXS_E_GL; VXS_E_MEMORY */
 vxs_result vxs_area_light_take_smoke(vxs_area_light *light, const vxs_area_light_desc *desc);
 
-/* Bind the lamps' curves, and the lamps behind them. */
+/* Bind the lamps' curves, and after them the lamps. */
 void vxs_area_light_use_curves(const vxs_area_light *light);
 
-/* Set what a program counts; see there. */
+/* Set `counts` for a program; each program defines their meaning. */
 void vxs_area_light_count(const vxs_area_light *light, uint32_t a, uint32_t b, uint32_t c, uint32_t d);
 
-/* Show a layer of what was gathered: added to `image`, or in its place. */
+/* Show a layer of the gathered light: added to `image`, or replacing it. */
 void vxs_area_light_show(const vxs_area_light *light, vxs_area_gather gather, uint32_t layer, gl_name image, int is_added);
 
 #endif

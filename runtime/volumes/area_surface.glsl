@@ -1,10 +1,11 @@
-/* Light of a lamp on the surface that a pixel shows: what it sends there, and how much of that its shadow map lets through. A place is held against the map in the
- * middles of four texels: what the map has there is before the surface if it is nearer to the lamp than the surface's plane is there, and than the place
- * itself is. So a plane never shades itself, however it lies, and light does not leak under what stands on it. */
+/* Light of a lamp on the visible surface of a pixel: irradiance, times the lit share by its shadow map. The point is compared
+ * with the map at the middles of four texels. A texel shadows the surface if its depth there is nearer to the lamp than the
+ * surface's plane, and nearer than the point itself. So a plane never shadows itself, in any orientation, and light does not
+ * leak under objects that stand on it. */
 #ifdef VXS_AREA_GATHERS
 layout(binding = VXS_AT_OTHER) uniform highp sampler2D vxs_normals;
 
-/* How much nearer it has to be: parts of the depth, and of a texel's width. Depths of maps are rounded to 2^-11 of them. */
+/* Bias: share of the depth, and of a texel's width. Depths of maps are rounded to 2^-11 of their value. */
 const float vxs_area_slack = 0.005, vxs_area_texel_slack = 0.1;
 
 #ifdef VXS_GRID_DIMS
@@ -38,7 +39,7 @@ vxs_area_pixel vxs_area_pixel_of(ivec2 pixel)
     return p;
 }
 
-/* Of light from far away, which fog dims below its level top alone, as vxs_air_path_of has it. */
+/* Irradiance of distant light; only fog below a level top dims it, as in vxs_air_path_of. */
 vec3 vxs_area_far_irradiance(vxs_area_pixel p, vec3 to_light)
 {
     float top = vxs_frame.sizes.w, below = max(top - p.eye.y - p.metres * p.direction.y, 0.0), cosine = max(dot(p.normal, to_light), 0.0);
@@ -46,7 +47,7 @@ vec3 vxs_area_far_irradiance(vxs_area_pixel p, vec3 to_light)
     return to_light.y > 0.0 ? exp(-p.medium.extinction * (below / to_light.y)) * cosine : vec3(0.0);
 }
 
-/* Of what shines from the lamp to a surface, how much reaches it, nothing between them. */
+/* Irradiance of a surface by a lamp, without shadow. */
 vec3 vxs_area_irradiance(vxs_area_pixel p, uint n)
 {
     if (vxs_area.lamps[n].normal.w == vxs_area_far) return vxs_area_far_irradiance(p, -vxs_area.lamps[n].normal.xyz);
@@ -57,7 +58,7 @@ vec3 vxs_area_irradiance(vxs_area_pixel p, uint n)
     return exp(-p.medium.extinction * metres) * (cosine / max(square, radius * radius));
 }
 
-/* How much of it does, by the lamp's imperfect shadow map. */
+/* The lit share, by the lamp's imperfect shadow map. */
 float vxs_area_lit(vxs_area_pixel p, uint n)
 {
     int   side = int(vxs_frame.map.z);
@@ -83,7 +84,8 @@ float vxs_area_lit(vxs_area_pixel p, uint n)
     return lit;
 }
 
-/* The same by its light map, which is the frame's; texels of that have what is nearest in all of them, rounded toward the lamp to a voxel. */
+/* The same by its light map, which is that of the frame; its texels have the nearest depth of all casters in them, rounded
+ * toward the lamp to a voxel. */
 float vxs_area_lit_exactly(vxs_area_pixel p, uint n)
 {
     vec3  ls, from_ls, turned, normal;

@@ -1,6 +1,7 @@
-/* Where rays meet capsules. */
+/* Intersections of rays and capsules. */
 
-/* Join the part of a ray in a ball about the origin.   from  where the ray begins;   part  [in, out] begin, end */
+/* Extend a part of a ray by its intersection with a ball around the origin.   from  origin of the ray;   part  [in, out] begin,
+ * end */
 void vxs_join_ball(vec3 from, vec3 way, float radius, inout vec2 part)
 {
     float near = -dot(from, way);
@@ -9,7 +10,7 @@ void vxs_join_ball(vec3 from, vec3 way, float radius, inout vec2 part)
     if (inside > 0.0) part = vec2(min(part.x, near - sqrt(inside)), max(part.y, near + sqrt(inside)));
 }
 
-/* The same of a cylinder from the origin to `axis`. */
+/* The same for a cylinder from the origin to `axis`. */
 void vxs_join_cylinder(vec3 from, vec3 way, vec3 axis, float radius, inout vec2 part)
 {
     float size = length(axis);
@@ -30,10 +31,10 @@ void vxs_join_cylinder(vec3 from, vec3 way, vec3 axis, float radius, inout vec2 
     if (within.y > within.x) part = vec2(min(part.x, within.x), max(part.y, within.y));
 }
 
-/* The part of a ray in a capsule: its end less its begin is no difference of what is far.
- * to, axis  where it begins, from where the ray does; and from there to where it ends
- * way       of length 1;   near  [out] metres to the place of the ray that the part counts from
- * Returns begin and end; the end is less where they do not meet */
+/* The part of a ray in a capsule. end - begin does not subtract distances to far points.
+ * to, axis  from the origin of the ray to the capsule's begin; from there to its end
+ * way       of length 1;   near  [out] metres to the point of the ray from which the part is measured
+ * Returns begin and end; end < begin if they do not meet */
 vec2 vxs_capsule_part(vec3 to, vec3 axis, float radius, vec3 way, out float near)
 {
     vec2 part = vec2(1e30, -1e30);

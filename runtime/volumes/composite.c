@@ -1,4 +1,4 @@
-/* The frame's fog over a picture; see vxs_volumes.h.
+/* Blends the frame's fog over a picture; see vxs_volumes.h.
  * SPDX-License-Identifier: MIT */
 #include "volumes_state.h"
 

@@ -1,5 +1,4 @@
-/* The frame's fog over what was drawn: airlight, what it turns of light from all sides, and how much of each channel it leaves of what is
- * behind it. */
+/* Blends the frame's fog over what was drawn: airlight, scattered ambient light, and the transmittance of each channel. */
 layout(location = 0, index = 0) out vec4 airlight;
 layout(location = 0, index = 1) out vec4 left;
 

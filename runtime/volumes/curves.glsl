@@ -1,13 +1,15 @@
-/* Words of a map of transmittance curves: what transmittance_map.c lays out. counts: capsules, segments that lists have room for, flags, texels a side;
- * map: texels a side of the light map of what is opaque, layers. Behind the curves, where there are lists:
+/* Words of a map of transmittance curves, in the layout of transmittance_map.c.
+ * counts: capsules, capacity of the lists in segments, flags, texels per side
+ * map: texels per side of the light map of opaque casters, layers
+ * If there are lists, these are stored after the curves:
  *
- *     a record for each texel   the first segment of its list; of what lists had no room for, the least entry, the greatest exit, and what it lets through
- *     a segment                 entry, exit, what it lets through, the next
- */
+ *     a record for each texel   the first segment of its list; of segments for which lists had no room, the least entry, the
+ *                               greatest exit, and the product of transmittances
+ *     a segment                 entry, exit, transmittance, the next segment */
 #define VXS_CURVE_SORTED 1u
 #define VXS_CURVE_OPAQUE 2u
 #define VXS_NO_SEGMENT   0xffffffffu
-#ifndef VXS_CURVE_SHAPE /* texels a side, layers, nodes, segments that lists have room for; an engine's shaders have them elsewhere */
+#ifndef VXS_CURVE_SHAPE /* texels per side, layers, nodes, capacity of the lists; shaders of the caller define it differently */
 #ifdef VXS_READS_CURVES /* of any map: counts: nodes */
 #define VXS_CURVE_NODES int(vxs_frame.counts.x)
 #else
@@ -25,7 +27,7 @@ uint vxs_curve_texel(ivec3 texel)
     return (uint(texel.z) * VXS_CURVE_SHAPE.x + uint(texel.y)) * VXS_CURVE_SHAPE.x + uint(texel.x);
 }
 
-/* Where the curve of a texel begins, its record, and a segment. */
+/* Word of a texel's curve, and below of its record, and of a segment. */
 uint vxs_curve_words(uint texel)
 {
     return texel * 2u * VXS_CURVE_SHAPE.z;

@@ -1,6 +1,7 @@
-/* Where shadow begins on a light ray, of the asset: along a column it is lit first, and then it is not, so that lookups find it by bisection. */
+/* Finds by bisection of lookups where shadow begins on a light ray in the asset: a column is lit up to a voxel, and in shadow
+ * from there on. */
 
-/* The voxel of a texel of the baked map, [0, 2^levels]; 2^levels: light does not end. */
+/* The first voxel in shadow of a texel of the baked map, [0, 2^levels]; 2^levels: light does not end. */
 int vxs_first_shadow(vxs_light_constants light, int map, int i, int j)
 {
     int first = 0, end = 1 << light.levels;
@@ -14,7 +15,7 @@ int vxs_first_shadow(vxs_light_constants light, int map, int i, int j)
     return first;
 }
 
-/* The same as light maps have it: of suns in voxels, of lamps in metres along the axis of the map. */
+/* The same in units of light maps: for suns in voxels, for punctual lights in metres along the axis of the map. */
 float vxs_first_depth(vxs_light_constants light, int voxel)
 {
     if (voxel >= 1 << light.levels) return VXS_NO_END;

@@ -1,33 +1,35 @@
-/* What a frame and the light whose airlight is added are; behind vxs_air_path.h. One uniform block, filled by volumes_frame.c, whose struct
- * frame_block has the same fields. */
+/* The frame, and the light whose airlight is added; after vxs_air_path.h. One uniform block, with the fields of struct
+ * frame_block in volumes_state.h. */
 layout(std140, binding = VXS_AT_FRAME) uniform vxs_frame_block {
     mat4                point_from_depth;
-    vec4                eye_far;        /* where eye rays begin; where they end that meet nothing, metres */
-    vec4                sizes;          /* of the view: wide, high; empty depth; the fog's top */
+    vec4                eye_far;        /* origin of eye rays; length of rays that meet nothing, metres */
+    vec4                sizes;          /* of the view: width, height; empty depth; height of the fog's top */
     vec4                scattering;     /* and anisotropy */
     vec4                extinction;     /* and 2 */
     vec4                ambient;
     vec4                colour;         /* of the light, and its radius */
-    vec4                place;          /* of a lamp; of the sun the way to it; and the inner cone's cosine */
-    vec4                axis;           /* where it shines */
+    vec4                place;          /* punctual light: position; sun: direction to it; and cosine of the inner cone */
+    vec4                axis;           /* direction of a spot light */
     vxs_light_constants light;
-    vec4                knobs;          /* of the technique */
-    uvec4               map;            /* of the light's map: side in texels, layers; and what is done now: first, end */
-    uvec4               pixels;         /* that are drawn: the first, and how many across and up */
-    uvec4               counts;         /* of the technique */
-    mat4                clip_from_ls;   /* of a mesh: of the view; places from the eye */
-    mat4                eye_from_ls;    /* of casters: along, ahead and side of the axis, from their places */
-    vec4                mesh;           /* of vxs_mesh_shape: low, high, texel; and 1 or -1: how what is lit is turned in the view */
-    vec4                mesh_depths;    /* least, reach; error_scale, and the error that is allowed */
+    vec4                knobs;          /* parameters of the technique */
+    uvec4               map;            /* of the light's map: side in texels, layers; and of the current step: first, end */
+    uvec4               pixels;         /* drawn pixels: the first, and how many across and up */
+    uvec4               counts;         /* parameters of the technique */
+    mat4                clip_from_ls;   /* meshes: of the view, for positions relative to the eye */
+    mat4                eye_from_ls;    /* casters: from their positions to coordinates along the axis, `ahead` and `side` */
+    /* of vxs_mesh_shape: low, high, texel; and 1 or -1: orientation of the lit volume in the view */
+    vec4                mesh;
+    vec4                mesh_depths;    /* least, reach; error_scale, and the largest error that is allowed */
     vec4                box_low, box_high;
 } vxs_frame;
 
 layout(binding = VXS_AT_DEPTHS) uniform highp sampler2D vxs_depths;
 layout(binding = VXS_AT_MAP) uniform highp sampler2DArray vxs_map; /* of the light */
-layout(binding = VXS_AT_MESH) uniform highp usamplerBuffer vxs_mesh; /* corners, then places; or as mesh_quads.glsl has it */
+layout(binding = VXS_AT_MESH) uniform highp usamplerBuffer vxs_mesh; /* corners, then positions; or as in mesh_quads.glsl */
 layout(binding = VXS_AT_OTHER) uniform highp sampler2D vxs_airlight;
 
-/* Whether a driver has ended the loops of this invocation, so that none goes round twice any more: llvmpipe does so after 65535 rounds of all of them. */
+/* Whether a driver has ended the loops of this invocation, so that no further loop iterates more than once: llvmpipe does so
+ * after 65535 iterations of all loops. */
 bool vxs_is_cut()
 {
     int rounds = 0;
@@ -35,7 +37,7 @@ bool vxs_is_cut()
     return rounds < 2;
 }
 
-/* The pixel of an invocation of 8 x 8 a group.   Returns whether it is drawn */
+/* The pixel of an invocation, in groups of 8 x 8.   Returns whether it is drawn */
 #ifdef VXS_COMPUTE
 bool vxs_pixel(out ivec2 pixel)
 {
@@ -66,7 +68,8 @@ vxs_air_light vxs_frame_light()
     return light;
 }
 
-/* From the eye to where a pixel's depth is. The eye is taken from the matrix, not from the place: a place that is near has no digits for it. */
+/* Vector from the eye to the point at a pixel's depth. The eye comes from the matrix: the position of a near point has too few
+ * digits for a difference. */
 vec3 vxs_way_from_depth(vec2 at, float depth)
 {
     mat4 m     = vxs_frame.point_from_depth;
@@ -76,7 +79,8 @@ vec3 vxs_way_from_depth(vec2 at, float depth)
     return (way * place.xyz + (m[3].xyz - eye * m[3].w)) / dot(vec4(m[0].w, m[1].w, m[2].w, m[3].w), place);
 }
 
-/* The direction of a pixel's eye ray, of length 1; metres: to what is seen there. Depths that are no place end the ray at the far bound. */
+/* The direction of a pixel's eye ray, of length 1.   metres  [out] to the visible surface. Depths that give no finite point end
+ * the ray at the far bound. */
 vec3 vxs_eye_ray(ivec2 pixel, out float metres)
 {
     float depth = texelFetch(vxs_depths, pixel, 0).r;
@@ -86,7 +90,8 @@ vec3 vxs_eye_ray(ivec2 pixel, out float metres)
     bool  seen  = depth != vxs_frame.sizes.z && far > 0.0 && far < VXS_FAR_MOST * VXS_FAR_MOST;
     metres      = seen ? min(sqrt(far), vxs_frame.eye_far.w) : vxs_frame.eye_far.w;
     if (seen) return way / sqrt(far);
-    for (float part = 0.5; part < 1.0; part += 0.125) { /* a pixel's direction does not depend on its depth, but not each depth is a place */
+    /* a pixel's direction does not depend on its depth, but some depths give no finite point */
+    for (float part = 0.5; part < 1.0; part += 0.125) {
         way = vxs_way_from_depth(at, part);
         far = dot(way, way);
         if (far > 0.0 && far < VXS_FAR_MOST * VXS_FAR_MOST) return way / sqrt(far);
@@ -95,15 +100,16 @@ vec3 vxs_eye_ray(ivec2 pixel, out float metres)
     return vec3(0.0, 0.0, -1.0);
 }
 
-/* The path of the frame's light along it. */
+/* The path of the frame's light along an eye ray. */
 vxs_air_path vxs_eye_path(vec3 direction, float metres)
 {
     vec2 in_fog;
     return vxs_air_path_of(vxs_frame_light(), vxs_frame.eye_far.xyz, direction, metres, vxs_frame.sizes.w, in_fog);
 }
 
-/* How far along the axis of its map a place of light space is from the light, and where in the map. Outside it nothing is in shadow.
- * texel  [out] of the light's map, and its layer */
+/* Find the texel and depth of a point of light space in its map. Returns false outside of the map, where nothing is in shadow.
+ * texel  [out] of the light's map, and its layer
+ * depth  [out] distance from the light, along the axis of the map */
 bool vxs_map_texel(vec3 ls, out ivec3 texel, out float depth)
 {
     float side = float(vxs_frame.map.x);
@@ -128,7 +134,7 @@ bool vxs_map_texel(vec3 ls, out ivec3 texel, out float depth)
     return true;
 }
 
-/* Whether the frame's light reaches a place, by its map. */
+/* Whether the frame's light reaches a position, by its map. */
 bool vxs_map_lit(vec3 at)
 {
     vec3  ls;

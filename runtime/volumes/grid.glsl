@@ -1,4 +1,4 @@
-/* A voxelized shadow volume in a storage buffer: what shadow_grid.c fills its head with, and words behind it. */
+/* A voxelized shadow volume in a storage buffer: a head that shadow_grid.c fills, then words. */
 #ifndef VXS_GRID_ACCESS
 #define VXS_GRID_ACCESS
 #endif
@@ -23,8 +23,8 @@ layout(std430, binding = VXS_AT_GRID) VXS_GRID_ACCESS buffer vxs_grid_buffer {
     vec4  alpha_theta;
     vec4  phi;
     ivec4 size; /* columns, rows, bits; runs of the lookup */
-    ivec4 eye;  /* whether the light reaches it, as for vxs_grid_airlight; 1: rays lie between two rows */
-    uvec4 cut;  /* invocations of a voxelizer whose loops a driver ended */
+    ivec4 eye;  /* whether the light reaches the eye, as for vxs_grid_airlight; 1: interpolates between two rows */
+    uvec4 cut;  /* number of voxelizer invocations whose loops a driver ended */
     uint  words[];
 } vxs_grid;
 

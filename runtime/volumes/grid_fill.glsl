@@ -1,5 +1,5 @@
-/* Of each light ray of a shadow grid a bit in the column in which shadow begins on it, by the light's map, or of the asset. The first of all asks for the
- * eye. */
+/* Sets for each light ray of a shadow grid a bit in the column where shadow begins, by the light's map or the asset. The first
+ * invocation also tests whether the eye is lit. */
 layout(local_size_x = 32, local_size_y = 4) in;
 
 float first_depth(ivec3 texel)
@@ -11,7 +11,7 @@ float first_depth(ivec3 texel)
 #endif
 }
 
-/* Metres from the begin of a light ray; VXS_NO_END: light does not end. A ray is a point of the map. */
+/* Metres from the origin of a light ray; VXS_NO_END: light does not end. A ray is a point of the map. */
 float shadow_begins(vec3 begin, vec3 direction)
 {
     bool  is_sun = vxs_frame.light.kind == VXS_LIGHT_KIND_DIRECTIONAL;

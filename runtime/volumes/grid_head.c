@@ -4,7 +4,7 @@
 
 _Static_assert(sizeof(grid_head) == 128, "a head is eight texels");
 
-/* The way from the eye to what a depth shows at a place of the image; 0 where that is no place. */
+/* The vector from the eye to a point of the image at a depth; 0 if the point is not finite. */
 static int way_to(const frame_block *f, double x, double y, double depth, double way[3])
 {
     const float *m = f->point_from_depth;
@@ -17,7 +17,7 @@ static int way_to(const frame_block *f, double x, double y, double depth, double
     return square > 0 && square < (double)VXS_VIEW_METRES * (double)VXS_VIEW_METRES;
 }
 
-/* Each corner by the first depth at which it is a place. */
+/* Each corner uses the first depth at which it is a finite point. */
 vxs_epipolar_view vxs_grid_view_of(const frame_block *f)
 {
     vxs_epipolar_view view = {.far_metres = (double)f->far_metres};
@@ -32,11 +32,8 @@ vxs_epipolar_view vxs_grid_view_of(const frame_block *f)
 
 grid_head vxs_grid_head_of(const vxs_epipolar *space, const vxs_grid_size *size, uint32_t runs)
 {
-    grid_head head = {.away    = (float)space->away,
-                      .columns = size->columns,
-                      .rows    = size->rows,
-                      .bits    = size->bits,
-                      .runs    = (int32_t)runs};
+    grid_head head = {
+        .away = (float)space->away, .columns = size->columns, .rows = size->rows, .bits = size->bits, .runs = (int32_t)runs};
     for (int n = 0; n < 3; n++) {
         head.axis[n]  = (float)space->axis[n];
         head.ahead[n] = (float)space->ahead[n];

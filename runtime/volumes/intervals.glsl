@@ -1,7 +1,7 @@
-/* A ray for each pixel, and where the asset says exactly that it is lit: no steps, but a closed form of each lit part.
+/* A ray for each pixel, and its exact lit parts in the asset: no steps, but a closed form of each lit part.
  *
- * In pieces (knobs.x) a ray takes so many steps of its walk in a dispatch, before a driver ends its loops, and alpha says where it goes on: 0 where it is at
- * its end. */
+ * In pieces (knobs.x), each dispatch makes a limited number of steps of the walk, before a driver ends its loops. Alpha stores
+ * where the ray continues; 0: it has ended. */
 #define VXS_INTERVALS_WHOLE 0.0
 #define VXS_INTERVALS_FIRST 1.0
 #define VXS_INTERVALS_STEPS 512
@@ -26,7 +26,7 @@ void main()
     vxs_walk     w = vxs_walk_of(vxs_frame.light, vxs_frame.eye_far.xyz, direction, begin, path.end);
     vxs_span     span;
     if (in_pieces) w.pause = w.steps - VXS_INTERVALS_STEPS;
-    if (path.kind == VXS_LIGHT_KIND_DIRECTIONAL) w.outside = VXS_SPAN_LIT; /* where its map ends, the sun shines on */
+    if (path.kind == VXS_LIGHT_KIND_DIRECTIONAL) w.outside = VXS_SPAN_LIT; /* beyond the end of its map, the sun is not shadowed */
     while (vxs_walk_next_lit(vxs_frame.light.first_word, vxs_frame.light, w, span) != 0) {
         vxs_air_lit(medium, path, span.begin, span.end, air);
         sum += air;

@@ -94,7 +94,7 @@ void vxs_shadow_depth_map_refill(vxs_shadow_depth_map *map)
     if (map->is_baked) map->filled = 0;
 }
 
-/* The block's matrix and sizes are those of the caller's depth map, as long as it is joined. */
+/* While a depth map of the caller is joined, the block has its matrix and sizes. */
 static void join(vxs_shadow_depth_map *map, const vxs_moving_casters *casters)
 {
     vxs_volumes *v      = map->volumes;

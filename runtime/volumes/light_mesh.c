@@ -1,4 +1,4 @@
-/* The mesh about what a light reaches, in C; see vxs_volumes.h. Which quads and triangles it has is said by vxs_mesh_quads.h.
+/* The mesh around the lit volume of a light, in C; see vxs_volumes.h. vxs_mesh_quads.h defines its quads and triangles.
  * SPDX-License-Identifier: MIT */
 #include "light_mesh.h"
 
@@ -11,20 +11,20 @@
 
 enum { LEVELS_MAX = 13, BESIDE = 12 };
 
-/* What is planned: which quads split, and the number of each vertex. */
+/* A plan: which quads are split, and the index of each vertex. */
 typedef struct mesh_plan {
     vxs_light_mesh_desc desc;
     vxs_mesh_shape      shape;
-    uint32_t           *numbers; /* [layers][side + 1][side + 1], then [BESIDE]: 1 + number of a vertex; 0: it has none */
+    uint32_t           *numbers; /* [layers][side + 1][side + 1], then [BESIDE]: 1 + index of a vertex; 0: not used */
     uint8_t            *splits;  /* [layers][vxs_mesh_larger_quads] */
-    float              *places;  /* NULL while the mesh is counted */
+    float              *places;  /* NULL while the size of the mesh is counted */
     uint32_t           *corners;
     uint32_t            vertex_count, triangle_count;
 } mesh_plan;
 
-/* shape -------------------------------------------------------------------------------------------------------------------------- */
+/* shape ------------------------------------------------------------------------------------------------------------------------ */
 
-/* Rows of a sun's matrix are as long as a metre is in texels or voxels. */
+/* The length of a row of a sun's matrix is texels, or voxels, per metre. */
 static double row_length(const vxs_light_constants *light, int row)
 {
     const float *r = light->ls_from_ws + 4 * row;
@@ -65,7 +65,7 @@ vxs_mesh_shape vxs_light_mesh_shape(const vxs_light_constants *light, uint32_t s
     else
         s.texel = (double)light->texel_metres * ldexp(1, (int)light->levels) / side_px;
     s.error_scale = s.is_sun ? (double)light->voxel_metres / ((double)light->texel_metres * s.texel) : 1 / s.texel;
-    if (s.layers == 6) { /* the edges of the cube; a map without border ends in them */
+    if (s.layers == 6) { /* the edges of the cube; a map without a border ends in them */
         s.low  = fmax(0, 0.5 * side_px - 1 / s.texel);
         s.high = side_px - s.low;
     }
@@ -74,7 +74,7 @@ vxs_mesh_shape vxs_light_mesh_shape(const vxs_light_constants *light, uint32_t s
     return s;
 }
 
-/* quads -------------------------------------------------------------------------------------------------------------------------- */
+/* quads ------------------------------------------------------------------------------------------------------------------------ */
 
 /* For each quad of a level. */
 #define EACH_QUAD(p, q, level_)                                                                                                    \
@@ -89,7 +89,8 @@ static int is_off(const mesh_plan *p, vxs_mesh_quad q)
     return vxs_mesh_is_off(p->desc.first, &p->shape, q, q.x * size, q.y * size, size, (double)p->desc.error_texels);
 }
 
-/* From the roots down, what is too far off; then from the smallest up, so that quads that meet differ by one level. */
+/* First split quads with too large errors, from the roots down; then split neighbours, from the smallest quads up, so that they
+ * differ by at most one level. */
 static void choose_quads(mesh_plan *p)
 {
     int levels = p->shape.levels;
@@ -99,7 +100,7 @@ static void choose_quads(mesh_plan *p)
     vxs_mesh_let_meet(p->splits, &p->shape, q);
 }
 
-/* triangles ---------------------------------------------------------------------------------------------------------------------- */
+/* triangles -------------------------------------------------------------------------------------------------------------------- */
 
 static uint32_t *number_of(const mesh_plan *p, vxs_mesh_vertex v)
 {
@@ -132,7 +133,7 @@ static void add_triangle(mesh_plan *p, vxs_mesh_vertex a, vxs_mesh_vertex b, vxs
     const vxs_mesh_vertex corners[3] = {vxs_mesh_held(&p->shape, a), vxs_mesh_held(&p->shape, b), vxs_mesh_held(&p->shape, c)};
     const uint32_t       *numbers[3];
     for (int n = 0; n < 3; n++) numbers[n] = number_of(p, corners[n]);
-    if (numbers[0] == numbers[1] || numbers[1] == numbers[2] || numbers[2] == numbers[0]) return; /* it has fallen together */
+    if (numbers[0] == numbers[1] || numbers[1] == numbers[2] || numbers[2] == numbers[0]) return; /* vertices coincide */
     for (size_t n = 0; n < 3; n++) {
         uint32_t vertex = take_vertex(p, corners[n]);
         if (p->corners) p->corners[3 * (size_t)p->triangle_count + n] = vertex;
@@ -140,7 +141,7 @@ static void add_triangle(mesh_plan *p, vxs_mesh_vertex a, vxs_mesh_vertex b, vxs
     p->triangle_count++;
 }
 
-/* A fan; and where the map ends, walls. */
+/* Add a fan, and walls where the map ends. */
 static void add_quad(mesh_plan *p, vxs_mesh_quad q)
 {
     int finer = vxs_mesh_finer(p->splits, &p->shape, q), first = vxs_mesh_fan_first(finer);
@@ -160,9 +161,9 @@ static void add_triangles(mesh_plan *p)
                      vxs_mesh_closing_corner(&p->shape, n, 2));
 }
 
-/* plan and fill -------------------------------------------------------------------------------------------------------------------- */
+/* plan and fill ---------------------------------------------------------------------------------------------------------------- */
 
-/* Returns 0 where the description makes no sense. */
+/* Returns 0 if the description is invalid. */
 static int begin_plan(mesh_plan *p, const vxs_light_mesh_desc *desc)
 {
     const size_t first = offsetof(vxs_light_mesh_desc, error_texels) + sizeof desc->error_texels;

@@ -1,4 +1,4 @@
-/* Texels [first, end) of a light map, of the asset: of the texel at the middle of those that each covers. */
+/* Looks texels [first, end) of a light map up in the asset; each takes the baked texel at the middle of those that it covers. */
 layout(local_size_x = 64) in;
 layout(r32f, binding = VXS_AT_IMAGE) uniform writeonly restrict image2DArray first_depths;
 

@@ -1,9 +1,9 @@
-/* What moves, into a light map: the nearer of both on each light ray. A ray is one point of a depth map that is seen from the light; where on
- * the ray its depth is, follows from how depth changes along it. */
+/* Joins moving casters into a light map: the nearer depth on each light ray. A light ray is one point of a depth map that is
+ * seen from the light. The point of the ray at that depth follows from the change of depth along the ray. */
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(r32f, binding = VXS_AT_IMAGE) uniform restrict image2DArray first_depths;
 
-/* A place of light space, or a way (one = 0), in metres. */
+/* A point of light space, or a vector (one = 0), in metres. */
 vec4 from_ls(vec3 ls, float one)
 {
     vec3 from = ls - one * vec3(vxs_frame.light.ls_from_ws[0].w, vxs_frame.light.ls_from_ws[1].w, vxs_frame.light.ls_from_ws[2].w);
@@ -25,7 +25,7 @@ void main()
     }
     vec4 first = vxs_frame.point_from_depth * from_ls(begin, 1.0), more = vxs_frame.point_from_depth * from_ls(way, 0.0);
     vec4 seen = first + typical * more;
-    if (!(seen.w > 0.0)) return; /* behind the light that the depth map is of */
+    if (!(seen.w > 0.0)) return; /* behind the light of the depth map */
     vec2  pixel = seen.xy / seen.w * vxs_frame.sizes.xy;
     if (!(all(greaterThanEqual(pixel, vec2(0.0))) && all(lessThan(pixel, vxs_frame.sizes.xy)))) return;
     float depth = texelFetch(vxs_depths, ivec2(pixel), 0).r;

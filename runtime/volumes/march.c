@@ -3,8 +3,8 @@
 #include "transmittance_map.h"
 #include "volumes_state.h"
 
-/* Steps of a dispatch. llvmpipe ends all loops of an invocation after 65535 rounds, of which a step, with a lookup in a DAG and four curves of smoke, may take
- * 100. */
+/* Steps of one dispatch. llvmpipe ends all loops of an invocation after 65535 iterations; a step with a lookup in a DAG and four
+ * curves of smoke may need 100. */
 enum { STEPS_AT_ONCE = 512 };
 
 static void add_steps(vxs_volumes *v, gl_name program, const vxs_shadow_depth_map *map, uint32_t steps)
@@ -16,7 +16,7 @@ static void add_steps(vxs_volumes *v, gl_name program, const vxs_shadow_depth_ma
     }
 }
 
-/* In smoke. */
+/* March through smoke. */
 static void march_dimmed(vxs_volumes *v, const vxs_volumes_light *light, const vxs_shadow_depth_map *map, uint32_t steps)
 {
     storage_kept kept = vxs_volumes_keep_storage(v);
@@ -37,7 +37,7 @@ vxs_result vxs_volumes_march(vxs_volumes *v, const vxs_volumes_light *light, con
     if (result != VXS_OK) return result;
     v->frame.knobs[0] = (float)steps;
     v->frame.knobs[1] = (float)which;
-    v->frame.knobs[3] = light->constants ? 0 : (float)(light->baked + 1); /* whose baked smoke dims it */
+    v->frame.knobs[3] = light->constants ? 0 : (float)(light->baked + 1); /* the light whose baked smoke dims it */
     if (light->smoke)
         march_dimmed(v, light, map, steps);
     else
@@ -45,7 +45,7 @@ vxs_result vxs_volumes_march(vxs_volumes *v, const vxs_volumes_light *light, con
     return VXS_OK;
 }
 
-/* As intervals.glsl has them, which knows no more pieces than two. */
+/* Modes as in intervals.glsl. There, all pieces after the first are INTERVALS_NEXT. */
 enum { INTERVALS_WHOLE, INTERVALS_FIRST, INTERVALS_NEXT, PIECES_MAX = 65536 };
 
 static void add_intervals(vxs_volumes *v, int piece)

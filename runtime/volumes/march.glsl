@@ -1,7 +1,8 @@
-/* A ray for each pixel, and at the middle of each step how much of the light reaches it: all or none by the light's map, or of the
- * asset, and what smoke leaves. map.z, map.w: the first step that is added up, and the end: march.c makes pieces of many steps, because drivers end all loops
- * of an invocation after 65535 rounds. The ray ends where nothing is left of its light. */
-#define VXS_MARCH_DEPTH 12.0 /* units of optical depth: e^-12 */
+/* A ray for each pixel. It tests at the middle of each step whether the light reaches it, by the light's map or the asset, and
+ * multiplies by the transmittance of smoke. The ray ends where extinction leaves nothing of its light. map.z, map.w: the first
+ * step that is summed, and the end. march.c splits many steps into pieces, because drivers end all loops of an invocation after
+ * 65535 iterations. */
+#define VXS_MARCH_DEPTH 12.0 /* optical depth: e^-12 */
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(rgba32f, binding = VXS_AT_IMAGE) uniform restrict image2D airlight;
@@ -28,7 +29,7 @@ float left(vec3 at)
     return some;
 }
 
-/* Equal steps of metres: what a metre of the step scatters, times the step. */
+/* Steps of equal length: airlight per metre of the step, times its length. */
 vec3 march_even(vxs_medium medium, vxs_air_path path, vec3 direction, int steps)
 {
     vec3  sum = vec3(0.0), air;
@@ -43,7 +44,7 @@ vec3 march_even(vxs_medium medium, vxs_air_path path, vec3 direction, int steps)
     return sum;
 }
 
-/* Equal steps of the angle that vxs_air.h integrates in: a node of its quadrature at the middle of each. */
+/* Equal steps of the angle that vxs_air.h integrates over: a quadrature node at the middle of each. */
 vec3 march_angle(vxs_medium medium, vxs_air_path path, vec3 direction, int steps)
 {
     vec3         sum = vec3(0.0);
@@ -58,7 +59,8 @@ vec3 march_angle(vxs_medium medium, vxs_air_path path, vec3 direction, int steps
     return sum * vxs_air_node_scale(medium, ray) * medium.scattering;
 }
 
-/* Equal steps of what the sun lets scatter, in the thinnest channel: then each step counts alike, however thick the fog. */
+/* Equal steps of the light that the sun scatters, in the thinnest channel: then each step has equal weight, however thick the
+ * fog. */
 vec3 march_sun(vxs_medium medium, vxs_air_path path, vec3 direction, int steps)
 {
     vec3  sum = vec3(0.0), air;
@@ -67,7 +69,7 @@ vec3 march_sun(vxs_medium medium, vxs_air_path path, vec3 direction, int steps)
     for (int n = int(vxs_frame.map.z); n <= int(vxs_frame.map.w); n++) {
         float share = float(n) / float(steps), end = path.begin + share * (path.end - path.begin);
         if (gone > 1e-3) end = n == steps ? path.end : path.begin - log(1.0 - share * gone) / turn;
-        if (n == int(vxs_frame.map.z)) { /* where the first one begins */
+        if (n == int(vxs_frame.map.z)) { /* begin of the first step */
             begin = end;
             continue;
         }

@@ -6,9 +6,9 @@
 
 #include "light_mesh.h"
 
-#define FAR_MOST 1e12 /* metres: squares of places are still floats */
+#define FAR_MOST 1e12 /* metres: squares of coordinates still fit in a float */
 
-/* Matrices in double, by columns. */
+/* Matrices in double, column-major. */
 
 static void multiply(const double a[16], const double b[16], double out[16])
 {
@@ -18,7 +18,7 @@ static void multiply(const double a[16], const double b[16], double out[16])
     }
 }
 
-/* By elimination with the largest pivots.   Returns 0 where there is no inverse. */
+/* Gaussian elimination with the largest pivots.   Returns 0 if there is no inverse. */
 static int invert(const double of[16], double out[16])
 {
     double rows[4][8];
@@ -42,7 +42,7 @@ static int invert(const double of[16], double out[16])
     return 1;
 }
 
-/* Clip space of the view, as OpenGL has it but for depth; w is positive before the eye. */
+/* Clip space of the view, as in OpenGL except for depth; w is positive before the eye. */
 static int clip_from_point(const frame_block *f, double out[16])
 {
     const double clip[16] = {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1, 0, -1, -1, 0, 1};
@@ -55,7 +55,7 @@ static int clip_from_point(const frame_block *f, double out[16])
     return 1;
 }
 
-/* Whether what is counterclockwise in light space is so in the view, as seen from the eye. */
+/* Whether counterclockwise in light space is counterclockwise in the view, too, as seen from the eye. */
 static float turn_of(const double clip[16])
 {
     static const int rows[3] = {0, 1, 3};
@@ -67,7 +67,7 @@ static float turn_of(const double clip[16])
     return d < 0 ? -1.0F : 1.0F;
 }
 
-/* How the light and its mesh lie in the view.   eye_ls  [out]   Returns 0 where there is no inverse. */
+/* Set the matrices of the light and its mesh in the view.   eye_ls  [out]   Returns 0 if there is no inverse. */
 static int set_places(frame_block *f, double eye_ls[3])
 {
     double ls_from_ws[16] = {[15] = 1}, point_from_ls[16], clip[16], clip_ls[16];
@@ -88,7 +88,7 @@ static int set_places(frame_block *f, double eye_ls[3])
     return 1;
 }
 
-/* So large that no eye ray leaves it, but where a lamp's range ends. */
+/* The shape is so large that no eye ray leaves it, except where a punctual light's range ends. */
 static vxs_mesh_shape set_shape(frame_block *f, const double eye_ls[3])
 {
     double far_metres = (double)f->far_metres;
@@ -139,7 +139,7 @@ static void draw_corners(const vxs_volumes *v, const mesh_draw *draw)
         api->DrawArrays(GL_MODE_TRIANGLES, 0, draw->corners);
 }
 
-/* The frame's crossings, in the pixels that may see the light. Alpha counts those of this light alone. */
+/* Draw the crossings of the frame, in the pixels that may see the light. Alpha counts the crossings of this light alone. */
 static void draw_crossings(const vxs_volumes *v, const mesh_draw *draw)
 {
     static const float none[4] = {0};
@@ -158,7 +158,7 @@ static void draw_crossings(const vxs_volumes *v, const mesh_draw *draw)
     vxs_volumes_put_back_raster(v, &kept);
 }
 
-/* At its crossings, and then all of it where these leave the eye in light. */
+/* Add the airlight of crossings; then that of the whole ray, where the crossings show that the eye is in light. */
 void vxs_mesh_add(vxs_volumes *v, const vxs_shadow_depth_map *map, const mesh_draw *draw)
 {
     if (vxs_volumes_find_cull_result(v, &v->frame.pixels) != VXS_NOT_CULLED) return;
@@ -178,7 +178,7 @@ vxs_result vxs_volumes_mesh_map(vxs_volumes *v, const vxs_volumes_light *light, 
     return VXS_OK;
 }
 
-/* made in C ------------------------------------------------------------------------------------------------------------------------ */
+/* made in C -------------------------------------------------------------------------------------------------------------------- */
 
 vxs_result vxs_light_mesh_create(vxs_light_mesh **out, vxs_volumes *v, const float *places, const uint32_t *corners,
                                  const vxs_light_mesh_size *size)
@@ -241,7 +241,7 @@ vxs_result vxs_volumes_mesh(vxs_volumes *v, const vxs_volumes_light *light, cons
     if (!mesh) return VXS_E_ARGUMENT;
     vxs_result result = vxs_mesh_begin(v, light, NULL, NULL);
     if (result != VXS_OK) return result;
-    v->frame.first = 3 * mesh->triangle_count; /* places are behind corners */
+    v->frame.first = 3 * mesh->triangle_count; /* positions are stored after corners */
     vxs_mesh_add(v, NULL,
                  &(mesh_draw){.program      = v->programs[PROGRAM_MESH],
                               .texture      = mesh->texture,

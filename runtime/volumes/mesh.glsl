@@ -1,5 +1,5 @@
-/* Vertices of the mesh about what a light reaches: of its map as it is now, of all its quads or of those that were listed, or from a buffer; see
- * vxs_light_mesh.h. Both stages read them. */
+/* Vertices of the mesh around the lit volume of a light: from its current map, for all quads or for the listed ones, or from a
+ * buffer; see vxs_light_mesh.h. Used by both stages. */
 vxs_mesh_shape vxs_frame_mesh()
 {
     vxs_mesh_shape shape;
@@ -25,7 +25,7 @@ vxs_mesh_shape vxs_frame_mesh()
 #define VXS_MESH_WANTED 4
 #define VXS_MESH_HEAD   8
 
-/* A corner of a triangle of the list, or, where it did not fit, of all quads. */
+/* A corner of a triangle in the list, or, if the list did not fit, of all quads. */
 vxs_mesh_vertex vxs_frame_corner(vxs_mesh_shape shape, int triangle, int corner)
 {
     if (texelFetch(vxs_mesh, VXS_MESH_WANTED).r > vxs_frame.counts.y) return vxs_mesh_corner(shape, triangle, corner);

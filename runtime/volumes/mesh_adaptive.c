@@ -1,12 +1,12 @@
-/* Light meshes of a map as it is now, with few triangles where it is flat; see vxs_volumes.h. In each frame shaders choose the quads of vxs_mesh_quads.h,
- * level by level, list their triangles, and draw as many as they listed.
+/* Meshes of a current light map, with few triangles where it is flat; see vxs_volumes.h. In each frame, shaders choose the quads
+ * of vxs_mesh_quads.h level by level, list their triangles, and draw the listed triangles.
  * SPDX-License-Identifier: MIT */
 #include <limits.h>
 
 #include "light_mesh.h"
 #include "vxs_mesh_quads.h"
 
-/* As mesh_quads.glsl has it (std430); corners follow. */
+/* As in mesh_quads.glsl (std430); corners follow. */
 typedef struct list_head {
     uint32_t corners_drawn, instances, first_corner, first_instance;
     uint32_t triangles, reserved[3];
@@ -15,7 +15,7 @@ _Static_assert(sizeof(list_head) == 32, "a head is eight words");
 
 struct vxs_adaptive_mesh {
     vxs_volumes   *volumes;
-    vxs_mesh_shape most; /* of the largest map, as far as it says how many triangles there are */
+    vxs_mesh_shape most; /* of the largest map; only the fields that determine the number of triangles */
     uint32_t       triangles_most;
     gl_name        splits, list, list_texture;
     gl_name        split, meet, add, draw; /* programs */
@@ -23,7 +23,7 @@ struct vxs_adaptive_mesh {
 
 static uint64_t split_bytes(const vxs_mesh_shape *shape)
 {
-    return 4 * ((uint64_t)shape->layers * (uint64_t)vxs_mesh_larger_quads(shape->levels) + 1); /* of one texel there are none */
+    return 4 * ((uint64_t)shape->layers * (uint64_t)vxs_mesh_larger_quads(shape->levels) + 1); /* 0 for a layer of one texel */
 }
 
 static uint64_t list_bytes(const vxs_adaptive_mesh *mesh)
@@ -31,7 +31,7 @@ static uint64_t list_bytes(const vxs_adaptive_mesh *mesh)
     return sizeof(list_head) + 12 * (uint64_t)mesh->triangles_most;
 }
 
-/* Of a storage buffer that is read as a texture, too. */
+/* Largest size of a storage buffer that is also read as a texture. */
 static uint64_t list_bytes_most(const vxs_volumes *v)
 {
     int storage = 0, texels = 0;
@@ -105,7 +105,7 @@ unsigned vxs_adaptive_mesh_buffer(const vxs_adaptive_mesh *mesh)
     return mesh->list;
 }
 
-/* A program over quads, or parts of them, of a level.   side  of them, in each layer */
+/* Run a program over the quads of a level, or parts of them.   side  number of them along a side of each layer */
 static void run(const vxs_adaptive_mesh *mesh, gl_name program, gl_name map, int level, int side)
 {
     enum { GROUP = 8 };
@@ -117,7 +117,7 @@ static void run(const vxs_adaptive_mesh *mesh, gl_name program, gl_name map, int
     vxs_volumes_put_back(v, &kept);
 }
 
-/* As in light_mesh.c: from the root down, what is too far off; then from the smallest up. */
+/* As in light_mesh.c: first split quads with too large errors, from the root down; then split neighbours, from the smallest up. */
 static void choose_quads(const vxs_adaptive_mesh *mesh, const vxs_mesh_shape *shape, gl_name map, float error_texels)
 {
     const volumes_api *api = &mesh->volumes->api;
@@ -126,14 +126,14 @@ static void choose_quads(const vxs_adaptive_mesh *mesh, const vxs_mesh_shape *sh
                                  GL_TYPE_UNSIGNED_INT, &all);
     if (all) return;
     for (int level = shape->levels; level > 0; level--)
-        run(mesh, mesh->split, map, level, shape->side >> (level < 3 ? level : 3)); /* as mesh_split.glsl has it */
+        run(mesh, mesh->split, map, level, shape->side >> (level < 3 ? level : 3)); /* as in mesh_split.glsl */
     for (int level = 1; level < shape->levels; level++) run(mesh, mesh->meet, map, level, shape->side >> level);
 }
 
 static void list_triangles(const vxs_adaptive_mesh *mesh, const vxs_mesh_shape *shape, gl_name map)
 {
     const list_head none  = {.instances = 1};
-    int             least = shape->levels > 0; /* quads of a texel are listed by those that split into them */
+    int             least = shape->levels > 0; /* quads of one texel are listed by the quads that split into them */
     mesh->volumes->api.NamedBufferSubData(mesh->list, 0, sizeof none, &none);
     for (int level = shape->levels; level >= least; level--) run(mesh, mesh->add, map, level, shape->side >> level);
 }

@@ -1,11 +1,12 @@
-/* Where an eye ray crosses the surface of what is lit: the airlight from there to what is seen, taken away where the ray leaves, added where it enters.
- * Behind what is seen there is none. Alpha counts leaving less entering: in the end it is 1 where the eye is in light, else 0; and so often mesh_whole.glsl
- * adds the airlight from the eye on. */
+/* Where an eye ray crosses the surface of the lit volume: the airlight from there to the visible surface is subtracted where the
+ * ray leaves, and added where it enters. Crossings behind the visible surface do not count. Alpha counts leaving minus entering:
+ * in the end it is 1 if the eye is in light, else 0. mesh_whole.glsl multiplies the airlight of the whole ray by it. */
 layout(location = 0) out vec4 airlight;
 
-/* Where a ray from the eye meets the plane of a triangle whose corners are from the eye: no nearer and no farther than these are along the ray,
- * for a triangle that is seen from its edge may be drawn beside itself. Their distances are not interpolated, which would be wrong by far where
- * a triangle comes near the eye. Edges at the corner between the two shorter ones make its normal. */
+/* Distance where a ray from the eye meets the plane of a triangle; corners are relative to the eye. It is clamped to the range
+ * of the corners along the ray, because a triangle seen edge-on may be drawn beside itself. Distances of corners are not
+ * interpolated: this would be very wrong where a triangle comes near the eye. The normal comes from the two edges at the corner
+ * between the two shorter edges. */
 float met_at(vec3 a, vec3 b, vec3 c, vec3 direction)
 {
     float size = sqrt(max(dot(a, a), max(dot(b, b), dot(c, c))));

@@ -1,5 +1,5 @@
-/* The triangles of the quads of a level that are drawn, behind those that are listed already; with those of level 1, the quads of a texel that they split
- * into; and with the root, what closes the mesh. */
+/* Appends the triangles of the drawn quads of a level to the list; at level 1 also those of one-texel quads, at the root also
+ * those that close the mesh. */
 layout(local_size_x = 8, local_size_y = 8) in;
 
 #define VXS_QUAD_TRIANGLES 6 /* at most, with walls */
@@ -10,12 +10,12 @@ void find_triangle(vxs_mesh_shape shape, vxs_mesh_vertex a, vxs_mesh_vertex b, v
 {
     uint codes[3] = uint[3](vxs_mesh_code(vxs_mesh_held(shape, a)), vxs_mesh_code(vxs_mesh_held(shape, b)),
                             vxs_mesh_code(vxs_mesh_held(shape, c)));
-    if (codes[0] == codes[1] || codes[1] == codes[2] || codes[2] == codes[0]) return; /* it has fallen together */
+    if (codes[0] == codes[1] || codes[1] == codes[2] || codes[2] == codes[0]) return; /* vertices coincide */
     for (uint n = 0u; n < 3u; n++) found[3u * found_count + n] = codes[n];
     found_count++;
 }
 
-/* Without room for all, all quads are drawn, which are no fewer. */
+/* If there is no room for all triangles, all quads are drawn, without the list. */
 void list_found(vxs_mesh_shape shape)
 {
     if (found_count == 0u) return;
@@ -26,7 +26,7 @@ void list_found(vxs_mesh_shape shape)
     found_count = 0u;
 }
 
-/* A fan; and where the map ends, walls. */
+/* Add a fan, and walls where the map ends. */
 void list_quad(vxs_mesh_shape shape, vxs_mesh_quad q)
 {
     int finer = vxs_mesh_finer(0, shape, q), first = vxs_mesh_fan_first(finer), a = vxs_mesh_fan_next(finer, first);

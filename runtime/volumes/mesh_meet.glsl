@@ -1,4 +1,4 @@
-/* What has to split about the quads of a level that do, so that quads that meet differ by one level. */
+/* Splits the neighbours of a level's split quads, so that neighbours differ by at most one level. */
 layout(local_size_x = 8, local_size_y = 8) in;
 
 void main()

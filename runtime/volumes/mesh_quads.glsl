@@ -1,12 +1,12 @@
-/* An adaptive mesh while it is made: which quads split (vxs_mesh_quads.h), and the list of its triangles. counts: the level of the quads that are asked
- * now, and how many triangles have room. */
+/* An adaptive mesh while it is built: which quads are split (vxs_mesh_quads.h), and the list of its triangles. counts: the
+ * current level of quads, and the capacity in triangles. */
 layout(std430, binding = VXS_AT_GRID) buffer vxs_mesh_split_buffer { uint split[]; } vxs_mesh_tree;
 
 layout(std430, binding = VXS_AT_GRID + 1) buffer vxs_mesh_list_buffer {
     uint corners_drawn, instances, first_corner, first_instance; /* of an indirect draw */
-    uint triangles;                                              /* that the mesh has, whether there is room or not */
+    uint triangles;                                              /* number of triangles of the mesh, even if there is no room */
     uint reserved[3];
-    uint corners[]; /* three vertices of each (vxs_mesh_code) */
+    uint corners[]; /* three vertices per triangle (vxs_mesh_code) */
 } vxs_mesh_list;
 
 float vxs_mesh_first(int first, vxs_mesh_shape shape, ivec3 texel)

@@ -1,5 +1,5 @@
-/* Which quads of a level split because their triangles are too far off the map. An invocation for each 8 x 8 texels of a quad, or for all of a
- * smaller one; where one has found a texel that is off, others need not look. */
+/* Splits the quads of a level whose triangles have too large errors. An invocation for each 8 x 8 texels of a quad, or for a
+ * whole smaller quad. Once one invocation has found an error, the others skip the quad. */
 layout(local_size_x = 8, local_size_y = 8) in;
 
 void main()

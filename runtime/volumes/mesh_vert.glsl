@@ -1,4 +1,5 @@
-/* A vertex of the mesh. Nothing is cut off by a near or a far side: a face before the one or behind the other counts, too, so that all have one depth. */
+/* A vertex of the mesh. All vertices have the same depth, so that no near or far plane clips faces: those before and behind
+ * these planes count, too. */
 #ifndef VXS_MESH_OF_MAP
 layout(location = 0) in vec3 place;
 #endif

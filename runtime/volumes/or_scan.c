@@ -30,7 +30,7 @@ static void dispatch(const or_scan *scan, uint32_t groups, uint32_t length, uint
     vxs_volumes_run(v, scan->program, 0, 0, across, (groups + across - 1) / across);
 }
 
-/* From one buffer to the other and back; a last copy where their number is odd. */
+/* From one buffer to the other and back; with a last copy if the number of passes is odd. */
 static void in_passes(const or_scan *scan, gl_name texels, uint32_t first, uint32_t length, uint32_t segments)
 {
     const vxs_volumes *v    = scan->volumes;

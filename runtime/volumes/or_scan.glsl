@@ -1,7 +1,6 @@
-/* An inclusive scan by OR along segments of texels of 128 bits: each becomes all of its segment up to it. counts: texels in a segment, segments, the
- * first texel, and a step. */
+/* An inclusive scan by OR along segments of 128-bit texels. counts: texels in a segment, segments, the first texel, and a step. */
 #ifdef VXS_SCAN_STEPS
-/* One step of log2 that a segment needs: what a texel is after it covers twice as many. */
+/* One of the log2(length) steps; each doubles the number of texels that a texel covers. */
 layout(local_size_x = 256) in;
 layout(std430, binding = VXS_AT_GRID) readonly buffer vxs_scan_from { uvec4 scanned_before[]; };
 layout(std430, binding = VXS_AT_GRID + 1) writeonly buffer vxs_scan_to { uvec4 scanned[]; };
@@ -16,8 +15,8 @@ void main()
     scanned[counts.z + n] = bits;
 }
 #else
-/* A workgroup for each segment: each invocation joins texels that lie side by side, what it has is scanned in shared memory, and all before it is
- * joined to each of its own. */
+/* A workgroup for each segment. Each invocation combines adjacent texels; the results are scanned in shared memory; the OR of
+ * everything before is then combined with each of its texels. */
 layout(local_size_x = 128) in;
 layout(std430, binding = VXS_AT_GRID) buffer vxs_scan_in_place { uvec4 scanned[]; };
 shared uvec4 parts[2][128];

@@ -1,8 +1,14 @@
-/* Which pixels of a frame a light's airlight can be seen in; see vxs_volumes.h.
+/* The pixels of a frame in which a light's airlight can be seen; see vxs_volumes.h.
  *
- * A lamp's airlight along a ray that passes it at a distance h is at most I scattering p exp(-extinction D) pi / h: light goes no shorter way through
- * the fog than D, the metres from the lamp to the eye or, where one of them is above a level top, those of the other below it; p is the greatest that the phase function has, and the square of the distance, all along the ray, leaves pi / h.
- * So rays on which it is more than the least that counts pass a sphere about the lamp; those that it lights at all, one about its cone and range.
+ * A ray that passes a punctual light ("lamp") at a distance h has an airlight of at most
+ *
+ *     I scattering p exp(-extinction D) pi / h
+ *
+ * D is the shortest path of light through the fog: the distance from the lamp to the eye; if one of them is above a level
+ * top, the depth of the other below it. p is the maximum of the phase function. The integral of 1 / distance^2 along the whole
+ * ray is pi / h.
+ * So rays with more airlight than the bound pass through a sphere about the lamp. Rays that the lamp lights at all pass through
+ * a sphere about its cone and range.
  * SPDX-License-Identifier: MIT */
 #include <math.h>
 
@@ -13,7 +19,8 @@ typedef struct sphere {
     double middle[3], radius; /* from the eye; INFINITY: everything */
 } sphere;
 
-/* Rows by which a place from the eye becomes (u, v, 1) s, s > 0 before it; and how the way to what is seen at (u, v) rises, u, v and 1 times these. */
+/* Rows that map a point, relative to the eye, to (u, v, 1) s, with s > 0 before the eye; and the vertical component of the
+ * direction at (u, v): the sum of u, v and 1 times these. */
 typedef struct projection {
     double u[3], v[3], s[3], rises[3];
 } projection;
@@ -28,15 +35,15 @@ static void cross(const double *a, const double *b, double *out)
     for (int n = 0; n < 3; n++) out[n] = a[(n + 1) % 3] * b[(n + 2) % 3] - a[(n + 2) % 3] * b[(n + 1) % 3];
 }
 
-/* The way to what is seen at (u, v) is a sum u a + v b + c: of columns of the matrix, less the eye's place. Its inverse has the rows.
- * Returns 0 where it has none. */
+/* The direction at (u, v) is a sum u a + v b + c, where a, b, c are columns of the matrix minus the eye's position. The inverse
+ * has the rows. Returns 0 if there is none. */
 static int projection_of(const frame_block *f, projection *p)
 {
     const float *m = f->point_from_depth;
     double       column[4][3], a[3], b[3], c[3];
     for (int k = 0; k < 4; k++)
         for (int n = 0; n < 3; n++) column[k][n] = (double)m[4 * k + n] - (double)f->eye[n] * (double)m[4 * k + 3];
-    for (double depth = 0.125; depth < 1; depth += 0.25) { /* any that is a place before the eye */
+    for (double depth = 0.125; depth < 1; depth += 0.25) { /* any depth that gives a point before the eye */
         double w = (double)m[3] * 0.5 + (double)m[7] * 0.5 + (double)m[11] * depth + (double)m[15], sign = w < 0 ? -1 : 1;
         for (int n = 0; n < 3; n++) {
             a[n] = sign * column[0][n];
@@ -61,7 +68,7 @@ static int projection_of(const frame_block *f, projection *p)
     return 0;
 }
 
-/* Whether a sphere is all on the far side of the plane in which row = at s. */
+/* Whether a sphere is wholly on the far side of the plane where row = at s. */
 static int is_beyond(const sphere *b, const double *row, const double *s, double at, double side)
 {
     double normal[3];
@@ -69,7 +76,7 @@ static int is_beyond(const sphere *b, const double *row, const double *s, double
     return dot(normal, b->middle) < -b->radius * sqrt(dot(normal, normal));
 }
 
-/* Of so many pixels along an axis, those that may see a sphere.   range  [out] first, end */
+/* Clip a range of pixels along an axis to those that may see a sphere.   range  [out] first, end */
 static void narrow(const sphere *b, const double *row, const double *s, uint32_t count, uint32_t range[2])
 {
     if (!(b->radius < INFINITY)) return;
@@ -77,7 +84,7 @@ static void narrow(const sphere *b, const double *row, const double *s, uint32_t
     while (range[0] < range[1] && is_beyond(b, row, s, (double)(range[1] - 1) / count, 1)) range[1]--;
 }
 
-/* The least sphere about a spot light's cone, or about a lamp's range. */
+/* The smallest sphere about a spot light's cone, or about the range of a punctual light. */
 static sphere sphere_of_range(const frame_block *f)
 {
     double range = (double)f->light.range_metres, cosine = fmin(fmax((double)f->light.cos_outer, 0), 1), along = 0;
@@ -92,14 +99,14 @@ static sphere sphere_of_range(const frame_block *f)
     return b;
 }
 
-/* How far light goes through the fog at least. */
+/* Shortest path of light through the fog. */
 static double metres_in_fog(const frame_block *f, double distance)
 {
     double high = fmax((double)f->place[1], (double)f->eye[1]), low = fmin((double)f->place[1], (double)f->eye[1]);
     return high > (double)f->top_metres ? fmax((double)f->top_metres - low, 0) : distance;
 }
 
-/* A lamp's airlight along a ray that passes it at a distance of 1 m, at most; at others it is over the distance. */
+/* Upper bound of a punctual light's airlight along a ray at a distance of 1 m; at other distances, divide by the distance. */
 static double most_at_a_metre(const frame_block *f)
 {
     const double pi = 3.14159265358979324;
@@ -111,7 +118,7 @@ static double most_at_a_metre(const frame_block *f)
     return pi * phase * most;
 }
 
-/* The sun's airlight, at most. */
+/* Upper bound of the sun's airlight. */
 static double most_of_sun(const frame_block *f)
 {
     const double pi = 3.14159265358979324;
@@ -124,7 +131,7 @@ static double most_of_sun(const frame_block *f)
     return most;
 }
 
-/* Whether no ray of the view comes below the top: all of them rise, or end before. */
+/* Whether no ray of the view gets below the top of the fog: all rays rise, or end before. */
 static int is_view_clear(const frame_block *f, const projection *p)
 {
     double above = (double)f->eye[1] - (double)f->top_metres;
@@ -133,7 +140,8 @@ static int is_view_clear(const frame_block *f, const projection *p)
     return above > 0 && (rise || above > (double)f->far_metres);
 }
 
-/* Whether no light comes there: the range ends above it, or the sun is below the horizon, and has come through fog without end. */
+/* Whether no light gets below the top: the range ends above it, or the sun is below the horizon, where its light would cross
+ * infinite fog. */
 static int is_light_clear(const frame_block *f)
 {
     sphere lit = sphere_of_range(f);
@@ -158,7 +166,8 @@ vxs_cull_result vxs_volumes_find_cull_result(const vxs_volumes *v, vxs_pixels *p
     int                is_seen = projection_of(f, &p);
     *pixels                    = (vxs_pixels){0, 0, wide, high};
     if (is_light_clear(f) || (is_seen && is_view_clear(f, &p))) return VXS_CULLED_CLEAR;
-    if (f->light.kind == VXS_LIGHT_KIND_DIRECTIONAL) return most_of_sun(f) > least || least == 0 ? VXS_NOT_CULLED : VXS_CULLED_FAINT;
+    if (f->light.kind == VXS_LIGHT_KIND_DIRECTIONAL)
+        return most_of_sun(f) > least || least == 0 ? VXS_NOT_CULLED : VXS_CULLED_FAINT;
     sphere lit = sphere_of_range(f), bright = {{0}, 0};
     for (int n = 0; n < 3; n++) bright.middle[n] = (double)f->place[n] - (double)f->eye[n];
     at_a_metre    = most_at_a_metre(f);

@@ -1,5 +1,6 @@
-/* Voxelized shadow volumes; see vxs_volumes.h. The grid is one storage buffer: a head (grid.glsl), and words as vxs_shadow_grid.h has them. For each light
- * of each frame it is cleared, filled with a bit for each light ray, scanned along alpha, and looked up.
+/* Voxelized shadow volumes; see vxs_volumes.h. The grid is one storage buffer: a head (grid.glsl), then words as in
+ * vxs_shadow_grid.h. For each light of each frame it is cleared, filled with a bit for each light ray, scanned along alpha, and
+ * looked up.
  * SPDX-License-Identifier: MIT */
 #include <math.h>
 
@@ -9,9 +10,10 @@
 
 enum { COLUMNS = 512, ROWS = 2048, BITS = 512, SIDE_MAX = 16384, RUNS = 16, RUNS_SHARP = 32 };
 
-/* In a lamp airlight is that of a ray which passes it at its radius, and comes from metres that are seen there under angles which are small from near the lamp:
- * the grid of an eye that is nearer than a part of the radius is that of one which is moved out to there, on its light ray. What shadows the one shadows the
- * other. An eye that is as good as at the lamp sees along light rays: all that it sees is lit. */
+/* Inside a punctual light's radius, airlight is that of a ray that passes it at its radius. From near the light, this airlight
+ * comes from points at small angles. So an eye nearer than this part of the radius uses the grid of an eye moved out to that
+ * distance, on the same light ray; the same casters shadow both. An eye practically at the light sees along light rays: all that
+ * it sees is lit. */
 #define EYE_NEAREST 0.25
 #define EYE_IN_LAMP 1e-3
 
@@ -21,7 +23,7 @@ struct vxs_shadow_grid {
     gl_name       buffer;
     gl_name       fill_map, fill_asset, look_up; /* programs */
     or_scan       scan;
-    voxelizer     voxelizer; /* of zeros: it does not cast */
+    voxelizer     voxelizer; /* all 0 if the grid does not cast */
     int           between_rows;
 };
 
@@ -112,7 +114,7 @@ static vxs_epipolar space_of(const frame_block *f)
     return space;
 }
 
-/* And no bit is set, and nothing before the eye. */
+/* Upload the head, with the eye lit, and clear all bits. */
 static void put_head(const vxs_shadow_grid *grid, const vxs_epipolar *space, uint32_t runs)
 {
     const vxs_volumes *v    = grid->volumes;
@@ -124,7 +126,7 @@ static void put_head(const vxs_shadow_grid *grid, const vxs_epipolar *space, uin
                                    GL_FORMAT_RED_INTEGER, GL_TYPE_UNSIGNED_INT, NULL);
 }
 
-/* Where what a run scatters is not what its middle does: a sharp phase, or the sharp rim of a cone. */
+/* Whether the middle of a run does not represent what the run scatters: with a sharp phase function, or a sharp rim of a cone. */
 static int is_sharp(const frame_block *f)
 {
     return f->anisotropy >= 0.7F || (f->light.kind == VXS_LIGHT_KIND_SPOT && f->cos_inner - f->light.cos_outer < 0.05F);
@@ -135,7 +137,7 @@ static uint32_t groups(uint32_t count, uint32_t each)
     return (count + each - 1) / each;
 }
 
-/* map  a texture; 0: the asset is asked */
+/* map  a texture; 0: looks the asset up */
 static void fill(const vxs_shadow_grid *grid, gl_name map)
 {
     enum { BITS_ACROSS = 32, ROWS_DOWN = 4 };
@@ -144,7 +146,8 @@ static void fill(const vxs_shadow_grid *grid, gl_name map)
                     groups((uint32_t)grid->size.rows, ROWS_DOWN));
 }
 
-/* What is closed comes first, since it changes bits; what of it nobody sees, as it lies between the light and the first column, is met by light rays. */
+/* Solid casters come first, because they change bits. The part of them between the light and the first column is not visible in
+ * the grid; light rays find it. */
 static void cast(const vxs_shadow_grid *grid, const vxs_epipolar *space, const vxs_casters *casters, uint32_t count)
 {
     const voxelizer *z   = &grid->voxelizer;
@@ -155,7 +158,7 @@ static void cast(const vxs_shadow_grid *grid, const vxs_epipolar *space, const v
     vxs_voxelize(z, grid->buffer, space, casters, count, VXS_VOXELS_COVERED, VXS_VOXELS_COVERED, all);
 }
 
-/* with_map  whether a map, or without its name the asset, says what stands */
+/* with_map  1: static shadow comes from `map`, or, if that is 0, from the asset */
 static void make_grid(vxs_shadow_grid *grid, int with_map, gl_name map, uint32_t runs, const vxs_casters *casters, uint32_t count)
 {
     vxs_epipolar space = space_of(&grid->volumes->frame);
@@ -171,15 +174,15 @@ void vxs_shadow_grid_make(vxs_shadow_grid *grid, gl_name map, uint32_t runs)
     make_grid(grid, 1, map, runs, NULL, 0);
 }
 
-vxs_result vxs_volumes_grid_cast(vxs_volumes *v, const vxs_volumes_light *light, const vxs_shadow_depth_map *map, vxs_shadow_grid *grid,
-                                 uint32_t runs, const vxs_casters *casters, uint32_t count)
+vxs_result vxs_volumes_grid_cast(vxs_volumes *v, const vxs_volumes_light *light, const vxs_shadow_depth_map *map,
+                                 vxs_shadow_grid *grid, uint32_t runs, const vxs_casters *casters, uint32_t count)
 {
     int is_alone = !map && light->constants;
     if (light->smoke || runs > SIDE_MAX || (is_alone && !count) || (count && !grid->voxelizer.volumes)) return VXS_E_ARGUMENT;
     if (!vxs_are_casters(casters, count, &grid->size)) return VXS_E_ARGUMENT;
     vxs_result result = vxs_volumes_set_light(v, light, map);
     if (result != VXS_OK) return result;
-    if (!map) v->frame.map_side_px = 1U << v->frame.light.levels; /* the asset is asked as a map of its own texels */
+    if (!map) v->frame.map_side_px = 1U << v->frame.light.levels; /* the asset is looked up like a map with its own texels */
     if (!runs) runs = is_sharp(&v->frame) ? RUNS_SHARP : RUNS;
     if (vxs_volumes_find_cull_result(v, &v->frame.pixels) != VXS_NOT_CULLED) return VXS_OK;
     storage_kept kept = vxs_volumes_keep_storage(v);

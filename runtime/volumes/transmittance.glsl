@@ -1,22 +1,24 @@
-/* Capsules as light rays meet them, and what curves say; behind vxs_curve.h. What layers there are, and how rays lie in them, say transmittance_light.glsl and
- * area_curves.glsl: where the texels are that may see a capsule (vxs_capsule_texels), and what it does to the ray of one (vxs_capsule_segment). */
+/* Capsules on light rays, and lookups of curves; after vxs_curve.h. transmittance_light.glsl and area_curves.glsl define the
+ * layers and their rays: which texels may see a capsule (vxs_capsule_texels), and the segment of a capsule on a texel's ray
+ * (vxs_capsule_segment). */
 struct vxs_capsule {
     vec3  begin;
-    float radius; /* 0: there is none */
+    float radius; /* 0: no capsule */
     vec3  end;
     float extinction;
 };
 
-/* As it is stored; one that is none is at the origin, and has no radius. */
+/* Decode a stored capsule; an invalid one is at the origin, with radius 0. */
 vxs_capsule vxs_capsule_stored(vec4 begin, vec4 end)
 {
     bool is_one = begin.w > 0.0 && begin.w < 1e12 && end.w > 0.0 && end.w < 1e30 && dot(begin.xyz, begin.xyz) < 1e24 && dot(end.xyz, end.xyz) < 1e24;
     return vxs_capsule(is_one ? begin.xyz : vec3(0.0), is_one ? begin.w : 0.0, is_one ? end.xyz : vec3(0.0), end.w);
 }
 
-/* What a capsule does to a ray.
- * way          of length 1;   per_metre  depth of a metre of the ray;   is_half  the ray has no part before `begin`;   opaque  the depth at which light ends
- * segment      [out] entry and exit, depths; what it lets through
+/* The segment of a capsule on a ray.
+ * way        of length 1;   per_metre  depth per metre of the ray
+ * is_half    the ray begins at `begin`;   opaque  the depth where light ends
+ * segment    [out] entry and exit depth; transmittance
  * Returns whether they meet */
 bool vxs_ray_segment(vxs_capsule c, vec3 begin, vec3 way, float per_metre, bool is_half, float opaque, out vec3 segment)
 {
@@ -40,12 +42,12 @@ void vxs_curve_store(uint texel, vxs_curve curve)
     }
 }
 
-/* What a texel's curve says: curves of other kinds say something of their own. */
+/* Transmittance by a texel's curve; other kinds of curves define their own. */
 #ifndef vxs_curve_left
 #define vxs_curve_left(texel, depth, exponential) vxs_curve_read(vxs_curve_words(texel), 0, VXS_CURVE_NODES, depth, exponential)
 #endif
 
-/* At a depth, between four texels of a layer. Beyond its border its last texels go on.   place  in texels */
+/* At a depth, interpolated between four texels of a layer. Border texels are repeated beyond the border.   place  in texels */
 float vxs_curves_left(vec2 place, int layer, float depth, int exponential)
 {
     ivec2 first = ivec2(floor(place - 0.5)), side = ivec2(vxs_frame.counts.w);

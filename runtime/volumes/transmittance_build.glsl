@@ -1,5 +1,6 @@
-/* The curve of each texel, of the segments in its list. Of a longer one than VXS_CURVE_SORTED_MOST the rest is inserted as it comes, so that drivers that end
- * an invocation's loops after 65535 rounds do so behind 30000 segments and not behind 3500; there the texel is counted. */
+/* Builds the curve of each texel from the segments in its list. Segments after the first VXS_CURVE_SORTED_MOST are inserted
+ * without sorting. So drivers that end loops after 65535 iterations do so after 30000 segments instead of 3500; such texels are
+ * counted. */
 #define VXS_CURVE_SORTED_MOST 2048
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -14,7 +15,7 @@ vec3 segment_at(uint n)
     return vec3(uintBitsToFloat(vxs_curves.words[at]), uintBitsToFloat(vxs_curves.words[at + 1u]), uintBitsToFloat(vxs_curves.words[at + 2u]));
 }
 
-/* By entry, then exit, then what is left: an order that does not depend on which was captured first. */
+/* Order by entry, then exit, then transmittance: it does not depend on the order of capture. */
 bool is_before(vec3 a, vec3 b)
 {
     if (a.x != b.x) return a.x < b.x;
@@ -31,7 +32,7 @@ void set_next(uint n, uint next)
     vxs_curves.words[vxs_curve_segment(n) + 3u] = next;
 }
 
-/* Of two sorted lists, neither empty.   Returns the first segment */
+/* Merge two sorted lists, neither of which is empty.   Returns the first segment */
 uint joined(uint a, uint b)
 {
     uint first = VXS_NO_SEGMENT, last = VXS_NO_SEGMENT;
@@ -52,7 +53,8 @@ uint joined(uint a, uint b)
     return first;
 }
 
-/* Merge sort, by links alone: list k is empty, or of 2^k segments, as a bit of their number.   list  [in, out] what is behind the first VXS_CURVE_SORTED_MOST stays */
+/* Merge sort of links. List k is empty or has 2^k segments, as bit k of their number.   list  [in, out] what follows the first
+ * VXS_CURVE_SORTED_MOST segments */
 uint sorted(inout uint list)
 {
     uint lists[16], all = VXS_NO_SEGMENT;
@@ -73,7 +75,8 @@ uint sorted(inout uint list)
     return all;
 }
 
-/* A segment that goes on behind what is opaque, as an engine may add them: what it takes before, as if it was evenly dense. */
+/* Cut a segment at an opaque depth, as those of the caller's shaders may continue behind it; its transmittance is that of the
+ * part before, as if density was constant. */
 vec3 ends_at(float opaque, vec3 segment)
 {
     return vec3(segment.x, opaque, pow(segment.z, max(opaque - segment.x, 0.0) / (segment.y - segment.x)));

@@ -1,14 +1,14 @@
-/* Segments that the caller's own shaders add; see vxs_transmittance.h. What these know of the map and its light stands in a storage buffer of its own, so that they
- * need none of the other texts.
+/* Segments that shaders of the caller add; see vxs_transmittance.h. The map and its light are described in a separate storage
+ * buffer, so that these shaders need no other texts.
  * SPDX-License-Identifier: MIT */
 #include <stdio.h>
 
 #include "transmittance_map.h"
 #include "vxs_space.h"
 
-/* As the text below has it (std430). */
+/* As in the text below (std430). */
 typedef struct segment_view {
-    float    metres_from_ws[6][3][4]; /* of each layer: along its axes */
+    float    metres_from_ws[6][3][4]; /* for each layer: along its axes */
     uint32_t side_px, layers, nodes, segment_room;
     float    texel_metres, is_sun, reserved[2];
 } segment_view;
@@ -37,7 +37,7 @@ vxs_result vxs_transmittance_map_texts(const vxs_transmittance_map *map, const c
     return VXS_OK;
 }
 
-/* Light space as a layer sees it, in metres. A map that is no cube has the axes of light space. */
+/* Rows from world to the light space of a layer, in metres. A map that is not a cube uses the axes of light space. */
 static void set_rows(const vxs_light_constants *light, uint32_t layer, float rows[3][4])
 {
     int is_sun = light->kind == VXS_LIGHT_KIND_DIRECTIONAL;

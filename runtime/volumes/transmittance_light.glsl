@@ -1,11 +1,11 @@
-/* The light's own maps as layers of curves, in place of area_curves.glsl. Places are metres along the axes of one of the light's maps: of lamps about the light, of
- * suns from the map's corner. */
+/* The light's own maps as layers of curves, instead of area_curves.glsl. Positions are metres along the axes of one of the
+ * light's maps: for punctual lights from the light, for suns from the map's corner. */
 bool vxs_is_sun()
 {
     return vxs_frame.light.kind == VXS_LIGHT_KIND_DIRECTIONAL;
 }
 
-/* How wide a texel is: of suns in metres, of lamps at one metre along the axis. */
+/* Width of a texel: for suns in metres, for punctual lights at one metre along the axis. */
 float vxs_curve_texel_size()
 {
     return vxs_frame.light.texel_metres * float(1u << vxs_frame.light.levels) / float(vxs_frame.counts.w);
@@ -29,7 +29,7 @@ vxs_capsule vxs_capsule_of(vec4 begin, vec4 end, int layer)
     return c;
 }
 
-/* Between which slopes x / z and y / z a ball before a lamp lies. */
+/* The range of slopes x / z and y / z of a ball before a punctual light. */
 vec4 vxs_ball_slopes(vec3 middle, float radius)
 {
     float far = (middle.z - radius) * (middle.z + radius);
@@ -37,7 +37,7 @@ vec4 vxs_ball_slopes(vec3 middle, float radius)
     return vec4(middle.xy * middle.z - root, middle.xy * middle.z + root) / far;
 }
 
-/* Texels of a layer whose rays may meet it.   box  [out] first, end   Returns whether there are any */
+/* Texels of a layer whose rays may meet a capsule.   box  [out] first, end   Returns whether there are any */
 bool vxs_capsule_texels(vxs_capsule c, int layer, out ivec4 box)
 {
     float side = float(vxs_frame.counts.w), middle = vxs_is_sun() ? 0.0 : 0.5 * side;
@@ -55,7 +55,7 @@ bool vxs_capsule_texels(vxs_capsule c, int layer, out ivec4 box)
     return box.z > box.x && box.w > box.y;
 }
 
-/* Metres along the map's axis where what is opaque begins in a texel; VXS_NO_END: nowhere. */
+/* Metres along the map's axis to where opaque shadow begins in a texel; VXS_NO_END: nowhere. */
 float vxs_opaque_depth(ivec3 texel)
 {
     if ((vxs_frame.counts.z & VXS_CURVE_OPAQUE) == 0u) return VXS_NO_END;
@@ -65,7 +65,7 @@ float vxs_opaque_depth(ivec3 texel)
     return vxs_is_sun() ? first * vxs_frame.light.voxel_metres : first;
 }
 
-/* What a capsule does to the ray of a texel before an opaque depth, as for vxs_ray_segment. */
+/* The segment of a capsule on the ray of a texel, before an opaque depth; as vxs_ray_segment. */
 bool vxs_capsule_segment(vxs_capsule c, ivec3 texel, float opaque, out vec3 segment)
 {
     float size = vxs_curve_texel_size(), side = float(vxs_frame.counts.w);
@@ -75,7 +75,7 @@ bool vxs_capsule_segment(vxs_capsule c, ivec3 texel, float opaque, out vec3 segm
     return vxs_ray_segment(c, vec3(0.0), way * per_metre, per_metre, true, opaque, segment);
 }
 
-/* How much light is left at a place: outside the map there is no smoke. */
+/* Transmittance of smoke between the light and a position; 1 outside of the map. */
 float vxs_transmittance(vec3 at, int exponential)
 {
     vec3  ls;

@@ -1,12 +1,12 @@
-/* Lists of segments, which are bounded; behind curves.glsl. What they have no room for is merged, into the record of its texel. */
-/* Integers in the order of the numbers. */
+/* Lists of segments, of limited capacity; after curves.glsl. Segments without room are merged into the record of their texel. */
+/* Unsigned integers in the order of the floats. */
 uint vxs_ordered(float x)
 {
     uint bits = floatBitsToUint(x);
     return (bits & 0x80000000u) != 0u ? ~bits : bits | 0x80000000u;
 }
 
-/* Into the list of a texel.   segment  entry, exit, depths; what it lets through */
+/* Add a segment to the list of a texel.   segment  entry and exit depth; transmittance */
 void vxs_list_add(ivec3 texel, vec3 segment)
 {
     uint record = vxs_curve_record(vxs_curve_texel(texel)), n = atomicAdd(vxs_curves.segments, 1u);

@@ -1,5 +1,5 @@
-/* Maps of transmittance curves; see vxs_transmittance.h. One storage buffer: counts, curves, and, with lists, a record for each texel and segments
- * (curves.glsl).
+/* Maps of transmittance curves; see vxs_transmittance.h. One storage buffer has the counts, the curves, and, with lists, a
+ * record for each texel and the segments (curves.glsl).
  * SPDX-License-Identifier: MIT */
 #include <stdio.h>
 
@@ -43,16 +43,16 @@ void vxs_transmittance_names(const vxs_transmittance_map *map, char names[TRANSM
     snprintf(names, TRANSMITTANCE_NAMES, "#define VXS_USES_CURVES\n#define VXS_CURVE_MOST %u\n", map->nodes);
 }
 
-/* create --------------------------------------------------------------------------------------------------------------------------- */
+/* create ----------------------------------------------------------------------------------------------------------------------- */
 
-/* Those of a program that maps with as many nodes share, which is made when the first of them is. */
+/* Programs that are shared by maps with the same number of nodes; compiled for the first of these maps. */
 static gl_name make_program(vxs_volumes *v, gl_name *made, const char *names, const char *body)
 {
     if (!*made) *made = vxs_volumes_compute(v, names, body);
     return *made;
 }
 
-/* What reads curves of any map. */
+/* Programs that read curves of any map. */
 static int make_readers(vxs_volumes *v)
 {
     static const struct {
@@ -70,7 +70,7 @@ static int make_readers(vxs_volumes *v)
     return 1;
 }
 
-/* What writes those of this one. */
+/* Programs that write curves of this map. */
 static int make_writers(vxs_transmittance_map *map)
 {
     vxs_volumes *v  = map->volumes;
@@ -149,7 +149,7 @@ void vxs_transmittance_map_destroy(vxs_transmittance_map *map)
     vxs_volumes_give_back(map->volumes, map, sizeof *map);
 }
 
-/* build ---------------------------------------------------------------------------------------------------------------------------- */
+/* build ------------------------------------------------------------------------------------------------------------------------ */
 
 void vxs_transmittance_set(const vxs_transmittance_map *map, const vxs_shadow_depth_map *opaque, uint32_t capsule_count)
 {
@@ -177,7 +177,7 @@ void vxs_transmittance_run(const vxs_transmittance_map *map, gl_name program, co
     dispatch(map->volumes, program, opaque, groups, groups, map->layers);
 }
 
-/* No segments, and in each texel's record an empty list and nothing that was merged. */
+/* Reset: no segments, and in each texel's record an empty list without merged segments. */
 static void clear(const vxs_transmittance_map *map)
 {
     static const uint32_t record[4] = {UINT32_MAX, UINT32_MAX, 0, 0x3f800000};
@@ -188,7 +188,7 @@ static void clear(const vxs_transmittance_map *map)
                                  (gl_bytes)(texels_of(map) * RECORD_BYTES), GL_FORMAT_RGBA_INTEGER, GL_TYPE_UNSIGNED_INT, record);
 }
 
-/* So that a workgroup of 64 goes no more than 16384 times round its texels. */
+/* Number of parts such that a workgroup of 64 needs at most 16384 iterations for its texels. */
 static uint32_t capture_parts(const vxs_transmittance_map *map)
 {
     enum { TEXELS = 64 * 16384 };
@@ -213,8 +213,8 @@ static int is_of_its_light(const vxs_transmittance_map *map, const vxs_shadow_de
     return opaque->layers == map->layers && opaque->is_baked == map->is_baked && (!map->is_baked || opaque->baked == map->baked);
 }
 
-vxs_result vxs_transmittance_map_build_drawn(vxs_transmittance_map *map, const vxs_capsules *capsules, const vxs_shadow_depth_map *opaque,
-                                             void (*draw)(void *user), void *user)
+vxs_result vxs_transmittance_map_build_drawn(vxs_transmittance_map *map, const vxs_capsules *capsules,
+                                             const vxs_shadow_depth_map *opaque, void (*draw)(void *user), void *user)
 {
     if (capsules->count > map->capsule_room || (capsules->count && !capsules->list && !capsules->buffer)) return VXS_E_ARGUMENT;
     if ((opaque && !is_of_its_light(map, opaque)) || (draw && !map->segment_room)) return VXS_E_ARGUMENT;
@@ -246,7 +246,7 @@ unsigned vxs_transmittance_map_buffer(const vxs_transmittance_map *map)
     return map->buffer;
 }
 
-/* look up -------------------------------------------------------------------------------------------------------------------------- */
+/* look up ---------------------------------------------------------------------------------------------------------------------- */
 
 static int is_lookup(vxs_curve_lookup how)
 {

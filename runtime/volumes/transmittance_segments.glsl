@@ -1,4 +1,5 @@
-/* What the shaders of an engine call that add segments to a map's lists; behind transmittance_lists.glsl. Places are as all places that the library is given, metres. */
+/* Functions for the caller's shaders that add segments to a map's lists; after transmittance_lists.glsl. Positions are those of
+ * the library's interface, in metres. */
 vec3 vxs_segment_metres(vec3 at, int layer)
 {
     vec4 place = vec4(at, 1.0);
@@ -12,8 +13,8 @@ ivec3 vxs_segment_texels()
     return ivec3(vxs_view.shape.xxy);
 }
 
-/* What a vertex shader gives as gl_Position, so that in a viewport of as many pixels as a layer has texels the fragment at a texel's place is the texel's.
- * No depth cuts it. */
+/* gl_Position for a vertex shader: in a viewport with the size of a layer, fragment (x, y) is texel (x, y). Depth never clips
+ * it. */
 vec4 vxs_segment_position(vec3 at, int layer)
 {
     vec3  place = vxs_segment_metres(at, layer);
@@ -22,7 +23,8 @@ vec4 vxs_segment_position(vec3 at, int layer)
     return vec4(2.0 * place.xy / wide, 0.0, place.z);
 }
 
-/* Where the light ray through a texel's centre is in the layer's axes.   way  [out] of length 1;   Returns where it begins: at the lamp, or where a sun's map begins */
+/* The light ray through a texel's centre, in the axes of the layer.   way  [out] direction, of length 1;   Returns its origin:
+ * the lamp, or a point where a sun's map begins */
 vec3 vxs_segment_axes(ivec3 texel, out vec3 way)
 {
     vec2 at = (vec2(texel.xy) + 0.5) * vxs_view.texel_metres;
@@ -32,18 +34,19 @@ vec3 vxs_segment_axes(ivec3 texel, out vec3 way)
     return vec3(0.0);
 }
 
-/* That ray in the world.   from  [out] where it begins;   Returns its way, of length 1 */
+/* That ray in the world.   from  [out] origin;   Returns its direction, of length 1 */
 vec3 vxs_segment_ray(ivec3 texel, out vec3 from)
 {
     vec3 way, begin = vxs_segment_axes(texel, way);
     vec4 rows[3] = vec4[3](vxs_view.metres_from_ws[3 * texel.z], vxs_view.metres_from_ws[3 * texel.z + 1], vxs_view.metres_from_ws[3 * texel.z + 2]);
-    mat3 world = mat3(rows[0].xyz, rows[1].xyz, rows[2].xyz); /* axes are at right angles */
+    mat3 world = mat3(rows[0].xyz, rows[1].xyz, rows[2].xyz); /* axes are orthogonal */
     from = world * (begin - vec3(rows[0].w, rows[1].w, rows[2].w));
     return world * way;
 }
 
-/* What lets a part of the light through, from entry to exit, metres along that ray. What lies before a lamp is cut off, as if it was evenly dense. What is no such
- * segment is not added: of a texel that is not there, of numbers that are none, without an end, all clear. */
+/* Add a segment with a transmittance, from entry to exit, metres along that ray. The part before a lamp is cut off, as if
+ * density was constant. Segments are ignored if the texel does not exist, if a number is NaN or infinite, or if they take no
+ * light. */
 void vxs_add_segment(ivec3 texel, float entry, float exit, float left)
 {
     vec3 way;

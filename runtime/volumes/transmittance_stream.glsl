@@ -1,4 +1,5 @@
-/* A workgroup for each tile of texels: 64 capsules at a time, it marks those that the tile may see, and each texel inserts them, in their order. */
+/* A workgroup for each tile of texels. It marks 64 capsules at a time that may overlap the tile; each texel inserts these, in
+ * order. */
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(std430, binding = VXS_AT_GRID + 1) readonly restrict buffer vxs_capsules_buffer { vec4 capsules[]; };
 shared vec4 begins[64], ends[64];
@@ -46,7 +47,8 @@ void main()
         }
         barrier();
     }
-    if (is_one && (first < count || bits != 0u || pieces.next <= pieces.last)) atomicAdd(vxs_curves.cut, 1u); /* a driver ended the loops */
+    /* a driver ended the loops */
+    if (is_one && (first < count || bits != 0u || pieces.next <= pieces.last)) atomicAdd(vxs_curves.cut, 1u);
     vxs_curve_insert(curve, VXS_CURVE_MOST, opaque, opaque, 0.0);
     if (is_one) vxs_curve_store(vxs_curve_texel(texel), curve);
 }

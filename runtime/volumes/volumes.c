@@ -130,9 +130,9 @@ unsigned vxs_volumes_airlight(const vxs_volumes *v)
     return v->airlight;
 }
 
-/* a frame ------------------------------------------------------------------------------------------------------------------------- */
+/* a frame ---------------------------------------------------------------------------------------------------------------------- */
 
-/* What vxs_medium asks for. */
+/* Whether the medium is valid, as vxs_medium requires. */
 static int is_medium(const vxs_volumes_frame *f)
 {
     for (int n = 0; n < 3; n++)
@@ -172,11 +172,12 @@ vxs_result vxs_volumes_begin(vxs_volumes *v, const vxs_volumes_frame *f)
     memcpy(to->extinction, f->extinction, sizeof to->extinction);
     memcpy(to->ambient, f->ambient, sizeof to->ambient);
     v->api.ClearTexImage(v->airlight, 0, GL_FORMAT_RGBA, GL_TYPE_FLOAT, NULL);
-    v->api.ClearNamedBufferSubData(v->cut_buffer, GL_FORMAT_R32UI, 0, sizeof(uint32_t), GL_FORMAT_RED_INTEGER, GL_TYPE_UNSIGNED_INT, NULL);
+    v->api.ClearNamedBufferSubData(v->cut_buffer, GL_FORMAT_R32UI, 0, sizeof(uint32_t), GL_FORMAT_RED_INTEGER, GL_TYPE_UNSIGNED_INT,
+                                   NULL);
     return VXS_OK;
 }
 
-/* Places from the matrix, whose inverse is that of a rotation but for a sun's scale. */
+/* The positions come from the matrix; its inverse is that of a rotation, except for a sun's scale. */
 vxs_result vxs_volumes_set_light(vxs_volumes *v, const vxs_volumes_light *light, const vxs_shadow_depth_map *map)
 {
     frame_block *to = &v->frame;

@@ -1,4 +1,4 @@
-/* The context's state: what a pass needs of it, and as it was; see volumes_state.h.
+/* State of the OpenGL context: set for a pass, and restored; see volumes_state.h.
  * SPDX-License-Identifier: MIT */
 #include "volumes_state.h"
 
@@ -26,7 +26,7 @@ static const struct {
     [UNIT_MESH]   = {GL_TARGET_TEXTURE_BUFFER, GL_IS_TEXTURE_BUFFER},
 };
 
-/* A texture and no sampler on a unit; what was there is kept. */
+/* Bind a texture to a unit, without a sampler; remember the previous bindings. */
 static void bind_unit(const vxs_volumes *v, int unit, gl_name texture, volumes_kept *kept)
 {
     v->api.ActiveTexture(GL_UNIT_0 + v->first_unit + (gl_enum)unit);
@@ -36,7 +36,7 @@ static void bind_unit(const vxs_volumes *v, int unit, gl_name texture, volumes_k
     v->api.BindSampler(v->first_unit + (gl_name)unit, 0);
 }
 
-/* A part of a buffer, or, where that is 0, all of it. */
+/* Bind a part of a buffer; a size of 0: the whole buffer. */
 static void bind_as_it_was(const vxs_volumes *v, gl_enum target, gl_name binding, int buffer, int64_t start, int64_t size)
 {
     if (buffer && size)
@@ -122,7 +122,7 @@ void vxs_volumes_put_back_storage(const vxs_volumes *v, const storage_kept *kept
     v->api.BindBuffer(GL_TARGET_STORAGE_BUFFER, (gl_name)kept->buffer);
 }
 
-/* drawing -------------------------------------------------------------------------------------------------------------------------- */
+/* drawing ---------------------------------------------------------------------------------------------------------------------- */
 
 static void enable(const vxs_volumes *v, gl_enum what, int on)
 {

@@ -1,4 +1,5 @@
-/* The OpenGL 4.5 that libvxs_volumes calls, by its own names: no header of OpenGL is needed to build it. Not installed.
+/* The OpenGL 4.5 functions that libvxs_volumes calls, under its own names, so that no OpenGL header is needed to build it. Not
+ * installed.
  * SPDX-License-Identifier: MIT */
 #ifndef VOLUMES_GL_H
 #define VOLUMES_GL_H
@@ -81,7 +82,7 @@ enum {
     GL_MOST_BUFFER_TEXELS       = 0x8C2B,
 };
 
-/* Beside what libvxs_gl calls: result, name without "gl", arguments. */
+/* In addition to those of libvxs_gl: result, name without "gl", arguments. */
 /* clang-format off */
 #define VOLUMES_API(X)                                                                                                   \
     GL_API(X)                                                                                                            \

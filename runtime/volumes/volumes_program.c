@@ -5,8 +5,8 @@
 
 #include "volumes_state.h"
 
-/* A program begins with what vxs_gl gives all of them, in the language of OpenGL 4.5 whatever that of the caller's own, and what all in this
- * library have. */
+/* A program begins with the texts of vxs_gl, for OpenGL 4.5 whatever language the caller uses, and the texts common to this
+ * library. */
 enum { TEXTS = VXS_GL_TEXTS + 40, LOG_BYTES = 1024 };
 
 static void texts_of(const vxs_volumes *v, gl_enum kind, char *own, size_t own_size, const char *names, const char *body,
@@ -120,7 +120,7 @@ gl_name vxs_volumes_raster(const vxs_volumes *v, const char *names, const char *
 
 void vxs_volumes_forget_error(const vxs_volumes *v)
 {
-    for (int n = 0; n < 16 && v->api.GetError() != GL_ERROR_NONE; n++) continue; /* a lost context says it for ever */
+    for (int n = 0; n < 16 && v->api.GetError() != GL_ERROR_NONE; n++) continue; /* a lost context returns errors for ever */
 }
 
 gl_name vxs_volumes_texture(const vxs_volumes *v, gl_enum format, uint32_t wide, uint32_t high, uint32_t layers)

@@ -1,4 +1,4 @@
-/* The object of vxs_volumes.h, and what techniques share. Not installed.
+/* The object of vxs_volumes.h, and what the techniques share. Not installed.
  * SPDX-License-Identifier: MIT */
 #ifndef VOLUMES_STATE_H
 #define VOLUMES_STATE_H
@@ -6,13 +6,13 @@
 #include "volumes_gl.h"
 #include "vxs_volumes.h"
 
-/* As shaders have it (frame.glsl, std140). */
+/* As in shaders (frame.glsl, std140). */
 typedef struct frame_block {
     float               point_from_depth[16];
     float               eye[3], far_metres;
     float               wide_px, high_px, empty_depth, top_metres;
     float               scattering[3], anisotropy;
-    float               extinction[3], two; /* a number that a compiler of shaders does not know */
+    float               extinction[3], two; /* `two` is 2, unknown to the shader compiler */
     float               ambient[3], reserved_1;
     float               colour[3], radius_metres;
     float               place[3], cos_inner;
@@ -22,13 +22,13 @@ typedef struct frame_block {
     uint32_t            map_side_px, map_layers, first, end;
     vxs_pixels          pixels;
     uint32_t            counts[4];
-    float               clip_from_ls[16], eye_from_ls[16]; /* of a mesh; the second also of casters */
+    float               clip_from_ls[16], eye_from_ls[16]; /* for meshes; the second also for casters */
     float               mesh_low, mesh_high, mesh_texel, mesh_turn;
     float               mesh_least, mesh_reach, mesh_scale, error_texels;
     float               box_low[4], box_high[4];
 } frame_block;
 
-/* Places in the context, from those of the caller on. */
+/* Binding offsets in the context, from the caller's first binding on. */
 enum { UNIT_DEPTHS, UNIT_MAP, UNIT_OTHER, UNIT_MESH, UNITS, FRAME_BINDING = 0, IMAGE_BINDING = 0, STORAGES = 3 };
 
 typedef enum volumes_program {
@@ -44,7 +44,7 @@ typedef enum volumes_program {
     VOLUMES_PROGRAMS,
 } volumes_program;
 
-/* Programs that read curves of any map, made with the first one. */
+/* Programs that read curves of any map; compiled with the first map. */
 typedef enum curves_program {
     PROGRAM_SMOKE_MARCH_MAP,
     PROGRAM_SMOKE_MARCH_ASSET,
@@ -52,7 +52,7 @@ typedef enum curves_program {
     CURVES_PROGRAMS
 } curves_program;
 
-/* Programs of all maps with as many nodes: 4, 8, 12, 16. */
+/* Programs shared by maps with the same number of nodes: 4, 8, 12, 16. */
 typedef enum nodes_program {
     PROGRAM_CURVES_CAPTURE,
     PROGRAM_CURVES_BUILD,
@@ -69,12 +69,12 @@ struct vxs_volumes {
     void       *user;
     vxs_gl     *shadows;
     uint32_t    width_px, height_px, first_unit, first_storage;
-    gl_name     airlight, frame_buffer, vertex_array, target; /* target: to draw into airlight */
-    gl_name     cut_buffer;                                   /* how many rays of the frame were cut short */
+    gl_name     airlight, frame_buffer, vertex_array, target; /* target: a framebuffer that draws into airlight */
+    gl_name     cut_buffer;                                   /* the number of rays of the frame that were cut short */
     gl_name     programs[VOLUMES_PROGRAMS], curves[CURVES_PROGRAMS], maps[NODES_KINDS][NODES_PROGRAMS];
     frame_block frame;
-    float       frame_least, least; /* as vxs_volumes_frame has it; and that of the light */
-    gl_name     depth_texture; /* of the frame; 0: none has begun */
+    float       frame_least, least; /* min_radiance of the frame; that of the light */
+    gl_name     depth_texture;      /* of the frame; 0: no frame has begun */
 };
 
 struct vxs_shadow_depth_map {
@@ -82,53 +82,54 @@ struct vxs_shadow_depth_map {
     vxs_light_constants constants; /* of a light that is not baked */
     uint32_t            baked, is_baked, side_px, layers;
     uint64_t            filled;        /* texels */
-    gl_name             first, joined; /* textures; joined: 0 where nothing moves */
+    gl_name             first, joined; /* textures; joined: 0 if nothing moves */
 };
 
 struct vxs_light_mesh {
     vxs_volumes *volumes;
     uint32_t     triangle_count;
-    gl_name      words, texture, vertex_array; /* one buffer of corners, then places */
+    gl_name      words, texture, vertex_array; /* one buffer: corners, then positions */
 };
 
-/* Memory, as asked for in the caller's desc. */
+/* Memory from the allocator of the caller's desc. */
 void *vxs_volumes_take(const vxs_volumes *v, size_t size);
 void  vxs_volumes_give_back(const vxs_volumes *v, void *memory, size_t size);
 
-/* A program of the texts that all have, and bodies of its own.
+/* Compile a program of the common texts and its own bodies.
  * names  lines of #define, or ""
- * Returns 0 when it does not compile. */
+ * Returns 0 if it does not compile. */
 gl_name vxs_volumes_compute(const vxs_volumes *v, const char *names, const char *body);
 gl_name vxs_volumes_raster(const vxs_volumes *v, const char *names, const char *vertex, const char *fragment);
 
-/* A texture of one level, not filtered.   layers  0: GL_TEXTURE_2D;   Returns 0 where there is no room. */
+/* A texture of one level, without filtering.   layers  0: GL_TEXTURE_2D;   Returns 0 if there is no memory. */
 gl_name vxs_volumes_texture(const vxs_volumes *v, gl_enum format, uint32_t wide, uint32_t high, uint32_t layers);
 
-/* A storage buffer.   Returns 0 where there is no room. */
+/* A storage buffer.   Returns 0 if there is no memory. */
 gl_name vxs_volumes_buffer(const vxs_volumes *v, uint64_t size_bytes);
 
 void vxs_volumes_forget_error(const vxs_volumes *v);
 
-/* What a technique changes of the context beside words and lights, as it was. */
+/* Previous context state that a technique changes, except words and lights. */
 typedef struct volumes_kept {
     int     program, active, textures[UNITS], samplers[UNITS];
     int     buffer, frame, image[6];
     int64_t frame_start, frame_size;
 } volumes_kept;
 
-/* Begin to use a program: the frame's block goes up and is bound, and the words and lights; depths, a map and an image, where they are not 0.
+/* Begin to use a program: upload and bind the frame's block, and bind words and lights; bind depths, a map and an image that are
+ * not 0.
  * map     a GL_TEXTURE_2D_ARRAY
- * image   bound to read and write, all its layers;  format  of it */
+ * image   bound for reading and writing, all its layers;  format  of it */
 volumes_kept vxs_volumes_use(const vxs_volumes *v, gl_name program, gl_name map, gl_name image, gl_enum format);
 
-/* Behind it. */
+/* Restore the state after a program. */
 void vxs_volumes_put_back(const vxs_volumes *v, const volumes_kept *kept);
 
-/* A dispatch between these two; map, image (RGBA32F) as above. */
+/* A dispatch with vxs_volumes_use before and vxs_volumes_put_back after it; map, image (RGBA32F) as above. */
 void vxs_volumes_run(const vxs_volumes *v, gl_name program, gl_name map, gl_name image, uint32_t groups_across,
                      uint32_t groups_down);
 
-/* Storage buffers of a technique, from the binding on that the caller gave; as they were. */
+/* Previous storage buffer bindings, from the caller's first binding on. */
 typedef struct storage_kept {
     int     buffer, buffers[STORAGES];
     int64_t starts[STORAGES], sizes[STORAGES];
@@ -138,23 +139,24 @@ storage_kept vxs_volumes_keep_storage(const vxs_volumes *v);
 void         vxs_volumes_use_storage(const vxs_volumes *v, gl_name first, gl_name second);
 void         vxs_volumes_put_back_storage(const vxs_volumes *v, const storage_kept *kept);
 
-/* What drawing changes beside that. */
+/* Previous state that drawing changes in addition. */
 typedef struct raster_kept {
     int           array, viewport[4], scissor[4], framebuffer, blend[6], polygon[2], front, clip[2];
     unsigned char mask[4], blends, enabled[7];
 } raster_kept;
 
-/* Begin to draw the frame's pixels: no tests, both sides of faces, colour and alpha, one buffer that is added to as the caller says. */
+/* Begin to draw the frame's pixels: no tests, both sides of faces, colour and alpha, one buffer with additive blending as given. */
 raster_kept vxs_volumes_draw(const vxs_volumes *v, gl_enum source, gl_enum destination, gl_enum destination_alpha);
 void        vxs_volumes_put_back_raster(const vxs_volumes *v, const raster_kept *kept);
 
-/* The light of what follows, for shaders.   map  NULL: none.   Returns VXS_OK; VXS_E_ARGUMENT without a frame or such a light. */
+/* Set the light for the shaders that follow.   map  NULL: none.   Returns VXS_OK; VXS_E_ARGUMENT without a frame, or if the
+ * light is invalid. */
 vxs_result vxs_volumes_set_light(vxs_volumes *v, const vxs_volumes_light *light, const vxs_shadow_depth_map *map);
 
-/* The most airlight of it that a ray can have. */
+/* Upper bound of its airlight over all rays. */
 double vxs_volumes_find_most(const vxs_volumes *v);
 
-/* Which of the frame's pixels may see that light.   Returns why there are none */
+/* The pixels of the frame that may see that light.   Returns why there are none */
 vxs_cull_result vxs_volumes_find_cull_result(const vxs_volumes *v, vxs_pixels *pixels);
 
 /* Add its airlight by a program, in groups of 8 x 8 pixels, where it may be seen. */
@@ -163,7 +165,7 @@ void vxs_volumes_add(vxs_volumes *v, gl_name program, gl_name map);
 /* Its constants. */
 const vxs_light_constants *vxs_shadow_depth_map_constants(const vxs_shadow_depth_map *map);
 
-/* The texts of shaders (made by the Makefile from the files of these names). */
+/* The texts of shaders; the Makefile generates them from the files of these names. */
 extern const char vxs_volumes_text_frame_glsl[], vxs_volumes_text_first_shadow_glsl[], vxs_volumes_text_march_glsl[],
     vxs_volumes_text_intervals_glsl[], vxs_volumes_text_vxs_depths_h[], vxs_volumes_text_vxs_intervals_h[],
     vxs_volumes_text_map_fill_glsl[], vxs_volumes_text_map_join_glsl[], vxs_volumes_text_screen_vert_glsl[],
@@ -171,17 +173,17 @@ extern const char vxs_volumes_text_frame_glsl[], vxs_volumes_text_first_shadow_g
     vxs_volumes_text_mesh_frag_glsl[], vxs_volumes_text_mesh_whole_glsl[], vxs_volumes_text_mesh_quads_glsl[],
     vxs_volumes_text_mesh_split_glsl[], vxs_volumes_text_mesh_meet_glsl[], vxs_volumes_text_mesh_list_glsl[],
     vxs_volumes_text_vxs_mesh_quads_h[], vxs_volumes_text_vxs_light_mesh_h[], vxs_volumes_text_vxs_air_h[],
-    vxs_volumes_text_vxs_air_light_h[], vxs_volumes_text_vxs_air_ray_h[], vxs_volumes_text_vxs_air_path_h[], vxs_volumes_text_vxs_epipolar_h[],
-    vxs_volumes_text_vxs_shadow_grid_h[], vxs_volumes_text_grid_glsl[], vxs_volumes_text_grid_fill_glsl[],
-    vxs_volumes_text_grid_light_glsl[], vxs_volumes_text_voxelize_glsl[], vxs_volumes_text_or_scan_glsl[],
-    vxs_volumes_text_vxs_curve_h[], vxs_volumes_text_curves_glsl[], vxs_volumes_text_transmittance_glsl[],
-    vxs_volumes_text_capsule_glsl[], vxs_volumes_text_transmittance_capture_glsl[], vxs_volumes_text_transmittance_build_glsl[],
-    vxs_volumes_text_transmittance_stream_glsl[], vxs_volumes_text_transmittance_pass_glsl[],
-    vxs_volumes_text_transmittance_places_glsl[], vxs_volumes_text_transmittance_lists_glsl[],
-    vxs_volumes_text_transmittance_segments_glsl[], vxs_volumes_text_vxs_area_grid_h[], vxs_volumes_text_area_glsl[],
-    vxs_volumes_text_area_splat_glsl[], vxs_volumes_text_area_holes_glsl[], vxs_volumes_text_area_grids_glsl[],
-    vxs_volumes_text_area_map_glsl[], vxs_volumes_text_area_surface_glsl[], vxs_volumes_text_area_exact_glsl[],
-    vxs_volumes_text_area_gather_glsl[], vxs_volumes_text_area_show_glsl[], vxs_volumes_text_area_curves_glsl[],
-    vxs_volumes_text_transmittance_light_glsl[];
+    vxs_volumes_text_vxs_air_light_h[], vxs_volumes_text_vxs_air_ray_h[], vxs_volumes_text_vxs_air_path_h[],
+    vxs_volumes_text_vxs_epipolar_h[], vxs_volumes_text_vxs_shadow_grid_h[], vxs_volumes_text_grid_glsl[],
+    vxs_volumes_text_grid_fill_glsl[], vxs_volumes_text_grid_light_glsl[], vxs_volumes_text_voxelize_glsl[],
+    vxs_volumes_text_or_scan_glsl[], vxs_volumes_text_vxs_curve_h[], vxs_volumes_text_curves_glsl[],
+    vxs_volumes_text_transmittance_glsl[], vxs_volumes_text_capsule_glsl[], vxs_volumes_text_transmittance_capture_glsl[],
+    vxs_volumes_text_transmittance_build_glsl[], vxs_volumes_text_transmittance_stream_glsl[],
+    vxs_volumes_text_transmittance_pass_glsl[], vxs_volumes_text_transmittance_places_glsl[],
+    vxs_volumes_text_transmittance_lists_glsl[], vxs_volumes_text_transmittance_segments_glsl[], vxs_volumes_text_vxs_area_grid_h[],
+    vxs_volumes_text_area_glsl[], vxs_volumes_text_area_splat_glsl[], vxs_volumes_text_area_holes_glsl[],
+    vxs_volumes_text_area_grids_glsl[], vxs_volumes_text_area_map_glsl[], vxs_volumes_text_area_surface_glsl[],
+    vxs_volumes_text_area_exact_glsl[], vxs_volumes_text_area_gather_glsl[], vxs_volumes_text_area_show_glsl[],
+    vxs_volumes_text_area_curves_glsl[], vxs_volumes_text_transmittance_light_glsl[];
 
 #endif

@@ -42,7 +42,7 @@ int vxs_are_casters(const vxs_casters *casters, uint32_t count, const vxs_grid_s
     return 1;
 }
 
-/* Places as along, ahead and side of the axis, from the eye. */
+/* The matrix to coordinates along the axis, `ahead` and `side`, from the eye. */
 static void set_matrix(frame_block *f, const vxs_epipolar *space, const float point_from_place[16])
 {
     const double *const rows[3] = {space->axis, space->ahead, space->side};

@@ -1,24 +1,24 @@
-/* Triangles into a shadow grid, before its scan. All eye rays and light rays of a row run in one half plane, from the axis on: what it cuts of a triangle
- * is a segment there, along which phi and alpha only rise or only fall, so that each of them meets it once or not at all. So there are no seams, no poles and no
- * edges that are curved in angles.
+/* Voxelizes triangles into a shadow grid, before its scan. All eye rays and light rays of a row are in one half plane that
+ * begins at the axis. It cuts a triangle in a segment. Along the segment, phi and alpha only increase or only decrease, so that
+ * each ray meets it at most once. So there are no seams, no poles and no edges that are curved in angles.
  *
- *     across                   VXS_VOXELS_RAYS     light rays through the middles of voxels: a bit in the column in which shadow begins
- *       |       q              VXS_VOXELS_SOLID    eye rays through them: all bits before the segment change, and stay so where an odd number of
- *       |     /                                    segments is behind them [Eisemann 2008]
- *       |   p                  VXS_VOXELS_COVERED  all light rays of a voxel whose wedge the triangle is in: a bit where it is nearest to the
- *       *----------*--> along                      light; the scan sets the rest [Schwarz 2010]
+ *     across                 VXS_VOXELS_RAYS     light rays through the middles of voxels: a bit in the column where shadow begins
+ *       |       q            VXS_VOXELS_SOLID    eye rays through the middles: flips all bits before the segment; a bit stays
+ *       |     /                                  flipped if an odd number of segments is behind it [Eisemann 2008]
+ *       |   p                VXS_VOXELS_COVERED  all light rays of a voxel whose wedge the triangle touches: a bit where it is
+ *       *----------*--> along                    nearest to the light; the scan sets the rest [Schwarz 2010]
  *      eye       lamp
  *
- * A group takes 64 triangles, and shares the rows that all of them are in; groups that differ in y take turns with these. */
+ * A group processes 64 triangles and shares the rows of all of them; groups with different y process these rows in turn. */
 layout(local_size_x = 64) in;
 layout(std430, binding = VXS_AT_GRID + 1) readonly buffer vxs_places_block { float vxs_places[]; };
 layout(std430, binding = VXS_AT_GRID + 2) readonly buffer vxs_corners_block { uint vxs_corners[]; };
 shared vec3 corners[3 * 64];
 shared int  first_rows[64];
-shared uint ends[64]; /* how many rows there are up to the end of those of each triangle */
+shared uint ends[64]; /* running sum of the number of rows of each triangle */
 
-/* along, ahead and side of the axis.   counts: triangles; the first word of places, and words from one to the next; whether there are indices
- * Returns whether it is a place at all. */
+/* Coordinates along the axis, `ahead` and `side`. counts: triangles; the first word of positions, and their stride in words;
+ * whether there are indices. Returns whether the position is valid. */
 bool read_corner(uint corner, out vec3 place)
 {
     uvec4 counts = vxs_frame.counts;
@@ -40,7 +40,8 @@ float theta_of(vec3 place)
     return place.z < 0.0 ? -turn : turn;
 }
 
-/* The rows that a triangle may be in: the first, and how many, which may go on behind the seam. Where it is about the axis, or nearly, all. */
+/* The rows that a triangle may touch: the first, and how many, which may wrap around the seam. All rows if the triangle contains
+ * the axis, or nearly. */
 ivec2 rows_of(vxs_epipolar space, vxs_grid_size size, vec3 a, vec3 b, vec3 c)
 {
     const float spare = 0.01;
@@ -68,7 +69,7 @@ ivec2 rows_of(vxs_epipolar space, vxs_grid_size size, vec3 a, vec3 b, vec3 c)
     return ivec2(begin, max(end - begin, 0));
 }
 
-/* An eye that a triangle is before is in the dark: where the axis meets it, from the eye to the lamp. */
+/* The eye is in shadow if a triangle meets the axis between the eye and the light. */
 void darken_eye(vec3 a, vec3 b, vec3 c)
 {
     vec3  sides = vec3(b.y * c.z - b.z * c.y, c.y * a.z - c.z * a.y, a.y * b.z - a.z * b.y);
@@ -77,20 +78,21 @@ void darken_eye(vec3 a, vec3 b, vec3 c)
     if ((vxs_grid.axis.w == 0.0 || along < vxs_grid.axis.w) && vxs_grid.eye.x == 1) vxs_grid.eye.x = 0;
 }
 
-/* Where a segment is that has such signed distances at its ends. */
+/* The zero of a segment with these signed distances at its ends. */
 vec2 between(vec2 p, vec2 q, float at_p, float at_q)
 {
     float apart = at_p - at_q;
     return apart == 0.0 ? p : mix(p, q, clamp(at_p / apart, 0.0, 1.0));
 }
 
-/* How far a place (along, across) is on this side of a light ray: that of the axis.   turned  vxs_epipolar_turn_of phi */
+/* Signed distance of a point (along, across) from a light ray; positive on the side of the axis.   turned  vxs_epipolar_turn_of
+ * phi */
 float before_light_ray(vxs_epipolar space, vec2 turned, vec2 place)
 {
     return space.away > 0.0 ? turned.x * (space.away - place.x) - turned.y * place.y : turned.x - place.y;
 }
 
-/* How many bits, and columns, lie before a place. */
+/* Number of bits, and below of columns, before a point. */
 float bits_before(vxs_epipolar space, vxs_grid_size size, vec2 place)
 {
     float phi = space.away > 0.0 ? vxs_epipolar_angle(place.y, space.away - place.x) : place.y;
@@ -102,13 +104,13 @@ float columns_before(vxs_epipolar space, vxs_grid_size size, vec2 place)
     return vxs_grid_before(space.alpha, vxs_epipolar_angle(place.y, place.x), size.columns);
 }
 
-/* Those whose middles lie between two such numbers: the first and the end. */
+/* The voxels whose middles are between two such numbers: the first, and the end. */
 ivec2 middles_between(float a, float b, int count)
 {
     return ivec2(clamp(ceil(vec2(min(a, b), max(a, b)) - 0.5), 0.0, float(count)));
 }
 
-/* The way across the axis at theta, along ahead and side. */
+/* Unit vector across the axis at theta, in `ahead` and `side`. */
 vec2 way_at(float theta)
 {
     vec2 turned;
@@ -122,7 +124,8 @@ void set_bit(vxs_grid_size size, int column, int row, int bit)
 }
 
 #ifndef VXS_VOXELS_COVERED
-/* What the half plane of a row cuts of a triangle.   way  across the axis, along ahead and side;   Returns whether it does */
+/* The segment in which the half plane of a row cuts a triangle.   way  across the axis, in `ahead` and `side`;   Returns whether
+ * it cuts */
 bool cut(vec3 triangle[3], vec2 way, out vec2 p, out vec2 q)
 {
     vec2 found[2] = vec2[2](vec2(0.0), vec2(0.0));
@@ -131,7 +134,7 @@ bool cut(vec3 triangle[3], vec2 way, out vec2 p, out vec2 q)
         vec3  a = triangle[n], b = triangle[(n + 1) % 3];
         float at_a = way.x * a.z - way.y * a.y, at_b = way.x * b.z - way.y * b.y;
         if ((at_a < 0.0) == (at_b < 0.0)) continue;
-        if (at_a < 0.0) { /* the two triangles of an edge find the same place */
+        if (at_a < 0.0) { /* both triangles of an edge compute the same point */
             vec4 swapped = vec4(a, at_a);
             a = b;
             at_a = at_b;
@@ -152,7 +155,7 @@ bool cut(vec3 triangle[3], vec2 way, out vec2 p, out vec2 q)
 #endif
 
 #ifdef VXS_VOXELS_RAYS
-/* knobs.x: only what is in so many columns. */
+/* knobs.x: number of columns; shadow that begins behind them is left out. */
 void voxelize(vxs_epipolar space, vxs_grid_size size, int row, vec3 triangle[3])
 {
     vec2 p, q;
@@ -190,13 +193,14 @@ void voxelize(vxs_epipolar space, vxs_grid_size size, int row, vec3 triangle[3])
 #endif
 
 #ifdef VXS_VOXELS_COVERED
-/* A convex polygon of a triangle that planes through the axis cut. */
+/* A convex polygon: a triangle cut by planes through the axis. */
 struct polygon {
     vec3 at[5];
     int  count;
 };
 
-/* Its part on one side of such a plane; what rounding adds to the five corners that it can have is left out.   normal  across the axis */
+/* Clip a polygon to one side of such a plane. It can have five corners; further corners, which only rounding can add, are
+ * dropped.   normal  across the axis */
 void clip(inout polygon of, vec2 normal)
 {
     polygon part;
@@ -210,11 +214,11 @@ void clip(inout polygon of, vec2 normal)
     of = part;
 }
 
-/* The least alpha of a segment's part between two light rays; 4: it has none. */
+/* The smallest alpha of a segment's part between two light rays; 4: there is no such part. */
 float least_alpha(vxs_epipolar space, vec2 near_ray, vec2 far_ray, vec2 p, vec2 q)
 {
     float begin = 0.0, end = 1.0;
-    for (int n = 0; n < 2; n++) { /* what is negative is outside */
+    for (int n = 0; n < 2; n++) { /* negative: outside */
         float at_p = n == 0 ? -before_light_ray(space, near_ray, p) : before_light_ray(space, far_ray, p);
         float at_q = n == 0 ? -before_light_ray(space, near_ray, q) : before_light_ray(space, far_ray, q);
         if (max(at_p, at_q) < 0.0) return 4.0;
@@ -226,20 +230,20 @@ float least_alpha(vxs_epipolar space, vec2 near_ray, vec2 far_ray, vec2 p, vec2 
     return min(vxs_epipolar_angle(a.y, a.x), vxs_epipolar_angle(b.y, b.x));
 }
 
-/* A row is a wedge: places of it are taken to the half plane by their distance from the axis, where edges are bent, toward the axis, to no less than this
- * part of that distance; */
+/* A row is a wedge. Its points are moved to the half plane by their distance from the axis. This bends edges toward the axis, to
+ * at least this share of the distance, */
 float bent_part(vxs_epipolar space, vxs_grid_size size)
 {
     return cos(0.5 * (space.theta.y - space.theta.x) / float(size.rows));
 }
 
-/* and angles, at the eye and at a lamp, are off by no more than this. */
+/* and changes angles at the eye and at a lamp by at most this. */
 float bent_angle(float part)
 {
     return (1.0 - part) / (1.0 + part);
 }
 
-/* The first column of a bit that a polygon is in, or that it may be in as far as edges are bent; size.columns, or more: none. */
+/* The first column of a bit that a polygon touches, or may touch if its edges are bent; size.columns or more: none. */
 float first_column(vxs_epipolar space, vxs_grid_size size, int bit, vec2 places[5], int count)
 {
     float part = bent_part(space, size), off = bent_angle(part), alpha = 4.0;
@@ -247,7 +251,7 @@ float first_column(vxs_epipolar space, vxs_grid_size size, int bit, vec2 places[
     vec2  near_ray, far_ray;
     vxs_epipolar_turn_of(space, space.away > 0.0 ? max(begin - off, 0.0) : begin, near_ray);
     vxs_epipolar_turn_of(space, space.away > 0.0 ? min(end + off, VXS_AIR_PI) : end / part, far_ray);
-    for (int n = 1; n < count; n++) { /* edges of a fan of triangles: in the half plane, the polygon's own edges may cross */
+    for (int n = 1; n < count; n++) { /* edges of a fan of triangles, because in the half plane the polygon's own edges may cross */
         alpha = min(alpha, least_alpha(space, near_ray, far_ray, places[0], places[n]));
         if (n > 1) alpha = min(alpha, least_alpha(space, near_ray, far_ray, places[n - 1], places[n]));
     }

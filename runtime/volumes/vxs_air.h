@@ -1,29 +1,31 @@
-/* Light that a homogeneous medium scatters toward the eye, along a part of an eye ray that is all lit: one text for C99, C++, GLSL and
- * HLSL, that stands on vxs_air_ray.h.
+/* Airlight in a homogeneous medium, along a part of an eye ray that is fully lit: one text for C99, C++, GLSL and HLSL. Built on
+ * vxs_air_ray.h.
  *
  *     vxs_air_lamp         airlight of a spot or point light along a part of the ray
  *     vxs_air_sun          airlight of the sun along a part of the ray
  *
- * Distances are metres along the ray, whose direction has length 1, from the eye; the medium's numbers are per metre and colour channel.
- * Airlight is radiance for an intensity (lamps: candela, per steradian) or an irradiance (the sun: lux) of 1 in each channel: times the
- * light's colour it is what the eye sees.
+ * "Lamps" are punctual lights. Distances are metres along the ray from the eye; the ray's direction has length 1. The numbers of
+ * the medium are per metre and colour channel. Airlight is radiance for an intensity (punctual lights: candela, per steradian)
+ * or an irradiance (sun: lux) of 1 in each channel. Multiply it by the colour of the light to get what the eye sees.
  *
- *     lamp             Light that turns toward the eye at x has gone the way x + r, r from the lamp to there. That is `along` and a detour
- *       *              d = r + x - along, which only grows with x. For h = beside,
+ *     lamp             Light that scatters at x toward the eye has travelled x + r, where r is the distance from the lamp to x.
+ *       *              This is `along` plus a detour d = r + x - along, which increases with x. With h = beside:
  *       |`.  r
- *     h |  `.              r = (d^2 + h^2) / 2d        x = along + (d^2 - h^2) / 2d        d / h = tan(half the angle of scattering)
+ *     h |  `.              r = (d^2 + h^2) / 2d        x = along + (d^2 - h^2) / 2d        d / h = tan(half the scattering angle)
  *       |    `.
- *     --+------+-->  w Of an angle b with tan b = k d / h, k = (1 + g) / (1 - g), phase and falloff together are
+ *     --+------+-->    Let b be the angle with tan b = k d / h, k = (1 + g) / (1 - g). Then phase and falloff together are
  *     along    x
  *                          p / r^2 dx = sqrt((h^2 + d^2) / (h^2 + k^2 d^2)) / (2 pi h (1 - g)) db
  *
- *                      which is smooth and near to constant however sharp the phase is, and so is quadrature in b. No exponent is positive,
- *                      and nothing is a difference of what is nearly equal. A lamp's range is a factor 1 - (r / range)^4 of each node.
+ *                      This is smooth and nearly constant, however sharp the phase function is. So a quadrature in b needs few
+ *                      nodes. No exponent is positive, and no nearly equal numbers are subtracted. If a lamp has a
+ *                      range, each node is multiplied by 1 - (r / range)^4.
  *
- * The segment is cut where the detour has cost 1, 5, 21... units of optical depth, and ends at 24. Of a lamp with a range it is also cut at a third of the
- * range: what the range takes lies behind, where b hardly changes. Below the level top of fog, of a lamp above it, light's way through the fog may get
- * shorter along the ray: the segment is cut by what light loses from its bright end on.
- * Relative error, of 10^5 random rays of any optical depth from 1e-6 to 1e4 and g from -0.99 to 0.99: docs/measurements.md.
+ * The segment is split where the optical depth of the detour reaches 1, 5, 21..., and ends at 24. If the lamp has a range, the
+ * segment is also split at a third of the range: beyond that, the window of the range changes while b hardly does. In fog with a
+ * level top and with a lamp above it, the path through the fog may get shorter along the ray. Then the segment is split by
+ * optical depth, starting from its bright end.
+ * Relative error of 10^5 random rays with optical depths from 1e-6 to 1e4 and g from -0.99 to 0.99: docs/measurements.md.
  * Source: [Sun 2005] for airlight by angles; [Billeter 2010] for the sum over lit segments. The variable b is ours.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_AIR_H
@@ -40,17 +42,17 @@ typedef struct vxs_air_part vxs_air_part;
 #define VXS_AIR_PART vxs_air_part
 #endif
 
-#define VXS_AIR_DEPTH_MAX 24.0 /* units of optical depth behind which nothing is seen: e^-24 */
+#define VXS_AIR_DEPTH_MAX 24.0 /* optical depth beyond which light is ignored: e^-24 */
 #define VXS_AIR_PARTS     12
 
-/* x in [0, pi / 2], to 4e-6 of it: shading languages promise no relative error. */
+/* sin x, x in [0, pi / 2], with a relative error of 4e-6. Shading languages guarantee no relative error. */
 VXS_FN vxs_real vxs_air_sine(vxs_real x)
 {
     vxs_real s = x * x;
     return x * (1.0 + s * (-1.0 / 6.0 + s * (1.0 / 120.0 + s * (-1.0 / 5040.0 + s * (1.0 / 362880.0)))));
 }
 
-/* atan(y / x) in [0, pi / 2] of what is not negative, to 1e-6 of it: halved twice, then a series. */
+/* atan(y / x) in [0, pi / 2], x, y >= 0, with a relative error of 1e-6: the angle is halved twice, then a series. */
 VXS_FN vxs_real vxs_air_angle(vxs_real y, vxs_real x)
 {
     vxs_real most = y > x ? y : x;
@@ -62,7 +64,8 @@ VXS_FN vxs_real vxs_air_angle(vxs_real y, vxs_real x)
            (1.0 + s * (-1.0 / 3.0 + s * (1.0 / 5.0 + s * (-1.0 / 7.0 + s * (1.0 / 9.0 + s * (-1.0 / 11.0 + s * (1.0 / 13.0)))))));
 }
 
-/* Gauss-Legendre quadrature of 2, 4 or 8 nodes, in pairs about the middle: how far from it a node lies, of half a part, and its weight. */
+/* Gauss-Legendre quadrature of 2, 4 or 8 nodes, in pairs about the middle: the distance of node n from the middle, in half
+ * lengths of the part, and below its weight. */
 VXS_FN vxs_real vxs_air_offset(vxs_i32 pairs, vxs_i32 n)
 {
     if (pairs == 1) return VXS_REAL(0.5773502691896258);
@@ -79,11 +82,11 @@ VXS_FN vxs_real vxs_air_weight(vxs_i32 pairs, vxs_i32 n)
     return n == 2 ? VXS_REAL(0.2223810344533745) : VXS_REAL(0.1012285362903763);
 }
 
-/* A stretch of the ray, by the detours at its ends. */
+/* A part of the ray, described by detours at its ends. */
 struct vxs_air_part {
-    vxs_real detour, more;         /* at its begin; what is added to its end */
-    vxs_real wide;                 /* the angle b between them */
-    vxs_real near_begin, near_end; /* cos b of each */
+    vxs_real detour, more;         /* detour at its begin; increase of the detour to its end */
+    vxs_real wide;                 /* difference of the angle b between its ends */
+    vxs_real near_begin, near_end; /* cos b at its ends */
 };
 
 VXS_FN vxs_air_part vxs_air_part_of(VXS_AIR_RAY ray, vxs_real k, vxs_real detour, vxs_real more)
@@ -98,13 +101,13 @@ VXS_FN vxs_air_part vxs_air_part_of(VXS_AIR_RAY ray, vxs_real k, vxs_real detour
     return part;
 }
 
-/* k, by which b is as even as it gets. */
+/* k, with which the integrand over b is most even. */
 VXS_FN vxs_real vxs_air_sharpness(VXS_MEDIUM medium)
 {
     return (1.0 + VXS_FIELD(medium, anisotropy)) / (1.0 - VXS_FIELD(medium, anisotropy));
 }
 
-/* The part between two places of the ray: the detour at its begin, and what is more at its end, without a difference of what is nearly equal. */
+/* The part from `begin` on, of a given length. It computes the increase of the detour without subtracting nearly equal numbers. */
 VXS_FN vxs_air_part vxs_air_part_between(VXS_AIR_RAY ray, vxs_real k, vxs_real begin, vxs_real length)
 {
     vxs_real h = VXS_FIELD(ray, beside), y = begin - VXS_FIELD(ray, along), end = y + length;
@@ -112,7 +115,8 @@ VXS_FN vxs_air_part vxs_air_part_between(VXS_AIR_RAY ray, vxs_real k, vxs_real b
     return vxs_air_part_of(ray, k, detour, length * ((detour + vxs_air_detour(ray, end)) / sum_of_r));
 }
 
-/* How much longer the detour is at a share of the part's angle. The direction between two is their sum, weighed by sines: no term is negative. */
+/* Increase of the detour from the part's begin to a share, [0, 1], of the part's angle. The direction in between is a sum of
+ * both directions, weighted by sines: no term is negative. */
 VXS_FN vxs_real vxs_air_more_at(VXS_AIR_PART part, vxs_real share)
 {
     vxs_real wide = VXS_FIELD(part, wide), first = 1.0 - share, second = share;
@@ -125,14 +129,14 @@ VXS_FN vxs_real vxs_air_more_at(VXS_AIR_PART part, vxs_real share)
     return VXS_FIELD(part, more) * (second / (first + second));
 }
 
-/* How far from the part's begin that is, in metres: no difference, either. */
+/* Metres from the part's begin to there, also without a difference. */
 VXS_FN vxs_real vxs_air_metres_of(VXS_AIR_RAY ray, VXS_AIR_PART part, vxs_real more)
 {
     vxs_real h = VXS_FIELD(ray, beside), detour = VXS_FIELD(part, detour);
     return 0.5 * more * (1.0 + (h / detour) * (h / (detour + more)));
 }
 
-/* The way through the fog of light that turns there.   from  metres into the fog, of the part's begin */
+/* Length of the path through the fog of light that scatters there.   from  metres of fog before the part's begin */
 VXS_FN vxs_real vxs_air_node_way(VXS_AIR_RAY ray, VXS_AIR_PART part, vxs_real from, vxs_real more)
 {
     vxs_real h = VXS_FIELD(ray, beside), detour = VXS_FIELD(part, detour) + more;
@@ -140,8 +144,8 @@ VXS_FN vxs_real vxs_air_node_way(VXS_AIR_RAY ray, VXS_AIR_PART part, vxs_real fr
     return vxs_air_way(ray, from + vxs_air_metres_of(ray, part, more), 0.5 * (detour + h * (h / detour)));
 }
 
-/* What a node adds: phase and falloff but for what is the same at all nodes, a spot light's rim, and what is lost on the way.
- * more  detour behind the part's begin;   from  as above */
+/* Add a node: phase and falloff without the factors that all nodes share, the rim of a spot light, and the extinction on the path.
+ * more  increase of the detour from the part's begin;   from  metres of fog before the part's begin */
 VXS_FN void vxs_air_add_node(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real k, VXS_AIR_PART part, vxs_real from, vxs_real more,
                              vxs_real weight, VXS_INOUT vxs_real3 sum)
 {
@@ -158,15 +162,17 @@ VXS_FN void vxs_air_add_node(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real k, VXS
     sum[2] += weight * exp(-VXS_FIELD(medium, extinction)[2] * way);
 }
 
-/* How far from the lamp a detour leads, in ranges. */
+/* Distance from the lamp at a detour, divided by the range. */
 VXS_FN vxs_real vxs_air_part_of_range(VXS_AIR_RAY ray, vxs_real detour)
 {
     vxs_real h = VXS_FIELD(ray, beside);
     return 0.5 * (detour + h * (h / detour)) * VXS_FIELD(ray, per_range);
 }
 
-/* As many nodes as it changes: by what is lost, by b, by d / (d + h), where b says little because k is great, and by the range.
- * depth  optical, of the part, of the densest channel;   from  metres into the fog of its begin, which count below a level top */
+/* Add a part. The number of nodes depends on how much the integrand changes: by extinction, by b, by d / (d + h), where b is
+ * less useful because k is great, and by the range.
+ * depth  optical depth of the part, in the densest channel
+ * from   metres of fog before the part's begin; used below a level top */
 VXS_FN void vxs_air_add_part(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real k, VXS_AIR_PART part, vxs_real depth, vxs_real from,
                              VXS_INOUT vxs_real3 sum)
 {
@@ -178,7 +184,7 @@ VXS_FN void vxs_air_add_part(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real k, VXS
         vxs_real last  = vxs_air_part_of_range(ray, VXS_FIELD(part, detour) + VXS_FIELD(part, more));
         change += vxs_abs(last * last * last * last - first * first * first * first);
     }
-    vxs_i32  pairs  = change < 0.1 ? 1 : change < 0.7 ? 2 : 4;
+    vxs_i32 pairs = change < 0.1 ? 1 : change < 0.7 ? 2 : 4;
     for (vxs_i32 n = 0; n < pairs; n++) {
         vxs_real offset = 0.5 * vxs_air_offset(pairs, n), weight = 0.5 * vxs_air_weight(pairs, n) * wide;
         vxs_air_add_node(medium, ray, k, part, from, vxs_air_more_at(part, 0.5 - offset), weight, sum);
@@ -186,7 +192,7 @@ VXS_FN void vxs_air_add_part(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real k, VXS
     }
 }
 
-/* The extinction of the thinnest channel and of the densest. */
+/* extinction  [out] the smallest and the greatest of all channels */
 VXS_FN void vxs_air_extremes(VXS_MEDIUM medium, VXS_OUT vxs_real2 extinction)
 {
     extinction[0] = extinction[1] = VXS_FIELD(medium, extinction)[0];
@@ -197,8 +203,8 @@ VXS_FN void vxs_air_extremes(VXS_MEDIUM medium, VXS_OUT vxs_real2 extinction)
     }
 }
 
-/* Where the integrand changes its form, by detours: at the lamp, where phase and distance do, and where a third of its range is reached and left.
- * Sorted but for the last two.   Detours that are not on any ray are 0. */
+/* Detours where the integrand changes its form: near the lamp, where phase and distance change, and where the ray comes within a
+ * third of the range and leaves it. Sorted, except for the last two. Detours that are not on any ray are 0. */
 VXS_FN void vxs_air_cuts(VXS_AIR_RAY ray, vxs_real k, VXS_OUT vxs_real4 cuts)
 {
     vxs_real h = VXS_FIELD(ray, beside), sharp = h / sqrt(k), part = 3.0 * h * VXS_FIELD(ray, per_range);
@@ -210,7 +216,7 @@ VXS_FN void vxs_air_cuts(VXS_AIR_RAY ray, vxs_real k, VXS_OUT vxs_real4 cuts)
     cuts[3] = h * (h / cuts[2]);
 }
 
-/* Add the airlight of [begin, begin + length), but for what does not depend on it: of a lamp in the fog. */
+/* Add the airlight of [begin, begin + length), without the factors of vxs_air_finish, of a lamp in the fog. */
 VXS_FN void vxs_air_add_in_fog(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real begin, vxs_real length, VXS_INOUT vxs_real3 sum)
 {
     vxs_real     k = vxs_air_sharpness(medium);
@@ -236,8 +242,9 @@ VXS_FN void vxs_air_add_in_fog(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real begi
     }
 }
 
-/* How far to go from a place at most, forward (turn 1) or back (-1): to where phase and distance change, no more than four times as far
- * below the lamp, or as near, and so that light's way changes by about so many metres. */
+/* Length of the next step from a position, forward (turn 1) or back (-1), at most `rest`. It ends where phase and distance
+ * change, keeps the height below the lamp within a factor of 4, and changes the path length of the light by about `change`
+ * metres. */
 VXS_FN vxs_real vxs_air_step_below(VXS_AIR_RAY ray, vxs_real k, vxs_real from, vxs_real turn, vxs_real rest, vxs_real change)
 {
     vxs_real  rises = VXS_FIELD(ray, up) * turn, more = rest, height = VXS_FIELD(ray, above) + vxs_air_below_at(ray, from);
@@ -265,7 +272,8 @@ VXS_FN vxs_real vxs_air_step_below(VXS_AIR_RAY ray, vxs_real k, vxs_real from, v
     return low;
 }
 
-/* The same as vxs_air_add_in_fog of a lamp above its top: from the end of the part on whose light comes the shorter way. */
+/* The same as vxs_air_add_in_fog, of a lamp above the top of the fog. It starts at the end of the part with the shorter light
+ * path. */
 VXS_FN void vxs_air_add_below(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real begin, vxs_real length, VXS_INOUT vxs_real3 sum)
 {
     vxs_real  k = vxs_air_sharpness(medium), from = begin - VXS_FIELD(ray, in_fog), rest = length, depth = VXS_REAL(1.0);
@@ -277,7 +285,8 @@ VXS_FN void vxs_air_add_below(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real begin
         from += length;
         way = behind;
     }
-    vxs_real first = way, seen = (first - from) * dense[0] + VXS_AIR_DEPTH_MAX; /* by the eye's part of the way alone */
+    /* bounded by the path from there to the eye alone */
+    vxs_real first = way, seen = (first - from) * dense[0] + VXS_AIR_DEPTH_MAX;
     if (turn > 0.0 && rest * dense[0] > seen) rest = seen / dense[0];
     for (vxs_i32 n = 1; rest > 0.0 && n <= VXS_AIR_PARTS; n++) {
         vxs_real more = rest;
@@ -302,15 +311,16 @@ VXS_FN void vxs_air_add(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real begin, vxs_
         vxs_air_add_in_fog(medium, ray, begin, length, sum);
 }
 
-/* What a sum of nodes is times, for an intensity of 1. */
+/* Factor of a sum of nodes, for an intensity of 1. */
 VXS_FN vxs_real vxs_air_node_scale(VXS_MEDIUM medium, VXS_AIR_RAY ray)
 {
     return 1.0 / (2.0 * VXS_AIR_PI * (1.0 - VXS_FIELD(medium, anisotropy)) * VXS_FIELD(ray, beside));
 }
 
-/* Add what a spot light lights before its inner cone and behind it: at the ends of that its rim has kinks. What lies in the inner cone is
- * left to the caller; of a point light, all.
- * part  [in, out] begin and length; a length that is not positive: nothing is left */
+/* Add the airlight between the outer and the inner cone of a spot light, before and behind the inner cone. The rim has kinks
+ * where the inner cone begins and ends, so the integral is split there. The part in the inner cone is left to the caller; of a
+ * point light, the whole part is.
+ * part  [in, out] begin and length; if the length is not positive, nothing is left */
 VXS_FN void vxs_air_add_rims(VXS_MEDIUM medium, VXS_AIR_RAY ray, VXS_INOUT vxs_real2 part, VXS_INOUT vxs_real3 sum)
 {
     vxs_real2 lit, full;
@@ -328,7 +338,7 @@ VXS_FN void vxs_air_add_rims(VXS_MEDIUM medium, VXS_AIR_RAY ray, VXS_INOUT vxs_r
     part[1] = full[1] - full[0];
 }
 
-/* What airlight does not owe to its place. */
+/* Multiply by the factors that do not depend on the position. */
 VXS_FN void vxs_air_finish(VXS_MEDIUM medium, VXS_AIR_RAY ray, VXS_INOUT vxs_real3 sum)
 {
     vxs_real scale = vxs_air_node_scale(medium, ray);
@@ -337,8 +347,8 @@ VXS_FN void vxs_air_finish(VXS_MEDIUM medium, VXS_AIR_RAY ray, VXS_INOUT vxs_rea
     sum[2] *= scale * VXS_FIELD(medium, scattering)[2];
 }
 
-/* begin, length  of the part of the ray, >= 0, finite; within the lamp's range (vxs_air_in_range), if it has one; of a spot light's, what lies in
- *                its cone counts
+/* begin, length  of the part of the ray, >= 0, finite; it must be in the lamp's range, if it has one (vxs_air_in_range); for a
+ *                spot light, only what is in its cone counts
  * airlight       [out] */
 VXS_FN void vxs_air_lamp(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real begin, vxs_real length, VXS_OUT vxs_real3 airlight)
 {
@@ -358,19 +368,20 @@ VXS_FN vxs_real vxs_air_mean_left(vxs_real x)
     return (1.0 - exp(-x)) / x;
 }
 
-/* The mean of exp(-dense * way) where a way changes by `change` about a middle. */
+/* Mean of exp(-dense * way), where the path length `way` at the middle varies linearly by `change` in all. */
 VXS_FN vxs_real vxs_air_mean_about(vxs_real dense, vxs_real way, vxs_real change)
 {
     vxs_real nearer = way - 0.5 * change; /* no exponent is positive */
     return exp(-dense * (nearer > 0.0 ? nearer : VXS_REAL(0.0))) * vxs_air_mean_left(dense * change);
 }
 
-/* The light that reaches x and turns there has gone way + slope * (x - begin) through the medium until it meets the eye. Without a top of
- * the fog, way = begin and slope = 1: what it went before is in the sun's colour. Below a top, for a ray that is in fog from `in` on and a sun
- * that stands at to_sun, of length 1, way = begin - in + (top - height at begin) / to_sun.y, slope = 1 - up / to_sun.y.
- * cosine         between the ray and the way to the sun
- * begin, length  of the part of the ray: length >= 0, finite
- * airlight       [out] */
+/* Light that scatters at x has a path of length way + slope * (x - begin) through the medium, up to the eye. Without a top of
+ * the fog, way = begin and slope = 1: extinction before x is part of the sun's colour. With a top, for a ray that is in fog from
+ * `in` on, and a sun in direction to_sun, of length 1: way = begin - in + (top - height at begin) / to_sun.y, slope = 1 - up /
+ * to_sun.y.
+ * cosine    between the ray and the direction to the sun
+ * length    of the part of the ray, >= 0, finite
+ * airlight  [out] */
 VXS_FN void vxs_air_sun(VXS_MEDIUM medium, vxs_real cosine, vxs_real length, vxs_real way, vxs_real slope,
                         VXS_OUT vxs_real3 airlight)
 {

@@ -1,20 +1,21 @@
-/* Light in a homogeneous medium: one text for C99, C++, GLSL and HLSL, that stands on vxs_space.h.
+/* Light in a homogeneous medium: one text for C99, C++, GLSL and HLSL. Built on vxs_space.h.
  *
- *     vxs_air_phase      the phase function: Henyey and Greenstein
- *     vxs_air_left       what the medium leaves of what is behind it
- *     vxs_air_window     how a lamp fades toward the end of its range
- *     vxs_air_rim        how a spot light fades toward the side of its cone
- *     vxs_air_reaches    what of a light reaches a place
+ *     vxs_air_phase      the phase function of Henyey and Greenstein
+ *     vxs_air_left       transmittance of the medium
+ *     vxs_air_window     falloff of a punctual light toward the end of its range
+ *     vxs_air_rim        falloff of a spot light toward the side of its cone
+ *     vxs_air_reaches    unshadowed light at a position
  *
- * The law is one for surfaces and for the air: what reaches a place is the light's intensity, over the square of the distance, times its range's
- * window and its cone's rim (both as glTF's KHR_lights_punctual has them), times what the medium leaves on the way there. Airlight along an eye ray
- * (vxs_air.h) is the integral of that, times what turns there and what is left of it on the way to the eye.
+ * Surfaces and air use the same law. Light at a position = intensity / distance^2 * window of the range * rim of the cone (both
+ * as in glTF's KHR_lights_punctual) * transmittance of the medium on the way there. Airlight along an eye ray (vxs_air.h) is the
+ * integral of that, times the phase function and scattering, times the transmittance on the way to the eye.
  *
- *     way of light through the fog    a lamp: of the straight way, what lies below the fog's top
- *                                     the sun: from the top down to the place; fog without a top has no such place, and the colour of the sun is
- *                                     what it is inside; from below the horizon none comes through fog with a top
+ *     path of light through fog    punctual light: the part of the straight line that lies below the top of the fog
+ *                                  sun: from the top down to the position; fog without a top has no such path: then the
+ *                                  colour of the sun is its colour inside the fog. A sun below the horizon gives no light
+ *                                  through fog with a top
  *
- * Distances are metres; the medium's numbers are per metre and colour channel.
+ * "Lamps" are punctual lights. Distances are metres; the numbers of the medium are per metre and colour channel.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_AIR_LIGHT_H
 #define VXS_AIR_LIGHT_H
@@ -41,24 +42,24 @@ typedef vxs_real             vxs_real4[4];
 #endif
 
 #define VXS_AIR_PI         3.14159265358979324
-#define VXS_AIR_EVERYWHERE 1e30 /* the top of fog that has none */
-#define VXS_AIR_RIM_LEAST  1e-3 /* cosines between which a cone fades: no rim is sharper */
+#define VXS_AIR_EVERYWHERE 1e30 /* top of fog without a top */
+#define VXS_AIR_RIM_LEAST  1e-3 /* least difference of the cosines between which a cone fades */
 
-/* What fills the air. */
+/* A homogeneous medium. */
 struct vxs_medium {
-    vxs_real3 scattering; /* of light that goes a metre, how much turns; >= 0, finite */
-    vxs_real3 extinction; /* how much turns or is absorbed; >= scattering, finite */
-    vxs_real  anisotropy; /* g of the phase function, -0.99 (back to where it came from) to 0.99 (on the same way) */
+    vxs_real3 scattering; /* scattering coefficient per metre; >= 0, finite */
+    vxs_real3 extinction; /* scattering plus absorption per metre; >= scattering, finite */
+    vxs_real  anisotropy; /* g of the phase function, -0.99 (backward) to 0.99 (forward) */
 };
 
 struct vxs_air_light {
     vxs_u32   kind;          /* VXS_LIGHT_KIND_* */
-    vxs_real3 place;         /* of a lamp, metres; of the sun the way to it, of length 1 */
-    vxs_real3 axis;          /* of a spot light: where it shines, of length 1 */
-    vxs_real  cos_inner;     /* of its cone: where it begins to fade, and where it ends */
+    vxs_real3 place;         /* punctual light: its position, metres; sun: direction to it, of length 1 */
+    vxs_real3 axis;          /* spot light: its direction, of length 1 */
+    vxs_real  cos_inner;     /* spot light: cosines of the angles where the cone starts to fade, and where it ends */
     vxs_real  cos_outer;     /* >= 0 */
-    vxs_real  radius_metres; /* of a lamp, > 0: nothing is nearer to it than this */
-    vxs_real  range_metres;  /* of a lamp; 0: it has none */
+    vxs_real  radius_metres; /* punctual light, > 0: lower bound of distances to it */
+    vxs_real  range_metres;  /* punctual light; 0: unlimited */
 };
 
 VXS_FN vxs_real vxs_air_dot(const vxs_real3 a, const vxs_real3 b)
@@ -66,27 +67,27 @@ VXS_FN vxs_real vxs_air_dot(const vxs_real3 a, const vxs_real3 b)
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* cosine  between the ways of light before and behind */
+/* cosine  between the directions of light before and after scattering */
 VXS_FN vxs_real vxs_air_phase(vxs_real g, vxs_real cosine)
 {
     vxs_real wide = (1.0 - g) * (1.0 - g) + 2.0 * g * (1.0 - cosine);
     return (1.0 - g * g) / (4.0 * VXS_AIR_PI * wide * sqrt(wide));
 }
 
-/* metres  through the medium;   left  [out] of what is behind it */
+/* metres  length of the path;   left  [out] transmittance */
 VXS_FN void vxs_air_left(VXS_MEDIUM medium, vxs_real metres, VXS_OUT vxs_real3 left)
 {
     for (vxs_i32 n = 0; n < 3; n++) left[n] = exp(-VXS_FIELD(medium, extinction)[n] * metres);
 }
 
-/* 1 - (r / range)^4, and nothing behind the range.   per_range  1 over the range; 0: there is none */
+/* 1 - (r / range)^4, and 0 beyond the range.   per_range  1 / range; 0: unlimited */
 VXS_FN vxs_real vxs_air_window(vxs_real r, vxs_real per_range)
 {
     vxs_real part = r * per_range, square = part * part, window = 1.0 - square * square;
     return window > 0.0 ? window : VXS_REAL(0.0);
 }
 
-/* clamp(cosine * scale + offset, 0, 1)^2.   cosine  between a cone's axis and the way from the lamp */
+/* clamp(cosine * scale + offset, 0, 1)^2.   cosine  between a cone's axis and the direction from the light */
 VXS_FN vxs_real vxs_air_rim(vxs_real cosine, vxs_real cos_inner, vxs_real cos_outer)
 {
     vxs_real wide = cos_inner - cos_outer > VXS_AIR_RIM_LEAST ? cos_inner - cos_outer : VXS_REAL(VXS_AIR_RIM_LEAST);
@@ -95,7 +96,7 @@ VXS_FN vxs_real vxs_air_rim(vxs_real cosine, vxs_real cos_inner, vxs_real cos_ou
     return rim * rim;
 }
 
-/* How many of so many metres between two heights are below a level top. */
+/* Length of the part of a segment that lies below a level top. The segment is `metres` long and ends at heights a and b. */
 VXS_FN vxs_real vxs_air_metres_below(vxs_real metres, vxs_real a, vxs_real b, vxs_real top)
 {
     vxs_real low = a < b ? a : b, high = a < b ? b : a;
@@ -103,9 +104,11 @@ VXS_FN vxs_real vxs_air_metres_below(vxs_real metres, vxs_real a, vxs_real b, vx
     return low < top ? metres * ((top - low) / (high - low)) : VXS_REAL(0.0);
 }
 
-/* at        a place, metres;   top  height (along y) of the fog's level top; VXS_AIR_EVERYWHERE: it has none
+/* at        a position, metres
+ * top       height (along y) of the level top of the fog; VXS_AIR_EVERYWHERE: no top
  * to_light  [out] of length 1
- * reaches   [out] of an intensity (lamps) or irradiance (the sun) of 1 in each channel, before shadows: the irradiance of a surface that faces the light */
+ * reaches   [out] for an intensity (punctual lights) or irradiance (sun) of 1 in each channel, without shadows: the irradiance
+ *           of a surface that faces the light */
 VXS_FN void vxs_air_reaches(VXS_MEDIUM medium, VXS_AIR_LIGHT light, const vxs_real3 at, vxs_real top, VXS_OUT vxs_real3 to_light,
                             VXS_OUT vxs_real3 reaches)
 {
@@ -120,10 +123,12 @@ VXS_FN void vxs_air_reaches(VXS_MEDIUM medium, VXS_AIR_LIGHT light, const vxs_re
         metres = sqrt(vxs_air_dot(to_light, to_light));
         metres = metres > VXS_FIELD(light, radius_metres) ? metres : VXS_FIELD(light, radius_metres);
         for (vxs_i32 n = 0; n < 3; n++) to_light[n] /= metres;
-        strength = VXS_FIELD(light, range_metres) > 0.0 ? vxs_air_window(metres, 1.0 / VXS_FIELD(light, range_metres)) : VXS_REAL(1.0);
+        strength =
+            VXS_FIELD(light, range_metres) > 0.0 ? vxs_air_window(metres, 1.0 / VXS_FIELD(light, range_metres)) : VXS_REAL(1.0);
         strength /= metres * metres;
         if (VXS_FIELD(light, kind) != VXS_LIGHT_KIND_POINT)
-            strength *= vxs_air_rim(-vxs_air_dot(to_light, VXS_FIELD(light, axis)), VXS_FIELD(light, cos_inner), VXS_FIELD(light, cos_outer));
+            strength *= vxs_air_rim(-vxs_air_dot(to_light, VXS_FIELD(light, axis)), VXS_FIELD(light, cos_inner),
+                                    VXS_FIELD(light, cos_outer));
         way = has_top != 0 ? vxs_air_metres_below(metres, at[1], VXS_FIELD(light, place)[1], top) : metres;
     }
     for (vxs_i32 n = 0; n < 3; n++) reaches[n] = strength * exp(-VXS_FIELD(medium, extinction)[n] * way);

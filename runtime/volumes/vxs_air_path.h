@@ -1,14 +1,14 @@
-/* An eye ray in the light of a sun, a spot or a point light, in fog that may have a level top: one text for C99, C++, GLSL and HLSL, that
- * stands on vxs_air.h.
+/* The path of an eye ray in the light of a sun, a spot or a point light, in fog that may have a level top: one text for C99,
+ * C++, GLSL and HLSL. Built on vxs_air.h.
  *
- *     vxs_air_path_of    the part of the ray that scatters the light: in fog, in the cone, in range
- *     vxs_air_seen_to    where it ends, as far as anything is left of its light
- *     vxs_air_lit        airlight of what is lit of it between two places
- *     vxs_air_at         airlight of a metre at a place: the integrand
- *     vxs_air_step       airlight of a metre in the mean of a step, for marches
+ *     vxs_air_path_of    the part of the ray that can scatter the light: in fog, in the cone, in range
+ *     vxs_air_seen_to    its end, where extinction leaves nothing of its light
+ *     vxs_air_lit        airlight of the path between two points, if all of it is lit
+ *     vxs_air_at         airlight per metre at a point: the integrand
+ *     vxs_air_step       airlight per metre, averaged over a step, for marches
  *
- * Numbers are those of vxs_air.h. A technique for shadows in fog says which parts of the path are lit; this is all that it has to know of
- * media and lights.
+ * Units are those of vxs_air.h. A technique for shadows in fog finds which parts of the path are lit; it needs no more of media
+ * and lights than this file.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_AIR_PATH_H
 #define VXS_AIR_PATH_H
@@ -25,13 +25,13 @@ typedef struct vxs_air_path vxs_air_path;
 #endif
 
 struct vxs_air_path {
-    vxs_real    begin, end; /* metres along the ray; end <= begin: nothing */
+    vxs_real    begin, end; /* metres along the ray; end <= begin: empty */
     vxs_u32     kind;
-    vxs_air_ray passed;             /* lamps */
-    vxs_real    cosine, way, slope; /* the sun, as for vxs_air_sun; way at begin */
+    vxs_air_ray passed;             /* punctual lights */
+    vxs_real    cosine, way, slope; /* sun: as for vxs_air_sun; way at begin */
 };
 
-/* Within a sphere about the lamp. */
+/* Clip to a sphere about the light. */
 VXS_FN void vxs_air_in_range(vxs_real along, vxs_real beside2, vxs_real range, VXS_INOUT vxs_real2 part)
 {
     vxs_real half_length = range * range - beside2;
@@ -40,9 +40,11 @@ VXS_FN void vxs_air_in_range(vxs_real along, vxs_real beside2, vxs_real range, V
     if (along + half_length < part[1]) part[1] = along + half_length;
 }
 
-/* eye, direction  metres; of length 1.   metres  to what is behind the air, >= 0, finite
- * top             height (along y) of the fog's level top; VXS_AIR_EVERYWHERE
- * in_fog          [out] the part of the ray in fog: light from behind is dimmed by its length, if that is positive */
+/* eye        position, metres
+ * direction  of the ray, of length 1
+ * metres     to the surface behind the air, >= 0, finite
+ * top        height (along y) of the level top of the fog; VXS_AIR_EVERYWHERE: no top
+ * in_fog     [out] the part of the ray in fog: its length, if positive, dims the light of the surface */
 VXS_FN vxs_air_path vxs_air_path_of(VXS_AIR_LIGHT light, const vxs_real3 eye, const vxs_real3 direction, vxs_real metres,
                                     vxs_real top, VXS_OUT vxs_real2 in_fog)
 {
@@ -60,9 +62,10 @@ VXS_FN vxs_air_path vxs_air_path_of(VXS_AIR_LIGHT light, const vxs_real3 eye, co
     for (vxs_i32 n = 0; n < 3; n++)
         to_light[n] = VXS_FIELD(light, place)[n] - (path.kind == VXS_LIGHT_KIND_DIRECTIONAL ? VXS_REAL(0.0) : eye[n]);
     if (path.kind == VXS_LIGHT_KIND_DIRECTIONAL) {
-        path.passed = vxs_air_ray_of(to_light, direction, VXS_REAL(1.0)); /* nobody asks */
+        path.passed = vxs_air_ray_of(to_light, direction, VXS_REAL(1.0)); /* not used */
         path.cosine = vxs_air_dot(direction, to_light);
-        if (has_top != 0 && !(to_light[1] > 0.0)) path.end = path.begin; /* from below it has come through fog without end */
+        /* light from below the horizon would have crossed infinite fog */
+        if (has_top != 0 && !(to_light[1] > 0.0)) path.end = path.begin;
         if (has_top != 0 && to_light[1] > 0.0) {
             path.way   = (top - eye[1] - direction[1] * path.begin) / to_light[1];
             path.slope = 1.0 - direction[1] / to_light[1];
@@ -89,9 +92,9 @@ VXS_FN vxs_air_path vxs_air_path_of(VXS_AIR_LIGHT light, const vxs_real3 eye, co
     return path;
 }
 
-/* Where all channels have lost so many units of optical depth more than at the begin: marches and walks need not go farther.
- * depth    e^-depth of the path's airlight may be left out
- * Returns its end where that comes first */
+/* The point of the path from which on less than e^-depth of its airlight can come, by extinction in all channels. Marches and
+ * walks can stop there. At most the path's end.
+ * depth  optical depth more than at the begin */
 VXS_FN vxs_real vxs_air_seen_to(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_real depth)
 {
     vxs_real  begin = VXS_FIELD(path, begin), end = VXS_FIELD(path, end), more;
@@ -101,7 +104,7 @@ VXS_FN vxs_real vxs_air_seen_to(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_real d
     more = depth / dense[0];
     if (VXS_FIELD(path, kind) == VXS_LIGHT_KIND_DIRECTIONAL)
         return VXS_FIELD(path, slope) * (end - begin) > more ? begin + more / VXS_FIELD(path, slope) : end;
-    if (VXS_FIELD(path, passed).above > 0.0) { /* by the eye's part of the way alone: the lamp's may get shorter */
+    if (VXS_FIELD(path, passed).above > 0.0) { /* bounded by the path to the eye alone: the path to the lamp may get shorter */
         vxs_real fog = VXS_FIELD(path, passed).in_fog, way = vxs_air_way_at(VXS_REF_OF(path, passed), begin - fog);
         vxs_real behind = vxs_air_way_at(VXS_REF_OF(path, passed), end - fog);
         vxs_real seen   = fog + (way < behind ? way : behind) + more;
@@ -112,7 +115,7 @@ VXS_FN vxs_real vxs_air_seen_to(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_real d
     return seen < end ? seen : end;
 }
 
-/* Airlight of [begin, end], of which the path's part counts; all of it is lit.
+/* Airlight of the path's part in [begin, end], if all of it is lit.
  * airlight  [out] for an intensity or irradiance of 1; finite, >= 0 */
 VXS_FN void vxs_air_lit(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_real begin, vxs_real end, VXS_OUT vxs_real3 airlight)
 {
@@ -128,8 +131,8 @@ VXS_FN void vxs_air_lit(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_real begin, vx
         vxs_air_lamp(medium, VXS_REF_OF(path, passed), first, last - first, airlight);
 }
 
-/* What a metre at x on the path scatters toward the eye, before anything is lost on the way.
- * way  [out] through the medium, of light that turns there: how long, and by how much that changes in a metre */
+/* Light per metre that scatters toward the eye at x, without extinction.
+ * way  [out] length of the path through the medium over x, and its derivative */
 VXS_FN vxs_real vxs_air_strength_at(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_real x, VXS_OUT vxs_real2 way)
 {
     vxs_real g = VXS_FIELD(medium, anisotropy);
@@ -139,7 +142,8 @@ VXS_FN vxs_real vxs_air_strength_at(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_re
         return vxs_air_phase(g, VXS_FIELD(path, cosine));
     }
     vxs_real h = VXS_FIELD(path, passed).beside, y = x - VXS_FIELD(path, passed).along, r = sqrt(h * h + y * y);
-    vxs_real metres = x - VXS_FIELD(path, passed).in_fog, rim = (VXS_FIELD(path, passed).before + y * VXS_FIELD(path, passed).facing) / r;
+    vxs_real metres = x - VXS_FIELD(path, passed).in_fog,
+             rim    = (VXS_FIELD(path, passed).before + y * VXS_FIELD(path, passed).facing) / r;
     rim             = rim * VXS_FIELD(path, passed).rim_scale + VXS_FIELD(path, passed).rim_offset;
     rim             = rim < 0.0 ? VXS_REAL(0.0) : rim > 1.0 ? VXS_REAL(1.0) : rim;
     rim *= VXS_FIELD(path, passed).is_face != 0 ? VXS_REAL(1.0) : rim;
@@ -149,7 +153,7 @@ VXS_FN vxs_real vxs_air_strength_at(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_re
     return rim * vxs_air_phase(g, -y / r) / (r * r);
 }
 
-/* Airlight of a metre at x, on the path. */
+/* Airlight per metre at x, on the path. */
 VXS_FN void vxs_air_at(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_real x, VXS_OUT vxs_real3 airlight)
 {
     vxs_real2 way;
@@ -159,14 +163,15 @@ VXS_FN void vxs_air_at(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_real x, VXS_OUT
         airlight[n] = VXS_FIELD(medium, scattering)[n] * strength * exp(-VXS_FIELD(medium, extinction)[n] * way[0]);
 }
 
-/* The same in the mean of a step of so many metres about x: what the medium leaves is averaged, so that thick fog takes no more of a long step than of
- * short ones. */
+/* The same, averaged over a step of `metres` about x. Transmittance is averaged, so that in thick fog long steps give the same
+ * airlight as short ones. */
 VXS_FN void vxs_air_step(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_real x, vxs_real metres, VXS_OUT vxs_real3 airlight)
 {
     vxs_real2 way;
     vxs_real  strength = vxs_air_strength_at(medium, path, x, way), change = vxs_abs(way[1]) * metres;
     for (vxs_i32 n = 0; n < 3; n++)
-        airlight[n] = VXS_FIELD(medium, scattering)[n] * strength * vxs_air_mean_about(VXS_FIELD(medium, extinction)[n], way[0], change);
+        airlight[n] =
+            VXS_FIELD(medium, scattering)[n] * strength * vxs_air_mean_about(VXS_FIELD(medium, extinction)[n], way[0], change);
 }
 
 #endif

@@ -1,16 +1,18 @@
-/* An eye ray in a homogeneous medium, and how it passes a lamp: one text for C99, C++, GLSL and HLSL, that stands on vxs_air_light.h.
+/* An eye ray in a homogeneous medium, relative to a punctual light ("lamp"): one text for C99, C++, GLSL and HLSL. Include
+ * vxs_air_light.h first.
  *
- *     vxs_air_ray_of      how an eye ray passes a lamp
- *     vxs_air_in_cone     the part of the ray in a spot light's cone; vxs_air_before_face: before a face that shines to one side
+ *     vxs_air_ray_of      an eye ray relative to a lamp
+ *     vxs_air_in_cone     the part of the ray in a spot light's cone; vxs_air_before_face: before a face that emits to one side
  *     vxs_air_in_fog      the part of the ray below the level top of ground fog
- *     vxs_air_below_top   of a ray in such fog, so that light is dimmed below the top alone
- *     vxs_air_way         the way through the fog from a lamp over a place of the ray to the eye
+ *     vxs_air_below_top   prepares a ray for such fog, so that only the path below the top dims light
+ *     vxs_air_way         length of the path through the fog, from a lamp over a point of the ray to the eye
  *
- * Distances are metres along the ray, whose direction has length 1, from the eye; the medium's numbers are per metre and colour channel.
+ * Distances are metres along the ray from the eye; the ray's direction has length 1. The numbers of the medium are per metre and
+ * colour channel.
  *
- *           * lamp        Fog with a level top dims light below that alone. Of a lamp that stands above it light comes through clear air first: of
- *     above |`.           its way r to a place that is `below` the top, below / (above + below) is in the fog. So light that turns there, so
- *     ------+--`.-----    many metres behind the place where the ray comes into the fog, has gone through
+ *           * lamp        Fog with a level top dims light only below the top. From a lamp above it, light first crosses clear air:
+ *     above |`.           of its path r to a point `below` the top, the share below / (above + below) is in fog.
+ *     ------+--`.-----    Light that scatters `metres` behind the point where the ray enters the fog has a path through the fog of
  *           :    `. below
  *       ----------->x-->      metres + r below / (above + below)
  *
@@ -31,29 +33,31 @@ typedef struct vxs_air_ray vxs_air_ray;
 #define VXS_AIR_RAY_INOUT inout vxs_air_ray
 #endif
 
-/* How an eye ray passes a lamp. */
+/* An eye ray relative to a lamp. */
 struct vxs_air_ray {
-    vxs_real along;      /* where it is nearest to the lamp; negative: behind the eye */
-    vxs_real beside;     /* how near that is, but no less than the lamp's radius; > 0 */
-    vxs_real facing;     /* cosine between the ray and a spot light's axis */
-    vxs_real before;     /* metres along the axis from the lamp to that place */
-    vxs_real cos_outer;  /* of the cone; point lights: -1 */
-    vxs_real cos_inner;  /* of where it is dimmer, as in glTF: intensity is clamp(cosine * rim_scale + rim_offset, 0, 1)^2 */
-    vxs_real rim_scale;  /* point lights: 0, */
-    vxs_real rim_offset; /* and 1 */
-    vxs_i32  is_face;    /* 1: that clamp is not squared (vxs_air_ray_of_face) */
+    vxs_real along;     /* metres along the ray to its point nearest to the lamp; negative: behind the eye */
+    vxs_real beside;    /* distance of this point from the lamp, but at least the lamp's radius; > 0 */
+    vxs_real facing;    /* cosine between the ray and a spot light's axis */
+    vxs_real before;    /* metres from the lamp to this point, along the axis */
+    vxs_real cos_outer; /* cosine where the cone ends; point lights: -1 */
+    /* cosine where the cone starts to fade, as in glTF: intensity is clamp(cosine * rim_scale + rim_offset, 0, 1)^2 */
+    vxs_real cos_inner;
+    vxs_real rim_scale;  /* point lights: 0 */
+    vxs_real rim_offset; /* point lights: 1 */
+    vxs_i32  is_face;    /* 1: the clamp is not squared (vxs_air_ray_of_face) */
 
-    /* in fog with a level top; without one 0 */
-    vxs_real in_fog; /* where the ray comes into the fog; 0: the eye is in it */
-    vxs_real above;  /* the lamp, above the top; 0: it is below, and all of its light's way in the fog */
-    vxs_real below;  /* the ray below the top where it comes into the fog */
-    vxs_real up;     /* the ray's direction along the vertical */
+    /* fog with a level top; all 0 without a top */
+    vxs_real in_fog; /* metres along the ray to where it enters the fog; 0: the eye is in the fog */
+    vxs_real above;  /* height of the lamp above the top; 0: it is below, and the whole path of its light is in the fog */
+    vxs_real below;  /* depth of the ray below the top where it enters the fog */
+    vxs_real up;     /* vertical component of the ray's direction */
 
-    vxs_real per_range; /* 1 over the lamp's range; 0: it has none */
+    vxs_real per_range; /* 1 / range of the lamp; 0: unlimited */
 };
 
-/* to_lamp       from the eye, metres;   direction  of the ray, of length 1
- * radius_metres of the lamp, > 0: airlight has no bound where a ray meets a light that is a point */
+/* to_lamp        from the eye, metres
+ * direction      of the ray, of length 1
+ * radius_metres  of the lamp, > 0: without it, airlight is unbounded where a ray meets a point light */
 VXS_FN vxs_air_ray vxs_air_ray_of(const vxs_real3 to_lamp, const vxs_real3 direction, vxs_real radius_metres)
 {
     vxs_air_ray ray;
@@ -72,7 +76,7 @@ VXS_FN vxs_air_ray vxs_air_ray_of(const vxs_real3 to_lamp, const vxs_real3 direc
     return ray;
 }
 
-/* The same of a spot light.   axis  where it shines, of length 1;   cos_inner >= cos_outer >= 0 */
+/* The same for a spot light.   axis  its direction, of length 1;   cos_inner >= cos_outer >= 0 */
 VXS_FN vxs_air_ray vxs_air_ray_of_spot(const vxs_real3 to_lamp, const vxs_real3 direction, vxs_real radius_metres,
                                        const vxs_real3 axis, vxs_real cos_inner, vxs_real cos_outer)
 {
@@ -86,7 +90,8 @@ VXS_FN vxs_air_ray vxs_air_ray_of_spot(const vxs_real3 to_lamp, const vxs_real3 
     return ray;
 }
 
-/* The same of a small face that shines to one side, with the cosine to its normal, of length 1. Behind it there is nothing: vxs_air_before_face. */
+/* The same for a small face that emits to one side, with the cosine to its normal, of length 1. It emits nothing behind it:
+ * vxs_air_before_face. */
 VXS_FN vxs_air_ray vxs_air_ray_of_face(const vxs_real3 to_lamp, const vxs_real3 direction, vxs_real radius_metres,
                                        const vxs_real3 normal)
 {
@@ -99,7 +104,7 @@ VXS_FN vxs_air_ray vxs_air_ray_of_face(const vxs_real3 to_lamp, const vxs_real3 
     return ray;
 }
 
-/* interval  [in, out] its part before a face; end < begin: there is none */
+/* interval  [in, out] clipped to the part before a face; end < begin: empty */
 VXS_FN void vxs_air_before_face(VXS_AIR_RAY ray, VXS_INOUT vxs_real2 interval)
 {
     vxs_real f = VXS_FIELD(ray, facing), b = VXS_FIELD(ray, before), at = VXS_FIELD(ray, along) - b / f;
@@ -108,31 +113,32 @@ VXS_FN void vxs_air_before_face(VXS_AIR_RAY ray, VXS_INOUT vxs_real2 interval)
     if (f == 0.0 && !(b > 0.0)) interval[1] = interval[0] - 1.0;
 }
 
-/* How much longer the way over a place of the ray is than `along`; y = x - along. */
+/* Detour of the path over a point of the ray: r + x - along; y = x - along. */
 VXS_FN vxs_real vxs_air_detour(VXS_AIR_RAY ray, vxs_real y)
 {
     vxs_real h = VXS_FIELD(ray, beside), r = sqrt(h * h + y * y);
     return y > 0.0 ? r + y : h * (h / (r - y));
 }
 
-/* Where a detour is so long: metres along the ray. */
+/* Metres along the ray where the detour has this value. */
 VXS_FN vxs_real vxs_air_place_of(VXS_AIR_RAY ray, vxs_real detour)
 {
     vxs_real h = VXS_FIELD(ray, beside);
     return VXS_FIELD(ray, along) + 0.5 * (detour - h * (h / detour));
 }
 
-/* Where facing * y + before >= cosine * r, y = x - along: between the roots of a quadratic, or beyond one of them. A ray that is parallel to a side
- * of the cone has one root: a = 0, and the other one is infinitely far away.
+/* Clip to the points where facing * y + before >= cosine * r, y = x - along. These are between the roots of a quadratic
+ * equation, or beyond one of them. A ray that is parallel to a side of the cone has one root: a = 0, and the other root is
+ * infinitely far away.
  * cosine    of the angle between the axis of a spot light and its cone, >= 0
- * interval  [in, out] its part in the cone; end < begin: there is none */
+ * interval  [in, out] clipped to the cone; end < begin: empty */
 VXS_FN void vxs_air_in_cone(VXS_AIR_RAY ray, vxs_real cosine, VXS_INOUT vxs_real2 interval)
 {
     vxs_real c = cosine, f = VXS_FIELD(ray, facing), b = VXS_FIELD(ray, before), h = VXS_FIELD(ray, beside);
     vxs_real a = (f - c) * (f + c), square = b * b + a * h * h, along = VXS_FIELD(ray, along);
     vxs_real half_sum = square > 0.0 ? -(f * b + (f * b < 0.0 ? -c : c) * sqrt(square)) : -f * b;
     vxs_i32  ahead = f > 0.0 ? 1 : 0, is_near = ahead != 0 ? (b >= 0.0 ? 1 : 0) : (b > 0.0 ? 1 : 0);
-    /* half_sum / a is the root that is farther from 0; the nearer one is a product over half_sum */
+    /* half_sum / a is the root farther from 0; the nearer root is a product divided by half_sum */
     vxs_real near = half_sum != 0.0 ? (b - c * h) * ((b + c * h) / half_sum) : VXS_REAL(0.0), far = a != 0.0 ? half_sum / a : near;
     vxs_i32  none = a < 0.0 ? (square > 0.0 && f * (near + far) + 2.0 * b >= 0.0 ? 0 : 1) : (a > 0.0 || b > 0.0 ? 0 : 1);
     if (none != 0)
@@ -140,17 +146,18 @@ VXS_FN void vxs_air_in_cone(VXS_AIR_RAY ray, vxs_real cosine, VXS_INOUT vxs_real
     else if (a < 0.0) {
         if (along + (near < far ? near : far) > interval[0]) interval[0] = along + (near < far ? near : far);
         if (along + (near < far ? far : near) < interval[1]) interval[1] = along + (near < far ? far : near);
-    } else if (f != 0.0) { /* from one of them on, the ray stays in the cone, or up to one of them */
+    } else if (f != 0.0) { /* the ray stays in the cone from one of the roots on, or up to one of them */
         vxs_real end = along + (is_near != 0 ? near : far);
         if (ahead != 0 && end > interval[0]) interval[0] = end;
         if (ahead == 0 && end < interval[1]) interval[1] = end;
     }
 }
 
-/* fog with a level top ------------------------------------------------------------------------------------------------------------ */
+/* fog with a level top --------------------------------------------------------------------------------------------------------- */
 
-/* The part of a ray that is in fog whose top is level: height, top and up are the eye's, the fog's, and the ray's along the vertical.
- * interval  [in, out] end < begin: there is none */
+/* Clip to the part of a ray in fog with a level top.
+ * height    of the eye;   up  vertical component of the ray's direction;   top  height of the top
+ * interval  [in, out] end < begin: empty */
 VXS_FN void vxs_air_in_fog(vxs_real height, vxs_real up, vxs_real top, VXS_INOUT vxs_real2 interval)
 {
     vxs_real at = (top - height) / up;
@@ -159,9 +166,9 @@ VXS_FN void vxs_air_in_fog(vxs_real height, vxs_real up, vxs_real top, VXS_INOUT
     if (up == 0.0 && height > top) interval[1] = interval[0] - 1.0;
 }
 
-/* Of a ray that passes a lamp: what goes above a level top is not dimmed.
- * height, top  of the lamp and of the fog, from the eye's;   up  of the ray, along the vertical
- * in_fog       where it comes into the fog; 0: the eye is there */
+/* Prepare a ray for fog with a level top: the path above the top is not dimmed.
+ * height, top  of the lamp and of the top, relative to the eye;   up  vertical component of the ray's direction
+ * in_fog       metres along the ray to where it enters the fog; 0: the eye is in the fog */
 VXS_FN void vxs_air_below_top(VXS_AIR_RAY_INOUT ray, vxs_real height, vxs_real up, vxs_real top, vxs_real in_fog)
 {
     VXS_FIELD(ray, in_fog) = in_fog > 0.0 ? in_fog : VXS_REAL(0.0);
@@ -170,21 +177,22 @@ VXS_FN void vxs_air_below_top(VXS_AIR_RAY_INOUT ray, vxs_real height, vxs_real u
     VXS_FIELD(ray, up)     = up;
 }
 
-/* How far below the top the ray is so many metres into the fog. */
+/* Depth of the ray below the top, after `metres` in the fog. */
 VXS_FN vxs_real vxs_air_below_at(VXS_AIR_RAY ray, vxs_real metres)
 {
     vxs_real below = VXS_FIELD(ray, below) - VXS_FIELD(ray, up) * metres;
     return below > 0.0 ? below : VXS_REAL(0.0);
 }
 
-/* The way through the fog of light that turns so many metres into it, r from the lamp. Nothing is a difference. */
+/* Length of the path through the fog of light that scatters after `metres` in the fog, at a distance r from the lamp. It
+ * subtracts no nearly equal numbers. */
 VXS_FN vxs_real vxs_air_way(VXS_AIR_RAY ray, vxs_real metres, vxs_real r)
 {
     vxs_real above = VXS_FIELD(ray, above), below = vxs_air_below_at(ray, metres);
     return above > 0.0 ? metres + r * (below / (above + below)) : metres + r;
 }
 
-/* By how much that changes in a metre of the ray.   slope  of r: y / r */
+/* Derivative of vxs_air_way along the ray.   slope  of r: y / r */
 VXS_FN vxs_real vxs_air_way_rate(VXS_AIR_RAY ray, vxs_real metres, vxs_real r, vxs_real slope)
 {
     vxs_real above = VXS_FIELD(ray, above), below = vxs_air_below_at(ray, metres), all = above + below;

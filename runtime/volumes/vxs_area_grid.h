@@ -1,11 +1,12 @@
-/* What virtual point lights and their shadow volumes are, to shaders and C: one text for C99, C++, GLSL and HLSL, that stands on vxs_shadow_grid.h.
+/* Virtual point lights and their shadow volumes, for shaders and C: one text for C99, C++, GLSL and HLSL. Built on
+ * vxs_shadow_grid.h.
  *
- *     vxs_area_hash     an integer that looks random
- *     vxs_area_texel    a direction to a place in a lamp's imperfect shadow map
- *     vxs_area_path     an eye ray in the light of a lamp
+ *     vxs_area_hash     an integer hash
+ *     vxs_area_texel    direction to position in the imperfect shadow map of a virtual point light
+ *     vxs_area_path     an eye ray in the light of a virtual point light
  *
- * An imperfect shadow map has the half of all directions that a lamp shines to, as a paraboloid mirror shows them: a disc in a square. A texel says how far
- * from the lamp shadow begins.
+ * An imperfect shadow map covers the half of all directions to which a light emits, by a paraboloid projection: a disc in a
+ * square. A texel is the distance from the light where shadow begins.
  * Source: [IVSV13] 3; [Ritschel 2008] for imperfect shadow maps.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_AREA_GRID_H
@@ -15,7 +16,7 @@
 #include "vxs_shadow_grid.h"
 #endif
 
-/* Every bit of it depends on every bit of n; no two n have one. */
+/* A bijective hash: each bit of the result depends on each bit of n. */
 VXS_FN vxs_u32 vxs_area_hash(vxs_u32 n)
 {
     n = (n ^ (n >> 16)) * 0x7feb352du;
@@ -23,9 +24,9 @@ VXS_FN vxs_u32 vxs_area_hash(vxs_u32 n)
     return n ^ (n >> 16);
 }
 
-/* way   from the lamp, in its frame: across, up, and along its normal; along > 0; of any length
- * at    [out] texels
- * Returns how wide a texel is there, as a part of the distance from the lamp. */
+/* way  from the light, in its frame: across, up, along its normal; along > 0; of any length
+ * at   [out] texels
+ * Returns the width of a texel there, divided by the distance from the light. */
 VXS_FN vxs_real vxs_area_texel(const vxs_real3 way, vxs_i32 side, VXS_OUT vxs_real2 at)
 {
     vxs_real metres = sqrt(vxs_air_dot(way, way)), depth = metres + way[2], half_side = 0.5 * VXS_REAL(side);
@@ -35,8 +36,10 @@ VXS_FN vxs_real vxs_area_texel(const vxs_real3 way, vxs_i32 side, VXS_OUT vxs_re
     return 2.0 / (half_side * (1.0 + x * x + y * y));
 }
 
-/* An eye ray in the light of a lamp.
- * light  its place, radius, and, where it is a face, its normal as axis;   is_face  1: it shines to one side;   all else as for vxs_air_path_of */
+/* An eye ray in the light of a virtual point light.
+ * light    its place and radius, and, if it is a face, its normal as axis
+ * is_face  1: it emits to one side
+ * Other parameters as for vxs_air_path_of. */
 VXS_FN vxs_air_path vxs_area_path(VXS_AIR_LIGHT light, vxs_i32 is_face, const vxs_real3 eye, const vxs_real3 direction,
                                   vxs_real metres, vxs_real top)
 {

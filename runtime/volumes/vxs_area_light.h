@@ -1,15 +1,17 @@
-/* Light of a surface in fog: as many virtual point lights as are set on it, each with a shadow volume of its own, all made at once. It stands on
- * vxs_volumes.h.
+/* Light of a surface in fog: virtual point lights (VPLs) on the surface, each with a shadow volume; all shadow volumes are built
+ * at once. Built on vxs_volumes.h.
  *
- *     vxs_area_rectangle screen = {...};                                // once, or when the picture on it changes
+ *     vxs_area_rectangle screen = {...};                                // once, or when the image on it changes
  *     vxs_area_sample(&screen, VXS_AREA_IMPORTANCE, 0, lamps, 64);
  *     vxs_area_light_set(light, lamps, 64);
- *     vxs_area_light_cast(light, &(vxs_area_casters){points, count});   // again when anything has moved
- *     vxs_area_light_smoke(light, &(vxs_capsules){.list = smoke, .count = puffs}); // where there is smoke: when that or lamps have moved
+ *     vxs_area_light_cast(light, &(vxs_area_casters){points, count});   // again when casters or VPLs have moved
+ *     // if there is smoke; again when smoke or VPLs have moved
+ *     vxs_area_light_smoke(light, &(vxs_capsules){.list = smoke, .count = puffs});
  *
- *     vxs_volumes_area(air, light, &(vxs_area_look){0});                // each frame, behind vxs_volumes_begin
+ *     vxs_volumes_area(air, light, &(vxs_area_look){0});                // each frame, after vxs_volumes_begin
  *
- * Places of lamps and casters are metres from one place of the caller's choice, of which vxs_area_light_anchor tells where it is.
+ * "Lamps" are VPLs here. Positions of VPLs and casters are metres from an anchor that the caller chooses; vxs_area_light_anchor
+ * sets its position.
  * Source: [IVSV13].
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_AREA_LIGHT_H
@@ -22,173 +24,197 @@
 extern "C" {
 #endif
 
-enum { VXS_VPLS_MAX = 256 }; /* no more at once */
+enum { VXS_VPLS_MAX = 256 }; /* the largest number at once */
 
-/* virtual point lights ------------------------------------------------------------------------------------------------------------ */
+/* virtual point lights --------------------------------------------------------------------------------------------------------- */
 
-/* A small piece of a surface that shines to one side: its intensity is `colour` times the cosine to its normal. */
+/* A small patch of a surface that emits to one side: its intensity is `colour` times the cosine to its normal. */
 typedef struct vxs_vpl {
-    float place[3];
-    float normal[3];     /* of length 1; all 0: it shines to all sides alike */
-    float colour[3];     /* intensity along the normal, in candela, or in the units of the picture; >= 0 */
-    float radius_metres; /* > 0: no eye ray passes nearer */
-    uint32_t
-        is_far; /* 1: it is far away: its light travels along the normal everywhere, and `colour` is the irradiance of what lies across that.
-                            What casts its shadows is within radius_metres of its place */
+    float    place[3];
+    float    normal[3];     /* of length 1; all 0: it emits equally in all directions */
+    float    colour[3];     /* intensity along the normal, in candela or in the units of the image; >= 0 */
+    float    radius_metres; /* > 0: the least distance from it that is used for eye rays */
+    /* 1: a distant light: its light travels along the normal everywhere, and `colour` is the irradiance of a surface
+     * perpendicular to that. Its shadow casters are within radius_metres of its place */
+    uint32_t is_far;
 } vxs_vpl;
 
-/* A picture that shines, such as a screen or a window. */
+/* An image that emits light, such as a screen or a window. */
 typedef struct vxs_area_rectangle {
-    float        corner[3];        /* from which the sides run; the picture's first texel is there */
-    float        across[3], up[3]; /* both sides, metres; it shines to where their cross product points */
-    float        radiance[3];      /* in each direction of that side alike, as of paper; >= 0 */
-    const float *texture;          /* [high_px][wide_px][3] what the radiance is times, >= 0; NULL: 1 everywhere */
+    float        corner[3];        /* where both sides begin, at the first texel of the image */
+    float        across[3], up[3]; /* the two sides, in metres; it emits to the side to which their cross product points */
+    float        radiance[3];      /* equal in all directions of that side, as of paper; >= 0 */
+    const float *texture;          /* [high_px][wide_px][3] factors of the radiance, >= 0; NULL: 1 everywhere */
     uint32_t     wide_px, high_px; /* of the texture */
 } vxs_area_rectangle;
 
-/* How its places are chosen. */
+/* How the positions of VPLs are chosen. */
 typedef enum vxs_area_places {
-    VXS_AREA_HALTON, /* points of Halton's sequence, of bases 2 and 3: any part of it is even, so that lamps may be added one by one */
-    VXS_AREA_IMPORTANCE, /* points of Hammersley's set, moved to where the texture is bright: all lamps have one luminance, and none is where it is black */
-    VXS_AREA_REGULAR,  /* the middles of equal cells, as square as `count` lets them be */
-    VXS_AREA_JITTERED, /* a place at random in each of these cells */
+    /* Halton sequence, of bases 2 and 3: any part of it is evenly distributed, so that VPLs can be added one by one */
+    VXS_AREA_HALTON,
+    /* Hammersley set, warped to where the texture is bright: all VPLs have equal luminance, and none lies where the texture is
+     * black */
+    VXS_AREA_IMPORTANCE,
+    VXS_AREA_REGULAR,  /* middles of equal cells, as square as `count` allows */
+    VXS_AREA_JITTERED, /* a random position in each of these cells */
 } vxs_area_places;
 
-/* Lamps of a rectangle. By importance all have one luminance, in the colour of their texel; else each has the light of all that is nearer to it than to others, by
- * 64 x 64 pieces, so that no bright place is missed; without a texture all are alike. Their sum is the rectangle's light, by importance in luminance.
- * seed   of what is at random; of Halton's and Hammersley's points a shift of all, round the edges. 0: none
+/* Sample VPLs of a rectangle. With VXS_AREA_IMPORTANCE all have equal luminance, in the colour of their texel. Otherwise each
+ * VPL gets the light of its Voronoi cell, computed from 64 x 64 pieces, so that no bright area is missed; without a texture all
+ * VPLs are equal. Their sum is the light of the rectangle; with VXS_AREA_IMPORTANCE this holds for luminance only.
+ * seed   of random positions; for Halton and Hammersley points a shift of all, with wrap-around. 0: no shift
  * lamps  [out] [count]
  * count  1 to VXS_VPLS_MAX
- * Returns VXS_OK; VXS_E_ARGUMENT for numbers that are none, a rectangle without area, or a texture without texels.
- * Cost: a reading of the texture, and 4096 distances for each lamp; of importance, two readings, and a row for each lamp. Threads: none shared; no memory is taken. */
+ * Returns VXS_OK; VXS_E_ARGUMENT for numbers that are not valid, a rectangle without area, or a texture without texels.
+ * Cost: one pass over the texture, and 4096 distances for each VPL; with VXS_AREA_IMPORTANCE two passes, and a row for each VPL.
+ * Threads: no shared state; it allocates no memory. */
 vxs_result vxs_area_sample(const vxs_area_rectangle *rectangle, vxs_area_places places, uint32_t seed, vxs_vpl *lamps,
                            uint32_t count);
 
-/* A picture of all that shines from far away, from each direction. */
+/* An environment map: radiance of distant light from each direction. */
 typedef struct vxs_area_sky {
-    const float      *
-        texture; /* [high_px][wide_px][3] radiance, >= 0: rows of equal angles from the zenith, along y, down to the nadir; columns of equal angles from x by z
-                             around */
-    uint32_t wide_px, high_px;
-    float    radiance[3];   /* what it is times, >= 0 */
-    float    middle[3];     /* of a sphere about all that casts shadows; */
-    float    radius_metres; /* its radius, > 0: shadow maps are as wide */
+    /* [high_px][wide_px][3] radiance, >= 0. Rows are equal angles from the zenith, along y, down to the nadir. Columns are equal
+     * angles around, from x toward z */
+    const float *texture;
+    uint32_t     wide_px, high_px;
+    float        radiance[3];   /* factor of the texture, >= 0 */
+    float        middle[3];     /* centre of a sphere that contains all shadow casters */
+    float        radius_metres; /* radius of the sphere, > 0; shadow maps have this width */
 } vxs_area_sky;
 
-/* Lamps of a sky, far away, likewise: texels count by their solid angle, and by importance by luminance times that.
- * seed, lamps, count  as above;   Returns, cost and threads likewise */
-vxs_result vxs_area_sample_sky(const vxs_area_sky *sky, vxs_area_places places, uint32_t seed, vxs_vpl *lamps,
-                               uint32_t count);
+/* Sample VPLs of a sky, which are distant. Texels are weighted by their solid angle, and with VXS_AREA_IMPORTANCE by luminance
+ * times solid angle.
+ * seed, lamps, count  as for vxs_area_sample
+ * Returns, cost, threads: as for vxs_area_sample. */
+vxs_result vxs_area_sample_sky(const vxs_area_sky *sky, vxs_area_places places, uint32_t seed, vxs_vpl *lamps, uint32_t count);
 
-/* points of what casts shadows ---------------------------------------------------------------------------------------------------- */
+/* points on shadow casters ----------------------------------------------------------------------------------------------------- */
 
-/* A point of a surface, which stands for so much of it; as a storage buffer has it. */
+/* A point of a surface and the area that it represents; layout of a storage buffer. */
 typedef struct vxs_area_point {
     float place[3];
     float square_metres;
 } vxs_area_point;
 
-/* Points of triangles, as many on each as its part of the area is, in the order of the triangles, and on each along a curve: those that follow each other are
- * neighbours, so that one of each few is spread as evenly as all are.
- * positions  [3 * vertices] metres;   corners  [3 * triangle_count] vertices
- * points     [out] [count] all of one area
- * Returns the area of all triangles, in square metres; 0 where there is none, or it is no number, and then no points are written.
- * Threads: none shared; no memory is taken. */
+/* Sample points of triangles. The number of points of a triangle is proportional to its area. Points are in the order of the
+ * triangles, and on each triangle along a space-filling curve: consecutive points are neighbours, so that every n-th point is as
+ * evenly distributed as all points.
+ * positions  [3 * vertices] metres
+ * corners    [3 * triangle_count] vertices
+ * points     [out] [count] all of equal area
+ * Returns the area of all triangles, in square metres; 0 if there is no area, or if it is not a valid number: then no points are
+ * written.
+ * Threads: no shared state; it allocates no memory. */
 double vxs_area_scatter(const float *positions, const uint32_t *corners, uint32_t triangle_count, vxs_area_point *points,
                         uint32_t count);
 
-/* The same, denser where it matters to lamps: a quarter of the points by area, the others in proportion to what a face toward the lamps would get of their light
- * there, nothing between them. A large scene needs it, because points by area alone are far apart near a lamp.
- * lamps   [lamp_count] of each light about 16 are enough, as vxs_area_sample gives them; colours are weights. Those that are far away count as near ones
- * points  [out] [count] with areas of their own, which add up to about the whole
- * Returns, threads: as above; without light points are those of vxs_area_scatter.
- * Cost: for each lamp two looks at each triangle, and more at triangles that are wider than half of their distance. */
+/* The same, with more points where the lights matter. A quarter of the points are distributed by area. The others are
+ * distributed by the irradiance of a face turned toward the lights, without shadows. Large scenes need it, because points by
+ * area alone are too far apart near a light.
+ * lamps   [lamp_count] about 16 per light are enough, from vxs_area_sample; colours are weights. Distant VPLs are treated as
+ *         near ones
+ * points  [out] [count] with individual areas, whose sum is about the total area
+ * Returns, threads: as above; without light, the points are those of vxs_area_scatter.
+ * Cost: two evaluations of each triangle for each VPL, and more for triangles that are wider than half of their distance. */
 double vxs_area_scatter_for(const float *positions, const uint32_t *corners, uint32_t triangle_count, const vxs_vpl *lamps,
                             uint32_t lamp_count, vxs_area_point *points, uint32_t count);
 
-/* the light ------------------------------------------------------------------------------------------------------------------------ */
+/* the light -------------------------------------------------------------------------------------------------------------------- */
 
 typedef struct vxs_area_light vxs_area_light;
 
-/* What is not named is 0, and means the default. */
+/* Fields that are not set are 0, which means the default. */
 typedef struct vxs_area_light_desc {
-    uint32_t lamps;         /* the most that are set at once, VXS_VPLS_MAX and fewer; 0: all of them */
-    uint32_t side_px;       /* of each lamp's imperfect shadow map: 32, 64, 128, 256; 0: 128 */
-    uint32_t columns, rows; /* of each lamp's grid, whose eye rays have 128 bits: 1 to 256; 0: 128 */
-    uint32_t takes_maps;    /* 1: exact light maps may be given in place of imperfect ones */
-    uint32_t capsules;      /* of smoke, the most that there are at once, up to 2^24; 0: it takes none, and nothing is made for it */
-    uint32_t smoke_side_px; /* curves a side of each lamp; 0: 64 */
-    uint32_t smoke_nodes;   /* of each curve: 4, 8, 12, 16; 0: 4 */
+    uint32_t lamps;         /* largest number of VPLs, at most VXS_VPLS_MAX; 0: VXS_VPLS_MAX */
+    uint32_t side_px;       /* of the imperfect shadow map of each VPL: 32, 64, 128, 256; 0: 128 */
+    uint32_t columns, rows; /* of the grid of each VPL, whose eye rays have 128 bits: 1 to 256; 0: 128 */
+    uint32_t takes_maps;    /* 1: exact light maps may be given instead of imperfect shadow maps */
+    uint32_t capsules;      /* largest number of smoke capsules, up to 2^24; 0: no smoke, and nothing is allocated for it */
+    uint32_t smoke_side_px; /* curves per side for each VPL; 0: 64 */
+    uint32_t smoke_nodes;   /* per curve: 4, 8, 12, 16; 0: 4 */
 } vxs_area_light_desc;
 
-/* lamps * (16 * columns * rows + 5.4 * side_px * side_px) bytes of one storage buffer, 86 MiB by default, and three pictures of the view's size. With smoke, another
- * of lamps * 8 * smoke_nodes * smoke_side_px * smoke_side_px bytes, 32 MiB by default, and 32 for each capsule.
+/* Memory: lamps * (16 * columns * rows + 5.4 * side_px * side_px) bytes in one storage buffer, 86 MiB by default, and three
+ * textures of the size of the view. With smoke, another buffer of lamps * 8 * smoke_nodes * smoke_side_px * smoke_side_px bytes,
+ * 32 MiB by default, and 32 bytes for each capsule.
  * light  [out] NULL on failure
- * Returns VXS_OK; VXS_E_ARGUMENT; VXS_E_GL for a shader that does not compile, or more than a storage buffer of the context holds; VXS_E_MEMORY. */
+ * Returns VXS_OK; VXS_E_ARGUMENT; VXS_E_GL: a shader does not compile, or more than the largest storage buffer of the context;
+ * VXS_E_MEMORY. */
 vxs_result vxs_area_light_create(vxs_area_light **light, vxs_volumes *volumes, const vxs_area_light_desc *desc);
 void       vxs_area_light_destroy(vxs_area_light *light); /* accepts NULL */
 
-/* Its lamps; copied. Their shadow maps are those of before where nothing but colours has changed, as of a picture that moves; else they have none.
- * count  1 to those of create
- * Returns VXS_OK; VXS_E_ARGUMENT for numbers that are none, or normals of another length. */
+/* Set the VPLs; they are copied. If only colours have changed, as with a moving image, they keep their shadow maps; otherwise
+ * they have none.
+ * count  1 to the number given to create
+ * Returns VXS_OK; VXS_E_ARGUMENT for numbers that are not valid, or normals whose length is not 1. */
 vxs_result vxs_area_light_set(vxs_area_light *light, const vxs_vpl *lamps, uint32_t count);
 
-/* Where the place is that lamps and casters count from, in metres from the origin that vxs_gl_origin was told last: again, when that origin follows a camera.
- * Shadow maps stay. Before the first call it is the origin.
- * Returns VXS_OK; VXS_E_ARGUMENT for numbers that are none. */
+/* Set the anchor: positions of VPLs and casters are relative to it. place is in metres from the origin that was last set by
+ * vxs_gl_origin; call this again when that origin follows a camera. Shadow maps stay valid. Before the first call, the anchor is
+ * the origin.
+ * Returns VXS_OK; VXS_E_ARGUMENT for numbers that are not valid. */
 vxs_result vxs_area_light_anchor(vxs_area_light *light, const float place[3]);
 
 typedef struct vxs_area_casters {
-    unsigned buffer; /* of vxs_area_point, one behind the other; not read where count is 0 */
+    unsigned buffer; /* of vxs_area_point, without gaps; not read if count is 0 */
     uint32_t count;
-    uint32_t is_whole; /* 1: each point is drawn into the map of each lamp; 0: of 64 points in a row, as many as the map can show, chosen anew for each
-                          lamp, so that a map costs about the same for any number of points. Neighbours should follow each other, as vxs_area_scatter
-                          and a file have them */
+    /* 1: each point is drawn into the map of each VPL. 0: of each 64 consecutive points, only as many are drawn as the map can
+     * resolve, chosen anew for each VPL; then the cost of a map hardly depends on the number of points. Consecutive points
+     * should be neighbours, as from vxs_area_scatter or in a file */
+    uint32_t is_whole;
 } vxs_area_casters;
 
-/* Imperfect shadow maps of all lamps. A point is a disc of the surface that it lies on, a little wider than what it stands for; that surface is found by the points
- * before and behind it in the buffer, and where these lie on no plane it is a square across the light. Gaps between points are filled from coarser levels,
- * whether nothing is seen through them or something farther. Again, when lamps or casters have moved; between frames the maps stay.
- * Returns VXS_OK; VXS_E_ARGUMENT without lamps or a buffer, or where a lamp shines to all sides.
- * Cost: a look at each 64 points for each lamp, and about 4 * side_px^2 points drawn into each map at most where all that is seen is dense. */
+/* Draw the imperfect shadow maps of all VPLs. A point is drawn as a disc on its surface, slightly larger than its area. The
+ * points before and after it in the buffer give the plane of the surface; if they span no plane, the point is drawn as a square
+ * that faces the light. Gaps between points are filled from coarser levels, whether the gap shows nothing or something farther
+ * away. Call it again when VPLs or casters have moved; the maps are kept between frames.
+ * Returns VXS_OK; VXS_E_ARGUMENT without VPLs or a buffer, or if a VPL emits in all directions.
+ * Cost: one test for each 64 points and VPL; at most about 4 * side_px^2 points drawn into each map, where all visible surfaces
+ * are dense. */
 vxs_result vxs_area_light_cast(vxs_area_light *light, const vxs_area_casters *casters);
 
-/* How much smoke leaves of each lamp's light, on surfaces and in the air: curves as in vxs_transmittance.h, of the half of all directions that it shines to, or of the sphere
- * about its place where it is far away. Again, when lamps or smoke have moved; between frames they stay.
- * smoke  places count from where those of lamps do. What is thinner than a texel is as wide as one, and as much less dense. Without capsules nothing
- *        dims the light any more, and it costs nothing
- * Lamps with maps of baked lights are dimmed by the smoke that is baked for these, too, without this call; of others nothing is baked.
- * Returns VXS_OK; VXS_E_ARGUMENT without lamps, where a lamp shines to all sides, or for more capsules than create was told.
- * Cost: a workgroup for each lamp and 8 x 8 curves looks at all capsules, in their order. */
+/* Compute how much smoke dims the light of each VPL, on surfaces and in the air: curves as in vxs_transmittance.h, over the half
+ * of all directions to which the VPL emits, or over the sphere about its place if it is distant. Call it again when VPLs or
+ * smoke have moved; the curves are kept between frames.
+ * smoke  positions are relative to the anchor, as those of VPLs. A capsule thinner than a texel is widened to a texel, with less
+ *        density. Without capsules the light is no longer dimmed, at no cost
+ * If VPLs use maps of baked lights, the baked smoke of these lights dims them, too, without this call. Other VPLs have no baked
+ * smoke.
+ * Returns VXS_OK; VXS_E_ARGUMENT without VPLs, if a VPL emits in all directions, or for more capsules than given to create.
+ * Cost: a workgroup for each VPL and 8 x 8 curves tests all capsules, in their order. */
 vxs_result vxs_area_light_smoke(vxs_area_light *light, const vxs_capsules *smoke);
 
-/* 1: its lamps have imperfect shadow maps; 0: casting is to come. */
+/* 1: the VPLs have imperfect shadow maps; 0: vxs_area_light_cast is still needed. */
 int vxs_area_light_is_cast(const vxs_area_light *light);
 
-/* What a pixel gathers. */
+/* Which VPLs each pixel evaluates. */
 typedef enum vxs_area_gather {
-    VXS_AREA_EACH,    /* all lamps */
-    VXS_AREA_NINTHS,  /* a ninth of them: each 3 x 3 pixels have all, and are mixed where they are as far away */
-    VXS_AREA_QUARTER, /* all, of one pixel in four: others are mixed of those about them that are as far away */
+    VXS_AREA_EACH,    /* all VPLs */
+    VXS_AREA_NINTHS,  /* a ninth of them: 3 x 3 pixels together evaluate all; results are averaged over pixels of similar depth */
+    VXS_AREA_QUARTER, /* all, at one pixel in four; other pixels interpolate neighbours of similar depth */
 } vxs_area_gather;
 
-/* What is not named is 0, and means the default. */
+/* Fields that are not set are 0, which means the default. */
 typedef struct vxs_area_look {
-    vxs_area_gather gather;
-    uint32_t        runs;     /* as for vxs_volumes_grid, 128 at most; 0: 8 */
-    uint32_t        is_sharp; /* 1: of a grid's rows the one that an eye ray is in, and not what lies between two */
-    unsigned
-                                normal_texture; /* GL_TEXTURE_2D of the view's size: normals of what was drawn, of length 1, 0 where nothing was; 0: airlight alone */
-    const vxs_shadow_depth_map *const *maps; /* [lamps] of lamps that stay where they are: exact shadows; NULL: imperfect ones */
+    vxs_area_gather                    gather;
+    uint32_t                           runs;     /* as for vxs_volumes_grid, at most 128; 0: 8 */
+    uint32_t                           is_sharp; /* 1: an eye ray uses one row of a grid; 0: it interpolates between two rows */
+    /* GL_TEXTURE_2D of the size of the view: normals of what was drawn, of length 1, or 0 where nothing was drawn; 0: airlight
+     * alone */
+    unsigned                           normal_texture;
+    const vxs_shadow_depth_map *const *maps; /* [lamps] exact shadow maps, for VPLs that do not move; NULL: imperfect shadow maps */
 } vxs_area_look;
 
-/* Add the airlight of all lamps to the frame's, by a grid for each, all made in one dispatch of all their light rays and one scan; and the light that they
- * send to surfaces, where normals are given. All pixels are drawn, whatever the frame's `least` is.
- * Returns VXS_OK; VXS_E_ARGUMENT without a frame, lamps, or their shadow maps, for curves of smoke of where lamps were before, for maps of a sun, or of lamps that are far away. */
+/* Add the airlight of all VPLs to the frame, and, if normals are given, compute the light that reaches surfaces. Each VPL has a
+ * grid; all grids are built by one dispatch over all light rays and one scan. All pixels are drawn, whatever the frame's
+ * min_radiance is.
+ * Returns VXS_OK; VXS_E_ARGUMENT without a frame, VPLs, or their shadow maps; if the smoke curves belong to earlier VPL
+ * positions; for maps of a sun, or of distant VPLs. */
 vxs_result vxs_volumes_area(vxs_volumes *volumes, vxs_area_light *light, const vxs_area_look *look);
 
-/* Irradiance of surfaces: RGBA32F, of the size of create, of which the view's corner is used; what fog takes between a lamp and a surface is taken. Of the last
- * look with normals. Valid until vxs_area_light_destroy. */
+/* Irradiance of surfaces: RGBA32F, of the size given to create. Only the corner that the view covers is used. It includes
+ * extinction by the fog between VPL and surface. It is that of the last vxs_volumes_area with normals. Valid until
+ * vxs_area_light_destroy. */
 unsigned vxs_area_light_irradiance(const vxs_area_light *light);
 
 #ifdef __cplusplus

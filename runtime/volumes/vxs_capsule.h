@@ -1,12 +1,12 @@
-/* What dims light without stopping it: smoke, hair, dust.
+/* Capsules: volumes that dim light, such as smoke, hair and dust.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_CAPSULE_H
 #define VXS_CAPSULE_H
 
-/* All that is no farther from a segment than a radius, evenly dense. Puffs of smoke begin where they end; a hair is a chain of
- * thin ones. One that is thinner than a texel is missed by the rays beside it: make it as wide as a texel, and thinner in
- * extinction by the square. One that is no capsule, of no size or extinction, with numbers that are none, or beyond 1e12, dims
- * nothing. */
+/* All points whose distance from a segment is at most a radius, with constant density. A puff of smoke is a capsule whose ends
+ * are equal; a hair is a chain of thin capsules. A capsule thinner than a texel falls between rays: make it as wide as a texel,
+ * and multiply its extinction by the square of (old width / new width). A capsule without size or extinction, or with numbers
+ * that are NaN or beyond 1e12, has no effect. */
 typedef struct vxs_capsule {
     float begin[3], radius_metres;
     float end[3], extinction; /* per metre */

@@ -1,30 +1,33 @@
-/* How much light is left along a light ray, as a curve of a few nodes: one text for C99, C++ and GLSL, that stands on vxs_space.h.
+/* Transmittance along a light ray, as a curve of a few nodes: one text for C99, C++ and GLSL. Built on vxs_space.h.
  *
  *     vxs_curve_empty      a curve through empty space
- *     vxs_curve_insert     multiply a segment of smoke into it, and keep no more than so many nodes; piece by piece: vxs_curve_insertion_of, vxs_curve_insert_next
+ *     vxs_curve_insert     multiply a segment of smoke into it, and keep a limited number of nodes; the same in steps:
+ *                          vxs_curve_insertion_of, vxs_curve_insert_next
  *     vxs_curve_at         the transmittance at a depth
- *     vxs_curve_pad        fill up what is stored of it
- *     vxs_curve_read       the transmittance at a depth, of a curve that is stored
+ *     vxs_curve_pad        fill the unused nodes of a stored curve
+ *     vxs_curve_read       the transmittance at a depth, of a stored curve
  *
- * A node is a depth and the transmittance there, from the light on: 1 is all light. Before the first node it is 1, behind the last what that has.
- * Two nodes of one depth are a step, as of a surface or a thin hair.
+ * A node is a depth and the transmittance from the light to there: 1 is all light. Before the first node the transmittance is 1,
+ * behind the last it is that of the last. Two nodes of equal depth are a step, as of a surface or a thin hair.
  *
- *     t 1 ---o.                      a segment from entry to exit that lets T through: nodes before it stay, those in it are multiplied
- *            entry `o...........     by what it lets through up to there, those behind it by T; it adds two, on the curve as it was, and
- *              exit         :   `o-----   a third between them, where the product of the segment and the curve bends most
- *                                last
+ *     t 1 ---o.                       A segment from entry to exit with transmittance T. Nodes before it do not change. Nodes in it
+ *            entry `o...........      are multiplied by the transmittance from its entry to the node, nodes behind it by T. It adds
+ *              exit         :   `o--  a node at its entry and one at its exit. A third is added between them, where the product of
+ *                                last segment and curve bends most.
  *
- * A thick segment falls as an exponential, most of it behind its entry: it is multiplied in as several thin ones, between whose nodes the exponential
- * is nearly a line. And of many segments that overlap, each adds a node where their product has become steep.
+ * A thick segment is an exponential that falls most just behind its entry. It is multiplied in as several thin segments, in each
+ * of which the exponential is nearly linear. Where many segments overlap, each adds a node where their product has become steep.
  *
- * While there are more than `nodes`, the inner node goes whose triangle with its neighbours is the least: the integral of the curve changes the
- * least. Nodes never move, and the first and the last never go: so the curve never rises, and behind its end it is the product of all segments,
- * in whatever order they came. Between, the order says which nodes go.
+ * While there are more than `nodes`, the inner node is removed whose triangle with its neighbours has the least area: this
+ * changes the integral of the curve the least. Nodes never move, and the first and the last are never removed. So the curve
+ * never rises, and behind its end it is the product of all segments, in any order of insertion. In between, the order decides
+ * which nodes are removed.
  *
- * Stored, a curve is `nodes` pairs of numbers, depth and transmittance; unused nodes lie at VXS_CURVE_FAR, with the transmittance of the last. A
- * shader that reads them defines, before this text, vxs_curve_number(curves, i), number i of all that are stored; `curves` is what it hands to
- * vxs_curve_read. VXS_CURVE_MOST, which an includer may define, is the greatest number of nodes that a curve has room for: 16 if not.
- * Source: [AVSM10] 3.2, 3.3 and 4.1; how a segment lies on nodes of its own depths, towards 0, and in pieces, is ours.
+ * A stored curve is `nodes` pairs of numbers, depth and transmittance. Unused nodes have the depth VXS_CURVE_FAR and the
+ * transmittance of the last node. A shader that reads curves must define, before this text, vxs_curve_number(curves, i): number
+ * i of all stored numbers; vxs_curve_read passes `curves` to it. VXS_CURVE_MOST is the largest number of nodes of a curve; an
+ * includer may define it; default 16.
+ * Source: [AVSM10] 3.2, 3.3 and 4.1; segments with nodes at their own depths, transmittance 0, and several pieces are ours.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_CURVE_H
 #define VXS_CURVE_H
@@ -55,22 +58,23 @@ typedef struct vxs_curve_insertion vxs_curve_insertion;
 #define VXS_CURVE_MOST 16
 #endif
 #define VXS_CURVE_ROOM (VXS_CURVE_MOST + 3)
-#define VXS_CURVE_FAR  1e30 /* finite: no infinity times 0 */
+#define VXS_CURVE_FAR  1e30 /* finite, so that no infinity is multiplied by 0 */
 
 struct vxs_curve {
-    vxs_i32  count;                 /* of nodes */
-    vxs_real depth[VXS_CURVE_ROOM]; /* metres, or any other length that all nodes have; they never fall */
-    vxs_real left[VXS_CURVE_ROOM];  /* transmittance, 0 to 1; it never rises */
+    vxs_i32  count;                 /* number of nodes */
+    vxs_real depth[VXS_CURVE_ROOM]; /* metres, or another unit common to all nodes; they never decrease */
+    vxs_real left[VXS_CURVE_ROOM];  /* transmittance, 0 to 1; it never increases */
 };
 
-/* Of a depth: what is left there, and how many nodes lie no farther. */
+/* At a depth: the transmittance, and the number of nodes at or before it. */
 struct vxs_curve_place {
     vxs_real left;
     vxs_i32  nodes;
 };
 
-/* What is multiplied in piece by piece, the next one from `begin` on, before which it has let `before` through; done with the last. `even` pieces have as much of
- * the fall of the root of transmittance each; through and all: what it lets through, the second one never 0. */
+/* A segment that is inserted in pieces. The next piece starts at `begin`; `before` is the transmittance of the pieces before it;
+ * the last piece is number `last`. The first `even` pieces each take an equal part of the fall of the square root of
+ * transmittance. through, all: transmittance of the segment; `all` is never 0. */
 struct vxs_curve_insertion {
     vxs_real entry, exit, through, all, root, begin, before;
     vxs_i32  next, even, last;
@@ -87,8 +91,8 @@ VXS_FN vxs_curve vxs_curve_empty(void)
     return curve;
 }
 
-/* Between a and b, 1 >= a >= b >= 0, at a part of the way: along a line, or as through a medium of even density. No such medium ends at 0, so that
- * towards 0 it is a line, too. */
+/* Interpolate between a and b, 1 >= a >= b >= 0, at a share of the distance: linear, or as through a medium of constant density.
+ * Such a medium never reaches 0, so interpolation toward 0 is always linear. */
 VXS_FN vxs_real vxs_curve_between(vxs_real a, vxs_real b, vxs_real part, vxs_i32 exponential)
 {
     vxs_real left = exponential != 0 && b > 0.0 ? a * exp(log(b / a) * part) : a + (b - a) * part;
@@ -96,13 +100,14 @@ VXS_FN vxs_real vxs_curve_between(vxs_real a, vxs_real b, vxs_real part, vxs_i32
     return left > b ? left : b;
 }
 
-/* At a node of just that depth: behind its step. */
+/* At the depth of a step, the result is the transmittance behind the step. */
 VXS_FN vxs_curve_place vxs_curve_find(VXS_CURVE curve, vxs_real depth, vxs_i32 exponential)
 {
     vxs_real        before = depth, behind = depth, a = VXS_REAL(1.0), b = VXS_REAL(1.0);
     vxs_curve_place place;
     place.nodes = 0;
-    for (vxs_i32 n = 0; n < VXS_CURVE_ROOM; n++) { /* without branches: shaders on processors take all of them */
+    /* without branches, because invocations that run in groups execute both sides of a branch */
+    for (vxs_i32 n = 0; n < VXS_CURVE_ROOM; n++) {
         vxs_i32 is_node = n < VXS_FIELD(curve, count) ? 1 : 0, is_before = VXS_FIELD(curve, depth)[n] > depth ? 0 : is_node;
         vxs_i32 is_next = is_before != 0 || behind > depth ? 0 : is_node;
         before          = is_before != 0 ? VXS_FIELD(curve, depth)[n] : before;
@@ -121,8 +126,9 @@ VXS_FN vxs_real vxs_curve_at(VXS_CURVE curve, vxs_real depth, vxs_i32 exponentia
     return place.left;
 }
 
-/* What an evenly dense segment lets through up to a part of it: the exponential by a parabola, which is off by 2e-4 at most where three quarters get through, 2e-3 where a half does, and of what
- * is thicker a line.   root  of what it lets through in all */
+/* Transmittance of a segment of constant density, from its entry to a share of its length. The exponential is approximated by a
+ * parabola, with an error of at most 2e-4 for a transmittance of 0.75 and 2e-3 for 0.5; of thicker segments by a line.
+ * root  square root of the transmittance of the whole segment */
 VXS_FN vxs_real vxs_curve_part(vxs_real through, vxs_real root, vxs_real part)
 {
     vxs_real bow  = root > 0.7 ? 2.0 * (1.0 - root) * (1.0 - root) : VXS_REAL(0.0);
@@ -131,8 +137,10 @@ VXS_FN vxs_real vxs_curve_part(vxs_real through, vxs_real root, vxs_real part)
     return left > through ? left : through;
 }
 
-/* Where the product of a segment and the curve bends most: both are lines between two nodes, and the product falls below the line between its ends by a quarter
- * of what both lose there. The middle of that part; where there is none, VXS_CURVE_FAR.   left, at_exit  of the curve, at the ends */
+/* Depth where the product of a segment and the curve bends most. Between two nodes both are linear, and the product falls below
+ * the line between its ends by at most a quarter of the product of both decreases. Returns the middle of the interval where that
+ * is greatest; VXS_CURVE_FAR if there is none.
+ * left, at_exit  transmittance of the curve at entry and exit */
 VXS_FN vxs_real vxs_curve_bend(VXS_CURVE curve, vxs_real entry, vxs_real exit, vxs_real left, vxs_real at_exit)
 {
     vxs_real at = VXS_REAL(VXS_CURVE_FAR), most = VXS_REAL(0.0), begin = entry;
@@ -148,13 +156,13 @@ VXS_FN vxs_real vxs_curve_bend(VXS_CURVE curve, vxs_real entry, vxs_real exit, v
     return at;
 }
 
-/* Multiply a segment in, and add its two or three nodes: as if there were room for any number. */
+/* Multiply a segment in, and add its two or three nodes. The curve must have room for them. */
 VXS_FN void vxs_curve_multiply(VXS_CURVE_INOUT curve, vxs_real entry, vxs_real exit, vxs_real through)
 {
     vxs_curve_place begin = vxs_curve_find(curve, entry, 0), end = vxs_curve_find(curve, exit, 0), within;
-    vxs_real bend = vxs_curve_bend(curve, entry, exit, begin.left, end.left), at_entry = begin.left, at_bend = at_entry;
-    vxs_real at_exit = end.left * through, root = sqrt(through);
-    vxs_i32  bends = bend < exit ? 1 : 0, first = begin.nodes, last = end.nodes + 1 + bends, middle = VXS_CURVE_ROOM;
+    vxs_real        bend = vxs_curve_bend(curve, entry, exit, begin.left, end.left), at_entry = begin.left, at_bend = at_entry;
+    vxs_real        at_exit = end.left * through, root = sqrt(through);
+    vxs_i32         bends = bend < exit ? 1 : 0, first = begin.nodes, last = end.nodes + 1 + bends, middle = VXS_CURVE_ROOM;
     if (bends != 0) {
         within  = vxs_curve_find(curve, bend, 0);
         at_bend = within.left * vxs_curve_part(through, root, (bend - entry) / (exit - entry));
@@ -162,7 +170,7 @@ VXS_FN void vxs_curve_multiply(VXS_CURVE_INOUT curve, vxs_real entry, vxs_real e
     }
     vxs_real older_depth = entry, older_left = VXS_REAL(1.0), old_depth = entry, old_left = VXS_REAL(1.0), depth = entry,
              left = VXS_REAL(1.0), least = left;
-    for (vxs_i32 n = 0; n < VXS_CURVE_ROOM; n++) { /* nodes move by as many as have come before them */
+    for (vxs_i32 n = 0; n < VXS_CURVE_ROOM; n++) { /* move nodes by the number of new nodes before them */
         vxs_real now_depth = VXS_FIELD(curve, depth)[n], now_left = VXS_FIELD(curve, left)[n], d = now_depth, t = now_left;
         if (n > last) {
             d = bends != 0 ? older_depth : old_depth;
@@ -181,7 +189,7 @@ VXS_FN void vxs_curve_multiply(VXS_CURVE_INOUT curve, vxs_real entry, vxs_real e
             t = n > middle ? old_left : left;
             t *= vxs_curve_part(through, root, (d - entry) / (exit - entry));
         }
-        least                      = t < least ? t : least; /* quotients of shading languages may be off by a bit */
+        least                      = t < least ? t : least; /* quotients in shading languages may be off by a bit */
         VXS_FIELD(curve, depth)[n] = d;
         VXS_FIELD(curve, left)[n]  = least;
         older_depth                = old_depth;
@@ -194,7 +202,8 @@ VXS_FN void vxs_curve_multiply(VXS_CURVE_INOUT curve, vxs_real entry, vxs_real e
     VXS_FIELD(curve, count) += 2 + bends;
 }
 
-/* Remove the inner node that changes the integral the least: by twice the area of its triangle. Of a curve of three nodes and more. */
+/* Remove the inner node that changes the integral the least, by the area of its triangle. The curve must have at least three
+ * nodes. */
 VXS_FN void vxs_curve_remove_least(VXS_CURVE_INOUT curve)
 {
     vxs_i32  count = VXS_FIELD(curve, count), which = 1;
@@ -217,7 +226,7 @@ VXS_FN void vxs_curve_remove_least(VXS_CURVE_INOUT curve)
     VXS_FIELD(curve, count)--;
 }
 
-/* The same, and no more than so many nodes are kept. */
+/* The same as vxs_curve_multiply, then keep at most `nodes` nodes. */
 VXS_FN void vxs_curve_insert_thin(VXS_CURVE_INOUT curve, vxs_i32 nodes, vxs_real entry, vxs_real exit, vxs_real through)
 {
     vxs_curve_multiply(curve, entry, exit, through);
@@ -225,10 +234,11 @@ VXS_FN void vxs_curve_insert_thin(VXS_CURVE_INOUT curve, vxs_i32 nodes, vxs_real
         if (VXS_FIELD(curve, count) > nodes) vxs_curve_remove_least(curve);
 }
 
-#define VXS_CURVE_LEAST 1e-3 /* transmittance below which a segment is one more piece */
+#define VXS_CURVE_LEAST 1e-3 /* transmittance below which a segment gets one more piece */
 
-/* In how many pieces a segment is multiplied in: such that a line is off by no more than a hundredth in each, but for one that is short beside the curve.
- * root  of what it lets through, no less than of VXS_CURVE_LEAST */
+/* Number of pieces of a segment, such that a linear piece has an error of at most 0.01. A segment that is short relative to the
+ * curve gets one piece.
+ * root  square root of the transmittance, at least that of VXS_CURVE_LEAST */
 VXS_FN vxs_i32 vxs_curve_pieces(VXS_CURVE curve, vxs_i32 nodes, vxs_real length, vxs_real root)
 {
     vxs_real first = VXS_REAL(0.0), last = first, pieces = ceil((1.0 - root) / 0.1414);
@@ -242,11 +252,11 @@ VXS_FN vxs_i32 vxs_curve_pieces(VXS_CURVE curve, vxs_i32 nodes, vxs_real length,
     return pieces < VXS_REAL(nodes - 1) ? VXS_I(pieces) : nodes - 1;
 }
 
-/* A segment that is to be multiplied in piece by piece.
- * nodes        that are kept, 2 to VXS_CURVE_MOST; the same at each call
- * entry, exit  depths, entry <= exit, between -VXS_CURVE_FAR and VXS_CURVE_FAR: else, and where it is no number, there is no segment
- * through      what it lets through: 0 to 1; 1 and more, and what is no number: there is none. Between its ends it is evenly dense; of 0, as good as
- *              opaque from its entry on */
+/* Prepare a segment for insertion in pieces.
+ * nodes        number that is kept, 2 to VXS_CURVE_MOST; the same at each call
+ * entry, exit  depths, entry <= exit, between -VXS_CURVE_FAR and VXS_CURVE_FAR; otherwise, and if NaN, the segment is ignored
+ * through      transmittance, 0 to 1; if 1 or more, or NaN, the segment is ignored. Its density is constant; if it is 0, the
+ *              segment is practically opaque from its entry on */
 VXS_FN vxs_curve_insertion vxs_curve_insertion_of(VXS_CURVE curve, vxs_i32 nodes, vxs_real entry, vxs_real exit, vxs_real through)
 {
     vxs_curve_insertion s;
@@ -265,14 +275,14 @@ VXS_FN vxs_curve_insertion vxs_curve_insertion_of(VXS_CURVE curve, vxs_i32 nodes
 }
 
 /* Multiply its next piece in, if next <= last.
- * Cost: no more than sums, products and a quotient for each node; a piece that is not the last takes two logarithms. */
+ * Cost: sums, products and a quotient for each node; a piece that is not the last needs two logarithms. */
 VXS_FN void vxs_curve_insert_next(VXS_CURVE_INOUT curve, vxs_i32 nodes, VXS_CURVE_INSERTION segment)
 {
     vxs_real entry = VXS_FIELD(segment, entry), exit = VXS_FIELD(segment, exit), begin = VXS_FIELD(segment, begin), end = exit;
     vxs_real left = VXS_FIELD(segment, through);
     vxs_i32  n    = VXS_FIELD(segment, next);
     if (n > VXS_FIELD(segment, last)) return;
-    if (n < VXS_FIELD(segment, last)) { /* roots of transmittance are spaced evenly: so is the error of lines */
+    if (n < VXS_FIELD(segment, last)) { /* equal steps of the root of transmittance give equal errors of linear pieces */
         vxs_real now = 1.0 - (1.0 - VXS_FIELD(segment, root)) * (VXS_REAL(n) / VXS_REAL(VXS_FIELD(segment, even)));
         left         = now * now;
         end          = entry + (exit - entry) * (log(left) / log(VXS_FIELD(segment, all)));
@@ -284,14 +294,15 @@ VXS_FN void vxs_curve_insert_next(VXS_CURVE_INOUT curve, vxs_i32 nodes, VXS_CURV
     VXS_FIELD(segment, next)   = n + 1;
 }
 
-/* All of them. In shaders that insert many segments, a loop of their own over vxs_curve_insert_next is one loop and not two. */
+/* Insert all pieces. Shaders that insert many segments should loop over vxs_curve_insert_next themselves, to have one loop
+ * instead of two nested loops. */
 VXS_FN void vxs_curve_insert(VXS_CURVE_INOUT curve, vxs_i32 nodes, vxs_real entry, vxs_real exit, vxs_real through)
 {
     vxs_curve_insertion segment = vxs_curve_insertion_of(curve, nodes, entry, exit, through);
     while (segment.next <= segment.last) vxs_curve_insert_next(curve, nodes, VXS_REF(segment));
 }
 
-/* Fill nodes [count, nodes) as they are stored. */
+/* Fill nodes [count, nodes) as in a stored curve. */
 VXS_FN void vxs_curve_pad(VXS_CURVE_INOUT curve, vxs_i32 nodes)
 {
     vxs_real left = VXS_REAL(1.0);
@@ -303,10 +314,10 @@ VXS_FN void vxs_curve_pad(VXS_CURVE_INOUT curve, vxs_i32 nodes)
     }
 }
 
-/* first        the number with which the curve begins
- * nodes        that are stored of it, 2 to 31
- * exponential  between two nodes: 0: along a line; 1: as through a medium of even density
- * Reads a depth in each of five steps, and two nodes. */
+/* first        index of the curve's first number
+ * nodes        number of stored nodes, 2 to 31
+ * exponential  interpolation between two nodes: 0: linear; 1: as through a medium of constant density
+ * Cost: reads one depth in each of five steps, and two nodes. */
 VXS_FN vxs_real vxs_curve_read(VXS_CURVE_STORED curves, vxs_i32 first, vxs_i32 nodes, vxs_real depth, vxs_i32 exponential)
 {
     vxs_i32 before = 0;

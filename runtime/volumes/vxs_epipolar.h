@@ -1,27 +1,28 @@
-/* Epipolar space: angles about the eye and a light in which eye rays and light rays both run along an axis. One text for C99, C++, GLSL
- * and HLSL, that stands on vxs_air.h.
+/* Epipolar space: angles about the eye and a light. In it, eye rays and light rays are both parallel to an axis. One text for
+ * C99, C++, GLSL and HLSL. Built on vxs_air.h.
  *
- *     vxs_epipolar_of_lamp     the frame of an eye and a lamp, and the angles that a view can see
+ *     vxs_epipolar_of_lamp     the frame of an eye and a punctual light ("lamp"), and the angles that a view can see
  *     vxs_epipolar_of_sun      the same of a sun
- *     vxs_epipolar_in_cone     what of them a spot light's cone can reach
- *     vxs_epipolar_from_place  place to angles
- *     vxs_epipolar_place       angles to place
+ *     vxs_epipolar_in_cone     the part of these angles that a spot light's cone can reach
+ *     vxs_epipolar_from_place  position to angles
+ *     vxs_epipolar_place       angles to position
  *     vxs_epipolar_eye         an eye ray: alpha and theta
- *     vxs_epipolar_phi_at      phi of a place on an eye ray
- *     vxs_epipolar_distance    and back: how far away it is
+ *     vxs_epipolar_phi_at      phi of a point on an eye ray
+ *     vxs_epipolar_distance    the inverse: the distance of a point with a given phi
  *     vxs_epipolar_light_ray   a light ray: theta and phi
- *     vxs_epipolar_alpha_at    alpha of a place on a light ray
+ *     vxs_epipolar_alpha_at    alpha of a point on a light ray
  *
- *                 lamp         alpha, at the eye, between the way to the lamp and that to a place: one on an eye ray, and on a light ray
- *      eye  alpha  *           rising away from the lamp, so that along a light ray, from column to column, light ends at most once
- *        *--------/ phi        theta, about the axis through both: one on eye rays and light rays; 0 through the middle of the view
- *         `.     /             phi, at the lamp, between the way to the eye and that to the place: 0 at the eye and rising along an eye
- *           `.  /              ray, to pi - alpha; one on a light ray
- *             `/
- *            place             Of the sun, whose rays are parallel, phi is the distance from the axis, in metres.
+ *                 lamp         alpha: at the eye, from the direction of the lamp to that of the point. Constant on an eye ray. On a
+ *      eye  alpha  *           light ray it increases away from the lamp, so that light ends at most once along the columns.
+ *        *--------/ phi        theta: about the axis through eye and lamp. Constant on eye rays and light rays; 0 in the middle of
+ *         `.     /             the view.
+ *           `.  /              phi: at the lamp, from the direction of the eye to that of the point. 0 at the eye; on an eye ray it
+ *             `/               increases to pi - alpha. Constant on a light ray.
+ *            place             For a sun, whose rays are parallel, phi is the distance from the axis, in metres.
  *
- * Places are metres from the eye. On the axis theta is anything, and all places of an eye ray have one phi: there is no way back.
- * Each angle is asin's or acos's only on paper, where these lose half of their digits; here it is atan2's, of a cross product's length.
+ * Positions are metres from the eye. On the axis theta is undefined, and all points of an eye ray have the same phi, so that the
+ * mapping has no inverse. An angle from asin or acos would lose half of its digits; this code uses atan2 of the length of a
+ * cross product.
  * Source: [VSV11], "Creating VSVs"; suns and ranges are ours.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_EPIPOLAR_H
@@ -44,35 +45,37 @@ typedef struct vxs_epipolar_ray  vxs_epipolar_ray;
 #define VXS_EPIPOLAR_RAY  vxs_epipolar_ray
 #endif
 
-/* What eye rays there are. */
+/* The set of eye rays of a view. */
 struct vxs_epipolar_view {
     vxs_real3 corners
-        [4]; /* ways from the eye to the corners of the image, in turn about it; of any length, within less than half of all ways */
-    vxs_real far_metres; /* no eye ray is longer; > 0, finite */
+        /* directions from the eye to the corners of the image, in order around it; of any length; all in less than a half space */
+        [4];
+    vxs_real far_metres; /* the largest length of an eye ray; > 0, finite */
 };
 
 /* Frame and ranges; angles in radians. */
 struct vxs_epipolar {
-    vxs_real3 axis;  /* from the eye toward the light, */
-    vxs_real3 ahead; /* across it, theta = 0, */
-    vxs_real3 side;  /* across both, theta = pi / 2: each of length 1 */
-    vxs_real  away;  /* metres from the eye to the lamp, > 0; 0: a sun */
-    vxs_real2 alpha; /* what can be seen: begin < end, in [0, pi] */
-    vxs_real2 theta; /* in [-pi, pi]: the seam is opposite the view */
-    vxs_real2 phi;   /* of lamps in [0, pi]; of suns metres, >= 0 */
+    vxs_real3 axis;  /* unit vector from the eye toward the light */
+    vxs_real3 ahead; /* unit vector across the axis, theta = 0 */
+    vxs_real3 side;  /* unit vector across both, theta = pi / 2 */
+    vxs_real  away;  /* metres from the eye to a punctual light, > 0; 0: a sun */
+    vxs_real2 alpha; /* visible range: begin < end, in [0, pi] */
+    vxs_real2 theta; /* visible range, in [-pi, pi]: the seam is opposite the view */
+    vxs_real2 phi;   /* visible range: for punctual lights in [0, pi]; for suns metres, >= 0 */
 };
 
 /* An eye ray. */
 struct vxs_epipolar_ray {
-    vxs_real alpha, sine, cosine; /* of alpha */
+    vxs_real alpha, sine, cosine; /* sine and cosine of alpha */
     vxs_real theta;
 };
 
-#define VXS_EPIPOLAR_NEAREST 1e-9 /* metres; a lamp that is nearer to the eye is taken to be as far away */
+#define VXS_EPIPOLAR_NEAREST 1e-9 /* metres; a nearer punctual light is placed at this distance from the eye */
 
-/* angles -------------------------------------------------------------------------------------------------------------------------- */
+/* angles ----------------------------------------------------------------------------------------------------------------------- */
 
-/* atan2 in [0, pi], y >= 0; 0 where both are. C has it to all its digits; shading languages promise some 4096 units of the last. */
+/* atan2 in [0, pi], y >= 0; 0 if both are 0. C has full precision; shading languages guarantee about 4096 units in the last
+ * place. */
 VXS_FN vxs_real vxs_epipolar_angle(vxs_real y, vxs_real x)
 {
 #ifdef VXS_C
@@ -82,7 +85,8 @@ VXS_FN vxs_real vxs_epipolar_angle(vxs_real y, vxs_real x)
 #endif
 }
 
-/* Sine and cosine of an angle in [0, pi], the sine to a few units of its last place near pi, too, if that is how the angle was rounded.
+/* Sine and cosine of an angle in [0, pi]. The sine has an error of a few units in the last place, also near pi, relative to the
+ * rounded angle.
  * turned  [out] sine, cosine */
 VXS_FN void vxs_epipolar_turn(vxs_real angle, VXS_OUT vxs_real2 turned)
 {
@@ -103,8 +107,8 @@ VXS_FN void vxs_epipolar_cross(const vxs_real3 a, const vxs_real3 b, VXS_OUT vxs
     c[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* Of length 1, by way of its longest coordinate, which no square makes 0 or endless.
- * Returns the length it had; where that is 0, or no number, v becomes 0 and so is what is returned. */
+/* Normalize v. It is first divided by its largest component, so that no square underflows or overflows.
+ * Returns its length before; if that is 0 or NaN, v becomes 0 and 0 is returned. */
 VXS_FN vxs_real vxs_epipolar_unit(VXS_INOUT vxs_real3 v)
 {
     vxs_real most = VXS_REAL(0.0), length = VXS_REAL(0.0);
@@ -118,9 +122,9 @@ VXS_FN vxs_real vxs_epipolar_unit(VXS_INOUT vxs_real3 v)
     return most * length;
 }
 
-/* places -------------------------------------------------------------------------------------------------------------------------- */
+/* places ----------------------------------------------------------------------------------------------------------------------- */
 
-/* An eye ray.   direction  of length 1, or a place on it */
+/* An eye ray.   direction  of length 1, or a point on it */
 VXS_FN vxs_epipolar_ray vxs_epipolar_eye(VXS_EPIPOLAR space, const vxs_real3 direction)
 {
     vxs_epipolar_ray ray;
@@ -135,7 +139,7 @@ VXS_FN vxs_epipolar_ray vxs_epipolar_eye(VXS_EPIPOLAR space, const vxs_real3 dir
     return ray;
 }
 
-/* phi of the place at `metres` on the ray, >= 0. What light and eye are apart is no difference of what is nearly equal where they are near. */
+/* phi of the point at `metres` on the ray, >= 0. If light and eye are near each other, no nearly equal numbers are subtracted. */
 VXS_FN vxs_real vxs_epipolar_phi_at(VXS_EPIPOLAR space, VXS_EPIPOLAR_RAY ray, vxs_real metres)
 {
     vxs_real across = metres * VXS_FIELD(ray, sine);
@@ -143,7 +147,7 @@ VXS_FN vxs_real vxs_epipolar_phi_at(VXS_EPIPOLAR space, VXS_EPIPOLAR_RAY ray, vx
     return vxs_epipolar_angle(across, VXS_FIELD(space, away) - metres * VXS_FIELD(ray, cosine));
 }
 
-/* phi as the functions below want it.   turned  [out] sine and cosine; of suns, phi and 0 */
+/* phi in the form that the functions below need.   turned  [out] sine and cosine; for suns, phi and 0 */
 VXS_FN void vxs_epipolar_turn_of(VXS_EPIPOLAR space, vxs_real phi, VXS_OUT vxs_real2 turned)
 {
     turned[0] = phi;
@@ -151,7 +155,7 @@ VXS_FN void vxs_epipolar_turn_of(VXS_EPIPOLAR space, vxs_real phi, VXS_OUT vxs_r
     if (VXS_FIELD(space, away) > 0.0) vxs_epipolar_turn(phi, turned);
 }
 
-/* Where on the ray phi is: metres; `most` where it is nowhere on the ray, or farther.   turned  vxs_epipolar_turn_of phi */
+/* Distance of phi on the ray, in metres; `most` if phi is not on the ray, or farther.   turned  vxs_epipolar_turn_of phi */
 VXS_FN vxs_real vxs_epipolar_distance(VXS_EPIPOLAR space, VXS_EPIPOLAR_RAY ray, const vxs_real2 turned, vxs_real most)
 {
     vxs_real across = turned[0], sine = VXS_FIELD(ray, sine);
@@ -172,7 +176,7 @@ VXS_FN void vxs_epipolar_from_place(VXS_EPIPOLAR space, const vxs_real3 place, V
     angles[2]               = vxs_epipolar_phi_at(space, VXS_REF(ray), metres);
 }
 
-/* The way across the axis at theta, of length 1. */
+/* Unit vector across the axis at theta. */
 VXS_FN void vxs_epipolar_across(VXS_EPIPOLAR space, vxs_real theta, VXS_OUT vxs_real3 across)
 {
     vxs_real2 turned;
@@ -181,8 +185,9 @@ VXS_FN void vxs_epipolar_across(VXS_EPIPOLAR space, vxs_real theta, VXS_OUT vxs_
         across[n] = turned[1] * VXS_FIELD(space, ahead)[n] + (theta < 0.0 ? -turned[0] : turned[0]) * VXS_FIELD(space, side)[n];
 }
 
-/* And back.   angles  alpha, theta, phi; alpha + phi < pi of lamps
- * place  [out] no farther than VXS_EPIPOLAR_FARTHEST */
+/* The inverse of vxs_epipolar_from_place.
+ * angles  alpha, theta, phi; for punctual lights alpha + phi < pi
+ * place   [out] at most VXS_EPIPOLAR_FARTHEST away */
 #define VXS_EPIPOLAR_FARTHEST 1e15
 VXS_FN void vxs_epipolar_place(VXS_EPIPOLAR space, const vxs_real3 angles, VXS_OUT vxs_real3 place)
 {
@@ -200,7 +205,8 @@ VXS_FN void vxs_epipolar_place(VXS_EPIPOLAR space, const vxs_real3 angles, VXS_O
     for (vxs_i32 n = 0; n < 3; n++) place[n] = metres * (ray.cosine * VXS_FIELD(space, axis)[n] + ray.sine * across[n]);
 }
 
-/* A light ray: where it begins (the lamp; of the sun, a place beside the eye, from which it goes both ways), and its direction, of length 1.
+/* A light ray: its origin (the lamp; for a sun, a point beside the eye, from which the ray extends both ways), and its
+ * direction, of length 1.
  * across  vxs_epipolar_across theta;   turned  vxs_epipolar_turn_of phi */
 VXS_FN void vxs_epipolar_light_ray(VXS_EPIPOLAR space, const vxs_real3 across, const vxs_real2 turned, VXS_OUT vxs_real3 begin,
                                    VXS_OUT vxs_real3 direction)
@@ -213,17 +219,17 @@ VXS_FN void vxs_epipolar_light_ray(VXS_EPIPOLAR space, const vxs_real3 across, c
     }
 }
 
-/* alpha of the place at `metres` from the begin of a light ray; of suns they may be negative.   turned  as above */
+/* alpha of the point at `metres` from the origin of a light ray; for suns `metres` may be negative.   turned  as above */
 VXS_FN vxs_real vxs_epipolar_alpha_at(VXS_EPIPOLAR space, const vxs_real2 turned, vxs_real metres)
 {
     if (!(VXS_FIELD(space, away) > 0.0)) return vxs_epipolar_angle(turned[0], -metres);
     return vxs_epipolar_angle(metres * turned[0], VXS_FIELD(space, away) - metres * turned[1]);
 }
 
-/* ranges -------------------------------------------------------------------------------------------------------------------------- */
+/* ranges ----------------------------------------------------------------------------------------------------------------------- */
 
-/* The frame about an axis, whose theta is 0 in the middle of the view, and 0 and 0 for its range. Where the axis runs through the middle
- * there is no such way across it: any will do, and theta is all the way round.
+/* The frame about an axis; theta is 0 in the middle of the view. Its range of theta is left 0, 0. If the axis is in the middle
+ * of the view, `ahead` is any vector across it, and the range of theta is the full circle.
  * axis, middle  of length 1 */
 VXS_FN vxs_epipolar vxs_epipolar_frame(const vxs_real3 axis, const vxs_real3 middle)
 {
@@ -237,7 +243,7 @@ VXS_FN vxs_epipolar vxs_epipolar_frame(const vxs_real3 axis, const vxs_real3 mid
     }
     space.theta[0] = space.theta[1] = VXS_REAL(0.0);
     for (vxs_i32 turn = 0; turn < 3;
-         turn++) { /* what is left of a way nearly along the axis is short, and its error is not across: again */
+         turn++) { /* repeat: a vector nearly along the axis leaves a short rest, with an error along the axis */
         vxs_real along = vxs_air_dot(axis, space.ahead);
         for (vxs_i32 n = 0; n < 3; n++) space.ahead[n] -= along * axis[n];
         if (turn == 0 && !(vxs_air_dot(space.ahead, space.ahead) > 1e-10)) {
@@ -252,10 +258,11 @@ VXS_FN vxs_epipolar vxs_epipolar_frame(const vxs_real3 axis, const vxs_real3 mid
     return space;
 }
 
-/* alpha along the edge of the image from one corner to the next: at its ends, and where its plane is nearest to the axis.
+/* Widen the range of alpha by an edge of the image from one corner to the next: by its ends, and by where its plane is nearest
+ * to the axis.
  * a, b   of length 1
- * alpha  [in, out] least and greatest
- * Returns on which side of the edge the axis is: the cosine to the normal of its plane, or 0 where it has none. */
+ * alpha  [in, out] smallest and greatest
+ * Returns the side of the edge on which the axis is: the cosine to the normal of its plane; 0 if it has none. */
 VXS_FN vxs_real vxs_epipolar_edge(const vxs_real3 axis, const vxs_real3 a, const vxs_real3 b, VXS_INOUT vxs_real2 alpha)
 {
     vxs_real3 normal, across, in_plane, ahead_of_a, behind_b;
@@ -276,8 +283,9 @@ VXS_FN vxs_real vxs_epipolar_edge(const vxs_real3 axis, const vxs_real3 a, const
     return above;
 }
 
-/* The angles that the view can see: alpha of the image's edge, and to 0 or pi where the axis is in it, either way; theta of its corners, which is
- * less than half of all, or all where the axis is in view or may be; phi of the farthest places. */
+/* The ranges of angles that the view can see. alpha: of the edge of the image, down to 0 or up to pi if the axis or its opposite
+ * is in the view. theta: of the corners, less than half a circle; the full circle if the axis is or may be in the view. phi: of
+ * the farthest points. */
 VXS_FN void vxs_epipolar_widen(VXS_EPIPOLAR space, VXS_EPIPOLAR_VIEW view, const vxs_real3 middle, VXS_INOUT vxs_real2 alpha,
                                VXS_INOUT vxs_real2 theta, VXS_INOUT vxs_real2 phi)
 {
@@ -324,7 +332,7 @@ VXS_FN void vxs_epipolar_widen(VXS_EPIPOLAR space, VXS_EPIPOLAR_VIEW view, const
     phi[1]     = vxs_epipolar_phi_at(space, VXS_REF(ray), far);
 }
 
-/* No range is empty: what is narrower than this part of its greatest number is made so wide. */
+/* Widen a range that is empty or nearly empty, relative to its greatest number. */
 VXS_FN void vxs_epipolar_open(VXS_INOUT vxs_real2 range)
 {
     vxs_real most = vxs_abs(range[0]) > vxs_abs(range[1]) ? vxs_abs(range[0]) : vxs_abs(range[1]), least = 1e-5 * most + 1e-20;
@@ -362,8 +370,10 @@ VXS_FN vxs_epipolar vxs_epipolar_of_lamp(const vxs_real3 to_lamp, VXS_EPIPOLAR_V
     return vxs_epipolar_of(axis, away > VXS_EPIPOLAR_NEAREST ? away : VXS_REAL(VXS_EPIPOLAR_NEAREST), view);
 }
 
-/* Of a spot light, phi of places in its cone.
- * phi        [in, out] of a frame of vxs_epipolar_of_lamp;   axis  where it shines, of length 1;   cos_outer  of the cone, >= 0 */
+/* For a spot light: clip the range of phi to its cone.
+ * phi        [in, out] of a frame of vxs_epipolar_of_lamp
+ * axis       direction of the light, of length 1
+ * cos_outer  of the cone, >= 0 */
 VXS_FN void vxs_epipolar_in_cone(VXS_EPIPOLAR space, const vxs_real3 axis, vxs_real cos_outer, VXS_INOUT vxs_real2 phi)
 {
     vxs_real3 across;
@@ -375,7 +385,7 @@ VXS_FN void vxs_epipolar_in_cone(VXS_EPIPOLAR space, const vxs_real3 axis, vxs_r
     vxs_epipolar_open(phi);
 }
 
-/* to_sun  the way to it, of any length */
+/* to_sun  direction to it, of any length */
 VXS_FN vxs_epipolar vxs_epipolar_of_sun(const vxs_real3 to_sun, VXS_EPIPOLAR_VIEW view)
 {
     return vxs_epipolar_of(to_sun, VXS_REAL(0.0), view);

@@ -1,30 +1,30 @@
-/* The mesh about what a light reaches: which vertices its triangles have, and where they lie. One text for C99, C++ and GLSL, that stands on
- * vxs_space.h.
+/* The mesh around the lit volume of a light: the vertices of its triangles, and their positions. One text for C99, C++ and GLSL.
+ * Built on vxs_space.h.
  *
- *     vxs_mesh_triangles   how many triangles there are with a quad for every texel
- *     vxs_mesh_corner      the vertex at a corner of one of them
- *     vxs_mesh_texel       the texel of the light's map that says how deep a vertex is
- *     vxs_mesh_place       where in light space it is, then
- *     vxs_mesh_held        vertices that have fallen together, as one; vxs_mesh_code: a vertex as one number
+ *     vxs_mesh_triangles   number of triangles, with a quad for each texel
+ *     vxs_mesh_corner      the vertex at a corner of a triangle
+ *     vxs_mesh_texel       the texel of the light's map that gives the depth of a vertex
+ *     vxs_mesh_place       the position of a vertex in light space
+ *     vxs_mesh_held        the same vertex for all that coincide; vxs_mesh_code: a vertex as a number
  *
- * A light map says where shadow begins on the light ray through each texel's middle. A grid of side + 1 by side + 1 vertices is displaced to these
- * depths. All of them lie on the rays through texels' middles but the outermost, which lie on the border, so that the grid covers all of a map and has a
- * power of two of quads:
+ * A light map stores where shadow begins on the light ray through each texel's middle. A grid of (side + 1) x (side + 1)
+ * vertices is displaced to these depths. Inner vertices are on the rays through the middles of texels. Outer vertices are on the
+ * border, so that the grid covers the whole map and has a power of two of quads:
  *
  *     0   1   2   3   4     vertices of a map of 4 texels
  *     |---:-|---:-|-:---:|
  *     texel 0  1    2   3
  *
- * What closes it:
+ * The mesh is closed as follows:
  *
- *     spot        the border is joined to the light: four walls of triangles that end there
- *     six maps    nothing: they meet in the edges of the cube, inside the border that each of them has. Vertices beyond an edge fall together
- *                 in it, and how deep an edge is, is asked of one of the faces that meet there
- *     sun         what is beside the map is lit. So the mesh is that of the shadow below the grid, with four walls and a far side, turned inside
- *                 out, and of a box about everything
+ *     spot        four walls of triangles connect the border to the light
+ *     six maps    nothing is added. The maps meet in the edges of the cube, inside of their borders. Vertices beyond an edge
+ *                 coincide in it. One of the faces that meet there gives the depth of the edge
+ *     sun         everything beside the map is lit. So the mesh is the surface of the shadow volume below the grid, with four walls
+ *                 and a far side, turned inside out, together with a box around everything
  *
- * Normals point out of what is lit, where light space is right-handed.
- * Source: [Billeter 2010] 4, [McCool 2000] for the displaced grid; vertices on borders and edges, and the sun's, are ours.
+ * Normals point out of the lit volume, if light space is right-handed.
+ * Source: [Billeter 2010] 4, [McCool 2000] for the displaced grid; vertices on borders and edges, and those of the sun, are ours.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_LIGHT_MESH_H
 #define VXS_LIGHT_MESH_H
@@ -41,25 +41,27 @@ typedef struct vxs_mesh_vertex vxs_mesh_vertex;
 #define VXS_MESH vxs_mesh_shape
 #endif
 
-/* How a light's map lies, and where what is lit ends in any case. */
+/* The layout of a light's map, and the limits of its lit volume. */
 struct vxs_mesh_shape {
-    vxs_i32   side, layers;      /* texels of the map, a power of two; 1 or 6 */
-    vxs_i32   levels;            /* the side is 2^levels */
-    vxs_i32   is_sun;            /* 0 or 1 */
-    vxs_i32   first, last;       /* texels in which the grid begins and ends */
-    vxs_real  low, high;         /* where it does, in texels: 0 and side; of six maps, the edges of the cube */
-    vxs_real  texel;             /* of suns, texels of the baked map; of lamps, metres at one metre along the axis */
-    vxs_real  least, reach;      /* depths are held between these; where light does not end, it ends at the second */
-    vxs_real3 box_low, box_high; /* of suns, the box about everything, in light space */
-    vxs_real  error_scale;       /* of suns, widths of a texel in a voxel of depth; of lamps, in all of a depth */
+    vxs_i32   side, layers; /* texels per side, a power of two; 1 or 6 */
+    vxs_i32   levels;       /* side = 2^levels */
+    vxs_i32   is_sun;       /* 0 or 1 */
+    vxs_i32   first, last;  /* first and last texel of the grid */
+    vxs_real  low, high;    /* ends of the grid, in texels: 0 and side; of six maps, the edges of the cube */
+    /* suns: texels of the baked map per texel; punctual lights: metres per texel, at one metre along the axis */
+    vxs_real  texel;
+    vxs_real  least, reach;      /* depths are clamped to [least, reach]; where light does not end, it ends at reach */
+    vxs_real3 box_low, box_high; /* suns: the box around everything, in light space */
+    /* texel widths per unit of error: suns: per voxel of depth; punctual lights: per relative error of a depth */
+    vxs_real  error_scale;
 };
 
-/* A vertex of the grid; or, where layer is -1, number i of those that are beside it: 0 to 3 where walls end, 4 to 11 of the sun's box. */
+/* A vertex of the grid. If layer is -1, vertex number i outside of the grid: 0 to 3 where walls end, 4 to 11 of the sun's box. */
 struct vxs_mesh_vertex {
     vxs_i32 layer, i, j;
 };
 
-/* -1, 1: vertex i of a row is at the low or the high end of it; 0: between. */
+/* -1, 1: vertex i of a row is at its low or high end; 0: between them. */
 VXS_FN vxs_i32 vxs_mesh_end(VXS_MESH shape, vxs_i32 i)
 {
     vxs_real middle = VXS_REAL(i) + 0.5;
@@ -67,7 +69,7 @@ VXS_FN vxs_i32 vxs_mesh_end(VXS_MESH shape, vxs_i32 i)
     return i == VXS_FIELD(shape, side) || middle >= VXS_FIELD(shape, high) ? 1 : 0;
 }
 
-/* Where vertex i of a row is, in texels of the map. */
+/* Position of vertex i of a row, in texels of the map. */
 VXS_FN vxs_real vxs_mesh_at(VXS_MESH shape, vxs_i32 i)
 {
     vxs_i32 end = vxs_mesh_end(shape, i);
@@ -80,7 +82,7 @@ VXS_FN vxs_i32 vxs_mesh_texel_of(VXS_MESH shape, vxs_i32 i)
     return end < 0 ? VXS_FIELD(shape, first) : end > 0 ? VXS_FIELD(shape, last) : i;
 }
 
-/* The texel that says how deep a vertex of the grid is. In an edge of a cube it is of the face along the first axis of those that meet there.
+/* The texel that gives the depth of a vertex of the grid. In an edge of a cube, it belongs to the face with the lower axis.
  * texel  [out] i, j, layer */
 VXS_FN void vxs_mesh_texel(VXS_MESH shape, vxs_mesh_vertex v, VXS_OUT vxs_int3 texel)
 {
@@ -102,14 +104,15 @@ VXS_FN void vxs_mesh_texel(VXS_MESH shape, vxs_mesh_vertex v, VXS_OUT vxs_int3 t
     texel[1]                            = at[vxs_ls_axis_from_face(texel[2], 1)];
 }
 
-/* A depth of the map, held where the mesh is; what is no number counts as the least. */
+/* A depth of the map, clamped to the limits of the mesh; NaN counts as the least. */
 VXS_FN vxs_real vxs_mesh_depth(VXS_MESH shape, vxs_real depth)
 {
     if (!(depth > VXS_FIELD(shape, least))) return VXS_FIELD(shape, least);
     return depth < VXS_FIELD(shape, reach) ? depth : VXS_FIELD(shape, reach);
 }
 
-/* Metres across a lamp's map at one metre along its axis, of vertex i: in the edge of a cube exactly one, so that two faces agree. */
+/* Metres of vertex i across a punctual light's map, at one metre along its axis. Exactly one in the edge of a cube, so that two
+ * faces agree. */
 VXS_FN vxs_real vxs_mesh_across(VXS_MESH shape, vxs_i32 i)
 {
     vxs_i32 end = vxs_mesh_end(shape, i);
@@ -117,11 +120,11 @@ VXS_FN vxs_real vxs_mesh_across(VXS_MESH shape, vxs_i32 i)
     return (vxs_mesh_at(shape, i) - 0.5 * VXS_REAL(VXS_FIELD(shape, side))) * VXS_FIELD(shape, texel);
 }
 
-/* Where a vertex beside the grid is. */
+/* Position of a vertex outside of the grid. */
 VXS_FN void vxs_mesh_place_beside(VXS_MESH shape, vxs_i32 n, VXS_OUT vxs_real3 ls)
 {
     ls[0] = ls[1] = ls[2] = VXS_REAL(0.0);
-    if (VXS_FIELD(shape, is_sun) == 0) return; /* the light */
+    if (VXS_FIELD(shape, is_sun) == 0) return; /* the position of the light */
     if (n < 4) {
         ls[0] = (n == 1 || n == 2 ? VXS_FIELD(shape, high) : VXS_FIELD(shape, low)) * VXS_FIELD(shape, texel);
         ls[1] = (n >= 2 ? VXS_FIELD(shape, high) : VXS_FIELD(shape, low)) * VXS_FIELD(shape, texel);
@@ -132,8 +135,8 @@ VXS_FN void vxs_mesh_place_beside(VXS_MESH shape, vxs_i32 n, VXS_OUT vxs_real3 l
         ls[axis] = (((n - 4) >> axis) & 1) != 0 ? VXS_FIELD(shape, box_high)[axis] : VXS_FIELD(shape, box_low)[axis];
 }
 
-/* Where a vertex is.
- * depth  of vxs_mesh_texel in the map; of vertices beside the grid nobody asks
+/* Position of a vertex.
+ * depth  of texel vxs_mesh_texel of the map; not used for vertices outside of the grid
  * ls     [out] light space */
 VXS_FN void vxs_mesh_place(VXS_MESH shape, vxs_mesh_vertex v, vxs_real depth, VXS_OUT vxs_real3 ls)
 {
@@ -155,7 +158,8 @@ VXS_FN void vxs_mesh_place(VXS_MESH shape, vxs_mesh_vertex v, vxs_real depth, VX
     vxs_ls_from_face(VXS_FIELD(shape, layers) == 1 ? 4 : v.layer, turned, ls);
 }
 
-/* Vertices of the grid that have fallen together are one; beside it, those of a lamp all are the light. */
+/* The same vertex for all vertices of the grid that coincide. Outside of the grid, all vertices of a punctual light are the
+ * light itself. */
 VXS_FN vxs_mesh_vertex vxs_mesh_held(VXS_MESH shape, vxs_mesh_vertex v)
 {
     vxs_i32 across = vxs_mesh_end(shape, v.i), down = vxs_mesh_end(shape, v.j), side = VXS_FIELD(shape, side);
@@ -183,12 +187,12 @@ VXS_FN vxs_mesh_vertex vxs_mesh_vertex_from_code(vxs_u32 code)
     return v;
 }
 
-/* triangles ---------------------------------------------------------------------------------------------------------------------- */
+/* triangles -------------------------------------------------------------------------------------------------------------------- */
 
-#define VXS_MESH_CORNERS_CLOSED 6  /* triangles between where walls end; of a spot light they have no area */
+#define VXS_MESH_CORNERS_CLOSED 6  /* triangles between the ends of walls; for a spot light they have no area */
 #define VXS_MESH_BOX            12 /* triangles of the sun's box */
 
-/* Those that close a mesh beside its walls. */
+/* Number of triangles that close a mesh, without its walls. */
 VXS_FN vxs_i32 vxs_mesh_closing(VXS_MESH shape)
 {
     if (VXS_FIELD(shape, layers) != 1) return 0;
@@ -210,7 +214,7 @@ VXS_FN vxs_mesh_vertex vxs_mesh_vertex_of(vxs_i32 layer, vxs_i32 i, vxs_i32 j)
     return v;
 }
 
-/* Vertex n of the border of the one map, from (0, 0) on along j = 0. */
+/* Vertex n of the border of a single map, from (0, 0) on along j = 0. */
 VXS_FN vxs_mesh_vertex vxs_mesh_border(VXS_MESH shape, vxs_i32 n)
 {
     vxs_i32 side = VXS_FIELD(shape, side), wall = (n / side) & 3, way = n % side;
@@ -220,7 +224,7 @@ VXS_FN vxs_mesh_vertex vxs_mesh_border(VXS_MESH shape, vxs_i32 n)
     return vxs_mesh_vertex_of(0, 0, side - way);
 }
 
-/* A corner, 0 to 2, of triangle n of those that close a mesh beside its walls: at each end of a wall, the far side, the box. */
+/* Corner 0 to 2 of triangle n of those that close a mesh, without its walls: at the ends of walls, the far side, the box. */
 VXS_FN vxs_mesh_vertex vxs_mesh_closing_corner(VXS_MESH shape, vxs_i32 n, vxs_i32 corner)
 {
     if (n < 4) {
@@ -236,12 +240,12 @@ VXS_FN vxs_mesh_vertex vxs_mesh_closing_corner(VXS_MESH shape, vxs_i32 n, vxs_i3
                               0);
 }
 
-/* A corner, 0 to 2, of triangle n, [0, vxs_mesh_triangles): of quads, then of walls, then of what closes them. */
+/* Corner 0 to 2 of triangle n, [0, vxs_mesh_triangles): first of quads, then of walls, then of the other closing triangles. */
 VXS_FN vxs_mesh_vertex vxs_mesh_corner(VXS_MESH shape, vxs_i32 n, vxs_i32 corner)
 {
     vxs_i32 side = VXS_FIELD(shape, side), quads = side * side * VXS_FIELD(shape, layers);
     if (n < 2 * quads) {
-        vxs_i32 quad = n / 2, at = corner == 0 ? 0 : corner + (n & 1); /* 0, 1, 2 and 0, 2, 3 of its corners, in turn */
+        vxs_i32 quad = n / 2, at = corner == 0 ? 0 : corner + (n & 1); /* in turn 0, 1, 2 and 0, 2, 3 of its corners */
         vxs_i32 i = quad % side, j = quad / side % side;
         return vxs_mesh_vertex_of(quad / (side * side), at == 1 || at == 2 ? i + 1 : i, at >= 2 ? j + 1 : j);
     }

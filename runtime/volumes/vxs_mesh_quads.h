@@ -1,26 +1,29 @@
-/* The quads of a mesh about what a light reaches that is adaptive: large ones where it is flat. One text for C99, C++ and GLSL, that stands on
- * vxs_light_mesh.h.
+/* The quads of an adaptive mesh around the lit volume of a light: large quads where it is flat. One text for C99, C++ and GLSL.
+ * Built on vxs_light_mesh.h.
  *
- *     vxs_mesh_is_off      whether a quad's two triangles lie too far off the map's depths: then it splits
- *     vxs_mesh_let_meet    what has to split about a quad that does
- *     vxs_mesh_is_drawn    whether a quad is one of those that are left
- *     vxs_mesh_finer       on which edges smaller ones meet it; vxs_mesh_fan_first, vxs_mesh_fan_next: its triangles, then
+ *     vxs_mesh_is_off      whether a quad's two triangles are too far from the depths of the map: then it is split
+ *     vxs_mesh_let_meet    splits the neighbours of a split quad where needed
+ *     vxs_mesh_is_drawn    whether a quad is a leaf
+ *     vxs_mesh_finer       the edges where smaller quads meet it; vxs_mesh_fan_first, vxs_mesh_fan_next: its triangles in that case
  *
- * Each layer of a map is a tree of quads, its root as wide as the layer. A quad splits where its two triangles lie too far off the depth of any vertex
- * in it, and where a quad beside it has split twice, so that quads that meet differ by one level; then the larger one has a vertex in the middle of
- * that edge, which leaves no gap. Trees of a cube's faces meet in its edges as quads of one face do.
+ * Each layer of a map is a quadtree, whose root covers the layer. A quad is split if its two triangles are too far from the
+ * depth of any vertex in it. It is also split if a neighbour has been split twice, so that neighbours differ by at most one
+ * level. Then the larger quad has a vertex in the middle of that edge, which avoids gaps. Quadtrees of a cube's faces meet in
+ * its edges in the same way.
  *
  *     +-------+---+---+
- *     |       |   |   |     the left one is a fan of three triangles about *
+ *     |       |   |   |     the left quad is a fan of three triangles around *
  *     |       *---+---+
  *     |       |   |   |
  *     +-------+---+---+
  *
- * Which quads split is a list of one number for each of more than a texel, 0 or 1: by layers, in each of them coarse ones first, by rows.
+ * A list stores for each quad larger than a texel whether it is split, 0 or 1: by layer, then from coarse to fine levels, then
+ * by row.
  *
- * A shader defines, before this text, what C has here: vxs_mesh_first, vxs_mesh_split and vxs_mesh_set_split. `first` and `splits` are what it hands
- * to these.
- * Source: [Billeter 2010] 4.1 for a restricted tree and its fans. There a filter for edges says what splits; here the error does, which it bounds.
+ * A shader must define, before this text, the functions that C has here: vxs_mesh_first, vxs_mesh_split and vxs_mesh_set_split.
+ * `first` and `splits` are passed to them.
+ * Source: [Billeter 2010] 4.1 for a restricted quadtree and its fans. There an edge filter decides what is split; here the error
+ * decides, and is bounded.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_MESH_QUADS_H
 #define VXS_MESH_QUADS_H
@@ -74,21 +77,22 @@ VXS_FN vxs_mesh_quad vxs_mesh_parent(vxs_mesh_quad q)
     return vxs_mesh_quad_of(q.layer, q.level + 1, q.x >> 1, q.y >> 1);
 }
 
-/* Quads of more than a texel in a layer of 2^levels: (4^levels - 1) / 3. */
+/* Number of quads larger than a texel in a layer of 2^levels texels: (4^levels - 1) / 3. */
 VXS_FN vxs_i32 vxs_mesh_larger_quads(vxs_i32 levels)
 {
     return ((VXS_I(1) << (2 * levels)) - 1) / 3;
 }
 
-/* Which one of the list a quad is. */
+/* Index of a quad in the list. */
 VXS_FN vxs_i32 vxs_mesh_quad_at(VXS_MESH shape, vxs_mesh_quad q)
 {
     vxs_i32 levels = VXS_FIELD(shape, levels), halved = levels - q.level;
     return q.layer * vxs_mesh_larger_quads(levels) + vxs_mesh_larger_quads(halved) + (q.y << halved) + q.x;
 }
 
-/* The quad of the same size beyond edge `edge`: 0 above, 1 right, 2 below, 3 left. Beyond the edge of a cube it is of another face.
- * Returns one of layer -1 at the border of a light with one map. */
+/* The quad of the same size beyond edge `edge`: 0 above, 1 right, 2 below, 3 left. Beyond an edge of a cube it belongs to
+ * another face.
+ * Returns layer -1 at the border of a light with one map. */
 VXS_FN vxs_mesh_quad vxs_mesh_beside(VXS_MESH shape, vxs_mesh_quad q, vxs_i32 edge)
 {
     vxs_mesh_quad other = q;
@@ -111,14 +115,14 @@ VXS_FN vxs_mesh_quad vxs_mesh_beside(VXS_MESH shape, vxs_mesh_quad q, vxs_i32 ed
     return other;
 }
 
-/* splitting ---------------------------------------------------------------------------------------------------------------------- */
+/* splitting -------------------------------------------------------------------------------------------------------------------- */
 
 VXS_FN vxs_i32 vxs_mesh_has_split(VXS_MESH_SPLITS splits, VXS_MESH shape, vxs_mesh_quad q)
 {
     return q.level > 0 ? vxs_mesh_split(splits, vxs_mesh_quad_at(shape, q)) : 0;
 }
 
-/* 0: it is a part of a larger one that has not split. */
+/* 0: it is part of a larger quad that is not split. */
 VXS_FN vxs_i32 vxs_mesh_exists(VXS_MESH_SPLITS splits, VXS_MESH shape, vxs_mesh_quad q)
 {
     return q.level == VXS_FIELD(shape, levels) ? 1 : vxs_mesh_has_split(splits, shape, vxs_mesh_parent(q));
@@ -129,8 +133,8 @@ VXS_FN vxs_i32 vxs_mesh_is_drawn(VXS_MESH_SPLITS splits, VXS_MESH shape, vxs_mes
     return vxs_mesh_has_split(splits, shape, q) == 0 ? vxs_mesh_exists(splits, shape, q) : 0;
 }
 
-/* Split what is beside a quad that has split, if it is larger than that was. Asked of all quads of a level, from 1 up to below the root's, quads that meet
- * differ by one level. */
+/* Split the larger neighbours of a split quad. Call it for all quads of each level, from level 1 up to below the root: then
+ * neighbours differ by at most one level. */
 VXS_FN void vxs_mesh_let_meet(VXS_MESH_SPLITS splits, VXS_MESH shape, vxs_mesh_quad q)
 {
     if (vxs_mesh_has_split(splits, shape, q) == 0) return;
@@ -141,10 +145,10 @@ VXS_FN void vxs_mesh_let_meet(VXS_MESH_SPLITS splits, VXS_MESH shape, vxs_mesh_q
     }
 }
 
-/* errors ------------------------------------------------------------------------------------------------------------------------- */
+/* errors ----------------------------------------------------------------------------------------------------------------------- */
 
-/* What is linear on a triangle, where vertices are by their places in the map: a sun's depth, the inverse of a lamp's. A lamp's depths below a millionth
- * of where its light ends are alike. */
+/* The quantity that is linear on a triangle, as a function of the position in the map: a sun's depth, or the inverse of a
+ * punctual light's depth. The latter's depths are clamped to at least 1e-6 of `reach`. */
 VXS_FN vxs_real vxs_mesh_linear(VXS_MESH_FIRST first, VXS_MESH shape, vxs_i32 layer, vxs_i32 i, vxs_i32 j)
 {
     vxs_int3 texel;
@@ -154,21 +158,22 @@ VXS_FN vxs_real vxs_mesh_linear(VXS_MESH_FIRST first, VXS_MESH shape, vxs_i32 la
     return 1.0 / (z > nearest ? z : nearest);
 }
 
-/* How far apart two of these are, in widths of a texel at the nearer. */
+/* Difference of two such quantities, in widths of a texel at the nearer depth. */
 VXS_FN vxs_real vxs_mesh_error(VXS_MESH shape, vxs_real one, vxs_real other)
 {
     vxs_real apart = vxs_abs(one - other), less = one < other ? one : other;
     return VXS_FIELD(shape, error_scale) * (VXS_FIELD(shape, is_sun) != 0 ? apart : apart / less);
 }
 
-/* Where, of vertices a to b of a row, vertex i lies, [0, 1]; 0 where they have fallen together. */
+/* Position of vertex i between vertices a and b of a row, [0, 1]; 0 if these coincide. */
 VXS_FN vxs_real vxs_mesh_share(VXS_MESH shape, vxs_i32 a, vxs_i32 b, vxs_i32 i)
 {
     vxs_real low = vxs_mesh_at(shape, a), high = vxs_mesh_at(shape, b);
     return high > low ? (vxs_mesh_at(shape, i) - low) / (high - low) : VXS_REAL(0.0);
 }
 
-/* Whether a vertex of a quad lies farther off its two triangles than is allowed. Asked are those about size x size texels of it, from (i0, j0) on.
+/* Whether a vertex of a quad is farther from its two triangles than allowed. It tests the vertices of size x size texels of the
+ * quad, from (i0, j0) on.
  * error_texels  in widths of a texel */
 VXS_FN vxs_i32 vxs_mesh_is_off(VXS_MESH_FIRST first, VXS_MESH shape, vxs_mesh_quad q, vxs_i32 i0, vxs_i32 j0, vxs_i32 size,
                                vxs_real error_texels)
@@ -187,9 +192,9 @@ VXS_FN vxs_i32 vxs_mesh_is_off(VXS_MESH_FIRST first, VXS_MESH shape, vxs_mesh_qu
     return 0;
 }
 
-/* triangles ---------------------------------------------------------------------------------------------------------------------- */
+/* triangles -------------------------------------------------------------------------------------------------------------------- */
 
-/* A place of the outline of a quad, counterclockwise: 0, 2, 4, 6 are its corners, 1, 3, 5, 7 the middles of edges 0 to 3. */
+/* A vertex of the outline of a quad, counterclockwise: 0, 2, 4, 6 are its corners, 1, 3, 5, 7 the middles of edges 0 to 3. */
 VXS_FN vxs_mesh_vertex vxs_mesh_outline(vxs_mesh_quad q, vxs_i32 place)
 {
     vxs_i32 size = VXS_I(1) << q.level, half_size = size >> 1, x = place & 7, y = (place + 6) & 7;
@@ -202,7 +207,7 @@ VXS_FN vxs_mesh_vertex vxs_mesh_outline(vxs_mesh_quad q, vxs_i32 place)
                                                                : 0));
 }
 
-/* Bit `edge` of four: quads beyond it are smaller, and there is a vertex in its middle. */
+/* Bit `edge` of four: the quads beyond it are smaller, and there is a vertex in its middle. */
 VXS_FN vxs_i32 vxs_mesh_finer(VXS_MESH_SPLITS splits, VXS_MESH shape, vxs_mesh_quad q)
 {
     vxs_i32 finer = 0;
@@ -213,7 +218,7 @@ VXS_FN vxs_i32 vxs_mesh_finer(VXS_MESH_SPLITS splits, VXS_MESH shape, vxs_mesh_q
     return finer;
 }
 
-/* The place of the outline that a quad's triangles are a fan about: the first middle of an edge, or a corner. */
+/* The place of the outline that is the centre of a quad's triangle fan: the first middle of an edge, or a corner. */
 VXS_FN vxs_i32 vxs_mesh_fan_first(vxs_i32 finer)
 {
     for (vxs_i32 edge = 0; edge < 4; edge++)
@@ -221,7 +226,7 @@ VXS_FN vxs_i32 vxs_mesh_fan_first(vxs_i32 finer)
     return 0;
 }
 
-/* The place behind one: triangles are `first`, a place, and the place behind it, until that is `first` again. */
+/* The place after `place`. Triangles are `first`, a place, and the place after it, until that is `first` again. */
 VXS_FN vxs_i32 vxs_mesh_fan_next(vxs_i32 finer, vxs_i32 place)
 {
     vxs_i32 is_middle = place & 1, has_middle = (finer >> (place >> 1)) & 1;

@@ -1,19 +1,21 @@
-/* A voxelized shadow volume: of each light ray of epipolar space (vxs_epipolar.h) where shadow begins on it, in bits that lie as eye rays run.
- * One text for C99, C++, GLSL and HLSL, that stands on vxs_epipolar.h and vxs_air_path.h.
+/* A voxelized shadow volume. It stores, in bits along eye rays, where shadow begins on each light ray of epipolar space
+ * (vxs_epipolar.h). One text for C99, C++, GLSL and HLSL. Built on vxs_epipolar.h and vxs_air_path.h.
  *
- *     vxs_grid_column      in which column shadow begins
- *     vxs_grid_word_of     where a voxel's bit is
+ *     vxs_grid_column      the column where shadow begins
+ *     vxs_grid_word_of     the word of a voxel's bit
  *     vxs_grid_airlight    airlight along an eye ray
  *
- * A voxel stands for the place at its middle: its bit is 1 where that is in shadow. Words lie as texels of 128 bits would in an array of images,
- * x = alpha, y = theta, bit = phi:
+ * The bit of a voxel is 1 if its middle is in shadow. Words are in the order of 128-bit texels in an array of images, x = alpha,
+ * y = theta, bit = phi:
  *
- *     layer 0: row 0: column 0: bits 0 to 31, 32 to 63, 64 to 95, 96 to 127; column 1: ...     so that an eye ray's bits are side by side, and
- *              row 1: ...                                                                     light goes from texel to texel of a row
+ *     layer 0: row 0: column 0: bits 0 to 31, 32 to 63, 64 to 95, 96 to 127; column 1: ...
+ *              row 1: ...
  *     layer 1: bits 128 to 159...
  *
- * A shader defines, before this text, vxs_grid_word(words, i): word i of a grid; `words` is what it hands to vxs_grid_airlight.
- * Source: [VSV11]; what a voxel stands for, and the ends of rays, are ours.
+ * So the bits of an eye ray are adjacent, and light travels from texel to texel of a row.
+ *
+ * A shader must define, before this text, vxs_grid_word(words, i): word i of a grid; vxs_grid_airlight passes `words` to it.
+ * Source: [VSV11]; bits for the middles of voxels and the ends of rays are ours.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_SHADOW_GRID_H
 #define VXS_SHADOW_GRID_H
@@ -37,44 +39,44 @@ typedef struct vxs_grid_rows vxs_grid_rows;
 #endif
 
 struct vxs_grid_size {
-    vxs_i32 columns; /* of alpha, > 0 */
-    vxs_i32 rows;    /* of theta, > 0 */
-    vxs_i32 bits;    /* of phi, > 0; a layer holds 128. No more than 2^29 words in all */
+    vxs_i32 columns; /* steps of alpha, > 0 */
+    vxs_i32 rows;    /* steps of theta, > 0 */
+    vxs_i32 bits;    /* steps of phi, > 0; a layer has 128. At most 2^29 words in all */
 };
 
-/* How many words it has. */
+/* Number of words of a grid. */
 VXS_FN vxs_i32 vxs_grid_words(VXS_GRID_SIZE size)
 {
     return 4 * ((VXS_FIELD(size, bits) + 127) >> 7) * VXS_FIELD(size, rows) * VXS_FIELD(size, columns);
 }
 
-/* Where so many of `count` voxels of a range end. */
+/* Position after `voxels` of the `count` voxels of a range. */
 VXS_FN vxs_real vxs_grid_place(const vxs_real2 range, vxs_real voxels, vxs_i32 count)
 {
     return range[0] + (range[1] - range[0]) * (voxels / VXS_REAL(count));
 }
 
-/* The middle of one. */
+/* Middle of voxel n. */
 VXS_FN vxs_real vxs_grid_middle(const vxs_real2 range, vxs_i32 n, vxs_i32 count)
 {
     return vxs_grid_place(range, VXS_REAL(n) + 0.5, count);
 }
 
-/* How many voxels of a range lie before a place. */
+/* Number of voxels of a range before a position: the inverse of vxs_grid_place. */
 VXS_FN vxs_real vxs_grid_before(const vxs_real2 range, vxs_real at, vxs_i32 count)
 {
     return (at - range[0]) / (range[1] - range[0]) * VXS_REAL(count);
 }
 
-/* The voxel that a number of them before it leads to, [0, count). */
+/* Index of the voxel at that number, clamped to [0, count). */
 VXS_FN vxs_i32 vxs_grid_voxel(vxs_real before, vxs_i32 count)
 {
     if (!(before > 0.0)) return 0;
     return before < VXS_REAL(count) ? VXS_I(before) : count - 1;
 }
 
-/* The first column whose middle is in shadow where shadow begins at alpha. What is nearer to the light than all that can be seen shadows all of
- * it: column 0. `columns`: what can be seen is before it. */
+/* The first column whose middle is in shadow, if shadow begins at alpha. Column 0 if it begins before the visible range;
+ * `columns` if it begins behind it. */
 VXS_FN vxs_i32 vxs_grid_column(VXS_EPIPOLAR space, VXS_GRID_SIZE size, vxs_real alpha)
 {
     vxs_real column = ceil(vxs_grid_before(VXS_FIELD(space, alpha), alpha, VXS_FIELD(size, columns)) - 0.5);
@@ -83,7 +85,7 @@ VXS_FN vxs_i32 vxs_grid_column(VXS_EPIPOLAR space, VXS_GRID_SIZE size, vxs_real 
 }
 
 /* The light ray through the middles of a row and a bit: vxs_epipolar_light_ray.
- * turned  [out] of it, as vxs_epipolar_alpha_at wants it */
+ * turned  [out] for vxs_epipolar_alpha_at */
 VXS_FN void vxs_grid_light_ray(VXS_EPIPOLAR space, VXS_GRID_SIZE size, vxs_i32 row, vxs_i32 bit, VXS_OUT vxs_real2 turned,
                                VXS_OUT vxs_real3 begin, VXS_OUT vxs_real3 direction)
 {
@@ -93,14 +95,14 @@ VXS_FN void vxs_grid_light_ray(VXS_EPIPOLAR space, VXS_GRID_SIZE size, vxs_i32 r
     vxs_epipolar_light_ray(space, across, turned, begin, direction);
 }
 
-/* The word of a voxel's bit, which is bit & 31 of it. */
+/* The word that contains a voxel's bit; it is bit number (bit & 31) of the word. */
 VXS_FN vxs_i32 vxs_grid_word_of(VXS_GRID_SIZE size, vxs_i32 column, vxs_i32 row, vxs_i32 bit)
 {
     vxs_i32 texel = ((bit >> 7) * VXS_FIELD(size, rows) + row) * VXS_FIELD(size, columns) + column;
     return 4 * texel + ((bit & 127) >> 5);
 }
 
-/* Which part of the bits [first, end) of an eye ray is lit, [0, 1]. */
+/* Share of the bits [first, end) of an eye ray that is lit, [0, 1]. */
 VXS_FN vxs_real vxs_grid_lit_part(VXS_GRID_WORDS words, VXS_GRID_SIZE size, vxs_i32 column, vxs_i32 row, vxs_i32 first, vxs_i32 end)
 {
     vxs_u32 dark = 0u;
@@ -112,7 +114,7 @@ VXS_FN vxs_real vxs_grid_lit_part(VXS_GRID_WORDS words, VXS_GRID_SIZE size, vxs_
     return 1.0 - VXS_REAL(dark) / VXS_REAL(end - first);
 }
 
-/* The middle of an eye ray's column, as a ray: where the voxels are that stand for it. */
+/* The eye ray through the middle of a column, on which the voxels of the column lie. */
 VXS_FN vxs_epipolar_ray vxs_grid_column_ray(VXS_EPIPOLAR space, VXS_GRID_SIZE size, vxs_i32 column)
 {
     vxs_epipolar_ray ray;
@@ -125,19 +127,19 @@ VXS_FN vxs_epipolar_ray vxs_grid_column_ray(VXS_EPIPOLAR space, VXS_GRID_SIZE si
     return ray;
 }
 
-/* How many bits of an eye ray lie before a place on it. */
+/* Number of bits before a point on an eye ray. */
 VXS_FN vxs_real vxs_grid_bits_before(VXS_EPIPOLAR space, VXS_GRID_SIZE size, VXS_EPIPOLAR_RAY ray, vxs_real metres)
 {
     return vxs_grid_before(VXS_FIELD(space, phi), vxs_epipolar_phi_at(space, ray, metres), VXS_FIELD(size, bits));
 }
 
-/* The rows that tell of an eye ray: one, or two that it lies between. */
+/* The rows that an eye ray uses: one, or two that it interpolates. */
 struct vxs_grid_rows {
     vxs_i32  row, next;
-    vxs_real part; /* how much the next one counts, [0, 1) */
+    vxs_real part; /* weight of the next row, [0, 1) */
 };
 
-/* The one that it lies in. */
+/* The row that contains theta. */
 VXS_FN vxs_grid_rows vxs_grid_row_of(VXS_EPIPOLAR space, VXS_GRID_SIZE size, vxs_real theta)
 {
     vxs_grid_rows rows;
@@ -147,7 +149,7 @@ VXS_FN vxs_grid_rows vxs_grid_row_of(VXS_EPIPOLAR space, VXS_GRID_SIZE size, vxs
     return rows;
 }
 
-/* The two whose middles it lies between: across the seam where theta is all the way round. */
+/* The two rows with the nearest middles. They wrap around if theta is a full circle. */
 VXS_FN vxs_grid_rows vxs_grid_rows_about(VXS_EPIPOLAR space, VXS_GRID_SIZE size, vxs_real theta)
 {
     vxs_grid_rows rows;
@@ -160,7 +162,7 @@ VXS_FN vxs_grid_rows vxs_grid_rows_about(VXS_EPIPOLAR space, VXS_GRID_SIZE size,
     return rows;
 }
 
-/* Which part of the bits of an eye ray is lit, between its rows. */
+/* Share of the bits [first, end) of an eye ray that is lit, interpolated between its rows. */
 VXS_FN vxs_real vxs_grid_lit_part_of(VXS_GRID_WORDS words, VXS_GRID_SIZE size, vxs_i32 column, VXS_GRID_ROWS rows, vxs_i32 first,
                                      vxs_i32 end)
 {
@@ -169,10 +171,11 @@ VXS_FN vxs_real vxs_grid_lit_part_of(VXS_GRID_WORDS words, VXS_GRID_SIZE size, v
     return lit + part * (vxs_grid_lit_part(words, size, column, VXS_FIELD(rows, next), first, end) - lit);
 }
 
-/* How much of the light smoke leaves on its way to a place of the eye ray, so many metres along it: a shader that knows defines it before this text. */
+/* Transmittance of smoke between the light and a point of the eye ray, at a distance in metres. A shader with smoke defines it
+ * before this text. */
 #ifdef vxs_grid_left
 #define VXS_GRID_DIMS
-/* The same of a path of which all is lit, by as many places of it. */
+/* Mean transmittance of smoke along a fully lit path, weighted by airlight, from `places` samples. */
 VXS_FN vxs_real vxs_grid_left_along(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_i32 places)
 {
     vxs_real  step = (VXS_FIELD(path, end) - VXS_FIELD(path, begin)) / VXS_REAL(places), all = VXS_REAL(0.0), left = VXS_REAL(0.0);
@@ -190,15 +193,15 @@ VXS_FN vxs_real vxs_grid_left_along(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_i3
 #define vxs_grid_left(metres) VXS_REAL(1.0)
 #endif
 
-/* Airlight of an eye ray's path, whose bits are taken in runs: each is as lit as its bits are in the mean, and counts as much as its middle
- * scatters. All of it lit is what vxs_air_lit says.
- * A bit whose middle is not on the path does not count; beyond the last that is, nothing changes. Two kinds of rays are shorter than a bit, or
- * nearly: those away from the light see all that the eye does; those toward a lamp, of which one column has all, end before it, in the dark,
- * or behind it, all lit.
- * ray        vxs_epipolar_eye of its direction;   rows  that tell of it;   metres  to what is behind the air, along the ray
- * runs       into how many the bits are parted, >= 1; size.bits, and more: each is one
- * eye_lit    1: the light reaches the eye; 2: the eye is in the lamp, and all that it sees is lit; else 0
- * airlight   [out] for an intensity or irradiance of 1 */
+/* Airlight of an eye ray's path. Its bits are divided into runs. Each run is lit by the mean of its bits, and weighted by the
+ * light that its middle scatters. A fully lit path gives exactly vxs_air_lit. Bits whose middles are not on the path are
+ * ignored; behind the last bit, nothing changes. Two kinds of rays are about as short as a bit or shorter. Rays away from the
+ * light see what the eye sees. Rays toward a punctual light, all in one column, either end before it, in the dark, or behind it,
+ * fully lit.
+ * ray       vxs_epipolar_eye of its direction;   rows  that it uses;   metres  along the ray to the surface behind the air
+ * runs      number of runs, >= 1; size.bits or more: one for each bit
+ * eye_lit   1: the light reaches the eye; 2: the eye is inside the lamp, and all that it sees is lit; else 0
+ * airlight  [out] for an intensity or irradiance of 1 */
 VXS_FN void vxs_grid_airlight_of(VXS_GRID_WORDS words, VXS_EPIPOLAR space, VXS_GRID_SIZE size, VXS_MEDIUM medium, VXS_AIR_PATH path,
                                  VXS_EPIPOLAR_RAY ray, VXS_GRID_ROWS rows, vxs_real metres, vxs_i32 runs, vxs_i32 eye_lit,
                                  VXS_OUT vxs_real3 airlight)
@@ -216,7 +219,7 @@ VXS_FN void vxs_grid_airlight_of(VXS_GRID_WORDS words, VXS_EPIPOLAR space, VXS_G
     if (!(end > begin)) return;
 
     vxs_real3 all, lit, now;
-    vxs_real  same = VXS_REAL(-1.0); /* 0, 1: of all of it */
+    vxs_real  same = VXS_REAL(-1.0); /* lit share of the whole path, if the same everywhere: 0 or 1; otherwise < 0 */
     if (eye_lit > 1)
         same = VXS_REAL(1.0);
     else if (away > 0.0 && VXS_FIELD(ray, cosine) > 0.0 && VXS_FIELD(space, alpha)[0] == 0.0 && across < 1.0)
@@ -238,7 +241,7 @@ VXS_FN void vxs_grid_airlight_of(VXS_GRID_WORDS words, VXS_EPIPOLAR space, VXS_G
         vxs_epipolar_turn_of(space, vxs_grid_place(VXS_FIELD(space, phi), 0.5 * (bit + next), bits), turned);
         vxs_real x = vxs_epipolar_distance(space, ray, turned, end), weight = next - bit;
         x = x > begin ? x : begin;
-        if (away > 0.0) { /* a bit is as long as the lamp's square distance, in its radius, too */
+        if (away > 0.0) { /* the length of a bit is proportional to the squared distance from the lamp, also inside its radius */
             vxs_real y = x - away * VXS_FIELD(ray, cosine), h = away * VXS_FIELD(ray, sine);
             weight *= h * h + y * y;
         }
@@ -254,7 +257,7 @@ VXS_FN void vxs_grid_airlight_of(VXS_GRID_WORDS words, VXS_EPIPOLAR space, VXS_G
     for (vxs_i32 i = 0; i < 3; i++) airlight[i] *= same >= 0.0 ? same : all[i] > 0.0 ? lit[i] / all[i] : VXS_REAL(0.0);
 }
 
-/* The same of the row that the ray is in.   direction  of length 1 */
+/* The same, with the row that contains the ray.   direction  of length 1 */
 VXS_FN void vxs_grid_airlight(VXS_GRID_WORDS words, VXS_EPIPOLAR space, VXS_GRID_SIZE size, VXS_MEDIUM medium, VXS_AIR_PATH path,
                               const vxs_real3 direction, vxs_real metres, vxs_i32 runs, vxs_i32 eye_lit, VXS_OUT vxs_real3 airlight)
 {
