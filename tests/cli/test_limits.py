@@ -301,17 +301,33 @@ def test_classes_of_processors(vxs, scenes, tmp_path, monkeypatch):
 # --- address space --------------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("maps, limits", [("gl", range(150, 1400, 25)), ("sparse", range(68, 150, 2))])
+def least_to_start(vxs_path):
+    """MiB of address space in which the command just starts."""
+    low, high = 20, 150
+    while high - low > 0.25:
+        middle = (low + high) / 2
+        started = subprocess.run([vxs_path, "--version"], capture_output=True, preexec_fn=lambda: limit_address_space(middle)).returncode == 0
+        low, high = (low, middle) if started else (middle, high)
+    return high
+
+
+def limit_address_space(mib):
+    resource.setrlimit(resource.RLIMIT_AS, (int(mib * MIB), int(mib * MIB)))
+
+
+@pytest.mark.parametrize("maps, limits", [("gl", range(150, 1400, 25)), ("sparse", range(0, 82, 2))])
 def test_address_space_that_ends(vxs_path, tmp_path, maps, limits):
     """Whatever the limit, a bake succeeds or says why not: Mesa is not begun where it would run out."""
     scene, out, statuses = small_scene.write(tmp_path / "s.gltf"), tmp_path / "a.vxs", []
+    first = least_to_start(vxs_path) if maps == "sparse" else 0
     for mib in limits:
         done = subprocess.run([vxs_path, "bake", scene, "-o", out, "--resolution", "512", "--threads", "2", "--maps", maps],
-                              capture_output=True, text=True,
-                              preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (mib * MIB, mib * MIB)))
+                              capture_output=True, text=True, preexec_fn=lambda: limit_address_space(first + mib))
         assert done.returncode == 0 and not done.stderr or refused(done), (mib, done)
         statuses.append(done.returncode)
-    assert statuses[0] == 6 and statuses[-1] == 0 and statuses == sorted(statuses, reverse=True)
+    assert statuses[0] == 6 and not any(statuses[-10:])
+    if maps == "gl":  # the C library reserves an arena for a thread where it can: with few MiB more there may be less for the bake
+        assert statuses == sorted(statuses, reverse=True)
 
 
 # --- limits on files ------------------------------------------------------------------------------------------------------------------

@@ -185,7 +185,7 @@ def test_popcount_is_the_includers(glslang):
 def offsets_in_c():
     text = (ROOT / "runtime" / "vxs.h").read_text()
     struct = re.search(r"typedef struct vxs_light_constants \{(.*?)\} vxs_light_constants; +/\* (\d+) bytes", text, re.DOTALL)
-    rows = re.findall(r"^ +\w+ +(\w+)(?:\[(\d+)\])?; +/\* byte +(\d+)", struct[1], re.MULTILINE)
+    rows = re.findall(r"^ +(?:\w+\s+)?(\w+)(?:\[(\d+)\])?; +/\* byte +(\d+)", struct[1], re.MULTILINE)
     return {name: int(byte) for name, _, byte in rows}, int(struct[2])
 
 
