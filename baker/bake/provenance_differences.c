@@ -72,7 +72,7 @@ static json_t *differences_of(const json_t *made, const vxs_contents *contents, 
         if (!json_is_true(json_object_get(light, "in_scene"))) continue;
         if (is_baked(contents, json_string_value(json_object_get(light, "name")))) add_light_difference(differences, light, s);
     }
-    /* a different name alone is no difference; otherwise it tells which scene of a file is meant */
+    /* a different name alone is no difference; else the name selects the scene of a file */
     const char *name = json_string_value(json_object_get(was, "name"));
     if (name && name[0] && json_array_size(differences) && strcmp(name, s->name))
         json_array_insert_new(differences, 0, json_sprintf("name, which was '%s'", name));

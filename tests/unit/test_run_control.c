@@ -70,7 +70,7 @@ static void test_loops_are_held(void **state)
         pthread_join(runner, NULL);
         assert_int_equal(atomic_load(&l.ended), CHUNKS);
         assert_true(atomic_load(&l.cancelled) > 0);
-        run_control_pause(&l.run_control); /* nobody is there: it does not wait */
+        run_control_pause(&l.run_control); /* no thread is at work: returns at once */
         run_control_free(&l.run_control);
     }
 }

@@ -32,7 +32,7 @@ static void others_until(farm *f, double now)
             if (f->free_at[rank] < f->free_at[first]) first = rank;
         if (f->free_at[first] > now || f->square_scheduler.count >= SQUARES) return;
         if (square_scheduler_next(&f->square_scheduler, first, &number) !=
-            SCHEDULER_GIVEN) { /* it asks again when rank 0 has gone on */
+            SCHEDULER_GIVEN) { /* the rank calls again when rank 0 has gone on */
             f->free_at[first] = now + 1e-9;
             continue;
         }
