@@ -12,7 +12,7 @@
 
 #include "baker/base/vec3.h"
 #include "baker/lab/compare/compare.h"
-#include "baker/lab/compare/light_volume.h"
+#include "baker/lab/compare/compare_points.h"
 #include "baker/light/baked_light.h"
 #include "runtime/vxs.h"
 

@@ -68,7 +68,7 @@ static double wrong_share(const compare_counts *n)
     return share(compare_wrong(n), n->checked);
 }
 
-int compare_asset_passes(const compare_report *r, const compared_asset *a)
+static int compare_asset_passes(const compare_report *r, const compared_asset *a)
 {
     compare_counts sum  = total_of_all(a);
     compare_bias   bias = bias_of_all(r, a);

@@ -41,7 +41,6 @@ typedef struct compare_report {
 
 /* 1 when the asset passes: no answer is unexplained, the bias has no fault, and not more points are wrong than accepted.
  * compare_passes: all assets pass. */
-int compare_asset_passes(const compare_report *r, const compared_asset *a);
 int compare_passes(const compare_report *r);
 
 /* Print a line or a few for each asset; everything if m is verbose. */

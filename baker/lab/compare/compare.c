@@ -1,19 +1,19 @@
 /* A baked light against the ray-traced truth; see compare.h.
  *
- * A pass over all points of a kind writes one verdict each; counts and examples are taken from the verdicts in order. Then it is
- * measured how far the wrong ones are from a boundary (compare_boundary.c).
+ * A pass over all points of a kind writes one verdict for each. Counts and examples are taken from the verdicts in order. Then the
+ * distance of wrong answers from a boundary is measured.
  *
- * A voxel follows the ray through the centre of its texel: lit before casters, shadow behind them, and either where that ray is
- * inside of a solid or meets a surface. So a wrong answer has one of two excuses, or it is a fault:
+ * A voxel follows the ray through the centre of its texel: it is lit before casters, in shadow behind them, and either where that
+ * ray is inside a solid or meets a surface. So a wrong answer has one of two explanations, or it is a fault:
  *
  *        u ->      +-----+-----+-----+        p  the point    c  the ray through the centre of the texel that was looked up
  *      depth       |     |  c p|/////|
  *        |         +-----+--c--+/////+        near a boundary: where c is in the voxel, the truth agrees with the asset
- *        v         |     |  c /|/////|        near a surface: c is inside of a solid there, or meets a surface
+ *        v         |     |  c /|/////|        near a surface: c is inside a solid there, or meets a surface
  *                  +-----+--c--+-----+
  *
- * A rasterizer moves edges a little, and depths and rays are rounded: rays are tried about the centre, and voxels count as somewhat
- * deeper. Rays are traced in the world: a place beyond the side of a cube's map is a place like any other.
+ * A rasterizer moves edges a little, and depths and rays are rounded. So rays are tried around the centre, and voxels count as
+ * somewhat deeper. Rays are traced in the world, so places beyond the side of a cube's map need no special case.
  *
  * Source: [CPVS16] 5.
  * SPDX-License-Identifier: GPL-3.0-or-later */
@@ -23,25 +23,171 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/base/clock.h"
 #include "baker/base/parallel.h"
+#include "baker/base/spread.h"
 #include "baker/base/vec3.h"
 #include "baker/lab/compare/compare_points.h"
+#include "baker/lab/truth/truth_filter.h"
 #include "baker/light/baked_light.h"
 #include "runtime/vxs.h"
 
-enum { POINTS_AT_A_TIME = 256 };
+/* time of lookups and rays, on one thread --------------------------------------------------------------------------------------- */
 
-/* A rasterizer may move an edge by half of this, and its corner by the same amount: in texels. */
-#define SNAP (1.0 / 256)
+enum { TIMED_RUNS = 5, TIMED_RAYS_MAX = 100000 };
+
+typedef struct timed {
+    const comparison *comparison;
+    double           *points_ws; /* [3 * count] */
+    float            *lit;       /* [count] */
+    size_t            count;
+    int               filter_px;
+} timed;
+
+static void run_lookups(timed *t)
+{
+    vxs_lookup_many(t->comparison->baked, t->points_ws, NULL, t->count, t->filter_px, t->lit);
+}
+
+static void run_rays(timed *t)
+{
+    const comparison *c = t->comparison;
+    for (size_t n = 0; n < t->count; n++) t->lit[n] = (float)truth_lit(c->truth, t->points_ws + 3 * n, &c->shape);
+}
+
+/* Seconds for one point: the median of some runs. */
+static double time_runs(void (*run)(timed *t), timed *t)
+{
+    double seconds[TIMED_RUNS];
+    if (!t->count) return 0;
+    for (int n = 0; n < TIMED_RUNS; n++) {
+        double start = clock_seconds();
+        run(t);
+        seconds[n] = clock_seconds() - start;
+    }
+    return spread_of(seconds, TIMED_RUNS).median / (double)t->count;
+}
+
+static void gather_points(timed *t, size_t limit)
+{
+    sample s;
+    for (size_t n = 0; n < limit; n++)
+        if (compare_point(t->comparison, COMPARE_RANDOM, n, &s))
+            memcpy(t->points_ws + 3 * t->count++, s.point_ws, sizeof s.point_ws);
+}
+
+/* compare_time.c: measure the time of lookups, and of filtered ones. Only points within the map count: others cost nothing, and
+ * would make the mean too low.
+ * Returns VXS_OK or VXS_E_MEMORY. */
+static vxs_result compare_measure_time(const comparison *c, compare_result *out, message *m)
+{
+    const compare_options *o     = c->options;
+    size_t                 limit = o->points < COMPARE_TIMED_POINTS_MAX ? o->points : COMPARE_TIMED_POINTS_MAX;
+    timed                  t     = {.comparison = c, .filter_px = 1};
+    vxs_result             r     = VXS_OK;
+    t.points_ws                  = malloc(3 * limit * sizeof *t.points_ws);
+    t.lit                        = malloc(limit * sizeof *t.lit);
+    if (!t.points_ws || !t.lit) {
+        r = fail(m, VXS_E_MEMORY, "out of memory for %zu points", limit);
+        goto done;
+    }
+    gather_points(&t, limit);
+    out->time.points   = t.count;
+    out->time.lookup_s = time_runs(run_lookups, &t);
+    for (uint32_t n = 0; n < o->filter_count; n++) {
+        t.filter_px              = (int)o->filters_px[n];
+        out->filters[n].lookup_s = time_runs(run_lookups, &t);
+    }
+    if (t.count > TIMED_RAYS_MAX) t.count = TIMED_RAYS_MAX;
+    out->time.truth_s = time_runs(run_rays, &t);
+done:
+    free(t.points_ws);
+    free(t.lit);
+    return r;
+}
+
+/* filtered lookups against filtered rays ---------------------------------------------------------------------------------------- */
+
+enum { FILTERED_AT_A_TIME = 64 };
+
+typedef struct filter_pass {
+    const comparison *comparison;
+    compare_kind      kind;
+    uint32_t          filter_px;
+    size_t            count;  /* points, spread evenly over all of the kind */
+    float            *errors; /* [count] of the lookup, signed; INFINITY: not compared */
+    uint8_t          *faults; /* [count] compare_fault */
+} filter_pass;
+
+/* Whether some tap is in a don't-care voxel. */
+static int is_some_tap_free(const comparison *c, const filter_taps *taps)
+{
+    for (int n = 0; n < taps->count[0] * taps->count[1]; n++) {
+        double u = taps->first[0] + n % taps->count[0] + 0.5, v = taps->first[1] + n / taps->count[0] + 0.5;
+        if (compare_left_free(c, taps->map, u, v, taps->depth, taps->depth + 1)) return 1;
+    }
+    return 0;
+}
+
+static float filter_error(const filter_pass *f, size_t n, uint8_t *fault)
+{
+    const comparison *c     = f->comparison;
+    size_t            index = (size_t)((uint64_t)n * compare_point_count(c, f->kind) / f->count);
+    sample            s;
+    int               filter_px = (int)f->filter_px;
+    *fault                      = FAULT_NONE;
+    if (!compare_point(c, f->kind, index, &s)) return INFINITY;
+    float lookup = vxs_lookup(c->baked, s.point_ws, s.normal, filter_px);
+    if (lookup < 0 || truth_inside_solid(c->truth, s.truth_ws)) return INFINITY;
+    filter_taps taps = filter_taps_of(c->light, s.point_ws, s.normal, filter_px);
+    if (compare_leaves_free(c) && is_some_tap_free(c, &taps)) return INFINITY;
+    *fault = (uint8_t)compare_bias_fault(c, &s, filter_px, lookup, truth_lit(c->truth, s.truth_ws, &c->shape));
+    return (float)(lookup - truth_filtered(c->truth, c->light, &c->shape, &taps));
+}
+
+static void filter_points(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    filter_pass *f = user;
+    (void)worker;
+    for (size_t n = begin; n < end; n++) f->errors[n] = filter_error(f, n, &f->faults[n]);
+}
+
+/* compare_filter.c: compare filtered lookups with the same filter over rays, for COMPARE_FILTER_POINTS_MAX points at most,
+ * spread evenly over the points of the kind.
+ * out  [out] written only when VXS_OK is returned.   Returns VXS_OK or VXS_E_MEMORY. */
+static vxs_result compare_filtered(const comparison *c, compare_kind kind, uint32_t filter_px, compare_error *out, message *m)
+{
+    size_t      all = compare_point_count(c, kind), count = all < COMPARE_FILTER_POINTS_MAX ? all : COMPARE_FILTER_POINTS_MAX;
+    double      squares = 0;
+    filter_pass f       = {c, kind, filter_px, count, malloc(count * sizeof(float)), malloc(count)};
+    vxs_result  r       = VXS_OK;
+    *out                = (compare_error){0};
+    if (count && (!f.errors || !f.faults)) {
+        r = fail(m, VXS_E_MEMORY, "out of memory for %zu points", count);
+        goto done;
+    }
+    parallel_for(c->options->threads, count, FILTERED_AT_A_TIME, filter_points, &f);
+    for (size_t n = 0; n < count; n++) {
+        if (isinf(f.errors[n])) continue;
+        out->points++;
+        squares += (double)f.errors[n] * (double)f.errors[n];
+        out->max_error = fmax(out->max_error, fabs((double)f.errors[n]));
+        out->bias.self_shadows += f.faults[n] == FAULT_SELF_SHADOW;
+        out->bias.deep_leaks += f.faults[n] == FAULT_DEEP_LEAK;
+    }
+    if (out->points) out->rmse = sqrt(squares / (double)out->points);
+done:
+    free(f.errors);
+    free(f.faults);
+    return r;
+}
+
+/* verdicts ---------------------------------------------------------------------------------------------------------------------- */
+
+enum { POINTS_AT_A_TIME = 256 };
 
 /* The maximum error of depths, in voxels. */
 #define DEPTH_SLACK 0.05
-
-/* The maximum error of a ray, in truth_precision: it is rounded, may be tilted, and crosses a map at an angle. */
-#define RAY_SLACK 3
-
-/* The maximum that is excused, in texels and voxels. */
-#define SLACK_MAX 2.0
 
 typedef enum verdict {
     VERDICT_OUTSIDE,
@@ -70,29 +216,6 @@ typedef struct centre {
     double step_px;               /* distance between the places that are tried */
 } centre;
 
-/* The distance from the light to the nearest caster on the way to a texel or to its neighbours: there, the error of rounded rays
- * is largest in texels of the map. For a directional light it is the same everywhere: 1. */
-static double nearest_caster_m(const comparison *c, int map, double u, double v, double depth)
-{
-    static const double about[5][2] = {{0, 0}, {1, 0}, {-1, 0}, {0, 1}, {0, -1}};
-    double              nearest     = INFINITY;
-    if (c->shape.kind == LIGHT_DIRECTIONAL) return 1;
-    for (int n = 0; n < 5; n++) {
-        double end_ws[3], way_ws[3], distance;
-        vxs_point(c->light, map, (double[3]){u + about[n][0], v + about[n][1], depth}, end_ws);
-        vec3_sub(end_ws, c->shape.position_ws, way_ws);
-        if (vec3_unit(way_ws, way_ws) && truth_first_hit(c->truth, c->shape.position_ws, way_ws, &distance, NULL, NULL))
-            nearest = fmin(nearest, distance);
-    }
-    return nearest;
-}
-
-double compare_step_px(const comparison *c, int map, double u, double v, double depth)
-{
-    double ray_m = RAY_SLACK * truth_precision(c->truth), caster_m = nearest_caster_m(c, map, u, v, depth);
-    return fmin(SLACK_MAX, 2 * SNAP + ray_m / (caster_m * c->light->texel_metres)) / COMPARE_STEPS;
-}
-
 static centre centre_of(const comparison *c, const sample *s)
 {
     const vxs_light *l    = c->light;
@@ -103,8 +226,8 @@ static centre centre_of(const comparison *c, const sample *s)
 
     vec3_sub(s->truth_ws, c->shape.position_ws, from_light_ws);
     if (c->shape.kind != LIGHT_DIRECTIONAL) metres = sqrt(vec3_dot(from_light_ws, from_light_ws));
-    double ray_m    = RAY_SLACK * truth_precision(c->truth);
-    double depth_vx = fmin(SLACK_MAX, DEPTH_SLACK + ray_m / (metres * l->voxel_metres));
+    double ray_m    = COMPARE_RAY_SLACK * truth_precision(c->truth);
+    double depth_vx = fmin(COMPARE_SLACK_MAX, DEPTH_SLACK + ray_m / (metres * l->voxel_metres));
     double u = voxel[0] + 0.5, v = voxel[1] + 0.5, step_px = compare_step_px(c, s->map, u, v, voxel[2] + 0.5);
     return (centre){s->map, u, v, voxel[2] - depth_vx, voxel[2] + 1 + depth_vx, step_px};
 }

@@ -1,13 +1,35 @@
 /* The points at which a baked light is compared with the truth, and for each the start of its truth rays.
  *
- * Points are generated from (seed, kind, index), so that none is stored and every thread makes its own.
+ * Points are generated from (seed, kind, index): none is stored, and every thread makes its own.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef COMPARE_POINTS_H
 #define COMPARE_POINTS_H
 
-#include "baker/lab/compare/compare_result.h"
-#include "baker/lab/compare/light_volume.h"
+#include "baker/base/box.h"
+#include "baker/base/random.h"
+#include "baker/lab/compare/compare.h"
 #include "baker/lab/truth/truth.h"
+#include "baker/scene/scene.h"
+#include "formats/vxs_file.h"
+
+enum { VOLUME_CELLS_SIDE = 64, VOLUME_CELLS = VOLUME_CELLS_SIDE * VOLUME_CELLS_SIDE };
+
+typedef struct light_volume {
+    const vxs_light *light; /* borrowed */
+    light_shape      shape;
+    box              box_ws;
+    enum { DRAW_FROM_BOX, DRAW_FROM_MAP, DRAW_FROM_CONE } way;
+    double axes[3][3];                /* of the cone: two across it, and its direction */
+    double cell_weight[VOLUME_CELLS]; /* the mean of t1^3 - t0^3 over rays through a cell, which are in the box from t0 to t1 */
+    double cell_sum[VOLUME_CELLS];    /* this cell and all before it */
+} light_volume;
+
+/* box_ws  metres; of some volume */
+void light_volume_init(light_volume *v, const vxs_light *light, const box *box_ws);
+
+/* A point in the box and in the volume of the light, uniform by volume.
+ * Returns 0 when a hundred points in a row were in only one of them.   Threads: any. */
+int light_volume_draw(const light_volume *v, rng *r, double point_ws[3]);
 
 /* The inputs of a comparison. */
 typedef struct comparison {
@@ -44,6 +66,12 @@ int compare_point(const comparison *c, compare_kind kind, size_t index, sample *
 /* The truth at a place of a map, in texels, texels, voxels. 1: lit. */
 int compare_lit_at(const comparison *c, int map, double u, double v, double depth);
 
+/* The maximum error of a ray, in truth_precision: it is rounded, may be tilted, and crosses a map at an angle. */
+#define COMPARE_RAY_SLACK 3
+
+/* The maximum that is excused, in texels and voxels. */
+#define COMPARE_SLACK_MAX 2.0
+
 /* Rays are tried at this many places on each side of a texel's centre, along both axes, one step apart: the rasterizer and the
  * rounding of rays may move an edge this far. In texels. */
 enum { COMPARE_STEPS = 2 };
@@ -55,15 +83,14 @@ static inline int compare_leaves_free(const comparison *c)
     return c->dont_care.behind || c->dont_care.thickness_m > 0;
 }
 
-/* compare_free.c: 1 when voxels on the ray through (u, v) of a map, between two depths, are don't-care voxels. */
+/* 1 when voxels on the ray through (u, v) of a map, between two depths, are don't-care voxels. */
 int compare_left_free(const comparison *c, int map, double u, double v, double near_vx, double far_vx);
 
-/* compare_bias.c: FAULT_SELF_SHADOW, FAULT_DEEP_LEAK (see compare_bias), or FAULT_NONE, always for random points.
+/* FAULT_SELF_SHADOW, FAULT_DEEP_LEAK (see compare_bias), or FAULT_NONE, always for random points.
  * filter_px  as for vxs_lookup;   lookup  its result, not VXS_OUTSIDE;   lit  the truth at the point */
 compare_fault compare_bias_fault(const comparison *c, const sample *s, int filter_px, float lookup, int lit);
 
-/* compare_boundary.c: the distance of wrong answers from a place where they would be right. */
-
+/* A wrong answer, and its distance from a place where it would be right. */
 typedef struct wrong_answer {
     uint64_t index; /* of the point */
     int      asset_lit;
@@ -74,15 +101,5 @@ typedef struct wrong_answer {
  * answers  [count] texels is set; sorted by it on return
  * Cost: a little over 208 rays for an answer that is farther, a few dozen for most others. */
 compare_distance compare_boundary(const comparison *c, compare_kind kind, wrong_answer *answers, size_t count);
-
-/* compare_filter.c: compare filtered lookups with the same filter over rays, for COMPARE_FILTER_POINTS_MAX points at most,
- * spread evenly over the points of the kind.
- * out  [out] written only when VXS_OK is returned.   Returns VXS_OK or VXS_E_MEMORY. */
-vxs_result compare_filtered(const comparison *c, compare_kind kind, uint32_t filter_px, compare_error *out, message *m);
-
-/* compare_time.c: measure the time of lookups, and of filtered ones. Only points within the map count: others cost nothing, and
- * would make the mean too low.
- * Returns VXS_OK or VXS_E_MEMORY. */
-vxs_result compare_measure_time(const comparison *c, compare_result *out, message *m);
 
 #endif

@@ -13,7 +13,7 @@
 #include "baker/command/report/report.h"
 #include "baker/files/png_encode.h"
 #include "baker/lab/pages/page.h"
-#include "baker/lab/picture/asset_picture.h"
+#include "baker/lab/picture/picture.h"
 
 /* The size of the picture of the shadows, and limits on memory for drawing it: in all, and for each triangle. */
 enum { PICTURE_WIDTH_PX = 480, PICTURE_HEIGHT_PX = 270, PICTURE_BYTES = 16 << 20, PICTURE_TRIANGLE_BYTES = 160 };

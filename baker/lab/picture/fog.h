@@ -4,8 +4,17 @@
 #ifndef FOG_H
 #define FOG_H
 
-#include "baker/lab/picture/fog_light.h"
 #include "baker/scene/fog_medium.h"
+#include "baker/scene/scene.h"
+#include "formats/vxs_file.h"
+
+typedef struct fog_light {
+    const vxs_baked_light *light;
+    light_shape            shape;         /* its range is the end of its light, in the air and on surfaces */
+    double                 colour[3];     /* suns: irradiance; lamps: intensity, irradiance times square metres */
+    double                 cos_inner;     /* of spot lights */
+    double                 radius_metres; /* of lamps, > 0 */
+} fog_light;
 
 /* Add the airlight between the eye and `metres`, finite, along a direction of length 1.
  * lights    [light_count]

@@ -3,8 +3,7 @@
 #ifndef FOG_AIR_H
 #define FOG_AIR_H
 
-#include "baker/lab/picture/fog_light.h"
-#include "baker/scene/fog_medium.h"
+#include "baker/lab/picture/fog.h"
 #include "runtime/volumes/vxs_air_path.h"
 
 vxs_medium    fog_air_medium(const fog_medium *f);

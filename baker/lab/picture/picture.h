@@ -1,4 +1,4 @@
-/* A picture of a scene in the shadows of baked lights.
+/* Pictures of scenes in the shadows of baked lights.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef PICTURE_H
 #define PICTURE_H
@@ -26,5 +26,16 @@ typedef struct picture_options {
  * Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result picture_render(uint8_t *rgb, float *linear, const picture_options *o, const truth *t, const casters *c,
                           const vxs_baked_light *const *lights, uint32_t light_count, message *m);
+
+/* Limit on lights: each takes time in each pixel, and of hundreds of lamps most light a small area. */
+enum { ASSET_PICTURE_LIGHTS = 6 };
+
+/* Draw the asset's scene from above, all of it in view, in the light of the ASSET_PICTURE_LIGHTS lights with the largest shadows
+ * in memory.
+ * rgb   [out] [3 * width * height] sRGB, top row first
+ * file  [size_bytes] the asset's
+ * Returns VXS_OK, VXS_E_MEMORY, or the error of an invalid asset or invalid casters. */
+vxs_result asset_picture(uint8_t *rgb, uint32_t width_px, uint32_t height_px, const casters *c, const void *file, size_t size_bytes,
+                         uint32_t threads, message *m);
 
 #endif

@@ -41,7 +41,11 @@ static void slopes_of(const box *b, const double target[3], double distance, con
     }
 }
 
-void camera_frame(camera_pose *camera, const box *b, const double sun_ws[3], double aspect)
+/* Place a camera so that a box fills its view completely, from above, with the sun to the side.
+ * camera     fov_degrees is read; eye and target are written
+ * sun_ws     unit, direction of the light
+ * aspect     width / height */
+static void camera_frame(camera_pose *camera, const box *b, const double sun_ws[3], double aspect)
 {
     const double margin = 1.03, elevation = 24 * pi / 180, aside = -64 * pi / 180;
     double       size  = fmax(box_diagonal(b), 1e-9);

@@ -14,12 +14,6 @@ typedef struct camera_pose {
     double near_metres; /* surfaces nearer than this, along the axis, are not seen; 0: all are */
 } camera_pose;
 
-/* Place a camera so that a box fills its view completely, from above, with the sun to the side.
- * camera     fov_degrees is read; eye and target are written
- * sun_ws     unit, direction of the light
- * aspect     width / height */
-void camera_frame(camera_pose *camera, const box *b, const double sun_ws[3], double aspect);
-
 /* Move the camera so that all of a box is in view from every point of a circle around its middle, at the eye's height.
  * camera  as from camera_frame; target becomes the middle */
 void camera_frame_orbit(camera_pose *camera, const box *b, double aspect);
