@@ -52,11 +52,6 @@ typedef struct landscape_options {
  * s  [out] zeroed on failure; released with glb_scene_free.  Returns VXS_OK, VXS_E_MEMORY. */
 vxs_result generate_landscape(glb_scene *s, const landscape_options *o, message *m);
 
-/* Height of the surface of a scene that generate_landscape made with these options. Objects may have been added to the scene
- * since.
- * x, z  metres, inside the landscape */
-double terrain_height(const glb_scene *s, const landscape_options *o, double x, double z);
-
 typedef struct room_options {
     uint32_t triangles; /* [GENERATE_TRIANGLES_MIN, GENERATE_TRIANGLES_MAX], met within 2% */
     uint32_t seed;

@@ -26,7 +26,6 @@
 #include <stdlib.h>
 
 #include "baker/base/random.h"
-#include "scenes/generate_city_spots.h"
 #include "scenes/generate_parts.h"
 
 /* lengths in units of 1/64 m */

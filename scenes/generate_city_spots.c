@@ -1,6 +1,6 @@
 /* Spot lights of the city (after the scene of [CPVS16] 6.4: many spots, each of which lights a small part).
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "scenes/generate_city_spots.h"
+#include "scenes/generate_parts.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,4 +1,6 @@
-/* Fractal terrain as one closed mesh.
+/* Ground: a landscape, and a forest.
+ *
+ * Landscape: fractal terrain as one closed mesh.
  *
  * Heights are a sum of octaves of value noise (random values on a lattice, smoothly interpolated), each turned by a 3-4-5
  * triangle against the one before so that no lattice shows, folded into ridges and damped in the valleys (after the ridged
@@ -9,6 +11,12 @@
  *      |    |    skirts from the top's border to a ring at the bottom: 4 (columns + rows) triangles
  *      +-.-+     bottom: a fan from its middle to the ring: 2 (columns + rows) triangles
  *
+ * Forest: trees on hilly ground, their leaves cut out of cards by the alpha of an image.
+ *
+ *         \ | /        cards    squares about the crown's middle, turned any way, each with the whole image of leaves
+ *        -- * --       branches closed tubes grown into the trunk
+ *         / | \        trunk    a closed surface of revolution, half a metre deep in the ground
+ *     ______|______
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenes/generate.h"
 
@@ -17,6 +25,8 @@
 
 #include "baker/base/random.h"
 #include "scenes/generate_parts.h"
+
+/* landscape --------------------------------------------------------------------------------------------------------------------- */
 
 enum { OCTAVES_MAX = 12 };
 
@@ -158,7 +168,7 @@ static void make_skirts_and_bottom(parts *p, const landscape_options *o, grid g)
 }
 
 /* Interpolate as the triangles do: each cell is split from its lower left to its upper right, in (u, v). */
-double terrain_height(const glb_scene *s, const landscape_options *o, double x, double z)
+static double terrain_height(const glb_scene *s, const landscape_options *o, double x, double z)
 {
     grid   g = grid_from_triangles(o->triangles);
     double u = (x / o->size_metres + 0.5) * (double)g.columns, v = (z / o->size_metres + 0.5) * (double)g.rows;
@@ -180,5 +190,201 @@ vxs_result generate_landscape(glb_scene *s, const landscape_options *o, message 
     make_top(&p, o, g);
     make_skirts_and_bottom(&p, o, g);
     parts_sun(&p, o->sun);
+    return parts_end(&p, m);
+}
+
+/* forest ------------------------------------------------------------------------------------------------------------------------ */
+
+enum {
+    GROUND_SHARE     = 5, /* one of this many triangles is for the ground */
+    TRUNK_SIDES      = 8,
+    TRUNK_TRIANGLES  = 2 * TRUNK_SIDES * 4, /* five rows; both ends are points */
+    BRANCHES         = 4,
+    BRANCH_SIDES     = 4,
+    BRANCH_TRIANGLES = 4 * BRANCH_SIDES - 4,
+    WOOD_TRIANGLES   = TRUNK_TRIANGLES + BRANCHES * BRANCH_TRIANGLES,
+    CARDS            = 80, /* a tree, about */
+    IMAGE_PX         = 128,
+    LEAVES           = 56
+};
+
+static const double leaf_cutoff = 0.5;
+
+typedef struct tree {
+    double x, ground, z;
+    double height, radius, crown;
+    rng    branches, leaves;
+} tree;
+
+static double between(rng *r, double low, double high)
+{
+    return low + (high - low) * rng_between(r, 0, 4096) / 4096;
+}
+
+/* ---- the image ---- */
+
+/* One leaf: its length is along (c, s), its sides are two parabolas. */
+typedef struct leaf {
+    double x, y, c, s, half_length, half_width;
+    int    shade;
+} leaf;
+
+static leaf random_leaf(rng *r)
+{
+    leaf l       = {.half_length = between(r, 13, 20)};
+    l.half_width = l.half_length * between(r, 0.36, 0.5);
+    l.x          = between(r, l.half_length + 1, IMAGE_PX - l.half_length - 1);
+    l.y          = between(r, l.half_length + 1, IMAGE_PX - l.half_length - 1);
+    l.shade      = rng_between(r, -30, 30);
+    parts_turn(rng_below(r, 32), 32, &l.c, &l.s);
+    return l;
+}
+
+/* 255 inside, 0 outside, and a value between in the pixel of the edge. */
+static int leaf_alpha(const leaf *l, double x, double y)
+{
+    double along = ((x - l->x) * l->c + (y - l->y) * l->s) / l->half_length, across = (y - l->y) * l->c - (x - l->x) * l->s;
+    double inside = l->half_width * (1 - along * along) - (across < 0 ? -across : across) + 0.5;
+    if (along * along >= 1 || inside <= 0) return 0;
+    return inside >= 1 ? 255 : (int)(255 * inside + 0.5);
+}
+
+static uint8_t *make_image(rng r)
+{
+    uint8_t *rgba = malloc((size_t)IMAGE_PX * IMAGE_PX * 4);
+    leaf     leaves[LEAVES];
+    for (int i = 0; i < LEAVES; i++) leaves[i] = random_leaf(&r);
+    for (int n = 0; rgba && n < IMAGE_PX * IMAGE_PX; n++) {
+        int alpha = 0, shade = 0;
+        for (int i = 0; i < LEAVES; i++) {
+            int a = leaf_alpha(&leaves[i], n % IMAGE_PX + 0.5, n / IMAGE_PX + 0.5);
+            if (a > alpha) alpha = a, shade = leaves[i].shade;
+        }
+        rgba[4 * n]     = (uint8_t)(70 + shade);
+        rgba[4 * n + 1] = (uint8_t)(130 + shade);
+        rgba[4 * n + 2] = (uint8_t)(50 + shade / 2);
+        rgba[4 * n + 3] = (uint8_t)alpha;
+    }
+    return rgba;
+}
+
+/* ---- a tree ---- */
+
+/* One tree in a cell of a square lattice. */
+static tree plan_tree(const glb_scene *s, const landscape_options *ground, uint32_t index, uint32_t side)
+{
+    rng    r    = rng_split(rng_split(ground->seed, 7).state, index);
+    double cell = ground->size_metres * 0.94 / side, corner = ground->size_metres * -0.47;
+    tree   t   = {.height = between(&r, 5, 12)};
+    t.x        = corner + cell * (index % side + between(&r, 0.1, 0.9));
+    t.z        = corner + cell * (index / side + between(&r, 0.1, 0.9));
+    t.ground   = terrain_height(s, ground, t.x, t.z);
+    t.radius   = t.height * between(&r, 0.02, 0.035);
+    t.crown    = t.height * between(&r, 0.25, 0.35);
+    t.branches = rng_split(r.state, 1);
+    t.leaves   = rng_split(r.state, 2);
+    return t;
+}
+
+static void add_wood(parts *p, tree *t)
+{
+    const double profile[6][2] = {{0, t->height},
+                                  {t->radius * 0.3, t->height * 0.9},
+                                  {t->radius * 0.7, t->height * 0.5},
+                                  {t->radius, 0.1},
+                                  {t->radius * 1.3, -0.4},
+                                  {0, -0.5}};
+    parts_lathe(p, (double[3]){t->x, t->ground, t->z}, profile, 6, TRUNK_SIDES);
+    for (uint32_t i = 0; i < BRANCHES; i++) {
+        double c, s, from = t->height * between(&t->branches, 0.35, 0.7), up = t->crown * between(&t->branches, 0.3, 0.6);
+        double out = t->crown * between(&t->branches, 0.6, 0.9), thick = t->radius * 0.4;
+        parts_turn((4 * i + rng_below(&t->branches, 4)) % 16, 16, &c, &s);
+        parts_tube(p, (double[3]){t->x, t->ground + from, t->z}, thick,
+                   (double[3]){t->x + c * out, t->ground + from + up, t->z + s * out}, thick * 0.3, BRANCH_SIDES);
+    }
+}
+
+/* A random vector in the unit ball, not near its middle. Returns the length. */
+static double random_in_ball(rng *r, double v[3])
+{
+    double square;
+    do {
+        for (int i = 0; i < 3; i++) v[i] = between(r, -1, 1);
+        square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+    } while (square > 1 || square < 0.01);
+    return sqrt(square);
+}
+
+/* Two sides of a square, half as long as the square's. */
+static void random_square(rng *r, double half, double u[3], double v[3])
+{
+    double a[3], length_u = random_in_ball(r, u), length_v = 0;
+    do {
+        random_in_ball(r, a);
+        v[0]     = u[1] * a[2] - u[2] * a[1];
+        v[1]     = u[2] * a[0] - u[0] * a[2];
+        v[2]     = u[0] * a[1] - u[1] * a[0];
+        length_v = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    } while (length_v < 0.001);
+    for (int i = 0; i < 3; i++) u[i] *= half / length_u, v[i] *= half / length_v;
+}
+
+/* The image's origin is at any of the square's corners. */
+static void add_card(parts *p, tree *t)
+{
+    double   at[3], u[3], v[3], half = t->crown * between(&t->leaves, 0.18, 0.3);
+    uint32_t first = 0, turn = rng_below(&t->leaves, 4);
+    random_in_ball(&t->leaves, at);
+    random_square(&t->leaves, half, u, v);
+    const double middle[3] = {t->x + at[0] * t->crown, t->ground + t->height * 0.75 + at[1] * t->height * 0.3,
+                              t->z + at[2] * t->crown};
+    for (uint32_t i = 0; i < 4; i++) {
+        double s = i == 1 || i == 2 ? 1 : -1, w = i >= 2 ? 1 : -1, corner[3];
+        for (int k = 0; k < 3; k++) corner[k] = middle[k] + (s * u[k] + w * v[k]);
+        uint32_t from = (i + turn) % 4, vertex = parts_vertex_uv(p, corner, from == 1 || from == 2, from >= 2);
+        if (!i) first = vertex;
+    }
+    parts_triangle(p, first, first + 1, first + 2);
+    parts_triangle(p, first, first + 2, first + 3);
+}
+
+/* ---- the forest ---- */
+
+static uint32_t side_of_square(uint32_t count)
+{
+    uint32_t side = (uint32_t)sqrt((double)count);
+    return side * side < count ? side + 1 : side;
+}
+
+static void add_trees(parts *p, const landscape_options *ground, uint32_t triangles)
+{
+    uint32_t trees = triangles / (WOOD_TRIANGLES + 2 * CARDS), side;
+    if (!trees) trees = 1;
+    side           = side_of_square(trees);
+    uint64_t cards = (triangles - trees * WOOD_TRIANGLES) / 2;
+
+    parts_mesh(p, "wood", 0);
+    for (uint32_t i = 0; i < trees; i++) {
+        tree t = plan_tree(p->s, ground, i, side);
+        add_wood(p, &t);
+    }
+    uint32_t image = parts_image(p, IMAGE_PX, IMAGE_PX, make_image(rng_split(ground->seed, 8)));
+    parts_mesh(p, "leaves",
+               parts_material(p, (glb_material){.name = "leaves", .double_sided = 1, .alpha_cutoff = leaf_cutoff, .image = image}));
+    for (uint32_t i = 0; i < trees; i++) {
+        tree t = plan_tree(p->s, ground, i, side);
+        for (uint64_t k = cards * i / trees; k < cards * (i + 1) / trees; k++) add_card(p, &t);
+    }
+}
+
+vxs_result generate_forest(glb_scene *s, const forest_options *o, message *m)
+{
+    landscape_options ground = {
+        o->triangles / GROUND_SHARE, o->seed, o->size_metres, o->size_metres / 12, {o->sun[0], o->sun[1], o->sun[2]}};
+    vxs_result r = generate_landscape(s, &ground, m);
+    if (r != VXS_OK) return r;
+    s->name = "forest";
+    parts p = parts_continue(s);
+    add_trees(&p, &ground, o->triangles - (uint32_t)s->triangle_count);
     return parts_end(&p, m);
 }

@@ -3,7 +3,7 @@
 #include "baker/command/options/laboratory.h"
 
 #include "baker/lab/command/lab_commands.h"
-#include "baker/lab/opengl/opengl_columns.h"
+#include "baker/lab/opengl/depth_gl.h"
 #include "baker/lab/pages/bake_page.h"
 
 static const command_entry commands[] = {

@@ -27,7 +27,6 @@
 #include "baker/command/options/options.h"
 #include "baker/files/json_file.h"
 #include "baker/lab/opengl/depth_gl.h"
-#include "baker/lab/opengl/opengl_columns.h"
 #include "baker/light/light_fit.h"
 #include "tests/columns/brute.h"
 

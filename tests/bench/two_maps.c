@@ -14,7 +14,6 @@
 #include "baker/base/random.h"
 #include "baker/command/options/options.h"
 #include "baker/lab/opengl/depth_gl.h"
-#include "baker/lab/opengl/opengl_columns.h"
 #include "baker/light/light_fit.h"
 #include "baker/scene/light_choice.h"
 

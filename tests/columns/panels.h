@@ -17,7 +17,7 @@
 #include "baker/base/box.h"
 #include "baker/columns/sparse/sparse_columns.h"
 #include "baker/columns/sparse/sparse_triangles.h"
-#include "baker/lab/opengl/opengl_columns.h"
+#include "baker/lab/opengl/depth_gl.h"
 #include "baker/light/light_fit.h"
 #include "baker/light/map_space.h"
 #include "tests/unit/random_lamp.h"

@@ -40,7 +40,7 @@
 #include "baker/base/vec3.h"
 #include "baker/command/asset_open.h"
 #include "baker/command/options/options.h"
-#include "baker/lab/opengl/opengl_columns.h"
+#include "baker/lab/opengl/depth_gl.h"
 #include "baker/light/light_fit.h"
 #include "baker/scene/light_choice.h"
 #include "tests/exact/check.h"

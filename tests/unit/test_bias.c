@@ -1,7 +1,7 @@
 /* The bias of lookups with a normal (formats/vxs_space.h): taps lie before the plane of the surface, and not farther than they must; baked
  * planes do not shade themselves.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/lab/truth/truth_filter.h"
+#include "baker/lab/truth/truth.h"
 #include "baker/light/baked_light.h"
 #include "formats/vxs_space.h"
 #include "random_lamp.h"

@@ -11,7 +11,7 @@
 
 #include "baker/bake/bake.h" /* before cmocka, whose fail() is a macro */
 #include "baker/base/ref_table.h"
-#include "baker/lab/opengl/opengl_columns.h"
+#include "baker/lab/opengl/depth_gl.h"
 #include "scenes/generate.h"
 
 #include <cmocka.h>

@@ -16,7 +16,7 @@
 
 #include "baker/base/random.h"
 #include "baker/base/vec3.h"
-#include "baker/lab/opengl/opengl_columns.h" /* before cmocka, whose fail() is a macro */
+#include "baker/lab/opengl/depth_gl.h"
 #include "baker/light/light_fit.h"
 #include "runtime/vxs.h"
 

@@ -13,7 +13,7 @@
 
 #include "baker/base/random.h"
 #include "baker/base/vec3.h"
-#include "baker/lab/opengl/depth_gl.h" /* before cmocka, whose fail() is a macro */
+#include "baker/lab/opengl/depth_gl.h"
 #include "baker/scene/alpha_mask.h"
 #include "runtime/vxs.h"
 

@@ -18,7 +18,6 @@
 #include "baker/files/foreign_file.h"
 #include "baker/files/input_file.h"
 #include "baker/files/json_file.h"
-#include "baker/lab/bench/bench_cell.h"
 #include "baker/lab/bench/bench_text.h"
 #include "baker/lab/bench/machine.h"
 

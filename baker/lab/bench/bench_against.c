@@ -1,13 +1,12 @@
-/* Changes between two measurements; see bench_against.h.
+/* Changes between two measurements; see bench_text.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/lab/bench/bench_against.h"
+#include "baker/lab/bench/bench_text.h"
 
 #include <math.h>
 #include <stdarg.h>
 #include <string.h>
 
 #include "baker/base/text.h"
-#include "baker/lab/bench/bench_text.h"
 
 static const double stage_share  = 0.05; /* stages that take a smaller share of a bake are ignored */
 static const double memory_share = 0.05; /* change of peak memory that counts as a change */

@@ -1,8 +1,8 @@
-/* A cell of a measurement; see bench_cell.h.
+/* A cell of a measurement; see bench.h.
  *
  * Reports are read as they are: they were written a moment ago by this very program.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/lab/bench/bench_cell.h"
+#include "baker/lab/bench/bench.h"
 
 #include <math.h>
 #include <stdarg.h>

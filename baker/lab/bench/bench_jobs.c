@@ -1,6 +1,6 @@
-/* The jobs of a measurement; see bench_jobs.h.
+/* The jobs of a measurement; see bench.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/lab/bench/bench_jobs.h"
+#include "baker/lab/bench/bench.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,4 +1,5 @@
-/* Measurements as JSON (docs/bench.schema.json): the one form that they have, from the first run on.
+/* Measurements as JSON: of bakes (docs/bench.schema.json), the one form that they have from the first run on; and of shadows in fog
+ * (docs/volumes.schema.json), which `make bench-volumes` writes.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef BENCH_JSON_H
 #define BENCH_JSON_H
@@ -30,5 +31,11 @@ spread      spread_at(const json_t *object, const char *path, double unit);
 
 /* Whether two cells have the same scene and options. */
 int bench_cells_equal(const json_t *a, const json_t *b);
+
+/* Whether this JSON claims to be such a file, and not a result of vxs bench. */
+int is_volumes_json(const json_t *measured);
+
+/* As bench_json_check. */
+vxs_result volumes_json_check(const json_t *volumes, const char *path, message *m);
 
 #endif

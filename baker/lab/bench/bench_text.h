@@ -1,10 +1,12 @@
-/* Measurements as text: figures, tables of them, names of cells.
+/* Measurements as text: figures, tables of them, names of cells; changes between two measurements.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef BENCH_TEXT_H
 #define BENCH_TEXT_H
 
+#include <jansson.h>
 #include <stdio.h>
 
+#include "baker/base/message.h"
 #include "baker/lab/bench/bench_json.h"
 
 enum { BENCH_FIGURES_MAX = 192 };
@@ -47,5 +49,16 @@ void table_add(json_t *table, const char *format, ...) __attribute__((format(pri
 /* Print a table, and release it. Columns are as wide as their content; the first is left-aligned, the others right-aligned.
  * Returns VXS_OK; or VXS_E_MEMORY when a value is missing in it: then nothing is printed. */
 vxs_result table_print(json_t *table, size_t columns, FILE *to, message *m);
+
+/* Print the differences: first of versions and machines, then of the cells that both have. A time has changed when each median
+ * is outside of the other's spread; with five runs each, chance does this once in twenty. Sizes and errors have changed when
+ * they differ at all; peak memory, which always varies, by 5 %.
+ * to           NULL: print nothing
+ * before_path  the earlier file's name in messages
+ * max_slower   ratio of times
+ * too_slow     [out] number of baking or lookup times that changed to more than max_slower times the earlier ones
+ * Returns VXS_OK or VXS_E_MEMORY. */
+vxs_result bench_against(FILE *to, const json_t *now, const json_t *before, const char *before_path, double max_slower,
+                         size_t *too_slow, message *m);
 
 #endif

@@ -8,7 +8,6 @@
 #include "baker/files/input_file.h"
 #include "baker/files/json_file.h"
 #include "baker/lab/bench/bench.h"
-#include "baker/lab/bench/bench_against.h"
 #include "baker/lab/bench/bench_text.h"
 #include "baker/lab/command/lab_commands.h"
 #include "baker/scene/scene.h"

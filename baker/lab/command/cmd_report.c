@@ -5,7 +5,6 @@
 #include "baker/command/options/options.h"
 #include "baker/files/json_file.h"
 #include "baker/lab/bench/bench_json.h"
-#include "baker/lab/bench/volumes_json.h"
 #include "baker/lab/command/lab_commands.h"
 #include "baker/lab/pages/page.h"
 

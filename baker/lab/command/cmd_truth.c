@@ -12,7 +12,7 @@
 #include "baker/command/options/scene_rows.h"
 #include "baker/command/points.h"
 #include "baker/lab/command/lab_commands.h"
-#include "baker/lab/truth/truth_filter.h"
+#include "baker/lab/truth/truth.h"
 #include "baker/light/baked_light.h"
 #include "baker/scene/light_warnings.h"
 #include "baker/scene/scene.h"

@@ -30,7 +30,7 @@
 
 #include "baker/base/parallel.h"
 #include "baker/base/vec3.h"
-#include "baker/lab/truth/truth_filter.h"
+#include "baker/lab/truth/truth.h"
 #include "runtime/vxs.h"
 
 /* rounding --------------------------------------------------------------------------------------------------------------------- */

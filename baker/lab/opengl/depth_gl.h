@@ -22,10 +22,6 @@ vxs_result depth_renderer_create(depth_renderer **out, gl_context *gl, const cas
 /* 1 when some caster may touch the square (i, j), in units of side_px. */
 int depth_renderer_has_casters(const depth_renderer *r, uint32_t side_px, uint32_t i, uint32_t j);
 
-/* From now on call watch(user, share) while a square is rendered: the share of its blocks that have begun, 0 to 1. NULL: stop
- * calls. */
-void depth_renderer_watch(depth_renderer *r, void (*watch)(void *user, double share), void *user);
-
 /* Render the square (i, j), in units of maps->side_px, into maps->enter and maps->exit. These may be the same array only when
  * there are no solids. Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
 vxs_result depth_renderer_tile(depth_renderer *r, depth_maps *maps, uint32_t i, uint32_t j, message *m);
@@ -33,5 +29,11 @@ vxs_result depth_renderer_tile(depth_renderer *r, depth_maps *maps, uint32_t i, 
 depth_stats depth_renderer_stats(const depth_renderer *r);
 
 void depth_renderer_destroy(depth_renderer *r);
+
+/* Its devices are OpenGL contexts (gl_context). */
+extern const column_renderer opengl_renderer;
+
+column_source opengl_columns_source(rendered_columns *c);
+void          opengl_columns_free(rendered_columns *c);
 
 #endif

@@ -1,6 +1,6 @@
-/* Drawing alpha-tested triangles; see holes_pass.h.
+/* Drawing alpha-tested triangles; see depth_block.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/lab/opengl/holes_pass.h"
+#include "baker/lab/opengl/depth_block.h"
 
 #include <stddef.h>
 #include <stdlib.h>

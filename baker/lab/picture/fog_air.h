@@ -3,10 +3,12 @@
 #ifndef FOG_AIR_H
 #define FOG_AIR_H
 
-#include "baker/lab/picture/fog.h"
+#include "baker/scene/fog_medium.h"
 #include "runtime/volumes/vxs_air_path.h"
 
+struct fog_light; /* of fog.h */
+
 vxs_medium    fog_air_medium(const fog_medium *f);
-vxs_air_light fog_air_light(const fog_light *light);
+vxs_air_light fog_air_light(const struct fog_light *light);
 
 #endif

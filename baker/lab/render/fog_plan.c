@@ -29,7 +29,8 @@ static void leave_out(fog_saving **next, const char *what, const char *reason)
     ++*next;
 }
 
-void fog_plan_savings(const fog_plan *plan, fog_by by, uint32_t light_count, fog_saving savings[FOG_SAVINGS])
+/* by  the requested method;   light_count  of the file */
+static void fog_plan_savings(const fog_plan *plan, fog_by by, uint32_t light_count, fog_saving savings[FOG_SAVINGS])
 {
     fog_saving *next = savings;
     char        what[64];

@@ -51,9 +51,6 @@ typedef struct fog_saving {
 
 enum { FOG_SAVINGS = 4 };
 
-/* by  the requested method;   light_count  of the file */
-void fog_plan_savings(const fog_plan *plan, fog_by by, uint32_t light_count, fog_saving savings[FOG_SAVINGS]);
-
 /* Print a line; with `verbose` also the savings, and a line for each light. */
 void fog_plan_print(FILE *to, const fog_plan *plan, fog_by by, const fog_light_plan *lights, const vxs_baked_light *const *names,
                     uint32_t light_count, int verbose);

@@ -17,7 +17,7 @@
 #include "baker/files/png_encode.h"
 #include "baker/files/run_files.h"
 #include "baker/lab/render/exr_encode.h"
-#include "baker/lab/truth/truth_filter.h"
+#include "baker/lab/truth/truth.h"
 #include "baker/light/baked_light.h"
 
 typedef struct passes {

@@ -1,7 +1,7 @@
-/* Filters over rays; see truth_filter.h.
+/* Filters over rays; see truth.h.
  * Source: [CPVS16] 5.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/lab/truth/truth_filter.h"
+#include "baker/lab/truth/truth.h"
 
 #include "formats/vxs_space.h"
 #include "runtime/vxs.h"

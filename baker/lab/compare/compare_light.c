@@ -28,7 +28,7 @@
 #include "baker/base/spread.h"
 #include "baker/base/vec3.h"
 #include "baker/lab/compare/compare_points.h"
-#include "baker/lab/truth/truth_filter.h"
+#include "baker/lab/truth/truth.h"
 #include "baker/light/baked_light.h"
 #include "runtime/vxs.h"
 
