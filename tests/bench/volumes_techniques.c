@@ -4,7 +4,7 @@
 
 #include <stdlib.h>
 
-#include "baker/lab/render/baked_mesh.h"
+#include "baker/lab/render/fog_pass.h"
 #include "tests/volumes/rival_froxels.h"
 #include "tests/volumes/rival_slices.h"
 

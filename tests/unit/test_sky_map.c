@@ -104,10 +104,8 @@ static vxs_result read_bytes(sky_map *map, const uint8_t *bytes, size_t size, me
     uint8_t *copy = malloc(size); /* of its size, so that a sanitizer sees what is read behind it */
     assert_non_null(copy);
     memcpy(copy, bytes, size);
-    *map         = (sky_map){0};
     *m           = (message){0};
-    sky_file   f = {"sky", copy, copy + size};
-    vxs_result r = sky_is_png(&f) ? sky_read_png(map, &f, m) : sky_read_radiance(map, &f, m);
+    vxs_result r = sky_map_decode(map, "sky", copy, size, m);
     free(copy);
     return r;
 }

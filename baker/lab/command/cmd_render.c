@@ -360,12 +360,12 @@ static vxs_result write_passes(const render_command *c, const subject *s, render
 }
 
 /* lamps  NULL: there are none */
-static lamp_words words_of_lamps(const render_command *c, const subject *s, const lamp_pass *lamps)
+static vpl_words words_of_lamps(const render_command *c, const subject *s, const vpl_pass *lamps)
 {
-    lamp_words w = {.gather = area_gather_names[c->options.area_gather], .baked = c->options.area_points != NULL};
+    vpl_words w = {.gather = area_gather_names[c->options.area_gather], .baked = c->options.area_points != NULL};
     if (!lamps) return w;
-    w.points      = lamp_pass_points(lamps);
-    w.capsules    = lamp_pass_capsules(lamps, &w.smoke_side);
+    w.points      = vpl_pass_points(lamps);
+    w.capsules    = vpl_pass_capsules(lamps, &w.smoke_side);
     w.baked_smoke = has_baked_smoke(c, s);
     return w;
 }

@@ -53,9 +53,6 @@ void holed_triangles_free(holed_triangles *t);
 /* Draw them into the bound framebuffer with the current depth test. */
 void holed_triangles_draw(const holed_triangles *t);
 
-/* Shared by the programs of this folder: compile and link one. Returns VXS_OK or VXS_E_GL. */
-vxs_result make_program(gl_context *gl, GLuint *program, const char *vertex_text, const char *fragment_text, message *m);
-
 enum { CELL_PX = 32 };
 
 /* The maximum number of passes for a block: a texel counts no more front faces than this, and every pass removes one. */

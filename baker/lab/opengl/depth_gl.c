@@ -47,8 +47,11 @@ static vxs_result make_programs(block_context *x, message *m)
     gl_context       *gl = x->gl;
     vxs_result        r;
     const char *const texts[3] = {depth_text, count_text, next_text};
+    const gl_text     vertex[] = {{vertex_text, -1}, {0}};
     for (int n = 0; n < 3; n++)
-        if (!gl->depth_programs[n] && (r = make_program(gl, &gl->depth_programs[n], vertex_text, texts[n], m)) != VXS_OK) return r;
+        if (!gl->depth_programs[n] &&
+            (r = gl_program(gl, &gl->depth_programs[n], vertex, (const gl_text[]){{texts[n], -1}, {0}}, m)) != VXS_OK)
+            return r;
     x->program_depth = gl->depth_programs[0];
     x->program_count = gl->depth_programs[1];
     x->program_next  = gl->depth_programs[2];

@@ -6,6 +6,7 @@
 #include <GL/glcorearb.h>
 #include <stdint.h>
 
+#include "baker/base/embedded.h"
 #include "baker/columns/rendered_columns.h"
 
 /* Functions are loaded at run time, because OSMesa and EGL each have their own. Type, name without "gl". */
@@ -102,5 +103,32 @@ typedef struct gl_context {
 vxs_result gl_context_create(gl_context **out, gl_backend backend, uint32_t threads, message *m);
 
 void gl_context_destroy(gl_context *gl);
+
+/* A part of a shader's text; a list of parts ends with {0}. */
+typedef struct gl_text {
+    const char *text;
+    GLint       size; /* -1: up to its end */
+} gl_text;
+
+static inline gl_text gl_embedded(embedded e)
+{
+    return (gl_text){e.begin, (GLint)(e.end - e.begin)};
+}
+
+/* Make a program of the parts of a vertex and of a fragment shader, at most GL_TEXTS_MAX each.
+ * program  [out] deleted by the caller, whatever is returned
+ * Returns VXS_OK or VXS_E_GL. */
+enum { GL_TEXTS_MAX = 32 };
+vxs_result gl_program(const gl_context *gl, GLuint *program, const gl_text *vertex, const gl_text *fragment, message *m);
+
+/* The same of one text for both stages, which has no #version: its vertex shader is between #ifdef VERTEX and #else.
+ * before  a text that comes first in the fragment shader; {0}: none */
+vxs_result gl_program_of(const gl_context *gl, GLuint *program, embedded text, gl_text before, message *m);
+
+/* The same of a fragment shader for a triangle over the whole screen, three vertices without attributes. */
+vxs_result gl_screen_program(const gl_context *gl, GLuint *program, const gl_text *fragment, message *m);
+
+/* A framebuffer of textures.   depth  0: none;   colours  [count] at most 2 */
+GLuint gl_frame(const gl_context *gl, GLuint depth, const GLuint *colours, GLsizei count);
 
 #endif

@@ -1,4 +1,4 @@
-/* The only file that depends on OSMesa and EGL; see gl.h.
+/* The only file that depends on OSMesa and EGL; and helpers for programs and framebuffers; see gl.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h" /* first: its glcorearb.h must come before the older gl.h that osmesa.h brings */
 
@@ -186,4 +186,60 @@ void gl_context_destroy(gl_context *gl)
     else
         destroy_osmesa(gl);
     free(gl); /* the library stays loaded: drivers may fail when unloaded */
+}
+
+/* programs and framebuffers ---------------------------------------------------------------------------------------------------- */
+
+vxs_result gl_program(const gl_context *gl, GLuint *program, const gl_text *vertex, const gl_text *fragment, message *m)
+{
+    const gl_text *parts[2] = {vertex, fragment};
+    GLint          linked   = 0;
+    char           log[256] = "";
+    *program                = gl->CreateProgram();
+    for (int stage = 0; stage < 2; stage++) {
+        const char *texts[GL_TEXTS_MAX];
+        GLint       sizes[GL_TEXTS_MAX];
+        GLsizei     count  = 0;
+        GLuint      shader = gl->CreateShader(stage ? GL_FRAGMENT_SHADER : GL_VERTEX_SHADER);
+        for (; parts[stage][count].text; count++) {
+            texts[count] = parts[stage][count].text;
+            sizes[count] = parts[stage][count].size;
+        }
+        gl->ShaderSource(shader, count, texts, sizes);
+        gl->CompileShader(shader);
+        gl->AttachShader(*program, shader);
+        gl->DeleteShader(shader);
+    }
+    gl->LinkProgram(*program);
+    gl->GetProgramiv(*program, GL_LINK_STATUS, &linked);
+    if (linked) return VXS_OK;
+    gl->GetProgramInfoLog(*program, sizeof log, NULL, log);
+    return fail(m, VXS_E_GL, "OpenGL cannot link a shader: %s", log);
+}
+
+vxs_result gl_program_of(const gl_context *gl, GLuint *program, embedded text, gl_text before, message *m)
+{
+    return gl_program(
+        gl, program, (const gl_text[]){{"#version 450 core\n#define VERTEX\n", -1}, gl_embedded(text), {0}},
+        (const gl_text[]){{"#version 450 core\n", -1}, before.text ? before : (gl_text){"", 0}, gl_embedded(text), {0}}, m);
+}
+
+vxs_result gl_screen_program(const gl_context *gl, GLuint *program, const gl_text *fragment, message *m)
+{
+    static const char vertex[] =
+        "#version 450 core\n"
+        "void main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0); }\n";
+    return gl_program(gl, program, (const gl_text[]){{vertex, -1}, {0}}, fragment, m);
+}
+
+GLuint gl_frame(const gl_context *gl, GLuint depth, const GLuint *colours, GLsizei count)
+{
+    static const GLenum attached[2] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
+    GLuint              frame;
+    gl->GenFramebuffers(1, &frame);
+    gl->BindFramebuffer(GL_FRAMEBUFFER, frame);
+    if (depth) gl->FramebufferTexture(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, depth, 0);
+    for (GLsizei n = 0; n < count; n++) gl->FramebufferTexture(GL_FRAMEBUFFER, attached[n], colours[n], 0);
+    gl->DrawBuffers(count, attached);
+    return frame;
 }

@@ -57,27 +57,6 @@ static const char fragment_text[] =
     "    if (!(here >= threshold)) discard;\n"
     "}\n";
 
-vxs_result make_program(gl_context *gl, GLuint *program, const char *vertex, const char *fragment, message *m)
-{
-    const char *texts[2] = {vertex, fragment};
-    GLenum      kinds[2] = {GL_VERTEX_SHADER, GL_FRAGMENT_SHADER};
-    *program             = gl->CreateProgram();
-    for (int n = 0; n < 2; n++) {
-        GLuint shader = gl->CreateShader(kinds[n]);
-        gl->ShaderSource(shader, 1, &texts[n], NULL);
-        gl->CompileShader(shader);
-        gl->AttachShader(*program, shader);
-        gl->DeleteShader(shader);
-    }
-    gl->LinkProgram(*program);
-    GLint linked = 0;
-    gl->GetProgramiv(*program, GL_LINK_STATUS, &linked);
-    if (linked) return VXS_OK;
-    char log[256] = "";
-    gl->GetProgramInfoLog(*program, sizeof log, NULL, log);
-    return fail(m, VXS_E_GL, "OpenGL cannot link a shader: %s", log);
-}
-
 /* images ---------------------------------------------------------------------------------------------------------------------- */
 
 static void upload_image(gl_context *gl, GLuint *texture, const alpha_image *image)
@@ -103,7 +82,8 @@ vxs_result hole_images_init(hole_images *x, gl_context *gl, const casters *c, me
             if (c->alpha_masks[same].image == c->alpha_masks[n].image) x->textures[n] = x->textures[same];
         if (!x->textures[n]) upload_image(gl, &x->textures[n], &c->images[c->alpha_masks[n].image]);
     }
-    vxs_result r = make_program(gl, &x->program, vertex_text, fragment_text, m);
+    vxs_result r =
+        gl_program(gl, &x->program, (const gl_text[]){{vertex_text, -1}, {0}}, (const gl_text[]){{fragment_text, -1}, {0}}, m);
     if (r == VXS_OK && gl->GetError() != GL_NO_ERROR) r = fail(m, VXS_E_GL, "OpenGL cannot take the images of alpha masks");
     return r;
 }

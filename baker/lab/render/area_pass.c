@@ -1,23 +1,21 @@
-/* Area lights; see area_pass.h.
+/* Area lights; see vpl_pass.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/lab/render/area_pass.h"
+#include "baker/lab/render/vpl_pass.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "baker/base/vec3.h"
-#include "baker/lab/render/renderer_state.h"
 
-EMBEDDED(glow_vert_glsl)
-EMBEDDED(glow_frag_glsl)
+EMBEDDED(glow_glsl)
 
 enum { DENSE = 16 }; /* virtual lights that determine where points for shadows are densest */
 
 struct area_pass {
     area_pass_options options;
     const gl_context *gl;
-    lamp_pass        *lamps;
+    vpl_pass         *lamps;
     double           *powers;        /* [areas] */
     area_share       *shares, *next; /* [areas] of the last frame; of this one */
     double            exposure;      /* exposure of the virtual lights; 0: not yet set */
@@ -25,6 +23,68 @@ struct area_pass {
     GLuint            glow_program;
     GLuint           *textures; /* [areas] */
 };
+
+/* shares ----------------------------------------------------------------------------------------------------------------------- */
+
+static double luminance_of(const scene_area *a, const float *texel)
+{
+    return 0.2126 * (double)(a->radiance[0] * texel[0]) + 0.7152 * (double)(a->radiance[1] * texel[1]) +
+           0.0722 * (double)(a->radiance[2] * texel[2]);
+}
+
+/* The power that a parallelogram emits on its front: its area times the mean luminance. */
+static double area_power(const scene_area *a)
+{
+    static const float white[3] = {1, 1, 1};
+    size_t             texels   = (size_t)a->wide_px * a->high_px;
+    double             normal[3], sum = texels ? 0 : luminance_of(a, white);
+    for (size_t n = 0; n < texels; n++) sum += luminance_of(a, a->texture + 3 * n);
+    vec3_cross(a->across_ws, a->up_ws, normal);
+    return sqrt(vec3_dot(normal, normal)) * sum / (double)(texels ? texels : 1);
+}
+
+/* 1: no point of a ray from the eye is in front of it. */
+static int area_is_behind(const scene_area *a, const double eye_ws[3], const camera_view *seen, double far_metres)
+{
+    double normal[3], way[3];
+    vec3_cross(a->across_ws, a->up_ws, normal);
+    vec3_sub(eye_ws, a->corner_ws, way);
+    double eye = vec3_dot(way, normal), across = fabs(vec3_dot(seen->right, normal)), up = fabs(vec3_dot(seen->up, normal));
+    return eye <= 0 && eye + far_metres * (vec3_dot(seen->forward, normal) + across + up) <= 0;
+}
+
+/* The brightest parallelogram without a share; `count` if there is none. */
+static uint32_t brightest(const double *powers, const area_share *shares, uint32_t count)
+{
+    uint32_t best = count;
+    for (uint32_t n = 0; n < count; n++)
+        if (shares[n].fate == AREA_FAINT && powers[n] > 0 && (best == count || powers[n] > powers[best])) best = n;
+    return best;
+}
+
+/* Distribute virtual lights by power to the parallelograms that are not behind the view, in descending order of power. Each gets
+ * at least one, until none is left.
+ * powers  [count]
+ * shares  [count] in: fate AREA_BEHIND or any other; out: the decisions */
+static void area_plan_share(const double *powers, area_share *shares, uint32_t count, uint32_t lamps, area_plan *plan)
+{
+    double   all  = 0;
+    uint32_t rest = 0;
+    *plan         = (area_plan){0};
+    for (uint32_t n = 0; n < count; n++) {
+        shares[n] = (area_share){shares[n].fate == AREA_BEHIND ? AREA_BEHIND : AREA_FAINT, 0};
+        if (shares[n].fate == AREA_FAINT) all += powers[n];
+        rest += shares[n].fate == AREA_FAINT && powers[n] > 0;
+    }
+    for (uint32_t n; plan->lamps < lamps && (n = brightest(powers, shares, count)) < count;) {
+        uint32_t left = lamps - plan->lamps, most = left > rest-- ? left - rest : 1;
+        double   part = all > powers[n] ? round(left * (powers[n] / all)) : left;
+        shares[n]     = (area_share){AREA_DRAWN, (uint32_t)fmin(fmax(part, 1), most)};
+        plan->lamps += shares[n].lamps;
+        all -= powers[n];
+    }
+    for (uint32_t n = 0; n < count; n++) plan->areas[shares[n].fate]++;
+}
 
 /* set-up ----------------------------------------------------------------------------------------------------------------------- */
 
@@ -69,8 +129,7 @@ static vxs_result place_lamps(const area_pass *p, double exposure, vxs_vpl *lamp
 
 static vxs_result make(area_pass *p, vxs_volumes *volumes, message *m)
 {
-    text_part    glow = part_of(glow_frag_glsl);
-    const scene *s    = p->options.lit.scene;
+    const scene *s = p->options.lit.scene;
     vxs_vpl      dense[DENSE];
     vxs_result   r;
     p->powers   = calloc(p->count, sizeof *p->powers);
@@ -80,13 +139,13 @@ static vxs_result make(area_pass *p, vxs_volumes *volumes, message *m)
     if (!p->powers || !p->shares || !p->next || !p->textures)
         return fail(m, VXS_E_MEMORY, "out of memory for %u area lights", p->count);
     for (uint32_t n = 0; n < p->count; n++) p->powers[n] = area_power(&s->areas[n]);
-    lamp_pass_options lit = p->options.lit;
-    area_plan         plan;
+    vpl_pass_options lit = p->options.lit;
+    area_plan        plan;
     area_plan_share(p->powers, p->shares, p->count, DENSE, &plan);
     if (place_lamps(p, 1, dense, &lit.dense_count) != VXS_OK) lit.dense_count = 0; /* the frame reports the reason */
     lit.dense = dense;
-    if ((r = lamp_pass_create(&p->lamps, &lit, p->gl, volumes, m)) != VXS_OK) return r;
-    if ((r = renderer_program(p->gl, &p->glow_program, glow_vert_glsl, &glow, 1, m)) != VXS_OK) return r;
+    if ((r = vpl_pass_create(&p->lamps, &lit, p->gl, volumes, m)) != VXS_OK) return r;
+    if ((r = gl_program_of(p->gl, &p->glow_program, glow_glsl, (gl_text){0}, m)) != VXS_OK) return r;
     for (uint32_t n = 0; n < p->count; n++) put_texture(p, n);
     return VXS_OK;
 }
@@ -110,7 +169,7 @@ vxs_result area_pass_create(area_pass **out, const area_pass_options *o, const g
 void area_pass_destroy(area_pass *p)
 {
     if (!p) return;
-    lamp_pass_destroy(p->lamps);
+    vpl_pass_destroy(p->lamps);
     if (p->textures) p->gl->DeleteTextures((GLsizei)p->count, p->textures);
     if (p->glow_program) p->gl->DeleteProgram(p->glow_program);
     free(p->powers);
@@ -146,7 +205,7 @@ static vxs_result cast(area_pass *p, double exposure)
     vxs_vpl    lamps[VXS_VPLS_MAX];
     uint32_t   count;
     vxs_result result = place_lamps(p, exposure, lamps, &count);
-    if (result == VXS_OK) result = lamp_pass_set(p->lamps, lamps, count, is_shone_on, p);
+    if (result == VXS_OK) result = vpl_pass_set(p->lamps, lamps, count, is_shone_on, p);
     p->exposure = result == VXS_OK ? exposure : 0;
     return result;
 }
@@ -160,20 +219,20 @@ vxs_result area_pass_draw(area_pass *p, const double eye_ws[3], const camera_vie
                           double far_metres, unsigned normals, double exposure, area_plan *plan, message *m)
 {
     vxs_result r     = VXS_OK;
-    int        moved = lamp_pass_move(p->lamps, moved_ws);
+    int        moved = vpl_pass_move(p->lamps, moved_ws);
     for (uint32_t n = 0; n < p->count; n++)
         p->next[n].fate = area_is_behind(&p->options.lit.scene->areas[n], eye_ws, seen, far_metres) ? AREA_BEHIND : AREA_FAINT;
     area_plan_share(p->powers, p->next, p->count, p->options.lit.lamps, plan);
     int same = is_as_before(p, exposure);
     memcpy(p->shares, p->next, p->count * sizeof *p->next);
     if (plan->lamps && (moved || !same)) r = cast(p, exposure);
-    if (r == VXS_OK && plan->lamps) r = lamp_pass_draw(p->lamps, eye_ws, normals);
+    if (r == VXS_OK && plan->lamps) r = vpl_pass_draw(p->lamps, eye_ws, normals);
     return r == VXS_OK ? VXS_OK : fail(m, r, "area lights cannot be drawn: %s", vxs_result_text(r));
 }
 
 void area_pass_add_light(const area_pass *p)
 {
-    lamp_pass_add_light(p->lamps, p->exposure);
+    vpl_pass_add_light(p->lamps, p->exposure);
 }
 
 static void set_vector(const gl_context *gl, GLuint program, const char *name, const float v[3])
@@ -195,7 +254,7 @@ void area_pass_add_glow(const area_pass *p, const float clip_from_scene[16], uns
 {
     const gl_context *gl      = p->gl;
     GLuint            program = p->glow_program;
-    lamp_pass_begin_adding(p->lamps, program);
+    vpl_pass_begin_adding(p->lamps, program);
     gl->ProgramUniformMatrix4fv(program, gl->GetUniformLocation(program, "clip_from_scene"), 1, GL_FALSE, clip_from_scene);
     gl->BindTextureUnit(0, depths);
     for (uint32_t n = 0; n < p->count; n++) {
@@ -217,7 +276,7 @@ const area_share *area_pass_shares(const area_pass *p)
     return p->shares;
 }
 
-const lamp_pass *area_pass_lamps(const area_pass *p)
+const vpl_pass *area_pass_lamps(const area_pass *p)
 {
     return p->lamps;
 }

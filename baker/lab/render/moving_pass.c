@@ -17,7 +17,7 @@ typedef struct moving_view {
     double rows[4][4], texel;
 } moving_view;
 
-/* Layout as in moving.glsl. */
+/* Layout as in lit.glsl. */
 typedef struct shader_view {
     float depth_from_point[16], texel[4];
 } shader_view;

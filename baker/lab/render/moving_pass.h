@@ -1,5 +1,5 @@
 /* Moving casters: a second scene, drawn beside the one whose shadows are baked. Each light that can reach them renders them into
- * its own depth maps, anew in each frame. These shade surfaces (moving.glsl) and end light in fog (vxs_shadow_depth_map_join).
+ * its own depth maps, anew in each frame. These shade surfaces (lit.glsl) and end light in fog (vxs_shadow_depth_map_join).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MOVING_PASS_H
 #define MOVING_PASS_H
@@ -39,7 +39,7 @@ const surface_mesh *moving_pass_mesh(const moving_pass *pass);
 /* The current offset from the file's position. */
 void moving_pass_moved(const moving_pass *pass, double by_ws[3]);
 
-/* Bind the resources of shaders that include moving.glsl. */
+/* Bind the resources of shaders that include lit.glsl. */
 void moving_pass_bind(const moving_pass *pass);
 
 /* The depth maps of a light.   casters  [out];   Returns their number */

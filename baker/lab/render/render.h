@@ -5,11 +5,10 @@
 #define RENDER_H
 
 #include "baker/lab/opengl/gl.h"
-#include "baker/lab/render/area_pass.h"
 #include "baker/lab/render/fog_pass.h"
 #include "baker/lab/render/moving_pass.h"
-#include "baker/lab/render/sky_pass.h"
 #include "baker/lab/render/smoke_pass.h"
+#include "baker/lab/render/vpl_pass.h"
 #include "baker/lab/truth/camera.h"
 #include "baker/scene/scene.h"
 #include "runtime/vxs_stream.h"

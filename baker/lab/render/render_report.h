@@ -5,9 +5,9 @@
 
 #include <jansson.h>
 
+#include "baker/lab/render/frame_plan.h"
 #include "baker/lab/render/render.h"
 #include "baker/lab/render/render_passes.h"
-#include "baker/lab/render/sky_plan.h"
 
 typedef struct drawn_frame {
     camera_pose  camera;

@@ -9,97 +9,24 @@
 #include "baker/base/vec3.h"
 #include "baker/lab/render/renderer_state.h"
 
-EMBEDDED(surface_vert_glsl)
-EMBEDDED(surface_frag_glsl)
-EMBEDDED(screen_vert_glsl)
-EMBEDDED(moving_glsl)
-EMBEDDED(smoke_glsl)
-EMBEDDED(vxs_air_light_h)
-EMBEDDED(shine_glsl)
+EMBEDDED(surface_glsl)
 EMBEDDED(shade_frag_glsl)
 EMBEDDED(tone_frag_glsl)
 
 static const double pi = 3.14159265358979324;
 
-/* programs --------------------------------------------------------------------------------------------------------------------- */
-
-enum { PARTS_MOST = VXS_GL_TEXTS + 6 };
-
-static void add_shader(const gl_context *gl, GLuint program, GLenum kind, const text_part *parts, int count)
-{
-    const char *texts[PARTS_MOST];
-    GLint       sizes[PARTS_MOST];
-    GLuint      shader = gl->CreateShader(kind);
-    for (int n = 0; n < count; n++) {
-        texts[n] = parts[n].text;
-        sizes[n] = parts[n].size;
-    }
-    gl->ShaderSource(shader, count, texts, sizes);
-    gl->CompileShader(shader);
-    gl->AttachShader(program, shader);
-    gl->DeleteShader(shader);
-}
-
-vxs_result renderer_program(const gl_context *gl, GLuint *program, embedded vertex, const text_part *fragment, int count,
-                            message *m)
-{
-    text_part head     = part_of(vertex);
-    GLint     linked   = 0;
-    char      log[256] = "";
-    *program           = gl->CreateProgram();
-    add_shader(gl, *program, GL_VERTEX_SHADER, &head, 1);
-    add_shader(gl, *program, GL_FRAGMENT_SHADER, fragment, count);
-    gl->LinkProgram(*program);
-    gl->GetProgramiv(*program, GL_LINK_STATUS, &linked);
-    if (linked) return VXS_OK;
-    gl->GetProgramInfoLog(*program, sizeof log, NULL, log);
-    return fail(m, VXS_E_GL, "OpenGL cannot link a shader: %s", log);
-}
-
-vxs_result renderer_lit_program(const renderer *r, GLuint *program, embedded fragment, message *m)
-{
-    const char *texts[VXS_GL_TEXTS];
-    char        knows[128];
-    text_part   none = {"", 0}, parts[PARTS_MOST];
-    snprintf(knows, sizeof knows, "#define FILTER_PX %d\n#define LIGHTS_AT_ONCE %uu\n%s%s%s", r->options.filter_px, LIGHTS_AT_ONCE,
-             r->options.stream ? "#define STREAMED\n" : "", r->moving ? "#define MOVING\n" : "", r->smoke ? "#define SMOKE\n" : "");
-    const text_part own[] = {{knows, -1},
-                             r->moving ? part_of(moving_glsl) : none,
-                             r->smoke ? part_of(smoke_glsl) : none,
-                             part_of(vxs_air_light_h),
-                             part_of(shine_glsl),
-                             part_of(fragment)};
-    vxs_gl_texts(r->shadows, texts);
-    for (int n = 0; n < VXS_GL_TEXTS; n++) parts[n] = (text_part){texts[n], -1};
-    memcpy(parts + VXS_GL_TEXTS, own, sizeof own);
-    return renderer_program(r->gl, program, screen_vert_glsl, parts, PARTS_MOST, m);
-}
-
 static vxs_result make_programs(renderer *r, message *m)
 {
-    text_part  surface   = part_of(surface_frag_glsl);
-    text_part  tone[]    = {{"#version 450 core\n", -1}, {r->fog ? "#define FROM_PICTURE\n" : "", -1}, part_of(tone_frag_glsl)};
-    text_part  picture[] = {tone[0], {"#define TO_PICTURE\n", -1}, tone[2]};
-    vxs_result result;
-    if ((result = renderer_program(r->gl, &r->surface_program, surface_vert_glsl, &surface, 1, m)) != VXS_OK) return result;
-    if ((result = renderer_program(r->gl, &r->tone_program, screen_vert_glsl, tone, 3, m)) != VXS_OK) return result;
-    if (r->fog && (result = renderer_program(r->gl, &r->picture_program, screen_vert_glsl, picture, 3, m)) != VXS_OK) return result;
-    return renderer_lit_program(r, &r->shade_program, shade_frag_glsl, m);
+    const gl_text version = {"#version 450 core\n", -1}, tone = gl_embedded(tone_frag_glsl);
+    const gl_text shown[]   = {version, {r->fog ? "#define FROM_PICTURE\n" : "", -1}, tone, {0}};
+    const gl_text picture[] = {version, {"#define TO_PICTURE\n", -1}, tone, {0}};
+    vxs_result    result    = gl_program_of(r->gl, &r->surface_program, surface_glsl, (gl_text){0}, m);
+    if (result == VXS_OK) result = gl_screen_program(r->gl, &r->tone_program, shown, m);
+    if (result == VXS_OK && r->fog) result = gl_screen_program(r->gl, &r->picture_program, picture, m);
+    return result == VXS_OK ? renderer_lit_program(r, &r->shade_program, shade_frag_glsl, m) : result;
 }
 
 /* targets ---------------------------------------------------------------------------------------------------------------------- */
-
-GLuint renderer_frame_of(const gl_context *gl, GLuint depth, const GLuint *colours, GLsizei count)
-{
-    static const GLenum attached[2] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
-    GLuint              frame;
-    gl->GenFramebuffers(1, &frame);
-    gl->BindFramebuffer(GL_FRAMEBUFFER, frame);
-    if (depth) gl->FramebufferTexture(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, depth, 0);
-    for (GLsizei n = 0; n < count; n++) gl->FramebufferTexture(GL_FRAMEBUFFER, attached[n], colours[n], 0);
-    gl->DrawBuffers(count, attached);
-    return frame;
-}
 
 static vxs_result make_targets(renderer *r, message *m)
 {
@@ -115,10 +42,10 @@ static vxs_result make_targets(renderer *r, message *m)
         gl->TextureParameteri(r->target[n], GL_TEXTURE_MIN_FILTER, GL_NEAREST);
         gl->TextureParameteri(r->target[n], GL_TEXTURE_MAG_FILTER, GL_NEAREST);
     }
-    r->surface_frame = renderer_frame_of(gl, r->target[DEPTHS], &r->target[NORMALS], 2);
-    r->light_frame   = renderer_frame_of(gl, 0, &r->target[LIGHTS], 1);
-    r->screen_frame  = renderer_frame_of(gl, 0, &r->target[SCREEN], 2);
-    if (r->fog) r->picture_frame = renderer_frame_of(gl, 0, &r->target[PICTURE], 1);
+    r->surface_frame = gl_frame(gl, r->target[DEPTHS], &r->target[NORMALS], 2);
+    r->light_frame   = gl_frame(gl, 0, &r->target[LIGHTS], 1);
+    r->screen_frame  = gl_frame(gl, 0, &r->target[SCREEN], 2);
+    if (r->fog) r->picture_frame = gl_frame(gl, 0, &r->target[PICTURE], 1);
     gl->GenVertexArrays(1, &r->empty_array);
     if (gl->GetError() == GL_NO_ERROR) return VXS_OK;
     return fail(m, VXS_E_MEMORY, "OpenGL has no room for a picture of %u x %u samples", r->width, r->height);
@@ -234,16 +161,16 @@ static vxs_result make_fog(renderer *r, message *m)
     return fog_pass_create(&r->fog, &fog, r->gl, r->shadows, m);
 }
 
-static lamp_pass_options lit_by_lamps(const renderer *r, const scene *s)
+static vpl_pass_options lit_by_lamps(const renderer *r, const scene *s)
 {
-    return (lamp_pass_options){.scene      = s,
-                               .points     = r->options.area_points,
-                               .moving     = r->options.moving,
-                               .smoke      = r->options.smoke == SMOKE_ON && s->smoke.count ? &s->smoke : NULL,
-                               .smoke_side = r->options.smoke_side,
-                               .middle_ws  = r->mesh.middle_ws,
-                               .lamps      = r->options.area_lamps,
-                               .gather     = r->options.area_gather};
+    return (vpl_pass_options){.scene      = s,
+                              .points     = r->options.area_points,
+                              .moving     = r->options.moving,
+                              .smoke      = r->options.smoke == SMOKE_ON && s->smoke.count ? &s->smoke : NULL,
+                              .smoke_side = r->options.smoke_side,
+                              .middle_ws  = r->mesh.middle_ws,
+                              .lamps      = r->options.area_lamps,
+                              .gather     = r->options.area_gather};
 }
 
 /* Light that a matt surface reflects is counted pi times here, so emitted light is, too. */

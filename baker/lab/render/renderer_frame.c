@@ -4,11 +4,11 @@
  *     moving     depth maps of moving casters, from lights (moving_pass.h); left out without moving casters
  *     surfaces   depth (near / distance along the axis, precise at a distance), normal, albedo
  *     cull       lists of lights of tiles of 8 x 8 (vxs_gl_cull); left out with one light
- *     smoke      its transmittance towards each light (smoke_pass.h), and, after the fog, itself (renderer_smoke.c); left out
+ *     smoke      its transmittance towards each light (smoke_pass.h), and, after the fog, itself (smoke_cloud.c); left out
  *                without smoke
  *     shade      light of each sample, including lookups
- *     area       light of area lights on surfaces and in the air (area_pass.h); left out without area lights
- *     sky        the same for a map of the sky (sky_pass.h)
+ *     area       light of area lights on surfaces and in the air (area_pass.c); left out without area lights
+ *     sky        the same for a map of the sky (sky_pass.c)
  *     fog        over the resulting picture (fog_pass.h); left out without fog
  *     tone       tone mapping, and the mean of a pixel's samples
  *
@@ -18,8 +18,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "runtime/volumes/vxs_air_light.h" /* first: box.h defines a type with the name of one of its functions */
-
 #include "baker/base/clock.h"
 #include "baker/base/vec3.h"
 #include "baker/lab/render/renderer_state.h"
@@ -27,7 +25,7 @@
 const char *const render_stage_names[RENDER_STAGES] = {"upload", "moving", "surfaces", "cull", "smoke",
                                                        "shade",  "area",   "sky",      "fog",  "tone"};
 
-enum { COLOURS_BINDING = 3, PICTURE_UNIT = 4 };
+enum { PICTURE_UNIT = 4 };
 
 /* The camera's matrices. Depths are near / z; u and v go up from the lower left corner. Column-major. */
 static void set_view(renderer *r, const camera_pose *camera)
@@ -45,20 +43,6 @@ static void set_view(renderer *r, const camera_pose *camera)
         m[12 + n] = (float)(v->forward[n] - v->right[n] - v->up[n]);
     }
     m[11] = (float)(1 / r->near_metres);
-}
-
-void renderer_clip(const renderer *r, const double eye[3], float m[16])
-{
-    const camera_view *v      = &r->seen;
-    const double      *row[3] = {v->right, v->up, v->forward};
-    memset(m, 0, 16 * sizeof *m);
-    for (int i = 0; i < 3; i++) {
-        int    to     = i == 2 ? 3 : i;
-        double square = vec3_dot(row[i], row[i]);
-        for (int n = 0; n < 3; n++) m[4 * n + to] = (float)(row[i][n] / square);
-        m[12 + to] = (float)(-vec3_dot(row[i], eye) / square);
-    }
-    m[14] = (float)r->near_metres;
 }
 
 static void draw_mesh(const renderer *r, const surface_mesh *mesh)
@@ -94,90 +78,18 @@ static void draw_surfaces(const renderer *r)
     gl->Disable(GL_DEPTH_TEST);
 }
 
-/* textures  the first of the targets that the program reads */
-static void begin_screen(const renderer *r, GLuint frame, GLuint program, GLuint textures, uint32_t width, uint32_t height)
-{
-    const gl_context *gl = r->gl;
-    gl->BindFramebuffer(GL_FRAMEBUFFER, frame);
-    gl->Viewport(0, 0, (GLsizei)width, (GLsizei)height);
-    for (GLuint n = 0; n < textures; n++) gl->BindTextureUnit(n, r->target[n]);
-    gl->ProgramUniformMatrix4fv(program, gl->GetUniformLocation(program, "point_from_depth"), 1, GL_FALSE,
-                                r->view.point_from_depth);
-}
-
 static void draw_screen(const renderer *r, GLuint frame, GLuint program, GLuint textures, uint32_t width, uint32_t height)
 {
-    begin_screen(r, frame, program, textures, width, height);
+    renderer_begin_screen(r, frame, program, textures, width, height);
     r->gl->UseProgram(program);
     r->gl->BindVertexArray(r->empty_array);
     r->gl->DrawArrays(GL_TRIANGLES, 0, 3);
-}
-
-void renderer_bind_lights(const renderer *r)
-{
-    vxs_gl_bind(r->shadows);
-    if (r->moving) moving_pass_bind(r->moving);
-    if (r->smoke) smoke_pass_bind(r->smoke);
-    r->gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, COLOURS_BINDING, r->colour_buffer);
-}
-
-/* Uniforms of the fog that dims lights on their way. Positions are relative to the eye. */
-static void set_fog(const renderer *r, GLuint program)
-{
-    const fog_medium *f      = r->is_clear ? NULL : r->options.fog;
-    float             fog[4] = {0, 0, 0, (float)VXS_AIR_EVERYWHERE};
-    for (int n = 0; n < 3 && f; n++) fog[n] = (float)f->extinction[n];
-    if (f && f->top_ws < INFINITY) fog[3] = (float)(f->top_ws - r->camera.eye_ws[1]);
-    r->gl->ProgramUniform4f(program, r->gl->GetUniformLocation(program, "fog"), fog[0], fog[1], fog[2], fog[3]);
-}
-
-void renderer_add_lights(const renderer *r, GLuint program, const char *uniform, int element, const GLint values[4])
-{
-    const gl_context *gl       = r->gl;
-    const float       black[4] = {0};
-    GLint             v[4]     = {values[0], values[1], values[2], values[3]};
-    gl->ClearBufferfv(GL_COLOR, 0, black);
-    gl->Enable(GL_BLEND);
-    gl->BlendEquation(GL_FUNC_ADD);
-    gl->BlendFunc(GL_ONE, GL_ONE);
-    gl->UseProgram(program);
-    gl->BindVertexArray(r->empty_array);
-    set_fog(r, program);
-    for (uint32_t first = 0; first < r->light_count; first += LIGHTS_AT_ONCE) {
-        v[element] = (GLint)first;
-        gl->ProgramUniform4i(program, gl->GetUniformLocation(program, uniform), v[0], v[1], v[2], v[3]);
-        gl->DrawArrays(GL_TRIANGLES, 0, 3);
-    }
-    gl->Disable(GL_BLEND);
-}
-
-void renderer_shade(const renderer *r, int show, uint32_t light)
-{
-    const gl_context *gl       = r->gl;
-    GLuint            p        = r->shade_program;
-    const GLint       asked[4] = {show, (GLint)light, renderer_culls(r), 0};
-    gl->ProgramUniform4f(p, gl->GetUniformLocation(p, "sizes"), (float)r->width, (float)r->height, 0, 0);
-    gl->BindTextureUnit(LIGHTS, 0); /* unbind the texture that is the target now */
-    renderer_bind_lights(r);
-    begin_screen(r, r->light_frame, p, LIGHTS, r->width, r->height);
-    renderer_add_lights(r, p, "asked", 3, asked);
-}
-
-double renderer_day(const renderer *r)
-{
-    return r->sky ? 0 : r->day ? 1 : 0.07;
 }
 
 static void set_sizes(const renderer *r, GLuint program)
 {
     r->gl->ProgramUniform4f(program, r->gl->GetUniformLocation(program, "sizes"), (float)r->width, (float)r->height,
                             (float)r->exposure, (float)renderer_day(r));
-}
-
-void renderer_fog_ambient(const renderer *r, double ambient[3])
-{
-    static const double horizon[3] = {0.070, 0.081, 0.095};
-    for (int n = 0; n < 3; n++) ambient[n] = renderer_day(r) * horizon[n];
 }
 
 static vxs_result begin_air(const renderer *r, message *m)

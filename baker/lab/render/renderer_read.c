@@ -7,6 +7,8 @@
 #include "baker/files/png_encode.h"
 #include "baker/lab/render/renderer_state.h"
 
+EMBEDDED(light_mesh_glsl)
+
 /* Reverse the order of rows: OpenGL has the bottom row first. */
 static void turn_over(void *pixels, size_t row_bytes, uint32_t height)
 {
@@ -21,7 +23,8 @@ static void turn_over(void *pixels, size_t row_bytes, uint32_t height)
     }
 }
 
-void renderer_read_target(const renderer *r, int target, GLenum format, GLenum type, size_t pixel_bytes, void *out)
+/* Read a target's pixels, top row first.   out  [width * height] of pixel_bytes each */
+static void renderer_read_target(const renderer *r, int target, GLenum format, GLenum type, size_t pixel_bytes, void *out)
 {
     int      small = target == SCREEN || target == LINEAR;
     uint32_t width = small ? r->options.width_px : r->width, height = small ? r->options.height_px : r->height;
@@ -97,12 +100,12 @@ vxs_result renderer_read_airlight(renderer *r, float *air, message *m)
 
 vxs_result renderer_read_area(renderer *r, float *light, message *m)
 {
-    return read_texture(r, lamp_pass_irradiance(area_pass_lamps(r->areas)), light, m);
+    return read_texture(r, vpl_pass_irradiance(area_pass_lamps(r->areas)), light, m);
 }
 
 vxs_result renderer_read_sky(renderer *r, float *light, message *m)
 {
-    return read_texture(r, lamp_pass_irradiance(sky_pass_lamps(r->sky)), light, m);
+    return read_texture(r, vpl_pass_irradiance(sky_pass_lamps(r->sky)), light, m);
 }
 
 vxs_result renderer_read_full(renderer *r, float *full, message *m)
@@ -153,11 +156,6 @@ double renderer_white(const renderer *r)
 const char *renderer_name(const renderer *r)
 {
     return r->gl->names.renderer;
-}
-
-int renderer_culls(const renderer *r)
-{
-    return r->options.cull == CULL_ON || (r->options.cull == CULL_AUTO && r->light_count > 1);
 }
 
 int renderer_is_in_fog(const renderer *r)
@@ -216,4 +214,75 @@ vxs_result renderer_read_through(renderer *r, float *left, message *m)
     renderer_read_target(r, PICTURE, GL_ALPHA, GL_FLOAT, sizeof *left, left);
     for (size_t n = 0; n < count; n++) left[n] = 1 - left[n];
     return r->gl->GetError() == GL_NO_ERROR ? VXS_OK : fail(m, VXS_E_GL, "OpenGL cannot give back a picture");
+}
+
+/* the mesh of a light ----------------------------------------------------------------------------------------------------------- */
+
+enum { MESH_BINDING = 5 };
+
+/* The matrix from light space to clip space. Rows of the light's matrix are orthogonal, and positions are relative to the eye:
+ * so its inverse has the rows as columns. */
+static void clip_from_ls(const renderer *r, const vxs_light_constants *light, float out[16])
+{
+    const double eye[3] = {0};
+    float        clip[16];
+    renderer_clip(r, eye, clip);
+    for (int n = 0; n < 16; n++) out[n] = n < 12 ? 0 : clip[n];
+    for (int row = 0; row < 3; row++) {
+        const float *ls = light->ls_from_ws + 4 * row, square = ls[0] * ls[0] + ls[1] * ls[1] + ls[2] * ls[2];
+        for (int k = 0; k < 4; k++) {
+            for (int n = 0; n < 3; n++) out[4 * row + k] += clip[4 * n + k] * ls[n] / square;
+            out[12 + k] -= out[4 * row + k] * ls[3];
+        }
+    }
+}
+
+/* Whether counterclockwise in light space stays so in the picture: the sign of a determinant of x, y and w. */
+static int turn_of(const float m[16])
+{
+    double sum = 0;
+    for (int n = 0; n < 3; n++) {
+        int a = (n + 1) % 3, b = (n + 2) % 3;
+        sum += (double)m[4 * n] * ((double)m[4 * a + 1] * (double)m[4 * b + 3] - (double)m[4 * b + 1] * (double)m[4 * a + 3]);
+    }
+    return sum < 0 ? -1 : 1;
+}
+
+static void draw_mesh(const renderer *r, GLuint program, const vxs_light_mesh *mesh, const vxs_light_constants *light)
+{
+    const gl_context *gl      = r->gl;
+    const float       none[4] = {0};
+    GLsizei           corners = 3 * (GLsizei)vxs_light_mesh_triangles(mesh);
+    float             matrix[16];
+    clip_from_ls(r, light, matrix);
+    gl->ProgramUniformMatrix4fv(program, gl->GetUniformLocation(program, "clip_from_ls"), 1, GL_FALSE, matrix);
+    gl->ProgramUniform1i(program, gl->GetUniformLocation(program, "first_place"), corners);
+    gl->ProgramUniform1i(program, gl->GetUniformLocation(program, "turn"), turn_of(matrix));
+    gl->ProgramUniform1f(program, gl->GetUniformLocation(program, "farthest"),
+                         (float)(r->near_metres / fog_pass_far_metres(r->fog)));
+    gl->BindFramebuffer(GL_FRAMEBUFFER, r->light_frame);
+    gl->Viewport(0, 0, (GLsizei)r->width, (GLsizei)r->height);
+    gl->ClearBufferfv(GL_COLOR, 0, none);
+    gl->BindTextureUnit(0, r->target[DEPTHS]);
+    gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, MESH_BINDING, vxs_light_mesh_buffer(mesh));
+    gl->Enable(GL_BLEND);
+    gl->BlendFunc(GL_ONE, GL_ONE);
+    gl->UseProgram(program);
+    gl->BindVertexArray(r->empty_array);
+    gl->DrawArrays(GL_TRIANGLES, 0, corners);
+    gl->Disable(GL_BLEND);
+}
+
+vxs_result renderer_read_mesh(renderer *r, float *light, message *m)
+{
+    uint32_t              number;
+    GLuint                program;
+    const vxs_light_mesh *mesh   = fog_pass_mesh(r->fog, &number);
+    vxs_result            result = gl_program_of(r->gl, &program, light_mesh_glsl, (gl_text){0}, m);
+    if (result == VXS_OK) {
+        draw_mesh(r, program, mesh, &vxs_gl_constants(r->shadows)[number]);
+        renderer_read_target(r, LIGHTS, GL_RGB, GL_FLOAT, 3 * sizeof *light, light);
+    }
+    r->gl->DeleteProgram(program);
+    return result;
 }

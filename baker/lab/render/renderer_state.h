@@ -1,4 +1,5 @@
-/* A renderer's data, for its files: renderer.c makes it, renderer_frame.c draws, renderer_read.c reads back.
+/* A renderer's data, for its files: renderer.c makes it, renderer_frame.c draws, renderer_read.c reads back. Each uses
+ * renderer_shade.c; renderer_frame.c uses renderer_read.c, too.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef RENDERER_STATE_H
 #define RENDERER_STATE_H
@@ -52,23 +53,8 @@ struct renderer {
     double      near_metres;
 };
 
-/* A text of a shader. */
-typedef struct text_part {
-    const char *text;
-    GLint       size; /* -1: up to its end */
-} text_part;
-
-static inline text_part part_of(embedded e)
-{
-    return (text_part){e.begin, (GLint)(e.end - e.begin)};
-}
-
-/* Make a program of a vertex shader and `count` parts of a fragment shader.   program  [out] deleted by the caller, whatever is
- * returned */
-vxs_result renderer_program(const gl_context *gl, GLuint *program, embedded vertex, const text_part *fragment, int count,
-                            message *m);
-
-/* The same for a full-screen pass with lookups: adds the texts of vxs_gl.h, those of moving casters and smoke, and shine.glsl. */
+/* Make a program of a full-screen pass with lookups: its text follows those of vxs_gl.h, and lit.glsl.   program  [out] deleted by
+ * the caller, whatever is returned */
 vxs_result renderer_lit_program(const renderer *r, GLuint *program, embedded fragment, message *m);
 
 /* Bind the resources of such programs. */
@@ -83,8 +69,8 @@ void renderer_bind_lights(const renderer *r);
  * uniform, element  of the program: an ivec4, and its component that is the first light;   values  of the other components */
 void renderer_add_lights(const renderer *r, GLuint program, const char *uniform, int element, const GLint values[4]);
 
-/* A framebuffer.   depth  0: none */
-GLuint renderer_frame_of(const gl_context *gl, GLuint depth, const GLuint *colours, GLsizei count);
+/* Begin a full-screen pass.   textures  the first of the targets that the program reads */
+void renderer_begin_screen(const renderer *r, GLuint frame, GLuint program, GLuint textures, uint32_t width, uint32_t height);
 
 /* The factor on the sky's light: 1 by day, less at night, or when a map replaces the sky. */
 double renderer_day(const renderer *r);
@@ -92,7 +78,7 @@ double renderer_day(const renderer *r);
 /* The sky's light that fog scatters: that of a tenth of the horizon, at every place.   ambient  [out] */
 void renderer_fog_ambient(const renderer *r, double ambient[3]);
 
-/* Smoke as the eye sees it (renderer_smoke.c): make its resources; draw it over the picture and its fog. */
+/* Smoke as the eye sees it (smoke_cloud.c): make its resources; draw it over the picture and its fog. */
 vxs_result renderer_make_cloud(renderer *r, const scene_smoke *smoke, message *m);
 void       renderer_free_cloud(renderer *r);
 vxs_result renderer_draw_cloud(renderer *r, message *m);
@@ -109,8 +95,5 @@ void renderer_shade(const renderer *r, int show, uint32_t light);
 
 /* The last frame as a screen shows it, in 8 bits.   rgb  [out] as for renderer_draw */
 vxs_result renderer_read_screen(const renderer *r, uint8_t *rgb, message *m);
-
-/* Read a target's pixels, top row first.   out  [width * height] of pixel_bytes each */
-void renderer_read_target(const renderer *r, int target, GLenum format, GLenum type, size_t pixel_bytes, void *out);
 
 #endif

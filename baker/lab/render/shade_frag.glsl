@@ -1,5 +1,5 @@
-/* Follows the texts of vxs_gl.h, shine.glsl, and FILTER_PX, the filter of lookups as a constant. The light of a pixel: each
- * light's K x K PCF times lambert times the light that reaches the pixel (shine.glsl). */
+/* Follows the texts of vxs_gl.h, lit.glsl, and FILTER_PX, the filter of lookups as a constant. The light of a pixel: each
+ * light's K x K PCF times lambert times the light that reaches the pixel (lit.glsl). */
 #define SHOW_LIGHT   0 /* direct light, and the number of lights that were looked up */
 #define SHOW_LIT     1 /* lit fraction of one light, or VXS_OUTSIDE */
 #define SHOW_FULL    2 /* lookups, and how many of them are answered in full; where STREAMED */

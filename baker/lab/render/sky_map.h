@@ -20,26 +20,10 @@ typedef struct sky_map {
  * VXS_E_SCENE: all of it is black; VXS_E_MEMORY. */
 vxs_result sky_map_read(sky_map *map, const char *path, message *m);
 
+/* The same of a picture in memory.   name  of its file, for messages */
+vxs_result sky_map_decode(sky_map *map, const char *name, const uint8_t *bytes, size_t size_bytes, message *m);
+
 /* Accepts a zeroed object. */
 void sky_map_free(sky_map *map);
-
-/* internal, for its readers ---------------------------------------------------------------------------------------------------- */
-
-/* A file in memory, and its name in messages. */
-typedef struct sky_file {
-    const char    *name;
-    const uint8_t *bytes, *end;
-} sky_file;
-
-/* Allocate a map of the size that a file states.   Returns VXS_OK, VXS_E_UNSUPPORTED, VXS_E_MEMORY. */
-vxs_result sky_map_make(sky_map *map, const sky_file *file, uint32_t wide_px, uint32_t high_px, message *m);
-
-/* Whether the file begins with Radiance's signature. */
-int sky_is_radiance(const sky_file *file);
-int sky_is_png(const sky_file *file);
-
-/* map  [out] released by the caller, whatever is returned */
-vxs_result sky_read_radiance(sky_map *map, const sky_file *file, message *m);
-vxs_result sky_read_png(sky_map *map, const sky_file *file, message *m);
 
 #endif

@@ -1,15 +1,13 @@
-/* A sky; see sky_pass.h.
+/* A sky; see vpl_pass.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/lab/render/sky_pass.h"
+#include "baker/lab/render/vpl_pass.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 #include "baker/base/box.h"
 #include "baker/base/vec3.h"
-#include "baker/lab/render/renderer_state.h"
 
-EMBEDDED(screen_vert_glsl)
 EMBEDDED(sky_frag_glsl)
 
 static const double pi = 3.14159265358979324;
@@ -17,7 +15,7 @@ static const double pi = 3.14159265358979324;
 struct sky_pass {
     sky_pass_options  options;
     const gl_context *gl;
-    lamp_pass        *lamps;
+    vpl_pass         *lamps;
     vxs_vpl          *placed;    /* [lamps] without exposure */
     double            exposure;  /* exposure of the virtual lights; 0: not yet set */
     box               moving_ws; /* box of the moving casters, as in their file */
@@ -67,12 +65,11 @@ static void put_texture(sky_pass *p)
 
 static vxs_result make(sky_pass *p, vxs_volumes *volumes, message *m)
 {
-    text_part    seen   = part_of(sky_frag_glsl);
     const scene *moving = p->options.lit.moving;
     vxs_result   r      = place_lamps(p, m);
     if (moving) p->moving_ws = box_of_corners(moving->positions_ws, moving->indices, 3 * moving->triangle_count);
-    if (r == VXS_OK) r = lamp_pass_create(&p->lamps, &p->options.lit, p->gl, volumes, m);
-    if (r == VXS_OK) r = renderer_program(p->gl, &p->program, screen_vert_glsl, &seen, 1, m);
+    if (r == VXS_OK) r = vpl_pass_create(&p->lamps, &p->options.lit, p->gl, volumes, m);
+    if (r == VXS_OK) r = gl_screen_program(p->gl, &p->program, (const gl_text[]){gl_embedded(sky_frag_glsl), {0}}, m);
     if (r == VXS_OK) put_texture(p);
     return r;
 }
@@ -95,7 +92,7 @@ vxs_result sky_pass_create(sky_pass **out, const sky_pass_options *o, const gl_c
 void sky_pass_destroy(sky_pass *p)
 {
     if (!p) return;
-    lamp_pass_destroy(p->lamps);
+    vpl_pass_destroy(p->lamps);
     if (p->texture) p->gl->DeleteTextures(1, &p->texture);
     if (p->program) p->gl->DeleteProgram(p->program);
     free(p->placed);
@@ -126,7 +123,7 @@ static vxs_result cast(sky_pass *p, const double moved_ws[3], double exposure)
         lamps[n].radius_metres = radius;
         for (int k = 0; k < 3; k++) lamps[n].colour[k] = (float)(exposure * (double)lamps[n].colour[k]);
     }
-    vxs_result r = lamp_pass_set(p->lamps, lamps, p->options.lit.lamps, NULL, NULL);
+    vxs_result r = vpl_pass_set(p->lamps, lamps, p->options.lit.lamps, NULL, NULL);
     p->exposure  = r == VXS_OK ? exposure : 0;
     return r;
 }
@@ -135,21 +132,21 @@ vxs_result sky_pass_draw(sky_pass *p, const double eye_ws[3], const double moved
                          message *m)
 {
     vxs_result r = VXS_OK;
-    if (lamp_pass_move(p->lamps, moved_ws) || exposure != p->exposure) r = cast(p, moved_ws, exposure);
-    if (r == VXS_OK) r = lamp_pass_draw(p->lamps, eye_ws, normals);
+    if (vpl_pass_move(p->lamps, moved_ws) || exposure != p->exposure) r = cast(p, moved_ws, exposure);
+    if (r == VXS_OK) r = vpl_pass_draw(p->lamps, eye_ws, normals);
     return r == VXS_OK ? VXS_OK : fail(m, r, "light of the sky cannot be drawn: %s", vxs_result_text(r));
 }
 
 void sky_pass_add_light(const sky_pass *p)
 {
-    lamp_pass_add_light(p->lamps, p->exposure);
+    vpl_pass_add_light(p->lamps, p->exposure);
 }
 
 void sky_pass_add_map(const sky_pass *p, const vxs_view *view, unsigned depths, double exposure)
 {
     const gl_context *gl      = p->gl;
     GLuint            program = p->program;
-    lamp_pass_begin_adding(p->lamps, program);
+    vpl_pass_begin_adding(p->lamps, program);
     gl->ProgramUniformMatrix4fv(program, gl->GetUniformLocation(program, "point_from_depth"), 1, GL_FALSE, view->point_from_depth);
     gl->ProgramUniform4f(program, gl->GetUniformLocation(program, "sizes"), (float)view->width_px, (float)view->height_px,
                          (float)(p->options.turn_rad / (2 * pi)), (float)(exposure * p->options.scale));
@@ -167,7 +164,7 @@ void sky_pass_mean(const sky_pass *p, double exposure, double rgb[3])
     }
 }
 
-const lamp_pass *sky_pass_lamps(const sky_pass *p)
+const vpl_pass *sky_pass_lamps(const sky_pass *p)
 {
     return p->lamps;
 }

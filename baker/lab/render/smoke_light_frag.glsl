@@ -1,5 +1,5 @@
-/* Light from all directions at places in smoke; one place for each pixel, row by row. Follows the texts of vxs_gl.h, smoke.glsl
- * and shine.glsl. */
+/* Light from all directions at places in smoke; one place for each pixel, row by row. Follows the texts of vxs_gl.h
+ * and lit.glsl. */
 layout(std430, binding = 5) readonly restrict buffer places_block { vec4 places[]; };
 layout(std430, binding = 8) readonly restrict buffer left_block { float left[]; }; /* layer by layer, in each place by place */
 uniform ivec4 sizes; /* pixels across, places; the first of the LIGHTS_AT_ONCE lights to add up */

@@ -6,7 +6,7 @@
 #define SMOKE_PASS_H
 
 #include "baker/lab/opengl/gl.h"
-#include "baker/lab/render/smoke_plan.h"
+#include "baker/lab/render/frame_plan.h"
 #include "baker/scene/scene.h"
 #include "runtime/volumes/vxs_transmittance.h"
 
@@ -38,7 +38,7 @@ void smoke_pass_destroy(smoke_pass *pass);
  * seen  from eye_ws, the origin of the volumes' positions;   plan  [out] */
 vxs_result smoke_pass_draw(smoke_pass *pass, const double eye_ws[3], const struct camera_view *seen, smoke_plan *plan, message *m);
 
-/* Bind the resources of shaders that include smoke.glsl. */
+/* Bind the resources of shaders that include lit.glsl. */
 void smoke_pass_bind(const smoke_pass *pass);
 
 /* Write the transmittance towards each light at places, layer by layer, into a storage buffer of float.

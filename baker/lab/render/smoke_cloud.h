@@ -1,14 +1,14 @@
-/* Capsules as a shader draws them: from back to front, each by a quad that covers it, facing the eye, with places for light
- * lookups.
+/* Smoke as the eye sees it: capsules from back to front, each by a quad that covers it, facing the eye, and as dense as the ray's length
+ * in it. Light is looked up at four places of each quad, and interpolated between them.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef SMOKE_QUADS_H
-#define SMOKE_QUADS_H
+#ifndef SMOKE_CLOUD_H
+#define SMOKE_CLOUD_H
 
 #include "baker/base/message.h"
 #include "baker/lab/truth/camera.h"
 #include "baker/scene/smoke.h"
 
-/* Layout as in smoke_frag.glsl. Positions are in metres relative to the eye. */
+/* Layout as in smoke_quads.glsl. Positions are in metres relative to the eye. */
 typedef struct drawn_capsule {
     vxs_capsule capsule;
     float       albedo[4];

@@ -1,7 +1,22 @@
-#version 450 core
 /* A transparent view of a light's mesh, with its edges, where neither the scene hides it nor rays have ended: warm where a ray
  * from the eye enters the light, cold where it leaves it. Mesh surfaces within a few texels of a scene's surface are visible,
  * too. */
+#ifdef VERTEX
+/* A light's mesh, three vertices for each triangle, so that each fragment knows its distance from the edges. */
+layout(std430, binding = 5) readonly buffer mesh {
+    uint words[]; /* corners, then places */
+};
+uniform mat4 clip_from_ls;
+uniform int  first_place; /* word of it */
+out vec3 beside;
+
+void main()
+{
+    int place   = first_place + 3 * int(words[gl_VertexID]);
+    gl_Position = clip_from_ls * vec4(uintBitsToFloat(words[place]), uintBitsToFloat(words[place + 1]), uintBitsToFloat(words[place + 2]), 1.0);
+    beside      = vec3(equal(ivec3(gl_VertexID % 3), ivec3(0, 1, 2)));
+}
+#else
 layout(binding = 0) uniform sampler2D depths; /* near / distance along the axis, as gl_FragCoord.z */
 uniform float farthest; /* in the same units */
 uniform int   turn;     /* 1, or -1: the view mirrors light space */
@@ -21,3 +36,4 @@ void main()
     float line = (1.0 - smoothstep(0.4, 1.2, nearest)) * clamp(1.5 - 2.0 * widest, 0.0, 1.0); /* none in tiny triangles */
     light      = vec4((gl_FrontFacing == (turn > 0) ? leaves : enters) * (veil + edge * line), 0.0);
 }
+#endif

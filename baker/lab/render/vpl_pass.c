@@ -1,19 +1,22 @@
-/* Virtual lights in a frame; see lamp_pass.h.
+/* Virtual lights in a frame; see vpl_pass.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/lab/render/lamp_pass.h"
+#include "baker/lab/render/vpl_pass.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/lab/render/renderer_state.h"
-
-EMBEDDED(screen_vert_glsl)
-EMBEDDED(area_frag_glsl)
-
 const char *const area_gather_names[] = {"each", "ninths", "quarter"};
 
 static const double pi = 3.14159265358979324;
+
+/* Light on surfaces, in the units of light before exposure. */
+static const char add_text[] =
+    "#version 450 core\n"
+    "layout(binding = 0) uniform sampler2D irradiance;\n"
+    "uniform float factor;\n"
+    "layout(location = 0) out vec4 light_out;\n"
+    "void main() { light_out = vec4(factor * texelFetch(irradiance, ivec2(gl_FragCoord.xy), 0).rgb, 0.0); }\n";
 
 /* If a file has more points per place than this on average, only one point of each place is drawn. */
 enum { CROWD = 4 };
@@ -25,8 +28,8 @@ enum { POINTS = 1 << 18, MOVING_POINTS = 1 << 15 };
  * cover in all maps: it takes a minute or two on two processors. */
 enum { SMOKE_SIDE_MOST = 64, SMOKE_SIDE_LEAST = 8, SMOKE_COVERED_MOST = 1 << 30 };
 
-struct lamp_pass {
-    lamp_pass_options options;
+struct vpl_pass {
+    vpl_pass_options  options;
     const gl_context *gl;
     vxs_volumes      *volumes;
     vxs_area_light   *light;
@@ -44,7 +47,7 @@ struct lamp_pass {
 /* Scatter points over a scene's triangles.
  * lamps  number of virtual lights where points are densest, as in the options
  * found  [out] number of points: 0 if all triangles have no area */
-static vxs_result scatter(const lamp_pass *p, const scene *s, uint32_t lamps, vxs_area_point *points, uint32_t count,
+static vxs_result scatter(const vpl_pass *p, const scene *s, uint32_t lamps, vxs_area_point *points, uint32_t count,
                           uint32_t *found, message *m)
 {
     uint32_t triangles = (uint32_t)s->triangle_count;
@@ -58,7 +61,7 @@ static vxs_result scatter(const lamp_pass *p, const scene *s, uint32_t lamps, vx
     return VXS_OK;
 }
 
-static vxs_result scatter_moving(lamp_pass *p, message *m)
+static vxs_result scatter_moving(vpl_pass *p, message *m)
 {
     if (!p->options.moving) return VXS_OK;
     p->moving = malloc(MOVING_POINTS * sizeof *p->moving);
@@ -68,7 +71,7 @@ static vxs_result scatter_moving(lamp_pass *p, message *m)
 }
 
 /* Append the moving points, at their current position, to the static ones. */
-static void put_moving(lamp_pass *p, const double moved_ws[3])
+static void put_moving(vpl_pass *p, const double moved_ws[3])
 {
     GLsizeiptr size = sizeof *p->moved;
     for (uint32_t n = 0; n < p->moving_points; n++) {
@@ -118,7 +121,7 @@ static uint32_t unpack(const vxs_baked_points *baked, const double middle_ws[3],
     return kept;
 }
 
-static vxs_result put_points(lamp_pass *p, message *m)
+static vxs_result put_points(vpl_pass *p, message *m)
 {
     static const double     nowhere[3] = {0};
     const vxs_baked_points *baked      = p->options.points;
@@ -138,21 +141,20 @@ static vxs_result put_points(lamp_pass *p, message *m)
     return r;
 }
 
-static vxs_result make(lamp_pass *p, message *m)
+static vxs_result make(vpl_pass *p, message *m)
 {
-    text_part           add      = part_of(area_frag_glsl);
     uint32_t            capsules = p->options.smoke ? p->options.smoke->count : 0;
     vxs_area_light_desc desc     = {.lamps = p->options.lamps, .capsules = capsules, .smoke_side_px = p->options.smoke_side};
     vxs_result          r        = vxs_area_light_create(&p->light, p->volumes, &desc);
     p->capsules                  = calloc(capsules + !capsules, sizeof *p->capsules);
     if (!p->capsules) return fail(m, VXS_E_MEMORY, "out of memory for %u capsules of smoke", capsules);
     if (r != VXS_OK) return fail(m, r, "OpenGL cannot draw area lights of %u lamps: %s", p->options.lamps, vxs_result_text(r));
-    if ((r = renderer_program(p->gl, &p->add_program, screen_vert_glsl, &add, 1, m)) != VXS_OK) return r;
+    if ((r = gl_screen_program(p->gl, &p->add_program, (const gl_text[]){{add_text, -1}, {0}}, m)) != VXS_OK) return r;
     p->gl->GenVertexArrays(1, &p->empty_array);
     return put_points(p, m);
 }
 
-static uint32_t choose_smoke_side(const lamp_pass_options *o, message *m)
+static uint32_t choose_smoke_side(const vpl_pass_options *o, message *m)
 {
     uint32_t side = o->smoke_side < SMOKE_SIDE_MOST ? o->smoke_side : SMOKE_SIDE_MOST, asked = side;
     double   count = o->smoke ? o->smoke->count : 0;
@@ -166,10 +168,10 @@ static uint32_t choose_smoke_side(const lamp_pass_options *o, message *m)
     return side;
 }
 
-vxs_result lamp_pass_create(lamp_pass **out, const lamp_pass_options *o, const gl_context *gl, vxs_volumes *volumes, message *m)
+vxs_result vpl_pass_create(vpl_pass **out, const vpl_pass_options *o, const gl_context *gl, vxs_volumes *volumes, message *m)
 {
-    lamp_pass *p = calloc(1, sizeof *p);
-    *out         = NULL;
+    vpl_pass *p = calloc(1, sizeof *p);
+    *out        = NULL;
     if (!p) return fail(m, VXS_E_MEMORY, "out of memory for area lights");
     p->options            = *o;
     p->options.smoke_side = choose_smoke_side(o, m);
@@ -179,11 +181,11 @@ vxs_result lamp_pass_create(lamp_pass **out, const lamp_pass_options *o, const g
     if (r == VXS_OK)
         *out = p;
     else
-        lamp_pass_destroy(p);
+        vpl_pass_destroy(p);
     return r;
 }
 
-void lamp_pass_destroy(lamp_pass *p)
+void vpl_pass_destroy(vpl_pass *p)
 {
     if (!p) return;
     vxs_area_light_destroy(p->light);
@@ -198,14 +200,14 @@ void lamp_pass_destroy(lamp_pass *p)
 
 /* frame ------------------------------------------------------------------------------------------------------------------------ */
 
-int lamp_pass_move(lamp_pass *p, const double moved_ws[3])
+int vpl_pass_move(vpl_pass *p, const double moved_ws[3])
 {
     if (p->moving_points && memcmp(moved_ws, p->moved_ws, sizeof p->moved_ws)) put_moving(p, moved_ws);
     return p->has_moved;
 }
 
 /* Make the smoke maps of all virtual lights. */
-static vxs_result dim(lamp_pass *p, int (*is_shone_on)(const void *user, const vxs_capsule *c), const void *user)
+static vxs_result dim(vpl_pass *p, int (*is_shone_on)(const void *user, const vxs_capsule *c), const void *user)
 {
     const scene_smoke *smoke = p->options.smoke;
     p->capsule_count         = 0;
@@ -218,8 +220,8 @@ static vxs_result dim(lamp_pass *p, int (*is_shone_on)(const void *user, const v
     return vxs_area_light_smoke(p->light, &(vxs_capsules){.list = p->capsules, .count = p->capsule_count});
 }
 
-vxs_result lamp_pass_set(lamp_pass *p, const vxs_vpl *lamps, uint32_t count,
-                         int (*is_shone_on)(const void *user, const vxs_capsule *c), const void *user)
+vxs_result vpl_pass_set(vpl_pass *p, const vxs_vpl *lamps, uint32_t count,
+                        int (*is_shone_on)(const void *user, const vxs_capsule *c), const void *user)
 {
     vxs_result r    = vxs_area_light_set(p->light, lamps, count);
     int        stay = vxs_area_light_is_cast(p->light);
@@ -230,7 +232,7 @@ vxs_result lamp_pass_set(lamp_pass *p, const vxs_vpl *lamps, uint32_t count,
     return r;
 }
 
-vxs_result lamp_pass_draw(lamp_pass *p, const double eye_ws[3], unsigned normals)
+vxs_result vpl_pass_draw(vpl_pass *p, const double eye_ws[3], unsigned normals)
 {
     float anchor[3];
     for (int n = 0; n < 3; n++) anchor[n] = (float)(p->options.middle_ws[n] - eye_ws[n]);
@@ -239,7 +241,7 @@ vxs_result lamp_pass_draw(lamp_pass *p, const double eye_ws[3], unsigned normals
     return vxs_volumes_area(p->volumes, p->light, &(vxs_area_look){.gather = p->options.gather, .normal_texture = normals});
 }
 
-void lamp_pass_begin_adding(const lamp_pass *p, GLuint program)
+void vpl_pass_begin_adding(const vpl_pass *p, GLuint program)
 {
     p->gl->Enable(GL_BLEND);
     p->gl->BlendEquation(GL_FUNC_ADD);
@@ -248,28 +250,28 @@ void lamp_pass_begin_adding(const lamp_pass *p, GLuint program)
     p->gl->BindVertexArray(p->empty_array);
 }
 
-void lamp_pass_add_light(const lamp_pass *p, double exposure)
+void vpl_pass_add_light(const vpl_pass *p, double exposure)
 {
     const gl_context *gl = p->gl;
-    lamp_pass_begin_adding(p, p->add_program);
-    gl->BindTextureUnit(0, lamp_pass_irradiance(p));
+    vpl_pass_begin_adding(p, p->add_program);
+    gl->BindTextureUnit(0, vpl_pass_irradiance(p));
     gl->ProgramUniform1f(p->add_program, gl->GetUniformLocation(p->add_program, "factor"), (float)(1 / (pi * exposure)));
     gl->DrawArrays(GL_TRIANGLES, 0, 3);
     gl->Disable(GL_BLEND);
 }
 
-uint32_t lamp_pass_capsules(const lamp_pass *p, uint32_t *smoke_side)
+uint32_t vpl_pass_capsules(const vpl_pass *p, uint32_t *smoke_side)
 {
     *smoke_side = p->options.smoke_side;
     return p->capsule_count;
 }
 
-uint32_t lamp_pass_points(const lamp_pass *p)
+uint32_t vpl_pass_points(const vpl_pass *p)
 {
     return p->points + p->moving_points;
 }
 
-unsigned lamp_pass_irradiance(const lamp_pass *p)
+unsigned vpl_pass_irradiance(const vpl_pass *p)
 {
     return vxs_area_light_irradiance(p->light);
 }

@@ -1,17 +1,148 @@
-/* Smoke as the eye sees it: capsules over the picture, from back to front, each as dense as the ray's length in it. Their light
- * is looked up at four places each, and interpolated between these.
+/* Capsules over the picture; see smoke_cloud.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/lab/render/smoke_cloud.h"
+
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
+#include "baker/base/memory.h"
 #include "baker/base/vec3.h"
 #include "baker/lab/render/renderer_state.h"
-#include "baker/lab/render/smoke_quads.h"
 
 EMBEDDED(smoke_light_frag_glsl)
-EMBEDDED(smoke_vert_glsl)
-EMBEDDED(smoke_frag_glsl)
+EMBEDDED(smoke_quads_glsl)
 EMBEDDED(capsule_glsl)
+
+/* quads ------------------------------------------------------------------------------------------------------------------------- */
+
+typedef struct quad_order {
+    double   metres; /* from the eye to its middle */
+    uint32_t capsule;
+} quad_order;
+
+/* The place for light lookups, as a share of the distance from a capsule's middle to a corner: far enough out that the shadows
+ * of other capsules may differ. */
+static const double ASKED_AT = 0.6;
+
+vxs_result smoke_quads_reserve(smoke_quads *q, const scene_smoke *smoke, message *m)
+{
+    uint64_t   each = sizeof *q->capsules + SMOKE_CORNERS * (sizeof *q->corners + sizeof *q->places) + sizeof *q->order;
+    vxs_result r    = memory_check(smoke->count * each, m, "drawing %u capsules of smoke needs", smoke->count);
+    *q              = (smoke_quads){.count = smoke->count};
+    if (r != VXS_OK) return r;
+    q->capsules = malloc(smoke->count * sizeof *q->capsules);
+    q->corners  = malloc(SMOKE_CORNERS * (size_t)smoke->count * sizeof *q->corners);
+    q->places   = malloc(SMOKE_CORNERS * (size_t)smoke->count * sizeof *q->places);
+    q->order    = malloc(smoke->count * sizeof *q->order);
+    if (q->capsules && q->corners && q->places && q->order) return VXS_OK;
+    return fail(m, VXS_E_MEMORY, "out of memory for %u capsules of smoke", smoke->count);
+}
+
+void smoke_quads_free(smoke_quads *q)
+{
+    free(q->capsules);
+    free(q->corners);
+    free(q->places);
+    free(q->order);
+    *q = (smoke_quads){0};
+}
+
+static void middle_of(const scene_smoke *smoke, const vxs_capsule *c, const double eye_ws[3], double middle[3])
+{
+    for (int n = 0; n < 3; n++) middle[n] = 0.5 * ((double)c->begin[n] + (double)c->end[n]) + smoke->origin_ws[n] - eye_ws[n];
+}
+
+/* Order: the farthest first; equal ones in the scene's order. */
+static int is_farther(const void *a, const void *b)
+{
+    const quad_order *x = a, *y = b;
+    if (x->metres != y->metres) return x->metres > y->metres ? -1 : 1;
+    return x->capsule < y->capsule ? -1 : x->capsule > y->capsule;
+}
+
+static void sort_quads(smoke_quads *q, const scene_smoke *smoke, const double eye_ws[3])
+{
+    for (uint32_t n = 0; n < q->count; n++) {
+        double middle[3];
+        middle_of(smoke, &smoke->list[n], eye_ws, middle);
+        q->order[n] = (quad_order){sqrt(vec3_dot(middle, middle)), n};
+    }
+    qsort(q->order, q->count, sizeof *q->order, is_farther);
+}
+
+/* The plane of a quad: through the capsule's middle, perpendicular to the direction from the eye; u along the capsule's axis as
+ * seen. */
+typedef struct quad_plane {
+    double middle[3], u[3], v[3], half_u, half_v;
+} quad_plane;
+
+/* Find the plane of a capsule's quad; parts nearer than it appear larger.   Returns 0 when the eye is in the capsule, or nearly */
+static int find_plane(const vxs_capsule *c, quad_plane *p)
+{
+    double axis[3], way[3], radius = (double)c->radius_metres;
+    for (int n = 0; n < 3; n++) {
+        axis[n]      = 0.5 * ((double)c->end[n] - (double)c->begin[n]);
+        p->middle[n] = 0.5 * ((double)c->end[n] + (double)c->begin[n]);
+    }
+    double metres = sqrt(vec3_dot(p->middle, p->middle));
+    if (!vec3_unit(p->middle, way)) return 0;
+    double ahead = vec3_dot(axis, way), reach = fabs(ahead) + radius;
+    if (!(metres > 1.1 * reach)) return 0;
+    vec3_mad(axis, -ahead, way, p->u);
+    double aside = sqrt(vec3_dot(p->u, p->u)), larger = metres / (metres - reach);
+    if (!(aside > 1e-6 * radius) || !vec3_unit(p->u, p->u)) vec3_across(way, p->u, p->v);
+    vec3_cross(way, p->u, p->v);
+    p->half_u = larger * (aside + radius);
+    p->half_v = larger * radius;
+    return 1;
+}
+
+/* A quad that covers the whole picture, a metre in front of the eye. */
+static quad_plane whole_picture(const smoke_eye *eye)
+{
+    quad_plane p = {.half_u = 1, .half_v = 1};
+    memcpy(p.middle, eye->seen.forward, sizeof p.middle);
+    memcpy(p.u, eye->seen.right, sizeof p.u);
+    memcpy(p.v, eye->seen.up, sizeof p.v);
+    return p;
+}
+
+static void set_corners(smoke_quads *q, uint32_t n, const vxs_capsule *c, const smoke_eye *eye)
+{
+    quad_plane p;
+    int        is_near = !find_plane(c, &p);
+    quad_plane drawn   = is_near ? whole_picture(eye) : p;
+    double     pixel   = eye->pixel_metres * sqrt(vec3_dot(p.middle, p.middle));
+    q->covered_px += is_near ? eye->all_px : fmin(eye->all_px, 4 * p.half_u * p.half_v / (pixel * pixel));
+    for (int corner = 0; corner < SMOKE_CORNERS; corner++) {
+        float *at    = q->corners[SMOKE_CORNERS * (size_t)n + (size_t)corner],
+              *asked = q->places[SMOKE_CORNERS * (size_t)n + (size_t)corner];
+        double u = (corner & 1 ? 1 : -1) * drawn.half_u, v = (corner & 2 ? 1 : -1) * drawn.half_v;
+        for (int k = 0; k < 3; k++) {
+            double aside = u * drawn.u[k] + v * drawn.v[k];
+            at[k]        = (float)(drawn.middle[k] + aside);
+            asked[k]     = (float)(p.middle[k] + (is_near ? 0 : ASKED_AT * aside));
+        }
+        at[3] = asked[3] = 0;
+    }
+}
+
+void smoke_quads_make(smoke_quads *q, const scene_smoke *smoke, const smoke_eye *eye)
+{
+    sort_quads(q, smoke, eye->at_ws);
+    q->covered_px = 0;
+    for (uint32_t n = 0; n < q->count; n++) {
+        uint32_t       from = q->order[n].capsule;
+        drawn_capsule *to   = &q->capsules[n];
+        to->capsule         = smoke_widened(smoke->list[from], 0.5 * eye->pixel_metres * q->order[n].metres);
+        smoke_from_eye(smoke, &to->capsule, eye->at_ws);
+        for (int k = 0; k < 4; k++) to->albedo[k] = k < 3 ? smoke->albedos[from][k] : 0;
+        set_corners(q, n, &to->capsule, eye);
+    }
+}
+
+/* drawing ----------------------------------------------------------------------------------------------------------------------- */
 
 /* Bindings; and the width of the texture with the lights of corners. */
 enum {
@@ -37,13 +168,6 @@ struct smoke_cloud {
 
 /* create ----------------------------------------------------------------------------------------------------------------------- */
 
-static vxs_result make_programs(const renderer *r, smoke_cloud *c, message *m)
-{
-    const text_part fragment[] = {{"#version 450 core\n", -1}, part_of(capsule_glsl), part_of(smoke_frag_glsl)};
-    vxs_result      result     = renderer_lit_program(r, &c->light_program, smoke_light_frag_glsl, m);
-    return result == VXS_OK ? renderer_program(r->gl, &c->program, smoke_vert_glsl, fragment, 3, m) : result;
-}
-
 static void take_buffer(const renderer *r, GLuint buffer, size_t size, const void *data)
 {
     r->gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, buffer);
@@ -57,7 +181,8 @@ vxs_result renderer_make_cloud(renderer *r, const scene_smoke *smoke, message *m
     if (!c) return fail(m, VXS_E_MEMORY, "out of memory for smoke");
     size_t     corners = SMOKE_CORNERS * (size_t)smoke->count, layers = smoke_pass_layers(r->smoke);
     vxs_result result = smoke_quads_reserve(&c->quads, smoke, m);
-    if (result == VXS_OK) result = make_programs(r, c, m);
+    if (result == VXS_OK) result = renderer_lit_program(r, &c->light_program, smoke_light_frag_glsl, m);
+    if (result == VXS_OK) result = gl_program_of(gl, &c->program, smoke_quads_glsl, gl_embedded(capsule_glsl), m);
     if (result != VXS_OK) return result;
     c->smoke = smoke;
     c->rows  = (uint32_t)((corners + ROW - 1) / ROW);
@@ -65,7 +190,7 @@ vxs_result renderer_make_cloud(renderer *r, const scene_smoke *smoke, message *m
     take_buffer(r, c->buffers[LEFT], (layers + !layers) * corners * sizeof(float), NULL);
     gl->CreateTextures(GL_TEXTURE_2D, 1, &c->lights);
     gl->TextureStorage2D(c->lights, 1, GL_RGBA32F, ROW, (GLsizei)c->rows);
-    c->lights_frame = renderer_frame_of(gl, 0, &c->lights, 1);
+    c->lights_frame = gl_frame(gl, 0, &c->lights, 1);
     return gl->GetError() == GL_NO_ERROR ? VXS_OK
                                          : fail(m, VXS_E_MEMORY, "OpenGL has no room for %u capsules of smoke", smoke->count);
 }

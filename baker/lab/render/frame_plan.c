@@ -1,0 +1,300 @@
+/* The plan of a frame as text and JSON; see frame_plan.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/lab/render/frame_plan.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "baker/base/text.h"
+#include "baker/base/vec3.h"
+#include "baker/files/json_value.h"
+
+/* fog --------------------------------------------------------------------------------------------------------------------------- */
+
+const char *const fog_by_names[] = {"march", "angles", "intervals", "mesh", "grid"};
+
+static const char *const fog_fate_names[FOG_FATES] = {"drawn", "faint", "out_of_view", "clear"};
+
+static void fog_fate_text(char text[64], fog_fate fate)
+{
+    static const char *const texts[FOG_FATES] = {[FOG_OUT_OF_VIEW] = "out of view", [FOG_CLEAR] = "not in the fog"};
+    if (fate == FOG_FAINT)
+        snprintf(text, 64, "too faint (together less than 1/%.0f of white)", 1 / FOG_FAINTEST);
+    else
+        snprintf(text, 64, "%s", texts[fate]);
+}
+
+/* savings ---------------------------------------------------------------------------------------------------------------------- */
+
+static void leave_out(fog_saving **next, const char *what, const char *reason)
+{
+    snprintf((*next)->left_out, sizeof(*next)->left_out, "%s", what);
+    snprintf((*next)->reason, sizeof(*next)->reason, "%s", reason);
+    ++*next;
+}
+
+/* by  the requested method;   light_count  of the file */
+static void fog_plan_savings(const fog_plan *plan, fog_by by, uint32_t light_count, fog_saving savings[FOG_SAVINGS])
+{
+    fog_saving *next = savings;
+    char        what[64];
+    memset(savings, 0, FOG_SAVINGS * sizeof *savings);
+    if (!plan->lights[FOG_DRAWN]) leave_out(&next, "all passes of lights", "no light has airlight to speak of in view");
+    if (by == FOG_BY_INTERVALS && !plan->by_angles)
+        leave_out(&next, "march, grid and mesh", "the file says where each ray is lit, exactly");
+    if (by == FOG_BY_MESH) {
+        leave_out(&next, "adaptive pass", "what stands has a mesh that is made once, with triangles where its surface bends");
+        snprintf(what, sizeof what, "%u of %u meshes", light_count - plan->meshes_made, light_count);
+        if (plan->meshes_made < light_count) leave_out(&next, what, "their lights have not been drawn");
+    } else if (!plan->light_maps)
+        leave_out(&next, "light maps", "nothing moves: the file is asked where shadow begins");
+}
+
+/* text ------------------------------------------------------------------------------------------------------------------------- */
+
+static void print_fog_light(FILE *to, const fog_light_plan *light, const char *light_name)
+{
+    char name[VXS_LIGHT_NAME_BYTES], why[64];
+    one_line(strcpy(name, light_name));
+    if (light->fate == FOG_DRAWN) {
+        fprintf(to, "light %s: by %s, in %.0f %% of the picture%s%s\n", name, fog_by_names[light->by], 100 * light->share,
+                light->why ? ": " : "", light->why ? light->why : "");
+        return;
+    }
+    fog_fate_text(why, light->fate);
+    fprintf(to, "light %s is left out: %s\n", name, why);
+}
+
+void fog_plan_print(FILE *to, const fog_plan *plan, fog_by by, const fog_light_plan *lights, const vxs_baked_light *const *names,
+                    uint32_t light_count, int verbose)
+{
+    fog_saving savings[FOG_SAVINGS];
+    char       why[64];
+    fprintf(to, "fog          %u light%s: %u drawn by %s", light_count, light_count == 1 ? "" : "s", plan->lights[FOG_DRAWN],
+            fog_by_names[by]);
+    for (int n = FOG_FAINT; n < FOG_FATES; n++) {
+        fog_fate_text(why, (fog_fate)n);
+        if (plan->lights[n]) fprintf(to, ", %u %s", plan->lights[n], why);
+    }
+    if (plan->by_angles) fprintf(to, "; %u of them by %s", plan->by_angles, fog_by_names[FOG_BY_ANGLES]);
+    if (plan->light_maps) fprintf(to, "; %u of maps that end where something moves", plan->light_maps);
+    fputc('\n', to);
+    if (!verbose) return;
+    fog_plan_savings(plan, by, light_count, savings);
+    for (const fog_saving *s = savings; s < savings + FOG_SAVINGS && *s->left_out; s++)
+        fprintf(to, "%-20s left out: %s\n", s->left_out, s->reason);
+    for (uint32_t n = 0; n < light_count; n++) print_fog_light(to, &lights[n], names[n]->light.name);
+}
+
+/* JSON ------------------------------------------------------------------------------------------------------------------------- */
+
+json_t *fog_plan_counts(const fog_plan *plan)
+{
+    json_t *o = json_object();
+    for (int n = 0; n < FOG_FATES; n++) json_set(&o, fog_fate_names[n], json_integer(plan->lights[n]));
+    return o;
+}
+
+json_t *fog_plan_lights(const fog_light_plan *lights, const vxs_baked_light *const *names, uint32_t light_count)
+{
+    json_t *list = json_array();
+    for (uint32_t n = 0; n < light_count; n++) {
+        json_t *o = json_object();
+        json_set(&o, "light", json_text(names[n]->light.name));
+        json_set(&o, "fate", json_text(fog_fate_names[lights[n].fate]));
+        if (lights[n].fate == FOG_DRAWN) {
+            json_set(&o, "by", json_text(fog_by_names[lights[n].by]));
+            if (lights[n].why) json_set(&o, "why", json_text(lights[n].why));
+            json_set(&o, "share", json_real(rounded(lights[n].share, 4)));
+        }
+        json_append(&list, o);
+    }
+    return list;
+}
+
+json_t *fog_plan_left_out(const fog_plan *plan, fog_by by, uint32_t light_count)
+{
+    fog_saving savings[FOG_SAVINGS];
+    json_t    *list = json_array();
+    fog_plan_savings(plan, by, light_count, savings);
+    for (const fog_saving *s = savings; s < savings + FOG_SAVINGS && *s->left_out; s++) {
+        json_t *o = json_object();
+        json_set(&o, "what", json_text(s->left_out));
+        json_set(&o, "reason", json_text(s->reason));
+        json_append(&list, o);
+    }
+    return list;
+}
+
+/* smoke ------------------------------------------------------------------------------------------------------------------------- */
+
+static const char *const smoke_fate_names[SMOKE_FATES] = {"dims", "out_of_reach", "out_of_view", "no_room"};
+static const char *const smoke_fate_texts[SMOKE_FATES] = {"dimmed", "out of its reach", "out of view",
+                                                          "without a map, for all are taken"};
+
+static void print_smoke_light(FILE *to, const smoke_light_plan *light, uint32_t side_px, const char *light_name)
+{
+    char name[VXS_LIGHT_NAME_BYTES];
+    one_line(strcpy(name, light_name));
+    if (light->fate == SMOKE_DIMS)
+        fprintf(to, "light %s: smoke by %u x %u curves, of %u segments\n", name, side_px, side_px, light->segments);
+    else
+        fprintf(to, "light %s: no smoke: %s\n", name, smoke_fate_texts[light->fate]);
+}
+
+void smoke_plan_print(FILE *to, const smoke_plan *plan, uint32_t capsules, uint32_t side_px, const smoke_light_plan *lights,
+                      const vxs_baked_light *const *names, uint32_t light_count, int verbose)
+{
+    fprintf(to, "smoke        %u capsules; %u light%s", capsules, light_count, light_count == 1 ? ": " : "s: ");
+    for (int n = 0, listed = 0; n < SMOKE_FATES; n++)
+        if (plan->lights[n]) fprintf(to, "%s%u %s", listed++ ? ", " : "", plan->lights[n], smoke_fate_texts[n]);
+    fputc('\n', to);
+    for (uint32_t n = 0; n < light_count && verbose; n++) print_smoke_light(to, &lights[n], side_px, names[n]->light.name);
+}
+
+json_t *smoke_plan_counts(const smoke_plan *plan)
+{
+    json_t *o = json_object();
+    for (int n = 0; n < SMOKE_FATES; n++) json_set(&o, smoke_fate_names[n], json_integer(plan->lights[n]));
+    json_set(&o, "built", json_integer(plan->built));
+    return o;
+}
+
+json_t *smoke_plan_lights(const smoke_light_plan *lights, const vxs_baked_light *const *names, uint32_t light_count)
+{
+    json_t *list = json_array();
+    for (uint32_t n = 0; n < light_count; n++) {
+        json_t *o = json_object();
+        json_set(&o, "light", json_text(names[n]->light.name));
+        json_set(&o, "fate", json_text(smoke_fate_names[lights[n].fate]));
+        if (lights[n].fate == SMOKE_DIMS) {
+            json_set(&o, "segments", json_integer(lights[n].segments));
+            json_set(&o, "merged", json_integer(lights[n].merged));
+            json_set(&o, "cut_texels", json_integer(lights[n].cut_texels));
+        }
+        json_append(&list, o);
+    }
+    return list;
+}
+
+/* virtual lights ---------------------------------------------------------------------------------------------------------------- */
+
+/* The end of the line with their number: the smoke that dims them, if any. */
+static void vpl_plan_print_smoke(FILE *to, const vpl_words *w)
+{
+    if (w->capsules) fprintf(to, " that %u capsules of smoke dim", w->capsules);
+}
+
+/* Further lines on them. */
+static void vpl_plan_print(FILE *to, const vpl_words *w)
+{
+    fprintf(to, "shadows of %u points of the %s, pixels gather %s\n", w->points, w->baked ? "file" : "scene", w->gather);
+    if (w->capsules) fprintf(to, "smoke by %u x %u curves for each lamp\n", w->smoke_side, w->smoke_side);
+    if (w->baked_smoke) fprintf(to, "baked smoke is left out: the file has it for its own lights alone\n");
+}
+
+static json_t *vpl_smoke_json(const vpl_words *w)
+{
+    json_t *o = json_object();
+    json_set(&o, "capsules", json_integer(w->capsules));
+    json_set(&o, "side_px", json_integer(w->smoke_side));
+    return o;
+}
+
+/* Members of an object. */
+static void vpl_plan_json(json_t **o, const vpl_words *w)
+{
+    json_set(o, "gather", json_text(w->gather));
+    json_set(o, "points", json_integer(w->points));
+    json_set(o, "points_of", json_text(w->baked ? "asset" : "scene"));
+    if (w->capsules) json_set(o, "smoke", vpl_smoke_json(w));
+    json_set(o, "baked_smoke_left_out", json_boolean(w->baked_smoke));
+}
+
+/* area lights ------------------------------------------------------------------------------------------------------------------- */
+
+static const char *const area_fate_names[AREA_FATES] = {"drawn", "faint", "behind"};
+static const char *const area_fate_texts[AREA_FATES] = {
+    [AREA_FAINT] = "too faint (brighter ones have all lamps)", [AREA_BEHIND] = "behind all that is seen"};
+
+static const char *name_of(const scene *s, const scene_area *a)
+{
+    return s->names + s->parts[a->part].node_name;
+}
+
+void area_plan_print(FILE *to, const area_plan *plan, const area_words *w, int verbose)
+{
+    size_t count = w->scene->area_count;
+    fprintf(to, "area         %zu parallelogram%s of light", count, count == 1 ? "" : "s");
+    if (count)
+        fprintf(to, ": %u drawn by %u lamps", plan->areas[AREA_DRAWN], plan->lamps);
+    else
+        fputs(": nothing in the scene shines; --sky FILE lights it by a map of the sky", to);
+    vpl_plan_print_smoke(to, &w->lit);
+    for (int n = AREA_FAINT; n < AREA_FATES; n++)
+        if (plan->areas[n]) fprintf(to, ", %u %s", plan->areas[n], area_fate_texts[n]);
+    fputc('\n', to);
+    if (!verbose) return;
+    if (count) vpl_plan_print(to, &w->lit);
+    for (size_t n = 0; n < count; n++) {
+        char name[128];
+        snprintf(name, sizeof name, "%s", name_of(w->scene, &w->scene->areas[n]));
+        one_line(name);
+        if (w->shares[n].fate == AREA_DRAWN)
+            fprintf(to, "area light %s: %u lamps\n", name, w->shares[n].lamps);
+        else
+            fprintf(to, "area light %s is left out: %s\n", name, area_fate_texts[w->shares[n].fate]);
+    }
+    if (w->scene->dim_count) fprintf(to, "%zu triangles that shine are left out: no parallelogram of two\n", w->scene->dim_count);
+}
+
+json_t *area_plan_counts(const area_plan *plan)
+{
+    json_t *o = json_object();
+    for (int n = 0; n < AREA_FATES; n++) json_set(&o, area_fate_names[n], json_integer(plan->areas[n]));
+    return o;
+}
+
+json_t *area_plan_json(const area_plan *plan, const area_words *w)
+{
+    json_t *o = json_object(), *lights = json_array();
+    for (size_t n = 0; n < w->scene->area_count; n++) {
+        json_t *light = json_object();
+        json_set(&light, "node", json_text(name_of(w->scene, &w->scene->areas[n])));
+        json_set(&light, "fate", json_text(area_fate_names[w->shares[n].fate]));
+        json_set(&light, "lamps", json_integer(w->shares[n].lamps));
+        json_append(&lights, light);
+    }
+    json_set(&o, "lamps", json_integer(plan->lamps));
+    vpl_plan_json(&o, &w->lit);
+    json_set(&o, "lights", lights);
+    json_set(&o, "dim_triangles", json_integer((json_int_t)w->scene->dim_count));
+    return o;
+}
+
+/* a sky ------------------------------------------------------------------------------------------------------------------------- */
+
+void sky_plan_print(FILE *to, const sky_words *w, int verbose)
+{
+    char name[128];
+    snprintf(name, sizeof name, "%s", w->path);
+    fprintf(to, "sky          %s, %u x %u pixels: drawn by %u lamps", one_line(name), w->wide_px, w->high_px, w->lamps);
+    vpl_plan_print_smoke(to, &w->lit);
+    fputc('\n', to);
+    if (!verbose) return;
+    fprintf(to, "radiance times %g, turned by %g degrees\n", w->light, w->turn_degrees);
+    vpl_plan_print(to, &w->lit);
+}
+
+json_t *sky_plan_json(const sky_words *w)
+{
+    json_t *o = json_object();
+    json_set(&o, "path", json_text(w->path));
+    json_set(&o, "width_px", json_integer(w->wide_px));
+    json_set(&o, "height_px", json_integer(w->high_px));
+    json_set(&o, "light", json_real(w->light));
+    json_set(&o, "turn_degrees", json_real(w->turn_degrees));
+    json_set(&o, "lamps", json_integer(w->lamps));
+    vpl_plan_json(&o, &w->lit);
+    return o;
+}
