@@ -180,17 +180,6 @@ static void build_tiers(lot *l, rng *r, frame at, int32_t a, int32_t b, int32_t 
     }
 }
 
-/* A main box and one or two lower wings that cross its side: plans in the shape of an L, a T or a cross. */
-static void build_wings(lot *l, rng *r, frame at, int32_t a, int32_t b, int32_t height)
-{
-    int32_t back = -b * rng_between(r, 20, 50) / 100, front = b * rng_between(r, 10, 40) / 100;
-    int32_t left = a * rng_between(r, -95, -30) / 100, right = a * rng_between(r, 20, 95) / 100;
-
-    add_box(l, at, -a, a, back, front, foundation(r), height);
-    add_box(l, at, left, right, back / 2, b, foundation(r), height * rng_between(r, 45, 90) / 100);
-    if (rng_below(r, 2)) add_box(l, at, left / 2, right / 2, -b, front / 2, foundation(r), height * rng_between(r, 45, 90) / 100);
-}
-
 /* A low base over the lot, and a rotated tower on it. */
 static void build_podium(lot *l, rng *r, frame base, int32_t a, int32_t b, frame tower, int32_t reach, int32_t height)
 {
@@ -228,7 +217,16 @@ static void build(lot *l, rng *r, int32_t tallest)
     case 4: build_tiers(l, r, straight, a, b, height); break;
     case 5: build_tiers(l, r, turned, reach, reach, height); break;
     case 6:
-    case 7: build_wings(l, r, straight, a, b, height); break;
+    case 7: {
+        /* a main box and one or two lower wings that cross its side: plans in the shape of an L, a T or a cross */
+        int32_t back = -b * rng_between(r, 20, 50) / 100, front = b * rng_between(r, 10, 40) / 100;
+        int32_t left = a * rng_between(r, -95, -30) / 100, right = a * rng_between(r, 20, 95) / 100;
+
+        add_box(l, straight, -a, a, back, front, foundation(r), height);
+        add_box(l, straight, left, right, back / 2, b, foundation(r), height * rng_between(r, 45, 90) / 100);
+        if (rng_below(r, 2))
+            add_box(l, straight, left / 2, right / 2, -b, front / 2, foundation(r), height * rng_between(r, 45, 90) / 100);
+    } break;
     default: build_podium(l, r, straight, a, b, turned, reach, max_i32(height, 2 * HEIGHT_MIN)); break;
     }
 }
@@ -264,21 +262,6 @@ static void place_in_cell(rng *r, int32_t low, int32_t cell, int32_t least, int3
 static int32_t sink(rng *r, int32_t most)
 {
     return rng_below(r, 4) ? rng_between(r, 1, most) : 0;
-}
-
-static void place_on_roof(box *out, const box *host, int32_t x, int32_t z, int32_t cell, rng *r)
-{
-    bool    antenna = rng_below(r, 6) == 0;
-    int32_t least = antenna ? 3 : cell / 3, most = antenna ? 8 : cell * 7 / 8;
-    int32_t tall = antenna ? rng_between(r, 2 * METRE, 10 * METRE) : rng_between(r, cell / 4, cell);
-
-    out->at = host->at;
-    most    = min_i32(most, cell - 2);
-    least   = min_i32(least, most);
-    place_in_cell(r, x, cell, least, most, &out->low[0], &out->high[0]);
-    place_in_cell(r, z, cell, least, most, &out->low[2], &out->high[2]);
-    out->low[1]  = host->high[1] - sink(r, 16);
-    out->high[1] = host->high[1] + tall;
 }
 
 /* axis, is_high: the wall faces along X (0) or Z (2), towards negative or positive values. */
@@ -329,9 +312,20 @@ static void walk_surface(clutter_walk *w, const lot *l, size_t host, int axis, b
         for (int32_t u = h->low[across]; u + w->cell <= h->high[across]; u += w->cell) {
             box clutter;
             rng r = rng_split(cells++, 0);
-            if (axis == 1)
-                place_on_roof(&clutter, h, u, v, w->cell, &r);
-            else
+            if (axis == 1) {
+                int32_t cell    = w->cell;
+                bool    antenna = rng_below(&r, 6) == 0;
+                int32_t least = antenna ? 3 : cell / 3, most = antenna ? 8 : cell * 7 / 8;
+                int32_t tall = antenna ? rng_between(&r, 2 * METRE, 10 * METRE) : rng_between(&r, cell / 4, cell);
+
+                clutter.at = h->at;
+                most       = min_i32(most, cell - 2);
+                least      = min_i32(least, most);
+                place_in_cell(&r, u, cell, least, most, &clutter.low[0], &clutter.high[0]);
+                place_in_cell(&r, v, cell, least, most, &clutter.low[2], &clutter.high[2]);
+                clutter.low[1]  = h->high[1] - sink(&r, 16);
+                clutter.high[1] = h->high[1] + tall;
+            } else
                 place_on_wall(&clutter, h, axis, is_high, u, v, w->cell, &r);
             visit(w, l, host, &clutter);
         }
@@ -363,23 +357,6 @@ static void choose_clutter(parts *p, const block *k, bool on_roofs, int32_t cell
     walk_clutter(&w);
 }
 
-/* Half the clutter goes on roofs, as long as a quarter of their cells stays free. The cells shrink until there are enough.
- * Returns false when they would be smaller than CELL_MIN. */
-static bool make_clutter(parts *p, const block *k, uint32_t wanted)
-{
-    for (int32_t cell = CELL_MAX; wanted && cell >= CELL_MIN; cell = cell * 4 / 5) {
-        uint32_t roofs = count_clutter(k, true, cell), walls = count_clutter(k, false, cell);
-        if ((uint64_t)(roofs + walls) * 3 < (uint64_t)wanted * 4) continue;
-
-        uint32_t on_roofs = min_i32((int32_t)(wanted / 2), (int32_t)(roofs - roofs / 4));
-        if (wanted - on_roofs > walls) on_roofs = wanted - walls;
-        choose_clutter(p, k, true, cell, on_roofs, roofs);
-        choose_clutter(p, k, false, cell, wanted - on_roofs, walls);
-        return true;
-    }
-    return !wanted;
-}
-
 /* Blocks and the city. */
 
 /* Towers are in the middle of the city, and sometimes outside. */
@@ -389,23 +366,6 @@ static int32_t tallest_in_block(uint32_t blocks, uint32_t i, uint32_t j, rng *r)
     int32_t x = (int32_t)(2 * i + 1) - (int32_t)blocks, z = (int32_t)(2 * j + 1) - (int32_t)blocks;
     int32_t far2 = 2 * (int32_t)(blocks * blocks), near2 = far2 - (x * x + z * z);
     return 20 * METRE + (HEIGHT_MAX - 20 * METRE) * (near2 * 100 / far2) / 100 * (near2 * 100 / far2) / 100;
-}
-
-static void plan_block(block *k, const city_options *o, uint32_t i, uint32_t j)
-{
-    k->seed      = rng_split(o->seed, (uint64_t)j * CITY_BLOCKS_MAX + i + 1).state;
-    rng r        = rng_split(k->seed, 1);
-    k->x         = (int32_t)i * PITCH - (int32_t)(o->blocks - 1) * PITCH / 2;
-    k->z         = (int32_t)j * PITCH - (int32_t)(o->blocks - 1) * PITCH / 2;
-    k->tallest   = tallest_in_block(o->blocks, i, j, &r);
-    k->lot_count = 0;
-
-    int32_t half = BLOCK / 2 - SIDEWALK;
-    split_into_lots(k, &r, (rectangle){{k->x - half, k->z - half}, {k->x + half, k->z + half}});
-    for (size_t l = 0; l < k->lot_count; l++) {
-        rng building = rng_split(k->seed, 100 + l);
-        build(&k->lots[l], &building, k->tallest);
-    }
 }
 
 /* Add kerb, buildings and lamps, most important first, until there are `budget` boxes. Returns their number. */
@@ -436,7 +396,20 @@ static bool make_boxes(parts *p, const block *k, uint32_t i, uint32_t j, uint32_
     if (!budget) return true;
     snprintf(name, sizeof name, "block %u %u", i, j);
     parts_mesh(p, name, 0);
-    return make_clutter(p, k, budget - make_structure(p, k, budget));
+
+    /* half the clutter goes on roofs, as long as a quarter of their cells stays free; the cells shrink until there are enough */
+    uint32_t wanted = budget - make_structure(p, k, budget);
+    for (int32_t cell = CELL_MAX; wanted && cell >= CELL_MIN; cell = cell * 4 / 5) {
+        uint32_t roofs = count_clutter(k, true, cell), walls = count_clutter(k, false, cell);
+        if ((uint64_t)(roofs + walls) * 3 < (uint64_t)wanted * 4) continue;
+
+        uint32_t on_roofs = min_i32((int32_t)(wanted / 2), (int32_t)(roofs - roofs / 4));
+        if (wanted - on_roofs > walls) on_roofs = wanted - walls;
+        choose_clutter(p, k, true, cell, on_roofs, roofs);
+        choose_clutter(p, k, false, cell, wanted - on_roofs, walls);
+        return true;
+    }
+    return !wanted;
 }
 
 /* Number of boxes of a block without lamps and clutter: the buildings' and the kerb. */
@@ -445,17 +418,6 @@ static uint32_t structure_count(const block *k)
     uint32_t count = 1;
     for (size_t i = 0; i < k->lot_count; i++) count += (uint32_t)k->lots[i].box_count;
     return count;
-}
-
-/* The position under the far end of a lamp's arm. */
-static city_lamp lamp_from_box(const box *arm)
-{
-    const frame *f = &arm->at; /* of radius 1 */
-    double       x = (double)(arm->low[0] + arm->high[0]) / 2, z = arm->high[2] - LAMP_BELOW;
-    return (city_lamp){{(f->x + (f->cosine * x + f->sine * z)) / METRE, (double)(arm->low[1] - LAMP_BELOW) / METRE,
-                        (f->z + (f->cosine * z - f->sine * x)) / METRE},
-                       {f->cosine, 0, -f->sine},
-                       {f->sine, 0, f->cosine}};
 }
 
 /* The lamps with both of their boxes are the first of the block's lamps. */
@@ -475,15 +437,16 @@ static void make_spots(parts *p, const block *k, size_t box_first, uint32_t budg
     for (uint32_t i = 0; i < lamp_count; i++) {
         box lamp[2];
         make_lamp(k, i, lamp);
-        lamps[i] = lamp_from_box(&lamp[1]);
+
+        /* under the far end of its arm */
+        const frame *f = &lamp[1].at; /* of radius 1 */
+        double       x = (double)(lamp[1].low[0] + lamp[1].high[0]) / 2, z = lamp[1].high[2] - LAMP_BELOW;
+        lamps[i] = (city_lamp){{(f->x + (f->cosine * x + f->sine * z)) / METRE, (double)(lamp[1].low[1] - LAMP_BELOW) / METRE,
+                                (f->z + (f->cosine * z - f->sine * x)) / METRE},
+                               {f->cosine, 0, -f->sine},
+                               {f->sine, 0, f->cosine}};
     }
     add_city_spots(p, &c, rng_split(k->seed, 5), count, made);
-}
-
-static void make_ground(parts *p, const city_options *o)
-{
-    double half = (double)((int32_t)o->blocks * PITCH / 2 + 20 * METRE) / METRE;
-    parts_box_at(p, "ground", -half, half, -2, 0, -half, half);
 }
 
 static bool make_block(parts *p, const city_options *o, uint64_t index, uint32_t budget, uint32_t *spots_made)
@@ -494,7 +457,21 @@ static bool make_block(parts *p, const city_options *o, uint64_t index, uint32_t
     size_t         box_first = box_count(p->s);
     block          k;
     if (!budget && !spots) return true;
-    plan_block(&k, o, i, j);
+
+    k.seed      = rng_split(o->seed, (uint64_t)j * CITY_BLOCKS_MAX + i + 1).state;
+    rng r       = rng_split(k.seed, 1);
+    k.x         = (int32_t)i * PITCH - (int32_t)(o->blocks - 1) * PITCH / 2;
+    k.z         = (int32_t)j * PITCH - (int32_t)(o->blocks - 1) * PITCH / 2;
+    k.tallest   = tallest_in_block(o->blocks, i, j, &r);
+    k.lot_count = 0;
+
+    int32_t half = BLOCK / 2 - SIDEWALK;
+    split_into_lots(&k, &r, (rectangle){{k.x - half, k.z - half}, {k.x + half, k.z + half}});
+    for (size_t l = 0; l < k.lot_count; l++) {
+        rng building = rng_split(k.seed, 100 + l);
+        build(&k.lots[l], &building, k.tallest);
+    }
+
     if (!make_boxes(p, &k, i, j, budget)) return false;
     make_spots(p, &k, box_first, budget, spots, spots_made);
     return true;
@@ -508,7 +485,8 @@ vxs_result generate_city(glb_scene *s, const city_options *o, message *m)
     parts          p          = parts_begin(s, "city");
 
     parts_sun(&p, o->sun);
-    make_ground(&p, o);
+    double half = (double)((int32_t)o->blocks * PITCH / 2 + 20 * METRE) / METRE;
+    parts_box_at(&p, "ground", -half, half, -2, 0, -half, half);
     for (uint64_t b = 0; b < blocks; b++) {
         uint32_t budget = (uint32_t)(shared * (b + 1) / blocks - shared * b / blocks);
         if (!make_block(&p, o, b, budget, &spots_made)) {

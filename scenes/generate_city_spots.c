@@ -35,19 +35,6 @@ static void add_under_lamp(parts *p, rng *r, const city_lamp *lamp, uint32_t *ma
     add_spot(p, r, lamp->head, direction, made);
 }
 
-/* Add a spot in the middle third of the street beside the block's side, out of reach of the lamps on both sides. */
-static void add_over_street(parts *p, rng *r, const city_block *k, uint32_t side, uint32_t *made)
-{
-    double along[3] = {side & 1 ? 0 : 1, 0, side & 1}, out[3] = {side & 1, 0, side & 1 ? 0 : 1}, at[3], direction[3];
-    double u = between(r, -k->half, k->half), v = k->half + k->street * between(r, 1 / 3.0, 2 / 3.0);
-    if (side & 2) v = -v;
-    at[0] = k->x + u * along[0] + v * out[0];
-    at[1] = between(r, 6, 12);
-    at[2] = k->z + u * along[2] + v * out[2];
-    down(r, along, 0.75, out, -0.25, 0.25, direction);
-    add_spot(p, r, at, direction, made);
-}
-
 /* Whether a point is in a box, or within distance_to_boxes of it. */
 static int is_in_box(const float *corners, const double at[3])
 {
@@ -62,13 +49,6 @@ static int is_in_box(const float *corners, const double at[3])
         double slack = distance_to_boxes * sqrt(length);
         if (reach < -slack || reach > length + slack) return 0;
     }
-    return 1;
-}
-
-static int is_free(const glb_scene *s, const city_block *k, const double at[3])
-{
-    for (size_t i = 0; i < k->box_count; i++)
-        if (is_in_box(s->positions + 24 * (k->box_first + i), at)) return 0;
     return 1;
 }
 
@@ -95,8 +75,11 @@ static int add_on_wall(parts *p, rng *r, const city_block *k, uint32_t *made)
         along[i] /= width;
         out[i] /= depth;
     }
-    at[1] = between(r, 3, top < wall_lamp_height_most ? top : wall_lamp_height_most);
-    if (!is_free(p->s, k, at)) return 0;
+    at[1]              = between(r, 3, top < wall_lamp_height_most ? top : wall_lamp_height_most);
+    const glb_scene *s = p->s;
+    for (size_t i = 0; i < k->box_count; i++)
+        if (is_in_box(s->positions + 24 * (k->box_first + i), at)) return 0;
+
     down(r, along, 0.5, out, 0.1, 0.8, direction);
     add_spot(p, r, at, direction, made);
     return 1;
@@ -111,6 +94,17 @@ void add_city_spots(parts *p, const city_block *k, rng r, uint32_t count, uint32
     for (uint32_t i = 0; i < rest; i++) {
         int done = 0;
         for (int tries = 0; i % 2 && k->box_count && !done && tries < 16; tries++) done = add_on_wall(p, &r, k, made);
-        if (!done) add_over_street(p, &r, k, i / 2 % 4, made);
+        if (!done) {
+            /* in the middle third of the street beside the block's side, out of reach of the lamps on both sides */
+            uint32_t side     = i / 2 % 4;
+            double   along[3] = {side & 1 ? 0 : 1, 0, side & 1}, out[3] = {side & 1, 0, side & 1 ? 0 : 1}, at[3], direction[3];
+            double   u = between(&r, -k->half, k->half), v = k->half + k->street * between(&r, 1 / 3.0, 2 / 3.0);
+            if (side & 2) v = -v;
+            at[0] = k->x + u * along[0] + v * out[0];
+            at[1] = between(&r, 6, 12);
+            at[2] = k->z + u * along[2] + v * out[2];
+            down(&r, along, 0.75, out, -0.25, 0.25, direction);
+            add_spot(p, &r, at, direction, made);
+        }
     }
 }

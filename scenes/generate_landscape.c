@@ -149,24 +149,6 @@ static uint32_t border_vertex(grid g, uint32_t k)
     return g.columns - k;
 }
 
-static void make_skirts_and_bottom(parts *p, const landscape_options *o, grid g)
-{
-    uint32_t ring = 2 * (g.columns + g.rows), first = (g.columns + 1) * (g.rows + 1), middle = first + ring;
-    double   bottom = -o->size_metres / 32;
-    for (uint32_t k = 0; k < ring && !p->out_of_memory; k++) {
-        const float *top = p->s->positions + 3 * (size_t)border_vertex(g, k);
-        parts_vertex(p, top[0], bottom, top[2]);
-    }
-    parts_vertex(p, 0, bottom, 0);
-
-    for (uint32_t k = 0; k < ring; k++) {
-        uint32_t next = (k + 1) % ring, top = border_vertex(g, k), top_next = border_vertex(g, next);
-        parts_triangle(p, top_next, top, first + k);
-        parts_triangle(p, top_next, first + k, first + next);
-        parts_triangle(p, first + next, first + k, middle);
-    }
-}
-
 /* Interpolate as the triangles do: each cell is split from its lower left to its upper right, in (u, v). */
 static double terrain_height(const glb_scene *s, const landscape_options *o, double x, double z)
 {
@@ -188,7 +170,22 @@ vxs_result generate_landscape(glb_scene *s, const landscape_options *o, message 
     parts p = parts_begin(s, "landscape");
     parts_mesh(&p, "landscape", 0);
     make_top(&p, o, g);
-    make_skirts_and_bottom(&p, o, g);
+
+    uint32_t ring = 2 * (g.columns + g.rows), first = (g.columns + 1) * (g.rows + 1), middle = first + ring;
+    double   bottom = -o->size_metres / 32;
+    for (uint32_t k = 0; k < ring && !p.out_of_memory; k++) {
+        const float *top = p.s->positions + 3 * (size_t)border_vertex(g, k);
+        parts_vertex(&p, top[0], bottom, top[2]);
+    }
+    parts_vertex(&p, 0, bottom, 0);
+
+    for (uint32_t k = 0; k < ring; k++) {
+        uint32_t next = (k + 1) % ring, top = border_vertex(g, k), top_next = border_vertex(g, next);
+        parts_triangle(&p, top_next, top, first + k);
+        parts_triangle(&p, top_next, first + k, first + next);
+        parts_triangle(&p, first + next, first + k, middle);
+    }
+
     parts_sun(&p, o->sun);
     return parts_end(&p, m);
 }
@@ -229,17 +226,6 @@ typedef struct leaf {
     int    shade;
 } leaf;
 
-static leaf random_leaf(rng *r)
-{
-    leaf l       = {.half_length = between(r, 13, 20)};
-    l.half_width = l.half_length * between(r, 0.36, 0.5);
-    l.x          = between(r, l.half_length + 1, IMAGE_PX - l.half_length - 1);
-    l.y          = between(r, l.half_length + 1, IMAGE_PX - l.half_length - 1);
-    l.shade      = rng_between(r, -30, 30);
-    parts_turn(rng_below(r, 32), 32, &l.c, &l.s);
-    return l;
-}
-
 /* 255 inside, 0 outside, and a value between in the pixel of the edge. */
 static int leaf_alpha(const leaf *l, double x, double y)
 {
@@ -253,7 +239,15 @@ static uint8_t *make_image(rng r)
 {
     uint8_t *rgba = malloc((size_t)IMAGE_PX * IMAGE_PX * 4);
     leaf     leaves[LEAVES];
-    for (int i = 0; i < LEAVES; i++) leaves[i] = random_leaf(&r);
+    for (int i = 0; i < LEAVES; i++) {
+        leaf l       = {.half_length = between(&r, 13, 20)};
+        l.half_width = l.half_length * between(&r, 0.36, 0.5);
+        l.x          = between(&r, l.half_length + 1, IMAGE_PX - l.half_length - 1);
+        l.y          = between(&r, l.half_length + 1, IMAGE_PX - l.half_length - 1);
+        l.shade      = rng_between(&r, -30, 30);
+        parts_turn(rng_below(&r, 32), 32, &l.c, &l.s);
+        leaves[i] = l;
+    }
     for (int n = 0; rgba && n < IMAGE_PX * IMAGE_PX; n++) {
         int alpha = 0, shade = 0;
         for (int i = 0; i < LEAVES; i++) {
@@ -286,24 +280,6 @@ static tree plan_tree(const glb_scene *s, const landscape_options *ground, uint3
     return t;
 }
 
-static void add_wood(parts *p, tree *t)
-{
-    const double profile[6][2] = {{0, t->height},
-                                  {t->radius * 0.3, t->height * 0.9},
-                                  {t->radius * 0.7, t->height * 0.5},
-                                  {t->radius, 0.1},
-                                  {t->radius * 1.3, -0.4},
-                                  {0, -0.5}};
-    parts_lathe(p, (double[3]){t->x, t->ground, t->z}, profile, 6, TRUNK_SIDES);
-    for (uint32_t i = 0; i < BRANCHES; i++) {
-        double c, s, from = t->height * between(&t->branches, 0.35, 0.7), up = t->crown * between(&t->branches, 0.3, 0.6);
-        double out = t->crown * between(&t->branches, 0.6, 0.9), thick = t->radius * 0.4;
-        parts_turn((4 * i + rng_below(&t->branches, 4)) % 16, 16, &c, &s);
-        parts_tube(p, (double[3]){t->x, t->ground + from, t->z}, thick,
-                   (double[3]){t->x + c * out, t->ground + from + up, t->z + s * out}, thick * 0.3, BRANCH_SIDES);
-    }
-}
-
 /* A random vector in the unit ball, not near its middle. Returns the length. */
 static double random_in_ball(rng *r, double v[3])
 {
@@ -315,27 +291,24 @@ static double random_in_ball(rng *r, double v[3])
     return sqrt(square);
 }
 
-/* Two sides of a square, half as long as the square's. */
-static void random_square(rng *r, double half, double u[3], double v[3])
-{
-    double a[3], length_u = random_in_ball(r, u), length_v = 0;
-    do {
-        random_in_ball(r, a);
-        v[0]     = u[1] * a[2] - u[2] * a[1];
-        v[1]     = u[2] * a[0] - u[0] * a[2];
-        v[2]     = u[0] * a[1] - u[1] * a[0];
-        length_v = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    } while (length_v < 0.001);
-    for (int i = 0; i < 3; i++) u[i] *= half / length_u, v[i] *= half / length_v;
-}
-
 /* The image's origin is at any of the square's corners. */
 static void add_card(parts *p, tree *t)
 {
     double   at[3], u[3], v[3], half = t->crown * between(&t->leaves, 0.18, 0.3);
     uint32_t first = 0, turn = rng_below(&t->leaves, 4);
     random_in_ball(&t->leaves, at);
-    random_square(&t->leaves, half, u, v);
+
+    /* two sides of a square, half as long as the square's */
+    double a[3], length_u = random_in_ball(&t->leaves, u), length_v = 0;
+    do {
+        random_in_ball(&t->leaves, a);
+        v[0]     = u[1] * a[2] - u[2] * a[1];
+        v[1]     = u[2] * a[0] - u[0] * a[2];
+        v[2]     = u[0] * a[1] - u[1] * a[0];
+        length_v = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    } while (length_v < 0.001);
+    for (int i = 0; i < 3; i++) u[i] *= half / length_u, v[i] *= half / length_v;
+
     const double middle[3] = {t->x + at[0] * t->crown, t->ground + t->height * 0.75 + at[1] * t->height * 0.3,
                               t->z + at[2] * t->crown};
     for (uint32_t i = 0; i < 4; i++) {
@@ -350,23 +323,28 @@ static void add_card(parts *p, tree *t)
 
 /* ---- the forest ---- */
 
-static uint32_t side_of_square(uint32_t count)
-{
-    uint32_t side = (uint32_t)sqrt((double)count);
-    return side * side < count ? side + 1 : side;
-}
-
 static void add_trees(parts *p, const landscape_options *ground, uint32_t triangles)
 {
     uint32_t trees = triangles / (WOOD_TRIANGLES + 2 * CARDS), side;
     if (!trees) trees = 1;
-    side           = side_of_square(trees);
+    side           = (uint32_t)sqrt((double)trees);
+    side           = side * side < trees ? side + 1 : side;
     uint64_t cards = (triangles - trees * WOOD_TRIANGLES) / 2;
 
     parts_mesh(p, "wood", 0);
     for (uint32_t i = 0; i < trees; i++) {
         tree t = plan_tree(p->s, ground, i, side);
-        add_wood(p, &t);
+
+        const double profile[6][2] = {{0, t.height},   {t.radius * 0.3, t.height * 0.9}, {t.radius * 0.7, t.height * 0.5},
+                                      {t.radius, 0.1}, {t.radius * 1.3, -0.4},           {0, -0.5}};
+        parts_lathe(p, (double[3]){t.x, t.ground, t.z}, profile, 6, TRUNK_SIDES);
+        for (uint32_t n = 0; n < BRANCHES; n++) {
+            double c, s, from = t.height * between(&t.branches, 0.35, 0.7), up = t.crown * between(&t.branches, 0.3, 0.6);
+            double out = t.crown * between(&t.branches, 0.6, 0.9), thick = t.radius * 0.4;
+            parts_turn((4 * n + rng_below(&t.branches, 4)) % 16, 16, &c, &s);
+            parts_tube(p, (double[3]){t.x, t.ground + from, t.z}, thick,
+                       (double[3]){t.x + c * out, t.ground + from + up, t.z + s * out}, thick * 0.3, BRANCH_SIDES);
+        }
     }
     uint32_t image = parts_image(p, IMAGE_PX, IMAGE_PX, make_image(rng_split(ground->seed, 8)));
     parts_mesh(p, "leaves",

@@ -105,43 +105,7 @@ static void add_shell(parts *p)
     wall(p, door_right, 0, front, up, (double[3]){right - door_right, 0, 0});
 }
 
-static void add_hall(parts *p)
-{
-    parts_box_at(p, "hall", -2, 5, -0.25, 0, front, 6);
-    parts_box_at(p, NULL, -2, 5, -0.25, top, 6, 6.25);
-    parts_mesh(p, "door", 0);
-    parts_frame hinge = {{door_right, 0, front + 0.03}, -0.6, -0.8}; /* the door is open */
-    parts_box(p, hinge, (double[3]){0, 0.01, 0}, (double[3]){0.95, door_top - 0.02, 0.04});
-}
-
-static void add_lamp(parts *p, uint32_t cloth)
-{
-    const double shade[2][2] = {{0.12, 0.15}, {0.3, -0.1}};
-    parts_mesh(p, "lampshade", cloth);
-    parts_lathe(p, lamp_at, shade, 2, SHADE_SEGMENTS);
-    parts_box_at(p, "cord", -0.005, 0.005, lamp_at[1] + 0.06, top + 0.02, -0.005, 0.005);
-}
-
 /* ---- furniture ---- */
-
-static void add_table(parts *p)
-{
-    parts_box_at(p, "table", -0.9, 0.9, 0.71, 0.75, -0.5, 0.5);
-    for (int leg = 0; leg < 4; leg++) {
-        double x = leg & 1 ? 0.8 : -0.86, z = leg & 2 ? 0.4 : -0.46;
-        parts_box_at(p, NULL, x, x + 0.06, 0, 0.71, z, z + 0.06);
-    }
-}
-
-static void add_chair(parts *p, parts_frame f)
-{
-    parts_box(p, f, (double[3]){-0.22, 0.43, -0.22}, (double[3]){0.22, 0.47, 0.22});
-    parts_box(p, f, (double[3]){-0.22, 0.6, -0.22}, (double[3]){0.22, 0.95, -0.19});
-    for (int leg = 0; leg < 4; leg++) {
-        double x = leg & 1 ? 0.18 : -0.22, z = leg & 2 ? 0.18 : -0.22;
-        parts_box(p, f, (double[3]){x, 0, z}, (double[3]){x + 0.04, leg & 2 ? 0.43 : 0.95, z + 0.04});
-    }
-}
 
 /* Each chair is at its side of the table, turned a little at random. */
 static void add_chairs(parts *p, rng r)
@@ -151,7 +115,13 @@ static void add_chairs(parts *p, rng r)
     for (uint32_t i = 0; i < 4; i++) {
         parts_frame f = {{at[i][0], 0, at[i][1]}, 1, 0};
         parts_turn((16 * (4 - i) + 62 + rng_below(&r, 5)) % 64, 64, &f.cosine, &f.sine);
-        add_chair(p, f);
+
+        parts_box(p, f, (double[3]){-0.22, 0.43, -0.22}, (double[3]){0.22, 0.47, 0.22});
+        parts_box(p, f, (double[3]){-0.22, 0.6, -0.22}, (double[3]){0.22, 0.95, -0.19});
+        for (int leg = 0; leg < 4; leg++) {
+            double x = leg & 1 ? 0.18 : -0.22, z = leg & 2 ? 0.18 : -0.22;
+            parts_box(p, f, (double[3]){x, 0, z}, (double[3]){x + 0.04, leg & 2 ? 0.43 : 0.95, z + 0.04});
+        }
     }
 }
 
@@ -168,14 +138,6 @@ static void add_sofa_and_cabinet(parts *p)
 static double shelf_height(int level)
 {
     return 0.06 + level * 0.4;
-}
-
-static void add_shelf(parts *p)
-{
-    parts_box_at(p, "shelf", -3.95, -3.6, 0, 2.1, -2, -1.97);
-    parts_box_at(p, NULL, -3.95, -3.6, 0, 2.1, 1.97, 2);
-    for (int level = 0; level < SHELF_LEVELS; level++)
-        parts_box_at(p, NULL, -3.95, -3.6, shelf_height(level), shelf_height(level) + 0.03, -1.97, 1.97);
 }
 
 /* Upright, side by side: a level has room for 60 books of 6.5 cm. Some protrude more than others; none touches the next. */
@@ -237,29 +199,42 @@ static void add_round_things(parts *p, rng r, uint32_t triangles)
 
 /* ---- the room ---- */
 
-static void add_lights(parts *p)
-{
-    parts_point(p, "lamp", lamp_at, 12);
-    parts_spot(p, "corner", (double[3]){-3.7, 2.7, -2.7}, (double[3]){1.5 - -3.7, 0.2 - 2.7, 1 - -2.7}, 35, 12);
-}
-
 vxs_result generate_room(glb_scene *s, const room_options *o, message *m)
 {
     parts    p     = parts_begin(s, "room");
     uint32_t cloth = parts_material(&p, (glb_material){.name = "cloth", .double_sided = 1});
     add_shell(&p);
-    add_hall(&p);
-    add_lamp(&p, cloth);
-    add_table(&p);
+
+    parts_box_at(&p, "hall", -2, 5, -0.25, 0, front, 6);
+    parts_box_at(&p, NULL, -2, 5, -0.25, top, 6, 6.25);
+    parts_mesh(&p, "door", 0);
+    parts_frame hinge = {{door_right, 0, front + 0.03}, -0.6, -0.8}; /* the door is open */
+    parts_box(&p, hinge, (double[3]){0, 0.01, 0}, (double[3]){0.95, door_top - 0.02, 0.04});
+
+    const double shade[2][2] = {{0.12, 0.15}, {0.3, -0.1}};
+    parts_mesh(&p, "lampshade", cloth);
+    parts_lathe(&p, lamp_at, shade, 2, SHADE_SEGMENTS);
+    parts_box_at(&p, "cord", -0.005, 0.005, lamp_at[1] + 0.06, top + 0.02, -0.005, 0.005);
+
+    parts_box_at(&p, "table", -0.9, 0.9, 0.71, 0.75, -0.5, 0.5);
+    for (int leg = 0; leg < 4; leg++) {
+        double x = leg & 1 ? 0.8 : -0.86, z = leg & 2 ? 0.4 : -0.46;
+        parts_box_at(&p, NULL, x, x + 0.06, 0, 0.71, z, z + 0.06);
+    }
+
     add_chairs(&p, rng_split(o->seed, 1));
     add_sofa_and_cabinet(&p);
-    add_shelf(&p);
+    parts_box_at(&p, "shelf", -3.95, -3.6, 0, 2.1, -2, -1.97);
+    parts_box_at(&p, NULL, -3.95, -3.6, 0, 2.1, 1.97, 2);
+    for (int level = 0; level < SHELF_LEVELS; level++)
+        parts_box_at(&p, NULL, -3.95, -3.6, shelf_height(level), shelf_height(level) + 0.03, -1.97, 1.97);
     if (o->screen) generate_screen(&p, right - 0.05, (double[2]){1.45, 0});
 
     uint32_t rest = o->triangles > s->triangle_count ? o->triangles - (uint32_t)s->triangle_count : 0, books = rest / 2 / 12;
     if (books > BOOKS_MAX) books = BOOKS_MAX;
     add_books(&p, rng_split(o->seed, 2), books);
     add_round_things(&p, rng_split(o->seed, 3), rest - 12 * books);
-    add_lights(&p);
+    parts_point(&p, "lamp", lamp_at, 12);
+    parts_spot(&p, "corner", (double[3]){-3.7, 2.7, -2.7}, (double[3]){1.5 - -3.7, 0.2 - 2.7, 1 - -2.7}, 35, 12);
     return parts_end(&p, m);
 }

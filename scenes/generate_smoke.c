@@ -102,17 +102,6 @@ static billow billow_of(const column *c, rng *r, uint32_t n, uint32_t count)
     return b;
 }
 
-/* A puff of a billow. The puffs of a column together take as much light as its depth times its width and height. */
-static void add_puff(parts *p, const column *c, const billow *b, rng *r, uint32_t puffs)
-{
-    double at[3], radius = b->radius * between(r, 0.3, 0.6), volume = 4.19 * radius * radius * radius;
-    double half = c->narrow + (c->wide - c->narrow) * sqrt(b->rise), depth = c->depth * (1 - 0.67 * b->rise);
-    in_ball(r, at);
-    for (int axis = 0; axis < 3; axis++) at[axis] = b->at[axis] + at[axis] * (b->radius - 0.5 * radius);
-    if (at[1] < radius) at[1] = radius;
-    parts_smoke_vertex(p, at, radius, depth * 2 * half * c->tall / (puffs * volume));
-}
-
 static void add_column(parts *p, const column *c, rng r, uint32_t puffs)
 {
     enum { PUFFS_EACH = 24 };
@@ -121,7 +110,15 @@ static void add_column(parts *p, const column *c, rng r, uint32_t puffs)
     parts_smoke(p, c->name, 0, paint(p, c->name, c->colour[0], c->colour[1], c->colour[2]));
     for (uint32_t n = 0; n < billows; n++) {
         billow b = billow_of(c, &r, n, billows);
-        for (; made < (uint64_t)puffs * (n + 1) / billows; made++) add_puff(p, c, &b, &r, puffs);
+        for (; made < (uint64_t)puffs * (n + 1) / billows; made++) {
+            /* all puffs of a column together take as much light as its depth times its width and height */
+            double at[3], radius = b.radius * between(&r, 0.3, 0.6), volume = 4.19 * radius * radius * radius;
+            double half = c->narrow + (c->wide - c->narrow) * sqrt(b.rise), depth = c->depth * (1 - 0.67 * b.rise);
+            in_ball(&r, at);
+            for (int axis = 0; axis < 3; axis++) at[axis] = b.at[axis] + at[axis] * (b.radius - 0.5 * radius);
+            if (at[1] < radius) at[1] = radius;
+            parts_smoke_vertex(p, at, radius, depth * 2 * half * c->tall / (puffs * volume));
+        }
     }
 }
 
@@ -132,16 +129,6 @@ static const column yard[3] = {
     {"grey smoke", {0.4, 0.9, 0.6}, 7, 0.3, 1.7, {-2.0, -0.8}, 2.0, {0.74, 0.76, 0.80}},
     {"brown smoke", {5.2, 0.9, -3.8}, 9, 0.35, 1.9, {-1.6, -0.6}, 2.6, {0.80, 0.68, 0.55}},
 };
-
-static void add_windows(parts *p, double x0, double y0, double z)
-{
-    for (int n = 0; n < 8; n++) {
-        double x = x0 + n % 4 * 3.4, y = y0 + n / 4 * 2.9;
-        parts_box_at(p, NULL, x - 0.1, x + 1.5, y - 0.12, y, z - 0.05, z + 0.16);
-        parts_box_at(p, NULL, x - 0.06, x + 1.46, y + 1.6, y + 1.72, z - 0.05, z + 0.12);
-        parts_box_at(p, NULL, x + 0.66, x + 0.74, y, y + 1.6, z - 0.05, z + 0.05);
-    }
-}
 
 static void add_houses(parts *p, uint32_t stone, uint32_t plaster)
 {
@@ -154,38 +141,15 @@ static void add_houses(parts *p, uint32_t stone, uint32_t plaster)
     parts_box_at(p, NULL, -16, -10, -0.2, 5.4, -8.4, 9);
     parts_box_at(p, NULL, -16.2, -9.8, 5.4, 5.7, -8.4, 9.2);
     parts_mesh(p, "windows", stone);
-    add_windows(p, -9.2, 1.4, -8);
-}
 
-static void add_crates(parts *p, uint32_t wood, rng r)
-{
-    static const double at[7][4] = {{-7.6, -6.2, 1.3, 0}, {-6.1, -6.6, 1.0, 0}, {-7.3, -6.3, 0.9, 1.3}, {7.2, -5.8, 1.4, 0},
-                                    {7.0, -4.2, 1.0, 0},  {-8.2, 3.6, 1.2, 0},  {3.3, 3.4, 0.8, 0}};
-    parts_mesh(p, "crates", wood);
-    for (int n = 0; n < 7; n++) {
-        parts_frame f    = {{at[n][0], at[n][3], at[n][1]}, 1, 0};
-        double      half = 0.5 * at[n][2];
-        parts_turn(rng_below(&r, 64), 64, &f.cosine, &f.sine);
-        parts_box(p, f, (double[3]){-half, 0, -half}, (double[3]){half, at[n][2], half});
+    double x0 = -9.2;
+    double z  = -8;
+    for (int n = 0; n < 8; n++) {
+        double x = x0 + n % 4 * 3.4, y = 1.4 + n / 4 * 2.9;
+        parts_box_at(p, NULL, x - 0.1, x + 1.5, y - 0.12, y, z - 0.05, z + 0.16);
+        parts_box_at(p, NULL, x - 0.06, x + 1.46, y + 1.6, y + 1.72, z - 0.05, z + 0.12);
+        parts_box_at(p, NULL, x + 0.66, x + 0.74, y, y + 1.6, z - 0.05, z + 0.05);
     }
-}
-
-static void add_barrels(parts *p, uint32_t iron)
-{
-    static const double barrel[6][2] = {{0, 0.85}, {0.24, 0.85}, {0.27, 0.9}, {0.33, 0.45}, {0.28, 0}, {0, 0}};
-    parts_mesh(p, "barrels", iron);
-    for (int n = 0; n < 3; n++) parts_lathe(p, (double[3]){yard[n].foot[0], 0, yard[n].foot[2]}, barrel, 6, 24);
-}
-
-static void add_street_lamp(parts *p, uint32_t iron)
-{
-    const double x = 3.4, z = 1.1, out = 1.3;
-    parts_mesh(p, "street lamp", iron);
-    parts_tube(p, (double[3]){x, -0.1, z}, 0.09, (double[3]){x, 5, z}, 0.06, 12);
-    parts_box_at(p, NULL, x - out, x + 0.06, 4.9, 4.98, z - 0.04, z + 0.04);
-    parts_box_at(p, NULL, x - out - 0.16, x - out + 0.16, 4.78, 4.9, z - 0.14, z + 0.14);
-    parts_spot(p, "street lamp", (double[3]){x - out, 4.7, z}, (double[3]){-0.45, -1, -0.12}, 40, 12);
-    shine(p, 22, 16, 9);
 }
 
 vxs_result generate_smoke(glb_scene *s, const smoke_options *o, message *m)
@@ -194,11 +158,32 @@ vxs_result generate_smoke(glb_scene *s, const smoke_options *o, message *m)
     uint32_t stone = paint(&p, "stone", 0.42, 0.40, 0.38), plaster = paint(&p, "plaster", 0.66, 0.60, 0.52);
     uint32_t wood = paint(&p, "wood", 0.42, 0.29, 0.17), iron = paint(&p, "iron", 0.16, 0.16, 0.17);
     add_houses(&p, stone, plaster);
-    add_crates(&p, wood, rng_split(o->seed, 1));
-    add_barrels(&p, iron);
+
+    rng                 r        = rng_split(o->seed, 1);
+    static const double at[7][4] = {{-7.6, -6.2, 1.3, 0}, {-6.1, -6.6, 1.0, 0}, {-7.3, -6.3, 0.9, 1.3}, {7.2, -5.8, 1.4, 0},
+                                    {7.0, -4.2, 1.0, 0},  {-8.2, 3.6, 1.2, 0},  {3.3, 3.4, 0.8, 0}};
+    parts_mesh(&p, "crates", wood);
+    for (int n = 0; n < 7; n++) {
+        parts_frame f    = {{at[n][0], at[n][3], at[n][1]}, 1, 0};
+        double      half = 0.5 * at[n][2];
+        parts_turn(rng_below(&r, 64), 64, &f.cosine, &f.sine);
+        parts_box(&p, f, (double[3]){-half, 0, -half}, (double[3]){half, at[n][2], half});
+    }
+
+    static const double barrel[6][2] = {{0, 0.85}, {0.24, 0.85}, {0.27, 0.9}, {0.33, 0.45}, {0.28, 0}, {0, 0}};
+    parts_mesh(&p, "barrels", iron);
+    for (int n = 0; n < 3; n++) parts_lathe(&p, (double[3]){yard[n].foot[0], 0, yard[n].foot[2]}, barrel, 6, 24);
     parts_sun(&p, (double[3]){-0.82, -0.42, -0.36});
     shine(&p, 1, 0.90, 0.76);
-    add_street_lamp(&p, iron);
+
+    const double x = 3.4, z = 1.1, out = 1.3;
+    parts_mesh(&p, "street lamp", iron);
+    parts_tube(&p, (double[3]){x, -0.1, z}, 0.09, (double[3]){x, 5, z}, 0.06, 12);
+    parts_box_at(&p, NULL, x - out, x + 0.06, 4.9, 4.98, z - 0.04, z + 0.04);
+    parts_box_at(&p, NULL, x - out - 0.16, x - out + 0.16, 4.78, 4.9, z - 0.14, z + 0.14);
+    parts_spot(&p, "street lamp", (double[3]){x - out, 4.7, z}, (double[3]){-0.45, -1, -0.12}, 40, 12);
+    shine(&p, 22, 16, 9);
+
     add_camera(&p, 2.5, 1.9, 14);
     for (uint32_t n = 0; n < 3; n++)
         add_column(&p, &yard[n], rng_split(o->seed, 2 + n),
@@ -211,15 +196,6 @@ vxs_result generate_smoke(glb_scene *s, const smoke_options *o, message *m)
 enum { STRAND_PIECES = 8 };
 
 static const double head_at[3] = {-0.12, 1.13, 0}, head_radius = 0.12;
-
-/* Places where a strand may grow: not on the face, towards +Z, nor below. */
-static void find_root(rng *r, double out[3])
-{
-    do {
-        in_ball(r, out);
-        scale_to(out, 1);
-    } while (out[1] < -0.35 || (out[2] > 0.35 && out[1] < 0.55));
-}
 
 /* Move a point out of the head, only to its surface. */
 static void keep_outside(double at[3])
@@ -239,7 +215,13 @@ static void add_strand(parts *p, rng r, uint32_t pieces)
 {
     const double radius = 0.0008, extinction = between(&r, 250, 600), length = between(&r, 0.24, 0.36) / STRAND_PIECES;
     double       way[3], at[3], next[3], curl = rng_unit(&r), turn = between(&r, 0.5, 1.5);
-    find_root(&r, way);
+
+    /* a strand grows neither on the face, towards +Z, nor below */
+    do {
+        in_ball(&r, way);
+        scale_to(way, 1);
+    } while (way[1] < -0.35 || (way[2] > 0.35 && way[1] < 0.55));
+
     for (int n = 0; n < 3; n++) at[n] = head_at[n] + head_radius * way[n];
     for (uint32_t piece = 0; piece < pieces; piece++) {
         way[0] += 0.25 * wave(curl + turn * piece / STRAND_PIECES);
@@ -280,29 +262,26 @@ static void add_head(parts *p, uint32_t skin)
     parts_tube(p, (double[3]){head_at[0], 0.75, head_at[2]}, 0.15, (double[3]){head_at[0], 0.87, head_at[2]}, 0.07, 24);
 }
 
-static void add_desk(parts *p, uint32_t wood, uint32_t wall, uint32_t iron)
-{
-    static const double bowl[7][2] = {{0, 0.012}, {0.035, 0.012}, {0.05, 0.045}, {0.056, 0.045}, {0.045, 0.004}, {0.03, 0}, {0, 0}};
-    parts_mesh(p, "wall", wall);
-    parts_box_at(p, NULL, -2.5, 2.5, -0.1, 0, -1.2, 3);
-    parts_box_at(p, NULL, -2.5, 2.5, -0.1, 2.6, -1.4, -1.15);
-    parts_mesh(p, "table", wood);
-    parts_box_at(p, NULL, -0.8, 0.8, 0.71, 0.75, -0.45, 0.45);
-    for (int leg = 0; leg < 4; leg++) {
-        double x = leg & 1 ? 0.7 : -0.76, z = leg & 2 ? 0.36 : -0.42;
-        parts_box_at(p, NULL, x, x + 0.06, -0.02, 0.715, z, z + 0.06);
-    }
-    parts_mesh(p, "bowl", iron);
-    parts_lathe(p, (double[3]){0.36, 0.75, -0.05}, bowl, 7, 32);
-}
-
 vxs_result generate_hair(glb_scene *s, const smoke_options *o, message *m)
 {
     static const column thread = {"smoke", {0.36, 0.77, -0.05}, 0.75, 0.012, 0.13, {-0.16, 0.03}, 1.4, {0.9, 0.9, 0.92}};
     parts               p      = parts_begin(s, "hair");
     uint32_t            wood = paint(&p, "wood", 0.46, 0.33, 0.22), wall = paint(&p, "wall", 0.60, 0.60, 0.58),
              iron = paint(&p, "iron", 0.2, 0.2, 0.2);
-    add_desk(&p, wood, wall, iron);
+
+    static const double bowl[7][2] = {{0, 0.012}, {0.035, 0.012}, {0.05, 0.045}, {0.056, 0.045}, {0.045, 0.004}, {0.03, 0}, {0, 0}};
+    parts_mesh(&p, "wall", wall);
+    parts_box_at(&p, NULL, -2.5, 2.5, -0.1, 0, -1.2, 3);
+    parts_box_at(&p, NULL, -2.5, 2.5, -0.1, 2.6, -1.4, -1.15);
+    parts_mesh(&p, "table", wood);
+    parts_box_at(&p, NULL, -0.8, 0.8, 0.71, 0.75, -0.45, 0.45);
+    for (int leg = 0; leg < 4; leg++) {
+        double x = leg & 1 ? 0.7 : -0.76, z = leg & 2 ? 0.36 : -0.42;
+        parts_box_at(&p, NULL, x, x + 0.06, -0.02, 0.715, z, z + 0.06);
+    }
+    parts_mesh(&p, "bowl", iron);
+    parts_lathe(&p, (double[3]){0.36, 0.75, -0.05}, bowl, 7, 32);
+
     add_head(&p, paint(&p, "skin", 0.66, 0.49, 0.40));
     parts_spot(&p, "lamp", (double[3]){0.75, 1.9, 0.75}, (double[3]){-0.72, -0.84, -0.75}, 30, 6);
     shine(&p, 1, 0.88, 0.72);

@@ -34,19 +34,6 @@ typedef struct bench_work {
 
 /* Children ------------------------------------------------------------------------------------------------------------------- */
 
-/* The error that a child printed: its last line; "" when there is none. */
-static void read_error(const char *path, char text[512])
-{
-    static const char begin[] = "vxs: error: ";
-    char              line[512];
-    FILE             *f = fopen(path, "re");
-    text[0]             = 0;
-    while (f && fgets(line, sizeof line, f))
-        if (!strncmp(line, begin, strlen(begin))) strcpy(text, line + strlen(begin));
-    text[strcspn(text, "\n")] = 0;
-    if (f) fclose(f);
-}
-
 static vxs_result result_of_status(int status)
 {
     static const vxs_result results[] = {VXS_E_ARGUMENT, VXS_E_READ, VXS_E_WRITE, VXS_E_NO_CASTER, VXS_E_MEMORY, VXS_E_INTERRUPTED};
@@ -64,7 +51,16 @@ static vxs_result run_child(bench_work *w, const bench_job *job, const char *con
     vxs_result r = child_run(&w->children, arguments, job->input, seconds, &status, m);
     if (r != VXS_OK || !status || status == accepted) return r;
 
-    read_error(w->children.errors, text);
+    /* the error that the child printed: its last line */
+    static const char begin[] = "vxs: error: ";
+    char              line[512];
+    FILE             *f = fopen(w->children.errors, "re");
+    text[0]             = 0;
+    while (f && fgets(line, sizeof line, f))
+        if (!strncmp(line, begin, strlen(begin))) strcpy(text, line + strlen(begin));
+    text[strcspn(text, "\n")] = 0;
+    if (f) fclose(f);
+
     if (!text[0] && status < 0) snprintf(text, sizeof text, "ended by signal %d, %s", -status, strsignal(-status));
     if (!text[0]) snprintf(text, sizeof text, "exit status %d", status);
     return fail(m, result_of_status(status), "%s of %s: %s", arguments[1], bench_cell_name(name, sizeof name, w->result, job->cell),
@@ -123,25 +119,6 @@ static vxs_result compare_once(bench_work *w, const bench_job *job, double *seco
     return run_child(w, job, arguments, FOUND_UNEXPLAINED, seconds, m);
 }
 
-static vxs_result run_once(bench_work *w, bench_job *job, uint32_t run, message *m)
-{
-    json_t    *bake = NULL, *compare = NULL;
-    double     bake_seconds = 0, compare_seconds = 0;
-    vxs_result r = run_child(w, job, job->arguments, 0, &bake_seconds, m);
-    if (r == VXS_OK) r = json_read(&bake, w->children.report, m);
-    if (r == VXS_OK) r = require_same_bytes(w, job, run, m);
-    if (r == VXS_OK && w->o->points) r = compare_once(w, job, &compare_seconds, m);
-    if (r == VXS_OK && w->o->points) r = json_read(&compare, w->children.report, m);
-    if (r == VXS_OK) {
-        json_object_set(json_object_get(w->result, "machine"), "renderer", json_object_get(bake, "renderer"));
-        json_array_append_new(job->runs, bench_cell_of_run(job->cell, bake, compare, bake_seconds));
-    }
-    job->seconds = bake_seconds + compare_seconds;
-    json_decref(bake);
-    json_decref(compare);
-    return r;
-}
-
 /* Rounds --------------------------------------------------------------------------------------------------------------------- */
 
 /* Expected time of a job: that of its last run, or by its weight relative to jobs that ran. */
@@ -180,7 +157,21 @@ static vxs_result run_rounds(bench_work *w, message *m)
     for (uint32_t run = 0; run < w->o->runs && r == VXS_OK; run++)
         for (size_t n = 0; n < w->job_count && r == VXS_OK; n++) {
             show_progress(w, run, n);
-            r = run_once(w, &w->jobs[n], run, m);
+
+            json_t *bake = NULL, *compare = NULL;
+            double  bake_seconds = 0, compare_seconds = 0;
+            r = run_child(w, &w->jobs[n], w->jobs[n].arguments, 0, &bake_seconds, m);
+            if (r == VXS_OK) r = json_read(&bake, w->children.report, m);
+            if (r == VXS_OK) r = require_same_bytes(w, &w->jobs[n], run, m);
+            if (r == VXS_OK && w->o->points) r = compare_once(w, &w->jobs[n], &compare_seconds, m);
+            if (r == VXS_OK && w->o->points) r = json_read(&compare, w->children.report, m);
+            if (r == VXS_OK) {
+                json_object_set(json_object_get(w->result, "machine"), "renderer", json_object_get(bake, "renderer"));
+                json_array_append_new(w->jobs[n].runs, bench_cell_of_run(w->jobs[n].cell, bake, compare, bake_seconds));
+            }
+            w->jobs[n].seconds = bake_seconds + compare_seconds;
+            json_decref(bake);
+            json_decref(compare);
         }
     progress_clear();
     return r;

@@ -94,23 +94,20 @@ static const char **arguments_of(const bench_options *o, const char *scene_path,
     return all;
 }
 
-/* Round numbers to nine digits, as in a file, so that new measurements compare equal to stored ones. NULL when out of memory. */
-static json_t *as_written(json_t *value)
-{
-    char   *text    = json_print(value, JSON_REAL_PRECISION(9));
-    json_t *written = text ? json_loads(text, 0, NULL) : NULL;
-    free(text);
-    json_decref(value);
-    return written;
-}
-
-/* Options that distinguish cells: bake's options and the scene, without those that are the same in every bench. */
+/* Options that distinguish cells: bake's options and the scene, without those that are the same in every bench. NULL when out of
+ * memory. */
 static json_t *options_json(const bake_options *o)
 {
     json_t *object = bake_options_json(o);
     json_object_del(object, "gl");
     if (o->scene.name) json_object_set_new(object, "scene", json_text(o->scene.name));
-    return as_written(object);
+
+    /* round numbers to nine digits, as in a file, so that new measurements compare equal to stored ones */
+    char   *text    = json_print(object, JSON_REAL_PRECISION(9));
+    json_t *written = text ? json_loads(text, 0, NULL) : NULL;
+    free(text);
+    json_decref(object);
+    return written;
 }
 
 /* Parse the arguments as the bake will, with its checks and defaults. */

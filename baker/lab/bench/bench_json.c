@@ -51,30 +51,6 @@ static int check_number(shape_reader *r, const char *name, const json_t *value, 
     return fault(r, name, "is missing or no %s from %.10g to %.10g", k->is_whole ? "whole number" : "number", k->least, k->most);
 }
 
-static int check_spread(shape_reader *r, const char *name, const json_t *value)
-{
-    static const char *const members[] = {"min", "median", "max"};
-    double                   of[3];
-    if (!json_is_object(value)) return fault(r, name, "is missing or no object");
-    for (size_t n = 0; n < 3; n++) {
-        const json_t *number = json_object_get(value, members[n]);
-        if (!check_number(r, members[n], number, "time")) return 0;
-        of[n] = json_number_value(number);
-    }
-    return of[0] <= of[1] && of[1] <= of[2] ? 1 : fault(r, name, "has its median not between min and max");
-}
-
-static int check_leaf(shape_reader *r, const char *name, const json_t *value, const char *kind)
-{
-    int is_choice = strchr(kind, '|') != NULL;
-    if (!strcmp(kind, "size or null")) return json_is_null(value) ? 1 : check_number(r, name, value, "size");
-    if (!strcmp(kind, "spread")) return check_spread(r, name, value);
-    if (!strcmp(kind, "bool")) return json_is_boolean(value) ? 1 : fault(r, name, "is neither true nor false");
-    if (!is_choice && strcmp(kind, "text")) return check_number(r, name, value, kind);
-    if (!json_is_string(value)) return fault(r, name, "is missing or no text");
-    return !is_choice || choice_index(kind, json_string_value(value)) >= 0 ? 1 : fault(r, name, "is not one of %s", kind);
-}
-
 static int check_shape(shape_reader *r, const char *name, const json_t *value, const json_t *shape);
 
 static int check_object(shape_reader *r, const char *object_name, const json_t *object, const json_t *shape)
@@ -132,19 +108,28 @@ static int check_levels(shape_reader *r, const json_t *levels)
 
 static int check_shape(shape_reader *r, const char *name, const json_t *value, const json_t *shape)
 {
-    if (json_is_string(shape)) return check_leaf(r, name, value, json_string_value(shape));
+    if (json_is_string(shape)) {
+        const char *kind      = json_string_value(shape);
+        int         is_choice = strchr(kind, '|') != NULL;
+        if (!strcmp(kind, "size or null")) return json_is_null(value) ? 1 : check_number(r, name, value, "size");
+        if (!strcmp(kind, "spread")) {
+            static const char *const members[] = {"min", "median", "max"};
+            double                   of[3];
+            if (!json_is_object(value)) return fault(r, name, "is missing or no object");
+            for (size_t n = 0; n < 3; n++) {
+                const json_t *number = json_object_get(value, members[n]);
+                if (!check_number(r, members[n], number, "time")) return 0;
+                of[n] = json_number_value(number);
+            }
+            return of[0] <= of[1] && of[1] <= of[2] ? 1 : fault(r, name, "has its median not between min and max");
+        }
+        if (!strcmp(kind, "bool")) return json_is_boolean(value) ? 1 : fault(r, name, "is neither true nor false");
+        if (!is_choice && strcmp(kind, "text")) return check_number(r, name, value, kind);
+        if (!json_is_string(value)) return fault(r, name, "is missing or no text");
+        return !is_choice || choice_index(kind, json_string_value(value)) >= 0 ? 1 : fault(r, name, "is not one of %s", kind);
+    }
     if (json_is_object(shape)) return check_object(r, name, value, shape);
     return check_array(r, name, value, shape) && (strcmp(name, "levels") || check_levels(r, value));
-}
-
-/* Parse JSON with single quotes, which C can contain without escapes. */
-static json_t *shape_json(const char *shape)
-{
-    char *text = strdup(shape);
-    for (char *at = text; at && (at = strchr(at, '\''));) *at = '"';
-    json_t *parsed = text ? json_loads(text, 0, NULL) : NULL;
-    free(text);
-    return parsed;
 }
 
 /* writer  the program that writes such files; path  of the file: both for the error.
@@ -152,7 +137,13 @@ static json_t *shape_json(const char *shape)
 static vxs_result json_shape_check(const json_t *value, const char *shape, const char *writer, const char *path, message *m)
 {
     shape_reader reading = {.path = path, .writer = writer, .m = m};
-    json_t      *wanted  = shape_json(shape);
+
+    /* shapes have single quotes, which C can contain without escapes */
+    char *text = strdup(shape);
+    for (char *at = text; at && (at = strchr(at, '\''));) *at = '"';
+    json_t *wanted = text ? json_loads(text, 0, NULL) : NULL;
+    free(text);
+
     if (!wanted) return fail(m, VXS_E_MEMORY, "out of memory while reading %s", path);
     vxs_result r = VXS_OK;
     if (!json_is_object(value))

@@ -159,17 +159,6 @@ static const figure_row rows[] = {
     {"lookups", "ray", "ray_nanoseconds", FIGURE_SECONDS, FIGURE_COLUMN},
 };
 
-/* "stage merge", "lookup 3 x 3", "RMSE 9 x 9 smooth, surface" */
-static void set_name(char name[96], const figure_row *row, const json_t *item)
-{
-    char        filter[32] = "";
-    uint32_t    filter_px  = (uint32_t)count_at(item, "filter_px") + (json_is_true(json_at(item, "smooth")) ? VXS_SMOOTH : 0);
-    const char *stage = row->flags & FIGURE_STAGE ? text_at(item, "name") : "", *points = text_at(item, "points");
-    if (filter_px > 1) filter_text(filter, filter_px);
-    snprintf(name, 96, "%s%s%s%s%s%s%s", row->name, *stage ? " " : "", stage, *filter ? " " : "", filter, *points ? ", " : "",
-             points);
-}
-
 static void add_figure(bench_figure *figures, size_t *count, const figure_row *row, const json_t *item)
 {
     const json_t *value = json_at(item, row->path);
@@ -178,7 +167,15 @@ static void add_figure(bench_figure *figures, size_t *count, const figure_row *r
     if (!value || *count == BENCH_FIGURES_MAX) return;
     *f = (bench_figure){"", row->kind, row->flags, {one, one, one}};
     if (row->kind == FIGURE_SECONDS) f->value = spread_at(value, "", strcmp(row->of, "lookups") ? 1 : 1e-9);
-    set_name(f->name, row, item);
+
+    /* its name: "stage merge", "lookup 3 x 3", "RMSE 9 x 9 smooth, surface" */
+    char        filter[32] = "";
+    uint32_t    filter_px  = (uint32_t)count_at(item, "filter_px") + (json_is_true(json_at(item, "smooth")) ? VXS_SMOOTH : 0);
+    const char *stage = row->flags & FIGURE_STAGE ? text_at(item, "name") : "", *points = text_at(item, "points");
+    if (filter_px > 1) filter_text(filter, filter_px);
+    snprintf(f->name, 96, "%s%s%s%s%s%s%s", row->name, *stage ? " " : "", stage, *filter ? " " : "", filter, *points ? ", " : "",
+             points);
+
     ++*count;
 }
 

@@ -21,19 +21,6 @@ static const struct timespec patience = {.tv_nsec = 500000000};
 
 /* Signals and the folder ------------------------------------------------------------------------------------------------------ */
 
-static void hold_signals(children *c)
-{
-    static const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
-    sigemptyset(&c->held);
-    sigaddset(&c->held, SIGCHLD);
-    for (size_t n = 0; n < sizeof numbers / sizeof *numbers; n++) {
-        struct sigaction action;
-        if (!sigaction(numbers[n], NULL, &action) && action.sa_handler != SIG_IGN) sigaddset(&c->held, numbers[n]);
-    }
-    signal(SIGCHLD, SIG_DFL); /* if SIGCHLD is ignored, the exit status of a child is lost */
-    sigprocmask(SIG_BLOCK, &c->held, &c->before);
-}
-
 static char *path_in(const char *folder, const char *name)
 {
     char *path;
@@ -45,7 +32,17 @@ vxs_result children_begin(children *c, message *m)
     const char *parent = getenv("TMPDIR");
     if (!parent || !parent[0]) parent = "/tmp";
     *c = (children){0};
-    hold_signals(c);
+
+    static const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
+    sigemptyset(&c->held);
+    sigaddset(&c->held, SIGCHLD);
+    for (size_t n = 0; n < sizeof numbers / sizeof *numbers; n++) {
+        struct sigaction action;
+        if (!sigaction(numbers[n], NULL, &action) && action.sa_handler != SIG_IGN) sigaddset(&c->held, numbers[n]);
+    }
+    signal(SIGCHLD, SIG_DFL); /* if SIGCHLD is ignored, the exit status of a child is lost */
+    sigprocmask(SIG_BLOCK, &c->held, &c->before);
+
     char *folder = path_in(parent, "vxs-bench-XXXXXX");
     if (folder && !mkdtemp(folder)) {
         int failed = errno;
@@ -84,46 +81,40 @@ static int redirect(const char *path, int flags, int descriptor)
     return opened >= 0 && dup2(opened, descriptor) == descriptor;
 }
 
-/* Runs between fork and exec: async-signal-safe calls only. */
-static void become(const children *c, const char *const *arguments, int input, pid_t parent)
-{
-    prctl(PR_SET_PDEATHSIG, SIGTERM);
-    if (getppid() != parent) _exit(CANNOT_START);
-    int has_input = input < 0 ? redirect("/dev/null", O_RDONLY, STDIN_FILENO)
-                              : lseek(input, 0, SEEK_SET) == 0 && dup2(input, STDIN_FILENO) == STDIN_FILENO;
-    if (has_input && redirect("/dev/null", O_WRONLY, STDOUT_FILENO) &&
-        redirect(c->errors, O_WRONLY | O_CREAT | O_TRUNC, STDERR_FILENO)) {
-        sigprocmask(SIG_SETMASK, &c->before, NULL);
-        execv("/proc/self/exe", (char *const *)arguments);
-    }
-    _exit(CANNOT_START);
-}
-
-static void stop(pid_t child)
-{
-    sigset_t ended;
-    sigemptyset(&ended);
-    sigaddset(&ended, SIGCHLD);
-    kill(child, SIGTERM);
-    sigtimedwait(&ended, NULL, &patience);
-    if (!waitpid(child, NULL, WNOHANG)) {
-        kill(child, SIGKILL);
-        waitpid(child, NULL, 0);
-    }
-}
-
 vxs_result child_run(children *c, const char *const *arguments, int input, double *seconds, int *exit_status, message *m)
 {
     double begin  = clock_seconds();
     pid_t  parent = getpid(), child = fork();
     if (child < 0) return fail(m, VXS_E_MEMORY, "cannot start a process: %s", strerror(errno));
-    if (!child) become(c, arguments, input, parent);
+    if (!child) {
+        /* between fork and exec: async-signal-safe calls only */
+        prctl(PR_SET_PDEATHSIG, SIGTERM);
+        if (getppid() != parent) _exit(CANNOT_START);
+        int has_input = input < 0 ? redirect("/dev/null", O_RDONLY, STDIN_FILENO)
+                                  : lseek(input, 0, SEEK_SET) == 0 && dup2(input, STDIN_FILENO) == STDIN_FILENO;
+        if (has_input && redirect("/dev/null", O_WRONLY, STDOUT_FILENO) &&
+            redirect(c->errors, O_WRONLY | O_CREAT | O_TRUNC, STDERR_FILENO)) {
+            sigprocmask(SIG_SETMASK, &c->before, NULL);
+            execv("/proc/self/exe", (char *const *)arguments);
+        }
+        _exit(CANNOT_START);
+    }
 
     int status;
     while (!waitpid(child, &status, WNOHANG)) {
         int number = sigwaitinfo(&c->held, NULL);
         if (number <= 0 || number == SIGCHLD) continue;
-        stop(child);
+
+        sigset_t ended;
+        sigemptyset(&ended);
+        sigaddset(&ended, SIGCHLD);
+        kill(child, SIGTERM);
+        sigtimedwait(&ended, NULL, &patience);
+        if (!waitpid(child, NULL, WNOHANG)) {
+            kill(child, SIGKILL);
+            waitpid(child, NULL, 0);
+        }
+
         c->caught = number;
         return fail(m, VXS_E_INTERRUPTED, "interrupted");
     }

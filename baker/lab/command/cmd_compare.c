@@ -38,22 +38,6 @@ typedef struct traced_scene {
     truth  *truth;
 } traced_scene;
 
-/* the command line ------------------------------------------------------------------------------------ */
-
-static vxs_result check_options(compare_command *c, message *m)
-{
-    vxs_result r = filters_take(&c->filters_px, &c->smooth_px, c->report.options.filters_px, &c->report.options.filter_count, m);
-    if (r == VXS_OK) r = camera_check(&c->camera, m);
-    if (r != VXS_OK) return r;
-    c->camera_given |= c->camera.eye_given;
-    if (c->fov_given && !c->camera_given) return fail(m, VXS_E_ARGUMENT, "--fov goes with --camera, or with --eye and --target");
-    c->report.asset_count = c->asset_paths.count;
-    if (c->bake_reports.count > c->report.asset_count)
-        return fail(m, VXS_E_ARGUMENT, "--bake-report is given %zu times for %zu .vxs files: expected one for each at most",
-                    c->bake_reports.count, c->report.asset_count);
-    return VXS_OK;
-}
-
 /* assets ---------------------------------------------------------------------------------------------- */
 
 /* Read a number of a JSON object in [0, most]. Returns 0 when there is none. */
@@ -70,15 +54,6 @@ static closed_mode closed_of_asset(const json_t *made)
     const char *text  = json_string_value(json_object_get(json_object_get(made, "options"), "closed"));
     int         index = text ? choice_index(CLOSED_CHOICES, text) : -1;
     return index < 0 ? CLOSED_AUTO : (closed_mode)index;
-}
-
-/* The don't-care rules of the asset besides the insides of solids, from its metadata. */
-static compare_dont_care dont_care_of_asset(const json_t *made)
-{
-    const json_t *options   = json_object_get(made, "options");
-    const char   *behind    = json_string_value(json_object_get(options, "behind"));
-    double        thickness = json_number_value(json_object_get(options, "thickness_m"));
-    return (compare_dont_care){behind && choice_index(BEHIND_CHOICES, behind) == BEHIND_FREE, thickness > 0 ? thickness : 0};
 }
 
 /* Read the report that vxs bake --json wrote for an asset. */
@@ -128,15 +103,6 @@ static vxs_result open_asset(compare_command *c, size_t n, message *m)
     return n < c->bake_reports.count ? read_bake_report(a, c->bake_reports.items[n], m) : VXS_OK;
 }
 
-static vxs_result open_assets(compare_command *c, message *m)
-{
-    vxs_result r     = VXS_OK;
-    c->report.assets = calloc(c->report.asset_count, sizeof *c->report.assets);
-    if (!c->report.assets) return fail(m, VXS_E_MEMORY, "out of memory for %zu assets", c->report.asset_count);
-    for (size_t n = 0; n < c->report.asset_count && r == VXS_OK; n++) r = open_asset(c, n, m);
-    return r;
-}
-
 /* the comparison -------------------------------------------------------------------------------------- */
 
 /* A comparison that checked no point is an error. */
@@ -157,12 +123,18 @@ static vxs_result require_checked(const compare_command *c, const vxs_light *l, 
 
 static vxs_result compare_asset(compare_command *c, compared_asset *a, const traced_scene *t, message *m)
 {
-    const compare_dont_care dont_care = dont_care_of_asset(a->made);
-    uint32_t                count     = a->light_count;
-    vxs_result              r         = VXS_OK;
-    a->triangle_count                 = t->casters.triangle_count;
-    a->solid_triangle_count           = t->casters.solid_triangle_count;
-    a->results                        = calloc(count, sizeof *a->results);
+    /* the don't-care rules of the asset besides the insides of solids, from its metadata */
+    const json_t           *options   = json_object_get(a->made, "options");
+    const char             *behind    = json_string_value(json_object_get(options, "behind"));
+    double                  thickness = json_number_value(json_object_get(options, "thickness_m"));
+    const compare_dont_care dont_care = {behind && choice_index(BEHIND_CHOICES, behind) == BEHIND_FREE,
+                                         thickness > 0 ? thickness : 0};
+
+    uint32_t   count        = a->light_count;
+    vxs_result r            = VXS_OK;
+    a->triangle_count       = t->casters.triangle_count;
+    a->solid_triangle_count = t->casters.solid_triangle_count;
+    a->results              = calloc(count, sizeof *a->results);
     if (!a->results) return fail(m, VXS_E_MEMORY, "out of memory for the results of %u lights", count);
     for (uint32_t n = 0; n < count && r == VXS_OK; n++) {
         const vxs_baked_light *l = a->lights[n];
@@ -197,13 +169,6 @@ static vxs_result traced_scene_make(traced_scene *t, const compare_command *c, c
     return r;
 }
 
-static void traced_scene_free(traced_scene *t)
-{
-    truth_destroy(t->truth);
-    casters_free(&t->casters);
-    *t = (traced_scene){0};
-}
-
 /* One camera serves all assets. If it is not given, it is placed for the lights of the first. */
 static void place_camera(compare_command *c, const traced_scene *t)
 {
@@ -222,15 +187,30 @@ static vxs_result compare_alike(compare_command *c, size_t first, message *m)
     if (r == VXS_OK && first == 0 && c->camera_given) place_camera(c, &t);
     for (size_t n = first; n < c->report.asset_count && r == VXS_OK; n++)
         if (assets[n].closed == assets[first].closed) r = compare_asset(c, &assets[n], &t, m);
-    traced_scene_free(&t);
+    truth_destroy(t.truth);
+    casters_free(&t.casters);
     return r;
 }
 
 static vxs_result compare_all(compare_command *c, message *m)
 {
     vxs_result r;
-    if ((r = check_options(c, m)) != VXS_OK) return r;
-    if ((r = open_assets(c, m)) != VXS_OK) return r;
+
+    r = filters_take(&c->filters_px, &c->smooth_px, c->report.options.filters_px, &c->report.options.filter_count, m);
+    if (r == VXS_OK) r = camera_check(&c->camera, m);
+    if (r != VXS_OK) return r;
+    c->camera_given |= c->camera.eye_given;
+    if (c->fov_given && !c->camera_given) return fail(m, VXS_E_ARGUMENT, "--fov goes with --camera, or with --eye and --target");
+    c->report.asset_count = c->asset_paths.count;
+    if (c->bake_reports.count > c->report.asset_count)
+        return fail(m, VXS_E_ARGUMENT, "--bake-report is given %zu times for %zu .vxs files: expected one for each at most",
+                    c->bake_reports.count, c->report.asset_count);
+
+    c->report.assets = calloc(c->report.asset_count, sizeof *c->report.assets);
+    if (!c->report.assets) return fail(m, VXS_E_MEMORY, "out of memory for %zu assets", c->report.asset_count);
+    for (size_t n = 0; n < c->report.asset_count && r == VXS_OK; n++) r = open_asset(c, n, m);
+    if (r != VXS_OK) return r;
+
     if ((r = asset_scene_choice(c->report.assets[0].made, &c->choice, m)) != VXS_OK) return r;
     if ((r = scene_load_gltf(&c->scene, c->report.scene_path, &c->choice, m)) != VXS_OK) return r;
     if ((r = check_scene(c, &c->scene, m)) != VXS_OK) return r;

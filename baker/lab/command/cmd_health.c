@@ -37,15 +37,6 @@ static const char *shape_name(const component_health *k)
     return k->oriented ? "closed" : "mixed";
 }
 
-/* Columns: counts of edges, vertices, and triangles. */
-static void print_head(FILE *to)
-{
-    static const char line[] = "%7s  %-12s %-11s %9s %8s %5s %5s %6s %8s %7s %4s %6s\n";
-    fprintf(to, line, "", "", "", "", "boundary", "", "edges", "turned", "pinched", "self-", "zero", "re-");
-    fprintf(to, line, "number", "kind", "shape", "triangles", "edges", "holes", "of >2", "edges", "vertices", "crossed", "area",
-            "peated");
-}
-
 static void print_counts(FILE *to, const component_health *k)
 {
     static const int widths[HEALTH_COUNTS] = {9, 0, 0, 8, 5, 5, 6, 8, 7, 4, 6}; /* 0: vertices and edges have no column */
@@ -54,9 +45,12 @@ static void print_counts(FILE *to, const component_health *k)
     fputc('\n', to);
 }
 
-/* Print a component's position, the solids it intersects, and its origin, in one line. */
-static void print_place(FILE *to, const scene *s, const casters *c, const mesh_health *h, const component_health *k)
+static void print_row(FILE *to, const scene *s, const casters *c, const mesh_health *h, const component_health *k)
 {
+    fprintf(to, "%7zu  %-12s %-11s", (size_t)(k - h->components), component_kind_name(k->kind), shape_name(k));
+    print_counts(to, k);
+
+    /* a line with its position, the solids that it intersects, and its origin */
     char from[PART_TEXT_BYTES], shown[COLUMNS + 1];
     int  used = fprintf(to, "%9s", "");
     if (k->volume_m3 != 0) used += fprintf(to, "%.4g m3 at ", k->volume_m3);
@@ -69,13 +63,6 @@ static void print_place(FILE *to, const scene *s, const casters *c, const mesh_h
     fprintf(to, "; %s\n", shorten(shown, used + 2 + FROM_MIN < COLUMNS ? (size_t)(COLUMNS - used - 2) : FROM_MIN, from));
 }
 
-static void print_row(FILE *to, const scene *s, const casters *c, const mesh_health *h, const component_health *k)
-{
-    fprintf(to, "%7zu  %-12s %-11s", (size_t)(k - h->components), component_kind_name(k->kind), shape_name(k));
-    print_counts(to, k);
-    print_place(to, s, c, h, k);
-}
-
 /* Compare pointers to components. Order: components that cannot be solids, then those with other faults; each by size, then by
  * number. */
 static int worst_first(const void *a, const void *b)
@@ -85,17 +72,6 @@ static int worst_first(const void *a, const void *b)
     if (more_faulty) return more_faulty;
     if (p->triangles != q->triangles) return p->triangles < q->triangles ? 1 : -1;
     return p < q ? -1 : 1;
-}
-
-static void print_summary(FILE *to, const casters *c, const mesh_health *h)
-{
-    fprintf(to, "%zu triangles in %zu components", c->triangle_count, h->count);
-    if (h->collapsed_triangles) fprintf(to, ", %zu left out: two corners in one place", h->collapsed_triangles);
-    fputs("\n", to);
-    for (int kind = 0; kind < COMPONENT_KINDS; kind++)
-        if (c->component_count[kind])
-            fprintf(to, "  %-12s %9zu components %9zu triangles\n", component_kind_name((component_kind)kind),
-                    c->component_count[kind], c->triangles_of_kind[kind]);
 }
 
 static vxs_result print_health(FILE *to, const health_command *c, const scene *s, const casters *casting, const mesh_health *h,
@@ -111,9 +87,21 @@ static vxs_result print_health(FILE *to, const health_command *c, const scene *s
     }
     qsort(order, h->count, sizeof *order, worst_first);
 
-    print_summary(to, casting, h);
+    fprintf(to, "%zu triangles in %zu components", casting->triangle_count, h->count);
+    if (h->collapsed_triangles) fprintf(to, ", %zu left out: two corners in one place", h->collapsed_triangles);
+    fputs("\n", to);
+    for (int kind = 0; kind < COMPONENT_KINDS; kind++)
+        if (casting->component_count[kind])
+            fprintf(to, "  %-12s %9zu components %9zu triangles\n", component_kind_name((component_kind)kind),
+                    casting->component_count[kind], casting->triangles_of_kind[kind]);
+
     size_t rows = c->all ? h->count : faulty + 1 <= ROWS ? faulty : ROWS;
-    if (rows) print_head(to);
+    if (rows) {
+        static const char line[] = "%7s  %-12s %-11s %9s %8s %5s %5s %6s %8s %7s %4s %6s\n";
+        fprintf(to, line, "", "", "", "", "boundary", "", "edges", "turned", "pinched", "self-", "zero", "re-");
+        fprintf(to, line, "number", "kind", "shape", "triangles", "edges", "holes", "of >2", "edges", "vertices", "crossed", "area",
+                "peated");
+    }
     for (size_t i = 0; i < rows; i++) print_row(to, s, casting, h, order[i]);
     if (rows) fprintf(to, "%7s  %-12s %-11s", "total", "", "");
     if (rows) print_counts(to, &h->total);

@@ -228,18 +228,6 @@ static const char *dark_text(const scene *s, const char *name)
 
 enum { DARK_SHOWN = 3 };
 
-static void warn_about_dark_lights(const subject *s, message *m)
-{
-    size_t dark = 0;
-    for (uint32_t n = 0; n < s->light_count; n++) {
-        const char *name = s->lights[n]->light.name, *why = dark_text(&s->scene, name);
-        if (why && ++dark <= DARK_SHOWN)
-            warn(m, "light '%s' is not drawn: in the scene %s; set it there, or draw others with --light", name, why);
-    }
-    if (dark > DARK_SHOWN)
-        warn(m, "%zu more lights are not drawn for such reasons; see to those above, and run again", dark - DARK_SHOWN);
-}
-
 static vxs_result load(render_command *c, subject *s, message *m)
 {
     json_t             *made = NULL;
@@ -258,7 +246,16 @@ static vxs_result load(render_command *c, subject *s, message *m)
         r = casters_none(&s->scene, m);
         goto done;
     }
-    warn_about_dark_lights(s, m);
+
+    size_t dark = 0;
+    for (uint32_t n = 0; n < s->light_count; n++) {
+        const char *name = s->lights[n]->light.name, *why = dark_text(&s->scene, name);
+        if (why && ++dark <= DARK_SHOWN)
+            warn(m, "light '%s' is not drawn: in the scene %s; set it there, or draw others with --light", name, why);
+    }
+    if (dark > DARK_SHOWN)
+        warn(m, "%zu more lights are not drawn for such reasons; see to those above, and run again", dark - DARK_SHOWN);
+
     if ((r = message_check(m)) != VXS_OK) goto done;
     s->box = box_of_corners(s->scene.positions_ws, s->scene.indices, 3 * s->scene.triangle_count);
     if (c->moving_path && (r = load_moving(c, s, m)) != VXS_OK) goto done;
@@ -311,21 +308,8 @@ static vxs_result choose_path(const render_command *c, camera_path *path, messag
     return c->orbits ? camera_path_orbit(path, &c->camera.camera, m) : VXS_OK;
 }
 
-/* Update the stream: pages loaded since the last frame. The first frame waits for all pages, as a loading screen does. */
-static vxs_result stream_frame(subject *s, drawn_frame *frame, const drawn_frame *before, message *m)
-{
-    double        since       = clock_seconds();
-    const double *eye_ws      = frame->camera.eye_ws;
-    frame->stream.struct_size = sizeof frame->stream;
-    vxs_result r              = before ? asset_stream_frame(&s->stream, eye_ws, &frame->stream, m)
-                                       : asset_stream_fill(&s->stream, eye_ws, &frame->stream, m);
-    frame->read_bytes         = frame->stream.bytes_read - (before ? before->stream.bytes_read : 0);
-    frame->wait_seconds       = clock_seconds() - since;
-    return r;
-}
-
-/* Draw each frame of a path, or a single frame without a path; the last one is the picture. A stream is filled before the first
- * upload. */
+/* Draw each frame of a path, or a single frame without a path; the last one is the picture. A stream is filled before the
+ * first frame, as by a loading screen; later frames have the pages loaded meanwhile. */
 static vxs_result draw_frames(const render_command *c, subject *s, renderer **drawn, const camera_path *path, drawn_frame *frames,
                               uint32_t count, uint8_t *rgb, message *m)
 {
@@ -334,7 +318,16 @@ static vxs_result draw_frames(const render_command *c, subject *s, renderer **dr
         drawn_frame *f     = &frames[n];
         double       share = count > 1 ? (double)n / (path->closed ? count : count - 1) : 0;
         f->camera          = path->count ? camera_path_at(path, share) : c->camera.camera;
-        if (c->budget_given) r = stream_frame(s, f, n ? f - 1 : NULL, m);
+        if (c->budget_given) {
+            const drawn_frame *before = n ? f - 1 : NULL;
+            double             since  = clock_seconds();
+            const double      *eye_ws = f->camera.eye_ws;
+            f->stream.struct_size     = sizeof f->stream;
+            r                         = before ? asset_stream_frame(&s->stream, eye_ws, &f->stream, m)
+                                               : asset_stream_fill(&s->stream, eye_ws, &f->stream, m);
+            f->read_bytes             = f->stream.bytes_read - (before ? before->stream.bytes_read : 0);
+            f->wait_seconds           = clock_seconds() - since;
+        }
         if (r == VXS_OK && !n) r = renderer_create(drawn, &c->options, &s->scene, s->lights, s->light_count, m);
         if (r == VXS_OK) r = renderer_draw(*drawn, &f->camera, n + 1 == count ? rgb : NULL, &f->frame, m);
     }
@@ -426,14 +419,6 @@ static vxs_result write_reports(const render_command *c, const subject *s, const
     return r;
 }
 
-static void print_moving(FILE *to, const moving_plan *plan)
-{
-    fprintf(to, "moving       seen by %u light%s in %u depth map%s", plan->lights, plan->lights == 1 ? "" : "s", plan->maps,
-            plan->maps == 1 ? "" : "s");
-    if (plan->left_out) fprintf(to, ", not by %u more: %d maps are drawn in a frame", plan->left_out, MOVING_MAPS);
-    fputc('\n', to);
-}
-
 /* The stream of the report; NULL: no report. */
 static FILE *report_of(const render_command *c, const message *m)
 {
@@ -465,7 +450,13 @@ static void print_plan(const render_command *c, const subject *s, const renderer
     sky_words  sky = c->sky_path ? words_of_sky(c, s, drawn) : (sky_words){0};
     FILE      *to  = report_of(c, m);
     if (!to) return;
-    if (c->options.moving) print_moving(to, &last->frame.moving);
+    if (c->options.moving) {
+        fprintf(to, "moving       seen by %u light%s in %u depth map%s", last->frame.moving.lights,
+                last->frame.moving.lights == 1 ? "" : "s", last->frame.moving.maps, last->frame.moving.maps == 1 ? "" : "s");
+        if (last->frame.moving.left_out)
+            fprintf(to, ", not by %u more: %d maps are drawn in a frame", last->frame.moving.left_out, MOVING_MAPS);
+        fputc('\n', to);
+    }
     if (renderer_smoke_lights(drawn))
         smoke_plan_print(to, &last->frame.smoke, s->scene.smoke.count, c->options.smoke_side, renderer_smoke_lights(drawn),
                          s->lights, s->light_count, m->verbose);

@@ -88,23 +88,6 @@ static vxs_result generate(glb_scene *s, const scene_options *o, message *m)
     }
 }
 
-static void print_cases(void)
-{
-    for (size_t i = 0; stress_name(i); i++) printf("%-24s %s\n", stress_name(i), stress_purpose(i));
-}
-
-/* "99996 triangles, 2 lights", and smoke if there is some. */
-static void print_report(FILE *to, const scene_options *o, const glb_scene *s)
-{
-    char   what[128], smoke[48] = "";
-    size_t capsules = 0;
-    for (size_t n = 0; n < s->smoke_count; n++) capsules += s->smoke[n].vertex_count / (s->smoke[n].lines ? 2 : 1);
-    if (capsules) snprintf(smoke, sizeof smoke, ", %zu capsules of smoke", capsules);
-    snprintf(what, sizeof what, "%zu triangles, %zu light%s%s", s->triangle_count, s->light_count, s->light_count == 1 ? "" : "s",
-             smoke);
-    written_print(to, o->out, what);
-}
-
 static vxs_result make_scene(const scene_options *o, message *m)
 {
     glb_scene   s   = {0};
@@ -116,7 +99,16 @@ static vxs_result make_scene(const scene_options *o, message *m)
     if ((r = generate(&s, o, m)) != VXS_OK) goto done;
     if ((r = glb_write(&s, &out, m)) != VXS_OK) goto done;
     r = output_file_commit(&out, m);
-    if (r == VXS_OK && to) print_report(to, o, &s);
+    if (r == VXS_OK && to) {
+        /* "99996 triangles, 2 lights", and smoke if there is some */
+        char   what[128], smoke[48] = "";
+        size_t capsules = 0;
+        for (size_t n = 0; n < s.smoke_count; n++) capsules += s.smoke[n].vertex_count / (s.smoke[n].lines ? 2 : 1);
+        if (capsules) snprintf(smoke, sizeof smoke, ", %zu capsules of smoke", capsules);
+        snprintf(what, sizeof what, "%zu triangles, %zu light%s%s", s.triangle_count, s.light_count, s.light_count == 1 ? "" : "s",
+                 smoke);
+        written_print(to, o->out, what);
+    }
 done:
     output_file_abort(&out);
     glb_scene_free(&s);
@@ -127,9 +119,9 @@ static vxs_result run(void *command, message *m)
 {
     const scene_options *o = command;
     vxs_result           r = VXS_OK;
-    if (o->kind == KIND_STRESS && o->case_given && !strcmp(o->stress_case, "list") && check_kind(o, m) == VXS_OK)
-        print_cases();
-    else if ((r = check(o, m)) == VXS_OK)
+    if (o->kind == KIND_STRESS && o->case_given && !strcmp(o->stress_case, "list") && check_kind(o, m) == VXS_OK) {
+        for (size_t i = 0; stress_name(i); i++) printf("%-24s %s\n", stress_name(i), stress_purpose(i));
+    } else if ((r = check(o, m)) == VXS_OK)
         r = make_scene(o, m);
     return r;
 }

@@ -184,11 +184,6 @@ static int meets(const comparison *c, const double from_ws[3], const double way_
     return truth_first_hit(c->truth, from_ws, way_ws, &out->distance, out->normal_ws, &out->triangle) && out->distance < most;
 }
 
-static int is_sheet(const comparison *c, const met *s)
-{
-    return s->triangle >= c->casters->solid_triangle_count;
-}
-
 /* Move past a surface, by the least distance that rays resolve. Returns the distance from the start of the search. */
 static double pass(const comparison *c, double p[3], const double way_ws[3], const met *s)
 {
@@ -231,7 +226,7 @@ static int is_within_thickness(const comparison *c, const double from_ws[3], dou
     double         way_ws[3], to_light, p[3] = {from_ws[0], from_ws[1], from_ws[2]};
     met            s, before;
     if (!way_to_light(c, p, way_ws, &to_light) || !meets(c, p, way_ws, to_light, &s)) return 0;
-    if (!is_sheet(c, &s) || s.triangle >= all->holed_first) return 0;
+    if (s.triangle < c->casters->solid_triangle_count || s.triangle >= all->holed_first) return 0;
     if (all->double_sided && all->double_sided[s.triangle]) return 0;
     if (vec3_dot(s.normal_ws, way_ws) <= 0) return 0;
     if (s.distance * metres_deep(c, depth_vx, to_light) > c->dont_care.thickness_m) return 0;
@@ -293,17 +288,14 @@ static int is_unobstructed(const comparison *c, const sample *s, const filter_ta
     return 1;
 }
 
-/* Beside the map of a directional light, the file is always lit, whatever the truth is. */
-static int leaves_map(const comparison *c, const filter_taps *taps)
-{
-    int32_t side = (int32_t)1 << c->light->levels;
-    return taps->first[0] < 0 || taps->first[1] < 0 || taps->first[0] + taps->count[0] > side ||
-           taps->first[1] + taps->count[1] > side;
-}
-
 static int is_deep_in_shadow(const comparison *c, const sample *s, const filter_taps *taps)
 {
-    if (leaves_map(c, taps)) return 0;
+    /* beside the map of a directional light, the file is always lit, whatever the truth is */
+    int32_t side = (int32_t)1 << c->light->levels;
+    if (taps->first[0] < 0 || taps->first[1] < 0 || taps->first[0] + taps->count[0] > side ||
+        taps->first[1] + taps->count[1] > side)
+        return 0;
+
     double width_vx =
         (taps->count[0] > taps->count[1] ? taps->count[0] : taps->count[1]) * c->light->texel_metres / c->light->voxel_metres;
     double depth = s->truth_ls[2] - width_vx - BIAS_VOXELS;

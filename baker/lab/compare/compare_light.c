@@ -68,15 +68,7 @@ static double time_runs(void (*run)(timed *t), timed *t)
     return spread_of(seconds, TIMED_RUNS).median / (double)t->count;
 }
 
-static void gather_points(timed *t, size_t limit)
-{
-    sample s;
-    for (size_t n = 0; n < limit; n++)
-        if (compare_point(t->comparison, COMPARE_RANDOM, n, &s))
-            memcpy(t->points_ws + 3 * t->count++, s.point_ws, sizeof s.point_ws);
-}
-
-/* compare_time.c: measure the time of lookups, and of filtered ones. Only points within the map count: others cost nothing, and
+/* Measure the time of lookups, and of filtered ones. Only points within the map count: others cost nothing, and
  * would make the mean too low.
  * Returns VXS_OK or VXS_E_MEMORY. */
 static vxs_result compare_measure_time(const comparison *c, compare_result *out, message *m)
@@ -91,7 +83,9 @@ static vxs_result compare_measure_time(const comparison *c, compare_result *out,
         r = fail(m, VXS_E_MEMORY, "out of memory for %zu points", limit);
         goto done;
     }
-    gather_points(&t, limit);
+    sample s;
+    for (size_t n = 0; n < limit; n++)
+        if (compare_point(t.comparison, COMPARE_RANDOM, n, &s)) memcpy(t.points_ws + 3 * t.count++, s.point_ws, sizeof s.point_ws);
     out->time.points   = t.count;
     out->time.lookup_s = time_runs(run_lookups, &t);
     for (uint32_t n = 0; n < o->filter_count; n++) {
@@ -152,7 +146,7 @@ static void filter_points(void *user, size_t begin, size_t end, uint32_t worker)
     for (size_t n = begin; n < end; n++) f->errors[n] = filter_error(f, n, &f->faults[n]);
 }
 
-/* compare_filter.c: compare filtered lookups with the same filter over rays, for COMPARE_FILTER_POINTS_MAX points at most,
+/* Compare filtered lookups with the same filter over rays, for COMPARE_FILTER_POINTS_MAX points at most,
  * spread evenly over the points of the kind.
  * out  [out] written only when VXS_OK is returned.   Returns VXS_OK or VXS_E_MEMORY. */
 static vxs_result compare_filtered(const comparison *c, compare_kind kind, uint32_t filter_px, compare_error *out, message *m)
@@ -216,22 +210,6 @@ typedef struct centre {
     double step_px;               /* distance between the places that are tried */
 } centre;
 
-static centre centre_of(const comparison *c, const sample *s)
-{
-    const vxs_light *l    = c->light;
-    int32_t          last = ((int32_t)1 << l->levels) - 1, voxel[3];
-    double           from_light_ws[3], metres = 1;
-    vxs_voxel(l, s->point_ws, s->normal, 1, voxel);
-    if (voxel[2] > last) voxel[2] = last; /* clamp points beyond the map's far end */
-
-    vec3_sub(s->truth_ws, c->shape.position_ws, from_light_ws);
-    if (c->shape.kind != LIGHT_DIRECTIONAL) metres = sqrt(vec3_dot(from_light_ws, from_light_ws));
-    double ray_m    = COMPARE_RAY_SLACK * truth_precision(c->truth);
-    double depth_vx = fmin(COMPARE_SLACK_MAX, DEPTH_SLACK + ray_m / (metres * l->voxel_metres));
-    double u = voxel[0] + 0.5, v = voxel[1] + 0.5, step_px = compare_step_px(c, s->map, u, v, voxel[2] + 0.5);
-    return (centre){s->map, u, v, voxel[2] - depth_vx, voxel[2] + 1 + depth_vx, step_px};
-}
-
 /* 1 when the truth agrees at the near side of the voxel, in its middle, or at its far side. */
 static int truth_agrees(const comparison *c, const centre *at, double u, double v, int lit)
 {
@@ -271,9 +249,22 @@ static int is_left_free(const comparison *c, const centre *at, double u, double 
     return compare_left_free(c, at->map, u, v, at->near_vx, at->far_vx);
 }
 
+/* Why a wrong answer is no fault, or VERDICT_UNEXPLAINED. */
 static verdict explain(const comparison *c, const sample *s, int asset_lit)
 {
-    centre at = centre_of(c, s);
+    const vxs_light *l    = c->light;
+    int32_t          last = ((int32_t)1 << l->levels) - 1, voxel[3];
+    double           from_light_ws[3], metres = 1;
+    vxs_voxel(l, s->point_ws, s->normal, 1, voxel);
+    if (voxel[2] > last) voxel[2] = last; /* clamp points beyond the map's far end */
+
+    vec3_sub(s->truth_ws, c->shape.position_ws, from_light_ws);
+    if (c->shape.kind != LIGHT_DIRECTIONAL) metres = sqrt(vec3_dot(from_light_ws, from_light_ws));
+    double ray_m    = COMPARE_RAY_SLACK * truth_precision(c->truth);
+    double depth_vx = fmin(COMPARE_SLACK_MAX, DEPTH_SLACK + ray_m / (metres * l->voxel_metres));
+    double u = voxel[0] + 0.5, v = voxel[1] + 0.5, step_px = compare_step_px(c, s->map, u, v, voxel[2] + 0.5);
+    centre at = {s->map, u, v, voxel[2] - depth_vx, voxel[2] + 1 + depth_vx, step_px};
+
     if (asset_lit && compare_leaves_free(c) && holds_about(c, &at, asset_lit, is_left_free)) return VERDICT_LEFT_FREE;
     if (holds_about(c, &at, asset_lit, truth_agrees)) return VERDICT_NEAR_BOUNDARY;
     return holds_about(c, &at, asset_lit, is_free) ? VERDICT_NEAR_SURFACE : VERDICT_UNEXPLAINED;

@@ -68,81 +68,7 @@ static double weight_of(const light_volume *v, double x, double y)
     return cross_box(v, direction, &begin, &end) ? end * end * end - begin * begin * begin : 0;
 }
 
-static void weigh_cells(light_volume *v)
-{
-    double sum = 0;
-    for (int cell = 0; cell < VOLUME_CELLS; cell++) {
-        v->cell_weight[cell] = 0;
-        for (int n = 0; n < CELL_PROBES_SIDE * CELL_PROBES_SIDE; n++) {
-            double x = (cell % VOLUME_CELLS_SIDE + (n % CELL_PROBES_SIDE + 0.5) / CELL_PROBES_SIDE) / VOLUME_CELLS_SIDE;
-            double y = (cell / VOLUME_CELLS_SIDE + (n / CELL_PROBES_SIDE + 0.5) / CELL_PROBES_SIDE) / VOLUME_CELLS_SIDE;
-            v->cell_weight[cell] += weight_of(v, x, y) / (CELL_PROBES_SIDE * CELL_PROBES_SIDE);
-        }
-        v->cell_sum[cell] = sum += v->cell_weight[cell];
-    }
-}
-
-static int cell_at(const light_volume *v, double sum)
-{
-    int low = 0, high = VOLUME_CELLS - 1;
-    while (low < high) {
-        int middle = (low + high) / 2;
-        if (v->cell_sum[middle] > sum)
-            high = middle;
-        else
-            low = middle + 1;
-    }
-    return low;
-}
-
-static int draw_from_cone(const light_volume *v, rng *r, double point_ws[3])
-{
-    int    cell = cell_at(v, rng_unit(r) * v->cell_sum[VOLUME_CELLS - 1]);
-    double x    = (cell % VOLUME_CELLS_SIDE + rng_unit(r)) / VOLUME_CELLS_SIDE;
-    double y    = (cell / VOLUME_CELLS_SIDE + rng_unit(r)) / VOLUME_CELLS_SIDE, direction[3], begin, end;
-    cone_direction(v, x, y, direction);
-    double kept = rng_unit(r), along = rng_unit(r);
-    if (!cross_box(v, direction, &begin, &end)) return 0;
-
-    /* directions of a cell are not equally likely: rejection by their volume */
-    double volume = end * end * end - begin * begin * begin;
-    if (kept * 2 * v->cell_weight[cell] > volume) return 0;
-    vec3_mad(v->shape.position_ws, cbrt(begin * begin * begin + along * volume), direction, point_ws);
-    return 1;
-}
-
-/* all of it ------------------------------------------------------------------------------------------- */
-
-static void cone_axes(light_volume *v)
-{
-    double       *along = v->axes[2];
-    const double *given = v->shape.direction_ws;
-    memcpy(along, v->shape.kind == LIGHT_POINT ? (double[3]){0, 0, 1} : given, sizeof v->axes[2]);
-    double beside[3] = {fabs(along[0]) < 0.5, fabs(along[0]) >= 0.5, 0};
-    vec3_cross(along, beside, v->axes[0]);
-    vec3_unit(v->axes[0], v->axes[0]);
-    vec3_cross(along, v->axes[0], v->axes[1]);
-}
-
-/* For a small or distant box the cells are too coarse: then most of the box is in the cone, or none of it. */
-static void choose_for_cone(light_volume *v, double box_volume)
-{
-    cone_axes(v);
-    weigh_cells(v);
-    double solid_angle = 2 * pi * (1 - cos(v->shape.kind == LIGHT_POINT ? pi : v->shape.outer_rad));
-    double volume      = v->cell_sum[VOLUME_CELLS - 1] / VOLUME_CELLS * solid_angle / 3;
-    v->way             = volume > 0 && volume < 0.3 * box_volume ? DRAW_FROM_CONE : DRAW_FROM_BOX;
-}
-
-/* A directional volume without a region is unbounded along the light, and was fitted to the box. */
-static void choose_for_sun(light_volume *v, double box_volume)
-{
-    const double *m = v->light->ls_from_ws;
-    double        across[3];
-    vec3_cross(m, m + 4, across);
-    double map_volume = ldexp(1, 3 * (int)v->light->levels) / fabs(vec3_dot(across, m + 8));
-    v->way            = (v->light->flags & VXS_LIGHT_BOUNDED) && map_volume < box_volume ? DRAW_FROM_MAP : DRAW_FROM_BOX;
-}
+/* box or cone ------------------------------------------------------------------------------------------- */
 
 void light_volume_init(light_volume *v, const vxs_light *light, const box *box_ws)
 {
@@ -151,17 +77,64 @@ void light_volume_init(light_volume *v, const vxs_light *light, const box *box_w
     v->shape          = baked_light_shape(light);
     v->box_ws         = *box_ws;
     for (int i = 0; i < 3; i++) box_volume *= box_ws->max[i] - box_ws->min[i];
-    if (v->shape.kind == LIGHT_DIRECTIONAL)
-        choose_for_sun(v, box_volume);
-    else
-        choose_for_cone(v, box_volume);
+    if (v->shape.kind == LIGHT_DIRECTIONAL) {
+        /* without a region, the volume of a sun is unbounded along the light, and was fitted to the box */
+        const double *m = v->light->ls_from_ws;
+        double        across[3];
+        vec3_cross(m, m + 4, across);
+        double map_volume = ldexp(1, 3 * (int)v->light->levels) / fabs(vec3_dot(across, m + 8));
+        v->way            = (v->light->flags & VXS_LIGHT_BOUNDED) && map_volume < box_volume ? DRAW_FROM_MAP : DRAW_FROM_BOX;
+    } else {
+        double       *along = v->axes[2];
+        const double *given = v->shape.direction_ws;
+        memcpy(along, v->shape.kind == LIGHT_POINT ? (double[3]){0, 0, 1} : given, sizeof v->axes[2]);
+        double beside[3] = {fabs(along[0]) < 0.5, fabs(along[0]) >= 0.5, 0};
+        vec3_cross(along, beside, v->axes[0]);
+        vec3_unit(v->axes[0], v->axes[0]);
+        vec3_cross(along, v->axes[0], v->axes[1]);
+
+        double sum = 0;
+        for (int cell = 0; cell < VOLUME_CELLS; cell++) {
+            v->cell_weight[cell] = 0;
+            for (int n = 0; n < CELL_PROBES_SIDE * CELL_PROBES_SIDE; n++) {
+                double x = (cell % VOLUME_CELLS_SIDE + (n % CELL_PROBES_SIDE + 0.5) / CELL_PROBES_SIDE) / VOLUME_CELLS_SIDE;
+                double y = (cell / VOLUME_CELLS_SIDE + (n / CELL_PROBES_SIDE + 0.5) / CELL_PROBES_SIDE) / VOLUME_CELLS_SIDE;
+                v->cell_weight[cell] += weight_of(v, x, y) / (CELL_PROBES_SIDE * CELL_PROBES_SIDE);
+            }
+            v->cell_sum[cell] = sum += v->cell_weight[cell];
+        }
+
+        /* for a small or distant box the cells are too coarse: then most of the box is in the cone, or none of it */
+        double solid_angle = 2 * pi * (1 - cos(v->shape.kind == LIGHT_POINT ? pi : v->shape.outer_rad));
+        double volume      = v->cell_sum[VOLUME_CELLS - 1] / VOLUME_CELLS * solid_angle / 3;
+        v->way             = volume > 0 && volume < 0.3 * box_volume ? DRAW_FROM_CONE : DRAW_FROM_BOX;
+    }
 }
 
 static int draw_once(const light_volume *v, rng *r, double point_ws[3])
 {
     int32_t voxel[3];
     if (v->way == DRAW_FROM_CONE) {
-        if (!draw_from_cone(v, r, point_ws)) return 0;
+        double sum  = rng_unit(r) * v->cell_sum[VOLUME_CELLS - 1];
+        int    cell = 0, high = VOLUME_CELLS - 1;
+        while (cell < high) {
+            int middle = (cell + high) / 2;
+            if (v->cell_sum[middle] > sum)
+                high = middle;
+            else
+                cell = middle + 1;
+        }
+
+        double x = (cell % VOLUME_CELLS_SIDE + rng_unit(r)) / VOLUME_CELLS_SIDE;
+        double y = (cell / VOLUME_CELLS_SIDE + rng_unit(r)) / VOLUME_CELLS_SIDE, direction[3], begin, end;
+        cone_direction(v, x, y, direction);
+        double kept = rng_unit(r), along = rng_unit(r);
+        if (!cross_box(v, direction, &begin, &end)) return 0;
+
+        /* directions of a cell are not equally likely: rejection by their volume */
+        double volume = end * end * end - begin * begin * begin;
+        if (kept * 2 * v->cell_weight[cell] > volume) return 0;
+        vec3_mad(v->shape.position_ws, cbrt(begin * begin * begin + along * volume), direction, point_ws);
     } else {
         double u[3] = {rng_unit(r), rng_unit(r), rng_unit(r)}, at[3];
         for (int i = 0; i < 3; i++) {
@@ -184,21 +157,6 @@ int light_volume_draw(const light_volume *v, rng *r, double point_ws[3])
 
 enum { TRIES = 20 };
 
-/* Bounds of all triangles, 5 % larger; a flat scene gets some height, too. */
-static box measure_box(const casters *c)
-{
-    box    b = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
-    double extent[3];
-    vec3_sub(b.max, b.min, extent);
-    double diagonal = box_diagonal(&b);
-    for (int i = 0; i < 3; i++) {
-        double margin = fmax(0.025 * extent[i], 0.01 * diagonal);
-        b.min[i] -= margin;
-        b.max[i] += margin;
-    }
-    return b;
-}
-
 void compare_picture_size(uint32_t points, uint32_t *width_px, uint32_t *height_px)
 {
     *height_px = (uint32_t)fmax(1, floor(sqrt(points / COMPARE_CAMERA_ASPECT)));
@@ -207,8 +165,19 @@ void compare_picture_size(uint32_t points, uint32_t *width_px, uint32_t *height_
 
 void comparison_init(comparison *out, const truth *t, const casters *c, const vxs_baked_light *baked, const compare_options *o)
 {
-    const vxs_light *light  = &baked->light;
-    box              box_ws = measure_box(c);
+    const vxs_light *light = &baked->light;
+
+    /* bounds of all triangles, 5 % larger; a flat scene gets some height, too */
+    box    box_ws = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
+    double extent[3];
+    vec3_sub(box_ws.max, box_ws.min, extent);
+    double diagonal = box_diagonal(&box_ws);
+    for (int i = 0; i < 3; i++) {
+        double margin = fmax(0.025 * extent[i], 0.01 * diagonal);
+        box_ws.min[i] -= margin;
+        box_ws.max[i] += margin;
+    }
+
     *out = (comparison){.truth = t, .casters = c, .baked = baked, .light = light, .shape = baked_light_shape(light), .options = o};
     light_volume_init(&out->volume, light, &box_ws);
     if (!o->camera) return;
@@ -286,23 +255,20 @@ static int surface_sample(const comparison *c, rng *r, sample *s)
     return found;
 }
 
-/* The surface at a pixel's centre, with the normal towards the eye. */
-static int camera_sample(const comparison *c, size_t pixel, sample *s)
-{
-    const double *eye_ws = c->options->camera->eye_ws;
-    double        x      = ((double)(pixel % c->width_px) + 0.5) / c->width_px;
-    double        y      = ((double)(pixel / c->width_px) + 0.5) / c->height_px;
-    double        way_ws[3], distance;
-    camera_direction(&c->view, x, y, way_ws);
-    if (!truth_first_hit(c->truth, eye_ws, way_ws, &distance, s->normal_ws, NULL)) return 0;
-    vec3_mad(eye_ws, distance, way_ws, s->point_ws);
-    if (vec3_dot(s->normal_ws, way_ws) > 0) turn_normal(s);
-    return finish_surface_sample(c, s);
-}
-
 int compare_point(const comparison *c, compare_kind kind, size_t index, sample *s)
 {
-    if (kind == COMPARE_CAMERA) return camera_sample(c, index, s);
+    if (kind == COMPARE_CAMERA) {
+        /* the surface at a pixel's centre, with the normal towards the eye */
+        const double *eye_ws = c->options->camera->eye_ws;
+        double        x      = ((double)(index % c->width_px) + 0.5) / c->width_px;
+        double        y      = ((double)(index / c->width_px) + 0.5) / c->height_px;
+        double        way_ws[3], distance;
+        camera_direction(&c->view, x, y, way_ws);
+        if (!truth_first_hit(c->truth, eye_ws, way_ws, &distance, s->normal_ws, NULL)) return 0;
+        vec3_mad(eye_ws, distance, way_ws, s->point_ws);
+        if (vec3_dot(s->normal_ws, way_ws) > 0) turn_normal(s);
+        return finish_surface_sample(c, s);
+    }
     rng all = rng_split(c->options->seed, (uint64_t)kind);
     rng r   = rng_split(all.state, index);
     return kind == COMPARE_SURFACE ? surface_sample(c, &r, s) : random_sample(c, &r, s);

@@ -253,9 +253,15 @@ static int keep_intersection(void *user, uint32_t a, uint32_t b)
     return x->no_memory;
 }
 
-/* Store the solids that intersect: every pair twice, once for each solid. */
-static int list_met(examination *x)
+static int examine_intersections(examination *x)
 {
+    mesh_soup   soup   = {x->c->positions_ws, x->c->indices, x->c->triangle_count};
+    mesh_search search = {
+        .wanted = matters, .found = keep_intersection, .user = x, .overlaps_max = LOOKS_MAX, .tests_max = TESTS_MAX};
+    if (mesh_find_intersections(&soup, &search) != VXS_OK || x->no_memory) return 0;
+    x->h->gave_up = search.gave_up;
+
+    /* store the solids that intersect: every pair twice, once for each solid */
     mesh_health *h     = x->h;
     size_t       count = drop_repeated(x->pairs, x->pair_count);
     h->met             = malloc((2 * count + 1) * sizeof *h->met);
@@ -270,38 +276,12 @@ static int list_met(examination *x)
     return 1;
 }
 
-static int examine_intersections(examination *x)
-{
-    mesh_soup   soup   = {x->c->positions_ws, x->c->indices, x->c->triangle_count};
-    mesh_search search = {
-        .wanted = matters, .found = keep_intersection, .user = x, .overlaps_max = LOOKS_MAX, .tests_max = TESTS_MAX};
-    if (mesh_find_intersections(&soup, &search) != VXS_OK || x->no_memory) return 0;
-    x->h->gave_up = search.gave_up;
-    return list_met(x);
-}
-
 /* ---------------------------------------------------------------------------------------------------------------------- */
 
-static void sum_up(mesh_health *h)
+static int examine(examination *x, mesh_health *h, const casters *c, void (*progress)(const char *what))
 {
-    component_health *sum = &h->total;
-    sum->box_ws           = box_empty();
-    sum->closed = sum->orientable = sum->oriented = 1;
-    for (size_t i = 0; i < h->count; i++) {
-        const component_health *k = &h->components[i];
-        box_add(&sum->box_ws, k->box_ws.min);
-        box_add(&sum->box_ws, k->box_ws.max);
-        for (int n = 0; n < HEALTH_COUNTS; n++) sum->counts[n] += k->counts[n];
-        sum->meets += k->meets;
-        sum->closed &= k->closed;
-        sum->orientable &= k->orientable;
-        sum->oriented &= k->oriented;
-        if (k->kind == COMPONENT_SOLID) sum->volume_m3 += k->volume_m3;
-    }
-}
+    if (progress) progress("edges");
 
-static int make_room(examination *x, mesh_health *h, const casters *c)
-{
     for (int kind = 0; kind < COMPONENT_KINDS; kind++) h->count += c->component_count[kind];
     x->edge_count = (uint32_t)(3 * c->triangle_count);
     h->components = calloc(h->count + 1, sizeof *h->components);
@@ -311,13 +291,8 @@ static int make_room(examination *x, mesh_health *h, const casters *c)
     x->keys       = scratch_take(&x->memory, x->edge_count, sizeof *x->keys);
     x->recent     = scratch_take(&x->memory, RECENT, sizeof *x->recent);
     if (x->recent) memset(x->recent, 0xff, RECENT * sizeof *x->recent);
-    return h->components && !x->memory.missing;
-}
+    if (!(h->components && !x->memory.missing)) return 0;
 
-static int examine(examination *x, mesh_health *h, const casters *c, void (*progress)(const char *what))
-{
-    if (progress) progress("edges");
-    if (!make_room(x, h, c)) return 0;
     for (size_t i = 0; i < h->count; i++)
         h->components[i] = (component_health){
             .kind = (component_kind)c->kind_of[i], .closed = 1, .orientable = 1, .oriented = 1, .box_ws = box_empty()};
@@ -341,7 +316,22 @@ vxs_result mesh_health_examine(mesh_health *h, const casters *c, void (*progress
     *h             = (mesh_health){.collapsed_triangles = c->collapsed_count};
     examination x  = {.h = h, .c = c};
     int         ok = examine(&x, h, c, progress);
-    if (ok) sum_up(h);
+    if (ok) {
+        component_health *sum = &h->total;
+        sum->box_ws           = box_empty();
+        sum->closed = sum->orientable = sum->oriented = 1;
+        for (size_t i = 0; i < h->count; i++) {
+            const component_health *k = &h->components[i];
+            box_add(&sum->box_ws, k->box_ws.min);
+            box_add(&sum->box_ws, k->box_ws.max);
+            for (int n = 0; n < HEALTH_COUNTS; n++) sum->counts[n] += k->counts[n];
+            sum->meets += k->meets;
+            sum->closed &= k->closed;
+            sum->orientable &= k->orientable;
+            sum->oriented &= k->oriented;
+            if (k->kind == COMPONENT_SOLID) sum->volume_m3 += k->volume_m3;
+        }
+    }
     scratch_free(&x.memory);
     free(x.pairs);
     if (ok) return VXS_OK;

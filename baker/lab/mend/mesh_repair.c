@@ -70,16 +70,6 @@ static int64_t edge_balance(const snapshot *v, uint32_t begin, uint32_t end)
     return mesh_edge_balance(v->mesh.indices, v->sorted, begin, end);
 }
 
-static void judge_components(const repair *x, snapshot *v)
-{
-    for (uint32_t t = 0; t < v->mesh.triangle_count; t++) v->masked[v->component_of[t]] |= x->notes[v->mesh.from[t]].masked;
-    for (uint32_t begin = 0, end; begin < v->edge_count; begin = end) {
-        end             = begin + v->faces[v->sorted[begin]];
-        uint32_t within = v->component_of[v->sorted[begin] / 3];
-        if (edge_balance(v, begin, end) && !v->masked[within]) v->broken[within] = 1;
-    }
-}
-
 static vxs_result out_of_memory(const repair *x, message *m)
 {
     return fail(m, VXS_E_MEMORY, "out of memory while repairing %zu triangles", x->s->triangle_count);
@@ -105,7 +95,14 @@ static vxs_result take_snapshot(repair *x, message *m)
         for (uint32_t i = begin; i < end; i++) v->faces[v->sorted[i]] = end - begin;
     }
     v->component_count = mesh_find_components(v->component_of, v->sorted, v->mesh.indices, count, 1);
-    judge_components(x, v);
+
+    for (uint32_t t = 0; t < v->mesh.triangle_count; t++) v->masked[v->component_of[t]] |= x->notes[v->mesh.from[t]].masked;
+    for (uint32_t begin = 0, end; begin < v->edge_count; begin = end) {
+        end             = begin + v->faces[v->sorted[begin]];
+        uint32_t within = v->component_of[v->sorted[begin] / 3];
+        if (edge_balance(v, begin, end) && !v->masked[within]) v->broken[within] = 1;
+    }
+
     return VXS_OK;
 }
 
@@ -182,35 +179,29 @@ static size_t find_removed(repair *x, uint8_t *removed)
     return count;
 }
 
-/* Remove triangles from the scene.
- * removed  [welded triangles], in the scene's order */
-static void take_out(repair *x, const uint8_t *removed)
-{
-    scene           *s    = x->s;
-    const mesh_weld *mesh = &x->v.mesh;
-    size_t           kept = 0, masks = 0, welded = 0, part = 0;
-    for (size_t t = 0; t < s->triangle_count; t++) {
-        int is_welded = welded < mesh->triangle_count && mesh->from[welded] == t;
-        while (part < s->part_count && s->parts[part].triangle_first == t) s->parts[part++].triangle_first = (uint32_t)kept;
-        while (masks < s->holed_triangle_count && s->holed_triangles[masks].triangle < t) masks++;
-        if (is_welded && removed[welded++]) continue;
-        if (masks < s->holed_triangle_count && s->holed_triangles[masks].triangle == t)
-            s->holed_triangles[masks++].triangle = (uint32_t)kept;
-        memmove(&s->indices[3 * kept], &s->indices[3 * t], 3 * sizeof *s->indices);
-        s->triangle_flags[kept] = s->triangle_flags[t];
-        x->notes[kept++]        = x->notes[t];
-    }
-    for (; part < s->part_count; part++) s->parts[part].triangle_first = (uint32_t)kept;
-    s->triangle_count = kept;
-}
-
 static vxs_result remove_triangles(repair *x, message *m)
 {
     scratch    memory  = {0};
     uint8_t   *removed = scratch_take(&memory, x->v.mesh.triangle_count, sizeof *removed);
     vxs_result r       = memory.missing ? out_of_memory(x, m) : VXS_OK;
     if (r == VXS_OK && find_removed(x, removed)) {
-        take_out(x, removed);
+        scene           *s    = x->s;
+        const mesh_weld *mesh = &x->v.mesh;
+        size_t           kept = 0, masks = 0, welded = 0, part = 0;
+        for (size_t t = 0; t < s->triangle_count; t++) {
+            int is_welded = welded < mesh->triangle_count && mesh->from[welded] == t;
+            while (part < s->part_count && s->parts[part].triangle_first == t) s->parts[part++].triangle_first = (uint32_t)kept;
+            while (masks < s->holed_triangle_count && s->holed_triangles[masks].triangle < t) masks++;
+            if (is_welded && removed[welded++]) continue;
+            if (masks < s->holed_triangle_count && s->holed_triangles[masks].triangle == t)
+                s->holed_triangles[masks++].triangle = (uint32_t)kept;
+            memmove(&s->indices[3 * kept], &s->indices[3 * t], 3 * sizeof *s->indices);
+            s->triangle_flags[kept] = s->triangle_flags[t];
+            x->notes[kept++]        = x->notes[t];
+        }
+        for (; part < s->part_count; part++) s->parts[part].triangle_first = (uint32_t)kept;
+        s->triangle_count = kept;
+
         r = take_snapshot(x, m);
     }
     scratch_free(&memory);
@@ -325,20 +316,6 @@ typedef struct filling {
     int       no_memory;
 } filling;
 
-static int filling_init(filling *f, const snapshot *v)
-{
-    scratch *memory = &f->memory;
-    f->ends_at      = scratch_take(memory, v->mesh.vertex_count + 1, sizeof *f->ends_at);
-    f->at           = scratch_take(memory, v->edge_count, sizeof *f->at);
-    f->used         = scratch_take(memory, v->edge_count, sizeof *f->used);
-    f->on_path      = scratch_take(memory, v->mesh.vertex_count, sizeof *f->on_path);
-    f->path         = scratch_take(memory, v->edge_count, sizeof *f->path);
-    f->vertex_of    = scratch_take(memory, v->mesh.vertex_count, sizeof *f->vertex_of);
-    f->stays_open   = scratch_take(memory, v->component_count, sizeof *f->stays_open);
-    f->boxes        = scratch_take(memory, v->component_count, sizeof *f->boxes);
-    return !memory->missing;
-}
-
 /* Group border half-edges by the vertex where they end. Components with other unbalanced edges stay open.
  * ends  [half-edges] scratch */
 static vxs_result gather_borders(const snapshot *v, filling *f, uint32_t *ends)
@@ -358,12 +335,6 @@ static vxs_result gather_borders(const snapshot *v, filling *f, uint32_t *ends)
     vxs_result r = group_by_key(f->ends_at, f->at, ends, count, v->mesh.vertex_count, 1);
     for (size_t i = 0; i < count && r == VXS_OK; i++) f->at[i] = borders[f->at[i]];
     return r;
-}
-
-static void measure_boxes(const snapshot *v, box *boxes)
-{
-    for (size_t i = 0; i < v->component_count; i++) boxes[i] = box_empty();
-    for (size_t i = 0; i < v->edge_count; i++) box_add(&boxes[v->component_of[i / 3]], position(v, v->mesh.indices[i]));
 }
 
 /* Fill a hole with triangles, into x->filled, opposite to its half-edges. Returns 0 when the hole must not or cannot be filled. */
@@ -472,11 +443,23 @@ static vxs_result fill(repair *x, message *m)
     filling         f    = {0};
     vxs_result      r    = VXS_E_MEMORY;
     uint32_t       *ends = scratch_take(&f.memory, v->edge_count, sizeof *ends);
-    if (!filling_init(&f, v)) goto done;
+
+    scratch *memory = &f.memory;
+    f.ends_at       = scratch_take(memory, v->mesh.vertex_count + 1, sizeof *f.ends_at);
+    f.at            = scratch_take(memory, v->edge_count, sizeof *f.at);
+    f.used          = scratch_take(memory, v->edge_count, sizeof *f.used);
+    f.on_path       = scratch_take(memory, v->mesh.vertex_count, sizeof *f.on_path);
+    f.path          = scratch_take(memory, v->edge_count, sizeof *f.path);
+    f.vertex_of     = scratch_take(memory, v->mesh.vertex_count, sizeof *f.vertex_of);
+    f.stays_open    = scratch_take(memory, v->component_count, sizeof *f.stays_open);
+    f.boxes         = scratch_take(memory, v->component_count, sizeof *f.boxes);
+    if (memory->missing) goto done;
+
     for (size_t i = 0; i < x->s->vertex_count; i++)
         if (v->mesh.welded_of[i] != NONE) f.vertex_of[v->mesh.welded_of[i]] = (uint32_t)i;
     if (gather_borders(v, &f, ends) != VXS_OK) goto done;
-    measure_boxes(v, f.boxes);
+    for (size_t i = 0; i < v->component_count; i++) f.boxes[i] = box_empty();
+    for (size_t i = 0; i < v->edge_count; i++) box_add(&f.boxes[v->component_of[i / 3]], position(v, v->mesh.indices[i]));
     for (size_t i = 0; i < f.ends_at[v->mesh.vertex_count]; i++)
         if (!f.used[f.at[i]]) follow_border(x, &f, f.at[i]);
     settle(x, &f);
@@ -523,17 +506,6 @@ static vxs_result start(repair *x, message *m)
     return VXS_OK;
 }
 
-/* Of a component that fell apart, closed_after requires that all parts are closed. */
-static void note_closed(repair *x)
-{
-    for (size_t i = 0; i < x->out->component_count; i++) {
-        repaired_component *c = &x->out->components[i];
-        c->closed_after       = c->triangles > c->removed_repeated + c->removed_zero_area;
-    }
-    for (uint32_t t = 0; t < x->v.mesh.triangle_count; t++)
-        if (!is_closed(&x->v, t)) origin_at(x, t)->closed_after = 0;
-}
-
 /* Keep only those components in the report that have something to report. */
 static void sum_up(repair_report *out)
 {
@@ -562,7 +534,15 @@ vxs_result scene_repair(scene *s, const repair_options *o, repair_report *out, m
     if ((r = orient(&x, m)) != VXS_OK) goto done;
     if ((r = fill(&x, m)) != VXS_OK) goto done;
     s->origin_count = 0; /* the order of triangles has changed, and new ones belong to no node */
-    note_closed(&x);
+
+    /* of a component that fell apart, closed_after requires that all parts are closed */
+    for (size_t i = 0; i < x.out->component_count; i++) {
+        repaired_component *c = &x.out->components[i];
+        c->closed_after       = c->triangles > c->removed_repeated + c->removed_zero_area;
+    }
+    for (uint32_t t = 0; t < x.v.mesh.triangle_count; t++)
+        if (!is_closed(&x.v, t)) origin_at(&x, t)->closed_after = 0;
+
     sum_up(out);
 done:
     if (r != VXS_OK) repair_report_free(out);

@@ -142,25 +142,6 @@ static void add_masked(depth_block *b, size_t t)
     b->masked.triangle[b->masked.count++] = (uint32_t)t;
 }
 
-static void gather_triangles(depth_block *b)
-{
-    block_context    *x = b->context;
-    const projection *c = &x->casters;
-    b->triangle_count = b->solid_count = b->vertex_count = b->masked.count = 0;
-    x->gather++;
-    for (size_t n = 0; n < x->candidate_count; n++) {
-        size_t t = x->candidates[n];
-        if (!texel_box_touches(&x->boxes[t], b->u0, b->v0, (int32_t)x->block_px)) continue;
-        if (t >= c->holed_first) {
-            add_masked(b, t);
-            continue;
-        }
-        for (int k = 0; k < 3; k++) b->indices[3 * (size_t)b->triangle_count + k] = block_vertex(b, c->indices[3 * t + k]);
-        b->triangles[b->triangle_count++] = (uint32_t)t;
-        b->solid_count += t < c->solid_triangle_count;
-    }
-}
-
 /* If solids do not intersect, their insides are disjoint: the nearest back face ends the inside that was entered first. */
 static int needs_peeling(const depth_block *b)
 {
@@ -186,31 +167,6 @@ static int touches_open_cell(const depth_block *b, const texel_box *box)
     return 0;
 }
 
-/* Of the block's solid triangles, keep those that may touch an open texel. */
-static void gather_open_triangles(depth_block *b)
-{
-    uint32_t kept = 0;
-    for (uint32_t n = 0; n < b->solid_count; n++) {
-        if (!touches_open_cell(b, &b->context->boxes[b->triangles[n]])) continue;
-        memmove(b->indices + 3 * (size_t)kept, b->indices + 3 * (size_t)n, 3 * sizeof *b->indices);
-        b->triangles[kept++] = b->triangles[n];
-    }
-    b->solid_count = b->triangle_count = kept;
-}
-
-static block_rect whole_block(const depth_block *b)
-{
-    return (block_rect){0, 0, b->context->block_px, b->context->block_px};
-}
-
-static void fill_empty(const depth_block *b)
-{
-    float far = b->context->order.sign * b->context->order.far_gl;
-    for (uint32_t row = 0; row < b->context->block_px; row++)
-        for (uint32_t n = 0; n < b->context->block_px; n++)
-            b->enter[(size_t)row * b->row_px + n] = b->exit[(size_t)row * b->row_px + n] = far;
-}
-
 int depth_block_start(depth_block *b, float *enter, float *exit, uint32_t row_px, int32_t u0, int32_t v0)
 {
     b->enter  = enter;
@@ -219,9 +175,25 @@ int depth_block_start(depth_block *b, float *enter, float *exit, uint32_t row_px
     b->u0     = u0;
     b->v0     = v0;
     b->pass   = 0;
-    b->open   = whole_block(b);
+    b->open   = (block_rect){0, 0, b->context->block_px, b->context->block_px};
     if (b->cell) memset(b->cell, CELL_OPEN, (size_t)b->context->cell_side * b->context->cell_side);
-    gather_triangles(b);
+
+    block_context    *x = b->context;
+    const projection *c = &x->casters;
+    b->triangle_count = b->solid_count = b->vertex_count = b->masked.count = 0;
+    x->gather++;
+    for (size_t n = 0; n < x->candidate_count; n++) {
+        size_t t = x->candidates[n];
+        if (!texel_box_touches(&x->boxes[t], b->u0, b->v0, (int32_t)x->block_px)) continue;
+        if (t >= c->holed_first) {
+            add_masked(b, t);
+            continue;
+        }
+        for (int k = 0; k < 3; k++) b->indices[3 * (size_t)b->triangle_count + k] = block_vertex(b, c->indices[3 * t + k]);
+        b->triangles[b->triangle_count++] = (uint32_t)t;
+        b->solid_count += t < c->solid_triangle_count;
+    }
+
     b->has_sheets = b->triangle_count > b->solid_count || b->masked.count;
     b->peels      = needs_peeling(b);
     if (b->triangle_count || b->masked.count) {
@@ -231,7 +203,10 @@ int depth_block_start(depth_block *b, float *enter, float *exit, uint32_t row_px
         return 1;
     }
     b->context->stats.blocks_empty++;
-    fill_empty(b);
+    float far = b->context->order.sign * b->context->order.far_gl;
+    for (uint32_t row = 0; row < b->context->block_px; row++)
+        for (uint32_t n = 0; n < b->context->block_px; n++)
+            b->enter[(size_t)row * b->row_px + n] = b->exit[(size_t)row * b->row_px + n] = far;
     return 0;
 }
 
@@ -279,14 +254,6 @@ static void draw_nearest(depth_block *b, GLuint depth, uint32_t first, uint32_t 
     gl->ClearBufferfv(GL_DEPTH, 0, &b->context->order.far_gl);
     gl->DepthFunc(b->context->order.nearer);
     draw(b, b->context->program_depth, first, count);
-}
-
-static void draw_sheets(depth_block *b)
-{
-    draw_nearest(b, b->texture_sheet, b->solid_count, b->triangle_count - b->solid_count);
-    holed_triangles_draw(&b->masked);
-    b->context->stats.triangles_drawn += b->masked.count;
-    b->context->gl->BindVertexArray(b->vertex_array);
 }
 
 /* Draw the nearest front faces, and the nearest back faces, which are the first layer. The nearer of the two is where a ray
@@ -354,7 +321,12 @@ void depth_block_issue(depth_block *b)
         draw_count(b);
         gl->Disable(GL_SCISSOR_TEST);
     } else {
-        if (b->has_sheets) draw_sheets(b);
+        if (b->has_sheets) {
+            draw_nearest(b, b->texture_sheet, b->solid_count, b->triangle_count - b->solid_count);
+            holed_triangles_draw(&b->masked);
+            b->context->stats.triangles_drawn += b->masked.count;
+            b->context->gl->BindVertexArray(b->vertex_array);
+        }
         if (b->solid_count) {
             draw_first_layers(b);
             if (b->peels) draw_count(b);
@@ -499,26 +471,30 @@ static void mix_sheets(const depth_block *b)
     }
 }
 
-/* There are only sheets, read into enter. */
-static void finish_sheets(const depth_block *b)
-{
-    uint32_t block_px = b->context->block_px;
-    for (uint32_t row = 0; row < block_px; row++) {
-        float *e = b->enter + (size_t)row * b->row_px;
-        for (uint32_t n = 0; n < block_px && b->context->casters.reversed; n++) e[n] = -e[n];
-        if (b->exit != b->enter) memcpy(b->exit + (size_t)row * b->row_px, e, block_px * sizeof *e);
-    }
-}
-
 int depth_block_resolve(depth_block *b)
 {
     depth_stats *stats = &b->context->stats;
     if (!b->pass && !b->solid_count) {
-        finish_sheets(b);
+        /* there are only sheets, read into enter */
+        uint32_t block_px = b->context->block_px;
+        for (uint32_t row = 0; row < block_px; row++) {
+            float *e = b->enter + (size_t)row * b->row_px;
+            for (uint32_t n = 0; n < block_px && b->context->casters.reversed; n++) e[n] = -e[n];
+            if (b->exit != b->enter) memcpy(b->exit + (size_t)row * b->row_px, e, block_px * sizeof *e);
+        }
+
         return 0;
     }
     if (resolve_layer(b)) {
-        gather_open_triangles(b);
+        /* keep only solid triangles that may touch an open texel */
+        uint32_t kept = 0;
+        for (uint32_t n = 0; n < b->solid_count; n++) {
+            if (!touches_open_cell(b, &b->context->boxes[b->triangles[n]])) continue;
+            memmove(b->indices + 3 * (size_t)kept, b->indices + 3 * (size_t)n, 3 * sizeof *b->indices);
+            b->triangles[kept++] = b->triangles[n];
+        }
+        b->solid_count = b->triangle_count = kept;
+
         b->pass++;
         return 1;
     }

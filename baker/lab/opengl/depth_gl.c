@@ -58,21 +58,6 @@ static vxs_result make_programs(block_context *x, message *m)
     return VXS_OK;
 }
 
-/* The context is shared with other renderers: set all state that one of them may have changed before rendering a tile. */
-static void set_state(const block_context *x)
-{
-    gl_context *gl = x->gl;
-    gl->BindFramebuffer(GL_FRAMEBUFFER, x->framebuffer);
-    gl->ProgramUniform1f(x->program_next, 0, x->order.sign);
-    gl->ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
-    gl->FrontFace(GL_CW); /* u, v and the light's direction are right-handed: the map is mirrored as seen from the light */
-    gl->Viewport(0, 0, (GLsizei)x->block_px, (GLsizei)x->block_px);
-    gl->PixelStorei(GL_PACK_ALIGNMENT, 1);
-    gl->Enable(GL_DEPTH_TEST);
-    gl->Enable(GL_DEPTH_CLAMP); /* casters before the near plane of a region still cast */
-    gl->BlendFunc(GL_ONE, GL_ONE);
-}
-
 static void bound_triangles(void *user, size_t begin, size_t end, uint32_t worker)
 {
     depth_renderer *r = user;
@@ -184,14 +169,6 @@ static int start_next(depth_block *lane, tile_blocks *t)
     return 0;
 }
 
-static void gather_candidates(block_context *x, const tile_blocks *t)
-{
-    x->candidate_count = 0;
-    for (size_t n = 0; n < x->casters.triangle_count; n++)
-        if (texel_box_touches(&x->boxes[n], (int32_t)t->u0, (int32_t)t->v0, (int32_t)t->maps->side_px))
-            x->candidates[x->candidate_count++] = (uint32_t)n;
-}
-
 /* Lanes alternate: while one is read and resolved, the rasterizer works on the other. */
 static void render_blocks(depth_renderer *r, tile_blocks *t)
 {
@@ -218,8 +195,23 @@ vxs_result depth_renderer_tile(depth_renderer *r, depth_maps *maps, uint32_t i, 
 {
     uint32_t    blocks = maps->side_px / r->context.block_px;
     tile_blocks t      = {.maps = maps, .u0 = i * maps->side_px, .v0 = j * maps->side_px, .count = blocks * blocks};
-    set_state(&r->context);
-    gather_candidates(&r->context, &t);
+
+    /* the context is shared with other renderers: set all state that one of them may have changed */
+    gl_context *gl = r->context.gl;
+    gl->BindFramebuffer(GL_FRAMEBUFFER, r->context.framebuffer);
+    gl->ProgramUniform1f(r->context.program_next, 0, r->context.order.sign);
+    gl->ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+    gl->FrontFace(GL_CW); /* u, v and the light's direction are right-handed: the map is mirrored as seen from the light */
+    gl->Viewport(0, 0, (GLsizei)r->context.block_px, (GLsizei)r->context.block_px);
+    gl->PixelStorei(GL_PACK_ALIGNMENT, 1);
+    gl->Enable(GL_DEPTH_TEST);
+    gl->Enable(GL_DEPTH_CLAMP); /* casters before the near plane of a region still cast */
+    gl->BlendFunc(GL_ONE, GL_ONE);
+
+    r->context.candidate_count = 0;
+    for (size_t n = 0; n < r->context.casters.triangle_count; n++)
+        if (texel_box_touches(&r->context.boxes[n], (int32_t)t.u0, (int32_t)t.v0, (int32_t)t.maps->side_px))
+            r->context.candidates[r->context.candidate_count++] = (uint32_t)n;
     render_blocks(r, &t);
     GLenum error = r->context.gl->GetError();
     if (error != GL_NO_ERROR) return fail(m, VXS_E_GL, "OpenGL failed while rendering depth maps (error 0x%04x)", error);
@@ -275,21 +267,19 @@ static void map_release(void *data, column_square *square)
     *square = (column_square){0};
 }
 
-static void add_stats(depth_stats *sum, depth_stats s)
-{
-    sum->blocks_rendered += s.blocks_rendered;
-    sum->blocks_empty += s.blocks_empty;
-    sum->blocks_peeled += s.blocks_peeled;
-    sum->blocks_not_peeled += s.blocks_not_peeled;
-    sum->triangles_drawn += s.triangles_drawn;
-    sum->peel_passes += s.peel_passes;
-    if (s.peel_passes_max > sum->peel_passes_max) sum->peel_passes_max = s.peel_passes_max;
-}
-
 static void map_close(void *data)
 {
     opengl_map *o = data;
-    if (o->renderer) add_stats(&o->owner->stats, depth_renderer_stats(o->renderer));
+    if (o->renderer) {
+        depth_stats s = depth_renderer_stats(o->renderer);
+        o->owner->stats.blocks_rendered += s.blocks_rendered;
+        o->owner->stats.blocks_empty += s.blocks_empty;
+        o->owner->stats.blocks_peeled += s.blocks_peeled;
+        o->owner->stats.blocks_not_peeled += s.blocks_not_peeled;
+        o->owner->stats.triangles_drawn += s.triangles_drawn;
+        o->owner->stats.peel_passes += s.peel_passes;
+        if (s.peel_passes_max > o->owner->stats.peel_passes_max) o->owner->stats.peel_passes_max = s.peel_passes_max;
+    }
     depth_renderer_destroy(o->renderer);
     opengl_columns_free(o->owner);
     o->owner->spare = o->maps;

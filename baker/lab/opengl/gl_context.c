@@ -163,12 +163,6 @@ vxs_result gl_context_create(gl_context **out, gl_backend backend, uint32_t thre
     return VXS_OK;
 }
 
-static void destroy_osmesa(gl_context *gl)
-{
-    osmesa o;
-    if (gl->handle && open_osmesa(&o, gl->library)) o.DestroyContext(gl->handle);
-}
-
 static void destroy_egl(gl_context *gl)
 {
     egl e;
@@ -183,8 +177,10 @@ void gl_context_destroy(gl_context *gl)
     if (!gl) return;
     if (gl->backend == GL_BACKEND_EGL)
         destroy_egl(gl);
-    else
-        destroy_osmesa(gl);
+    else {
+        osmesa o;
+        if (gl->handle && open_osmesa(&o, gl->library)) o.DestroyContext(gl->handle);
+    }
     free(gl); /* the library stays loaded: drivers may fail when unloaded */
 }
 

@@ -59,17 +59,6 @@ static const char fragment_text[] =
 
 /* images ---------------------------------------------------------------------------------------------------------------------- */
 
-static void upload_image(gl_context *gl, GLuint *texture, const alpha_image *image)
-{
-    GLsizei width = (GLsizei)image->width_px, height = (GLsizei)image->height_px;
-    gl->CreateTextures(GL_TEXTURE_2D, 1, texture);
-    gl->TextureStorage2D(*texture, 1, GL_R8, width, height);
-    gl->PixelStorei(GL_UNPACK_ALIGNMENT, 1);
-    gl->PixelStorei(GL_UNPACK_ROW_LENGTH, 0);
-    gl->TextureSubImage2D(*texture, 0, 0, 0, width, height, GL_RED, GL_UNSIGNED_BYTE, image->alpha);
-    gl->PixelStorei(GL_UNPACK_ALIGNMENT, 4);
-}
-
 vxs_result hole_images_init(hole_images *x, gl_context *gl, const casters *c, message *m)
 {
     *x = (hole_images){.gl = gl, .casters = c};
@@ -80,7 +69,16 @@ vxs_result hole_images_init(hole_images *x, gl_context *gl, const casters *c, me
         if (c->alpha_mask_first[n] == c->alpha_mask_first[n + 1]) continue;
         for (size_t same = 0; same < n && !x->textures[n]; same++)
             if (c->alpha_masks[same].image == c->alpha_masks[n].image) x->textures[n] = x->textures[same];
-        if (!x->textures[n]) upload_image(gl, &x->textures[n], &c->images[c->alpha_masks[n].image]);
+        if (!x->textures[n]) {
+            const alpha_image *image = &c->images[c->alpha_masks[n].image];
+            GLsizei            width = (GLsizei)image->width_px, height = (GLsizei)image->height_px;
+            gl->CreateTextures(GL_TEXTURE_2D, 1, &x->textures[n]);
+            gl->TextureStorage2D(x->textures[n], 1, GL_R8, width, height);
+            gl->PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+            gl->PixelStorei(GL_UNPACK_ROW_LENGTH, 0);
+            gl->TextureSubImage2D(x->textures[n], 0, 0, 0, width, height, GL_RED, GL_UNSIGNED_BYTE, image->alpha);
+            gl->PixelStorei(GL_UNPACK_ALIGNMENT, 4);
+        }
     }
     vxs_result r =
         gl_program(gl, &x->program, (const gl_text[]){{vertex_text, -1}, {0}}, (const gl_text[]){{fragment_text, -1}, {0}}, m);
@@ -131,14 +129,6 @@ void holed_triangles_free(holed_triangles *t)
     *t = (holed_triangles){0};
 }
 
-static void use_mask(const hole_images *x, size_t mask)
-{
-    const alpha_mask *a = &x->casters->alpha_masks[mask];
-    x->gl->BindTextureUnit(0, x->textures[mask]);
-    x->gl->ProgramUniform4i(x->program, 0, (GLint)a->wrap_u, (GLint)a->wrap_v, a->nearest, 0);
-    x->gl->ProgramUniform1f(x->program, 1, a->threshold);
-}
-
 void holed_triangles_draw(const holed_triangles *t)
 {
     if (!t->count) return;
@@ -153,7 +143,13 @@ void holed_triangles_draw(const holed_triangles *t)
         uint32_t end = begin;
         while (end < t->count && t->triangle[end] < first[mask + 1]) end++;
         if (end == begin) continue;
-        use_mask(t->images, mask);
+
+        const hole_images *x = t->images;
+        const alpha_mask  *a = &x->casters->alpha_masks[mask];
+        x->gl->BindTextureUnit(0, x->textures[mask]);
+        x->gl->ProgramUniform4i(x->program, 0, (GLint)a->wrap_u, (GLint)a->wrap_v, a->nearest, 0);
+        x->gl->ProgramUniform1f(x->program, 1, a->threshold);
+
         gl->DrawArrays(GL_TRIANGLES, (GLint)(begin * 3), (GLsizei)((end - begin) * 3));
         begin = end;
     }

@@ -68,13 +68,6 @@ static void shade(float *light, const uint16_t *depth, uint32_t side, double ris
         }
 }
 
-static void grey(uint8_t rgba[4], double lightness)
-{
-    uint8_t level = (uint8_t)(255 * fmin(1, fmax(0, lightness))) & 0xfc; /* fewer levels, smaller pages */
-    rgba[0] = rgba[1] = rgba[2] = level;
-    rgba[3]                     = 255;
-}
-
 /* Position and rotation of a cube's faces when it is unfolded into a cross, so that edges meet: +x, +z, -x and -z in a row, as
  * seen by the light with +y above. Axes are the light's own; its y is as upright as possible. */
 typedef enum turn { TURN_NONE, TURN_QUARTER, TURN_HALF, TURN_THREE_QUARTERS } turn;
@@ -87,16 +80,6 @@ typedef struct face_place {
 static const face_place cross_places[6] = {{0, 1, TURN_QUARTER},        {2, 1, TURN_HALF}, /* +x, -x */
                                            {1, 0, TURN_THREE_QUARTERS}, {1, 2, TURN_HALF}, /* +y, -y */
                                            {1, 1, TURN_HALF},           {3, 1, TURN_QUARTER}};
-
-/* The pixel of a map at (x, y) of its rotated picture. */
-static size_t turned_pixel(turn turned, uint32_t side, uint32_t x, uint32_t y)
-{
-    uint32_t u = x, v = y, last = side - 1;
-    if (turned == TURN_QUARTER) u = last - y, v = x;
-    if (turned == TURN_HALF) u = last - x, v = last - y;
-    if (turned == TURN_THREE_QUARTERS) u = y, v = last - x;
-    return (size_t)v * side + u;
-}
 
 /* A picture of all maps of a light: one map, or the cross of six. */
 typedef struct canvas {
@@ -112,7 +95,13 @@ static void draw(canvas *c, face_place place, const float *light, const uint16_t
     uint32_t side = p->side_px, wide = side / p->mask_px;
     for (uint32_t y = 0; y < side; y++)
         for (uint32_t x = 0; x < side; x++) {
-            size_t   n    = turned_pixel(place.turned, side, x, y);
+            /* the pixel of the map at (x, y) of its rotated picture */
+            uint32_t u = x, v = y, last = side - 1;
+            if (place.turned == TURN_QUARTER) u = last - y, v = x;
+            if (place.turned == TURN_HALF) u = last - x, v = last - y;
+            if (place.turned == TURN_THREE_QUARTERS) u = y, v = last - x;
+            size_t n = (size_t)v * side + u;
+
             uint8_t  runs = masks ? masks[n / side / wide * p->mask_px + n % side / wide] : 0;
             uint8_t *rgba = c->rgba + 4 * ((size_t)(place.row * side + y) * c->width_px + place.column * side + x);
             int class     = 0;
@@ -121,7 +110,10 @@ static void draw(canvas *c, face_place place, const float *light, const uint16_t
                 memcpy(rgba, mask_classes[class].colour, 3);
                 rgba[3] = 255;
             } else if (depth[n] != PICTURE_NO_CASTER) {
-                grey(rgba, masks ? 0.62 + 0.3 * light[n] : light[n]);
+                double  lightness = masks ? 0.62 + 0.3 * light[n] : light[n];
+                uint8_t level     = (uint8_t)(255 * fmin(1, fmax(0, lightness))) & 0xfc; /* fewer levels, smaller pages */
+                rgba[0] = rgba[1] = rgba[2] = level;
+                rgba[3]                     = 255;
             }
         }
 }

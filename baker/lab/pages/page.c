@@ -30,20 +30,6 @@ static void print_json(FILE *to, const char *json)
     for (size_t n; n = strcspn(json, "<"), fwrite(json, 1, n, to), json[n]; json += n + 1) fputs("\\u003c", to);
 }
 
-static void print_page(FILE *to, page_kind kind, const char *json)
-{
-    embedded script = kind == PAGE_BAKE ? bake_page_js : kind == PAGE_BENCH ? bench_page_js : volumes_page_js;
-    embedded_print(to, behind(page_html, "-->\n"));
-    print_json(to, json);
-    fputs("</script>\n<script>", to);
-    if (kind != PAGE_BAKE) embedded_print(to, chart_min_js);
-    fputs("</script>\n<script>", to);
-    embedded_print(to, behind(page_js, "*/\n"));
-    if (kind != PAGE_BAKE) embedded_print(to, behind(charts_js, "*/\n"));
-    embedded_print(to, behind(script, "*/\n"));
-    fputs("</script>\n</body>\n</html>\n", to);
-}
-
 vxs_result page_write(const char *path, page_kind kind, json_t *data, message *m)
 {
     char       *json = data ? json_print(data, JSON_COMPACT | JSON_REAL_PRECISION(9)) : NULL;
@@ -54,7 +40,19 @@ vxs_result page_write(const char *path, page_kind kind, json_t *data, message *m
         goto done;
     }
     if ((r = output_file_open(&out, path, m)) != VXS_OK) goto done;
-    print_page(out.stream, kind, json);
+
+    FILE    *to     = out.stream;
+    embedded script = kind == PAGE_BAKE ? bake_page_js : kind == PAGE_BENCH ? bench_page_js : volumes_page_js;
+    embedded_print(to, behind(page_html, "-->\n"));
+    print_json(to, json);
+    fputs("</script>\n<script>", to);
+    if (kind != PAGE_BAKE) embedded_print(to, chart_min_js);
+    fputs("</script>\n<script>", to);
+    embedded_print(to, behind(page_js, "*/\n"));
+    if (kind != PAGE_BAKE) embedded_print(to, behind(charts_js, "*/\n"));
+    embedded_print(to, behind(script, "*/\n"));
+    fputs("</script>\n</body>\n</html>\n", to);
+
     r = output_file_commit(&out, m);
 done:
     output_file_abort(&out);

@@ -37,29 +37,6 @@ vxs_air_light fog_air_light(const fog_light *light)
 
 enum { INTERVALS = 32 }; /* looked up at a time */
 
-/* Beyond its map, a sun is lit, and a lamp is not. */
-static void add_light(const vxs_medium *medium, const fog_light *light, const vxs_air_path *path, const double eye_ws[3],
-                      const double direction[3], double airlight[3])
-{
-    vxs_ray      ray = {.t_begin = path->begin, .t_end = path->end};
-    vxs_lit_walk walk;
-    vxs_interval found[INTERVALS];
-    size_t       count          = INTERVALS;
-    int          outside_is_lit = light->shape.kind == LIGHT_DIRECTIONAL;
-    memcpy(ray.origin_ws, eye_ws, sizeof ray.origin_ws);
-    memcpy(ray.direction_ws, direction, sizeof ray.direction_ws);
-    if (vxs_lit_begin(&walk, light->light, &ray) != VXS_OK) return;
-    while (count == INTERVALS) {
-        count = vxs_lit_next(&walk, found, INTERVALS);
-        for (size_t n = 0; n < count; n++) {
-            double lit[3];
-            if (found[n].state == VXS_INTERVAL_SHADOW || (found[n].state == VXS_INTERVAL_OUTSIDE && !outside_is_lit)) continue;
-            vxs_air_lit(medium, path, found[n].t_begin, found[n].t_end, lit);
-            for (int i = 0; i < 3; i++) airlight[i] += light->colour[i] * lit[i];
-        }
-    }
-}
-
 void fog_add_airlight(const fog_medium *f, const fog_light *lights, uint32_t light_count, const double eye_ws[3],
                       const double direction[3], double metres, double airlight[3])
 {
@@ -68,7 +45,26 @@ void fog_add_airlight(const fog_medium *f, const fog_light *lights, uint32_t lig
     for (uint32_t n = 0; n < light_count; n++) {
         vxs_air_light light = fog_air_light(&lights[n]);
         vxs_air_path  path  = vxs_air_path_of(&light, eye_ws, direction, metres, f->top_ws, in_fog);
-        if (path.end > path.begin) add_light(&medium, &lights[n], &path, eye_ws, direction, airlight);
+        if (path.end > path.begin) {
+            vxs_ray      ray = {.t_begin = path.begin, .t_end = path.end};
+            vxs_lit_walk walk;
+            vxs_interval found[INTERVALS];
+            size_t       count          = INTERVALS;
+            int          outside_is_lit = lights[n].shape.kind == LIGHT_DIRECTIONAL; /* beyond its map */
+            memcpy(ray.origin_ws, eye_ws, sizeof ray.origin_ws);
+            memcpy(ray.direction_ws, direction, sizeof ray.direction_ws);
+            if (vxs_lit_begin(&walk, lights[n].light, &ray) != VXS_OK) continue;
+            while (count == INTERVALS) {
+                count = vxs_lit_next(&walk, found, INTERVALS);
+                for (size_t k = 0; k < count; k++) {
+                    double lit[3];
+                    if (found[k].state == VXS_INTERVAL_SHADOW || (found[k].state == VXS_INTERVAL_OUTSIDE && !outside_is_lit))
+                        continue;
+                    vxs_air_lit(&medium, &path, found[k].t_begin, found[k].t_end, lit);
+                    for (int i = 0; i < 3; i++) airlight[i] += lights[n].colour[i] * lit[i];
+                }
+            }
+        }
     }
 }
 

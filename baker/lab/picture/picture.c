@@ -67,24 +67,21 @@ typedef struct view {
 
 /* the scene ------------------------------------------------------------------------------------------- */
 
-/* Distance from the eye to the box; 0 inside. */
-static double distance_to_box(const box *b, const double eye[3])
-{
-    double square = 0;
-    for (int i = 0; i < 3; i++) {
-        double outside = fmax(fmax(b->min[i] - eye[i], eye[i] - b->max[i]), 0);
-        square += outside * outside;
-    }
-    return sqrt(square);
-}
-
 static view make_view(const picture_options *o, const truth *t, const casters *c, uint8_t *rgb)
 {
-    box    b      = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
-    double size   = fmax(box_diagonal(&b), 1e-9);
-    view   v      = {.options = o, .truth = t, .rgb = rgb};
-    v.seen        = camera_view_of(&o->camera, (double)o->width_px / o->height_px);
-    v.near_metres = distance_to_box(&b, o->camera.eye_ws);
+    box    b    = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
+    double size = fmax(box_diagonal(&b), 1e-9);
+    view   v    = {.options = o, .truth = t, .rgb = rgb};
+    v.seen      = camera_view_of(&o->camera, (double)o->width_px / o->height_px);
+
+    /* haze begins at the box: 0 inside of it */
+    double square = 0;
+    for (int i = 0; i < 3; i++) {
+        double outside = fmax(fmax(b.min[i] - o->camera.eye_ws[i], o->camera.eye_ws[i] - b.max[i]), 0);
+        square += outside * outside;
+    }
+    v.near_metres = sqrt(square);
+
     v.haze_metres = 4 * size;
     v.sky_metres  = 0.03 * size;
     v.end_metres  = v.near_metres + 2 * size;
@@ -153,16 +150,6 @@ static double sun_light(const view *v, const double point_ws[3], const double no
 
 /* lamps ----------------------------------------------------------------------------------------------- */
 
-/* A random direction in a lamp's cone. */
-static void lamp_direction(const light_shape *s, rng *r, double direction[3])
-{
-    double a[3], b[3], sunk = rng_unit(r), turn = 2 * pi * rng_unit(r);
-    sunk *= s->kind == LIGHT_POINT ? 2 : 1 - cos(s->outer_rad);
-    double wide = sqrt(sunk * (2 - sunk));
-    frame_of(s->direction_ws, a, b);
-    for (int i = 0; i < 3; i++) direction[i] = wide * (cos(turn) * a[i] + sin(turn) * b[i]) + (1 - sunk) * s->direction_ws[i];
-}
-
 static lamp make_lamp(const view *v, const vxs_baked_light *light, double size)
 {
     lamp   l    = {.light = light, .shape = baked_light_shape(&light->light)};
@@ -171,7 +158,15 @@ static lamp make_lamp(const view *v, const vxs_baked_light *light, double size)
     int    hits = 0;
     for (int n = 0; n < LAMP_PROBES; n++) {
         double direction[3];
-        lamp_direction(&l.shape, &r, direction);
+
+        /* a random direction in the lamp's cone */
+        double a[3], b[3], sunk = rng_unit(&r), turn = 2 * pi * rng_unit(&r);
+        sunk *= l.shape.kind == LIGHT_POINT ? 2 : 1 - cos(l.shape.outer_rad);
+        double wide = sqrt(sunk * (2 - sunk));
+        frame_of(l.shape.direction_ws, a, b);
+        for (int i = 0; i < 3; i++)
+            direction[i] = wide * (cos(turn) * a[i] + sin(turn) * b[i]) + (1 - sunk) * l.shape.direction_ws[i];
+
         if (!truth_first_hit(v->truth, l.shape.position_ws, direction, &metres, NULL, NULL)) continue;
         sum += metres;
         hits++;
@@ -209,23 +204,6 @@ static double lamp_light(const view *v, const double point_ws[3], const double n
     return sum;
 }
 
-/* The point of a ray from the eye nearest to a lamp.
- * nearest, beside  [out] its distance along the ray, and from the lamp
- * Returns 0 when the lamp's reach does not include it. */
-static int pass_lamp(const view *v, const lamp *l, const double direction[3], double *begin, double *end, double *nearest,
-                     double *beside)
-{
-    double from[3];
-    vec3_sub(v->options->camera.eye_ws, l->shape.position_ws, from);
-    *nearest      = -vec3_dot(from, direction);
-    double across = fmax(0, vec3_dot(from, from) - *nearest * *nearest), half = l->reach_metres * l->reach_metres - across;
-    if (half <= 0) return 0;
-    *beside = fmax(sqrt(across), 1e-3 * l->usual_metres);
-    *begin  = fmax(0, *nearest - sqrt(half));
-    *end    = fmin(*end, *nearest + sqrt(half));
-    return *begin < *end;
-}
-
 /* Lamps' light that the air scatters along a ray. Lookups are at equal angles as seen from the lamp (Kulla and Fajardo,
  * "Importance Sampling Techniques for Path Tracing in Participating Media", EGSR 2012). */
 static double air_light(const view *v, const double direction[3], double metres, rng *r)
@@ -235,7 +213,18 @@ static double air_light(const view *v, const double direction[3], double metres,
     for (uint32_t n = 0; n < v->lamp_count; n++) {
         const lamp *l     = &v->lamps[n];
         double      begin = 0, end = metres, nearest, beside, first = rng_unit(r), to_lamp[3], point[3];
-        if (!pass_lamp(v, l, direction, &begin, &end, &nearest, &beside)) continue;
+
+        /* the part of the ray in the lamp's reach, its point nearest to the lamp, and the distance between them */
+        double from[3];
+        vec3_sub(v->options->camera.eye_ws, l->shape.position_ws, from);
+        nearest       = -vec3_dot(from, direction);
+        double across = fmax(0, vec3_dot(from, from) - nearest * nearest), half = l->reach_metres * l->reach_metres - across;
+        if (half <= 0) continue;
+        beside = fmax(sqrt(across), 1e-3 * l->usual_metres);
+        begin  = fmax(0, nearest - sqrt(half));
+        end    = fmin(end, nearest + sqrt(half));
+        if (!(begin < end)) continue;
+
         double low = atan((begin - nearest) / beside), step = (atan((end - nearest) / beside) - low) / AIR_STEPS;
         for (int i = 0; i < AIR_STEPS; i++) {
             double slope = tan(low + (i + first) * step), length = step * beside * (1 + slope * slope);
@@ -248,22 +237,6 @@ static double air_light(const view *v, const double direction[3], double metres,
         }
     }
     return sum;
-}
-
-/* Of suns and lamps, in fog. */
-static void light_in_fog(const view *v, const double point_ws[3], const double normal[3], double out[3])
-{
-    memset(out, 0, 3 * sizeof *out);
-    for (uint32_t n = 0; n < v->sun_count + v->lamp_count; n++) {
-        const fog_light *l = &v->fog_lights[n];
-        double           to_light[3], reaches[3];
-        fog_reaches(v->options->fog, l, point_ws, to_light, reaches);
-        double facing = vec3_dot(normal, to_light);
-        if (facing <= 0 || !(reaches[0] + reaches[1] + reaches[2] > 0)) continue;
-        double lit = (double)vxs_lookup(l->light, point_ws, normal, v->options->filter_px);
-        if (lit < 0) lit = l->shape.kind == LIGHT_DIRECTIONAL;
-        for (int i = 0; i < 3; i++) out[i] += facing * lit * reaches[i] * l->colour[i] / pi;
-    }
 }
 
 /* Light that comes to the eye along one ray, from the first surface. */
@@ -283,9 +256,19 @@ static int trace_surface(const view *v, const double direction[3], int sample, r
     truth_lift(v->truth, point, normal, lifted);
 
     double sky[3], light[3];
-    if (v->options->fog)
-        light_in_fog(v, point, normal, light);
-    else {
+    if (v->options->fog) {
+        memset(light, 0, 3 * sizeof *light);
+        for (uint32_t n = 0; n < v->sun_count + v->lamp_count; n++) {
+            const fog_light *l = &v->fog_lights[n];
+            double           to_light[3], reaches[3];
+            fog_reaches(v->options->fog, l, point, to_light, reaches);
+            double facing = vec3_dot(normal, to_light);
+            if (facing <= 0 || !(reaches[0] + reaches[1] + reaches[2] > 0)) continue;
+            double lit = (double)vxs_lookup(l->light, point, normal, v->options->filter_px);
+            if (lit < 0) lit = l->shape.kind == LIGHT_DIRECTIONAL;
+            for (int i = 0; i < 3; i++) light[i] += facing * lit * reaches[i] * l->colour[i] / pi;
+        }
+    } else {
         double sun = sun_light(v, point, normal), lamps = lamp_light(v, point, normal);
         for (int i = 0; i < 3; i++) light[i] = sun * sun_colour[i] + lamps * lamp_colour[i];
     }
@@ -295,27 +278,23 @@ static int trace_surface(const view *v, const double direction[3], int sample, r
     return 1;
 }
 
-/* Add the fog in front. It scatters the sky's light as if a tenth of the sky were seen from everywhere. */
-static void put_in_fog(const view *v, const double direction[3], double metres, double colour[3])
-{
-    const double      seen = 0.1;
-    const double     *eye  = v->options->camera.eye_ws;
-    const fog_medium *f    = v->options->fog;
-    double            left[3];
-    fog_left(f, eye, direction, metres, left);
-    for (int i = 0; i < 3; i++) {
-        double turned = f->extinction[i] > 0 ? f->scattering[i] / f->extinction[i] : 0;
-        colour[i]     = left[i] * colour[i] + (1 - left[i]) * turned * seen * v->day * sky_horizon[i];
-    }
-    fog_add_airlight(f, v->fog_lights, v->sun_count + v->lamp_count, eye, direction, metres, colour);
-}
-
 static void trace(const view *v, const double direction[3], int sample, rng *r, double out[3])
 {
     double distance;
     if (!trace_surface(v, direction, sample, r, &distance, out)) distance = v->options->fog ? v->end_metres : INFINITY;
     if (v->options->fog) {
-        put_in_fog(v, direction, distance, out);
+        /* fog scatters the sky's light as if a tenth of the sky were seen from everywhere */
+        const double      seen = 0.1;
+        const double     *eye  = v->options->camera.eye_ws;
+        const fog_medium *f    = v->options->fog;
+        double            left[3];
+        fog_left(f, eye, direction, distance, left);
+        for (int i = 0; i < 3; i++) {
+            double turned = f->extinction[i] > 0 ? f->scattering[i] / f->extinction[i] : 0;
+            out[i]        = left[i] * out[i] + (1 - left[i]) * turned * seen * v->day * sky_horizon[i];
+        }
+        fog_add_airlight(f, v->fog_lights, v->sun_count + v->lamp_count, eye, direction, distance, out);
+
         return;
     }
     double air = v->lamp_count ? air_light(v, direction, distance, r) : 0;
@@ -331,32 +310,29 @@ static double curve(double x)
     return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055;
 }
 
-static void render_pixel(const view *v, size_t index)
-{
-    const double           shown  = 0.80;
-    const picture_options *o      = v->options;
-    double                 sum[3] = {0};
-    for (int n = 0; n < SIDE_SAMPLES * SIDE_SAMPLES; n++) {
-        rng    r = rng_split(index, (uint64_t)n);
-        double x = (double)(index % o->width_px) + (n % SIDE_SAMPLES + 0.5) / SIDE_SAMPLES;
-        double y = (double)(index / o->width_px) + (n / SIDE_SAMPLES + 0.5) / SIDE_SAMPLES;
-        double direction[3], colour[3];
-        camera_direction(&v->seen, x / o->width_px, y / o->height_px, direction);
-        trace(v, direction, n, &r, colour);
-        for (int i = 0; i < 3; i++) sum[i] += colour[i] / (SIDE_SAMPLES * SIDE_SAMPLES);
-    }
-    for (size_t i = 0; i < 3; i++) {
-        double light          = shown * sum[i];
-        v->rgb[3 * index + i] = png_dithered(curve(light), (uint32_t)(index % o->width_px), (uint32_t)(index / o->width_px));
-        if (v->linear) v->linear[3 * index + i] = (float)light;
-    }
-}
-
 static void render_pixels(void *user, size_t begin, size_t end, uint32_t worker)
 {
     const view *v = user;
     (void)worker;
-    for (size_t n = begin; n < end; n++) render_pixel(v, n);
+    for (size_t n = begin; n < end; n++) {
+        const double           shown  = 0.80;
+        const picture_options *o      = v->options;
+        double                 sum[3] = {0};
+        for (int k = 0; k < SIDE_SAMPLES * SIDE_SAMPLES; k++) {
+            rng    r = rng_split(n, (uint64_t)k);
+            double x = (double)(n % o->width_px) + (k % SIDE_SAMPLES + 0.5) / SIDE_SAMPLES;
+            double y = (double)(n / o->width_px) + (k / SIDE_SAMPLES + 0.5) / SIDE_SAMPLES;
+            double direction[3], colour[3];
+            camera_direction(&v->seen, x / o->width_px, y / o->height_px, direction);
+            trace(v, direction, k, &r, colour);
+            for (int i = 0; i < 3; i++) sum[i] += colour[i] / (SIDE_SAMPLES * SIDE_SAMPLES);
+        }
+        for (size_t i = 0; i < 3; i++) {
+            double light      = shown * sum[i];
+            v->rgb[3 * n + i] = png_dithered(curve(light), (uint32_t)(n % o->width_px), (uint32_t)(n / o->width_px));
+            if (v->linear) v->linear[3 * n + i] = (float)light;
+        }
+    }
 }
 
 /* A matt surface reflects 1 / pi of the light that reaches it in each direction. So in fog, a light has pi times its colour on

@@ -32,17 +32,6 @@ static double luminance_of(const scene_area *a, const float *texel)
            0.0722 * (double)(a->radiance[2] * texel[2]);
 }
 
-/* The power that a parallelogram emits on its front: its area times the mean luminance. */
-static double area_power(const scene_area *a)
-{
-    static const float white[3] = {1, 1, 1};
-    size_t             texels   = (size_t)a->wide_px * a->high_px;
-    double             normal[3], sum = texels ? 0 : luminance_of(a, white);
-    for (size_t n = 0; n < texels; n++) sum += luminance_of(a, a->texture + 3 * n);
-    vec3_cross(a->across_ws, a->up_ws, normal);
-    return sqrt(vec3_dot(normal, normal)) * sum / (double)(texels ? texels : 1);
-}
-
 /* 1: no point of a ray from the eye is in front of it. */
 static int area_is_behind(const scene_area *a, const double eye_ws[3], const camera_view *seen, double far_metres)
 {
@@ -88,20 +77,6 @@ static void area_plan_share(const double *powers, area_share *shares, uint32_t c
 
 /* set-up ----------------------------------------------------------------------------------------------------------------------- */
 
-static void put_texture(area_pass *p, uint32_t n)
-{
-    static const float white[3] = {1, 1, 1};
-    const gl_context  *gl       = p->gl;
-    const scene_area  *a        = &p->options.lit.scene->areas[n];
-    GLsizei            wide = a->texture ? (GLsizei)a->wide_px : 1, high = a->texture ? (GLsizei)a->high_px : 1;
-    gl->CreateTextures(GL_TEXTURE_2D, 1, &p->textures[n]);
-    gl->TextureStorage2D(p->textures[n], 1, GL_RGBA32F, wide, high);
-    gl->TextureSubImage2D(p->textures[n], 0, 0, 0, wide, high, GL_RGB, GL_FLOAT, a->texture ? a->texture : white);
-    gl->TextureParameteri(p->textures[n], GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-    gl->TextureParameteri(p->textures[n], GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-    gl->TextureParameteri(p->textures[n], GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-}
-
 static vxs_area_rectangle rectangle_of(const area_pass *p, const scene_area *a, double exposure)
 {
     vxs_area_rectangle r = {.texture = a->texture, .wide_px = a->wide_px, .high_px = a->high_px};
@@ -129,16 +104,24 @@ static vxs_result place_lamps(const area_pass *p, double exposure, vxs_vpl *lamp
 
 static vxs_result make(area_pass *p, vxs_volumes *volumes, message *m)
 {
-    const scene *s = p->options.lit.scene;
-    vxs_vpl      dense[DENSE];
-    vxs_result   r;
+    static const float white[3] = {1, 1, 1};
+    const scene       *s        = p->options.lit.scene;
+    vxs_vpl            dense[DENSE];
+    vxs_result         r;
     p->powers   = calloc(p->count, sizeof *p->powers);
     p->shares   = calloc(p->count, sizeof *p->shares);
     p->next     = calloc(p->count, sizeof *p->next);
     p->textures = calloc(p->count, sizeof *p->textures);
     if (!p->powers || !p->shares || !p->next || !p->textures)
         return fail(m, VXS_E_MEMORY, "out of memory for %u area lights", p->count);
-    for (uint32_t n = 0; n < p->count; n++) p->powers[n] = area_power(&s->areas[n]);
+    for (uint32_t n = 0; n < p->count; n++) {
+        /* the power that is emitted on its front: its area times the mean luminance */
+        size_t texels = (size_t)s->areas[n].wide_px * s->areas[n].high_px;
+        double normal[3], sum = texels ? 0 : luminance_of(&s->areas[n], white);
+        for (size_t k = 0; k < texels; k++) sum += luminance_of(&s->areas[n], s->areas[n].texture + 3 * k);
+        vec3_cross(s->areas[n].across_ws, s->areas[n].up_ws, normal);
+        p->powers[n] = sqrt(vec3_dot(normal, normal)) * sum / (double)(texels ? texels : 1);
+    }
     vpl_pass_options lit = p->options.lit;
     area_plan        plan;
     area_plan_share(p->powers, p->shares, p->count, DENSE, &plan);
@@ -146,7 +129,17 @@ static vxs_result make(area_pass *p, vxs_volumes *volumes, message *m)
     lit.dense = dense;
     if ((r = vpl_pass_create(&p->lamps, &lit, p->gl, volumes, m)) != VXS_OK) return r;
     if ((r = gl_program_of(p->gl, &p->glow_program, glow_glsl, (gl_text){0}, m)) != VXS_OK) return r;
-    for (uint32_t n = 0; n < p->count; n++) put_texture(p, n);
+    for (uint32_t n = 0; n < p->count; n++) {
+        const gl_context *gl   = p->gl;
+        const scene_area *a    = &p->options.lit.scene->areas[n];
+        GLsizei           wide = a->texture ? (GLsizei)a->wide_px : 1, high = a->texture ? (GLsizei)a->high_px : 1;
+        gl->CreateTextures(GL_TEXTURE_2D, 1, &p->textures[n]);
+        gl->TextureStorage2D(p->textures[n], 1, GL_RGBA32F, wide, high);
+        gl->TextureSubImage2D(p->textures[n], 0, 0, 0, wide, high, GL_RGB, GL_FLOAT, a->texture ? a->texture : white);
+        gl->TextureParameteri(p->textures[n], GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+        gl->TextureParameteri(p->textures[n], GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+        gl->TextureParameteri(p->textures[n], GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    }
     return VXS_OK;
 }
 
@@ -199,22 +192,6 @@ static int is_shone_on(const void *pass, const vxs_capsule *c)
     return 0;
 }
 
-/* Set the virtual lights of all drawn area lights, their smoke and their shadow maps; again when something has moved. */
-static vxs_result cast(area_pass *p, double exposure)
-{
-    vxs_vpl    lamps[VXS_VPLS_MAX];
-    uint32_t   count;
-    vxs_result result = place_lamps(p, exposure, lamps, &count);
-    if (result == VXS_OK) result = vpl_pass_set(p->lamps, lamps, count, is_shone_on, p);
-    p->exposure = result == VXS_OK ? exposure : 0;
-    return result;
-}
-
-static int is_as_before(const area_pass *p, double exposure)
-{
-    return exposure == p->exposure && !memcmp(p->shares, p->next, p->count * sizeof *p->next);
-}
-
 vxs_result area_pass_draw(area_pass *p, const double eye_ws[3], const camera_view *seen, const double moved_ws[3],
                           double far_metres, unsigned normals, double exposure, area_plan *plan, message *m)
 {
@@ -223,9 +200,15 @@ vxs_result area_pass_draw(area_pass *p, const double eye_ws[3], const camera_vie
     for (uint32_t n = 0; n < p->count; n++)
         p->next[n].fate = area_is_behind(&p->options.lit.scene->areas[n], eye_ws, seen, far_metres) ? AREA_BEHIND : AREA_FAINT;
     area_plan_share(p->powers, p->next, p->count, p->options.lit.lamps, plan);
-    int same = is_as_before(p, exposure);
+    int same = exposure == p->exposure && !memcmp(p->shares, p->next, p->count * sizeof *p->next);
     memcpy(p->shares, p->next, p->count * sizeof *p->next);
-    if (plan->lamps && (moved || !same)) r = cast(p, exposure);
+    if (plan->lamps && (moved || !same)) {
+        vxs_vpl  lamps[VXS_VPLS_MAX];
+        uint32_t count;
+        r = place_lamps(p, exposure, lamps, &count);
+        if (r == VXS_OK) r = vpl_pass_set(p->lamps, lamps, count, is_shone_on, p);
+        p->exposure = r == VXS_OK ? exposure : 0;
+    }
     if (r == VXS_OK && plan->lamps) r = vpl_pass_draw(p->lamps, eye_ws, normals);
     return r == VXS_OK ? VXS_OK : fail(m, r, "area lights cannot be drawn: %s", vxs_result_text(r));
 }
@@ -240,15 +223,6 @@ static void set_vector(const gl_context *gl, GLuint program, const char *name, c
     gl->ProgramUniform3f(program, gl->GetUniformLocation(program, name), v[0], v[1], v[2]);
 }
 
-/* Whether the eye sees the emissive side. */
-static int is_seen(const scene_area *a, const double eye_ws[3])
-{
-    double normal[3], way[3];
-    vec3_cross(a->across_ws, a->up_ws, normal);
-    vec3_sub(eye_ws, a->corner_ws, way);
-    return vec3_dot(normal, way) > 0;
-}
-
 void area_pass_add_glow(const area_pass *p, const float clip_from_scene[16], unsigned depths, const double eye_ws[3],
                         double exposure)
 {
@@ -259,7 +233,10 @@ void area_pass_add_glow(const area_pass *p, const float clip_from_scene[16], uns
     gl->BindTextureUnit(0, depths);
     for (uint32_t n = 0; n < p->count; n++) {
         const scene_area *a = &p->options.lit.scene->areas[n];
-        if (!is_seen(a, eye_ws)) continue;
+        double            normal[3], way[3];
+        vec3_cross(a->across_ws, a->up_ws, normal);
+        vec3_sub(eye_ws, a->corner_ws, way);
+        if (!(vec3_dot(normal, way) > 0)) continue; /* the eye sees its back */
         vxs_area_rectangle r = rectangle_of(p, a, exposure);
         set_vector(gl, program, "corner", r.corner);
         set_vector(gl, program, "across", r.across);

@@ -51,22 +51,6 @@ static exr_result_t describe(exr_context_t file, uint32_t width_px, uint32_t hei
     return r == EXR_ERR_SUCCESS ? exr_write_header(file) : r;
 }
 
-/* A chunk of scan lines.   row  its first pixel */
-static exr_result_t write_chunk(exr_context_t file, exr_encode_pipeline_t *pipe, const exr_chunk_info_t *chunk, int is_first,
-                                const float *row, uint32_t width_px, const char *channels)
-{
-    const size_t count = strlen(channels), pixel_bytes = count * sizeof *row;
-    exr_result_t r = is_first ? exr_encoding_initialize(file, 0, chunk, pipe) : exr_encoding_update(file, 0, chunk, pipe);
-    for (int n = 0; n < pipe->channel_count && r == EXR_ERR_SUCCESS; n++) { /* in the order of their names */
-        exr_coding_channel_info_t *c = &pipe->channels[n];
-        c->encode_from_ptr           = (const uint8_t *)(row + (strchr(channels, c->channel_name[0]) - channels));
-        c->user_pixel_stride         = (int32_t)pixel_bytes;
-        c->user_line_stride          = (int32_t)(pixel_bytes * width_px);
-    }
-    if (r == EXR_ERR_SUCCESS && is_first) r = exr_encoding_choose_default_routines(file, 0, pipe);
-    return r == EXR_ERR_SUCCESS ? exr_encoding_run(file, 0, pipe) : r;
-}
-
 static exr_result_t write_chunks(exr_context_t file, const float *pixels, uint32_t width_px, uint32_t height_px,
                                  const char *channels)
 {
@@ -77,7 +61,19 @@ static exr_result_t write_chunks(exr_context_t file, const float *pixels, uint32
         exr_chunk_info_t chunk;
         const float     *row = pixels + (size_t)y * width_px * strlen(channels);
         r                    = exr_write_scanline_chunk_info(file, 0, (int)y, &chunk);
-        if (r == EXR_ERR_SUCCESS) r = write_chunk(file, &pipe, &chunk, y == 0, row, width_px, channels);
+        if (r == EXR_ERR_SUCCESS) {
+            int          is_first = y == 0;
+            const size_t count = strlen(channels), pixel_bytes = count * sizeof *row;
+            r = is_first ? exr_encoding_initialize(file, 0, &chunk, &pipe) : exr_encoding_update(file, 0, &chunk, &pipe);
+            for (int n = 0; n < pipe.channel_count && r == EXR_ERR_SUCCESS; n++) { /* in the order of their names */
+                exr_coding_channel_info_t *c = &pipe.channels[n];
+                c->encode_from_ptr           = (const uint8_t *)(row + (strchr(channels, c->channel_name[0]) - channels));
+                c->user_pixel_stride         = (int32_t)pixel_bytes;
+                c->user_line_stride          = (int32_t)(pixel_bytes * width_px);
+            }
+            if (r == EXR_ERR_SUCCESS && is_first) r = exr_encoding_choose_default_routines(file, 0, &pipe);
+            r = r == EXR_ERR_SUCCESS ? exr_encoding_run(file, 0, &pipe) : r;
+        }
     }
     exr_encoding_destroy(file, &pipe);
     return r;

@@ -155,18 +155,6 @@ void fog_pass_destroy(fog_pass *p)
     free(p);
 }
 
-/* meshes ----------------------------------------------------------------------------------------------------------------------- */
-
-/* The mesh extends to 16 scene sizes: rays end 2 sizes from the eye, and a path may move the eye by some sizes. */
-static vxs_result make_mesh(fog_pass *p, uint32_t light, message *m)
-{
-    const baked_mesh_options o = {
-        .light = light, .side_px = MESH_SIDE, .far_metres = 16 * p->options.size_metres, .error_texels = 1};
-    vxs_result result = baked_mesh_make(&p->meshes[light], &o, p->gl, p->shadows, p->volumes, m);
-    p->meshes_made += result == VXS_OK;
-    return result;
-}
-
 /* maps ------------------------------------------------------------------------------------------------------------------------- */
 
 /* Join the light's shadow depth map with those of moving casters: light ends at the first of them. */
@@ -187,52 +175,6 @@ double fog_pass_far_metres(const fog_pass *p)
     return 2 * p->options.size_metres;
 }
 
-/* The fog's top relative to the eye's height. */
-static vxs_volumes_frame frame_of(const fog_pass *p, const vxs_view *view, unsigned depths, const double eye_ws[3],
-                                  const double ambient[3])
-{
-    const fog_medium *medium = p->options.medium;
-    vxs_volumes_frame f      = {.anisotropy    = (float)medium->anisotropy,
-                                .top_metres    = (float)fmin(medium->top_ws - eye_ws[1], 1e30),
-                                .view          = *view,
-                                .far_metres    = (float)fog_pass_far_metres(p),
-                                .min_radiance  = (float)FOG_FAINTEST,
-                                .depth_texture = depths};
-    for (int n = 0; n < 3; n++) {
-        f.scattering[n] = (float)medium->scattering[n];
-        f.extinction[n] = (float)medium->extinction[n];
-        f.ambient[n]    = (float)ambient[n];
-    }
-    return f;
-}
-
-/* The plan of a light in the current frame. */
-static fog_light_plan plan_light(const fog_pass *p, const vxs_volumes_light *light)
-{
-    static const fog_fate fates[] = {[VXS_NOT_CULLED]       = FOG_DRAWN,
-                                     [VXS_CULLED_FAINT]     = FOG_FAINT,
-                                     [VXS_CULLED_OFFSCREEN] = FOG_OUT_OF_VIEW,
-                                     [VXS_CULLED_CLEAR]     = FOG_CLEAR};
-    vxs_pixels            pixels;
-    fog_fate              fate = fates[vxs_volumes_cull(p->volumes, light, &pixels)];
-    double                all  = (double)p->options.width * p->options.height;
-    return (fog_light_plan){
-        .fate = fate, .share = fate == FOG_DRAWN ? (double)pixels.wide_px * pixels.high_px / all : 0, .by = p->options.by};
-}
-
-/* Fall back to equiangular steps for lights that the requested method cannot draw correctly. If smoke dims the light, only
- * marches can: the other methods use closed forms. If casters move in it, intervals and meshes cannot: intervals come from the
- * file, and meshes are made once. */
-static void plan_steps(fog_light_plan *light, int is_dimmed, int meets_moving)
-{
-    int marches = light->by == FOG_BY_MARCH || light->by == FOG_BY_ANGLES, knows_moving = marches || light->by == FOG_BY_GRID;
-    if (is_dimmed && !marches)
-        light->why = "smoke dims it";
-    else if (meets_moving && !knows_moving)
-        light->why = "something moves in its light";
-    if (light->why) light->by = FOG_BY_ANGLES;
-}
-
 /* map  NULL: use the baked data */
 static vxs_result draw_light(fog_pass *p, const vxs_volumes_light *light, const vxs_shadow_depth_map *map, message *m)
 {
@@ -244,7 +186,13 @@ static vxs_result draw_light(fog_pass *p, const vxs_volumes_light *light, const 
     case FOG_BY_GRID: return vxs_volumes_grid(p->volumes, light, map, p->grid, 0);
     case FOG_BY_INTERVALS: break;
     case FOG_BY_MESH:
-        if (!p->meshes[n]) result = make_mesh(p, n, m);
+        if (!p->meshes[n]) {
+            /* the mesh extends to 16 scene sizes: rays end 2 sizes from the eye, and a path may move the eye by some sizes */
+            const baked_mesh_options o = {
+                .light = n, .side_px = MESH_SIDE, .far_metres = 16 * p->options.size_metres, .error_texels = 1};
+            result = baked_mesh_make(&p->meshes[n], &o, p->gl, p->shadows, p->volumes, m);
+            p->meshes_made += result == VXS_OK;
+        }
         return result == VXS_OK ? vxs_volumes_mesh(p->volumes, light, p->meshes[n]) : result;
     }
     return vxs_volumes_intervals_in_pieces(p->volumes, light);
@@ -290,12 +238,35 @@ static vxs_result add_light(fog_pass *p, vxs_volumes_light light, const moving_p
     vxs_moving_casters casters[MOVING_FACES];
     uint32_t           n = light.baked, caster_count = moving ? moving_pass_casters(moving, n, casters) : 0;
     vxs_result         result = VXS_OK;
-    p->lights[n]              = plan_light(p, &light);
+
+    static const fog_fate fates[] = {[VXS_NOT_CULLED]       = FOG_DRAWN,
+                                     [VXS_CULLED_FAINT]     = FOG_FAINT,
+                                     [VXS_CULLED_OFFSCREEN] = FOG_OUT_OF_VIEW,
+                                     [VXS_CULLED_CLEAR]     = FOG_CLEAR};
+    vxs_pixels            pixels;
+    fog_fate              fate = fates[vxs_volumes_cull(p->volumes, &light, &pixels)];
+    double                all  = (double)p->options.width * p->options.height;
+    p->lights[n]               = (fog_light_plan){
+                      .fate = fate, .share = fate == FOG_DRAWN ? (double)pixels.wide_px * pixels.high_px / all : 0, .by = p->options.by};
+
     plan->lights[p->lights[n].fate]++;
     if (p->lights[n].fate != FOG_DRAWN) return VXS_OK;
     p->last     = n;
     light.smoke = smoke ? smoke_pass_map(smoke, n) : NULL;
-    plan_steps(&p->lights[n], light.smoke || (p->options.baked_smoke && p->options.baked_smoke[n]), caster_count > 0);
+
+    /* fall back to equiangular steps for lights that the requested method cannot draw correctly: if smoke dims the light, only
+     * marches can, since the other methods use closed forms; if casters move in it, intervals and meshes cannot, since they are
+     * of the file alone */
+    int is_dimmed    = light.smoke || (p->options.baked_smoke && p->options.baked_smoke[n]);
+    int meets_moving = caster_count > 0;
+    int marches      = p->lights[n].by == FOG_BY_MARCH || p->lights[n].by == FOG_BY_ANGLES,
+        knows_moving = marches || p->lights[n].by == FOG_BY_GRID;
+    if (is_dimmed && !marches)
+        p->lights[n].why = "smoke dims it";
+    else if (meets_moving && !knows_moving)
+        p->lights[n].why = "something moves in its light";
+    if (p->lights[n].why) p->lights[n].by = FOG_BY_ANGLES;
+
     if (caster_count) {
         plan->light_maps++;
         result = join_map(p, n, casters, caster_count);
@@ -307,8 +278,20 @@ static vxs_result add_light(fog_pass *p, vxs_volumes_light light, const moving_p
 vxs_result fog_pass_begin(fog_pass *p, const vxs_view *view, unsigned depths, const double eye_ws[3], const double ambient[3],
                           message *m)
 {
-    vxs_volumes_frame frame  = frame_of(p, view, depths, eye_ws, ambient);
-    vxs_result        result = vxs_volumes_begin(p->volumes, &frame);
+    const fog_medium *medium = p->options.medium;
+    vxs_volumes_frame frame  = {.anisotropy    = (float)medium->anisotropy,
+                                .top_metres    = (float)fmin(medium->top_ws - eye_ws[1], 1e30),
+                                .view          = *view,
+                                .far_metres    = (float)fog_pass_far_metres(p),
+                                .min_radiance  = (float)FOG_FAINTEST,
+                                .depth_texture = depths};
+    for (int n = 0; n < 3; n++) {
+        frame.scattering[n] = (float)medium->scattering[n];
+        frame.extinction[n] = (float)medium->extinction[n];
+        frame.ambient[n]    = (float)ambient[n];
+    }
+
+    vxs_result result = vxs_volumes_begin(p->volumes, &frame);
     return result == VXS_OK ? VXS_OK : fail(m, result, "fog cannot be drawn: %s", vxs_result_text(result));
 }
 

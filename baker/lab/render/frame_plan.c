@@ -132,16 +132,6 @@ static const char *const smoke_fate_names[SMOKE_FATES] = {"dims", "out_of_reach"
 static const char *const smoke_fate_texts[SMOKE_FATES] = {"dimmed", "out of its reach", "out of view",
                                                           "without a map, for all are taken"};
 
-static void print_smoke_light(FILE *to, const smoke_light_plan *light, uint32_t side_px, const char *light_name)
-{
-    char name[VXS_LIGHT_NAME_BYTES];
-    one_line(strcpy(name, light_name));
-    if (light->fate == SMOKE_DIMS)
-        fprintf(to, "light %s: smoke by %u x %u curves, of %u segments\n", name, side_px, side_px, light->segments);
-    else
-        fprintf(to, "light %s: no smoke: %s\n", name, smoke_fate_texts[light->fate]);
-}
-
 void smoke_plan_print(FILE *to, const smoke_plan *plan, uint32_t capsules, uint32_t side_px, const smoke_light_plan *lights,
                       const vxs_baked_light *const *names, uint32_t light_count, int verbose)
 {
@@ -149,7 +139,14 @@ void smoke_plan_print(FILE *to, const smoke_plan *plan, uint32_t capsules, uint3
     for (int n = 0, listed = 0; n < SMOKE_FATES; n++)
         if (plan->lights[n]) fprintf(to, "%s%u %s", listed++ ? ", " : "", plan->lights[n], smoke_fate_texts[n]);
     fputc('\n', to);
-    for (uint32_t n = 0; n < light_count && verbose; n++) print_smoke_light(to, &lights[n], side_px, names[n]->light.name);
+    for (uint32_t n = 0; n < light_count && verbose; n++) {
+        char name[VXS_LIGHT_NAME_BYTES];
+        one_line(strcpy(name, names[n]->light.name));
+        if (lights[n].fate == SMOKE_DIMS)
+            fprintf(to, "light %s: smoke by %u x %u curves, of %u segments\n", name, side_px, side_px, lights[n].segments);
+        else
+            fprintf(to, "light %s: no smoke: %s\n", name, smoke_fate_texts[lights[n].fate]);
+    }
 }
 
 json_t *smoke_plan_counts(const smoke_plan *plan)

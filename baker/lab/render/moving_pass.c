@@ -51,17 +51,6 @@ static void add_row(double row[4], const double other[4], double scale)
     for (int n = 0; n < 4; n++) row[n] += scale * other[n];
 }
 
-static moving_view parallel_view(const double way[3], const double middle[3], double radius)
-{
-    moving_view v = {.rows[3] = {0, 0, 0, 1}, .texel = 2 * radius / SIDE_PX};
-    double      right[3], up[3];
-    vec3_across(way, right, up);
-    set_row(v.rows[0], right, 0.5 / radius, middle, 0.5);
-    set_row(v.rows[1], up, 0.5 / radius, middle, 0.5);
-    set_row(v.rows[2], way, 0.5 / radius, middle, 0.5);
-    return v;
-}
-
 static moving_view perspective_view(const double place[3], const double forward[3], double half_wide, double near, double far)
 {
     moving_view v = {.texel = 2 * half_wide / SIDE_PX};
@@ -84,7 +73,14 @@ static uint32_t views_of(const vxs_light *light, const double middle[3], double 
     const double *place = shape.position_ws;
     double        way[3], forward[3];
     if (shape.kind == LIGHT_DIRECTIONAL) {
-        views[0] = parallel_view(light->direction_ws, middle, radius);
+        moving_view v = {.rows[3] = {0, 0, 0, 1}, .texel = 2 * radius / SIDE_PX};
+        double      right[3], up[3];
+        vec3_across(light->direction_ws, right, up);
+        set_row(v.rows[0], right, 0.5 / radius, middle, 0.5);
+        set_row(v.rows[1], up, 0.5 / radius, middle, 0.5);
+        set_row(v.rows[2], light->direction_ws, 0.5 / radius, middle, 0.5);
+        views[0] = v;
+
         return 1;
     }
     vec3_sub(middle, place, way);
@@ -180,18 +176,6 @@ static void set_matrix(const moving_view *v, const double from_ws[3], int is_cli
     }
 }
 
-static void draw_view(const moving_pass *p, uint32_t map, GLuint program, const moving_view *v)
-{
-    const gl_context *gl       = p->gl;
-    const float       farthest = 1;
-    float             matrix[16];
-    set_matrix(v, p->mesh.middle_ws, 1, matrix);
-    gl->BindFramebuffer(GL_FRAMEBUFFER, p->frames[map]);
-    gl->ClearBufferfv(GL_DEPTH, 0, &farthest);
-    gl->ProgramUniformMatrix4fv(program, gl->GetUniformLocation(program, "clip_from_scene"), 1, GL_FALSE, matrix);
-    surface_mesh_draw(&p->mesh, gl, program);
-}
-
 static void draw_light(moving_pass *p, uint32_t light, GLuint program, const double eye_ws[3], moving_plan *plan)
 {
     moving_view views[MOVING_FACES];
@@ -205,7 +189,17 @@ static void draw_light(moving_pass *p, uint32_t light, GLuint program, const dou
     plan->lights += count > 0;
     for (uint32_t n = 0; n < count; n++) {
         shader_view *to = &p->block->views[plan->maps];
-        draw_view(p, plan->maps++, program, &views[n]);
+
+        uint32_t          map      = plan->maps++;
+        const gl_context *gl       = p->gl;
+        const float       farthest = 1;
+        float             matrix[16];
+        set_matrix(&views[n], p->mesh.middle_ws, 1, matrix);
+        gl->BindFramebuffer(GL_FRAMEBUFFER, p->frames[map]);
+        gl->ClearBufferfv(GL_DEPTH, 0, &farthest);
+        gl->ProgramUniformMatrix4fv(program, gl->GetUniformLocation(program, "clip_from_scene"), 1, GL_FALSE, matrix);
+        surface_mesh_draw(&p->mesh, gl, program);
+
         set_matrix(&views[n], eye_ws, 0, to->depth_from_point);
         to->texel[0] = (float)views[n].texel;
     }

@@ -97,7 +97,8 @@ static vxs_result write_pass(const passes *p, const char *name, const float *flo
 
 /* surfaces and light ----------------------------------------------------------------------------------------------------------- */
 
-static vxs_result write_depth(passes *p, message *m)
+/* Depth, normal and albedo. */
+static vxs_result write_surfaces(passes *p, message *m)
 {
     float near = INFINITY, far = 0;
     for (size_t n = 0; n < p->count; n++) {
@@ -107,19 +108,13 @@ static vxs_result write_depth(passes *p, message *m)
     for (size_t n = 0; n < p->count; n++)
         set_grey(p->rgb + 3 * n,
                  p->depths[n] > 0 && far > near ? 1 - 0.9 * (log((double)p->depths[n] / near) / log((double)far / near)) : 0);
-    return write_pass(p, "depth", p->depths, "Z", m);
-}
+    vxs_result r = write_pass(p, "depth", p->depths, "Z", m);
 
-static vxs_result write_normal(passes *p, message *m)
-{
     for (size_t n = 0; n < 3 * p->count; n++) p->rgb[n] = p->depths[n / 3] > 0 ? byte_of(0.5 + 0.5 * (double)p->normals[n]) : 0;
-    return write_pass(p, "normal", p->normals, "XYZ", m);
-}
+    if (r == VXS_OK) r = write_pass(p, "normal", p->normals, "XYZ", m);
 
-static vxs_result write_albedo(passes *p, message *m)
-{
     for (size_t n = 0; n < 3 * p->count; n++) p->rgb[n] = p->depths[n / 3] > 0 ? byte_of(curve((double)p->albedos[n])) : 0;
-    return write_pass(p, "albedo", p->albedos, "RGB", m);
+    return r == VXS_OK ? write_pass(p, "albedo", p->albedos, "RGB", m) : r;
 }
 
 static vxs_result write_light(passes *p, message *m)
@@ -227,32 +222,25 @@ typedef struct asked_light {
     light_shape      shape;
 } asked_light;
 
-static int faces(const asked_light *a, const double place_ws[3], const double normal[3])
-{
-    double to_light[3];
-    for (int k = 0; k < 3; k++)
-        to_light[k] = a->shape.kind == LIGHT_DIRECTIONAL ? -a->shape.direction_ws[k] : a->shape.position_ws[k] - place_ws[k];
-    return vec3_dot(to_light, normal) > 0;
-}
-
-static void trace_sample(const asked_light *a, size_t n)
-{
-    passes *p = a->passes;
-    double  place_ws[3], normal[3] = {(double)p->normals[3 * n], (double)p->normals[3 * n + 1], (double)p->normals[3 * n + 2]};
-    if (!(p->lit[n] >= 0)) return;
-    renderer_place(p->renderer, (uint32_t)(n % p->width), (uint32_t)(n / p->width), p->depths[n], place_ws);
-    if (!faces(a, place_ws, normal)) return;
-    filter_taps taps = filter_taps_of(a->light, place_ws, normal, p->filter_px);
-    if (taps.map < 0) return;
-    p->true_sum[n] += (float)truth_filtered(p->truth, a->light, &a->shape, &taps);
-    p->sum[n] += p->lit[n];
-    p->reached[n] += 1;
-}
-
 static void trace_samples(void *user, size_t begin, size_t end, uint32_t worker)
 {
     (void)worker;
-    for (size_t n = begin; n < end; n++) trace_sample(user, n);
+    for (size_t n = begin; n < end; n++) {
+        const asked_light *a = user;
+        passes            *p = a->passes;
+        double place_ws[3], normal[3] = {(double)p->normals[3 * n], (double)p->normals[3 * n + 1], (double)p->normals[3 * n + 2]};
+        if (!(p->lit[n] >= 0)) continue;
+        renderer_place(p->renderer, (uint32_t)(n % p->width), (uint32_t)(n / p->width), p->depths[n], place_ws);
+        double to_light[3];
+        for (int k = 0; k < 3; k++)
+            to_light[k] = a->shape.kind == LIGHT_DIRECTIONAL ? -a->shape.direction_ws[k] : a->shape.position_ws[k] - place_ws[k];
+        if (!(vec3_dot(to_light, normal) > 0)) continue;
+        filter_taps taps = filter_taps_of(a->light, place_ws, normal, p->filter_px);
+        if (taps.map < 0) continue;
+        p->true_sum[n] += (float)truth_filtered(p->truth, a->light, &a->shape, &taps);
+        p->sum[n] += p->lit[n];
+        p->reached[n] += 1;
+    }
 }
 
 /* The same for one light. */
@@ -366,9 +354,7 @@ vxs_result render_passes(renderer *drawn, const char *folder, const vxs_baked_li
     renderer_size(drawn, &p.width, &p.height);
     p.count      = (size_t)p.width * p.height;
     vxs_result r = take(&p, m);
-    if (r == VXS_OK) r = write_depth(&p, m);
-    if (r == VXS_OK) r = write_normal(&p, m);
-    if (r == VXS_OK) r = write_albedo(&p, m);
+    if (r == VXS_OK) r = write_surfaces(&p, m);
     if (r == VXS_OK) r = write_light(&p, m);
     if (r == VXS_OK) r = write_lights(&p, m);
     if (r == VXS_OK && renderer_areas(drawn)) r = write_linear(&p, "area", renderer_read_area, 1 / pi, m);

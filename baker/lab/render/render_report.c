@@ -197,13 +197,6 @@ json_t *render_report_json(const render_report *r)
     return o;
 }
 
-static void write_stream_names(FILE *to, const render_report *r)
-{
-    stream_number n[STREAM_NUMBERS];
-    stream_numbers(&r->frames[0], n);
-    for (int k = 0; k < STREAM_NUMBERS; k++) fprintf(to, ",%s", n[k].name);
-}
-
 static void write_stream_numbers(FILE *to, const drawn_frame *d)
 {
     stream_number n[STREAM_NUMBERS];
@@ -220,7 +213,12 @@ vxs_result render_report_csv(const render_report *r, const char *path, message *
     for (int n = 0; n < RENDER_STAGES; n++)
         if (has_stage(r, n)) fprintf(out.stream, ",%s_ms", render_stage_names[n]);
     fputs(",total_ms,surface_samples,lights_per_sample,longest_list", out.stream);
-    if (r->budget_bytes) write_stream_names(out.stream, r);
+    if (r->budget_bytes) {
+        FILE         *to = out.stream;
+        stream_number n[STREAM_NUMBERS];
+        stream_numbers(&r->frames[0], n);
+        for (int k = 0; k < STREAM_NUMBERS; k++) fprintf(to, ",%s", n[k].name);
+    }
     fputc('\n', out.stream);
     for (size_t n = 0; n < r->frame_count; n++) {
         const drawn_frame *d = &r->frames[n];
@@ -274,18 +272,6 @@ static double below(const render_frame *f, int stage)
     return sum;
 }
 
-static void plot_stage(FILE *to, const render_report *r, int stage, double most)
-{
-    fprintf(to, "<polygon fill=\"%s\" points=\"", plot_colours[stage]);
-    for (size_t n = 0; n < r->frame_count; n++)
-        fprintf(to, "%.1f,%.1f ", x_of(r, n), y_of(fmin(most, below(&r->frames[n].frame, stage + 1)), most));
-    for (size_t n = r->frame_count; n-- > 0;)
-        fprintf(to, "%.1f,%.1f ", x_of(r, n), y_of(fmin(most, below(&r->frames[n].frame, stage)), most));
-    fprintf(to, "\"/>\n<rect x=\"%d\" y=\"%d\" width=\"12\" height=\"12\" fill=\"%s\"/><text x=\"%d\" y=\"%d\">%s</text>\n",
-            PLOT_WIDE - RIGHT + 20, TOP + 22 * (RENDER_STAGES - 1 - stage), plot_colours[stage], PLOT_WIDE - RIGHT + 38,
-            TOP + 11 + 22 * (RENDER_STAGES - 1 - stage), render_stage_names[stage]);
-}
-
 /* Uploaded bytes of each frame but the first as bars; the share of samples that are answered in full as a line. */
 static void plot_stream(FILE *to, const render_report *r)
 {
@@ -325,7 +311,17 @@ vxs_result render_report_plot(const render_report *r, const char *path, message 
             PLOT_WIDE, high);
     fprintf(out.stream, "<rect width=\"%d\" height=\"%d\" fill=\"white\"/>\n", PLOT_WIDE, high);
     for (int n = 0; n < RENDER_STAGES; n++)
-        if (has_stage(r, n)) plot_stage(out.stream, r, n, most);
+        if (has_stage(r, n)) {
+            FILE *to = out.stream;
+            fprintf(to, "<polygon fill=\"%s\" points=\"", plot_colours[n]);
+            for (size_t k = 0; k < r->frame_count; k++)
+                fprintf(to, "%.1f,%.1f ", x_of(r, k), y_of(fmin(most, below(&r->frames[k].frame, n + 1)), most));
+            for (size_t k = r->frame_count; k-- > 0;)
+                fprintf(to, "%.1f,%.1f ", x_of(r, k), y_of(fmin(most, below(&r->frames[k].frame, n)), most));
+            fprintf(to, "\"/>\n<rect x=\"%d\" y=\"%d\" width=\"12\" height=\"12\" fill=\"%s\"/><text x=\"%d\" y=\"%d\">%s</text>\n",
+                    PLOT_WIDE - RIGHT + 20, TOP + 22 * (RENDER_STAGES - 1 - n), plot_colours[n], PLOT_WIDE - RIGHT + 38,
+                    TOP + 11 + 22 * (RENDER_STAGES - 1 - n), render_stage_names[n]);
+        }
     for (double ms = 0, step = step_for(most); ms <= most; ms += step)
         fprintf(out.stream, "<path stroke=\"#ccc\" d=\"M%d %.1fH%d\"/><text x=\"%d\" y=\"%.1f\" text-anchor=\"end\">%g</text>\n",
                 LEFT, y_of(ms, most), PLOT_WIDE - RIGHT, LEFT - 6, y_of(ms, most) + 4, ms);

@@ -15,6 +15,8 @@ EMBEDDED(tone_frag_glsl)
 
 static const double pi = 3.14159265358979324;
 
+/* programs --------------------------------------------------------------------------------------------------------------------- */
+
 static vxs_result make_programs(renderer *r, message *m)
 {
     const gl_text version = {"#version 450 core\n", -1}, tone = gl_embedded(tone_frag_glsl);
@@ -190,12 +192,6 @@ static vxs_result make_sky(renderer *r, const scene *s, message *m)
     return sky_pass_create(&r->sky, &o, r->gl, fog_pass_volumes(r->fog), m);
 }
 
-static vxs_result make_moving(renderer *r, const vxs_baked_light *const *lights, message *m)
-{
-    const scene *moving = r->options.moving;
-    return moving ? moving_pass_create(&r->moving, r->gl, moving, lights, r->light_count, m) : VXS_OK;
-}
-
 static vxs_result make_smoke(renderer *r, const scene *s, const vxs_baked_light *const *lights, message *m)
 {
     const smoke_pass_options o      = {.smoke       = &s->smoke,
@@ -222,7 +218,9 @@ static vxs_result make(renderer *r, const scene *s, const vxs_baked_light *const
     if ((result = surface_mesh_make(&r->mesh, r->gl, s, m)) != VXS_OK) return result;
     if ((result = put_colours(r, s, lights, m)) != VXS_OK) return result;
     if ((result = put_shadows(r, lights, m)) != VXS_OK) return result;
-    if ((result = make_moving(r, lights, m)) != VXS_OK) return result;
+    if (r->options.moving &&
+        (result = moving_pass_create(&r->moving, r->gl, r->options.moving, lights, r->light_count, m)) != VXS_OK)
+        return result;
     if (is_airy && (result = make_fog(r, m)) != VXS_OK) return result;
     if (shines && (result = make_areas(r, s, m)) != VXS_OK) return result;
     if (r->options.sky && (result = make_sky(r, s, m)) != VXS_OK) return result;

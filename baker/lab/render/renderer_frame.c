@@ -174,58 +174,6 @@ static int brighter(const void *a, const void *b)
     return x < y ? -1 : x > y;
 }
 
-/* The exposure for which the brightest tenth of lit samples begins near white. */
-static double exposure_of(const float *light, const float *albedos, size_t count, double stops)
-{
-    const double white = 0.8, share = 0.9;
-    size_t       lit    = 0;
-    float       *bright = malloc((count + 1) * sizeof *bright);
-    double       value  = 0;
-    for (size_t n = 0; bright && n < count; n++) {
-        const float *c = light + 4 * n, *a = albedos + 3 * n;
-        bright[lit] = 0.2126f * a[0] * c[0] + 0.7152f * a[1] * c[1] + 0.0722f * a[2] * c[2];
-        lit += bright[lit] > 0;
-    }
-    if (lit) {
-        qsort(bright, lit, sizeof *bright, brighter);
-        value = (double)bright[(size_t)(share * (double)(lit - 1))];
-    }
-    free(bright);
-    return (value > 0 ? white / value : 1) * exp2(stops);
-}
-
-static vxs_result choose_exposure(renderer *r, message *m)
-{
-    size_t     count = (size_t)r->width * r->height;
-    float     *light = malloc(4 * count * sizeof *light), *albedos = malloc(3 * count * sizeof *albedos);
-    vxs_result result = light && albedos
-                            ? renderer_read(r, NULL, NULL, albedos, light, m)
-                            : fail(m, VXS_E_MEMORY, "out of memory for a picture of %u x %u samples", r->width, r->height);
-    if (result == VXS_OK) r->exposure = exposure_of(light, albedos, count, r->options.stops);
-    free(light);
-    free(albedos);
-    return result;
-}
-
-/* Count the lights that samples look up, and the lengths of lists. */
-static vxs_result count_lights(renderer *r, render_frame *frame, message *m)
-{
-    size_t     count  = (size_t)r->width * r->height;
-    float     *depths = malloc(count * sizeof *depths), *light = malloc(4 * count * sizeof *light);
-    vxs_result result = depths && light
-                            ? renderer_read(r, depths, NULL, NULL, light, m)
-                            : fail(m, VXS_E_MEMORY, "out of memory for a picture of %u x %u samples", r->width, r->height);
-    for (size_t n = 0; result == VXS_OK && n < count; n++) {
-        uint32_t asked = (uint32_t)light[4 * n + 3];
-        frame->surface_pixels += depths[n] > 0;
-        frame->asked_lights += asked;
-        if (renderer_culls(r) && asked > frame->longest_list) frame->longest_list = asked;
-    }
-    free(depths);
-    free(light);
-    return result;
-}
-
 /* Count the samples that are answered in full. */
 static vxs_result count_full(renderer *r, render_frame *frame, message *m)
 {
@@ -245,13 +193,6 @@ static void upload(renderer *r, render_frame *frame)
     frame->waiting_bytes  = vxs_gl_upload(r->shadows, slice);
     frame->uploaded_bytes = vxs_gl_uploaded_bytes(r->shadows) - r->uploaded_bytes;
     r->uploaded_bytes += frame->uploaded_bytes;
-}
-
-static void cast_moving(renderer *r, moving_plan *plan)
-{
-    double by_ws[3];
-    for (int n = 0; n < 3; n++) by_ws[n] = r->frames_drawn * r->options.moving_by_ws[n];
-    moving_pass_cast(r->moving, r->surface_program, by_ws, r->camera.eye_ws, plan);
 }
 
 static double finished(const gl_context *gl)
@@ -293,7 +234,32 @@ static vxs_result light_exposed(renderer *r, render_frame *frame, double *since,
     vxs_result result = light_surfaces(r, frame, since, m);
     r->is_clear       = 0;
     if (result != VXS_OK || !is_first) return result;
-    result = choose_exposure(r, m);
+
+    size_t count = (size_t)r->width * r->height;
+    float *light = malloc(4 * count * sizeof *light), *albedos = malloc(3 * count * sizeof *albedos);
+    result = light && albedos ? renderer_read(r, NULL, NULL, albedos, light, m)
+                              : fail(m, VXS_E_MEMORY, "out of memory for a picture of %u x %u samples", r->width, r->height);
+    if (result == VXS_OK) {
+        /* the brightest tenth of lit samples begins near white */
+        const double white = 0.8, share = 0.9;
+        size_t       lit    = 0;
+        float       *bright = malloc((count + 1) * sizeof *bright);
+        double       value  = 0;
+        for (size_t n = 0; bright && n < count; n++) {
+            const float *c = light + 4 * n, *a = albedos + 3 * n;
+            bright[lit] = 0.2126f * a[0] * c[0] + 0.7152f * a[1] * c[1] + 0.0722f * a[2] * c[2];
+            lit += bright[lit] > 0;
+        }
+        if (lit) {
+            qsort(bright, lit, sizeof *bright, brighter);
+            value = (double)bright[(size_t)(share * (double)(lit - 1))];
+        }
+        free(bright);
+        r->exposure = (value > 0 ? white / value : 1) * exp2(r->options.stops);
+    }
+    free(light);
+    free(albedos);
+
     *since = finished(r->gl);
     return result == VXS_OK && (r->options.fog || r->areas || r->sky) ? light_surfaces(r, frame, since, m) : result;
 }
@@ -303,7 +269,11 @@ static vxs_result draw_frame(renderer *r, render_frame *frame, message *m)
     double since = finished(r->gl);
     if (r->options.stream) upload(r, frame);
     stage_ends(r, frame, RENDER_UPLOAD, &since);
-    if (r->moving) cast_moving(r, &frame->moving);
+    if (r->moving) {
+        double by_ws[3];
+        for (int n = 0; n < 3; n++) by_ws[n] = r->frames_drawn * r->options.moving_by_ws[n];
+        moving_pass_cast(r->moving, r->surface_program, by_ws, r->camera.eye_ws, &frame->moving);
+    }
     stage_ends(r, frame, RENDER_MOVING, &since);
     vxs_gl_origin(r->shadows, r->camera.eye_ws);
     draw_surfaces(r);
@@ -340,7 +310,20 @@ vxs_result renderer_draw(renderer *r, const camera_pose *camera, uint8_t *rgb, r
     set_view(r, camera);
     vxs_result result = draw_frame(r, frame, m);
     r->frames_drawn++;
-    if (result == VXS_OK) result = count_lights(r, frame, m);
+    if (result == VXS_OK) {
+        size_t count  = (size_t)r->width * r->height;
+        float *depths = malloc(count * sizeof *depths), *light = malloc(4 * count * sizeof *light);
+        result = depths && light ? renderer_read(r, depths, NULL, NULL, light, m)
+                                 : fail(m, VXS_E_MEMORY, "out of memory for a picture of %u x %u samples", r->width, r->height);
+        for (size_t n = 0; result == VXS_OK && n < count; n++) {
+            uint32_t asked = (uint32_t)light[4 * n + 3];
+            frame->surface_pixels += depths[n] > 0;
+            frame->asked_lights += asked;
+            if (renderer_culls(r) && asked > frame->longest_list) frame->longest_list = asked;
+        }
+        free(depths);
+        free(light);
+    }
     if (result != VXS_OK) return result;
     if (!r->options.stream) frame->full_pixels = frame->surface_pixels;
     if (rgb && (result = renderer_read_screen(r, rgb, m)) != VXS_OK) return result;

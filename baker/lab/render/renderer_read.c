@@ -220,23 +220,6 @@ vxs_result renderer_read_through(renderer *r, float *left, message *m)
 
 enum { MESH_BINDING = 5 };
 
-/* The matrix from light space to clip space. Rows of the light's matrix are orthogonal, and positions are relative to the eye:
- * so its inverse has the rows as columns. */
-static void clip_from_ls(const renderer *r, const vxs_light_constants *light, float out[16])
-{
-    const double eye[3] = {0};
-    float        clip[16];
-    renderer_clip(r, eye, clip);
-    for (int n = 0; n < 16; n++) out[n] = n < 12 ? 0 : clip[n];
-    for (int row = 0; row < 3; row++) {
-        const float *ls = light->ls_from_ws + 4 * row, square = ls[0] * ls[0] + ls[1] * ls[1] + ls[2] * ls[2];
-        for (int k = 0; k < 4; k++) {
-            for (int n = 0; n < 3; n++) out[4 * row + k] += clip[4 * n + k] * ls[n] / square;
-            out[12 + k] -= out[4 * row + k] * ls[3];
-        }
-    }
-}
-
 /* Whether counterclockwise in light space stays so in the picture: the sign of a determinant of x, y and w. */
 static int turn_of(const float m[16])
 {
@@ -254,7 +237,21 @@ static void draw_mesh(const renderer *r, GLuint program, const vxs_light_mesh *m
     const float       none[4] = {0};
     GLsizei           corners = 3 * (GLsizei)vxs_light_mesh_triangles(mesh);
     float             matrix[16];
-    clip_from_ls(r, light, matrix);
+
+    /* from light space to clip space: rows of the light's matrix are orthogonal, and positions are relative to the eye, so its
+     * inverse has the rows as columns */
+    const double eye[3] = {0};
+    float        clip[16];
+    renderer_clip(r, eye, clip);
+    for (int n = 0; n < 16; n++) matrix[n] = n < 12 ? 0 : clip[n];
+    for (int row = 0; row < 3; row++) {
+        const float *ls = light->ls_from_ws + 4 * row, square = ls[0] * ls[0] + ls[1] * ls[1] + ls[2] * ls[2];
+        for (int k = 0; k < 4; k++) {
+            for (int n = 0; n < 3; n++) matrix[4 * row + k] += clip[4 * n + k] * ls[n] / square;
+            matrix[12 + k] -= matrix[4 * row + k] * ls[3];
+        }
+    }
+
     gl->ProgramUniformMatrix4fv(program, gl->GetUniformLocation(program, "clip_from_ls"), 1, GL_FALSE, matrix);
     gl->ProgramUniform1i(program, gl->GetUniformLocation(program, "first_place"), corners);
     gl->ProgramUniform1i(program, gl->GetUniformLocation(program, "turn"), turn_of(matrix));

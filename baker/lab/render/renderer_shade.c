@@ -76,16 +76,6 @@ void renderer_bind_lights(const renderer *r)
     r->gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, COLOURS_BINDING, r->colour_buffer);
 }
 
-/* Uniforms of the fog that dims lights on their way. Positions are relative to the eye. */
-static void set_fog(const renderer *r, GLuint program)
-{
-    const fog_medium *f      = r->is_clear ? NULL : r->options.fog;
-    float             fog[4] = {0, 0, 0, (float)VXS_AIR_EVERYWHERE};
-    for (int n = 0; n < 3 && f; n++) fog[n] = (float)f->extinction[n];
-    if (f && f->top_ws < INFINITY) fog[3] = (float)(f->top_ws - r->camera.eye_ws[1]);
-    r->gl->ProgramUniform4f(program, r->gl->GetUniformLocation(program, "fog"), fog[0], fog[1], fog[2], fog[3]);
-}
-
 void renderer_add_lights(const renderer *r, GLuint program, const char *uniform, int element, const GLint values[4])
 {
     const gl_context *gl       = r->gl;
@@ -97,7 +87,14 @@ void renderer_add_lights(const renderer *r, GLuint program, const char *uniform,
     gl->BlendFunc(GL_ONE, GL_ONE);
     gl->UseProgram(program);
     gl->BindVertexArray(r->empty_array);
-    set_fog(r, program);
+
+    /* the fog that dims lights on their way, relative to the eye */
+    const fog_medium *f      = r->is_clear ? NULL : r->options.fog;
+    float             fog[4] = {0, 0, 0, (float)VXS_AIR_EVERYWHERE};
+    for (int n = 0; n < 3 && f; n++) fog[n] = (float)f->extinction[n];
+    if (f && f->top_ws < INFINITY) fog[3] = (float)(f->top_ws - r->camera.eye_ws[1]);
+    r->gl->ProgramUniform4f(program, r->gl->GetUniformLocation(program, "fog"), fog[0], fog[1], fog[2], fog[3]);
+
     for (uint32_t first = 0; first < r->light_count; first += LIGHTS_AT_ONCE) {
         v[element] = (GLint)first;
         gl->ProgramUniform4i(program, gl->GetUniformLocation(program, uniform), v[0], v[1], v[2], v[3]);

@@ -48,35 +48,6 @@ static int is_png(const sky_file *file)
     return file->end - file->bytes >= 8 && !memcmp(file->bytes, magic, sizeof magic);
 }
 
-/* Transparent pixels become black. */
-static vxs_result decode(sky_map *map, png_image *image, const sky_file *file, message *m)
-{
-    png_color  black  = {0, 0, 0};
-    size_t     count  = 3 * (size_t)map->wide_px * map->high_px;
-    uint8_t   *pixels = malloc(count);
-    float      light[256];
-    vxs_result r  = pixels ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory for the sky of '%s'", file->name);
-    image->format = PNG_FORMAT_RGB;
-    if (r == VXS_OK && !png_image_finish_read(image, &black, pixels, 0, NULL))
-        r = fail(m, VXS_E_CORRUPT, "'%s' is a broken PNG: %s", file->name, image->message);
-    for (int n = 0; n < 256; n++) light[n] = srgb_light((uint8_t)n);
-    for (size_t n = 0; n < count && r == VXS_OK; n++) map->radiance[n] = light[pixels[n]];
-    free(pixels);
-    return r;
-}
-
-static vxs_result read_png(sky_map *map, const sky_file *file, message *m)
-{
-    png_image  image = {.version = PNG_IMAGE_VERSION};
-    vxs_result r     = VXS_OK;
-    if (!png_image_begin_read_from_memory(&image, file->bytes, (size_t)(file->end - file->bytes)))
-        r = fail(m, VXS_E_CORRUPT, "'%s' is a broken PNG: %s", file->name, image.message);
-    if (r == VXS_OK) r = make_map(map, file, image.width, image.height, m);
-    if (r == VXS_OK) r = decode(map, &image, file, m);
-    png_image_free(&image);
-    return r;
-}
-
 /* Radiance ---------------------------------------------------------------------------------------------------------------------- */
 
 enum { LINE_BYTES = 1024, RUNS_WIDE_MIN = 8, RUN = 128 };
@@ -140,30 +111,26 @@ static vxs_result read_factors(reader *r, const char *text, int count)
     return VXS_OK;
 }
 
-/* PRIMARIES= has the chromaticities of red, green, blue and white. Radiance's defaults are near those of sRGB, which scenes
- * have. */
-static void judge_primaries(const reader *r, const char *text)
-{
-    static const double known[][8] = {
-        {0.64, 0.33, 0.29, 0.6, 0.15, 0.06, 1.0 / 3, 1.0 / 3}, {0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329}, {0}};
-    double found[8];
-    int    is_known = read_numbers(text, found, 8) < 8; /* incomplete lines are ignored */
-    for (size_t k = 0; k < sizeof known / sizeof *known && !is_known; k++) {
-        is_known = 1;
-        for (int n = 0; n < 8; n++) is_known &= fabs(found[n] - known[k][n]) < 2e-3;
-    }
-    if (!is_known)
-        warn(r->m, "'%s' has PRIMARIES of its own, %.60s: its colours are taken as those of sRGB; convert it", r->file->name,
-             text + strspn(text, " \t"));
-}
-
 static vxs_result read_setting(reader *r, char *line)
 {
     static const char format[] = "32-bit_rle_rgbe";
     for (size_t size = strlen(line); size && (line[size - 1] == ' ' || line[size - 1] == '\t'); size--) line[size - 1] = '\0';
     if (!strncmp(line, "EXPOSURE=", 9)) return read_factors(r, line + 9, 1);
     if (!strncmp(line, "COLORCORR=", 10)) return read_factors(r, line + 10, 3);
-    if (!strncmp(line, "PRIMARIES=", 10)) judge_primaries(r, line + 10);
+    if (!strncmp(line, "PRIMARIES=", 10)) {
+        /* chromaticities of red, green, blue and white; Radiance's defaults are near those of sRGB, which scenes have */
+        static const double known[][8] = {
+            {0.64, 0.33, 0.29, 0.6, 0.15, 0.06, 1.0 / 3, 1.0 / 3}, {0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329}, {0}};
+        double found[8];
+        int    is_known = read_numbers(line + 10, found, 8) < 8; /* incomplete lines are ignored */
+        for (size_t k = 0; k < sizeof known / sizeof *known && !is_known; k++) {
+            is_known = 1;
+            for (int n = 0; n < 8; n++) is_known &= fabs(found[n] - known[k][n]) < 2e-3;
+        }
+        if (!is_known)
+            warn(r->m, "'%s' has PRIMARIES of its own, %.60s: its colours are taken as those of sRGB; convert it", r->file->name,
+                 line + 10 + strspn(line + 10, " \t"));
+    }
     if (strncmp(line, "FORMAT=", 7)) return VXS_OK;
     const char *found = line + 7 + strspn(line + 7, " \t");
     return strcmp(found, format) ? fail(r->m, VXS_E_UNSUPPORTED, "'%s' has pixels of format %s: expected %s: convert it",
@@ -282,9 +249,27 @@ vxs_result sky_map_decode(sky_map *map, const char *name, const uint8_t *bytes, 
     *map            = (sky_map){0};
     if (is_radiance(&file))
         r = read_radiance(map, &file, m);
-    else if (is_png(&file))
-        r = read_png(map, &file, m);
-    else
+    else if (is_png(&file)) {
+        png_image image = {.version = PNG_IMAGE_VERSION};
+        r               = VXS_OK;
+        if (!png_image_begin_read_from_memory(&image, file.bytes, (size_t)(file.end - file.bytes)))
+            r = fail(m, VXS_E_CORRUPT, "'%s' is a broken PNG: %s", file.name, image.message);
+        if (r == VXS_OK) r = make_map(map, &file, image.width, image.height, m);
+        if (r == VXS_OK) {
+            png_color black  = {0, 0, 0}; /* of transparent pixels */
+            size_t    count  = 3 * (size_t)map->wide_px * map->high_px;
+            uint8_t  *pixels = malloc(count);
+            float     light[256];
+            r            = pixels ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory for the sky of '%s'", file.name);
+            image.format = PNG_FORMAT_RGB;
+            if (r == VXS_OK && !png_image_finish_read(&image, &black, pixels, 0, NULL))
+                r = fail(m, VXS_E_CORRUPT, "'%s' is a broken PNG: %s", file.name, image.message);
+            for (int n = 0; n < 256; n++) light[n] = srgb_light((uint8_t)n);
+            for (size_t n = 0; n < count && r == VXS_OK; n++) map->radiance[n] = light[pixels[n]];
+            free(pixels);
+        }
+        png_image_free(&image);
+    } else
         fail(m, r, "'%s' is neither a Radiance picture (.hdr) nor a PNG: convert it to .hdr", name);
     if (r == VXS_OK && is_black(map)) r = fail(m, VXS_E_SCENE, "'%s' is black: there is no light in it", name);
     if (r != VXS_OK) sky_map_free(map);

@@ -24,14 +24,6 @@ struct sky_pass {
 
 /* set-up ----------------------------------------------------------------------------------------------------------------------- */
 
-/* Turn from the axes of vxs_area_sky, whose first column is in direction x, to those of the map. */
-static void turn_lamp(vxs_vpl *lamp, double turn_rad)
-{
-    double x = (double)lamp->normal[0], z = (double)lamp->normal[2], along = -cos(turn_rad), across = -sin(turn_rad);
-    lamp->normal[0] = (float)(along * x + across * z);
-    lamp->normal[2] = (float)(along * z - across * x);
-}
-
 static vxs_result place_lamps(sky_pass *p, message *m)
 {
     const sky_map *map   = p->options.map;
@@ -46,21 +38,14 @@ static vxs_result place_lamps(sky_pass *p, message *m)
         const float *colour = p->placed[n].colour;
         if (!isfinite(colour[0] + colour[1] + colour[2]))
             return fail(m, VXS_E_ARGUMENT, "--sky-light makes the sky brighter than any number: expected a smaller one");
-        turn_lamp(&p->placed[n], p->options.turn_rad);
+        /* turn from the axes of vxs_area_sky, whose first column is in direction x, to those of the map */
+        double turn_rad = p->options.turn_rad;
+        double x = (double)p->placed[n].normal[0], z = (double)p->placed[n].normal[2], along = -cos(turn_rad),
+               across          = -sin(turn_rad);
+        p->placed[n].normal[0] = (float)(along * x + across * z);
+        p->placed[n].normal[2] = (float)(along * z - across * x);
     }
     return VXS_OK;
-}
-
-static void put_texture(sky_pass *p)
-{
-    const gl_context *gl  = p->gl;
-    const sky_map    *map = p->options.map;
-    gl->CreateTextures(GL_TEXTURE_2D, 1, &p->texture);
-    gl->TextureStorage2D(p->texture, 1, GL_RGB32F, (GLsizei)map->wide_px, (GLsizei)map->high_px);
-    gl->TextureSubImage2D(p->texture, 0, 0, 0, (GLsizei)map->wide_px, (GLsizei)map->high_px, GL_RGB, GL_FLOAT, map->radiance);
-    gl->TextureParameteri(p->texture, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-    gl->TextureParameteri(p->texture, GL_TEXTURE_WRAP_S, GL_REPEAT);
-    gl->TextureParameteri(p->texture, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
 }
 
 static vxs_result make(sky_pass *p, vxs_volumes *volumes, message *m)
@@ -70,7 +55,16 @@ static vxs_result make(sky_pass *p, vxs_volumes *volumes, message *m)
     if (moving) p->moving_ws = box_of_corners(moving->positions_ws, moving->indices, 3 * moving->triangle_count);
     if (r == VXS_OK) r = vpl_pass_create(&p->lamps, &p->options.lit, p->gl, volumes, m);
     if (r == VXS_OK) r = gl_screen_program(p->gl, &p->program, (const gl_text[]){gl_embedded(sky_frag_glsl), {0}}, m);
-    if (r == VXS_OK) put_texture(p);
+    if (r == VXS_OK) {
+        const gl_context *gl  = p->gl;
+        const sky_map    *map = p->options.map;
+        gl->CreateTextures(GL_TEXTURE_2D, 1, &p->texture);
+        gl->TextureStorage2D(p->texture, 1, GL_RGB32F, (GLsizei)map->wide_px, (GLsizei)map->high_px);
+        gl->TextureSubImage2D(p->texture, 0, 0, 0, (GLsizei)map->wide_px, (GLsizei)map->high_px, GL_RGB, GL_FLOAT, map->radiance);
+        gl->TextureParameteri(p->texture, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+        gl->TextureParameteri(p->texture, GL_TEXTURE_WRAP_S, GL_REPEAT);
+        gl->TextureParameteri(p->texture, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    }
     return r;
 }
 
@@ -114,25 +108,21 @@ static double radius_of(const sky_pass *p, const double moved_ws[3])
     return fmax(p->options.radius_metres, sqrt(corner));
 }
 
-static vxs_result cast(sky_pass *p, const double moved_ws[3], double exposure)
-{
-    vxs_vpl lamps[VXS_VPLS_MAX];
-    float   radius = (float)radius_of(p, moved_ws);
-    for (uint32_t n = 0; n < p->options.lit.lamps; n++) {
-        lamps[n]               = p->placed[n];
-        lamps[n].radius_metres = radius;
-        for (int k = 0; k < 3; k++) lamps[n].colour[k] = (float)(exposure * (double)lamps[n].colour[k]);
-    }
-    vxs_result r = vpl_pass_set(p->lamps, lamps, p->options.lit.lamps, NULL, NULL);
-    p->exposure  = r == VXS_OK ? exposure : 0;
-    return r;
-}
-
 vxs_result sky_pass_draw(sky_pass *p, const double eye_ws[3], const double moved_ws[3], unsigned normals, double exposure,
                          message *m)
 {
     vxs_result r = VXS_OK;
-    if (vpl_pass_move(p->lamps, moved_ws) || exposure != p->exposure) r = cast(p, moved_ws, exposure);
+    if (vpl_pass_move(p->lamps, moved_ws) || exposure != p->exposure) {
+        vxs_vpl lamps[VXS_VPLS_MAX];
+        float   radius = (float)radius_of(p, moved_ws);
+        for (uint32_t n = 0; n < p->options.lit.lamps; n++) {
+            lamps[n]               = p->placed[n];
+            lamps[n].radius_metres = radius;
+            for (int k = 0; k < 3; k++) lamps[n].colour[k] = (float)(exposure * (double)lamps[n].colour[k]);
+        }
+        r           = vpl_pass_set(p->lamps, lamps, p->options.lit.lamps, NULL, NULL);
+        p->exposure = r == VXS_OK ? exposure : 0;
+    }
     if (r == VXS_OK) r = vpl_pass_draw(p->lamps, eye_ws, normals);
     return r == VXS_OK ? VXS_OK : fail(m, r, "light of the sky cannot be drawn: %s", vxs_result_text(r));
 }

@@ -48,27 +48,12 @@ void smoke_quads_free(smoke_quads *q)
     *q = (smoke_quads){0};
 }
 
-static void middle_of(const scene_smoke *smoke, const vxs_capsule *c, const double eye_ws[3], double middle[3])
-{
-    for (int n = 0; n < 3; n++) middle[n] = 0.5 * ((double)c->begin[n] + (double)c->end[n]) + smoke->origin_ws[n] - eye_ws[n];
-}
-
 /* Order: the farthest first; equal ones in the scene's order. */
 static int is_farther(const void *a, const void *b)
 {
     const quad_order *x = a, *y = b;
     if (x->metres != y->metres) return x->metres > y->metres ? -1 : 1;
     return x->capsule < y->capsule ? -1 : x->capsule > y->capsule;
-}
-
-static void sort_quads(smoke_quads *q, const scene_smoke *smoke, const double eye_ws[3])
-{
-    for (uint32_t n = 0; n < q->count; n++) {
-        double middle[3];
-        middle_of(smoke, &smoke->list[n], eye_ws, middle);
-        q->order[n] = (quad_order){sqrt(vec3_dot(middle, middle)), n};
-    }
-    qsort(q->order, q->count, sizeof *q->order, is_farther);
 }
 
 /* The plane of a quad: through the capsule's middle, perpendicular to the direction from the eye; u along the capsule's axis as
@@ -108,29 +93,17 @@ static quad_plane whole_picture(const smoke_eye *eye)
     return p;
 }
 
-static void set_corners(smoke_quads *q, uint32_t n, const vxs_capsule *c, const smoke_eye *eye)
-{
-    quad_plane p;
-    int        is_near = !find_plane(c, &p);
-    quad_plane drawn   = is_near ? whole_picture(eye) : p;
-    double     pixel   = eye->pixel_metres * sqrt(vec3_dot(p.middle, p.middle));
-    q->covered_px += is_near ? eye->all_px : fmin(eye->all_px, 4 * p.half_u * p.half_v / (pixel * pixel));
-    for (int corner = 0; corner < SMOKE_CORNERS; corner++) {
-        float *at    = q->corners[SMOKE_CORNERS * (size_t)n + (size_t)corner],
-              *asked = q->places[SMOKE_CORNERS * (size_t)n + (size_t)corner];
-        double u = (corner & 1 ? 1 : -1) * drawn.half_u, v = (corner & 2 ? 1 : -1) * drawn.half_v;
-        for (int k = 0; k < 3; k++) {
-            double aside = u * drawn.u[k] + v * drawn.v[k];
-            at[k]        = (float)(drawn.middle[k] + aside);
-            asked[k]     = (float)(p.middle[k] + (is_near ? 0 : ASKED_AT * aside));
-        }
-        at[3] = asked[3] = 0;
-    }
-}
-
 void smoke_quads_make(smoke_quads *q, const scene_smoke *smoke, const smoke_eye *eye)
 {
-    sort_quads(q, smoke, eye->at_ws);
+    for (uint32_t n = 0; n < q->count; n++) {
+        double middle[3];
+        for (int k = 0; k < 3; k++)
+            middle[k] =
+                0.5 * ((double)smoke->list[n].begin[k] + (double)smoke->list[n].end[k]) + smoke->origin_ws[k] - eye->at_ws[k];
+        q->order[n] = (quad_order){sqrt(vec3_dot(middle, middle)), n};
+    }
+    qsort(q->order, q->count, sizeof *q->order, is_farther);
+
     q->covered_px = 0;
     for (uint32_t n = 0; n < q->count; n++) {
         uint32_t       from = q->order[n].capsule;
@@ -138,7 +111,23 @@ void smoke_quads_make(smoke_quads *q, const scene_smoke *smoke, const smoke_eye 
         to->capsule         = smoke_widened(smoke->list[from], 0.5 * eye->pixel_metres * q->order[n].metres);
         smoke_from_eye(smoke, &to->capsule, eye->at_ws);
         for (int k = 0; k < 4; k++) to->albedo[k] = k < 3 ? smoke->albedos[from][k] : 0;
-        set_corners(q, n, &to->capsule, eye);
+
+        quad_plane p;
+        int        is_near = !find_plane(&to->capsule, &p);
+        quad_plane drawn   = is_near ? whole_picture(eye) : p;
+        double     pixel   = eye->pixel_metres * sqrt(vec3_dot(p.middle, p.middle));
+        q->covered_px += is_near ? eye->all_px : fmin(eye->all_px, 4 * p.half_u * p.half_v / (pixel * pixel));
+        for (int corner = 0; corner < SMOKE_CORNERS; corner++) {
+            float *at    = q->corners[SMOKE_CORNERS * (size_t)n + (size_t)corner],
+                  *asked = q->places[SMOKE_CORNERS * (size_t)n + (size_t)corner];
+            double u = (corner & 1 ? 1 : -1) * drawn.half_u, v = (corner & 2 ? 1 : -1) * drawn.half_v;
+            for (int k = 0; k < 3; k++) {
+                double aside = u * drawn.u[k] + v * drawn.v[k];
+                at[k]        = (float)(drawn.middle[k] + aside);
+                asked[k]     = (float)(p.middle[k] + (is_near ? 0 : ASKED_AT * aside));
+            }
+            at[3] = asked[3] = 0;
+        }
     }
 }
 

@@ -84,20 +84,6 @@ static int is_in_view(const vxs_light *light, const double eye_ws[3], const came
 
 /* create ----------------------------------------------------------------------------------------------------------------------- */
 
-static vxs_result make_pictures(smoke_pass *p, message *m)
-{
-    const gl_context *gl = p->gl;
-    gl->GenBuffers(1, &p->buffer);
-    gl->CreateTextures(GL_TEXTURE_2D_ARRAY, 1, &p->array);
-    gl->TextureStorage3D(p->array, 1, GL_R32F, (GLsizei)p->options.width, (GLsizei)p->options.height,
-                         (GLsizei)(p->layers + !p->layers));
-    gl->GenTextures((GLsizei)p->layers, p->pictures);
-    for (GLuint n = 0; n < p->layers; n++) gl->TextureView(p->pictures[n], GL_TEXTURE_2D, p->array, GL_R32F, 0, 1, n, 1);
-    if (gl->GetError() == GL_NO_ERROR) return VXS_OK;
-    return fail(m, VXS_E_MEMORY, "OpenGL has no room for %u pictures of %u x %u samples", p->layers, p->options.width,
-                p->options.height);
-}
-
 static vxs_result make(smoke_pass *p, message *m)
 {
     uint32_t lights = p->options.light_count, reached = 0;
@@ -112,7 +98,17 @@ static vxs_result make(smoke_pass *p, message *m)
         reached += p->in_reach[n];
     }
     p->layers = reached < SMOKE_MAPS ? reached : SMOKE_MAPS;
-    return make_pictures(p, m);
+
+    const gl_context *gl = p->gl;
+    gl->GenBuffers(1, &p->buffer);
+    gl->CreateTextures(GL_TEXTURE_2D_ARRAY, 1, &p->array);
+    gl->TextureStorage3D(p->array, 1, GL_R32F, (GLsizei)p->options.width, (GLsizei)p->options.height,
+                         (GLsizei)(p->layers + !p->layers));
+    gl->GenTextures((GLsizei)p->layers, p->pictures);
+    for (GLuint n = 0; n < p->layers; n++) gl->TextureView(p->pictures[n], GL_TEXTURE_2D, p->array, GL_R32F, 0, 1, n, 1);
+    if (gl->GetError() == GL_NO_ERROR) return VXS_OK;
+    return fail(m, VXS_E_MEMORY, "OpenGL has no room for %u pictures of %u x %u samples", p->layers, p->options.width,
+                p->options.height);
 }
 
 vxs_result smoke_pass_create(smoke_pass **out, const smoke_pass_options *o, const gl_context *gl, vxs_volumes *volumes, message *m)
@@ -158,30 +154,26 @@ static double texel_at(const smoke_pass *p, const vxs_light *light, const light_
     return texel * sqrt(vec3_dot(way, way));
 }
 
-/* The number of texels of a map that all capsules cover, each at most all of it: about the number of segments in its lists. */
-static double covered_texels(const smoke_pass *p, const vxs_light *light, uint32_t side_px)
+/* The side of a light's map: the requested one, or less when capsules cover it so many times that it would take minutes. */
+static uint32_t choose_side(const smoke_pass *p, const vxs_light *light, message *m)
 {
+    uint32_t asked = p->options.side_px, side = asked;
+
+    /* texels that all capsules cover, each at most the whole map: about the number of segments in its lists */
     const scene_smoke *smoke = p->options.smoke;
     light_shape        shape = baked_light_shape(light);
-    double             all = (double)vxs_map_count(light) * side_px * side_px, sum = 0;
+    double             all = (double)vxs_map_count(light) * asked * asked, covered = 0;
     for (uint32_t n = 0; n < smoke->count; n++) {
         const vxs_capsule *c = &smoke->list[n];
-        double middle_ws[3], axis[3], radius = ball_of(smoke, c, middle_ws), texel = texel_at(p, light, &shape, c, side_px);
+        double middle_ws[3], axis[3], radius = ball_of(smoke, c, middle_ws), texel = texel_at(p, light, &shape, c, asked);
         if (!(shape.kind == LIGHT_DIRECTIONAL ? is_in_prism(light, middle_ws, radius)
                                               : light_reaches_ball(&shape, middle_ws, radius)))
             continue;
         for (int k = 0; k < 3; k++) axis[k] = (double)c->end[k] - (double)c->begin[k];
         double wide = 2 * (double)c->radius_metres / texel + 1;
-        sum += fmin(wide * (wide + sqrt(vec3_dot(axis, axis)) / texel), all);
+        covered += fmin(wide * (wide + sqrt(vec3_dot(axis, axis)) / texel), all);
     }
-    return sum;
-}
 
-/* The side of a light's map: the requested one, or less when capsules cover it so many times that it would take minutes. */
-static uint32_t choose_side(const smoke_pass *p, const vxs_light *light, message *m)
-{
-    uint32_t asked = p->options.side_px, side = asked;
-    double   covered = covered_texels(p, light, asked);
     if (!(covered > SEGMENTS_MADE)) return side;
     if (!p->options.is_asked) side = (uint32_t)(asked * sqrt(SEGMENTS_MADE / covered));
     if (side < SIDE_LEAST) side = SIDE_LEAST;
@@ -194,19 +186,6 @@ static uint32_t choose_side(const smoke_pass *p, const vxs_light *light, message
         warn(m, "smoke: %u capsules cover %.3g texels of the map of light %s, which takes long: --smoke-side below %u takes less",
              p->options.smoke->count, covered, light->name, asked);
     return side;
-}
-
-/* Capsules for the light: relative to the eye, and at least a texel thick. */
-static void place_capsules(smoke_pass *p, const vxs_light *light, uint32_t side_px, const double eye_ws[3])
-{
-    const scene_smoke *smoke = p->options.smoke;
-    light_shape        shape = baked_light_shape(light);
-    for (uint32_t n = 0; n < smoke->count; n++) {
-        const vxs_capsule *from = &smoke->list[n];
-        vxs_capsule        c    = smoke_widened(*from, 0.5 * texel_at(p, light, &shape, from, side_px));
-        smoke_from_eye(smoke, &c, eye_ws);
-        p->capsules[n] = c;
-    }
 }
 
 static vxs_result build(smoke_pass *p, uint32_t light, uint32_t side_px, uint32_t segments, vxs_transmittance_map **map)
@@ -243,7 +222,17 @@ static vxs_result make_map(smoke_pass *p, uint32_t light, const double eye_ws[3]
     const vxs_light         *of     = &p->options.lights[light]->light;
     uint32_t                 side   = choose_side(p, of, m);
     vxs_result               result;
-    place_capsules(p, of, side, eye_ws);
+
+    /* capsules relative to the eye, and at least a texel thick */
+    const scene_smoke *smoke = p->options.smoke;
+    light_shape        shape = baked_light_shape(of);
+    for (uint32_t n = 0; n < smoke->count; n++) {
+        const vxs_capsule *from = &smoke->list[n];
+        vxs_capsule        c    = smoke_widened(*from, 0.5 * texel_at(p, of, &shape, from, side));
+        smoke_from_eye(smoke, &c, eye_ws);
+        p->capsules[n] = c;
+    }
+
     result = build(p, light, side, SEGMENTS, map);
     if (result == VXS_OK) counts = vxs_transmittance_map_counts(*map);
     if (counts.merged) {

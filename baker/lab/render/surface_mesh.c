@@ -29,36 +29,6 @@ typedef struct filling {
     uint32_t *part_of;        /* [triangle_count] */
 } filling;
 
-static void triangle_colour(const scene *s, uint32_t part, uint8_t colour[4])
-{
-    const float *linear = plain;
-    if (part < s->part_count && s->parts[part].material < s->material_count) linear = s->material_colours[s->parts[part].material];
-    for (int n = 0; n < 3; n++) colour[n] = (uint8_t)(255 * sqrtf(linear[n]) + 0.5f);
-    colour[3] = 255;
-}
-
-static void fill_triangle(const filling *f, size_t triangle, uint32_t part, surface_vertex *out)
-{
-    const scene    *s         = f->scene;
-    const uint32_t *index     = s->indices + 3 * triangle;
-    const double   *corner[3] = {s->positions_ws + 3 * (size_t)index[0], s->positions_ws + 3 * (size_t)index[1],
-                                 s->positions_ws + 3 * (size_t)index[2]};
-    double          a[3], b[3], across[3], normal[3] = {0, 1, 0};
-    vec3_sub(corner[1], corner[0], a);
-    vec3_sub(corner[2], corner[0], b);
-    vec3_cross(a, b, across);
-    vec3_unit(across, normal);
-    for (int n = 0; n < 3; n++) {
-        out[n] = (surface_vertex){0};
-        triangle_colour(s, part, out[n].colour);
-        for (int k = 0; k < 3; k++) {
-            out[n].position[k] = (float)(corner[n][k] - f->mesh->middle_ws[k]);
-            out[n].normal[k]   = (float)normal[k];
-        }
-        if (f->mask_of && f->mask_of[triangle]) memcpy(out[n].uv, f->uvs[triangle][n], sizeof out[n].uv);
-    }
-}
-
 /* Triangles without a mask come first, then those of each mask. */
 static void fill(filling *f)
 {
@@ -69,7 +39,30 @@ static void fill(filling *f)
     for (size_t n = 1; n < mesh->mask_count + 2; n++) mesh->first[n] += mesh->first[n - 1];
     for (size_t n = 0; n < count; n++) {
         part = scene_part_at(f->scene, part, n);
-        fill_triangle(f, n, part, f->vertices + 3 * mesh->first[f->mask_of ? f->mask_of[n] : 0]++);
+
+        surface_vertex *out       = f->vertices + 3 * mesh->first[f->mask_of ? f->mask_of[n] : 0]++;
+        const scene    *s         = f->scene;
+        const uint32_t *index     = s->indices + 3 * n;
+        const double   *corner[3] = {s->positions_ws + 3 * (size_t)index[0], s->positions_ws + 3 * (size_t)index[1],
+                                     s->positions_ws + 3 * (size_t)index[2]};
+        double          a[3], b[3], across[3], normal[3] = {0, 1, 0};
+        vec3_sub(corner[1], corner[0], a);
+        vec3_sub(corner[2], corner[0], b);
+        vec3_cross(a, b, across);
+        vec3_unit(across, normal);
+        for (int j = 0; j < 3; j++) {
+            out[j]              = (surface_vertex){0};
+            const float *linear = plain;
+            if (part < s->part_count && s->parts[part].material < s->material_count)
+                linear = s->material_colours[s->parts[part].material];
+            for (int i = 0; i < 3; i++) out[j].colour[i] = (uint8_t)(255 * sqrtf(linear[i]) + 0.5f);
+            out[j].colour[3] = 255;
+            for (int k = 0; k < 3; k++) {
+                out[j].position[k] = (float)(corner[j][k] - f->mesh->middle_ws[k]);
+                out[j].normal[k]   = (float)normal[k];
+            }
+            if (f->mask_of && f->mask_of[n]) memcpy(out[j].uv, f->uvs[n][j], sizeof out[j].uv);
+        }
     }
     memmove(mesh->first + 1, mesh->first, (mesh->mask_count + 1) * sizeof *mesh->first);
     mesh->first[0] = 0;
@@ -87,26 +80,6 @@ static vxs_result take_masks(filling *f)
         memcpy(f->uvs[h->triangle], h->uv, sizeof h->uv);
     }
     return VXS_OK;
-}
-
-/* Sampling as in baker/scene/alpha_mask.h, by OpenGL's filters. */
-static void put_mask(surface_mesh *mesh, const gl_context *gl, const scene *s, size_t n)
-{
-    static const GLint wraps[] = {GL_REPEAT, GL_CLAMP_TO_EDGE, GL_MIRRORED_REPEAT};
-    const alpha_mask  *mask    = &s->alpha_masks[n];
-    const alpha_image *image   = &s->images[mask->image];
-    GLint              filter  = mask->nearest ? GL_NEAREST : GL_LINEAR;
-    gl->CreateTextures(GL_TEXTURE_2D, 1, &mesh->masks[n]);
-    gl->TextureStorage2D(mesh->masks[n], 1, GL_R8, (GLsizei)image->width_px, (GLsizei)image->height_px);
-    gl->PixelStorei(GL_UNPACK_ALIGNMENT, 1);
-    gl->TextureSubImage2D(mesh->masks[n], 0, 0, 0, (GLsizei)image->width_px, (GLsizei)image->height_px, GL_RED, GL_UNSIGNED_BYTE,
-                          image->alpha);
-    gl->PixelStorei(GL_UNPACK_ALIGNMENT, 4);
-    gl->TextureParameteri(mesh->masks[n], GL_TEXTURE_MIN_FILTER, filter);
-    gl->TextureParameteri(mesh->masks[n], GL_TEXTURE_MAG_FILTER, filter);
-    gl->TextureParameteri(mesh->masks[n], GL_TEXTURE_WRAP_S, wraps[mask->wrap_u]);
-    gl->TextureParameteri(mesh->masks[n], GL_TEXTURE_WRAP_T, wraps[mask->wrap_v]);
-    mesh->thresholds[n] = mask->threshold;
 }
 
 static void put_vertices(surface_mesh *mesh, const gl_context *gl, const surface_vertex *vertices, size_t count)
@@ -150,7 +123,24 @@ vxs_result surface_mesh_make(surface_mesh *mesh, gl_context *gl, const scene *s,
     if (r == VXS_OK) {
         fill(&f);
         put_vertices(mesh, gl, f.vertices, 3 * s->triangle_count);
-        for (size_t n = 0; n < mesh->mask_count; n++) put_mask(mesh, gl, s, n);
+        for (size_t n = 0; n < mesh->mask_count; n++) {
+            /* sampled as in baker/scene/alpha_mask.h, by OpenGL's filters */
+            static const GLint wraps[] = {GL_REPEAT, GL_CLAMP_TO_EDGE, GL_MIRRORED_REPEAT};
+            const alpha_mask  *mask    = &s->alpha_masks[n];
+            const alpha_image *image   = &s->images[mask->image];
+            GLint              filter  = mask->nearest ? GL_NEAREST : GL_LINEAR;
+            gl->CreateTextures(GL_TEXTURE_2D, 1, &mesh->masks[n]);
+            gl->TextureStorage2D(mesh->masks[n], 1, GL_R8, (GLsizei)image->width_px, (GLsizei)image->height_px);
+            gl->PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+            gl->TextureSubImage2D(mesh->masks[n], 0, 0, 0, (GLsizei)image->width_px, (GLsizei)image->height_px, GL_RED,
+                                  GL_UNSIGNED_BYTE, image->alpha);
+            gl->PixelStorei(GL_UNPACK_ALIGNMENT, 4);
+            gl->TextureParameteri(mesh->masks[n], GL_TEXTURE_MIN_FILTER, filter);
+            gl->TextureParameteri(mesh->masks[n], GL_TEXTURE_MAG_FILTER, filter);
+            gl->TextureParameteri(mesh->masks[n], GL_TEXTURE_WRAP_S, wraps[mask->wrap_u]);
+            gl->TextureParameteri(mesh->masks[n], GL_TEXTURE_WRAP_T, wraps[mask->wrap_v]);
+            mesh->thresholds[n] = mask->threshold;
+        }
     }
     free(f.vertices);
     free(f.mask_of);

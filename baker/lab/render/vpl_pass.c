@@ -121,14 +121,23 @@ static uint32_t unpack(const vxs_baked_points *baked, const double middle_ws[3],
     return kept;
 }
 
-static vxs_result put_points(vpl_pass *p, message *m)
+static vxs_result make(vpl_pass *p, message *m)
 {
+    uint32_t            capsules = p->options.smoke ? p->options.smoke->count : 0;
+    vxs_area_light_desc desc     = {.lamps = p->options.lamps, .capsules = capsules, .smoke_side_px = p->options.smoke_side};
+    vxs_result          r        = vxs_area_light_create(&p->light, p->volumes, &desc);
+    p->capsules                  = calloc(capsules + !capsules, sizeof *p->capsules);
+    if (!p->capsules) return fail(m, VXS_E_MEMORY, "out of memory for %u capsules of smoke", capsules);
+    if (r != VXS_OK) return fail(m, r, "OpenGL cannot draw area lights of %u lamps: %s", p->options.lamps, vxs_result_text(r));
+    if ((r = gl_screen_program(p->gl, &p->add_program, (const gl_text[]){{add_text, -1}, {0}}, m)) != VXS_OK) return r;
+    p->gl->GenVertexArrays(1, &p->empty_array);
+
     static const double     nowhere[3] = {0};
     const vxs_baked_points *baked      = p->options.points;
     uint32_t                most       = baked ? baked->count : POINTS;
     vxs_area_point         *points     = malloc(most * sizeof *points);
-    vxs_result r = points ? scatter_moving(p, m) : fail(m, VXS_E_MEMORY, "out of memory for %u points of shadows", most);
-    p->points    = most;
+    r         = points ? scatter_moving(p, m) : fail(m, VXS_E_MEMORY, "out of memory for %u points of shadows", most);
+    p->points = most;
     if (r == VXS_OK && baked) p->points = unpack(baked, p->options.middle_ws, points, m);
     if (r == VXS_OK && !baked) r = scatter(p, p->options.scene, p->options.dense_count, points, most, &p->points, m);
     GLsizeiptr size = sizeof *points, still = r == VXS_OK ? p->points * size : 0;
@@ -141,21 +150,13 @@ static vxs_result put_points(vpl_pass *p, message *m)
     return r;
 }
 
-static vxs_result make(vpl_pass *p, message *m)
+vxs_result vpl_pass_create(vpl_pass **out, const vpl_pass_options *o, const gl_context *gl, vxs_volumes *volumes, message *m)
 {
-    uint32_t            capsules = p->options.smoke ? p->options.smoke->count : 0;
-    vxs_area_light_desc desc     = {.lamps = p->options.lamps, .capsules = capsules, .smoke_side_px = p->options.smoke_side};
-    vxs_result          r        = vxs_area_light_create(&p->light, p->volumes, &desc);
-    p->capsules                  = calloc(capsules + !capsules, sizeof *p->capsules);
-    if (!p->capsules) return fail(m, VXS_E_MEMORY, "out of memory for %u capsules of smoke", capsules);
-    if (r != VXS_OK) return fail(m, r, "OpenGL cannot draw area lights of %u lamps: %s", p->options.lamps, vxs_result_text(r));
-    if ((r = gl_screen_program(p->gl, &p->add_program, (const gl_text[]){{add_text, -1}, {0}}, m)) != VXS_OK) return r;
-    p->gl->GenVertexArrays(1, &p->empty_array);
-    return put_points(p, m);
-}
+    vpl_pass *p = calloc(1, sizeof *p);
+    *out        = NULL;
+    if (!p) return fail(m, VXS_E_MEMORY, "out of memory for area lights");
+    p->options = *o;
 
-static uint32_t choose_smoke_side(const vpl_pass_options *o, message *m)
-{
     uint32_t side = o->smoke_side < SMOKE_SIDE_MOST ? o->smoke_side : SMOKE_SIDE_MOST, asked = side;
     double   count = o->smoke ? o->smoke->count : 0;
     while (side > SMOKE_SIDE_LEAST && count * o->lamps * side * side > SMOKE_COVERED_MOST) side /= 2;
@@ -165,19 +166,11 @@ static uint32_t choose_smoke_side(const vpl_pass_options *o, message *m)
              "below %u "
              "leaves more",
              o->smoke->count, o->lamps, side, side, asked, asked, o->lamps);
-    return side;
-}
+    p->options.smoke_side = side;
 
-vxs_result vpl_pass_create(vpl_pass **out, const vpl_pass_options *o, const gl_context *gl, vxs_volumes *volumes, message *m)
-{
-    vpl_pass *p = calloc(1, sizeof *p);
-    *out        = NULL;
-    if (!p) return fail(m, VXS_E_MEMORY, "out of memory for area lights");
-    p->options            = *o;
-    p->options.smoke_side = choose_smoke_side(o, m);
-    p->gl                 = gl;
-    p->volumes            = volumes;
-    vxs_result r          = make(p, m);
+    p->gl        = gl;
+    p->volumes   = volumes;
+    vxs_result r = make(p, m);
     if (r == VXS_OK)
         *out = p;
     else

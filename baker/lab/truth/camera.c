@@ -41,43 +41,6 @@ static void slopes_of(const box *b, const double target[3], double distance, con
     }
 }
 
-/* Place a camera so that a box fills its view completely, from above, with the sun to the side.
- * camera     fov_degrees is read; eye and target are written
- * sun_ws     unit, direction of the light
- * aspect     width / height */
-static void camera_frame(camera_pose *camera, const box *b, const double sun_ws[3], double aspect)
-{
-    const double margin = 1.03, elevation = 24 * pi / 180, aside = -64 * pi / 180;
-    double       size  = fmax(box_diagonal(b), 1e-9);
-    double       tan_y = tan(camera->fov_degrees * pi / 360) / margin, tan_x = tan_y * aspect;
-    double       azimuth    = atan2(-sun_ws[2], -sun_ws[0]) + aside;
-    double       forward[3] = {-cos(azimuth) * cos(elevation), -sin(elevation), -sin(azimuth) * cos(elevation)};
-    double       right[3], up[3], target[3], distance = 0;
-    camera_axes(forward, (const double[3]){0}, right, up);
-    for (int i = 0; i < 3; i++) target[i] = 0.5 * (b->min[i] + b->max[i]);
-
-    /* centre the box in the view, move back until it fits, and repeat, since perspective moves the centre */
-    for (int round = 0; round < 8; round++) {
-        double low, high;
-        distance = 0;
-        for (int n = 0; n < 8; n++) {
-            double corner[3], from[3];
-            corner_of(b, n, corner);
-            vec3_sub(corner, target, from);
-            double behind = vec3_dot(from, forward);
-            distance      = fmax(distance, fabs(vec3_dot(from, right)) / tan_x - behind);
-            distance      = fmax(distance, fabs(vec3_dot(from, up)) / tan_y - behind);
-        }
-        distance = fmax(distance, size * 1e-3);
-        slopes_of(b, target, distance, forward, right, &low, &high);
-        vec3_mad(target, 0.5 * (low + high) * distance, right, target);
-        slopes_of(b, target, distance, forward, up, &low, &high);
-        vec3_mad(target, 0.5 * (low + high) * distance, up, target);
-    }
-    memcpy(camera->target_ws, target, sizeof target);
-    vec3_mad(target, -distance, forward, camera->eye_ws);
-}
-
 void camera_frame_orbit(camera_pose *camera, const box *b, double aspect)
 {
     enum { STEPS = 360 };
@@ -108,7 +71,36 @@ void camera_frame_lit(camera_pose *camera, const box *b, const vxs_baked_light *
     const double       *sun      = usual;
     for (uint32_t n = light_count; n-- > 0;)
         if (lights[n]->light.kind == VXS_LIGHT_KIND_DIRECTIONAL) sun = lights[n]->light.direction_ws;
-    camera_frame(camera, b, sun, aspect);
+
+    const double margin = 1.03, elevation = 24 * pi / 180, aside = -64 * pi / 180;
+    double       size  = fmax(box_diagonal(b), 1e-9);
+    double       tan_y = tan(camera->fov_degrees * pi / 360) / margin, tan_x = tan_y * aspect;
+    double       azimuth    = atan2(-sun[2], -sun[0]) + aside;
+    double       forward[3] = {-cos(azimuth) * cos(elevation), -sin(elevation), -sin(azimuth) * cos(elevation)};
+    double       right[3], up[3], target[3], distance = 0;
+    camera_axes(forward, (const double[3]){0}, right, up);
+    for (int i = 0; i < 3; i++) target[i] = 0.5 * (b->min[i] + b->max[i]);
+
+    /* centre the box in the view, move back until it fits, and repeat, since perspective moves the centre */
+    for (int round = 0; round < 8; round++) {
+        double low, high;
+        distance = 0;
+        for (int n = 0; n < 8; n++) {
+            double corner[3], from[3];
+            corner_of(b, n, corner);
+            vec3_sub(corner, target, from);
+            double behind = vec3_dot(from, forward);
+            distance      = fmax(distance, fabs(vec3_dot(from, right)) / tan_x - behind);
+            distance      = fmax(distance, fabs(vec3_dot(from, up)) / tan_y - behind);
+        }
+        distance = fmax(distance, size * 1e-3);
+        slopes_of(b, target, distance, forward, right, &low, &high);
+        vec3_mad(target, 0.5 * (low + high) * distance, right, target);
+        slopes_of(b, target, distance, forward, up, &low, &high);
+        vec3_mad(target, 0.5 * (low + high) * distance, up, target);
+    }
+    memcpy(camera->target_ws, target, sizeof target);
+    vec3_mad(target, -distance, forward, camera->eye_ws);
 }
 
 camera_view camera_view_of(const camera_pose *camera, double aspect)

@@ -15,10 +15,12 @@ typedef struct camera_pose {
 } camera_pose;
 
 /* Move the camera so that all of a box is in view from every point of a circle around its middle, at the eye's height.
- * camera  as from camera_frame; target becomes the middle */
+ * camera  as from camera_frame_lit; target becomes the middle */
 void camera_frame_orbit(camera_pose *camera, const box *b, double aspect);
 
-/* As camera_frame, beside the first sun of the lights, or a default one if there is none.   lights  [light_count] */
+/* Place a camera so that a box fills its view completely, from above, beside the first sun of the lights, or a default one if there
+ * is none.
+ * camera  fov_degrees is read; eye and target are written;   lights  [light_count];   aspect  width / height */
 void camera_frame_lit(camera_pose *camera, const box *b, const vxs_baked_light *const *lights, uint32_t light_count, double aspect);
 
 /* The view: the unit vector forward, and the vectors from the picture's centre to its edges, at distance 1. */

@@ -81,22 +81,6 @@ static vxs_result measure_bounds(truth *t, message *m)
     return VXS_OK;
 }
 
-static vxs_result sum_areas(truth *t, message *m)
-{
-    size_t count = t->casters->triangle_count;
-    t->area_sums = count <= SIZE_MAX / sizeof *t->area_sums ? malloc(count * sizeof *t->area_sums) : NULL;
-    if (!t->area_sums) return fail(m, VXS_E_MEMORY, "out of memory for the areas of %zu triangles", count);
-
-    double sum = 0;
-    for (size_t triangle = 0; triangle < count; triangle++) {
-        double normal[3];
-        scaled_normal(t, triangle, normal);
-        sum += 0.5 * sqrt(vec3_dot(normal, normal));
-        t->area_sums[triangle] = sum;
-    }
-    return VXS_OK;
-}
-
 static void unit_from_ws(const truth *t, const double ws[3], float unit[3])
 {
     for (int i = 0; i < 3; i++) unit[i] = (float)((ws[i] - t->centre_ws[i]) * t->scale);
@@ -170,7 +154,22 @@ vxs_result truth_create(truth **out, const casters *c, uint32_t threads, message
     if (!t) return fail(m, VXS_E_MEMORY, "out of memory");
     t->casters = c;
     if ((r = measure_bounds(t, m)) != VXS_OK) goto done;
-    if ((r = sum_areas(t, m)) != VXS_OK) goto done;
+
+    size_t count = t->casters->triangle_count;
+    t->area_sums = count <= SIZE_MAX / sizeof *t->area_sums ? malloc(count * sizeof *t->area_sums) : NULL;
+    if (!t->area_sums) {
+        r = fail(m, VXS_E_MEMORY, "out of memory for the areas of %zu triangles", count);
+        goto done;
+    }
+
+    double sum = 0;
+    for (size_t triangle = 0; triangle < count; triangle++) {
+        double normal[3];
+        scaled_normal(t, triangle, normal);
+        sum += 0.5 * sqrt(vec3_dot(normal, normal));
+        t->area_sums[triangle] = sum;
+    }
+
     if ((r = build_scene(t, threads, m)) != VXS_OK) goto done;
     *out = t;
     t    = NULL;
@@ -260,20 +259,6 @@ static int ray_begin(const truth *t, const double origin_ws[3], const double dir
                            .tfar  = INFINITY,
                            .mask  = UINT32_MAX};
     return 1;
-}
-
-/* Turn a ray about its origin, by half of the allowed rounding error. */
-static void tilt(struct RTCRay *ray)
-{
-    const double along[3] = {ray->dir_x, ray->dir_y, ray->dir_z};
-    const double axis[3]  = {fabs(along[0]) < 0.6, fabs(along[0]) >= 0.6, 0}; /* not nearly parallel to the ray */
-    double       across[3], tilted[3];
-    vec3_cross(along, axis, across);
-    vec3_unit(across, across);
-    vec3_mad(along, FLOAT_SLACK / 2, across, tilted);
-    ray->dir_x = (float)tilted[0];
-    ray->dir_y = (float)tilted[1];
-    ray->dir_z = (float)tilted[2];
 }
 
 /* Whether a triangle has a hole where its second and third corner have these weights. */
@@ -408,7 +393,18 @@ int truth_lit(const truth *t, const double point_ws[3], const light_shape *light
 
     /* Embree is watertight along edges, but rarely a ray towards a vertex passes through it, and points on a grid do aim at
      * vertices: a second ray must reach the light, too */
-    tilt(&ray);
+
+    /* turn the ray about its origin, by half of the allowed rounding error */
+    const double along[3] = {ray.dir_x, ray.dir_y, ray.dir_z};
+    const double axis[3]  = {fabs(along[0]) < 0.6, fabs(along[0]) >= 0.6, 0}; /* not nearly parallel to the ray */
+    double       across[3], tilted[3];
+    vec3_cross(along, axis, across);
+    vec3_unit(across, across);
+    vec3_mad(along, FLOAT_SLACK / 2, across, tilted);
+    ray.dir_x = (float)tilted[0];
+    ray.dir_y = (float)tilted[1];
+    ray.dir_z = (float)tilted[2];
+
     return !is_occluded(t, ray, lamp_ws);
 }
 
@@ -533,26 +529,22 @@ int truth_inside_solid(const truth *t, const double point_ws[3])
 
 /* -- surface points -------------------------------------------------------------------------------------- */
 
-/* The first triangle whose cumulative sum exceeds `area`: never one without area. */
-static size_t triangle_at_area(const truth *t, double area)
-{
-    size_t low = 0, high = t->casters->triangle_count - 1;
-    while (low < high) {
-        size_t middle = low + (high - low) / 2;
-        if (t->area_sums[middle] > area)
-            high = middle;
-        else
-            low = middle + 1;
-    }
-    return low;
-}
-
 /* A point of the triangles, ignoring holes. Returns 0 in a hole. */
 static int draw_surface_point(const truth *t, const double uniforms[3], double point_ws[3], size_t *triangle)
 {
-    double total  = t->area_sums[t->casters->triangle_count - 1];
+    double total = t->area_sums[t->casters->triangle_count - 1];
     /* for u just below 1, u * total may round up to total */
-    size_t chosen = triangle_at_area(t, fmin(uniforms[0] * total, nextafter(total, 0)));
+
+    /* the first triangle whose cumulative sum exceeds `area`: never one without area */
+    double area   = fmin(uniforms[0] * total, nextafter(total, 0));
+    size_t chosen = 0, high = t->casters->triangle_count - 1;
+    while (chosen < high) {
+        size_t middle = chosen + (high - chosen) / 2;
+        if (t->area_sums[middle] > area)
+            high = middle;
+        else
+            chosen = middle + 1;
+    }
 
     /* uniform over a triangle: Turk, "Generating Random Points in Triangles", Graphics Gems, 1990 */
     double        root = sqrt(uniforms[1]);
