@@ -278,7 +278,7 @@ static vxs_result make_truth(truth **t, casters *casting, const subject *s, uint
 typedef struct pixels {
     uint8_t *rgb;    /* [3 * width * height] from renderer_draw */
     float   *linear; /* likewise, from renderer_read_linear; NULL: not wanted */
-    double   white;  /* from renderer_white; 0: unknown */
+    double   white;  /* of render_facts; 0: unknown */
 } pixels;
 
 static vxs_result draw_by_rays(const render_command *c, const subject *s, const pixels *to, message *m)
@@ -352,57 +352,52 @@ static vxs_result write_passes(const render_command *c, const subject *s, render
     return r;
 }
 
-/* lamps  NULL: there are none */
-static vpl_words words_of_lamps(const render_command *c, const subject *s, const vpl_pass *lamps)
+/* The stream of the report; NULL: no report. */
+static FILE *report_of(const render_command *c, const message *m)
+{
+    const char *outs[] = {c->out, c->linear_path, c->json_path, c->csv_path, c->plot_path};
+    int         taken  = 0;
+    for (int n = 0; n < 5; n++) taken |= outs[n] && is_standard_output(outs[n]);
+    return report_stream(m, taken);
+}
+
+/* vpls  NULL: there are none */
+static vpl_words words_of_vpls(const render_command *c, const subject *s, const vpl_pass *vpls)
 {
     vpl_words w = {.gather = area_gather_names[c->options.area_gather], .baked = c->options.area_points != NULL};
-    if (!lamps) return w;
-    w.points      = vpl_pass_points(lamps);
-    w.capsules    = vpl_pass_capsules(lamps, &w.smoke_side);
+    if (!vpls) return w;
+    w.points      = vpls->points + vpls->moving_points;
+    w.capsules    = vpls->capsule_count;
+    w.smoke_side  = vpls->options.smoke_side;
     w.baked_smoke = has_baked_smoke(c, s);
     return w;
 }
 
-/* Print area lights if there are some, or if they were requested.   Returns 0 if nothing was printed. */
-static int find_area_words(const render_command *c, const subject *s, const renderer *drawn, area_words *w)
-{
-    const area_pass *areas = renderer_areas(drawn);
-    *w                     = (area_words){.scene  = &s->scene,
-                                          .shares = areas ? area_pass_shares(areas) : NULL,
-                                          .lit    = words_of_lamps(c, s, areas ? area_pass_lamps(areas) : NULL)};
-    return areas || (c->area_given && c->options.area_lamps && !c->sky_path);
-}
-
-static sky_words words_of_sky(const render_command *c, const subject *s, const renderer *drawn)
-{
-    return (sky_words){.path         = c->sky_path,
-                       .wide_px      = s->sky.wide_px,
-                       .high_px      = s->sky.high_px,
-                       .light        = c->options.sky_light,
-                       .turn_degrees = c->options.sky_turn_degrees,
-                       .lamps        = c->options.area_lamps,
-                       .lit          = words_of_lamps(c, s, sky_pass_lamps(renderer_sky(drawn)))};
-}
-
-static vxs_result write_reports(const render_command *c, const subject *s, const renderer *drawn, const drawn_frame *frames,
+/* Write the reports that are wanted of frames [count], and print the plan of the last one. */
+static vxs_result report_frames(const render_command *c, const subject *s, const renderer *drawn, const drawn_frame *frames,
                                 uint32_t count, const truth_difference *difference, message *m)
 {
-    area_words    areas;
-    sky_words     sky    = c->sky_path ? words_of_sky(c, s, drawn) : (sky_words){0};
+    render_facts     facts = renderer_facts(drawn);
+    const area_pass *lit   = facts.areas;
+    area_words       areas = {
+              .scene = &s->scene, .shares = lit ? lit->shares : NULL, .lit = words_of_vpls(c, s, lit ? lit->lamps : NULL)};
+    sky_words     sky    = {.path         = c->sky_path,
+                            .wide_px      = s->sky.wide_px,
+                            .high_px      = s->sky.high_px,
+                            .light        = c->options.sky_light,
+                            .turn_degrees = c->options.sky_turn_degrees,
+                            .lamps        = c->options.area_lamps,
+                            .lit          = words_of_vpls(c, s, facts.sky ? facts.sky->lamps : NULL)};
     render_report report = {.scene_path   = c->scene_path,
                             .asset_path   = c->asset_path,
-                            .renderer     = renderer_name(drawn),
                             .moving_path  = c->moving_path,
                             .options      = &c->options,
-                            .fog_grid     = renderer_fog_grid(drawn),
-                            .fog_lights   = renderer_fog_lights(drawn),
-                            .smoke_lights = renderer_smoke_lights(drawn),
+                            .facts        = &facts,
                             .capsules     = s->scene.smoke.count,
-                            .areas        = find_area_words(c, s, drawn, &areas) ? &areas : NULL,
+                            .areas        = lit || (c->area_given && c->options.area_lamps && !c->sky_path) ? &areas : NULL,
                             .sky          = c->sky_path ? &sky : NULL,
                             .lights       = s->lights,
                             .light_count  = s->light_count,
-                            .culls        = renderer_culls(drawn),
                             .budget_bytes = c->budget_given ? c->budget_bytes : 0,
                             .frames       = frames,
                             .frame_count  = count,
@@ -416,16 +411,9 @@ static vxs_result write_reports(const render_command *c, const subject *s, const
     if (c->json_path) r = json_write(c->json_path, render_report_json(&report), m);
     if (r == VXS_OK && c->csv_path) r = render_report_csv(&report, c->csv_path, m);
     if (r == VXS_OK && c->plot_path) r = render_report_plot(&report, c->plot_path, m);
+    FILE *to = report_of(c, m);
+    if (r == VXS_OK && to) render_report_print(to, &report, m->verbose);
     return r;
-}
-
-/* The stream of the report; NULL: no report. */
-static FILE *report_of(const render_command *c, const message *m)
-{
-    const char *outs[] = {c->out, c->linear_path, c->json_path, c->csv_path, c->plot_path};
-    int         taken  = 0;
-    for (int n = 0; n < 5; n++) taken |= outs[n] && is_standard_output(outs[n]);
-    return report_stream(m, taken);
 }
 
 static void print_written(const render_command *c, const message *m)
@@ -442,30 +430,6 @@ static void print_written(const render_command *c, const message *m)
     written_print(to, c->out, size);
 }
 
-/* The plans of the picture's frame: lights that see moving casters, lights that smoke dims, area lights that are drawn, lights
- * in fog. */
-static void print_plan(const render_command *c, const subject *s, const renderer *drawn, const drawn_frame *last, const message *m)
-{
-    area_words areas;
-    sky_words  sky = c->sky_path ? words_of_sky(c, s, drawn) : (sky_words){0};
-    FILE      *to  = report_of(c, m);
-    if (!to) return;
-    if (c->options.moving) {
-        fprintf(to, "moving       seen by %u light%s in %u depth map%s", last->frame.moving.lights,
-                last->frame.moving.lights == 1 ? "" : "s", last->frame.moving.maps, last->frame.moving.maps == 1 ? "" : "s");
-        if (last->frame.moving.left_out)
-            fprintf(to, ", not by %u more: %d maps are drawn in a frame", last->frame.moving.left_out, MOVING_MAPS);
-        fputc('\n', to);
-    }
-    if (renderer_smoke_lights(drawn))
-        smoke_plan_print(to, &last->frame.smoke, s->scene.smoke.count, c->options.smoke_side, renderer_smoke_lights(drawn),
-                         s->lights, s->light_count, m->verbose);
-    if (find_area_words(c, s, drawn, &areas)) area_plan_print(to, &last->frame.area, &areas, m->verbose);
-    if (c->sky_path) sky_plan_print(to, &sky, m->verbose);
-    if (c->options.fog)
-        fog_plan_print(to, &last->frame.fog, c->options.fog_by, renderer_fog_lights(drawn), s->lights, s->light_count, m->verbose);
-}
-
 static vxs_result draw_by_gl(const render_command *c, subject *s, pixels *to, message *m)
 {
     renderer        *drawn      = NULL;
@@ -476,10 +440,9 @@ static vxs_result draw_by_gl(const render_command *c, subject *s, pixels *to, me
     vxs_result       r          = frames ? choose_path(c, &path, m) : fail(m, VXS_E_MEMORY, "out of memory for %u frames", count);
     if (r == VXS_OK) r = draw_frames(c, s, &drawn, &path, frames, count, to->rgb, m);
     if (r == VXS_OK && to->linear) r = renderer_read_linear(drawn, to->linear, m);
-    if (r == VXS_OK) to->white = renderer_white(drawn);
+    if (r == VXS_OK) to->white = renderer_facts(drawn).white;
     if (r == VXS_OK && c->passes_folder) r = write_passes(c, s, drawn, &difference, m);
-    if (r == VXS_OK) r = write_reports(c, s, drawn, frames, count, &difference, m);
-    if (r == VXS_OK) print_plan(c, s, drawn, &frames[count - 1], m);
+    if (r == VXS_OK) r = report_frames(c, s, drawn, frames, count, &difference, m);
     renderer_destroy(drawn);
     camera_path_free(&path);
     free(frames);

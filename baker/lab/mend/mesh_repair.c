@@ -506,23 +506,6 @@ static vxs_result start(repair *x, message *m)
     return VXS_OK;
 }
 
-/* Keep only those components in the report that have something to report. */
-static void sum_up(repair_report *out)
-{
-    for (size_t i = 0; i < out->component_count; i++) {
-        const repaired_component c        = out->components[i];
-        uint32_t                 findings = 0;
-        out->closed_before += c.closed_before;
-        out->closed_after += c.closed_after;
-        out->total.triangles += c.triangles;
-        for (int n = 0; n < REPAIR_COUNTS; n++) {
-            out->total.counts[n] += c.counts[n];
-            findings |= c.counts[n];
-        }
-        if (findings) out->components[out->count++] = c;
-    }
-}
-
 vxs_result scene_repair(scene *s, const repair_options *o, repair_report *out, message *m)
 {
     repair     x = {.s = s, .o = o, .out = out};
@@ -543,7 +526,20 @@ vxs_result scene_repair(scene *s, const repair_options *o, repair_report *out, m
     for (uint32_t t = 0; t < x.v.mesh.triangle_count; t++)
         if (!is_closed(&x.v, t)) origin_at(&x, t)->closed_after = 0;
 
-    sum_up(out);
+    /* keep only components with something to report */
+    for (size_t i = 0; i < out->component_count; i++) {
+        const repaired_component c        = out->components[i];
+        uint32_t                 findings = 0;
+        out->closed_before += c.closed_before;
+        out->closed_after += c.closed_after;
+        out->total.triangles += c.triangles;
+        for (int n = 0; n < REPAIR_COUNTS; n++) {
+            out->total.counts[n] += c.counts[n];
+            findings |= c.counts[n];
+        }
+        if (findings) out->components[out->count++] = c;
+    }
+
 done:
     if (r != VXS_OK) repair_report_free(out);
     snapshot_free(&x.v);

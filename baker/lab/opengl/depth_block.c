@@ -256,38 +256,6 @@ static void draw_nearest(depth_block *b, GLuint depth, uint32_t first, uint32_t 
     draw(b, b->context->program_depth, first, count);
 }
 
-/* Draw the nearest front faces, and the nearest back faces, which are the first layer. The nearer of the two is where a ray
- * enters solids. It can be a back face only if a part of a solid is inside out. */
-static void draw_first_layers(depth_block *b)
-{
-    gl_context *gl = b->context->gl;
-    gl->Enable(GL_CULL_FACE);
-    gl->CullFace(GL_BACK);
-    draw_nearest(b, b->texture_solid, 0, b->solid_count);
-    gl->CullFace(GL_FRONT);
-    draw_nearest(b, b->texture_layer[0], 0, b->solid_count);
-    gl->Disable(GL_CULL_FACE);
-}
-
-/* Draw the nearest back faces behind the last layer, in open texels. */
-static void draw_next_layer(depth_block *b)
-{
-    gl_context  *gl      = b->context->gl;
-    GLuint       texture = b->texture_layer[b->pass & 1];
-    const float *start   = b->layer[b->pass & 1];
-    block_rect   a       = b->open;
-    gl->PixelStorei(GL_UNPACK_ROW_LENGTH, (GLint)b->context->block_px);
-    gl->TextureSubImage2D(texture, 0, (GLint)a.u, (GLint)a.v, (GLsizei)a.width, (GLsizei)a.height, GL_DEPTH_COMPONENT, GL_FLOAT,
-                          start + (size_t)a.v * b->context->block_px + a.u);
-    target(b, texture, 0);
-    gl->BindTextureUnit(0, b->texture_layer[(b->pass - 1) & 1]);
-    gl->Enable(GL_CULL_FACE);
-    gl->CullFace(GL_FRONT);
-    gl->DepthFunc(b->context->order.nearer);
-    draw(b, b->context->program_next, 0, b->solid_count);
-    gl->Disable(GL_CULL_FACE);
-}
-
 /* Count front faces minus back faces at or before the layer. */
 static void draw_count(depth_block *b)
 {
@@ -317,7 +285,22 @@ void depth_block_issue(depth_block *b)
     if (b->pass) {
         gl->Enable(GL_SCISSOR_TEST);
         gl->Scissor((GLint)b->open.u, (GLint)b->open.v, (GLsizei)b->open.width, (GLsizei)b->open.height);
-        draw_next_layer(b);
+
+        /* the nearest back faces behind the last layer, in open texels */
+        GLuint       texture = b->texture_layer[b->pass & 1];
+        const float *start   = b->layer[b->pass & 1];
+        block_rect   a       = b->open;
+        gl->PixelStorei(GL_UNPACK_ROW_LENGTH, (GLint)b->context->block_px);
+        gl->TextureSubImage2D(texture, 0, (GLint)a.u, (GLint)a.v, (GLsizei)a.width, (GLsizei)a.height, GL_DEPTH_COMPONENT, GL_FLOAT,
+                              start + (size_t)a.v * b->context->block_px + a.u);
+        target(b, texture, 0);
+        gl->BindTextureUnit(0, b->texture_layer[(b->pass - 1) & 1]);
+        gl->Enable(GL_CULL_FACE);
+        gl->CullFace(GL_FRONT);
+        gl->DepthFunc(b->context->order.nearer);
+        draw(b, b->context->program_next, 0, b->solid_count);
+        gl->Disable(GL_CULL_FACE);
+
         draw_count(b);
         gl->Disable(GL_SCISSOR_TEST);
     } else {
@@ -328,7 +311,15 @@ void depth_block_issue(depth_block *b)
             b->context->gl->BindVertexArray(b->vertex_array);
         }
         if (b->solid_count) {
-            draw_first_layers(b);
+            /* the nearest front faces, and the nearest back faces, which are the first layer: the nearer of the two is
+             * where a ray enters solids; it can be a back face only if a part of a solid is inside out */
+            gl->Enable(GL_CULL_FACE);
+            gl->CullFace(GL_BACK);
+            draw_nearest(b, b->texture_solid, 0, b->solid_count);
+            gl->CullFace(GL_FRONT);
+            draw_nearest(b, b->texture_layer[0], 0, b->solid_count);
+            gl->Disable(GL_CULL_FACE);
+
             if (b->peels) draw_count(b);
         }
     }

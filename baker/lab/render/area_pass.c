@@ -12,18 +12,6 @@ EMBEDDED(glow_glsl)
 
 enum { DENSE = 16 }; /* virtual lights that determine where points for shadows are densest */
 
-struct area_pass {
-    area_pass_options options;
-    const gl_context *gl;
-    vpl_pass         *lamps;
-    double           *powers;        /* [areas] */
-    area_share       *shares, *next; /* [areas] of the last frame; of this one */
-    double            exposure;      /* exposure of the virtual lights; 0: not yet set */
-    uint32_t          count;         /* areas */
-    GLuint            glow_program;
-    GLuint           *textures; /* [areas] */
-};
-
 /* shares ----------------------------------------------------------------------------------------------------------------------- */
 
 static double luminance_of(const scene_area *a, const float *texel)
@@ -246,14 +234,4 @@ void area_pass_add_glow(const area_pass *p, const float clip_from_scene[16], uns
         gl->DrawArrays(GL_TRIANGLE_STRIP, 0, 4);
     }
     gl->Disable(GL_BLEND);
-}
-
-const area_share *area_pass_shares(const area_pass *p)
-{
-    return p->shares;
-}
-
-const vpl_pass *area_pass_lamps(const area_pass *p)
-{
-    return p->lamps;
 }

@@ -74,26 +74,6 @@ vxs_result baked_mesh_make(vxs_light_mesh **mesh, const baked_mesh_options *o, c
  * phi; fewer on a software renderer, which fills the grid for each light in each frame. */
 enum { MAP_SIDE = 1024, MESH_SIDE = 1024, GRID_SIDE = 512, GRID_SIDE_SOFTWARE = 256 };
 
-/* A light, and the maximum of its airlight on any ray. */
-typedef struct faint_light {
-    uint32_t light;
-    float    most;
-} faint_light;
-
-struct fog_pass {
-    fog_pass_options       options;
-    const gl_context      *gl;
-    vxs_gl                *shadows;
-    vxs_volumes           *volumes;
-    vxs_shadow_grid       *grid;   /* FOG_BY_GRID */
-    vxs_light_mesh       **meshes; /* FOG_BY_MESH: [lights], NULL until the light is first drawn */
-    vxs_shadow_depth_map **maps;   /* [lights] for lights that have met moving casters; else NULL */
-    uint32_t               meshes_made;
-    fog_light_plan        *lights; /* [lights] of the last frame */
-    faint_light           *faint;  /* [lights] */
-    uint32_t               last;   /* the light that was drawn last; UINT32_MAX: none */
-};
-
 static vxs_gl_function lookup(const char *name, void *user)
 {
     return (vxs_gl_function)((const gl_context *)user)->lookup(name);
@@ -316,16 +296,6 @@ vxs_result fog_pass_draw(fog_pass *p, const fog_shine *shines, const moving_pass
     return VXS_OK;
 }
 
-vxs_volumes *fog_pass_volumes(const fog_pass *p)
-{
-    return p->volumes;
-}
-
-const fog_light_plan *fog_pass_lights(const fog_pass *p)
-{
-    return p->lights;
-}
-
 const vxs_light_mesh *fog_pass_mesh(const fog_pass *p, uint32_t *light)
 {
     *light = p->last;
@@ -343,11 +313,6 @@ void fog_pass_left(const fog_pass *p, const double eye_ws[3], const double direc
     vxs_air_left(&air, fmax(in_fog[1] - in_fog[0], 0), left);
 }
 
-uint32_t fog_pass_grid(const fog_pass *p)
-{
-    return p->options.grid;
-}
-
 vxs_result fog_pass_read_grid(const fog_pass *p, float *dark, message *m)
 {
     enum { HEAD_BYTES = 128 };
@@ -363,9 +328,4 @@ vxs_result fog_pass_read_grid(const fog_pass *p, float *dark, message *m)
             dark[row * side + column] = (float)(1 - vxs_grid_lit_part(words, &size, column, row, 0, size.bits));
     free(words);
     return VXS_OK;
-}
-
-unsigned fog_pass_airlight(const fog_pass *p)
-{
-    return vxs_volumes_airlight(p->volumes);
 }

@@ -28,7 +28,26 @@ typedef struct fog_shine {
     double cos_inner;
 } fog_shine;
 
-typedef struct fog_pass fog_pass;
+/* A light, and the maximum of its airlight on any ray. */
+typedef struct faint_light {
+    uint32_t light;
+    float    most;
+} faint_light;
+
+/* Only its functions write it; others may read it. */
+typedef struct fog_pass {
+    fog_pass_options       options;
+    const gl_context      *gl;
+    vxs_gl                *shadows;
+    vxs_volumes           *volumes;
+    vxs_shadow_grid       *grid;   /* FOG_BY_GRID */
+    vxs_light_mesh       **meshes; /* FOG_BY_MESH: [lights], NULL until the light is first drawn */
+    vxs_shadow_depth_map **maps;   /* [lights] for lights that have met moving casters; else NULL */
+    uint32_t               meshes_made;
+    fog_light_plan        *lights; /* [lights] of the last frame */
+    faint_light           *faint;  /* [lights] */
+    uint32_t               last;   /* the light that was drawn last; UINT32_MAX: none */
+} fog_pass;
 
 /* pass  [out] NULL on failure.   Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
 vxs_result fog_pass_create(fog_pass **pass, const fog_pass_options *o, const gl_context *gl, vxs_gl *shadows, message *m);
@@ -47,21 +66,12 @@ vxs_result fog_pass_begin(fog_pass *pass, const vxs_view *view, unsigned depths,
 vxs_result fog_pass_draw(fog_pass *pass, const fog_shine *shines, const moving_pass *moving, const smoke_pass *smoke,
                          double exposure, fog_plan *plan, message *m);
 
-/* The volumes that hold the frame, for passes that add to it. */
-vxs_volumes *fog_pass_volumes(const fog_pass *pass);
-
 /* End of rays that meet no surface, in metres: beyond the whole scene. */
 double fog_pass_far_metres(const fog_pass *pass);
-
-/* Of the last frame, each light of shadows; NULL before the first. */
-const fog_light_plan *fog_pass_lights(const fog_pass *pass);
 
 /* Transmittance of the fog along a ray to the eye.
  * direction  of length 1;   metres  INFINITY: up to the end of rays that meet no surface;   left  [out] of each channel */
 void fog_pass_left(const fog_pass *pass, const double eye_ws[3], const double direction[3], double metres, double left[3]);
-
-/* n of its grid of n x 2n x n; 0 without one. */
-uint32_t fog_pass_grid(const fog_pass *pass);
 
 /* The share of shadow in each column and row of the grid of the light that was drawn last. 0 if there is no such light.
  * dark  [out] [2n][n] rows of theta, columns of alpha, 0 to 1;   Returns VXS_OK, VXS_E_MEMORY. */
@@ -69,9 +79,6 @@ vxs_result fog_pass_read_grid(const fog_pass *pass, float *dark, message *m);
 
 /* The mesh that the last frame drew last, with FOG_BY_MESH.   light  [out] its number;   Returns NULL if there is none */
 const vxs_light_mesh *fog_pass_mesh(const fog_pass *pass, uint32_t *light);
-
-/* An RGBA32F texture of width x height. */
-unsigned fog_pass_airlight(const fog_pass *pass);
 
 /* the mesh around the lit volume of a baked light, made once from its shadow depths --------------------------------------------- */
 

@@ -27,16 +27,6 @@ typedef struct shader_block {
     uint32_t    lights[][2]; /* [light_count] */
 } shader_block;
 
-struct moving_pass {
-    gl_context                   *gl;
-    surface_mesh                  mesh;
-    double                        first_middle_ws[3];
-    const vxs_baked_light *const *lights;
-    uint32_t                      light_count;
-    shader_block                 *block;
-    GLuint                        buffer, depths, layers[MOVING_MAPS], frames[MOVING_MAPS];
-};
-
 /* views ------------------------------------------------------------------------------------------------------------------------ */
 
 /* A row that gives the distance of a place from another along an axis, times scale, plus `more`. */
@@ -220,16 +210,6 @@ void moving_pass_cast(moving_pass *p, GLuint program, const double by_ws[3], con
     gl->Disable(GL_DEPTH_TEST);
     gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, p->buffer);
     gl->BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)block_bytes(p), p->block, GL_STREAM_DRAW);
-}
-
-const surface_mesh *moving_pass_mesh(const moving_pass *p)
-{
-    return &p->mesh;
-}
-
-void moving_pass_moved(const moving_pass *p, double by_ws[3])
-{
-    vec3_sub(p->mesh.middle_ws, p->first_middle_ws, by_ws);
 }
 
 void moving_pass_bind(const moving_pass *p)

@@ -18,7 +18,16 @@ typedef struct moving_plan {
     uint32_t left_out; /* lights without maps, because all maps were taken */
 } moving_plan;
 
-typedef struct moving_pass moving_pass;
+/* Only its functions write it; others may read it. */
+typedef struct moving_pass {
+    gl_context                   *gl;
+    surface_mesh                  mesh;
+    double                        first_middle_ws[3];
+    const vxs_baked_light *const *lights;
+    uint32_t                      light_count;
+    struct shader_block          *block;
+    GLuint                        buffer, depths, layers[MOVING_MAPS], frames[MOVING_MAPS];
+} moving_pass;
 
 /* pass    [out] NULL on failure;   s  at least one triangle
  * lights  [light_count] outlive the pass
@@ -32,12 +41,6 @@ void moving_pass_destroy(moving_pass *pass);
 /* Move the casters, and render the depth maps of lights.
  * program  that draws surfaces;   by_ws  offset from the file's position, metres;   eye_ws  origin of relative positions */
 void moving_pass_cast(moving_pass *pass, GLuint program, const double by_ws[3], const double eye_ws[3], moving_plan *plan);
-
-/* The triangles at their current position: middle_ws has moved with them. */
-const surface_mesh *moving_pass_mesh(const moving_pass *pass);
-
-/* The current offset from the file's position. */
-void moving_pass_moved(const moving_pass *pass, double by_ws[3]);
 
 /* Bind the resources of shaders that include lit.glsl. */
 void moving_pass_bind(const moving_pass *pass);

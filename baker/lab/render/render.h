@@ -110,12 +110,32 @@ vxs_result renderer_draw(renderer *r, const camera_pose *camera, uint8_t *rgb, r
  * rgb  [out] [3 * width_px * height_px] top row first */
 vxs_result renderer_read_linear(renderer *r, float *rgb, message *m);
 
-/* The luminance of value 1, in cd/m2, if lights of the scene are in candela and lux. It does not hold for light from other
- * sources, such as the sky of pictures. */
-double renderer_white(const renderer *r);
+/* What is known of the renderer, and of the frame that was drawn last. */
+typedef struct render_facts {
+    const char             *name;          /* OpenGL's, of the renderer */
+    uint32_t                width, height; /* samples */
+    double                  exposure;      /* factor on direct light */
+    double                  white; /* luminance of value 1, in cd/m2, if lights of the scene are in candela and lux. It does not
+                                              hold for light from other sources, such as the sky of pictures */
+    int                     culls; /* 1: lists of lights are made */
+    int                     is_in_fog;
+    uint32_t                fog_grid;     /* n of the fog's grid of n x 2n x n; 0 without one */
+    int                     has_mesh;     /* 1: the fog was drawn by meshes */
+    const fog_light_plan   *fog_lights;   /* [light_count] NULL without fog */
+    const smoke_light_plan *smoke_lights; /* [light_count] NULL without smoke */
+    const area_pass        *areas;        /* NULL without area lights */
+    const sky_pass         *sky;          /* NULL without a map of the sky */
+} render_facts;
 
-/* Size in samples of the frame that was drawn last, for the following functions; top row first. */
-void renderer_size(const renderer *r, uint32_t *width, uint32_t *height);
+render_facts renderer_facts(const renderer *r);
+
+/* For the following functions, count is width * height of render_facts; top row first. */
+
+/* Textures of all samples: exposed airlight of fog; exposed light of area lights, and of the sky, on surfaces. */
+typedef enum render_texture { TEXTURE_AIRLIGHT, TEXTURE_AREAS, TEXTURE_SKY } render_texture;
+
+/* rgb  [out] [3 * count] linear */
+vxs_result renderer_read_texture(renderer *r, render_texture which, float *rgb, message *m);
 
 /* depths       [out] [count] metres along the camera's axis; 0: no surface
  * normals      [out] [3 * count]; albedos likewise, linear
@@ -126,9 +146,6 @@ vxs_result renderer_read(renderer *r, float *depths, float *normals, float *albe
 /* The lit fraction of light n at each sample, by the lookups of the last frame.   lit  [out] [count]; -1 where there is no
  * surface, and where the light does not reach */
 vxs_result renderer_read_lit(renderer *r, uint32_t n, float *lit, message *m);
-
-/* The airlight of fog, exposed.   air  [out] [3 * count] linear */
-vxs_result renderer_read_airlight(renderer *r, float *air, message *m);
 
 /* The transmittance of fog in front of each sample.   depths  as from renderer_read;   left  [out] [3 * count] */
 void renderer_fog_left(const renderer *r, const float *depths, float *left);
@@ -141,47 +158,17 @@ vxs_result renderer_read_full(renderer *r, float *full, message *m);
 /* The position of sample (x, y) of the last frame, top row first, `depth` metres along the axis. */
 void renderer_place(const renderer *r, uint32_t x, uint32_t y, float depth, double place_ws[3]);
 
-/* The factor on direct light. */
-double renderer_exposure(const renderer *r);
-
-/* Whether lists of lights are made; whether there is fog. */
-int renderer_culls(const renderer *r);
-int renderer_is_in_fog(const renderer *r);
-
-/* The pass of area lights; NULL without them. */
-const area_pass *renderer_areas(const renderer *r);
-
-/* Light of area lights on surfaces in the last frame, exposed.   light  [out] [3 * count] linear */
-vxs_result renderer_read_area(renderer *r, float *light, message *m);
-
-/* The pass of the sky; NULL without it. */
-const sky_pass *renderer_sky(const renderer *r);
-
-/* The sky's light on surfaces in the last frame, as renderer_read_area. */
-vxs_result renderer_read_sky(renderer *r, float *light, message *m);
-
-/* Each light in the last frame's fog, [light_count]; NULL without fog. */
-const fog_light_plan *renderer_fog_lights(const renderer *r);
-
-/* n of the fog's grid of n x 2n x n; 0 without one. renderer_read_grid: its shadow, as fog_pass_read_grid. */
-uint32_t   renderer_fog_grid(const renderer *r);
+/* The shadow of the fog's grid, as fog_pass_read_grid. */
 vxs_result renderer_read_grid(const renderer *r, float *dark, message *m);
 
-/* Whether the last frame's fog was drawn by meshes. renderer_read_mesh: a picture of the last mesh: its visible surfaces,
- * transparent, and its edges; warm where a ray enters the light, cold where it leaves it.   light  [out] [3 * count] sum */
-int        renderer_has_mesh(const renderer *r);
+/* A picture of the last mesh of the fog: its visible surfaces, transparent, and its edges; warm where a ray enters the light, cold
+ * where it leaves it.   light  [out] [3 * count] sum */
 vxs_result renderer_read_mesh(renderer *r, float *light, message *m);
-
-/* Each light in the last frame's smoke, [light_count]; NULL without smoke. */
-const smoke_light_plan *renderer_smoke_lights(const renderer *r);
 
 /* The transmittance of smoke towards light n, which it dims, at each sample of the last frame.   left  [out] [count] */
 vxs_result renderer_read_smoke(renderer *r, uint32_t n, float *left, message *m);
 
 /* The transmittance of smoke towards the eye.   left  [out] [count] */
 vxs_result renderer_read_through(renderer *r, float *left, message *m);
-
-/* OpenGL's name of the renderer. */
-const char *renderer_name(const renderer *r);
 
 #endif

@@ -119,7 +119,7 @@ static vxs_result write_surfaces(passes *p, message *m)
 
 static vxs_result write_light(passes *p, message *m)
 {
-    double exposure = renderer_exposure(p->renderer);
+    double exposure = renderer_facts(p->renderer).exposure;
     for (size_t n = 0; n < p->count; n++)
         for (size_t k = 0; k < 3; k++) {
             float *light      = &p->light[4 * n + k];
@@ -129,12 +129,12 @@ static vxs_result write_light(passes *p, message *m)
     return write_pass(p, "light", p->light, "RGB.", m);
 }
 
-/* Write linear light that `read` returns, times a factor. */
-static vxs_result write_linear(passes *p, const char *name, vxs_result (*read)(renderer *, float *, message *), double factor,
-                               message *m)
+/* Write linear light, times a factor. */
+static vxs_result write_linear(passes *p, const char *name, render_texture which, double factor, message *m)
 {
     float     *light = malloc(3 * p->count * sizeof *light);
-    vxs_result r     = light ? read(p->renderer, light, m) : fail(m, VXS_E_MEMORY, "out of memory for a picture");
+    vxs_result r =
+        light ? renderer_read_texture(p->renderer, which, light, m) : fail(m, VXS_E_MEMORY, "out of memory for a picture");
     for (size_t n = 0; n < 3 * p->count && r == VXS_OK; n++) {
         light[n]  = (float)(factor * (double)light[n]);
         p->rgb[n] = byte_of(curve(fmin(1, (double)light[n])));
@@ -157,7 +157,7 @@ static vxs_result write_transmittance(passes *p, message *m)
 
 static vxs_result write_shadow_grid(const passes *p, message *m)
 {
-    uint32_t   side  = renderer_fog_grid(p->renderer);
+    uint32_t   side  = renderer_facts(p->renderer).fog_grid;
     size_t     count = (size_t)2 * side * side;
     float     *dark  = malloc(count * sizeof *dark);
     uint8_t   *rgb   = malloc(3 * count);
@@ -282,12 +282,13 @@ static vxs_result write_lights_each(passes *p, const vxs_baked_light *const *lig
 /* Transmittance of smoke towards each light that it dims, at surfaces; and towards the eye. */
 static vxs_result write_smoke(passes *p, const vxs_baked_light *const *lights, uint32_t light_count, message *m)
 {
-    float     *left = malloc(p->count * sizeof *left);
-    vxs_result r    = left ? renderer_read_through(p->renderer, left, m) : fail(m, VXS_E_MEMORY, "out of memory for a picture");
+    const smoke_light_plan *dimmed = renderer_facts(p->renderer).smoke_lights;
+    float                  *left   = malloc(p->count * sizeof *left);
+    vxs_result r = left ? renderer_read_through(p->renderer, left, m) : fail(m, VXS_E_MEMORY, "out of memory for a picture");
     for (size_t i = 0; i < p->count && r == VXS_OK; i++) set_grey(p->rgb + 3 * i, (double)left[i]);
     if (r == VXS_OK) r = write_pass(p, "smoke", left, "Y", m);
     for (uint32_t n = 0; n < light_count && r == VXS_OK; n++) {
-        if (renderer_smoke_lights(p->renderer)[n].fate != SMOKE_DIMS) continue;
+        if (dimmed[n].fate != SMOKE_DIMS) continue;
         r = renderer_read_smoke(p->renderer, n, left, m);
         for (size_t i = 0; i < p->count && r == VXS_OK; i++) {
             set_grey(p->rgb + 3 * i, (double)left[i]);
@@ -342,28 +343,30 @@ static vxs_result take(passes *p, message *m)
 vxs_result render_passes(renderer *drawn, const char *folder, const vxs_baked_light *const *lights, uint32_t light_count,
                          const passes_options *o, truth_difference *difference, message *m)
 {
-    const truth *t = o->truth;
-    passes       p = {.renderer  = drawn,
-                      .folder    = folder,
-                      .truth     = t,
-                      .is_linear = o->is_linear,
-                      .filter_px = o->filter_px,
-                      .threads   = o->threads};
+    const truth *t     = o->truth;
+    render_facts facts = renderer_facts(drawn);
+    passes       p     = {.renderer  = drawn,
+                          .folder    = folder,
+                          .truth     = t,
+                          .is_linear = o->is_linear,
+                          .filter_px = o->filter_px,
+                          .threads   = o->threads};
     if (mkdir(folder, 0777) && errno != EEXIST)
         return fail(m, VXS_E_WRITE, "--passes %s: the folder cannot be made: %s", folder, strerror(errno));
-    renderer_size(drawn, &p.width, &p.height);
+    p.width      = facts.width;
+    p.height     = facts.height;
     p.count      = (size_t)p.width * p.height;
     vxs_result r = take(&p, m);
     if (r == VXS_OK) r = write_surfaces(&p, m);
     if (r == VXS_OK) r = write_light(&p, m);
     if (r == VXS_OK) r = write_lights(&p, m);
-    if (r == VXS_OK && renderer_areas(drawn)) r = write_linear(&p, "area", renderer_read_area, 1 / pi, m);
-    if (r == VXS_OK && renderer_sky(drawn)) r = write_linear(&p, "sky", renderer_read_sky, 1 / pi, m);
-    if (r == VXS_OK && renderer_is_in_fog(drawn)) r = write_linear(&p, "airlight", renderer_read_airlight, 1, m);
-    if (r == VXS_OK && renderer_is_in_fog(drawn)) r = write_transmittance(&p, m);
-    if (r == VXS_OK && renderer_fog_grid(drawn)) r = write_shadow_grid(&p, m);
-    if (r == VXS_OK && renderer_has_mesh(drawn)) r = write_light_mesh(&p, m);
-    if (r == VXS_OK && renderer_smoke_lights(drawn)) r = write_smoke(&p, lights, light_count, m);
+    if (r == VXS_OK && facts.areas) r = write_linear(&p, "area", TEXTURE_AREAS, 1 / pi, m);
+    if (r == VXS_OK && facts.sky) r = write_linear(&p, "sky", TEXTURE_SKY, 1 / pi, m);
+    if (r == VXS_OK && facts.is_in_fog) r = write_linear(&p, "airlight", TEXTURE_AIRLIGHT, 1, m);
+    if (r == VXS_OK && facts.is_in_fog) r = write_transmittance(&p, m);
+    if (r == VXS_OK && facts.fog_grid) r = write_shadow_grid(&p, m);
+    if (r == VXS_OK && facts.has_mesh) r = write_light_mesh(&p, m);
+    if (r == VXS_OK && facts.smoke_lights) r = write_smoke(&p, lights, light_count, m);
     if (r == VXS_OK && o->streamed) r = write_resident(&p, m);
     if (r == VXS_OK) r = write_lights_each(&p, lights, light_count, m);
     if (r == VXS_OK && t) r = write_truth(&p, difference, m);

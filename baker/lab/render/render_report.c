@@ -15,7 +15,7 @@
 
 static int has_stage(const render_report *r, int stage)
 {
-    if (stage == RENDER_SMOKE) return r->smoke_lights != NULL;
+    if (stage == RENDER_SMOKE) return r->facts->smoke_lights != NULL;
     if (stage == RENDER_AREA) return r->areas && r->areas->shares;
     if (stage == RENDER_SKY) return r->sky != NULL;
     return stage == RENDER_UPLOAD   ? r->budget_bytes != 0
@@ -104,7 +104,7 @@ static json_t *frame_json(const render_report *r, const drawn_frame *d)
     json_set(&o, "longest_list", json_integer(d->frame.longest_list));
     if (r->options->fog) json_set(&o, "fog_lights", fog_plan_counts(&d->frame.fog));
     if (r->options->moving) json_set(&o, "moving", moving_json(&d->frame.moving));
-    if (r->smoke_lights) json_set(&o, "smoke_lights", smoke_plan_counts(&d->frame.smoke));
+    if (r->facts->smoke_lights) json_set(&o, "smoke_lights", smoke_plan_counts(&d->frame.smoke));
     if (r->areas) json_set(&o, "area_lights", area_plan_counts(&d->frame.area));
     if (r->budget_bytes) json_set(&o, "stream", stream_json(d));
     return o;
@@ -149,10 +149,10 @@ static json_t *fog_json(const render_report *r)
     json_set(&fog, "anisotropy", json_real(o->fog->anisotropy));
     json_set(&fog, "top_metres", o->fog->top_ws < INFINITY ? json_real(o->fog->top_ws) : json_null());
     json_set(&fog, "by", json_text(fog_by_names[o->fog_by]));
-    if (o->moving || r->smoke_lights || last->by_angles || o->fog_by == FOG_BY_MARCH || o->fog_by == FOG_BY_ANGLES)
+    if (o->moving || r->facts->smoke_lights || last->by_angles || o->fog_by == FOG_BY_MARCH || o->fog_by == FOG_BY_ANGLES)
         json_set(&fog, "steps", json_integer(o->fog_steps));
-    if (r->fog_grid) json_set(&fog, "grid", json_integer(r->fog_grid));
-    json_set(&fog, "lights", fog_plan_lights(r->fog_lights, r->lights, r->light_count));
+    if (r->facts->fog_grid) json_set(&fog, "grid", json_integer(r->facts->fog_grid));
+    json_set(&fog, "lights", fog_plan_lights(r->facts->fog_lights, r->lights, r->light_count));
     json_set(&fog, "left_out", fog_plan_left_out(last, o->fog_by, r->light_count));
     return fog;
 }
@@ -162,7 +162,7 @@ static json_t *smoke_json(const render_report *r)
     json_t *smoke = json_object();
     json_set(&smoke, "capsules", json_integer(r->capsules));
     json_set(&smoke, "side_px", json_integer(r->options->smoke_side));
-    json_set(&smoke, "lights", smoke_plan_lights(r->smoke_lights, r->lights, r->light_count));
+    json_set(&smoke, "lights", smoke_plan_lights(r->facts->smoke_lights, r->lights, r->light_count));
     return smoke;
 }
 
@@ -173,18 +173,18 @@ json_t *render_report_json(const render_report *r)
     json_set(&o, "generator", json_text("vxs " VXS_VERSION));
     json_set(&o, "scene", json_text(r->scene_path));
     json_set(&o, "asset", json_text(r->asset_path));
-    json_set(&o, "renderer", json_text(r->renderer));
+    json_set(&o, "renderer", json_text(r->facts->name));
     json_set(&o, "width_px", json_integer(r->options->width_px));
     json_set(&o, "height_px", json_integer(r->options->height_px));
     json_set(&o, "samples", json_integer(r->options->samples));
     json_set(&o, "filter_px", json_integer(r->options->filter_px % VXS_SMOOTH));
     json_set(&o, "smooth", json_boolean(r->options->filter_px >= VXS_SMOOTH));
     json_set(&o, "lights", json_integer(r->light_count));
-    json_set(&o, "culling", json_boolean(r->culls));
+    json_set(&o, "culling", json_boolean(r->facts->culls));
     json_set(&o, "word_bytes", json_integer((json_int_t)r->word_bytes));
     if (r->options->fog) json_set(&o, "fog", fog_json(r));
     if (r->moving_path) json_set(&o, "moving", json_text(r->moving_path));
-    if (r->smoke_lights) json_set(&o, "smoke", smoke_json(r));
+    if (r->facts->smoke_lights) json_set(&o, "smoke", smoke_json(r));
     if (r->areas) json_set(&o, "area", area_plan_json(&r->frames[r->frame_count - 1].frame.area, r->areas));
     if (r->sky) json_set(&o, "sky", sky_plan_json(r->sky));
     if (r->budget_bytes) {
@@ -202,6 +202,25 @@ static void write_stream_numbers(FILE *to, const drawn_frame *d)
     stream_number n[STREAM_NUMBERS];
     stream_numbers(d, n);
     for (int k = 0; k < STREAM_NUMBERS; k++) fprintf(to, n[k].whole ? ",%.0f" : ",%.4g", n[k].value);
+}
+
+void render_report_print(FILE *to, const render_report *r, int verbose)
+{
+    const render_frame *last   = &r->frames[r->frame_count - 1].frame;
+    const moving_plan  *moving = &last->moving;
+    if (r->options->moving) {
+        fprintf(to, "moving       seen by %u light%s in %u depth map%s", moving->lights, moving->lights == 1 ? "" : "s",
+                moving->maps, moving->maps == 1 ? "" : "s");
+        if (moving->left_out) fprintf(to, ", not by %u more: %d maps are drawn in a frame", moving->left_out, MOVING_MAPS);
+        fputc('\n', to);
+    }
+    if (r->facts->smoke_lights)
+        smoke_plan_print(to, &last->smoke, r->capsules, r->options->smoke_side, r->facts->smoke_lights, r->lights, r->light_count,
+                         verbose);
+    if (r->areas) area_plan_print(to, &last->area, r->areas, verbose);
+    if (r->sky) sky_plan_print(to, r->sky, verbose);
+    if (r->options->fog)
+        fog_plan_print(to, &last->fog, r->options->fog_by, r->facts->fog_lights, r->lights, r->light_count, verbose);
 }
 
 vxs_result render_report_csv(const render_report *r, const char *path, message *m)

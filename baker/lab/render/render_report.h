@@ -20,17 +20,14 @@ typedef struct drawn_frame {
 } drawn_frame;
 
 typedef struct render_report {
-    const char                   *scene_path, *asset_path, *renderer, *moving_path; /* moving_path NULL: nothing moves */
+    const char                   *scene_path, *asset_path, *moving_path; /* moving_path NULL: nothing moves */
     const render_options         *options;
-    uint32_t                      fog_grid;     /* n of the fog's grid; 0 without one */
-    const fog_light_plan         *fog_lights;   /* [light_count] of the last frame; NULL without fog */
-    const smoke_light_plan       *smoke_lights; /* [light_count] of the last frame; NULL without smoke */
-    uint32_t                      capsules;     /* of the scene's smoke */
-    const area_words             *areas;        /* NULL: area lights were not requested */
-    const sky_words              *sky;          /* NULL: not requested */
-    const vxs_baked_light *const *lights;       /* [light_count] */
+    const render_facts           *facts;    /* of the last frame */
+    uint32_t                      capsules; /* of the scene's smoke */
+    const area_words             *areas;    /* NULL: area lights were not requested */
+    const sky_words              *sky;      /* NULL: not requested */
+    const vxs_baked_light *const *lights;   /* [light_count] */
     uint32_t                      light_count;
-    int                           culls;
     uint64_t                      word_bytes;
     uint64_t                      budget_bytes; /* of a stream; 0: no stream */
     const drawn_frame            *frames;       /* [frame_count] */
@@ -40,6 +37,10 @@ typedef struct render_report {
 
 /* As in docs/render.schema.json. NULL when out of memory. */
 json_t *render_report_json(const render_report *r);
+
+/* Print the plan of the last frame: lights that see moving casters, lights that smoke dims, area lights that are drawn, lights in
+ * fog; with `verbose` each of them. */
+void render_report_print(FILE *to, const render_report *r, int verbose);
 
 /* A line of names, and a line for each frame.   Returns VXS_OK, VXS_E_WRITE, VXS_E_MEMORY, as the next does. */
 vxs_result render_report_csv(const render_report *r, const char *path, message *m);

@@ -179,7 +179,7 @@ static vpl_pass_options lit_by_lamps(const renderer *r, const scene *s)
 static vxs_result make_areas(renderer *r, const scene *s, message *m)
 {
     area_pass_options o = {.lit = lit_by_lamps(r, s), .scale = pi * r->scale};
-    return area_pass_create(&r->areas, &o, r->gl, fog_pass_volumes(r->fog), m);
+    return area_pass_create(&r->areas, &o, r->gl, r->fog->volumes, m);
 }
 
 static vxs_result make_sky(renderer *r, const scene *s, message *m)
@@ -189,7 +189,7 @@ static vxs_result make_sky(renderer *r, const scene *s, message *m)
                           .map           = r->options.sky,
                           .scale         = pi * r->scale * r->options.sky_light,
                           .turn_rad      = r->options.sky_turn_degrees * pi / 180};
-    return sky_pass_create(&r->sky, &o, r->gl, fog_pass_volumes(r->fog), m);
+    return sky_pass_create(&r->sky, &o, r->gl, r->fog->volumes, m);
 }
 
 static vxs_result make_smoke(renderer *r, const scene *s, const vxs_baked_light *const *lights, message *m)
@@ -201,7 +201,7 @@ static vxs_result make_smoke(renderer *r, const scene *s, const vxs_baked_light 
                                        .is_asked    = r->options.smoke_side_is_asked,
                                        .width       = r->width,
                                        .height      = r->height};
-    vxs_result               result = smoke_pass_create(&r->smoke, &o, r->gl, fog_pass_volumes(r->fog), m);
+    vxs_result               result = smoke_pass_create(&r->smoke, &o, r->gl, r->fog->volumes, m);
     return result == VXS_OK ? renderer_make_cloud(r, &s->smoke, m) : result;
 }
 

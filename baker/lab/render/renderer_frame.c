@@ -74,7 +74,7 @@ static void draw_surfaces(const renderer *r)
     gl->ClearBufferfv(GL_COLOR, 1, black);
     gl->UseProgram(r->surface_program);
     draw_mesh(r, &r->mesh);
-    if (r->moving) draw_mesh(r, moving_pass_mesh(r->moving));
+    if (r->moving) draw_mesh(r, &r->moving->mesh);
     gl->Disable(GL_DEPTH_TEST);
 }
 
@@ -112,7 +112,7 @@ static vxs_result draw_areas(const renderer *r, double exposure, area_plan *plan
     vxs_result result = begin_air(r, m);
     if (result != VXS_OK) return result;
     double moved_ws[3] = {0};
-    if (r->moving) moving_pass_moved(r->moving, moved_ws);
+    if (r->moving) vec3_sub(r->moving->mesh.middle_ws, r->moving->first_middle_ws, moved_ws);
     return area_pass_draw(r->areas, r->camera.eye_ws, &r->seen, moved_ws, fog_pass_far_metres(r->fog), r->target[NORMALS], exposure,
                           plan, m);
 }
@@ -131,7 +131,7 @@ static vxs_result draw_sky(const renderer *r, double exposure, message *m)
 {
     vxs_result result      = r->areas ? VXS_OK : begin_air(r, m);
     double     moved_ws[3] = {0};
-    if (r->moving) moving_pass_moved(r->moving, moved_ws);
+    if (r->moving) vec3_sub(r->moving->mesh.middle_ws, r->moving->first_middle_ws, moved_ws);
     return result == VXS_OK ? sky_pass_draw(r->sky, r->camera.eye_ws, moved_ws, r->target[NORMALS], exposure, m) : result;
 }
 

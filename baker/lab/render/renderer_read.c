@@ -33,12 +33,6 @@ static void renderer_read_target(const renderer *r, int target, GLenum format, G
     turn_over(out, width * pixel_bytes, height);
 }
 
-void renderer_size(const renderer *r, uint32_t *width, uint32_t *height)
-{
-    *width  = r->width;
-    *height = r->height;
-}
-
 vxs_result renderer_read_screen(const renderer *r, uint8_t *rgb, message *m)
 {
     uint32_t width = r->options.width_px, height = r->options.height_px;
@@ -83,29 +77,22 @@ vxs_result renderer_read_lit(renderer *r, uint32_t n, float *lit, message *m)
     return result;
 }
 
-/* Read a texture with all samples of a pass.   out  [3 * count] */
-static vxs_result read_texture(const renderer *r, GLuint texture, float *out, message *m)
+/* Read a texture with all samples of a pass.   out  [channels * count] */
+static vxs_result read_texture(const renderer *r, GLuint texture, GLenum format, size_t channels, float *out, message *m)
 {
-    size_t row = 3 * sizeof *out * r->width;
+    size_t row = channels * sizeof *out * r->width;
     r->gl->PixelStorei(GL_PACK_ALIGNMENT, 1);
-    r->gl->GetTextureImage(texture, 0, GL_RGB, GL_FLOAT, (GLsizei)(row * r->height), out);
+    r->gl->GetTextureImage(texture, 0, format, GL_FLOAT, (GLsizei)(row * r->height), out);
     turn_over(out, row, r->height);
     return r->gl->GetError() == GL_NO_ERROR ? VXS_OK : fail(m, VXS_E_GL, "OpenGL cannot give back a picture");
 }
 
-vxs_result renderer_read_airlight(renderer *r, float *air, message *m)
+vxs_result renderer_read_texture(renderer *r, render_texture which, float *rgb, message *m)
 {
-    return read_texture(r, fog_pass_airlight(r->fog), air, m);
-}
-
-vxs_result renderer_read_area(renderer *r, float *light, message *m)
-{
-    return read_texture(r, vpl_pass_irradiance(area_pass_lamps(r->areas)), light, m);
-}
-
-vxs_result renderer_read_sky(renderer *r, float *light, message *m)
-{
-    return read_texture(r, vpl_pass_irradiance(sky_pass_lamps(r->sky)), light, m);
+    GLuint texture = which == TEXTURE_AREAS ? vxs_area_light_irradiance(r->areas->lamps->light)
+                     : which == TEXTURE_SKY ? vxs_area_light_irradiance(r->sky->lamps->light)
+                                            : vxs_volumes_airlight(r->fog->volumes);
+    return read_texture(r, texture, GL_RGB, 3, rgb, m);
 }
 
 vxs_result renderer_read_full(renderer *r, float *full, message *m)
@@ -143,50 +130,22 @@ void renderer_fog_left(const renderer *r, const float *depths, float *left)
     }
 }
 
-double renderer_exposure(const renderer *r)
-{
-    return r->exposure;
-}
-
-double renderer_white(const renderer *r)
-{
-    return 1 / (3.14159265358979324 * r->scale * r->exposure);
-}
-
-const char *renderer_name(const renderer *r)
-{
-    return r->gl->names.renderer;
-}
-
-int renderer_is_in_fog(const renderer *r)
-{
-    return r->options.fog != NULL;
-}
-
-const area_pass *renderer_areas(const renderer *r)
-{
-    return r->areas;
-}
-
-const sky_pass *renderer_sky(const renderer *r)
-{
-    return r->sky;
-}
-
-const fog_light_plan *renderer_fog_lights(const renderer *r)
-{
-    return r->options.fog ? fog_pass_lights(r->fog) : NULL;
-}
-
-uint32_t renderer_fog_grid(const renderer *r)
-{
-    return r->fog ? fog_pass_grid(r->fog) : 0;
-}
-
-int renderer_has_mesh(const renderer *r)
+render_facts renderer_facts(const renderer *r)
 {
     uint32_t light;
-    return r->fog && fog_pass_mesh(r->fog, &light);
+    return (render_facts){.name         = r->gl->names.renderer,
+                          .width        = r->width,
+                          .height       = r->height,
+                          .exposure     = r->exposure,
+                          .white        = 1 / (3.14159265358979324 * r->scale * r->exposure),
+                          .culls        = renderer_culls(r),
+                          .is_in_fog    = r->options.fog != NULL,
+                          .fog_grid     = r->fog ? r->fog->options.grid : 0,
+                          .has_mesh     = r->fog && fog_pass_mesh(r->fog, &light),
+                          .fog_lights   = r->options.fog ? r->fog->lights : NULL,
+                          .smoke_lights = r->smoke ? r->smoke->lights : NULL,
+                          .areas        = r->areas,
+                          .sky          = r->sky};
 }
 
 vxs_result renderer_read_grid(const renderer *r, float *dark, message *m)
@@ -194,18 +153,9 @@ vxs_result renderer_read_grid(const renderer *r, float *dark, message *m)
     return fog_pass_read_grid(r->fog, dark, m);
 }
 
-const smoke_light_plan *renderer_smoke_lights(const renderer *r)
-{
-    return r->smoke ? smoke_pass_lights(r->smoke) : NULL;
-}
-
 vxs_result renderer_read_smoke(renderer *r, uint32_t n, float *left, message *m)
 {
-    size_t row = sizeof *left * r->width;
-    r->gl->PixelStorei(GL_PACK_ALIGNMENT, 1);
-    r->gl->GetTextureImage(smoke_pass_picture(r->smoke, n), 0, GL_RED, GL_FLOAT, (GLsizei)(row * r->height), left);
-    turn_over(left, row, r->height);
-    return r->gl->GetError() == GL_NO_ERROR ? VXS_OK : fail(m, VXS_E_GL, "OpenGL cannot give back a picture");
+    return read_texture(r, r->smoke->pictures[r->smoke->layer_of[n]], GL_RED, 1, left, m);
 }
 
 vxs_result renderer_read_through(renderer *r, float *left, message *m)

@@ -53,6 +53,9 @@ struct renderer {
     double      near_metres;
 };
 
+/* Whether lists of lights are made. */
+int renderer_culls(const renderer *r);
+
 /* Make a program of a full-screen pass with lookups: its text follows those of vxs_gl.h, and lit.glsl.   program  [out] deleted by
  * the caller, whatever is returned */
 vxs_result renderer_lit_program(const renderer *r, GLuint *program, embedded fragment, message *m);

@@ -12,16 +12,6 @@ EMBEDDED(sky_frag_glsl)
 
 static const double pi = 3.14159265358979324;
 
-struct sky_pass {
-    sky_pass_options  options;
-    const gl_context *gl;
-    vpl_pass         *lamps;
-    vxs_vpl          *placed;    /* [lamps] without exposure */
-    double            exposure;  /* exposure of the virtual lights; 0: not yet set */
-    box               moving_ws; /* box of the moving casters, as in their file */
-    GLuint            program, texture;
-};
-
 /* set-up ----------------------------------------------------------------------------------------------------------------------- */
 
 static vxs_result place_lamps(sky_pass *p, message *m)
@@ -152,9 +142,4 @@ void sky_pass_mean(const sky_pass *p, double exposure, double rgb[3])
         rgb[k] = 0;
         for (uint32_t n = 0; n < p->options.lit.lamps; n++) rgb[k] += exposure / (4 * pi) * (double)p->placed[n].colour[k];
     }
-}
-
-const vpl_pass *sky_pass_lamps(const sky_pass *p)
-{
-    return p->lamps;
 }

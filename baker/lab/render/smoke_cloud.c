@@ -168,7 +168,7 @@ vxs_result renderer_make_cloud(renderer *r, const scene_smoke *smoke, message *m
     const gl_context *gl = r->gl;
     smoke_cloud      *c = r->cloud = calloc(1, sizeof *c);
     if (!c) return fail(m, VXS_E_MEMORY, "out of memory for smoke");
-    size_t     corners = SMOKE_CORNERS * (size_t)smoke->count, layers = smoke_pass_layers(r->smoke);
+    size_t     corners = SMOKE_CORNERS * (size_t)smoke->count, layers = r->smoke->layers;
     vxs_result result = smoke_quads_reserve(&c->quads, smoke, m);
     if (result == VXS_OK) result = renderer_lit_program(r, &c->light_program, smoke_light_frag_glsl, m);
     if (result == VXS_OK) result = gl_program_of(gl, &c->program, smoke_quads_glsl, gl_embedded(capsule_glsl), m);
@@ -273,7 +273,7 @@ vxs_result renderer_draw_cloud(renderer *r, message *m)
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, CAPSULES_BINDING, c->buffers[CAPSULES]);
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, CORNERS_BINDING, c->buffers[CORNERS]);
     gl->BindTextureUnit(DEPTHS_UNIT, r->target[DEPTHS]);
-    gl->BindTextureUnit(AIRLIGHT_UNIT, fog_pass_airlight(r->fog));
+    gl->BindTextureUnit(AIRLIGHT_UNIT, vxs_volumes_airlight(r->fog->volumes));
     gl->BindTextureUnit(LIGHTS_UNIT, c->lights);
     gl->BindFramebuffer(GL_FRAMEBUFFER, r->picture_frame);
     gl->Viewport(0, 0, (GLsizei)r->width, (GLsizei)r->height);

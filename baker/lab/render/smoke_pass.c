@@ -16,20 +16,6 @@ enum { SEGMENTS = 1 << 20, SEGMENTS_MOST = 1 << 22, BINDING = 7, UNIT = 7 };
 /* The limit on segments of a map; it takes 10 s on two processors. Without it, a file of some kilobytes could take minutes. */
 enum { SEGMENTS_MADE = 1 << 26, SIDE_LEAST = 16 };
 
-struct smoke_pass {
-    smoke_pass_options     options;
-    const gl_context      *gl;
-    vxs_volumes           *volumes;
-    uint32_t               layers, used;         /* of the pictures */
-    vxs_transmittance_map *maps[SMOKE_MAPS];     /* by layer, in the order in which they were built */
-    GLuint                 pictures[SMOKE_MAPS]; /* views of layers */
-    GLuint                 array, buffer;
-    smoke_light_plan      *lights;   /* [light_count] */
-    int32_t               *layer_of; /* [light_count] -1: none, yet */
-    uint8_t               *in_reach; /* [light_count] 1: some capsule is in reach */
-    vxs_capsule           *capsules; /* [smoke's count] relative to the light */
-};
-
 /* reach ------------------------------------------------------------------------------------------------------------------------ */
 
 /* The bounding sphere of a capsule.   Returns its radius */
@@ -305,19 +291,4 @@ vxs_result smoke_pass_ask(const smoke_pass *p, GLuint places, uint32_t count, GL
 const vxs_transmittance_map *smoke_pass_map(const smoke_pass *p, uint32_t light)
 {
     return p->lights[light].fate == SMOKE_DIMS ? p->maps[p->layer_of[light]] : NULL;
-}
-
-GLuint smoke_pass_picture(const smoke_pass *p, uint32_t light)
-{
-    return p->lights[light].fate == SMOKE_DIMS ? p->pictures[p->layer_of[light]] : 0;
-}
-
-const smoke_light_plan *smoke_pass_lights(const smoke_pass *p)
-{
-    return p->lights;
-}
-
-uint32_t smoke_pass_layers(const smoke_pass *p)
-{
-    return p->layers;
 }

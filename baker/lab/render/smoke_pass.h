@@ -10,8 +10,7 @@
 #include "baker/scene/scene.h"
 #include "runtime/volumes/vxs_transmittance.h"
 
-enum { SMOKE_MAPS = 16, SMOKE_SIDE = 256 }; /* maps of a renderer at most; their default side in texels */
-
+enum { SMOKE_MAPS = 16, SMOKE_SIDE = 256 };
 typedef struct smoke_pass_options {
     const scene_smoke            *smoke;  /* at least one capsule; outlives the pass, as lights do */
     const vxs_baked_light *const *lights; /* [light_count] those of the volumes */
@@ -22,9 +21,21 @@ typedef struct smoke_pass_options {
     uint32_t                      width, height; /* samples */
 } smoke_pass_options;
 
-struct camera_view; /* of baker/lab/truth/camera.h */
-
-typedef struct smoke_pass smoke_pass;
+struct camera_view;
+/* Only its functions write it; others may read it. */
+typedef struct smoke_pass {
+    smoke_pass_options     options;
+    const gl_context      *gl;
+    vxs_volumes           *volumes;
+    uint32_t               layers, used;         /* of the pictures */
+    vxs_transmittance_map *maps[SMOKE_MAPS];     /* by layer, in the order in which they were built */
+    GLuint                 pictures[SMOKE_MAPS]; /* views of layers, GL_R32F of width x height */
+    GLuint                 array, buffer;
+    smoke_light_plan      *lights;   /* [light_count] */
+    int32_t               *layer_of; /* [light_count] -1: none, yet */
+    uint8_t               *in_reach; /* [light_count] 1: some capsule is in reach */
+    vxs_capsule           *capsules; /* [smoke's count] relative to the light */
+} smoke_pass;
 
 /* pass  [out] NULL on failure.   Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
 vxs_result smoke_pass_create(smoke_pass **pass, const smoke_pass_options *o, const gl_context *gl, vxs_volumes *volumes,
@@ -47,14 +58,5 @@ vxs_result smoke_pass_ask(const smoke_pass *pass, GLuint places, uint32_t count,
 
 /* The map of a light that the last frame's smoke dims; else NULL. */
 const vxs_transmittance_map *smoke_pass_map(const smoke_pass *pass, uint32_t light);
-
-/* A GL_R32F picture of width x height of a light that has one; else 0. */
-GLuint smoke_pass_picture(const smoke_pass *pass, uint32_t light);
-
-/* Of the last frame, [light_count]. */
-const smoke_light_plan *smoke_pass_lights(const smoke_pass *pass);
-
-/* The maximum number of lights with a picture, of those that capsules can dim. */
-uint32_t smoke_pass_layers(const smoke_pass *pass);
 
 #endif

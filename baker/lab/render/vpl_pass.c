@@ -28,20 +28,6 @@ enum { POINTS = 1 << 18, MOVING_POINTS = 1 << 15 };
  * cover in all maps: it takes a minute or two on two processors. */
 enum { SMOKE_SIDE_MOST = 64, SMOKE_SIDE_LEAST = 8, SMOKE_COVERED_MOST = 1 << 30 };
 
-struct vpl_pass {
-    vpl_pass_options  options;
-    const gl_context *gl;
-    vxs_volumes      *volumes;
-    vxs_area_light   *light;
-    uint32_t          points, moving_points; /* of static casters, first in the buffer; of moving casters */
-    vxs_area_point   *moving, *moved;        /* [moving_points] at their position in the file; at their current one */
-    double            moved_ws[3];           /* the offset between them */
-    int               has_moved;             /* 1: moved since shadow maps were cast */
-    vxs_capsule      *capsules;              /* [options.smoke->count] capsules of smoke that virtual lights reach */
-    uint32_t          capsule_count;
-    GLuint            buffer, add_program, empty_array;
-};
-
 /* set-up ----------------------------------------------------------------------------------------------------------------------- */
 
 /* Scatter points over a scene's triangles.
@@ -247,24 +233,8 @@ void vpl_pass_add_light(const vpl_pass *p, double exposure)
 {
     const gl_context *gl = p->gl;
     vpl_pass_begin_adding(p, p->add_program);
-    gl->BindTextureUnit(0, vpl_pass_irradiance(p));
+    gl->BindTextureUnit(0, vxs_area_light_irradiance(p->light));
     gl->ProgramUniform1f(p->add_program, gl->GetUniformLocation(p->add_program, "factor"), (float)(1 / (pi * exposure)));
     gl->DrawArrays(GL_TRIANGLES, 0, 3);
     gl->Disable(GL_BLEND);
-}
-
-uint32_t vpl_pass_capsules(const vpl_pass *p, uint32_t *smoke_side)
-{
-    *smoke_side = p->options.smoke_side;
-    return p->capsule_count;
-}
-
-uint32_t vpl_pass_points(const vpl_pass *p)
-{
-    return p->points + p->moving_points;
-}
-
-unsigned vpl_pass_irradiance(const vpl_pass *p)
-{
-    return vxs_area_light_irradiance(p->light);
 }

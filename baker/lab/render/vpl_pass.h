@@ -30,7 +30,20 @@ typedef struct vpl_pass_options {
     uint32_t                dense_count; /* 0: points are equally dense everywhere */
 } vpl_pass_options;
 
-typedef struct vpl_pass vpl_pass;
+/* Only its functions write it; others may read it. */
+typedef struct vpl_pass {
+    vpl_pass_options  options;
+    const gl_context *gl;
+    vxs_volumes      *volumes;
+    vxs_area_light   *light;
+    uint32_t          points, moving_points; /* of static casters, first in the buffer; of moving casters */
+    vxs_area_point   *moving, *moved;        /* [moving_points] at their position in the file; at their current one */
+    double            moved_ws[3];           /* the offset between them */
+    int               has_moved;             /* 1: moved since shadow maps were cast */
+    vxs_capsule      *capsules;              /* [options.smoke->count] capsules of smoke that virtual lights reach */
+    uint32_t          capsule_count;
+    GLuint            buffer, add_program, empty_array;
+} vpl_pass;
 
 /* pass  [out] NULL on failure.   Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
 vxs_result vpl_pass_create(vpl_pass **pass, const vpl_pass_options *o, const gl_context *gl, vxs_volumes *volumes, message *m);
@@ -58,13 +71,6 @@ void vpl_pass_add_light(const vpl_pass *pass, double exposure);
  * disables blending. */
 void vpl_pass_begin_adding(const vpl_pass *pass, GLuint program);
 
-/* The number of points that cast shadows; then the light on surfaces, times exposure: an RGBA32F texture. */
-uint32_t vpl_pass_points(const vpl_pass *pass);
-unsigned vpl_pass_irradiance(const vpl_pass *pass);
-
-/* The number of smoke capsules that dim the virtual lights, and the side of each one's smoke map. */
-uint32_t vpl_pass_capsules(const vpl_pass *pass, uint32_t *smoke_side);
-
 /* area lights ------------------------------------------------------------------------------------------------------------------- */
 
 typedef struct area_pass_options {
@@ -72,7 +78,18 @@ typedef struct area_pass_options {
     double           scale; /* factor on radiance, before exposure */
 } area_pass_options;
 
-typedef struct area_pass area_pass;
+/* Only its functions write it; others may read it. */
+typedef struct area_pass {
+    area_pass_options options;
+    const gl_context *gl;
+    vpl_pass         *lamps;
+    double           *powers;        /* [areas] */
+    area_share       *shares, *next; /* [areas] of the last frame; of this one */
+    double            exposure;      /* exposure of the virtual lights; 0: not yet set */
+    uint32_t          count;         /* areas */
+    GLuint            glow_program;
+    GLuint           *textures; /* [areas] */
+} area_pass;
 
 /* pass  [out] NULL on failure.   Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
 vxs_result area_pass_create(area_pass **pass, const area_pass_options *o, const gl_context *gl, vxs_volumes *volumes, message *m);
@@ -95,10 +112,6 @@ void area_pass_add_light(const area_pass *pass);
 void area_pass_add_glow(const area_pass *pass, const float clip_from_scene[16], unsigned depths, const double eye_ws[3],
                         double exposure);
 
-/* [scene->area_count] of the last frame. area_pass_lamps: its pass of virtual lights. */
-const area_share *area_pass_shares(const area_pass *pass);
-const vpl_pass   *area_pass_lamps(const area_pass *pass);
-
 /* a sky ------------------------------------------------------------------------------------------------------------------------- */
 
 typedef struct sky_pass_options {
@@ -109,7 +122,16 @@ typedef struct sky_pass_options {
     double           turn_rad;      /* of the map about +Y, from +Z towards +X */
 } sky_pass_options;
 
-typedef struct sky_pass sky_pass;
+/* Only its functions write it; others may read it. */
+typedef struct sky_pass {
+    sky_pass_options  options;
+    const gl_context *gl;
+    vpl_pass         *lamps;
+    vxs_vpl          *placed;    /* [lamps] without exposure */
+    double            exposure;  /* exposure of the virtual lights; 0: not yet set */
+    box               moving_ws; /* box of the moving casters, as in their file */
+    GLuint            program, texture;
+} sky_pass;
 
 /* pass  [out] NULL on failure.   Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
 vxs_result sky_pass_create(sky_pass **pass, const sky_pass_options *o, const gl_context *gl, vxs_volumes *volumes, message *m);
@@ -131,8 +153,5 @@ void sky_pass_add_map(const sky_pass *pass, const vxs_view *view, unsigned depth
 
 /* The mean of the map over all directions, exposed.   rgb  [out] */
 void sky_pass_mean(const sky_pass *pass, double exposure, double rgb[3]);
-
-/* Its pass of virtual lights. */
-const vpl_pass *sky_pass_lamps(const sky_pass *pass);
 
 #endif
