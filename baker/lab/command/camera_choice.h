@@ -15,6 +15,16 @@ typedef struct camera_choice {
     int         eye_given, target_given;
 } camera_choice;
 
+/* choice  a camera_choice, 35 degrees before;   fov_given  set when --fov is given;   eye  help for --eye */
+/* clang-format off */
+#define CAMERA_ROWS(choice, fov_given, eye)                                                                                        \
+    {"--eye", OPTION_VECTOR, (choice).camera.eye_ws, 0, 3, NULL, "X,Y,Z", eye, &(choice).eye_given},                               \
+    {"--target", OPTION_VECTOR, (choice).camera.target_ws, 0, 3, NULL, "X,Y,Z", "where to look; goes with --eye",                  \
+     &(choice).target_given},                                                                                                      \
+    {"--fov", OPTION_F64, &(choice).camera.fov_degrees, 1, 170, NULL, "DEGREES", "from top to bottom, 1 to 170 (default 35)",      \
+     &(fov_given)}
+/* clang-format on */
+
 /* Returns VXS_OK, or VXS_E_ARGUMENT when only one of eye and target is given, or both are the same point. */
 vxs_result camera_check(const camera_choice *c, message *m);
 

@@ -243,40 +243,34 @@ static vxs_result run(void *command, message *m)
 
 int cmd_compare(int argc, char **argv)
 {
-    compare_command  c      = {.report.options = {.points = 100000, .seed = 1, .threads = parallel_default_threads()}};
-    compare_options *o      = &c.report.options;
-    camera_pose     *camera = &c.camera.camera;
-    camera->fov_degrees     = 35;
-    const option options[]  = {
-         {"SCENE", OPTION_INPUT, &c.report.scene_path, FILE_SCENE, 0, NULL, NULL, "a glTF 2.0 scene, .gltf or .glb", NULL},
-         {"FILE.vxs", OPTION_INPUTS, &c.asset_paths, FILE_ASSET, 0, NULL, NULL, "what vxs bake wrote, of this scene", NULL},
-         {"--light", OPTION_TEXTS, &c.light_names, 0, 0, NULL, "NAME",
-          "compare this light of each file, or all that a pattern names; repeat for more (default all of each file)", NULL},
-         {"--points", OPTION_U32, &o->points, 1, 1e9, NULL, "N", "points of each kind (default 100000)", NULL},
-         {"--seed", OPTION_U32, &o->seed, 0, UINT32_MAX, NULL, "S", "another seed, other points (default 1)", NULL},
-         {"--filter", OPTION_U32S, &c.filters_px, 1, VXS_FILTER_MAX, NULL, "K",
-          "also compare K x K box filters, K odd, 1 to 17 texels; repeat for more (default single taps only)", NULL},
-         {"--smooth", OPTION_U32S, &c.smooth_px, 1, VXS_FILTER_MAX, NULL, "K",
-          "also compare smooth K x K filters, K even or odd, 1 to 17 texels; repeat for more", NULL},
-         {"--camera", OPTION_SWITCH, &c.camera_given, 0, 0, NULL, NULL, "also compare what a camera sees, all of the scene in view",
-          NULL},
-         {"--eye", OPTION_VECTOR, camera->eye_ws, 0, 3, NULL, "X,Y,Z",
-          "the same, from here, metres (default all of the scene in view)", &c.camera.eye_given},
-         {"--target", OPTION_VECTOR, camera->target_ws, 0, 3, NULL, "X,Y,Z", "where to look; goes with --eye",
-          &c.camera.target_given},
-         {"--fov", OPTION_F64, &camera->fov_degrees, 1, 170, NULL, "DEGREES", "from top to bottom, 1 to 170 (default 35)",
-          &c.fov_given},
-         SCENE_ROWS(c.choice),
-         {"--closed", OPTION_CHOICE, &c.closed, 0, 0, CLOSED_CHOICES, NULL,
-          "which casters are solids (default as each asset was baked)", &c.closed_given},
-         {"--other-scene", OPTION_SWITCH, &c.other_scene, 0, 0, NULL, NULL,
-          "go on when SCENE is not what a file was baked from: an edited one, say", NULL},
-         {"--threads", OPTION_U32, &o->threads, 1, PARALLEL_THREADS_MAX, NULL, "N", "threads (default all processors)", NULL},
-         {"--max-error", OPTION_F64, &c.report.max_error, 0, 1, NULL, "F",
-          "share of an asset's points that may be wrong, 0 to 1 (default any)", &c.report.max_error_given},
-         {"--bake-report", OPTION_INPUTS, &c.bake_reports, FILE_JSON, 0, NULL, "FILE.json",
-          "what bake --json wrote of an asset, to tell its time; repeat for more, in their order", NULL},
-         {"--json", OPTION_OUTPUT, &c.json_path, 0, 0, ".json", "FILE.json", "the report as JSON; - is standard output", NULL},
+    compare_command  c          = {.report.options = {.points = 100000, .seed = 1, .threads = parallel_default_threads()}};
+    compare_options *o          = &c.report.options;
+    c.camera.camera.fov_degrees = 35;
+    const option options[]      = {
+             {"SCENE", OPTION_INPUT, &c.report.scene_path, FILE_SCENE, 0, NULL, NULL, "a glTF 2.0 scene, .gltf or .glb", NULL},
+             {"FILE.vxs", OPTION_INPUTS, &c.asset_paths, FILE_ASSET, 0, NULL, NULL, "what vxs bake wrote, of this scene", NULL},
+             {"--light", OPTION_TEXTS, &c.light_names, 0, 0, NULL, "NAME",
+              "compare this light of each file, or all that a pattern names; repeat for more (default all of each file)", NULL},
+             {"--points", OPTION_U32, &o->points, 1, 1e9, NULL, "N", "points of each kind (default 100000)", NULL},
+             {"--seed", OPTION_U32, &o->seed, 0, UINT32_MAX, NULL, "S", "another seed, other points (default 1)", NULL},
+             {"--filter", OPTION_U32S, &c.filters_px, 1, VXS_FILTER_MAX, NULL, "K",
+              "also compare K x K box filters, K odd, 1 to 17 texels; repeat for more (default single taps only)", NULL},
+             {"--smooth", OPTION_U32S, &c.smooth_px, 1, VXS_FILTER_MAX, NULL, "K",
+              "also compare smooth K x K filters, K even or odd, 1 to 17 texels; repeat for more", NULL},
+             {"--camera", OPTION_SWITCH, &c.camera_given, 0, 0, NULL, NULL, "also compare what a camera sees, all of the scene in view",
+              NULL},
+             CAMERA_ROWS(c.camera, c.fov_given, "the same, from here, metres (default all of the scene in view)"),
+             SCENE_ROWS(c.choice),
+             {"--closed", OPTION_CHOICE, &c.closed, 0, 0, CLOSED_CHOICES, NULL,
+              "which casters are solids (default as each asset was baked)", &c.closed_given},
+             {"--other-scene", OPTION_SWITCH, &c.other_scene, 0, 0, NULL, NULL,
+              "go on when SCENE is not what a file was baked from: an edited one, say", NULL},
+             {"--threads", OPTION_U32, &o->threads, 1, PARALLEL_THREADS_MAX, NULL, "N", "threads (default all processors)", NULL},
+             {"--max-error", OPTION_F64, &c.report.max_error, 0, 1, NULL, "F",
+              "share of an asset's points that may be wrong, 0 to 1 (default any)", &c.report.max_error_given},
+             {"--bake-report", OPTION_INPUTS, &c.bake_reports, FILE_JSON, 0, NULL, "FILE.json",
+              "what bake --json wrote of an asset, to tell its time; repeat for more, in their order", NULL},
+             {"--json", OPTION_OUTPUT, &c.json_path, 0, 0, ".json", "FILE.json", "the report as JSON; - is standard output", NULL},
     };
     const command_line line = COMMAND_LINE(
         "compare", "SCENE FILE.vxs [FILE.vxs ...] [options]",

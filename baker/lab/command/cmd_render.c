@@ -1,28 +1,17 @@
 /* vxs render: a scene in the shadows of a .vxs file, drawn with OpenGL as a game would, or by rays.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/lab/command/render_command.h"
+
 #include <stdlib.h>
 #include <string.h>
 
 #include "baker/bake/provenance.h"
 #include "baker/base/box.h"
-#include "baker/base/clock.h"
 #include "baker/base/parallel.h"
 #include "baker/command/asset_open.h"
-#include "baker/command/asset_stream.h"
-#include "baker/command/options/filter_choice.h"
 #include "baker/command/options/options.h"
 #include "baker/command/options/scene_rows.h"
-#include "baker/files/json_file.h"
-#include "baker/files/output_file.h"
-#include "baker/files/png_encode.h"
-#include "baker/lab/command/camera_choice.h"
-#include "baker/lab/command/fog_choice.h"
 #include "baker/lab/command/lab_commands.h"
-#include "baker/lab/command/written_text.h"
-#include "baker/lab/picture/picture.h"
-#include "baker/lab/render/exr_encode.h"
-#include "baker/lab/render/render_report.h"
-#include "baker/lab/render/sky_map.h"
 
 enum {
     SIDE_MIN_PX      = 16,
@@ -37,38 +26,6 @@ enum {
     FRAMES           = 60,
     FRAMES_MAX       = 100000
 };
-
-typedef enum draw_mode { DRAW_GL, DRAW_RAYS } draw_mode;
-
-typedef struct render_command {
-    const char    *scene_path, *asset_path, *out;
-    scene_choice   choice;
-    text_list      light_names;
-    render_options options;
-    camera_choice  camera;
-    filter_choice  filter;
-    draw_mode      draw;
-    fog_choice     fog;
-    const char    *camera_name; /* name of a camera of the scene; NULL: none */
-    const char    *linear_path, *passes_folder, *path_file, *json_path, *csv_path, *plot_path, *moving_path, *sky_path;
-    uint32_t       frames;
-    uint64_t       budget_bytes;
-    int            budget_given, upload_given;
-    int orbits, samples_given, cull_given, stops_given, frames_given, moving_by_given, area_given, gather_given, smoke_given,
-        smoke_side_given, sky_light_given, sky_turn_given, width_given, height_given, fov_given;
-} render_command;
-
-/* The scene, asset and camera that are drawn. */
-typedef struct subject {
-    scene                  scene, moving;
-    sky_map                sky;
-    box                    box;
-    vxs_asset             *asset;  /* NULL where it is streamed */
-    asset_stream           stream; /* with --budget */
-    const vxs_baked_light *lights[VXS_LIGHTS_MAX];
-    const vxs_baked_smoke *smoke[VXS_LIGHTS_MAX]; /* baked smoke of each light; NULL: it has none */
-    uint32_t               light_count;
-} subject;
 
 /* The first given option that needs OpenGL, or a path; NULL: there is none. */
 static const char *needs_gl(const render_command *c)
@@ -166,8 +123,7 @@ static vxs_result load_moving(render_command *c, subject *s, message *m)
     return fail(m, VXS_E_SCENE, "%s has no triangles: nothing moves", c->moving_path);
 }
 
-/* Whether baked smoke dims any light. */
-static int has_baked_smoke(const render_command *c, const subject *s)
+int render_has_baked_smoke(const render_command *c, const subject *s)
 {
     int some = 0;
     for (uint32_t n = 0; n < s->light_count && c->options.baked_smoke; n++) some |= c->options.baked_smoke[n] != NULL;
@@ -177,7 +133,7 @@ static int has_baked_smoke(const render_command *c, const subject *s)
 /* Whether some light takes steps in fog; known when scene and file are loaded. */
 static vxs_result check_steps(const render_command *c, const subject *s, message *m)
 {
-    if (c->moving_path || (c->options.smoke == SMOKE_ON && s->scene.smoke.count) || has_baked_smoke(c, s)) return VXS_OK;
+    if (c->moving_path || (c->options.smoke == SMOKE_ON && s->scene.smoke.count) || render_has_baked_smoke(c, s)) return VXS_OK;
     return fog_check_steps(&c->fog, s->scene.smoke.count ? ", or --smoke on" : ": there is no smoke, and nothing moves", m);
 }
 
@@ -215,8 +171,7 @@ static vxs_result place_camera(render_command *c, subject *s, message *m)
     return check_samples(o, m);
 }
 
-/* The reason why the scene's light of a name emits no light; NULL: it does, or does not exist. */
-static const char *dark_text(const scene *s, const char *name)
+const char *render_dark_text(const scene *s, const char *name)
 {
     for (size_t n = 0; n < s->lost_light_count; n++)
         if (!strcmp(s->lost_lights[n].name, name))
@@ -249,7 +204,7 @@ static vxs_result load(render_command *c, subject *s, message *m)
 
     size_t dark = 0;
     for (uint32_t n = 0; n < s->light_count; n++) {
-        const char *name = s->lights[n]->light.name, *why = dark_text(&s->scene, name);
+        const char *name = s->lights[n]->light.name, *why = render_dark_text(&s->scene, name);
         if (why && ++dark <= DARK_SHOWN)
             warn(m, "light '%s' is not drawn: in the scene %s; set it there, or draw others with --light", name, why);
     }
@@ -265,219 +220,6 @@ static vxs_result load(render_command *c, subject *s, message *m)
 done:
     json_decref(made);
     return r;
-}
-
-/* Rays treat solids and sheets alike, so components are not classified. */
-static vxs_result make_truth(truth **t, casters *casting, const subject *s, uint32_t threads, message *m)
-{
-    vxs_result r = casters_from_scene(casting, &s->scene, CLOSED_OFF, threads, m);
-    return r == VXS_OK ? truth_create(t, casting, threads, m) : r;
-}
-
-/* A picture as it is drawn. */
-typedef struct pixels {
-    uint8_t *rgb;    /* [3 * width * height] from renderer_draw */
-    float   *linear; /* likewise, from renderer_read_linear; NULL: not wanted */
-    double   white;  /* of render_facts; 0: unknown */
-} pixels;
-
-static vxs_result draw_by_rays(const render_command *c, const subject *s, const pixels *to, message *m)
-{
-    picture_options        o       = {.width_px  = c->options.width_px,
-                                      .height_px = c->options.height_px,
-                                      .filter_px = c->options.filter_px,
-                                      .threads   = c->options.threads,
-                                      .fog       = c->options.fog,
-                                      .camera    = c->camera.camera};
-    casters                casting = {0};
-    truth                 *t       = NULL;
-    vxs_result             r       = make_truth(&t, &casting, s, o.threads, m);
-    const vxs_baked_light *lights[VXS_LIGHTS_MAX];
-    uint32_t               count = 0;
-    for (uint32_t n = 0; n < s->light_count; n++)
-        if (!dark_text(&s->scene, s->lights[n]->light.name)) lights[count++] = s->lights[n];
-    if (r == VXS_OK) r = picture_render(to->rgb, to->linear, &o, t, &casting, lights, count, m);
-    truth_destroy(t);
-    casters_free(&casting);
-    return r;
-}
-
-static vxs_result choose_path(const render_command *c, camera_path *path, message *m)
-{
-    if (c->path_file) return camera_path_read(path, c->path_file, c->camera.camera.fov_degrees, m);
-    return c->orbits ? camera_path_orbit(path, &c->camera.camera, m) : VXS_OK;
-}
-
-/* Draw each frame of a path, or a single frame without a path; the last one is the picture. A stream is filled before the
- * first frame, as by a loading screen; later frames have the pages loaded meanwhile. */
-static vxs_result draw_frames(const render_command *c, subject *s, renderer **drawn, const camera_path *path, drawn_frame *frames,
-                              uint32_t count, uint8_t *rgb, message *m)
-{
-    vxs_result r = VXS_OK;
-    for (uint32_t n = 0; n < count && r == VXS_OK; n++) {
-        drawn_frame *f     = &frames[n];
-        double       share = count > 1 ? (double)n / (path->closed ? count : count - 1) : 0;
-        f->camera          = path->count ? camera_path_at(path, share) : c->camera.camera;
-        if (c->budget_given) {
-            const drawn_frame *before = n ? f - 1 : NULL;
-            double             since  = clock_seconds();
-            const double      *eye_ws = f->camera.eye_ws;
-            f->stream.struct_size     = sizeof f->stream;
-            r                         = before ? asset_stream_frame(&s->stream, eye_ws, &f->stream, m)
-                                               : asset_stream_fill(&s->stream, eye_ws, &f->stream, m);
-            f->read_bytes             = f->stream.bytes_read - (before ? before->stream.bytes_read : 0);
-            f->wait_seconds           = clock_seconds() - since;
-        }
-        if (r == VXS_OK && !n) r = renderer_create(drawn, &c->options, &s->scene, s->lights, s->light_count, m);
-        if (r == VXS_OK) r = renderer_draw(*drawn, &f->camera, n + 1 == count ? rgb : NULL, &f->frame, m);
-    }
-    return r;
-}
-
-static vxs_result write_passes(const render_command *c, const subject *s, renderer *drawn, truth_difference *difference, message *m)
-{
-    casters    casting = {0};
-    truth     *t       = NULL;
-    vxs_result r       = make_truth(&t, &casting, s, c->options.threads, m);
-    if (r == VXS_OK)
-        r = render_passes(drawn, c->passes_folder, s->lights, s->light_count,
-                          &(passes_options){.streamed  = c->budget_given,
-                                            .is_linear = c->linear_path != NULL,
-                                            .truth     = t,
-                                            .filter_px = c->options.filter_px,
-                                            .threads   = c->options.threads},
-                          difference, m);
-    truth_destroy(t);
-    casters_free(&casting);
-    return r;
-}
-
-/* The stream of the report; NULL: no report. */
-static FILE *report_of(const render_command *c, const message *m)
-{
-    const char *outs[] = {c->out, c->linear_path, c->json_path, c->csv_path, c->plot_path};
-    int         taken  = 0;
-    for (int n = 0; n < 5; n++) taken |= outs[n] && is_standard_output(outs[n]);
-    return report_stream(m, taken);
-}
-
-/* vpls  NULL: there are none */
-static vpl_words words_of_vpls(const render_command *c, const subject *s, const vpl_pass *vpls)
-{
-    vpl_words w = {.gather = area_gather_names[c->options.area_gather], .baked = c->options.area_points != NULL};
-    if (!vpls) return w;
-    w.points      = vpls->points + vpls->moving_points;
-    w.capsules    = vpls->capsule_count;
-    w.smoke_side  = vpls->options.smoke_side;
-    w.baked_smoke = has_baked_smoke(c, s);
-    return w;
-}
-
-/* Write the reports that are wanted of frames [count], and print the plan of the last one. */
-static vxs_result report_frames(const render_command *c, const subject *s, const renderer *drawn, const drawn_frame *frames,
-                                uint32_t count, const truth_difference *difference, message *m)
-{
-    render_facts     facts = renderer_facts(drawn);
-    const area_pass *lit   = facts.areas;
-    area_words       areas = {
-              .scene = &s->scene, .shares = lit ? lit->shares : NULL, .lit = words_of_vpls(c, s, lit ? lit->lamps : NULL)};
-    sky_words     sky    = {.path         = c->sky_path,
-                            .wide_px      = s->sky.wide_px,
-                            .high_px      = s->sky.high_px,
-                            .light        = c->options.sky_light,
-                            .turn_degrees = c->options.sky_turn_degrees,
-                            .lamps        = c->options.area_lamps,
-                            .lit          = words_of_vpls(c, s, facts.sky ? facts.sky->lamps : NULL)};
-    render_report report = {.scene_path   = c->scene_path,
-                            .asset_path   = c->asset_path,
-                            .moving_path  = c->moving_path,
-                            .options      = &c->options,
-                            .facts        = &facts,
-                            .capsules     = s->scene.smoke.count,
-                            .areas        = lit || (c->area_given && c->options.area_lamps && !c->sky_path) ? &areas : NULL,
-                            .sky          = c->sky_path ? &sky : NULL,
-                            .lights       = s->lights,
-                            .light_count  = s->light_count,
-                            .budget_bytes = c->budget_given ? c->budget_bytes : 0,
-                            .frames       = frames,
-                            .frame_count  = count,
-                            .difference   = c->passes_folder ? difference : NULL};
-    vxs_result    r      = VXS_OK;
-    uint32_t      words  = 0;
-    if (s->stream.stream) vxs_stream_words(s->stream.stream, &words);
-    report.word_bytes = words * sizeof(uint32_t);
-    for (uint32_t n = 0; n < s->light_count && !s->stream.stream; n++)
-        report.word_bytes += (uint64_t)s->lights[n]->word_count * sizeof(uint32_t);
-    if (c->json_path) r = json_write(c->json_path, render_report_json(&report), m);
-    if (r == VXS_OK && c->csv_path) r = render_report_csv(&report, c->csv_path, m);
-    if (r == VXS_OK && c->plot_path) r = render_report_plot(&report, c->plot_path, m);
-    FILE *to = report_of(c, m);
-    if (r == VXS_OK && to) render_report_print(to, &report, m->verbose);
-    return r;
-}
-
-static void print_written(const render_command *c, const message *m)
-{
-    FILE *to = report_of(c, m);
-    char  size[48];
-    if (!to) return;
-    snprintf(size, sizeof size, "%u x %u pixels", c->options.width_px, c->options.height_px);
-    written_print(to, c->passes_folder, "passes, as pictures");
-    written_print(to, c->json_path, "times of frames as JSON");
-    written_print(to, c->csv_path, "times of frames as a table");
-    written_print(to, c->plot_path, "times of frames as a plot");
-    written_print(to, c->linear_path, "the picture as linear floats");
-    written_print(to, c->out, size);
-}
-
-static vxs_result draw_by_gl(const render_command *c, subject *s, pixels *to, message *m)
-{
-    renderer        *drawn      = NULL;
-    camera_path      path       = {0};
-    truth_difference difference = {0};
-    uint32_t         count      = c->path_file || c->orbits ? c->frames : 1;
-    drawn_frame     *frames     = calloc(count, sizeof *frames);
-    vxs_result       r          = frames ? choose_path(c, &path, m) : fail(m, VXS_E_MEMORY, "out of memory for %u frames", count);
-    if (r == VXS_OK) r = draw_frames(c, s, &drawn, &path, frames, count, to->rgb, m);
-    if (r == VXS_OK && to->linear) r = renderer_read_linear(drawn, to->linear, m);
-    if (r == VXS_OK) to->white = renderer_facts(drawn).white;
-    if (r == VXS_OK && c->passes_folder) r = write_passes(c, s, drawn, &difference, m);
-    if (r == VXS_OK) r = report_frames(c, s, drawn, frames, count, &difference, m);
-    renderer_destroy(drawn);
-    camera_path_free(&path);
-    free(frames);
-    return r;
-}
-
-static vxs_result write_linear(const render_command *c, const pixels *p, message *m)
-{
-    output_file out  = {0};
-    size_t      size = 0;
-    uint8_t    *exr  = exr_encode(p->linear, c->options.width_px, c->options.height_px, "RGB", (float)p->white, &size);
-    vxs_result  r    = exr ? output_file_open(&out, c->linear_path, m) : VXS_E_MEMORY;
-    if (r == VXS_OK) r = output_file_write(&out, exr, size, m);
-    if (r == VXS_OK) r = output_file_commit(&out, m);
-    output_file_abort(&out);
-    free(exr);
-    return r;
-}
-
-static vxs_result draw(const render_command *c, subject *s, output_file *out, message *m)
-{
-    uint32_t   width = c->options.width_px, height = c->options.height_px;
-    size_t     count = (size_t)3 * width * height, size_bytes = 0;
-    uint8_t   *png = NULL;
-    pixels     p   = {.rgb = malloc(count), .linear = c->linear_path ? malloc(count * sizeof(float)) : NULL};
-    vxs_result r   = VXS_E_MEMORY;
-    if (p.rgb && (p.linear || !c->linear_path)) r = c->draw == DRAW_RAYS ? draw_by_rays(c, s, &p, m) : draw_by_gl(c, s, &p, m);
-    if (r == VXS_OK && p.linear) r = write_linear(c, &p, m);
-    if (r == VXS_OK && !(png = png_encode(p.rgb, width, height, 3, &size_bytes))) r = VXS_E_MEMORY;
-    if (r == VXS_OK) r = output_file_write(out, png, size_bytes, m);
-    free(png);
-    free(p.rgb);
-    free(p.linear);
-    if (r != VXS_E_MEMORY) return r;
-    return fail(m, r, "out of memory for a picture of %u x %u pixels", width, height); /* the first message stays */
 }
 
 static vxs_result run(void *command, message *m)
@@ -496,9 +238,9 @@ static vxs_result run(void *command, message *m)
     c->choice.areas                = c->draw == DRAW_GL && c->options.area_lamps;
     if (r == VXS_OK) r = load(c, s, m);
     if (r == VXS_OK) r = output_file_open(&out, c->out, m);
-    if (r == VXS_OK) r = draw(c, s, &out, m);
+    if (r == VXS_OK) r = render_draw(c, s, &out, m);
     if (r == VXS_OK) r = output_file_commit(&out, m);
-    if (r == VXS_OK) print_written(c, m);
+    if (r == VXS_OK) render_print_written(c, m);
     output_file_abort(&out);
     if (s) {
         scene_free(&s->scene);
@@ -511,100 +253,105 @@ static vxs_result run(void *command, message *m)
     return r;
 }
 
+/* c  a render_command */
+/* clang-format off */
+/* Area lights and the sky. */
+#define VPL_ROWS(c)                                                                                                                \
+    {"--area", OPTION_U32, &(c).options.area_lamps, 0, VXS_VPLS_MAX, NULL, "N",                                                    \
+     "with OpenGL: virtual lights on what shines in the scene, parallelograms of two triangles; 0 to 256, 0: they do not shine "   \
+     "(default 64)",                                                                                                               \
+     &(c).area_given},                                                                                                             \
+    {"--area-gather", OPTION_CHOICE, &(c).options.area_gather, 0, 0, AREA_GATHER_CHOICES, NULL,                                    \
+     "of virtual lights a sample asks each, a ninth, or each for one sample in four (default quarter)", &(c).gather_given},        \
+    {"--sky", OPTION_INPUT, &(c).sky_path, FILE_PICTURE, 0, NULL, "FILE",                                                          \
+     "with OpenGL: a map of the sky that lights surfaces and fog, by as many virtual lights as --area says, and is seen: .hdr "    \
+     "or "                                                                                                                         \
+     "PNG, twice as wide as high",                                                                                                 \
+     NULL},                                                                                                                        \
+    {"--sky-light", OPTION_F64, &(c).options.sky_light, 1e-9, 1e9, NULL, "FACTOR",                                                 \
+     "candela a square metre of what is 1 in the map, 1e-9 to 1e9 (default 1)", &(c).sky_light_given},                             \
+    {"--sky-turn", OPTION_F64, &(c).options.sky_turn_degrees, -360, 360, NULL, "DEGREES",                                          \
+     "of the map, whose middle is along +X, about +Y, counter-clockwise from above, -360 to 360 (default 0)",                      \
+     &(c).sky_turn_given}
+
+/* Frames along a path, and reports of frames. */
+#define FRAME_ROWS(c)                                                                                                              \
+    {"--path", OPTION_INPUT, &(c).path_file, FILE_UNKNOWN, 0, NULL, "FILE",                                                        \
+     "frames along a path: lines of x y z of the eye, x y z of where it looks; the last one is the picture", NULL},                \
+    {"--orbit", OPTION_SWITCH, &(c).orbits, 0, 0, NULL, NULL, "frames once around the target", NULL},                              \
+    {"--frames", OPTION_U32, &(c).frames, 1, FRAMES_MAX, NULL, "N", "of --path or --orbit, 1 to 100000 (default 60)",              \
+     &(c).frames_given},                                                                                                           \
+    {"--json", OPTION_OUTPUT, &(c).json_path, 0, 0, ".json", "FILE.json", "times of each frame as JSON; - is standard output",     \
+     NULL},                                                                                                                        \
+    {"--csv", OPTION_OUTPUT, &(c).csv_path, 0, 0, ".csv", "FILE.csv", "times of each frame as a table; - is standard output",      \
+     NULL},                                                                                                                        \
+    {"--plot", OPTION_OUTPUT, &(c).plot_path, 0, 0, ".svg", "FILE.svg", "times of each frame as a plot; - is standard output",     \
+     NULL}
+/* clang-format on */
+
 int cmd_render(int argc, char **argv)
 {
-    render_command  c      = {.options       = {.width_px     = 1280,
-                                                .height_px    = 720,
-                                                .samples      = 2,
-                                                .tile_lights  = TILE_LIGHTS,
-                                                .upload_bytes = UPLOAD_BYTES,
-                                                .smoke_side   = SMOKE_SIDE,
-                                                .area_lamps   = AREA_LAMPS,
-                                                .area_gather  = VXS_AREA_QUARTER,
-                                                .sky_light    = 1,
-                                                .threads      = parallel_default_threads()},
-                              .filter.box_px = 5,
-                              .frames        = 60,
-                              .fog           = FOG_DEFAULTS};
-    render_options *o      = &c.options;
-    camera_pose    *camera = &c.camera.camera;
-    camera->fov_degrees    = 35;
-    const option options[] = {
-        {"SCENE", OPTION_INPUT, &c.scene_path, FILE_SCENE, 0, NULL, NULL, "a glTF 2.0 scene, .gltf or .glb", NULL},
-        {"FILE.vxs", OPTION_INPUT, &c.asset_path, FILE_ASSET, 0, NULL, NULL, "what vxs bake wrote", NULL},
-        {"-o", OPTION_OUTPUT, &c.out, 1, 0, ".png", "OUT.png", "where the picture goes; - is standard output", NULL},
-        {"--linear", OPTION_OUTPUT, &c.linear_path, 0, 0, ".exr", "FILE.exr",
-         "also the picture as linear floats, as OpenEXR, and with --passes each pass; - is standard output", NULL},
-        {"--draw", OPTION_CHOICE, &c.draw, 0, 0, "gl|rays", NULL,
-         "with OpenGL, as a game would, or all but shadows by rays, with light from the sky (default gl)", NULL},
-        {"--width", OPTION_U32, &o->width_px, SIDE_MIN_PX, SIDE_MAX_PX, NULL, "PX", "16 to 8192 (default 1280)", &c.width_given},
-        {"--height", OPTION_U32, &o->height_px, SIDE_MIN_PX, SIDE_MAX_PX, NULL, "PX", "16 to 8192 (default 720)", &c.height_given},
-        {"--samples", OPTION_U32, &o->samples, 1, SAMPLES_MAX, NULL, "N",
-         "a pixel is the mean of N x N samples, 1 to 4 (default 2)", &c.samples_given},
-        {"--exposure", OPTION_F64, &o->stops, -20, 20, NULL, "STOPS", "brighter or darker by powers of two, -20 to 20 (default 0)",
-         &c.stops_given},
-        {"--eye", OPTION_VECTOR, camera->eye_ws, 0, 3, NULL, "X,Y,Z", "where to stand, metres (default all of the scene in view)",
-         &c.camera.eye_given},
-        {"--target", OPTION_VECTOR, camera->target_ws, 0, 3, NULL, "X,Y,Z", "where to look; goes with --eye",
-         &c.camera.target_given},
-        {"--fov", OPTION_F64, &camera->fov_degrees, 1, 170, NULL, "DEGREES", "from top to bottom, 1 to 170 (default 35)",
-         &c.fov_given},
-        {"--camera", OPTION_TEXT, &c.camera_name, 0, 0, NULL, "NAME",
-         "a camera of the scene, by its name, a pattern, or its number from 0; without --width or --height the picture has its "
-         "shape",
-         NULL},
-        {"--light", OPTION_TEXTS, &c.light_names, 0, 0, NULL, "NAME",
-         "a light that shines, or all that a pattern names; repeat for more (default all of the file)", NULL},
-        FILTER_ROWS(c.filter, "K x K box filter, K odd, 1 to 17 texels (default 5)"),
-        FOG_ROWS(c.fog),
-        {"--area", OPTION_U32, &o->area_lamps, 0, VXS_VPLS_MAX, NULL, "N",
-         "with OpenGL: virtual lights on what shines in the scene, parallelograms of two triangles; 0 to 256, 0: they do not shine "
-         "(default 64)",
-         &c.area_given},
-        {"--area-gather", OPTION_CHOICE, &o->area_gather, 0, 0, AREA_GATHER_CHOICES, NULL,
-         "of virtual lights a sample asks each, a ninth, or each for one sample in four (default quarter)", &c.gather_given},
-        {"--sky", OPTION_INPUT, &c.sky_path, FILE_PICTURE, 0, NULL, "FILE",
-         "with OpenGL: a map of the sky that lights surfaces and fog, by as many virtual lights as --area says, and is seen: .hdr "
-         "or "
-         "PNG, twice as wide as high",
-         NULL},
-        {"--sky-light", OPTION_F64, &o->sky_light, 1e-9, 1e9, NULL, "FACTOR",
-         "candela a square metre of what is 1 in the map, 1e-9 to 1e9 (default 1)", &c.sky_light_given},
-        {"--sky-turn", OPTION_F64, &o->sky_turn_degrees, -360, 360, NULL, "DEGREES",
-         "of the map, whose middle is along +X, about +Y, counter-clockwise from above, -360 to 360 (default 0)",
-         &c.sky_turn_given},
-        {"--smoke", OPTION_CHOICE, &o->smoke, 0, 0, SMOKE_CHOICES, NULL,
-         "points and lines of the scene that are smoke dim light, and are drawn (default on)", &c.smoke_given},
-        {"--smoke-side", OPTION_U32, &o->smoke_side, SMOKE_SIDE_MIN, SMOKE_SIDE_MAX, NULL, "PX",
-         "curves a side of a light's map of smoke, 16 to 2048; fewer where smoke is very thick (default 256)", &c.smoke_side_given},
-        {"--moving", OPTION_INPUT, &c.moving_path, FILE_SCENE, 0, NULL, "SCENE",
-         "another scene that is not baked: it is drawn, and casts shadows by depth maps", NULL},
-        {"--moving-by", OPTION_VECTOR, o->moving_by_ws, 0, 3, NULL, "X,Y,Z",
-         "metres that it moves from frame to frame (default 0,0,0)", &c.moving_by_given},
-        {"--cull", OPTION_CHOICE, &o->cull, 0, 0, CULL_CHOICES, NULL,
-         "lists of lights for tiles of 8 x 8 pixels; auto: where there are several lights (default auto)", &c.cull_given},
-        {"--budget", OPTION_BYTES, &c.budget_bytes, 0, 0, NULL, "BYTES",
-         "stream FILE.vxs: hold no more of it than this, 4M or plain bytes (default all of the file)", &c.budget_given},
-        {"--upload", OPTION_BYTES, &o->upload_bytes, 0, 0, NULL, "BYTES",
-         "of a stream's pages, in each frame of a path at most (default 1M)", &c.upload_given},
-        {"--passes", OPTION_FOLDER, &c.passes_folder, 0, 0, RENDER_PASSES_NAMES, "FOLDER",
-         "also depth, normals, light, lights of each pixel, each light's shadow, what rays say, and of a stream what is there, as "
-         "PNG",
-         NULL},
-        {"--path", OPTION_INPUT, &c.path_file, FILE_UNKNOWN, 0, NULL, "FILE",
-         "frames along a path: lines of x y z of the eye, x y z of where it looks; the last one is the picture", NULL},
-        {"--orbit", OPTION_SWITCH, &c.orbits, 0, 0, NULL, NULL, "frames once around the target", NULL},
-        {"--frames", OPTION_U32, &c.frames, 1, FRAMES_MAX, NULL, "N", "of --path or --orbit, 1 to 100000 (default 60)",
-         &c.frames_given},
-        {"--json", OPTION_OUTPUT, &c.json_path, 0, 0, ".json", "FILE.json", "times of each frame as JSON; - is standard output",
-         NULL},
-        {"--csv", OPTION_OUTPUT, &c.csv_path, 0, 0, ".csv", "FILE.csv", "times of each frame as a table; - is standard output",
-         NULL},
-        {"--plot", OPTION_OUTPUT, &c.plot_path, 0, 0, ".svg", "FILE.svg", "times of each frame as a plot; - is standard output",
-         NULL},
-        {"--gl", OPTION_CHOICE, &o->backend, 0, 0, "osmesa|egl", NULL, "whose OpenGL draws (default osmesa)", NULL},
-        SCENE_ROWS(c.choice),
-        {"--threads", OPTION_U32, &o->threads, 1, PARALLEL_THREADS_MAX, NULL, "N", "threads (default all processors)", NULL},
+    render_command  c           = {.options       = {.width_px     = 1280,
+                                                     .height_px    = 720,
+                                                     .samples      = 2,
+                                                     .tile_lights  = TILE_LIGHTS,
+                                                     .upload_bytes = UPLOAD_BYTES,
+                                                     .smoke_side   = SMOKE_SIDE,
+                                                     .area_lamps   = AREA_LAMPS,
+                                                     .area_gather  = VXS_AREA_QUARTER,
+                                                     .sky_light    = 1,
+                                                     .threads      = parallel_default_threads()},
+                                   .filter.box_px = 5,
+                                   .frames        = 60,
+                                   .fog           = FOG_DEFAULTS};
+    render_options *o           = &c.options;
+    c.camera.camera.fov_degrees = 35;
+    const option options[]      = {
+             {"SCENE", OPTION_INPUT, &c.scene_path, FILE_SCENE, 0, NULL, NULL, "a glTF 2.0 scene, .gltf or .glb", NULL},
+             {"FILE.vxs", OPTION_INPUT, &c.asset_path, FILE_ASSET, 0, NULL, NULL, "what vxs bake wrote", NULL},
+             {"-o", OPTION_OUTPUT, &c.out, 1, 0, ".png", "OUT.png", "where the picture goes; - is standard output", NULL},
+             {"--linear", OPTION_OUTPUT, &c.linear_path, 0, 0, ".exr", "FILE.exr",
+              "also the picture as linear floats, as OpenEXR, and with --passes each pass; - is standard output", NULL},
+             {"--draw", OPTION_CHOICE, &c.draw, 0, 0, "gl|rays", NULL,
+              "with OpenGL, as a game would, or all but shadows by rays, with light from the sky (default gl)", NULL},
+             {"--width", OPTION_U32, &o->width_px, SIDE_MIN_PX, SIDE_MAX_PX, NULL, "PX", "16 to 8192 (default 1280)", &c.width_given},
+             {"--height", OPTION_U32, &o->height_px, SIDE_MIN_PX, SIDE_MAX_PX, NULL, "PX", "16 to 8192 (default 720)", &c.height_given},
+             {"--samples", OPTION_U32, &o->samples, 1, SAMPLES_MAX, NULL, "N",
+              "a pixel is the mean of N x N samples, 1 to 4 (default 2)", &c.samples_given},
+             {"--exposure", OPTION_F64, &o->stops, -20, 20, NULL, "STOPS", "brighter or darker by powers of two, -20 to 20 (default 0)",
+              &c.stops_given},
+             CAMERA_ROWS(c.camera, c.fov_given, "where to stand, metres (default all of the scene in view)"),
+             {"--camera", OPTION_TEXT, &c.camera_name, 0, 0, NULL, "NAME",
+              "a camera of the scene, by its name, a pattern, or its number from 0; without --width or --height the picture has its "
+                   "shape",
+              NULL},
+             {"--light", OPTION_TEXTS, &c.light_names, 0, 0, NULL, "NAME",
+              "a light that shines, or all that a pattern names; repeat for more (default all of the file)", NULL},
+             FILTER_ROWS(c.filter, "K x K box filter, K odd, 1 to 17 texels (default 5)"),
+             FOG_ROWS(c.fog),
+             VPL_ROWS(c),
+             {"--smoke", OPTION_CHOICE, &o->smoke, 0, 0, SMOKE_CHOICES, NULL,
+              "points and lines of the scene that are smoke dim light, and are drawn (default on)", &c.smoke_given},
+             {"--smoke-side", OPTION_U32, &o->smoke_side, SMOKE_SIDE_MIN, SMOKE_SIDE_MAX, NULL, "PX",
+              "curves a side of a light's map of smoke, 16 to 2048; fewer where smoke is very thick (default 256)", &c.smoke_side_given},
+             {"--moving", OPTION_INPUT, &c.moving_path, FILE_SCENE, 0, NULL, "SCENE",
+              "another scene that is not baked: it is drawn, and casts shadows by depth maps", NULL},
+             {"--moving-by", OPTION_VECTOR, o->moving_by_ws, 0, 3, NULL, "X,Y,Z",
+              "metres that it moves from frame to frame (default 0,0,0)", &c.moving_by_given},
+             {"--cull", OPTION_CHOICE, &o->cull, 0, 0, CULL_CHOICES, NULL,
+              "lists of lights for tiles of 8 x 8 pixels; auto: where there are several lights (default auto)", &c.cull_given},
+             {"--budget", OPTION_BYTES, &c.budget_bytes, 0, 0, NULL, "BYTES",
+              "stream FILE.vxs: hold no more of it than this, 4M or plain bytes (default all of the file)", &c.budget_given},
+             {"--upload", OPTION_BYTES, &o->upload_bytes, 0, 0, NULL, "BYTES",
+              "of a stream's pages, in each frame of a path at most (default 1M)", &c.upload_given},
+             {"--passes", OPTION_FOLDER, &c.passes_folder, 0, 0, RENDER_PASSES_NAMES, "FOLDER",
+              "also depth, normals, light, lights of each pixel, each light's shadow, what rays say, and of a stream what is there, as "
+                   "PNG",
+              NULL},
+             FRAME_ROWS(c),
+             {"--gl", OPTION_CHOICE, &o->backend, 0, 0, "osmesa|egl", NULL, "whose OpenGL draws (default osmesa)", NULL},
+             SCENE_ROWS(c.choice),
+             {"--threads", OPTION_U32, &o->threads, 1, PARALLEL_THREADS_MAX, NULL, "N", "threads (default all processors)", NULL},
     };
     const command_line line = COMMAND_LINE("render", "SCENE FILE.vxs -o OUT.png [options]",
                                            "Draw a picture (PNG) of a scene with the shadows of a .vxs file.", options);
