@@ -117,7 +117,7 @@ bake.c    := $(foreach r,$(bake.rooms),$(wildcard baker/$r/*.c))
 library.c := $(wildcard baker/library/*.c)
 no_lab.c  := baker/command/options/no_laboratory.c
 command.c := $(filter-out $(no_lab.c),$(wildcard baker/command/*.c $(foreach r,options report process,baker/command/$r/*.c)))
-lab.c     := $(wildcard baker/lab/*.c baker/lab/*/*.c scenes/*.c)
+lab.c     := $(wildcard baker/lab/*/*.c scenes/*.c)
 library.o := $(library.c:%=$B/%.o)
 runtime.o := $(runtime.c:%=$B/%.o)
 gl.o      := $(gl.c:%=$B/%.o) $B/runtime/gl/texts.c.o

@@ -1,7 +1,7 @@
-/* The picture of a bake's page keeps within the memory that the bake was given (baker/lab/pages/bake_page.h).
+/* The picture of a bake's page keeps within the memory that the bake was given (baker/lab/pages/page.h).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/base/memory.h" /* before cmocka, whose fail() is a macro */
-#include "baker/lab/pages/bake_page.h"
+#include "baker/lab/pages/page.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,7 +1,7 @@
-/* Quads that smoke is drawn by (baker/lab/render/smoke_cloud.h): whatever ray meets a capsule, in double, passes its quad; from back
+/* Quads that smoke is drawn by (baker/lab/render/smoke_pass.h): whatever ray meets a capsule, in double, passes its quad; from back
  * to front; and scenes far from the world's origin are as fine as others.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/lab/render/smoke_cloud.h"
+#include "baker/lab/render/smoke_pass.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -17,7 +17,7 @@ typedef struct bake_page {
     uint8_t *rgb; /* picture of the shadows; owned; NULL: not drawn */
 } bake_page;
 
-/* Pages of bakes; see baker/lab/pages/bake_page.h. */
+/* Pages of bakes; see baker/lab/pages/page.h. */
 typedef struct bake_pages {
     vxs_result (*look)(void *page, const bake_options *o, const casters *c, vxs_bytes *file, message *m);
     vxs_result (*write)(const char *path, const bake_page *page, const bake_options *o, const bake_report *r, message *m);

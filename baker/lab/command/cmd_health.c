@@ -11,7 +11,7 @@
 #include "baker/files/json_file.h"
 #include "baker/files/output_file.h"
 #include "baker/lab/command/lab_commands.h"
-#include "baker/lab/command/part_text.h"
+#include "baker/lab/command/report_text.h"
 #include "baker/lab/mend/mesh_health.h"
 
 enum { ROWS = 30, NAMES = 3, COLUMNS = 100, FROM_MIN = 24 };

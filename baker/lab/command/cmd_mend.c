@@ -9,7 +9,7 @@
 #include "baker/files/json_file.h"
 #include "baker/files/output_file.h"
 #include "baker/lab/command/lab_commands.h"
-#include "baker/lab/command/part_text.h"
+#include "baker/lab/command/report_text.h"
 #include "baker/lab/mend/mesh_repair.h"
 #include "baker/scene/gltf/scene_to_glb.h"
 #include "baker/scene/light_choice.h"

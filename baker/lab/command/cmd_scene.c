@@ -6,7 +6,7 @@
 #include "baker/command/options/options.h"
 #include "baker/files/output_file.h"
 #include "baker/lab/command/lab_commands.h"
-#include "baker/lab/command/written_text.h"
+#include "baker/lab/command/report_text.h"
 #include "baker/scene/gltf/glb_write.h"
 #include "baker/scene/light_warnings.h"
 #include "scenes/generate.h"

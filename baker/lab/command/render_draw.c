@@ -7,7 +7,7 @@
 #include "baker/base/clock.h"
 #include "baker/files/json_file.h"
 #include "baker/files/png_encode.h"
-#include "baker/lab/command/written_text.h"
+#include "baker/lab/command/report_text.h"
 #include "baker/lab/picture/picture.h"
 #include "baker/lab/render/exr_encode.h"
 

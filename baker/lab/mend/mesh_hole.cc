@@ -1,6 +1,6 @@
-/* Filling holes with CGAL; see mesh_hole.h.
+/* Filling holes with CGAL; see mesh_repair.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/lab/mend/mesh_hole.h"
+#include "baker/lab/mend/mesh_repair.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/triangulate_hole.h>

@@ -15,7 +15,6 @@
 #include "baker/casters/mesh_intersect.h"
 #include "baker/casters/mesh_join.h"
 #include "baker/casters/mesh_weld.h"
-#include "baker/lab/mend/mesh_hole.h"
 
 #define NONE UINT32_MAX
 

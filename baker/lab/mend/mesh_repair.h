@@ -13,6 +13,9 @@
 #ifndef MESH_REPAIR_H
 #define MESH_REPAIR_H
 
+#include <stddef.h>
+#include <stdint.h>
+
 #include "baker/scene/scene.h"
 
 #ifdef __cplusplus
@@ -72,7 +75,17 @@ vxs_result scene_repair(scene *s, const repair_options *o, repair_report *out, m
 
 void repair_report_free(repair_report *r);
 
+/* mesh_hole.cc: Fill a closed polygon with triangles: near its best-fit plane, or with minimal area and angles.
+ * points     [3 * count] in order; 3 or more, all different
+ * triangles  [out] [3 * (count - 2)] point numbers; wound in the polygon's direction
+ * Returns 1, or 0 when there is no such surface (CGAL finds none, or out of memory).  Cost: up to cubic, so limit count. */
+int mesh_fill_hole(const double *points, size_t count, uint32_t *triangles);
+
+/* 1 when all points are exactly collinear: triangles between them have no area. */
+int mesh_is_crack(const double *points, size_t count);
+
 #ifdef __cplusplus
 }
 #endif
+
 #endif

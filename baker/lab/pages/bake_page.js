@@ -1,4 +1,4 @@
-/* The page of one bake. data: {report: docs/bake-report.schema.json, the rest: bake_page.c}
+/* The page of one bake. data: {report: docs/bake-report.schema.json, the rest: page.c}
  * SPDX-License-Identifier: GPL-3.0-or-later */
 const report = data.report, options = report.options, estimate = report.plan.estimate, actual = report.plan.actual;
 const LIGHTS_SHOWN = 30, LIGHTS_NAMED = 8, HEAD_COLOUR = "#8d8a80";

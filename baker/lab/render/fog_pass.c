@@ -1,12 +1,13 @@
 /* Fog; see fog_pass.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "runtime/volumes/vxs_air_path.h" /* first: box.h defines a type with the name of one of its variables */
+
 #include "baker/lab/render/fog_pass.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "runtime/volumes/vxs_air_path.h"
 #include "runtime/volumes/vxs_shadow_grid.h"
 
 /* the mesh of a light ----------------------------------------------------------------------------------------------------------- */

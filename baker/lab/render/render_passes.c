@@ -1,6 +1,6 @@
-/* The passes of a frame as pictures; see render_passes.h.
+/* The passes of a frame as pictures; see render_report.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/lab/render/render_passes.h"
+#include "baker/lab/render/render_report.h"
 
 #include <ctype.h>
 #include <errno.h>

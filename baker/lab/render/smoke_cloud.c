@@ -1,6 +1,6 @@
-/* Capsules over the picture; see smoke_cloud.h.
+/* Capsules over the picture; see smoke_pass.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/lab/render/smoke_cloud.h"
+#include "baker/lab/render/smoke_pass.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,11 +1,25 @@
-/* The origin of a component as text and as JSON; see part_text.h.
+/* Lines of reports; see report_text.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/lab/command/part_text.h"
+#include "baker/lab/command/report_text.h"
 
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 
+#include "baker/base/text.h"
 #include "baker/files/json_file.h"
+#include "baker/files/run_files.h"
+
+void written_print(FILE *to, const char *path, const char *what)
+{
+    struct stat status;
+    char        size[32], plain[PLAIN_BYTES];
+    if (!path) return;
+    fprintf(to, "wrote        %s: %s", is_standard_output(path) ? "standard output" : plain_text(plain, path), what);
+    if (!is_standard_output(path) && !stat(path, &status) && S_ISREG(status.st_mode))
+        fprintf(to, ", %s", size_text(size, (uint64_t)status.st_size));
+    fputc('\n', to);
+}
 
 enum { NAME_BYTES = 60 };
 

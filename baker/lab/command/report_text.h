@@ -1,11 +1,17 @@
-/* The origin of a component as text and as JSON, for reports: the node, mesh and material of its first triangle.
+/* Lines of reports: on an output, and on the origin of a component, as text and as JSON: the node, mesh and material of its first
+ * triangle.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef PART_TEXT_H
-#define PART_TEXT_H
+#ifndef REPORT_TEXT_H
+#define REPORT_TEXT_H
 
 #include <jansson.h>
+#include <stdio.h>
 
 #include "baker/scene/scene.h"
+
+/* Print "wrote        city.png: 1280 x 720 pixels, 1.25 MiB". The size is read from the regular file at the path.
+ * path  NULL: no output, print nothing; "-": standard output */
+void written_print(FILE *to, const char *path, const char *what);
 
 enum { PART_TEXT_BYTES = 512 };
 

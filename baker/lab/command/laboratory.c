@@ -4,7 +4,7 @@
 
 #include "baker/lab/command/lab_commands.h"
 #include "baker/lab/opengl/depth_gl.h"
-#include "baker/lab/pages/bake_page.h"
+#include "baker/lab/pages/page.h"
 
 static const command_entry commands[] = {
     {"truth", cmd_truth},   {"compare", cmd_compare}, {"bench", cmd_bench}, {"report", cmd_report}, {"render", cmd_render},
