@@ -121,25 +121,21 @@ static vxs_result compare_once(bench_work *w, const bench_job *job, double *seco
 
 /* Rounds --------------------------------------------------------------------------------------------------------------------- */
 
-/* Expected time of a job: that of its last run, or by its weight relative to jobs that ran. */
-static double expected_seconds(const bench_work *w, const bench_job *job)
-{
-    double seconds = 0, weight = 0;
-    for (size_t n = 0; n < w->job_count && !job->seconds; n++) {
-        if (!w->jobs[n].seconds) continue;
-        seconds += w->jobs[n].seconds;
-        weight += w->jobs[n].weight;
-    }
-    return job->seconds ? job->seconds : weight ? job->weight * seconds / weight : 0;
-}
-
 static void show_progress(const bench_work *w, uint32_t run, size_t at)
 {
     if (!w->o->progress) return;
     double round_seconds = 0, left_seconds = 0;
     char   name[256];
     for (size_t n = 0; n < w->job_count; n++) {
-        double seconds = expected_seconds(w, &w->jobs[n]);
+        /* Expected time of a job: that of its last run, or by its weight relative to jobs that ran. */
+        double known = 0, weight = 0;
+        for (size_t k = 0; k < w->job_count && !w->jobs[n].seconds; k++) {
+            if (!w->jobs[k].seconds) continue;
+            known += w->jobs[k].seconds;
+            weight += w->jobs[k].weight;
+        }
+        double seconds = w->jobs[n].seconds ? w->jobs[n].seconds : weight ? w->jobs[n].weight * known / weight : 0;
+
         round_seconds += seconds;
         if (n >= at) left_seconds += seconds;
     }

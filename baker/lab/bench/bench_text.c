@@ -190,25 +190,6 @@ size_t bench_figures(const json_t *cell, bench_figure *figures)
     return count;
 }
 
-/* Add the figures of a cell to the table: their labels (is_head), or their values. */
-static void add_figures(json_t *t, const json_t *cell, int is_head)
-{
-    bench_figure figures[BENCH_FIGURES_MAX];
-    size_t       count = bench_figures(cell, figures);
-    char         text[64];
-    for (const bench_figure *f = figures; f < figures + count; f++) {
-        if (!(f->flags & FIGURE_COLUMN)) continue;
-        if (is_head)
-            table_add(t, "%s", f->name);
-        else if (f->kind == FIGURE_SECONDS)
-            table_add(t, "%s", spread_text(text, f->value));
-        else if (f->kind == FIGURE_SHARE)
-            table_add(t, "%.4f %%", 100 * f->value.median);
-        else
-            table_add(t, "%s", size_text(text, (uint64_t)f->value.median));
-    }
-}
-
 /* is_head: add the labels of the columns, in place of the cell's values. */
 static void add_row(json_t *t, const json_t *result, const json_t *cell, int is_head)
 {
@@ -220,7 +201,22 @@ static void add_row(json_t *t, const json_t *result, const json_t *cell, int is_
     table_add(t, "%s", is_head ? "texels" : option_text(text, cell, "resolution_px"));
     json_object_foreach(varying, name, any) table_add(t, "%s", is_head ? name : option_text(text, cell, name));
     json_decref(varying);
-    add_figures(t, cell, is_head);
+
+    /* Add the figures of a cell to the table: their labels (is_head), or their values. */
+    bench_figure figures[BENCH_FIGURES_MAX];
+    size_t       count = bench_figures(cell, figures);
+    char         value[64];
+    for (const bench_figure *f = figures; f < figures + count; f++) {
+        if (!(f->flags & FIGURE_COLUMN)) continue;
+        if (is_head)
+            table_add(t, "%s", f->name);
+        else if (f->kind == FIGURE_SECONDS)
+            table_add(t, "%s", spread_text(value, f->value));
+        else if (f->kind == FIGURE_SHARE)
+            table_add(t, "%.4f %%", 100 * f->value.median);
+        else
+            table_add(t, "%s", size_text(value, (uint64_t)f->value.median));
+    }
 }
 
 vxs_result bench_print(FILE *to, const json_t *result, message *m)

@@ -53,16 +53,6 @@ static const char *list_cameras(char text[LIST_BYTES], const scene *s, const cha
     return text;
 }
 
-static vxs_result fail_unknown(const scene *s, const char *name, const char *path, message *m)
-{
-    nearest near = {.typed = name};
-    char    known[LIST_BYTES], meant[64];
-    if (!s->view_count) return fail(m, VXS_E_ARGUMENT, "--camera %s: '%s' has no camera; --eye and --target give one", name, path);
-    for (size_t n = 0; n < s->view_count; n++) nearest_try(&near, s->views[n].name, strlen(s->views[n].name));
-    return fail(m, VXS_E_ARGUMENT, "--camera %s: '%s' has no camera of that name; it has %s%s", name, path,
-                list_cameras(known, s, NULL), nearest_text(meant, &near));
-}
-
 vxs_result scene_camera_find(const scene_view **view, const scene *s, const char *name, const char *path, message *m)
 {
     size_t by_name = 0, by_pattern = 0;
@@ -74,7 +64,15 @@ vxs_result scene_camera_find(const scene_view **view, const scene *s, const char
         *view = v;
         by_pattern++;
     }
-    if (!by_pattern) return fail_unknown(s, name, path, m);
+    if (!by_pattern) {
+        nearest near = {.typed = name};
+        char    all[LIST_BYTES], meant[64];
+        if (!s->view_count)
+            return fail(m, VXS_E_ARGUMENT, "--camera %s: '%s' has no camera; --eye and --target give one", name, path);
+        for (size_t n = 0; n < s->view_count; n++) nearest_try(&near, s->views[n].name, strlen(s->views[n].name));
+        return fail(m, VXS_E_ARGUMENT, "--camera %s: '%s' has no camera of that name; it has %s%s", name, path,
+                    list_cameras(all, s, NULL), nearest_text(meant, &near));
+    }
     if (by_pattern > 1)
         return fail(m, VXS_E_ARGUMENT, "--camera %s: '%s' has %zu of them, %s; expected one", name, path, by_pattern,
                     list_cameras(known, s, name));

@@ -38,26 +38,20 @@
 /* A rasterizer may move an edge by half of this, and its corner by the same amount: in texels. */
 #define SNAP (1.0 / 256)
 
-/* The distance from the light to the nearest caster on the way to a texel or to its neighbours: there, the error of rounded rays
- * is largest in texels of the map. For a directional light it is the same everywhere: 1. */
-static double nearest_caster_m(const comparison *c, int map, double u, double v, double depth)
+double compare_step_px(const comparison *c, int map, double u, double v, double depth)
 {
+    /* the error of rounded rays is largest in texels at the caster nearest to the light, on the way to the texel or to its
+     * neighbours; for a directional light it is the same everywhere */
     static const double about[5][2] = {{0, 0}, {1, 0}, {-1, 0}, {0, 1}, {0, -1}};
-    double              nearest     = INFINITY;
-    if (c->shape.kind == LIGHT_DIRECTIONAL) return 1;
-    for (int n = 0; n < 5; n++) {
+    double              caster_m    = c->shape.kind == LIGHT_DIRECTIONAL ? 1 : INFINITY;
+    for (int n = 0; n < 5 && c->shape.kind != LIGHT_DIRECTIONAL; n++) {
         double end_ws[3], way_ws[3], distance;
         vxs_point(c->light, map, (double[3]){u + about[n][0], v + about[n][1], depth}, end_ws);
         vec3_sub(end_ws, c->shape.position_ws, way_ws);
         if (vec3_unit(way_ws, way_ws) && truth_first_hit(c->truth, c->shape.position_ws, way_ws, &distance, NULL, NULL))
-            nearest = fmin(nearest, distance);
+            caster_m = fmin(caster_m, distance);
     }
-    return nearest;
-}
-
-double compare_step_px(const comparison *c, int map, double u, double v, double depth)
-{
-    double ray_m = COMPARE_RAY_SLACK * truth_precision(c->truth), caster_m = nearest_caster_m(c, map, u, v, depth);
+    double ray_m = COMPARE_RAY_SLACK * truth_precision(c->truth);
     return fmin(COMPARE_SLACK_MAX, 2 * SNAP + ray_m / (caster_m * c->light->texel_metres)) / COMPARE_STEPS;
 }
 
@@ -74,24 +68,11 @@ typedef struct search {
     wrong_answer     *answers;
 } search;
 
-/* One direction from a point: `way` has the length of a texel. */
+/* The truth at a distance from a point: `way` has the length of a texel. */
 static int lit_along(const comparison *c, const sample *s, const double way[3], double texels)
 {
     const double *at = s->truth_ls;
     return compare_lit_at(c, s->map, at[0] + texels * way[0], at[1] + texels * way[1], at[2] + texels * way[2]);
-}
-
-/* Halve the step between `from`, where the truth differs from the asset, and `to`, where they agree. */
-static double halved(const comparison *c, const sample *s, const double way[3], int lit, double from, double to)
-{
-    for (int n = 0; n < HALVINGS; n++) {
-        double middle = 0.5 * (from + to);
-        if (lit_along(c, s, way, middle) == lit)
-            to = middle;
-        else
-            from = middle;
-    }
-    return 0.5 * (from + to);
 }
 
 /* The nearest boundary between two steps, over all directions; INFINITY when there is none. */
@@ -102,27 +83,33 @@ static double nearest_between(const comparison *c, const sample *s, int lit, dou
         double way[3] = {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1}, length = sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]);
         if (length == 0) continue;
         for (int i = 0; i < 3; i++) way[i] /= length;
-        if (lit_along(c, s, way, to) == lit) nearest = fmin(nearest, halved(c, s, way, lit, from, to));
+        if (lit_along(c, s, way, to) != lit) continue;
+        double low = from, high = to; /* at `low` the truth differs from the asset, at `high` they agree */
+        for (int i = 0; i < HALVINGS; i++) {
+            double middle = 0.5 * (low + high);
+            if (lit_along(c, s, way, middle) == lit)
+                high = middle;
+            else
+                low = middle;
+        }
+        nearest = fmin(nearest, 0.5 * (low + high));
     }
     return nearest;
-}
-
-static double distance_of(const search *f, const wrong_answer *a)
-{
-    sample s;
-    compare_point(f->comparison, f->kind, a->index, &s);
-    for (int n = 0; n < STEPS; n++) {
-        double nearest = nearest_between(f->comparison, &s, a->asset_lit, n ? steps[n - 1] : 0, steps[n]);
-        if (!isinf(nearest)) return nearest;
-    }
-    return INFINITY;
 }
 
 static void search_answers(void *user, size_t begin, size_t end, uint32_t worker)
 {
     search *f = user;
     (void)worker;
-    for (size_t n = begin; n < end; n++) f->answers[n].texels = (float)distance_of(f, &f->answers[n]);
+    for (size_t n = begin; n < end; n++) {
+        wrong_answer *a       = &f->answers[n];
+        double        nearest = INFINITY;
+        sample        s;
+        compare_point(f->comparison, f->kind, a->index, &s);
+        for (int k = 0; k < STEPS && isinf(nearest); k++)
+            nearest = nearest_between(f->comparison, &s, a->asset_lit, k ? steps[k - 1] : 0, steps[k]);
+        a->texels = (float)nearest;
+    }
 }
 
 static int by_distance(const void *a, const void *b)
@@ -251,27 +238,22 @@ enum { LIFT = 4 };
 /* The deepest bias: about two voxels, rounded up. */
 #define BIAS_VOXELS 3
 
-/* The point just above a surface's plane on the light's ray through texel coordinates; at the far end of the map if the ray
- * misses the plane. */
-static void plane_point(const comparison *c, const sample *s, double u, double v, double out_ws[3])
-{
-    double near_ws[3], far_ws[3], way_ws[3], to_plane_ws[3], side = ldexp(1, (int)c->light->levels);
-    vxs_point(c->light, s->map, (double[3]){u, v, 0}, near_ws);
-    vxs_point(c->light, s->map, (double[3]){u, v, side}, far_ws);
-    vec3_sub(far_ws, near_ws, way_ws);
-    vec3_sub(s->point_ws, near_ws, to_plane_ws);
-    double sinks = vec3_dot(way_ws, s->normal_ws), depth = vec3_dot(to_plane_ws, s->normal_ws);
-    vec3_mad(near_ws, sinks < 0 ? depth / sinks : 1, way_ws, out_ws);
-    vec3_mad(out_ws, LIFT * truth_precision(c->truth), s->normal_ws, out_ws);
-}
-
-/* Rays around the centre of a texel. */
+/* Whether rays around the centre of a texel reach the light. They begin just above the surface's plane, on the light's ray through
+ * texel coordinates; at the far end of the map if that misses the plane. */
 static int all_arrive(const comparison *c, const sample *s, double u, double v, double step_px)
 {
+    double side = ldexp(1, (int)c->light->levels);
     for (int n = 0; n < (2 * COMPARE_STEPS + 1) * (2 * COMPARE_STEPS + 1); n++) {
-        double p[3];
-        int    i = n % (2 * COMPARE_STEPS + 1) - COMPARE_STEPS, j = n / (2 * COMPARE_STEPS + 1) - COMPARE_STEPS;
-        plane_point(c, s, u + step_px * i, v + step_px * j, p);
+        double at_u = u + step_px * (n % (2 * COMPARE_STEPS + 1) - COMPARE_STEPS);
+        double at_v = v + step_px * (n / (2 * COMPARE_STEPS + 1) - COMPARE_STEPS);
+        double near_ws[3], far_ws[3], way_ws[3], to_plane_ws[3], p[3];
+        vxs_point(c->light, s->map, (double[3]){at_u, at_v, 0}, near_ws);
+        vxs_point(c->light, s->map, (double[3]){at_u, at_v, side}, far_ws);
+        vec3_sub(far_ws, near_ws, way_ws);
+        vec3_sub(s->point_ws, near_ws, to_plane_ws);
+        double sinks = vec3_dot(way_ws, s->normal_ws), depth = vec3_dot(to_plane_ws, s->normal_ws);
+        vec3_mad(near_ws, sinks < 0 ? depth / sinks : 1, way_ws, p);
+        vec3_mad(p, LIFT * truth_precision(c->truth), s->normal_ws, p);
         if (!truth_lit(c->truth, p, &c->shape)) return 0;
     }
     return 1;

@@ -65,29 +65,6 @@ typedef struct view {
     double                  sky_metres;  /* a surface at this distance shuts out half of the sky */
 } view;
 
-/* the scene ------------------------------------------------------------------------------------------- */
-
-static view make_view(const picture_options *o, const truth *t, const casters *c, uint8_t *rgb)
-{
-    box    b    = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
-    double size = fmax(box_diagonal(&b), 1e-9);
-    view   v    = {.options = o, .truth = t, .rgb = rgb};
-    v.seen      = camera_view_of(&o->camera, (double)o->width_px / o->height_px);
-
-    /* haze begins at the box: 0 inside of it */
-    double square = 0;
-    for (int i = 0; i < 3; i++) {
-        double outside = fmax(fmax(b.min[i] - o->camera.eye_ws[i], o->camera.eye_ws[i] - b.max[i]), 0);
-        square += outside * outside;
-    }
-    v.near_metres = sqrt(square);
-
-    v.haze_metres = 4 * size;
-    v.sky_metres  = 0.03 * size;
-    v.end_metres  = v.near_metres + 2 * size;
-    return v;
-}
-
 /* light ----------------------------------------------------------------------------------------------- */
 
 static void mix(const double a[3], const double b[3], double share, double out[3])
@@ -358,14 +335,25 @@ static void light_fog(view *v)
 vxs_result picture_render(uint8_t *rgb, float *linear, const picture_options *o, const truth *t, const casters *c,
                           const vxs_baked_light *const *lights, uint32_t light_count, message *m)
 {
-    view       v    = make_view(o, t, c, rgb);
     box        b    = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
-    vxs_result r    = VXS_OK;
-    double     size = fmax(box_diagonal(&b), 1e-9);
-    v.linear        = linear;
-    v.suns          = malloc((light_count + 1) * sizeof *v.suns);
-    v.lamps         = malloc((light_count + 1) * sizeof *v.lamps);
-    v.fog_lights    = malloc((light_count + 1) * sizeof *v.fog_lights);
+    double     size = fmax(box_diagonal(&b), 1e-9), square = 0; /* of the distance from the eye to the box */
+    vxs_result r = VXS_OK;
+    for (int i = 0; i < 3; i++) {
+        double outside = fmax(fmax(b.min[i] - o->camera.eye_ws[i], o->camera.eye_ws[i] - b.max[i]), 0);
+        square += outside * outside;
+    }
+    view v       = {.options     = o,
+                    .truth       = t,
+                    .rgb         = rgb,
+                    .linear      = linear,
+                    .seen        = camera_view_of(&o->camera, (double)o->width_px / o->height_px),
+                    .near_metres = sqrt(square),
+                    .haze_metres = 4 * size,
+                    .sky_metres  = 0.03 * size,
+                    .end_metres  = sqrt(square) + 2 * size};
+    v.suns       = malloc((light_count + 1) * sizeof *v.suns);
+    v.lamps      = malloc((light_count + 1) * sizeof *v.lamps);
+    v.fog_lights = malloc((light_count + 1) * sizeof *v.fog_lights);
     if (!v.suns || !v.lamps || !v.fog_lights) {
         r = fail(m, VXS_E_MEMORY, "out of memory for %u lights", light_count);
         goto done;

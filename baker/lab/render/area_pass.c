@@ -90,8 +90,15 @@ static vxs_result place_lamps(const area_pass *p, double exposure, vxs_vpl *lamp
     return result;
 }
 
-static vxs_result make(area_pass *p, vxs_volumes *volumes, message *m)
+vxs_result area_pass_create(area_pass **out, const area_pass_options *o, const gl_context *gl, vxs_volumes *volumes, message *m)
 {
+    area_pass *p = calloc(1, sizeof *p);
+    *out         = p;
+    if (!p) return fail(m, VXS_E_MEMORY, "out of memory for area lights");
+    p->options = *o;
+    p->gl      = gl;
+    p->count   = (uint32_t)o->lit.scene->area_count;
+
     static const float white[3] = {1, 1, 1};
     const scene       *s        = p->options.lit.scene;
     vxs_vpl            dense[DENSE];
@@ -115,10 +122,9 @@ static vxs_result make(area_pass *p, vxs_volumes *volumes, message *m)
     area_plan_share(p->powers, p->shares, p->count, DENSE, &plan);
     if (place_lamps(p, 1, dense, &lit.dense_count) != VXS_OK) lit.dense_count = 0; /* the frame reports the reason */
     lit.dense = dense;
-    if ((r = vpl_pass_create(&p->lamps, &lit, p->gl, volumes, m)) != VXS_OK) return r;
-    if ((r = gl_program_of(p->gl, &p->glow_program, glow_glsl, (gl_text){0}, m)) != VXS_OK) return r;
+    if ((r = vpl_pass_create(&p->lamps, &lit, gl, volumes, m)) != VXS_OK) return r;
+    if ((r = gl_program_of(gl, &p->glow_program, glow_glsl, (gl_text){0}, m)) != VXS_OK) return r;
     for (uint32_t n = 0; n < p->count; n++) {
-        const gl_context *gl   = p->gl;
         const scene_area *a    = &p->options.lit.scene->areas[n];
         GLsizei           wide = a->texture ? (GLsizei)a->wide_px : 1, high = a->texture ? (GLsizei)a->high_px : 1;
         gl->CreateTextures(GL_TEXTURE_2D, 1, &p->textures[n]);
@@ -129,22 +135,6 @@ static vxs_result make(area_pass *p, vxs_volumes *volumes, message *m)
         gl->TextureParameteri(p->textures[n], GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
     }
     return VXS_OK;
-}
-
-vxs_result area_pass_create(area_pass **out, const area_pass_options *o, const gl_context *gl, vxs_volumes *volumes, message *m)
-{
-    area_pass *p = calloc(1, sizeof *p);
-    *out         = NULL;
-    if (!p) return fail(m, VXS_E_MEMORY, "out of memory for area lights");
-    p->options   = *o;
-    p->gl        = gl;
-    p->count     = (uint32_t)o->lit.scene->area_count;
-    vxs_result r = make(p, volumes, m);
-    if (r == VXS_OK)
-        *out = p;
-    else
-        area_pass_destroy(p);
-    return r;
 }
 
 void area_pass_destroy(area_pass *p)

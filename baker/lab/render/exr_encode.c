@@ -39,18 +39,6 @@ static void quiet(exr_const_context_t context, exr_result_t code, const char *te
     (void)text;
 }
 
-static exr_result_t describe(exr_context_t file, uint32_t width_px, uint32_t height_px, const char *channels, float white)
-{
-    int          part;
-    exr_result_t r = exr_add_part(file, NULL, EXR_STORAGE_SCANLINE, &part);
-    if (r == EXR_ERR_SUCCESS)
-        r = exr_initialize_required_attr_simple(file, part, (int32_t)width_px, (int32_t)height_px, EXR_COMPRESSION_ZIP);
-    for (const char *c = channels; *c && r == EXR_ERR_SUCCESS; c++)
-        if (*c != '.') r = exr_add_channel(file, part, (const char[]){*c, 0}, EXR_PIXEL_FLOAT, EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
-    if (r == EXR_ERR_SUCCESS && white > 0) r = exr_attr_set_float(file, part, "whiteLuminance", white);
-    return r == EXR_ERR_SUCCESS ? exr_write_header(file) : r;
-}
-
 static exr_result_t write_chunks(exr_context_t file, const float *pixels, uint32_t width_px, uint32_t height_px,
                                  const char *channels)
 {
@@ -89,7 +77,17 @@ uint8_t *exr_encode(const float *pixels, uint32_t width_px, uint32_t height_px, 
     how.user_data                  = &b;
     how.write_fn                   = put;
     exr_result_t r                 = exr_start_write(&file, "picture", EXR_WRITE_FILE_DIRECTLY, &how);
-    if (r == EXR_ERR_SUCCESS) r = describe(file, width_px, height_px, channels, white);
+    if (r == EXR_ERR_SUCCESS) {
+        int part;
+        r = exr_add_part(file, NULL, EXR_STORAGE_SCANLINE, &part);
+        if (r == EXR_ERR_SUCCESS)
+            r = exr_initialize_required_attr_simple(file, part, (int32_t)width_px, (int32_t)height_px, EXR_COMPRESSION_ZIP);
+        for (const char *c = channels; *c && r == EXR_ERR_SUCCESS; c++)
+            if (*c != '.')
+                r = exr_add_channel(file, part, (const char[]){*c, 0}, EXR_PIXEL_FLOAT, EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
+        if (r == EXR_ERR_SUCCESS && white > 0) r = exr_attr_set_float(file, part, "whiteLuminance", white);
+        r = r == EXR_ERR_SUCCESS ? exr_write_header(file) : r;
+    }
     if (r == EXR_ERR_SUCCESS) r = write_chunks(file, pixels, width_px, height_px, channels);
     exr_result_t end = file ? exr_finish(&file) : EXR_ERR_SUCCESS; /* writes the chunks' offsets */
     if (r != EXR_ERR_SUCCESS || end != EXR_ERR_SUCCESS) {

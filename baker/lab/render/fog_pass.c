@@ -100,7 +100,7 @@ vxs_result fog_pass_create(fog_pass **out, const fog_pass_options *o, const gl_c
                              .width_px         = o->width,
                              .height_px        = o->height};
     fog_pass        *p    = calloc(1, sizeof *p);
-    *out                  = NULL;
+    *out                  = p;
     if (!p) return fail(m, VXS_E_MEMORY, "out of memory for fog");
     p->options        = *o;
     p->gl             = gl;
@@ -112,14 +112,8 @@ vxs_result fog_pass_create(fog_pass **out, const fog_pass_options *o, const gl_c
     p->faint          = calloc(vxs_gl_light_count(shadows), sizeof *p->faint);
     vxs_result result = p->lights && p->meshes && p->maps && p->faint ? vxs_volumes_create(&p->volumes, &desc) : VXS_E_MEMORY;
     if (result != VXS_OK)
-        fail(m, result, "OpenGL cannot draw fog of %u x %u samples: %s", o->width, o->height, vxs_result_text(result));
-    else if (o->by == FOG_BY_GRID)
-        result = make_grid(p, m);
-    if (result == VXS_OK)
-        *out = p;
-    else
-        fog_pass_destroy(p);
-    return result;
+        return fail(m, result, "OpenGL cannot draw fog of %u x %u samples: %s", o->width, o->height, vxs_result_text(result));
+    return o->by == FOG_BY_GRID ? make_grid(p, m) : VXS_OK;
 }
 
 void fog_pass_destroy(fog_pass *p)

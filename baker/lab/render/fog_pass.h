@@ -49,7 +49,7 @@ typedef struct fog_pass {
     uint32_t               last;   /* the light that was drawn last; UINT32_MAX: none */
 } fog_pass;
 
-/* pass  [out] NULL on failure.   Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
+/* pass  [out] released with its destroy function, whatever is returned.   Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
 vxs_result fog_pass_create(fog_pass **pass, const fog_pass_options *o, const gl_context *gl, vxs_gl *shadows, message *m);
 
 /* Accepts NULL. */

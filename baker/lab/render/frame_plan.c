@@ -52,19 +52,6 @@ static void fog_plan_savings(const fog_plan *plan, fog_by by, uint32_t light_cou
 
 /* text ------------------------------------------------------------------------------------------------------------------------- */
 
-static void print_fog_light(FILE *to, const fog_light_plan *light, const char *light_name)
-{
-    char name[VXS_LIGHT_NAME_BYTES], why[64];
-    one_line(strcpy(name, light_name));
-    if (light->fate == FOG_DRAWN) {
-        fprintf(to, "light %s: by %s, in %.0f %% of the picture%s%s\n", name, fog_by_names[light->by], 100 * light->share,
-                light->why ? ": " : "", light->why ? light->why : "");
-        return;
-    }
-    fog_fate_text(why, light->fate);
-    fprintf(to, "light %s is left out: %s\n", name, why);
-}
-
 void fog_plan_print(FILE *to, const fog_plan *plan, fog_by by, const fog_light_plan *lights, const vxs_baked_light *const *names,
                     uint32_t light_count, int verbose)
 {
@@ -83,7 +70,17 @@ void fog_plan_print(FILE *to, const fog_plan *plan, fog_by by, const fog_light_p
     fog_plan_savings(plan, by, light_count, savings);
     for (const fog_saving *s = savings; s < savings + FOG_SAVINGS && *s->left_out; s++)
         fprintf(to, "%-20s left out: %s\n", s->left_out, s->reason);
-    for (uint32_t n = 0; n < light_count; n++) print_fog_light(to, &lights[n], names[n]->light.name);
+    for (uint32_t n = 0; n < light_count; n++) {
+        char name[VXS_LIGHT_NAME_BYTES], reason[64];
+        one_line(strcpy(name, names[n]->light.name));
+        if (lights[n].fate == FOG_DRAWN) {
+            fprintf(to, "light %s: by %s, in %.0f %% of the picture%s%s\n", name, fog_by_names[lights[n].by], 100 * lights[n].share,
+                    lights[n].why ? ": " : "", lights[n].why ? lights[n].why : "");
+            continue;
+        }
+        fog_fate_text(reason, lights[n].fate);
+        fprintf(to, "light %s is left out: %s\n", name, reason);
+    }
 }
 
 /* JSON ------------------------------------------------------------------------------------------------------------------------- */

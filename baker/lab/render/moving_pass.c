@@ -96,9 +96,18 @@ static size_t block_bytes(const moving_pass *p)
     return sizeof *p->block + p->light_count * sizeof *p->block->lights;
 }
 
-static vxs_result make_maps(moving_pass *p, message *m)
+vxs_result moving_pass_create(moving_pass **out, gl_context *gl, const scene *s, const vxs_baked_light *const *lights,
+                              uint32_t light_count, message *m)
 {
-    gl_context *gl = p->gl;
+    moving_pass *p = calloc(1, sizeof *p);
+    *out           = p;
+    if (!p) return fail(m, VXS_E_MEMORY, "out of memory for what moves");
+    *p                = (moving_pass){.gl = gl, .lights = lights, .light_count = light_count};
+    p->block          = calloc(1, block_bytes(p));
+    vxs_result result = p->block ? surface_mesh_make(&p->mesh, gl, s, m) : fail(m, VXS_E_MEMORY, "out of memory for what moves");
+    memcpy(p->first_middle_ws, p->mesh.middle_ws, sizeof p->first_middle_ws);
+    if (result != VXS_OK) return result;
+
     gl->CreateTextures(GL_TEXTURE_2D_ARRAY, 1, &p->depths);
     gl->TextureStorage3D(p->depths, 1, GL_DEPTH_COMPONENT32F, SIDE_PX, SIDE_PX, MOVING_MAPS);
     gl->TextureParameteri(p->depths, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
@@ -116,24 +125,6 @@ static vxs_result make_maps(moving_pass *p, message *m)
     gl->GenBuffers(1, &p->buffer);
     if (gl->GetError() == GL_NO_ERROR) return VXS_OK;
     return fail(m, VXS_E_MEMORY, "OpenGL has no room for %d depth maps of what moves", MOVING_MAPS);
-}
-
-vxs_result moving_pass_create(moving_pass **out, gl_context *gl, const scene *s, const vxs_baked_light *const *lights,
-                              uint32_t light_count, message *m)
-{
-    moving_pass *p = calloc(1, sizeof *p);
-    *out           = NULL;
-    if (!p) return fail(m, VXS_E_MEMORY, "out of memory for what moves");
-    *p                = (moving_pass){.gl = gl, .lights = lights, .light_count = light_count};
-    p->block          = calloc(1, block_bytes(p));
-    vxs_result result = p->block ? surface_mesh_make(&p->mesh, gl, s, m) : fail(m, VXS_E_MEMORY, "out of memory for what moves");
-    memcpy(p->first_middle_ws, p->mesh.middle_ws, sizeof p->first_middle_ws);
-    if (result == VXS_OK) result = make_maps(p, m);
-    if (result == VXS_OK)
-        *out = p;
-    else
-        moving_pass_destroy(p);
-    return result;
 }
 
 void moving_pass_destroy(moving_pass *p)

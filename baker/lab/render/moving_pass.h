@@ -29,7 +29,7 @@ typedef struct moving_pass {
     GLuint                        buffer, depths, layers[MOVING_MAPS], frames[MOVING_MAPS];
 } moving_pass;
 
-/* pass    [out] NULL on failure;   s  at least one triangle
+/* pass    [out] released with its destroy function, whatever is returned;   s  at least one triangle
  * lights  [light_count] outlive the pass
  * Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
 vxs_result moving_pass_create(moving_pass **pass, gl_context *gl, const scene *s, const vxs_baked_light *const *lights,

@@ -89,7 +89,7 @@ typedef struct render_frame {
 typedef struct renderer renderer;
 
 /* Upload a scene and the words of lights: all of an asset's, or those that the stream holds.
- * r       [out] NULL on failure; released with renderer_destroy
+ * r       [out] released with renderer_destroy, whatever is returned
  * s       at least one triangle; read only by this function
  * lights  [light_count] of an asset or the stream, which outlives the renderer; each has the colour of the scene's light with
  *         its name

@@ -197,13 +197,6 @@ json_t *render_report_json(const render_report *r)
     return o;
 }
 
-static void write_stream_numbers(FILE *to, const drawn_frame *d)
-{
-    stream_number n[STREAM_NUMBERS];
-    stream_numbers(d, n);
-    for (int k = 0; k < STREAM_NUMBERS; k++) fprintf(to, n[k].whole ? ",%.0f" : ",%.4g", n[k].value);
-}
-
 void render_report_print(FILE *to, const render_report *r, int verbose)
 {
     const render_frame *last   = &r->frames[r->frame_count - 1].frame;
@@ -247,7 +240,12 @@ vxs_result render_report_csv(const render_report *r, const char *path, message *
             if (has_stage(r, k)) fprintf(out.stream, ",%.4g", 1000 * d->frame.seconds[k]);
         fprintf(out.stream, ",%.4g,%llu,%.4g,%u", 1000 * total_of(&d->frame), (unsigned long long)d->frame.surface_pixels,
                 lights_per_pixel(&d->frame), d->frame.longest_list);
-        if (r->budget_bytes) write_stream_numbers(out.stream, d);
+        if (r->budget_bytes) {
+            FILE         *to = out.stream;
+            stream_number numbers[STREAM_NUMBERS];
+            stream_numbers(d, numbers);
+            for (int k = 0; k < STREAM_NUMBERS; k++) fprintf(to, numbers[k].whole ? ",%.0f" : ",%.4g", numbers[k].value);
+        }
         fputc('\n', out.stream);
     }
     result = output_file_commit(&out, m);

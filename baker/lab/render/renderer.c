@@ -60,22 +60,6 @@ static vxs_gl_function lookup(const char *name, void *user)
     return (vxs_gl_function)((const gl_context *)user)->lookup(name);
 }
 
-/* The scene's light with the name of a baked light. Defaults for missing values: white, an inner cone of angle 0. Lights that
- * are dark in the scene, or hidden, get colour 0. */
-static scene_light described(const scene *s, const vxs_light *light)
-{
-    scene_light found = {.colour = {1, 1, 1}};
-    for (size_t n = 0; n < s->lost_light_count; n++)
-        if (!strcmp(s->lost_lights[n].name, light->name)) memset(found.colour, 0, sizeof found.colour);
-    for (size_t n = 0; n < s->light_count; n++) {
-        if (strcmp(s->lights[n].name, light->name) != 0) continue;
-        found    = s->lights[n];
-        int said = found.dark || vec3_dot(found.colour, found.colour) > 0;
-        for (int k = 0; k < 3 && !said; k++) found.colour[k] = 1;
-    }
-    return found;
-}
-
 /* As floats the greatest is 1: exposure does the rest. Beside them the cosine of a spot light's inner cone. */
 static vxs_result put_colours(renderer *r, const scene *s, const vxs_baked_light *const *lights, message *m)
 {
@@ -88,7 +72,19 @@ static vxs_result put_colours(renderer *r, const scene *s, const vxs_baked_light
         return fail(m, VXS_E_MEMORY, "out of memory for %u lights", r->light_count);
     }
     for (uint32_t n = 0; n < r->light_count; n++) {
-        scene_light light = described(s, &lights[n]->light);
+        /* The scene's light with the name of a baked light. Defaults for missing values: white, an inner cone of angle 0.
+         * Lights that are dark in the scene, or hidden, get colour 0. */
+        scene_light found = {.colour = {1, 1, 1}};
+        for (size_t i = 0; i < s->lost_light_count; i++)
+            if (!strcmp(s->lost_lights[i].name, lights[n]->light.name)) memset(found.colour, 0, sizeof found.colour);
+        for (size_t i = 0; i < s->light_count; i++) {
+            if (strcmp(s->lights[i].name, lights[n]->light.name) != 0) continue;
+            found    = s->lights[i];
+            int said = found.dark || vec3_dot(found.colour, found.colour) > 0;
+            for (int k = 0; k < 3 && !said; k++) found.colour[k] = 1;
+        }
+        scene_light light = found;
+
         memcpy(r->colours[n], light.colour, sizeof light.colour);
         r->shines[n].cos_inner = cos(light.inner_rad);
         rows[n][3]             = (float)r->shines[n].cos_inner;
@@ -205,8 +201,17 @@ static vxs_result make_smoke(renderer *r, const scene *s, const vxs_baked_light 
     return result == VXS_OK ? renderer_make_cloud(r, &s->smoke, m) : result;
 }
 
-static vxs_result make(renderer *r, const scene *s, const vxs_baked_light *const *lights, message *m)
+vxs_result renderer_create(renderer **out, const render_options *o, const scene *s, const vxs_baked_light *const *lights,
+                           uint32_t light_count, message *m)
 {
+    renderer *r = calloc(1, sizeof *r);
+    *out        = r;
+    if (!r) return fail(m, VXS_E_MEMORY, "out of memory for a picture");
+    r->options     = *o;
+    r->light_count = light_count;
+    r->width       = o->width_px * o->samples;
+    r->height      = o->height_px * o->samples;
+
     uint64_t samples = (uint64_t)r->width * r->height;
     int      shines = r->options.area_lamps && s->area_count, smokes = r->options.smoke == SMOKE_ON && s->smoke.count,
         is_airy         = r->options.fog || shines || smokes || r->options.sky;
@@ -227,24 +232,6 @@ static vxs_result make(renderer *r, const scene *s, const vxs_baked_light *const
     if (smokes && (result = make_smoke(r, s, lights, m)) != VXS_OK) return result;
     if ((result = make_programs(r, m)) != VXS_OK) return result;
     return make_targets(r, m);
-}
-
-vxs_result renderer_create(renderer **out, const render_options *o, const scene *s, const vxs_baked_light *const *lights,
-                           uint32_t light_count, message *m)
-{
-    renderer *r = calloc(1, sizeof *r);
-    *out        = NULL;
-    if (!r) return fail(m, VXS_E_MEMORY, "out of memory for a picture");
-    r->options        = *o;
-    r->light_count    = light_count;
-    r->width          = o->width_px * o->samples;
-    r->height         = o->height_px * o->samples;
-    vxs_result result = make(r, s, lights, m);
-    if (result == VXS_OK)
-        *out = r;
-    else
-        renderer_destroy(r);
-    return result;
 }
 
 void renderer_destroy(renderer *r)

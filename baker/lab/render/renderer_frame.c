@@ -99,27 +99,15 @@ static vxs_result begin_air(const renderer *r, message *m)
     return fog_pass_begin(r->fog, &r->view, r->target[DEPTHS], r->camera.eye_ws, ambient, m);
 }
 
-/* Compute the transmittance of smoke towards each light, in a frame of the air. */
-static vxs_result dim_lights(const renderer *r, smoke_plan *plan, message *m)
-{
-    vxs_result result = begin_air(r, m);
-    return result == VXS_OK ? smoke_pass_draw(r->smoke, r->camera.eye_ws, &r->seen, plan, m) : result;
-}
-
-/* Begin a frame of the air, add the airlight of area lights, and compute their light on surfaces. */
-static vxs_result draw_areas(const renderer *r, double exposure, area_plan *plan, message *m)
-{
-    vxs_result result = begin_air(r, m);
-    if (result != VXS_OK) return result;
-    double moved_ws[3] = {0};
-    if (r->moving) vec3_sub(r->moving->mesh.middle_ws, r->moving->first_middle_ws, moved_ws);
-    return area_pass_draw(r->areas, r->camera.eye_ws, &r->seen, moved_ws, fog_pass_far_metres(r->fog), r->target[NORMALS], exposure,
-                          plan, m);
-}
-
+/* Begin a frame of the air, add the airlight of area lights, and their light on surfaces. */
 static vxs_result light_by_areas(const renderer *r, area_plan *plan, message *m)
 {
-    vxs_result result = draw_areas(r, r->exposure > 0 ? r->exposure : 1, plan, m);
+    double     exposure = r->exposure > 0 ? r->exposure : 1, moved_ws[3] = {0};
+    vxs_result result = begin_air(r, m);
+    if (r->moving) vec3_sub(r->moving->mesh.middle_ws, r->moving->first_middle_ws, moved_ws);
+    if (result == VXS_OK)
+        result = area_pass_draw(r->areas, r->camera.eye_ws, &r->seen, moved_ws, fog_pass_far_metres(r->fog), r->target[NORMALS],
+                                exposure, plan, m);
     if (result != VXS_OK || !plan->lamps) return result;
     r->gl->BindFramebuffer(GL_FRAMEBUFFER, r->light_frame);
     area_pass_add_light(r->areas);
@@ -127,17 +115,12 @@ static vxs_result light_by_areas(const renderer *r, area_plan *plan, message *m)
 }
 
 /* The same for the sky, in the frame of area lights if there are some. */
-static vxs_result draw_sky(const renderer *r, double exposure, message *m)
-{
-    vxs_result result      = r->areas ? VXS_OK : begin_air(r, m);
-    double     moved_ws[3] = {0};
-    if (r->moving) vec3_sub(r->moving->mesh.middle_ws, r->moving->first_middle_ws, moved_ws);
-    return result == VXS_OK ? sky_pass_draw(r->sky, r->camera.eye_ws, moved_ws, r->target[NORMALS], exposure, m) : result;
-}
-
 static vxs_result light_by_sky(const renderer *r, message *m)
 {
-    vxs_result result = draw_sky(r, r->exposure > 0 ? r->exposure : 1, m);
+    double     exposure = r->exposure > 0 ? r->exposure : 1, moved_ws[3] = {0};
+    vxs_result result = r->areas ? VXS_OK : begin_air(r, m);
+    if (r->moving) vec3_sub(r->moving->mesh.middle_ws, r->moving->first_middle_ws, moved_ws);
+    if (result == VXS_OK) result = sky_pass_draw(r->sky, r->camera.eye_ws, moved_ws, r->target[NORMALS], exposure, m);
     if (result != VXS_OK) return result;
     r->gl->BindFramebuffer(GL_FRAMEBUFFER, r->light_frame);
     sky_pass_add_light(r->sky);
@@ -195,16 +178,12 @@ static void upload(renderer *r, render_frame *frame)
     r->uploaded_bytes += frame->uploaded_bytes;
 }
 
-static double finished(const gl_context *gl)
-{
-    gl->Finish();
-    return clock_seconds();
-}
-
+/* stage  that ends; RENDER_STAGES: no stage, the time since the last one is not counted */
 static void stage_ends(const renderer *r, render_frame *frame, int stage, double *since)
 {
-    double now = finished(r->gl);
-    frame->seconds[stage] += now - *since;
+    r->gl->Finish();
+    double now = clock_seconds();
+    if (stage < RENDER_STAGES) frame->seconds[stage] += now - *since;
     *since = now;
 }
 
@@ -260,13 +239,14 @@ static vxs_result light_exposed(renderer *r, render_frame *frame, double *since,
     free(light);
     free(albedos);
 
-    *since = finished(r->gl);
+    stage_ends(r, frame, RENDER_STAGES, since);
     return result == VXS_OK && (r->options.fog || r->areas || r->sky) ? light_surfaces(r, frame, since, m) : result;
 }
 
 static vxs_result draw_frame(renderer *r, render_frame *frame, message *m)
 {
-    double since = finished(r->gl);
+    double since;
+    stage_ends(r, frame, RENDER_STAGES, &since);
     if (r->options.stream) upload(r, frame);
     stage_ends(r, frame, RENDER_UPLOAD, &since);
     if (r->moving) {
@@ -282,14 +262,15 @@ static vxs_result draw_frame(renderer *r, render_frame *frame, message *m)
         return fail(m, VXS_E_GL, "OpenGL cannot make lists of lights for %u x %u samples", r->width, r->height);
     stage_ends(r, frame, RENDER_CULL, &since);
     if (r->smoke) {
-        vxs_result result = dim_lights(r, &frame->smoke, m);
+        vxs_result result = begin_air(r, m);
+        if (result == VXS_OK) result = smoke_pass_draw(r->smoke, r->camera.eye_ws, &r->seen, &frame->smoke, m);
         if (result != VXS_OK) return result;
         stage_ends(r, frame, RENDER_SMOKE, &since);
     }
     if (r->options.stream) {
         vxs_result result = count_full(r, frame, m);
         if (result != VXS_OK) return result;
-        since = finished(r->gl);
+        stage_ends(r, frame, RENDER_STAGES, &since);
     }
     vxs_result result = light_exposed(r, frame, &since, m);
     if (result == VXS_OK && r->fog) result = fog(r, &frame->fog, m);

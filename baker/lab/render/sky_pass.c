@@ -38,16 +38,21 @@ static vxs_result place_lamps(sky_pass *p, message *m)
     return VXS_OK;
 }
 
-static vxs_result make(sky_pass *p, vxs_volumes *volumes, message *m)
+vxs_result sky_pass_create(sky_pass **out, const sky_pass_options *o, const gl_context *gl, vxs_volumes *volumes, message *m)
 {
+    sky_pass *p = calloc(1, sizeof *p);
+    *out        = p;
+    if (!p) return fail(m, VXS_E_MEMORY, "out of memory for the sky");
+    p->options = *o;
+    p->gl      = gl;
+
     const scene *moving = p->options.lit.moving;
     vxs_result   r      = place_lamps(p, m);
     if (moving) p->moving_ws = box_of_corners(moving->positions_ws, moving->indices, 3 * moving->triangle_count);
-    if (r == VXS_OK) r = vpl_pass_create(&p->lamps, &p->options.lit, p->gl, volumes, m);
-    if (r == VXS_OK) r = gl_screen_program(p->gl, &p->program, (const gl_text[]){gl_embedded(sky_frag_glsl), {0}}, m);
+    if (r == VXS_OK) r = vpl_pass_create(&p->lamps, &p->options.lit, gl, volumes, m);
+    if (r == VXS_OK) r = gl_screen_program(gl, &p->program, (const gl_text[]){gl_embedded(sky_frag_glsl), {0}}, m);
     if (r == VXS_OK) {
-        const gl_context *gl  = p->gl;
-        const sky_map    *map = p->options.map;
+        const sky_map *map = p->options.map;
         gl->CreateTextures(GL_TEXTURE_2D, 1, &p->texture);
         gl->TextureStorage2D(p->texture, 1, GL_RGB32F, (GLsizei)map->wide_px, (GLsizei)map->high_px);
         gl->TextureSubImage2D(p->texture, 0, 0, 0, (GLsizei)map->wide_px, (GLsizei)map->high_px, GL_RGB, GL_FLOAT, map->radiance);
@@ -55,21 +60,6 @@ static vxs_result make(sky_pass *p, vxs_volumes *volumes, message *m)
         gl->TextureParameteri(p->texture, GL_TEXTURE_WRAP_S, GL_REPEAT);
         gl->TextureParameteri(p->texture, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
     }
-    return r;
-}
-
-vxs_result sky_pass_create(sky_pass **out, const sky_pass_options *o, const gl_context *gl, vxs_volumes *volumes, message *m)
-{
-    sky_pass *p = calloc(1, sizeof *p);
-    *out        = NULL;
-    if (!p) return fail(m, VXS_E_MEMORY, "out of memory for the sky");
-    p->options   = *o;
-    p->gl        = gl;
-    vxs_result r = make(p, volumes, m);
-    if (r == VXS_OK)
-        *out = p;
-    else
-        sky_pass_destroy(p);
     return r;
 }
 

@@ -199,19 +199,6 @@ void renderer_free_cloud(renderer *r)
 
 /* frame ------------------------------------------------------------------------------------------------------------------------ */
 
-static void upload(const renderer *r, smoke_cloud *c)
-{
-    smoke_eye eye     = {.seen         = r->seen,
-                         .pixel_metres = 2 * sqrt(vec3_dot(r->seen.up, r->seen.up)) / r->height,
-                         .all_px       = (double)r->width * r->height};
-    size_t    corners = SMOKE_CORNERS * (size_t)c->quads.count;
-    for (int n = 0; n < 3; n++) eye.at_ws[n] = r->camera.eye_ws[n];
-    smoke_quads_make(&c->quads, c->smoke, &eye);
-    take_buffer(r, c->buffers[CAPSULES], c->quads.count * sizeof *c->quads.capsules, c->quads.capsules);
-    take_buffer(r, c->buffers[CORNERS], corners * sizeof *c->quads.corners, c->quads.corners);
-    take_buffer(r, c->buffers[PLACES], corners * sizeof *c->quads.places, c->quads.places);
-}
-
 static vxs_result light_corners(const renderer *r, smoke_cloud *c)
 {
     const gl_context *gl      = r->gl;
@@ -259,7 +246,17 @@ vxs_result renderer_draw_cloud(renderer *r, message *m)
     smoke_cloud      *c      = r->cloud;
     const double      eye[3] = {0};
     float             matrix[16];
-    upload(r, c);
+
+    smoke_eye view    = {.seen         = r->seen,
+                         .pixel_metres = 2 * sqrt(vec3_dot(r->seen.up, r->seen.up)) / r->height,
+                         .all_px       = (double)r->width * r->height};
+    size_t    corners = SMOKE_CORNERS * (size_t)c->quads.count;
+    for (int n = 0; n < 3; n++) view.at_ws[n] = r->camera.eye_ws[n];
+    smoke_quads_make(&c->quads, c->smoke, &view);
+    take_buffer(r, c->buffers[CAPSULES], c->quads.count * sizeof *c->quads.capsules, c->quads.capsules);
+    take_buffer(r, c->buffers[CORNERS], corners * sizeof *c->quads.corners, c->quads.corners);
+    take_buffer(r, c->buffers[PLACES], corners * sizeof *c->quads.places, c->quads.places);
+
     if (c->quads.covered_px > COVERED_MOST)
         warn(m,
              "smoke: %u capsules cover the picture %.0f times, which takes long to draw: a smaller picture, or --samples 1, takes "

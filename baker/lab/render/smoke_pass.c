@@ -70,8 +70,15 @@ static int is_in_view(const vxs_light *light, const double eye_ws[3], const came
 
 /* create ----------------------------------------------------------------------------------------------------------------------- */
 
-static vxs_result make(smoke_pass *p, message *m)
+vxs_result smoke_pass_create(smoke_pass **out, const smoke_pass_options *o, const gl_context *gl, vxs_volumes *volumes, message *m)
 {
+    smoke_pass *p = calloc(1, sizeof *p);
+    *out          = p;
+    if (!p) return fail(m, VXS_E_MEMORY, "out of memory for smoke");
+    p->options = *o;
+    p->gl      = gl;
+    p->volumes = volumes;
+
     uint32_t lights = p->options.light_count, reached = 0;
     p->lights   = calloc(lights, sizeof *p->lights);
     p->layer_of = malloc(lights * sizeof *p->layer_of);
@@ -85,7 +92,6 @@ static vxs_result make(smoke_pass *p, message *m)
     }
     p->layers = reached < SMOKE_MAPS ? reached : SMOKE_MAPS;
 
-    const gl_context *gl = p->gl;
     gl->GenBuffers(1, &p->buffer);
     gl->CreateTextures(GL_TEXTURE_2D_ARRAY, 1, &p->array);
     gl->TextureStorage3D(p->array, 1, GL_R32F, (GLsizei)p->options.width, (GLsizei)p->options.height,
@@ -95,22 +101,6 @@ static vxs_result make(smoke_pass *p, message *m)
     if (gl->GetError() == GL_NO_ERROR) return VXS_OK;
     return fail(m, VXS_E_MEMORY, "OpenGL has no room for %u pictures of %u x %u samples", p->layers, p->options.width,
                 p->options.height);
-}
-
-vxs_result smoke_pass_create(smoke_pass **out, const smoke_pass_options *o, const gl_context *gl, vxs_volumes *volumes, message *m)
-{
-    smoke_pass *p = calloc(1, sizeof *p);
-    *out          = NULL;
-    if (!p) return fail(m, VXS_E_MEMORY, "out of memory for smoke");
-    p->options        = *o;
-    p->gl             = gl;
-    p->volumes        = volumes;
-    vxs_result result = make(p, m);
-    if (result == VXS_OK)
-        *out = p;
-    else
-        smoke_pass_destroy(p);
-    return result;
 }
 
 void smoke_pass_destroy(smoke_pass *p)

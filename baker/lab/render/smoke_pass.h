@@ -40,7 +40,7 @@ typedef struct smoke_pass {
     vxs_capsule           *capsules; /* [smoke's count] relative to the light */
 } smoke_pass;
 
-/* pass  [out] NULL on failure.   Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
+/* pass  [out] released with its destroy function, whatever is returned.   Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
 vxs_result smoke_pass_create(smoke_pass **pass, const smoke_pass_options *o, const gl_context *gl, vxs_volumes *volumes,
                              message *m);
 

@@ -107,8 +107,27 @@ static uint32_t unpack(const vxs_baked_points *baked, const double middle_ws[3],
     return kept;
 }
 
-static vxs_result make(vpl_pass *p, message *m)
+vxs_result vpl_pass_create(vpl_pass **out, const vpl_pass_options *o, const gl_context *gl, vxs_volumes *volumes, message *m)
 {
+    vpl_pass *p = calloc(1, sizeof *p);
+    *out        = p;
+    if (!p) return fail(m, VXS_E_MEMORY, "out of memory for area lights");
+    p->options = *o;
+
+    uint32_t side = o->smoke_side < SMOKE_SIDE_MOST ? o->smoke_side : SMOKE_SIDE_MOST, asked = side;
+    double   count = o->smoke ? o->smoke->count : 0;
+    while (side > SMOKE_SIDE_LEAST && count * o->lamps * side * side > SMOKE_COVERED_MOST) side /= 2;
+    if (side < asked)
+        warn(m,
+             "smoke: %u capsules are many for %u virtual lights: each has %u x %u curves of smoke in place of %u x %u; --area "
+             "below %u "
+             "leaves more",
+             o->smoke->count, o->lamps, side, side, asked, asked, o->lamps);
+    p->options.smoke_side = side;
+
+    p->gl      = gl;
+    p->volumes = volumes;
+
     uint32_t            capsules = p->options.smoke ? p->options.smoke->count : 0;
     vxs_area_light_desc desc     = {.lamps = p->options.lamps, .capsules = capsules, .smoke_side_px = p->options.smoke_side};
     vxs_result          r        = vxs_area_light_create(&p->light, p->volumes, &desc);
@@ -133,34 +152,6 @@ static vxs_result make(vpl_pass *p, message *m)
     if (still) p->gl->NamedBufferSubData(p->buffer, 0, still, points);
     if (p->moving_points) put_moving(p, nowhere);
     free(points);
-    return r;
-}
-
-vxs_result vpl_pass_create(vpl_pass **out, const vpl_pass_options *o, const gl_context *gl, vxs_volumes *volumes, message *m)
-{
-    vpl_pass *p = calloc(1, sizeof *p);
-    *out        = NULL;
-    if (!p) return fail(m, VXS_E_MEMORY, "out of memory for area lights");
-    p->options = *o;
-
-    uint32_t side = o->smoke_side < SMOKE_SIDE_MOST ? o->smoke_side : SMOKE_SIDE_MOST, asked = side;
-    double   count = o->smoke ? o->smoke->count : 0;
-    while (side > SMOKE_SIDE_LEAST && count * o->lamps * side * side > SMOKE_COVERED_MOST) side /= 2;
-    if (side < asked)
-        warn(m,
-             "smoke: %u capsules are many for %u virtual lights: each has %u x %u curves of smoke in place of %u x %u; --area "
-             "below %u "
-             "leaves more",
-             o->smoke->count, o->lamps, side, side, asked, asked, o->lamps);
-    p->options.smoke_side = side;
-
-    p->gl        = gl;
-    p->volumes   = volumes;
-    vxs_result r = make(p, m);
-    if (r == VXS_OK)
-        *out = p;
-    else
-        vpl_pass_destroy(p);
     return r;
 }
 

@@ -45,7 +45,7 @@ typedef struct vpl_pass {
     GLuint            buffer, add_program, empty_array;
 } vpl_pass;
 
-/* pass  [out] NULL on failure.   Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
+/* pass  [out] released with its destroy function, whatever is returned.   Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
 vxs_result vpl_pass_create(vpl_pass **pass, const vpl_pass_options *o, const gl_context *gl, vxs_volumes *volumes, message *m);
 
 /* Accepts NULL. */
@@ -91,7 +91,7 @@ typedef struct area_pass {
     GLuint           *textures; /* [areas] */
 } area_pass;
 
-/* pass  [out] NULL on failure.   Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
+/* pass  [out] released with its destroy function, whatever is returned.   Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
 vxs_result area_pass_create(area_pass **pass, const area_pass_options *o, const gl_context *gl, vxs_volumes *volumes, message *m);
 
 /* Accepts NULL. */
@@ -133,7 +133,7 @@ typedef struct sky_pass {
     GLuint            program, texture;
 } sky_pass;
 
-/* pass  [out] NULL on failure.   Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
+/* pass  [out] released with its destroy function, whatever is returned.   Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
 vxs_result sky_pass_create(sky_pass **pass, const sky_pass_options *o, const gl_context *gl, vxs_volumes *volumes, message *m);
 
 /* Accepts NULL. */
