@@ -1,6 +1,7 @@
 # Who may include what: the tables of docs/overview.md, "Folders", are the rule, and every #include of the product follows it.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import re
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -57,6 +58,15 @@ def test_includes_follow_the_rules():
     may = rules()
     assert not [f"{file}: {used}" for file, includes in product_files().items() for used in includes
                 if folder_of(used) not in may.get(folder_of(file), ())]
+
+
+def test_the_laboratory_uses_installed_headers():
+    """Of the runtime and the formats it knows what a game knows: so it proves the public interface."""
+    installed = subprocess.run(["make", "-s", "--no-print-directory", "packages=skip", "--eval=print-headers: ; @echo $(headers)", "print-headers"],
+                               cwd=ROOT, capture_output=True, text=True, check=True).stdout.split()
+    assert "runtime/vxs.h" in installed
+    assert not [f"{file}: {used}" for file, includes in product_files().items() if file.startswith(("baker/lab/", "scenes/"))
+                for used in includes if used.startswith(("runtime/", "formats/")) and used not in installed]
 
 
 @pytest.mark.parametrize("name", [folder_of, lambda file: file], ids=["folders", "headers"])
