@@ -18,7 +18,7 @@
 #include "baker/base/random.h"
 #include "scenes/generate_parts.h"
 
-/* screen: a sky, red below and blue above, a sun, and hills in front ------------------------------------------------------------ */
+/* screen: a sky, red below and blue above, a sun, and hills in front ----------------------------------------------------------- */
 
 enum { WIDE_PX = 96, HIGH_PX = 54 };
 
@@ -73,7 +73,7 @@ static void generate_screen(parts *p, double wall_x, const double middle[2])
     parts_triangle(p, corner[0], corner[2], corner[3]);
 }
 
-/* room -------------------------------------------------------------------------------------------------------------------------- */
+/* room ------------------------------------------------------------------------------------------------------------------------- */
 
 /* size of the room, metres; integers, so that the cells of 1 m of adjacent walls share corners */
 static const double left = -4, right = 4, back = -3, front = 3, top = 3, door_left = 1, door_right = 2, door_top = 2;

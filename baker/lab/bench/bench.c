@@ -32,7 +32,7 @@ typedef struct bench_work {
     int                  outputs_differ;
 } bench_work;
 
-/* Children ------------------------------------------------------------------------------------------------------------------- */
+/* Children --------------------------------------------------------------------------------------------------------------------- */
 
 static vxs_result result_of_status(int status)
 {
@@ -67,7 +67,7 @@ static vxs_result run_child(bench_work *w, const bench_job *job, const char *con
                 text);
 }
 
-/* Steps of a run ------------------------------------------------------------------------------------------------------------- */
+/* Steps of a run --------------------------------------------------------------------------------------------------------------- */
 
 static vxs_result hash_file(const char *path, uint64_t *hash, message *m)
 {
@@ -119,7 +119,7 @@ static vxs_result compare_once(bench_work *w, const bench_job *job, double *seco
     return run_child(w, job, arguments, FOUND_UNEXPLAINED, seconds, m);
 }
 
-/* Rounds --------------------------------------------------------------------------------------------------------------------- */
+/* Rounds ----------------------------------------------------------------------------------------------------------------------- */
 
 static void show_progress(const bench_work *w, uint32_t run, size_t at)
 {
@@ -217,7 +217,7 @@ static void release_pipes(bench_work *w)
     free(w->inputs);
 }
 
-/* The whole ------------------------------------------------------------------------------------------------------------------ */
+/* The whole -------------------------------------------------------------------------------------------------------------------- */
 
 /* The data known before the first run. NULL when out of memory. */
 static json_t *describe(const bench_options *o)

@@ -19,7 +19,7 @@ typedef struct moves {
     size_t      too_slow;
 } moves;
 
-/* Figures -------------------------------------------------------------------------------------------------------------------- */
+/* Figures ---------------------------------------------------------------------------------------------------------------------- */
 
 static int outside(double value, spread s)
 {
@@ -76,7 +76,7 @@ static void compare_cells(moves *v, const json_t *before, const json_t *now, int
         }
 }
 
-/* Cells ---------------------------------------------------------------------------------------------------------------------- */
+/* Cells ------------------------------------------------------------------------------------------------------------------------ */
 
 static const json_t *find_cell(const json_t *result, const json_t *cell)
 {
@@ -86,7 +86,7 @@ static const json_t *find_cell(const json_t *result, const json_t *cell)
     return NULL;
 }
 
-/* Results -------------------------------------------------------------------------------------------------------------------- */
+/* Results ---------------------------------------------------------------------------------------------------------------------- */
 
 /* Print a line that may contain text from files. */
 static void print_line(FILE *to, const char *format, ...) __attribute__((format(printf, 2, 3)));

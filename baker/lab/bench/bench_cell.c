@@ -44,7 +44,7 @@ static double mean(const json_t *objects, const char *path, const char *weight_p
     return sum / fmax(1, total(objects, weight_path));
 }
 
-/* A bake ---------------------------------------------------------------------------------------------------------------------- */
+/* A bake ----------------------------------------------------------------------------------------------------------------------- */
 
 static double maps_to_words_seconds(const json_t *stages)
 {
@@ -127,7 +127,7 @@ static json_t *size_json(const json_t *bake, const json_t *lights)
     return size;
 }
 
-/* A comparison ---------------------------------------------------------------------------------------------------------------- */
+/* A comparison ----------------------------------------------------------------------------------------------------------------- */
 
 /* Errors of the lights at points of one kind, by single taps. found: released */
 static json_t *tap_error(json_t *found, const char *kind)
@@ -194,7 +194,7 @@ static json_t *lookups_json(const json_t *lights)
     return lookups;
 }
 
-/* Cells ----------------------------------------------------------------------------------------------------------------------- */
+/* Cells ------------------------------------------------------------------------------------------------------------------------ */
 
 json_t *bench_cell_of_run(const json_t *cell, const json_t *bake, const json_t *compare, double wall_seconds)
 {

@@ -11,7 +11,7 @@
 #include "baker/base/text.h"
 #include "baker/files/json_file.h"
 
-/* shapes ------------------------------------------------------------------------------------------------------------------------ */
+/* shapes ----------------------------------------------------------------------------------------------------------------------- */
 
 static const struct number_kind {
     const char *name;
@@ -154,7 +154,7 @@ static vxs_result json_shape_check(const json_t *value, const char *shape, const
     return r;
 }
 
-/* bakes ------------------------------------------------------------------------------------------------------------------------- */
+/* bakes ------------------------------------------------------------------------------------------------------------------------ */
 
 /* The shape of a bench file. Names with a question mark exist for one coding only. */
 static const char bench_shape[] =
@@ -195,7 +195,7 @@ vxs_result bench_json_read(json_t **result, const char *path, message *m)
     return r;
 }
 
-/* Members --------------------------------------------------------------------------------------------------------------------- */
+/* Members ---------------------------------------------------------------------------------------------------------------------- */
 
 json_t *json_at(const json_t *object, const char *path)
 {
@@ -234,7 +234,7 @@ int bench_cells_equal(const json_t *a, const json_t *b)
     return json_equal(json_at(a, "scene"), json_at(b, "scene")) && json_equal(json_at(a, "options"), json_at(b, "options"));
 }
 
-/* fog --------------------------------------------------------------------------------------------------------------------------- */
+/* fog -------------------------------------------------------------------------------------------------------------------------- */
 
 #define ERROR                                                                                                                      \
     "{'relative_rms': 'size or null', 'signed_mean': 'number', 'percentile_99': 'size', 'most': 'size', 'values': 'count'}"

@@ -10,7 +10,7 @@
 #include "baker/command/options/filter_choice.h"
 #include "baker/files/json_file.h"
 
-/* Tables --------------------------------------------------------------------------------------------------------------------- */
+/* Tables ----------------------------------------------------------------------------------------------------------------------- */
 
 void table_add(json_t *table, const char *format, ...)
 {
@@ -45,7 +45,7 @@ vxs_result table_print(json_t *table, size_t columns, FILE *to, message *m)
     return whole ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory for the table");
 }
 
-/* Options -------------------------------------------------------------------------------------------------------------------- */
+/* Options ---------------------------------------------------------------------------------------------------------------------- */
 
 /* Whether a cell lacks an option because its coding does not have it: this is no difference. */
 static int is_meaningless(const json_t *cell, const char *name)
@@ -103,7 +103,7 @@ const char *bench_cell_name(char *text, size_t size, const json_t *result, const
     return one_line(text);
 }
 
-/* Figures -------------------------------------------------------------------------------------------------------------------- */
+/* Figures ---------------------------------------------------------------------------------------------------------------------- */
 
 const char *spread_text(char text[64], spread s)
 {

@@ -19,7 +19,7 @@ enum { CANNOT_START = 127 }; /* exit status of a child whose exec failed; the co
 
 static const struct timespec patience = {.tv_nsec = 500000000};
 
-/* Signals and the folder ------------------------------------------------------------------------------------------------------ */
+/* Signals and the folder ------------------------------------------------------------------------------------------------------- */
 
 static char *path_in(const char *folder, const char *name)
 {
@@ -73,7 +73,7 @@ void children_end(children *c)
     sigprocmask(SIG_SETMASK, &c->before, NULL);
 }
 
-/* The child ------------------------------------------------------------------------------------------------------------------ */
+/* The child -------------------------------------------------------------------------------------------------------------------- */
 
 static int redirect(const char *path, int flags, int descriptor)
 {

@@ -27,7 +27,7 @@ void camera_place(camera_choice *c, const box *around, const vxs_baked_light *co
     if (!c->eye_given) camera_frame_lit(&c->camera, around, lights, light_count, aspect);
 }
 
-/* cameras of a file ------------------------------------------------------------------------------------------------------------- */
+/* cameras of a file ------------------------------------------------------------------------------------------------------------ */
 
 static const double PARALLEL_TIMES = 1000;
 
@@ -116,7 +116,7 @@ camera_pose scene_camera_pose(const scene_view *view, const box *around)
     return p;
 }
 
-/* paths ------------------------------------------------------------------------------------------------------------------------- */
+/* paths ------------------------------------------------------------------------------------------------------------------------ */
 
 enum { ORBIT_KEYS = 24, PATH_BYTES_MAX = 8 << 20 };
 

@@ -38,7 +38,7 @@ typedef struct traced_scene {
     truth  *truth;
 } traced_scene;
 
-/* assets ---------------------------------------------------------------------------------------------- */
+/* assets ----------------------------------------------------------------------------------------------------------------------- */
 
 /* Read a number of a JSON object in [0, most]. Returns 0 when there is none. */
 static int number_member(const json_t *object, const char *key, double most, double *out)
@@ -103,7 +103,7 @@ static vxs_result open_asset(compare_command *c, size_t n, message *m)
     return n < c->bake_reports.count ? read_bake_report(a, c->bake_reports.items[n], m) : VXS_OK;
 }
 
-/* the comparison -------------------------------------------------------------------------------------- */
+/* the comparison --------------------------------------------------------------------------------------------------------------- */
 
 /* A comparison that checked no point is an error. */
 static vxs_result require_checked(const compare_command *c, const vxs_light *l, const compare_result *result, message *m)

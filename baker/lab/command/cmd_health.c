@@ -22,7 +22,7 @@ typedef struct health_command {
     int          closed, all;
 } health_command;
 
-/* --- as text ---------------------------------------------------------------------------------------------------------- */
+/* as text ---------------------------------------------------------------------------------------------------------------------- */
 
 static void show_progress(const char *what)
 {
@@ -114,7 +114,7 @@ static vxs_result print_health(FILE *to, const health_command *c, const scene *s
     return VXS_OK;
 }
 
-/* --- as JSON ---------------------------------------------------------------------------------------------------------- */
+/* as JSON ---------------------------------------------------------------------------------------------------------------------- */
 
 static json_t *counts_json(const component_health *k)
 {
@@ -148,8 +148,6 @@ static json_t *health_json(const scene *s, const casters *c, const mesh_health *
     json_object_set_new(total, "pairs_that_meet", json_integer((json_int_t)(h->total.meets / 2)));
     return json_pack("{s:o, s:o, s:b}", "total", total, "components", components, "complete", !h->gave_up);
 }
-
-/* ---------------------------------------------------------------------------------------------------------------------- */
 
 static vxs_result run(void *command, message *m)
 {

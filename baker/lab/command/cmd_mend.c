@@ -37,7 +37,7 @@ static const struct repair_count {
     {"left_holes", "holes left"},
 };
 
-/* as text -------------------------------------------------------------------------------------------------------------- */
+/* as text ---------------------------------------------------------------------------------------------------------------------- */
 
 static void print_counts(FILE *to, const repaired_component *k)
 {
@@ -83,7 +83,7 @@ static void print_report(FILE *to, const mend_command *c, const scene *s, int ve
     fprintf(to, "wrote        %s\n", plain_text(plain, c->output_path));
 }
 
-/* as JSON -------------------------------------------------------------------------------------------------------------- */
+/* as JSON ---------------------------------------------------------------------------------------------------------------------- */
 
 static json_t *counts_json(const repaired_component *k)
 {
@@ -116,8 +116,6 @@ static json_t *report_json(const mend_command *c, const scene *s)
                      "closed_after", (json_int_t)r->closed_after, "solids_before", solids_json(c, 0), "solids_after",
                      solids_json(c, 1));
 }
-
-/* ---------------------------------------------------------------------------------------------------------------------- */
 
 /* when  0: before, 1: after */
 static vxs_result count_solids(mend_command *c, const scene *s, int when, message *m)

@@ -26,7 +26,7 @@ static int kind_count(const compare_report *r)
     return r->options.camera ? COMPARE_KINDS : COMPARE_CAMERA;
 }
 
-/* all lights together --------------------------------------------------------------------------------- */
+/* all lights together ---------------------------------------------------------------------------------------------------------- */
 
 /* The sums of kinds [first, last] that decide the exit status. */
 static compare_counts total(const compared_asset *a, int first, int last)
@@ -105,7 +105,7 @@ static double lookup_seconds_of_all(const compared_asset *a)
     return points > 0 ? seconds / points : 0;
 }
 
-/* as text --------------------------------------------------------------------------------------------- */
+/* as text ---------------------------------------------------------------------------------------------------------------------- */
 
 static void print_counts(FILE *to, const char *name, const compare_counts *n)
 {
@@ -344,7 +344,7 @@ void compare_print(FILE *to, const compare_report *r, const message *m)
         print_asset_in_short(to, r, &r->assets[0], m);
 }
 
-/* as JSON --------------------------------------------------------------------------------------------- */
+/* as JSON ---------------------------------------------------------------------------------------------------------------------- */
 
 /* null when there are no points. */
 static json_t *texels_json(const compare_distance *d, double texels)

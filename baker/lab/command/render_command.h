@@ -48,7 +48,7 @@ int render_has_baked_smoke(const render_command *c, const subject *s);
 /* The reason why the scene's light of a name emits no light; NULL: it does, or does not exist. */
 const char *render_dark_text(const scene *s, const char *name);
 
-/* Draw the picture into a file, and write the reports.   Returns VXS_OK, VXS_E_GL, VXS_E_WRITE, VXS_E_MEMORY, and others of scenes. */
+/* Draw the picture into a file, and write the reports.   Returns VXS_OK, VXS_E_GL, VXS_E_WRITE, VXS_E_MEMORY. */
 vxs_result render_draw(const render_command *c, subject *s, output_file *out, message *m);
 
 /* Print a line for each file that was written. */

@@ -18,7 +18,7 @@ static vxs_result make_truth(truth **t, casters *casting, const subject *s, uint
     return r == VXS_OK ? truth_create(t, casting, threads, m) : r;
 }
 
-/* A picture as it is drawn. */
+/* The picture in memory. */
 typedef struct pixels {
     uint8_t *rgb;    /* [3 * width * height] from renderer_draw */
     float   *linear; /* likewise, from renderer_read_linear; NULL: not wanted */
@@ -117,7 +117,7 @@ static vpl_words words_of_vpls(const render_command *c, const subject *s, const 
     return w;
 }
 
-/* Write the reports that are wanted of frames [count], and print the plan of the last one. */
+/* Write the requested reports of frames [count], and print the plan of the last one. */
 static vxs_result report_frames(const render_command *c, const subject *s, const renderer *drawn, const drawn_frame *frames,
                                 uint32_t count, const truth_difference *difference, message *m)
 {

@@ -55,7 +55,7 @@ double compare_step_px(const comparison *c, int map, double u, double v, double 
     return fmin(COMPARE_SLACK_MAX, 2 * SNAP + ray_m / (caster_m * c->light->texel_metres)) / COMPARE_STEPS;
 }
 
-/* distance to a boundary -------------------------------------------------------------------------------------------------------- */
+/* distance to a boundary ------------------------------------------------------------------------------------------------------- */
 
 enum { ANSWERS_AT_A_TIME = 16, HALVINGS = 6 };
 
@@ -142,7 +142,7 @@ compare_distance compare_boundary(const comparison *c, compare_kind kind, wrong_
     return out;
 }
 
-/* don't-care voxels ------------------------------------------------------------------------------------------------------------- */
+/* don't-care voxels ------------------------------------------------------------------------------------------------------------ */
 
 enum { SURFACES_MAX = 1024 }; /* on one ray; places beyond them are never don't-care */
 
@@ -230,7 +230,7 @@ int compare_left_free(const comparison *c, int map, double u, double v, double n
            (c->dont_care.thickness_m > 0 && is_within_thickness(c, near_ws, near_vx));
 }
 
-/* faults of the bias ------------------------------------------------------------------------------------------------------------ */
+/* faults of the bias ----------------------------------------------------------------------------------------------------------- */
 
 /* Height of a ray's origin above the plane, in truth_precision: above its own surface, and below everything on top of it. */
 enum { LIFT = 4 };
@@ -272,7 +272,7 @@ static int is_unobstructed(const comparison *c, const sample *s, const filter_ta
 
 static int is_deep_in_shadow(const comparison *c, const sample *s, const filter_taps *taps)
 {
-    /* beside the map of a directional light, the file is always lit, whatever the truth is */
+    /* outside the map of a directional light, lookups are always lit */
     int32_t side = (int32_t)1 << c->light->levels;
     if (taps->first[0] < 0 || taps->first[1] < 0 || taps->first[0] + taps->count[0] > side ||
         taps->first[1] + taps->count[1] > side)

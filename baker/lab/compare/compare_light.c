@@ -32,7 +32,7 @@
 #include "baker/light/baked_light.h"
 #include "runtime/vxs.h"
 
-/* time of lookups and rays, on one thread --------------------------------------------------------------------------------------- */
+/* time of lookups and rays, on one thread -------------------------------------------------------------------------------------- */
 
 enum { TIMED_RUNS = 5, TIMED_RAYS_MAX = 100000 };
 
@@ -100,7 +100,7 @@ done:
     return r;
 }
 
-/* filtered lookups against filtered rays ---------------------------------------------------------------------------------------- */
+/* filtered lookups against filtered rays --------------------------------------------------------------------------------------- */
 
 enum { FILTERED_AT_A_TIME = 64 };
 
@@ -176,7 +176,7 @@ done:
     return r;
 }
 
-/* verdicts ---------------------------------------------------------------------------------------------------------------------- */
+/* verdicts --------------------------------------------------------------------------------------------------------------------- */
 
 enum { POINTS_AT_A_TIME = 256 };
 
@@ -294,7 +294,7 @@ static void judge_points(void *user, size_t begin, size_t end, uint32_t worker)
     for (size_t n = begin; n < end; n++) j->verdicts[n] = judge(j, n);
 }
 
-/* counts ---------------------------------------------------------------------------------------------- */
+/* counts ----------------------------------------------------------------------------------------------------------------------- */
 
 static int is_wrong(uint8_t v)
 {
@@ -355,7 +355,7 @@ static vxs_result measure_distances(const judgement *j, compare_counts *n, messa
     return VXS_OK;
 }
 
-/* all of it ------------------------------------------------------------------------------------------- */
+/* all of it -------------------------------------------------------------------------------------------------------------------- */
 
 static vxs_result compare_points_of_kind(const comparison *c, compare_kind kind, compare_result *out, message *m)
 {

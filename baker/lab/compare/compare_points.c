@@ -20,7 +20,7 @@
 #include "baker/light/baked_light.h"
 #include "runtime/vxs.h"
 
-/* random points of a volume ----------------------------------------------------------------------------------------------------- */
+/* random points of a volume ---------------------------------------------------------------------------------------------------- */
 
 enum { VOLUME_TRIES = 100, CELL_PROBES_SIDE = 3 };
 
@@ -33,7 +33,7 @@ static int in_box(const light_volume *v, const double point_ws[3])
     return 1;
 }
 
-/* cones ----------------------------------------------------------------------------------------------- */
+/* cones ------------------------------------------------------------------------------------------------------------------------ */
 
 /* A direction of the cone from x and y in [0, 1): angle around the axis, and away from it, uniform in solid angle. */
 static void cone_direction(const light_volume *v, double x, double y, double direction_ws[3])
@@ -68,7 +68,7 @@ static double weight_of(const light_volume *v, double x, double y)
     return cross_box(v, direction, &begin, &end) ? end * end * end - begin * begin * begin : 0;
 }
 
-/* box or cone ------------------------------------------------------------------------------------------- */
+/* box or cone ------------------------------------------------------------------------------------------------------------------ */
 
 void light_volume_init(light_volume *v, const vxs_light *light, const box *box_ws)
 {
@@ -153,7 +153,7 @@ int light_volume_draw(const light_volume *v, rng *r, double point_ws[3])
     return 0;
 }
 
-/* points of each kind ----------------------------------------------------------------------------------------------------------- */
+/* points of each kind ---------------------------------------------------------------------------------------------------------- */
 
 enum { TRIES = 20 };
 

@@ -38,7 +38,7 @@ static component_health *component_at(const examination *x, size_t triangle)
     return &x->h->components[x->c->component_of[triangle]];
 }
 
-/* --- keys: two numbers each, to be sorted and counted ------------------------------------------------------------------ */
+/* keys: two numbers each, to be sorted and counted ----------------------------------------------------------------------------- */
 
 static int by_key(const void *a, const void *b)
 {
@@ -60,7 +60,7 @@ static size_t drop_repeated(uint64_t *keys, size_t count)
     return kept;
 }
 
-/* --- edges ------------------------------------------------------------------------------------------------------------ */
+/* edges ------------------------------------------------------------------------------------------------------------------------ */
 
 /* Half-edges [begin, end) of x->sorted belong to one edge. */
 static void examine_edge(examination *x, uint32_t begin, uint32_t end)
@@ -154,7 +154,7 @@ static void count_vertices(examination *x)
     }
 }
 
-/* --- triangles -------------------------------------------------------------------------------------------------------- */
+/* triangles -------------------------------------------------------------------------------------------------------------------- */
 
 /* The corners of a triangle are all different. */
 static int same_corners(const uint32_t *v, const uint32_t *w)
@@ -204,7 +204,7 @@ static void sum_volumes(examination *x)
     }
 }
 
-/* --- intersections ---------------------------------------------------------------------------------------------------- */
+/* intersections ---------------------------------------------------------------------------------------------------------------- */
 
 static uint64_t pair_key(const examination *x, uint32_t a, uint32_t b)
 {
@@ -275,8 +275,6 @@ static int examine_intersections(examination *x)
     }
     return 1;
 }
-
-/* ---------------------------------------------------------------------------------------------------------------------- */
 
 static int examine(examination *x, mesh_health *h, const casters *c, void (*progress)(const char *what))
 {

@@ -55,7 +55,7 @@ typedef struct repair {
     uint32_t              filled[3 * REPAIR_HOLE_EDGES_MAX]; /* triangles, as numbers along the polygon */
 } repair;
 
-/* --- snapshot --------------------------------------------------------------------------------------------------------- */
+/* snapshot --------------------------------------------------------------------------------------------------------------------- */
 
 static void snapshot_free(snapshot *v)
 {
@@ -121,7 +121,7 @@ static const double *position(const snapshot *v, uint32_t vertex)
     return &v->mesh.positions_ws[3 * (size_t)vertex];
 }
 
-/* --- remove ----------------------------------------------------------------------------------------------------------- */
+/* remove ----------------------------------------------------------------------------------------------------------------------- */
 
 /* 1 when the surface continues from a triangle that has `copies` in all: each of its edges has an odd number of other triangles. */
 static int goes_on(const snapshot *v, uint32_t t, uint32_t copies)
@@ -207,7 +207,7 @@ static vxs_result remove_triangles(repair *x, message *m)
     return r;
 }
 
-/* --- orient ----------------------------------------------------------------------------------------------------------- */
+/* orient ----------------------------------------------------------------------------------------------------------------------- */
 
 /* A set of triangles connected by edges of two triangles. */
 typedef struct patch {
@@ -291,7 +291,7 @@ static vxs_result orient(repair *x, message *m)
     return r;
 }
 
-/* --- fill ------------------------------------------------------------------------------------------------------------- */
+/* fill ------------------------------------------------------------------------------------------------------------------------- */
 
 /* A new triangle. */
 typedef struct addition {
@@ -470,7 +470,7 @@ done:
     return r == VXS_E_MEMORY ? out_of_memory(x, m) : r; /* the first message stays */
 }
 
-/* --- report ----------------------------------------------------------------------------------------------------------- */
+/* report ----------------------------------------------------------------------------------------------------------------------- */
 
 static int is_closed(const snapshot *v, uint32_t triangle)
 {

@@ -1,7 +1,7 @@
 /* Mend components, so that more of them are solids: after a scene is loaded and before its casters are classified.
  *
  * Only components that are not closed or not consistently oriented are changed. All others stay as they are, even if oriented
- * inward: a room whose walls are seen from inside has that orientation on purpose. Components with alpha-tested triangles are
+ * inward: a room seen from inside has that orientation on purpose. Components with alpha-tested triangles are
  * not changed.
  *
  *   remove   repeated triangles, and those without area

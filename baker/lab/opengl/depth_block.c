@@ -210,7 +210,7 @@ int depth_block_start(depth_block *b, float *enter, float *exit, uint32_t row_px
     return 0;
 }
 
-/* drawing --------------------------------------------------------------------------------------------------------------------- */
+/* drawing ---------------------------------------------------------------------------------------------------------------------- */
 
 static void upload(const depth_block *b)
 {
@@ -326,7 +326,7 @@ void depth_block_issue(depth_block *b)
     gl->Flush();
 }
 
-/* reading --------------------------------------------------------------------------------------------------------------------- */
+/* reading ---------------------------------------------------------------------------------------------------------------------- */
 
 /* Read a rectangle of a texture into the same place of `to`, rows of row_px elements of `size` bytes. */
 static void read_rect(const depth_block *b, block_rect a, GLenum format, GLenum type, void *to, uint32_t row_px, size_t size)
@@ -360,7 +360,7 @@ void depth_block_read(depth_block *b)
     read_depth(b, b->texture_layer[b->pass & 1], b->open, b->layer[b->pass & 1], block_px);
 }
 
-/* exit depths ----------------------------------------------------------------------------------------------------------------- */
+/* exit depths ------------------------------------------------------------------------------------------------------------------ */
 
 /* A run of at most CELL_PX texels of one cell after the first pass. `enter` holds front faces and becomes the nearer of front
  * and back: where a ray enters solids. The first layer becomes the exit of all texels; for those that are done, it is final.

@@ -19,7 +19,7 @@ struct depth_renderer {
     void *watch_user;
 };
 
-/* setting up ------------------------------------------------------------------------------------------------------------------ */
+/* setting up ------------------------------------------------------------------------------------------------------------------- */
 
 static const char vertex_text[] = "#version 450 core\n"
                                   "layout(location = 0) in vec3 position;\n"
@@ -146,7 +146,7 @@ static void depth_renderer_watch(depth_renderer *r, void (*watch)(void *user, do
     r->watch_user = user;
 }
 
-/* a map tile ------------------------------------------------------------------------------------------------------------------ */
+/* a map tile ------------------------------------------------------------------------------------------------------------------- */
 
 /* The blocks of a tile, in rows. */
 typedef struct tile_blocks {
@@ -218,7 +218,7 @@ vxs_result depth_renderer_tile(depth_renderer *r, depth_maps *maps, uint32_t i, 
     return VXS_OK;
 }
 
-/* a column source --------------------------------------------------------------------------------------------------------------- */
+/* a column source -------------------------------------------------------------------------------------------------------------- */
 
 typedef struct opengl_map {
     rendered_columns *owner;

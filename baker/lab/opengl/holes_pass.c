@@ -57,7 +57,7 @@ static const char fragment_text[] =
     "    if (!(here >= threshold)) discard;\n"
     "}\n";
 
-/* images ---------------------------------------------------------------------------------------------------------------------- */
+/* images ----------------------------------------------------------------------------------------------------------------------- */
 
 vxs_result hole_images_init(hole_images *x, gl_context *gl, const casters *c, message *m)
 {
@@ -97,7 +97,7 @@ void hole_images_free(hole_images *x)
     *x = (hole_images){0};
 }
 
-/* triangles ------------------------------------------------------------------------------------------------------------------- */
+/* triangles -------------------------------------------------------------------------------------------------------------------- */
 
 vxs_result holed_triangles_init(holed_triangles *t, const hole_images *images, const projection *p, message *m)
 {

@@ -22,7 +22,7 @@ function light_text(light) {
 
 /* "closed auto, region 0,0,0,1,1,1, sun noon=0,-1,0": as `--json` has them. */
 function value_text(value) {
-    if (typeof value === "number") return minus(significant(value, 9)); /* what was asked for, not what is near it */
+    if (typeof value === "number") return minus(significant(value, 9)); /* the requested value, not rounded */
     if (Array.isArray(value)) return value.map(value_text).join(",");
     if (value && typeof value === "object") return Object.entries(value).map(([name, v]) => `${name}=${value_text(v)}`).join(", ");
     return String(value);
@@ -56,7 +56,7 @@ function show_facts() {
             fact("How much memory?", bytes(report.peak_bytes), `at the peak; planned ${bytes(estimate.peak_bytes)}`)));
 }
 
-/* What came out, beside what the largest light sees. */
+/* The results, next to the picture of the largest light. */
 function show_shadows() {
     const light = lights.find(picture_of), depths = light && picture_of(light).depths;
     const seen = light && el("figure", {}, el("img", { src: depths, alt: "depth map, near surfaces light" }),
@@ -120,13 +120,13 @@ function show_lights() {
     if (rest.length) show(soft(`${rest.length} smaller lights take ${bytes(sum(rest, (l) => l.size.stored_bytes))} together.`));
 }
 
-/* "+y", or a vector where it is no axis of the world. */
+/* "+y", or a vector if it is no axis of the world. */
 function axis_text(axis, sign) {
     const way = axis.map((value) => sign * value), n = way.findIndex((value) => Math.abs(value) > 0.9999);
     return n < 0 ? vector_text(way) : `${way[n] < 0 ? "\u2212" : "+"}${"xyz"[n]}`;
 }
 
-/* Where the faces of a light's six maps point, as its pictures are laid out. */
+/* The directions of the faces of a light's six maps, in the layout of its pictures. */
 function faces_text([x, y, z]) {
     return "The six maps lie as a cube that is unfolded, as the light sees it. In the row: "
         + `${[axis_text(x, 1), axis_text(z, 1), axis_text(x, -1), axis_text(z, -1)].join(", ")}; above ${axis_text(y, 1)}, below ${axis_text(y, -1)}.`;
@@ -166,7 +166,7 @@ function sheet_hint() {
         " names them, and ", code("vxs mend"), " closes what can be closed."];
 }
 
-/* What makes a light of this kind smaller. */
+/* Options that make a light of this kind smaller. */
 function light_hint(light) {
     if (light.kind === "spot") return ["A narrower cone or a shorter range reaches fewer casters."];
     if (light.kind === "point") return ["A shorter range reaches fewer casters."];

@@ -1,18 +1,18 @@
 /* The page of measurements. data: {files: [{path, bench: docs/bench.schema.json}]}
  *
- * Cells of one scene, setting and file that differ in resolution alone form a series: a line of a chart. What a setting is follows
- * from the cells: only options that differ between them are named. A colour is a scene, a mark a setting, a dash a file.
+ * Cells of one scene, setting and file that differ in resolution alone form a series: a line of a chart. A setting
+ * names only options that differ between cells. Each scene has a colour, each setting a mark, each file a dash.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 
-/* cells and what they belong to ----------------------------------------------------------------------------------------------- */
+/* cells and their series ------------------------------------------------------------------------------------------------------- */
 
-/* Equal for equal values, whatever the order of keys. */
+/* The same text for equal values, in any order of keys. */
 const canonical = (value) => JSON.stringify(value, (_, v) =>
     v && typeof v === "object" && !Array.isArray(v) ? Object.fromEntries(Object.entries(v).sort()) : v);
 const same = (a, b) => canonical(a) === canonical(b);
 const word = (value) => typeof value === "string" ? value : JSON.stringify(value);
 
-/* Two files of one name are told apart by their paths, and by a number where that does not help. */
+/* Files of the same name are distinguished by their paths, or else by a number. */
 const files = data.files.map(({ path, bench }, n) => {
     const others = data.files.filter((f) => base_name(f.path) === base_name(path));
     const before = data.files.slice(0, n).filter((f) => f.path === path).length;
@@ -21,19 +21,19 @@ const files = data.files.map(({ path, bench }, n) => {
 const cells = files.flatMap(({ bench }, file) => bench.cells.map((cell) => (
     { ...cell, file, side: cell.options.resolution_px, options: { skinned: "exclude", ...cell.options } })));
 
-/* A scene that is there with several lights first, or several suns, is named with them. */
+/* If a scene occurs with several first lights or several suns, its name includes them. */
 function scene_label(cell) {
     const others = cells.filter((c) => c.scene === cell.scene), sun = cell.options.sun;
     const several = others.some((c) => c.light !== cell.light || (sun && c.options.sun && !same(c.options.sun, sun)));
     return clean(several ? `${cell.scene}, ${cell.light}${sun ? ` ${word(sun)}` : ""}` : cell.scene);
 }
 
-/* What one coding has alone: that the other has none makes no difference. */
+/* Options of one coding only: their absence in the other is no difference. */
 const dag_alone = ["rule", "reuse", "compress", "stop"], blocks_alone = ["pack"];
 const is_of_one_coding = (name) => dag_alone.includes(name) || blocks_alone.includes(name);
 const has_none = (options, name) => (options.coding === "blocks" ? dag_alone : blocks_alone).includes(name);
 
-/* "rule shadow, stop insert": options that are not as `base` has them. A resolution is a place on a line, a sun is its scene's. */
+/* "rule shadow, stop insert": options that differ from those of `base`, without resolution and sun. */
 function differences(given, base) {
     const told = (name) => name !== "resolution_px" && name !== "sun" && !(is_of_one_coding(name) && given.coding !== base.coding);
     const named = (o) => Object.keys(o).filter(told);
@@ -57,13 +57,13 @@ for (const cell of cells) {
 for (const s of series) s.cells.sort((a, b) => a.side - b.side);
 const ordered = series.flatMap((s) => s.cells);
 
-/* "city.glb, rule shadow, old.json": those that tell it from others. */
+/* "city.glb, rule shadow, old.json": what distinguishes a series from the others. */
 const several = (labels, n) => labels.length > 1 ? [labels[n]] : [];
 const names_of = (s) => [...several(settings, s.setting), ...several(files.map((f) => f.label), s.file)];
 const series_name = (s) => [scenes[s.scene], ...names_of(s)].join(", ");
 const row_name = (cell) => [cell.side, ...names_of(cell)].join(", ");
 
-/* figures of cells ------------------------------------------------------------------------------------------------------------ */
+/* figures of cells ------------------------------------------------------------------------------------------------------------- */
 
 /* "1 x 1" is a single tap; "9 x 9 smooth" */
 const filter_of = (item) => `${item.filter_px} x ${item.filter_px}${item.smooth ? " smooth" : ""}`;
@@ -74,7 +74,7 @@ const rmse = (error) => error.rmse ?? Math.sqrt(error.wrong_share); /* single ta
 const size_of = (cell) => exactly(cell.size.file_bytes);
 const time_of = (cell) => cell.bake.total_seconds;
 
-/* value(side) = scale * side^slope: least squares of logarithms. null of one resolution, or where a value is not above 0. */
+/* value(side) = scale * side^slope: least squares of logarithms. null if there is one resolution only, or a value of 0 or less. */
 function growth(s, value) {
     const points = s.cells.map((c) => [Math.log2(c.side), Math.log2(value(c))]);
     const mean = (n) => sum(points, (p) => p[n]) / points.length;
@@ -83,10 +83,10 @@ function growth(s, value) {
     return xx > 1e-9 && Number.isFinite(slope) ? { slope, scale: 2 ** (y - slope * x), factor: 2 ** slope } : null;
 }
 
-/* charts ---------------------------------------------------------------------------------------------------------------------- */
+/* charts ----------------------------------------------------------------------------------------------------------------------- */
 
 const DASHES = [[[], "solid"], [[7, 4], "dashed"], [[2, 3], "dotted"], [[7, 3, 2, 3], "double"], [[12, 4], "groove"]];
-const SCENES_MAX = 8, ROWS_MAX = 40, MASKS_AT = 4; /* voxels: where masks stand on an axis, before nodes of 8 */
+const SCENES_MAX = 8, ROWS_MAX = 40, MASKS_AT = 4; /* voxels: the place of masks on an axis, before nodes of 8 */
 const colour_of = (scene) => COLOURS[scene % COLOURS.length];
 const mark_of = (setting) => MARKS[setting % MARKS.length];
 const dash_of = (file) => DASHES[file % DASHES.length];
@@ -100,16 +100,16 @@ const BYTES = { text: bytes, binary: true, tick: (value) => {
     return `${+(value / 1024 ** unit).toFixed(1)} ${["B", "KiB", "MiB", "GiB"][unit]}`;
 } };
 
-/* From 0 in steps of 1, 2 or 5, of whole KiB or MiB where a unit is binary. */
+/* From 0 in steps of 1, 2 or 5; of whole KiB or MiB if the unit is binary. */
 function linear_ticks(until, binary) {
     const scale = binary ? 1024 ** Math.max(0, Math.floor(Math.log2(until) / 10)) : 1, goal = until / scale / 7;
     const power = 10 ** Math.floor(Math.log10(goal)), step = scale * power * [1, 2, 5, 10].find((digit) => digit * power >= goal);
     return Array.from({ length: Math.floor(until / step) + 1 }, (_, n) => n * step);
 }
 
-/* lines ----------------------------------------------------------------------------------------------------------------------- */
+/* lines ------------------------------------------------------------------------------------------------------------------------ */
 
-/* What colours, marks and dashes mean. */
+/* The legend of colours, marks and dashes. */
 const setting_keys = () => settings.length > 1 ? settings.map((s, n) => [el("b", {}, mark_of(n)[1]), s]) : [];
 const file_keys = () => files.length > 1
     ? files.map((f, n) => [el("i", { class: "line", style: `border-top-style: ${dash_of(n)[1]}` }), f.label]) : [];
@@ -118,13 +118,13 @@ const scene_keys = () => scenes.map((s, n) => [swatch(colour_of(n)), s]);
 const style_of = (s) => ({ borderColor: colour_of(s.scene), backgroundColor: colour_of(s.scene), colour: colour_of(s.scene),
     pointStyle: mark_of(s.setting)[0], borderDash: dash_of(s.file)[0], borderWidth: 1.5, pointRadius: 4, pointHoverRadius: 6 });
 
-/* Points of a series: x_of(cell) and y_of(cell) are spreads, or undefined. What is 0 has no place on a logarithmic axis. */
+/* Points of a series: x_of(cell) and y_of(cell) are spreads, or undefined. A logarithmic axis cannot show 0. */
 const points_of = (s, x_of, y_of, more) => s.cells.map((cell) => ({ cell, s, x: x_of(cell), y: y_of(cell), ...more }))
     .filter(({ x, y }) => x && y && x.median > 0 && y.median > 0);
 const dataset = (s, points, more) => ({ ...style_of(s), spreads: points, ...more,
     data: points.map((p) => ({ ...p, x: p.x.median, y: p.y.median })) });
 
-/* What grows with resolution: value_of(cell), a spread. */
+/* A chart of a value against resolution: value_of(cell), a spread. */
 function growth_chart(name, what, label, unit, value_of) {
     const lines = series.map((s) => ({ s, points: points_of(s, (c) => exactly(c.side), value_of), fit: growth(s, (c) => value_of(c).median) }));
     const all = lines.flatMap((l) => l.points), fits = lines.filter((l) => l.fit), shown = lines.slice(0, 12);
@@ -156,10 +156,10 @@ function error_chart({ name, points, filters, x_label, x_unit, x_of, y_label, y_
         ({ s, filter, points: points_of(s, (c) => x_of(c, filter), share_of(filter), { filter }) })));
     const all = lines.flatMap((l) => l.points), many = filters.length > 1;
     if (!all.length) return [];
-    /* one line a scene has labels, while there is room; with filters there is room for its ends */
+    /* one line of each scene has labels, as long as there is room; with filters, only its ends */
     const labels = (l) => l.s.setting || l.s.file || scenes.length > 3 || l.filter !== filters[0] ? []
         : l.points.map((p, n) => many && n && n < l.points.length - 1 ? "" : String(p.cell.side));
-    const share = ({ cell, filter }) => y_of(error_of(cell, points, filter)); /* words tell what was found, not where it is drawn */
+    const share = ({ cell, filter }) => y_of(error_of(cell, points, filter)); /* texts have the measured value, which may differ from the place where it is drawn */
     return [figure({ name: `${name}-${points}`,
         title: title(range_text(all.map((p) => p.x.median), x_unit.text), range_text(all.map(share), percent)), height: 320,
         keys: [...scene_keys(), ...setting_keys(), ...file_keys()], caption }, () => line_chart(
@@ -169,7 +169,7 @@ function error_chart({ name, points, filters, x_label, x_unit, x_of, y_label, y_
             + `${x_unit.text(x)}, ${percent(share({ cell, filter }))}`))];
 }
 
-/* No wrong answer has no place on a logarithmic axis: it is drawn where half an answer would be. */
+/* A logarithmic axis cannot show zero wrong answers: they are drawn as half an answer. */
 function seen(share, error) {
     const half = error.checked ? 0.5 / error.checked : 0;
     return share > 0 ? share : filter_of(error) === TAP ? half : Math.sqrt(half);
@@ -194,13 +194,13 @@ function error_charts() {
     ].flatMap(error_chart);
 }
 
-/* bars of one scene ----------------------------------------------------------------------------------------------------------- */
+/* bars of one scene ------------------------------------------------------------------------------------------------------------ */
 
 /* Greys before the maps, blue for them, greens from them to the DAG, browns for the file. */
 const STAGE_COLOURS = { load: "#8d8a80", solids: "#a7a499", plan: "#75736b", gl: "#9a8fb0", maps: "#3d7ab8", pyramid: "#8ccf9d",
     masks: "#66b37e", insert: "#3c9260", compress: "#2a7048", merge: "#1f5737", encode: "#d0702a", smoke: "#7d7f9b", write: "#94742f" };
 
-/* What bars are stacked of: [{part, colour, values: one of each row}]. What is nowhere a hundredth of a bar is joined. */
+/* Parts of stacked bars: [{part, colour, values: one of each row}]. Parts below a hundredth of every bar are joined. */
 function stack(rows, totals, parts_of) {
     const parts = new Map();
     for (const [row, cell] of rows.entries())
@@ -285,7 +285,7 @@ function level_counts_chart(scene) {
         ({ cell, n, y }) => `${name_of(cell)} texels: ${count(y)} ${n ? `nodes of ${level_name(n)}` : "masks"}`))];
 }
 
-/* the head of the page -------------------------------------------------------------------------------------------------------- */
+/* the head of the page --------------------------------------------------------------------------------------------------------- */
 
 function show_head() {
     const shown = scenes.slice(0, 4), left = scenes.length - shown.length;
@@ -325,7 +325,7 @@ function show_charts() {
         show(soft(`${scenes.length - own.length} more scenes have no plots of their own; their figures are in the tables.`));
 }
 
-/* what settings are worth ----------------------------------------------------------------------------------------------------- */
+/* effects of settings ---------------------------------------------------------------------------------------------------------- */
 
 /* Median, least and greatest of a / b. */
 function ratio(pairs) {
@@ -352,7 +352,7 @@ function show_settings() {
         table(["setting", "bakes", ...Object.keys(figures)], settings.map(row).slice(1)));
 }
 
-/* tables ---------------------------------------------------------------------------------------------------------------------- */
+/* tables ----------------------------------------------------------------------------------------------------------------------- */
 
 const series_heads = ["scene", ...(settings.length > 1 ? ["setting"] : []), ...(files.length > 1 ? ["measured in"] : [])];
 const series_cells = (s, scene) => [text(scenes[scene]), ...names_of(s).map((name) => text(name))];
@@ -362,20 +362,20 @@ const below = (first, ...others) => [first, ...others.flatMap((other) => [el("br
 const beside = (value, more) => [value, el("small", {}, ` ${more}`)];
 const spread = (s, unit = seconds) => s.min === s.max ? unit(s.median) : beside(unit(s.median), `${unit(s.min)}–${unit(s.max)}`);
 
-/* rows_of(cell): what stands behind its name, a list for each row */
+/* rows_of(cell): the columns after its name, a list for each row */
 function show_cells(title, heads, rows_of) {
     const rows = ordered.flatMap((c) => rows_of(c).map((row) => [...cell_cells(c), ...row]));
     if (rows.length && heads.length) show(el("h3", {}, title), table([...cell_heads, ...heads], rows));
 }
 
-/* A column for each name that parts_of(cell), a list of [name, content], has in any cell. */
+/* A column for each name that occurs in parts_of(cell), a list of [name, content], of any cell. */
 function show_parts(title, parts_of) {
     const parts = new Map(ordered.map((c) => [c, new Map(parts_of(c))]));
     const names = [...new Set([...parts.values()].flatMap((of) => [...of.keys()]))];
     show_cells(title, names, (c) => [names.map((name) => parts.get(c).get(name) ?? "")]);
 }
 
-/* What a cell's coding keeps: [[what it is called, how many there are]] */
+/* Objects of a cell's coding: [[name, count]] */
 const KEPT = { nodes: "nodes", masks: "masks", inserted_nodes: "nodes inserted", inserted_masks: "masks inserted", blocks: "blocks",
     tiles: "tiles", own_tiles: "of own depths", patterns: "patterns", pages: "pages" };
 function kept_of({ size }) {

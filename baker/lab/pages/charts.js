@@ -1,7 +1,7 @@
-/* Charts of pages of measurements: figures that are painted anew when colours change, units, axes, lines.
+/* Charts of measurements: figures that are redrawn when colours change, units, axes, lines.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 
-/* A figure of several runs is a spread: {median, min, max}. */
+/* A value of several runs is a spread: {median, min, max}. */
 const exactly = (value) => ({ median: value, min: value, max: value });
 const range = (values) => values.length ? { min: Math.min(...values), max: Math.max(...values) } : null;
 
@@ -15,7 +15,7 @@ const MARKS = [["circle", "●"], ["rect", "■"], ["triangle", "▲"], ["rectRo
 const drawn = []; /* [canvas, function that makes the configuration of its chart] */
 let printing = false;
 
-/* Charts are painted, so they do not follow the page's colours: they are painted anew when those change. */
+/* Charts are canvases, which do not follow the page's colours: they are redrawn when these change. */
 function draw(canvas, configuration) {
     const style = getComputedStyle(document.documentElement);
     const ink = (name, on_paper) => printing ? on_paper : style.getPropertyValue(name);
@@ -34,7 +34,7 @@ matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => draw
 addEventListener("beforeprint", () => draw_all(true));
 addEventListener("afterprint", () => draw_all(false));
 
-/* A figure with a chart that is drawn later. height: CSS pixels; keys: what colours and marks mean. */
+/* A figure with a chart that is drawn later. height: CSS pixels; keys: the legend of colours and marks. */
 function figure({ name, title, height, keys, caption, wide = false }, configuration) {
     const canvas = el("canvas", { role: "img", "aria-label": `${title}. Its figures are in the tables below.` });
     drawn.push([canvas, configuration]);
@@ -42,10 +42,10 @@ function figure({ name, title, height, keys, caption, wide = false }, configurat
         el("div", { class: "canvas", style: `height: ${height}px` }, canvas), key(...keys), el("figcaption", {}, caption));
 }
 
-/* What a figure is called in a chart: `text` where the mouse is, `tick` on an axis, in powers of two or in decades. */
+/* Texts of a value in a chart: `text` at the mouse, `tick` on an axis, in powers of two or in decades. */
 const SECONDS = { text: seconds, tick: seconds };
 
-/* Ticks at powers of two where a unit is binary, else at 1, 2, 5 and 10 while there is room. */
+/* Ticks at powers of two if the unit is binary, else at 1, 2, 5 and 10, as long as there is room. */
 function log_ticks(from, until, binary) {
     if (binary) {
         const low = Math.ceil(Math.log2(from) - 1e-9), high = Math.floor(Math.log2(until) + 1e-9), step = 1 + Math.floor((high - low) / 6);
@@ -61,7 +61,7 @@ const axis = (label, unit, ticks, more) => ({ title: { display: true, text: labe
     afterBuildTicks: (scale) => { scale.ticks = ticks.map((value) => ({ value })); },
     ticks: { callback: unit.tick, maxRotation: 0, autoSkipPadding: 8 }, ...more });
 
-/* values: all that lie on the axis, above 0. room: more of its length behind the last, for labels. */
+/* values: all values of the axis, above 0. room: additional length behind the last one, for labels. */
 function log_axis(label, unit, values, room = 0) {
     const { min, max } = range(values), pad = max / min < 1.8 ? 1.5 : Math.max(1.15, (max / min) ** 0.06);
     const from = min / pad, until = max * pad * (max / min) ** room, ticks = log_ticks(from, until, unit.binary);
@@ -93,7 +93,7 @@ const whiskers = {
 
 const values_of = (points, axis) => points.flatMap((p) => [p[axis].min, p[axis].median, p[axis].max]).filter((value) => value > 0);
 
-/* tell(point): what is said of it where the mouse is. Points of fitted lines, which have no cell, are passed over. */
+/* tell(point): its text at the mouse. Points of fitted lines have no cell and no text. */
 const line_chart = (datasets, x, y, tell) => ({ type: "line", data: { datasets }, plugins: [whiskers],
     options: { scales: { x, y }, parsing: false, interaction: { mode: "nearest", intersect: true }, plugins: { legend: { display: false },
         tooltip: { filter: ({ raw }) => raw.cell, callbacks: { title: () => "", label: ({ raw }) => tell(raw) } } } } });

@@ -25,7 +25,7 @@ EMBEDDED(volumes_page_js)
 EMBEDDED(charts_js)
 EMBEDDED(chart_min_js)
 
-/* any page ---------------------------------------------------------------------------------------------------------------------- */
+/* any page --------------------------------------------------------------------------------------------------------------------- */
 
 /* The text after a mark in it. This skips the comments at the head of templates, which are for developers. */
 static embedded behind(embedded text, const char *mark)
@@ -71,12 +71,12 @@ done:
     return r;
 }
 
-/* the page of a bake: pixels of pictures ---------------------------------------------------------------------------------------- */
+/* the page of a bake: pixels of pictures --------------------------------------------------------------------------------------- */
 
 /* The size of the picture of the shadows, and limits on memory for drawing it: in all, and for each triangle. */
 enum { PICTURE_WIDTH_PX = 480, PICTURE_HEIGHT_PX = 270, PICTURE_BYTES = 16 << 20, PICTURE_TRIANGLE_BYTES = 160 };
 
-/* pixels of pictures ---------------------------------------------------------------------------------------------------------- */
+/* pixels of pictures ----------------------------------------------------------------------------------------------------------- */
 
 /* Classes of the number of masks that a tile needs, ascending; until: the class's largest number. */
 static const struct {
@@ -176,7 +176,7 @@ static void draw(canvas *c, face_place place, const float *light, const uint16_t
         }
 }
 
-/* pictures as JSON ------------------------------------------------------------------------------------------------------------ */
+/* pictures as JSON ------------------------------------------------------------------------------------------------------------- */
 
 /* A data URL with a picture of 3 or 4 channels; NULL when out of memory. Released with free(). */
 static char *png_url(const uint8_t *pixels, uint32_t width_px, uint32_t height_px, uint32_t channels)

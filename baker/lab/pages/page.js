@@ -1,15 +1,15 @@
-/* What all pages are made of: elements, tables, figures as people read them.
+/* Parts of all pages: elements, tables, numbers as text.
  *
- * Texts of scenes, lights and files are anyone's. They become text nodes and attributes, never markup.
+ * Texts of scenes, lights and files are untrusted. They become text nodes and attributes, never markup.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 "use strict";
 
 const data = JSON.parse(document.getElementById("data").textContent);
 const NO_BREAK = "\u00a0", THIN = "\u202f"; /* blanks that do not break a line */
 
-/* elements ------------------------------------------------------------------------------------------------------------------- */
+/* elements --------------------------------------------------------------------------------------------------------------------- */
 
-/* Control characters, those that turn the order of what follows, and what is no character become '?'. */
+/* Control characters, those that change the direction of text, and invalid characters become '?'. */
 function clean(text) {
     return String(text).replace(/[\p{Cc}\p{Cs}\u2028-\u202e\u2066-\u2069\ufdd0-\ufdef\ufffe\uffff]/gu, "?");
 }
@@ -30,15 +30,15 @@ const list = (items) => el("ul", {}, ...items.map((item) => el("li", {}, item)))
 const key = (...items) => el("ul", { class: "key" }, ...items.map((item) => el("li", {}, ...item)));
 const swatch = (colour) => el("i", { style: `background: ${colour}` });
 
-/* One answer at the head of a page. */
+/* A key figure at the head of a page. */
 const fact = (question, answer, about) => el("div", {}, el("small", {}, question), el("b", {}, answer), el("small", {}, about));
 
-/* Cells that are not figures. */
+/* Cells that are not numbers. */
 const text = (...words) => el("td", { class: "text" }, ...words);
 const long = (words) => el("td", { class: "long" }, words);
 const bar = (share, style = "") => el("td", { class: "bar" }, el("i", { style: `width: ${100 * share || 0}%; ${style}` }));
 
-/* rows  lists of cells: a text, a list of texts and elements, or a td. A heading stands as the cells below it. */
+/* rows  lists of cells: a text, a list of texts and elements, or a td. A heading is aligned as the cells below it. */
 function table(heads, rows, foot) {
     const cell = (content) => content instanceof HTMLTableCellElement ? content : el("td", {}, ...[content].flat());
     const row = (cells) => el("tr", {}, ...cells.map(cell));
@@ -49,9 +49,9 @@ function table(heads, rows, foot) {
     return el("div", { class: "table" }, el("table", {}, ...parts));
 }
 
-/* figures -------------------------------------------------------------------------------------------------------------------- */
+/* figures ---------------------------------------------------------------------------------------------------------------------- */
 
-/* Three digits that count, without an exponent. */
+/* Three significant digits, without an exponent. */
 function digits(value) {
     const before = value >= 1 ? Math.floor(Math.log10(value)) + 1 : 1;
     const small = value > 0 && value < 0.1;
@@ -69,7 +69,7 @@ function seconds(value) {
 const nanoseconds = (value) => seconds(value * 1e-9);
 const percent = (share) => digits(100 * share) + NO_BREAK + "%";
 
-/* As the reports in words have it. */
+/* As in reports as text. */
 function bytes(value) {
     if (value < 10 * 1024) return Math.floor(value) + NO_BREAK + "B";
     const unit = [1, 2, 3].find((power) => value / 1024 ** power < 1023.95) ?? 4, size = value / 1024 ** unit;
@@ -86,11 +86,11 @@ const sum = (items, value) => items.reduce((total, item) => total + value(item),
 const plural = (number, word) => `${number} ${word}${number === 1 ? "" : "s"}`;
 const base_name = (path) => clean(path.replace(/.*\/(?=.)/s, ""));
 
-/* levels: 0 masks, n nodes of 2^n voxels a side ------------------------------------------------------------------------------- */
+/* levels: 0 masks, n nodes of 2^n voxels a side -------------------------------------------------------------------------------- */
 
 const level_name = (level) => level ? `${2 ** level}³` : "masks";
 
-/* Masks stand apart, nodes fade from fine to coarse. */
+/* Masks have a colour of their own, nodes fade from fine to coarse. */
 function level_colour(level) {
     const shade = Math.min(1, Math.max(0, (level - 3) / 8));
     return level ? `rgb(${0x24 + shade * 0xa4 | 0}, ${0x54 + shade * 0x84 | 0}, ${0x8c + shade * 0x5c | 0})` : "#d0702a";

@@ -1,7 +1,8 @@
 /* The page of error against time of shadows in fog, of smoke, and of area lights. data: {files: [{path, bench: docs/volumes.schema.json}]}
  *
- * A plot for each scene: a line is a technique, a point a setting of its knob; the front is what nothing as near is faster than. Of smoke there is one more, against
- * bytes. A colour with a mark is a technique, in all plots; rivals are dashed.
+ * A plot for each scene: a line is a technique, a point a setting of its knob; the front joins the points for which no other point is
+ * both faster and at least as exact. Smoke has a second plot, against bytes. A technique has the same colour and mark in all plots;
+ * rivals are dashed.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 
 const scenes = data.files.flatMap(({ path, bench }) => bench.scenes.map((scene) =>
@@ -9,9 +10,9 @@ const scenes = data.files.flatMap(({ path, bench }) => bench.scenes.map((scene) 
 const techniques = [...new Map(scenes.flatMap((s) => s.techniques).map((t) => [t.name, t])).values()]
     .filter((t) => scenes.some((s) => s.cells.some((c) => c.technique === t.name)));
 
-/* figures --------------------------------------------------------------------------------------------------------------------- */
+/* figures ---------------------------------------------------------------------------------------------------------------------- */
 
-/* Two digits that count, down to 5e-7. */
+/* Two significant digits, down to 5e-7. */
 const error_text = (value) => value === null ? "–" : value && Math.abs(value) < 1e-3 ? value.toExponential(1).replace(".0e", "e")
     : significant(value, 2);
 const ERROR = { tick: (value) => value < 1e-3 ? value.toExponential(0) : String(+value.toPrecision(1)) };
@@ -21,12 +22,12 @@ const cell_name = (cell) => [clean(cell.technique), setting_of(cell)].filter(Boo
 const behind_text = (cell) => cell.front ? "on the front" : `${significant(cell.behind)} times as long as what is as near`;
 const drawn_cells = (scene) => scene.cells.filter((c) => !c.refused);
 
-/* What errors are plotted against: `of` a cell; a name that figures of more than one have. Logarithmic axes have no place for 0. */
+/* The horizontal axis of a plot: `of` is its value of a cell. Logarithmic axes cannot show 0. */
 const TIME = { suffix: "", label: ({ clock }) => clock === "processor" ? "processor time of a frame" : "time of a frame", unit: SECONDS,
     of: ({ ms }) => ({ median: ms.median / 1e3, min: ms.least / 1e3, max: ms.greatest / 1e3 }) };
 const TEXEL_BYTES = { suffix: "-bytes", label: () => "bytes a texel", unit: { tick: bytes, binary: true }, of: (cell) => exactly(cell.bytes_per_texel) };
 
-/* plots ----------------------------------------------------------------------------------------------------------------------- */
+/* plots ------------------------------------------------------------------------------------------------------------------------ */
 
 const colour_of = (n) => COLOURS[n % COLOURS.length];
 const mark_of = (n) => MARKS[Math.floor(n / COLOURS.length) % MARKS.length];
@@ -41,14 +42,14 @@ function line_of(technique, n, scene, axis) {
         pointStyle: mark_of(n)[0], borderDash: technique.rival ? [6, 4] : [], borderWidth: 1.5, pointRadius: 4, pointHoverRadius: 6 };
 }
 
-/* In steps: until the next setting is reached, nothing nearer is to be had. */
+/* In steps: between two settings the error is that of the faster one. */
 function front_line(scene) {
     const points = points_of(drawn_cells(scene).filter((c) => c.front), TIME).sort((a, b) => a.x.median - b.x.median);
     return { data: at_medians(points).map(({ x, y }) => ({ x, y })), stepped: "before", borderColor: "#8d8a80", borderWidth: 5, pointRadius: 0,
         pointHitRadius: 0, order: 1 };
 }
 
-/* fronts: lines below those of the techniques;   told: what the title says behind the scene's name */
+/* fronts: lines below those of the techniques;   told: the end of the title, after the scene's name */
 function error_figure(scene, n, axis, fronts, told) {
     const cells = drawn_cells(scene), points = points_of(cells, axis);
     const own = techniques.map((t, k) => ({ t, k })).filter(({ t }) => cells_of(scene, t).length);
@@ -70,7 +71,7 @@ function scene_figures(scene, n) {
         ...(has_bytes(scene) ? error_figure(scene, n, TEXEL_BYTES, [], "error against bytes") : [])];
 }
 
-/* text ------------------------------------------------------------------------------------------------------------------------ */
+/* text ------------------------------------------------------------------------------------------------------------------------- */
 
 const sizes_of = (bench) => [...new Set(bench.scenes.map((s) => `${s.width_px} x ${s.height_px}`))].join(" or ");
 
@@ -89,7 +90,7 @@ function show_head() {
         + "dashed. Bars reach from the least to the greatest round."));
 }
 
-/* How often each technique is on the front, and how near to it its best settings come where it is not. */
+/* How often each technique is on the front; elsewhere, the distance of its best settings from the front. */
 function show_techniques() {
     const row = (t) => {
         const of_scenes = scenes.map((s) => cells_of(s, t)).filter((cells) => cells.length);
@@ -103,7 +104,7 @@ function show_techniques() {
         "what it comes to as its knob grows"], techniques.map(row)));
 }
 
-/* Columns that not all scenes have: a head, and what it says of a cell. */
+/* Columns that not all scenes have: a head, and its text of a cell. */
 const columns_of = (scene) => [
     ...(scene.cells.some((c) => c.epipole) ? [["RMS at the lamp", (c) => c.epipole ? error_text(c.epipole.relative_rms) : ""]] : []),
     ...(scene.cells.some((c) => c.flicker !== undefined) ? [["flicker", (c) => error_text(c.flicker)]] : []),

@@ -65,7 +65,7 @@ typedef struct view {
     double                  sky_metres;  /* a surface at this distance shuts out half of the sky */
 } view;
 
-/* light ----------------------------------------------------------------------------------------------- */
+/* light ------------------------------------------------------------------------------------------------------------------------ */
 
 static void mix(const double a[3], const double b[3], double share, double out[3])
 {
@@ -125,7 +125,7 @@ static double sun_light(const view *v, const double point_ws[3], const double no
     return sum;
 }
 
-/* lamps ----------------------------------------------------------------------------------------------- */
+/* lamps ------------------------------------------------------------------------------------------------------------------------ */
 
 static lamp make_lamp(const view *v, const vxs_baked_light *light, double size)
 {
@@ -278,7 +278,7 @@ static void trace(const view *v, const double direction[3], int sample, rng *r, 
     for (int i = 0; i < 3; i++) out[i] += air * lamp_colour[i];
 }
 
-/* pixels ---------------------------------------------------------------------------------------------- */
+/* pixels ----------------------------------------------------------------------------------------------------------------------- */
 
 /* Tone mapping: a soft shoulder, which keeps detail in sunlit walls, then the sRGB curve. */
 static double curve(double x)
@@ -374,7 +374,7 @@ done:
     return r;
 }
 
-/* a picture of an asset --------------------------------------------------------------------------------------------------------- */
+/* a picture of an asset -------------------------------------------------------------------------------------------------------- */
 
 enum { FILTER_PX = 5, FOV_DEGREES = 35 };
 

@@ -10,7 +10,7 @@
 
 #include "runtime/volumes/vxs_shadow_grid.h"
 
-/* the mesh of a light ----------------------------------------------------------------------------------------------------------- */
+/* the mesh of a light ---------------------------------------------------------------------------------------------------------- */
 
 /* Read the first shadow depths of the light's rays from the asset.   first  [out] released with free */
 static vxs_result read_map(const baked_mesh_options *o, const gl_context *gl, vxs_volumes *volumes, float **first,
@@ -69,7 +69,7 @@ vxs_result baked_mesh_make(vxs_light_mesh **mesh, const baked_mesh_options *o, c
     return result == VXS_OK ? VXS_OK : fail(m, result, "no mesh can be made of light %u: %s", o->light, vxs_result_text(result));
 }
 
-/* fog --------------------------------------------------------------------------------------------------------------------------- */
+/* fog -------------------------------------------------------------------------------------------------------------------------- */
 
 /* Largest side of the map that a mesh is made from, in texels: six such maps take a second. Voxels of a grid along alpha and
  * phi; fewer on a software renderer, which fills the grid for each light in each frame. */

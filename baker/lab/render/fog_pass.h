@@ -80,7 +80,7 @@ vxs_result fog_pass_read_grid(const fog_pass *pass, float *dark, message *m);
 /* The mesh that the last frame drew last, with FOG_BY_MESH.   light  [out] its number;   Returns NULL if there is none */
 const vxs_light_mesh *fog_pass_mesh(const fog_pass *pass, uint32_t *light);
 
-/* the mesh around the lit volume of a baked light, made once from its shadow depths --------------------------------------------- */
+/* the mesh around the lit volume of a baked light, made once from its shadow depths -------------------------------------------- */
 
 typedef struct baked_mesh_options {
     uint32_t light;      /* its number in vxs_gl */

@@ -9,7 +9,7 @@
 #include "baker/base/vec3.h"
 #include "baker/files/json_value.h"
 
-/* fog --------------------------------------------------------------------------------------------------------------------------- */
+/* fog -------------------------------------------------------------------------------------------------------------------------- */
 
 const char *const fog_by_names[] = {"march", "angles", "intervals", "mesh", "grid"};
 
@@ -123,7 +123,7 @@ json_t *fog_plan_left_out(const fog_plan *plan, fog_by by, uint32_t light_count)
     return list;
 }
 
-/* smoke ------------------------------------------------------------------------------------------------------------------------- */
+/* smoke ------------------------------------------------------------------------------------------------------------------------ */
 
 static const char *const smoke_fate_names[SMOKE_FATES] = {"dims", "out_of_reach", "out_of_view", "no_room"};
 static const char *const smoke_fate_texts[SMOKE_FATES] = {"dimmed", "out of its reach", "out of view",
@@ -171,7 +171,7 @@ json_t *smoke_plan_lights(const smoke_light_plan *lights, const vxs_baked_light 
     return list;
 }
 
-/* virtual lights ---------------------------------------------------------------------------------------------------------------- */
+/* virtual lights --------------------------------------------------------------------------------------------------------------- */
 
 /* The end of the line with their number: the smoke that dims them, if any. */
 static void vpl_plan_print_smoke(FILE *to, const vpl_words *w)
@@ -205,7 +205,7 @@ static void vpl_plan_json(json_t **o, const vpl_words *w)
     json_set(o, "baked_smoke_left_out", json_boolean(w->baked_smoke));
 }
 
-/* area lights ------------------------------------------------------------------------------------------------------------------- */
+/* area lights ------------------------------------------------------------------------------------------------------------------ */
 
 static const char *const area_fate_names[AREA_FATES] = {"drawn", "faint", "behind"};
 static const char *const area_fate_texts[AREA_FATES] = {
@@ -266,7 +266,7 @@ json_t *area_plan_json(const area_plan *plan, const area_words *w)
     return o;
 }
 
-/* a sky ------------------------------------------------------------------------------------------------------------------------- */
+/* a sky ------------------------------------------------------------------------------------------------------------------------ */
 
 void sky_plan_print(FILE *to, const sky_words *w, int verbose)
 {

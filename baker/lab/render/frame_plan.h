@@ -10,7 +10,7 @@
 #include "baker/scene/scene.h"
 #include "formats/vxs_file.h"
 
-/* fog --------------------------------------------------------------------------------------------------------------------------- */
+/* fog -------------------------------------------------------------------------------------------------------------------------- */
 
 /* How lit intervals of the fog are found. */
 typedef enum fog_by { FOG_BY_MARCH, FOG_BY_ANGLES, FOG_BY_INTERVALS, FOG_BY_MESH, FOG_BY_GRID } fog_by;
@@ -65,7 +65,7 @@ json_t *fog_plan_counts(const fog_plan *plan);
 json_t *fog_plan_lights(const fog_light_plan *lights, const vxs_baked_light *const *names, uint32_t light_count);
 json_t *fog_plan_left_out(const fog_plan *plan, fog_by by, uint32_t light_count);
 
-/* smoke ------------------------------------------------------------------------------------------------------------------------- */
+/* smoke ------------------------------------------------------------------------------------------------------------------------ */
 
 /* The decision on a light. */
 typedef enum smoke_fate {
@@ -97,7 +97,7 @@ json_t *smoke_plan_counts(const smoke_plan *plan);
 /* Of the picture: each light. */
 json_t *smoke_plan_lights(const smoke_light_plan *lights, const vxs_baked_light *const *names, uint32_t light_count);
 
-/* virtual lights, of area lights or of a sky ------------------------------------------------------------------------------------ */
+/* virtual lights, of area lights or of a sky ----------------------------------------------------------------------------------- */
 
 typedef struct vpl_words {
     const char *gather;               /* its word */
@@ -107,7 +107,7 @@ typedef struct vpl_words {
     int         baked_smoke;          /* 1: the asset has baked smoke for its own lights, which does not dim virtual lights */
 } vpl_words;
 
-/* area lights: which emissive parallelograms of a scene get virtual lights, and how many ---------------------------------------- */
+/* area lights: which emissive parallelograms of a scene get virtual lights, and how many --------------------------------------- */
 
 /* The decision on a parallelogram in a frame. */
 typedef enum area_fate {
@@ -140,7 +140,7 @@ void area_plan_print(FILE *to, const area_plan *plan, const area_words *w, int v
 json_t *area_plan_counts(const area_plan *plan);
 json_t *area_plan_json(const area_plan *plan, const area_words *w);
 
-/* a sky ------------------------------------------------------------------------------------------------------------------------- */
+/* a sky ------------------------------------------------------------------------------------------------------------------------ */
 
 typedef struct sky_words {
     const char *path;

@@ -83,7 +83,7 @@ typedef struct render_frame {
     smoke_plan  smoke;          /* lights that it dims; without it all 0 */
     area_plan   area;           /* area lights; without them all 0 */
     moving_plan moving;         /* lights that reach moving casters; all 0 without them */
-    uint64_t    full_pixels;    /* surface_pixels all of whose lookups are answered in full; without a stream, all */
+    uint64_t    full_pixels;    /* the surface_pixels all of whose lookups are answered in full; without a stream, all of them */
 } render_frame;
 
 typedef struct renderer renderer;

@@ -325,8 +325,6 @@ static vxs_result write_truth(passes *p, truth_difference *d, message *m)
     return r == VXS_OK ? write_pass(p, "difference", p->lit, "Y", m) : r;
 }
 
-/* ------------------------------------------------------------------------------------------------------------------------------ */
-
 static vxs_result take(passes *p, message *m)
 {
     float    **of[]   = {&p->depths, &p->normals, &p->albedos, &p->light, &p->lit, &p->sum, &p->true_sum, &p->reached};

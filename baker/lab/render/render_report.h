@@ -9,7 +9,7 @@
 #include "baker/lab/render/render.h"
 #include "baker/lab/truth/truth.h"
 
-/* passes ------------------------------------------------------------------------------------------------------------------------ */
+/* passes ----------------------------------------------------------------------------------------------------------------------- */
 
 /* The difference between a frame's lookups and filtered rays, over lights and samples that face them. */
 typedef struct truth_difference {
@@ -60,7 +60,7 @@ typedef struct passes_options {
 vxs_result render_passes(renderer *r, const char *folder, const vxs_baked_light *const *lights, uint32_t light_count,
                          const passes_options *o, truth_difference *difference, message *m);
 
-/* measurements ------------------------------------------------------------------------------------------------------------------ */
+/* measurements ----------------------------------------------------------------------------------------------------------------- */
 
 typedef struct drawn_frame {
     camera_pose  camera;

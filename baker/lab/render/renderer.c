@@ -60,7 +60,7 @@ static vxs_gl_function lookup(const char *name, void *user)
     return (vxs_gl_function)((const gl_context *)user)->lookup(name);
 }
 
-/* As floats the greatest is 1: exposure does the rest. Beside them the cosine of a spot light's inner cone. */
+/* As floats, scaled so that the greatest is 1; the fourth number is the cosine of a spot light's inner cone. */
 static vxs_result put_colours(renderer *r, const scene *s, const vxs_baked_light *const *lights, message *m)
 {
     double most     = 0;
@@ -139,8 +139,6 @@ static vxs_result put_shadows(renderer *r, const vxs_baked_light *const *lights,
     vxs_gl_upload(r->shadows, SIZE_MAX);
     return VXS_OK;
 }
-
-/* ------------------------------------------------------------------------------------------------------------------------------ */
 
 /* Without fog, make clear air: area lights, a sky and smoke need its frame. */
 static vxs_result make_fog(renderer *r, message *m)

@@ -166,7 +166,7 @@ vxs_result renderer_read_through(renderer *r, float *left, message *m)
     return r->gl->GetError() == GL_NO_ERROR ? VXS_OK : fail(m, VXS_E_GL, "OpenGL cannot give back a picture");
 }
 
-/* the mesh of a light ----------------------------------------------------------------------------------------------------------- */
+/* the mesh of a light ---------------------------------------------------------------------------------------------------------- */
 
 enum { MESH_BINDING = 5 };
 

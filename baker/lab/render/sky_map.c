@@ -40,7 +40,7 @@ static vxs_result make_map(sky_map *map, const sky_file *file, uint32_t wide_px,
     return map->radiance ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory for the sky of '%s'", file->name);
 }
 
-/* PNG --------------------------------------------------------------------------------------------------------------------------- */
+/* PNG -------------------------------------------------------------------------------------------------------------------------- */
 
 static int is_png(const sky_file *file)
 {
@@ -48,7 +48,7 @@ static int is_png(const sky_file *file)
     return file->end - file->bytes >= 8 && !memcmp(file->bytes, magic, sizeof magic);
 }
 
-/* Radiance ---------------------------------------------------------------------------------------------------------------------- */
+/* Radiance --------------------------------------------------------------------------------------------------------------------- */
 
 enum { LINE_BYTES = 1024, RUNS_WIDE_MIN = 8, RUN = 128 };
 

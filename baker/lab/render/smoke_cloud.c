@@ -14,7 +14,7 @@ EMBEDDED(smoke_light_frag_glsl)
 EMBEDDED(smoke_quads_glsl)
 EMBEDDED(capsule_glsl)
 
-/* quads ------------------------------------------------------------------------------------------------------------------------- */
+/* quads ------------------------------------------------------------------------------------------------------------------------ */
 
 typedef struct quad_order {
     double   metres; /* from the eye to its middle */
@@ -131,7 +131,7 @@ void smoke_quads_make(smoke_quads *q, const scene_smoke *smoke, const smoke_eye 
     }
 }
 
-/* drawing ----------------------------------------------------------------------------------------------------------------------- */
+/* drawing ---------------------------------------------------------------------------------------------------------------------- */
 
 /* Bindings; and the width of the texture with the lights of corners. */
 enum {

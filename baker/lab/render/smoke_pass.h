@@ -62,7 +62,7 @@ vxs_result smoke_pass_ask(const smoke_pass *pass, GLuint places, uint32_t count,
 /* The map of a light that the last frame's smoke dims; else NULL. */
 const vxs_transmittance_map *smoke_pass_map(const smoke_pass *pass, uint32_t light);
 
-/* smoke as the eye sees it: capsules from back to front, each by a quad that covers it, facing the eye -------------------------- */
+/* smoke as the eye sees it: capsules from back to front, each by a quad that covers it, facing the eye ------------------------- */
 
 /* Layout as in smoke_quads.glsl. Positions are in metres relative to the eye. */
 typedef struct drawn_capsule {

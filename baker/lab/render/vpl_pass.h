@@ -11,7 +11,7 @@
 #include "runtime/gl/vxs_gl.h"
 #include "runtime/volumes/vxs_area_light.h"
 
-/* virtual lights: their shadows, cast by points of a scene, their airlight, and their light on surfaces ------------------------- */
+/* virtual lights: their shadows, cast by points of a scene, their airlight, and their light on surfaces ------------------------ */
 
 #define AREA_GATHER_CHOICES "each|ninths|quarter" /* words of vxs_area_gather, in that order */
 extern const char *const area_gather_names[];
@@ -71,7 +71,7 @@ void vpl_pass_add_light(const vpl_pass *pass, double exposure);
  * disables blending. */
 void vpl_pass_begin_adding(const vpl_pass *pass, GLuint program);
 
-/* area lights ------------------------------------------------------------------------------------------------------------------- */
+/* area lights ------------------------------------------------------------------------------------------------------------------ */
 
 typedef struct area_pass_options {
     vpl_pass_options lit;   /* the receivers; its scene has area lights, and outlives the pass */
@@ -112,7 +112,7 @@ void area_pass_add_light(const area_pass *pass);
 void area_pass_add_glow(const area_pass *pass, const float clip_from_scene[16], unsigned depths, const double eye_ws[3],
                         double exposure);
 
-/* a sky ------------------------------------------------------------------------------------------------------------------------- */
+/* a sky ------------------------------------------------------------------------------------------------------------------------ */
 
 typedef struct sky_pass_options {
     vpl_pass_options lit;           /* the receivers */

@@ -38,7 +38,7 @@ struct truth {
     double        *area_sums; /* [triangle_count] in unit space: cumulative sums, each including its triangle */
 };
 
-/* -- building -------------------------------------------------------------------------------------------- */
+/* building --------------------------------------------------------------------------------------------------------------------- */
 
 static const double *corner(const casters *c, size_t triangle, int i)
 {
@@ -197,7 +197,7 @@ void truth_lift(const truth *t, const double point_ws[3], const double normal_ws
     vec3_mad(point_ws, LIFT * 2 * t->radius, normal_ws, lifted_ws);
 }
 
-/* -- rays ------------------------------------------------------------------------------------------------ */
+/* rays ------------------------------------------------------------------------------------------------------------------------- */
 
 static double segment_distance2(const double a[3], const double b[3])
 {
@@ -459,7 +459,7 @@ int truth_first_hit(const truth *t, const double origin_ws[3], const double dire
     return 1;
 }
 
-/* -- inside ---------------------------------------------------------------------------------------------- */
+/* inside ----------------------------------------------------------------------------------------------------------------------- */
 
 /* Signed crossings along one ray. A ray that passes an edge within the rounding error may cross both of its triangles instead of
  * one; such a ray is doubtful, and another direction is tried. */
@@ -527,7 +527,7 @@ int truth_inside_solid(const truth *t, const double point_ws[3])
     return votes[0] != votes[1] ? votes[1] > votes[0] : doubtful_votes[1] > doubtful_votes[0];
 }
 
-/* -- surface points -------------------------------------------------------------------------------------- */
+/* surface points --------------------------------------------------------------------------------------------------------------- */
 
 /* A point of the triangles, ignoring holes. Returns 0 in a hole. */
 static int draw_surface_point(const truth *t, const double uniforms[3], double point_ws[3], size_t *triangle)
