@@ -9,6 +9,14 @@
 #include "baker/base/vec3.h"
 #include "baker/files/json_value.h"
 
+/* An object with a count for each name. */
+static json_t *counts_json(const char *const *names, const uint32_t *counts, int count)
+{
+    json_t *o = json_object();
+    for (int n = 0; n < count; n++) json_set(&o, names[n], json_integer(counts[n]));
+    return o;
+}
+
 /* fog -------------------------------------------------------------------------------------------------------------------------- */
 
 const char *const fog_by_names[] = {"march", "angles", "intervals", "mesh", "grid"};
@@ -87,18 +95,14 @@ void fog_plan_print(FILE *to, const fog_plan *plan, fog_by by, const fog_light_p
 
 json_t *fog_plan_counts(const fog_plan *plan)
 {
-    json_t *o = json_object();
-    for (int n = 0; n < FOG_FATES; n++) json_set(&o, fog_fate_names[n], json_integer(plan->lights[n]));
-    return o;
+    return counts_json(fog_fate_names, plan->lights, FOG_FATES);
 }
 
 json_t *fog_plan_lights(const fog_light_plan *lights, const vxs_baked_light *const *names, uint32_t light_count)
 {
     json_t *list = json_array();
     for (uint32_t n = 0; n < light_count; n++) {
-        json_t *o = json_object();
-        json_set(&o, "light", json_text(names[n]->light.name));
-        json_set(&o, "fate", json_text(fog_fate_names[lights[n].fate]));
+        json_t *o = json_pack("{s:o, s:s}", "light", json_text(names[n]->light.name), "fate", fog_fate_names[lights[n].fate]);
         if (lights[n].fate == FOG_DRAWN) {
             json_set(&o, "by", json_text(fog_by_names[lights[n].by]));
             if (lights[n].why) json_set(&o, "why", json_text(lights[n].why));
@@ -115,10 +119,7 @@ json_t *fog_plan_left_out(const fog_plan *plan, fog_by by, uint32_t light_count)
     json_t    *list = json_array();
     fog_plan_savings(plan, by, light_count, savings);
     for (const fog_saving *s = savings; s < savings + FOG_SAVINGS && *s->left_out; s++) {
-        json_t *o = json_object();
-        json_set(&o, "what", json_text(s->left_out));
-        json_set(&o, "reason", json_text(s->reason));
-        json_append(&list, o);
+        json_append(&list, json_pack("{s:s, s:s}", "what", s->left_out, "reason", s->reason));
     }
     return list;
 }
@@ -148,8 +149,7 @@ void smoke_plan_print(FILE *to, const smoke_plan *plan, uint32_t capsules, uint3
 
 json_t *smoke_plan_counts(const smoke_plan *plan)
 {
-    json_t *o = json_object();
-    for (int n = 0; n < SMOKE_FATES; n++) json_set(&o, smoke_fate_names[n], json_integer(plan->lights[n]));
+    json_t *o = counts_json(smoke_fate_names, plan->lights, SMOKE_FATES);
     json_set(&o, "built", json_integer(plan->built));
     return o;
 }
@@ -158,9 +158,7 @@ json_t *smoke_plan_lights(const smoke_light_plan *lights, const vxs_baked_light 
 {
     json_t *list = json_array();
     for (uint32_t n = 0; n < light_count; n++) {
-        json_t *o = json_object();
-        json_set(&o, "light", json_text(names[n]->light.name));
-        json_set(&o, "fate", json_text(smoke_fate_names[lights[n].fate]));
+        json_t *o = json_pack("{s:o, s:s}", "light", json_text(names[n]->light.name), "fate", smoke_fate_names[lights[n].fate]);
         if (lights[n].fate == SMOKE_DIMS) {
             json_set(&o, "segments", json_integer(lights[n].segments));
             json_set(&o, "merged", json_integer(lights[n].merged));
@@ -187,21 +185,13 @@ static void vpl_plan_print(FILE *to, const vpl_words *w)
     if (w->baked_smoke) fprintf(to, "baked smoke is left out: the file has it for its own lights alone\n");
 }
 
-static json_t *vpl_smoke_json(const vpl_words *w)
-{
-    json_t *o = json_object();
-    json_set(&o, "capsules", json_integer(w->capsules));
-    json_set(&o, "side_px", json_integer(w->smoke_side));
-    return o;
-}
-
 /* Members of an object. */
 static void vpl_plan_json(json_t **o, const vpl_words *w)
 {
     json_set(o, "gather", json_text(w->gather));
     json_set(o, "points", json_integer(w->points));
     json_set(o, "points_of", json_text(w->baked ? "asset" : "scene"));
-    if (w->capsules) json_set(o, "smoke", vpl_smoke_json(w));
+    if (w->capsules) json_set(o, "smoke", json_pack("{s:i, s:i}", "capsules", (int)w->capsules, "side_px", (int)w->smoke_side));
     json_set(o, "baked_smoke_left_out", json_boolean(w->baked_smoke));
 }
 
@@ -244,22 +234,15 @@ void area_plan_print(FILE *to, const area_plan *plan, const area_words *w, int v
 
 json_t *area_plan_counts(const area_plan *plan)
 {
-    json_t *o = json_object();
-    for (int n = 0; n < AREA_FATES; n++) json_set(&o, area_fate_names[n], json_integer(plan->areas[n]));
-    return o;
+    return counts_json(area_fate_names, plan->areas, AREA_FATES);
 }
 
 json_t *area_plan_json(const area_plan *plan, const area_words *w)
 {
-    json_t *o = json_object(), *lights = json_array();
-    for (size_t n = 0; n < w->scene->area_count; n++) {
-        json_t *light = json_object();
-        json_set(&light, "node", json_text(name_of(w->scene, &w->scene->areas[n])));
-        json_set(&light, "fate", json_text(area_fate_names[w->shares[n].fate]));
-        json_set(&light, "lamps", json_integer(w->shares[n].lamps));
-        json_append(&lights, light);
-    }
-    json_set(&o, "lamps", json_integer(plan->lamps));
+    json_t *o = json_pack("{s:i}", "lamps", (int)plan->lamps), *lights = json_array();
+    for (size_t n = 0; n < w->scene->area_count; n++)
+        json_append(&lights, json_pack("{s:o, s:s, s:i}", "node", json_text(name_of(w->scene, &w->scene->areas[n])), "fate",
+                                       area_fate_names[w->shares[n].fate], "lamps", (int)w->shares[n].lamps));
     vpl_plan_json(&o, &w->lit);
     json_set(&o, "lights", lights);
     json_set(&o, "dim_triangles", json_integer((json_int_t)w->scene->dim_count));
@@ -282,13 +265,8 @@ void sky_plan_print(FILE *to, const sky_words *w, int verbose)
 
 json_t *sky_plan_json(const sky_words *w)
 {
-    json_t *o = json_object();
-    json_set(&o, "path", json_text(w->path));
-    json_set(&o, "width_px", json_integer(w->wide_px));
-    json_set(&o, "height_px", json_integer(w->high_px));
-    json_set(&o, "light", json_real(w->light));
-    json_set(&o, "turn_degrees", json_real(w->turn_degrees));
-    json_set(&o, "lamps", json_integer(w->lamps));
+    json_t *o = json_pack("{s:o, s:i, s:i, s:f, s:f, s:i}", "path", json_text(w->path), "width_px", (int)w->wide_px, "height_px",
+                          (int)w->high_px, "light", w->light, "turn_degrees", w->turn_degrees, "lamps", (int)w->lamps);
     vpl_plan_json(&o, &w->lit);
     return o;
 }

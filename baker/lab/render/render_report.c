@@ -81,31 +81,23 @@ static json_t *stream_json(const drawn_frame *d)
     return o;
 }
 
-static json_t *moving_json(const moving_plan *plan)
-{
-    json_t *o = json_object();
-    json_set(&o, "lights", json_integer(plan->lights));
-    json_set(&o, "maps", json_integer(plan->maps));
-    json_set(&o, "left_out", json_integer(plan->left_out));
-    return o;
-}
-
 static json_t *frame_json(const render_report *r, const drawn_frame *d)
 {
-    json_t *o = json_object(), *stages = json_object();
+    const render_frame *f      = &d->frame;
+    json_t             *stages = json_object();
     for (int n = 0; n < RENDER_STAGES; n++)
-        if (has_stage(r, n)) json_set(&stages, render_stage_names[n], milliseconds(d->frame.seconds[n]));
-    json_set(&o, "eye", json_vector(d->camera.eye_ws));
-    json_set(&o, "target", json_vector(d->camera.target_ws));
-    json_set(&o, "ms", stages);
-    json_set(&o, "total_ms", milliseconds(total_of(&d->frame)));
-    json_set(&o, "surface_samples", json_integer((json_int_t)d->frame.surface_pixels));
-    json_set(&o, "lights_per_sample", json_real(rounded(lights_per_pixel(&d->frame), 4)));
-    json_set(&o, "longest_list", json_integer(d->frame.longest_list));
-    if (r->options->fog) json_set(&o, "fog_lights", fog_plan_counts(&d->frame.fog));
-    if (r->options->moving) json_set(&o, "moving", moving_json(&d->frame.moving));
-    if (r->facts->smoke_lights) json_set(&o, "smoke_lights", smoke_plan_counts(&d->frame.smoke));
-    if (r->areas) json_set(&o, "area_lights", area_plan_counts(&d->frame.area));
+        if (has_stage(r, n)) json_set(&stages, render_stage_names[n], milliseconds(f->seconds[n]));
+    json_t *o = json_pack("{s:o, s:o, s:o, s:o, s:I, s:f, s:i}", "eye", json_vector(d->camera.eye_ws), "target",
+                          json_vector(d->camera.target_ws), "ms", stages, "total_ms", milliseconds(total_of(f)), "surface_samples",
+                          (json_int_t)f->surface_pixels, "lights_per_sample", rounded(lights_per_pixel(f), 4), "longest_list",
+                          (int)f->longest_list);
+    if (r->options->fog) json_set(&o, "fog_lights", fog_plan_counts(&f->fog));
+    if (r->options->moving)
+        json_set(&o, "moving",
+                 json_pack("{s:i, s:i, s:i}", "lights", (int)f->moving.lights, "maps", (int)f->moving.maps, "left_out",
+                           (int)f->moving.left_out));
+    if (r->facts->smoke_lights) json_set(&o, "smoke_lights", smoke_plan_counts(&f->smoke));
+    if (r->areas) json_set(&o, "area_lights", area_plan_counts(&f->area));
     if (r->budget_bytes) json_set(&o, "stream", stream_json(d));
     return o;
 }
@@ -129,26 +121,14 @@ static json_t *median_json(const render_report *r)
     return o;
 }
 
-static json_t *difference_json(const truth_difference *d)
-{
-    json_t *o = json_object();
-    json_set(&o, "samples", json_integer((json_int_t)d->asked));
-    json_set(&o, "mean", json_real(rounded(d->mean, 4)));
-    json_set(&o, "too_dark", json_integer((json_int_t)d->too_dark));
-    json_set(&o, "too_light", json_integer((json_int_t)d->too_light));
-    return o;
-}
-
 static json_t *fog_json(const render_report *r)
 {
     const render_options *o    = r->options;
     const fog_plan       *last = &r->frames[r->frame_count - 1].frame.fog;
-    json_t               *fog  = json_object();
-    json_set(&fog, "extinction_per_metre", json_vector(o->fog->extinction));
-    json_set(&fog, "scattering_per_metre", json_vector(o->fog->scattering));
-    json_set(&fog, "anisotropy", json_real(o->fog->anisotropy));
-    json_set(&fog, "top_metres", o->fog->top_ws < INFINITY ? json_real(o->fog->top_ws) : json_null());
-    json_set(&fog, "by", json_text(fog_by_names[o->fog_by]));
+    json_t               *top  = o->fog->top_ws < INFINITY ? json_real(o->fog->top_ws) : json_null();
+    json_t               *fog  = json_pack("{s:o, s:o, s:f, s:o, s:s}", "extinction_per_metre", json_vector(o->fog->extinction),
+                                           "scattering_per_metre", json_vector(o->fog->scattering), "anisotropy", o->fog->anisotropy, "top_metres",
+                                           top, "by", fog_by_names[o->fog_by]);
     if (o->moving || r->facts->smoke_lights || last->by_angles || o->fog_by == FOG_BY_MARCH || o->fog_by == FOG_BY_ANGLES)
         json_set(&fog, "steps", json_integer(o->fog_steps));
     if (r->facts->fog_grid) json_set(&fog, "grid", json_integer(r->facts->fog_grid));
@@ -157,34 +137,22 @@ static json_t *fog_json(const render_report *r)
     return fog;
 }
 
-static json_t *smoke_json(const render_report *r)
-{
-    json_t *smoke = json_object();
-    json_set(&smoke, "capsules", json_integer(r->capsules));
-    json_set(&smoke, "side_px", json_integer(r->options->smoke_side));
-    json_set(&smoke, "lights", smoke_plan_lights(r->facts->smoke_lights, r->lights, r->light_count));
-    return smoke;
-}
-
 json_t *render_report_json(const render_report *r)
 {
-    json_t *o = json_object(), *frames = json_array();
+    const render_options *q      = r->options;
+    json_t               *frames = json_array();
     for (size_t n = 0; n < r->frame_count; n++) json_append(&frames, frame_json(r, &r->frames[n]));
-    json_set(&o, "generator", json_text("vxs " VXS_VERSION));
-    json_set(&o, "scene", json_text(r->scene_path));
-    json_set(&o, "asset", json_text(r->asset_path));
-    json_set(&o, "renderer", json_text(r->facts->name));
-    json_set(&o, "width_px", json_integer(r->options->width_px));
-    json_set(&o, "height_px", json_integer(r->options->height_px));
-    json_set(&o, "samples", json_integer(r->options->samples));
-    json_set(&o, "filter_px", json_integer(r->options->filter_px % VXS_SMOOTH));
-    json_set(&o, "smooth", json_boolean(r->options->filter_px >= VXS_SMOOTH));
-    json_set(&o, "lights", json_integer(r->light_count));
-    json_set(&o, "culling", json_boolean(r->facts->culls));
-    json_set(&o, "word_bytes", json_integer((json_int_t)r->word_bytes));
+    json_t *o = json_pack("{s:s, s:o, s:o, s:o, s:i, s:i, s:i, s:i, s:b, s:i, s:b, s:I}", "generator", "vxs " VXS_VERSION, "scene",
+                          json_text(r->scene_path), "asset", json_text(r->asset_path), "renderer", json_text(r->facts->name),
+                          "width_px", (int)q->width_px, "height_px", (int)q->height_px, "samples", (int)q->samples, "filter_px",
+                          q->filter_px % VXS_SMOOTH, "smooth", q->filter_px >= VXS_SMOOTH, "lights", (int)r->light_count, "culling",
+                          r->facts->culls, "word_bytes", (json_int_t)r->word_bytes);
     if (r->options->fog) json_set(&o, "fog", fog_json(r));
     if (r->moving_path) json_set(&o, "moving", json_text(r->moving_path));
-    if (r->facts->smoke_lights) json_set(&o, "smoke", smoke_json(r));
+    if (r->facts->smoke_lights)
+        json_set(&o, "smoke",
+                 json_pack("{s:i, s:i, s:o}", "capsules", (int)r->capsules, "side_px", (int)q->smoke_side, "lights",
+                           smoke_plan_lights(r->facts->smoke_lights, r->lights, r->light_count)));
     if (r->areas) json_set(&o, "area", area_plan_json(&r->frames[r->frame_count - 1].frame.area, r->areas));
     if (r->sky) json_set(&o, "sky", sky_plan_json(r->sky));
     if (r->budget_bytes) {
@@ -193,7 +161,11 @@ json_t *render_report_json(const render_report *r)
     }
     json_set(&o, "frames", frames);
     json_set(&o, "median_ms", median_json(r));
-    if (r->difference) json_set(&o, "difference", difference_json(r->difference));
+    const truth_difference *d = r->difference;
+    if (d)
+        json_set(&o, "difference",
+                 json_pack("{s:I, s:f, s:I, s:I}", "samples", (json_int_t)d->asked, "mean", rounded(d->mean, 4), "too_dark",
+                           (json_int_t)d->too_dark, "too_light", (json_int_t)d->too_light));
     return o;
 }
 
