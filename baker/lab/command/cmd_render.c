@@ -20,7 +20,7 @@ enum {
     SAMPLES_SIDE_MAX = 16384,
     TILE_LIGHTS      = 255,
     UPLOAD_BYTES     = 1 << 20,
-    AREA_LAMPS       = 64,
+    AREA_VPLS        = 64,
     SMOKE_SIDE_MIN   = 16,
     SMOKE_SIDE_MAX   = 2048,
     FRAMES           = 60,
@@ -72,8 +72,8 @@ static vxs_result check_options(const render_command *c, message *m)
     if (r != VXS_OK) return r;
     if (c->fog.by == FOG_BY_MESH && c->budget_given)
         return fail(m, VXS_E_ARGUMENT, "--fog-by mesh goes without --budget: it is made once, of all of the file");
-    if (c->gather_given && !o->area_lamps) return fail(m, VXS_E_ARGUMENT, "--area-gather needs area lights: --area 1 or more");
-    if (c->sky_path && !o->area_lamps) return fail(m, VXS_E_ARGUMENT, "--sky needs virtual lights: --area 1 or more");
+    if (c->gather_given && !o->area_vpls) return fail(m, VXS_E_ARGUMENT, "--area-gather needs area lights: --area 1 or more");
+    if (c->sky_path && !o->area_vpls) return fail(m, VXS_E_ARGUMENT, "--sky needs virtual lights: --area 1 or more");
     if (!c->sky_path && (c->sky_light_given || c->sky_turn_given))
         return fail(m, VXS_E_ARGUMENT, "%s needs --sky", c->sky_light_given ? "--sky-light" : "--sky-turn");
     const char *other = c->camera.eye_given ? "--eye"
@@ -99,7 +99,7 @@ static vxs_result open_asset(render_command *c, subject *s, const vxs_contents *
     vxs_result r;
     *contents = &s->stream.contents;
     if (c->budget_given) {
-        r = asset_stream_open(&s->stream, c->asset_path, c->budget_bytes, &c->light_names, c->options.area_lamps > 0, s->lights,
+        r = asset_stream_open(&s->stream, c->asset_path, c->budget_bytes, &c->light_names, c->options.area_vpls > 0, s->lights,
                               s->smoke, &s->light_count, m);
         c->options.stream      = s->stream.stream;
         c->options.area_points = s->stream.points.coordinates ? &s->stream.points : NULL;
@@ -235,7 +235,7 @@ static vxs_result run(void *command, message *m)
     c->options.fog_steps           = c->fog.steps;
     c->options.fog_grid            = c->fog.grid;
     c->options.smoke_side_is_asked = c->smoke_side_given;
-    c->choice.areas                = c->draw == DRAW_GL && c->options.area_lamps;
+    c->choice.areas                = c->draw == DRAW_GL && c->options.area_vpls;
     if (r == VXS_OK) r = load(c, s, m);
     if (r == VXS_OK) r = output_file_open(&out, c->out, m);
     if (r == VXS_OK) r = render_draw(c, s, &out, m);
@@ -257,7 +257,7 @@ static vxs_result run(void *command, message *m)
 /* clang-format off */
 /* Area lights and the sky. */
 #define VPL_ROWS(c)                                                                                                                \
-    {"--area", OPTION_U32, &(c).options.area_lamps, 0, VXS_VPLS_MAX, NULL, "N",                                                    \
+    {"--area", OPTION_U32, &(c).options.area_vpls, 0, VXS_VPLS_MAX, NULL, "N",                                                    \
      "with OpenGL: virtual lights on what shines in the scene, parallelograms of two triangles; 0 to 256, 0: they do not shine "   \
      "(default 64)",                                                                                                               \
      &(c).area_given},                                                                                                             \
@@ -297,7 +297,7 @@ int cmd_render(int argc, char **argv)
                                                      .tile_lights  = TILE_LIGHTS,
                                                      .upload_bytes = UPLOAD_BYTES,
                                                      .smoke_side   = SMOKE_SIDE,
-                                                     .area_lamps   = AREA_LAMPS,
+                                                     .area_vpls    = AREA_VPLS,
                                                      .area_gather  = VXS_AREA_QUARTER,
                                                      .sky_light    = 1,
                                                      .threads      = parallel_default_threads()},

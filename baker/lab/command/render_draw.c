@@ -123,22 +123,21 @@ static vxs_result report_frames(const render_command *c, const subject *s, const
 {
     render_facts     facts = renderer_facts(drawn);
     const area_pass *lit   = facts.areas;
-    area_words       areas = {
-              .scene = &s->scene, .shares = lit ? lit->shares : NULL, .lit = words_of_vpls(c, s, lit ? lit->lamps : NULL)};
-    sky_words     sky    = {.path         = c->sky_path,
-                            .wide_px      = s->sky.wide_px,
-                            .high_px      = s->sky.high_px,
-                            .light        = c->options.sky_light,
-                            .turn_degrees = c->options.sky_turn_degrees,
-                            .lamps        = c->options.area_lamps,
-                            .lit          = words_of_vpls(c, s, facts.sky ? facts.sky->lamps : NULL)};
+    area_words areas = {.scene = &s->scene, .shares = lit ? lit->shares : NULL, .lit = words_of_vpls(c, s, lit ? lit->vpls : NULL)};
+    sky_words  sky   = {.path         = c->sky_path,
+                        .wide_px      = s->sky.wide_px,
+                        .high_px      = s->sky.high_px,
+                        .light        = c->options.sky_light,
+                        .turn_degrees = c->options.sky_turn_degrees,
+                        .vpls         = c->options.area_vpls,
+                        .lit          = words_of_vpls(c, s, facts.sky ? facts.sky->vpls : NULL)};
     render_report report = {.scene_path   = c->scene_path,
                             .asset_path   = c->asset_path,
                             .moving_path  = c->moving_path,
                             .options      = &c->options,
                             .facts        = &facts,
                             .capsules     = s->scene.smoke.count,
-                            .areas        = lit || (c->area_given && c->options.area_lamps && !c->sky_path) ? &areas : NULL,
+                            .areas        = lit || (c->area_given && c->options.area_vpls && !c->sky_path) ? &areas : NULL,
                             .sky          = c->sky_path ? &sky : NULL,
                             .lights       = s->lights,
                             .light_count  = s->light_count,

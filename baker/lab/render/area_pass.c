@@ -35,32 +35,32 @@ static uint32_t brightest(const double *powers, const area_share *shares, uint32
 {
     uint32_t best = count;
     for (uint32_t n = 0; n < count; n++)
-        if (shares[n].fate == AREA_FAINT && powers[n] > 0 && (best == count || powers[n] > powers[best])) best = n;
+        if (shares[n].cull_result == AREA_FAINT && powers[n] > 0 && (best == count || powers[n] > powers[best])) best = n;
     return best;
 }
 
 /* Distribute virtual lights by power to the parallelograms that are not behind the view, in descending order of power. Each gets
  * at least one, until none is left.
  * powers  [count]
- * shares  [count] in: fate AREA_BEHIND or any other; out: the decisions */
-static void area_plan_share(const double *powers, area_share *shares, uint32_t count, uint32_t lamps, area_plan *plan)
+ * shares  [count] in: cull_result AREA_BEHIND or any other; out: the decisions */
+static void area_plan_share(const double *powers, area_share *shares, uint32_t count, uint32_t vpls, area_plan *plan)
 {
     double   all  = 0;
     uint32_t rest = 0;
     *plan         = (area_plan){0};
     for (uint32_t n = 0; n < count; n++) {
-        shares[n] = (area_share){shares[n].fate == AREA_BEHIND ? AREA_BEHIND : AREA_FAINT, 0};
-        if (shares[n].fate == AREA_FAINT) all += powers[n];
-        rest += shares[n].fate == AREA_FAINT && powers[n] > 0;
+        shares[n] = (area_share){shares[n].cull_result == AREA_BEHIND ? AREA_BEHIND : AREA_FAINT, 0};
+        if (shares[n].cull_result == AREA_FAINT) all += powers[n];
+        rest += shares[n].cull_result == AREA_FAINT && powers[n] > 0;
     }
-    for (uint32_t n; plan->lamps < lamps && (n = brightest(powers, shares, count)) < count;) {
-        uint32_t left = lamps - plan->lamps, most = left > rest-- ? left - rest : 1;
+    for (uint32_t n; plan->vpls < vpls && (n = brightest(powers, shares, count)) < count;) {
+        uint32_t left = vpls - plan->vpls, most = left > rest-- ? left - rest : 1;
         double   part = all > powers[n] ? round(left * (powers[n] / all)) : left;
         shares[n]     = (area_share){AREA_DRAWN, (uint32_t)fmin(fmax(part, 1), most)};
-        plan->lamps += shares[n].lamps;
+        plan->vpls += shares[n].vpls;
         all -= powers[n];
     }
-    for (uint32_t n = 0; n < count; n++) plan->areas[shares[n].fate]++;
+    for (uint32_t n = 0; n < count; n++) plan->areas[shares[n].cull_result]++;
 }
 
 /* set-up ----------------------------------------------------------------------------------------------------------------------- */
@@ -77,15 +77,15 @@ static vxs_area_rectangle rectangle_of(const area_pass *p, const scene_area *a, 
     return r;
 }
 
-/* The virtual lights of all parallelograms with a share.   lamps  [out] as many as all shares, `count` */
-static vxs_result place_lamps(const area_pass *p, double exposure, vxs_vpl *lamps, uint32_t *count)
+/* The virtual lights of all parallelograms with a share.   vpls  [out] as many as all shares, `count` */
+static vxs_result place_vpls(const area_pass *p, double exposure, vxs_vpl *vpls, uint32_t *count)
 {
     vxs_result result = VXS_OK;
     *count            = 0;
     for (uint32_t n = 0; n < p->count && result == VXS_OK; n++) {
         vxs_area_rectangle r = rectangle_of(p, &p->options.lit.scene->areas[n], exposure);
-        if (p->shares[n].lamps) result = vxs_area_sample(&r, VXS_AREA_IMPORTANCE, 0, lamps + *count, p->shares[n].lamps);
-        *count += p->shares[n].lamps;
+        if (p->shares[n].vpls) result = vxs_area_sample(&r, VXS_AREA_IMPORTANCE, 0, vpls + *count, p->shares[n].vpls);
+        *count += p->shares[n].vpls;
     }
     return result;
 }
@@ -120,9 +120,9 @@ vxs_result area_pass_create(area_pass **out, const area_pass_options *o, const g
     vpl_pass_options lit = p->options.lit;
     area_plan        plan;
     area_plan_share(p->powers, p->shares, p->count, DENSE, &plan);
-    if (place_lamps(p, 1, dense, &lit.dense_count) != VXS_OK) lit.dense_count = 0; /* the frame reports the reason */
+    if (place_vpls(p, 1, dense, &lit.dense_count) != VXS_OK) lit.dense_count = 0; /* the frame reports the reason */
     lit.dense = dense;
-    if ((r = vpl_pass_create(&p->lamps, &lit, gl, volumes, m)) != VXS_OK) return r;
+    if ((r = vpl_pass_create(&p->vpls, &lit, gl, volumes, m)) != VXS_OK) return r;
     if ((r = gl_program_of(gl, &p->glow_program, glow_glsl, (gl_text){0}, m)) != VXS_OK) return r;
     for (uint32_t n = 0; n < p->count; n++) {
         const scene_area *a    = &p->options.lit.scene->areas[n];
@@ -140,7 +140,7 @@ vxs_result area_pass_create(area_pass **out, const area_pass_options *o, const g
 void area_pass_destroy(area_pass *p)
 {
     if (!p) return;
-    vpl_pass_destroy(p->lamps);
+    vpl_pass_destroy(p->vpls);
     if (p->textures) p->gl->DeleteTextures((GLsizei)p->count, p->textures);
     if (p->glow_program) p->gl->DeleteProgram(p->glow_program);
     free(p->powers);
@@ -153,7 +153,7 @@ void area_pass_destroy(area_pass *p)
 /* frame ------------------------------------------------------------------------------------------------------------------------ */
 
 /* Whether a capsule is, at least partly, in front of a drawn area light. */
-static int is_shone_on(const void *pass, const vxs_capsule *c)
+static int is_reached(const void *pass, const vxs_capsule *c)
 {
     const area_pass *p = pass;
     for (uint32_t n = 0; n < p->count; n++) {
@@ -165,7 +165,7 @@ static int is_shone_on(const void *pass, const vxs_capsule *c)
                 way[i] = (double)(end ? c->end : c->begin)[i] + p->options.lit.middle_ws[i] - a->corner_ws[i];
             most = fmax(most, vec3_dot(way, normal));
         }
-        if (p->shares[n].lamps && most > -(double)c->radius_metres * sqrt(vec3_dot(normal, normal))) return 1;
+        if (p->shares[n].vpls && most > -(double)c->radius_metres * sqrt(vec3_dot(normal, normal))) return 1;
     }
     return 0;
 }
@@ -174,26 +174,27 @@ vxs_result area_pass_draw(area_pass *p, const double eye_ws[3], const camera_vie
                           double far_metres, unsigned normals, double exposure, area_plan *plan, message *m)
 {
     vxs_result r     = VXS_OK;
-    int        moved = vpl_pass_move(p->lamps, moved_ws);
+    int        moved = vpl_pass_move(p->vpls, moved_ws);
     for (uint32_t n = 0; n < p->count; n++)
-        p->next[n].fate = area_is_behind(&p->options.lit.scene->areas[n], eye_ws, seen, far_metres) ? AREA_BEHIND : AREA_FAINT;
-    area_plan_share(p->powers, p->next, p->count, p->options.lit.lamps, plan);
+        p->next[n].cull_result =
+            area_is_behind(&p->options.lit.scene->areas[n], eye_ws, seen, far_metres) ? AREA_BEHIND : AREA_FAINT;
+    area_plan_share(p->powers, p->next, p->count, p->options.lit.vpls, plan);
     int same = exposure == p->exposure && !memcmp(p->shares, p->next, p->count * sizeof *p->next);
     memcpy(p->shares, p->next, p->count * sizeof *p->next);
-    if (plan->lamps && (moved || !same)) {
-        vxs_vpl  lamps[VXS_VPLS_MAX];
+    if (plan->vpls && (moved || !same)) {
+        vxs_vpl  vpls[VXS_VPLS_MAX];
         uint32_t count;
-        r = place_lamps(p, exposure, lamps, &count);
-        if (r == VXS_OK) r = vpl_pass_set(p->lamps, lamps, count, is_shone_on, p);
+        r = place_vpls(p, exposure, vpls, &count);
+        if (r == VXS_OK) r = vpl_pass_set(p->vpls, vpls, count, is_reached, p);
         p->exposure = r == VXS_OK ? exposure : 0;
     }
-    if (r == VXS_OK && plan->lamps) r = vpl_pass_draw(p->lamps, eye_ws, normals);
+    if (r == VXS_OK && plan->vpls) r = vpl_pass_draw(p->vpls, eye_ws, normals);
     return r == VXS_OK ? VXS_OK : fail(m, r, "area lights cannot be drawn: %s", vxs_result_text(r));
 }
 
 void area_pass_add_light(const area_pass *p)
 {
-    vpl_pass_add_light(p->lamps, p->exposure);
+    vpl_pass_add_light(p->vpls, p->exposure);
 }
 
 static void set_vector(const gl_context *gl, GLuint program, const char *name, const float v[3])
@@ -206,7 +207,7 @@ void area_pass_add_glow(const area_pass *p, const float clip_from_scene[16], uns
 {
     const gl_context *gl      = p->gl;
     GLuint            program = p->glow_program;
-    vpl_pass_begin_adding(p->lamps, program);
+    vpl_pass_begin_adding(p->vpls, program);
     gl->ProgramUniformMatrix4fv(program, gl->GetUniformLocation(program, "clip_from_scene"), 1, GL_FALSE, clip_from_scene);
     gl->BindTextureUnit(0, depths);
     for (uint32_t n = 0; n < p->count; n++) {

@@ -173,11 +173,11 @@ static vxs_result draw_light(fog_pass *p, const vxs_volumes_light *light, const 
     return vxs_volumes_intervals_in_pieces(p->volumes, light);
 }
 
-static vxs_volumes_light light_of(const fog_pass *p, uint32_t n, const fog_shine *shine, double exposure)
+static vxs_volumes_light light_of(const fog_pass *p, uint32_t n, const light_emission *emission, double exposure)
 {
     const double      radius = 5e-4 * p->options.size_metres; /* airlight is unbounded on a ray through a point light */
-    vxs_volumes_light light  = {.baked = n, .cos_inner = (float)shine->cos_inner, .radius_metres = (float)radius};
-    for (int k = 0; k < 3; k++) light.colour[k] = (float)(exposure * shine->colour[k]);
+    vxs_volumes_light light  = {.baked = n, .cos_inner = (float)emission->cos_inner, .radius_metres = (float)radius};
+    for (int k = 0; k < 3; k++) light.colour[k] = (float)(exposure * emission->colour[k]);
     return light;
 }
 
@@ -191,12 +191,12 @@ static int fainter(const void *a, const void *b)
 /* Choose lights to leave out, faintest first, as long as their sum is at most half of the allowed error, FOG_FAINTEST. The other
  * half is shared equally by the remaining lights: each may skip pixels below its share.
  * least  [out] of each light, as in vxs_volumes_light */
-static void choose_faint(fog_pass *p, const fog_shine *shines, double exposure, float *least)
+static void choose_faint(fog_pass *p, const light_emission *emissions, double exposure, float *least)
 {
     uint32_t count = vxs_gl_light_count(p->shadows), faint = 0;
     double   sum = 0;
     for (uint32_t n = 0; n < count; n++) {
-        vxs_volumes_light light = light_of(p, n, &shines[n], exposure);
+        vxs_volumes_light light = light_of(p, n, &emissions[n], exposure);
         p->faint[n]             = (faint_light){n, vxs_volumes_most(p->volumes, &light)};
     }
     qsort(p->faint, count, sizeof *p->faint, fainter);
@@ -214,18 +214,19 @@ static vxs_result add_light(fog_pass *p, vxs_volumes_light light, const moving_p
     uint32_t           n = light.baked, caster_count = moving ? moving_pass_casters(moving, n, casters) : 0;
     vxs_result         result = VXS_OK;
 
-    static const fog_fate fates[] = {[VXS_NOT_CULLED]       = FOG_DRAWN,
-                                     [VXS_CULLED_FAINT]     = FOG_FAINT,
-                                     [VXS_CULLED_OFFSCREEN] = FOG_OUT_OF_VIEW,
-                                     [VXS_CULLED_CLEAR]     = FOG_CLEAR};
-    vxs_pixels            pixels;
-    fog_fate              fate = fates[vxs_volumes_cull(p->volumes, &light, &pixels)];
-    double                all  = (double)p->options.width * p->options.height;
-    p->lights[n]               = (fog_light_plan){
-                      .fate = fate, .share = fate == FOG_DRAWN ? (double)pixels.wide_px * pixels.high_px / all : 0, .by = p->options.by};
+    static const fog_cull_result cull_results[] = {[VXS_NOT_CULLED]       = FOG_DRAWN,
+                                                   [VXS_CULLED_FAINT]     = FOG_FAINT,
+                                                   [VXS_CULLED_OFFSCREEN] = FOG_OUT_OF_VIEW,
+                                                   [VXS_CULLED_CLEAR]     = FOG_CLEAR};
+    vxs_pixels                   pixels;
+    fog_cull_result              cull_result = cull_results[vxs_volumes_cull(p->volumes, &light, &pixels)];
+    double                       all         = (double)p->options.width * p->options.height;
+    p->lights[n]                             = (fog_light_plan){.cull_result = cull_result,
+                                                                .share       = cull_result == FOG_DRAWN ? (double)pixels.wide_px * pixels.high_px / all : 0,
+                                                                .by          = p->options.by};
 
-    plan->lights[p->lights[n].fate]++;
-    if (p->lights[n].fate != FOG_DRAWN) return VXS_OK;
+    plan->lights[p->lights[n].cull_result]++;
+    if (p->lights[n].cull_result != FOG_DRAWN) return VXS_OK;
     p->last     = n;
     light.smoke = smoke ? smoke_pass_map(smoke, n) : NULL;
 
@@ -270,17 +271,17 @@ vxs_result fog_pass_begin(fog_pass *p, const vxs_view *view, unsigned depths, co
     return result == VXS_OK ? VXS_OK : fail(m, result, "fog cannot be drawn: %s", vxs_result_text(result));
 }
 
-vxs_result fog_pass_draw(fog_pass *p, const fog_shine *shines, const moving_pass *moving, const smoke_pass *smoke, double exposure,
-                         fog_plan *plan, message *m)
+vxs_result fog_pass_draw(fog_pass *p, const light_emission *emissions, const moving_pass *moving, const smoke_pass *smoke,
+                         double exposure, fog_plan *plan, message *m)
 {
     uint32_t   count  = vxs_gl_light_count(p->shadows);
     float     *least  = malloc((count + 1) * sizeof *least);
     vxs_result result = least ? VXS_OK : VXS_E_MEMORY;
     *plan             = (fog_plan){0};
     p->last           = UINT32_MAX;
-    if (least) choose_faint(p, shines, exposure, least);
+    if (least) choose_faint(p, emissions, exposure, least);
     for (uint32_t n = 0; n < count && result == VXS_OK; n++) {
-        vxs_volumes_light light = light_of(p, n, &shines[n], exposure);
+        vxs_volumes_light light = light_of(p, n, &emissions[n], exposure);
         light.min_radiance      = least[n];
         result                  = add_light(p, light, moving, smoke, plan, m);
     }

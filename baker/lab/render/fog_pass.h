@@ -23,10 +23,10 @@ typedef struct fog_pass_options {
 } fog_pass_options;
 
 /* Properties of a light, in addition to its shadows in libvxs_gl. */
-typedef struct fog_shine {
+typedef struct light_emission {
     double colour[3]; /* as for vxs_volumes_light */
     double cos_inner;
-} fog_shine;
+} light_emission;
 
 /* A light, and the maximum of its airlight on any ray. */
 typedef struct faint_light {
@@ -61,9 +61,9 @@ vxs_result fog_pass_begin(fog_pass *pass, const vxs_view *view, unsigned depths,
                           message *m);
 
 /* Add the airlight of lights, and blend fog over the linear picture in the current framebuffer.
- * shines   [lights of shadows];   exposure  factor on their colours;   plan  [out]
+ * emissions   [lights of shadows];   exposure  factor on their colours;   plan  [out]
  * moving   moving casters: lights that meet them are drawn by maps joined with theirs, not by intervals or meshes; NULL: none */
-vxs_result fog_pass_draw(fog_pass *pass, const fog_shine *shines, const moving_pass *moving, const smoke_pass *smoke,
+vxs_result fog_pass_draw(fog_pass *pass, const light_emission *emissions, const moving_pass *moving, const smoke_pass *smoke,
                          double exposure, fog_plan *plan, message *m);
 
 /* End of rays that meet no surface, in metres: beyond the whole scene. */

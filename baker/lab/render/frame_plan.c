@@ -21,15 +21,15 @@ static json_t *counts_json(const char *const *names, const uint32_t *counts, int
 
 const char *const fog_by_names[] = {"march", "angles", "intervals", "mesh", "grid"};
 
-static const char *const fog_fate_names[FOG_FATES] = {"drawn", "faint", "out_of_view", "clear"};
+static const char *const fog_cull_names[FOG_CULL_RESULTS] = {"drawn", "faint", "out_of_view", "clear"};
 
-static void fog_fate_text(char text[64], fog_fate fate)
+static void fog_cull_text(char text[64], fog_cull_result cull_result)
 {
-    static const char *const texts[FOG_FATES] = {[FOG_OUT_OF_VIEW] = "out of view", [FOG_CLEAR] = "not in the fog"};
-    if (fate == FOG_FAINT)
+    static const char *const texts[FOG_CULL_RESULTS] = {[FOG_OUT_OF_VIEW] = "out of view", [FOG_CLEAR] = "not in the fog"};
+    if (cull_result == FOG_FAINT)
         snprintf(text, 64, "too faint (together less than 1/%.0f of white)", 1 / FOG_FAINTEST);
     else
-        snprintf(text, 64, "%s", texts[fate]);
+        snprintf(text, 64, "%s", texts[cull_result]);
 }
 
 /* savings ---------------------------------------------------------------------------------------------------------------------- */
@@ -67,8 +67,8 @@ void fog_plan_print(FILE *to, const fog_plan *plan, fog_by by, const fog_light_p
     char       why[64];
     fprintf(to, "fog          %u light%s: %u drawn by %s", light_count, light_count == 1 ? "" : "s", plan->lights[FOG_DRAWN],
             fog_by_names[by]);
-    for (int n = FOG_FAINT; n < FOG_FATES; n++) {
-        fog_fate_text(why, (fog_fate)n);
+    for (int n = FOG_FAINT; n < FOG_CULL_RESULTS; n++) {
+        fog_cull_text(why, (fog_cull_result)n);
         if (plan->lights[n]) fprintf(to, ", %u %s", plan->lights[n], why);
     }
     if (plan->by_angles) fprintf(to, "; %u of them by %s", plan->by_angles, fog_by_names[FOG_BY_ANGLES]);
@@ -81,12 +81,12 @@ void fog_plan_print(FILE *to, const fog_plan *plan, fog_by by, const fog_light_p
     for (uint32_t n = 0; n < light_count; n++) {
         char name[VXS_LIGHT_NAME_BYTES], reason[64];
         one_line(strcpy(name, names[n]->light.name));
-        if (lights[n].fate == FOG_DRAWN) {
+        if (lights[n].cull_result == FOG_DRAWN) {
             fprintf(to, "light %s: by %s, in %.0f %% of the picture%s%s\n", name, fog_by_names[lights[n].by], 100 * lights[n].share,
                     lights[n].why ? ": " : "", lights[n].why ? lights[n].why : "");
             continue;
         }
-        fog_fate_text(reason, lights[n].fate);
+        fog_cull_text(reason, lights[n].cull_result);
         fprintf(to, "light %s is left out: %s\n", name, reason);
     }
 }
@@ -95,15 +95,16 @@ void fog_plan_print(FILE *to, const fog_plan *plan, fog_by by, const fog_light_p
 
 json_t *fog_plan_counts(const fog_plan *plan)
 {
-    return counts_json(fog_fate_names, plan->lights, FOG_FATES);
+    return counts_json(fog_cull_names, plan->lights, FOG_CULL_RESULTS);
 }
 
 json_t *fog_plan_lights(const fog_light_plan *lights, const vxs_baked_light *const *names, uint32_t light_count)
 {
     json_t *list = json_array();
     for (uint32_t n = 0; n < light_count; n++) {
-        json_t *o = json_pack("{s:o, s:s}", "light", json_text(names[n]->light.name), "fate", fog_fate_names[lights[n].fate]);
-        if (lights[n].fate == FOG_DRAWN) {
+        json_t *o =
+            json_pack("{s:o, s:s}", "light", json_text(names[n]->light.name), "fate", fog_cull_names[lights[n].cull_result]);
+        if (lights[n].cull_result == FOG_DRAWN) {
             json_set(&o, "by", json_text(fog_by_names[lights[n].by]));
             if (lights[n].why) json_set(&o, "why", json_text(lights[n].why));
             json_set(&o, "share", json_real(rounded(lights[n].share, 4)));
@@ -126,30 +127,30 @@ json_t *fog_plan_left_out(const fog_plan *plan, fog_by by, uint32_t light_count)
 
 /* smoke ------------------------------------------------------------------------------------------------------------------------ */
 
-static const char *const smoke_fate_names[SMOKE_FATES] = {"dims", "out_of_reach", "out_of_view", "no_room"};
-static const char *const smoke_fate_texts[SMOKE_FATES] = {"dimmed", "out of its reach", "out of view",
-                                                          "without a map, for all are taken"};
+static const char *const smoke_cull_names[SMOKE_CULL_RESULTS] = {"dims", "out_of_reach", "out_of_view", "no_room"};
+static const char *const smoke_cull_texts[SMOKE_CULL_RESULTS] = {"dimmed", "out of its reach", "out of view",
+                                                                 "without a map, for all are taken"};
 
 void smoke_plan_print(FILE *to, const smoke_plan *plan, uint32_t capsules, uint32_t side_px, const smoke_light_plan *lights,
                       const vxs_baked_light *const *names, uint32_t light_count, int verbose)
 {
     fprintf(to, "smoke        %u capsules; %u light%s", capsules, light_count, light_count == 1 ? ": " : "s: ");
-    for (int n = 0, listed = 0; n < SMOKE_FATES; n++)
-        if (plan->lights[n]) fprintf(to, "%s%u %s", listed++ ? ", " : "", plan->lights[n], smoke_fate_texts[n]);
+    for (int n = 0, listed = 0; n < SMOKE_CULL_RESULTS; n++)
+        if (plan->lights[n]) fprintf(to, "%s%u %s", listed++ ? ", " : "", plan->lights[n], smoke_cull_texts[n]);
     fputc('\n', to);
     for (uint32_t n = 0; n < light_count && verbose; n++) {
         char name[VXS_LIGHT_NAME_BYTES];
         one_line(strcpy(name, names[n]->light.name));
-        if (lights[n].fate == SMOKE_DIMS)
+        if (lights[n].cull_result == SMOKE_DIMS)
             fprintf(to, "light %s: smoke by %u x %u curves, of %u segments\n", name, side_px, side_px, lights[n].segments);
         else
-            fprintf(to, "light %s: no smoke: %s\n", name, smoke_fate_texts[lights[n].fate]);
+            fprintf(to, "light %s: no smoke: %s\n", name, smoke_cull_texts[lights[n].cull_result]);
     }
 }
 
 json_t *smoke_plan_counts(const smoke_plan *plan)
 {
-    json_t *o = counts_json(smoke_fate_names, plan->lights, SMOKE_FATES);
+    json_t *o = counts_json(smoke_cull_names, plan->lights, SMOKE_CULL_RESULTS);
     json_set(&o, "built", json_integer(plan->built));
     return o;
 }
@@ -158,8 +159,9 @@ json_t *smoke_plan_lights(const smoke_light_plan *lights, const vxs_baked_light 
 {
     json_t *list = json_array();
     for (uint32_t n = 0; n < light_count; n++) {
-        json_t *o = json_pack("{s:o, s:s}", "light", json_text(names[n]->light.name), "fate", smoke_fate_names[lights[n].fate]);
-        if (lights[n].fate == SMOKE_DIMS) {
+        json_t *o =
+            json_pack("{s:o, s:s}", "light", json_text(names[n]->light.name), "fate", smoke_cull_names[lights[n].cull_result]);
+        if (lights[n].cull_result == SMOKE_DIMS) {
             json_set(&o, "segments", json_integer(lights[n].segments));
             json_set(&o, "merged", json_integer(lights[n].merged));
             json_set(&o, "cut_texels", json_integer(lights[n].cut_texels));
@@ -197,8 +199,8 @@ static void vpl_plan_json(json_t **o, const vpl_words *w)
 
 /* area lights ------------------------------------------------------------------------------------------------------------------ */
 
-static const char *const area_fate_names[AREA_FATES] = {"drawn", "faint", "behind"};
-static const char *const area_fate_texts[AREA_FATES] = {
+static const char *const area_cull_names[AREA_CULL_RESULTS] = {"drawn", "faint", "behind"};
+static const char *const area_cull_texts[AREA_CULL_RESULTS] = {
     [AREA_FAINT] = "too faint (brighter ones have all lamps)", [AREA_BEHIND] = "behind all that is seen"};
 
 static const char *name_of(const scene *s, const scene_area *a)
@@ -211,12 +213,12 @@ void area_plan_print(FILE *to, const area_plan *plan, const area_words *w, int v
     size_t count = w->scene->area_count;
     fprintf(to, "area         %zu parallelogram%s of light", count, count == 1 ? "" : "s");
     if (count)
-        fprintf(to, ": %u drawn by %u lamps", plan->areas[AREA_DRAWN], plan->lamps);
+        fprintf(to, ": %u drawn by %u lamps", plan->areas[AREA_DRAWN], plan->vpls);
     else
         fputs(": nothing in the scene shines; --sky FILE lights it by a map of the sky", to);
     vpl_plan_print_smoke(to, &w->lit);
-    for (int n = AREA_FAINT; n < AREA_FATES; n++)
-        if (plan->areas[n]) fprintf(to, ", %u %s", plan->areas[n], area_fate_texts[n]);
+    for (int n = AREA_FAINT; n < AREA_CULL_RESULTS; n++)
+        if (plan->areas[n]) fprintf(to, ", %u %s", plan->areas[n], area_cull_texts[n]);
     fputc('\n', to);
     if (!verbose) return;
     if (count) vpl_plan_print(to, &w->lit);
@@ -224,25 +226,25 @@ void area_plan_print(FILE *to, const area_plan *plan, const area_words *w, int v
         char name[128];
         snprintf(name, sizeof name, "%s", name_of(w->scene, &w->scene->areas[n]));
         one_line(name);
-        if (w->shares[n].fate == AREA_DRAWN)
-            fprintf(to, "area light %s: %u lamps\n", name, w->shares[n].lamps);
+        if (w->shares[n].cull_result == AREA_DRAWN)
+            fprintf(to, "area light %s: %u lamps\n", name, w->shares[n].vpls);
         else
-            fprintf(to, "area light %s is left out: %s\n", name, area_fate_texts[w->shares[n].fate]);
+            fprintf(to, "area light %s is left out: %s\n", name, area_cull_texts[w->shares[n].cull_result]);
     }
     if (w->scene->dim_count) fprintf(to, "%zu triangles that shine are left out: no parallelogram of two\n", w->scene->dim_count);
 }
 
 json_t *area_plan_counts(const area_plan *plan)
 {
-    return counts_json(area_fate_names, plan->areas, AREA_FATES);
+    return counts_json(area_cull_names, plan->areas, AREA_CULL_RESULTS);
 }
 
 json_t *area_plan_json(const area_plan *plan, const area_words *w)
 {
-    json_t *o = json_pack("{s:i}", "lamps", (int)plan->lamps), *lights = json_array();
+    json_t *o = json_pack("{s:i}", "lamps", (int)plan->vpls), *lights = json_array();
     for (size_t n = 0; n < w->scene->area_count; n++)
         json_append(&lights, json_pack("{s:o, s:s, s:i}", "node", json_text(name_of(w->scene, &w->scene->areas[n])), "fate",
-                                       area_fate_names[w->shares[n].fate], "lamps", (int)w->shares[n].lamps));
+                                       area_cull_names[w->shares[n].cull_result], "lamps", (int)w->shares[n].vpls));
     vpl_plan_json(&o, &w->lit);
     json_set(&o, "lights", lights);
     json_set(&o, "dim_triangles", json_integer((json_int_t)w->scene->dim_count));
@@ -255,7 +257,7 @@ void sky_plan_print(FILE *to, const sky_words *w, int verbose)
 {
     char name[128];
     snprintf(name, sizeof name, "%s", w->path);
-    fprintf(to, "sky          %s, %u x %u pixels: drawn by %u lamps", one_line(name), w->wide_px, w->high_px, w->lamps);
+    fprintf(to, "sky          %s, %u x %u pixels: drawn by %u lamps", one_line(name), w->wide_px, w->high_px, w->vpls);
     vpl_plan_print_smoke(to, &w->lit);
     fputc('\n', to);
     if (!verbose) return;
@@ -266,7 +268,7 @@ void sky_plan_print(FILE *to, const sky_words *w, int verbose)
 json_t *sky_plan_json(const sky_words *w)
 {
     json_t *o = json_pack("{s:o, s:i, s:i, s:f, s:f, s:i}", "path", json_text(w->path), "width_px", (int)w->wide_px, "height_px",
-                          (int)w->high_px, "light", w->light, "turn_degrees", w->turn_degrees, "lamps", (int)w->lamps);
+                          (int)w->high_px, "light", w->light, "turn_degrees", w->turn_degrees, "lamps", (int)w->vpls);
     vpl_plan_json(&o, &w->lit);
     return o;
 }

@@ -23,16 +23,16 @@ extern const char *const fog_by_names[];
 #define FOG_FAINTEST (1.0 / 6600)
 
 /* The decision on a light in a frame. */
-typedef enum fog_fate {
+typedef enum fog_cull_result {
     FOG_DRAWN,
     FOG_FAINT,       /* left out: the sum of all such lights is below half of FOG_FAINTEST, in any direction of view */
     FOG_OUT_OF_VIEW, /* left out: the same, but only in the pixels of this view */
     FOG_CLEAR,       /* left out: the light, or all visible space, is above the fog's top; or the sun is below the horizon */
-    FOG_FATES
-} fog_fate;
+    FOG_CULL_RESULTS
+} fog_cull_result;
 
 typedef struct fog_plan {
-    uint32_t lights[FOG_FATES];
+    uint32_t lights[FOG_CULL_RESULTS];
     uint32_t by_angles;   /* lights drawn by equiangular steps instead of the requested method */
     uint32_t light_maps;  /* lights drawn by maps that are joined with moving casters */
     uint32_t meshes_made; /* for FOG_BY_MESH: all meshes made so far, including this frame */
@@ -40,11 +40,11 @@ typedef struct fog_plan {
 
 /* Of one light. */
 typedef struct fog_light_plan {
-    fog_fate    fate;
-    double      share; /* share of the picture that is drawn for it: a rectangle around its cone, range and airlight above the
+    fog_cull_result cull_result;
+    double          share; /* share of the picture that is drawn for it: a rectangle around its cone, range and airlight above the
                           threshold */
-    fog_by      by;    /* the method that is used */
-    const char *why;   /* why it is not the requested method; NULL: it is */
+    fog_by          by;    /* the method that is used */
+    const char     *why;   /* why it is not the requested method; NULL: it is */
 } fog_light_plan;
 
 /* A saving of a frame, and its reason; "" ends the list. */
@@ -68,22 +68,22 @@ json_t *fog_plan_left_out(const fog_plan *plan, fog_by by, uint32_t light_count)
 /* smoke ------------------------------------------------------------------------------------------------------------------------ */
 
 /* The decision on a light. */
-typedef enum smoke_fate {
+typedef enum smoke_cull_result {
     SMOKE_DIMS,
     SMOKE_OUT_OF_REACH, /* no capsule is in its range, cone or prism */
     SMOKE_OUT_OF_VIEW,  /* its range is not in view */
     SMOKE_NO_ROOM,      /* all maps are taken */
-    SMOKE_FATES
-} smoke_fate;
+    SMOKE_CULL_RESULTS
+} smoke_cull_result;
 
 /* The plan of one light. A built map stays. */
 typedef struct smoke_light_plan {
-    smoke_fate fate;
-    uint32_t   segments, merged, cut_texels; /* of its map, as in vxs_transmittance_counts */
+    smoke_cull_result cull_result;
+    uint32_t          segments, merged, cut_texels; /* of its map, as in vxs_transmittance_counts */
 } smoke_light_plan;
 
 typedef struct smoke_plan {
-    uint32_t lights[SMOKE_FATES];
+    uint32_t lights[SMOKE_CULL_RESULTS];
     uint32_t built; /* maps, in this frame */
 } smoke_plan;
 
@@ -110,20 +110,20 @@ typedef struct vpl_words {
 /* area lights: which emissive parallelograms of a scene get virtual lights, and how many --------------------------------------- */
 
 /* The decision on a parallelogram in a frame. */
-typedef enum area_fate {
+typedef enum area_cull_result {
     AREA_DRAWN,
     AREA_FAINT,  /* left out: black, or brighter ones have all virtual lights */
     AREA_BEHIND, /* left out: all visible space is behind it */
-    AREA_FATES
-} area_fate;
+    AREA_CULL_RESULTS
+} area_cull_result;
 
 typedef struct area_share {
-    area_fate fate;
-    uint32_t  lamps; /* 0 unless it is drawn */
+    area_cull_result cull_result;
+    uint32_t         vpls; /* 0 unless it is drawn */
 } area_share;
 
 typedef struct area_plan {
-    uint32_t areas[AREA_FATES], lamps;
+    uint32_t areas[AREA_CULL_RESULTS], vpls;
 } area_plan;
 
 /* Data for the text and JSON of a plan. */
@@ -146,7 +146,7 @@ typedef struct sky_words {
     const char *path;
     uint32_t    wide_px, high_px;
     double      light, turn_degrees; /* light: factor on radiance; turn_degrees: of the map */
-    uint32_t    lamps;
+    uint32_t    vpls;
     vpl_words   lit;
 } sky_words;
 

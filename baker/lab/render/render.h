@@ -35,11 +35,11 @@ typedef struct render_options {
 
     const scene            *moving;          /* a separate scene that moves; NULL: none */
     double                  moving_by_ws[3]; /* metres, from frame to frame */
-    uint32_t                area_lamps;      /* virtual lights for the scene's area lights; 0: these emit no light */
+    uint32_t                area_vpls;       /* virtual lights for the scene's area lights; 0: these emit no light */
     const vxs_baked_points *area_points;     /* as for area_pass_options */
     vxs_area_gather         area_gather;
 
-    const sky_map *sky;       /* outlives the renderer; has its own area_lamps virtual lights. NULL: the default sky of pictures */
+    const sky_map *sky;       /* outlives the renderer; has its own area_vpls virtual lights. NULL: the default sky of pictures */
     double         sky_light; /* factor on its radiance: cd/m2, if lights are in candela and lux */
     double         sky_turn_degrees; /* about +Y */
 

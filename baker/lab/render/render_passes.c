@@ -288,7 +288,7 @@ static vxs_result write_smoke(passes *p, const vxs_baked_light *const *lights, u
     for (size_t i = 0; i < p->count && r == VXS_OK; i++) set_grey(p->rgb + 3 * i, (double)left[i]);
     if (r == VXS_OK) r = write_pass(p, "smoke", left, "Y", m);
     for (uint32_t n = 0; n < light_count && r == VXS_OK; n++) {
-        if (dimmed[n].fate != SMOKE_DIMS) continue;
+        if (dimmed[n].cull_result != SMOKE_DIMS) continue;
         r = renderer_read_smoke(p->renderer, n, left, m);
         for (size_t i = 0; i < p->count && r == VXS_OK; i++) {
             set_grey(p->rgb + 3 * i, (double)left[i]);

@@ -66,8 +66,8 @@ static vxs_result put_colours(renderer *r, const scene *s, const vxs_baked_light
     double most     = 0;
     float(*rows)[4] = calloc(r->light_count, sizeof *rows);
     r->colours      = calloc(r->light_count, sizeof *r->colours);
-    r->shines       = calloc(r->light_count, sizeof *r->shines);
-    if (!rows || !r->colours || !r->shines) {
+    r->emissions    = calloc(r->light_count, sizeof *r->emissions);
+    if (!rows || !r->colours || !r->emissions) {
         free(rows);
         return fail(m, VXS_E_MEMORY, "out of memory for %u lights", r->light_count);
     }
@@ -86,8 +86,8 @@ static vxs_result put_colours(renderer *r, const scene *s, const vxs_baked_light
         scene_light light = found;
 
         memcpy(r->colours[n], light.colour, sizeof light.colour);
-        r->shines[n].cos_inner = cos(light.inner_rad);
-        rows[n][3]             = (float)r->shines[n].cos_inner;
+        r->emissions[n].cos_inner = cos(light.inner_rad);
+        rows[n][3]                = (float)r->emissions[n].cos_inner;
         r->day |= lights[n]->light.kind == VXS_LIGHT_KIND_DIRECTIONAL && vec3_dot(light.colour, light.colour) > 0;
         for (int k = 0; k < 3; k++) most = fmax(most, r->colours[n][k]);
     }
@@ -96,7 +96,7 @@ static vxs_result put_colours(renderer *r, const scene *s, const vxs_baked_light
     for (uint32_t n = 0; n < r->light_count; n++)
         for (int k = 0; k < 3; k++) {
             rows[n][k] = (float)(r->colours[n][k] /= most);
-            r->shines[n].colour[k] =
+            r->emissions[n].colour[k] =
                 pi * r->colours[n][k]; /* a matt surface reflects 1 / pi of the light that reaches it in each direction */
         }
     r->gl->GenBuffers(1, &r->colour_buffer);
@@ -165,7 +165,7 @@ static vpl_pass_options lit_by_lamps(const renderer *r, const scene *s)
                               .smoke      = r->options.smoke == SMOKE_ON && s->smoke.count ? &s->smoke : NULL,
                               .smoke_side = r->options.smoke_side,
                               .middle_ws  = r->mesh.middle_ws,
-                              .lamps      = r->options.area_lamps,
+                              .vpls       = r->options.area_vpls,
                               .gather     = r->options.area_gather};
 }
 
@@ -210,11 +210,11 @@ vxs_result renderer_create(renderer **out, const render_options *o, const scene 
     r->width       = o->width_px * o->samples;
     r->height      = o->height_px * o->samples;
 
-    uint64_t samples = (uint64_t)r->width * r->height;
-    int      shines = r->options.area_lamps && s->area_count, smokes = r->options.smoke == SMOKE_ON && s->smoke.count,
-        is_airy         = r->options.fog || shines || smokes || r->options.sky;
-    uint64_t bytes_each = 4 + 16 + 4 + 16 + 28 + (is_airy ? 32 : 0) + (shines ? 48 : 0) + (r->options.sky ? 48 : 0) +
-                          (smokes ? 4 * SMOKE_MAPS : 0); /* targets, and two that are read back */
+    uint64_t samples   = (uint64_t)r->width * r->height;
+    int      has_areas = r->options.area_vpls && s->area_count, has_smoke = r->options.smoke == SMOKE_ON && s->smoke.count,
+        is_airy         = r->options.fog || has_areas || has_smoke || r->options.sky;
+    uint64_t bytes_each = 4 + 16 + 4 + 16 + 28 + (is_airy ? 32 : 0) + (has_areas ? 48 : 0) + (r->options.sky ? 48 : 0) +
+                          (has_smoke ? 4 * SMOKE_MAPS : 0); /* targets, and two that are read back */
     vxs_result result = memory_check(samples * bytes_each, m, "a picture of %u x %u samples needs", r->width, r->height);
     if (result != VXS_OK) return result;
     if ((result = gl_context_create(&r->gl, r->options.backend, r->options.threads, m)) != VXS_OK) return result;
@@ -225,9 +225,9 @@ vxs_result renderer_create(renderer **out, const render_options *o, const scene 
         (result = moving_pass_create(&r->moving, r->gl, r->options.moving, lights, r->light_count, m)) != VXS_OK)
         return result;
     if (is_airy && (result = make_fog(r, m)) != VXS_OK) return result;
-    if (shines && (result = make_areas(r, s, m)) != VXS_OK) return result;
+    if (has_areas && (result = make_areas(r, s, m)) != VXS_OK) return result;
     if (r->options.sky && (result = make_sky(r, s, m)) != VXS_OK) return result;
-    if (smokes && (result = make_smoke(r, s, lights, m)) != VXS_OK) return result;
+    if (has_smoke && (result = make_smoke(r, s, lights, m)) != VXS_OK) return result;
     if ((result = make_programs(r, m)) != VXS_OK) return result;
     return make_targets(r, m);
 }
@@ -255,6 +255,6 @@ void renderer_destroy(renderer *r)
         gl_context_destroy(r->gl);
     }
     free(r->colours);
-    free(r->shines);
+    free(r->emissions);
     free(r);
 }

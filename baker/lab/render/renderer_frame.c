@@ -108,7 +108,7 @@ static vxs_result light_by_areas(const renderer *r, area_plan *plan, message *m)
     if (result == VXS_OK)
         result = area_pass_draw(r->areas, r->camera.eye_ws, &r->seen, moved_ws, fog_pass_far_metres(r->fog), r->target[NORMALS],
                                 exposure, plan, m);
-    if (result != VXS_OK || !plan->lamps) return result;
+    if (result != VXS_OK || !plan->vpls) return result;
     r->gl->BindFramebuffer(GL_FRAMEBUFFER, r->light_frame);
     area_pass_add_light(r->areas);
     return VXS_OK;
@@ -139,7 +139,7 @@ static vxs_result fog(const renderer *r, fog_plan *plan, message *m)
     vxs_result result = r->areas || r->sky ? VXS_OK : begin_air(r, m);
     if (r->areas) area_pass_add_glow(r->areas, matrix, r->target[DEPTHS], r->camera.eye_ws, r->exposure);
     if (r->sky) sky_pass_add_map(r->sky, &r->view, r->target[DEPTHS], r->exposure);
-    return result != VXS_OK ? result : fog_pass_draw(r->fog, r->shines, r->moving, r->smoke, r->exposure, plan, m);
+    return result != VXS_OK ? result : fog_pass_draw(r->fog, r->emissions, r->moving, r->smoke, r->exposure, plan, m);
 }
 
 static void tone(const renderer *r)

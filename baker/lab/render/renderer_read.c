@@ -89,8 +89,8 @@ static vxs_result read_texture(const renderer *r, GLuint texture, GLenum format,
 
 vxs_result renderer_read_texture(renderer *r, render_texture which, float *rgb, message *m)
 {
-    GLuint texture = which == TEXTURE_AREAS ? vxs_area_light_irradiance(r->areas->lamps->light)
-                     : which == TEXTURE_SKY ? vxs_area_light_irradiance(r->sky->lamps->light)
+    GLuint texture = which == TEXTURE_AREAS ? vxs_area_light_irradiance(r->areas->vpls->light)
+                     : which == TEXTURE_SKY ? vxs_area_light_irradiance(r->sky->vpls->light)
                                             : vxs_volumes_airlight(r->fog->volumes);
     return read_texture(r, texture, GL_RGB, 3, rgb, m);
 }

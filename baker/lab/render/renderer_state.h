@@ -38,19 +38,19 @@ struct renderer {
     smoke_pass    *smoke;                      /* NULL: there is none */
     smoke_cloud   *cloud;                      /* likewise */
     uint32_t       frames_drawn;
-    double (*colours)[3]; /* [light_count] scaled so that the largest is 1 */
-    fog_shine  *shines;   /* [light_count] the same, as fog_pass needs it */
-    int         day;      /* 1: there is a sun */
-    GLuint      colour_buffer, empty_array;
-    GLuint      surface_program, shade_program, tone_program, picture_program;
-    uint64_t    uploaded_bytes; /* including the last frame */
-    GLuint      target[TARGETS], surface_frame, light_frame, screen_frame, picture_frame;
-    double      exposure; /* 0: not yet chosen */
-    int         is_clear; /* 1: fog does not dim lights, while the exposure is chosen */
-    camera_pose camera;   /* of the last frame */
-    camera_view seen;
-    vxs_view    view;
-    double      near_metres;
+    double (*colours)[3];      /* [light_count] scaled so that the largest is 1 */
+    light_emission *emissions; /* [light_count] the same, as fog_pass needs it */
+    int             day;       /* 1: there is a sun */
+    GLuint          colour_buffer, empty_array;
+    GLuint          surface_program, shade_program, tone_program, picture_program;
+    uint64_t        uploaded_bytes; /* including the last frame */
+    GLuint          target[TARGETS], surface_frame, light_frame, screen_frame, picture_frame;
+    double          exposure; /* 0: not yet chosen */
+    int             is_clear; /* 1: fog does not dim lights, while the exposure is chosen */
+    camera_pose     camera;   /* of the last frame */
+    camera_view     seen;
+    vxs_view        view;
+    double          near_metres;
 };
 
 /* Whether lists of lights are made. */

@@ -14,10 +14,10 @@ static const double pi = 3.14159265358979324;
 
 /* set-up ----------------------------------------------------------------------------------------------------------------------- */
 
-static vxs_result place_lamps(sky_pass *p, message *m)
+static vxs_result place_vpls(sky_pass *p, message *m)
 {
     const sky_map *map   = p->options.map;
-    uint32_t       count = p->options.lit.lamps;
+    uint32_t       count = p->options.lit.vpls;
     float          scale = (float)p->options.scale;
     vxs_area_sky   sky   = {map->radiance, map->wide_px, map->high_px, {scale, scale, scale}, {0}, (float)p->options.radius_metres};
     p->placed            = malloc(count * sizeof *p->placed);
@@ -47,9 +47,9 @@ vxs_result sky_pass_create(sky_pass **out, const sky_pass_options *o, const gl_c
     p->gl      = gl;
 
     const scene *moving = p->options.lit.moving;
-    vxs_result   r      = place_lamps(p, m);
+    vxs_result   r      = place_vpls(p, m);
     if (moving) p->moving_ws = box_of_corners(moving->positions_ws, moving->indices, 3 * moving->triangle_count);
-    if (r == VXS_OK) r = vpl_pass_create(&p->lamps, &p->options.lit, gl, volumes, m);
+    if (r == VXS_OK) r = vpl_pass_create(&p->vpls, &p->options.lit, gl, volumes, m);
     if (r == VXS_OK) r = gl_screen_program(gl, &p->program, (const gl_text[]){gl_embedded(sky_frag_glsl), {0}}, m);
     if (r == VXS_OK) {
         const sky_map *map = p->options.map;
@@ -66,7 +66,7 @@ vxs_result sky_pass_create(sky_pass **out, const sky_pass_options *o, const gl_c
 void sky_pass_destroy(sky_pass *p)
 {
     if (!p) return;
-    vpl_pass_destroy(p->lamps);
+    vpl_pass_destroy(p->vpls);
     if (p->texture) p->gl->DeleteTextures(1, &p->texture);
     if (p->program) p->gl->DeleteProgram(p->program);
     free(p->placed);
@@ -92,31 +92,31 @@ vxs_result sky_pass_draw(sky_pass *p, const double eye_ws[3], const double moved
                          message *m)
 {
     vxs_result r = VXS_OK;
-    if (vpl_pass_move(p->lamps, moved_ws) || exposure != p->exposure) {
-        vxs_vpl lamps[VXS_VPLS_MAX];
+    if (vpl_pass_move(p->vpls, moved_ws) || exposure != p->exposure) {
+        vxs_vpl vpls[VXS_VPLS_MAX];
         float   radius = (float)radius_of(p, moved_ws);
-        for (uint32_t n = 0; n < p->options.lit.lamps; n++) {
-            lamps[n]               = p->placed[n];
-            lamps[n].radius_metres = radius;
-            for (int k = 0; k < 3; k++) lamps[n].colour[k] = (float)(exposure * (double)lamps[n].colour[k]);
+        for (uint32_t n = 0; n < p->options.lit.vpls; n++) {
+            vpls[n]               = p->placed[n];
+            vpls[n].radius_metres = radius;
+            for (int k = 0; k < 3; k++) vpls[n].colour[k] = (float)(exposure * (double)vpls[n].colour[k]);
         }
-        r           = vpl_pass_set(p->lamps, lamps, p->options.lit.lamps, NULL, NULL);
+        r           = vpl_pass_set(p->vpls, vpls, p->options.lit.vpls, NULL, NULL);
         p->exposure = r == VXS_OK ? exposure : 0;
     }
-    if (r == VXS_OK) r = vpl_pass_draw(p->lamps, eye_ws, normals);
+    if (r == VXS_OK) r = vpl_pass_draw(p->vpls, eye_ws, normals);
     return r == VXS_OK ? VXS_OK : fail(m, r, "light of the sky cannot be drawn: %s", vxs_result_text(r));
 }
 
 void sky_pass_add_light(const sky_pass *p)
 {
-    vpl_pass_add_light(p->lamps, p->exposure);
+    vpl_pass_add_light(p->vpls, p->exposure);
 }
 
 void sky_pass_add_map(const sky_pass *p, const vxs_view *view, unsigned depths, double exposure)
 {
     const gl_context *gl      = p->gl;
     GLuint            program = p->program;
-    vpl_pass_begin_adding(p->lamps, program);
+    vpl_pass_begin_adding(p->vpls, program);
     gl->ProgramUniformMatrix4fv(program, gl->GetUniformLocation(program, "point_from_depth"), 1, GL_FALSE, view->point_from_depth);
     gl->ProgramUniform4f(program, gl->GetUniformLocation(program, "sizes"), (float)view->width_px, (float)view->height_px,
                          (float)(p->options.turn_rad / (2 * pi)), (float)(exposure * p->options.scale));
@@ -130,6 +130,6 @@ void sky_pass_mean(const sky_pass *p, double exposure, double rgb[3])
 {
     for (int k = 0; k < 3; k++) {
         rgb[k] = 0;
-        for (uint32_t n = 0; n < p->options.lit.lamps; n++) rgb[k] += exposure / (4 * pi) * (double)p->placed[n].colour[k];
+        for (uint32_t n = 0; n < p->options.lit.vpls; n++) rgb[k] += exposure / (4 * pi) * (double)p->placed[n].colour[k];
     }
 }

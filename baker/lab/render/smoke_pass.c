@@ -226,7 +226,7 @@ static vxs_result make_map(smoke_pass *p, uint32_t light, const double eye_ws[3]
 
 /* frame ------------------------------------------------------------------------------------------------------------------------ */
 
-static smoke_fate fate_of(const smoke_pass *p, uint32_t light, const double eye_ws[3], const camera_view *seen)
+static smoke_cull_result cull_result_of(const smoke_pass *p, uint32_t light, const double eye_ws[3], const camera_view *seen)
 {
     if (!p->in_reach[light]) return SMOKE_OUT_OF_REACH;
     if (!is_in_view(&p->options.lights[light]->light, eye_ws, seen)) return SMOKE_OUT_OF_VIEW;
@@ -241,9 +241,9 @@ static vxs_result draw_light(smoke_pass *p, uint32_t light, const double eye_ws[
         result = make_map(p, light, eye_ws, m);
     }
     if (result != VXS_OK) return result;
-    int32_t layer         = p->layer_of[light];
-    p->lights[light].fate = SMOKE_DIMS;
-    result                = vxs_volumes_transmittance(p->volumes, p->maps[layer], p->pictures[layer], VXS_CURVE_LINES);
+    int32_t layer                = p->layer_of[light];
+    p->lights[light].cull_result = SMOKE_DIMS;
+    result                       = vxs_volumes_transmittance(p->volumes, p->maps[layer], p->pictures[layer], VXS_CURVE_LINES);
     return result == VXS_OK ? VXS_OK : fail(m, result, "a map of smoke cannot be asked: %s", vxs_result_text(result));
 }
 
@@ -252,10 +252,10 @@ vxs_result smoke_pass_draw(smoke_pass *p, const double eye_ws[3], const camera_v
     vxs_result result = VXS_OK;
     *plan             = (smoke_plan){0};
     for (uint32_t n = 0; n < p->options.light_count && result == VXS_OK; n++) {
-        smoke_fate fate   = fate_of(p, n, eye_ws, seen);
-        p->lights[n].fate = fate;
-        plan->lights[fate]++;
-        if (fate == SMOKE_DIMS) result = draw_light(p, n, eye_ws, plan, m);
+        smoke_cull_result cull_result = cull_result_of(p, n, eye_ws, seen);
+        p->lights[n].cull_result      = cull_result;
+        plan->lights[cull_result]++;
+        if (cull_result == SMOKE_DIMS) result = draw_light(p, n, eye_ws, plan, m);
     }
     return result;
 }
@@ -280,5 +280,5 @@ vxs_result smoke_pass_ask(const smoke_pass *p, GLuint places, uint32_t count, GL
 
 const vxs_transmittance_map *smoke_pass_map(const smoke_pass *p, uint32_t light)
 {
-    return p->lights[light].fate == SMOKE_DIMS ? p->maps[p->layer_of[light]] : NULL;
+    return p->lights[light].cull_result == SMOKE_DIMS ? p->maps[p->layer_of[light]] : NULL;
 }

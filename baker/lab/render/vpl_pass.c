@@ -31,17 +31,17 @@ enum { SMOKE_SIDE_MOST = 64, SMOKE_SIDE_LEAST = 8, SMOKE_COVERED_MOST = 1 << 30 
 /* set-up ----------------------------------------------------------------------------------------------------------------------- */
 
 /* Scatter points over a scene's triangles.
- * lamps  number of virtual lights where points are densest, as in the options
+ * vpls  number of virtual lights where points are densest, as in the options
  * found  [out] number of points: 0 if all triangles have no area */
-static vxs_result scatter(const vpl_pass *p, const scene *s, uint32_t lamps, vxs_area_point *points, uint32_t count,
-                          uint32_t *found, message *m)
+static vxs_result scatter(const vpl_pass *p, const scene *s, uint32_t vpls, vxs_area_point *points, uint32_t count, uint32_t *found,
+                          message *m)
 {
     uint32_t triangles = (uint32_t)s->triangle_count;
     float   *positions = malloc(3 * s->vertex_count * sizeof *positions);
     if (!positions) return fail(m, VXS_E_MEMORY, "out of memory for %u points of shadows", count);
     for (size_t n = 0; n < 3 * s->vertex_count; n++) positions[n] = (float)(s->positions_ws[n] - p->options.middle_ws[n % 3]);
-    double area = lamps ? vxs_area_scatter_for(positions, s->indices, triangles, p->options.dense, lamps, points, count)
-                        : vxs_area_scatter(positions, s->indices, triangles, points, count);
+    double area = vpls ? vxs_area_scatter_for(positions, s->indices, triangles, p->options.dense, vpls, points, count)
+                       : vxs_area_scatter(positions, s->indices, triangles, points, count);
     *found      = area > 0 ? count : 0;
     free(positions);
     return VXS_OK;
@@ -116,24 +116,24 @@ vxs_result vpl_pass_create(vpl_pass **out, const vpl_pass_options *o, const gl_c
 
     uint32_t side = o->smoke_side < SMOKE_SIDE_MOST ? o->smoke_side : SMOKE_SIDE_MOST, asked = side;
     double   count = o->smoke ? o->smoke->count : 0;
-    while (side > SMOKE_SIDE_LEAST && count * o->lamps * side * side > SMOKE_COVERED_MOST) side /= 2;
+    while (side > SMOKE_SIDE_LEAST && count * o->vpls * side * side > SMOKE_COVERED_MOST) side /= 2;
     if (side < asked)
         warn(m,
              "smoke: %u capsules are many for %u virtual lights: each has %u x %u curves of smoke in place of %u x %u; --area "
              "below %u "
              "leaves more",
-             o->smoke->count, o->lamps, side, side, asked, asked, o->lamps);
+             o->smoke->count, o->vpls, side, side, asked, asked, o->vpls);
     p->options.smoke_side = side;
 
     p->gl      = gl;
     p->volumes = volumes;
 
     uint32_t            capsules = p->options.smoke ? p->options.smoke->count : 0;
-    vxs_area_light_desc desc     = {.lamps = p->options.lamps, .capsules = capsules, .smoke_side_px = p->options.smoke_side};
+    vxs_area_light_desc desc     = {.lamps = p->options.vpls, .capsules = capsules, .smoke_side_px = p->options.smoke_side};
     vxs_result          r        = vxs_area_light_create(&p->light, p->volumes, &desc);
     p->capsules                  = calloc(capsules + !capsules, sizeof *p->capsules);
     if (!p->capsules) return fail(m, VXS_E_MEMORY, "out of memory for %u capsules of smoke", capsules);
-    if (r != VXS_OK) return fail(m, r, "OpenGL cannot draw area lights of %u lamps: %s", p->options.lamps, vxs_result_text(r));
+    if (r != VXS_OK) return fail(m, r, "OpenGL cannot draw area lights of %u lamps: %s", p->options.vpls, vxs_result_text(r));
     if ((r = gl_screen_program(p->gl, &p->add_program, (const gl_text[]){{add_text, -1}, {0}}, m)) != VXS_OK) return r;
     p->gl->GenVertexArrays(1, &p->empty_array);
 
@@ -177,7 +177,7 @@ int vpl_pass_move(vpl_pass *p, const double moved_ws[3])
 }
 
 /* Make the smoke maps of all virtual lights. */
-static vxs_result dim(vpl_pass *p, int (*is_shone_on)(const void *user, const vxs_capsule *c), const void *user)
+static vxs_result dim(vpl_pass *p, int (*is_reached)(const void *user, const vxs_capsule *c), const void *user)
 {
     const scene_smoke *smoke = p->options.smoke;
     p->capsule_count         = 0;
@@ -185,17 +185,17 @@ static vxs_result dim(vpl_pass *p, int (*is_shone_on)(const void *user, const vx
         vxs_capsule *c = &p->capsules[p->capsule_count];
         *c             = smoke->list[n];
         smoke_from_eye(smoke, c, p->options.middle_ws);
-        p->capsule_count += !is_shone_on || is_shone_on(user, c);
+        p->capsule_count += !is_reached || is_reached(user, c);
     }
     return vxs_area_light_smoke(p->light, &(vxs_capsules){.list = p->capsules, .count = p->capsule_count});
 }
 
-vxs_result vpl_pass_set(vpl_pass *p, const vxs_vpl *lamps, uint32_t count,
-                        int (*is_shone_on)(const void *user, const vxs_capsule *c), const void *user)
+vxs_result vpl_pass_set(vpl_pass *p, const vxs_vpl *vpls, uint32_t count, int (*is_reached)(const void *user, const vxs_capsule *c),
+                        const void *user)
 {
-    vxs_result r    = vxs_area_light_set(p->light, lamps, count);
+    vxs_result r    = vxs_area_light_set(p->light, vpls, count);
     int        stay = vxs_area_light_is_cast(p->light);
-    if (r == VXS_OK && !stay) r = dim(p, is_shone_on, user);
+    if (r == VXS_OK && !stay) r = dim(p, is_reached, user);
     if (r == VXS_OK && (p->has_moved || !stay))
         r = vxs_area_light_cast(p->light, &(vxs_area_casters){p->buffer, p->points + p->moving_points, 0});
     p->has_moved = 0;

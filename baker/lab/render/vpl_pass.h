@@ -23,7 +23,7 @@ typedef struct vpl_pass_options {
     const scene_smoke      *smoke;      /* smoke that dims the light; NULL: none */
     uint32_t                smoke_side; /* side of its maps in curves; at most 64 for a virtual light */
     const double           *middle_ws;  /* [3] origin of relative positions */
-    uint32_t                lamps;      /* 1 to VXS_VPLS_MAX */
+    uint32_t                vpls;       /* 1 to VXS_VPLS_MAX */
     vxs_area_gather         gather;
     const vxs_vpl          *dense; /* [dense_count] virtual lights where points are densest, relative to the middle; read only by
                                       create */
@@ -57,9 +57,9 @@ int vpl_pass_move(vpl_pass *pass, const double moved_ws[3]);
 
 /* Set the virtual lights, relative to the middle and exposed, and make their smoke maps and shadows. Call again when something
  * has moved.
- * is_shone_on  whether some virtual light may reach a capsule, relative to the middle; NULL: each capsule may be reached */
-vxs_result vpl_pass_set(vpl_pass *pass, const vxs_vpl *lamps, uint32_t count,
-                        int (*is_shone_on)(const void *user, const vxs_capsule *c), const void *user);
+ * is_reached  whether some virtual light may reach a capsule, relative to the middle; NULL: each capsule may be reached */
+vxs_result vpl_pass_set(vpl_pass *pass, const vxs_vpl *vpls, uint32_t count,
+                        int (*is_reached)(const void *user, const vxs_capsule *c), const void *user);
 
 /* Add airlight to the volumes' current frame, and compute the light on surfaces.   normals  a texture of surfaces' normals */
 vxs_result vpl_pass_draw(vpl_pass *pass, const double eye_ws[3], unsigned normals);
@@ -82,7 +82,7 @@ typedef struct area_pass_options {
 typedef struct area_pass {
     area_pass_options options;
     const gl_context *gl;
-    vpl_pass         *lamps;
+    vpl_pass         *vpls;
     double           *powers;        /* [areas] */
     area_share       *shares, *next; /* [areas] of the last frame; of this one */
     double            exposure;      /* exposure of the virtual lights; 0: not yet set */
@@ -126,8 +126,8 @@ typedef struct sky_pass_options {
 typedef struct sky_pass {
     sky_pass_options  options;
     const gl_context *gl;
-    vpl_pass         *lamps;
-    vxs_vpl          *placed;    /* [lamps] without exposure */
+    vpl_pass         *vpls;
+    vxs_vpl          *placed;    /* [vpls] without exposure */
     double            exposure;  /* exposure of the virtual lights; 0: not yet set */
     box               moving_ws; /* box of the moving casters, as in their file */
     GLuint            program, texture;
