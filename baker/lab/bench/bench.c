@@ -182,32 +182,28 @@ static uint64_t wanted_bytes(void *user, const uint8_t *first, size_t size_bytes
     return may_be_gltf(first, size_bytes) ? UINT64_MAX : 0;
 }
 
-/* Each run reads its scene again, but a pipe can be read only once: copy it to memory.
- * kept  [out] the copy's descriptor; -1: the scene is a file, or cannot be read, which its bake will report */
-static vxs_result keep_pipe(int *kept, const char *path, message *m)
-{
-    struct stat status;
-    uint8_t    *bytes;
-    size_t      size_bytes, done = 0;
-    vxs_result  r;
-    *kept = -1;
-    if (!is_standard_input(path) && (stat(path, &status) || !S_ISFIFO(status.st_mode))) return VXS_OK;
-    if ((r = input_read(&bytes, &size_bytes, path, UINT32_MAX, &(input_head){wanted_bytes, NULL}, m)) != VXS_OK) return r;
-    *kept = memfd_create("scene", MFD_CLOEXEC);
-    for (ssize_t n = 1; *kept >= 0 && n > 0 && done < size_bytes; done += (size_t)(n > 0 ? n : 0))
-        n = write(*kept, bytes + done, size_bytes - done);
-    free(bytes);
-    return done == size_bytes ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory for a copy of '%s'", input_name(path));
-}
-
+/* Each run reads its scene again, but a pipe can be read only once: copy it to memory. Its descriptor in w->inputs stays -1 if the
+ * scene is a file, or cannot be read, which its bake will report. */
 static vxs_result keep_pipes(bench_work *w, message *m)
 {
-    vxs_result r = VXS_OK;
-    w->inputs    = malloc(w->o->scenes.count * sizeof *w->inputs);
+    w->inputs = malloc(w->o->scenes.count * sizeof *w->inputs);
     if (!w->inputs) return fail(m, VXS_E_MEMORY, "out of memory");
     for (size_t n = 0; n < w->o->scenes.count; n++) w->inputs[n] = -1;
-    for (size_t n = 0; n < w->o->scenes.count && r == VXS_OK; n++) r = keep_pipe(&w->inputs[n], w->o->scenes.items[n], m);
-    return r;
+    for (size_t n = 0; n < w->o->scenes.count; n++) {
+        const char *path = w->o->scenes.items[n];
+        struct stat status;
+        uint8_t    *bytes;
+        size_t      size_bytes, done = 0;
+        if (!is_standard_input(path) && (stat(path, &status) || !S_ISFIFO(status.st_mode))) continue;
+        vxs_result r = input_read(&bytes, &size_bytes, path, UINT32_MAX, &(input_head){wanted_bytes, NULL}, m);
+        if (r != VXS_OK) return r;
+        int kept = w->inputs[n] = memfd_create("scene", MFD_CLOEXEC);
+        for (ssize_t wrote = 1; kept >= 0 && wrote > 0 && done < size_bytes; done += (size_t)(wrote > 0 ? wrote : 0))
+            wrote = write(kept, bytes + done, size_bytes - done);
+        free(bytes);
+        if (done < size_bytes) return fail(m, VXS_E_MEMORY, "out of memory for a copy of '%s'", input_name(path));
+    }
+    return VXS_OK;
 }
 
 static void release_pipes(bench_work *w)

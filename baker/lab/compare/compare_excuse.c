@@ -179,32 +179,20 @@ static double pass(const comparison *c, double p[3], const double way_ws[3], con
     return step;
 }
 
-/* Whether the last surface before p is where light leaves the first caster that it meets. Surfaces inside of solids are ignored. */
-static int leaves_at_last(const comparison *c, const double from_ws[3], const double way_ws[3], double to_light)
+/* Whether no surface lies behind p, and the last one before p is where light leaves the first caster that it meets. Surfaces inside
+ * solids are ignored. */
+static int is_behind_last(const comparison *c, const double from_ws[3])
 {
-    double p[3] = {from_ws[0], from_ws[1], from_ws[2]};
+    double way_ws[3], away_ws[3], to_light, p[3] = {from_ws[0], from_ws[1], from_ws[2]};
     met    s;
+    if (!way_to_light(c, p, way_ws, &to_light)) return 0;
+    for (int n = 0; n < 3; n++) away_ws[n] = -way_ws[n];
+    if (meets(c, p, away_ws, INFINITY, &s)) return 0;
     for (int n = 0; n < SURFACES_MAX && meets(c, p, way_ws, to_light, &s); n++) {
         to_light -= pass(c, p, way_ws, &s);
         if (!truth_inside_solid(c->truth, p)) return !meets(c, p, way_ws, to_light, &s);
     }
     return 0;
-}
-
-static int is_behind_last(const comparison *c, const double p[3])
-{
-    double way_ws[3], away_ws[3], to_light;
-    met    s;
-    if (!way_to_light(c, p, way_ws, &to_light)) return 0;
-    for (int n = 0; n < 3; n++) away_ws[n] = -way_ws[n];
-    return !meets(c, p, away_ws, INFINITY, &s) && leaves_at_last(c, p, way_ws, to_light);
-}
-
-/* Metres along the axis of the map for each metre towards the light. */
-static double metres_deep(const comparison *c, double depth_vx, double to_light)
-{
-    if (c->shape.kind == LIGHT_DIRECTIONAL) return 1;
-    return c->light->near_metres * exp(depth_vx * c->light->voxel_metres) / to_light;
 }
 
 static int is_within_thickness(const comparison *c, const double from_ws[3], double depth_vx)
@@ -216,7 +204,9 @@ static int is_within_thickness(const comparison *c, const double from_ws[3], dou
     if (s.triangle < c->casters->solid_triangle_count || s.triangle >= all->holed_first) return 0;
     if (all->double_sided && all->double_sided[s.triangle]) return 0;
     if (vec3_dot(s.normal_ws, way_ws) <= 0) return 0;
-    if (s.distance * metres_deep(c, depth_vx, to_light) > c->dont_care.thickness_m) return 0;
+    double deep = 1; /* metres along the axis of the map for each metre towards the light */
+    if (c->shape.kind != LIGHT_DIRECTIONAL) deep = c->light->near_metres * exp(depth_vx * c->light->voxel_metres) / to_light;
+    if (s.distance * deep > c->dont_care.thickness_m) return 0;
     to_light -= pass(c, p, way_ws, &s);
     return !meets(c, p, way_ws, to_light, &before);
 }
@@ -290,18 +280,13 @@ static int is_deep_in_shadow(const comparison *c, const sample *s, const filter_
     return 1;
 }
 
-/* Whether the light is on the outer side of the surface. */
-static int faces_light(const comparison *c, const sample *s)
-{
-    double to_light_ws[3];
-    for (int n = 0; n < 3; n++) to_light_ws[n] = -c->shape.direction_ws[n];
-    if (c->shape.kind != LIGHT_DIRECTIONAL) vec3_sub(c->shape.position_ws, s->point_ws, to_light_ws);
-    return vec3_dot(to_light_ws, s->normal_ws) > 0;
-}
-
 compare_fault compare_bias_fault(const comparison *c, const sample *s, int filter_px, float lookup, int lit)
 {
-    if (!s->normal || (lit ? lookup >= 1 || !faces_light(c, s) : lookup <= 0)) return FAULT_NONE;
+    double to_light_ws[3];
+    if (!s->normal || (lit ? lookup >= 1 : lookup <= 0)) return FAULT_NONE;
+    for (int n = 0; n < 3; n++) to_light_ws[n] = -c->shape.direction_ws[n];
+    if (c->shape.kind != LIGHT_DIRECTIONAL) vec3_sub(c->shape.position_ws, s->point_ws, to_light_ws);
+    if (lit && vec3_dot(to_light_ws, s->normal_ws) <= 0) return FAULT_NONE; /* the surface faces away from the light */
     filter_taps taps = filter_taps_of(c->light, s->point_ws, s->normal, filter_px);
     if (lit) return is_unobstructed(c, s, &taps) ? FAULT_SELF_SHADOW : FAULT_NONE;
     return is_deep_in_shadow(c, s, &taps) ? FAULT_DEEP_LEAK : FAULT_NONE;

@@ -44,26 +44,17 @@ typedef struct timed {
     int               filter_px;
 } timed;
 
-static void run_lookups(timed *t)
-{
-    vxs_lookup_many(t->comparison->baked, t->points_ws, NULL, t->count, t->filter_px, t->lit);
-}
-
-static void run_rays(timed *t)
+/* Seconds for one point, of lookups or of rays: the median of some runs. */
+static double time_runs(timed *t, int is_rays)
 {
     const comparison *c = t->comparison;
-    for (size_t n = 0; n < t->count; n++) t->lit[n] = (float)truth_lit(c->truth, t->points_ws + 3 * n, &c->shape);
-}
-
-/* Seconds for one point: the median of some runs. */
-static double time_runs(void (*run)(timed *t), timed *t)
-{
-    double seconds[TIMED_RUNS];
+    double            seconds[TIMED_RUNS];
     if (!t->count) return 0;
-    for (int n = 0; n < TIMED_RUNS; n++) {
+    for (int run = 0; run < TIMED_RUNS; run++) {
         double start = clock_seconds();
-        run(t);
-        seconds[n] = clock_seconds() - start;
+        if (!is_rays) vxs_lookup_many(c->baked, t->points_ws, NULL, t->count, t->filter_px, t->lit);
+        for (size_t n = 0; n < t->count && is_rays; n++) t->lit[n] = (float)truth_lit(c->truth, t->points_ws + 3 * n, &c->shape);
+        seconds[run] = clock_seconds() - start;
     }
     return spread_of(seconds, TIMED_RUNS).median / (double)t->count;
 }
@@ -87,13 +78,13 @@ static vxs_result compare_measure_time(const comparison *c, compare_result *out,
     for (size_t n = 0; n < limit; n++)
         if (compare_point(t.comparison, COMPARE_RANDOM, n, &s)) memcpy(t.points_ws + 3 * t.count++, s.point_ws, sizeof s.point_ws);
     out->time.points   = t.count;
-    out->time.lookup_s = time_runs(run_lookups, &t);
+    out->time.lookup_s = time_runs(&t, 0);
     for (uint32_t n = 0; n < o->filter_count; n++) {
         t.filter_px              = (int)o->filters_px[n];
-        out->filters[n].lookup_s = time_runs(run_lookups, &t);
+        out->filters[n].lookup_s = time_runs(&t, 0);
     }
     if (t.count > TIMED_RAYS_MAX) t.count = TIMED_RAYS_MAX;
-    out->time.truth_s = time_runs(run_rays, &t);
+    out->time.truth_s = time_runs(&t, 1);
 done:
     free(t.points_ws);
     free(t.lit);
@@ -123,27 +114,25 @@ static int is_some_tap_free(const comparison *c, const filter_taps *taps)
     return 0;
 }
 
-static float filter_error(const filter_pass *f, size_t n, uint8_t *fault)
-{
-    const comparison *c     = f->comparison;
-    size_t            index = (size_t)((uint64_t)n * compare_point_count(c, f->kind) / f->count);
-    sample            s;
-    int               filter_px = (int)f->filter_px;
-    *fault                      = FAULT_NONE;
-    if (!compare_point(c, f->kind, index, &s)) return INFINITY;
-    float lookup = vxs_lookup(c->baked, s.point_ws, s.normal, filter_px);
-    if (lookup < 0 || truth_inside_solid(c->truth, s.truth_ws)) return INFINITY;
-    filter_taps taps = filter_taps_of(c->light, s.point_ws, s.normal, filter_px);
-    if (compare_leaves_free(c) && is_some_tap_free(c, &taps)) return INFINITY;
-    *fault = (uint8_t)compare_bias_fault(c, &s, filter_px, lookup, truth_lit(c->truth, s.truth_ws, &c->shape));
-    return (float)(lookup - truth_filtered(c->truth, c->light, &c->shape, &taps));
-}
-
 static void filter_points(void *user, size_t begin, size_t end, uint32_t worker)
 {
-    filter_pass *f = user;
+    filter_pass      *f         = user;
+    const comparison *c         = f->comparison;
+    int               filter_px = (int)f->filter_px;
     (void)worker;
-    for (size_t n = begin; n < end; n++) f->errors[n] = filter_error(f, n, &f->faults[n]);
+    for (size_t n = begin; n < end; n++) {
+        size_t index = (size_t)((uint64_t)n * compare_point_count(c, f->kind) / f->count);
+        sample s;
+        f->faults[n] = FAULT_NONE;
+        f->errors[n] = INFINITY;
+        if (!compare_point(c, f->kind, index, &s)) continue;
+        float lookup = vxs_lookup(c->baked, s.point_ws, s.normal, filter_px);
+        if (lookup < 0 || truth_inside_solid(c->truth, s.truth_ws)) continue;
+        filter_taps taps = filter_taps_of(c->light, s.point_ws, s.normal, filter_px);
+        if (compare_leaves_free(c) && is_some_tap_free(c, &taps)) continue;
+        f->faults[n] = (uint8_t)compare_bias_fault(c, &s, filter_px, lookup, truth_lit(c->truth, s.truth_ws, &c->shape));
+        f->errors[n] = (float)(lookup - truth_filtered(c->truth, c->light, &c->shape, &taps));
+    }
 }
 
 /* Compare filtered lookups with the same filter over rays, for COMPARE_FILTER_POINTS_MAX points at most,

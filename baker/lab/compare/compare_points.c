@@ -26,13 +26,6 @@ enum { VOLUME_TRIES = 100, CELL_PROBES_SIDE = 3 };
 
 static const double pi = 3.14159265358979323846;
 
-static int in_box(const light_volume *v, const double point_ws[3])
-{
-    for (int i = 0; i < 3; i++)
-        if (point_ws[i] < v->box_ws.min[i] || point_ws[i] > v->box_ws.max[i]) return 0;
-    return 1;
-}
-
 /* cones ------------------------------------------------------------------------------------------------------------------------ */
 
 /* A direction of the cone from x and y in [0, 1): angle around the axis, and away from it, uniform in solid angle. */
@@ -58,14 +51,6 @@ static int cross_box(const light_volume *v, const double direction_ws[3], double
         *end   = fmin(*end, fmax(to_min / direction_ws[i], to_max / direction_ws[i]));
     }
     return *begin < *end;
-}
-
-/* Three times the volume along a direction, per solid angle. */
-static double weight_of(const light_volume *v, double x, double y)
-{
-    double direction[3], begin, end;
-    cone_direction(v, x, y, direction);
-    return cross_box(v, direction, &begin, &end) ? end * end * end - begin * begin * begin : 0;
 }
 
 /* box or cone ------------------------------------------------------------------------------------------------------------------ */
@@ -99,7 +84,10 @@ void light_volume_init(light_volume *v, const vxs_light *light, const box *box_w
             for (int n = 0; n < CELL_PROBES_SIDE * CELL_PROBES_SIDE; n++) {
                 double x = (cell % VOLUME_CELLS_SIDE + (n % CELL_PROBES_SIDE + 0.5) / CELL_PROBES_SIDE) / VOLUME_CELLS_SIDE;
                 double y = (cell / VOLUME_CELLS_SIDE + (n / CELL_PROBES_SIDE + 0.5) / CELL_PROBES_SIDE) / VOLUME_CELLS_SIDE;
-                v->cell_weight[cell] += weight_of(v, x, y) / (CELL_PROBES_SIDE * CELL_PROBES_SIDE);
+                double direction[3], begin, end;
+                cone_direction(v, x, y, direction);
+                if (cross_box(v, direction, &begin, &end)) /* three times the volume along the direction, per solid angle */
+                    v->cell_weight[cell] += (end * end * end - begin * begin * begin) / (CELL_PROBES_SIDE * CELL_PROBES_SIDE);
             }
             v->cell_sum[cell] = sum += v->cell_weight[cell];
         }
@@ -143,7 +131,9 @@ static int draw_once(const light_volume *v, rng *r, double point_ws[3])
         }
         if (v->way == DRAW_FROM_MAP) vxs_point(v->light, 0, at, point_ws);
     }
-    return in_box(v, point_ws) && vxs_voxel(v->light, point_ws, NULL, 1, voxel) >= 0;
+    for (int i = 0; i < 3; i++)
+        if (point_ws[i] < v->box_ws.min[i] || point_ws[i] > v->box_ws.max[i]) return 0;
+    return vxs_voxel(v->light, point_ws, NULL, 1, voxel) >= 0;
 }
 
 int light_volume_draw(const light_volume *v, rng *r, double point_ws[3])
@@ -245,16 +235,6 @@ static int sample_along_light(const comparison *c, rng *r, sample *s)
     return finish_drawn_sample(c, triangle, r, s);
 }
 
-/* A spot may reach only a small part of the casters: try again, and finally sample along its own rays. */
-static int surface_sample(const comparison *c, rng *r, sample *s)
-{
-    if (c->light->kind == VXS_LIGHT_KIND_DIRECTIONAL) return sample_by_area(c, r, s);
-    int found = 0;
-    for (int n = 0; n < TRIES && !found; n++) found = sample_by_area(c, r, s);
-    for (int n = 0; n < TRIES && !found; n++) found = sample_along_light(c, r, s);
-    return found;
-}
-
 int compare_point(const comparison *c, compare_kind kind, size_t index, sample *s)
 {
     if (kind == COMPARE_CAMERA) {
@@ -271,7 +251,12 @@ int compare_point(const comparison *c, compare_kind kind, size_t index, sample *
     }
     rng all = rng_split(c->options->seed, (uint64_t)kind);
     rng r   = rng_split(all.state, index);
-    return kind == COMPARE_SURFACE ? surface_sample(c, &r, s) : random_sample(c, &r, s);
+    if (kind == COMPARE_RANDOM) return random_sample(c, &r, s);
+    if (c->light->kind == VXS_LIGHT_KIND_DIRECTIONAL) return sample_by_area(c, &r, s);
+    int found = 0; /* a spot may reach only a small part of the casters: try again, and finally sample along its own rays */
+    for (int n = 0; n < TRIES && !found; n++) found = sample_by_area(c, &r, s);
+    for (int n = 0; n < TRIES && !found; n++) found = sample_along_light(c, &r, s);
+    return found;
 }
 
 int compare_lit_at(const comparison *c, int map, double u, double v, double depth)
