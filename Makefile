@@ -3,6 +3,7 @@
 #   make                build the command and the libraries of the runtime, its OpenGL, and the bake: build/release/vxs, libvxs.a and .so,
 #                       libvxs_gl.a and .so, libvxs_bake.a and .so; and vxs-mpi, where there is an mpicc
 #   make core=1         the same without the laboratory (baker/lab), which needs OpenGL, Embree and OpenEXR: build/release/vxs-core, libvxs and libvxs_bake
+#   make core=1 threads=1   the same without a thread library, in build/release-1: bakes run on one thread, steps of libvxs_bake run to the end
 #   make demo           install what is missing, build, bake a city, compare it with ray-traced truth, draw it
 #   make check          install what is missing, build, run every test but for what check-repeats adds
 #   make check-fast     the same without what is slow: under a minute on two processors, once all is built
@@ -48,7 +49,7 @@ BENCH_JSON ?= build/bench.json
 CHART_JS   ?= /usr/share/javascript/chart.js/chart.min.js
 PKG_CONFIG ?= pkg-config
 MPICC      ?= mpicc
-B          := build/$(config)
+B          := build/$(config)$(threads:%=-%)
 Q          := $(if $(V),,@)
 
 # --- packages of Debian; docs/dependencies.md says what each is for -------------------------------------------------------
@@ -82,7 +83,8 @@ CXX        := clang++
 endif
 
 warn        := -Wall -Wextra -Wshadow -Wpointer-arith $(if $(werror),-Werror)
-flags       := -I. -Iformats -Iruntime -Iruntime/gl -MMD -MP -ffp-contract=off -pthread $(opt)
+threaded    := $(if $(filter-out 1,$(threads)),$(error unknown threads '$(threads)': expected 1))$(if $(threads),,-pthread)
+flags       := -I. -Iformats -Iruntime -Iruntime/gl -MMD -MP -ffp-contract=off $(or $(threaded),-DVXS_ONE_THREAD -DCGAL_HAS_NO_THREADS) $(opt)
 cflags      := -std=c11 -D_GNU_SOURCE $(warn) -Wstrict-prototypes -Wmissing-prototypes $(flags)
 pic         := -fPIC -fno-semantic-interposition
 # under sanitizers programs are large, and gold, where there is one, links them in a third of the time
@@ -213,7 +215,7 @@ $(patsubst %,$B/tests/bench/%,volumes smoke area): $(volumes_bench.o) $(referenc
 $(patsubst %,$B/tests/bench/%,volumes smoke area): test_libs := -lOSMesa -lgsl -lgslcblas
 $B/vxs $B/vxs-core $(mpi) $(unit) $(helper):
 	@echo "  link $@"
-	$Q$(CXX) $(opt) $(linker) -pthread -o $@ $(filter %.o,$^) $(filter %.a,$^) $(test_libs) $(libs) $(LDFLAGS)
+	$Q$(CXX) $(opt) $(linker) $(threaded) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(test_libs) $(libs) $(LDFLAGS)
 
 $(foreach f,$(fuzz.c),$(eval $B/$(basename $f): $(patsubst %,$B/%.o,$f $(call fuzz.loop,$f))))
 $(filter-out %/fuzz_vxs %/fuzz_answers,$(fuzz)): $B/baker.a $B/libvxs_volumes.a $B/libvxs_gl.a # those two stand on the runtime alone
@@ -221,7 +223,7 @@ $(fuzz): $B/libvxs.a
 $B/tests/fuzz/fuzz_shaders: test_libs := -lOSMesa
 $(fuzz):
 	@echo "  link $@"
-	$Q$(CXX) $(opt) $(linker) $(if $(filter fuzz,$(config)),-fsanitize=fuzzer) -pthread -o $@ $(filter %.o,$^) $(filter %.a,$^) $(test_libs) $(libs) $(LDFLAGS)
+	$Q$(CXX) $(opt) $(linker) $(if $(filter fuzz,$(config)),-fsanitize=fuzzer) $(threaded) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(test_libs) $(libs) $(LDFLAGS)
 
 # the corpora, unpacked once, before a fuzz program runs
 $(fuzz): | build/corpus

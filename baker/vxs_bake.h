@@ -234,7 +234,8 @@ typedef enum vxs_bake_state { VXS_BAKE_MORE, VXS_BAKE_DONE, VXS_BAKE_FAILED } vx
  *            places where work can pause (docs/bake-library.md)
  * Returns VXS_BAKE_MORE; VXS_BAKE_DONE; VXS_BAKE_FAILED: see vxs_bake_job_result. After VXS_E_ARGUMENT (invalid budget) the job
  * may go on.
- * Threads: one call at a time for a job. The job's own threads work while the caller waits, and one of them calls the callbacks. */
+ * Threads: one call at a time for a job. The job's own threads work while the caller waits, and one of them calls the callbacks.
+ * A library built with `make threads=1` has no threads and cannot pause: the call runs to the end. */
 vxs_bake_state vxs_bake_step(vxs_bake_job *job, double budget_ms);
 
 /* Cancel a job. Returns at once. The job ends with VXS_E_INTERRUPTED at one of the next places where it can, in the call that is

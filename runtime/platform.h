@@ -13,6 +13,7 @@
  *     void os_wake_all(os_signal *)
  *     void os_thread_join(os_thread), os_mutex_free(os_mutex *), os_signal_free(os_signal *)
  *
+ * With VXS_ONE_THREAD (make threads=1) there are no threads: os_thread_start fails, and the other functions do nothing.
  * SPDX-License-Identifier: MIT */
 #ifndef PLATFORM_H
 #define PLATFORM_H
@@ -21,6 +22,9 @@
 #include "platform_windows.h"
 #else
 #include "platform_posix.h"
+#endif
+#ifdef VXS_ONE_THREAD
+#include "platform_one_thread.h"
 #endif
 
 #endif

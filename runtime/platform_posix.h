@@ -8,7 +8,9 @@
 #endif
 #include <errno.h>
 #include <fcntl.h>
+#ifndef VXS_ONE_THREAD
 #include <pthread.h>
+#endif
 #include <stdint.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -53,6 +55,8 @@ static inline int os_file_read(const os_file *file, uint64_t offset, uint64_t si
 }
 
 /* threads --------------------------------------------------------------------------------------------------------------------- */
+
+#ifndef VXS_ONE_THREAD
 
 typedef pthread_mutex_t os_mutex;
 typedef pthread_cond_t  os_signal;
@@ -107,5 +111,7 @@ static inline void os_thread_join(os_thread t)
 {
     pthread_join(t, NULL);
 }
+
+#endif
 
 #endif

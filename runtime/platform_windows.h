@@ -76,6 +76,8 @@ static inline int os_file_read(const os_file *file, uint64_t offset, uint64_t si
 
 /* threads --------------------------------------------------------------------------------------------------------------------- */
 
+#ifndef VXS_ONE_THREAD
+
 typedef SRWLOCK            os_mutex;
 typedef CONDITION_VARIABLE os_signal;
 
@@ -147,5 +149,7 @@ static inline void os_thread_join(os_thread t)
     WaitForSingleObject((HANDLE)t.handle, INFINITE);
     CloseHandle((HANDLE)t.handle);
 }
+
+#endif
 
 #endif

@@ -2,11 +2,11 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/base/parallel.h"
 
-#include <pthread.h>
 #include <sched.h>
 #include <stdatomic.h>
 
 #include "baker/base/run_control.h"
+#include "baker/base/threads.h"
 
 typedef struct loop {
     atomic_size_t next; /* the next chunk to hand out; counts chunks, not items, so that it cannot wrap */
@@ -21,7 +21,7 @@ typedef struct loop {
 typedef struct worker {
     loop     *shared;
     uint32_t  index;
-    pthread_t thread;
+    os_thread thread;
 } worker;
 
 static void work(const worker *w)
@@ -70,13 +70,13 @@ void parallel_for(uint32_t threads, size_t count, size_t grain, void (*body)(voi
     while (started < threads) {
         worker *w = &workers[started];
         *w        = (worker){.shared = &l, .index = started};
-        if (pthread_create(&w->thread, NULL, work_on_thread, w) != 0) break;
+        if (!os_thread_start(&w->thread, work_on_thread, w)) break;
         started++;
     }
     work(&workers[0]);
     if (started == 1) return;
     run_control_leave(l.run_control); /* waiting for the other threads does not count as work */
-    for (uint32_t i = 1; i < started; i++) pthread_join(workers[i].thread, NULL);
+    for (uint32_t i = 1; i < started; i++) os_thread_join(workers[i].thread);
     run_control_enter(l.run_control);
 }
 
@@ -113,6 +113,7 @@ vxs_parallel parallel_lent(uint32_t threads)
 uint32_t parallel_default_threads(void)
 {
     cpu_set_t allowed;
+    if (!HAS_THREADS) return 1;
     if (sched_getaffinity(0, sizeof allowed, &allowed) != 0) return 1;
     int count = CPU_COUNT(&allowed);
     return count < 1 ? 1 : count > PARALLEL_THREADS_MAX ? PARALLEL_THREADS_MAX : (uint32_t)count;

@@ -9,17 +9,17 @@ void run_control_init(run_control *g)
 {
     atomic_init(&g->is_paused, 0);
     atomic_init(&g->is_cancelled, 0);
-    pthread_mutex_init(&g->lock, NULL);
-    pthread_cond_init(&g->resumed, NULL);
-    pthread_cond_init(&g->still, NULL);
+    os_mutex_init(&g->lock);
+    os_signal_init(&g->resumed);
+    os_signal_init(&g->still);
     g->at_work = 0;
 }
 
 void run_control_free(run_control *g)
 {
-    pthread_cond_destroy(&g->still);
-    pthread_cond_destroy(&g->resumed);
-    pthread_mutex_destroy(&g->lock);
+    os_signal_free(&g->still);
+    os_signal_free(&g->resumed);
+    os_mutex_free(&g->lock);
 }
 
 run_control *run_control_current(void)
@@ -29,30 +29,30 @@ run_control *run_control_current(void)
 
 static void begin(run_control *g)
 {
-    while (atomic_load(&g->is_paused)) pthread_cond_wait(&g->resumed, &g->lock);
+    while (atomic_load(&g->is_paused)) os_wait(&g->resumed, &g->lock);
     g->at_work++;
 }
 
 static void end(run_control *g)
 {
-    if (!--g->at_work) pthread_cond_broadcast(&g->still);
+    if (!--g->at_work) os_wake_all(&g->still);
 }
 
 void run_control_enter(run_control *g)
 {
     if (!g) return;
     current = g;
-    pthread_mutex_lock(&g->lock);
+    os_lock(&g->lock);
     begin(g);
-    pthread_mutex_unlock(&g->lock);
+    os_unlock(&g->lock);
 }
 
 void run_control_leave(run_control *g)
 {
     if (!g) return;
-    pthread_mutex_lock(&g->lock);
+    os_lock(&g->lock);
     end(g);
-    pthread_mutex_unlock(&g->lock);
+    os_unlock(&g->lock);
     current = NULL;
 }
 
@@ -60,10 +60,10 @@ void run_control_wait(void)
 {
     run_control *g = current;
     if (!g || !atomic_load_explicit(&g->is_paused, memory_order_relaxed)) return;
-    pthread_mutex_lock(&g->lock);
+    os_lock(&g->lock);
     end(g);
     begin(g);
-    pthread_mutex_unlock(&g->lock);
+    os_unlock(&g->lock);
 }
 
 int run_control_is_cancelled(void)
@@ -73,18 +73,18 @@ int run_control_is_cancelled(void)
 
 void run_control_resume(run_control *g)
 {
-    pthread_mutex_lock(&g->lock);
+    os_lock(&g->lock);
     atomic_store(&g->is_paused, 0);
-    pthread_cond_broadcast(&g->resumed);
-    pthread_mutex_unlock(&g->lock);
+    os_wake_all(&g->resumed);
+    os_unlock(&g->lock);
 }
 
 void run_control_pause(run_control *g)
 {
-    pthread_mutex_lock(&g->lock);
+    os_lock(&g->lock);
     atomic_store(&g->is_paused, 1);
-    while (g->at_work) pthread_cond_wait(&g->still, &g->lock);
-    pthread_mutex_unlock(&g->lock);
+    while (g->at_work) os_wait(&g->still, &g->lock);
+    os_unlock(&g->lock);
 }
 
 void run_control_cancel(run_control *g)

@@ -11,16 +11,17 @@
 #ifndef RUN_CONTROL_H
 #define RUN_CONTROL_H
 
-#include <pthread.h>
 #include <stdatomic.h>
 #include <stddef.h>
 #include <stdint.h>
 
+#include "baker/base/threads.h"
+
 typedef struct run_control {
-    atomic_int      is_paused, is_cancelled;
-    pthread_mutex_t lock;
-    pthread_cond_t  resumed, still;
-    uint32_t        at_work; /* threads between enter and leave that are not waiting */
+    atomic_int is_paused, is_cancelled;
+    os_mutex   lock;
+    os_signal  resumed, still;
+    uint32_t   at_work; /* threads between enter and leave that are not waiting */
 } run_control;
 
 /* Initialize a run: not paused, not cancelled. */

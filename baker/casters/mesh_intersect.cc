@@ -9,12 +9,12 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <mutex>
 #include <new>
 #include <vector>
 
 #include "baker/base/box.h"
 #include "baker/base/parallel.h"
+#include "baker/base/threads.h"
 
 namespace
 {
@@ -121,7 +121,7 @@ struct slab_search {
     mesh_search              &search;
     std::vector<numbered_box> boxes;
     slabs                     space;
-    std::mutex                reporting;
+    os_mutex                  reporting;
     std::atomic<uint64_t>     overlaps{0}, tests{0};
     std::atomic<bool>         done{false}, gave_up{false}, no_memory{false};
 
@@ -131,7 +131,11 @@ struct slab_search {
         for (uint32_t t = 0; t < s.triangle_count; t++)
             if (!is_flat(s, t)) boxes.emplace_back(triangle_at(s, t).bbox(), t);
         space = cut(boxes);
+        os_mutex_init(&reporting);
     }
+
+    slab_search(const slab_search &) = delete;
+    ~slab_search() { os_mutex_free(&reporting); }
 
     void examine(uint32_t a, uint32_t b)
     {
@@ -140,8 +144,10 @@ struct slab_search {
         if (!search.wanted(search.user, a, b)) return;
         if (tests++ >= search.tests_max) throw limit_met();
         if (!do_meet(soup, a, b)) return;
-        std::lock_guard<std::mutex> one_at_a_time(reporting);
-        if (!done && search.found(search.user, a, b)) throw all_found();
+        os_lock(&reporting);
+        int is_last = !done && search.found(search.user, a, b);
+        os_unlock(&reporting);
+        if (is_last) throw all_found();
     }
 
     void search_slab(size_t n)

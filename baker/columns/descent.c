@@ -2,13 +2,13 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/columns/descent.h"
 
-#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "baker/base/clock.h"
 #include "baker/base/parallel.h"
 #include "baker/base/run_control.h"
+#include "baker/base/threads.h"
 #include "baker/base/z_order.h"
 #include "baker/columns/square_keeper.h"
 #include "baker/columns/square_record.h"
@@ -49,10 +49,10 @@ typedef struct walker {
     uint64_t       built_bytes[DESCENT_BATCH];
 
     /* shared by the threads of a batch, under the lock: one thread at a time adds squares, in order, while others build */
-    pthread_mutex_t lock;
-    uint32_t        added;
-    int             adding;
-    vxs_result      result; /* first error of the added squares, or VXS_OK */
+    os_mutex   lock;
+    uint32_t   added;
+    int        adding;
+    vxs_result result; /* first error of the added squares, or VXS_OK */
 } walker;
 
 /* Whether the next square to add is made. */
@@ -92,9 +92,9 @@ static void add_ready(walker *w)
 {
     while (!w->adding && next_is_ready(w)) {
         w->adding = 1;
-        pthread_mutex_unlock(&w->lock);
+        os_unlock(&w->lock);
         vxs_result r = add_square(w, w->added);
-        pthread_mutex_lock(&w->lock);
+        os_lock(&w->lock);
         w->adding = 0;
         w->result = r;
         w->added++;
@@ -174,10 +174,10 @@ static void make_slots(void *user, size_t begin, size_t end, uint32_t worker)
         s->result  = run_control_is_cancelled()   ? VXS_E_INTERRUPTED
                      : context_has_memory(w->ctx) ? make_slot(w, (uint32_t)n)
                                                   : VXS_E_MEMORY;
-        pthread_mutex_lock(&w->lock);
+        os_lock(&w->lock);
         s->done = 1;
         if (w->d->add_early && s->kind != WAITING_KNOWN) add_ready(w);
-        pthread_mutex_unlock(&w->lock);
+        os_unlock(&w->lock);
     }
 }
 
@@ -407,9 +407,10 @@ static vxs_result visit(walker *w, uint32_t level, uint32_t i, uint32_t j)
 
 vxs_result descend(const descent *d, const column_map *columns, bake_context *ctx)
 {
-    walker     w = {.d = d, .columns = columns, .ctx = ctx, .lock = PTHREAD_MUTEX_INITIALIZER};
+    walker w = {.d = d, .columns = columns, .ctx = ctx};
+    os_mutex_init(&w.lock);
     vxs_result r = visit(&w, square_level(columns->side_px), 0, 0);
     if (r == VXS_OK) r = end_batch(&w);
-    pthread_mutex_destroy(&w.lock);
+    os_mutex_free(&w.lock);
     return r;
 }

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "baker/base/text.h"
+#include "baker/base/threads.h"
 #include "baker/command/asset_open.h"
 #include "baker/files/input_file.h"
 
@@ -64,19 +65,22 @@ static void keep_failure(void *user, uint32_t light, uint32_t page, vxs_result r
 
 static vxs_stream_desc desc_of(asset_stream *s, uint64_t budget_bytes, const text_list *names, int points)
 {
-    return (vxs_stream_desc){.struct_size      = sizeof(vxs_stream_desc),
-                             .path             = s->path,
-                             .budget_bytes     = budget_bytes,
-                             .threads          = budget_bytes >= threads_from_bytes ? THREADS : 1,
-                             .requests         = PAGES_A_FRAME,
-                             .light_names      = names->count ? names->items : NULL,
-                             .light_name_count = (uint32_t)names->count,
-                             .failed           = keep_failure,
-                             .failed_user      = s,
-                             .metadata         = keep_metadata,
-                             .metadata_user    = &s->contents,
-                             .points           = points ? keep_points : NULL,
-                             .points_user      = &s->points};
+    return (vxs_stream_desc){.struct_size       = sizeof(vxs_stream_desc),
+                             .path              = s->path,
+                             .budget_bytes      = budget_bytes,
+                             .threads           = !HAS_THREADS                         ? 0
+                                                  : budget_bytes >= threads_from_bytes ? THREADS
+                                                                                       : 1,
+                             .requests          = PAGES_A_FRAME,
+                             .decodes_per_frame = PAGES_A_FRAME, /* without threads */
+                             .light_names       = names->count ? names->items : NULL,
+                             .light_name_count  = (uint32_t)names->count,
+                             .failed            = keep_failure,
+                             .failed_user       = s,
+                             .metadata          = keep_metadata,
+                             .metadata_user     = &s->contents,
+                             .points            = points ? keep_points : NULL,
+                             .points_user       = &s->points};
 }
 
 static void forget_contents(asset_stream *s)
@@ -92,7 +96,7 @@ static void forget_contents(asset_stream *s)
 static vxs_result open_stream(asset_stream *s, vxs_stream_desc *desc)
 {
     vxs_result r = vxs_stream_open(&s->stream, desc);
-    if (r != VXS_E_MEMORY || desc->threads == 1) return r;
+    if (r != VXS_E_MEMORY || desc->threads <= 1) return r;
     desc->threads = 1;
     forget_contents(s);
     return vxs_stream_open(&s->stream, desc);

@@ -4,14 +4,13 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <pthread.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "baker/base/text.h"
+#include "baker/base/threads.h"
 #include "baker/files/input_file.h"
 #include "baker/files/replaced_file.h"
 #include "baker/files/run_files.h"
@@ -58,14 +57,13 @@ static int take_name(const char *name, int descriptor)
  * name must not be registered earlier, because until then it may belong to another process's file. */
 static int take_and_remember_name(output_file *f, int descriptor)
 {
-    sigset_t all, before;
+    sigset_t before;
     if (!f->remembered) return take_name(f->temporary, descriptor);
-    sigfillset(&all);
-    pthread_sigmask(SIG_BLOCK, &all, &before);
+    threads_block_signals(&before);
     int taken = take_name(f->temporary, descriptor);
     int error = errno;
     if (taken >= 0) f->pending = temporary_files_remember(f->remembered, f->temporary);
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    threads_unblock_signals(&before);
     errno = error;
     return taken;
 }

@@ -2,15 +2,13 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/vxs_bake.h"
 
-#include <errno.h>
 #include <math.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
 
 #include "baker/bake/bake.h"
 #include "baker/base/clock.h"
+#include "baker/base/threads.h"
 #include "baker/library/bake_run.h"
 
 void vxs_bake_bytes_free(vxs_bake_bytes *bytes)
@@ -58,17 +56,17 @@ void vxs_bake_scene_close(vxs_bake_scene *s)
 /* jobs ------------------------------------------------------------------------------------------------------------------------ */
 
 struct vxs_bake_job {
-    bake_run        run;
-    vxs_bake_bytes  file;
-    pthread_mutex_t lock;
-    pthread_cond_t  ended;
-    vxs_bake_state  state; /* under the lock while the thread exists */
-    vxs_result      result;
-    int             has_thread; /* 1: the baking thread exists, running or paused */
-    int             bad_budget; /* 1: the last call had an invalid budget */
-    pthread_t       thread;
-    double          held_since;
-    char            error[VXS_BAKE_ERROR_BYTES];
+    bake_run       run;
+    vxs_bake_bytes file;
+    os_mutex       lock;
+    os_signal      ended;
+    vxs_bake_state state; /* under the lock while the thread exists */
+    vxs_result     result;
+    int            has_thread; /* 1: the baking thread exists, running or paused */
+    int            bad_budget; /* 1: the last call had an invalid budget */
+    os_thread      thread;
+    double         held_since;
+    char           error[VXS_BAKE_ERROR_BYTES];
 };
 
 static vxs_result take_file(void *user, const bake_options *o, const casters *c, vxs_bytes *file, message *m)
@@ -103,12 +101,12 @@ static vxs_result bake_all(bake_run *run, void *user)
 static void work(vxs_bake_job *job)
 {
     vxs_result r = bake_run_guarded(&job->run, bake_all, job);
-    pthread_mutex_lock(&job->lock);
+    os_lock(&job->lock);
     job->result = bake_run_error(&job->run, r, job->error);
     job->state  = r == VXS_OK ? VXS_BAKE_DONE : VXS_BAKE_FAILED;
     if (r != VXS_OK) vxs_bake_bytes_free(&job->file);
-    pthread_cond_signal(&job->ended);
-    pthread_mutex_unlock(&job->lock);
+    os_wake_all(&job->ended);
+    os_unlock(&job->lock);
 }
 
 static void *work_on_thread(void *job)
@@ -119,9 +117,8 @@ static void *work_on_thread(void *job)
 
 vxs_result vxs_bake_job_open(vxs_bake_job **job, const vxs_bake_options *options, char *error)
 {
-    pthread_condattr_t steady;
-    vxs_bake_job      *j = calloc(1, sizeof *j);
-    *job                 = NULL;
+    vxs_bake_job *j = calloc(1, sizeof *j);
+    *job            = NULL;
     if (error) snprintf(error, VXS_BAKE_ERROR_BYTES, j ? "" : "out of memory for a job");
     if (!j) return VXS_E_MEMORY;
     vxs_result r = bake_run_error(&j->run, bake_run_init(&j->run, options, 1), error);
@@ -130,18 +127,15 @@ vxs_result vxs_bake_job_open(vxs_bake_job **job, const vxs_bake_options *options
         free(j);
         return r;
     }
-    pthread_condattr_init(&steady);
-    pthread_condattr_setclock(&steady, CLOCK_MONOTONIC);
-    pthread_mutex_init(&j->lock, NULL);
-    pthread_cond_init(&j->ended, &steady);
-    pthread_condattr_destroy(&steady);
+    os_mutex_init(&j->lock);
+    os_signal_init(&j->ended);
     *job = j;
     return VXS_OK;
 }
 
 static void join(vxs_bake_job *job)
 {
-    pthread_join(job->thread, NULL);
+    os_thread_join(job->thread);
     job->has_thread = 0;
 }
 
@@ -166,23 +160,21 @@ vxs_result vxs_bake_job_run(vxs_bake_job *job)
 /* Block all signals in the thread: they are for the program's own threads. */
 static int start_thread(vxs_bake_job *job)
 {
-    sigset_t all, before;
-    sigfillset(&all);
-    pthread_sigmask(SIG_BLOCK, &all, &before);
-    job->has_thread = !pthread_create(&job->thread, NULL, work_on_thread, job);
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    sigset_t before;
+    threads_block_signals(&before);
+    job->has_thread = os_thread_start(&job->thread, work_on_thread, job);
+    threads_unblock_signals(&before);
     return job->has_thread;
 }
 
 /* Returns 1 if the job has ended before. */
 static int wait_for(vxs_bake_job *job, double until)
 {
-    struct timespec at   = {.tv_sec = (time_t)until, .tv_nsec = (long)(1e9 * (until - floor(until)))};
-    int             late = 0;
-    pthread_mutex_lock(&job->lock);
-    while (job->state == VXS_BAKE_MORE && !late) late = pthread_cond_timedwait(&job->ended, &job->lock, &at) == ETIMEDOUT;
+    int late = 0;
+    os_lock(&job->lock);
+    while (job->state == VXS_BAKE_MORE && !late) late = !threads_wait_until(&job->ended, &job->lock, until);
     int ended = job->state != VXS_BAKE_MORE;
-    pthread_mutex_unlock(&job->lock);
+    os_unlock(&job->lock);
     return ended;
 }
 
@@ -193,6 +185,10 @@ vxs_bake_state vxs_bake_step(vxs_bake_job *job, double budget_ms)
     job->bad_budget         = !(budget_ms > 0);
     if (job->bad_budget) return VXS_BAKE_FAILED;
     if (!job->has_thread && job->state != VXS_BAKE_MORE) return job->state;
+    if (!HAS_THREADS) {
+        work(job);
+        return job->state;
+    }
     if (job->has_thread)
         go_on(job);
     else if (!start_thread(job)) {
@@ -241,8 +237,8 @@ void vxs_bake_job_close(vxs_bake_job *job)
         join(job);
     }
     vxs_bake_bytes_free(&job->file);
-    pthread_cond_destroy(&job->ended);
-    pthread_mutex_destroy(&job->lock);
+    os_signal_free(&job->ended);
+    os_mutex_free(&job->lock);
     bake_run_free(&job->run);
     free(job);
 }

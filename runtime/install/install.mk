@@ -68,7 +68,7 @@ $B/libvxs_bake.a: $B/vxs_bake.o
 
 $B/libvxs_bake.so: $B/vxs_bake.o $B/libvxs_bake.map
 	@echo "  link $@"
-	$Q$(CXX) $(opt) $(linker) -pthread -shared -Wl,-soname,libvxs_bake.so.$(major) -Wl,--version-script=$B/libvxs_bake.map -o $@ $< \
+	$Q$(CXX) $(opt) $(linker) $(threaded) -shared -Wl,-soname,libvxs_bake.so.$(major) -Wl,--version-script=$B/libvxs_bake.map -o $@ $< \
 	    $(shell $(PKG_CONFIG) --libs $(bake.pc)) $(bake.libs) $(LDFLAGS)
 
 $B/libvxs_bake.map: baker/vxs_bake.h

@@ -3,12 +3,12 @@
 #include "baker/columns/sparse/sparse_columns.h"
 
 #include <math.h>
-#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "baker/base/cpu.h"
 #include "baker/base/memory.h"
+#include "baker/base/threads.h"
 #include "baker/columns/sparse/sparse_key.h"
 #include "baker/columns/sparse/sparse_square.h"
 
@@ -25,7 +25,7 @@ typedef struct sparse_map {
     const sparse_level *level;
     sparse_keys         keys;
     const bake_context *ctx;   /* for the memory limit */
-    pthread_mutex_t     lock;  /* of the pool */
+    os_mutex            lock;  /* of the pool */
     pooled_square      *spare; /* released squares */
 } sparse_map;
 
@@ -48,19 +48,19 @@ static vxs_result map_bounds(void *data, uint32_t level, uint32_t i, uint32_t j,
 /* NULL without memory. */
 static pooled_square *take_square(sparse_map *o)
 {
-    pthread_mutex_lock(&o->lock);
+    os_lock(&o->lock);
     pooled_square *p = o->spare;
     if (p) o->spare = p->next;
-    pthread_mutex_unlock(&o->lock);
+    os_unlock(&o->lock);
     return p ? p : calloc(1, sizeof *p);
 }
 
 static void put_square(sparse_map *o, pooled_square *p)
 {
-    pthread_mutex_lock(&o->lock);
+    os_lock(&o->lock);
     p->next  = o->spare;
     o->spare = p;
-    pthread_mutex_unlock(&o->lock);
+    os_unlock(&o->lock);
 }
 
 static vxs_result fetch_square(sparse_map *o, texel_square at, column_square *out, uint32_t threads)
@@ -110,7 +110,7 @@ static void map_free(sparse_map *o)
         sparse_square_free(&p->square);
         free(p);
     }
-    pthread_mutex_destroy(&o->lock);
+    os_mutex_free(&o->lock);
     sparse_keys_free(&o->keys);
     triangle_bins_free(&o->bins);
     sparse_triangles_free(&o->triangles);
@@ -156,12 +156,12 @@ vxs_result sparse_columns_enter(const sparse_columns *owner, uint32_t map, uint3
                                 bake_context *ctx)
 {
     sparse_map    o = {.level = &sparse_levels[cpu_level()],
-                       .desc  = {.triangles = &o.triangles, .scale = scale_of(owner->light, depth_vx), .every_texel = 1},
-                       .lock  = PTHREAD_MUTEX_INITIALIZER};
+                       .desc  = {.triangles = &o.triangles, .scale = scale_of(owner->light, depth_vx), .every_texel = 1}};
     column_square square;
     projection    p;
     double        coarser = ldexp(side_px, -(int)owner->light->levels);
-    vxs_result    r       = projection_init(&p, owner->casters, owner->light, (int)map, ctx->threads, ctx->message);
+    os_mutex_init(&o.lock);
+    vxs_result r = projection_init(&p, owner->casters, owner->light, (int)map, ctx->threads, ctx->message);
     for (size_t n = 0; n < p.vertex_count && coarser < 1; n++) {
         p.vertices[n].u *= coarser;
         p.vertices[n].v *= coarser;
@@ -191,7 +191,7 @@ vxs_result sparse_columns_open(const sparse_columns *owner, const projection *p,
                            .nearest_back = owner->nearest_back,
                            .dont_care    = dont_care_rules_of(owner->light, owner->free_behind, owner->thickness_m)};
     o->level = &sparse_levels[cpu_level()];
-    pthread_mutex_init(&o->lock, NULL);
+    os_mutex_init(&o->lock);
     vxs_result r = prepare(o, p, side, ctx);
     if (r != VXS_OK) {
         map_close(o);

@@ -1,13 +1,13 @@
 /* Rank 0: it bakes as vxs bake does, and a thread of it speaks with the other ranks; see ranks.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <mpi.h>
-#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
 
 #include "baker/bake/cache/square_exchange.h"
 #include "baker/base/array.h"
+#include "baker/base/threads.h"
 #include "baker/command/commands.h"
 #include "baker/command/mpi/ranks.h"
 #include "baker/command/mpi/square_scheduler.h"
@@ -17,10 +17,10 @@
 enum { LOOK_NANOSECONDS = 200000 };
 
 typedef struct first_rank {
-    pthread_t thread; /* while it runs, only this thread calls MPI */
+    os_thread thread; /* while it runs, only this thread calls MPI */
 
-    pthread_mutex_t  lock;  /* of all below */
-    pthread_cond_t   event; /* a square was received, or a rank has failed */
+    os_mutex         lock;  /* of all below */
+    os_signal        event; /* a square was received, or a rank has failed */
     square_scheduler square_scheduler;
     uint32_t         ranks, ended;
     uint8_t         *waits; /* [ranks] 1: it wants a square, and has not been answered */
@@ -59,14 +59,14 @@ static void receive_square(first_rank *f, int rank)
         MPI_Recv(record.data + at, left < BYTES_AT_ONCE ? (int)left : BYTES_AT_ONCE, MPI_BYTE, rank, TAG_BYTES, MPI_COMM_WORLD,
                  MPI_STATUS_IGNORE);
     }
-    pthread_mutex_lock(&f->lock);
+    os_lock(&f->lock);
     scheduled_square *s = square_scheduler_deliver(&f->square_scheduler, head[HEAD_NUMBER], (uint32_t)rank);
     if (s)
         *s = (scheduled_square){(uint32_t)rank, 1, head[HEAD_MADE] != 0, {head[HEAD_KEY_LOW], head[HEAD_KEY_HIGH]}, record};
     else
         free(record.data);
-    pthread_cond_signal(&f->event);
-    pthread_mutex_unlock(&f->lock);
+    os_wake_all(&f->event);
+    os_unlock(&f->lock);
 }
 
 static void receive_claim(first_rank *f, int rank)
@@ -79,22 +79,22 @@ static void receive_end(first_rank *f, int rank)
 {
     end_note note;
     MPI_Recv(&note, sizeof note, MPI_BYTE, rank, TAG_END, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
-    pthread_mutex_lock(&f->lock);
+    os_lock(&f->lock);
     f->ended++;
     if (note.result != VXS_OK && note.result != VXS_E_BROKEN_PIPE) note_failure(f, rank, &note);
-    pthread_cond_signal(&f->event);
-    pthread_mutex_unlock(&f->lock);
+    os_wake_all(&f->event);
+    os_unlock(&f->lock);
 }
 
 /* The number of a square for a rank that wants one. 0: it has to wait. */
 static int ticket_for(first_rank *f, uint32_t rank, uint64_t *ticket)
 {
-    pthread_mutex_lock(&f->lock);
+    os_lock(&f->lock);
     int given = SCHEDULER_GIVEN;
     *ticket   = NO_MORE;
     if (!f->over && f->failure.result == VXS_OK) given = square_scheduler_next(&f->square_scheduler, rank, ticket);
     if (given == SCHEDULER_MEMORY) note_no_memory(f);
-    pthread_mutex_unlock(&f->lock);
+    os_unlock(&f->lock);
     return given != SCHEDULER_WAIT;
 }
 
@@ -142,12 +142,12 @@ static vxs_result failure_of(const first_rank *f, message *m)
 static vxs_result claim(void *data, uint64_t number, square_fate *fate, message *m)
 {
     first_rank *f = data;
-    pthread_mutex_lock(&f->lock);
+    os_lock(&f->lock);
     const scheduled_square *s = square_scheduler_take(&f->square_scheduler, number);
     if (!s) note_no_memory(f);
     if (s) *fate = s->rank ? SQUARE_KNOWN : SQUARE_MAKE;
     vxs_result r = f->failure.result == VXS_OK ? VXS_OK : failure_of(f, m);
-    pthread_mutex_unlock(&f->lock);
+    os_unlock(&f->lock);
     return r;
 }
 
@@ -155,8 +155,8 @@ static vxs_result take(void *data, uint64_t number, const column_key *key, vxs_b
 {
     first_rank *f = data;
     vxs_result  r = VXS_OK;
-    pthread_mutex_lock(&f->lock);
-    while (f->failure.result == VXS_OK && !f->square_scheduler.squares[number].is_here) pthread_cond_wait(&f->event, &f->lock);
+    os_lock(&f->lock);
+    while (f->failure.result == VXS_OK && !f->square_scheduler.squares[number].is_here) os_wait(&f->event, &f->lock);
     scheduled_square *s = &f->square_scheduler.squares[number];
     *record             = (vxs_bytes){0};
     *made               = s->made;
@@ -170,7 +170,7 @@ static vxs_result take(void *data, uint64_t number, const column_key *key, vxs_b
         *record   = s->record;
         s->record = (vxs_bytes){0};
     }
-    pthread_mutex_unlock(&f->lock);
+    os_unlock(&f->lock);
     return r;
 }
 
@@ -178,21 +178,17 @@ static vxs_result take(void *data, uint64_t number, const column_key *key, vxs_b
 
 int bake_first(int ranks, int argc, char **argv)
 {
-    first_rank f = {.ranks            = (uint32_t)ranks,
-                    .square_scheduler = {.ranks = (uint32_t)ranks},
-                    .lock             = PTHREAD_MUTEX_INITIALIZER,
-                    .event            = PTHREAD_COND_INITIALIZER,
-                    .waits            = calloc((size_t)ranks, 1)};
-    if (!f.waits || pthread_create(&f.thread, NULL, speak, &f)) {
+    first_rank f = {.ranks = (uint32_t)ranks, .square_scheduler = {.ranks = (uint32_t)ranks}, .waits = calloc((size_t)ranks, 1)};
+    if (!f.waits || !os_mutex_init(&f.lock) || !os_signal_init(&f.event) || !os_thread_start(&f.thread, speak, &f)) {
         fprintf(stderr, "vxs: error: rank 0 cannot start the thread that speaks with others\n");
         MPI_Abort(MPI_COMM_WORLD, exit_status(VXS_E_MEMORY));
     }
     square_exchange others = {.data = &f, .adds = 1, .claim = claim, .take = take};
     int             status = cmd_bake_with(&others, argc, argv);
-    pthread_mutex_lock(&f.lock);
+    os_lock(&f.lock);
     f.over = 1;
-    pthread_mutex_unlock(&f.lock);
-    pthread_join(f.thread, NULL);
+    os_unlock(&f.lock);
+    os_thread_join(f.thread);
     square_scheduler_free(&f.square_scheduler);
     free(f.waits);
     return status;

@@ -6,12 +6,12 @@
 #ifdef __GLIBC__
 #include <malloc.h>
 #endif
-#include <pthread.h>
 #include <signal.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include "baker/base/message.h"
+#include "baker/base/threads.h"
 #include "baker/command/process/progress_line.h"
 #include "baker/files/json_file.h"
 #include "baker/files/temporary_files.h"
@@ -69,21 +69,6 @@ static void catch_signals(void)
 
 enum { STACK_LEAST = 1 << 20, STACK_BYTES = 8 << 20 }; /* the least that a run needs, and the usual default of systems */
 
-/* Set the default stack size of threads, including those of libraries. It follows the limit of the process, which may be too
- * small. */
-static void give_threads_stacks(void)
-{
-#ifdef __GLIBC__
-    pthread_attr_t attributes;
-    size_t         size;
-    if (pthread_getattr_default_np(&attributes)) return;
-    if (!pthread_attr_getstacksize(&attributes, &size) && size < STACK_LEAST &&
-        !pthread_attr_setstacksize(&attributes, STACK_BYTES))
-        pthread_setattr_default_np(&attributes);
-    pthread_attr_destroy(&attributes);
-#endif
-}
-
 /* Whether the first thread's stack may grow as far as a run needs. Raises its limit if that is allowed. */
 static int has_stack(void)
 {
@@ -108,26 +93,16 @@ static void *run_started(void *user)
 
 int process_run(int (*run)(int argc, char **argv), int argc, char **argv)
 {
-    started        s = {run, argc, 0, argv};
-    pthread_attr_t attributes;
-    pthread_t      thread;
+    started s = {run, argc, 0, argv};
     process_begin();
-    if (has_stack() || pthread_attr_init(&attributes)) return run(argc, argv);
-    int failed = pthread_attr_setstacksize(&attributes, STACK_BYTES) || pthread_create(&thread, &attributes, run_started, &s);
-    pthread_attr_destroy(&attributes);
-    if (failed) return run(argc, argv);
-    sigset_t all;
-    sigfillset(&all);
-    pthread_sigmask(SIG_BLOCK, &all, NULL); /* the other thread handles signals */
-    pthread_join(thread, NULL);
-    return s.status;
+    return !has_stack() && threads_run_on_stack(STACK_BYTES, run_started, &s) ? s.status : run(argc, argv);
 }
 
 /* ------------------------------------------------------------------------------------------------------------------------------ */
 
 void process_begin(void)
 {
-    give_threads_stacks();
+    threads_set_stacks(STACK_LEAST, STACK_BYTES); /* the default follows the limit of the process, which may be too small */
     fill_standard_descriptors();
     signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN);
