@@ -1,11 +1,13 @@
-/* Description structs that the caller fills. They grow from version to version, so each begins with its struct_size. Not
- * installed.
+/* Description structs that the caller fills. They grow from version to version, so each begins with its struct_size. And what
+ * vxs_read_desc leaves to the library: memory. Not installed.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_DESC_H
 #define VXS_DESC_H
 
+#include <stdlib.h>
 #include <string.h>
 
+#include "vxs_file.h"
 #include "vxs_result.h"
 
 /* Largest size of a description. A larger struct_size was not initialized. */
@@ -31,6 +33,43 @@ static inline vxs_result vxs_desc_take(void *to, size_t size, size_t first, cons
     /* the size of this version, so that the copy can be taken again without reading memory behind it */
     memcpy(to, &size, sizeof size);
     return VXS_OK;
+}
+
+/* defaults of vxs_read_desc for memory ------------------------------------------------------------------------------------------ */
+
+static inline void *vxs_default_alloc(size_t size_bytes, void *user)
+{
+    (void)user;
+    return malloc(size_bytes);
+}
+
+static inline void vxs_default_free(void *memory, size_t size_bytes, void *user)
+{
+    (void)user;
+    (void)size_bytes;
+    free(memory);
+}
+
+/* desc  zeroed;   given  the caller's, or NULL */
+static inline vxs_result vxs_read_desc_take(vxs_read_desc *desc, const vxs_read_desc *given)
+{
+    return vxs_desc_take(desc, sizeof *desc, offsetof(vxs_read_desc, parallel) + sizeof desc->parallel, given);
+}
+
+static inline vxs_allocator vxs_allocator_of(const vxs_read_desc *desc)
+{
+    const vxs_allocator standard = {vxs_default_alloc, vxs_default_free, NULL};
+    return desc->allocator && desc->allocator->alloc && desc->allocator->free ? *desc->allocator : standard;
+}
+
+/* Memory limit for a file. Default: 256 times the file size, but at least 64 MiB. Real files need 6 to 9 times their size,
+ * including all working memory. */
+static inline uint64_t vxs_memory_limit_of(const vxs_read_desc *desc, uint64_t file_bytes)
+{
+    const uint64_t least = (uint64_t)64 << 20, times = 256;
+    if (desc->memory_limit_bytes) return desc->memory_limit_bytes;
+    if (file_bytes > UINT64_MAX / times) return UINT64_MAX;
+    return file_bytes * times > least ? file_bytes * times : least;
 }
 
 #endif

@@ -96,6 +96,7 @@
 #define VXS_POINTS_LOW           8
 #define VXS_POINTS_STEP_METRES   32
 #define VXS_POINTS_POINT_COUNT   40
+#define VXS_POINT_CODE_BYTES     6
 
 /* vxs.md section 9: limits */
 #define VXS_SECTIONS_MAX 20480u

@@ -68,7 +68,7 @@ vxs_result vxs_page_inflate(uint32_t *words, uint32_t word_count, const uint8_t 
  * of the page. */
 uint32_t vxs_page_node_words(const uint8_t *bytes);
 
-/* Append the bytes of a page; vxs_page_pack.c. Arguments as for vxs_page_encode; zstd has its level set. Returns VXS_OK;
+/* Append the bytes of a page; vxs_write_blocks.c. Arguments as for vxs_page_encode; zstd has its level set. Returns VXS_OK;
  * VXS_E_MEMORY; VXS_E_ARGUMENT: the page would not be accepted. The runtime library does not contain this function. */
 vxs_result vxs_page_pack(vxs_bytes *out, const uint32_t *words, uint32_t word_count, const vxs_page_node *nodes,
                          uint32_t node_count, vxs_page_marks *marks, ZSTD_CCtx *zstd);
@@ -88,7 +88,7 @@ uint64_t vxs_resident_inflated_bytes(const vxs_resident_sizes *sizes);
 vxs_result vxs_resident_unpack(vxs_resident *out, vxs_common_marks *marks, uint32_t levels, uint32_t map_count,
                                const uint8_t *bytes, size_t size_bytes, uint8_t *inflated, ZSTD_DCtx *zstd);
 
-/* Append the bytes of a resident part that vxs_resident_encode accepts; vxs_page_pack.c.
+/* Append the bytes of a resident part that vxs_resident_encode accepts; vxs_write_blocks.c.
  * words  [sizes->word_count]
  * kinds  [sizes->pattern_count] of the patterns, in storage order
  * Returns VXS_OK; VXS_E_MEMORY. The runtime library does not contain this function. */

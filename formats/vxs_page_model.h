@@ -27,7 +27,233 @@
 #ifndef VXS_PAGE_MODEL_H
 #define VXS_PAGE_MODEL_H
 
-#include "vxs_page_blocks.h"
+#include "vxs_page_tiles.h"
+
+/* blocks: new ones, and known ones ---------------------------------------------------------------------------------------------- */
+
+/* The palette: number of entries, width of the deltas, and the deltas.   delta  [entries - 1] out, as stored */
+static int code_palette(walk *w, block *b, uint32_t *form, uint32_t *delta)
+{
+    coder     *c    = &w->c;
+    page_odds *odds = w->odds;
+    uint32_t   head = source_word(w, b->from + 1) >> 16, last = 0;
+    b->entries = code_nibble(c, &odds->entries[b->plane.tiles ? 4 : b->class], head & 15) + 1;
+    if (b->entries > PALETTE_MAX) return 0;
+    b->class       = b->entries <= 2 ? b->entries - 1 : b->entries < 5 ? 2 : b->entries < 9 ? 3 : 4;
+    uint32_t shift = head >> 4 & 15, width = head >> 8 & 3, far = head >> 10 & 1;
+    uint32_t simple = code_nibble(c, &odds->delta_form[b->entries == 1], width || far || shift == 15 ? 15 : shift);
+    if (simple == 15) {
+        shift = code_nibble(c, &odds->delta_shift, shift);
+        width = code_nibble(c, &odds->delta_width, width | far << 2);
+        if (width > 7 || (width & 3) > 2 || ((width & 3) == 2 && shift)) return 0;
+        far = width >> 2;
+        width &= 3;
+    } else {
+        shift = simple;
+        width = far = 0;
+    }
+    b->far       = far;
+    *form        = (b->entries - 1) | shift << 4 | width << 8 | far << 10;
+    uint32_t end = width == 0 ? 1 << 8 : width == 1 ? 1 << 16 : DEPTH_END;
+    b->depth[0]  = (int16_t)b->base;
+    for (uint32_t n = 1; n < 16; n++) b->depth[n] = 0;
+    for (uint32_t n = 0; n + 1 < b->entries; n++) {
+        uint32_t value = 0;
+        if (PAGE_ENCODING) {
+            uint32_t at = b->from_tiles + count_bits(source_word(w, b->from) & 0xffff), byte = n << width;
+            value = source_word(w, at + byte / 4) >> 8 * (byte & 3) & (width == 0 ? 0xff : width == 1 ? 0xffff : ~0u);
+            if (value <= last || value >= end) return 0;
+        }
+        value = code_step(c, width == 2 ? &odds->delta_wide : &odds->delta[shift][n > 0], odds->round, last, value - last - 1);
+        if (value >= end - 1 - last || (uint64_t)(last + value + 1) << shift >= DEPTH_END) return 0;
+        delta[n]        = last += value + 1;
+        b->depth[n + 1] = (int16_t)(b->base + (int32_t)(last << shift));
+    }
+    return 1;
+}
+
+/* Which tiles of row y are on the plane, in the context of whether the plane fits the neighbours.   s  from texel (0, 0) of
+ * the first tile */
+static uint32_t code_on_plane(walk *w, sheet s, uint32_t y, uint32_t x0, uint32_t y0, uint32_t on)
+{
+    uint32_t k = (uint32_t)fits_left(w, s, x0, y0) << 4 | (uint32_t)(y > 0) << 5;
+    for (uint32_t x = 0; x < 4; x++)
+        k |= (uint32_t)fits_above(w, sheet_from(s, TILE_PX * (int32_t)x, 0), x0 + TILE_PX * x, y0) << x;
+    return code_nibble(&w->c, &w->odds->row_on_plane[k], on);
+}
+
+/* Which tiles of a row are on the plane, and which are mixed. */
+static int code_row(walk *w, block *b, uint32_t y, uint32_t x0, uint32_t y0, uint32_t *on, uint32_t *mixed)
+{
+    uint32_t shape = source_word(w, b->from), own = source_word(w, b->from + 1);
+    *on = b->plane.tiles ? code_on_plane(w, sheet_from(b->sheet, 0, TILE_PX * (int32_t)y), y, x0, y0, (own & ~shape) >> 4 * y & 15)
+                         : 0;
+    if (*on == 15) return 1;
+    const int16_t *above = w->above + 8 + x0;
+    uint32_t       k     = varied(w->left + y0, TILE_PX) << 4 | (uint32_t)(w->left[y0] != above[0]) << 5;
+    for (uint32_t x = 0; x < 4; x++) k |= varied(above + 8 * x, TILE_PX) << x;
+    nibble_odds *odds = b->plane.tiles ? &w->odds->row_mixed[b->class][*on] : &w->odds->block_mixed[b->class][k];
+    *mixed            = code_nibble(&w->c, odds, shape >> 4 * y & 15);
+    return !(*on & *mixed);
+}
+
+/* All tiles of a block, unless all are on the plane. */
+static int code_tiles(walk *w, block *b, uint32_t x0, uint32_t y0)
+{
+    uint32_t last = 16;
+    for (uint32_t y = 0; y < 4; y++) {
+        uint32_t on, mixed = 0, y1 = y0 + 8 * y;
+        if (!code_row(w, b, y, x0, y1, &on, &mixed)) return 0;
+        b->on |= on << 4 * y;
+        b->mixed |= mixed << 4 * y;
+        if (count_bits(b->mixed) > w->node_words - b->tiles) return 0;
+        for (uint32_t x = 0; x < 4; x++) {
+            uint32_t t = x + 4 * y, x1 = x0 + 8 * x;
+            if (on >> x & 1)
+                draw_sheet(w, sheet_from(b->sheet, 8 * (int32_t)x, 8 * (int32_t)y), x1, y1);
+            else if (!(mixed >> x & 1 ? code_mixed_tile(w, b, t, x1, y1) : code_uniform_tile(w, b, t, x1, y1, &last)))
+                return 0;
+        }
+    }
+    return !b->plane.tiles || b->on;
+}
+
+/* A new block at w->word, with known base and plane. */
+static int code_block(walk *w, block *b, uint32_t x0, uint32_t y0)
+{
+    uint32_t form = 0, delta[PALETTE_MAX];
+    b->class      = varied(w->left + y0, BLOCK_PX) | varied(w->above + 8 + x0, BLOCK_PX) << 1;
+    b->entries    = 1;
+    b->tiles      = b->word + (b->plane.tiles ? 4 : 2);
+    b->from_tiles = b->from + (b->plane.tiles ? 4 : 2);
+    if (b->tiles > w->node_words) return 0;
+    if (b->plane.tiles == ON_ALL) {
+        b->on = 0xffff;
+        for (uint32_t t = 0; t < 16; t++)
+            draw_sheet(w, sheet_from(b->sheet, 8 * (int32_t)(t & 3), 8 * (int32_t)(t >> 2)), x0 + 8 * (t & 3), y0 + 8 * (t >> 2));
+    } else if (!code_palette(w, b, &form, delta) || !code_tiles(w, b, x0, y0))
+        return 0;
+    uint32_t width = form >> 8 & 3, at = b->tiles + b->mixed_count, byte = 4 * at, owns = b->far ? count_bits(b->own) : 0;
+    uint32_t bytes = ((b->entries - 1) << width) + (b->fresh_count + 1) / 2;
+    if (b->mixed_count + (bytes + 3) / 4 + owns > w->node_words - b->tiles) return 0;
+    w->words[b->word]     = b->mixed | b->fresh << 16;
+    w->words[b->word + 1] = b->own | b->on | form << 16;
+    if (b->plane.tiles) {
+        w->words[b->word + 2] = (uint16_t)b->plane.plane.a | (uint32_t)b->plane.plane.b << 16;
+        w->words[b->word + 3] = b->plane.plane.shift | (uint32_t)b->plane.c << 4;
+    }
+    for (uint32_t n = 0; n + 1 < b->entries; n++)
+        for (uint32_t k = 0; k < 1u << width; k++) put_byte(w->words, byte++, delta[n] >> 8 * k);
+    for (uint32_t n = 0; n < b->fresh_count; n += 2) put_byte(w->words, byte++, b->index >> 4 * n & 0xff);
+    at += (bytes + 3) / 4;
+    for (uint32_t n = 0; n < owns; n++) w->words[at++] = (uint32_t)b->own_base[n];
+    w->word = at;
+    return 1;
+}
+
+/* Set the borders after a known block: from its last row and last column of tiles. */
+static void draw_block(walk *w, uint32_t word, int32_t base, const sheet *whole, uint32_t x0, uint32_t y0)
+{
+    const uint32_t *words = w->words;
+    uint32_t        shape = words[word], head = words[word + 1], mixed = shape & 0xffff, entries = (head >> 16 & 15) + 1;
+    uint32_t        on = head & ~mixed & 0xffff, tiles = word + head_words(mixed, head);
+    uint32_t        shift = head >> 20 & 15, width = head >> 24 & 3, byte = 4 * (tiles + count_bits(mixed)),
+             index_byte = byte + ((entries - 1) << width);
+    int16_t depth[16]   = {(int16_t)base};
+    for (uint32_t n = 0; n + 1 < entries; n++) {
+        uint32_t delta = 0;
+        for (uint32_t k = 0; k < 1u << width; k++) delta |= get_byte(words, byte + (n << width) + k) << 8 * k;
+        depth[n + 1] = (int16_t)(base + (int32_t)(delta << shift));
+    }
+    for (uint32_t t = 0; t < 16; t++) {
+        uint32_t x = x0 + 8 * (t & 3), y = y0 + 8 * (t >> 2);
+        if ((t & 3) != 3 && t < 12) continue;
+        if (on >> t & 1) {
+            draw_sheet(w, sheet_from(*whole, (int32_t)(x - x0), (int32_t)(y - y0)), x, y);
+            continue;
+        }
+        if (!(mixed >> t & 1)) {
+            uint32_t nth = count_bits(shape >> 16 & ((2u << t) - 1)) - 1;
+            draw_uniform(w, x, y, TILE_PX, depth[get_byte(words, index_byte + nth / 2) >> 4 * (nth & 1) & 15]);
+            continue;
+        }
+        uint32_t tile = words[tiles + count_bits(mixed & ((1u << t) - 1))], ref = tile >> 14;
+        if (!(head >> t & 1)) {
+            int16_t  used[DEPTHS_MAX];
+            uint32_t kind = 0;
+            for (uint32_t bits = tile & 0x3fff; bits; bits &= bits - 1) used[kind++] = depth[page_first_bit(bits)];
+            draw_pattern(w, border_of_ref(w, ref, kind), used, x, y);
+            continue;
+        }
+        int32_t own = (int32_t)(tile & 0x3fff) - OWN_ZERO;
+        if (head >> 26 & 1) {
+            uint32_t bytes = ((entries - 1) << width) + (count_bits(shape >> 16) + 1) / 2;
+            own            = (int32_t)words[byte / 4 + (bytes + 3) / 4 + count_bits(head & mixed & ((1u << t) - 1))];
+        }
+        draw_own(w, ref, base + own, x, y);
+    }
+}
+
+/* Base of a block, predicted from the plane (if all tiles are on it, or if the block is known), else from the least depth
+ * beside the block. */
+static int code_base(walk *w, const block_plane *p, int met, int wide, uint32_t x0, uint32_t y0, uint32_t *base)
+{
+    uint32_t by_plane = p->tiles == ON_NONE ? 0 : met ? 2 : p->tiles == ON_ALL, high = 0;
+    int32_t  least = least_border_depth(w, x0, y0, BLOCK_PX), like = least == INT16_MAX ? 0 : least;
+    if (by_plane) like = met ? base_by_plane(w, p, x0, y0) : (int32_t)p->least >> 8;
+    uint32_t off = (uint32_t)code_signed(&w->c, &w->odds->base[by_plane], (int16_t)(*base - (uint32_t)like));
+    if (wide) high = code_number(&w->c, &w->odds->high, *base >> 16);
+    *base = (((uint32_t)like + off) & 0xffff) | high << 16;
+    return high < DEPTH_END >> 16;
+}
+
+/* Source of a block. */
+enum { BLOCK_NEW, BLOCK_LISTED, BLOCK_LEFT, BLOCK_ABOVE };
+
+/* Encoder only. */
+static uint32_t find_block(const walk *w, uint32_t ref, uint32_t left, uint32_t above)
+{
+    if (!w->block_rank[ref]) return BLOCK_NEW;
+    return left == ref + 1 ? BLOCK_LEFT : above == ref + 1 ? BLOCK_ABOVE : BLOCK_LISTED;
+}
+
+/* The word of a known block, + 1. 0: invalid.   place  in the list */
+static uint32_t code_met_block(walk *w, uint32_t found, uint32_t place, uint32_t left, uint32_t above)
+{
+    if (found == BLOCK_LEFT) return left;
+    if (found == BLOCK_ABOVE) return above;
+    place = code_number(&w->c, &w->odds->block, place);
+    return found == BLOCK_LISTED && place < w->listed[LIST_OF_BLOCKS] ? list_use(w, LIST_OF_BLOCKS, place) + 1 : 0;
+}
+
+/* A mixed block of a node: its base and its word. */
+static int code_block_of(walk *w, int wide, uint32_t x0, uint32_t y0, uint32_t *ref, uint32_t *base)
+{
+    uint32_t *left = &w->block_left[y0 / BLOCK_PX], *above = &w->block_above[x0 / BLOCK_PX], word = w->word;
+    uint32_t  found = PAGE_ENCODING ? find_block(w, *ref, *left, *above) : 0, place = PAGE_ENCODING ? w->block_rank[*ref] - 1 : 0;
+    block     b = {.from = *ref, .word = word};
+    found       = code_nibble(&w->c, &w->odds->block_found[likeness(*left, *above, 0)], found);
+    if (found != BLOCK_NEW) {
+        if (!(word = code_met_block(w, found, place, *left, *above))) return 0;
+        read_block_plane(&b.plane, w->words + --word);
+    } else {
+        if (word + 2 > w->node_words) return 0;
+        list_add(w, LIST_OF_BLOCKS, word);
+        if (!code_block_plane(w, &b.plane, b.from, *base, x0, y0)) return 0;
+    }
+    *ref  = word;
+    *left = *above = word + 1;
+    if (!code_base(w, &b.plane, found != BLOCK_NEW, wide, x0, y0, base)) return 0;
+    if (found == BLOCK_NEW) b.plane.c = signed_28(b.plane.least - (*base << 8));
+    b.base  = (int32_t)*base;
+    b.sheet = sheet_of(&b.plane.plane, (*base << 8) + (uint32_t)b.plane.c, BLOCK_PX, OF_BLOCK);
+    if (b.plane.tiles != ON_NONE) w->last_plane = b.sheet;
+    if (found == BLOCK_NEW) return code_block(w, &b, x0, y0);
+    draw_block(w, word, b.base, &b.sheet, x0, y0);
+    return 1;
+}
+
+/* nodes ------------------------------------------------------------------------------------------------------------------------- */
 
 static void code_slope(walk *w, int32_t *nx, int32_t *ny)
 {

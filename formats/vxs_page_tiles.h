@@ -1,11 +1,180 @@
-/* Tiles of a block: with a single depth, with a pattern over the block palette, or with a private-palette pattern.
+/* Tiles of a block, and lists of the records that a page has so far: patterns by kind, and blocks. A record used again is coded as
+ * its rank in the list.
+ *
+ * An entry of a list is the offset of a word of the page, 16 bits: for a block its first word, for a pattern the word of the first tile
+ * that refers to it. So all entries are different, and all lists together have at most as many entries as the page has words.
  * Internal to vxs_page_*.c, which define PAGE_ENCODING. Not installed.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_PAGE_TILES_H
 #define VXS_PAGE_TILES_H
 
-#include "vxs_page_block_planes.h"
-#include "vxs_page_lists.h"
+#include "vxs_page_own.h"
+#include "vxs_page_planes.h"
+
+/* lists ------------------------------------------------------------------------------------------------------------------------- */
+
+enum { LIST_OF_BLOCKS = 1 }; /* other lists are of patterns, by kind */
+
+PAGE_INLINE uint16_t *list_at(const walk *w, uint32_t list, uint32_t rank)
+{
+    return w->s->listed + w->s->chunk[list][rank / LIST_CHUNK] * (uint32_t)LIST_CHUNK + rank % LIST_CHUNK;
+}
+
+/* Set the entry with this rank; the encoder also keeps the rank of each record. */
+PAGE_INLINE void list_set(walk *w, uint32_t list, uint32_t rank, uint32_t word)
+{
+    *list_at(w, list, rank) = (uint16_t)word;
+    if (PAGE_ENCODING) *(list == LIST_OF_BLOCKS ? &w->block_rank[word] : &w->pattern_rank[w->words[word] >> 14]) = rank + 1;
+}
+
+/* There is always room: see above. */
+static void list_add(walk *w, uint32_t list, uint32_t word)
+{
+    uint32_t rank = w->listed[list]++;
+    if (rank % LIST_CHUNK == 0) w->s->chunk[list][rank / LIST_CHUNK] = (uint16_t)w->chunks++;
+    list_set(w, list, rank, word);
+}
+
+/* Move the used entry half the way to the front: exchange it with the entry there. Returns its word. */
+static uint32_t list_use(walk *w, uint32_t list, uint32_t rank)
+{
+    uint32_t word = *list_at(w, list, rank), other = *list_at(w, list, rank / 2);
+    list_set(w, list, rank, other);
+    list_set(w, list, rank / 2, word);
+    return word;
+}
+
+/* Add a pattern; the current tile is the first that refers to it. */
+static void add_pattern(walk *w, uint32_t kind, uint32_t ref)
+{
+    w->words[w->tile] = ref << 14;
+    list_add(w, kind, w->tile);
+}
+
+/* 0: new pattern; 1: from the common pool; else rank in its list + 2. */
+static uint32_t find_pattern(const walk *w, uint32_t kind, uint32_t ref)
+{
+    uint32_t rank = w->pattern_rank[ref];
+    if (rank && rank <= w->listed[kind] && w->words[*list_at(w, kind, rank - 1)] >> 14 == ref) return rank + 1;
+    return ref & REF_COMMON ? 1 : 0;
+}
+
+static uint32_t find_common(const vxs_common *common, uint32_t kind, uint32_t ref)
+{
+    uint32_t low = common->first[kind], high = common->first[kind + 1], half = ref & (REF_COMMON - 1);
+    while (low < high) {
+        uint32_t middle = low + (high - low) / 2;
+        if (common->patterns[middle] < half)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low - common->first[kind];
+}
+
+/* A pattern of the common pool, used for the first time. 0: invalid. */
+static int code_from_common(walk *w, uint32_t kind, uint32_t *ref)
+{
+    uint32_t n = code_number(&w->c, &w->odds->common[kind], PAGE_ENCODING ? find_common(w->common, kind, *ref) : 0);
+    if (n >= w->common->first[kind + 1] - w->common->first[kind]) return 0;
+    *ref = REF_COMMON | w->common->patterns[w->common->first[kind] + n];
+    add_pattern(w, kind, *ref);
+    return 1;
+}
+
+/* A pattern that is already in the list, by its rank. 0: invalid. */
+static int use_pattern(walk *w, uint32_t kind, uint32_t place, uint32_t *ref)
+{
+    if (place >= w->listed[kind]) return 0;
+    *ref = w->words[list_use(w, kind, place)] >> 14;
+    return 1;
+}
+
+/* The pattern of a tile over the block palette. 0: invalid page.
+ * depth  [kind]
+ * ref    in: in the source */
+static int code_pattern(walk *w, uint32_t kind, const int16_t *depth, uint32_t *ref, uint32_t x0, uint32_t y0)
+{
+    uint32_t place = code_number(&w->c, &w->odds->pattern[kind], PAGE_ENCODING ? find_pattern(w, kind, *ref) : 0);
+    if (place == 1) return code_from_common(w, kind, ref);
+    if (place) return use_pattern(w, kind, place - 2, ref);
+    _Alignas(16) uint8_t index[64];
+    uint32_t             half = w->half;
+    if (PAGE_ENCODING && !read_source(w, *ref, kind, index)) return 0;
+    if (!code_image(w, depth, kind, x0, y0, index) || !put_pattern(w, index, kind)) return 0;
+    add_pattern(w, kind, *ref = half);
+    return 1;
+}
+
+/* patterns with depths of their own -------------------------------------------------------------------------------------------- */
+
+/* Source of a pattern. Patterns of planes can also be found in the row and the column of the tile, and among those used
+ * last. */
+enum { FOUND_NEW, FOUND_COMMON, FOUND_LISTED, FOUND_LEFT, FOUND_ABOVE, FOUND_LATELY };
+
+/* Its place among those used last; their number if it is not there. */
+static uint32_t find_lately(const walk *w, uint32_t ref)
+{
+    uint32_t n = 0;
+    while (n < w->own_lately_count && w->own_lately[n] != ref + 1) n++;
+    return n;
+}
+
+/* Encoder only.   place  [out] in the list, or among those used last */
+static uint32_t find_own(const walk *w, uint32_t ref, uint32_t left, uint32_t above, uint32_t *place)
+{
+    uint32_t listed = find_pattern(w, KIND_OWN, ref);
+    if (listed < 2) return listed;
+    if (left == ref + 1) return FOUND_LEFT;
+    if (above == ref + 1) return FOUND_ABOVE;
+    *place = find_lately(w, ref);
+    if (*place < w->own_lately_count) return FOUND_LATELY;
+    *place = listed - 2;
+    return FOUND_LISTED;
+}
+
+/* Remember the pattern of planes that a tile uses. */
+static void remember_planes(walk *w, uint32_t ref, uint32_t x0, uint32_t y0)
+{
+    uint32_t place = find_lately(w, ref);
+    if (place == LATELY_KEPT) place--;
+    if (place == w->own_lately_count) w->own_lately_count++;
+    memmove(w->own_lately + 1, w->own_lately, place * sizeof *w->own_lately);
+    w->own_lately[0] = w->own_left[y0 / TILE_PX] = w->own_above[x0 / TILE_PX] = ref + 1;
+}
+
+/* A known pattern. 0: invalid. */
+static int code_found(walk *w, uint32_t *ref, uint32_t found, uint32_t place, uint32_t left, uint32_t above)
+{
+    if (found == FOUND_COMMON) return code_from_common(w, KIND_OWN, ref);
+    if (found == FOUND_LISTED) return use_pattern(w, KIND_OWN, code_number(&w->c, &w->odds->pattern[KIND_OWN], place), ref);
+    uint32_t name = found == FOUND_LEFT ? left : above;
+    if (found == FOUND_LATELY) {
+        place = code_number(&w->c, &w->odds->own_lately, place);
+        name  = place < w->own_lately_count ? w->own_lately[place] : 0;
+    }
+    *ref = name - 1;
+    return found <= FOUND_LATELY && name;
+}
+
+/* The private-palette pattern of a tile, and the base of the tile. 0: invalid page.
+ * ref  in: in the source */
+static int code_own_pattern(walk *w, uint32_t *ref, own_base *base, uint32_t x0, uint32_t y0)
+{
+    uint32_t left = w->own_left[y0 / TILE_PX], above = w->own_above[x0 / TILE_PX], place = 0;
+    uint32_t found = PAGE_ENCODING ? find_own(w, *ref, left, above, &place) : 0;
+    found          = code_nibble(&w->c, &w->odds->own_found[likeness(left, above, 0)], found);
+    if (found == FOUND_NEW) {
+        uint32_t half = w->half;
+        if (!code_own(w, *ref, base, x0, y0)) return 0;
+        add_pattern(w, KIND_OWN, *ref = half);
+    } else if (!code_found(w, ref, found, place, left, above) || !code_base_of(w, base, *ref, x0, y0))
+        return 0;
+    if (get_half(pool_of(w, *ref), *ref & (REF_COMMON - 1)) >> 12 >= OWN_PLANE) remember_planes(w, *ref, x0, y0);
+    return 1;
+}
+
+/* tiles: with a single depth, with a pattern over the block palette, or with a private-palette pattern -------------------------- */
 
 /* State of a block during coding. */
 typedef struct block {

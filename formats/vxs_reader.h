@@ -1,4 +1,4 @@
-/* State of a file being read: interface between vxs_read.c and the readers of the codings. Not installed. The reader belongs
+/* State of a file being read: interface between vxs_read.c, the readers of sections, and vxs_reader.c, which they share. Not installed. The reader belongs
  * to the thread that called vxs_read. Tasks of a coding (vxs_tasks.h) only read it, and call no function of this header.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_READER_H
@@ -27,19 +27,6 @@ struct vxs_reader {
     vxs_baked_points points;
 };
 
-/* Check the header: reads the first VXS_HEADER_BYTES of r->bytes, or all if r->size is less. 0: a finding. */
-int vxs_read_header(vxs_reader *r);
-
-/* Check header and directory, and the hashes of sections that are in memory. 0: a finding. */
-int vxs_read_head(vxs_reader *r);
-
-/* Read the table of lights, and check that each section belongs to a light. Needs the head and a zstd context. The lights
- * have no words yet. 0: a finding. */
-int vxs_read_light_table(vxs_reader *r);
-
-/* Inflate the metadata if the description wants it; else only check its frame. 0: a finding. */
-int vxs_read_metadata(vxs_reader *r);
-
 /* Report a finding (vxs_findings.h) at an offset of the inflated section. */
 void vxs_found(vxs_reader *r, int number, int section, uint64_t offset);
 
@@ -52,8 +39,15 @@ void *vxs_take_spare(vxs_reader *r, uint64_t count, size_t size);
 /* Free memory from vxs_take or vxs_take_spare, with the same count and size. Accepts NULL. */
 void vxs_give_back(vxs_reader *r, void *memory, uint64_t count, size_t size);
 
+/* Whether two sections are of the same kind, light and level. */
+int vxs_same_section(const vxs_section *a, const vxs_section *b);
+
 /* Index of a section, or -1: a finding. */
 int vxs_find_section(vxs_reader *r, uint32_t kind, uint32_t light, uint32_t level);
+
+/* Whether a section, stored at `from`, is one frame of the inflated size in the directory, without inflating it; 0: a finding.
+ * extra  bytes that the caller wants behind the inflated ones */
+int vxs_check_frame(vxs_reader *r, int section, const uint8_t *from, size_t extra);
 
 /* Inflated bytes of a section, followed by `extra` zeros; to be freed with vxs_give_back. NULL: a finding. */
 uint8_t *vxs_inflate(vxs_reader *r, int section, size_t extra);
@@ -80,7 +74,7 @@ void vxs_read_dag(vxs_reader *r, vxs_baked_light *baked);
 int  vxs_is_blocks_section(uint32_t kind);
 void vxs_read_blocks(vxs_reader *r, vxs_baked_light *baked);
 
-/* vxs_read_smoke.c ------------------------------------------------------------------------------------------------------------- */
+/* vxs_read_extras.c: smoke ------------------------------------------------------------------------------------------------------ */
 
 /* Check the smoke of all lights that have some, and write its words. */
 void vxs_read_smoke(vxs_reader *r);
@@ -97,7 +91,7 @@ void vxs_read_smoke_words(vxs_reader *r, const vxs_baked_smoke *measured, uint32
 /* smoke  [count] or NULL */
 void vxs_smoke_free(vxs_baked_smoke *smoke, uint32_t count, const vxs_allocator *allocator);
 
-/* vxs_read_points.c ------------------------------------------------------------------------------------------------------------ */
+/* vxs_read_extras.c: points ----------------------------------------------------------------------------------------------------- */
 
 /* Check the points, if there are any, and write their coordinates. */
 void vxs_read_points(vxs_reader *r);
@@ -106,6 +100,19 @@ void vxs_read_points(vxs_reader *r);
 void vxs_points_free(vxs_baked_points *points, const vxs_allocator *allocator);
 
 /* vxs_read.c ------------------------------------------------------------------------------------------------------------------- */
+
+/* Check the header: reads the first VXS_HEADER_BYTES of r->bytes, or all if r->size is less. 0: a finding. */
+int vxs_read_header(vxs_reader *r);
+
+/* Check header and directory, and the hashes of sections that are in memory. 0: a finding. */
+int vxs_read_head(vxs_reader *r);
+
+/* Read the table of lights, and check that each section belongs to a light. Needs the head and a zstd context. The lights
+ * have no words yet. 0: a finding. */
+int vxs_read_light_table(vxs_reader *r);
+
+/* Inflate the metadata if the description wants it; else only check its frame. 0: a finding. */
+int vxs_read_metadata(vxs_reader *r);
 
 /* Content that is not in vxs_contents, because the layout of that struct must not change. */
 typedef struct vxs_beside {

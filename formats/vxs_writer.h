@@ -1,4 +1,4 @@
-/* State of a file being written: interface between vxs_write.c and the writers of the codings. Not installed.
+/* State of a file being written: interface between vxs_write.c, the writers of sections, and vxs_sections.c, which they share. Not installed.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_WRITER_H
 #define VXS_WRITER_H
@@ -47,13 +47,11 @@ vxs_result vxs_write_dag(vxs_sections *s, const vxs_dag_view *view, uint32_t map
  * the words are not in canonical order, if the common patterns do not match them, or if the packing is unknown. */
 vxs_result vxs_write_blocks(vxs_sections *s, const vxs_blocks_view *view, const vxs_light *light, uint32_t number);
 
-/* vxs_write_smoke.c ------------------------------------------------------------------------------------------------------------ */
+/* vxs_write_extras.c ------------------------------------------------------------------------------------------------------------ */
 
 /* Write the smoke section of light number `number`.
  * Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT as vxs_write_smoke. */
 vxs_result vxs_add_smoke(vxs_sections *s, const vxs_smoke_view *smoke, const vxs_light *light, uint32_t number);
-
-/* vxs_write_points.c ----------------------------------------------------------------------------------------------------------- */
 
 /* Write the section of points.
  * Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT as vxs_write. */

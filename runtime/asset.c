@@ -5,7 +5,7 @@
 
 #include "platform.h"
 #include "vxs.h"
-#include "vxs_memory.h"
+#include "vxs_desc.h"
 #include "vxs_reader.h"
 
 struct vxs_asset {

@@ -21,7 +21,7 @@
 #define STREAM_H
 
 #include "platform.h"
-#include "vxs_read_page.h"
+#include "vxs_read_blocks.h"
 #include "vxs_stream.h"
 
 enum {

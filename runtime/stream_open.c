@@ -10,7 +10,7 @@
 
 #include "stream_opening.h"
 #include "vxs_bytes.h"
-#include "vxs_memory.h"
+#include "vxs_desc.h"
 #include "vxs_resident_layout.h"
 
 enum { BLOCK_ALIGN = 64 };

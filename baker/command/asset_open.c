@@ -14,7 +14,7 @@
 #include "baker/files/input_file.h"
 #include "baker/scene/light_choice.h"
 #include "formats/vxs_bytes.h"
-#include "formats/vxs_memory.h"
+#include "formats/vxs_desc.h"
 
 /* limit on the bytes of a file, if none is given */
 #define READ_MAX ((uint64_t)4 << 30)

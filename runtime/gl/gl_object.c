@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "gl_state.h"
-#include "vxs_memory.h"
+#include "vxs_desc.h"
 
 enum { WORDS_WIDE = 2048, LIGHTS_WIDE = 64, LIGHT_TEXELS = 6, LIGHT_WORDS = 24, RANGES_AT_FIRST = 64 };
 

@@ -6,7 +6,7 @@
 
 #include "volumes_state.h"
 #include "vxs_air_path.h"
-#include "vxs_memory.h"
+#include "vxs_desc.h"
 
 enum { FIRST_UNIT = 8, FIRST_STORAGE = 5 };
 

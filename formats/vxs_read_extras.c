@@ -1,7 +1,7 @@
-/* Reading baked smoke: every check of formats/vxs.md section 15 on the stored curves of a light, and its words in the layout
- * for lookups.
+/* Reading what lies beside shadows: baked smoke and points of casters; every check of formats/vxs.md sections 15 and 16. The words of
+ * smoke get the layout for lookups.
  *
- * The number of words follows from the stored numbers of tiles and nodes; counts are compared with these before any node is
+ * The number of words of smoke follows from the stored numbers of tiles and nodes; counts are compared with these before any node is
  * read.
  * SPDX-License-Identifier: MIT */
 #include <math.h>
@@ -10,6 +10,8 @@
 #include "vxs_bytes.h"
 #include "vxs_reader.h"
 #include "vxs_smoke.h"
+
+/* smoke ------------------------------------------------------------------------------------------------------------------------- */
 
 enum { HEAD_WORDS = 3, TILE_TEXELS = 64, TILE_WORDS = 32, NODE_BYTES = 4 };
 
@@ -28,7 +30,7 @@ static int has_tile(const smoke_reader *s, uint64_t tile)
 }
 
 /* Whether the number of levels is valid, and depths and metres are finite floats for all depths. */
-static int head_valid(const smoke_reader *s, const vxs_light *light)
+static int smoke_head_valid(const smoke_reader *s, const vxs_light *light)
 {
     double first = vxs_real_of(vxs_load32(s->content + VXS_SMOKE_FIRST_METRES));
     double step  = vxs_real_of(vxs_load32(s->content + VXS_SMOKE_STEP_METRES));
@@ -42,7 +44,7 @@ static int find_parts(smoke_reader *s, const vxs_light *light)
     if (s->size < VXS_SMOKE_PREFIX_BYTES) return vxs_found(s->r, 601, s->section, 0), 0;
     s->levels     = vxs_load32(s->content + VXS_SMOKE_LEVELS);
     s->node_count = vxs_load32(s->content + VXS_SMOKE_NODE_COUNT);
-    if (!head_valid(s, light)) return vxs_found(s->r, 602, s->section, 0), 0;
+    if (!smoke_head_valid(s, light)) return vxs_found(s->r, 602, s->section, 0), 0;
 
     s->tiles        = (uint64_t)vxs_map_count(light) << (2 * (s->levels - 3));
     uint64_t counts = VXS_SMOKE_PREFIX_BYTES + (s->tiles + 7) / 8, nodes;
@@ -110,7 +112,7 @@ static int decode_tile(const smoke_reader *s, uint32_t number, uint64_t *node, u
 }
 
 /* 0: a finding. */
-static int decode(const smoke_reader *s, uint32_t *words)
+static int decode_smoke(const smoke_reader *s, uint32_t *words)
 {
     uint64_t at = HEAD_WORDS + s->tiles, node = 0;
     uint32_t number = 0;
@@ -159,7 +161,7 @@ void vxs_read_smoke_words(vxs_reader *r, const vxs_baked_smoke *measured, uint32
     if (open_section(&s, r, (int)measured->section, &now)) {
         if (now.word_count == measured->word_count && now.side_px == measured->side_px && now.tile_count == measured->tile_count &&
             now.node_count == measured->node_count)
-            decode(&s, words);
+            decode_smoke(&s, words);
         else
             vxs_found(r, 601, s.section, 0); /* the bytes changed since vxs_measure_smoke */
     }
@@ -175,7 +177,7 @@ static void read_section(vxs_reader *r, int section, vxs_baked_smoke *to)
     if (words) {
         *to       = found;
         to->words = words;
-        decode(&s, words);
+        decode_smoke(&s, words);
     }
     close_section(&s);
 }
@@ -205,4 +207,85 @@ void vxs_smoke_free(vxs_baked_smoke *smoke, uint32_t count, const vxs_allocator 
     for (uint32_t n = 0; smoke && n < count; n++)
         if (smoke[n].words) a->free((void *)smoke[n].words, smoke[n].word_count * sizeof *smoke[n].words, a->user);
     if (smoke) a->free(smoke, count * sizeof *smoke, a->user);
+}
+
+/* points ------------------------------------------------------------------------------------------------------------------------ */
+
+/* A coordinate from bits 0, 3, 6, ... of a code. */
+static uint16_t coordinate_of(uint64_t code)
+{
+    uint32_t found = 0;
+    for (uint32_t n = 0; n < 16; n++) found |= (uint32_t)(code >> 3 * n & 1) << n;
+    return (uint16_t)found;
+}
+
+/* Whether all places are finite, also at the last unit. */
+static int points_head_valid(const vxs_baked_points *p)
+{
+    for (int n = 0; n < 3; n++)
+        if (!isfinite(p->low_ws[n]) || !isfinite(p->low_ws[n] + 65535 * p->step_metres)) return 0;
+    return isfinite((float)p->square_metres) && p->square_metres > 0 && isfinite(p->step_metres) && p->step_metres > 0 &&
+           p->count >= 1 && p->count <= VXS_POINTS_MAX;
+}
+
+static vxs_baked_points head_of(const uint8_t *content)
+{
+    vxs_baked_points p = {.count         = vxs_load32(content + VXS_POINTS_POINT_COUNT),
+                          .square_metres = vxs_load_f64(content + VXS_POINTS_SQUARE_METRES),
+                          .step_metres   = vxs_load_f64(content + VXS_POINTS_STEP_METRES)};
+    for (int n = 0; n < 3; n++) p.low_ws[n] = vxs_load_f64(content + VXS_POINTS_LOW + 8 * n);
+    return p;
+}
+
+/* Decode codes stored as differences from the previous code, with a plane for each byte. 0: a finding. */
+static int decode_points(vxs_reader *r, int section, const uint8_t *planes, uint32_t count, uint16_t *coordinates)
+{
+    uint64_t code = 0;
+    for (uint32_t n = 0; n < count; n++) {
+        for (uint32_t plane = 0; plane < VXS_POINT_CODE_BYTES; plane++)
+            code += (uint64_t)planes[(size_t)plane * count + n] << 8 * plane;
+        if (code >> 8 * VXS_POINT_CODE_BYTES) return vxs_found(r, 703, section, VXS_POINTS_PREFIX_BYTES + n), 0;
+        for (uint32_t i = 0; i < 3; i++) *coordinates++ = coordinate_of(code >> i);
+    }
+    return 1;
+}
+
+static void read_content(vxs_reader *r, int section, const uint8_t *content, uint64_t size)
+{
+    if (size < VXS_POINTS_PREFIX_BYTES) {
+        vxs_found(r, 701, section, 0);
+        return;
+    }
+    vxs_baked_points p = head_of(content);
+    p.section          = (uint32_t)section;
+    if (!points_head_valid(&p)) {
+        vxs_found(r, 702, section, 0);
+        return;
+    }
+    if (size != VXS_POINTS_PREFIX_BYTES + (uint64_t)p.count * VXS_POINT_CODE_BYTES) {
+        vxs_found(r, 701, section, VXS_POINTS_POINT_COUNT);
+        return;
+    }
+    uint16_t *coordinates = vxs_take(r, p.count, 3 * sizeof *coordinates, section);
+    if (!coordinates) return;
+    p.coordinates = coordinates;
+    r->points     = p;
+    decode_points(r, section, content + VXS_POINTS_PREFIX_BYTES, p.count, coordinates);
+}
+
+void vxs_read_points(vxs_reader *r)
+{
+    for (uint32_t n = 0; n < r->out.section_count; n++) {
+        const vxs_section *s = &r->out.sections[n];
+        if (s->kind != VXS_KIND_POINTS || s->light != VXS_NO_LIGHT || r->points.coordinates) continue;
+        uint8_t *content = vxs_inflate(r, (int)n, 0);
+        if (!content) return;
+        read_content(r, (int)n, content, s->inflated_bytes);
+        vxs_give_back(r, content, s->inflated_bytes, 1);
+    }
+}
+
+void vxs_points_free(vxs_baked_points *points, const vxs_allocator *a)
+{
+    if (points->coordinates) a->free((void *)points->coordinates, points->count * 3 * sizeof *points->coordinates, a->user);
 }
