@@ -76,7 +76,6 @@ static void far_vertices(parts *p)
     const double x = 1e7, z = -1e7;
     parts_box_at(p, "ground", x - 60, x + 60, -1, 0, z - 60, z + 60);
     parts_box_at(p, "block", x - 10, x + 10, 20, 30, z - 10, z + 10);
-    parts_sun(p, slanted);
 }
 
 /* Boxes of a millimetre beside one of 200 km. */
@@ -86,12 +85,6 @@ static void huge_and_tiny(parts *p)
     parts_box_at(p, "huge", -1e5, 1e5, 1e5, 2e5, -1e5, 1e5);
     parts_mesh(p, "tiny", 0);
     for (int i = 0; i < 100; i++) parts_box_at(p, NULL, -1.001 - i * 0.01, -1 - i * 0.01, 0, 0.001, 0, 0.001);
-    parts_sun(p, slanted);
-}
-
-static void empty_scene(parts *p)
-{
-    parts_sun(p, slanted);
 }
 
 static void one_triangle(parts *p)
@@ -99,7 +92,6 @@ static void one_triangle(parts *p)
     parts_mesh(p, "triangle", 0);
     uint32_t a = parts_vertex(p, -1, 0, -1), b = parts_vertex(p, -1, 0, 1), c = parts_vertex(p, 1, 0, 0);
     parts_triangle(p, a, b, c);
-    parts_sun(p, slanted);
 }
 
 /* ---- lights ---- */
@@ -116,7 +108,6 @@ static void grazing_wall(parts *p)
 /* A solid wall, one without thickness, and one whose plane contains the spot. */
 static void wall_along_light(parts *p)
 {
-    ground(p, 10);
     parts_box_at(p, "solid wall", -3, 3, -0.5, 3, -0.1, 0.1);
     parts_mesh(p, "sheet wall", 0);
     upright_sheet_at(p, -3, 3, -0.5, 3, 2);
@@ -128,13 +119,11 @@ static void wall_along_light(parts *p)
 
 static void no_light(parts *p)
 {
-    ground(p, 5);
     parts_box_at(p, "block", -1, 1, 2, 3, -1, 1);
 }
 
 static void light_in_wall(parts *p)
 {
-    ground(p, 8);
     parts_box_at(p, "wall", -0.5, 0.5, -0.5, 4, -4, 4);
     parts_sun(p, slanted);
     parts_point(p, "lamp", (double[3]){0, 2, 0}, 20);
@@ -143,7 +132,6 @@ static void light_in_wall(parts *p)
 /* A caster above the light, one that covers the whole sky, and one beside it that extends from behind the light to before it. */
 static void caster_behind_light(parts *p)
 {
-    ground(p, 8);
     parts_box_at(p, "behind", -1, 1, 5, 6, -1, 1);
     parts_box_at(p, NULL, -8, 8, 7, 8, -8, 8);
     parts_box_at(p, NULL, 1, 2, 3.5, 4.5, -1, 1);
@@ -161,7 +149,6 @@ static void triangle(parts *p, const double a[3], const double b[3], const doubl
 static void zero_area_and_needles(parts *p)
 {
     const double a[3] = {-1, 1, -3}, b[3] = {0, 1, -3}, c[3] = {1, 1, -3};
-    ground(p, 6);
     parts_mesh(p, "no area", 0);
     triangle(p, a, a, a);
     triangle(p, a, a, c);
@@ -174,7 +161,6 @@ static void zero_area_and_needles(parts *p)
         triangle(p, (double[3]){-4, 2, z}, (double[3]){2, 2, z + width}, (double[3]){2, 2, z});
     }
     parts_box_at(p, "block", -1, 1, 1, 2, 2, 4);
-    parts_sun(p, slanted);
 }
 
 /* A closed surface, whatever the order of its corners. */
@@ -197,7 +183,6 @@ static void tetrahedron(parts *p, double corner[4][3])
 /* Solids of 6 m by 10 micrometres to a millimetre, in all directions of a sloping plane. */
 static void solid_needles(parts *p)
 {
-    ground(p, 8);
     parts_mesh(p, "needles", 0);
     for (uint32_t i = 0; i < 200; i++) {
         double c, s, thick = i % 2 ? 1e-3 : 1e-5, y = 3 + i * 0.002;
@@ -208,14 +193,12 @@ static void solid_needles(parts *p)
                                       {3 * c, y + c + thick, 3 * s}});
     }
     parts_box_at(p, "block", -1, 1, 1, 2, 4, 6);
-    parts_sun(p, slanted);
 }
 
 /* Solids of a tenth of a millimetre to a centimetre. */
 static void dust(parts *p)
 {
     rng r = rng_split(1, 0);
-    ground(p, 8);
     parts_mesh(p, "dust", 0);
     for (int i = 0; i < 5000; i++) {
         double corner[4][3], size = i % 100 ? 1e-4 * (1 + i % 10) : 1e-2;
@@ -225,14 +208,12 @@ static void dust(parts *p)
         tetrahedron(p, corner);
     }
     parts_box_at(p, "block", -1, 1, 1, 2, -4, -2);
-    parts_sun(p, slanted);
 }
 
 /* Two cones base to base: 100 000 triangles meet at each tip. */
 static void fan_100000(parts *p)
 {
     enum { AROUND = 100000 };
-    ground(p, 8);
     parts_mesh(p, "cones", 0);
     uint32_t top = parts_vertex(p, 0, 4, 0), bottom = parts_vertex(p, 0, 2, 0), first = bottom + 1;
     for (uint32_t i = 0; i < AROUND; i++) {
@@ -245,13 +226,11 @@ static void fan_100000(parts *p)
         parts_triangle(p, top, b, a);
         parts_triangle(p, bottom, a, b);
     }
-    parts_sun(p, slanted);
 }
 
 /* Quads whose sides cross, three sheets with a common edge, solids that share only a corner or an edge. */
 static void bow_ties(parts *p)
 {
-    ground(p, 8);
     parts_mesh(p, "bow-tie", 0);
     triangle(p, (double[3]){-4, 2, -2}, (double[3]){-4, 2, 2}, (double[3]){-2, 2, 0});
     triangle(p, (double[3]){-2, 2, 0}, (double[3]){0, 2, 2}, (double[3]){0, 2, -2});
@@ -264,25 +243,21 @@ static void bow_ties(parts *p)
     parts_box_at(p, NULL, 1, 2, 2, 3, 5, 6);
     parts_box_at(p, "at edges", 2, 3, 1, 2, 0, 1);
     parts_box_at(p, NULL, 3, 4, 2, 3, 0, 1);
-    parts_sun(p, slanted);
 }
 
 /* Borders with 7 and 11 quads on the two sides of a fold. */
 static void t_junctions(parts *p)
 {
-    ground(p, 8);
     parts_mesh(p, "level", 0);
     parts_grid(p, (double[3]){-2, 2, -2}, (double[3]){0, 0, 4}, (double[3]){2, 0, 0}, 7, 3);
     parts_mesh(p, "sloped", 0);
     parts_grid(p, (double[3]){0, 2, -2}, (double[3]){0, 0, 4}, (double[3]){2, 0.5, 0.25}, 11, 5);
-    parts_sun(p, slanted);
 }
 
 /* Sheets at the same place except for rounding, and for the diagonals of their cells. */
 static void z_fighting(parts *p)
 {
     enum { CELLS = 20, SHEETS = 6 };
-    ground(p, 8);
     for (int sheet = 0; sheet < SHEETS; sheet++) {
         parts_mesh(p, "sheet", 0);
         uint32_t first = 0;
@@ -303,13 +278,11 @@ static void z_fighting(parts *p)
             }
         }
     }
-    parts_sun(p, slanted);
 }
 
 /* A sheet with large holes, filter nearest, over one with fine holes, bilinear; both lean. */
 static void checkered_masks(parts *p)
 {
-    ground(p, 8);
     for (int fine = 0; fine < 2; fine++) {
         uint32_t side = fine ? 256 : 4, at[4];
         double   low = fine ? 1 : 2, x0 = fine ? 2 : -2;
@@ -324,7 +297,6 @@ static void checkered_masks(parts *p)
         parts_triangle(p, at[0], at[1], at[3]);
         parts_triangle(p, at[0], at[3], at[2]);
     }
-    parts_sun(p, slanted);
 }
 
 /* The same boxes and sheets twice, boxes that share planes, and a sheet with its own back side. */
@@ -341,27 +313,22 @@ static void coplanar_duplicates(parts *p)
     for (int again = 0; again < 3; again++) sheet_at(p, -4, -3, 1.5, -1, 1);
     sheet_at(p, -4, -3, 3, 2, 3);
     sheet_at(p, -3, -4, 3, 2, 3);
-    parts_sun(p, slanted);
 }
 
 static void close_sheets(parts *p)
 {
-    ground(p, 6);
     parts_mesh(p, "lower", 0);
     sheet_at(p, -1, 1, 2, -1, 1);
     parts_mesh(p, "upper", 0);
     sheet_at(p, 0, 2, 2 + 1e-6, -1, 1);
-    parts_sun(p, slanted);
 }
 
 /* accessor 2, position 2 */
 static void broken_vertices(parts *p, double value)
 {
-    ground(p, 5);
     parts_mesh(p, "broken", 0);
     triangle(p, (double[3]){-1, 1, -1}, (double[3]){-1, 1, 1}, (double[3]){1, value, 0});
     triangle(p, (double[3]){-1, 2, -1}, (double[3]){-1, 2, 1}, (double[3]){1, 2, 0});
-    parts_sun(p, slanted);
 }
 
 static void nan_vertices(parts *p)
@@ -378,47 +345,39 @@ static void infinite_vertices(parts *p)
 
 static void nested_100(parts *p)
 {
-    ground(p, 20);
     parts_mesh(p, "boxes", 0);
     for (int i = 0; i < 100; i++) {
         double half = 5 * (100 - i) / 100.0;
         parts_box_at(p, NULL, -half, half, 6 - half, 6 + half, -half, half);
     }
-    parts_sun(p, slanted);
 }
 
 /* Bars rotated about their middle, which is in all of them. */
 static void intersecting_100(parts *p)
 {
-    ground(p, 12);
     parts_mesh(p, "bars", 0);
     for (uint32_t i = 0; i < 100; i++) {
         parts_frame f = {{0, 3 + i * 0.002, 0}, 1, 0};
         parts_turn(i, 200, &f.cosine, &f.sine);
         parts_box(p, f, (double[3]){-4, -0.5, -0.15}, (double[3]){4, 0.5, 0.15});
     }
-    parts_sun(p, slanted);
 }
 
 /* Blocks of 3 x 3 x 3 boxes whose faces touch. */
 static void touching_27(parts *p)
 {
-    ground(p, 8);
     parts_mesh(p, "boxes", 0);
     for (int n = 0; n < 27; n++) {
         double x = -1.5 + n % 3, y = 1 + n / 3 % 3, z = -1.5 + n / 9;
         parts_box_at(p, NULL, x, x + 1, y, y + 1, z, z + 1);
     }
-    parts_sun(p, slanted);
 }
 
 /* Boxes that intersect, with common planes at their tops and bottoms. */
 static void common_planes_50(parts *p)
 {
-    ground(p, 8);
     parts_mesh(p, "boxes", 0);
     for (int i = 0; i < 50; i++) parts_box_at(p, NULL, -2 + i * 0.05, -1 + i * 0.0625, 1, 2, -1 - i * 0.01, 1 - i * 0.02);
-    parts_sun(p, slanted);
 }
 
 /* A five-pointed star drawn in one line: the winding number of its middle is two. */
@@ -426,7 +385,6 @@ static void crossing_itself(parts *p)
 {
     static const double tip[5][2] = {
         {2, 0}, {-1.618034, 1.1755705}, {0.618034, -1.902113}, {0.618034, 1.902113}, {-1.618034, -1.1755705}};
-    ground(p, 8);
     parts_mesh(p, "star", 0);
     uint32_t low = parts_vertex(p, 0, 1, 0), high = parts_vertex(p, 0, 1.5, 0), first = high + 1;
     for (int n = 0; n < 10; n++) parts_vertex(p, tip[n / 2][0], n % 2 ? 1.5 : 1, tip[n / 2][1]);
@@ -437,14 +395,12 @@ static void crossing_itself(parts *p)
         parts_triangle(p, a, a + 1, b + 1);
         parts_triangle(p, a, b + 1, b);
     }
-    parts_sun(p, slanted);
 }
 
 /* A strip a millimetre thick, rolled up 50 times. */
 static void spiral(parts *p)
 {
     enum { SEGMENTS = 64, STEPS = 50 * SEGMENTS };
-    ground(p, 8);
     parts_mesh(p, "roll", 0);
     uint32_t first = 0;
     for (uint32_t n = 0; n <= STEPS; n++) {
@@ -469,14 +425,12 @@ static void spiral(parts *p)
         parts_triangle(p, a, b, c);
         parts_triangle(p, b, a + 3, c);
     }
-    parts_sun(p, slanted);
 }
 
 /* Three stacks of a thousand: separate solids, solids that each intersect the next, sheets. */
 static void layers_1000(parts *p)
 {
     const double nearly_down[3] = {0.01, -1, 0.02};
-    ground(p, 12);
     parts_mesh(p, "apart", 0);
     for (int i = 0; i < 1000; i++) parts_box_at(p, NULL, -3, -1, 0.5 + i * 0.1, 0.55 + i * 0.1, -1, 1);
     parts_mesh(p, "into each other", 0);
@@ -549,18 +503,14 @@ static void klein_at(double half[2], double across, double v[3])
 
 static void moebius_band(parts *p)
 {
-    ground(p, 8);
     parts_mesh(p, "band", 0);
     add_twisted(p, 64, 8, 0, moebius_at);
-    parts_sun(p, straight_down);
 }
 
 static void klein_bottle(parts *p)
 {
-    ground(p, 8);
     parts_mesh(p, "bottle", 0);
     add_twisted(p, 64, 32, 1, klein_at);
-    parts_sun(p, straight_down);
 }
 
 /* ---- all of them ---- */
@@ -568,41 +518,43 @@ static void klein_bottle(parts *p)
 static const struct {
     const char *name, *purpose;
     void (*make)(parts *p);
+    double        ground; /* half of its side, or 0: make adds what there is */
+    const double *sun;
 } cases[] = {
-    {"far-coordinates", "details of a centimetre, 10 000 km from the origin", far_coordinates},
-    {"near-far", "a caster 1 mm from the lights, and one 1 km away", near_far},
-    {"grazing-wall", "sunlight along a wall of 1 km, at 0.01 degrees to it", grazing_wall},
-    {"wall-along-light", "walls that lie in the direction of the light", wall_along_light},
-    {"zero-area-and-needles", "triangles without area, and of 6 m by a micrometre", zero_area_and_needles},
-    {"coplanar-duplicates", "the same triangles twice and thrice, and solids with common planes", coplanar_duplicates},
-    {"close-sheets", "two sheets a micrometre apart", close_sheets},
-    {"nested-100", "100 boxes, each inside the one before", nested_100},
-    {"intersecting-100", "100 solids, each of which meets all others", intersecting_100},
-    {"layers-1000", "1000 solids and 1000 sheets above each other", layers_1000},
-    {"klein-bottle", "a closed surface with one side", klein_bottle},
-    {"moebius-band", "an open surface with one side", moebius_band},
-    {"inside-out-room", "a closed room that faces inward, with a light and things in it", inside_out_room},
-    {"nan-vertices", "a position that is no number", nan_vertices},
-    {"infinite-vertices", "a position at infinity", infinite_vertices},
-    {"empty-scene", "a sun and nothing that it could shine on", empty_scene},
-    {"one-triangle", "the smallest scene there is", one_triangle},
-    {"no-light", "casters and no light", no_light},
-    {"light-in-wall", "a point light inside a solid wall", light_in_wall},
-    {"caster-behind-light", "casters behind a spot, and beside it", caster_behind_light},
-    {"tiny-scene", "a scene of a thousandth of a millimetre", tiny_scene},
-    {"far-vertices", "vertices 10 000 km from the origin, where floats are whole metres", far_vertices},
-    {"huge-and-tiny", "boxes of a millimetre and of 200 km", huge_and_tiny},
-    {"solid-needles", "solids of 6 m by 10 micrometres", solid_needles},
-    {"dust", "5000 solids smaller than a texel", dust},
-    {"fan-100000", "100 000 triangles that meet at a vertex", fan_100000},
-    {"bow-ties", "sheets that cross themselves, solids that touch at a corner and an edge", bow_ties},
-    {"t-junctions", "borders of sheets with other vertices on either side", t_junctions},
-    {"z-fighting", "six sheets that differ by rounding", z_fighting},
-    {"checkered-masks", "alpha masks of 4 and of 256 pixels a side, in turns", checkered_masks},
-    {"touching-27", "boxes whose faces lie on each other", touching_27},
-    {"common-planes-50", "solids that meet, with tops and bottoms in common", common_planes_50},
-    {"crossing-itself", "a solid that crosses itself", crossing_itself},
-    {"spiral", "a strip of a millimetre, rolled up 50 times", spiral},
+    {"far-coordinates", "details of a centimetre, 10 000 km from the origin", far_coordinates, 0, NULL},
+    {"near-far", "a caster 1 mm from the lights, and one 1 km away", near_far, 0, NULL},
+    {"grazing-wall", "sunlight along a wall of 1 km, at 0.01 degrees to it", grazing_wall, 0, NULL},
+    {"wall-along-light", "walls that lie in the direction of the light", wall_along_light, 10, NULL},
+    {"zero-area-and-needles", "triangles without area, and of 6 m by a micrometre", zero_area_and_needles, 6, slanted},
+    {"coplanar-duplicates", "the same triangles twice and thrice, and solids with common planes", coplanar_duplicates, 0, slanted},
+    {"close-sheets", "two sheets a micrometre apart", close_sheets, 6, slanted},
+    {"nested-100", "100 boxes, each inside the one before", nested_100, 20, slanted},
+    {"intersecting-100", "100 solids, each of which meets all others", intersecting_100, 12, slanted},
+    {"layers-1000", "1000 solids and 1000 sheets above each other", layers_1000, 12, NULL},
+    {"klein-bottle", "a closed surface with one side", klein_bottle, 8, straight_down},
+    {"moebius-band", "an open surface with one side", moebius_band, 8, straight_down},
+    {"inside-out-room", "a closed room that faces inward, with a light and things in it", inside_out_room, 0, NULL},
+    {"nan-vertices", "a position that is no number", nan_vertices, 5, slanted},
+    {"infinite-vertices", "a position at infinity", infinite_vertices, 5, slanted},
+    {"empty-scene", "a sun and nothing that it could shine on", NULL, 0, slanted},
+    {"one-triangle", "the smallest scene there is", one_triangle, 0, slanted},
+    {"no-light", "casters and no light", no_light, 5, NULL},
+    {"light-in-wall", "a point light inside a solid wall", light_in_wall, 8, NULL},
+    {"caster-behind-light", "casters behind a spot, and beside it", caster_behind_light, 8, NULL},
+    {"tiny-scene", "a scene of a thousandth of a millimetre", tiny_scene, 0, NULL},
+    {"far-vertices", "vertices 10 000 km from the origin, where floats are whole metres", far_vertices, 0, slanted},
+    {"huge-and-tiny", "boxes of a millimetre and of 200 km", huge_and_tiny, 0, slanted},
+    {"solid-needles", "solids of 6 m by 10 micrometres", solid_needles, 8, slanted},
+    {"dust", "5000 solids smaller than a texel", dust, 8, slanted},
+    {"fan-100000", "100 000 triangles that meet at a vertex", fan_100000, 8, slanted},
+    {"bow-ties", "sheets that cross themselves, solids that touch at a corner and an edge", bow_ties, 8, slanted},
+    {"t-junctions", "borders of sheets with other vertices on either side", t_junctions, 8, slanted},
+    {"z-fighting", "six sheets that differ by rounding", z_fighting, 8, slanted},
+    {"checkered-masks", "alpha masks of 4 and of 256 pixels a side, in turns", checkered_masks, 8, slanted},
+    {"touching-27", "boxes whose faces lie on each other", touching_27, 8, slanted},
+    {"common-planes-50", "solids that meet, with tops and bottoms in common", common_planes_50, 8, slanted},
+    {"crossing-itself", "a solid that crosses itself", crossing_itself, 8, slanted},
+    {"spiral", "a strip of a millimetre, rolled up 50 times", spiral, 8, slanted},
 };
 enum { CASES = sizeof cases / sizeof *cases };
 
@@ -634,7 +586,9 @@ vxs_result generate_stress(glb_scene *s, const char *name, message *m)
     for (size_t i = 0; i < CASES; i++) {
         if (strcmp(name, cases[i].name)) continue;
         parts p = parts_begin(s, cases[i].name);
-        cases[i].make(&p);
+        if (cases[i].ground > 0) ground(&p, cases[i].ground);
+        if (cases[i].make) cases[i].make(&p);
+        if (cases[i].sun) parts_sun(&p, cases[i].sun);
         return parts_end(&p, m);
     }
     return stress_check(name, m);
