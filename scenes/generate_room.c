@@ -125,16 +125,6 @@ static void add_chairs(parts *p, rng r)
     }
 }
 
-static void add_sofa_and_cabinet(parts *p)
-{
-    parts_box_at(p, "sofa", -1.1, 1.1, 0.08, 0.42, -2.9, -2.0);
-    parts_box_at(p, NULL, -1.1, 1.1, 0.40, 0.85, -2.95, -2.7);
-    parts_box_at(p, NULL, -1.3, -1.08, 0, 0.6, -2.95, -2.0);
-    parts_box_at(p, NULL, 1.08, 1.3, 0, 0.6, -2.95, -2.0);
-    parts_box_at(p, "cabinet", 3.4, 3.95, 0, 0.9, -1.5, 1.5);
-    parts_box_at(p, "picture", -1, 1, 1.2, 2.2, -2.99, -2.96);
-}
-
 static double shelf_height(int level)
 {
     return 0.06 + level * 0.4;
@@ -223,7 +213,14 @@ vxs_result generate_room(glb_scene *s, const room_options *o, message *m)
     }
 
     add_chairs(&p, rng_split(o->seed, 1));
-    add_sofa_and_cabinet(&p);
+
+    parts_box_at(&p, "sofa", -1.1, 1.1, 0.08, 0.42, -2.9, -2.0);
+    parts_box_at(&p, NULL, -1.1, 1.1, 0.40, 0.85, -2.95, -2.7);
+    parts_box_at(&p, NULL, -1.3, -1.08, 0, 0.6, -2.95, -2.0);
+    parts_box_at(&p, NULL, 1.08, 1.3, 0, 0.6, -2.95, -2.0);
+    parts_box_at(&p, "cabinet", 3.4, 3.95, 0, 0.9, -1.5, 1.5);
+    parts_box_at(&p, "picture", -1, 1, 1.2, 2.2, -2.99, -2.96);
+
     parts_box_at(&p, "shelf", -3.95, -3.6, 0, 2.1, -2, -1.97);
     parts_box_at(&p, NULL, -3.95, -3.6, 0, 2.1, 1.97, 2);
     for (int level = 0; level < SHELF_LEVELS; level++)

@@ -180,17 +180,6 @@ size_t compare_point_count(const comparison *c, compare_kind kind)
     return kind == COMPARE_CAMERA ? (size_t)c->width_px * c->height_px : c->options->points;
 }
 
-static int random_sample(const comparison *c, rng *r, sample *s)
-{
-    int32_t voxel[3];
-    if (!light_volume_draw(&c->volume, r, s->point_ws)) return 0;
-    s->normal = NULL;
-    s->map    = vxs_voxel(c->light, s->point_ws, NULL, 1, voxel);
-    baked_light_coordinates(c->light, s->map, s->point_ws, s->truth_ls);
-    memcpy(s->truth_ws, s->point_ws, sizeof s->truth_ws);
-    return 1;
-}
-
 /* Fill a sample from its point and normal. Returns 0 when the light does not reach the point. */
 static int finish_surface_sample(const comparison *c, sample *s)
 {
@@ -251,7 +240,15 @@ int compare_point(const comparison *c, compare_kind kind, size_t index, sample *
     }
     rng all = rng_split(c->options->seed, (uint64_t)kind);
     rng r   = rng_split(all.state, index);
-    if (kind == COMPARE_RANDOM) return random_sample(c, &r, s);
+    if (kind == COMPARE_RANDOM) {
+        int32_t voxel[3];
+        if (!light_volume_draw(&c->volume, &r, s->point_ws)) return 0;
+        s->normal = NULL;
+        s->map    = vxs_voxel(c->light, s->point_ws, NULL, 1, voxel);
+        baked_light_coordinates(c->light, s->map, s->point_ws, s->truth_ls);
+        memcpy(s->truth_ws, s->point_ws, sizeof s->truth_ws);
+        return 1;
+    }
     if (c->light->kind == VXS_LIGHT_KIND_DIRECTIONAL) return sample_by_area(c, &r, s);
     int found = 0; /* a spot may reach only a small part of the casters: try again, and finally sample along its own rays */
     for (int n = 0; n < TRIES && !found; n++) found = sample_by_area(c, &r, s);
