@@ -9,7 +9,7 @@
 
 #include "baker/bake/bake_options.h"
 #include "baker/base/context.h"
-#include "baker/light/reach.h"
+#include "baker/light/lit_points.h"
 #include "baker/scene/light_choice.h"
 
 enum { PLAN_SAVINGS_MAX = 3, SAMPLE_LEVELS = 3, TILE_SIZES = 4 };

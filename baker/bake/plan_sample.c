@@ -15,7 +15,7 @@
 #include "baker/coding/blocks/block_build.h"
 #include "baker/coding/blocks/block_words.h"
 #include "baker/columns/sparse/sparse_columns.h"
-#include "baker/light/texel_box.h"
+#include "baker/light/projection.h"
 
 enum {
     WINDOW_PX   = 4 << SAMPLE_LEVELS,

@@ -6,7 +6,7 @@
 #include <stdio.h>
 
 #include "baker/files/json_file.h"
-#include "baker/light/baked_light.h"
+#include "baker/light/map_space.h"
 
 static double degrees(double radians)
 {

@@ -1,12 +1,10 @@
-/* Map space: the space in which a light's map is a box or a pyramid. Clips triangles to it.
- *
- *     directional    (u, v, depth as a share of the whole): the sides of the map are parallel
- *     spot, point    metres across, down, and along the map's axis, from the light: the sides meet at the light
- *
+/* Points of the world in the maps of a light: map space, in which a map is a box or a pyramid, for clipping; light space; and the
+ * shape of a baked light.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MAP_SPACE_H
 #define MAP_SPACE_H
 
+#include "baker/scene/scene.h"
 #include "formats/vxs_file.h"
 
 enum { MAP_SIDES = 5, MAP_CORNERS_MAX = 16 }; /* 3 + MAP_SIDES corners, and a reserve for rounding */
@@ -56,5 +54,14 @@ int map_sides_touch(const map_sides *s, const map_polygon *triangle);
 /* Clip a triangle to all sides. Fewer than 3 corners: nothing is inside. Returns 0 when all of it is inside. Triangles that share
  * an edge get identical new corners on it, so that no crack opens. */
 int map_sides_clip(const map_sides *s, const map_polygon *triangle, map_polygon *out);
+
+/* Shape of a baked light, and coordinates of points in its maps. */
+
+/* Kind, position, direction, cone and range, in world space. */
+light_shape baked_light_shape(const vxs_light *light);
+
+/* Light-space coordinates of a point in a map: texels u, v and depth in voxels, not rounded. Inverse of vxs_point.
+ * map  0, or 0 to 5 for a light with six maps: the map that vxs_voxel returns, in front of which the point lies */
+void baked_light_coordinates(const vxs_light *light, int map, const double point_ws[3], double coordinates[3]);
 
 #endif

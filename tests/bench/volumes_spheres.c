@@ -6,7 +6,7 @@
 
 #include "baker/base/box.h"
 #include "baker/base/vec3.h"
-#include "baker/light/baked_light.h"
+#include "baker/light/map_space.h"
 
 static sphere sphere_in(const box *b)
 {

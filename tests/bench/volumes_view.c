@@ -10,7 +10,7 @@
 #include "baker/files/json_value.h"
 #include "baker/lab/opengl/gl.h"
 #include "baker/lab/picture/fog.h"
-#include "baker/light/baked_light.h"
+#include "baker/light/map_space.h"
 #include "tests/volumes/sphere_fog.h"
 
 #define NEAR_METRES 0.01

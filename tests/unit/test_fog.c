@@ -3,7 +3,7 @@
 #include <math.h>
 
 #include "baker/lab/picture/fog.h"
-#include "baker/light/baked_light.h"
+#include "baker/light/map_space.h"
 #include "query_lights.h"
 #include "random_lamp.h"
 #include "runtime/vxs.h"

@@ -8,7 +8,7 @@
 #include "baker/columns/sparse/sparse_columns.h" /* before cmocka, whose fail() is a macro */
 #include "baker/columns/sparse/sparse_square.h"
 #include "baker/light/light_fit.h"
-#include "baker/light/texel_box.h"
+#include "baker/light/projection.h"
 #include "runtime/vxs.h"
 #include "tests/columns/brute.h"
 #include "tests/unit/mesh_sample.h"

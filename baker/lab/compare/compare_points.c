@@ -17,7 +17,7 @@
 
 #include "baker/base/random.h"
 #include "baker/base/vec3.h"
-#include "baker/light/baked_light.h"
+#include "baker/light/map_space.h"
 #include "runtime/vxs.h"
 
 /* random points of a volume ---------------------------------------------------------------------------------------------------- */

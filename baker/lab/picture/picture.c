@@ -24,7 +24,7 @@
 #include "baker/base/random.h"
 #include "baker/base/vec3.h"
 #include "baker/files/png_encode.h"
-#include "baker/light/baked_light.h"
+#include "baker/light/map_space.h"
 #include "runtime/vxs.h"
 
 enum { SIDE_SAMPLES = 2, SKY_RAYS_SIDE = 3, SKY_RAYS = SKY_RAYS_SIDE * SKY_RAYS_SIDE, AIR_STEPS = 16, LAMP_PROBES = 64 };

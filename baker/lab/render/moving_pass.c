@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "baker/base/vec3.h"
-#include "baker/light/baked_light.h"
+#include "baker/light/map_space.h"
 
 enum { SIDE_PX = 1024, BINDING = 6, UNIT = 6 };
 

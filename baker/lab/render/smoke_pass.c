@@ -8,7 +8,7 @@
 
 #include "baker/base/vec3.h"
 #include "baker/lab/truth/camera.h"
-#include "baker/light/baked_light.h"
+#include "baker/light/map_space.h"
 
 /* Initial capacity of segment lists; if a map needs more, they grow up to SEGMENTS_MOST. */
 enum { SEGMENTS = 1 << 20, SEGMENTS_MOST = 1 << 22, BINDING = 7, UNIT = 7 };
