@@ -114,7 +114,7 @@ volumes.text := $(wildcard runtime/volumes/*.glsl) $(air.h) formats/vxs_depths.h
 format.c  := $(filter-out $(runtime.c),$(wildcard formats/*.c))
 # libvxs_bake, which the command links; the command; and the laboratory, which measures, compares, draws, mends and generates: vxs-core is the
 # command without it
-bake.rooms := base files scene scene/gltf casters light columns columns/sparse columns/stored coding/blocks coding/dag smoke bake bake/cache
+bake.rooms := base files scene scene/gltf casters light columns columns/sparse coding/blocks coding/dag smoke bake bake/cache
 bake.c    := $(foreach r,$(bake.rooms),$(wildcard baker/$r/*.c))
 library.c := $(wildcard baker/library/*.c)
 no_lab.c  := baker/command/options/no_laboratory.c

@@ -7,7 +7,7 @@
 #include "baker/bake/light_picture.h"
 #include "baker/bake/plan.h"
 #include "baker/base/context.h"
-#include "baker/smoke/smoke_bake.h"
+#include "baker/smoke/smoke_map.h"
 
 /* A part of a light, and its size in the file. */
 typedef struct part_report {

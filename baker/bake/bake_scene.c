@@ -4,7 +4,7 @@
 
 #include <sys/stat.h>
 
-#include "baker/smoke/nrrd_read.h"
+#include "baker/smoke/smoke_grid.h"
 
 static uint64_t file_bytes(const char *path)
 {

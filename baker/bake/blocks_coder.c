@@ -4,8 +4,7 @@
 
 #include <stdlib.h>
 
-#include "baker/coding/blocks/block_build.h"
-#include "baker/coding/blocks/block_words.h"
+#include "baker/coding/blocks/blocks.h"
 
 static vxs_result begin(void *data, const vxs_light *light)
 {

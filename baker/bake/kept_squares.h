@@ -11,7 +11,7 @@
 #include "baker/bake/cache/part_file.h"
 #include "baker/bake/cache/square_store.h"
 #include "baker/bake/part_common.h"
-#include "baker/columns/square_keeper.h"
+#include "baker/columns/square_record.h"
 
 /* Of a bake. Zero it. */
 typedef struct kept_squares {

@@ -7,7 +7,7 @@
 #define LIGHT_PICTURE_H
 
 #include "baker/coding/dag/column_tree.h"
-#include "baker/columns/stored/depth_maps.h"
+#include "baker/columns/depth_maps.h"
 #include "formats/vxs_file.h"
 
 enum { PICTURES_MAX = 4, PICTURE_MAX_PX = 1024, CUBE_PICTURE_MAX_PX = 512, PICTURE_NO_CASTER = 65535 };

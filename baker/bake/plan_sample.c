@@ -12,8 +12,7 @@
 #include "baker/base/cpu.h"
 #include "baker/base/parallel.h"
 #include "baker/base/random.h"
-#include "baker/coding/blocks/block_build.h"
-#include "baker/coding/blocks/block_words.h"
+#include "baker/coding/blocks/blocks.h"
 #include "baker/columns/sparse/sparse_columns.h"
 #include "baker/light/projection.h"
 

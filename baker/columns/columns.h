@@ -18,6 +18,7 @@
 #ifndef COLUMNS_H
 #define COLUMNS_H
 
+#include <math.h>
 #include <stdint.h>
 
 #include "baker/base/context.h"
@@ -52,7 +53,7 @@ typedef struct column_key {
     uint64_t low, high;
 } column_key;
 
-typedef struct square_keeper square_keeper; /* square_keeper.h */
+typedef struct square_keeper square_keeper; /* square_record.h */
 
 /* An open map. Threads: one call at a time, unless the source allows more. */
 typedef struct column_map {
@@ -123,5 +124,54 @@ static inline column_bounds bounds_empty(uint32_t depth_vx)
 {
     return (column_bounds){depth_vx, depth_vx, depth_vx, depth_vx};
 }
+
+/* Conversion from the depths of a map to voxels. Depths grow away from the light. Directional light: shares of the whole depth, [0,
+ * 1]; 1 is no caster. Perspective map: -near / z, [-1, 0]; 0 is no caster, and distance z is log(z / near) / voxel_log voxels
+ * deep ([CPVS16] 5). */
+
+typedef struct depth_scale {
+    uint32_t depth_vx;  /* a power of two, so that scaling is exact */
+    double   voxel_log; /* 0: depths are shares */
+} depth_scale;
+
+/* Depth that means no caster. The least depth is 1 less than that. */
+static inline double depth_none(depth_scale s)
+{
+    return s.voxel_log == 0 ? 1 : 0;
+}
+
+/* Clamp a depth to the range between the near plane and the far plane. */
+static inline double depth_clamped(depth_scale s, double depth)
+{
+    return fmax(depth_none(s) - 1, fmin(depth, depth_none(s)));
+}
+
+/* A depth in voxels, [0, depth_vx], not rounded: the depth in the contract of an asset (docs/overview.md). */
+static inline double depth_in_voxels(depth_scale s, double depth)
+{
+    if (s.voxel_log == 0) return depth * s.depth_vx;
+    double voxels = depth < 0 ? -log(-depth) / s.voxel_log : INFINITY;
+    return fmax(0, fmin(voxels, s.depth_vx));
+}
+
+static inline uint32_t depth_down(depth_scale s, double depth)
+{
+    return (uint32_t)depth_in_voxels(s, depth);
+}
+
+static inline uint32_t depth_up(depth_scale s, double depth)
+{
+    double   voxels = depth_in_voxels(s, depth);
+    uint32_t down   = (uint32_t)voxels;
+    return down + (down < voxels);
+}
+
+/* Bounds of all parts of a fetched square, level by level: each is the union of its four finer ones. */
+
+/* Fill the coarser levels from level 0.
+ * pyramid  [l]: rows of (tiles >> l)^2 squares of 8 << l texels, down to one square; level 0 is given
+ * tiles    along a side, a power of two
+ * threads  that share the work; the result does not depend on it */
+void bounds_pyramid_reduce(column_bounds *const *pyramid, uint32_t tiles, uint32_t threads);
 
 #endif

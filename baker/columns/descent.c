@@ -10,7 +10,6 @@
 #include "baker/base/run_control.h"
 #include "baker/base/threads.h"
 #include "baker/base/z_order.h"
-#include "baker/columns/square_keeper.h"
 #include "baker/columns/square_record.h"
 
 /* State of a square in the batch. */

@@ -3,7 +3,7 @@
  * If the bounds of a square settle it, the square is added with these bounds. Other squares are fetched, in squares as wide as the
  * source allows, and are split further until they are small enough to be built. All threads build the squares of a batch at once.
  * Squares are added in z order: after the batch, or while other squares of the batch are still being built. If the source supports
- * parallel fetches, each thread fetches the squares that it builds. With a square cache (square_keeper.h), a known square is
+ * parallel fetches, each thread fetches the squares that it builds. With a square cache (square_record.h), a known square is
  * neither fetched nor built; what was built of it is added in the same order.
  * Source: [CPVS16] 4.3, 6.1.
  * SPDX-License-Identifier: GPL-3.0-or-later */

@@ -10,7 +10,60 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "baker/smoke/smoke_path.h"
+#include "baker/base/message.h"
+
+/* Optical depth of smoke along a light ray, at any number of depths; and the few nodes of the curve that is stored for it. */
+
+/* XXH3-128 of smoke's numbers and positions in 32 hexadecimal digits, and NUL. */
+enum { SMOKE_FINGERPRINT_BYTES = 33 };
+
+/* Zero it; released with smoke_path_free. */
+typedef struct smoke_path {
+    size_t  count, depth_capacity, thick_capacity;
+    double *depth; /* [count] metres along the map's axis, ascending */
+    double *thick; /* [count] optical depth up to there; the first is 0. Linear in between */
+} smoke_path;
+
+/* Optical depth at which less than 1/65535 of the light is left. */
+#define SMOKE_OPAQUE 12.0
+
+/* Smoke of more optical depth than SMOKE_PIECE is added in several linear pieces; so is curved smoke, until a line is off by no
+ * more than SMOKE_BOW. SMOKE_PARTS_MOST equal pieces are more than opaque. */
+#define SMOKE_PIECE      0.05
+#define SMOKE_BOW        0.001
+#define SMOKE_PARTS_MOST 256
+
+void smoke_path_free(smoke_path *p);
+
+/* Append a piece behind all others, from depth begin to a greater depth end.   thick  optical depth, > 0.   Returns 0 without
+ * memory. */
+int smoke_path_add(smoke_path *p, double begin, double end, double thick);
+
+/* Add two paths.   sum  [out] neither of them; its contents are replaced.   Returns 0 without memory. */
+int smoke_path_sum(const smoke_path *a, const smoke_path *b, smoke_path *sum);
+
+/* Remove what is behind a depth. */
+void smoke_path_cut(smoke_path *p, double depth);
+
+/* Optical depth up to a depth. */
+double smoke_path_thick(const smoke_path *p, double depth);
+
+/* Depths in a file: unit d is first + d * step metres. */
+typedef struct smoke_units {
+    double first_metres, step_metres;
+} smoke_units;
+
+/* Choose the nodes of the curve for a path: its ends, then repeatedly the depth at which the curve is farthest from the path, until
+ * the error is at most `error`, or there are `most` nodes.
+ * units  must map the whole path to at most 65535
+ * error  of transmittance, >= 0
+ * most   2 to VXS_SMOKE_NODES_MAX
+ * nodes  [out] [most] depth | transmittance << 16 (formats/vxs.md section 15)
+ * Returns the number of nodes; 0: the whole path loses at most `error`. */
+uint32_t smoke_path_nodes(const smoke_path *p, const smoke_units *units, double error, uint32_t most, uint32_t *nodes);
+
+/* Greatest error of the curve of these nodes against the path. */
+double smoke_path_error(const smoke_path *p, const smoke_units *units, const uint32_t *nodes, uint32_t count);
 
 /* Zero it; released with smoke_grid_free. */
 typedef struct smoke_grid {
@@ -44,5 +97,30 @@ double smoke_grid_spacing(const smoke_grid *g);
  * from, way   at depth d the ray is at from + d * way
  * Returns 0 without memory. */
 int smoke_grid_march(const smoke_grid *g, const double from[3], const double way[3], double begin, double end, smoke_path *path);
+
+/* Reads a grid of smoke from NRRD, a text header before raw numbers (teem.sourceforge.net/nrrd/format.html):
+ *
+ *     NRRD0004
+ *     type: float
+ *     dimension: 3
+ *     sizes: 64 96 64
+ *     encoding: raw
+ *     endian: little
+ *     space dimension: 3
+ *     space directions: (0.25,0,0) (0,0.25,0) (0,0,0.25)
+ *     space origin: (-8,0,-8)
+ *
+ *     numbers, the first axis fastest
+ *
+ * Space is the world space of the scene, metres, +Y up: sample (i, j, k) is at origin + i, j and k times the directions. Without
+ * directions, "spacings" are distances along x, y and z. Numbers are float, unsigned char (uint8) or unsigned short (uint16). */
+
+/* Reads the header first, at most 64 KiB; it gives the count of numbers, and no more are read. Memory is limited by
+ * m->memory_bytes.
+ * factor  multiplied with all numbers; the products are extinction per metre
+ * g       [out] zeroed; released with smoke_grid_free whatever is returned
+ * Returns VXS_OK; VXS_E_READ; VXS_E_UNSUPPORTED: a feature of NRRD that this reader lacks; VXS_E_SCENE: not NRRD, or a number that
+ * is not a valid extinction; VXS_E_MEMORY. */
+vxs_result nrrd_read(smoke_grid *g, const char *path, double factor, message *m);
 
 #endif

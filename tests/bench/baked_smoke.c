@@ -15,7 +15,7 @@
 #include "baker/base/random.h"
 #include "baker/base/vec3.h"
 #include "baker/files/input_file.h"
-#include "baker/smoke/smoke_bake.h"
+#include "baker/smoke/smoke_map.h"
 #include "runtime/vxs.h"
 
 enum { SAMPLES = 96, BALLS = 60, PLACES = 20000 };

@@ -5,8 +5,7 @@
 #include "runtime/vxs.h"
 
 #include "baker/base/parallel.h"
-#include "baker/coding/blocks/block_build.h"
-#include "baker/coding/blocks/block_words.h"
+#include "baker/coding/blocks/blocks.h"
 #include "tests/bench/rival.h"
 
 static vxs_result blocks_build(light_maps *maps, const void *options, vxs_bytes *file)

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "baker/columns/depth_scale.h"
+#include "baker/columns/columns.h"
 #include "baker/light/projection.h"
 #include "baker/scene/alpha_mask.h"
 

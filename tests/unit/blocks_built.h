@@ -4,8 +4,7 @@
 #define BLOCKS_BUILT_H
 
 #include "baker/base/integer.h"
-#include "baker/coding/blocks/block_build.h"
-#include "baker/coding/blocks/block_words.h"
+#include "baker/coding/blocks/blocks.h"
 #include "tests/columns/analytic.h"
 #include "tests/unit/random_maps.h"
 

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "baker/smoke/smoke_bake.h"
+#include "baker/smoke/smoke_map.h"
 #include "random_lamp.h"
 #include "repeats.h"
 

@@ -14,13 +14,9 @@
 #include "baker/base/cpu.h"
 #include "baker/base/random.h" /* before cmocka, whose fail() is a macro */
 #include "baker/base/simd.h"
-#include "baker/coding/blocks/block_build.h"
-#include "baker/coding/blocks/block_pack.h"
-#include "baker/coding/blocks/block_words.h"
-#include "baker/coding/blocks/depth_axis.h"
-#include "baker/coding/blocks/pattern_code.h"
+#include "baker/coding/blocks/blocks.h"
 #include "baker/coding/blocks/stabbing_set.h"
-#include "baker/coding/blocks/tile_needs.h"
+#include "baker/coding/blocks/patterns.h"
 #include "tests/columns/analytic.h"
 
 #include <cmocka.h>

@@ -3,8 +3,7 @@
 #include "runtime/vxs_query.h"
 
 #include "baker/base/integer.h"
-#include "baker/coding/blocks/block_build.h"
-#include "baker/coding/blocks/block_words.h"
+#include "baker/coding/blocks/blocks.h"
 #include "tests/columns/analytic.h"
 
 /* last, because cmocka's macro fail() would hide the function of message.h; it wants the four above it */

@@ -9,7 +9,7 @@
 
 #include "alloc_fail.h"
 #include "baker/base/parallel.h"
-#include "baker/coding/blocks/block_build.h" /* before cmocka, whose fail() is a macro */
+#include "baker/coding/blocks/blocks.h" /* before cmocka, whose fail() is a macro */
 #include "dag_sample.h"
 #include "formats/vxs_page_fast.h"
 #include "runtime/vxs.h"

@@ -1,5 +1,5 @@
 /* Visibility masks of tiles against the rules as their papers state them, slice by slice, and against the least number that
- * can be (baker/coding/dag/masks.h). masks.c is compiled a second time without SIMD: both must give the same runs.
+ * can be (baker/coding/dag/column_tree.h). masks.c is compiled a second time without SIMD: both must give the same runs.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <setjmp.h>
 #include <stdarg.h>

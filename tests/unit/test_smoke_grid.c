@@ -4,8 +4,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "baker/smoke/nrrd_read.h"
-#include "baker/smoke/smoke_capsules.h"
+#include "baker/smoke/smoke_grid.h"
+#include "baker/smoke/smoke_map.h"
 #include "formats/vxs_format.h"
 #include "random_lamp.h"
 

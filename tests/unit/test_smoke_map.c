@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-#include "baker/smoke/smoke_bake.h"
+#include "baker/smoke/smoke_map.h"
 #include "random_lamp.h"
 #include "tests/volumes/smoke_scene.h"
 

@@ -4,7 +4,7 @@
  * to what is there; texels of the other tiles must be what they are, but for exits behind the tile's last enter depth, which may be early.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/base/cpu.h"
-#include "baker/columns/sparse/patches.h"
+#include "baker/columns/sparse/sparse_triangles.h"
 #include "baker/columns/sparse/sparse_columns.h" /* before cmocka, whose fail() is a macro */
 #include "baker/columns/sparse/sparse_square.h"
 #include "baker/light/light_fit.h"

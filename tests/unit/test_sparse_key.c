@@ -1,4 +1,4 @@
-/* Keys of squares of the sparse source (baker/columns/sparse/sparse_key.h): of two scenes that differ in one thing, squares with equal keys have
+/* Keys of squares of the sparse source (baker/columns/sparse/sparse_columns.c): of two scenes that differ in one thing, squares with equal keys have
  * equal columns, each one of them, and most squares far from the difference have equal keys.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/base/random.h" /* before cmocka, whose fail() is a macro */

@@ -1,4 +1,4 @@
-/* What becomes of fetched squares, kept and read back (baker/columns/square_keeper.h, square_record.h): the same words and the same DAG, from
+/* What becomes of fetched squares, kept and read back (baker/columns/square_record.h, square_record.h): the same words and the same DAG, from
  * squares that are built and kept, from kept ones alone, and from some of each; and records that are not what was written.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <setjmp.h>
@@ -13,7 +13,6 @@
 
 #include "baker/base/random.h" /* before cmocka, whose fail() is a macro */
 #include "baker/coding/dag/build.h"
-#include "baker/columns/square_keeper.h"
 #include "baker/columns/square_record.h"
 
 #include <cmocka.h>

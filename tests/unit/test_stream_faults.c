@@ -7,7 +7,7 @@
 
 #include "alloc_fail.h"
 #include "baker/base/parallel.h"
-#include "baker/coding/blocks/block_build.h" /* before cmocka, whose fail() is a macro */
+#include "baker/coding/blocks/blocks.h" /* before cmocka, whose fail() is a macro */
 #include "formats/vxs_bytes.h"
 #include "tests/unit/repeats.h"
 

@@ -11,7 +11,7 @@
 #include <unistd.h>
 
 #include "baker/base/parallel.h"
-#include "baker/coding/blocks/block_build.h" /* before cmocka, whose fail() is a macro */
+#include "baker/coding/blocks/blocks.h" /* before cmocka, whose fail() is a macro */
 #include "repeats.h"
 #include "runtime/vxs_query.h"
 

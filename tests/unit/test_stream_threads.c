@@ -8,7 +8,7 @@
 #include <stdio.h>
 
 #include "baker/base/parallel.h"
-#include "baker/coding/blocks/block_build.h" /* before cmocka, whose fail() is a macro */
+#include "baker/coding/blocks/blocks.h" /* before cmocka, whose fail() is a macro */
 #include "tests/unit/repeats.h"
 
 #include <setjmp.h>

@@ -4,7 +4,7 @@
 #ifndef SQUARE_EXCHANGE_H
 #define SQUARE_EXCHANGE_H
 
-#include "baker/columns/square_keeper.h"
+#include "baker/columns/square_record.h"
 
 typedef struct square_exchange {
     void *data;

@@ -1,9 +1,9 @@
-/* State shared by the layout of a light's palette blocks as words. Only for block_layout.c, block_pages.c and block_top.c.
+/* State shared by the layout of a light's palette blocks as words. Only for block_layout.c, block_pages.c and block_layout.c.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef BLOCK_LAYOUT_H
 #define BLOCK_LAYOUT_H
 
-#include "baker/coding/blocks/block_words.h"
+#include "baker/coding/blocks/blocks.h"
 #include "formats/vxs_format.h"
 #include "formats/vxs_page.h"
 

@@ -1,13 +1,11 @@
-/* The palette blocks of a square of 256 x 256 texels; see block_build.h.
+/* The palette blocks of a square of 256 x 256 texels; see blocks.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <stdlib.h>
 #include <string.h>
 
 #include "baker/base/simd.h"
-#include "baker/coding/blocks/block_build.h"
-#include "baker/coding/blocks/depth_axis.h"
+#include "baker/coding/blocks/blocks.h"
 #include "baker/coding/blocks/stabbing_set.h"
-#include "baker/coding/blocks/tile_needs.h"
 
 enum {
     OWN_FROM        = 10, /* a tile that needs this many depths gets a private palette */

@@ -8,8 +8,8 @@
 #include "baker/base/array.h"
 #include "baker/base/parallel.h"
 #include "baker/base/run_control.h"
-#include "baker/coding/blocks/block_pack.h"
-#include "baker/coding/blocks/pattern_code.h"
+#include "baker/coding/blocks/blocks.h"
+#include "baker/coding/blocks/patterns.h"
 
 enum {
     NODE_HALVES = 11, /* halves before the arrays of a node */

@@ -1,21 +1,76 @@
+/* Palette blocks in the baker: nodes of 256 x 256 texels, blocks of 32 x 32, tiles of 8 x 8, patterns; their build from columns,
+ * and the words that lookups read.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef BLOCKS_H
+#define BLOCKS_H
+
+#include "baker/base/intern.h"
+#include "baker/coding/blocks/own_patterns.h"
+#include "baker/coding/blocks/patterns.h"
+#include "baker/coding/blocks/plane.h"
+#include "baker/columns/columns.h"
+
+/* A palette block of 32 x 32 texels and its tiles of 8 x 8, during the build. */
+
+enum { BLOCK_TILES = 16 };
+
+typedef enum tile_kind { TILE_UNIFORM, TILE_PATTERN, TILE_OWN, TILE_PLANE } tile_kind;
+
+/* Unused fields are 0, so that equal tiles have equal fields. */
+typedef struct block_tile {
+    uint16_t kind;
+    uint16_t palette; /* uniform: the entry; pattern: bit n: entry n is used */
+    uint32_t pattern; /* id of a pattern, or of a private-palette pattern */
+    int32_t  base;    /* private palette: base of its depths, relative to the block's */
+} block_tile;
+
+static inline int tile_has_pattern(const block_tile *t)
+{
+    return t->kind == TILE_PATTERN || t->kind == TILE_OWN;
+}
+
+typedef struct block {
+    uint32_t   depths;             /* [1, PALETTE_MAX] entries of the palette */
+    int32_t    depth[PALETTE_MAX]; /* [depths] ascending from 0 */
+    plane      plane;              /* for the tiles on it, relative to the block's base, without the node's slope */
+    block_tile tile[BLOCK_TILES];  /* rows */
+} block;
+
+/* Packed blocks in a set, a third of their size: fields that are 0 are left out. Equal blocks have equal bytes. This form is never
+ * written to the asset.
+ *
+ *     head       which tiles have which fields
+ *     patterns   of tiles that have one, 4 bytes each
+ *     the rest   bases of private palettes, palette entries, all depths except the first (which is 0), the plane */
+
+enum { BLOCK_PACKED_MAX = sizeof(block) };
+
+/* Bit n of a mask is tile n. */
+typedef struct block_head {
+    uint16_t patterned, own, planar; /* tiles with a pattern; those with a private palette; tiles on the plane */
+    uint16_t palette;                /* tiles whose field `palette` is not 0 */
+    uint8_t  depths, has_plane;
+} block_head;
+
+/* Returns the number of bytes, padded with zeros to a multiple of 8. */
+size_t block_pack(const block *b, uint8_t bytes[BLOCK_PACKED_MAX]);
+
+void block_unpack(block *b, const uint8_t *bytes);
+
+/* Renumber patterns: private-palette ones become own[was], others shared[was]; own_base[was] is added to the bases of
+ * private-palette ones. */
+void block_renumber(uint8_t *bytes, const uint32_t *shared, const uint32_t *own, const int32_t *own_base);
+
+/* Read only the patterns of tiles, in the order of the tiles.   patterns  [out] those of head->patterned. Returns their number */
+int block_patterns(const uint8_t *bytes, block_head *head, uint32_t patterns[BLOCK_TILES]);
+
 /* Palette blocks in the baker: nodes of 256 x 256 texels, blocks of 32 x 32, tiles of 8 x 8, patterns.
  *
  * The contract of a column is an interval, so an area of a map needs few different depths. A block has a palette of at most
  * PALETTE_MAX depths. A tile stores which palette entries it uses, and a pattern: which of its texels begin to be in shadow at each
  * entry. Patterns do not contain depths, and the whole map shares them. All depths are relative to the level above, so that equal
  * shapes at different depths are stored once. A node has a slope, which is added to the depths of its tiles first.
- * formats/vxs.md documents the layout for lookups; formats/vxs_lookup_blocks.h reads it.
- * SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef BLOCKS_H
-#define BLOCKS_H
-
-#include "baker/base/intern.h"
-#include "baker/coding/blocks/block.h"
-#include "baker/coding/blocks/own_patterns.h"
-#include "baker/coding/blocks/patterns.h"
-#include "baker/coding/blocks/plane.h"
-#include "baker/coding/blocks/slope.h"
-#include "baker/columns/columns.h"
+ * formats/vxs.md documents the layout for lookups; formats/vxs_lookup_blocks.h reads it. */
 
 enum {
     NODE_BLOCKS = 64,
@@ -49,7 +104,7 @@ typedef struct block_set {
     uniform_square *uniform;
     block_node     *nodes;
     size_t          uniform_count, uniform_capacity, node_count, node_capacity;
-    intern          blocks; /* packed (block_pack.h) */
+    intern          blocks; /* packed (blocks.h) */
     pattern_set     patterns;
     own_set         own;
     plane           recent[PLANES_RECENT]; /* slopes of blocks */
@@ -69,5 +124,45 @@ vxs_result block_set_add_node(block_set *s, const block_node *n);
 vxs_result block_set_merge(block_set *s, block_set *from);
 
 void block_set_free(block_set *s);
+
+/* Builds palette blocks from columns: of one node, and of a whole map. */
+
+/* Add the node (x, y), counted in squares of NODE_PX from the corner of fetched columns. A smaller map is added as a whole.
+ * map  index of the light's map. Returns VXS_OK, VXS_E_MEMORY, VXS_E_REFERENCES, or what the columns return. */
+vxs_result block_build_node(block_set *s, const column_square *columns, uint32_t map, uint32_t x, uint32_t y);
+
+/* Side of the squares that are built at once, each with its own patterns, before they are merged in z order. The source must be
+ * able to fetch squares of this side. */
+uint32_t block_square_side(uint32_t map_side_px);
+
+/* Add map `map` of a light, from its open columns. Bytes do not depend on the number of threads or the size of fetched squares.
+ * ctx  threads; STAGE_MASKS is timed here, and a step of progress is done for each square of fetch_px
+ * Returns the same, or VXS_E_ARGUMENT if fetch_px is less than block_square_side. */
+vxs_result block_build_map(block_set *s, uint32_t map, const column_map *columns, bake_context *ctx);
+
+/* Palette blocks as the words that lookups read: the top, common patterns, and pages (formats/vxs.md). */
+
+/* Contents of a light's words. */
+typedef struct block_counts {
+    uint32_t pages, nodes, blocks, tiles, own_tiles, patterns, own_patterns;  /* equal ones in a page are counted once */
+    uint32_t top_words, common_words, node_words, block_words, pattern_words; /* their sizes; patterns in pages only */
+} block_counts;
+
+typedef struct block_words {
+    uint32_t    *words; /* [count + VXS_BLOCKS_SPARE_WORDS] the spare words are 0 */
+    uint32_t     count;
+    uint8_t     *common_kinds; /* [common_count] patterns in the order of the common pool: number of depths; 0: private palette */
+    uint32_t     common_count, common_halves;
+    block_counts counts;
+} block_words;
+
+/* Lay out the maps of a light: map_count maps of 2^levels texels a side. The set must have all squares of them.
+ * out      [out] zeroed on failure; released with block_words_free
+ * threads  that share the work; words do not depend on it
+ * Returns VXS_OK, VXS_E_MEMORY; VXS_E_REFERENCES for more than 32767 pages or 2^32 - 1 words. */
+vxs_result block_words_lay_out(block_words *out, const block_set *s, uint32_t levels, uint32_t map_count, uint32_t threads);
+
+/* Accepts a zeroed object. */
+void block_words_free(block_words *w);
 
 #endif

@@ -8,7 +8,6 @@
 #include "baker/base/array.h"
 #include "baker/base/cpu.h"
 #include "baker/base/simd.h"
-#include "baker/coding/blocks/pattern_code.h"
 #include "baker/coding/blocks/patterns.h"
 #include "baker/coding/blocks/stabbing_set.h"
 

@@ -1,6 +1,6 @@
-/* Patterns of planes; see own_planes.h.
+/* Patterns of planes; see own_patterns.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/coding/blocks/own_planes.h"
+#include "baker/coding/blocks/own_patterns.h"
 
 #include <string.h>
 

@@ -1,6 +1,6 @@
-/* The slope of a node; see slope.h.
+/* The slope of a node; see plane.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/coding/blocks/slope.h"
+#include "baker/coding/blocks/plane.h"
 
 #include <stdlib.h>
 

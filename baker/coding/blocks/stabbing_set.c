@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "baker/base/cpu.h"
+#include "baker/base/integer.h"
 #include "baker/base/simd.h"
 
 #ifdef __x86_64__
@@ -113,4 +114,159 @@ void points_of_ranges(const int16_t low[64], const int16_t high[64], const int16
         memcpy(first + n, &from_bytes, 8);
         memcpy(last + n, &to_bytes, 8);
     }
+}
+
+int axis_init(depth_axis *a, int32_t least_high, int32_t greatest_low)
+{
+    a->count = 0;
+    a->floor = least_high > AXIS_MARGIN ? least_high - AXIS_MARGIN : 0;
+    return greatest_low - a->floor <= INT16_MAX - AXIS_MARGIN;
+}
+
+/* A depth, and its index in the input. */
+typedef struct placed_depth {
+    int32_t depth, place;
+} placed_depth;
+
+/* A stable radix sort step: by one byte of the depths relative to `least`. */
+static void order_by_byte(placed_depth *to, const placed_depth *from, int count, int32_t least, int shift)
+{
+    int next[256] = {0}, before = 0;
+    for (int n = 0; n < count; n++) next[(from[n].depth - least) >> shift & 255]++;
+    for (int byte = 0; byte < 256; byte++) {
+        int of_byte = next[byte];
+        next[byte]  = before;
+        before += of_byte;
+    }
+    for (int n = 0; n < count; n++) to[next[(from[n].depth - least) >> shift & 255]++] = from[n];
+}
+
+void axis_init_by_depths(depth_axis *a, const int32_t *depths, int16_t *codes, int count)
+{
+    placed_depth first[AXIS_DEPTHS_MAX], second[AXIS_DEPTHS_MAX], *ordered = first, *other = second;
+    int32_t      least = INT32_MAX, most = 0;
+    for (int n = 0; n < count; n++) {
+        least    = min_i32(least, depths[n]);
+        most     = max_i32(most, depths[n]);
+        first[n] = (placed_depth){depths[n], n};
+    }
+    for (int shift = 0; shift < 32 && (most - least) >> shift; shift += 8) {
+        placed_depth *was = ordered;
+        order_by_byte(other, ordered, count, least, shift);
+        ordered = other;
+        other   = was;
+    }
+    a->count = 0;
+    for (int n = 0; n < count; n++) {
+        if (!n || ordered[n].depth != a->depths[a->count - 1]) a->depths[a->count++] = ordered[n].depth;
+        codes[ordered[n].place] = (int16_t)(2 * a->count - 1);
+    }
+}
+
+static int16_t code_by_depths(const depth_axis *a, int32_t depth)
+{
+    int from = 0, to = a->count;
+    while (from < to) {
+        int middle = (from + to) / 2;
+        if (a->depths[middle] < depth)
+            from = middle + 1;
+        else
+            to = middle;
+    }
+    return (int16_t)(2 * from + (from < a->count && a->depths[from] == depth));
+}
+
+void axis_codes(const depth_axis *a, const int32_t *depths, int16_t *codes, int count)
+{
+    if (a->count) {
+        for (int n = 0; n < count; n++) codes[n] = code_by_depths(a, depths[n]);
+        return;
+    }
+    int n = 0;
+    for (; n + 8 <= count; n += 8) {
+        i16x8 code = i16x8_clamped(i32x4_load(depths + n) - a->floor, i32x4_load(depths + n + 4) - a->floor);
+        i16x8_store(codes + n, i16x8_max(code, i16x8_all(0)));
+    }
+    for (; n < count; n++) {
+        int32_t code = depths[n] - a->floor;
+        codes[n]     = (int16_t)(code < 0 ? 0 : code > INT16_MAX ? INT16_MAX : code);
+    }
+}
+
+int32_t axis_depth(const depth_axis *a, int16_t code)
+{
+    return a->count ? a->depths[code >> 1] : a->floor + code;
+}
+
+#ifdef __x86_64__
+#include <immintrin.h>
+#endif
+
+/* Bits of the codes that are greater than a point. */
+typedef uint64_t find_behind(const int16_t codes[64], int16_t point);
+
+static ALWAYS_INLINE uint64_t behind(const int16_t codes[64], int16_t point)
+{
+    const i16x8 at   = i16x8_all(point);
+    uint64_t    bits = 0;
+    for (int n = 0; n < 64; n += 16)
+        bits |= (uint64_t)i16x8_bits((i16x8)(i16x8_load(codes + n) > at), (i16x8)(i16x8_load(codes + n + 8) > at)) << n;
+    return bits;
+}
+
+/* At entry n, texels without an entry whose range ends before entry n + 1 must take entry n. */
+static ALWAYS_INLINE uint32_t needs_by(find_behind *find, const int16_t *low, const int16_t *high, const int16_t *points, int count,
+                                       mask_need *needs)
+{
+    uint64_t left = UINT64_MAX, lit = 0,
+             dark = 0; /* texels without an entry yet; texels that begin behind the last entry; texels that ended before this one */
+    uint32_t used = 0;
+    for (int entry = 0; entry < count && left; entry++) {
+        uint64_t ends = entry + 1 < count ? ~find(high, (int16_t)(points[entry + 1] - 1)) : UINT64_MAX;
+        if (ends & left) { /* otherwise all texels without an entry can wait for the next one */
+            if (used) *needs++ = (mask_need){.dark = dark, .lit = lit};
+            used |= 1u << entry;
+            lit = find(low, points[entry]);
+            left &= lit;
+        }
+        dark = ends;
+    }
+    return used;
+}
+
+static uint32_t needs_plain(const int16_t *low, const int16_t *high, const int16_t *points, int count, mask_need *needs)
+{
+    return needs_by(behind, low, high, points, count, needs);
+}
+
+#ifdef __x86_64__
+
+CPU_TARGET_AVX2 static ALWAYS_INLINE uint64_t behind_avx2(const int16_t codes[64], int16_t point)
+{
+    const __m256i at   = _mm256_set1_epi16(point);
+    uint64_t      bits = 0;
+    for (int n = 0; n < 64; n += 32) {
+        __m256i a = _mm256_cmpgt_epi16(_mm256_loadu_si256((const __m256i *)(const void *)(codes + n)), at);
+        __m256i b = _mm256_cmpgt_epi16(_mm256_loadu_si256((const __m256i *)(const void *)(codes + n + 16)), at);
+        __m256i c = _mm256_permute4x64_epi64(_mm256_packs_epi16(a, b), 0xd8); /* because packs works on each half of the vector */
+        bits |= (uint64_t)(uint32_t)_mm256_movemask_epi8(c) << n;
+    }
+    return bits;
+}
+
+CPU_TARGET_AVX2 static uint32_t needs_avx2(const int16_t *low, const int16_t *high, const int16_t *points, int count,
+                                           mask_need *needs)
+{
+    return needs_by(behind_avx2, low, high, points, count, needs);
+}
+
+#endif
+
+uint32_t tile_needs(const int16_t low[64], const int16_t high[64], const int16_t *points, int count, mask_need *needs, int cpu)
+{
+#ifdef __x86_64__
+    if (cpu == CPU_AVX2) return needs_avx2(low, high, points, count, needs);
+#endif
+    (void)cpu;
+    return needs_plain(low, high, points, count, needs);
 }

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "baker/base/clock.h"
-#include "baker/coding/dag/dag_file.h"
+#include "baker/coding/dag/dag.h"
 #include "baker/columns/descent.h"
 
 uint32_t sub_dag_side(uint32_t map_side_px)
@@ -134,7 +134,7 @@ static void stats_of(build_stats *s, uint64_t *of[STAT_COUNT])
     of[4] = &s->squares_built;
 }
 
-/* A sub-DAG as bytes: counts, 8 bytes each; number of roots, roots, 4 bytes each; then dag_file.h. */
+/* A sub-DAG as bytes: counts, 8 bytes each; number of roots, roots, 4 bytes each; then dag.h. */
 static vxs_result save_slot(void *user, uint32_t slot, vxs_bytes *out)
 {
     map_builder *b  = user;

@@ -8,7 +8,7 @@
 #ifndef BUILD_H
 #define BUILD_H
 
-#include "baker/coding/dag/merge.h"
+#include "baker/coding/dag/dag.h"
 
 enum { SUB_DAG_MAX_PX = 1024 };
 

@@ -1,4 +1,4 @@
-/* Visibility masks with reuse depths; see masks.h.
+/* Visibility masks with reuse depths; see column_tree.h.
  *
  * Both rules walk a tile from its xmin, the first depth where a texel must be shadowed, to its emax, the first where all texels may
  * be. At depth k0 every texel is shadowed that may be, that is e <= k0:
@@ -11,7 +11,7 @@
  *     shadow   ......[ab][ a b              ][ all             the mask changes where a lit texel may become shadowed (e)
  *
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/coding/dag/masks.h"
+#include "baker/coding/dag/column_tree.h"
 
 #ifdef __SSE2__
 #include <emmintrin.h>

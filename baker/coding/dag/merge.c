@@ -1,10 +1,10 @@
-/* Merges squares into one DAG; see merge.h.
+/* Merges squares into one DAG; see dag.h.
  *
  * DAGs are added one after the other, each from its masks up. Once the references of a level are those of the merged DAG, equal
  * contents mean equal subtrees, and one hash table per level finds them. So an added DAG can be freed at once.
  * [CPVS16] 4.3 merges sorted levels instead. Tables keep the order of arrival, in which neighbours stay neighbours.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/coding/dag/merge.h"
+#include "baker/coding/dag/dag.h"
 
 #include <stdlib.h>
 #include <string.h>

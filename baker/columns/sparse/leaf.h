@@ -6,7 +6,7 @@
  * depths behind F make no difference. If the exit lies behind F, the next known back face stands for it, from the list or among
  * the triangles that were left out.
  *
- * With more don't-care voxels (dont_care.h) the surfaces behind the exit matter too: the nearest one limits the thickness of a
+ * With more don't-care voxels (square_bound.h) the surfaces behind the exit matter too: the nearest one limits the thickness of a
  * sheet, and if there is none, x is the end of the map. Then the list has all of these surfaces, or it is known that no texel
  * exits at the last surface.
  * SPDX-License-Identifier: GPL-3.0-or-later */
@@ -14,7 +14,6 @@
 #define LEAF_H
 
 #include "baker/columns/columns.h"
-#include "baker/columns/depth_scale.h"
 #include "baker/columns/sparse/square_bound.h"
 
 /* Scratch memory of one worker. Zero it; the owner frees the arrays. */

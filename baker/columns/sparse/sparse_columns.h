@@ -5,14 +5,14 @@
  * file that keeps to these bounds keeps the contract.
  *
  *     sparse_triangles.c   triangles on the grid of subtexels, edges, depth
- *     patches.c            patches of adjacent triangles
- *     triangle_bins.c      cells of the map, where the descent begins
+ *     sparse_triangles.c            patches of adjacent triangles
+ *     sparse_triangles.c      cells of the map, where the descent begins
  *     sparse_square.c      the descent: squares, quarters, tiles
  *       square_list.c        a triangle against a square
  *       square_bound.c       bounds of a square from its list
- *       square_settle.c      whether these are as good as a look at each texel
+ *       square_bound.c      whether these are as good as a look at each texel
  *       leaf.c               the texels of a tile
- *     sparse_key.c         hash of the input of a square's columns
+ *     sparse_columns.c         hash of the input of a square's columns
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SPARSE_COLUMNS_H
 #define SPARSE_COLUMNS_H
@@ -27,7 +27,7 @@ enum { SPARSE_PARALLEL_PX = 1024 }; /* squares of this side or less can be fetch
 typedef struct sparse_columns {
     const casters   *casters;      /* that the light may reach; borrowed, as is the light */
     const vxs_light *light;        /* fitted */
-    int              free_behind;  /* 1: voxels behind the last surface are don't-care voxels (dont_care.h) */
+    int              free_behind;  /* 1: voxels behind the last surface are don't-care voxels (square_bound.h) */
     double           thickness_m;  /* of sheets that face the light, metres along the map's axis; 0: none */
     int              nearest_back; /* 1: light exits a solid at the nearest back face, also where solids overlap */
     uint32_t         fetch_px;     /* a power of two: greatest side of the squares that are computed at once */

@@ -10,8 +10,8 @@
 #include "baker/base/integer.h"
 #include "baker/base/parallel.h"
 #include "baker/base/run_control.h"
-#include "baker/columns/bounds_pyramid.h"
-#include "baker/columns/sparse/square_settle.h"
+#include "baker/columns/columns.h"
+#include "baker/columns/sparse/square_bound.h"
 
 enum {
     PAGE_TILES  = 63,

@@ -2,7 +2,7 @@
  *
  * A square is split until its list decides it. If no enter depth is behind any exit depth, the square stores one column for all
  * texels: enter depth F and exit depth xmin. This column keeps the contract of every texel, but leaves the coding fewer don't-care
- * voxels than there are. So small squares are decided only if their lists give as much as their texels do (square_settle.h). In the
+ * voxels than there are. So small squares are decided only if their lists give as much as their texels do (square_bound.h). In the
  * other small squares tiles are evaluated texel by texel, and keep all don't-care voxels before F. This makes files smaller: a city
  * at 16384 texels was 12 % larger than with rendered maps, and is 2 % larger now.
  * SPDX-License-Identifier: GPL-3.0-or-later */
@@ -11,7 +11,7 @@
 
 #include "baker/base/context.h"
 #include "baker/columns/sparse/leaf.h"
-#include "baker/columns/sparse/triangle_bins.h"
+#include "baker/columns/sparse/sparse_triangles.h"
 
 enum { SPARSE_LEVELS_MAX = 20 };
 

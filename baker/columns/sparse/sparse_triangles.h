@@ -23,7 +23,7 @@ enum {
 
 typedef struct sparse_triangle {
     int32_t  x[3], y[3]; /* subtexels; counter-clockwise for x to the right and y up. Corner 0 has zmin */
-    double   zmin, zmax; /* depths as in depth_scale.h */
+    double   zmin, zmax; /* depths as in columns.h */
     double   gx, gy;     /* gradient of depth, per subtexel */
     double   slack;
     uint32_t patch;
@@ -86,5 +86,36 @@ static inline int sparse_is_sheet(const sparse_triangle *t)
 {
     return !(t->kind & SPARSE_SOLID);
 }
+
+/* Patches: adjacent triangles of a map that face the same way.
+ *
+ * Away from the border of a patch, the number of its triangles that cover a point is constant: where one triangle ends, the next
+ * begins. So if no border of the patch crosses a square of texels, the patch covers each texel as often as any other. Thousands of
+ * small triangles then bound the square as a single large triangle does. */
+
+/* Find the patches of a projection.
+ * patch_of  [out] [p->triangle_count] index of the first triangle of the patch. Triangles with holes, and those with facing 0,
+ *           are patches alone
+ * ends      [out] [p->triangle_count] bit k: the edge from corner k to the next is on the border of the patch
+ * facing    [p->triangle_count] 1 and -1: the two sides, 0: seen edge-on
+ * Returns VXS_OK or VXS_E_MEMORY. The result does not depend on the number of threads. */
+vxs_result patches_find(uint32_t *patch_of, uint8_t *ends, const int8_t *facing, const projection *p, uint32_t threads);
+
+/* Triangles that may touch each cell of a map: the start of the descent. */
+
+enum { BINS_A_SIDE_MAX = 64 };
+
+typedef struct triangle_bins {
+    uint32_t  cells, cell_px; /* cells along a side of the map; texels along a side of a cell */
+    size_t   *first;          /* [cells^2 + 1] cell n has ids[first[n]] to ids[first[n + 1] - 1] */
+    uint32_t *ids;            /* ascending in each cell */
+} triangle_bins;
+
+/* Choose cells fine enough to share work among threads, and coarse enough for only a few ids per triangle.
+ * Returns VXS_OK or VXS_E_MEMORY; released with triangle_bins_free either way. */
+vxs_result triangle_bins_init(triangle_bins *b, const sparse_triangles *s, uint32_t side_px, uint32_t threads);
+
+/* Accepts a zeroed object. */
+void triangle_bins_free(triangle_bins *b);
 
 #endif

@@ -5,7 +5,48 @@
 #include <math.h>
 #include <string.h>
 
-#include "baker/columns/sparse/patch_run.h"
+#include "baker/columns/sparse/square_list.h"
+
+/* The adjacent triangles of one patch in a list, and their common properties in the square. */
+
+/* The triangles of one patch in a list: items [begin, end). */
+typedef struct patch_run {
+    size_t   begin, end;
+    int      ends;    /* the border of the patch may cross the square */
+    double   lo, hi;  /* depth range of all */
+    double   covered; /* least hi of the triangles that cover the whole square */
+    uint32_t sampled; /* triangles that cover the middle. Not next to `ends`: gcc would load both as one, after a stall */
+    int      exits;   /* some are back faces of solids */
+    int      sheets;  /* some belong to sheets */
+    int      faces;   /* all belong to one-sided sheets that face the light */
+} patch_run;
+
+static inline patch_run patch_run_from(const square_list *l, const sparse_triangles *s, size_t begin)
+{
+    patch_run r     = {.begin = begin, .end = begin, .lo = INFINITY, .hi = -INFINITY, .covered = INFINITY, .faces = 1};
+    uint32_t  patch = s->all[l->items[begin].id].patch;
+    for (; r.end < l->count && s->all[l->items[r.end].id].patch == patch; r.end++) {
+        const square_entry    *e = &l->items[r.end];
+        const sparse_triangle *t = &s->all[e->id];
+        r.exits |= sparse_is_exit(t);
+        r.sheets |= sparse_is_sheet(t);
+        r.faces &= (t->kind & SPARSE_FACES) != 0;
+        r.sampled += (e->bits & ENTRY_SAMPLE) != 0;
+        r.ends |= (e->bits & ENTRY_END) != 0;
+        r.lo                      = least(r.lo, e->lo);
+        r.hi                      = greatest(r.hi, e->hi);
+        const double if_covers[2] = {INFINITY, e->hi}; /* no branch: it would be unpredictable */
+        r.covered                 = least(r.covered, if_covers[e->bits & ENTRY_COVERS]);
+    }
+    return r;
+}
+
+/* No texel's centre is in the patch. A patch that has lost triangles in larger squares may look like this too; but then it reaches
+ * those triangles, which begin behind the known F of the square. */
+static inline int patch_run_is_missed(const patch_run *r, double known)
+{
+    return !r->ends && !r->sampled && r->hi < known;
+}
 
 enum { LAYERED_MAX = 64 }; /* most triangles of a patch that are sorted by depth; larger groups rarely have gaps */
 
@@ -153,4 +194,177 @@ void square_bound_tighten(square_bound *b, square_list *l, const sparse_triangle
     }
     l->count      = kept;
     b->exit_least = dont_care_needs_next(f) ? later_exit_least(b, l, s, f, limit) : least(nearer, b->left_out);
+}
+
+/* Depths in a square of texels, relative to a plane. Surfaces one behind the other often have nearly the same slope. Relative to a
+ * plane of that slope their depth ranges do not overlap, however steep they are. */
+
+/* Of a square or a tile: the box of its texels' centres, and the plane. */
+typedef struct lean {
+    double x, y, half;   /* centre of the box, half of its side: subtexels */
+    double gx, gy;       /* gradient of the plane, which has depth 0 in the centre */
+    double steep, slack; /* greatest absolute depth of the plane in the box; bound of rounding errors */
+} lean;
+
+/* Take the plane of the farthest triangle that covers the square: usually the ground, or a floor. */
+static inline lean lean_of(const square_list *l, const sparse_triangles *s, texel_square at)
+{
+    const square_entry *farthest = NULL;
+    for (size_t n = 0; n < l->count; n++)
+        if (l->items[n].bits & ENTRY_COVERS && (!farthest || l->items[n].lo > farthest->lo)) farthest = &l->items[n];
+    const double px = (double)((int64_t)1 << s->grid);
+    lean         w  = {.x    = (at.u + at.side / 2.0) * px,
+                       .y    = (at.v + at.side / 2.0) * px,
+                       .half = (at.side - 1) / 2.0 * px,
+                       .gx   = farthest ? s->all[farthest->id].gx : 0,
+                       .gy   = farthest ? s->all[farthest->id].gy : 0};
+    w.steep         = (fabs(w.gx) + fabs(w.gy)) * w.half;
+    w.slack         = ldexp(w.steep, -45);
+    return w;
+}
+
+/* Depth range of a triangle of the list, relative to the plane. */
+static inline void lean_range(const lean *w, const square_entry *e, const sparse_triangle *t, double *lo, double *hi)
+{
+    const double middle = t->zmin + t->gy * (w->y - t->y[0]) + t->gx * (w->x - t->x[0]);
+    const double rise   = (fabs(t->gx - w->gx) + fabs(t->gy - w->gy)) * (w->half * (1 + 1e-12)) + t->slack + w->slack;
+    *lo                 = greatest(middle - rise, e->lo - w->steep - w->slack);
+    *hi                 = least(middle + rise, e->hi + w->steep + w->slack);
+}
+
+/* A layer of faces. Layers cover the square, unless noted otherwise. */
+typedef struct layer {
+    double near, far; /* relative to the plane of square_bound.c */
+    double lo;        /* depth */
+} layer;
+
+typedef struct layers {
+    layer  fronts[SETTLE_LIST_MAX], backs[SETTLE_LIST_MAX]; /* of solids */
+    int    front_count, back_count;
+    double partial; /* nearest layer that may not cover the square */
+} layers;
+
+static void widen(layer *a, const layer *b)
+{
+    a->near = least(a->near, b->near);
+    a->far  = greatest(a->far, b->far);
+    a->lo   = least(a->lo, b->lo);
+}
+
+static const layer nothing = {INFINITY, -INFINITY, INFINITY};
+
+/* Add a triangle; covers: it covers the square. Back faces count wherever they may be, front faces only where they are certain. */
+static void add(layers *y, const sparse_triangle *t, const layer *of, int covers)
+{
+    if (!covers) y->partial = least(y->partial, of->near);
+    if (sparse_is_sheet(t)) return; /* a ray meets it after a solid */
+    if (sparse_is_exit(t))
+        y->backs[y->back_count++] = *of;
+    else if (covers)
+        y->fronts[y->front_count++] = *of;
+}
+
+/* A run of the list: items [begin, end). */
+typedef struct patch_items {
+    size_t begin, end;
+    int    is_whole; /* 1: one layer that covers the square */
+} patch_items;
+
+/* Depths that are known without counting, from the nearest possible exit face. Returns the number of patches; 0: a texel may have
+ * met a sheet first, or may have exited before another one enters. */
+static size_t find_patches(patch_items *patches, const square_list *l, const sparse_triangles *s, const square_bound *outer,
+                           square_parting *out)
+{
+    const double known = outer->enter_most;
+    double       sheet = INFINITY;
+    size_t       count = 0;
+    out->enter_most    = known;
+    out->exit_least    = outer->left_out;
+    for (size_t n = 0; n < l->count;) {
+        const patch_run r     = patch_run_from(l, s, n);
+        const int       whole = !r.ends && r.hi < known && r.sampled == 1; /* and no part of it was removed in larger squares */
+        n                     = r.end;
+        out->enter_most       = least(out->enter_most, whole ? least(r.covered, r.hi) : r.covered);
+        if (patch_run_is_missed(&r, known)) continue;
+        if (r.sheets) sheet = least(sheet, r.lo);
+        if (r.exits) out->exit_least = least(out->exit_least, r.lo);
+        patches[count++] = (patch_items){r.begin, r.end, whole};
+    }
+    return out->exit_least < out->enter_most || sheet <= out->enter_most ? 0 : count; /* counting could still settle it */
+}
+
+static void add_patch(layers *y, const lean *w, const square_list *l, const sparse_triangles *s, const patch_items *p)
+{
+    const sparse_triangle *first = &s->all[l->items[p->begin].id];
+    layer                  all   = nothing;
+    for (size_t n = p->begin; n < p->end; n++) {
+        const square_entry *e  = &l->items[n];
+        layer               of = {.lo = e->lo};
+        lean_range(w, e, &s->all[e->id], &of.near, &of.far);
+        if (p->is_whole)
+            widen(&all, &of);
+        else
+            add(y, first, &of, (e->bits & ENTRY_COVERS) != 0);
+    }
+    if (p->is_whole) add(y, first, &all, 1);
+}
+
+/* Number of front faces that surely lie before a depth; number of back faces that may lie there. */
+static int opened(const layers *y, double near)
+{
+    int count = 0;
+    for (int n = 0; n < y->front_count; n++) count += y->fronts[n].far <= near;
+    return count;
+}
+
+static int closed(const layers *y, double near)
+{
+    int count = 0;
+    for (int n = 0; n < y->back_count; n++) count += y->backs[n].near <= near;
+    return count;
+}
+
+/* Whether all faces that a ray may meet before the end of a layer are met before its begin, and cover the square. */
+static int is_apart(const layers *y, const layer *back)
+{
+    if (y->partial <= back->far) return 0;
+    for (int n = 0; n < y->front_count; n++)
+        if (y->fronts[n].near <= back->far && y->fronts[n].far > back->near) return 0;
+    for (int n = 0; n < y->back_count; n++)
+        if (&y->backs[n] != back && y->backs[n].near <= back->far && y->backs[n].far > back->near) return 0;
+    return 1;
+}
+
+/* The first back face that may be an exit. NULL: none */
+static const layer *first_exit(const layers *y, int nearest_back)
+{
+    const layer *first = NULL;
+    for (int n = 0; n < y->back_count; n++) {
+        const layer *b = &y->backs[n];
+        if (first && first->near <= b->near) continue;
+        if (nearest_back || closed(y, b->near) >= opened(y, b->near)) first = b;
+    }
+    return first;
+}
+
+int square_settle(const square_list *l, const sparse_triangles *s, texel_square at, const square_bound *outer, int nearest_back,
+                  square_parting *out)
+{
+    layers      y;
+    patch_items patches[SETTLE_LIST_MAX];
+    if (l->count > SETTLE_LIST_MAX) return 0;
+    const size_t count = find_patches(patches, l, s, outer, out);
+    if (!count) return 0;
+    const lean w  = lean_of(l, s, at);
+    y.front_count = 0;
+    y.back_count  = 0;
+    y.partial     = INFINITY;
+    for (size_t n = 0; n < count; n++) add_patch(&y, &w, l, s, &patches[n]);
+
+    const layer *exit = first_exit(&y, nearest_back);
+    out->exit_least   = outer->left_out;
+    for (int n = 0; n < y.back_count && exit; n++)
+        if (y.backs[n].near >= exit->near) out->exit_least = least(out->exit_least, y.backs[n].lo);
+    out->is_certain = out->exit_least == outer->left_out || is_apart(&y, exit);
+    return 1;
 }

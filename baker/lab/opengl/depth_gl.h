@@ -6,7 +6,7 @@
 
 #include "baker/casters/casters.h"
 #include "baker/columns/rendered_columns.h"
-#include "baker/columns/stored/depth_maps.h"
+#include "baker/columns/depth_maps.h"
 #include "baker/lab/opengl/gl.h"
 #include "formats/vxs_file.h"
 

@@ -1,6 +1,6 @@
 /* Depth maps, their pyramid and their columns; see depth_maps.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/columns/stored/depth_maps.h"
+#include "baker/columns/depth_maps.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -8,8 +8,7 @@
 #include "baker/base/pages.h"
 #include "baker/base/parallel.h"
 #include "baker/base/simd.h"
-#include "baker/columns/bounds_pyramid.h"
-#include "baker/columns/depth_scale.h"
+#include "baker/columns/columns.h"
 
 vxs_result depth_maps_init(depth_maps *d, uint32_t side_px, uint32_t depth_vx, double voxel_log, int with_exit, message *m)
 {

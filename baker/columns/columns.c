@@ -1,6 +1,6 @@
-/* Reducing bounds; see bounds_pyramid.h.
+/* Bounds of the parts of a square; see columns.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/columns/bounds_pyramid.h"
+#include "baker/columns/columns.h"
 
 #include "baker/base/parallel.h"
 
