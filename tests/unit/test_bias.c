@@ -2,7 +2,7 @@
  * planes do not shade themselves.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/truth/truth.h"
-#include "baker/light/baked_light.h"
+#include "baker/light/map_space.h"
 #include "formats/vxs_space.h"
 #include "random_lamp.h"
 #include "repeats.h"

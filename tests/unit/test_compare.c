@@ -13,7 +13,7 @@
 #include "baker/base/vec3.h"
 #include "baker/lab/compare/compare.h"
 #include "baker/lab/compare/compare_points.h"
-#include "baker/light/baked_light.h"
+#include "baker/light/map_space.h"
 #include "runtime/vxs.h"
 
 /* last, because cmocka's macro fail() would hide the function of message.h; it wants the four above it */

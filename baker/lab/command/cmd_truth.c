@@ -13,7 +13,7 @@
 #include "baker/command/points.h"
 #include "baker/lab/command/lab_commands.h"
 #include "baker/lab/truth/truth.h"
-#include "baker/light/baked_light.h"
+#include "baker/light/map_space.h"
 #include "baker/scene/light_warnings.h"
 #include "baker/scene/scene.h"
 

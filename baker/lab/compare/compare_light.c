@@ -29,7 +29,7 @@
 #include "baker/base/vec3.h"
 #include "baker/lab/compare/compare_points.h"
 #include "baker/lab/truth/truth.h"
-#include "baker/light/baked_light.h"
+#include "baker/light/map_space.h"
 #include "runtime/vxs.h"
 
 /* time of lookups and rays, on one thread -------------------------------------------------------------------------------------- */

@@ -10,7 +10,6 @@
 #include "baker/columns/rendered_columns.h"
 #include "baker/lab/opengl/gl.h"
 #include "baker/light/projection.h"
-#include "baker/light/texel_box.h"
 
 /* Data shared by all blocks of a map: the program and the images. */
 typedef struct hole_images {

@@ -18,7 +18,7 @@
 #include "baker/files/run_files.h"
 #include "baker/lab/render/exr_encode.h"
 #include "baker/lab/truth/truth.h"
-#include "baker/light/baked_light.h"
+#include "baker/light/map_space.h"
 
 typedef struct passes {
     renderer    *renderer;
