@@ -4,7 +4,7 @@
 #define BAKE_H
 
 #include "baker/bake/bake_report.h"
-#include "baker/bake/bake_scene.h"
+#include "baker/bake/bake_options.h"
 
 /* Called when the file is written. It may read the casters and the asset's bytes, and may take the bytes. Its time is not
  * counted. */

@@ -3,7 +3,10 @@
 #include "baker/bake/bake_light.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 
+#include "baker/base/parallel.h"
+#include "baker/files/output_file.h"
 #include "runtime/vxs.h"
 
 static vxs_result bake_map(const light_coder *coder, uint32_t map, const column_source *source, bake_context *ctx)
@@ -36,5 +39,67 @@ vxs_result bake_light(const plan_light *planned, const column_source *source, co
     if (r == VXS_OK && out) r = coder->finish(coder->data, out);
     stage_begin(ctx, STAGE_NONE);
     if (r != VXS_OK) fail(ctx->message, r, "%s while baking light '%s'", vxs_result_text(r), planned->name);
+    return r;
+}
+
+vxs_result asset_encode(const bake_options *o, const coded_light *coded, uint32_t light_count, const char *metadata,
+                        const vxs_points_view *points, vxs_bytes *out, message *m)
+{
+    vxs_write_light *lights = calloc(light_count, sizeof *lights);
+    vxs_result       r      = VXS_E_MEMORY;
+    if (lights && metadata) {
+        for (uint32_t n = 0; n < light_count; n++) lights[n] = coded[n].written;
+        vxs_parallel   threads = parallel_lent(o->threads);
+        vxs_write_desc desc    = {.lights      = lights,
+                                  .light_count = light_count,
+                                  .metadata    = metadata,
+                                  .zstd_level  = (int)o->zstd_level,
+                                  .parallel    = &threads,
+                                  .points      = points};
+        r                      = vxs_write(out, &desc);
+    }
+    free(lights);
+    return r == VXS_OK ? r : fail(m, r, "the asset cannot be encoded: %s", r == VXS_E_MEMORY ? "out of memory" : "it is too large");
+}
+
+/* Fill sizes by part from the file, as a reader sees it. */
+static void report_contents(const vxs_contents *c, bake_report *report)
+{
+    for (uint32_t s = 0; s < c->section_count; s++)
+        if (c->sections[s].kind == VXS_KIND_POINTS) report->points_bytes = c->sections[s].stored_bytes;
+    for (uint32_t n = 0; n < c->light_count; n++) {
+        const vxs_baked_light *baked = &c->lights[n];
+        light_report          *light = &report->lights[n];
+        light->light                 = baked->light;
+        light->memory_bytes          = (uint64_t)baked->word_count * 4;
+        light->part_count            = baked->part_count;
+        for (uint32_t p = 0; p < baked->part_count; p++) {
+            /* a section with several parts counts for the first of them */
+            int is_first    = !p || baked->parts[p].section != baked->parts[p - 1].section;
+            light->parts[p] = (part_report){baked->parts[p], is_first ? c->sections[baked->parts[p].section].stored_bytes : 0};
+        }
+        for (uint32_t s = 0; s < c->section_count; s++)
+            if (c->sections[s].light == n)
+                *(c->sections[s].kind == VXS_KIND_SMOKE ? &light->smoke.stored_bytes : &light->stored_bytes) +=
+                    c->sections[s].stored_bytes;
+    }
+}
+
+vxs_result asset_write(const bake_options *o, const vxs_bytes *file, bake_report *report, message *m)
+{
+    vxs_contents  contents = {0};
+    output_file   out      = {0};
+    vxs_parallel  threads  = parallel_lent(o->threads);
+    vxs_read_desc desc     = {.parallel = &threads};
+    vxs_result    r        = vxs_read(&contents, file->data, file->size_bytes, &desc);
+    if (r != VXS_OK) return fail(m, r, "the encoded asset cannot be read back, nothing was written: %s", vxs_result_text(r));
+    report_contents(&contents, report);
+    vxs_contents_free(&contents);
+    report->file_bytes = file->size_bytes;
+
+    if (!o->output_path) return VXS_OK;
+    if ((r = output_file_open(&out, o->output_path, m)) != VXS_OK) return r;
+    if ((r = output_file_write(&out, file->data, file->size_bytes, m)) == VXS_OK) r = output_file_commit(&out, m);
+    output_file_abort(&out);
     return r;
 }

@@ -5,12 +5,15 @@
 
 #include <jansson.h>
 
-#include "baker/bake/cache/square_exchange.h"
+#include "baker/bake/cache/square_store.h"
+#include "baker/base/context.h"
 #include "baker/base/text.h"
 #include "baker/base/watch.h"
 #include "baker/casters/casters.h"
 #include "baker/coding/dag/build.h"
 #include "baker/columns/rendered_columns.h"
+#include "baker/scene/fingerprint.h"
+#include "baker/smoke/smoke_grid.h"
 #include "baker/smoke/smoke_map.h"
 
 enum { RESOLUTION_MIN_PX = 8, RESOLUTION_MAX_PX = 262144 };
@@ -50,7 +53,7 @@ typedef enum compress_choice { COMPRESS_CHOICE_AUTO, COMPRESS_CHOICE_TOP_DOWN, C
 
 typedef struct bake_options {
     const char            *scene_path;
-    struct bake_scene     *prepared;    /* NULL: read the scene; else a scene with its casters, read only (bake_scene.h) */
+    struct bake_scene     *prepared;    /* NULL: read the scene; else a scene with its casters, read only (bake_options.h) */
     const char            *output_path; /* "-" is standard output; NULL: nothing is written */
     const char            *page_path;   /* NULL: none; else pictures of the maps of the largest lights are kept for the page */
     scene_choice           scene;       /* scene of the file, and which parts of it cast */
@@ -128,5 +131,33 @@ uint32_t light_resolution(const bake_options *o, const char *light_name, double 
 json_t *bake_choices_json(const bake_options *o);
 json_t *bake_smoke_json(const bake_options *o); /* only smoke */
 json_t *bake_options_json(const bake_options *o);
+
+/* A scene that was read, with its casters: the input of bakes of any of its lights. */
+
+/* Zero it. */
+typedef struct bake_scene {
+    scene             scene;
+    scene_fingerprint fingerprint;
+    casters           casters;
+    smoke_grid        smoke;      /* zeroed if there is none */
+    uint64_t          file_bytes; /* of the scene's file; 0: not known. Buffer files of a .gltf are not counted */
+} bake_scene;
+
+/* Read o->scene_path, and compute its fingerprint.
+ * check  NULL: none
+ * Returns what scene_load_gltf_checked returns. */
+vxs_result bake_scene_read(bake_scene *s, const bake_options *o, const scene_check *check, bake_context *ctx);
+
+/* Read the smoke grid that the options name, if any.   Returns what nrrd_read returns. */
+vxs_result bake_scene_read_smoke(bake_scene *s, const bake_options *o, bake_context *ctx);
+
+/* The smoke that is baked.   Valid until bake_scene_free. */
+smoke_source bake_scene_smoke(const bake_scene *s, const bake_options *o);
+
+/* Find the casters of a scene that was read.   Returns what casters_for_maps and context_check return. */
+vxs_result bake_scene_find_casters(bake_scene *s, const bake_options *o, bake_context *ctx);
+
+/* Accepts a zeroed object. */
+void bake_scene_free(bake_scene *s);
 
 #endif

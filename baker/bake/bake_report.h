@@ -3,7 +3,7 @@
 #ifndef BAKE_REPORT_H
 #define BAKE_REPORT_H
 
-#include "baker/bake/blocks_coder.h"
+#include "baker/bake/light_coder.h"
 #include "baker/bake/light_picture.h"
 #include "baker/bake/plan.h"
 #include "baker/base/context.h"

@@ -1,9 +1,13 @@
 /* The seam between columns and words: a coding turns the maps of a light into words. The bake uses codings only through this
- * interface.
+ * interface. With the two codings, the one that the options choose, and the file that coded lights become.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef LIGHT_CODER_H
 #define LIGHT_CODER_H
 
+#include "baker/bake/bake_options.h"
+#include "baker/bake/light_picture.h"
+#include "baker/coding/blocks/blocks.h"
+#include "baker/coding/dag/build.h"
 #include "baker/columns/columns.h"
 #include "formats/vxs_file.h"
 
@@ -37,5 +41,69 @@ typedef struct light_coder {
     /* out  [out] written only if VXS_OK is returned; released with coded_light_free */
     vxs_result (*finish)(void *data, coded_light *out);
 } light_coder;
+
+/* A light's maps as palette blocks: baker/coding/blocks/ behind the seam of light_coder.h. */
+
+/* Contents of a light's words; equal things in a page are counted once. */
+typedef struct palette_counts {
+    uint64_t pages, nodes, blocks;
+    uint64_t tiles, own_tiles; /* with patterns; those of them with a private palette */
+    uint64_t patterns;         /* of both kinds, in pages and common ones */
+} palette_counts;
+
+typedef struct blocks_coder {
+    const vxs_light *light; /* NULL: not begun */
+    block_set        set;
+    build_stats      stats;  /* tiles and squares */
+    palette_counts   counts; /* set by finish */
+    uint32_t         threads;
+    uint32_t         packing; /* VXS_PACKING_* */
+} blocks_coder;
+
+/* Valid until blocks_coder_free, while c stays at its address. Zero c before, except for threads and packing. */
+light_coder blocks_coder_seam(blocks_coder *c);
+
+/* Accepts a coder that was not begun. */
+void blocks_coder_free(blocks_coder *c);
+
+/* A light's maps as a DAG: baker/coding/dag/ behind the seam of light_coder.h. */
+
+typedef struct dag_coder {
+    build_options    build;
+    int              unify;   /* 1: one DAG without equal subtrees; 0: sub-DAGs side by side */
+    light_picture   *picture; /* NULL, or where masks are drawn; borrowed */
+    const vxs_light *light;   /* NULL: not begun */
+    dag_merger       merger;
+    build_stats      stats; /* of all maps so far */
+
+    uint32_t            map; /* map in work */
+    const bake_context *ctx; /* run context during add_map */
+} dag_coder;
+
+/* compress  order of compression from the plan
+ * picture   NULL, or where masks are drawn; borrowed */
+dag_coder dag_coder_for(const bake_options *o, compress_order compress, light_picture *picture);
+
+/* Valid until dag_coder_free, while c stays at its address. */
+light_coder dag_coder_seam(dag_coder *c);
+
+/* Accepts one that was not begun. */
+void dag_coder_free(dag_coder *c);
+
+/* The coding that the options choose, behind the seam of light_coder.h. */
+
+typedef struct chosen_coder {
+    dag_coder          dags;
+    blocks_coder       blocks;
+    light_coder        coder;
+    const build_stats *stats; /* of the chosen coding */
+} chosen_coder;
+
+/* compress  order of compression from the plan, for DAGs
+ * picture   NULL, or where masks of DAGs are drawn; borrowed
+ * c         [out] must not move until chosen_coder_free */
+void chosen_coder_init(chosen_coder *c, const bake_options *o, compress_order compress, light_picture *picture);
+
+void chosen_coder_free(chosen_coder *c);
 
 #endif

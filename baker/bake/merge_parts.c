@@ -6,9 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/bake/asset_file.h"
 #include "baker/bake/bake_light.h"
-#include "baker/bake/chosen_coder.h"
+#include "baker/bake/light_coder.h"
 #include "baker/bake/kept_squares.h"
 #include "baker/base/clock.h"
 #include "baker/files/input_file.h"

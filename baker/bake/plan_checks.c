@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "baker/bake/coarse_texels.h"
-#include "baker/bake/light_hider.h"
+#include "baker/bake/scene_objects.h"
 #include "baker/bake/plan.h"
 #include "baker/base/text.h"
 #include "baker/base/vec3.h"

@@ -12,7 +12,7 @@
 #define PROVENANCE_H
 
 #include "baker/bake/bake_report.h"
-#include "baker/bake/bake_scene.h"
+#include "baker/bake/bake_options.h"
 
 /* The input of a bake.
  * inputs  [out] NULL on failure; released with json_decref

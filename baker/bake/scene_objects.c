@@ -2,11 +2,13 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/bake/scene_objects.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "baker/base/text.h"
+#include "baker/base/vec3.h"
 
 static size_t count_components(const casters *c)
 {
@@ -170,4 +172,230 @@ void object_name_find(object_name *name, const scene_object *object, const caste
     }
     snprintf(name->text, sizeof name->text, "the component of %zu triangles from (%.4g, %.4g, %.4g) to (%.4g, %.4g, %.4g)",
              object->triangles, b->min[0], b->min[1], b->min[2], b->max[0], b->max[1], b->max[2]);
+}
+
+/* Finding an object that hides a light; see scene_objects.h.
+ *
+ *     points on all objects ---boxes---> a few candidates ---rays to points on the other objects---> the hider
+ * */
+
+enum { POINTS = 256, POINTS_SOON = 16, POINTS_LIT = 6, POINTS_MIN = 24, OBJECTS_TRIED = 4 };
+static const double SHARE_LIT = 0.02, SHARE_MIXED = 0.1, BULB_M = 1.5, GRAZING = 1e-6;
+
+/* Ray from a point to the light: at + t * way. t ends at 1 for a lamp; it has no end for a sun. */
+typedef struct light_ray {
+    double at[3], way[3], t_end;
+    double over_way[3]; /* 1 / way */
+} light_ray;
+
+static light_ray ray_to_light(const light_shape *shape, const double at_ws[3])
+{
+    light_ray r = {.t_end = shape->kind == LIGHT_DIRECTIONAL ? INFINITY : 1};
+    memcpy(r.at, at_ws, sizeof r.at);
+    for (int n = 0; n < 3; n++) {
+        r.way[n]      = shape->kind == LIGHT_DIRECTIONAL ? -shape->direction_ws[n] : shape->position_ws[n] - at_ws[n];
+        r.over_way[n] = r.way[n] == 0 ? INFINITY : 1 / r.way[n];
+    }
+    return r;
+}
+
+static int meets_box(const light_ray *r, const box *b)
+{
+    double from = 0, to = r->t_end;
+    for (int n = 0; n < 3; n++) { /* a ray along a face of the box gives NaN, which bounds nothing */
+        double low  = ((r->over_way[n] < 0 ? b->max[n] : b->min[n]) - r->at[n]) * r->over_way[n];
+        double high = ((r->over_way[n] < 0 ? b->min[n] : b->max[n]) - r->at[n]) * r->over_way[n];
+        if (low > from) from = low;
+        if (high < to) to = high;
+    }
+    return from <= to;
+}
+
+/* boxes ----------------------------------------------------------------------------------------------------------------------- */
+
+/* Whether an object contains a lamp or is near it. An object whose distance is greater than its size leaves most directions
+ * free. */
+static int is_near(const box *b, const light_shape *shape)
+{
+    double away = 0, diagonal = box_diagonal(b);
+    if (shape->kind == LIGHT_DIRECTIONAL) return 1;
+    for (int n = 0; n < 3; n++) {
+        double at = shape->position_ws[n], beside = at < b->min[n] ? b->min[n] - at : at > b->max[n] ? at - b->max[n] : 0;
+        away += beside * beside;
+    }
+    return away <= diagonal * diagonal;
+}
+
+/* Returns 0 if more than a tenth of the points on other objects are not behind the object's box. */
+static int may_hide(const object_list *objects, size_t object, const lit_point *points, const light_ray *rays, size_t count,
+                    const uint32_t *component_of)
+{
+    size_t free = 0, most = 1 + (size_t)(SHARE_MIXED * (double)count);
+    for (size_t n = 0; n < count && free <= most; n++)
+        free += objects->of[component_of[points[n].triangle]] != object && !meets_box(&rays[n], &objects->items[object].around);
+    return free <= most;
+}
+
+/* Candidates, those with fewest triangles first. Returns their number. */
+static size_t find_suspects(size_t suspects[OBJECTS_TRIED], const object_list *objects, const lit_point *points, size_t count,
+                            const lit_points_desc *d)
+{
+    light_ray rays[POINTS];
+    size_t    found = 0;
+    count           = count < POINTS ? count : POINTS;
+    for (size_t n = 0; n < count; n++) rays[n] = ray_to_light(d->shape, points[n].at_ws);
+    for (size_t k = 0; k < objects->count; k++) {
+        if (!is_near(&objects->items[k].around, d->shape)) continue;
+        if (count > POINTS_SOON && !may_hide(objects, k, points, rays, POINTS_SOON, d->c->component_of)) continue;
+        if (!may_hide(objects, k, points, rays, count, d->c->component_of)) continue;
+        size_t place = found < OBJECTS_TRIED ? found++ : OBJECTS_TRIED;
+        while (place && objects->items[k].triangles < objects->items[suspects[place - 1]].triangles) {
+            if (place < OBJECTS_TRIED) suspects[place] = suspects[place - 1];
+            place--;
+        }
+        if (place < OBJECTS_TRIED) suspects[place] = k;
+    }
+    return found;
+}
+
+/* rays ------------------------------------------------------------------------------------------------------------------------ */
+
+/* An object's triangles: one corner and two edges each. */
+typedef struct shell {
+    size_t count;
+    double (*triangles)[9]; /* [count] corner, edge, edge */
+    uint8_t *two_sided;     /* [count] */
+} shell;
+
+static void shell_free(shell *s)
+{
+    free(s->triangles);
+    free(s->two_sided);
+}
+
+static int shell_of(shell *s, object_list *objects, size_t object, const casters *c)
+{
+    size_t count = objects->items[object].triangles;
+    *s           = (shell){0, malloc((count + 1) * sizeof *s->triangles), malloc(count + 1)};
+    if (!s->triangles || !s->two_sided || !objects_find_members(objects, c)) return 0;
+    for (const uint32_t *t = objects->members + objects->first[object]; s->count < count; t++) {
+        double       *out = s->triangles[s->count];
+        const double *p[3];
+        for (size_t n = 0; n < 3; n++) p[n] = c->positions_ws + 3 * (size_t)c->indices[3 * (size_t)*t + n];
+        memcpy(out, p[0], 3 * sizeof *out);
+        vec3_sub(p[1], p[0], out + 3);
+        vec3_sub(p[2], p[0], out + 6);
+        s->two_sided[s->count++] = c->double_sided && c->double_sided[*t];
+    }
+    return 1;
+}
+
+/* Intersection of a ray with an object, nearest to the light. A ray that begins on the object's surface, as under a crate on a
+ * floor, is blocked if it passes through that surface: the light sees the surface from behind. */
+typedef struct shell_hit {
+    int    found, from_behind; /* from_behind: the light sees the back of a one-sided material */
+    double t;
+} shell_hit;
+
+/* Moeller and Trumbore, 1997. */
+static shell_hit meet(const shell *s, const light_ray *r)
+{
+    shell_hit hit = {.t = -GRAZING};
+    for (size_t n = 0; n < s->count; n++) {
+        const double *corner = s->triangles[n], *e1 = corner + 3, *e2 = corner + 6;
+        double        p[3], q[3], from[3];
+        vec3_cross(r->way, e2, p);
+        double facing = vec3_dot(e1, p); /* > 0: the ray goes against the normal */
+        if (facing == 0) continue;
+        vec3_sub(r->at, corner, from);
+        double u = vec3_dot(from, p) / facing;
+        if (!(u >= 0 && u <= 1)) continue;
+        vec3_cross(from, e1, q);
+        double v = vec3_dot(r->way, q) / facing, t = vec3_dot(e2, q) / facing;
+        if (!(v >= 0 && u + v <= 1) || !(t > hit.t) || t >= r->t_end * (1 - GRAZING) || (t < GRAZING && facing < 0)) continue;
+        hit = (shell_hit){.found = 1, .from_behind = facing > 0 && !s->two_sided[n], .t = t};
+    }
+    return hit;
+}
+
+/* Share of rays from a point that meet an object. */
+static double share_around(const shell *s, const double at_ws[3], const double (*ways)[3], int count)
+{
+    int met = 0;
+    for (int n = 0; n < count; n++) {
+        light_ray r = {.t_end = INFINITY};
+        memcpy(r.at, at_ws, sizeof r.at);
+        memcpy(r.way, ways[n], sizeof r.way);
+        met += meet(s, &r).found;
+    }
+    return (double)met / count;
+}
+
+/* No direction is parallel to a face of a box: the ray could meet its edges. */
+static const double ways_around[14][3] = {{1, .02, .03},  {-1, .03, .02}, {.03, 1, .02},  {.02, -1, .03}, {.02, .03, 1},
+                                          {.03, .02, -1}, {1, 1.1, .9},   {-1, 1.1, .9},  {1, -1.1, .9},  {1, 1.1, -.9},
+                                          {-1, -1.1, .9}, {-1, 1.1, -.9}, {1, -1.1, -.9}, {-1, -1.1, -.9}};
+static const double ways_level[5][3]   = {{1, .02, .03}, {-1, .03, .02}, {.02, .03, 1}, {.03, .02, -1}, {.03, 1, .02}};
+
+/* Whether the object is not worth a bake itself, judged by its lit points. */
+static int is_useless(const shell *s, const lit_points_desc *d, const lit_point *points, size_t hidden, size_t from_behind,
+                      double farthest_m)
+{
+    int sees_back = (double)from_behind >= (1 - SHARE_MIXED) * (double)hidden;
+    if (d->shape->kind != LIGHT_DIRECTIONAL)
+        return sees_back || farthest_m <= BULB_M || share_around(s, d->shape->position_ws, ways_around, 14) < 0.8;
+    double around = 0;
+    for (size_t n = 0; n < 16; n++) around += share_around(s, points[n].at_ws, ways_level, 5) / 16;
+    return sees_back || around >= 0.95;
+}
+
+/* A fast test with the points on all objects: several points on other objects are lit. */
+static int lets_light_past(const shell *s, const object_list *objects, size_t object, const lit_point *all, size_t count,
+                           const lit_points_desc *d)
+{
+    size_t lit = 0;
+    for (size_t n = 0; n < count && lit < POINTS_LIT; n++) {
+        light_ray r = ray_to_light(d->shape, all[n].at_ws);
+        lit += objects->of[d->c->component_of[all[n].triangle]] != object && !meet(s, &r).found;
+    }
+    return lit == POINTS_LIT;
+}
+
+static int hides(object_list *objects, size_t object, const lit_point *all, size_t all_count, const lit_points_desc *d,
+                 double *farthest_m)
+{
+    lit_point       points[POINTS];
+    lit_points_desc others = *d;
+    shell           s      = {0};
+    size_t          count = 0, lit = 0, behind = 0;
+    int             is   = 0;
+    others.object_of     = objects->of;
+    others.without       = (uint32_t)object;
+    others.triangles_max = 0;
+    if (!shell_of(&s, objects, object, d->c) || lets_light_past(&s, objects, object, all, all_count, d)) goto done;
+    if ((count = lit_points_choose(points, POINTS, &others)) < POINTS_MIN) goto done;
+    size_t free_most = (size_t)(SHARE_LIT * (double)count);
+    *farthest_m      = 0;
+    for (size_t n = 0; n < count && lit <= free_most; n++) {
+        light_ray r   = ray_to_light(d->shape, points[n].at_ws);
+        shell_hit hit = meet(&s, &r);
+        lit += !hit.found;
+        behind += hit.from_behind;
+        if (hit.found) *farthest_m = fmax(*farthest_m, (1 - hit.t) * sqrt(vec3_dot(r.way, r.way)));
+    }
+    is = lit <= free_most && is_useless(&s, d, points, count - lit, behind, *farthest_m);
+done:
+    shell_free(&s);
+    return is;
+}
+
+const scene_object *light_hider_find(object_list *objects, const lit_point *points, size_t point_count, const lit_points_desc *d,
+                                     double *distance_m)
+{
+    size_t suspects[OBJECTS_TRIED];
+    if (objects->count < 2) return NULL;
+    size_t count = find_suspects(suspects, objects, points, point_count, d);
+    for (size_t n = 0; n < count; n++)
+        if (hides(objects, suspects[n], points, point_count, d, distance_m)) return &objects->items[suspects[n]];
+    return NULL;
 }

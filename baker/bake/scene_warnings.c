@@ -2,12 +2,198 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/bake/scene_warnings.h"
 
+#include <ctype.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #include "baker/base/box.h"
 #include "baker/base/text.h"
 #include "baker/base/vec3.h"
+
+/* A node's triangles: its parts are contiguous. */
+typedef struct named_node {
+    const char *name;
+    uint32_t    node;
+    size_t      first, end; /* triangles of the scene */
+} named_node;
+
+static const char *name_of(const scene *s, size_t part)
+{
+    return s->names + s->parts[part].node_name;
+}
+
+/* List the nodes with a name, in the scene's order. Returns their number; 0 without memory. */
+static size_t list_nodes(named_node **out, const scene *s)
+{
+    size_t count = 0;
+    *out         = malloc((s->part_count + 1) * sizeof **out);
+    for (size_t n = 0; n < s->part_count && *out; n++) {
+        size_t end = n + 1 < s->part_count ? s->parts[n + 1].triangle_first : s->triangle_count;
+        if (!*name_of(s, n)) continue;
+        if (count && (*out)[count - 1].node == s->parts[n].node && (*out)[count - 1].end == s->parts[n].triangle_first)
+            (*out)[count - 1].end = end;
+        else
+            (*out)[count++] = (named_node){name_of(s, n), s->parts[n].node, s->parts[n].triangle_first, end};
+    }
+    return count;
+}
+
+/* collisions ------------------------------------------------------------------------------------------------------------------ */
+
+static int has_word(const char *name, const char *word)
+{
+    size_t length = strlen(word);
+    for (const char *at = name; *at; at++) {
+        if (at > name && isalnum((unsigned char)at[-1])) continue;
+        if (!strncasecmp(at, word, length) && !isalnum((unsigned char)at[length])) return 1;
+    }
+    return 0;
+}
+
+static int ends_with(const char *name, const char *end)
+{
+    size_t length = strlen(name), end_length = strlen(end);
+    return length > end_length && !strcmp(name + length - end_length, end);
+}
+
+/* The pattern of collision nodes that a name matches, by the rules of Unreal Engine (UCX_ ...) and Godot (-colonly ...); NULL:
+ * none. */
+static const char *collision_pattern(const char *name)
+{
+    static const char *const prefixes[]        = {"UCX_", "UBX_", "USP_", "UCP_"};
+    static const char *const ends[]            = {"-colonly", "-convcolonly", "-navmesh", "-occonly", "-noimp"};
+    static const char *const words[]           = {"collider", "colliders", "collision", "collisions", "hitbox", "navmesh"};
+    static const char *const prefix_patterns[] = {"node:UCX_*", "node:UBX_*", "node:USP_*", "node:UCP_*"};
+    static const char *const end_patterns[]    = {"node:*-colonly", "node:*-convcolonly", "node:*-navmesh", "node:*-occonly",
+                                                  "node:*-noimp"};
+    for (size_t n = 0; n < sizeof prefixes / sizeof *prefixes; n++)
+        if (!strncmp(name, prefixes[n], strlen(prefixes[n]))) return prefix_patterns[n];
+    for (size_t n = 0; n < sizeof ends / sizeof *ends; n++)
+        if (ends_with(name, ends[n])) return end_patterns[n];
+    for (size_t n = 0; n < sizeof words / sizeof *words; n++)
+        if (has_word(name, words[n])) return "";
+    return NULL;
+}
+
+static void warn_about_collisions(const named_node *nodes, size_t count, message *m)
+{
+    const named_node *first   = NULL;
+    const char       *pattern = NULL;
+    size_t            found = 0, triangles = 0;
+    char              option[160];
+    for (const named_node *n = nodes; n < nodes + count; n++) {
+        const char *p = collision_pattern(n->name);
+        if (!p) continue;
+        if (!found++) {
+            first   = n;
+            pattern = p;
+        }
+        triangles += n->end - n->first;
+    }
+    if (!found) return;
+    if (*pattern)
+        snprintf(option, sizeof option, "'%s'", pattern);
+    else
+        snprintf(option, sizeof option, "'node:%.100s'", first->name);
+    if (found > 1)
+        warn(m,
+             "node '%s' and %zu more are named like shapes for collisions, which are not seen, and cast shadows of %zu triangles; "
+             "leave "
+             "them out with --exclude %s",
+             first->name, found - 1, triangles, option);
+    else
+        warn(m,
+             "node '%s' is named like a shape for collisions, which is not seen, and casts shadows of %zu triangles; leave it out "
+             "with "
+             "--exclude %s",
+             first->name, triangles, option);
+}
+
+/* levels of detail ------------------------------------------------------------------------------------------------------------ */
+
+/* Position of the number in "Tree_LOD1"; NULL: none. */
+static const char *detail_number(const char *name)
+{
+    for (const char *at = name; *at; at++)
+        if (at > name && strchr("_-. ", at[-1]) && !strncasecmp(at, "lod", 3)) {
+            const char *digit = at + 3 + (strchr("_-. ", at[3]) && at[3]);
+            if (isdigit((unsigned char)*digit) && !isdigit((unsigned char)digit[1])) return digit;
+        }
+    return NULL;
+}
+
+/* Sort by the name before the number, then by the number. */
+static int by_thing(const void *a, const void *b)
+{
+    const named_node *p = a, *q = b;
+    size_t            p_length = (size_t)(detail_number(p->name) - p->name), q_length = (size_t)(detail_number(q->name) - q->name);
+    int               differ = strncmp(p->name, q->name, p_length < q_length ? p_length : q_length);
+    if (differ) return differ;
+    if (p_length != q_length) return p_length < q_length ? -1 : 1;
+    differ = strcmp(p->name + p_length, q->name + q_length);
+    return differ ? differ : p->first < q->first ? -1 : p->first > q->first;
+}
+
+static int same_thing(const named_node *a, const named_node *b)
+{
+    size_t length = (size_t)(detail_number(a->name) - a->name);
+    return (size_t)(detail_number(b->name) - b->name) == length && !strncmp(a->name, b->name, length);
+}
+
+/* Whether the centre of one is in the box of the other. */
+static int same_place(const scene *s, const named_node *a, const named_node *b)
+{
+    box one   = box_of_corners(s->positions_ws, s->indices + 3 * a->first, 3 * (a->end - a->first));
+    box other = box_of_corners(s->positions_ws, s->indices + 3 * b->first, 3 * (b->end - b->first));
+    for (int axis = 0; axis < 3; axis++) {
+        double middle = 0.5 * (other.min[axis] + other.max[axis]);
+        if (middle < one.min[axis] || middle > one.max[axis]) return 0;
+    }
+    return 1;
+}
+
+static void warn_about_details(const scene *s, named_node *nodes, size_t count, message *m)
+{
+    const named_node *first = NULL, *other = NULL;
+    size_t            levels = 0, found = 0;
+    for (size_t n = 0; n < count; n++)
+        if (detail_number(nodes[n].name)) nodes[levels++] = nodes[n];
+    if (levels > 1) qsort(nodes, levels, sizeof *nodes, by_thing);
+    for (size_t n = 0, of = 0; n + 1 < levels; n++) {
+        if (!same_thing(&nodes[n], &nodes[n + 1])) {
+            of = n + 1;
+            continue;
+        }
+        if (*detail_number(nodes[of].name) == *detail_number(nodes[n + 1].name) || !same_place(s, &nodes[of], &nodes[n + 1]))
+            continue;
+        if (!found++) {
+            first = &nodes[of];
+            other = &nodes[n + 1];
+        }
+    }
+    if (!found) return;
+    const char *digit = detail_number(other->name), *word = digit;
+    while (word[-1] && !isalpha((unsigned char)word[-1])) word--;
+    word -= strlen("lod") + 1;
+    warn(m,
+         "node '%s' is a coarser '%s' in the same place%s: only one level of detail is seen, and all cast shadows; leave the "
+         "others out "
+         "with --exclude 'node:*%.*s[1-9]*'",
+         other->name, first->name, found > 1 ? ", and there are more" : "", (int)(digit - word), word);
+}
+
+void warn_about_names(const scene *s, message *m)
+{
+    named_node *nodes;
+    size_t      count = list_nodes(&nodes, s);
+    if (count) {
+        warn_about_collisions(nodes, count, m);
+        warn_about_details(s, nodes, count, m);
+    }
+    free(nodes);
+}
 
 /* scale ----------------------------------------------------------------------------------------------------------------------- */
 

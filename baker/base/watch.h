@@ -1,4 +1,4 @@
-/* Progress callbacks of a run: for a terminal (progress.h), or for a program that uses the baker as a library.
+/* Progress callbacks of a run: for a terminal (process.h), or for a program that uses the baker as a library.
  * Threads: all calls of a run come from the thread that runs it.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef WATCH_H

@@ -22,7 +22,6 @@
 #include "baker/casters/casters_cgal.h"
 #include "baker/casters/mesh_edges.h"
 #include "baker/casters/mesh_split.h"
-#include "baker/casters/mesh_weld.h"
 
 #define NONE UINT32_MAX
 

@@ -2,14 +2,185 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/casters/mesh_edges.h"
 
+#include <assert.h>
+#include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "baker/base/group.h"
 #include "baker/base/pages.h"
 #include "baker/base/parallel.h"
-#include "baker/casters/mesh_join.h"
+
+/* Welding; see mesh_edges.h.
+ *
+ *     vertices ---hash of the position---> buckets ---equal---> the first at each position ---in the order of triangles---> welded
+ * */
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+
+#define NONE UINT32_MAX
 
 enum { GRAIN = 1 << 14 };
+
+typedef struct welder {
+    const double *positions_ws; /* the scene's */
+    uint32_t     *bucket_of;    /* [the scene's vertex_count] equal positions have equal buckets */
+    uint32_t      bucket_mask;
+    uint32_t     *first, *members; /* vertices grouped by bucket, ascending */
+    uint32_t     *alike;           /* [the scene's vertex_count] first vertex at the same position */
+    uint32_t     *welded_as;       /* [the scene's vertex_count] welded vertex of the first vertex at a position, or NONE */
+} welder;
+
+static void welder_free(welder *d)
+{
+    free(d->bucket_of);
+    free(d->first);
+    free(d->members);
+    free(d->alike);
+    free(d->welded_as);
+}
+
+/* Normalizes -0 to +0. */
+static void take_position(double p[3], const double *positions_ws, size_t vertex)
+{
+    for (int axis = 0; axis < 3; axis++) p[axis] = positions_ws[3 * vertex + (size_t)axis] + 0.0;
+}
+
+static void find_buckets(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    welder *d = user;
+    double  p[3];
+    (void)worker;
+    for (size_t v = begin; v < end; v++) {
+        take_position(p, d->positions_ws, v);
+        d->bucket_of[v] = (uint32_t)XXH3_64bits(p, sizeof p) & d->bucket_mask;
+    }
+}
+
+/* Move the first vertices of each position to the front of their bucket, and compare the others with these; there are few. */
+static void match_buckets(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    welder *d = user;
+    double  p[3], q[3];
+    (void)worker;
+    for (size_t bucket = begin; bucket < end; bucket++) {
+        uint32_t *front = d->members + d->first[bucket], *back = front;
+        for (uint32_t *v = front; v < d->members + d->first[bucket + 1]; v++) {
+            uint32_t *like = front;
+            take_position(p, d->positions_ws, *v);
+            for (; like < back; like++) {
+                take_position(q, d->positions_ws, *like);
+                if (!memcmp(p, q, sizeof p)) break;
+            }
+            if (like == back) *back++ = *v;
+            d->alike[*v] = *like;
+        }
+    }
+}
+
+/* Find vertices at equal positions. */
+static vxs_result find_alike(welder *d, size_t vertex_count, uint32_t threads)
+{
+    size_t buckets = 16;
+    while (4 * buckets < vertex_count) buckets *= 2;
+    d->bucket_mask = (uint32_t)(buckets - 1);
+    d->bucket_of   = pages_alloc((vertex_count + 1) * sizeof *d->bucket_of);
+    d->first       = pages_alloc((buckets + 1) * sizeof *d->first);
+    d->members     = pages_alloc((vertex_count + 1) * sizeof *d->members);
+    d->alike       = pages_alloc((vertex_count + 1) * sizeof *d->alike);
+    if (!d->bucket_of || !d->first || !d->members || !d->alike) return VXS_E_MEMORY;
+    parallel_for(threads, vertex_count, GRAIN, find_buckets, d);
+    vxs_result r = group_by_key(d->first, d->members, d->bucket_of, vertex_count, buckets, threads);
+    if (r == VXS_OK) parallel_for(threads, buckets, GRAIN / 4, match_buckets, d);
+    free(d->members);
+    free(d->first);
+    d->members = d->first = NULL;
+    d->welded_as          = d->bucket_of; /* reuses the memory of bucket_of */
+    d->bucket_of          = NULL;
+    return r;
+}
+
+/* Welded vertex of a corner; created at its first use. */
+static uint32_t weld_vertex(mesh_weld *w, const welder *d, uint32_t vertex)
+{
+    uint32_t *as = &d->welded_as[d->alike[vertex]];
+    if (*as == NONE) {
+        *as = (uint32_t)w->vertex_count++;
+        take_position(&w->positions_ws[3 * (size_t)*as], d->positions_ws, vertex);
+    }
+    return *as;
+}
+
+static int is_finite_position(const double *p)
+{
+    return isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]);
+}
+
+/* Vertices that no triangle uses are left out: they may be invalid and must not enlarge the bounds. */
+static vxs_result weld_triangles(mesh_weld *w, const welder *d, const scene *s, message *m)
+{
+    for (size_t t = 0; t < s->triangle_count; t++) {
+        uint32_t *corners = &w->indices[3 * w->triangle_count];
+        for (size_t i = 0; i < 3; i++) {
+            uint32_t v = s->indices[3 * t + i];
+            assert(v < s->vertex_count);
+            if (w->welded_of[v] == NONE) {
+                const double *p = &s->positions_ws[3 * (size_t)v];
+                if (!is_finite_position(p))
+                    return fail(m, VXS_E_SCENE, "triangle %zu: corner at (%g, %g, %g), expected finite coordinates", t, p[0], p[1],
+                                p[2]);
+                w->welded_of[v] = weld_vertex(w, d, v);
+            }
+            corners[i] = w->welded_of[v];
+        }
+        if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) continue;
+        w->from[w->triangle_count++] = (uint32_t)t;
+    }
+    return VXS_OK;
+}
+
+static int make_room(mesh_weld *w, const scene *s)
+{
+    w->positions_ws = pages_alloc((3 * s->vertex_count + 1) * sizeof *w->positions_ws);
+    w->indices      = pages_alloc((3 * s->triangle_count + 3) * sizeof *w->indices);
+    w->from         = pages_alloc((s->triangle_count + 1) * sizeof *w->from);
+    w->welded_of    = pages_alloc((s->vertex_count + 1) * sizeof *w->welded_of);
+    return w->positions_ws && w->indices && w->from && w->welded_of;
+}
+
+vxs_result mesh_weld_scene(mesh_weld *w, const scene *s, uint32_t threads, message *m)
+{
+    welder d = {.positions_ws = s->positions_ws};
+
+    *w = (mesh_weld){0};
+    /* half-edge numbers have 32 bits */
+    if (s->triangle_count >= NONE / 3 || s->vertex_count >= NONE)
+        return fail(m, VXS_E_SCENE, "%zu triangles with %zu vertices, expected fewer than %u and %u", s->triangle_count,
+                    s->vertex_count, NONE / 3, NONE);
+    vxs_result r = find_alike(&d, s->vertex_count, threads);
+    if (r == VXS_OK && !make_room(w, s)) r = VXS_E_MEMORY;
+    if (r == VXS_OK) {
+        memset(d.welded_as, 0xff, s->vertex_count * sizeof *d.welded_as);
+        memset(w->welded_of, 0xff, s->vertex_count * sizeof *w->welded_of);
+        r = weld_triangles(w, &d, s, m);
+    } else {
+        fail(m, r, "out of memory while welding %zu triangles", s->triangle_count);
+    }
+    welder_free(&d);
+    if (r != VXS_OK) mesh_weld_free(w);
+    return r;
+}
+
+void mesh_weld_free(mesh_weld *w)
+{
+    free(w->positions_ws);
+    free(w->indices);
+    free(w->from);
+    free(w->welded_of);
+    *w = (mesh_weld){0};
+}
 
 /* --- sort ------------------------------------------------------------------------------------------------------------- */
 

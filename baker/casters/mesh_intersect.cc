@@ -1,6 +1,6 @@
-/* Which triangles touch or cross; see mesh_intersect.h.
+/* Which triangles touch or cross; see casters_cgal.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/casters/mesh_intersect.h"
+#include "baker/casters/casters_cgal.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/box_intersection_d.h>

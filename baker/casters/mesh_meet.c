@@ -13,7 +13,6 @@
 #include "baker/base/box.h"
 #include "baker/base/group.h"
 #include "baker/casters/casters_cgal.h"
-#include "baker/casters/mesh_intersect.h"
 
 /* Limits of the searches: a few seconds each. */
 #define OVERLAPS_MAX 400000000u

@@ -22,7 +22,7 @@
 #ifndef MESH_SPLIT_H
 #define MESH_SPLIT_H
 
-#include "baker/casters/mesh_weld.h"
+#include "baker/casters/mesh_edges.h"
 
 enum { MESH_SPLIT_STEPS = 8 };
 

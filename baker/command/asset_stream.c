@@ -1,6 +1,6 @@
-/* A .vxs file that is streamed; see asset_stream.h.
+/* A .vxs file that is streamed; see asset_open.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/command/asset_stream.h"
+#include "baker/command/asset_open.h"
 
 #include <errno.h>
 #include <stdio.h>

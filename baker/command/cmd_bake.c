@@ -6,11 +6,7 @@
 #include "baker/command/options/bake_arguments.h"
 #include "baker/command/options/laboratory.h"
 #include "baker/command/process/process.h"
-#include "baker/command/process/progress.h"
-#include "baker/command/report/part_report.h"
 #include "baker/command/report/report.h"
-#include "baker/command/report/summary.h"
-#include "baker/command/report/unchanged.h"
 
 static vxs_result write_reports(const bake_arguments *a, const bake_page *page, const bake_report *report, message *m)
 {

@@ -9,7 +9,6 @@
 #include "baker/command/commands.h"
 #include "baker/command/options/options.h"
 #include "baker/command/process/process.h"
-#include "baker/command/process/progress.h"
 #include "baker/files/json_file.h"
 
 typedef struct merge_command {

@@ -5,8 +5,7 @@
 #include "baker/command/commands.h"
 #include "baker/command/options/bake_arguments.h"
 #include "baker/command/report/plan_text.h"
-#include "baker/command/report/summary.h"
-#include "baker/command/report/unchanged.h"
+#include "baker/command/report/report.h"
 
 static vxs_result run(void *command, message *m)
 {

@@ -1,9 +1,7 @@
 /* vxs query: how lit is each point, by lookups in a .vxs file.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/command/asset_open.h"
-#include "baker/command/asset_stream.h"
 #include "baker/command/commands.h"
-#include "baker/command/options/filter_choice.h"
 #include "baker/command/options/options.h"
 #include "baker/command/points.h"
 

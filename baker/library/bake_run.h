@@ -4,7 +4,7 @@
 #ifndef BAKE_RUN_H
 #define BAKE_RUN_H
 
-#include "baker/bake/bake_scene.h"
+#include "baker/bake/bake_options.h"
 #include "baker/base/run_control.h"
 #include "baker/files/run_files.h"
 #include "baker/library/asked_options.h"

@@ -3,12 +3,56 @@
 #ifndef SCENE_H
 #define SCENE_H
 
+#include <math.h>
 #include <stddef.h>
 #include <stdint.h>
 
 #include "baker/base/message.h"
 #include "baker/base/text.h"
-#include "baker/scene/smoke.h"
+#include "runtime/volumes/vxs_capsule.h"
+
+/* Smoke, hair and dust of a scene: capsules that attenuate light. */
+
+#define SMOKE_CAPSULES_MAX (1u << 24) /* limit of a scene, and of a transmittance map */
+
+typedef struct scene_smoke {
+    double       origin_ws[3]; /* origin of the capsules' coordinates: floats are precise enough within a cloud, but not for its
+                              position in the world */
+    uint32_t     count;
+    vxs_capsule *list;   /* [count] radii and extinctions are positive; owned by the scene */
+    float (*albedos)[3]; /* [count] single-scattering albedo: scattering / extinction, linear, [0, 1]; owned by the scene */
+} scene_smoke;
+
+/* Widen a capsule to a minimum radius, and reduce its extinction by the ratio of the volumes, so that its total attenuation stays
+ * the same while it is small. Then sparse rays do not miss thin capsules. */
+static inline vxs_capsule smoke_widened(vxs_capsule c, double least_metres)
+{
+    double radius = (double)c.radius_metres, part = radius / least_metres, square = 0;
+    if (!(part < 1)) return c;
+    for (int n = 0; n < 3; n++) square += ((double)c.end[n] - (double)c.begin[n]) * ((double)c.end[n] - (double)c.begin[n]);
+    double length   = sqrt(square);
+    c.radius_metres = (float)least_metres;
+    c.extinction    = (float)((double)c.extinction * part * part * (length + 4.0 / 3 * radius) / (length + 4.0 / 3 * least_metres));
+    return c;
+}
+
+/* Make positions relative to the eye instead of the origin. */
+static inline void smoke_from_eye(const scene_smoke *smoke, vxs_capsule *c, const double eye_ws[3])
+{
+    for (int n = 0; n < 3; n++) {
+        c->begin[n] = (float)((double)c->begin[n] + (smoke->origin_ws[n] - eye_ws[n]));
+        c->end[n]   = (float)((double)c->end[n] + (smoke->origin_ws[n] - eye_ws[n]));
+    }
+}
+
+/* The medium that fills the air. */
+
+/* vxs_medium with an upper bound. */
+typedef struct fog_medium {
+    double scattering[3], extinction[3]; /* per metre */
+    double anisotropy;
+    double top_ws; /* height of its horizontal top, metres; INFINITY: unbounded */
+} fog_medium;
 
 #ifdef __cplusplus
 extern "C" {
@@ -274,4 +318,34 @@ int light_reaches_ball(const light_shape *light, const double middle_ws[3], doub
 #ifdef __cplusplus
 }
 #endif
+
+/* Evaluates alpha masks: whether an alpha-tested material has a surface at a point of its image. Ray tracing uses these functions
+ * directly; the shader for depth maps follows the same definition.
+ *
+ * u runs to the right and v downward; the image covers [0, 1] x [0, 1]. Pixel (i, j) has its centre at ((i + 0.5) / width, (j +
+ * 0.5) / height). Coordinates outside the image map to a pixel by the wrap mode of each axis:
+ *
+ *     pixel         ...  -3 -2 -1 | 0  1  2  3 |  4  5  6 ...      an image 4 pixels wide
+ *     WRAP_REPEAT         1  2  3 | 0  1  2  3 |  0  1  2
+ *     WRAP_CLAMP          0  0  0 | 0  1  2  3 |  3  3  3
+ *     WRAP_MIRROR         2  1  0 | 0  1  2  3 |  3  2  1
+ *
+ * Alpha is that of the pixel containing (u, v) (nearest), or bilinear between the four nearest pixel centres: first along u, then
+ * along v, each as a + share * (b - a), so that equal pixels give exactly their alpha. No mipmaps are used, because a bake has no
+ * viewpoint. */
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Alpha at (u, v), 0 to 255. A coordinate that is not finite counts as 0. Thread-safe. */
+double alpha_mask_alpha(const alpha_mask *mask, const alpha_image *image, double u, double v);
+
+/* 1 where there is a surface: alpha / 255, rounded to float like the threshold, is at least the threshold. */
+int alpha_mask_opaque(const alpha_mask *mask, const alpha_image *image, double u, double v);
+
+#ifdef __cplusplus
+}
+#endif
+
 #endif

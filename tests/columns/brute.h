@@ -12,7 +12,7 @@
 
 #include "baker/columns/columns.h"
 #include "baker/light/projection.h"
-#include "baker/scene/alpha_mask.h"
+#include "baker/scene/scene.h"
 
 typedef struct brute_column {
     double e_least, e_most, x_least, x_most; /* voxels */

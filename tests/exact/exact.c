@@ -33,7 +33,7 @@
 #include "formats/vxs_lookup.h" /* before dag.h: a lookup calls its light's words `dag` */
 
 #include "baker/bake/bake_light.h"
-#include "baker/bake/chosen_coder.h"
+#include "baker/bake/light_coder.h"
 #include "baker/bake/light_columns.h"
 #include "baker/bake/plan.h"
 #include "baker/base/parallel.h"

@@ -7,7 +7,7 @@
 #include <stdint.h>
 
 #include "baker/base/random.h"
-#include "baker/scene/alpha_mask.h"
+#include "baker/scene/scene.h"
 
 #include <cmocka.h> /* last: it makes a macro of fail */
 

@@ -2,7 +2,7 @@
  * is written again. In the JSON below ' stands for ", so that it can be read.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/files/output_file.h"
-#include "baker/scene/gltf/scene_to_glb.h"
+#include "baker/scene/gltf/glb_write.h"
 #include "scenes/generate.h"
 #include "tests/unit/gltf_file.h"
 

@@ -1,4 +1,4 @@
-/* Alpha-tested triangles in depth maps against the definition of masks (baker/scene/alpha_mask.h), texel by texel: rays through
+/* Alpha-tested triangles in depth maps against the definition of masks (baker/scene/scene.h), texel by texel: rays through
  * texel centres in double, the mask asked where they meet the triangle. Texels whose answer changes within a small step of the
  * image are not asked: there the shader's float may differ.
  * SPDX-License-Identifier: GPL-3.0-or-later */
@@ -14,7 +14,7 @@
 #include "baker/base/random.h"
 #include "baker/base/vec3.h"
 #include "baker/lab/opengl/depth_gl.h"
-#include "baker/scene/alpha_mask.h"
+#include "baker/scene/scene.h"
 #include "runtime/vxs.h"
 
 #include <cmocka.h>

@@ -3,7 +3,7 @@
 #include "tests/unit/mesh_sample.h"
 #include "tests/unit/repeats.h"
 
-#include "baker/casters/mesh_intersect.h"
+#include "baker/casters/casters_cgal.h"
 
 static void find_meeting(sample *b, closed_mode closed)
 {

@@ -11,7 +11,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "baker/bake/cache/kept_square.h" /* before cmocka, whose fail() is a macro */
+#include "baker/bake/cache/square_store.h" /* before cmocka, whose fail() is a macro */
 #include "baker/bake/cache/part_file.h"
 
 #include <cmocka.h>

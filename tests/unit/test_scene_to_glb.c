@@ -1,4 +1,4 @@
-/* A scene that is written is what is read again (baker/scene/gltf/scene_to_glb.h).
+/* A scene that is written is what is read again (baker/scene/gltf/glb_write.h).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 #include <setjmp.h>
@@ -11,7 +11,7 @@
 #include <unistd.h>
 
 #include "baker/files/output_file.h" /* before cmocka, whose fail() is a macro */
-#include "baker/scene/gltf/scene_to_glb.h"
+#include "baker/scene/gltf/glb_write.h"
 
 #include <cmocka.h>
 

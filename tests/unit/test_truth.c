@@ -13,7 +13,7 @@
 #include "baker/base/random.h"
 #include "baker/base/vec3.h"
 #include "baker/lab/truth/truth.h"
-#include "baker/scene/alpha_mask.h"
+#include "baker/scene/scene.h"
 
 #include <cmocka.h> /* last: it makes a macro of fail */
 

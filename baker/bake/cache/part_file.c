@@ -9,7 +9,7 @@
 #include <unistd.h>
 #include <xxhash.h>
 
-#include "baker/bake/cache/kept_square.h"
+#include "baker/bake/cache/square_store.h"
 #include "baker/base/byte_stream.h"
 #include "baker/files/input_file.h"
 

@@ -1,6 +1,6 @@
 /* Square cache in a folder: vxs bake --resume.
  *
- * Each square is a file named by its key (kept_square.h). The file appears completely or not at all, however the run ends, and
+ * Each square is a file named by its key (square_store.h). The file appears completely or not at all, however the run ends, and
  * never changes. So any number of runs may share a folder: the worst that one run can do is to remove a file that another run would
  * have found. A square is used if its key and checksum are right; otherwise it is made again, and its file is replaced.
  * A folder serves one bake: a run that has written its output removes the squares that it has neither found nor written, unless
@@ -11,7 +11,63 @@
 
 #include "baker/base/message.h"
 #include "baker/columns/columns.h"
+#include "baker/columns/square_record.h"
 #include "formats/vxs_file.h"
+
+/* A square's record in a file, with its key, its size and a checksum.
+ *
+ *     offset  size  what
+ *          0     8  "vxs kept"
+ *          8     4  version, 1
+ *         12     4  0
+ *         16    16  key
+ *         32     8  size of the record
+ *         40        the record (square_record.h)
+ *    end - 8     8  XXH64 of all bytes before
+ *
+ * All numbers are little-endian. The key depends on the version of vxs: other versions make other keys. */
+
+enum { KEPT_MAGIC_BYTES = 8, KEPT_HEAD_BYTES = 40, KEPT_TRAILER_BYTES = 8 };
+
+/* Append a record. Returns VXS_OK or VXS_E_MEMORY. */
+vxs_result kept_square_write(const column_key *key, const vxs_bytes *record, vxs_bytes *out);
+
+/* Whether bytes begin like a record in a file, of any square and version.   head  [KEPT_MAGIC_BYTES] */
+int kept_square_begins(const uint8_t *head);
+
+/* Whether a file may hold this square, by its first bytes and its size.   head  [KEPT_HEAD_BYTES] */
+int kept_square_may_be(const uint8_t *head, uint64_t file_bytes, const column_key *key);
+
+/* Check the bytes, and reduce them to the record that they contain.
+ * Returns VXS_OK; VXS_E_CORRUPT: another square's record, or none. */
+vxs_result kept_square_read(vxs_bytes *bytes, const column_key *key);
+
+/* Hash of some bytes and of a hash before: makes keys step by step. */
+column_key column_key_with(column_key before, const void *bytes, size_t size_bytes);
+
+/* Shares the squares of one bake among several processes: one process adds all squares and writes the file, the others make squares
+ * for it. All processes descend the same maps and give the squares the same numbers (part_file.h). */
+
+typedef struct square_exchange {
+    void *data;
+    int   adds; /* 1: this process adds the squares */
+
+    /* Ask which process makes a square. Numbers ascend.
+     * fate  [out] SQUARE_MAKE: this process. SQUARE_LEAVE, only if it does not add: another process. SQUARE_KNOWN, only if it adds:
+     *       another process; `take` returns the square
+     * Returns VXS_OK; VXS_E_MEMORY; VXS_E_BROKEN_PIPE: no more squares are needed; or the error of another process. */
+    vxs_result (*claim)(void *data, uint64_t number, square_fate *fate, message *m);
+
+    /* In the process that adds: wait for the record of a square.
+     * key     of the square in this process; a different key of the other process is an error
+     * record  [out] released with free(record->data)
+     * made    [out] 1: it was made in this run
+     * Returns VXS_OK, VXS_E_ARGUMENT, or the error of another process. */
+    vxs_result (*take)(void *data, uint64_t number, const column_key *key, vxs_bytes *record, int *made, message *m);
+
+    /* In the other processes: hand over the square that was claimed last. Returns VXS_OK or VXS_E_MEMORY. */
+    vxs_result (*give)(void *data, uint64_t number, const column_key *key, const vxs_bytes *record, int made, message *m);
+} square_exchange;
 
 /* Names of the files that are written into the folder and removed from it (run_files_add_folder). */
 #define SQUARE_STORE_NAMES "*.square|.vxs-*.tmp"

@@ -12,7 +12,7 @@
 
 #include "baker/base/array.h"
 #include "baker/columns/sparse/lanes.h"
-#include "baker/scene/alpha_mask.h"
+#include "baker/scene/scene.h"
 
 enum {
     LAYERS    = 2, /* nearest back faces that are checked for the exit without counting */

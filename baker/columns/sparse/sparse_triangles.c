@@ -11,7 +11,6 @@
 #include "baker/base/parallel.h"
 #include "baker/base/run_control.h"
 #include "baker/casters/mesh_edges.h"
-#include "baker/casters/mesh_join.h"
 
 enum { ALL_ENDS = 7, PATCH_GRAIN = 1 << 14 };
 

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <time.h>
 
-#include "baker/bake/cache/square_exchange.h"
+#include "baker/bake/cache/square_store.h"
 #include "baker/base/array.h"
 #include "baker/base/threads.h"
 #include "baker/command/commands.h"

@@ -12,7 +12,7 @@
 #include "baker/bake/cache/square_store.h"
 #include "baker/base/parallel.h"
 #include "baker/command/options/laboratory.h"
-#include "baker/command/options/scene_rows.h"
+#include "baker/command/options/options.h"
 #include "baker/files/input_file.h"
 
 static vxs_result check_map_sizes(bake_options *o, message *m)

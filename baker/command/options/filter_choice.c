@@ -1,6 +1,6 @@
-/* Filters from a command line; see filter_choice.h.
+/* Filters from a command line; see options.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/command/options/filter_choice.h"
+#include "baker/command/options/options.h"
 
 #include <stdio.h>
 

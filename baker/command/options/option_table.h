@@ -8,7 +8,32 @@
 #include <stdint.h>
 
 #include "baker/base/text.h"
-#include "baker/command/options/file_kind.h"
+
+/* The kind of a file, by its first bytes and not by its name. */
+
+typedef enum file_kind {
+    FILE_UNKNOWN, /* none of the following; or not readable without consuming it, such as a pipe */
+    FILE_SCENE,   /* glTF, binary or text */
+    FILE_ASSET,   /* .vxs */
+    FILE_JSON,    /* text that begins like JSON, and is not one of the following */
+    FILE_REPORT,  /* JSON from vxs, which begins with its version */
+    FILE_PICTURE, /* PNG, or Radiance's */
+    FILE_PART,    /* of a bake */
+    FILE_FOLDER
+} file_kind;
+
+/* Reads the first 4 KiB of regular files; other files are not opened. */
+file_kind file_kind_of(const char *path);
+
+/* Text on a regular file of FILE_UNKNOWN: its format, and what to do with it (baker/files/foreign_file.h); NULL: unknown format.
+ * text  [FOREIGN_BYTES] out */
+const char *file_kind_foreign(char *text, const char *path);
+
+/* "a .vxs file"; for FILE_UNKNOWN "something else" */
+const char *file_kind_text(file_kind kind);
+
+/* 0 when a file of kind `found` cannot be of the expected kind (a scene, an asset, JSON or a picture). FILE_UNKNOWN may be any. */
+int file_kind_may_be(file_kind found, file_kind expected);
 
 typedef enum option_kind {
     OPTION_SWITCH, /* int, set to 1; takes no value */
@@ -25,7 +50,7 @@ typedef enum option_kind {
     OPTION_NAMED_VECTOR,
     OPTION_NAMED_U32,
     OPTION_NAMED_F64,
-    OPTION_INPUT,  /* const char *, borrowed from argv: an input file of kind `min` (file_kind.h) */
+    OPTION_INPUT,  /* const char *, borrowed from argv: an input file of kind `min` (option_table.h) */
     OPTION_INPUTS, /* text_list, repeated: input files of kind `min` */
     OPTION_OUTPUT, /* const char *, borrowed from argv: an output file, - is standard output; min 1: required; max
                       OUTPUT_CHECKED_BY_COMMAND: the command itself checks that it can be written */
@@ -86,5 +111,16 @@ static inline int is_list(const option *o)
 {
     return o->kind == OPTION_TEXTS || o->kind == OPTION_INPUTS || o->kind == OPTION_U32S || is_named(o);
 }
+
+/* Texts that help, manual pages and completion have in common. */
+
+/* The value that follows an option's name in help: "N", "auto|on|off"; NULL for switches and operands. */
+const char *option_value(const option *o);
+
+/* "--resolution N", "--camera", "SCENE" into text. Returns text. */
+const char *option_usage(char text[96], const option *o);
+
+/* "bake the shadows of a scene": the first sentence of a summary without its period, in lower case, into text. Returns text. */
+const char *summary_phrase(char text[128], const char *summary);
 
 #endif

@@ -8,6 +8,8 @@
 #include "baker/base/message.h"
 #include "baker/command/options/option_table.h"
 #include "baker/files/run_files.h"
+#include "baker/scene/scene.h"
+#include "formats/vxs_format.h"
 
 /* Parse argv[1..argc). `--name value` and `--name=value` are the same; "-" alone is an operand; "--" ends the options; a
  * value may begin with '-' ("--sun -1,-2,0"). Options of every command are stored in m. Only list options may be repeated.
@@ -38,5 +40,64 @@ int command_run(const command_line *c, int argc, char **argv, vxs_result (*run)(
  * and m is marked as wrong. A failure to write the report (a full disk) is an error; a reader that closes the pipe early is not.
  * VXS_E_BROKEN_PIPE prints nothing. */
 int command_end(message *m, vxs_result code);
+
+/* The option rows of every command that loads a scene: the scene within the file, and which parts of it cast shadows. */
+
+/* choice  a scene_choice */
+/* clang-format off */
+#define SCENE_ROWS(choice)                                                                                                         \
+    {"--scene", OPTION_TEXT, &(choice).name, 0, 0, NULL, "NAME", "name or index of the glTF scene (default the file's)", NULL},    \
+    {"--exclude", OPTION_TEXTS, &(choice).exclude, 0, 0, NULL, "PATTERN",                                                          \
+     "nodes, meshes or materials that cast no shadow: node:Door*, mesh:grass_?, Glass; repeat for more", NULL},                    \
+    {"--include", OPTION_TEXTS, &(choice).include, 0, 0, NULL, "PATTERN",                                                          \
+     "only these cast, less what --exclude names; repeat for more (default all)", NULL},                                                         \
+    {"--skinned", OPTION_CHOICE, &(choice).skinned, 0, 0, SKINNED_CHOICES, NULL,                                                   \
+     "skinned meshes: left out, or in the pose that the file has (default exclude)", &(choice).skinned_given},                     \
+    {"--blend", OPTION_CHOICE, &(choice).blend, 0, 0, BLEND_CHOICES, NULL,                                                         \
+     "materials of alphaMode BLEND: walls where alpha is 0.5 or more; walls; nothing (default mask)", &(choice).blend_given},      \
+    {"--allow-outside", OPTION_SWITCH, &(choice).allow_outside, 0, 0, NULL, NULL,                                                  \
+     "read buffers and images that lie outside of the scene's folder", NULL}
+/* clang-format on */
+
+/* Filters from a command line: boxes of whole texels by --filter, smooth ones by --smooth. */
+
+/* The maximum number of different filters besides single taps: boxes of odd widths, up to VXS_FILTER_MAX, and smooth ones of any
+ * width. */
+enum { FILTERS_MAX = VXS_FILTER_MAX / 2 + VXS_FILTER_MAX };
+
+/* The filter of a command that takes one filter. */
+typedef struct filter_choice {
+    uint32_t box_px, smooth_px; /* widths, 1 to VXS_FILTER_MAX; box_px holds the default */
+    int      box_given, smooth_given;
+} filter_choice;
+
+/* Option rows.   choice  a filter_choice;   help  of --filter */
+/* clang-format off */
+#define FILTER_ROWS(choice, help)                                                                                                  \
+    {"--filter", OPTION_U32, &(choice).box_px, 1, VXS_FILTER_MAX, NULL, "K", help, &(choice).box_given},                           \
+    {"--smooth", OPTION_U32, &(choice).smooth_px, 1, VXS_FILTER_MAX, NULL, "K",                                                    \
+     "a smooth K x K filter in its place, about the point itself, K even or odd, 1 to 17 texels", &(choice).smooth_given}
+/* clang-format on */
+
+/* Returns VXS_OK, or VXS_E_ARGUMENT when both are given, or for a box of even width. */
+vxs_result filter_check(const filter_choice *c, message *m);
+
+/* The filter as vxs_lookup takes it. */
+int filter_px_of(const filter_choice *c);
+
+static inline int filter_given(const filter_choice *c)
+{
+    return c->box_given || c->smooth_given;
+}
+
+/* Collect the filters of a command that takes several: the boxes, then the smooth filters. Boxes of width 1, single taps, are
+ * skipped: the callers always measure them.
+ * boxes, smooth  each without duplicates, from 1 to VXS_FILTER_MAX; smooth may be NULL
+ * filters_px     [FILTERS_MAX] each in the order given;   count  [out]
+ * Returns VXS_OK, or VXS_E_ARGUMENT for a box of even width. */
+vxs_result filters_take(const number_list *boxes, const number_list *smooth, uint32_t *filters_px, uint32_t *count, message *m);
+
+/* "9 x 9", "9 x 9 smooth".   filter_px  as for vxs_lookup */
+const char *filter_text(char text[32], uint32_t filter_px);
 
 #endif

@@ -3,6 +3,8 @@
 #ifndef PROCESS_H
 #define PROCESS_H
 
+#include "baker/base/watch.h"
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -36,6 +38,58 @@ struct temporary_files *process_temporary_files(void);
 
 /* Remove all temporary files, before a fatal end of the process. Async-signal-safe. */
 void process_remove_temporary(void);
+
+#ifdef __cplusplus
+}
+#endif
+
+/* Progress of a run: one line on a terminal, overwritten each time and cleared at the end.
+ *
+ *     progress_say(shown, "reading %s", path);
+ *     double since = clock_seconds();
+ *     for (...) progress_share(shown, (double)done / count, since, "light %s: tile %u of %u", ...);
+ *     progress_clear();
+ *
+ * shown  0: standard error is no terminal, and nothing is printed.   Threads: one at a time. */
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#if defined(__GNUC__)
+#define PROGRESS_PRINTF(text, values) __attribute__((format(printf, text, values)))
+#else
+#define PROGRESS_PRINTF(text, values)
+#endif
+
+/* Show "vxs: TEXT", before work of unknown length. TEXT may contain text from files (one_line). */
+void progress_say(int shown, const char *format, ...) PROGRESS_PRINTF(2, 3);
+
+/* Show "vxs: TEXT, about 12 s left", at most ten times a second.
+ * share  of the work that is done, 0 to 1;   since  clock_seconds() at the start of the work */
+void progress_share(int shown, double share, double since, const char *format, ...) PROGRESS_PRINTF(4, 5);
+
+/* Run callbacks that show progress on a terminal. */
+extern const run_watch progress_watch;
+
+#ifdef __cplusplus
+}
+#endif
+
+/* The progress line of a terminal (baker/command/process/process.h): the part that every function that prints needs. */
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Replace the line by a text, on standard error. */
+void progress_line_show(const char *text);
+
+/* 1 while there is a line. */
+int progress_line_shown(void);
+
+/* Clear the progress line. Call before anything else is printed, and at the end. No effect without a line. Async-signal-safe. */
+void progress_clear(void);
 
 #ifdef __cplusplus
 }

@@ -10,7 +10,6 @@
 
 #include "baker/base/message.h"
 #include "baker/command/process/process.h"
-#include "baker/command/process/progress_line.h"
 
 /* When a noexcept function throws, the exception may be still in flight and cannot be inspected. Only out of memory is thrown
  * there. */

@@ -5,6 +5,7 @@
 
 #include <stdio.h>
 
+#include "baker/bake/bake.h"
 #include "baker/bake/bake_report.h"
 
 void report_print(FILE *to, const bake_options *o, const bake_report *r);
@@ -17,5 +18,29 @@ vxs_result report_write_json(const char *path, const bake_options *o, const bake
 
 /* The name of a part: "64^3", the size, for nodes; else its kind. Into text. Returns text. */
 const char *part_name(char text[32], const vxs_part *part);
+
+/* The report of a bake of one part: --part. */
+
+/* A few lines. */
+void part_print(FILE *to, const bake_options *o, const bake_report *r);
+
+/* Replaces the report; it contains "part". */
+vxs_result part_write_json(const char *path, const bake_options *o, const bake_report *r, message *m);
+
+/* The report of a bake that was up to date: --if-changed. */
+
+/* One line. */
+void unchanged_print(FILE *to, const bake_options *o, const bake_report *r);
+
+/* Replaces the report or the plan; "unchanged" is true in it. */
+vxs_result unchanged_write_json(const char *path, const bake_options *o, const bake_report *r, message *m);
+
+/* A bake or its plan in about five lines: scene and lights, the file's size, the time, what is left out. */
+
+void bake_summary_print(FILE *to, const bake_options *o, const bake_report *r);
+void plan_summary_print(FILE *to, const bake_options *o, const bake_report *r);
+
+/* Print, with --resume, how many squares were made and how many were in the cache: a line. */
+void squares_print(FILE *to, const bake_options *o, const bake_report *r);
 
 #endif

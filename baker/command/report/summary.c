@@ -1,6 +1,6 @@
-/* A bake or its plan in about five lines; see summary.h.
+/* A bake or its plan in about five lines; see report.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/command/report/summary.h"
+#include "baker/command/report/report.h"
 
 #include <math.h>
 #include <string.h>

@@ -14,7 +14,7 @@
 
 #include "baker/base/clock.h"
 #include "baker/base/version.h"
-#include "baker/command/process/progress.h"
+#include "baker/command/process/process.h"
 #include "baker/files/foreign_file.h"
 #include "baker/files/input_file.h"
 #include "baker/files/json_file.h"

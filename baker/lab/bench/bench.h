@@ -7,7 +7,7 @@
 #define BENCH_H
 
 #include "baker/base/text.h"
-#include "baker/command/options/filter_choice.h"
+#include "baker/command/options/options.h"
 #include "baker/lab/bench/bench_json.h"
 #include "baker/lab/bench/children.h"
 

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "baker/base/text.h"
-#include "baker/command/options/filter_choice.h"
+#include "baker/command/options/options.h"
 #include "baker/files/json_file.h"
 
 /* Tables ----------------------------------------------------------------------------------------------------------------------- */

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 #include "baker/bake/bake.h"
-#include "baker/command/options/filter_choice.h"
+#include "baker/command/options/options.h"
 #include "baker/files/input_file.h"
 #include "baker/files/json_file.h"
 #include "baker/lab/bench/bench.h"

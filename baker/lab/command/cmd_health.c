@@ -6,8 +6,7 @@
 
 #include "baker/base/text.h"
 #include "baker/command/options/options.h"
-#include "baker/command/options/scene_rows.h"
-#include "baker/command/process/progress.h"
+#include "baker/command/process/process.h"
 #include "baker/files/json_file.h"
 #include "baker/files/output_file.h"
 #include "baker/lab/command/lab_commands.h"

@@ -5,13 +5,12 @@
 
 #include "baker/casters/casters.h"
 #include "baker/command/options/options.h"
-#include "baker/command/options/scene_rows.h"
 #include "baker/files/json_file.h"
 #include "baker/files/output_file.h"
 #include "baker/lab/command/lab_commands.h"
 #include "baker/lab/command/report_text.h"
 #include "baker/lab/mend/mesh_repair.h"
-#include "baker/scene/gltf/scene_to_glb.h"
+#include "baker/scene/gltf/glb_write.h"
 #include "baker/scene/light_choice.h"
 
 enum { ROWS = 30 };

@@ -10,7 +10,6 @@
 #include "baker/base/parallel.h"
 #include "baker/command/asset_open.h"
 #include "baker/command/options/options.h"
-#include "baker/command/options/scene_rows.h"
 #include "baker/lab/command/lab_commands.h"
 
 enum {

@@ -8,7 +8,7 @@
 #include "baker/lab/command/lab_commands.h"
 #include "baker/lab/command/report_text.h"
 #include "baker/scene/gltf/glb_write.h"
-#include "baker/scene/light_warnings.h"
+#include "baker/scene/light_choice.h"
 #include "scenes/generate.h"
 
 #define SCENE_KINDS "city|landscape|room|forest|smoke|hair|stress"

@@ -7,14 +7,12 @@
 #include "baker/base/parallel.h"
 #include "baker/casters/casters.h"
 #include "baker/command/asset_open.h"
-#include "baker/command/options/filter_choice.h"
 #include "baker/command/options/options.h"
-#include "baker/command/options/scene_rows.h"
 #include "baker/command/points.h"
 #include "baker/lab/command/lab_commands.h"
 #include "baker/lab/truth/truth.h"
 #include "baker/light/map_space.h"
-#include "baker/scene/light_warnings.h"
+#include "baker/scene/light_choice.h"
 #include "baker/scene/scene.h"
 
 typedef struct truth_options {

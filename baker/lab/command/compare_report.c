@@ -9,7 +9,7 @@
 #include "baker/base/text.h"
 #include "baker/base/version.h"
 #include "baker/command/light_text.h"
-#include "baker/command/options/filter_choice.h"
+#include "baker/command/options/options.h"
 #include "baker/files/input_file.h"
 #include "baker/files/json_file.h"
 

@@ -3,8 +3,8 @@
 #ifndef RENDER_COMMAND_H
 #define RENDER_COMMAND_H
 
-#include "baker/command/asset_stream.h"
-#include "baker/command/options/filter_choice.h"
+#include "baker/command/asset_open.h"
+#include "baker/command/options/options.h"
 #include "baker/files/output_file.h"
 #include "baker/lab/command/camera_choice.h"
 #include "baker/lab/command/fog_choice.h"

@@ -9,8 +9,7 @@
 #include "baker/base/scratch.h"
 #include "baker/base/vec3.h"
 #include "baker/casters/mesh_edges.h"
-#include "baker/casters/mesh_intersect.h"
-#include "baker/casters/mesh_join.h"
+#include "baker/casters/casters_cgal.h"
 
 /* Limits of the search for intersections: about ten seconds in total. */
 #define LOOKS_MAX 1000000000u

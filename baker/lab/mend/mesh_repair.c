@@ -12,9 +12,7 @@
 #include "baker/base/scratch.h"
 #include "baker/base/vec3.h"
 #include "baker/casters/mesh_edges.h"
-#include "baker/casters/mesh_intersect.h"
-#include "baker/casters/mesh_join.h"
-#include "baker/casters/mesh_weld.h"
+#include "baker/casters/casters_cgal.h"
 
 #define NONE UINT32_MAX
 

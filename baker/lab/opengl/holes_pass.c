@@ -16,7 +16,7 @@ static const char vertex_text[] = "#version 450 core\n"
                                   "    uvq = place;\n"
                                   "}\n";
 
-/* alpha_mask.c, in float. how: wrap modes of u and v, nearest. */
+/* scene.c, in float. how: wrap modes of u and v, nearest. */
 static const char fragment_text[] =
     "#version 450 core\n"
     "layout(binding = 0) uniform sampler2D image;\n"

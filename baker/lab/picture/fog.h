@@ -4,7 +4,6 @@
 #ifndef FOG_H
 #define FOG_H
 
-#include "baker/scene/fog_medium.h"
 #include "baker/scene/scene.h"
 #include "formats/vxs_file.h"
 

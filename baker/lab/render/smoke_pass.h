@@ -10,7 +10,6 @@
 #include "baker/lab/render/frame_plan.h"
 #include "baker/lab/truth/camera.h"
 #include "baker/scene/scene.h"
-#include "baker/scene/smoke.h"
 #include "runtime/volumes/vxs_transmittance.h"
 
 enum { SMOKE_MAPS = 16, SMOKE_SIDE = 256 };

@@ -124,7 +124,7 @@ vxs_result surface_mesh_make(surface_mesh *mesh, gl_context *gl, const scene *s,
         fill(&f);
         put_vertices(mesh, gl, f.vertices, 3 * s->triangle_count);
         for (size_t n = 0; n < mesh->mask_count; n++) {
-            /* sampled as in baker/scene/alpha_mask.h, by OpenGL's filters */
+            /* sampled as in baker/scene/scene.h, by OpenGL's filters */
             static const GLint wraps[] = {GL_REPEAT, GL_CLAMP_TO_EDGE, GL_MIRRORED_REPEAT};
             const alpha_mask  *mask    = &s->alpha_masks[n];
             const alpha_image *image   = &s->images[mask->image];

@@ -4,7 +4,7 @@
  * All coordinates are world space, in metres. Embree traces in float, so casters and points are moved to the centre of the
  * casters' bounds and scaled by a power of two, in double, before they are rounded. Results are those of casters and rays
  * displaced by at most truth_precision(), wherever the scene is in the world. Both sides of every triangle count.
- * Rays pass through the holes of alpha-tested triangles (baker/scene/alpha_mask.h).
+ * Rays pass through the holes of alpha-tested triangles (baker/scene/scene.h).
  *
  * Threads: every function that takes a const truth may be called from any number of threads at once.
  * SPDX-License-Identifier: GPL-3.0-or-later */

@@ -18,7 +18,7 @@
 #include "baker/base/box.h"
 #include "baker/base/random.h"
 #include "baker/base/vec3.h"
-#include "baker/scene/alpha_mask.h"
+#include "baker/scene/scene.h"
 
 /* Rounding error relative to the sphere that holds the ray's origin and the casters: 16 roundings to float of the largest
  * coordinate, for origin, direction, vertices, and Embree's edge products. */

@@ -474,12 +474,12 @@ json take_model(json &root);
 /* Parse the file into l.model, and check everything that is read. */
 void parse(loader &l);
 
-/* ---- gltf_extensions.cc ---- */
+/* ---- gltf_notes.cc ---- */
 
 /* Refuse a required extension that is unknown. Note a used extension that is unknown. */
 void check_extensions(loader &l, const json &root);
 
-/* ---- gltf_buffers.cc, gltf_meshopt.cc ---- */
+/* ---- gltf_buffers.cc, gltf_draco.cc ---- */
 
 /* Read the bytes of all buffers, and the bufferViews, which refer to them. */
 void read_buffers(loader &l, const json &root, const container &c);
@@ -510,7 +510,7 @@ void check_in_buffer(loader &l, const std::string &where, size_t length, size_t 
 void read_compressed_view(loader &l, const std::string &where, const json &view, compressed_view &c);
 void decode_view(loader &l, size_t index);
 
-/* ---- gltf_accessors.cc ---- */
+/* ---- gltf_buffers.cc ---- */
 
 size_t component_bytes(int component); /* 0: unknown component type */
 bool   is_unsigned(int component);
@@ -540,7 +540,7 @@ bool needs_draco(const loader &l, const tinygltf::Primitive &p);
 /* Decode it at first use. */
 const draco_primitive &use_draco(loader &l, const std::string &where, const tinygltf::Primitive &p);
 
-/* ---- gltf_instances.cc: EXT_mesh_gpu_instancing ---- */
+/* ---- gltf_nodes.cc: EXT_mesh_gpu_instancing ---- */
 
 /* Number of times that a node's mesh is placed: 1 without the extension, 0 where it cannot be read. instance_transform returns the
  * transform of the i-th placement. */
@@ -592,7 +592,7 @@ void choose_roots(loader &l, int chosen, std::vector<int> &parent);
 void place_nodes(loader &l, const std::vector<int> &parent);
 void check_references(loader &l);
 
-/* ---- gltf_selection.cc, gltf_parts.cc ---- */
+/* ---- gltf_selection.cc, gltf_selection.cc ---- */
 
 constexpr size_t CASTS = SIZE_MAX;
 
@@ -646,7 +646,7 @@ vec3 position(const elements &e, size_t index);
 /* Accessor elements of a triangle's corners, in the scene's order. */
 void triangle_elements(const placement &p, size_t t, uint32_t element[3]);
 
-/* ---- gltf_skins.cc ---- */
+/* ---- gltf_meshes.cc ---- */
 
 void read_skins(loader &l, const json &root);
 
@@ -670,7 +670,7 @@ void check_smoke(loader &l, const std::string &primitive, const tinygltf::Primit
 size_t count_capsules(loader &l);
 void   place_smoke(loader &l);
 
-/* ---- gltf_images.cc, gltf_materials.cc ---- */
+/* ---- gltf_container.cc, gltf_materials.cc ---- */
 
 void read_materials(loader &l, const json &root);
 void place_materials(loader &l);
@@ -705,7 +705,7 @@ bool append_mask_triangle(loader &l, const placement &p, const uint32_t element[
 /* Store alpha masks and their images in the scene. */
 void place_masks(loader &l);
 
-/* ---- gltf_areas.cc ---- */
+/* ---- gltf_lights.cc ---- */
 
 /* Read the emitted radiance of a material. */
 void read_radiance(const json &object, material &m);
@@ -713,7 +713,7 @@ void read_radiance(const json &object, material &m);
 /* Add an area light for the triangles [first, first + count) of an emissive placement, if they are a parallelogram. */
 void append_area(loader &l, const placement &p, size_t first, size_t count);
 
-/* ---- gltf_traps.cc ---- */
+/* ---- gltf_notes.cc ---- */
 
 /* Note valid content that is probably a mistake.
  * triangles  number of triangles to be placed */
@@ -727,7 +727,7 @@ void read_lights(loader &l, const json &root);
 void place_lights(loader &l);
 void place_cameras(loader &l);
 
-/* ---- gltf_cameras.cc ---- */
+/* ---- gltf_selection.cc ---- */
 
 /* Store the views of cameras in the scene. */
 void place_views(loader &l);

@@ -2,11 +2,12 @@
  *
  * Rules are numbered in the order in which they apply: objects that no --include matches, each --exclude, extras, skins.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/scene/gltf/gltf_loader.h"
-
 #include <algorithm>
+#include <cmath>
 #include <fnmatch.h>
 #include <utility>
+
+#include "baker/scene/gltf/gltf_loader.h"
 
 namespace gltf
 {
@@ -195,6 +196,139 @@ void finish_exclusions(loader &l)
     }
     l.s->exclusions      = copied(kept);
     l.s->exclusion_count = kept.size();
+}
+
+} // namespace gltf
+
+/* Views of cameras (3.10), for pictures. Invalid numbers make a camera without a view; a picture that needs it reports this, and a
+ * bake never fails. */
+
+namespace gltf
+{
+
+/* A positive number, or 0 if it is missing or invalid. */
+static double above_zero(const json &object, const char *name)
+{
+    auto value = object.find(name);
+    if (value == object.end() || !value->is_number()) return 0;
+    double number = value->get<double>();
+    return number > 0 && std::isfinite(number) ? number : 0;
+}
+
+static void read_projection(const json &camera, scene_view &view)
+{
+    auto        type        = camera.find("type");
+    std::string kind        = type != camera.end() && type->is_string() ? type->get<std::string>() : "";
+    const json &perspective = items(camera, "perspective"), &orthographic = items(camera, "orthographic");
+    if (kind == "perspective" && perspective.is_object()) {
+        double angle   = above_zero(perspective, "yfov");
+        view.half_high = angle < M_PI ? std::tan(angle / 2) : 0;
+        view.aspect    = above_zero(perspective, "aspectRatio");
+        view.near_m    = above_zero(perspective, "znear");
+        view.kind      = view.half_high > 0 ? VIEW_PERSPECTIVE : VIEW_NONE;
+    } else if (kind == "orthographic" && orthographic.is_object()) {
+        double wide    = above_zero(orthographic, "xmag");
+        view.half_high = above_zero(orthographic, "ymag");
+        view.aspect    = view.half_high > 0 ? wide / view.half_high : 0;
+        view.near_m    = above_zero(orthographic, "znear");
+        view.kind      = wide > 0 && view.half_high > 0 ? VIEW_ORTHOGRAPHIC : VIEW_NONE;
+    }
+}
+
+static bool unit(vec3 v, double out[3])
+{
+    double length = std::hypot(v.x, v.y, v.z), values[3] = {v.x / length, v.y / length, v.z / length};
+    if (!(length > 0) || !std::isfinite(length)) return false;
+    std::copy(values, values + 3, out);
+    return true;
+}
+
+/* A camera looks along -Z of its node. Up is +Y, made orthogonal again, because a scale may have changed the angle. */
+static bool read_pose(const transform &t, scene_view &view)
+{
+    vec3 forward = {-t.axis[2].x, -t.axis[2].y, -t.axis[2].z}, up = t.axis[1];
+    if (!finite(t.origin) || !unit(forward, view.forward_ws)) return false;
+    double along  = up.x * view.forward_ws[0] + up.y * view.forward_ws[1] + up.z * view.forward_ws[2],
+           eye[3] = {t.origin.x, t.origin.y, t.origin.z};
+    up            = {up.x - along * view.forward_ws[0], up.y - along * view.forward_ws[1], up.z - along * view.forward_ws[2]};
+    std::copy(eye, eye + 3, view.eye_ws);
+    return unit(up, view.up_ws);
+}
+
+void place_views(loader &l)
+{
+    const json         &cameras = items(l.rest, "cameras");
+    std::vector<size_t> nodes;
+    for (size_t node : l.order)
+        if (l.model.nodes[node].camera >= 0 && (size_t)l.model.nodes[node].camera < cameras.size()) nodes.push_back(node);
+    if (nodes.empty()) return;
+    l.s->views = (scene_view *)calloc(nodes.size(), sizeof *l.s->views);
+    if (!l.s->views) throw std::bad_alloc();
+    for (size_t node : nodes) {
+        const json &camera = cameras[(size_t)l.model.nodes[node].camera];
+        scene_view  view   = {};
+        std::string name   = l.model.nodes[node].name;
+        auto        own    = camera.find("name");
+        if (name.empty() && own != camera.end() && own->is_string()) name = own->get<std::string>();
+        if (name.empty()) name = "camera" + std::to_string(l.model.nodes[node].camera);
+        read_projection(camera, view);
+        if (!read_pose(l.ws_from_node[node], view)) view.kind = VIEW_NONE;
+        if (!(view.name = strdup(name.c_str()))) throw std::bad_alloc();
+        l.s->views[l.s->view_count++] = view;
+    }
+}
+
+} // namespace gltf
+
+/* Origin of triangles: node, mesh and material, stored in the scene for messages. */
+
+namespace gltf
+{
+
+/* Offset of a name in l.names, where each name is stored once. */
+static uint32_t name_at(loader &l, kind k, size_t index, const std::string &name)
+{
+    if (l.names.empty()) l.names.push_back('\0'); /* offset 0 is the empty name */
+    if (l.name_at[k].size() <= index) l.name_at[k].resize(index + 1, 0);
+    uint32_t &at = l.name_at[k][index];
+    if (at || name.empty()) return at;
+    at = (uint32_t)l.names.size();
+    l.names.append(name.c_str(), strlen(name.c_str()) + 1);
+    return at;
+}
+
+static void begin_origin(loader &l, vec3 origin)
+{
+    scene_origin from = {(uint32_t)l.s->triangle_count, {origin.x, origin.y, origin.z}};
+    if (!l.origins.empty() && !memcmp(l.origins.back().at_ws, from.at_ws, sizeof from.at_ws)) return;
+    l.origins.push_back(from);
+}
+
+void begin_part(loader &l, size_t node, const tinygltf::Primitive &p, vec3 origin)
+{
+    begin_origin(l, origin);
+    scene_part part = {};
+    part.node       = (uint32_t)node;
+    part.mesh       = (uint32_t)l.model.nodes[node].mesh;
+    part.material   = p.material >= 0 ? (uint32_t)p.material : SCENE_NO_MATERIAL;
+    if (!l.parts.empty()) {
+        const scene_part &last = l.parts.back(); /* instances of a primitive are consecutive and share a part */
+        if (last.node == part.node && last.mesh == part.mesh && last.material == part.material) return;
+    }
+    part.triangle_first = (uint32_t)l.s->triangle_count;
+    part.node_name      = name_at(l, NODE, node, l.model.nodes[node].name);
+    part.mesh_name      = name_at(l, MESH, part.mesh, l.model.meshes[part.mesh].name);
+    if (p.material >= 0) part.material_name = name_at(l, MATERIAL, part.material, l.materials[part.material].name);
+    l.parts.push_back(part);
+}
+
+void finish_parts(loader &l)
+{
+    l.s->parts        = copied(l.parts);
+    l.s->part_count   = l.parts.size();
+    l.s->origins      = copied(l.origins);
+    l.s->origin_count = l.origins.size();
+    l.s->names        = copied(std::vector<char>(l.names.begin(), l.names.end()));
 }
 
 } // namespace gltf

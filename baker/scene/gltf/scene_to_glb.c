@@ -1,4 +1,4 @@
-/* Convert a loaded scene to a glb_scene; see scene_to_glb.h.
+/* Convert a loaded scene to a glb_scene; see glb_write.h.
  *
  * Each mesh holds the triangles of one material. Meshes without a mask share the scene's vertices. Meshes with a mask have three
  * vertices per triangle, because texture coordinates belong to corners:
@@ -8,7 +8,7 @@
  *
  * Capsules of smoke keep their order. Consecutive capsules form a run if all are points or all are lines, and have the same colour.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/scene/gltf/scene_to_glb.h"
+#include "baker/scene/gltf/glb_write.h"
 
 #include <math.h>
 #include <stdio.h>
