@@ -9,7 +9,6 @@
 
 #include "baker/base/text.h"
 #include "baker/base/threads.h"
-#include "baker/command/asset_open.h"
 #include "baker/files/input_file.h"
 
 enum { PAGES_A_FRAME = 4, THREADS = 4, FILL_FRAMES_MAX = 100000 };

@@ -7,7 +7,7 @@
 #define SMOKE_MAP_H
 
 #include "baker/base/context.h"
-#include "baker/scene/scene.h"
+#include "baker/scene/smoke.h"
 #include "baker/smoke/smoke_grid.h"
 #include "formats/vxs_file.h"
 

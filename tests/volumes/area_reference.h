@@ -7,7 +7,7 @@
 
 #include <stdint.h>
 
-#include "baker/scene/scene.h"
+#include "baker/scene/smoke.h"
 #include "runtime/volumes/vxs_area_light.h"
 
 /* A rectangle whose places count from an origin, and whether nothing is between two places. */

@@ -9,7 +9,6 @@
 #include "baker/base/cpu.h"
 #include "baker/base/memory.h"
 #include "baker/base/threads.h"
-#include "baker/columns/sparse/sparse_key.h"
 #include "baker/columns/sparse/sparse_square.h"
 #include "baker/columns/sparse/sparse_triangles.h"
 #include "baker/scene/fingerprint.h"

@@ -106,7 +106,6 @@ const run_watch progress_watch = {.say = watch_shown, .share = watch_shared};
 
 #include "baker/base/message.h"
 #include "baker/base/threads.h"
-#include "baker/command/process/progress_line.h"
 #include "baker/files/json_file.h"
 #include "baker/files/temporary_files.h"
 

@@ -5,6 +5,7 @@
 #define FOG_H
 
 #include "baker/scene/scene.h"
+#include "baker/scene/smoke.h"
 #include "formats/vxs_file.h"
 
 typedef struct fog_light {

@@ -3,7 +3,7 @@
 #ifndef FOG_AIR_H
 #define FOG_AIR_H
 
-#include "baker/scene/scene.h"
+#include "baker/scene/smoke.h"
 #include "runtime/volumes/vxs_air_path.h"
 
 struct fog_light; /* of fog.h */

@@ -7,7 +7,7 @@
 #include "baker/lab/render/frame_plan.h"
 #include "baker/lab/render/moving_pass.h"
 #include "baker/lab/render/smoke_pass.h"
-#include "baker/scene/scene.h"
+#include "baker/scene/smoke.h"
 #include "runtime/gl/vxs_gl.h"
 #include "runtime/volumes/vxs_volumes.h"
 
