@@ -37,20 +37,6 @@ static int is_common(const vxs_common_marks *marks, uint32_t half, uint32_t kind
     return half < marks->half_count && marks->at[half] == kind + 1;
 }
 
-/* Check the pattern that the word of a tile refers to.   kind  number of palette depths, or KIND_OWN */
-static int check_named_pattern(checked_page *p, uint32_t *word, uint32_t kind)
-{
-    uint32_t name = *word >> 14, half = p->half;
-    if (name & REF_COMMON) return is_common(p->marks->common, name & (REF_COMMON - 1), kind);
-    if (!turn_new(p, &name, half)) return name < half && p->marks->at[name] == kind + 1;
-    uint32_t halves = check_pattern_of(&(checked_pool){p->words, 2 * p->word_count}, half, kind);
-    if (!halves) return 0;
-    p->marks->at[half] = (uint8_t)(kind + 1);
-    p->half += halves;
-    *word = name << 14 | (*word & 0x3fff);
-    return 1;
-}
-
 /* blocks ----------------------------------------------------------------------------------------------------------------------- */
 
 /* The record of a block. */
@@ -106,7 +92,17 @@ static int check_tile(checked_page *p, const checked_block *b, uint32_t *word, u
     uint32_t low = *word & 0x3fff, kind = KIND_OWN;
     if (own && b->far && low) return 0;
     if (!own && (low >> b->entries || (kind = count_bits(low)) < 2)) return 0;
-    return check_named_pattern(p, word, kind);
+
+    /* the pattern that the word refers to */
+    uint32_t name = *word >> 14, half = p->half;
+    if (name & REF_COMMON) return is_common(p->marks->common, name & (REF_COMMON - 1), kind);
+    if (!turn_new(p, &name, half)) return name < half && p->marks->at[name] == kind + 1;
+    uint32_t halves = check_pattern_of(&(checked_pool){p->words, 2 * p->word_count}, half, kind);
+    if (!halves) return 0;
+    p->marks->at[half] = (uint8_t)(kind + 1);
+    p->half += halves;
+    *word = name << 14 | (*word & 0x3fff);
+    return 1;
 }
 
 /* Check the block at the next word. */
@@ -154,13 +150,6 @@ static int check_depths(const uint32_t *words, uint32_t half, uint32_t wide, uin
     return 1;
 }
 
-static int check_bases(const uint32_t *words, uint32_t half, uint32_t wide, uint32_t count)
-{
-    for (uint32_t n = 0; n < count; n++)
-        if (depth_at(words, half, wide, n) >= DEPTH_END) return 0;
-    return 1;
-}
-
 /* Check the node at the next word, and the blocks that no earlier node uses. */
 static int check_node(checked_page *p, const vxs_page_node *node)
 {
@@ -175,7 +164,9 @@ static int check_node(checked_page *p, const vxs_page_node *node)
     if (wide > 1 || (halves + 1) / 2 > left || (halves % 2 && get_half(words, half + halves))) return 0;
 
     uint32_t names = half + NODE_HALVES, bases = names + blocks;
-    if (!check_bases(words, bases, wide, blocks)) return 0;
+    for (uint32_t k = 0; k < blocks; k++)
+        if (depth_at(words, bases, wide, k) >= DEPTH_END) return 0;
+
     if (!check_depths(words, bases + blocks * (1 + wide), wide, depths)) return 0;
     p->word += (halves + 1) / 2;
     for (uint32_t b = 0; b < blocks; b++)

@@ -251,16 +251,6 @@ static int owner_valid(const vxs_reader *r, const vxs_section *s)
     return dag ? vxs_dag_has_section(light, s) : s->level == 0;
 }
 
-/* Sections of missing lights and levels would never be read, so they are not allowed. */
-static void check_owners(vxs_reader *r)
-{
-    for (uint32_t n = 0; n < r->out.section_count && go_on(r); n++) {
-        const vxs_section *s = &r->out.sections[n];
-        if (known_kind(r, s->kind) && !owner_valid(r, s))
-            vxs_found(r, 210, (int)n, VXS_HEADER_BYTES + (uint64_t)n * VXS_ENTRY_BYTES);
-    }
-}
-
 /* all of it -------------------------------------------------------------------------------------------------------------------- */
 
 /* There is at most one. Metadata that belongs to a light has been reported before, and is ignored. */
@@ -288,7 +278,14 @@ int vxs_read_light_table(vxs_reader *r)
 {
     read_lights(r);
     if (r->result != VXS_OK) return 0;
-    check_owners(r);
+
+    /* Sections of missing lights and levels would never be read, so they are not allowed. */
+    for (uint32_t n = 0; n < r->out.section_count && go_on(r); n++) {
+        const vxs_section *s = &r->out.sections[n];
+        if (known_kind(r, s->kind) && !owner_valid(r, s))
+            vxs_found(r, 210, (int)n, VXS_HEADER_BYTES + (uint64_t)n * VXS_ENTRY_BYTES);
+    }
+
     return go_on(r);
 }
 

@@ -33,17 +33,14 @@ int vxs_check_page_table(const uint8_t *table, uint64_t section_bytes, const vxs
     return words != word_count ? 406 : 0;
 }
 
-static int same_sizes(const vxs_resident_sizes *a, const vxs_resident_sizes *b)
-{
-    return a->word_count == b->word_count && a->page_count == b->page_count && a->node_count == b->node_count &&
-           a->pattern_count == b->pattern_count;
-}
-
 int vxs_read_resident(vxs_paged_light *light, const vxs_resident_sizes *sizes, const uint8_t *bytes, uint64_t size_bytes,
                       const vxs_page_tools *tools)
 {
     vxs_resident_sizes now;
-    if (vxs_resident_sizes_of(&now, bytes, size_bytes) != VXS_OK || !same_sizes(&now, sizes)) return 501;
+    if (vxs_resident_sizes_of(&now, bytes, size_bytes) != VXS_OK ||
+        !(now.word_count == sizes->word_count && now.page_count == sizes->page_count && now.node_count == sizes->node_count &&
+          now.pattern_count == sizes->pattern_count))
+        return 501;
     vxs_result r = light->packing == VXS_PACKING_FAST
                        ? vxs_resident_unpack(&light->resident, &light->marks, light->levels, light->map_count, bytes, size_bytes,
                                              light->inflated, tools->zstd)
@@ -157,14 +154,6 @@ static int take_tools(blocks_reader *b, uint32_t task)
     return (t->zstd = task ? ZSTD_createDCtx() : b->r->zstd) != NULL;
 }
 
-static void give_tools_back(blocks_reader *b, uint32_t task)
-{
-    const vxs_page_tools *t = &b->tools[task];
-    vxs_give_back(b->r, b->scratch_memory[task], scratch_bytes(), 1);
-    vxs_give_back(b->r, t->marks, sizeof *t->marks, 1);
-    if (task) ZSTD_freeDCtx(t->zstd);
-}
-
 static int take_memory(blocks_reader *b)
 {
     vxs_reader               *r       = b->r;
@@ -187,18 +176,6 @@ static int take_memory(blocks_reader *b)
     while (b->task_count < wanted && take_tools(b, b->task_count)) b->task_count++;
     to->words = b->words;
     return b->task_count > 0;
-}
-
-static void give_memory_back(blocks_reader *b)
-{
-    vxs_resident *from = &b->light.resident;
-    vxs_give_back(b->r, from->nodes, b->sizes.node_count, sizeof *from->nodes);
-    vxs_give_back(b->r, from->page_first, b->sizes.page_count + (uint64_t)1, sizeof *from->page_first);
-    vxs_give_back(b->r, from->patterns, b->sizes.pattern_count, sizeof *from->patterns);
-    vxs_give_back(b->r, b->light.marks.at, vxs_resident_common_halves(&b->sizes), 1);
-    vxs_give_back(b->r, b->light.inflated, vxs_resident_inflated_bytes(&b->sizes), 1);
-    vxs_give_back(b->r, b->wrong, b->sizes.page_count, sizeof *b->wrong);
-    for (uint32_t n = 0; n < VXS_TASKS_MAX; n++) give_tools_back(b, n);
 }
 
 static page_place first_page(const blocks_reader *b)
@@ -242,8 +219,29 @@ static void decode_some_pages(void *work, uint32_t task)
     }
 }
 
-static void decode_pages(blocks_reader *b)
+static void decode_light(blocks_reader *b)
 {
+    memset(b->words + b->baked->word_count, 0, VXS_BLOCKS_SPARE_WORDS * sizeof *b->words);
+
+    b->light.packing   = b->baked->packing;
+    b->light.levels    = b->baked->light.levels;
+    b->light.map_count = vxs_map_count(&b->baked->light);
+    int wrong          = vxs_read_resident(&b->light, &b->sizes, vxs_stored_bytes(b->r, b->resident_section),
+                                           b->r->out.sections[b->resident_section].stored_bytes, &b->tools[0]);
+
+    if (wrong) {
+        vxs_found(b->r, wrong, b->resident_section, 0);
+        return;
+    }
+
+    uint32_t resident = b->sizes.word_count, common = resident - b->words[1], side = 1u << b->baked->light.levels;
+    b->baked->parts[0] =
+        (vxs_part){"tops", side, vxs_map_count(&b->baked->light), 4 * (uint64_t)(resident - common), (uint32_t)b->resident_section};
+    b->baked->parts[1] = (vxs_part){"patterns", 8, b->sizes.pattern_count, 4 * (uint64_t)common, (uint32_t)b->resident_section};
+    b->baked->parts[2] =
+        (vxs_part){"pages", 0, b->sizes.page_count, 4 * (uint64_t)(b->baked->word_count - resident), (uint32_t)b->pages_section};
+    b->baked->part_count = 3;
+
     memset(b->wrong, 0, b->sizes.page_count * sizeof *b->wrong);
     b->pages.count    = b->sizes.page_count;
     b->pages.parallel = b->r->desc.parallel;
@@ -255,42 +253,23 @@ static void decode_pages(blocks_reader *b)
     }
 }
 
-static void list_parts(blocks_reader *b)
-{
-    uint32_t resident = b->sizes.word_count, common = resident - b->words[1], side = 1u << b->baked->light.levels;
-    b->baked->parts[0] =
-        (vxs_part){"tops", side, vxs_map_count(&b->baked->light), 4 * (uint64_t)(resident - common), (uint32_t)b->resident_section};
-    b->baked->parts[1] = (vxs_part){"patterns", 8, b->sizes.pattern_count, 4 * (uint64_t)common, (uint32_t)b->resident_section};
-    b->baked->parts[2] =
-        (vxs_part){"pages", 0, b->sizes.page_count, 4 * (uint64_t)(b->baked->word_count - resident), (uint32_t)b->pages_section};
-    b->baked->part_count = 3;
-}
-
-static int decode_resident(blocks_reader *b)
-{
-    b->light.packing   = b->baked->packing;
-    b->light.levels    = b->baked->light.levels;
-    b->light.map_count = vxs_map_count(&b->baked->light);
-    return vxs_read_resident(&b->light, &b->sizes, vxs_stored_bytes(b->r, b->resident_section),
-                             b->r->out.sections[b->resident_section].stored_bytes, &b->tools[0]);
-}
-
-static void decode_light(blocks_reader *b)
-{
-    memset(b->words + b->baked->word_count, 0, VXS_BLOCKS_SPARE_WORDS * sizeof *b->words);
-    int wrong = decode_resident(b);
-    if (wrong) {
-        vxs_found(b->r, wrong, b->resident_section, 0);
-        return;
-    }
-    list_parts(b);
-    decode_pages(b);
-}
-
 void vxs_read_blocks(vxs_reader *r, vxs_baked_light *baked)
 {
     blocks_reader b = {.r = r, .baked = baked};
     if (!check_sizes(&b)) return;
     if (take_memory(&b)) decode_light(&b);
-    give_memory_back(&b);
+
+    vxs_resident *from = &b.light.resident;
+    vxs_give_back(b.r, from->nodes, b.sizes.node_count, sizeof *from->nodes);
+    vxs_give_back(b.r, from->page_first, b.sizes.page_count + (uint64_t)1, sizeof *from->page_first);
+    vxs_give_back(b.r, from->patterns, b.sizes.pattern_count, sizeof *from->patterns);
+    vxs_give_back(b.r, b.light.marks.at, vxs_resident_common_halves(&b.sizes), 1);
+    vxs_give_back(b.r, b.light.inflated, vxs_resident_inflated_bytes(&b.sizes), 1);
+    vxs_give_back(b.r, b.wrong, b.sizes.page_count, sizeof *b.wrong);
+    for (uint32_t n = 0; n < VXS_TASKS_MAX; n++) {
+        const vxs_page_tools *t = &b.tools[n];
+        vxs_give_back(b.r, b.scratch_memory[n], scratch_bytes(), 1);
+        vxs_give_back(b.r, t->marks, sizeof *t->marks, 1);
+        if (n) ZSTD_freeDCtx(t->zstd);
+    }
 }

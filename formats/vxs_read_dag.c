@@ -44,15 +44,6 @@ static uint32_t level_states(const level *l, uint32_t node)
     return vxs_load16(l->content + 4 + (size_t)node * 2);
 }
 
-/* A child that repeats its neighbour nearer the light must have one: for an octree child with z = 1, a neighbour with its
- * own offset; for a slice, any mask. */
-static int states_valid(uint32_t states, int slices)
-{
-    uint32_t same  = states & (states >> 1) & 0x5555u;
-    uint32_t masks = (states >> 1) & 0x5555u;
-    return slices ? !(same & ~(masks << 2)) : !(same & ~(vxs_own(states) << 8));
-}
-
 static void add_part(light_reader *lr, const char *kind, uint32_t side_voxels, uint32_t count, uint64_t words, int section)
 {
     lr->baked->parts[lr->baked->part_count++] = (vxs_part){kind, side_voxels, count, 4 * words, (uint32_t)section};
@@ -72,25 +63,20 @@ static int lay_out_level(light_reader *lr, uint32_t index)
     uint64_t start = lr->words;
     for (uint32_t n = 0; n < l->count; n++) {
         uint32_t states = level_states(l, n);
-        if (!states_valid(states, index == 0)) return vxs_found(r, 402, l->section, 4 + (uint64_t)n * 2), 0;
+
+        /* A child that repeats its neighbour nearer the light must have one: for an octree child with z = 1, a neighbour with
+         * its own offset; for a slice, any mask. */
+        int      slices = index == 0;
+        uint32_t same   = states & (states >> 1) & 0x5555u;
+        uint32_t masks  = (states >> 1) & 0x5555u;
+        if (!(slices ? !(same & ~(masks << 2)) : !(same & ~(vxs_own(states) << 8))))
+            return vxs_found(r, 402, l->section, 4 + (uint64_t)n * 2), 0;
+
         l->word[n] = (uint32_t)lr->words;
         lr->words += 1 + vxs_popcount(vxs_own(states));
         if (lr->words > UINT32_MAX) return vxs_found(r, 406, l->section, 0), 0;
     }
     add_part(lr, "nodes", 8u << index, l->count, lr->words - start, l->section);
-    return 1;
-}
-
-static int lay_out_masks(light_reader *lr)
-{
-    vxs_reader *r    = lr->r;
-    lr->mask_section = vxs_find_section(r, VXS_KIND_MASKS, (uint32_t)(lr->baked - r->out.lights), 0);
-    if (lr->mask_section < 0 || !(lr->masks = vxs_inflate(r, lr->mask_section, 0))) return 0;
-    uint64_t size = r->out.sections[lr->mask_section].inflated_bytes;
-    lr->words += lr->words & 1;
-    if (size % 8 || lr->words + size / 4 > UINT32_MAX) return vxs_found(r, 401, lr->mask_section, 0), 0;
-    lr->mask_count = (uint32_t)(size / 8);
-    add_part(lr, "masks", 8, lr->mask_count, size / 4, lr->mask_section);
     return 1;
 }
 
@@ -146,7 +132,14 @@ static int decode_light(light_reader *lr)
     for (uint32_t l = lr->level_count; l-- > 0;)
         if (!lay_out_level(lr, l)) return 0;
     if (lr->level[lr->level_count - 1].count != lr->maps) return vxs_found(r, 404, lr->level[lr->level_count - 1].section, 0), 0;
-    if (!lay_out_masks(lr)) return 0;
+
+    lr->mask_section = vxs_find_section(r, VXS_KIND_MASKS, (uint32_t)(lr->baked - r->out.lights), 0);
+    if (lr->mask_section < 0 || !(lr->masks = vxs_inflate(r, lr->mask_section, 0))) return 0;
+    uint64_t size = r->out.sections[lr->mask_section].inflated_bytes;
+    lr->words += lr->words & 1;
+    if (size % 8 || lr->words + size / 4 > UINT32_MAX) return vxs_found(r, 401, lr->mask_section, 0), 0;
+    lr->mask_count = (uint32_t)(size / 8);
+    add_part(lr, "masks", 8, lr->mask_count, size / 4, lr->mask_section);
 
     uint32_t mask_word = (uint32_t)lr->words;
     uint64_t total     = lr->words + (uint64_t)lr->mask_count * 2;

@@ -29,22 +29,19 @@ static int has_tile(const smoke_reader *s, uint64_t tile)
     return s->mask[tile >> 3] >> (tile & 7) & 1;
 }
 
-/* Whether the number of levels is valid, and depths and metres are finite floats for all depths. */
-static int smoke_head_valid(const smoke_reader *s, const vxs_light *light)
-{
-    double first = vxs_real_of(vxs_load32(s->content + VXS_SMOKE_FIRST_METRES));
-    double step  = vxs_real_of(vxs_load32(s->content + VXS_SMOKE_STEP_METRES));
-    return s->levels >= VXS_LEVELS_MIN && s->levels <= VXS_SMOKE_LEVELS_MAX && s->levels <= light->levels && isfinite(first) &&
-           isfinite(step) && step > 0 && isfinite((float)(first + 65535 * step));
-}
-
 /* Find mask, counts and nodes in the section. 0: a finding. */
 static int find_parts(smoke_reader *s, const vxs_light *light)
 {
     if (s->size < VXS_SMOKE_PREFIX_BYTES) return vxs_found(s->r, 601, s->section, 0), 0;
     s->levels     = vxs_load32(s->content + VXS_SMOKE_LEVELS);
     s->node_count = vxs_load32(s->content + VXS_SMOKE_NODE_COUNT);
-    if (!smoke_head_valid(s, light)) return vxs_found(s->r, 602, s->section, 0), 0;
+
+    /* metres must be finite floats for all depths */
+    double first = vxs_real_of(vxs_load32(s->content + VXS_SMOKE_FIRST_METRES));
+    double step  = vxs_real_of(vxs_load32(s->content + VXS_SMOKE_STEP_METRES));
+    if (!(s->levels >= VXS_LEVELS_MIN && s->levels <= VXS_SMOKE_LEVELS_MAX && s->levels <= light->levels && isfinite(first) &&
+          isfinite(step) && step > 0 && isfinite((float)(first + 65535 * step))))
+        return vxs_found(s->r, 602, s->section, 0), 0;
 
     s->tiles        = (uint64_t)vxs_map_count(light) << (2 * (s->levels - 3));
     uint64_t counts = VXS_SMOKE_PREFIX_BYTES + (s->tiles + 7) / 8, nodes;

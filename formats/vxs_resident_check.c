@@ -27,22 +27,6 @@ static int is_depth(uint32_t word)
     return word >= top_uniform && word - top_uniform < SQUARE_DEPTH_END;
 }
 
-/* Whether a node is already known. */
-static int was_met(const checked_resident *r, uint32_t page, uint32_t offset)
-{
-    if (page >= r->pages) return 0;
-    uint32_t low = r->page_first[page], high = page + 1 < r->pages ? r->page_first[page + 1] : r->met;
-    while (low < high) {
-        uint32_t middle = low + (high - low) / 2;
-        if (r->nodes[middle].offset == offset) return 1;
-        if (r->nodes[middle].offset < offset)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return 0;
-}
-
 /* The entry at a word, of square (x, y) of a map: a depth, a known node, the next node of the last page, or the first of the
  * next page. */
 static int check_entry(checked_resident *r, uint32_t at, uint32_t map, uint32_t x, uint32_t y)
@@ -53,8 +37,20 @@ static int check_entry(checked_resident *r, uint32_t at, uint32_t map, uint32_t 
     if (page == r->pages) {
         if (offset || r->pages == r->sizes->page_count) return 0;
         r->page_first[r->pages++] = r->met;
-    } else if (page + 1 != r->pages || offset <= r->nodes[r->met - 1].offset)
-        return was_met(r, page, offset);
+    } else if (page + 1 != r->pages || offset <= r->nodes[r->met - 1].offset) {
+        /* the node must be known: find it by bisection */
+        if (page >= r->pages) return 0;
+        uint32_t low = r->page_first[page], high = page + 1 < r->pages ? r->page_first[page + 1] : r->met;
+        while (low < high) {
+            uint32_t middle = low + (high - low) / 2;
+            if (r->nodes[middle].offset == offset) return 1;
+            if (r->nodes[middle].offset < offset)
+                low = middle + 1;
+            else
+                high = middle;
+        }
+        return 0;
+    }
     if (r->met == r->sizes->node_count) return 0;
     r->nodes[r->met++] = (vxs_page_node){offset, x, y, map, square_base(bounds, r->levels)};
     return 1;

@@ -9,27 +9,6 @@
 #include "vxs_bytes.h"
 #include "vxs_writer.h"
 
-/* coding   as stored in this version of the file
- * packing  of palette blocks; else 0 */
-static void encode_light_record(uint8_t *at, const vxs_light *light, uint32_t word_count, uint32_t coding, uint32_t packing)
-{
-    memset(at, 0, VXS_LIGHT_BYTES);
-    vxs_store32(at + VXS_LIGHT_KIND, light->kind);
-    vxs_store32(at + VXS_LIGHT_LEVELS, light->levels);
-    vxs_store32(at + VXS_LIGHT_WORD_COUNT, word_count);
-    vxs_store32(at + VXS_LIGHT_FLAGS, light->flags);
-    for (int n = 0; n < 12; n++) vxs_store_f64(at + VXS_LIGHT_LS_FROM_WS + n * 8, light->ls_from_ws[n]);
-    vxs_store_f64(at + VXS_LIGHT_TEXEL_METRES, light->texel_metres);
-    vxs_store_f64(at + VXS_LIGHT_VOXEL_METRES, light->voxel_metres);
-    for (int n = 0; n < 3; n++) vxs_store_f64(at + VXS_LIGHT_DIRECTION + n * 8, light->direction_ws[n]);
-    vxs_store_f64(at + VXS_LIGHT_NEAR_METRES, light->near_metres);
-    vxs_store_f64(at + VXS_LIGHT_COS_OUTER, light->cos_outer);
-    vxs_store_f64(at + VXS_LIGHT_RANGE_METRES, light->range_metres);
-    vxs_store32(at + VXS_LIGHT_CODING, coding);
-    vxs_store32(at + VXS_LIGHT_PACKING, packing);
-    memcpy(at + VXS_LIGHT_NAME, light->name, strlen(light->name));
-}
-
 /* Join header, directory and stored sections. */
 static vxs_result assemble(vxs_bytes *out, const vxs_sections *s)
 {
@@ -65,8 +44,23 @@ static vxs_result add_light(vxs_sections *s, const vxs_write_light *l, uint32_t 
     uint32_t   words  = l->blocks.word_count;
     vxs_result r =
         blocks ? vxs_write_blocks(s, &l->blocks, &l->light, n) : vxs_write_dag(s, &l->dag, vxs_map_count(&l->light), n, &words);
-    encode_light_record(record, &l->light, words, s->version >= VXS_FORMAT_VERSION_BLOCKS ? l->light.coding : 0,
-                        blocks ? l->blocks.packing : 0);
+
+    memset(record, 0, VXS_LIGHT_BYTES);
+    vxs_store32(record + VXS_LIGHT_KIND, l->light.kind);
+    vxs_store32(record + VXS_LIGHT_LEVELS, l->light.levels);
+    vxs_store32(record + VXS_LIGHT_WORD_COUNT, words);
+    vxs_store32(record + VXS_LIGHT_FLAGS, l->light.flags);
+    for (int k = 0; k < 12; k++) vxs_store_f64(record + VXS_LIGHT_LS_FROM_WS + k * 8, l->light.ls_from_ws[k]);
+    vxs_store_f64(record + VXS_LIGHT_TEXEL_METRES, l->light.texel_metres);
+    vxs_store_f64(record + VXS_LIGHT_VOXEL_METRES, l->light.voxel_metres);
+    for (int k = 0; k < 3; k++) vxs_store_f64(record + VXS_LIGHT_DIRECTION + k * 8, l->light.direction_ws[k]);
+    vxs_store_f64(record + VXS_LIGHT_NEAR_METRES, l->light.near_metres);
+    vxs_store_f64(record + VXS_LIGHT_COS_OUTER, l->light.cos_outer);
+    vxs_store_f64(record + VXS_LIGHT_RANGE_METRES, l->light.range_metres);
+    vxs_store32(record + VXS_LIGHT_CODING, s->version >= VXS_FORMAT_VERSION_BLOCKS ? l->light.coding : 0);
+    vxs_store32(record + VXS_LIGHT_PACKING, blocks ? l->blocks.packing : 0);
+    memcpy(record + VXS_LIGHT_NAME, l->light.name, strlen(l->light.name));
+
     return r;
 }
 
@@ -91,19 +85,6 @@ static vxs_result add_sections(vxs_sections *s, const vxs_write_desc *desc)
     return r;
 }
 
-/* Whether the format can store light n, given those before it. */
-static int light_fits(const vxs_write_light *lights, uint32_t n)
-{
-    const vxs_light *light = &lights[n].light;
-    if (light->levels < VXS_LEVELS_MIN || light->levels > VXS_LEVELS_MAX) return 0;
-    if (light->coding != VXS_CODING_DAG && light->coding != VXS_CODING_BLOCKS) return 0;
-    if (light->coding == VXS_CODING_DAG && !vxs_dag_fits(&lights[n].dag, light)) return 0;
-    if (!light->name[0] || !memchr(light->name, 0, sizeof light->name)) return 0;
-    for (uint32_t other = 0; other < n; other++)
-        if (!strcmp(lights[other].light.name, light->name)) return 0;
-    return 1;
-}
-
 /* The lowest version that has the codings of all lights. */
 static uint32_t version_of(const vxs_write_desc *desc)
 {
@@ -116,8 +97,16 @@ vxs_result vxs_write(vxs_bytes *out, const vxs_write_desc *desc)
 {
     if (desc->light_count < 1 || desc->light_count > VXS_LIGHTS_MAX) return VXS_E_ARGUMENT;
     if (desc->zstd_level < 1 || desc->zstd_level > 19) return VXS_E_ARGUMENT;
-    for (uint32_t n = 0; n < desc->light_count; n++)
-        if (!light_fits(desc->lights, n)) return VXS_E_ARGUMENT;
+    for (uint32_t n = 0; n < desc->light_count; n++) {
+        const vxs_write_light *lights = desc->lights;
+        const vxs_light       *light  = &lights[n].light;
+        if (light->levels < VXS_LEVELS_MIN || light->levels > VXS_LEVELS_MAX) return VXS_E_ARGUMENT;
+        if (light->coding != VXS_CODING_DAG && light->coding != VXS_CODING_BLOCKS) return VXS_E_ARGUMENT;
+        if (light->coding == VXS_CODING_DAG && !vxs_dag_fits(&lights[n].dag, light)) return VXS_E_ARGUMENT;
+        if (!light->name[0] || !memchr(light->name, 0, sizeof light->name)) return VXS_E_ARGUMENT;
+        for (uint32_t other = 0; other < n; other++)
+            if (!strcmp(lights[other].light.name, light->name)) return VXS_E_ARGUMENT;
+    }
     vxs_sections s = {.zstd       = vxs_compressor(desc->zstd_level),
                       .zstd_level = desc->zstd_level,
                       .version    = version_of(desc),

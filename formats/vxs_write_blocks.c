@@ -126,15 +126,6 @@ static vxs_result know_resident(known_resident *k, const vxs_bytes *bytes, const
                : VXS_E_ARGUMENT;
 }
 
-static void forget_resident(known_resident *k)
-{
-    free(k->resident.words);
-    free(k->resident.nodes);
-    free(k->resident.page_first);
-    free(k->resident.patterns);
-    free(k->scratch);
-}
-
 /* The bytes of a page, or the error. */
 typedef struct encoded_page {
     vxs_bytes  bytes;
@@ -223,33 +214,6 @@ static vxs_result join_pages(vxs_bytes *content, const vxs_blocks_view *view, co
     return VXS_OK;
 }
 
-static vxs_result encode_pages(vxs_bytes *content, const vxs_blocks_view *view, const vxs_resident *resident, const vxs_sections *s)
-{
-    uint32_t     count = view->words[PAGE_COUNT_WORD];
-    page_encoder e     = {
-            .view = view, .resident = resident, .zstd_level = s->zstd_level, .pages = {.count = count, .parallel = s->parallel}};
-    vxs_result r = VXS_E_MEMORY;
-    e.out        = calloc((size_t)count + 1, sizeof *e.out);
-    e.common.at  = malloc((size_t)resident->common.half_count + 1);
-    if (e.out && e.common.at) {
-        vxs_common_mark(&e.common, &resident->common);
-        vxs_tasks_run(s->parallel, vxs_task_count(s->parallel, count), encode_some_pages, &e);
-        r = join_pages(content, view, e.out, count);
-        for (uint32_t n = 0; n < count; n++) free(e.out[n].bytes.data);
-    }
-    free(e.out);
-    free(e.common.at);
-    return r;
-}
-
-/* Replace the bytes of a resident part by those of packing fast. The first bytes were needed to check that it keeps every
- * rule. */
-static vxs_result pack_resident(vxs_bytes *resident, const known_resident *k, const vxs_blocks_view *view, ZSTD_CCtx *zstd)
-{
-    resident->size_bytes = 0;
-    return vxs_resident_pack(resident, &k->sizes, view->words, view->common_kinds, zstd);
-}
-
 vxs_result vxs_write_blocks(vxs_sections *s, const vxs_blocks_view *view, const vxs_light *light, uint32_t number)
 {
     if (!in_order(view) || view->packing > VXS_PACKING_FAST) return VXS_E_ARGUMENT;
@@ -261,11 +225,38 @@ vxs_result vxs_write_blocks(vxs_sections *s, const vxs_blocks_view *view, const 
     if (r == VXS_OK)
         r = vxs_resident_encode(&resident, view->words, page_start(view, 0), light->levels, vxs_map_count(light), &common);
     if (r == VXS_OK) r = know_resident(&known, &resident, light);
-    if (r == VXS_OK) r = encode_pages(&pages, view, &known.resident, s);
-    if (r == VXS_OK && view->packing == VXS_PACKING_FAST) r = pack_resident(&resident, &known, view, s->zstd);
+    if (r == VXS_OK) {
+        uint32_t     count = view->words[PAGE_COUNT_WORD];
+        page_encoder e     = {.view       = view,
+                              .resident   = &known.resident,
+                              .zstd_level = s->zstd_level,
+                              .pages      = {.count = count, .parallel = s->parallel}};
+        r                  = VXS_E_MEMORY;
+        e.out              = calloc((size_t)count + 1, sizeof *e.out);
+        e.common.at        = malloc((size_t)known.resident.common.half_count + 1);
+        if (e.out && e.common.at) {
+            vxs_common_mark(&e.common, &known.resident.common);
+            vxs_tasks_run(s->parallel, vxs_task_count(s->parallel, count), encode_some_pages, &e);
+            r = join_pages(&pages, view, e.out, count);
+            for (uint32_t n = 0; n < count; n++) free(e.out[n].bytes.data);
+        }
+        free(e.out);
+        free(e.common.at);
+    }
+    if (r == VXS_OK && view->packing == VXS_PACKING_FAST) {
+        /* The bytes so far were needed to check that the resident part keeps every rule. */
+        resident.size_bytes = 0;
+        r                   = vxs_resident_pack(&resident, &known.sizes, view->words, view->common_kinds, s->zstd);
+    }
     if (r == VXS_OK) r = vxs_add_stored(s, VXS_KIND_RESIDENT, number, &resident);
     if (r == VXS_OK) r = vxs_add_stored(s, VXS_KIND_PAGES, number, &pages);
-    forget_resident(&known);
+
+    free(known.resident.words);
+    free(known.resident.nodes);
+    free(known.resident.page_first);
+    free(known.resident.patterns);
+    free(known.scratch);
+
     free(patterns);
     free(resident.data);
     free(pages.data);

@@ -40,34 +40,6 @@ static int curve_fits(const uint32_t *nodes, uint32_t count)
     return 1;
 }
 
-/* Count tiles and nodes. 0: the format cannot store a curve. */
-static int count_curves(smoke_writer *w)
-{
-    uint64_t at = 0;
-    for (size_t tile = 0; tile < w->tiles; tile++) {
-        const uint8_t *counts = counts_of(w, tile);
-        w->tile_count += (uint32_t)has_curve(counts);
-        for (int n = 0; n < TILE_TEXELS; at += counts[n++])
-            if (!curve_fits(w->view->nodes + at, counts[n]) || at > INT32_MAX) return 0;
-    }
-    w->node_count = (uint32_t)at;
-    return 1;
-}
-
-/* Write nodes as differences from the previous one, with a plane for each byte. */
-static void put_curve(smoke_writer *w, const uint32_t *nodes, uint32_t count)
-{
-    uint32_t depth = 0, left = 0xffff;
-    for (uint32_t n = 0; n < count; n++) {
-        uint32_t number = ((nodes[n] & 0xffff) - depth) | (left - (nodes[n] >> 16)) << 16;
-        for (uint32_t plane = 0; plane < NODE_BYTES; plane++)
-            w->nodes[(size_t)plane * w->node_count] = (uint8_t)(number >> 8 * plane);
-        w->nodes++;
-        depth = nodes[n] & 0xffff;
-        left  = nodes[n] >> 16;
-    }
-}
-
 static void put_tiles(smoke_writer *w)
 {
     const uint32_t *nodes = w->view->nodes;
@@ -77,7 +49,19 @@ static void put_tiles(smoke_writer *w)
         w->mask[tile >> 3] |= (uint8_t)(1u << (tile & 7));
         memcpy(w->counts, counts, TILE_TEXELS);
         w->counts += TILE_TEXELS;
-        for (int n = 0; n < TILE_TEXELS; nodes += counts[n++]) put_curve(w, nodes, counts[n]);
+        for (int n = 0; n < TILE_TEXELS; nodes += counts[n++]) {
+            /* Write nodes as differences from the previous one, with a plane for each byte. */
+            uint32_t count = counts[n];
+            uint32_t depth = 0, left = 0xffff;
+            for (uint32_t k = 0; k < count; k++) {
+                uint32_t number = ((nodes[k] & 0xffff) - depth) | (left - (nodes[k] >> 16)) << 16;
+                for (uint32_t plane = 0; plane < NODE_BYTES; plane++)
+                    w->nodes[(size_t)plane * w->node_count] = (uint8_t)(number >> 8 * plane);
+                w->nodes++;
+                depth = nodes[k] & 0xffff;
+                left  = nodes[k] >> 16;
+            }
+        }
     }
 }
 
@@ -102,18 +86,24 @@ static vxs_result encode_smoke(smoke_writer *w, vxs_bytes *content)
     return VXS_OK;
 }
 
-static int map_fits(const vxs_smoke_view *v, const vxs_light *light)
-{
-    return v->levels >= VXS_LEVELS_MIN && v->levels <= VXS_SMOKE_LEVELS_MAX && v->levels <= light->levels && v->step_metres > 0 &&
-           isfinite(v->first_metres) && isfinite(v->first_metres + 65535 * v->step_metres);
-}
-
 vxs_result vxs_add_smoke(vxs_sections *s, const vxs_smoke_view *smoke, const vxs_light *light, uint32_t number)
 {
     vxs_bytes content = {0};
-    if (!map_fits(smoke, light)) return VXS_E_ARGUMENT;
+    if (!(smoke->levels >= VXS_LEVELS_MIN && smoke->levels <= VXS_SMOKE_LEVELS_MAX && smoke->levels <= light->levels &&
+          smoke->step_metres > 0 && isfinite(smoke->first_metres) && isfinite(smoke->first_metres + 65535 * smoke->step_metres)))
+        return VXS_E_ARGUMENT;
     smoke_writer w = {.view = smoke, .tiles = (size_t)vxs_map_count(light) << (2 * (smoke->levels - 3))};
-    if (!count_curves(&w)) return VXS_E_ARGUMENT;
+
+    /* count tiles and nodes */
+    uint64_t at = 0;
+    for (size_t tile = 0; tile < w.tiles; tile++) {
+        const uint8_t *counts = counts_of(&w, tile);
+        w.tile_count += (uint32_t)has_curve(counts);
+        for (int n = 0; n < TILE_TEXELS; at += counts[n++])
+            if (!curve_fits(w.view->nodes + at, counts[n]) || at > INT32_MAX) return VXS_E_ARGUMENT;
+    }
+    w.node_count = (uint32_t)at;
+
     vxs_result r = encode_smoke(&w, &content);
     if (r == VXS_OK) r = vxs_add_section(s, VXS_KIND_SMOKE, VXS_SECTION_OPTIONAL, number, 0, &content);
     free(content.data);

@@ -24,22 +24,6 @@ static void plane_depths(vxs_blocks_tile plane, int32_t depth[64])
         for (uint32_t x = 0; x < 8; x++) depth[8 * y + x] = vxs_depths_plane(plane, x, y);
 }
 
-/* Depths of a tile of two planes: for each texel one of the two, as the kind of the tile selects it. */
-static void two_planes_depths(const uint32_t *words, vxs_blocks_tile tile, int32_t depth[64])
-{
-    int32_t second[64];
-    plane_depths(vxs_blocks_one_plane(words, tile, 0), depth);
-    plane_depths(vxs_blocks_one_plane(words, tile, 1), second);
-    for (uint32_t c = 0; c < 4; c++) {
-        uint32_t of_second = vxs_half(words, tile.pool, tile.at + 6 + c);
-        for (uint32_t z = 0; z < 16; z++) {
-            int32_t n = 8 * row_of(c, z) + column_of(c, z), is_less = second[n] < depth[n], take = (int32_t)(of_second >> z & 1);
-            if (tile.kind != VXS_BLOCKS_EITHER) take = tile.kind == VXS_BLOCKS_NEARER ? is_less : !is_less;
-            if (take) depth[n] = second[n];
-        }
-    }
-}
-
 /* Depths of a tile of masks. Each mask contains the texels of the one before it. A texel has the depth of the first mask that
  * contains it. */
 static void mask_depths(const uint32_t *words, const vxs_depths_tile *r, const int32_t *entries, int32_t depth[64])
@@ -107,8 +91,22 @@ static int read_depths(const uint32_t *words, const vxs_depths_tile *r, int32_t 
     }
     if (r->tile.kind == VXS_BLOCKS_PLANE)
         plane_depths(r->tile, depth);
-    else
-        two_planes_depths(words, r->tile, depth);
+    else {
+        /* Depths of a tile of two planes: for each texel one of the two, as the kind of the tile selects it. */
+        vxs_blocks_tile tile = r->tile;
+        int32_t         second[64];
+        plane_depths(vxs_blocks_one_plane(words, tile, 0), depth);
+        plane_depths(vxs_blocks_one_plane(words, tile, 1), second);
+        for (uint32_t c = 0; c < 4; c++) {
+            uint32_t of_second = vxs_half(words, tile.pool, tile.at + 6 + c);
+            for (uint32_t z = 0; z < 16; z++) {
+                int32_t n = 8 * row_of(c, z) + column_of(c, z), is_less = second[n] < depth[n],
+                        take = (int32_t)(of_second >> z & 1);
+                if (tile.kind != VXS_BLOCKS_EITHER) take = tile.kind == VXS_BLOCKS_NEARER ? is_less : !is_less;
+                if (take) depth[n] = second[n];
+            }
+        }
+    }
     for (int n = 0; n < 64; n++) depth[n] = depth[n] + base < low ? low : depth[n] + base > high ? high : depth[n] + base;
     return VXS_TILE_MIXED;
 }

@@ -4,11 +4,6 @@
 
 #include "vxs_lookup.h"
 
-static uint32_t root_of(const vxs_baked_light *baked, uint32_t map)
-{
-    return baked->light.flags & VXS_LIGHT_CUBE ? vxs_face_root(baked->words, map) : 0;
-}
-
 static uint32_t state_of(uint32_t states, uint32_t c)
 {
     return states >> 2 * c & 3;
@@ -44,23 +39,18 @@ static void meet(column_walk *w, uint64_t mask, int32_t k)
         if (met & 1) w->depth[n] = k;
 }
 
-/* Walk the slices of a node of side 8 at depth k. A slice that repeats the mask of the one before it adds no shadow and is
- * skipped. */
-static void walk_slices(column_walk *w, uint32_t node, int32_t k)
-{
-    for (uint32_t slice = 0; slice < 8 && w->wanted; slice++) {
-        uint32_t state = state_of(w->dag[node], slice);
-        if (state == VXS_CHILD_SHADOW) meet(w, ~(uint64_t)0, k + (int32_t)slice);
-        if (state == VXS_CHILD_OWN) meet(w, mask_at(w->dag, child_of(w->dag, node, slice)), k + (int32_t)slice);
-    }
-}
-
 /* Walk a node of side 8 << level at depth k: its two children over the tile, the nearer first. A child that repeats the nearer
  * one adds no shadow and is skipped. */
 static void walk_column(column_walk *w, uint32_t node, uint32_t level, int32_t k)
 {
     if (level == 0) {
-        walk_slices(w, node, k);
+        /* Walk the slices of a node of side 8 at depth k. A slice that repeats the mask of the one before it adds no shadow and
+         * is skipped. */
+        for (uint32_t slice = 0; slice < 8 && w->wanted; slice++) {
+            uint32_t state = state_of(w->dag[node], slice);
+            if (state == VXS_CHILD_SHADOW) meet(w, ~(uint64_t)0, k + (int32_t)slice);
+            if (state == VXS_CHILD_OWN) meet(w, mask_at(w->dag, child_of(w->dag, node, slice)), k + (int32_t)slice);
+        }
         return;
     }
     uint32_t bit = level - 1, xy = (w->tile_x >> bit & 1) | (w->tile_y >> bit & 1) << 1;
@@ -76,6 +66,6 @@ void vxs_dag_first_shadows(const vxs_baked_light *baked, uint32_t map, uint32_t 
                            int32_t depth[64])
 {
     column_walk w = {baked->words, tile_x, tile_y, wanted, depth};
-    walk_column(&w, root_of(baked, map), baked->light.levels - 3, 0);
+    walk_column(&w, baked->light.flags & VXS_LIGHT_CUBE ? vxs_face_root(baked->words, map) : 0, baked->light.levels - 3, 0);
     meet(&w, ~(uint64_t)0, 1 << baked->light.levels);
 }

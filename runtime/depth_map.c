@@ -50,18 +50,14 @@ static uint32_t pixel_end(const vxs_depth_map_desc *to, int32_t texel)
     return (uint32_t)(texel + (1 << to->shift) - 1) >> to->shift;
 }
 
-static int replaces(uint32_t which, uint32_t depth, uint32_t last)
-{
-    return which == VXS_DEPTH_LEAST ? depth < last : which == VXS_DEPTH_GREATEST ? depth > last : 1;
-}
-
 /* Depths divided by 2^levels are exact floats in the same order, so that floats can be compared instead of voxels. */
 static void put_row(const vxs_depth_map_desc *to, uint32_t y, uint32_t x0, uint32_t x1, uint32_t depth, float scale)
 {
     uint32_t *voxels = to->voxels ? voxels_at(to, y) : NULL;
     float    *depths = to->depths ? depths_at(to, y) : NULL, scaled = (float)depth * scale;
     for (uint32_t x = x0; x < x1 && voxels; x++)
-        if (replaces(to->which, depth, voxels[x])) voxels[x] = depth;
+        if (to->which == VXS_DEPTH_LEAST ? depth < voxels[x] : to->which == VXS_DEPTH_GREATEST ? depth > voxels[x] : 1)
+            voxels[x] = depth;
     for (uint32_t x = x0; x < x1 && depths; x++)
         if (to->which == VXS_DEPTH_CENTRE || (to->which == VXS_DEPTH_LEAST ? scaled < depths[x] : scaled > depths[x]))
             depths[x] = scaled;
@@ -73,16 +69,6 @@ static void put_box(const depth_painter *p, texel_box box, int32_t depth)
     uint32_t x0 = pixel_from(to, box.i0 - to->i), x1 = pixel_end(to, box.i1 - to->i), y1 = pixel_end(to, box.j1 - to->j);
     float    scale = 1.0f / (float)(1 << p->baked->light.levels);
     for (uint32_t y = pixel_from(to, box.j0 - to->j); y < y1; y++) put_row(to, y, x0, x1, (uint32_t)depth, scale);
-}
-
-/* Fill with the value that any depth replaces. */
-static void clear(const vxs_depth_map_desc *to, uint32_t levels)
-{
-    for (uint32_t y = 0; y < to->high_px && to->which != VXS_DEPTH_CENTRE; y++)
-        for (uint32_t x = 0; x < to->wide_px; x++) {
-            if (to->voxels) voxels_at(to, y)[x] = to->which == VXS_DEPTH_LEAST ? 1u << levels : 0;
-            if (to->depths) depths_at(to, y)[x] = to->which == VXS_DEPTH_LEAST ? 1.0f : 0.0f;
-        }
 }
 
 /* texels ---------------------------------------------------------------------------------------------------------------------- */
@@ -155,7 +141,14 @@ vxs_result vxs_depth_map(const vxs_baked_light *baked, const vxs_depth_map_desc 
     if (wide > limit || high > limit || to->i + wide > limit || to->j + high > limit) return VXS_E_ARGUMENT;
     if (!to->wide_px || !to->high_px) return VXS_OK;
 
-    clear(to, baked->light.levels);
+    /* Fill with the value that any depth replaces. */
+    uint32_t levels = baked->light.levels;
+    for (uint32_t y = 0; y < to->high_px && to->which != VXS_DEPTH_CENTRE; y++)
+        for (uint32_t x = 0; x < to->wide_px; x++) {
+            if (to->voxels) voxels_at(to, y)[x] = to->which == VXS_DEPTH_LEAST ? 1u << levels : 0;
+            if (to->depths) depths_at(to, y)[x] = to->which == VXS_DEPTH_LEAST ? 1.0f : 0.0f;
+        }
+
     int32_t   side = 1 << baked->light.levels;
     texel_box all  = {to->i, to->i + (int32_t)wide, to->j, to->j + (int32_t)high};
     for (int32_t j = all.j0, end; j < all.j1; j = end) {

@@ -44,35 +44,11 @@ static void read_vectors(const vxs_vectors *v, size_t first, size_t count, coord
 
 /* world to voxel -------------------------------------------------------------------------------------------------------------- */
 
-/* Place of one point, as for a single lookup. */
-static void find_place(const vxs_light *light, const coordinates *points, const coordinates *normals, size_t n, int filter_px,
-                       places *out)
-{
-    double point[3], normal[3];
-    for (int axis = 0; axis < 3; axis++) {
-        point[axis]  = points->at[axis][n];
-        normal[axis] = normals ? normals->at[axis][n] : 0;
-    }
-    vxs_place place = vxs_place_from_ws(light, point, normal, filter_px);
-    for (int axis = 0; axis < 3; axis++) out->at[axis][n] = place.voxel[axis];
-    out->map[n]       = place.map;
-    out->within[0][n] = (uint8_t)place.across;
-    out->within[1][n] = (uint8_t)place.down;
-}
-
 /* Product of a matrix row with points (one = 1) or directions (one = 0), with the operation order of vxs_ls_coordinate. */
 static inline vxs_lanes times_row(const double *m, const coordinates *c, int n, double one)
 {
     return vxs_lanes_of(m[0]) * vxs_load(c->at[0] + n) + vxs_lanes_of(m[1]) * vxs_load(c->at[1] + n) +
            vxs_lanes_of(m[2]) * vxs_load(c->at[2] + n) + vxs_lanes_of(m[3] * one);
-}
-
-/* As vxs_within. floors  of `at` */
-static inline void find_within(vxs_lanes at, vxs_lanes floors, uint8_t *within)
-{
-    double part[VXS_LANES];
-    vxs_store(part, vxs_lanes_of(256) * (at - floors));
-    for (int n = 0; n < VXS_LANES; n++) within[n] = part[n] > 0 ? (uint8_t)(part[n] < 255 ? part[n] : 255) : 0;
 }
 
 /* As vxs_between_taps. floors  of `at` */
@@ -159,7 +135,13 @@ static int find_voxels(const vxs_light *light, const coordinates *points, const 
             small &= vxs_abs_lanes(at) < limit;
             vxs_store(p.at[row] + n, at);
             vxs_store(p.voxel[row] + n, floors);
-            if (row < 2 && filter_px >= VXS_SMOOTH) find_within(at, floors, out->within[row] + n);
+            if (row < 2 && filter_px >= VXS_SMOOTH) {
+                /* as vxs_within */
+                uint8_t *within = out->within[row] + n;
+                double   part[VXS_LANES];
+                vxs_store(part, vxs_lanes_of(256) * (at - floors));
+                for (int k = 0; k < VXS_LANES; k++) within[k] = part[k] > 0 ? (uint8_t)(part[k] < 255 ? part[k] : 255) : 0;
+            }
         }
     for (int row = 0; row < 3 && normals; row++)
         for (int n = 0; n < CHUNK; n += VXS_LANES) {
@@ -186,7 +168,19 @@ static void find_places(const vxs_light *light, const coordinates *points, const
     int     sun = light->kind == VXS_LIGHT_KIND_DIRECTIONAL, bounded = (light->flags & VXS_LIGHT_BOUNDED) != 0;
     int32_t side  = 1 << light->levels;
     int     alike = sun && find_voxels(light, points, normals, filter_px, out);
-    for (size_t n = 0; n < count && !alike; n++) find_place(light, points, normals, n, filter_px, out);
+    for (size_t n = 0; n < count && !alike; n++) {
+        /* as for a single lookup */
+        double point[3], normal[3];
+        for (int axis = 0; axis < 3; axis++) {
+            point[axis]  = points->at[axis][n];
+            normal[axis] = normals ? normals->at[axis][n] : 0;
+        }
+        vxs_place place = vxs_place_from_ws(light, point, normal, filter_px);
+        for (int axis = 0; axis < 3; axis++) out->at[axis][n] = place.voxel[axis];
+        out->map[n]       = place.map;
+        out->within[0][n] = (uint8_t)place.across;
+        out->within[1][n] = (uint8_t)place.down;
+    }
     for (size_t n = 0; n < count && alike; n++) {
         int inside  = (uint32_t)out->at[0][n] < (uint32_t)side && (uint32_t)out->at[1][n] < (uint32_t)side;
         out->map[n] = inside && (!bounded || (uint32_t)out->at[2][n] < (uint32_t)side) ? 0 : -1;

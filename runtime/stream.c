@@ -38,12 +38,6 @@ static void collect(vxs_stream *s)
     }
 }
 
-/* Whether sizes of a page are possible: the page table may be hostile. */
-static int is_possible(const stream_page *page)
-{
-    return page->word_count >= 1 && page->word_count <= VXS_PAGE_WORDS_MAX && page->stored_bytes <= STORED_MAX;
-}
-
 /* Request a page that is among the nearest, if it is away and a request and a place are available. */
 static void ask_for(vxs_stream *s, uint32_t number)
 {
@@ -52,27 +46,6 @@ static void ask_for(vxs_stream *s, uint32_t number)
     if (!vxs_stream_can_ask(s) || !vxs_stream_room_take(s, number)) return;
     page->state = PAGE_COMING;
     vxs_stream_ask(s, number);
-}
-
-/* Mark the nearest pages that fit as kept, all of them before any page is evicted; then request those that are missing. */
-static void choose(vxs_stream *s, const vxs_stream_focus *foci, uint32_t count)
-{
-    uint32_t room = s->room_end - s->room_first, number, kept = 0;
-    vxs_stream_rank_pages(s, foci, count);
-    while (vxs_stream_next_nearest(s, &number)) {
-        stream_page *page  = &s->pages[number];
-        uint32_t     words = vxs_stream_room_words(page);
-        if (page->state == PAGE_BROKEN || words > s->room_end - s->room_first) continue;
-        if (!is_possible(page)) {
-            fail(s, number, VXS_E_CORRUPT, 504);
-            continue;
-        }
-        if (words > room) break;
-        room -= words;
-        page->kept                      = s->frame;
-        s->heap[s->page_count - ++kept] = number; /* the heap does not use this end any more */
-    }
-    for (uint32_t n = 0; n < kept; n++) ask_for(s, s->heap[s->page_count - 1 - n]);
 }
 
 /* status ---------------------------------------------------------------------------------------------------------------------- */
@@ -97,14 +70,6 @@ static void count_pages(vxs_stream *s)
     t->pages_wanted = s->wanted;
 }
 
-/* Copy the part of the status that the caller's struct has. */
-static void tell(const vxs_stream *s, vxs_stream_status *status)
-{
-    size_t given = status->struct_size, known = given ? given : STATUS_FIRST_BYTES;
-    memcpy(status, &s->status, known < sizeof *status ? known : sizeof *status);
-    status->struct_size = given;
-}
-
 vxs_result vxs_stream_frame(vxs_stream *s, const vxs_stream_focus *foci, uint32_t count, vxs_stream_status *status)
 {
     if (status && status->struct_size && status->struct_size < STATUS_FIRST_BYTES) return VXS_E_ARGUMENT;
@@ -113,13 +78,37 @@ vxs_result vxs_stream_frame(vxs_stream *s, const vxs_stream_focus *foci, uint32_
     s->change_count = 0;
     s->status       = (vxs_stream_status){.struct_size = sizeof s->status};
     collect(s);
-    choose(s, foci, count);
+
+    /* Mark the nearest pages that fit as kept, all of them before any page is evicted; then request those that are missing. */
+    uint32_t room = s->room_end - s->room_first, number, kept = 0;
+    vxs_stream_rank_pages(s, foci, count);
+    while (vxs_stream_next_nearest(s, &number)) {
+        stream_page *page  = &s->pages[number];
+        uint32_t     words = vxs_stream_room_words(page);
+        if (page->state == PAGE_BROKEN || words > s->room_end - s->room_first) continue;
+        /* the page table may be hostile */
+        if (!(page->word_count >= 1 && page->word_count <= VXS_PAGE_WORDS_MAX && page->stored_bytes <= STORED_MAX)) {
+            fail(s, number, VXS_E_CORRUPT, 504);
+            continue;
+        }
+        if (words > room) break;
+        room -= words;
+        page->kept                      = s->frame;
+        s->heap[s->page_count - ++kept] = number; /* the heap does not use this end any more */
+    }
+    for (uint32_t n = 0; n < kept; n++) ask_for(s, s->heap[s->page_count - 1 - n]);
+
     if (!s->desc.submit && !s->desc.threads) {
         vxs_stream_work_here(s, s->desc.decodes_per_frame ? s->desc.decodes_per_frame : 1);
         collect(s);
     }
     count_pages(s);
-    if (status) tell(s, status);
+    if (status) {
+        /* only the part that the caller's struct has */
+        size_t given = status->struct_size, known = given ? given : STATUS_FIRST_BYTES;
+        memcpy(status, &s->status, known < sizeof *status ? known : sizeof *status);
+        status->struct_size = given;
+    }
     return VXS_OK;
 }
 

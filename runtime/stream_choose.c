@@ -15,14 +15,6 @@
 /* Texels that a lookup reaches beyond its point: half a filter, and the bias of that filter (vxs_voxel). */
 static const double reach_px = VXS_FILTER_MAX / 2 + 1 + 1.2 * (VXS_FILTER_MAX + 1) / 2 + 1;
 
-/* Rank of a present page. It is reduced so that a page at equal distance, or a little nearer when the camera moves to and fro,
- * does not replace it. */
-static float rank_of_here(float rank)
-{
-    float nearer = 0.75f * rank - 1;
-    return nearer > 0 ? nearer : 0;
-}
-
 typedef struct extent {
     double min[3], max[3];
 } extent;
@@ -32,15 +24,6 @@ static float held(double x, double otherwise)
 {
     double limit = FAR_METRES;
     return (float)(x != x ? otherwise : x < -limit ? -limit : x > limit ? limit : x);
-}
-
-static void page_add(stream_page *page, const extent *e)
-{
-    for (int k = 0; k < 3; k++) {
-        float low = held(e->min[k], -FAR_METRES), high = held(e->max[k], FAR_METRES);
-        if (low < page->min[k]) page->min[k] = low;
-        if (high > page->max[k]) page->max[k] = high;
-    }
 }
 
 /* Depth range of a square: metres for a directional light, distance along the axis of the map for a spot or point light. Points
@@ -58,16 +41,6 @@ static void depth_range(const vxs_light *light, uint32_t bounds, double *nearest
     *nearest  = light->near_metres * exp(first * light->voxel_metres) * (1 - fmin(1, reach_px * light->texel_metres));
     *farthest = last ? FAR_METRES : light->near_metres * exp(end * light->voxel_metres) * (1 + reach_px * light->texel_metres);
     if (light->range_metres > 0) *farthest = fmin(*farthest, light->range_metres);
-}
-
-static void sun_extent(const vxs_light *light, const double from[2], const double to[2], double nearest, double farthest, extent *e)
-{
-    for (int k = 0; k < 2; k++) {
-        e->min[k] = from[k] * light->texel_metres;
-        e->max[k] = to[k] * light->texel_metres;
-    }
-    e->min[2] = nearest;
-    e->max[2] = farthest;
 }
 
 /* Bounding box of a part of a pyramid, from its corners. */
@@ -97,11 +70,21 @@ void vxs_stream_page_add_square(stream_page *page, const vxs_light *light, uint3
     double to[2]   = {256.0 * x + 256 + reach_px, 256.0 * y + 256 + reach_px};
     extent e;
     depth_range(light, bounds, &nearest, &farthest);
-    if (light->kind == VXS_LIGHT_KIND_DIRECTIONAL)
-        sun_extent(light, from, to, nearest, farthest, &e);
-    else
+    if (light->kind == VXS_LIGHT_KIND_DIRECTIONAL) {
+        for (int k = 0; k < 2; k++) {
+            e.min[k] = from[k] * light->texel_metres;
+            e.max[k] = to[k] * light->texel_metres;
+        }
+        e.min[2] = nearest;
+        e.max[2] = farthest;
+    } else
         lamp_extent(light, map, from, to, nearest, farthest, &e);
-    page_add(page, &e);
+
+    for (int k = 0; k < 3; k++) {
+        float low = held(e.min[k], -FAR_METRES), high = held(e.max[k], FAR_METRES);
+        if (low < page->min[k]) page->min[k] = low;
+        if (high > page->max[k]) page->max[k] = high;
+    }
 }
 
 /* A focus in the coordinates of page volumes. 0: the focus is invalid and requests nothing. */
@@ -123,31 +106,6 @@ static int focus_extent(const vxs_stream_focus *focus, const vxs_light *light, e
         e->max[k] = high * scale;
     }
     return 1;
-}
-
-/* Distance in metres from a focus to a page; 0 when they overlap. */
-static double distance_to(const stream_page *page, const extent *e)
-{
-    double sum = 0;
-    for (int k = 0; k < 3; k++) {
-        double gap = fmax(0, fmax(page->min[k] - e->max[k], e->min[k] - page->max[k]));
-        sum += gap * gap;
-    }
-    return sqrt(sum);
-}
-
-static void rank_pages_of(vxs_stream *s, uint32_t light, const vxs_stream_focus *focus)
-{
-    const stream_light *l = &s->lights[light];
-    extent              e;
-    if (!focus_extent(focus, &s->baked[light].light, &e)) return;
-    double radius = focus->radius_metres > 0 ? focus->radius_metres : DBL_MAX, weight = focus->weight > 0 ? focus->weight : 1;
-    for (uint32_t n = l->first_page; n < l->first_page + l->page_count; n++) {
-        double distance = distance_to(&s->pages[n], &e);
-        if (!(distance <= radius)) continue;
-        float rank = held(distance / weight, FAR_METRES);
-        if (rank < s->pages[n].rank) s->pages[n].rank = rank;
-    }
 }
 
 /* the nearest first: a binary heap of pages, by rank, then by number ---------------------------------------------------------- */
@@ -172,12 +130,35 @@ void vxs_stream_rank_pages(vxs_stream *s, const vxs_stream_focus *foci, uint32_t
 {
     for (uint32_t n = 0; n < s->page_count; n++) s->pages[n].rank = FLT_MAX;
     for (uint32_t light = 0; light < s->light_count; light++)
-        for (uint32_t n = 0; n < count; n++) rank_pages_of(s, light, &foci[n]);
+        for (uint32_t n = 0; n < count; n++) {
+            const stream_light *l = &s->lights[light];
+            extent              e;
+            if (!focus_extent(&foci[n], &s->baked[light].light, &e)) continue;
+            double radius = foci[n].radius_metres > 0 ? foci[n].radius_metres : DBL_MAX,
+                   weight = foci[n].weight > 0 ? foci[n].weight : 1;
+            for (uint32_t i = l->first_page; i < l->first_page + l->page_count; i++) {
+                /* distance in metres from the focus to the page; 0 when they overlap */
+                double sum = 0;
+                for (int k = 0; k < 3; k++) {
+                    double gap = fmax(0, fmax(s->pages[i].min[k] - e.max[k], e.min[k] - s->pages[i].max[k]));
+                    sum += gap * gap;
+                }
+                double distance = sqrt(sum);
+
+                if (!(distance <= radius)) continue;
+                float rank = held(distance / weight, FAR_METRES);
+                if (rank < s->pages[i].rank) s->pages[i].rank = rank;
+            }
+        }
     s->wanted = s->heap_count = 0;
     for (uint32_t n = 0; n < s->page_count; n++) {
         stream_page *page = &s->pages[n];
         if (page->rank == FLT_MAX) continue;
-        if (page->state == PAGE_HERE || page->state == PAGE_COMING) page->rank = rank_of_here(page->rank);
+        if (page->state == PAGE_HERE || page->state == PAGE_COMING) {
+            /* Reduced, so that a page at equal distance, or a little nearer when the camera moves to and fro, does not replace it. */
+            float nearer = 0.75f * page->rank - 1;
+            page->rank   = nearer > 0 ? nearer : 0;
+        }
         s->heap[s->heap_count++] = n;
     }
     s->wanted = s->heap_count;

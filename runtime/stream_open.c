@@ -160,20 +160,6 @@ static int fill_pages(opening *o, stream_light *light, const light_plan *plan)
     return 1;
 }
 
-/* Compute the volumes of pages from all squares that have a node in them; several squares may share a node. */
-static void measure_pages(vxs_stream *s, const stream_light *light, const vxs_light *record)
-{
-    const uint32_t *words = light->paged.resident.words;
-    uint32_t        side  = squares_of(record->levels);
-    for (uint32_t map = 0; map < light->paged.map_count; map++)
-        for (uint32_t y = 0; y < side; y++)
-            for (uint32_t x = 0; x < side; x++) {
-                uint32_t at = top_at(words, words[2 + map], record->levels, x, y), name = words[at];
-                if (name < top_uniform)
-                    vxs_stream_page_add_square(&s->pages[light->first_page + (name >> 16)], record, map, x, y, words[at + 1]);
-            }
-}
-
 static int fill_blocks(opening *o, stream_light *light, const light_plan *plan)
 {
     vxs_reader               *r       = &o->r;
@@ -194,7 +180,20 @@ static int fill_blocks(opening *o, stream_light *light, const light_plan *plan)
     int wrong = vxs_read_resident(paged, sizes, bytes, r->out.sections[section].stored_bytes, &o->s->tools[0].decode);
     if (wrong) return vxs_found(r, wrong, section, 0), 0;
     if (!fill_pages(o, light, plan)) return 0;
-    measure_pages(o->s, light, &baked->light);
+
+    /* Compute the volumes of pages from all squares that have a node in them; several squares may share a node. */
+    vxs_stream     *s     = o->s;
+    const uint32_t *words = light->paged.resident.words;
+    uint32_t        side  = squares_of(baked->light.levels);
+    for (uint32_t map = 0; map < light->paged.map_count; map++)
+        for (uint32_t y = 0; y < side; y++)
+            for (uint32_t x = 0; x < side; x++) {
+                uint32_t at = top_at(words, words[2 + map], baked->light.levels, x, y), name = words[at];
+                if (name < top_uniform)
+                    vxs_stream_page_add_square(&s->pages[light->first_page + (name >> 16)], &baked->light, map, x, y,
+                                               words[at + 1]);
+            }
+
     paged->resident.nodes      = NULL;
     paged->resident.page_first = NULL;
     paged->inflated            = NULL;
@@ -339,12 +338,6 @@ static int open_all(opening *o)
     return 0;
 }
 
-static int is_valid(const vxs_stream_desc *desc)
-{
-    return desc->threads <= VXS_STREAM_THREADS_MAX && desc->requests <= VXS_STREAM_REQUESTS_MAX &&
-           (!desc->bytes || desc->size_bytes <= SIZE_MAX);
-}
-
 void vxs_stream_close(vxs_stream *s)
 {
     if (!s) return;
@@ -361,7 +354,9 @@ vxs_result vxs_stream_open(vxs_stream **stream, const vxs_stream_desc *desc)
     const size_t    first  = offsetof(vxs_stream_desc, failed_user) + sizeof known.failed_user;
     vxs_result      result = vxs_desc_take(&known, sizeof known, first, desc);
     if (result != VXS_OK) return result;
-    if (!is_valid(&known)) return VXS_E_ARGUMENT;
+    if (!(known.threads <= VXS_STREAM_THREADS_MAX && known.requests <= VXS_STREAM_REQUESTS_MAX &&
+          (!known.bytes || known.size_bytes <= SIZE_MAX)))
+        return VXS_E_ARGUMENT;
     desc      = &known;
     opening o = {.desc = desc};
     if ((result = vxs_stream_source_open(&o.source, desc)) != VXS_OK) return result;

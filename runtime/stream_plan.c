@@ -68,32 +68,6 @@ static int find_light(const opening *o, const char *name, uint32_t *number)
     return 0;
 }
 
-static int choose_lights(opening *o)
-{
-    o->light_count = o->desc->light_names ? o->desc->light_name_count : o->r.out.light_count;
-    if (!o->light_count || o->light_count > VXS_LIGHTS_MAX) return o->r.result = VXS_E_ARGUMENT, 0;
-    if (!(o->lights = vxs_take(&o->r, o->light_count, sizeof *o->lights, -1))) return 0;
-    memset(o->lights, 0, o->light_count * sizeof *o->lights);
-    for (uint32_t n = 0; n < o->light_count; n++) {
-        o->lights[n].number = n;
-        if (o->desc->light_names && !find_light(o, o->desc->light_names[n], &o->lights[n].number))
-            return o->r.result = VXS_E_ARGUMENT, 0;
-    }
-    return 1;
-}
-
-/* Plan a DAG. It has no pages. Temporary memory holds its inflated levels and masks, and a list of node starts. */
-static void plan_dag(opening *o, light_plan *l)
-{
-    l->word_count = o->r.out.lights[l->number].word_count;
-    for (uint32_t n = 0; n < o->r.out.section_count; n++) {
-        const vxs_section *s = &o->r.out.sections[n];
-        if (s->light != l->number || !vxs_is_dag_section(s->kind)) continue;
-        l->work_bytes = sum_or_max(l->work_bytes, sum_or_max(s->stored_bytes, s->inflated_bytes));
-        l->work_bytes = sum_or_max(l->work_bytes, sum_or_max(s->inflated_bytes, sum_or_max(s->inflated_bytes, 256)));
-    }
-}
-
 static int plan_blocks(opening *o, light_plan *l)
 {
     vxs_reader            *r     = &o->r;
@@ -137,12 +111,28 @@ static int plan_smoke(opening *o, light_plan *l)
 
 int vxs_stream_plan(opening *o)
 {
-    if (!choose_lights(o)) return 0;
+    o->light_count = o->desc->light_names ? o->desc->light_name_count : o->r.out.light_count;
+    if (!o->light_count || o->light_count > VXS_LIGHTS_MAX) return o->r.result = VXS_E_ARGUMENT, 0;
+    if (!(o->lights = vxs_take(&o->r, o->light_count, sizeof *o->lights, -1))) return 0;
+    memset(o->lights, 0, o->light_count * sizeof *o->lights);
+    for (uint32_t n = 0; n < o->light_count; n++) {
+        o->lights[n].number = n;
+        if (o->desc->light_names && !find_light(o, o->desc->light_names[n], &o->lights[n].number))
+            return o->r.result = VXS_E_ARGUMENT, 0;
+    }
+
     for (uint32_t n = 0; n < o->light_count; n++) {
         light_plan *l = &o->lights[n];
-        if (o->r.out.lights[l->number].light.coding != VXS_CODING_BLOCKS)
-            plan_dag(o, l);
-        else if (!plan_blocks(o, l))
+        if (o->r.out.lights[l->number].light.coding != VXS_CODING_BLOCKS) {
+            /* Plan a DAG. It has no pages. Temporary memory holds its inflated levels and masks, and a list of node starts. */
+            l->word_count = o->r.out.lights[l->number].word_count;
+            for (uint32_t k = 0; k < o->r.out.section_count; k++) {
+                const vxs_section *s = &o->r.out.sections[k];
+                if (s->light != l->number || !vxs_is_dag_section(s->kind)) continue;
+                l->work_bytes = sum_or_max(l->work_bytes, sum_or_max(s->stored_bytes, s->inflated_bytes));
+                l->work_bytes = sum_or_max(l->work_bytes, sum_or_max(s->inflated_bytes, sum_or_max(s->inflated_bytes, 256)));
+            }
+        } else if (!plan_blocks(o, l))
             return 0;
         if (!plan_smoke(o, l)) return 0;
         o->resident_words += l->word_count + (uint64_t)l->smoke.word_count;

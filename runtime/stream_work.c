@@ -115,23 +115,6 @@ static void *run_thread(void *work)
 
 static void run_job(void *job);
 
-/* Submit jobs to the caller's threads, as many as there are queued requests and idle tools. Called and returns with the lock
- * held. */
-static void submit_jobs(vxs_stream *s)
-{
-    uint32_t queued = 0;
-    for (uint32_t n = 0; n < s->request_count; n++) queued += s->requests[n].state == REQUEST_QUEUED;
-    for (uint32_t n = 0; n < s->tool_count; n++) queued -= s->tools[n].busy == 1 && queued;
-    for (uint32_t n = 0; n < s->tool_count && queued; n++) {
-        if (s->tools[n].busy) continue;
-        s->tools[n].busy = 1;
-        queued--;
-        os_unlock(&s->lock);
-        s->desc.submit(s->desc.submit_user, run_job, &s->tools[n]);
-        os_lock(&s->lock);
-    }
-}
-
 static void run_job(void *job)
 {
     stream_tools *tools = job;
@@ -148,7 +131,21 @@ static void run_job(void *job)
 static void call_for_work(vxs_stream *s)
 {
     os_wake_all(&s->work);
-    if (s->desc.submit) submit_jobs(s);
+    if (s->desc.submit) {
+        /* Submit jobs to the caller's threads, as many as there are queued requests and idle tools. Called and returns with the
+         * lock held. */
+        uint32_t queued = 0;
+        for (uint32_t n = 0; n < s->request_count; n++) queued += s->requests[n].state == REQUEST_QUEUED;
+        for (uint32_t n = 0; n < s->tool_count; n++) queued -= s->tools[n].busy == 1 && queued;
+        for (uint32_t n = 0; n < s->tool_count && queued; n++) {
+            if (s->tools[n].busy) continue;
+            s->tools[n].busy = 1;
+            queued--;
+            os_unlock(&s->lock);
+            s->desc.submit(s->desc.submit_user, run_job, &s->tools[n]);
+            os_lock(&s->lock);
+        }
+    }
 }
 
 void vxs_stream_read_done(vxs_stream_request *r, int ok)
@@ -208,11 +205,6 @@ void vxs_stream_release(vxs_stream_request *r)
 
 /* start, wait, end ------------------------------------------------------------------------------------------------------------ */
 
-static int has_threads(const vxs_stream *s)
-{
-    return s->thread_count || s->desc.submit;
-}
-
 /* Whether a job or request will end by itself; queued: 1: count queued requests too. */
 static int is_busy(const vxs_stream *s, int queued)
 {
@@ -227,7 +219,7 @@ static int is_busy(const vxs_stream *s, int queued)
 
 void vxs_stream_wait(vxs_stream *s)
 {
-    if (!has_threads(s)) return;
+    if (!(s->thread_count || s->desc.submit)) return;
     os_lock(&s->lock);
     while (is_busy(s, 1)) os_wait(&s->rest, &s->lock);
     os_unlock(&s->lock);

@@ -30,15 +30,20 @@ static uint32_t place_of(int32_t tile_x, int32_t tile_y)
     return (uint32_t)((tile_x & (VXS_CACHE_TILES - 1)) | (tile_y & (VXS_CACHE_TILES - 1)) * VXS_CACHE_TILES);
 }
 
-static uint32_t tag_of(uint32_t map, int32_t tile_x, int32_t tile_y)
+/* Decode a tile into the cache; 0: its page is missing. */
+static int keep_tile(vxs_tap_cache *c, uint32_t map, int32_t tile_x, int32_t tile_y)
 {
-    return 1 + ((uint32_t)tile_x | (uint32_t)tile_y << 12 | map << 24);
-}
+    int32_t              depth[64];
+    uint32_t             place = place_of(tile_x, tile_y);
+    const vxs_blocks_map m     = {c->baked->words, map, c->baked->light.levels};
+    if (map != c->cursor_map) c->cursor.block = 0;
+    c->cursor_map = map;
+    int found     = vxs_tile_depths(m, &c->cursor, tile_x, tile_y, depth);
+    if (found == VXS_TILE_MISSING) return 0;
 
-static void keep_depths(vxs_tap_cache *c, uint32_t place, const int32_t depth[64], int whole)
-{
-    int32_t  x  = (int32_t)(place % VXS_CACHE_TILES) * 8;
-    int16_t *to = c->depth + place / VXS_CACHE_TILES * 8 * VXS_CACHE_PITCH + x, less[64], least, greatest;
+    int      whole = found == VXS_TILE_WHOLE;
+    int32_t  x     = (int32_t)(place % VXS_CACHE_TILES) * 8;
+    int16_t *to    = c->depth + place / VXS_CACHE_TILES * 8 * VXS_CACHE_PITCH + x, less[64], least, greatest;
     for (int n = 0; n < 64; n++) less[n] = (int16_t)((whole ? depth[0] : depth[n]) - 1);
     least = greatest = less[0];
     for (int n = 0; n < 64; n++) {
@@ -51,19 +56,7 @@ static void keep_depths(vxs_tap_cache *c, uint32_t place, const int32_t depth[64
         memcpy(to, less + 8 * y, 8 * sizeof *to);
         if (x < VXS_CACHE_PITCH - VXS_CACHE_PX) memcpy(to + VXS_CACHE_PX, to, 8 * sizeof *to);
     }
-}
 
-/* Decode a tile into the cache; 0: its page is missing. */
-static int keep_tile(vxs_tap_cache *c, uint32_t map, int32_t tile_x, int32_t tile_y)
-{
-    int32_t              depth[64];
-    uint32_t             place = place_of(tile_x, tile_y);
-    const vxs_blocks_map m     = {c->baked->words, map, c->baked->light.levels};
-    if (map != c->cursor_map) c->cursor.block = 0;
-    c->cursor_map = map;
-    int found     = vxs_tile_depths(m, &c->cursor, tile_x, tile_y, depth);
-    if (found == VXS_TILE_MISSING) return 0;
-    keep_depths(c, place, depth, found == VXS_TILE_WHOLE);
     return 1;
 }
 
@@ -164,18 +157,12 @@ static void spend(vxs_tap_cache *c, int32_t price)
 /* Ensure that a tile is in the cache; 0: its page is missing. */
 static inline int have_tile(vxs_tap_cache *c, uint32_t map, int32_t tile_x, int32_t tile_y, int32_t price)
 {
-    uint32_t place = place_of(tile_x, tile_y), tag = tag_of(map, tile_x, tile_y);
+    uint32_t place = place_of(tile_x, tile_y), tag = 1 + ((uint32_t)tile_x | (uint32_t)tile_y << 12 | map << 24);
     if (c->tag[place] == tag) return 1;
     spend(c, price);
     if (!keep_tile(c, map, tile_x, tile_y)) return 0;
     c->tag[place] = tag;
     return 1;
-}
-
-static inline uint32_t tap(vxs_tap_cache *c, uint32_t map, int32_t i, int32_t j, int32_t k)
-{
-    if (!have_tile(c, map, i >> 3, j >> 3, PRICE_FOR_TAP)) return walked(c, map, i, j, k, 1);
-    return c->depth[(j & (VXS_CACHE_PX - 1)) * VXS_CACHE_PITCH + (i & (VXS_CACHE_PX - 1))] < k;
 }
 
 /* A rectangle of texels of a map, x1 and y1 included. */
@@ -209,7 +196,10 @@ uint32_t vxs_cached_taps(vxs_tap_cache *c, uint32_t map, int32_t i, int32_t j, i
     if (x0 < 0 || y0 < 0 || i > last || j > last) return walked(c, map, i, j, k, filter_px);
 
     earn(c);
-    if (filter_px == 1) return tap(c, map, i, j, k);
+    if (filter_px == 1) {
+        if (!have_tile(c, map, i >> 3, j >> 3, PRICE_FOR_TAP)) return walked(c, map, i, j, k, 1);
+        return c->depth[(j & (VXS_CACHE_PX - 1)) * VXS_CACHE_PITCH + (i & (VXS_CACHE_PX - 1))] < k;
+    }
     kind found = look_at_tiles(c, map, (texels){x0, y0, i + half_px, j + half_px}, k);
     if (found == MISSING) return walked(c, map, i, j, k, filter_px);
     if (found != MIXED) return found == DARK ? (uint32_t)(filter_px * filter_px) : 0;
