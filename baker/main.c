@@ -28,9 +28,9 @@ static const command_entry *next_command(const command_entry *c)
 /* Help of vxs itself: a head, the part that each command prints, and a tail. */
 static int print_help(const char *format_word)
 {
-    message m      = {0};
-    int     format = choice_index(HELP_FORMATS_OF_ALL, format_word), status = 0;
-    char    part[32], part_option[sizeof part + sizeof "--help="];
+    run_context m      = {0};
+    int         format = choice_index(HELP_FORMATS_OF_ALL, format_word), status = 0;
+    char        part[32], part_option[sizeof part + sizeof "--help="];
     if (format < 0)
         return command_end(&m, fail(&m, VXS_E_ARGUMENT, "--help %s: expected one of %s", format_word, HELP_FORMATS_OF_ALL));
     snprintf(part_option, sizeof part_option, "--help=%s", choice_word(part, HELP_FORMATS, help_part(format)));
@@ -51,9 +51,9 @@ static int no_command(void)
 
 static int unknown_command(const char *name)
 {
-    message m    = {0};
-    nearest near = {.typed = name};
-    char    meant[64];
+    run_context m    = {0};
+    nearest     near = {.typed = name};
+    char        meant[64];
     for (const command_entry *c = NULL; (c = next_command(c));) nearest_try(&near, c->name, strlen(c->name));
     nearest_try(&near, "help", strlen("help"));
     nearest_try(&near, "version", strlen("version"));
@@ -63,7 +63,7 @@ static int unknown_command(const char *name)
 
 static int run(int argc, char **argv)
 {
-    message     m    = {0};
+    run_context m    = {0};
     const char *name = argc >= 2 ? argv[1] : "";
     if (argc < 2) return no_command();
     if (!strcmp(name, "help") && argc > 3)

@@ -38,7 +38,7 @@ typedef struct city_options {
  * walls and over streets. None is inside a box. Cones of 20 to 60 degrees from the axis to the edge, 15 to 40 m of range.
  * s  [out] zeroed on failure; released with glb_scene_free.
  * Returns VXS_OK, VXS_E_MEMORY, VXS_E_ARGUMENT (too many triangles for so few blocks). */
-vxs_result generate_city(glb_scene *s, const city_options *o, message *m);
+vxs_result generate_city(glb_scene *s, const city_options *o, run_context *m);
 
 typedef struct landscape_options {
     uint32_t triangles; /* [GENERATE_TRIANGLES_MIN, GENERATE_TRIANGLES_MAX], met within 2% */
@@ -50,7 +50,7 @@ typedef struct landscape_options {
 
 /* Fractal terrain as one closed mesh: a heightfield, skirts, and a flat bottom.
  * s  [out] zeroed on failure; released with glb_scene_free.  Returns VXS_OK, VXS_E_MEMORY. */
-vxs_result generate_landscape(glb_scene *s, const landscape_options *o, message *m);
+vxs_result generate_landscape(glb_scene *s, const landscape_options *o, run_context *m);
 
 typedef struct room_options {
     uint32_t triangles; /* [GENERATE_TRIANGLES_MIN, GENERATE_TRIANGLES_MAX], met within 2% */
@@ -62,7 +62,7 @@ typedef struct room_options {
  * Furniture, hanging objects and the objects beyond the door are closed solids, except the lampshade, an open sheet. A point
  * light "lamp" in the shade, a spot "corner" under the ceiling; no sun. Neither light is inside a solid.
  * s  [out] zeroed on failure; released with glb_scene_free.  Returns VXS_OK, VXS_E_MEMORY. */
-vxs_result generate_room(glb_scene *s, const room_options *o, message *m);
+vxs_result generate_room(glb_scene *s, const room_options *o, run_context *m);
 
 typedef struct forest_options {
     uint32_t triangles; /* [GENERATE_TRIANGLES_MIN, GENERATE_TRIANGLES_MAX], met within 2% */
@@ -76,7 +76,7 @@ typedef struct forest_options {
 /* Trees on hilly ground. The ground, trunks and branches are closed solids; each branch intersects its trunk, and each trunk the
  * ground. Leaves are cards, two triangles each, of a double-sided MASK material whose image is about half transparent.
  * s  [out] zeroed on failure; released with glb_scene_free.  Returns VXS_OK, VXS_E_MEMORY. */
-vxs_result generate_forest(glb_scene *s, const forest_options *o, message *m);
+vxs_result generate_forest(glb_scene *s, const forest_options *o, run_context *m);
 
 typedef struct smoke_options {
     uint32_t capsules; /* [SMOKE_MIN, SMOKE_MAX] */
@@ -90,20 +90,20 @@ typedef struct smoke_options {
  * them. The smoke has `capsules` points, of three materials; its density does not depend on their number. All other objects are
  * closed solids.
  * s  [out] zeroed on failure; released with glb_scene_free.  Returns VXS_OK, VXS_E_MEMORY. */
-vxs_result generate_smoke(glb_scene *s, const smoke_options *o, message *m);
+vxs_result generate_smoke(glb_scene *s, const smoke_options *o, run_context *m);
 
 /* A head with hair on a table, and a thread of smoke beside it, between two spots, "lamp" and "behind". Three in four capsules
  * are parts of strands, eight for each strand; the others are puffs of smoke. All other objects are closed solids.
  * s  [out] as above.  Returns VXS_OK, VXS_E_MEMORY. */
-vxs_result generate_hair(glb_scene *s, const smoke_options *o, message *m);
+vxs_result generate_hair(glb_scene *s, const smoke_options *o, run_context *m);
 
 /* Edge cases for a baker, some of them broken on purpose (scenes/README.md, "Stress").
  * name  one of stress_name
  * s     [out] zeroed on failure; released with glb_scene_free.  Returns VXS_OK, VXS_E_MEMORY, VXS_E_ARGUMENT (no such case). */
-vxs_result generate_stress(glb_scene *s, const char *name, message *m);
+vxs_result generate_stress(glb_scene *s, const char *name, run_context *m);
 
 /* Returns VXS_OK, or VXS_E_ARGUMENT with the names of all cases in the message. */
-vxs_result stress_check(const char *name, message *m);
+vxs_result stress_check(const char *name, run_context *m);
 
 /* The name of case i, and its purpose; NULL after the last. */
 const char *stress_name(size_t i);

@@ -477,7 +477,7 @@ static bool make_block(parts *p, const city_options *o, uint64_t index, uint32_t
     return true;
 }
 
-vxs_result generate_city(glb_scene *s, const city_options *o, message *m)
+vxs_result generate_city(glb_scene *s, const city_options *o, run_context *m)
 {
     const size_t   boxes  = (o->triangles + BOX_TRIANGLES / 2) / BOX_TRIANGLES;
     const uint64_t blocks = (uint64_t)o->blocks * o->blocks, shared = boxes - 1;

@@ -164,7 +164,7 @@ static double terrain_height(const glb_scene *s, const landscape_options *o, dou
     return far_corner + du * (beside - far_corner) + dv * (above - far_corner);
 }
 
-vxs_result generate_landscape(glb_scene *s, const landscape_options *o, message *m)
+vxs_result generate_landscape(glb_scene *s, const landscape_options *o, run_context *m)
 {
     grid  g = grid_from_triangles(o->triangles);
     parts p = parts_begin(s, "landscape");
@@ -355,7 +355,7 @@ static void add_trees(parts *p, const landscape_options *ground, uint32_t triang
     }
 }
 
-vxs_result generate_forest(glb_scene *s, const forest_options *o, message *m)
+vxs_result generate_forest(glb_scene *s, const forest_options *o, run_context *m)
 {
     landscape_options ground = {
         o->triangles / GROUND_SHARE, o->seed, o->size_metres, o->size_metres / 12, {o->sun[0], o->sun[1], o->sun[2]}};

@@ -54,7 +54,7 @@ static void drop_empty_mesh(glb_scene *s)
     if (s->mesh_count && !s->meshes[s->mesh_count - 1].triangle_count) s->mesh_count--;
 }
 
-vxs_result parts_end(parts *p, message *m)
+vxs_result parts_end(parts *p, run_context *m)
 {
     glb_scene *s = p->s;
     if (s->texcoords) reserve_texcoords(p, s->vertex_count);

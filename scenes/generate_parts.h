@@ -39,7 +39,7 @@ parts parts_begin(glb_scene *s, const char *name);
 parts parts_continue(glb_scene *s);
 
 /* Returns VXS_OK, or VXS_E_MEMORY with the scene released and zeroed. Removes the last mesh if it is empty. */
-vxs_result parts_end(parts *p, message *m);
+vxs_result parts_end(parts *p, run_context *m);
 
 /* Begin a new mesh for the following shapes. material: as in glb_mesh. */
 void parts_mesh(parts *p, const char *name, uint32_t material);

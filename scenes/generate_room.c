@@ -189,7 +189,7 @@ static void add_round_things(parts *p, rng r, uint32_t triangles)
 
 /* ---- the room ---- */
 
-vxs_result generate_room(glb_scene *s, const room_options *o, message *m)
+vxs_result generate_room(glb_scene *s, const room_options *o, run_context *m)
 {
     parts    p     = parts_begin(s, "room");
     uint32_t cloth = parts_material(&p, (glb_material){.name = "cloth", .double_sided = 1});

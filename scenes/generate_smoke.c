@@ -152,7 +152,7 @@ static void add_houses(parts *p, uint32_t stone, uint32_t plaster)
     }
 }
 
-vxs_result generate_smoke(glb_scene *s, const smoke_options *o, message *m)
+vxs_result generate_smoke(glb_scene *s, const smoke_options *o, run_context *m)
 {
     parts    p     = parts_begin(s, "smoke");
     uint32_t stone = paint(&p, "stone", 0.42, 0.40, 0.38), plaster = paint(&p, "plaster", 0.66, 0.60, 0.52);
@@ -262,7 +262,7 @@ static void add_head(parts *p, uint32_t skin)
     parts_tube(p, (double[3]){head_at[0], 0.75, head_at[2]}, 0.15, (double[3]){head_at[0], 0.87, head_at[2]}, 0.07, 24);
 }
 
-vxs_result generate_hair(glb_scene *s, const smoke_options *o, message *m)
+vxs_result generate_hair(glb_scene *s, const smoke_options *o, run_context *m)
 {
     static const column thread = {"smoke", {0.36, 0.77, -0.05}, 0.75, 0.012, 0.13, {-0.16, 0.03}, 1.4, {0.9, 0.9, 0.92}};
     parts               p      = parts_begin(s, "hair");

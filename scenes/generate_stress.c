@@ -568,7 +568,7 @@ const char *stress_purpose(size_t i)
     return i < CASES ? cases[i].purpose : NULL;
 }
 
-vxs_result stress_check(const char *name, message *m)
+vxs_result stress_check(const char *name, run_context *m)
 {
     char   names[768] = "";
     size_t used       = 0;
@@ -580,7 +580,7 @@ vxs_result stress_check(const char *name, message *m)
     return fail(m, VXS_E_ARGUMENT, "--case %s: expected one of %s", name, names);
 }
 
-vxs_result generate_stress(glb_scene *s, const char *name, message *m)
+vxs_result generate_stress(glb_scene *s, const char *name, run_context *m)
 {
     *s = (glb_scene){0};
     for (size_t i = 0; i < CASES; i++) {

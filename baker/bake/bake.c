@@ -42,7 +42,7 @@ static double scatter(const casters *c, uint32_t count, double *places_ws, float
 /* Scatter `count` points over the triangles, uniformly by area.
  * view  [out] the caller owns its points: free((void *)view->places_ws)
  * Returns VXS_OK, VXS_E_MEMORY; VXS_E_SCENE if the triangles have no area. */
-static vxs_result bake_points(vxs_points_view *view, const casters *c, uint32_t count, message *m)
+static vxs_result bake_points(vxs_points_view *view, const casters *c, uint32_t count, run_context *m)
 {
     double         *places_ws = malloc(3 * (size_t)count * sizeof *places_ws);
     float          *positions = malloc(3 * c->vertex_count * sizeof *positions);
@@ -120,11 +120,11 @@ static vxs_result bake_planned(const bake_options *o, const bake_plan *plan, con
     chosen_coder  coding;
     chosen_coder_init(&coding, o, plan->compress, picture);
     stage_begin(ctx, STAGE_GL);
-    vxs_result r = light_columns_init(&columns, device, o, plan, planned, c, picture, ctx->message);
+    vxs_result r = light_columns_init(&columns, device, o, plan, planned, c, picture, ctx->run);
     stage_begin(ctx, STAGE_NONE);
     if (r == VXS_OK) {
         column_source source = light_columns_source(&columns);
-        r                    = kept_light_source(&keeper, kept, &source, &planned->light, light, ctx->message);
+        r                    = kept_light_source(&keeper, kept, &source, &planned->light, light, ctx->run);
         if (r == VXS_OK) r = bake_light(planned, &source, &coding.coder, is_baked_apart(o) ? NULL : out, ctx);
     }
     report_light(light, planned, &columns, &coding, plan->tile_px);
@@ -142,7 +142,7 @@ static vxs_result bake_next(const bake_options *o, const plan_light *planned, co
     light_picture picture = {0};
     int           wanted  = is_picture_wanted(o, report->plan, planned);
     vxs_result    r       = VXS_OK;
-    if (wanted) r = light_picture_init(&picture, baked, 1u << planned->light.levels, planned->map_count, ctx->message);
+    if (wanted) r = light_picture_init(&picture, baked, 1u << planned->light.levels, planned->map_count, ctx->run);
     if (r == VXS_OK)
         r = bake_planned(o, report->plan, planned, c, device, kept, wanted ? &picture : NULL, &coded[baked], &report->lights[baked],
                          ctx);
@@ -155,7 +155,7 @@ static vxs_result bake_next(const bake_options *o, const plan_light *planned, co
 
 /* Mesa and LLVM crash if the address space is exhausted (ulimit -v), so they are not started if this may happen. In addition to
  * counted memory, they map libraries, code, and a stack and a heap for each thread. */
-static vxs_result check_address_space(const bake_options *o, const bake_plan *plan, message *m)
+static vxs_result check_address_space(const bake_options *o, const bake_plan *plan, run_context *m)
 {
     uint64_t bytes = ((uint64_t)450 << 20) + o->threads * ((uint64_t)72 << 20) + plan->peak_bytes;
     char     needed[32];
@@ -172,10 +172,10 @@ static vxs_result begin_rendering(void **device, const bake_options *o, bake_rep
     vxs_result   r     = VXS_OK;
     *device            = NULL;
     if (o->maps != MAPS_SPARSE) {
-        if (!o->renderer) return fail(ctx->message, VXS_E_GL, "this program bakes straight from triangles alone: it has no OpenGL");
-        if ((r = check_address_space(o, report->plan, ctx->message)) != VXS_OK) return r;
+        if (!o->renderer) return fail(ctx->run, VXS_E_GL, "this program bakes straight from triangles alone: it has no OpenGL");
+        if ((r = check_address_space(o, report->plan, ctx->run)) != VXS_OK) return r;
         stage_begin(ctx, STAGE_GL);
-        r = o->renderer->create(device, &names, o->gl, o->threads, ctx->message);
+        r = o->renderer->create(device, &names, o->gl, o->threads, ctx->run);
         stage_begin(ctx, STAGE_NONE);
     }
     memcpy(report->renderer, names.renderer, sizeof report->renderer);
@@ -189,7 +189,7 @@ static vxs_result bake_lights(const bake_options *o, const casters *c, coded_lig
     const bake_plan *plan = report->plan;
     void            *device;
     vxs_result       r = begin_rendering(&device, o, report, ctx);
-    if (r == VXS_OK) r = kept_squares_open(kept, o, report, ctx->message);
+    if (r == VXS_OK) r = kept_squares_open(kept, o, report, ctx->run);
     ctx->total_seconds = plan->total_seconds;
     for (int s = STAGE_LOAD; s <= STAGE_GL; s++) ctx->past_seconds += plan->seconds[s];
     for (size_t n = 0; n < plan->light_count && r == VXS_OK; n++)
@@ -209,17 +209,17 @@ static vxs_result bake_file(const bake_options *o, const casters *c, kept_square
     vxs_result      r      = VXS_E_MEMORY;
     report->lights         = calloc(count, sizeof *report->lights);
     if (!coded || !report->lights) {
-        fail(ctx->message, r, "out of memory for %zu lights", count);
+        fail(ctx->run, r, "out of memory for %zu lights", count);
         goto done;
     }
     if ((r = bake_lights(o, c, coded, kept, report, ctx)) != VXS_OK) goto done;
-    report->warning_count = ctx->message->warning_count - report->warnings_before - kept->store.warnings;
+    report->warning_count = ctx->run->warning_count - report->warnings_before - kept->store.warnings;
     if (is_baked_apart(o)) goto done;
     watch_say(o->watch, "compressing the file");
     stage_begin(ctx, STAGE_ENCODE);
     text = provenance_text(report);
-    if (o->points && (r = bake_points(&points, c, o->points, ctx->message)) != VXS_OK) goto done;
-    r = asset_encode(o, coded, report->light_count, text, o->points ? &points : NULL, file, ctx->message);
+    if (o->points && (r = bake_points(&points, c, o->points, ctx->run)) != VXS_OK) goto done;
+    r = asset_encode(o, coded, report->light_count, text, o->points ? &points : NULL, file, ctx->run);
     if (r != VXS_OK) goto done;
     stage_begin(ctx, STAGE_NONE);
     r = context_check(ctx);
@@ -236,7 +236,7 @@ static vxs_result bake_smoke(const bake_options *o, const smoke_source *source, 
                              bake_context *ctx)
 {
     smoke_counts *counts = calloc(report->light_count, sizeof *counts);
-    if (!counts) return fail(ctx->message, VXS_E_MEMORY, "out of memory for the smoke of %u lights", report->light_count);
+    if (!counts) return fail(ctx->run, VXS_E_MEMORY, "out of memory for the smoke of %u lights", report->light_count);
     stage_begin(ctx, STAGE_SMOKE);
     vxs_result r = smoke_bake(file, source, &o->smoke, (int)o->zstd_level, counts, ctx);
     stage_begin(ctx, STAGE_NONE);
@@ -245,7 +245,7 @@ static vxs_result bake_smoke(const bake_options *o, const smoke_source *source, 
     return r;
 }
 
-static vxs_result judge_lights(const light_choice *chosen, message *m)
+static vxs_result judge_lights(const light_choice *chosen, run_context *m)
 {
     if (chosen->count > VXS_LIGHTS_MAX)
         return fail(m, VXS_E_ARGUMENT,
@@ -255,7 +255,7 @@ static vxs_result judge_lights(const light_choice *chosen, message *m)
     return VXS_OK;
 }
 
-static void warn_about_scene(const bake_options *o, const bake_scene *s, const light_choice *chosen, message *m)
+static void warn_about_scene(const bake_options *o, const bake_scene *s, const light_choice *chosen, run_context *m)
 {
     const casters *c       = &s->casters;
     int            has_sun = 0;
@@ -268,19 +268,19 @@ static void warn_about_scene(const bake_options *o, const bake_scene *s, const l
 }
 
 /* Whether the output was made from the same input and is kept. A strict run would not have written an output with warnings. */
-static int is_unchanged(const bake_options *o, bake_report *report, const message *m)
+static int is_unchanged(const bake_options *o, bake_report *report, const run_context *m)
 {
     return o->if_changed && provenance_is_current(o->output_path, report->inputs, &report->file_bytes, &report->warning_count) &&
            !(m->strict && report->warning_count);
 }
 
-vxs_result bake_check_outputs(const bake_options *o, message *m)
+vxs_result bake_check_outputs(const bake_options *o, run_context *m)
 {
     vxs_result r = o->output_path ? output_file_check(o->output_path, m) : VXS_OK;
     return r == VXS_OK && o->page_path ? output_file_check(o->page_path, m) : r;
 }
 
-vxs_result bake_add_folder(const bake_options *o, const char *option, message *m)
+vxs_result bake_add_folder(const bake_options *o, const char *option, run_context *m)
 {
     return o->resume_path ? run_files_add_folder(option, o->resume_path, SQUARE_STORE_NAMES, m) : VXS_OK;
 }
@@ -290,14 +290,14 @@ static vxs_result begin_scene(const bake_options *o, bake_scene *s, light_choice
 {
     light_question question = {&o->light_names, &o->suns, chosen, judge_lights};
     scene_check    check    = light_question_check(&question);
-    return o->prepared ? check.check(check.user, &s->scene, ctx->message) : bake_scene_read(s, o, &check, ctx);
+    return o->prepared ? check.check(check.user, &s->scene, ctx->run) : bake_scene_read(s, o, &check, ctx);
 }
 
 /* Prepare a bake up to its plan; or find that the output is up to date. */
 static vxs_result prepare(const bake_options *o, bake_scene *s, bake_report *report, bake_context *ctx)
 {
     light_choice chosen = {0};
-    message     *m      = ctx->message;
+    run_context *m      = ctx->run;
     vxs_result   r;
     report->warnings_before = m->warning_count;
     stage_begin(ctx, STAGE_LOAD);
@@ -310,7 +310,7 @@ static vxs_result prepare(const bake_options *o, bake_scene *s, bake_report *rep
 
     if (!o->prepared && (r = bake_scene_find_casters(s, o, ctx)) != VXS_OK) goto done;
     warn_about_scene(o, s, &chosen, m);
-    if ((r = message_check(m)) != VXS_OK) goto done;
+    if ((r = run_check(m)) != VXS_OK) goto done;
 
     stage_begin(ctx, STAGE_PLAN);
     if ((r = context_check(ctx)) != VXS_OK) goto done;
@@ -322,16 +322,16 @@ static vxs_result prepare(const bake_options *o, bake_scene *s, bake_report *rep
     if ((r = plan_make(report->plan, o, &s->casters, &s->scene, &chosen, s->file_bytes, m)) != VXS_OK) goto done;
     if ((r = bake_report_begin(report, &s->scene, &s->casters, m)) != VXS_OK) goto done;
     stage_begin(ctx, STAGE_NONE);
-    if ((r = message_check(m)) != VXS_OK) goto done;
+    if ((r = run_check(m)) != VXS_OK) goto done;
     r = context_check(ctx);
 done:
     light_choice_free(&chosen);
     return r;
 }
 
-static bake_context context_of(const bake_options *o, message *m)
+static bake_context context_of(const bake_options *o, run_context *m)
 {
-    return (bake_context){.message      = m,
+    return (bake_context){.run          = m,
                           .threads      = o->threads,
                           .watch        = o->watch,
                           .subject      = o->scene_path,
@@ -347,7 +347,7 @@ static void report_stages(bake_report *report, const bake_context *ctx)
     report->total_seconds   = clock_seconds() - ctx->begun - report->picture_seconds;
 }
 
-vxs_result bake(const bake_options *o, const bake_observer *observer, bake_report *report, message *m)
+vxs_result bake(const bake_options *o, const bake_observer *observer, bake_report *report, run_context *m)
 {
     bake_context ctx = context_of(o, m);
     bake_scene   own = {0}, *s = o->prepared ? o->prepared : &own;
@@ -383,7 +383,7 @@ done:
     return r;
 }
 
-vxs_result bake_plan_only(const bake_options *o, bake_report *report, message *m)
+vxs_result bake_plan_only(const bake_options *o, bake_report *report, run_context *m)
 {
     bake_context ctx = context_of(o, m);
     bake_scene   s   = {0};

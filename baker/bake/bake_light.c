@@ -38,12 +38,12 @@ vxs_result bake_light(const plan_light *planned, const column_source *source, co
     stage_begin(ctx, STAGE_MERGE);
     if (r == VXS_OK && out) r = coder->finish(coder->data, out);
     stage_begin(ctx, STAGE_NONE);
-    if (r != VXS_OK) fail(ctx->message, r, "%s while baking light '%s'", vxs_result_text(r), planned->name);
+    if (r != VXS_OK) fail(ctx->run, r, "%s while baking light '%s'", vxs_result_text(r), planned->name);
     return r;
 }
 
 vxs_result asset_encode(const bake_options *o, const coded_light *coded, uint32_t light_count, const char *metadata,
-                        const vxs_points_view *points, vxs_bytes *out, message *m)
+                        const vxs_points_view *points, vxs_bytes *out, run_context *m)
 {
     vxs_write_light *lights = calloc(light_count, sizeof *lights);
     vxs_result       r      = VXS_E_MEMORY;
@@ -85,7 +85,7 @@ static void report_contents(const vxs_contents *c, bake_report *report)
     }
 }
 
-vxs_result asset_write(const bake_options *o, const vxs_bytes *file, bake_report *report, message *m)
+vxs_result asset_write(const bake_options *o, const vxs_bytes *file, bake_report *report, run_context *m)
 {
     vxs_contents  contents = {0};
     output_file   out      = {0};

@@ -24,9 +24,9 @@ vxs_result bake_light(const plan_light *planned, const column_source *source, co
  * out       [out] zero it first, release with free(out->data)
  * Returns VXS_OK, VXS_E_MEMORY; VXS_E_ARGUMENT if the format cannot hold it. */
 vxs_result asset_encode(const bake_options *o, const coded_light *coded, uint32_t light_count, const char *metadata,
-                        const vxs_points_view *points, vxs_bytes *out, message *m);
+                        const vxs_points_view *points, vxs_bytes *out, run_context *m);
 
 /* Read the encoded file back, as a game would, fill the report from it, and write it to the output path, if there is one. */
-vxs_result asset_write(const bake_options *o, const vxs_bytes *file, bake_report *report, message *m);
+vxs_result asset_write(const bake_options *o, const vxs_bytes *file, bake_report *report, run_context *m);
 
 #endif

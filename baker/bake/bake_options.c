@@ -157,15 +157,15 @@ vxs_result bake_scene_read(bake_scene *s, const bake_options *o, const scene_che
 {
     watch_say(ctx->watch, "reading %s", o->scene_path);
     s->file_bytes = file_bytes(o->scene_path);
-    vxs_result r  = scene_load_gltf_checked(&s->scene, o->scene_path, &o->scene, check, ctx->message);
-    return r == VXS_OK ? scene_fingerprint_take(&s->fingerprint, &s->scene, ctx->message) : r;
+    vxs_result r  = scene_load_gltf_checked(&s->scene, o->scene_path, &o->scene, check, ctx->run);
+    return r == VXS_OK ? scene_fingerprint_take(&s->fingerprint, &s->scene, ctx->run) : r;
 }
 
 vxs_result bake_scene_read_smoke(bake_scene *s, const bake_options *o, bake_context *ctx)
 {
     if (!o->smoke_path) return VXS_OK;
     watch_say(ctx->watch, "reading %s", o->smoke_path);
-    return nrrd_read(&s->smoke, o->smoke_path, o->smoke_factor, ctx->message);
+    return nrrd_read(&s->smoke, o->smoke_path, o->smoke_factor, ctx->run);
 }
 
 smoke_source bake_scene_smoke(const bake_scene *s, const bake_options *o)
@@ -180,7 +180,7 @@ vxs_result bake_scene_find_casters(bake_scene *s, const bake_options *o, bake_co
     stage_begin(ctx, STAGE_SOLIDS);
     if ((r = context_check(ctx)) != VXS_OK) return r;
     watch_say(ctx->watch, "telling solids from sheets");
-    return casters_for_maps(&s->casters, &s->scene, o->closed, o->threads, ctx->message);
+    return casters_for_maps(&s->casters, &s->scene, o->closed, o->threads, ctx->run);
 }
 
 void bake_scene_free(bake_scene *s)

@@ -37,7 +37,7 @@ static void leave_out(bake_report *report, const char *name, const char *why)
 }
 
 /* Lights that were not chosen, are dark, faulty or hidden, and lights that reach nothing. */
-static vxs_result report_left_out(bake_report *report, const scene *s, message *m)
+static vxs_result report_left_out(bake_report *report, const scene *s, run_context *m)
 {
     const bake_plan *plan = report->plan;
     report->left_out      = calloc(s->light_count + s->lost_light_count + plan->light_count + 1, sizeof *report->left_out);
@@ -57,7 +57,7 @@ static vxs_result report_left_out(bake_report *report, const scene *s, message *
     return VXS_OK;
 }
 
-vxs_result bake_report_begin(bake_report *report, const scene *s, const casters *c, message *m)
+vxs_result bake_report_begin(bake_report *report, const scene *s, const casters *c, run_context *m)
 {
     report_casters(report, c);
     report->capsule_count   = s->smoke.count;

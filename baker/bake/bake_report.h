@@ -85,7 +85,7 @@ typedef struct bake_report {
 /* Fill what is known before the work: counts of casters, and lights of the scene that are not baked. Warns of lights that reach
  * nothing.
  * Returns VXS_OK or VXS_E_MEMORY. */
-vxs_result bake_report_begin(bake_report *report, const scene *s, const casters *c, message *m);
+vxs_result bake_report_begin(bake_report *report, const scene *s, const casters *c, run_context *m);
 
 square_counts report_squares(const bake_report *r);
 

@@ -27,7 +27,7 @@ typedef struct check_scene {
     const casters *c;
     const scene   *s;                 /* NULL: not known */
     object_list    components, nodes; /* nodes is empty if the scene has none */
-    message       *m;
+    run_context   *m;
 } check_scene;
 
 static inline int is_sun(const plan_light *l)

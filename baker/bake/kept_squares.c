@@ -171,7 +171,7 @@ static column_key coding_key(const bake_options *o)
 }
 
 /* All input of the bake, and the renderer. */
-static vxs_result bake_key(column_key *key, const bake_report *report, message *m)
+static vxs_result bake_key(column_key *key, const bake_report *report, run_context *m)
 {
     char *inputs = json_whole_text(report->inputs, JSON_COMPACT | JSON_SORT_KEYS);
     if (!inputs) return fail(m, VXS_E_MEMORY, "out of memory for the key of a bake");
@@ -181,7 +181,7 @@ static vxs_result bake_key(column_key *key, const bake_report *report, message *
 }
 
 /* Set the common data that is known before the first light. */
-static vxs_result begin_common(part_common *c, const bake_options *o, const bake_report *report, message *m)
+static vxs_result begin_common(part_common *c, const bake_options *o, const bake_report *report, run_context *m)
 {
     c->o = *o;
     if (asprintf(&c->made_by, "%s, %s, %s", SQUARES_MADE_BY, report->renderer, report->cpu_class) >= 0) return VXS_OK;
@@ -189,7 +189,7 @@ static vxs_result begin_common(part_common *c, const bake_options *o, const bake
     return fail(m, VXS_E_MEMORY, "out of memory for the part of a bake");
 }
 
-vxs_result kept_squares_open(kept_squares *k, const bake_options *o, const bake_report *report, message *m)
+vxs_result kept_squares_open(kept_squares *k, const bake_options *o, const bake_report *report, run_context *m)
 {
     vxs_result r = VXS_OK;
     k->coding    = coding_key(o);
@@ -206,7 +206,7 @@ vxs_result kept_squares_open(kept_squares *k, const bake_options *o, const bake_
     return r == VXS_OK && keeps_squares(o) ? bake_key(&k->bake, report, m) : r;
 }
 
-vxs_result kept_squares_end_part(kept_squares *k, bake_report *report, message *m)
+vxs_result kept_squares_end_part(kept_squares *k, bake_report *report, run_context *m)
 {
     vxs_bytes common   = {0};
     k->common.metadata = provenance_text(report);
@@ -260,7 +260,7 @@ static vxs_result square_key(const kept_light *l, const column_map *columns, uin
 }
 
 /* Get a square that another process has made. */
-static vxs_result take_from_other(kept_light *l, vxs_bytes *record, message *m)
+static vxs_result take_from_other(kept_light *l, vxs_bytes *record, run_context *m)
 {
     kept_squares *k    = l->squares;
     int           made = 0;
@@ -270,7 +270,7 @@ static vxs_result take_from_other(kept_light *l, vxs_bytes *record, message *m)
 }
 
 /* Hand a square to the process that adds it, or to the part. Does nothing if this process adds it. */
-static vxs_result hand_over(const kept_light *l, const vxs_bytes *record, int made, message *m)
+static vxs_result hand_over(const kept_light *l, const vxs_bytes *record, int made, run_context *m)
 {
     kept_squares *k = l->squares;
     if (k->has_part) return part_add(&k->part, l->number, &l->part_key, record, m);
@@ -278,7 +278,7 @@ static vxs_result hand_over(const kept_light *l, const vxs_bytes *record, int ma
 }
 
 /* Look up a square of this process in the cache. */
-static vxs_result find_stored(kept_light *l, square_fate *fate, vxs_bytes *record, message *m)
+static vxs_result find_stored(kept_light *l, square_fate *fate, vxs_bytes *record, run_context *m)
 {
     kept_squares *k     = l->squares;
     int           found = 0;
@@ -296,15 +296,14 @@ static vxs_result ask(void *data, const column_map *columns, uint32_t level, uin
     vxs_result    r = VXS_OK;
     l->number       = k->next++;
     *fate           = k->has_part && !part_has(&k->part, l->number) ? SQUARE_LEAVE : SQUARE_MAKE;
-    if (k->others) r = k->others->claim(k->others->data, l->number, fate, ctx->message);
+    if (k->others) r = k->others->claim(k->others->data, l->number, fate, ctx->run);
     if (r != VXS_OK || *fate == SQUARE_LEAVE) return r;
     l->report->squares++;
     l->part_key = part_square_key(l->number, l->light, l->map, level, i, j);
     stage_begin(ctx, STAGE_MAPS);
     if (k->has_store || k->others) r = square_key(l, columns, level, i, j, &l->asked);
-    if (r != VXS_OK) fail(ctx->message, r, "out of memory for the key of a square");
-    if (r == VXS_OK)
-        r = *fate == SQUARE_KNOWN ? take_from_other(l, record, ctx->message) : find_stored(l, fate, record, ctx->message);
+    if (r != VXS_OK) fail(ctx->run, r, "out of memory for the key of a square");
+    if (r == VXS_OK) r = *fate == SQUARE_KNOWN ? take_from_other(l, record, ctx->run) : find_stored(l, fate, record, ctx->run);
     stage_begin(ctx, STAGE_NONE);
     return r;
 }
@@ -316,8 +315,8 @@ static vxs_result keep(void *data, const vxs_bytes *record, bake_context *ctx)
     vxs_result    r = VXS_OK;
     l->report->squares_made++;
     stage_begin(ctx, STAGE_MAPS);
-    if (k->has_store) r = square_store_keep(&k->store, &l->asked, record, ctx->message);
-    if (r == VXS_OK) r = hand_over(l, record, 1, ctx->message);
+    if (k->has_store) r = square_store_keep(&k->store, &l->asked, record, ctx->run);
+    if (r == VXS_OK) r = hand_over(l, record, 1, ctx->run);
     stage_begin(ctx, STAGE_NONE);
     return r;
 }
@@ -345,7 +344,7 @@ static vxs_result open_map(void *data, uint32_t map, column_map *out, bake_conte
 }
 
 vxs_result kept_light_source(kept_light *l, kept_squares *k, column_source *source, const vxs_light *light, light_report *report,
-                             message *m)
+                             run_context *m)
 {
     part_common *c = &k->common;
     if (!k->has_store && !k->has_part && !k->others) return VXS_OK;

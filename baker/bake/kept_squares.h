@@ -66,10 +66,10 @@ typedef struct kept_squares {
 /* Open the folder of --resume, and begin the part of --part.
  * report  inputs and renderer must be set
  * Returns what square_store_open and part_begin return; ends with kept_squares_close either way. */
-vxs_result kept_squares_open(kept_squares *k, const bake_options *o, const bake_report *report, message *m);
+vxs_result kept_squares_open(kept_squares *k, const bake_options *o, const bake_report *report, run_context *m);
 
 /* Complete the part.   report  of all lights; its file_bytes is set */
-vxs_result kept_squares_end_part(kept_squares *k, bake_report *report, message *m);
+vxs_result kept_squares_end_part(kept_squares *k, bake_report *report, run_context *m);
 
 /* Accepts a zeroed object. */
 void kept_squares_close(kept_squares *k);
@@ -90,7 +90,7 @@ typedef struct kept_light {
  * report  of the light; its counts are added to
  * Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result kept_light_source(kept_light *l, kept_squares *k, column_source *source, const vxs_light *light, light_report *report,
-                             message *m);
+                             run_context *m);
 
 /* The key of a square in a part. */
 column_key part_square_key(uint64_t number, uint32_t light, uint32_t map, uint32_t level, uint32_t i, uint32_t j);

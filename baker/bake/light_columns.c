@@ -16,7 +16,7 @@ static vxs_result take_depths(void *user, uint32_t map, uint32_t i, uint32_t j, 
 }
 
 vxs_result light_columns_init(light_columns *c, void *device, const bake_options *o, const bake_plan *plan,
-                              const plan_light *planned, const casters *all, light_picture *picture, message *m)
+                              const plan_light *planned, const casters *all, light_picture *picture, run_context *m)
 {
     memset(c, 0, sizeof *c);
     c->all        = all;
@@ -51,7 +51,7 @@ vxs_result light_columns_draw(const light_columns *c, light_picture *picture, ba
     const uint32_t depth_vx = 1u << 16, side = light_picture_enter_px(picture);
     if (c->maps != MAPS_SPARSE) return VXS_OK;
     uint32_t  *enter = malloc((size_t)side * side * sizeof *enter);
-    vxs_result r = enter ? VXS_OK : fail(ctx->message, VXS_E_MEMORY, "out of memory for a picture of %u x %u pixels", side, side);
+    vxs_result r     = enter ? VXS_OK : fail(ctx->run, VXS_E_MEMORY, "out of memory for a picture of %u x %u pixels", side, side);
     stage_begin(ctx, STAGE_PICTURE);
     for (uint32_t map = 0; map < picture->map_count && r == VXS_OK; map++) {
         r = sparse_columns_enter(&c->sparse, map, side, depth_vx, enter, ctx);

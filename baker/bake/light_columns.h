@@ -22,7 +22,7 @@ typedef struct light_columns {
  * device, plan, planned, all  borrowed until light_columns_free
  * Returns VXS_OK or VXS_E_MEMORY; released with light_columns_free either way. */
 vxs_result light_columns_init(light_columns *c, void *device, const bake_options *o, const bake_plan *plan,
-                              const plan_light *planned, const casters *all, light_picture *picture, message *m);
+                              const plan_light *planned, const casters *all, light_picture *picture, run_context *m);
 
 /* Valid until light_columns_free, while c stays at its address. */
 column_source light_columns_source(light_columns *c);

@@ -26,7 +26,7 @@ uint64_t light_picture_bytes(uint32_t map_px, uint32_t map_count)
     return map_count * (sizeof(uint16_t) * side * side + masks * masks);
 }
 
-vxs_result light_picture_init(light_picture *p, uint32_t light, uint32_t map_px, uint32_t map_count, message *m)
+vxs_result light_picture_init(light_picture *p, uint32_t light, uint32_t map_px, uint32_t map_count, run_context *m)
 {
     *p            = (light_picture){.light     = light,
                                     .map_count = map_count,

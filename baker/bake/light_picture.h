@@ -27,7 +27,7 @@ typedef struct light_picture {
 uint64_t light_picture_bytes(uint32_t map_px, uint32_t map_count);
 
 /* A picture without casters. p  [out] zeroed on failure; released with light_picture_free.   Returns VXS_OK or VXS_E_MEMORY. */
-vxs_result light_picture_init(light_picture *p, uint32_t light, uint32_t map_px, uint32_t map_count, message *m);
+vxs_result light_picture_init(light_picture *p, uint32_t light, uint32_t map_px, uint32_t map_count, run_context *m);
 
 /* Add a rendered tile of a map: tile (i, j), counted in tiles of its side. */
 void light_picture_add_depths(light_picture *p, const depth_maps *tile, uint32_t map, uint32_t i, uint32_t j, uint32_t threads);

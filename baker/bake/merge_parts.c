@@ -7,8 +7,8 @@
 #include <string.h>
 
 #include "baker/bake/bake_light.h"
-#include "baker/bake/light_coder.h"
 #include "baker/bake/kept_squares.h"
+#include "baker/bake/light_coder.h"
 #include "baker/base/clock.h"
 #include "baker/files/input_file.h"
 
@@ -23,13 +23,13 @@ typedef struct part_set {
 
 /* the parts ------------------------------------------------------------------------------------------------------------------- */
 
-static vxs_result is_damaged(const part_reader *p, message *m)
+static vxs_result is_damaged(const part_reader *p, run_context *m)
 {
     return fail(m, VXS_E_CORRUPT, "'%s' is a part of a bake, and damaged: make it again", input_name(p->path));
 }
 
 /* Check that a part is not a duplicate, and belongs to the same bake. */
-static vxs_result check_part(const part_set *s, const part_reader *p, message *m)
+static vxs_result check_part(const part_set *s, const part_reader *p, run_context *m)
 {
     const part_reader *first = &s->parts[0];
     if (p->parts != first->parts)
@@ -46,7 +46,7 @@ static vxs_result check_part(const part_set *s, const part_reader *p, message *m
     return VXS_OK;
 }
 
-static vxs_result check_all_there(const part_set *s, message *m)
+static vxs_result check_all_there(const part_set *s, run_context *m)
 {
     uint32_t parts = s->parts[0].parts, missing = 0;
     while (missing < parts && s->at[missing]) missing++;
@@ -54,7 +54,7 @@ static vxs_result check_all_there(const part_set *s, message *m)
     return fail(m, VXS_E_ARGUMENT, "part %u of %u is missing: %zu were given", missing + 1, parts, s->count);
 }
 
-static vxs_result open_part(part_set *s, const char *path, message *m)
+static vxs_result open_part(part_set *s, const char *path, run_context *m)
 {
     part_reader *p = &s->parts[s->count++];
     vxs_result   r = part_open(p, path, m);
@@ -64,7 +64,7 @@ static vxs_result open_part(part_set *s, const char *path, message *m)
     return r;
 }
 
-static vxs_result open_parts(part_set *s, const text_list *paths, message *m)
+static vxs_result open_parts(part_set *s, const text_list *paths, run_context *m)
 {
     vxs_result r = VXS_OK;
     s->parts     = calloc(paths->count + 1, sizeof *s->parts);
@@ -123,7 +123,7 @@ static vxs_result ask(void *data, const column_map *columns, uint32_t level, uin
     column_key         key    = part_square_key(number, c->light, c->map, level, i, j);
     (void)columns;
     *fate = SQUARE_KNOWN;
-    return s ? part_read(p, s, &key, record, ctx->message) : is_damaged(p, ctx->message);
+    return s ? part_read(p, s, &key, record, ctx->run) : is_damaged(p, ctx->run);
 }
 
 /* Called only if the record of a square was not sound: an error. */
@@ -134,7 +134,7 @@ static vxs_result fetch(void *data, uint32_t level, uint32_t i, uint32_t j, colu
     (void)i;
     (void)j;
     *out = (column_square){0};
-    return is_damaged(part_of(c->set, c->set->next - 1), ctx->message);
+    return is_damaged(part_of(c->set, c->set->next - 1), ctx->run);
 }
 
 static vxs_result keep(void *data, const vxs_bytes *record, bake_context *ctx)
@@ -211,7 +211,7 @@ static vxs_result merge_lights(part_set *s, const bake_options *o, coded_light *
     }
     uint64_t there = 0;
     for (size_t n = 0; n < s->count; n++) there += s->parts[n].squares.count;
-    return r == VXS_OK && there != s->next ? is_damaged(&s->parts[0], ctx->message) : r;
+    return r == VXS_OK && there != s->next ? is_damaged(&s->parts[0], ctx->run) : r;
 }
 
 /* Merge the parts into a file. */
@@ -221,22 +221,21 @@ static vxs_result merge_file(part_set *s, const bake_options *o, bake_report *re
     coded_light *coded = calloc(count, sizeof *coded);
     vxs_bytes    file  = {0};
     report->lights     = calloc(count, sizeof *report->lights);
-    vxs_result r       = coded && report->lights ? VXS_OK : fail(ctx->message, VXS_E_MEMORY, "out of memory for %zu lights", count);
+    vxs_result r       = coded && report->lights ? VXS_OK : fail(ctx->run, VXS_E_MEMORY, "out of memory for %zu lights", count);
     if (r == VXS_OK) r = merge_lights(s, o, coded, report, ctx);
     watch_say(o->watch, "compressing the file");
-    if (r == VXS_OK) r = asset_encode(o, coded, report->light_count, s->common.metadata, NULL, &file, ctx->message);
+    if (r == VXS_OK) r = asset_encode(o, coded, report->light_count, s->common.metadata, NULL, &file, ctx->run);
     for (size_t n = 0; n < count && coded; n++) coded_light_free(&coded[n]);
     free(coded);
-    if (r == VXS_OK) r = asset_write(o, &file, report, ctx->message);
+    if (r == VXS_OK) r = asset_write(o, &file, report, ctx->run);
     free(file.data);
     return r;
 }
 
-vxs_result merge_parts(const merge_options *o, merge_report *report, message *m)
+vxs_result merge_parts(const merge_options *o, merge_report *report, run_context *m)
 {
     part_set     set = {.count = 0};
-    bake_context ctx = {
-        .message = m, .threads = o->threads, .watch = o->watch, .subject = o->output_path, .begun = clock_seconds()};
+    bake_context ctx = {.run = m, .threads = o->threads, .watch = o->watch, .subject = o->output_path, .begun = clock_seconds()};
     stage_begin(&ctx, STAGE_MERGE);
     vxs_result r = open_parts(&set, &o->paths, m);
     if (r == VXS_OK) {

@@ -23,7 +23,7 @@ typedef struct merge_report {
  * report  [out] zero it first; released with merge_report_free, whatever is returned
  * Returns VXS_OK; VXS_E_ARGUMENT: a part is missing, or given twice; what part_open returns; VXS_E_CORRUPT also for parts of
  * different bakes; VXS_E_WRITE, VXS_E_MEMORY, VXS_E_REFERENCES. */
-vxs_result merge_parts(const merge_options *o, merge_report *report, message *m);
+vxs_result merge_parts(const merge_options *o, merge_report *report, run_context *m);
 
 void merge_report_free(merge_report *r);
 

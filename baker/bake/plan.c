@@ -17,7 +17,7 @@ const char REACHES_NOTHING[] = "reaches no caster";
 
 /* lights ---------------------------------------------------------------------------------------------------------------------- */
 
-static vxs_result check_name(const bake_plan *plan, const plan_light *light, message *m)
+static vxs_result check_name(const bake_plan *plan, const plan_light *light, run_context *m)
 {
     for (const plan_light *other = plan->lights; other < light; other++)
         if (!other->left_out && !strcmp(other->light.name, light->light.name))
@@ -26,7 +26,7 @@ static vxs_result check_name(const bake_plan *plan, const plan_light *light, mes
 }
 
 static vxs_result fit_light(bake_plan *plan, plan_light *l, const bake_options *o, const casters *c, const chosen_light *chosen,
-                            message *m)
+                            run_context *m)
 {
     light_fit_desc fit = {.name           = chosen->name,
                           .shape          = &chosen->shape,
@@ -49,7 +49,7 @@ static vxs_result fit_light(bake_plan *plan, plan_light *l, const bake_options *
     return r == VXS_OK ? check_name(plan, l, m) : r;
 }
 
-static void warn_about_left_out(const bake_plan *plan, message *m)
+static void warn_about_left_out(const bake_plan *plan, run_context *m)
 {
     for (const plan_light *l = plan->lights; l < plan->lights + plan->light_count; l++)
         if (l->left_out)
@@ -58,7 +58,7 @@ static void warn_about_left_out(const bake_plan *plan, message *m)
 }
 
 static vxs_result fit_lights(bake_plan *plan, const bake_options *o, const casters *c, const scene *s, const light_choice *chosen,
-                             message *m)
+                             run_context *m)
 {
     vxs_result r = light_choice_require(chosen, "--resolution", &o->resolutions, m);
     if (r == VXS_OK) r = light_choice_require(chosen, "--texel", &o->texels, m);
@@ -71,7 +71,7 @@ static vxs_result fit_lights(bake_plan *plan, const bake_options *o, const caste
     if (r != VXS_OK) return r;
     warn_about_left_out(plan, m);
     plan_check_lights(plan, o, c, s, m);
-    return message_check(m);
+    return run_check(m);
 }
 
 /* solids ---------------------------------------------------------------------------------------------------------------------- */
@@ -123,7 +123,7 @@ static void plan_compression(bake_plan *plan, const bake_options *o)
 
 /* estimates ------------------------------------------------------------------------------------------------------------------- */
 
-vxs_result plan_estimate(bake_plan *plan, const bake_options *o, const casters *c, message *m)
+vxs_result plan_estimate(bake_plan *plan, const bake_options *o, const casters *c, run_context *m)
 {
     uint32_t   maps = 0;
     vxs_result r    = VXS_OK;
@@ -178,7 +178,7 @@ static uint64_t least_peak_bytes(const bake_plan *plan, const bake_options *o, c
 }
 
 /* Halve the tiles until the plan fits; the smallest are a sub-DAG, or a block. */
-static vxs_result plan_memory(bake_plan *plan, const bake_options *o, const casters *c, message *m)
+static vxs_result plan_memory(bake_plan *plan, const bake_options *o, const casters *c, run_context *m)
 {
     uint32_t side       = largest_map(plan);
     uint32_t least      = min_u32(side, max_u32(TILE_MIN_PX, min_u32(side / 4, SUB_DAG_MAX_PX)));
@@ -214,7 +214,7 @@ static void count_tiles(bake_plan *plan)
 }
 
 vxs_result plan_make(bake_plan *plan, const bake_options *o, casters *c, const scene *s, const light_choice *chosen,
-                     uint64_t scene_bytes, message *m)
+                     uint64_t scene_bytes, run_context *m)
 {
     double     start = clock_seconds();
     vxs_result r;

@@ -120,7 +120,7 @@ extern const char REACHES_NOTHING[];
  * one name; VXS_E_MEMORY, also if no plan stays within the budget (the message gives the need); VXS_E_STRICT, before a light is
  * sampled. Same scene and options, same plan, except for times. */
 vxs_result plan_make(bake_plan *plan, const bake_options *o, casters *c, const scene *s, const light_choice *chosen,
-                     uint64_t scene_bytes, message *m);
+                     uint64_t scene_bytes, run_context *m);
 
 /* Accepts a zeroed object. */
 void plan_free(bake_plan *plan);
@@ -132,25 +132,25 @@ void plan_free(bake_plan *plan);
  *   - positions that are stored coarsely, because floats are far from their origin
  * Warnings are given only in nearly certain cases; see docs/manual.md, "Bakes of little use".
  * s  NULL: nodes and their names are not known. Without memory, warnings are left out. */
-void plan_check_lights(bake_plan *plan, const bake_options *o, const casters *c, const scene *s, message *m);
+void plan_check_lights(bake_plan *plan, const bake_options *o, const casters *c, const scene *s, run_context *m);
 
 /* plan_savings.c: find what more don't-care voxels would save, if it is enough to matter. Samples all maps for each option.
  * c  as it was planned.   Returns VXS_OK or VXS_E_MEMORY. */
-vxs_result plan_find_savings(bake_plan *plan, const bake_options *o, const casters *c, message *m);
+vxs_result plan_find_savings(bake_plan *plan, const bake_options *o, const casters *c, run_context *m);
 
 /* The same for --closed on only, if at least a quarter of all triangles are closed except for their material. A bake calls this
  * too. Samples nothing if there are fewer. */
-vxs_result plan_find_closed(bake_plan *plan, const bake_options *o, const casters *c, message *m);
+vxs_result plan_find_closed(bake_plan *plan, const bake_options *o, const casters *c, run_context *m);
 
 /* Sample all lights with these options, and estimate counts, seconds and bytes of each light and of the bake.
  * Returns VXS_OK or VXS_E_MEMORY. */
-vxs_result plan_estimate(bake_plan *plan, const bake_options *o, const casters *c, message *m);
+vxs_result plan_estimate(bake_plan *plan, const bake_options *o, const casters *c, run_context *m);
 
 /* plan_sample.c: fill l->sample.
  * maps  number of sampled maps of all lights: with many, each gets fewer windows
  * Returns VXS_OK or VXS_E_MEMORY. The result does not depend on the number of threads. */
 vxs_result plan_sample_light(plan_light *l, const bake_plan *plan, uint32_t maps, const bake_options *o, const casters *c,
-                             message *m);
+                             run_context *m);
 
 /* plan_estimate.c: compute seconds and bytes from samples. */
 void plan_estimate_light(plan_light *l, const bake_options *o);

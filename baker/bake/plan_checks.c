@@ -6,8 +6,8 @@
 #include <string.h>
 
 #include "baker/bake/coarse_texels.h"
-#include "baker/bake/scene_objects.h"
 #include "baker/bake/plan.h"
+#include "baker/bake/scene_objects.h"
 #include "baker/base/text.h"
 #include "baker/base/vec3.h"
 
@@ -26,7 +26,7 @@ static int is_told(light_tally *t, const char *name)
     return 0;
 }
 
-static void tell_rest(const light_tally *t, const char *what, message *m)
+static void tell_rest(const light_tally *t, const char *what, run_context *m)
 {
     if (t->count > TOLD_EACH) warn(m, "%zu more lights %s: %s; the same goes for them", t->count - TOLD_EACH, what, t->more);
 }
@@ -251,7 +251,7 @@ static void check_all(check_scene *k, const scene_object **hiders, int has_regio
     tell_rest(&fine, "have texels finer than shadows are seen", k->m);
 }
 
-void plan_check_lights(bake_plan *plan, const bake_options *o, const casters *c, const scene *s, message *m)
+void plan_check_lights(bake_plan *plan, const bake_options *o, const casters *c, const scene *s, run_context *m)
 {
     check_scene          k      = {.plan = plan, .c = c, .s = s, .m = m};
     const scene_object **hiders = calloc(plan->light_count, sizeof *hiders);

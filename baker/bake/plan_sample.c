@@ -270,10 +270,10 @@ static vxs_result sample_windows(sampler *job)
 
 /* maps ------------------------------------------------------------------------------------------------------------------------ */
 
-static vxs_result sample_map(sampler *job, message *m)
+static vxs_result sample_map(sampler *job, run_context *m)
 {
     const bake_options *o      = job->o;
-    bake_context        ctx    = {.message = m, .threads = o->threads};
+    bake_context        ctx    = {.run = m, .threads = o->threads};
     sparse_columns      source = {.casters      = job->near,
                                   .light        = job->light,
                                   .free_behind  = o->behind == BEHIND_FREE,
@@ -317,7 +317,7 @@ static vxs_result count_palettes(sampler *job, uint32_t map_count)
     return VXS_OK;
 }
 
-static vxs_result sample_maps(sampler *job, message *m)
+static vxs_result sample_maps(sampler *job, run_context *m)
 {
     uint32_t   maps = vxs_map_count(job->light), windows = job->side_px / job->window_px;
     int        is_dag = job->o->coding == CODING_DAG;
@@ -340,7 +340,7 @@ static vxs_result sample_maps(sampler *job, message *m)
 }
 
 vxs_result plan_sample_light(plan_light *l, const bake_plan *plan, uint32_t maps, const bake_options *o, const casters *c,
-                             message *m)
+                             run_context *m)
 {
     casters  near;
     sampler *job = malloc(sizeof *job);

@@ -22,7 +22,7 @@ enum { TWO_SIDED_SHARE = 4 };
 /* Add a saving, unless it is below a share of the whole.
  * reach  of c */
 static vxs_result consider(bake_plan *plan, const reach_index *reach, const bake_options *asked, const casters *c,
-                           plan_saving saving, double least_share, message *m)
+                           plan_saving saving, double least_share, run_context *m)
 {
     bake_plan as_if = *plan;
     as_if.reach     = *reach;
@@ -87,7 +87,7 @@ static int as_if_closed(casters *out, const casters *c)
     return ok;
 }
 
-vxs_result plan_find_closed(bake_plan *plan, const bake_options *o, const casters *c, message *m)
+vxs_result plan_find_closed(bake_plan *plan, const bake_options *o, const casters *c, run_context *m)
 {
     double      start  = clock_seconds();
     plan_saving saving = {.option = "--closed on", .triangles = c->triangles_of_kind[COMPONENT_SHEET_DOUBLE_SIDED]};
@@ -105,7 +105,7 @@ vxs_result plan_find_closed(bake_plan *plan, const bake_options *o, const caster
     return r;
 }
 
-vxs_result plan_find_savings(bake_plan *plan, const bake_options *o, const casters *c, message *m)
+vxs_result plan_find_savings(bake_plan *plan, const bake_options *o, const casters *c, run_context *m)
 {
     double       start  = clock_seconds();
     bake_options behind = *o, thick = *o;

@@ -78,7 +78,8 @@ static json_t *options_json(const bake_options *o, const bake_scene *s)
     return options;
 }
 
-vxs_result provenance_inputs(json_t **inputs, const bake_options *o, const bake_scene *s, const light_choice *chosen, message *m)
+vxs_result provenance_inputs(json_t **inputs, const bake_options *o, const bake_scene *s, const light_choice *chosen,
+                             run_context *m)
 {
     json_t *lights = json_array();
     for (size_t n = 0; n < chosen->count; n++) json_append(&lights, light_json(o, &chosen->lights[n]));
@@ -175,7 +176,7 @@ int provenance_is_current(const char *path, const json_t *inputs, uint64_t *file
     return current;
 }
 
-vxs_result provenance_read(json_t **made, const vxs_contents *contents, message *m)
+vxs_result provenance_read(json_t **made, const vxs_contents *contents, run_context *m)
 {
     *made = provenance_parse(contents);
     if (!json_memory_missing()) return VXS_OK;
@@ -247,7 +248,7 @@ static json_t *differences_of(const json_t *made, const vxs_contents *contents, 
 }
 
 vxs_result provenance_differences(json_t **differences, const json_t *made, const vxs_contents *contents, const scene *s,
-                                  message *m)
+                                  run_context *m)
 {
     scene_fingerprint f;
     *differences = NULL;

@@ -11,13 +11,14 @@
 #ifndef PROVENANCE_H
 #define PROVENANCE_H
 
-#include "baker/bake/bake_report.h"
 #include "baker/bake/bake_options.h"
+#include "baker/bake/bake_report.h"
 
 /* The input of a bake.
  * inputs  [out] NULL on failure; released with json_decref
  * Returns VXS_OK or VXS_E_MEMORY. */
-vxs_result provenance_inputs(json_t **inputs, const bake_options *o, const bake_scene *s, const light_choice *chosen, message *m);
+vxs_result provenance_inputs(json_t **inputs, const bake_options *o, const bake_scene *s, const light_choice *chosen,
+                             run_context *m);
 
 /* The metadata of a bake as text: its input and its results. NULL without memory; released with free(). */
 char *provenance_text(const bake_report *report);
@@ -31,7 +32,7 @@ json_t *provenance_parse(const vxs_contents *contents);
 /* The metadata of a file from any writer. "generator" is there; other members may be missing, and have the types that vxs writes.
  * made  [out] NULL if there is none, or if vxs did not write it; released with json_decref
  * Returns VXS_OK or VXS_E_MEMORY. */
-vxs_result provenance_read(json_t **made, const vxs_contents *contents, message *m);
+vxs_result provenance_read(json_t **made, const vxs_contents *contents, run_context *m);
 
 /* Returns 1 if the path has a sound asset that was baked from this input.
  * file_bytes, warning_count  [out] if 1 is returned: its size, and the number of warnings of its bake */
@@ -43,7 +44,7 @@ int provenance_is_current(const char *path, const json_t *inputs, uint64_t *file
  * differences  [out] an array, empty if the scenes are the same; NULL on failure; released with json_decref
  * Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result provenance_differences(json_t **differences, const json_t *made, const vxs_contents *contents, const scene *s,
-                                  message *m);
+                                  run_context *m);
 
 enum { PROVENANCE_TEXT_BYTES = 256 };
 

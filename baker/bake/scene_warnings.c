@@ -77,7 +77,7 @@ static const char *collision_pattern(const char *name)
     return NULL;
 }
 
-static void warn_about_collisions(const named_node *nodes, size_t count, message *m)
+static void warn_about_collisions(const named_node *nodes, size_t count, run_context *m)
 {
     const named_node *first   = NULL;
     const char       *pattern = NULL;
@@ -154,7 +154,7 @@ static int same_place(const scene *s, const named_node *a, const named_node *b)
     return 1;
 }
 
-static void warn_about_details(const scene *s, named_node *nodes, size_t count, message *m)
+static void warn_about_details(const scene *s, named_node *nodes, size_t count, run_context *m)
 {
     const named_node *first = NULL, *other = NULL;
     size_t            levels = 0, found = 0;
@@ -184,7 +184,7 @@ static void warn_about_details(const scene *s, named_node *nodes, size_t count, 
          other->name, first->name, found > 1 ? ", and there are more" : "", (int)(digit - word), word);
 }
 
-void warn_about_names(const scene *s, message *m)
+void warn_about_names(const scene *s, run_context *m)
 {
     named_node *nodes;
     size_t      count = list_nodes(&nodes, s);
@@ -225,7 +225,7 @@ static int parts_are_large(const casters *c)
     return small * PARTS_SMALL_SHARE <= count;
 }
 
-void warn_about_scale(const casters *c, message *m)
+void warn_about_scale(const casters *c, run_context *m)
 {
     box    all    = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
     double across = box_diagonal(&all), height = all.max[1] - all.min[1];
@@ -242,7 +242,7 @@ void warn_about_scale(const casters *c, message *m)
 static const double RANGE_OF_WIDTH_MIN = 0.5, CENTIMETRES_ACROSS_MIN_M = 100;
 enum { RANGE_PARTS_MIN = 4 };
 
-void warn_about_ranges(const casters *c, const light_choice *chosen, message *m)
+void warn_about_ranges(const casters *c, const light_choice *chosen, run_context *m)
 {
     const chosen_light *longest = NULL;
     size_t              count = all_components(c), wider = 0;
@@ -266,7 +266,7 @@ void warn_about_ranges(const casters *c, const light_choice *chosen, message *m)
 
 /* flat scenes ----------------------------------------------------------------------------------------------------------------- */
 
-void warn_about_flat(const casters *c, message *m)
+void warn_about_flat(const casters *c, run_context *m)
 {
     const double  rounding = 1e-6;
     const double *corners[3];
@@ -318,7 +318,7 @@ static int triangle_touches(const casters *c, size_t triangle, const double regi
     return count != 0;
 }
 
-void warn_about_region(const casters *c, const double region_ws[6], message *m)
+void warn_about_region(const casters *c, const double region_ws[6], run_context *m)
 {
     for (size_t n = 0; n < c->triangle_count; n++)
         if (triangle_touches(c, n, region_ws)) return;

@@ -9,20 +9,20 @@
 #include "baker/scene/light_choice.h"
 
 /* Warn if a scene is too large or too small for metres, the unit of glTF. Its numbers are then probably in another unit. */
-void warn_about_scale(const casters *c, message *m);
+void warn_about_scale(const casters *c, run_context *m);
 
 /* Warn if no lamp reaches half the width of most components, in a scene of 100 m or more. Such a scene is probably in centimetres,
  * with light ranges in metres. */
-void warn_about_ranges(const casters *c, const light_choice *chosen, message *m);
+void warn_about_ranges(const casters *c, const light_choice *chosen, run_context *m);
 
 /* Warn if all casters lie in one plane: no object can shadow another. */
-void warn_about_flat(const casters *c, message *m);
+void warn_about_flat(const casters *c, run_context *m);
 
 /* Warn of nodes with names of invisible things: collision shapes, by the naming rules of engines, and several levels of detail of
  * one object that overlap. */
-void warn_about_names(const scene *s, message *m);
+void warn_about_names(const scene *s, run_context *m);
 
 /* Warn if no caster touches the region: it is probably in other units, or elsewhere.   region_ws  [6] min xyz, max xyz */
-void warn_about_region(const casters *c, const double region_ws[6], message *m);
+void warn_about_region(const casters *c, const double region_ws[6], run_context *m);
 
 #endif

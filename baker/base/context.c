@@ -68,9 +68,9 @@ vxs_result context_check(const bake_context *ctx)
 {
     char budget[32], held[32];
     run_control_wait();
-    if (run_control_is_cancelled()) return fail(ctx->message, VXS_E_INTERRUPTED, "the bake of '%s' was given up", ctx->subject);
+    if (run_control_is_cancelled()) return fail(ctx->run, VXS_E_INTERRUPTED, "the bake of '%s' was given up", ctx->subject);
     if (!ctx->memory_bytes || ctx->peak_bytes <= ctx->memory_bytes) return VXS_OK;
-    return fail(ctx->message, VXS_E_MEMORY, "--memory %s is too little for '%s': the bake has come to hold %s, and is given up",
+    return fail(ctx->run, VXS_E_MEMORY, "--memory %s is too little for '%s': the bake has come to hold %s, and is given up",
                 size_text(budget, ctx->memory_bytes), ctx->subject, size_text(held, ctx->peak_bytes));
 }
 

@@ -13,7 +13,7 @@
 
 #include <stdint.h>
 
-#include "baker/base/message.h"
+#include "baker/base/run_context.h"
 #include "baker/base/watch.h"
 
 typedef enum bake_stage {
@@ -45,7 +45,7 @@ typedef struct stage_report {
 
 /* Zero it, then set the fields marked [in]. */
 typedef struct bake_context {
-    message         *message;      /* [in] borrowed */
+    run_context     *run;          /* [in] borrowed */
     uint32_t         threads;      /* [in] [1, PARALLEL_THREADS_MAX] for stages that share their work */
     const run_watch *watch;        /* [in] receives progress; NULL: not wanted; borrowed */
     const char      *subject;      /* [in] name of the work in messages: the path of the scene; borrowed */

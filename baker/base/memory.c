@@ -107,13 +107,13 @@ uint64_t memory_available_bytes(void)
     return min_u64(min_u64(kib * 1024, left_in_groups()), left_of_addresses());
 }
 
-int memory_allows(uint64_t bytes, const message *m)
+int memory_allows(uint64_t bytes, const run_context *m)
 {
     if (bytes < WORTH_A_LOOK) return 1;
     return (!m->memory_bytes || memory_held_bytes() + bytes <= m->memory_bytes) && bytes <= memory_available_bytes();
 }
 
-vxs_result memory_check(uint64_t bytes, message *m, const char *format, ...)
+vxs_result memory_check(uint64_t bytes, run_context *m, const char *format, ...)
 {
     char what[512], needed[32], there[32];
     if (bytes < WORTH_A_LOOK) return VXS_OK;

@@ -8,7 +8,7 @@
 
 #include <stdint.h>
 
-#include "baker/base/message.h"
+#include "baker/base/run_context.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -22,11 +22,11 @@ uint64_t memory_held_bytes(void);
 uint64_t memory_available_bytes(void);
 
 /* 1 when `bytes` more bytes fit both m->memory_bytes and the available memory. */
-int memory_allows(uint64_t bytes, const message *m);
+int memory_allows(uint64_t bytes, const run_context *m);
 
 /* Check that `bytes` more bytes fit m->memory_bytes and the available memory. Returns VXS_OK; or VXS_E_MEMORY with a message: the
  * formatted text, then how much is needed and how much is there. The text names the purpose and its counts. */
-vxs_result memory_check(uint64_t bytes, message *m, const char *format, ...) MESSAGE_PRINTF;
+vxs_result memory_check(uint64_t bytes, run_context *m, const char *format, ...) RUN_PRINTF;
 
 /* 1 when the address space has room for `bytes` more bytes. For libraries that crash when an allocation fails. */
 int memory_has_room(uint64_t bytes);

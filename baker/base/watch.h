@@ -4,7 +4,7 @@
 #ifndef WATCH_H
 #define WATCH_H
 
-#include "baker/base/message.h"
+#include "baker/base/run_context.h"
 
 typedef struct run_watch {
     /* Work of unknown length begins.
@@ -20,7 +20,7 @@ typedef struct run_watch {
 } run_watch;
 
 /* w  NULL: no callbacks */
-void watch_say(const run_watch *w, const char *format, ...) MESSAGE_PRINTF_WARN;
+void watch_say(const run_watch *w, const char *format, ...) RUN_PRINTF_WARN;
 
 void watch_share(const run_watch *w, double share, double since, const char *format, ...) __attribute__((format(printf, 4, 5)));
 

@@ -81,13 +81,13 @@ static void *allocate(size_t count, size_t size)
 }
 
 /* Check the memory for the arrays of a step: bytes_each per triangle, and bytes_of_vertex per vertex. */
-static vxs_result check_room(size_t triangles, size_t bytes_each, size_t vertices, size_t bytes_of_vertex, message *m)
+static vxs_result check_room(size_t triangles, size_t bytes_each, size_t vertices, size_t bytes_of_vertex, run_context *m)
 {
     uint64_t bytes = (uint64_t)triangles * bytes_each + (uint64_t)vertices * bytes_of_vertex;
     return memory_check(bytes, m, "telling solids from sheets among %zu triangles needs", triangles);
 }
 
-static vxs_result out_of_memory(message *m, size_t triangle_count)
+static vxs_result out_of_memory(run_context *m, size_t triangle_count)
 {
     return fail(m, VXS_E_MEMORY, "out of memory while sorting %zu triangles into solids and sheets", triangle_count);
 }
@@ -113,7 +113,7 @@ static void note_materials(work *w, const scene *s)
     }
 }
 
-static vxs_result weld(work *w, const scene *s, message *m)
+static vxs_result weld(work *w, const scene *s, run_context *m)
 {
     enum { EACH = 4 * sizeof(uint32_t), OF_VERTEX = 3 * sizeof(double) + 5 * sizeof(uint32_t) };
     vxs_result r = check_room(s->triangle_count, EACH, s->vertex_count, OF_VERTEX, m);
@@ -159,7 +159,7 @@ static int gather_border(work *w, const uint32_t *sorted)
     return 1;
 }
 
-static vxs_result connect(work *w, int wants_border, message *m)
+static vxs_result connect(work *w, int wants_border, run_context *m)
 {
     enum { EACH = 7 * sizeof(uint32_t), OF_VERTEX = sizeof(uint32_t) };
     const mesh_weld *mesh = &w->mesh;
@@ -213,7 +213,7 @@ static void measure_some(void *user, size_t begin, size_t end, uint32_t worker)
     for (size_t n = begin; n < end; n++) measure_component(user, n);
 }
 
-static vxs_result measure_components(work *w, const scene *s, message *m)
+static vxs_result measure_components(work *w, const scene *s, run_context *m)
 {
     size_t   triangles = w->mesh.triangle_count;
     uint32_t part      = 0;
@@ -284,7 +284,7 @@ static size_t collect_points(double *points, const scene *s)
  * Copies of a solid: exact copies share their edges, so they form one component, whose winding number is the sum (2 inside when
  * both face outward, 0 when one is reversed). Copies with different vertices contain each other, and all become sheets: this is
  * correct, only larger. */
-static vxs_result evict_occupied(work *w, const scene *s, message *m)
+static vxs_result evict_occupied(work *w, const scene *s, run_context *m)
 {
     vxs_result r        = VXS_OK;
     double    *points   = allocate(s->light_count + s->camera_count, 3 * sizeof *points);
@@ -318,7 +318,7 @@ done:
     return r;
 }
 
-static vxs_result judge_components(work *w, const scene *s, closed_mode closed, message *m)
+static vxs_result judge_components(work *w, const scene *s, closed_mode closed, run_context *m)
 {
     for (size_t i = 0; i < w->component_count; i++) w->components[i].kind = judge(&w->components[i], &w->boxes[i], closed);
     return closed == CLOSED_AUTO ? evict_occupied(w, s, m) : VXS_OK;
@@ -368,7 +368,7 @@ static int spread(work *w, const scene *s, const mesh_split *split)
 
 /* Give borders that meet the same vertices. Solids were determined before; they have no borders, so they are not split. A sheet
  * that this step closes stays a sheet: a gap closed by a tolerance does not prove an inside. */
-static vxs_result split_borders(work *w, casters *c, const scene *s, message *m)
+static vxs_result split_borders(work *w, casters *c, const scene *s, run_context *m)
 {
     mesh_split split = {0};
     vxs_result r     = VXS_OK;
@@ -509,7 +509,7 @@ static int make_room(casters *c, const work *w, const scene *s, const uint32_t *
     return 1;
 }
 
-static vxs_result emit(casters *c, work *w, const scene *s, message *m)
+static vxs_result emit(casters *c, work *w, const scene *s, run_context *m)
 {
     enum { EACH = 6 * sizeof(uint32_t), OF_VERTEX = 3 * sizeof(double) + sizeof(uint32_t) };
     vxs_result r     = VXS_E_MEMORY;
@@ -542,7 +542,7 @@ done:
 /* ---------------------------------------------------------------------------------------------------------------------- */
 
 /* "30 triangles: --exclude node:Door*; 12 triangles: skinned, ..." */
-static vxs_result all_excluded(const scene *s, message *m)
+static vxs_result all_excluded(const scene *s, run_context *m)
 {
     char   list[640] = "", rule[128];
     size_t used      = 0;
@@ -553,7 +553,7 @@ static vxs_result all_excluded(const scene *s, message *m)
     return used ? fail(m, VXS_E_NO_CASTER, "nothing casts a shadow: all that the scene has is excluded; %s", list) : VXS_OK;
 }
 
-vxs_result casters_none(const scene *s, message *m)
+vxs_result casters_none(const scene *s, run_context *m)
 {
     if (!s->triangle_count && all_excluded(s, m) != VXS_OK) return VXS_E_NO_CASTER;
     if (!s->triangle_count) return fail(m, VXS_E_NO_CASTER, "nothing casts a shadow: the scene has no triangles");
@@ -561,7 +561,7 @@ vxs_result casters_none(const scene *s, message *m)
                 s->triangle_count);
 }
 
-static vxs_result sort_out(casters *c, const scene *s, closed_mode closed, int splits_borders, uint32_t threads, message *m)
+static vxs_result sort_out(casters *c, const scene *s, closed_mode closed, int splits_borders, uint32_t threads, run_context *m)
 {
     vxs_result r;
     work       w = {.threads = threads};
@@ -585,12 +585,12 @@ done:
     return r;
 }
 
-vxs_result casters_from_scene(casters *c, const scene *s, closed_mode closed, uint32_t threads, message *m)
+vxs_result casters_from_scene(casters *c, const scene *s, closed_mode closed, uint32_t threads, run_context *m)
 {
     return sort_out(c, s, closed, 0, threads, m);
 }
 
-vxs_result casters_for_maps(casters *c, const scene *s, closed_mode closed, uint32_t threads, message *m)
+vxs_result casters_for_maps(casters *c, const scene *s, closed_mode closed, uint32_t threads, run_context *m)
 {
     return sort_out(c, s, closed, 1, threads, m);
 }

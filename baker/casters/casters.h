@@ -86,16 +86,16 @@ typedef struct casters {
  * c  [out] zeroed on failure; released with casters_free.
  * Returns VXS_OK, VXS_E_NO_CASTER (no triangle left), VXS_E_MEMORY, VXS_E_SCENE. The result does not depend on the number of
  * threads. */
-vxs_result casters_from_scene(casters *c, const scene *s, closed_mode closed, uint32_t threads, message *m);
+vxs_result casters_from_scene(casters *c, const scene *s, closed_mode closed, uint32_t threads, run_context *m);
 
 /* Write the error message for a scene without casters: it has no triangles, or all were left out, with the reasons. Returns
  * VXS_E_NO_CASTER. */
-vxs_result casters_none(const scene *s, message *m);
+vxs_result casters_none(const scene *s, run_context *m);
 
 /* casters_from_scene for maps: also gives borders of sheets that meet the same vertices, so that no light leaks between them
  * (mesh_split.h). Solids are determined before this step.
  * Time: as casters_from_scene if there are no open edges; else some microseconds more for each open edge. */
-vxs_result casters_for_maps(casters *c, const scene *s, closed_mode closed, uint32_t threads, message *m);
+vxs_result casters_for_maps(casters *c, const scene *s, closed_mode closed, uint32_t threads, run_context *m);
 
 /* Fill solid_meets and meeting. A solid meets another one when their surfaces have a common point, or one is inside the other. It
  * meets itself when two parts of its surface have a common point that is not just a shared edge or corner.
@@ -106,7 +106,7 @@ vxs_result casters_for_maps(casters *c, const scene *s, closed_mode closed, uint
  * Time: about 0.1 s for 100 000 triangles, shared by the threads.
  * Returns VXS_OK or VXS_E_MEMORY (then solid_meets is NULL). The result does not depend on the number of threads, unless the search
  * gives up. */
-vxs_result casters_find_meeting(casters *c, uint32_t threads, message *m);
+vxs_result casters_find_meeting(casters *c, uint32_t threads, run_context *m);
 
 void casters_free(casters *c);
 

@@ -19,7 +19,6 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-
 #define NONE UINT32_MAX
 
 enum { GRAIN = 1 << 14 };
@@ -119,7 +118,7 @@ static int is_finite_position(const double *p)
 }
 
 /* Vertices that no triangle uses are left out: they may be invalid and must not enlarge the bounds. */
-static vxs_result weld_triangles(mesh_weld *w, const welder *d, const scene *s, message *m)
+static vxs_result weld_triangles(mesh_weld *w, const welder *d, const scene *s, run_context *m)
 {
     for (size_t t = 0; t < s->triangle_count; t++) {
         uint32_t *corners = &w->indices[3 * w->triangle_count];
@@ -150,7 +149,7 @@ static int make_room(mesh_weld *w, const scene *s)
     return w->positions_ws && w->indices && w->from && w->welded_of;
 }
 
-vxs_result mesh_weld_scene(mesh_weld *w, const scene *s, uint32_t threads, message *m)
+vxs_result mesh_weld_scene(mesh_weld *w, const scene *s, uint32_t threads, run_context *m)
 {
     welder d = {.positions_ws = s->positions_ws};
 

@@ -100,7 +100,7 @@ typedef struct mesh_weld {
  * w  [out] zeroed on failure; released with mesh_weld_free
  * Returns VXS_OK, VXS_E_MEMORY, or VXS_E_SCENE: a corner is not finite, or there are 2^32 / 3 triangles or more. The result does
  * not depend on the number of threads. */
-vxs_result mesh_weld_scene(mesh_weld *w, const scene *s, uint32_t threads, message *m);
+vxs_result mesh_weld_scene(mesh_weld *w, const scene *s, uint32_t threads, run_context *m);
 
 void mesh_weld_free(mesh_weld *w);
 

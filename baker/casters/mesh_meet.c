@@ -183,7 +183,7 @@ static int make_room(meeting *w)
 }
 
 /* Decide all solids of c. */
-static vxs_result search(meeting *w, uint32_t threads, message *m)
+static vxs_result search(meeting *w, uint32_t threads, run_context *m)
 {
     const casters *c = w->c;
     vxs_result     r = VXS_E_MEMORY;
@@ -206,7 +206,7 @@ static void finish(casters *c, const meeting *w)
     c->meeting = counts;
 }
 
-vxs_result casters_find_meeting(casters *c, uint32_t threads, message *m)
+vxs_result casters_find_meeting(casters *c, uint32_t threads, run_context *m)
 {
     size_t     solids = c->component_count[COMPONENT_SOLID];
     meeting    w      = {.c = c, .solids = solids, .open = solids};

@@ -457,7 +457,7 @@ static int replace_triangles(splitter *x)
 /* ----------------------------------------------------------------------------------------------------------------------- */
 
 vxs_result mesh_split_borders(mesh_split *out, mesh_weld *w, const uint32_t *border, size_t border_count, const scene *s,
-                              message *m)
+                              run_context *m)
 {
     splitter x   = {.out = out, .mesh = w, .border = border, .border_count = border_count, .scene = s};
     *out         = (mesh_split){0};

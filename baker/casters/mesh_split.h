@@ -54,7 +54,7 @@ typedef struct mesh_split {
  * out     [out] released with mesh_split_free
  * Returns VXS_OK, VXS_E_MEMORY. Deterministic; threads: none. */
 vxs_result mesh_split_borders(mesh_split *out, mesh_weld *w, const uint32_t *border, size_t border_count, const scene *s,
-                              message *m);
+                              run_context *m);
 
 void mesh_split_free(mesh_split *split);
 

@@ -10,7 +10,7 @@
 #include "baker/base/simd.h"
 #include "baker/columns/columns.h"
 
-vxs_result depth_maps_init(depth_maps *d, uint32_t side_px, uint32_t depth_vx, double voxel_log, int with_exit, message *m)
+vxs_result depth_maps_init(depth_maps *d, uint32_t side_px, uint32_t depth_vx, double voxel_log, int with_exit, run_context *m)
 {
     memset(d, 0, sizeof *d);
     d->side_px   = side_px;

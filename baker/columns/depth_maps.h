@@ -24,7 +24,7 @@ typedef struct depth_maps {
 double depth_maps_voxels(const depth_maps *d, float depth);
 
 /* Allocate maps without contents.   with_exit  0: exit is the same array as enter.   Returns VXS_OK or VXS_E_MEMORY. */
-vxs_result depth_maps_init(depth_maps *d, uint32_t side_px, uint32_t depth_vx, double voxel_log, int with_exit, message *m);
+vxs_result depth_maps_init(depth_maps *d, uint32_t side_px, uint32_t depth_vx, double voxel_log, int with_exit, run_context *m);
 
 /* Compute the pyramid from the maps; call again whenever they change. */
 void depth_maps_reduce(depth_maps *d, uint32_t threads);

@@ -61,7 +61,7 @@ typedef struct device_names {
 typedef struct column_renderer {
     /* device  [out] used by the calling thread alone, until destroy.   threads  for a software renderer
      * Returns VXS_OK, VXS_E_GL (the message names what is missing), or VXS_E_MEMORY. */
-    vxs_result (*create)(void **device, device_names *names, gl_backend backend, uint32_t threads, message *m);
+    vxs_result (*create)(void **device, device_names *names, gl_backend backend, uint32_t threads, run_context *m);
     void (*destroy)(void *device);
 
     /* The source; borrows c. Close its maps before `free`. Call all functions on the thread that created the device. */

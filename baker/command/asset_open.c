@@ -37,7 +37,7 @@ static uint64_t wanted_bytes(void *user, const uint8_t *first, size_t size_bytes
                : 0;
 }
 
-vxs_result asset_read(vxs_asset **asset, const char *path, const vxs_read_desc *desc, message *m)
+vxs_result asset_read(vxs_asset **asset, const char *path, const vxs_read_desc *desc, run_context *m)
 {
     vxs_read_desc rest = *desc;
     uint8_t      *bytes;
@@ -52,7 +52,7 @@ vxs_result asset_read(vxs_asset **asset, const char *path, const vxs_read_desc *
     return r;
 }
 
-vxs_result asset_fail(const char *path, vxs_result r, const first_finding *found, const char *remedy, message *m)
+vxs_result asset_fail(const char *path, vxs_result r, const first_finding *found, const char *remedy, run_context *m)
 {
     first_finding f = *found;
     path            = input_name(path);
@@ -65,7 +65,7 @@ vxs_result asset_fail(const char *path, vxs_result r, const first_finding *found
 }
 
 /* Open; on failure, the message names the first finding. */
-static vxs_result open_told(vxs_asset **asset, const char *path, vxs_read_desc *desc, message *m)
+static vxs_result open_told(vxs_asset **asset, const char *path, vxs_read_desc *desc, run_context *m)
 {
     first_finding f    = {0};
     desc->finding      = keep_first_finding;
@@ -74,14 +74,14 @@ static vxs_result open_told(vxs_asset **asset, const char *path, vxs_read_desc *
     return r == VXS_OK ? r : asset_fail(path, r, &f, "; --memory of info, validate and query sets it", m);
 }
 
-vxs_result asset_open(vxs_asset **asset, const char *path, uint32_t threads, message *m)
+vxs_result asset_open(vxs_asset **asset, const char *path, uint32_t threads, run_context *m)
 {
     vxs_parallel  lent = parallel_lent(threads);
     vxs_read_desc desc = {.metadata = 1, .parallel = &lent};
     return open_told(asset, path, &desc, m);
 }
 
-vxs_result asset_open_within(vxs_asset **asset, const char *path, uint64_t memory_bytes, int metadata, message *m)
+vxs_result asset_open_within(vxs_asset **asset, const char *path, uint64_t memory_bytes, int metadata, run_context *m)
 {
     vxs_parallel  lent = parallel_lent(parallel_default_threads());
     vxs_read_desc desc = {.memory_limit_bytes = memory_bytes, .metadata = metadata, .parallel = &lent};
@@ -96,7 +96,7 @@ uint64_t asset_file_bytes(const vxs_asset *asset)
 }
 
 /* The metadata is untrusted input: skip items that are not strings. */
-static vxs_result add_patterns(text_list *list, const json_t *patterns, message *m)
+static vxs_result add_patterns(text_list *list, const json_t *patterns, run_context *m)
 {
     json_t *pattern;
     size_t  n;
@@ -120,7 +120,7 @@ static void take_word(const json_t *options, const char *key, const char *choice
     *given = 1;
 }
 
-vxs_result asset_scene_choice(const json_t *made, scene_choice *choice, message *m)
+vxs_result asset_scene_choice(const json_t *made, scene_choice *choice, run_context *m)
 {
     const json_t *options = json_object_get(made, "options");
     if (choice->exclude.count || choice->include.count || choice->skinned_given || choice->blend_given) return VXS_OK;
@@ -131,7 +131,7 @@ vxs_result asset_scene_choice(const json_t *made, scene_choice *choice, message 
 }
 
 vxs_result asset_check_scene(const vxs_contents *asset, const json_t *made, const char *path, const scene *s,
-                             const char *scene_path, const char *consequence, message *m)
+                             const char *scene_path, const char *consequence, run_context *m)
 {
     char       differ[PROVENANCE_TEXT_BYTES];
     json_t    *differences;
@@ -140,10 +140,10 @@ vxs_result asset_check_scene(const vxs_contents *asset, const json_t *made, cons
         warn(m, "'%s' was baked from another scene than %s (differs: %s): %s; bake it anew", input_name(path),
              input_name(scene_path), provenance_differences_text(differ, differences), consequence);
     json_decref(differences);
-    return r == VXS_OK ? message_check(m) : r;
+    return r == VXS_OK ? run_check(m) : r;
 }
 
-static vxs_result fail_no_such_light(const vxs_contents *asset, const char *path, const char *name, message *m)
+static vxs_result fail_no_such_light(const vxs_contents *asset, const char *path, const char *name, run_context *m)
 {
     nearest near              = {.typed = name};
     char    known[LIST_BYTES] = "", meant[64];
@@ -184,7 +184,7 @@ static uint32_t add_matching(const vxs_contents *asset, const char *pattern, con
 }
 
 vxs_result asset_choose_lights(const vxs_contents *asset, const char *path, const text_list *names, const vxs_baked_light **lights,
-                               uint32_t *count, message *m)
+                               uint32_t *count, run_context *m)
 {
     *count = 0;
     if (!names->count)

@@ -5,7 +5,7 @@
 
 #include <jansson.h>
 
-#include "baker/base/message.h"
+#include "baker/base/run_context.h"
 #include "baker/base/text.h"
 #include "baker/scene/scene.h"
 #include "runtime/vxs.h"
@@ -24,19 +24,19 @@ void keep_first_finding(void *user, int number, const char *text, int section, u
 /* Report in one line why an asset cannot be opened.
  * remedy  appended to the line when memory is too small
  * Returns r, which is not VXS_OK. */
-vxs_result asset_fail(const char *path, vxs_result r, const first_finding *f, const char *remedy, message *m);
+vxs_result asset_fail(const char *path, vxs_result r, const first_finding *f, const char *remedy, run_context *m);
 
 /* As vxs_asset_open_file, for any input (input_file.h). Sets the message only when the bytes could not be read. */
-vxs_result asset_read(vxs_asset **asset, const char *path, const vxs_read_desc *desc, message *m);
+vxs_result asset_read(vxs_asset **asset, const char *path, const vxs_read_desc *desc, run_context *m);
 
 /* Open on all processors.
  * memory_bytes  limit on memory for the file; 0: the reader's default
  * metadata      1: read the metadata, too */
-vxs_result asset_open_within(vxs_asset **asset, const char *path, uint64_t memory_bytes, int metadata, message *m);
+vxs_result asset_open_within(vxs_asset **asset, const char *path, uint64_t memory_bytes, int metadata, run_context *m);
 
 /* Open on `threads` threads.
  * asset  [out] NULL on failure; closed with vxs_asset_close.   Returns what vxs_asset_open_file returns. */
-vxs_result asset_open(vxs_asset **asset, const char *path, uint32_t threads, message *m);
+vxs_result asset_open(vxs_asset **asset, const char *path, uint32_t threads, run_context *m);
 
 /* The size of an open file: the end of its last section. */
 uint64_t asset_file_bytes(const vxs_asset *asset);
@@ -44,7 +44,7 @@ uint64_t asset_file_bytes(const vxs_asset *asset);
 /* Use the scene options of the asset's bake. If the command line gives any of these options itself, change nothing.
  * made  the asset's metadata (provenance_read); choice borrows its texts
  * Returns VXS_OK or VXS_E_MEMORY. */
-vxs_result asset_scene_choice(const json_t *made, scene_choice *choice, message *m);
+vxs_result asset_scene_choice(const json_t *made, scene_choice *choice, run_context *m);
 
 /* Warn when the scene differs from the one that the asset was baked from. This is no error, but rarely intended.
  * asset        only its lights are used
@@ -52,7 +52,7 @@ vxs_result asset_scene_choice(const json_t *made, scene_choice *choice, message 
  * consequence  "its shadows may not fit"
  * Returns VXS_OK, VXS_E_MEMORY, VXS_E_STRICT. */
 vxs_result asset_check_scene(const vxs_contents *asset, const json_t *made, const char *path, const scene *s,
-                             const char *scene_path, const char *consequence, message *m);
+                             const char *scene_path, const char *consequence, run_context *m);
 
 /* Choose lights of a file by name. Without names: all lights, in file order. With names: in the order given. A text that is not
  * the name of a light is a pattern (light_choice.h): it adds all lights that match, in file order, except those already chosen.
@@ -60,7 +60,7 @@ vxs_result asset_check_scene(const vxs_contents *asset, const json_t *made, cons
  * lights  [out] [VXS_LIGHTS_MAX] valid as long as the contents are
  * Returns VXS_OK or VXS_E_ARGUMENT: no such light, or one given twice. */
 vxs_result asset_choose_lights(const vxs_contents *asset, const char *path, const text_list *names, const vxs_baked_light **lights,
-                               uint32_t *count, message *m);
+                               uint32_t *count, run_context *m);
 
 /* Find the baked smoke of chosen lights.   smoke  [out] [count] NULL: the light has none */
 void asset_find_smoke(const vxs_asset *asset, const vxs_baked_light *const *lights, uint32_t count, const vxs_baked_smoke **smoke);
@@ -85,17 +85,17 @@ typedef struct asset_stream {
  * Returns VXS_OK; VXS_E_ARGUMENT: a pipe, no such light, or one given twice; VXS_E_MEMORY: the budget is too small, and the
  * message states the smallest one; VXS_E_READ and others as vxs_stream_open. */
 vxs_result asset_stream_open(asset_stream *s, const char *path, uint64_t budget_bytes, const text_list *names, int points,
-                             const vxs_baked_light **lights, const vxs_baked_smoke **smoke, uint32_t *light_count, message *m);
+                             const vxs_baked_light **lights, const vxs_baked_smoke **smoke, uint32_t *light_count, run_context *m);
 
 /* Update the stream for an eye. First waits for the pages that the last frame requested, so that the result depends only on
  * earlier frames, not on timing.
  * status  [in, out] as for vxs_stream_frame
  * Returns VXS_OK, VXS_E_READ or VXS_E_CORRUPT: a page could not be loaded. */
-vxs_result asset_stream_frame(asset_stream *s, const double eye_ws[3], vxs_stream_status *status, message *m);
+vxs_result asset_stream_frame(asset_stream *s, const double eye_ws[3], vxs_stream_status *status, run_context *m);
 
 /* Repeat frames until no page is pending: all pages that fit are loaded. The status counts the pages that appeared and left in
  * all of these frames. */
-vxs_result asset_stream_fill(asset_stream *s, const double eye_ws[3], vxs_stream_status *status, message *m);
+vxs_result asset_stream_fill(asset_stream *s, const double eye_ws[3], vxs_stream_status *status, run_context *m);
 
 /* Accepts a zeroed object. */
 void asset_stream_close(asset_stream *s);

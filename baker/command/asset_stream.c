@@ -132,7 +132,7 @@ static uint64_t least_budget(const vxs_stream_desc *desc, uint64_t low)
     return high;
 }
 
-static vxs_result fail_opening(asset_stream *s, const vxs_stream_desc *desc, vxs_result r, const first_finding *f, message *m)
+static vxs_result fail_opening(asset_stream *s, const vxs_stream_desc *desc, vxs_result r, const first_finding *f, run_context *m)
 {
     if (r == VXS_E_READ && !f->number)
         return fail(m, r, "cannot read '%s': %s", s->path, errno ? strerror(errno) : "it is cut short");
@@ -144,7 +144,7 @@ static vxs_result fail_opening(asset_stream *s, const vxs_stream_desc *desc, vxs
 }
 
 /* List the lights of the stream. */
-static vxs_result list_lights(asset_stream *s, message *m)
+static vxs_result list_lights(asset_stream *s, run_context *m)
 {
     vxs_contents *c = &s->contents;
     c->light_count  = vxs_stream_light_count(s->stream);
@@ -164,7 +164,7 @@ typedef struct name_texts {
  * patterns, and close the stream again.
  * lights, light_count  scratch */
 static vxs_result expand_patterns(asset_stream *s, vxs_stream_desc *desc, const text_list *names, name_texts *out,
-                                  const vxs_baked_light **lights, uint32_t *light_count, message *m)
+                                  const vxs_baked_light **lights, uint32_t *light_count, run_context *m)
 {
     vxs_stream_desc all = *desc;
     all.light_names     = NULL;
@@ -188,7 +188,7 @@ static vxs_result expand_patterns(asset_stream *s, vxs_stream_desc *desc, const 
 }
 
 vxs_result asset_stream_open(asset_stream *s, const char *path, uint64_t budget_bytes, const text_list *names, int points,
-                             const vxs_baked_light **lights, const vxs_baked_smoke **smoke, uint32_t *light_count, message *m)
+                             const vxs_baked_light **lights, const vxs_baked_smoke **smoke, uint32_t *light_count, run_context *m)
 {
     first_finding f        = {0};
     name_texts    expanded = {0};
@@ -216,7 +216,7 @@ vxs_result asset_stream_open(asset_stream *s, const char *path, uint64_t budget_
     return r;
 }
 
-vxs_result asset_stream_frame(asset_stream *s, const double eye_ws[3], vxs_stream_status *status, message *m)
+vxs_result asset_stream_frame(asset_stream *s, const double eye_ws[3], vxs_stream_status *status, run_context *m)
 {
     const vxs_stream_focus eye = vxs_stream_camera(eye_ws, 0);
     vxs_stream_wait(s->stream);
@@ -225,7 +225,7 @@ vxs_result asset_stream_frame(asset_stream *s, const double eye_ws[3], vxs_strea
     return r;
 }
 
-vxs_result asset_stream_fill(asset_stream *s, const double eye_ws[3], vxs_stream_status *status, message *m)
+vxs_result asset_stream_fill(asset_stream *s, const double eye_ws[3], vxs_stream_status *status, run_context *m)
 {
     vxs_result r        = VXS_OK;
     uint32_t   appeared = 0, left = 0;

@@ -8,7 +8,7 @@
 #include "baker/command/process/process.h"
 #include "baker/command/report/report.h"
 
-static vxs_result write_reports(const bake_arguments *a, const bake_page *page, const bake_report *report, message *m)
+static vxs_result write_reports(const bake_arguments *a, const bake_page *page, const bake_report *report, run_context *m)
 {
     const bake_options *o = &a->o;
     int   to_stdout = is_standard_output(o->output_path) || is_standard_output(a->json_path) || is_standard_output(o->page_path);
@@ -29,7 +29,7 @@ static vxs_result write_reports(const bake_arguments *a, const bake_page *page, 
     return linked_laboratory.pages->write(o->page_path, page, o, report, m);
 }
 
-static vxs_result run(void *command, message *m)
+static vxs_result run(void *command, run_context *m)
 {
     bake_arguments   *a      = command;
     bake_report       report = {0};

@@ -307,7 +307,7 @@ typedef struct info_command {
     uint64_t    memory_bytes;
 } info_command;
 
-static vxs_result run(void *command, message *m)
+static vxs_result run(void *command, run_context *m)
 {
     const info_command *c     = command;
     vxs_asset          *asset = NULL;

@@ -34,7 +34,7 @@ static json_t *report_json(const merge_command *c, const merge_report *r)
                      (json_int_t)r->lights.peak_bytes);
 }
 
-static vxs_result run(void *command, message *m)
+static vxs_result run(void *command, run_context *m)
 {
     merge_command *c      = command;
     merge_report   report = {.parts = 0};

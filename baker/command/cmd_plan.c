@@ -7,7 +7,7 @@
 #include "baker/command/report/plan_text.h"
 #include "baker/command/report/report.h"
 
-static vxs_result run(void *command, message *m)
+static vxs_result run(void *command, run_context *m)
 {
     bake_arguments *a      = command;
     bake_report     report = {0};

@@ -23,7 +23,7 @@ typedef struct streamed_query {
     asset_stream stream;
     uint64_t     coarse; /* points whose pages do not fit into the budget */
     vxs_result   result;
-    message     *message;
+    run_context *run;
 } streamed_query;
 
 static const double *normal_of(const query_point *point)
@@ -57,7 +57,7 @@ static int look_up_streamed(void *user, const query_point *point, float *lit)
     vxs_stream_status status = {.struct_size = sizeof status, .reads = 1};
     int               full   = is_full(s->query, point);
     while (!full && (status.reads || status.pages_coming)) {
-        s->result = asset_stream_frame(&s->stream, point->position_ws, &status, s->message);
+        s->result = asset_stream_frame(&s->stream, point->position_ws, &status, s->run);
         if (s->result != VXS_OK) return 0;
         full = is_full(s->query, point);
     }
@@ -70,7 +70,7 @@ static size_t column_count(const query *q)
     return q->wants_smoke ? 2 * (size_t)q->light_count : q->light_count;
 }
 
-static vxs_result answer_whole(query *q, message *m)
+static vxs_result answer_whole(query *q, run_context *m)
 {
     vxs_asset *asset = NULL;
     vxs_result r     = asset_open_within(&asset, q->path, q->memory_bytes, 0, m);
@@ -83,9 +83,9 @@ static vxs_result answer_whole(query *q, message *m)
     return r;
 }
 
-static vxs_result answer_streamed(query *q, message *m)
+static vxs_result answer_streamed(query *q, run_context *m)
 {
-    streamed_query s = {.query = q, .message = m};
+    streamed_query s = {.query = q, .run = m};
     vxs_result     r =
         asset_stream_open(&s.stream, q->path, q->budget_bytes, &q->light_names, 0, q->lights, q->smoke, &q->light_count, m);
     if (r == VXS_OK) r = points_answer(look_up_streamed, &s, column_count(q), 1, m);
@@ -94,10 +94,10 @@ static vxs_result answer_streamed(query *q, message *m)
         warn(m, "%llu points are answered coarsely: --budget %llu has no room for all pages about them",
              (unsigned long long)s.coarse, (unsigned long long)q->budget_bytes);
     asset_stream_close(&s.stream);
-    return r == VXS_OK ? message_check(m) : r;
+    return r == VXS_OK ? run_check(m) : r;
 }
 
-static vxs_result run(void *command, message *m)
+static vxs_result run(void *command, run_context *m)
 {
     query     *q = command;
     vxs_result r = filter_check(&q->filter, m);

@@ -18,7 +18,7 @@ static void collect(void *user, int number, const char *text, int section, uint6
     json_array_append_new(user, finding);
 }
 
-static void print_findings(const char *path, json_t *findings, const message *m)
+static void print_findings(const char *path, json_t *findings, const run_context *m)
 {
     FILE   *to = report_stream(m, 0);
     char    word[COLORED_BYTES], plain[PLAIN_BYTES];
@@ -43,7 +43,7 @@ typedef struct validate_command {
     uint64_t    memory_bytes;
 } validate_command;
 
-static vxs_result run(void *command, message *m)
+static vxs_result run(void *command, run_context *m)
 {
     const validate_command *c        = command;
     json_t                 *findings = json_array();

@@ -22,7 +22,7 @@
 /* Read the next line; its LF becomes a NUL.
  * length  [out] without the line's end
  * at_end  [out] 1: there is no further line */
-static vxs_result next_line(point_reader *reader, size_t *length, int *at_end, message *m)
+static vxs_result next_line(point_reader *reader, size_t *length, int *at_end, run_context *m)
 {
     int    c = EOF;
     size_t n = 0;
@@ -110,7 +110,7 @@ static int is_ambiguous(const number_row *row)
     return !alike || (row->count == 6 && in_pairs && !row->has_points);
 }
 
-static vxs_result parse_point(const point_reader *reader, const char *line, size_t length, query_point *point, message *m)
+static vxs_result parse_point(const point_reader *reader, const char *line, size_t length, query_point *point, run_context *m)
 {
     unsigned long long number = reader->line;
     if (memchr(line, '\0', length)) return fail(m, VXS_E_READ, "%s: line %llu: holds a NUL byte", reader->name, number);
@@ -135,7 +135,7 @@ static vxs_result parse_point(const point_reader *reader, const char *line, size
     return VXS_OK;
 }
 
-vxs_result points_read(point_reader *reader, query_point *points, size_t capacity, size_t *count, message *m)
+vxs_result points_read(point_reader *reader, query_point *points, size_t capacity, size_t *count, run_context *m)
 {
     for (*count = 0; *count < capacity;) {
         size_t     length = 0;
@@ -152,7 +152,7 @@ vxs_result points_read(point_reader *reader, query_point *points, size_t capacit
     return VXS_OK;
 }
 
-vxs_result points_check_input(const char *name, const char *path, message *m)
+vxs_result points_check_input(const char *name, const char *path, run_context *m)
 {
     if (!is_standard_input(path)) return VXS_OK;
     return fail(m, VXS_E_ARGUMENT, "%s -: points are read from standard input: expected a file or <(command)", name);
@@ -187,7 +187,7 @@ static void print_answer(float lit, char end)
         printf("%.6g%c", (double)lit, end);
 }
 
-vxs_result points_answer(point_answer answer, void *user, size_t light_count, uint32_t threads, message *m)
+vxs_result points_answer(point_answer answer, void *user, size_t light_count, uint32_t threads, run_context *m)
 {
     point_reader reader = {.file = stdin, .name = "standard input"};
     vxs_result   r      = run_files_check_input("-", reader.name, m);

@@ -14,7 +14,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
-#include "baker/base/message.h"
+#include "baker/base/run_context.h"
 
 #define POINT_LINE_MAX 4096 /* characters, without the line's end */
 
@@ -38,7 +38,7 @@ typedef struct point_reader {
  * count   [out] on failure, the points before the bad line
  * Returns VXS_OK, or VXS_E_READ: the file cannot be read, or a line is not a point; m has the line and the reason.
  * Threads: none shared.   Cost: some 0.3 us a point. */
-vxs_result points_read(point_reader *reader, query_point *points, size_t capacity, size_t *count, message *m);
+vxs_result points_read(point_reader *reader, query_point *points, size_t capacity, size_t *count, run_context *m);
 
 /* Compute the lit fraction of a point for each light.
  * lit  [out] [light_count] [0, 1]; negative where the point is outside the light's reach
@@ -47,7 +47,7 @@ vxs_result points_read(point_reader *reader, query_point *points, size_t capacit
 typedef int (*point_answer)(void *user, const query_point *point, float *lit);
 
 /* Standard input is used for points: VXS_E_ARGUMENT when an operand, called `name`, is "-" as well. */
-vxs_result points_check_input(const char *name, const char *path, message *m);
+vxs_result points_check_input(const char *name, const char *path, run_context *m);
 
 /* Read points from standard input to its end, and print a line for each on standard output, with a column for each light: "0",
  * "1", a number between, or "out". Points are answered in blocks. A block with a bad line, or with a point that `answer` fails
@@ -55,6 +55,6 @@ vxs_result points_check_input(const char *name, const char *path, message *m);
  * light_count  1 or more
  * Returns VXS_OK, also when `answer` failed on a point (the callback records the error); VXS_E_READ, VXS_E_WRITE, VXS_E_MEMORY,
  * or VXS_E_BROKEN_PIPE: the reader has closed the pipe. */
-vxs_result points_answer(point_answer answer, void *user, size_t light_count, uint32_t threads, message *m);
+vxs_result points_answer(point_answer answer, void *user, size_t light_count, uint32_t threads, run_context *m);
 
 #endif

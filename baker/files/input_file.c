@@ -44,12 +44,12 @@ static size_t known_bytes(int descriptor)
 
 /* State while an input is read. */
 typedef struct input {
-    const char *name;
-    int         descriptor;
-    uint8_t    *bytes;
-    size_t      size_bytes, room;
-    uint64_t    known_bytes, wanted_bytes; /* size of a regular file; size that the first bytes give */
-    message    *m;
+    const char  *name;
+    int          descriptor;
+    uint8_t     *bytes;
+    size_t       size_bytes, room;
+    uint64_t     known_bytes, wanted_bytes; /* size of a regular file; size that the first bytes give */
+    run_context *m;
 } input;
 
 /* Grow the buffer to `room` bytes, after a check of the memory. */
@@ -103,7 +103,7 @@ static vxs_result read_all(input *in, uint64_t limit_bytes, const input_head *he
 }
 
 vxs_result input_read(uint8_t **bytes, size_t *size_bytes, const char *path, uint64_t limit_bytes, const input_head *head,
-                      message *m)
+                      run_context *m)
 {
     input in    = {.name = input_name(path), .descriptor = input_open(path), .wanted_bytes = UINT64_MAX, .m = m};
     *bytes      = NULL;

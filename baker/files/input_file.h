@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "baker/base/message.h"
+#include "baker/base/run_context.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -37,7 +37,7 @@ typedef struct input_head {
  * head         called with the first bytes before the rest is read; NULL: none
  * Returns VXS_OK, VXS_E_READ, VXS_E_MEMORY. On failure m has the reason. */
 vxs_result input_read(uint8_t **bytes, size_t *size_bytes, const char *path, uint64_t limit_bytes, const input_head *head,
-                      message *m);
+                      run_context *m);
 
 #ifdef __cplusplus
 }

@@ -41,7 +41,7 @@ char *json_print(const json_t *value, size_t flags)
     return NULL;
 }
 
-vxs_result json_write(const char *path, json_t *value, message *m)
+vxs_result json_write(const char *path, json_t *value, run_context *m)
 {
     char       *text = value ? json_print(value, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) : NULL;
     output_file out  = {0};
@@ -73,7 +73,7 @@ static size_t read_piece(void *buffer, size_t size, void *user)
     return (size_t)n;
 }
 
-vxs_result json_read(json_t **value, const char *path, message *m)
+vxs_result json_read(json_t **value, const char *path, run_context *m)
 {
     json_input   in = {.descriptor = input_open(path), .bytes_left = (size_t)READ_MAX_MIB << 20};
     json_error_t e;

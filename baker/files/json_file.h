@@ -3,7 +3,7 @@
 #ifndef JSON_FILE_H
 #define JSON_FILE_H
 
-#include "baker/base/message.h"
+#include "baker/base/run_context.h"
 #include "baker/files/json_value.h"
 
 /* Call this before any other JSON function. From then on json_memory_missing and json_print detect failed allocations of any JSON
@@ -18,11 +18,11 @@ char *json_print(const json_t *value, size_t flags);
 
 /* Write a JSON value to an output file ("-" is standard output), indented, with a final newline. Releases the value.
  * Returns VXS_OK, VXS_E_WRITE, or VXS_E_MEMORY, also when the value is NULL or incomplete. */
-vxs_result json_write(const char *path, json_t *value, message *m);
+vxs_result json_write(const char *path, json_t *value, run_context *m);
 
 /* Read an untrusted JSON file: at most 256 MiB, nested at most 2048 deep, no duplicate keys in an object.
  * value  [out] NULL on failure; released with json_decref
  * Returns VXS_OK; VXS_E_READ: unreadable or not JSON; VXS_E_MEMORY. */
-vxs_result json_read(json_t **value, const char *path, message *m);
+vxs_result json_read(json_t **value, const char *path, run_context *m);
 
 #endif

@@ -19,12 +19,12 @@
 /* enough for the files left by killed runs with the same process number */
 enum { TEMPORARY_NAMES = 1000 };
 
-static vxs_result out_of_memory(const char *path, message *m)
+static vxs_result out_of_memory(const char *path, run_context *m)
 {
     return fail(m, VXS_E_MEMORY, "out of memory while opening %s", path);
 }
 
-static vxs_result cannot_write(const output_file *f, int error, message *m)
+static vxs_result cannot_write(const output_file *f, int error, run_context *m)
 {
     return fail(m, VXS_E_WRITE, "%s: cannot write: %s%s", f->name, strerror(error),
                 error == ENOENT ? ": its folder is not there" : "");
@@ -71,7 +71,7 @@ static int take_and_remember_name(output_file *f, int descriptor)
 /* Find a free name, f->temporary, for a new file (descriptor -1) or for an unnamed one. mkstemp is not usable: it sets the
  * permissions 0600, and umask cannot be read without changing it.
  * taken  [out] result of open or linkat */
-static vxs_result name_temporary(output_file *f, int descriptor, int *taken, message *m)
+static vxs_result name_temporary(output_file *f, int descriptor, int *taken, run_context *m)
 {
     for (int n = 0; n < TEMPORARY_NAMES; n++) {
         f->temporary = temporary_name(f, n);
@@ -111,7 +111,7 @@ static int create_nameless(const output_file *f)
     return -1;
 }
 
-static vxs_result open_temporary(output_file *f, message *m)
+static vxs_result open_temporary(output_file *f, run_context *m)
 {
     int        descriptor = create_nameless(f);
     vxs_result r          = descriptor < 0 ? name_temporary(f, -1, &descriptor, m) : VXS_OK;
@@ -129,7 +129,7 @@ static int is_written_directly(const struct stat *s)
     return !S_ISDIR(s->st_mode) && (!S_ISREG(s->st_mode) || !s->st_nlink);
 }
 
-static vxs_result open_directly(output_file *f, const char *path, message *m)
+static vxs_result open_directly(output_file *f, const char *path, run_context *m)
 {
     f->stream = fopen(path, "wbe");
     return f->stream ? VXS_OK : cannot_write(f, errno, m);
@@ -137,7 +137,7 @@ static vxs_result open_directly(output_file *f, const char *path, message *m)
 
 /* For an existing path, links are resolved; a new path is used as given.
  * old  status of the existing file; NULL: none */
-static vxs_result open_beside(output_file *f, const char *path, const struct stat *old, message *m)
+static vxs_result open_beside(output_file *f, const char *path, const struct stat *old, run_context *m)
 {
     vxs_result r = old ? replaced_file_check(path, old, m) : VXS_OK;
     if (r != VXS_OK) return r;
@@ -156,7 +156,7 @@ static void release(output_file *f)
     *f = (output_file){0};
 }
 
-vxs_result output_file_open(output_file *f, const char *path, message *m)
+vxs_result output_file_open(output_file *f, const char *path, run_context *m)
 {
     int is_stdout = !strcmp(path, "-");
     *f            = (output_file){.name = strdup(is_stdout ? "standard output" : path), .remembered = m->temporary};
@@ -185,7 +185,7 @@ vxs_result output_file_open(output_file *f, const char *path, message *m)
     return r;
 }
 
-vxs_result output_file_check(const char *path, message *m)
+vxs_result output_file_check(const char *path, run_context *m)
 {
     struct stat out;
     if (!strcmp(path, "-") || (!stat(path, &out) && is_written_directly(&out))) return VXS_OK;
@@ -199,7 +199,7 @@ vxs_result output_file_check(const char *path, message *m)
     return r;
 }
 
-vxs_result output_file_write(output_file *f, const void *bytes, size_t size_bytes, message *m)
+vxs_result output_file_write(output_file *f, const void *bytes, size_t size_bytes, run_context *m)
 {
     if (size_bytes && fwrite(bytes, 1, size_bytes, f->stream) != size_bytes) return cannot_write(f, errno, m);
     return VXS_OK;
@@ -211,9 +211,9 @@ static int sync_to_disk(int descriptor)
     return !fsync(descriptor) || errno == EINVAL || errno == ENOTSUP ? 0 : errno;
 }
 
-vxs_result output_file_commit(output_file *f, message *m)
+vxs_result output_file_commit(output_file *f, run_context *m)
 {
-    vxs_result r      = message_check(m);
+    vxs_result r      = run_check(m);
     int        error  = ferror(f->stream) ? EIO : 0, linked; /* an unchecked write through stdio failed: its errno is lost */
     int        folder = -1;
     if (fflush(f->stream)) error = errno;

@@ -27,7 +27,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
-#include "baker/base/message.h"
+#include "baker/base/run_context.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -50,20 +50,20 @@ typedef struct output_file {
  * Returns VXS_OK; VXS_E_ARGUMENT when this run reads the file (run_files.h); VXS_E_WRITE when the path is empty, a folder or a link
  * without a target, when no file can be created in the folder, or when the existing file must not be replaced; VXS_E_STRICT;
  * VXS_E_MEMORY. On failure m has the reason. */
-vxs_result output_file_open(output_file *f, const char *path, message *m);
+vxs_result output_file_open(output_file *f, const char *path, run_context *m);
 
 /* Check before long work that the file can be written. Same as output_file_open followed by output_file_abort, but does not open
  * devices or pipes. */
-vxs_result output_file_check(const char *path, message *m);
+vxs_result output_file_check(const char *path, run_context *m);
 
 /* Append size_bytes bytes (0 is allowed). Buffered: a full disk may be detected only in output_file_commit.
  * Returns VXS_OK or VXS_E_WRITE. After a failure call output_file_abort. */
-vxs_result output_file_write(output_file *f, const void *bytes, size_t size_bytes, message *m);
+vxs_result output_file_write(output_file *f, const void *bytes, size_t size_bytes, run_context *m);
 
 /* Flush the buffer to the disk, close the file, and give it its final name. In all cases f is released and zeroed.
  * Returns VXS_OK; VXS_E_WRITE: the old file is unchanged, unless only the last step failed (flushing the name to the disk);
  * VXS_E_STRICT when a warning has become an error: the temporary file is removed and the old file is unchanged. */
-vxs_result output_file_commit(output_file *f, message *m);
+vxs_result output_file_commit(output_file *f, run_context *m);
 
 /* Close and remove the temporary file. Accepts a zeroed object, so that one exit path serves all cases. */
 void output_file_abort(output_file *f);

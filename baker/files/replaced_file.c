@@ -12,7 +12,7 @@ enum { ATTRIBUTE_BYTES_MAX = 65536 };
 
 static const char access_list[] = "system.posix_acl_access";
 
-vxs_result replaced_file_check(const char *path, const struct stat *old, message *m)
+vxs_result replaced_file_check(const char *path, const struct stat *old, run_context *m)
 {
     unsigned long links = old->st_nlink;
     if (!m->force && !(old->st_mode & S_IWUSR))
@@ -21,16 +21,16 @@ vxs_result replaced_file_check(const char *path, const struct stat *old, message
         return fail(m, VXS_E_WRITE, "%s: cannot write: it is one of %lu hard links to a file: --force replaces this one alone",
                     path, links);
     if (links > 1) warn(m, "%s: was one of %lu hard links to a file: the others keep the old one", path, links);
-    return message_check(m);
+    return run_check(m);
 }
 
-static vxs_result not_kept(const char *path, const char *what, int error, message *m)
+static vxs_result not_kept(const char *path, const char *what, int error, run_context *m)
 {
     if (!m->force)
         return fail(m, VXS_E_WRITE, "%s: cannot write: its %s cannot be kept (%s): --force replaces it without", path, what,
                     strerror(error));
     warn(m, "%s: its %s cannot be kept (%s)", path, what, strerror(error));
-    return message_check(m);
+    return run_check(m);
 }
 
 /* Returns 0, or an errno. */
@@ -51,7 +51,7 @@ static int keep_attributes(const char *path, int descriptor)
     return inherited && fremovexattr(descriptor, access_list) ? errno : 0;
 }
 
-vxs_result replaced_file_keep(const char *path, const struct stat *old, int descriptor, message *m)
+vxs_result replaced_file_keep(const char *path, const struct stat *old, int descriptor, run_context *m)
 {
     struct stat now;
     vxs_result  r     = VXS_OK;

@@ -57,7 +57,7 @@ static int is_one_of(const char *names, const char *name)
     return 0;
 }
 
-static vxs_result out_of_memory(const char *what, message *m)
+static vxs_result out_of_memory(const char *what, run_context *m)
 {
     return fail(m, VXS_E_MEMORY, "out of memory while reading %s", what);
 }
@@ -72,12 +72,12 @@ static const run_output *find_output(const run_files *f, const file_identity *id
     return NULL;
 }
 
-static vxs_result are_one_file(const run_output *o, const char *option, const char *path, message *m)
+static vxs_result are_one_file(const run_output *o, const char *option, const char *path, run_context *m)
 {
     return fail(m, VXS_E_ARGUMENT, "%s %s and %s %s are one file: expected two names", o->option, o->path, option, path);
 }
 
-vxs_result run_files_add_output(const char *option, const char *path, message *m)
+vxs_result run_files_add_output(const char *option, const char *path, run_context *m)
 {
     run_files        *f     = m->files;
     run_output        out   = {option, path, identify(path, STDOUT_FILENO)};
@@ -106,7 +106,8 @@ static const run_output *output_in(const run_files *f, const run_folder *folder)
 }
 
 /* Add an existing file of a folder. Its target must not be an output, nor the target of another name in the folder. */
-static vxs_result add_held(run_files *f, size_t folder, const file_identity *identity, const char *name, int is_link, message *m)
+static vxs_result add_held(run_files *f, size_t folder, const file_identity *identity, const char *name, int is_link,
+                           run_context *m)
 {
     const run_folder *in    = &f->folders[folder];
     const run_output *other = find_output(f, identity);
@@ -128,7 +129,7 @@ static vxs_result add_held(run_files *f, size_t folder, const file_identity *ide
 }
 
 /* List the existing files of the folder that match its patterns. */
-static vxs_result list_held(run_files *f, size_t folder, message *m)
+static vxs_result list_held(run_files *f, size_t folder, run_context *m)
 {
     DIR       *open   = opendir(f->folders[folder].path);
     vxs_result result = VXS_OK;
@@ -144,7 +145,7 @@ static vxs_result list_held(run_files *f, size_t folder, message *m)
     return result;
 }
 
-vxs_result run_files_add_folder(const char *option, const char *path, const char *names, message *m)
+vxs_result run_files_add_folder(const char *option, const char *path, const char *names, run_context *m)
 {
     run_files  *f      = m->files;
     run_folder  folder = {option, path, names, identify(path, -1), {0}};
@@ -162,13 +163,13 @@ vxs_result run_files_add_folder(const char *option, const char *path, const char
 
 /* inputs ----------------------------------------------------------------------------------------------------------------------- */
 
-static vxs_result is_the_input(const char *option, const char *path, const char *what, message *m)
+static vxs_result is_the_input(const char *option, const char *path, const char *what, run_context *m)
 {
     return fail(m, VXS_E_ARGUMENT, "%s%s%s: is the input itself, %s: expected another name for the output", option,
                 *option ? " " : "", path, what);
 }
 
-static vxs_result remember_input(run_files *f, const file_identity *in, const char *what, message *m)
+static vxs_result remember_input(run_files *f, const file_identity *in, const char *what, run_context *m)
 {
     if (!in->is_known || in->name) return VXS_OK; /* a device, or it does not exist */
     for (const run_input *i = f->inputs; i < f->inputs + f->input_count; i++)
@@ -182,7 +183,7 @@ static vxs_result remember_input(run_files *f, const file_identity *in, const ch
     return VXS_OK;
 }
 
-vxs_result run_files_check_input(const char *path, const char *what, message *m)
+vxs_result run_files_check_input(const char *path, const char *what, run_context *m)
 {
     run_files *f = m->files;
     if (!f) return VXS_OK;
@@ -200,7 +201,7 @@ vxs_result run_files_check_input(const char *path, const char *what, message *m)
 
 /* writing ---------------------------------------------------------------------------------------------------------------------- */
 
-static vxs_result check_write(const char *option, const char *path, const file_identity *out, message *m)
+static vxs_result check_write(const char *option, const char *path, const file_identity *out, run_context *m)
 {
     const run_files *f = m->files;
     for (const run_input *i = f->inputs; i < f->inputs + f->input_count; i++)
@@ -208,14 +209,14 @@ static vxs_result check_write(const char *option, const char *path, const file_i
     return VXS_OK;
 }
 
-vxs_result run_files_check_write(const char *path, message *m)
+vxs_result run_files_check_write(const char *path, run_context *m)
 {
     if (!m->files) return VXS_OK;
     file_identity out = identify(path, -1);
     return check_write("", path, &out, m);
 }
 
-vxs_result run_files_check_write_in_folder(const char *option, const char *path, message *m)
+vxs_result run_files_check_write_in_folder(const char *option, const char *path, run_context *m)
 {
     if (!m->files) return VXS_OK;
     file_identity     out = identify(path, -1);

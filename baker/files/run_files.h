@@ -13,7 +13,7 @@
 #include <stddef.h>
 #include <sys/types.h>
 
-#include "baker/base/message.h"
+#include "baker/base/run_context.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -67,27 +67,27 @@ typedef struct run_files {
 
 /* Declare an output of the run, in m->files. The path "-" is standard output.
  * Returns VXS_OK; VXS_E_ARGUMENT: the same file as another output; VXS_E_MEMORY. */
-vxs_result run_files_add_output(const char *option, const char *path, message *m);
+vxs_result run_files_add_output(const char *option, const char *path, run_context *m);
 
 /* Declare a folder into which files with certain names are written. Call it after all outputs are declared. The folder need not
  * exist.
  * names  shell patterns, "depth.png|lit-*.png"
  * Returns VXS_OK; VXS_E_ARGUMENT: the folder is an output, an output may be one of those files, or two of them are the same file;
  * VXS_E_MEMORY. */
-vxs_result run_files_add_folder(const char *option, const char *path, const char *names, message *m);
+vxs_result run_files_add_folder(const char *option, const char *path, const char *names, run_context *m);
 
 /* Check a file before it is read, or because an input refers to it. The path "-" is standard input. The file need not exist.
  * what  the reader, for messages: "SCENE", "buffer 0 of a.gltf"
  * Returns VXS_OK; VXS_E_ARGUMENT: the file is an output of this run, may be overwritten in one of its folders, or is the target of
  * standard output; VXS_E_MEMORY. */
-vxs_result run_files_check_input(const char *path, const char *what, message *m);
+vxs_result run_files_check_input(const char *path, const char *what, run_context *m);
 
 /* Check a file, by any of its names, before it is written. Without m->files all files may be written.
  * Returns VXS_OK, or VXS_E_ARGUMENT: this run reads the file. */
-vxs_result run_files_check_write(const char *path, message *m);
+vxs_result run_files_check_write(const char *path, run_context *m);
 
 /* The same for a file in a declared folder. It must not be a declared output either. */
-vxs_result run_files_check_write_in_folder(const char *option, const char *path, message *m);
+vxs_result run_files_check_write_in_folder(const char *option, const char *path, run_context *m);
 
 /* 1 when an output goes to standard output: the path is "-", or names the file or pipe of standard output (/dev/stdout).
  * path  NULL: no such output */

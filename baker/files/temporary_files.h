@@ -2,7 +2,7 @@
  *
  * A signal handler must not lock or allocate. So names are copied to fixed slots that are never freed, and an atomic state marks
  * the valid ones. Files may be opened and closed by several threads. A program that handles signals itself uses none of this
- * (message.h).
+ * (run_context.h).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef TEMPORARY_FILES_H
 #define TEMPORARY_FILES_H

@@ -21,7 +21,7 @@ typedef struct array_counts {
     size_t vertices, triangles;
 } array_counts;
 
-static vxs_result count_mesh(array_counts *all, const vxs_bake_mesh *mesh, size_t n, message *m)
+static vxs_result count_mesh(array_counts *all, const vxs_bake_mesh *mesh, size_t n, run_context *m)
 {
     if (!mesh->positions && mesh->vertex_count) return fail(m, VXS_E_ARGUMENT, "arrays: mesh %zu has no positions", n);
     if (!mesh->indices && (uint64_t)mesh->triangle_count * 3 > mesh->vertex_count)
@@ -36,7 +36,7 @@ static vxs_result count_mesh(array_counts *all, const vxs_bake_mesh *mesh, size_
     return VXS_OK;
 }
 
-static vxs_result count_all(array_counts *all, const vxs_bake_arrays *a, message *m)
+static vxs_result count_all(array_counts *all, const vxs_bake_arrays *a, run_context *m)
 {
     vxs_result r = VXS_OK;
     if (!a->meshes || !a->mesh_count) return fail(m, VXS_E_ARGUMENT, "arrays: expected a mesh");
@@ -49,7 +49,7 @@ static vxs_result count_all(array_counts *all, const vxs_bake_arrays *a, message
     return memory_check(bytes, m, "arrays of %zu triangles: the scene needs", all->triangles);
 }
 
-static vxs_result take_memory(scene *s, const array_counts *all, const vxs_bake_arrays *a, message *m)
+static vxs_result take_memory(scene *s, const array_counts *all, const vxs_bake_arrays *a, run_context *m)
 {
     s->name                = strdup("");
     s->positions_ws        = malloc((all->vertices + 1) * 3 * sizeof *s->positions_ws);
@@ -63,7 +63,7 @@ static vxs_result take_memory(scene *s, const array_counts *all, const vxs_bake_
     return fail(m, VXS_E_MEMORY, "out of memory for arrays of %zu triangles", all->triangles);
 }
 
-static vxs_result add_mesh(scene *s, const vxs_bake_mesh *mesh, size_t number, message *m)
+static vxs_result add_mesh(scene *s, const vxs_bake_mesh *mesh, size_t number, run_context *m)
 {
     uint32_t first = (uint32_t)s->vertex_count;
     s->origins[s->origin_count++] =
@@ -113,7 +113,7 @@ static const char *shape_of(light_shape *out, const vxs_bake_light *l)
                                                         : "expected a cone of more than 0 and at most pi / 2 from its middle";
 }
 
-static vxs_result add_light(scene *s, const vxs_bake_light *l, size_t number, message *m)
+static vxs_result add_light(scene *s, const vxs_bake_light *l, size_t number, run_context *m)
 {
     scene_light *light = &s->lights[s->light_count];
     if (!l->name || !light_name_is_sound(l->name))
@@ -129,14 +129,14 @@ static vxs_result add_light(scene *s, const vxs_bake_light *l, size_t number, me
     return VXS_OK;
 }
 
-static vxs_result add_viewpoint(scene *s, const double at_ws[3], size_t number, message *m)
+static vxs_result add_viewpoint(scene *s, const double at_ws[3], size_t number, run_context *m)
 {
     if (!are_finite(at_ws)) return fail(m, VXS_E_ARGUMENT, "arrays: viewpoint %zu is not finite", number);
     memcpy(s->camera_positions_ws + 3 * s->camera_count++, at_ws, 3 * sizeof *at_ws);
     return VXS_OK;
 }
 
-vxs_result scene_from_arrays(scene *s, const vxs_bake_arrays *arrays, message *m)
+vxs_result scene_from_arrays(scene *s, const vxs_bake_arrays *arrays, run_context *m)
 {
     const vxs_bake_arrays *a   = arrays;
     array_counts           all = {0, 0};

@@ -19,7 +19,7 @@ static const double TEXEL_MIN_METRES = 1e-9, TEXEL_MAX_METRES = 1e9;
 
 /* Copy the options. The struct of an older program is shorter. A newer program's is longer; its fields that this library does
  * not know must be 0. */
-static vxs_result take_known(vxs_bake_options *known, const vxs_bake_options *options, message *m)
+static vxs_result take_known(vxs_bake_options *known, const vxs_bake_options *options, run_context *m)
 {
     const size_t least = offsetof(vxs_bake_options, blend); /* size of the first version */
     *known             = (vxs_bake_options){0};
@@ -35,12 +35,12 @@ static vxs_result take_known(vxs_bake_options *known, const vxs_bake_options *op
 
 /* numbers and words ----------------------------------------------------------------------------------------------------------- */
 
-static vxs_result check_choice(const char *name, unsigned value, unsigned most, message *m)
+static vxs_result check_choice(const char *name, unsigned value, unsigned most, run_context *m)
 {
     return value <= most ? VXS_OK : fail(m, VXS_E_ARGUMENT, "%s %u: expected 0 to %u", name, value, most);
 }
 
-static vxs_result check_choices(const vxs_bake_options *a, message *m)
+static vxs_result check_choices(const vxs_bake_options *a, run_context *m)
 {
     vxs_result r = check_choice("closed", a->closed, VXS_BAKE_CLOSED_OFF, m);
     if (r == VXS_OK) r = check_choice("skinned", a->skinned, VXS_BAKE_SKINNED_REST, m);
@@ -58,7 +58,7 @@ static vxs_result check_choices(const vxs_bake_options *a, message *m)
 }
 
 /* At most one of the two may be given. */
-static vxs_result check_map_size(const char *light, uint32_t side, double texel, message *m)
+static vxs_result check_map_size(const char *light, uint32_t side, double texel, run_context *m)
 {
     if (side && texel != 0)
         return fail(m, VXS_E_ARGUMENT, "light %s: resolution %u and texel_metres %g exclude each other", light, side, texel);
@@ -71,7 +71,7 @@ static vxs_result check_map_size(const char *light, uint32_t side, double texel,
     return VXS_OK;
 }
 
-static vxs_result check_region(const vxs_bake_options *a, message *m)
+static vxs_result check_region(const vxs_bake_options *a, run_context *m)
 {
     for (int axis = 0; axis < 3 && a->has_region; axis++) {
         double low = a->region_ws[axis], high = a->region_ws[axis + 3];
@@ -85,12 +85,12 @@ static vxs_result check_region(const vxs_bake_options *a, message *m)
 
 /* lists ----------------------------------------------------------------------------------------------------------------------- */
 
-static vxs_result no_memory(message *m)
+static vxs_result no_memory(run_context *m)
 {
     return fail(m, VXS_E_MEMORY, "out of memory for options");
 }
 
-static vxs_result add_texts(text_list *list, const char *const *texts, size_t count, const char *name, message *m)
+static vxs_result add_texts(text_list *list, const char *const *texts, size_t count, const char *name, run_context *m)
 {
     if (count && !texts) return fail(m, VXS_E_ARGUMENT, "%s: %zu of them, and no array", name, count);
     for (size_t n = 0; n < count; n++) {
@@ -101,7 +101,7 @@ static vxs_result add_texts(text_list *list, const char *const *texts, size_t co
     return VXS_OK;
 }
 
-static vxs_result add_named(named_list *list, const char *name, const double *numbers, size_t count, message *m)
+static vxs_result add_named(named_list *list, const char *name, const double *numbers, size_t count, run_context *m)
 {
     named_value value = {.name = NULL};
     if (named_find(list, name)) return fail(m, VXS_E_ARGUMENT, "'%s' is given twice", name);
@@ -112,7 +112,7 @@ static vxs_result add_named(named_list *list, const char *name, const double *nu
     return VXS_OK;
 }
 
-static vxs_result add_suns(asked_options *a, message *m)
+static vxs_result add_suns(asked_options *a, run_context *m)
 {
     vxs_result r = VXS_OK;
     if (a->asked.sun_count && !a->asked.suns) return fail(m, VXS_E_ARGUMENT, "suns: %zu of them, and no array", a->asked.sun_count);
@@ -128,7 +128,7 @@ static vxs_result add_suns(asked_options *a, message *m)
     return r;
 }
 
-static vxs_result add_map_sizes(asked_options *a, message *m)
+static vxs_result add_map_sizes(asked_options *a, run_context *m)
 {
     const vxs_bake_options *asked = &a->asked;
     vxs_result              r     = check_map_size("of all", asked->resolution, asked->texel_metres, m);
@@ -150,7 +150,7 @@ static vxs_result add_map_sizes(asked_options *a, message *m)
     return r;
 }
 
-static vxs_result add_lists(asked_options *a, int lights, message *m)
+static vxs_result add_lists(asked_options *a, int lights, run_context *m)
 {
     const vxs_bake_options *asked = &a->asked;
     vxs_result              r     = add_texts(&a->o.scene.exclude, asked->exclude, asked->exclude_count, "exclude", m);
@@ -163,7 +163,7 @@ static vxs_result add_lists(asked_options *a, int lights, message *m)
 
 /* files ----------------------------------------------------------------------------------------------------------------------- */
 
-static vxs_result check_files(const vxs_bake_options *a, int lights, message *m)
+static vxs_result check_files(const vxs_bake_options *a, int lights, run_context *m)
 {
     if ((a->scene_path != NULL) + (a->arrays != NULL) + (a->scene != NULL) != 1)
         return fail(m, VXS_E_ARGUMENT, "expected one of scene_path, arrays and scene");
@@ -216,7 +216,7 @@ static void translate(asked_options *a)
     o->if_changed   = asked->if_changed != 0;
 }
 
-vxs_result asked_options_init(asked_options *a, const vxs_bake_options *options, int lights, message *m)
+vxs_result asked_options_init(asked_options *a, const vxs_bake_options *options, int lights, run_context *m)
 {
     *a           = (asked_options){0};
     vxs_result r = take_known(&a->asked, options, m);

@@ -14,7 +14,7 @@ typedef struct asked_options {
 /* Check options. Options of lights and output are checked only if lights is 1.
  * a  [out] released with asked_options_free, whatever is returned
  * Returns VXS_OK, VXS_E_ARGUMENT, VXS_E_MEMORY. */
-vxs_result asked_options_init(asked_options *a, const vxs_bake_options *options, int lights, message *m);
+vxs_result asked_options_init(asked_options *a, const vxs_bake_options *options, int lights, run_context *m);
 
 void asked_options_free(asked_options *a);
 

@@ -33,7 +33,7 @@ static void share(void *user, double share, double since, const char *doing)
     tell_progress(run, share > 0 ? spent / share * (1 - share) : -1, doing);
 }
 
-static void tell_warning(const message *m, const char *warning)
+static void tell_warning(const run_context *m, const char *warning)
 {
     const vxs_bake_options *asked = m->tell_user;
     if (asked->warning) asked->warning(asked->user, warning);
@@ -69,7 +69,7 @@ static void use_scene(bake_options *o, const vxs_bake_scene *opened)
 vxs_result bake_run_init(bake_run *run, const vxs_bake_options *options, int lights)
 {
     *run         = (bake_run){.share = -1};
-    run->m       = (message){.tell = tell_warning, .tell_user = &run->options.asked, .files = &run->files};
+    run->m       = (run_context){.tell = tell_warning, .tell_user = &run->options.asked, .files = &run->files};
     run->watch   = (run_watch){.say = say, .share = share, .user = run};
     vxs_result r = asked_options_init(&run->options, options, lights, &run->m);
     run->m.force = run->options.asked.replace != 0;
@@ -95,7 +95,7 @@ vxs_result bake_run_guarded(bake_run *run, vxs_result (*work)(bake_run *run, voi
 vxs_result bake_run_open_scene(bake_run *run, bake_scene *s)
 {
     const bake_options *o   = &run->options.o;
-    bake_context        ctx = {.message      = &run->m,
+    bake_context        ctx = {.run          = &run->m,
                                .threads      = o->threads,
                                .watch        = o->watch,
                                .subject      = o->scene_path,
@@ -118,7 +118,7 @@ void bake_run_free(bake_run *run)
     if (run->options.o.prepared) run->options.o.scene = (scene_choice){0}; /* owned by the scene */
     asked_options_free(&run->options);
     run_files_free(&run->files);
-    message_free(&run->m);
+    run_free(&run->m);
     run_control_free(&run->run_control);
 }
 

@@ -17,7 +17,7 @@ struct vxs_bake_scene {
 /* Must not move. */
 typedef struct bake_run {
     asked_options options;
-    message       m;
+    run_context   m;
     run_files     files;
     run_watch     watch;
     run_control   run_control;

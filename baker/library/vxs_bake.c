@@ -69,7 +69,7 @@ struct vxs_bake_job {
     char           error[VXS_BAKE_ERROR_BYTES];
 };
 
-static vxs_result take_file(void *user, const bake_options *o, const casters *c, vxs_bytes *file, message *m)
+static vxs_result take_file(void *user, const bake_options *o, const casters *c, vxs_bytes *file, run_context *m)
 {
     vxs_bake_job *job = user;
     (void)o;

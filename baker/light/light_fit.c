@@ -107,7 +107,7 @@ static double slope_of(double half_slope, uint32_t side)
     return half_slope / (side / 2.0 - border_px(side));
 }
 
-vxs_result lamp_fit(vxs_light *light, const casters *c, const light_fit_desc *desc, double axes[3][3], message *m)
+vxs_result lamp_fit(vxs_light *light, const casters *c, const light_fit_desc *desc, double axes[3][3], run_context *m)
 {
     const light_shape *shape = desc->shape;
     int                spot  = shape->kind == LIGHT_SPOT;
@@ -180,7 +180,7 @@ static void extend_along(box *extent, double axes[3][3], const double *point)
 }
 
 /* The format stores up to 63 bytes. Longer names are cut between UTF-8 characters. */
-static void set_name(vxs_light *light, const char *name, message *m)
+static void set_name(vxs_light *light, const char *name, run_context *m)
 {
     size_t length = strlen(name);
     if (length > VXS_LIGHT_NAME_BYTES - 1) {
@@ -192,7 +192,7 @@ static void set_name(vxs_light *light, const char *name, message *m)
     memcpy(light->name, name, length);
 }
 
-static vxs_result sun_fit(vxs_light *light, const casters *c, const light_fit_desc *desc, double axes[3][3], message *m)
+static vxs_result sun_fit(vxs_light *light, const casters *c, const light_fit_desc *desc, double axes[3][3], run_context *m)
 {
     box    extent = box_empty();
     double length[3];
@@ -251,7 +251,7 @@ static vxs_result sun_fit(vxs_light *light, const casters *c, const light_fit_de
     return VXS_OK;
 }
 
-vxs_result light_fit(vxs_light *light, const casters *c, const light_fit_desc *desc, message *m)
+vxs_result light_fit(vxs_light *light, const casters *c, const light_fit_desc *desc, run_context *m)
 {
     static const double ahead[3] = {0, 0, 1}; /* a point light's cube is aligned with the world axes */
     double              axes[3][3];

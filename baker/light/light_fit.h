@@ -35,11 +35,11 @@ typedef struct light_fit_desc {
  *
  * light  [out] everything except the DAG.
  * Returns VXS_OK; VXS_E_NO_CASTER (without a message): the light reaches no caster; VXS_E_ARGUMENT. */
-vxs_result light_fit(vxs_light *light, const casters *c, const light_fit_desc *desc, message *m);
+vxs_result light_fit(vxs_light *light, const casters *c, const light_fit_desc *desc, run_context *m);
 
 /* Part of light_fit for spot and point lights, in light_fit.c.
  * light  [in] with its name set
  * axes   rows: u, v, and the light's direction; right-handed */
-vxs_result lamp_fit(vxs_light *light, const casters *c, const light_fit_desc *desc, double axes[3][3], message *m);
+vxs_result lamp_fit(vxs_light *light, const casters *c, const light_fit_desc *desc, double axes[3][3], run_context *m);
 
 #endif

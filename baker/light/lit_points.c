@@ -24,7 +24,7 @@ static reach_run run_of(const casters *c, size_t first, size_t end)
     return run;
 }
 
-vxs_result reach_init(reach_index *x, const casters *c, message *m)
+vxs_result reach_init(reach_index *x, const casters *c, run_context *m)
 {
     x->run_count = (c->triangle_count + REACH_RUN - 1) / REACH_RUN;
     x->runs      = malloc((x->run_count + 1) * sizeof *x->runs);
@@ -124,7 +124,7 @@ static int allocate(keeper *k, size_t triangles)
            (out->solid_meets || !c->solid_meets) && (out->double_sided || !c->double_sided);
 }
 
-vxs_result reach_casters(casters *out, const reach_index *x, const casters *c, const light_shape *light, message *m)
+vxs_result reach_casters(casters *out, const reach_index *x, const casters *c, const light_shape *light, run_context *m)
 {
     *out = *c;
     if (light->kind != LIGHT_SPOT || light->outer_rad > LAMP_SPOT_MAX_RAD) return VXS_OK;

@@ -23,14 +23,14 @@ typedef struct reach_index {
 enum { REACH_RUN = 64 };
 
 /* Returns VXS_OK or VXS_E_MEMORY; released with reach_free either way. */
-vxs_result reach_init(reach_index *x, const casters *c, message *m);
+vxs_result reach_init(reach_index *x, const casters *c, run_context *m);
 void       reach_free(reach_index *x);
 
 /* The casters that may lie in a light's map, in their order. All of them, unless the light is a spot light with one map. May be
  * empty.
  * out  [out] zeroed on failure; released with reach_release. Borrows masks and images, and everything when it is all of c.
  * Returns VXS_OK or VXS_E_MEMORY. */
-vxs_result reach_casters(casters *out, const reach_index *x, const casters *c, const light_shape *light, message *m);
+vxs_result reach_casters(casters *out, const reach_index *x, const casters *c, const light_shape *light, run_context *m);
 void       reach_release(casters *out, const casters *c);
 
 /* Random points on the casters within a light's maps and range: a sample of the surfaces that it can light. */

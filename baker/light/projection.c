@@ -222,7 +222,7 @@ static int take_casters(projector *w)
     return 1;
 }
 
-vxs_result projection_init(projection *p, const casters *c, const vxs_light *light, int map, uint32_t threads, message *m)
+vxs_result projection_init(projection *p, const casters *c, const vxs_light *light, int map, uint32_t threads, run_context *m)
 {
     *p          = (projection){.casters = c, .reversed = light->kind != VXS_LIGHT_KIND_DIRECTIONAL};
     projector w = {.p = p, .light = light, .map = map, .side_px = ldexp(1, (int)light->levels), .frame = map_frame_of(light, map)};

@@ -53,7 +53,7 @@ typedef struct projection {
 /* Project the casters into map `map` of a light (numbered as in vxs.h); the casters are borrowed. Triangles that cannot touch the
  * map may be left out. Triangles that extend far beyond it are clipped.
  * Returns VXS_OK or VXS_E_MEMORY; released with projection_free either way. */
-vxs_result projection_init(projection *p, const casters *c, const vxs_light *light, int map, uint32_t threads, message *m);
+vxs_result projection_init(projection *p, const casters *c, const vxs_light *light, int map, uint32_t threads, run_context *m);
 
 /* Remove triangles. The others keep their order; vertices stay.
  * kept  [p->triangle_count] 1: keep the triangle

@@ -103,7 +103,7 @@ mask_fingerprint alpha_mask_fingerprint(const alpha_mask *mask, const alpha_imag
 }
 
 /* Triangle numbers are not hashed: the geometry hash already includes which triangles have holes. */
-static vxs_result take_alpha_masks(hasher *h, const scene *s, char text[FINGERPRINT_BYTES], message *m)
+static vxs_result take_alpha_masks(hasher *h, const scene *s, char text[FINGERPRINT_BYTES], run_context *m)
 {
     XXH128_hash_t *masks = calloc(s->alpha_mask_count + 1, sizeof *masks);
     if (!masks) return fail(m, VXS_E_MEMORY, "out of memory for the fingerprint of %zu alpha masks", s->alpha_mask_count);
@@ -141,7 +141,7 @@ static void take_lights(hasher *h, const scene *s, char text[FINGERPRINT_BYTES])
     hash_end_text(h, text);
 }
 
-vxs_result scene_fingerprint_take(scene_fingerprint *f, const scene *s, message *m)
+vxs_result scene_fingerprint_take(scene_fingerprint *f, const scene *s, run_context *m)
 {
     hasher h;
     take_geometry(&h, s, f->geometry);

@@ -24,7 +24,7 @@ typedef struct scene_fingerprint {
  * f  [out]
  * Returns VXS_OK or VXS_E_MEMORY.
  * Time: one pass over the scene, 10 to 50 ns per triangle; loading takes ten times as long. */
-vxs_result scene_fingerprint_take(scene_fingerprint *f, const scene *s, message *m);
+vxs_result scene_fingerprint_take(scene_fingerprint *f, const scene *s, run_context *m);
 
 /* Fingerprint of one alpha mask: of the opaque area that it defines, not of how images are shared. */
 typedef struct mask_fingerprint {

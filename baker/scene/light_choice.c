@@ -77,7 +77,7 @@ static int is_utf8(const char *text)
 }
 
 /* All candidates: the scene's lights, and the suns, which replace lights of the same name. */
-static vxs_result add_all(const scene *s, const named_list *suns, light_choice *all, message *m)
+static vxs_result add_all(const scene *s, const named_list *suns, light_choice *all, run_context *m)
 {
     for (size_t i = 0; i < s->light_count; i++)
         if (!named_find(suns, s->lights[i].name)) add(all, (chosen_light){s->lights[i].name, s->lights[i].shape, 0, &s->lights[i]});
@@ -110,7 +110,7 @@ static const chosen_light *find_by_node(const light_choice *lights, const char *
     return found;
 }
 
-static vxs_result fail_if_lost(const scene *s, const char *name, message *m)
+static vxs_result fail_if_lost(const scene *s, const char *name, run_context *m)
 {
     for (const lost_light *l = s->lost_lights; l < s->lost_lights + s->lost_light_count; l++) {
         char node[128];
@@ -123,7 +123,7 @@ static vxs_result fail_if_lost(const scene *s, const char *name, message *m)
     return VXS_OK;
 }
 
-static vxs_result add_named(const scene *s, const light_choice *all, const char *name, light_choice *chosen, message *m)
+static vxs_result add_named(const scene *s, const light_choice *all, const char *name, light_choice *chosen, run_context *m)
 {
     size_t              count = 0;
     const chosen_light *light = find(all, name);
@@ -163,7 +163,7 @@ static int is_dark(const scene_light *l)
     return l && l->dark;
 }
 
-void warn_about_lost_lights(const scene *s, message *m)
+void warn_about_lost_lights(const scene *s, run_context *m)
 {
     size_t lost = 0;
     for (const lost_light *l = s->lost_lights; l < s->lost_lights + s->lost_light_count; l++) {
@@ -174,7 +174,7 @@ void warn_about_lost_lights(const scene *s, message *m)
     if (lost > SHOWN) warn(m, "%zu more lights are left out for such faults; see to those above, and run again", lost - SHOWN);
 }
 
-static void warn_about_dark_lights(const scene *s, message *m)
+static void warn_about_dark_lights(const scene *s, run_context *m)
 {
     size_t dark = 0;
     for (const scene_light *l = s->lights; l < s->lights + s->light_count; l++) {
@@ -189,7 +189,7 @@ static void warn_about_dark_lights(const scene *s, message *m)
 }
 
 /* Warn of chosen lights with properties that are not used as given. */
-static void warn_about_odd_lights(const light_choice *chosen, message *m)
+static void warn_about_odd_lights(const light_choice *chosen, run_context *m)
 {
     size_t odd = 0;
     for (const chosen_light *l = chosen->lights; l < chosen->lights + chosen->count; l++) {
@@ -203,7 +203,7 @@ static void warn_about_odd_lights(const light_choice *chosen, message *m)
     if (odd > SHOWN) warn(m, "%zu more lights like that; see to those above, and run again", odd - SHOWN);
 }
 
-static vxs_result fail_without_light(const scene *s, message *m)
+static vxs_result fail_without_light(const scene *s, run_context *m)
 {
     const lost_light *first = s->lost_lights;
     while (first < s->lost_lights + s->lost_light_count && !first->why) first++;
@@ -220,7 +220,7 @@ static vxs_result fail_without_light(const scene *s, message *m)
 }
 
 static vxs_result choose(const scene *s, const light_choice *all, const text_list *names, const named_list *suns,
-                         light_choice *chosen, message *m)
+                         light_choice *chosen, run_context *m)
 {
     int by_name = names->count || suns->count;
     for (size_t i = 0; i < names->count; i++) {
@@ -238,7 +238,7 @@ static vxs_result choose(const scene *s, const light_choice *all, const text_lis
     return VXS_OK;
 }
 
-vxs_result lights_choose(const scene *s, const text_list *names, const named_list *suns, light_choice *chosen, message *m)
+vxs_result lights_choose(const scene *s, const text_list *names, const named_list *suns, light_choice *chosen, run_context *m)
 {
     size_t       most = names->count + s->light_count + suns->count + 1;
     light_choice all  = {0, calloc(most, sizeof *all.lights)};
@@ -252,7 +252,7 @@ vxs_result lights_choose(const scene *s, const text_list *names, const named_lis
     return r;
 }
 
-static vxs_result ask(void *user, const scene *s, message *m)
+static vxs_result ask(void *user, const scene *s, run_context *m)
 {
     const light_question *q = user;
     vxs_result            r = lights_choose(s, q->names, q->suns, q->chosen, m);
@@ -264,7 +264,7 @@ scene_check light_question_check(light_question *q)
     return (scene_check){ask, q};
 }
 
-vxs_result light_choice_require(const light_choice *chosen, const char *option, const named_list *values, message *m)
+vxs_result light_choice_require(const light_choice *chosen, const char *option, const named_list *values, run_context *m)
 {
     char known[LIST_BYTES], meant[64];
     for (const named_value *v = values->items; v < values->items + values->count; v++)
@@ -289,7 +289,7 @@ void light_choice_free(light_choice *chosen)
  * below it. */
 #define ALIKE 1e-4
 
-void warn_about_sun(const char *name, const double direction_ws[3], message *m)
+void warn_about_sun(const char *name, const double direction_ws[3], run_context *m)
 {
     double d[3];
     if (!vec3_unit(direction_ws, d) || d[1] <= ALIKE) return;
@@ -301,7 +301,7 @@ void warn_about_sun(const char *name, const double direction_ws[3], message *m)
 }
 
 /* Warn of a node that was never rotated: its light travels horizontally and only grazes the ground. */
-static void warn_about_unturned(const chosen_light *light, message *m)
+static void warn_about_unturned(const chosen_light *light, run_context *m)
 {
     const double *d = light->shape.direction_ws;
     if (light->is_option || d[2] > -1 + 1e-9 || fabs(d[0]) > 1e-6 || fabs(d[1]) > 1e-6) return;
@@ -312,7 +312,7 @@ static void warn_about_unturned(const chosen_light *light, message *m)
          light->name);
 }
 
-void warn_about_suns(const light_choice *chosen, message *m)
+void warn_about_suns(const light_choice *chosen, run_context *m)
 {
     for (const chosen_light *light = chosen->lights; light < chosen->lights + chosen->count; light++)
         if (light->shape.kind == LIGHT_DIRECTIONAL) {
@@ -344,7 +344,7 @@ static int same_but_for_case(const char *a, const char *b)
 }
 
 /* Warn of two equal lights. The advice is to drop the one given on the command line, if any: that is easier. */
-static void warn_about_twins(const chosen_light *first, const chosen_light *second, message *m)
+static void warn_about_twins(const chosen_light *first, const chosen_light *second, run_context *m)
 {
     const chosen_light *option      = second->is_option ? second : first->is_option ? first : NULL;
     char                remedy[128] = "take one out of the scene, or choose with --light";
@@ -354,7 +354,7 @@ static void warn_about_twins(const chosen_light *first, const chosen_light *seco
 }
 
 /* Warn of the first earlier light with the same shape, and of the first one whose name differs only in case. */
-static void warn_about_pairs(const light_choice *chosen, const chosen_light *light, message *m)
+static void warn_about_pairs(const light_choice *chosen, const chosen_light *light, run_context *m)
 {
     const chosen_light *other = chosen->lights;
     while (other < light && !shapes_alike(&other->shape, &light->shape)) other++;
@@ -368,7 +368,7 @@ static void warn_about_pairs(const light_choice *chosen, const chosen_light *lig
              other->name, light->name);
 }
 
-void warn_about_lights(const light_choice *chosen, message *m)
+void warn_about_lights(const light_choice *chosen, run_context *m)
 {
     warn_about_suns(chosen, m);
     for (const chosen_light *light = chosen->lights; light < chosen->lights + chosen->count; light++)

@@ -37,17 +37,17 @@ int light_name_matches(const char *pattern, size_t number, const char *name);
  * chosen  [out] zeroed on failure; released with light_choice_free; borrows names from s and suns
  * Returns VXS_OK; VXS_E_NO_LIGHT (neither option, and no light that emits light); VXS_E_ARGUMENT (unknown name, name given twice, a
  * light that cannot be baked, a sun of length zero or with a name that the format cannot store); VXS_E_MEMORY. */
-vxs_result lights_choose(const scene *s, const text_list *names, const named_list *suns, light_choice *chosen, message *m);
+vxs_result lights_choose(const scene *s, const text_list *names, const named_list *suns, light_choice *chosen, run_context *m);
 
 /* Warn of lights of the file that cannot be baked, as lights_choose does without options. */
-void warn_about_lost_lights(const scene *s, message *m);
+void warn_about_lost_lights(const scene *s, run_context *m);
 
 /* The same selection, made by a scene_check before triangles are placed. */
 typedef struct light_question {
     const text_list  *names;
     const named_list *suns;
-    light_choice     *chosen;                                    /* [out] */
-    vxs_result (*judge)(const light_choice *chosen, message *m); /* the command's own check of the chosen lights */
+    light_choice     *chosen;                                        /* [out] */
+    vxs_result (*judge)(const light_choice *chosen, run_context *m); /* the command's own check of the chosen lights */
 } light_question;
 
 /* A check for scene_load_gltf_checked. Valid while the question exists. */
@@ -55,7 +55,7 @@ scene_check light_question_check(light_question *q);
 
 /* Check that each name in the values of an option is the name of a chosen light. Returns VXS_OK or VXS_E_ARGUMENT.
  * option  for messages: "--resolution" */
-vxs_result light_choice_require(const light_choice *chosen, const char *option, const named_list *values, message *m);
+vxs_result light_choice_require(const light_choice *chosen, const char *option, const named_list *values, run_context *m);
 
 /* 1 when a name is valid for a light: 1 to VXS_LIGHT_NAME_BYTES - 1 bytes of UTF-8. */
 int light_name_is_sound(const char *name);
@@ -67,13 +67,13 @@ void light_choice_free(light_choice *chosen);
 
 /* Warn when sunlight travels upward.
  * direction_ws  of any length */
-void warn_about_sun(const char *name, const double direction_ws[3], message *m);
+void warn_about_sun(const char *name, const double direction_ws[3], run_context *m);
 
 /* The same for all chosen directional lights. Also warns of scene lights that travel along -Z, the direction of a node that was
  * never rotated. */
-void warn_about_suns(const light_choice *chosen, message *m);
+void warn_about_suns(const light_choice *chosen, run_context *m);
 
 /* The same. Also warns of duplicate lights, and of names that differ only in case. Each light is compared with those before it. */
-void warn_about_lights(const light_choice *chosen, message *m);
+void warn_about_lights(const light_choice *chosen, run_context *m);
 
 #endif

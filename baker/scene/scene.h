@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "baker/base/message.h"
+#include "baker/base/run_context.h"
 #include "baker/base/text.h"
 #include "baker/scene/smoke.h"
 
@@ -217,27 +217,28 @@ typedef struct scene_choice {
  * Triangles of mirrored nodes (negative determinant) are reversed, so that their outside stays outside.
  * Returns VXS_OK, VXS_E_READ, VXS_E_SCENE, VXS_E_UNSUPPORTED (an unknown required extension), VXS_E_ARGUMENT (no such scene, or a
  * pattern without a match), VXS_E_MEMORY, VXS_E_STRICT. A scene without triangles is not an error here. */
-vxs_result scene_load_gltf(scene *s, const char *path, const scene_choice *choice, message *m);
+vxs_result scene_load_gltf(scene *s, const char *path, const scene_choice *choice, run_context *m);
 
 /* A callback, called once when the name, lights and cameras of a scene are known, before triangles are placed, which may take long.
  * If it does not return VXS_OK, loading ends with its result. Data that it borrows from s stays valid until scene_free. */
 typedef struct scene_check {
-    vxs_result (*check)(void *user, const scene *s, message *m);
+    vxs_result (*check)(void *user, const scene *s, run_context *m);
     void *user;
 } scene_check;
 
 /* The same with a check, whose result may be returned.
  * check  NULL: none */
-vxs_result scene_load_gltf_checked(scene *s, const char *path, const scene_choice *choice, const scene_check *check, message *m);
+vxs_result scene_load_gltf_checked(scene *s, const char *path, const scene_choice *choice, const scene_check *check,
+                                   run_context *m);
 
 /* Only check that no file that the scene refers to is an output of this run, as scene_load_gltf does first. For scenes that another
  * program will read.
  * Returns VXS_OK, VXS_E_READ, VXS_E_SCENE, VXS_E_ARGUMENT, VXS_E_MEMORY. */
-vxs_result scene_check_files_gltf(const char *path, message *m);
+vxs_result scene_check_files_gltf(const char *path, run_context *m);
 
 /* Load the default scene from the bytes of a .gltf or .glb file. Buffers and images in other files are an error. `name` replaces
  * the path in messages. */
-vxs_result scene_load_gltf_memory(scene *s, const void *bytes, size_t size_bytes, const char *name, message *m);
+vxs_result scene_load_gltf_memory(scene *s, const void *bytes, size_t size_bytes, const char *name, run_context *m);
 
 void scene_free(scene *s);
 

@@ -224,7 +224,7 @@ typedef struct nrrd {
     double         axes[3][3], origin[3];
     int            has_axes, has_spacings, is_raw, is_little;
     vxs_result     result; /* of the header */
-    message       *m;
+    run_context   *m;
 } nrrd;
 
 static vxs_result is_unsupported(const nrrd *n, const char *field, const char *value, const char *expected)
@@ -463,7 +463,7 @@ static vxs_result read_numbers(const nrrd *n, smoke_grid *g, double factor)
     return VXS_OK;
 }
 
-vxs_result nrrd_read(smoke_grid *g, const char *path, double factor, message *m)
+vxs_result nrrd_read(smoke_grid *g, const char *path, double factor, run_context *m)
 {
     uint8_t   *bytes;
     nrrd       n = {.name = input_name(path), .m = m};

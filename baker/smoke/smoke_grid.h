@@ -10,7 +10,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "baker/base/message.h"
+#include "baker/base/run_context.h"
 
 /* Optical depth of smoke along a light ray, at any number of depths; and the few nodes of the curve that is stored for it. */
 
@@ -121,6 +121,6 @@ int smoke_grid_march(const smoke_grid *g, const double from[3], const double way
  * g       [out] zeroed; released with smoke_grid_free whatever is returned
  * Returns VXS_OK; VXS_E_READ; VXS_E_UNSUPPORTED: a feature of NRRD that this reader lacks; VXS_E_SCENE: not NRRD, or a number that
  * is not a valid extinction; VXS_E_MEMORY. */
-vxs_result nrrd_read(smoke_grid *g, const char *path, double factor, message *m);
+vxs_result nrrd_read(smoke_grid *g, const char *path, double factor, run_context *m);
 
 #endif

@@ -390,7 +390,7 @@ vxs_result smoke_map_make(smoke_map *map, const smoke_source *source, const vxs_
     k.tiles_across = 1u << (k.levels - 3);
     if (!find_units(&k)) return context_check(ctx);
     vxs_result r =
-        memory_check(tile_count(&k) * (TILE_TEXELS + sizeof *k.tile_nodes), ctx->message,
+        memory_check(tile_count(&k) * (TILE_TEXELS + sizeof *k.tile_nodes), ctx->run,
                      "%u x %u curves of smoke a map of light '%s' need", 1u << k.levels, 1u << k.levels, baked->light.name);
     if (r != VXS_OK) return r;
     int done = take_memory(&k);
@@ -398,8 +398,7 @@ vxs_result smoke_map_make(smoke_map *map, const smoke_source *source, const vxs_
     for (uint32_t n = 0; n < k.workers && done; n++) done = !k.failed[n];
     done = done && put_together(&k, map) && measure_lookups(&k, map);
     give_memory_back(&k);
-    return done ? context_check(ctx)
-                : fail(ctx->message, VXS_E_MEMORY, "out of memory for the smoke of light '%s'", baked->light.name);
+    return done ? context_check(ctx) : fail(ctx->run, VXS_E_MEMORY, "out of memory for the smoke of light '%s'", baked->light.name);
 }
 
 static vxs_result make_maps(smoke_map *maps, const vxs_contents *contents, const smoke_source *source,
@@ -414,7 +413,7 @@ static vxs_result make_maps(smoke_map *maps, const vxs_contents *contents, const
 }
 
 /* Replace the file by one with smoke. */
-static vxs_result add_maps(vxs_bytes *file, const vxs_contents *contents, const smoke_map *maps, int zstd_level, message *m)
+static vxs_result add_maps(vxs_bytes *file, const vxs_contents *contents, const smoke_map *maps, int zstd_level, run_context *m)
 {
     vxs_bytes       with  = {0};
     uint32_t        some  = 0;
@@ -455,11 +454,11 @@ vxs_result smoke_bake(vxs_bytes *file, const smoke_source *source, const smoke_s
     vxs_parallel  threads  = parallel_lent(ctx->threads);
     vxs_read_desc desc     = {.parallel = &threads};
     vxs_result    r        = vxs_read(&contents, file->data, file->size_bytes, &desc);
-    if (r != VXS_OK) return fail(ctx->message, r, "the encoded asset cannot be read back for its smoke: %s", vxs_result_text(r));
+    if (r != VXS_OK) return fail(ctx->run, r, "the encoded asset cannot be read back for its smoke: %s", vxs_result_text(r));
     smoke_map *maps = calloc(contents.light_count, sizeof *maps);
-    if (!maps) r = fail(ctx->message, VXS_E_MEMORY, "out of memory for the smoke of %u lights", contents.light_count);
+    if (!maps) r = fail(ctx->run, VXS_E_MEMORY, "out of memory for the smoke of %u lights", contents.light_count);
     if (r == VXS_OK) r = make_maps(maps, &contents, source, settings, ctx);
-    if (r == VXS_OK) r = add_maps(file, &contents, maps, zstd_level, ctx->message);
+    if (r == VXS_OK) r = add_maps(file, &contents, maps, zstd_level, ctx->run);
     if (r == VXS_OK) count_maps(counts, maps, contents.light_count);
     for (uint32_t n = 0; maps && n < contents.light_count; n++) smoke_map_free(&maps[n]);
     free(maps);

@@ -247,7 +247,7 @@ static uint32_t most_lamps(const bench *b)
 }
 
 /* An asset of a lamp at each place, and in the middle. */
-static vxs_result bake(bench *b, const float *positions, message *m)
+static vxs_result bake(bench *b, const float *positions, run_context *m)
 {
     area            *a    = b->area;
     vxs_bake_mesh    mesh = {.positions      = positions,
@@ -278,7 +278,7 @@ static vxs_result bake(bench *b, const float *positions, message *m)
     return r == VXS_OK ? r : fail(m, r, "no asset of lamps: %s", vxs_result_text(r));
 }
 
-static vxs_result upload_points(bench *b, const float *positions, message *m)
+static vxs_result upload_points(bench *b, const float *positions, run_context *m)
 {
     area *a      = b->area;
     a->scattered = malloc(a->points * sizeof *a->scattered);
@@ -289,7 +289,7 @@ static vxs_result upload_points(bench *b, const float *positions, message *m)
     return area_there > 0 ? VXS_OK : fail(m, VXS_E_SCENE, "%s: nothing has an area", b->scene_path);
 }
 
-static vxs_result open_lights(bench *b, message *m)
+static vxs_result open_lights(bench *b, run_context *m)
 {
     area               *a   = b->area;
     vxs_area_light_desc all = {.takes_maps = 1}, one = {.lamps = 1};
@@ -328,7 +328,7 @@ static void describe(const bench *b, json_t **scene_json)
     json_set(scene_json, "reference_rms", json_real(rounded(size > 0 ? sqrt(off / size) : 0, 4)));
 }
 
-static vxs_result run(void *command, message *m)
+static vxs_result run(void *command, run_context *m)
 {
     bench     *b         = command;
     area      *a         = b->area;

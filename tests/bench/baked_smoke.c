@@ -94,8 +94,8 @@ static void print_errors(const vxs_asset *asset, const smoke_grid *g)
 
 static int measure(const uint8_t *bytes, size_t size_bytes, const smoke_grid *g, smoke_settings settings)
 {
-    message      m      = {0};
-    bake_context ctx    = {.message = &m, .threads = 1};
+    run_context  m      = {0};
+    bake_context ctx    = {.run = &m, .threads = 1};
     vxs_bytes    file   = {.data = malloc(size_bytes), .size_bytes = size_bytes};
     smoke_counts counts = {0};
     vxs_asset   *asset  = NULL;
@@ -121,7 +121,7 @@ int main(int argc, char **argv)
     static const smoke_settings settings[] = {{128, 8, 0.005},  {256, 8, 0.005},  {512, 8, 0.005},   {1024, 8, 0.005},
                                               {2048, 8, 0.005}, {1024, 4, 0.005}, {1024, 16, 0.005}, {1024, 8, 0.02},
                                               {1024, 16, 0.02}, {1024, 16, 0.001}};
-    message                     m          = {0};
+    run_context                 m          = {0};
     smoke_grid                  plume      = {0};
     uint8_t                    *bytes;
     size_t                      size_bytes;

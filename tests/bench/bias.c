@@ -136,7 +136,7 @@ int main(int argc, char **argv)
          NULL},
         {"--json", OPTION_OUTPUT, &json_path, 0, 0, ".json", "FILE", "the figures as JSON", NULL}};
     const command_line line = COMMAND_LINE("bias", "[options]", "What the bias of lookups with a normal costs and saves.", options);
-    message            m    = {0};
+    run_context        m    = {0};
     int                help_shown;
     vxs_result         r = options_parse(&line, argc, argv, &help_shown, &m);
     if (r != VXS_OK || help_shown) return command_end(&m, r);

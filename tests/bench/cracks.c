@@ -144,15 +144,15 @@ static vxs_result judge_sun(deep_counts *n, gl_context *gl, const casters *whole
     projection     p     = {0};
     vxs_light      light;
     vxs_result     r;
-    if (!e) return fail(ctx->message, VXS_E_MEMORY, "out of memory");
+    if (!e) return fail(ctx->run, VXS_E_MEMORY, "out of memory");
     make_unit(shape.direction_ws);
-    if ((r = light_fit(&light, made, &fit, ctx->message)) != VXS_OK) goto done;
+    if ((r = light_fit(&light, made, &fit, ctx->run)) != VXS_OK) goto done;
     rendered_columns rendered = {.device = gl, .casters = made, .light = &light, .tile_px = min_u32(side, TILE_MAX_PX)};
     sparse_columns   sparse   = {.casters = made, .light = &light, .fetch_px = rendered.tile_px};
     column_source    source   = gl ? opengl_columns_source(&rendered) : sparse_columns_source(&sparse);
     r                         = fetch_depths(e, &source, ctx);
     opengl_columns_free(&rendered);
-    if (r == VXS_OK && (r = projection_init(&p, whole, &light, 0, ctx->threads, ctx->message)) == VXS_OK) judge_map(n, &p, e, side);
+    if (r == VXS_OK && (r = projection_init(&p, whole, &light, 0, ctx->threads, ctx->run)) == VXS_OK) judge_map(n, &p, e, side);
     projection_free(&p);
 done:
     free(e);
@@ -161,10 +161,10 @@ done:
 
 static vxs_result judge_scene(const char *path, gl_context *gl, int maps, casters_maker *make, uint32_t side, bake_context *ctx)
 {
-    message   *m     = ctx->message;
-    scene      s     = {0};
-    casters    whole = {0}, made = {0};
-    vxs_result r;
+    run_context *m     = ctx->run;
+    scene        s     = {0};
+    casters      whole = {0}, made = {0};
+    vxs_result   r;
     if ((r = scene_load_gltf(&s, path, NULL, m)) != VXS_OK) goto done;
     if ((r = casters_from_scene(&whole, &s, CLOSED_OFF, ctx->threads, m)) != VXS_OK ||
         (r = make(&made, &s, CLOSED_OFF, ctx->threads, m)) != VXS_OK)
@@ -200,10 +200,10 @@ int main(int argc, char **argv)
          {"--seed", OPTION_U32, &seed, 0, UINT32_MAX, NULL, "N", "the first of the scenes (default 0)", NULL},
          {"--threads", OPTION_U32, &threads, 1, PARALLEL_THREADS_MAX, NULL, "N", "threads (default: all)", NULL}};
     const command_line line = COMMAND_LINE("cracks", "[options]", "Light that falls between sheets that meet.", options);
-    message            m    = {0};
+    run_context        m    = {0};
     gl_context        *gl   = NULL;
     counted            c    = {0};
-    bake_context       ctx  = {.message = &m};
+    bake_context       ctx  = {.run = &m};
     int                help_shown;
     vxs_result         r = options_parse(&line, argc, argv, &help_shown, &m);
     if (r != VXS_OK || help_shown) goto done;

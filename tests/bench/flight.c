@@ -97,7 +97,7 @@ static void keep_time(double frame_began)
     nanosleep(&wait, NULL);
 }
 
-static vxs_result fly(flight *f, message *m)
+static vxs_result fly(flight *f, run_context *m)
 {
     double metres = 0.7 * sqrt(2) * (double)(1u << vxs_asset_light(f->whole, 0)->light.levels) *
                     vxs_asset_light(f->whole, 0)->light.texel_metres;
@@ -157,7 +157,7 @@ static json_t *report(flight *f)
         (json_int_t)f->last.bytes_read, "frame_ms", "mean", mean, "p99", high, "max", most);
 }
 
-static vxs_result open_both(flight *f, message *m)
+static vxs_result open_both(flight *f, run_context *m)
 {
     const flight_options *o = f->options;
     vxs_stream_desc desc    = {.struct_size = sizeof desc, .path = o->path, .threads = o->threads, .budget_bytes = o->budget_bytes};
@@ -183,7 +183,7 @@ int main(int argc, char **argv)
           {"--radius", OPTION_U32, &o.radius_m, 1, 1000000, NULL, "METRES", "how far pages are wanted (default 150)", NULL},
           {"--json", OPTION_OUTPUT, &o.json_path, 0, 0, ".json", "FILE", "the figures as JSON", NULL}};
     const command_line line = COMMAND_LINE("flight", "FILE [options]", "A flight over a baked level.", options);
-    message            m    = {0};
+    run_context        m    = {0};
     flight             f    = {.options = &o, .random = {1}};
     int                help_shown;
     vxs_result         r = options_parse(&line, argc, argv, &help_shown, &m);

@@ -122,7 +122,7 @@ static void ask(const intervals_options *o, asked *a, int way, uint32_t run)
     if (way == 0) a->intervals = (double)count / (double)rays;
 }
 
-static vxs_result open_file(const intervals_options *o, const char *path, asked *a, message *m)
+static vxs_result open_file(const intervals_options *o, const char *path, asked *a, run_context *m)
 {
     rng        r = {1};
     vxs_result e = vxs_asset_open_file(&a->asset, path, NULL);
@@ -147,7 +147,7 @@ static json_t *report(const intervals_options *o, const char *path, asked *a)
                      "march_64_us", us[1], "march_256_us", us[2]);
 }
 
-static vxs_result run(const intervals_options *o, message *m)
+static vxs_result run(const intervals_options *o, run_context *m)
 {
     size_t     count = o->paths.count;
     asked     *all   = calloc(count, sizeof *all);
@@ -180,7 +180,7 @@ int main(int argc, char **argv)
                                {"--runs", OPTION_U32, &o.runs, 1, RUNS_MAX, NULL, "R", "medians of R runs (default 7)", NULL},
                                {"--json", OPTION_OUTPUT, &o.json_path, 0, 0, ".json", "FILE", "the figures as JSON", NULL}};
     const command_line line = COMMAND_LINE("intervals", "[options]", "Exact lit intervals of rays, and marches.", options);
-    message            m    = {0};
+    run_context        m    = {0};
     int                help_shown;
     vxs_result         r = options_parse(&line, argc, argv, &help_shown, &m);
     if (r == VXS_OK && !help_shown) r = run(&o, &m);

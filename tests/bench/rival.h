@@ -39,10 +39,10 @@ typedef struct light_maps {
 
 /* Make the maps of the first directional light that `o` asks for, as a bake does.
  * out  [out] released with light_maps_free, whatever is returned */
-vxs_result light_maps_render(light_maps *out, const bake_options *o, message *m);
+vxs_result light_maps_render(light_maps *out, const bake_options *o, run_context *m);
 
 /* A texel of the maps that rivals see loses its caster; what answers are checked with keeps it. Returns VXS_OK or VXS_E_MEMORY. */
-vxs_result light_maps_spoil(light_maps *maps, message *m);
+vxs_result light_maps_spoil(light_maps *maps, run_context *m);
 
 /* Accepts a zeroed object. */
 void light_maps_free(light_maps *maps);

@@ -10,8 +10,8 @@
 
 static vxs_result blocks_build(light_maps *maps, const void *options, vxs_bytes *file)
 {
-    message      m       = {0};
-    bake_context ctx     = {.message = &m, .threads = maps->threads};
+    run_context  m       = {0};
+    bake_context ctx     = {.run = &m, .threads = maps->threads};
     column_map   columns = depth_maps_map(&maps->maps);
     block_set    set     = {0};
     block_words  words   = {0};

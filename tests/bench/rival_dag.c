@@ -23,8 +23,8 @@ static vxs_result dag_build(light_maps *maps, const void *options, vxs_bytes *fi
     compress_order     order   = o->compress == COMPRESS_CHOICE_AUTO ? maps->plan.compress : compress_order_of(o->compress);
     build_options      build   = build_options_of(&(bake_options){.rule = o->rule, .reuse = !o->reuse_off, .stop = o->stop}, order);
     build_stats        stats   = {0};
-    message            m       = {0};
-    bake_context       ctx     = {.message = &m, .threads = maps->threads};
+    run_context        m       = {0};
+    bake_context       ctx     = {.run = &m, .threads = maps->threads};
     column_map         columns = depth_maps_map(&maps->maps);
     dag_merger         merger;
     dag                d = {0};

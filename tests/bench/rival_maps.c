@@ -8,7 +8,7 @@
 #include "baker/lab/opengl/depth_gl.h"
 #include "tests/bench/rival.h"
 
-static vxs_result render(light_maps *out, const bake_options *o, message *m)
+static vxs_result render(light_maps *out, const bake_options *o, run_context *m)
 {
     gl_context     *gl       = NULL;
     depth_renderer *renderer = NULL;
@@ -30,7 +30,7 @@ done:
     return r;
 }
 
-vxs_result light_maps_render(light_maps *out, const bake_options *o, message *m)
+vxs_result light_maps_render(light_maps *out, const bake_options *o, run_context *m)
 {
     light_choice chosen = {0};
     vxs_result   r;
@@ -56,7 +56,7 @@ done:
     return r;
 }
 
-vxs_result light_maps_spoil(light_maps *maps, message *m)
+vxs_result light_maps_spoil(light_maps *maps, run_context *m)
 {
     size_t texels = (size_t)1 << 2 * maps->levels, nearest = 0, bytes = texels * sizeof *maps->checked;
     float *enter = malloc(bytes), *exit = malloc(bytes);

@@ -55,7 +55,7 @@ static voxel_at *random_points(const contest *c, uint64_t set)
 }
 
 /* For a filter of that width. */
-static vxs_result look_at_picture(contest *c, int32_t filter_px, message *m)
+static vxs_result look_at_picture(contest *c, int32_t filter_px, run_context *m)
 {
     c->points[POINTS_SCREEN] = screen_voxels(&c->picture, filter_px, c->at[POINTS_SCREEN]);
     return c->points[POINTS_SCREEN] ? VXS_OK
@@ -118,7 +118,7 @@ static vxs_result open_file(contest *c, size_t n)
 }
 
 /* Time what is done for each rival, in turns, when what the run before made is gone. What the last run made stays. */
-static vxs_result take_turns(contest *c, void (*drop)(contest *, size_t), vxs_result (*make)(contest *, size_t), message *m)
+static vxs_result take_turns(contest *c, void (*drop)(contest *, size_t), vxs_result (*make)(contest *, size_t), run_context *m)
 {
     for (uint32_t run = 0; run < c->o->runs; run++)
         for (size_t n = 0; n < c->count; n++) {
@@ -291,7 +291,7 @@ static void contest_end(contest *c)
     free(c->dark);
 }
 
-vxs_result rivals_measure(rival_result *results, size_t count, light_maps *maps, const measure_options *o, message *m)
+vxs_result rivals_measure(rival_result *results, size_t count, light_maps *maps, const measure_options *o, run_context *m)
 {
     contest    c  = {.maps = maps, .o = o, .results = results, .count = count};
     int        ok = contest_begin(&c);

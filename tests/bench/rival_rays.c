@@ -15,8 +15,8 @@ typedef struct tracer {
 
 static vxs_result rays_open(const light_maps *maps, const void *options, const vxs_bytes *file, rival_asset *asset)
 {
-    message m = {0};
-    tracer *t = calloc(1, sizeof *t);
+    run_context m = {0};
+    tracer     *t = calloc(1, sizeof *t);
     (void)options;
     (void)file;
     if (!t) return VXS_E_MEMORY;
@@ -30,7 +30,7 @@ static vxs_result rays_open(const light_maps *maps, const void *options, const v
         for (int n = 0; n < 3; n++) t->step_ws[axis][n] -= t->origin_ws[n];
     }
     vxs_result r = truth_create(&t->rays, &maps->casters, 1, &m);
-    message_free(&m);
+    run_free(&m);
     if (r != VXS_OK)
         free(t);
     else

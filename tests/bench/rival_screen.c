@@ -9,7 +9,7 @@
 enum { TILE_PX = 8 };
 
 vxs_result screen_open(screen *out, const light_maps *maps, const camera_pose *camera, uint32_t width_px, uint32_t height_px,
-                       message *m)
+                       run_context *m)
 {
     *out      = (screen){.maps = maps, .camera = *camera, .width_px = width_px, .height_px = height_px};
     out->view = camera_view_of(camera, (double)width_px / height_px);

@@ -16,7 +16,7 @@ typedef struct screen {
 
 /* out  [out] borrows the maps until screen_close.   Returns VXS_OK, or what truth_create says. */
 vxs_result screen_open(screen *out, const light_maps *maps, const camera_pose *camera, uint32_t width_px, uint32_t height_px,
-                       message *m);
+                       run_context *m);
 
 /* The voxel of what pixel (x, y) sees, moved off its surface for a filter of that width as runtime/vxs.h says. Returns 0 where a renderer
  * looks nothing up: the pixel sees nothing, or what lies beside the map or in front of it. */

@@ -113,9 +113,9 @@ static GLuint program_of(const char *body, int clamps, uint32_t words)
 
 static vxs_result share_context(void)
 {
-    message    m = {0};
-    vxs_result r = shared.users++ ? VXS_OK : gl_context_create(&shared.gl, GL_BACKEND_OSMESA, 1, &m);
-    message_free(&m);
+    run_context m = {0};
+    vxs_result  r = shared.users++ ? VXS_OK : gl_context_create(&shared.gl, GL_BACKEND_OSMESA, 1, &m);
+    run_free(&m);
 #define SHADER_LOAD(type, name) shared.name = (type)OSMesaGetProcAddress("gl" #name);
     SHADER_FUNCTIONS(SHADER_LOAD)
 #undef SHADER_LOAD

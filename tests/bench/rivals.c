@@ -56,7 +56,7 @@ static size_t choose(const text_list *names, rival_result *out)
     return count;
 }
 
-static vxs_result check_names(const text_list *names, message *m)
+static vxs_result check_names(const text_list *names, run_context *m)
 {
     for (size_t n = 0; n < names->count; n++) {
         int known = 0;
@@ -83,7 +83,7 @@ static void place_camera(measure_options *o, const light_maps *maps)
     camera_place(&o->camera, &around, &suns, 1, (double)o->width_px / o->height_px);
 }
 
-static vxs_result run(rivals_command *c, int *right, message *m)
+static vxs_result run(rivals_command *c, int *right, run_context *m)
 {
     light_maps    maps    = {.levels = 0};
     size_t        count   = choose(&c->names, NULL);
@@ -109,7 +109,7 @@ done:
     return r;
 }
 
-static vxs_result parse(rivals_command *c, int argc, char **argv, int *help_shown, message *m)
+static vxs_result parse(rivals_command *c, int argc, char **argv, int *help_shown, run_context *m)
 {
     const char  *voxels    = "2000000";
     const option options[] = {
@@ -160,9 +160,9 @@ int main(int argc, char **argv)
         .measure = {.runs = 5, .points = 1000000, .seed = 1, .width_px = 1920, .camera = {.camera = {.fov_degrees = 35}}},
         .threads = 1,
     };
-    run_files files = {0};
-    message   m     = {.files = &files};
-    int       help_shown, right = 1;
+    run_files   files = {0};
+    run_context m     = {.files = &files};
+    int         help_shown, right = 1;
     process_begin();
     vxs_result r = parse(&c, argc, argv, &help_shown, &m);
     if (r == VXS_OK && !help_shown) r = run(&c, &right, &m);

@@ -30,10 +30,10 @@ typedef struct cell {
     uint64_t calls, tiles, nodes, masks;
 } cell;
 
-static vxs_result build_once(cell *c, int shape, uint32_t side_px, uint32_t threads, uint32_t run, message *m)
+static vxs_result build_once(cell *c, int shape, uint32_t side_px, uint32_t threads, uint32_t run, run_context *m)
 {
     analytic      a      = analytic_shape((analytic_kind)shape, side_px);
-    bake_context  ctx    = {.message = m, .threads = threads};
+    bake_context  ctx    = {.run = m, .threads = threads};
     build_options o      = {.rule = MASK_RULE_GREEDY, .reuse = 1, .share = 1};
     build_stats   stats  = {0};
     column_source source = analytic_source(&a);
@@ -86,7 +86,7 @@ int main(int argc, char **argv)
          "texels a side of the largest map (default 262144)", NULL},
         {"--json", OPTION_OUTPUT, &json_path, 0, 0, ".json", "FILE", "the figures as JSON", NULL}};
     const command_line line = COMMAND_LINE("scale", "[options]", "Time and memory of maps from formulas.", options);
-    message            m    = {0};
+    run_context        m    = {0};
     int                help_shown;
     vxs_result         r     = options_parse(&line, argc, argv, &help_shown, &m);
     cell              *cells = calloc(SHAPES * SIZES_MAX, sizeof *cells);

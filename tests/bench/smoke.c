@@ -214,7 +214,7 @@ static const technique techniques[] = {
 /* the scene ----------------------------------------------------------------------------------------------------------------------- */
 
 /* A triangle in the sun: libvxs_volumes stands on an asset. */
-static vxs_result bake(bench *b, message *m)
+static vxs_result bake(bench *b, run_context *m)
 {
     static const float    corners[9] = {-1, 0, 0, 1, 0, 0, 0, 0, 1};
     static const uint32_t indices[3] = {0, 1, 2};
@@ -246,7 +246,7 @@ static GLuint new_texture(const bench *b)
 }
 
 /* A place in each pixel, and what is wanted there. */
-static vxs_result see(bench *b, message *m)
+static vxs_result see(bench *b, run_context *m)
 {
     smoke *s       = b->smoke;
     float *depths  = malloc(b->pixels * sizeof *depths);
@@ -274,7 +274,7 @@ static void describe(const bench *b, json_t **to)
     json_set(to, "capsules", json_integer(b->smoke->capsule_count));
 }
 
-static vxs_result run(void *command, message *m)
+static vxs_result run(void *command, run_context *m)
 {
     bench     *b = command;
     smoke     *s = b->smoke;

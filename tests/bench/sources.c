@@ -245,7 +245,7 @@ static void add_counts(source_counts *to, const source_counts *from, size_t list
 
 /* Compare all texels: maps are rendered already, the square is the sparse source's. */
 static vxs_result compare_map(source_counts *sum, const projection *p, const depth_maps *maps, const column_square *sparse,
-                              size_t listed_max, uint32_t threads, message *m)
+                              size_t listed_max, uint32_t threads, run_context *m)
 {
     brute          b      = {0};
     source_counts *worker = calloc(PARALLEL_THREADS_MAX, sizeof *worker);
@@ -275,18 +275,18 @@ static vxs_result compare_sun(source_counts *sum, gl_context *gl, casters *all, 
     column_square   square   = {0};
     vxs_light       light;
     vxs_result      r;
-    if (!vec3_unit(sun, shape.direction_ws)) return fail(ctx->message, VXS_E_ARGUMENT, "--sun: expected a direction, not zero");
+    if (!vec3_unit(sun, shape.direction_ws)) return fail(ctx->run, VXS_E_ARGUMENT, "--sun: expected a direction, not zero");
     all->solid_meets = NULL; /* what a plan would find out is not trusted: all solids are peeled */
-    if ((r = light_fit(&light, all, &fit, ctx->message)) != VXS_OK) return r;
+    if ((r = light_fit(&light, all, &fit, ctx->run)) != VXS_OK) return r;
     sparse_columns columns = {.casters = all, .light = &light, .fetch_px = side};
     column_source  source  = sparse_columns_source(&columns);
-    if ((r = depth_maps_init(&maps, side, side, 0, all->solid_triangle_count != 0, ctx->message)) != VXS_OK) goto done;
-    if ((r = depth_renderer_create(&renderer, gl, all, &light, 0, EXIT_AUTO, ctx->threads, ctx->message)) != VXS_OK) goto done;
-    if ((r = depth_renderer_tile(renderer, &maps, 0, 0, ctx->message)) != VXS_OK) goto done;
-    if ((r = projection_init(&p, all, &light, 0, ctx->threads, ctx->message)) != VXS_OK) goto done;
+    if ((r = depth_maps_init(&maps, side, side, 0, all->solid_triangle_count != 0, ctx->run)) != VXS_OK) goto done;
+    if ((r = depth_renderer_create(&renderer, gl, all, &light, 0, EXIT_AUTO, ctx->threads, ctx->run)) != VXS_OK) goto done;
+    if ((r = depth_renderer_tile(renderer, &maps, 0, 0, ctx->run)) != VXS_OK) goto done;
+    if ((r = projection_init(&p, all, &light, 0, ctx->threads, ctx->run)) != VXS_OK) goto done;
     if ((r = source.open(source.data, 0, &map, ctx)) != VXS_OK) goto done;
     if ((r = map.fetch(map.data, square_level(side), 0, 0, &square, ctx)) != VXS_OK) goto done;
-    r = compare_map(sum, &p, &maps, &square, listed_max, ctx->threads, ctx->message);
+    r = compare_map(sum, &p, &maps, &square, listed_max, ctx->threads, ctx->run);
     map.release(map.data, &square);
 done:
     if (map.data) map.close(map.data);
@@ -341,9 +341,9 @@ static vxs_result compare_scene(json_t *rows, gl_context *gl, const char *path, 
     scene          s   = {0};
     casters        all = {0};
     source_counts *n   = malloc(sizeof *n);
-    vxs_result     r   = n ? VXS_OK : fail(ctx->message, VXS_E_MEMORY, "out of memory");
-    if (r == VXS_OK) r = scene_load_gltf(&s, path, NULL, ctx->message);
-    if (r == VXS_OK) r = casters_for_maps(&all, &s, CLOSED_AUTO, ctx->threads, ctx->message);
+    vxs_result     r   = n ? VXS_OK : fail(ctx->run, VXS_E_MEMORY, "out of memory");
+    if (r == VXS_OK) r = scene_load_gltf(&s, path, NULL, ctx->run);
+    if (r == VXS_OK) r = casters_for_maps(&all, &s, CLOSED_AUTO, ctx->threads, ctx->run);
     for (size_t k = 0; k < suns->count * sides->count && r == VXS_OK; k++) {
         const char *sun  = suns->items[k % suns->count];
         uint32_t    side = sides->items[k / suns->count];
@@ -351,11 +351,11 @@ static vxs_result compare_scene(json_t *rows, gl_context *gl, const char *path, 
         int         end = 0;
         memset(n, 0, sizeof *n);
         if (sscanf(sun, "%lf,%lf,%lf%n", &way[0], &way[1], &way[2], &end) != 3 || sun[end])
-            r = fail(ctx->message, VXS_E_ARGUMENT, "--sun %s: expected 3 numbers", sun);
+            r = fail(ctx->run, VXS_E_ARGUMENT, "--sun %s: expected 3 numbers", sun);
         else if ((r = compare_sun(n, gl, &all, way, side, listed_max, ctx)) == VXS_OK) {
             print_row(path, sun, side, n);
             json_array_append_new(rows, row_json(path, sun, side, n));
-            ctx->message->wrong |= n->wrong || n->differ[WHY_UNEXPLAINED];
+            ctx->run->wrong |= n->wrong || n->differ[WHY_UNEXPLAINED];
         }
     }
     free(n);
@@ -378,9 +378,9 @@ int main(int argc, char **argv)
         {"--json", OPTION_OUTPUT, &json_path, 0, 0, ".json", "FILE", "the counts and texels as JSON", NULL},
         {"--threads", OPTION_U32, &threads, 1, PARALLEL_THREADS_MAX, NULL, "N", "threads (default: all)", NULL}};
     const command_line line = COMMAND_LINE("sources", "SCENE... [options]", "Where rendered maps and others differ.", options);
-    message            m    = {0};
+    run_context        m    = {0};
     gl_context        *gl   = NULL;
-    bake_context       ctx  = {.message = &m, .threads = threads};
+    bake_context       ctx  = {.run = &m, .threads = threads};
     json_t            *rows = json_array();
     int                help_shown;
     vxs_result         r = options_parse(&line, argc, argv, &help_shown, &m);

@@ -25,7 +25,7 @@ typedef struct two_maps_options {
 
 /* Render tile n of a map. Setting up is a part of it where each map is a tile; else it is done once for many. */
 static vxs_result render_tile(double *seconds, gl_context *gl, const casters *c, const vxs_light *light, int map, uint32_t n,
-                              uint32_t threads, message *m)
+                              uint32_t threads, run_context *m)
 {
     depth_maps      maps     = {0};
     depth_renderer *renderer = NULL;
@@ -44,7 +44,7 @@ static vxs_result render_tile(double *seconds, gl_context *gl, const casters *c,
 
 /* Render some of all tiles.   *total  all that there are;   *seconds  that they would take */
 static vxs_result render_some(const two_maps_options *o, const scene *s, const casters *c, gl_context *gl, uint64_t *total,
-                              double *seconds, message *m)
+                              double *seconds, run_context *m)
 {
     static const text_list no_names = {0};
     light_choice           chosen   = {0};
@@ -88,7 +88,7 @@ int main(int argc, char **argv)
             {"--tiles", OPTION_U32, &o.tiles, 1, 1000000, NULL, "K", "that are rendered (default 8)", NULL},
             {"--threads", OPTION_U32, &o.threads, 1, PARALLEL_THREADS_MAX, NULL, "N", "threads (default: all)", NULL}};
     const command_line line  = COMMAND_LINE("two_maps", "SCENE [options]", "The time that two depth maps take to render.", options);
-    message            m     = {0};
+    run_context        m     = {0};
     scene              s     = {0};
     casters            c     = {0};
     gl_context        *gl    = NULL;

@@ -14,7 +14,7 @@
 #include "baker/command/options/options.h"
 #include "tests/bench/volumes_bench.h"
 
-static vxs_result load(bench *b, message *m)
+static vxs_result load(bench *b, run_context *m)
 {
     vxs_result r = vxs_asset_open_file(&b->asset, b->asset_path, NULL);
     if (r != VXS_OK) return fail(m, r, "%s: %s", b->asset_path, vxs_result_text(r));
@@ -27,7 +27,7 @@ static vxs_result load(bench *b, message *m)
     return b->is_of_spheres ? volumes_find_spheres(b, m) : VXS_OK;
 }
 
-static vxs_result run(void *command, message *m)
+static vxs_result run(void *command, run_context *m)
 {
     bench     *b = command;
     vxs_result r = load(b, m);

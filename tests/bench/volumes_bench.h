@@ -6,7 +6,7 @@
 
 #include <jansson.h>
 
-#include "baker/base/message.h"
+#include "baker/base/run_context.h"
 #include "baker/base/spread.h"
 #include "baker/casters/casters.h"
 #include "baker/lab/command/fog_choice.h"
@@ -107,11 +107,11 @@ struct technique {
 double volumes_colour(const float pixel[4], int channel);
 
 /* What draws the shadows of b->asset, seen from b->pose. */
-vxs_result volumes_open_gl(bench *b, message *m);
+vxs_result volumes_open_gl(bench *b, run_context *m);
 void       volumes_close_gl(bench *b);
 
 /* The scene of b->scene_path, what in it casts, and room for pictures. */
-vxs_result volumes_load_scene(bench *b, message *m);
+vxs_result volumes_load_scene(bench *b, run_context *m);
 void       volumes_free_scene(bench *b);
 
 /* What casts, in floats, places from the eye.   [3 * casting.vertex_count]; owned by the caller; NULL: out of memory */
@@ -121,14 +121,14 @@ float *volumes_casters_from_eye(const bench *b);
 vxs_result volumes_open_map(const bench *b, uint32_t number, uint32_t side_px, vxs_shadow_depth_map **map);
 
 /* Find the spheres that a light's rays may meet: of each component, unless the light is in it. The axes' ends are among its corners. */
-vxs_result volumes_find_spheres(bench *b, message *m);
+vxs_result volumes_find_spheres(bench *b, run_context *m);
 
 /* What is wanted of an eye ray.   to  [3] [in, out] 0 */
 typedef void wanted_of_ray(const bench *b, const double eye_ws[3], const double direction[3], double metres, size_t ray,
                            double to[3]);
 
 /* Fill frames[camera], with the depths of what is seen there, and what is wanted; of the first camera, the classes of its pixels. */
-vxs_result volumes_see(bench *b, uint32_t camera, wanted_of_ray *wanted, message *m);
+vxs_result volumes_see(bench *b, uint32_t camera, wanted_of_ray *wanted, run_context *m);
 
 /* Of the light: what shines between exact lit intervals of the asset, or of rays among spheres. */
 wanted_of_ray volumes_airlight_wanted;
@@ -154,9 +154,9 @@ typedef struct cell {
 } cell;
 
 /* Make each cell of b's techniques ready, draw all of them in turn, round after round, hold what they draw against what is wanted, and report. */
-vxs_result volumes_measure(bench *b, message *m);
+vxs_result volumes_measure(bench *b, run_context *m);
 
 /* Print a table, and write JSON where a path says so. */
-vxs_result volumes_report(const bench *b, const cell *cells, size_t count, message *m);
+vxs_result volumes_report(const bench *b, const cell *cells, size_t count, run_context *m);
 
 #endif

@@ -88,7 +88,7 @@ static void find_medians(const bench *b, cell *c)
     c->spread          = spread_of(c->seconds, rounds);
 }
 
-static vxs_result time_cells(bench *b, cell *cells, size_t count, message *m)
+static vxs_result time_cells(bench *b, cell *cells, size_t count, run_context *m)
 {
     for (uint32_t round = 0; round < b->rounds; round++)
         for (size_t n = 0; n < count; n++) {
@@ -101,7 +101,7 @@ static vxs_result time_cells(bench *b, cell *cells, size_t count, message *m)
     return VXS_OK;
 }
 
-static vxs_result judge(bench *b, cell *c, message *m)
+static vxs_result judge(bench *b, cell *c, run_context *m)
 {
     float     *read  = malloc(4 * b->pixels * sizeof *read);
     double    *found = malloc(3 * CAMERAS * b->pixels * sizeof *found), parts[PARTS];
@@ -139,7 +139,7 @@ static void find_front(cell *cells, size_t count)
     }
 }
 
-vxs_result volumes_measure(bench *b, message *m)
+vxs_result volumes_measure(bench *b, run_context *m)
 {
     size_t     count = 0;
     cell      *cells = calloc(CELLS_MAX, sizeof *cells);

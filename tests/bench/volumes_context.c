@@ -17,7 +17,7 @@ static void say(const char *text, void *user)
     fprintf(stderr, "%s\n", text);
 }
 
-vxs_result volumes_open_gl(bench *b, message *m)
+vxs_result volumes_open_gl(bench *b, run_context *m)
 {
     vxs_result r = gl_context_create(&b->gl, b->backend, b->threads, m);
     if (r != VXS_OK) return r;
@@ -46,7 +46,7 @@ void volumes_close_gl(bench *b)
     vxs_asset_close(b->asset);
 }
 
-vxs_result volumes_load_scene(bench *b, message *m)
+vxs_result volumes_load_scene(bench *b, run_context *m)
 {
     scene_choice choice = {0};
     vxs_result   r      = scene_load_gltf(&b->scene, b->scene_path, &choice, m);

@@ -95,7 +95,7 @@ static json_t *machine_json(void)
     return o;
 }
 
-static vxs_result write_json(const bench *b, const cell *cells, size_t count, message *m)
+static vxs_result write_json(const bench *b, const cell *cells, size_t count, run_context *m)
 {
     json_t *o = json_object(), *list = json_array();
     for (size_t n = 0; n < count; n++) json_append(&list, cell_json(b, &cells[n]));
@@ -133,7 +133,7 @@ static void print_cell(const bench *b, const cell *c)
     printf("\n");
 }
 
-vxs_result volumes_report(const bench *b, const cell *cells, size_t count, message *m)
+vxs_result volumes_report(const bench *b, const cell *cells, size_t count, run_context *m)
 {
     printf("%-24s %-19s %8s %9s %9s %9s %9s %9s %9s %9s", "technique", "knob", "ms", "RMS", "mean", "99 %", "largest", "flicker",
            "at lamp", "behind");

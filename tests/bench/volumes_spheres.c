@@ -22,7 +22,7 @@ static int holds_light(const sphere *s, const light_shape *light)
     return light->kind != LIGHT_DIRECTIONAL && vec3_dot(to, to) < s->radius * s->radius;
 }
 
-vxs_result volumes_find_spheres(bench *b, message *m)
+vxs_result volumes_find_spheres(bench *b, run_context *m)
 {
     const casters *c     = &b->casting;
     size_t         count = 0, kept = 0;

@@ -37,7 +37,7 @@ static vxs_result intervals(bench *b, void *state, uint32_t value)
 static vxs_result open_mesh(bench *b, void **state, uint32_t error_texels)
 {
     const baked_mesh_options o = {.light = b->number, .far_metres = b->far_metres, .error_texels = error_texels};
-    message                  m = {0};
+    run_context              m = {0};
     return baked_mesh_make((vxs_light_mesh **)state, &o, b->gl, b->shadows, b->volumes, &m);
 }
 

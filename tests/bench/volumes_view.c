@@ -95,7 +95,7 @@ static double texel_metres(const bench *b)
     return l->texel_metres * sqrt(square);
 }
 
-vxs_result volumes_see(bench *b, uint32_t camera, wanted_of_ray *wanted, message *m)
+vxs_result volumes_see(bench *b, uint32_t camera, wanted_of_ray *wanted, run_context *m)
 {
     camera_view        view  = camera_view_of(&b->pose, (double)b->width / b->height);
     vxs_volumes_frame *f     = &b->frames[camera];

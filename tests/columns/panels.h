@@ -278,7 +278,7 @@ static inline vxs_result panels_count(leak_counts *sum, const panels *p, const v
     return r;
 }
 
-typedef vxs_result casters_maker(casters *c, const scene *s, closed_mode closed, uint32_t threads, message *m);
+typedef vxs_result casters_maker(casters *c, const scene *s, closed_mode closed, uint32_t threads, run_context *m);
 
 /* Count columns and leaks of the panels that a seed makes, in a light of some kind.
  * gl    NULL: straight from triangles, else rendered
@@ -292,9 +292,9 @@ static inline vxs_result panels_leaks(leak_counts *sum, gl_context *gl, uint64_t
     casters        c     = {0};
     vxs_light      light;
     vxs_result     r;
-    if (!p.s.positions_ws) return fail(ctx->message, VXS_E_MEMORY, "out of memory");
-    if ((r = make(&c, &p.s, CLOSED_AUTO, ctx->threads, ctx->message)) == VXS_OK &&
-        (r = light_fit(&light, &c, &fit, ctx->message)) == VXS_OK) {
+    if (!p.s.positions_ws) return fail(ctx->run, VXS_E_MEMORY, "out of memory");
+    if ((r = make(&c, &p.s, CLOSED_AUTO, ctx->threads, ctx->run)) == VXS_OK &&
+        (r = light_fit(&light, &c, &fit, ctx->run)) == VXS_OK) {
         uint32_t         fetch    = min_u32(side_px, TILE_MAX_PX);
         rendered_columns rendered = {.device = gl, .casters = &c, .light = &light, .tile_px = fetch};
         sparse_columns   sparse   = {.casters = &c, .light = &light, .fetch_px = fetch};

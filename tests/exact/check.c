@@ -227,7 +227,7 @@ static void ask_tiles(void *user, size_t begin, size_t end, uint32_t worker)
 }
 
 /* Random tiles, and those around silhouettes. */
-static vxs_result ask_some_tiles(check *c, message *m)
+static vxs_result ask_some_tiles(check *c, run_context *m)
 {
     const check_desc *d      = c->d;
     map_tile         *listed = NULL;
@@ -263,7 +263,7 @@ static uint64_t insane_texels(const depth_maps *maps, const depth_maps *solids)
 
 /* Render the tile (i, j) of a map. One renderer at a time sets up the context. */
 static vxs_result render(const check_desc *d, const casters *c, exit_mode exit, int map, depth_maps *maps, uint32_t i, uint32_t j,
-                         message *m)
+                         run_context *m)
 {
     depth_renderer *renderer = NULL;
     vxs_result      r        = depth_renderer_create(&renderer, d->gl, c, d->light, map, exit, d->threads, m);
@@ -274,7 +274,7 @@ static vxs_result render(const check_desc *d, const casters *c, exit_mode exit, 
 
 /* Render the tile (i, j) and count what cannot be in it. */
 static vxs_result render_tile(const check_desc *d, int map, depth_maps *maps, depth_maps *solids, uint32_t i, uint32_t j,
-                              message *m)
+                              run_context *m)
 {
     casters    all = *d->casters, solids_only;
     int        any = all.solid_triangle_count != 0;
@@ -290,7 +290,7 @@ static vxs_result render_tile(const check_desc *d, int map, depth_maps *maps, de
     return VXS_OK;
 }
 
-static vxs_result check_tile(check *c, depth_maps *maps, depth_maps *solids, uint32_t tiles, uint32_t n, message *m)
+static vxs_result check_tile(check *c, depth_maps *maps, depth_maps *solids, uint32_t tiles, uint32_t n, run_context *m)
 {
     const check_desc *d    = c->d;
     uint32_t          tile = c->depths.side_px, i = n % tiles, j = n / tiles;
@@ -308,7 +308,7 @@ static vxs_result check_tile(check *c, depth_maps *maps, depth_maps *solids, uin
     return VXS_OK;
 }
 
-static vxs_result init_depths(check *c, depth_maps *maps, depth_maps *solids, uint32_t tile, double voxel_log, message *m)
+static vxs_result init_depths(check *c, depth_maps *maps, depth_maps *solids, uint32_t tile, double voxel_log, run_context *m)
 {
     const check_desc *d      = c->d;
     size_t            texels = (size_t)tile * tile;
@@ -321,7 +321,7 @@ static vxs_result init_depths(check *c, depth_maps *maps, depth_maps *solids, ui
     return r == VXS_OK && any ? depth_maps_init(solids, tile, c->side_vx, voxel_log, 1, m) : r;
 }
 
-vxs_result check_map(const check_desc *d, int map, message *m)
+vxs_result check_map(const check_desc *d, int map, run_context *m)
 {
     depth_maps maps = {0}, solids = {0};
     projection p    = {0};

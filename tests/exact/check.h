@@ -39,6 +39,6 @@ typedef struct check_desc {
 } check_desc;
 
 /* Compare map `map` of all the files. Returns VXS_OK whatever is wrong, VXS_E_GL, VXS_E_MEMORY. */
-vxs_result check_map(const check_desc *d, int map, message *m);
+vxs_result check_map(const check_desc *d, int map, run_context *m);
 
 #endif

@@ -127,7 +127,7 @@ static void scene_box(const scene *s, double box[6])
 }
 
 /* A light of the command line, from shares of the scene's box. */
-static vxs_result put_lamp(scene *s, const char *text, int spot, const double box[6], message *m)
+static vxs_result put_lamp(scene *s, const char *text, int spot, const double box[6], run_context *m)
 {
     double       v[8] = {0}, diagonal = 0;
     int          end = 0, count, wanted = spot ? 7 : 3;
@@ -154,7 +154,7 @@ static size_t lamps_asked_for(const exact_options *o)
 }
 
 /* The lights of the command line in place of the scene's. */
-static vxs_result put_lamps(scene *s, const exact_options *o, message *m)
+static vxs_result put_lamps(scene *s, const exact_options *o, run_context *m)
 {
     double     box[6];
     vxs_result r = VXS_OK;
@@ -172,7 +172,7 @@ static vxs_result put_lamps(scene *s, const exact_options *o, message *m)
 /* Skinned meshes are voxels like others. */
 static const scene_choice everything = {.skinned = SKINNED_REST, .skinned_given = 1};
 
-static vxs_result world_load(world *w, const exact_options *o, message *m)
+static vxs_result world_load(world *w, const exact_options *o, run_context *m)
 {
     vxs_result r;
     if ((r = scene_load_gltf(&w->s, o->scene_path, &everything, m)) != VXS_OK) return r;
@@ -189,7 +189,7 @@ static void world_free(world *w)
 /* the three ways to an asset
  * ---------------------------------------------------------------------------------------------------- */
 
-static vxs_result bake_asset(const exact_options *o, way *y, message *m)
+static vxs_result bake_asset(const exact_options *o, way *y, run_context *m)
 {
     bake_options bake_it  = y->bake;
     bake_report  report   = {0};
@@ -210,10 +210,10 @@ static vxs_result bake_asset(const exact_options *o, way *y, message *m)
 }
 
 /* The lights of a plan, each as bake() bakes one. */
-static vxs_result planned_asset(const world *w, const bake_plan *plan, way *y, message *m)
+static vxs_result planned_asset(const world *w, const bake_plan *plan, way *y, run_context *m)
 {
     size_t           count  = plan->light_count;
-    bake_context     ctx    = {.message = m, .threads = y->bake.threads};
+    bake_context     ctx    = {.run = m, .threads = y->bake.threads};
     uint32_t         baked  = 0;
     vxs_write_light *lights = calloc(count, sizeof *lights);
     coded_light     *coded  = calloc(count, sizeof *coded);
@@ -249,7 +249,7 @@ done:
 }
 
 /* By the stages of bake(); lights that reach no caster are left out. */
-static vxs_result staged_asset(world *w, const light_choice *chosen, way *y, message *m)
+static vxs_result staged_asset(world *w, const light_choice *chosen, way *y, run_context *m)
 {
     bake_plan  plan = {0};
     vxs_result r    = plan_make(&plan, &y->bake, &w->c, NULL, chosen, 0, m);
@@ -259,7 +259,7 @@ static vxs_result staged_asset(world *w, const light_choice *chosen, way *y, mes
 }
 
 /* Of the first light, which is spoilt. */
-static vxs_result spoilt_asset(const world *w, const light_choice *chosen, fault planted, way *y, message *m)
+static vxs_result spoilt_asset(const world *w, const light_choice *chosen, fault planted, way *y, run_context *m)
 {
     vxs_write_light     out  = {0};
     vxs_bytes           file = {0};
@@ -303,7 +303,7 @@ static int same_light(const vxs_light *a, const vxs_light *b)
 }
 
 /* Light n of all files, against maps that are rendered once. */
-static vxs_result check_light(const exact_options *o, const world *w, way *ways, uint32_t count, uint32_t n, message *m)
+static vxs_result check_light(const exact_options *o, const world *w, way *ways, uint32_t count, uint32_t n, run_context *m)
 {
     const vxs_light *light = &vxs_asset_light(ways[0].asset, n)->light;
     checked_file     files[WAYS_MAX];
@@ -408,7 +408,7 @@ static uint32_t ways_of(const exact_options *o, const bake_options *bake, const 
  * first      NULL, or the asset of the first combination, which is taken over
  * *right     becomes 0 when something is wrong */
 static vxs_result compare_ways(const exact_options *o, world *w, const bake_options *bake, const char *left_free, vxs_asset **first,
-                               int *right, message *m)
+                               int *right, run_context *m)
 {
     way          ways[WAYS_MAX];
     light_choice chosen = {0};
@@ -436,7 +436,7 @@ done:
 }
 
 /* The sun of the command line; without one, nothing. */
-static vxs_result set_sun(bake_options *bake, named_value *sun, const char *text, message *m)
+static vxs_result set_sun(bake_options *bake, named_value *sun, const char *text, run_context *m)
 {
     int     end = 0;
     double *v   = sun->numbers;
@@ -447,7 +447,7 @@ static vxs_result set_sun(bake_options *bake, named_value *sun, const char *text
 }
 
 /* What is left free besides, "free,0.2"; without a text, nothing. */
-static vxs_result set_left_free(bake_options *bake, const char *text, message *m)
+static vxs_result set_left_free(bake_options *bake, const char *text, run_context *m)
 {
     int end           = 0;
     bake->thickness_m = 0;
@@ -460,7 +460,7 @@ static vxs_result set_left_free(bake_options *bake, const char *text, message *m
 
 /* What decides maps beside casters and suns: combination n of map_combinations().
  * *left_free  as it was given, or NULL */
-static vxs_result set_maps(const exact_options *o, size_t n, bake_options *bake, const char **left_free, message *m)
+static vxs_result set_maps(const exact_options *o, size_t n, bake_options *bake, const char **left_free, run_context *m)
 {
     size_t exits = o->value_count[CHOICE_EXIT], frees = o->left_free.count ? o->left_free.count : 1;
     bake->resolution = o->resolutions.items[n % o->resolutions.count];
@@ -479,7 +479,7 @@ static size_t map_combinations(const exact_options *o)
 }
 
 /* The combinations of what decides casters and maps, and in each all others. */
-static vxs_result compare_all(const exact_options *o, int *right, message *m)
+static vxs_result compare_all(const exact_options *o, int *right, run_context *m)
 {
     world        w       = {0};
     bake_options bake    = o->bake;
@@ -521,7 +521,7 @@ done:
  * ------------------------------------------------------------------------------------------------------------ */
 
 /* The words given for a choice; without any, the usual one. */
-static vxs_result set_choice(exact_options *o, enum choice c, const text_list *given, message *m)
+static vxs_result set_choice(exact_options *o, enum choice c, const text_list *given, run_context *m)
 {
     o->value[c][0]    = choices[c].usual;
     o->value_count[c] = given->count ? given->count : 1;
@@ -532,7 +532,7 @@ static vxs_result set_choice(exact_options *o, enum choice c, const text_list *g
     return VXS_OK;
 }
 
-static vxs_result check_options(exact_options *o, const char *columns, message *m)
+static vxs_result check_options(exact_options *o, const char *columns, run_context *m)
 {
     if (!o->resolutions.count) o->resolutions = (number_list){{512}, 1};
     if (!o->seeds.count) o->seeds = (number_list){{1}, 1};
@@ -559,7 +559,7 @@ static vxs_result check_options(exact_options *o, const char *columns, message *
     return VXS_OK;
 }
 
-static vxs_result parse(exact_options *o, int argc, char **argv, int *help_shown, message *m)
+static vxs_result parse(exact_options *o, int argc, char **argv, int *help_shown, run_context *m)
 {
     text_list   given[CHOICES]        = {{0}};
     int         planted               = FAULT_NONE;
@@ -598,7 +598,7 @@ static vxs_result parse(exact_options *o, int argc, char **argv, int *help_shown
 int main(int argc, char **argv)
 {
     exact_options o = {.bake = {.zstd_level = 1}};
-    message       m = {0};
+    run_context   m = {0};
     int           help_shown, right = 1;
     vxs_result    r;
 

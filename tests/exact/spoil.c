@@ -106,10 +106,11 @@ static vxs_result spoil_square_dag(void *user, bake_stage stage, column_tree *tr
 }
 
 /* The DAG of the maps, as bake() builds it, with what the spoiler does; on one thread, so that it spoils one square at a time. */
-static vxs_result build_dag(const bake_options *bake, const depth_maps *maps, spoiler *s, dag *out, build_stats *stats, message *m)
+static vxs_result build_dag(const bake_options *bake, const depth_maps *maps, spoiler *s, dag *out, build_stats *stats,
+                            run_context *m)
 {
     build_options o       = build_options_of(bake, compress_order_of(bake->compress));
-    bake_context  ctx     = {.message = m, .threads = 1};
+    bake_context  ctx     = {.run = m, .threads = 1};
     column_map    columns = depth_maps_map(maps);
     dag_merger    merger;
     o.after      = spoil_square_dag;
@@ -122,7 +123,7 @@ static vxs_result build_dag(const bake_options *bake, const depth_maps *maps, sp
 }
 
 /* With a fault in some square: a random one, or where those from there on cannot be spoilt, the first that can. */
-static vxs_result build_spoilt(const spoil_desc *s, const depth_maps *maps, rng *random, dag *out, message *m)
+static vxs_result build_spoilt(const spoil_desc *s, const depth_maps *maps, rng *random, dag *out, run_context *m)
 {
     int         in_square = s->planted >= FAULT_MASK && s->planted <= FAULT_COMPRESSED;
     build_stats stats     = {0};
@@ -137,7 +138,7 @@ static vxs_result build_spoilt(const spoil_desc *s, const depth_maps *maps, rng 
     return build_dag(s->bake, maps, &some, out, &stats, m);
 }
 
-vxs_result spoilt_dag(const spoil_desc *s, dag *out, message *m)
+vxs_result spoilt_dag(const spoil_desc *s, dag *out, run_context *m)
 {
     rng             random   = rng_split(s->seed, 1);
     depth_renderer *renderer = NULL;

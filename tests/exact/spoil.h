@@ -32,6 +32,6 @@ typedef struct spoil_desc {
 } spoil_desc;
 
 /* out  [out] released with dag_free, whatever is returned.   Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
-vxs_result spoilt_dag(const spoil_desc *s, dag *out, message *m);
+vxs_result spoilt_dag(const spoil_desc *s, dag *out, run_context *m);
 
 #endif

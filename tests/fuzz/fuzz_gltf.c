@@ -50,7 +50,7 @@ static void check_lights(const scene *s)
     }
 }
 
-static void check_casters(const scene *s, message *m)
+static void check_casters(const scene *s, run_context *m)
 {
     casters    c;
     vxs_result r = casters_from_scene(&c, s, CLOSED_AUTO, 2, m);
@@ -62,9 +62,9 @@ static void check_casters(const scene *s, message *m)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    scene      s;
-    message    m = {0};
-    vxs_result r = scene_load_gltf_memory(&s, data, size, "fuzzed", &m);
+    scene       s;
+    run_context m = {0};
+    vxs_result  r = scene_load_gltf_memory(&s, data, size, "fuzzed", &m);
     if (r == VXS_OK) {
         FUZZ_CHECK(!m.error[0]);
         check_triangles(&s);
@@ -75,6 +75,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         FUZZ_CHECK(m.error[0] && !strchr(m.error, '\n') && !s.positions_ws && !s.indices && !s.lights && !s.alpha_masks);
     }
     scene_free(&s);
-    message_free(&m);
+    run_free(&m);
     return 0;
 }

@@ -142,7 +142,7 @@ static vxs_gl_function function_of(const char *name, void *user)
 /* 0: there is no OSMesa. */
 static int start(void)
 {
-    message m = {0};
+    run_context m = {0};
     if (gl_context_create(&on.gl, GL_BACKEND_OSMESA, 1, &m) != VXS_OK) {
         printf("# no OpenGL 4.5: %s\n", m.error);
         return 0;

@@ -10,23 +10,23 @@
 
 static inline vxs_result build_words(block_words *out, const column_map *maps, uint32_t map_count, uint32_t threads)
 {
-    message      m   = {0};
-    bake_context ctx = {.message = &m, .threads = threads};
+    run_context  m   = {0};
+    bake_context ctx = {.run = &m, .threads = threads};
     block_set    set = {0};
     vxs_result   r   = VXS_OK;
     memset(out, 0, sizeof *out);
     for (uint32_t map = 0; map < map_count && r == VXS_OK; map++) r = block_build_map(&set, map, &maps[map], &ctx);
     if (r == VXS_OK) r = block_words_lay_out(out, &set, log2_u32(maps[0].side_px), map_count, threads);
     block_set_free(&set);
-    message_free(&m);
+    run_free(&m);
     return r;
 }
 
 static inline depth_maps random_maps(uint32_t side, uint32_t depth, map_kind kind, uint64_t seed)
 {
-    depth_maps d;
-    message    m = {0};
-    rng        r = {seed};
+    depth_maps  d;
+    run_context m = {0};
+    rng         r = {seed};
     assert_int_equal(depth_maps_init(&d, side, depth, 0, 1, &m), VXS_OK);
     fill_maps(&d, kind, &r);
     depth_maps_reduce(&d, 1);
@@ -35,8 +35,8 @@ static inline depth_maps random_maps(uint32_t side, uint32_t depth, map_kind kin
 
 static inline vxs_result build_analytic(block_words *w, analytic *a, uint32_t threads)
 {
-    message       m      = {0};
-    bake_context  ctx    = {.message = &m, .threads = threads};
+    run_context   m      = {0};
+    bake_context  ctx    = {.run = &m, .threads = threads};
     column_source source = analytic_source(a);
     column_map    map;
     vxs_result    r = source.open(source.data, 0, &map, &ctx);

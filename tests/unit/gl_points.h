@@ -72,9 +72,9 @@ static inline void use_texts(drawing *d, const char *name, const char *version, 
 
 static inline drawing drawing_make(void)
 {
-    drawing d = {0};
-    message m = {0};
-    GLuint  pixels, frame, array;
+    drawing     d = {0};
+    run_context m = {0};
+    GLuint      pixels, frame, array;
     if (gl_context_create(&d.gl, GL_BACKEND_OSMESA, 1, &m) != VXS_OK) {
         print_message("no OpenGL 4.5: %s\n", m.error);
         skip();

@@ -19,10 +19,10 @@
 
 #include <cmocka.h>
 
-static scene   s;
-static message m;
-static char    folder[] = "/tmp/vxs_gltf_XXXXXX";
-static char    path[256];
+static scene       s;
+static run_context m;
+static char        folder[] = "/tmp/vxs_gltf_XXXXXX";
+static char        path[256];
 
 static scene_choice chosen; /* what load_file asks for, but for the scene */
 
@@ -72,7 +72,7 @@ static inline uint8_t *make_glb(const char *json, const void *bin, size_t bin_si
 static inline void forget(void)
 {
     scene_free(&s);
-    message_free(&m);
+    run_free(&m);
     memset(&m, 0, sizeof m);
 }
 

@@ -17,10 +17,10 @@
 #include <cmocka.h>
 
 typedef struct sample {
-    scene   s;
-    casters c;
-    message m;
-    size_t  room; /* triangles that s's arrays have room for */
+    scene       s;
+    casters     c;
+    run_context m;
+    size_t      room; /* triangles that s's arrays have room for */
 } sample;
 
 static inline void *sample_grown(void *p, size_t size)
@@ -170,7 +170,7 @@ static inline void sample_sort(sample *b, closed_mode closed)
 static inline void sample_clear(sample *b)
 {
     casters_free(&b->c);
-    message_free(&b->m);
+    run_free(&b->m);
     scene *s = &b->s;
     free(s->positions_ws);
     free(s->indices);

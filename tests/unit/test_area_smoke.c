@@ -10,7 +10,7 @@
 #include "random_lamp.h"
 #include "repeats.h"
 
-/* last, because cmocka's macro fail() would hide the function of message.h; it wants the four above it */
+/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -369,8 +369,8 @@ static vxs_asset *smoky_asset(void)
     const smoke_source   source   = {.capsules = &cloud};
     const smoke_settings settings = {.side_px = RESOLUTION, .nodes = 16, .error = 0.001};
     smoke_counts         counts[SCENE_LIGHTS];
-    message              m   = {0};
-    bake_context         ctx = {.message = &m, .threads = 1};
+    run_context          m   = {0};
+    bake_context         ctx = {.run = &m, .threads = 1};
     vxs_bake_bytes       plain;
     vxs_asset           *asset;
     scene_bake_file(&scene, RESOLUTION, &plain);

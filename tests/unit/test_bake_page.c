@@ -26,7 +26,7 @@ static int is_drawn(const casters *c, vxs_bytes *file, uint64_t memory_bytes)
 {
     bake_options o    = {.threads = 1, .memory_bytes = memory_bytes};
     bake_page    page = {0};
-    assert_int_equal(bake_page_look(&page, &o, c, file, &(message){0}), VXS_OK);
+    assert_int_equal(bake_page_look(&page, &o, c, file, &(run_context){0}), VXS_OK);
     int drawn = page.rgb != NULL;
     bake_page_free(&page);
     assert_null(page.rgb);
@@ -42,7 +42,7 @@ static void picture_keeps_within_memory(void **state)
     scene    one = {.vertex_count = 3, .positions_ws = positions, .triangle_count = 1, .indices = indices, .triangle_flags = flags};
     casters  c;
     vxs_bytes file = golden_asset();
-    assert_int_equal(casters_from_scene(&c, &one, CLOSED_OFF, 2, &(message){0}), VXS_OK);
+    assert_int_equal(casters_from_scene(&c, &one, CLOSED_OFF, 2, &(run_context){0}), VXS_OK);
     uint64_t held = memory_held_bytes();
     assert_true(is_drawn(&c, &file, 0));
     assert_true(is_drawn(&c, &file, held + (64 << 20)));

@@ -15,8 +15,8 @@
 #include "baker/base/random.h" /* before cmocka, whose fail() is a macro */
 #include "baker/base/simd.h"
 #include "baker/coding/blocks/blocks.h"
-#include "baker/coding/blocks/stabbing_set.h"
 #include "baker/coding/blocks/patterns.h"
+#include "baker/coding/blocks/stabbing_set.h"
 #include "tests/columns/analytic.h"
 
 #include <cmocka.h>

@@ -20,14 +20,14 @@
 
 static const build_options plain = {.rule = MASK_RULE_GREEDY, .reuse = 1, .compress = COMPRESS_TOP_DOWN, .share = 1};
 
-static bake_context context_of(message *m, uint32_t threads)
+static bake_context context_of(run_context *m, uint32_t threads)
 {
-    return (bake_context){.message = m, .threads = threads};
+    return (bake_context){.run = m, .threads = threads};
 }
 
 static vxs_result add_map(dag_merger *g, analytic *a, const build_options *o, uint32_t threads, build_stats *stats)
 {
-    message       m      = {0};
+    run_context   m      = {0};
     bake_context  ctx    = context_of(&m, threads);
     column_source source = analytic_source(a);
     column_map    map;
@@ -35,7 +35,7 @@ static vxs_result add_map(dag_merger *g, analytic *a, const build_options *o, ui
     if (r != VXS_OK) return r;
     r = dag_build_map(g, 0, &map, o, stats, &ctx);
     map.close(map.data);
-    message_free(&m);
+    run_free(&m);
     return r;
 }
 
@@ -214,7 +214,7 @@ static void work_follows_silhouettes(void **state)
 /* A quarter of a map as a map of its own would be fetched: the columns of square (i, j) of half the side. */
 static void add_quarter(dag_merger *g, analytic *a, uint32_t i, uint32_t j)
 {
-    message       m     = {0};
+    run_context   m     = {0};
     bake_context  ctx   = context_of(&m, 1);
     build_stats   stats = {0};
     uint32_t      sub = square_level(sub_dag_side(a->side_px)), half = square_level(a->side_px) - 1, across = 1u << (half - sub);

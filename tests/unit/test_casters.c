@@ -18,9 +18,9 @@
 /* --- scenes ----------------------------------------------------------------------------------------------------------- */
 
 typedef struct fixture {
-    scene   s;
-    casters c;
-    message m;
+    scene       s;
+    casters     c;
+    run_context m;
 } fixture;
 
 static void *grown(void *p, size_t size)
@@ -133,7 +133,7 @@ static void add_cells(fixture *b, int nx, int ny, int nz, const char *cells)
 static void clear(fixture *b)
 {
     casters_free(&b->c);
-    message_free(&b->m);
+    run_free(&b->m);
     free(b->s.positions_ws);
     free(b->s.indices);
     free(b->s.triangle_flags);
@@ -928,16 +928,16 @@ static void test_real_scenes(void **state)
             print_message("%s is not there (VXS_SCENES names the folder of scenes)\n", path);
             skip();
         }
-        scene   s = {0};
-        casters c;
-        message m = {0};
+        scene       s = {0};
+        casters     c;
+        run_context m = {0};
         assert_int_equal(scene_load_gltf(&s, path, NULL, &m), VXS_OK);
         assert_int_equal(casters_from_scene(&c, &s, cases[i].mode, 2, &m), VXS_OK);
         assert_int_equal(c.component_count[COMPONENT_SOLID], cases[i].solids);
         assert_int_equal(c.solid_triangle_count, cases[i].solid_triangles);
         casters_free(&c);
         scene_free(&s);
-        message_free(&m);
+        run_free(&m);
     }
 }
 

@@ -16,7 +16,7 @@
 #include "baker/light/map_space.h"
 #include "runtime/vxs.h"
 
-/* last, because cmocka's macro fail() would hide the function of message.h; it wants the four above it */
+/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -54,7 +54,7 @@ static uint64_t pixels_of(const compare_options *o)
 
 static compare_result compared_scene(const casters *c, vxs_baked_light light, compare_options o)
 {
-    message        m = {0};
+    run_context    m = {0};
     truth         *t = NULL;
     compare_result result;
     assert_int_equal(truth_create(&t, c, 1, &m), VXS_OK);
@@ -466,7 +466,7 @@ static vxs_baked_light bake_lamp(const vxs_light *l, const fault *f)
 static compare_result compared_lamp(vxs_light l, fault f, const double at[3], compare_options o)
 {
     const casters c = yard(at);
-    message       m = {0};
+    run_context   m = {0};
     truth        *t = NULL;
     assert_int_equal(truth_create(&t, &c, 1, &m), VXS_OK);
     trace_depths(t, &l, f.exits);
@@ -588,7 +588,7 @@ static void one_wrong_voxel_is_found(void **state)
     (void)state;
     const vxs_light l = lamp_of(zero, (double[]){-1, -0.1, -0.3}, 30 * degree, 0, 5, 0);
     const casters   c = yard(zero);
-    message         m = {0};
+    run_context     m = {0};
     truth          *t = NULL;
     fault           f = {0};
     assert_int_equal(truth_create(&t, &c, 1, &m), VXS_OK);

@@ -15,7 +15,7 @@ static gl_context *gl;
 
 static int create_context(void **state)
 {
-    message m = {0};
+    run_context m = {0};
     (void)state;
     return gl_context_create(&gl, GL_BACKEND_OSMESA, 2, &m) == VXS_OK ? 0 : -1;
 }
@@ -33,13 +33,13 @@ enum { SCENES = 24, SIDE_PX = 1024 };
 static leak_counts count(gl_context *with, casters_maker *make, uint32_t scenes, const double *gaps_m, size_t gap_count)
 {
     leak_counts  sum = {0};
-    message      m   = {0};
-    bake_context ctx = {.message = &m, .threads = 2};
+    run_context  m   = {0};
+    bake_context ctx = {.run = &m, .threads = 2};
     for (uint64_t n = 0; n < scenes; n++)
         assert_int_equal(panels_leaks(&sum, with, n, gaps_m[n % gap_count], (light_kind)(n / gap_count % 3), make, SIDE_PX, &ctx),
                          VXS_OK);
     assert_true(sum.columns > 200000 * (uint64_t)scenes);
-    message_free(&m);
+    run_free(&m);
     return sum;
 }
 

@@ -31,8 +31,8 @@ static const insert_way ways[] = {{MASK_RULE_GREEDY, 1}, {MASK_RULE_GREEDY, 0}, 
 
 static void make_maps(depth_maps *d, uint32_t side, uint32_t depth, map_kind kind, uint64_t seed)
 {
-    message m = {0};
-    rng     r = rng_split(seed, kind);
+    run_context m = {0};
+    rng         r = rng_split(seed, kind);
     assert_int_equal(depth_maps_init(d, side, depth, 0, 1, &m), VXS_OK);
     fill_maps(d, kind, &r);
     depth_maps_reduce(d, 1);
@@ -652,7 +652,7 @@ static int make_city(void **state)
     city_options o = {.blocks = 4, .triangles = 3000, .seed = 3, .sun = {-0.5, -1, -0.3}};
     glb_scene    s;
     output_file  out = {0};
-    message      m   = {0};
+    run_context  m   = {0};
     (void)state;
     strcpy(folder, "/tmp/test_dag-XXXXXX");
     if (!mkdtemp(folder)) return -1;
@@ -673,7 +673,7 @@ static int remove_city(void **state)
 static vxs_bytes bake_city(bake_options o)
 {
     bake_report report = {0};
-    message     m      = {0};
+    run_context m      = {0};
     vxs_bytes   file   = {0};
     char        scene_path[128], output_path[128];
     strcpy(scene_path, in_folder("city.glb"));

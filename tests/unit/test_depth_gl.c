@@ -26,7 +26,7 @@ static gl_context *gl;
 
 static int open_gl(void **state)
 {
-    message m = {0};
+    run_context m = {0};
     (void)state;
     if (gl_context_create(&gl, GL_BACKEND_OSMESA, 2, &m) == VXS_OK) return 0;
     fprintf(stderr, "%s\n", m.error);
@@ -289,7 +289,7 @@ static depth_stats render_light(const casters *c, const vxs_light *light, exit_m
                                 uint32_t i, uint32_t j, depth_maps *maps)
 {
     depth_renderer *r;
-    message         m = {0};
+    run_context     m = {0};
     assert_int_equal(depth_renderer_create(&r, gl, c, light, 0, mode, threads, &m), VXS_OK);
     assert_int_equal(depth_maps_init(maps, tile_px, 1u << light->levels, 0, c->solid_triangle_count != 0, &m), VXS_OK);
     assert_int_equal(depth_renderer_tile(r, maps, i, j, &m), VXS_OK);
@@ -715,7 +715,7 @@ static void tiles_make_up_the_map(void **state)
     vxs_light       light = identity_light(SIDE);
     depth_maps      whole;
     depth_renderer *r;
-    message         m = {0};
+    run_context     m = {0};
     render_light(&k.c, &light, EXIT_PEEL, 2, SIDE, 0, 0, &whole);
     assert_int_equal(depth_renderer_create(&r, gl, &k.c, &light, 0, EXIT_PEEL, 2, &m), VXS_OK);
     depth_maps tile;
@@ -760,7 +760,7 @@ static void empty_squares_have_no_casters(void **state)
     solids_end(&k);
     vxs_light       light = identity_light(256);
     depth_renderer *r;
-    message         m = {0};
+    run_context     m = {0};
     assert_int_equal(depth_renderer_create(&r, gl, &k.c, &light, 0, EXIT_AUTO, 1, &m), VXS_OK);
     for (uint32_t j = 0; j < 4; j++)
         for (uint32_t i = 0; i < 4; i++) assert_int_equal(depth_renderer_has_casters(r, 64, i, j), i == 1 && j == 1);
@@ -793,7 +793,7 @@ static void fitted_lights(void **state)
         mesh        k    = city(seed, 256);
         double      v[3] = {unit(&r) - 0.5, unit(&r) - 0.5, unit(&r) - 0.5};
         vxs_light   light;
-        message     m     = {0};
+        run_context m     = {0};
         light_shape shape = {.kind = LIGHT_DIRECTIONAL};
         assert_true(vec3_unit(v, shape.direction_ws));
         for (size_t n = 0; n < 3 * k.c.vertex_count; n++) k.c.positions_ws[n] += seed % 2 ? 1e5 : 0;
@@ -919,7 +919,7 @@ static texel_hits *cast_lamp_rays(const casters *c, const vxs_light *l, int map,
 static void render_lamp(const casters *c, const vxs_light *light, int map, exit_mode mode, uint32_t threads, depth_maps *maps)
 {
     depth_renderer *r;
-    message         m    = {0};
+    run_context     m    = {0};
     uint32_t        side = 1u << light->levels;
     assert_int_equal(depth_renderer_create(&r, gl, c, light, map, mode, threads, &m), VXS_OK);
     assert_int_equal(depth_maps_init(maps, side, side, light->voxel_metres, c->solid_triangle_count != 0, &m), VXS_OK);
@@ -931,7 +931,7 @@ static void render_lamp(const casters *c, const vxs_light *light, int map, exit_
 static size_t check_lamp(const mesh *k, const light_shape *shape, uint32_t side)
 {
     vxs_light      light;
-    message        m     = {0};
+    run_context    m     = {0};
     size_t         asked = 0, sure = 0;
     light_fit_desc fit   = {.name = "lamp", .shape = shape, .resolution = side};
     vxs_result     found = light_fit(&light, &k->c, &fit, &m);
@@ -1031,7 +1031,7 @@ static void lamps_see_near_and_far(void **state)
     for (int kind = 0; kind < 2; kind++) {
         mesh        k;
         vxs_light   light;
-        message     m     = {0};
+        run_context m     = {0};
         light_shape shape = {
             .kind = kind ? LIGHT_SPOT : LIGHT_POINT, .direction_ws = {0, 0, 1}, .outer_rad = 1.0, .range_m = INFINITY};
         mesh_init(&k);
@@ -1059,7 +1059,7 @@ static void lamps_and_threads(void **state)
         light_shape    shape = random_shape(&r, 1);
         light_fit_desc fit   = {.name = "lamp", .shape = &shape, .resolution = 1024};
         vxs_light      light;
-        message        m = {0};
+        run_context    m = {0};
         assert_int_equal(light_fit(&light, &k.c, &fit, &m), VXS_OK);
         for (int map = 0; map < (light.flags & VXS_LIGHT_CUBE ? 6 : 1); map++) {
             depth_maps one, many;
@@ -1083,7 +1083,7 @@ static void tiles_of_lamps(void **state)
     light_shape    shape = {.kind = LIGHT_POINT, .position_ws = {128, 128, 120}, .range_m = INFINITY};
     light_fit_desc fit   = {.name = "lamp", .shape = &shape, .resolution = SIDE};
     vxs_light      light;
-    message        m     = {0};
+    run_context    m     = {0};
     size_t         asked = 0;
     assert_int_equal(light_fit(&light, &k.c, &fit, &m), VXS_OK);
     for (int map = 0; map < 6; map += 3) {
@@ -1164,8 +1164,8 @@ static void several_maps_are_open(void **state)
     mesh             k         = city(3, 256);
     light_shape      shapes[2] = {{.kind = LIGHT_DIRECTIONAL, .direction_ws = {0.3, 0.4, -0.866}, .range_m = INFINITY},
                                   {.kind = LIGHT_POINT, .position_ws = {128, 128, 120}, .range_m = INFINITY}};
-    message          m         = {0};
-    bake_context     ctx       = {.message = &m, .threads = 2};
+    run_context      m         = {0};
+    bake_context     ctx       = {.run = &m, .threads = 2};
     vxs_light        lights[2];
     rendered_columns rendered[2];
     column_source    sources[2];

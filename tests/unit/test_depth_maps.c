@@ -15,7 +15,7 @@
 
 static void init(depth_maps *d, uint32_t side, uint32_t depth, int with_exit)
 {
-    message m = {0};
+    run_context m = {0};
     assert_int_equal(depth_maps_init(d, side, depth, 0, with_exit, &m), VXS_OK);
 }
 
@@ -127,9 +127,9 @@ static void logarithmic_depths(void **state)
     for (uint32_t depth = 8; depth <= 16384; depth *= 8)
         for (size_t ratio = 0; ratio < sizeof ratios / sizeof *ratios; ratio++)
             for (int with_exit = 0; with_exit < 2; with_exit++) {
-                depth_maps d;
-                rng        r = rng_split(depth, ratio);
-                message    m = {0};
+                depth_maps  d;
+                rng         r = rng_split(depth, ratio);
+                run_context m = {0};
                 assert_int_equal(depth_maps_init(&d, 64, depth, log(ratios[ratio]) / depth, with_exit, &m), VXS_OK);
                 for (int n = 0; n < 64 * 64; n++) {
                     int      ends  = n / 8 % 2; /* every other tile has casters everywhere, before the far side */
@@ -154,9 +154,9 @@ static void logarithmic_depths(void **state)
 static void logarithms_keep_order(void **state)
 {
     (void)state;
-    depth_maps d;
-    message    m = {0};
-    rng        r = {5};
+    depth_maps  d;
+    run_context m = {0};
+    rng         r = {5};
     assert_int_equal(depth_maps_init(&d, 8, 512, log(1e7) / 512, 0, &m), VXS_OK);
     assert_true(depth_maps_voxels(&d, -1) == 0);
     assert_true(depth_maps_voxels(&d, 0) == 512 && depth_maps_voxels(&d, -0.0f) == 512 && depth_maps_voxels(&d, -1e-45f) == 512);

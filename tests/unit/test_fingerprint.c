@@ -81,7 +81,7 @@ static void make(world *w, int padding)
 static scene_fingerprint fingerprint(const world *w)
 {
     scene_fingerprint f;
-    message           m = {0};
+    run_context       m = {0};
     assert_int_equal(scene_fingerprint_take(&f, &w->s, &m), VXS_OK);
     return f;
 }

@@ -11,7 +11,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* last, because cmocka's macro fail() would hide the function of message.h; it wants the four above it */
+/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -31,16 +31,16 @@ enum { CITIES = sizeof cities / sizeof *cities };
 
 static glb_scene make_city(city_options o)
 {
-    glb_scene s;
-    message   m = {0};
+    glb_scene   s;
+    run_context m = {0};
     assert_int_equal(generate_city(&s, &o, &m), VXS_OK);
     return s;
 }
 
 static glb_scene make_landscape(landscape_options o)
 {
-    glb_scene s;
-    message   m = {0};
+    glb_scene   s;
+    run_context m = {0};
     assert_int_equal(generate_landscape(&s, &o, &m), VXS_OK);
     return s;
 }
@@ -453,7 +453,7 @@ static void test_parts_are_closed_and_outward(void **state)
     (void)state;
     const double ball[5][2] = {{0, 1}, {0.6, 0.8}, {1, 0}, {0.6, -0.8}, {0, -1}}, low[3] = {1, 2, 3}, high[3] = {2, 4, 6};
     const double at[3] = {5, 6, 7}, top[3] = {6, 9, 8};
-    message      m = {0};
+    run_context  m = {0};
     glb_scene    s;
 
     parts p = parts_begin(&s, "box");
@@ -487,9 +487,9 @@ static void test_parts_are_closed_and_outward(void **state)
 static void test_empty_meshes_are_left_out(void **state)
 {
     (void)state;
-    message   m = {0};
-    glb_scene s;
-    parts     p = parts_begin(&s, "a");
+    run_context m = {0};
+    glb_scene   s;
+    parts       p = parts_begin(&s, "a");
     parts_mesh(&p, "empty", 0);
     parts_mesh(&p, "full", 0);
     parts_box(&p, parts_upright, (double[3]){0, 0, 0}, (double[3]){1, 1, 1});
@@ -506,7 +506,7 @@ static scene reread(glb_scene *s)
 {
     char        path[] = "/tmp/test_generate-XXXXXX.glb";
     output_file out    = {0};
-    message     m      = {0};
+    run_context m      = {0};
     scene       loaded;
     int         file = mkstemps(path, 4);
     assert_true(file >= 0);
@@ -516,7 +516,7 @@ static scene reread(glb_scene *s)
     assert_int_equal(output_file_commit(&out, &m), VXS_OK);
     if (scene_load_gltf(&loaded, path, NULL, &m) != VXS_OK) fail_msg("%s", m.error);
     unlink(path);
-    message_free(&m);
+    run_free(&m);
     glb_scene_free(s);
     return loaded;
 }
@@ -543,9 +543,9 @@ static void test_lights_are_read_as_they_were_meant(void **state)
                                   {LIGHT_POINT, {1e-7, 2, 3}, {0}, 0, 0.1},
                                   {LIGHT_POINT, {4, 5, 6}, {0}, 0, INFINITY}};
     enum { SHAPES = sizeof shapes / sizeof *shapes };
-    message   m = {0};
-    glb_scene s;
-    parts     p = parts_begin(&s, "lights");
+    run_context m = {0};
+    glb_scene   s;
+    parts       p = parts_begin(&s, "lights");
     for (int i = 0; i < SHAPES; i++) parts_light(&p, (const char *[]){"a", "b", "c", "d", "e"}[i], shapes[i]);
     assert_int_equal(parts_end(&p, &m), VXS_OK);
     scene loaded = reread(&s);
@@ -558,10 +558,10 @@ static void test_lights_are_read_as_they_were_meant(void **state)
 static void test_meshes_are_read_where_they_were_put(void **state)
 {
     (void)state;
-    message   m = {0};
-    glb_scene s;
-    parts     p     = parts_begin(&s, "far");
-    uint32_t  cloth = parts_material(&p, (glb_material){.name = "cloth", .double_sided = 1});
+    run_context m = {0};
+    glb_scene   s;
+    parts       p     = parts_begin(&s, "far");
+    uint32_t    cloth = parts_material(&p, (glb_material){.name = "cloth", .double_sided = 1});
     parts_mesh(&p, "here", cloth);
     parts_quad(&p, (double[3]){0, 0, 0}, (double[3]){0, 0, 1}, (double[3]){1, 0, 1}, (double[3]){1, 0, 0});
     parts_mesh(&p, "there", 0);
@@ -580,7 +580,7 @@ static void test_meshes_are_read_where_they_were_put(void **state)
 static void test_cards_are_read_with_their_mask(void **state)
 {
     (void)state;
-    message        m = {0};
+    run_context    m = {0};
     forest_options o = {2000, 1, 30, {0, -1, 0}};
     glb_scene      s;
     assert_int_equal(generate_forest(&s, &o, &m), VXS_OK);

@@ -245,7 +245,7 @@ static void expect_same(const scene_smoke *a, const scene_smoke *b)
 static void test_generated_smoke_is_read_and_written_again(void **state)
 {
     (void)state;
-    vxs_result (*const generators[2])(glb_scene *, const smoke_options *, message *) = {generate_smoke, generate_hair};
+    vxs_result (*const generators[2])(glb_scene *, const smoke_options *, run_context *) = {generate_smoke, generate_hair};
     for (int n = 0; n < 2; n++) {
         glb_scene made, again;
         must(generators[n](&made, &(smoke_options){1000, 7}, &m));

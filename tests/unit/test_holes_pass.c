@@ -25,7 +25,7 @@ static gl_context *gl;
 
 static int open_gl(void **state)
 {
-    message m = {0};
+    run_context m = {0};
     (void)state;
     return gl_context_create(&gl, GL_BACKEND_OSMESA, 2, &m) == VXS_OK ? 0 : -1;
 }
@@ -182,7 +182,7 @@ static void compare_cards(vxs_light light, uint64_t seed, size_t *asked, size_t 
     cards           k;
     depth_renderer *r    = NULL;
     depth_maps      maps = {0};
-    message         m    = {0};
+    run_context     m    = {0};
     int             lamp = light.kind != VXS_LIGHT_KIND_DIRECTIONAL;
     make_cards(&k, seed);
     assert_int_equal(depth_renderer_create(&r, gl, &k.c, &light, 0, EXIT_AUTO, 1, &m), VXS_OK);

@@ -9,7 +9,7 @@
 #include "random_lamp.h"
 #include "repeats.h"
 
-/* last, because cmocka's macro fail() would hide the function of message.h; it wants the four above it */
+/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -374,7 +374,7 @@ static void check_lights(rng *r, gl_context *gl, const vxs_baked_light *lights, 
 static gl_context *open_context(void)
 {
     gl_context *gl = NULL;
-    message     m  = {0};
+    run_context m  = {0};
     if (gl_context_create(&gl, GL_BACKEND_OSMESA, 1, &m) != VXS_OK) {
         print_message("no OpenGL 4.5: %s\n", m.error);
         skip();

@@ -85,7 +85,7 @@ static void assert_fit(const cloud *k, const double direction[3], uint32_t resol
 {
     light_fit_desc d = desc_of(direction, resolution);
     vxs_light      l;
-    message        m = {0};
+    run_context    m = {0};
     assert_int_equal(light_fit(&l, &k->c, &d, &m), VXS_OK);
     assert_string_equal(l.name, "sun");
     assert_int_equal(l.kind, VXS_LIGHT_KIND_DIRECTIONAL);
@@ -180,7 +180,7 @@ static void a_point_cannot_be_fitted(void **state)
     make_cloud(&k, (const double[3]){1, 1, 1}, (const double[3]){0, 0, 0}, 1);
     light_fit_desc d = desc_of((const double[3]){0, -1, 0}, 256);
     vxs_light      l;
-    message        m = {0};
+    run_context    m = {0};
     assert_int_equal(light_fit(&l, &k.c, &d, &m), VXS_E_ARGUMENT);
     assert_non_null(strstr(m.error, "sun"));
     make_cloud(&k, (const double[3]){0, 0, 0}, (const double[3]){1.7e308, 1.7e308, 1.7e308}, 1);
@@ -203,7 +203,7 @@ static void regions(void **state)
         const double   region[6] = {30, 0, -45, 50, 10, -15};
         light_fit_desc d         = desc_of(direction, 512);
         vxs_light      l;
-        message        m = {0};
+        run_context    m = {0};
         d.region_ws      = region;
         assert_int_equal(light_fit(&l, &k.c, &d, &m), VXS_OK);
         assert_margins(&l, box.positions, POINTS, 1e-6);
@@ -226,7 +226,7 @@ static void texel_sizes(void **state)
     for (size_t n = 0; n < sizeof cases / sizeof *cases; n++) {
         light_fit_desc d = desc_of(down, 0);
         vxs_light      l;
-        message        m = {0};
+        run_context    m = {0};
         d.texel_metres   = cases[n].texel;
         assert_int_equal(light_fit(&l, &k.c, &d, &m), VXS_OK);
         assert_int_equal(1u << l.levels, cases[n].side);
@@ -236,7 +236,7 @@ static void texel_sizes(void **state)
     }
     light_fit_desc d = desc_of(down, 0);
     vxs_light      l;
-    message        m = {0};
+    run_context    m = {0};
     d.texel_metres   = 0.006;
     assert_int_equal(light_fit(&l, &k.c, &d, &m), VXS_E_ARGUMENT);
     assert_non_null(strstr(m.error, "--texel"));
@@ -254,11 +254,11 @@ static void long_names(void **state)
     const double   down[3] = {0, -1, 0};
     light_fit_desc d       = desc_of(down, 64);
     vxs_light      l;
-    message        m = {0};
+    run_context    m = {0};
     d.name           = name;
     assert_int_equal(light_fit(&l, &k.c, &d, &m), VXS_OK);
     assert_int_equal(strlen(l.name), sizeof l.name - 1);
-    message_free(&m);
+    run_free(&m);
 }
 
 /* spot and point lights ---------------------------------------------------------------------------------------------------------- */
@@ -302,7 +302,7 @@ static light_fit_desc lamp_desc(const light_shape *shape, uint32_t resolution)
 static vxs_result fit_lamp(vxs_light *l, const soup *k, const light_shape *shape, uint32_t resolution)
 {
     light_fit_desc d = lamp_desc(shape, resolution);
-    message        m = {0};
+    run_context    m = {0};
     vxs_result     r = light_fit(l, &k->c, &d, &m);
     if (r == VXS_OK || r == VXS_E_NO_CASTER) assert_string_equal(m.error, "");
     return r;
@@ -556,7 +556,7 @@ static void lamp_texel_sizes(void **state)
         const double   here[3] = {0};
         soup           k;
         vxs_light      l;
-        message        m = {0};
+        run_context    m = {0};
         light_fit_desc d = lamp_desc(&shape, 0);
         random_soup(&k, &r, &shape, here, 1);
         d.texel_metres    = pow(10, between(&r, -2.5, 0.5));
@@ -581,7 +581,7 @@ static void lamp_texel_sizes(void **state)
     light_fit_desc d     = lamp_desc(&shape, 0);
     soup           k;
     vxs_light      l;
-    message        m = {0};
+    run_context    m = {0};
     soup_init(&k, 1);
     memcpy(k.positions, (const double[9]){-3, -3, 10, 3, -3, 10, 0, 3, 10}, 9 * sizeof(double));
     d.texel_metres = 0.001;

@@ -41,7 +41,7 @@ static void add_square(floor_scene *s, double x, double y, double z, double side
 
 static void make(floor_scene *s)
 {
-    message m = {0};
+    run_context m = {0};
     memset(s, 0, sizeof *s);
     s->c.positions_ws     = s->positions;
     s->c.indices          = s->indices;
@@ -57,7 +57,7 @@ static void make(floor_scene *s)
 static size_t choose(floor_scene *s, const light_shape *shape, const uint32_t *object_of, uint32_t without, size_t triangles_max,
                      lit_point *points, double *area)
 {
-    message        m = {0};
+    run_context    m = {0};
     vxs_light      light;
     light_fit_desc fit = {.name = "l", .shape = shape, .resolution = 1024};
     assert_int_equal(light_fit(&light, &s->c, &fit, &m), VXS_OK);

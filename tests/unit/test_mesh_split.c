@@ -141,9 +141,9 @@ static void seams_of_panels_close(void **state)
     const uint32_t seeds  = repeats(60, 200);
     (void)state;
     for (uint64_t seed = 0; seed < seeds; seed++) {
-        panels  p = panels_make(seed, 0);
-        casters c;
-        message m = {0};
+        panels      p = panels_make(seed, 0);
+        casters     c;
+        run_context m = {0};
         assert_non_null(p.s.positions_ws);
         assert_int_equal(casters_from_scene(&c, &p.s, CLOSED_AUTO, 2, &m), VXS_OK);
         before += count_open(&c, is_inner, &p);
@@ -292,8 +292,8 @@ static void order_does_not_matter(void **state)
         panels p = panels_make(n, n % 3 ? 0 : 3e-7);
         double sums[2][4];
         for (int turn = 0; turn < 2; turn++) {
-            casters c;
-            message m        = {0};
+            casters     c;
+            run_context m    = {0};
             p.s.origin_count = 1; /* or the order would decide what is counted from where */
             assert_int_equal(casters_for_maps(&c, &p.s, CLOSED_AUTO, 2, &m), VXS_OK);
             memset(sums[turn], 0, sizeof sums[turn]);

@@ -12,7 +12,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* last, because cmocka's macro fail() would hide the function of message.h; it wants the four above it */
+/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -59,7 +59,7 @@ static void check_content(const char *path, const char *wanted)
 
 static void write_file(const char *path, const char *content)
 {
-    message     m = {0};
+    run_context m = {0};
     output_file f;
     assert_int_equal(output_file_open(&f, path, &m), VXS_OK);
     assert_int_equal(output_file_write(&f, content, strlen(content), &m), VXS_OK);
@@ -78,7 +78,7 @@ static void test_commit_replaces(void **state)
 static void test_old_file_stays_until_commit(void **state)
 {
     (void)state;
-    message     m = {0};
+    run_context m = {0};
     output_file f;
     write_file("a", "old");
     assert_int_equal(output_file_open(&f, "a", &m), VXS_OK);
@@ -94,7 +94,7 @@ static void test_old_file_stays_until_commit(void **state)
 static void test_no_name_until_commit(void **state)
 {
     (void)state;
-    message     m = {0};
+    run_context m = {0};
     output_file f;
     int         probe = open(".", O_TMPFILE | O_WRONLY, 0600);
     if (probe < 0) skip();
@@ -126,7 +126,7 @@ static void test_names_left_behind(void **state)
 static void test_two_files_at_once(void **state)
 {
     (void)state;
-    message     m = {0};
+    run_context m = {0};
     output_file f, g;
     assert_int_equal(output_file_open(&f, "a", &m), VXS_OK);
     assert_int_equal(output_file_open(&g, "b", &m), VXS_OK);
@@ -141,7 +141,7 @@ static void test_two_files_at_once(void **state)
 static void test_abort_is_harmless_twice(void **state)
 {
     (void)state;
-    message     m = {0};
+    run_context m = {0};
     output_file f = {0};
     output_file_abort(&f);
     assert_int_equal(output_file_open(&f, "a", &m), VXS_OK);
@@ -154,7 +154,7 @@ static void test_abort_is_harmless_twice(void **state)
 static void test_commit_sees_a_full_disk(void **state)
 {
     (void)state;
-    message       m = {0};
+    run_context   m = {0};
     output_file   f;
     struct rlimit old, tight;
     getrlimit(RLIMIT_FSIZE, &old);
@@ -180,7 +180,7 @@ static void test_commit_sees_a_full_disk(void **state)
 static void test_commit_sees_a_full_standard_output(void **state)
 {
     (void)state;
-    message     m = {0};
+    run_context m = {0};
     output_file f;
     fflush(stdout);
     int terminal = dup(STDOUT_FILENO), full = open("/dev/full", O_WRONLY);
@@ -199,10 +199,10 @@ static void test_commit_sees_a_full_standard_output(void **state)
 }
 
 /* open and check say the same of a file, and nothing is left of either. */
-static void check_refused(const char *path, message m, vxs_result code, const char *says)
+static void check_refused(const char *path, run_context m, vxs_result code, const char *says)
 {
     output_file f;
-    message     again  = m;
+    run_context again  = m;
     int         before = file_count();
     assert_int_equal(output_file_open(&f, path, &m), code);
     assert_non_null(strstr(m.error, says));
@@ -216,11 +216,11 @@ static void check_refused(const char *path, message m, vxs_result code, const ch
 static void test_read_only_files_are_left_alone(void **state)
 {
     (void)state;
-    message     forced = {.force = 1};
+    run_context forced = {.force = 1};
     struct stat status;
     write_file("a", "old");
     chmod("a", 0444);
-    check_refused("a", (message){0}, VXS_E_WRITE, "a: cannot write: it is read-only: --force");
+    check_refused("a", (run_context){0}, VXS_E_WRITE, "a: cannot write: it is read-only: --force");
     check_content("a", "old");
 
     output_file f;
@@ -248,11 +248,11 @@ static void test_modes_are_kept(void **state)
 static void test_hard_links_are_not_parted(void **state)
 {
     (void)state;
-    message     forced = {.force = 1}, strict = {.force = 1, .strict = 1};
+    run_context forced = {.force = 1}, strict = {.force = 1, .strict = 1};
     output_file f;
     write_file("a", "old");
     assert_int_equal(link("a", "b"), 0);
-    check_refused("a", (message){0}, VXS_E_WRITE, "a: cannot write: it is one of 2 hard links");
+    check_refused("a", (run_context){0}, VXS_E_WRITE, "a: cannot write: it is one of 2 hard links");
     check_refused("a", strict, VXS_E_STRICT, "a: was one of 2 hard links");
     assert_int_equal(output_file_check("a", &forced), VXS_OK);
     assert_int_equal(output_file_open(&f, "a", &forced), VXS_OK);
@@ -261,17 +261,17 @@ static void test_hard_links_are_not_parted(void **state)
     assert_int_equal(forced.warning_count, 1);
     check_content("a", "new");
     check_content("b", "old");
-    message_free(&forced);
+    run_free(&forced);
 }
 
 static void test_links_lead_to_files(void **state)
 {
     (void)state;
     assert_int_equal(symlink("b", "a"), 0);
-    check_refused("a", (message){.force = 1}, VXS_E_WRITE, "a: cannot write: it is a link that leads to no file: No such file");
+    check_refused("a", (run_context){.force = 1}, VXS_E_WRITE, "a: cannot write: it is a link that leads to no file: No such file");
     unlink("a");
     assert_int_equal(symlink("a", "a"), 0);
-    check_refused("a", (message){0}, VXS_E_WRITE, "a: cannot write: it is a link that leads to no file: Too many levels");
+    check_refused("a", (run_context){0}, VXS_E_WRITE, "a: cannot write: it is a link that leads to no file: Too many levels");
 }
 
 /* What a run reads it does not write, by whatever name; other files it does, and what no run knows of, too. */
@@ -279,7 +279,7 @@ static void test_inputs_are_not_written(void **state)
 {
     (void)state;
     run_files   files = {0};
-    message     m     = {.files = &files, .force = 1};
+    run_context m     = {.files = &files, .force = 1};
     output_file out   = {0};
     write_file("a", "read");
     write_file("b", "old");
@@ -302,13 +302,13 @@ static void test_inputs_are_not_written(void **state)
     run_files_free(&files);
     unlink("link");
     unlink("hard");
-    message_free(&m);
+    run_free(&m);
 }
 
 static void test_a_folder_is_no_file(void **state)
 {
     (void)state;
-    message     m = {0};
+    run_context m = {0};
     output_file f;
     assert_int_equal(output_file_open(&f, ".", &m), VXS_E_WRITE);
     assert_string_equal(m.error, ".: cannot write: it is a folder, expected a file name");

@@ -11,8 +11,8 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "baker/bake/cache/square_store.h" /* before cmocka, whose fail() is a macro */
 #include "baker/bake/cache/part_file.h"
+#include "baker/bake/cache/square_store.h" /* before cmocka, whose fail() is a macro */
 
 #include <cmocka.h>
 
@@ -105,7 +105,7 @@ static void read_file(part_copy *f)
 static int write_part(void **state)
 {
     part_copy  *f      = calloc(1, sizeof *f);
-    message     m      = {0};
+    run_context m      = {0};
     vxs_bytes   common = {(uint8_t *)(char[]){"what all parts share"}, 20, 20};
     part_writer w;
     char        folder[] = "/tmp/vxs-part-XXXXXX";
@@ -142,7 +142,7 @@ static int remove_part(void **state)
 /* The part and all of its squares. One line says what is wrong, whatever it is. */
 static vxs_result read_part(const part_copy *f)
 {
-    message     m = {0};
+    run_context m = {0};
     part_reader p;
     vxs_result  r = part_open(&p, f->path, &m);
     for (int n = 0; n < SQUARES && r == VXS_OK; n++) {
@@ -154,7 +154,7 @@ static vxs_result read_part(const part_copy *f)
     }
     part_close(&p);
     assert_true((r == VXS_OK) == !m.error[0]);
-    message_free(&m);
+    run_free(&m);
     return r;
 }
 
@@ -176,7 +176,7 @@ static void faults_of_a_part(void **state)
 static void a_part_of_another_version(void **state)
 {
     part_copy  *f = *state;
-    message     m = {0};
+    run_context m = {0};
     part_reader p;
     uint8_t     bytes[1 << 14];
     memcpy(bytes, f->sound.data, f->sound.size_bytes);
@@ -185,7 +185,7 @@ static void a_part_of_another_version(void **state)
     assert_int_equal(part_open(&p, f->path, &m), VXS_E_VERSION);
     assert_non_null(strstr(m.error, "by another version of vxs"));
     part_close(&p);
-    message_free(&m);
+    run_free(&m);
 }
 
 int main(void)

@@ -15,7 +15,7 @@
 #define CAPACITY 8
 
 /* Read everything that `bytes` holds, in blocks of `block` points; the first CAPACITY points are kept. */
-static vxs_result read_bytes(const char *bytes, size_t size, size_t block, query_point *points, size_t *total, message *m)
+static vxs_result read_bytes(const char *bytes, size_t size, size_t block, query_point *points, size_t *total, run_context *m)
 {
     FILE *file = tmpfile();
     assert_non_null(file);
@@ -38,8 +38,8 @@ static vxs_result read_bytes(const char *bytes, size_t size, size_t block, query
 
 static size_t good(const char *text, query_point *points)
 {
-    message m = {0};
-    size_t  total;
+    run_context m = {0};
+    size_t      total;
     assert_int_equal(read_bytes(text, strlen(text), 3, points, &total, &m), VXS_OK);
     assert_string_equal(m.error, "");
     return total;
@@ -47,7 +47,7 @@ static size_t good(const char *text, query_point *points)
 
 static void bad_bytes(const char *bytes, size_t size, const char *why, size_t points_before)
 {
-    message     m = {0};
+    run_context m = {0};
     query_point points[CAPACITY];
     size_t      total;
     assert_int_equal(read_bytes(bytes, size, 3, points, &total, &m), VXS_E_READ);
@@ -138,7 +138,7 @@ static void lines_that_may_mean_two_things_are_refused(void **state)
                                         "1 2,5 3",     "1,2 3",         "1 2 3,5",     "1;2,3",         "1,5 2 3 4 5"};
     for (size_t n = 0; n < sizeof lines / sizeof *lines; n++) {
         char        why[256];
-        message     m = {0};
+        run_context m = {0};
         query_point p[CAPACITY];
         size_t      total;
         snprintf(why, sizeof why,
@@ -213,7 +213,7 @@ static void long_input_is_read_in_pieces(void **state)
 
     FILE *file = fmemopen(text, size, "r");
     assert_non_null(file);
-    message      m      = {0};
+    run_context  m      = {0};
     point_reader reader = {.file = file, .name = "text"};
     query_point  some[CAPACITY];
     size_t       count, next = 0;
@@ -232,7 +232,7 @@ static void unreadable_files_are_errors(void **state)
     (void)state;
     FILE *file = fopen(".", "r"); /* opens, but cannot be read */
     assert_non_null(file);
-    message      m      = {0};
+    run_context  m      = {0};
     point_reader reader = {.file = file, .name = "folder"};
     query_point  p[CAPACITY];
     size_t       count;
@@ -259,13 +259,13 @@ static const char *choose(const scene *s, const char **names, size_t name_count,
 {
     static char     text[2048];
     light_choice    chosen;
-    message         m    = {0};
+    run_context     m    = {0};
     const text_list list = {.items = names, .count = name_count};
     assert_int_equal(lights_choose(s, &list, suns, &chosen, &m), expected);
     if (expected != VXS_OK) {
         assert_null(chosen.lights);
         strcpy(text, m.error);
-        message_free(&m);
+        run_free(&m);
         return text;
     }
 
@@ -277,7 +277,7 @@ static const char *choose(const scene *s, const char **names, size_t name_count,
         assert_true(chosen.lights[i].shape.direction_ws[2] == (suns->count ? -1 : 0)); /* and is made a unit vector */
     }
     light_choice_free(&chosen);
-    message_free(&m);
+    run_free(&m);
     return text;
 }
 
@@ -366,7 +366,7 @@ static void faulty_lights_are_warned_of(void **state)
         lost[n]   = (lost_light){names[n], names[n], n, "faulty; mend it"};
     }
     scene        s = {.light_count = LIGHTS, .lights = lights, .lost_light_count = LIGHTS, .lost_lights = lost};
-    message      m = {0};
+    run_context  m = {0};
     light_choice chosen;
     assert_int_equal(lights_choose(&s, &(text_list){0}, &no_suns, &chosen, &m), VXS_OK);
     assert_int_equal(chosen.count, 1);
@@ -380,13 +380,13 @@ static void faulty_lights_are_warned_of(void **state)
     assert_string_equal(m.warnings[7],
                         "96 more lights are left out because they are dark; set their intensities, or name them with --light");
     assert_string_equal(m.warnings[8], "light 'l0' (node 0): odd; mend it");
-    message_free(&m);
+    run_free(&m);
     memset(&m, 0, sizeof m);
     assert_int_equal(lights_choose(&s, &(text_list){.items = (const char *[]){"l7"}, .count = 1}, &no_suns, &chosen, &m), VXS_OK);
     light_choice_free(&chosen);
     assert_int_equal(m.warning_count, 1);
     assert_string_equal(m.warnings[0], "light 'l7' (node 0): its intensity is 0, and pictures do not show it; set it in the scene");
-    message_free(&m);
+    run_free(&m);
 }
 
 /* The error for a sun of this name, or "". */
@@ -394,7 +394,7 @@ static const char *choose_sun(const char *name)
 {
     named_value  sun = {(char *)name, {0, -1, 0}};
     text_list    all = {0};
-    message      m   = {0};
+    run_context  m   = {0};
     static char  text[1024];
     light_choice chosen;
     vxs_result   r = lights_choose(&dark_scene, &all, &(named_list){&sun, 1, 1}, &chosen, &m);
@@ -450,7 +450,7 @@ static void values_are_of_chosen_lights(void **state)
     named_value      values[] = {{NULL, {64}}, {(char *)"lamp", {512}}};
     const named_list list     = {values, 2, 2};
     text_list        all      = {0};
-    message          m        = {0};
+    run_context      m        = {0};
     light_choice     chosen;
     assert_int_equal(lights_choose(&lit_scene, &all, &no_suns, &chosen, &m), VXS_OK);
     assert_int_equal(light_choice_require(&chosen, "--resolution", &list, &m), VXS_OK);

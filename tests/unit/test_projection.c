@@ -83,7 +83,7 @@ static void make_mesh(mesh *k, rng *r, const lamp *l)
 
 static void project(projection *p, const casters *c, const lamp *l, int map)
 {
-    message m = {0};
+    run_context m = {0};
     assert_int_equal(projection_init(p, c, &l->light, map, 2, &m), VXS_OK);
 }
 

@@ -14,7 +14,7 @@
 #include "tests/volumes/rival_froxels.h"
 #include "tests/volumes/rival_slices.h"
 
-/* last, because cmocka's macro fail() would hide the function of message.h; it wants the four above it */
+/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

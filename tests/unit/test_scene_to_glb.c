@@ -21,7 +21,7 @@ static scene written_and_read(const scene *s)
 {
     char        path[] = "/tmp/test_scene_to_glb-XXXXXX.glb";
     output_file out    = {0};
-    message     m      = {0};
+    run_context m      = {0};
     glb_scene   glb;
     scene       loaded;
     int         file = mkstemps(path, 4);
@@ -34,7 +34,7 @@ static scene written_and_read(const scene *s)
     glb_scene_free(&glb);
     if (scene_load_gltf(&loaded, path, NULL, &m) != VXS_OK) fail_msg("%s", m.error);
     unlink(path);
-    message_free(&m);
+    run_free(&m);
     return loaded;
 }
 
@@ -179,8 +179,8 @@ static void test_lights_and_cameras(void **state)
 static void test_nothing_and_too_far(void **state)
 {
     (void)state;
-    scene   empty = {.name = ""}, r = written_and_read(&empty), far = sample_scene();
-    message m = {0};
+    scene       empty = {.name = ""}, r = written_and_read(&empty), far = sample_scene();
+    run_context m = {0};
     assert_int_equal(r.triangle_count + r.light_count + r.camera_count, 0);
     scene_free(&r);
     assert_int_equal(glb_round_positions(&far, origin, &m), VXS_OK);
@@ -189,7 +189,7 @@ static void test_nothing_and_too_far(void **state)
     assert_int_equal(glb_round_positions(&far, origin, &m), VXS_E_SCENE);
     assert_non_null(strstr(m.error, "1e+39"));
     assert_true(isfinite(positions[4]));
-    message_free(&m);
+    run_free(&m);
 }
 
 int main(void)

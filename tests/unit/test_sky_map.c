@@ -10,7 +10,7 @@
 #include "baker/base/random.h"
 #include "baker/files/png_encode.h"
 
-/* last, because cmocka's macro fail() would hide the function of message.h; it wants the four above it */
+/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -99,12 +99,12 @@ static void write_picture(written *w, coding c, const char *settings)
     for (int y = 0; y < HIGH; y++) put_row(w, c, (const uint8_t(*)[4])pixels + y * WIDE);
 }
 
-static vxs_result read_bytes(sky_map *map, const uint8_t *bytes, size_t size, message *m)
+static vxs_result read_bytes(sky_map *map, const uint8_t *bytes, size_t size, run_context *m)
 {
     uint8_t *copy = malloc(size); /* of its size, so that a sanitizer sees what is read behind it */
     assert_non_null(copy);
     memcpy(copy, bytes, size);
-    *m           = (message){0};
+    *m           = (run_context){0};
     vxs_result r = sky_map_decode(map, "sky", copy, size, m);
     free(copy);
     return r;
@@ -115,7 +115,7 @@ static void test_radiance(void **state)
 {
     (void)state;
     static written w;
-    message        m;
+    run_context    m;
     sky_map        map;
     make_pixels();
     for (int c = 0; c < CODINGS; c++)
@@ -148,13 +148,13 @@ static void test_primaries(void **state)
                 {"PRIMARIES=.64 .33 .3 .6 .15 .06 .3127 .329\n", 0},
                 {"PRIMARIES=.708 .292 .17 .797 .131 .046 .3127 .329\n", 1}};
     for (size_t n = 0; n < sizeof rows / sizeof *rows; n++) {
-        message m;
-        sky_map map;
+        run_context m;
+        sky_map     map;
         write_picture(&w, PLAIN, rows[n].text);
         assert_int_equal(read_bytes(&map, w.bytes, w.size, &m), VXS_OK);
         assert_int_equal(m.warning_count, rows[n].warns);
         if (rows[n].warns) assert_non_null(strstr(m.warnings[0], "'sky' has PRIMARIES of its own, .708 .292"));
-        message_free(&m);
+        run_free(&m);
         sky_map_free(&map);
     }
 }
@@ -164,7 +164,7 @@ static void test_damage(void **state)
 {
     (void)state;
     static written w;
-    message        m;
+    run_context    m;
     sky_map        map;
     rng            r = {3};
     for (int c = 0; c < CODINGS; c++) {
@@ -195,7 +195,7 @@ static void test_long_runs(void **state)
     enum { LONG_HIGH = 512 };
     static const uint8_t row[5][4] = {{128, 0, 0, 129}, {1, 1, 1, 255}, {1, 1, 1, 2}, {0, 128, 0, 129}, {1, 1, 1, 255}};
     static written       w;
-    message              m;
+    run_context          m;
     sky_map              map;
     char                 head[64];
     w.size = 0;
@@ -221,7 +221,7 @@ static void test_png(void **state)
 {
     (void)state;
     static uint8_t rgb[3 * PIXELS];
-    message        m;
+    run_context    m;
     sky_map        map;
     rng            r    = {5};
     size_t         size = 0;
@@ -268,8 +268,8 @@ static void test_refused(void **state)
         {"#?RADIANCE\nno end", VXS_E_TRUNCATED, "ends before its pixels begin"},
     };
     for (size_t n = 0; n < sizeof rows / sizeof *rows; n++) {
-        message m;
-        sky_map map;
+        run_context m;
+        sky_map     map;
         assert_int_equal(read_bytes(&map, (const uint8_t *)rows[n].head, strlen(rows[n].head), &m), rows[n].result);
         if (!strstr(m.error, rows[n].says)) fail_msg("row %zu: '%s'", n, m.error);
         sky_map_free(&map);

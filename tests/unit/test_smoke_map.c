@@ -9,7 +9,7 @@
 #include "random_lamp.h"
 #include "tests/volumes/smoke_scene.h"
 
-/* last, because cmocka's macro fail() would hide the function of message.h; it wants the four above it */
+/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -41,8 +41,8 @@ static vxs_bytes     plain;  /* the scene's asset without smoke */
 /* The scene's asset, with smoke by these settings. */
 static vxs_asset *smoky_asset(const smoke_settings *settings, uint32_t threads, smoke_counts counts[SCENE_LIGHTS])
 {
-    message      m    = {0};
-    bake_context ctx  = {.message = &m, .threads = threads};
+    run_context  m    = {0};
+    bake_context ctx  = {.run = &m, .threads = threads};
     vxs_bytes    file = {.data = malloc(plain.size_bytes), .size_bytes = plain.size_bytes};
     vxs_asset   *asset;
     assert_non_null(file.data);

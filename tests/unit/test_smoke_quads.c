@@ -11,7 +11,7 @@
 #include "baker/base/vec3.h"
 #include "tests/volumes/smoke_scene.h"
 
-/* last, because cmocka's macro fail() would hide the function of message.h; it wants the four above it */
+/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -91,7 +91,7 @@ static void test_rays_pass_quads(void **state)
 {
     (void)state;
     smoke_quads q;
-    message     m = {0};
+    run_context m = {0};
     rng         r = {6};
     assert_int_equal(smoke_quads_reserve(&q, &smoke, &m), VXS_OK);
     for (int n = 0; n < EYES; n++) {

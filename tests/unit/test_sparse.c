@@ -4,9 +4,9 @@
  * to what is there; texels of the other tiles must be what they are, but for exits behind the tile's last enter depth, which may be early.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/base/cpu.h"
-#include "baker/columns/sparse/sparse_triangles.h"
 #include "baker/columns/sparse/sparse_columns.h" /* before cmocka, whose fail() is a macro */
 #include "baker/columns/sparse/sparse_square.h"
+#include "baker/columns/sparse/sparse_triangles.h"
 #include "baker/light/light_fit.h"
 #include "baker/light/projection.h"
 #include "runtime/vxs.h"
@@ -282,8 +282,8 @@ static void compare_window(const sparse_columns *own, projection *p, const brute
 /* All maps of a light, fetched in squares of `fetch_px`, and a window of each. */
 static counts compare_light(const casters *c, const vxs_light *light, const ways *w, uint32_t fetch_px, uint32_t threads)
 {
-    message        m      = {0};
-    bake_context   ctx    = {.message = &m, .threads = threads};
+    run_context    m      = {0};
+    bake_context   ctx    = {.run = &m, .threads = threads};
     sparse_columns own    = {.casters      = c,
                              .light        = light,
                              .nearest_back = w->nearest_back,
@@ -496,7 +496,7 @@ static void assert_column(const sample *b, const vxs_light *light, const ways *w
                           const char *what)
 {
     const int        sun     = light->kind == VXS_LIGHT_KIND_DIRECTIONAL;
-    message          m       = {0};
+    run_context      m       = {0};
     uint32_t        *ids     = NULL;
     square_list      list    = {0};
     leaf_scratch     scratch = {0};

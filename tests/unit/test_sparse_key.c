@@ -100,8 +100,8 @@ typedef struct known_square {
 /* Keys and columns of all squares.   nearest_back  as sparse_columns */
 static uint32_t look(const casters *c, const vxs_light *light, int nearest_back, known_square *out)
 {
-    message        m      = {0};
-    bake_context   ctx    = {.message = &m, .threads = 2};
+    run_context    m      = {0};
+    bake_context   ctx    = {.run = &m, .threads = 2};
     sparse_columns own    = {.casters = c, .light = light, .nearest_back = nearest_back, .fetch_px = FETCH};
     column_source  source = sparse_columns_source(&own);
     uint32_t       across = SIDE / FETCH, tiles = FETCH / 8;
@@ -136,7 +136,7 @@ static vxs_light light_of(int is_lamp, const casters *c)
     vxs_light      l     = {.kind = VXS_LIGHT_KIND_DIRECTIONAL, .levels = log2_u32(SIDE), .texel_metres = 1, .voxel_metres = 1};
     light_shape    shape = {.kind = LIGHT_SPOT, .outer_rad = 0.6, .range_m = INFINITY, .direction_ws = {0, 0, 1}};
     light_fit_desc fit   = {.name = "lamp", .shape = &shape, .resolution = SIDE};
-    message        m     = {0};
+    run_context    m     = {0};
     l.ls_from_ws[0] = l.ls_from_ws[5] = l.ls_from_ws[10] = 1;
     l.direction_ws[2]                                    = 1;
     if (!is_lamp) return l;

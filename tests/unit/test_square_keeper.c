@@ -159,8 +159,8 @@ static vxs_bytes words_of(const column_map *m, uint32_t threads)
 static vxs_bytes dag_file_of(const column_map *m, uint32_t threads)
 {
     const build_options o     = {.rule = MASK_RULE_GREEDY, .reuse = 1, .compress = COMPRESS_TOP_DOWN, .share = 1};
-    message             quiet = {0};
-    bake_context        ctx   = {.message = &quiet, .threads = threads};
+    run_context         quiet = {0};
+    bake_context        ctx   = {.run = &quiet, .threads = threads};
     build_stats         stats = {0};
     dag_merger          g;
     dag                 d;
@@ -306,8 +306,8 @@ static void damaged_begin(damaged *t, int coding, uint32_t side, map_kind kind)
 /* What comes of other bytes in the place of the record. 1: the square was made again, and all is as it was. */
 static int remade(damaged *t, vxs_bytes instead)
 {
-    message       quiet = {0};
-    bake_context  ctx   = {.message = &quiet, .threads = 1};
+    run_context   quiet = {0};
+    bake_context  ctx   = {.run = &quiet, .threads = 1};
     block_set     set   = {0};
     dag_merger    g     = {0};
     build_stats   stats = {0};
@@ -330,7 +330,7 @@ static int remade(damaged *t, vxs_bytes instead)
     assert_true(r == VXS_OK || r == VXS_E_VERSION);
     block_set_free(&set);
     dag_merger_free(&g);
-    message_free(&quiet);
+    run_free(&quiet);
     t->kept.instead = (vxs_bytes){0};
     return t->c.fetches == 1;
 }

@@ -146,8 +146,8 @@ static void scale_all(double factor)
 
 static truth *make(void)
 {
-    message m = {0};
-    truth  *t;
+    run_context m = {0};
+    truth      *t;
     assert_int_equal(truth_create(&t, &built, 2, &m), VXS_OK);
     assert_string_equal(m.error, "");
     return t;
@@ -900,8 +900,8 @@ static void casters_without_area_have_no_surface_points(void **state)
 static void hopeless_casters_are_refused(void **state)
 {
     (void)state;
-    message none = {0}, infinite = {0};
-    truth  *t;
+    run_context none = {0}, infinite = {0};
+    truth      *t;
     start();
     assert_int_equal(truth_create(&t, &built, 1, &none), VXS_E_NO_CASTER);
     assert_null(t);
@@ -987,8 +987,8 @@ static void threads_change_no_answer(void **state)
     for (int i = 0; i < ITEMS; i++) random_point(&r, 100, one.points[i]);
     memcpy(many.points, one.points, sizeof one.points);
 
-    message m = {0};
-    truth  *alone;
+    run_context m = {0};
+    truth      *alone;
     assert_int_equal(truth_create(&alone, &built, 1, &m), VXS_OK);
     one.truth = alone;
     parallel_for(1, ITEMS, 10, answer, &one);

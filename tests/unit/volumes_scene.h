@@ -96,10 +96,10 @@ static inline void scene_bake(volumes_scene *s, uint32_t resolution)
 /* Of an asset. Skips the test where there is no OpenGL. */
 static inline void scene_open_asset(volumes_scene *s, vxs_asset *asset, uint32_t width_px, uint32_t height_px)
 {
-    message m    = {0};
-    s->asset     = asset;
-    s->width_px  = width_px;
-    s->height_px = height_px;
+    run_context m = {0};
+    s->asset      = asset;
+    s->width_px   = width_px;
+    s->height_px  = height_px;
     if (gl_context_create(&s->gl, GL_BACKEND_OSMESA, 1, &m) != VXS_OK) {
         print_message("no OpenGL 4.5: %s\n", m.error);
         skip();

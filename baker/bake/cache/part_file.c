@@ -20,7 +20,7 @@ enum { MAGIC_BYTES = sizeof PART_MAGIC - 1, PART_VERSION = 1, HEAD_BYTES = 24, S
 /* Limit of what is read as a whole: a pipe, and the common data. */
 static const uint64_t LIMIT_BYTES = (uint64_t)4 << 30;
 
-static vxs_result out_of_memory(message *m)
+static vxs_result out_of_memory(run_context *m)
 {
     return fail(m, VXS_E_MEMORY, "out of memory for the part of a bake");
 }
@@ -30,7 +30,7 @@ static int put_head(vxs_bytes *out, uint32_t number, uint32_t parts)
     return put_bytes(out, PART_MAGIC, MAGIC_BYTES) && put32s(out, (uint32_t[]){PART_VERSION, number, parts, 0}, 4);
 }
 
-static vxs_result note_square(part_squares *list, const part_square *s, message *m)
+static vxs_result note_square(part_squares *list, const part_square *s, run_context *m)
 {
     if (!array_reserve(&list->items, &list->capacity, list->count + 1, sizeof *list->items)) return out_of_memory(m);
     list->items[list->count++] = *s;
@@ -40,7 +40,7 @@ static vxs_result note_square(part_squares *list, const part_square *s, message 
 /* writing --------------------------------------------------------------------------------------------------------------------- */
 
 /* Write the bytes, and empty them. */
-static vxs_result flush(part_writer *w, vxs_bytes *bytes, message *m)
+static vxs_result flush(part_writer *w, vxs_bytes *bytes, run_context *m)
 {
     vxs_result r = output_file_write(&w->out, bytes->data, bytes->size_bytes, m);
     w->at += bytes->size_bytes;
@@ -48,7 +48,7 @@ static vxs_result flush(part_writer *w, vxs_bytes *bytes, message *m)
     return r;
 }
 
-vxs_result part_begin(part_writer *w, const char *path, uint32_t number, uint32_t parts, message *m)
+vxs_result part_begin(part_writer *w, const char *path, uint32_t number, uint32_t parts, run_context *m)
 {
     vxs_bytes head = {0};
     *w             = (part_writer){.number = number, .parts = parts};
@@ -58,7 +58,7 @@ vxs_result part_begin(part_writer *w, const char *path, uint32_t number, uint32_
     return r;
 }
 
-vxs_result part_add(part_writer *w, uint64_t square, const column_key *key, const vxs_bytes *record, message *m)
+vxs_result part_add(part_writer *w, uint64_t square, const column_key *key, const vxs_bytes *record, run_context *m)
 {
     vxs_bytes  bytes = {0};
     vxs_result r     = kept_square_write(key, record, &bytes) == VXS_OK ? VXS_OK : out_of_memory(m);
@@ -74,7 +74,7 @@ static uint64_t hash_of(const vxs_bytes *head, const uint8_t *rest, size_t size_
     return XXH64(rest, size_bytes, XXH64(head->data, head->size_bytes, 0));
 }
 
-vxs_result part_end(part_writer *w, const vxs_bytes *common, message *m)
+vxs_result part_end(part_writer *w, const vxs_bytes *common, run_context *m)
 {
     vxs_bytes rest = {0}, head = {0};
     int       ok = put_head(&head, w->number, w->parts) && put_bytes(&rest, common->data, common->size_bytes);
@@ -97,18 +97,18 @@ void part_abort(part_writer *w)
 
 /* reading --------------------------------------------------------------------------------------------------------------------- */
 
-static vxs_result is_damaged(const part_reader *p, message *m)
+static vxs_result is_damaged(const part_reader *p, run_context *m)
 {
     return fail(m, VXS_E_CORRUPT, "'%s' is a part of a bake, and damaged: make it again", input_name(p->path));
 }
 
-static vxs_result cannot_read(const part_reader *p, message *m)
+static vxs_result cannot_read(const part_reader *p, run_context *m)
 {
     return fail(m, VXS_E_READ, "cannot read '%s': %s", input_name(p->path), strerror(errno));
 }
 
 /* Read bytes of the file.   out  [out] zero it first, released with free(out->data) */
-static vxs_result read_at(const part_reader *p, uint64_t at, uint64_t size_bytes, vxs_bytes *out, message *m)
+static vxs_result read_at(const part_reader *p, uint64_t at, uint64_t size_bytes, vxs_bytes *out, run_context *m)
 {
     if (at > p->size_bytes || size_bytes > p->size_bytes - at || size_bytes > LIMIT_BYTES) return is_damaged(p, m);
     if (!array_reserve(&out->data, &out->capacity_bytes, size_bytes + 1, 1)) return out_of_memory(m);
@@ -130,7 +130,7 @@ static uint64_t wanted_bytes(void *user, const uint8_t *first, size_t size_bytes
 }
 
 /* Open a regular file; read anything else into memory as a whole. */
-static vxs_result open_source(part_reader *p, message *m)
+static vxs_result open_source(part_reader *p, run_context *m)
 {
     struct stat status;
     p->file = is_standard_input(p->path) ? -1 : input_open(p->path);
@@ -146,7 +146,7 @@ static vxs_result open_source(part_reader *p, message *m)
     return r;
 }
 
-static vxs_result read_head(part_reader *p, vxs_bytes *head, message *m)
+static vxs_result read_head(part_reader *p, vxs_bytes *head, run_context *m)
 {
     vxs_result r = p->size_bytes < HEAD_BYTES ? VXS_E_NOT_VXS : read_at(p, 0, HEAD_BYTES, head, m);
     if (r == VXS_OK && memcmp(head->data, PART_MAGIC, MAGIC_BYTES) != 0) r = VXS_E_NOT_VXS;
@@ -163,7 +163,7 @@ static vxs_result read_head(part_reader *p, vxs_bytes *head, message *m)
 }
 
 /* Read the list of squares. Numbers ascend, and squares are contiguous. */
-static vxs_result take_squares(part_reader *p, byte_reader *from, uint64_t count, uint64_t end, message *m)
+static vxs_result take_squares(part_reader *p, byte_reader *from, uint64_t count, uint64_t end, run_context *m)
 {
     uint64_t   at = HEAD_BYTES;
     vxs_result r  = VXS_OK;
@@ -178,7 +178,7 @@ static vxs_result take_squares(part_reader *p, byte_reader *from, uint64_t count
     return r == VXS_OK && at != end ? is_damaged(p, m) : r;
 }
 
-static vxs_result read_rest(part_reader *p, const vxs_bytes *head, vxs_bytes *trailer, vxs_bytes *rest, message *m)
+static vxs_result read_rest(part_reader *p, const vxs_bytes *head, vxs_bytes *trailer, vxs_bytes *rest, run_context *m)
 {
     vxs_result r = p->size_bytes < HEAD_BYTES + TRAILER_BYTES
                        ? is_damaged(p, m)
@@ -197,7 +197,7 @@ static vxs_result read_rest(part_reader *p, const vxs_bytes *head, vxs_bytes *tr
     return take_squares(p, &squares, count, begin, m);
 }
 
-vxs_result part_open(part_reader *p, const char *path, message *m)
+vxs_result part_open(part_reader *p, const char *path, run_context *m)
 {
     vxs_bytes head = {0}, trailer = {0}, rest = {0};
     *p           = (part_reader){.path = path, .file = -1};
@@ -223,7 +223,7 @@ const part_square *part_find(const part_reader *p, uint64_t number)
     return bsearch(&wanted, p->squares.items, p->squares.count, sizeof wanted, by_number);
 }
 
-vxs_result part_read(const part_reader *p, const part_square *s, const column_key *key, vxs_bytes *record, message *m)
+vxs_result part_read(const part_reader *p, const part_square *s, const column_key *key, vxs_bytes *record, run_context *m)
 {
     *record      = (vxs_bytes){0};
     vxs_result r = read_at(p, s->at, s->size_bytes, record, m);

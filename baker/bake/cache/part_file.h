@@ -49,7 +49,7 @@ typedef struct part_writer {
 } part_writer;
 
 /* Begin a part.   w  [out] ends with part_end or part_abort.   Returns what output_file_open and output_file_write return. */
-vxs_result part_begin(part_writer *w, const char *path, uint32_t number, uint32_t parts, message *m);
+vxs_result part_begin(part_writer *w, const char *path, uint32_t number, uint32_t parts, run_context *m);
 
 /* Whether a square belongs to this part. Squares are dealt out in turn, because adjacent squares take about the same time. */
 static inline int part_has(const part_writer *w, uint64_t square)
@@ -58,10 +58,10 @@ static inline int part_has(const part_writer *w, uint64_t square)
 }
 
 /* Write the next square of this part. */
-vxs_result part_add(part_writer *w, uint64_t square, const column_key *key, const vxs_bytes *record, message *m);
+vxs_result part_add(part_writer *w, uint64_t square, const column_key *key, const vxs_bytes *record, run_context *m);
 
 /* Write the common data, and commit. */
-vxs_result part_end(part_writer *w, const vxs_bytes *common, message *m);
+vxs_result part_end(part_writer *w, const vxs_bytes *common, run_context *m);
 
 /* Accepts a zeroed object, and one that has ended. */
 void part_abort(part_writer *w);
@@ -82,14 +82,14 @@ typedef struct part_reader {
  * p  [out] ends with part_close, whatever is returned
  * Returns VXS_OK; VXS_E_READ; VXS_E_NOT_VXS: not a part; VXS_E_VERSION; VXS_E_TRUNCATED, VXS_E_CORRUPT: damaged; VXS_E_MEMORY. On
  * failure m gets one line. */
-vxs_result part_open(part_reader *p, const char *path, message *m);
+vxs_result part_open(part_reader *p, const char *path, run_context *m);
 
 /* Find a square by its number. NULL: the part does not have it. */
 const part_square *part_find(const part_reader *p, uint64_t number);
 
 /* Read a square.   record  [out] released with free(record->data)
  * Returns VXS_OK, VXS_E_READ, VXS_E_CORRUPT, VXS_E_MEMORY; on failure m gets one line. */
-vxs_result part_read(const part_reader *p, const part_square *s, const column_key *key, vxs_bytes *record, message *m);
+vxs_result part_read(const part_reader *p, const part_square *s, const column_key *key, vxs_bytes *record, run_context *m);
 
 void part_close(part_reader *p);
 

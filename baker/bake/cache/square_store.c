@@ -80,7 +80,7 @@ static void name_of(char name[NAME_BYTES], const column_key *key)
     snprintf(name, NAME_BYTES, "%016" PRIx64 "%016" PRIx64 EXTENSION, key->high, key->low);
 }
 
-static vxs_result out_of_memory(message *m)
+static vxs_result out_of_memory(run_context *m)
 {
     return fail(m, VXS_E_MEMORY, "out of memory for squares that are kept");
 }
@@ -93,7 +93,7 @@ static vxs_result out_of_memory(message *m)
         (s)->warnings += (m)->warning_count - before;                                                                              \
     } while (0)
 
-vxs_result square_store_open(square_store *s, const char *folder, message *m)
+vxs_result square_store_open(square_store *s, const char *folder, run_context *m)
 {
     *s = (square_store){.folder = strdup(folder), .descriptor = -1, .is_sound = 1};
     if (!s->folder) return out_of_memory(m);
@@ -111,7 +111,7 @@ vxs_result square_store_open(square_store *s, const char *folder, message *m)
 
 /* lookup ---------------------------------------------------------------------------------------------------------------------- */
 
-vxs_result square_store_use(square_store *s, const column_key *key, message *m)
+vxs_result square_store_use(square_store *s, const column_key *key, run_context *m)
 {
     if (!array_reserve(&s->used, &s->used_capacity, s->used_count + 1, sizeof *s->used)) return out_of_memory(m);
     s->used[s->used_count++] = *key;
@@ -147,7 +147,7 @@ static int read_bytes(int file, uint8_t *to, size_t size_bytes)
 typedef enum finding { FOUND, DAMAGED, TOO_LARGE } finding;
 
 /* Read a square's file. Memory is allocated only after its head has shown the right key and size. */
-static finding read_file(int file, uint64_t size_bytes, const column_key *key, vxs_bytes *record, const message *m)
+static finding read_file(int file, uint64_t size_bytes, const column_key *key, vxs_bytes *record, const run_context *m)
 {
     uint8_t head[KEPT_HEAD_BYTES];
     if (!read_bytes(file, head, sizeof head) || !kept_square_may_be(head, size_bytes, key)) return DAMAGED;
@@ -159,7 +159,7 @@ static finding read_file(int file, uint64_t size_bytes, const column_key *key, v
     return kept_square_read(record, key) == VXS_OK ? FOUND : DAMAGED;
 }
 
-vxs_result square_store_find(square_store *s, const column_key *key, vxs_bytes *record, int *found, message *m)
+vxs_result square_store_find(square_store *s, const column_key *key, vxs_bytes *record, int *found, run_context *m)
 {
     char     name[NAME_BYTES], text[32];
     uint64_t size = 0;
@@ -180,13 +180,13 @@ vxs_result square_store_find(square_store *s, const column_key *key, vxs_bytes *
         WARN(s, m, "%s/%s has %s, for which there is no memory: it is made again, as are any others of that kind", s->folder, name,
              size_text(text, size));
     s->is_sound = 0;
-    return message_check(m);
+    return run_check(m);
 }
 
 /* storing --------------------------------------------------------------------------------------------------------------------- */
 
 /* Write a file into the folder. Anything there that is not a regular file is kept. */
-static vxs_result write_file(const square_store *s, const char *name, const vxs_bytes *bytes, message *m)
+static vxs_result write_file(const square_store *s, const char *name, const vxs_bytes *bytes, run_context *m)
 {
     char        path[PATH_MAX];
     struct stat there;
@@ -202,22 +202,22 @@ static vxs_result write_file(const square_store *s, const char *name, const vxs_
     return r;
 }
 
-vxs_result square_store_keep(square_store *s, const column_key *key, const vxs_bytes *record, message *m)
+vxs_result square_store_keep(square_store *s, const column_key *key, const vxs_bytes *record, run_context *m)
 {
-    char      name[NAME_BYTES];
-    message   why   = {.files = m->files, .temporary = m->temporary};
-    vxs_bytes bytes = {0};
+    char        name[NAME_BYTES];
+    run_context why   = {.files = m->files, .temporary = m->temporary};
+    vxs_bytes   bytes = {0};
     if (s->is_full) return VXS_OK;
     name_of(name, key);
     vxs_result r = kept_square_write(key, record, &bytes);
     if (r == VXS_OK) r = write_file(s, name, &bytes, &why);
     free(bytes.data);
-    message_free(&why);
+    run_free(&why);
     if (r == VXS_OK) return square_store_use(s, key, m);
     if (r == VXS_E_MEMORY) return out_of_memory(m);
     s->is_full = 1;
     WARN(s, m, "--resume %s: squares cannot be kept any more, and the bake goes on without: %s", s->folder, why.error);
-    return message_check(m);
+    return run_check(m);
 }
 
 /* removal --------------------------------------------------------------------------------------------------------------------- */

@@ -9,7 +9,7 @@
 #ifndef SQUARE_STORE_H
 #define SQUARE_STORE_H
 
-#include "baker/base/message.h"
+#include "baker/base/run_context.h"
 #include "baker/columns/columns.h"
 #include "baker/columns/square_record.h"
 #include "formats/vxs_file.h"
@@ -56,17 +56,17 @@ typedef struct square_exchange {
      * fate  [out] SQUARE_MAKE: this process. SQUARE_LEAVE, only if it does not add: another process. SQUARE_KNOWN, only if it adds:
      *       another process; `take` returns the square
      * Returns VXS_OK; VXS_E_MEMORY; VXS_E_BROKEN_PIPE: no more squares are needed; or the error of another process. */
-    vxs_result (*claim)(void *data, uint64_t number, square_fate *fate, message *m);
+    vxs_result (*claim)(void *data, uint64_t number, square_fate *fate, run_context *m);
 
     /* In the process that adds: wait for the record of a square.
      * key     of the square in this process; a different key of the other process is an error
      * record  [out] released with free(record->data)
      * made    [out] 1: it was made in this run
      * Returns VXS_OK, VXS_E_ARGUMENT, or the error of another process. */
-    vxs_result (*take)(void *data, uint64_t number, const column_key *key, vxs_bytes *record, int *made, message *m);
+    vxs_result (*take)(void *data, uint64_t number, const column_key *key, vxs_bytes *record, int *made, run_context *m);
 
     /* In the other processes: hand over the square that was claimed last. Returns VXS_OK or VXS_E_MEMORY. */
-    vxs_result (*give)(void *data, uint64_t number, const column_key *key, const vxs_bytes *record, int made, message *m);
+    vxs_result (*give)(void *data, uint64_t number, const column_key *key, const vxs_bytes *record, int made, run_context *m);
 } square_exchange;
 
 /* Names of the files that are written into the folder and removed from it (run_files_add_folder). */
@@ -86,20 +86,20 @@ typedef struct square_store {
 /* Open a folder; create it if it does not exist.
  * s  [out] zeroed on failure; ends with square_store_close
  * Returns VXS_OK; VXS_E_WRITE: not a folder, or cannot be created or read; VXS_E_MEMORY. */
-vxs_result square_store_open(square_store *s, const char *folder, message *m);
+vxs_result square_store_open(square_store *s, const char *folder, run_context *m);
 
 /* Look up a square. A square that is damaged, or too large for the memory (m->memory_bytes), counts as not found; the first one
  * gives a warning.
  * record  [out] if *found is 1; released with free(record->data)
  * Returns VXS_OK, VXS_E_MEMORY, VXS_E_STRICT. */
-vxs_result square_store_find(square_store *s, const column_key *key, vxs_bytes *record, int *found, message *m);
+vxs_result square_store_find(square_store *s, const column_key *key, vxs_bytes *record, int *found, run_context *m);
 
 /* Write a square. The first failure gives a warning, and the run goes on.
  * Returns VXS_OK, VXS_E_MEMORY, VXS_E_STRICT. */
-vxs_result square_store_keep(square_store *s, const column_key *key, const vxs_bytes *record, message *m);
+vxs_result square_store_keep(square_store *s, const column_key *key, const vxs_bytes *record, run_context *m);
 
 /* Mark a square as used that another process has found or written. Returns VXS_OK or VXS_E_MEMORY. */
-vxs_result square_store_use(square_store *s, const column_key *key, message *m);
+vxs_result square_store_use(square_store *s, const column_key *key, run_context *m);
 
 /* Remove the squares that this run has not used. Files that are not squares stay, whatever their names. */
 void square_store_clean(square_store *s);

@@ -195,7 +195,7 @@ static vxs_result map_fetch(void *data, uint32_t level, uint32_t i, uint32_t j, 
     vxs_result r = fetch_square(data, (texel_square){i * side, j * side, side}, out, ctx->threads);
     stage_begin(ctx, STAGE_NONE);
     if (r == VXS_E_MEMORY) context_check(ctx); /* explains the failure if a limit was reached */
-    return r == VXS_OK ? r : fail(ctx->message, r, "out of memory for the columns of %u x %u texels", side, side);
+    return r == VXS_OK ? r : fail(ctx->run, r, "out of memory for the columns of %u x %u texels", side, side);
 }
 
 static vxs_result map_key(void *data, uint32_t level, uint32_t i, uint32_t j, column_key *out)
@@ -236,10 +236,10 @@ static void map_close(void *data)
 static vxs_result prepare(sparse_map *o, const projection *p, uint32_t side, bake_context *ctx)
 {
     o->ctx       = ctx;
-    vxs_result r = memory_check(sparse_triangles_bytes(p), ctx->message, "%zu triangles of a map: they need", p->triangle_count);
+    vxs_result r = memory_check(sparse_triangles_bytes(p), ctx->run, "%zu triangles of a map: they need", p->triangle_count);
     if (r == VXS_OK) r = sparse_triangles_init(&o->triangles, p, side, ctx->threads);
     if (r == VXS_OK) r = triangle_bins_init(&o->bins, &o->triangles, side, ctx->threads);
-    return r == VXS_OK ? r : fail(ctx->message, r, "out of memory for the triangles of a map");
+    return r == VXS_OK ? r : fail(ctx->run, r, "out of memory for the triangles of a map");
 }
 
 static vxs_result take_enter(const column_square *square, uint32_t *enter)
@@ -271,7 +271,7 @@ vxs_result sparse_columns_enter(const sparse_columns *owner, uint32_t map, uint3
     projection    p;
     double        coarser = ldexp(side_px, -(int)owner->light->levels);
     os_mutex_init(&o.lock);
-    vxs_result r = projection_init(&p, owner->casters, owner->light, (int)map, ctx->threads, ctx->message);
+    vxs_result r = projection_init(&p, owner->casters, owner->light, (int)map, ctx->threads, ctx->run);
     for (size_t n = 0; n < p.vertex_count && coarser < 1; n++) {
         p.vertices[n].u *= coarser;
         p.vertices[n].v *= coarser;
@@ -280,7 +280,7 @@ vxs_result sparse_columns_enter(const sparse_columns *owner, uint32_t map, uint3
     projection_free(&p);
     if (r == VXS_OK) {
         r = fetch_square(&o, (texel_square){0, 0, side_px}, &square, ctx->threads);
-        if (r != VXS_OK) fail(ctx->message, r, "out of memory for the depths of %u x %u texels", side_px, side_px);
+        if (r != VXS_OK) fail(ctx->run, r, "out of memory for the depths of %u x %u texels", side_px, side_px);
     }
     if (r == VXS_OK) {
         r = take_enter(&square, enter);
@@ -295,7 +295,7 @@ vxs_result sparse_columns_open(const sparse_columns *owner, const projection *p,
     uint32_t    side = 1u << owner->light->levels;
     sparse_map *o    = calloc(1, sizeof *o);
     *out             = (column_map){0};
-    if (!o) return fail(ctx->message, VXS_E_MEMORY, "out of memory for the triangles of a map");
+    if (!o) return fail(ctx->run, VXS_E_MEMORY, "out of memory for the triangles of a map");
     o->desc  = (leaf_desc){.triangles    = &o->triangles,
                            .scale        = scale_of(owner->light, side),
                            .nearest_back = owner->nearest_back,
@@ -326,7 +326,7 @@ static vxs_result open_map(void *data, uint32_t map, column_map *out, bake_conte
     projection            p;
     *out = (column_map){0};
     stage_begin(ctx, STAGE_MAPS);
-    vxs_result r = projection_init(&p, owner->casters, owner->light, (int)map, ctx->threads, ctx->message);
+    vxs_result r = projection_init(&p, owner->casters, owner->light, (int)map, ctx->threads, ctx->run);
     if (r == VXS_OK) r = sparse_columns_open(owner, &p, out, ctx);
     projection_free(&p);
     stage_begin(ctx, STAGE_NONE);

@@ -133,13 +133,13 @@ static void *speak(void *data)
 
 /* calls from the bake ---------------------------------------------------------------------------------------------------------- */
 
-static vxs_result failure_of(const first_rank *f, message *m)
+static vxs_result failure_of(const first_rank *f, run_context *m)
 {
     return fail(m, (vxs_result)f->failure.result, "rank %d: %s", f->failed_rank,
                 f->failure.error[0] ? f->failure.error : vxs_result_text((vxs_result)f->failure.result));
 }
 
-static vxs_result claim(void *data, uint64_t number, square_fate *fate, message *m)
+static vxs_result claim(void *data, uint64_t number, square_fate *fate, run_context *m)
 {
     first_rank *f = data;
     os_lock(&f->lock);
@@ -151,7 +151,7 @@ static vxs_result claim(void *data, uint64_t number, square_fate *fate, message 
     return r;
 }
 
-static vxs_result take(void *data, uint64_t number, const column_key *key, vxs_bytes *record, int *made, message *m)
+static vxs_result take(void *data, uint64_t number, const column_key *key, vxs_bytes *record, int *made, run_context *m)
 {
     first_rank *f = data;
     vxs_result  r = VXS_OK;

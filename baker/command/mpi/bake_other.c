@@ -12,7 +12,7 @@ typedef struct other_rank {
     uint64_t ticket;
 } other_rank;
 
-static vxs_result claim(void *data, uint64_t number, square_fate *fate, message *m)
+static vxs_result claim(void *data, uint64_t number, square_fate *fate, run_context *m)
 {
     other_rank *of = data;
     (void)m;
@@ -27,7 +27,7 @@ static vxs_result claim(void *data, uint64_t number, square_fate *fate, message 
     return VXS_OK;
 }
 
-static vxs_result give(void *data, uint64_t number, const column_key *key, const vxs_bytes *record, int made, message *m)
+static vxs_result give(void *data, uint64_t number, const column_key *key, const vxs_bytes *record, int made, run_context *m)
 {
     uint64_t head[HEAD_NUMBERS] = {number, (uint64_t)made, key->low, key->high, record->size_bytes};
     (void)data;
@@ -41,7 +41,7 @@ static vxs_result give(void *data, uint64_t number, const column_key *key, const
 }
 
 /* The same bake as rank 0's, from the same command line, but without outputs and messages. */
-static vxs_result bake_quietly(int argc, char **argv, message *m)
+static vxs_result bake_quietly(int argc, char **argv, run_context *m)
 {
     other_rank      of     = {0};
     square_exchange zero   = {.data = &of, .claim = claim, .give = give};
@@ -64,12 +64,12 @@ static vxs_result bake_quietly(int argc, char **argv, message *m)
 
 int bake_other(int argc, char **argv)
 {
-    message  m    = {0};
-    end_note note = {0};
+    run_context m    = {0};
+    end_note    note = {0};
     if (!freopen("/dev/null", "w", stdout)) fail(&m, VXS_E_WRITE, "cannot open /dev/null"); /* help is rank 0's to show */
     note.result = m.error[0] ? VXS_E_WRITE : bake_quietly(argc, argv, &m);
     memcpy(note.error, m.error, sizeof note.error);
     MPI_Send(&note, sizeof note, MPI_BYTE, 0, TAG_END, MPI_COMM_WORLD);
-    message_free(&m);
+    run_free(&m);
     return 0;
 }

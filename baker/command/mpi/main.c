@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "baker/base/message.h"
+#include "baker/base/run_context.h"
 #include "baker/base/version.h"
 #include "baker/command/commands.h"
 #include "baker/command/mpi/ranks.h"
@@ -13,7 +13,7 @@
 
 static int usage(void)
 {
-    message m = {0};
+    run_context m = {0};
     return command_end(&m, fail(&m, VXS_E_ARGUMENT, "usage: mpirun -n N vxs-mpi bake SCENE -o OUT.vxs [options of vxs bake]"));
 }
 

@@ -15,7 +15,7 @@
 #include "baker/command/options/options.h"
 #include "baker/files/input_file.h"
 
-static vxs_result check_map_sizes(bake_options *o, message *m)
+static vxs_result check_map_sizes(bake_options *o, run_context *m)
 {
     for (const named_value *v = o->resolutions.items; v < o->resolutions.items + o->resolutions.count; v++) {
         uint32_t side = (uint32_t)v->numbers[0];
@@ -40,7 +40,7 @@ static vxs_result check_map_sizes(bake_options *o, message *m)
 }
 
 /* Render depth maps when --maps or --gl requires it. */
-static vxs_result choose_maps(bake_arguments *a, message *m)
+static vxs_result choose_maps(bake_arguments *a, run_context *m)
 {
     int wanted = a->o.gl != GL_BACKEND_OSMESA;
     if (a->o.maps == MAPS_AUTO) a->o.maps = wanted ? MAPS_GL : MAPS_SPARSE;
@@ -51,7 +51,7 @@ static vxs_result choose_maps(bake_arguments *a, message *m)
 }
 
 /* "3/8" */
-static vxs_result read_part(bake_arguments *a, message *m)
+static vxs_result read_part(bake_arguments *a, run_context *m)
 {
     unsigned number, parts;
     char     rest;
@@ -67,7 +67,7 @@ static vxs_result read_part(bake_arguments *a, message *m)
 }
 
 /* The extension of the output must match: .part with --part, else .vxs. */
-static vxs_result check_part_name(const bake_options *o, message *m)
+static vxs_result check_part_name(const bake_options *o, run_context *m)
 {
     const char *dot = o->output_path ? strrchr(o->output_path, '.') : NULL;
     if (o->parts && dot && !strcasecmp(dot, ".vxs"))
@@ -79,7 +79,7 @@ static vxs_result check_part_name(const bake_options *o, message *m)
 }
 
 /* Conflicts of options that store or share squares. Such a run does not make every square, so options that need all are refused. */
-static vxs_result check_kept(const bake_arguments *a, message *m)
+static vxs_result check_kept(const bake_arguments *a, run_context *m)
 {
     const char *given = a->o.resume_path ? "--resume" : a->o.parts ? "--part" : "several processes";
     const char *why   = a->o.page_path                                         ? "--report draws depth maps"
@@ -97,7 +97,7 @@ static vxs_result check_kept(const bake_arguments *a, message *m)
     return VXS_OK;
 }
 
-static vxs_result check_smoke(const bake_arguments *a, message *m)
+static vxs_result check_smoke(const bake_arguments *a, run_context *m)
 {
     uint32_t side = a->o.smoke.side_px;
     if (a->smoke_given && !bakes_smoke(&a->o))
@@ -112,7 +112,7 @@ static vxs_result check_smoke(const bake_arguments *a, message *m)
     return VXS_OK;
 }
 
-vxs_result bake_arguments_check(bake_arguments *a, message *m)
+vxs_result bake_arguments_check(bake_arguments *a, run_context *m)
 {
     bake_options *o = &a->o;
     vxs_result    r = check_map_sizes(o, m);

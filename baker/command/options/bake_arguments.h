@@ -23,6 +23,6 @@ typedef struct bake_arguments {
 void bake_arguments_init(bake_arguments *a, const char *name, const char *synopsis, const char *summary, int output_needed);
 
 /* Checks that the table cannot express; call after parsing. Returns VXS_OK, VXS_E_ARGUMENT, or what bake_check_outputs returns. */
-vxs_result bake_arguments_check(bake_arguments *a, message *m);
+vxs_result bake_arguments_check(bake_arguments *a, run_context *m);
 
 #endif

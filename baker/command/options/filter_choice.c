@@ -4,14 +4,14 @@
 
 #include <stdio.h>
 
-static vxs_result box_check(uint32_t width_px, message *m)
+static vxs_result box_check(uint32_t width_px, run_context *m)
 {
     if (width_px % 2) return VXS_OK;
     return fail(m, VXS_E_ARGUMENT, "--filter %u: expected an odd number from 1 to %d; --smooth may be even", width_px,
                 VXS_FILTER_MAX);
 }
 
-vxs_result filter_check(const filter_choice *c, message *m)
+vxs_result filter_check(const filter_choice *c, run_context *m)
 {
     if (c->box_given && c->smooth_given)
         return fail(m, VXS_E_ARGUMENT, "--filter and --smooth exclude each other: expected one filter");
@@ -23,7 +23,7 @@ int filter_px_of(const filter_choice *c)
     return (int)(c->smooth_given ? VXS_SMOOTH + c->smooth_px : c->box_px);
 }
 
-vxs_result filters_take(const number_list *boxes, const number_list *smooth, uint32_t *filters_px, uint32_t *count, message *m)
+vxs_result filters_take(const number_list *boxes, const number_list *smooth, uint32_t *filters_px, uint32_t *count, run_context *m)
 {
     vxs_result r = VXS_OK;
     *count       = 0;

@@ -106,7 +106,7 @@ static const char *input_of(const option *o, size_t n)
 
 /* An input must not be an output, and standard input can be read only once.
  * piped  the row that reads standard input so far, or NULL */
-static vxs_result check_input(const option *o, const char *path, const option **piped, message *m)
+static vxs_result check_input(const option *o, const char *path, const option **piped, run_context *m)
 {
     if (is_standard_input(path) && *piped)
         return fail(m, VXS_E_ARGUMENT, "%s - and %s -: standard input can be read once: expected a file or <(command) for one",
@@ -125,7 +125,7 @@ static const char *swapped_with(const command_line *c, const option *o, file_kin
     return NULL;
 }
 
-static vxs_result check_kind(const command_line *c, const option *o, const char *path, message *m)
+static vxs_result check_kind(const command_line *c, const option *o, const char *path, run_context *m)
 {
     char        foreign[FOREIGN_BYTES];
     file_kind   found = file_kind_of(path), expected = (file_kind)o->min;
@@ -169,7 +169,7 @@ static int is_known(const char *extension)
     return choice_index(".vxs|.part|.gltf|.glb|.json|.html|.htm|.png|.exr", extension) >= 0; /* formats that vxs reads or writes */
 }
 
-static vxs_result check_extension(const option *output, message *m)
+static vxs_result check_extension(const option *output, run_context *m)
 {
     char        lower[16], written[32];
     const char *other = other_extension(output, lower);
@@ -178,7 +178,7 @@ static vxs_result check_extension(const option *output, message *m)
                 output_of(output), other, choice_word(written, output->choices, 0));
 }
 
-void options_warn_of_names(const command_line *c, message *m)
+void options_warn_of_names(const command_line *c, run_context *m)
 {
     for (const option *o = c->options; o < c->options + c->option_count; o++) {
         char        lower[16], written[32];
@@ -189,7 +189,7 @@ void options_warn_of_names(const command_line *c, message *m)
     }
 }
 
-vxs_result options_check_files(const command_line *c, message *m)
+vxs_result options_check_files(const command_line *c, run_context *m)
 {
     const option *end = c->options + c->option_count, *piped = NULL;
     vxs_result    r = VXS_OK;
@@ -207,5 +207,5 @@ vxs_result options_check_files(const command_line *c, message *m)
         for (size_t n = 0; input_of(o, n) && r == VXS_OK; n++) r = check_kind(c, o, input_of(o, n), m);
     for (const option *o = c->options; o < end && r == VXS_OK; o++) r = check_extension(o, m);
     if (r == VXS_OK && m->strict) options_warn_of_names(c, m);
-    return r == VXS_OK ? message_check(m) : r;
+    return r == VXS_OK ? run_check(m) : r;
 }

@@ -17,7 +17,7 @@
 /* The exit status of a command that ran, but found something wrong. */
 enum { STATUS_WRONG = 1 };
 
-int command_end(message *m, vxs_result code)
+int command_end(run_context *m, vxs_result code)
 {
     char word[COLORED_BYTES];
     /* a flush can fail: output is written only after it succeeds. A reader that has closed the pipe is no error here
@@ -29,26 +29,26 @@ int command_end(message *m, vxs_result code)
         fprintf(stderr, "vxs: %s: %s\n", colored(word, m->color, stderr, COLOR_RED, "error"), m->error[0] ? m->error : "unknown");
     /* STATUS_WRONG, even if the run stopped at its finding; except if it failed to write the report */
     int status = m->wrong && code != VXS_E_WRITE ? STATUS_WRONG : exit_status(code);
-    message_free(m);
+    run_free(m);
     return status;
 }
 
 /* Between lines of progress. */
-static void print_warning(const message *m, const char *warning)
+static void print_warning(const run_context *m, const char *warning)
 {
     char word[COLORED_BYTES];
     progress_clear();
     fprintf(stderr, "vxs: %s: %s\n", colored(word, m->color, stderr, COLOR_YELLOW, "warning"), warning);
 }
 
-int command_run(const command_line *c, int argc, char **argv, vxs_result (*run)(void *command, message *m), void *command)
+int command_run(const command_line *c, int argc, char **argv, vxs_result (*run)(void *command, run_context *m), void *command)
 {
-    run_files  files = {0};
-    message    m     = {.tell = print_warning, .files = &files, .temporary = process_temporary_files()};
-    int        help_shown;
-    vxs_result r = options_parse(c, argc, argv, &help_shown, &m);
+    run_files   files = {0};
+    run_context m     = {.tell = print_warning, .files = &files, .temporary = process_temporary_files()};
+    int         help_shown;
+    vxs_result  r = options_parse(c, argc, argv, &help_shown, &m);
     if (r == VXS_OK && !help_shown) r = options_check_files(c, &m);
-    if (r == VXS_OK && !help_shown && (r = run(command, &m)) == VXS_OK && (r = message_check(&m)) == VXS_OK)
+    if (r == VXS_OK && !help_shown && (r = run(command, &m)) == VXS_OK && (r = run_check(&m)) == VXS_OK)
         options_warn_of_names(c, &m);
     options_free(c);
     run_files_free(&files);
@@ -58,7 +58,7 @@ int command_run(const command_line *c, int argc, char **argv, vxs_result (*run)(
 /* Options of every command, after its own rows. */
 enum { COMMON_OPTIONS = 7 };
 
-static void common_options(option rows[COMMON_OPTIONS], message *m, help_format *format)
+static void common_options(option rows[COMMON_OPTIONS], run_context *m, help_format *format)
 {
     const option common[COMMON_OPTIONS] = {
         {NULL, OPTION_GROUP, NULL, 0, 0, NULL, NULL, "in every command", NULL},
@@ -125,7 +125,7 @@ static const char *behind_name(const option *o, const char *text)
     return equals ? equals + 1 : text;
 }
 
-static vxs_result set_vector(const option *o, const char *value, double *out, message *m)
+static vxs_result set_vector(const option *o, const char *value, double *out, run_context *m)
 {
     size_t      count = (size_t)o->max;
     double      numbers[16];
@@ -148,7 +148,7 @@ static const char *parse_thousands(const char *end, double *number)
     return end + 1;
 }
 
-static vxs_result parse_in_range(const option *o, const char *value, int whole, double *number, message *m)
+static vxs_result parse_in_range(const option *o, const char *value, int whole, double *number, run_context *m)
 {
     const char *end = parse_number(behind_name(o, value), number);
     if (o->kind == OPTION_NAMED_U32) end = parse_thousands(end, number);
@@ -158,7 +158,7 @@ static vxs_result parse_in_range(const option *o, const char *value, int whole, 
                 o->min, digits, o->max);
 }
 
-static vxs_result set_u32(const option *o, const char *value, uint32_t *out, message *m)
+static vxs_result set_u32(const option *o, const char *value, uint32_t *out, run_context *m)
 {
     double     number;
     vxs_result r = parse_in_range(o, value, 1, &number, m);
@@ -166,7 +166,7 @@ static vxs_result set_u32(const option *o, const char *value, uint32_t *out, mes
     return r;
 }
 
-static vxs_result add_number(const option *o, const char *value, message *m)
+static vxs_result add_number(const option *o, const char *value, run_context *m)
 {
     number_list *list = o->target;
     uint32_t     number;
@@ -180,7 +180,7 @@ static vxs_result add_number(const option *o, const char *value, message *m)
     return VXS_OK;
 }
 
-static vxs_result add_text(const option *o, const char *value, message *m)
+static vxs_result add_text(const option *o, const char *value, run_context *m)
 {
     text_list *list = o->target;
     if (!array_reserve(&list->items, &list->capacity, list->count + 1, sizeof *list->items))
@@ -189,7 +189,7 @@ static vxs_result add_text(const option *o, const char *value, message *m)
     return VXS_OK;
 }
 
-static vxs_result add_named(const option *o, const char *text, message *m)
+static vxs_result add_named(const option *o, const char *text, run_context *m)
 {
     named_list  *list   = o->target;
     size_t       length = (size_t)(behind_name(o, text) - text);
@@ -210,7 +210,7 @@ no_memory:
     return fail(m, VXS_E_MEMORY, "out of memory while reading %s", o->name);
 }
 
-static vxs_result set_choice(const option *o, const char *value, message *m)
+static vxs_result set_choice(const option *o, const char *value, run_context *m)
 {
     int     index = choice_index(o->choices, value);
     nearest near  = {.typed = value};
@@ -223,7 +223,7 @@ static vxs_result set_choice(const option *o, const char *value, message *m)
     return VXS_OK;
 }
 
-static vxs_result set_option(const option *o, const char *value, message *m)
+static vxs_result set_option(const option *o, const char *value, run_context *m)
 {
     switch (o->kind) {
     case OPTION_SWITCH: *(int *)o->target = 1; break;
@@ -252,7 +252,7 @@ static vxs_result set_option(const option *o, const char *value, message *m)
 }
 
 /* Set an option; only lists may be set repeatedly. given  [option_count] */
-static vxs_result give(const command_line *c, const option *o, const char *value, char *given, message *m)
+static vxs_result give(const command_line *c, const option *o, const char *value, char *given, run_context *m)
 {
     char *before = &given[o - c->options];
     if (*before && !is_list(o)) return fail(m, VXS_E_ARGUMENT, "%s is given twice: expected once", o->name);
@@ -262,7 +262,7 @@ static vxs_result give(const command_line *c, const option *o, const char *value
 }
 
 /* The value of option o in argv[*i]: after its '=', or the next argument. NULL for switches. */
-static vxs_result take_value(const option *o, const char *equals, int argc, char **argv, int *i, const char **value, message *m)
+static vxs_result take_value(const option *o, const char *equals, int argc, char **argv, int *i, const char **value, run_context *m)
 {
     *value = equals ? equals + 1 : NULL;
     if (o->kind == OPTION_SWITCH) return equals ? fail(m, VXS_E_ARGUMENT, "%s takes no value", o->name) : VXS_OK;
@@ -298,7 +298,7 @@ static void begun_text(char text[128], const command_line *c, const char *typed)
     snprintf(text + used, 128 - used, "?");
 }
 
-static vxs_result unknown_option(const command_line *c, const char *arg, message *m)
+static vxs_result unknown_option(const command_line *c, const char *arg, run_context *m)
 {
     char    name[NEAREST_LENGTH_MAX + 2], meant[128]; /* longer names are cut after the part that is compared */
     nearest near = {.typed = name};
@@ -311,7 +311,7 @@ static vxs_result unknown_option(const command_line *c, const char *arg, message
                 c->name);
 }
 
-static vxs_result parse_arguments(const command_line *c, int argc, char **argv, char *given, int *help_shown, message *m)
+static vxs_result parse_arguments(const command_line *c, int argc, char **argv, char *given, int *help_shown, run_context *m)
 {
     const option *operand      = NULL;
     int           options_over = 0;
@@ -341,7 +341,7 @@ static vxs_result parse_arguments(const command_line *c, int argc, char **argv, 
     return r;
 }
 
-vxs_result options_parse(const command_line *c, int argc, char **argv, int *help_shown, message *m)
+vxs_result options_parse(const command_line *c, int argc, char **argv, int *help_shown, run_context *m)
 {
     char         given[OPTIONS_MAX] = {0};
     help_format  format             = HELP_TEXT;

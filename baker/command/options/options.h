@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-#include "baker/base/message.h"
+#include "baker/base/run_context.h"
 #include "baker/command/options/option_table.h"
 #include "baker/files/run_files.h"
 #include "baker/scene/scene.h"
@@ -15,18 +15,18 @@
  * value may begin with '-' ("--sun -1,-2,0"). Options of every command are stored in m. Only list options may be repeated.
  * Returns VXS_OK, VXS_E_ARGUMENT (one line in m: the option, the value given, the value expected), or VXS_E_MEMORY;
  * *help_shown is set when --help was given and printed, and the command is done. */
-vxs_result options_parse(const command_line *c, int argc, char **argv, int *help_shown, message *m);
+vxs_result options_parse(const command_line *c, int argc, char **argv, int *help_shown, run_context *m);
 
 /* Declare every output that is given (baker/files/run_files.h), and check files before the work begins: each output can be
  * written, and is neither an input nor another output; standard input is read at most once; inputs are of the expected kinds;
  * outputs do not have the extension of another format. Rows with OUTPUT_CHECKED_BY_COMMAND are not checked for being writable.
  * In strict mode, options_warn_of_names is called here.
  * Returns VXS_OK, VXS_E_ARGUMENT, VXS_E_READ, VXS_E_WRITE, VXS_E_MEMORY or VXS_E_STRICT. */
-vxs_result options_check_files(const command_line *c, message *m);
+vxs_result options_check_files(const command_line *c, run_context *m);
 
 /* Warn when the name of an output does not have the extension of its format. Call after the command has succeeded: after an
  * error, there is no output to warn about. */
-void options_warn_of_names(const command_line *c, message *m);
+void options_warn_of_names(const command_line *c, run_context *m);
 
 /* Release the lists that parsing filled. */
 void options_free(const command_line *c);
@@ -34,12 +34,12 @@ void options_free(const command_line *c);
 /* Run a command: parse its line, check its files, call `run` unless help was printed, print its error, release its lists.
  * command  passed to run; contains the options' targets
  * Returns the exit status. */
-int command_run(const command_line *c, int argc, char **argv, vxs_result (*run)(void *command, message *m), void *command);
+int command_run(const command_line *c, int argc, char **argv, vxs_result (*run)(void *command, run_context *m), void *command);
 
 /* Print "vxs: error: ..." when m holds an error, release m, and return the exit status of `code`; 1 when the command succeeded
  * and m is marked as wrong. A failure to write the report (a full disk) is an error; a reader that closes the pipe early is not.
  * VXS_E_BROKEN_PIPE prints nothing. */
-int command_end(message *m, vxs_result code);
+int command_end(run_context *m, vxs_result code);
 
 /* The option rows of every command that loads a scene: the scene within the file, and which parts of it cast shadows. */
 
@@ -80,7 +80,7 @@ typedef struct filter_choice {
 /* clang-format on */
 
 /* Returns VXS_OK, or VXS_E_ARGUMENT when both are given, or for a box of even width. */
-vxs_result filter_check(const filter_choice *c, message *m);
+vxs_result filter_check(const filter_choice *c, run_context *m);
 
 /* The filter as vxs_lookup takes it. */
 int filter_px_of(const filter_choice *c);
@@ -95,7 +95,7 @@ static inline int filter_given(const filter_choice *c)
  * boxes, smooth  each without duplicates, from 1 to VXS_FILTER_MAX; smooth may be NULL
  * filters_px     [FILTERS_MAX] each in the order given;   count  [out]
  * Returns VXS_OK, or VXS_E_ARGUMENT for a box of even width. */
-vxs_result filters_take(const number_list *boxes, const number_list *smooth, uint32_t *filters_px, uint32_t *count, message *m);
+vxs_result filters_take(const number_list *boxes, const number_list *smooth, uint32_t *filters_px, uint32_t *count, run_context *m);
 
 /* "9 x 9", "9 x 9 smooth".   filter_px  as for vxs_lookup */
 const char *filter_text(char text[32], uint32_t filter_px);

@@ -104,7 +104,7 @@ const run_watch progress_watch = {.say = watch_shown, .share = watch_shared};
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "baker/base/message.h"
+#include "baker/base/run_context.h"
 #include "baker/base/threads.h"
 #include "baker/files/json_file.h"
 #include "baker/files/temporary_files.h"

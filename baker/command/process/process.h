@@ -33,7 +33,7 @@ void process_catch_terminate(void);
  * freed, and small allocations between them hold their memory: a bake of many lights grew with each light. */
 void process_return_large(void);
 
-/* The temporary files that a signal handler removes: those of a run whose messages borrow this (message.h). */
+/* The temporary files that a signal handler removes: those of a run whose messages borrow this (run_context.h). */
 struct temporary_files *process_temporary_files(void);
 
 /* Remove all temporary files, before a fatal end of the process. Async-signal-safe. */

@@ -8,7 +8,7 @@
 #include <exception>
 #include <new>
 
-#include "baker/base/message.h"
+#include "baker/base/run_context.h"
 #include "baker/command/process/process.h"
 
 /* When a noexcept function throws, the exception may be still in flight and cannot be inspected. Only out of memory is thrown

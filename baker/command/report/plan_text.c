@@ -318,7 +318,7 @@ json_t *report_casters_json(const bake_report *r)
                      r->casters_max_ws[1], r->casters_max_ws[2]);
 }
 
-json_t *report_warnings_json(const message *m)
+json_t *report_warnings_json(const run_context *m)
 {
     json_t *warnings = json_array();
     for (size_t n = 0; n < m->warning_count; n++) json_array_append_new(warnings, json_text(m->warnings[n]));
@@ -390,7 +390,7 @@ json_t *plan_savings_json(const bake_plan *plan)
     return savings;
 }
 
-vxs_result plan_write_json(const char *path, const bake_options *o, const bake_report *report, message *m)
+vxs_result plan_write_json(const char *path, const bake_options *o, const bake_report *report, run_context *m)
 {
     const bake_plan *plan = report->plan;
     json_t *root = json_pack("{s:s, s:o, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:I, s:o, s:f}", "vxs", VXS_VERSION, "scene",

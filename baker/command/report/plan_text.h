@@ -20,7 +20,7 @@ void plan_print_savings(FILE *to, const bake_plan *plan, uint64_t file_bytes);
 void plan_print(FILE *to, const bake_options *o, const bake_report *report);
 
 /* path "-" is standard output. Returns VXS_OK, VXS_E_WRITE, VXS_E_MEMORY. */
-vxs_result plan_write_json(const char *path, const bake_options *o, const bake_report *report, message *m);
+vxs_result plan_write_json(const char *path, const bake_options *o, const bake_report *report, run_context *m);
 
 /* "0.206 m", for a lamp "0.002 to 0.03 m at casters, median 0.01 m", into text. Returns text. */
 enum { TEXELS_BYTES = 96 };
@@ -31,7 +31,7 @@ json_t     *texels_json(const texel_range *t);
 void    report_print_casters(FILE *to, const bake_report *r);
 void    report_print_excluded(FILE *to, const bake_report *r, const char *head); /* a line a rule, head first */
 json_t *report_casters_json(const bake_report *r);
-json_t *report_warnings_json(const message *m);
+json_t *report_warnings_json(const run_context *m);
 json_t *plan_decisions_json(const bake_plan *plan, const bake_options *o, const bake_report *report);
 json_t *plan_estimate_json(const bake_plan *plan);
 json_t *plan_lights_json(const bake_plan *plan);

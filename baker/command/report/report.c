@@ -24,7 +24,7 @@ void part_print(FILE *to, const bake_options *o, const bake_report *r)
     fprintf(to, "time         %.2f s; memory %s\n", r->total_seconds, size_text(size, r->peak_bytes));
 }
 
-vxs_result part_write_json(const char *path, const bake_options *o, const bake_report *r, message *m)
+vxs_result part_write_json(const char *path, const bake_options *o, const bake_report *r, run_context *m)
 {
     square_counts squares = report_squares(r);
     json_t       *part    = json_pack("{s:I, s:I, s:I, s:I}", "number", (json_int_t)o->part, "parts", (json_int_t)o->parts, "made",
@@ -44,7 +44,7 @@ void unchanged_print(FILE *to, const bake_options *o, const bake_report *r)
             plain_text(plain, o->output_path), size_text(size, r->file_bytes), warnings);
 }
 
-vxs_result unchanged_write_json(const char *path, const bake_options *o, const bake_report *r, message *m)
+vxs_result unchanged_write_json(const char *path, const bake_options *o, const bake_report *r, run_context *m)
 {
     json_t *root = json_pack("{s:s, s:o, s:o, s:b, s:I, s:o, s:f}", "vxs", VXS_VERSION, "scene", json_text(o->scene_path), "output",
                              json_text(o->output_path), "unchanged", 1, "file_bytes", (json_int_t)r->file_bytes, "warnings",
@@ -246,7 +246,7 @@ static json_t *squares_json(const bake_options *o, const bake_report *r)
                      (json_int_t)(squares.all - squares.made));
 }
 
-json_t *report_json(const bake_options *o, const bake_report *r, const message *m)
+json_t *report_json(const bake_options *o, const bake_report *r, const run_context *m)
 {
     json_t *lights = json_array();
     for (uint32_t n = 0; n < r->light_count; n++) json_array_append_new(lights, light_json(&r->lights[n]));
@@ -263,7 +263,7 @@ json_t *report_json(const bake_options *o, const bake_report *r, const message *
     return root;
 }
 
-vxs_result report_write_json(const char *path, const bake_options *o, const bake_report *r, message *m)
+vxs_result report_write_json(const char *path, const bake_options *o, const bake_report *r, run_context *m)
 {
     return json_write(path, report_json(o, r, m), m);
 }

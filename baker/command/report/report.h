@@ -11,10 +11,10 @@
 void report_print(FILE *to, const bake_options *o, const bake_report *r);
 
 /* The report as JSON; m holds the warnings. Incomplete or NULL when out of memory: json_print and json_write detect it. */
-json_t *report_json(const bake_options *o, const bake_report *r, const message *m);
+json_t *report_json(const bake_options *o, const bake_report *r, const run_context *m);
 
 /* path "-" is standard output. Returns VXS_OK, VXS_E_WRITE, VXS_E_MEMORY. */
-vxs_result report_write_json(const char *path, const bake_options *o, const bake_report *r, message *m);
+vxs_result report_write_json(const char *path, const bake_options *o, const bake_report *r, run_context *m);
 
 /* The name of a part: "64^3", the size, for nodes; else its kind. Into text. Returns text. */
 const char *part_name(char text[32], const vxs_part *part);
@@ -25,7 +25,7 @@ const char *part_name(char text[32], const vxs_part *part);
 void part_print(FILE *to, const bake_options *o, const bake_report *r);
 
 /* Replaces the report; it contains "part". */
-vxs_result part_write_json(const char *path, const bake_options *o, const bake_report *r, message *m);
+vxs_result part_write_json(const char *path, const bake_options *o, const bake_report *r, run_context *m);
 
 /* The report of a bake that was up to date: --if-changed. */
 
@@ -33,7 +33,7 @@ vxs_result part_write_json(const char *path, const bake_options *o, const bake_r
 void unchanged_print(FILE *to, const bake_options *o, const bake_report *r);
 
 /* Replaces the report or the plan; "unchanged" is true in it. */
-vxs_result unchanged_write_json(const char *path, const bake_options *o, const bake_report *r, message *m);
+vxs_result unchanged_write_json(const char *path, const bake_options *o, const bake_report *r, run_context *m);
 
 /* A bake or its plan in about five lines: scene and lights, the file's size, the time, what is left out. */
 

@@ -44,7 +44,7 @@ static vxs_result result_of_status(int status)
 
 /* Run a command. Its exit status must be 0 or `accepted`. */
 static vxs_result run_child(bench_work *w, const bench_job *job, const char *const *arguments, int accepted, double *seconds,
-                            message *m)
+                            run_context *m)
 {
     char       name[256], text[512];
     int        status;
@@ -69,7 +69,7 @@ static vxs_result run_child(bench_work *w, const bench_job *job, const char *con
 
 /* Steps of a run --------------------------------------------------------------------------------------------------------------- */
 
-static vxs_result hash_file(const char *path, uint64_t *hash, message *m)
+static vxs_result hash_file(const char *path, uint64_t *hash, run_context *m)
 {
     char  bytes[1 << 16];
     FILE *f = fopen(path, "rbe");
@@ -82,7 +82,7 @@ static vxs_result hash_file(const char *path, uint64_t *hash, message *m)
 }
 
 /* All runs must write the same bytes; else they did not do the same work. */
-static vxs_result require_same_bytes(bench_work *w, bench_job *job, uint32_t run, message *m)
+static vxs_result require_same_bytes(bench_work *w, bench_job *job, uint32_t run, run_context *m)
 {
     uint64_t   hash;
     char       name[256];
@@ -95,7 +95,7 @@ static vxs_result require_same_bytes(bench_work *w, bench_job *job, uint32_t run
                 bench_cell_name(name, sizeof name, w->result, job->cell), run + 1, w->o->runs);
 }
 
-static vxs_result compare_once(bench_work *w, const bench_job *job, double *seconds, message *m)
+static vxs_result compare_once(bench_work *w, const bench_job *job, double *seconds, run_context *m)
 {
     const bench_options *o = w->o;
     char                 points[16], filters[FILTERS_MAX][16];
@@ -146,7 +146,7 @@ static void show_progress(const bench_work *w, uint32_t run, size_t at)
                    bench_cell_name(name, sizeof name, w->result, w->jobs[at].cell));
 }
 
-static vxs_result run_rounds(bench_work *w, message *m)
+static vxs_result run_rounds(bench_work *w, run_context *m)
 {
     vxs_result r = VXS_OK;
     w->since     = clock_seconds();
@@ -184,7 +184,7 @@ static uint64_t wanted_bytes(void *user, const uint8_t *first, size_t size_bytes
 
 /* Each run reads its scene again, but a pipe can be read only once: copy it to memory. Its descriptor in w->inputs stays -1 if the
  * scene is a file, or cannot be read, which its bake will report. */
-static vxs_result keep_pipes(bench_work *w, message *m)
+static vxs_result keep_pipes(bench_work *w, run_context *m)
 {
     w->inputs = malloc(w->o->scenes.count * sizeof *w->inputs);
     if (!w->inputs) return fail(m, VXS_E_MEMORY, "out of memory");
@@ -232,7 +232,7 @@ static json_t *describe(const bench_options *o)
     return result;
 }
 
-vxs_result bench_run(const bench_options *o, json_t **result, int *outputs_differ, message *m)
+vxs_result bench_run(const bench_options *o, json_t **result, int *outputs_differ, run_context *m)
 {
     bench_work w = {.o = o};
     *result      = NULL;

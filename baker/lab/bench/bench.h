@@ -49,7 +49,7 @@ typedef struct bench_job {
  * count  [out]
  * Returns VXS_OK; VXS_E_ARGUMENT: a value is wrong, two cells are the same, or there are too many; VXS_E_MEMORY. */
 vxs_result bench_jobs_make(bench_job **jobs, size_t *count, json_t *cells, const bench_options *o, const int *inputs,
-                           const children *c, message *m);
+                           const children *c, run_context *m);
 
 void bench_jobs_free(bench_job *jobs, size_t count);
 
@@ -72,6 +72,6 @@ json_t *bench_cell_of_runs(json_t *runs);
  * or comparison that failed; VXS_E_WRITE, VXS_E_MEMORY. After a signal that ends runs, it first ends its children and removes
  * its folder; then the signal ends the process.
  * Threads: only in a process of one thread. */
-vxs_result bench_run(const bench_options *o, json_t **result, int *outputs_differ, message *m);
+vxs_result bench_run(const bench_options *o, json_t **result, int *outputs_differ, run_context *m);
 
 #endif

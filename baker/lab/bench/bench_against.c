@@ -137,7 +137,7 @@ static void print_cells_only_in(FILE *to, const json_t *one, const json_t *other
 }
 
 vxs_result bench_against(FILE *to, const json_t *now, const json_t *before, const char *before_path, double max_slower,
-                         size_t *too_slow, message *m)
+                         size_t *too_slow, run_context *m)
 {
     moves   v    = {.table = json_array(), .max_slower = max_slower};
     size_t  both = 0, n;

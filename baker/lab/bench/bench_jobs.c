@@ -10,7 +10,7 @@
 #include "baker/files/input_file.h"
 #include "baker/files/json_file.h"
 
-static vxs_result no_memory(message *m)
+static vxs_result no_memory(run_context *m)
 {
     return fail(m, VXS_E_MEMORY, "out of memory for the cells of the bench");
 }
@@ -111,7 +111,7 @@ static json_t *options_json(const bake_options *o)
 }
 
 /* Parse the arguments as the bake will, with its checks and defaults. */
-static vxs_result read_arguments(bench_job *job, const char *name, json_t *cells, message *m)
+static vxs_result read_arguments(bench_job *job, const char *name, json_t *cells, run_context *m)
 {
     bake_arguments a;
     char         **argv = (char **)(size_t)(job->arguments + 1); /* argv[0] of a command is its own name */
@@ -133,7 +133,7 @@ static vxs_result read_arguments(bench_job *job, const char *name, json_t *cells
     return r;
 }
 
-static vxs_result require_different(const json_t *cells, message *m)
+static vxs_result require_different(const json_t *cells, run_context *m)
 {
     json_t *cell;
     size_t  n;
@@ -153,7 +153,7 @@ static vxs_result require_different(const json_t *cells, message *m)
 }
 
 vxs_result bench_jobs_make(bench_job **jobs, size_t *count, json_t *cells, const bench_options *o, const int *inputs,
-                           const children *c, message *m)
+                           const children *c, run_context *m)
 {
     size_t     all = count_cells(o);
     vxs_result r   = VXS_OK;

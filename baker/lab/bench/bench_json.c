@@ -23,9 +23,9 @@ static const struct number_kind {
                     {"size", 0, 0, 1e15},      {"number", 0, -1e15, 1e15}, {"share", 0, 0, 1}};
 
 typedef struct shape_reader {
-    const char *path, *writer;
-    size_t      scene, cell; /* from 1; 0: outside of them */
-    message    *m;
+    const char  *path, *writer;
+    size_t       scene, cell; /* from 1; 0: outside of them */
+    run_context *m;
 } shape_reader;
 
 static int fault(shape_reader *r, const char *name, const char *format, ...) __attribute__((format(printf, 3, 4)));
@@ -134,7 +134,7 @@ static int check_shape(shape_reader *r, const char *name, const json_t *value, c
 
 /* writer  the program that writes such files; path  of the file: both for the error.
  * Returns VXS_OK; VXS_E_READ: the shape differs, with the place in one line of m; VXS_E_MEMORY. */
-static vxs_result json_shape_check(const json_t *value, const char *shape, const char *writer, const char *path, message *m)
+static vxs_result json_shape_check(const json_t *value, const char *shape, const char *writer, const char *path, run_context *m)
 {
     shape_reader reading = {.path = path, .writer = writer, .m = m};
 
@@ -180,12 +180,12 @@ static const char bench_shape[] =
     " 'vxs': 'text', 'started': 'text', 'runs': 'u32', 'points': 'u32',"
     " 'machine': {'processor': 'text', 'cores': 'count', 'memory_bytes': 'count', 'system': 'text', 'renderer': 'text'}}";
 
-vxs_result bench_json_check(const json_t *bench, const char *path, message *m)
+vxs_result bench_json_check(const json_t *bench, const char *path, run_context *m)
 {
     return json_shape_check(bench, bench_shape, "vxs bench", path, m);
 }
 
-vxs_result bench_json_read(json_t **result, const char *path, message *m)
+vxs_result bench_json_read(json_t **result, const char *path, run_context *m)
 {
     vxs_result r = json_read(result, path, m);
     if (r == VXS_OK && (r = bench_json_check(*result, path, m)) != VXS_OK) {
@@ -259,7 +259,7 @@ int is_volumes_json(const json_t *measured)
     return json_object_get(measured, "scenes") != NULL;
 }
 
-vxs_result volumes_json_check(const json_t *volumes, const char *path, message *m)
+vxs_result volumes_json_check(const json_t *volumes, const char *path, run_context *m)
 {
     return json_shape_check(volumes, volumes_shape, "make bench-volumes", path, m);
 }

@@ -6,19 +6,19 @@
 
 #include <jansson.h>
 
-#include "baker/base/message.h"
+#include "baker/base/run_context.h"
 #include "baker/base/spread.h"
 
 enum { BENCH_CELLS_MAX = 4096, BENCH_RUNS_MAX = 1000 };
 
 /* Check that JSON is a result of vxs bench.   path  of its file.   Returns VXS_OK; VXS_E_READ, with the place in one line of m;
  * VXS_E_MEMORY. */
-vxs_result bench_json_check(const json_t *bench, const char *path, message *m);
+vxs_result bench_json_check(const json_t *bench, const char *path, run_context *m);
 
 /* Read an untrusted file.
  * result  [out] NULL on failure; released with json_decref
  * Returns VXS_OK; VXS_E_READ: unreadable, not JSON, or not a result of vxs bench, with the place in one line of m; VXS_E_MEMORY. */
-vxs_result bench_json_read(json_t **result, const char *path, message *m);
+vxs_result bench_json_read(json_t **result, const char *path, run_context *m);
 
 /* The member or item at a path: "bake/wall_seconds", "errors/0". NULL when there is none. */
 json_t *json_at(const json_t *object, const char *path);
@@ -36,6 +36,6 @@ int bench_cells_equal(const json_t *a, const json_t *b);
 int is_volumes_json(const json_t *measured);
 
 /* As bench_json_check. */
-vxs_result volumes_json_check(const json_t *volumes, const char *path, message *m);
+vxs_result volumes_json_check(const json_t *volumes, const char *path, run_context *m);
 
 #endif

@@ -24,7 +24,7 @@ void table_add(json_t *table, const char *format, ...)
     free(text);
 }
 
-vxs_result table_print(json_t *table, size_t columns, FILE *to, message *m)
+vxs_result table_print(json_t *table, size_t columns, FILE *to, run_context *m)
 {
     size_t  n, widths[64] = {0};
     json_t *cell;
@@ -219,7 +219,7 @@ static void add_row(json_t *t, const json_t *result, const json_t *cell, int is_
     }
 }
 
-vxs_result bench_print(FILE *to, const json_t *result, message *m)
+vxs_result bench_print(FILE *to, const json_t *result, run_context *m)
 {
     const json_t *machine = json_at(result, "machine"), *cells = json_at(result, "cells"), *cell, *error;
     char          memory[32], name[256];

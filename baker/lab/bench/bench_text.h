@@ -6,7 +6,7 @@
 #include <jansson.h>
 #include <stdio.h>
 
-#include "baker/base/message.h"
+#include "baker/base/run_context.h"
 #include "baker/lab/bench/bench_json.h"
 
 enum { BENCH_FIGURES_MAX = 192 };
@@ -34,7 +34,7 @@ typedef struct bench_figure {
 size_t bench_figures(const json_t *cell, bench_figure *figures);
 
 /* Print a row for each cell: medians with minimum and maximum. Returns VXS_OK or VXS_E_MEMORY. */
-vxs_result bench_print(FILE *to, const json_t *result, message *m);
+vxs_result bench_print(FILE *to, const json_t *result, run_context *m);
 
 /* The options that distinguish a cell from the others of its result: "city.glb, 512 texels, exit back", truncated to size.
  * Returns text. */
@@ -48,7 +48,7 @@ void table_add(json_t *table, const char *format, ...) __attribute__((format(pri
 
 /* Print a table, and release it. Columns are as wide as their content; the first is left-aligned, the others right-aligned.
  * Returns VXS_OK; or VXS_E_MEMORY when a value is missing in it: then nothing is printed. */
-vxs_result table_print(json_t *table, size_t columns, FILE *to, message *m);
+vxs_result table_print(json_t *table, size_t columns, FILE *to, run_context *m);
 
 /* Print the differences: first of versions and machines, then of the cells that both have. A time has changed when each median
  * is outside of the other's spread; with five runs each, chance does this once in twenty. Sizes and errors have changed when
@@ -59,6 +59,6 @@ vxs_result table_print(json_t *table, size_t columns, FILE *to, message *m);
  * too_slow     [out] number of baking or lookup times that changed to more than max_slower times the earlier ones
  * Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result bench_against(FILE *to, const json_t *now, const json_t *before, const char *before_path, double max_slower,
-                         size_t *too_slow, message *m);
+                         size_t *too_slow, run_context *m);
 
 #endif

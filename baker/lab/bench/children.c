@@ -27,7 +27,7 @@ static char *path_in(const char *folder, const char *name)
     return asprintf(&path, "%s/%s", folder, name) < 0 ? NULL : path;
 }
 
-vxs_result children_begin(children *c, message *m)
+vxs_result children_begin(children *c, run_context *m)
 {
     const char *parent = getenv("TMPDIR");
     if (!parent || !parent[0]) parent = "/tmp";
@@ -81,7 +81,7 @@ static int redirect(const char *path, int flags, int descriptor)
     return opened >= 0 && dup2(opened, descriptor) == descriptor;
 }
 
-vxs_result child_run(children *c, const char *const *arguments, int input, double *seconds, int *exit_status, message *m)
+vxs_result child_run(children *c, const char *const *arguments, int input, double *seconds, int *exit_status, run_context *m)
 {
     double begin  = clock_seconds();
     pid_t  parent = getpid(), child = fork();

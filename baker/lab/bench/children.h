@@ -12,7 +12,7 @@
 #include <dirent.h>
 #include <signal.h>
 
-#include "baker/base/message.h"
+#include "baker/base/run_context.h"
 
 typedef struct children {
     sigset_t held, before;            /* held: SIGCHLD and the signals that end a run, except ignored ones; before: the signal
@@ -27,7 +27,7 @@ typedef struct children {
  * one thread, these are all.
  * c  [out] ends with children_end, whatever is returned
  * Returns VXS_OK, VXS_E_WRITE, VXS_E_MEMORY. */
-vxs_result children_begin(children *c, message *m);
+vxs_result children_begin(children *c, run_context *m);
 
 /* Remove the folder and the files in it (it has no folders). Does not return if a signal came. */
 void children_end(children *c);
@@ -41,6 +41,6 @@ void children_end(children *c);
  * exit_status  [out] or -N: ended by signal N
  * Returns VXS_OK whatever the child's exit status is; VXS_E_INTERRUPTED; VXS_E_MEMORY: it could not be started.
  * Threads: only in a process of one thread. */
-vxs_result child_run(children *c, const char *const *arguments, int input, double *seconds, int *exit_status, message *m);
+vxs_result child_run(children *c, const char *const *arguments, int input, double *seconds, int *exit_status, run_context *m);
 
 #endif

@@ -13,7 +13,7 @@
 #include "baker/files/input_file.h"
 #include "baker/scene/light_choice.h"
 
-vxs_result camera_check(const camera_choice *c, message *m)
+vxs_result camera_check(const camera_choice *c, run_context *m)
 {
     if (c->eye_given != c->target_given)
         return fail(m, VXS_E_ARGUMENT, "--eye and --target go together: %s is missing", c->eye_given ? "--target" : "--eye");
@@ -53,7 +53,7 @@ static const char *list_cameras(char text[LIST_BYTES], const scene *s, const cha
     return text;
 }
 
-vxs_result scene_camera_find(const scene_view **view, const scene *s, const char *name, const char *path, message *m)
+vxs_result scene_camera_find(const scene_view **view, const scene *s, const char *name, const char *path, run_context *m)
 {
     size_t by_name = 0, by_pattern = 0;
     char   known[LIST_BYTES];
@@ -137,7 +137,7 @@ static int read_key(char *line, camera_pose *key)
     return line[strspn(line, " \t\r")] == 0 && memcmp(key->eye_ws, key->target_ws, sizeof key->eye_ws);
 }
 
-static vxs_result read_keys(camera_path *path, char *text, const char *name, double fov_degrees, message *m)
+static vxs_result read_keys(camera_path *path, char *text, const char *name, double fov_degrees, run_context *m)
 {
     size_t number = 0;
     path->keys    = malloc(PATH_KEYS_MAX * sizeof *path->keys);
@@ -165,7 +165,7 @@ static uint64_t wanted_bytes(void *user, const uint8_t *first, size_t size_bytes
     return memchr(first, 0, size_bytes) ? 0 : UINT64_MAX; /* not a text file */
 }
 
-vxs_result camera_path_read(camera_path *path, const char *file, double fov_degrees, message *m)
+vxs_result camera_path_read(camera_path *path, const char *file, double fov_degrees, run_context *m)
 {
     uint8_t *bytes  = NULL;
     size_t   size   = 0;
@@ -184,7 +184,7 @@ vxs_result camera_path_read(camera_path *path, const char *file, double fov_degr
     return r;
 }
 
-vxs_result camera_path_orbit(camera_path *path, const camera_pose *camera, message *m)
+vxs_result camera_path_orbit(camera_path *path, const camera_pose *camera, run_context *m)
 {
     *path = (camera_path){.count = ORBIT_KEYS, .closed = 1, .keys = malloc(ORBIT_KEYS * sizeof *path->keys)};
     if (!path->keys) return fail(m, VXS_E_MEMORY, "out of memory for a camera path");

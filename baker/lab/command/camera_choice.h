@@ -5,7 +5,7 @@
 
 #include <stddef.h>
 
-#include "baker/base/message.h"
+#include "baker/base/run_context.h"
 #include "baker/lab/truth/camera.h"
 #include "baker/scene/scene.h"
 #include "formats/vxs_file.h"
@@ -26,7 +26,7 @@ typedef struct camera_choice {
 /* clang-format on */
 
 /* Returns VXS_OK, or VXS_E_ARGUMENT when only one of eye and target is given, or both are the same point. */
-vxs_result camera_check(const camera_choice *c, message *m);
+vxs_result camera_check(const camera_choice *c, run_context *m);
 
 /* If no eye is given: place the camera so that all of a box is in view, beside the first sun of the lights (camera_frame_lit).
  * lights  [light_count];   aspect  width / height */
@@ -36,7 +36,7 @@ void camera_place(camera_choice *c, const box *around, const vxs_baked_light *co
  * error lists their numbers.
  * path  of the scene, for messages
  * Returns VXS_OK; VXS_E_ARGUMENT: none, several, or one with invalid numbers. */
-vxs_result scene_camera_find(const scene_view **view, const scene *s, const char *name, const char *path, message *m);
+vxs_result scene_camera_find(const scene_view **view, const scene *s, const char *name, const char *path, run_context *m);
 
 /* The size of the camera's picture: a missing side follows from the camera's aspect; defaults are 1280 x 720. */
 void scene_camera_size(const scene_view *view, int width_given, int height_given, uint32_t side_max, uint32_t *width,
@@ -59,10 +59,10 @@ enum { PATH_KEYS_MAX = 10000 };
  * an error if a key's points are equal, or if there are fewer than two keys.
  * path  [out] released with camera_path_free, whatever is returned
  * Returns VXS_OK, VXS_E_READ (the message has the line's number), VXS_E_MEMORY. */
-vxs_result camera_path_read(camera_path *path, const char *file, double fov_degrees, message *m);
+vxs_result camera_path_read(camera_path *path, const char *file, double fov_degrees, run_context *m);
 
 /* A circle around the target of a camera, at its height.   Returns VXS_OK or VXS_E_MEMORY. */
-vxs_result camera_path_orbit(camera_path *path, const camera_pose *camera, message *m);
+vxs_result camera_path_orbit(camera_path *path, const camera_pose *camera, run_context *m);
 
 /* The pose at a share of the path, [0, 1]: eye and target each on a Catmull-Rom curve through the keys, with equal times between
  * keys. */

@@ -26,7 +26,7 @@ typedef struct bench_command {
 } bench_command;
 
 /* Checks that are possible before the work begins. */
-static vxs_result check(bench_command *c, message *m)
+static vxs_result check(bench_command *c, run_context *m)
 {
     vxs_result r = filters_take(&c->filters, &c->smooth, c->o.filters_px, &c->o.filter_count, m);
     if (r == VXS_OK && c->max_slower_given && !c->against_path) r = fail(m, VXS_E_ARGUMENT, "--max-slower goes with --against");
@@ -36,7 +36,7 @@ static vxs_result check(bench_command *c, message *m)
     return r;
 }
 
-static vxs_result measure(bench_command *c, message *m)
+static vxs_result measure(bench_command *c, run_context *m)
 {
     FILE      *to = report_stream(m, is_standard_output(c->output_path)); /* keep the report out of standard output when JSON
                                                                              goes there */
@@ -53,7 +53,7 @@ static vxs_result measure(bench_command *c, message *m)
     return r;
 }
 
-static vxs_result run(void *command, message *m)
+static vxs_result run(void *command, run_context *m)
 {
     bench_command *c = command;
     vxs_result     r = measure(c, m);

@@ -55,12 +55,12 @@ static closed_mode closed_of_asset(const json_t *made)
 }
 
 /* Read the report that vxs bake --json wrote for an asset. */
-static vxs_result read_bake_report(compared_asset *a, const char *path, message *m)
+static vxs_result read_bake_report(compared_asset *a, const char *path, run_context *m)
 {
     static const char *const keys[] = {"total_seconds", "peak_bytes", "file_bytes"};
     double                   values[3];
     const char              *absent  = NULL;
-    message                  of_file = {0};
+    run_context              of_file = {0};
     json_t                  *root;
     vxs_result               r = json_read(&root, path, &of_file);
     if (r != VXS_OK) return fail(m, r, "--bake-report %s", of_file.error);
@@ -82,7 +82,7 @@ static vxs_result read_bake_report(compared_asset *a, const char *path, message 
     return VXS_OK;
 }
 
-static vxs_result open_asset(compare_command *c, size_t n, message *m)
+static vxs_result open_asset(compare_command *c, size_t n, run_context *m)
 {
     compared_asset *a = &c->report.assets[n];
     a->path           = c->asset_paths.items[n];
@@ -104,7 +104,7 @@ static vxs_result open_asset(compare_command *c, size_t n, message *m)
 /* the comparison --------------------------------------------------------------------------------------------------------------- */
 
 /* A comparison that checked no point is an error. */
-static vxs_result require_checked(const compare_command *c, const vxs_light *l, const compare_result *result, message *m)
+static vxs_result require_checked(const compare_command *c, const vxs_light *l, const compare_result *result, run_context *m)
 {
     uint64_t checked = 0, inside = 0;
     for (int kind = 0; kind < COMPARE_KINDS; kind++) {
@@ -119,7 +119,7 @@ static vxs_result require_checked(const compare_command *c, const vxs_light *l, 
                 input_name(c->report.scene_path), l->name);
 }
 
-static vxs_result compare_asset(compare_command *c, compared_asset *a, const traced_scene *t, message *m)
+static vxs_result compare_asset(compare_command *c, compared_asset *a, const traced_scene *t, run_context *m)
 {
     /* the don't-care rules of the asset besides the insides of solids, from its metadata */
     const json_t           *options   = json_object_get(a->made, "options");
@@ -143,7 +143,7 @@ static vxs_result compare_asset(compare_command *c, compared_asset *a, const tra
 }
 
 /* Errors against a scene that was not baked are meaningless: check all assets before the work begins. */
-static vxs_result check_scene(compare_command *c, const scene *s, message *m)
+static vxs_result check_scene(compare_command *c, const scene *s, run_context *m)
 {
     vxs_result r = VXS_OK;
     for (size_t n = 0; n < c->report.asset_count && r == VXS_OK; n++) {
@@ -160,7 +160,7 @@ static vxs_result check_scene(compare_command *c, const scene *s, message *m)
     return r;
 }
 
-static vxs_result traced_scene_make(traced_scene *t, const compare_command *c, closed_mode closed, message *m)
+static vxs_result traced_scene_make(traced_scene *t, const compare_command *c, closed_mode closed, run_context *m)
 {
     vxs_result r = casters_from_scene(&t->casters, &c->scene, closed, c->report.options.threads, m);
     if (r == VXS_OK) r = truth_create(&t->truth, &t->casters, c->report.options.threads, m);
@@ -177,7 +177,7 @@ static void place_camera(compare_command *c, const traced_scene *t)
 }
 
 /* Compare an asset, and all others that were baked with the same solids: they share the casters. */
-static vxs_result compare_alike(compare_command *c, size_t first, message *m)
+static vxs_result compare_alike(compare_command *c, size_t first, run_context *m)
 {
     compared_asset *assets = c->report.assets;
     traced_scene    t      = {0};
@@ -190,7 +190,7 @@ static vxs_result compare_alike(compare_command *c, size_t first, message *m)
     return r;
 }
 
-static vxs_result compare_all(compare_command *c, message *m)
+static vxs_result compare_all(compare_command *c, run_context *m)
 {
     vxs_result r;
 
@@ -223,7 +223,7 @@ static vxs_result compare_all(compare_command *c, message *m)
     return c->json_path ? json_write(c->json_path, compare_json(&c->report), m) : VXS_OK;
 }
 
-static vxs_result run(void *command, message *m)
+static vxs_result run(void *command, run_context *m)
 {
     compare_command *c = command;
     vxs_result       r = compare_all(c, m);

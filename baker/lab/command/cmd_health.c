@@ -74,7 +74,7 @@ static int worst_first(const void *a, const void *b)
 }
 
 static vxs_result print_health(FILE *to, const health_command *c, const scene *s, const casters *casting, const mesh_health *h,
-                               message *m)
+                               run_context *m)
 {
     const component_health **order  = malloc((h->count + 1) * sizeof *order);
     size_t                   faulty = 0, sound_meet = 0;
@@ -148,7 +148,7 @@ static json_t *health_json(const scene *s, const casters *c, const mesh_health *
     return json_pack("{s:o, s:o, s:b}", "total", total, "components", components, "complete", !h->gave_up);
 }
 
-static vxs_result run(void *command, message *m)
+static vxs_result run(void *command, run_context *m)
 {
     health_command *c       = command;
     scene           s       = {0};

@@ -117,7 +117,7 @@ static json_t *report_json(const mend_command *c, const scene *s)
 }
 
 /* when  0: before, 1: after */
-static vxs_result count_solids(mend_command *c, const scene *s, int when, message *m)
+static vxs_result count_solids(mend_command *c, const scene *s, int when, run_context *m)
 {
     casters    casting;
     vxs_result r = casters_from_scene(&casting, s, CLOSED_AUTO, 1, m);
@@ -128,7 +128,7 @@ static vxs_result count_solids(mend_command *c, const scene *s, int when, messag
     return VXS_OK;
 }
 
-static vxs_result write_scene(const char *path, const scene *s, const double origin_ws[3], message *m)
+static vxs_result write_scene(const char *path, const scene *s, const double origin_ws[3], run_context *m)
 {
     glb_scene   glb = {0};
     output_file out = {0};
@@ -144,7 +144,7 @@ done:
     return r;
 }
 
-static vxs_result run(void *command, message *m)
+static vxs_result run(void *command, run_context *m)
 {
     mend_command *c = command;
     scene         s = {0};
@@ -153,7 +153,7 @@ static vxs_result run(void *command, message *m)
 
     if ((r = scene_load_gltf(&s, c->path, &c->choice, m)) != VXS_OK) goto done;
     warn_about_lost_lights(&s, m);
-    if ((r = message_check(m)) != VXS_OK) goto done;
+    if ((r = run_check(m)) != VXS_OK) goto done;
     if ((r = count_solids(c, &s, 0, m)) != VXS_OK) goto done;
     glb_find_origin(&s, origin_ws);
     if ((r = glb_round_positions(&s, origin_ws, m)) != VXS_OK)

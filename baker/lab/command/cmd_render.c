@@ -51,14 +51,14 @@ static const char *needs_gl(const render_command *c)
                                  : NULL;
 }
 
-static vxs_result check_samples(const render_options *o, message *m)
+static vxs_result check_samples(const render_options *o, run_context *m)
 {
     if (o->width_px * o->samples <= SAMPLES_SIDE_MAX && o->height_px * o->samples <= SAMPLES_SIDE_MAX) return VXS_OK;
     return fail(m, VXS_E_ARGUMENT, "--samples %u of a picture of %u x %u: expected no side of more than %d samples", o->samples,
                 o->width_px, o->height_px, SAMPLES_SIDE_MAX);
 }
 
-static vxs_result check_options(const render_command *c, message *m)
+static vxs_result check_options(const render_command *c, run_context *m)
 {
     const render_options *o    = &c->options;
     int                   path = c->path_file || c->orbits;
@@ -93,7 +93,7 @@ static vxs_result check_options(const render_command *c, message *m)
 }
 
 /* Open all of an asset, or its resident part as a stream.   contents  [out] */
-static vxs_result open_asset(render_command *c, subject *s, const vxs_contents **contents, message *m)
+static vxs_result open_asset(render_command *c, subject *s, const vxs_contents **contents, run_context *m)
 {
     vxs_result r;
     *contents = &s->stream.contents;
@@ -113,7 +113,7 @@ static vxs_result open_asset(render_command *c, subject *s, const vxs_contents *
 }
 
 /* Include skinned meshes, in their pose: they are typical moving objects. */
-static vxs_result load_moving(render_command *c, subject *s, message *m)
+static vxs_result load_moving(render_command *c, subject *s, run_context *m)
 {
     const scene_choice all = {.skinned = SKINNED_REST, .skinned_given = 1};
     vxs_result         r   = scene_load_gltf(&s->moving, c->moving_path, &all, m);
@@ -130,13 +130,13 @@ int render_has_baked_smoke(const render_command *c, const subject *s)
 }
 
 /* Whether some light takes steps in fog; known when scene and file are loaded. */
-static vxs_result check_steps(const render_command *c, const subject *s, message *m)
+static vxs_result check_steps(const render_command *c, const subject *s, run_context *m)
 {
     if (c->moving_path || (c->options.smoke == SMOKE_ON && s->scene.smoke.count) || render_has_baked_smoke(c, s)) return VXS_OK;
     return fog_check_steps(&c->fog, s->scene.smoke.count ? ", or --smoke on" : ": there is no smoke, and nothing moves", m);
 }
 
-static vxs_result load_sky(render_command *c, subject *s, message *m)
+static vxs_result load_sky(render_command *c, subject *s, run_context *m)
 {
     c->options.sky = &s->sky;
     return sky_map_read(&s->sky, c->sky_path, m);
@@ -149,7 +149,7 @@ static int has_capsules(const json_t *made)
 }
 
 /* The scene's own camera, or one that sees the whole scene; on an orbit, from each of its poses. */
-static vxs_result place_camera(render_command *c, subject *s, message *m)
+static vxs_result place_camera(render_command *c, subject *s, run_context *m)
 {
     render_options   *o    = &c->options;
     const scene_view *view = NULL;
@@ -182,7 +182,7 @@ const char *render_dark_text(const scene *s, const char *name)
 
 enum { DARK_SHOWN = 3 };
 
-static vxs_result load(render_command *c, subject *s, message *m)
+static vxs_result load(render_command *c, subject *s, run_context *m)
 {
     json_t             *made = NULL;
     const vxs_contents *contents;
@@ -210,7 +210,7 @@ static vxs_result load(render_command *c, subject *s, message *m)
     if (dark > DARK_SHOWN)
         warn(m, "%zu more lights are not drawn for such reasons; see to those above, and run again", dark - DARK_SHOWN);
 
-    if ((r = message_check(m)) != VXS_OK) goto done;
+    if ((r = run_check(m)) != VXS_OK) goto done;
     s->box = box_of_corners(s->scene.positions_ws, s->scene.indices, 3 * s->scene.triangle_count);
     if (c->moving_path && (r = load_moving(c, s, m)) != VXS_OK) goto done;
     if (c->sky_path && (r = load_sky(c, s, m)) != VXS_OK) goto done;
@@ -221,7 +221,7 @@ done:
     return r;
 }
 
-static vxs_result run(void *command, message *m)
+static vxs_result run(void *command, run_context *m)
 {
     render_command *c              = command;
     subject        *s              = calloc(1, sizeof *s);

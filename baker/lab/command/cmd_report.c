@@ -14,7 +14,7 @@ typedef struct report_command {
     page_kind   kind; /* of all files */
 } report_command;
 
-static vxs_result check_file(const json_t *measured, const char *path, page_kind kind, message *m)
+static vxs_result check_file(const json_t *measured, const char *path, page_kind kind, run_context *m)
 {
     int         is_fog = kind == PAGE_VOLUMES;
     const char *items  = is_fog ? "scenes" : "cells";
@@ -24,7 +24,7 @@ static vxs_result check_file(const json_t *measured, const char *path, page_kind
     return r;
 }
 
-static vxs_result add_file(report_command *c, json_t *files, const char *path, message *m)
+static vxs_result add_file(report_command *c, json_t *files, const char *path, run_context *m)
 {
     json_t    *measured;
     vxs_result r = json_read(&measured, path, m);
@@ -41,7 +41,7 @@ static vxs_result add_file(report_command *c, json_t *files, const char *path, m
     return r;
 }
 
-static vxs_result run(void *command, message *m)
+static vxs_result run(void *command, run_context *m)
 {
     report_command *c     = command;
     json_t         *files = json_array();

@@ -25,7 +25,7 @@ typedef struct scene_options {
 } scene_options;
 
 /* The options that are valid for each kind of scene. */
-static vxs_result check_kind(const scene_options *o, message *m)
+static vxs_result check_kind(const scene_options *o, run_context *m)
 {
     const struct {
         const char *name, *kinds_in_words;
@@ -51,7 +51,7 @@ static vxs_result check_kind(const scene_options *o, message *m)
 }
 
 /* Checks that the table of options cannot express. */
-static vxs_result check(const scene_options *o, message *m)
+static vxs_result check(const scene_options *o, run_context *m)
 {
     vxs_result r = check_kind(o, m);
     if (r != VXS_OK) return r;
@@ -63,10 +63,10 @@ static vxs_result check(const scene_options *o, message *m)
     if (!o->out) return fail(m, VXS_E_ARGUMENT, "-o is missing: expected -o OUT.glb, or -o - for standard output");
     if (o->kind == KIND_STRESS) return stress_check(o->stress_case, m);
     if (o->sun_given) warn_about_sun(SUN_NAME, o->sun, m);
-    return message_check(m);
+    return run_check(m);
 }
 
-static vxs_result generate(glb_scene *s, const scene_options *o, message *m)
+static vxs_result generate(glb_scene *s, const scene_options *o, run_context *m)
 {
     const double *sun = o->sun;
     switch (o->kind) {
@@ -88,7 +88,7 @@ static vxs_result generate(glb_scene *s, const scene_options *o, message *m)
     }
 }
 
-static vxs_result make_scene(const scene_options *o, message *m)
+static vxs_result make_scene(const scene_options *o, run_context *m)
 {
     glb_scene   s   = {0};
     output_file out = {0};
@@ -115,7 +115,7 @@ done:
     return r;
 }
 
-static vxs_result run(void *command, message *m)
+static vxs_result run(void *command, run_context *m)
 {
     const scene_options *o = command;
     vxs_result           r = VXS_OK;

@@ -63,7 +63,7 @@ static int trace_like(void *user, const query_point *point, float *lit)
     return 1;
 }
 
-static vxs_result check_options(const truth_options *o, message *m)
+static vxs_result check_options(const truth_options *o, run_context *m)
 {
     if (filter_given(&o->filter) && !o->like_path)
         return fail(m, VXS_E_ARGUMENT, "%s goes with --like FILE.vxs: a filter is as wide as the texels of a baked map",
@@ -74,7 +74,7 @@ static vxs_result check_options(const truth_options *o, message *m)
 }
 
 /* Open the asset, choose the lights that are wanted, and set the scene options of its bake. */
-static vxs_result open_like(truth_options *o, vxs_asset **asset, json_t **made, traced_like *q, message *m)
+static vxs_result open_like(truth_options *o, vxs_asset **asset, json_t **made, traced_like *q, run_context *m)
 {
     vxs_result r = asset_open(asset, o->like_path, o->threads, m);
     if (r == VXS_OK) r = provenance_read(made, vxs_asset_contents(*asset), m);
@@ -86,13 +86,13 @@ static vxs_result open_like(truth_options *o, vxs_asset **asset, json_t **made, 
     return r;
 }
 
-static vxs_result judge_lights(const light_choice *chosen, message *m)
+static vxs_result judge_lights(const light_choice *chosen, run_context *m)
 {
     warn_about_suns(chosen, m);
     return VXS_OK;
 }
 
-static vxs_result run(void *command, message *m)
+static vxs_result run(void *command, run_context *m)
 {
     truth_options *o = command;
     vxs_result     r;

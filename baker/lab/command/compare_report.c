@@ -186,7 +186,7 @@ static void print_light(FILE *to, const compare_report *r, const vxs_light *l, c
 }
 
 /* "FAILED" with the reason; "passed". */
-static void print_judgement(FILE *to, const compare_report *r, const compared_asset *a, const message *m)
+static void print_judgement(FILE *to, const compare_report *r, const compared_asset *a, const run_context *m)
 {
     compare_counts sum    = total_of_all(a);
     compare_bias   bias   = bias_of_all(r, a);
@@ -230,7 +230,7 @@ static void print_asset_head(FILE *to, const compared_asset *a)
     print_other_scene(to, a);
 }
 
-static void print_asset_in_short(FILE *to, const compare_report *r, const compared_asset *a, const message *m)
+static void print_asset_in_short(FILE *to, const compare_report *r, const compared_asset *a, const run_context *m)
 {
     compare_counts sum = total_of_all(a);
     print_asset_head(to, a);
@@ -253,7 +253,7 @@ static void print_asset_in_short(FILE *to, const compare_report *r, const compar
     print_judgement(to, r, a, m);
 }
 
-static void print_asset(FILE *to, const compare_report *r, const compared_asset *a, const message *m)
+static void print_asset(FILE *to, const compare_report *r, const compared_asset *a, const run_context *m)
 {
     compare_counts sum = total_of_all(a);
     char           memory[32], closed[32];
@@ -288,7 +288,7 @@ static int filter_column(const compare_report *r, uint32_t f)
 }
 
 /* One row for each asset; its name is last, since it may be long. */
-static void print_table(FILE *to, const compare_report *r, const message *m)
+static void print_table(FILE *to, const compare_report *r, const run_context *m)
 {
     char text[64], word[COLORED_BYTES], plain[PLAIN_BYTES];
     fprintf(to, "%-12s %11s %11s %9s %9s", "texels", "file", "memory", "bake", "lookup");
@@ -326,7 +326,7 @@ static void print_table(FILE *to, const compare_report *r, const message *m)
     }
 }
 
-void compare_print(FILE *to, const compare_report *r, const message *m)
+void compare_print(FILE *to, const compare_report *r, const run_context *m)
 {
     char plain[PLAIN_BYTES];
     fprintf(to, "scene        %s\n", plain_text(plain, input_name(r->scene_path)));

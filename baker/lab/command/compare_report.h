@@ -44,7 +44,7 @@ typedef struct compare_report {
 int compare_passes(const compare_report *r);
 
 /* Print a line or a few for each asset; everything if m is verbose. */
-void compare_print(FILE *to, const compare_report *r, const message *m);
+void compare_print(FILE *to, const compare_report *r, const run_context *m);
 
 /* NULL or incomplete when out of memory; json_write reports it. */
 json_t *compare_json(const compare_report *r);

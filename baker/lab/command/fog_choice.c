@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-vxs_result fog_check(const fog_choice *c, message *m)
+vxs_result fog_check(const fog_choice *c, run_context *m)
 {
     const char *alone = c->albedo_given       ? "--fog-albedo"
                         : c->anisotropy_given ? "--fog-anisotropy"
@@ -18,7 +18,7 @@ vxs_result fog_check(const fog_choice *c, message *m)
     return VXS_OK;
 }
 
-vxs_result fog_check_steps(const fog_choice *c, const char *others, message *m)
+vxs_result fog_check_steps(const fog_choice *c, const char *others, run_context *m)
 {
     if (!c->steps_given || c->by == FOG_BY_MARCH || c->by == FOG_BY_ANGLES) return VXS_OK;
     return fail(m, VXS_E_ARGUMENT, "--fog-steps %u needs --fog-by march or angles%s", c->steps, others);

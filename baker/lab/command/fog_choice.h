@@ -3,7 +3,7 @@
 #ifndef FOG_CHOICE_H
 #define FOG_CHOICE_H
 
-#include "baker/base/message.h"
+#include "baker/base/run_context.h"
 #include "baker/lab/render/fog_pass.h"
 
 typedef struct fog_choice {
@@ -40,11 +40,11 @@ typedef struct fog_choice {
 /* clang-format on */
 
 /* Returns VXS_OK, or VXS_E_ARGUMENT for options that have no effect without --fog, or with the chosen way to find shadows. */
-vxs_result fog_check(const fog_choice *c, message *m);
+vxs_result fog_check(const fog_choice *c, run_context *m);
 
 /* The same check for the number of steps. Lights of moving casters or smoke always take steps; call this only if there are none.
  * others  the end of the error line: alternatives, or the reason */
-vxs_result fog_check_steps(const fog_choice *c, const char *others, message *m);
+vxs_result fog_check_steps(const fog_choice *c, const char *others, run_context *m);
 
 fog_medium fog_of(const fog_choice *c);
 

@@ -49,9 +49,9 @@ int render_has_baked_smoke(const render_command *c, const subject *s);
 const char *render_dark_text(const scene *s, const char *name);
 
 /* Draw the picture into a file, and write the reports.   Returns VXS_OK, VXS_E_GL, VXS_E_WRITE, VXS_E_MEMORY. */
-vxs_result render_draw(const render_command *c, subject *s, output_file *out, message *m);
+vxs_result render_draw(const render_command *c, subject *s, output_file *out, run_context *m);
 
 /* Print a line for each file that was written. */
-void render_print_written(const render_command *c, const message *m);
+void render_print_written(const render_command *c, const run_context *m);
 
 #endif

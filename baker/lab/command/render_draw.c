@@ -12,7 +12,7 @@
 #include "baker/lab/render/exr_encode.h"
 
 /* Rays treat solids and sheets alike, so components are not classified. */
-static vxs_result make_truth(truth **t, casters *casting, const subject *s, uint32_t threads, message *m)
+static vxs_result make_truth(truth **t, casters *casting, const subject *s, uint32_t threads, run_context *m)
 {
     vxs_result r = casters_from_scene(casting, &s->scene, CLOSED_OFF, threads, m);
     return r == VXS_OK ? truth_create(t, casting, threads, m) : r;
@@ -25,7 +25,7 @@ typedef struct pixels {
     double   white;  /* of render_facts; 0: unknown */
 } pixels;
 
-static vxs_result draw_by_rays(const render_command *c, const subject *s, const pixels *to, message *m)
+static vxs_result draw_by_rays(const render_command *c, const subject *s, const pixels *to, run_context *m)
 {
     picture_options        o       = {.width_px  = c->options.width_px,
                                       .height_px = c->options.height_px,
@@ -46,7 +46,7 @@ static vxs_result draw_by_rays(const render_command *c, const subject *s, const 
     return r;
 }
 
-static vxs_result choose_path(const render_command *c, camera_path *path, message *m)
+static vxs_result choose_path(const render_command *c, camera_path *path, run_context *m)
 {
     if (c->path_file) return camera_path_read(path, c->path_file, c->camera.camera.fov_degrees, m);
     return c->orbits ? camera_path_orbit(path, &c->camera.camera, m) : VXS_OK;
@@ -55,7 +55,7 @@ static vxs_result choose_path(const render_command *c, camera_path *path, messag
 /* Draw each frame of a path, or a single frame without a path; the last one is the picture. A stream is filled before the
  * first frame, as by a loading screen; later frames have the pages loaded meanwhile. */
 static vxs_result draw_frames(const render_command *c, subject *s, renderer **drawn, const camera_path *path, drawn_frame *frames,
-                              uint32_t count, uint8_t *rgb, message *m)
+                              uint32_t count, uint8_t *rgb, run_context *m)
 {
     vxs_result r = VXS_OK;
     for (uint32_t n = 0; n < count && r == VXS_OK; n++) {
@@ -78,7 +78,8 @@ static vxs_result draw_frames(const render_command *c, subject *s, renderer **dr
     return r;
 }
 
-static vxs_result write_passes(const render_command *c, const subject *s, renderer *drawn, truth_difference *difference, message *m)
+static vxs_result write_passes(const render_command *c, const subject *s, renderer *drawn, truth_difference *difference,
+                               run_context *m)
 {
     casters    casting = {0};
     truth     *t       = NULL;
@@ -97,7 +98,7 @@ static vxs_result write_passes(const render_command *c, const subject *s, render
 }
 
 /* The stream of the report; NULL: no report. */
-static FILE *report_of(const render_command *c, const message *m)
+static FILE *report_of(const render_command *c, const run_context *m)
 {
     const char *outs[] = {c->out, c->linear_path, c->json_path, c->csv_path, c->plot_path};
     int         taken  = 0;
@@ -119,7 +120,7 @@ static vpl_words words_of_vpls(const render_command *c, const subject *s, const 
 
 /* Write the requested reports of frames [count], and print the plan of the last one. */
 static vxs_result report_frames(const render_command *c, const subject *s, const renderer *drawn, const drawn_frame *frames,
-                                uint32_t count, const truth_difference *difference, message *m)
+                                uint32_t count, const truth_difference *difference, run_context *m)
 {
     render_facts     facts = renderer_facts(drawn);
     const area_pass *lit   = facts.areas;
@@ -159,7 +160,7 @@ static vxs_result report_frames(const render_command *c, const subject *s, const
     return r;
 }
 
-void render_print_written(const render_command *c, const message *m)
+void render_print_written(const render_command *c, const run_context *m)
 {
     FILE *to = report_of(c, m);
     char  size[48];
@@ -173,7 +174,7 @@ void render_print_written(const render_command *c, const message *m)
     written_print(to, c->out, size);
 }
 
-static vxs_result draw_by_gl(const render_command *c, subject *s, pixels *to, message *m)
+static vxs_result draw_by_gl(const render_command *c, subject *s, pixels *to, run_context *m)
 {
     renderer        *drawn      = NULL;
     camera_path      path       = {0};
@@ -192,7 +193,7 @@ static vxs_result draw_by_gl(const render_command *c, subject *s, pixels *to, me
     return r;
 }
 
-vxs_result render_draw(const render_command *c, subject *s, output_file *out, message *m)
+vxs_result render_draw(const render_command *c, subject *s, output_file *out, run_context *m)
 {
     uint32_t   width = c->options.width_px, height = c->options.height_px;
     size_t     count = (size_t)3 * width * height, size_bytes = 0;

@@ -129,7 +129,7 @@ void compare_picture_size(uint32_t points, uint32_t *width_px, uint32_t *height_
  * t      of c;   c  with the solids that the light was baked with
  * Same scene, asset, and options: same counts, at any thread count.   Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result compare_light(compare_result *out, const truth *t, const casters *c, const vxs_baked_light *light,
-                         const compare_dont_care *dont_care, const compare_options *o, message *m);
+                         const compare_dont_care *dont_care, const compare_options *o, run_context *m);
 
 /* Leaks and false shadows. */
 uint64_t compare_wrong(const compare_counts *n);

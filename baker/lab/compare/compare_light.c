@@ -62,7 +62,7 @@ static double time_runs(timed *t, int is_rays)
 /* Measure the time of lookups, and of filtered ones. Only points within the map count: others cost nothing, and
  * would make the mean too low.
  * Returns VXS_OK or VXS_E_MEMORY. */
-static vxs_result compare_measure_time(const comparison *c, compare_result *out, message *m)
+static vxs_result compare_measure_time(const comparison *c, compare_result *out, run_context *m)
 {
     const compare_options *o     = c->options;
     size_t                 limit = o->points < COMPARE_TIMED_POINTS_MAX ? o->points : COMPARE_TIMED_POINTS_MAX;
@@ -138,7 +138,7 @@ static void filter_points(void *user, size_t begin, size_t end, uint32_t worker)
 /* Compare filtered lookups with the same filter over rays, for COMPARE_FILTER_POINTS_MAX points at most,
  * spread evenly over the points of the kind.
  * out  [out] written only when VXS_OK is returned.   Returns VXS_OK or VXS_E_MEMORY. */
-static vxs_result compare_filtered(const comparison *c, compare_kind kind, uint32_t filter_px, compare_error *out, message *m)
+static vxs_result compare_filtered(const comparison *c, compare_kind kind, uint32_t filter_px, compare_error *out, run_context *m)
 {
     size_t      all = compare_point_count(c, kind), count = all < COMPARE_FILTER_POINTS_MAX ? all : COMPARE_FILTER_POINTS_MAX;
     double      squares = 0;
@@ -331,7 +331,7 @@ uint64_t compare_wrong(const compare_counts *n)
     return n->leaks + n->false_shadows;
 }
 
-static vxs_result measure_distances(const judgement *j, compare_counts *n, message *m)
+static vxs_result measure_distances(const judgement *j, compare_counts *n, run_context *m)
 {
     size_t        count = 0, wrong = compare_wrong(n);
     wrong_answer *answers = wrong ? malloc(wrong * sizeof *answers) : NULL;
@@ -346,7 +346,7 @@ static vxs_result measure_distances(const judgement *j, compare_counts *n, messa
 
 /* all of it -------------------------------------------------------------------------------------------------------------------- */
 
-static vxs_result compare_points_of_kind(const comparison *c, compare_kind kind, compare_result *out, message *m)
+static vxs_result compare_points_of_kind(const comparison *c, compare_kind kind, compare_result *out, run_context *m)
 {
     const compare_options *o     = c->options;
     size_t                 count = compare_point_count(c, kind);
@@ -362,7 +362,7 @@ static vxs_result compare_points_of_kind(const comparison *c, compare_kind kind,
 }
 
 vxs_result compare_light(compare_result *out, const truth *t, const casters *c, const vxs_baked_light *light,
-                         const compare_dont_care *dont_care, const compare_options *o, message *m)
+                         const compare_dont_care *dont_care, const compare_options *o, run_context *m)
 {
     comparison work;
     vxs_result r = VXS_OK;

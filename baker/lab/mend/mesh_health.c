@@ -8,8 +8,8 @@
 #include "baker/base/array.h"
 #include "baker/base/scratch.h"
 #include "baker/base/vec3.h"
-#include "baker/casters/mesh_edges.h"
 #include "baker/casters/casters_cgal.h"
+#include "baker/casters/mesh_edges.h"
 
 /* Limits of the search for intersections: about ten seconds in total. */
 #define LOOKS_MAX 1000000000u
@@ -308,7 +308,7 @@ static int examine(examination *x, mesh_health *h, const casters *c, void (*prog
     return examine_intersections(x);
 }
 
-vxs_result mesh_health_examine(mesh_health *h, const casters *c, void (*progress)(const char *what), message *m)
+vxs_result mesh_health_examine(mesh_health *h, const casters *c, void (*progress)(const char *what), run_context *m)
 {
     *h             = (mesh_health){.collapsed_triangles = c->collapsed_count};
     examination x  = {.h = h, .c = c};

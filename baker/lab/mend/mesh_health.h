@@ -55,7 +55,7 @@ typedef struct mesh_health {
  * progress  NULL, or called with the name of the next step
  * Cost: a few seconds at most for intersections, linear time for the rest.
  * Returns VXS_OK or VXS_E_MEMORY.  Deterministic; threads: none. */
-vxs_result mesh_health_examine(mesh_health *h, const casters *c, void (*progress)(const char *what), message *m);
+vxs_result mesh_health_examine(mesh_health *h, const casters *c, void (*progress)(const char *what), run_context *m);
 
 void mesh_health_free(mesh_health *h);
 

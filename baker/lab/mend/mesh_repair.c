@@ -11,8 +11,8 @@
 #include "baker/base/group.h"
 #include "baker/base/scratch.h"
 #include "baker/base/vec3.h"
-#include "baker/casters/mesh_edges.h"
 #include "baker/casters/casters_cgal.h"
+#include "baker/casters/mesh_edges.h"
 
 #define NONE UINT32_MAX
 
@@ -67,12 +67,12 @@ static int64_t edge_balance(const snapshot *v, uint32_t begin, uint32_t end)
     return mesh_edge_balance(v->mesh.indices, v->sorted, begin, end);
 }
 
-static vxs_result out_of_memory(const repair *x, message *m)
+static vxs_result out_of_memory(const repair *x, run_context *m)
 {
     return fail(m, VXS_E_MEMORY, "out of memory while repairing %zu triangles", x->s->triangle_count);
 }
 
-static vxs_result take_snapshot(repair *x, message *m)
+static vxs_result take_snapshot(repair *x, run_context *m)
 {
     snapshot  *v = &x->v;
     vxs_result r;
@@ -176,7 +176,7 @@ static size_t find_removed(repair *x, uint8_t *removed)
     return count;
 }
 
-static vxs_result remove_triangles(repair *x, message *m)
+static vxs_result remove_triangles(repair *x, run_context *m)
 {
     scratch    memory  = {0};
     uint8_t   *removed = scratch_take(&memory, x->v.mesh.triangle_count, sizeof *removed);
@@ -277,7 +277,7 @@ static size_t turn_patches(repair *x, uint32_t *parents, uint8_t *turned, patch 
     return count;
 }
 
-static vxs_result orient(repair *x, message *m)
+static vxs_result orient(repair *x, run_context *m)
 {
     scratch    memory  = {0};
     uint32_t  *parents = scratch_take(&memory, x->v.mesh.triangle_count, sizeof *parents);
@@ -434,7 +434,7 @@ static int append(repair *x, const filling *f)
     return 1;
 }
 
-static vxs_result fill(repair *x, message *m)
+static vxs_result fill(repair *x, run_context *m)
 {
     const snapshot *v    = &x->v;
     filling         f    = {0};
@@ -476,7 +476,7 @@ static int is_closed(const snapshot *v, uint32_t triangle)
 }
 
 /* Record the components of the original scene. */
-static vxs_result start(repair *x, message *m)
+static vxs_result start(repair *x, run_context *m)
 {
     const scene *s = x->s;
     if (!array_reserve(&x->notes, &x->note_capacity, s->triangle_count, sizeof *x->notes)) return out_of_memory(x, m);
@@ -503,7 +503,7 @@ static vxs_result start(repair *x, message *m)
     return VXS_OK;
 }
 
-vxs_result scene_repair(scene *s, const repair_options *o, repair_report *out, message *m)
+vxs_result scene_repair(scene *s, const repair_options *o, repair_report *out, run_context *m)
 {
     repair     x = {.s = s, .o = o, .out = out};
     vxs_result r;

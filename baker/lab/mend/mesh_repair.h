@@ -71,7 +71,7 @@ typedef struct repair_report {
  * out  [out] zeroed on failure; released with repair_report_free
  * Returns VXS_OK, VXS_E_MEMORY, VXS_E_SCENE (as mesh_weld_scene). After a failure the scene can only be freed. A scene without
  * triangles is no error here.  Deterministic; threads: none. Cost: linear, except for filling holes. */
-vxs_result scene_repair(scene *s, const repair_options *o, repair_report *out, message *m);
+vxs_result scene_repair(scene *s, const repair_options *o, repair_report *out, run_context *m);
 
 void repair_report_free(repair_report *r);
 

@@ -40,7 +40,7 @@ static void make_texture(gl_context *gl, GLuint *texture, GLenum format, uint32_
     gl->TextureStorage2D(*texture, 1, format, (GLsizei)side, (GLsizei)side);
 }
 
-vxs_result depth_block_init(depth_block *b, block_context *context, message *m)
+vxs_result depth_block_init(depth_block *b, block_context *context, run_context *m)
 {
     gl_context       *gl     = context->gl;
     const projection *c      = &context->casters;

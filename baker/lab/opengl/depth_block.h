@@ -21,7 +21,7 @@ typedef struct hole_images {
 
 /* Upload the images of the casters' masks; no effect without masks. Returns VXS_OK, VXS_E_MEMORY, VXS_E_GL; released with
  * hole_images_free either way. */
-vxs_result hole_images_init(hole_images *x, gl_context *gl, const casters *c, message *m);
+vxs_result hole_images_init(hole_images *x, gl_context *gl, const casters *c, run_context *m);
 
 /* Accepts a zeroed object. */
 void hole_images_free(hole_images *x);
@@ -44,7 +44,7 @@ typedef struct holed_triangles {
 
 /* Allocate room for all triangles of a projection. images and p are borrowed. Returns VXS_OK or VXS_E_MEMORY; released with
  * holed_triangles_free either way. */
-vxs_result holed_triangles_init(holed_triangles *t, const hole_images *images, const projection *p, message *m);
+vxs_result holed_triangles_init(holed_triangles *t, const hole_images *images, const projection *p, run_context *m);
 
 /* Accepts a zeroed object. */
 void holed_triangles_free(holed_triangles *t);
@@ -124,7 +124,7 @@ typedef struct depth_block {
 } depth_block;
 
 /* Returns VXS_OK, VXS_E_MEMORY, VXS_E_GL; released with depth_block_free either way. */
-vxs_result depth_block_init(depth_block *b, block_context *context, message *m);
+vxs_result depth_block_init(depth_block *b, block_context *context, run_context *m);
 
 /* Accepts a zeroed object. */
 void depth_block_free(depth_block *b);

@@ -42,7 +42,7 @@ static const char next_text[] =
     "    if (order * gl_FragCoord.z <= order * texelFetch(last, ivec2(gl_FragCoord.xy), 0).r) discard;\n"
     "}\n";
 
-static vxs_result make_programs(block_context *x, message *m)
+static vxs_result make_programs(block_context *x, run_context *m)
 {
     gl_context       *gl = x->gl;
     vxs_result        r;
@@ -65,7 +65,7 @@ static void bound_triangles(void *user, size_t begin, size_t end, uint32_t worke
     for (size_t n = begin; n < end; n++) r->context.boxes[n] = texel_box_of(&r->context.casters, n);
 }
 
-static vxs_result set_up(depth_renderer *r, uint32_t threads, message *m)
+static vxs_result set_up(depth_renderer *r, uint32_t threads, run_context *m)
 {
     block_context    *x = &r->context;
     const projection *p = &x->casters;
@@ -84,7 +84,7 @@ static vxs_result set_up(depth_renderer *r, uint32_t threads, message *m)
 }
 
 vxs_result depth_renderer_create(depth_renderer **out, gl_context *gl, const casters *c, const vxs_light *light, int map,
-                                 exit_mode mode, uint32_t threads, message *m)
+                                 exit_mode mode, uint32_t threads, run_context *m)
 {
     static const depth_order growing   = {1, 1, 0, GL_LESS, GL_LEQUAL};
     static const depth_order shrinking = {-1, 0, 1, GL_GREATER, GL_GEQUAL};
@@ -191,7 +191,7 @@ static void render_blocks(depth_renderer *r, tile_blocks *t)
     }
 }
 
-vxs_result depth_renderer_tile(depth_renderer *r, depth_maps *maps, uint32_t i, uint32_t j, message *m)
+vxs_result depth_renderer_tile(depth_renderer *r, depth_maps *maps, uint32_t i, uint32_t j, run_context *m)
 {
     uint32_t    blocks = maps->side_px / r->context.block_px;
     tile_blocks t      = {.maps = maps, .u0 = i * maps->side_px, .v0 = j * maps->side_px, .count = blocks * blocks};
@@ -250,7 +250,7 @@ static vxs_result map_fetch(void *data, uint32_t level, uint32_t i, uint32_t j, 
     if (8u << level != o->maps->side_px) return VXS_E_ARGUMENT;
     o->ctx = ctx;
     stage_begin(ctx, STAGE_MAPS);
-    if ((r = depth_renderer_tile(o->renderer, o->maps, i, j, ctx->message)) != VXS_OK) return r;
+    if ((r = depth_renderer_tile(o->renderer, o->maps, i, j, ctx->run)) != VXS_OK) return r;
     stage_begin(ctx, STAGE_PYRAMID);
     depth_maps_reduce(o->maps, ctx->threads);
     stage_begin(ctx, STAGE_NONE);
@@ -287,7 +287,7 @@ static void map_close(void *data)
 }
 
 /* Reuse the memory of the previous map, or allocate it. */
-static vxs_result take_maps(opengl_map *o, uint32_t tile_px, uint32_t side_px, message *m)
+static vxs_result take_maps(opengl_map *o, uint32_t tile_px, uint32_t side_px, run_context *m)
 {
     rendered_columns *owner = o->owner;
     int               lamp  = owner->light->kind != VXS_LIGHT_KIND_DIRECTIONAL;
@@ -304,13 +304,13 @@ static vxs_result open_map(void *data, uint32_t map, column_map *out, bake_conte
     uint32_t          side = 1u << owner->light->levels, tile = min_u32(side, owner->tile_px);
     opengl_map       *o = calloc(1, sizeof *o);
     *out                = (column_map){0};
-    if (!o) return fail(ctx->message, VXS_E_MEMORY, "out of memory for rendering depth maps");
+    if (!o) return fail(ctx->run, VXS_E_MEMORY, "out of memory for rendering depth maps");
     *o = (opengl_map){.owner = owner, .map = map};
     stage_begin(ctx, STAGE_GL);
-    vxs_result r = take_maps(o, tile, side, ctx->message);
+    vxs_result r = take_maps(o, tile, side, ctx->run);
     if (r == VXS_OK)
         r = depth_renderer_create(&o->renderer, owner->device, owner->casters, owner->light, (int)map, owner->exit, ctx->threads,
-                                  ctx->message);
+                                  ctx->run);
     stage_begin(ctx, STAGE_NONE);
     if (r != VXS_OK) {
         map_close(o);
@@ -341,7 +341,7 @@ void opengl_columns_free(rendered_columns *c)
     c->spare = NULL;
 }
 
-static vxs_result create_device(void **device, device_names *names, gl_backend backend, uint32_t threads, message *m)
+static vxs_result create_device(void **device, device_names *names, gl_backend backend, uint32_t threads, run_context *m)
 {
     gl_context *gl;
     vxs_result  r = gl_context_create(&gl, backend, threads, m);

@@ -5,8 +5,8 @@
 #define DEPTH_GL_H
 
 #include "baker/casters/casters.h"
-#include "baker/columns/rendered_columns.h"
 #include "baker/columns/depth_maps.h"
+#include "baker/columns/rendered_columns.h"
 #include "baker/lab/opengl/gl.h"
 #include "formats/vxs_file.h"
 
@@ -17,14 +17,14 @@ typedef struct depth_renderer depth_renderer;
  * -near / distance for others.
  * Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
 vxs_result depth_renderer_create(depth_renderer **out, gl_context *gl, const casters *c, const vxs_light *light, int map,
-                                 exit_mode mode, uint32_t threads, message *m);
+                                 exit_mode mode, uint32_t threads, run_context *m);
 
 /* 1 when some caster may touch the square (i, j), in units of side_px. */
 int depth_renderer_has_casters(const depth_renderer *r, uint32_t side_px, uint32_t i, uint32_t j);
 
 /* Render the square (i, j), in units of maps->side_px, into maps->enter and maps->exit. These may be the same array only when
  * there are no solids. Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
-vxs_result depth_renderer_tile(depth_renderer *r, depth_maps *maps, uint32_t i, uint32_t j, message *m);
+vxs_result depth_renderer_tile(depth_renderer *r, depth_maps *maps, uint32_t i, uint32_t j, run_context *m);
 
 depth_stats depth_renderer_stats(const depth_renderer *r);
 

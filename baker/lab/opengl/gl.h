@@ -100,7 +100,7 @@ typedef struct gl_context {
 /* Make a context and make it current on the calling thread. Only that thread may use it until gl_context_destroy.
  * threads  rasterizer threads of a software renderer.
  * Returns VXS_OK, VXS_E_GL (the message has what is missing), or VXS_E_MEMORY. */
-vxs_result gl_context_create(gl_context **out, gl_backend backend, uint32_t threads, message *m);
+vxs_result gl_context_create(gl_context **out, gl_backend backend, uint32_t threads, run_context *m);
 
 void gl_context_destroy(gl_context *gl);
 
@@ -119,14 +119,14 @@ static inline gl_text gl_embedded(embedded e)
  * program  [out] deleted by the caller, whatever is returned
  * Returns VXS_OK or VXS_E_GL. */
 enum { GL_TEXTS_MAX = 32 };
-vxs_result gl_program(const gl_context *gl, GLuint *program, const gl_text *vertex, const gl_text *fragment, message *m);
+vxs_result gl_program(const gl_context *gl, GLuint *program, const gl_text *vertex, const gl_text *fragment, run_context *m);
 
 /* The same of one text for both stages, which has no #version: its vertex shader is between #ifdef VERTEX and #else.
  * before  a text that comes first in the fragment shader; {0}: none */
-vxs_result gl_program_of(const gl_context *gl, GLuint *program, embedded text, gl_text before, message *m);
+vxs_result gl_program_of(const gl_context *gl, GLuint *program, embedded text, gl_text before, run_context *m);
 
 /* The same of a fragment shader for a triangle over the whole screen, three vertices without attributes. */
-vxs_result gl_screen_program(const gl_context *gl, GLuint *program, const gl_text *fragment, message *m);
+vxs_result gl_screen_program(const gl_context *gl, GLuint *program, const gl_text *fragment, run_context *m);
 
 /* A framebuffer of textures.   depth  0: none;   colours  [count] at most 2 */
 GLuint gl_frame(const gl_context *gl, GLuint depth, const GLuint *colours, GLsizei count);

@@ -12,7 +12,7 @@
 
 typedef gl_function (*gl_lookup)(const char *name);
 
-static vxs_result load_functions(gl_context *gl, gl_lookup lookup, message *m)
+static vxs_result load_functions(gl_context *gl, gl_lookup lookup, run_context *m)
 {
 #define GL_FUNCTION_LOAD(type, name)                                                                                               \
     gl->name = (type)lookup("gl" #name);                                                                                           \
@@ -63,7 +63,7 @@ static int open_osmesa(osmesa *o, void *library)
     return o->CreateContextAttribs && o->MakeCurrent && o->GetProcAddress && o->DestroyContext;
 }
 
-static vxs_result create_osmesa(gl_context *gl, message *m)
+static vxs_result create_osmesa(gl_context *gl, run_context *m)
 {
     static const int attributes[] = {OSMESA_FORMAT,
                                      OSMESA_RGBA,
@@ -126,7 +126,7 @@ static int open_display(gl_context *gl, const egl *e)
     return gl->display && e->Initialize(gl->display, NULL, NULL);
 }
 
-static vxs_result create_egl(gl_context *gl, message *m)
+static vxs_result create_egl(gl_context *gl, run_context *m)
 {
     static const EGLint attributes[] = {
         EGL_CONTEXT_MAJOR_VERSION,           4,       EGL_CONTEXT_MINOR_VERSION, 5, EGL_CONTEXT_OPENGL_PROFILE_MASK,
@@ -142,7 +142,7 @@ static vxs_result create_egl(gl_context *gl, message *m)
     return load_functions(gl, (gl_lookup)e.GetProcAddress, m);
 }
 
-vxs_result gl_context_create(gl_context **out, gl_backend backend, uint32_t threads, message *m)
+vxs_result gl_context_create(gl_context **out, gl_backend backend, uint32_t threads, run_context *m)
 {
     *out           = NULL;
     gl_context *gl = calloc(1, sizeof *gl);
@@ -186,7 +186,7 @@ void gl_context_destroy(gl_context *gl)
 
 /* programs and framebuffers ---------------------------------------------------------------------------------------------------- */
 
-vxs_result gl_program(const gl_context *gl, GLuint *program, const gl_text *vertex, const gl_text *fragment, message *m)
+vxs_result gl_program(const gl_context *gl, GLuint *program, const gl_text *vertex, const gl_text *fragment, run_context *m)
 {
     const gl_text *parts[2] = {vertex, fragment};
     GLint          linked   = 0;
@@ -213,14 +213,14 @@ vxs_result gl_program(const gl_context *gl, GLuint *program, const gl_text *vert
     return fail(m, VXS_E_GL, "OpenGL cannot link a shader: %s", log);
 }
 
-vxs_result gl_program_of(const gl_context *gl, GLuint *program, embedded text, gl_text before, message *m)
+vxs_result gl_program_of(const gl_context *gl, GLuint *program, embedded text, gl_text before, run_context *m)
 {
     return gl_program(
         gl, program, (const gl_text[]){{"#version 450 core\n#define VERTEX\n", -1}, gl_embedded(text), {0}},
         (const gl_text[]){{"#version 450 core\n", -1}, before.text ? before : (gl_text){"", 0}, gl_embedded(text), {0}}, m);
 }
 
-vxs_result gl_screen_program(const gl_context *gl, GLuint *program, const gl_text *fragment, message *m)
+vxs_result gl_screen_program(const gl_context *gl, GLuint *program, const gl_text *fragment, run_context *m)
 {
     static const char vertex[] =
         "#version 450 core\n"

@@ -59,7 +59,7 @@ static const char fragment_text[] =
 
 /* images ----------------------------------------------------------------------------------------------------------------------- */
 
-vxs_result hole_images_init(hole_images *x, gl_context *gl, const casters *c, message *m)
+vxs_result hole_images_init(hole_images *x, gl_context *gl, const casters *c, run_context *m)
 {
     *x = (hole_images){.gl = gl, .casters = c};
     if (!c->alpha_mask_count) return VXS_OK;
@@ -99,7 +99,7 @@ void hole_images_free(hole_images *x)
 
 /* triangles -------------------------------------------------------------------------------------------------------------------- */
 
-vxs_result holed_triangles_init(holed_triangles *t, const hole_images *images, const projection *p, message *m)
+vxs_result holed_triangles_init(holed_triangles *t, const hole_images *images, const projection *p, run_context *m)
 {
     size_t count = p->triangle_count - p->holed_first;
     *t           = (holed_triangles){.images = images, .projection = p};

@@ -40,7 +40,7 @@ static void print_json(FILE *to, const char *json)
     for (size_t n; n = strcspn(json, "<"), fwrite(json, 1, n, to), json[n]; json += n + 1) fputs("\\u003c", to);
 }
 
-vxs_result page_write(const char *path, page_kind kind, json_t *data, message *m)
+vxs_result page_write(const char *path, page_kind kind, json_t *data, run_context *m)
 {
     char       *json = data ? json_print(data, JSON_COMPACT | JSON_REAL_PRECISION(9)) : NULL;
     output_file out  = {0};
@@ -267,7 +267,7 @@ static json_t *scene_date_json(const char *path)
     return json_string(text);
 }
 
-vxs_result bake_page_look(void *page, const bake_options *o, const casters *c, vxs_bytes *file, message *m)
+vxs_result bake_page_look(void *page, const bake_options *o, const casters *c, vxs_bytes *file, run_context *m)
 {
     bake_page *p     = page;
     uint64_t   bytes = PICTURE_BYTES + PICTURE_TRIANGLE_BYTES * c->triangle_count + 8 * file->size_bytes;
@@ -278,7 +278,7 @@ vxs_result bake_page_look(void *page, const bake_options *o, const casters *c, v
     return asset_picture(p->rgb, PICTURE_WIDTH_PX, PICTURE_HEIGHT_PX, c, file->data, file->size_bytes, o->threads, m);
 }
 
-vxs_result bake_page_write(const char *path, const bake_page *page, const bake_options *o, const bake_report *r, message *m)
+vxs_result bake_page_write(const char *path, const bake_page *page, const bake_options *o, const bake_report *r, run_context *m)
 {
     json_t *pictures = json_array();
     for (uint32_t n = 0; n < r->picture_count; n++)

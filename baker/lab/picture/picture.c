@@ -333,7 +333,7 @@ static void light_fog(view *v)
 }
 
 vxs_result picture_render(uint8_t *rgb, float *linear, const picture_options *o, const truth *t, const casters *c,
-                          const vxs_baked_light *const *lights, uint32_t light_count, message *m)
+                          const vxs_baked_light *const *lights, uint32_t light_count, run_context *m)
 {
     box        b    = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
     double     size = fmax(box_diagonal(&b), 1e-9), square = 0; /* of the distance from the eye to the box */
@@ -387,7 +387,7 @@ static int largest_first(const void *a, const void *b)
 }
 
 vxs_result asset_picture(uint8_t *rgb, uint32_t width_px, uint32_t height_px, const casters *c, const void *file, size_t size_bytes,
-                         uint32_t threads, message *m)
+                         uint32_t threads, run_context *m)
 {
     picture_options        o     = {.width_px = width_px, .height_px = height_px, .filter_px = FILTER_PX, .threads = threads};
     vxs_asset             *asset = NULL;

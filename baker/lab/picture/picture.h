@@ -25,7 +25,7 @@ typedef struct picture_options {
  * lights  [light_count]
  * Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result picture_render(uint8_t *rgb, float *linear, const picture_options *o, const truth *t, const casters *c,
-                          const vxs_baked_light *const *lights, uint32_t light_count, message *m);
+                          const vxs_baked_light *const *lights, uint32_t light_count, run_context *m);
 
 /* Limit on lights: each takes time in each pixel, and of hundreds of lamps most light a small area. */
 enum { ASSET_PICTURE_LIGHTS = 6 };
@@ -36,6 +36,6 @@ enum { ASSET_PICTURE_LIGHTS = 6 };
  * file  [size_bytes] the asset's
  * Returns VXS_OK, VXS_E_MEMORY, or the error of an invalid asset or invalid casters. */
 vxs_result asset_picture(uint8_t *rgb, uint32_t width_px, uint32_t height_px, const casters *c, const void *file, size_t size_bytes,
-                         uint32_t threads, message *m);
+                         uint32_t threads, run_context *m);
 
 #endif

@@ -90,7 +90,7 @@ static vxs_result place_vpls(const area_pass *p, double exposure, vxs_vpl *vpls,
     return result;
 }
 
-vxs_result area_pass_create(area_pass **out, const area_pass_options *o, const gl_context *gl, vxs_volumes *volumes, message *m)
+vxs_result area_pass_create(area_pass **out, const area_pass_options *o, const gl_context *gl, vxs_volumes *volumes, run_context *m)
 {
     area_pass *p = calloc(1, sizeof *p);
     *out         = p;
@@ -171,7 +171,7 @@ static int is_reached(const void *pass, const vxs_capsule *c)
 }
 
 vxs_result area_pass_draw(area_pass *p, const double eye_ws[3], const camera_view *seen, const double moved_ws[3],
-                          double far_metres, unsigned normals, double exposure, area_plan *plan, message *m)
+                          double far_metres, unsigned normals, double exposure, area_plan *plan, run_context *m)
 {
     vxs_result r     = VXS_OK;
     int        moved = vpl_pass_move(p->vpls, moved_ws);

@@ -14,7 +14,7 @@
 
 /* Read the first shadow depths of the light's rays from the asset.   first  [out] released with free */
 static vxs_result read_map(const baked_mesh_options *o, const gl_context *gl, vxs_volumes *volumes, float **first,
-                           uint32_t *side_px, message *m)
+                           uint32_t *side_px, run_context *m)
 {
     vxs_shadow_depth_map *map = NULL;
     vxs_result            result =
@@ -52,7 +52,7 @@ static vxs_result upload_mesh(vxs_light_mesh **mesh, vxs_volumes *volumes, const
 }
 
 vxs_result baked_mesh_make(vxs_light_mesh **mesh, const baked_mesh_options *o, const gl_context *gl, const vxs_gl *shadows,
-                           vxs_volumes *volumes, message *m)
+                           vxs_volumes *volumes, run_context *m)
 {
     vxs_light_mesh_desc desc   = {.struct_size  = sizeof desc,
                                   .light        = &vxs_gl_constants(shadows)[o->light],
@@ -80,7 +80,7 @@ static vxs_gl_function lookup(const char *name, void *user)
     return (vxs_gl_function)((const gl_context *)user)->lookup(name);
 }
 
-static vxs_result make_grid(fog_pass *p, message *m)
+static vxs_result make_grid(fog_pass *p, run_context *m)
 {
     uint32_t             fits   = p->gl->backend == GL_BACKEND_OSMESA ? GRID_SIDE_SOFTWARE : GRID_SIDE;
     uint32_t             side   = p->options.grid ? p->options.grid : fits;
@@ -91,7 +91,7 @@ static vxs_result make_grid(fog_pass *p, message *m)
     return fail(m, result, "a shadow grid of %u x %u x %u voxels is larger than what OpenGL has room for", side, 2 * side, side);
 }
 
-vxs_result fog_pass_create(fog_pass **out, const fog_pass_options *o, const gl_context *gl, vxs_gl *shadows, message *m)
+vxs_result fog_pass_create(fog_pass **out, const fog_pass_options *o, const gl_context *gl, vxs_gl *shadows, run_context *m)
 {
     vxs_volumes_desc desc = {.struct_size      = sizeof desc,
                              .get_proc_address = lookup,
@@ -151,7 +151,7 @@ double fog_pass_far_metres(const fog_pass *p)
 }
 
 /* map  NULL: use the baked data */
-static vxs_result draw_light(fog_pass *p, const vxs_volumes_light *light, const vxs_shadow_depth_map *map, message *m)
+static vxs_result draw_light(fog_pass *p, const vxs_volumes_light *light, const vxs_shadow_depth_map *map, run_context *m)
 {
     uint32_t   n      = light->baked;
     vxs_result result = VXS_OK;
@@ -208,7 +208,7 @@ static void choose_faint(fog_pass *p, const light_emission *emissions, double ex
 
 /* Add one light; those left out cost no call and no mesh.   light  its values in libvxs_volumes */
 static vxs_result add_light(fog_pass *p, vxs_volumes_light light, const moving_pass *moving, const smoke_pass *smoke,
-                            fog_plan *plan, message *m)
+                            fog_plan *plan, run_context *m)
 {
     vxs_moving_casters casters[MOVING_FACES];
     uint32_t           n = light.baked, caster_count = moving ? moving_pass_casters(moving, n, casters) : 0;
@@ -252,7 +252,7 @@ static vxs_result add_light(fog_pass *p, vxs_volumes_light light, const moving_p
 }
 
 vxs_result fog_pass_begin(fog_pass *p, const vxs_view *view, unsigned depths, const double eye_ws[3], const double ambient[3],
-                          message *m)
+                          run_context *m)
 {
     const fog_medium *medium = p->options.medium;
     vxs_volumes_frame frame  = {.anisotropy    = (float)medium->anisotropy,
@@ -272,7 +272,7 @@ vxs_result fog_pass_begin(fog_pass *p, const vxs_view *view, unsigned depths, co
 }
 
 vxs_result fog_pass_draw(fog_pass *p, const light_emission *emissions, const moving_pass *moving, const smoke_pass *smoke,
-                         double exposure, fog_plan *plan, message *m)
+                         double exposure, fog_plan *plan, run_context *m)
 {
     uint32_t   count  = vxs_gl_light_count(p->shadows);
     float     *least  = malloc((count + 1) * sizeof *least);
@@ -309,7 +309,7 @@ void fog_pass_left(const fog_pass *p, const double eye_ws[3], const double direc
     vxs_air_left(&air, fmax(in_fog[1] - in_fog[0], 0), left);
 }
 
-vxs_result fog_pass_read_grid(const fog_pass *p, float *dark, message *m)
+vxs_result fog_pass_read_grid(const fog_pass *p, float *dark, run_context *m)
 {
     enum { HEAD_BYTES = 128 };
     const int     side  = (int)p->options.grid;

@@ -50,7 +50,7 @@ typedef struct fog_pass {
 } fog_pass;
 
 /* pass  [out] released with its destroy function, whatever is returned.   Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
-vxs_result fog_pass_create(fog_pass **pass, const fog_pass_options *o, const gl_context *gl, vxs_gl *shadows, message *m);
+vxs_result fog_pass_create(fog_pass **pass, const fog_pass_options *o, const gl_context *gl, vxs_gl *shadows, run_context *m);
 
 /* Accepts NULL. */
 void fog_pass_destroy(fog_pass *pass);
@@ -58,13 +58,13 @@ void fog_pass_destroy(fog_pass *pass);
 /* Begin a frame without airlight.
  * ambient  of the sky, scattered by the fog, too */
 vxs_result fog_pass_begin(fog_pass *pass, const vxs_view *view, unsigned depths, const double eye_ws[3], const double ambient[3],
-                          message *m);
+                          run_context *m);
 
 /* Add the airlight of lights, and blend fog over the linear picture in the current framebuffer.
  * emissions   [lights of shadows];   exposure  factor on their colours;   plan  [out]
  * moving   moving casters: lights that meet them are drawn by maps joined with theirs, not by intervals or meshes; NULL: none */
 vxs_result fog_pass_draw(fog_pass *pass, const light_emission *emissions, const moving_pass *moving, const smoke_pass *smoke,
-                         double exposure, fog_plan *plan, message *m);
+                         double exposure, fog_plan *plan, run_context *m);
 
 /* End of rays that meet no surface, in metres: beyond the whole scene. */
 double fog_pass_far_metres(const fog_pass *pass);
@@ -75,7 +75,7 @@ void fog_pass_left(const fog_pass *pass, const double eye_ws[3], const double di
 
 /* The share of shadow in each column and row of the grid of the light that was drawn last. 0 if there is no such light.
  * dark  [out] [2n][n] rows of theta, columns of alpha, 0 to 1;   Returns VXS_OK, VXS_E_MEMORY. */
-vxs_result fog_pass_read_grid(const fog_pass *pass, float *dark, message *m);
+vxs_result fog_pass_read_grid(const fog_pass *pass, float *dark, run_context *m);
 
 /* The mesh that the last frame drew last, with FOG_BY_MESH.   light  [out] its number;   Returns NULL if there is none */
 const vxs_light_mesh *fog_pass_mesh(const fog_pass *pass, uint32_t *light);
@@ -92,6 +92,6 @@ typedef struct baked_mesh_options {
 /* mesh  [out] untouched on failure; released with vxs_light_mesh_destroy.   Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY,
  *       VXS_E_ARGUMENT. */
 vxs_result baked_mesh_make(vxs_light_mesh **mesh, const baked_mesh_options *o, const gl_context *gl, const vxs_gl *shadows,
-                           vxs_volumes *volumes, message *m);
+                           vxs_volumes *volumes, run_context *m);
 
 #endif

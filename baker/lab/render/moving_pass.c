@@ -97,7 +97,7 @@ static size_t block_bytes(const moving_pass *p)
 }
 
 vxs_result moving_pass_create(moving_pass **out, gl_context *gl, const scene *s, const vxs_baked_light *const *lights,
-                              uint32_t light_count, message *m)
+                              uint32_t light_count, run_context *m)
 {
     moving_pass *p = calloc(1, sizeof *p);
     *out           = p;

@@ -33,7 +33,7 @@ typedef struct moving_pass {
  * lights  [light_count] outlive the pass
  * Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
 vxs_result moving_pass_create(moving_pass **pass, gl_context *gl, const scene *s, const vxs_baked_light *const *lights,
-                              uint32_t light_count, message *m);
+                              uint32_t light_count, run_context *m);
 
 /* Accepts NULL. */
 void moving_pass_destroy(moving_pass *pass);

@@ -95,7 +95,7 @@ typedef struct renderer renderer;
  *         its name
  * Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
 vxs_result renderer_create(renderer **r, const render_options *o, const scene *s, const vxs_baked_light *const *lights,
-                           uint32_t light_count, message *m);
+                           uint32_t light_count, run_context *m);
 
 /* Accepts NULL. */
 void renderer_destroy(renderer *r);
@@ -104,11 +104,11 @@ void renderer_destroy(renderer *r);
  * rgb    [out] [3 * width_px * height_px] sRGB, top row first; NULL: not wanted
  * frame  [out]
  * Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
-vxs_result renderer_draw(renderer *r, const camera_pose *camera, uint8_t *rgb, render_frame *frame, message *m);
+vxs_result renderer_draw(renderer *r, const camera_pose *camera, uint8_t *rgb, render_frame *frame, run_context *m);
 
 /* The picture that was drawn last as exposed linear light, before tone mapping: the mean of samples.
  * rgb  [out] [3 * width_px * height_px] top row first */
-vxs_result renderer_read_linear(renderer *r, float *rgb, message *m);
+vxs_result renderer_read_linear(renderer *r, float *rgb, run_context *m);
 
 /* What is known of the renderer, and of the frame that was drawn last. */
 typedef struct render_facts {
@@ -135,17 +135,17 @@ render_facts renderer_facts(const renderer *r);
 typedef enum render_texture { TEXTURE_AIRLIGHT, TEXTURE_AREAS, TEXTURE_SKY } render_texture;
 
 /* rgb  [out] [3 * count] linear */
-vxs_result renderer_read_texture(renderer *r, render_texture which, float *rgb, message *m);
+vxs_result renderer_read_texture(renderer *r, render_texture which, float *rgb, run_context *m);
 
 /* depths       [out] [count] metres along the camera's axis; 0: no surface
  * normals      [out] [3 * count]; albedos likewise, linear
  * light        [out] [4 * count] direct light without albedo and exposure; the number of lights that were looked up
  * Any of them may be NULL. */
-vxs_result renderer_read(renderer *r, float *depths, float *normals, float *albedos, float *light, message *m);
+vxs_result renderer_read(renderer *r, float *depths, float *normals, float *albedos, float *light, run_context *m);
 
 /* The lit fraction of light n at each sample, by the lookups of the last frame.   lit  [out] [count]; -1 where there is no
  * surface, and where the light does not reach */
-vxs_result renderer_read_lit(renderer *r, uint32_t n, float *lit, message *m);
+vxs_result renderer_read_lit(renderer *r, uint32_t n, float *lit, run_context *m);
 
 /* The transmittance of fog in front of each sample.   depths  as from renderer_read;   left  [out] [3 * count] */
 void renderer_fog_left(const renderer *r, const float *depths, float *left);
@@ -153,22 +153,22 @@ void renderer_fog_left(const renderer *r, const float *depths, float *left);
 /* For a stream: the share of lookups at each sample, of lights that the surface faces, that are answered in full.
  * full  [out] [count]; RENDER_NOT_ASKED without lookups, -1 without a surface */
 #define RENDER_NOT_ASKED (-2.0f)
-vxs_result renderer_read_full(renderer *r, float *full, message *m);
+vxs_result renderer_read_full(renderer *r, float *full, run_context *m);
 
 /* The position of sample (x, y) of the last frame, top row first, `depth` metres along the axis. */
 void renderer_place(const renderer *r, uint32_t x, uint32_t y, float depth, double place_ws[3]);
 
 /* The shadow of the fog's grid, as fog_pass_read_grid. */
-vxs_result renderer_read_grid(const renderer *r, float *dark, message *m);
+vxs_result renderer_read_grid(const renderer *r, float *dark, run_context *m);
 
 /* A picture of the last mesh of the fog: its visible surfaces, transparent, and its edges; warm where a ray enters the light, cold
  * where it leaves it.   light  [out] [3 * count] sum */
-vxs_result renderer_read_mesh(renderer *r, float *light, message *m);
+vxs_result renderer_read_mesh(renderer *r, float *light, run_context *m);
 
 /* The transmittance of smoke towards light n, which it dims, at each sample of the last frame.   left  [out] [count] */
-vxs_result renderer_read_smoke(renderer *r, uint32_t n, float *left, message *m);
+vxs_result renderer_read_smoke(renderer *r, uint32_t n, float *left, run_context *m);
 
 /* The transmittance of smoke towards the eye.   left  [out] [count] */
-vxs_result renderer_read_through(renderer *r, float *left, message *m);
+vxs_result renderer_read_through(renderer *r, float *left, run_context *m);
 
 #endif

@@ -54,7 +54,7 @@ static void set_grey(uint8_t rgb[3], double share)
 static const uint8_t nothing[3] = {255, 0, 255};
 
 /* bytes  [size] of the picture, freed here; NULL: out of memory */
-static vxs_result write_file(const passes *p, const char *name, const char *extension, uint8_t *bytes, size_t size, message *m)
+static vxs_result write_file(const passes *p, const char *name, const char *extension, uint8_t *bytes, size_t size, run_context *m)
 {
     char        path[4096];
     output_file out = {0};
@@ -71,7 +71,8 @@ static vxs_result write_file(const passes *p, const char *name, const char *exte
     return r;
 }
 
-static vxs_result write_pixels(const passes *p, const char *name, const uint8_t *rgb, uint32_t width, uint32_t height, message *m)
+static vxs_result write_pixels(const passes *p, const char *name, const uint8_t *rgb, uint32_t width, uint32_t height,
+                               run_context *m)
 {
     size_t   size = 0;
     uint8_t *png  = png_encode(rgb, width, height, 3, &size);
@@ -80,7 +81,7 @@ static vxs_result write_pixels(const passes *p, const char *name, const uint8_t 
 
 /* Write the floats of a pass, if wanted.   channels  as in exr_encode; NULL: the pass has no floats */
 static vxs_result write_floats(const passes *p, const char *name, const float *floats, uint32_t width, uint32_t height,
-                               const char *channels, message *m)
+                               const char *channels, run_context *m)
 {
     size_t size = 0;
     if (!p->is_linear || !channels) return VXS_OK;
@@ -89,7 +90,7 @@ static vxs_result write_floats(const passes *p, const char *name, const float *f
 }
 
 /* Write the picture in p->rgb, and its floats. */
-static vxs_result write_pass(const passes *p, const char *name, const float *floats, const char *channels, message *m)
+static vxs_result write_pass(const passes *p, const char *name, const float *floats, const char *channels, run_context *m)
 {
     vxs_result r = write_pixels(p, name, p->rgb, p->width, p->height, m);
     return r == VXS_OK ? write_floats(p, name, floats, p->width, p->height, channels, m) : r;
@@ -98,7 +99,7 @@ static vxs_result write_pass(const passes *p, const char *name, const float *flo
 /* surfaces and light ----------------------------------------------------------------------------------------------------------- */
 
 /* Depth, normal and albedo. */
-static vxs_result write_surfaces(passes *p, message *m)
+static vxs_result write_surfaces(passes *p, run_context *m)
 {
     float near = INFINITY, far = 0;
     for (size_t n = 0; n < p->count; n++) {
@@ -117,7 +118,7 @@ static vxs_result write_surfaces(passes *p, message *m)
     return r == VXS_OK ? write_pass(p, "albedo", p->albedos, "RGB", m) : r;
 }
 
-static vxs_result write_light(passes *p, message *m)
+static vxs_result write_light(passes *p, run_context *m)
 {
     double exposure = renderer_facts(p->renderer).exposure;
     for (size_t n = 0; n < p->count; n++)
@@ -130,7 +131,7 @@ static vxs_result write_light(passes *p, message *m)
 }
 
 /* Write linear light, times a factor. */
-static vxs_result write_linear(passes *p, const char *name, render_texture which, double factor, message *m)
+static vxs_result write_linear(passes *p, const char *name, render_texture which, double factor, run_context *m)
 {
     float     *light = malloc(3 * p->count * sizeof *light);
     vxs_result r =
@@ -144,7 +145,7 @@ static vxs_result write_linear(passes *p, const char *name, render_texture which
     return r;
 }
 
-static vxs_result write_transmittance(passes *p, message *m)
+static vxs_result write_transmittance(passes *p, run_context *m)
 {
     float *left = malloc(3 * p->count * sizeof *left);
     if (!left) return fail(m, VXS_E_MEMORY, "out of memory for a picture");
@@ -155,7 +156,7 @@ static vxs_result write_transmittance(passes *p, message *m)
     return r;
 }
 
-static vxs_result write_shadow_grid(const passes *p, message *m)
+static vxs_result write_shadow_grid(const passes *p, run_context *m)
 {
     uint32_t   side  = renderer_facts(p->renderer).fog_grid;
     size_t     count = (size_t)2 * side * side;
@@ -171,7 +172,7 @@ static vxs_result write_shadow_grid(const passes *p, message *m)
 }
 
 /* The mesh over a dimmed picture of the scene. */
-static vxs_result write_light_mesh(const passes *p, message *m)
+static vxs_result write_light_mesh(const passes *p, run_context *m)
 {
     float     *mesh = malloc(3 * p->count * sizeof *mesh);
     vxs_result r    = mesh ? renderer_read_mesh(p->renderer, mesh, m) : fail(m, VXS_E_MEMORY, "out of memory for a picture");
@@ -191,7 +192,7 @@ static void set_heat(uint8_t rgb[3], double share)
     rgb[2] = byte_of(1 - 3 * share);
 }
 
-static vxs_result write_lights(passes *p, message *m)
+static vxs_result write_lights(passes *p, run_context *m)
 {
     float most = 1;
     for (size_t n = 0; n < p->count; n++) most = fmaxf(most, p->light[4 * n + 3]);
@@ -202,7 +203,7 @@ static vxs_result write_lights(passes *p, message *m)
     return write_pass(p, "lights", p->light, "...Y", m);
 }
 
-static vxs_result write_resident(passes *p, message *m)
+static vxs_result write_resident(passes *p, run_context *m)
 {
     static const double full_rgb[3] = {0.75, 0.75, 0.75}, coarse_rgb[3] = {0.85, 0.15, 0.05};
     vxs_result          r = renderer_read_full(p->renderer, p->lit, m);
@@ -245,7 +246,7 @@ static void trace_samples(void *user, size_t begin, size_t end, uint32_t worker)
 
 /* The same for one light. */
 static vxs_result write_of_light(const passes *p, const char *what, uint32_t number, const vxs_light *light, const float *floats,
-                                 message *m)
+                                 run_context *m)
 {
     char name[VXS_LIGHT_NAME_BYTES + 32];
     snprintf(name, sizeof name, "%s-%u-%s", what, number, light->name);
@@ -255,7 +256,7 @@ static vxs_result write_of_light(const passes *p, const char *what, uint32_t num
 }
 
 /* Write no file if the light reaches no sample: of hundreds of lights most do not. */
-static vxs_result write_lit(passes *p, uint32_t number, const vxs_light *light, message *m)
+static vxs_result write_lit(passes *p, uint32_t number, const vxs_light *light, run_context *m)
 {
     size_t reached = 0;
     for (size_t n = 0; n < p->count; n++) reached += p->lit[n] >= 0;
@@ -267,7 +268,7 @@ static vxs_result write_lit(passes *p, uint32_t number, const vxs_light *light, 
     return write_of_light(p, "lit", number, light, p->lit, m);
 }
 
-static vxs_result write_lights_each(passes *p, const vxs_baked_light *const *lights, uint32_t light_count, message *m)
+static vxs_result write_lights_each(passes *p, const vxs_baked_light *const *lights, uint32_t light_count, run_context *m)
 {
     vxs_result r = VXS_OK;
     for (uint32_t n = 0; n < light_count && r == VXS_OK; n++) {
@@ -280,7 +281,7 @@ static vxs_result write_lights_each(passes *p, const vxs_baked_light *const *lig
 }
 
 /* Transmittance of smoke towards each light that it dims, at surfaces; and towards the eye. */
-static vxs_result write_smoke(passes *p, const vxs_baked_light *const *lights, uint32_t light_count, message *m)
+static vxs_result write_smoke(passes *p, const vxs_baked_light *const *lights, uint32_t light_count, run_context *m)
 {
     const smoke_light_plan *dimmed = renderer_facts(p->renderer).smoke_lights;
     float                  *left   = malloc(p->count * sizeof *left);
@@ -300,7 +301,7 @@ static vxs_result write_smoke(passes *p, const vxs_baked_light *const *lights, u
     return r;
 }
 
-static vxs_result write_truth(passes *p, truth_difference *d, message *m)
+static vxs_result write_truth(passes *p, truth_difference *d, run_context *m)
 {
     double sum = 0;
     *d         = (truth_difference){0};
@@ -325,7 +326,7 @@ static vxs_result write_truth(passes *p, truth_difference *d, message *m)
     return r == VXS_OK ? write_pass(p, "difference", p->lit, "Y", m) : r;
 }
 
-static vxs_result take(passes *p, message *m)
+static vxs_result take(passes *p, run_context *m)
 {
     float    **of[]   = {&p->depths, &p->normals, &p->albedos, &p->light, &p->lit, &p->sum, &p->true_sum, &p->reached};
     size_t     size[] = {1, 3, 3, 4, 1, 1, 1, 1};
@@ -339,7 +340,7 @@ static vxs_result take(passes *p, message *m)
 }
 
 vxs_result render_passes(renderer *drawn, const char *folder, const vxs_baked_light *const *lights, uint32_t light_count,
-                         const passes_options *o, truth_difference *difference, message *m)
+                         const passes_options *o, truth_difference *difference, run_context *m)
 {
     const truth *t     = o->truth;
     render_facts facts = renderer_facts(drawn);

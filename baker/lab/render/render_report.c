@@ -188,7 +188,7 @@ void render_report_print(FILE *to, const render_report *r, int verbose)
         fog_plan_print(to, &last->fog, r->options->fog_by, r->facts->fog_lights, r->lights, r->light_count, verbose);
 }
 
-vxs_result render_report_csv(const render_report *r, const char *path, message *m)
+vxs_result render_report_csv(const render_report *r, const char *path, run_context *m)
 {
     output_file out    = {0};
     vxs_result  result = output_file_open(&out, path, m);
@@ -286,7 +286,7 @@ static void plot_stream(FILE *to, const render_report *r)
             size_text(c, r->budget_bytes));
 }
 
-vxs_result render_report_plot(const render_report *r, const char *path, message *m)
+vxs_result render_report_plot(const render_report *r, const char *path, run_context *m)
 {
     output_file out    = {0};
     vxs_result  result = output_file_open(&out, path, m);

@@ -58,7 +58,7 @@ typedef struct passes_options {
  * lights  as passed to renderer_create
  * Returns VXS_OK, VXS_E_ARGUMENT (a picture would overwrite an input or another output), VXS_E_WRITE, VXS_E_GL, VXS_E_MEMORY. */
 vxs_result render_passes(renderer *r, const char *folder, const vxs_baked_light *const *lights, uint32_t light_count,
-                         const passes_options *o, truth_difference *difference, message *m);
+                         const passes_options *o, truth_difference *difference, run_context *m);
 
 /* measurements ----------------------------------------------------------------------------------------------------------------- */
 
@@ -96,9 +96,9 @@ json_t *render_report_json(const render_report *r);
 void render_report_print(FILE *to, const render_report *r, int verbose);
 
 /* A line of names, and a line for each frame.   Returns VXS_OK, VXS_E_WRITE, VXS_E_MEMORY, as the next does. */
-vxs_result render_report_csv(const render_report *r, const char *path, message *m);
+vxs_result render_report_csv(const render_report *r, const char *path, run_context *m);
 
 /* Plot milliseconds of stages by frame, stacked, as SVG; for a stream, below it, uploads and the share of full answers. */
-vxs_result render_report_plot(const render_report *r, const char *path, message *m);
+vxs_result render_report_plot(const render_report *r, const char *path, run_context *m);
 
 #endif

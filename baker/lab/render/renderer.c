@@ -17,7 +17,7 @@ static const double pi = 3.14159265358979324;
 
 /* programs --------------------------------------------------------------------------------------------------------------------- */
 
-static vxs_result make_programs(renderer *r, message *m)
+static vxs_result make_programs(renderer *r, run_context *m)
 {
     const gl_text version = {"#version 450 core\n", -1}, tone = gl_embedded(tone_frag_glsl);
     const gl_text shown[]   = {version, {r->fog ? "#define FROM_PICTURE\n" : "", -1}, tone, {0}};
@@ -30,7 +30,7 @@ static vxs_result make_programs(renderer *r, message *m)
 
 /* targets ---------------------------------------------------------------------------------------------------------------------- */
 
-static vxs_result make_targets(renderer *r, message *m)
+static vxs_result make_targets(renderer *r, run_context *m)
 {
     static const GLenum formats[TARGETS] = {
         GL_DEPTH_COMPONENT32F, GL_RGBA32F, GL_RGBA8, GL_RGBA32F, GL_RGBA32F, GL_RGBA32F, GL_RGBA32F};
@@ -61,7 +61,7 @@ static vxs_gl_function lookup(const char *name, void *user)
 }
 
 /* As floats, scaled so that the greatest is 1; the fourth number is the cosine of a spot light's inner cone. */
-static vxs_result put_colours(renderer *r, const scene *s, const vxs_baked_light *const *lights, message *m)
+static vxs_result put_colours(renderer *r, const scene *s, const vxs_baked_light *const *lights, run_context *m)
 {
     double most     = 0;
     float(*rows)[4] = calloc(r->light_count, sizeof *rows);
@@ -126,7 +126,7 @@ static vxs_result put_asset(renderer *r, const vxs_baked_light *const *lights, v
     return result;
 }
 
-static vxs_result put_shadows(renderer *r, const vxs_baked_light *const *lights, message *m)
+static vxs_result put_shadows(renderer *r, const vxs_baked_light *const *lights, run_context *m)
 {
     vxs_gl_desc desc   = {.struct_size      = sizeof desc,
                           .get_proc_address = lookup,
@@ -141,7 +141,7 @@ static vxs_result put_shadows(renderer *r, const vxs_baked_light *const *lights,
 }
 
 /* Without fog, make clear air: area lights, a sky and smoke need its frame. */
-static vxs_result make_fog(renderer *r, message *m)
+static vxs_result make_fog(renderer *r, run_context *m)
 {
     static const fog_medium clear = {.top_ws = INFINITY};
     const render_options   *o     = &r->options;
@@ -170,13 +170,13 @@ static vpl_pass_options lit_by_lamps(const renderer *r, const scene *s)
 }
 
 /* Light that a matt surface reflects is counted pi times here, so emitted light is, too. */
-static vxs_result make_areas(renderer *r, const scene *s, message *m)
+static vxs_result make_areas(renderer *r, const scene *s, run_context *m)
 {
     area_pass_options o = {.lit = lit_by_lamps(r, s), .scale = pi * r->scale};
     return area_pass_create(&r->areas, &o, r->gl, r->fog->volumes, m);
 }
 
-static vxs_result make_sky(renderer *r, const scene *s, message *m)
+static vxs_result make_sky(renderer *r, const scene *s, run_context *m)
 {
     sky_pass_options o = {.lit           = lit_by_lamps(r, s),
                           .radius_metres = 0.5 * r->mesh.size_metres,
@@ -186,7 +186,7 @@ static vxs_result make_sky(renderer *r, const scene *s, message *m)
     return sky_pass_create(&r->sky, &o, r->gl, r->fog->volumes, m);
 }
 
-static vxs_result make_smoke(renderer *r, const scene *s, const vxs_baked_light *const *lights, message *m)
+static vxs_result make_smoke(renderer *r, const scene *s, const vxs_baked_light *const *lights, run_context *m)
 {
     const smoke_pass_options o      = {.smoke       = &s->smoke,
                                        .lights      = lights,
@@ -200,7 +200,7 @@ static vxs_result make_smoke(renderer *r, const scene *s, const vxs_baked_light 
 }
 
 vxs_result renderer_create(renderer **out, const render_options *o, const scene *s, const vxs_baked_light *const *lights,
-                           uint32_t light_count, message *m)
+                           uint32_t light_count, run_context *m)
 {
     renderer *r = calloc(1, sizeof *r);
     *out        = r;

@@ -92,7 +92,7 @@ static void set_sizes(const renderer *r, GLuint program)
                             (float)r->exposure, (float)renderer_day(r));
 }
 
-static vxs_result begin_air(const renderer *r, message *m)
+static vxs_result begin_air(const renderer *r, run_context *m)
 {
     double ambient[3];
     renderer_fog_ambient(r, ambient);
@@ -100,7 +100,7 @@ static vxs_result begin_air(const renderer *r, message *m)
 }
 
 /* Begin a frame of the air, add the airlight of area lights, and their light on surfaces. */
-static vxs_result light_by_areas(const renderer *r, area_plan *plan, message *m)
+static vxs_result light_by_areas(const renderer *r, area_plan *plan, run_context *m)
 {
     double     exposure = r->exposure > 0 ? r->exposure : 1, moved_ws[3] = {0};
     vxs_result result = begin_air(r, m);
@@ -115,7 +115,7 @@ static vxs_result light_by_areas(const renderer *r, area_plan *plan, message *m)
 }
 
 /* The same for the sky, in the frame of area lights if there are some. */
-static vxs_result light_by_sky(const renderer *r, message *m)
+static vxs_result light_by_sky(const renderer *r, run_context *m)
 {
     double     exposure = r->exposure > 0 ? r->exposure : 1, moved_ws[3] = {0};
     vxs_result result = r->areas ? VXS_OK : begin_air(r, m);
@@ -128,7 +128,7 @@ static vxs_result light_by_sky(const renderer *r, message *m)
 }
 
 /* The picture, emissive surfaces, and the air over it. */
-static vxs_result fog(const renderer *r, fog_plan *plan, message *m)
+static vxs_result fog(const renderer *r, fog_plan *plan, run_context *m)
 {
     double eye[3];
     float  matrix[16];
@@ -158,7 +158,7 @@ static int brighter(const void *a, const void *b)
 }
 
 /* Count the samples that are answered in full. */
-static vxs_result count_full(renderer *r, render_frame *frame, message *m)
+static vxs_result count_full(renderer *r, render_frame *frame, run_context *m)
 {
     size_t     count  = (size_t)r->width * r->height;
     float     *full   = malloc(count * sizeof *full);
@@ -188,7 +188,7 @@ static void stage_ends(const renderer *r, render_frame *frame, int stage, double
 }
 
 /* All light on surfaces. */
-static vxs_result light_surfaces(const renderer *r, render_frame *frame, double *since, message *m)
+static vxs_result light_surfaces(const renderer *r, render_frame *frame, double *since, run_context *m)
 {
     vxs_result result = VXS_OK;
     renderer_shade(r, SHOW_LIGHT, 0);
@@ -206,7 +206,7 @@ static vxs_result light_surfaces(const renderer *r, render_frame *frame, double 
 
 /* The exposure is that of clear air: fog does not make a picture brighter. Airlight of area lights and of the sky depends on the
  * exposure, so they are drawn again. */
-static vxs_result light_exposed(renderer *r, render_frame *frame, double *since, message *m)
+static vxs_result light_exposed(renderer *r, render_frame *frame, double *since, run_context *m)
 {
     int is_first      = r->exposure <= 0;
     r->is_clear       = is_first;
@@ -243,7 +243,7 @@ static vxs_result light_exposed(renderer *r, render_frame *frame, double *since,
     return result == VXS_OK && (r->options.fog || r->areas || r->sky) ? light_surfaces(r, frame, since, m) : result;
 }
 
-static vxs_result draw_frame(renderer *r, render_frame *frame, message *m)
+static vxs_result draw_frame(renderer *r, render_frame *frame, run_context *m)
 {
     double since;
     stage_ends(r, frame, RENDER_STAGES, &since);
@@ -285,7 +285,7 @@ static vxs_result draw_frame(renderer *r, render_frame *frame, message *m)
     return VXS_OK;
 }
 
-vxs_result renderer_draw(renderer *r, const camera_pose *camera, uint8_t *rgb, render_frame *frame, message *m)
+vxs_result renderer_draw(renderer *r, const camera_pose *camera, uint8_t *rgb, render_frame *frame, run_context *m)
 {
     *frame = (render_frame){0};
     set_view(r, camera);

@@ -33,7 +33,7 @@ static void renderer_read_target(const renderer *r, int target, GLenum format, G
     turn_over(out, width * pixel_bytes, height);
 }
 
-vxs_result renderer_read_screen(const renderer *r, uint8_t *rgb, message *m)
+vxs_result renderer_read_screen(const renderer *r, uint8_t *rgb, run_context *m)
 {
     uint32_t width = r->options.width_px, height = r->options.height_px;
     float   *screen = malloc(3 * sizeof *screen * width * height);
@@ -46,13 +46,13 @@ vxs_result renderer_read_screen(const renderer *r, uint8_t *rgb, message *m)
     return VXS_OK;
 }
 
-vxs_result renderer_read_linear(renderer *r, float *rgb, message *m)
+vxs_result renderer_read_linear(renderer *r, float *rgb, run_context *m)
 {
     renderer_read_target(r, LINEAR, GL_RGB, GL_FLOAT, 3 * sizeof *rgb, rgb);
     return r->gl->GetError() == GL_NO_ERROR ? VXS_OK : fail(m, VXS_E_GL, "OpenGL cannot give back a picture");
 }
 
-vxs_result renderer_read(renderer *r, float *depths, float *normals, float *albedos, float *light, message *m)
+vxs_result renderer_read(renderer *r, float *depths, float *normals, float *albedos, float *light, run_context *m)
 {
     size_t count = (size_t)r->width * r->height;
     if (depths) {
@@ -65,7 +65,7 @@ vxs_result renderer_read(renderer *r, float *depths, float *normals, float *albe
     return r->gl->GetError() == GL_NO_ERROR ? VXS_OK : fail(m, VXS_E_GL, "OpenGL cannot give back a picture");
 }
 
-vxs_result renderer_read_lit(renderer *r, uint32_t n, float *lit, message *m)
+vxs_result renderer_read_lit(renderer *r, uint32_t n, float *lit, run_context *m)
 {
     size_t count = (size_t)r->width * r->height;
     float *light = malloc(4 * count * sizeof *light);
@@ -78,7 +78,7 @@ vxs_result renderer_read_lit(renderer *r, uint32_t n, float *lit, message *m)
 }
 
 /* Read a texture with all samples of a pass.   out  [channels * count] */
-static vxs_result read_texture(const renderer *r, GLuint texture, GLenum format, size_t channels, float *out, message *m)
+static vxs_result read_texture(const renderer *r, GLuint texture, GLenum format, size_t channels, float *out, run_context *m)
 {
     size_t row = channels * sizeof *out * r->width;
     r->gl->PixelStorei(GL_PACK_ALIGNMENT, 1);
@@ -87,7 +87,7 @@ static vxs_result read_texture(const renderer *r, GLuint texture, GLenum format,
     return r->gl->GetError() == GL_NO_ERROR ? VXS_OK : fail(m, VXS_E_GL, "OpenGL cannot give back a picture");
 }
 
-vxs_result renderer_read_texture(renderer *r, render_texture which, float *rgb, message *m)
+vxs_result renderer_read_texture(renderer *r, render_texture which, float *rgb, run_context *m)
 {
     GLuint texture = which == TEXTURE_AREAS ? vxs_area_light_irradiance(r->areas->vpls->light)
                      : which == TEXTURE_SKY ? vxs_area_light_irradiance(r->sky->vpls->light)
@@ -95,7 +95,7 @@ vxs_result renderer_read_texture(renderer *r, render_texture which, float *rgb, 
     return read_texture(r, texture, GL_RGB, 3, rgb, m);
 }
 
-vxs_result renderer_read_full(renderer *r, float *full, message *m)
+vxs_result renderer_read_full(renderer *r, float *full, run_context *m)
 {
     size_t count = (size_t)r->width * r->height;
     float *found = malloc(4 * count * sizeof *found); /* channels: lookups, those in full, unused, whether there is a surface */
@@ -148,17 +148,17 @@ render_facts renderer_facts(const renderer *r)
                           .sky          = r->sky};
 }
 
-vxs_result renderer_read_grid(const renderer *r, float *dark, message *m)
+vxs_result renderer_read_grid(const renderer *r, float *dark, run_context *m)
 {
     return fog_pass_read_grid(r->fog, dark, m);
 }
 
-vxs_result renderer_read_smoke(renderer *r, uint32_t n, float *left, message *m)
+vxs_result renderer_read_smoke(renderer *r, uint32_t n, float *left, run_context *m)
 {
     return read_texture(r, r->smoke->pictures[r->smoke->layer_of[n]], GL_RED, 1, left, m);
 }
 
-vxs_result renderer_read_through(renderer *r, float *left, message *m)
+vxs_result renderer_read_through(renderer *r, float *left, run_context *m)
 {
     size_t count = (size_t)r->width * r->height;
     renderer_read_target(r, PICTURE, GL_ALPHA, GL_FLOAT, sizeof *left, left);
@@ -220,7 +220,7 @@ static void draw_mesh(const renderer *r, GLuint program, const vxs_light_mesh *m
     gl->Disable(GL_BLEND);
 }
 
-vxs_result renderer_read_mesh(renderer *r, float *light, message *m)
+vxs_result renderer_read_mesh(renderer *r, float *light, run_context *m)
 {
     uint32_t              number;
     GLuint                program;

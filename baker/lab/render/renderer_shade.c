@@ -44,7 +44,7 @@ void renderer_fog_ambient(const renderer *r, double ambient[3])
     for (int n = 0; n < 3; n++) ambient[n] = renderer_day(r) * horizon[n];
 }
 
-vxs_result renderer_lit_program(const renderer *r, GLuint *program, embedded fragment, message *m)
+vxs_result renderer_lit_program(const renderer *r, GLuint *program, embedded fragment, run_context *m)
 {
     const char *texts[VXS_GL_TEXTS];
     char        knows[128];

@@ -58,7 +58,7 @@ int renderer_culls(const renderer *r);
 
 /* Make a program of a full-screen pass with lookups: its text follows those of vxs_gl.h, and lit.glsl.   program  [out] deleted by
  * the caller, whatever is returned */
-vxs_result renderer_lit_program(const renderer *r, GLuint *program, embedded fragment, message *m);
+vxs_result renderer_lit_program(const renderer *r, GLuint *program, embedded fragment, run_context *m);
 
 /* Bind the resources of such programs. */
 void renderer_bind_lights(const renderer *r);
@@ -82,9 +82,9 @@ double renderer_day(const renderer *r);
 void renderer_fog_ambient(const renderer *r, double ambient[3]);
 
 /* Smoke as the eye sees it (smoke_cloud.c): make its resources; draw it over the picture and its fog. */
-vxs_result renderer_make_cloud(renderer *r, const scene_smoke *smoke, message *m);
+vxs_result renderer_make_cloud(renderer *r, const scene_smoke *smoke, run_context *m);
 void       renderer_free_cloud(renderer *r);
-vxs_result renderer_draw_cloud(renderer *r, message *m);
+vxs_result renderer_draw_cloud(renderer *r, run_context *m);
 
 /* The matrix from positions relative to the scene's middle to clip space: x / w and y / w in [-1, 1], z / w = near / w.
  * eye  relative to the middle, too */
@@ -97,6 +97,6 @@ enum { SHOW_LIGHT = 0, SHOW_LIT = 1, SHOW_FULL = 2 };
 void renderer_shade(const renderer *r, int show, uint32_t light);
 
 /* The last frame as a screen shows it, in 8 bits.   rgb  [out] as for renderer_draw */
-vxs_result renderer_read_screen(const renderer *r, uint8_t *rgb, message *m);
+vxs_result renderer_read_screen(const renderer *r, uint8_t *rgb, run_context *m);
 
 #endif

@@ -23,7 +23,7 @@ typedef struct sky_file {
 } sky_file;
 
 /* Allocate a map of the size that a file states.   Returns VXS_OK, VXS_E_UNSUPPORTED, VXS_E_MEMORY. */
-static vxs_result make_map(sky_map *map, const sky_file *file, uint32_t wide_px, uint32_t high_px, message *m)
+static vxs_result make_map(sky_map *map, const sky_file *file, uint32_t wide_px, uint32_t high_px, run_context *m)
 {
     size_t count = 3 * (size_t)wide_px * high_px;
     if (!high_px || high_px != wide_px / 2 || wide_px % 2)
@@ -58,7 +58,7 @@ typedef struct reader {
     const uint8_t  *at;
     uint32_t        wide_px, high_px, row;
     double          exposure[3]; /* factors that red, green and blue were multiplied with */
-    message        *m;
+    run_context    *m;
 } reader;
 
 static vxs_result broken(const reader *r, vxs_result code, const char *what)
@@ -220,7 +220,7 @@ static int is_radiance(const sky_file *file)
     return file->end - file->bytes >= 2 && !memcmp(file->bytes, "#?", 2);
 }
 
-static vxs_result read_radiance(sky_map *map, const sky_file *file, message *m)
+static vxs_result read_radiance(sky_map *map, const sky_file *file, run_context *m)
 {
     uint8_t    row[2 * SKY_HIGH_MAX][4];
     reader     r      = {.file = file, .at = file->bytes, .exposure = {1, 1, 1}, .m = m};
@@ -242,7 +242,7 @@ static int is_black(const sky_map *map)
     return 1;
 }
 
-vxs_result sky_map_decode(sky_map *map, const char *name, const uint8_t *bytes, size_t size_bytes, message *m)
+vxs_result sky_map_decode(sky_map *map, const char *name, const uint8_t *bytes, size_t size_bytes, run_context *m)
 {
     sky_file   file = {name, bytes, bytes + size_bytes};
     vxs_result r    = VXS_E_UNSUPPORTED;
@@ -283,7 +283,7 @@ static uint64_t wanted_bytes(void *user, const uint8_t *first, size_t size_bytes
     return is_radiance(&file) || is_png(&file) ? UINT64_MAX : 0;
 }
 
-vxs_result sky_map_read(sky_map *map, const char *path, message *m)
+vxs_result sky_map_read(sky_map *map, const char *path, run_context *m)
 {
     uint8_t *bytes  = NULL;
     size_t   size   = 0;

@@ -4,7 +4,7 @@
 #ifndef SKY_MAP_H
 #define SKY_MAP_H
 
-#include "baker/base/message.h"
+#include "baker/base/run_context.h"
 
 enum { SKY_HIGH_MAX = 4096 }; /* rows; there are twice as many columns */
 
@@ -18,10 +18,10 @@ typedef struct sky_map {
  * map  [out] zeroed on failure; released with sky_map_free
  * Returns VXS_OK; VXS_E_READ; VXS_E_TRUNCATED, VXS_E_CORRUPT; VXS_E_UNSUPPORTED: another format, another shape, or too large;
  * VXS_E_SCENE: all of it is black; VXS_E_MEMORY. */
-vxs_result sky_map_read(sky_map *map, const char *path, message *m);
+vxs_result sky_map_read(sky_map *map, const char *path, run_context *m);
 
 /* The same of a picture in memory.   name  of its file, for messages */
-vxs_result sky_map_decode(sky_map *map, const char *name, const uint8_t *bytes, size_t size_bytes, message *m);
+vxs_result sky_map_decode(sky_map *map, const char *name, const uint8_t *bytes, size_t size_bytes, run_context *m);
 
 /* Accepts a zeroed object. */
 void sky_map_free(sky_map *map);

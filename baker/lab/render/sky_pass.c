@@ -14,7 +14,7 @@ static const double pi = 3.14159265358979324;
 
 /* set-up ----------------------------------------------------------------------------------------------------------------------- */
 
-static vxs_result place_vpls(sky_pass *p, message *m)
+static vxs_result place_vpls(sky_pass *p, run_context *m)
 {
     const sky_map *map   = p->options.map;
     uint32_t       count = p->options.lit.vpls;
@@ -38,7 +38,7 @@ static vxs_result place_vpls(sky_pass *p, message *m)
     return VXS_OK;
 }
 
-vxs_result sky_pass_create(sky_pass **out, const sky_pass_options *o, const gl_context *gl, vxs_volumes *volumes, message *m)
+vxs_result sky_pass_create(sky_pass **out, const sky_pass_options *o, const gl_context *gl, vxs_volumes *volumes, run_context *m)
 {
     sky_pass *p = calloc(1, sizeof *p);
     *out        = p;
@@ -89,7 +89,7 @@ static double radius_of(const sky_pass *p, const double moved_ws[3])
 }
 
 vxs_result sky_pass_draw(sky_pass *p, const double eye_ws[3], const double moved_ws[3], unsigned normals, double exposure,
-                         message *m)
+                         run_context *m)
 {
     vxs_result r = VXS_OK;
     if (vpl_pass_move(p->vpls, moved_ws) || exposure != p->exposure) {

@@ -25,7 +25,7 @@ typedef struct quad_order {
  * of other capsules may differ. */
 static const double ASKED_AT = 0.6;
 
-vxs_result smoke_quads_reserve(smoke_quads *q, const scene_smoke *smoke, message *m)
+vxs_result smoke_quads_reserve(smoke_quads *q, const scene_smoke *smoke, run_context *m)
 {
     uint64_t   each = sizeof *q->capsules + SMOKE_CORNERS * (sizeof *q->corners + sizeof *q->places) + sizeof *q->order;
     vxs_result r    = memory_check(smoke->count * each, m, "drawing %u capsules of smoke needs", smoke->count);
@@ -163,7 +163,7 @@ static void take_buffer(const renderer *r, GLuint buffer, size_t size, const voi
     r->gl->BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)size, data, GL_DYNAMIC_DRAW);
 }
 
-vxs_result renderer_make_cloud(renderer *r, const scene_smoke *smoke, message *m)
+vxs_result renderer_make_cloud(renderer *r, const scene_smoke *smoke, run_context *m)
 {
     const gl_context *gl = r->gl;
     smoke_cloud      *c = r->cloud = calloc(1, sizeof *c);
@@ -240,7 +240,7 @@ static void set_uniforms(const renderer *r)
     set4(r, "turned", turned, fog_pass_far_metres(r->fog));
 }
 
-vxs_result renderer_draw_cloud(renderer *r, message *m)
+vxs_result renderer_draw_cloud(renderer *r, run_context *m)
 {
     const gl_context *gl     = r->gl;
     smoke_cloud      *c      = r->cloud;

@@ -70,7 +70,8 @@ static int is_in_view(const vxs_light *light, const double eye_ws[3], const came
 
 /* create ----------------------------------------------------------------------------------------------------------------------- */
 
-vxs_result smoke_pass_create(smoke_pass **out, const smoke_pass_options *o, const gl_context *gl, vxs_volumes *volumes, message *m)
+vxs_result smoke_pass_create(smoke_pass **out, const smoke_pass_options *o, const gl_context *gl, vxs_volumes *volumes,
+                             run_context *m)
 {
     smoke_pass *p = calloc(1, sizeof *p);
     *out          = p;
@@ -131,7 +132,7 @@ static double texel_at(const smoke_pass *p, const vxs_light *light, const light_
 }
 
 /* The side of a light's map: the requested one, or less when capsules cover it so many times that it would take minutes. */
-static uint32_t choose_side(const smoke_pass *p, const vxs_light *light, message *m)
+static uint32_t choose_side(const smoke_pass *p, const vxs_light *light, run_context *m)
 {
     uint32_t asked = p->options.side_px, side = asked;
 
@@ -173,7 +174,7 @@ static vxs_result build(smoke_pass *p, uint32_t light, uint32_t side_px, uint32_
 }
 
 static void warn_about_room(const smoke_pass *p, uint32_t light, uint32_t side_px, const vxs_transmittance_counts *counts,
-                            message *m)
+                            run_context *m)
 {
     const char *name = p->options.lights[light]->light.name;
     if (counts->merged)
@@ -191,7 +192,7 @@ static void warn_about_room(const smoke_pass *p, uint32_t light, uint32_t side_p
 }
 
 /* Repeat with longer lists if they were too short and may grow. */
-static vxs_result make_map(smoke_pass *p, uint32_t light, const double eye_ws[3], message *m)
+static vxs_result make_map(smoke_pass *p, uint32_t light, const double eye_ws[3], run_context *m)
 {
     vxs_transmittance_map  **map    = &p->maps[p->used];
     vxs_transmittance_counts counts = {0};
@@ -233,7 +234,7 @@ static smoke_cull_result cull_result_of(const smoke_pass *p, uint32_t light, con
     return p->layer_of[light] >= 0 || p->used < p->layers ? SMOKE_DIMS : SMOKE_NO_ROOM;
 }
 
-static vxs_result draw_light(smoke_pass *p, uint32_t light, const double eye_ws[3], smoke_plan *plan, message *m)
+static vxs_result draw_light(smoke_pass *p, uint32_t light, const double eye_ws[3], smoke_plan *plan, run_context *m)
 {
     vxs_result result = VXS_OK;
     if (p->layer_of[light] < 0) {
@@ -247,7 +248,7 @@ static vxs_result draw_light(smoke_pass *p, uint32_t light, const double eye_ws[
     return result == VXS_OK ? VXS_OK : fail(m, result, "a map of smoke cannot be asked: %s", vxs_result_text(result));
 }
 
-vxs_result smoke_pass_draw(smoke_pass *p, const double eye_ws[3], const camera_view *seen, smoke_plan *plan, message *m)
+vxs_result smoke_pass_draw(smoke_pass *p, const double eye_ws[3], const camera_view *seen, smoke_plan *plan, run_context *m)
 {
     vxs_result result = VXS_OK;
     *plan             = (smoke_plan){0};

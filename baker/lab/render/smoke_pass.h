@@ -5,7 +5,7 @@
 #ifndef SMOKE_PASS_H
 #define SMOKE_PASS_H
 
-#include "baker/base/message.h"
+#include "baker/base/run_context.h"
 #include "baker/lab/opengl/gl.h"
 #include "baker/lab/render/frame_plan.h"
 #include "baker/lab/truth/camera.h"
@@ -41,7 +41,7 @@ typedef struct smoke_pass {
 
 /* pass  [out] released with its destroy function, whatever is returned.   Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
 vxs_result smoke_pass_create(smoke_pass **pass, const smoke_pass_options *o, const gl_context *gl, vxs_volumes *volumes,
-                             message *m);
+                             run_context *m);
 
 /* Call before destroying the volumes. Accepts NULL. */
 void smoke_pass_destroy(smoke_pass *pass);
@@ -49,7 +49,8 @@ void smoke_pass_destroy(smoke_pass *pass);
 /* Build maps of lights that are newly in view, and the pictures of all maps, in the volumes' current frame. If a map has no room
  * for all segments, warn.
  * seen  from eye_ws, the origin of the volumes' positions;   plan  [out] */
-vxs_result smoke_pass_draw(smoke_pass *pass, const double eye_ws[3], const struct camera_view *seen, smoke_plan *plan, message *m);
+vxs_result smoke_pass_draw(smoke_pass *pass, const double eye_ws[3], const struct camera_view *seen, smoke_plan *plan,
+                           run_context *m);
 
 /* Bind the resources of shaders that include lit.glsl. */
 void smoke_pass_bind(const smoke_pass *pass);
@@ -89,7 +90,7 @@ typedef struct smoke_eye {
 } smoke_eye;
 
 /* Allocate room for the capsules of a scene.   q  [out]   Returns VXS_OK, VXS_E_MEMORY. */
-vxs_result smoke_quads_reserve(smoke_quads *q, const scene_smoke *smoke, message *m);
+vxs_result smoke_quads_reserve(smoke_quads *q, const scene_smoke *smoke, run_context *m);
 void       smoke_quads_free(smoke_quads *q);
 
 /* The quad of a capsule that contains the eye, or nearly, covers the whole picture. */

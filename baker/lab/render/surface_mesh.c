@@ -104,7 +104,7 @@ static void put_vertices(surface_mesh *mesh, const gl_context *gl, const surface
     }
 }
 
-vxs_result surface_mesh_make(surface_mesh *mesh, gl_context *gl, const scene *s, message *m)
+vxs_result surface_mesh_make(surface_mesh *mesh, gl_context *gl, const scene *s, run_context *m)
 {
     *mesh        = (surface_mesh){.mask_count = s->alpha_mask_count};
     box        b = box_of_corners(s->positions_ws, s->indices, 3 * s->triangle_count);

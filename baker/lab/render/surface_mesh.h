@@ -18,7 +18,7 @@ typedef struct surface_mesh {
 
 /* mesh  [out] released with surface_mesh_free, whatever is returned
  * Returns VXS_OK or VXS_E_MEMORY. */
-vxs_result surface_mesh_make(surface_mesh *mesh, gl_context *gl, const scene *s, message *m);
+vxs_result surface_mesh_make(surface_mesh *mesh, gl_context *gl, const scene *s, run_context *m);
 
 /* Draw all of it with a program that has the uniform `threshold`. */
 void surface_mesh_draw(const surface_mesh *mesh, const gl_context *gl, GLuint program);

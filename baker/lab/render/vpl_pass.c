@@ -34,7 +34,7 @@ enum { SMOKE_SIDE_MOST = 64, SMOKE_SIDE_LEAST = 8, SMOKE_COVERED_MOST = 1 << 30 
  * vpls  number of virtual lights where points are densest, as in the options
  * found  [out] number of points: 0 if all triangles have no area */
 static vxs_result scatter(const vpl_pass *p, const scene *s, uint32_t vpls, vxs_area_point *points, uint32_t count, uint32_t *found,
-                          message *m)
+                          run_context *m)
 {
     uint32_t triangles = (uint32_t)s->triangle_count;
     float   *positions = malloc(3 * s->vertex_count * sizeof *positions);
@@ -47,7 +47,7 @@ static vxs_result scatter(const vpl_pass *p, const scene *s, uint32_t vpls, vxs_
     return VXS_OK;
 }
 
-static vxs_result scatter_moving(vpl_pass *p, message *m)
+static vxs_result scatter_moving(vpl_pass *p, run_context *m)
 {
     if (!p->options.moving) return VXS_OK;
     p->moving = malloc(MOVING_POINTS * sizeof *p->moving);
@@ -89,7 +89,7 @@ static int in_one_cell(const uint16_t *a, const uint16_t *b, uint32_t shift)
  * adjacent.
  * points  [baked->count] out
  * Returns their number. */
-static uint32_t unpack(const vxs_baked_points *baked, const double middle_ws[3], vxs_area_point *points, message *m)
+static uint32_t unpack(const vxs_baked_points *baked, const double middle_ws[3], vxs_area_point *points, run_context *m)
 {
     uint32_t shift = bits_that_count(baked), places = 1, kept = 0;
     for (uint32_t n = 1; n < baked->count; n++) {
@@ -107,7 +107,7 @@ static uint32_t unpack(const vxs_baked_points *baked, const double middle_ws[3],
     return kept;
 }
 
-vxs_result vpl_pass_create(vpl_pass **out, const vpl_pass_options *o, const gl_context *gl, vxs_volumes *volumes, message *m)
+vxs_result vpl_pass_create(vpl_pass **out, const vpl_pass_options *o, const gl_context *gl, vxs_volumes *volumes, run_context *m)
 {
     vpl_pass *p = calloc(1, sizeof *p);
     *out        = p;

@@ -46,7 +46,7 @@ typedef struct vpl_pass {
 } vpl_pass;
 
 /* pass  [out] released with its destroy function, whatever is returned.   Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
-vxs_result vpl_pass_create(vpl_pass **pass, const vpl_pass_options *o, const gl_context *gl, vxs_volumes *volumes, message *m);
+vxs_result vpl_pass_create(vpl_pass **pass, const vpl_pass_options *o, const gl_context *gl, vxs_volumes *volumes, run_context *m);
 
 /* Accepts NULL. */
 void vpl_pass_destroy(vpl_pass *pass);
@@ -92,7 +92,8 @@ typedef struct area_pass {
 } area_pass;
 
 /* pass  [out] released with its destroy function, whatever is returned.   Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
-vxs_result area_pass_create(area_pass **pass, const area_pass_options *o, const gl_context *gl, vxs_volumes *volumes, message *m);
+vxs_result area_pass_create(area_pass **pass, const area_pass_options *o, const gl_context *gl, vxs_volumes *volumes,
+                            run_context *m);
 
 /* Accepts NULL. */
 void area_pass_destroy(area_pass *pass);
@@ -102,7 +103,7 @@ void area_pass_destroy(area_pass *pass);
  * normals   a texture of surfaces' normals;   exposure  factor on light
  * plan      [out] */
 vxs_result area_pass_draw(area_pass *pass, const double eye_ws[3], const camera_view *seen, const double moved_ws[3],
-                          double far_metres, unsigned normals, double exposure, area_plan *plan, message *m);
+                          double far_metres, unsigned normals, double exposure, area_plan *plan, run_context *m);
 
 /* Add the light on surfaces to the current framebuffer, without exposure. */
 void area_pass_add_light(const area_pass *pass);
@@ -134,7 +135,7 @@ typedef struct sky_pass {
 } sky_pass;
 
 /* pass  [out] released with its destroy function, whatever is returned.   Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
-vxs_result sky_pass_create(sky_pass **pass, const sky_pass_options *o, const gl_context *gl, vxs_volumes *volumes, message *m);
+vxs_result sky_pass_create(sky_pass **pass, const sky_pass_options *o, const gl_context *gl, vxs_volumes *volumes, run_context *m);
 
 /* Accepts NULL. */
 void sky_pass_destroy(sky_pass *pass);
@@ -143,7 +144,7 @@ void sky_pass_destroy(sky_pass *pass);
  * moved_ws  offset of moving casters, metres
  * normals   a texture of surfaces' normals;   exposure  factor on light */
 vxs_result sky_pass_draw(sky_pass *pass, const double eye_ws[3], const double moved_ws[3], unsigned normals, double exposure,
-                         message *m);
+                         run_context *m);
 
 /* Add the light on surfaces to the current framebuffer, without exposure. */
 void sky_pass_add_light(const sky_pass *pass);

@@ -23,7 +23,7 @@ typedef struct truth truth;
  * threads  for building, 0: all processors; answers do not depend on it
  * Returns VXS_OK, VXS_E_NO_CASTER, VXS_E_SCENE (a position is not finite), VXS_E_MEMORY, VXS_E_UNSUPPORTED (a processor that
  * Embree does not run on).   Cost: half a second for a million triangles on one core, 80 bytes a triangle. */
-vxs_result truth_create(truth **t, const casters *c, uint32_t threads, message *m);
+vxs_result truth_create(truth **t, const casters *c, uint32_t threads, run_context *m);
 
 /* Accepts NULL. */
 void truth_destroy(truth *t);

@@ -59,7 +59,7 @@ static void scaled_normal(const truth *t, size_t triangle, double normal[3])
     vec3_cross(ab, ac, normal);
 }
 
-static vxs_result measure_bounds(truth *t, message *m)
+static vxs_result measure_bounds(truth *t, run_context *m)
 {
     const casters *c = t->casters;
     for (size_t i = 0; i < 9 * c->triangle_count; i++)
@@ -87,7 +87,7 @@ static void unit_from_ws(const truth *t, const double ws[3], float unit[3])
 }
 
 /* The last error on this device, as a result. */
-static vxs_result check_embree(RTCDevice device, message *m)
+static vxs_result check_embree(RTCDevice device, run_context *m)
 {
     enum RTCError error = rtcGetDeviceError(device);
     if (error == RTC_ERROR_NONE) return VXS_OK;
@@ -97,7 +97,7 @@ static vxs_result check_embree(RTCDevice device, message *m)
 }
 
 /* Embree owns the buffers: it requires padding behind the last vertex, which it then adds itself. */
-static vxs_result fill_geometry(const truth *t, RTCGeometry geometry, message *m)
+static vxs_result fill_geometry(const truth *t, RTCGeometry geometry, run_context *m)
 {
     const casters *c = t->casters;
     float         *positions =
@@ -114,7 +114,7 @@ static vxs_result fill_geometry(const truth *t, RTCGeometry geometry, message *m
     return VXS_OK;
 }
 
-static vxs_result build_scene(truth *t, uint32_t threads, message *m)
+static vxs_result build_scene(truth *t, uint32_t threads, run_context *m)
 {
     vxs_result  r;
     RTCGeometry geometry = NULL;
@@ -142,7 +142,7 @@ done:
     return r;
 }
 
-vxs_result truth_create(truth **out, const casters *c, uint32_t threads, message *m)
+vxs_result truth_create(truth **out, const casters *c, uint32_t threads, run_context *m)
 {
     vxs_result r;
     *out = NULL;

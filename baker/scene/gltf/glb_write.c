@@ -423,7 +423,7 @@ static json_t *json_from_scene(const glb_scene *s, const chunk *c)
 
 /* ---- the file ---- */
 
-static vxs_result write_binary(output_file *out, const chunk *c, message *m)
+static vxs_result write_binary(output_file *out, const chunk *c, run_context *m)
 {
     const uint32_t front[2] = {(uint32_t)c->size_bytes, GLB_BIN};
     vxs_result     r        = c->size_bytes ? output_file_write(out, front, sizeof front, m) : VXS_OK;
@@ -435,7 +435,7 @@ static vxs_result write_binary(output_file *out, const chunk *c, message *m)
     return r;
 }
 
-static vxs_result write_file(output_file *out, const char *text, const chunk *c, message *m)
+static vxs_result write_file(output_file *out, const char *text, const chunk *c, run_context *m)
 {
     uint64_t text_bytes = strlen(text), binary_bytes = c->size_bytes ? 8 + c->size_bytes : 0;
     uint64_t file_bytes = 12 + 8 + text_bytes + padding(text_bytes) + binary_bytes;
@@ -451,7 +451,7 @@ static vxs_result write_file(output_file *out, const char *text, const chunk *c,
     return write_binary(out, c, m);
 }
 
-vxs_result glb_write(const glb_scene *s, output_file *out, message *m)
+vxs_result glb_write(const glb_scene *s, output_file *out, run_context *m)
 {
     chunk      c;
     char      *text = NULL;

@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "baker/base/message.h"
+#include "baker/base/run_context.h"
 #include "baker/files/output_file.h"
 #include "baker/scene/scene.h"
 
@@ -84,7 +84,7 @@ typedef struct glb_scene {
  * texture coordinates and smoke are FLOAT, indices UNSIGNED_INT, in one buffer view each; images have one buffer view each. Empty
  * lists are left out. The same scene gives the same bytes (images: with the same version of libpng).
  * Returns VXS_OK, VXS_E_WRITE, VXS_E_ARGUMENT (more than 4 GiB, the limit of GLB), VXS_E_MEMORY. */
-vxs_result glb_write(const glb_scene *s, output_file *out, message *m);
+vxs_result glb_write(const glb_scene *s, output_file *out, run_context *m);
 
 /* Accepts a zeroed object. */
 void glb_scene_free(glb_scene *s);
@@ -100,7 +100,7 @@ void glb_scene_free(glb_scene *s);
  * out        [out] zeroed on failure; borrows the scene's name; released with glb_scene_free
  * origin_ws  from glb_find_origin
  * Returns VXS_OK or VXS_E_MEMORY. */
-vxs_result glb_from_scene(glb_scene *out, const scene *s, const double origin_ws[3], message *m);
+vxs_result glb_from_scene(glb_scene *out, const scene *s, const double origin_ws[3], run_context *m);
 
 /* Find an origin for the positions of a GLB, so that floats are precise enough. 0,0,0, unless the scene is far from there relative
  * to its size, as georeferenced scenes are. Then it is the origin of the longest run of triangles, which preserves their original
@@ -110,6 +110,6 @@ void glb_find_origin(const scene *s, double origin_ws[3]);
 /* Round positions to floats relative to an origin, as a GLB stores them. Vertices with equal positions stay equal; different
  * positions may become equal. Warns when a vertex moves by more than a millimetre.
  * Returns VXS_OK, VXS_E_SCENE when a position exceeds the range of a float, or VXS_E_STRICT. */
-vxs_result glb_round_positions(scene *s, const double origin_ws[3], message *m);
+vxs_result glb_round_positions(scene *s, const double origin_ws[3], run_context *m);
 
 #endif

@@ -302,7 +302,7 @@ struct note {
 };
 
 struct loader {
-    message            *m;
+    run_context        *m;
     const char         *path; /* name in messages */
     const scene_choice *choice;
     scene              *s;

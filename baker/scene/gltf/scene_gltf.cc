@@ -70,7 +70,7 @@ std::string one_line(std::string text)
 
 static void require_no_error(const loader &l, vxs_result r)
 {
-    if (r == VXS_OK) r = message_check(l.m);
+    if (r == VXS_OK) r = run_check(l.m);
     if (r != VXS_OK) throw failure{r, "", true};
 }
 
@@ -116,7 +116,7 @@ static void load(loader &l, const scene_check *check)
 
 /* Converts exceptions to results: none leaves the loader. */
 template <typename function>
-static vxs_result guarded(scene *s, const char *path, const scene_choice *choice, message *m, function &&work)
+static vxs_result guarded(scene *s, const char *path, const scene_choice *choice, run_context *m, function &&work)
 {
     static const scene_choice all = {};
     vxs_result                r   = VXS_OK;
@@ -143,13 +143,13 @@ static vxs_result guarded(scene *s, const char *path, const scene_choice *choice
     return r;
 }
 
-extern "C" vxs_result scene_load_gltf(scene *s, const char *path, const scene_choice *choice, message *m)
+extern "C" vxs_result scene_load_gltf(scene *s, const char *path, const scene_choice *choice, run_context *m)
 {
     return scene_load_gltf_checked(s, path, choice, nullptr, m);
 }
 
 extern "C" vxs_result scene_load_gltf_checked(scene *s, const char *path, const scene_choice *choice, const scene_check *check,
-                                              message *m)
+                                              run_context *m)
 {
     return guarded(s, input_name(path), choice, m, [path, check](gltf::loader &l) {
         l.files_beside = true;
@@ -158,7 +158,7 @@ extern "C" vxs_result scene_load_gltf_checked(scene *s, const char *path, const 
     });
 }
 
-extern "C" vxs_result scene_check_files_gltf(const char *path, message *m)
+extern "C" vxs_result scene_check_files_gltf(const char *path, run_context *m)
 {
     scene unread;
     return guarded(&unread, input_name(path), nullptr, m, [path](gltf::loader &l) {
@@ -168,7 +168,7 @@ extern "C" vxs_result scene_check_files_gltf(const char *path, message *m)
     });
 }
 
-extern "C" vxs_result scene_load_gltf_memory(scene *s, const void *bytes, size_t size_bytes, const char *name, message *m)
+extern "C" vxs_result scene_load_gltf_memory(scene *s, const void *bytes, size_t size_bytes, const char *name, run_context *m)
 {
     return guarded(s, name, nullptr, m, [bytes, size_bytes](gltf::loader &l) {
         if (size_bytes >= gltf::FILE_BYTES_MAX) l.refused("", "is 4 GiB or larger, and a glTF file is less");

@@ -246,7 +246,7 @@ void glb_find_origin(const scene *s, double origin_ws[3])
     if (usual && rounding_of(s, usual) <= rounding_of(s, origin_ws)) memcpy(origin_ws, usual, sizeof zero);
 }
 
-vxs_result glb_round_positions(scene *s, const double origin_ws[3], message *m)
+vxs_result glb_round_positions(scene *s, const double origin_ws[3], run_context *m)
 {
     double moved = rounding_of(s, origin_ws);
     for (size_t i = 0; i < 3 * s->vertex_count; i++) {
@@ -261,12 +261,12 @@ vxs_result glb_round_positions(scene *s, const double origin_ws[3], message *m)
              "itself, "
              "with --include",
              moved, farthest_of(s, origin_ws));
-    return message_check(m);
+    return run_check(m);
 }
 
 /* ---- all of it ---- */
 
-vxs_result glb_from_scene(glb_scene *out, const scene *s, const double origin_ws[3], message *m)
+vxs_result glb_from_scene(glb_scene *out, const scene *s, const double origin_ws[3], run_context *m)
 {
     material_sort k  = {0};
     int           ok = 1;

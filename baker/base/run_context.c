@@ -1,6 +1,6 @@
-/* Errors, warnings and exit statuses; see message.h.
+/* Errors, warnings and exit statuses; see run_context.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/base/message.h"
+#include "baker/base/run_context.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -10,7 +10,7 @@
 #include "baker/base/array.h"
 #include "baker/base/text.h"
 
-vxs_result fail(message *m, vxs_result code, const char *format, ...)
+vxs_result fail(run_context *m, vxs_result code, const char *format, ...)
 {
     if (!m->error[0]) {
         va_list args;
@@ -22,7 +22,7 @@ vxs_result fail(message *m, vxs_result code, const char *format, ...)
     return code;
 }
 
-void warn(message *m, const char *format, ...)
+void warn(run_context *m, const char *format, ...)
 {
     char    text[1024];
     va_list args;
@@ -47,12 +47,12 @@ void warn(message *m, const char *format, ...)
         free(copy);
 }
 
-vxs_result message_check(const message *m)
+vxs_result run_check(const run_context *m)
 {
     return m->strict && m->error[0] ? VXS_E_STRICT : VXS_OK;
 }
 
-void message_free(message *m)
+void run_free(run_context *m)
 {
     for (size_t i = 0; i < m->warning_count; i++) free(m->warnings[i]);
     free(m->warnings);

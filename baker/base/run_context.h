@@ -2,8 +2,8 @@
  *
  * The function that detects a failure writes the reason once and returns the code. Its callers only pass the code on.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef MESSAGE_H
-#define MESSAGE_H
+#ifndef RUN_CONTEXT_H
+#define RUN_CONTEXT_H
 
 #include <stddef.h>
 #include <stdint.h>
@@ -16,11 +16,12 @@
 extern "C" {
 #endif
 
-typedef struct message {
+typedef struct run_context {
     char   error[1024]; /* one line without a newline; "": no failure */
     char **warnings;    /* [warning_count] one line each, owned */
     size_t warning_count, warning_capacity;
-    void (*tell)(const struct message *m, const char *warning); /* called for each new warning; NULL: warnings are only stored */
+    void (*tell)(const struct run_context *m,
+                 const char               *warning); /* called for each new warning; NULL: warnings are only stored */
     void *tell_user;
 
     int strict; /* nonzero: the first warning becomes an error */
@@ -36,36 +37,36 @@ typedef struct message {
     int        verbose;   /* nonzero: full reports */
     int        no_report; /* nonzero: no report, no progress */
     color_mode color;
-} message;
+} run_context;
 
 #if defined(__GNUC__)
-#define MESSAGE_PRINTF      __attribute__((format(printf, 3, 4)))
-#define MESSAGE_PRINTF_WARN __attribute__((format(printf, 2, 3)))
+#define RUN_PRINTF      __attribute__((format(printf, 3, 4)))
+#define RUN_PRINTF_WARN __attribute__((format(printf, 2, 3)))
 #else
-#define MESSAGE_PRINTF
-#define MESSAGE_PRINTF_WARN
+#define RUN_PRINTF
+#define RUN_PRINTF_WARN
 #endif
 
 /* Record the reason of a failure (the first reason wins) and return `code`, for `return fail(m, CODE, ...)`.
  * The text is one line; control characters become '?'. It names the object (file, element), the place, the value found and the
  * value expected. */
-vxs_result fail(message *m, vxs_result code, const char *format, ...) MESSAGE_PRINTF;
+vxs_result fail(run_context *m, vxs_result code, const char *format, ...) RUN_PRINTF;
 
 /* Store a warning for the report, and call m->tell. Equal warnings are stored once. With m->strict the first warning becomes the
- * error, and message_check returns VXS_E_STRICT. */
-void warn(message *m, const char *format, ...) MESSAGE_PRINTF_WARN;
+ * error, and run_check returns VXS_E_STRICT. */
+void warn(run_context *m, const char *format, ...) RUN_PRINTF_WARN;
 
 /* VXS_OK, or VXS_E_STRICT when a warning has become an error. Call it before an output appears. */
-vxs_result message_check(const message *m);
+vxs_result run_check(const run_context *m);
 
 /* Release the warnings. Accepts a zeroed object. */
-void message_free(message *m);
+void run_free(run_context *m);
 
 /* Stream of a report for people: standard output, or standard error when an output uses standard output; NULL: none. */
-FILE *report_stream(const message *m, int stdout_is_taken);
+FILE *report_stream(const run_context *m, int stdout_is_taken);
 
 /* 1 when progress may be shown on standard error. */
-int progress_wanted(const message *m);
+int progress_wanted(const run_context *m);
 
 /* Exit status of a command that ended with `code`. Only this function maps results to statuses (docs/manual.md). */
 int exit_status(vxs_result code);

@@ -1,0 +1,13 @@
+/* Streams of a command for people; see run_context.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/base/run_context.h"
+
+FILE *report_stream(const run_context *m, int stdout_is_taken)
+{
+    return m->no_report ? NULL : stdout_is_taken ? stderr : stdout;
+}
+
+int progress_wanted(const run_context *m)
+{
+    return !m->no_report && terminal_can_clear(stderr);
+}
