@@ -4,8 +4,7 @@
  * SPDX-License-Identifier: MIT */
 #include <string.h>
 
-#include "block_depths.h"
-#include "dag_depths.h"
+#include "tile_depths.h"
 #include "vxs_desc.h"
 #include "vxs_query.h"
 

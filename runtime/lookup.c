@@ -1,8 +1,16 @@
-/* Lookups of world-space points; see vxs.h. The computation is that of formats/vxs_space.h, in double.
+/* Lookups of a point, a texel or a ray; see vxs.h and vxs_query.h. The computations are those of formats/vxs_space.h and
+ * vxs_intervals.h, in double.
  * SPDX-License-Identifier: MIT */
+#include <math.h>
+#include <string.h>
+
+#include "tile_depths.h"
+#include "vxs_intervals.h"
 #include "vxs_query.h"
 #include "vxs_smoke.h"
 #include "vxs_space.h"
+
+/* points ------------------------------------------------------------------------------------------------------------------------ */
 
 static const double zero[3] = {0, 0, 0}; /* no normal; also the origin of the world */
 
@@ -74,4 +82,54 @@ vxs_light_constants vxs_light_constants_of(const vxs_light *light, const double 
     c.origin_fraction_ij = rest_of(at_origin[0]) | rest_of(at_origin[1]) << 16;
     c.origin_fraction_k  = rest_of(at_origin[2]);
     return c;
+}
+
+/* first shadowed voxel of a texel: palette blocks contain it; in a DAG the column is walked ------------------------------------- */
+
+int32_t vxs_first_shadow(const vxs_baked_light *baked, int map, int32_t i, int32_t j, int *coarse)
+{
+    int32_t depth[64], side = 1 << baked->light.levels, n = (i & 7) + 8 * (j & 7);
+    if (coarse) *coarse = 0;
+    if (map < 0 || map >= (int)vxs_map_count(&baked->light) || i < 0 || j < 0 || i >= side || j >= side) return -1;
+    if (baked->light.coding == VXS_CODING_BLOCKS) {
+        vxs_depth_square s = vxs_depth_square_at((vxs_blocks_map){baked->words, (uint32_t)map, baked->light.levels}, i, j, -1, 1);
+        if (coarse) *coarse = s.coarse && s.low < s.high;
+        return s.least;
+    }
+    vxs_dag_first_shadows(baked, (uint32_t)map, (uint32_t)i >> 3, (uint32_t)j >> 3, (uint64_t)1 << n, depth);
+    return depth[n];
+}
+
+/* lit intervals of a ray -------------------------------------------------------------------------------------------------------- */
+
+_Static_assert(sizeof(vxs_walk) <= sizeof((vxs_lit_walk *)0)->room, "there is room for it");
+_Static_assert(VXS_SPAN_SHADOW == VXS_INTERVAL_SHADOW && VXS_SPAN_LIT == VXS_INTERVAL_LIT &&
+                   VXS_SPAN_OUTSIDE == VXS_INTERVAL_OUTSIDE,
+               "one number for one state");
+
+static vxs_walk *walk_in(vxs_lit_walk *walk)
+{
+    return (vxs_walk *)walk->room;
+}
+
+vxs_result vxs_lit_begin(vxs_lit_walk *walk, const vxs_baked_light *baked, const vxs_ray *ray)
+{
+    const double most = 1e50;
+    vxs_result   r    = VXS_OK;
+    walk->baked       = baked;
+    for (int n = 0; n < 3; n++)
+        if (!(fabs(ray->origin_ws[n]) <= most && fabs(ray->direction_ws[n]) <= most)) r = VXS_E_ARGUMENT;
+    if (!isfinite(ray->t_begin) || !(ray->t_end >= ray->t_begin)) r = VXS_E_ARGUMENT;
+    *walk_in(walk) =
+        vxs_walk_of(&baked->light, ray->origin_ws, ray->direction_ws, ray->t_begin, r == VXS_OK ? ray->t_end : ray->t_begin);
+    return r;
+}
+
+size_t vxs_lit_next(vxs_lit_walk *walk, vxs_interval *intervals, size_t capacity)
+{
+    size_t   count = 0;
+    vxs_span span  = {0};
+    while (count < capacity && vxs_walk_next(walk->baked->words, &walk->baked->light, walk_in(walk), &span))
+        intervals[count++] = (vxs_interval){span.begin, span.end, span.state, span.coarse};
+    return count;
 }

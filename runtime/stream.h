@@ -2,10 +2,8 @@
  *
  *     stream_plan.c     what open reads first: the wanted lights and their sizes
  *     stream_open.c     from a file to a block of memory: its layout, page data
- *     stream_source.c   bytes from a path, memory or the caller
- *     stream_choose.c   which pages are wanted, the nearest first
- *     stream_room.c     where in the array of words a page goes, and which pages are evicted for it
- *     stream_work.c     requests: read and decoded by threads, or by the frame
+ *     stream_choose.c   which pages are wanted, the nearest first; where in the array of words a page goes, and which pages are evicted
+ *     stream_work.c     requests: read and decoded by threads, or by the frame; bytes from a path, memory or the caller
  *     stream.c          the frame, and the queries of a stream
  *
  * Order of the block; the array of words extends from `words` to its end, tail included:
@@ -121,7 +119,7 @@ struct vxs_stream {
     vxs_stream_status status; /* counts of this frame */
 };
 
-/* stream_source.c */
+/* stream_work.c */
 vxs_result        vxs_stream_source_open(stream_source *source, const vxs_stream_desc *desc);
 void              vxs_stream_source_close(stream_source *source);
 vxs_stream_answer vxs_stream_source_read(const stream_source *source, uint64_t offset, uint32_t size_bytes, void *buffer,
@@ -133,7 +131,7 @@ void vxs_stream_rank_pages(vxs_stream *s, const vxs_stream_focus *foci, uint32_t
 /* Take the next nearest page from the heap that vxs_stream_rank_pages built. 0: none is left. */
 int  vxs_stream_next_nearest(vxs_stream *s, uint32_t *page);
 
-/* stream_room.c */
+/* stream_choose.c */
 uint32_t vxs_stream_room_words(const stream_page *page);
 /* Find a place for a page, and evict other pages for it. 0: there is none. */
 int      vxs_stream_room_take(vxs_stream *s, uint32_t page);

@@ -1,6 +1,6 @@
 /* Depths read from palette blocks, of squares and of tiles, against the depths that the words were written from.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "runtime/block_depths.h" /* first: it needs nothing before it */
+#include "runtime/tile_depths.h" /* first: it needs nothing before it */
 
 #include "blocks_sample.h"
 #include "tests/unit/repeats.h"

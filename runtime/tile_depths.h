@@ -1,11 +1,14 @@
-/* Depths in palette blocks: bounds on the shadow depth of squares of texels, as large as the structure gives them, and the depth
- * of each texel of a tile. A lookup compares a voxel's depth with these records (vxs_lookup_blocks.h); here the depth itself is
- * read. Every texel has one (formats/vxs.md 13). Internal to the runtime; not installed.
+/* Depths of texels, for both codings: bounds on the shadow depth of squares of texels, and the depth of each texel of a tile. A lookup
+ * compares a voxel's depth with the records of a file; here the depth itself is read. Internal to the runtime; not installed.
  * SPDX-License-Identifier: MIT */
-#ifndef VXS_BLOCK_DEPTHS_H
-#define VXS_BLOCK_DEPTHS_H
+#ifndef VXS_TILE_DEPTHS_H
+#define VXS_TILE_DEPTHS_H
 
 #include "vxs_depths.h"
+#include "vxs_file.h"
+#include "vxs_query.h"
+
+/* palette blocks: every texel has a depth (formats/vxs.md 13) ------------------------------------------------------------------- */
 
 enum { VXS_CELL_PX = 2048, VXS_SQUARE_PX = 256, VXS_BLOCK_PX = 32, VXS_TILE_PX = 8 };
 
@@ -41,5 +44,13 @@ enum { VXS_TILE_MISSING, VXS_TILE_WHOLE, VXS_TILE_MIXED };
  * Returns VXS_TILE_MIXED; VXS_TILE_WHOLE when all texels have depth[0], and only that is written; or VXS_TILE_MISSING when its
  * page is missing, and nothing is written. */
 int vxs_tile_depths(vxs_blocks_map map, vxs_block_cursor *cursor, int32_t tile_x, int32_t tile_y, int32_t depth[64]);
+
+/* DAG: columns may be lit again behind the first shadowed voxel, where voxels are don't-care (formats/vxs.md 2) ----------------- */
+
+/* Find the first shadowed voxel of texels of tile (tile_x, tile_y).
+ * wanted  one bit for each wanted texel; depths of the others are not written
+ * depth   [out] texel (x, y) at [x + 8 y]; 2^levels: no shadow */
+void vxs_dag_first_shadows(const vxs_baked_light *baked, uint32_t map, uint32_t tile_x, uint32_t tile_y, uint64_t wanted,
+                           int32_t depth[64]);
 
 #endif
