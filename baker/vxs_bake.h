@@ -109,7 +109,7 @@ typedef struct vxs_bake_job   vxs_bake_job;
  * until the end of the call, or of the scene or job that was opened with the options. Texts and paths have the form that they
  * have on the command line. */
 typedef struct vxs_bake_options {
-    size_t struct_bytes; /* set by vxs_bake_defaults */
+    size_t struct_size; /* set by vxs_bake_defaults */
 
     /* the scene: one of these three */
     const char            *scene_path; /* .gltf or .glb */
@@ -169,7 +169,7 @@ static inline vxs_bake_options vxs_bake_defaults(void)
 #else
     vxs_bake_options o = {0};
 #endif
-    o.struct_bytes = sizeof o;
+    o.struct_size = sizeof o;
     return o;
 }
 

@@ -49,8 +49,8 @@ typedef struct vxs_box  vxs_box;
 #define VXS_NEVER      3e38
 #endif
 
-#define VXS_SPAN_SHADOW  0
-#define VXS_SPAN_LIT     1
+#define VXS_SPAN_LIT     0
+#define VXS_SPAN_SHADOW  1
 #define VXS_SPAN_OUTSIDE 2
 #define VXS_SPAN_NONE    (-1)
 #define VXS_SPAN_COARSE  4 /* added to a state inside a walk */
@@ -498,7 +498,7 @@ VXS_INLINE vxs_i32 vxs_walk_through_tile(VXS_LIGHT light, VXS_WALK w)
 /* Move to the end of a texel, or to where the ray crosses its depth. After that only the border on the crossed axis changes. */
 VXS_INLINE vxs_i32 vxs_walk_through_texel(VXS_WORDS blocks, VXS_LIGHT light, VXS_WALK w)
 {
-    vxs_i32  i = VXS_FIELD(w, voxel)[0], j = VXS_FIELD(w, voxel)[1], way = VXS_FIELD(w, way)[2], lit;
+    vxs_i32  i = VXS_FIELD(w, voxel)[0], j = VXS_FIELD(w, voxel)[1], way = VXS_FIELD(w, way)[2], state;
     vxs_i32  depth = VXS_FIELD(w, least);
     vxs_real t = VXS_FIELD(w, t), cut = VXS_FIELD(w, cut);
     vxs_i32  axis   = VXS_FIELD(w, next)[1] < VXS_FIELD(w, next)[0] ? 1 : 0;
@@ -506,15 +506,15 @@ VXS_INLINE vxs_i32 vxs_walk_through_texel(VXS_WORDS blocks, VXS_LIGHT light, VXS
     if (depth != VXS_FIELD(w, greatest))
         depth = vxs_depths_texel(blocks, VXS_REF_OF(w, tile), depth, VXS_FIELD(w, greatest), VXS_U(i & 7), VXS_U(j & 7));
     if (depth == vxs_walk_side(light) || depth > VXS_FIELD(w, farthest))
-        lit = 1;
+        state = VXS_SPAN_LIT;
     else if (way == 0 || depth <= VXS_FIELD(w, nearest))
-        lit = 0;
+        state = VXS_SPAN_SHADOW;
     else {
         vxs_real at = vxs_walk_cross_depth(light, w, depth, t);
-        lit         = (at > t) == (way > 0) ? 1 : 0;
+        state       = (at > t) == (way > 0) ? VXS_SPAN_LIT : VXS_SPAN_SHADOW;
         if (at > t && at < next) {
             VXS_FIELD(w, t) = at;
-            return lit;
+            return state;
         }
     }
     VXS_FIELD(w, t) = next;
@@ -523,12 +523,12 @@ VXS_INLINE vxs_i32 vxs_walk_through_texel(VXS_WORDS blocks, VXS_LIGHT light, VXS
         VXS_FIELD(w, voxel)[axis] = now;
         if (((was ^ now) & ~7) == 0) {
             VXS_FIELD(w, next)[axis] = vxs_walk_cross(light, w, axis, vxs_walk_ahead(now, VXS_FIELD(w, way)[axis], 1), next);
-            return lit;
+            return state;
         }
         VXS_FIELD(w, voxel)[2] = way > 0 ? VXS_FIELD(w, farthest) : VXS_FIELD(w, nearest);
     }
     VXS_FIELD(w, in_tile) = 0;
-    return lit;
+    return state;
 }
 
 /* palette blocks --------------------------------------------------------------------------------------------------------------- */

@@ -88,8 +88,8 @@ vxs_result vxs_depth_map(const vxs_baked_light *baked, const vxs_depth_map_desc 
 
 /* lit intervals --------------------------------------------------------------------------------------------------------------- */
 
-#define VXS_INTERVAL_SHADOW  0
-#define VXS_INTERVAL_LIT     1
+#define VXS_INTERVAL_LIT     0
+#define VXS_INTERVAL_SHADOW  1
 #define VXS_INTERVAL_OUTSIDE 2 /* outside the light's volume (vxs_voxel) */
 
 /* Points origin + t * direction, t in [t_begin, t_end). */

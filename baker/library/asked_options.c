@@ -23,12 +23,12 @@ static vxs_result take_known(vxs_bake_options *known, const vxs_bake_options *op
 {
     const size_t least = offsetof(vxs_bake_options, blend); /* size of the first version */
     *known             = (vxs_bake_options){0};
-    if (!options || options->struct_bytes < least || options->struct_bytes > 64 * sizeof *known)
+    if (!options || options->struct_size < least || options->struct_size > 64 * sizeof *known)
         return fail(m, VXS_E_ARGUMENT, "options: expected what vxs_bake_defaults returns, with what is to be changed");
-    memcpy(known, options, options->struct_bytes < sizeof *known ? least : sizeof *known);
-    known->struct_bytes        = sizeof *known;
+    memcpy(known, options, options->struct_size < sizeof *known ? least : sizeof *known);
+    known->struct_size         = sizeof *known;
     const unsigned char *bytes = (const unsigned char *)options;
-    for (size_t n = sizeof *known; n < options->struct_bytes; n++)
+    for (size_t n = sizeof *known; n < options->struct_size; n++)
         if (bytes[n]) return fail(m, VXS_E_ARGUMENT, "options: some are of a later version than this library");
     return VXS_OK;
 }

@@ -114,9 +114,9 @@ static void test_options_out_of_range(void **state)
     char                     long_name[65];
     memset(long_name, 'n', 64);
     long_name[64] = 0;
-    REFUSED(o.struct_bytes = 0, "vxs_bake_defaults");
-    REFUSED(o.struct_bytes = offsetof(vxs_bake_options, blend) - 1, "vxs_bake_defaults"); /* less than the first version had */
-    REFUSED(o.struct_bytes = SIZE_MAX, "vxs_bake_defaults");
+    REFUSED(o.struct_size = 0, "vxs_bake_defaults");
+    REFUSED(o.struct_size = offsetof(vxs_bake_options, blend) - 1, "vxs_bake_defaults"); /* less than the first version had */
+    REFUSED(o.struct_size = SIZE_MAX, "vxs_bake_defaults");
     refused(NULL, VXS_E_ARGUMENT, "vxs_bake_defaults");
     REFUSED(o.arrays = NULL, "one of scene_path, arrays and scene");
     REFUSED(o.scene_path = "a.glb", "one of scene_path, arrays and scene");
@@ -180,7 +180,7 @@ static void test_options_of_later_versions(void **state)
         vxs_bake_options o;
         uint64_t         later;
     } options               = {town_options(), 0};
-    options.o.struct_bytes  = sizeof options;
+    options.o.struct_size   = sizeof options;
     vxs_bake_options o      = town_options();
     vxs_bake_bytes   wanted = baked(&o), file = baked(&options.o);
     assert_same(&file, &wanted);
@@ -360,8 +360,8 @@ static void test_options_of_files(void **state)
         assert_int_equal(warnings, 1);
         o.blend = VXS_BAKE_BLEND_EXCLUDE;
         assert_int_equal(vxs_bake(&o, &file, error), VXS_E_NO_CASTER);
-        o.struct_bytes = offsetof(vxs_bake_options, blend); /* of a program that is older: the default */
-        file           = baked(&o);
+        o.struct_size = offsetof(vxs_bake_options, blend); /* of a program that is older: the default */
+        file          = baked(&o);
         vxs_bake_bytes_free(&file);
         assert_int_equal(warnings, 2);
     }
