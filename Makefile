@@ -198,7 +198,7 @@ $B/baker.a: $(baker.o) $(library.o)
 $B/bake.a $B/baker.a:
 	$Q$(RM) $@ && $(AR) rcsT $@ $^
 $(unit) $(helper): $B/%: $B/%.c.o $B/baker.a $B/libvxs_volumes.a $B/libvxs_gl.a $B/libvxs.a
-$(unit): test_libs := -lcmocka -lOSMesa
+$(unit): test_libs := -lcmocka
 reference := $(patsubst %,$B/tests/unit/test_%,air area_smoke reference metrics rival_areas rival_curves rival_volumes smoke_map smoke_quads transmittance \
                  transmittance_draw transmittance_fog volumes)
 $(reference): $(reference.o)
@@ -210,9 +210,9 @@ $B/tests/unit/test_square_scheduler: $B/baker/command/mpi/square_scheduler.c.o
 $(patsubst %,$B/%.o,$(wildcard tests/unit/*.c)): cflags += $(if $(filter release,$(config)),-O1)
 $B/tests/exact/exact: $(exact.o)
 $B/tests/bench/rivals: $(rival.o) $(filter-out $B/tests/%,$(shader))
-$B/tests/bench/rivals: test_libs := -lz -lOSMesa
+$B/tests/bench/rivals: test_libs := -lz
 $(patsubst %,$B/tests/bench/%,volumes smoke area): $(volumes_bench.o) $(reference.o)
-$(patsubst %,$B/tests/bench/%,volumes smoke area): test_libs := -lOSMesa -lgsl -lgslcblas
+$(patsubst %,$B/tests/bench/%,volumes smoke area): test_libs := -lgsl -lgslcblas
 $B/vxs $B/vxs-core $(mpi) $(unit) $(helper):
 	@echo "  link $@"
 	$Q$(CXX) $(opt) $(linker) $(threaded) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(test_libs) $(libs) $(LDFLAGS)
@@ -220,7 +220,6 @@ $B/vxs $B/vxs-core $(mpi) $(unit) $(helper):
 $(foreach f,$(fuzz.c),$(eval $B/$(basename $f): $(patsubst %,$B/%.o,$f $(call fuzz.loop,$f))))
 $(filter-out %/fuzz_vxs %/fuzz_answers,$(fuzz)): $B/baker.a $B/libvxs_volumes.a $B/libvxs_gl.a # those two stand on the runtime alone
 $(fuzz): $B/libvxs.a
-$B/tests/fuzz/fuzz_shaders: test_libs := -lOSMesa
 $(fuzz):
 	@echo "  link $@"
 	$Q$(CXX) $(opt) $(linker) $(if $(filter fuzz,$(config)),-fsanitize=fuzzer) $(threaded) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(test_libs) $(libs) $(LDFLAGS)

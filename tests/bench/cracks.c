@@ -16,6 +16,7 @@
 #include "baker/base/parallel.h"
 #include "baker/command/options/options.h"
 #include "tests/columns/panels.h"
+#include "tests/gl_choice.h"
 
 static const double gaps_m[] = {0, 1e-7, 3e-7, 1e-6, 3e-6, 1e-5};
 enum { GAPS = sizeof gaps_m / sizeof *gaps_m, KINDS = LIGHT_POINT + 1, SOURCES = 2 };
@@ -212,7 +213,7 @@ int main(int argc, char **argv)
         r = fail(&m, VXS_E_ARGUMENT, "--resolution %u: expected a power of two", side);
         goto done;
     }
-    if ((r = gl_context_create(&gl, GL_BACKEND_OSMESA, threads, &m)) != VXS_OK) goto done;
+    if ((r = gl_context_create(&gl, gl_choice(), threads, &m)) != VXS_OK) goto done;
     if (scene_path) {
         r = judge_scene(scene_path, gl, maps, splits ? casters_from_scene : casters_for_maps, side, &ctx);
         goto done;

@@ -4,8 +4,8 @@
  * and is part of the times. Neighbours in the list are neighbours in a shader's group. A filter has 9 x 9 taps, a smooth one weighs 10 x 10.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h"
+#include "tests/gl_choice.h"
 
-#include <GL/osmesa.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -114,9 +114,9 @@ static GLuint program_of(const char *body, int clamps, uint32_t words)
 static vxs_result share_context(void)
 {
     run_context m = {0};
-    vxs_result  r = shared.users++ ? VXS_OK : gl_context_create(&shared.gl, GL_BACKEND_OSMESA, 1, &m);
+    vxs_result  r = shared.users++ ? VXS_OK : gl_context_create(&shared.gl, gl_choice(), 1, &m);
     run_free(&m);
-#define SHADER_LOAD(type, name) shared.name = (type)OSMesaGetProcAddress("gl" #name);
+#define SHADER_LOAD(type, name) shared.name = (type)gl_choice_function("gl" #name);
     SHADER_FUNCTIONS(SHADER_LOAD)
 #undef SHADER_LOAD
     return r;

@@ -29,6 +29,7 @@
 #include "baker/lab/opengl/depth_gl.h"
 #include "baker/light/light_fit.h"
 #include "tests/columns/brute.h"
+#include "tests/gl_choice.h"
 
 /* What single precision moves corners by is less than the grid, but may be more on the plane of a thin triangle. */
 #define EDGE_PX   (1.0 / 256)
@@ -391,7 +392,7 @@ int main(int argc, char **argv)
         if (sides.items[n] & (sides.items[n] - 1))
             r = fail(&m, VXS_E_ARGUMENT, "--resolution %u: expected a power of two", sides.items[n]);
     text_list usual = {(const char **)usual_suns, USUAL_SUNS, USUAL_SUNS};
-    if (r == VXS_OK) r = gl_context_create(&gl, GL_BACKEND_OSMESA, threads, &m);
+    if (r == VXS_OK) r = gl_context_create(&gl, gl_choice(), threads, &m);
     for (size_t n = 0; n < paths.count && r == VXS_OK; n++)
         r = compare_scene(rows, gl, paths.items[n], suns.count ? &suns : &usual, &sides, list, &ctx);
     if (r == VXS_OK && json_path)

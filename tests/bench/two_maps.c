@@ -16,6 +16,7 @@
 #include "baker/lab/opengl/depth_gl.h"
 #include "baker/light/light_fit.h"
 #include "baker/scene/light_choice.h"
+#include "tests/gl_choice.h"
 
 typedef struct two_maps_options {
     const char *scene_path;
@@ -100,7 +101,7 @@ int main(int argc, char **argv)
     if (o.resolution & (o.resolution - 1)) r = fail(&m, VXS_E_ARGUMENT, "--resolution %u: expected a power of two", o.resolution);
     if (r == VXS_OK) r = scene_load_gltf(&s, o.scene_path, NULL, &m);
     if (r == VXS_OK) r = casters_for_maps(&c, &s, CLOSED_AUTO, o.threads, &m);
-    if (r == VXS_OK) r = gl_context_create(&gl, GL_BACKEND_OSMESA, o.threads, &m);
+    if (r == VXS_OK) r = gl_context_create(&gl, gl_choice(), o.threads, &m);
     if (r == VXS_OK) r = render_some(&o, &s, &c, gl, &total, &seconds, &m);
     if (r == VXS_OK) printf("{\"tiles\": %llu, \"seconds\": %.6f}\n", (unsigned long long)total, seconds);
 done:

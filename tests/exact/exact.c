@@ -45,6 +45,7 @@
 #include "baker/scene/light_choice.h"
 #include "tests/exact/check.h"
 #include "tests/exact/spoil.h"
+#include "tests/gl_choice.h"
 
 /* Options of bake of which several values may be asked for. */
 enum choice {
@@ -502,7 +503,7 @@ static vxs_result compare_all(const exact_options *o, int *right, run_context *m
         bake.closed = (closed_mode)o->value[CHOICE_CLOSED][closed];
         casters_free(&w.c);
         if ((r = casters_for_maps(&w.c, &w.s, bake.closed, 2, m)) != VXS_OK) goto done;
-        if (!w.gl && (r = gl_context_create(&w.gl, GL_BACKEND_OSMESA, bake.threads, m)) != VXS_OK) goto done;
+        if (!w.gl && (r = gl_context_create(&w.gl, gl_choice(), bake.threads, m)) != VXS_OK) goto done;
         for (size_t sun = 0; sun < suns; sun++) {
             if ((r = set_sun(&bake, &sun_now, o->suns.count ? o->suns.items[sun] : NULL, m)) != VXS_OK) goto done;
             for (size_t n = 0; n < map_combinations(o); n++) {

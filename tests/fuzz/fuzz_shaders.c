@@ -4,8 +4,8 @@
  * the words, and those without pages. Nothing is asked where there is no OSMesa.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h"
+#include "tests/gl_choice.h"
 
-#include <GL/osmesa.h>
 #include <string.h>
 
 #include "formats/vxs_space.h"
@@ -136,14 +136,14 @@ static struct {
 static vxs_gl_function function_of(const char *name, void *user)
 {
     (void)user;
-    return (vxs_gl_function)OSMesaGetProcAddress(name);
+    return (vxs_gl_function)gl_choice_function(name);
 }
 
 /* 0: there is no OSMesa. */
 static int start(void)
 {
     run_context m = {0};
-    if (gl_context_create(&on.gl, GL_BACKEND_OSMESA, 1, &m) != VXS_OK) {
+    if (gl_context_create(&on.gl, gl_choice(), 1, &m) != VXS_OK) {
         printf("# no OpenGL 4.5: %s\n", m.error);
         return 0;
     }

@@ -4,7 +4,7 @@
 #ifndef GL_POINTS_H
 #define GL_POINTS_H
 
-#include <GL/osmesa.h>
+#include "tests/gl_choice.h"
 
 #define DRAW_FUNCTIONS(X)                                                                                                          \
     X(PFNGLGETSHADERIVPROC, GetShaderiv)                                                                                           \
@@ -75,12 +75,12 @@ static inline drawing drawing_make(void)
     drawing     d = {0};
     run_context m = {0};
     GLuint      pixels, frame, array;
-    if (gl_context_create(&d.gl, GL_BACKEND_OSMESA, 1, &m) != VXS_OK) {
+    if (gl_context_create(&d.gl, gl_choice(), 1, &m) != VXS_OK) {
         print_message("no OpenGL 4.5: %s\n", m.error);
         skip();
     }
 #define DRAW_LOAD(type, name)                                                                                                      \
-    d.name = (type)OSMesaGetProcAddress("gl" #name);                                                                               \
+    d.name = (type)gl_choice_function("gl" #name);                                                                               \
     assert_true(d.name != NULL);
     DRAW_FUNCTIONS(DRAW_LOAD)
 #undef DRAW_LOAD

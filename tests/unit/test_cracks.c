@@ -7,6 +7,7 @@
 #include <stdint.h>
 
 #include "tests/columns/panels.h" /* before cmocka, whose fail() is a macro */
+#include "tests/gl_choice.h"
 #include "tests/unit/repeats.h"
 
 #include <cmocka.h>
@@ -17,7 +18,7 @@ static int create_context(void **state)
 {
     run_context m = {0};
     (void)state;
-    return gl_context_create(&gl, GL_BACKEND_OSMESA, 2, &m) == VXS_OK ? 0 : -1;
+    return gl_context_create(&gl, gl_choice(), 2, &m) == VXS_OK ? 0 : -1;
 }
 
 static int destroy_context(void **state)

@@ -19,6 +19,7 @@
 #include "baker/lab/opengl/depth_gl.h"
 #include "baker/light/light_fit.h"
 #include "runtime/vxs.h"
+#include "tests/gl_choice.h"
 
 #include <cmocka.h>
 
@@ -28,7 +29,7 @@ static int open_gl(void **state)
 {
     run_context m = {0};
     (void)state;
-    if (gl_context_create(&gl, GL_BACKEND_OSMESA, 2, &m) == VXS_OK) return 0;
+    if (gl_context_create(&gl, gl_choice(), 2, &m) == VXS_OK) return 0;
     fprintf(stderr, "%s\n", m.error);
     return -1;
 }

@@ -37,58 +37,58 @@ static struct {
 static const GLubyte *APIENTRY told_GetString(GLenum name)
 {
     if (name == GL_VERSION && told.version) return (const GLubyte *)told.version;
-    return ((PFNGLGETSTRINGPROC)(vxs_gl_function)OSMesaGetProcAddress("glGetString"))(name);
+    return ((PFNGLGETSTRINGPROC)(vxs_gl_function)gl_choice_function("glGetString"))(name);
 }
 
 static void APIENTRY told_GenBuffers(GLsizei count, GLuint *names)
 {
     told.buffers += count;
     told.live += count;
-    ((PFNGLGENBUFFERSPROC)OSMesaGetProcAddress("glGenBuffers"))(count, names);
+    ((PFNGLGENBUFFERSPROC)gl_choice_function("glGenBuffers"))(count, names);
 }
 
 static void APIENTRY told_DeleteBuffers(GLsizei count, const GLuint *names)
 {
     told.live -= count;
-    ((PFNGLDELETEBUFFERSPROC)OSMesaGetProcAddress("glDeleteBuffers"))(count, names);
+    ((PFNGLDELETEBUFFERSPROC)gl_choice_function("glDeleteBuffers"))(count, names);
 }
 
 static void APIENTRY told_GenTextures(GLsizei count, GLuint *names)
 {
     told.textures += count;
     told.live += count;
-    ((void(APIENTRY *)(GLsizei, GLuint *))OSMesaGetProcAddress("glGenTextures"))(count, names);
+    ((void(APIENTRY *)(GLsizei, GLuint *))gl_choice_function("glGenTextures"))(count, names);
 }
 
 static void APIENTRY told_DeleteTextures(GLsizei count, const GLuint *names)
 {
     told.live -= count;
-    ((PFNGLDELETETEXTURESPROC)OSMesaGetProcAddress("glDeleteTextures"))(count, names);
+    ((PFNGLDELETETEXTURESPROC)gl_choice_function("glDeleteTextures"))(count, names);
 }
 
 static GLuint APIENTRY told_CreateProgram(void)
 {
     told.programs++;
     told.live++;
-    return ((PFNGLCREATEPROGRAMPROC)(vxs_gl_function)OSMesaGetProcAddress("glCreateProgram"))();
+    return ((PFNGLCREATEPROGRAMPROC)(vxs_gl_function)gl_choice_function("glCreateProgram"))();
 }
 
 static void APIENTRY told_DeleteProgram(GLuint name)
 {
     told.live--;
-    ((PFNGLDELETEPROGRAMPROC)OSMesaGetProcAddress("glDeleteProgram"))(name);
+    ((PFNGLDELETEPROGRAMPROC)gl_choice_function("glDeleteProgram"))(name);
 }
 
 static void APIENTRY told_BufferData(GLenum target, GLsizeiptr size, const void *data, GLenum usage)
 {
     told.bytes += (uint64_t)size;
-    ((PFNGLBUFFERDATAPROC)OSMesaGetProcAddress("glBufferData"))(target, size, data, usage);
+    ((PFNGLBUFFERDATAPROC)gl_choice_function("glBufferData"))(target, size, data, usage);
 }
 
 static void APIENTRY told_BufferSubData(GLenum target, GLintptr at, GLsizeiptr size, const void *data)
 {
     told.uploaded_bytes += (uint64_t)size;
-    ((PFNGLBUFFERSUBDATAPROC)OSMesaGetProcAddress("glBufferSubData"))(target, at, size, data);
+    ((PFNGLBUFFERSUBDATAPROC)gl_choice_function("glBufferSubData"))(target, at, size, data);
 }
 
 static vxs_gl_function telling(const char *name, void *user)
@@ -105,7 +105,7 @@ static vxs_gl_function telling(const char *name, void *user)
     if (told.lacks && !strcmp(told.lacks, name)) return NULL;
     for (size_t n = 0; n < sizeof ours / sizeof *ours; n++)
         if (!strcmp(ours[n].name, name)) return ours[n].function;
-    return (vxs_gl_function)OSMesaGetProcAddress(name);
+    return (vxs_gl_function)gl_choice_function(name);
 }
 
 /* lights -------------------------------------------------------------------------------------------------------------------------------- */
@@ -471,13 +471,13 @@ static void write_spare_words(const drawing *d, int storage, uint32_t first, con
 {
     GLint buffer;
     if (storage) {
-        ((void(APIENTRY *)(GLenum, GLint, GLint, GLint, GLsizei, GLsizei, GLenum, GLenum, const void *))OSMesaGetProcAddress(
+        ((void(APIENTRY *)(GLenum, GLint, GLint, GLint, GLsizei, GLsizei, GLenum, GLenum, const void *))gl_choice_function(
             "glTexSubImage2D"))(GL_TEXTURE_2D, 0, (GLint)first, 0, VXS_BLOCKS_SPARE_WORDS, 1, GL_RED_INTEGER, GL_UNSIGNED_INT,
                                 words);
         return;
     }
-    ((void(APIENTRY *)(GLenum, GLuint, GLint *))OSMesaGetProcAddress("glGetIntegeri_v"))(GL_SHADER_STORAGE_BUFFER_BINDING, 0,
-                                                                                         &buffer);
+    ((void(APIENTRY *)(GLenum, GLuint, GLint *))gl_choice_function("glGetIntegeri_v"))(GL_SHADER_STORAGE_BUFFER_BINDING, 0,
+                                                                                       &buffer);
     d->gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, (GLuint)buffer);
     told_BufferSubData(GL_SHADER_STORAGE_BUFFER, first * 4, VXS_BLOCKS_SPARE_WORDS * 4, words);
 }
@@ -695,7 +695,7 @@ enum {
 
 static void read_state(GLint state[STATE_COUNT])
 {
-    void(APIENTRY * get)(GLenum, GLint *) = (void(APIENTRY *)(GLenum, GLint *))OSMesaGetProcAddress("glGetIntegerv");
+    void(APIENTRY * get)(GLenum, GLint *) = (void(APIENTRY *)(GLenum, GLint *))gl_choice_function("glGetIntegerv");
 #define STATE_READ(name) get(name, &state[AT_##name]);
     STATES(STATE_READ)
 #undef STATE_READ
@@ -719,8 +719,8 @@ static void test_state_is_put_back(void **state)
                                                          .light_count      = 1,
                                                          .word_count       = 3000,
                                                          .first_binding    = 3};
-        void(APIENTRY * bind_texture)(GLenum, GLuint) = (void(APIENTRY *)(GLenum, GLuint))OSMesaGetProcAddress("glBindTexture");
-        void(APIENTRY * active)(GLenum)               = (void(APIENTRY *)(GLenum))OSMesaGetProcAddress("glActiveTexture");
+        void(APIENTRY * bind_texture)(GLenum, GLuint) = (void(APIENTRY *)(GLenum, GLuint))gl_choice_function("glBindTexture");
+        void(APIENTRY * active)(GLenum)               = (void(APIENTRY *)(GLenum))gl_choice_function("glActiveTexture");
         d.gl->CreateTextures(GL_TEXTURE_2D, 1, &texture);
         d.gl->CreateTextures(GL_TEXTURE_2D, 1, &depths);
         d.gl->TextureStorage2D(depths, 1, GL_R32F, 8, 8);
@@ -920,12 +920,12 @@ static void check_lists(rng *r, const vxs_gl_light *lights, uint32_t count, cons
 static void read_lists(const drawing *d, uint32_t binding, uint32_t *lists, uint64_t words)
 {
     GLint buffer;
-    ((void(APIENTRY *)(GLenum, GLuint, GLint *))OSMesaGetProcAddress("glGetIntegeri_v"))(GL_SHADER_STORAGE_BUFFER_BINDING, binding,
-                                                                                         &buffer);
+    ((void(APIENTRY *)(GLenum, GLuint, GLint *))gl_choice_function("glGetIntegeri_v"))(GL_SHADER_STORAGE_BUFFER_BINDING, binding,
+                                                                                       &buffer);
     d->gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, (GLuint)buffer);
-    ((PFNGLMEMORYBARRIERPROC)OSMesaGetProcAddress("glMemoryBarrier"))(GL_BUFFER_UPDATE_BARRIER_BIT);
-    ((PFNGLGETBUFFERSUBDATAPROC)OSMesaGetProcAddress("glGetBufferSubData"))(GL_SHADER_STORAGE_BUFFER, 0, (GLsizeiptr)(words * 4),
-                                                                            lists);
+    ((PFNGLMEMORYBARRIERPROC)gl_choice_function("glMemoryBarrier"))(GL_BUFFER_UPDATE_BARRIER_BIT);
+    ((PFNGLGETBUFFERSUBDATAPROC)gl_choice_function("glGetBufferSubData"))(GL_SHADER_STORAGE_BUFFER, 0, (GLsizeiptr)(words * 4),
+                                                                          lists);
 }
 
 static vxs_result cull_by_shader(const drawing *d, vxs_gl *gl, const vxs_view *view, const float *depths, uint32_t room,

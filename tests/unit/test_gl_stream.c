@@ -21,7 +21,7 @@
 static vxs_gl_function loaded(const char *name, void *user)
 {
     (void)user;
-    return (vxs_gl_function)OSMesaGetProcAddress(name);
+    return (vxs_gl_function)gl_choice_function(name);
 }
 
 /* Less than 0 where pages are missing. */

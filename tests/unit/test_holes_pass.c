@@ -16,6 +16,7 @@
 #include "baker/lab/opengl/depth_gl.h"
 #include "baker/scene/scene.h"
 #include "runtime/vxs.h"
+#include "tests/gl_choice.h"
 
 #include <cmocka.h>
 
@@ -27,7 +28,7 @@ static int open_gl(void **state)
 {
     run_context m = {0};
     (void)state;
-    return gl_context_create(&gl, GL_BACKEND_OSMESA, 2, &m) == VXS_OK ? 0 : -1;
+    return gl_context_create(&gl, gl_choice(), 2, &m) == VXS_OK ? 0 : -1;
 }
 
 static int close_gl(void **state)

@@ -375,7 +375,7 @@ static gl_context *open_context(void)
 {
     gl_context *gl = NULL;
     run_context m  = {0};
-    if (gl_context_create(&gl, GL_BACKEND_OSMESA, 1, &m) != VXS_OK) {
+    if (gl_context_create(&gl, gl_choice(), 1, &m) != VXS_OK) {
         print_message("no OpenGL 4.5: %s\n", m.error);
         skip();
     }

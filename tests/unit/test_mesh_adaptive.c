@@ -52,7 +52,7 @@ static own_map map_make(const volumes_scene *s, int light, uint32_t side)
 static void map_upload(own_map *m, const volumes_scene *s)
 {
     vxs_shadow_depth_map_desc  desc = {.constants = &m->constants, .side_px = m->side};
-    PFNGLTEXTURESUBIMAGE3DPROC put  = (PFNGLTEXTURESUBIMAGE3DPROC)(vxs_gl_function)OSMesaGetProcAddress("glTextureSubImage3D");
+    PFNGLTEXTURESUBIMAGE3DPROC put  = (PFNGLTEXTURESUBIMAGE3DPROC)(vxs_gl_function)gl_choice_function("glTextureSubImage3D");
     m->light.constants              = &m->constants;
     assert_int_equal(vxs_shadow_depth_map_create(&m->map, s->volumes, &desc), VXS_OK);
     assert_int_equal(vxs_shadow_depth_map_side_px(m->map), m->side);

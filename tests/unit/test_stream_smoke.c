@@ -165,7 +165,7 @@ static void test_some_lights(void **state)
 static vxs_gl_function loaded(const char *name, void *user)
 {
     (void)user;
-    return (vxs_gl_function)OSMesaGetProcAddress(name);
+    return (vxs_gl_function)gl_choice_function(name);
 }
 
 /* Whose smoke shaders are given: that of an asset alone, a stream's own, the same said so, that of an asset beside it, or none in its place. */

@@ -513,9 +513,9 @@ enum {
 
 static void read_state(const volumes_scene *s, GLint state[STATE])
 {
-    PFNGLGETINTEGERVPROC   get     = (PFNGLGETINTEGERVPROC)(vxs_gl_function)OSMesaGetProcAddress("glGetIntegerv");
-    PFNGLGETINTEGERI_VPROC get_i   = (PFNGLGETINTEGERI_VPROC)(vxs_gl_function)OSMesaGetProcAddress("glGetIntegeri_v");
-    PFNGLACTIVETEXTUREPROC active  = (PFNGLACTIVETEXTUREPROC)(vxs_gl_function)OSMesaGetProcAddress("glActiveTexture");
+    PFNGLGETINTEGERVPROC   get     = (PFNGLGETINTEGERVPROC)(vxs_gl_function)gl_choice_function("glGetIntegerv");
+    PFNGLGETINTEGERI_VPROC get_i   = (PFNGLGETINTEGERI_VPROC)(vxs_gl_function)gl_choice_function("glGetIntegeri_v");
+    PFNGLACTIVETEXTUREPROC active  = (PFNGLACTIVETEXTUREPROC)(vxs_gl_function)gl_choice_function("glActiveTexture");
     GLint                 *to      = state, unit;
     const GLenum           image[] = {GL_IMAGE_BINDING_NAME,  GL_IMAGE_BINDING_LEVEL,  GL_IMAGE_BINDING_LAYERED,
                                       GL_IMAGE_BINDING_LAYER, GL_IMAGE_BINDING_ACCESS, GL_IMAGE_BINDING_FORMAT};
@@ -561,27 +561,27 @@ static void disturb(const volumes_scene *s)
     gl->CreateTextures(GL_TEXTURE_2D, 1, textures);
     gl->TextureStorage2D(textures[0], 1, GL_RGBA8, 4, 4);
     gl->CreateTextures(GL_TEXTURE_2D_ARRAY, 1, textures + 1);
-    ((PFNGLTEXTURESTORAGE3DPROC)(vxs_gl_function)OSMesaGetProcAddress("glTextureStorage3D"))(textures[1], 2, GL_RGBA8, 4, 4, 3);
+    ((PFNGLTEXTURESTORAGE3DPROC)(vxs_gl_function)gl_choice_function("glTextureStorage3D"))(textures[1], 2, GL_RGBA8, 4, 4, 3);
     gl->CreateTextures(GL_TEXTURE_BUFFER, 1, textures + 2);
     gl->CreateTextures(GL_TEXTURE_2D, 1, &colour);
     gl->TextureStorage2D(colour, 1, GL_RGBA8, 64, 64);
-    ((PFNGLGENSAMPLERSPROC)(vxs_gl_function)OSMesaGetProcAddress("glGenSamplers"))(1, &samplers);
+    ((PFNGLGENSAMPLERSPROC)(vxs_gl_function)gl_choice_function("glGenSamplers"))(1, &samplers);
     for (GLuint n = 0; n < UNITS_ASKED; n++) {
-        ((PFNGLACTIVETEXTUREPROC)(vxs_gl_function)OSMesaGetProcAddress("glActiveTexture"))(GL_TEXTURE0 + n);
-        ((void(APIENTRY *)(GLenum, GLuint))OSMesaGetProcAddress("glBindTexture"))(GL_TEXTURE_2D, textures[0]);
-        ((void(APIENTRY *)(GLenum, GLuint))OSMesaGetProcAddress("glBindTexture"))(GL_TEXTURE_2D_ARRAY, textures[1]);
-        ((void(APIENTRY *)(GLenum, GLuint))OSMesaGetProcAddress("glBindTexture"))(GL_TEXTURE_BUFFER, textures[2]);
-        ((PFNGLBINDSAMPLERPROC)(vxs_gl_function)OSMesaGetProcAddress("glBindSampler"))(n, samplers);
+        ((PFNGLACTIVETEXTUREPROC)(vxs_gl_function)gl_choice_function("glActiveTexture"))(GL_TEXTURE0 + n);
+        ((void(APIENTRY *)(GLenum, GLuint))gl_choice_function("glBindTexture"))(GL_TEXTURE_2D, textures[0]);
+        ((void(APIENTRY *)(GLenum, GLuint))gl_choice_function("glBindTexture"))(GL_TEXTURE_2D_ARRAY, textures[1]);
+        ((void(APIENTRY *)(GLenum, GLuint))gl_choice_function("glBindTexture"))(GL_TEXTURE_BUFFER, textures[2]);
+        ((PFNGLBINDSAMPLERPROC)(vxs_gl_function)gl_choice_function("glBindSampler"))(n, samplers);
     }
     gl->GenBuffers(1, &buffer);
     gl->BindBuffer(GL_UNIFORM_BUFFER, buffer);
     gl->BufferData(GL_UNIFORM_BUFFER, 1024, NULL, GL_STATIC_DRAW);
-    PFNGLBINDBUFFERRANGEPROC bind = (PFNGLBINDBUFFERRANGEPROC)(vxs_gl_function)OSMesaGetProcAddress("glBindBufferRange");
+    PFNGLBINDBUFFERRANGEPROC bind = (PFNGLBINDBUFFERRANGEPROC)(vxs_gl_function)gl_choice_function("glBindBufferRange");
     bind(GL_UNIFORM_BUFFER, 0, buffer, 256, 512);
     for (GLuint n = 0; n < STORAGES; n++) bind(GL_SHADER_STORAGE_BUFFER, 6 + n, buffer, 256, 512);
     gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, buffer);
-    ((PFNGLBINDIMAGETEXTUREPROC)(vxs_gl_function)OSMesaGetProcAddress("glBindImageTexture"))(0, textures[1], 1, GL_FALSE, 2,
-                                                                                             GL_READ_ONLY, GL_RGBA8);
+    ((PFNGLBINDIMAGETEXTUREPROC)(vxs_gl_function)gl_choice_function("glBindImageTexture"))(0, textures[1], 1, GL_FALSE, 2,
+                                                                                           GL_READ_ONLY, GL_RGBA8);
     gl->GenVertexArrays(1, &array);
     gl->BindVertexArray(array);
     gl->GenFramebuffers(1, &frame);
@@ -599,8 +599,8 @@ static void disturb(const volumes_scene *s)
     gl->Viewport(5, 6, 7, 8);
     gl->BlendFunc(GL_DST_COLOR, GL_ONE_MINUS_SRC_ALPHA);
     gl->BlendEquation(GL_FUNC_SUBTRACT);
-    ((PFNGLCOLORMASKPROC)(vxs_gl_function)OSMesaGetProcAddress("glColorMask"))(1, 0, 1, 0);
-    ((PFNGLPOLYGONMODEPROC)(vxs_gl_function)OSMesaGetProcAddress("glPolygonMode"))(GL_FRONT_AND_BACK, GL_LINE);
+    ((PFNGLCOLORMASKPROC)(vxs_gl_function)gl_choice_function("glColorMask"))(1, 0, 1, 0);
+    ((PFNGLPOLYGONMODEPROC)(vxs_gl_function)gl_choice_function("glPolygonMode"))(GL_FRONT_AND_BACK, GL_LINE);
     assert_int_equal(gl->GetError(), GL_NO_ERROR);
 }
 

@@ -4,8 +4,6 @@
 #ifndef VOLUMES_SCENE_H
 #define VOLUMES_SCENE_H
 
-#include <GL/osmesa.h>
-
 #include "baker/vxs_bake.h"
 #include "runtime/gl/vxs_gl.h"
 #include "runtime/volumes/vxs_air_path.h"
@@ -13,6 +11,7 @@
 #include "runtime/volumes/vxs_volumes.h"
 #include "runtime/vxs.h"
 #include "runtime/vxs_query.h"
+#include "tests/gl_choice.h"
 
 #include "repeats.h"
 
@@ -39,7 +38,7 @@ typedef struct volumes_camera {
 static inline vxs_gl_function scene_function(const char *name, void *user)
 {
     (void)user;
-    return (vxs_gl_function)OSMesaGetProcAddress(name);
+    return (vxs_gl_function)gl_choice_function(name);
 }
 
 static inline void scene_log(const char *text, void *user)
@@ -100,7 +99,7 @@ static inline void scene_open_asset(volumes_scene *s, vxs_asset *asset, uint32_t
     s->asset      = asset;
     s->width_px   = width_px;
     s->height_px  = height_px;
-    if (gl_context_create(&s->gl, GL_BACKEND_OSMESA, 1, &m) != VXS_OK) {
+    if (gl_context_create(&s->gl, gl_choice(), 1, &m) != VXS_OK) {
         print_message("no OpenGL 4.5: %s\n", m.error);
         skip();
     }
