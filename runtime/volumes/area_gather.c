@@ -47,7 +47,8 @@ static void fill(const vxs_area_light *light)
                                    NULL);
     vxs_area_light_count(light, light->count, light->side_px, vxs_area_shadow_depth_maps(light), 0);
     vxs_volumes_use_storage(v, light->buffer, 0);
-    volumes_kept kept = vxs_volumes_use(v, light->programs[AREA_GRIDS], 0, 0, 0);
+    gl_name      program = vxs_volumes_compute(v, AREA_USES, vxs_volumes_text_area_grids_glsl);
+    volumes_kept kept = vxs_volumes_use(v, program, 0, 0, 0);
     v->api.DispatchCompute(groups(AREA_BITS, 32), groups(rows, 4), light->count);
     vxs_volumes_put_back(v, &kept);
     vxs_or_scan_run(&light->scan, light->buffer, sizeof light->lamps / 16, (uint32_t)light->size.columns, rows * light->count);
@@ -79,15 +80,16 @@ static void fill_exactly(vxs_area_light *light, const vxs_shadow_depth_map *cons
     }
 }
 
-/* Run one of two programs, without or with smoke, on the given number of pixels.   map  a texture; 0: none */
-static void gather_by(const vxs_area_light *light, const area_program programs[2], gl_name map, unsigned normal_texture,
+/* Run a program, which smoke dims where there is some, on the given number of pixels.   map  a texture; 0: none */
+static void gather_by(const vxs_area_light *light, const char *names, const char *text, gl_name map, unsigned normal_texture,
                       uint32_t wide, uint32_t high)
 {
-    const vxs_volumes *v    = light->volumes;
-    int                dims = light->smoke == AREA_DIMMED;
+    vxs_volumes *v       = light->volumes;
+    int          dims    = light->smoke == AREA_DIMMED;
+    gl_name      program = dims ? vxs_transmittance_program(&light->curves, names, text) : vxs_volumes_compute(v, names, text);
     vxs_volumes_use_storage(v, light->buffer, 0);
     if (dims) vxs_area_light_use_curves(light);
-    volumes_kept kept = vxs_volumes_use(v, light->programs[programs[dims]], map, light->gathered, GL_FORMAT_RGBA32F);
+    volumes_kept kept = vxs_volumes_use(v, program, map, light->gathered, GL_FORMAT_RGBA32F);
     v->api.ActiveTexture(GL_UNIT_0 + v->first_unit + UNIT_OTHER);
     v->api.BindTexture(GL_TARGET_TEXTURE_2D, normal_texture);
     v->api.DispatchCompute(groups(wide, GROUP), groups(high, GROUP), 1);
@@ -102,7 +104,6 @@ static int is_clear(const frame_block *f)
 
 static void gather(const vxs_area_light *light, const vxs_area_look *look, uint32_t runs)
 {
-    static const area_program all[2] = {AREA_GATHER, AREA_GATHER_SMOKE}, exact[2] = {AREA_EXACT, AREA_EXACT_SMOKE};
     vxs_volumes              *v    = light->volumes;
     uint32_t                  each = look->gather == VXS_AREA_QUARTER ? 2 : 1, wide = groups((uint32_t)v->frame.wide_px, each),
              high        = groups((uint32_t)v->frame.high_px, each);
@@ -114,12 +115,12 @@ static void gather(const vxs_area_light *light, const vxs_area_look *look, uint3
     v->frame.knobs[1]    = !is_clear(&v->frame);
     v->frame.knobs[2]    = look->normal_texture && !look->maps;
     vxs_area_light_count(light, light->count, look->gather, !look->is_sharp, light->curves.side_px);
-    gather_by(light, all, 0, look->normal_texture, wide, high);
+    gather_by(light, light->exact ? AREA_TAKES_MAPS : AREA_GATHERS, vxs_volumes_text_area_gather_glsl, 0, look->normal_texture, wide, high);
     for (uint32_t n = 0; n < light->count && look->normal_texture && look->maps; n++) {
         set_map(light, n, look->maps[n]);
         v->frame.pixels = (vxs_pixels){0, 0, wide, high};
         vxs_area_light_count(light, n, look->gather, 0, light->curves.side_px);
-        gather_by(light, exact, vxs_shadow_depth_map_texture(look->maps[n]), look->normal_texture, wide, high);
+        gather_by(light, AREA_TAKES_MAPS, vxs_volumes_text_area_exact_glsl, vxs_shadow_depth_map_texture(look->maps[n]), look->normal_texture, wide, high);
     }
 }
 
@@ -127,7 +128,8 @@ void vxs_area_light_show(const vxs_area_light *light, vxs_area_gather gather, ui
 {
     vxs_volumes *v = light->volumes;
     vxs_area_light_count(light, gather, layer, is_added != 0, 0);
-    vxs_volumes_run(v, light->programs[AREA_SHOW], light->gathered, image, groups((uint32_t)v->frame.wide_px, GROUP),
+    gl_name program = vxs_volumes_compute(v, "", vxs_volumes_text_area_show_glsl);
+    vxs_volumes_run(v, program, light->gathered, image, groups((uint32_t)v->frame.wide_px, GROUP),
                     groups((uint32_t)v->frame.high_px, GROUP));
 }
 
@@ -159,5 +161,5 @@ vxs_result vxs_volumes_area(vxs_volumes *v, vxs_area_light *light, const vxs_are
     vxs_area_light_show(light, look->gather, 0, v->airlight, 1);
     if (look->normal_texture) vxs_area_light_show(light, look->gather, 1, light->irradiance, 0);
     vxs_volumes_put_back_storage(v, &kept);
-    return VXS_OK;
+    return vxs_volumes_done(v);
 }

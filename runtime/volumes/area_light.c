@@ -33,24 +33,11 @@ static uint64_t bytes_of(const vxs_area_light *light)
            4 * ((uint64_t)vxs_area_shadow_depth_maps(light) + (uint64_t)light->most * words_of_map(light->side_px));
 }
 
-static int make_programs(vxs_area_light *light, int takes_maps)
-{
-    const char *const names[AREA_CLEAR_PROGRAMS] = {
-        AREA_USES, AREA_USES, AREA_USES, takes_maps ? AREA_TAKES_MAPS : AREA_GATHERS, "", AREA_TAKES_MAPS};
-    const char *const texts[AREA_CLEAR_PROGRAMS] = {vxs_volumes_text_area_splat_glsl, vxs_volumes_text_area_holes_glsl,
-                                                    vxs_volumes_text_area_grids_glsl, vxs_volumes_text_area_gather_glsl,
-                                                    vxs_volumes_text_area_show_glsl,  vxs_volumes_text_area_exact_glsl};
-    for (int n = 0; n < AREA_CLEAR_PROGRAMS - !takes_maps; n++)
-        if (!(light->programs[n] = vxs_volumes_compute(light->volumes, names[n], texts[n]))) return 0;
-    return 1;
-}
-
 static vxs_result make(vxs_area_light *light, const vxs_area_light_desc *desc)
 {
     vxs_volumes *v      = light->volumes;
     vxs_result   result = vxs_or_scan_create(&light->scan, v, 0);
     if (result != VXS_OK) return result;
-    if (!make_programs(light, desc->takes_maps != 0)) return VXS_E_GL;
     light->buffer     = vxs_volumes_buffer(v, bytes_of(light));
     light->gathered   = vxs_volumes_texture(v, GL_FORMAT_RGBA32F, v->width_px, v->height_px, 2);
     light->irradiance = vxs_volumes_texture(v, GL_FORMAT_RGBA32F, v->width_px, v->height_px, 0);
@@ -92,8 +79,6 @@ void vxs_area_light_destroy(vxs_area_light *light)
     if (light->buffer) v->api.DeleteBuffers(1, &light->buffer);
     if (light->gathered) v->api.DeleteTextures(1, &light->gathered);
     if (light->irradiance) v->api.DeleteTextures(1, &light->irradiance);
-    for (int n = 0; n < AREA_PROGRAMS; n++)
-        if (light->programs[n]) v->api.DeleteProgram(light->programs[n]);
     if (light->scan.volumes) vxs_or_scan_destroy(&light->scan);
     vxs_shadow_grid_destroy(light->exact);
     if (light->curves.volumes) vxs_transmittance_give_back(&light->curves);
@@ -212,7 +197,8 @@ static void splat(const vxs_area_light *light, const vxs_area_casters *casters)
     v->frame.knobs[3] = POINTS_APART;
     vxs_area_light_count(light, light->count, casters->count, casters->is_whole != 0, vxs_area_shadow_depth_maps(light));
     vxs_volumes_use_storage(v, light->buffer, casters->buffer);
-    vxs_volumes_run(v, light->programs[AREA_SPLAT], 0, 0, across, (groups + across - 1) / across);
+    gl_name program = vxs_volumes_compute(v, AREA_USES, vxs_volumes_text_area_splat_glsl);
+    vxs_volumes_run(v, program, 0, 0, across, (groups + across - 1) / across);
 }
 
 int vxs_area_light_has_sides(const vxs_area_light *light)
@@ -232,8 +218,8 @@ vxs_result vxs_area_light_cast(vxs_area_light *light, const vxs_area_casters *ca
     if (casters->count) splat(light, casters);
     vxs_area_light_count(light, light->count, FILL_LEVELS, light->side_px, vxs_area_shadow_depth_maps(light));
     vxs_volumes_use_storage(v, light->buffer, 0);
-    vxs_volumes_run(v, light->programs[AREA_HOLES], 0, 0, light->count, 1);
+    vxs_volumes_run(v, vxs_volumes_compute(v, AREA_USES, vxs_volumes_text_area_holes_glsl), 0, 0, light->count, 1);
     vxs_volumes_put_back_storage(v, &kept);
     light->is_cast = 1;
-    return VXS_OK;
+    return vxs_volumes_done(v);
 }

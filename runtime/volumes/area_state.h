@@ -29,20 +29,6 @@ typedef struct area_lamp {
 /* How a lamp emits. */
 enum { AREA_ALL_SIDES, AREA_ONE_SIDE, AREA_FAR };
 
-typedef enum area_program {
-    AREA_SPLAT,
-    AREA_HOLES,
-    AREA_GRIDS,
-    AREA_GATHER,
-    AREA_SHOW,
-    AREA_EXACT, /* 0 if no light maps are used */
-    AREA_CLEAR_PROGRAMS,
-    AREA_CURVES = AREA_CLEAR_PROGRAMS, /* this and the next: 0 without smoke */
-    AREA_GATHER_SMOKE,
-    AREA_EXACT_SMOKE,
-    AREA_PROGRAMS
-} area_program;
-
 /* State of the smoke curves: none, valid for the lamps, or of earlier lamp positions. */
 typedef enum area_smoke { AREA_CLEAR, AREA_DIMMED, AREA_DIMMED_BEFORE } area_smoke;
 
@@ -53,7 +39,6 @@ struct vxs_area_light {
     int              is_cast;
     gl_name          buffer;               /* VXS_VPLS_MAX lamps, words of `most` grids, words of as many maps */
     gl_name          gathered, irradiance; /* textures; gathered has two layers: air and surfaces */
-    gl_name          programs[AREA_PROGRAMS];
     or_scan          scan;
     vxs_shadow_grid *exact; /* NULL: no light maps are used */
     area_smoke       smoke;

@@ -75,12 +75,13 @@ uint64_t vxs_shadow_depth_map_fill(vxs_shadow_depth_map *map, uint64_t max_texel
     enum { GROUP = 64, GROUPS_MAX = 65535 };
     vxs_volumes *v    = map->volumes;
     uint64_t     left = texels_of(map) - map->filled, some = left < max_texels ? left : max_texels;
+    gl_name      program = some ? vxs_volumes_compute(v, "", vxs_volumes_text_map_fill_glsl) : 0;
     while (some) {
         uint32_t now = some < (uint64_t)GROUP * GROUPS_MAX ? (uint32_t)some : GROUP * GROUPS_MAX;
         set_map(map);
         v->frame.first    = (uint32_t)map->filled;
         v->frame.end      = (uint32_t)map->filled + now;
-        volumes_kept kept = vxs_volumes_use(v, v->programs[PROGRAM_MAP_FILL], 0, map->first, GL_FORMAT_R32F);
+        volumes_kept kept = vxs_volumes_use(v, program, 0, map->first, GL_FORMAT_R32F);
         v->api.DispatchCompute((now + GROUP - 1) / GROUP, 1, 1);
         vxs_volumes_put_back(v, &kept);
         map->filled += now;
@@ -107,7 +108,7 @@ static void join(vxs_shadow_depth_map *map, const vxs_moving_casters *casters)
     v->frame.high_px     = (float)casters->height_px;
     v->frame.empty_depth = casters->empty_depth;
     v->depth_texture     = casters->depth_texture;
-    volumes_kept kept    = vxs_volumes_use(v, v->programs[PROGRAM_MAP_JOIN], 0, map->joined, GL_FORMAT_R32F);
+    volumes_kept kept    = vxs_volumes_use(v, vxs_volumes_compute(v, "", vxs_volumes_text_map_join_glsl), 0, map->joined, GL_FORMAT_R32F);
     v->api.DispatchCompute(groups, groups, map->layers);
     vxs_volumes_put_back(v, &kept);
     v->frame         = frame;
@@ -123,7 +124,7 @@ vxs_result vxs_shadow_depth_map_join(vxs_shadow_depth_map *map, const vxs_moving
     map->volumes->api.CopyImageSubData(map->first, GL_TARGET_TEXTURE_2D_ARRAY, 0, 0, 0, 0, map->joined, GL_TARGET_TEXTURE_2D_ARRAY,
                                        0, 0, 0, 0, side, side, (int)map->layers);
     for (uint32_t n = 0; n < count; n++) join(map, &casters[n]);
-    return VXS_OK;
+    return vxs_volumes_done(map->volumes);
 }
 
 unsigned vxs_shadow_depth_map_texture(const vxs_shadow_depth_map *map)

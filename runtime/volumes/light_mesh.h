@@ -30,6 +30,9 @@ typedef struct mesh_draw {
     int     corners;
 } mesh_draw;
 
+/* The program that draws a mesh, with lines of #define. */
+gl_name vxs_mesh_program(vxs_volumes *v, const char *names);
+
 /* Add the light of the frame. */
 void vxs_mesh_add(vxs_volumes *v, const vxs_shadow_depth_map *map, const mesh_draw *draw);
 

@@ -16,13 +16,15 @@ static void add_steps(vxs_volumes *v, gl_name program, const vxs_shadow_depth_ma
     }
 }
 
+#define ASKS_ASSET "#define VXS_ASK_ASSET\n"
+
 /* March through smoke. */
 static void march_dimmed(vxs_volumes *v, const vxs_volumes_light *light, const vxs_shadow_depth_map *map, uint32_t steps)
 {
     storage_kept kept = vxs_volumes_keep_storage(v);
     vxs_transmittance_set_reader(light->smoke, (vxs_curve_lookup)light->smoke_lookup);
     vxs_volumes_use_storage(v, light->smoke->buffer, 0);
-    add_steps(v, v->curves[map ? PROGRAM_SMOKE_MARCH_MAP : PROGRAM_SMOKE_MARCH_ASSET], map, steps);
+    add_steps(v, vxs_volumes_compute(v, map ? VXS_SMOKE_NAMES : VXS_SMOKE_NAMES ASKS_ASSET, vxs_volumes_text_march_glsl), map, steps);
     vxs_volumes_put_back_storage(v, &kept);
 }
 
@@ -41,8 +43,8 @@ vxs_result vxs_volumes_march(vxs_volumes *v, const vxs_volumes_light *light, con
     if (light->smoke)
         march_dimmed(v, light, map, steps);
     else
-        add_steps(v, v->programs[map ? PROGRAM_MARCH_MAP : PROGRAM_MARCH_ASSET], map, steps);
-    return VXS_OK;
+        add_steps(v, vxs_volumes_compute(v, map ? "" : ASKS_ASSET, vxs_volumes_text_march_glsl), map, steps);
+    return vxs_volumes_done(v);
 }
 
 /* Modes as in intervals.glsl. There, all pieces after the first are INTERVALS_NEXT. */
@@ -53,7 +55,7 @@ static void add_intervals(vxs_volumes *v, int piece)
     static const uint32_t none = 0;
     v->frame.knobs[0]          = (float)piece;
     if (piece != INTERVALS_WHOLE) v->api.NamedBufferSubData(v->cut_buffer, 0, sizeof none, &none);
-    vxs_volumes_add(v, v->programs[PROGRAM_INTERVALS], 0);
+    vxs_volumes_add(v, vxs_volumes_compute(v, "", vxs_volumes_text_intervals_glsl), 0);
 }
 
 static vxs_result intervals(vxs_volumes *v, const vxs_volumes_light *light, int in_pieces)
@@ -66,7 +68,7 @@ static vxs_result intervals(vxs_volumes *v, const vxs_volumes_light *light, int 
     add_intervals(v, in_pieces ? INTERVALS_FIRST : INTERVALS_WHOLE);
     for (uint32_t n = 0; in_pieces && n < PIECES_MAX && vxs_volumes_cut(v); n++) add_intervals(v, INTERVALS_NEXT);
     vxs_volumes_put_back_storage(v, &kept);
-    return VXS_OK;
+    return vxs_volumes_done(v);
 }
 
 vxs_result vxs_volumes_intervals(vxs_volumes *v, const vxs_volumes_light *light)

@@ -123,6 +123,11 @@ vxs_result vxs_mesh_begin(vxs_volumes *v, const vxs_volumes_light *light, const 
     return vxs_mesh_triangles(shape) <= INT_MAX / 3 ? VXS_OK : VXS_E_ARGUMENT;
 }
 
+gl_name vxs_mesh_program(vxs_volumes *v, const char *names)
+{
+    return vxs_volumes_raster(v, names, vxs_volumes_text_mesh_vert_glsl, vxs_volumes_text_mesh_frag_glsl);
+}
+
 static void draw_corners(const vxs_volumes *v, const mesh_draw *draw)
 {
     const volumes_api *api = &v->api;
@@ -165,7 +170,7 @@ void vxs_mesh_add(vxs_volumes *v, const vxs_shadow_depth_map *map, const mesh_dr
     volumes_kept kept = vxs_volumes_use(v, draw->program, map ? vxs_shadow_depth_map_texture(map) : 0, 0, 0);
     draw_crossings(v, draw);
     vxs_volumes_put_back(v, &kept);
-    vxs_volumes_add(v, v->programs[PROGRAM_MESH_WHOLE], 0);
+    vxs_volumes_add(v, vxs_volumes_compute(v, "", vxs_volumes_text_mesh_whole_glsl), 0);
 }
 
 vxs_result vxs_volumes_mesh_map(vxs_volumes *v, const vxs_volumes_light *light, const vxs_shadow_depth_map *map)
@@ -174,8 +179,9 @@ vxs_result vxs_volumes_mesh_map(vxs_volumes *v, const vxs_volumes_light *light, 
     if (!map) return VXS_E_ARGUMENT;
     vxs_result result = vxs_mesh_begin(v, light, map, &shape);
     if (result != VXS_OK) return result;
-    vxs_mesh_add(v, map, &(mesh_draw){.program = v->programs[PROGRAM_MESH_MAP], .corners = 3 * vxs_mesh_triangles(&shape)});
-    return VXS_OK;
+    gl_name program = vxs_mesh_program(v, "#define VXS_MESH_OF_MAP\n");
+    vxs_mesh_add(v, map, &(mesh_draw){.program = program, .corners = 3 * vxs_mesh_triangles(&shape)});
+    return vxs_volumes_done(v);
 }
 
 /* made in C -------------------------------------------------------------------------------------------------------------------- */
@@ -243,9 +249,9 @@ vxs_result vxs_volumes_mesh(vxs_volumes *v, const vxs_volumes_light *light, cons
     if (result != VXS_OK) return result;
     v->frame.first = 3 * mesh->triangle_count; /* positions are stored after corners */
     vxs_mesh_add(v, NULL,
-                 &(mesh_draw){.program      = v->programs[PROGRAM_MESH],
+                 &(mesh_draw){.program      = vxs_mesh_program(v, ""),
                               .texture      = mesh->texture,
                               .vertex_array = mesh->vertex_array,
                               .corners      = 3 * (int)mesh->triangle_count});
-    return VXS_OK;
+    return vxs_volumes_done(v);
 }

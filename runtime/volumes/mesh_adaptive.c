@@ -18,7 +18,6 @@ struct vxs_adaptive_mesh {
     vxs_mesh_shape most; /* of the largest map; only the fields that determine the number of triangles */
     uint32_t       triangles_most;
     gl_name        splits, list, list_texture;
-    gl_name        split, meet, add, draw; /* programs */
 };
 
 static uint64_t split_bytes(const vxs_mesh_shape *shape)
@@ -50,14 +49,8 @@ static uint32_t triangles_at_most(const vxs_volumes *v, const vxs_mesh_shape *sh
 
 static vxs_result make(vxs_adaptive_mesh *mesh)
 {
-    static const char of_map[] = "#define VXS_MESH_OF_MAP\n#define VXS_MESH_LISTED\n", quads[] = "#define VXS_USES_QUADS\n";
-    vxs_volumes      *v = mesh->volumes;
+    vxs_volumes *v = mesh->volumes;
     if (split_bytes(&mesh->most) > list_bytes_most(v) || list_bytes(mesh) > list_bytes_most(v)) return VXS_E_GL;
-    mesh->split = vxs_volumes_compute(v, quads, vxs_volumes_text_mesh_split_glsl);
-    mesh->meet  = vxs_volumes_compute(v, quads, vxs_volumes_text_mesh_meet_glsl);
-    mesh->add   = vxs_volumes_compute(v, quads, vxs_volumes_text_mesh_list_glsl);
-    mesh->draw  = vxs_volumes_raster(v, of_map, vxs_volumes_text_mesh_vert_glsl, vxs_volumes_text_mesh_frag_glsl);
-    if (!mesh->split || !mesh->meet || !mesh->add || !mesh->draw) return VXS_E_GL;
     mesh->splits = vxs_volumes_buffer(v, split_bytes(&mesh->most));
     mesh->list   = vxs_volumes_buffer(v, list_bytes(mesh));
     if (!mesh->splits || !mesh->list) return VXS_E_MEMORY;
@@ -90,10 +83,8 @@ vxs_result vxs_adaptive_mesh_create(vxs_adaptive_mesh **out, vxs_volumes *v, con
 void vxs_adaptive_mesh_destroy(vxs_adaptive_mesh *mesh)
 {
     if (!mesh) return;
-    const vxs_volumes *v          = mesh->volumes;
-    const gl_name      programs[] = {mesh->split, mesh->meet, mesh->add, mesh->draw}, buffers[] = {mesh->splits, mesh->list};
-    for (int n = 0; n < 4; n++)
-        if (programs[n]) v->api.DeleteProgram(programs[n]);
+    const vxs_volumes *v         = mesh->volumes;
+    const gl_name      buffers[] = {mesh->splits, mesh->list};
     if (mesh->list_texture) v->api.DeleteTextures(1, &mesh->list_texture);
     for (int n = 0; n < 2; n++)
         if (buffers[n]) v->api.DeleteBuffers(1, &buffers[n]);
@@ -105,12 +96,13 @@ unsigned vxs_adaptive_mesh_buffer(const vxs_adaptive_mesh *mesh)
     return mesh->list;
 }
 
-/* Run a program over the quads of a level, or parts of them.   side  number of them along a side of each layer */
-static void run(const vxs_adaptive_mesh *mesh, gl_name program, gl_name map, int level, int side)
+/* Run a program, of its own text, over the quads of a level, or parts of them.   side  number of them along a side of each layer */
+static void run(const vxs_adaptive_mesh *mesh, const char *text, gl_name map, int level, int side)
 {
     enum { GROUP = 8 };
     vxs_volumes *v      = mesh->volumes;
     uint32_t     groups = ((uint32_t)side + GROUP - 1) / GROUP;
+    gl_name      program = vxs_volumes_compute(v, "#define VXS_USES_QUADS\n", text);
     v->frame.counts[0]  = (uint32_t)level;
     volumes_kept kept   = vxs_volumes_use(v, program, map, 0, 0);
     v->api.DispatchCompute(groups, groups, v->frame.map_layers);
@@ -126,8 +118,8 @@ static void choose_quads(const vxs_adaptive_mesh *mesh, const vxs_mesh_shape *sh
                                  GL_TYPE_UNSIGNED_INT, &all);
     if (all) return;
     for (int level = shape->levels; level > 0; level--)
-        run(mesh, mesh->split, map, level, shape->side >> (level < 3 ? level : 3)); /* as in mesh_split.glsl */
-    for (int level = 1; level < shape->levels; level++) run(mesh, mesh->meet, map, level, shape->side >> level);
+        run(mesh, vxs_volumes_text_mesh_split_glsl, map, level, shape->side >> (level < 3 ? level : 3)); /* as in mesh_split.glsl */
+    for (int level = 1; level < shape->levels; level++) run(mesh, vxs_volumes_text_mesh_meet_glsl, map, level, shape->side >> level);
 }
 
 static void list_triangles(const vxs_adaptive_mesh *mesh, const vxs_mesh_shape *shape, gl_name map)
@@ -135,7 +127,7 @@ static void list_triangles(const vxs_adaptive_mesh *mesh, const vxs_mesh_shape *
     const list_head none  = {.instances = 1};
     int             least = shape->levels > 0; /* quads of one texel are listed by the quads that split into them */
     mesh->volumes->api.NamedBufferSubData(mesh->list, 0, sizeof none, &none);
-    for (int level = shape->levels; level >= least; level--) run(mesh, mesh->add, map, level, shape->side >> level);
+    for (int level = shape->levels; level >= least; level--) run(mesh, vxs_volumes_text_mesh_list_glsl, map, level, shape->side >> level);
 }
 
 vxs_result vxs_volumes_mesh_adaptive(vxs_volumes *v, const vxs_volumes_light *light, const vxs_shadow_depth_map *map,
@@ -154,6 +146,7 @@ vxs_result vxs_volumes_mesh_adaptive(vxs_volumes *v, const vxs_volumes_light *li
     choose_quads(mesh, &shape, texture, error_texels);
     list_triangles(mesh, &shape, texture);
     vxs_volumes_put_back_storage(v, &kept);
-    vxs_mesh_add(v, map, &(mesh_draw){.program = mesh->draw, .texture = mesh->list_texture, .commands = mesh->list});
-    return VXS_OK;
+    gl_name program = vxs_mesh_program(v, "#define VXS_MESH_OF_MAP\n#define VXS_MESH_LISTED\n");
+    vxs_mesh_add(v, map, &(mesh_draw){.program = program, .texture = mesh->list_texture, .commands = mesh->list});
+    return vxs_volumes_done(v);
 }

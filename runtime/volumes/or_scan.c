@@ -6,18 +6,13 @@ enum { PASS_GROUP = 256, GROUPS_ACROSS = 32768 };
 
 vxs_result vxs_or_scan_create(or_scan *scan, vxs_volumes *v, uint64_t size_bytes)
 {
-    *scan         = (or_scan){.volumes = v};
-    scan->program = vxs_volumes_compute(v, size_bytes ? "#define VXS_SCAN_STEPS\n" : "", vxs_volumes_text_or_scan_glsl);
-    if (scan->program && size_bytes) scan->other = vxs_volumes_buffer(v, size_bytes);
-    if (scan->program && (scan->other || !size_bytes)) return VXS_OK;
-    vxs_result result = scan->program ? VXS_E_MEMORY : VXS_E_GL;
-    vxs_or_scan_destroy(scan);
-    return result;
+    *scan = (or_scan){.volumes = v};
+    if (size_bytes) scan->other = vxs_volumes_buffer(v, size_bytes);
+    return scan->other || !size_bytes ? VXS_OK : VXS_E_MEMORY;
 }
 
 void vxs_or_scan_destroy(or_scan *scan)
 {
-    if (scan->program) scan->volumes->api.DeleteProgram(scan->program);
     if (scan->other) scan->volumes->api.DeleteBuffers(1, &scan->other);
     *scan = (or_scan){0};
 }
@@ -27,7 +22,8 @@ static void dispatch(const or_scan *scan, uint32_t groups, uint32_t length, uint
     vxs_volumes   *v         = scan->volumes;
     const uint32_t counts[4] = {length, segments, first, step}, across = groups < GROUPS_ACROSS ? groups : GROUPS_ACROSS;
     for (int n = 0; n < 4; n++) v->frame.counts[n] = counts[n];
-    vxs_volumes_run(v, scan->program, 0, 0, across, (groups + across - 1) / across);
+    gl_name program = vxs_volumes_compute(v, scan->other ? "#define VXS_SCAN_STEPS\n" : "", vxs_volumes_text_or_scan_glsl);
+    vxs_volumes_run(v, program, 0, 0, across, (groups + across - 1) / across);
 }
 
 /* From one buffer to the other and back; with a last copy if the number of passes is odd. */

@@ -7,12 +7,11 @@
 
 typedef struct or_scan {
     vxs_volumes *volumes;
-    gl_name      program;
     gl_name      other; /* a second buffer for passes; 0: a workgroup for each segment, in shared memory */
 } or_scan;
 
 /* size_bytes  of the largest buffer that is scanned in passes, which alternate between two buffers; 0: in one dispatch
- * Returns VXS_OK; VXS_E_MEMORY; VXS_E_GL if its shader does not compile: then there is nothing to destroy. */
+ * Returns VXS_OK; VXS_E_MEMORY: then there is nothing to destroy. */
 vxs_result vxs_or_scan_create(or_scan *scan, vxs_volumes *volumes, uint64_t size_bytes);
 void       vxs_or_scan_destroy(or_scan *scan); /* may be all 0 */
 

@@ -21,10 +21,8 @@ struct vxs_shadow_grid {
     vxs_volumes  *volumes;
     vxs_grid_size size;
     gl_name       buffer;
-    gl_name       fill_map, fill_asset, look_up; /* programs */
     or_scan       scan;
-    voxelizer     voxelizer; /* all 0 if the grid does not cast */
-    int           between_rows;
+    int           between_rows, casts;
 };
 
 static uint64_t bytes_of(const vxs_grid_size *size)
@@ -37,13 +35,7 @@ static vxs_result make(vxs_shadow_grid *grid, const vxs_shadow_grid_desc *desc)
 {
     vxs_volumes *v      = grid->volumes;
     vxs_result   result = vxs_or_scan_create(&grid->scan, v, desc->scan_in_passes ? bytes_of(&grid->size) : 0);
-    if (result == VXS_OK && desc->casts) result = vxs_voxelizer_create(&grid->voxelizer, v);
     if (result != VXS_OK) return result;
-    grid->fill_map   = vxs_volumes_compute(v, "#define VXS_USES_GRID\n", vxs_volumes_text_grid_fill_glsl);
-    grid->fill_asset = vxs_volumes_compute(v, "#define VXS_USES_GRID\n#define VXS_ASK_ASSET\n", vxs_volumes_text_grid_fill_glsl);
-    grid->look_up =
-        vxs_volumes_compute(v, "#define VXS_USES_GRID\n#define VXS_GRID_ACCESS readonly\n", vxs_volumes_text_grid_light_glsl);
-    if (!grid->fill_map || !grid->fill_asset || !grid->look_up) return VXS_E_GL;
     grid->buffer = vxs_volumes_buffer(v, bytes_of(&grid->size));
     return grid->buffer ? VXS_OK : VXS_E_MEMORY;
 }
@@ -59,7 +51,7 @@ vxs_result vxs_shadow_grid_create(vxs_shadow_grid **out, vxs_volumes *v, const v
     if (bytes_of(&size) > (uint32_t)most || bytes_of(&size) > INT32_MAX) return VXS_E_GL;
     vxs_shadow_grid *grid = vxs_volumes_take(v, sizeof *grid);
     if (!grid) return VXS_E_MEMORY;
-    *grid             = (vxs_shadow_grid){.volumes = v, .size = size, .between_rows = desc->between_rows != 0};
+    *grid             = (vxs_shadow_grid){.volumes = v, .size = size, .between_rows = desc->between_rows != 0, .casts = desc->casts != 0};
     vxs_result result = make(grid, desc);
     if (result != VXS_OK) {
         vxs_shadow_grid_destroy(grid);
@@ -74,11 +66,7 @@ void vxs_shadow_grid_destroy(vxs_shadow_grid *grid)
     if (!grid) return;
     const vxs_volumes *v = grid->volumes;
     if (grid->buffer) v->api.DeleteBuffers(1, &grid->buffer);
-    const gl_name programs[] = {grid->fill_map, grid->fill_asset, grid->look_up};
-    for (int n = 0; n < 3; n++)
-        if (programs[n]) v->api.DeleteProgram(programs[n]);
     vxs_or_scan_destroy(&grid->scan);
-    vxs_voxelizer_destroy(&grid->voxelizer);
     vxs_volumes_give_back(v, grid, sizeof *grid);
 }
 
@@ -141,8 +129,10 @@ static uint32_t groups(uint32_t count, uint32_t each)
 static void fill(const vxs_shadow_grid *grid, gl_name map)
 {
     enum { BITS_ACROSS = 32, ROWS_DOWN = 4 };
+    const char *names = map ? "#define VXS_USES_GRID\n" : "#define VXS_USES_GRID\n#define VXS_ASK_ASSET\n";
+    gl_name program = vxs_volumes_compute(grid->volumes, names, vxs_volumes_text_grid_fill_glsl);
     vxs_volumes_use_storage(grid->volumes, grid->buffer, 0);
-    vxs_volumes_run(grid->volumes, map ? grid->fill_map : grid->fill_asset, map, 0, groups((uint32_t)grid->size.bits, BITS_ACROSS),
+    vxs_volumes_run(grid->volumes, program, map, 0, groups((uint32_t)grid->size.bits, BITS_ACROSS),
                     groups((uint32_t)grid->size.rows, ROWS_DOWN));
 }
 
@@ -150,12 +140,12 @@ static void fill(const vxs_shadow_grid *grid, gl_name map)
  * the grid; light rays find it. */
 static void cast(const vxs_shadow_grid *grid, const vxs_epipolar *space, const vxs_casters *casters, uint32_t count)
 {
-    const voxelizer *z   = &grid->voxelizer;
+    vxs_volumes *v = grid->volumes;
     uint32_t         all = (uint32_t)grid->size.columns;
-    vxs_voxelize(z, grid->buffer, space, casters, count, VXS_VOXELS_SOLID, VXS_VOXELS_SOLID, all);
-    vxs_voxelize(z, grid->buffer, space, casters, count, VXS_VOXELS_SOLID, VXS_VOXELS_RAYS, 1);
-    vxs_voxelize(z, grid->buffer, space, casters, count, VXS_VOXELS_RAYS, VXS_VOXELS_RAYS, all);
-    vxs_voxelize(z, grid->buffer, space, casters, count, VXS_VOXELS_COVERED, VXS_VOXELS_COVERED, all);
+    vxs_voxelize(v, grid->buffer, space, casters, count, VXS_VOXELS_SOLID, VXS_VOXELS_SOLID, all);
+    vxs_voxelize(v, grid->buffer, space, casters, count, VXS_VOXELS_SOLID, VXS_VOXELS_RAYS, 1);
+    vxs_voxelize(v, grid->buffer, space, casters, count, VXS_VOXELS_RAYS, VXS_VOXELS_RAYS, all);
+    vxs_voxelize(v, grid->buffer, space, casters, count, VXS_VOXELS_COVERED, VXS_VOXELS_COVERED, all);
 }
 
 /* with_map  1: static shadow comes from `map`, or, if that is 0, from the asset */
@@ -178,7 +168,7 @@ vxs_result vxs_volumes_grid_cast(vxs_volumes *v, const vxs_volumes_light *light,
                                  vxs_shadow_grid *grid, uint32_t runs, const vxs_casters *casters, uint32_t count)
 {
     int is_alone = !map && light->constants;
-    if (light->smoke || runs > SIDE_MAX || (is_alone && !count) || (count && !grid->voxelizer.volumes)) return VXS_E_ARGUMENT;
+    if (light->smoke || runs > SIDE_MAX || (is_alone && !count) || (count && !grid->casts)) return VXS_E_ARGUMENT;
     if (!vxs_are_casters(casters, count, &grid->size)) return VXS_E_ARGUMENT;
     vxs_result result = vxs_volumes_set_light(v, light, map);
     if (result != VXS_OK) return result;
@@ -188,9 +178,10 @@ vxs_result vxs_volumes_grid_cast(vxs_volumes *v, const vxs_volumes_light *light,
     storage_kept kept = vxs_volumes_keep_storage(v);
     make_grid(grid, !is_alone, map ? vxs_shadow_depth_map_texture(map) : 0, runs, casters, count);
     vxs_volumes_use_storage(v, grid->buffer, 0);
-    vxs_volumes_add(v, grid->look_up, 0);
+    gl_name look_up = vxs_volumes_compute(v, "#define VXS_USES_GRID\n#define VXS_GRID_ACCESS readonly\n", vxs_volumes_text_grid_light_glsl);
+    vxs_volumes_add(v, look_up, 0);
     vxs_volumes_put_back_storage(v, &kept);
-    return VXS_OK;
+    return vxs_volumes_done(v);
 }
 
 vxs_result vxs_volumes_grid(vxs_volumes *v, const vxs_volumes_light *light, const vxs_shadow_depth_map *map, vxs_shadow_grid *grid,

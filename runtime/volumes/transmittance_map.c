@@ -38,53 +38,13 @@ static uint64_t bytes_of(const vxs_transmittance_map *map)
     return HEAD_BYTES + curve_bytes(map) + lists;
 }
 
-void vxs_transmittance_names(const vxs_transmittance_map *map, char names[TRANSMITTANCE_NAMES])
-{
-    snprintf(names, TRANSMITTANCE_NAMES, "#define VXS_USES_CURVES\n#define VXS_CURVE_MOST %u\n", map->nodes);
-}
-
 /* create ----------------------------------------------------------------------------------------------------------------------- */
 
-/* Programs that are shared by maps with the same number of nodes; compiled for the first of these maps. */
-static gl_name make_program(vxs_volumes *v, gl_name *made, const char *names, const char *body)
+gl_name vxs_transmittance_program(const vxs_transmittance_map *map, const char *names, const char *body)
 {
-    if (!*made) *made = vxs_volumes_compute(v, names, body);
-    return *made;
-}
-
-/* Programs that read curves of any map. */
-static int make_readers(vxs_volumes *v)
-{
-    static const struct {
-        const char *names, *body;
-    } texts[CURVES_PROGRAMS] = {
-        [PROGRAM_SMOKE_MARCH_MAP]   = {"", vxs_volumes_text_march_glsl},
-        [PROGRAM_SMOKE_MARCH_ASSET] = {"#define VXS_ASK_ASSET\n", vxs_volumes_text_march_glsl},
-        [PROGRAM_SMOKE_PLACES]      = {"", vxs_volumes_text_transmittance_places_glsl},
-    };
-    char names[TRANSMITTANCE_NAMES];
-    for (int n = 0; n < CURVES_PROGRAMS; n++) {
-        snprintf(names, sizeof names, "#define VXS_USES_CURVES\n#define VXS_READS_CURVES\n%s", texts[n].names);
-        if (!make_program(v, &v->curves[n], names, texts[n].body)) return 0;
-    }
-    return 1;
-}
-
-/* Programs that write curves of this map. */
-static int make_writers(vxs_transmittance_map *map)
-{
-    vxs_volumes *v  = map->volumes;
-    gl_name     *of = v->maps[map->nodes / 4 - 1];
-    char         names[TRANSMITTANCE_NAMES];
-    vxs_transmittance_names(map, names);
-    map->look_up = make_program(v, &of[PROGRAM_CURVES_PASS], names, vxs_volumes_text_transmittance_pass_glsl);
-    if (!map->segment_room)
-        map->build = make_program(v, &of[PROGRAM_CURVES_STREAM], names, vxs_volumes_text_transmittance_stream_glsl);
-    else {
-        map->capture = make_program(v, &of[PROGRAM_CURVES_CAPTURE], names, vxs_volumes_text_transmittance_capture_glsl);
-        map->build   = make_program(v, &of[PROGRAM_CURVES_BUILD], names, vxs_volumes_text_transmittance_build_glsl);
-    }
-    return map->build && map->look_up && (map->capture || !map->segment_room);
+    char all[PROGRAM_NAMES];
+    snprintf(all, sizeof all, "%s#define VXS_USES_CURVES\n#define VXS_CURVE_MOST %u\n", names, map->nodes);
+    return vxs_volumes_compute(map->volumes, all, body);
 }
 
 vxs_result vxs_transmittance_take(vxs_transmittance_map *map)
@@ -130,11 +90,12 @@ vxs_result vxs_transmittance_map_create(vxs_transmittance_map **out, vxs_volumes
                                    .nodes        = known.nodes ? known.nodes : NODES,
                                    .capsule_room = known.capsules,
                                    .segment_room = known.segments,
-                                   .is_sorted    = !known.unsorted};
+                                   .is_sorted    = !known.unsorted,
+                                   .names        = ""};
     if (known.constants) map->constants = *known.constants;
     snprintf(map->binding_text, sizeof map->binding_text, "#define VXS_AT_GRID %u\n", v->first_storage);
     map->layers = constants_of(map)->flags & VXS_LIGHT_CUBE ? 6 : 1;
-    result      = make_writers(map) && make_readers(v) ? vxs_transmittance_take(map) : VXS_E_GL;
+    result      = vxs_transmittance_take(map);
     if (result == VXS_OK)
         *out = map;
     else
@@ -205,7 +166,7 @@ void vxs_transmittance_capture(const vxs_transmittance_map *map, const vxs_capsu
     clear(map);
     vxs_volumes_use_storage(v, map->buffer, capsules->list ? map->capsules : capsules->buffer);
     if (map->segment_room && count)
-        dispatch(v, map->capture, opaque, across, (count + across - 1) / across, map->layers * capture_parts(map));
+        dispatch(v, vxs_transmittance_program(map, "", vxs_volumes_text_transmittance_capture_glsl), opaque, across, (count + across - 1) / across, map->layers * capture_parts(map));
 }
 
 static int is_of_its_light(const vxs_transmittance_map *map, const vxs_shadow_depth_map *opaque)
@@ -218,15 +179,17 @@ vxs_result vxs_transmittance_map_build_drawn(vxs_transmittance_map *map, const v
 {
     if (capsules->count > map->capsule_room || (capsules->count && !capsules->list && !capsules->buffer)) return VXS_E_ARGUMENT;
     if ((opaque && !is_of_its_light(map, opaque)) || (draw && !map->segment_room)) return VXS_E_ARGUMENT;
+    const char *text = map->segment_room ? vxs_volumes_text_transmittance_build_glsl : vxs_volumes_text_transmittance_stream_glsl;
+    gl_name build = vxs_transmittance_program(map, map->names, text);
     storage_kept kept = vxs_volumes_keep_storage(map->volumes);
     vxs_transmittance_capture(map, capsules, opaque);
     if (draw) {
         vxs_transmittance_draw(map, constants_of(map), draw, user);
         vxs_transmittance_set(map, opaque, 0);
     }
-    vxs_transmittance_run(map, map->build, opaque);
+    vxs_transmittance_run(map, build, opaque);
     vxs_volumes_put_back_storage(map->volumes, &kept);
-    return VXS_OK;
+    return vxs_volumes_done(map->volumes);
 }
 
 vxs_result vxs_transmittance_map_build(vxs_transmittance_map *map, const vxs_capsules *capsules, const vxs_shadow_depth_map *opaque)
@@ -272,8 +235,8 @@ vxs_result vxs_volumes_transmittance(vxs_volumes *v, const vxs_transmittance_map
     if (!v->depth_texture || !texture || !is_lookup(how)) return VXS_E_ARGUMENT;
     vxs_transmittance_set(map, NULL, 0);
     v->frame.knobs[0] = (float)how;
-    vxs_transmittance_pass(map, map->look_up, 0, texture);
-    return VXS_OK;
+    vxs_transmittance_pass(map, vxs_transmittance_program(map, "", vxs_volumes_text_transmittance_pass_glsl), 0, texture);
+    return vxs_volumes_done(v);
 }
 
 void vxs_transmittance_set_reader(const vxs_transmittance_map *map, vxs_curve_lookup how)
@@ -297,9 +260,10 @@ vxs_result vxs_volumes_transmittance_at(vxs_volumes *v, const vxs_transmittance_
     v->frame.counts[2] = first;
     vxs_volumes_use_storage(v, map->buffer, places);
     v->api.BindBufferBase(GL_TARGET_STORAGE_BUFFER, v->first_storage + 2, left);
-    if (count) dispatch(v, v->curves[PROGRAM_SMOKE_PLACES], NULL, across, (groups + across - 1) / across, 1);
+    gl_name program = vxs_volumes_compute(v, VXS_SMOKE_NAMES, vxs_volumes_text_transmittance_places_glsl);
+    if (count) dispatch(v, program, NULL, across, (groups + across - 1) / across, 1);
     vxs_volumes_put_back_storage(v, &kept);
-    return VXS_OK;
+    return vxs_volumes_done(v);
 }
 
 int vxs_transmittance_is_of(const vxs_transmittance_map *map, const vxs_volumes *v, const vxs_volumes_light *light)

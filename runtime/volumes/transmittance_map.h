@@ -10,14 +10,16 @@ struct vxs_transmittance_map {
     vxs_volumes        *volumes;
     vxs_light_constants constants; /* of a light that is not baked */
     uint32_t            baked, is_baked, side_px, layers, nodes, capsule_room, segment_room, is_sorted;
-    gl_name             buffer, capsules, view;  /* view: data for shaders that draw segments; 0 without lists */
-    gl_name             capture, build, look_up; /* programs, owned by the volumes; without lists, capture is 0 */
+    gl_name             buffer, capsules, view; /* view: data for shaders that draw segments; 0 without lists */
+    const char         *names;                  /* lines of #define of the program that builds the curves */
     char                binding_text[48];
 };
 
-/* Texts that programs of maps need in addition to the common ones: lines of #define. */
-enum { TRANSMITTANCE_NAMES = 96 };
-void vxs_transmittance_names(const vxs_transmittance_map *map, char names[TRANSMITTANCE_NAMES]);
+/* Texts that programs need in addition to the common ones: lines of #define. For programs that read curves of any map. */
+#define VXS_SMOKE_NAMES "#define VXS_USES_CURVES\n#define VXS_READS_CURVES\n"
+
+/* A program for curves with as many nodes as the map's; after more lines of #define. */
+gl_name vxs_transmittance_program(const vxs_transmittance_map *map, const char *names, const char *body);
 
 /* Whether the sizes in a description are valid. */
 int vxs_transmittance_is_size(uint32_t side_px, uint32_t nodes, uint32_t capsules);

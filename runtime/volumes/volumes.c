@@ -34,34 +34,6 @@ static int load(vxs_volumes *v, const vxs_volumes_desc *desc)
     return text && sscanf(text, "%d.%d", &major, &minor) == 2 && 10 * major + minor >= 45;
 }
 
-static int make_programs(vxs_volumes *v)
-{
-    const struct {
-        const char *names, *body;
-    } computed[] = {
-        [PROGRAM_MAP_FILL]    = {"", vxs_volumes_text_map_fill_glsl},
-        [PROGRAM_MAP_JOIN]    = {"", vxs_volumes_text_map_join_glsl},
-        [PROGRAM_MARCH_MAP]   = {"", vxs_volumes_text_march_glsl},
-        [PROGRAM_MARCH_ASSET] = {"#define VXS_ASK_ASSET\n", vxs_volumes_text_march_glsl},
-        [PROGRAM_MESH_WHOLE]  = {"", vxs_volumes_text_mesh_whole_glsl},
-        [PROGRAM_INTERVALS]   = {"", vxs_volumes_text_intervals_glsl},
-    };
-    for (int n = 0; n < PROGRAM_COMPOSITE; n++)
-        if (!(v->programs[n] = vxs_volumes_compute(v, computed[n].names, computed[n].body))) return 0;
-    const struct {
-        const char *names, *vertex, *fragment;
-    } drawn[] = {
-        {"", vxs_volumes_text_screen_vert_glsl, vxs_volumes_text_composite_frag_glsl},
-        {"", vxs_volumes_text_mesh_vert_glsl, vxs_volumes_text_mesh_frag_glsl},
-        {"#define VXS_MESH_OF_MAP\n", vxs_volumes_text_mesh_vert_glsl, vxs_volumes_text_mesh_frag_glsl},
-    };
-    for (int n = PROGRAM_COMPOSITE; n < VOLUMES_PROGRAMS; n++) {
-        int k = n - PROGRAM_COMPOSITE;
-        if (!(v->programs[n] = vxs_volumes_raster(v, drawn[k].names, drawn[k].vertex, drawn[k].fragment))) return 0;
-    }
-    return 1;
-}
-
 static vxs_result make(vxs_volumes *v, const vxs_volumes_desc *desc)
 {
     int most = 0;
@@ -77,7 +49,7 @@ static vxs_result make(vxs_volumes *v, const vxs_volumes_desc *desc)
     v->api.CreateFramebuffers(1, &v->target);
     v->api.NamedFramebufferTexture(v->target, GL_ATTACHMENT_COLOUR, v->airlight, 0);
     if (!v->airlight || !v->cut_buffer || v->api.GetError() != GL_ERROR_NONE) return VXS_E_MEMORY;
-    return make_programs(v) ? VXS_OK : VXS_E_GL;
+    return VXS_OK;
 }
 
 vxs_result vxs_volumes_create(vxs_volumes **out, const vxs_volumes_desc *desc)
@@ -116,12 +88,8 @@ void vxs_volumes_destroy(vxs_volumes *v)
     if (v->cut_buffer) v->api.DeleteBuffers(1, &v->cut_buffer);
     if (v->vertex_array) v->api.DeleteVertexArrays(1, &v->vertex_array);
     if (v->target) v->api.DeleteFramebuffers(1, &v->target);
-    for (int n = 0; n < VOLUMES_PROGRAMS; n++)
-        if (v->programs[n]) v->api.DeleteProgram(v->programs[n]);
-    for (int n = 0; n < CURVES_PROGRAMS; n++)
-        if (v->curves[n]) v->api.DeleteProgram(v->curves[n]);
-    for (int n = 0; n < NODES_KINDS * NODES_PROGRAMS; n++)
-        if (v->maps[n / NODES_PROGRAMS][n % NODES_PROGRAMS]) v->api.DeleteProgram(v->maps[n / NODES_PROGRAMS][n % NODES_PROGRAMS]);
+    for (uint32_t n = 0; n < v->program_count; n++)
+        if (v->programs[n].name) v->api.DeleteProgram(v->programs[n].name);
     memory.free(v, sizeof *v, memory.user);
 }
 

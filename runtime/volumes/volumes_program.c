@@ -103,19 +103,40 @@ static gl_name linked(const vxs_volumes *v, gl_name program)
     return 0;
 }
 
-gl_name vxs_volumes_compute(const vxs_volumes *v, const char *names, const char *body)
+gl_name vxs_volumes_compile(const vxs_volumes *v, const char *names, const char *vertex, const char *body)
 {
     gl_name program = v->api.CreateProgram();
-    attach(v, program, GL_KIND_COMPUTE_SHADER, names, body);
+    if (vertex) attach(v, program, GL_KIND_VERTEX_SHADER, names, vertex);
+    attach(v, program, vertex ? GL_KIND_FRAGMENT_SHADER : GL_KIND_COMPUTE_SHADER, names, body);
     return linked(v, program);
 }
 
-gl_name vxs_volumes_raster(const vxs_volumes *v, const char *names, const char *vertex, const char *fragment)
+gl_name vxs_volumes_raster(vxs_volumes *v, const char *names, const char *vertex, const char *body)
 {
-    gl_name program = v->api.CreateProgram();
-    attach(v, program, GL_KIND_VERTEX_SHADER, names, vertex);
-    attach(v, program, GL_KIND_FRAGMENT_SHADER, names, fragment);
-    return linked(v, program);
+    volumes_program *p = v->programs, *end = p + v->program_count;
+    while (p < end && !(p->body == body && p->vertex == vertex && !strcmp(p->names, names))) p++;
+    if (p == end && v->program_count < PROGRAMS_MOST) {
+        *p = (volumes_program){.vertex = vertex, .body = body};
+        snprintf(p->names, sizeof p->names, "%s", names);
+        p->name = vxs_volumes_compile(v, p->names, vertex, body);
+        end += ++v->program_count > 0;
+    }
+    if (p < end && p->name) return p->name;
+    v->result = VXS_E_GL;
+    return 0;
+}
+
+gl_name vxs_volumes_compute(vxs_volumes *v, const char *names, const char *body)
+{
+    return vxs_volumes_raster(v, names, NULL, body);
+}
+
+vxs_result vxs_volumes_done(vxs_volumes *v)
+{
+    vxs_result result = v->result;
+    v->result         = VXS_OK;
+    if (result != VXS_OK) vxs_volumes_forget_error(v); /* of drawing without a program */
+    return result;
 }
 
 void vxs_volumes_forget_error(const vxs_volumes *v)

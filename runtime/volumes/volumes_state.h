@@ -31,36 +31,13 @@ typedef struct frame_block {
 /* Binding offsets in the context, from the caller's first binding on. */
 enum { UNIT_DEPTHS, UNIT_MAP, UNIT_OTHER, UNIT_MESH, UNITS, FRAME_BINDING = 0, IMAGE_BINDING = 0, STORAGES = 3 };
 
-typedef enum volumes_program {
-    PROGRAM_MAP_FILL,
-    PROGRAM_MAP_JOIN,
-    PROGRAM_MARCH_MAP,
-    PROGRAM_MARCH_ASSET,
-    PROGRAM_MESH_WHOLE,
-    PROGRAM_INTERVALS,
-    PROGRAM_COMPOSITE,
-    PROGRAM_MESH,
-    PROGRAM_MESH_MAP,
-    VOLUMES_PROGRAMS,
+/* A program that has been used, and its texts: it is compiled at its first use, and deleted with the volumes. */
+enum { PROGRAMS_MOST = 64, PROGRAM_NAMES = 256 };
+typedef struct volumes_program {
+    char        names[PROGRAM_NAMES];
+    const char *vertex, *body; /* vertex: NULL for a compute shader */
+    gl_name     name;          /* 0: it does not compile */
 } volumes_program;
-
-/* Programs that read curves of any map; compiled with the first map. */
-typedef enum curves_program {
-    PROGRAM_SMOKE_MARCH_MAP,
-    PROGRAM_SMOKE_MARCH_ASSET,
-    PROGRAM_SMOKE_PLACES,
-    CURVES_PROGRAMS
-} curves_program;
-
-/* Programs shared by maps with the same number of nodes: 4, 8, 12, 16. */
-typedef enum nodes_program {
-    PROGRAM_CURVES_CAPTURE,
-    PROGRAM_CURVES_BUILD,
-    PROGRAM_CURVES_STREAM,
-    PROGRAM_CURVES_PASS,
-    NODES_PROGRAMS,
-    NODES_KINDS = 4
-} nodes_program;
 
 struct vxs_volumes {
     volumes_api   api;
@@ -71,10 +48,12 @@ struct vxs_volumes {
     uint32_t    width_px, height_px, first_unit, first_storage;
     gl_name     airlight, frame_buffer, vertex_array, target; /* target: a framebuffer that draws into airlight */
     gl_name     cut_buffer;                                   /* the number of rays of the frame that were cut short */
-    gl_name     programs[VOLUMES_PROGRAMS], curves[CURVES_PROGRAMS], maps[NODES_KINDS][NODES_PROGRAMS];
     frame_block frame;
     float       frame_least, least; /* min_radiance of the frame; that of the light */
     gl_name     depth_texture;      /* of the frame; 0: no frame has begun */
+    uint32_t        program_count;
+    vxs_result      result; /* VXS_E_GL: a program of the current call does not compile */
+    volumes_program programs[PROGRAMS_MOST];
 };
 
 struct vxs_shadow_depth_map {
@@ -95,11 +74,17 @@ struct vxs_light_mesh {
 void *vxs_volumes_take(const vxs_volumes *v, size_t size);
 void  vxs_volumes_give_back(const vxs_volumes *v, void *memory, size_t size);
 
-/* Compile a program of the common texts and its own bodies.
+/* A program of the common texts and its own bodies, compiled at its first use.
  * names  lines of #define, or ""
- * Returns 0 if it does not compile. */
-gl_name vxs_volumes_compute(const vxs_volumes *v, const char *names, const char *body);
-gl_name vxs_volumes_raster(const vxs_volumes *v, const char *names, const char *vertex, const char *fragment);
+ * Returns 0 if it does not compile; then vxs_volumes_done returns VXS_E_GL. */
+gl_name vxs_volumes_compute(vxs_volumes *v, const char *names, const char *body);
+gl_name vxs_volumes_raster(vxs_volumes *v, const char *names, const char *vertex, const char *fragment);
+
+/* The same, compiled now and owned by the caller.   vertex  NULL: a compute shader */
+gl_name vxs_volumes_compile(const vxs_volumes *v, const char *names, const char *vertex, const char *body);
+
+/* The result of a call that may have compiled programs. */
+vxs_result vxs_volumes_done(vxs_volumes *v);
 
 /* A texture of one level, without filtering.   layers  0: GL_TEXTURE_2D;   Returns 0 if there is no memory. */
 gl_name vxs_volumes_texture(const vxs_volumes *v, gl_enum format, uint32_t wide, uint32_t high, uint32_t layers);

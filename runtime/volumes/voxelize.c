@@ -6,29 +6,6 @@
 
 enum { GROUP = 64, GROUPS_MAX = 65535, GROUPS_ENOUGH = 64, WORDS_MOST = 1 << 30, ROWS_LEAST = 8 };
 
-vxs_result vxs_voxelizer_create(voxelizer *z, vxs_volumes *v)
-{
-    static const char *const names[VXS_VOXELS_KINDS] = {
-        [VXS_VOXELS_RAYS]    = "#define VXS_USES_GRID\n#define VXS_VOXELS_RAYS\n",
-        [VXS_VOXELS_SOLID]   = "#define VXS_USES_GRID\n#define VXS_VOXELS_SOLID\n",
-        [VXS_VOXELS_COVERED] = "#define VXS_USES_GRID\n#define VXS_VOXELS_COVERED\n",
-    };
-    *z = (voxelizer){.volumes = v};
-    for (int n = 0; n < VXS_VOXELS_KINDS; n++)
-        if (!(z->programs[n] = vxs_volumes_compute(v, names[n], vxs_volumes_text_voxelize_glsl))) {
-            vxs_voxelizer_destroy(z);
-            return VXS_E_GL;
-        }
-    return VXS_OK;
-}
-
-void vxs_voxelizer_destroy(voxelizer *z)
-{
-    for (int n = 0; n < VXS_VOXELS_KINDS; n++)
-        if (z->programs[n]) z->volumes->api.DeleteProgram(z->programs[n]);
-    *z = (voxelizer){0};
-}
-
 int vxs_are_casters(const vxs_casters *casters, uint32_t count, const vxs_grid_size *size)
 {
     for (const vxs_casters *c = casters; c < casters + count; c++) {
@@ -54,9 +31,14 @@ static void set_matrix(frame_block *f, const vxs_epipolar *space, const float po
     }
 }
 
-static void voxelize(const voxelizer *z, const vxs_casters *c, vxs_voxels as)
+static void voxelize(vxs_volumes *v, const vxs_casters *c, vxs_voxels as)
 {
-    vxs_volumes *v      = z->volumes;
+    static const char *const names[VXS_VOXELS_KINDS] = {
+        [VXS_VOXELS_RAYS]    = "#define VXS_USES_GRID\n#define VXS_VOXELS_RAYS\n",
+        [VXS_VOXELS_SOLID]   = "#define VXS_USES_GRID\n#define VXS_VOXELS_SOLID\n",
+        [VXS_VOXELS_COVERED] = "#define VXS_USES_GRID\n#define VXS_VOXELS_COVERED\n",
+    };
+    gl_name      program = vxs_volumes_compute(v, names[as], vxs_volumes_text_voxelize_glsl);
     uint32_t     groups = (c->triangle_count + GROUP - 1) / GROUP;
     uint32_t     turns  = groups < GROUPS_ENOUGH ? GROUPS_ENOUGH / (groups ? groups : 1) : 1;
     v->frame.counts[0]  = c->triangle_count;
@@ -66,20 +48,20 @@ static void voxelize(const voxelizer *z, const vxs_casters *c, vxs_voxels as)
     v->api.BindBufferBase(GL_TARGET_STORAGE_BUFFER, v->first_storage + 2, c->corners);
     for (uint32_t first = 0; first < groups; first += GROUPS_MAX) {
         v->frame.first = GROUP * first;
-        vxs_volumes_run(v, z->programs[as], 0, 0, groups - first < GROUPS_MAX ? groups - first : GROUPS_MAX, turns);
+        vxs_volumes_run(v, program, 0, 0, groups - first < GROUPS_MAX ? groups - first : GROUPS_MAX, turns);
     }
 }
 
-void vxs_voxelize(const voxelizer *z, gl_name grid, const vxs_epipolar *space, const vxs_casters *casters, uint32_t count,
+void vxs_voxelize(vxs_volumes *v, gl_name grid, const vxs_epipolar *space, const vxs_casters *casters, uint32_t count,
                   vxs_voxels kind, vxs_voxels as, uint32_t columns)
 {
-    frame_block *f = &z->volumes->frame;
+    frame_block *f = &v->frame;
     f->knobs[0]    = (float)columns;
     for (const vxs_casters *c = casters; c < casters + count; c++) {
         if (c->kind != kind) continue;
         set_matrix(f, space, c->point_from_place);
-        vxs_volumes_use_storage(z->volumes, grid, c->places);
-        voxelize(z, c, as);
+        vxs_volumes_use_storage(v, grid, c->places);
+        voxelize(v, c, as);
     }
-    vxs_volumes_use_storage(z->volumes, grid, 0);
+    vxs_volumes_use_storage(v, grid, 0);
 }

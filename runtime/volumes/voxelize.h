@@ -6,15 +6,6 @@
 #include "volumes_state.h"
 #include "vxs_shadow_grid.h"
 
-typedef struct voxelizer {
-    vxs_volumes *volumes;
-    gl_name      programs[VXS_VOXELS_KINDS];
-} voxelizer;
-
-/* Returns VXS_OK; VXS_E_GL if a shader does not compile: then there is nothing to destroy. */
-vxs_result vxs_voxelizer_create(voxelizer *voxelizer, vxs_volumes *volumes);
-void       vxs_voxelizer_destroy(voxelizer *voxelizer); /* may be all 0 */
-
 /* Whether all casters satisfy vxs_volumes.h, for a grid of the given size. */
 int vxs_are_casters(const vxs_casters *casters, uint32_t count, const vxs_grid_size *size);
 
@@ -23,7 +14,7 @@ int vxs_are_casters(const vxs_casters *casters, uint32_t count, const vxs_grid_s
  * columns  VXS_VOXELS_RAYS alone: shadow must begin in one of so many columns
  * as       the kind that is used, instead of that of the casters
  * Leaves storage bindings with the grid first. */
-void vxs_voxelize(const voxelizer *voxelizer, gl_name grid, const vxs_epipolar *space, const vxs_casters *casters, uint32_t count,
+void vxs_voxelize(vxs_volumes *volumes, gl_name grid, const vxs_epipolar *space, const vxs_casters *casters, uint32_t count,
                   vxs_voxels kind, vxs_voxels as, uint32_t columns);
 
 #endif

@@ -47,12 +47,12 @@ static gl_name program_of(const rival_curves *r, int which)
 {
     const char    *pass    = vxs_volumes_text_transmittance_pass_glsl;
     const embedded texts[] = {moments_glsl, rival_curves_glsl, {pass, pass + strlen(pass)}};
-    char           names[512], of_map[TRANSMITTANCE_NAMES];
-    vxs_transmittance_names(r->map, of_map);
+    char           names[512];
     snprintf(names, sizeof names,
-             "%s#define %s\n#define KNOB %u\n%sfloat rival_left(uint texel, float depth);\n"
+             "#define VXS_USES_CURVES\n#define VXS_CURVE_MOST %u\n#define %s\n#define KNOB %u\n%sfloat rival_left(uint texel, "
+             "float depth);\n"
              "#define vxs_curve_left(texel, depth, exponential) rival_left(texel, depth)\n",
-             of_map, names_of[r->which], r->knob, which == BUILD ? "#define BUILD\n" : "");
+             r->map->nodes, names_of[r->which], r->knob, which == BUILD ? "#define BUILD\n" : "");
     return rival_program(r->v, names, texts, which == BUILD ? 2 : 3);
 }
 

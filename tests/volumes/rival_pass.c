@@ -14,7 +14,7 @@ gl_name rival_program(const vxs_volumes *v, const char *names, const embedded *t
     for (size_t n = 0; n < count; to += texts[n].end - texts[n].begin, n++)
         memcpy(to, texts[n].begin, (size_t)(texts[n].end - texts[n].begin));
     *to             = 0;
-    gl_name program = vxs_volumes_compute(v, names, body);
+    gl_name program = vxs_volumes_compile(v, names, NULL, body);
     free(body);
     return program;
 }
