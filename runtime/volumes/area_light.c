@@ -165,8 +165,7 @@ void vxs_area_light_put(vxs_area_light *light, int from_origin)
         light->placed[n] = light->lamps[n];
         for (int i = 0; i < 3; i++) light->placed[n].place[i] += light->anchor[i];
     }
-    light->volumes->api.NamedBufferSubData(light->buffer, 0, (gl_bytes)(light->count * sizeof *light->lamps),
-                                           from_origin ? light->placed : light->lamps);
+    vxs_volumes_put(light->volumes, light->buffer, 0, light->count * sizeof *light->lamps, from_origin ? light->placed : light->lamps);
 }
 
 /* imperfect shadow maps -------------------------------------------------------------------------------------------------------- */

@@ -54,7 +54,7 @@ static void add_intervals(vxs_volumes *v, int piece)
 {
     static const uint32_t none = 0;
     v->frame.knobs[0]          = (float)piece;
-    if (piece != INTERVALS_WHOLE) v->api.NamedBufferSubData(v->cut_buffer, 0, sizeof none, &none);
+    if (piece != INTERVALS_WHOLE) vxs_volumes_put(v, v->cut_buffer, 0, sizeof none, &none);
     vxs_volumes_add(v, vxs_volumes_compute(v, "", vxs_volumes_text_intervals_glsl), 0);
 }
 

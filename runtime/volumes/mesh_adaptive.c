@@ -126,7 +126,7 @@ static void list_triangles(const vxs_adaptive_mesh *mesh, const vxs_mesh_shape *
 {
     const list_head none  = {.instances = 1};
     int             least = shape->levels > 0; /* quads of one texel are listed by the quads that split into them */
-    mesh->volumes->api.NamedBufferSubData(mesh->list, 0, sizeof none, &none);
+    vxs_volumes_put(mesh->volumes, mesh->list, 0, sizeof none, &none);
     for (int level = shape->levels; level >= least; level--) run(mesh, vxs_volumes_text_mesh_list_glsl, map, level, shape->side >> level);
 }
 

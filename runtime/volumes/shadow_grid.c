@@ -109,7 +109,7 @@ static void put_head(const vxs_shadow_grid *grid, const vxs_epipolar *space, uin
     grid_head          head = vxs_grid_head_of(space, &grid->size, runs);
     head.between_rows       = grid->between_rows;
     head.eye_lit            = head.away > 0 && head.away <= (float)EYE_IN_LAMP * v->frame.radius_metres ? 2 : 1;
-    v->api.NamedBufferSubData(grid->buffer, 0, sizeof head, &head);
+    vxs_volumes_put(v, grid->buffer, 0, sizeof head, &head);
     v->api.ClearNamedBufferSubData(grid->buffer, GL_FORMAT_R32UI, sizeof head, (gl_bytes)(bytes_of(&grid->size) - sizeof head),
                                    GL_FORMAT_RED_INTEGER, GL_TYPE_UNSIGNED_INT, NULL);
 }

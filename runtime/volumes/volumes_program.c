@@ -170,3 +170,14 @@ gl_name vxs_volumes_buffer(const vxs_volumes *v, uint64_t size_bytes)
     v->api.DeleteBuffers(1, &buffer);
     return 0;
 }
+
+/* By a copy, because glNamedBufferSubData does not arrive there with NVIDIA's driver 580 (GL 4.5, H100 and H200): a dispatch
+ * that follows reads the old bytes, with any barriers, until something flushes. */
+void vxs_volumes_put(const vxs_volumes *v, gl_name buffer, uint64_t start_bytes, uint64_t size_bytes, const void *data)
+{
+    gl_name from = 0;
+    v->api.CreateBuffers(1, &from);
+    v->api.NamedBufferStorage(from, (gl_bytes)size_bytes, data, 0);
+    v->api.CopyNamedBufferSubData(from, buffer, 0, (gl_bytes)start_bytes, (gl_bytes)size_bytes);
+    v->api.DeleteBuffers(1, &from);
+}

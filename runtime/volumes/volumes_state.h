@@ -92,6 +92,9 @@ gl_name vxs_volumes_texture(const vxs_volumes *v, gl_enum format, uint32_t wide,
 /* A storage buffer.   Returns 0 if there is no memory. */
 gl_name vxs_volumes_buffer(const vxs_volumes *v, uint64_t size_bytes);
 
+/* Write into a buffer that shaders write, too. */
+void vxs_volumes_put(const vxs_volumes *v, gl_name buffer, uint64_t start_bytes, uint64_t size_bytes, const void *data);
+
 void vxs_volumes_forget_error(const vxs_volumes *v);
 
 /* Previous context state that a technique changes, except words and lights. */

@@ -129,6 +129,8 @@ VXS_FN void vxs_air_lit(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_real begin, vx
                     airlight);
     else
         vxs_air_lamp(medium, VXS_REF_OF(path, passed), first, last - first, airlight);
+    for (vxs_i32 i = 0; i < 3; i++) /* differences of nearly equal numbers */
+        if (airlight[i] < 0.0) airlight[i] = VXS_REAL(0.0);
 }
 
 /* Light per metre that scatters toward the eye at x, without extinction.

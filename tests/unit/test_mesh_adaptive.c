@@ -340,7 +340,7 @@ static void test_error_rises(void **state)
             if (!k)
                 assert_true(most < 1e-5);
             else
-                assert_true(count < triangles && error >= last);
+                assert_true(count < triangles && error > last - 1e-7); /* less is rounding */
             triangles = count;
             last      = error;
         }
@@ -431,8 +431,12 @@ static void test_arguments(void **state)
         assert_null(mesh);
     }
     const vxs_adaptive_mesh_desc large = {4096, 1, 33000000}; /* 378 MiB, where llvmpipe's storage buffers have 128 */
-    assert_int_equal(vxs_adaptive_mesh_create(&mesh, s.volumes, &large), VXS_E_GL);
-    assert_null(mesh);
+    int                          storage_bytes;
+    ((PFNGLGETINTEGERVPROC)(vxs_gl_function)gl_choice_function("glGetIntegerv"))(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &storage_bytes);
+    if (storage_bytes < 378 << 20) {
+        assert_int_equal(vxs_adaptive_mesh_create(&mesh, s.volumes, &large), VXS_E_GL);
+        assert_null(mesh);
+    }
     vxs_adaptive_mesh_destroy(NULL);
     own_map m = map_make(&s, SCENE_POINT, 16);
     map_fill_baked(&m, &s);

@@ -171,7 +171,8 @@ static void check_balls(uint32_t count, uint32_t room, uint32_t unsorted, int ma
     vxs_transmittance_map *map;
     double                 from[3], way[3];
     float                  curve[2 * NODES];
-    rng                    r = {5};
+    uint32_t               thin = 0;
+    rng                    r    = {5};
     light_map_ray(&m, 0, 0, 0, from, way);
     for (uint32_t n = 0; n < count; n++) {
         double along = uniform(&r, 0, 20);
@@ -189,7 +190,10 @@ static void check_balls(uint32_t count, uint32_t room, uint32_t unsorted, int ma
     double error = fabs((double)curve[2 * NODES - 1] - left); /* each of so many factors is rounded to a float */
     print_message("%u segments, %u merged, %u texels cut: %.6f of %.6f is left\n", counts.segments, counts.merged,
                   counts.cut_texels, (double)curve[2 * NODES - 1], left);
-    assert_true(counts.segments == (room ? count : 0) && counts.merged == (room && count > room ? count - room : 0));
+    for (uint32_t n = 0; n < count; n++) thin += smoke[n].extinction * 1.2F < 0x1p-22F; /* exp may round to 1: nothing is there */
+    uint32_t least = room ? count - thin : 0;
+    assert_true(counts.segments >= least && counts.segments <= (room ? count : 0));
+    assert_true(counts.merged == (room && counts.segments > room ? counts.segments - room : 0));
     assert_true(left > 0.05 && left < 0.5);
     assert_true(counts.cut_texels ? may_cut && counts.cut_texels == 1 : error < 2e-4);
     vxs_transmittance_map_destroy(map);
