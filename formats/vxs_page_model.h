@@ -194,19 +194,6 @@ static void draw_block(walk *w, uint32_t word, int32_t base, const sheet *whole,
     }
 }
 
-/* Base of a block, predicted from the plane (if all tiles are on it, or if the block is known), else from the least depth
- * beside the block. */
-static int code_base(walk *w, const block_plane *p, int met, int wide, uint32_t x0, uint32_t y0, uint32_t *base)
-{
-    uint32_t by_plane = p->tiles == ON_NONE ? 0 : met ? 2 : p->tiles == ON_ALL, high = 0;
-    int32_t  least = least_border_depth(w, x0, y0, BLOCK_PX), like = least == INT16_MAX ? 0 : least;
-    if (by_plane) like = met ? base_by_plane(w, p, x0, y0) : (int32_t)p->least >> 8;
-    uint32_t off = (uint32_t)code_signed(&w->c, &w->odds->base[by_plane], (int16_t)(*base - (uint32_t)like));
-    if (wide) high = code_number(&w->c, &w->odds->high, *base >> 16);
-    *base = (((uint32_t)like + off) & 0xffff) | high << 16;
-    return high < DEPTH_END >> 16;
-}
-
 /* Source of a block. */
 enum { BLOCK_NEW, BLOCK_LISTED, BLOCK_LEFT, BLOCK_ABOVE };
 
@@ -243,7 +230,18 @@ static int code_block_of(walk *w, int wide, uint32_t x0, uint32_t y0, uint32_t *
     }
     *ref  = word;
     *left = *above = word + 1;
-    if (!code_base(w, &b.plane, found != BLOCK_NEW, wide, x0, y0, base)) return 0;
+
+    /* Base of a block, predicted from the plane (if all tiles are on it, or if the block is known), else from the least depth
+     * beside the block. */
+    int      met      = found != BLOCK_NEW;
+    uint32_t by_plane = b.plane.tiles == ON_NONE ? 0 : met ? 2 : b.plane.tiles == ON_ALL, high = 0;
+    int32_t  least = least_border_depth(w, x0, y0, BLOCK_PX), like = least == INT16_MAX ? 0 : least;
+    if (by_plane) like = met ? base_by_plane(w, &b.plane, x0, y0) : (int32_t)b.plane.least >> 8;
+    uint32_t off = (uint32_t)code_signed(&w->c, &w->odds->base[by_plane], (int16_t)(*base - (uint32_t)like));
+    if (wide) high = code_number(&w->c, &w->odds->high, *base >> 16);
+    *base = (((uint32_t)like + off) & 0xffff) | high << 16;
+    if (!(high < DEPTH_END >> 16)) return 0;
+
     if (found == BLOCK_NEW) b.plane.c = signed_28(b.plane.least - (*base << 8));
     b.base  = (int32_t)*base;
     b.sheet = sheet_of(&b.plane.plane, (*base << 8) + (uint32_t)b.plane.c, BLOCK_PX, OF_BLOCK);

@@ -52,22 +52,6 @@ PAGE_INLINE uint32_t which_plane(const own_planes *p, int32_t x, int32_t y)
     return p->kind == OWN_NEARER ? second < first : second > first;
 }
 
-/* Set the borders after a tile.   base  of the tile, in the node */
-static void draw_own_planes(walk *w, const own_planes *p, int32_t base, uint32_t x0, uint32_t y0)
-{
-    uint32_t without = (uint32_t)(base - tile_slope(w, x0 / TILE_PX, y0 / TILE_PX)) << 8;
-    sheet   *above = &w->sheet_above[x0 / TILE_PX], *left = &w->sheet_left[y0 / TILE_PX];
-    for (int32_t n = 0; n < TILE_PX; n++) {
-        w->above[8 + x0 + (uint32_t)n] = (int16_t)(base + sheet_depth(p->s[which_plane(p, n, 7)], n, 7));
-        w->left[y0 + (uint32_t)n]      = (int16_t)(base + sheet_depth(p->s[which_plane(p, 7, n)], 7, n));
-    }
-    *above = p->s[which_plane(p, 4, 7)];
-    *left  = p->s[which_plane(p, 7, 4)];
-    above->at += without;
-    left->at += without;
-    w->last_own = *left;
-}
-
 /* Predicted base of a tile: its planes meet the texels beside it. */
 static int32_t meet_own(const walk *w, const own_planes *p, uint32_t x0, uint32_t y0)
 {
@@ -180,7 +164,20 @@ static void draw_own(walk *w, uint32_t ref, int32_t base, uint32_t x0, uint32_t 
     }
     if (kind >= OWN_PLANE) {
         own_planes planes = read_own_planes(words, half);
-        draw_own_planes(w, &planes, base, x0, y0);
+
+        /* base is that of the tile, in the node */
+        uint32_t without = (uint32_t)(base - tile_slope(w, x0 / TILE_PX, y0 / TILE_PX)) << 8;
+        sheet   *above = &w->sheet_above[x0 / TILE_PX], *left = &w->sheet_left[y0 / TILE_PX];
+        for (int32_t n = 0; n < TILE_PX; n++) {
+            w->above[8 + x0 + (uint32_t)n] = (int16_t)(base + sheet_depth(planes.s[which_plane(&planes, n, 7)], n, 7));
+            w->left[y0 + (uint32_t)n]      = (int16_t)(base + sheet_depth(planes.s[which_plane(&planes, 7, n)], 7, n));
+        }
+        *above = planes.s[which_plane(&planes, 4, 7)];
+        *left  = planes.s[which_plane(&planes, 7, 4)];
+        above->at += without;
+        left->at += without;
+        w->last_own = *left;
+
         return;
     }
     leave_no_sheet(w, x0, y0, TILE_PX);

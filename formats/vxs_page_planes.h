@@ -227,27 +227,6 @@ static void read_block_plane(block_plane *p, const uint32_t *record)
     p->c     = (int32_t)record[3] >> 4;
 }
 
-/* Least depth of a plane: exactly the predicted one (JUST_AS), or the number of its low zero bits, and the other bits
- * relative to the prediction. */
-static int code_least(walk *w, block_plane *p, const sheets_beside *beside, uint32_t x0, uint32_t y0)
-{
-    uint32_t like, zeros = 0;
-    int      goes_on = meet_plane(w, &p->plane, beside, x0, y0, &like);
-    while (PAGE_ENCODING && zeros < ZEROS_MAX && !(p->least >> zeros & 1)) zeros++;
-    if (PAGE_ENCODING && goes_on && !signed_28(p->least - like)) zeros = JUST_AS;
-    zeros = code_nibble(&w->c, &w->odds->least_zeros[goes_on], zeros);
-    if (zeros > ZEROS_MAX) {
-        p->least = like;
-        return zeros == JUST_AS;
-    }
-    /* its low bits */
-    uint32_t shift = zeros < ZEROS_MAX ? zeros + 1 : ZEROS_MAX, low = zeros < ZEROS_MAX ? 1u << zeros : 0;
-    like          = ((like - low + (1u << shift) / 2) >> shift << shift) + low;
-    int32_t steps = signed_28(p->least - like) >> shift;
-    p->least      = like + ((uint32_t)code_signed(&w->c, &w->odds->plane_least[goes_on][zeros / 4], steps) << shift);
-    return 1;
-}
-
 /* The plane of a new block.   from  word of the source;   base  of the block, used only by the encoder */
 static int code_block_plane(walk *w, block_plane *p, uint32_t from, uint32_t base, uint32_t x0, uint32_t y0)
 {
@@ -261,7 +240,24 @@ static int code_block_plane(walk *w, block_plane *p, uint32_t from, uint32_t bas
     p->tiles = code_nibble(&w->c, &w->odds->on_plane[beside.left.known + 3 * beside.above.known], p->tiles);
     if (p->tiles == ON_NONE) return 1;
     if (p->tiles > ON_ALL || !code_plane(w, &p->plane, &beside)) return 0;
-    return code_least(w, p, &beside, x0, y0);
+
+    /* Least depth of a plane: exactly the predicted one (JUST_AS), or the number of its low zero bits, and the other bits
+     * relative to the prediction. */
+    uint32_t like, zeros = 0;
+    int      goes_on = meet_plane(w, &p->plane, &beside, x0, y0, &like);
+    while (PAGE_ENCODING && zeros < ZEROS_MAX && !(p->least >> zeros & 1)) zeros++;
+    if (PAGE_ENCODING && goes_on && !signed_28(p->least - like)) zeros = JUST_AS;
+    zeros = code_nibble(&w->c, &w->odds->least_zeros[goes_on], zeros);
+    if (zeros > ZEROS_MAX) {
+        p->least = like;
+        return zeros == JUST_AS;
+    }
+    /* its low bits */
+    uint32_t shift = zeros < ZEROS_MAX ? zeros + 1 : ZEROS_MAX, low = zeros < ZEROS_MAX ? 1u << zeros : 0;
+    like          = ((like - low + (1u << shift) / 2) >> shift << shift) + low;
+    int32_t steps = signed_28(p->least - like) >> shift;
+    p->least      = like + ((uint32_t)code_signed(&w->c, &w->odds->plane_least[goes_on][zeros / 4], steps) << shift);
+    return 1;
 }
 
 /* Predicted base of a known block, from its plane. */

@@ -212,23 +212,6 @@ static void put(char *to, float lit)
     memcpy(to, &lit, sizeof lit);
 }
 
-static void look_up(const vxs_baked_light *baked, const vxs_batch *b, size_t stride, char *lit)
-{
-    vxs_taps           taps;
-    coordinates        points = {0}, normals;
-    places             p;
-    const coordinates *some = b->normals_ws.data ? &normals : NULL;
-    vxs_taps_init(&taps, baked);
-    memset(&normals, 0, some ? sizeof normals : 0);
-    for (size_t first = 0; first < b->count; first += CHUNK) {
-        size_t count = b->count - first < CHUNK ? b->count - first : CHUNK;
-        read_vectors(&b->points_ws, first, count, &points);
-        if (some) read_vectors(&b->normals_ws, first, count, &normals);
-        find_places(&baked->light, &points, some, count, b->filter_px, &p);
-        for (size_t n = 0; n < count; n++, lit += stride) put(lit, lit_at(&taps, &p, n, b->filter_px));
-    }
-}
-
 vxs_result vxs_lookup_batch(const vxs_baked_light *lights, uint32_t light_count, const vxs_batch *batch)
 {
     vxs_batch b = {0};
@@ -238,6 +221,21 @@ vxs_result vxs_lookup_batch(const vxs_baked_light *lights, uint32_t light_count,
     if (!lights || !b.lit || !b.points_ws.data) return VXS_E_ARGUMENT;
     size_t stride = b.lit_stride_bytes ? b.lit_stride_bytes : sizeof(float);
     size_t light  = b.light_stride_bytes ? b.light_stride_bytes : b.count * stride;
-    for (uint32_t n = 0; n < light_count; n++) look_up(&lights[n], &b, stride, (char *)b.lit + n * light);
+    for (uint32_t n = 0; n < light_count; n++) {
+        char              *lit = (char *)b.lit + n * light;
+        vxs_taps           taps;
+        coordinates        points = {0}, normals;
+        places             p;
+        const coordinates *some = b.normals_ws.data ? &normals : NULL;
+        vxs_taps_init(&taps, &lights[n]);
+        memset(&normals, 0, some ? sizeof normals : 0);
+        for (size_t first = 0; first < b.count; first += CHUNK) {
+            size_t count = b.count - first < CHUNK ? b.count - first : CHUNK;
+            read_vectors(&b.points_ws, first, count, &points);
+            if (some) read_vectors(&b.normals_ws, first, count, &normals);
+            find_places(&lights[n].light, &points, some, count, b.filter_px, &p);
+            for (size_t k = 0; k < count; k++, lit += stride) put(lit, lit_at(&taps, &p, k, b.filter_px));
+        }
+    }
     return VXS_OK;
 }
