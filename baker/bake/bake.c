@@ -93,6 +93,23 @@ static int is_picture_wanted(const bake_options *o, const bake_plan *plan, const
 
 /* the lights ------------------------------------------------------------------------------------------------------------------ */
 
+static void report_light(light_report *light, const plan_light *planned, const light_columns *columns, const chosen_coder *coding,
+                         uint32_t tile_px)
+{
+    const build_stats *stats  = coding->stats;
+    uint64_t           across = max_u32(1, (1u << planned->light.levels) / tile_px);
+    light->light              = planned->light;
+    light->texels             = planned->texels;
+    light->depth              = columns->rendered.stats;
+    light->tiles              = planned->map_count * across * across;
+    light->tiles_skipped      = light->tiles - stats->squares_fetched;
+    light->mask_tiles         = stats->mask_tiles;
+    light->mask_runs          = stats->mask_runs;
+    light->inserted_nodes     = stats->inserted_nodes;
+    light->inserted_masks     = stats->inserted_masks;
+    light->palette            = coding->blocks.counts;
+}
+
 /* picture  NULL: not wanted */
 static vxs_result bake_planned(const bake_options *o, const bake_plan *plan, const plan_light *planned, const casters *c,
                                void *device, kept_squares *kept, light_picture *picture, coded_light *out, light_report *light,
@@ -110,21 +127,7 @@ static vxs_result bake_planned(const bake_options *o, const bake_plan *plan, con
         r                    = kept_light_source(&keeper, kept, &source, &planned->light, light, ctx->run);
         if (r == VXS_OK) r = bake_light(planned, &source, &coding.coder, is_baked_apart(o) ? NULL : out, ctx);
     }
-
-    uint32_t           tile_px = plan->tile_px;
-    const build_stats *stats   = coding.stats;
-    uint64_t           across  = max_u32(1, (1u << planned->light.levels) / tile_px);
-    light->light               = planned->light;
-    light->texels              = planned->texels;
-    light->depth               = columns.rendered.stats;
-    light->tiles               = planned->map_count * across * across;
-    light->tiles_skipped       = light->tiles - stats->squares_fetched;
-    light->mask_tiles          = stats->mask_tiles;
-    light->mask_runs           = stats->mask_runs;
-    light->inserted_nodes      = stats->inserted_nodes;
-    light->inserted_masks      = stats->inserted_masks;
-    light->palette             = coding.blocks.counts;
-
+    report_light(light, planned, &columns, &coding, plan->tile_px);
     chosen_coder_free(&coding);
     if (r == VXS_OK && picture) r = light_columns_draw(&columns, picture, ctx);
     light_columns_free(&columns);

@@ -95,23 +95,26 @@ static json_t *real_json(const double numbers[3])
     return json_real(numbers[0]);
 }
 
+/* The lights, and the sizes of their maps. */
+static void set_lights(json_t **object, const bake_options *o)
+{
+    json_t *names = json_array();
+    for (size_t n = 0; n < o->light_names.count; n++) json_append(&names, json_text(o->light_names.items[n]));
+    set_unless_empty(object, "light", names, json_array_size(names));
+    set_named(object, "sun", &o->suns, json_vector);
+    if (o->resolution)
+        json_set(object, "resolution_px", json_integer(o->resolution));
+    else
+        json_set(object, "texel_m", json_real(o->texel_metres));
+    set_named(object, "light_resolution_px", &o->resolutions, whole_json);
+    set_named(object, "light_texel_m", &o->texels, real_json);
+}
+
 json_t *bake_options_json(const bake_options *o)
 {
     json_t *object = bake_choices_json(o);
     if (bakes_smoke(o)) json_set(&object, "smoke", bake_smoke_json(o));
-
-    /* The lights, and the sizes of their maps. */
-    json_t *names = json_array();
-    for (size_t n = 0; n < o->light_names.count; n++) json_append(&names, json_text(o->light_names.items[n]));
-    set_unless_empty(&object, "light", names, json_array_size(names));
-    set_named(&object, "sun", &o->suns, json_vector);
-    if (o->resolution)
-        json_set(&object, "resolution_px", json_integer(o->resolution));
-    else
-        json_set(&object, "texel_m", json_real(o->texel_metres));
-    set_named(&object, "light_resolution_px", &o->resolutions, whole_json);
-    set_named(&object, "light_texel_m", &o->texels, real_json);
-
+    set_lights(&object, o);
     set_word(&object, "coding", CODING_CHOICES, (int)o->coding);
     if (o->coding == CODING_DAG) {
         set_word(&object, "reuse", REUSE_CHOICES, o->reuse);

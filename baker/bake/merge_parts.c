@@ -69,19 +69,19 @@ static vxs_result open_parts(part_set *s, const text_list *paths, run_context *m
     vxs_result r = VXS_OK;
     s->parts     = calloc(paths->count + 1, sizeof *s->parts);
     if (!s->parts) return fail(m, VXS_E_MEMORY, "out of memory for %zu parts", paths->count);
-    for (size_t n = 0; n < paths->count && r == VXS_OK; n++) {
-        const char  *path = paths->items[n];
-        part_reader *p    = &s->parts[s->count++];
-        r                 = part_open(p, path, m);
-        if (r == VXS_OK && !s->at && !(s->at = calloc(p->parts, sizeof *s->at)))
-            r = fail(m, VXS_E_MEMORY, "out of memory for parts");
-        if (r == VXS_OK) r = check_part(s, p, m);
-        if (r == VXS_OK) s->at[p->number - 1] = (uint32_t)s->count;
-    }
+    for (size_t n = 0; n < paths->count && r == VXS_OK; n++) r = open_part(s, paths->items[n], m);
     if (r == VXS_OK) r = check_all_there(s, m);
     if (r != VXS_OK) return r;
     r = part_common_read(&s->common, s->parts[0].common.data, s->parts[0].common.size_bytes);
     return r == VXS_E_CORRUPT ? is_damaged(&s->parts[0], m) : r == VXS_OK ? r : fail(m, r, "out of memory for parts");
+}
+
+static void close_parts(part_set *s)
+{
+    for (size_t n = 0; n < s->count; n++) part_close(&s->parts[n]);
+    free(s->parts);
+    free(s->at);
+    part_common_free(&s->common);
 }
 
 /* columns --------------------------------------------------------------------------------------------------------------------- */
@@ -250,10 +250,7 @@ vxs_result merge_parts(const merge_options *o, merge_report *report, run_context
     stage_begin(&ctx, STAGE_NONE);
     report->lights.peak_bytes    = ctx.peak_bytes;
     report->lights.total_seconds = clock_seconds() - ctx.begun;
-    for (size_t n = 0; n < set.count; n++) part_close(&set.parts[n]);
-    free(set.parts);
-    free(set.at);
-    part_common_free(&set.common);
+    close_parts(&set);
     return r;
 }
 

@@ -130,22 +130,24 @@ static int is_list(const json_t *list, int (*is_item)(json_t *item))
     return 1;
 }
 
+/* Whether members that vxs writes have their types. Older versions wrote fewer members. */
+static int is_provenance(json_t *root)
+{
+    json_t *input = json_object_get(root, "scene"), *options = json_object_get(root, "options");
+    return HAS_TYPES(root, "{s:s, s?I, s?I, s?I, s?I}", "generator", "triangles", "solids", "solid_triangles", "warnings") &&
+           (!input || HAS_TYPES(input, "{s:s, s:I, s:s, s:s, s:s, s:s}", "name", "triangles", "geometry", "alpha_masks", "cameras",
+                                "lights")) &&
+           (!options ||
+            HAS_TYPES(options, "{s?s, s?s, s?s, s?F, s?s, s?s, s?s, s?s, s?s, s?s, s?I, s?[F, F, F, F, F, F!]}", "closed", "exit",
+                      "behind", "thickness_m", "coding", "pack", "rule", "stop", "reuse", "gl", "zstd_level", "region_m")) &&
+           is_list(json_object_get(root, "lights"), is_light) && is_list(json_object_get(root, "left_out"), is_left_out);
+}
+
 json_t *provenance_parse(const vxs_contents *contents)
 {
     if (!contents->metadata || contents->metadata_bytes > METADATA_MAX_BYTES) return NULL;
     json_t *root = json_loadb(contents->metadata, contents->metadata_bytes, JSON_REJECT_DUPLICATES, NULL);
-
-    /* Whether members that vxs writes have their types. Older versions wrote fewer members. */
-    json_t *input = json_object_get(root, "scene"), *options = json_object_get(root, "options");
-    if (HAS_TYPES(root, "{s:s, s?I, s?I, s?I, s?I}", "generator", "triangles", "solids", "solid_triangles", "warnings") &&
-        (!input ||
-         HAS_TYPES(input, "{s:s, s:I, s:s, s:s, s:s, s:s}", "name", "triangles", "geometry", "alpha_masks", "cameras", "lights")) &&
-        (!options ||
-         HAS_TYPES(options, "{s?s, s?s, s?s, s?F, s?s, s?s, s?s, s?s, s?s, s?s, s?I, s?[F, F, F, F, F, F!]}", "closed", "exit",
-                   "behind", "thickness_m", "coding", "pack", "rule", "stop", "reuse", "gl", "zstd_level", "region_m")) &&
-        is_list(json_object_get(root, "lights"), is_light) && is_list(json_object_get(root, "left_out"), is_left_out))
-        return root;
-
+    if (is_provenance(root)) return root;
     json_decref(root);
     return NULL;
 }

@@ -33,6 +33,17 @@ typedef struct meeting {
     int            gave_up;
 } meeting;
 
+static void meeting_free(meeting *w)
+{
+    free(w->meets);
+    free(w->boxes);
+    free(w->first);
+    free(w->members);
+    free(w->near);
+    free(w->solid_at);
+    free(w->pairs);
+}
+
 static void mark(meeting *w, uint32_t solid)
 {
     w->open -= !w->meets[solid];
@@ -53,6 +64,14 @@ static int is_known(const meeting *w, uint32_t a, uint32_t b)
 
 /* --- solids ----------------------------------------------------------------------------------------------------------- */
 
+static void measure_boxes(meeting *w)
+{
+    const casters *c = w->c;
+    for (size_t i = 0; i < w->solids; i++) w->boxes[i] = box_empty();
+    for (size_t i = 0; i < 3 * c->solid_triangle_count; i++)
+        box_add(&w->boxes[c->component_of[i / 3]], &c->positions_ws[3 * (size_t)c->indices[i]]);
+}
+
 static int box_holds(const box *outer, const box *inner)
 {
     for (int axis = 0; axis < 3; axis++)
@@ -61,6 +80,18 @@ static int box_holds(const box *outer, const box *inner)
 }
 
 /* --- surfaces --------------------------------------------------------------------------------------------------------- */
+
+/* Find solids with a common corner; the search of triangles does not report these. */
+static void search_corners(meeting *w)
+{
+    const casters *c        = w->c;
+    uint32_t      *solid_at = w->solid_at;
+    for (size_t i = 0; i < 3 * c->solid_triangle_count; i++) {
+        uint32_t solid = c->component_of[i / 3], *at = &solid_at[c->indices[i]];
+        if (*at && *at != solid + 1) mark_pair(w, *at - 1, solid);
+        *at = solid + 1;
+    }
+}
 
 static int is_undecided(void *user, uint32_t a, uint32_t b)
 {
@@ -74,6 +105,21 @@ static int surfaces_meet(void *user, uint32_t a, uint32_t b)
     meeting *w = user;
     mark_pair(w, w->c->component_of[a], w->c->component_of[b]);
     return !w->open;
+}
+
+static vxs_result search_surfaces(meeting *w, uint32_t threads)
+{
+    const casters *c      = w->c;
+    mesh_soup      soup   = {c->positions_ws, c->indices, c->solid_triangle_count};
+    mesh_search    search = {.wanted       = is_undecided,
+                             .found        = surfaces_meet,
+                             .user         = w,
+                             .threads      = threads,
+                             .overlaps_max = OVERLAPS_MAX,
+                             .tests_max    = TESTS_MAX};
+    vxs_result     r      = mesh_find_intersections(&soup, &search);
+    w->gave_up            = search.gave_up;
+    return r;
 }
 
 /* --- insides ---------------------------------------------------------------------------------------------------------- */
@@ -143,29 +189,9 @@ static vxs_result search(meeting *w, uint32_t threads, run_context *m)
     vxs_result     r = VXS_E_MEMORY;
     if (make_room(w)) {
         r = group_by_key(w->first, w->members, c->component_of, c->solid_triangle_count, w->solids, threads);
-        for (size_t i = 0; i < w->solids; i++) w->boxes[i] = box_empty();
-        for (size_t i = 0; i < 3 * c->solid_triangle_count; i++)
-            box_add(&w->boxes[c->component_of[i / 3]], &c->positions_ws[3 * (size_t)c->indices[i]]);
-
-        /* Find solids with a common corner; the search of triangles does not report these. */
-        uint32_t *solid_at = w->solid_at;
-        for (size_t i = 0; i < 3 * c->solid_triangle_count; i++) {
-            uint32_t solid = c->component_of[i / 3], *at = &solid_at[c->indices[i]];
-            if (*at && *at != solid + 1) mark_pair(w, *at - 1, solid);
-            *at = solid + 1;
-        }
-
-        if (r == VXS_OK && w->open) {
-            mesh_soup   soup   = {c->positions_ws, c->indices, c->solid_triangle_count};
-            mesh_search search = {.wanted       = is_undecided,
-                                  .found        = surfaces_meet,
-                                  .user         = w,
-                                  .threads      = threads,
-                                  .overlaps_max = OVERLAPS_MAX,
-                                  .tests_max    = TESTS_MAX};
-            r                  = mesh_find_intersections(&soup, &search);
-            w->gave_up         = search.gave_up;
-        }
+        measure_boxes(w);
+        search_corners(w);
+        if (r == VXS_OK && w->open) r = search_surfaces(w, threads);
         if (r == VXS_OK && w->open && !w->gave_up) r = search_insides(w);
     }
     return r == VXS_OK ? r : fail(m, VXS_E_MEMORY, "out of memory while finding out which of %zu solids meet", w->solids);
@@ -188,22 +214,8 @@ vxs_result casters_find_meeting(casters *c, uint32_t threads, run_context *m)
 
     free(c->solid_meets);
     c->solid_meets = r == VXS_OK ? calloc(c->solid_triangle_count + 1, sizeof *c->solid_meets) : NULL;
-    if (c->solid_meets) {
-        meeting_counts counts = {.solids = w.solids, .assumed = w.gave_up ? w.open : 0};
-        counts.meet           = w.solids - w.open + counts.assumed;
-        for (size_t i = 0; i < w.solids; i++) counts.apart_by_box += !w.gave_up && !w.meets[i] && !w.near[i];
-        for (size_t t = 0; t < c->solid_triangle_count; t++) c->solid_meets[t] = w.gave_up || w.meets[c->component_of[t]];
-        c->meeting = counts;
-    }
+    if (c->solid_meets) finish(c, &w);
     if (r == VXS_OK && !c->solid_meets) r = fail(m, VXS_E_MEMORY, "out of memory for %zu solids", solids);
-
-    free(w.meets);
-    free(w.boxes);
-    free(w.first);
-    free(w.members);
-    free(w.near);
-    free(w.solid_at);
-    free(w.pairs);
-
+    meeting_free(&w);
     return r;
 }

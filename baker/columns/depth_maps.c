@@ -114,6 +114,14 @@ static void four_down(const depth_maps *d, const float *depths, uint32_t *to)
     memcpy(to, &down, sizeof down);
 }
 
+static void four_up(const depth_maps *d, const float *depths, uint32_t *to)
+{
+    f32x4 voxels = f32x4_load(depths) * (float)d->depth_vx;
+    i32x4 up     = __builtin_convertvector(voxels, i32x4);
+    up -= (i32x4)(__builtin_convertvector(up, f32x4) < voxels);
+    memcpy(to, &up, sizeof up);
+}
+
 static vxs_result maps_tile(void *data, uint32_t i, uint32_t j, column_tile *out)
 {
     const depth_maps *d = data;
@@ -124,13 +132,7 @@ static vxs_result maps_tile(void *data, uint32_t i, uint32_t j, column_tile *out
             uint32_t *to_e = out->e + row * 8 + n, *to_x = out->x + row * 8 + n;
             if (d->voxel_log == 0) {
                 four_down(d, e + n, to_e);
-
-                const float *depths = x + n;
-                f32x4        voxels = f32x4_load(depths) * (float)d->depth_vx;
-                i32x4        up     = __builtin_convertvector(voxels, i32x4);
-                up -= (i32x4)(__builtin_convertvector(up, f32x4) < voxels);
-                memcpy(to_x, &up, sizeof up);
-
+                four_up(d, x + n, to_x);
                 continue;
             }
             for (int m = 0; m < 4; m++) {

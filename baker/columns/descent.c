@@ -86,6 +86,20 @@ static vxs_result add_square(walker *w, uint32_t slot)
     return VXS_OK;
 }
 
+/* Add all squares that are ready. If another thread is adding, that thread adds them too. */
+static void add_ready(walker *w)
+{
+    while (!w->adding && next_is_ready(w)) {
+        w->adding = 1;
+        os_unlock(&w->lock);
+        vxs_result r = add_square(w, w->added);
+        os_lock(&w->lock);
+        w->adding = 0;
+        w->result = r;
+        w->added++;
+    }
+}
+
 /* making the squares of a batch ----------------------------------------------------------------------------------------------- */
 
 /* Pack what was built, for the square cache. */
@@ -161,18 +175,7 @@ static void make_slots(void *user, size_t begin, size_t end, uint32_t worker)
                                                   : VXS_E_MEMORY;
         os_lock(&w->lock);
         s->done = 1;
-        if (w->d->add_early && s->kind != WAITING_KNOWN) {
-            /* Add all squares that are ready. If another thread is adding, that thread adds them too. */
-            while (!w->adding && next_is_ready(w)) {
-                w->adding = 1;
-                os_unlock(&w->lock);
-                vxs_result r = add_square(w, w->added);
-                os_lock(&w->lock);
-                w->adding = 0;
-                w->result = r;
-                w->added++;
-            }
-        }
+        if (w->d->add_early && s->kind != WAITING_KNOWN) add_ready(w);
         os_unlock(&w->lock);
     }
 }
@@ -339,6 +342,31 @@ static vxs_result fetch_parts(walker *w, uint32_t level, uint32_t i, uint32_t j,
     return r == VXS_OK && w->record ? end_batch(w) : r;
 }
 
+static vxs_result make(walker *w, uint32_t level, uint32_t i, uint32_t j)
+{
+    uint32_t      side = part_px(w, level);
+    square_record record;
+    record_begin(w, &record);
+    vxs_result r = side ? fetch_parts(w, level, i, j, side) : fetch(w, level, i, j);
+    return record_end(w, &record, r);
+}
+
+/* Make a square that cannot be settled as a whole before a fetch. */
+static vxs_result make_square(walker *w, uint32_t level, uint32_t i, uint32_t j)
+{
+    const square_keeper *keeper = w->columns->keeper;
+    square_fate          fate   = SQUARE_MAKE;
+    vxs_bytes            known  = {0};
+    vxs_result           r      = keeper ? end_batch(w) : VXS_OK;
+    ++*w->d->squares_fetched;
+    w->steps += steps_of(w, level);
+    if (r == VXS_OK && keeper) r = keeper->ask(keeper->data, w->columns, level, i, j, &fate, &known, w->ctx);
+    if (r == VXS_OK && fate == SQUARE_KNOWN) r = recall(w, level, i, j, &known);
+    free(known.data);
+    if ((r == VXS_OK && fate == SQUARE_MAKE) || (r == VXS_E_CORRUPT && fate == SQUARE_KNOWN)) r = make(w, level, i, j);
+    return r == VXS_OK && keeper ? end_batch(w) : r;
+}
+
 /* the descent ----------------------------------------------------------------------------------------------------------------- */
 
 static vxs_result bounds_of(const walker *w, uint32_t level, uint32_t i, uint32_t j, column_bounds *out)
@@ -364,26 +392,7 @@ static vxs_result visit(walker *w, uint32_t level, uint32_t i, uint32_t j)
         if (!w->fetched) w->steps += steps_of(w, level);
         return wait_with(w, &s);
     }
-    if (!w->fetched && 8u << level <= w->columns->fetch_px) {
-        /* Make a square that cannot be settled as a whole before a fetch. */
-        const square_keeper *keeper = w->columns->keeper;
-        square_fate          fate   = SQUARE_MAKE;
-        vxs_bytes            known  = {0};
-        r                           = keeper ? end_batch(w) : VXS_OK;
-        ++*w->d->squares_fetched;
-        w->steps += steps_of(w, level);
-        if (r == VXS_OK && keeper) r = keeper->ask(keeper->data, w->columns, level, i, j, &fate, &known, w->ctx);
-        if (r == VXS_OK && fate == SQUARE_KNOWN) r = recall(w, level, i, j, &known);
-        free(known.data);
-        if ((r == VXS_OK && fate == SQUARE_MAKE) || (r == VXS_E_CORRUPT && fate == SQUARE_KNOWN)) {
-            uint32_t      side = part_px(w, level);
-            square_record record;
-            record_begin(w, &record);
-            r = side ? fetch_parts(w, level, i, j, side) : fetch(w, level, i, j);
-            r = record_end(w, &record, r);
-        }
-        return r == VXS_OK && keeper ? end_batch(w) : r;
-    }
+    if (!w->fetched && 8u << level <= w->columns->fetch_px) return make_square(w, level, i, j);
     if (w->fetched && step == DESCENT_BUILD) {
         uint32_t inner = w->fetched_level - level;
         s.kind         = WAITING_BUILT;

@@ -254,6 +254,26 @@ static int take_memory(maker *k)
     return !k->source.capsules || smoke_bins_make(&k->bins, k->source.capsules, &k->baked->light, k->levels);
 }
 
+static void free_tools(tools *w)
+{
+    smoke_path_free(&w->path);
+    smoke_path_free(&w->of_grid);
+    smoke_path_free(&w->of_capsules);
+    free(w->changes.list);
+}
+
+static void give_memory_back(maker *k)
+{
+    for (size_t n = 0; k->tile_nodes && n < tile_count(k); n++) free(k->tile_nodes[n]);
+    for (uint32_t n = 0; k->tools && n < k->workers; n++) free_tools(&k->tools[n]);
+    smoke_bins_free(&k->bins);
+    free(k->counts);
+    free(k->tile_nodes);
+    free(k->tools);
+    free(k->errors);
+    free(k->failed);
+}
+
 /* Concatenate the nodes of all tiles; leaves the map empty if there are none. */
 static int put_together(maker *k, smoke_map *map)
 {

@@ -77,6 +77,19 @@ static ALWAYS_INLINE uint32_t agreeing(const uint64_t *dark, const uint64_t *lit
     return u64x2_zeros(against);
 }
 
+/* Index of the mask with the most needs; it is compared first. */
+static int neediest(const mask_need *needs, int masks)
+{
+    int found = 0, most = -1;
+    for (int mask = 0; mask < masks; mask++) {
+        int bits = __builtin_popcountll(needs[mask].dark | needs[mask].lit);
+        if (bits <= most) continue;
+        most  = bits;
+        found = mask;
+    }
+    return found;
+}
+
 /* Search places [stop, end) from the last, 16 at a time, for patterns that agree with the needs of a mask.   from  [out] first
  * of the 16
  * Returns the bits of those that agree; 0: none. */
@@ -96,16 +109,8 @@ static ALWAYS_INLINE uint32_t last_agreeing(find_agreeing *find, const uint64_t 
 /* The last pattern that agrees in all masks, or the count: none. Compares 16 patterns at a time, mask by mask. */
 static ALWAYS_INLINE size_t search_by(find_agreeing *find, const pattern_class *c, const mask_need *needs, int masks)
 {
-    /* Index of the mask with the most needs; it is compared first. */
-    int first = 0, most = -1;
-    for (int mask = 0; mask < masks; mask++) {
-        int bits = __builtin_popcountll(needs[mask].dark | needs[mask].lit);
-        if (bits <= most) continue;
-        most  = bits;
-        first = mask;
-    }
-
-    const size_t    stop = c->count > PATTERN_WINDOW ? c->count - PATTERN_WINDOW : 0;
+    const int       first = neediest(needs, masks);
+    const size_t    stop  = c->count > PATTERN_WINDOW ? c->count - PATTERN_WINDOW : 0;
     const uint64_t *dark = mask_rows(c, first), *lit = dark + c->capacity;
     for (size_t end = c->count, from; end > stop; end = from) {
         uint32_t hits = last_agreeing(find, dark, lit, needs[first], stop, end, &from);
@@ -198,13 +203,11 @@ void pattern_needs(const pattern_set *s, int depths, size_t n, mask_need *needs)
 
 /* choosing -------------------------------------------------------------------------------------------------------------------- */
 
-void pattern_choose_within(const uint8_t low[64], const uint8_t high[64], uint8_t index[64])
+/* The fewest depths for each quadrant, by stabbing its ranges from the front: where a range without a depth ends, its last depth is
+ * used, and all ranges without a depth that contain it take it.
+ * used  [out] bits of the depths of each quadrant;   index  [out] [64] of each texel */
+static void choose_in_quadrants(const uint8_t low[64], const uint8_t high[64], uint64_t used[4], uint8_t index[64])
 {
-    uint64_t used[4];
-
-    /* The fewest depths for each quadrant, by stabbing its ranges from the front: where a range without a depth ends, its last depth is
-     * used, and all ranges without a depth that contain it take it.
-     * used  [out] bits of the depths of each quadrant;   index  [out] [64] of each texel */
     uint64_t left = UINT64_MAX;
     for (int q = 0; q < 4; q++) used[q] = 0;
     for (int depth = 0; left; depth++) {
@@ -219,8 +222,11 @@ void pattern_choose_within(const uint8_t low[64], const uint8_t high[64], uint8_
             for (uint64_t rest = may & quadrant; rest; rest &= rest - 1) index[__builtin_ctzll(rest)] = (uint8_t)depth;
         }
     }
+}
 
-    /* Give a texel the depth of an earlier neighbour if its range and quadrant have that depth: masks get simple outlines. */
+/* Give a texel the depth of an earlier neighbour if its range and quadrant have that depth: masks get simple outlines. */
+static void follow_neighbours(const uint8_t *low, const uint8_t *high, const uint64_t used[4], uint8_t *index)
+{
     static const int beside[4][2] = {{-1, 0}, {0, -1}, {-1, -1}, {1, -1}};
     for (int y = 0; y < 8; y++)
         for (int x = 0; x < 8; x++) {
@@ -235,6 +241,13 @@ void pattern_choose_within(const uint8_t low[64], const uint8_t high[64], uint8_
                 break;
             }
         }
+}
+
+void pattern_choose_within(const uint8_t low[64], const uint8_t high[64], uint8_t index[64])
+{
+    uint64_t used[4];
+    choose_in_quadrants(low, high, used, index);
+    follow_neighbours(low, high, used, index);
 }
 
 void pattern_choose(const mask_need *needs, int depths, uint8_t index[64])

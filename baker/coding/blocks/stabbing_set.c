@@ -128,6 +128,19 @@ typedef struct placed_depth {
     int32_t depth, place;
 } placed_depth;
 
+/* A stable radix sort step: by one byte of the depths relative to `least`. */
+static void order_by_byte(placed_depth *to, const placed_depth *from, int count, int32_t least, int shift)
+{
+    int next[256] = {0}, before = 0;
+    for (int n = 0; n < count; n++) next[(from[n].depth - least) >> shift & 255]++;
+    for (int byte = 0; byte < 256; byte++) {
+        int of_byte = next[byte];
+        next[byte]  = before;
+        before += of_byte;
+    }
+    for (int n = 0; n < count; n++) to[next[(from[n].depth - least) >> shift & 255]++] = from[n];
+}
+
 void axis_init_by_depths(depth_axis *a, const int32_t *depths, int16_t *codes, int count)
 {
     placed_depth first[AXIS_DEPTHS_MAX], second[AXIS_DEPTHS_MAX], *ordered = first, *other = second;
@@ -139,17 +152,7 @@ void axis_init_by_depths(depth_axis *a, const int32_t *depths, int16_t *codes, i
     }
     for (int shift = 0; shift < 32 && (most - least) >> shift; shift += 8) {
         placed_depth *was = ordered;
-
-        /* A stable radix sort step: by one byte of the depths relative to `least`. */
-        int next[256] = {0}, before = 0;
-        for (int n = 0; n < count; n++) next[(ordered[n].depth - least) >> shift & 255]++;
-        for (int byte = 0; byte < 256; byte++) {
-            int of_byte = next[byte];
-            next[byte]  = before;
-            before += of_byte;
-        }
-        for (int n = 0; n < count; n++) other[next[(ordered[n].depth - least) >> shift & 255]++] = ordered[n];
-
+        order_by_byte(other, ordered, count, least, shift);
         ordered = other;
         other   = was;
     }
@@ -160,20 +163,23 @@ void axis_init_by_depths(depth_axis *a, const int32_t *depths, int16_t *codes, i
     }
 }
 
+static int16_t code_by_depths(const depth_axis *a, int32_t depth)
+{
+    int from = 0, to = a->count;
+    while (from < to) {
+        int middle = (from + to) / 2;
+        if (a->depths[middle] < depth)
+            from = middle + 1;
+        else
+            to = middle;
+    }
+    return (int16_t)(2 * from + (from < a->count && a->depths[from] == depth));
+}
+
 void axis_codes(const depth_axis *a, const int32_t *depths, int16_t *codes, int count)
 {
     if (a->count) {
-        for (int n = 0; n < count; n++) {
-            int from = 0, to = a->count;
-            while (from < to) {
-                int middle = (from + to) / 2;
-                if (a->depths[middle] < depths[n])
-                    from = middle + 1;
-                else
-                    to = middle;
-            }
-            codes[n] = (int16_t)(2 * from + (from < a->count && a->depths[from] == depths[n]));
-        }
+        for (int n = 0; n < count; n++) codes[n] = code_by_depths(a, depths[n]);
         return;
     }
     int n = 0;

@@ -82,6 +82,19 @@ static vxs_result adopt_level(dag_merger *g, const dag_level *from, uint32_t lev
     return VXS_OK;
 }
 
+/* Add all nodes and masks of a DAG.   a  [out] released with adopted_free, whatever is returned */
+static vxs_result adopt(dag_merger *g, const dag *from, adopted *a)
+{
+    uint32_t  *masks = NULL;
+    vxs_result r;
+    memset(a, 0, sizeof *a);
+    r = adopt_masks(g, from, &masks);
+    for (uint32_t l = 0; l < from->level_count && r == VXS_OK; l++)
+        r = adopt_level(g, &from->level[l], l, l ? a->ref[l - 1] : masks, &a->ref[l]);
+    free(masks);
+    return r;
+}
+
 /* stacks ---------------------------------------------------------------------------------------------------------------------- */
 
 static uint32_t top_level(const dag_merger *g)
@@ -127,6 +140,20 @@ static int merged_parent(dag_merger *g, uint32_t level, const dag_node *node, ui
     return *ref != 0;
 }
 
+/* Children of a slab of a square, from the stacks of its parts. The run at[] of each part contains the near half of the slab.
+ * Returns the number of slabs with these children, at least 1. */
+static uint32_t children_of_slab(const dag_stack *const part[4], const uint32_t at[4], uint32_t slab, dag_node *node)
+{
+    uint32_t same = UINT32_MAX;
+    for (int q = 0; q < 4; q++) {
+        const stack_run *near = &part[q]->runs[at[q]], *far = near->end > 2 * slab + 1 ? near : near + 1;
+        node->child[q]     = near->ref;
+        node->child[4 + q] = far->ref;
+        same               = min_u32(same, near == far ? near->end / 2 - slab : 1);
+    }
+    return same;
+}
+
 /* Make the stack of a square of `level` from the stacks of its four parts. */
 static vxs_result stack_compose(dag_merger *g, uint32_t level, const dag_stack *const part[4], dag_stack *out)
 {
@@ -137,17 +164,7 @@ static vxs_result stack_compose(dag_merger *g, uint32_t level, const dag_stack *
         dag_node node;
         for (int q = 0; q < 4; q++)
             while (part[q]->runs[at[q]].end <= 2 * slab) at[q]++;
-
-        /* Children of a slab of a square, from the stacks of its parts. The run at[] of each part contains the near half of the
-         * slab. Returns the number of slabs with these children, at least 1. */
-        same = UINT32_MAX;
-        for (int q = 0; q < 4; q++) {
-            const stack_run *near = &part[q]->runs[at[q]], *far = near->end > 2 * slab + 1 ? near : near + 1;
-            node.child[q]     = near->ref;
-            node.child[4 + q] = far->ref;
-            same              = min_u32(same, near == far ? near->end / 2 - slab : 1);
-        }
-
+        same = children_of_slab(part, at, slab, &node);
         if (!g->unify) same = 1; /* without unify, each slab has a node of its own */
         if (!merged_parent(g, level, &node, &ref) || !stack_push(out, &capacity, ref, slab + same)) {
             stack_free(out);
@@ -278,15 +295,7 @@ vxs_result dag_merger_add(dag_merger *g, const dag *sub, uint32_t map, uint32_t 
     uint32_t   own      = sub->level_count - 1;
     vxs_result r;
     if (own > level || level > top_level(g) || sub->root_count != slabs_of(g, own)) return VXS_E_ARGUMENT;
-
-    /* Add all nodes and masks of a DAG. a [out] released with adopted_free, whatever is returned */
-    uint32_t *masks = NULL;
-    memset(&a, 0, sizeof a);
-    r = adopt_masks(g, sub, &masks);
-    for (uint32_t l = 0; l < sub->level_count && r == VXS_OK; l++)
-        r = adopt_level(g, &sub->level[l], l, l ? a.ref[l - 1] : masks, &a.ref[l]);
-    free(masks);
-
+    r = adopt(g, sub, &a);
     for (uint32_t slab = 0; slab < sub->root_count && r == VXS_OK; slab++)
         if (!stack_push(&stack, &capacity, adopted_ref(&a, own, sub->roots[slab]), slab + 1)) r = VXS_E_MEMORY;
     adopted_free(&a);

@@ -227,21 +227,24 @@ void sparse_square_clear(sparse_square *q)
     }
 }
 
+static void free_worker(square_worker *worker)
+{
+    for (leaf_page *page = worker->spare, *next; page; page = next) {
+        next = page->next;
+        free(page);
+    }
+    free(worker->list.items);
+    for (int k = 0; k < 4 * SPARSE_LEVELS_MAX; k++) free(worker->quarter[k / 4][k % 4].items);
+    free(worker->leaf.faces);
+    free(worker->leaf.hits);
+    free(worker->leaf.depths);
+    free(worker->leaf.backs);
+}
+
 void sparse_square_free(sparse_square *q)
 {
     sparse_square_clear(q);
-    for (uint32_t n = 0; n < q->worker_count; n++) {
-        for (leaf_page *page = q->workers[n].spare, *next; page; page = next) {
-            next = page->next;
-            free(page);
-        }
-        free(q->workers[n].list.items);
-        for (int k = 0; k < 4 * SPARSE_LEVELS_MAX; k++) free(q->workers[n].quarter[k / 4][k % 4].items);
-        free(q->workers[n].leaf.faces);
-        free(q->workers[n].leaf.hits);
-        free(q->workers[n].leaf.depths);
-        free(q->workers[n].leaf.backs);
-    }
+    for (uint32_t n = 0; n < q->worker_count; n++) free_worker(&q->workers[n]);
     free(q->workers);
     free(q->tiles);
     free(q->pyramid[0]);
