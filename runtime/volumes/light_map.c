@@ -27,10 +27,10 @@ vxs_result vxs_shadow_depth_map_create(vxs_shadow_depth_map **out, vxs_volumes *
     int most = 0;
     *out     = NULL;
     if (desc->side_px && !is_power_of_two(desc->side_px)) return VXS_E_ARGUMENT;
-    if (!desc->constants && desc->baked >= vxs_gl_light_count(v->shadows)) return VXS_E_ARGUMENT;
+    if (!desc->constants && desc->baked_number - 1 >= vxs_gl_light_count(v->shadows)) return VXS_E_ARGUMENT;
     vxs_shadow_depth_map *map = vxs_volumes_take(v, sizeof *map);
     if (!map) return VXS_E_MEMORY;
-    *map = (vxs_shadow_depth_map){.volumes = v, .baked = desc->baked, .is_baked = !desc->constants};
+    *map = (vxs_shadow_depth_map){.volumes = v, .baked = desc->baked_number - 1, .is_baked = !desc->constants};
     if (desc->constants) map->constants = *desc->constants;
     const vxs_light_constants *light = vxs_shadow_depth_map_constants(map);
     uint32_t                   side  = light->levels < 31 ? 1U << light->levels : 0;

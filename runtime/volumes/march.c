@@ -39,7 +39,7 @@ vxs_result vxs_volumes_march(vxs_volumes *v, const vxs_volumes_light *light, con
     if (result != VXS_OK) return result;
     v->frame.knobs[0] = (float)steps;
     v->frame.knobs[1] = (float)which;
-    v->frame.knobs[3] = light->constants ? 0 : (float)(light->baked + 1); /* the light whose baked smoke dims it */
+    v->frame.knobs[3] = light->constants ? 0 : (float)light->baked_number; /* the light whose baked smoke dims it */
     if (light->smoke)
         march_dimmed(v, light, map, steps);
     else

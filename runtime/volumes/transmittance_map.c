@@ -79,12 +79,12 @@ vxs_result vxs_transmittance_map_create(vxs_transmittance_map **out, vxs_volumes
     vxs_result             result = vxs_desc_take(&known, sizeof known, first, desc);
     *out                          = NULL;
     if (result != VXS_OK) return result;
-    if (!known.constants && known.baked >= vxs_gl_light_count(v->shadows)) return VXS_E_ARGUMENT;
+    if (!known.constants && known.baked_number - 1 >= vxs_gl_light_count(v->shadows)) return VXS_E_ARGUMENT;
     if (!vxs_transmittance_is_size(known.side_px, known.nodes, known.capsules)) return VXS_E_ARGUMENT;
     vxs_transmittance_map *map = vxs_volumes_take(v, sizeof *map);
     if (!map) return VXS_E_MEMORY;
     *map = (vxs_transmittance_map){.volumes      = v,
-                                   .baked        = known.baked,
+                                   .baked        = known.baked_number - 1,
                                    .is_baked     = !known.constants,
                                    .side_px      = known.side_px ? known.side_px : SIDE,
                                    .nodes        = known.nodes ? known.nodes : NODES,
@@ -268,6 +268,6 @@ vxs_result vxs_volumes_transmittance_at(vxs_volumes *v, const vxs_transmittance_
 
 int vxs_transmittance_is_of(const vxs_transmittance_map *map, const vxs_volumes *v, const vxs_volumes_light *light)
 {
-    return map->volumes == v && map->is_baked == !light->constants && (!map->is_baked || map->baked == light->baked) &&
+    return map->volumes == v && map->is_baked == !light->constants && (!map->is_baked || map->baked == light->baked_number - 1) &&
            is_lookup((vxs_curve_lookup)light->smoke_lookup);
 }

@@ -39,7 +39,7 @@ typedef struct vxs_transmittance_map vxs_transmittance_map;
 /* Fields that are not set are 0, which means the default. New fields are added at the end only. */
 typedef struct vxs_transmittance_desc {
     size_t                     struct_size; /* sizeof(vxs_transmittance_desc); 0: the first version, which ends with unsorted */
-    uint32_t                   baked;       /* index of the light in vxs_gl; not used with constants */
+    uint32_t                   baked_number; /* vxs_baked_number (vxs_volumes.h); not used with constants */
     const vxs_light_constants *constants;   /* for a light that is not baked; NULL: it is baked */
     uint32_t                   side_px;     /* texels per side; 0: 256; at most 8192 */
     uint32_t                   nodes;       /* per curve: 4, 8, 12, 16; 0: 8 */

@@ -77,10 +77,16 @@ typedef struct vxs_volumes_frame {
  * Returns VXS_OK; VXS_E_ARGUMENT for a view larger than given to create, or for numbers that are not valid. */
 vxs_result vxs_volumes_begin(vxs_volumes *volumes, const vxs_volumes_frame *frame);
 
-/* A light of the frame. */
+/* The number by which the structs below name a baked light: 1 + its index in vxs_gl. 0, as in a zeroed struct, names none. */
+static inline uint32_t vxs_baked_number(uint32_t index)
+{
+    return index + 1;
+}
+
+/* A light of the frame: one of the first two fields is set, else functions return VXS_E_ARGUMENT. */
 typedef struct vxs_volumes_light {
-    uint32_t                   baked;     /* index of the light in vxs_gl; not used with constants */
-    const vxs_light_constants *constants; /* for a light that is not baked: the layout of its maps; NULL: it is baked */
+    uint32_t                   baked_number; /* vxs_baked_number; not used with constants */
+    const vxs_light_constants *constants;    /* for a light that is not baked: the layout of its maps */
     float colour[3];     /* punctual lights: intensity, in candela; suns: irradiance, in lux; or both in the units of the image */
     float cos_inner;     /* spot lights: cosine where the cone starts to fade, as in glTF; >= the cosine where it ends */
     float radius_metres; /* punctual lights, > 0: without it, airlight is unbounded where a ray meets the light */
@@ -129,8 +135,8 @@ void vxs_volumes_composite(vxs_volumes *volumes);
 /* light maps ------------------------------------------------------------------------------------------------------------------- */
 
 typedef struct vxs_shadow_depth_map_desc {
-    uint32_t                   baked; /* index of the light in vxs_gl; not used with constants */
-    /* for a light that is not baked: its prism, frustum or cube; its static part has no shadow; NULL: it is baked */
+    uint32_t                   baked_number; /* vxs_baked_number; not used with constants */
+    /* for a light that is not baked: its prism, frustum or cube; its static part has no shadow */
     const vxs_light_constants *constants;
     uint32_t                   side_px; /* a power of two; 0, or more than the side of the baked map: the side of the baked map */
     uint32_t                   moves;   /* 1: vxs_shadow_depth_map_join will be called */

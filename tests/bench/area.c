@@ -297,8 +297,10 @@ static vxs_result open_lights(bench *b, run_context *m)
     if (r == VXS_OK) r = vxs_area_light_create(&a->one, b->volumes, &one);
     if (r == VXS_OK) r = rival_faces_create(&a->faces, b->volumes);
     for (uint32_t n = 0; n <= a->lamps_most && r == VXS_OK; n++) r = volumes_open_map(b, n, 0, &a->maps[n]);
-    b->light =
-        (vxs_volumes_light){.baked = a->lamps_most, .colour = {1, 1, 1}, .cos_inner = 1, .radius_metres = (float)b->radius_metres};
+    b->light = (vxs_volumes_light){.baked_number  = vxs_baked_number(a->lamps_most),
+                                   .colour        = {1, 1, 1},
+                                   .cos_inner     = 1,
+                                   .radius_metres = (float)b->radius_metres};
     return r == VXS_OK ? r : fail(m, r, "no area light: %s", vxs_result_text(r));
 }
 

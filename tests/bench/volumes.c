@@ -22,8 +22,8 @@ static vxs_result load(bench *b, run_context *m)
         if (!strcmp(vxs_asset_light(b->asset, n)->light.name, b->light_name)) b->number = n;
     b->light_name = vxs_asset_light(b->asset, b->number)->light.name;
     if ((r = volumes_load_scene(b, m)) != VXS_OK) return r;
-    b->light =
-        (vxs_volumes_light){.baked = b->number, .colour = {1, 1, 1}, .cos_inner = 1, .radius_metres = (float)b->radius_metres};
+    b->light = (vxs_volumes_light){
+        .baked_number = vxs_baked_number(b->number), .colour = {1, 1, 1}, .cos_inner = 1, .radius_metres = (float)b->radius_metres};
     return b->is_of_spheres ? volumes_find_spheres(b, m) : VXS_OK;
 }
 

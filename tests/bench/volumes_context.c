@@ -83,7 +83,7 @@ float *volumes_casters_from_eye(const bench *b)
 
 vxs_result volumes_open_map(const bench *b, uint32_t number, uint32_t side_px, vxs_shadow_depth_map **map)
 {
-    vxs_shadow_depth_map_desc desc = {.baked = number, .side_px = side_px};
+    vxs_shadow_depth_map_desc desc = {.baked_number = vxs_baked_number(number), .side_px = side_px};
     vxs_result                r    = vxs_shadow_depth_map_create(map, b->volumes, &desc);
     while (r == VXS_OK && vxs_shadow_depth_map_fill(*map, 1 << 20)) continue;
     return r;

@@ -23,7 +23,7 @@ static inline void read_buffer(GLuint buffer, size_t start, size_t size, void *d
 static inline vxs_shadow_depth_map *filled_map(const volumes_scene *s, int light)
 {
     vxs_shadow_depth_map     *map;
-    vxs_shadow_depth_map_desc desc = {.baked = (uint32_t)light};
+    vxs_shadow_depth_map_desc desc = {.baked_number = vxs_baked_number((uint32_t)light)};
     assert_int_equal(vxs_shadow_depth_map_create(&map, s->volumes, &desc), VXS_OK);
     while (vxs_shadow_depth_map_fill(map, 1 << 20)) continue;
     return map;

@@ -40,7 +40,7 @@ static void test_one_lamp_is_a_grid(void **state)
     vxs_shadow_grid          *grid;
     vxs_shadow_grid_desc      size = {.columns = COLUMNS, .rows = ROWS, .bits = 128};
     vxs_shadow_depth_map     *map;
-    vxs_shadow_depth_map_desc desc = {.baked = SCENE_POINT};
+    vxs_shadow_depth_map_desc desc = {.baked_number = vxs_baked_number(SCENE_POINT)};
     vxs_volumes_light         l    = scene_light(SCENE_POINT);
     const vxs_air_light       air  = scene_air_light(&scene, &l);
     vxs_vpl                   of   = {.colour = {l.colour[0], l.colour[1], l.colour[2]}, .radius_metres = l.radius_metres};

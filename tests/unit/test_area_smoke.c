@@ -397,7 +397,9 @@ static void air_of_point(volumes_scene *s, double means[2])
     vxs_shadow_depth_map       *map;
     const vxs_shadow_depth_map *maps[1];
     for (int i = 0; i < 3; i++) shining.place[i] = (float)air.place[i];
-    assert_int_equal(vxs_shadow_depth_map_create(&map, s->volumes, &(vxs_shadow_depth_map_desc){.baked = SCENE_POINT}), VXS_OK);
+    assert_int_equal(
+        vxs_shadow_depth_map_create(&map, s->volumes, &(vxs_shadow_depth_map_desc){.baked_number = vxs_baked_number(SCENE_POINT)}),
+        VXS_OK);
     while (vxs_shadow_depth_map_fill(map, 1 << 20)) continue;
     maps[0] = map;
     assert_int_equal(vxs_area_light_set(its, &shining, 1), VXS_OK);

@@ -149,7 +149,8 @@ static void test_baked_lights(void **state)
         lamps[n]                = (vxs_vpl){.colour = {l.colour[0], l.colour[1], l.colour[2]}, .radius_metres = l.radius_metres};
         for (int i = 0; i < 3; i++) lamps[n].place[i] = (float)air.place[i];
         assert_int_equal(
-            vxs_shadow_depth_map_create(&maps[n], scene.volumes, &(vxs_shadow_depth_map_desc){.baked = (uint32_t)baked[n]}),
+            vxs_shadow_depth_map_create(&maps[n], scene.volumes,
+                                        &(vxs_shadow_depth_map_desc){.baked_number = vxs_baked_number((uint32_t)baked[n])}),
             VXS_OK);
         while (vxs_shadow_depth_map_fill(maps[n], 1 << 20)) continue;
         given[n] = maps[n];

@@ -56,7 +56,7 @@ static void check_picture(const volumes_scene *s, const vxs_volumes_light *l, co
     static float  pixels[4 * PIXELS];
     double        most = 0, error = 0, worst = 0, top = (double)frame->top_metres;
     uint32_t      spreads = 0;
-    int           is_spot = vxs_asset_light(s->asset, l->baked)->light.kind == VXS_LIGHT_KIND_SPOT;
+    int           is_spot = vxs_asset_light(s->asset, l->baked_number - 1)->light.kind == VXS_LIGHT_KIND_SPOT;
     memset(wanted, 0, sizeof wanted);
     assert_int_equal(vxs_volumes_begin(s->volumes, frame), VXS_OK);
     assert_int_equal(vxs_volumes_intervals(s->volumes, l), VXS_OK);

@@ -39,7 +39,7 @@ typedef struct lit_surface {
 static lit_surface surface_make(const volumes_scene *s, const vxs_volumes_light *light, uint32_t side_px)
 {
     lit_surface               out  = {.light = *light};
-    vxs_shadow_depth_map_desc desc = {.baked = light->baked, .constants = light->constants, .side_px = side_px};
+    vxs_shadow_depth_map_desc desc = {.baked_number = light->baked_number, .constants = light->constants, .side_px = side_px};
     assert_int_equal(vxs_shadow_depth_map_create(&out.map, s->volumes, &desc), VXS_OK);
     while (vxs_shadow_depth_map_fill(out.map, UINT64_MAX)) continue;
     uint32_t side = vxs_shadow_depth_map_side_px(out.map), layers = vxs_shadow_depth_map_layers(out.map);
@@ -48,11 +48,12 @@ static lit_surface surface_make(const volumes_scene *s, const vxs_volumes_light 
     assert_non_null(out.texels);
     s->gl->GetTextureImage(vxs_shadow_depth_map_texture(out.map), 0, GL_RED, GL_FLOAT, (GLsizei)size, out.texels);
 
-    const vxs_light_constants *constants = light->constants ? light->constants : &vxs_gl_constants(s->shadows)[light->baked];
-    vxs_light_mesh_desc        of        = {.light = constants, .first = out.texels, .side_px = side, .far_metres = 60};
-    out.all                              = mesh_make(&of);
-    of.error_texels                      = 0.5F;
-    out.few                              = mesh_make(&of);
+    const vxs_light_constants *constants =
+        light->constants ? light->constants : &vxs_gl_constants(s->shadows)[light->baked_number - 1];
+    vxs_light_mesh_desc of = {.light = constants, .first = out.texels, .side_px = side, .far_metres = 60};
+    out.all                = mesh_make(&of);
+    of.error_texels        = 0.5F;
+    out.few                = mesh_make(&of);
     assert_true(out.few.size.triangle_count < out.all.size.triangle_count);
     for (int n = OF_MESH; n < SURFACES; n++) {
         const mesh_lists *m = n == OF_FEW ? &out.few : &out.all;
@@ -114,9 +115,9 @@ static void test_counts(void **state)
         for (uint32_t n = 0; n < repeats(12, 500); n++) {
             volumes_camera    c      = scene_random_camera(&r);
             vxs_volumes_frame f      = scene_frame(&s, &c, &haze, VXS_AIR_EVERYWHERE, 30, metres);
-            int               wanted = mesh_is_lit(&u.all, &vxs_asset_light(s.asset, l.baked)->light, c.eye);
+            int               wanted = mesh_is_lit(&u.all, &vxs_asset_light(s.asset, l.baked_number - 1)->light, c.eye);
             vxs_pixels        seen;
-            int               few = mesh_is_lit(&u.few, &vxs_asset_light(s.asset, l.baked)->light, c.eye);
+            int               few = mesh_is_lit(&u.few, &vxs_asset_light(s.asset, l.baked_number - 1)->light, c.eye);
             for (int which = 0; which < SURFACES; which++) {
                 draw_surface(&s, &u, (surface)which, &f, pixels);
                 vxs_volumes_cull(s.volumes, &l, &seen);
@@ -152,7 +153,7 @@ static void test_airlight(void **state)
         vxs_volumes_light l     = scene_light(light);
         lit_surface       u     = surface_make(&s, &l, 32);
         vxs_air_light     air   = scene_air_light(&s, &l);
-        const vxs_light  *baked = &vxs_asset_light(s.asset, l.baked)->light;
+        const vxs_light  *baked = &vxs_asset_light(s.asset, l.baked_number - 1)->light;
         for (uint32_t n = 0; n < repeats(3, 60); n++) {
             volumes_camera    c   = scene_random_camera(&r);
             double            top = n % 3 == 2 ? 2.5 : VXS_AIR_EVERYWHERE, in_fog[2], brightest = 0;
@@ -208,7 +209,7 @@ static void test_edge_on(void **state)
     vxs_volumes_light l     = scene_light(SCENE_POINT);
     lit_surface       u     = surface_make(&s, &l, RESOLUTION);
     vxs_air_light     air   = scene_air_light(&s, &l);
-    const vxs_light  *baked = &vxs_asset_light(s.asset, l.baked)->light;
+    const vxs_light  *baked = &vxs_asset_light(s.asset, l.baked_number - 1)->light;
     for (uint32_t n = 0; n < repeats(2, 60); n++) {
         volumes_camera    c = scene_random_camera(&r);
         vxs_volumes_frame f = scene_frame(&s, &c, &haze, VXS_AIR_EVERYWHERE, 30, metres);

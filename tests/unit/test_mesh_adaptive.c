@@ -63,7 +63,7 @@ static void map_upload(own_map *m, const volumes_scene *s)
 /* What is baked of it. */
 static void map_fill_baked(own_map *m, const volumes_scene *s)
 {
-    vxs_shadow_depth_map_desc desc = {.baked = m->light.baked, .side_px = m->side};
+    vxs_shadow_depth_map_desc desc = {.baked_number = m->light.baked_number, .side_px = m->side};
     vxs_shadow_depth_map     *baked;
     assert_int_equal(vxs_shadow_depth_map_create(&baked, s->volumes, &desc), VXS_OK);
     while (vxs_shadow_depth_map_fill(baked, UINT64_MAX)) continue;

@@ -74,7 +74,7 @@ typedef struct one_lamp {
 
 static void open_one(one_lamp *o, int camera)
 {
-    const vxs_shadow_depth_map_desc desc = {.baked = SCENE_POINT};
+    const vxs_shadow_depth_map_desc desc = {.baked_number = vxs_baked_number(SCENE_POINT)};
     o->light                             = scene_light(SCENE_POINT);
     const vxs_air_light air              = scene_air_light(&scene, &o->light);
     o->lamp                              = (vxs_vpl){.normal = {0, -1, 0}, .colour = {4, 3, 2}, .radius_metres = 0.1F};

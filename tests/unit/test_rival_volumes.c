@@ -49,7 +49,7 @@ typedef struct seen {
 static vxs_shadow_depth_map *filled_map(const volumes_scene *s, int light)
 {
     vxs_shadow_depth_map     *map;
-    vxs_shadow_depth_map_desc desc = {.baked = (uint32_t)light};
+    vxs_shadow_depth_map_desc desc = {.baked_number = vxs_baked_number((uint32_t)light)};
     assert_int_equal(vxs_shadow_depth_map_create(&map, s->volumes, &desc), VXS_OK);
     while (vxs_shadow_depth_map_fill(map, 100000)) continue;
     return map;

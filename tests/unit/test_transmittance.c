@@ -166,7 +166,8 @@ static void check_balls(uint32_t count, uint32_t room, uint32_t unsorted, int ma
     static vxs_capsule     smoke[MOST];
     static smoke_part      parts[MOST];
     light_map              m    = {.light = vxs_asset_light(s.asset, SCENE_SUN)->light, .side = 1, .layers = 1};
-    vxs_transmittance_desc desc = {.baked = SCENE_SUN, .side_px = 1, .capsules = count, .segments = room, .unsorted = unsorted};
+    vxs_transmittance_desc desc = {
+        .baked_number = vxs_baked_number(SCENE_SUN), .side_px = 1, .capsules = count, .segments = room, .unsorted = unsorted};
     vxs_capsules           list = {.list = smoke, .count = count};
     vxs_transmittance_map *map;
     double                 from[3], way[3];
@@ -341,12 +342,13 @@ static void test_misuse(void **state)
     const vxs_medium haze   = {{0.01, 0.01, 0.01}, {0.01, 0.01, 0.01}, 0};
     const double     eye[3] = {9, 6, 7}, to[3] = {0, 2, 0};
     volumes_camera   c = camera_at(eye, to, 0.9);
-    for (int n = 0; n < 6; n++) {
+    for (int n = 0; n < 7; n++) {
         vxs_transmittance_desc bad = desc_of(n == 0 ? SCENE_LIGHTS : 0, SORTED, n == 1 ? 5 : 8);
         if (n == 2) bad.side_px = 8193;
         if (n == 3) bad.capsules = 0;
         if (n == 4) bad.capsules = (1 << 24) + 1;
         if (n == 5) bad.struct_size = 1;
+        if (n == 6) bad.baked_number = 0;
         assert_int_equal(vxs_transmittance_map_create(&map, s.volumes, &bad), VXS_E_ARGUMENT);
         assert_null(map);
     }

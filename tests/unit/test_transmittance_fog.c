@@ -74,8 +74,9 @@ static double marched(int light, const vxs_volumes_light *l, const vxs_medium *h
 static vxs_transmittance_map *fine_map(int light)
 {
     vxs_transmittance_map *map;
-    vxs_transmittance_desc desc  = {.baked = (uint32_t)light, .side_px = FINE_SIDE, .capsules = BALLS, .segments = 1 << 18};
-    vxs_capsules           smoke = {.list = balls, .count = BALLS};
+    vxs_transmittance_desc desc = {
+        .baked_number = vxs_baked_number((uint32_t)light), .side_px = FINE_SIDE, .capsules = BALLS, .segments = 1 << 18};
+    vxs_capsules smoke = {.list = balls, .count = BALLS};
     assert_int_equal(vxs_transmittance_map_create(&map, s.volumes, &desc), VXS_OK);
     assert_int_equal(vxs_transmittance_map_build(map, &smoke, NULL), VXS_OK);
     assert_int_equal(vxs_transmittance_map_counts(map).merged, 0);

@@ -73,7 +73,8 @@ static void see(const volumes_scene *s, int camera, int light, double top, seen 
 static vxs_shadow_depth_map *filled_map(const volumes_scene *s, int light, uint32_t side_px, int moves)
 {
     vxs_shadow_depth_map     *map;
-    vxs_shadow_depth_map_desc desc = {.baked = (uint32_t)light, .side_px = side_px, .moves = (uint32_t)moves};
+    vxs_shadow_depth_map_desc desc = {
+        .baked_number = vxs_baked_number((uint32_t)light), .side_px = side_px, .moves = (uint32_t)moves};
     assert_int_equal(vxs_shadow_depth_map_create(&map, s->volumes, &desc), VXS_OK);
     while (vxs_shadow_depth_map_fill(map, 10000)) continue;
     return map;
@@ -813,7 +814,9 @@ static void test_misuse(void **state)
     assert_int_equal(vxs_volumes_begin(s.volumes, &v.frame), VXS_OK);
     assert_int_equal(vxs_volumes_march(s.volumes, &l, NULL, 0, VXS_STEPS_EVEN), VXS_E_ARGUMENT);
     assert_int_equal(vxs_volumes_march(s.volumes, &l, NULL, 65537, VXS_STEPS_EVEN), VXS_E_ARGUMENT);
-    l.baked = SCENE_LIGHTS;
+    l.baked_number = vxs_baked_number(SCENE_LIGHTS);
+    assert_int_equal(vxs_volumes_march(s.volumes, &l, NULL, 4, VXS_STEPS_EVEN), VXS_E_ARGUMENT);
+    l.baked_number = 0; /* a field that was forgotten is not the first light */
     assert_int_equal(vxs_volumes_march(s.volumes, &l, NULL, 4, VXS_STEPS_EVEN), VXS_E_ARGUMENT);
     l               = scene_light(SCENE_SPOT);
     l.radius_metres = 0;
@@ -823,10 +826,13 @@ static void test_misuse(void **state)
     assert_int_equal(vxs_volumes_march(s.volumes, &l, NULL, 4, VXS_STEPS_EVEN), VXS_E_ARGUMENT);
 
     vxs_shadow_depth_map *map = (vxs_shadow_depth_map *)&v;
-    assert_int_equal(vxs_shadow_depth_map_create(&map, s.volumes, &(vxs_shadow_depth_map_desc){.side_px = 100}), VXS_E_ARGUMENT);
-    assert_null(map);
-    assert_int_equal(vxs_shadow_depth_map_create(&map, s.volumes, &(vxs_shadow_depth_map_desc){.baked = SCENE_LIGHTS}),
+    assert_int_equal(vxs_shadow_depth_map_create(&map, s.volumes, &(vxs_shadow_depth_map_desc){.baked_number = 1, .side_px = 100}),
                      VXS_E_ARGUMENT);
+    assert_null(map);
+    assert_int_equal(vxs_shadow_depth_map_create(&map, s.volumes, &(vxs_shadow_depth_map_desc){.side_px = 64}), VXS_E_ARGUMENT);
+    assert_int_equal(
+        vxs_shadow_depth_map_create(&map, s.volumes, &(vxs_shadow_depth_map_desc){.baked_number = vxs_baked_number(SCENE_LIGHTS)}),
+        VXS_E_ARGUMENT);
     map = filled_map(&s, SCENE_SUN, 1U << 31, 0); /* no more than is baked */
     assert_int_equal(vxs_shadow_depth_map_side_px(map), RESOLUTION);
     assert_int_equal(vxs_shadow_depth_map_join(map, NULL, 0), VXS_E_ARGUMENT); /* nothing was said to move */

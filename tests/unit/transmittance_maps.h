@@ -35,14 +35,14 @@ static inline void make_smoke(vxs_capsule *smoke)
 
 static inline vxs_transmittance_desc desc_of(int light, way_to_build how, uint32_t nodes)
 {
-    return (vxs_transmittance_desc){.baked    = (uint32_t)light,
-                                    .side_px  = SIDE,
-                                    .nodes    = nodes,
-                                    .capsules = CAPSULES,
-                                    .segments = how == STREAMED  ? 0
-                                                : how == CROWDED ? 500
-                                                                 : ROOM,
-                                    .unsorted = how == UNSORTED};
+    return (vxs_transmittance_desc){.baked_number = vxs_baked_number((uint32_t)light),
+                                    .side_px      = SIDE,
+                                    .nodes        = nodes,
+                                    .capsules     = CAPSULES,
+                                    .segments     = how == STREAMED  ? 0
+                                                    : how == CROWDED ? 500
+                                                                     : ROOM,
+                                    .unsorted     = how == UNSORTED};
 }
 
 /* One scene for all tests, and its maps of 8 nodes, made when they are first asked for: programs take longer to compile than to run here. */
@@ -82,7 +82,7 @@ static inline int close_scene(void **state)
 static inline vxs_shadow_depth_map *opaque_map(int light)
 {
     vxs_shadow_depth_map     *map;
-    vxs_shadow_depth_map_desc desc = {.baked = (uint32_t)light, .side_px = 32};
+    vxs_shadow_depth_map_desc desc = {.baked_number = vxs_baked_number((uint32_t)light), .side_px = 32};
     assert_int_equal(vxs_shadow_depth_map_create(&map, s.volumes, &desc), VXS_OK);
     vxs_shadow_depth_map_fill(map, UINT64_MAX);
     return map;

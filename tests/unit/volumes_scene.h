@@ -141,7 +141,7 @@ static inline int scene_asks(int light, int camera)
 /* The lights as they are asked for, each bright enough to be seen. */
 static inline vxs_volumes_light scene_light(int light)
 {
-    vxs_volumes_light l = {.baked = (uint32_t)light, .colour = {3, 2, 1}, .radius_metres = 0.1F};
+    vxs_volumes_light l = {.baked_number = vxs_baked_number((uint32_t)light), .colour = {3, 2, 1}, .radius_metres = 0.1F};
     if (light != SCENE_SUN) l.colour[0] = l.colour[1] = l.colour[2] = 40;
     return l;
 }
@@ -243,7 +243,7 @@ static inline vxs_volumes_frame scene_frame(const volumes_scene *s, const volume
 /* What a shader takes a scene's light for, in double. */
 static inline vxs_air_light scene_air_light(const volumes_scene *s, const vxs_volumes_light *light)
 {
-    const vxs_light *l   = &vxs_asset_light(s->asset, light->baked)->light;
+    const vxs_light *l   = &vxs_asset_light(s->asset, light->baked_number - 1)->light;
     vxs_air_light    air = {.kind          = l->kind,
                             .cos_inner     = fmax((double)light->cos_inner, l->cos_outer),
                             .cos_outer     = l->cos_outer,
@@ -263,7 +263,7 @@ static inline void scene_airlight(const volumes_scene *s, const vxs_volumes_ligh
                                   const double eye[3], const double direction[3], double metres, double sum[3])
 {
     enum { SOME = 64 };
-    const vxs_baked_light *baked = vxs_asset_light(s->asset, light->baked);
+    const vxs_baked_light *baked = vxs_asset_light(s->asset, light->baked_number - 1);
     vxs_air_light          air   = scene_air_light(s, light);
     double                 in_fog[2], lit[3];
     vxs_air_path           path = vxs_air_path_of(&air, eye, direction, metres, top, in_fog);
@@ -301,7 +301,8 @@ static inline void scene_smoke_map(const volumes_scene *s, int light)
     s->gl->TextureStorage2D(texture, 1, GL_R32F, (GLsizei)s->width_px, (GLsizei)s->height_px);
     for (uint32_t segments = 0; segments < 2000; segments += 1000) {
         vxs_transmittance_map *map;
-        vxs_transmittance_desc desc = {.baked = (uint32_t)light, .side_px = 16, .capsules = 1, .segments = segments};
+        vxs_transmittance_desc desc = {
+            .baked_number = vxs_baked_number((uint32_t)light), .side_px = 16, .capsules = 1, .segments = segments};
         assert_int_equal(vxs_transmittance_map_create(&map, s->volumes, &desc), VXS_OK);
         assert_int_equal(vxs_transmittance_map_build(map, &smoke, NULL), VXS_OK);
         assert_int_equal(vxs_volumes_transmittance(s->volumes, map, texture, VXS_CURVE_LINES), VXS_OK);

@@ -37,7 +37,7 @@ void rival_faces_destroy(rival_faces *f)
 
 vxs_result rival_faces_march(rival_faces *f, const vxs_vpl *lamp, uint32_t baked, const vxs_shadow_depth_map *map, uint32_t steps)
 {
-    vxs_volumes_light light = {.baked = baked, .radius_metres = lamp->radius_metres};
+    vxs_volumes_light light = {.baked_number = vxs_baked_number(baked), .radius_metres = lamp->radius_metres};
     memcpy(light.colour, lamp->colour, sizeof light.colour);
     vxs_result result = vxs_volumes_set_light(f->v, &light, map);
     if (result != VXS_OK) return result;

@@ -16,9 +16,9 @@
 static vxs_result read_map(const baked_mesh_options *o, const gl_context *gl, vxs_volumes *volumes, float **first,
                            uint32_t *side_px, run_context *m)
 {
-    vxs_shadow_depth_map *map = NULL;
-    vxs_result            result =
-        vxs_shadow_depth_map_create(&map, volumes, &(vxs_shadow_depth_map_desc){.baked = o->light, .side_px = o->side_px});
+    vxs_shadow_depth_map *map    = NULL;
+    vxs_result            result = vxs_shadow_depth_map_create(
+                   &map, volumes, &(vxs_shadow_depth_map_desc){.baked_number = vxs_baked_number(o->light), .side_px = o->side_px});
     if (result != VXS_OK) return fail(m, result, "OpenGL has no room for a light map: %s", vxs_result_text(result));
     while (vxs_shadow_depth_map_fill(map, UINT64_MAX)) continue;
     *side_px    = vxs_shadow_depth_map_side_px(map);
@@ -135,7 +135,7 @@ void fog_pass_destroy(fog_pass *p)
 /* Join the light's shadow depth map with those of moving casters: light ends at the first of them. */
 static vxs_result join_map(fog_pass *p, uint32_t light, const vxs_moving_casters *casters, uint32_t count)
 {
-    const vxs_shadow_depth_map_desc desc = {.baked = light, .side_px = MAP_SIDE, .moves = 1};
+    const vxs_shadow_depth_map_desc desc = {.baked_number = vxs_baked_number(light), .side_px = MAP_SIDE, .moves = 1};
     vxs_result result = p->maps[light] ? VXS_OK : vxs_shadow_depth_map_create(&p->maps[light], p->volumes, &desc);
     if (result != VXS_OK) return result;
     if (p->options.streamed) vxs_shadow_depth_map_refill(p->maps[light]);
@@ -153,7 +153,7 @@ double fog_pass_far_metres(const fog_pass *p)
 /* map  NULL: use the baked data */
 static vxs_result draw_light(fog_pass *p, const vxs_volumes_light *light, const vxs_shadow_depth_map *map, run_context *m)
 {
-    uint32_t   n      = light->baked;
+    uint32_t   n      = light->baked_number - 1;
     vxs_result result = VXS_OK;
     switch (p->lights[n].by) {
     case FOG_BY_MARCH: return vxs_volumes_march(p->volumes, light, map, p->options.steps, VXS_STEPS_EVEN);
@@ -176,7 +176,8 @@ static vxs_result draw_light(fog_pass *p, const vxs_volumes_light *light, const 
 static vxs_volumes_light light_of(const fog_pass *p, uint32_t n, const light_emission *emission, double exposure)
 {
     const double      radius = 5e-4 * p->options.size_metres; /* airlight is unbounded on a ray through a point light */
-    vxs_volumes_light light  = {.baked = n, .cos_inner = (float)emission->cos_inner, .radius_metres = (float)radius};
+    vxs_volumes_light light  = {
+         .baked_number = vxs_baked_number(n), .cos_inner = (float)emission->cos_inner, .radius_metres = (float)radius};
     for (int k = 0; k < 3; k++) light.colour[k] = (float)(exposure * emission->colour[k]);
     return light;
 }
@@ -211,7 +212,7 @@ static vxs_result add_light(fog_pass *p, vxs_volumes_light light, const moving_p
                             fog_plan *plan, run_context *m)
 {
     vxs_moving_casters casters[MOVING_FACES];
-    uint32_t           n = light.baked, caster_count = moving ? moving_pass_casters(moving, n, casters) : 0;
+    uint32_t           n = light.baked_number - 1, caster_count = moving ? moving_pass_casters(moving, n, casters) : 0;
     vxs_result         result = VXS_OK;
 
     static const fog_cull_result cull_results[] = {[VXS_NOT_CULLED]       = FOG_DRAWN,

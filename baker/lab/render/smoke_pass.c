@@ -168,8 +168,9 @@ static uint32_t choose_side(const smoke_pass *p, const vxs_light *light, run_con
 static vxs_result build(smoke_pass *p, uint32_t light, uint32_t side_px, uint32_t segments, vxs_transmittance_map **map)
 {
     const vxs_capsules     capsules = {.list = p->capsules, .count = p->options.smoke->count};
-    vxs_transmittance_desc desc     = {.baked = light, .side_px = side_px, .capsules = capsules.count, .segments = segments};
-    vxs_result             result   = vxs_transmittance_map_create(map, p->volumes, &desc);
+    vxs_transmittance_desc desc     = {
+            .baked_number = vxs_baked_number(light), .side_px = side_px, .capsules = capsules.count, .segments = segments};
+    vxs_result result = vxs_transmittance_map_create(map, p->volumes, &desc);
     return result == VXS_OK ? vxs_transmittance_map_build(*map, &capsules, NULL) : result;
 }
 
