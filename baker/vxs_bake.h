@@ -88,6 +88,18 @@ typedef enum vxs_bake_pack { VXS_BAKE_PACK_SMALL, VXS_BAKE_PACK_FAST } vxs_bake_
 typedef enum vxs_bake_skinned { VXS_BAKE_SKINNED_EXCLUDE, VXS_BAKE_SKINNED_REST } vxs_bake_skinned;
 typedef enum vxs_bake_blend { VXS_BAKE_BLEND_MASK, VXS_BAKE_BLEND_OPAQUE, VXS_BAKE_BLEND_EXCLUDE } vxs_bake_blend;
 
+/* Files of the caller, in place of those of the system: in memory, in an archive, or in a browser. Names are those of the options,
+ * and of files to which a scene refers, relative to the scene's folder ("levels/" of "levels/a.gltf"). Called from the baking thread. */
+typedef struct vxs_bake_files {
+    /* Size of a file in bytes; UINT64_MAX: there is no such file. */
+    uint64_t (*size)(void *user, const char *name);
+    /* Copy the whole file, size_bytes as `size` returned. Returns 0, or an errno for the error text. */
+    int (*read)(void *user, const char *name, void *bytes, size_t size_bytes);
+    /* Create or replace a file. Called once, with all bytes. Returns 0, or an errno. NULL: no output_path may be given */
+    int (*write)(void *user, const char *name, const void *bytes, size_t size_bytes);
+    void *user;
+} vxs_bake_files;
+
 /* Progress of a bake. */
 typedef struct vxs_bake_progress {
     double      share;        /* done share of the whole, 0 to 1; below 0: not known yet */
@@ -160,6 +172,9 @@ typedef struct vxs_bake_options {
     /* since the second version of this struct; for a scene that is a file. An opened scene keeps its own */
     vxs_bake_blend blend;         /* materials with alphaMode BLEND: --blend */
     int            allow_outside; /* 1: buffers and images may be outside the scene's folder: --allow-outside */
+
+    /* since the third version of this struct */
+    const vxs_bake_files *files; /* of scene_path and output_path; NULL: files of the system. Excludes resume_path */
 } vxs_bake_options;
 
 static inline vxs_bake_options vxs_bake_defaults(void)

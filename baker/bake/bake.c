@@ -270,7 +270,7 @@ static void warn_about_scene(const bake_options *o, const bake_scene *s, const l
 /* Whether the output was made from the same input and is kept. A strict run would not have written an output with warnings. */
 static int is_unchanged(const bake_options *o, bake_report *report, const run_context *m)
 {
-    return o->if_changed && provenance_is_current(o->output_path, report->inputs, &report->file_bytes, &report->warning_count) &&
+    return o->if_changed && provenance_is_current(o->output_path, report->inputs, &report->file_bytes, &report->warning_count, m) &&
            !(m->strict && report->warning_count);
 }
 

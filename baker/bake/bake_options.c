@@ -2,8 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/bake/bake_options.h"
 
-#include <sys/stat.h>
-
+#include "baker/files/input_file.h"
 #include "baker/files/json_value.h"
 #include "baker/smoke/smoke_grid.h"
 
@@ -147,16 +146,10 @@ build_options build_options_of(const bake_options *o, compress_order compress)
                            .share    = o->reuse && o->stop == STOP_FINAL};
 }
 
-static uint64_t file_bytes(const char *path)
-{
-    struct stat s;
-    return stat(path, &s) || s.st_size < 0 ? 0 : (uint64_t)s.st_size;
-}
-
 vxs_result bake_scene_read(bake_scene *s, const bake_options *o, const scene_check *check, bake_context *ctx)
 {
     watch_say(ctx->watch, "reading %s", o->scene_path);
-    s->file_bytes = file_bytes(o->scene_path);
+    s->file_bytes = input_bytes(o->scene_path, ctx->run);
     vxs_result r  = scene_load_gltf_checked(&s->scene, o->scene_path, &o->scene, check, ctx->run);
     return r == VXS_OK ? scene_fingerprint_take(&s->fingerprint, &s->scene, ctx->run) : r;
 }

@@ -4,11 +4,13 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
 #include "baker/base/text.h"
 #include "baker/base/version.h"
+#include "baker/files/input_file.h"
 #include "baker/files/json_file.h"
 #include "baker/files/json_value.h"
 #include "baker/scene/fingerprint.h"
@@ -160,16 +162,33 @@ static int has_inputs(const json_t *made, const json_t *inputs)
     return 1;
 }
 
-int provenance_is_current(const char *path, const json_t *inputs, uint64_t *file_bytes, size_t *warning_count)
+/* The asset of a file; NULL: there is none that can be read.   size_bytes  [out] */
+static vxs_asset *open_asset(const char *path, uint64_t *size_bytes, const run_context *m)
 {
     struct stat         status;
-    vxs_asset          *asset = NULL;
-    const vxs_read_desc desc  = {.metadata = 1};
-    if (stat(path, &status) || !S_ISREG(status.st_mode)) return 0; /* reading a pipe without a writer would block */
-    if (vxs_asset_open_file(&asset, path, &desc) != VXS_OK) return 0;
+    run_context             unheard = {.access = m->access, .memory_bytes = m->memory_bytes};
+    uint8_t            *bytes   = NULL;
+    size_t              count   = 0;
+    vxs_asset          *asset   = NULL;
+    const vxs_read_desc desc    = {.metadata = 1};
+    if (!m->access) {
+        if (stat(path, &status) || !S_ISREG(status.st_mode)) return NULL; /* reading a pipe without a writer would block */
+        vxs_asset_open_file(&asset, path, &desc);
+        *size_bytes = (uint64_t)status.st_size;
+    } else if (input_read(&bytes, &count, path, SIZE_MAX, NULL, &unheard) == VXS_OK) {
+        vxs_asset_open(&asset, bytes, count, &desc);
+        *size_bytes = count;
+    }
+    free(bytes);
+    return asset;
+}
+
+int provenance_is_current(const char *path, const json_t *inputs, uint64_t *file_bytes, size_t *warning_count, const run_context *m)
+{
+    vxs_asset *asset = open_asset(path, file_bytes, m);
+    if (!asset) return 0;
     json_t *made    = provenance_parse(vxs_asset_contents(asset));
     int     current = has_inputs(made, inputs);
-    *file_bytes     = (uint64_t)status.st_size;
     *warning_count  = (size_t)json_integer_value(json_object_get(made, "warnings"));
     json_decref(made);
     vxs_asset_close(asset);

@@ -36,7 +36,7 @@ vxs_result provenance_read(json_t **made, const vxs_contents *contents, run_cont
 
 /* Returns 1 if the path has a sound asset that was baked from this input.
  * file_bytes, warning_count  [out] if 1 is returned: its size, and the number of warnings of its bake */
-int provenance_is_current(const char *path, const json_t *inputs, uint64_t *file_bytes, size_t *warning_count);
+int provenance_is_current(const char *path, const json_t *inputs, uint64_t *file_bytes, size_t *warning_count, const run_context *m);
 
 /* Differences between a scene and the scene of an asset: ["geometry", "light 'lamp': position, range"]. Lights that are not in the
  * asset are ignored, and so is what the metadata does not have.

@@ -30,8 +30,9 @@ typedef struct run_context {
 
     struct run_files *files; /* files of this run (baker/files/run_files.h); borrowed; NULL: not tracked */
     struct temporary_files
-            *temporary;    /* files that a signal handler removes (baker/files/temporary_files.h); borrowed; NULL: none */
-    uint64_t memory_bytes; /* memory limit of the process (baker/base/memory.h); 0: no limit */
+        *temporary; /* files that a signal handler removes (baker/files/temporary_files.h); borrowed; NULL: none */
+    const struct file_access *access; /* files of the caller (baker/files/file_access.h); borrowed; NULL: files of the system */
+    uint64_t                  memory_bytes; /* memory limit of the process (baker/base/memory.h); 0: no limit */
 
     /* verbosity and colours: for people only; no data depends on them */
     int        verbose;   /* nonzero: full reports */

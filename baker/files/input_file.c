@@ -11,6 +11,7 @@
 
 #include "baker/base/memory.h"
 #include "baker/base/text.h"
+#include "baker/files/file_access.h"
 
 enum { READ_AT_FIRST = 65536 };
 
@@ -27,6 +28,14 @@ const char *input_name(const char *path)
 int input_open(const char *path)
 {
     return is_standard_input(path) ? fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 0) : open(path, O_RDONLY | O_CLOEXEC);
+}
+
+uint64_t input_bytes(const char *path, const run_context *m)
+{
+    struct stat status;
+    if (!m->access) return stat(path, &status) || status.st_size < 0 ? 0 : (uint64_t)status.st_size;
+    uint64_t size = m->access->size(m->access->user, path);
+    return size == FILE_ACCESS_MISSING ? 0 : size;
 }
 
 int is_read_once(const char *path)
@@ -85,10 +94,15 @@ static vxs_result read_up_to(input *in, uint64_t size_bytes)
     return VXS_OK;
 }
 
+static vxs_result too_large(const input *in, uint64_t limit_bytes)
+{
+    char text[32];
+    return fail(in->m, VXS_E_MEMORY, "'%s' is larger than %s, the most that is read", in->name, size_text(text, limit_bytes));
+}
+
 /* Read the first bytes, then the rest if head wants it. */
 static vxs_result read_all(input *in, uint64_t limit_bytes, const input_head *head)
 {
-    char       text[32];
     vxs_result r = make_room(in, READ_AT_FIRST);
     if (r == VXS_OK) r = read_up_to(in, READ_AT_FIRST);
     if (r != VXS_OK) return r;
@@ -99,21 +113,42 @@ static vxs_result read_all(input *in, uint64_t limit_bytes, const input_head *he
     uint64_t most         = in->wanted_bytes < limit_bytes ? in->wanted_bytes : limit_bytes;
     if (!is_too_large) r = read_up_to(in, most + 1);
     if (r != VXS_OK || (!is_too_large && in->size_bytes <= limit_bytes)) return r;
-    return fail(in->m, VXS_E_MEMORY, "'%s' is larger than %s, the most that is read", in->name, size_text(text, limit_bytes));
+    return too_large(in, limit_bytes);
+}
+
+/* Read a whole file through m->access. */
+static vxs_result read_from_caller(input *in, uint64_t limit_bytes, const input_head *head)
+{
+    const file_access *access = in->m->access;
+    uint64_t           size   = access->size(access->user, in->name);
+    if (size == FILE_ACCESS_MISSING) return fail(in->m, VXS_E_READ, "cannot read '%s': %s", in->name, strerror(ENOENT));
+    if (size > limit_bytes) return too_large(in, limit_bytes);
+    vxs_result r = make_room(in, size ? (size_t)size : 1);
+    if (r != VXS_OK) return r;
+    int error = access->read(access->user, in->name, in->bytes, (size_t)size);
+    if (error) return fail(in->m, VXS_E_READ, "cannot read '%s': %s", in->name, strerror(error));
+    in->size_bytes = (size_t)size;
+    if (head) head->wanted(head->user, in->bytes, size < READ_AT_FIRST ? in->size_bytes : READ_AT_FIRST);
+    return VXS_OK;
 }
 
 vxs_result input_read(uint8_t **bytes, size_t *size_bytes, const char *path, uint64_t limit_bytes, const input_head *head,
                       run_context *m)
 {
-    input in    = {.name = input_name(path), .descriptor = input_open(path), .wanted_bytes = UINT64_MAX, .m = m};
+    input      in = {.name = input_name(path), .descriptor = -1, .wanted_bytes = UINT64_MAX, .m = m};
+    vxs_result r;
     *bytes      = NULL;
     *size_bytes = 0;
     if (limit_bytes >= SIZE_MAX - 1) limit_bytes = SIZE_MAX - 2;
-    if (in.descriptor < 0)
-        return fail(m, errno == ENOMEM ? VXS_E_MEMORY : VXS_E_READ, "cannot read '%s': %s", in.name, strerror(errno));
-    in.known_bytes = known_bytes(in.descriptor);
-    vxs_result r   = read_all(&in, limit_bytes, head);
-    close(in.descriptor);
+    if (m->access)
+        r = read_from_caller(&in, limit_bytes, head);
+    else if ((in.descriptor = input_open(path)) < 0)
+        r = fail(m, errno == ENOMEM ? VXS_E_MEMORY : VXS_E_READ, "cannot read '%s': %s", in.name, strerror(errno));
+    else {
+        in.known_bytes = known_bytes(in.descriptor);
+        r              = read_all(&in, limit_bytes, head);
+        close(in.descriptor);
+    }
     if (r != VXS_OK) {
         free(in.bytes);
         return r;

@@ -17,6 +17,9 @@ int is_standard_input(const char *path);
 /* Name of the input in messages: the path, or "standard input". */
 const char *input_name(const char *path);
 
+/* Size of a regular file in bytes; 0: no such file, or a pipe. */
+uint64_t input_bytes(const char *path, const run_context *m);
+
 /* Returns a descriptor to read from and to close; -1 and errno on failure. A folder can be opened, but not read. */
 int input_open(const char *path);
 
@@ -31,7 +34,7 @@ typedef struct input_head {
     void *user;
 } input_head;
 
-/* Read a whole input. Memory is checked against m->memory_bytes before it is allocated (memory.h).
+/* Read a whole input, through m->access where it is set. Memory is checked against m->memory_bytes before it is allocated (memory.h).
  * bytes        [out] NULL on failure; released with free()
  * limit_bytes  maximum size; a larger input is VXS_E_MEMORY and is not read further
  * head         called with the first bytes before the rest is read; NULL: none

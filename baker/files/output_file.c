@@ -11,6 +11,7 @@
 
 #include "baker/base/text.h"
 #include "baker/base/threads.h"
+#include "baker/files/file_access.h"
 #include "baker/files/input_file.h"
 #include "baker/files/replaced_file.h"
 #include "baker/files/run_files.h"
@@ -27,7 +28,7 @@ static vxs_result out_of_memory(const char *path, run_context *m)
 static vxs_result cannot_write(const output_file *f, int error, run_context *m)
 {
     return fail(m, VXS_E_WRITE, "%s: cannot write: %s%s", f->name, strerror(error),
-                error == ENOENT ? ": its folder is not there" : "");
+                error == ENOENT && !m->access ? ": its folder is not there" : "");
 }
 
 /* A temporary name beside the target, unique by the process number. NULL without memory. */
@@ -153,6 +154,7 @@ static void release(output_file *f)
     free(f->name);
     free(f->target);
     free(f->temporary);
+    free(f->memory);
     *f = (output_file){0};
 }
 
@@ -164,6 +166,13 @@ vxs_result output_file_open(output_file *f, const char *path, run_context *m)
     if (is_stdout) {
         f->stream = stdout;
         return VXS_OK;
+    }
+
+    if (m->access) {
+        f->stream    = open_memstream(&f->memory, &f->memory_bytes);
+        vxs_result r = f->stream ? VXS_OK : out_of_memory(path, m);
+        if (r != VXS_OK) output_file_abort(f);
+        return r;
     }
 
     struct stat status, link;
@@ -188,6 +197,7 @@ vxs_result output_file_open(output_file *f, const char *path, run_context *m)
 vxs_result output_file_check(const char *path, run_context *m)
 {
     struct stat out;
+    if (m->access) return VXS_OK;
     if (!strcmp(path, "-") || (!stat(path, &out) && is_written_directly(&out))) return VXS_OK;
 
     /* includes the naming step: some file systems support unnamed files but cannot name them later */
@@ -211,8 +221,22 @@ static int sync_to_disk(int descriptor)
     return !fsync(descriptor) || errno == EINVAL || errno == ENOTSUP ? 0 : errno;
 }
 
+/* Write an output through m->access. */
+static vxs_result commit_to_caller(output_file *f, run_context *m)
+{
+    const file_access *access = m->access;
+    vxs_result         r      = run_check(m);
+    int                error  = ferror(f->stream) | fclose(f->stream); /* a stream of memory fails only without memory */
+    f->stream                 = NULL;
+    if (r == VXS_OK && error) r = out_of_memory(f->name, m);
+    if (r == VXS_OK && (error = access->write(access->user, f->name, f->memory, f->memory_bytes))) r = cannot_write(f, error, m);
+    release(f);
+    return r;
+}
+
 vxs_result output_file_commit(output_file *f, run_context *m)
 {
+    if (m->access) return commit_to_caller(f, m);
     vxs_result r      = run_check(m);
     int        error  = ferror(f->stream) ? EIO : 0, linked; /* an unchecked write through stdio failed: its errno is lost */
     int        folder = -1;

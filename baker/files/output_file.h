@@ -34,10 +34,12 @@ extern "C" {
 #endif
 
 typedef struct output_file {
-    FILE *stream;    /* NULL when not open. May also be written with stdio; output_file_commit checks its error flag */
-    char *name;      /* name in messages: the path as given, or "standard output"; owned */
-    char *target;    /* final path, with links resolved; NULL when written directly; owned */
-    char *temporary; /* current name of the file; NULL while it is unnamed, or when written directly; owned */
+    FILE  *stream;    /* NULL when not open. May also be written with stdio; output_file_commit checks its error flag */
+    char  *name;      /* name in messages: the path as given, or "standard output"; owned */
+    char  *target;    /* final path, with links resolved; NULL when written directly; owned */
+    char  *temporary; /* current name of the file; NULL while it is unnamed, or when written directly; owned */
+    char  *memory;    /* with m->access: the bytes until now, which the stream owns until it is closed */
+    size_t memory_bytes;
     struct temporary_files *remembered; /* files that a signal handler removes; NULL: none */
     int                     pending;    /* slot in `remembered`; 0: none */
     int unsynced; /* may be set to 1 after opening: skip the flush to the disk (a hundred times faster). The file is still complete
@@ -45,7 +47,7 @@ typedef struct output_file {
                      be made again */
 } output_file;
 
-/* Start to write `path`. A new file has the permissions 0666 & ~umask.
+/* Start to write `path`. With m->access (file_access.h) the bytes are held in memory, and output_file_commit writes them. A new file has the permissions 0666 & ~umask.
  * f  [out] zeroed on failure; otherwise end with output_file_commit or output_file_abort.
  * Returns VXS_OK; VXS_E_ARGUMENT when this run reads the file (run_files.h); VXS_E_WRITE when the path is empty, a folder or a link
  * without a target, when no file can be created in the folder, or when the existing file must not be replaced; VXS_E_STRICT;

@@ -21,11 +21,12 @@ static const double TEXEL_MIN_METRES = 1e-9, TEXEL_MAX_METRES = 1e9;
  * not know must be 0. */
 static vxs_result take_known(vxs_bake_options *known, const vxs_bake_options *options, run_context *m)
 {
-    const size_t least = offsetof(vxs_bake_options, blend); /* size of the first version */
-    *known             = (vxs_bake_options){0};
+    const size_t least = offsetof(vxs_bake_options, blend), second = offsetof(vxs_bake_options, files); /* sizes of versions */
+    *known = (vxs_bake_options){0};
     if (!options || options->struct_size < least || options->struct_size > 64 * sizeof *known)
         return fail(m, VXS_E_ARGUMENT, "options: expected what vxs_bake_defaults returns, with what is to be changed");
-    memcpy(known, options, options->struct_size < sizeof *known ? least : sizeof *known);
+    size_t size = options->struct_size < second ? least : options->struct_size < sizeof *known ? second : sizeof *known;
+    memcpy(known, options, size);
     known->struct_size         = sizeof *known;
     const unsigned char *bytes = (const unsigned char *)options;
     for (size_t n = sizeof *known; n < options->struct_size; n++)
@@ -172,7 +173,14 @@ static vxs_result check_files(const vxs_bake_options *a, int lights, run_context
         return fail(m, VXS_E_ARGUMENT, "scene_path '%s': expected the name of a file", a->scene_path);
     if (a->arrays && (a->exclude_count || a->include_count || a->scene_name))
         return fail(m, VXS_E_ARGUMENT, "exclude, include and scene_name choose from a file, and the scene is of arrays");
+    if (a->files && (!a->files->size || !a->files->read))
+        return fail(m, VXS_E_ARGUMENT, "files: expected the functions size and read");
     if (!lights) return VXS_OK;
+    if (a->files && a->resume_path) return fail(m, VXS_E_ARGUMENT, "resume_path is a folder of the system, and files is given");
+    if (a->files && a->output_path && !a->files->write)
+        return fail(m, VXS_E_ARGUMENT, "files: expected the function write for output_path");
+    if (a->files && a->output_path && a->scene_path && !strcmp(a->output_path, a->scene_path))
+        return fail(m, VXS_E_ARGUMENT, "output_path '%s' is scene_path: expected another name", a->output_path);
     if (a->output_path && (!a->output_path[0] || !strcmp(a->output_path, "-")))
         return fail(m, VXS_E_ARGUMENT, "output_path '%s': expected the name of a file", a->output_path);
     if (a->if_changed && !a->output_path) return fail(m, VXS_E_ARGUMENT, "if_changed: expected an output_path");

@@ -47,6 +47,7 @@ static vxs_result check_output(bake_run *run)
     const vxs_bake_options *asked = &run->options.asked;
     bake_options           *o     = &run->options.o;
     vxs_result              r     = VXS_OK;
+    if (run->m.access) return VXS_OK;
     if (asked->output_path) r = run_files_add_output("output_path", asked->output_path, &run->m);
     if (r == VXS_OK) r = bake_add_folder(o, "resume_path", &run->m);
     if (r == VXS_OK && asked->scene_path) r = run_files_check_input(asked->scene_path, "scene_path", &run->m);
@@ -73,6 +74,12 @@ vxs_result bake_run_init(bake_run *run, const vxs_bake_options *options, int lig
     run->watch   = (run_watch){.say = say, .share = share, .user = run};
     vxs_result r = asked_options_init(&run->options, options, lights, &run->m);
     run->m.force = run->options.asked.replace != 0;
+    if (r == VXS_OK && run->options.asked.files) {
+        const vxs_bake_files *files = run->options.asked.files;
+        run->access                 = (file_access){files->size, files->read, files->write, files->user};
+        run->m.access               = &run->access;
+        run->m.files                = NULL; /* tracks files of the system */
+    }
     run_control_init(&run->run_control);
     if (r != VXS_OK) return r;
     run->options.o.watch = &run->watch;

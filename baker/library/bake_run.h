@@ -6,6 +6,7 @@
 
 #include "baker/bake/bake_options.h"
 #include "baker/base/run_control.h"
+#include "baker/files/file_access.h"
 #include "baker/files/run_files.h"
 #include "baker/library/asked_options.h"
 
@@ -19,6 +20,7 @@ typedef struct bake_run {
     asked_options options;
     run_context   m;
     run_files     files;
+    file_access   access; /* the options' files, if they are the caller's */
     run_watch     watch;
     run_control   run_control;
     double        share;        /* last reported share; below 0: none */

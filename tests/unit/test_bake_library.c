@@ -3,6 +3,7 @@
 #include "baker/vxs_bake.h"
 
 #include <dirent.h>
+#include <errno.h>
 #include <fenv.h>
 #include <math.h>
 #include <pthread.h>
@@ -369,6 +370,133 @@ static void test_options_of_files(void **state)
     assert_int_equal(rmdir(folder), 0);
 }
 
+/* files of the caller --------------------------------------------------------------------------------------------------------- */
+
+typedef struct memory_file {
+    char   name[64];
+    char   bytes[65536];
+    size_t size;
+} memory_file;
+
+typedef struct memory_files {
+    memory_file files[4];
+    uint32_t    count, reads, writes;
+    int         read_error, write_error;
+} memory_files;
+
+static memory_file *find(memory_files *m, const char *name)
+{
+    for (uint32_t n = 0; n < m->count; n++)
+        if (!strcmp(m->files[n].name, name)) return &m->files[n];
+    return NULL;
+}
+
+static uint64_t memory_size(void *user, const char *name)
+{
+    const memory_file *f = find(user, name);
+    return f ? f->size : UINT64_MAX;
+}
+
+static int memory_read(void *user, const char *name, void *bytes, size_t size_bytes)
+{
+    memory_files      *m = user;
+    const memory_file *f = find(m, name);
+    assert_non_null(f);
+    assert_true(size_bytes <= f->size);
+    memcpy(bytes, f->bytes, size_bytes);
+    m->reads++;
+    return m->read_error;
+}
+
+static int memory_write(void *user, const char *name, const void *bytes, size_t size_bytes)
+{
+    memory_files *m = user;
+    memory_file  *f = find(m, name);
+    if (m->write_error) return m->write_error;
+    if (!f) f = &m->files[m->count++];
+    assert_true(m->count <= 4 && size_bytes <= sizeof f->bytes);
+    snprintf(f->name, sizeof f->name, "%s", name);
+    memcpy(f->bytes, bytes, f->size = size_bytes);
+    m->writes++;
+    return 0;
+}
+
+static void write_file(const char *name, const memory_file *f)
+{
+    FILE *to = fopen(name, "w");
+    assert_non_null(to);
+    assert_int_equal(fwrite(f->bytes, 1, f->size, to), f->size);
+    assert_int_equal(fclose(to), 0);
+}
+
+/* A scene of two files, and the output, in a folder that the system does not have. */
+static void test_files_of_the_caller(void **state)
+{
+    (void)state;
+    static const char text[] =
+        "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":36,\"uri\":\"a%20b.bin\"}],\"bufferViews\":[{\"buffer\":0,"
+        "\"byteLength\":36}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":3}],"
+        "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]}";
+    static const float  corners[9] = {0, 0, 0, 0, 1, 0, 1, 0, 0};
+    static memory_files m;
+    vxs_bake_files      files = {memory_size, memory_read, memory_write, &m};
+    vxs_bake_options    o     = vxs_bake_defaults();
+    vxs_bake_sun        sun   = {NULL, {0.1, -0.2, -1}};
+    vxs_bake_bytes      file, of_system;
+    assert_int_equal(memory_write(&m, "no_such_folder/s.gltf", text, sizeof text - 1), 0);
+    assert_int_equal(memory_write(&m, "no_such_folder/a b.bin", corners, sizeof corners), 0);
+    o.scene_path = "s.gltf";
+    o.suns       = &sun;
+    o.sun_count  = 1;
+    o.resolution = 64;
+    write_file("s.gltf", &m.files[0]);
+    write_file("a b.bin", &m.files[1]);
+    of_system    = baked(&o);
+    o.scene_path = "no_such_folder/s.gltf";
+    refused(&o, VXS_E_READ, "No such file");
+    o.files       = &files;
+    o.output_path = "no_such_folder/out.vxs";
+    file          = baked(&o);
+    assert_int_equal(m.reads, 2);
+    assert_int_equal(m.writes, 3);
+    const memory_file *out = find(&m, o.output_path);
+    assert_non_null(out);
+    assert_int_equal(out->size, of_system.size_bytes);
+    assert_memory_equal(out->bytes, of_system.data, out->size);
+    assert_same(&file, &of_system);
+    vxs_bake_bytes_free(&of_system);
+
+    o.if_changed = 1; /* reads the output, and keeps it */
+    assert_int_equal(vxs_bake(&o, &file, NULL), VXS_OK);
+    assert_null(file.data);
+    assert_int_equal(m.writes, 3);
+    o.if_changed = 0;
+
+    m.write_error = ENOSPC;
+    refused(&o, VXS_E_WRITE, "no_such_folder/out.vxs: cannot write: No space left on device");
+    m.write_error = 0;
+    m.read_error  = EIO;
+    refused(&o, VXS_E_READ, "cannot read 'no_such_folder/s.gltf': Input/output error");
+    m.read_error = 0;
+    snprintf(m.files[1].name, sizeof m.files[1].name, "elsewhere");
+    refused(&o, VXS_E_READ, "cannot read buffer 0, 'no_such_folder/a b.bin': No such file");
+    o.scene_path = "none.gltf";
+    refused(&o, VXS_E_READ, "cannot read 'none.gltf': No such file");
+    o.output_path = o.scene_path;
+    refused(&o, VXS_E_ARGUMENT, "output_path 'none.gltf' is scene_path");
+    o.output_path = "out.vxs";
+    o.resume_path = "kept";
+    refused(&o, VXS_E_ARGUMENT, "resume_path");
+    o.resume_path = NULL;
+    files.write   = NULL;
+    refused(&o, VXS_E_ARGUMENT, "write for output_path");
+    files.read = NULL;
+    refused(&o, VXS_E_ARGUMENT, "size and read");
+    o.struct_size = offsetof(vxs_bake_options, files); /* of a program that is older: files of the system */
+    refused(&o, VXS_E_READ, "cannot read 'none.gltf': No such file");
+    assert_int_equal(unlink("s.gltf") | unlink("a b.bin"), 0);
+}
+
 /* A scene that is open serves bakes of any sun, with the bytes of bakes that read it themselves. */
 static void test_open_scene(void **state)
 {
@@ -660,6 +788,7 @@ int main(void)
         cmocka_unit_test(test_budgets_that_are_none),
         cmocka_unit_test(test_open_scene),
         cmocka_unit_test(test_options_of_files),
+        cmocka_unit_test_setup_teardown(test_files_of_the_caller, enter_folder, leave_folder),
         cmocka_unit_test_setup_teardown(test_given_up_by_the_callback, enter_folder, leave_folder),
         cmocka_unit_test_setup_teardown(test_given_up_from_another_thread, enter_folder, leave_folder),
         cmocka_unit_test(test_given_up_before),

@@ -6,6 +6,7 @@
 #include <strings.h>
 #include <sys/stat.h>
 
+#include "baker/files/file_access.h"
 #include "baker/files/run_files.h"
 #include "baker/scene/gltf/gltf_loader.h"
 
@@ -38,7 +39,10 @@ static bool begins_with(const std::string &text, const char *lower)
 static bool is_there(const loader &l, const std::string &path)
 {
     struct stat status;
-    return l.files_beside && path.find('\0') == std::string::npos && !stat((l.folder + path).c_str(), &status);
+    if (!l.files_beside || path.find('\0') != std::string::npos) return false;
+    const file_access *access = l.m->access;
+    const std::string  name   = l.folder + path;
+    return access ? access->size(access->user, name.c_str()) != FILE_ACCESS_MISSING : !stat(name.c_str(), &status);
 }
 
 /* The file of a URI, relative to the scene's folder. Some exporters do not percent-encode names, or write backslashes as
@@ -127,7 +131,7 @@ file_bytes read_beside(loader &l, const std::string &what, const std::string &ur
     file_bytes found = read_bytes(l, path.c_str(), limit, true, reason);
     if (!reason) return found;
     std::string text = "cannot read " + what + ", '" + shown_uri(path) + "': " + strerror(reason),
-                near = reason == ENOENT ? other_case(path) : "";
+                near = reason == ENOENT && !l.m->access ? other_case(path) : "";
     throw failure{VXS_E_READ, text + (near.empty() ? "" : "; there is '" + near + "': rename it"), true};
 }
 

@@ -8,6 +8,7 @@
 #include <unistd.h>
 #include <webp/decode.h>
 
+#include "baker/files/file_access.h"
 #include "baker/files/foreign_file.h"
 #include "baker/files/input_file.h"
 #include "baker/scene/gltf/gltf_loader.h"
@@ -28,8 +29,26 @@ struct descriptor {
 
 static constexpr size_t LOOKED_AT = 65536;
 
+/* The same from the caller's files. */
+static file_bytes read_from_caller(loader &l, const char *path, size_t limit, int &error, scene_look look)
+{
+    const file_access *access = l.m->access;
+    uint64_t           size   = access->size(access->user, path);
+    file_bytes         out;
+    error = size == FILE_ACCESS_MISSING ? ENOENT : 0;
+    if (error) return out;
+    if (!look) size = std::min(size, (uint64_t)limit);
+    l.need(size, strcmp(path, l.path) ? "the file '" + std::string(path) + "'" : "the file");
+    out.resize(size);
+    error = access->read(access->user, path, out.data(), out.size());
+    if (!error && look) limit = std::min(limit, look(l, out.data(), out.size(), size));
+    out.resize(std::min(out.size(), limit));
+    return out;
+}
+
 file_bytes read_bytes(loader &l, const char *path, size_t limit, bool regular_only, int &error, scene_look look)
 {
+    if (l.m->access) return read_from_caller(l, path, limit, error, look);
     file_bytes  out;
     descriptor  d = {regular_only ? open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK) : input_open(path)};
     struct stat status;
@@ -84,7 +103,7 @@ void read_scene_file(loader &l, const char *path)
     struct stat status;
     l.file            = read_bytes(l, path, FILE_BYTES_MAX, false, reason, look_at_scene);
     /* a pipe has no folder: files beside the scene are in the working folder */
-    const char *slash = !stat(path, &status) && S_ISREG(status.st_mode) ? strrchr(path, '/') : nullptr;
+    const char *slash = l.m->access || (!stat(path, &status) && S_ISREG(status.st_mode)) ? strrchr(path, '/') : nullptr;
     if (slash) l.folder.assign(path, slash + 1);
     if (reason || l.file.empty())
         throw failure{fail(l.m, VXS_E_READ, "cannot read '%s': %s", l.path, reason ? strerror(reason) : "the file is empty"), "",
