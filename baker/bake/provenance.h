@@ -29,26 +29,9 @@ void provenance_set_shape(json_t **object, const light_shape *l);
 /* The metadata of a file; NULL: there is none, vxs did not write it, or there is no memory. Released with json_decref. */
 json_t *provenance_parse(const vxs_contents *contents);
 
-/* The metadata of a file from any writer. "generator" is there; other members may be missing, and have the types that vxs writes.
- * made  [out] NULL if there is none, or if vxs did not write it; released with json_decref
- * Returns VXS_OK or VXS_E_MEMORY. */
-vxs_result provenance_read(json_t **made, const vxs_contents *contents, run_context *m);
-
 /* Returns 1 if the path has a sound asset that was baked from this input.
  * file_bytes, warning_count  [out] if 1 is returned: its size, and the number of warnings of its bake */
-int provenance_is_current(const char *path, const json_t *inputs, uint64_t *file_bytes, size_t *warning_count, const run_context *m);
-
-/* Differences between a scene and the scene of an asset: ["geometry", "light 'lamp': position, range"]. Lights that are not in the
- * asset are ignored, and so is what the metadata does not have.
- * made         from provenance_read of the contents
- * differences  [out] an array, empty if the scenes are the same; NULL on failure; released with json_decref
- * Returns VXS_OK or VXS_E_MEMORY. */
-vxs_result provenance_differences(json_t **differences, const json_t *made, const vxs_contents *contents, const scene *s,
-                                  run_context *m);
-
-enum { PROVENANCE_TEXT_BYTES = 256 };
-
-/* "geometry; light 'lamp': position, range; and 7 more": one line, cut to the size of text. Returns text. */
-const char *provenance_differences_text(char text[PROVENANCE_TEXT_BYTES], const json_t *differences);
+int provenance_is_current(const char *path, const json_t *inputs, uint64_t *file_bytes, size_t *warning_count,
+                          const run_context *m);
 
 #endif

@@ -7,10 +7,10 @@
 #include <string.h>
 #include <xxhash.h>
 
-#include "baker/bake/provenance.h"
 #include "baker/base/array.h"
 #include "baker/base/nearest.h"
 #include "baker/base/parallel.h"
+#include "baker/command/provenance_differences.h"
 #include "baker/files/input_file.h"
 #include "baker/scene/light_choice.h"
 #include "formats/vxs_bytes.h"

@@ -4,13 +4,13 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "baker/bake/provenance.h"
 #include "baker/base/text.h"
 #include "baker/command/asset_open.h"
 #include "baker/command/commands.h"
 #include "baker/command/light_text.h"
 #include "baker/command/options/bake_arguments.h"
 #include "baker/command/options/options.h"
+#include "baker/command/provenance_differences.h"
 #include "baker/command/report/report.h"
 #include "baker/files/input_file.h"
 #include "baker/files/json_file.h"

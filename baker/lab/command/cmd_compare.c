@@ -5,10 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/bake/provenance.h"
 #include "baker/base/parallel.h"
 #include "baker/command/asset_open.h"
 #include "baker/command/options/options.h"
+#include "baker/command/provenance_differences.h"
 #include "baker/files/input_file.h"
 #include "baker/files/json_file.h"
 #include "baker/lab/command/camera_choice.h"

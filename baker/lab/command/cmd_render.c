@@ -5,11 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/bake/provenance.h"
 #include "baker/base/box.h"
 #include "baker/base/parallel.h"
 #include "baker/command/asset_open.h"
 #include "baker/command/options/options.h"
+#include "baker/command/provenance_differences.h"
 #include "baker/lab/command/lab_commands.h"
 
 enum {

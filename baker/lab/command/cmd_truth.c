@@ -3,12 +3,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/bake/provenance.h"
 #include "baker/base/parallel.h"
 #include "baker/casters/casters.h"
 #include "baker/command/asset_open.h"
 #include "baker/command/options/options.h"
 #include "baker/command/points.h"
+#include "baker/command/provenance_differences.h"
 #include "baker/lab/command/lab_commands.h"
 #include "baker/lab/truth/truth.h"
 #include "baker/light/map_space.h"

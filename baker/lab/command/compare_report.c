@@ -5,11 +5,11 @@
 #include <math.h>
 #include <string.h>
 
-#include "baker/bake/provenance.h"
 #include "baker/base/text.h"
 #include "baker/base/version.h"
 #include "baker/command/light_text.h"
 #include "baker/command/options/options.h"
+#include "baker/command/provenance_differences.h"
 #include "baker/files/input_file.h"
 #include "baker/files/json_file.h"
 
