@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static vxs_result take_depths(void *user, uint32_t map, uint32_t i, uint32_t j, const depth_maps *tile, bake_context *ctx)
+static vxs_result take_depths(void *user, uint32_t map, uint32_t i, uint32_t j, const rendered_tile *tile, bake_context *ctx)
 {
     light_columns *c = user;
     if (!c->picture) return VXS_OK;

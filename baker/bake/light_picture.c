@@ -53,10 +53,10 @@ void light_picture_free(light_picture *p)
 }
 
 typedef struct depth_job {
-    light_picture    *p;
-    const depth_maps *tile;
-    uint16_t         *corner; /* position of the tile in the picture */
-    uint32_t          pixel;  /* texels a side */
+    light_picture       *p;
+    const rendered_tile *tile;
+    uint16_t            *corner; /* position of the tile in the picture */
+    uint32_t             pixel;  /* texels a side */
 } depth_job;
 
 /* Mean depth of the samples with a caster, if they are at least half.   sum  of their depths, shares of the whole */
@@ -72,12 +72,12 @@ static uint16_t depth_of_pixel(const depth_job *job, size_t x, size_t y)
     double       sum    = 0;
     for (uint32_t v = step / 2; v < job->pixel; v += step)
         for (uint32_t u = step / 2; u < job->pixel; u += step, all++) {
-            double voxels = depth_maps_voxels(job->tile, corner[(size_t)v * job->tile->side_px + u]);
-            if (voxels >= job->tile->depth_vx) continue;
+            double voxels = depth_in_voxels(job->tile->scale, (double)corner[(size_t)v * job->tile->side_px + u]);
+            if (voxels >= job->tile->scale.depth_vx) continue;
             sum += voxels;
             seen++;
         }
-    return mean_depth(sum / job->tile->depth_vx, seen, all);
+    return mean_depth(sum / job->tile->scale.depth_vx, seen, all);
 }
 
 static void depth_rows(void *user, size_t begin, size_t end, uint32_t worker)
@@ -89,7 +89,7 @@ static void depth_rows(void *user, size_t begin, size_t end, uint32_t worker)
             job->corner[y * job->p->side_px + x] = depth_of_pixel(job, x, y);
 }
 
-void light_picture_add_depths(light_picture *p, const depth_maps *tile, uint32_t map, uint32_t i, uint32_t j, uint32_t threads)
+void light_picture_add_depths(light_picture *p, const rendered_tile *tile, uint32_t map, uint32_t i, uint32_t j, uint32_t threads)
 {
     uint32_t  pixel = p->map_px / p->side_px, side = tile->side_px / pixel;
     uint16_t *picture = p->depth + (size_t)map * p->side_px * p->side_px;

@@ -7,7 +7,7 @@
 #define LIGHT_PICTURE_H
 
 #include "baker/coding/dag/column_tree.h"
-#include "baker/columns/depth_maps.h"
+#include "baker/columns/rendered_columns.h"
 #include "formats/vxs_file.h"
 
 enum { PICTURES_MAX = 4, PICTURE_MAX_PX = 1024, CUBE_PICTURE_MAX_PX = 512, PICTURE_NO_CASTER = 65535 };
@@ -30,7 +30,7 @@ uint64_t light_picture_bytes(uint32_t map_px, uint32_t map_count);
 vxs_result light_picture_init(light_picture *p, uint32_t light, uint32_t map_px, uint32_t map_count, run_context *m);
 
 /* Add a rendered tile of a map: tile (i, j), counted in tiles of its side. */
-void light_picture_add_depths(light_picture *p, const depth_maps *tile, uint32_t map, uint32_t i, uint32_t j, uint32_t threads);
+void light_picture_add_depths(light_picture *p, const rendered_tile *tile, uint32_t map, uint32_t i, uint32_t j, uint32_t threads);
 
 /* Side of the coarser map that is enough for the picture. */
 uint32_t light_picture_enter_px(const light_picture *p);

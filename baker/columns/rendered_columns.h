@@ -33,9 +33,16 @@ typedef struct depth_stats {
  * them too. */
 enum { TILE_MIN_PX = 512, TILE_MAX_PX = 4096, BLOCK_MAX_PX = 512, DRAW_MAX = 1 << 19 };
 
-/* Called with the depth maps of each rendered tile: tile (i, j), counted in tiles, of map `map`.
+/* Enter depths of a rendered tile. */
+typedef struct rendered_tile {
+    uint32_t     side_px;
+    depth_scale  scale; /* of the depths */
+    const float *enter; /* [side_px^2] rows */
+} rendered_tile;
+
+/* Called with the depths of each rendered tile: tile (i, j), counted in tiles, of map `map`.
  * Returns VXS_OK, or an error that ends the fetch. */
-typedef vxs_result tile_watcher(void *user, uint32_t map, uint32_t i, uint32_t j, const struct depth_maps *tile, bake_context *ctx);
+typedef vxs_result tile_watcher(void *user, uint32_t map, uint32_t i, uint32_t j, const rendered_tile *tile, bake_context *ctx);
 
 /* A light whose maps are rendered. Zero what is not set. */
 typedef struct rendered_columns {

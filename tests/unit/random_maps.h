@@ -7,7 +7,7 @@
 #include <math.h>
 
 #include "baker/base/random.h"
-#include "baker/columns/depth_maps.h"
+#include "baker/lab/opengl/depth_maps.h"
 
 /* What a field of columns may look like: each kind is there for something that it may break. */
 typedef enum map_kind {

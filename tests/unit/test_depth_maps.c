@@ -1,4 +1,4 @@
-/* The min-max pyramid and the columns of stored depth maps, against brute force (baker/columns/depth_maps.h).
+/* The min-max pyramid and the columns of stored depth maps, against brute force (baker/lab/opengl/depth_maps.h).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/columns/depth_maps.h" /* before cmocka, whose fail() is a macro */
+#include "baker/lab/opengl/depth_maps.h" /* before cmocka, whose fail() is a macro */
 
 #include <cmocka.h>
 

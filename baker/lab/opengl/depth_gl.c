@@ -254,7 +254,8 @@ static vxs_result map_fetch(void *data, uint32_t level, uint32_t i, uint32_t j, 
     stage_begin(ctx, STAGE_PYRAMID);
     depth_maps_reduce(o->maps, ctx->threads);
     stage_begin(ctx, STAGE_NONE);
-    if (o->owner->watch && (r = o->owner->watch(o->owner->watch_user, o->map, i, j, o->maps, ctx)) != VXS_OK) return r;
+    rendered_tile tile = {o->maps->side_px, {o->maps->depth_vx, o->maps->voxel_log}, o->maps->enter};
+    if (o->owner->watch && (r = o->owner->watch(o->owner->watch_user, o->map, i, j, &tile, ctx)) != VXS_OK) return r;
     *out      = depth_maps_square(o->maps);
     out->u_px = i * out->side_px;
     out->v_px = j * out->side_px;

@@ -5,8 +5,8 @@
 #define DEPTH_GL_H
 
 #include "baker/casters/casters.h"
-#include "baker/columns/depth_maps.h"
 #include "baker/columns/rendered_columns.h"
+#include "baker/lab/opengl/depth_maps.h"
 #include "baker/lab/opengl/gl.h"
 #include "formats/vxs_file.h"
 

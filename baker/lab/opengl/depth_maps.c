@@ -1,6 +1,6 @@
 /* Depth maps, their pyramid and their columns; see depth_maps.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/columns/depth_maps.h"
+#include "baker/lab/opengl/depth_maps.h"
 
 #include <stdlib.h>
 #include <string.h>
