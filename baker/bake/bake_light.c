@@ -62,29 +62,6 @@ vxs_result asset_encode(const bake_options *o, const coded_light *coded, uint32_
     return r == VXS_OK ? r : fail(m, r, "the asset cannot be encoded: %s", r == VXS_E_MEMORY ? "out of memory" : "it is too large");
 }
 
-/* Fill sizes by part from the file, as a reader sees it. */
-static void report_contents(const vxs_contents *c, bake_report *report)
-{
-    for (uint32_t s = 0; s < c->section_count; s++)
-        if (c->sections[s].kind == VXS_KIND_POINTS) report->points_bytes = c->sections[s].stored_bytes;
-    for (uint32_t n = 0; n < c->light_count; n++) {
-        const vxs_baked_light *baked = &c->lights[n];
-        light_report          *light = &report->lights[n];
-        light->light                 = baked->light;
-        light->memory_bytes          = (uint64_t)baked->word_count * 4;
-        light->part_count            = baked->part_count;
-        for (uint32_t p = 0; p < baked->part_count; p++) {
-            /* a section with several parts counts for the first of them */
-            int is_first    = !p || baked->parts[p].section != baked->parts[p - 1].section;
-            light->parts[p] = (part_report){baked->parts[p], is_first ? c->sections[baked->parts[p].section].stored_bytes : 0};
-        }
-        for (uint32_t s = 0; s < c->section_count; s++)
-            if (c->sections[s].light == n)
-                *(c->sections[s].kind == VXS_KIND_SMOKE ? &light->smoke.stored_bytes : &light->stored_bytes) +=
-                    c->sections[s].stored_bytes;
-    }
-}
-
 vxs_result asset_write(const bake_options *o, const vxs_bytes *file, bake_report *report, run_context *m)
 {
     vxs_contents  contents = {0};
@@ -93,7 +70,28 @@ vxs_result asset_write(const bake_options *o, const vxs_bytes *file, bake_report
     vxs_read_desc desc     = {.parallel = &threads};
     vxs_result    r        = vxs_read(&contents, file->data, file->size_bytes, &desc);
     if (r != VXS_OK) return fail(m, r, "the encoded asset cannot be read back, nothing was written: %s", vxs_result_text(r));
-    report_contents(&contents, report);
+
+    /* Fill sizes by part from the file, as a reader sees it. */
+    for (uint32_t s = 0; s < contents.section_count; s++)
+        if (contents.sections[s].kind == VXS_KIND_POINTS) report->points_bytes = contents.sections[s].stored_bytes;
+    for (uint32_t n = 0; n < contents.light_count; n++) {
+        const vxs_baked_light *baked = &contents.lights[n];
+        light_report          *light = &report->lights[n];
+        light->light                 = baked->light;
+        light->memory_bytes          = (uint64_t)baked->word_count * 4;
+        light->part_count            = baked->part_count;
+        for (uint32_t p = 0; p < baked->part_count; p++) {
+            /* a section with several parts counts for the first of them */
+            int is_first = !p || baked->parts[p].section != baked->parts[p - 1].section;
+            light->parts[p] =
+                (part_report){baked->parts[p], is_first ? contents.sections[baked->parts[p].section].stored_bytes : 0};
+        }
+        for (uint32_t s = 0; s < contents.section_count; s++)
+            if (contents.sections[s].light == n)
+                *(contents.sections[s].kind == VXS_KIND_SMOKE ? &light->smoke.stored_bytes : &light->stored_bytes) +=
+                    contents.sections[s].stored_bytes;
+    }
+
     vxs_contents_free(&contents);
     report->file_bytes = file->size_bytes;
 

@@ -9,26 +9,6 @@
 #include "baker/base/box.h"
 #include "baker/files/json_value.h"
 
-static void report_casters(bake_report *report, const casters *c)
-{
-    report->casters      = *c;
-    casters *counts      = &report->casters; /* without arrays, which belong to the casters */
-    counts->positions_ws = NULL;
-    counts->indices = counts->component_of = NULL;
-    counts->kind_of = counts->solid_meets = NULL;
-    counts->parts_of                      = NULL;
-    counts->boxes                         = NULL;
-    counts->double_sided                  = NULL;
-    counts->alpha_masks                   = NULL;
-    counts->alpha_mask_first              = NULL;
-    counts->hole_uvs                      = NULL;
-    counts->images                        = NULL;
-    box all                               = box_empty();
-    for (size_t n = 0; n < c->vertex_count; n++) box_add(&all, c->positions_ws + 3 * n);
-    memcpy(report->casters_min_ws, all.min, sizeof all.min);
-    memcpy(report->casters_max_ws, all.max, sizeof all.max);
-}
-
 static void leave_out(bake_report *report, const char *name, const char *why)
 {
     light_left_out *l = &report->left_out[report->left_out_count++];
@@ -59,7 +39,23 @@ static vxs_result report_left_out(bake_report *report, const scene *s, run_conte
 
 vxs_result bake_report_begin(bake_report *report, const scene *s, const casters *c, run_context *m)
 {
-    report_casters(report, c);
+    report->casters      = *c;
+    casters *counts      = &report->casters; /* without arrays, which belong to the casters */
+    counts->positions_ws = NULL;
+    counts->indices = counts->component_of = NULL;
+    counts->kind_of = counts->solid_meets = NULL;
+    counts->parts_of                      = NULL;
+    counts->boxes                         = NULL;
+    counts->double_sided                  = NULL;
+    counts->alpha_masks                   = NULL;
+    counts->alpha_mask_first              = NULL;
+    counts->hole_uvs                      = NULL;
+    counts->images                        = NULL;
+    box all                               = box_empty();
+    for (size_t n = 0; n < c->vertex_count; n++) box_add(&all, c->positions_ws + 3 * n);
+    memcpy(report->casters_min_ws, all.min, sizeof all.min);
+    memcpy(report->casters_max_ws, all.max, sizeof all.max);
+
     report->capsule_count   = s->smoke.count;
     report->exclusion_count = s->exclusion_count;
     report->exclusions      = malloc((s->exclusion_count + 1) * sizeof *report->exclusions);

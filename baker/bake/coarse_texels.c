@@ -170,21 +170,6 @@ static const char *region_text(char text[160], const box *b)
     return text;
 }
 
-/* Names of the objects, "node 'sea', node 'sky'", and the options that exclude them. */
-static void name_far(const check_scene *k, const far_objects *far, const object_list *of, char names[LIST_BYTES],
-                     char remedies[LIST_BYTES])
-{
-    names[0] = remedies[0] = 0;
-    for (size_t n = 0; n < far->count; n++) {
-        object_name name;
-        size_t      used = strlen(remedies);
-        object_name_find(&name, &of->items[far->items[n]], k->c, k->s);
-        list_item(names, name.text);
-        if (name.option[0] && used + strlen(name.option) + 2 < LIST_BYTES)
-            snprintf(remedies + used, LIST_BYTES - used, "%s%s", used ? " " : "", name.option);
-    }
-}
-
 int warn_about_far_objects(const check_scene *k, const far_objects *far, const object_list *of)
 {
     const plan_light *worst = NULL;
@@ -206,7 +191,18 @@ int warn_about_far_objects(const check_scene *k, const far_objects *far, const o
     double size = deep ? worst->light.voxel_metres : worst->light.texel_metres;
     if (texels > 64 && median > 32 * size) return 0; /* coarser than necessary, but still fine */
     char names[LIST_BYTES], remedies[LIST_BYTES], region[160];
-    name_far(k, far, of, names, remedies);
+
+    /* Names of the objects, "node 'sea', node 'sky'", and the options that exclude them. */
+    names[0] = remedies[0] = 0;
+    for (size_t n = 0; n < far->count; n++) {
+        object_name name;
+        size_t      used = strlen(remedies);
+        object_name_find(&name, &of->items[far->items[n]], k->c, k->s);
+        list_item(names, name.text);
+        if (name.option[0] && used + strlen(name.option) + 2 < LIST_BYTES)
+            snprintf(remedies + used, LIST_BYTES - used, "%s%s", used ? " " : "", name.option);
+    }
+
     warn(k->m,
          "%zu of %zu triangles, %s, make %s of light '%s' %.15g times as %s, %.3g m: all else is %.15g of them %s; "
          "--region %s, or %s",

@@ -35,34 +35,27 @@ static int put_text(vxs_bytes *out, const char *text)
     return put64(out, strlen(text)) && put_bytes(out, text, strlen(text));
 }
 
-static int put_map(vxs_bytes *out, const part_map *p)
-{
-    int ok = put32(out, p->fetch_px) && put64(out, p->count);
-    for (const column_bounds *b = p->answers; b < p->answers + p->count && ok; b++)
-        ok = put32s(out, (uint32_t[]){b->emin, b->emax, b->xmin, b->xmax}, 4);
-    return ok;
-}
-
-static int put_light(vxs_bytes *out, const part_light *p)
-{
-    vxs_light l = p->light;
-    double   *of[NUMBERS];
-    uint8_t   bytes[8];
-    numbers_of(&l, of);
-    int ok = put_bytes(out, l.name, sizeof l.name) && put32s(out, (uint32_t[]){l.kind, l.flags, l.levels, l.coding}, 4);
-    for (int n = 0; n < NUMBERS && ok; n++) {
-        vxs_store_f64(bytes, *of[n]);
-        ok = put_bytes(out, bytes, sizeof bytes);
-    }
-    for (uint32_t map = 0; map < vxs_map_count(&l) && ok; map++) ok = put_map(out, &p->maps[map]);
-    return ok;
-}
-
 vxs_result part_common_write(const part_common *c, vxs_bytes *out)
 {
     const uint32_t choices[CHOICES] = {c->o.coding, c->o.pack, c->o.rule, (uint32_t)c->o.reuse, c->o.zstd_level};
     int ok = put32s(out, choices, CHOICES) && put_text(out, c->made_by) && put_text(out, c->metadata) && put64(out, c->light_count);
-    for (size_t n = 0; n < c->light_count && ok; n++) ok = put_light(out, &c->lights[n]);
+    for (size_t n = 0; n < c->light_count && ok; n++) {
+        vxs_light l = c->lights[n].light;
+        double   *of[NUMBERS];
+        uint8_t   bytes[8];
+        numbers_of(&l, of);
+        ok = put_bytes(out, l.name, sizeof l.name) && put32s(out, (uint32_t[]){l.kind, l.flags, l.levels, l.coding}, 4);
+        for (int k = 0; k < NUMBERS && ok; k++) {
+            vxs_store_f64(bytes, *of[k]);
+            ok = put_bytes(out, bytes, sizeof bytes);
+        }
+        for (uint32_t map = 0; map < vxs_map_count(&l) && ok; map++) {
+            ok = put32(out, c->lights[n].maps[map].fetch_px) && put64(out, c->lights[n].maps[map].count);
+            for (const column_bounds *b = c->lights[n].maps[map].answers;
+                 b < c->lights[n].maps[map].answers + c->lights[n].maps[map].count && ok; b++)
+                ok = put32s(out, (uint32_t[]){b->emin, b->emax, b->xmin, b->xmax}, 4);
+        }
+    }
     return ok ? VXS_OK : VXS_E_MEMORY;
 }
 
@@ -161,15 +154,6 @@ static column_key with_text(column_key before, const char *text)
     return column_key_with(before, text, strlen(text) + 1);
 }
 
-/* The coding and its build options; without the order of compression, which does not change results. */
-static column_key coding_key(const bake_options *o)
-{
-    const build_options b         = build_options_of(o, COMPRESS_NONE);
-    const uint32_t      choices[] = {o->coding, o->coding == CODING_DAG ? (uint32_t)b.rule : 0,
-                                o->coding == CODING_DAG ? (uint32_t)b.reuse : 0, o->coding == CODING_DAG ? (uint32_t)b.share : 0};
-    return column_key_with(with_text((column_key){0, 0}, SQUARES_MADE_BY), choices, sizeof choices);
-}
-
 /* All input of the bake, and the renderer. */
 static vxs_result bake_key(column_key *key, const bake_report *report, run_context *m)
 {
@@ -192,8 +176,14 @@ static vxs_result begin_common(part_common *c, const bake_options *o, const bake
 vxs_result kept_squares_open(kept_squares *k, const bake_options *o, const bake_report *report, run_context *m)
 {
     vxs_result r = VXS_OK;
-    k->coding    = coding_key(o);
-    k->others    = o->others;
+
+    /* The coding and its build options; without the order of compression, which does not change results. */
+    const build_options b         = build_options_of(o, COMPRESS_NONE);
+    const uint32_t      choices[] = {o->coding, o->coding == CODING_DAG ? (uint32_t)b.rule : 0,
+                                o->coding == CODING_DAG ? (uint32_t)b.reuse : 0, o->coding == CODING_DAG ? (uint32_t)b.share : 0};
+    k->coding                     = column_key_with(with_text((column_key){0, 0}, SQUARES_MADE_BY), choices, sizeof choices);
+
+    k->others = o->others;
     if (o->resume_path) {
         r            = square_store_open(&k->store, o->resume_path, m);
         k->has_store = r == VXS_OK;
@@ -245,20 +235,6 @@ column_key part_square_key(uint64_t number, uint32_t light, uint32_t map, uint32
     return column_key_with((column_key){0, 0}, place, sizeof place);
 }
 
-static vxs_result square_key(const kept_light *l, const column_map *columns, uint32_t level, uint32_t i, uint32_t j,
-                             column_key *key)
-{
-    const uint32_t of_all[] = {columns->side_px, columns->depth_vx, l->map, level, i, j};
-    column_key     of_columns;
-    vxs_result     r = VXS_OK;
-    if (columns->key)
-        r = columns->key(columns->data, level, i, j, &of_columns);
-    else
-        of_columns = column_key_with(l->squares->bake, &l->light, sizeof l->light);
-    *key = column_key_with(column_key_with(l->squares->coding, of_all, sizeof of_all), &of_columns, sizeof of_columns);
-    return r;
-}
-
 /* Get a square that another process has made. */
 static vxs_result take_from_other(kept_light *l, vxs_bytes *record, run_context *m)
 {
@@ -301,7 +277,16 @@ static vxs_result ask(void *data, const column_map *columns, uint32_t level, uin
     l->report->squares++;
     l->part_key = part_square_key(l->number, l->light, l->map, level, i, j);
     stage_begin(ctx, STAGE_MAPS);
-    if (k->has_store || k->others) r = square_key(l, columns, level, i, j, &l->asked);
+    if (k->has_store || k->others) {
+        const uint32_t of_all[] = {columns->side_px, columns->depth_vx, l->map, level, i, j};
+        column_key     of_columns;
+        r = VXS_OK;
+        if (columns->key)
+            r = columns->key(columns->data, level, i, j, &of_columns);
+        else
+            of_columns = column_key_with(l->squares->bake, &l->light, sizeof l->light);
+        l->asked = column_key_with(column_key_with(l->squares->coding, of_all, sizeof of_all), &of_columns, sizeof of_columns);
+    }
     if (r != VXS_OK) fail(ctx->run, r, "out of memory for the key of a square");
     if (r == VXS_OK) r = *fate == SQUARE_KNOWN ? take_from_other(l, record, ctx->run) : find_stored(l, fate, record, ctx->run);
     stage_begin(ctx, STAGE_NONE);

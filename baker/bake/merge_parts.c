@@ -54,34 +54,24 @@ static vxs_result check_all_there(const part_set *s, run_context *m)
     return fail(m, VXS_E_ARGUMENT, "part %u of %u is missing: %zu were given", missing + 1, parts, s->count);
 }
 
-static vxs_result open_part(part_set *s, const char *path, run_context *m)
-{
-    part_reader *p = &s->parts[s->count++];
-    vxs_result   r = part_open(p, path, m);
-    if (r == VXS_OK && !s->at && !(s->at = calloc(p->parts, sizeof *s->at))) r = fail(m, VXS_E_MEMORY, "out of memory for parts");
-    if (r == VXS_OK) r = check_part(s, p, m);
-    if (r == VXS_OK) s->at[p->number - 1] = (uint32_t)s->count;
-    return r;
-}
-
 static vxs_result open_parts(part_set *s, const text_list *paths, run_context *m)
 {
     vxs_result r = VXS_OK;
     s->parts     = calloc(paths->count + 1, sizeof *s->parts);
     if (!s->parts) return fail(m, VXS_E_MEMORY, "out of memory for %zu parts", paths->count);
-    for (size_t n = 0; n < paths->count && r == VXS_OK; n++) r = open_part(s, paths->items[n], m);
+    for (size_t n = 0; n < paths->count && r == VXS_OK; n++) {
+        const char  *path = paths->items[n];
+        part_reader *p    = &s->parts[s->count++];
+        r                 = part_open(p, path, m);
+        if (r == VXS_OK && !s->at && !(s->at = calloc(p->parts, sizeof *s->at)))
+            r = fail(m, VXS_E_MEMORY, "out of memory for parts");
+        if (r == VXS_OK) r = check_part(s, p, m);
+        if (r == VXS_OK) s->at[p->number - 1] = (uint32_t)s->count;
+    }
     if (r == VXS_OK) r = check_all_there(s, m);
     if (r != VXS_OK) return r;
     r = part_common_read(&s->common, s->parts[0].common.data, s->parts[0].common.size_bytes);
     return r == VXS_E_CORRUPT ? is_damaged(&s->parts[0], m) : r == VXS_OK ? r : fail(m, r, "out of memory for parts");
-}
-
-static void close_parts(part_set *s)
-{
-    for (size_t n = 0; n < s->count; n++) part_close(&s->parts[n]);
-    free(s->parts);
-    free(s->at);
-    part_common_free(&s->common);
 }
 
 /* columns --------------------------------------------------------------------------------------------------------------------- */
@@ -187,33 +177,6 @@ static uint64_t squares_of(const part_light *l)
     return squares;
 }
 
-static vxs_result merge_light(part_set *s, uint32_t light, const bake_options *o, coded_light *out, bake_context *ctx)
-{
-    const part_light *of      = &s->common.lights[light];
-    plan_light        planned = {.light = of->light, .map_count = vxs_map_count(&of->light), .tiles = squares_of(of)};
-    part_columns      columns = {.set = s, .of = of, .light = light, .keeper = {&columns, 0, NULL, ask, keep}};
-    column_source     source  = {&columns, planned.map_count, open_map};
-    chosen_coder      coding;
-    snprintf(planned.name, sizeof planned.name, "%.*s", VXS_LIGHT_NAME_BYTES - 1, of->light.name);
-    chosen_coder_init(&coding, o, COMPRESS_NONE, NULL);
-    vxs_result r = bake_light(&planned, &source, &coding.coder, out, ctx);
-    chosen_coder_free(&coding);
-    return r;
-}
-
-static vxs_result merge_lights(part_set *s, const bake_options *o, coded_light *coded, bake_report *report, bake_context *ctx)
-{
-    vxs_result r = VXS_OK;
-    for (uint32_t n = 0; n < s->common.light_count && r == VXS_OK; n++) {
-        report->light_count++;
-        report->lights[n].light = s->common.lights[n].light;
-        r                       = merge_light(s, n, o, &coded[n], ctx);
-    }
-    uint64_t there = 0;
-    for (size_t n = 0; n < s->count; n++) there += s->parts[n].squares.count;
-    return r == VXS_OK && there != s->next ? is_damaged(&s->parts[0], ctx->run) : r;
-}
-
 /* Merge the parts into a file. */
 static vxs_result merge_file(part_set *s, const bake_options *o, bake_report *report, bake_context *ctx)
 {
@@ -222,7 +185,26 @@ static vxs_result merge_file(part_set *s, const bake_options *o, bake_report *re
     vxs_bytes    file  = {0};
     report->lights     = calloc(count, sizeof *report->lights);
     vxs_result r       = coded && report->lights ? VXS_OK : fail(ctx->run, VXS_E_MEMORY, "out of memory for %zu lights", count);
-    if (r == VXS_OK) r = merge_lights(s, o, coded, report, ctx);
+    if (r == VXS_OK) {
+        r = VXS_OK;
+        for (uint32_t n = 0; n < s->common.light_count && r == VXS_OK; n++) {
+            report->light_count++;
+            report->lights[n].light = s->common.lights[n].light;
+
+            const part_light *of      = &s->common.lights[n];
+            plan_light        planned = {.light = of->light, .map_count = vxs_map_count(&of->light), .tiles = squares_of(of)};
+            part_columns      columns = {.set = s, .of = of, .light = n, .keeper = {&columns, 0, NULL, ask, keep}};
+            column_source     source  = {&columns, planned.map_count, open_map};
+            chosen_coder      coding;
+            snprintf(planned.name, sizeof planned.name, "%.*s", VXS_LIGHT_NAME_BYTES - 1, of->light.name);
+            chosen_coder_init(&coding, o, COMPRESS_NONE, NULL);
+            r = bake_light(&planned, &source, &coding.coder, &coded[n], ctx);
+            chosen_coder_free(&coding);
+        }
+        uint64_t there = 0;
+        for (size_t n = 0; n < s->count; n++) there += s->parts[n].squares.count;
+        r = r == VXS_OK && there != s->next ? is_damaged(&s->parts[0], ctx->run) : r;
+    }
     watch_say(o->watch, "compressing the file");
     if (r == VXS_OK) r = asset_encode(o, coded, report->light_count, s->common.metadata, NULL, &file, ctx->run);
     for (size_t n = 0; n < count && coded; n++) coded_light_free(&coded[n]);
@@ -250,7 +232,10 @@ vxs_result merge_parts(const merge_options *o, merge_report *report, run_context
     stage_begin(&ctx, STAGE_NONE);
     report->lights.peak_bytes    = ctx.peak_bytes;
     report->lights.total_seconds = clock_seconds() - ctx.begun;
-    close_parts(&set);
+    for (size_t n = 0; n < set.count; n++) part_close(&set.parts[n]);
+    free(set.parts);
+    free(set.at);
+    part_common_free(&set.common);
     return r;
 }
 

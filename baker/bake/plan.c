@@ -49,14 +49,6 @@ static vxs_result fit_light(bake_plan *plan, plan_light *l, const bake_options *
     return r == VXS_OK ? check_name(plan, l, m) : r;
 }
 
-static void warn_about_left_out(const bake_plan *plan, run_context *m)
-{
-    for (const plan_light *l = plan->lights; l < plan->lights + plan->light_count; l++)
-        if (l->left_out)
-            warn(m, "light '%s' %s: it is left out; move it, turn it, give it a longer range, or leave it out with --light",
-                 l->name, l->left_out);
-}
-
 static vxs_result fit_lights(bake_plan *plan, const bake_options *o, const casters *c, const scene *s, const light_choice *chosen,
                              run_context *m)
 {
@@ -69,7 +61,10 @@ static vxs_result fit_lights(bake_plan *plan, const bake_options *o, const caste
     for (size_t n = 0; n < chosen->count && r == VXS_OK; n++) r = fit_light(plan, &plan->lights[n], o, c, &chosen->lights[n], m);
     if (r == VXS_OK && !plan->baked_count) return fail(m, VXS_E_NO_LIGHT, "no light reaches a caster: there is nothing to bake");
     if (r != VXS_OK) return r;
-    warn_about_left_out(plan, m);
+    for (const plan_light *l = plan->lights; l < plan->lights + plan->light_count; l++)
+        if (l->left_out)
+            warn(m, "light '%s' %s: it is left out; move it, turn it, give it a longer range, or leave it out with --light",
+                 l->name, l->left_out);
     plan_check_lights(plan, o, c, s, m);
     return run_check(m);
 }
@@ -105,22 +100,6 @@ static void plan_exit(bake_plan *plan, const bake_options *o, const casters *c)
  * known nodes. */
 static const double TOP_DOWN_SECONDS_PER_NODE = 4.5e-8, MERGE_SECONDS_PER_REPEATED_NODE = 1.5e-8;
 
-static void plan_compression(bake_plan *plan, const bake_options *o)
-{
-    double inserted = 0, repeated = 0;
-    for (size_t n = 0; n < plan->light_count; n++) {
-        const plan_light *l   = &plan->lights[n];
-        double            all = l->inserted_nodes + l->inserted_masks, kept = l->nodes + l->masks;
-        inserted += all;
-        repeated += all > kept ? all - kept : 0;
-    }
-    plan->compress_seconds     = inserted * TOP_DOWN_SECONDS_PER_NODE / o->threads;
-    plan->merge_seconds_spared = repeated * MERGE_SECONDS_PER_REPEATED_NODE;
-    int pays =
-        o->stop == STOP_PARTIAL || o->compress != COMPRESS_CHOICE_AUTO || plan->merge_seconds_spared > plan->compress_seconds;
-    plan->compress = o->stop == STOP_INSERT || !pays ? COMPRESS_NONE : compress_order_of(o->compress);
-}
-
 /* estimates ------------------------------------------------------------------------------------------------------------------- */
 
 vxs_result plan_estimate(bake_plan *plan, const bake_options *o, const casters *c, run_context *m)
@@ -134,7 +113,20 @@ vxs_result plan_estimate(bake_plan *plan, const bake_options *o, const casters *
         plan_estimate_light(&plan->lights[n], o);
     }
     if (r != VXS_OK) return r;
-    plan_compression(plan, o);
+
+    double inserted = 0, repeated = 0;
+    for (size_t n = 0; n < plan->light_count; n++) {
+        const plan_light *l   = &plan->lights[n];
+        double            all = l->inserted_nodes + l->inserted_masks, kept = l->nodes + l->masks;
+        inserted += all;
+        repeated += all > kept ? all - kept : 0;
+    }
+    plan->compress_seconds     = inserted * TOP_DOWN_SECONDS_PER_NODE / o->threads;
+    plan->merge_seconds_spared = repeated * MERGE_SECONDS_PER_REPEATED_NODE;
+    int pays =
+        o->stop == STOP_PARTIAL || o->compress != COMPRESS_CHOICE_AUTO || plan->merge_seconds_spared > plan->compress_seconds;
+    plan->compress = o->stop == STOP_INSERT || !pays ? COMPRESS_NONE : compress_order_of(o->compress);
+
     plan_estimate_scene(plan, c);
     return VXS_OK;
 }
@@ -203,16 +195,6 @@ static vxs_result plan_memory(bake_plan *plan, const bake_options *o, const cast
                 size_text(there, machine), size_text(needed, plan->least_bytes));
 }
 
-static void count_tiles(bake_plan *plan)
-{
-    uint32_t size = 0;
-    while (size + 1 < TILE_SIZES && (uint32_t)TILE_MAX_PX >> size > plan->tile_px) size++;
-    for (size_t n = 0; n < plan->light_count; n++) {
-        plan->lights[n].tiles       = plan->lights[n].sample.tiles[size];
-        plan->lights[n].tiles_empty = plan->lights[n].sample.tiles_empty[size];
-    }
-}
-
 vxs_result plan_make(bake_plan *plan, const bake_options *o, casters *c, const scene *s, const light_choice *chosen,
                      uint64_t scene_bytes, run_context *m)
 {
@@ -225,7 +207,14 @@ vxs_result plan_make(bake_plan *plan, const bake_options *o, casters *c, const s
     if (plan->meeting_known && (r = casters_find_meeting(c, o->threads, m)) != VXS_OK) goto done;
     if ((r = plan_estimate(plan, o, c, m)) != VXS_OK) goto done;
     r = plan_memory(plan, o, c, m);
-    if (r == VXS_OK) count_tiles(plan);
+    if (r == VXS_OK) {
+        uint32_t size = 0;
+        while (size + 1 < TILE_SIZES && (uint32_t)TILE_MAX_PX >> size > plan->tile_px) size++;
+        for (size_t n = 0; n < plan->light_count; n++) {
+            plan->lights[n].tiles       = plan->lights[n].sample.tiles[size];
+            plan->lights[n].tiles_empty = plan->lights[n].sample.tiles_empty[size];
+        }
+    }
 done:
     plan->plan_seconds = clock_seconds() - start;
     if (r != VXS_OK) plan_free(plan);

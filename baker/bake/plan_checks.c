@@ -98,16 +98,6 @@ static int check_far(const check_scene *k, const scene_object *const *hiders)
 
 /* short ranges ---------------------------------------------------------------------------------------------------------------- */
 
-static double distance_to(const box *b, const double from[3])
-{
-    double square = 0;
-    for (int axis = 0; axis < 3; axis++) {
-        double beside = fmax(0, fmax(b->min[axis] - from[axis], from[axis] - b->max[axis]));
-        square += beside * beside;
-    }
-    return sqrt(square);
-}
-
 /* Find the only object within a lamp's range, if it is small: the lamp's fixture.   next_m  [out] distance to the next object */
 static const scene_object *find_fixture(const check_scene *k, const plan_light *l, double *next_m)
 {
@@ -116,7 +106,14 @@ static const scene_object *find_fixture(const check_scene *k, const plan_light *
     box                 all   = box_empty();
     *next_m                   = INFINITY;
     for (const scene_object *o = list->items; o < list->items + list->count; o++) {
-        double metres = distance_to(&o->around, l->shape.position_ws);
+        double square = 0;
+        for (int axis = 0; axis < 3; axis++) {
+            double beside =
+                fmax(0, fmax(o->around.min[axis] - l->shape.position_ws[axis], l->shape.position_ws[axis] - o->around.max[axis]));
+            square += beside * beside;
+        }
+        double metres = sqrt(square);
+
         box_add(&all, o->around.min);
         box_add(&all, o->around.max);
         if (metres > l->shape.range_m) {
@@ -129,14 +126,6 @@ static const scene_object *find_fixture(const check_scene *k, const plan_light *
     int is_fixture = found && isfinite(*next_m) && box_width(&found->around) <= l->shape.range_m &&
                      box_diagonal(&found->around) < box_diagonal(&all) / 4;
     return is_fixture ? found : NULL;
-}
-
-static void warn_about_fixture(const check_scene *k, const plan_light *l, const scene_object *fixture, double next_m)
-{
-    object_name name;
-    object_name_find(&name, fixture, k->c, k->s);
-    warn(k->m, "light '%s' reaches nothing but %s: its range is %.3g m, and what is next is %.3g m from it; give it a longer range",
-         l->name, name.text, l->shape.range_m, next_m);
 }
 
 /* coarse positions ------------------------------------------------------------------------------------------------------------ */
@@ -195,29 +184,6 @@ static void warn_about_steps(const check_scene *k)
 
 /* all checks ------------------------------------------------------------------------------------------------------------------ */
 
-/* Sample points for a light: its texels, and the object that hides it. */
-static void sample_light(check_scene *k, plan_light *l, const scene_object **hider, light_tally *hidden)
-{
-    lit_point       points[POINTS];
-    double          metres;
-    lit_points_desc d = {
-        .c = k->c, .reach = &k->plan->reach, .shape = &l->shape, .light = &l->light, .triangles_max = POINT_TRIANGLES_MAX};
-    size_t count = lit_points_choose(points, POINTS, &d);
-    l->texels    = texels_of(l, points, count);
-    *hider       = find_hider(k, &d, points, count, &metres);
-    if (*hider && is_told(hidden, l->name)) warn_about_hider(k, l, *hider, metres);
-}
-
-static void warn_about_fine(const check_scene *k, const plan_light *l, uint32_t side)
-{
-    char name[VXS_LIGHT_NAME_BYTES + 2] = "";
-    if (k->plan->light_count > 1) snprintf(name, sizeof name, "%s=", l->name);
-    warn(k->m,
-         "light '%s': a texel is %.2g mm, and most components are more than 4096 texels wide, finer than shadows are seen; "
-         "--resolution %s%u takes less time and a smaller file",
-         l->name, 1000 * l->texels.median, name, side);
-}
-
 /* Checks of a light that is not hidden. */
 static void check_light(const check_scene *k, const plan_light *l, int far_told, light_tally *short_ones, light_tally *coarse,
                         light_tally *fine)
@@ -227,28 +193,27 @@ static void check_light(const check_scene *k, const plan_light *l, int far_told,
     double              metres;
     const scene_object *o = !is_sun(l) && isfinite(l->shape.range_m) ? find_fixture(k, l, &metres) : NULL;
     if (o) {
-        if (is_told(short_ones, l->name)) warn_about_fixture(k, l, o, metres);
+        if (is_told(short_ones, l->name)) {
+            double      next_m = metres;
+            object_name name;
+            object_name_find(&name, o, k->c, k->s);
+            warn(k->m,
+                 "light '%s' reaches nothing but %s: its range is %.3g m, and what is next is %.3g m from it; give it a longer "
+                 "range",
+                 l->name, name.text, l->shape.range_m, next_m);
+        }
     } else if (!(is_sun(l) && far_told) && texels_lose_most(k, l, &lost, &of)) {
         if (is_told(coarse, l->name)) warn_about_lost(k, l, lost, of);
     } else if ((side = coarser_side(k, l))) {
-        if (is_told(fine, l->name)) warn_about_fine(k, l, side);
+        if (is_told(fine, l->name)) {
+            char name[VXS_LIGHT_NAME_BYTES + 2] = "";
+            if (k->plan->light_count > 1) snprintf(name, sizeof name, "%s=", l->name);
+            warn(k->m,
+                 "light '%s': a texel is %.2g mm, and most components are more than 4096 texels wide, finer than shadows are seen; "
+                 "--resolution %s%u takes less time and a smaller file",
+                 l->name, 1000 * l->texels.median, name, side);
+        }
     }
-}
-
-static void check_all(check_scene *k, const scene_object **hiders, int has_region)
-{
-    light_tally hidden = {0}, short_ones = {0}, coarse = {0}, fine = {0};
-    plan_light *lights = k->plan->lights;
-    for (size_t n = 0; n < k->plan->light_count; n++)
-        if (!lights[n].left_out) sample_light(k, &lights[n], &hiders[n], &hidden);
-    int far_told = !has_region && check_far(k, hiders);
-    for (size_t n = 0; n < k->plan->light_count; n++)
-        if (!lights[n].left_out && !hiders[n]) check_light(k, &lights[n], far_told, &short_ones, &coarse, &fine);
-    warn_about_steps(k);
-    tell_rest(&hidden, "are hidden from all else in this way", k->m);
-    tell_rest(&short_ones, "reach nothing but one object", k->m);
-    tell_rest(&coarse, "have texels wider than most components", k->m);
-    tell_rest(&fine, "have texels finer than shadows are seen", k->m);
 }
 
 void plan_check_lights(bake_plan *plan, const bake_options *o, const casters *c, const scene *s, run_context *m)
@@ -256,7 +221,34 @@ void plan_check_lights(bake_plan *plan, const bake_options *o, const casters *c,
     check_scene          k      = {.plan = plan, .c = c, .s = s, .m = m};
     const scene_object **hiders = calloc(plan->light_count, sizeof *hiders);
     objects_by_node(&k.nodes, c, s);
-    if (objects_by_component(&k.components, c) && hiders) check_all(&k, hiders, o->region_given);
+    if (objects_by_component(&k.components, c) && hiders) {
+        int         has_region = o->region_given;
+        light_tally hidden = {0}, short_ones = {0}, coarse = {0}, fine = {0};
+        plan_light *lights = k.plan->lights;
+        for (size_t n = 0; n < k.plan->light_count; n++)
+            if (!lights[n].left_out) {
+                /* Sample points for a light: its texels, and the object that hides it. */
+                lit_point       points[POINTS];
+                double          metres;
+                lit_points_desc d     = {.c             = k.c,
+                                         .reach         = &k.plan->reach,
+                                         .shape         = &lights[n].shape,
+                                         .light         = &lights[n].light,
+                                         .triangles_max = POINT_TRIANGLES_MAX};
+                size_t          count = lit_points_choose(points, POINTS, &d);
+                lights[n].texels      = texels_of(&lights[n], points, count);
+                hiders[n]             = find_hider(&k, &d, points, count, &metres);
+                if (hiders[n] && is_told(&hidden, lights[n].name)) warn_about_hider(&k, &lights[n], hiders[n], metres);
+            }
+        int far_told = !has_region && check_far(&k, hiders);
+        for (size_t n = 0; n < k.plan->light_count; n++)
+            if (!lights[n].left_out && !hiders[n]) check_light(&k, &lights[n], far_told, &short_ones, &coarse, &fine);
+        warn_about_steps(&k);
+        tell_rest(&hidden, "are hidden from all else in this way", k.m);
+        tell_rest(&short_ones, "reach nothing but one object", k.m);
+        tell_rest(&coarse, "have texels wider than most components", k.m);
+        tell_rest(&fine, "have texels finer than shadows are seen", k.m);
+    }
     objects_free(&k.components);
     objects_free(&k.nodes);
     free(hiders);

@@ -108,8 +108,11 @@ static void estimate_blocks_seconds(plan_light *l, double full, double threads, 
     l->seconds[STAGE_WRITE]  = (fast ? 5e-8 : 6e-8) * l->palette.words;
 }
 
-static void estimate_seconds(plan_light *l, const bake_options *o)
+void plan_estimate_light(plan_light *l, const bake_options *o)
 {
+    l->mask_tiles = (double)l->sample.mask_tiles * l->sample.weight;
+    o->coding == CODING_DAG ? estimate_dag(l) : estimate_blocks(l, o->pack == PACK_FAST);
+
     const light_sample *s       = &l->sample;
     double              texels  = ldexp(1, 2 * (int)l->light.levels) * l->map_count;
     double              full    = texels * (1 - (double)s->tiles_empty[0] / (double)s->tiles[0]);
@@ -129,13 +132,6 @@ static void estimate_seconds(plan_light *l, const bake_options *o)
     }
     o->coding == CODING_DAG ? estimate_dag_seconds(l, full, threads)
                             : estimate_blocks_seconds(l, full, threads, o->pack == PACK_FAST);
-}
-
-void plan_estimate_light(plan_light *l, const bake_options *o)
-{
-    l->mask_tiles = (double)l->sample.mask_tiles * l->sample.weight;
-    o->coding == CODING_DAG ? estimate_dag(l) : estimate_blocks(l, o->pack == PACK_FAST);
-    estimate_seconds(l, o);
 }
 
 /* the scene ------------------------------------------------------------------------------------------------------------------- */
@@ -191,10 +187,12 @@ static uint64_t sparse_peak_bytes(const bake_plan *plan, const bake_options *o, 
     return (uint64_t)(1.15 * (9e6 + 20e3 * (double)plan->baked_count + array_bytes(c) + square + built));
 }
 
-/* Peak while a tile is rendered or merged: its maps, the memory of OpenGL and the scene, everything built so far, and what is built
- * of the tile. */
-static uint64_t rendered_peak_bytes(const bake_plan *plan, const casters *c, uint32_t tile_px)
+uint64_t plan_peak_bytes(const bake_plan *plan, const bake_options *o, const casters *c, uint32_t tile_px)
 {
+    if (o->maps == MAPS_SPARSE) return sparse_peak_bytes(plan, o, c, tile_px) + plan->picture_bytes;
+
+    /* Peak while a tile is rendered or merged: its maps, the memory of OpenGL and the scene, everything built so far, and what
+     * is built of the tile. */
     double texel = plan->has_exit_map ? 8 : 4, pyramid = 1.0 / 3, tile = 0, built = 0, drawn = 0;
     for (size_t n = 0; n < plan->light_count; n++) {
         const plan_light *l = &plan->lights[n];
@@ -209,10 +207,4 @@ static uint64_t rendered_peak_bytes(const bake_plan *plan, const casters *c, uin
     double block = 28 * drawn + 24 * fmin(3 * drawn, (double)c->vertex_count) + 150 * fmin(drawn, DRAW_MAX);
     return (uint64_t)(1.06 * (118e6 + 150e3 * (double)plan->baked_count + array_bytes(c) + block + built + tile +
                               (double)plan->picture_bytes));
-}
-
-uint64_t plan_peak_bytes(const bake_plan *plan, const bake_options *o, const casters *c, uint32_t tile_px)
-{
-    if (o->maps == MAPS_SPARSE) return sparse_peak_bytes(plan, o, c, tile_px) + plan->picture_bytes;
-    return rendered_peak_bytes(plan, c, tile_px);
 }

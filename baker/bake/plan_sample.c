@@ -86,17 +86,6 @@ static int class_of(const sampler *job, size_t triangle)
     return job->peels_all || !p->meets || p->meets[triangle] ? CLASS_MEETS : CLASS_APART;
 }
 
-/* Count a triangle in the blocks that its box touches.   counts  of its class */
-static void count_in_blocks(const sampler *job, const texel_box *b, int32_t *counts)
-{
-    int32_t shift = (int32_t)job->block_log2, row = (int32_t)job->blocks + 1;
-    int32_t u0 = b->u0 >> shift, u1 = (b->u1 >> shift) + 1, v0 = b->v0 >> shift, v1 = (b->v1 >> shift) + 1;
-    counts[v0 * row + u0]++;
-    counts[v0 * row + u1]--;
-    counts[v1 * row + u0]--;
-    counts[v1 * row + u1]++;
-}
-
 /* Count a triangle in each window that its box touches. Returns 1 if there are any. */
 static int count_in_windows(const sampler *job, const texel_box *b, size_t *entries)
 {
@@ -120,18 +109,17 @@ static void count_triangles(void *user, size_t begin, size_t end, uint32_t worke
         job->kept[t] = 0;
         if (b.u0 > b.u1 || b.v0 > b.v1 || b.u1 < 0 || b.v1 < 0 || b.u0 > last || b.v0 > last) continue;
         b = (texel_box){max_i32(b.u0, 0), max_i32(b.v0, 0), min_i32(b.u1, last), min_i32(b.v1, last)};
-        count_in_blocks(job, &b, job->counts + (worker * CLASSES + (size_t)class_of(job, t)) * job->counts_size);
-        job->kept[t] = (uint8_t)count_in_windows(job, &b, job->entries[worker]);
-    }
-}
 
-static void sum_up(sampler *job)
-{
-    size_t row = job->blocks + 1, all = CLASSES * job->counts_size;
-    for (size_t n = all; n < job->workers * all; n++) job->counts[n % all] += job->counts[n];
-    for (size_t n = 0; n < all; n++) {
-        size_t at = n % job->counts_size, u = at % row, v = at / row;
-        job->counts[n] += (u ? job->counts[n - 1] : 0) + (v ? job->counts[n - row] : 0) - (u && v ? job->counts[n - row - 1] : 0);
+        /* Count a triangle in the blocks that its box touches. counts of its class */
+        int32_t *counts = job->counts + (worker * CLASSES + (size_t)class_of(job, t)) * job->counts_size;
+        int32_t  shift = (int32_t)job->block_log2, row = (int32_t)job->blocks + 1;
+        int32_t  u0 = b.u0 >> shift, u1 = (b.u1 >> shift) + 1, v0 = b.v0 >> shift, v1 = (b.v1 >> shift) + 1;
+        counts[v0 * row + u0]++;
+        counts[v0 * row + u1]--;
+        counts[v1 * row + u0]--;
+        counts[v1 * row + u1]++;
+
+        job->kept[t] = (uint8_t)count_in_windows(job, &b, job->entries[worker]);
     }
 }
 
@@ -249,25 +237,6 @@ static uint32_t count_windows(const sampler *job)
     return rank;
 }
 
-/* Make all windows of a map, and add them in an order that does not depend on the number of threads. */
-static vxs_result sample_windows(sampler *job)
-{
-    uint32_t   windows = count_windows(job);
-    vxs_result r       = VXS_OK;
-    for (uint32_t rank = 0; rank < windows && r == VXS_OK; rank += BATCH) {
-        uint32_t count = min_u32(BATCH, windows - rank);
-        for (uint32_t k = 0; k < count; k++) job->batch[k] = (window){.cell = cell_of_rank(job, rank + k)};
-        parallel_for(job->o->threads, count, 1, make_windows, job);
-        for (window *w = job->batch; w < job->batch + count; w++) {
-            if (r == VXS_OK) r = add_window(job, w);
-            block_set_free(&w->set);
-            dag_free(&w->dag);
-        }
-    }
-    job->s->weight += windows;
-    return r;
-}
-
 /* maps ------------------------------------------------------------------------------------------------------------------------ */
 
 static vxs_result sample_map(sampler *job, run_context *m)
@@ -287,13 +256,35 @@ static vxs_result sample_map(sampler *job, run_context *m)
     memset(job->entries, 0, job->workers * sizeof *job->entries);
     parallel_for(job->workers, job->p.triangle_count, 4096, count_triangles, job);
     job->s->triangles += job->p.triangle_count;
-    sum_up(job);
+
+    size_t row = job->blocks + 1, all = CLASSES * job->counts_size;
+    for (size_t n = all; n < job->workers * all; n++) job->counts[n % all] += job->counts[n];
+    for (size_t n = 0; n < all; n++) {
+        size_t at = n % job->counts_size, u = at % row, v = at / row;
+        job->counts[n] += (u ? job->counts[n - 1] : 0) + (v ? job->counts[n - row] : 0) - (u && v ? job->counts[n - row - 1] : 0);
+    }
+
     add_blocks(job);
     for (uint32_t size = 0; size < TILE_SIZES; size++) add_tiles(job, size);
 
     if ((r = projection_keep(&job->p, job->kept)) != VXS_OK) return r;
     if ((r = sparse_columns_open(&source, &job->p, &job->columns, &ctx)) != VXS_OK) return r;
-    r = sample_windows(job);
+
+    /* Make all windows of a map, and add them in an order that does not depend on the number of threads. */
+    uint32_t windows = count_windows(job);
+    r                = VXS_OK;
+    for (uint32_t rank = 0; rank < windows && r == VXS_OK; rank += BATCH) {
+        uint32_t count = min_u32(BATCH, windows - rank);
+        for (uint32_t k = 0; k < count; k++) job->batch[k] = (window){.cell = cell_of_rank(job, rank + k)};
+        parallel_for(job->o->threads, count, 1, make_windows, job);
+        for (window *w = job->batch; w < job->batch + count; w++) {
+            if (r == VXS_OK) r = add_window(job, w);
+            block_set_free(&w->set);
+            dag_free(&w->dag);
+        }
+    }
+    job->s->weight += windows;
+
     job->columns.close(job->columns.data);
     return r;
 }

@@ -40,18 +40,6 @@ static vxs_result consider(bake_plan *plan, const reach_index *reach, const bake
 
 /* closed double-sided components ---------------------------------------------------------------------------------------------- */
 
-/* Add the volumes of components, times 6, relative to a corner of their boxes.   volumes  [components] zeroed */
-static void add_volumes(const casters *c, double *volumes)
-{
-    for (size_t t = c->solid_triangle_count; t < c->holed_first; t++) {
-        uint32_t k = c->component_of[t];
-        double   from[3][3], normal[3];
-        for (size_t n = 0; n < 3; n++) vec3_sub(c->positions_ws + 3 * (size_t)c->indices[3 * t + n], c->boxes[k].min, from[n]);
-        vec3_cross(from[1], from[2], normal);
-        volumes[k] += vec3_dot(from[0], normal);
-    }
-}
-
 /* Copy triangles of one kind to position `at` and on: closed double-sided components, or all others between solids and masks. */
 static size_t take_sheets(casters *out, const casters *c, const double *volumes, int closed, size_t at)
 {
@@ -65,28 +53,6 @@ static size_t take_sheets(casters *out, const casters *c, const double *volumes,
     return at;
 }
 
-/* The casters with these components as solids, which is the main effect of --closed on. The result owns only indices and
- * double_sided. */
-static int as_if_closed(casters *out, const casters *c)
-{
-    size_t components = 0;
-    for (int kind = 0; kind < COMPONENT_KINDS; kind++) components += c->component_count[kind];
-    double *volumes   = calloc(components + 1, sizeof *volumes);
-    *out              = *c;
-    out->indices      = malloc(3 * c->triangle_count * sizeof *out->indices);
-    out->double_sided = malloc(c->triangle_count);
-    int ok            = volumes && out->indices && out->double_sided;
-    if (ok) {
-        memcpy(out->indices, c->indices, 3 * c->triangle_count * sizeof *out->indices);
-        memcpy(out->double_sided, c->double_sided, c->triangle_count);
-        add_volumes(c, volumes);
-        out->solid_triangle_count = take_sheets(out, c, volumes, 1, c->solid_triangle_count);
-        take_sheets(out, c, volumes, 0, out->solid_triangle_count);
-    }
-    free(volumes);
-    return ok;
-}
-
 vxs_result plan_find_closed(bake_plan *plan, const bake_options *o, const casters *c, run_context *m)
 {
     double      start  = clock_seconds();
@@ -95,7 +61,35 @@ vxs_result plan_find_closed(bake_plan *plan, const bake_options *o, const caster
     reach_index reach = {0};
     vxs_result  r     = VXS_OK;
     if (o->maps != MAPS_SPARSE || o->closed != CLOSED_AUTO || TWO_SIDED_SHARE * saving.triangles < casters_whole_count(c)) return r;
-    if (!as_if_closed(&closed, c)) r = fail(m, VXS_E_MEMORY, "out of memory for an estimate of --closed on");
+
+    /* The casters with these components as solids, which is the main effect of --closed on. The result owns only indices and
+     * double_sided. */
+    size_t components = 0;
+    for (int kind = 0; kind < COMPONENT_KINDS; kind++) components += c->component_count[kind];
+    double *volumes     = calloc(components + 1, sizeof *volumes);
+    closed              = *c;
+    closed.indices      = malloc(3 * c->triangle_count * sizeof *closed.indices);
+    closed.double_sided = malloc(c->triangle_count);
+    int ok              = volumes && closed.indices && closed.double_sided;
+    if (ok) {
+        memcpy(closed.indices, c->indices, 3 * c->triangle_count * sizeof *closed.indices);
+        memcpy(closed.double_sided, c->double_sided, c->triangle_count);
+
+        /* Add the volumes of components, times 6, relative to a corner of their boxes. volumes [components] zeroed */
+        for (size_t t = c->solid_triangle_count; t < c->holed_first; t++) {
+            uint32_t k = c->component_of[t];
+            double   from[3][3], normal[3];
+            for (size_t n = 0; n < 3; n++) vec3_sub(c->positions_ws + 3 * (size_t)c->indices[3 * t + n], c->boxes[k].min, from[n]);
+            vec3_cross(from[1], from[2], normal);
+            volumes[k] += vec3_dot(from[0], normal);
+        }
+
+        closed.solid_triangle_count = take_sheets(&closed, c, volumes, 1, c->solid_triangle_count);
+        take_sheets(&closed, c, volumes, 0, closed.solid_triangle_count);
+    }
+    free(volumes);
+    if (!ok) r = fail(m, VXS_E_MEMORY, "out of memory for an estimate of --closed on");
+
     if (r == VXS_OK) r = reach_init(&reach, &closed, m);
     if (r == VXS_OK) r = consider(plan, &reach, o, &closed, saving, LEAST_SHARE_CLOSED, m);
     reach_free(&reach);

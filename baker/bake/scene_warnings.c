@@ -306,22 +306,18 @@ static int cut(double corners[CORNERS_MAX][3], int count, int axis, double limit
     return kept_count;
 }
 
-static int triangle_touches(const casters *c, size_t triangle, const double region_ws[6])
-{
-    double corners[CORNERS_MAX][3];
-    int    count = 3;
-    for (int n = 0; n < 3; n++) memcpy(corners[n], c->positions_ws + 3 * (size_t)c->indices[3 * triangle + n], sizeof corners[n]);
-    for (int axis = 0; axis < 3 && count; axis++) {
-        count = cut(corners, count, axis, region_ws[axis], 1);
-        if (count) count = cut(corners, count, axis, region_ws[axis + 3], -1);
-    }
-    return count != 0;
-}
-
 void warn_about_region(const casters *c, const double region_ws[6], run_context *m)
 {
-    for (size_t n = 0; n < c->triangle_count; n++)
-        if (triangle_touches(c, n, region_ws)) return;
+    for (size_t n = 0; n < c->triangle_count; n++) {
+        double corners[CORNERS_MAX][3];
+        int    count = 3;
+        for (int k = 0; k < 3; k++) memcpy(corners[k], c->positions_ws + 3 * (size_t)c->indices[3 * n + k], sizeof corners[k]);
+        for (int axis = 0; axis < 3 && count; axis++) {
+            count = cut(corners, count, axis, region_ws[axis], 1);
+            if (count) count = cut(corners, count, axis, region_ws[axis + 3], -1);
+        }
+        if (count != 0) return;
+    }
     box all = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
     warn(
         m,

@@ -60,20 +60,6 @@ typedef struct work {
     uint32_t  *members;    /* [triangle_count] */
 } work;
 
-static void work_free(work *w)
-{
-    mesh_weld_free(&w->mesh);
-    free(w->flags);
-    free(w->hole_of);
-    free(w->component_of);
-    free(w->own_holes);
-    free(w->border);
-    free(w->components);
-    free(w->boxes);
-    free(w->first_of);
-    free(w->members);
-}
-
 /* Zeroed memory. Never NULL for a count of 0, unlike calloc. */
 static void *allocate(size_t count, size_t size)
 {
@@ -101,18 +87,6 @@ static uint32_t find_hole(const scene *s, size_t t, size_t *at)
     return *at < s->holed_triangle_count && s->holed_triangles[*at].triangle == t ? (uint32_t)*at : NONE;
 }
 
-/* Set the flags and holes of the remaining triangles. */
-static void note_materials(work *w, const scene *s)
-{
-    size_t hole_at = 0;
-    for (size_t t = 0; t < w->mesh.triangle_count; t++) {
-        uint32_t hole = find_hole(s, w->mesh.from[t], &hole_at);
-        w->flags[t]   = s->triangle_flags[w->mesh.from[t]] & (TRIANGLE_DOUBLE_SIDED | TRIANGLE_ALPHA_MASK);
-        if (hole != NONE) w->flags[t] |= TRIANGLE_ALPHA_MASK;
-        if (w->hole_of) w->hole_of[t] = hole;
-    }
-}
-
 static vxs_result weld(work *w, const scene *s, run_context *m)
 {
     enum { EACH = 4 * sizeof(uint32_t), OF_VERTEX = 3 * sizeof(double) + 5 * sizeof(uint32_t) };
@@ -123,7 +97,16 @@ static vxs_result weld(work *w, const scene *s, run_context *m)
     w->flags = allocate(w->mesh.triangle_count, 1);
     if (s->holed_triangle_count) w->hole_of = allocate(w->mesh.triangle_count, sizeof *w->hole_of);
     if (!w->flags || (s->holed_triangle_count && !w->hole_of)) return out_of_memory(m, s->triangle_count);
-    note_materials(w, s);
+
+    /* Set the flags and holes of the remaining triangles. */
+    size_t hole_at = 0;
+    for (size_t t = 0; t < w->mesh.triangle_count; t++) {
+        uint32_t hole = find_hole(s, w->mesh.from[t], &hole_at);
+        w->flags[t]   = s->triangle_flags[w->mesh.from[t]] & (TRIANGLE_DOUBLE_SIDED | TRIANGLE_ALPHA_MASK);
+        if (hole != NONE) w->flags[t] |= TRIANGLE_ALPHA_MASK;
+        if (w->hole_of) w->hole_of[t] = hole;
+    }
+
     return VXS_OK;
 }
 
@@ -189,28 +172,26 @@ static double tetrahedron_volume(const double *o, const double *const p[3])
            6;
 }
 
-static void measure_component(work *w, size_t number)
-{
-    component *c      = &w->components[number];
-    box        b      = box_empty();
-    c->triangle_count = w->first_of[number + 1] - w->first_of[number];
-    for (const uint32_t *t = w->members + w->first_of[number]; t < w->members + w->first_of[number + 1]; t++) {
-        const double *p[3];
-        for (int i = 0; i < 3; i++) {
-            p[i] = &w->mesh.positions_ws[3 * (size_t)w->mesh.indices[3 * (size_t)*t + (size_t)i]];
-            box_add(&b, p[i]);
-        }
-        if (t == w->members + w->first_of[number]) memcpy(c->origin, p[0], sizeof c->origin);
-        c->flags |= w->flags[*t];
-        c->volume += tetrahedron_volume(c->origin, p);
-    }
-    w->boxes[number] = b;
-}
-
 static void measure_some(void *user, size_t begin, size_t end, uint32_t worker)
 {
     (void)worker;
-    for (size_t n = begin; n < end; n++) measure_component(user, n);
+    for (size_t n = begin; n < end; n++) {
+        work      *w      = user;
+        component *c      = &w->components[n];
+        box        b      = box_empty();
+        c->triangle_count = w->first_of[n + 1] - w->first_of[n];
+        for (const uint32_t *t = w->members + w->first_of[n]; t < w->members + w->first_of[n + 1]; t++) {
+            const double *p[3];
+            for (int i = 0; i < 3; i++) {
+                p[i] = &w->mesh.positions_ws[3 * (size_t)w->mesh.indices[3 * (size_t)*t + (size_t)i]];
+                box_add(&b, p[i]);
+            }
+            if (t == w->members + w->first_of[n]) memcpy(c->origin, p[0], sizeof c->origin);
+            c->flags |= w->flags[*t];
+            c->volume += tetrahedron_volume(c->origin, p);
+        }
+        w->boxes[n] = b;
+    }
 }
 
 static vxs_result measure_components(work *w, const scene *s, run_context *m)
@@ -385,27 +366,6 @@ static vxs_result split_borders(work *w, casters *c, const scene *s, run_context
 
 /* --- emit ------------------------------------------------------------------------------------------------------------- */
 
-static void count_kinds(casters *c, const work *w)
-{
-    for (size_t i = 0; i < w->component_count; i++) {
-        c->component_count[w->components[i].kind]++;
-        c->triangles_of_kind[w->components[i].kind] += w->components[i].triangle_count;
-    }
-}
-
-/* Number the components in the result: solids first, otherwise in the order of first triangles. */
-static void number_by_kind(casters *c, work *w)
-{
-    size_t next_solid = 0, next_sheet = c->component_count[COMPONENT_SOLID];
-    for (size_t i = 0; i < w->component_count; i++) {
-        component *k           = &w->components[i];
-        k->number              = (uint32_t)(k->kind == COMPONENT_SOLID ? next_solid++ : next_sheet++);
-        c->kind_of[k->number]  = (uint8_t)k->kind;
-        c->parts_of[k->number] = k->parts;
-        c->boxes[k->number]    = w->boxes[i];
-    }
-}
-
 static int has_holes(const work *w, size_t t)
 {
     return w->hole_of && w->hole_of[t] != NONE;
@@ -525,8 +485,21 @@ static vxs_result emit(casters *c, work *w, const scene *s, run_context *m)
         r = VXS_E_MEMORY;
         goto done;
     }
-    count_kinds(c, w);
-    number_by_kind(c, w);
+    for (size_t i = 0; i < w->component_count; i++) {
+        c->component_count[w->components[i].kind]++;
+        c->triangles_of_kind[w->components[i].kind] += w->components[i].triangle_count;
+    }
+
+    /* Number the components in the result: solids first, otherwise in the order of first triangles. */
+    size_t next_solid = 0, next_sheet = c->component_count[COMPONENT_SOLID];
+    for (size_t i = 0; i < w->component_count; i++) {
+        component *k           = &w->components[i];
+        k->number              = (uint32_t)(k->kind == COMPONENT_SOLID ? next_solid++ : next_sheet++);
+        c->kind_of[k->number]  = (uint8_t)k->kind;
+        c->parts_of[k->number] = k->parts;
+        c->boxes[k->number]    = w->boxes[i];
+    }
+
     c->triangle_count = count;
     parallel_for(w->threads, count, GRAIN, emit_triangles, &e);
     number_vertices(&e);
@@ -581,7 +554,18 @@ static vxs_result sort_out(casters *c, const scene *s, closed_mode closed, int s
     r = emit(c, &w, s, m);
 done:
     if (r != VXS_OK) casters_free(c);
-    work_free(&w);
+
+    mesh_weld_free(&w.mesh);
+    free(w.flags);
+    free(w.hole_of);
+    free(w.component_of);
+    free(w.own_holes);
+    free(w.border);
+    free(w.components);
+    free(w.boxes);
+    free(w.first_of);
+    free(w.members);
+
     return r;
 }
 

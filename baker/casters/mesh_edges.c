@@ -32,15 +32,6 @@ typedef struct welder {
     uint32_t     *welded_as;       /* [the scene's vertex_count] welded vertex of the first vertex at a position, or NONE */
 } welder;
 
-static void welder_free(welder *d)
-{
-    free(d->bucket_of);
-    free(d->first);
-    free(d->members);
-    free(d->alike);
-    free(d->welded_as);
-}
-
 /* Normalizes -0 to +0. */
 static void take_position(double p[3], const double *positions_ws, size_t vertex)
 {
@@ -101,17 +92,6 @@ static vxs_result find_alike(welder *d, size_t vertex_count, uint32_t threads)
     return r;
 }
 
-/* Welded vertex of a corner; created at its first use. */
-static uint32_t weld_vertex(mesh_weld *w, const welder *d, uint32_t vertex)
-{
-    uint32_t *as = &d->welded_as[d->alike[vertex]];
-    if (*as == NONE) {
-        *as = (uint32_t)w->vertex_count++;
-        take_position(&w->positions_ws[3 * (size_t)*as], d->positions_ws, vertex);
-    }
-    return *as;
-}
-
 static int is_finite_position(const double *p)
 {
     return isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]);
@@ -130,7 +110,14 @@ static vxs_result weld_triangles(mesh_weld *w, const welder *d, const scene *s, 
                 if (!is_finite_position(p))
                     return fail(m, VXS_E_SCENE, "triangle %zu: corner at (%g, %g, %g), expected finite coordinates", t, p[0], p[1],
                                 p[2]);
-                w->welded_of[v] = weld_vertex(w, d, v);
+
+                /* Welded vertex of a corner; created at its first use. */
+                uint32_t *as = &d->welded_as[d->alike[v]];
+                if (*as == NONE) {
+                    *as = (uint32_t)w->vertex_count++;
+                    take_position(&w->positions_ws[3 * (size_t)*as], d->positions_ws, v);
+                }
+                w->welded_of[v] = *as;
             }
             corners[i] = w->welded_of[v];
         }
@@ -167,7 +154,13 @@ vxs_result mesh_weld_scene(mesh_weld *w, const scene *s, uint32_t threads, run_c
     } else {
         fail(m, r, "out of memory while welding %zu triangles", s->triangle_count);
     }
-    welder_free(&d);
+
+    free(d.bucket_of);
+    free(d.first);
+    free(d.members);
+    free(d.alike);
+    free(d.welded_as);
+
     if (r != VXS_OK) mesh_weld_free(w);
     return r;
 }

@@ -33,17 +33,6 @@ typedef struct meeting {
     int            gave_up;
 } meeting;
 
-static void meeting_free(meeting *w)
-{
-    free(w->meets);
-    free(w->boxes);
-    free(w->first);
-    free(w->members);
-    free(w->near);
-    free(w->solid_at);
-    free(w->pairs);
-}
-
 static void mark(meeting *w, uint32_t solid)
 {
     w->open -= !w->meets[solid];
@@ -64,14 +53,6 @@ static int is_known(const meeting *w, uint32_t a, uint32_t b)
 
 /* --- solids ----------------------------------------------------------------------------------------------------------- */
 
-static void measure_boxes(meeting *w)
-{
-    const casters *c = w->c;
-    for (size_t i = 0; i < w->solids; i++) w->boxes[i] = box_empty();
-    for (size_t i = 0; i < 3 * c->solid_triangle_count; i++)
-        box_add(&w->boxes[c->component_of[i / 3]], &c->positions_ws[3 * (size_t)c->indices[i]]);
-}
-
 static int box_holds(const box *outer, const box *inner)
 {
     for (int axis = 0; axis < 3; axis++)
@@ -80,18 +61,6 @@ static int box_holds(const box *outer, const box *inner)
 }
 
 /* --- surfaces --------------------------------------------------------------------------------------------------------- */
-
-/* Find solids with a common corner; the search of triangles does not report these. */
-static void search_corners(meeting *w)
-{
-    const casters *c        = w->c;
-    uint32_t      *solid_at = w->solid_at;
-    for (size_t i = 0; i < 3 * c->solid_triangle_count; i++) {
-        uint32_t solid = c->component_of[i / 3], *at = &solid_at[c->indices[i]];
-        if (*at && *at != solid + 1) mark_pair(w, *at - 1, solid);
-        *at = solid + 1;
-    }
-}
 
 static int is_undecided(void *user, uint32_t a, uint32_t b)
 {
@@ -105,21 +74,6 @@ static int surfaces_meet(void *user, uint32_t a, uint32_t b)
     meeting *w = user;
     mark_pair(w, w->c->component_of[a], w->c->component_of[b]);
     return !w->open;
-}
-
-static vxs_result search_surfaces(meeting *w, uint32_t threads)
-{
-    const casters *c      = w->c;
-    mesh_soup      soup   = {c->positions_ws, c->indices, c->solid_triangle_count};
-    mesh_search    search = {.wanted       = is_undecided,
-                             .found        = surfaces_meet,
-                             .user         = w,
-                             .threads      = threads,
-                             .overlaps_max = OVERLAPS_MAX,
-                             .tests_max    = TESTS_MAX};
-    vxs_result     r      = mesh_find_intersections(&soup, &search);
-    w->gave_up            = search.gave_up;
-    return r;
 }
 
 /* --- insides ---------------------------------------------------------------------------------------------------------- */
@@ -189,21 +143,32 @@ static vxs_result search(meeting *w, uint32_t threads, run_context *m)
     vxs_result     r = VXS_E_MEMORY;
     if (make_room(w)) {
         r = group_by_key(w->first, w->members, c->component_of, c->solid_triangle_count, w->solids, threads);
-        measure_boxes(w);
-        search_corners(w);
-        if (r == VXS_OK && w->open) r = search_surfaces(w, threads);
+        for (size_t i = 0; i < w->solids; i++) w->boxes[i] = box_empty();
+        for (size_t i = 0; i < 3 * c->solid_triangle_count; i++)
+            box_add(&w->boxes[c->component_of[i / 3]], &c->positions_ws[3 * (size_t)c->indices[i]]);
+
+        /* Find solids with a common corner; the search of triangles does not report these. */
+        uint32_t *solid_at = w->solid_at;
+        for (size_t i = 0; i < 3 * c->solid_triangle_count; i++) {
+            uint32_t solid = c->component_of[i / 3], *at = &solid_at[c->indices[i]];
+            if (*at && *at != solid + 1) mark_pair(w, *at - 1, solid);
+            *at = solid + 1;
+        }
+
+        if (r == VXS_OK && w->open) {
+            mesh_soup   soup   = {c->positions_ws, c->indices, c->solid_triangle_count};
+            mesh_search search = {.wanted       = is_undecided,
+                                  .found        = surfaces_meet,
+                                  .user         = w,
+                                  .threads      = threads,
+                                  .overlaps_max = OVERLAPS_MAX,
+                                  .tests_max    = TESTS_MAX};
+            r                  = mesh_find_intersections(&soup, &search);
+            w->gave_up         = search.gave_up;
+        }
         if (r == VXS_OK && w->open && !w->gave_up) r = search_insides(w);
     }
     return r == VXS_OK ? r : fail(m, VXS_E_MEMORY, "out of memory while finding out which of %zu solids meet", w->solids);
-}
-
-static void finish(casters *c, const meeting *w)
-{
-    meeting_counts counts = {.solids = w->solids, .assumed = w->gave_up ? w->open : 0};
-    counts.meet           = w->solids - w->open + counts.assumed;
-    for (size_t i = 0; i < w->solids; i++) counts.apart_by_box += !w->gave_up && !w->meets[i] && !w->near[i];
-    for (size_t t = 0; t < c->solid_triangle_count; t++) c->solid_meets[t] = w->gave_up || w->meets[c->component_of[t]];
-    c->meeting = counts;
 }
 
 vxs_result casters_find_meeting(casters *c, uint32_t threads, run_context *m)
@@ -214,8 +179,22 @@ vxs_result casters_find_meeting(casters *c, uint32_t threads, run_context *m)
 
     free(c->solid_meets);
     c->solid_meets = r == VXS_OK ? calloc(c->solid_triangle_count + 1, sizeof *c->solid_meets) : NULL;
-    if (c->solid_meets) finish(c, &w);
+    if (c->solid_meets) {
+        meeting_counts counts = {.solids = w.solids, .assumed = w.gave_up ? w.open : 0};
+        counts.meet           = w.solids - w.open + counts.assumed;
+        for (size_t i = 0; i < w.solids; i++) counts.apart_by_box += !w.gave_up && !w.meets[i] && !w.near[i];
+        for (size_t t = 0; t < c->solid_triangle_count; t++) c->solid_meets[t] = w.gave_up || w.meets[c->component_of[t]];
+        c->meeting = counts;
+    }
     if (r == VXS_OK && !c->solid_meets) r = fail(m, VXS_E_MEMORY, "out of memory for %zu solids", solids);
-    meeting_free(&w);
+
+    free(w.meets);
+    free(w.boxes);
+    free(w.first);
+    free(w.members);
+    free(w.near);
+    free(w.solid_at);
+    free(w.pairs);
+
     return r;
 }

@@ -71,22 +71,6 @@ static double distance2(const double *a, const double *b)
 
 /* --- points ------------------------------------------------------------------------------------------------------------ */
 
-/* Tolerance along an edge, for its end with the larger rounding error. */
-static double tolerance(const double *const ends[2], const scene_origin *from)
-{
-    double largest = 0, farthest2 = 0, way[3];
-    int    exponent;
-    for (int k = 0; k < 2; k++) {
-        for (int axis = 0; axis < 3; axis++) largest = fmax(largest, fabs(ends[k][axis]));
-        if (from) {
-            vec3_sub(ends[k], from->at_ws, way);
-            farthest2 = fmax(farthest2, vec3_dot(way, way));
-        }
-    }
-    frexp(sqrt(farthest2), &exponent);
-    return fmax(32 * DBL_EPSILON * largest, from ? MESH_SPLIT_STEPS * ldexp(1, exponent - FLT_MANT_DIG) : 0);
-}
-
 /* Origin of a triangle of the scene; NULL: unknown. */
 static const scene_origin *origin_at(const scene *s, uint32_t triangle)
 {
@@ -114,7 +98,21 @@ static int collect_points(splitter *x)
     for (size_t n = 0; n < x->border_count; n++) {
         uint32_t      h = x->border[n], ends[2] = {x->mesh->indices[h], mesh_edge_end(x->mesh->indices, h)};
         const double *at[2] = {position(x, ends[0]), position(x, ends[1])};
-        double        reach = tolerance(at, origin_at(x->scene, x->mesh->from[h / 3]));
+
+        /* Tolerance along an edge, for its end with the larger rounding error. */
+        const scene_origin *from    = origin_at(x->scene, x->mesh->from[h / 3]);
+        double              largest = 0, farthest2 = 0, way[3];
+        int                 exponent;
+        for (int k = 0; k < 2; k++) {
+            for (int axis = 0; axis < 3; axis++) largest = fmax(largest, fabs(at[k][axis]));
+            if (from) {
+                vec3_sub(at[k], from->at_ws, way);
+                farthest2 = fmax(farthest2, vec3_dot(way, way));
+            }
+        }
+        frexp(sqrt(farthest2), &exponent);
+        double reach = fmax(32 * DBL_EPSILON * largest, from ? MESH_SPLIT_STEPS * ldexp(1, exponent - FLT_MANT_DIG) : 0);
+
         for (int k = 0; k < 2; k++) {
             uint32_t *slot = &x->slot_of[ends[k]];
             if (*slot == NONE) points[ *slot = (uint32_t)count++] = (tree_point){{at[k][0], at[k][1], at[k][2]}, 0, ends[k]};
@@ -178,27 +176,6 @@ static int compare_points(const void *a, const void *b)
     return 0;
 }
 
-/* Undo merges that would collapse a triangle: if two of its corners would merge, both stay. */
-static void keep_triangles(splitter *x)
-{
-    const uint32_t *indices = x->mesh->indices;
-    for (size_t h = 0; h < 3 * x->mesh->triangle_count; h++) {
-        uint32_t p = x->slot_of[indices[h]], q = x->slot_of[mesh_edge_end(indices, (uint32_t)h)];
-        if (p == NONE || q == NONE || x->target_of[p] != x->target_of[q]) continue;
-        x->target_of[p] = p;
-        x->target_of[q] = q;
-    }
-}
-
-static void move_corners(splitter *x)
-{
-    for (size_t h = 0; h < 3 * x->mesh->triangle_count; h++) {
-        uint32_t p = x->slot_of[x->mesh->indices[h]];
-        if (p != NONE) x->mesh->indices[h] = x->tree.points[x->target_of[p]].name;
-    }
-    for (size_t n = 0; n < x->tree.count; n++) x->out->joined_count += x->target_of[n] != n;
-}
-
 /* Cluster the points that have neighbours, from the smallest tolerance on: each point without a cluster starts one and takes the
  * near points without a cluster. */
 static int weld_points(splitter *x)
@@ -226,8 +203,20 @@ static int weld_points(splitter *x)
     }
     free(crowded);
     if (moved) {
-        keep_triangles(x);
-        move_corners(x);
+        /* Undo merges that would collapse a triangle: if two of its corners would merge, both stay. */
+        const uint32_t *indices = x->mesh->indices;
+        for (size_t h = 0; h < 3 * x->mesh->triangle_count; h++) {
+            uint32_t p = x->slot_of[indices[h]], q = x->slot_of[mesh_edge_end(indices, (uint32_t)h)];
+            if (p == NONE || q == NONE || x->target_of[p] != x->target_of[q]) continue;
+            x->target_of[p] = p;
+            x->target_of[q] = q;
+        }
+
+        for (size_t h = 0; h < 3 * x->mesh->triangle_count; h++) {
+            uint32_t p = x->slot_of[x->mesh->indices[h]];
+            if (p != NONE) x->mesh->indices[h] = x->tree.points[x->target_of[p]].name;
+        }
+        for (size_t n = 0; n < x->tree.count; n++) x->out->joined_count += x->target_of[n] != n;
     }
     return 1;
 }
@@ -381,17 +370,6 @@ static void add_fan(splitter *x, const sides *s, uint32_t t, const corner corner
     add_piece(x, t, from, &corners[(k + 1) % 3], apex);
 }
 
-/* Split a triangle whose side k has points: a fan from the opposite corner to the segments of side k. Points on the other two sides
- * split the outermost triangles of the fan. */
-static void add_pieces(splitter *x, const sides *s, uint32_t t, const corner corners[3], uint32_t k)
-{
-    uint32_t      next = (k + 1) % 3, last = (k + 2) % 3;
-    const corner *points = s->points + s->first[k], *end = s->points + s->first[k + 1];
-    add_fan(x, s, t, corners, last, points);
-    for (const corner *p = points + 1; p < end; p++) add_piece(x, t, p - 1, p, &corners[last]);
-    add_fan(x, s, t, corners, next, end - 1);
-}
-
 /* The side to split first. Does not depend on the first corner of the triangle. */
 static uint32_t first_side(const splitter *x, const sides *s, uint32_t t)
 {
@@ -408,7 +386,15 @@ static int take_triangle(splitter *x, sides *s, uint32_t t, const cut_edge **e)
     if (!find_sides(x, s, t, e)) return 0;
     if (s->first[3]) {
         corner corners[3] = {{v[0], {1, 0, 0}}, {v[1], {0, 1, 0}}, {v[2], {0, 0, 1}}};
-        add_pieces(x, s, t, corners, first_side(x, s, t));
+
+        /* Split a triangle whose side k has points: a fan from the opposite corner to the segments of side k. Points on the
+         * other two sides split the outermost triangles of the fan. */
+        uint32_t      k    = first_side(x, s, t);
+        uint32_t      next = (k + 1) % 3, last = (k + 2) % 3;
+        const corner *points = s->points + s->first[k], *end = s->points + s->first[k + 1];
+        add_fan(x, s, t, corners, last, points);
+        for (const corner *p = points + 1; p < end; p++) add_piece(x, t, p - 1, p, &corners[last]);
+        add_fan(x, s, t, corners, next, end - 1);
     }
     if (x->made_count > first) return 1;
     memcpy(&x->made[3 * first], v, 3 * sizeof *v);

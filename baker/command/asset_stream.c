@@ -62,26 +62,6 @@ static void keep_failure(void *user, uint32_t light, uint32_t page, vxs_result r
         snprintf(s->broken_text, sizeof s->broken_text, "cannot be read: page %u of light '%s'", page, name);
 }
 
-static vxs_stream_desc desc_of(asset_stream *s, uint64_t budget_bytes, const text_list *names, int points)
-{
-    return (vxs_stream_desc){.struct_size       = sizeof(vxs_stream_desc),
-                             .path              = s->path,
-                             .budget_bytes      = budget_bytes,
-                             .threads           = !HAS_THREADS                         ? 0
-                                                  : budget_bytes >= threads_from_bytes ? THREADS
-                                                                                       : 1,
-                             .requests          = PAGES_A_FRAME,
-                             .decodes_per_frame = PAGES_A_FRAME, /* without threads */
-                             .light_names       = names->count ? names->items : NULL,
-                             .light_name_count  = (uint32_t)names->count,
-                             .failed            = keep_failure,
-                             .failed_user       = s,
-                             .metadata          = keep_metadata,
-                             .metadata_user     = &s->contents,
-                             .points            = points ? keep_points : NULL,
-                             .points_user       = &s->points};
-}
-
 static void forget_contents(asset_stream *s)
 {
     free(s->contents.metadata);
@@ -196,7 +176,22 @@ vxs_result asset_stream_open(asset_stream *s, const char *path, uint64_t budget_
     if (is_read_once(path))
         return fail(m, VXS_E_ARGUMENT, "--budget: %s is read once, from its beginning to its end: expected a file",
                     input_name(path));
-    vxs_stream_desc desc = desc_of(s, budget_bytes, names, points);
+    vxs_stream_desc desc = (vxs_stream_desc){.struct_size       = sizeof(vxs_stream_desc),
+                                             .path              = s->path,
+                                             .budget_bytes      = budget_bytes,
+                                             .threads           = !HAS_THREADS                         ? 0
+                                                                  : budget_bytes >= threads_from_bytes ? THREADS
+                                                                                                       : 1,
+                                             .requests          = PAGES_A_FRAME,
+                                             .decodes_per_frame = PAGES_A_FRAME, /* without threads */
+                                             .light_names       = names->count ? names->items : NULL,
+                                             .light_name_count  = (uint32_t)names->count,
+                                             .failed            = keep_failure,
+                                             .failed_user       = s,
+                                             .metadata          = keep_metadata,
+                                             .metadata_user     = &s->contents,
+                                             .points            = points ? keep_points : NULL,
+                                             .points_user       = &s->points};
     desc.finding         = keep_first_finding;
     desc.finding_user    = &f;
     errno                = 0;

@@ -16,24 +16,6 @@ typedef struct merge_command {
     const char   *json_path;
 } merge_command;
 
-static void print_report(FILE *to, const merge_command *c, const merge_report *r)
-{
-    char size[32], memory[32], plain[PLAIN_BYTES];
-    fprintf(to, "parts        %u, %llu squares of %u lights\n", r->parts, (unsigned long long)r->squares, r->lights.light_count);
-    fprintf(to, "file         %s: %s\n",
-            is_standard_output(c->o.output_path) ? "standard output" : plain_text(plain, c->o.output_path),
-            size_text(size, r->lights.file_bytes));
-    fprintf(to, "time         %.2f s; memory %s\n", r->lights.total_seconds, size_text(memory, r->lights.peak_bytes));
-}
-
-static json_t *report_json(const merge_command *c, const merge_report *r)
-{
-    return json_pack("{s:s, s:o, s:I, s:I, s:I, s:I, s:f, s:I}", "vxs", VXS_VERSION, "output", json_text(c->o.output_path), "parts",
-                     (json_int_t)r->parts, "squares", (json_int_t)r->squares, "lights", (json_int_t)r->lights.light_count,
-                     "file_bytes", (json_int_t)r->lights.file_bytes, "total_seconds", r->lights.total_seconds, "peak_bytes",
-                     (json_int_t)r->lights.peak_bytes);
-}
-
 static vxs_result run(void *command, run_context *m)
 {
     merge_command *c      = command;
@@ -43,8 +25,23 @@ static vxs_result run(void *command, run_context *m)
     vxs_result r  = merge_parts(&c->o, &report, m);
     FILE      *to = report_stream(m, is_standard_output(c->o.output_path) || is_standard_output(c->json_path));
     progress_clear();
-    if (r == VXS_OK && to) print_report(to, c, &report);
-    if (r == VXS_OK && c->json_path) r = json_write(c->json_path, report_json(c, &report), m);
+    if (r == VXS_OK && to) {
+        char size[32], memory[32], plain[PLAIN_BYTES];
+        fprintf(to, "parts        %u, %llu squares of %u lights\n", report.parts, (unsigned long long)report.squares,
+                report.lights.light_count);
+        fprintf(to, "file         %s: %s\n",
+                is_standard_output(c->o.output_path) ? "standard output" : plain_text(plain, c->o.output_path),
+                size_text(size, report.lights.file_bytes));
+        fprintf(to, "time         %.2f s; memory %s\n", report.lights.total_seconds, size_text(memory, report.lights.peak_bytes));
+    }
+    if (r == VXS_OK && c->json_path)
+        r = json_write(c->json_path,
+                       json_pack("{s:s, s:o, s:I, s:I, s:I, s:I, s:f, s:I}", "vxs", VXS_VERSION, "output",
+                                 json_text(c->o.output_path), "parts", (json_int_t)report.parts, "squares",
+                                 (json_int_t)report.squares, "lights", (json_int_t)report.lights.light_count, "file_bytes",
+                                 (json_int_t)report.lights.file_bytes, "total_seconds", report.lights.total_seconds, "peak_bytes",
+                                 (json_int_t)report.lights.peak_bytes),
+                       m);
     merge_report_free(&report);
     return r;
 }

@@ -33,17 +33,6 @@ static const char *vector_text(char text[64], const double v[3])
     return text;
 }
 
-/* Position and range of a spot or point light. */
-static void lamp_text(char *text, size_t size, const vxs_light *l, const light_shape *s)
-{
-    char at[64], way[64], cone[128] = "", range[32] = "no range";
-    if (s->kind == LIGHT_SPOT)
-        snprintf(cone, sizeof cone, " towards %s, cone of %.4g degrees", vector_text(way, s->direction_ws), cone_degrees(s));
-    if (isfinite(s->range_m)) snprintf(range, sizeof range, "range %.6g m", s->range_m);
-    snprintf(text, size, "%s at %s%s, %s, from %.4g to %.4g m", light_kind_name(s->kind), vector_text(at, s->position_ws), cone,
-             range, l->near_metres, far_metres(l));
-}
-
 const char *light_text(char *text, const vxs_light *light)
 {
     light_shape s    = baked_light_shape(light);
@@ -54,7 +43,16 @@ const char *light_text(char *text, const vxs_light *light)
                  vector_text(shape, s.direction_ws), side, side, light->texel_metres, light->voxel_metres);
         return text;
     }
-    lamp_text(shape, sizeof shape, light, &s);
+
+    /* Position and range of a spot or point light. */
+    size_t size = sizeof shape;
+    char   at[64], way[64], cone[128] = "", range[32] = "no range";
+    if (s.kind == LIGHT_SPOT)
+        snprintf(cone, sizeof cone, " towards %s, cone of %.4g degrees", vector_text(way, s.direction_ws), cone_degrees(&s));
+    if (isfinite(s.range_m)) snprintf(range, sizeof range, "range %.6g m", s.range_m);
+    snprintf(shape, size, "%s at %s%s, %s, from %.4g to %.4g m", light_kind_name(s.kind), vector_text(at, s.position_ws), cone,
+             range, light->near_metres, far_metres(light));
+
     snprintf(text, LIGHT_TEXT_BYTES, "%s, %s%u x %u texels of %.4g m a metre away, voxels %.4g m deep there", shape,
              light->flags & VXS_LIGHT_CUBE ? "six maps of " : "", side, side, light->texel_metres, light->voxel_metres);
     return text;

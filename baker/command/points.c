@@ -98,18 +98,6 @@ static number_row parse_numbers(const char *line)
     return row;
 }
 
-/* Whether a line is ambiguous, because the decimal point may be a comma: "1,5 2,5 3,5", "1,5;2,5;3,5" and "1,5, 2,5, 3,5" may be
- * three numbers each. "1,2,3, 0,1,0" is not ambiguous. */
-static int is_ambiguous(const number_row *row)
-{
-    size_t alike = 1, in_pairs = 1;
-    for (size_t n = 0; n + 1 < row->count && n < 6; n++) {
-        alike &= row->after[n].mark == row->after[0].mark;
-        in_pairs &= row->after[n].mark == ',' && row->after[n].loose == (n % 2 == 1);
-    }
-    return !alike || (row->count == 6 && in_pairs && !row->has_points);
-}
-
 static vxs_result parse_point(const point_reader *reader, const char *line, size_t length, query_point *point, run_context *m)
 {
     unsigned long long number = reader->line;
@@ -120,11 +108,20 @@ static vxs_result parse_point(const point_reader *reader, const char *line, size
     if (row.wrong)
         return fail(m, VXS_E_READ, "%s: line %llu: expected a finite number, found '%.*s'", reader->name, number,
                     (int)(word < 32 ? word : 32), row.wrong);
-    if (is_ambiguous(&row))
+
+    /* Whether a line is ambiguous, because the decimal point may be a comma: "1,5 2,5 3,5", "1,5;2,5;3,5" and "1,5, 2,5, 3,5"
+     * may be three numbers each. "1,2,3, 0,1,0" is not ambiguous. */
+    size_t alike = 1, in_pairs = 1;
+    for (size_t n = 0; n + 1 < row.count && n < 6; n++) {
+        alike &= row.after[n].mark == row.after[0].mark;
+        in_pairs &= row.after[n].mark == ',' && row.after[n].loose == (n % 2 == 1);
+    }
+    if (!alike || (row.count == 6 && in_pairs && !row.has_points))
         return fail(m, VXS_E_READ,
                     "%s: line %llu: expected numbers with a decimal point, separated all alike, by blanks or commas: "
                     "'%.32s' could mean two things",
                     reader->name, number, line);
+
     if (row.count != 3 && row.count != 6)
         return fail(m, VXS_E_READ, "%s: line %llu: expected 3 or 6 numbers, found %zu", reader->name, number, row.count);
 
@@ -177,16 +174,6 @@ static void answer_points(void *user, size_t begin, size_t end, uint32_t worker)
         if (!b->answer(b->user, &b->points[n], &b->lit[n * b->light_count])) b->fails = 1;
 }
 
-static void print_answer(float lit, char end)
-{
-    if (lit < 0)
-        printf("out%c", end);
-    else if (lit == 0 || lit == 1)
-        printf("%c%c", lit == 0 ? '0' : '1', end);
-    else
-        printf("%.6g%c", (double)lit, end);
-}
-
 vxs_result points_answer(point_answer answer, void *user, size_t light_count, uint32_t threads, run_context *m)
 {
     point_reader reader = {.file = stdin, .name = "standard input"};
@@ -207,7 +194,16 @@ vxs_result points_answer(point_answer answer, void *user, size_t light_count, ui
         if ((r = points_read(&reader, b.points, b.capacity, &count, m)) != VXS_OK) goto done;
         parallel_for(threads, count, POINTS_AT_A_TIME, answer_points, &b);
         if (b.fails) goto done;
-        for (size_t n = 0; n < count * light_count; n++) print_answer(b.lit[n], (n + 1) % light_count ? ' ' : '\n');
+        for (size_t n = 0; n < count * light_count; n++) {
+            float lit = b.lit[n];
+            char  end = (n + 1) % light_count ? ' ' : '\n';
+            if (lit < 0)
+                printf("out%c", end);
+            else if (lit == 0 || lit == 1)
+                printf("%c%c", lit == 0 ? '0' : '1', end);
+            else
+                printf("%.6g%c", (double)lit, end);
+        }
         if (fflush(stdout) || ferror(stdout)) {
             r = standard_output_is_broken() ? VXS_E_BROKEN_PIPE
                                             : fail(m, VXS_E_WRITE, "standard output: cannot be written: %s", strerror(errno));

@@ -157,39 +157,10 @@ vxs_result lamp_fit(vxs_light *light, const casters *c, const light_fit_desc *de
     return VXS_OK;
 }
 
-static void axes_from_direction(double axes[3][3], const double *direction)
-{
-    static const double up[3] = {0, 1, 0}, east[3] = {1, 0, 0};
-    double              v[3];
-    vec3_cross(up, direction, axes[0]);
-    /* light from straight above has no unique horizontal axis: use world x for u */
-    if (vec3_dot(axes[0], axes[0]) < 1e-6) {
-        vec3_cross(direction, east, v);
-        vec3_cross(v, direction, axes[0]);
-    }
-    double length = sqrt(vec3_dot(axes[0], axes[0]));
-    for (int n = 0; n < 3; n++) axes[0][n] /= length;
-    vec3_cross(direction, axes[0], axes[1]);
-    memcpy(axes[2], direction, sizeof axes[2]);
-}
-
 /* extent  along the axes, metres */
 static void extend_along(box *extent, double axes[3][3], const double *point)
 {
     box_add(extent, (double[3]){vec3_dot(axes[0], point), vec3_dot(axes[1], point), vec3_dot(axes[2], point)});
-}
-
-/* The format stores up to 63 bytes. Longer names are cut between UTF-8 characters. */
-static void set_name(vxs_light *light, const char *name, run_context *m)
-{
-    size_t length = strlen(name);
-    if (length > VXS_LIGHT_NAME_BYTES - 1) {
-        length = VXS_LIGHT_NAME_BYTES - 1;
-        while (length && ((unsigned char)name[length] & 0xc0) == 0x80) length--;
-        warn(m, "light '%s': the name is cut to its first %zu bytes, by which it will be looked up; rename it in the scene", name,
-             length);
-    }
-    memcpy(light->name, name, length);
 }
 
 static vxs_result sun_fit(vxs_light *light, const casters *c, const light_fit_desc *desc, double axes[3][3], run_context *m)
@@ -256,8 +227,33 @@ vxs_result light_fit(vxs_light *light, const casters *c, const light_fit_desc *d
     static const double ahead[3] = {0, 0, 1}; /* a point light's cube is aligned with the world axes */
     double              axes[3][3];
     memset(light, 0, sizeof *light);
-    set_name(light, desc->name, m);
+    {
+        /* The format stores up to 63 bytes. Longer names are cut between UTF-8 characters. */
+        const char *name   = desc->name;
+        size_t      length = strlen(name);
+        if (length > VXS_LIGHT_NAME_BYTES - 1) {
+            length = VXS_LIGHT_NAME_BYTES - 1;
+            while (length && ((unsigned char)name[length] & 0xc0) == 0x80) length--;
+            warn(m, "light '%s': the name is cut to its first %zu bytes, by which it will be looked up; rename it in the scene",
+                 name, length);
+        }
+        memcpy(light->name, name, length);
+    }
     memcpy(light->direction_ws, desc->shape->kind == LIGHT_POINT ? ahead : desc->shape->direction_ws, sizeof light->direction_ws);
-    axes_from_direction(axes, light->direction_ws);
+
+    const double       *direction = light->direction_ws;
+    static const double up[3] = {0, 1, 0}, east[3] = {1, 0, 0};
+    double              v[3];
+    vec3_cross(up, direction, axes[0]);
+    /* light from straight above has no unique horizontal axis: use world x for u */
+    if (vec3_dot(axes[0], axes[0]) < 1e-6) {
+        vec3_cross(direction, east, v);
+        vec3_cross(v, direction, axes[0]);
+    }
+    double length = sqrt(vec3_dot(axes[0], axes[0]));
+    for (int n = 0; n < 3; n++) axes[0][n] /= length;
+    vec3_cross(direction, axes[0], axes[1]);
+    memcpy(axes[2], direction, sizeof axes[2]);
+
     return desc->shape->kind == LIGHT_DIRECTIONAL ? sun_fit(light, c, desc, axes, m) : lamp_fit(light, c, desc, axes, m);
 }

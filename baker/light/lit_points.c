@@ -219,24 +219,6 @@ static size_t take(candidates *out, const lit_points_desc *d, const uint8_t *tou
     return count;
 }
 
-/* Returns 0 when there are none. */
-static int find_candidates(candidates *k, const lit_points_desc *d)
-{
-    uint8_t *touched = malloc(d->reach->run_count + 1);
-    double   cosine = cos(d->shape->outer_rad), sine = sin(d->shape->outer_rad);
-    size_t   step = 1;
-    for (size_t run = 0; touched && run < d->reach->run_count; run++) {
-        touched[run] = (uint8_t)touches(d->shape, cosine, sine, &d->reach->runs[run]);
-        k->count += touched[run] ? end_of_run(d, run) - run * REACH_RUN : 0; /* fewer if an object is left out */
-    }
-    if (d->triangles_max && k->count > d->triangles_max) step = (k->count + d->triangles_max - 1) / d->triangles_max;
-    k->triangles = malloc((k->count / step + 1) * sizeof *k->triangles);
-    k->area_to   = malloc((k->count / step + 1) * sizeof *k->area_to);
-    k->count     = touched && k->triangles && k->area_to ? take(k, d, touched, step) : 0;
-    free(touched);
-    return k->count && k->area_to[k->count - 1] > 0;
-}
-
 /* The candidate at a given share of the total area. */
 static size_t candidate_at(const candidates *k, double share)
 {
@@ -327,23 +309,28 @@ static int point_of_lamp(lit_point *out, const lit_points_desc *d, const map_sid
     return light_reaches(d->shape, out->at_ws);
 }
 
-static void point_of_sun(lit_point *out, const casters *c, size_t t, rng *random)
-{
-    map_polygon triangle = {.count = 3};
-    for (size_t n = 0; n < 3; n++)
-        for (int axis = 0; axis < 3; axis++) triangle.corners[n].at[axis] = corner_of(c, t, n)[axis];
-    out->weight  = polygon_area(&triangle);
-    out->along_m = 0;
-    point_in(&triangle, out->weight, random, out->at_ws);
-}
-
 size_t lit_points_choose(lit_point *points, size_t count, const lit_points_desc *d)
 {
     candidates k     = {0};
     size_t     found = 0;
     int        sun   = d->shape->kind == LIGHT_DIRECTIONAL;
     map_sides  sides = map_sides_of(d->light, sun ? 0 : slope_of(d) / d->light->texel_metres - ldexp(0.5, (int)d->light->levels));
-    if (!find_candidates(&k, d)) goto done;
+
+    /* Returns 0 when there are none. */
+    uint8_t *touched = malloc(d->reach->run_count + 1);
+    double   cosine = cos(d->shape->outer_rad), sine = sin(d->shape->outer_rad);
+    size_t   step = 1;
+    for (size_t run = 0; touched && run < d->reach->run_count; run++) {
+        touched[run] = (uint8_t)touches(d->shape, cosine, sine, &d->reach->runs[run]);
+        k.count += touched[run] ? end_of_run(d, run) - run * REACH_RUN : 0; /* fewer if an object is left out */
+    }
+    if (d->triangles_max && k.count > d->triangles_max) step = (k.count + d->triangles_max - 1) / d->triangles_max;
+    k.triangles = malloc((k.count / step + 1) * sizeof *k.triangles);
+    k.area_to   = malloc((k.count / step + 1) * sizeof *k.area_to);
+    k.count     = touched && k.triangles && k.area_to ? take(&k, d, touched, step) : 0;
+    free(touched);
+    if (!(k.count && k.area_to[k.count - 1] > 0)) goto done;
+
     for (size_t n = 0; n < count; n++) {
         rng        random = rng_split(SEED, n);
         double     share  = ((double)(n / 2) + rng_unit(&random)) / (double)((count + 1) / 2);
@@ -353,9 +340,16 @@ size_t lit_points_choose(lit_point *points, size_t count, const lit_points_desc 
         double     likely = 0.5 * area / k.area_to[k.count - 1] + 0.5 / (double)k.count;
         lit_point *p      = &points[found];
         p->triangle       = k.triangles[at];
-        if (sun)
-            point_of_sun(p, d->c, p->triangle, &random);
-        else if (!point_of_lamp(p, d, &sides, p->triangle, &random))
+        if (sun) {
+            const casters *c        = d->c;
+            size_t         t        = p->triangle;
+            map_polygon    triangle = {.count = 3};
+            for (size_t i = 0; i < 3; i++)
+                for (int axis = 0; axis < 3; axis++) triangle.corners[i].at[axis] = corner_of(c, t, i)[axis];
+            p->weight  = polygon_area(&triangle);
+            p->along_m = 0;
+            point_in(&triangle, p->weight, &random, p->at_ws);
+        } else if (!point_of_lamp(p, d, &sides, p->triangle, &random))
             continue;
         p->weight /= likely * (double)count;
         found++;

@@ -128,10 +128,17 @@ light_shape baked_light_shape(const vxs_light *light)
     return shape;
 }
 
-/* A point in metres across, down and away from the light, along the axes of a map. The axes are found with a copy of the light
- * whose light space is world space. */
-static void map_from_ws(const vxs_light *light, int map, const double point_ws[3], double out[3])
+void baked_light_coordinates(const vxs_light *light, int map, const double point_ws[3], double coordinates[3])
 {
+    if (light->kind == VXS_LIGHT_KIND_DIRECTIONAL) {
+        for (int row = 0; row < 3; row++)
+            coordinates[row] = vec3_dot(light->ls_from_ws + 4 * row, point_ws) + light->ls_from_ws[4 * row + 3];
+        return;
+    }
+    double p[3];
+
+    /* A point in metres across, down and away from the light, along the axes of a map. The axes are found with a copy of the
+     * light whose light space is world space. */
     vxs_light plain    = *light;
     double    half     = ldexp(0.5, (int)light->levels), ls[3];
     double    one      = -log(light->near_metres) / light->voxel_metres; /* depth at one metre */
@@ -146,19 +153,9 @@ static void map_from_ws(const vxs_light *light, int map, const double point_ws[3
     for (int row = 0; row < 3; row++) {
         for (int k = 0; k < 3 && row < 2; k++) axis[row][k] -= axis[2][k];
         for (int k = 0; k < 3; k++) axis[row][k] = round(axis[row][k]); /* they are axes of light space */
-        out[row] = vec3_dot(axis[row], ls);
+        p[row] = vec3_dot(axis[row], ls);
     }
-}
 
-void baked_light_coordinates(const vxs_light *light, int map, const double point_ws[3], double coordinates[3])
-{
-    if (light->kind == VXS_LIGHT_KIND_DIRECTIONAL) {
-        for (int row = 0; row < 3; row++)
-            coordinates[row] = vec3_dot(light->ls_from_ws + 4 * row, point_ws) + light->ls_from_ws[4 * row + 3];
-        return;
-    }
-    double p[3];
-    map_from_ws(light, map, point_ws, p);
     double z = fmax(p[2], DBL_MIN);
     for (int i = 0; i < 2; i++) coordinates[i] = ldexp(0.5, (int)light->levels) + p[i] / z / light->texel_metres;
     coordinates[2] = log(z / light->near_metres) / light->voxel_metres;

@@ -73,16 +73,6 @@ static void hash_end_text(hasher *h, char text[FINGERPRINT_BYTES])
     snprintf(text, FINGERPRINT_BYTES, "%016" PRIx64 "%016" PRIx64, (uint64_t)hash.high64, (uint64_t)hash.low64);
 }
 
-static void take_geometry(hasher *h, const scene *s, char text[FINGERPRINT_BYTES])
-{
-    hash_begin(h);
-    for (size_t t = 0; t < s->triangle_count; t++) {
-        for (int corner = 0; corner < 3; corner++) hash_numbers(h, s->positions_ws + 3 * (size_t)s->indices[3 * t + corner], 3);
-        hash_word(h, s->triangle_flags[t] & (TRIANGLE_DOUBLE_SIDED | TRIANGLE_ALPHA_MASK));
-    }
-    hash_end_text(h, text);
-}
-
 static XXH128_hash_t hash_of_mask(hasher *h, const alpha_mask *mask, const alpha_image *image)
 {
     hash_begin(h);
@@ -128,24 +118,28 @@ static void take_cameras(hasher *h, const scene *s, char text[FINGERPRINT_BYTES]
     hash_end_text(h, text);
 }
 
-static void take_lights(hasher *h, const scene *s, char text[FINGERPRINT_BYTES])
-{
-    static const double nowhere[3] = {0, 0, 0};
-    hash_begin(h);
-    for (const scene_light *l = s->lights; l < s->lights + s->light_count; l++) {
-        int is_lamp = l->shape.kind != LIGHT_DIRECTIONAL;
-        hash_bytes(h, l->name, strlen(l->name));
-        hash_word(h, (uint64_t)is_lamp);
-        hash_numbers(h, is_lamp ? l->shape.position_ws : nowhere, 3);
-    }
-    hash_end_text(h, text);
-}
-
 vxs_result scene_fingerprint_take(scene_fingerprint *f, const scene *s, run_context *m)
 {
     hasher h;
-    take_geometry(&h, s, f->geometry);
+
+    hash_begin(&h);
+    for (size_t t = 0; t < s->triangle_count; t++) {
+        for (int corner = 0; corner < 3; corner++) hash_numbers(&h, s->positions_ws + 3 * (size_t)s->indices[3 * t + corner], 3);
+        hash_word(&h, s->triangle_flags[t] & (TRIANGLE_DOUBLE_SIDED | TRIANGLE_ALPHA_MASK));
+    }
+    hash_end_text(&h, f->geometry);
+
     take_cameras(&h, s, f->cameras);
-    take_lights(&h, s, f->lights);
+
+    static const double nowhere[3] = {0, 0, 0};
+    hash_begin(&h);
+    for (const scene_light *l = s->lights; l < s->lights + s->light_count; l++) {
+        int is_lamp = l->shape.kind != LIGHT_DIRECTIONAL;
+        hash_bytes(&h, l->name, strlen(l->name));
+        hash_word(&h, (uint64_t)is_lamp);
+        hash_numbers(&h, is_lamp ? l->shape.position_ws : nowhere, 3);
+    }
+    hash_end_text(&h, f->lights);
+
     return take_alpha_masks(&h, s, f->alpha_masks, m);
 }

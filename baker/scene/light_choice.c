@@ -96,20 +96,6 @@ static vxs_result add_all(const scene *s, const named_list *suns, light_choice *
     return VXS_OK;
 }
 
-/* Find a light by the name of its node.
- * count  [out] number of matches */
-static const chosen_light *find_by_node(const light_choice *lights, const char *name, size_t *count)
-{
-    const chosen_light *found = NULL;
-    *count                    = 0;
-    for (const chosen_light *l = lights->lights; l < lights->lights + lights->count; l++) {
-        if (!l->light || !l->light->node_name || strcmp(l->light->node_name, name) != 0) continue;
-        found = l;
-        ++*count;
-    }
-    return found;
-}
-
 static vxs_result fail_if_lost(const scene *s, const char *name, run_context *m)
 {
     for (const lost_light *l = s->lost_lights; l < s->lost_lights + s->lost_light_count; l++) {
@@ -131,7 +117,18 @@ static vxs_result add_named(const scene *s, const light_choice *all, const char 
     size_t              matched = 0;
     vxs_result          r;
     if (!light && (r = fail_if_lost(s, name, m)) != VXS_OK) return r;
-    if (!light) light = find_by_node(all, name, &count);
+    if (!light) {
+        /* Find a light by the name of its node.
+         * count  [out] number of matches */
+        const chosen_light *found = NULL;
+        count                     = 0;
+        for (const chosen_light *l = all->lights; l < all->lights + all->count; l++) {
+            if (!l->light || !l->light->node_name || strcmp(l->light->node_name, name) != 0) continue;
+            found = l;
+            ++count;
+        }
+        light = found;
+    }
     if (count > 1)
         return fail(m, VXS_E_ARGUMENT, "--light %s: %zu nodes of that name have lights; there are %s", name, count,
                     list_lights(all, known));
@@ -174,35 +171,6 @@ void warn_about_lost_lights(const scene *s, run_context *m)
     if (lost > SHOWN) warn(m, "%zu more lights are left out for such faults; see to those above, and run again", lost - SHOWN);
 }
 
-static void warn_about_dark_lights(const scene *s, run_context *m)
-{
-    size_t dark = 0;
-    for (const scene_light *l = s->lights; l < s->lights + s->light_count; l++) {
-        char node[128];
-        if (is_dark(l) && ++dark <= SHOWN)
-            warn(m, "light '%s' (%s) is left out: %s; set it in the scene, or --light bakes it all the same", l->name,
-                 node_text(node, l->name, l->node, l->node_name), l->dark);
-    }
-    if (dark > SHOWN)
-        warn(m, "%zu more lights are left out because they are dark; set their intensities, or name them with --light",
-             dark - SHOWN);
-}
-
-/* Warn of chosen lights with properties that are not used as given. */
-static void warn_about_odd_lights(const light_choice *chosen, run_context *m)
-{
-    size_t odd = 0;
-    for (const chosen_light *l = chosen->lights; l < chosen->lights + chosen->count; l++) {
-        char node[128];
-        if (!l->light || (!l->light->odd && !l->light->dark) || ++odd > SHOWN) continue;
-        node_text(node, l->name, l->light->node, l->light->node_name);
-        if (l->light->odd) warn(m, "light '%s' (%s): %s", l->name, node, l->light->odd);
-        if (l->light->dark)
-            warn(m, "light '%s' (%s): %s, and pictures do not show it; set it in the scene", l->name, node, l->light->dark);
-    }
-    if (odd > SHOWN) warn(m, "%zu more lights like that; see to those above, and run again", odd - SHOWN);
-}
-
 static vxs_result fail_without_light(const scene *s, run_context *m)
 {
     const lost_light *first = s->lost_lights;
@@ -233,8 +201,31 @@ static vxs_result choose(const scene *s, const light_choice *all, const text_lis
         if (!is_dark(all->lights[i].light)) add(chosen, all->lights[i]);
     if (!chosen->count) return fail_without_light(s, m);
     if (!by_name) warn_about_lost_lights(s, m);
-    if (!by_name) warn_about_dark_lights(s, m);
-    warn_about_odd_lights(chosen, m);
+    if (!by_name) {
+        size_t dark = 0;
+        for (const scene_light *l = s->lights; l < s->lights + s->light_count; l++) {
+            char node[128];
+            if (is_dark(l) && ++dark <= SHOWN)
+                warn(m, "light '%s' (%s) is left out: %s; set it in the scene, or --light bakes it all the same", l->name,
+                     node_text(node, l->name, l->node, l->node_name), l->dark);
+        }
+        if (dark > SHOWN)
+            warn(m, "%zu more lights are left out because they are dark; set their intensities, or name them with --light",
+                 dark - SHOWN);
+    }
+
+    /* Warn of chosen lights with properties that are not used as given. */
+    size_t odd = 0;
+    for (const chosen_light *l = chosen->lights; l < chosen->lights + chosen->count; l++) {
+        char node[128];
+        if (!l->light || (!l->light->odd && !l->light->dark) || ++odd > SHOWN) continue;
+        node_text(node, l->name, l->light->node, l->light->node_name);
+        if (l->light->odd) warn(m, "light '%s' (%s): %s", l->name, node, l->light->odd);
+        if (l->light->dark)
+            warn(m, "light '%s' (%s): %s, and pictures do not show it; set it in the scene", l->name, node, l->light->dark);
+    }
+    if (odd > SHOWN) warn(m, "%zu more lights like that; see to those above, and run again", odd - SHOWN);
+
     return VXS_OK;
 }
 
@@ -343,34 +334,28 @@ static int same_but_for_case(const char *a, const char *b)
     return !strcasecmp(a, b) && strcmp(a, b) != 0;
 }
 
-/* Warn of two equal lights. The advice is to drop the one given on the command line, if any: that is easier. */
-static void warn_about_twins(const chosen_light *first, const chosen_light *second, run_context *m)
-{
-    const chosen_light *option      = second->is_option ? second : first->is_option ? first : NULL;
-    char                remedy[128] = "take one out of the scene, or choose with --light";
-    if (option) snprintf(remedy, sizeof remedy, "leave out '%s', which --sun gives", option->name);
-    warn(m, "lights '%s' and '%s' are one %s light, there twice: %s", first->name, second->name, light_kind_name(first->shape.kind),
-         remedy);
-}
-
-/* Warn of the first earlier light with the same shape, and of the first one whose name differs only in case. */
-static void warn_about_pairs(const light_choice *chosen, const chosen_light *light, run_context *m)
-{
-    const chosen_light *other = chosen->lights;
-    while (other < light && !shapes_alike(&other->shape, &light->shape)) other++;
-    if (other < light) warn_about_twins(other, light, m);
-
-    other = chosen->lights;
-    while (other < light && !same_but_for_case(other->name, light->name)) other++;
-    if (other < light)
-        warn(m,
-             "lights '%s' and '%s' differ in case only, and are easily taken for each other where they are looked up: rename one",
-             other->name, light->name);
-}
-
 void warn_about_lights(const light_choice *chosen, run_context *m)
 {
     warn_about_suns(chosen, m);
-    for (const chosen_light *light = chosen->lights; light < chosen->lights + chosen->count; light++)
-        warn_about_pairs(chosen, light, m);
+    for (const chosen_light *light = chosen->lights; light < chosen->lights + chosen->count; light++) {
+        /* Warn of the first earlier light with the same shape, and of the first one whose name differs only in case. */
+        const chosen_light *other = chosen->lights;
+        while (other < light && !shapes_alike(&other->shape, &light->shape)) other++;
+        if (other < light) {
+            /* Warn of two equal lights. The advice is to drop the one given on the command line, if any: that is easier. */
+            const chosen_light *option      = light->is_option ? light : other->is_option ? other : NULL;
+            char                remedy[128] = "take one out of the scene, or choose with --light";
+            if (option) snprintf(remedy, sizeof remedy, "leave out '%s', which --sun gives", option->name);
+            warn(m, "lights '%s' and '%s' are one %s light, there twice: %s", other->name, light->name,
+                 light_kind_name(other->shape.kind), remedy);
+        }
+
+        other = chosen->lights;
+        while (other < light && !same_but_for_case(other->name, light->name)) other++;
+        if (other < light)
+            warn(m,
+                 "lights '%s' and '%s' differ in case only, and are easily taken for each other where they are looked up: rename "
+                 "one",
+                 other->name, light->name);
+    }
 }

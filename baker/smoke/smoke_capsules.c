@@ -106,19 +106,6 @@ static void look_into_gap(curve *c, uint32_t n)
     }
 }
 
-/* Insert a node in gap n. */
-static void split_gap(curve *c, uint32_t n)
-{
-    for (uint32_t k = c->count++; k > n + 1; k--) {
-        c->point[k] = c->point[k - 1];
-        c->worst[k] = c->worst[k - 1];
-        c->far[k]   = c->far[k - 1];
-    }
-    c->point[n + 1] = c->worst[n];
-    look_into_gap(c, n);
-    look_into_gap(c, n + 1);
-}
-
 static uint32_t farthest_gap(const curve *c)
 {
     uint32_t farthest = 0;
@@ -140,7 +127,17 @@ uint32_t smoke_path_nodes(const smoke_path *p, const smoke_units *units, double 
     if (!p->count || 1 - left_of(p, p->count - 1) <= error) return 0;
     curve c = {.path = p, .point = {0, p->count - 1}, .count = 2};
     look_into_gap(&c, 0);
-    for (uint32_t gap = 0; c.count < most && c.far[gap = farthest_gap(&c)] > error;) split_gap(&c, gap);
+    for (uint32_t gap = 0; c.count < most && c.far[gap = farthest_gap(&c)] > error;) {
+        /* Insert a node in gap n. */
+        for (uint32_t k = c.count++; k > gap + 1; k--) {
+            c.point[k] = c.point[k - 1];
+            c.worst[k] = c.worst[k - 1];
+            c.far[k]   = c.far[k - 1];
+        }
+        c.point[gap + 1] = c.worst[gap];
+        look_into_gap(&c, gap);
+        look_into_gap(&c, gap + 1);
+    }
 
     uint32_t count = 0;
     for (uint32_t n = 0; n < c.count; n++) {

@@ -91,27 +91,6 @@ void smoke_grid_fingerprint(const smoke_grid *g, char text[SMOKE_FINGERPRINT_BYT
     snprintf(text, SMOKE_FINGERPRINT_BYTES, "%016" PRIx64 "%016" PRIx64, (uint64_t)hash.high64, (uint64_t)hash.low64);
 }
 
-/* Extinction at a position in the grid's box. */
-static double extinction_at(const smoke_grid *g, const double at[3])
-{
-    size_t step[3] = {1, g->size[0], (size_t)g->size[0] * g->size[1]}, first = 0, next[3];
-    double part[3];
-    for (int n = 0; n < 3; n++) {
-        double last = g->size[n] - 1, held = at[n] > 0 ? at[n] < last ? at[n] : last : 0;
-        size_t whole = (size_t)held;
-        part[n]      = held - (double)whole;
-        next[n]      = held < last ? step[n] : 0;
-        first += whole * step[n];
-    }
-    double sum[4];
-    for (int n = 0; n < 4; n++) {
-        const float *row = g->extinction + first + (n & 1 ? next[1] : 0) + (n & 2 ? next[2] : 0);
-        sum[n]           = (double)row[0] + part[0] * ((double)row[next[0]] - (double)row[0]);
-    }
-    double near = sum[0] + part[1] * (sum[1] - sum[0]), far = sum[2] + part[1] * (sum[3] - sum[2]);
-    return near + part[2] * (far - near);
-}
-
 /* rays ------------------------------------------------------------------------------------------------------------------------- */
 
 typedef struct march {
@@ -124,7 +103,24 @@ static double extinction_along(const march *m, double depth)
 {
     double at[3];
     vec3_mad(m->from, depth, m->way, at);
-    return extinction_at(m->grid, at);
+
+    /* Extinction at a position in the grid's box. */
+    size_t step[3] = {1, m->grid->size[0], (size_t)m->grid->size[0] * m->grid->size[1]}, first = 0, next[3];
+    double part[3];
+    for (int n = 0; n < 3; n++) {
+        double last = m->grid->size[n] - 1, held = at[n] > 0 ? at[n] < last ? at[n] : last : 0;
+        size_t whole = (size_t)held;
+        part[n]      = held - (double)whole;
+        next[n]      = held < last ? step[n] : 0;
+        first += whole * step[n];
+    }
+    double sum[4];
+    for (int n = 0; n < 4; n++) {
+        const float *row = m->grid->extinction + first + (n & 1 ? next[1] : 0) + (n & 2 ? next[2] : 0);
+        sum[n]           = (double)row[0] + part[0] * ((double)row[next[0]] - (double)row[0]);
+    }
+    double near = sum[0] + part[1] * (sum[1] - sum[0]), far = sum[2] + part[1] * (sum[3] - sum[2]);
+    return near + part[2] * (far - near);
 }
 
 /* Optical depth between two planes of samples, by Simpson's rule.
@@ -169,28 +165,25 @@ static int add_piece(const march *m, double begin, double end, smoke_path *path)
     return 1;
 }
 
-/* Clip to the grid's box. */
-static void clip(const march *m, double *begin, double *end)
-{
-    for (int n = 0; n < 3; n++) {
-        double low = -0.5 - m->from[n], high = m->grid->size[n] - 0.5 - m->from[n];
-        if (m->way[n] == 0) {
-            if (low > 0 || high < 0) *end = -INFINITY;
-            continue;
-        }
-        double a = low / m->way[n], b = high / m->way[n];
-        *begin = fmax(*begin, fmin(a, b));
-        *end   = fmin(*end, fmax(a, b));
-    }
-}
-
 int smoke_grid_march(const smoke_grid *g, const double from[3], const double way[3], double begin, double end, smoke_path *path)
 {
     march  m = {.grid = g, .metres = sqrt(vec3_dot(way, way))};
     double plane[3]; /* depth of the next plane of each axis */
     apply(g->grid_from_ws, from, 1, m.from);
     apply(g->grid_from_ws, way, 0, m.way);
-    clip(&m, &begin, &end);
+
+    /* Clip to the grid's box. */
+    for (int n = 0; n < 3; n++) {
+        double low = -0.5 - m.from[n], high = m.grid->size[n] - 0.5 - m.from[n];
+        if (m.way[n] == 0) {
+            if (low > 0 || high < 0) end = -INFINITY;
+            continue;
+        }
+        double a = low / m.way[n], b = high / m.way[n];
+        begin = fmax(begin, fmin(a, b));
+        end   = fmin(end, fmax(a, b));
+    }
+
     for (int n = 0; n < 3; n++) {
         double at = m.from[n] + begin * m.way[n];
         plane[n]  = m.way[n] > 0 ? floor(at) + 1 : ceil(at) - 1;

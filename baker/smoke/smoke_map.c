@@ -254,26 +254,6 @@ static int take_memory(maker *k)
     return !k->source.capsules || smoke_bins_make(&k->bins, k->source.capsules, &k->baked->light, k->levels);
 }
 
-static void free_tools(tools *w)
-{
-    smoke_path_free(&w->path);
-    smoke_path_free(&w->of_grid);
-    smoke_path_free(&w->of_capsules);
-    free(w->changes.list);
-}
-
-static void give_memory_back(maker *k)
-{
-    for (size_t n = 0; k->tile_nodes && n < tile_count(k); n++) free(k->tile_nodes[n]);
-    for (uint32_t n = 0; k->tools && n < k->workers; n++) free_tools(&k->tools[n]);
-    smoke_bins_free(&k->bins);
-    free(k->counts);
-    free(k->tile_nodes);
-    free(k->tools);
-    free(k->errors);
-    free(k->failed);
-}
-
 /* Concatenate the nodes of all tiles; leaves the map empty if there are none. */
 static int put_together(maker *k, smoke_map *map)
 {
@@ -397,54 +377,22 @@ vxs_result smoke_map_make(smoke_map *map, const smoke_source *source, const vxs_
     if (done) parallel_for(ctx->threads, tile_count(&k), 4, make_tiles, &k);
     for (uint32_t n = 0; n < k.workers && done; n++) done = !k.failed[n];
     done = done && put_together(&k, map) && measure_lookups(&k, map);
-    give_memory_back(&k);
+
+    for (size_t n = 0; k.tile_nodes && n < tile_count(&k); n++) free(k.tile_nodes[n]);
+    for (uint32_t n = 0; k.tools && n < k.workers; n++) {
+        smoke_path_free(&k.tools[n].path);
+        smoke_path_free(&k.tools[n].of_grid);
+        smoke_path_free(&k.tools[n].of_capsules);
+        free(k.tools[n].changes.list);
+    }
+    smoke_bins_free(&k.bins);
+    free(k.counts);
+    free(k.tile_nodes);
+    free(k.tools);
+    free(k.errors);
+    free(k.failed);
+
     return done ? context_check(ctx) : fail(ctx->run, VXS_E_MEMORY, "out of memory for the smoke of light '%s'", baked->light.name);
-}
-
-static vxs_result make_maps(smoke_map *maps, const vxs_contents *contents, const smoke_source *source,
-                            const smoke_settings *settings, bake_context *ctx)
-{
-    vxs_result r = VXS_OK;
-    for (uint32_t n = 0; n < contents->light_count && r == VXS_OK; n++) {
-        watch_say(ctx->watch, "light %s: smoke", contents->lights[n].light.name);
-        r = smoke_map_make(&maps[n], source, &contents->lights[n], settings, ctx);
-    }
-    return r;
-}
-
-/* Replace the file by one with smoke. */
-static vxs_result add_maps(vxs_bytes *file, const vxs_contents *contents, const smoke_map *maps, int zstd_level, run_context *m)
-{
-    vxs_bytes       with  = {0};
-    uint32_t        some  = 0;
-    vxs_smoke_view *views = calloc(contents->light_count, sizeof *views);
-    for (uint32_t n = 0; views && n < contents->light_count; n++) {
-        views[n] = maps[n].view;
-        some += maps[n].counts != NULL;
-    }
-    vxs_result r = !views ? VXS_E_MEMORY
-                   : some ? vxs_write_smoke(&with, file->data, file->size_bytes, contents, views, zstd_level)
-                          : VXS_OK;
-    free(views);
-    if (r == VXS_OK && some) {
-        free(file->data);
-        *file = with;
-    } else
-        free(with.data);
-    return r == VXS_OK ? r
-                       : fail(m, r, "smoke cannot be encoded: %s", r == VXS_E_MEMORY ? "out of memory" : "there is too much of it");
-}
-
-static void count_maps(smoke_counts *counts, const smoke_map *maps, uint32_t light_count)
-{
-    for (uint32_t n = 0; n < light_count; n++)
-        counts[n] = (smoke_counts){.side_px       = maps[n].counts ? 1u << maps[n].view.levels : 0,
-                                   .texels        = maps[n].texel_count,
-                                   .curves        = maps[n].curve_count,
-                                   .nodes         = maps[n].node_count,
-                                   .largest_error = maps[n].largest_error,
-                                   .lookups       = maps[n].lookups,
-                                   .memory_bytes  = maps[n].word_count * 4};
 }
 
 vxs_result smoke_bake(vxs_bytes *file, const smoke_source *source, const smoke_settings *settings, int zstd_level,
@@ -457,9 +405,46 @@ vxs_result smoke_bake(vxs_bytes *file, const smoke_source *source, const smoke_s
     if (r != VXS_OK) return fail(ctx->run, r, "the encoded asset cannot be read back for its smoke: %s", vxs_result_text(r));
     smoke_map *maps = calloc(contents.light_count, sizeof *maps);
     if (!maps) r = fail(ctx->run, VXS_E_MEMORY, "out of memory for the smoke of %u lights", contents.light_count);
-    if (r == VXS_OK) r = make_maps(maps, &contents, source, settings, ctx);
-    if (r == VXS_OK) r = add_maps(file, &contents, maps, zstd_level, ctx->run);
-    if (r == VXS_OK) count_maps(counts, maps, contents.light_count);
+    if (r == VXS_OK) {
+        r = VXS_OK;
+        for (uint32_t n = 0; n < contents.light_count && r == VXS_OK; n++) {
+            watch_say(ctx->watch, "light %s: smoke", contents.lights[n].light.name);
+            r = smoke_map_make(&maps[n], source, &contents.lights[n], settings, ctx);
+        }
+    }
+    if (r == VXS_OK) {
+        /* Replace the file by one with smoke. */
+        run_context    *m     = ctx->run;
+        vxs_bytes       with  = {0};
+        uint32_t        some  = 0;
+        vxs_smoke_view *views = calloc(contents.light_count, sizeof *views);
+        for (uint32_t n = 0; views && n < contents.light_count; n++) {
+            views[n] = maps[n].view;
+            some += maps[n].counts != NULL;
+        }
+        r = !views ? VXS_E_MEMORY
+            : some ? vxs_write_smoke(&with, file->data, file->size_bytes, &contents, views, zstd_level)
+                   : VXS_OK;
+        free(views);
+        if (r == VXS_OK && some) {
+            free(file->data);
+            *file = with;
+        } else
+            free(with.data);
+        r = r == VXS_OK
+                ? r
+                : fail(m, r, "smoke cannot be encoded: %s", r == VXS_E_MEMORY ? "out of memory" : "there is too much of it");
+    }
+    if (r == VXS_OK) {
+        for (uint32_t n = 0; n < contents.light_count; n++)
+            counts[n] = (smoke_counts){.side_px       = maps[n].counts ? 1u << maps[n].view.levels : 0,
+                                       .texels        = maps[n].texel_count,
+                                       .curves        = maps[n].curve_count,
+                                       .nodes         = maps[n].node_count,
+                                       .largest_error = maps[n].largest_error,
+                                       .lookups       = maps[n].lookups,
+                                       .memory_bytes  = maps[n].word_count * 4};
+    }
     for (uint32_t n = 0; maps && n < contents.light_count; n++) smoke_map_free(&maps[n]);
     free(maps);
     vxs_contents_free(&contents);

@@ -19,22 +19,6 @@ typedef struct map_entries {
     uint32_t  side;
 } map_entries;
 
-static void put_uniform(const layout *l, map_entries *e, const uniform_square *u)
-{
-    uint32_t node_level = square_level(NODE_PX), side = u->level > node_level ? 1u << (u->level - node_level) : 1;
-    for (uint32_t y = u->y * side; y < (u->y + 1) * side; y++)
-        for (uint32_t x = u->x * side; x < (u->x + 1) * side; x++)
-            e->words[2 * (y * e->side + x)] = ENTRY_UNIFORM | min_u32(u->depth, l->never);
-}
-
-static void put_node(const layout *l, map_entries *e, const node_place *n)
-{
-    const block_node *from   = &l->set->nodes[n->node];
-    uint32_t          coarse = l->levels > 8 ? l->levels - 8 : 0, *entry = e->words + 2 * (from->y * e->side + from->x);
-    entry[0] = n->page << 16 | n->word;
-    entry[1] = n->base | min_u32(from->emin >> coarse, 255) << 16 | min_u32(from->xmax >> coarse, 255) << 24;
-}
-
 /* Allocate the next words of the tops. NULL without memory. */
 static uint32_t *more_top(layout *l, size_t count)
 {
@@ -80,9 +64,20 @@ static vxs_result put_map(layout *l, uint32_t map, map_entries *e)
     size_t words = 2 * (size_t)e->side * e->side;
     memset(e->words, 0, words * sizeof *e->words);
     for (size_t n = 0; n < l->set->uniform_count; n++)
-        if (l->set->uniform[n].map == map) put_uniform(l, e, &l->set->uniform[n]);
+        if (l->set->uniform[n].map == map) {
+            uint32_t node_level = square_level(NODE_PX),
+                     side       = l->set->uniform[n].level > node_level ? 1u << (l->set->uniform[n].level - node_level) : 1;
+            for (uint32_t y = l->set->uniform[n].y * side; y < (l->set->uniform[n].y + 1) * side; y++)
+                for (uint32_t x = l->set->uniform[n].x * side; x < (l->set->uniform[n].x + 1) * side; x++)
+                    e->words[2 * (y * e->side + x)] = ENTRY_UNIFORM | min_u32(l->set->uniform[n].depth, l->never);
+        }
     for (size_t n = 0; n < l->set->node_count; n++)
-        if (l->set->nodes[l->nodes[n].node].map == map) put_node(l, e, &l->nodes[n]);
+        if (l->set->nodes[l->nodes[n].node].map == map) {
+            const block_node *from   = &l->set->nodes[l->nodes[n].node];
+            uint32_t          coarse = l->levels > 8 ? l->levels - 8 : 0, *entry = e->words + 2 * (from->y * e->side + from->x);
+            entry[0] = l->nodes[n].page << 16 | l->nodes[n].word;
+            entry[1] = l->nodes[n].base | min_u32(from->emin >> coarse, 255) << 16 | min_u32(from->xmax >> coarse, 255) << 24;
+        }
     l->top_start[map] = (uint32_t)l->top_count;
     if (l->levels >= CELL_LEVELS) return put_cells(l, e);
     uint32_t *to = more_top(l, words);
@@ -140,20 +135,6 @@ static void encode_some_patterns(void *user, size_t begin, size_t end, uint32_t 
     }
 }
 
-static vxs_result intern_patterns(layout *l, const pattern_coder *c)
-{
-    vxs_result r = VXS_OK;
-    for (size_t n = 0, kind = 2; n < c->first[OWN_KIND + 1] && r == VXS_OK; n++) {
-        const uint16_t *code = code_of_pattern(c, n);
-        while (n >= c->first[kind + 1]) kind++;
-        size_t   at = n - c->first[kind], bytes = ((code[0] & 0xffu) + 1) * sizeof *code;
-        int      own = kind == OWN_KIND;
-        uint32_t id  = own ? (uint32_t)at : l->set->patterns.by_depths[kind].ids[at];
-        r            = intern_find(&l->codes[own], code, bytes, &l->code_of[own][id]);
-    }
-    return r;
-}
-
 /* Choose and encode depths on all threads, then unify equal codes in order. */
 static vxs_result encode_patterns(layout *l)
 {
@@ -167,7 +148,16 @@ static vxs_result encode_patterns(layout *l)
     l->code_of[1]         = malloc((l->set->own.count + 1) * sizeof *l->code_of[1]);
     if (c.shared && c.own && l->code_of[0] && l->code_of[1]) {
         parallel_for(l->threads, c.first[OWN_KIND + 1], 256, encode_some_patterns, &c);
-        r = intern_patterns(l, &c);
+
+        r = VXS_OK;
+        for (size_t n = 0, kind = 2; n < c.first[OWN_KIND + 1] && r == VXS_OK; n++) {
+            const uint16_t *code = code_of_pattern(&c, n);
+            while (n >= c.first[kind + 1]) kind++;
+            size_t   at = n - c.first[kind], bytes = ((code[0] & 0xffu) + 1) * sizeof *code;
+            int      own = kind == OWN_KIND;
+            uint32_t id  = own ? (uint32_t)at : l->set->patterns.by_depths[kind].ids[at];
+            r            = intern_find(&l->codes[own], code, bytes, &l->code_of[own][id]);
+        }
     }
     free(c.shared);
     free(c.own);
@@ -176,21 +166,18 @@ static vxs_result encode_patterns(layout *l)
 
 /* nodes ----------------------------------------------------------------------------------------------------------------------- */
 
-/* Base of all depths of a node, in steps. */
-static uint32_t node_base(const layout *l, const block_node *n)
-{
-    int32_t least = INT32_MAX;
-    for (int b = 0; b < NODE_BLOCKS; b++)
-        if (((n->mixed >> b & 1) || (uint32_t)n->depth[b] < l->never) && n->depth[b] < least) least = n->depth[b];
-    return least == INT32_MAX ? 0 : min_u32((uint32_t)least >> l->base_shift, 0xffff);
-}
-
 static vxs_result shape_node(layout *l, node_place *to)
 {
     const block_node *n = &l->set->nodes[to->node];
     node_shape        shape;
     memset(&shape, 0, sizeof shape);
-    to->base      = node_base(l, n);
+
+    /* Base of all depths of a node, in steps. */
+    int32_t least = INT32_MAX;
+    for (int b = 0; b < NODE_BLOCKS; b++)
+        if (((n->mixed >> b & 1) || (uint32_t)n->depth[b] < l->never) && n->depth[b] < least) least = n->depth[b];
+    to->base = least == INT32_MAX ? 0 : min_u32((uint32_t)least >> l->base_shift, 0xffff);
+
     shape.slope   = n->slope;
     shape.mixed   = n->mixed;
     uint32_t from = to->base << l->base_shift, never = l->never + (uint32_t)slope_shift_max(n->slope);
@@ -260,21 +247,6 @@ static vxs_result make_common(layout *l)
     return VXS_OK;
 }
 
-static void layout_free(layout *l)
-{
-    intern_free(&l->shapes);
-    for (int own = 0; own < 2; own++) {
-        intern_free(&l->codes[own]);
-        free(l->code_of[own]);
-        free(l->common[own]);
-    }
-    free(l->nodes);
-    free(l->common_kinds);
-    free(l->block_words);
-    free(l->page_end);
-    free(l->top);
-}
-
 vxs_result block_words_lay_out(block_words *out, const block_set *s, uint32_t levels, uint32_t map_count, uint32_t threads)
 {
     layout     l = {.set        = s,
@@ -289,7 +261,19 @@ vxs_result block_words_lay_out(block_words *out, const block_set *s, uint32_t le
     if ((r = encode_patterns(&l)) == VXS_OK && (r = shape_nodes(&l)) == VXS_OK && (r = make_common(&l)) == VXS_OK &&
         (r = layout_cut_pages(&l)) == VXS_OK && (r = layout_build_top(&l)) == VXS_OK)
         r = assemble(&l);
-    layout_free(&l);
+
+    intern_free(&l.shapes);
+    for (int own = 0; own < 2; own++) {
+        intern_free(&l.codes[own]);
+        free(l.code_of[own]);
+        free(l.common[own]);
+    }
+    free(l.nodes);
+    free(l.common_kinds);
+    free(l.block_words);
+    free(l.page_end);
+    free(l.top);
+
     if (r != VXS_OK) memset(out, 0, sizeof *out);
     return r;
 }

@@ -59,57 +59,40 @@ static int put_head(vxs_bytes *out, const block_set *s)
     return ok && put64(out, s->tile_count);
 }
 
-static int put_node(vxs_bytes *out, const block_node *n)
-{
-    uint32_t head[] = {n->x, n->y, n->emin, n->xmax, (uint32_t)n->slope.x, (uint32_t)n->slope.y};
-    int      ok     = put32s(out, head, 6) && put64(out, n->mixed) && put_signed(out, n->depth, NODE_BLOCKS);
-    for (int b = 0; b < NODE_BLOCKS && ok; b++)
-        if (n->mixed >> b & 1) ok = put32(out, n->block[b]);
-    return ok;
-}
-
-static int put_class(vxs_bytes *out, const pattern_set *s, int depths)
-{
-    const pattern_class *c  = &s->by_depths[depths];
-    int                  ok = 1;
-    for (size_t n = 0; n < c->count && ok; n++) {
-        mask_need needs[PALETTE_MAX - 1];
-        pattern_needs(s, depths, n, needs);
-        ok = put32(out, c->ids[n]);
-        for (int mask = 0; mask < depths - 1 && ok; mask++) ok = put64(out, needs[mask].dark) && put64(out, needs[mask].lit);
-    }
-    return ok;
-}
-
-static int put_own(vxs_bytes *out, const own_pattern *p)
-{
-    int ok = put_signed(out, p->depth, 64) && put_signed(out, p->may.low, 64) && put_signed(out, p->may.high, 64) &&
-             put32(out, p->plane_halves);
-    for (uint32_t n = 0; n < p->plane_halves && ok; n++) ok = put32(out, p->planes[n]);
-    return ok;
-}
-
-static int put_block(vxs_bytes *out, const block *b)
-{
-    int32_t slopes[] = {b->plane.across, b->plane.down, b->plane.least};
-    int     ok       = put32(out, b->depths) && put_signed(out, b->depth, b->depths) && put_signed(out, slopes, 3);
-    for (const block_tile *t = b->tile; t < b->tile + BLOCK_TILES && ok; t++)
-        ok = put32(out, t->kind | (uint32_t)t->palette << 16) && put32(out, t->pattern) && put32(out, (uint32_t)t->base);
-    return ok;
-}
-
 /* Append a set of one map. Returns VXS_OK or VXS_E_MEMORY. */
 static vxs_result block_set_save(const block_set *s, vxs_bytes *out)
 {
     int ok = put_head(out, s);
     for (const uniform_square *u = s->uniform; u < s->uniform + s->uniform_count && ok; u++)
         ok = put32s(out, (uint32_t[]){u->level, u->x, u->y, u->depth}, 4);
-    for (const block_node *n = s->nodes; n < s->nodes + s->node_count && ok; n++) ok = put_node(out, n);
-    for (int depths = 2; depths <= PALETTE_MAX && ok; depths++) ok = put_class(out, &s->patterns, depths);
-    for (const own_pattern *p = s->own.patterns; p < s->own.patterns + s->own.count && ok; p++) ok = put_own(out, p);
+    for (const block_node *n = s->nodes; n < s->nodes + s->node_count && ok; n++) {
+        uint32_t head[] = {n->x, n->y, n->emin, n->xmax, (uint32_t)n->slope.x, (uint32_t)n->slope.y};
+        ok              = put32s(out, head, 6) && put64(out, n->mixed) && put_signed(out, n->depth, NODE_BLOCKS);
+        for (int b = 0; b < NODE_BLOCKS && ok; b++)
+            if (n->mixed >> b & 1) ok = put32(out, n->block[b]);
+    }
+    for (int depths = 2; depths <= PALETTE_MAX && ok; depths++) {
+        const pattern_class *c = &s->patterns.by_depths[depths];
+        ok                     = 1;
+        for (size_t n = 0; n < c->count && ok; n++) {
+            mask_need needs[PALETTE_MAX - 1];
+            pattern_needs(&s->patterns, depths, n, needs);
+            ok = put32(out, c->ids[n]);
+            for (int mask = 0; mask < depths - 1 && ok; mask++) ok = put64(out, needs[mask].dark) && put64(out, needs[mask].lit);
+        }
+    }
+    for (const own_pattern *p = s->own.patterns; p < s->own.patterns + s->own.count && ok; p++) {
+        ok = put_signed(out, p->depth, 64) && put_signed(out, p->may.low, 64) && put_signed(out, p->may.high, 64) &&
+             put32(out, p->plane_halves);
+        for (uint32_t n = 0; n < p->plane_halves && ok; n++) ok = put32(out, p->planes[n]);
+    }
     for (uint32_t n = 0; n < s->blocks.count && ok; n++) {
         const block b = block_at(s, n);
-        ok            = put_block(out, &b);
+
+        int32_t slopes[] = {b.plane.across, b.plane.down, b.plane.least};
+        ok               = put32(out, b.depths) && put_signed(out, b.depth, b.depths) && put_signed(out, slopes, 3);
+        for (const block_tile *t = b.tile; t < b.tile + BLOCK_TILES && ok; t++)
+            ok = put32(out, t->kind | (uint32_t)t->palette << 16) && put32(out, t->pattern) && put32(out, (uint32_t)t->base);
     }
     return ok ? VXS_OK : VXS_E_MEMORY;
 }

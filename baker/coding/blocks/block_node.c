@@ -100,34 +100,6 @@ static vxs_result fetch_block(node_builder *b, uint32_t block_x, uint32_t block_
     return VXS_OK;
 }
 
-/* Make a depth axis of the depths that occur in the block's tiles, and set their codes. */
-static void scale_by_depths(node_builder *b)
-{
-    int32_t depths[AXIS_DEPTHS_MAX];
-    int16_t codes[AXIS_DEPTHS_MAX];
-    int     count = 0, next = 0;
-    depths[0] = 0; /* there is always one; avoids a compiler warning */
-    for (const tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
-        if (t->kind == TILE_PLANE) continue;
-        int of_tile = t->kind == TILE_UNIFORM ? 1 : 64;
-        memcpy(depths + count, t->kind == TILE_UNIFORM ? &t->emax : t->ranges.low, (size_t)of_tile * sizeof *depths);
-        count += of_tile;
-        memcpy(depths + count, t->kind == TILE_UNIFORM ? &t->xmin : t->ranges.high, (size_t)of_tile * sizeof *depths);
-        count += of_tile;
-    }
-    axis_init_by_depths(&b->axis, depths, codes, count);
-    for (tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
-        if (t->kind == TILE_PLANE) continue;
-        if (t->kind == TILE_UNIFORM) {
-            next += 2;
-            continue;
-        }
-        memcpy(t->low, codes + next, sizeof t->low);
-        memcpy(t->high, codes + next + 64, sizeof t->high);
-        next += 128;
-    }
-}
-
 /* Make the depth axis for the block's tiles. */
 static void scale_block(node_builder *b)
 {
@@ -139,7 +111,31 @@ static void scale_block(node_builder *b)
     }
     /* the first is greater if all tiles that are not on a plane are uniform, and have a common depth */
     if (!axis_init(&b->axis, min_i32(least_high, greatest_low), max_i32(least_high, greatest_low))) {
-        scale_by_depths(b);
+        /* Make a depth axis of the depths that occur in the block's tiles, and set their codes. */
+        int32_t depths[AXIS_DEPTHS_MAX];
+        int16_t codes[AXIS_DEPTHS_MAX];
+        int     count = 0, next = 0;
+        depths[0] = 0; /* there is always one; avoids a compiler warning */
+        for (const tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
+            if (t->kind == TILE_PLANE) continue;
+            int of_tile = t->kind == TILE_UNIFORM ? 1 : 64;
+            memcpy(depths + count, t->kind == TILE_UNIFORM ? &t->emax : t->ranges.low, (size_t)of_tile * sizeof *depths);
+            count += of_tile;
+            memcpy(depths + count, t->kind == TILE_UNIFORM ? &t->xmin : t->ranges.high, (size_t)of_tile * sizeof *depths);
+            count += of_tile;
+        }
+        axis_init_by_depths(&b->axis, depths, codes, count);
+        for (tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
+            if (t->kind == TILE_PLANE) continue;
+            if (t->kind == TILE_UNIFORM) {
+                next += 2;
+                continue;
+            }
+            memcpy(t->low, codes + next, sizeof t->low);
+            memcpy(t->high, codes + next + 64, sizeof t->high);
+            next += 128;
+        }
+
         return;
     }
     for (tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
@@ -183,24 +179,6 @@ static int give_own_depths(node_builder *b, int from)
     return count;
 }
 
-/* The palette is full: give a private palette to the tile that needs most depths. Uniform tiles alone may need too many. */
-static void give_one_own_depths(node_builder *b)
-{
-    tile_in *most = NULL;
-    for (tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++)
-        if ((t->kind == TILE_UNIFORM || t->kind == TILE_PATTERN) && (!most || t->depths > most->depths)) most = t;
-    for (int n = 0; n < 64 && most->kind == TILE_UNIFORM; n++) {
-        most->ranges.low[n]  = most->emax;
-        most->ranges.high[n] = most->xmin;
-    }
-    if (most->kind == TILE_UNIFORM) {
-        own_plane(&most->plane, &most->ranges);
-        most->low[0]  = axis_code(&b->axis, most->emax); /* block_groups may use it */
-        most->high[0] = axis_code(&b->axis, most->xmin);
-    }
-    most->kind = TILE_OWN;
-}
-
 /* The fewest depths for all tiles without a private palette. Gives tiles private palettes until the palette is large enough. */
 static int block_groups(node_builder *b, stab_group groups[PALETTE_MAX + 1])
 {
@@ -227,7 +205,22 @@ static int block_groups(node_builder *b, stab_group groups[PALETTE_MAX + 1])
             if (give_own_depths(b, OWN_FROM)) continue;
         }
         if (count <= PALETTE_MAX) return count;
-        give_one_own_depths(b);
+
+        /* The palette is full: give a private palette to the tile that needs most depths. Uniform tiles alone may need too
+         * many. */
+        tile_in *most = NULL;
+        for (tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++)
+            if ((t->kind == TILE_UNIFORM || t->kind == TILE_PATTERN) && (!most || t->depths > most->depths)) most = t;
+        for (int n = 0; n < 64 && most->kind == TILE_UNIFORM; n++) {
+            most->ranges.low[n]  = most->emax;
+            most->ranges.high[n] = most->xmin;
+        }
+        if (most->kind == TILE_UNIFORM) {
+            own_plane(&most->plane, &most->ranges);
+            most->low[0]  = axis_code(&b->axis, most->emax); /* block_groups may use it */
+            most->high[0] = axis_code(&b->axis, most->xmin);
+        }
+        most->kind = TILE_OWN;
     }
 }
 
@@ -236,20 +229,6 @@ static int32_t roundest(int32_t low, int32_t high)
 {
     int bit = 31 - __builtin_clz((uint32_t)((low - 1) ^ high));
     return high >> bit << bit;
-}
-
-/* Choose depths within their groups, with round differences to the first. Returns the first. */
-static int32_t place(block *out, const depth_axis *axis, const stab_group *groups, int count)
-{
-    int32_t low = axis_depth(axis, groups[0].low), high = axis_depth(axis, groups[0].high);
-    out->depths = (uint32_t)count;
-    for (int n = 1; n < count; n++) {
-        int32_t from = axis_depth(axis, groups[n].low), to = axis_depth(axis, groups[n].high);
-        out->depth[n] = roundest(from - high, to - low);
-        low           = max_i32(low, from - out->depth[n]);
-        high          = min_i32(high, to - out->depth[n]);
-    }
-    return low;
 }
 
 enum { PALETTE_LANES = 16 };
@@ -267,25 +246,6 @@ static void place_run(const node_builder *b, block *out, int first, int end, int
 {
     for (int n = first; n < end; n++)
         if (b->tile[n].kind == TILE_UNIFORM) out->tile[n].palette = (uint16_t)entry;
-}
-
-/* Choose entries of uniform tiles: the same as the tiles before, where possible. */
-static void place_uniform(const node_builder *b, block *out, int32_t base)
-{
-    int32_t   depths[PALETTE_LANES];
-    run_range run   = {0, PALETTE_MAX};
-    int       first = 0;
-    for (uint32_t n = 0; n < PALETTE_LANES; n++) depths[n] = n < out->depths ? base + out->depth[n] : INT32_MAX;
-    for (int n = 0; n < BLOCK_TILES; n++) {
-        const tile_in *t = &b->tile[n];
-        if (t->kind != TILE_UNIFORM) continue;
-        run_range may = {count_below(depths, t->emax), count_below(depths, t->xmin + 1) - 1};
-        if (run_takes(&run, may.low, may.high)) continue;
-        place_run(b, out, first, n, run.low);
-        run   = may;
-        first = n;
-    }
-    place_run(b, out, first, BLOCK_TILES, run.low);
 }
 
 /* Find the tiles on a common plane; the following steps skip them.
@@ -320,27 +280,42 @@ static uint32_t find_plane(node_builder *b, plane *p)
     return on;
 }
 
-/* Give tiles that lie on planes of their own these planes: three halves each, at any depth. */
-static void give_planes(node_builder *b)
-{
-    for (tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
-        t->plane.count = 0;
-        if (t->kind != TILE_PATTERN || !t->flat) continue;
-        own_plane(&t->plane, &t->ranges);
-        if (t->plane.count) t->kind = TILE_OWN;
-    }
-}
-
 /* Build the palette for the tiles that are not on the plane.
  * codes  [out] codes of its depths;   Returns the first depth. */
 static int32_t build_palette(node_builder *b, block *out, int16_t codes[PALETTE_MAX])
 {
     stab_group groups[PALETTE_MAX + 1];
     scale_block(b);
-    int     count = block_groups(b, groups);
-    int32_t base  = place(out, &b->axis, groups, count);
+    int count = block_groups(b, groups);
+
+    /* Choose depths within their groups, with round differences to the first. Returns the first. */
+    int32_t base = axis_depth(&b->axis, groups[0].low), high = axis_depth(&b->axis, groups[0].high);
+    out->depths = (uint32_t)count;
+    for (int n = 1; n < count; n++) {
+        int32_t from = axis_depth(&b->axis, groups[n].low), to = axis_depth(&b->axis, groups[n].high);
+        out->depth[n] = roundest(from - high, to - base);
+        base          = max_i32(base, from - out->depth[n]);
+        high          = min_i32(high, to - out->depth[n]);
+    }
+
     for (int n = 0; n < count; n++) codes[n] = axis_code(&b->axis, base + out->depth[n]);
-    place_uniform(b, out, base);
+
+    /* Choose entries of uniform tiles: the same as the tiles before, where possible. */
+    int32_t   depths[PALETTE_LANES];
+    run_range run   = {0, PALETTE_MAX};
+    int       first = 0;
+    for (uint32_t n = 0; n < PALETTE_LANES; n++) depths[n] = n < out->depths ? base + out->depth[n] : INT32_MAX;
+    for (int n = 0; n < BLOCK_TILES; n++) {
+        const tile_in *t = &b->tile[n];
+        if (t->kind != TILE_UNIFORM) continue;
+        run_range may = {count_below(depths, t->emax), count_below(depths, t->xmin + 1) - 1};
+        if (run_takes(&run, may.low, may.high)) continue;
+        place_run(b, out, first, n, run.low);
+        run   = may;
+        first = n;
+    }
+    place_run(b, out, first, BLOCK_TILES, run.low);
+
     return base;
 }
 
@@ -353,7 +328,15 @@ static vxs_result build_block(node_builder *b, uint32_t *id, int32_t *base)
     vxs_result r = VXS_OK;
     memset(&out, 0, sizeof out);
     uint32_t on = find_plane(b, &out.plane);
-    give_planes(b);
+
+    /* Give tiles that lie on planes of their own these planes: three halves each, at any depth. */
+    for (tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
+        t->plane.count = 0;
+        if (t->kind != TILE_PATTERN || !t->flat) continue;
+        own_plane(&t->plane, &t->ranges);
+        if (t->plane.count) t->kind = TILE_OWN;
+    }
+
     if (on == 0xffff) {
         out.depths = 1;
         *base      = max_i32(out.plane.least >> 8, 0);
@@ -402,15 +385,6 @@ static vxs_result bound_tiles(node_builder *b, uint32_t level, uint32_t x, uint3
     return r;
 }
 
-/* If the columns are smaller than a node, tiles outside of them may have any depth. */
-static void bound_beyond(node_builder *b)
-{
-    for (uint32_t n = 0; n < NODE_TILE_COUNT; n++) {
-        b->emax[n] = 0;
-        b->xmin[n] = FAR_DEPTH;
-    }
-}
-
 static void add_slope(node_builder *b)
 {
     if (!b->node.slope.x && !b->node.slope.y) return;
@@ -420,17 +394,6 @@ static void add_slope(node_builder *b)
             b->emax[n] += shift;
             b->xmin[n] += shift;
         }
-}
-
-/* Range of depths that a block of the node may have as its single depth. */
-static run_range bound_block(const node_builder *b, uint32_t block_x, uint32_t block_y)
-{
-    i32x4 low = i32x4_all(0), high = i32x4_all(2 * FAR_DEPTH);
-    for (uint32_t row = 0, at = 4 * (NODE_TILES * block_y + block_x); row < 4; row++, at += NODE_TILES) {
-        low  = i32x4_max(low, i32x4_load(b->emax + at));
-        high = i32x4_min(high, i32x4_load(b->xmin + at));
-    }
-    return (run_range){i32x4_greatest(low), i32x4_least(high)};
 }
 
 /* Give this depth to the blocks of single depth in [first, end). */
@@ -446,7 +409,16 @@ static vxs_result build_blocks(node_builder *b)
     run_range run   = {0, INT32_MAX};
     uint32_t  first = 0;
     for (uint32_t n = 0; n < NODE_BLOCKS; n++) {
-        run_range may = bound_block(b, n % 8, n / 8);
+        /* Range of depths that a block of the node may have as its single depth. */
+        uint32_t block_x = n % 8;
+        uint32_t block_y = n / 8;
+        i32x4    low = i32x4_all(0), high = i32x4_all(2 * FAR_DEPTH);
+        for (uint32_t row = 0, at = 4 * (NODE_TILES * block_y + block_x); row < 4; row++, at += NODE_TILES) {
+            low  = i32x4_max(low, i32x4_load(b->emax + at));
+            high = i32x4_min(high, i32x4_load(b->xmin + at));
+        }
+        run_range may = (run_range){i32x4_greatest(low), i32x4_least(high)};
+
         if (may.low > may.high) {
             b->node.mixed |= 1ull << n;
             vxs_result r = fetch_block(b, n % 8, n / 8);
@@ -486,7 +458,13 @@ vxs_result block_build_node(block_set *s, const column_square *columns, uint32_t
     b->tile_x  = NODE_TILES * x;
     b->tile_y  = NODE_TILES * y;
     b->node    = (block_node){.map = map, .x = map_x, .y = map_y, .emin = bounds.emin, .xmax = bounds.xmax};
-    if (columns->side_px < NODE_PX) bound_beyond(b);
+    if (columns->side_px < NODE_PX) {
+        /* If the columns are smaller than a node, tiles outside of them may have any depth. */
+        for (uint32_t n = 0; n < NODE_TILE_COUNT; n++) {
+            b->emax[n] = 0;
+            b->xmin[n] = FAR_DEPTH;
+        }
+    }
     if ((r = bound_tiles(b, level, 0, 0)) == VXS_OK) {
         b->node.slope = slope_find(b->emax, b->xmin, last_slope(s));
         add_slope(b);

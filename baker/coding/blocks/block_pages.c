@@ -236,21 +236,6 @@ static vxs_result add_common(layout *l, const shared_code *c)
     return VXS_OK;
 }
 
-/* Store patterns of several pages once, as many as there is space for.   pages  [own][code] number of pages with each pattern */
-static vxs_result choose_common(layout *l, uint32_t *const *pages)
-{
-    size_t       all = l->codes[0].count + l->codes[1].count, count = 0;
-    shared_code *shared = malloc((all + 1) * sizeof *shared);
-    vxs_result   r      = shared ? VXS_OK : VXS_E_MEMORY;
-    for (uint32_t own = 0; own < 2 && r == VXS_OK; own++)
-        for (uint32_t code = 0; code < l->codes[own].count; code++)
-            if (pages[own][code] > 1) shared[count++] = (shared_code){pages[own][code], own, code};
-    if (count) qsort(shared, count, sizeof *shared, by_use);
-    for (size_t n = 0; n < count && r == VXS_OK; n++) r = add_common(l, &shared[n]);
-    free(shared);
-    return r;
-}
-
 static void size_some_blocks(void *user, size_t begin, size_t end, uint32_t worker)
 {
     const layout *l = user;
@@ -267,7 +252,18 @@ static vxs_result cut_twice(layout *l, uint32_t *const *pages)
 {
     vxs_result r = cut(l, VXS_PAGE_WORDS_MAX, pages);
     if (r != VXS_OK || l->page_count < 2) return r;
-    r = choose_common(l, pages);
+
+    /* Store patterns of several pages once, as many as there is space for. pages [own][code] number of pages with each pattern */
+    size_t       all = l->codes[0].count + l->codes[1].count, count = 0;
+    shared_code *shared = malloc((all + 1) * sizeof *shared);
+    r                   = shared ? VXS_OK : VXS_E_MEMORY;
+    for (uint32_t own = 0; own < 2 && r == VXS_OK; own++)
+        for (uint32_t code = 0; code < l->codes[own].count; code++)
+            if (pages[own][code] > 1) shared[count++] = (shared_code){pages[own][code], own, code};
+    if (count) qsort(shared, count, sizeof *shared, by_use);
+    for (size_t n = 0; n < count && r == VXS_OK; n++) r = add_common(l, &shared[n]);
+    free(shared);
+
     return r == VXS_OK ? cut(l, page_place(l, l->page_count) / l->page_count + 1, NULL) : r;
 }
 
@@ -380,30 +376,6 @@ static void write_pattern(const layout *l, uint32_t *to, uint32_t half, int own,
     for (uint32_t n = 0; n < count; n++) put_half(&w, halves[n]);
 }
 
-/* Write the patterns that no earlier block of the page uses. */
-static void write_block_patterns(page_writer *w, uint32_t *to, const block *b, uint32_t pool, uint32_t *next_half)
-{
-    const layout *l = w->l;
-    for (const block_tile *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
-        if (!tile_has_pattern(t)) continue;
-        int      own  = t->kind == TILE_OWN;
-        uint32_t code = l->code_of[own][t->pattern], count;
-        if (l->common[own][code] || w->scratch.code_at[own][code].at != *next_half) continue;
-        code_halves(l, own, code, &count);
-        write_pattern(l, to, pool + *next_half, own, code);
-        *next_half += count;
-        own ? w->counts.own_patterns++ : w->counts.patterns++;
-    }
-}
-
-static void count_block(block_counts *c, const block_form *f)
-{
-    c->blocks++;
-    c->block_words += f->words;
-    c->tiles += (uint32_t)__builtin_popcount(f->mixed);
-    c->own_tiles += (uint32_t)__builtin_popcount(f->own);
-}
-
 /* Write the contents of a page.   words  zeroed */
 static void write_page(page_writer *w, size_t page, uint32_t *words)
 {
@@ -427,25 +399,27 @@ static void write_page(page_writer *w, size_t page, uint32_t *words)
             const block of   = block_at(l->set, shape->block[b]);
             block_form  form = form_of(&of);
             write_block(l, &w->scratch, words + next_word, &of, form, pool);
-            write_block_patterns(w, words, &of, pool, &next_half);
+
+            /* Write the patterns that no earlier block of the page uses. */
+            for (const block_tile *t = of.tile; t < of.tile + BLOCK_TILES; t++) {
+                if (!tile_has_pattern(t)) continue;
+                int      own  = t->kind == TILE_OWN;
+                uint32_t code = l->code_of[own][t->pattern], count;
+                if (l->common[own][code] || w->scratch.code_at[own][code].at != next_half) continue;
+                code_halves(l, own, code, &count);
+                write_pattern(l, words, pool + next_half, own, code);
+                next_half += count;
+                own ? w->counts.own_patterns++ : w->counts.patterns++;
+            }
+
             next_word += form.words;
-            count_block(c, &form);
+            c->blocks++;
+            c->block_words += form.words;
+            c->tiles += (uint32_t)__builtin_popcount(form.mixed);
+            c->own_tiles += (uint32_t)__builtin_popcount(form.own);
         }
     }
     c->pattern_words += (size.halves + 1) / 2;
-}
-
-static void add_counts(block_counts *to, const block_counts *c)
-{
-    to->nodes += c->nodes;
-    to->blocks += c->blocks;
-    to->tiles += c->tiles;
-    to->own_tiles += c->own_tiles;
-    to->patterns += c->patterns;
-    to->own_patterns += c->own_patterns;
-    to->node_words += c->node_words;
-    to->block_words += c->block_words;
-    to->pattern_words += c->pattern_words;
 }
 
 /* Each writer takes every step-th page: its scratch is as large as all that pages can contain, so there are few writers. */
@@ -469,7 +443,16 @@ vxs_result layout_write_pages(layout *l, uint32_t *to)
     }
     if (r == VXS_OK) parallel_for(count, count, 1, write_some_pages, writers);
     for (uint32_t n = 0; n < made; n++) {
-        add_counts(&l->out->counts, &writers[n].counts);
+        l->out->counts.nodes += writers[n].counts.nodes;
+        l->out->counts.blocks += writers[n].counts.blocks;
+        l->out->counts.tiles += writers[n].counts.tiles;
+        l->out->counts.own_tiles += writers[n].counts.own_tiles;
+        l->out->counts.patterns += writers[n].counts.patterns;
+        l->out->counts.own_patterns += writers[n].counts.own_patterns;
+        l->out->counts.node_words += writers[n].counts.node_words;
+        l->out->counts.block_words += writers[n].counts.block_words;
+        l->out->counts.pattern_words += writers[n].counts.pattern_words;
+
         scratch_free(&writers[n].scratch);
     }
     return r;

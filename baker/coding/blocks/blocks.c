@@ -170,20 +170,6 @@ static vxs_result merge_blocks(block_set *s, block_set *from, const new_ids *ids
     return VXS_OK;
 }
 
-static vxs_result merge_nodes(block_set *s, block_set *from, const uint32_t *block_ids)
-{
-    vxs_result r = VXS_OK;
-    for (size_t n = 0; n < from->uniform_count && r == VXS_OK; n++) r = block_set_add_uniform(s, &from->uniform[n]);
-    for (size_t n = 0; n < from->node_count && r == VXS_OK; n++) {
-        block_node *node = &from->nodes[n];
-        for (int b = 0; b < NODE_BLOCKS; b++)
-            if (node->mixed >> b & 1) node->block[b] = block_ids[node->block[b]];
-        r = block_set_add_node(s, node);
-    }
-    s->tile_count += from->tile_count;
-    return r;
-}
-
 vxs_result block_set_merge(block_set *s, block_set *from)
 {
     new_ids    ids       = {.pattern  = malloc((from->patterns.count + 1) * sizeof *ids.pattern),
@@ -193,7 +179,17 @@ vxs_result block_set_merge(block_set *s, block_set *from)
     vxs_result r         = ids.pattern && ids.own && ids.own_base && block_ids ? VXS_OK : VXS_E_MEMORY;
     if (r == VXS_OK) r = merge_patterns(s, from, &ids);
     if (r == VXS_OK) r = merge_blocks(s, from, &ids, block_ids);
-    if (r == VXS_OK) r = merge_nodes(s, from, block_ids);
+    if (r == VXS_OK) {
+        r = VXS_OK;
+        for (size_t n = 0; n < from->uniform_count && r == VXS_OK; n++) r = block_set_add_uniform(s, &from->uniform[n]);
+        for (size_t n = 0; n < from->node_count && r == VXS_OK; n++) {
+            block_node *node = &from->nodes[n];
+            for (int b = 0; b < NODE_BLOCKS; b++)
+                if (node->mixed >> b & 1) node->block[b] = block_ids[node->block[b]];
+            r = block_set_add_node(s, node);
+        }
+        s->tile_count += from->tile_count;
+    }
     free(ids.pattern);
     free(ids.own);
     free(ids.own_base);

@@ -165,16 +165,6 @@ static void exchange_pairs(own_set *s, size_t a, size_t b)
     }
 }
 
-/* Move a pattern halfway to where searches begin. */
-static void move_up(own_set *s, size_t at)
-{
-    size_t    to  = at + (s->known_count - at) / 2;
-    own_known was = s->known[at];
-    s->known[at]  = s->known[to];
-    s->known[to]  = was;
-    exchange_pairs(s, at, to);
-}
-
 /* choosing -------------------------------------------------------------------------------------------------------------------- */
 
 /* Predict a depth from earlier texels: by a plane through three of them, or a line through two. */
@@ -207,38 +197,11 @@ static int choose_bytes(own_pattern *p, const tile_ranges *t, int shift, int32_t
     return 1;
 }
 
-/* Choose as few distinct depths as possible. */
-static void choose_few(own_pattern *p, const half_ranges *t, int32_t *base)
-{
-    intervals  s;
-    stab_group groups[64];
-    int16_t    points[64];
-    uint8_t    low[64], high[64], index[64];
-    s.count = 64;
-    memcpy(s.low, t->low, sizeof t->low);
-    memcpy(s.high, t->high, sizeof t->high);
-    int count = minimum_stabbing_set(&s, groups, 64, CPU_SSE2); /* rarely called */
-    for (int n = 0; n < count; n++) points[n] = groups[n].low;
-    points_of_ranges(t->low, t->high, points, count, low, high);
-    pattern_choose_within(low, high, index);
-    for (int n = 0; n < 64; n++) p->depth[n] = points[index[n]] - points[0];
-    *base = t->floor + groups[0].low;
-}
-
 /* For depths that span much: choose each as near to the first as its range allows. */
 static void choose_any(own_pattern *p, const tile_ranges *t, int32_t *base)
 {
     *base = least_high(t);
     for (int n = 0; n < 64; n++) p->depth[n] = t->low[n] > *base ? t->low[n] - *base : 0;
-}
-
-/* Make the least depth 0. */
-static void count_from_least(own_pattern *p, int32_t *base)
-{
-    int32_t least = p->depth[0];
-    for (int n = 1; n < 64; n++) least = p->depth[n] < least ? p->depth[n] : least;
-    for (int n = 0; n < 64; n++) p->depth[n] -= least;
-    *base += least;
 }
 
 /* Choose depths that take few halves: few distinct ones, or bytes. Returns the number of halves. */
@@ -247,11 +210,30 @@ static uint32_t choose_depths(own_pattern *p, const tile_ranges *t, const half_r
     uint16_t    code[OWN_HALVES_MAX];
     own_pattern bytes;
     int32_t     base_of_bytes;
-    if (halves)
-        choose_few(p, halves, base);
-    else
+    if (halves) {
+        /* Choose as few distinct depths as possible. */
+        intervals  s;
+        stab_group groups[64];
+        int16_t    points[64];
+        uint8_t    low[64], high[64], index[64];
+        s.count = 64;
+        memcpy(s.low, halves->low, sizeof halves->low);
+        memcpy(s.high, halves->high, sizeof halves->high);
+        int count = minimum_stabbing_set(&s, groups, 64, CPU_SSE2); /* rarely called */
+        for (int n = 0; n < count; n++) points[n] = groups[n].low;
+        points_of_ranges(halves->low, halves->high, points, count, low, high);
+        pattern_choose_within(low, high, index);
+        for (int n = 0; n < 64; n++) p->depth[n] = points[index[n]] - points[0];
+        *base = halves->floor + groups[0].low;
+    } else
         choose_any(p, t, base);
-    count_from_least(p, base);
+
+    /* Make the least depth 0. */
+    int32_t least = p->depth[0];
+    for (int n = 1; n < 64; n++) least = p->depth[n] < least ? p->depth[n] : least;
+    for (int n = 0; n < 64; n++) p->depth[n] -= least;
+    *base += least;
+
     p->plane_halves        = 0;
     uint32_t halves_of_few = own_encode(p->depth, code);
     for (int shift = 0; shift < SHIFTS && halves_of_few > BYTES_HALVES_MIN; shift++) {
@@ -358,7 +340,14 @@ static vxs_result find(own_set *s, const tile_ranges *t, const own_planes *one, 
     *id   = s->known[at].id;
     *base = halves.floor + at_half;
     narrow(&s->patterns[*id], t, *base);
-    move_up(s, at);
+
+    /* Move a pattern halfway to where searches begin. */
+    size_t    to  = at + (s->known_count - at) / 2;
+    own_known was = s->known[at];
+    s->known[at]  = s->known[to];
+    s->known[to]  = was;
+    exchange_pairs(s, at, to);
+
     return VXS_OK;
 }
 

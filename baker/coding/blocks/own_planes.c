@@ -120,25 +120,22 @@ static int prepare_pair(plane_pair *pair)
     return pair->far_shift <= FAR_SHIFT_MAX;
 }
 
-static void depths_of_pair(const plane_pair *pair, int kind, int32_t depth[64])
-{
-    const plane *first = &pair->p[0], *second = &pair->p[1];
-    int32_t      far = (int32_t)(pair->far << pair->far_shift);
-    for (int y = 0; y < 8; y++)
-        for (int x = 0; x < 8; x++) {
-            int     n = pattern_texel(x, y);
-            int32_t a = plane_depth(first, 8, x, y), b = far + plane_depth(second, 8, x, y);
-            depth[n] = kind == NEARER ? min_i32(a, b) : kind == FARTHER ? max_i32(a, b) : pair->second >> n & 1 ? b : a;
-        }
-}
-
 /* Returns the number of halves; 0: some texel's range does not contain its plane. */
 static uint32_t encode_pair(own_planes *to, plane_pair pair, int kind, const tile_ranges *t, int32_t from)
 {
     if (!prepare_pair(&pair)) return 0;
     uint16_t *halves = to->halves;
     to->base         = from + pair.base;
-    depths_of_pair(&pair, kind, to->depth);
+
+    const plane *first = &pair.p[0], *second = &pair.p[1];
+    int32_t      far = (int32_t)(pair.far << pair.far_shift);
+    for (int y = 0; y < 8; y++)
+        for (int x = 0; x < 8; x++) {
+            int     n = pattern_texel(x, y);
+            int32_t a = plane_depth(first, 8, x, y), b = far + plane_depth(second, 8, x, y);
+            to->depth[n] = kind == NEARER ? min_i32(a, b) : kind == FARTHER ? max_i32(a, b) : pair.second >> n & 1 ? b : a;
+        }
+
     if (!all_fit(t, to->depth, to->base)) return 0;
     halves[0] = (uint16_t)((uint32_t)kind << 12 | (uint32_t)pair.shift << 8 | pair.far_shift);
     halves[0] |= (uint16_t)(parts(&pair.p[0]) << FIRST_PARTS | parts(&pair.p[1]) << SECOND_PARTS);

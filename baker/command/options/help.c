@@ -80,18 +80,6 @@ static void print_words(const char *before, const char *words)
 
 /* bash: arrays of values, by the option's name or the operand's number --------------------------------------------------------- */
 
-static void bash_value(const command_line *c, const option *o, const char *key)
-{
-    printf("_vxs_values['%s %s']='", c->name, key);
-    if (choices_of(o))
-        print_words(" ", choices_of(o));
-    else if (is_file(o))
-        printf("files"), print_words(" ", extensions_of(o));
-    else if (!is_switch(o))
-        printf("text");
-    printf("'\n");
-}
-
 static void bash_part(const command_line *c)
 {
     int operands = 0;
@@ -102,7 +90,17 @@ static void bash_part(const command_line *c)
     for (const option *o = c->options; o < c->options + c->option_count; o++) {
         char number[16];
         if (is_operand(o)) snprintf(number, sizeof number, is_list(o) ? "more" : "%d", operands++);
-        if (o->name) bash_value(c, o, is_operand(o) ? number : o->name);
+        if (o->name) {
+            const char *key = is_operand(o) ? number : o->name;
+            printf("_vxs_values['%s %s']='", c->name, key);
+            if (choices_of(o))
+                print_words(" ", choices_of(o));
+            else if (is_file(o))
+                printf("files"), print_words(" ", extensions_of(o));
+            else if (!is_switch(o))
+                printf("text");
+            printf("'\n");
+        }
     }
 }
 
@@ -320,31 +318,6 @@ static void man_row(const command_line *c)
     print_line(summary_phrase(phrase, c->summary));
 }
 
-/* The page vxs(1): the part before the list of commands, one command of the list, and the part after it. */
-static void man_head(void)
-{
-    print_title("vxs");
-    printf(".SH NAME\nvxs \\- baked voxelized shadows\n"
-           ".SH SYNOPSIS\n.B vxs\n.I command\n.RI [ arguments ]\n.br\n.B vxs help\n.RI [ command ]\n.br\n.B vxs \\-\\-version\n"
-           ".SH DESCRIPTION\nBakes the shadows of static geometry into a small file, and answers from it how lit a point is.\n"
-           "Operands and options may come in any order; \\fB\\-\\-\\fR ends the options.\n"
-           "A file \\fB\\-\\fR is standard output where it is written.\n"
-           "Scenes are glTF 2.0; positions are in metres, and directions of light are the way the light travels.\n"
-           ".SH COMMANDS\n");
-}
-
-static void man_tail(void)
-{
-    printf(".SH OPTIONS\n.TP\n.B \\-\\-help\nThe list of commands; after a command, what the command takes.\n"
-           ".TP\n.B \\-\\-help=man\nThis page; after a command, the page of that command.\n"
-           ".TP\n.BR \\-\\-help=bash \", \" \\-\\-help=zsh \", \" \\-\\-help=fish\nA script of completion for that shell.\n"
-           ".TP\n.B \\-\\-version\nThe version.\n");
-    print_statuses();
-    printf(".SH EXAMPLES\n.nf\nvxs scene city \\-o city.glb\nvxs bake city.glb \\-o city.vxs\nvxs render city.glb city.vxs \\-o "
-           "city.png\n.fi\n"
-           ".SH SEE ALSO\nThe page of each command, and manual.md, which is installed among the documents of vxs.\n");
-}
-
 /* Column of the options' texts, and the minimum width for them. */
 enum { TEXT_COLUMN = 26, TEXT_ROOM_MIN = 30 };
 
@@ -392,19 +365,16 @@ static void print_rows(const command_line *c, int operands, const char *heading)
     }
 }
 
-static void print_text(const command_line *c)
-{
-    printf("vxs %s %s\n\n", c->name, c->synopsis);
-    print_wrapped(c->summary, 0);
-    print_rows(c, 1, "operands");
-    print_rows(c, 0, "options");
-}
-
 void help_print(const command_line *c, help_format format)
 {
     char phrase[128];
     switch (format) {
-    case HELP_TEXT: print_text(c); break;
+    case HELP_TEXT: {
+        printf("vxs %s %s\n\n", c->name, c->synopsis);
+        print_wrapped(c->summary, 0);
+        print_rows(c, 1, "operands");
+        print_rows(c, 0, "options");
+    } break;
     case HELP_TEXT_ROW: printf("  %-10s %s\n", c->name, summary_phrase(phrase, c->summary)); break;
     case HELP_MAN: man_page(c); break;
     case HELP_MAN_ROW: man_row(c); break;
@@ -414,9 +384,17 @@ void help_print(const command_line *c, help_format format)
 
 void help_print_head(help_format format)
 {
-    if (format == HELP_MAN)
-        man_head();
-    else if (format != HELP_TEXT)
+    if (format == HELP_MAN) {
+        /* The page vxs(1): the part before the list of commands, one command of the list, and the part after it. */
+        print_title("vxs");
+        printf(".SH NAME\nvxs \\- baked voxelized shadows\n"
+               ".SH SYNOPSIS\n.B vxs\n.I command\n.RI [ arguments ]\n.br\n.B vxs help\n.RI [ command ]\n.br\n.B vxs \\-\\-version\n"
+               ".SH DESCRIPTION\nBakes the shadows of static geometry into a small file, and answers from it how lit a point is.\n"
+               "Operands and options may come in any order; \\fB\\-\\-\\fR ends the options.\n"
+               "A file \\fB\\-\\fR is standard output where it is written.\n"
+               "Scenes are glTF 2.0; positions are in metres, and directions of light are the way the light travels.\n"
+               ".SH COMMANDS\n");
+    } else if (format != HELP_TEXT)
         complete_head((shell)(format - HELP_BASH));
     else
         printf(
@@ -432,8 +410,16 @@ help_format help_part(help_format format)
 
 void help_print_tail(help_format format)
 {
-    if (format == HELP_MAN)
-        man_tail();
-    else if (format != HELP_TEXT)
+    if (format == HELP_MAN) {
+        printf(".SH OPTIONS\n.TP\n.B \\-\\-help\nThe list of commands; after a command, what the command takes.\n"
+               ".TP\n.B \\-\\-help=man\nThis page; after a command, the page of that command.\n"
+               ".TP\n.BR \\-\\-help=bash \", \" \\-\\-help=zsh \", \" \\-\\-help=fish\nA script of completion for that shell.\n"
+               ".TP\n.B \\-\\-version\nThe version.\n");
+        print_statuses();
+        printf(
+            ".SH EXAMPLES\n.nf\nvxs scene city \\-o city.glb\nvxs bake city.glb \\-o city.vxs\nvxs render city.glb city.vxs \\-o "
+            "city.png\n.fi\n"
+            ".SH SEE ALSO\nThe page of each command, and manual.md, which is installed among the documents of vxs.\n");
+    } else if (format != HELP_TEXT)
         complete_tail((shell)(format - HELP_BASH));
 }

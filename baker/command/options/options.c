@@ -298,19 +298,6 @@ static void begun_text(char text[128], const command_line *c, const char *typed)
     snprintf(text + used, 128 - used, "?");
 }
 
-static vxs_result unknown_option(const command_line *c, const char *arg, run_context *m)
-{
-    char    name[NEAREST_LENGTH_MAX + 2], meant[128]; /* longer names are cut after the part that is compared */
-    nearest near = {.typed = name};
-    snprintf(name, sizeof name, "%.*s", (int)strcspn(arg, "="), arg);
-    begun_text(meant, c, name);
-    for (const option *o = c->options; o < c->options + c->option_count; o++)
-        if (o->name && !is_operand(o)) nearest_try(&near, o->name, strlen(o->name));
-    if (!meant[0]) nearest_text(meant, &near);
-    return fail(m, VXS_E_ARGUMENT, "unknown option '%s'%s%s vxs %s --help lists the options", arg, meant, meant[0] ? "" : ":",
-                c->name);
-}
-
 static vxs_result parse_arguments(const command_line *c, int argc, char **argv, char *given, int *help_shown, run_context *m)
 {
     const option *operand      = NULL;
@@ -331,7 +318,17 @@ static vxs_result parse_arguments(const command_line *c, int argc, char **argv, 
         if (!strcmp(arg, "-h")) arg = "--help";
         const char   *equals = arg[1] == '-' ? strchr(arg, '=') : NULL;
         const option *o      = find_option(c, arg, equals ? (size_t)(equals - arg) : strlen(arg));
-        if (!o) return unknown_option(c, arg, m);
+        if (!o) {
+            char    name[NEAREST_LENGTH_MAX + 2], meant[128]; /* longer names are cut after the part that is compared */
+            nearest near = {.typed = name};
+            snprintf(name, sizeof name, "%.*s", (int)strcspn(arg, "="), arg);
+            begun_text(meant, c, name);
+            for (const option *a = c->options; a < c->options + c->option_count; a++)
+                if (a->name && !is_operand(a)) nearest_try(&near, a->name, strlen(a->name));
+            if (!meant[0]) nearest_text(meant, &near);
+            return fail(m, VXS_E_ARGUMENT, "unknown option '%s'%s%s vxs %s --help lists the options", arg, meant,
+                        meant[0] ? "" : ":", c->name);
+        }
         if (o->kind == OPTION_HELP) {
             *help_shown = 1;
             return set_option(o, equals ? equals + 1 : "text", m);

@@ -146,18 +146,6 @@ static void end_run(int number)
     raise(number); /* takes effect when the handler returns */
 }
 
-static void catch_signals(void)
-{
-    static const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
-    for (size_t n = 0; n < sizeof numbers / sizeof *numbers; n++) {
-        struct sigaction action;
-        if (sigaction(numbers[n], NULL, &action) || (action.sa_flags & SA_SIGINFO) || action.sa_handler != SIG_DFL) continue;
-        action = (struct sigaction){.sa_handler = end_run, .sa_flags = SA_RESTART};
-        sigfillset(&action.sa_mask);
-        sigaction(numbers[n], &action, NULL);
-    }
-}
-
 /* stacks ----------------------------------------------------------------------------------------------------------------------- */
 
 enum { STACK_LEAST = 1 << 20, STACK_BYTES = 8 << 20 }; /* the least that a run needs, and the usual default of systems */
@@ -199,7 +187,16 @@ void process_begin(void)
     fill_standard_descriptors();
     signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN);
-    catch_signals();
+
+    static const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
+    for (size_t n = 0; n < sizeof numbers / sizeof *numbers; n++) {
+        struct sigaction action;
+        if (sigaction(numbers[n], NULL, &action) || (action.sa_flags & SA_SIGINFO) || action.sa_handler != SIG_DFL) continue;
+        action = (struct sigaction){.sa_handler = end_run, .sa_flags = SA_RESTART};
+        sigfillset(&action.sa_mask);
+        sigaction(numbers[n], &action, NULL);
+    }
+
     process_catch_terminate();
     json_watch_memory();
 }

@@ -83,21 +83,6 @@ static void decide_exit(decision_list *l, const bake_plan *plan, const bake_opti
     }
 }
 
-static void decide_compression(decision_list *l, const bake_plan *plan, const bake_options *o)
-{
-    if (o->stop == STOP_INSERT)
-        decide(l, "sub-DAG compression", "left out", "--stop insert");
-    else if (o->stop == STOP_PARTIAL)
-        decide(l, "sub-DAG compression", "done", "--stop partial: it is the last step");
-    else if (o->compress != COMPRESS_CHOICE_AUTO)
-        decide(l, "sub-DAG compression", "done", "--compress %s",
-               o->compress == COMPRESS_CHOICE_BOTTOM_UP ? "bottom-up" : "top-down");
-    else
-        decide(l, "sub-DAG compression", plan->compress != COMPRESS_NONE ? "done" : "left out",
-               "it would take about %.15g s on %u threads and spare the merge, which finds the same, about %.15g s",
-               rounded(plan->compress_seconds, 2), o->threads, rounded(plan->merge_seconds_spared, 2));
-}
-
 static void decide_memory(decision_list *l, const bake_plan *plan)
 {
     char choice[64], a[32], b[32];
@@ -138,7 +123,19 @@ static decision_list decisions_of(const bake_plan *plan, const bake_options *o, 
     snprintf(choice, sizeof choice, "%llu of %llu", s.tiles - s.tiles_empty, s.tiles);
     decide(&l, "tiles", choice, "%llu that no caster may touch are left out: they are lit", s.tiles_empty);
     decide_memory(&l, plan);
-    if (o->coding == CODING_DAG) decide_compression(&l, plan, o);
+    if (o->coding == CODING_DAG) {
+        if (o->stop == STOP_INSERT)
+            decide(&l, "sub-DAG compression", "left out", "--stop insert");
+        else if (o->stop == STOP_PARTIAL)
+            decide(&l, "sub-DAG compression", "done", "--stop partial: it is the last step");
+        else if (o->compress != COMPRESS_CHOICE_AUTO)
+            decide(&l, "sub-DAG compression", "done", "--compress %s",
+                   o->compress == COMPRESS_CHOICE_BOTTOM_UP ? "bottom-up" : "top-down");
+        else
+            decide(&l, "sub-DAG compression", plan->compress != COMPRESS_NONE ? "done" : "left out",
+                   "it would take about %.15g s on %u threads and spare the merge, which finds the same, about %.15g s",
+                   rounded(plan->compress_seconds, 2), o->threads, rounded(plan->merge_seconds_spared, 2));
+    }
     decide(&l, "file",
            o->coding == CODING_DAG ? "levels and masks of each light"
            : o->pack == PACK_SMALL ? "tops, patterns and pages of each light, packed small"

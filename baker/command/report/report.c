@@ -186,14 +186,6 @@ static json_t *coded_json(const light_report *l)
                      (json_int_t)p->own_tiles, "patterns", (json_int_t)p->patterns);
 }
 
-static json_t *smoke_json(const smoke_counts *s)
-{
-    return json_pack("{s:i, s:I, s:I, s:I, s:f, s:{s:i, s:f, s:f}, s:I, s:I}", "side_px", (int)s->side_px, "texels",
-                     (json_int_t)s->texels, "curves", (json_int_t)s->curves, "nodes", (json_int_t)s->nodes, "largest_error",
-                     s->largest_error, "lookups", "places", (int)s->lookups.places, "rms_error", s->lookups.rms, "largest_error",
-                     s->lookups.largest, "memory_bytes", (json_int_t)s->memory_bytes, "stored_bytes", (json_int_t)s->stored_bytes);
-}
-
 static json_t *light_json(const light_report *l)
 {
     double  texels = light_texels(l);
@@ -215,7 +207,14 @@ static json_t *light_json(const light_report *l)
                              "stored_bit_per_texel", 8.0 * (double)l->stored_bytes / texels, "depth16_bytes",
                              (json_int_t)light_depth16_bytes(l));
     json_object_set_new(o, "size", size);
-    if (l->smoke.curves) json_object_set_new(o, "smoke", smoke_json(&l->smoke));
+    if (l->smoke.curves)
+        json_object_set_new(o, "smoke",
+                            json_pack("{s:i, s:I, s:I, s:I, s:f, s:{s:i, s:f, s:f}, s:I, s:I}", "side_px", (int)l->smoke.side_px,
+                                      "texels", (json_int_t)l->smoke.texels, "curves", (json_int_t)l->smoke.curves, "nodes",
+                                      (json_int_t)l->smoke.nodes, "largest_error", l->smoke.largest_error, "lookups", "places",
+                                      (int)l->smoke.lookups.places, "rms_error", l->smoke.lookups.rms, "largest_error",
+                                      l->smoke.lookups.largest, "memory_bytes", (json_int_t)l->smoke.memory_bytes, "stored_bytes",
+                                      (json_int_t)l->smoke.stored_bytes));
     return o;
 }
 

@@ -93,17 +93,6 @@ static const char *ratio_text(char text[32], double ratio)
     return text;
 }
 
-/* The size of the file, and how many times larger plain depth maps of 16 bits would be. */
-static void print_file(FILE *to, const bake_options *o, const bake_report *r)
-{
-    char   size[32], ratio[32], plain[PLAIN_BYTES];
-    double maps = 0;
-    for (uint32_t n = 0; n < r->light_count; n++) maps += light_depth16_bytes(&r->lights[n]);
-    fprintf(to, "file         %s: %s; depth maps are %s times that\n",
-            strcmp(o->output_path, "-") ? plain_text(plain, o->output_path) : "standard output", size_text(size, r->file_bytes),
-            ratio_text(ratio, maps / (double)r->file_bytes));
-}
-
 /* How much of the file is smoke. */
 static void print_smoke(FILE *to, const bake_options *o, const bake_report *r)
 {
@@ -132,8 +121,31 @@ static void print_smoke(FILE *to, const bake_options *o, const bake_report *r)
                 sum.lookups.rms, sum.lookups.largest, size_text(size, sum.stored_bytes));
 }
 
-static void print_time(FILE *to, const bake_options *o, const bake_report *r)
+void squares_print(FILE *to, const bake_options *o, const bake_report *r)
 {
+    square_counts squares = report_squares(r);
+    if (!o->resume_path) return;
+    fprintf(to, "squares      %llu of %llu made, %llu kept in %s\n", (unsigned long long)squares.made,
+            (unsigned long long)squares.all, (unsigned long long)(squares.all - squares.made), o->resume_path);
+}
+
+void bake_summary_print(FILE *to, const bake_options *o, const bake_report *r)
+{
+    print_scene(to, o, r);
+    print_lights(to, r->plan);
+    print_left_out(to, r);
+    squares_print(to, o, r);
+
+    /* The size of the file, and how many times larger plain depth maps of 16 bits would be. */
+    char   size[32], ratio[32], plain[PLAIN_BYTES];
+    double maps = 0;
+    for (uint32_t n = 0; n < r->light_count; n++) maps += light_depth16_bytes(&r->lights[n]);
+    fprintf(to, "file         %s: %s; depth maps are %s times that\n",
+            strcmp(o->output_path, "-") ? plain_text(plain, o->output_path) : "standard output", size_text(size, r->file_bytes),
+            ratio_text(ratio, maps / (double)r->file_bytes));
+
+    print_smoke(to, o, r);
+
     const char *const works[STAGE_COUNT] = {"reading the scene",
                                             "finding solids",
                                             "planning",
@@ -153,25 +165,7 @@ static void print_time(FILE *to, const bake_options *o, const bake_report *r)
         if (r->stage[s].seconds > r->stage[longest].seconds) longest = s;
     fprintf(to, "time         %.2f s, %.2f of it %s; memory %s\n", r->total_seconds, r->stage[longest].seconds, works[longest],
             size_text(memory, r->peak_bytes));
-}
 
-void squares_print(FILE *to, const bake_options *o, const bake_report *r)
-{
-    square_counts squares = report_squares(r);
-    if (!o->resume_path) return;
-    fprintf(to, "squares      %llu of %llu made, %llu kept in %s\n", (unsigned long long)squares.made,
-            (unsigned long long)squares.all, (unsigned long long)(squares.all - squares.made), o->resume_path);
-}
-
-void bake_summary_print(FILE *to, const bake_options *o, const bake_report *r)
-{
-    print_scene(to, o, r);
-    print_lights(to, r->plan);
-    print_left_out(to, r);
-    squares_print(to, o, r);
-    print_file(to, o, r);
-    print_smoke(to, o, r);
-    print_time(to, o, r);
     plan_print_savings(to, r->plan, r->file_bytes);
 }
 

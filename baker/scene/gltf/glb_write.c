@@ -177,17 +177,6 @@ static json_t *json_light(const scene_light *light)
     return NULL;
 }
 
-/* Write the light definitions. */
-static int set_lights(json_t *root, const glb_scene *s)
-{
-    json_t *lights = json_array();
-    int     failed = !lights;
-    for (size_t i = 0; !failed && i < s->light_count; i++) failed = json_array_append_new(lights, json_light(&s->lights[i]));
-    failed |= json_object_set_new(root, "extensionsUsed", json_pack("[s]", "KHR_lights_punctual"));
-    failed |= json_object_set_new(root, "extensions", json_pack("{s:{s:o}}", "KHR_lights_punctual", "lights", lights));
-    return failed;
-}
-
 static int append_light_node(json_t *root, const glb_scene *s, size_t i)
 {
     const light_shape *shape  = &s->lights[i].shape;
@@ -375,29 +364,19 @@ static int append_sampler(json_t *root, const glb_material *material)
            append(root, "textures", json_pack("{s:I, s:I}", "sampler", index, "source", (json_int_t)material->image - 1));
 }
 
-static int append_views(json_t *root, const chunk *c)
-{
-    uint64_t at     = 0;
-    int      failed = 0;
-    for (size_t i = 0; i < c->part_count; i++) {
-        const part *p = &c->parts[i];
-        json_t     *view =
-            json_pack("{s:i, s:I, s:I}", "buffer", 0, "byteOffset", (json_int_t)at, "byteLength", (json_int_t)p->size_bytes);
-        if (view && p->stride) failed |= json_object_set_new(view, "byteStride", json_integer(p->stride));
-        if (view && p->target) failed |= json_object_set_new(view, "target", json_integer(p->target));
-        failed |= append(root, "bufferViews", view);
-        at += p->size_bytes + padding(p->size_bytes);
-    }
-    if (at) failed |= append(root, "buffers", json_pack("{s:I}", "byteLength", (json_int_t)at));
-    return failed;
-}
-
 /* Arrays appear in the order of their first item. */
 static json_t *json_from_scene(const glb_scene *s, const chunk *c)
 {
     json_t *root   = json_pack("{s:{s:s, s:s}}", "asset", "version", "2.0", "generator", "vxs");
     int     failed = !root;
-    if (!failed && s->light_count) failed = set_lights(root, s);
+    if (!failed && s->light_count) {
+        /* Write the light definitions. */
+        json_t *lights = json_array();
+        failed         = !lights;
+        for (size_t i = 0; !failed && i < s->light_count; i++) failed = json_array_append_new(lights, json_light(&s->lights[i]));
+        failed |= json_object_set_new(root, "extensionsUsed", json_pack("[s]", "KHR_lights_punctual"));
+        failed |= json_object_set_new(root, "extensions", json_pack("{s:{s:o}}", "KHR_lights_punctual", "lights", lights));
+    }
     if (!failed) failed = json_object_set_new(root, "scene", json_integer(0));
     if (!failed) failed = append(root, "scenes", json_pack("{s:s}", "name", s->name));
     if (!failed && s->mesh_count + s->smoke_count + s->light_count + s->camera_count)
@@ -415,7 +394,20 @@ static json_t *json_from_scene(const glb_scene *s, const chunk *c)
         failed = append(root, "cameras",
                         json_pack("{s:s, s:{s:f, s:f}}", "type", "perspective", "perspective", "yfov", 1.0, "znear", 0.1));
     for (size_t i = 0; !failed && i < s->camera_count; i++) failed = append_camera_node(root, &s->camera_positions_ws[3 * i]);
-    if (!failed) failed = append_views(root, c);
+    if (!failed) {
+        uint64_t at = 0;
+        failed      = 0;
+        for (size_t i = 0; i < c->part_count; i++) {
+            const part *p = &c->parts[i];
+            json_t     *view =
+                json_pack("{s:i, s:I, s:I}", "buffer", 0, "byteOffset", (json_int_t)at, "byteLength", (json_int_t)p->size_bytes);
+            if (view && p->stride) failed |= json_object_set_new(view, "byteStride", json_integer(p->stride));
+            if (view && p->target) failed |= json_object_set_new(view, "target", json_integer(p->target));
+            failed |= append(root, "bufferViews", view);
+            at += p->size_bytes + padding(p->size_bytes);
+        }
+        if (at) failed |= append(root, "buffers", json_pack("{s:I}", "byteLength", (json_int_t)at));
+    }
     if (!failed) return root;
     json_decref(root);
     return NULL;
