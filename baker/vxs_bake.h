@@ -17,6 +17,7 @@
  * Licence: GPL-3.0-or-later, because the library contains CGAL, which has this licence. A program that is linked with it and
  * distributed is under the GPL. A game that only looks up shadows links libvxs (vxs.h), which is MIT. A level editor that is not
  * distributed may link this. docs/bake-library.md is the guide.
+ * Public.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef VXS_BAKE_H
 #define VXS_BAKE_H

@@ -10,6 +10,7 @@
  *     vxs_depths_texel       the depth of one texel of a tile
  *
  * Offsets are not checked here. For any words, loops end, and depths lie within the bounds of the square.
+ * Public: what this comment names. Other names are internal, and may change in any version.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_DEPTHS_H
 #define VXS_DEPTHS_H

@@ -1,5 +1,6 @@
 /* Findings: everything that can be wrong with a .vxs file. One list of stable numbers, the result of each, and its text
  * (formats/vxs.md section 8). Numbers are only appended within their hundred, and never reused.
+ * Public.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_FINDINGS_H
 #define VXS_FINDINGS_H

@@ -1,5 +1,6 @@
 /* Numbers of the .vxs format: magic, offsets, limits. #defines only.
  * The meaning of each is in formats/vxs.md, which is normative; tests/cli/test_format.py checks one against the other.
+ * Public.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_FORMAT_H
 #define VXS_FORMAT_H

@@ -22,6 +22,7 @@
  * crossed first, into the voxel behind it; the other coordinates are clamped to the box and never go back. So rounding can
  * move the point where a border is crossed, but cannot cross a border twice. A walk ends after at most VXS_WALK_STEPS times
  * the side of the map in steps, for any words.
+ * Public: what this comment names. Other names are internal, and may change in any version.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_INTERVALS_H
 #define VXS_INTERVALS_H

@@ -29,6 +29,7 @@
  *
  * Offsets are not checked here: vxs_read_dag.c checks them once, before any lookup.
  * Source: [CPVS16] 3 and 5; [Sintorn 2014] for PCF by popcount.
+ * Internal: public texts need it; its names may change in any version.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_LOOKUP_H
 #define VXS_LOOKUP_H

@@ -48,6 +48,7 @@
  * The array needs four readable words of any value after its last word. Offsets are not checked here; all loops end for any
  * words.
  * Source: ours; [Sintorn 2014] for PCF by popcount.
+ * Internal: public texts need it; its names may change in any version.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_LOOKUP_BLOCKS_H
 #define VXS_LOOKUP_BLOCKS_H

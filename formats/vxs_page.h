@@ -22,7 +22,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "vxs_file.h"
+#include "vxs_write.h"
 
 #ifdef __cplusplus
 extern "C" {

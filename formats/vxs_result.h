@@ -1,6 +1,7 @@
 /* Results of all vxs functions that can fail: one list of name, fixed value, text.
  *
  * Values are grouped with gaps, only appended, and never reused, so that a stored value keeps its meaning.
+ * Public.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_RESULT_H
 #define VXS_RESULT_H

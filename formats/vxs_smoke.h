@@ -19,6 +19,7 @@
  * fraction of each step, at the same place. In C any numbers are allowed, and the result is never NaN; shaders as for
  * vxs_space.h.
  * Source: [AVSM10] 3.2 and 4.1, with integers.
+ * Public: what this comment names. Other names are internal, and may change in any version.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_SMOKE_H
 #define VXS_SMOKE_H

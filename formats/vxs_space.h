@@ -30,6 +30,7 @@
  * 0: there, positions and normals must be finite. Any filter_px is allowed in both (vxs_filter_width). Otherwise both agree
  * except for float rounding: see docs/runtime.md.
  * Source: [CPVS16] 5.
+ * Public: what this comment names. Other names are internal, and may change in any version.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_SPACE_H
 #define VXS_SPACE_H

@@ -6,6 +6,8 @@
 #include "vxs_bytes.h"
 #include "vxs_writer.h"
 
+_Static_assert(VXS_REF_LIT == VXS_CHILD_LIT && VXS_REF_SHADOW == VXS_CHILD_SHADOW, "lit is 0 and shadow is 1 in every enumeration");
+
 int vxs_dag_fits(const vxs_dag_view *view, const vxs_light *light)
 {
     if (view->level_count != light->levels - 2) return 0;

@@ -103,8 +103,7 @@ int32_t vxs_first_shadow(const vxs_baked_light *baked, int map, int32_t i, int32
 /* lit intervals of a ray -------------------------------------------------------------------------------------------------------- */
 
 _Static_assert(sizeof(vxs_walk) <= sizeof((vxs_lit_walk *)0)->room, "there is room for it");
-_Static_assert(VXS_REF_LIT == VXS_INTERVAL_LIT && VXS_REF_SHADOW == VXS_INTERVAL_SHADOW && VXS_CHILD_LIT == VXS_INTERVAL_LIT &&
-                   VXS_CHILD_SHADOW == VXS_INTERVAL_SHADOW && VXS_BLOCKS_LIT == VXS_INTERVAL_LIT &&
+_Static_assert(VXS_CHILD_LIT == VXS_INTERVAL_LIT && VXS_CHILD_SHADOW == VXS_INTERVAL_SHADOW && VXS_BLOCKS_LIT == VXS_INTERVAL_LIT &&
                    VXS_BLOCKS_SHADOW == VXS_INTERVAL_SHADOW,
                "lit is 0 and shadow is 1 in every enumeration");
 _Static_assert(VXS_SPAN_SHADOW == VXS_INTERVAL_SHADOW && VXS_SPAN_LIT == VXS_INTERVAL_LIT &&

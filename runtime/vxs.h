@@ -11,6 +11,7 @@
  * read-only: any number of threads may look it up at once. For levels larger than memory use vxs_stream.h. For lookups on a GPU
  * upload a light's words and its vxs_light_constants_of, and compile the texts of vxs_lookup.h, vxs_lookup_blocks.h and
  * vxs_space.h into the shader (docs/runtime.md).
+ * Public.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_H
 #define VXS_H

@@ -4,6 +4,7 @@
  *     if (vxs::open(asset, "level.vxs") != VXS_OK) ...
  *     float lit = vxs_lookup(vxs_asset_light(asset.get(), 0), position_ws, normal_ws, 9);
  *
+ * Public.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_HPP
 #define VXS_HPP

@@ -8,6 +8,7 @@
  *
  * Where pages are missing, the result is the coarse answer (vxs_lookup_blocks.h), as for lookups, and `coarse` is set. As in
  * vxs.h, nothing is allocated, and any number of threads may call these functions at once.
+ * Public.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_QUERY_H
 #define VXS_QUERY_H

@@ -28,6 +28,7 @@
  * vxs_stream_changes.
  *
  * A stream has no global state and never prints. The bytes may be hostile: all are checked before lookups use them.
+ * Public.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_STREAM_H
 #define VXS_STREAM_H

@@ -4,6 +4,7 @@
  * The test is conservative: it returns 1 whenever the light may reach the lookup of a point in the box, including float rounding
  * and the bias along a normal. The three axes of light space of a spot or point light must be orthonormal.
  * Source: [CPVS16] 6.3 for boxes of tiles; separating planes for a box and a cone.
+ * Public: what this comment names. Other names are internal, and may change in any version.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_CULL_H
 #define VXS_CULL_H

@@ -21,6 +21,7 @@
  * Every call needs the context of vxs_gl_create current on the calling thread, and may clear a pending glGetError error. Each
  * call restores the context state that it changes, except for what its comment names, and for GL_COPY_WRITE_BUFFER, which becomes
  * 0.
+ * Public.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_GL_H
 #define VXS_GL_H

@@ -27,6 +27,7 @@
  * optical depth, starting from its bright end.
  * Relative error of 10^5 random rays with optical depths from 1e-6 to 1e4 and g from -0.99 to 0.99: docs/measurements.md.
  * Source: [Sun 2005] for airlight by angles; [Billeter 2010] for the sum over lit segments. The variable b is ours.
+ * Internal: public texts need it; its names may change in any version.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_AIR_H
 #define VXS_AIR_H

@@ -16,6 +16,7 @@
  *                                  through fog with a top
  *
  * "Lamps" are punctual lights. Distances are metres; the numbers of the medium are per metre and colour channel.
+ * Internal: public texts need it; its names may change in any version.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_AIR_LIGHT_H
 #define VXS_AIR_LIGHT_H

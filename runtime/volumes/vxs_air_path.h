@@ -9,6 +9,7 @@
  *
  * Units are those of vxs_air.h. A technique for shadows in fog finds which parts of the path are lit; it needs no more of media
  * and lights than this file.
+ * Public: what this comment names. Other names are internal, and may change in any version.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_AIR_PATH_H
 #define VXS_AIR_PATH_H

@@ -16,6 +16,7 @@
  *           :    `. below
  *       ----------->x-->      metres + r below / (above + below)
  *
+ * Internal: public texts need it; its names may change in any version.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_AIR_RAY_H
 #define VXS_AIR_RAY_H

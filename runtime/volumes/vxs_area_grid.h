@@ -8,6 +8,7 @@
  * An imperfect shadow map covers the half of all directions to which a light emits, by a paraboloid projection: a disc in a
  * square. A texel is the distance from the light where shadow begins.
  * Source: [IVSV13] 3; [Ritschel 2008] for imperfect shadow maps.
+ * Internal: public texts need it; its names may change in any version.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_AREA_GRID_H
 #define VXS_AREA_GRID_H

@@ -13,6 +13,7 @@
  * "Lamps" are VPLs here. Positions of VPLs and casters are metres from an anchor that the caller chooses; vxs_area_light_anchor
  * sets its position.
  * Source: [IVSV13].
+ * Public.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_AREA_LIGHT_H
 #define VXS_AREA_LIGHT_H

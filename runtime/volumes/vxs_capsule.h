@@ -1,4 +1,5 @@
 /* Capsules: volumes that dim light, such as smoke, hair and dust.
+ * Public.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_CAPSULE_H
 #define VXS_CAPSULE_H

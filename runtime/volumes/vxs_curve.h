@@ -28,6 +28,7 @@
  * i of all stored numbers; vxs_curve_read passes `curves` to it. VXS_CURVE_MOST is the largest number of nodes of a curve; an
  * includer may define it; default 16.
  * Source: [AVSM10] 3.2, 3.3 and 4.1; segments with nodes at their own depths, transmittance 0, and several pieces are ours.
+ * Public: what this comment names. Other names are internal, and may change in any version.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_CURVE_H
 #define VXS_CURVE_H

@@ -24,6 +24,7 @@
  * mapping has no inverse. An angle from asin or acos would lose half of its digits; this code uses atan2 of the length of a
  * cross product.
  * Source: [VSV11], "Creating VSVs"; suns and ranges are ours.
+ * Internal: public texts need it; its names may change in any version.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_EPIPOLAR_H
 #define VXS_EPIPOLAR_H

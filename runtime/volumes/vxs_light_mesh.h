@@ -25,6 +25,7 @@
  *
  * Normals point out of the lit volume, if light space is right-handed.
  * Source: [Billeter 2010] 4, [McCool 2000] for the displaced grid; vertices on borders and edges, and those of the sun, are ours.
+ * Internal: public texts need it; its names may change in any version.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_LIGHT_MESH_H
 #define VXS_LIGHT_MESH_H

@@ -24,6 +24,7 @@
  * `first` and `splits` are passed to them.
  * Source: [Billeter 2010] 4.1 for a restricted quadtree and its fans. There an edge filter decides what is split; here the error
  * decides, and is bounded.
+ * Internal: public texts need it; its names may change in any version.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_MESH_QUADS_H
 #define VXS_MESH_QUADS_H

@@ -16,6 +16,7 @@
  *
  * A shader must define, before this text, vxs_grid_word(words, i): word i of a grid; vxs_grid_airlight passes `words` to it.
  * Source: [VSV11]; bits for the middles of voxels and the ends of rays are ours.
+ * Internal: public texts need it; its names may change in any version.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_SHADOW_GRID_H
 #define VXS_SHADOW_GRID_H

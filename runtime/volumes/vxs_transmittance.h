@@ -23,6 +23,7 @@
  *                distance from the light, they are inserted sorted.
  *
  * Context, state and positions are as in vxs_volumes.h.
+ * Public.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_TRANSMITTANCE_H
 #define VXS_TRANSMITTANCE_H

@@ -20,6 +20,7 @@
  * calling thread. Calls restore the context state that they change, except words and lights, which stay bound as by vxs_gl_bind.
  * Only calls that end in "create" allocate memory and compile programs.
  * Positions are metres from the origin that was last set by vxs_gl_origin.
+ * Public.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_VOLUMES_H
 #define VXS_VOLUMES_H

@@ -11,8 +11,8 @@
 #include "baker/bake/bake.h"
 #include "baker/bake/plan.h"
 #include "baker/lab/truth/truth.h"
-#include "formats/vxs_file.h"
 #include "formats/vxs_format.h"
+#include "formats/vxs_write.h"
 
 enum { RIVAL_ZSTD_LEVEL = 12 }; /* of DAGs in files: what vxs bake does when it is not told otherwise */
 

@@ -333,6 +333,16 @@ def test_library_needs_only_libc_libm_zstd_xxhash(build, tmp_path):
     assert done.returncode == 0, done.stderr
 
 
+def test_installed_headers_are_public_or_internal():
+    names = {name.split("/")[-1] for name in INSTALLED if name.startswith("include/vxs/")}
+    paths = [path for folder in ("formats", "runtime", "baker") for path in (ROOT / folder).rglob("vxs*.h*") if path.name in names]
+    assert {path.name for path in paths} == names
+    for path in paths:
+        comment = path.read_text().split("*/")[0]
+        assert re.search(r"^ \* (Public|Internal)[.:]", comment, re.MULTILINE), path
+    assert "vxs_write.h" not in names  # games only read
+
+
 def test_formats_and_runtime_stay_apart_from_the_baker():
     for folder in ("formats", "runtime"):
         for path in (ROOT / folder).rglob("*.[ch]"):

@@ -10,8 +10,8 @@
 #include <zstd.h>
 
 #include "formats/vxs_bytes.h"
-#include "formats/vxs_file.h"
 #include "formats/vxs_findings.h"
+#include "formats/vxs_write.h"
 
 /* reading, and what was found -------------------------------------------------------------------------------------------------- */
 

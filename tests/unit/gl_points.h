@@ -80,7 +80,7 @@ static inline drawing drawing_make(void)
         skip();
     }
 #define DRAW_LOAD(type, name)                                                                                                      \
-    d.name = (type)gl_choice_function("gl" #name);                                                                               \
+    d.name = (type)gl_choice_function("gl" #name);                                                                                 \
     assert_true(d.name != NULL);
     DRAW_FUNCTIONS(DRAW_LOAD)
 #undef DRAW_LOAD

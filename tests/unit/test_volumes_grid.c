@@ -284,8 +284,8 @@ static void test_misuse(void **state)
     assert_int_equal(vxs_volumes_grid(s.volumes, &l, NULL, grid, 0), VXS_OK); /* one voxel is a grid */
     l.constants = &constants;
     assert_int_equal(vxs_volumes_grid(s.volumes, &l, NULL, grid, 0), VXS_E_ARGUMENT); /* no map, and none is baked */
-    l.constants = NULL;
-    l.baked     = SCENE_LIGHTS;
+    l.constants    = NULL;
+    l.baked_number = vxs_baked_number(SCENE_LIGHTS);
     assert_int_equal(vxs_volumes_grid(s.volumes, &l, NULL, grid, 0), VXS_E_ARGUMENT);
     assert_int_equal(s.gl->GetError(), GL_NO_ERROR);
     vxs_shadow_grid_destroy(grid);
