@@ -32,6 +32,7 @@
 #   make bench-smoke    the same of smoke, hair and leaves alone
 #   make bench-bias     acne, leaks and peter-panning of lookups with a normal: an hour; JSON to build/bias.json
 #   make bench-flight   fly over a city within 4 MiB, at 16384 and 65536 texels a side: four minutes; JSON to build/flight_*.json
+#   make program-size   print the SPIR-V instructions of every program for graphics processors, and their ceilings
 #   make install        to $(DESTDIR)$(prefix), which may hold blanks; uninstall takes it away (runtime/install/)
 #   make man            manual pages, in build/release/man
 #   make deb            Debian packages, in build/release/deb
@@ -60,7 +61,7 @@ packages.build := g++ gcc make pkg-config libosmesa6-dev libegl-dev libgl-dev li
 ifdef core
 packages.build := $(filter-out libosmesa6-dev libegl-dev libgl-dev libembree-dev libopenexr-dev libjs-chart.js,$(packages.build))
 endif
-packages.test  := python3 python3-pytest python3-pytest-xdist python3-jsonschema libcmocka-dev libgsl-dev glslang-tools zlib1g-dev gnuplot-nox chromium \
+packages.test  := python3 python3-pytest python3-pytest-xdist python3-jsonschema libcmocka-dev libgsl-dev glslang-tools spirv-tools zlib1g-dev gnuplot-nox chromium \
                   groff-base zsh fish cmake
 packages.deb   := dpkg-dev
 # Debian's, which sees Debian's packages; another one may come first on PATH
@@ -174,7 +175,7 @@ test.o    := $(patsubst $B/%,$B/%.c.o,$(unit) $(helper)) $(patsubst %,$B/%.o,$(f
 objects    = $(no_lab.c:%=$B/%.o) $(if $(mpi),$(mpi.o),$B/baker/command/mpi/square_scheduler.c.o) $B/baker/main.c.o $(baker.o) $(library.o) $(runtime.o) $(gl.o) $(volumes.o) $(pic.o) $(gl.pic.o) $(volumes.pic.o) $(test.o)
 
 .DELETE_ON_ERROR:
-.PHONY: all unit fuzz fuzzers fuzz-pack fuzz-minimise fuzz-commands demo check check-fast check-unit check-asan check-repeats check-exact check-memory check-faults check-sparse check-cracks check-sanitizers bench bench-bias bench-flight bench-large bench-lights bench-volumes bench-smoke packages format clean
+.PHONY: all unit fuzz fuzzers fuzz-pack fuzz-minimise fuzz-commands demo check check-fast check-unit check-asan check-repeats check-exact check-memory check-faults check-sparse check-cracks check-sanitizers bench bench-bias bench-flight bench-large bench-lights bench-volumes bench-smoke program-size packages format clean
 ifdef core
 all: $B/vxs-core $B/libvxs.a $B/libvxs.so $B/libvxs_bake.a $B/libvxs_bake.so
 else
@@ -392,6 +393,9 @@ bench-lights: $B/vxs
 bench-volumes bench-smoke: $B/vxs $(patsubst %,$B/tests/bench/%,volumes smoke area)
 	@$(python) tests/bench/volumes.py --build $B $(foreach o,gl size resolution rounds values capsules points samples clock only plots scenes,$(if $($o),--$o "$($o)"))
 bench-smoke: only := smoke
+
+program-size: $B/vxs $B/tests/bench/programs
+	@$(python) tests/bench/program_size.py --build $B
 
 # --- other goals -----------------------------------------------------------------------------------------------------------
 

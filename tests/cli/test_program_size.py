@@ -1,0 +1,24 @@
+# No program for graphics processors is larger than its ceiling in tests/bench/program_sizes.json: SPIR-V instructions, inlined.
+# SPDX-License-Identifier: GPL-3.0-or-later
+import shutil
+import sys
+
+import pytest
+
+from conftest import ROOT
+
+sys.path.insert(0, str(ROOT / "tests" / "bench"))
+import program_size
+
+SLACK = 1.02  # other versions of glslang and spirv-opt count slightly different
+
+
+def test_ceilings(vxs_path):
+    if not shutil.which("spirv-opt") or not shutil.which("glslangValidator"):
+        pytest.skip("no spirv-opt or glslangValidator: packages spirv-tools, glslang-tools")
+    if not (vxs_path.parent / "tests/bench/programs").is_file():
+        pytest.skip("no tests/bench/programs: make unit")
+    found, most = program_size.sizes(vxs_path.parent), program_size.ceilings()
+    assert sorted(found) == sorted(most), "programs and ceilings differ: tests/bench/program_size.py --lower"
+    above = {name: (size, most[name]) for name, size in found.items() if size > SLACK * most[name]}
+    assert not above, above
