@@ -29,6 +29,7 @@
 #   make bench-lights   measure frames lit by 165 spot lights; JSON to build/lights.json (tests/bench/lights.py: gl=egl for a graphics card)
 #   make bench-volumes  measure error against time of shadows in fog, smoke and area lights, each technique and its rivals: half an hour; JSON and a page to
 #                       build/volumes.json and .html, plots beside, tables to read. only=room, values=2: of some scenes, of each knob
+#   make gpu-kit        pack what a machine with a graphics processor needs to run unit programs and benches: build/gpu-kit.tar.xz, with a run.sh
 #   make bench-smoke    the same of smoke, hair and leaves alone
 #   make bench-bias     acne, leaks and peter-panning of lookups with a normal: an hour; JSON to build/bias.json
 #   make bench-flight   fly over a city within 4 MiB, at 16384 and 65536 texels a side: four minutes; JSON to build/flight_*.json
@@ -396,6 +397,9 @@ bench-smoke: only := smoke
 
 program-size: $B/vxs $B/tests/bench/programs
 	@$(python) tests/bench/program_size.py --build $B
+# programs that draw are known once they are compiled
+gpu-kit: $(unit) $B/vxs
+	@$(python) tests/gpu/kit.py --build $B -o build/gpu-kit.tar.xz
 
 # --- other goals -----------------------------------------------------------------------------------------------------------
 

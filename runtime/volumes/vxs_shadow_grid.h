@@ -106,13 +106,13 @@ VXS_FN vxs_i32 vxs_grid_word_of(VXS_GRID_SIZE size, vxs_i32 column, vxs_i32 row,
 /* Share of the bits [first, end) of an eye ray that is lit, [0, 1]. */
 VXS_FN vxs_real vxs_grid_lit_part(VXS_GRID_WORDS words, VXS_GRID_SIZE size, vxs_i32 column, vxs_i32 row, vxs_i32 first, vxs_i32 end)
 {
-    vxs_u32 dark = 0u;
+    vxs_u32 lit = 0u; /* not 1 - dark / all: in a shader a quotient of equal numbers may be above 1 */
     for (vxs_i32 bit = first; bit < end; bit = (bit | 31) + 1) {
         vxs_u32 mask = 0xffffffffu << (bit & 31);
         if (end <= (bit | 31)) mask &= ~(0xffffffffu << (end & 31));
-        dark += vxs_popcount(vxs_grid_word(words, vxs_grid_word_of(size, column, row, bit)) & mask);
+        lit += vxs_popcount(~vxs_grid_word(words, vxs_grid_word_of(size, column, row, bit)) & mask);
     }
-    return 1.0 - VXS_REAL(dark) / VXS_REAL(end - first);
+    return VXS_REAL(lit) / VXS_REAL(end - first);
 }
 
 /* The eye ray through the middle of a column, on which the voxels of the column lie. */
