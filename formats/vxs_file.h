@@ -1,4 +1,4 @@
-/* Reading .vxs bytes (formats/vxs.md); vxs_write.h writes them. This layer handles bytes only: no scenes, no OpenGL, no printing.
+/* Reading .vxs bytes (formats/vxs.md); vxs_write_file.h writes them. This layer handles bytes only: no scenes, no OpenGL, no printing.
  * Games use runtime/vxs.h, which includes this.
  * Public.
  * SPDX-License-Identifier: MIT */

@@ -22,7 +22,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "vxs_write.h"
+#include "vxs_write_file.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -5,7 +5,7 @@
 
 #include <zstd.h>
 
-#include "vxs_write.h"
+#include "vxs_write_file.h"
 
 /* The sections so far: directory entries and stored bytes, joined at the end. */
 typedef struct vxs_sections {

@@ -20,7 +20,7 @@
 #include "baker/files/output_file.h"
 #include "baker/files/run_files.h"
 #include "baker/scene/light_choice.h"
-#include "formats/vxs_write.h"
+#include "formats/vxs_write_file.h"
 #include "runtime/volumes/vxs_area_light.h"
 
 /* Positions are rounded to this share of the distance between points, much less than the drawn width of a point. */

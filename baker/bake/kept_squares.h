@@ -13,7 +13,7 @@
 #include "baker/bake/cache/square_store.h"
 #include "baker/columns/columns.h"
 #include "baker/columns/square_record.h"
-#include "formats/vxs_write.h"
+#include "formats/vxs_write_file.h"
 
 /* Data common to all parts of a bake: lights, options, metadata of the file, and the bounds that maps gave before fetches. Parts
  * can be merged with it without the scene. Parts with equal bytes belong to one bake. */

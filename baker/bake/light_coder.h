@@ -9,7 +9,7 @@
 #include "baker/coding/blocks/blocks.h"
 #include "baker/coding/dag/build.h"
 #include "baker/columns/columns.h"
-#include "formats/vxs_write.h"
+#include "formats/vxs_write_file.h"
 
 /* A light in its coding. */
 typedef struct coded_light {

@@ -7,7 +7,7 @@
 
 #include "baker/base/array.h"
 #include "formats/vxs_bytes.h"
-#include "formats/vxs_write.h"
+#include "formats/vxs_write_file.h"
 
 /* Append. Each returns 0 without memory. */
 static inline int put_bytes(vxs_bytes *out, const void *bytes, size_t size_bytes)

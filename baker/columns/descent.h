@@ -11,7 +11,7 @@
 #define DESCENT_H
 
 #include "baker/columns/columns.h"
-#include "formats/vxs_write.h"
+#include "formats/vxs_write_file.h"
 
 enum { DESCENT_BATCH = 32 }; /* squares in memory at once; with a square cache also the most in one fetched square */
 

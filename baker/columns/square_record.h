@@ -5,7 +5,7 @@
 #define SQUARE_RECORD_H
 
 #include "baker/columns/columns.h"
-#include "formats/vxs_write.h"
+#include "formats/vxs_write_file.h"
 
 /* Square cache: keeps the results of fetched squares as bytes. A square then need not be fetched and built again, or another
  * process can make it.

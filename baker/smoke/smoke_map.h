@@ -9,7 +9,7 @@
 #include "baker/base/context.h"
 #include "baker/scene/smoke.h"
 #include "baker/smoke/smoke_grid.h"
-#include "formats/vxs_write.h"
+#include "formats/vxs_write_file.h"
 
 /* Smoke as capsules of a scene, and light rays through them: capsules that a tile of a light's map may see, and the exact part of a
  * ray inside each. */

@@ -12,7 +12,7 @@
 #include "baker/bake/plan.h"
 #include "baker/lab/truth/truth.h"
 #include "formats/vxs_format.h"
-#include "formats/vxs_write.h"
+#include "formats/vxs_write_file.h"
 
 enum { RIVAL_ZSTD_LEVEL = 12 }; /* of DAGs in files: what vxs bake does when it is not told otherwise */
 

@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "baker/base/random.h"
-#include "formats/vxs_write.h"
+#include "formats/vxs_write_file.h"
 
 typedef struct dag_sample {
     uint32_t     levels; /* of the map: 2^levels texels a side */

@@ -11,7 +11,7 @@
 
 #include "formats/vxs_bytes.h"
 #include "formats/vxs_findings.h"
-#include "formats/vxs_write.h"
+#include "formats/vxs_write_file.h"
 
 /* reading, and what was found -------------------------------------------------------------------------------------------------- */
 

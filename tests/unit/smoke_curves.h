@@ -4,7 +4,7 @@
 #define SMOKE_CURVES_H
 
 #include "baker/base/random.h"
-#include "formats/vxs_write.h"
+#include "formats/vxs_write_file.h"
 
 enum { CURVES_LOG2 = 4, CURVES_SIDE = 1 << CURVES_LOG2, CURVES_A_MAP = CURVES_SIDE * CURVES_SIDE };
 

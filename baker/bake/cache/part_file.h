@@ -23,7 +23,7 @@
 
 #include "baker/columns/columns.h"
 #include "baker/files/output_file.h"
-#include "formats/vxs_write.h"
+#include "formats/vxs_write_file.h"
 
 #define PART_MAGIC "vxs bake"
 enum { PARTS_MAX = 65536 };

@@ -12,7 +12,7 @@
 #include "baker/base/run_context.h"
 #include "baker/columns/columns.h"
 #include "baker/columns/square_record.h"
-#include "formats/vxs_write.h"
+#include "formats/vxs_write_file.h"
 
 /* A square's record in a file, with its key, its size and a checksum.
  *

@@ -17,7 +17,7 @@
 #include "baker/base/byte_stream.h"
 #include "baker/base/ref_table.h"
 #include "baker/coding/dag/column_tree.h"
-#include "formats/vxs_write.h"
+#include "formats/vxs_write_file.h"
 
 enum { REF_LIT = VXS_REF_LIT, REF_SHADOW = VXS_REF_SHADOW, REF_FIRST = VXS_REF_FIRST, DAG_LEVELS_MAX = 16 };
 

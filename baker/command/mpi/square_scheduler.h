@@ -9,7 +9,7 @@
 #define SQUARE_SCHEDULER_H
 
 #include "baker/columns/columns.h"
-#include "formats/vxs_write.h"
+#include "formats/vxs_write_file.h"
 
 /* A square that a rank makes. */
 typedef struct scheduled_square {

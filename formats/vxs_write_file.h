@@ -1,7 +1,7 @@
 /* Writing .vxs bytes (formats/vxs.md). Not installed: games only read.
  * SPDX-License-Identifier: MIT */
-#ifndef VXS_WRITE_H
-#define VXS_WRITE_H
+#ifndef VXS_WRITE_FILE_H
+#define VXS_WRITE_FILE_H
 
 #include "vxs_file.h"
 
