@@ -10,6 +10,7 @@
 
 #include "baker/bake/bake.h"
 #include "baker/bake/plan.h"
+#include "baker/lab/opengl/depth_maps.h"
 #include "baker/lab/truth/truth.h"
 #include "formats/vxs_format.h"
 #include "formats/vxs_write_file.h"
