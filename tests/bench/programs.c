@@ -147,7 +147,7 @@ static void smoke_of_light(vxs_volumes *v, vxs_volumes_light light, const vxs_sh
 {
     static const vxs_capsule capsule = {{0, 0, 0}, 1, {1, 0, 0}, 1};
     vxs_transmittance_map   *smoke;
-    vxs_transmittance_desc   desc = {.baked = light.baked, .capsules = 16, .segments = segments};
+    vxs_transmittance_desc   desc = {.baked_number = light.baked_number, .capsules = 16, .segments = segments};
     CALL("smoke", vxs_transmittance_map_create(&smoke, v, &desc));
     CALL("smoke", vxs_transmittance_map_build(smoke, &(vxs_capsules){.list = &capsule, .count = 1}, map));
     CALL("smoke", vxs_volumes_transmittance(v, smoke, 1, VXS_CURVE_LINES));
@@ -192,9 +192,10 @@ static void grids(vxs_volumes *v, const vxs_volumes_light *light, const vxs_shad
 static void all_of_light(vxs_volumes *v, uint32_t n)
 {
     vxs_shadow_depth_map *map;
-    vxs_volumes_light     light = {.baked = n, .colour = {1, 1, 1}, .radius_metres = 0.1F};
+    vxs_volumes_light     light = {.baked_number = vxs_baked_number(n), .colour = {1, 1, 1}, .radius_metres = 0.1F};
     CALL("intervals", vxs_volumes_intervals(v, &light));
-    CALL("map", vxs_shadow_depth_map_create(&map, v, &(vxs_shadow_depth_map_desc){.baked = n, .side_px = SIDE_PX, .moves = 1}));
+    CALL("map", vxs_shadow_depth_map_create(
+                    &map, v, &(vxs_shadow_depth_map_desc){.baked_number = vxs_baked_number(n), .side_px = SIDE_PX, .moves = 1}));
     vxs_shadow_depth_map_fill(map, UINT64_MAX);
     CALL("map_join", vxs_shadow_depth_map_join(map, &(vxs_moving_casters){.depth_texture = 1, .width_px = 1, .height_px = 1}, 1));
     CALL("march_map", vxs_volumes_march(v, &light, map, 64, VXS_STEPS_EVEN));
