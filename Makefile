@@ -27,6 +27,8 @@
 #   make bench          measure; a table to read, and JSON to $(BENCH_JSON)
 #   make bench-large    measure maps of up to 262144 texels a side, straight from triangles: five minutes; JSON to build/large.json
 #   make bench-lights   measure frames lit by 165 spot lights; JSON to build/lights.json (tests/bench/lights.py: gl=egl for a graphics card)
+#   make bench-gpu      measure lookups, lists of lights and fog beside rivals: some minutes; VXS_GL=egl size=1920x1080 for a graphics card; JSON to
+#                       build/gpu.json (tests/bench/gpu.py)
 #   make bench-volumes  measure error against time of shadows in fog, smoke and area lights, each technique and its rivals: half an hour; JSON and a page to
 #                       build/volumes.json and .html, plots beside, tables to read. only=room, values=2: of some scenes, of each knob
 #   make gpu-kit        pack what a machine with a graphics processor needs to run unit programs and benches: build/gpu-kit.tar.xz, with a run.sh
@@ -158,10 +160,11 @@ ifneq ($(filter check check-fast,$(MAKECMDGOALS)),)
 without   ?= $(long.unit)
 endif
 unit      := $(filter-out $(without:%=$B/tests/unit/test_%),$(patsubst %.c,$B/%,$(wildcard tests/unit/test_*.c)))
-helper    := $(patsubst %.c,$B/%,tests/exact/exact.c $(filter-out tests/bench/rival_% tests/bench/volumes_%,$(wildcard tests/bench/*.c)))
+helper    := $(patsubst %.c,$B/%,tests/exact/exact.c $(filter-out tests/bench/rival_% tests/bench/volumes_% tests/bench/gpu_%,$(wildcard tests/bench/*.c)))
 exact.o   := $(patsubst %,$B/%.o,$(filter-out %/exact.c,$(wildcard tests/exact/*.c)))
 rival.o   := $(patsubst %.c,$B/%.c.o,$(wildcard tests/bench/rival_*.c))
 volumes_bench.o := $(patsubst %.c,$B/%.c.o,$(wildcard tests/bench/volumes_*.c))
+gpu.o     := $(patsubst %.c,$B/%.c.o,$(wildcard tests/bench/gpu_*.c))
 # the reference of light in the air, and rivals there, with their shaders
 reference.o := $(patsubst %,$B/%.o,$(wildcard tests/volumes/*.c tests/volumes/*.glsl))
 # that rivals hand to a compiler of shaders
@@ -172,11 +175,11 @@ fuzz      := $(addprefix $B/,$(basename $(fuzz.c)))
 # programs whose bytes are .vxs files have the changes and the corpus of fuzz_vxs (tests/fuzz/corpus/NAME.tar.xz is a link to it)
 fuzz.vxs  := tests/fuzz/fuzz_vxs.c tests/fuzz/fuzz_answers.c tests/fuzz/fuzz_shaders.c
 fuzz.loop  = $(if $(filter fuzz,$(config)),$(if $(filter $(fuzz.vxs),$1),tests/fuzz/mutate_vxs.c,$(wildcard $(1:tests/fuzz/fuzz_%=tests/fuzz/mutate_%))),tests/fuzz/replay.c)
-test.o    := $(patsubst $B/%,$B/%.c.o,$(unit) $(helper)) $(patsubst %,$B/%.o,$(fuzz.c) $(foreach f,$(fuzz.c),$(call fuzz.loop,$f))) $(exact.o) $(rival.o) $(volumes_bench.o) $(reference.o) $B/tests/unit/blocks_scalar.c.o $B/tests/unit/lookup_many_scalar.c.o
+test.o    := $(patsubst $B/%,$B/%.c.o,$(unit) $(helper)) $(patsubst %,$B/%.o,$(fuzz.c) $(foreach f,$(fuzz.c),$(call fuzz.loop,$f))) $(exact.o) $(rival.o) $(volumes_bench.o) $(gpu.o) $(reference.o) $B/tests/unit/blocks_scalar.c.o $B/tests/unit/lookup_many_scalar.c.o
 objects    = $(no_lab.c:%=$B/%.o) $(if $(mpi),$(mpi.o),$B/baker/command/mpi/square_scheduler.c.o) $B/baker/main.c.o $(baker.o) $(library.o) $(runtime.o) $(gl.o) $(volumes.o) $(pic.o) $(gl.pic.o) $(volumes.pic.o) $(test.o)
 
 .DELETE_ON_ERROR:
-.PHONY: all unit fuzz fuzzers fuzz-pack fuzz-minimise fuzz-commands demo check check-fast check-unit check-asan check-repeats check-exact check-memory check-faults check-sparse check-cracks check-sanitizers bench bench-bias bench-flight bench-large bench-lights bench-volumes bench-smoke program-size packages format clean
+.PHONY: all unit fuzz fuzzers fuzz-pack fuzz-minimise fuzz-commands demo check check-fast check-unit check-asan check-repeats check-exact check-memory check-faults check-sparse check-cracks check-sanitizers bench bench-bias bench-flight bench-gpu bench-large bench-lights bench-volumes bench-smoke program-size packages format clean
 ifdef core
 all: $B/vxs-core $B/libvxs.a $B/libvxs.so $B/libvxs_bake.a $B/libvxs_bake.so
 else
@@ -214,7 +217,8 @@ $B/tests/exact/exact: $(exact.o)
 $B/tests/bench/rivals: $(rival.o) $(filter-out $B/tests/%,$(shader))
 $B/tests/bench/rivals: test_libs := -lz
 $(patsubst %,$B/tests/bench/%,volumes smoke area): $(volumes_bench.o) $(reference.o)
-$(patsubst %,$B/tests/bench/%,volumes smoke area): test_libs := -lgsl -lgslcblas
+$(patsubst %,$B/tests/bench/%,volumes smoke area gpu): test_libs := -lgsl -lgslcblas
+$B/tests/bench/gpu: $(gpu.o) $(reference.o)
 $B/vxs $B/vxs-core $(mpi) $(unit) $(helper):
 	@echo "  link $@"
 	$Q$(CXX) $(opt) $(linker) $(threaded) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(test_libs) $(libs) $(LDFLAGS)
@@ -385,6 +389,9 @@ bench-flight: $B/vxs $B/tests/bench/flight
 	        --json build/flight_$${px}_$${pack}_$$threads.json || exit 1; done; done; done
 bench-large: $B/vxs $B/tests/bench/two_maps
 	@$(python) tests/bench/large.py --build $B --json build/large.json
+
+bench-gpu: $B/vxs $B/tests/bench/gpu
+	@$(python) tests/bench/gpu.py --vxs $< --gpu $B/tests/bench/gpu $(foreach o,size runs warm,$(if $($o),--$o $($o)))
 
 # of a machine's graphics card: make bench-lights gl=egl size=1920x1080 resolution=8192 frames=200
 bench-lights: $B/vxs

@@ -1,0 +1,125 @@
+# Measure lookups, lists of lights and fog on a graphics processor, each beside its rivals (tests/bench/gpu.c), in a city and in Sponza.
+# Tables, and JSON (--json, docs/gpu.schema.json).
+#
+#     make bench-gpu                                                  # llvmpipe, 320 x 180
+#     VXS_GL=egl make bench-gpu size=1920x1080                        # what EGL finds, for instance a graphics processor
+#
+# On a machine without the repository: --stage bake fills a folder where the programs were built. Then --stage measure needs this file,
+# that folder and tests/bench/gpu alone.
+# SPDX-License-Identifier: GPL-3.0-or-later
+import argparse
+import json
+import os
+import pathlib
+import shutil
+import struct
+import subprocess
+import sys
+import time
+
+CITY_VIEWS = ["street:-20,4,-150,-20,12,0", "above:-180,120,-180,0,0,0"]
+SPONZA_VIEWS = ["hall:-9,2,0.3,8,4.5,-0.5", "above:0,28,3,0,0,0"]
+LAMP_COLUMNS, LAMP_ROWS = 15, 11
+
+
+def with_lamps(scene, out):
+    """The scene without its lights and with a grid of spot lights over it, whose cones overlap: a pixel sees several."""
+    data = scene.read_bytes()
+    size = struct.unpack_from("<I", data, 12)[0]
+    gltf, rest = json.loads(data[20:20 + size]), data[20 + size:]
+    for node in gltf["nodes"]:
+        node.get("extensions", {}).pop("KHR_lights_punctual", None)
+    first = len(gltf["nodes"])
+    lamps = [(c, r) for r in range(LAMP_ROWS) for c in range(LAMP_COLUMNS)]
+    gltf.setdefault("extensions", {})["KHR_lights_punctual"] = {"lights": [
+        {"type": "spot", "name": f"lamp{n}", "intensity": 3000, "range": 220, "spot": {"innerConeAngle": 0.5, "outerConeAngle": 0.87}}
+        for n in range(len(lamps))]}
+    half = 2 ** -0.5
+    gltf["nodes"] += [{"translation": [55 * (c - LAMP_COLUMNS // 2), 80, 55 * (r - LAMP_ROWS // 2)], "rotation": [-half, 0, 0, half],
+                       "extensions": {"KHR_lights_punctual": {"light": n}}} for n, (c, r) in enumerate(lamps)]
+    gltf["scenes"][gltf.get("scene", 0)]["nodes"] += range(first, first + len(lamps))
+    gltf["extensionsUsed"] = sorted({*gltf.get("extensionsUsed", []), "KHR_lights_punctual"})
+    text = json.dumps(gltf).encode()
+    text += b" " * (-len(text) % 4)
+    out.write_bytes(struct.pack("<4sIIII", b"glTF", 2, 20 + len(text) + len(rest), len(text), 0x4E4F534A) + text + rest)
+
+
+def bake(args):
+    """Scenes and assets in the folder. Sponza is left out where it is not."""
+    folder, vxs = args.folder, args.vxs
+    folder.mkdir(parents=True, exist_ok=True)
+
+    def made(scene, name, *options):
+        subprocess.run([vxs, "bake", folder / scene, "-o", folder / name, "--force", "--quiet", *map(str, options)], check=True)
+
+    subprocess.run([vxs, "scene", "city", "--triangles", "100000", "--blocks", "8", "-o", folder / "city.glb", "--force", "--quiet"], check=True)
+    scenes = {"city": []}
+    sys.path.insert(0, str(pathlib.Path(__file__).parent))
+    from tables import SPONZA, SPONZA_SUN
+    (folder / "sponza.glb").unlink(missing_ok=True)
+    if SPONZA.is_file():
+        shutil.copy(SPONZA, folder / "sponza.glb")
+        scenes["sponza"] = ["--sun", SPONZA_SUN]
+    for scene, sun in scenes.items():
+        for px in args.resolutions:
+            for coding in ("blocks", "dag"):
+                made(f"{scene}.glb", f"{scene}-{px}-{coding}.vxs", "--resolution", px, "--coding", coding, *sun)
+    with_lamps(folder / "city.glb", folder / "lamps.glb")
+    made("lamps.glb", "lamps.vxs", "--resolution", args.lamp_resolution)
+
+
+def measure(args):
+    """The report of each part."""
+    folder = args.folder
+    assets = {scene: [folder / f"{scene}-{px}-{coding}.vxs" for px in args.resolutions for coding in ("blocks", "dag")] for scene in ("city", "sponza")}
+    parts = [("city", assets["city"], CITY_VIEWS, []),
+             ("city", assets["city"][:1], CITY_VIEWS, ["--only", "fog", "--fog", "0.01"]),
+             ("lamps", [folder / "lamps.vxs"], CITY_VIEWS, []),
+             # textures hold sizes of their asset, so each needs programs of its own: the city tells what they cost
+             ("sponza", assets["sponza"], SPONZA_VIEWS, ["--storage", "buffer"])]
+    width, height = args.size.split("x")
+    reports, skipped, status = [], [], 0
+    for scene, files, views, options in parts:
+        if not (folder / f"{scene}.glb").is_file():
+            skipped.append(f"{scene}: there is no {folder / scene}.glb")
+            print(f"skipped: {skipped[-1]}\n")
+            continue
+        begin = time.monotonic()
+        out = folder / "part.json"
+        command = [args.gpu, folder / f"{scene}.glb", *files, *(word for v in views for word in ("--view", v)), "--width", width, "--height", height,
+                   "--runs", str(args.runs), "--warm", str(args.warm), "--force", "--json", out, *options]
+        done = subprocess.run(command)
+        if done.returncode > 1:
+            skipped.append(f"{scene} {' '.join(options)}: exit status {done.returncode}")
+            print(f"failed: {skipped[-1]}\n", flush=True)
+            status = 2
+            continue
+        status = max(status, done.returncode)
+        reports.append(json.loads(out.read_text()))
+        out.unlink()
+        print(f"\n{time.monotonic() - begin:.0f} s\n", flush=True)
+    args.json.write_text(json.dumps({"parts": reports, "skipped": skipped}, indent=2) + "\n")
+    print(args.json)
+    return status
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--vxs", default="build/release/vxs", help="to bake")
+    parser.add_argument("--gpu", default="build/release/tests/bench/gpu", help="to measure")
+    parser.add_argument("--folder", type=pathlib.Path, default=pathlib.Path("build/gpu"), help="of scenes and assets")
+    parser.add_argument("--json", type=pathlib.Path, default=pathlib.Path("build/gpu.json"))
+    parser.add_argument("--stage", choices=["all", "bake", "measure"], default="all")
+    parser.add_argument("--size", default="320x180")
+    parser.add_argument("--resolutions", type=int, nargs="+", default=[4096, 16384])
+    parser.add_argument("--lamp-resolution", type=int, default=4096)
+    parser.add_argument("--runs", type=int, default=61)
+    parser.add_argument("--warm", type=int, default=250 if os.environ.get("VXS_GL") == "egl" else 0, help="milliseconds of work before each figure")
+    args = parser.parse_args()
+    if args.stage != "measure":
+        bake(args)
+    sys.exit(measure(args) if args.stage != "bake" else 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,68 @@
+# tests/bench/gpu: its answers agree with depth maps of the same depths, what it prints is what it writes, and both are what the schema says.
+# SPDX-License-Identifier: GPL-3.0-or-later
+import json
+import pathlib
+import subprocess
+
+import jsonschema
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+VIEW = ["--view", "street:-20,4,-150,-20,12,0", "--width", "48", "--height", "32", "--runs", "1", "--warm", "0"]
+
+
+@pytest.fixture(scope="module")
+def gpu(vxs_path):
+    path = vxs_path.parent / "tests" / "bench" / "gpu"
+    if not path.is_file():
+        pytest.skip(f"no program at {path}: build it")
+    return lambda *options: subprocess.run([path, *map(str, options)], capture_output=True, text=True, timeout=300)
+
+
+@pytest.fixture(scope="module")
+def folder(vxs, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("gpu")
+    assert vxs("scene", "city", "-o", folder / "city.glb", "--triangles", 20000, "--spots", 8).returncode == 0
+    for name, options in {"blocks": ["--light", "sun"], "dag": ["--light", "sun", "--coding", "dag"], "all": []}.items():
+        assert vxs("bake", folder / "city.glb", "-o", folder / f"{name}.vxs", "--resolution", 512, *options).returncode == 0
+    return folder
+
+
+def report(done, path):
+    assert done.returncode == 0, done.stderr
+    part = json.loads(path.read_text())
+    jsonschema.validate({"parts": [part], "skipped": []}, json.loads((ROOT / "docs" / "gpu.schema.json").read_text()))
+    return part["rows"]
+
+
+def test_answers_of_rivals_are_equal(gpu, folder, tmp_path):
+    done = gpu(folder / "city.glb", folder / "blocks.vxs", folder / "dag.vxs", *VIEW, "--json", tmp_path / "out.json")
+    rows = report(done, tmp_path / "out.json")
+    compared = {f"{row['group']}: {row['name']}": row["pixels_differ"] for row in rows if "pixels_differ" in row}
+    for name in ("9 x 9 box: 16 bits, 81 fetches", "9 x 9 box: 32 bits, 25 comparisons", "9 x 9 smooth: 16 bits, 25 comparisons (rival)",
+                 "3 x 3 box: 16 bits, 4 comparisons (rival)", "1 tap: 32 bits, 1 comparison", "9 x 9 box: blocks, texture"):
+        assert compared[name] == 0
+    assert {row["name"] for row in rows if row["group"] == "9 x 9 box"} >= {
+        "blocks, buffer", "blocks, texture", "DAG, buffer", "DAG, texture", "16 bits, 25 gathers", "16 bits, cascades, 25 comparisons"}
+    rival = next(row for row in rows if row["group"] == "9 x 9 box" and "(rival)" in row["name"])
+    words = next(row for row in rows if row["group"] == "9 x 9 box" and row["name"] == "blocks, buffer")
+    assert words["of_rival"] == pytest.approx(words["ms"]["median"] / rival["ms"]["median"])
+    assert rival["bytes"] == 2 * 512 * 512
+    assert f"{words['of_rival']:.2f}" in done.stdout
+
+
+def test_lists_light_as_all_lights_do_and_fog_has_errors(gpu, folder, tmp_path):
+    rows = report(gpu(folder / "city.glb", folder / "all.vxs", *VIEW, "--json", tmp_path / "out.json"), tmp_path / "out.json")
+    assert [row["pixels_differ"] for row in rows if row["name"] == "lists, 9 x 9 box"] == [0]
+    assert 0 < next(row["lights_listed"] for row in rows if "lights_listed" in row) <= 9
+    rows = report(gpu(folder / "city.glb", folder / "blocks.vxs", *VIEW, "--only", "fog", "--fog", "0.01", "--json", tmp_path / "fog.json"), tmp_path / "fog.json")
+    errors = {row["name"]: row["relative_rms"] for row in rows}
+    assert errors["exact intervals"] == 0 < errors["march of a map, 128 steps"] < errors["march of a map, 64 steps (rival)"] < 0.2
+    assert 0 < errors["froxels, 160 x 90 x 64"] < 0.2
+
+
+def test_what_is_wrong_is_said(gpu, folder):
+    assert gpu().returncode == 2
+    for view in ([], ["--view", "street:1,2,3"], ["--view", "nothing"]):
+        done = gpu(folder / "city.glb", folder / "blocks.vxs", *view)
+        assert done.returncode == 2 and "--view" in done.stderr and not done.stdout
