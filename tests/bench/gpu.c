@@ -305,9 +305,11 @@ static vxs_result measure_file(gpu_bench *b, const char *path, uint32_t *last_le
         r = gpu_measure_lights(b, asset, m);
     else {
         *last_levels = levels;
+        /* what cannot be drawn does not keep the rest from being measured */
         if (!b->only) r = gpu_measure_lookups(b, asset, is_first, m);
-        if (r == VXS_OK && is_first && !b->only) r = gpu_measure_rivals(b, asset, m);
-        if (r == VXS_OK && has_fog) r = gpu_measure_fog(b, asset, m);
+        vxs_result rivals = is_first && !b->only ? gpu_measure_rivals(b, asset, m) : VXS_OK;
+        vxs_result fog    = has_fog ? gpu_measure_fog(b, asset, m) : VXS_OK;
+        r                 = r != VXS_OK ? r : rivals != VXS_OK ? rivals : fog;
     }
     vxs_asset_close(asset);
     return r;
@@ -317,13 +319,16 @@ static vxs_result run(void *command, run_context *m)
 {
     gpu_bench *b      = command;
     uint32_t   levels = 0;
-    vxs_result r      = read_views(b, m);
+    vxs_result failed = VXS_OK, r = read_views(b, m);
     if (r == VXS_OK) r = open_gl(b, m);
     if (r == VXS_OK) r = see_all(b, m);
     b->rows = json_array();
-    for (size_t n = 0; n < b->asset_paths.count && r == VXS_OK; n++)
-        r = measure_file(b, b->asset_paths.items[n], &levels, n == 0 && b->fog_per_metre > 0, m);
-    if (r == VXS_OK) r = gpu_report(b, m);
+    for (size_t n = 0; r == VXS_OK && n < b->asset_paths.count; n++) {
+        vxs_result file = measure_file(b, b->asset_paths.items[n], &levels, n == 0 && b->fog_per_metre > 0, m);
+        if (failed == VXS_OK) failed = file;
+    }
+    if (r == VXS_OK && json_array_size(b->rows)) r = gpu_report(b, m);
+    if (r == VXS_OK) r = failed;
     for (size_t n = 0; n < b->view_count; n++)
         for (int f = 0; f < GPU_FILTERS; f++) free(b->views[n].lit[f]);
     json_decref(b->rows);

@@ -86,17 +86,17 @@ def measure(args):
             continue
         begin = time.monotonic()
         out = folder / "part.json"
+        out.unlink(missing_ok=True)
         command = [args.gpu, folder / f"{scene}.glb", *files, *(word for v in views for word in ("--view", v)), "--width", width, "--height", height,
                    "--runs", str(args.runs), "--warm", str(args.warm), "--force", "--json", out, *options]
         done = subprocess.run(command)
         if done.returncode > 1:
             skipped.append(f"{scene} {' '.join(options)}: exit status {done.returncode}")
-            print(f"failed: {skipped[-1]}\n", flush=True)
-            status = 2
-            continue
-        status = max(status, done.returncode)
-        reports.append(json.loads(out.read_text()))
-        out.unlink()
+            print(f"failed: {skipped[-1]}", flush=True)
+        status = max(status, min(done.returncode, 2) if done.returncode >= 0 else 2)
+        if out.exists():  # of a part that failed, what was measured
+            reports.append(json.loads(out.read_text()))
+            out.unlink()
         print(f"\n{time.monotonic() - begin:.0f} s\n", flush=True)
     args.json.write_text(json.dumps({"parts": reports, "skipped": skipped}, indent=2) + "\n")
     print(args.json)

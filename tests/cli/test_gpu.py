@@ -23,7 +23,7 @@ def gpu(vxs_path):
 def folder(vxs, tmp_path_factory):
     folder = tmp_path_factory.mktemp("gpu")
     assert vxs("scene", "city", "-o", folder / "city.glb", "--triangles", 20000, "--spots", 8).returncode == 0
-    for name, options in {"blocks": ["--light", "sun"], "dag": ["--light", "sun", "--coding", "dag"], "all": []}.items():
+    for name, options in {"blocks": ["--light", "sun"], "all": []}.items():
         assert vxs("bake", folder / "city.glb", "-o", folder / f"{name}.vxs", "--resolution", 512, *options).returncode == 0
     return folder
 
@@ -36,14 +36,14 @@ def report(done, path):
 
 
 def test_answers_of_rivals_are_equal(gpu, folder, tmp_path):
-    done = gpu(folder / "city.glb", folder / "blocks.vxs", folder / "dag.vxs", *VIEW, "--json", tmp_path / "out.json")
+    done = gpu(folder / "city.glb", folder / "blocks.vxs", *VIEW, "--json", tmp_path / "out.json")
     rows = report(done, tmp_path / "out.json")
     compared = {f"{row['group']}: {row['name']}": row["pixels_differ"] for row in rows if "pixels_differ" in row}
     for name in ("9 x 9 box: 16 bits, 81 fetches", "9 x 9 box: 32 bits, 25 comparisons", "9 x 9 smooth: 16 bits, 25 comparisons (rival)",
                  "3 x 3 box: 16 bits, 4 comparisons (rival)", "1 tap: 32 bits, 1 comparison", "9 x 9 box: blocks, texture"):
         assert compared[name] == 0
     assert {row["name"] for row in rows if row["group"] == "9 x 9 box"} >= {
-        "blocks, buffer", "blocks, texture", "DAG, buffer", "DAG, texture", "16 bits, 25 gathers", "16 bits, cascades, 25 comparisons"}
+        "blocks, buffer", "blocks, texture", "16 bits, 25 gathers", "16 bits, cascades, 25 comparisons"}
     rival = next(row for row in rows if row["group"] == "9 x 9 box" and "(rival)" in row["name"])
     words = next(row for row in rows if row["group"] == "9 x 9 box" and row["name"] == "blocks, buffer")
     assert words["of_rival"] == pytest.approx(words["ms"]["median"] / rival["ms"]["median"])
