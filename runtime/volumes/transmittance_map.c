@@ -174,13 +174,18 @@ static int is_of_its_light(const vxs_transmittance_map *map, const vxs_shadow_de
     return opaque->layers == map->layers && opaque->is_baked == map->is_baked && (!map->is_baked || opaque->baked == map->baked);
 }
 
+gl_name vxs_transmittance_builder(const vxs_transmittance_map *map)
+{
+    return vxs_transmittance_program(
+        map, map->names, map->segment_room ? vxs_volumes_text_transmittance_build_glsl : vxs_volumes_text_transmittance_stream_glsl);
+}
+
 vxs_result vxs_transmittance_map_build_drawn(vxs_transmittance_map *map, const vxs_capsules *capsules,
                                              const vxs_shadow_depth_map *opaque, void (*draw)(void *user), void *user)
 {
     if (capsules->count > map->capsule_room || (capsules->count && !capsules->list && !capsules->buffer)) return VXS_E_ARGUMENT;
     if ((opaque && !is_of_its_light(map, opaque)) || (draw && !map->segment_room)) return VXS_E_ARGUMENT;
-    const char *text = map->segment_room ? vxs_volumes_text_transmittance_build_glsl : vxs_volumes_text_transmittance_stream_glsl;
-    gl_name build = vxs_transmittance_program(map, map->names, text);
+    gl_name      build = vxs_transmittance_builder(map);
     storage_kept kept = vxs_volumes_keep_storage(map->volumes);
     vxs_transmittance_capture(map, capsules, opaque);
     if (draw) {

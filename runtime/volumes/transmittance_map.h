@@ -21,6 +21,9 @@ struct vxs_transmittance_map {
 /* A program for curves with as many nodes as the map's; after more lines of #define. */
 gl_name vxs_transmittance_program(const vxs_transmittance_map *map, const char *names, const char *body);
 
+/* The program that builds a map's curves. */
+gl_name vxs_transmittance_builder(const vxs_transmittance_map *map);
+
 /* Whether the sizes in a description are valid. */
 int vxs_transmittance_is_size(uint32_t side_px, uint32_t nodes, uint32_t capsules);
 

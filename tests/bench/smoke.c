@@ -132,7 +132,7 @@ static vxs_result build(bench *b, void *state, uint32_t nodes)
     (void)nodes;
     vxs_transmittance_set(c->map, NULL, b->smoke->capsule_count);
     vxs_volumes_use_storage(b->volumes, c->map->buffer, 0);
-    vxs_transmittance_run(c->map, c->map->build, NULL);
+    vxs_transmittance_run(c->map, vxs_transmittance_builder(c->map), NULL);
     vxs_volumes_put_back_storage(b->volumes, &kept);
     return VXS_OK;
 }

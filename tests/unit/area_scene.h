@@ -187,6 +187,7 @@ static inline int area_set_up(void **state)
 static inline int area_tear_down(void **state)
 {
     (void)state;
+    if (!scene.gl) return 0; /* the tests were skipped */
     assert_int_equal(scene.gl->GetError(), GL_NO_ERROR);
     vxs_area_light_destroy(light);
     scene_close(&scene);
