@@ -107,7 +107,7 @@ struct vxs_walk {
 
 VXS_FN vxs_i32 vxs_walk_is_sun(VXS_LIGHT light)
 {
-    return VXS_FIELD(light, kind) == VXS_LIGHT_KIND_DIRECTIONAL ? 1 : 0;
+    return VXS_KIND(light) == VXS_LIGHT_KIND_DIRECTIONAL ? 1 : 0;
 }
 
 VXS_FN vxs_i32 vxs_walk_side(VXS_LIGHT light)
@@ -156,7 +156,7 @@ VXS_FN vxs_real vxs_walk_quadrics(VXS_LIGHT light, const vxs_real3 from, const v
     for (vxs_i32 n = 0; n < 3; n++) near[n] = from[n] + middle * along[n];
     vxs_real slope = vxs_walk_dot(near, along), distance2 = vxs_walk_dot(near, near), cos2 = outer * outer;
     if (range > 0.0) next = vxs_walk_roots(middle, length, slope, distance2 - range * range, t, next);
-    if (VXS_FIELD(light, kind) == VXS_LIGHT_KIND_POINT) return next;
+    if (VXS_KIND(light) == VXS_LIGHT_KIND_POINT) return next;
     next = vxs_walk_plane(from[2], along[2], t, next); /* a second cone lies behind the light */
     return vxs_walk_roots(middle, along[2] * along[2] - cos2 * length, near[2] * along[2] - cos2 * slope,
                           near[2] * near[2] - cos2 * distance2, t, next);
@@ -175,7 +175,7 @@ VXS_FN vxs_real vxs_walk_next_cut(VXS_LIGHT light, VXS_WALK w, vxs_real t)
     }
     if (is_sun != 0) return next;
     next = vxs_walk_quadrics(light, VXS_FIELD(w, from), VXS_FIELD(w, along), t, next);
-    for (vxs_i32 a = 0; a < 3 && (VXS_FIELD(light, flags) & VXS_LIGHT_CUBE) != 0u; a++) {
+    for (vxs_i32 a = 0; a < 3 && VXS_IS_CUBE(light); a++) {
         vxs_i32  b      = (a + 1) % 3;
         vxs_real from_a = VXS_FIELD(w, from)[a], from_b = VXS_FIELD(w, from)[b];
         vxs_real along_a = VXS_FIELD(w, along)[a], along_b = VXS_FIELD(w, along)[b];
@@ -609,7 +609,7 @@ VXS_INLINE vxs_i32 vxs_walk_in_blocks(VXS_WORDS blocks, VXS_LIGHT light, VXS_WAL
 VXS_FN vxs_box vxs_walk_box_of_dag(VXS_WORDS dag, VXS_LIGHT light, vxs_i32 map, vxs_i32 i, vxs_i32 j, vxs_i32 k)
 {
     vxs_box box;
-    vxs_u32 node = (VXS_FIELD(light, flags) & VXS_LIGHT_CUBE) != 0u ? vxs_face_root(dag, VXS_U(map)) : 0u, state = 2u, states;
+    vxs_u32 node = vxs_root_of(dag, light, map), state = 2u, states;
     vxs_u32 bit = VXS_FIELD(light, levels);
     while (state >= 2u && bit > 3u) {
         bit--;
@@ -662,8 +662,10 @@ VXS_INLINE vxs_i32 vxs_walk_step(VXS_WORDS words, VXS_LIGHT light, VXS_WALK w)
         return VXS_FIELD(w, outside);
     }
     if (VXS_FIELD(w, voxel)[2] < 0) return vxs_walk_in_front(light, w);
-    if (VXS_FIELD(light, coding) == VXS_CODING_BLOCKS) return vxs_walk_in_blocks(words, light, w);
-    return vxs_walk_in_dag(words, light, w);
+    if (VXS_CODING(light) == VXS_CODING_BLOCKS)
+        return vxs_walk_in_blocks(words, light, w);
+    else
+        return vxs_walk_in_dag(words, light, w);
 }
 
 /* The walk passed from `from` to t in state `next`. Returns 1 if this ends an interval of the wanted state; then `span` is

@@ -80,7 +80,7 @@ VXS_FN vxs_i32 vxs_smoke_place(VXS_LIGHT light, const vxs_real3 point_ws, vxs_re
     vxs_real  side = VXS_REAL(VXS_I(1) << VXS_FIELD(light, levels));
     vxs_i32   map  = 0;
     vxs_ls_from_ws(light, point_ws, VXS_REAL(1.0), ls);
-    if (VXS_FIELD(light, kind) == VXS_LIGHT_KIND_DIRECTIONAL) {
+    if (VXS_KIND(light) == VXS_LIGHT_KIND_DIRECTIONAL) {
         place[0] = ls[0];
         place[1] = ls[1];
         place[2] = ls[2] * VXS_FIELD(light, voxel_metres);

@@ -115,6 +115,25 @@ struct vxs_light_constants {
 #define VXS_FILTER_MAX             17
 #define VXS_SMOOTH                 256
 
+/* A shader may define what all of its lights have in common, as plain numbers: code for others is then not compiled.
+ *     VXS_ONLY_KIND    the kind of light, 1 to 3;   VXS_ONLY_CUBE  1: six maps, 0: one map
+ *     VXS_ONLY_CODING  the coding of the words, 1 or 2 */
+#ifdef VXS_ONLY_KIND
+#define VXS_KIND(light) VXS_U(VXS_ONLY_KIND)
+#else
+#define VXS_KIND(light) VXS_FIELD(light, kind)
+#endif
+#ifdef VXS_ONLY_CUBE
+#define VXS_IS_CUBE(light) (VXS_ONLY_CUBE != 0)
+#else
+#define VXS_IS_CUBE(light) ((VXS_FIELD(light, flags) & VXS_LIGHT_CUBE) != 0u)
+#endif
+#ifdef VXS_ONLY_CODING
+#define VXS_CODING(light) VXS_U(VXS_ONLY_CODING)
+#else
+#define VXS_CODING(light) VXS_FIELD(light, coding)
+#endif
+
 /* maps ------------------------------------------------------------------------------------------------------------------------ */
 
 /* Axis n (0 across, 1 down, 2 away from the light) of face `face` of a cube, as an axis of light space. Face 2a looks along
@@ -142,17 +161,20 @@ VXS_FN vxs_real vxs_face_sign(vxs_i32 face)
 /* The cube face of a map. The single map of a light without six maps has the axes of light space, as face 4 has. */
 VXS_FN vxs_i32 vxs_face_of_map(VXS_LIGHT light, vxs_i32 map)
 {
-    return (VXS_FIELD(light, flags) & VXS_LIGHT_CUBE) != 0u ? map : 4;
+    return VXS_IS_CUBE(light) ? map : 4;
 }
 
 /* The map that contains a point of light space: of six maps, the one along its longest axis; if axes are equally long, the
  * first. */
 VXS_FN vxs_i32 vxs_map_from_ls(VXS_LIGHT light, const vxs_real3 ls)
 {
-    if ((VXS_FIELD(light, flags) & VXS_LIGHT_CUBE) == 0u) return 0;
-    vxs_i32 along = vxs_abs(ls[1]) > vxs_abs(ls[0]) ? 1 : 0;
-    if (vxs_abs(ls[2]) > vxs_abs(ls[along])) along = 2;
-    return 2 * along + (ls[along] < 0.0 ? 1 : 0);
+    vxs_i32 map = 0;
+    if (VXS_IS_CUBE(light)) {
+        vxs_i32 along = vxs_abs(ls[1]) > vxs_abs(ls[0]) ? 1 : 0;
+        if (vxs_abs(ls[2]) > vxs_abs(ls[along])) along = 2;
+        map = 2 * along + (ls[along] < 0.0 ? 1 : 0);
+    }
+    return map;
 }
 
 /* Light space to the space of a face: across, down, and away from the light. */
@@ -338,7 +360,7 @@ VXS_FN vxs_i32 vxs_in_reach(VXS_LIGHT light, const vxs_real3 ls)
     vxs_real range     = VXS_FIELD(light, range_metres);
     if (!(distance2 - distance2 == 0.0)) return 0;
     if (range > 0.0 && distance2 > range * range) return 0;
-    return VXS_FIELD(light, kind) == VXS_LIGHT_KIND_POINT || ls[2] >= VXS_FIELD(light, cos_outer) * sqrt(distance2) ? 1 : 0;
+    return VXS_KIND(light) == VXS_LIGHT_KIND_POINT || ls[2] >= VXS_FIELD(light, cos_outer) * sqrt(distance2) ? 1 : 0;
 }
 
 /* u or v in the map of a spot or point light, for a point at `across` metres along that axis and z away from the light. */
@@ -387,8 +409,10 @@ VXS_FN vxs_place vxs_lamp_place(VXS_LIGHT light, const vxs_real3 point_ws, const
  * filter_px  the filter of the lookup, as for vxs_lit */
 VXS_FN vxs_place vxs_place_from_ws(VXS_LIGHT light, const vxs_real3 point_ws, const vxs_real3 normal_ws, vxs_i32 filter_px)
 {
-    if (VXS_FIELD(light, kind) == VXS_LIGHT_KIND_DIRECTIONAL) return vxs_sun_place(light, point_ws, normal_ws, filter_px);
-    return vxs_lamp_place(light, point_ws, normal_ws, filter_px);
+    if (VXS_KIND(light) == VXS_LIGHT_KIND_DIRECTIONAL)
+        return vxs_sun_place(light, point_ws, normal_ws, filter_px);
+    else /* if one kind is compiled, nothing follows what is returned */
+        return vxs_lamp_place(light, point_ws, normal_ws, filter_px);
 }
 
 /* The voxel of vxs_place_from_ws. Returns its map. */
@@ -404,38 +428,53 @@ VXS_FN vxs_i32 vxs_voxel_from_ws(VXS_LIGHT light, const vxs_real3 point_ws, cons
 
 /* lookup ---------------------------------------------------------------------------------------------------------------------- */
 
-/* Only the next two functions depend on the coding of the words. Without vxs_lookup_blocks.h all words are assumed to be
+/* Only the next four functions depend on the coding of the words. Without vxs_lookup_blocks.h all words are assumed to be
  * DAGs. */
+
+/* Where the root of a map of a DAG is. */
+VXS_FN vxs_u32 vxs_root_of(VXS_WORDS dag, VXS_LIGHT light, vxs_i32 map)
+{
+    return VXS_IS_CUBE(light) ? vxs_face_root(dag, VXS_U(map)) : 0u;
+}
+
+/* 1 if voxel (i, j, k) of a map is in shadow, else 0; each of i, j, k in [0, 2^levels).   coded  the words of the light */
+VXS_FN vxs_u32 vxs_shadow_tap(VXS_WORDS coded, VXS_LIGHT light, vxs_i32 map, vxs_i32 i, vxs_i32 j, vxs_u32 k)
+{
+#ifdef VXS_LOOKUP_BLOCKS_H
+    if (VXS_CODING(light) == VXS_CODING_BLOCKS)
+        return vxs_blocks_shadow(coded, VXS_U(map), VXS_FIELD(light, levels), VXS_U(i), VXS_U(j), k);
+    else
+#endif
+        return vxs_shadow(coded, vxs_root_of(coded, light, map), VXS_FIELD(light, levels), VXS_U(i), VXS_U(j), k);
+}
 
 /* Number of the filter_px x filter_px texels centred on (i, j) of a map that are in shadow at depth k, [0, 2^levels).
  * coded  the words of the light
  * i, j   in the map if filter_px is 1, else as for vxs_shadow_count;   filter_px  odd, 1 to VXS_FILTER_MAX */
 VXS_FN vxs_u32 vxs_shadow_taps(VXS_WORDS coded, VXS_LIGHT light, vxs_i32 map, vxs_i32 i, vxs_i32 j, vxs_u32 k, vxs_i32 filter_px)
 {
-    vxs_u32 levels = VXS_FIELD(light, levels), root = 0u;
+    vxs_u32 levels = VXS_FIELD(light, levels);
+    if (filter_px == 1) return vxs_shadow_tap(coded, light, map, i, j, k);
 #ifdef VXS_LOOKUP_BLOCKS_H
-    if (VXS_FIELD(light, coding) == VXS_CODING_BLOCKS) {
-        if (filter_px == 1) return vxs_blocks_shadow(coded, VXS_U(map), levels, VXS_U(i), VXS_U(j), k);
+    if (VXS_CODING(light) == VXS_CODING_BLOCKS)
         return vxs_blocks_shadow_count(coded, VXS_U(map), levels, i, j, k, filter_px);
-    }
+    else
 #endif
-    if ((VXS_FIELD(light, flags) & VXS_LIGHT_CUBE) != 0u) root = vxs_face_root(coded, VXS_U(map));
-    if (filter_px == 1) return vxs_shadow(coded, root, levels, VXS_U(i), VXS_U(j), k);
-    return vxs_shadow_count(coded, root, levels, i, j, k, filter_px);
+        return vxs_shadow_count(coded, vxs_root_of(coded, light, map), levels, i, j, k, filter_px);
 }
 
 /* Shadowed part of a smooth box of width_px x width_px texels around a place of a map at depth k, [0, 2^levels), in units of
  * 1 / (65536 width_px width_px). */
 VXS_FN vxs_u32 vxs_shadow_part(VXS_WORDS coded, VXS_LIGHT light, vxs_place place, vxs_u32 k, vxs_i32 width_px)
 {
-    vxs_u32 levels = VXS_FIELD(light, levels), root = 0u;
+    vxs_u32 levels = VXS_FIELD(light, levels);
     vxs_i32 i = place.voxel[0], j = place.voxel[1];
 #ifdef VXS_LOOKUP_BLOCKS_H
-    if (VXS_FIELD(light, coding) == VXS_CODING_BLOCKS)
+    if (VXS_CODING(light) == VXS_CODING_BLOCKS)
         return vxs_blocks_shadow_weight(coded, VXS_U(place.map), levels, i, j, place.across, place.down, k, width_px);
+    else
 #endif
-    if ((VXS_FIELD(light, flags) & VXS_LIGHT_CUBE) != 0u) root = vxs_face_root(coded, VXS_U(place.map));
-    return vxs_shadow_weight(coded, root, levels, i, j, place.across, place.down, k, width_px);
+        return vxs_shadow_weight(coded, vxs_root_of(coded, light, place.map), levels, i, j, place.across, place.down, k, width_px);
 }
 
 /* The lit fraction, 0 to 1, of a filter around a place whose map is not -1. In front of the map all is lit; behind the map
@@ -484,7 +523,7 @@ VXS_FN vxs_i32 vxs_is_full_at_place(VXS_WORDS coded, VXS_LIGHT light, vxs_place 
 #ifdef VXS_LOOKUP_BLOCKS_H
     vxs_u32 levels = VXS_FIELD(light, levels), map = VXS_U(place.map);
     vxs_i32 last = (VXS_I(1) << levels) - 1, width = vxs_filter_width(filter_px), i = place.voxel[0], j = place.voxel[1];
-    if (VXS_FIELD(light, coding) != VXS_CODING_BLOCKS || place.voxel[2] < 0) return 1;
+    if (VXS_CODING(light) != VXS_CODING_BLOCKS || place.voxel[2] < 0) return 1;
     vxs_u32 k = VXS_U(place.voxel[2] < last ? place.voxel[2] : last);
     if (filter_px < VXS_SMOOTH) return VXS_I(vxs_blocks_is_full(coded, map, levels, i, j, k, width));
     return VXS_I(vxs_blocks_weight_is_full(coded, map, levels, i, j, place.across, place.down, k, width));
@@ -528,7 +567,7 @@ VXS_FN void vxs_ws_from_voxel(VXS_LIGHT light, vxs_i32 map, const vxs_real3 at, 
     ls[0] = at[0];
     ls[1] = at[1];
     ls[2] = at[2];
-    if (VXS_FIELD(light, kind) != VXS_LIGHT_KIND_DIRECTIONAL) {
+    if (VXS_KIND(light) != VXS_LIGHT_KIND_DIRECTIONAL) {
         vxs_real3 p;
         vxs_real  middle = 0.5 * VXS_REAL(VXS_I(1) << VXS_FIELD(light, levels));
         p[2]             = VXS_FIELD(light, near_metres) * exp(at[2] * VXS_FIELD(light, voxel_metres));

@@ -7,7 +7,7 @@ int vxs_first_shadow(vxs_light_constants light, int map, int i, int j)
     int first = 0, end = 1 << light.levels;
     while (first < end) {
         int middle = (first + end) >> 1;
-        if (vxs_shadow_taps(light.first_word, light, map, i, j, uint(middle), 1) != 0u)
+        if (vxs_shadow_tap(light.first_word, light, map, i, j, uint(middle)) != 0u)
             end = middle;
         else
             first = middle + 1;
@@ -19,5 +19,5 @@ int vxs_first_shadow(vxs_light_constants light, int map, int i, int j)
 float vxs_first_depth(vxs_light_constants light, int voxel)
 {
     if (voxel >= 1 << light.levels) return VXS_NO_END;
-    return light.kind == VXS_LIGHT_KIND_DIRECTIONAL ? float(voxel) : light.near_metres * exp(float(voxel) * light.voxel_metres);
+    return VXS_KIND(light) == VXS_LIGHT_KIND_DIRECTIONAL ? float(voxel) : light.near_metres * exp(float(voxel) * light.voxel_metres);
 }

@@ -58,7 +58,7 @@ vxs_medium vxs_frame_medium()
 vxs_air_light vxs_frame_light()
 {
     vxs_air_light light;
-    light.kind          = vxs_frame.light.kind;
+    light.kind          = VXS_KIND(vxs_frame.light);
     light.place         = vxs_frame.place.xyz;
     light.axis          = vxs_frame.axis.xyz;
     light.cos_inner     = vxs_frame.place.w;
@@ -116,7 +116,7 @@ bool vxs_map_texel(vec3 ls, out ivec3 texel, out float depth)
     vec2  at;
     depth = ls.z;
     texel = ivec3(0);
-    if (vxs_frame.light.kind == VXS_LIGHT_KIND_DIRECTIONAL) {
+    if (VXS_KIND(vxs_frame.light) == VXS_LIGHT_KIND_DIRECTIONAL) {
         float baked = float(1u << vxs_frame.light.levels);
         at = ls.xy * (side / baked);
         if ((vxs_frame.light.flags & VXS_LIGHT_BOUNDED) != 0u && !(depth >= 0.0 && depth < baked)) return false;

@@ -26,7 +26,7 @@ void main()
     vxs_walk     w = vxs_walk_of(vxs_frame.light, vxs_frame.eye_far.xyz, direction, begin, path.end);
     vxs_span     span;
     if (in_pieces) w.pause = w.steps - VXS_INTERVALS_STEPS;
-    if (path.kind == VXS_LIGHT_KIND_DIRECTIONAL) w.outside = VXS_SPAN_LIT; /* beyond the end of its map, the sun is not shadowed */
+    if (VXS_KIND(vxs_frame.light) == VXS_LIGHT_KIND_DIRECTIONAL) w.outside = VXS_SPAN_LIT; /* beyond the end of its map, the sun is not shadowed */
     while (vxs_walk_next_lit(vxs_frame.light.first_word, vxs_frame.light, w, span) != 0) {
         vxs_air_lit(medium, path, span.begin, span.end, air);
         sum += air;

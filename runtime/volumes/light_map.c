@@ -75,10 +75,10 @@ uint64_t vxs_shadow_depth_map_fill(vxs_shadow_depth_map *map, uint64_t max_texel
     enum { GROUP = 64, GROUPS_MAX = 65535 };
     vxs_volumes *v    = map->volumes;
     uint64_t     left = texels_of(map) - map->filled, some = left < max_texels ? left : max_texels;
-    gl_name      program = some ? vxs_volumes_compute(v, "", vxs_volumes_text_map_fill_glsl) : 0;
     while (some) {
         uint32_t now = some < (uint64_t)GROUP * GROUPS_MAX ? (uint32_t)some : GROUP * GROUPS_MAX;
         set_map(map);
+        gl_name program   = vxs_volumes_light_program(v, "", NULL, vxs_volumes_text_map_fill_glsl);
         v->frame.first    = (uint32_t)map->filled;
         v->frame.end      = (uint32_t)map->filled + now;
         volumes_kept kept = vxs_volumes_use(v, program, 0, map->first, GL_FORMAT_R32F);
@@ -108,7 +108,8 @@ static void join(vxs_shadow_depth_map *map, const vxs_moving_casters *casters)
     v->frame.high_px     = (float)casters->height_px;
     v->frame.empty_depth = casters->empty_depth;
     v->depth_texture     = casters->depth_texture;
-    volumes_kept kept    = vxs_volumes_use(v, vxs_volumes_compute(v, "", vxs_volumes_text_map_join_glsl), 0, map->joined, GL_FORMAT_R32F);
+    volumes_kept kept =
+        vxs_volumes_use(v, vxs_volumes_light_program(v, "", NULL, vxs_volumes_text_map_join_glsl), 0, map->joined, GL_FORMAT_R32F);
     v->api.DispatchCompute(groups, groups, map->layers);
     vxs_volumes_put_back(v, &kept);
     v->frame         = frame;

@@ -17,7 +17,7 @@ void main()
     float side = float(vxs_frame.map.x), baked = float(1u << vxs_frame.light.levels), typical = 0.5 * baked;
     vec3  at = vec3((vec2(texel) + 0.5) * (baked / side), 0.0), begin = at, way = vec3(0.0, 0.0, 1.0);
     if (any(greaterThanEqual(texel.xy, ivec2(side)))) return;
-    if (vxs_frame.light.kind != VXS_LIGHT_KIND_DIRECTIONAL) {
+    if (VXS_KIND(vxs_frame.light) != VXS_LIGHT_KIND_DIRECTIONAL) {
         begin = vec3(0.0);
         way   = vec3((at.xy - 0.5 * baked) * vxs_frame.light.texel_metres, 1.0);
         vxs_ls_from_face(vxs_face_of_map(vxs_frame.light, texel.z), way, way);
@@ -31,7 +31,7 @@ void main()
     float depth = texelFetch(vxs_depths, ivec2(pixel), 0).r;
     if (depth == vxs_frame.sizes.z) return;
     float met = (depth * first.w - first.z) / (more.z - depth * more.w);
-    if (!(met > 0.0) && vxs_frame.light.kind != VXS_LIGHT_KIND_DIRECTIONAL) return;
+    if (!(met > 0.0) && VXS_KIND(vxs_frame.light) != VXS_LIGHT_KIND_DIRECTIONAL) return;
     if (!(met < imageLoad(first_depths, texel).r)) return;
     imageStore(first_depths, texel, vec4(met, 0.0, 0.0, 0.0));
 }

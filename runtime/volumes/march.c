@@ -1,5 +1,7 @@
 /* Marches, and exact intervals; see vxs_volumes.h.
  * SPDX-License-Identifier: MIT */
+#include <stdio.h>
+
 #include "transmittance_map.h"
 #include "volumes_state.h"
 
@@ -16,15 +18,23 @@ static void add_steps(vxs_volumes *v, gl_name program, const vxs_shadow_depth_ma
     }
 }
 
-#define ASKS_ASSET "#define VXS_ASK_ASSET\n"
+/* The program of a march.   map  NULL: of the asset */
+static gl_name march_program(vxs_volumes *v, const vxs_shadow_depth_map *map, const char *names, vxs_steps which)
+{
+    char all[PROGRAM_NAMES];
+    snprintf(all, sizeof all, "%s%s%s", names, map ? "" : "#define VXS_ASK_ASSET\n",
+             which == VXS_STEPS_EVEN ? "#define VXS_MARCH_EVEN\n" : "");
+    return vxs_volumes_light_program(v, all, NULL, vxs_volumes_text_march_glsl);
+}
 
 /* March through smoke. */
-static void march_dimmed(vxs_volumes *v, const vxs_volumes_light *light, const vxs_shadow_depth_map *map, uint32_t steps)
+static void march_dimmed(vxs_volumes *v, const vxs_volumes_light *light, const vxs_shadow_depth_map *map, uint32_t steps,
+                         vxs_steps which)
 {
     storage_kept kept = vxs_volumes_keep_storage(v);
     vxs_transmittance_set_reader(light->smoke, (vxs_curve_lookup)light->smoke_lookup);
     vxs_volumes_use_storage(v, light->smoke->buffer, 0);
-    add_steps(v, vxs_volumes_compute(v, map ? VXS_SMOKE_NAMES : VXS_SMOKE_NAMES ASKS_ASSET, vxs_volumes_text_march_glsl), map, steps);
+    add_steps(v, march_program(v, map, VXS_SMOKE_NAMES, which), map, steps);
     vxs_volumes_put_back_storage(v, &kept);
 }
 
@@ -38,12 +48,11 @@ vxs_result vxs_volumes_march(vxs_volumes *v, const vxs_volumes_light *light, con
     vxs_result result = vxs_volumes_set_light(v, light, map);
     if (result != VXS_OK) return result;
     v->frame.knobs[0] = (float)steps;
-    v->frame.knobs[1] = (float)which;
     v->frame.knobs[3] = light->constants ? 0 : (float)light->baked_number; /* the light whose baked smoke dims it */
     if (light->smoke)
-        march_dimmed(v, light, map, steps);
+        march_dimmed(v, light, map, steps, which);
     else
-        add_steps(v, vxs_volumes_compute(v, map ? "" : ASKS_ASSET, vxs_volumes_text_march_glsl), map, steps);
+        add_steps(v, march_program(v, map, "", which), map, steps);
     return vxs_volumes_done(v);
 }
 
@@ -55,7 +64,7 @@ static void add_intervals(vxs_volumes *v, int piece)
     static const uint32_t none = 0;
     v->frame.knobs[0]          = (float)piece;
     if (piece != INTERVALS_WHOLE) vxs_volumes_put(v, v->cut_buffer, 0, sizeof none, &none);
-    vxs_volumes_add(v, vxs_volumes_compute(v, "", vxs_volumes_text_intervals_glsl), 0);
+    vxs_volumes_add(v, vxs_volumes_light_program(v, "", NULL, vxs_volumes_text_intervals_glsl), 0);
 }
 
 static vxs_result intervals(vxs_volumes *v, const vxs_volumes_light *light, int in_pieces)

@@ -7,10 +7,33 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(rgba32f, binding = VXS_AT_IMAGE) uniform restrict image2D airlight;
 
+/* Outside the volume of the light all is lit. */
 bool lit(vec3 at)
 {
 #ifdef VXS_ASK_ASSET
-    return vxs_lit(vxs_frame.light.first_word, vxs_frame.light, at, vec3(0.0), 1) != 0.0;
+    vec3 ls, turned;
+    int  map = 0, side = 1 << vxs_frame.light.levels;
+    vxs_ls_from_ws(vxs_frame.light, at, 1.0, ls);
+    if (VXS_KIND(vxs_frame.light) == VXS_LIGHT_KIND_DIRECTIONAL)
+        turned = ls;
+    else {
+        map = vxs_map_from_ls(vxs_frame.light, ls);
+        vxs_face_from_ls(vxs_face_of_map(vxs_frame.light, map), ls, turned);
+        float z = max(turned.z, VXS_REAL_MIN);
+        turned.x = vxs_lamp_coordinate(vxs_frame.light, turned.x, z);
+        turned.y = vxs_lamp_coordinate(vxs_frame.light, turned.y, z);
+        turned.z = log(z / vxs_frame.light.near_metres) / vxs_frame.light.voxel_metres;
+    }
+    ivec3 voxel = ivec3(vxs_clamped(floor(turned.x)), vxs_clamped(floor(turned.y)), vxs_clamped(floor(turned.z)));
+    if (VXS_KIND(vxs_frame.light) == VXS_LIGHT_KIND_DIRECTIONAL) {
+        if (voxel.x < 0 || voxel.y < 0 || voxel.x >= side || voxel.y >= side) return true;
+        if ((vxs_frame.light.flags & VXS_LIGHT_BOUNDED) != 0u && voxel.z >= side) return true;
+    } else {
+        if (vxs_in_reach(vxs_frame.light, ls) == 0) return true;
+        voxel.xy = clamp(voxel.xy, ivec2(0), ivec2(side - 1));
+    }
+    if (voxel.z < 0) return true;
+    return vxs_shadow_tap(vxs_frame.light.first_word, vxs_frame.light, map, voxel.x, voxel.y, uint(min(voxel.z, side - 1))) == 0u;
 #else
     return vxs_map_lit(at);
 #endif
@@ -29,8 +52,9 @@ float left(vec3 at)
     return some;
 }
 
+#ifdef VXS_MARCH_EVEN
 /* Steps of equal length: airlight per metre of the step, times its length. */
-vec3 march_even(vxs_medium medium, vxs_air_path path, vec3 direction, int steps)
+vec3 march(vxs_medium medium, vxs_air_path path, vec3 direction, int steps)
 {
     vec3  sum = vec3(0.0), air;
     float step = (path.end - path.begin) / float(steps);
@@ -44,8 +68,9 @@ vec3 march_even(vxs_medium medium, vxs_air_path path, vec3 direction, int steps)
     return sum;
 }
 
+#elif VXS_ONLY_KIND != 1
 /* Equal steps of the angle that vxs_air.h integrates over: a quadrature node at the middle of each. */
-vec3 march_angle(vxs_medium medium, vxs_air_path path, vec3 direction, int steps)
+vec3 march(vxs_medium medium, vxs_air_path path, vec3 direction, int steps)
 {
     vec3         sum = vec3(0.0);
     vxs_air_ray  ray = path.passed;
@@ -59,9 +84,10 @@ vec3 march_angle(vxs_medium medium, vxs_air_path path, vec3 direction, int steps
     return sum * vxs_air_node_scale(medium, ray) * medium.scattering;
 }
 
+#else
 /* Equal steps of the light that the sun scatters, in the thinnest channel: then each step has equal weight, however thick the
  * fog. */
-vec3 march_sun(vxs_medium medium, vxs_air_path path, vec3 direction, int steps)
+vec3 march(vxs_medium medium, vxs_air_path path, vec3 direction, int steps)
 {
     vec3  sum = vec3(0.0), air;
     float thinnest = min(medium.extinction.r, min(medium.extinction.g, medium.extinction.b));
@@ -82,6 +108,7 @@ vec3 march_sun(vxs_medium medium, vxs_air_path path, vec3 direction, int steps)
     }
     return sum;
 }
+#endif
 
 void main()
 {
@@ -94,11 +121,6 @@ void main()
     int          steps = int(vxs_frame.knobs.x);
     path.end = vxs_air_seen_to(medium, path, VXS_MARCH_DEPTH);
     if (!(path.end > path.begin)) return;
-    if (vxs_frame.knobs.y == 0.0)
-        sum = march_even(medium, path, direction, steps);
-    else if (path.kind == VXS_LIGHT_KIND_DIRECTIONAL)
-        sum = march_sun(medium, path, direction, steps);
-    else
-        sum = march_angle(medium, path, direction, steps);
+    sum = march(medium, path, direction, steps);
     imageStore(airlight, pixel, imageLoad(airlight, pixel) + vec4(sum * vxs_frame.colour.rgb, 0.0));
 }

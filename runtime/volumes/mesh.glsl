@@ -6,7 +6,7 @@ vxs_mesh_shape vxs_frame_mesh()
     shape.side        = int(vxs_frame.map.x);
     shape.layers      = int(vxs_frame.map.y);
     shape.levels      = findMSB(shape.side);
-    shape.is_sun      = vxs_frame.light.kind == VXS_LIGHT_KIND_DIRECTIONAL ? 1 : 0;
+    shape.is_sun      = VXS_KIND(vxs_frame.light) == VXS_LIGHT_KIND_DIRECTIONAL ? 1 : 0;
     shape.low         = vxs_frame.mesh.x;
     shape.high        = vxs_frame.mesh.y;
     shape.first       = int(vxs_frame.map.z);

@@ -51,7 +51,7 @@ vxs_result vxs_shadow_grid_create(vxs_shadow_grid **out, vxs_volumes *v, const v
     if (bytes_of(&size) > (uint32_t)most || bytes_of(&size) > INT32_MAX) return VXS_E_GL;
     vxs_shadow_grid *grid = vxs_volumes_take(v, sizeof *grid);
     if (!grid) return VXS_E_MEMORY;
-    *grid             = (vxs_shadow_grid){.volumes = v, .size = size, .between_rows = desc->between_rows != 0, .casts = desc->casts != 0};
+    *grid = (vxs_shadow_grid){.volumes = v, .size = size, .between_rows = desc->between_rows != 0, .casts = desc->casts != 0};
     vxs_result result = make(grid, desc);
     if (result != VXS_OK) {
         vxs_shadow_grid_destroy(grid);
@@ -129,8 +129,8 @@ static uint32_t groups(uint32_t count, uint32_t each)
 static void fill(const vxs_shadow_grid *grid, gl_name map)
 {
     enum { BITS_ACROSS = 32, ROWS_DOWN = 4 };
-    const char *names = map ? "#define VXS_USES_GRID\n" : "#define VXS_USES_GRID\n#define VXS_ASK_ASSET\n";
-    gl_name program = vxs_volumes_compute(grid->volumes, names, vxs_volumes_text_grid_fill_glsl);
+    const char *names   = map ? "#define VXS_USES_GRID\n" : "#define VXS_USES_GRID\n#define VXS_ASK_ASSET\n";
+    gl_name     program = vxs_volumes_light_program(grid->volumes, names, NULL, vxs_volumes_text_grid_fill_glsl);
     vxs_volumes_use_storage(grid->volumes, grid->buffer, 0);
     vxs_volumes_run(grid->volumes, program, map, 0, groups((uint32_t)grid->size.bits, BITS_ACROSS),
                     groups((uint32_t)grid->size.rows, ROWS_DOWN));
@@ -140,8 +140,8 @@ static void fill(const vxs_shadow_grid *grid, gl_name map)
  * the grid; light rays find it. */
 static void cast(const vxs_shadow_grid *grid, const vxs_epipolar *space, const vxs_casters *casters, uint32_t count)
 {
-    vxs_volumes *v = grid->volumes;
-    uint32_t         all = (uint32_t)grid->size.columns;
+    vxs_volumes *v   = grid->volumes;
+    uint32_t     all = (uint32_t)grid->size.columns;
     vxs_voxelize(v, grid->buffer, space, casters, count, VXS_VOXELS_SOLID, VXS_VOXELS_SOLID, all);
     vxs_voxelize(v, grid->buffer, space, casters, count, VXS_VOXELS_SOLID, VXS_VOXELS_RAYS, 1);
     vxs_voxelize(v, grid->buffer, space, casters, count, VXS_VOXELS_RAYS, VXS_VOXELS_RAYS, all);
@@ -178,7 +178,8 @@ vxs_result vxs_volumes_grid_cast(vxs_volumes *v, const vxs_volumes_light *light,
     storage_kept kept = vxs_volumes_keep_storage(v);
     make_grid(grid, !is_alone, map ? vxs_shadow_depth_map_texture(map) : 0, runs, casters, count);
     vxs_volumes_use_storage(v, grid->buffer, 0);
-    gl_name look_up = vxs_volumes_compute(v, "#define VXS_USES_GRID\n#define VXS_GRID_ACCESS readonly\n", vxs_volumes_text_grid_light_glsl);
+    gl_name look_up = vxs_volumes_light_program(v, "#define VXS_USES_GRID\n#define VXS_GRID_ACCESS readonly\n", NULL,
+                                                vxs_volumes_text_grid_light_glsl);
     vxs_volumes_add(v, look_up, 0);
     vxs_volumes_put_back_storage(v, &kept);
     return vxs_volumes_done(v);

@@ -2,7 +2,7 @@
  * light's maps: for punctual lights from the light, for suns from the map's corner. */
 bool vxs_is_sun()
 {
-    return vxs_frame.light.kind == VXS_LIGHT_KIND_DIRECTIONAL;
+    return VXS_KIND(vxs_frame.light) == VXS_LIGHT_KIND_DIRECTIONAL;
 }
 
 /* Width of a texel: for suns in metres, for punctual lights at one metre along the axis. */

@@ -4,10 +4,11 @@
 #include <string.h>
 
 #include "volumes_state.h"
+#include "vxs_air_light.h"
 
 /* A program begins with the texts of vxs_gl, for OpenGL 4.5 whatever language the caller uses, and the texts common to this
  * library. */
-enum { TEXTS = VXS_GL_TEXTS + 40, LOG_BYTES = 1024 };
+enum { TEXTS = VXS_GL_TEXTS + 41, LOG_BYTES = 1024 };
 
 static void texts_of(const vxs_volumes *v, gl_enum kind, char *own, size_t own_size, const char *names, const char *body,
                      const char *texts[TEXTS])
@@ -22,14 +23,15 @@ static void texts_of(const vxs_volumes *v, gl_enum kind, char *own, size_t own_s
              v->first_storage, v->first_unit + UNIT_MESH, kind == GL_KIND_COMPUTE_SHADER ? "#define VXS_COMPUTE\n" : "");
     const char *const all[TEXTS] = {"#version 450 core\n",
                                     strchr(shared[0], '\n') + 1,
+                                    "#undef VXS_ONLY_KIND\n#undef VXS_ONLY_CUBE\n#undef VXS_ONLY_CODING\n",
+                                    own,
+                                    names,
                                     shared[1],
                                     shared[2],
                                     shared[3],
                                     shared[4],
                                     shared[5],
                                     shared[6],
-                                    own,
-                                    names,
                                     vxs_volumes_text_vxs_depths_h,
                                     vxs_volumes_text_vxs_intervals_h,
                                     vxs_volumes_text_vxs_air_light_h,
@@ -129,6 +131,16 @@ gl_name vxs_volumes_raster(vxs_volumes *v, const char *names, const char *vertex
 gl_name vxs_volumes_compute(vxs_volumes *v, const char *names, const char *body)
 {
     return vxs_volumes_raster(v, names, NULL, body);
+}
+
+gl_name vxs_volumes_light_program(vxs_volumes *v, const char *names, const char *vertex, const char *body)
+{
+    const vxs_light_constants *c = &v->frame.light;
+    char                       all[PROGRAM_NAMES];
+    snprintf(all, sizeof all, "#define VXS_ONLY_KIND %u\n#define VXS_ONLY_CUBE %d\n#define VXS_ONLY_CODING %u\n%s%s", c->kind,
+             (c->flags & VXS_LIGHT_CUBE) != 0, c->coding,
+             v->depth_texture && v->frame.top_metres < (float)VXS_AIR_EVERYWHERE ? "" : "#define VXS_ONLY_EVERYWHERE\n", names);
+    return vxs_volumes_raster(v, all, vertex, body);
 }
 
 vxs_result vxs_volumes_done(vxs_volumes *v)

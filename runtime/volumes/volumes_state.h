@@ -32,7 +32,7 @@ typedef struct frame_block {
 enum { UNIT_DEPTHS, UNIT_MAP, UNIT_OTHER, UNIT_MESH, UNITS, FRAME_BINDING = 0, IMAGE_BINDING = 0, STORAGES = 3 };
 
 /* A program that has been used, and its texts: it is compiled at its first use, and deleted with the volumes. */
-enum { PROGRAMS_MOST = 64, PROGRAM_NAMES = 256 };
+enum { PROGRAMS_MOST = 192, PROGRAM_NAMES = 320 };
 typedef struct volumes_program {
     char        names[PROGRAM_NAMES];
     const char *vertex, *body; /* vertex: NULL for a compute shader */
@@ -43,14 +43,14 @@ struct vxs_volumes {
     volumes_api   api;
     vxs_allocator memory;
     void (*log)(const char *text, void *user);
-    void       *user;
-    vxs_gl     *shadows;
-    uint32_t    width_px, height_px, first_unit, first_storage;
-    gl_name     airlight, frame_buffer, vertex_array, target; /* target: a framebuffer that draws into airlight */
-    gl_name     cut_buffer;                                   /* the number of rays of the frame that were cut short */
-    frame_block frame;
-    float       frame_least, least; /* min_radiance of the frame; that of the light */
-    gl_name     depth_texture;      /* of the frame; 0: no frame has begun */
+    void           *user;
+    vxs_gl         *shadows;
+    uint32_t        width_px, height_px, first_unit, first_storage;
+    gl_name         airlight, frame_buffer, vertex_array, target; /* target: a framebuffer that draws into airlight */
+    gl_name         cut_buffer;                                   /* the number of rays of the frame that were cut short */
+    frame_block     frame;
+    float           frame_least, least; /* min_radiance of the frame; that of the light */
+    gl_name         depth_texture;      /* of the frame; 0: no frame has begun */
     uint32_t        program_count;
     vxs_result      result; /* VXS_E_GL: a program of the current call does not compile */
     volumes_program programs[PROGRAMS_MOST];
@@ -80,7 +80,10 @@ void  vxs_volumes_give_back(const vxs_volumes *v, void *memory, size_t size);
 gl_name vxs_volumes_compute(vxs_volumes *v, const char *names, const char *body);
 gl_name vxs_volumes_raster(vxs_volumes *v, const char *names, const char *vertex, const char *fragment);
 
-/* The same, compiled now and owned by the caller.   vertex  NULL: a compute shader */
+/* The same for the frame's light and fog: what they do not use is not compiled.   vertex  NULL: a compute shader */
+gl_name vxs_volumes_light_program(vxs_volumes *v, const char *names, const char *vertex, const char *body);
+
+/* The same as vxs_volumes_raster, compiled now and owned by the caller.   vertex  NULL: a compute shader */
 gl_name vxs_volumes_compile(const vxs_volumes *v, const char *names, const char *vertex, const char *body);
 
 /* The result of a call that may have compiled programs. */

@@ -141,8 +141,10 @@ VXS_FN vxs_real vxs_air_metres_of(VXS_AIR_RAY ray, VXS_AIR_PART part, vxs_real m
 VXS_FN vxs_real vxs_air_node_way(VXS_AIR_RAY ray, VXS_AIR_PART part, vxs_real from, vxs_real more)
 {
     vxs_real h = VXS_FIELD(ray, beside), detour = VXS_FIELD(part, detour) + more;
-    if (!(VXS_FIELD(ray, above) > 0.0)) return VXS_FIELD(ray, along) - VXS_FIELD(ray, in_fog) + detour;
-    return vxs_air_way(ray, from + vxs_air_metres_of(ray, part, more), 0.5 * (detour + h * (h / detour)));
+    if (!VXS_AIR_IS_BELOW(ray))
+        return VXS_FIELD(ray, along) - VXS_FIELD(ray, in_fog) + detour;
+    else
+        return vxs_air_way(ray, from + vxs_air_metres_of(ray, part, more), 0.5 * (detour + h * (h / detour)));
 }
 
 /* Add a node: phase and falloff without the factors that all nodes share, the rim of a spot light, and the extinction on the path.
@@ -186,10 +188,10 @@ VXS_FN void vxs_air_add_part(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real k, VXS
         change += vxs_abs(last * last * last * last - first * first * first * first);
     }
     vxs_i32 pairs = change < 0.1 ? 1 : change < 0.7 ? 2 : 4;
-    for (vxs_i32 n = 0; n < pairs; n++) {
-        vxs_real offset = 0.5 * vxs_air_offset(pairs, n), weight = 0.5 * vxs_air_weight(pairs, n) * wide;
-        vxs_air_add_node(medium, ray, k, part, from, vxs_air_more_at(part, 0.5 - offset), weight, sum);
-        vxs_air_add_node(medium, ray, k, part, from, vxs_air_more_at(part, 0.5 + offset), weight, sum);
+    for (vxs_i32 n = 0; n < 2 * pairs; n++) { /* one call, because it is inlined */
+        vxs_real offset = 0.5 * vxs_air_offset(pairs, n >> 1), weight = 0.5 * vxs_air_weight(pairs, n >> 1) * wide;
+        vxs_real share = (n & 1) == 0 ? 0.5 - offset : 0.5 + offset;
+        vxs_air_add_node(medium, ray, k, part, from, vxs_air_more_at(part, share), weight, sum);
     }
 }
 
@@ -306,7 +308,7 @@ VXS_FN void vxs_air_add_below(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real begin
 
 VXS_FN void vxs_air_add(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real begin, vxs_real length, VXS_INOUT vxs_real3 sum)
 {
-    if (VXS_FIELD(ray, above) > 0.0)
+    if (VXS_AIR_IS_BELOW(ray))
         vxs_air_add_below(medium, ray, begin, length, sum);
     else
         vxs_air_add_in_fog(medium, ray, begin, length, sum);
@@ -316,27 +318,6 @@ VXS_FN void vxs_air_add(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real begin, vxs_
 VXS_FN vxs_real vxs_air_node_scale(VXS_MEDIUM medium, VXS_AIR_RAY ray)
 {
     return 1.0 / (2.0 * VXS_AIR_PI * (1.0 - VXS_FIELD(medium, anisotropy)) * VXS_FIELD(ray, beside));
-}
-
-/* Add the airlight between the outer and the inner cone of a spot light, before and behind the inner cone. The rim has kinks
- * where the inner cone begins and ends, so the integral is split there. The part in the inner cone is left to the caller; of a
- * point light, the whole part is.
- * part  [in, out] begin and length; if the length is not positive, nothing is left */
-VXS_FN void vxs_air_add_rims(VXS_MEDIUM medium, VXS_AIR_RAY ray, VXS_INOUT vxs_real2 part, VXS_INOUT vxs_real3 sum)
-{
-    vxs_real2 lit, full;
-    if (VXS_FIELD(ray, cos_outer) < 0.0) return;
-    lit[0] = part[0];
-    lit[1] = part[0] + part[1];
-    vxs_air_in_cone(ray, VXS_FIELD(ray, cos_outer), lit);
-    full[0] = lit[0];
-    full[1] = lit[1];
-    vxs_air_in_cone(ray, VXS_FIELD(ray, cos_inner), full);
-    if (full[1] <= full[0]) full[0] = full[1] = lit[0];
-    if (full[0] > lit[0]) vxs_air_add(medium, ray, lit[0], full[0] - lit[0], sum);
-    if (lit[1] > full[1]) vxs_air_add(medium, ray, full[1], lit[1] - full[1], sum);
-    part[0] = full[0];
-    part[1] = full[1] - full[0];
 }
 
 /* Multiply by the factors that do not depend on the position. */
@@ -353,12 +334,27 @@ VXS_FN void vxs_air_finish(VXS_MEDIUM medium, VXS_AIR_RAY ray, VXS_INOUT vxs_rea
  * airlight       [out] */
 VXS_FN void vxs_air_lamp(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real begin, vxs_real length, VXS_OUT vxs_real3 airlight)
 {
-    vxs_real2 part;
-    part[0]     = begin;
-    part[1]     = length;
+    vxs_real2 lit, full;
+    vxs_i32   first = 2;
+    lit[0] = full[0] = begin;
+    lit[1] = full[1] = begin + length;
     airlight[0] = airlight[1] = airlight[2] = VXS_REAL(0.0);
-    vxs_air_add_rims(medium, ray, part, airlight);
-    if (part[1] > 0.0) vxs_air_add(medium, ray, part[0], part[1], airlight);
+    /* The rim of a spot light has kinks where the inner cone begins and ends, so the integral is split there: before the inner cone,
+     * behind it, and in it. */
+    if (VXS_FIELD(ray, cos_outer) >= 0.0) {
+        first = 0;
+        vxs_air_in_cone(ray, VXS_FIELD(ray, cos_outer), lit);
+        full[0] = lit[0];
+        full[1] = lit[1];
+        vxs_air_in_cone(ray, VXS_FIELD(ray, cos_inner), full);
+        if (full[1] <= full[0]) full[0] = full[1] = lit[0];
+        length = full[1] - full[0];
+    }
+    for (vxs_i32 n = first; n < 3; n++) { /* one call, because it is inlined */
+        vxs_real from = n == 1 ? full[1] : n == 0 ? lit[0] : full[0];
+        vxs_real part = n == 1 ? lit[1] - full[1] : n == 0 ? full[0] - lit[0] : length;
+        if (part > 0.0) vxs_air_add(medium, ray, from, part, airlight);
+    }
     vxs_air_finish(medium, ray, airlight);
 }
 

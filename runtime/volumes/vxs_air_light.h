@@ -44,7 +44,16 @@ typedef vxs_real             vxs_real4[4];
 
 #define VXS_AIR_PI         3.14159265358979324
 #define VXS_AIR_EVERYWHERE 1e30 /* top of fog without a top */
-#define VXS_AIR_RIM_LEAST  1e-3 /* least difference of the cosines between which a cone fades */
+
+/* A shader may define VXS_ONLY_EVERYWHERE: no fog has a top, and code for a top is not compiled. */
+#ifdef VXS_ONLY_EVERYWHERE
+#define VXS_AIR_HAS_TOP(top)  0
+#define VXS_AIR_IS_BELOW(ray) false
+#else
+#define VXS_AIR_HAS_TOP(top)  ((top) < VXS_AIR_EVERYWHERE ? 1 : 0)
+#define VXS_AIR_IS_BELOW(ray) (VXS_FIELD(ray, above) > 0.0)
+#endif
+#define VXS_AIR_RIM_LEAST 1e-3 /* least difference of the cosines between which a cone fades */
 
 /* A homogeneous medium. */
 struct vxs_medium {
@@ -114,9 +123,9 @@ VXS_FN void vxs_air_reaches(VXS_MEDIUM medium, VXS_AIR_LIGHT light, const vxs_re
                             VXS_OUT vxs_real3 reaches)
 {
     vxs_real strength = VXS_REAL(1.0), way = VXS_REAL(0.0), metres;
-    vxs_i32  has_top = top < VXS_AIR_EVERYWHERE ? 1 : 0;
+    vxs_i32  has_top = VXS_AIR_HAS_TOP(top);
     for (vxs_i32 n = 0; n < 3; n++) to_light[n] = VXS_FIELD(light, place)[n];
-    if (VXS_FIELD(light, kind) == VXS_LIGHT_KIND_DIRECTIONAL) {
+    if (VXS_KIND(light) == VXS_LIGHT_KIND_DIRECTIONAL) {
         if (has_top != 0 && !(to_light[1] > 0.0)) strength = VXS_REAL(0.0);
         if (has_top != 0 && to_light[1] > 0.0 && at[1] < top) way = (top - at[1]) / to_light[1];
     } else {
@@ -127,7 +136,7 @@ VXS_FN void vxs_air_reaches(VXS_MEDIUM medium, VXS_AIR_LIGHT light, const vxs_re
         strength =
             VXS_FIELD(light, range_metres) > 0.0 ? vxs_air_window(metres, 1.0 / VXS_FIELD(light, range_metres)) : VXS_REAL(1.0);
         strength /= metres * metres;
-        if (VXS_FIELD(light, kind) != VXS_LIGHT_KIND_POINT)
+        if (VXS_KIND(light) != VXS_LIGHT_KIND_POINT)
             strength *= vxs_air_rim(-vxs_air_dot(to_light, VXS_FIELD(light, axis)), VXS_FIELD(light, cos_inner),
                                     VXS_FIELD(light, cos_outer));
         way = has_top != 0 ? vxs_air_metres_below(metres, at[1], VXS_FIELD(light, place)[1], top) : metres;

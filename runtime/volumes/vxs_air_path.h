@@ -51,7 +51,7 @@ VXS_FN vxs_air_path vxs_air_path_of(VXS_AIR_LIGHT light, const vxs_real3 eye, co
 {
     vxs_air_path path;
     vxs_real3    to_light;
-    vxs_i32      has_top = top < VXS_AIR_EVERYWHERE ? 1 : 0;
+    vxs_i32      has_top = VXS_AIR_HAS_TOP(top);
     in_fog[0]            = VXS_REAL(0.0);
     in_fog[1]            = metres;
     if (has_top != 0) vxs_air_in_fog(eye[1], direction[1], top, in_fog);
@@ -61,8 +61,8 @@ VXS_FN vxs_air_path vxs_air_path_of(VXS_AIR_LIGHT light, const vxs_real3 eye, co
     path.cosine = path.slope = VXS_REAL(1.0);
     path.way                 = path.begin;
     for (vxs_i32 n = 0; n < 3; n++)
-        to_light[n] = VXS_FIELD(light, place)[n] - (path.kind == VXS_LIGHT_KIND_DIRECTIONAL ? VXS_REAL(0.0) : eye[n]);
-    if (path.kind == VXS_LIGHT_KIND_DIRECTIONAL) {
+        to_light[n] = VXS_FIELD(light, place)[n] - (VXS_KIND(light) == VXS_LIGHT_KIND_DIRECTIONAL ? VXS_REAL(0.0) : eye[n]);
+    if (VXS_KIND(light) == VXS_LIGHT_KIND_DIRECTIONAL) {
         path.passed = vxs_air_ray_of(to_light, direction, VXS_REAL(1.0)); /* not used */
         path.cosine = vxs_air_dot(direction, to_light);
         /* light from below the horizon would have crossed infinite fog */
@@ -76,7 +76,7 @@ VXS_FN vxs_air_path vxs_air_path_of(VXS_AIR_LIGHT light, const vxs_real3 eye, co
     vxs_real2 part;
     part[0] = path.begin;
     part[1] = path.end;
-    if (path.kind == VXS_LIGHT_KIND_POINT)
+    if (VXS_KIND(light) == VXS_LIGHT_KIND_POINT)
         path.passed = vxs_air_ray_of(to_light, direction, VXS_FIELD(light, radius_metres));
     else {
         path.passed = vxs_air_ray_of_spot(to_light, direction, VXS_FIELD(light, radius_metres), VXS_FIELD(light, axis),
@@ -103,9 +103,10 @@ VXS_FN vxs_real vxs_air_seen_to(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_real d
     vxs_air_extremes(medium, dense);
     if (!(dense[0] * (end - begin) > 0.0)) return end;
     more = depth / dense[0];
-    if (VXS_FIELD(path, kind) == VXS_LIGHT_KIND_DIRECTIONAL)
+    if (VXS_KIND(path) == VXS_LIGHT_KIND_DIRECTIONAL)
         return VXS_FIELD(path, slope) * (end - begin) > more ? begin + more / VXS_FIELD(path, slope) : end;
-    if (VXS_FIELD(path, passed).above > 0.0) { /* bounded by the path to the eye alone: the path to the lamp may get shorter */
+    if (VXS_AIR_IS_BELOW(
+            VXS_REF_OF(path, passed))) { /* bounded by the path to the eye alone: the path to the lamp may get shorter */
         vxs_real fog = VXS_FIELD(path, passed).in_fog, way = vxs_air_way_at(VXS_REF_OF(path, passed), begin - fog);
         vxs_real behind = vxs_air_way_at(VXS_REF_OF(path, passed), end - fog);
         vxs_real seen   = fog + (way < behind ? way : behind) + more;
@@ -124,7 +125,7 @@ VXS_FN void vxs_air_lit(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_real begin, vx
     vxs_real last  = end < VXS_FIELD(path, end) ? end : VXS_FIELD(path, end);
     airlight[0] = airlight[1] = airlight[2] = VXS_REAL(0.0);
     if (!(last > first)) return;
-    if (VXS_FIELD(path, kind) == VXS_LIGHT_KIND_DIRECTIONAL)
+    if (VXS_KIND(path) == VXS_LIGHT_KIND_DIRECTIONAL)
         vxs_air_sun(medium, VXS_FIELD(path, cosine), last - first,
                     VXS_FIELD(path, way) + VXS_FIELD(path, slope) * (first - VXS_FIELD(path, begin)), VXS_FIELD(path, slope),
                     airlight);
@@ -139,7 +140,7 @@ VXS_FN void vxs_air_lit(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_real begin, vx
 VXS_FN vxs_real vxs_air_strength_at(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_real x, VXS_OUT vxs_real2 way)
 {
     vxs_real g = VXS_FIELD(medium, anisotropy);
-    if (VXS_FIELD(path, kind) == VXS_LIGHT_KIND_DIRECTIONAL) {
+    if (VXS_KIND(path) == VXS_LIGHT_KIND_DIRECTIONAL) {
         way[1] = VXS_FIELD(path, slope);
         way[0] = VXS_FIELD(path, way) + way[1] * (x - VXS_FIELD(path, begin));
         return vxs_air_phase(g, VXS_FIELD(path, cosine));

@@ -190,14 +190,14 @@ VXS_FN vxs_real vxs_air_below_at(VXS_AIR_RAY ray, vxs_real metres)
 VXS_FN vxs_real vxs_air_way(VXS_AIR_RAY ray, vxs_real metres, vxs_real r)
 {
     vxs_real above = VXS_FIELD(ray, above), below = vxs_air_below_at(ray, metres);
-    return above > 0.0 ? metres + r * (below / (above + below)) : metres + r;
+    return VXS_AIR_IS_BELOW(ray) ? metres + r * (below / (above + below)) : metres + r;
 }
 
 /* Derivative of vxs_air_way along the ray.   slope  of r: y / r */
 VXS_FN vxs_real vxs_air_way_rate(VXS_AIR_RAY ray, vxs_real metres, vxs_real r, vxs_real slope)
 {
     vxs_real above = VXS_FIELD(ray, above), below = vxs_air_below_at(ray, metres), all = above + below;
-    return above > 0.0 ? 1.0 + slope * (below / all) - VXS_FIELD(ray, up) * r * (above / all / all) : 1.0 + slope;
+    return VXS_AIR_IS_BELOW(ray) ? 1.0 + slope * (below / all) - VXS_FIELD(ray, up) * r * (above / all / all) : 1.0 + slope;
 }
 
 VXS_FN vxs_real vxs_air_way_at(VXS_AIR_RAY ray, vxs_real metres)

@@ -1,6 +1,6 @@
 /* The texts of the programs that libvxs_gl and libvxs_volumes compile, without any OpenGL: its functions are replaced by ones that do
- * nothing, but for the one that receives texts, which writes them into files. Each technique is called for a light of each kind, in
- * each coding.
+ * nothing, but for the one that receives texts, which writes them into files. Each technique is called for a light of each kind; those
+ * that read words, in each coding.
  *
  *     programs FOLDER      FOLDER/NNN_CODING_TECHNIQUE_LIGHT.comp, .vert, .frag, in the order in which programs are compiled
  *
@@ -184,28 +184,40 @@ static void grids(vxs_volumes *v, const vxs_volumes_light *light, const vxs_shad
         for (int d = 0; d < 16; d += 5) casters[n].point_from_place[d] = 1;
     CALL("grid", vxs_shadow_grid_create(&grid, v, &(vxs_shadow_grid_desc){.columns = 128, .rows = 128, .bits = 128, .casts = 1}));
     CALL("grid_map", vxs_volumes_grid(v, light, map, grid, 8));
-    CALL("grid_asset", vxs_volumes_grid(v, light, NULL, grid, 8));
     CALL("grid_casters", vxs_volumes_grid_cast(v, light, map, grid, 8, casters, 2));
     vxs_shadow_grid_destroy(grid);
 }
 
-static void all_of_light(vxs_volumes *v, uint32_t n)
+/* What reads the words of a light. */
+static void asset_of_light(vxs_volumes *v, const vxs_volumes_light *light)
 {
-    vxs_shadow_depth_map *map;
-    vxs_volumes_light     light = {.baked_number = vxs_baked_number(n), .colour = {1, 1, 1}, .radius_metres = 0.1F};
-    CALL("intervals", vxs_volumes_intervals(v, &light));
-    CALL("map", vxs_shadow_depth_map_create(
-                    &map, v, &(vxs_shadow_depth_map_desc){.baked_number = vxs_baked_number(n), .side_px = SIDE_PX, .moves = 1}));
+    vxs_shadow_grid *grid;
+    CALL("intervals", vxs_volumes_intervals(v, light));
+    CALL("march_asset", vxs_volumes_march(v, light, NULL, 64, VXS_STEPS_EVEN));
+    CALL("march_asset_angles", vxs_volumes_march(v, light, NULL, 64, VXS_STEPS_EQUIANGULAR));
+    CALL("grid_asset", vxs_shadow_grid_create(&grid, v, &(vxs_shadow_grid_desc){.columns = 128, .rows = 128, .bits = 128}));
+    CALL("grid_asset", vxs_volumes_grid(v, light, NULL, grid, 8));
+    vxs_shadow_grid_destroy(grid);
+}
+
+static void all_of_light(vxs_volumes *v, uint32_t n, int is_dag)
+{
+    vxs_shadow_depth_map     *map;
+    vxs_volumes_light         light = {.baked_number = vxs_baked_number(n), .colour = {1, 1, 1}, .radius_metres = 0.1F};
+    vxs_shadow_depth_map_desc desc  = {.baked_number = light.baked_number, .side_px = SIDE_PX, .moves = 1};
+    asset_of_light(v, &light);
+    CALL("map", vxs_shadow_depth_map_create(&map, v, &desc));
     vxs_shadow_depth_map_fill(map, UINT64_MAX);
-    CALL("map_join", vxs_shadow_depth_map_join(map, &(vxs_moving_casters){.depth_texture = 1, .width_px = 1, .height_px = 1}, 1));
-    CALL("march_map", vxs_volumes_march(v, &light, map, 64, VXS_STEPS_EVEN));
-    CALL("march_map_angles", vxs_volumes_march(v, &light, map, 64, VXS_STEPS_EQUIANGULAR));
-    CALL("march_asset", vxs_volumes_march(v, &light, NULL, 64, VXS_STEPS_EVEN));
-    CALL("march_asset_angles", vxs_volumes_march(v, &light, NULL, 64, VXS_STEPS_EQUIANGULAR));
-    meshes(v, &light, map);
-    grids(v, &light, map);
-    smoke_of_light(v, light, map, 0);
-    smoke_of_light(v, light, map, 1024);
+    if (!is_dag) {
+        CALL("map_join",
+             vxs_shadow_depth_map_join(map, &(vxs_moving_casters){.depth_texture = 1, .width_px = 1, .height_px = 1}, 1));
+        CALL("march_map", vxs_volumes_march(v, &light, map, 64, VXS_STEPS_EVEN));
+        CALL("march_map_angles", vxs_volumes_march(v, &light, map, 64, VXS_STEPS_EQUIANGULAR));
+        meshes(v, &light, map);
+        grids(v, &light, map);
+        smoke_of_light(v, light, map, 0);
+        smoke_of_light(v, light, map, 1024);
+    }
     vxs_shadow_depth_map_destroy(map);
 }
 
@@ -246,13 +258,15 @@ static void all_of_coding(uint32_t which)
     CALL("begin", vxs_volumes_begin(v, &frame));
     for (uint32_t n = 0; n < LIGHTS; n++) {
         light_name = names[n];
-        all_of_light(v, n);
+        all_of_light(v, n, which == VXS_CODING_DAG);
     }
     light_name = "all";
-    area_lights(v, 0);
-    area_lights(v, 1);
-    technique = "composite";
-    vxs_volumes_composite(v);
+    if (which != VXS_CODING_DAG) {
+        area_lights(v, 0);
+        area_lights(v, 1);
+        technique = "composite";
+        vxs_volumes_composite(v);
+    }
     vxs_volumes_destroy(v);
     vxs_gl_destroy(shadows);
 }
