@@ -155,13 +155,16 @@ vxs_result gpu_program(gpu_bench *b, const vxs_gl *shadows, const char *defines,
     *program                = gl->CreateProgram();
     gl->ShaderSource(shader, VXS_GL_TEXTS + 5, texts, NULL);
     gl->CompileShader(shader);
+    b->GetShaderInfoLog(shader, sizeof log, NULL, log);
     gl->AttachShader(*program, shader);
     gl->DeleteShader(shader);
     gl->LinkProgram(*program);
     gl->GetProgramiv(*program, GL_LINK_STATUS, &linked);
     if (linked) return VXS_OK;
-    gl->GetProgramInfoLog(*program, sizeof log, NULL, log);
-    return fail(m, VXS_E_GL, "OpenGL cannot link a shader: %s", log);
+    if (!log[0]) gl->GetProgramInfoLog(*program, sizeof log, NULL, log);
+    gl->DeleteProgram(*program);
+    *program = 0;
+    return fail(m, VXS_E_GL, "OpenGL cannot make a program: %s", log);
 }
 
 static vxs_gl_function lookup(const char *name, void *user)

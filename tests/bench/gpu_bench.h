@@ -35,6 +35,7 @@ typedef struct gpu_view {
     X(PFNGLDISPATCHCOMPUTEPROC, DispatchCompute)                                                                                   \
     X(PFNGLENDQUERYPROC, EndQuery)                                                                                                 \
     X(PFNGLGENQUERIESPROC, GenQueries)                                                                                             \
+    X(PFNGLGETSHADERINFOLOGPROC, GetShaderInfoLog)                                                                                 \
     X(PFNGLGETQUERYOBJECTUI64VPROC, GetQueryObjectui64v)                                                                           \
     X(PFNGLMEMORYBARRIERPROC, MemoryBarrier)
 

@@ -319,6 +319,7 @@ static vxs_result measure_rival(gpu_bench *b, vxs_gl *shadows, const rival_maps 
         l->map == MAP_CASCADES ? (double)CASCADE_COUNT * CASCADE_PX * CASCADE_PX : (double)maps->side_px * maps->side_px;
     int is_rival = bits == 16 && l->map != MAP_CASCADES &&
                    (l->filter == GPU_TAP ? l->map == MAP_FETCHED : l->map == MAP_COMPARED && l->is_same);
+    if (!program) return VXS_OK; /* it has failed, and that is said */
     snprintf(name, sizeof name, "%u bits, %s%s", bits, l->name, is_rival ? " (rival)" : "");
     gpu_row row = {.group         = gpu_filter_names[l->filter],
                    .name          = name,
@@ -358,7 +359,7 @@ vxs_result gpu_measure_rivals(gpu_bench *b, const vxs_asset *asset, run_context 
     rival_maps             maps              = {.side_px = 1u << light->light.levels, .levels = light->light.levels};
     GLuint                 programs[LOOKUPS] = {0};
     vxs_gl                *shadows           = NULL;
-    vxs_result             r                 = VXS_OK;
+    vxs_result             r = VXS_OK, failed = VXS_OK;
     if (maps.levels > 15 || light->light.kind != VXS_LIGHT_KIND_DIRECTIONAL)
         return fail(m, VXS_E_ARGUMENT, "rivals are measured with a directional light of at most 32768 texels a side");
     maps.voxels             = malloc((size_t)maps.side_px * maps.side_px * sizeof *maps.voxels);
@@ -370,7 +371,8 @@ vxs_result gpu_measure_rivals(gpu_bench *b, const vxs_asset *asset, run_context 
         char text[6000], defines[2000];
         snprintf(text, sizeof text, "%s%s", rival_head, lookups[n].body);
         snprintf(defines, sizeof defines, "%s#define FILTER %d\n", lookups[n].defines, gpu_filter_px[lookups[n].filter]);
-        r = gpu_program(b, shadows, defines, text, &programs[n], m);
+        vxs_result made = gpu_program(b, shadows, defines, text, &programs[n], m);
+        if (failed == VXS_OK) failed = made; /* the others are measured */
     }
     for (uint32_t bits = 16; bits <= 32 && r == VXS_OK; bits += 16)
         for (int kind = MAP_FETCHED; kind <= MAP_COMPARED && r == VXS_OK; kind++) {
@@ -387,5 +389,5 @@ vxs_result gpu_measure_rivals(gpu_bench *b, const vxs_asset *asset, run_context 
     for (int n = 0; n < LOOKUPS; n++) b->gl->DeleteProgram(programs[n]);
     vxs_gl_destroy(shadows);
     free(maps.voxels);
-    return r;
+    return r == VXS_OK ? failed : r;
 }
