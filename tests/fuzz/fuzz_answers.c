@@ -209,7 +209,7 @@ static void check_ray(const asked *a, const vxs_ray *ray)
         for (size_t n = 0; n < found; last = list[n++], count++) {
             FUZZ_CHECK(list[n].t_begin == last.t_end && list[n].t_end > list[n].t_begin);
             FUZZ_CHECK(list[n].state != last.state || list[n].coarse != last.coarse);
-            FUZZ_CHECK(list[n].state >= VXS_INTERVAL_SHADOW && list[n].state <= VXS_INTERVAL_OUTSIDE);
+            FUZZ_CHECK((uint32_t)list[n].state <= VXS_INTERVAL_OUTSIDE);
             if (count < 12) check_interval(a, ray, &list[n]);
         }
     } while (found == sizeof list / sizeof *list && count < INTERVALS_MAX);
