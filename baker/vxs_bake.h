@@ -53,8 +53,8 @@ typedef struct vxs_bake_light {
     vxs_bake_light_kind kind;
     double              position_ws[3];  /* metres; spot and point lights */
     double              direction_ws[3]; /* direction in which light travels, any length but zero; directional and spot lights */
-    double              outer_rad;       /* spot lights: angle from the direction to the edge of the cone, (0, pi/2] */
-    double              range_m;         /* spot and point lights: range, > 0; 0: unlimited */
+    double              cos_outer;       /* spot lights: cosine of the angle between direction and edge of the cone, (0, 1) */
+    double              range_metres;    /* spot and point lights: range, > 0; 0: unlimited */
 } vxs_bake_light;
 
 typedef struct vxs_bake_arrays {
@@ -151,8 +151,8 @@ typedef struct vxs_bake_options {
 
     /* contents of the file */
     vxs_bake_exit   exit;
-    int             behind_free; /* 1: voxels behind the last surface are don't-care voxels: --behind free */
-    double          thickness_m; /* thickness of single-sided sheets that face the light, 1e-9 to 1e9; 0: none: --thickness */
+    int             behind_free;      /* 1: voxels behind the last surface are don't-care voxels: --behind free */
+    double          thickness_metres; /* thickness of single-sided sheets that face the light, 1e-9 to 1e9; 0: none: --thickness */
     vxs_bake_coding coding;
     vxs_bake_pack   pack;        /* VXS_BAKE_BLOCKS only */
     uint32_t        zstd_level;  /* 1 to 19; 0: 12 */

@@ -273,19 +273,19 @@ void parts_light(parts *p, const char *name, light_shape shape)
         p->out_of_memory = 1;
 }
 
-void parts_spot(parts *p, const char *name, const double at[3], const double direction[3], int degrees, double range_m)
+void parts_spot(parts *p, const char *name, const double at[3], const double direction[3], int degrees, double range_metres)
 {
     parts_light(p, name,
                 (light_shape){LIGHT_SPOT,
                               {at[0], at[1], at[2]},
                               {direction[0], direction[1], direction[2]},
                               degrees * (3.14159265358979323846 / 180),
-                              range_m});
+                              range_metres});
 }
 
-void parts_point(parts *p, const char *name, const double at[3], double range_m)
+void parts_point(parts *p, const char *name, const double at[3], double range_metres)
 {
-    parts_light(p, name, (light_shape){.kind = LIGHT_POINT, .position_ws = {at[0], at[1], at[2]}, .range_m = range_m});
+    parts_light(p, name, (light_shape){.kind = LIGHT_POINT, .position_ws = {at[0], at[1], at[2]}, .range_metres = range_metres});
 }
 
 void parts_sun(parts *p, const double direction[3])

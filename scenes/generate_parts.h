@@ -86,9 +86,9 @@ void parts_lathe(parts *p, const double at[3], const double (*profile)[2], uint3
 void parts_tube(parts *p, const double bottom[3], double bottom_radius, const double top[3], double top_radius, uint32_t sides);
 
 void parts_light(parts *p, const char *name, light_shape shape);
-void parts_point(parts *p, const char *name, const double at[3], double range_m);
+void parts_point(parts *p, const char *name, const double at[3], double range_metres);
 /* degrees: from the axis to the edge of the cone */
-void parts_spot(parts *p, const char *name, const double at[3], const double direction[3], int degrees, double range_m);
+void parts_spot(parts *p, const char *name, const double at[3], const double direction[3], int degrees, double range_metres);
 /* A directional light "sun". */
 void parts_sun(parts *p, const double direction[3]);
 

@@ -22,7 +22,7 @@ static void set_maps(json_t **object, const bake_options *o)
 static void set_dont_care(json_t **object, const bake_options *o)
 {
     if (o->behind != BEHIND_SHADOW) set_word(object, "behind", BEHIND_CHOICES, (int)o->behind);
-    if (o->thickness_m > 0) json_set(object, "thickness_m", json_real(o->thickness_m));
+    if (o->thickness_metres > 0) json_set(object, "thickness_m", json_real(o->thickness_metres));
 }
 
 /* A coding and its own options. Files omit the DAG coding, which was once the only one, and small packing. */

@@ -68,7 +68,7 @@ typedef struct bake_options {
     closed_mode            closed;
     exit_mode              exit;
     behind_choice          behind;
-    double                 thickness_m; /* of sheets that face the light; 0: none */
+    double                 thickness_metres; /* of sheets that face the light; 0: none */
     coding_choice          coding;
     pack_choice            pack; /* for palette blocks */
     mask_rule              rule;
@@ -114,7 +114,7 @@ static inline int bakes_smoke(const bake_options *o)
 /* Whether more voxels than the insides of solids are don't-care voxels; only the sparse source supports this. */
 static inline int leaves_more_free(const bake_options *o)
 {
-    return o->behind == BEHIND_FREE || o->thickness_m > 0;
+    return o->behind == BEHIND_FREE || o->thickness_metres > 0;
 }
 
 /* The order of a choice; auto: top-down, if sub-DAGs are compressed at all. */

@@ -286,13 +286,13 @@ static const box EVERYWHERE = {{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INF
 uint32_t coarser_side(const check_scene *k, const plan_light *l)
 {
     enum { FINE_SIDE_PX = 16384, FINE_WIDTH_PX = 4096 };
-    const double fine_m = 0.5e-3;
-    double       texel  = l->texels.median;
-    uint32_t     side   = 1u << l->light.levels;
-    if (side < FINE_SIDE_PX || texel >= fine_m) return 0;
+    const double fine_metres = 0.5e-3;
+    double       texel       = l->texels.median;
+    uint32_t     side        = 1u << l->light.levels;
+    if (side < FINE_SIDE_PX || texel >= fine_metres) return 0;
     double width = median_width(k, &EVERYWHERE);
     if (width < FINE_WIDTH_PX * texel) return 0;
-    while (side > 4096 && texel < fine_m && width > 2 * FINE_WIDTH_PX * texel) {
+    while (side > 4096 && texel < fine_metres && width > 2 * FINE_WIDTH_PX * texel) {
         side /= 2;
         texel *= 2;
     }

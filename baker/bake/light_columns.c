@@ -32,12 +32,12 @@ vxs_result light_columns_init(light_columns *c, void *device, const bake_options
                                        .tile_px      = tile,
                                        .watch        = take_depths,
                                        .watch_user   = c};
-    c->sparse     = (sparse_columns){.casters      = &c->near,
-                                     .light        = &planned->light,
-                                     .free_behind  = o->behind == BEHIND_FREE,
-                                     .thickness_m  = o->thickness_m,
-                                     .nearest_back = o->exit == EXIT_BACK,
-                                     .fetch_px     = tile};
+    c->sparse     = (sparse_columns){.casters          = &c->near,
+                                     .light            = &planned->light,
+                                     .free_behind      = o->behind == BEHIND_FREE,
+                                     .thickness_metres = o->thickness_metres,
+                                     .nearest_back     = o->exit == EXIT_BACK,
+                                     .fetch_px         = tile};
     return reach_casters(&c->near, &plan->reach, all, &planned->shape, m);
 }
 

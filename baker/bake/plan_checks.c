@@ -36,7 +36,7 @@ static void tell_rest(const light_tally *t, const char *what, run_context *m)
 static int by_distance(const void *a, const void *b)
 {
     const lit_point *p = a, *q = b;
-    return p->along_m < q->along_m ? -1 : p->along_m > q->along_m;
+    return p->along_metres < q->along_metres ? -1 : p->along_metres > q->along_metres;
 }
 
 /* points  are sorted by distance */
@@ -50,7 +50,7 @@ static texel_range texels_of(const plan_light *l, lit_point *points, size_t coun
     qsort(points, count, sizeof *points, by_distance);
     for (size_t k = 0; k < count; k++) all += points[k].weight;
     while (n + 1 < count && 2 * (before += points[n].weight) < all) n++;
-    return (texel_range){slope * points[0].along_m, slope * points[n].along_m, slope * points[count - 1].along_m};
+    return (texel_range){slope * points[0].along_metres, slope * points[n].along_metres, slope * points[count - 1].along_metres};
 }
 
 /* objects that hide a light --------------------------------------------------------------------------------------------------- */
@@ -98,13 +98,13 @@ static int check_far(const check_scene *k, const scene_object *const *hiders)
 
 /* short ranges ---------------------------------------------------------------------------------------------------------------- */
 
-/* Find the only object within a lamp's range, if it is small: the lamp's fixture.   next_m  [out] distance to the next object */
-static const scene_object *find_fixture(const check_scene *k, const plan_light *l, double *next_m)
+/* Find the only object within a lamp's range, if it is small: the lamp's fixture.   next_metres  [out] distance to the next object */
+static const scene_object *find_fixture(const check_scene *k, const plan_light *l, double *next_metres)
 {
     const object_list  *list  = k->nodes.count > 1 ? &k->nodes : &k->components;
     const scene_object *found = NULL;
     box                 all   = box_empty();
-    *next_m                   = INFINITY;
+    *next_metres              = INFINITY;
     for (const scene_object *o = list->items; o < list->items + list->count; o++) {
         double square = 0;
         for (int axis = 0; axis < 3; axis++) {
@@ -116,14 +116,14 @@ static const scene_object *find_fixture(const check_scene *k, const plan_light *
 
         box_add(&all, o->around.min);
         box_add(&all, o->around.max);
-        if (metres > l->shape.range_m) {
-            *next_m = fmin(*next_m, metres);
+        if (metres > l->shape.range_metres) {
+            *next_metres = fmin(*next_metres, metres);
         } else {
             if (found) return NULL;
             found = o;
         }
     }
-    int is_fixture = found && isfinite(*next_m) && box_width(&found->around) <= l->shape.range_m &&
+    int is_fixture = found && isfinite(*next_metres) && box_width(&found->around) <= l->shape.range_metres &&
                      box_diagonal(&found->around) < box_diagonal(&all) / 4;
     return is_fixture ? found : NULL;
 }
@@ -143,7 +143,7 @@ static double farthest_corner(const box *b, const double from[3])
     return far;
 }
 
-static const double STEP_MAX_M = 1e-3, FAR_TIMES = 16;
+static const double STEP_MAX_METRES = 1e-3, FAR_TIMES = 16;
 
 /* Warn of coarse positions: they are floats relative to the origin of their node. Names the node with the coarsest steps. */
 static void warn_about_steps(const check_scene *k)
@@ -162,10 +162,10 @@ static void warn_about_steps(const check_scene *k)
         size_t            first = part->triangle_first, end = n + 1 < s->part_count ? part[1].triangle_first : s->triangle_count;
         while (origin + 1 < s->origin_count && s->origins[origin + 1].triangle_first <= first) origin++;
         const double *from = s->origins[origin].at_ws;
-        if (float_step(farthest_corner(&all, from)) <= STEP_MAX_M) continue; /* a fast test, enough for most scenes */
+        if (float_step(farthest_corner(&all, from)) <= STEP_MAX_METRES) continue; /* a fast test, enough for most scenes */
         box    own = box_of_corners(s->positions_ws, s->indices + 3 * first, 3 * (end - first));
         double far = farthest_corner(&own, from);
-        if (float_step(far) <= STEP_MAX_M || far < FAR_TIMES * box_diagonal(&own)) continue;
+        if (float_step(far) <= STEP_MAX_METRES || far < FAR_TIMES * box_diagonal(&own)) continue;
         nodes += !last || last->node != part->node;
         last = part;
         if (far <= worst_far) continue;
@@ -191,16 +191,16 @@ static void check_light(const check_scene *k, const plan_light *l, int far_told,
     uint32_t            side;
     size_t              lost, of;
     double              metres;
-    const scene_object *o = !is_sun(l) && isfinite(l->shape.range_m) ? find_fixture(k, l, &metres) : NULL;
+    const scene_object *o = !is_sun(l) && isfinite(l->shape.range_metres) ? find_fixture(k, l, &metres) : NULL;
     if (o) {
         if (is_told(short_ones, l->name)) {
-            double      next_m = metres;
+            double      next_metres = metres;
             object_name name;
             object_name_find(&name, o, k->c, k->s);
             warn(k->m,
                  "light '%s' reaches nothing but %s: its range is %.3g m, and what is next is %.3g m from it; give it a longer "
                  "range",
-                 l->name, name.text, l->shape.range_m, next_m);
+                 l->name, name.text, l->shape.range_metres, next_metres);
         }
     } else if (!(is_sun(l) && far_told) && texels_lose_most(k, l, &lost, &of)) {
         if (is_told(coarse, l->name)) warn_about_lost(k, l, lost, of);

@@ -243,12 +243,12 @@ static vxs_result sample_map(sampler *job, run_context *m)
 {
     const bake_options *o      = job->o;
     bake_context        ctx    = {.run = m, .threads = o->threads};
-    sparse_columns      source = {.casters      = job->near,
-                                  .light        = job->light,
-                                  .free_behind  = o->behind == BEHIND_FREE,
-                                  .thickness_m  = o->thickness_m,
-                                  .nearest_back = o->exit == EXIT_BACK,
-                                  .fetch_px     = job->window_px};
+    sparse_columns      source = {.casters          = job->near,
+                                  .light            = job->light,
+                                  .free_behind      = o->behind == BEHIND_FREE,
+                                  .thickness_metres = o->thickness_metres,
+                                  .nearest_back     = o->exit == EXIT_BACK,
+                                  .fetch_px         = job->window_px};
     vxs_result          r      = projection_init(&job->p, job->near, job->light, (int)job->map, o->threads, m);
     if (r != VXS_OK) return r;
     if (!(job->kept = malloc(job->p.triangle_count + 1))) return VXS_E_MEMORY;

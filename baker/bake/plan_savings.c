@@ -17,7 +17,7 @@ static const double LEAST_SHARE_SAVED = 0.1, LEAST_SHARE_CLOSED = 0.2;
 /* Fewer triangles change little, and are not sampled. */
 enum { TWO_SIDED_SHARE = 4 };
 
-#define THICKNESS_M 0.02
+#define THICKNESS_METRES 0.02
 
 /* Add a saving, unless it is below a share of the whole.
  * reach  of c */
@@ -103,13 +103,13 @@ vxs_result plan_find_savings(bake_plan *plan, const bake_options *o, const caste
 {
     double       start  = clock_seconds();
     bake_options behind = *o, thick = *o;
-    vxs_result   r    = VXS_OK;
-    behind.behind     = BEHIND_FREE;
-    thick.thickness_m = THICKNESS_M;
+    vxs_result   r         = VXS_OK;
+    behind.behind          = BEHIND_FREE;
+    thick.thickness_metres = THICKNESS_METRES;
     if (o->maps != MAPS_SPARSE || c->solid_triangle_count == c->triangle_count) return r;
     if (o->behind != BEHIND_FREE)
         r = consider(plan, &plan->reach, &behind, c, (plan_saving){.option = "--behind free"}, LEAST_SHARE_SAVED, m);
-    if (r == VXS_OK && !(o->thickness_m > 0))
+    if (r == VXS_OK && !(o->thickness_metres > 0))
         r = consider(plan, &plan->reach, &thick, c, (plan_saving){.option = "--thickness 0.02"}, LEAST_SHARE_SAVED, m);
     plan->plan_seconds += clock_seconds() - start;
     return r;

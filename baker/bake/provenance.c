@@ -36,7 +36,7 @@ void provenance_set_shape(json_t **object, const light_shape *l)
     if (l->kind != LIGHT_POINT) json_set(object, "direction", vector_json(l->direction_ws));
     if (l->kind == LIGHT_DIRECTIONAL) return;
     json_set(object, "position_m", vector_json(l->position_ws));
-    if (isfinite(l->range_m)) json_set(object, "range_m", number_json(l->range_m));
+    if (isfinite(l->range_metres)) json_set(object, "range_m", number_json(l->range_metres));
     if (l->kind == LIGHT_SPOT) json_set(object, "outer_rad", number_json(l->outer_rad));
 }
 

@@ -180,7 +180,7 @@ void object_name_find(object_name *name, const scene_object *object, const caste
  * */
 
 enum { POINTS = 256, POINTS_SOON = 16, POINTS_LIT = 6, POINTS_MIN = 24, OBJECTS_TRIED = 4 };
-static const double SHARE_LIT = 0.02, SHARE_MIXED = 0.1, BULB_M = 1.5, GRAZING = 1e-6;
+static const double SHARE_LIT = 0.02, SHARE_MIXED = 0.1, BULB_METRES = 1.5, GRAZING = 1e-6;
 
 /* Ray from a point to the light: at + t * way. t ends at 1 for a lamp; it has no end for a sun. */
 typedef struct light_ray {
@@ -339,11 +339,11 @@ static const double ways_level[5][3]   = {{1, .02, .03}, {-1, .03, .02}, {.02, .
 
 /* Whether the object is not worth a bake itself, judged by its lit points. */
 static int is_useless(const shell *s, const lit_points_desc *d, const lit_point *points, size_t hidden, size_t from_behind,
-                      double farthest_m)
+                      double farthest_metres)
 {
     int sees_back = (double)from_behind >= (1 - SHARE_MIXED) * (double)hidden;
     if (d->shape->kind != LIGHT_DIRECTIONAL)
-        return sees_back || farthest_m <= BULB_M || share_around(s, d->shape->position_ws, ways_around, 14) < 0.8;
+        return sees_back || farthest_metres <= BULB_METRES || share_around(s, d->shape->position_ws, ways_around, 14) < 0.8;
     double around = 0;
     for (size_t n = 0; n < 16; n++) around += share_around(s, points[n].at_ws, ways_level, 5) / 16;
     return sees_back || around >= 0.95;
@@ -362,7 +362,7 @@ static int lets_light_past(const shell *s, const object_list *objects, size_t ob
 }
 
 static int hides(object_list *objects, size_t object, const lit_point *all, size_t all_count, const lit_points_desc *d,
-                 double *farthest_m)
+                 double *farthest_metres)
 {
     lit_point       points[POINTS];
     lit_points_desc others = *d;
@@ -375,27 +375,27 @@ static int hides(object_list *objects, size_t object, const lit_point *all, size
     if (!shell_of(&s, objects, object, d->c) || lets_light_past(&s, objects, object, all, all_count, d)) goto done;
     if ((count = lit_points_choose(points, POINTS, &others)) < POINTS_MIN) goto done;
     size_t free_most = (size_t)(SHARE_LIT * (double)count);
-    *farthest_m      = 0;
+    *farthest_metres = 0;
     for (size_t n = 0; n < count && lit <= free_most; n++) {
         light_ray r   = ray_to_light(d->shape, points[n].at_ws);
         shell_hit hit = meet(&s, &r);
         lit += !hit.found;
         behind += hit.from_behind;
-        if (hit.found) *farthest_m = fmax(*farthest_m, (1 - hit.t) * sqrt(vec3_dot(r.way, r.way)));
+        if (hit.found) *farthest_metres = fmax(*farthest_metres, (1 - hit.t) * sqrt(vec3_dot(r.way, r.way)));
     }
-    is = lit <= free_most && is_useless(&s, d, points, count - lit, behind, *farthest_m);
+    is = lit <= free_most && is_useless(&s, d, points, count - lit, behind, *farthest_metres);
 done:
     shell_free(&s);
     return is;
 }
 
 const scene_object *light_hider_find(object_list *objects, const lit_point *points, size_t point_count, const lit_points_desc *d,
-                                     double *distance_m)
+                                     double *distance_metres)
 {
     size_t suspects[OBJECTS_TRIED];
     if (objects->count < 2) return NULL;
     size_t count = find_suspects(suspects, objects, points, point_count, d);
     for (size_t n = 0; n < count; n++)
-        if (hides(objects, suspects[n], points, point_count, d, distance_m)) return &objects->items[suspects[n]];
+        if (hides(objects, suspects[n], points, point_count, d, distance_metres)) return &objects->items[suspects[n]];
     return NULL;
 }

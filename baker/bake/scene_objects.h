@@ -55,9 +55,9 @@ void object_name_find(object_name *name, const scene_object *object, const caste
  *
  * points  [point_count] on all objects (lit_points.h): they rule out most objects fast
  * d       of the light; its object_of and without are ignored
- * distance_m  [out] spot, point: greatest distance from the light to the hiding surface
+ * distance_metres  [out] spot, point: greatest distance from the light to the hiding surface
  * Returns an object of the list; NULL: none found, no memory, or too few other points to decide. */
 const scene_object *light_hider_find(object_list *objects, const lit_point *points, size_t point_count, const lit_points_desc *d,
-                                     double *distance_m);
+                                     double *distance_metres);
 
 #endif

@@ -199,14 +199,14 @@ void warn_about_names(const scene *s, run_context *m)
 
 /* Beyond the first distance the Earth is not flat; no terrain is half as high as the second; no building is as small as the
  * third. */
-static const double ACROSS_MAX_M = 200e3, HEIGHT_MAX_M = 20e3, ACROSS_MIN_M = 0.01;
+static const double ACROSS_MAX_METRES = 200e3, HEIGHT_MAX_METRES = 20e3, ACROSS_MIN_METRES = 0.01;
 
 /* A single object may be this small, but not a furnished room. */
-static const double PLACE_ACROSS_MIN_M = 0.1;
+static const double PLACE_ACROSS_MIN_METRES = 0.1;
 
 /* A place of this size has many small things. In a city the smallest tenth of the parts is 3 m or less; a tiled terrain has few
  * parts. In centimetres nearly all parts are larger. */
-static const double PLACE_MIN_M = 5e3, PART_LARGE_M = 50;
+static const double PLACE_MIN_METRES = 5e3, PART_LARGE_METRES = 50;
 enum { PARTS_MIN = 16, PARTS_SMALL_SHARE = 10 };
 
 static size_t all_components(const casters *c)
@@ -221,7 +221,7 @@ static int parts_are_large(const casters *c)
 {
     size_t count = all_components(c), small = 0;
     if (count < PARTS_MIN) return 0;
-    for (size_t i = 0; i < count; i++) small += box_diagonal(&c->boxes[i]) < PART_LARGE_M;
+    for (size_t i = 0; i < count; i++) small += box_diagonal(&c->boxes[i]) < PART_LARGE_METRES;
     return small * PARTS_SMALL_SHARE <= count;
 }
 
@@ -229,8 +229,8 @@ void warn_about_scale(const casters *c, run_context *m)
 {
     box    all    = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
     double across = box_diagonal(&all), height = all.max[1] - all.min[1];
-    int    large = across > ACROSS_MAX_M || height > HEIGHT_MAX_M || (across > PLACE_MIN_M && parts_are_large(c));
-    int    small = across < ACROSS_MIN_M || (across < PLACE_ACROSS_MIN_M && all_components(c) >= PARTS_MIN);
+    int    large = across > ACROSS_MAX_METRES || height > HEIGHT_MAX_METRES || (across > PLACE_MIN_METRES && parts_are_large(c));
+    int    small = across < ACROSS_MIN_METRES || (across < PLACE_ACROSS_MIN_METRES && all_components(c) >= PARTS_MIN);
     if (!large && !small) return;
     warn(m, "the scene is %.15g x %.15g x %.15g m, %s: glTF is in metres; export it so, or scale its root nodes%s",
          rounded(all.max[0] - all.min[0], 3), rounded(height, 3), rounded(all.max[2] - all.min[2], 3),
@@ -239,7 +239,7 @@ void warn_about_scale(const casters *c, run_context *m)
 
 /* ranges ---------------------------------------------------------------------------------------------------------------------- */
 
-static const double RANGE_OF_WIDTH_MIN = 0.5, CENTIMETRES_ACROSS_MIN_M = 100;
+static const double RANGE_OF_WIDTH_MIN = 0.5, CENTIMETRES_ACROSS_MIN_METRES = 100;
 enum { RANGE_PARTS_MIN = 4 };
 
 void warn_about_ranges(const casters *c, const light_choice *chosen, run_context *m)
@@ -248,20 +248,20 @@ void warn_about_ranges(const casters *c, const light_choice *chosen, run_context
     size_t              count = all_components(c), wider = 0;
     for (const chosen_light *l = chosen->lights; l < chosen->lights + chosen->count; l++) {
         if (l->shape.kind == LIGHT_DIRECTIONAL) continue;
-        if (!isfinite(l->shape.range_m)) return;
-        if (!longest || l->shape.range_m > longest->shape.range_m) longest = l;
+        if (!isfinite(l->shape.range_metres)) return;
+        if (!longest || l->shape.range_metres > longest->shape.range_metres) longest = l;
     }
     if (!longest || count < RANGE_PARTS_MIN) return;
-    double width = longest->shape.range_m / RANGE_OF_WIDTH_MIN;
+    double width = longest->shape.range_metres / RANGE_OF_WIDTH_MIN;
     for (size_t n = 0; n < count; n++) wider += box_width(&c->boxes[n]) > width;
     if (2 * wider <= count) return;
     box all = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
-    if (box_diagonal(&all) < CENTIMETRES_ACROSS_MIN_M) return;
+    if (box_diagonal(&all) < CENTIMETRES_ACROSS_MIN_METRES) return;
     warn(m,
          "light '%s' reaches %.3g m, no lamp farther, and %zu of %zu components are wider than %.3g m, in a scene of %.15g m: as "
          "of one in "
          "centimetres with lights in metres; scale its root nodes by 0.01, or give lights longer ranges",
-         longest->name, longest->shape.range_m, wider, count, width, rounded(box_diagonal(&all), 3));
+         longest->name, longest->shape.range_metres, wider, count, width, rounded(box_diagonal(&all), 3));
 }
 
 /* flat scenes ----------------------------------------------------------------------------------------------------------------- */

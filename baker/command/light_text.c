@@ -49,7 +49,7 @@ const char *light_text(char *text, const vxs_light *light)
     char   at[64], way[64], cone[128] = "", range[32] = "no range";
     if (s.kind == LIGHT_SPOT)
         snprintf(cone, sizeof cone, " towards %s, cone of %.4g degrees", vector_text(way, s.direction_ws), cone_degrees(&s));
-    if (isfinite(s.range_m)) snprintf(range, sizeof range, "range %.6g m", s.range_m);
+    if (isfinite(s.range_metres)) snprintf(range, sizeof range, "range %.6g m", s.range_metres);
     snprintf(shape, size, "%s at %s%s, %s, from %.4g to %.4g m", light_kind_name(s.kind), vector_text(at, s.position_ws), cone,
              range, light->near_metres, far_metres(light));
 
@@ -68,7 +68,7 @@ json_t *light_json(const vxs_light *light)
     json_object_set_new(json, "position_m", json_vector(s.position_ws));
     json_object_set_new(json, "near_m", json_real(light->near_metres));
     json_object_set_new(json, "far_m", json_real(far_metres(light)));
-    if (isfinite(s.range_m)) json_object_set_new(json, "range_m", json_real(s.range_m));
+    if (isfinite(s.range_metres)) json_object_set_new(json, "range_m", json_real(s.range_metres));
     if (s.kind == LIGHT_SPOT) json_object_set_new(json, "cone_degrees", json_real(cone_degrees(&s)));
     return json;
 }

@@ -97,7 +97,7 @@ static int are_finite(const double v[3])
 static const char *shape_of(light_shape *out, const vxs_bake_light *l)
 {
     static const light_kind kinds[] = {LIGHT_DIRECTIONAL, LIGHT_SPOT, LIGHT_POINT};
-    *out                            = (light_shape){.range_m = INFINITY};
+    *out                            = (light_shape){.range_metres = INFINITY};
     if ((unsigned)l->kind > VXS_BAKE_POINT) return "its kind is none";
     out->kind = kinds[l->kind];
     if (out->kind != LIGHT_POINT && (!are_finite(l->direction_ws) || !vec3_unit(l->direction_ws, out->direction_ws)))
@@ -105,12 +105,11 @@ static const char *shape_of(light_shape *out, const vxs_bake_light *l)
     if (out->kind == LIGHT_DIRECTIONAL) return NULL;
     if (!are_finite(l->position_ws)) return "expected a position that is finite";
     memcpy(out->position_ws, l->position_ws, sizeof out->position_ws);
-    if (!(l->range_m >= 0)) return "expected a range of more than 0 metres, or 0 for one without end";
-    if (l->range_m > 0) out->range_m = l->range_m;
+    if (!(l->range_metres >= 0)) return "expected a range of more than 0 metres, or 0 for one without end";
+    if (l->range_metres > 0) out->range_metres = l->range_metres;
     if (out->kind == LIGHT_POINT) return NULL;
-    out->outer_rad = l->outer_rad;
-    return l->outer_rad > 0 && l->outer_rad <= M_PI / 2 ? NULL
-                                                        : "expected a cone of more than 0 and at most pi / 2 from its middle";
+    out->outer_rad = acos(l->cos_outer);
+    return l->cos_outer > 0 && l->cos_outer < 1 ? NULL : "expected cos_outer, of its cone, of more than 0 and less than 1";
 }
 
 static vxs_result add_light(scene *s, const vxs_bake_light *l, size_t number, run_context *m)

@@ -51,8 +51,10 @@ static vxs_result check_choices(const vxs_bake_options *a, run_context *m)
     if (r == VXS_OK) r = check_choice("pack", a->pack, VXS_BAKE_PACK_FAST, m);
     if (r == VXS_OK) r = check_choice("zstd_level", a->zstd_level, ZSTD_MAX, m);
     if (r == VXS_OK) r = check_choice("threads", a->threads, PARALLEL_THREADS_MAX, m);
-    if (r == VXS_OK && a->thickness_m != 0 && !(a->thickness_m >= TEXEL_MIN_METRES && a->thickness_m <= TEXEL_MAX_METRES))
-        r = fail(m, VXS_E_ARGUMENT, "thickness_m %g: expected %g to %g", a->thickness_m, TEXEL_MIN_METRES, TEXEL_MAX_METRES);
+    if (r == VXS_OK && a->thickness_metres != 0 &&
+        !(a->thickness_metres >= TEXEL_MIN_METRES && a->thickness_metres <= TEXEL_MAX_METRES))
+        r = fail(m, VXS_E_ARGUMENT, "thickness_metres %g: expected %g to %g", a->thickness_metres, TEXEL_MIN_METRES,
+                 TEXEL_MAX_METRES);
     if (r == VXS_OK && a->coding == VXS_BAKE_DAG && a->pack != VXS_BAKE_PACK_SMALL)
         r = fail(m, VXS_E_ARGUMENT, "pack is of the pages of palette blocks, and coding is VXS_BAKE_DAG");
     return r;
@@ -208,20 +210,20 @@ static void translate(asked_options *a)
     o->texel_metres = asked->texel_metres;
     o->region_given = asked->has_region != 0;
     memcpy(o->region_ws, asked->region_ws, sizeof o->region_ws);
-    o->maps         = MAPS_SPARSE;
-    o->closed       = closed[asked->closed];
-    o->exit         = exits[asked->exit];
-    o->behind       = asked->behind_free ? BEHIND_FREE : BEHIND_SHADOW;
-    o->thickness_m  = asked->thickness_m;
-    o->coding       = asked->coding == VXS_BAKE_DAG ? CODING_DAG : CODING_BLOCKS;
-    o->pack         = asked->pack == VXS_BAKE_PACK_FAST ? PACK_FAST : PACK_SMALL;
-    o->reuse        = 1;
-    o->stop         = STOP_FINAL;
-    o->threads      = asked->threads ? asked->threads : parallel_default_threads();
-    o->zstd_level   = asked->zstd_level ? asked->zstd_level : ZSTD_DEFAULT;
-    o->memory_bytes = asked->memory_bytes;
-    o->resume_path  = asked->resume_path;
-    o->if_changed   = asked->if_changed != 0;
+    o->maps             = MAPS_SPARSE;
+    o->closed           = closed[asked->closed];
+    o->exit             = exits[asked->exit];
+    o->behind           = asked->behind_free ? BEHIND_FREE : BEHIND_SHADOW;
+    o->thickness_metres = asked->thickness_metres;
+    o->coding           = asked->coding == VXS_BAKE_DAG ? CODING_DAG : CODING_BLOCKS;
+    o->pack             = asked->pack == VXS_BAKE_PACK_FAST ? PACK_FAST : PACK_SMALL;
+    o->reuse            = 1;
+    o->stop             = STOP_FINAL;
+    o->threads          = asked->threads ? asked->threads : parallel_default_threads();
+    o->zstd_level       = asked->zstd_level ? asked->zstd_level : ZSTD_DEFAULT;
+    o->memory_bytes     = asked->memory_bytes;
+    o->resume_path      = asked->resume_path;
+    o->if_changed       = asked->if_changed != 0;
 }
 
 vxs_result asked_options_init(asked_options *a, const vxs_bake_options *options, int lights, run_context *m)

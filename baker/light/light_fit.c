@@ -66,17 +66,17 @@ static double polygon_distance(const map_polygon *p)
     return above ? fabs(vec3_dot(p->corners[0].at, normal)) / sqrt(vec3_dot(normal, normal)) : nearest;
 }
 
-static void extend(reach *r, const map_polygon *p, double range_m)
+static void extend(reach *r, const map_polygon *p, double range_metres)
 {
-    if (p->count < 3 || polygon_distance(p) > range_m) return;
+    if (p->count < 3 || polygon_distance(p) > range_metres) return;
     for (int n = 0; n < p->count; n++) {
         r->near = fmin(r->near, p->corners[n].at[2]);
-        r->far  = fmax(r->far, fmin(p->corners[n].at[2], range_m));
+        r->far  = fmax(r->far, fmin(p->corners[n].at[2], range_metres));
     }
 }
 
 /* Near and far of the casters in the light's maps and range. far is 0 when there are none. */
-static reach measure(const vxs_light *light, const casters *c, double range_m)
+static reach measure(const vxs_light *light, const casters *c, double range_metres)
 {
     reach     r    = {INFINITY, 0};
     int       maps = (int)vxs_map_count(light);
@@ -89,7 +89,7 @@ static reach measure(const vxs_light *light, const casters *c, double range_m)
                 map_space_from_ws(&frame, c->positions_ws + 3 * (size_t)c->indices[3 * n + k], triangle.corners[k].at);
             if (!map_sides_touch(&s, &triangle) || map_space_behind(light, map, &triangle) || edge_on(&triangle)) continue;
             map_sides_clip(&s, &triangle, &kept);
-            extend(&r, &kept, range_m);
+            extend(&r, &kept, range_metres);
         }
     }
     return r;
@@ -117,7 +117,7 @@ vxs_result lamp_fit(vxs_light *light, const casters *c, const light_fit_desc *de
 
     light->kind         = spot ? VXS_LIGHT_KIND_SPOT : VXS_LIGHT_KIND_POINT;
     light->flags        = cube ? VXS_LIGHT_CUBE : 0;
-    light->range_metres = isfinite(shape->range_m) ? shape->range_m : 0;
+    light->range_metres = isfinite(shape->range_metres) ? shape->range_metres : 0;
     light->cos_outer    = spot ? fmax(0, cos(shape->outer_rad)) : 0;
     if (spot && !(light->cos_outer < 1 && slope > 0))
         return fail(m, VXS_E_ARGUMENT, "light '%s': a cone of %g degrees is too narrow for a map", desc->name,
@@ -131,7 +131,7 @@ vxs_result lamp_fit(vxs_light *light, const casters *c, const light_fit_desc *de
     light->levels       = log2_u32(side);
     light->texel_metres = slope_of(slope, side);
     light->near_metres  = DBL_MIN;
-    reach r             = measure(light, c, shape->range_m);
+    reach r             = measure(light, c, shape->range_metres);
     if (!(r.far > 0)) return VXS_E_NO_CASTER;
     if (!desc->resolution) {
         double px = 2 * slope * r.far / desc->texel_metres;

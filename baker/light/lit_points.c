@@ -20,7 +20,7 @@ static reach_run run_of(const casters *c, size_t first, size_t end)
     for (size_t n = 3 * first; n < 3 * end; n++) box_add(&around, c->positions_ws + 3 * (size_t)c->indices[n]);
     vec3_sub(around.max, around.min, size);
     vec3_mad(around.min, 0.5, size, run.center_ws);
-    run.radius_m = 0.5 * sqrt(vec3_dot(size, size)) * (1 + 1e-9) + 1e-12;
+    run.radius_metres = 0.5 * sqrt(vec3_dot(size, size)) * (1 + 1e-9) + 1e-12;
     return run;
 }
 
@@ -56,7 +56,7 @@ static int touches_cone(const reach_run *run, const light_shape *light, double s
     double along = vec3_dot(from, light->direction_ws);
     vec3_mad(from, -along, light->direction_ws, across);
     double beside = sqrt(vec3_dot(across, across)) - along * slope; /* distance from the axis minus the cone's radius */
-    return along > -run->radius_m && beside <= run->radius_m * sqrt(1 + slope * slope);
+    return along > -run->radius_metres && beside <= run->radius_metres * sqrt(1 + slope * slope);
 }
 
 /* arrays of the casters that are kept ------------------------------------------------------------------------------------------ */
@@ -185,11 +185,11 @@ static const double *corner_of(const casters *c, size_t triangle, size_t n)
 /* 1 when a ball may be in reach. The caller computes cosine and sine of the cone once. */
 static int touches(const light_shape *shape, double cosine, double sine, const reach_run *run)
 {
-    double way[3], r = run->radius_m;
+    double way[3], r = run->radius_metres;
     if (shape->kind == LIGHT_DIRECTIONAL) return 1;
     vec3_sub(run->center_ws, shape->position_ws, way);
     double square = vec3_dot(way, way);
-    if (square > (shape->range_m + r) * (shape->range_m + r)) return 0;
+    if (square > (shape->range_metres + r) * (shape->range_metres + r)) return 0;
     if (shape->kind == LIGHT_POINT) return 1;
     double along = vec3_dot(way, shape->direction_ws), beside = square - along * along;
     return along > -r && sqrt(beside > 0 ? beside : 0) * cosine - along * sine <= r;
@@ -272,9 +272,9 @@ static void seen_part(const lit_points_desc *d, const map_frame *frame, const ma
     if (!map_sides_touch(sides, &triangle) || map_space_behind(d->light, map, &triangle)) return;
     map_sides_clip(sides, &triangle, &kept);
     for (int n = 0; n < MAP_SIDES; n++) range.n[n][3] = 1; /* always inside */
-    if (isfinite(d->shape->range_m)) {
+    if (isfinite(d->shape->range_metres)) {
         range.n[0][2] = -1;
-        range.n[0][3] = d->shape->range_m;
+        range.n[0][3] = d->shape->range_metres;
     }
     map_sides_clip(&range, &kept, out);
     if (out->count < 3) out->count = 0;
@@ -304,8 +304,8 @@ static int point_of_lamp(lit_point *out, const lit_points_desc *d, const map_sid
     map_frame frame = map_frame_of(d->light, map);
     point_in(&seen[map], areas[map], random, at);
     ws_from_map_space(&frame, at, out->at_ws);
-    out->along_m = at[2];
-    out->weight  = all;
+    out->along_metres = at[2];
+    out->weight       = all;
     return light_reaches(d->shape, out->at_ws);
 }
 
@@ -346,8 +346,8 @@ size_t lit_points_choose(lit_point *points, size_t count, const lit_points_desc 
             map_polygon    triangle = {.count = 3};
             for (size_t i = 0; i < 3; i++)
                 for (int axis = 0; axis < 3; axis++) triangle.corners[i].at[axis] = corner_of(c, t, i)[axis];
-            p->weight  = polygon_area(&triangle);
-            p->along_m = 0;
+            p->weight       = polygon_area(&triangle);
+            p->along_metres = 0;
             point_in(&triangle, p->weight, &random, p->at_ws);
         } else if (!point_of_lamp(p, d, &sides, p->triangle, &random))
             continue;

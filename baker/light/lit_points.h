@@ -12,7 +12,7 @@
  * reached casters equals the map of all casters, texel by texel. */
 
 typedef struct reach_run {
-    double center_ws[3], radius_m;
+    double center_ws[3], radius_metres;
 } reach_run;
 
 typedef struct reach_index {
@@ -37,9 +37,9 @@ void       reach_release(casters *out, const casters *c);
 
 typedef struct lit_point {
     double   at_ws[3];
-    double   along_m;  /* spot, point: distance from the light along the axis of its map; directional: 0 */
-    double   weight;   /* surface area that the point represents, square metres */
-    uint32_t triangle; /* index in the casters */
+    double   along_metres; /* spot, point: distance from the light along the axis of its map; directional: 0 */
+    double   weight;       /* surface area that the point represents, square metres */
+    uint32_t triangle;     /* index in the casters */
 } lit_point;
 
 typedef struct lit_points_desc {

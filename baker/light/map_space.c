@@ -115,13 +115,13 @@ int map_sides_clip(const map_sides *s, const map_polygon *triangle, map_polygon 
 
 light_shape baked_light_shape(const vxs_light *light)
 {
-    light_shape shape = {.kind = LIGHT_DIRECTIONAL, .range_m = INFINITY};
+    light_shape shape = {.kind = LIGHT_DIRECTIONAL, .range_metres = INFINITY};
     memcpy(shape.direction_ws, light->direction_ws, sizeof shape.direction_ws);
     if (light->kind == VXS_LIGHT_KIND_DIRECTIONAL) return shape;
 
     shape.kind      = light->kind == VXS_LIGHT_KIND_SPOT ? LIGHT_SPOT : LIGHT_POINT;
     shape.outer_rad = acos(light->cos_outer);
-    if (light->range_metres > 0) shape.range_m = light->range_metres;
+    if (light->range_metres > 0) shape.range_metres = light->range_metres;
     /* the pyramid of a map ends at the light, where log depth is -infinity */
     double middle = ldexp(0.5, (int)light->levels);
     vxs_point(light, 0, (double[]){middle, middle, -INFINITY}, shape.position_ws);

@@ -325,7 +325,8 @@ static int shapes_alike(const light_shape *a, const light_shape *b)
     if (a->kind != LIGHT_POINT && !near_by(a->direction_ws, b->direction_ws)) return 0;
     if (a->kind == LIGHT_DIRECTIONAL) return 1;
     if (a->kind == LIGHT_SPOT && fabs(a->outer_rad - b->outer_rad) > ALIKE) return 0;
-    int ranges_alike = a->range_m == b->range_m || fabs(a->range_m - b->range_m) <= ALIKE * a->range_m; /* both may be INFINITY */
+    int ranges_alike = a->range_metres == b->range_metres ||
+                       fabs(a->range_metres - b->range_metres) <= ALIKE * a->range_metres; /* both may be INFINITY */
     return ranges_alike && near_by(a->position_ws, b->position_ws);
 }
 

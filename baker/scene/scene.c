@@ -117,18 +117,18 @@ int light_reaches(const light_shape *light, const double point_ws[3])
     double to_point[3];
     vec3_sub(point_ws, light->position_ws, to_point);
     double distance = sqrt(vec3_dot(to_point, to_point));
-    if (distance > light->range_m) return 0;
+    if (distance > light->range_metres) return 0;
     return light->kind == LIGHT_POINT || vec3_dot(to_point, light->direction_ws) >= distance * cos(light->outer_rad);
 }
 
-int light_reaches_ball(const light_shape *light, const double middle_ws[3], double radius_m)
+int light_reaches_ball(const light_shape *light, const double middle_ws[3], double radius_metres)
 {
     if (light->kind == LIGHT_DIRECTIONAL) return 1;
     double way[3];
     vec3_sub(middle_ws, light->position_ws, way);
     double metres = sqrt(vec3_dot(way, way));
-    if (metres - radius_m > light->range_m) return 0;
-    if (light->kind == LIGHT_POINT || metres <= radius_m) return 1;
+    if (metres - radius_metres > light->range_metres) return 0;
+    if (light->kind == LIGHT_POINT || metres <= radius_metres) return 1;
     double cosine = fmax(-1, fmin(1, vec3_dot(way, light->direction_ws) / metres));
-    return acos(cosine) - asin(radius_m / metres) < light->outer_rad;
+    return acos(cosine) - asin(radius_metres / metres) < light->outer_rad;
 }

@@ -22,7 +22,7 @@ typedef struct light_shape {
     double     position_ws[3];  /* metres; unused for a directional light */
     double     direction_ws[3]; /* unit, direction in which light travels; unused for a point light */
     double     outer_rad;       /* spot: angle between its direction and the edge of its cone, (0, pi/2] */
-    double     range_m;         /* spot and point: maximum distance, metres; INFINITY: unlimited */
+    double     range_metres;    /* spot and point: maximum distance, metres; INFINITY: unlimited */
 } light_shape;
 
 typedef struct scene_light {
@@ -106,8 +106,8 @@ typedef struct scene_view {
     view_kind kind;
     double    eye_ws[3], forward_ws[3], up_ws[3]; /* forward and up: orthogonal unit vectors */
     double    half_high;
-    double    aspect; /* width / height; 0: use the picture's */
-    double    near_m; /* near plane: distance along its axis, 0 or more */
+    double    aspect;      /* width / height; 0: use the picture's */
+    double    near_metres; /* near plane: distance along its axis, 0 or more */
 } scene_view;
 
 /* Consecutive triangles with one origin. The file stores their coordinates as floats relative to this origin. */
@@ -270,7 +270,7 @@ const char *light_kind_name(light_kind kind);
 int light_reaches(const light_shape *light, const double point_ws[3]);
 
 /* 1 when a part of a ball is within the light's cone and range. */
-int light_reaches_ball(const light_shape *light, const double middle_ws[3], double radius_m);
+int light_reaches_ball(const light_shape *light, const double middle_ws[3], double radius_metres);
 
 #ifdef __cplusplus
 }

@@ -212,7 +212,7 @@ static void paint(area *a)
 
 static int is_free(const void *traced, const double from_ws[3], const double to_ws[3])
 {
-    const light_shape lamp = {.kind = LIGHT_POINT, .position_ws = {from_ws[0], from_ws[1], from_ws[2]}, .range_m = INFINITY};
+    const light_shape lamp = {.kind = LIGHT_POINT, .position_ws = {from_ws[0], from_ws[1], from_ws[2]}, .range_metres = INFINITY};
     return truth_lit(traced, to_ws, &lamp);
 }
 

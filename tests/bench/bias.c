@@ -21,9 +21,9 @@
 
 enum { KINDS = 3, OTHER_CASTERS = 3, FILTERS = 7, STEPS = 400, WALL_SIDE_MIN = 1024 };
 
-static const char *const kind_names[KINDS]                     = {"sun", "spot", "point"};
-static const double      other_casters_m[KINDS][OTHER_CASTERS] = {{0, 60, 600}, {0, 0.03, 0.005}, {0, 0.03, 0.005}};
-static const int         filters_px[FILTERS]                   = {1, 3, 9, 17, VXS_SMOOTH + 2, VXS_SMOOTH + 9, VXS_SMOOTH + 16};
+static const char *const kind_names[KINDS]                          = {"sun", "spot", "point"};
+static const double      other_casters_metres[KINDS][OTHER_CASTERS] = {{0, 60, 600}, {0, 0.03, 0.005}, {0, 0.03, 0.005}};
+static const int         filters_px[FILTERS] = {1, 3, 9, 17, VXS_SMOOTH + 2, VXS_SMOOTH + 9, VXS_SMOOTH + 16};
 
 typedef struct tally {
     double points, dark, lost, back_points, back, walls, gap, shift;
@@ -102,10 +102,10 @@ static void measure(int kind, int other, uint32_t stages, uint32_t points, uint3
     for (uint32_t side_px = 256; side_px <= largest_px; side_px *= 4)
         for (int coding = 0; coding < 2; coding++)
             for (uint32_t n = 0; n < stages; n++) {
-                bias_setup o = {.kind           = (vxs_bake_light_kind)kind,
-                                .other_caster_m = other_casters_m[kind][other],
-                                .side_px        = side_px,
-                                .coding         = coding ? VXS_BAKE_DAG : VXS_BAKE_BLOCKS};
+                bias_setup o = {.kind                = (vxs_bake_light_kind)kind,
+                                .other_caster_metres = other_casters_metres[kind][other],
+                                .side_px             = side_px,
+                                .coding              = coding ? VXS_BAKE_DAG : VXS_BAKE_BLOCKS};
                 measure_plane(&o, n, points, t);
                 o.wall = 1;
                 if (side_px >= WALL_SIDE_MIN) measure_wall(&o, n, t);
@@ -117,10 +117,10 @@ static void report(json_t *rows, int kind, int other, const tally *t, int filter
     int    smooth = filter_px >= VXS_SMOOTH, width = smooth ? filter_px - VXS_SMOOTH : filter_px;
     double dark = t->dark / t->points, lost = t->lost / t->points, back = t->back / t->back_points;
     double gap = t->gap / t->walls, shift = t->shift / t->walls;
-    printf("%-6s %9g m %3d%-7s %10.0f %11.8f %11.8f %9.6f %8.3f %8.3f\n", kind_names[kind], other_casters_m[kind][other], width,
-           smooth ? " smooth" : "", t->points, dark, lost, back, gap, shift);
+    printf("%-6s %9g m %3d%-7s %10.0f %11.8f %11.8f %9.6f %8.3f %8.3f\n", kind_names[kind], other_casters_metres[kind][other],
+           width, smooth ? " smooth" : "", t->points, dark, lost, back, gap, shift);
     json_array_append_new(rows, json_pack("{s:s, s:f, s:i, s:b, s:I, s:f, s:f, s:f, s:f, s:f}", "light", kind_names[kind],
-                                          "other_caster_m", other_casters_m[kind][other], "filter_px", width, "smooth", smooth,
+                                          "other_caster_m", other_casters_metres[kind][other], "filter_px", width, "smooth", smooth,
                                           "points", (json_int_t)t->points, "dark", dark, "lost", lost, "back", back, "gap_texels",
                                           gap, "shift_texels", shift));
 }

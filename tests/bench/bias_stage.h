@@ -25,7 +25,7 @@ typedef struct bias_setup {
     vxs_bake_light_kind kind;
     /* Of a lamp: metres to a caster behind it that shades nothing of the plane, as a fixture does; of a sun: metres from the plane to a caster behind
      * it, of a map some 20 m wide. Either makes voxels deeper than texels are wide. 0: none */
-    double              other_caster_m;
+    double              other_caster_metres;
     int                 wall;
     uint32_t            side_px;
     vxs_bake_coding     coding;
@@ -34,7 +34,7 @@ typedef struct bias_setup {
 typedef struct bias_stage {
     double   foot_ws[3];     /* below a lamp; where axes begin, and what corners count from */
     double   axes_ws[3][3];  /* two in the plane, and its normal */
-    double   plane_m;        /* the plane's height above the foot: of its corners, as they were rounded to floats */
+    double   plane_metres;   /* the plane's height above the foot: of its corners, as they were rounded to floats */
     double   light_ws[3];    /* a lamp's place */
     double   to_light_ws[3]; /* against a sun's direction, or a spot's axis */
     float    corners[3 * BIAS_CORNERS];
@@ -61,7 +61,7 @@ static inline void bias_from_foot(const bias_stage *s, double x, double y, doubl
 
 static inline void bias_point(const bias_stage *s, double x, double y, double up, double point_ws[3])
 {
-    bias_from_foot(s, x, y, up + s->plane_m, point_ws);
+    bias_from_foot(s, x, y, up + s->plane_metres, point_ws);
     vec3_mad(point_ws, 1, s->foot_ws, point_ws);
 }
 
@@ -109,7 +109,7 @@ static inline void bias_settle(bias_stage *s)
     vec3_mad(s->axes_ws[0], -vec3_dot(s->axes_ws[0], normal), normal, s->axes_ws[0]);
     vec3_unit(s->axes_ws[0], s->axes_ws[0]);
     vec3_cross(normal, s->axes_ws[0], s->axes_ws[1]);
-    s->plane_m = vec3_dot(first, normal);
+    s->plane_metres = vec3_dot(first, normal);
 }
 
 static inline double bias_wall_x(const bias_setup *o)
@@ -127,18 +127,18 @@ static inline void bias_place_light(bias_stage *s, const bias_setup *o, rng *r)
     if (o->kind == VXS_BAKE_SPOT && !o->wall)
         angle = (50 + 25 * rng_unit(r)) / 180 * BIAS_PI; /* the cone sees more than the plane */
     bias_direction(s, angle, turn, s->to_light_ws);
-    if (!(o->other_caster_m > 0)) return;
+    if (!(o->other_caster_metres > 0)) return;
 
     double away[3], at[3];
     if (o->kind == VXS_BAKE_DIRECTIONAL) {
         for (int n = 0; n < 3; n++) away[n] = -s->to_light_ws[n];
-        for (int n = 0; n < 3; n++) at[n] = o->other_caster_m * away[n];
+        for (int n = 0; n < 3; n++) at[n] = o->other_caster_metres * away[n];
         bias_add_triangle(s, at, away, 1);
     } else { /* a point light's above it; a spot's in its cone, 104 degrees from the way to the plane, and so narrow that no filter reaches it */
         bias_direction(s, o->kind == VXS_BAKE_POINT ? 0 : 76 / 180.0 * BIAS_PI, turn + BIAS_PI, away);
         bias_from_foot(s, 0, 0, BIAS_LAMP_METRES, at);
-        vec3_mad(at, o->other_caster_m, away, at);
-        bias_add_triangle(s, at, away, 0.005 * o->other_caster_m);
+        vec3_mad(at, o->other_caster_metres, away, at);
+        bias_add_triangle(s, at, away, 0.005 * o->other_caster_metres);
     }
 }
 
@@ -178,7 +178,7 @@ static inline void bias_draw_point(const bias_stage *s, const bias_setup *o, rng
 static inline vxs_asset *bias_stage_bake(const bias_stage *s, const bias_setup *o)
 {
     vxs_bake_mesh    mesh    = {.positions = s->corners, .vertex_count = s->corner_count, .triangle_count = s->corner_count / 3};
-    vxs_bake_light   light   = {.name = "light", .kind = o->kind, .outer_rad = 55 / 180.0 * BIAS_PI};
+    vxs_bake_light   light   = {.name = "light", .kind = o->kind, .cos_outer = cos(55 / 180.0 * BIAS_PI)};
     vxs_bake_arrays  arrays  = {.meshes = &mesh, .mesh_count = 1, .lights = &light, .light_count = 1};
     vxs_bake_options options = vxs_bake_defaults();
     vxs_bake_bytes   bytes   = {0};

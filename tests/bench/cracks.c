@@ -18,8 +18,8 @@
 #include "tests/columns/panels.h"
 #include "tests/gl_choice.h"
 
-static const double gaps_m[] = {0, 1e-7, 3e-7, 1e-6, 3e-6, 1e-5};
-enum { GAPS = sizeof gaps_m / sizeof *gaps_m, KINDS = LIGHT_POINT + 1, SOURCES = 2 };
+static const double gaps_metres[] = {0, 1e-7, 3e-7, 1e-6, 3e-6, 1e-5};
+enum { GAPS = sizeof gaps_metres / sizeof *gaps_metres, KINDS = LIGHT_POINT + 1, SOURCES = 2 };
 
 static const char *const source_names[SOURCES] = {"gl", "sparse"};
 
@@ -48,7 +48,7 @@ static void print_counts(const counted *c)
             const leak_counts *one = &c->of[s][n / GAPS][n % GAPS];
             if (one->columns)
                 printf("%-7s %-12s %8.0e %12llu %10llu %12llu %12llu\n", source_names[s], light_kind_name((light_kind)(n / GAPS)),
-                       gaps_m[n % GAPS], (unsigned long long)one->columns, (unsigned long long)one->in_gaps,
+                       gaps_metres[n % GAPS], (unsigned long long)one->columns, (unsigned long long)one->in_gaps,
                        (unsigned long long)one->beside_gaps, (unsigned long long)one->unexplained);
         }
     for (uint32_t s = 0; s < SOURCES; s++) {
@@ -220,7 +220,7 @@ int main(int argc, char **argv)
     }
     for (uint32_t s = 0; s < SOURCES && r == VXS_OK; s++)
         for (uint64_t n = seed; r == VXS_OK && (!maps || maps == (int)s + 1) && sum_of(&c, s).columns < 1000000ull * millions; n++)
-            r = panels_leaks(&c.of[s][n / GAPS % KINDS][n % GAPS], s ? NULL : gl, n, gaps_m[n % GAPS],
+            r = panels_leaks(&c.of[s][n / GAPS % KINDS][n % GAPS], s ? NULL : gl, n, gaps_metres[n % GAPS],
                              (light_kind)(n / GAPS % KINDS), splits ? casters_from_scene : casters_for_maps, side, &ctx);
     print_counts(&c);
     m.wrong = sum_of(&c, 0).unexplained || sum_of(&c, 1).unexplained;

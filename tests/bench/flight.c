@@ -20,12 +20,12 @@
 #include "baker/files/json_file.h"
 #include "runtime/vxs_stream.h"
 
-enum { POINTS = 200, FILTER_PX = 9, AROUND_M = 100, ABOVE_M = 20, FRAMES_PER_SECOND = 60 };
+enum { POINTS = 200, FILTER_PX = 9, AROUND_METRES = 100, ABOVE_METRES = 20, FRAMES_PER_SECOND = 60 };
 
 typedef struct flight_options {
     const char *path, *json_path;
     uint64_t    budget_bytes;
-    uint32_t    threads, speed_mps, radius_m;
+    uint32_t    threads, speed_mps, radius_metres;
 } flight_options;
 
 typedef struct flight {
@@ -69,14 +69,14 @@ static void camera_at(const flight *f, double part, double eye_ws[3], double at[
     far[1]        = at[1];
     far[2]        = side / 2;
     if (!surface_at(f, at[0], at[1], eye_ws)) vxs_point(light, 0, far, eye_ws);
-    for (int k = 0; k < 3; k++) eye_ws[k] -= ABOVE_M * light->direction_ws[k];
+    for (int k = 0; k < 3; k++) eye_ws[k] -= ABOVE_METRES * light->direction_ws[k];
 }
 
 /* What lookups around the camera say; 0: one says what it must not. */
 static int look_around(flight *f, const double at[2], uint32_t *coarse)
 {
     const vxs_baked_light *whole = vxs_asset_light(f->whole, 0), *here = vxs_stream_light(f->stream, 0);
-    double                 reach = AROUND_M / whole->light.texel_metres;
+    double                 reach = AROUND_METRES / whole->light.texel_metres;
     for (int n = 0; n < POINTS; n++) {
         double angle = 6.2831853 * rng_below(&f->random, 4096) / 4096, away = reach * rng_below(&f->random, 4096) / 4096, point[3];
         if (!surface_at(f, at[0] + away * cos(angle), at[1] + away * sin(angle), point)) continue;
@@ -108,7 +108,7 @@ static vxs_result fly(flight *f, run_context *m)
         double   eye_ws[3], at[2], began = clock_seconds();
         uint32_t coarse = 0;
         camera_at(f, (double)n / f->frames, eye_ws, at);
-        vxs_stream_focus eye  = vxs_stream_camera(eye_ws, f->options->radius_m);
+        vxs_stream_focus eye  = vxs_stream_camera(eye_ws, f->options->radius_metres);
         double           from = clock_seconds();
         f->last               = (vxs_stream_status){.struct_size = sizeof f->last};
         if (vxs_stream_frame(f->stream, &eye, 1, &f->last) != VXS_OK) return fail(m, VXS_E_ARGUMENT, "no frame");
@@ -137,7 +137,7 @@ static json_t *report(flight *f)
     qsort(ms, f->frames, sizeof *ms, by_size);
     double mean = sum / f->frames, high = ms[f->frames - 1 - f->frames / 100], most = ms[f->frames - 1];
     printf("%s: %u x %u texels, %u KiB, %u threads, %u m/s, within %u m\n", o->path, 1u << l->light.levels, 1u << l->light.levels,
-           (unsigned)(o->budget_bytes / 1024), o->threads, o->speed_mps, o->radius_m);
+           (unsigned)(o->budget_bytes / 1024), o->threads, o->speed_mps, o->radius_metres);
     printf("open     %.1f ms, %.1f KiB read, room for %.1f KiB of pages\n", 1e3 * f->open_seconds, (double)f->open_bytes / 1024,
            (double)f->last.bytes_room / 1024);
     printf("answers  %.3f %% full of %llu; %u of %u frames with a coarse one\n", 100.0 * (double)f->full / (double)f->asked,
@@ -149,7 +149,7 @@ static json_t *report(flight *f)
         "{s:s, s:s, s:I, s:I, s:I, s:I, s:I, s:{s:f, s:I}, s:I, s:I, s:{s:I, s:I}, s:{s:I, s:I}, s:{s:I, s:I, s:I}, s:I, "
         "s:{s:f, s:f, s:f}}",
         "vxs", VXS_VERSION, "file", o->path, "resolution_px", (json_int_t)(1u << l->light.levels), "threads",
-        (json_int_t)o->threads, "speed_mps", (json_int_t)o->speed_mps, "radius_m", (json_int_t)o->radius_m, "budget_bytes",
+        (json_int_t)o->threads, "speed_mps", (json_int_t)o->speed_mps, "radius_m", (json_int_t)o->radius_metres, "budget_bytes",
         (json_int_t)o->budget_bytes, "open", "seconds", f->open_seconds, "bytes_read", (json_int_t)f->open_bytes, "held_bytes",
         (json_int_t)f->last.bytes_held, "room_bytes", (json_int_t)f->last.bytes_room, "answers", "asked", (json_int_t)f->asked,
         "full", (json_int_t)f->full, "frames", "all", (json_int_t)f->frames, "coarse", (json_int_t)f->coarse_frames, "pages", "all",
@@ -174,13 +174,13 @@ static vxs_result open_both(flight *f, run_context *m)
 
 int main(int argc, char **argv)
 {
-    flight_options o         = {.budget_bytes = 4 << 20, .speed_mps = 30, .radius_m = 150};
+    flight_options o         = {.budget_bytes = 4 << 20, .speed_mps = 30, .radius_metres = 150};
     const option   options[] = {
           {"FILE", OPTION_TEXT, &o.path, 1, 0, NULL, NULL, "file of vxs bake", NULL},
           {"--budget", OPTION_BYTES, &o.budget_bytes, 0, 0, NULL, "BYTES", "what the stream may hold (default 4M)", NULL},
           {"--threads", OPTION_U32, &o.threads, 0, VXS_STREAM_THREADS_MAX, NULL, "N", "of the stream (default 0)", NULL},
           {"--speed", OPTION_U32, &o.speed_mps, 1, 10000, NULL, "MPS", "metres a second (default 30)", NULL},
-          {"--radius", OPTION_U32, &o.radius_m, 1, 1000000, NULL, "METRES", "how far pages are wanted (default 150)", NULL},
+          {"--radius", OPTION_U32, &o.radius_metres, 1, 1000000, NULL, "METRES", "how far pages are wanted (default 150)", NULL},
           {"--json", OPTION_OUTPUT, &o.json_path, 0, 0, ".json", "FILE", "the figures as JSON", NULL}};
     const command_line line = COMMAND_LINE("flight", "FILE [options]", "A flight over a baked level.", options);
     run_context        m    = {0};

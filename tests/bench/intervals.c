@@ -19,7 +19,7 @@
 #include "baker/files/json_file.h"
 #include "runtime/vxs_query.h"
 
-enum { SIDE_PX = 32, ABOVE_M = 2, WAYS = 3, RUNS_MAX = 99 };
+enum { SIDE_PX = 32, ABOVE_METRES = 2, WAYS = 3, RUNS_MAX = 99 };
 
 static const int march_samples[WAYS] = {0, 64, 256}; /* 0: intervals */
 
@@ -72,7 +72,7 @@ static void look(const vxs_baked_light *l, rng *r, const intervals_options *o, v
         vec3_unit(forward, forward);
         vec3_cross(right, forward, up);
     }
-    place_eye(l, r, o->afar ? o->afar : ABOVE_M, eye_ws);
+    place_eye(l, r, o->afar ? o->afar : ABOVE_METRES, eye_ws);
     for (int y = 0; y < SIDE_PX; y++)
         for (int x = 0; x < SIDE_PX; x++, rays++) {
             double u = edge * ((x + 0.5) / SIDE_PX * 2 - 1), v = edge * ((y + 0.5) / SIDE_PX * 2 - 1);

@@ -40,7 +40,7 @@ int main(int argc, char **argv)
         if (!strcmp(argv[n], "dag")) o.coding = VXS_BAKE_DAG;
         if (!strcmp(argv[n], "fast")) o.pack = VXS_BAKE_PACK_FAST;
         if (!strcmp(argv[n], "behind")) o.behind_free = 1;
-        if (!strcmp(argv[n], "thick")) o.thickness_m = 0.25;
+        if (!strcmp(argv[n], "thick")) o.thickness_metres = 0.25;
         if (!strcmp(argv[n], "off")) o.closed = VXS_BAKE_CLOSED_OFF;
         if (!strcmp(argv[n], "one")) o.threads = 1;
         if (!strcmp(argv[n], "steps")) budget = 3;

@@ -26,7 +26,7 @@ enum { PANELS_ACROSS = 3, PANELS = PANELS_ACROSS * PANELS_ACROSS, PANEL_PARTS_MA
 
 typedef struct panels {
     scene  s;
-    double gap_m;
+    double gap_metres;
     double corners[PANELS][4][3]; /* world space, without gaps, in order about each */
     double middle[3], normal[3];  /* of all; the side that light comes from */
 } panels;
@@ -92,9 +92,9 @@ static inline void panel_add(panels *p, rng *r, const double q[4][3], const pane
 }
 
 /* Without memory, s.positions_ws is NULL. Released with panels_free. */
-static inline panels panels_make(uint64_t seed, double gap_m)
+static inline panels panels_make(uint64_t seed, double gap_metres)
 {
-    panels      p   = {.gap_m = gap_m};
+    panels      p   = {.gap_metres = gap_metres};
     rng         r   = rng_split(seed, 77);
     panel_frame all = panel_random_frame(&r), none = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {0, 0, 0}};
     int         bricks = (int)rng_below(&r, 2), nodes = (int)rng_below(&r, 2);
@@ -134,7 +134,7 @@ static inline panels panels_make(uint64_t seed, double gap_m)
                 cross(f.axis[0], f.axis[1], f.axis[2]);
             }
             panel_add(&p, &r, nodes ? (const double(*)[3])own : (const double(*)[3])p.corners[j * PANELS_ACROSS + i], &f,
-                      gap_m / 2);
+                      gap_metres / 2);
         }
     }
     panel_place(&all, (double[]){along[3] / 2 + (bricks ? 0.5 : 0), 1.5, rise[3] / 2}, p.middle);
@@ -151,7 +151,7 @@ static inline void panels_free(panels *p)
 static inline light_shape panels_light(const panels *p, light_kind kind, uint64_t seed)
 {
     rng         r     = rng_split(seed, 78);
-    light_shape shape = {.kind = kind, .outer_rad = 0.85, .range_m = INFINITY};
+    light_shape shape = {.kind = kind, .outer_rad = 0.85, .range_metres = INFINITY};
     double      aside[3], far = kind == LIGHT_POINT ? 1.8 : 3;
     random_direction(&r, aside);
     for (int n = 0; n < 3; n++) {
@@ -233,8 +233,9 @@ static inline leak_kind panels_leak(const panel_map *m, double u, double v)
     if (inside < -1) return LEAK_NONE;
     for (int k = 0; k < 8; k++)
         if (panels_inside(m, u + rim * away[k][0], v + rim * away[k][1], &other) < 0) return LEAK_NONE;
-    if (fabs(inside) <= m->p->gap_m * metre_px) return LEAK_IN_GAP;
-    return m->p->gap_m > 0 && fabs(inside) <= m->p->gap_m * metre_px + 2 * m->grid_px ? LEAK_BESIDE_GAP : LEAK_UNEXPLAINED;
+    if (fabs(inside) <= m->p->gap_metres * metre_px) return LEAK_IN_GAP;
+    return m->p->gap_metres > 0 && fabs(inside) <= m->p->gap_metres * metre_px + 2 * m->grid_px ? LEAK_BESIDE_GAP
+                                                                                                : LEAK_UNEXPLAINED;
 }
 
 /* The leaks of one tile, at texel (u, v). */
@@ -283,10 +284,10 @@ typedef vxs_result casters_maker(casters *c, const scene *s, closed_mode closed,
 /* Count columns and leaks of the panels that a seed makes, in a light of some kind.
  * gl    NULL: straight from triangles, else rendered
  * make  what makes casters of them */
-static inline vxs_result panels_leaks(leak_counts *sum, gl_context *gl, uint64_t seed, double gap_m, light_kind kind,
+static inline vxs_result panels_leaks(leak_counts *sum, gl_context *gl, uint64_t seed, double gap_metres, light_kind kind,
                                       casters_maker *make, uint32_t side_px, bake_context *ctx)
 {
-    panels         p     = panels_make(seed, gap_m);
+    panels         p     = panels_make(seed, gap_metres);
     light_shape    shape = panels_light(&p, kind, seed);
     light_fit_desc fit   = {.name = "light", .shape = &shape, .resolution = side_px};
     casters        c     = {0};

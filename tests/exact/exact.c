@@ -140,9 +140,9 @@ static vxs_result put_lamp(scene *s, const char *text, int spot, const double bo
         diagonal += (box[3 + n] - box[n]) * (box[3 + n] - box[n]);
         l->shape.position_ws[n] = box[n] + v[n] * (box[3 + n] - box[n]);
     }
-    l->shape.kind      = spot ? LIGHT_SPOT : LIGHT_POINT;
-    l->shape.outer_rad = spot ? v[6] * acos(-1) / 360 : 0;
-    l->shape.range_m   = count > wanted ? v[wanted] * sqrt(diagonal) : (double)INFINITY;
+    l->shape.kind         = spot ? LIGHT_SPOT : LIGHT_POINT;
+    l->shape.outer_rad    = spot ? v[6] * acos(-1) / 360 : 0;
+    l->shape.range_metres = count > wanted ? v[wanted] * sqrt(diagonal) : (double)INFINITY;
     if (spot && !vec3_unit(v + 3, l->shape.direction_ws)) return fail(m, VXS_E_ARGUMENT, "--spot: expected a direction, not zero");
     if (!(l->name = malloc(32))) return fail(m, VXS_E_MEMORY, "out of memory");
     snprintf(l->name, 32, "%s %zu", spot ? "spot" : "point", s->light_count++);
@@ -313,7 +313,7 @@ static vxs_result check_light(const exact_options *o, const world *w, way *ways,
                              .light       = light,
                              .exit        = ways[0].bake.exit,
                              .behind      = ways[0].bake.behind == BEHIND_FREE,
-                             .thickness   = ways[0].bake.thickness_m,
+                             .thickness   = ways[0].bake.thickness_metres,
                              .brute       = ways[0].bake.maps == MAPS_SPARSE,
                              .threads     = o->bake.threads,
                              .columns     = o->columns,
@@ -450,11 +450,11 @@ static vxs_result set_sun(bake_options *bake, named_value *sun, const char *text
 /* What is left free besides, "free,0.2"; without a text, nothing. */
 static vxs_result set_left_free(bake_options *bake, const char *text, run_context *m)
 {
-    int end           = 0;
-    bake->thickness_m = 0;
-    bake->behind      = text && !strncmp(text, "free,", 5) ? BEHIND_FREE : BEHIND_SHADOW;
-    if (text && (sscanf(text, bake->behind == BEHIND_FREE ? "free,%lf%n" : "shadow,%lf%n", &bake->thickness_m, &end) != 1 ||
-                 text[end] || !(bake->thickness_m >= 0 && bake->thickness_m <= 1e9)))
+    int end                = 0;
+    bake->thickness_metres = 0;
+    bake->behind           = text && !strncmp(text, "free,", 5) ? BEHIND_FREE : BEHIND_SHADOW;
+    if (text && (sscanf(text, bake->behind == BEHIND_FREE ? "free,%lf%n" : "shadow,%lf%n", &bake->thickness_metres, &end) != 1 ||
+                 text[end] || !(bake->thickness_metres >= 0 && bake->thickness_metres <= 1e9)))
         return fail(m, VXS_E_ARGUMENT, "--free %s: expected free or shadow, and metres", text);
     return VXS_OK;
 }

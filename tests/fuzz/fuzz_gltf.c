@@ -44,7 +44,7 @@ static void check_lights(const scene *s)
     for (size_t i = 0; i < 3 * s->camera_count; i++) FUZZ_CHECK(isfinite(s->camera_positions_ws[i]));
     for (size_t i = 0; i < s->light_count; i++) {
         const light_shape *l = &s->lights[i].shape;
-        FUZZ_CHECK(s->lights[i].name && l->range_m > 0);
+        FUZZ_CHECK(s->lights[i].name && l->range_metres > 0);
         FUZZ_CHECK(l->kind != LIGHT_SPOT || (l->outer_rad > 0 && l->outer_rad <= acos(-1) / 2));
         for (int k = 0; k < 3; k++) FUZZ_CHECK(isfinite(l->position_ws[k]) && fabs(l->direction_ws[k]) <= 1 + 1e-9);
     }

@@ -29,7 +29,7 @@ static uint32_t      indices[BOXES * SIDES * 3];
 static vxs_bake_mesh town = {
     .positions = positions, .indices = indices, .vertex_count = BOXES * CORNERS, .triangle_count = BOXES * SIDES};
 
-static const vxs_bake_light  lamps[]    = {{"lamp", VXS_BAKE_SPOT, {0, 30, 0}, {0, -1, 0}, 0.6, 60},
+static const vxs_bake_light  lamps[]    = {{"lamp", VXS_BAKE_SPOT, {0, 30, 0}, {0, -1, 0}, 0.825335614909678, 60},
                                            {"bulb", VXS_BAKE_POINT, {4, 14, 3}, {0, 0, 0}, 0, 0}};
 static const vxs_bake_arrays town_only  = {.meshes = &town, .mesh_count = 1};
 static const vxs_bake_arrays town_lamps = {.meshes = &town, .mesh_count = 1, .lights = lamps, .light_count = 2};
@@ -135,9 +135,9 @@ static void test_options_out_of_range(void **state)
     REFUSED(o.resolution = 0; o.texel_metres = INFINITY, "texel_metres inf");
     REFUSED(o.resolution = 0; o.texel_metres = 1e-30, "texel_metres 1e-30");
     REFUSED(o.threads = 257, "threads 257");
-    REFUSED(o.thickness_m = NAN, "thickness_m");
-    REFUSED(o.thickness_m = -1, "thickness_m -1");
-    REFUSED(o.thickness_m = INFINITY, "thickness_m inf");
+    REFUSED(o.thickness_metres = NAN, "thickness_metres");
+    REFUSED(o.thickness_metres = -1, "thickness_metres -1");
+    REFUSED(o.thickness_metres = INFINITY, "thickness_metres inf");
     REFUSED(o.zstd_level = 20, "zstd_level 20");
     REFUSED(o.closed = 3, "closed 3");
     REFUSED(o.exit = 99, "exit 99");
@@ -214,11 +214,11 @@ static void test_arrays_that_are_no_scene(void **state)
     WRONG(arrays.viewpoints_ws = nowhere; arrays.viewpoint_count = 1, arrays.viewpoint_count = 0, "viewpoint 0");
     WRONG(lights[1].name = "lamp", lights[1].name = "bulb", "two lights");
     WRONG(lights[1].name = NULL, lights[1].name = "bulb", "light 1");
-    WRONG(lights[0].outer_rad = 0, lights[0].outer_rad = 2, "cone");
-    WRONG((void)0, lights[0].outer_rad = NAN, "cone");
-    WRONG((void)0, lights[0].outer_rad = 1, "cone");
-    WRONG(lights[0].range_m = -1, lights[0].range_m = NAN, "range");
-    WRONG((void)0, lights[0].range_m = 0, "range");
+    WRONG(lights[0].cos_outer = 0, lights[0].cos_outer = 1, "cone");
+    WRONG((void)0, lights[0].cos_outer = NAN, "cone");
+    WRONG((void)0, lights[0].cos_outer = 0.5, "cone");
+    WRONG(lights[0].range_metres = -1, lights[0].range_metres = NAN, "range");
+    WRONG((void)0, lights[0].range_metres = 0, "range");
     WRONG(lights[0].position_ws[0] = NAN, lights[0].position_ws[0] = 0, "position");
     WRONG(lights[0].direction_ws[1] = 0, lights[0].direction_ws[1] = -1, "direction");
     WRONG(lights[0].kind = 7, lights[0].kind = VXS_BAKE_SPOT, "kind");

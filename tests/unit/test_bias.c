@@ -178,18 +178,18 @@ static void simple_steps(void **state)
 /* Baked, with and without a fixture near the lamp: no point of a plane that nothing shades is dark, and little light leaks to its back. */
 static void planes_do_not_shade_themselves(void **state)
 {
-    static const double others_m[] = {0, 0.03, 0.005};
+    static const double others_metres[] = {0, 0.03, 0.005};
     (void)state;
     int    asked  = 0;
     double leaked = 0;
     for (int kind = 0; kind < 3; kind++)
         for (int other = 0; other < 3; other++)
             for (uint32_t stage = 0; stage < repeats(4, 40); stage++) {
-                bias_setup o = {.kind           = (vxs_bake_light_kind)kind,
-                                .side_px        = stage % 2 ? 256 : 2048,
-                                .other_caster_m = others_m[other],
-                                .coding         = stage / 2 % 2 ? VXS_BAKE_DAG : VXS_BAKE_BLOCKS};
-                if (kind == VXS_BAKE_DIRECTIONAL) o.other_caster_m *= 2e4;
+                bias_setup o = {.kind                = (vxs_bake_light_kind)kind,
+                                .side_px             = stage % 2 ? 256 : 2048,
+                                .other_caster_metres = others_metres[other],
+                                .coding              = stage / 2 % 2 ? VXS_BAKE_DAG : VXS_BAKE_BLOCKS};
+                if (kind == VXS_BAKE_DIRECTIONAL) o.other_caster_metres *= 2e4;
                 bias_stage             s     = bias_stage_make(&o, stage);
                 vxs_asset             *asset = bias_stage_bake(&s, &o);
                 const vxs_baked_light *baked = vxs_asset_light(asset, 0);
@@ -203,8 +203,8 @@ static void planes_do_not_shade_themselves(void **state)
                     if (front == VXS_OUTSIDE) continue;
                     if (front < 1 &&
                         !(kind == VXS_BAKE_SPOT && other)) /* a spot's fixture is in its cone: it may be under the filter */
-                        fail_msg("kind %d, other caster %g m, stage %u, filter %d: %g", kind, o.other_caster_m, stage, filter_px,
-                                 (double)front);
+                        fail_msg("kind %d, other caster %g m, stage %u, filter %d: %g", kind, o.other_caster_metres, stage,
+                                 filter_px, (double)front);
                     leaked += back > 0 ? (double)back : 0;
                     asked++;
                 }

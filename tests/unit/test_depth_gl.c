@@ -962,8 +962,9 @@ static size_t check_lamp(const mesh *k, const light_shape *shape, uint32_t side)
 /* Somewhere in or about a scene of 256 metres. */
 static light_shape random_shape(rng *r, int inside)
 {
-    light_shape s = {.kind = rng_below(r, 2) ? LIGHT_SPOT : LIGHT_POINT, .outer_rad = 0.1 + 1.4 * unit(r), .range_m = INFINITY};
-    double      to[3];
+    light_shape s = {
+        .kind = rng_below(r, 2) ? LIGHT_SPOT : LIGHT_POINT, .outer_rad = 0.1 + 1.4 * unit(r), .range_metres = INFINITY};
+    double to[3];
     for (int n = 0; n < 3; n++)
         s.position_ws[n] = inside ? 60 + 140 * unit(r) : rng_below(r, 2) ? -40 * unit(r) : 256 + 40 * unit(r);
     for (int n = 0; n < 3; n++) to[n] = 70 + 110 * unit(r) - s.position_ws[n];
@@ -1013,7 +1014,7 @@ static void lamps_near_surfaces(void **state)
                              .position_ws  = {100, 100, 64 - pow(10, -n / 2.0)},
                              .direction_ws = {0.6, 0, 0.8},
                              .outer_rad    = 1.0,
-                             .range_m      = INFINITY};
+                             .range_metres = INFINITY};
         mesh_init(&k);
         add_box(&k, 0, 0, 64, 256, 256, 80);
         add_box(&k, 100.01, 60, 20, 110, 140, 64);
@@ -1034,7 +1035,7 @@ static void lamps_see_near_and_far(void **state)
         vxs_light   light;
         run_context m     = {0};
         light_shape shape = {
-            .kind = kind ? LIGHT_SPOT : LIGHT_POINT, .direction_ws = {0, 0, 1}, .outer_rad = 1.0, .range_m = INFINITY};
+            .kind = kind ? LIGHT_SPOT : LIGHT_POINT, .direction_ws = {0, 0, 1}, .outer_rad = 1.0, .range_metres = INFINITY};
         mesh_init(&k);
         for (int n = 0; n < 7; n++) {
             double d = 0.001 * pow(10, n), at = (n - 3) * 0.25 * d;
@@ -1081,7 +1082,7 @@ static void tiles_of_lamps(void **state)
     (void)state;
     enum { SIDE = 1024, TILE = 512, LARGE = 16384, PART = 64 };
     mesh           k     = city(5, 256);
-    light_shape    shape = {.kind = LIGHT_POINT, .position_ws = {128, 128, 120}, .range_m = INFINITY};
+    light_shape    shape = {.kind = LIGHT_POINT, .position_ws = {128, 128, 120}, .range_metres = INFINITY};
     light_fit_desc fit   = {.name = "lamp", .shape = &shape, .resolution = SIDE};
     vxs_light      light;
     run_context    m     = {0};
@@ -1163,8 +1164,8 @@ static void several_maps_are_open(void **state)
     (void)state;
     enum { SIDE = 512, MAPS = 7 };
     mesh             k         = city(3, 256);
-    light_shape      shapes[2] = {{.kind = LIGHT_DIRECTIONAL, .direction_ws = {0.3, 0.4, -0.866}, .range_m = INFINITY},
-                                  {.kind = LIGHT_POINT, .position_ws = {128, 128, 120}, .range_m = INFINITY}};
+    light_shape      shapes[2] = {{.kind = LIGHT_DIRECTIONAL, .direction_ws = {0.3, 0.4, -0.866}, .range_metres = INFINITY},
+                                  {.kind = LIGHT_POINT, .position_ws = {128, 128, 120}, .range_metres = INFINITY}};
     run_context      m         = {0};
     bake_context     ctx       = {.run = &m, .threads = 2};
     vxs_light        lights[2];

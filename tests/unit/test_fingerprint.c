@@ -56,7 +56,7 @@ static void make(world *w, int padding)
         w->lights[n].name = names[n];
         l->kind           = kinds[n];
         l->outer_rad      = 0.5;
-        l->range_m        = INFINITY;
+        l->range_metres   = INFINITY;
         memcpy(l->position_ws, (double[3]){n, 5, 0}, sizeof l->position_ws);
         memcpy(l->direction_ws, (double[3]){0, -1, 0}, sizeof l->direction_ws);
     }
@@ -140,7 +140,7 @@ static void what_casts_no_shadow_changes_none(void **state)
     CHANGED(0, w.lights[0].shape.position_ws[1] = 99); /* sunlight comes from nowhere */
     CHANGED(0, w.lights[1].shape.direction_ws[0] = 1); /* nor does a lamp's cone make a place */
     CHANGED(0, w.lights[1].shape.outer_rad = 1);
-    CHANGED(0, w.lights[2].shape.range_m = 1);
+    CHANGED(0, w.lights[2].shape.range_metres = 1);
 }
 
 static void bytes_between_members_do_not_count(void **state)

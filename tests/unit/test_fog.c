@@ -42,7 +42,7 @@ static double scattered_at(const fog_medium *f, const fog_light *l, const double
         return f->scattering[0] * phase_of(f->anisotropy, cosine) * exp(-sigma * (x - from + behind));
     }
     double r = sqrt(square), outer = cos(l->shape.outer_rad);
-    if (l->shape.range_m < INFINITY) behind = fmax(1 - pow(r / l->shape.range_m, 4), 0);
+    if (l->shape.range_metres < INFINITY) behind = fmax(1 - pow(r / l->shape.range_metres, 4), 0);
     if (l->shape.kind == LIGHT_SPOT) strength = fmin(fmax((along / r - outer) / (l->cos_inner - outer), 0), 1);
     return f->scattering[0] * phase_of(f->anisotropy, -dot / r) * exp(-sigma * (x + r)) / square * strength * strength * behind;
 }

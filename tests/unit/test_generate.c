@@ -262,7 +262,7 @@ static void check_spot(const scene_light *light, size_t number)
     assert_string_equal(light->name, name);
     assert_int_equal(shape->kind, LIGHT_SPOT);
     assert_true(shape->outer_rad > 19.99 * degree && shape->outer_rad < 60.01 * degree);
-    assert_true(shape->range_m >= 15 && shape->range_m <= 40);
+    assert_true(shape->range_metres >= 15 && shape->range_metres <= 40);
     const double *d = shape->direction_ws;
     assert_true(-d[1] > 0.6 * sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2])); /* down, more than sideways */
 }
@@ -530,7 +530,7 @@ static void check_light(const scene_light *light, const char *name, light_shape 
         for (int i = 0; i < 3; i++) assert_true(fabs(light->shape.direction_ws[i] - d[i] / length) < 1e-15);
     if (expected.kind == LIGHT_DIRECTIONAL) return;
     assert_memory_equal(light->shape.position_ws, expected.position_ws, sizeof expected.position_ws);
-    assert_true(light->shape.range_m == expected.range_m);
+    assert_true(light->shape.range_metres == expected.range_metres);
     if (expected.kind == LIGHT_SPOT) assert_true(light->shape.outer_rad == expected.outer_rad);
 }
 

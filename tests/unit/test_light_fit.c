@@ -362,10 +362,10 @@ static int assert_lamp_holds(const vxs_light *l, const soup *k, const light_shap
 static light_shape random_shape(rng *r)
 {
     static const double degrees[] = {1, 10, 60, 119, 120, 121, 179, 180};
-    light_shape         s         = {.kind = rng_below(r, 3) ? LIGHT_SPOT : LIGHT_POINT, .range_m = INFINITY};
+    light_shape         s         = {.kind = rng_below(r, 3) ? LIGHT_SPOT : LIGHT_POINT, .range_metres = INFINITY};
     random_direction(s.direction_ws, r);
     s.outer_rad = degrees[rng_below(r, 8)] * acos(-1) / 360;
-    if (rng_below(r, 2)) s.range_m = between(r, 0.5, 12);
+    if (rng_below(r, 2)) s.range_metres = between(r, 0.5, 12);
     return s;
 }
 
@@ -374,7 +374,7 @@ static void random_soup(soup *k, rng *r, light_shape *shape, const double origin
 {
     soup_init(k, 1 + rng_below(r, TRIANGLES));
     for (int n = 0; n < 3; n++) shape->position_ws[n] = origin[n] + scale * between(r, -2, 2);
-    shape->range_m *= scale;
+    shape->range_metres *= scale;
     for (size_t t = 0; t < k->c.triangle_count; t++) {
         double centre[3], size = scale * pow(10, between(r, -1.5, 1.5));
         for (int n = 0; n < 3; n++) centre[n] = origin[n] + scale * between(r, -6, 6);
@@ -407,7 +407,7 @@ static void lamps_hold_what_they_reach(void **state)
         assert_lamp_axes(&l, &shape);
         assert_int_equal(l.kind, shape.kind == LIGHT_SPOT ? VXS_LIGHT_KIND_SPOT : VXS_LIGHT_KIND_POINT);
         assert_int_equal(l.flags, shape.kind == LIGHT_SPOT && shape.outer_rad < 1.048 ? 0 : VXS_LIGHT_CUBE);
-        assert_true(l.range_metres == (isfinite(shape.range_m) ? shape.range_m : 0));
+        assert_true(l.range_metres == (isfinite(shape.range_metres) ? shape.range_metres : 0));
         assert_true(shape.kind == LIGHT_SPOT ? fabs(l.cos_outer - cos(shape.outer_rad)) < 1e-15 : l.cos_outer == 0);
         held += assert_lamp_holds(&l, &k, &shape, 1e-6, seed);
     }
@@ -440,7 +440,7 @@ static void lamps_fit_tightly(void **state)
     static const double walls[2][9] = {{-0.5, -0.5, 4, 0.5, -0.5, 4, 0, 0.5, 7}, {-1e3, -1e3, 2, 1e3, -1e3, 2, 0, 2e3, 2}};
     for (int wall = 0; wall < 2; wall++)
         for (uint32_t side = 32; side <= 4096; side *= 2) {
-            light_shape shape = {.kind = LIGHT_SPOT, .direction_ws = {0, 0, 1}, .outer_rad = 0.7, .range_m = INFINITY};
+            light_shape shape = {.kind = LIGHT_SPOT, .direction_ws = {0, 0, 1}, .outer_rad = 0.7, .range_metres = INFINITY};
             soup        k;
             vxs_light   l;
             soup_init(&k, 1);
@@ -461,7 +461,7 @@ static void range_is_to_the_nearest_point(void **state)
         for (int turn = 0; turn < 6 * 4 * 3; turn++) {
             double edge       = 0.5 * side / (side / 2.0 - fmin(LAMP_BORDER_PX, side / 8)) * 4,
                    flat[3][2] = {{edge, -1}, {90, 300}, {-90, -1}};
-            light_shape shape = {.kind = LIGHT_POINT, .range_m = 4.01};
+            light_shape shape = {.kind = LIGHT_POINT, .range_metres = 4.01};
             soup        k;
             vxs_light   l;
             soup_init(&k, 1);
@@ -479,7 +479,7 @@ static void range_is_to_the_nearest_point(void **state)
             assert_int_equal(fit_lamp(&l, &k, &shape, side), VXS_OK);
             assert_true(fabs(l.near_metres * exp(l.voxel_metres) - 4) < 0.02 || l.near_metres < 4);
             assert_true(l.near_metres * exp(l.voxel_metres * (side - 2)) > 4 - 1e-9);
-            shape.range_m = 3.99;
+            shape.range_metres = 3.99;
             assert_int_equal(fit_lamp(&l, &k, &shape, side), VXS_E_NO_CASTER);
         }
 }
@@ -489,7 +489,7 @@ static void far_and_near_keep_together(void **state)
 {
     (void)state;
     for (int n = 0; n < 2; n++) {
-        light_shape  shape    = {.kind = LIGHT_POINT, .range_m = n ? 70 : INFINITY};
+        light_shape  shape    = {.kind = LIGHT_POINT, .range_metres = n ? 70 : INFINITY};
         const double wall[18] = {-1,   -1,   0,  1,   -1,   0,  0, 1,   1e-9,
                                  -100, -100, 80, 100, -100, 80, 0, 100, 40}; /* through the light */
         soup         k;
@@ -507,7 +507,7 @@ static void far_and_near_keep_together(void **state)
 static void a_plane_through_the_light_is_no_caster(void **state)
 {
     (void)state;
-    light_shape  shape      = {.kind = LIGHT_POINT, .position_ws = {0.1, 0.3, 0.7}, .range_m = INFINITY};
+    light_shape  shape      = {.kind = LIGHT_POINT, .position_ws = {0.1, 0.3, 0.7}, .range_metres = INFINITY};
     const double planes[18] = {-5, -5, 0.7, 5, -5, 0.7, 0, 5, 0.7, -5, -5, 2.7, 5, -5, 2.7, 0, 5, 2.7};
     soup         k;
     vxs_light    l;
@@ -577,7 +577,7 @@ static void lamp_texel_sizes(void **state)
         if (!loose) assert_true(far * l.texel_metres <= d.texel_metres * (1 + 1e-9));
         if (!loose && side > 8) assert_true(far * coarser > d.texel_metres * (1 - 1e-9));
     }
-    light_shape    shape = {.kind = LIGHT_POINT, .range_m = INFINITY};
+    light_shape    shape = {.kind = LIGHT_POINT, .range_metres = INFINITY};
     light_fit_desc d     = lamp_desc(&shape, 0);
     soup           k;
     vxs_light      l;
@@ -602,7 +602,7 @@ static void borders_hold_every_filter(void **state)
         light_shape shape = random_shape(&r);
         soup        k;
         vxs_light   l;
-        shape.range_m = INFINITY;
+        shape.range_metres = INFINITY;
         soup_init(&k, 1);
         memcpy(k.positions, (const double[9]){-300, -300, 10, 300, -300, 10, 0, 300, 10}, 9 * sizeof(double));
         if (fit_lamp(&l, &k, &shape, n % 2 ? 256 : 512) != VXS_OK) continue;

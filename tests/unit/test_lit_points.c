@@ -93,7 +93,7 @@ static void test_a_sun_reaches_all(void **state)
         const double *p     = points[n].at_ws;
         int           small = points[n].triangle >= 2;
         on_small += (size_t)small;
-        assert_true(fabs(p[1] - small) < 1e-9 && fabs(p[0]) <= SIDE / 2 && fabs(p[2]) <= SIDE / 2 && points[n].along_m == 0);
+        assert_true(fabs(p[1] - small) < 1e-9 && fabs(p[0]) <= SIDE / 2 && fabs(p[2]) <= SIDE / 2 && points[n].along_metres == 0);
     }
     assert_in_range(on_small, POINTS * 45 / 100, POINTS * 55 / 100); /* the half that goes by triangles */
     reach_free(&s.reach);
@@ -106,20 +106,20 @@ static void test_a_lamp_reaches_a_disc(void **state)
     const double       height = 5;
     light_shape        spot   = {LIGHT_SPOT, {0, 5, 0}, {0, -1, 0}, 0.5, INFINITY},
                 wide          = {LIGHT_SPOT, {0, 5, 0}, {0, -1, 0}, 1.2, INFINITY},
-                bulb          = {.kind = LIGHT_POINT, .position_ws = {0, 5, 0}, .range_m = 8};
+                bulb          = {.kind = LIGHT_POINT, .position_ws = {0, 5, 0}, .range_metres = 8};
     double area;
     (void)state;
     make(&s);
     size_t count = choose(&s, &spot, NULL, 0, 0, points, &area);
     assert_about(area, PI * pow(height * tan(0.5), 2), 0.05);
-    for (size_t n = 0; n < count; n++) assert_true(fabs(points[n].along_m - height) < 1e-9);
+    for (size_t n = 0; n < count; n++) assert_true(fabs(points[n].along_metres - height) < 1e-9);
     choose(&s, &wide, NULL, 0, 0, points, &area);
     assert_about(area, PI * pow(height * tan(1.2), 2), 0.05);
     count = choose(&s, &bulb, NULL, 0, 0, points, &area);
     assert_about(area, PI * (64 - height * height), 0.05);
     for (size_t n = 0; n < count; n++) { /* along the axis of the cube's face that sees it */
         const double *p = points[n].at_ws;
-        assert_true(fabs(points[n].along_m - fmax(height, fmax(fabs(p[0]), fabs(p[2])))) < 1e-9);
+        assert_true(fabs(points[n].along_metres - fmax(height, fmax(fabs(p[0]), fabs(p[2])))) < 1e-9);
     }
     reach_free(&s.reach);
 }
@@ -128,7 +128,7 @@ static void test_without_an_object(void **state)
 {
     static floor_scene    s;
     static const uint32_t object_of[2] = {0, 1};
-    light_shape           bulb         = {.kind = LIGHT_POINT, .position_ws = {17, 4, 17}, .range_m = INFINITY};
+    light_shape           bulb         = {.kind = LIGHT_POINT, .position_ws = {17, 4, 17}, .range_metres = INFINITY};
     double                area;
     (void)state;
     make(&s);
@@ -145,7 +145,7 @@ static void test_thinned_out(void **state)
 {
     static floor_scene s;
     light_shape        sun = {.kind = LIGHT_DIRECTIONAL, .direction_ws = {0, -1, 0}},
-                far        = {.kind = LIGHT_POINT, .position_ws = {900, 5, 0}, .range_m = 3};
+                far        = {.kind = LIGHT_POINT, .position_ws = {900, 5, 0}, .range_metres = 3};
     double area, again;
     (void)state;
     make(&s);

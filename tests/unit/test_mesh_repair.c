@@ -53,7 +53,7 @@ static void test_what_is_sound_is_left_alone(void **state)
     uint32_t *before = malloc(3 * count * sizeof *before);
     assert_non_null(before);
     memcpy(before, b.s.indices, 3 * count * sizeof *before);
-    repair_report r = mend_with(&b, (repair_options){.hole_edges_max = 64, .hole_diameter_m = 1});
+    repair_report r = mend_with(&b, (repair_options){.hole_edges_max = 64, .hole_diameter_metres = 1});
     assert_int_equal(b.s.triangle_count, count);
     assert_memory_equal(b.s.indices, before, 3 * count * sizeof *before);
     assert_int_equal(r.count, 0);
@@ -110,7 +110,7 @@ static void test_larger_holes_are_left(void **state)
         sample b = {0};
         sample_ball(&b, origin, 3, 16);
         sample_remove(&b, 100);
-        repair_report r = mend_with(&b, (repair_options){.hole_edges_max = (uint32_t)edges, .hole_diameter_m = 1});
+        repair_report r = mend_with(&b, (repair_options){.hole_edges_max = (uint32_t)edges, .hole_diameter_metres = 1});
         expect_solids(&b, edges == 3, edges != 3);
         done(&b, &r);
     }
@@ -125,7 +125,7 @@ static void test_openings_are_no_holes(void **state)
     for (size_t t = b.s.triangle_count; t-- > 0;)
         if (b.s.positions_ws[3 * (size_t)b.s.indices[3 * t] + 2] > 0.001) sample_remove(&b, t);
     sample_points(&b, (double[3]){1, 0, 0}, (double[3]){1.01, 0, 0}, (double[3]){1, 0.01, 0});
-    repair_report r = mend_with(&b, (repair_options){.hole_edges_max = 1000, .hole_diameter_m = 100});
+    repair_report r = mend_with(&b, (repair_options){.hole_edges_max = 1000, .hole_diameter_metres = 100});
     expect_solids(&b, 0, 2);
     assert_int_equal(r.total.filled_holes, 0);
     done(&b, &r);
@@ -184,7 +184,7 @@ static void test_one_sided_surfaces_are_left_alone(void **state)
     sample_klein_bottle(&b, 20);
     sample_map(&b, 0.001, 0);
     size_t        count = b.s.triangle_count;
-    repair_report r     = mend_with(&b, (repair_options){.hole_edges_max = 1000, .hole_diameter_m = 100});
+    repair_report r     = mend_with(&b, (repair_options){.hole_edges_max = 1000, .hole_diameter_metres = 100});
     expect_solids(&b, 0, 2);
     assert_int_equal(r.total.turned_triangles, 0);
     assert_int_equal(b.s.triangle_count, count);
@@ -239,7 +239,7 @@ static void test_masks_stay_right(void **state)
     b.s.alpha_mask_count = 2;
     b.s.alpha_masks      = calloc(2, sizeof *b.s.alpha_masks);
     assert_non_null(b.s.alpha_masks);
-    repair_report r = mend_with(&b, (repair_options){.hole_edges_max = 64, .hole_diameter_m = 100});
+    repair_report r = mend_with(&b, (repair_options){.hole_edges_max = 64, .hole_diameter_metres = 100});
     expect_solids(&b, 1, 2);
     assert_int_equal(r.total.removed_repeated, 2);
     assert_int_equal(r.count, 1);
@@ -281,7 +281,7 @@ static void test_parts_stay_right(void **state)
     sample_remove(&b, b.s.parts[4].triangle_first + 100);
     sample_remove(&b, 100);
     for (int i = 1; i < 5; i++) b.s.parts[i].triangle_first--;
-    repair_report r = mend_with(&b, (repair_options){.hole_edges_max = 64, .hole_diameter_m = 1});
+    repair_report r = mend_with(&b, (repair_options){.hole_edges_max = 64, .hole_diameter_metres = 1});
     assert_true(r.total.filled_holes == 2 && r.total.removed_repeated == 1 && r.count == 3);
     uint32_t part = 0;
     for (size_t t = 0; t < b.s.triangle_count; t++) {
@@ -324,7 +324,7 @@ static void test_random_damage(void **state)
             sample_triangle(&b, (const double(*)[3])p);
         }
         sample_shuffle(&b, &seed);
-        repair_report r = mend_with(&b, (repair_options){.hole_edges_max = 100, .hole_diameter_m = 1});
+        repair_report r = mend_with(&b, (repair_options){.hole_edges_max = 100, .hole_diameter_metres = 1});
         sample_sort(&sound, CLOSED_AUTO);
         mended += b.c.component_count[COMPONENT_SOLID];
         total += BALLS;
@@ -366,7 +366,7 @@ static void test_stress(void **state)
             sample_points(&b, (double[3]){0, 500, 0}, (double[3]){1 + n, 501, 0}, (double[3]){1 + n, 501, 1});
         for (int n = 0; n < 20000; n++) sample_points(&b, (double[3]){0, 700, 0}, (double[3]){0, 701, 0}, (double[3]){1, 700.5, n});
         sample_map(&b, scales[i][0], scales[i][1]);
-        repair_report r = mend_with(&b, (repair_options){.hole_edges_max = 1000, .hole_diameter_m = 1e9});
+        repair_report r = mend_with(&b, (repair_options){.hole_edges_max = 1000, .hole_diameter_metres = 1e9});
         assert_true(b.c.component_count[COMPONENT_SOLID] >= 100);
         done(&b, &r);
     }

@@ -71,7 +71,7 @@ static int spheres_lit(const void *user, const double point[3])
 /* at  [SPHERES] */
 static lit_spheres random_spheres(rng *r, int is_lamp, sphere *at)
 {
-    lit_spheres s = {at, SPHERES, .light = {.kind = is_lamp ? LIGHT_POINT : LIGHT_DIRECTIONAL, .range_m = INFINITY}};
+    lit_spheres s = {at, SPHERES, .light = {.kind = is_lamp ? LIGHT_POINT : LIGHT_DIRECTIONAL, .range_metres = INFINITY}};
     random_direction(r, s.light.direction_ws);
     for (int n = 0; n < 3; n++) s.light.position_ws[n] = is_lamp ? uniform(r, -3, 3) : 0;
     for (int n = 0; n < SPHERES; n++) {
@@ -174,7 +174,8 @@ static void test_traced_scene(void **state)
     assert_int_equal(casters_from_scene(&b.c, &b.s, CLOSED_AUTO, 1, &b.m), VXS_OK);
     assert_int_equal(truth_create(&traced, &b.c, 1, &b.m), VXS_OK);
     for (uint32_t n = 0; n < repeats(20, 400); n++) {
-        light_shape  shape  = {.kind = n & 1 ? LIGHT_POINT : LIGHT_DIRECTIONAL, .position_ws = {0.1, 0.2, -9}, .range_m = INFINITY};
+        light_shape shape = {
+            .kind = n & 1 ? LIGHT_POINT : LIGHT_DIRECTIONAL, .position_ws = {0.1, 0.2, -9}, .range_metres = INFINITY};
         eye_ray      ray    = random_ray(&r, 8, 15);
         traced_scene embree = {traced, &shape};
         random_direction(&r, shape.direction_ws);

@@ -735,7 +735,7 @@ static void test_bad_lights_cost_themselves(void **state)
             fail_msg("row %zu: '%s'", i, l->odd);
         assert_int_equal(l->shape.kind, rows[i].kind);
         assert_true(l->shape.kind == LIGHT_POINT || l->inner_rad <= l->shape.outer_rad || l->shape.kind == LIGHT_DIRECTIONAL);
-        assert_true(strstr(rows[i].light, "range") == NULL || l->shape.range_m == INFINITY);
+        assert_true(strstr(rows[i].light, "range") == NULL || l->shape.range_metres == INFINITY);
     }
 }
 
@@ -819,12 +819,12 @@ static void test_lights_have_a_cone_and_a_range(void **state)
                    "{'type':'spot','spot':{'outerConeAngle':1.57079637}},{'type':'point','range':0.25},{'type':'directional'}]}},"
                    "'nodes':[{'scale':[3,3,3]," USE(0) "},{" USE(1) "},{" USE(2) "},{" USE(3) "},{" USE(4) "}]}",
                    NULL));
-    assert_true(s.lights[0].shape.outer_rad == M_PI_4 && s.lights[0].shape.range_m == 20); /* no node scales a range */
-    assert_true(s.lights[1].shape.outer_rad == 0.5 && s.lights[1].shape.range_m == INFINITY);
+    assert_true(s.lights[0].shape.outer_rad == M_PI_4 && s.lights[0].shape.range_metres == 20); /* no node scales a range */
+    assert_true(s.lights[1].shape.outer_rad == 0.5 && s.lights[1].shape.range_metres == INFINITY);
     assert_true(s.lights[2].shape.outer_rad == M_PI_2); /* pi/2 as a float is more */
     assert_true(s.lights[0].inner_rad == 0 && s.lights[1].inner_rad == 0.5 && s.lights[3].inner_rad == 0);
-    assert_true(s.lights[3].shape.range_m == 0.25);
-    assert_true(s.lights[4].shape.range_m == INFINITY);
+    assert_true(s.lights[3].shape.range_metres == 0.25);
+    assert_true(s.lights[4].shape.range_metres == INFINITY);
 }
 
 static void test_cameras_are_positions(void **state)
@@ -1532,7 +1532,8 @@ static void test_real_lights_and_scenes(void **state)
     for (size_t i = 0; i < s.light_count; i++) count[s.lights[i].shape.kind]++;
     assert_true(count[LIGHT_DIRECTIONAL] == 1 && count[LIGHT_SPOT] == 2 && count[LIGHT_POINT] == 1);
     for (size_t i = 0; i < s.light_count; i++)
-        if (s.lights[i].shape.kind == LIGHT_SPOT) assert_true(s.lights[i].shape.outer_rad > 0 && s.lights[i].shape.range_m > 0);
+        if (s.lights[i].shape.kind == LIGHT_SPOT)
+            assert_true(s.lights[i].shape.outer_rad > 0 && s.lights[i].shape.range_metres > 0);
     snprintf(file, sizeof file, "%s/real/camp_and_cave_two_scenes.glb", scenes);
     must(load_file(file, "1"));
     assert_int_equal(s.triangle_count, 5894);

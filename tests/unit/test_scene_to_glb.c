@@ -169,7 +169,7 @@ static void test_lights_and_cameras(void **state)
             if (p->kind != LIGHT_POINT) assert_true(fabs(p->direction_ws[axis] - q->direction_ws[axis]) < 1e-15);
         }
         if (p->kind == LIGHT_SPOT) assert_true(p->outer_rad == q->outer_rad);
-        if (p->kind != LIGHT_DIRECTIONAL) assert_true(p->range_m == q->range_m);
+        if (p->kind != LIGHT_DIRECTIONAL) assert_true(p->range_metres == q->range_metres);
     }
     assert_int_equal(r.camera_count, 2);
     assert_memory_equal(r.camera_positions_ws, cameras, sizeof cameras);

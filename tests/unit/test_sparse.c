@@ -245,7 +245,7 @@ static void compare_square(const brute *b, const column_square *q, counts *sum)
 /* What light leaves by, as sparse_columns has it. */
 typedef struct ways {
     int    nearest_back, free_behind;
-    double thickness_m;
+    double thickness_metres;
 } ways;
 
 /* Some of them, by number: a third of them with nothing more free. */
@@ -284,12 +284,12 @@ static counts compare_light(const casters *c, const vxs_light *light, const ways
 {
     run_context    m      = {0};
     bake_context   ctx    = {.run = &m, .threads = threads};
-    sparse_columns own    = {.casters      = c,
-                             .light        = light,
-                             .nearest_back = w->nearest_back,
-                             .free_behind  = w->free_behind,
-                             .thickness_m  = w->thickness_m,
-                             .fetch_px     = fetch_px};
+    sparse_columns own    = {.casters          = c,
+                             .light            = light,
+                             .nearest_back     = w->nearest_back,
+                             .free_behind      = w->free_behind,
+                             .thickness_metres = w->thickness_metres,
+                             .fetch_px         = fetch_px};
     column_source  source = sparse_columns_source(&own);
     int            sun    = light->kind == VXS_LIGHT_KIND_DIRECTIONAL;
     counts         sum    = {0};
@@ -304,7 +304,7 @@ static counts compare_light(const casters *c, const vxs_light *light, const ways
         assert_true(
             brute_init(&b, &p, columns.side_px, 1 << sparse_grid(columns.side_px), sun ? 0 : light->voxel_metres, w->nearest_back));
         b.free_behind   = w->free_behind;
-        b.thickness     = w->thickness_m / (sun ? light->voxel_metres : light->near_metres);
+        b.thickness     = w->thickness_metres / (sun ? light->voxel_metres : light->near_metres);
         uint32_t across = columns.side_px / columns.fetch_px, level = square_level(columns.fetch_px);
         for (uint32_t n = 0; n < across * across; n++) {
             size_t before = sum.texels;
@@ -508,7 +508,7 @@ static void assert_column(const sample *b, const vxs_light *light, const ways *w
                           .scale        = {64, sun ? 0 : light->voxel_metres},
                           .nearest_back = w->nearest_back,
                           .every_texel  = 1,
-                          .dont_care    = dont_care_rules_of(light, w->free_behind, w->thickness_m)};
+                          .dont_care    = dont_care_rules_of(light, w->free_behind, w->thickness_metres)};
     assert_int_equal(projection_init(&p, &b->c, light, 0, 1, &m), VXS_OK);
     assert_int_equal(sparse_triangles_init(&s, &p, 64, 1), VXS_OK);
     ids = calloc(s.count, sizeof *ids);
@@ -645,7 +645,7 @@ static void light_leaves_where_no_solid_is_open(void **state)
 static void sheets_are_as_thick_for_a_lamp(void **state)
 {
     light_shape shape = {
-        .kind = LIGHT_SPOT, .position_ws = {32, 32, -10}, .direction_ws = {0, 0, 1}, .outer_rad = 0.5, .range_m = 90};
+        .kind = LIGHT_SPOT, .position_ws = {32, 32, -10}, .direction_ws = {0, 0, 1}, .outer_rad = 0.5, .range_metres = 90};
     light_fit_desc fit = {.name = "lamp", .shape = &shape, .resolution = 64};
     vxs_light      light;
     sample         b    = {0};
@@ -655,7 +655,8 @@ static void sheets_are_as_thick_for_a_lamp(void **state)
     assert_int_equal(light_fit(&light, &b.c, &fit, &b.m), VXS_OK);
     const double e = log(30.25 / light.near_metres) / light.voxel_metres, x = log(37.5 / light.near_metres) / light.voxel_metres;
     assert_true(ceil(x) > ceil(e) + 1);
-    assert_column(&b, &light, &(ways){.thickness_m = 7.25}, (uint32_t)(e - 1e-9), (uint32_t)ceil(x), (uint32_t)ceil(x), "a lamp");
+    assert_column(&b, &light, &(ways){.thickness_metres = 7.25}, (uint32_t)(e - 1e-9), (uint32_t)ceil(x), (uint32_t)ceil(x),
+                  "a lamp");
     sample_clear(&b);
 }
 
@@ -712,8 +713,9 @@ static void lamps(void **state)
         static const closed_mode closed[] = {CLOSED_ON, CLOSED_AUTO, CLOSED_OFF};
         uint32_t                 side     = 64u << n % 2;
         rng                      r        = rng_split(n, 2);
-        light_shape    shape = {.kind = n % 2 ? LIGHT_SPOT : LIGHT_POINT, .outer_rad = uniform(&r, 0.1, 1.5), .range_m = INFINITY};
-        light_fit_desc fit   = {.name = "lamp", .shape = &shape, .resolution = side};
+        light_shape              shape    = {
+                            .kind = n % 2 ? LIGHT_SPOT : LIGHT_POINT, .outer_rad = uniform(&r, 0.1, 1.5), .range_metres = INFINITY};
+        light_fit_desc fit = {.name = "lamp", .shape = &shape, .resolution = side};
         vxs_light      light;
         sample         b = {0};
         ways           w = some_ways(n / 2);

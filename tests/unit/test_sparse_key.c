@@ -134,7 +134,7 @@ static int same_columns(const known_square *a, const known_square *b)
 static vxs_light light_of(int is_lamp, const casters *c)
 {
     vxs_light      l     = {.kind = VXS_LIGHT_KIND_DIRECTIONAL, .levels = log2_u32(SIDE), .texel_metres = 1, .voxel_metres = 1};
-    light_shape    shape = {.kind = LIGHT_SPOT, .outer_rad = 0.6, .range_m = INFINITY, .direction_ws = {0, 0, 1}};
+    light_shape    shape = {.kind = LIGHT_SPOT, .outer_rad = 0.6, .range_metres = INFINITY, .direction_ws = {0, 0, 1}};
     light_fit_desc fit   = {.name = "lamp", .shape = &shape, .resolution = SIDE};
     run_context    m     = {0};
     l.ls_from_ws[0] = l.ls_from_ws[5] = l.ls_from_ws[10] = 1;

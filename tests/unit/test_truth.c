@@ -361,7 +361,7 @@ static void lifted_points_leave_their_surface(void **state)
 
 static int lit_by_lamp(const truth *t, double x, double y, double z, const double lamp_ws[3])
 {
-    light_shape lamp = {.kind = LIGHT_POINT, .position_ws = {lamp_ws[0], lamp_ws[1], lamp_ws[2]}, .range_m = 0.5};
+    light_shape lamp = {.kind = LIGHT_POINT, .position_ws = {lamp_ws[0], lamp_ws[1], lamp_ws[2]}, .range_metres = 0.5};
     return truth_lit(t, (const double[]){x, y, z}, &lamp);
 }
 
@@ -434,7 +434,7 @@ static void compare_lamps(double size, const double offset[3], double spread, in
 
     int clear = 0, dark = 0;
     for (int i = 0; i < 2000; i++) {
-        light_shape lamp = {.kind = i % 2 ? LIGHT_POINT : LIGHT_SPOT, .range_m = INFINITY, .outer_rad = 0.5};
+        light_shape lamp = {.kind = i % 2 ? LIGHT_POINT : LIGHT_SPOT, .range_metres = INFINITY, .outer_rad = 0.5};
         double      point[3];
         random_point(&r, 1.5 * size, point);
         random_point(&r, spread * size, lamp.position_ws);
@@ -471,8 +471,8 @@ static void a_lamp_reaches_its_cone_and_range(void **state)
     const double far = 1e7, pi = 3.14159265358979323846;
     light_shape  sun  = {.kind = LIGHT_DIRECTIONAL, .direction_ws = {0, -1, 0}};
     light_shape  spot = {
-         .kind = LIGHT_SPOT, .position_ws = {far, 5, -far}, .direction_ws = {0.6, -0.8, 0}, .outer_rad = pi / 6, .range_m = 10};
-    light_shape lamp = {.kind = LIGHT_POINT, .position_ws = {far, 5, -far}, .direction_ws = {0, 0, -1}, .range_m = 10};
+         .kind = LIGHT_SPOT, .position_ws = {far, 5, -far}, .direction_ws = {0.6, -0.8, 0}, .outer_rad = pi / 6, .range_metres = 10};
+    light_shape lamp = {.kind = LIGHT_POINT, .position_ws = {far, 5, -far}, .direction_ws = {0, 0, -1}, .range_metres = 10};
     assert_int_equal(light_reaches(&sun, (const double[]){1e30, 1e30, -1e30}), 1);
     for (int degrees = -179; degrees <= 180; degrees++)
         for (int metres = 1; metres < 20; metres += 2) {
@@ -486,12 +486,12 @@ static void a_lamp_reaches_its_cone_and_range(void **state)
         }
     assert_int_equal(light_reaches(&spot, (const double[]){far + 6, -3, -far}), 1); /* the range's end belongs to it */
     assert_int_equal(light_reaches(&spot, (const double[]){far, 5, -far}), 1);
-    lamp.range_m = INFINITY;
+    lamp.range_metres = INFINITY;
     assert_int_equal(light_reaches(&lamp, (const double[]){1e30, -1e30, 1e30}), 1);
 
     /* half a degree to each side */
-    spot.outer_rad = pi / 360;
-    spot.range_m   = INFINITY;
+    spot.outer_rad    = pi / 360;
+    spot.range_metres = INFINITY;
     assert_int_equal(light_reaches(&spot, (const double[]){far + 600, -795, -far + 8.7}), 1);
     assert_int_equal(light_reaches(&spot, (const double[]){far + 600, -795, -far + 8.8}), 0);
 }

@@ -74,7 +74,7 @@ static inline void scene_bake_file(const volumes_scene *s, uint32_t resolution, 
 {
     vxs_bake_mesh    mesh     = {s->positions, s->indices, 8 * SCENE_BOXES + 4, SCENE_TRIANGLES, {0, 0, 0}, 0};
     vxs_bake_light   lights[] = {{"sun", VXS_BAKE_DIRECTIONAL, {0, 0, 0}, {0.4, -1, 0.3}, 0, 0},
-                                 {"spot", VXS_BAKE_SPOT, {-1, 8, 0.5}, {0.1, -1, 0}, 0.7, 0},
+                                 {"spot", VXS_BAKE_SPOT, {-1, 8, 0.5}, {0.1, -1, 0}, 0.764842187284488, 0},
                                  {"point", VXS_BAKE_POINT, {0.5, 2.5, -0.3}, {0, 0, 0}, 0, 15}};
     vxs_bake_arrays  arrays   = {.meshes = &mesh, .mesh_count = 1, .lights = lights, .light_count = SCENE_LIGHTS};
     vxs_bake_options options  = vxs_bake_defaults();

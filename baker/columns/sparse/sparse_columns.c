@@ -299,7 +299,7 @@ vxs_result sparse_columns_open(const sparse_columns *owner, const projection *p,
     o->desc  = (leaf_desc){.triangles    = &o->triangles,
                            .scale        = scale_of(owner->light, side),
                            .nearest_back = owner->nearest_back,
-                           .dont_care    = dont_care_rules_of(owner->light, owner->free_behind, owner->thickness_m)};
+                           .dont_care    = dont_care_rules_of(owner->light, owner->free_behind, owner->thickness_metres)};
     o->level = &sparse_levels[cpu_level()];
     os_mutex_init(&o->lock);
     vxs_result r = prepare(o, p, side, ctx);

@@ -25,12 +25,12 @@
 enum { SPARSE_PARALLEL_PX = 1024 }; /* squares of this side or less can be fetched by many threads at once */
 
 typedef struct sparse_columns {
-    const casters   *casters;      /* that the light may reach; borrowed, as is the light */
-    const vxs_light *light;        /* fitted */
-    int              free_behind;  /* 1: voxels behind the last surface are don't-care voxels (square_bound.h) */
-    double           thickness_m;  /* of sheets that face the light, metres along the map's axis; 0: none */
-    int              nearest_back; /* 1: light exits a solid at the nearest back face, also where solids overlap */
-    uint32_t         fetch_px;     /* a power of two: greatest side of the squares that are computed at once */
+    const casters   *casters;          /* that the light may reach; borrowed, as is the light */
+    const vxs_light *light;            /* fitted */
+    int              free_behind;      /* 1: voxels behind the last surface are don't-care voxels (square_bound.h) */
+    double           thickness_metres; /* of sheets that face the light, metres along the map's axis; 0: none */
+    int              nearest_back;     /* 1: light exits a solid at the nearest back face, also where solids overlap */
+    uint32_t         fetch_px;         /* a power of two: greatest side of the squares that are computed at once */
 } sparse_columns;
 
 /* Enter depths of a map at the resolution of a coarser one, for pictures.

@@ -34,11 +34,12 @@ typedef struct dont_care_rules {
 } dont_care_rules;
 
 /* The rules of a fitted light. */
-static inline dont_care_rules dont_care_rules_of(const vxs_light *light, int behind, double thickness_m)
+static inline dont_care_rules dont_care_rules_of(const vxs_light *light, int behind, double thickness_metres)
 {
     const int perspective = light->kind != VXS_LIGHT_KIND_DIRECTIONAL;
-    return (dont_care_rules){
-        behind, thickness_m / (perspective ? light->near_metres : ldexp(light->voxel_metres, (int)light->levels)), perspective};
+    return (dont_care_rules){behind,
+                             thickness_metres / (perspective ? light->near_metres : ldexp(light->voxel_metres, (int)light->levels)),
+                             perspective};
 }
 
 /* 1 if the rules depend on the next surface behind the exit depth. */

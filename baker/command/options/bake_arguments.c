@@ -204,7 +204,7 @@ void bake_arguments_init(bake_arguments *a, const char *name, const char *synops
          "exit depth of solids: peeled, or the nearest back face; auto: peeled where solids meet (default auto)", NULL},
         {"--behind", OPTION_CHOICE, &a->o.behind, 0, 0, BEHIND_CHOICES, NULL,
          "what lies behind the last surface of the scene: in shadow, or left open, as nobody asks there (default shadow)", NULL},
-        {"--thickness", OPTION_F64, &a->o.thickness_m, 1e-9, 1e9, NULL, "METRES",
+        {"--thickness", OPTION_F64, &a->o.thickness_metres, 1e-9, 1e9, NULL, "METRES",
          "single-sided sheets that face the light are so thick, or as what lies behind them leaves room", NULL},
         {"--closed", OPTION_CHOICE, &a->o.closed, 0, 0, CLOSED_CHOICES, NULL,
          "solids: by the rules, all that is closed, none (default auto)", NULL},

@@ -102,14 +102,14 @@ void scene_camera_size(const scene_view *view, int width_given, int height_given
 camera_pose scene_camera_pose(const scene_view *view, const box *around)
 {
     const double degrees = 180 / 3.14159265358979323846;
-    camera_pose  p       = {.fov_degrees = 2 * atan(view->half_high) * degrees, .near_metres = view->near_m};
+    camera_pose  p       = {.fov_degrees = 2 * atan(view->half_high) * degrees, .near_metres = view->near_metres};
     double       ahead = 1, back = 0;
     memcpy(p.up_ws, view->up_ws, sizeof p.up_ws);
     if (view->kind == VIEW_ORTHOGRAPHIC) {
         back          = PARALLEL_TIMES * fmax(view->half_high, box_diagonal(around));
         ahead         = 0;
         p.fov_degrees = 2 * atan(view->half_high / back) * degrees;
-        p.near_metres = back + view->near_m;
+        p.near_metres = back + view->near_metres;
     }
     vec3_mad(view->eye_ws, -back, view->forward_ws, p.eye_ws);
     vec3_mad(view->eye_ws, ahead, view->forward_ws, p.target_ws);

@@ -109,7 +109,7 @@ static json_t *report_json(const mend_command *c, const scene *s)
         json_array_append_new(components, entry);
     }
     return json_pack("{s:o, s:o, s:{s:f, s:I}, s:o, s:o, s:I, s:I, s:I, s:o, s:o}", "scene", json_text(c->path), "output",
-                     json_text(c->output_path), "options", "hole_diameter_m", c->how.hole_diameter_m, "hole_edges",
+                     json_text(c->output_path), "options", "hole_diameter_m", c->how.hole_diameter_metres, "hole_edges",
                      (json_int_t)c->how.hole_edges_max, "total", counts_json(&r->total), "components", components,
                      "component_count", (json_int_t)r->component_count, "closed_before", (json_int_t)r->closed_before,
                      "closed_after", (json_int_t)r->closed_after, "solids_before", solids_json(c, 0), "solids_after",
@@ -179,8 +179,8 @@ int cmd_mend(int argc, char **argv)
         {"SCENE", OPTION_INPUT, &c.path, FILE_SCENE, 0, NULL, NULL, "a glTF 2.0 scene, .gltf or .glb", NULL},
         {"-o", OPTION_OUTPUT, &c.output_path, 1, 0, ".glb", "OUT.glb", "where the mended scene goes; - is standard output", NULL},
         SCENE_ROWS(c.choice),
-        {"--hole-diameter", OPTION_F64, &c.how.hole_diameter_m, 0, 1e9, NULL, "METRES", "the largest hole to fill (default 0.1)",
-         NULL},
+        {"--hole-diameter", OPTION_F64, &c.how.hole_diameter_metres, 0, 1e9, NULL, "METRES",
+         "the largest hole to fill (default 0.1)", NULL},
         {"--hole-edges", OPTION_U32, &c.how.hole_edges_max, 0, REPAIR_HOLE_EDGES_MAX, NULL, "N",
          "the most edges of a hole to fill (default 64)", NULL},
         {"--all", OPTION_SWITCH, &c.all, 0, 0, NULL, NULL,

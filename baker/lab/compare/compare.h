@@ -31,8 +31,8 @@ typedef enum compare_kind {
 
 /* The don't-care rules of an asset besides the insides of solids. */
 typedef struct compare_dont_care {
-    int    behind;      /* 1: behind the last surface */
-    double thickness_m; /* of single-sided sheets that face the light */
+    int    behind;           /* 1: behind the last surface */
+    double thickness_metres; /* of single-sided sheets that face the light */
 } compare_dont_care;
 
 typedef struct compare_options {

@@ -42,17 +42,17 @@ double compare_step_px(const comparison *c, int map, double u, double v, double 
 {
     /* the error of rounded rays is largest in texels at the caster nearest to the light, on the way to the texel or to its
      * neighbours; for a directional light it is the same everywhere */
-    static const double about[5][2] = {{0, 0}, {1, 0}, {-1, 0}, {0, 1}, {0, -1}};
-    double              caster_m    = c->shape.kind == LIGHT_DIRECTIONAL ? 1 : INFINITY;
+    static const double about[5][2]   = {{0, 0}, {1, 0}, {-1, 0}, {0, 1}, {0, -1}};
+    double              caster_metres = c->shape.kind == LIGHT_DIRECTIONAL ? 1 : INFINITY;
     for (int n = 0; n < 5 && c->shape.kind != LIGHT_DIRECTIONAL; n++) {
         double end_ws[3], way_ws[3], distance;
         vxs_point(c->light, map, (double[3]){u + about[n][0], v + about[n][1], depth}, end_ws);
         vec3_sub(end_ws, c->shape.position_ws, way_ws);
         if (vec3_unit(way_ws, way_ws) && truth_first_hit(c->truth, c->shape.position_ws, way_ws, &distance, NULL, NULL))
-            caster_m = fmin(caster_m, distance);
+            caster_metres = fmin(caster_metres, distance);
     }
-    double ray_m = COMPARE_RAY_SLACK * truth_precision(c->truth);
-    return fmin(COMPARE_SLACK_MAX, 2 * SNAP + ray_m / (caster_m * c->light->texel_metres)) / COMPARE_STEPS;
+    double ray_metres = COMPARE_RAY_SLACK * truth_precision(c->truth);
+    return fmin(COMPARE_SLACK_MAX, 2 * SNAP + ray_metres / (caster_metres * c->light->texel_metres)) / COMPARE_STEPS;
 }
 
 /* distance to a boundary ------------------------------------------------------------------------------------------------------- */
@@ -206,7 +206,7 @@ static int is_within_thickness(const comparison *c, const double from_ws[3], dou
     if (vec3_dot(s.normal_ws, way_ws) <= 0) return 0;
     double deep = 1; /* metres along the axis of the map for each metre towards the light */
     if (c->shape.kind != LIGHT_DIRECTIONAL) deep = c->light->near_metres * exp(depth_vx * c->light->voxel_metres) / to_light;
-    if (s.distance * deep > c->dont_care.thickness_m) return 0;
+    if (s.distance * deep > c->dont_care.thickness_metres) return 0;
     to_light -= pass(c, p, way_ws, &s);
     return !meets(c, p, way_ws, to_light, &before);
 }
@@ -217,7 +217,7 @@ int compare_left_free(const comparison *c, int map, double u, double v, double n
     vxs_point(c->light, map, (double[3]){u, v, near_vx}, near_ws);
     vxs_point(c->light, map, (double[3]){u, v, far_vx}, far_ws);
     return (c->dont_care.behind && is_behind_last(c, far_ws)) ||
-           (c->dont_care.thickness_m > 0 && is_within_thickness(c, near_ws, near_vx));
+           (c->dont_care.thickness_metres > 0 && is_within_thickness(c, near_ws, near_vx));
 }
 
 /* faults of the bias ----------------------------------------------------------------------------------------------------------- */

@@ -249,8 +249,8 @@ static verdict explain(const comparison *c, const sample *s, int asset_lit)
 
     vec3_sub(s->truth_ws, c->shape.position_ws, from_light_ws);
     if (c->shape.kind != LIGHT_DIRECTIONAL) metres = sqrt(vec3_dot(from_light_ws, from_light_ws));
-    double ray_m    = COMPARE_RAY_SLACK * truth_precision(c->truth);
-    double depth_vx = fmin(COMPARE_SLACK_MAX, DEPTH_SLACK + ray_m / (metres * l->voxel_metres));
+    double ray_metres = COMPARE_RAY_SLACK * truth_precision(c->truth);
+    double depth_vx   = fmin(COMPARE_SLACK_MAX, DEPTH_SLACK + ray_metres / (metres * l->voxel_metres));
     double u = voxel[0] + 0.5, v = voxel[1] + 0.5, step_px = compare_step_px(c, s->map, u, v, voxel[2] + 0.5);
     centre at = {s->map, u, v, voxel[2] - depth_vx, voxel[2] + 1 + depth_vx, step_px};
 

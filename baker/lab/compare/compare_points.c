@@ -40,7 +40,7 @@ static void cone_direction(const light_volume *v, double x, double y, double dir
 static int cross_box(const light_volume *v, const double direction_ws[3], double *begin, double *end)
 {
     *begin = 0;
-    *end   = v->shape.range_m;
+    *end   = v->shape.range_metres;
     for (int i = 0; i < 3; i++) {
         double to_min = v->box_ws.min[i] - v->shape.position_ws[i], to_max = v->box_ws.max[i] - v->shape.position_ws[i];
         if (direction_ws[i] == 0) {

@@ -80,7 +80,7 @@ double compare_step_px(const comparison *c, int map, double u, double v, double 
 /* Whether the asset has any don't-care rules. */
 static inline int compare_leaves_free(const comparison *c)
 {
-    return c->dont_care.behind || c->dont_care.thickness_m > 0;
+    return c->dont_care.behind || c->dont_care.thickness_metres > 0;
 }
 
 /* 1 when voxels on the ray through (u, v) of a map, between two depths, are don't-care voxels. */

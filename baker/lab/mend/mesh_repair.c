@@ -347,7 +347,8 @@ static int triangulate(repair *x, const filling *f, const uint32_t *edges, size_
         box_add(&bounds, p);
     }
     double diameter = box_diagonal(&bounds), whole = box_diagonal(&f->boxes[v->component_of[edges[0] / 3]]);
-    if ((diameter > x->o->hole_diameter_m || diameter > REPAIR_HOLE_SHARE * whole) && !mesh_is_crack(x->points, count)) return 0;
+    if ((diameter > x->o->hole_diameter_metres || diameter > REPAIR_HOLE_SHARE * whole) && !mesh_is_crack(x->points, count))
+        return 0;
     return mesh_fill_hole(x->points, count, x->filled);
 }
 

@@ -23,15 +23,16 @@ extern "C" {
 #endif
 
 typedef struct repair_options {
-    uint32_t hole_edges_max;  /* holes with more edges are not filled; 3 to REPAIR_HOLE_EDGES_MAX, 0: none */
-    double   hole_diameter_m; /* [0, inf) metres: the largest diagonal of a filled hole's box. A crack (all points on one line) may
+    uint32_t hole_edges_max; /* holes with more edges are not filled; 3 to REPAIR_HOLE_EDGES_MAX, 0: none */
+    double
+        hole_diameter_metres; /* [0, inf) metres: the largest diagonal of a filled hole's box. A crack (all points on one line) may
                                  have any length */
 } repair_options;
 
 #define REPAIR_HOLE_EDGES_MAX 1000u
 #define REPAIR_DEFAULTS                                                                                                            \
     {                                                                                                                              \
-        .hole_edges_max = 64, .hole_diameter_m = 0.1                                                                               \
+        .hole_edges_max = 64, .hole_diameter_metres = 0.1                                                                          \
     }
 
 /* Holes longer than this share of their component's diagonal are not filled: they are openings, as of a cup, or the rim of a

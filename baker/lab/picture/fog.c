@@ -27,7 +27,7 @@ vxs_air_light fog_air_light(const fog_light *light)
                                 .cos_inner     = light->cos_inner,
                                 .cos_outer     = cos(shape->outer_rad),
                                 .radius_metres = light->radius_metres,
-                                .range_metres  = shape->range_m < INFINITY ? shape->range_m : 0};
+                                .range_metres  = shape->range_metres < INFINITY ? shape->range_metres : 0};
     for (int i = 0; i < 3; i++) {
         air.place[i] = shape->kind == LIGHT_DIRECTIONAL ? -shape->direction_ws[i] : shape->position_ws[i];
         air.axis[i]  = shape->direction_ws[i];

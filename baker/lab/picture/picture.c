@@ -148,8 +148,8 @@ static lamp make_lamp(const view *v, const vxs_baked_light *light, double size)
         sum += metres;
         hits++;
     }
-    l.usual_metres = fmax(fmin(hits ? sum / hits : 0.1 * size, 0.5 * l.shape.range_m), 1e-6 * size);
-    l.reach_metres = fmin(l.shape.range_m, 8 * l.usual_metres);
+    l.usual_metres = fmax(fmin(hits ? sum / hits : 0.1 * size, 0.5 * l.shape.range_metres), 1e-6 * size);
+    l.reach_metres = fmin(l.shape.range_metres, 8 * l.usual_metres);
     return l;
 }
 
@@ -323,11 +323,11 @@ static void light_fog(view *v)
         for (int i = 0; i < 3; i++) out->colour[i] = pi * sun_colour[i] / v->sun_count;
     }
     for (uint32_t n = 0; n < v->lamp_count; n++) {
-        const lamp *l      = &v->lamps[n];
-        fog_light  *out    = &v->fog_lights[count++];
-        *out               = (fog_light){.light = l->light, .shape = l->shape, .radius_metres = 0.03 * l->usual_metres};
-        out->cos_inner     = cos(0.9 * l->shape.outer_rad);
-        out->shape.range_m = l->reach_metres;
+        const lamp *l           = &v->lamps[n];
+        fog_light  *out         = &v->fog_lights[count++];
+        *out                    = (fog_light){.light = l->light, .shape = l->shape, .radius_metres = 0.03 * l->usual_metres};
+        out->cos_inner          = cos(0.9 * l->shape.outer_rad);
+        out->shape.range_metres = l->reach_metres;
         for (int i = 0; i < 3; i++) out->colour[i] = pi * lamp_colour[i] * 2 * l->usual_metres * l->usual_metres;
     }
 }

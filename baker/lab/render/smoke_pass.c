@@ -57,13 +57,13 @@ static int is_in_view(const vxs_light *light, const double eye_ws[3], const came
 {
     light_shape shape = baked_light_shape(light);
     double      way[3];
-    if (shape.range_m == INFINITY) return 1;
+    if (shape.range_metres == INFINITY) return 1;
     vec3_sub(shape.position_ws, eye_ws, way);
     for (int side = 0; side < 4; side++) {
         const double *across  = side < 2 ? seen->right : seen->up;
         double        tangent = sqrt(vec3_dot(across, across)), inside[3];
         for (int n = 0; n < 3; n++) inside[n] = tangent * seen->forward[n] + (side % 2 ? -1 : 1) * across[n] / tangent;
-        if (vec3_dot(inside, way) < -shape.range_m * sqrt(vec3_dot(inside, inside))) return 0;
+        if (vec3_dot(inside, way) < -shape.range_metres * sqrt(vec3_dot(inside, inside))) return 0;
     }
     return 1;
 }

@@ -166,8 +166,8 @@ static json_t *json_light(const scene_light *light)
 {
     json_t *json   = json_pack("{s:s, s:s}", "name", light->name, "type", light_kind_name(light->shape.kind));
     int     failed = !json;
-    if (!failed && light->shape.kind != LIGHT_DIRECTIONAL && isfinite(light->shape.range_m))
-        failed = json_object_set_new(json, "range", json_real(light->shape.range_m));
+    if (!failed && light->shape.kind != LIGHT_DIRECTIONAL && isfinite(light->shape.range_metres))
+        failed = json_object_set_new(json, "range", json_real(light->shape.range_metres));
     if (!failed && !is_zero(light->colour)) failed = set_colour(json, light->colour);
     if (!failed && light->dark) failed = json_object_set_new(json, "intensity", json_real(0));
     if (!failed && light->shape.kind == LIGHT_SPOT)

@@ -66,7 +66,7 @@ static void read_range(const json &light, light_definition &out)
     double range = number_of(light, "range", INFINITY, out.odd, "none");
     if (!(range > 0))
         out.odd += (out.odd.empty() ? "" : ", ") + formatted("range is %g, expected more than 0: taken as none", range);
-    if (range > 0) out.shape.range_m = range;
+    if (range > 0) out.shape.range_metres = range;
 }
 
 /* Colour and intensity are only for pictures, and to detect dark lights. Missing or invalid ones are 1. */
@@ -88,9 +88,9 @@ static light_definition read_light(const json &light)
     light_definition out  = {};
     auto             name = light.find("name"), type = light.find("type");
     if (name != light.end() && name->is_string()) out.name = name->get<std::string>();
-    bool has_type     = type != light.end() && type->is_string();
-    auto kind         = kinds.find(has_type ? type->get<std::string>() : "");
-    out.shape.range_m = INFINITY;
+    bool has_type          = type != light.end() && type->is_string();
+    auto kind              = kinds.find(has_type ? type->get<std::string>() : "");
+    out.shape.range_metres = INFINITY;
     read_colour(light, out);
     if (!has_type) out.fault = "'type' is missing: expected directional, spot or point";
     if (has_type && kind == kinds.end())

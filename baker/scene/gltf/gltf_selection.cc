@@ -221,17 +221,17 @@ static void read_projection(const json &camera, scene_view &view)
     std::string kind        = type != camera.end() && type->is_string() ? type->get<std::string>() : "";
     const json &perspective = items(camera, "perspective"), &orthographic = items(camera, "orthographic");
     if (kind == "perspective" && perspective.is_object()) {
-        double angle   = above_zero(perspective, "yfov");
-        view.half_high = angle < M_PI ? std::tan(angle / 2) : 0;
-        view.aspect    = above_zero(perspective, "aspectRatio");
-        view.near_m    = above_zero(perspective, "znear");
-        view.kind      = view.half_high > 0 ? VIEW_PERSPECTIVE : VIEW_NONE;
+        double angle     = above_zero(perspective, "yfov");
+        view.half_high   = angle < M_PI ? std::tan(angle / 2) : 0;
+        view.aspect      = above_zero(perspective, "aspectRatio");
+        view.near_metres = above_zero(perspective, "znear");
+        view.kind        = view.half_high > 0 ? VIEW_PERSPECTIVE : VIEW_NONE;
     } else if (kind == "orthographic" && orthographic.is_object()) {
-        double wide    = above_zero(orthographic, "xmag");
-        view.half_high = above_zero(orthographic, "ymag");
-        view.aspect    = view.half_high > 0 ? wide / view.half_high : 0;
-        view.near_m    = above_zero(orthographic, "znear");
-        view.kind      = wide > 0 && view.half_high > 0 ? VIEW_ORTHOGRAPHIC : VIEW_NONE;
+        double wide      = above_zero(orthographic, "xmag");
+        view.half_high   = above_zero(orthographic, "ymag");
+        view.aspect      = view.half_high > 0 ? wide / view.half_high : 0;
+        view.near_metres = above_zero(orthographic, "znear");
+        view.kind        = wide > 0 && view.half_high > 0 ? VIEW_ORTHOGRAPHIC : VIEW_NONE;
     }
 }
 

@@ -226,7 +226,7 @@ static double rounding_of(const scene *s, const double from[3])
     return moved;
 }
 
-static const double FAR_TIMES = 8, MOVED_MAX_M = 1e-3;
+static const double FAR_TIMES = 8, MOVED_MAX_METRES = 1e-3;
 
 void glb_find_origin(const scene *s, double origin_ws[3])
 {
@@ -255,7 +255,7 @@ vxs_result glb_round_positions(scene *s, const double origin_ws[3], run_context 
             return fail(m, VXS_E_SCENE, "a vertex has the coordinate %g: expected one that fits into a float", s->positions_ws[i]);
         s->positions_ws[i] = from + rounded;
     }
-    if (moved > MOVED_MAX_M)
+    if (moved > MOVED_MAX_METRES)
         warn(m,
              "positions become floats, and vertices move by up to %.2g m, as the scene is %.3g m wide; mend what lies far apart by "
              "itself, "
