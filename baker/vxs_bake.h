@@ -2,10 +2,10 @@
  * a little work in each frame.
  *
  *     vxs_bake_options o = vxs_bake_defaults();
- *     char             error[VXS_BAKE_ERROR_BYTES];
  *     o.scene_path  = "level.glb";
  *     o.output_path = "level.vxs";
- *     if (vxs_bake(&o, NULL, error) != VXS_OK) fprintf(stderr, "%s\n", error);
+ *     o.log         = print; // void print(vxs_severity severity, const char *text, void *user)
+ *     if (vxs_bake(&o, NULL) != VXS_OK) ...
  *
  * The same scene and options give the same bytes as the command does, at any number of threads and with any number of pauses.
  * Depths are computed straight from triangles. The library does not contain OpenGL, and has no option that needs it.
@@ -30,9 +30,6 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-/* Error texts: one line in English, without a newline. They name options as the command does (--sun, --memory). */
-enum { VXS_BAKE_ERROR_BYTES = 1024 };
 
 /* scenes as arrays ------------------------------------------------------------------------------------------------------------ */
 
@@ -111,9 +108,6 @@ typedef struct vxs_bake_progress {
 /* Return 0 to go on, any other value to cancel the bake: it ends with VXS_E_INTERRUPTED. */
 typedef int vxs_bake_progress_fn(void *user, const vxs_bake_progress *progress);
 
-/* A warning: one line, valid during the call. Equal warnings are reported once. */
-typedef void vxs_bake_warning_fn(void *user, const char *warning);
-
 typedef struct vxs_bake_scene vxs_bake_scene;
 typedef struct vxs_bake_job   vxs_bake_job;
 
@@ -167,7 +161,9 @@ typedef struct vxs_bake_options {
 
     /* callbacks: called from the baking thread, never two at once for one job */
     vxs_bake_progress_fn *progress;
-    vxs_bake_warning_fn  *warning;
+    /* Each call that fails logs one error, the reason; only without a valid struct_size it cannot. Equal warnings are logged once.
+     * Texts have one line. They name options as the command does (--sun, --memory) */
+    vxs_log_fn           *log;
     void                 *user; /* passed to both callbacks */
 
     /* since the second version of this struct; for a scene that is a file. An opened scene keeps its own */
@@ -203,7 +199,6 @@ void vxs_bake_bytes_free(vxs_bake_bytes *bytes);
 /* Bake a scene; returns when the bake has ended.
  * options  output_path or file must be given, or both
  * file     [out] the asset; NULL: not wanted. Zeroed on failure, and if if_changed kept the output
- * error    [VXS_BAKE_ERROR_BYTES] out: the error text, or ""; NULL: not wanted
  * Returns VXS_OK;
  *   VXS_E_ARGUMENT     an option is outside its range, excludes another one or names no light, or no output is given
  *   VXS_E_MEMORY       out of memory, or more than memory_bytes needed
@@ -213,18 +208,17 @@ void vxs_bake_bytes_free(vxs_bake_bytes *bytes);
  *   VXS_E_REFERENCES   more nodes than a file can hold
  *   VXS_E_INTERRUPTED  the bake was cancelled.
  * Threads: any number of bakes at once, from any threads, with separate scenes or a shared one. */
-vxs_result vxs_bake(const vxs_bake_options *options, vxs_bake_bytes *file, char *error);
+vxs_result vxs_bake(const vxs_bake_options *options, vxs_bake_bytes *file);
 
 /* scenes that serve many bakes ------------------------------------------------------------------------------------------------ */
 
 /* Read a scene, and find its casters and solids. At small resolutions this is most of the work of a bake. Jobs on the scene then do
  * only the work that depends on their lights.
  * scene    [out] NULL on failure; closed with vxs_bake_scene_close, after the jobs that use it
- * options  of the scene; options of lights are ignored. Its callbacks get progress and warnings during the call. Arrays are
+ * options  of the scene; options of lights are ignored. Its callbacks are called during this call only. Arrays are
  *          copied; texts are borrowed until the scene is closed
- * error    as for vxs_bake
  * Returns what vxs_bake returns.   Threads: an open scene is never changed: any number of jobs may use it at once. */
-vxs_result vxs_bake_scene_open(vxs_bake_scene **scene, const vxs_bake_options *options, char *error);
+vxs_result vxs_bake_scene_open(vxs_bake_scene **scene, const vxs_bake_options *options);
 
 /* Accepts NULL. */
 void vxs_bake_scene_close(vxs_bake_scene *scene);
@@ -236,7 +230,7 @@ void vxs_bake_scene_close(vxs_bake_scene *scene);
 /* Check the options and make a job of them. The work begins later.
  * job      [out] NULL on failure; closed with vxs_bake_job_close
  * Returns VXS_OK, VXS_E_ARGUMENT, VXS_E_MEMORY. */
-vxs_result vxs_bake_job_open(vxs_bake_job **job, const vxs_bake_options *options, char *error);
+vxs_result vxs_bake_job_open(vxs_bake_job **job, const vxs_bake_options *options);
 
 /* Bake to the end, from the begin or from the last step on. Does nothing on a job that has ended.
  * Returns what vxs_bake returns. */
@@ -262,14 +256,11 @@ void vxs_bake_job_cancel(vxs_bake_job *job);
 /* Result of the last call: VXS_OK while there is more to do, and when the job is done. */
 vxs_result vxs_bake_job_result(const vxs_bake_job *job);
 
-/* Error text, one line; "" without an error. Valid until the next call for the job. */
-const char *vxs_bake_job_error(const vxs_bake_job *job);
-
 /* Take the file of a job that is done. The job does not keep a copy.
  * file  [out] zeroed if there is none: the job is not done or has failed, if_changed kept the output, or it was taken before */
 void vxs_bake_job_take(vxs_bake_job *job, vxs_bake_bytes *file);
 
-/* Close a job. A job that is not done is cancelled, and the call waits until it has ended. Accepts NULL. */
+/* Close a job. A job that is not done is cancelled, and the call waits until it has ended. Logs nothing. Accepts NULL. */
 void vxs_bake_job_close(vxs_bake_job *job);
 
 #ifdef __cplusplus

@@ -101,7 +101,8 @@ typedef struct vxs_parallel {
     void (*pause)(void *user);
 } vxs_parallel;
 
-/* Called for each finding: its number in vxs_findings.h, its text, and its place (section -1: header and directory). */
+/* Called for each finding: its number in vxs_findings.h, its text, and its place (section -1: header and directory). Not a
+ * vxs_log_fn, because programs use the number and the place. */
 typedef void vxs_finding_fn(void *user, int number, const char *text, int section, uint64_t offset_bytes);
 
 /* Zero is the default of every field. The struct may grow in later versions of the library; programs built with an older

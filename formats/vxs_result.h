@@ -1,4 +1,4 @@
-/* Results of all vxs functions that can fail: one list of name, fixed value, text.
+/* Results of all vxs functions that can fail: one list of name, fixed value, text. And the log callback that explains them.
  *
  * Values are grouped with gaps, only appended, and never reused, so that a stored value keeps its meaning.
  * Public.
@@ -35,4 +35,21 @@ typedef enum vxs_result {
 #undef VXS_RESULT_ENUM
 } vxs_result;
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum vxs_severity {
+    VXS_SEVERITY_WARNING = 1, /* the work goes on, but its result may not be what was wanted */
+    VXS_SEVERITY_ERROR   = 2, /* the reason why the function will return another result than VXS_OK */
+} vxs_severity;
+
+/* The log callback of every library. Programs decide by results; this text is for people.
+ * text  in English, without a newline at its end; valid during the call
+ * user  as given beside the callback */
+typedef void vxs_log_fn(vxs_severity severity, const char *text, void *user);
+
+#ifdef __cplusplus
+}
+#endif
 #endif

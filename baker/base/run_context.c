@@ -37,7 +37,7 @@ void warn(run_context *m, const char *format, ...)
     }
     for (size_t i = 0; i < m->warning_count; i++)
         if (!strcmp(m->warnings[i], text)) return;
-    if (m->tell) m->tell(m, text);
+    if (m->log) m->log(VXS_SEVERITY_WARNING, text, m->log_user);
 
     /* no memory for a copy: the warning was already shown, but is missing in the report */
     char *copy = strdup(text);

@@ -17,12 +17,11 @@ extern "C" {
 #endif
 
 typedef struct run_context {
-    char   error[1024]; /* one line without a newline; "": no failure */
-    char **warnings;    /* [warning_count] one line each, owned */
-    size_t warning_count, warning_capacity;
-    void (*tell)(const struct run_context *m,
-                 const char               *warning); /* called for each new warning; NULL: warnings are only stored */
-    void *tell_user;
+    char        error[1024]; /* one line without a newline; "": no failure */
+    char      **warnings;    /* [warning_count] one line each, owned */
+    size_t      warning_count, warning_capacity;
+    vxs_log_fn *log; /* called for each new warning, but not for the error; NULL: warnings are only stored */
+    void       *log_user;
 
     int strict; /* nonzero: the first warning becomes an error */
     int force;  /* nonzero: replace files that are read-only, or that lose attributes (baker/files/replaced_file.h) */
@@ -53,7 +52,7 @@ typedef struct run_context {
  * value expected. */
 vxs_result fail(run_context *m, vxs_result code, const char *format, ...) RUN_PRINTF;
 
-/* Store a warning for the report, and call m->tell. Equal warnings are stored once. With m->strict the first warning becomes the
+/* Store a warning for the report, and call m->log. Equal warnings are stored once. With m->strict the first warning becomes the
  * error, and run_check returns VXS_E_STRICT. */
 void warn(run_context *m, const char *format, ...) RUN_PRINTF_WARN;
 

@@ -3,7 +3,6 @@
 #include "baker/library/bake_run.h"
 
 #include <fenv.h>
-#include <stdio.h>
 #include <stdlib.h>
 
 #include "baker/bake/bake.h"
@@ -11,7 +10,7 @@
 #include "baker/library/array_scene.h"
 #include "runtime/vxs.h"
 
-/* progress and warnings ------------------------------------------------------------------------------------------------------- */
+/* progress and log ------------------------------------------------------------------------------------------------------------ */
 
 static void tell_progress(bake_run *run, double seconds_left, const char *doing)
 {
@@ -33,10 +32,21 @@ static void share(void *user, double share, double since, const char *doing)
     tell_progress(run, share > 0 ? spent / share * (1 - share) : -1, doing);
 }
 
-static void tell_warning(const run_context *m, const char *warning)
+void bake_run_log(const bake_run *run, vxs_severity severity, const char *text)
 {
-    const vxs_bake_options *asked = m->tell_user;
-    if (asked->warning) asked->warning(asked->user, warning);
+    const vxs_bake_options *asked = &run->options.asked;
+    if (asked->log) asked->log(severity, text, asked->user);
+}
+
+vxs_result bake_run_end(const bake_run *run, vxs_result result)
+{
+    if (result != VXS_OK) bake_run_log(run, VXS_SEVERITY_ERROR, run->m.error[0] ? run->m.error : vxs_result_text(result));
+    return result;
+}
+
+static void log_warning(vxs_severity severity, const char *text, void *user)
+{
+    bake_run_log(user, severity, text);
 }
 
 /* ----------------------------------------------------------------------------------------------------------------------------- */
@@ -70,7 +80,7 @@ static void use_scene(bake_options *o, const vxs_bake_scene *opened)
 vxs_result bake_run_init(bake_run *run, const vxs_bake_options *options, int lights)
 {
     *run         = (bake_run){.share = -1};
-    run->m       = (run_context){.tell = tell_warning, .tell_user = &run->options.asked, .files = &run->files};
+    run->m       = (run_context){.log = log_warning, .log_user = run, .files = &run->files};
     run->watch   = (run_watch){.say = say, .share = share, .user = run};
     vxs_result r = asked_options_init(&run->options, options, lights, &run->m);
     run->m.force = run->options.asked.replace != 0;
@@ -127,11 +137,4 @@ void bake_run_free(bake_run *run)
     run_files_free(&run->files);
     run_free(&run->m);
     run_control_free(&run->run_control);
-}
-
-vxs_result bake_run_error(const bake_run *run, vxs_result result, char *error)
-{
-    const char *text = result == VXS_OK ? "" : run->m.error[0] ? run->m.error : vxs_result_text(result);
-    if (error) snprintf(error, VXS_BAKE_ERROR_BYTES, "%s", text);
-    return result;
 }

@@ -42,8 +42,10 @@ vxs_result bake_run_open_scene(bake_run *run, bake_scene *s);
 
 void bake_run_free(bake_run *run);
 
-/* error  [VXS_BAKE_ERROR_BYTES] out, or NULL
- * Returns the result. */
-vxs_result bake_run_error(const bake_run *run, vxs_result result, char *error);
+/* Pass a text to the log callback of the options, if there is one. */
+void bake_run_log(const bake_run *run, vxs_severity severity, const char *text);
+
+/* Log the reason of a failure. Call it once for each result that a function of the library returns. Returns the result. */
+vxs_result bake_run_end(const bake_run *run, vxs_result result);
 
 #endif

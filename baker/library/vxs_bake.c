@@ -3,7 +3,6 @@
 #include "baker/vxs_bake.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 
 #include "baker/bake/bake.h"
@@ -24,14 +23,14 @@ static vxs_result open_scene(bake_run *run, void *user)
     return bake_run_open_scene(run, user);
 }
 
-vxs_result vxs_bake_scene_open(vxs_bake_scene **opened, const vxs_bake_options *options, char *error)
+vxs_result vxs_bake_scene_open(vxs_bake_scene **opened, const vxs_bake_options *options)
 {
     bake_run        run;
     vxs_bake_scene *s = calloc(1, sizeof *s);
     vxs_result      r = bake_run_init(&run, options, 0);
     if (!s && r == VXS_OK) r = fail(&run.m, VXS_E_MEMORY, "out of memory for a scene");
     if (r == VXS_OK) r = bake_run_guarded(&run, open_scene, &s->scene);
-    bake_run_error(&run, r, error);
+    bake_run_end(&run, r);
     if (r == VXS_OK) {
         s->options         = run.options;
         s->options.o.watch = NULL;
@@ -66,7 +65,6 @@ struct vxs_bake_job {
     int            bad_budget; /* 1: the last call had an invalid budget */
     os_thread      thread;
     double         held_since;
-    char           error[VXS_BAKE_ERROR_BYTES];
 };
 
 static vxs_result take_file(void *user, const bake_options *o, const casters *c, vxs_bytes *file, run_context *m)
@@ -102,7 +100,7 @@ static void work(vxs_bake_job *job)
 {
     vxs_result r = bake_run_guarded(&job->run, bake_all, job);
     os_lock(&job->lock);
-    job->result = bake_run_error(&job->run, r, job->error);
+    job->result = bake_run_end(&job->run, r);
     job->state  = r == VXS_OK ? VXS_BAKE_DONE : VXS_BAKE_FAILED;
     if (r != VXS_OK) vxs_bake_bytes_free(&job->file);
     os_wake_all(&job->ended);
@@ -115,15 +113,16 @@ static void *work_on_thread(void *job)
     return NULL;
 }
 
-vxs_result vxs_bake_job_open(vxs_bake_job **job, const vxs_bake_options *options, char *error)
+vxs_result vxs_bake_job_open(vxs_bake_job **job, const vxs_bake_options *options)
 {
     vxs_bake_job *j = calloc(1, sizeof *j);
     *job            = NULL;
-    if (error) snprintf(error, VXS_BAKE_ERROR_BYTES, j ? "" : "out of memory for a job");
-    if (!j) return VXS_E_MEMORY;
-    vxs_result r = bake_run_error(&j->run, bake_run_init(&j->run, options, 1), error);
-    if (r != VXS_OK) {
-        bake_run_free(&j->run);
+    bake_run   none;
+    bake_run  *run = j ? &j->run : &none;
+    vxs_result r   = bake_run_init(run, options, j != NULL);
+    if (!j && r == VXS_OK) r = fail(&run->m, VXS_E_MEMORY, "out of memory for a job");
+    if (bake_run_end(run, r) != VXS_OK) {
+        bake_run_free(run);
         free(j);
         return r;
     }
@@ -183,7 +182,10 @@ vxs_bake_state vxs_bake_step(vxs_bake_job *job, double budget_ms)
     const double longest_ms = 1e12;
     double       begun      = clock_seconds();
     job->bad_budget         = !(budget_ms > 0);
-    if (job->bad_budget) return VXS_BAKE_FAILED;
+    if (job->bad_budget) {
+        bake_run_log(&job->run, VXS_SEVERITY_ERROR, "budget_ms: expected more than 0");
+        return VXS_BAKE_FAILED;
+    }
     if (!job->has_thread && job->state != VXS_BAKE_MORE) return job->state;
     if (!HAS_THREADS) {
         work(job);
@@ -193,8 +195,7 @@ vxs_bake_state vxs_bake_step(vxs_bake_job *job, double budget_ms)
         go_on(job);
     else if (!start_thread(job)) {
         job->state  = VXS_BAKE_FAILED;
-        job->result = fail(&job->run.m, VXS_E_MEMORY, "no thread could be started for a bake in steps");
-        bake_run_error(&job->run, job->result, job->error);
+        job->result = bake_run_end(&job->run, fail(&job->run.m, VXS_E_MEMORY, "no thread could be started for a bake in steps"));
         return job->state;
     }
     if (!wait_for(job, begun + 1e-3 * fmin(budget_ms, longest_ms))) {
@@ -216,11 +217,6 @@ vxs_result vxs_bake_job_result(const vxs_bake_job *job)
     return job->bad_budget ? VXS_E_ARGUMENT : job->result;
 }
 
-const char *vxs_bake_job_error(const vxs_bake_job *job)
-{
-    return job->bad_budget ? "budget_ms: expected more than 0" : job->error;
-}
-
 void vxs_bake_job_take(vxs_bake_job *job, vxs_bake_bytes *file)
 {
     int is_done = !job->has_thread && job->state == VXS_BAKE_DONE;
@@ -232,6 +228,7 @@ void vxs_bake_job_close(vxs_bake_job *job)
 {
     if (!job) return;
     vxs_bake_job_cancel(job);
+    job->run.options.asked.log = NULL;
     if (job->has_thread) {
         run_control_resume(&job->run.run_control);
         join(job);
@@ -245,17 +242,16 @@ void vxs_bake_job_close(vxs_bake_job *job)
 
 /* one call -------------------------------------------------------------------------------------------------------------------- */
 
-vxs_result vxs_bake(const vxs_bake_options *options, vxs_bake_bytes *file, char *error)
+vxs_result vxs_bake(const vxs_bake_options *options, vxs_bake_bytes *file)
 {
     vxs_bake_job *job;
     if (file) *file = (vxs_bake_bytes){0};
-    vxs_result r = vxs_bake_job_open(&job, options, error);
+    vxs_result r = vxs_bake_job_open(&job, options);
     if (r != VXS_OK) return r;
     if (!file && !options->output_path)
-        r = bake_run_error(&job->run, fail(&job->run.m, VXS_E_ARGUMENT, "expected an output_path, or somewhere to put the bytes"),
-                           error);
+        r = bake_run_end(&job->run, fail(&job->run.m, VXS_E_ARGUMENT, "expected an output_path, or somewhere to put the bytes"));
     else
-        r = bake_run_error(&job->run, vxs_bake_job_run(job), error);
+        r = vxs_bake_job_run(job);
     if (file) vxs_bake_job_take(job, file);
     vxs_bake_job_close(job);
     return r;

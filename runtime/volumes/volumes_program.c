@@ -86,7 +86,7 @@ static void attach(const vxs_volumes *v, gl_name program, gl_enum kind, const ch
     v->api.GetShaderiv(shader, GL_STATUS_COMPILE, &good);
     if (!good && v->log) {
         v->api.GetShaderInfoLog(shader, sizeof log, NULL, log);
-        v->log(log, v->user);
+        v->log(VXS_SEVERITY_ERROR, log, v->user);
     }
     v->api.AttachShader(program, shader);
     v->api.DeleteShader(shader);

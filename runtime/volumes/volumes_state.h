@@ -42,7 +42,7 @@ typedef struct volumes_program {
 struct vxs_volumes {
     volumes_api   api;
     vxs_allocator memory;
-    void (*log)(const char *text, void *user);
+    vxs_log_fn     *log;
     void           *user;
     vxs_gl         *shadows;
     uint32_t        width_px, height_px, first_unit, first_storage;

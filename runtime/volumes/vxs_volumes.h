@@ -45,7 +45,7 @@ typedef struct vxs_volumes_desc {
     vxs_gl              *shadows;              /* the baked lights; borrowed until vxs_volumes_destroy */
     uint32_t             width_px, height_px;  /* of the largest view, > 0 */
     uint32_t             first_unit;           /* first texture unit that is used; its state is restored; 0: 8 */
-    void (*log)(const char *text, void *user); /* receives compiler messages of a shader that does not compile; may be NULL */
+    vxs_log_fn          *log; /* receives compiler messages, with several lines, of a shader that does not compile; may be NULL */
     uint32_t first_storage;                    /* first of three storage buffer bindings; must not overlap those of vxs_gl; 0: 5 */
 } vxs_volumes_desc;
 

@@ -272,7 +272,7 @@ static vxs_result bake(bench *b, const float *positions, run_context *m)
     options.closed     = VXS_BAKE_CLOSED_OFF;
     options.resolution = a->side_px;
     options.threads    = b->threads;
-    vxs_result r       = vxs_bake(&options, &file, NULL);
+    vxs_result r       = vxs_bake(&options, &file);
     if (r == VXS_OK) r = vxs_asset_open(&b->asset, file.data, file.size_bytes, NULL);
     vxs_bake_bytes_free(&file);
     return r == VXS_OK ? r : fail(m, r, "no asset of lamps: %s", vxs_result_text(r));

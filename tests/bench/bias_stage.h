@@ -174,6 +174,12 @@ static inline void bias_draw_point(const bias_stage *s, const bias_setup *o, rng
     bias_point(s, away * cos(turn), away * sin(turn), 0, point_ws);
 }
 
+static inline void print_of_stage(vxs_severity severity, const char *text, void *user)
+{
+    (void)user;
+    if (severity == VXS_SEVERITY_ERROR) fprintf(stderr, "no stage: %s\n", text);
+}
+
 /* Bake the stage. The asset is closed by the caller; the program ends where there is none. */
 static inline vxs_asset *bias_stage_bake(const bias_stage *s, const bias_setup *o)
 {
@@ -183,7 +189,6 @@ static inline vxs_asset *bias_stage_bake(const bias_stage *s, const bias_setup *
     vxs_bake_options options = vxs_bake_defaults();
     vxs_bake_bytes   bytes   = {0};
     vxs_asset       *asset   = NULL;
-    char             error[VXS_BAKE_ERROR_BYTES];
     memcpy(mesh.origin_ws, s->foot_ws, sizeof mesh.origin_ws);
     memcpy(light.position_ws, s->light_ws, sizeof light.position_ws);
     for (int n = 0; n < 3; n++) light.direction_ws[n] = -s->to_light_ws[n];
@@ -191,8 +196,8 @@ static inline vxs_asset *bias_stage_bake(const bias_stage *s, const bias_setup *
     options.resolution = o->side_px;
     options.coding     = o->coding;
     options.zstd_level = 1;
-    if (vxs_bake(&options, &bytes, error) != VXS_OK || vxs_asset_open(&asset, bytes.data, bytes.size_bytes, NULL) != VXS_OK) {
-        fprintf(stderr, "no stage: %s\n", error);
+    options.log        = print_of_stage;
+    if (vxs_bake(&options, &bytes) != VXS_OK || vxs_asset_open(&asset, bytes.data, bytes.size_bytes, NULL) != VXS_OK) {
         exit(1);
     }
     vxs_bake_bytes_free(&bytes);

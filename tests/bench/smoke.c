@@ -225,7 +225,7 @@ static vxs_result bake(bench *b, run_context *m)
     vxs_bake_bytes        file;
     options.arrays     = &arrays;
     options.resolution = 8;
-    vxs_result r       = vxs_bake(&options, &file, NULL);
+    vxs_result r       = vxs_bake(&options, &file);
     if (r == VXS_OK) r = vxs_asset_open(&b->asset, file.data, file.size_bytes, NULL);
     vxs_bake_bytes_free(&file);
     return r == VXS_OK ? r : fail(m, r, "no asset: %s", vxs_result_text(r));

@@ -11,8 +11,9 @@ static vxs_gl_function lookup(const char *name, void *user)
     return (vxs_gl_function)((const gl_context *)user)->lookup(name);
 }
 
-static void say(const char *text, void *user)
+static void say(vxs_severity severity, const char *text, void *user)
 {
+    (void)severity;
     (void)user;
     fprintf(stderr, "%s\n", text);
 }

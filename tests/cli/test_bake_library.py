@@ -24,9 +24,14 @@ USER = """
 #include <string.h>
 #include <vxs_bake.h>
 
+static void print(vxs_severity severity, const char *text, void *user)
+{
+    (void)user;
+    if (severity == VXS_SEVERITY_ERROR) fprintf(stderr, "%s\\n", text);
+}
+
 int main(int argc, char **argv)
 {
-    char             error[VXS_BAKE_ERROR_BYTES];
     vxs_bake_options o = vxs_bake_defaults();
     vxs_bake_job    *job;
     vxs_bake_state   state = VXS_BAKE_MORE;
@@ -36,6 +41,7 @@ int main(int argc, char **argv)
     o.output_path = argv[2];
     o.resolution  = atoi(argv[3]);
     o.threads     = 2;
+    o.log         = print;
     for (n = 4; n < argc; n++) {
         if (!strcmp(argv[n], "dag")) o.coding = VXS_BAKE_DAG;
         if (!strcmp(argv[n], "fast")) o.pack = VXS_BAKE_PACK_FAST;
@@ -49,13 +55,9 @@ int main(int argc, char **argv)
             o.region_ws[3] = o.region_ws[4] = o.region_ws[5] = 4;
         }
     }
-    if (vxs_bake_job_open(&job, &o, error) != VXS_OK) {
-        fprintf(stderr, "%s\\n", error);
-        return 2;
-    }
+    if (vxs_bake_job_open(&job, &o) != VXS_OK) return 2;
     while (budget > 0 && state == VXS_BAKE_MORE) state = vxs_bake_step(job, budget);
     n = vxs_bake_job_run(job);
-    if (n) fprintf(stderr, "%d: %s\\n", n, vxs_bake_job_error(job));
     vxs_bake_job_close(job);
     return n;
 }
@@ -147,7 +149,7 @@ def test_a_level_when_it_is_saved(vxs, run, compiled, scenes, tmp_path):
     shown = run(program, scenes / "city.glb", tmp_path / "b.vxs").stdout
     assert "reading" in shown and "light sun: tile 1 of" in shown
     assert (tmp_path / "a.vxs").read_bytes() == (tmp_path / "b.vxs").read_bytes()
-    assert run(program, tmp_path / "missing.glb", tmp_path / "b.vxs", status=1).stderr.startswith("no shadows: ")
+    assert run(program, tmp_path / "missing.glb", tmp_path / "b.vxs", status=1).stderr.startswith("error: ")
 
 
 def test_a_sun_that_moves(vxs, run, compiled, scenes, tmp_path):
@@ -225,6 +227,17 @@ ARRAYS_USER = """
 #include <stdio.h>
 #include <vxs_bake.h>
 
+static char error[256];
+static int  errors;
+
+static void keep(vxs_severity severity, const char *text, void *user)
+{
+    (void)user;
+    if (severity != VXS_SEVERITY_ERROR) return;
+    errors++;
+    snprintf(error, sizeof error, "%s", text);
+}
+
 int main(void)
 {
     static const float    positions[] = {-4, 0, -4, 4, 0, -4, 4, 0, 4, -4, 0, 4, -1, 2, -1, 1, 2, -1, 0, 3, 1};
@@ -233,7 +246,6 @@ int main(void)
     vxs_bake_arrays  arrays = {&mesh, 1, NULL, 0, NULL, 0};
     vxs_bake_sun     sun    = {NULL, {0.1, -1, 0.2}};
     vxs_bake_bytes   file;
-    char             error[VXS_BAKE_ERROR_BYTES];
     vxs_bake_options o = vxs_bake_defaults();
     int              n, r = 0;
     for (n = 0; n < 2 && !r; n++) {
@@ -243,10 +255,12 @@ int main(void)
         o.resolution = 256;
         o.threads    = 2;
         o.coding     = n ? VXS_BAKE_DAG : VXS_BAKE_BLOCKS;
-        r            = vxs_bake(&o, &file, error);
+        o.log        = keep;
+        r            = vxs_bake(&o, &file);
         printf("%d %d %s\\n", r, file.data != NULL, error);
         vxs_bake_bytes_free(&file);
     }
+    if (errors != (r != VXS_OK)) return 3; /* each failure logs one reason */
     return r;
 }
 """

@@ -53,6 +53,38 @@ static void make_town(void)
     }
 }
 
+/* What was logged since the last reset; for bakes whose options have log = keep. */
+typedef struct logged {
+    uint32_t errors, warnings;
+    char     error[1024];
+} logged;
+
+static logged kept;
+
+static void keep(vxs_severity severity, const char *text, void *user)
+{
+    (void)user;
+    assert_true(text[0] && !strchr(text, '\n'));
+    assert_true(severity == VXS_SEVERITY_ERROR || severity == VXS_SEVERITY_WARNING);
+    if (severity == VXS_SEVERITY_WARNING)
+        kept.warnings++;
+    else {
+        kept.errors++;
+        snprintf(kept.error, sizeof kept.error, "%s", text);
+    }
+}
+
+/* Each failure logs one error text that contains `words`.
+ * words  NULL: the options have no valid struct_size, so the library cannot know where `log` is */
+static void assert_logged(const char *words)
+{
+    if (!words)
+        assert_int_equal(kept.errors, 0);
+    else if (kept.errors != 1 || !strstr(kept.error, words))
+        fail_msg("%u errors, '%s': expected '%s'", kept.errors, kept.error, words);
+    kept = (logged){.errors = 0};
+}
+
 static vxs_bake_options town_options(void)
 {
     vxs_bake_options o = vxs_bake_defaults();
@@ -61,15 +93,16 @@ static vxs_bake_options town_options(void)
     o.sun_count        = 1;
     o.resolution       = 1024;
     o.threads          = 2;
+    o.log              = keep;
     return o;
 }
 
 static vxs_bake_bytes baked(const vxs_bake_options *o)
 {
     vxs_bake_bytes file;
-    char           error[VXS_BAKE_ERROR_BYTES];
-    if (vxs_bake(o, &file, error) != VXS_OK) fail_msg("%s", error);
-    assert_string_equal(error, "");
+    kept = (logged){.errors = 0};
+    if (vxs_bake(o, &file) != VXS_OK) fail_msg("%s", kept.error);
+    assert_int_equal(kept.errors, 0);
     assert_true(file.size_bytes > 100);
     return file;
 }
@@ -88,15 +121,18 @@ static void refused(const vxs_bake_options *o, vxs_result wanted, const char *wo
 {
     vxs_bake_job  *job = (vxs_bake_job *)o;
     vxs_bake_bytes file;
-    char           error[VXS_BAKE_ERROR_BYTES] = "";
-    vxs_result     r                           = vxs_bake(o, &file, error);
-    if (r != wanted || !strstr(error, words)) fail_msg("%d, '%s': expected %d, '%s'", r, error, wanted, words);
+    kept         = (logged){.errors = 0};
+    vxs_result r = vxs_bake(o, &file);
+    if (r != wanted) fail_msg("%d, '%s': expected %d, '%s'", r, kept.error, wanted, words);
+    assert_logged(words);
     assert_null(file.data);
-    assert_null(strchr(error, '\n'));
-    if (vxs_bake_job_open(&job, o, NULL) == VXS_OK)
+    if (vxs_bake_job_open(&job, o) == VXS_OK) {
         vxs_bake_job_close(job);
-    else
+        assert_int_equal(kept.errors, 0);
+    } else {
         assert_null(job);
+        assert_logged(words);
+    }
 }
 
 #define REFUSED(change, words)                                                                                                     \
@@ -115,10 +151,10 @@ static void test_options_out_of_range(void **state)
     char                     long_name[65];
     memset(long_name, 'n', 64);
     long_name[64] = 0;
-    REFUSED(o.struct_size = 0, "vxs_bake_defaults");
-    REFUSED(o.struct_size = offsetof(vxs_bake_options, blend) - 1, "vxs_bake_defaults"); /* less than the first version had */
-    REFUSED(o.struct_size = SIZE_MAX, "vxs_bake_defaults");
-    refused(NULL, VXS_E_ARGUMENT, "vxs_bake_defaults");
+    REFUSED(o.struct_size = 0, NULL);
+    REFUSED(o.struct_size = offsetof(vxs_bake_options, blend) - 1, NULL); /* less than the first version had */
+    REFUSED(o.struct_size = SIZE_MAX, NULL);
+    refused(NULL, VXS_E_ARGUMENT, NULL);
     REFUSED(o.arrays = NULL, "one of scene_path, arrays and scene");
     REFUSED(o.scene_path = "a.glb", "one of scene_path, arrays and scene");
     REFUSED(o.arrays = NULL; o.scene_path = "-", "scene_path '-'");
@@ -168,9 +204,10 @@ static void test_options_out_of_range(void **state)
     REFUSED(o.map_sizes = &size; o.map_size_count = 1; size.texel_metres = -0.1, "texel_metres -0.1");
     REFUSED(o.exclude = nobody; o.exclude_count = 1, "choose from a file");
     vxs_bake_options o = town_options();
-    char             error[VXS_BAKE_ERROR_BYTES];
-    assert_int_equal(vxs_bake(&o, NULL, error), VXS_E_ARGUMENT); /* nowhere to put it */
-    assert_int_equal(vxs_bake(&o, NULL, NULL), VXS_E_ARGUMENT);
+    assert_int_equal(vxs_bake(&o, NULL), VXS_E_ARGUMENT); /* no output */
+    assert_logged("output_path");
+    o.log = NULL;
+    assert_int_equal(vxs_bake(&o, NULL), VXS_E_ARGUMENT);
 }
 
 /* What a later library has more is 0, or refused. */
@@ -239,7 +276,7 @@ static vxs_bake_bytes stepped(const vxs_bake_options *o, double budget_ms, uint3
     vxs_bake_bytes file;
     vxs_bake_state s;
     *steps = 0;
-    assert_int_equal(vxs_bake_job_open(&job, o, NULL), VXS_OK);
+    assert_int_equal(vxs_bake_job_open(&job, o), VXS_OK);
     do {
         s = vxs_bake_step(job, budget_ms);
         ++*steps;
@@ -280,7 +317,7 @@ static void test_nothing_runs_between_steps(void **state)
     vxs_bake_options o = town_options();
     vxs_bake_job    *job;
     o.resolution = 8192;
-    assert_int_equal(vxs_bake_job_open(&job, &o, NULL), VXS_OK);
+    assert_int_equal(vxs_bake_job_open(&job, &o), VXS_OK);
     for (int n = 0; n < 5; n++) {
         struct timespec before, after;
         if (vxs_bake_step(job, 5) != VXS_BAKE_MORE) break;
@@ -290,7 +327,8 @@ static void test_nothing_runs_between_steps(void **state)
         double used_ms = 1e3 * (double)(after.tv_sec - before.tv_sec) + 1e-6 * (double)(after.tv_nsec - before.tv_nsec);
         assert_true(used_ms < 10);
     }
-    vxs_bake_job_close(job); /* in the middle */
+    vxs_bake_job_close(job); /* in the middle; logs nothing */
+    assert_int_equal(kept.errors, 0);
 }
 
 static void test_budgets_that_are_none(void **state)
@@ -299,23 +337,23 @@ static void test_budgets_that_are_none(void **state)
     static const double none[] = {0, -1, NAN, -INFINITY};
     vxs_bake_options    o      = town_options();
     vxs_bake_job       *job;
-    assert_int_equal(vxs_bake_job_open(&job, &o, NULL), VXS_OK);
+    assert_int_equal(vxs_bake_job_open(&job, &o), VXS_OK);
     for (size_t n = 0; n < sizeof none / sizeof *none; n++) {
         assert_int_equal(vxs_bake_step(job, none[n]), VXS_BAKE_FAILED);
         assert_int_equal(vxs_bake_job_result(job), VXS_E_ARGUMENT);
-        assert_non_null(strstr(vxs_bake_job_error(job), "budget_ms"));
+        assert_logged("budget_ms");
     }
     (void)vxs_bake_step(job, 0.01);
     assert_int_equal(vxs_bake_job_run(job), VXS_OK);
-    assert_string_equal(vxs_bake_job_error(job), "");
+    assert_int_equal(kept.errors, 0);
     vxs_bake_job_close(job);
     vxs_bake_job_close(NULL);
 }
 
-static void count_blend(void *user, const char *warning)
+static void count_blend(vxs_severity severity, const char *text, void *user)
 {
-    assert_true(warning[0] && !strchr(warning, '\n'));
-    *(int *)user += strstr(warning, "alphaMode BLEND") != NULL;
+    keep(severity, text, NULL);
+    *(int *)user += severity == VXS_SEVERITY_WARNING && strstr(text, "alphaMode BLEND");
 }
 
 /* Options of a file's scene that the first version of the struct had not: a card of BLEND beside a wall, and a buffer out of the folder. */
@@ -328,7 +366,7 @@ static void test_options_of_files(void **state)
         "\"nodes\":[{\"mesh\":0}],\"materials\":[{\"alphaMode\":\"BLEND\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,1,1,0.7]"
         "}}],"
         "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":0}]}]}";
-    char folder[] = "/tmp/vxs_bake_XXXXXX", path[64], error[VXS_BAKE_ERROR_BYTES];
+    char folder[] = "/tmp/vxs_bake_XXXXXX", path[64];
     int  warnings = 0;
     assert_non_null(mkdtemp(folder));
     snprintf(path, sizeof path, "%s/s.gltf", folder);
@@ -344,7 +382,7 @@ static void test_options_of_files(void **state)
         o.suns               = &sun;
         o.sun_count          = 1;
         o.resolution         = 64;
-        o.warning            = count_blend;
+        o.log                = count_blend;
         o.user               = &warnings;
         if (outside) {
             refused(&o, VXS_E_READ, "is not in the scene's folder");
@@ -360,7 +398,7 @@ static void test_options_of_files(void **state)
         vxs_bake_bytes_free(&file);
         assert_int_equal(warnings, 1);
         o.blend = VXS_BAKE_BLEND_EXCLUDE;
-        assert_int_equal(vxs_bake(&o, &file, error), VXS_E_NO_CASTER);
+        assert_int_equal(vxs_bake(&o, &file), VXS_E_NO_CASTER);
         o.struct_size = offsetof(vxs_bake_options, blend); /* of a program that is older: the default */
         file          = baked(&o);
         vxs_bake_bytes_free(&file);
@@ -441,8 +479,9 @@ static void test_files_of_the_caller(void **state)
     static memory_files m;
     vxs_bake_files      files = {memory_size, memory_read, memory_write, &m};
     vxs_bake_options    o     = vxs_bake_defaults();
-    vxs_bake_sun        sun   = {NULL, {0.1, -0.2, -1}};
-    vxs_bake_bytes      file, of_system;
+    o.log                     = keep;
+    vxs_bake_sun   sun        = {NULL, {0.1, -0.2, -1}};
+    vxs_bake_bytes file, of_system;
     assert_int_equal(memory_write(&m, "no_such_folder/s.gltf", text, sizeof text - 1), 0);
     assert_int_equal(memory_write(&m, "no_such_folder/a b.bin", corners, sizeof corners), 0);
     o.scene_path = "s.gltf";
@@ -467,7 +506,7 @@ static void test_files_of_the_caller(void **state)
     vxs_bake_bytes_free(&of_system);
 
     o.if_changed = 1; /* reads the output, and keeps it */
-    assert_int_equal(vxs_bake(&o, &file, NULL), VXS_OK);
+    assert_int_equal(vxs_bake(&o, &file), VXS_OK);
     assert_null(file.data);
     assert_int_equal(m.writes, 3);
     o.if_changed = 0;
@@ -505,7 +544,7 @@ static void test_open_scene(void **state)
     vxs_bake_scene  *scene;
     scene_options.arrays = &town_lamps;
     scene_options.closed = VXS_BAKE_CLOSED_ON;
-    assert_int_equal(vxs_bake_scene_open(&scene, &scene_options, NULL), VXS_OK);
+    assert_int_equal(vxs_bake_scene_open(&scene, &scene_options), VXS_OK);
     for (int n = 0; n < 2; n++) {
         vxs_bake_options o    = scene_options;
         o.suns                = n ? &evening : &noon;
@@ -521,10 +560,9 @@ static void test_open_scene(void **state)
     scene_options.scene  = scene;
     scene_options.arrays = NULL;
     vxs_bake_scene *again;
-    char            error[VXS_BAKE_ERROR_BYTES];
-    assert_int_equal(vxs_bake_scene_open(&again, &scene_options, error), VXS_E_ARGUMENT);
+    assert_int_equal(vxs_bake_scene_open(&again, &scene_options), VXS_E_ARGUMENT);
     assert_null(again);
-    assert_non_null(strstr(error, "open already"));
+    assert_logged("open already");
     vxs_bake_scene_close(scene);
     vxs_bake_scene_close(NULL);
 }
@@ -587,15 +625,15 @@ static void test_given_up_by_the_callback(void **state)
     o.progress         = count_progress;
     o.user             = &c;
     o.resolution       = 2048;
-    assert_int_equal(vxs_bake(&o, NULL, NULL), VXS_OK);
+    assert_int_equal(vxs_bake(&o, NULL), VXS_OK);
     int calls = c.calls;
     assert_true(calls >= 5);
     write_old();
     for (int n = 1; n < calls; n++) { /* the last is said when there is nothing left to give up */
-        char error[VXS_BAKE_ERROR_BYTES];
         c = (counted){.give_up_at = n, .last_share = -1};
-        assert_int_equal(vxs_bake(&o, NULL, error), VXS_E_INTERRUPTED);
-        assert_true(strstr(error, "given up") || strstr(error, "interrupted"));
+        assert_int_equal(vxs_bake(&o, NULL), VXS_E_INTERRUPTED);
+        assert_true(strstr(kept.error, "given up") || strstr(kept.error, "interrupted"));
+        assert_logged("");
         assert_old();
     }
 }
@@ -617,7 +655,7 @@ static void test_given_up_from_another_thread(void **state)
     for (int n = 0; n < 3; n++) {
         vxs_bake_job *job;
         pthread_t     other;
-        assert_int_equal(vxs_bake_job_open(&job, &o, NULL), VXS_OK);
+        assert_int_equal(vxs_bake_job_open(&job, &o), VXS_OK);
         if (n == 1) (void)vxs_bake_step(job, 1);
         assert_int_equal(pthread_create(&other, NULL, cancel_later, job), 0);
         if (n < 2)
@@ -625,6 +663,7 @@ static void test_given_up_from_another_thread(void **state)
         else
             while (vxs_bake_step(job, 1) == VXS_BAKE_MORE) {}
         assert_int_equal(vxs_bake_job_result(job), VXS_E_INTERRUPTED);
+        assert_logged("");
         pthread_join(other, NULL);
         vxs_bake_job_close(job);
         assert_old();
@@ -636,20 +675,21 @@ static void test_given_up_before(void **state)
     (void)state;
     vxs_bake_options o = town_options();
     vxs_bake_job    *job;
-    assert_int_equal(vxs_bake_job_open(&job, &o, NULL), VXS_OK);
+    assert_int_equal(vxs_bake_job_open(&job, &o), VXS_OK);
     vxs_bake_job_cancel(job);
     assert_int_equal(vxs_bake_step(job, 1000), VXS_BAKE_FAILED);
     assert_int_equal(vxs_bake_job_result(job), VXS_E_INTERRUPTED);
+    assert_logged("given up");
     vxs_bake_job_close(job);
 }
 
 /* output ---------------------------------------------------------------------------------------------------------------------- */
 
-static void count_warning(void *user, const char *warning)
+static void count_warning(vxs_severity severity, const char *text, void *user)
 {
     counted *c = user;
-    assert_true(warning[0] && !strchr(warning, '\n'));
-    c->warnings++;
+    keep(severity, text, NULL);
+    c->warnings += severity == VXS_SEVERITY_WARNING;
 }
 
 static void test_output_and_warnings(void **state)
@@ -658,7 +698,7 @@ static void test_output_and_warnings(void **state)
     vxs_bake_options o     = town_options();
     counted          c     = {.warnings = 0};
     const double     far[] = {1e6, 1e6, 1e6, 2e6, 2e6, 2e6};
-    o.warning              = count_warning;
+    o.log                  = count_warning;
     o.user                 = &c;
     o.output_path          = "a.vxs";
     vxs_bake_bytes wanted  = baked(&o);
@@ -672,13 +712,13 @@ static void test_output_and_warnings(void **state)
     vxs_bake_bytes_free(&wanted);
 
     o.if_changed = 1;
-    assert_int_equal(vxs_bake(&o, &wanted, NULL), VXS_OK);
+    assert_int_equal(vxs_bake(&o, &wanted), VXS_OK);
     assert_null(wanted.data); /* it was the same */
     o.if_changed  = 0;
     o.output_path = NULL;
     o.has_region  = 1;
     memcpy(o.region_ws, far, sizeof far);
-    assert_int_equal(vxs_bake(&o, &wanted, NULL), VXS_OK);
+    assert_int_equal(vxs_bake(&o, &wanted), VXS_OK);
     vxs_bake_bytes_free(&wanted);
     assert_true(c.warnings > 0);
     o             = town_options();
@@ -736,7 +776,7 @@ static void *run(void *user)
 {
     runner       *r = user;
     vxs_bake_job *job;
-    if (vxs_bake_job_open(&job, &r->o, NULL) != VXS_OK) return NULL;
+    if (vxs_bake_job_open(&job, &r->o) != VXS_OK) return NULL;
     if (r->budget_ms > 0)
         while (vxs_bake_step(job, r->budget_ms) == VXS_BAKE_MORE) {}
     else
@@ -752,7 +792,7 @@ static void test_four_at_once(void **state)
     runner           r[4];
     vxs_bake_options scene_options = town_options();
     vxs_bake_scene  *scene;
-    assert_int_equal(vxs_bake_scene_open(&scene, &scene_options, NULL), VXS_OK);
+    assert_int_equal(vxs_bake_scene_open(&scene, &scene_options), VXS_OK);
     for (int n = 0; n < 4; n++) {
         r[n]              = (runner){.o = town_options(), .budget_ms = n == 1 ? 1 : 0};
         r[n].o.resolution = 512u << n % 2;

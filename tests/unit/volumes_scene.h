@@ -41,9 +41,10 @@ static inline vxs_gl_function scene_function(const char *name, void *user)
     return (vxs_gl_function)gl_choice_function(name);
 }
 
-static inline void scene_log(const char *text, void *user)
+static inline void scene_log(vxs_severity severity, const char *text, void *user)
 {
     (void)user;
+    assert_int_equal(severity, VXS_SEVERITY_ERROR);
     print_message("%s\n", text);
 }
 
@@ -81,7 +82,7 @@ static inline void scene_bake_file(const volumes_scene *s, uint32_t resolution, 
     options.arrays            = &arrays;
     options.resolution        = resolution;
     options.threads           = 1;
-    assert_int_equal(vxs_bake(&options, file, NULL), VXS_OK);
+    assert_int_equal(vxs_bake(&options, file), VXS_OK);
 }
 
 static inline void scene_bake(volumes_scene *s, uint32_t resolution)

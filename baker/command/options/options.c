@@ -17,34 +17,35 @@
 /* The exit status of a command that ran, but found something wrong. */
 enum { STATUS_WRONG = 1 };
 
+/* Print one line, between lines of progress. */
+static void print_line(vxs_severity severity, const char *text, void *user)
+{
+    const run_context *m        = user;
+    int                is_error = severity == VXS_SEVERITY_ERROR;
+    char               word[COLORED_BYTES];
+    progress_clear();
+    fprintf(stderr, "vxs: %s: %s\n",
+            colored(word, m->color, stderr, is_error ? COLOR_RED : COLOR_YELLOW, is_error ? "error" : "warning"), text);
+}
+
 int command_end(run_context *m, vxs_result code)
 {
-    char word[COLORED_BYTES];
     /* a flush can fail: output is written only after it succeeds. A reader that has closed the pipe is no error here
      * (output_file.h) */
     if ((fflush(stdout) || ferror(stdout)) && code == VXS_OK && !standard_output_is_broken())
         code = fail(m, VXS_E_WRITE, "standard output: cannot be written: %s", strerror(errno));
     progress_clear();
-    if (code != VXS_OK && code != VXS_E_BROKEN_PIPE)
-        fprintf(stderr, "vxs: %s: %s\n", colored(word, m->color, stderr, COLOR_RED, "error"), m->error[0] ? m->error : "unknown");
+    if (code != VXS_OK && code != VXS_E_BROKEN_PIPE) print_line(VXS_SEVERITY_ERROR, m->error[0] ? m->error : "unknown", m);
     /* STATUS_WRONG, even if the run stopped at its finding; except if it failed to write the report */
     int status = m->wrong && code != VXS_E_WRITE ? STATUS_WRONG : exit_status(code);
     run_free(m);
     return status;
 }
 
-/* Between lines of progress. */
-static void print_warning(const run_context *m, const char *warning)
-{
-    char word[COLORED_BYTES];
-    progress_clear();
-    fprintf(stderr, "vxs: %s: %s\n", colored(word, m->color, stderr, COLOR_YELLOW, "warning"), warning);
-}
-
 int command_run(const command_line *c, int argc, char **argv, vxs_result (*run)(void *command, run_context *m), void *command)
 {
     run_files   files = {0};
-    run_context m     = {.tell = print_warning, .files = &files, .temporary = process_temporary_files()};
+    run_context m     = {.log = print_line, .log_user = &m, .files = &files, .temporary = process_temporary_files()};
     int         help_shown;
     vxs_result  r = options_parse(c, argc, argv, &help_shown, &m);
     if (r == VXS_OK && !help_shown) r = options_check_files(c, &m);
