@@ -293,12 +293,12 @@ VXS_INLINE vxs_depths_bounds vxs_depths_bound(VXS_WORDS blocks, VXS_DEPTHS_TILE 
     b.least    = vxs_depths_held(VXS_FIELD(r, base), low, high);
     b.greatest = kind == VXS_BLOCKS_SHADOW ? b.least : high;
     if (kind < VXS_BLOCKS_PLANE) return b;
-    b = vxs_depths_bound_plane(kind == VXS_BLOCKS_PLANE ? VXS_FIELD(r, tile)
-                                                        : vxs_blocks_one_plane(blocks, VXS_FIELD(r, tile), 0u));
-    if (kind != VXS_BLOCKS_PLANE) {
-        vxs_depths_bounds second = vxs_depths_bound_plane(vxs_blocks_one_plane(blocks, VXS_FIELD(r, tile), 1u));
-        b.least                  = second.least < b.least ? second.least : b.least;
-        b.greatest               = second.greatest > b.greatest ? second.greatest : b.greatest;
+    for (vxs_u32 n = 0u; n < (kind == VXS_BLOCKS_PLANE ? 1u : 2u); n++) {
+        vxs_blocks_tile plane = VXS_FIELD(r, tile);
+        if (kind != VXS_BLOCKS_PLANE) plane = vxs_blocks_one_plane(blocks, plane, n);
+        vxs_depths_bounds of = vxs_depths_bound_plane(plane);
+        b.least              = n == 0u || of.least < b.least ? of.least : b.least;
+        b.greatest           = n == 0u || of.greatest > b.greatest ? of.greatest : b.greatest;
     }
     b.least    = vxs_depths_held(VXS_FIELD(r, base) + b.least, low, high);
     b.greatest = vxs_depths_held(VXS_FIELD(r, base) + b.greatest, low, high);
@@ -348,14 +348,18 @@ VXS_INLINE vxs_i32 vxs_depths_texel(VXS_WORDS blocks, VXS_DEPTHS_TILE r, vxs_i32
         vxs_u32 size  = kind - 3u;
         vxs_u32 value = vxs_four_bytes(blocks, tile.pool, 2u * tile.at + size * (16u * c + z)) & vxs_first_bytes(VXS_I(size));
         more          = VXS_SUM(value) << VXS_FIELD(r, shift);
-    } else if (kind == VXS_BLOCKS_PLANE)
-        more = vxs_depths_plane(tile, x, y);
-    else if (kind > VXS_BLOCKS_PLANE) {
-        vxs_i32 first  = vxs_depths_plane(vxs_blocks_one_plane(blocks, tile, 0u), x, y);
-        vxs_i32 second = vxs_depths_plane(vxs_blocks_one_plane(blocks, tile, 1u), x, y);
-        vxs_u32 take   = (vxs_half(blocks, tile.pool, tile.at + 6u + c) >> z) & 1u;
+    } else if (kind >= VXS_BLOCKS_PLANE) {
+        vxs_i32 first = 0, second = 0;
+        for (vxs_u32 n = 0u; n < (kind == VXS_BLOCKS_PLANE ? 1u : 2u); n++) {
+            vxs_blocks_tile plane = tile;
+            if (kind != VXS_BLOCKS_PLANE) plane = vxs_blocks_one_plane(blocks, tile, n);
+            first  = second;
+            second = vxs_depths_plane(plane, x, y);
+        }
+        vxs_u32 take = 1u;
         if (kind == VXS_BLOCKS_NEARER) take = second < first ? 1u : 0u;
         if (kind == VXS_BLOCKS_FARTHER) take = second < first ? 0u : 1u;
+        if (kind == VXS_BLOCKS_EITHER) take = (vxs_half(blocks, tile.pool, tile.at + 6u + c) >> z) & 1u;
         more = take != 0u ? second : first;
     }
     return vxs_depths_held(VXS_FIELD(r, base) + more, VXS_FIELD(r, low), VXS_FIELD(r, high));

@@ -105,10 +105,8 @@ struct vxs_walk {
     vxs_i32   nearest, farthest; /* depth range of the ray in the tile */
 };
 
-VXS_FN vxs_i32 vxs_walk_is_sun(VXS_LIGHT light)
-{
-    return VXS_KIND(light) == VXS_LIGHT_KIND_DIRECTIONAL ? 1 : 0;
-}
+/* 1 or 0; a constant where a shader has one kind of light. */
+#define vxs_walk_is_sun(light) (VXS_KIND(light) == VXS_LIGHT_KIND_DIRECTIONAL ? 1 : 0)
 
 VXS_FN vxs_i32 vxs_walk_side(VXS_LIGHT light)
 {
@@ -165,22 +163,23 @@ VXS_FN vxs_real vxs_walk_quadrics(VXS_LIGHT light, const vxs_real3 from, const v
 /* The first cut behind t, at most the end of the ray. */
 VXS_FN vxs_real vxs_walk_next_cut(VXS_LIGHT light, VXS_WALK w, vxs_real t)
 {
-    vxs_real next   = VXS_FIELD(w, end);
-    vxs_i32  is_sun = vxs_walk_is_sun(light), axes = (VXS_FIELD(light, flags) & VXS_LIGHT_BOUNDED) != 0u ? 3 : 2;
-    for (vxs_i32 axis = 0; axis < axes && is_sun != 0; axis++) {
+    vxs_real next = VXS_FIELD(w, end);
+    vxs_i32  axes = (VXS_FIELD(light, flags) & VXS_LIGHT_BOUNDED) != 0u ? 3 : 2;
+    for (vxs_i32 axis = 0; axis < axes && vxs_walk_is_sun(light) != 0; axis++) {
         vxs_i32 origin = VXS_FIELD(w, origin)[axis];
         next           = vxs_walk_plane(VXS_FIELD(w, from)[axis] + VXS_REAL(origin), VXS_FIELD(w, along)[axis], t, next);
         next =
             vxs_walk_plane(VXS_FIELD(w, from)[axis] - VXS_REAL(vxs_walk_side(light) - origin), VXS_FIELD(w, along)[axis], t, next);
     }
-    if (is_sun != 0) return next;
-    next = vxs_walk_quadrics(light, VXS_FIELD(w, from), VXS_FIELD(w, along), t, next);
-    for (vxs_i32 a = 0; a < 3 && VXS_IS_CUBE(light); a++) {
-        vxs_i32  b      = (a + 1) % 3;
-        vxs_real from_a = VXS_FIELD(w, from)[a], from_b = VXS_FIELD(w, from)[b];
-        vxs_real along_a = VXS_FIELD(w, along)[a], along_b = VXS_FIELD(w, along)[b];
-        next = vxs_walk_plane(from_a - from_b, along_a - along_b, t, next);
-        next = vxs_walk_plane(from_a + from_b, along_a + along_b, t, next);
+    if (vxs_walk_is_sun(light) == 0) {
+        next = vxs_walk_quadrics(light, VXS_FIELD(w, from), VXS_FIELD(w, along), t, next);
+        for (vxs_i32 a = 0; a < 3 && VXS_IS_CUBE(light); a++) {
+            vxs_i32  b      = (a + 1) % 3;
+            vxs_real from_a = VXS_FIELD(w, from)[a], from_b = VXS_FIELD(w, from)[b];
+            vxs_real along_a = VXS_FIELD(w, along)[a], along_b = VXS_FIELD(w, along)[b];
+            next = vxs_walk_plane(from_a - from_b, along_a - along_b, t, next);
+            next = vxs_walk_plane(from_a + from_b, along_a + along_b, t, next);
+        }
     }
     return next;
 }
@@ -198,10 +197,12 @@ VXS_FN vxs_real vxs_walk_ls(VXS_WALK w, vxs_i32 axis, vxs_real t)
 VXS_FN vxs_i32 vxs_walk_map_at(VXS_LIGHT light, const vxs_real3 ls)
 {
     vxs_real side = VXS_REAL(vxs_walk_side(light));
-    if (vxs_walk_is_sun(light) == 0) return vxs_in_reach(light, ls) != 0 ? vxs_map_from_ls(light, ls) : -1;
-    if (!(ls[0] >= 0.0 && ls[0] < side && ls[1] >= 0.0 && ls[1] < side)) return -1;
-    if ((VXS_FIELD(light, flags) & VXS_LIGHT_BOUNDED) != 0u && !(ls[2] >= 0.0 && ls[2] < side)) return -1;
-    return 0;
+    if (vxs_walk_is_sun(light) == 0)
+        return vxs_in_reach(light, ls) != 0 ? vxs_map_from_ls(light, ls) : -1;
+    else if (!(ls[0] >= 0.0 && ls[0] < side && ls[1] >= 0.0 && ls[1] < side))
+        return -1;
+    else
+        return (VXS_FIELD(light, flags) & VXS_LIGHT_BOUNDED) == 0u || (ls[2] >= 0.0 && ls[2] < side) ? 0 : -1;
 }
 
 /* A coordinate as an integer, rounded down. Like vxs_clamped, but without floor, which not all processors have. */
@@ -219,8 +220,10 @@ VXS_INLINE vxs_i32 vxs_walk_floor(vxs_real coordinate)
 VXS_INLINE vxs_i32 vxs_walk_texel(VXS_LIGHT light, VXS_WALK w, vxs_i32 axis, vxs_real t, vxs_real along)
 {
     vxs_real at = VXS_FIELD(w, p)[axis] + VXS_FIELD(w, d)[axis] * t;
-    if (vxs_walk_is_sun(light) != 0) return VXS_FIELD(w, origin)[axis] + vxs_walk_floor(at);
-    return vxs_walk_floor(vxs_lamp_coordinate(light, at, along > VXS_REAL_MIN ? along : VXS_REAL(VXS_REAL_MIN)));
+    if (vxs_walk_is_sun(light) != 0)
+        return VXS_FIELD(w, origin)[axis] + vxs_walk_floor(at);
+    else
+        return vxs_walk_floor(vxs_lamp_coordinate(light, at, along > VXS_REAL_MIN ? along : VXS_REAL(VXS_REAL_MIN)));
 }
 
 /* Depth of the ray in voxels, at distance `along` from the light. */
@@ -229,9 +232,10 @@ VXS_INLINE vxs_i32 vxs_walk_depth(VXS_LIGHT light, VXS_WALK w, vxs_real along)
     if (vxs_walk_is_sun(light) == 0) {
         along = along > VXS_REAL_MIN ? along : VXS_REAL(VXS_REAL_MIN);
         return vxs_walk_floor(log(along / VXS_FIELD(light, near_metres)) / VXS_FIELD(light, voxel_metres));
+    } else {
+        vxs_i32 k = VXS_FIELD(w, origin)[2] + vxs_walk_floor(along);
+        return (VXS_FIELD(light, flags) & VXS_LIGHT_BOUNDED) != 0u ? vxs_clamp(k, 0, vxs_walk_side(light) - 1) : k;
     }
-    vxs_i32 k = VXS_FIELD(w, origin)[2] + vxs_walk_floor(along);
-    return (VXS_FIELD(light, flags) & VXS_LIGHT_BOUNDED) != 0u ? vxs_clamp(k, 0, vxs_walk_side(light) - 1) : k;
 }
 
 /* For a sun, light space starts at the voxel that contains the world's origin; the origin's place in that voxel is known to
@@ -321,13 +325,14 @@ VXS_INLINE vxs_real vxs_walk_cross(VXS_LIGHT light, VXS_WALK w, vxs_i32 axis, vx
     if (vxs_walk_is_sun(light) != 0) {
         vxs_real at = (VXS_REAL(border - VXS_FIELD(w, origin)[axis]) - p) * VXS_FIELD(w, per_d)[axis];
         return at > t ? at : t;
+    } else {
+        vxs_real slope = (VXS_REAL(border) - 0.5 * VXS_REAL(side)) * VXS_FIELD(light, texel_metres);
+        p -= slope * VXS_FIELD(w, p)[2];
+        d -= slope * VXS_FIELD(w, d)[2];
+        if (VXS_REAL(way) * (d != 0.0 ? p + d * t : p) >= 0.0) return t;
+        if (!(VXS_REAL(way) * d > 0.0)) return VXS_REAL(VXS_NEVER);
+        return -p / d > t ? -p / d : t;
     }
-    vxs_real slope = (VXS_REAL(border) - 0.5 * VXS_REAL(side)) * VXS_FIELD(light, texel_metres);
-    p -= slope * VXS_FIELD(w, p)[2];
-    d -= slope * VXS_FIELD(w, d)[2];
-    if (VXS_REAL(way) * (d != 0.0 ? p + d * t : p) >= 0.0) return t;
-    if (!(VXS_REAL(way) * d > 0.0)) return VXS_REAL(VXS_NEVER);
-    return -p / d > t ? -p / d : t;
 }
 
 /* The same for a voxel border in depth, nearer or deeper. */
@@ -572,12 +577,14 @@ VXS_FN void vxs_walk_find_tile(VXS_WORDS blocks, VXS_WALK w)
     if (VXS_FIELD(w, tile_i) == x && VXS_FIELD(w, tile_j) == y) return;
     VXS_FIELD(w, tile_i) = x;
     VXS_FIELD(w, tile_j) = y;
+#ifdef VXS_C /* most tiles need no more; a shader has this code once, in vxs_depths_tile_of */
     if ((((VXS_FIELD(w, record).mixed | VXS_FIELD(w, record).own) >> VXS_U((x & 3) | ((y & 3) << 2))) & 1u) == 0u) {
         VXS_FIELD(w, least)    = vxs_depths_whole(blocks, VXS_FIELD(w, node), VXS_FIELD(w, record), x & 31, y & 31,
                                                   VXS_FIELD(w, square).least, VXS_FIELD(w, square).greatest);
         VXS_FIELD(w, greatest) = VXS_FIELD(w, least);
         return;
     }
+#endif
     VXS_FIELD(w, tile)     = vxs_depths_tile_of(blocks, VXS_FIELD(w, node), VXS_FIELD(w, record), x & 31, y & 31,
                                                 VXS_FIELD(w, square).least, VXS_FIELD(w, square).greatest);
     vxs_depths_bounds b    = vxs_depths_bound(blocks, VXS_REF_OF(w, tile));
@@ -589,11 +596,10 @@ VXS_INLINE vxs_i32 vxs_walk_in_blocks(VXS_WORDS blocks, VXS_LIGHT light, VXS_WAL
 {
     vxs_i32 i = VXS_FIELD(w, voxel)[0], j = VXS_FIELD(w, voxel)[1], k = VXS_FIELD(w, voxel)[2];
     vxs_i32 side_px = VXS_FIELD(w, block).side_px;
-    if (side_px == 0 || (((i ^ VXS_FIELD(w, block).i) | (j ^ VXS_FIELD(w, block).j)) & -side_px) != 0)
+    k               = vxs_walk_in_map(light, k); /* a square that is no block was kept for a depth, and may not decide this one */
+    if (side_px == 0 || (((i ^ VXS_FIELD(w, block).i) | (j ^ VXS_FIELD(w, block).j)) & -side_px) != 0 ||
+        (VXS_FIELD(w, is_block) == 0 && vxs_walk_decides(VXS_REF_OF(w, block), k) == 0))
         vxs_walk_find_block(blocks, light, w);
-    k = vxs_walk_in_map(light, k);
-    if (VXS_FIELD(w, is_block) == 0 && vxs_walk_decides(VXS_REF_OF(w, block), k) == 0)
-        vxs_walk_find_block(blocks, light, w); /* was kept from another depth */
     if (vxs_walk_decides(VXS_REF_OF(w, block), k) != 0) {
         vxs_box box = vxs_walk_box_in(light, VXS_REF_OF(w, block), k);
         vxs_walk_leave(light, w, box);

@@ -770,17 +770,22 @@ VXS_FN vxs_mask vxs_blocks_plane_mask(vxs_blocks_tile tile, vxs_u32 end)
     return mask;
 }
 
-/* All texels of a tile with two planes. */
-VXS_FN vxs_mask vxs_blocks_two_planes(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 end)
+/* All texels of a tile on a plane, or with two. One call, because it is inlined. */
+VXS_FN vxs_mask vxs_blocks_planes_mask(VXS_WORDS blocks, vxs_blocks_tile tile)
 {
     vxs_mask first = vxs_uniform_mask(0u), second = first;
-    if (end != 0u) {
-        first      = vxs_blocks_plane_mask(vxs_blocks_one_plane(blocks, tile, 0u), end);
-        second     = vxs_blocks_plane_mask(vxs_blocks_one_plane(blocks, tile, 1u), end);
-        first.low  = vxs_blocks_join(tile.kind, first.low, second.low, vxs_four_bytes(blocks, tile.pool, 2u * tile.at + 12u));
-        first.high = vxs_blocks_join(tile.kind, first.high, second.high, vxs_four_bytes(blocks, tile.pool, 2u * tile.at + 16u));
+    vxs_u32  end = tile.kind > VXS_BLOCKS_PLANE ? 2u : tile.kind == VXS_BLOCKS_PLANE ? 1u : 0u;
+    for (vxs_u32 n = 0u; n < end; n++) {
+        vxs_blocks_tile plane = tile;
+        if (tile.kind != VXS_BLOCKS_PLANE) plane = vxs_blocks_one_plane(blocks, tile, n);
+        first  = second;
+        second = vxs_blocks_plane_mask(plane, 32u);
     }
-    return first;
+    if (end == 2u) {
+        second.low  = vxs_blocks_join(tile.kind, first.low, second.low, vxs_four_bytes(blocks, tile.pool, 2u * tile.at + 12u));
+        second.high = vxs_blocks_join(tile.kind, first.high, second.high, vxs_four_bytes(blocks, tile.pool, 2u * tile.at + 16u));
+    }
+    return second;
 }
 
 /* All texels of a tile that is neither all lit nor all shadowed; 1 for shadow. */
@@ -789,12 +794,11 @@ VXS_INLINE vxs_mask vxs_blocks_mask(VXS_WORDS blocks, vxs_blocks_tile tile)
     vxs_u32  kind    = tile.kind;
     vxs_mask nibbles = vxs_blocks_nibbles_mask(blocks, tile, kind == VXS_BLOCKS_NIBBLES ? 32u : 0u);
     vxs_mask raw     = vxs_blocks_raw_mask(blocks, tile, kind >= VXS_BLOCKS_RAW && kind < VXS_BLOCKS_PLANE ? 32u : 0u);
-    vxs_mask plane   = vxs_blocks_plane_mask(tile, kind == VXS_BLOCKS_PLANE ? 32u : 0u);
-    vxs_mask planes  = vxs_blocks_two_planes(blocks, tile, kind > VXS_BLOCKS_PLANE ? 32u : 0u);
+    vxs_mask planes  = vxs_blocks_planes_mask(blocks, tile);
     if (kind == VXS_BLOCKS_MASKS) return vxs_blocks_quadrants(blocks, tile);
-    plane.low |= nibbles.low | raw.low | planes.low;
-    plane.high |= nibbles.high | raw.high | planes.high;
-    return plane;
+    planes.low |= nibbles.low | raw.low;
+    planes.high |= nibbles.high | raw.high;
+    return planes;
 }
 
 #endif

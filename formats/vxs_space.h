@@ -117,7 +117,8 @@ struct vxs_light_constants {
 
 /* A shader may define what all of its lights have in common, as plain numbers: code for others is then not compiled.
  *     VXS_ONLY_KIND    the kind of light, 1 to 3;   VXS_ONLY_CUBE  1: six maps, 0: one map
- *     VXS_ONLY_CODING  the coding of the words, 1 or 2 */
+ *     VXS_ONLY_CODING  the coding of the words, 1 or 2
+ *     VXS_ONLY_FILTER  filter_px of all lookups */
 #ifdef VXS_ONLY_KIND
 #define VXS_KIND(light) VXS_U(VXS_ONLY_KIND)
 #else
@@ -132,6 +133,11 @@ struct vxs_light_constants {
 #define VXS_CODING(light) VXS_U(VXS_ONLY_CODING)
 #else
 #define VXS_CODING(light) VXS_FIELD(light, coding)
+#endif
+#ifdef VXS_ONLY_FILTER
+#define VXS_FILTER(filter_px) (VXS_ONLY_FILTER)
+#else
+#define VXS_FILTER(filter_px) (filter_px)
 #endif
 
 /* maps ------------------------------------------------------------------------------------------------------------------------ */
@@ -454,12 +460,12 @@ VXS_FN vxs_u32 vxs_shadow_tap(VXS_WORDS coded, VXS_LIGHT light, vxs_i32 map, vxs
 VXS_FN vxs_u32 vxs_shadow_taps(VXS_WORDS coded, VXS_LIGHT light, vxs_i32 map, vxs_i32 i, vxs_i32 j, vxs_u32 k, vxs_i32 filter_px)
 {
     vxs_u32 levels = VXS_FIELD(light, levels);
-    if (filter_px == 1) return vxs_shadow_tap(coded, light, map, i, j, k);
+    if (VXS_FILTER(filter_px) == 1) return vxs_shadow_tap(coded, light, map, i, j, k);
 #ifdef VXS_LOOKUP_BLOCKS_H
-    if (VXS_CODING(light) == VXS_CODING_BLOCKS)
+    else if (VXS_CODING(light) == VXS_CODING_BLOCKS)
         return vxs_blocks_shadow_count(coded, VXS_U(map), levels, i, j, k, filter_px);
-    else
 #endif
+    else
         return vxs_shadow_count(coded, vxs_root_of(coded, light, map), levels, i, j, k, filter_px);
 }
 
@@ -484,7 +490,7 @@ VXS_FN vxs_real vxs_lit_at_place(VXS_WORDS coded, VXS_LIGHT light, vxs_place pla
     vxs_i32 last = (VXS_I(1) << VXS_FIELD(light, levels)) - 1, width = vxs_filter_width(filter_px);
     if (place.voxel[2] < 0) return VXS_REAL(1.0);
     vxs_u32 k = VXS_U(place.voxel[2] < last ? place.voxel[2] : last), all = VXS_U(width * width), dark;
-    if (filter_px < VXS_SMOOTH) {
+    if (VXS_FILTER(filter_px) < VXS_SMOOTH) {
         dark = vxs_shadow_taps(coded, light, place.map, place.voxel[0], place.voxel[1], k, width);
     } else {
         dark = vxs_shadow_part(coded, light, place, k, width);
@@ -525,8 +531,10 @@ VXS_FN vxs_i32 vxs_is_full_at_place(VXS_WORDS coded, VXS_LIGHT light, vxs_place 
     vxs_i32 last = (VXS_I(1) << levels) - 1, width = vxs_filter_width(filter_px), i = place.voxel[0], j = place.voxel[1];
     if (VXS_CODING(light) != VXS_CODING_BLOCKS || place.voxel[2] < 0) return 1;
     vxs_u32 k = VXS_U(place.voxel[2] < last ? place.voxel[2] : last);
-    if (filter_px < VXS_SMOOTH) return VXS_I(vxs_blocks_is_full(coded, map, levels, i, j, k, width));
-    return VXS_I(vxs_blocks_weight_is_full(coded, map, levels, i, j, place.across, place.down, k, width));
+    if (VXS_FILTER(filter_px) < VXS_SMOOTH)
+        return VXS_I(vxs_blocks_is_full(coded, map, levels, i, j, k, width));
+    else
+        return VXS_I(vxs_blocks_weight_is_full(coded, map, levels, i, j, place.across, place.down, k, width));
 #else
     return 1;
 #endif

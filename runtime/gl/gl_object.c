@@ -170,8 +170,25 @@ static uint32_t words_wide(const vxs_gl *gl, uint64_t count)
     return wide;
 }
 
-/* Write the first text of shaders. With buffers it does not depend on the asset, except for whether there is smoke, because
- * buffers have their own length. So programs of all levels are the same, and a driver's program cache finds them. */
+/* Name what all lights have in common, so that code for others is not compiled. */
+static void write_common(const vxs_gl *gl, char *to, size_t size)
+{
+    const vxs_light *first = gl->lights[0].light;
+    uint32_t         cube = first->flags & VXS_LIGHT_CUBE, kinds = 1, cubes = 1, codings = 1;
+    for (uint32_t n = 1; n < gl->light_count; n++) {
+        const vxs_light *l = gl->lights[n].light;
+        kinds &= l->kind == first->kind;
+        cubes &= (l->flags & VXS_LIGHT_CUBE) == cube;
+        codings &= l->coding == first->coding;
+    }
+    char *end = to + size;
+    if (kinds) to += snprintf(to, (size_t)(end - to), "#define VXS_ONLY_KIND %u\n", first->kind);
+    if (cubes) to += snprintf(to, (size_t)(end - to), "#define VXS_ONLY_CUBE %d\n", cube != 0);
+    if (codings) snprintf(to, (size_t)(end - to), "#define VXS_ONLY_CODING %u\n", first->coding);
+}
+
+/* Write the first text of shaders. With buffers it depends on no sizes, because buffers have their own length. So programs of
+ * levels with lights of the same kinds are the same, and a driver's program cache finds them. */
 static void write_head(vxs_gl *gl)
 {
     int   language = gl->is_es ? gl->is_texture ? 300 : 310 : gl->is_texture ? 330 : 430;
@@ -186,7 +203,8 @@ static void write_head(vxs_gl *gl)
             to, (size_t)(end - to),
             "#define VXS_GL_BUFFERS\n#define VXS_GL_AT_WORDS %u\n#define VXS_GL_AT_LIGHTS %u\n#define VXS_GL_AT_LISTS %u\n",
             gl->first_binding, gl->first_binding + 1, gl->first_binding + 2);
-    if (gl->smoke) snprintf(to, (size_t)(end - to), "#define VXS_GL_SMOKE\n");
+    if (gl->smoke) to += snprintf(to, (size_t)(end - to), "#define VXS_GL_SMOKE\n");
+    if (gl->light_count) write_common(gl, to, (size_t)(end - to));
 }
 
 static vxs_result make(vxs_gl *gl, const vxs_gl_desc *desc)

@@ -115,8 +115,9 @@ uint32_t                   vxs_gl_light_count(const vxs_gl *gl);
 
 /* Get the beginning of a shader as NUL-terminated texts, valid until vxs_gl_destroy: the #version line and constants, the fetch
  * of words, vxs_lookup.h, vxs_lookup_blocks.h, vxs_space.h, vxs_cull.h, and vxs_smoke.h with the access to lights. With buffers
- * they are the same for all assets with smoke, and for all without, so that programs can be cached; with textures they contain
- * sizes of the asset. The body behind them may call what those headers declare, and
+ * they contain no sizes, so that programs can be cached; with textures they contain sizes of the asset. If all lights have one
+ * kind, one coding, or as many maps, the texts have code for that alone (VXS_ONLY_KIND, _CODING, _CUBE, vxs_space.h): for constants
+ * that are not of this object, #undef these names behind texts[0]. The body behind them may call what those headers declare, and
  *
  *     vxs_light_constants vxs_light_at(uint n)                            the constants of light n
  *     uint                vxs_light_count()                               as vxs_gl_light_count
@@ -127,7 +128,8 @@ uint32_t                   vxs_gl_light_count(const vxs_gl *gl);
  *     uint                vxs_tile_light(uint tile, uint n)               light n of these, in ascending order
  *
  * Word indices are clamped to the array, so that damaged words give only wrong numbers. For a body that needs an extension,
- * compile texts[0], the #extension lines, and texts 1 to VXS_GL_TEXTS - 1. */
+ * compile texts[0], the #extension lines, and texts 1 to VXS_GL_TEXTS - 1; there "#define VXS_ONLY_FILTER 5" leaves out the code
+ * for filters other than that filter_px. */
 enum { VXS_GL_TEXTS = 7 };
 void vxs_gl_texts(const vxs_gl *gl, const char *texts[VXS_GL_TEXTS]);
 

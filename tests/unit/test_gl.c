@@ -514,19 +514,20 @@ static void test_clamped(void **state)
     gl_context_destroy(d.gl);
 }
 
-/* Programs are those of any asset: with buffers, texts know neither its lights nor its words. Textures may be longer than what is in them, and theirs do. */
+/* Programs are those of any asset whose lights have the same kinds: with buffers, texts contain no sizes; with textures they do. Lights of two
+ * kinds have code for both. */
 static void test_texts_are_those_of_any_asset(void **state)
 {
     drawing   d = drawing_make();
     rng       r = {39};
-    vxs_light light[2];
+    vxs_light light[3];
     (void)state;
-    for (int n = 0; n < 2; n++) light[n] = light_of(&r, n ? SPOT : SUN, 5, (double[3]){0, 0, 0});
-    const vxs_gl_light lights[2] = {{&light[0], 0}, {&light[1], 7}};
+    for (int n = 0; n < 3; n++) light[n] = light_of(&r, n == 2 ? SPOT : SUN, n == 1 ? 6 : 5, (double[3]){0, 0, 0});
+    const vxs_gl_light lights[3] = {{&light[0], 0}, {&light[1], 7}, {&light[2], 9}};
     for (int storage = 0; storage < 2; storage++) {
-        const char *texts[2][VXS_GL_TEXTS];
-        vxs_gl     *gl[2];
-        for (uint32_t n = 0; n < 2; n++) {
+        const char *texts[3][VXS_GL_TEXTS];
+        vxs_gl     *gl[3];
+        for (uint32_t n = 0; n < 3; n++) {
             vxs_gl_desc desc = {.get_proc_address = telling,
                                 .storage          = storage ? VXS_GL_TEXTURE : VXS_GL_BUFFER,
                                 .lights           = lights,
@@ -537,7 +538,9 @@ static void test_texts_are_those_of_any_asset(void **state)
         }
         assert_int_equal(strcmp(texts[0][0], texts[1][0]) != 0, storage);
         for (int n = 1; n < VXS_GL_TEXTS; n++) assert_string_equal(texts[0][n], texts[1][n]);
-        for (int n = 0; n < 2; n++) vxs_gl_destroy(gl[n]);
+        assert_non_null(strstr(texts[1][0], "#define VXS_ONLY_KIND 1\n"));
+        assert_null(strstr(texts[2][0], "VXS_ONLY_KIND"));
+        for (int n = 0; n < 3; n++) vxs_gl_destroy(gl[n]);
     }
     gl_context_destroy(d.gl);
 }

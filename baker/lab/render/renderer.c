@@ -25,7 +25,7 @@ static vxs_result make_programs(renderer *r, run_context *m)
     vxs_result    result    = gl_program_of(r->gl, &r->surface_program, surface_glsl, (gl_text){0}, m);
     if (result == VXS_OK) result = gl_screen_program(r->gl, &r->tone_program, shown, m);
     if (result == VXS_OK && r->fog) result = gl_screen_program(r->gl, &r->picture_program, picture, m);
-    return result == VXS_OK ? renderer_lit_program(r, &r->shade_program, shade_frag_glsl, m) : result;
+    return result == VXS_OK ? renderer_lit_program(r, &r->shade_program, shade_frag_glsl, r->options.filter_px, m) : result;
 }
 
 /* targets ---------------------------------------------------------------------------------------------------------------------- */
