@@ -202,8 +202,7 @@ static void read_buffer(loader &l, const json &object, const container &c, size_
 {
     buffer     &b     = l.buffers[index];
     std::string where = label("buffer", index);
-    auto        bad   = l.faults[BUFFERS].find(index);
-    if (bad != l.faults[BUFFERS].end()) throw bad->second;
+    if (l.faults[BUFFERS].count(index)) throw l.faults[BUFFERS][index];
     std::string uri = object.value("uri", ""), source = "the GLB chunk";
     size_t      found = c.bin_size;
     b.size_bytes      = object["byteLength"].get<size_t>();
@@ -254,8 +253,7 @@ static void read_buffer_view(loader &l, size_t index, const json &object)
 {
     buffer_view &v     = l.views[index];
     std::string  where = label("bufferView", index);
-    auto         bad   = l.faults[VIEWS].find(index);
-    if (bad != l.faults[VIEWS].end()) throw bad->second;
+    if (l.faults[VIEWS].count(index)) throw l.faults[VIEWS][index];
     v.buffer = object["buffer"].get<size_t>();
     v.offset = object.value("byteOffset", (size_t)0);
     v.length = object["byteLength"].get<size_t>();
@@ -299,12 +297,7 @@ const unsigned char *whole_view(loader &l, const std::string &where, size_t inde
     return view_bytes(l, index);
 }
 
-} // namespace gltf
-
 /* Accessors (3.6): their elements, checked against bufferViews and buffers. */
-
-namespace gltf
-{
 
 size_t component_bytes(int component)
 {
@@ -343,7 +336,6 @@ static size_t check_extent(loader &l, const std::string &where, int index, size_
     check_view_index(l, where, (size_t)index);
     const buffer_view &view   = l.views[index];
     size_t             stride = view.stride ? view.stride : size;
-    if (view.fault) throw view.fault;
     if (stride < size) l.broken(where, "byteStride %zu is less than its elements of %zu bytes", stride, size);
     if (offset > view.length || count > SIZE_MAX / 256 ||
         (count && (view.length - offset < size || (count - 1) > (view.length - offset - size) / stride)))
@@ -352,16 +344,10 @@ static size_t check_extent(loader &l, const std::string &where, int index, size_
     return stride;
 }
 
-size_t offset_in_buffer(const loader &l, const tinygltf::Accessor &a)
-{
-    const buffer_view &view = l.views[a.bufferView];
-    return a.byteOffset + (view.compressed.extension ? 0 : view.offset);
-}
-
 static void check_accessor(loader &l, const tinygltf::Accessor &a, elements &e)
 {
-    auto broken = l.faults[ACCESSORS].find(l.accessors.size());
-    if (broken != l.faults[ACCESSORS].end()) throw broken->second;
+    size_t index = l.accessors.size();
+    if (l.faults[ACCESSORS].count(index)) throw l.faults[ACCESSORS][index];
     e.component      = a.componentType;
     e.component_size = component_bytes(a.componentType);
     e.size = e.stride = element_bytes(a.type, e.component_size);

@@ -155,12 +155,7 @@ const draco_primitive &use_draco(loader &l, const std::string &where, const tiny
     return found->second;
 }
 
-} // namespace gltf
-
 /* EXT_meshopt_compression, and the common subset of KHR_meshopt_compression: decompress bufferViews with meshoptimizer. */
-
-namespace gltf
-{
 
 /* Upper limit of the compression ratio: a byte column of 256 vertices takes at least 4 bytes, a triangle of indices at least
  * one. */

@@ -171,14 +171,9 @@ container open_container(loader &l)
     return c;
 }
 
-} // namespace gltf
-
 /* Images for masks and lights: PNG with libpng, WebP with libwebp. A JPEG has no alpha, and its colours are not read.
  *
  * Sizes are checked before pixels are decoded: ALPHA_IMAGE_MAX_PX a side, PIXELS_MAX an image, and l.pixels_left in total. */
-
-namespace gltf
-{
 
 static constexpr size_t IMAGE_BYTES_MAX = (size_t)1 << 28; /* of an image file */
 static constexpr size_t PIXELS_MAX      = (size_t)1 << 26; /* per image, decoded to four bytes each */
@@ -298,16 +293,10 @@ static void read_image(loader &l, const std::string &where, const json &object, 
     decode(l, where, owned.data(), owned.size(), out);
 }
 
-static std::string text_member(const json &object, const char *name, const std::string &absent)
-{
-    auto found = object.find(name);
-    return found != object.end() && found->is_string() ? found->get<std::string>() : absent;
-}
-
 static image_colours colours_of(loader &l, size_t index)
 {
     const json   &object = items(l.rest, "images")[index];
-    std::string   name   = text_member(object, "name", text_member(object, "uri", ""));
+    std::string   name   = text_of(object, "name", text_of(object, "uri"));
     image_colours image  = {};
     read_image(l, label("image", index, is_data(name) ? "" : name), object, image);
     return image;

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <climits>
 #include <cmath>
+#include <functional>
 #include <set>
 #include <strings.h>
 
@@ -63,24 +64,9 @@ static bool is_index(const json &value)
     return value.is_number_unsigned() && value.get<uint64_t>() <= INT_MAX;
 }
 
-static bool is_text(const json &value)
+template <typename test> static bool all(const json &values, test hold)
 {
-    return value.is_string();
-}
-
-static bool is_number(const json &value)
-{
-    return value.is_number();
-}
-
-static bool is_object(const json &value)
-{
-    return value.is_object();
-}
-
-static bool all(const json &values, bool (*hold)(const json &))
-{
-    return std::all_of(values.begin(), values.end(), hold);
+    return std::all_of(values.begin(), values.end(), [hold](const json &value) { return std::invoke(hold, value); });
 }
 
 /* NULL when the value has the expected type, else a description of that type. */
@@ -90,15 +76,15 @@ static const char *expected_instead(const json &value, is kind)
     switch (kind) {
     case is::index: return is_index(value) ? nullptr : "an integer from 0 to 2147483647";
     case is::size: return value.is_number_unsigned() && value.get<uint64_t>() < (1ull << 53) ? nullptr : "an integer, 0 or more";
-    case is::text: return is_text(value) ? nullptr : "a string";
+    case is::text: return value.is_string() ? nullptr : "a string";
     case is::flag: return value.is_boolean() ? nullptr : "true or false";
-    case is::number: return is_number(value) ? nullptr : "a number";
-    case is::numbers: return array && all(value, is_number) ? nullptr : "an array of numbers";
+    case is::number: return value.is_number() ? nullptr : "a number";
+    case is::numbers: return array && all(value, &json::is_number) ? nullptr : "an array of numbers";
     case is::indices: return array && all(value, is_index) ? nullptr : "an array of indices";
-    case is::texts: return array && all(value, is_text) ? nullptr : "an array of strings";
+    case is::texts: return array && all(value, &json::is_string) ? nullptr : "an array of strings";
     case is::object: return object ? nullptr : "an object";
-    case is::objects: return array && all(value, is_object) ? nullptr : "an array of objects";
-    case is::extensions: return object && all(value, is_object) ? nullptr : "an object of objects";
+    case is::objects: return array && all(value, &json::is_object) ? nullptr : "an array of objects";
+    case is::extensions: return object && all(value, &json::is_object) ? nullptr : "an object of objects";
     case is::index_map: return object && all(value, is_index) ? nullptr : "an object of indices";
     }
     return nullptr;
@@ -139,11 +125,10 @@ const json *extension(const json &object, const char *name)
     return found == extensions.end() ? nullptr : &*found;
 }
 
-/* A string member; "" if missing. */
-static std::string text_of(const json &object, const char *name)
+std::string text_of(const json &object, const char *name, const std::string &absent)
 {
     auto found = object.find(name);
-    return found != object.end() && found->is_string() ? found->get<std::string>() : "";
+    return found != object.end() && found->is_string() ? found->get<std::string>() : absent;
 }
 
 /* The name of an object, for messages only. If it is not a string, it is removed, and the result is "". */

@@ -32,13 +32,6 @@ static double number_of(const json &object, const char *name, double otherwise, 
     return otherwise;
 }
 
-static std::string formatted(const char *format, double value)
-{
-    char text[200];
-    snprintf(text, sizeof text, format, value);
-    return text;
-}
-
 /* Read the cone angles. Some writers round pi/2 to a float slightly above it. A wider spot light becomes a point light: its six
  * maps cover all it can light, and an engine that supports such cones knows their limits. */
 static void read_cone(const json &light, light_definition &out)
@@ -85,16 +78,16 @@ static light_definition read_light(const json &light)
 {
     static const std::map<std::string, light_kind> kinds = {
         {"directional", LIGHT_DIRECTIONAL}, {"spot", LIGHT_SPOT}, {"point", LIGHT_POINT}};
-    light_definition out  = {};
-    auto             name = light.find("name"), type = light.find("type");
-    if (name != light.end() && name->is_string()) out.name = name->get<std::string>();
-    bool has_type          = type != light.end() && type->is_string();
-    auto kind              = kinds.find(has_type ? type->get<std::string>() : "");
-    out.shape.range_metres = INFINITY;
+    light_definition out      = {};
+    bool             has_type = light.contains("type") && light["type"].is_string();
+    std::string      type     = text_of(light, "type");
+    auto             kind     = kinds.find(type);
+    out.name                  = text_of(light, "name");
+    out.shape.range_metres    = INFINITY;
     read_colour(light, out);
     if (!has_type) out.fault = "'type' is missing: expected directional, spot or point";
     if (has_type && kind == kinds.end())
-        out.fault = "unknown type '" + type->get<std::string>().substr(0, 40) + "', expected directional, spot or point";
+        out.fault = "unknown type '" + type.substr(0, 40) + "', expected directional, spot or point";
     if (!out.fault.empty()) return out;
     out.shape.kind = kind->second;
     if (out.shape.kind == LIGHT_SPOT) read_cone(light, out);
@@ -114,18 +107,14 @@ void read_lights(loader &l, const json &root)
 /* Compute position and direction from a node, or set the fault. */
 static void place_light(loader &l, size_t node, light_definition &light)
 {
-    const transform &t       = l.ws_from_node[node];
-    vec3             forward = {-t.axis[2].x, -t.axis[2].y, -t.axis[2].z};
-    double           length  = std::hypot(forward.x, forward.y, forward.z);
-    bool             points  = length > 0 && std::isfinite(length);
+    const transform &t        = l.ws_from_node[node];
+    double           front[3] = {0, 0, -1};
+    bool             points   = unit({-t.axis[2].x, -t.axis[2].y, -t.axis[2].z}, front);
     if (light.shape.kind != LIGHT_POINT && !points)
         light.fault = "it has no direction, for its node, or one above it, has a scale of 0";
     if (!finite(t.origin)) light.fault = "it is at infinity";
-    if (!points) forward = {0, 0, -1}, length = 1;
-    double position[3]  = {t.origin.x, t.origin.y, t.origin.z};
-    double direction[3] = {forward.x / length, forward.y / length, forward.z / length};
-    memcpy(light.shape.position_ws, position, sizeof position);
-    memcpy(light.shape.direction_ws, direction, sizeof direction);
+    memcpy(light.shape.position_ws, &t.origin, sizeof t.origin);
+    memcpy(light.shape.direction_ws, front, sizeof front);
 }
 
 /* The light definition that a node uses. */
@@ -146,13 +135,6 @@ static light_definition used_light(loader &l, size_t node, size_t &index)
 static bool uses_light(const loader &l, size_t node)
 {
     return l.model.nodes[node].extensions.count("KHR_lights_punctual") || !l.nodes[node].light.empty();
-}
-
-static char *duplicate(const std::string &text)
-{
-    char *copy = strdup(text.c_str());
-    if (!copy) throw std::bad_alloc();
-    return copy;
 }
 
 static void add_light(scene *s, const light_definition &light, const std::string &node_name, size_t node)
@@ -194,9 +176,8 @@ void place_lights(loader &l)
     if (nodes.empty()) return;
 
     scene *s       = l.s;
-    s->lights      = (scene_light *)calloc(nodes.size(), sizeof *s->lights);
-    s->lost_lights = (lost_light *)calloc(nodes.size(), sizeof *s->lost_lights);
-    if (!s->lights || !s->lost_lights) throw std::bad_alloc();
+    s->lights      = zeroed<scene_light>(nodes.size());
+    s->lost_lights = zeroed<lost_light>(nodes.size());
     for (size_t node : nodes) {
         size_t             index;
         light_definition   light     = used_light(l, node, index);
@@ -231,14 +212,9 @@ void place_cameras(loader &l)
     l.s->camera_count        = positions.size() / 3;
 }
 
-} // namespace gltf
-
 /* Area lights, for pictures: two triangles of one primitive that form a parallelogram, with an emissive material: emissiveFactor,
  * times the strength of KHR_materials_emissive_strength, times emissiveTexture (3.9.3). The texture is resampled along the sides of
  * the parallelogram. */
-
-namespace gltf
-{
 
 static constexpr double GREY       = 0.45; /* value of a texture that is not read, as for base colours */
 static constexpr double TEXELS_MAX = 2048; /* maximum side of a resampled texture */
@@ -312,8 +288,7 @@ static uint32_t texels_along(const image_colours &image, const double from[2], c
 static void turn_texture(const image_colours &image, const alpha_mask &wraps, const quad &q, scene_area &area)
 {
     uint32_t wide = texels_along(image, q.uv[0], q.uv[1]), high = texels_along(image, q.uv[0], q.uv[3]);
-    area.texture = (float *)malloc((size_t)wide * high * 3 * sizeof *area.texture);
-    if (!area.texture) throw std::bad_alloc();
+    area.texture = zeroed<float>((size_t)wide * high * 3);
     area.wide_px = wide;
     area.high_px = high;
     float *out   = area.texture;

@@ -396,6 +396,25 @@ template <typename item> item *copied(const std::vector<item> &from)
     return to;
 }
 
+/* An array of zeros for the scene, and a copy of a text. */
+template <typename item> item *zeroed(size_t count)
+{
+    item *to = (item *)calloc(std::max(count, (size_t)1), sizeof(item));
+    if (!to) throw std::bad_alloc();
+    return to;
+}
+inline char *duplicate(const std::string &text)
+{
+    return strcpy(zeroed<char>(text.size() + 1), text.c_str());
+}
+
+template <typename value> std::string formatted(const char *format, value v)
+{
+    char text[200];
+    snprintf(text, sizeof text, format, v);
+    return text;
+}
+
 /* ---- gltf_notes.cc ---- */
 
 /* Note a fault of the subject `id`. A repeated note adds to its count. The line will be "where: why: cost; remedy". */
@@ -458,6 +477,9 @@ void check_shape(loader &l, const std::string &where, const json &object, const 
 
 /* The items of a list; empty if there is no such list. */
 const json &items(const json &object, const char *name);
+
+/* A string member; `absent` if it is missing or not a string. */
+std::string text_of(const json &object, const char *name, const std::string &absent = "");
 
 /* The members of extensions.NAME, or NULL. check_extension also checks their types. */
 const json *extension(const json &object, const char *name);
@@ -522,9 +544,6 @@ void check_accessors(loader &l);
  * yet. */
 const elements &sound_accessor(loader &l, const std::string &where, const char *what, int index);
 
-/* Offset of the first element of an accessor with a bufferView. */
-size_t offset_in_buffer(const loader &l, const tinygltf::Accessor &a);
-
 /* The elements of an existing accessor, in the buffer or expanded at first use. */
 const elements &use_accessor(loader &l, size_t index);
 
@@ -573,6 +592,9 @@ inline bool finite(vec3 v)
 {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
+
+/* The unit vector along v. Returns false, and leaves `out`, where v has no direction. */
+bool unit(vec3 v, double out[3]);
 
 /* Signed ratio of the transformed volume to the original; negative for a mirrored transform. */
 double volume_scale(const transform &t);
@@ -624,11 +646,16 @@ int attribute(const std::map<std::string, int> &attributes, const std::string &n
 std::string primitive_label(const loader &l, size_t mesh, size_t primitive);
 
 bool   makes_triangles(const tinygltf::Primitive &p);
+size_t corner_count(const loader &l, const tinygltf::Primitive &p); /* or points, or ends of lines */
 size_t triangle_count(const loader &l, const tinygltf::Primitive &p);
+
+/* Check that an attribute has this type, floats or integers of 8 or 16 bits, and `count` elements.
+ * type_text  "a VEC3" */
+void check_attribute(loader &l, const std::string &primitive, const tinygltf::Primitive &p, const char *name, int type,
+                     const char *type_text, size_t count);
 
 /* Find the faults of all primitives, placed or not. */
 void check_model_meshes(loader &l);
-void check_all_indices(loader &l);
 
 /* Why a primitive cannot be read; NULL: no fault is known. */
 const failure *primitive_fault(const loader &l, size_t mesh, size_t primitive);

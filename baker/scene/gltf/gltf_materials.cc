@@ -51,9 +51,8 @@ static void read_colour(const json &object, material &m)
 void place_materials(loader &l)
 {
     size_t count          = l.materials.size();
-    l.s->material_colours = (float(*)[3])calloc(count + 1, sizeof *l.s->material_colours);
-    if (!l.s->material_colours) throw std::bad_alloc();
-    l.s->material_count = count;
+    l.s->material_colours = zeroed<float[3]>(count);
+    l.s->material_count   = count;
     for (size_t n = 0; n < count; n++) {
         const float *shine = l.materials[n].radiance;
         memcpy(l.s->material_colours[n], l.materials[n].colour, sizeof l.materials[n].colour);
@@ -395,8 +394,7 @@ void place_masks(loader &l)
     l.exclusions.back().triangles = count_blended(l);
     if (l.holed_triangles.empty()) return;
 
-    s->images = (alpha_image *)calloc(l.hole_images.size(), sizeof *s->images);
-    if (!s->images) throw std::bad_alloc();
+    s->images = zeroed<alpha_image>(l.hole_images.size());
     for (const image_alpha *image : l.hole_images)
         s->images[s->image_count++] = {image->width_px, image->height_px, copied(image->alpha)};
     s->alpha_masks          = copied(l.alpha_masks);

@@ -18,13 +18,14 @@ std::string primitive_label(const loader &l, size_t mesh, size_t primitive)
     return label("mesh", l.model.meshes, mesh) + " " + label("primitive", primitive);
 }
 
-/* Positions are floats, or 8 or 16 bit integers, even if KHR_mesh_quantization is not declared: the accessor gives the type. */
-static void check_positions(loader &l, const std::string &primitive, int index, size_t count)
+/* Integers are allowed even if KHR_mesh_quantization is not declared: the accessor gives the type. */
+void check_attribute(loader &l, const std::string &primitive, const tinygltf::Primitive &p, const char *name, int type,
+                     const char *type_text, size_t count)
 {
-    const elements &e     = sound_accessor(l, primitive, "POSITION", index);
+    const elements &e     = sound_accessor(l, primitive, name, attribute(p.attributes, name));
     std::string     where = primitive + ", " + e.label;
-    if (e.type != TINYGLTF_TYPE_VEC3) l.broken(where, "POSITION is not a VEC3");
-    if (e.component == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT) l.broken(where, "POSITION is of 32-bit integers");
+    if (e.type != type) l.broken(where, "%s is not %s", name, type_text);
+    if (e.component == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT) l.broken(where, "%s is of 32-bit integers", name);
     if (e.count != count) l.broken(where, "%zu elements, expected %zu", e.count, count);
 }
 
@@ -40,7 +41,7 @@ bool makes_triangles(const tinygltf::Primitive &p)
     return p.mode >= TINYGLTF_MODE_TRIANGLES && p.mode <= TINYGLTF_MODE_TRIANGLE_FAN && attribute(p.attributes, "POSITION") >= 0;
 }
 
-static size_t corner_count(const loader &l, const tinygltf::Primitive &p)
+size_t corner_count(const loader &l, const tinygltf::Primitive &p)
 {
     size_t accessor = (size_t)(p.indices >= 0 ? p.indices : attribute(p.attributes, "POSITION"));
     return accessor < l.accessors.size() ? l.accessors[accessor].count : 0;
@@ -57,10 +58,20 @@ static void check_primitive(loader &l, const std::string &where, const tinygltf:
 {
     if (p.mode > TINYGLTF_MODE_TRIANGLE_FAN) l.broken(where, "unknown mode %d", p.mode);
     if (!makes_triangles(p) && !makes_smoke(p)) return;
-    int position = attribute(p.attributes, "POSITION");
-    check_positions(l, where, position, sound_accessor(l, where, "POSITION", position).count);
+    size_t vertices = sound_accessor(l, where, "POSITION", attribute(p.attributes, "POSITION")).count;
+    check_attribute(l, where, p, "POSITION", TINYGLTF_TYPE_VEC3, "a VEC3", vertices);
     if (p.indices >= 0) check_indices(l, where, p.indices);
     if (makes_smoke(p)) check_smoke(l, where, p);
+}
+
+/* Check indices before decoding, if their data is available. */
+static void check_index_data(loader &l, const tinygltf::Primitive &p)
+{
+    if (p.indices < 0 || !(makes_triangles(p) || makes_smoke(p)) || needs_draco(l, p)) return;
+    const tinygltf::Accessor &a = l.model.accessors[p.indices];
+    if (a.bufferView < 0 || a.sparse.isSparse || l.views[a.bufferView].compressed.extension) return;
+    check_index_values(l, use_accessor(l, (size_t)p.indices), l.accessors[attribute(p.attributes, "POSITION")].count,
+                       p.mode != TINYGLTF_MODE_TRIANGLES);
 }
 
 const failure *primitive_fault(const loader &l, size_t mesh, size_t primitive)
@@ -75,33 +86,14 @@ void check_model_meshes(loader &l)
         for (size_t k = 0; k < l.model.meshes[i].primitives.size(); k++) {
             tinygltf::Primitive &p     = l.model.meshes[i].primitives[k];
             std::string          where = primitive_label(l, i, k);
-            failure              f     = primitive_fault(l, i, k) ? failure{} : caught([&] { check_primitive(l, where, p); });
-            if (f) l.primitive_faults[{i, k}] = f;
+            if (!primitive_fault(l, i, k))
+                if (failure f = caught([&] { check_primitive(l, where, p), check_index_data(l, p); }))
+                    l.primitive_faults[{i, k}] = f;
             if (p.material < 0 || (size_t)p.material < l.materials.size())
                 continue; /* also for primitives that are left out, because patterns refer to materials */
             take_note(l, cost::REFERENCE, (uint64_t)1 << 63 | i << 32 | k, where,
                       "material " + std::to_string(p.material) + " does not exist", "export it again");
             p.material = -1;
-        }
-}
-
-/* Check indices before decoding, if their data is available. */
-static void check_primitive_indices(loader &l, const tinygltf::Primitive &p)
-{
-    if (p.indices < 0 || !(makes_triangles(p) || makes_smoke(p)) || needs_draco(l, p)) return;
-    const tinygltf::Accessor &a = l.model.accessors[p.indices];
-    if (a.bufferView < 0 || a.sparse.isSparse || l.views[a.bufferView].compressed.extension) return;
-    check_index_values(l, use_accessor(l, (size_t)p.indices), l.accessors[attribute(p.attributes, "POSITION")].count,
-                       p.mode != TINYGLTF_MODE_TRIANGLES);
-}
-
-void check_all_indices(loader &l)
-{
-    for (size_t i = 0; i < l.model.meshes.size(); i++)
-        for (size_t k = 0; k < l.model.meshes[i].primitives.size(); k++) {
-            if (primitive_fault(l, i, k)) continue;
-            failure f = caught([&] { check_primitive_indices(l, l.model.meshes[i].primitives[k]); });
-            if (f) l.primitive_faults[{i, k}] = f;
         }
 }
 
@@ -227,14 +219,11 @@ size_t measure(loader &l)
         vertices += instances * casting.vertices;
         placed += triangles ? instances : 0;
     }
-    if (skip.points)
-        warn(l.m,
-             "primitives of points skipped: %zu; what is to cast a shadow needs triangles, or is smoke by _RADIUS and _EXTINCTION",
-             skip.points);
-    if (skip.lines)
-        warn(l.m,
-             "primitives of lines skipped: %zu; what is to cast a shadow needs triangles, or is smoke by _RADIUS and _EXTINCTION",
-             skip.lines);
+    for (auto [kind, count] : {std::pair("points", skip.points), std::pair("lines", skip.lines)})
+        if (count)
+            warn(l.m,
+                 "primitives of %s skipped: %zu; what is to cast a shadow needs triangles, or is smoke by _RADIUS and _EXTINCTION",
+                 kind, count);
     warn_about_skinned(l);
     l.vertex_capacity = vertices;
     if (total)
@@ -243,13 +232,8 @@ size_t measure(loader &l)
     return total;
 }
 
-} // namespace gltf
-
 /* Skins (3.7.3): joints determine the position of each vertex, in the pose given by the file's nodes. The transform of the mesh's
  * node is ignored. Bind space is the space of the stored vertices; a joint's inverse bind matrix transforms from it to the joint. */
-
-namespace gltf
-{
 
 /* Deviation of a sum of weights that rounding to 8 bits cannot explain. */
 static constexpr double FAR_OFF = 0.05;
@@ -259,9 +243,8 @@ void read_skins(loader &l, const json &root)
     for (size_t i = 0; i < items(root, "skins").size(); i++) {
         const json &object = root["skins"][i];
         skin        s      = {};
-        auto        broken = l.faults[SKINS].find(i);
         s.inverse_bind     = object.value("inverseBindMatrices", -1);
-        if (broken != l.faults[SKINS].end()) s.fault = broken->second;
+        if (l.faults[SKINS].count(i)) s.fault = l.faults[SKINS][i];
         for (const json &joint : items(object, "joints")) s.joints.push_back(joint.get<size_t>());
         l.skins.push_back(s);
     }
@@ -363,8 +346,7 @@ transform skin_transform(const placement &p, uint32_t element, bool &off)
     for (size_t set = 0; set < p.joints.size(); set++)
         for (size_t k = 0; k < 4; k++) {
             double weight = p.weights[set]->value(element, k);
-            if (!(weight > 0)) continue; /* ignores NaN and negative weights */
-            total += weight;
+            if (weight > 0) total += weight; /* ignores NaN and negative weights */
         }
     off |= !(std::fabs(total - 1) <= FAR_OFF);
     if (!(total > 0) || !std::isfinite(total)) return p.skin->ws_from_bind[(size_t)p.joints[0]->value(element, 0)];

@@ -108,11 +108,6 @@ transform instance_transform(loader &l, size_t node, size_t i)
     return multiply(l.ws_from_node[node], node_from_instance);
 }
 
-} // namespace gltf
-
-namespace gltf
-{
-
 transform multiply(const transform &a, const transform &b)
 {
     return {{rotate_scale(a, b.axis[0]), rotate_scale(a, b.axis[1]), rotate_scale(a, b.axis[2])}, apply(a, b.origin)};
@@ -328,8 +323,7 @@ void choose_roots(loader &l, int chosen, std::vector<int> &parent)
     for (size_t i = 0; chosen < 0 && i < parent.size(); i++)
         if (parent[i] < 0) l.roots.push_back(i);
     if (chosen < 0) return;
-    auto broken = l.faults[SCENES].find((size_t)chosen);
-    if (broken != l.faults[SCENES].end()) throw broken->second;
+    if (l.faults[SCENES].count((size_t)chosen)) throw l.faults[SCENES][(size_t)chosen];
 
     const auto       &nodes = l.model.nodes;
     std::string       where = label("scene", (size_t)chosen);

@@ -73,19 +73,12 @@ void take_fault(loader &l, cost kind, uint64_t id, const std::string &where, con
     take_note(l, kind, id, where + besides, why_of(f, where), remedy, count);
 }
 
-static std::string counted(const char *format, size_t count)
-{
-    char text[160];
-    snprintf(text, sizeof text, format, count);
-    return text;
-}
-
 void say_notes(loader &l)
 {
     for (const note &n : l.notes) {
         const auto &w = words[(int)n.kind];
         warn(l.m, "%s%s%s%s; %s", n.where.c_str(), n.why.empty() ? "" : ": ", n.why.c_str(),
-             n.count ? counted(w.counted, n.count).c_str() : w.plain, n.remedy.c_str());
+             n.count ? formatted(w.counted, n.count).c_str() : w.plain, n.remedy.c_str());
     }
     for (int kind = 0; kind < (int)cost::KINDS; kind++) {
         if (!l.notes_more[kind]) continue;
@@ -144,14 +137,9 @@ std::string label(const char *kind, size_t index, const std::string &name)
     return name.empty() ? text : text + " '" + shorten(shown, NAME_BYTES, name.c_str()) + "'";
 }
 
-} // namespace gltf
-
 /* Warnings of valid content that is probably a mistake: objects that cast shadow in a bake but are absent, duplicated or moving in
  * an engine. Each warning names the first node, the number of others, and their triangles. Names of collision shapes and of levels
  * of detail are checked elsewhere, when triangles are placed. */
-
-namespace gltf
-{
 
 /* Casting triangles of each node, as far as known before they are placed. */
 using casting = std::vector<size_t>;
@@ -332,14 +320,9 @@ void look_at_traps(loader &l, int chosen, size_t triangles)
     look_at_scenes(l, chosen, triangles);
 }
 
-} // namespace gltf
-
 /* Extensions that a file uses or requires. An extension that is neither implemented nor known to be irrelevant to shadows may
  * change shapes, places, lights or visibility. A file that requires such an extension is refused; a file that uses it gets a
  * warning. */
-
-namespace gltf
-{
 
 /* clang-format off */
 /* Implemented, as far as a bake needs them. */

@@ -198,27 +198,18 @@ void finish_exclusions(loader &l)
     l.s->exclusion_count = kept.size();
 }
 
-} // namespace gltf
-
 /* Views of cameras (3.10), for pictures. Invalid numbers make a camera without a view; a picture that needs it reports this, and a
  * bake never fails. */
-
-namespace gltf
-{
 
 /* A positive number, or 0 if it is missing or invalid. */
 static double above_zero(const json &object, const char *name)
 {
-    auto value = object.find(name);
-    if (value == object.end() || !value->is_number()) return 0;
-    double number = value->get<double>();
-    return number > 0 && std::isfinite(number) ? number : 0;
+    return number_or(object, name, 0, INFINITY);
 }
 
 static void read_projection(const json &camera, scene_view &view)
 {
-    auto        type        = camera.find("type");
-    std::string kind        = type != camera.end() && type->is_string() ? type->get<std::string>() : "";
+    std::string kind        = text_of(camera, "type");
     const json &perspective = items(camera, "perspective"), &orthographic = items(camera, "orthographic");
     if (kind == "perspective" && perspective.is_object()) {
         double angle     = above_zero(perspective, "yfov");
@@ -235,7 +226,7 @@ static void read_projection(const json &camera, scene_view &view)
     }
 }
 
-static bool unit(vec3 v, double out[3])
+bool unit(vec3 v, double out[3])
 {
     double length = std::hypot(v.x, v.y, v.z), values[3] = {v.x / length, v.y / length, v.z / length};
     if (!(length > 0) || !std::isfinite(length)) return false;
@@ -262,28 +253,21 @@ void place_views(loader &l)
     for (size_t node : l.order)
         if (l.model.nodes[node].camera >= 0 && (size_t)l.model.nodes[node].camera < cameras.size()) nodes.push_back(node);
     if (nodes.empty()) return;
-    l.s->views = (scene_view *)calloc(nodes.size(), sizeof *l.s->views);
-    if (!l.s->views) throw std::bad_alloc();
+    l.s->views = zeroed<scene_view>(nodes.size());
     for (size_t node : nodes) {
         const json &camera = cameras[(size_t)l.model.nodes[node].camera];
         scene_view  view   = {};
         std::string name   = l.model.nodes[node].name;
-        auto        own    = camera.find("name");
-        if (name.empty() && own != camera.end() && own->is_string()) name = own->get<std::string>();
+        if (name.empty()) name = text_of(camera, "name");
         if (name.empty()) name = "camera" + std::to_string(l.model.nodes[node].camera);
         read_projection(camera, view);
         if (!read_pose(l.ws_from_node[node], view)) view.kind = VIEW_NONE;
-        if (!(view.name = strdup(name.c_str()))) throw std::bad_alloc();
+        view.name                     = duplicate(name);
         l.s->views[l.s->view_count++] = view;
     }
 }
 
-} // namespace gltf
-
 /* Origin of triangles: node, mesh and material, stored in the scene for messages. */
-
-namespace gltf
-{
 
 /* Offset of a name in l.names, where each name is stored once. */
 static uint32_t name_at(loader &l, kind k, size_t index, const std::string &name)

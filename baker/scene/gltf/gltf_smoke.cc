@@ -23,16 +23,9 @@ bool makes_smoke(const tinygltf::Primitive &p)
            attribute(p.attributes, EXTINCTION) >= 0;
 }
 
-/* Number of points, or of vertices of lines. */
-static size_t end_count(const loader &l, const tinygltf::Primitive &p)
-{
-    size_t accessor = (size_t)(p.indices >= 0 ? p.indices : attribute(p.attributes, "POSITION"));
-    return accessor < l.accessors.size() ? l.accessors[accessor].count : 0;
-}
-
 size_t capsule_count(const loader &l, const tinygltf::Primitive &p)
 {
-    size_t ends = end_count(l, p);
+    size_t ends = corner_count(l, p);
     switch (p.mode) {
     case TINYGLTF_MODE_POINTS: return ends;
     case TINYGLTF_MODE_LINE: return ends / 2;
@@ -43,14 +36,9 @@ size_t capsule_count(const loader &l, const tinygltf::Primitive &p)
 
 void check_smoke(loader &l, const std::string &primitive, const tinygltf::Primitive &p)
 {
-    for (const char *name : {RADIUS, EXTINCTION}) {
-        const elements &e     = sound_accessor(l, primitive, name, attribute(p.attributes, name));
-        std::string     where = primitive + ", " + e.label;
-        if (e.type != TINYGLTF_TYPE_SCALAR) l.broken(where, "%s is not a scalar", name);
-        if (e.component == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT) l.broken(where, "%s is of 32-bit integers", name);
-        size_t vertices = l.accessors[attribute(p.attributes, "POSITION")].count;
-        if (e.count != vertices) l.broken(where, "%zu elements, expected %zu", e.count, vertices);
-    }
+    size_t vertices = l.accessors[attribute(p.attributes, "POSITION")].count;
+    for (const char *name : {RADIUS, EXTINCTION})
+        check_attribute(l, primitive, p, name, TINYGLTF_TYPE_SCALAR, "a scalar", vertices);
 }
 
 /* One primitive of a node. */
@@ -179,9 +167,8 @@ void place_smoke(loader &l)
     size_t       total = count_capsules(l);
     if (!total) return;
     l.need(total * (sizeof *smoke.list + sizeof *smoke.albedos), std::to_string(total) + " capsules of smoke");
-    smoke.list    = (vxs_capsule *)malloc(total * sizeof *smoke.list);
-    smoke.albedos = (float(*)[3])malloc(total * sizeof *smoke.albedos);
-    if (!smoke.list || !smoke.albedos) throw std::bad_alloc();
+    smoke.list    = zeroed<vxs_capsule>(total);
+    smoke.albedos = zeroed<float[3]>(total);
     for (size_t node : l.order)
         if (l.model.nodes[node].mesh >= 0) place_clouds(l, node);
 }

@@ -11,16 +11,11 @@
 namespace gltf
 {
 
-static std::string formatted(const char *format, va_list args)
+[[noreturn]] static void give_up(vxs_result code, bool whole, const std::string &where, const char *format, va_list args)
 {
     char text[900];
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
-    return text;
-}
-
-[[noreturn]] static void give_up(vxs_result code, const std::string &where, const std::string &text, bool whole)
-{
     throw failure{code, where.empty() ? text : where + ": " + text, whole};
 }
 
@@ -28,28 +23,28 @@ void loader::error(vxs_result code, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
-    give_up(code, "", formatted(format, args), false);
+    give_up(code, false, "", format, args);
 }
 
 void loader::broken(const std::string &where, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
-    give_up(VXS_E_SCENE, where, formatted(format, args), false);
+    give_up(VXS_E_SCENE, false, where, format, args);
 }
 
 void loader::unsupported(const std::string &where, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
-    give_up(VXS_E_UNSUPPORTED, where, formatted(format, args), false);
+    give_up(VXS_E_UNSUPPORTED, false, where, format, args);
 }
 
 void loader::refused(const std::string &where, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
-    give_up(VXS_E_UNSUPPORTED, where, formatted(format, args), true);
+    give_up(VXS_E_UNSUPPORTED, true, where, format, args);
 }
 
 void loader::need(uint64_t size_bytes, const std::string &what)
@@ -90,8 +85,7 @@ static void load(loader &l, const scene_check *check)
     check_model_meshes(l);
     std::vector<int> parent = check_tree(l);
     l.file_parent           = parent;
-    check_all_indices(l);
-    int chosen = choose_scene(l, l.choice->name);
+    int chosen              = choose_scene(l, l.choice->name);
     choose_roots(l, chosen, parent);
     place_nodes(l, parent);
     check_references(l);
@@ -100,8 +94,7 @@ static void load(loader &l, const scene_check *check)
     place_cameras(l);
     place_views(l);
     place_materials(l);
-    l.s->name = strdup(chosen < 0 ? "" : l.model.scenes[chosen].name.c_str());
-    if (!l.s->name) throw std::bad_alloc();
+    l.s->name        = duplicate(chosen < 0 ? "" : l.model.scenes[chosen].name);
     size_t triangles = measure(l);
     look_at_traps(l, chosen, triangles);
     check_before_triangles(l, triangles, check);
