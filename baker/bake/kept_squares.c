@@ -280,7 +280,6 @@ static vxs_result ask(void *data, const column_map *columns, uint32_t level, uin
     if (k->has_store || k->others) {
         const uint32_t of_all[] = {columns->side_px, columns->depth_vx, l->map, level, i, j};
         column_key     of_columns;
-        r = VXS_OK;
         if (columns->key)
             r = columns->key(columns->data, level, i, j, &of_columns);
         else

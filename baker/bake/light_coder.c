@@ -60,26 +60,6 @@ static vxs_result blocks_finish(void *data, coded_light *out)
     return VXS_OK;
 }
 
-light_coder blocks_coder_seam(blocks_coder *c)
-{
-    return (light_coder){.data = c, .begin = blocks_begin, .add_map = blocks_add_map, .finish = blocks_finish};
-}
-
-void blocks_coder_free(blocks_coder *c)
-{
-    block_set_free(&c->set);
-}
-
-dag_coder dag_coder_for(const bake_options *o, compress_order compress, light_picture *picture)
-{
-    return (dag_coder){.build = build_options_of(o, compress), .unify = o->stop == STOP_FINAL, .picture = picture};
-}
-
-void dag_coder_free(dag_coder *c)
-{
-    dag_merger_free(&c->merger);
-}
-
 static vxs_result dag_begin(void *data, const vxs_light *light)
 {
     dag_coder *c = data;
@@ -128,22 +108,20 @@ static vxs_result dag_finish(void *data, coded_light *out)
     return VXS_OK;
 }
 
-light_coder dag_coder_seam(dag_coder *c)
-{
-    return (light_coder){.data = c, .begin = dag_begin, .add_map = dag_add_map, .finish = dag_finish};
-}
-
 void chosen_coder_init(chosen_coder *c, const bake_options *o, compress_order compress, light_picture *picture)
 {
     int is_dag = o->coding == CODING_DAG;
-    *c         = (chosen_coder){.dags   = dag_coder_for(o, compress, picture),
-                                .blocks = {.threads = o->threads, .packing = (uint32_t)o->pack}};
-    c->coder   = is_dag ? dag_coder_seam(&c->dags) : blocks_coder_seam(&c->blocks);
-    c->stats   = is_dag ? &c->dags.stats : &c->blocks.stats;
+    *c         = (chosen_coder){
+                .dags   = {.build = build_options_of(o, compress), .unify = o->stop == STOP_FINAL, .picture = picture},
+                .blocks = {.threads = o->threads, .packing = (uint32_t)o->pack},
+    };
+    c->coder = is_dag ? (light_coder){&c->dags, dag_begin, dag_add_map, dag_finish}
+                      : (light_coder){&c->blocks, blocks_begin, blocks_add_map, blocks_finish};
+    c->stats = is_dag ? &c->dags.stats : &c->blocks.stats;
 }
 
 void chosen_coder_free(chosen_coder *c)
 {
-    dag_coder_free(&c->dags);
-    blocks_coder_free(&c->blocks);
+    dag_merger_free(&c->dags.merger);
+    block_set_free(&c->blocks.set);
 }

@@ -60,12 +60,6 @@ typedef struct blocks_coder {
     uint32_t         packing; /* VXS_PACKING_* */
 } blocks_coder;
 
-/* Valid until blocks_coder_free, while c stays at its address. Zero c before, except for threads and packing. */
-light_coder blocks_coder_seam(blocks_coder *c);
-
-/* Accepts a coder that was not begun. */
-void blocks_coder_free(blocks_coder *c);
-
 /* A light's maps as a DAG: baker/coding/dag/ behind the seam of light_coder.h. */
 
 typedef struct dag_coder {
@@ -79,16 +73,6 @@ typedef struct dag_coder {
     uint32_t            map; /* map in work */
     const bake_context *ctx; /* run context during add_map */
 } dag_coder;
-
-/* compress  order of compression from the plan
- * picture   NULL, or where masks are drawn; borrowed */
-dag_coder dag_coder_for(const bake_options *o, compress_order compress, light_picture *picture);
-
-/* Valid until dag_coder_free, while c stays at its address. */
-light_coder dag_coder_seam(dag_coder *c);
-
-/* Accepts one that was not begun. */
-void dag_coder_free(dag_coder *c);
 
 /* The coding that the options choose, behind the seam of light_coder.h. */
 

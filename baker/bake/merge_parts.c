@@ -23,11 +23,6 @@ typedef struct part_set {
 
 /* the parts ------------------------------------------------------------------------------------------------------------------- */
 
-static vxs_result is_damaged(const part_reader *p, run_context *m)
-{
-    return fail(m, VXS_E_CORRUPT, "'%s' is a part of a bake, and damaged: make it again", input_name(p->path));
-}
-
 /* Check that a part is not a duplicate, and belongs to the same bake. */
 static vxs_result check_part(const part_set *s, const part_reader *p, run_context *m)
 {
@@ -71,7 +66,7 @@ static vxs_result open_parts(part_set *s, const text_list *paths, run_context *m
     if (r == VXS_OK) r = check_all_there(s, m);
     if (r != VXS_OK) return r;
     r = part_common_read(&s->common, s->parts[0].common.data, s->parts[0].common.size_bytes);
-    return r == VXS_E_CORRUPT ? is_damaged(&s->parts[0], m) : r == VXS_OK ? r : fail(m, r, "out of memory for parts");
+    return r == VXS_E_CORRUPT ? part_is_damaged(&s->parts[0], m) : r == VXS_OK ? r : fail(m, r, "out of memory for parts");
 }
 
 /* columns --------------------------------------------------------------------------------------------------------------------- */
@@ -113,10 +108,10 @@ static vxs_result ask(void *data, const column_map *columns, uint32_t level, uin
     column_key         key    = part_square_key(number, c->light, c->map, level, i, j);
     (void)columns;
     *fate = SQUARE_KNOWN;
-    return s ? part_read(p, s, &key, record, ctx->run) : is_damaged(p, ctx->run);
+    return s ? part_read(p, s, &key, record, ctx->run) : part_is_damaged(p, ctx->run);
 }
 
-/* Called only if the record of a square was not sound: an error. */
+/* Called only if the record of a square was not sound: an error. So nothing is kept. */
 static vxs_result fetch(void *data, uint32_t level, uint32_t i, uint32_t j, column_square *out, bake_context *ctx)
 {
     const part_columns *c = data;
@@ -124,15 +119,7 @@ static vxs_result fetch(void *data, uint32_t level, uint32_t i, uint32_t j, colu
     (void)i;
     (void)j;
     *out = (column_square){0};
-    return is_damaged(part_of(c->set, c->set->next - 1), ctx->run);
-}
-
-static vxs_result keep(void *data, const vxs_bytes *record, bake_context *ctx)
-{
-    (void)data;
-    (void)record;
-    (void)ctx;
-    return VXS_OK; /* nothing is kept */
+    return part_is_damaged(part_of(c->set, c->set->next - 1), ctx->run);
 }
 
 static void release(void *data, column_square *square)
@@ -186,14 +173,13 @@ static vxs_result merge_file(part_set *s, const bake_options *o, bake_report *re
     report->lights     = calloc(count, sizeof *report->lights);
     vxs_result r       = coded && report->lights ? VXS_OK : fail(ctx->run, VXS_E_MEMORY, "out of memory for %zu lights", count);
     if (r == VXS_OK) {
-        r = VXS_OK;
         for (uint32_t n = 0; n < s->common.light_count && r == VXS_OK; n++) {
             report->light_count++;
             report->lights[n].light = s->common.lights[n].light;
 
             const part_light *of      = &s->common.lights[n];
             plan_light        planned = {.light = of->light, .map_count = vxs_map_count(&of->light), .tiles = squares_of(of)};
-            part_columns      columns = {.set = s, .of = of, .light = n, .keeper = {&columns, 0, NULL, ask, keep}};
+            part_columns      columns = {.set = s, .of = of, .light = n, .keeper = {&columns, 0, NULL, ask, NULL}};
             column_source     source  = {&columns, planned.map_count, open_map};
             chosen_coder      coding;
             snprintf(planned.name, sizeof planned.name, "%.*s", VXS_LIGHT_NAME_BYTES - 1, of->light.name);
@@ -203,7 +189,7 @@ static vxs_result merge_file(part_set *s, const bake_options *o, bake_report *re
         }
         uint64_t there = 0;
         for (size_t n = 0; n < s->count; n++) there += s->parts[n].squares.count;
-        r = r == VXS_OK && there != s->next ? is_damaged(&s->parts[0], ctx->run) : r;
+        r = r == VXS_OK && there != s->next ? part_is_damaged(&s->parts[0], ctx->run) : r;
     }
     watch_say(o->watch, "compressing the file");
     if (r == VXS_OK) r = asset_encode(o, coded, report->light_count, s->common.metadata, NULL, &file, ctx->run);

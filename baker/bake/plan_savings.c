@@ -64,9 +64,7 @@ vxs_result plan_find_closed(bake_plan *plan, const bake_options *o, const caster
 
     /* The casters with these components as solids, which is the main effect of --closed on. The result owns only indices and
      * double_sided. */
-    size_t components = 0;
-    for (int kind = 0; kind < COMPONENT_KINDS; kind++) components += c->component_count[kind];
-    double *volumes     = calloc(components + 1, sizeof *volumes);
+    double *volumes     = calloc(casters_component_count(c) + 1, sizeof *volumes);
     closed              = *c;
     closed.indices      = malloc(3 * c->triangle_count * sizeof *closed.indices);
     closed.double_sided = malloc(c->triangle_count);

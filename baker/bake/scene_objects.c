@@ -10,13 +10,6 @@
 #include "baker/base/text.h"
 #include "baker/base/vec3.h"
 
-static size_t count_components(const casters *c)
-{
-    size_t count = 0;
-    for (int kind = 0; kind < COMPONENT_KINDS; kind++) count += c->component_count[kind];
-    return count;
-}
-
 /* Fill boxes and counts of the objects from list->of. */
 static void fill(object_list *list, const casters *c, size_t components)
 {
@@ -33,7 +26,7 @@ static void fill(object_list *list, const casters *c, size_t components)
 int objects_by_component(object_list *list, const casters *c)
 {
     *list       = (object_list){0};
-    list->count = count_components(c);
+    list->count = casters_component_count(c);
     list->items = malloc((list->count + 1) * sizeof *list->items);
     list->of    = malloc((list->count + 1) * sizeof *list->of);
     if (!list->items || !list->of) return 0;
@@ -44,7 +37,7 @@ int objects_by_component(object_list *list, const casters *c)
 
 int objects_by_node(object_list *list, const casters *c, const scene *s)
 {
-    size_t    components = count_components(c), nodes = 0;
+    size_t    components = casters_component_count(c), nodes = 0;
     uint32_t *object_of = NULL; /* [nodes] 1 + index of its object; 0: none yet */
     *list               = (object_list){0};
     if (!s || !s->part_count) return 0;

@@ -209,17 +209,10 @@ static const double PLACE_ACROSS_MIN_METRES = 0.1;
 static const double PLACE_MIN_METRES = 5e3, PART_LARGE_METRES = 50;
 enum { PARTS_MIN = 16, PARTS_SMALL_SHARE = 10 };
 
-static size_t all_components(const casters *c)
-{
-    size_t count = 0;
-    for (int kind = 0; kind < COMPONENT_KINDS; kind++) count += c->component_count[kind];
-    return count;
-}
-
 /* Whether nine of ten components are larger than objects of a level are; 0 if there are few. */
 static int parts_are_large(const casters *c)
 {
-    size_t count = all_components(c), small = 0;
+    size_t count = casters_component_count(c), small = 0;
     if (count < PARTS_MIN) return 0;
     for (size_t i = 0; i < count; i++) small += box_diagonal(&c->boxes[i]) < PART_LARGE_METRES;
     return small * PARTS_SMALL_SHARE <= count;
@@ -230,7 +223,7 @@ void warn_about_scale(const casters *c, run_context *m)
     box    all    = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
     double across = box_diagonal(&all), height = all.max[1] - all.min[1];
     int    large = across > ACROSS_MAX_METRES || height > HEIGHT_MAX_METRES || (across > PLACE_MIN_METRES && parts_are_large(c));
-    int    small = across < ACROSS_MIN_METRES || (across < PLACE_ACROSS_MIN_METRES && all_components(c) >= PARTS_MIN);
+    int    small = across < ACROSS_MIN_METRES || (across < PLACE_ACROSS_MIN_METRES && casters_component_count(c) >= PARTS_MIN);
     if (!large && !small) return;
     warn(m, "the scene is %.15g x %.15g x %.15g m, %s: glTF is in metres; export it so, or scale its root nodes%s",
          rounded(all.max[0] - all.min[0], 3), rounded(height, 3), rounded(all.max[2] - all.min[2], 3),
@@ -245,7 +238,7 @@ enum { RANGE_PARTS_MIN = 4 };
 void warn_about_ranges(const casters *c, const light_choice *chosen, run_context *m)
 {
     const chosen_light *longest = NULL;
-    size_t              count = all_components(c), wider = 0;
+    size_t              count = casters_component_count(c), wider = 0;
     for (const chosen_light *l = chosen->lights; l < chosen->lights + chosen->count; l++) {
         if (l->shape.kind == LIGHT_DIRECTIONAL) continue;
         if (!isfinite(l->shape.range_metres)) return;

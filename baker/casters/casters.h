@@ -110,6 +110,14 @@ vxs_result casters_find_meeting(casters *c, uint32_t threads, run_context *m);
 
 void casters_free(casters *c);
 
+/* Number of components of all kinds. */
+static inline size_t casters_component_count(const casters *c)
+{
+    size_t count = 0;
+    for (int kind = 0; kind < COMPONENT_KINDS; kind++) count += c->component_count[kind];
+    return count;
+}
+
 /* Number of triangles before splitting. */
 static inline size_t casters_whole_count(const casters *c)
 {

@@ -32,7 +32,7 @@ struct square_keeper {
     vxs_result (*ask)(void *data, const column_map *columns, uint32_t level, uint32_t i, uint32_t j, square_fate *fate,
                       vxs_bytes *record, bake_context *ctx);
 
-    /* Keep the result of the square of the last `ask`. */
+    /* Keep the result of the square of the last `ask`. May be NULL if fetching a square is an error. */
     vxs_result (*keep)(void *data, const vxs_bytes *record, bake_context *ctx);
 };
 

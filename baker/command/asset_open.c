@@ -64,28 +64,17 @@ vxs_result asset_fail(const char *path, vxs_result r, const first_finding *found
                 (unsigned long long)f.offset, where, r == VXS_E_MEMORY ? remedy : "");
 }
 
-/* Open; on failure, the message names the first finding. */
-static vxs_result open_told(vxs_asset **asset, const char *path, vxs_read_desc *desc, run_context *m)
+vxs_result asset_open(vxs_asset **asset, const char *path, uint64_t memory_bytes, int metadata, uint32_t threads, run_context *m)
 {
-    first_finding f    = {0};
-    desc->finding      = keep_first_finding;
-    desc->finding_user = &f;
-    vxs_result r       = asset_read(asset, path, desc, m);
-    return r == VXS_OK ? r : asset_fail(path, r, &f, "; --memory of info, validate and query sets it", m);
-}
-
-vxs_result asset_open(vxs_asset **asset, const char *path, uint32_t threads, run_context *m)
-{
-    vxs_parallel  lent = parallel_lent(threads);
-    vxs_read_desc desc = {.metadata = 1, .parallel = &lent};
-    return open_told(asset, path, &desc, m);
-}
-
-vxs_result asset_open_within(vxs_asset **asset, const char *path, uint64_t memory_bytes, int metadata, run_context *m)
-{
-    vxs_parallel  lent = parallel_lent(parallel_default_threads());
-    vxs_read_desc desc = {.memory_limit_bytes = memory_bytes, .metadata = metadata, .parallel = &lent};
-    return open_told(asset, path, &desc, m);
+    first_finding found = {0};
+    vxs_parallel  lent  = parallel_lent(threads);
+    vxs_read_desc desc  = {.memory_limit_bytes = memory_bytes,
+                           .metadata           = metadata,
+                           .parallel           = &lent,
+                           .finding            = keep_first_finding,
+                           .finding_user       = &found};
+    vxs_result    r     = asset_read(asset, path, &desc, m);
+    return r == VXS_OK ? r : asset_fail(path, r, &found, "; --memory of info, validate and query sets it", m);
 }
 
 uint64_t asset_file_bytes(const vxs_asset *asset)

@@ -29,14 +29,12 @@ vxs_result asset_fail(const char *path, vxs_result r, const first_finding *f, co
 /* As vxs_asset_open_file, for any input (input_file.h). Sets the message only when the bytes could not be read. */
 vxs_result asset_read(vxs_asset **asset, const char *path, const vxs_read_desc *desc, run_context *m);
 
-/* Open on all processors.
+/* Open a file, on `threads` threads. The message names the first finding.
+ * asset         [out] NULL on failure; closed with vxs_asset_close
  * memory_bytes  limit on memory for the file; 0: the reader's default
- * metadata      1: read the metadata, too */
-vxs_result asset_open_within(vxs_asset **asset, const char *path, uint64_t memory_bytes, int metadata, run_context *m);
-
-/* Open on `threads` threads.
- * asset  [out] NULL on failure; closed with vxs_asset_close.   Returns what vxs_asset_open_file returns. */
-vxs_result asset_open(vxs_asset **asset, const char *path, uint32_t threads, run_context *m);
+ * metadata      1: read the metadata, too
+ * Returns what vxs_asset_open_file returns. */
+vxs_result asset_open(vxs_asset **asset, const char *path, uint64_t memory_bytes, int metadata, uint32_t threads, run_context *m);
 
 /* The size of an open file: the end of its last section. */
 uint64_t asset_file_bytes(const vxs_asset *asset);

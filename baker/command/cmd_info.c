@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "baker/base/parallel.h"
 #include "baker/base/text.h"
 #include "baker/command/asset_open.h"
 #include "baker/command/commands.h"
@@ -311,7 +312,7 @@ static vxs_result run(void *command, run_context *m)
 {
     const info_command *c     = command;
     vxs_asset          *asset = NULL;
-    vxs_result          r     = asset_open_within(&asset, c->path, c->memory_bytes, 1, m);
+    vxs_result          r     = asset_open(&asset, c->path, c->memory_bytes, 1, parallel_default_threads(), m);
     if (r != VXS_OK) return r;
     uint64_t file_bytes = asset_file_bytes(asset);
     FILE    *to         = is_standard_output(c->json_path) ? NULL : report_stream(m, 0);

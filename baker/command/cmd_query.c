@@ -1,5 +1,6 @@
 /* vxs query: how lit is each point, by lookups in a .vxs file.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/base/parallel.h"
 #include "baker/command/asset_open.h"
 #include "baker/command/commands.h"
 #include "baker/command/options/options.h"
@@ -73,7 +74,7 @@ static size_t column_count(const query *q)
 static vxs_result answer_whole(query *q, run_context *m)
 {
     vxs_asset *asset = NULL;
-    vxs_result r     = asset_open_within(&asset, q->path, q->memory_bytes, 0, m);
+    vxs_result r     = asset_open(&asset, q->path, q->memory_bytes, 0, parallel_default_threads(), m);
     if (r == VXS_OK) r = asset_choose_lights(vxs_asset_contents(asset), q->path, &q->light_names, q->lights, &q->light_count, m);
     if (r == VXS_OK) {
         asset_find_smoke(asset, q->lights, q->light_count, q->smoke);

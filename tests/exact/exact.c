@@ -203,7 +203,7 @@ static vxs_result bake_asset(const exact_options *o, way *y, run_context *m)
     bake_it.scene       = everything;
     bake_it.output_path = path;
     vxs_result r        = bake(&bake_it, NULL, &report, m);
-    if (r == VXS_OK) r = asset_open(&y->asset, path, y->bake.threads, m);
+    if (r == VXS_OK) r = asset_open(&y->asset, path, 0, 1, y->bake.threads, m);
     bake_report_free(&report);
     unlink(path);
     rmdir(dir);

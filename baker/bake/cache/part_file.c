@@ -97,7 +97,7 @@ void part_abort(part_writer *w)
 
 /* reading --------------------------------------------------------------------------------------------------------------------- */
 
-static vxs_result is_damaged(const part_reader *p, run_context *m)
+vxs_result part_is_damaged(const part_reader *p, run_context *m)
 {
     return fail(m, VXS_E_CORRUPT, "'%s' is a part of a bake, and damaged: make it again", input_name(p->path));
 }
@@ -110,14 +110,14 @@ static vxs_result cannot_read(const part_reader *p, run_context *m)
 /* Read bytes of the file.   out  [out] zero it first, released with free(out->data) */
 static vxs_result read_at(const part_reader *p, uint64_t at, uint64_t size_bytes, vxs_bytes *out, run_context *m)
 {
-    if (at > p->size_bytes || size_bytes > p->size_bytes - at || size_bytes > LIMIT_BYTES) return is_damaged(p, m);
+    if (at > p->size_bytes || size_bytes > p->size_bytes - at || size_bytes > LIMIT_BYTES) return part_is_damaged(p, m);
     if (!array_reserve(&out->data, &out->capacity_bytes, size_bytes + 1, 1)) return out_of_memory(m);
     out->size_bytes = size_bytes;
     if (p->file < 0) memcpy(out->data, p->whole.data + at, size_bytes);
     for (uint64_t have = 0; p->file >= 0 && have < size_bytes;) {
         ssize_t n = pread(p->file, out->data + have, size_bytes - have, (off_t)(at + have));
         if (n < 0 && errno != EINTR) return cannot_read(p, m);
-        if (n == 0) return is_damaged(p, m); /* the file has become shorter */
+        if (n == 0) return part_is_damaged(p, m); /* the file has become shorter */
         if (n > 0) have += (uint64_t)n;
     }
     return VXS_OK;
@@ -159,7 +159,7 @@ static vxs_result read_head(part_reader *p, vxs_bytes *head, run_context *m)
     p->parts            = take32(&from);
     if (version != PART_VERSION)
         return fail(m, VXS_E_VERSION, "'%s' is a part of a bake by another version of vxs", input_name(p->path));
-    return p->number >= 1 && p->number <= p->parts && p->parts <= PARTS_MAX ? VXS_OK : is_damaged(p, m);
+    return p->number >= 1 && p->number <= p->parts && p->parts <= PARTS_MAX ? VXS_OK : part_is_damaged(p, m);
 }
 
 /* Read the list of squares. Numbers ascend, and squares are contiguous. */
@@ -171,27 +171,29 @@ static vxs_result take_squares(part_reader *p, byte_reader *from, uint64_t count
         part_square s = {.number = take64(from)};
         s.at          = take64(from);
         s.size_bytes  = take64(from);
-        if (s.at != at || s.size_bytes > end - at || (n && s.number <= p->squares.items[n - 1].number)) return is_damaged(p, m);
+        if (s.at != at || s.size_bytes > end - at || (n && s.number <= p->squares.items[n - 1].number))
+            return part_is_damaged(p, m);
         at += s.size_bytes;
         r = note_square(&p->squares, &s, m);
     }
-    return r == VXS_OK && at != end ? is_damaged(p, m) : r;
+    return r == VXS_OK && at != end ? part_is_damaged(p, m) : r;
 }
 
 static vxs_result read_rest(part_reader *p, const vxs_bytes *head, vxs_bytes *trailer, vxs_bytes *rest, run_context *m)
 {
     vxs_result r = p->size_bytes < HEAD_BYTES + TRAILER_BYTES
-                       ? is_damaged(p, m)
+                       ? part_is_damaged(p, m)
                        : read_at(p, p->size_bytes - TRAILER_BYTES, TRAILER_BYTES, trailer, m);
     if (r != VXS_OK) return r;
     byte_reader from  = {trailer->data, TRAILER_BYTES};
     uint64_t    begin = take64(&from), common = take64(&from), count = take64(&from), hash = take64(&from);
-    if (memcmp(from.at, end_magic, sizeof end_magic) != 0 || begin < HEAD_BYTES || begin > p->size_bytes) return is_damaged(p, m);
+    if (memcmp(from.at, end_magic, sizeof end_magic) != 0 || begin < HEAD_BYTES || begin > p->size_bytes)
+        return part_is_damaged(p, m);
     uint64_t size = p->size_bytes - begin, lists = TRAILER_BYTES;
     if (size < lists || count > (size - lists) / SQUARE_BYTES || size - lists - count * SQUARE_BYTES != common)
-        return is_damaged(p, m);
+        return part_is_damaged(p, m);
     if ((r = read_at(p, begin, size - 16, rest, m)) != VXS_OK) return r;
-    if (hash_of(head, rest->data, rest->size_bytes) != hash) return is_damaged(p, m);
+    if (hash_of(head, rest->data, rest->size_bytes) != hash) return part_is_damaged(p, m);
     if (!put_bytes(&p->common, rest->data, common)) return out_of_memory(m);
     byte_reader squares = {rest->data + common, count * SQUARE_BYTES};
     return take_squares(p, &squares, count, begin, m);
@@ -227,7 +229,7 @@ vxs_result part_read(const part_reader *p, const part_square *s, const column_ke
 {
     *record      = (vxs_bytes){0};
     vxs_result r = read_at(p, s->at, s->size_bytes, record, m);
-    if (r == VXS_OK && kept_square_read(record, key) != VXS_OK) r = is_damaged(p, m);
+    if (r == VXS_OK && kept_square_read(record, key) != VXS_OK) r = part_is_damaged(p, m);
     if (r == VXS_OK) return r;
     free(record->data);
     *record = (vxs_bytes){0};

@@ -86,7 +86,7 @@ static vxs_result open_asset(compare_command *c, size_t n, run_context *m)
 {
     compared_asset *a = &c->report.assets[n];
     a->path           = c->asset_paths.items[n];
-    vxs_result r      = asset_open(&a->asset, a->path, c->report.options.threads, m);
+    vxs_result r      = asset_open(&a->asset, a->path, 0, 1, c->report.options.threads, m);
     if (r == VXS_OK) r = provenance_read(&a->made, vxs_asset_contents(a->asset), m);
     if (r != VXS_OK) return r;
     a->closed = c->closed_given ? (closed_mode)c->closed : closed_of_asset(a->made);

@@ -104,7 +104,7 @@ static vxs_result open_asset(render_command *c, subject *s, const vxs_contents *
         c->options.area_points = s->stream.points.coordinates ? &s->stream.points : NULL;
         return r;
     }
-    if ((r = asset_open(&s->asset, c->asset_path, c->options.threads, m)) != VXS_OK) return r;
+    if ((r = asset_open(&s->asset, c->asset_path, 0, 1, c->options.threads, m)) != VXS_OK) return r;
     *contents              = vxs_asset_contents(s->asset);
     c->options.area_points = vxs_asset_points(s->asset);
     r                      = asset_choose_lights(*contents, c->asset_path, &c->light_names, s->lights, &s->light_count, m);

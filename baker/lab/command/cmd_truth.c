@@ -76,7 +76,7 @@ static vxs_result check_options(const truth_options *o, run_context *m)
 /* Open the asset, choose the lights that are wanted, and set the scene options of its bake. */
 static vxs_result open_like(truth_options *o, vxs_asset **asset, json_t **made, traced_like *q, run_context *m)
 {
-    vxs_result r = asset_open(asset, o->like_path, o->threads, m);
+    vxs_result r = asset_open(asset, o->like_path, 0, 1, o->threads, m);
     if (r == VXS_OK) r = provenance_read(made, vxs_asset_contents(*asset), m);
     if (r == VXS_OK) r = asset_scene_choice(*made, &o->choice, m);
     if (r == VXS_OK)

@@ -279,7 +279,7 @@ static int examine(examination *x, mesh_health *h, const casters *c, void (*prog
 {
     if (progress) progress("edges");
 
-    for (int kind = 0; kind < COMPONENT_KINDS; kind++) h->count += c->component_count[kind];
+    h->count      = casters_component_count(c);
     x->edge_count = (uint32_t)(3 * c->triangle_count);
     h->components = calloc(h->count + 1, sizeof *h->components);
     x->sorted     = scratch_take(&x->memory, x->edge_count, sizeof *x->sorted);
