@@ -22,10 +22,8 @@ static int append_coded(vxs_bytes *out, const coder *c)
     uint16_t *words    = malloc((c->count + 1) * sizeof *words);
     uint32_t  state[2] = {STATE_LEAST, STATE_LEAST};
     size_t    count    = 0;
-    if (!words || !reserve(out, 2 * c->count + 8)) {
-        free(words);
-        return 0;
-    }
+    int       done     = words && reserve(out, 2 * c->count + 8);
+    if (!done) goto done;
     for (size_t n = c->count; n-- > 0;) {
         uint32_t from = c->parts[n] >> 16, size = c->parts[n] & 0xffff, *s = &state[n & 1];
         if (*s >> 16 >= size << 1) {
@@ -39,8 +37,9 @@ static int append_coded(vxs_bytes *out, const coder *c)
     vxs_store32(to, state[0]);
     vxs_store32(to + 4, state[1]);
     out->size_bytes += 2 * count + 8;
+done:
     free(words);
-    return 1;
+    return done;
 }
 
 vxs_result vxs_page_encode(vxs_bytes *out, const uint32_t *words, uint32_t word_count, const vxs_page_node *nodes,

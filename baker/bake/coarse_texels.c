@@ -264,19 +264,16 @@ int texels_lose_most(const check_scene *k, const plan_light *l, size_t *lost, si
     size_t          most = k->components.count > k->nodes.count ? k->components.count : k->nodes.count;
     seen_component *seen = malloc((most + 1) * sizeof *seen);
     int             is   = 0;
-    if (!seen || is_preview(l)) {
-        free(seen);
-        return 0;
-    }
+    if (!seen || is_preview(l)) goto done;
     *of   = see_objects(seen, k, &k->components, l, 1);
     *lost = count_lost(seen, *of, LOST_PX);
-    if (*of >= COMPONENTS_MIN && 2 * *lost > *of) {
-        qsort(seen, *of, sizeof *seen, nearer);
-        size_t near  = is_sun(l) ? *of : *of / 4 > COMPONENTS_MIN ? *of / 4 : COMPONENTS_MIN;
-        is           = 2 * count_lost(seen, near, LOST_PX) > near;
-        size_t nodes = see_objects(seen, k, &k->nodes, l, 0);
-        if (nodes >= COMPONENTS_MIN) is &= 2 * count_lost(seen, nodes, LOST_NODE_PX) > nodes;
-    }
+    if (*of < COMPONENTS_MIN || 2 * *lost <= *of) goto done;
+    qsort(seen, *of, sizeof *seen, nearer);
+    size_t near  = is_sun(l) ? *of : *of / 4 > COMPONENTS_MIN ? *of / 4 : COMPONENTS_MIN;
+    is           = 2 * count_lost(seen, near, LOST_PX) > near;
+    size_t nodes = see_objects(seen, k, &k->nodes, l, 0);
+    if (nodes >= COMPONENTS_MIN) is &= 2 * count_lost(seen, nodes, LOST_NODE_PX) > nodes;
+done:
     free(seen);
     return is;
 }

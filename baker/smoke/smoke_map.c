@@ -395,6 +395,31 @@ vxs_result smoke_map_make(smoke_map *map, const smoke_source *source, const vxs_
     return done ? context_check(ctx) : fail(ctx->run, VXS_E_MEMORY, "out of memory for the smoke of light '%s'", baked->light.name);
 }
 
+/* Replace a file by one with the smoke of its lights, if any light has smoke.
+ * maps  [light count of the contents] */
+static vxs_result add_smoke(vxs_bytes *file, const vxs_contents *contents, const smoke_map *maps, int zstd_level, run_context *m)
+{
+    vxs_bytes       with  = {0};
+    uint32_t        some  = 0;
+    vxs_smoke_view *views = calloc(contents->light_count, sizeof *views);
+    vxs_result      r     = views ? VXS_OK : VXS_E_MEMORY;
+    if (!views) goto done;
+    for (uint32_t n = 0; n < contents->light_count; n++) {
+        views[n] = maps[n].view;
+        some += maps[n].counts != NULL;
+    }
+    if (!some) goto done;
+    if ((r = vxs_write_smoke(&with, file->data, file->size_bytes, contents, views, zstd_level)) != VXS_OK) goto done;
+    free(file->data);
+    *file = with;
+    with  = (vxs_bytes){0};
+done:
+    free(views);
+    free(with.data);
+    if (r == VXS_OK) return r;
+    return fail(m, r, "smoke cannot be encoded: %s", r == VXS_E_MEMORY ? "out of memory" : "there is too much of it");
+}
+
 vxs_result smoke_bake(vxs_bytes *file, const smoke_source *source, const smoke_settings *settings, int zstd_level,
                       smoke_counts *counts, bake_context *ctx)
 {
@@ -405,46 +430,20 @@ vxs_result smoke_bake(vxs_bytes *file, const smoke_source *source, const smoke_s
     if (r != VXS_OK) return fail(ctx->run, r, "the encoded asset cannot be read back for its smoke: %s", vxs_result_text(r));
     smoke_map *maps = calloc(contents.light_count, sizeof *maps);
     if (!maps) r = fail(ctx->run, VXS_E_MEMORY, "out of memory for the smoke of %u lights", contents.light_count);
-    if (r == VXS_OK) {
-        r = VXS_OK;
-        for (uint32_t n = 0; n < contents.light_count && r == VXS_OK; n++) {
-            watch_say(ctx->watch, "light %s: smoke", contents.lights[n].light.name);
-            r = smoke_map_make(&maps[n], source, &contents.lights[n], settings, ctx);
-        }
+    for (uint32_t n = 0; n < contents.light_count && r == VXS_OK; n++) {
+        watch_say(ctx->watch, "light %s: smoke", contents.lights[n].light.name);
+        r = smoke_map_make(&maps[n], source, &contents.lights[n], settings, ctx);
     }
-    if (r == VXS_OK) {
-        /* Replace the file by one with smoke. */
-        run_context    *m     = ctx->run;
-        vxs_bytes       with  = {0};
-        uint32_t        some  = 0;
-        vxs_smoke_view *views = calloc(contents.light_count, sizeof *views);
-        for (uint32_t n = 0; views && n < contents.light_count; n++) {
-            views[n] = maps[n].view;
-            some += maps[n].counts != NULL;
-        }
-        r = !views ? VXS_E_MEMORY
-            : some ? vxs_write_smoke(&with, file->data, file->size_bytes, &contents, views, zstd_level)
-                   : VXS_OK;
-        free(views);
-        if (r == VXS_OK && some) {
-            free(file->data);
-            *file = with;
-        } else
-            free(with.data);
-        r = r == VXS_OK
-                ? r
-                : fail(m, r, "smoke cannot be encoded: %s", r == VXS_E_MEMORY ? "out of memory" : "there is too much of it");
-    }
-    if (r == VXS_OK) {
-        for (uint32_t n = 0; n < contents.light_count; n++)
-            counts[n] = (smoke_counts){.side_px       = maps[n].counts ? 1u << maps[n].view.levels : 0,
-                                       .texels        = maps[n].texel_count,
-                                       .curves        = maps[n].curve_count,
-                                       .nodes         = maps[n].node_count,
-                                       .largest_error = maps[n].largest_error,
-                                       .lookups       = maps[n].lookups,
-                                       .memory_bytes  = maps[n].word_count * 4};
-    }
+    if (r != VXS_OK || (r = add_smoke(file, &contents, maps, zstd_level, ctx->run)) != VXS_OK) goto done;
+    for (uint32_t n = 0; n < contents.light_count; n++)
+        counts[n] = (smoke_counts){.side_px       = maps[n].counts ? 1u << maps[n].view.levels : 0,
+                                   .texels        = maps[n].texel_count,
+                                   .curves        = maps[n].curve_count,
+                                   .nodes         = maps[n].node_count,
+                                   .largest_error = maps[n].largest_error,
+                                   .lookups       = maps[n].lookups,
+                                   .memory_bytes  = maps[n].word_count * 4};
+done:
     for (uint32_t n = 0; maps && n < contents.light_count; n++) smoke_map_free(&maps[n]);
     free(maps);
     vxs_contents_free(&contents);

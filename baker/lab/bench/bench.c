@@ -237,10 +237,7 @@ vxs_result bench_run(const bench_options *o, json_t **result, int *outputs_diffe
     bench_work w = {.o = o};
     *result      = NULL;
     vxs_result r = keep_pipes(&w, m);
-    if (r != VXS_OK) {
-        release_pipes(&w);
-        return r;
-    }
+    if (r != VXS_OK) goto done;
     r = children_begin(&w.children, m); /* from now on signals wait */
     if (r == VXS_OK && !(w.result = describe(o))) r = fail(m, VXS_E_MEMORY, "out of memory");
     if (r == VXS_OK) r = bench_jobs_make(&w.jobs, &w.job_count, json_object_get(w.result, "cells"), o, w.inputs, &w.children, m);
@@ -250,9 +247,10 @@ vxs_result bench_run(const bench_options *o, json_t **result, int *outputs_diffe
     for (size_t n = 0; n < w.job_count && r == VXS_OK; n++)
         json_array_set_new(json_object_get(w.result, "cells"), n, bench_cell_of_runs(json_incref(w.jobs[n].runs)));
     bench_jobs_free(w.jobs, w.job_count);
-    release_pipes(&w);
     *outputs_differ = w.outputs_differ;
     if (r != VXS_OK) json_decref(w.result);
     *result = r == VXS_OK ? w.result : NULL;
+done:
+    release_pipes(&w);
     return r;
 }

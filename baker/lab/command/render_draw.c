@@ -193,6 +193,20 @@ static vxs_result draw_by_gl(const render_command *c, subject *s, pixels *to, ru
     return r;
 }
 
+/* Write the picture as OpenEXR, in linear colours. */
+static vxs_result write_linear(const render_command *c, const pixels *p, run_context *m)
+{
+    output_file file = {0};
+    size_t      size = 0;
+    uint8_t    *exr  = exr_encode(p->linear, c->options.width_px, c->options.height_px, "RGB", (float)p->white, &size);
+    vxs_result  r    = exr ? output_file_open(&file, c->linear_path, m) : VXS_E_MEMORY;
+    if (r == VXS_OK) r = output_file_write(&file, exr, size, m);
+    if (r == VXS_OK) r = output_file_commit(&file, m);
+    output_file_abort(&file);
+    free(exr);
+    return r;
+}
+
 vxs_result render_draw(const render_command *c, subject *s, output_file *out, run_context *m)
 {
     uint32_t   width = c->options.width_px, height = c->options.height_px;
@@ -201,18 +215,11 @@ vxs_result render_draw(const render_command *c, subject *s, output_file *out, ru
     pixels     p   = {.rgb = malloc(count), .linear = c->linear_path ? malloc(count * sizeof(float)) : NULL};
     vxs_result r   = VXS_E_MEMORY;
     if (p.rgb && (p.linear || !c->linear_path)) r = c->draw == DRAW_RAYS ? draw_by_rays(c, s, &p, m) : draw_by_gl(c, s, &p, m);
-    if (r == VXS_OK && p.linear) {
-        output_file file = {0};
-        size_t      size = 0;
-        uint8_t    *exr  = exr_encode(p.linear, c->options.width_px, c->options.height_px, "RGB", (float)p.white, &size);
-        r                = exr ? output_file_open(&file, c->linear_path, m) : VXS_E_MEMORY;
-        if (r == VXS_OK) r = output_file_write(&file, exr, size, m);
-        if (r == VXS_OK) r = output_file_commit(&file, m);
-        output_file_abort(&file);
-        free(exr);
-    }
-    if (r == VXS_OK && !(png = png_encode(p.rgb, width, height, 3, &size_bytes))) r = VXS_E_MEMORY;
-    if (r == VXS_OK) r = output_file_write(out, png, size_bytes, m);
+    if (r != VXS_OK) goto done;
+    if (p.linear && (r = write_linear(c, &p, m)) != VXS_OK) goto done;
+    png = png_encode(p.rgb, width, height, 3, &size_bytes);
+    r   = png ? output_file_write(out, png, size_bytes, m) : VXS_E_MEMORY;
+done:
     free(png);
     free(p.rgb);
     free(p.linear);

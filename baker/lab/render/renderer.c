@@ -63,13 +63,14 @@ static vxs_gl_function lookup(const char *name, void *user)
 /* As floats, scaled so that the greatest is 1; the fourth number is the cosine of a spot light's inner cone. */
 static vxs_result put_colours(renderer *r, const scene *s, const vxs_baked_light *const *lights, run_context *m)
 {
-    double most     = 0;
-    float(*rows)[4] = calloc(r->light_count, sizeof *rows);
-    r->colours      = calloc(r->light_count, sizeof *r->colours);
-    r->emissions    = calloc(r->light_count, sizeof *r->emissions);
+    double     most   = 0;
+    vxs_result result = VXS_OK;
+    float(*rows)[4]   = calloc(r->light_count, sizeof *rows);
+    r->colours        = calloc(r->light_count, sizeof *r->colours);
+    r->emissions      = calloc(r->light_count, sizeof *r->emissions);
     if (!rows || !r->colours || !r->emissions) {
-        free(rows);
-        return fail(m, VXS_E_MEMORY, "out of memory for %u lights", r->light_count);
+        result = fail(m, VXS_E_MEMORY, "out of memory for %u lights", r->light_count);
+        goto done;
     }
     for (uint32_t n = 0; n < r->light_count; n++) {
         /* The scene's light with the name of a baked light. Defaults for missing values: white, an inner cone of angle 0.
@@ -102,8 +103,9 @@ static vxs_result put_colours(renderer *r, const scene *s, const vxs_baked_light
     r->gl->GenBuffers(1, &r->colour_buffer);
     r->gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, r->colour_buffer);
     r->gl->BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)(r->light_count * sizeof *rows), rows, GL_STATIC_DRAW);
+done:
     free(rows);
-    return VXS_OK;
+    return result;
 }
 
 static vxs_result put_asset(renderer *r, const vxs_baked_light *const *lights, vxs_gl_desc *desc)

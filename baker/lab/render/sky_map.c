@@ -233,6 +233,38 @@ static vxs_result read_radiance(sky_map *map, const sky_file *file, run_context 
     return result;
 }
 
+/* PNG ------------------------------------------------------------------------------------------------------------------------ */
+
+static vxs_result read_png(sky_map *map, const sky_file *file, run_context *m)
+{
+    png_image  image  = {.version = PNG_IMAGE_VERSION};
+    png_color  black  = {0, 0, 0}; /* of transparent pixels */
+    uint8_t   *pixels = NULL;
+    float      light[256];
+    vxs_result r = VXS_OK;
+    if (!png_image_begin_read_from_memory(&image, file->bytes, (size_t)(file->end - file->bytes))) {
+        r = fail(m, VXS_E_CORRUPT, "'%s' is a broken PNG: %s", file->name, image.message);
+        goto done;
+    }
+    if ((r = make_map(map, file, image.width, image.height, m)) != VXS_OK) goto done;
+    size_t count = 3 * (size_t)map->wide_px * map->high_px;
+    if (!(pixels = malloc(count))) {
+        r = fail(m, VXS_E_MEMORY, "out of memory for the sky of '%s'", file->name);
+        goto done;
+    }
+    image.format = PNG_FORMAT_RGB;
+    if (!png_image_finish_read(&image, &black, pixels, 0, NULL)) {
+        r = fail(m, VXS_E_CORRUPT, "'%s' is a broken PNG: %s", file->name, image.message);
+        goto done;
+    }
+    for (int n = 0; n < 256; n++) light[n] = srgb_light((uint8_t)n);
+    for (size_t n = 0; n < count; n++) map->radiance[n] = light[pixels[n]];
+done:
+    free(pixels);
+    png_image_free(&image);
+    return r;
+}
+
 /* files ------------------------------------------------------------------------------------------------------------------------ */
 
 static int is_black(const sky_map *map)
@@ -249,27 +281,9 @@ vxs_result sky_map_decode(sky_map *map, const char *name, const uint8_t *bytes, 
     *map            = (sky_map){0};
     if (is_radiance(&file))
         r = read_radiance(map, &file, m);
-    else if (is_png(&file)) {
-        png_image image = {.version = PNG_IMAGE_VERSION};
-        r               = VXS_OK;
-        if (!png_image_begin_read_from_memory(&image, file.bytes, (size_t)(file.end - file.bytes)))
-            r = fail(m, VXS_E_CORRUPT, "'%s' is a broken PNG: %s", file.name, image.message);
-        if (r == VXS_OK) r = make_map(map, &file, image.width, image.height, m);
-        if (r == VXS_OK) {
-            png_color black  = {0, 0, 0}; /* of transparent pixels */
-            size_t    count  = 3 * (size_t)map->wide_px * map->high_px;
-            uint8_t  *pixels = malloc(count);
-            float     light[256];
-            r            = pixels ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory for the sky of '%s'", file.name);
-            image.format = PNG_FORMAT_RGB;
-            if (r == VXS_OK && !png_image_finish_read(&image, &black, pixels, 0, NULL))
-                r = fail(m, VXS_E_CORRUPT, "'%s' is a broken PNG: %s", file.name, image.message);
-            for (int n = 0; n < 256; n++) light[n] = srgb_light((uint8_t)n);
-            for (size_t n = 0; n < count && r == VXS_OK; n++) map->radiance[n] = light[pixels[n]];
-            free(pixels);
-        }
-        png_image_free(&image);
-    } else
+    else if (is_png(&file))
+        r = read_png(map, &file, m);
+    else
         fail(m, r, "'%s' is neither a Radiance picture (.hdr) nor a PNG: convert it to .hdr", name);
     if (r == VXS_OK && is_black(map)) r = fail(m, VXS_E_SCENE, "'%s' is black: there is no light in it", name);
     if (r != VXS_OK) sky_map_free(map);
