@@ -405,7 +405,7 @@ bench-smoke: only := smoke
 program-size: $B/vxs $B/tests/bench/programs
 	@$(python) tests/bench/program_size.py --build $B
 # programs that draw are known once they are compiled
-gpu-kit: $(unit) $B/vxs
+gpu-kit: $(unit) $B/vxs $B/tests/bench/gpu
 	@$(python) tests/gpu/kit.py --build $B -o build/gpu-kit.tar.xz
 
 # --- other goals -----------------------------------------------------------------------------------------------------------

@@ -18,7 +18,7 @@ SYSTEM = re.compile(r"/(ld-linux|libc\.|libm\.|libdl\.|librt\.|libpthread|libstd
 # the loaders of OpenGL, of which a machine without a desktop may have the driver alone
 LOADERS = ("libEGL.so.1", "libGLdispatch.so.0")
 TEXTS = ("formats/*.h", "runtime/*/*.h", "runtime/*/*.glsl")  # unit programs read some, from the root of the repository
-SCRIPTS = ("tests/gpu/run.sh", "tests/bench/lights.py", "tests/bench/tables.py")
+SCRIPTS = ("tests/gpu/run.sh", "tests/bench/lights.py", "tests/bench/gpu.py", "tests/bench/tables.py")
 
 
 def drawing(build):
@@ -51,11 +51,11 @@ def main():
     if options.list:
         print(*programs)
         return 0
-    benches = [path for path in [options.build / "tests" / "bench" / "gpu"] if path.exists()]
+    benches = [options.build / "vxs", options.build / "tests" / "bench" / "gpu"]
     with tempfile.TemporaryDirectory() as name:
         kit = pathlib.Path(name) / "gpu-kit"
-        for folder, paths in (("unit", programs), ("bin", [options.build / "vxs", *benches]),
-                              ("lib", libraries([*programs, options.build / "vxs", *benches])), ("loaders", loaders())):
+        for folder, paths in (("unit", programs), ("bin", benches),
+                              ("lib", libraries([*programs, *benches])), ("loaders", loaders())):
             (kit / folder).mkdir(parents=True)
             for path in paths:
                 shutil.copy(path, kit / folder)
@@ -66,7 +66,7 @@ def main():
                 to.parent.mkdir(parents=True, exist_ok=True)
                 shutil.copy(path, to)
         shutil.move(kit / "tests" / "gpu" / "run.sh", kit / "run.sh")
-        with tarfile.open(options.output, "w:xz") as archive:
+        with tarfile.open(options.output, "w:xz", preset=9) as archive:  # programs are alike: a dictionary that holds many
             archive.add(kit, "gpu-kit")
     mib = options.output.stat().st_size / 2**20
     print(f"{options.output}: {len(programs)} unit programs, {mib:.1f} MiB")

@@ -34,5 +34,5 @@ for fog in "" "--fog 0.01"; do
     done
 done
 seconds python3 tests/bench/lights.py --vxs bin/vxs --gl egl --size 1920x1080 --resolution 4096 --json "$out/lights.json" && echo "165 lights: $took"
-[ -x bin/gpu ] && bin/gpu --json "$out/gpu.json"
+python3 tests/bench/gpu.py --vxs bin/vxs --gpu bin/gpu --folder "$out/gpu" --json "$out/gpu.json" --size 1920x1080 --warm 100
 [ "$failed" = 0 ]
