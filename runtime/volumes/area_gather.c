@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "area_state.h"
+#include "vxs_desc.h"
 
 enum { RUNS = 8, GROUP = 8 };
 
@@ -142,8 +143,12 @@ static int are_maps(const vxs_area_light *light, const vxs_shadow_depth_map *con
     return light->exact != NULL;
 }
 
-vxs_result vxs_volumes_area(vxs_volumes *v, vxs_area_light *light, const vxs_area_look *look)
+vxs_result vxs_volumes_area(vxs_volumes *v, vxs_area_light *light, const vxs_area_look *given)
 {
+    vxs_area_look        known = {0};
+    const vxs_area_look *look  = &known;
+    const size_t         first = offsetof(vxs_area_look, maps) + sizeof known.maps;
+    if (vxs_desc_take(&known, sizeof known, first, given) != VXS_OK) return VXS_E_ARGUMENT;
     uint32_t runs = look->runs ? look->runs : RUNS;
     if (!v->depth_texture || !light->count || runs > AREA_BITS || (unsigned)look->gather > VXS_AREA_QUARTER) return VXS_E_ARGUMENT;
     if (light->smoke == AREA_DIMMED_BEFORE) return VXS_E_ARGUMENT;

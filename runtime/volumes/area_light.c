@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "area_state.h"
+#include "vxs_desc.h"
 
 _Static_assert(sizeof(area_lamp) == 192, "a lamp is twelve texels");
 
@@ -50,21 +51,24 @@ static vxs_result make(vxs_area_light *light, const vxs_area_light_desc *desc)
 
 vxs_result vxs_area_light_create(vxs_area_light **out, vxs_volumes *v, const vxs_area_light_desc *desc)
 {
-    uint32_t side = desc->side_px ? desc->side_px : SIDE, columns = desc->columns ? desc->columns : SIDE,
-             rows = desc->rows ? desc->rows : SIDE;
-    int most      = 0;
-    *out          = NULL;
-    if (desc->lamps > LAMPS || side < 32 || side > SIDE_MOST || (side & (side - 1))) return VXS_E_ARGUMENT;
+    vxs_area_light_desc known = {0};
+    const size_t        first = offsetof(vxs_area_light_desc, smoke_nodes) + sizeof known.smoke_nodes;
+    int                 most  = 0;
+    *out                      = NULL;
+    if (vxs_desc_take(&known, sizeof known, first, desc) != VXS_OK) return VXS_E_ARGUMENT;
+    uint32_t side = known.side_px ? known.side_px : SIDE, columns = known.columns ? known.columns : SIDE,
+             rows = known.rows ? known.rows : SIDE;
+    if (known.lamps > LAMPS || side < 32 || side > SIDE_MOST || (side & (side - 1))) return VXS_E_ARGUMENT;
     if (columns > SIDE_MOST || rows > SIDE_MOST) return VXS_E_ARGUMENT;
     vxs_area_light *light = vxs_volumes_take(v, sizeof *light);
     if (!light) return VXS_E_MEMORY;
     memset(light, 0, sizeof *light);
     light->volumes = v;
     light->size    = (vxs_grid_size){(int)columns, (int)rows, AREA_BITS};
-    light->most    = desc->lamps ? desc->lamps : LAMPS;
+    light->most    = known.lamps ? known.lamps : LAMPS;
     light->side_px = side;
     v->api.GetIntegerv(GL_MOST_STORAGE_BYTES, &most);
-    vxs_result result = bytes_of(light) > (uint32_t)most ? VXS_E_GL : make(light, desc);
+    vxs_result result = bytes_of(light) > (uint32_t)most ? VXS_E_GL : make(light, &known);
     if (result == VXS_OK)
         *out = light;
     else

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "volumes_state.h"
+#include "vxs_desc.h"
 
 static const float no_end = 1e30F;
 
@@ -24,24 +25,27 @@ static int is_power_of_two(uint32_t n)
 
 vxs_result vxs_shadow_depth_map_create(vxs_shadow_depth_map **out, vxs_volumes *v, const vxs_shadow_depth_map_desc *desc)
 {
-    int most = 0;
-    *out     = NULL;
-    if (desc->side_px && !is_power_of_two(desc->side_px)) return VXS_E_ARGUMENT;
-    if (!desc->constants && desc->baked_number - 1 >= vxs_gl_light_count(v->shadows)) return VXS_E_ARGUMENT;
+    vxs_shadow_depth_map_desc known = {0};
+    const size_t              first = offsetof(vxs_shadow_depth_map_desc, moves) + sizeof known.moves;
+    int                       most  = 0;
+    *out                            = NULL;
+    if (vxs_desc_take(&known, sizeof known, first, desc) != VXS_OK) return VXS_E_ARGUMENT;
+    if (known.side_px && !is_power_of_two(known.side_px)) return VXS_E_ARGUMENT;
+    if (!known.constants && known.baked_number - 1 >= vxs_gl_light_count(v->shadows)) return VXS_E_ARGUMENT;
     vxs_shadow_depth_map *map = vxs_volumes_take(v, sizeof *map);
     if (!map) return VXS_E_MEMORY;
-    *map = (vxs_shadow_depth_map){.volumes = v, .baked = desc->baked_number - 1, .is_baked = !desc->constants};
-    if (desc->constants) map->constants = *desc->constants;
+    *map = (vxs_shadow_depth_map){.volumes = v, .baked = known.baked_number - 1, .is_baked = !known.constants};
+    if (known.constants) map->constants = *known.constants;
     const vxs_light_constants *light = vxs_shadow_depth_map_constants(map);
     uint32_t                   side  = light->levels < 31 ? 1U << light->levels : 0;
-    map->side_px                     = desc->side_px && desc->side_px < side ? desc->side_px : side;
+    map->side_px                     = known.side_px && known.side_px < side ? known.side_px : side;
     map->layers                      = light->flags & VXS_LIGHT_CUBE ? 6 : 1;
     v->api.GetIntegerv(GL_MOST_TEXTURE_SIZE, &most);
     vxs_result result = map->side_px && map->side_px <= (uint32_t)most ? VXS_OK : VXS_E_GL;
     if (result == VXS_OK) {
         map->first = vxs_volumes_texture(v, GL_FORMAT_R32F, map->side_px, map->side_px, map->layers);
-        if (desc->moves) map->joined = vxs_volumes_texture(v, GL_FORMAT_R32F, map->side_px, map->side_px, map->layers);
-        if (!map->first || (desc->moves && !map->joined)) result = VXS_E_MEMORY;
+        if (known.moves) map->joined = vxs_volumes_texture(v, GL_FORMAT_R32F, map->side_px, map->side_px, map->layers);
+        if (!map->first || (known.moves && !map->joined)) result = VXS_E_MEMORY;
     }
     if (result != VXS_OK) {
         vxs_shadow_depth_map_destroy(map);

@@ -5,6 +5,7 @@
 
 #include "light_mesh.h"
 #include "vxs_mesh_quads.h"
+#include "vxs_desc.h"
 
 /* As in mesh_quads.glsl (std430); corners follow. */
 typedef struct list_head {
@@ -61,16 +62,19 @@ static vxs_result make(vxs_adaptive_mesh *mesh)
 
 vxs_result vxs_adaptive_mesh_create(vxs_adaptive_mesh **out, vxs_volumes *v, const vxs_adaptive_mesh_desc *desc)
 {
-    vxs_mesh_shape shape = {.side   = (int32_t)desc->side_px,
-                            .levels = vxs_mesh_levels(desc->side_px),
-                            .layers = (int32_t)desc->layers,
-                            .is_sun = desc->layers == 1};
-    *out                 = NULL;
+    vxs_adaptive_mesh_desc known = {0};
+    const size_t           first = offsetof(vxs_adaptive_mesh_desc, triangles_most) + sizeof known.triangles_most;
+    *out                         = NULL;
+    if (vxs_desc_take(&known, sizeof known, first, desc) != VXS_OK) return VXS_E_ARGUMENT;
+    vxs_mesh_shape shape = {.side   = (int32_t)known.side_px,
+                            .levels = vxs_mesh_levels(known.side_px),
+                            .layers = (int32_t)known.layers,
+                            .is_sun = known.layers == 1};
     if (shape.levels < 0 || (shape.layers != 1 && shape.layers != 6)) return VXS_E_ARGUMENT;
     if (vxs_mesh_triangles(&shape) > INT_MAX / 3) return VXS_E_ARGUMENT;
     vxs_adaptive_mesh *mesh = vxs_volumes_take(v, sizeof *mesh);
     if (!mesh) return VXS_E_MEMORY;
-    uint32_t most     = triangles_at_most(v, &shape, desc->triangles_most);
+    uint32_t most     = triangles_at_most(v, &shape, known.triangles_most);
     *mesh             = (vxs_adaptive_mesh){.volumes = v, .most = shape, .triangles_most = most};
     vxs_result result = make(mesh);
     if (result == VXS_OK)

@@ -7,6 +7,7 @@
 #include "grid_head.h"
 #include "or_scan.h"
 #include "voxelize.h"
+#include "vxs_desc.h"
 
 enum { COLUMNS = 512, ROWS = 2048, BITS = 512, SIDE_MAX = 16384, RUNS = 16, RUNS_SHARP = 32 };
 
@@ -42,17 +43,20 @@ static vxs_result make(vxs_shadow_grid *grid, const vxs_shadow_grid_desc *desc)
 
 vxs_result vxs_shadow_grid_create(vxs_shadow_grid **out, vxs_volumes *v, const vxs_shadow_grid_desc *desc)
 {
-    vxs_grid_size size = {desc->columns ? (int)desc->columns : COLUMNS, desc->rows ? (int)desc->rows : ROWS,
-                          desc->bits ? (int)desc->bits : BITS};
-    int most = 0;
-    *out     = NULL;
-    if (desc->columns > SIDE_MAX || desc->rows > SIDE_MAX || desc->bits > SIDE_MAX) return VXS_E_ARGUMENT;
+    vxs_shadow_grid_desc known = {0};
+    const size_t         first = offsetof(vxs_shadow_grid_desc, between_rows) + sizeof known.between_rows;
+    int                  most  = 0;
+    *out                       = NULL;
+    if (vxs_desc_take(&known, sizeof known, first, desc) != VXS_OK) return VXS_E_ARGUMENT;
+    if (known.columns > SIDE_MAX || known.rows > SIDE_MAX || known.bits > SIDE_MAX) return VXS_E_ARGUMENT;
+    vxs_grid_size size = {known.columns ? (int)known.columns : COLUMNS, known.rows ? (int)known.rows : ROWS,
+                          known.bits ? (int)known.bits : BITS};
     v->api.GetIntegerv(GL_MOST_STORAGE_BYTES, &most);
     if (bytes_of(&size) > (uint32_t)most || bytes_of(&size) > INT32_MAX) return VXS_E_GL;
     vxs_shadow_grid *grid = vxs_volumes_take(v, sizeof *grid);
     if (!grid) return VXS_E_MEMORY;
-    *grid = (vxs_shadow_grid){.volumes = v, .size = size, .between_rows = desc->between_rows != 0, .casts = desc->casts != 0};
-    vxs_result result = make(grid, desc);
+    *grid = (vxs_shadow_grid){.volumes = v, .size = size, .between_rows = known.between_rows != 0, .casts = known.casts != 0};
+    vxs_result result = make(grid, &known);
     if (result != VXS_OK) {
         vxs_shadow_grid_destroy(grid);
         return result;

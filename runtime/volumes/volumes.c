@@ -120,11 +120,14 @@ static int is_view(const vxs_volumes *v, const vxs_volumes_frame *f)
            f->far_metres > 0 && isfinite(f->far_metres) && f->min_radiance >= 0 && f->depth_texture;
 }
 
-vxs_result vxs_volumes_begin(vxs_volumes *v, const vxs_volumes_frame *f)
+vxs_result vxs_volumes_begin(vxs_volumes *v, const vxs_volumes_frame *frame)
 {
-    frame_block *to  = &v->frame;
-    v->depth_texture = 0;
-    if (!is_medium(f) || !is_view(v, f)) return VXS_E_ARGUMENT;
+    frame_block             *to    = &v->frame;
+    vxs_volumes_frame        known = {0};
+    const vxs_volumes_frame *f     = &known;
+    const size_t             first = offsetof(vxs_volumes_frame, depth_texture) + sizeof known.depth_texture;
+    v->depth_texture               = 0;
+    if (vxs_desc_take(&known, sizeof known, first, frame) != VXS_OK || !is_medium(f) || !is_view(v, f)) return VXS_E_ARGUMENT;
     *to              = (frame_block){.far_metres  = f->far_metres,
                                      .wide_px     = (float)f->view.width_px,
                                      .high_px     = (float)f->view.height_px,
@@ -146,9 +149,13 @@ vxs_result vxs_volumes_begin(vxs_volumes *v, const vxs_volumes_frame *f)
 }
 
 /* The positions come from the matrix; its inverse is that of a rotation, except for a sun's scale. */
-vxs_result vxs_volumes_set_light(vxs_volumes *v, const vxs_volumes_light *light, const vxs_shadow_depth_map *map)
+vxs_result vxs_volumes_set_light(vxs_volumes *v, const vxs_volumes_light *given, const vxs_shadow_depth_map *map)
 {
-    frame_block *to = &v->frame;
+    frame_block             *to    = &v->frame;
+    vxs_volumes_light        known = {0};
+    const vxs_volumes_light *light = &known;
+    const size_t             first = offsetof(vxs_volumes_light, min_radiance) + sizeof known.min_radiance;
+    if (vxs_desc_take(&known, sizeof known, first, given) != VXS_OK) return VXS_E_ARGUMENT;
     if (!v->depth_texture || (!light->constants && light->baked_number - 1 >= vxs_gl_light_count(v->shadows))) return VXS_E_ARGUMENT;
     for (int n = 0; n < 3; n++)
         if (!(light->colour[n] >= 0 && isfinite(light->colour[n]))) return VXS_E_ARGUMENT;

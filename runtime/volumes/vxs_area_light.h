@@ -124,8 +124,9 @@ double vxs_area_scatter_for(const float *positions, const uint32_t *corners, uin
 
 typedef struct vxs_area_light vxs_area_light;
 
-/* Fields that are not set are 0, which means the default. */
+/* Fields that are not set are 0, which means the default. New fields are added at the end only. */
 typedef struct vxs_area_light_desc {
+    size_t   struct_size;   /* sizeof(vxs_area_light_desc); 0: the first version, which ends with smoke_nodes */
     uint32_t lamps;         /* largest number of VPLs, at most VXS_VPLS_MAX; 0: VXS_VPLS_MAX */
     uint32_t side_px;       /* of the imperfect shadow map of each VPL: 32, 64, 128, 256; 0: 128 */
     uint32_t columns, rows; /* of the grid of each VPL, whose eye rays have 128 bits: 1 to 256; 0: 128 */
@@ -195,8 +196,9 @@ typedef enum vxs_area_gather {
     VXS_AREA_QUARTER, /* all, at one pixel in four; other pixels interpolate neighbours of similar depth */
 } vxs_area_gather;
 
-/* Fields that are not set are 0, which means the default. */
+/* Fields that are not set are 0, which means the default. New fields are added at the end only. */
 typedef struct vxs_area_look {
+    size_t                             struct_size; /* sizeof(vxs_area_look); 0: the first version, which ends with maps */
     vxs_area_gather                    gather;
     uint32_t                           runs;     /* as for vxs_volumes_grid, at most 128; 0: 8 */
     uint32_t                           is_sharp; /* 1: an eye ray uses one row of a grid; 0: it interpolates between two rows */

@@ -59,8 +59,10 @@ void vxs_volumes_destroy(vxs_volumes *volumes);
 
 /* a frame ---------------------------------------------------------------------------------------------------------------------- */
 
-/* The medium, the camera, and the depths of what was drawn. */
+/* The medium, the camera, and the depths of what was drawn. New fields are added at the end only, and none to vxs_view, which is
+ * in its middle. */
 typedef struct vxs_volumes_frame {
+    size_t   struct_size; /* sizeof(vxs_volumes_frame); 0: the first version, which ends with depth_texture */
     float    scattering[3], extinction[3]; /* per metre, as for vxs_medium */
     float    anisotropy;
     float    ambient[3]; /* radiance that comes from all directions, such as from the sky; fog scatters it, too; 0: none */
@@ -84,8 +86,10 @@ static inline uint32_t vxs_baked_number(uint32_t index)
     return index + 1;
 }
 
-/* A light of the frame: one of the first two fields is set, else functions return VXS_E_ARGUMENT. */
+/* A light of the frame: baked_number or constants is set, else functions return VXS_E_ARGUMENT. New fields are added at the end
+ * only. */
 typedef struct vxs_volumes_light {
+    size_t                     struct_size;  /* sizeof(vxs_volumes_light); 0: the first version, which ends with min_radiance */
     uint32_t                   baked_number; /* vxs_baked_number; not used with constants */
     const vxs_light_constants *constants;    /* for a light that is not baked: the layout of its maps */
     float colour[3];     /* punctual lights: intensity, in candela; suns: irradiance, in lux; or both in the units of the image */
@@ -135,7 +139,9 @@ void vxs_volumes_composite(vxs_volumes *volumes);
 
 /* light maps ------------------------------------------------------------------------------------------------------------------- */
 
+/* Fields that are not set are 0, which means the default. New fields are added at the end only. */
 typedef struct vxs_shadow_depth_map_desc {
+    size_t                     struct_size;  /* sizeof(vxs_shadow_depth_map_desc); 0: the first version, which ends with moves */
     uint32_t                   baked_number; /* vxs_baked_number; not used with constants */
     /* for a light that is not baked: its prism, frustum or cube; its static part has no shadow */
     const vxs_light_constants *constants;
@@ -193,8 +199,9 @@ vxs_result vxs_volumes_march(vxs_volumes *volumes, const vxs_volumes_light *ligh
 
 /* voxelized shadow volumes ----------------------------------------------------------------------------------------------------- */
 
-/* Fields that are not set are 0, which means the default. */
+/* Fields that are not set are 0, which means the default. New fields are added at the end only. */
 typedef struct vxs_shadow_grid_desc {
+    size_t   struct_size; /* sizeof(vxs_shadow_grid_desc); 0: the first version, which ends with between_rows */
     uint32_t columns; /* for angles at the eye; 0: 512 */
     uint32_t rows;    /* for angles about the axis from the eye to the light; 0: 2048 */
     /* for angles at a punctual light, or distances from the axis to the sun; 0: 512. Memory is allocated in multiples of 128 */
@@ -289,7 +296,9 @@ vxs_result vxs_volumes_intervals_in_pieces(vxs_volumes *volumes, const vxs_volum
  * at most 4096 x 4096 texels, one map 8192 x 8192. */
 vxs_result vxs_volumes_mesh_map(vxs_volumes *volumes, const vxs_volumes_light *light, const vxs_shadow_depth_map *map);
 
+/* New fields are added at the end only. */
 typedef struct vxs_adaptive_mesh_desc {
+    size_t struct_size; /* sizeof(vxs_adaptive_mesh_desc); 0: the first version, which ends with triangles_most */
     /* side: of the largest light map in use, a power of two, 1 to 8192, for six layers 4096; layers: 1 or 6 */
     uint32_t side_px, layers;
     uint32_t triangles_most; /* capacity, 12 bytes each; 0: for all quads, or as many as the context supports */

@@ -8,6 +8,7 @@
 
 #include "formats/vxs_desc.h"
 #include "runtime/gl/vxs_gl.h"
+#include "runtime/volumes/vxs_area_light.h"
 #include "runtime/volumes/vxs_transmittance.h"
 #include "runtime/vxs.h"
 #include "runtime/vxs_query.h"
@@ -81,6 +82,23 @@ static void descriptions_grow_at_their_end(void **state)
     assert_int_equal(AT(vxs_gl_desc, stream), 72);
     assert_int_equal(AT(vxs_gl_desc, smoke), 80);
     assert_true(sizeof(vxs_gl_desc) >= 88);
+    assert_int_equal(AT(vxs_volumes_desc, struct_size), 0);
+    assert_int_equal(AT(vxs_volumes_frame, struct_size), 0);
+    assert_int_equal(AT(vxs_volumes_frame, view), 52);
+    assert_int_equal(AT(vxs_volumes_frame, depth_texture), 152);
+    assert_int_equal(AT(vxs_volumes_light, struct_size), 0);
+    assert_int_equal(AT(vxs_volumes_light, smoke), 48);
+    assert_int_equal(AT(vxs_volumes_light, min_radiance), 60);
+    assert_int_equal(AT(vxs_shadow_depth_map_desc, struct_size), 0);
+    assert_int_equal(AT(vxs_shadow_depth_map_desc, moves), 28);
+    assert_int_equal(AT(vxs_shadow_grid_desc, struct_size), 0);
+    assert_int_equal(AT(vxs_shadow_grid_desc, between_rows), 28);
+    assert_int_equal(AT(vxs_adaptive_mesh_desc, struct_size), 0);
+    assert_int_equal(AT(vxs_adaptive_mesh_desc, triangles_most), 16);
+    assert_int_equal(AT(vxs_area_light_desc, struct_size), 0);
+    assert_int_equal(AT(vxs_area_light_desc, smoke_nodes), 36);
+    assert_int_equal(AT(vxs_area_look, struct_size), 0);
+    assert_int_equal(AT(vxs_area_look, maps), 24);
     assert_int_equal(AT(vxs_stream_desc, struct_size), 0);
     assert_int_equal(AT(vxs_stream_desc, read), 32);
     assert_int_equal(AT(vxs_stream_desc, budget_bytes), 48);

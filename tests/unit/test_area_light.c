@@ -574,6 +574,14 @@ static void test_state(void **state)
     light->volumes->api.ActiveTexture(GL_TEXTURE0);
 }
 
+static vxs_result make_light(const vxs_area_light_desc *desc)
+{
+    vxs_area_light *made;
+    vxs_result      result = vxs_area_light_create(&made, scene.volumes, desc);
+    vxs_area_light_destroy(made);
+    return result;
+}
+
 static void test_misuse(void **state)
 {
     (void)state;
@@ -622,6 +630,9 @@ static void test_misuse(void **state)
     assert_int_equal(vxs_volumes_area(scene.volumes, other, &(vxs_area_look){.maps = (const vxs_shadow_depth_map *[1]){NULL}}),
                      VXS_E_ARGUMENT);
     assert_int_equal(vxs_volumes_area(scene.volumes, other, &(vxs_area_look){0}), VXS_OK); /* one column and one row are a grid */
+    const vxs_area_look whole = {.runs = 4};
+    HOLD_SIZES(vxs_area_light_desc, smoke_nodes, small, make_light(given));
+    HOLD_SIZES(vxs_area_look, maps, whole, vxs_volumes_area(scene.volumes, other, given));
     memset(lamps[0].normal, 0, sizeof lamps[0].normal);
     assert_int_equal(vxs_area_light_set(other, lamps, 1), VXS_OK);
     assert_int_equal(vxs_area_light_cast(other, &(vxs_area_casters){0}), VXS_E_ARGUMENT); /* it has no half of all directions */

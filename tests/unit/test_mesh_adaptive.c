@@ -96,7 +96,7 @@ static void map_free(own_map *m)
 static vxs_adaptive_mesh *mesh_room(const volumes_scene *s, uint32_t side, uint32_t layers, uint32_t triangles_most)
 {
     vxs_adaptive_mesh     *mesh;
-    vxs_adaptive_mesh_desc desc = {side, layers, triangles_most};
+    vxs_adaptive_mesh_desc desc = {.side_px = side, .layers = layers, .triangles_most = triangles_most};
     assert_int_equal(vxs_adaptive_mesh_create(&mesh, s->volumes, &desc), VXS_OK);
     return mesh;
 }
@@ -421,7 +421,8 @@ static void test_any_numbers(void **state)
 static void test_arguments(void **state)
 {
     (void)state;
-    static const vxs_adaptive_mesh_desc bad[] = {{0, 1, 0}, {3, 1, 0}, {16384, 1, 0}, {8, 0, 0}, {8, 5, 0}, {8192, 6, 0}};
+    static const vxs_adaptive_mesh_desc bad[] = {{0, 0, 1, 0}, {0, 3, 1, 0}, {0, 16384, 1, 0},
+                                                 {0, 8, 0, 0}, {0, 8, 5, 0}, {0, 8192, 6, 0}};
     static float                        pixels[4 * PIXELS];
     volumes_scene                       s;
     vxs_adaptive_mesh                  *mesh;
@@ -430,8 +431,9 @@ static void test_arguments(void **state)
         assert_int_equal(vxs_adaptive_mesh_create(&mesh, s.volumes, &bad[n]), VXS_E_ARGUMENT);
         assert_null(mesh);
     }
-    const vxs_adaptive_mesh_desc large = {4096, 1, 33000000}; /* 378 MiB, where llvmpipe's storage buffers have 128 */
-    int                          storage_bytes;
+    const vxs_adaptive_mesh_desc large = {
+        .side_px = 4096, .layers = 1, .triangles_most = 33000000}; /* 378 MiB, where llvmpipe's storage buffers have 128 */
+    int storage_bytes;
     ((PFNGLGETINTEGERVPROC)(vxs_gl_function)gl_choice_function("glGetIntegerv"))(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &storage_bytes);
     if (storage_bytes < 378 << 20) {
         assert_int_equal(vxs_adaptive_mesh_create(&mesh, s.volumes, &large), VXS_E_GL);

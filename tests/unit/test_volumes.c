@@ -843,20 +843,66 @@ static void test_misuse(void **state)
     scene_close(&s);
 }
 
+static vxs_result make_map(const volumes_scene *s, const vxs_shadow_depth_map_desc *desc)
+{
+    vxs_shadow_depth_map *map;
+    vxs_result            result = vxs_shadow_depth_map_create(&map, s->volumes, desc);
+    vxs_shadow_depth_map_destroy(map);
+    return result;
+}
+
+static vxs_result make_grid(const volumes_scene *s, const vxs_shadow_grid_desc *desc)
+{
+    vxs_shadow_grid *grid;
+    vxs_result       result = vxs_shadow_grid_create(&grid, s->volumes, desc);
+    vxs_shadow_grid_destroy(grid);
+    return result;
+}
+
+static vxs_result make_mesh(const volumes_scene *s, const vxs_adaptive_mesh_desc *desc)
+{
+    vxs_adaptive_mesh *mesh;
+    vxs_result         result = vxs_adaptive_mesh_create(&mesh, s->volumes, desc);
+    vxs_adaptive_mesh_destroy(mesh);
+    return result;
+}
+
+/* Structs of programs that were built with older and newer headers. */
+static void test_struct_sizes(void **state)
+{
+    (void)state;
+    volumes_scene s;
+    static seen   v;
+    scene_open(&s, RESOLUTION, WIDE, HIGH);
+    see(&s, 0, SCENE_SPOT, 2.5, &v);
+    const vxs_shadow_depth_map_desc map  = {.baked_number = 1, .side_px = 8};
+    const vxs_shadow_grid_desc      grid = {.columns = 8, .rows = 8, .bits = 8};
+    const vxs_adaptive_mesh_desc    mesh = {.side_px = 8, .layers = 1};
+    const vxs_volumes_light         spot = scene_light(SCENE_SPOT);
+    HOLD_SIZES(vxs_shadow_depth_map_desc, moves, map, make_map(&s, given));
+    HOLD_SIZES(vxs_shadow_grid_desc, between_rows, grid, make_grid(&s, given));
+    HOLD_SIZES(vxs_adaptive_mesh_desc, triangles_most, mesh, make_mesh(&s, given));
+    HOLD_SIZES(vxs_volumes_frame, depth_texture, v.frame, vxs_volumes_begin(s.volumes, given));
+    assert_int_equal(vxs_volumes_begin(s.volumes, &v.frame), VXS_OK);
+    HOLD_SIZES(vxs_volumes_light, min_radiance, spot, vxs_volumes_march(s.volumes, given, NULL, 4, VXS_STEPS_EVEN));
+    HOLD_SIZES(vxs_volumes_light, min_radiance, spot, vxs_volumes_intervals(s.volumes, given));
+    vxs_volumes_light wrong = spot;
+    vxs_pixels        pixels;
+    wrong.struct_size = 3;
+    assert_true(vxs_volumes_most(s.volumes, &spot) > 0 && vxs_volumes_most(s.volumes, &wrong) == 0);
+    assert_int_equal(vxs_volumes_cull(s.volumes, &wrong, &pixels), VXS_CULLED_OFFSCREEN);
+    scene_close(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_light_maps),
-        cmocka_unit_test(test_marches),
-        cmocka_unit_test(test_marches_in_dense_fog),
-        cmocka_unit_test(test_many_steps),
-        cmocka_unit_test(test_intervals_in_pieces),
-        cmocka_unit_test(test_joined),
-        cmocka_unit_test(test_joined_airlight),
-        cmocka_unit_test(test_composite),
-        cmocka_unit_test(test_state),
-        cmocka_unit_test(test_any_numbers),
-        cmocka_unit_test(test_reach),
+        cmocka_unit_test(test_light_maps),  cmocka_unit_test(test_struct_sizes),
+        cmocka_unit_test(test_marches),     cmocka_unit_test(test_marches_in_dense_fog),
+        cmocka_unit_test(test_many_steps),  cmocka_unit_test(test_intervals_in_pieces),
+        cmocka_unit_test(test_joined),      cmocka_unit_test(test_joined_airlight),
+        cmocka_unit_test(test_composite),   cmocka_unit_test(test_state),
+        cmocka_unit_test(test_any_numbers), cmocka_unit_test(test_reach),
         cmocka_unit_test(test_misuse),
     };
     return cmocka_run_group_tests_name("volumes", tests, NULL, NULL);

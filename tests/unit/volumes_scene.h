@@ -140,6 +140,30 @@ static inline int scene_asks(int light, int camera)
 }
 
 /* The lights as they are asked for, each bright enough to be seen. */
+/* Test `call` with each struct_size of `given`: none, that of the first version, of this one, of a newer one whose new field is 0 or
+ * set; and sizes that no version has.   last  the last field of the first version */
+#define HOLD_SIZES(type, last, value, call)                                                                                        \
+    do {                                                                                                                           \
+        struct {                                                                                                                   \
+            type     known;                                                                                                        \
+            uint64_t newer;                                                                                                        \
+        } sized                    = {value, 0};                                                                                   \
+        const type  *given         = &sized.known;                                                                                 \
+        const size_t first_bytes   = offsetof(type, last) + sizeof given->last;                                                    \
+        const size_t known_sizes[] = {0, first_bytes, sizeof(type), sizeof sized}, no_sizes[] = {3, first_bytes - 1, SIZE_MAX};    \
+        for (size_t at = 0; at < 4; at++) {                                                                                        \
+            sized.known.struct_size = known_sizes[at];                                                                             \
+            assert_int_equal(call, VXS_OK);                                                                                        \
+        }                                                                                                                          \
+        sized.newer = 1;                                                                                                           \
+        assert_int_equal(call, VXS_E_ARGUMENT);                                                                                    \
+        sized.newer = 0;                                                                                                           \
+        for (size_t at = 0; at < 3; at++) {                                                                                        \
+            sized.known.struct_size = no_sizes[at];                                                                                \
+            assert_int_equal(call, VXS_E_ARGUMENT);                                                                                \
+        }                                                                                                                          \
+    } while (0)
+
 static inline vxs_volumes_light scene_light(int light)
 {
     vxs_volumes_light l = {.baked_number = vxs_baked_number((uint32_t)light), .colour = {3, 2, 1}, .radius_metres = 0.1F};
