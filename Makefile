@@ -287,6 +287,8 @@ $(gltf.o): $(gltf.gch)
 # the command's objects are those of a shared library, too, and of an archive, in which gcc's unique names cannot be hidden
 $(baker.o) $(library.o) $(no_lab.c:%=$B/%.o): cflags += $(pic)
 $(baker.o) $(library.o) $(gltf.gch): cxxflags += $(pic) $(if $(filter fuzz,$(config)),,-fno-gnu-unique)
+# vectors of two registers are passed within the file alone
+$B/baker/columns/sparse/square_list.c.o: cflags += -Wno-psabi
 $B/%.c.avx2.o: cflags += -mavx2
 define compile
 	@echo "  cc   $<$(@:$B/$<%.o=%)"
