@@ -16,7 +16,7 @@ int main(int argc, char **argv)
     vxs_asset             *level;
     vxs_gl                *shadows;
     vxs_volumes           *air;
-    vxs_shadow_depth_map         *map;
+    vxs_shadow_depth_map  *map;
     vxs_transmittance_map *smoke;
     vxs_area_light        *screen;
     if (argc != 3) return fprintf(stderr, "usage: frame LEVEL.vxs OUT.ppm\n"), 2;
@@ -27,8 +27,10 @@ int main(int argc, char **argv)
     if (vxs_gl_create(&shadows, &(vxs_gl_desc){.get_proc_address = gl_function, .asset = level}) ||
         vxs_volumes_create(
             &air, &(vxs_volumes_desc){.get_proc_address = gl_function, .shadows = shadows, .width_px = WIDE, .height_px = HIGH}) ||
-        vxs_shadow_depth_map_create(&map, air, &(vxs_shadow_depth_map_desc){.side_px = 1024, .moves = 1}) ||
-        vxs_transmittance_map_create(&smoke, air, &(vxs_transmittance_desc){.capsules = 1, .segments = 1 << 18}) ||
+        vxs_shadow_depth_map_create(
+            &map, air, &(vxs_shadow_depth_map_desc){.baked_number = vxs_baked_number(0), .side_px = 1024, .moves = 1}) ||
+        vxs_transmittance_map_create(
+            &smoke, air, &(vxs_transmittance_desc){.baked_number = vxs_baked_number(0), .capsules = 1, .segments = 1 << 18}) ||
         vxs_area_light_create(&screen, air, &(vxs_area_light_desc){.lamps = 16, .side_px = 64}))
         return fprintf(stderr, "frame: OpenGL cannot do it\n"), 1;
     vxs_gl_upload(shadows, SIZE_MAX);
@@ -36,7 +38,7 @@ int main(int argc, char **argv)
 
     /* what casts and shines */
     const vxs_area_casters casters = {gl_buffer(rubble, sizeof rubble), sizeof rubble / sizeof *rubble, 1};
-    vxs_vpl          lamps[16];
+    vxs_vpl                lamps[16];
     vxs_area_sample(&rectangle, VXS_AREA_HALTON, 0, lamps, 16);
     vxs_area_light_set(screen, lamps, 16);
 
@@ -51,7 +53,7 @@ int main(int argc, char **argv)
                                .view          = {.width_px = WIDE, .height_px = HIGH},
                                .far_metres    = 200,
                                .depth_texture = gl_ground(10)};
-    vxs_volumes_light light = {.colour = {2, 1.9F, 1.7F}, .smoke = smoke};
+    vxs_volumes_light light = {.baked_number = vxs_baked_number(0), .colour = {2, 1.9F, 1.7F}, .smoke = smoke};
     GLuint            left  = gl_texture(WIDE, HIGH, NULL);
     memcpy(frame.view.point_from_depth, gl_point_from_depth, sizeof gl_point_from_depth);
     vxs_point(sun, 0, (double[3]){half, half, half}, eye_ws);
@@ -71,8 +73,8 @@ int main(int argc, char **argv)
     vxs_gl_texts(shadows, texts);
     texts[VXS_GL_TEXTS] = shade;
     vxs_gl_bind(shadows);
-    glBindTextures(0, 4,
-                   (const GLuint[]){frame.depth_texture, left, vxs_area_light_irradiance(screen), vxs_shadow_depth_map_texture(map)});
+    glBindTextures(
+        0, 4, (const GLuint[]){frame.depth_texture, left, vxs_area_light_irradiance(screen), vxs_shadow_depth_map_texture(map)});
     gl_draw(texts, VXS_GL_TEXTS + 1);
     vxs_volumes_composite(air);
     return gl_write(argv[2]) ? 0 : 1;

@@ -158,15 +158,19 @@ static int start(void)
 
 static GLuint program_of(const vxs_gl *shadows, const char *body)
 {
-    const char *texts[VXS_GL_TEXTS + 3];
-    char        log[4096] = "";
-    GLint       good;
-    GLuint      shader = on.gl->CreateShader(GL_COMPUTE_SHADER), program = on.gl->CreateProgram();
-    vxs_gl_texts(shadows, texts);
-    texts[VXS_GL_TEXTS]     = vxs_volumes_text_vxs_depths_h;
-    texts[VXS_GL_TEXTS + 1] = vxs_volumes_text_vxs_intervals_h;
-    texts[VXS_GL_TEXTS + 2] = body;
-    on.gl->ShaderSource(shader, VXS_GL_TEXTS + 3, texts, NULL);
+    /* one program for lights of all kinds, because it is kept for all inputs */
+    static const char any_light[] = "#undef VXS_ONLY_KIND\n#undef VXS_ONLY_CUBE\n#undef VXS_ONLY_CODING\n";
+    const char       *texts[VXS_GL_TEXTS + 4];
+    char              log[4096] = "";
+    GLint             good;
+    GLuint            shader = on.gl->CreateShader(GL_COMPUTE_SHADER), program = on.gl->CreateProgram();
+    vxs_gl_texts(shadows, texts + 1);
+    texts[0]                = texts[1];
+    texts[1]                = any_light;
+    texts[VXS_GL_TEXTS + 1] = vxs_volumes_text_vxs_depths_h;
+    texts[VXS_GL_TEXTS + 2] = vxs_volumes_text_vxs_intervals_h;
+    texts[VXS_GL_TEXTS + 3] = body;
+    on.gl->ShaderSource(shader, VXS_GL_TEXTS + 4, texts, NULL);
     on.gl->CompileShader(shader);
     on.info_log(shader, sizeof log, NULL, log);
     if (log[0]) fprintf(stderr, "%s\n", log);
