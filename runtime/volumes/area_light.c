@@ -169,7 +169,8 @@ void vxs_area_light_put(vxs_area_light *light, int from_origin)
         light->placed[n] = light->lamps[n];
         for (int i = 0; i < 3; i++) light->placed[n].place[i] += light->anchor[i];
     }
-    vxs_volumes_put(light->volumes, light->buffer, 0, light->count * sizeof *light->lamps, from_origin ? light->placed : light->lamps);
+    vxs_volumes_put(light->volumes, light->buffer, 0, light->count * sizeof *light->lamps,
+                    from_origin ? light->placed : light->lamps);
 }
 
 /* imperfect shadow maps -------------------------------------------------------------------------------------------------------- */
@@ -223,6 +224,7 @@ vxs_result vxs_area_light_cast(vxs_area_light *light, const vxs_area_casters *ca
     vxs_volumes_use_storage(v, light->buffer, 0);
     vxs_volumes_run(v, vxs_volumes_compute(v, AREA_USES, vxs_volumes_text_area_holes_glsl), 0, 0, light->count, 1);
     vxs_volumes_put_back_storage(v, &kept);
-    light->is_cast = 1;
-    return vxs_volumes_done(v);
+    vxs_result result = vxs_volumes_done(v);
+    light->is_cast    = result == VXS_OK;
+    return result;
 }

@@ -113,19 +113,28 @@ gl_name vxs_volumes_compile(const vxs_volumes *v, const char *names, const char 
     return linked(v, program);
 }
 
+static int is_program(const volumes_program *p, const char *names, const char *vertex, const char *body)
+{
+    return p->body == body && p->vertex == vertex && !strcmp(p->names, names);
+}
+
 gl_name vxs_volumes_raster(vxs_volumes *v, const char *names, const char *vertex, const char *body)
 {
-    volumes_program *p = v->programs, *end = p + v->program_count;
-    while (p < end && !(p->body == body && p->vertex == vertex && !strcmp(p->names, names))) p++;
-    if (p == end && v->program_count < PROGRAMS_MOST) {
+    uint32_t n = 0;
+    while (n < v->program_count && !is_program(&v->programs[n], names, vertex, body)) n++;
+    if (n == PROGRAMS_MOST) {
+        v->result = VXS_E_GL;
+        return 0;
+    }
+    volumes_program *p = &v->programs[n];
+    if (n == v->program_count) {
         *p = (volumes_program){.vertex = vertex, .body = body};
         snprintf(p->names, sizeof p->names, "%s", names);
         p->name = vxs_volumes_compile(v, p->names, vertex, body);
-        end += ++v->program_count > 0;
+        v->program_count++;
     }
-    if (p < end && p->name) return p->name;
-    v->result = VXS_E_GL;
-    return 0;
+    if (!p->name) v->result = VXS_E_GL;
+    return p->name;
 }
 
 gl_name vxs_volumes_compute(vxs_volumes *v, const char *names, const char *body)

@@ -32,7 +32,7 @@ typedef struct frame_block {
 enum { UNIT_DEPTHS, UNIT_MAP, UNIT_OTHER, UNIT_MESH, UNITS, FRAME_BINDING = 0, IMAGE_BINDING = 0, STORAGES = 3 };
 
 /* A program that has been used, and its texts: it is compiled at its first use, and deleted with the volumes. */
-enum { PROGRAMS_MOST = 192, PROGRAM_NAMES = 320 };
+enum { PROGRAMS_MOST = 384, PROGRAM_NAMES = 320 }; /* more than kinds, codings and fogs times passes: 3 x 2 x 2 x 20, and 60 */
 typedef struct volumes_program {
     char        names[PROGRAM_NAMES];
     const char *vertex, *body; /* vertex: NULL for a compute shader */
@@ -40,8 +40,8 @@ typedef struct volumes_program {
 } volumes_program;
 
 struct vxs_volumes {
-    volumes_api   api;
-    vxs_allocator memory;
+    volumes_api     api;
+    vxs_allocator   memory;
     vxs_log_fn     *log;
     void           *user;
     vxs_gl         *shadows;

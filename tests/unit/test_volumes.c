@@ -514,9 +514,9 @@ enum {
 
 static void read_state(const volumes_scene *s, GLint state[STATE])
 {
-    PFNGLGETINTEGERVPROC   get     = (PFNGLGETINTEGERVPROC)(vxs_gl_function)gl_choice_function("glGetIntegerv");
-    PFNGLGETINTEGERI_VPROC get_i   = (PFNGLGETINTEGERI_VPROC)(vxs_gl_function)gl_choice_function("glGetIntegeri_v");
-    PFNGLACTIVETEXTUREPROC active  = (PFNGLACTIVETEXTUREPROC)(vxs_gl_function)gl_choice_function("glActiveTexture");
+    PFNGLGETINTEGERVPROC   get     = (PFNGLGETINTEGERVPROC)gl_choice_function("glGetIntegerv");
+    PFNGLGETINTEGERI_VPROC get_i   = (PFNGLGETINTEGERI_VPROC)gl_choice_function("glGetIntegeri_v");
+    PFNGLACTIVETEXTUREPROC active  = (PFNGLACTIVETEXTUREPROC)gl_choice_function("glActiveTexture");
     GLint                 *to      = state, unit;
     const GLenum           image[] = {GL_IMAGE_BINDING_NAME,  GL_IMAGE_BINDING_LEVEL,  GL_IMAGE_BINDING_LAYERED,
                                       GL_IMAGE_BINDING_LAYER, GL_IMAGE_BINDING_ACCESS, GL_IMAGE_BINDING_FORMAT};
@@ -562,27 +562,26 @@ static void disturb(const volumes_scene *s)
     gl->CreateTextures(GL_TEXTURE_2D, 1, textures);
     gl->TextureStorage2D(textures[0], 1, GL_RGBA8, 4, 4);
     gl->CreateTextures(GL_TEXTURE_2D_ARRAY, 1, textures + 1);
-    ((PFNGLTEXTURESTORAGE3DPROC)(vxs_gl_function)gl_choice_function("glTextureStorage3D"))(textures[1], 2, GL_RGBA8, 4, 4, 3);
+    ((PFNGLTEXTURESTORAGE3DPROC)gl_choice_function("glTextureStorage3D"))(textures[1], 2, GL_RGBA8, 4, 4, 3);
     gl->CreateTextures(GL_TEXTURE_BUFFER, 1, textures + 2);
     gl->CreateTextures(GL_TEXTURE_2D, 1, &colour);
     gl->TextureStorage2D(colour, 1, GL_RGBA8, 64, 64);
-    ((PFNGLGENSAMPLERSPROC)(vxs_gl_function)gl_choice_function("glGenSamplers"))(1, &samplers);
+    ((PFNGLGENSAMPLERSPROC)gl_choice_function("glGenSamplers"))(1, &samplers);
     for (GLuint n = 0; n < UNITS_ASKED; n++) {
-        ((PFNGLACTIVETEXTUREPROC)(vxs_gl_function)gl_choice_function("glActiveTexture"))(GL_TEXTURE0 + n);
+        ((PFNGLACTIVETEXTUREPROC)gl_choice_function("glActiveTexture"))(GL_TEXTURE0 + n);
         ((void(APIENTRY *)(GLenum, GLuint))gl_choice_function("glBindTexture"))(GL_TEXTURE_2D, textures[0]);
         ((void(APIENTRY *)(GLenum, GLuint))gl_choice_function("glBindTexture"))(GL_TEXTURE_2D_ARRAY, textures[1]);
         ((void(APIENTRY *)(GLenum, GLuint))gl_choice_function("glBindTexture"))(GL_TEXTURE_BUFFER, textures[2]);
-        ((PFNGLBINDSAMPLERPROC)(vxs_gl_function)gl_choice_function("glBindSampler"))(n, samplers);
+        ((PFNGLBINDSAMPLERPROC)gl_choice_function("glBindSampler"))(n, samplers);
     }
     gl->GenBuffers(1, &buffer);
     gl->BindBuffer(GL_UNIFORM_BUFFER, buffer);
     gl->BufferData(GL_UNIFORM_BUFFER, 1024, NULL, GL_STATIC_DRAW);
-    PFNGLBINDBUFFERRANGEPROC bind = (PFNGLBINDBUFFERRANGEPROC)(vxs_gl_function)gl_choice_function("glBindBufferRange");
+    PFNGLBINDBUFFERRANGEPROC bind = (PFNGLBINDBUFFERRANGEPROC)gl_choice_function("glBindBufferRange");
     bind(GL_UNIFORM_BUFFER, 0, buffer, 256, 512);
     for (GLuint n = 0; n < STORAGES; n++) bind(GL_SHADER_STORAGE_BUFFER, 6 + n, buffer, 256, 512);
     gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, buffer);
-    ((PFNGLBINDIMAGETEXTUREPROC)(vxs_gl_function)gl_choice_function("glBindImageTexture"))(0, textures[1], 1, GL_FALSE, 2,
-                                                                                           GL_READ_ONLY, GL_RGBA8);
+    ((PFNGLBINDIMAGETEXTUREPROC)gl_choice_function("glBindImageTexture"))(0, textures[1], 1, GL_FALSE, 2, GL_READ_ONLY, GL_RGBA8);
     gl->GenVertexArrays(1, &array);
     gl->BindVertexArray(array);
     gl->GenFramebuffers(1, &frame);
@@ -600,8 +599,8 @@ static void disturb(const volumes_scene *s)
     gl->Viewport(5, 6, 7, 8);
     gl->BlendFunc(GL_DST_COLOR, GL_ONE_MINUS_SRC_ALPHA);
     gl->BlendEquation(GL_FUNC_SUBTRACT);
-    ((PFNGLCOLORMASKPROC)(vxs_gl_function)gl_choice_function("glColorMask"))(1, 0, 1, 0);
-    ((PFNGLPOLYGONMODEPROC)(vxs_gl_function)gl_choice_function("glPolygonMode"))(GL_FRONT_AND_BACK, GL_LINE);
+    ((PFNGLCOLORMASKPROC)gl_choice_function("glColorMask"))(1, 0, 1, 0);
+    ((PFNGLPOLYGONMODEPROC)gl_choice_function("glPolygonMode"))(GL_FRONT_AND_BACK, GL_LINE);
     assert_int_equal(gl->GetError(), GL_NO_ERROR);
 }
 
@@ -759,7 +758,61 @@ static void test_reach(void **state)
 
 static vxs_gl_function without(const char *name, void *user)
 {
-    return strcmp(name, user) ? scene_function(name, NULL) : NULL;
+    return strcmp(name, user) ? gl_choice_proc(name, NULL) : NULL;
+}
+
+/* Links that were made, and whether they fail. */
+static struct {
+    uint32_t count;
+    int      fails;
+} links;
+
+static void APIENTRY link_counted(GLuint program)
+{
+    links.count++;
+    ((PFNGLLINKPROGRAMPROC)gl_choice_function("glLinkProgram"))(program);
+}
+
+static void APIENTRY link_status(GLuint program, GLenum name, GLint *value)
+{
+    ((PFNGLGETPROGRAMIVPROC)gl_choice_function("glGetProgramiv"))(program, name, value);
+    if (name == GL_LINK_STATUS && links.fails) *value = 0;
+}
+
+static vxs_gl_function with_links(const char *name, void *user)
+{
+    if (!strcmp(name, "glLinkProgram")) return (vxs_gl_function)link_counted;
+    if (!strcmp(name, "glGetProgramiv")) return (vxs_gl_function)link_status;
+    return gl_choice_proc(name, user);
+}
+
+/* Programs are made when a call first uses them, once; a call whose program cannot be made says so, and the next one, too. */
+static void test_programs_at_first_use(void **state)
+{
+    (void)state;
+    volumes_scene s;
+    static seen   v;
+    scene_open(&s, RESOLUTION, WIDE, HIGH);
+    vxs_volumes_destroy(s.volumes);
+    const vxs_volumes_desc desc = {.get_proc_address = with_links, .shadows = s.shadows, .width_px = WIDE, .height_px = HIGH};
+    assert_int_equal(vxs_volumes_create(&s.volumes, &desc), VXS_OK);
+    see(&s, 0, SCENE_SPOT, 2.5, &v);
+    vxs_volumes_light l = scene_light(SCENE_SPOT);
+    assert_int_equal(vxs_volumes_begin(s.volumes, &v.frame), VXS_OK);
+    assert_int_equal(links.count, 0);
+    for (int n = 0; n < 2; n++) {
+        assert_int_equal(vxs_volumes_march(s.volumes, &l, NULL, 4, VXS_STEPS_EVEN), VXS_OK);
+        assert_int_equal(links.count, 1);
+    }
+    links.fails = 1;
+    for (int n = 0; n < 2; n++) {
+        assert_int_equal(vxs_volumes_intervals(s.volumes, &l), VXS_E_GL);
+        assert_int_equal(links.count, 2);
+    }
+    assert_int_equal(vxs_volumes_march(s.volumes, &l, NULL, 4, VXS_STEPS_EVEN), VXS_OK);
+    links.fails = 0;
+    assert_int_equal(s.gl->GetError(), GL_NO_ERROR);
+    scene_close(&s);
 }
 
 static void test_misuse(void **state)
@@ -769,7 +822,7 @@ static void test_misuse(void **state)
     static seen   v;
     vxs_volumes  *none = (vxs_volumes *)&v;
     scene_open(&s, RESOLUTION, WIDE, HIGH);
-    const vxs_volumes_desc good = {.get_proc_address = scene_function, .shadows = s.shadows, .width_px = WIDE, .height_px = HIGH};
+    const vxs_volumes_desc good = {.get_proc_address = gl_choice_proc, .shadows = s.shadows, .width_px = WIDE, .height_px = HIGH};
 #define REFUSED(result, change)                                                                                                    \
     do {                                                                                                                           \
         vxs_volumes_desc desc = good;                                                                                              \
@@ -903,7 +956,7 @@ int main(void)
         cmocka_unit_test(test_joined),      cmocka_unit_test(test_joined_airlight),
         cmocka_unit_test(test_composite),   cmocka_unit_test(test_state),
         cmocka_unit_test(test_any_numbers), cmocka_unit_test(test_reach),
-        cmocka_unit_test(test_misuse),
+        cmocka_unit_test(test_misuse),      cmocka_unit_test(test_programs_at_first_use),
     };
     return cmocka_run_group_tests_name("volumes", tests, NULL, NULL);
 }
