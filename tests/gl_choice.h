@@ -32,4 +32,11 @@ static inline void (*gl_choice_function(const char *name))(void)
     return lookup ? lookup(name) : NULL;
 }
 
+/* The same, as vxs_gl_desc and vxs_volumes_desc take it. */
+static inline void (*gl_choice_proc(const char *name, void *user))(void)
+{
+    (void)user;
+    return gl_choice_function(name);
+}
+
 #endif

@@ -133,12 +133,6 @@ static struct {
     PFNGLGETBUFFERSUBDATAPROC read;
 } on;
 
-static vxs_gl_function function_of(const char *name, void *user)
-{
-    (void)user;
-    return (vxs_gl_function)gl_choice_function(name);
-}
-
 /* 0: there is no OSMesa. */
 static int start(void)
 {
@@ -147,10 +141,10 @@ static int start(void)
         printf("# no OpenGL 4.5: %s\n", m.error);
         return 0;
     }
-    on.dispatch = (PFNGLDISPATCHCOMPUTEPROC)function_of("glDispatchCompute", NULL);
-    on.info_log = (PFNGLGETSHADERINFOLOGPROC)function_of("glGetShaderInfoLog", NULL);
-    on.barrier  = (PFNGLMEMORYBARRIERPROC)function_of("glMemoryBarrier", NULL);
-    on.read     = (PFNGLGETBUFFERSUBDATAPROC)function_of("glGetBufferSubData", NULL);
+    on.dispatch = (PFNGLDISPATCHCOMPUTEPROC)gl_choice_proc("glDispatchCompute", NULL);
+    on.info_log = (PFNGLGETSHADERINFOLOGPROC)gl_choice_proc("glGetShaderInfoLog", NULL);
+    on.barrier  = (PFNGLMEMORYBARRIERPROC)gl_choice_proc("glMemoryBarrier", NULL);
+    on.read     = (PFNGLGETBUFFERSUBDATAPROC)gl_choice_proc("glGetBufferSubData", NULL);
     on.gl->GenBuffers(1, &on.asked);
     on.gl->GenBuffers(1, &on.answers);
     return 1;
@@ -352,7 +346,7 @@ static void check_lights(const lights *l, const vxs_gl_light *list, uint32_t wor
 {
     vxs_gl     *shadows;
     vxs_gl_desc desc = {.struct_size      = sizeof desc,
-                        .get_proc_address = function_of,
+                        .get_proc_address = gl_choice_proc,
                         .lights           = list,
                         .light_count      = l->count,
                         .word_count       = word_count,

@@ -216,9 +216,7 @@ static inline void cast(uint32_t count, uint32_t is_whole)
 
 static inline void read_buffer(size_t start, size_t size, void *data)
 {
-    PFNGLGETNAMEDBUFFERSUBDATAPROC get =
-        (PFNGLGETNAMEDBUFFERSUBDATAPROC)(vxs_gl_function)gl_choice_function("glGetNamedBufferSubData");
-    get(light->buffer, (GLintptr)start, (GLsizeiptr)size, data);
+    scene.gl->GetNamedBufferSubData(light->buffer, (GLintptr)start, (GLsizeiptr)size, data);
 }
 
 static inline size_t map_at(uint32_t number, uint32_t side)

@@ -15,8 +15,7 @@ enum { CAMERAS = sizeof eyes / sizeof *eyes };
 
 static inline void read_buffer(GLuint buffer, size_t start, size_t size, void *data)
 {
-    PFNGLGETNAMEDBUFFERSUBDATAPROC get =
-        (PFNGLGETNAMEDBUFFERSUBDATAPROC)(vxs_gl_function)gl_choice_function("glGetNamedBufferSubData");
+    PFNGLGETNAMEDBUFFERSUBDATAPROC get = (PFNGLGETNAMEDBUFFERSUBDATAPROC)gl_choice_function("glGetNamedBufferSubData");
     get(buffer, (GLintptr)start, (GLsizeiptr)size, data);
 }
 

@@ -208,7 +208,7 @@ static void test_filters(void **state)
     static float               gathered[4 * PIXELS], pixels[4 * PIXELS];
     static double              metres[PIXELS];
     rng                        r   = {6};
-    PFNGLTEXTURESUBIMAGE3DPROC put = (PFNGLTEXTURESUBIMAGE3DPROC)(vxs_gl_function)gl_choice_function("glTextureSubImage3D");
+    PFNGLTEXTURESUBIMAGE3DPROC put = (PFNGLTEXTURESUBIMAGE3DPROC)gl_choice_function("glTextureSubImage3D");
     for (int far = 0; far < 2; far++) {
         volumes_camera    c     = camera_at(eyes[0], look, 0.7);
         vxs_volumes_frame frame = scene_frame(&scene, &c, &haze, 1e30, 30, far ? NULL : metres);
@@ -412,7 +412,7 @@ static volumes_scene large_view(uint32_t width_px, uint32_t height_px, vxs_area_
     volumes_scene             s     = scene;
     const vxs_area_light_desc small = {.lamps = 16, .side_px = SIDE, .columns = COLUMNS, .rows = ROWS};
     vxs_volumes_desc          desc  = {
-                  .get_proc_address = scene_function, .shadows = s.shadows, .width_px = width_px, .height_px = height_px};
+                  .get_proc_address = gl_choice_proc, .shadows = s.shadows, .width_px = width_px, .height_px = height_px};
     s.width_px  = width_px;
     s.height_px = height_px;
     assert_int_equal(vxs_volumes_create(&s.volumes, &desc), VXS_OK);
@@ -544,8 +544,8 @@ static void test_state(void **state)
 {
     (void)state;
     static const GLenum asked[]  = {GL_SHADER_STORAGE_BUFFER_BINDING, GL_CURRENT_PROGRAM, GL_ACTIVE_TEXTURE, GL_TEXTURE_BINDING_2D};
-    PFNGLGETINTEGERI_VPROC get_i = (PFNGLGETINTEGERI_VPROC)(vxs_gl_function)gl_choice_function("glGetIntegeri_v");
-    PFNGLGETINTEGERVPROC   get   = (PFNGLGETINTEGERVPROC)(vxs_gl_function)gl_choice_function("glGetIntegerv");
+    PFNGLGETINTEGERI_VPROC get_i = (PFNGLGETINTEGERI_VPROC)gl_choice_function("glGetIntegeri_v");
+    PFNGLGETINTEGERVPROC   get   = (PFNGLGETINTEGERVPROC)gl_choice_function("glGetIntegerv");
     static double          metres[PIXELS];
     static float           pixels[4 * PIXELS];
     GLint                  before[8], after[8];

@@ -421,8 +421,8 @@ static void test_baked_smoke(void **state)
     (void)state;
     double           means[2][2];
     volumes_scene    smoky = scene;
-    vxs_gl_desc      words = {.get_proc_address = scene_function, .asset = smoky.asset = smoky_asset()};
-    vxs_volumes_desc desc  = {.get_proc_address = scene_function, .width_px = WIDE, .height_px = HIGH, .log = scene_log};
+    vxs_gl_desc      words = {.get_proc_address = gl_choice_proc, .asset = smoky.asset = smoky_asset()};
+    vxs_volumes_desc desc  = {.get_proc_address = gl_choice_proc, .width_px = WIDE, .height_px = HIGH, .log = scene_log};
     assert_int_equal(vxs_gl_create(&smoky.shadows, &words), VXS_OK);
     assert_int_equal(vxs_gl_upload(smoky.shadows, SIZE_MAX), 0);
     desc.shadows = smoky.shadows;
@@ -479,7 +479,7 @@ static void test_state(void **state)
     (void)state;
     static double          places[PIXELS][3];
     static float           air[4 * PIXELS], surfaces[4 * PIXELS];
-    PFNGLGETINTEGERI_VPROC get   = (PFNGLGETINTEGERI_VPROC)scene_function("glGetIntegeri_v", NULL);
+    PFNGLGETINTEGERI_VPROC get   = (PFNGLGETINTEGERI_VPROC)gl_choice_proc("glGetIntegeri_v", NULL);
     volumes_camera         c     = camera_of(0);
     vxs_volumes_frame      frame = random_places(&c, 16, places);
     GLuint                 buffers[3];

@@ -37,7 +37,7 @@ static struct {
 static const GLubyte *APIENTRY told_GetString(GLenum name)
 {
     if (name == GL_VERSION && told.version) return (const GLubyte *)told.version;
-    return ((PFNGLGETSTRINGPROC)(vxs_gl_function)gl_choice_function("glGetString"))(name);
+    return ((PFNGLGETSTRINGPROC)gl_choice_function("glGetString"))(name);
 }
 
 static void APIENTRY told_GenBuffers(GLsizei count, GLuint *names)
@@ -70,7 +70,7 @@ static GLuint APIENTRY told_CreateProgram(void)
 {
     told.programs++;
     told.live++;
-    return ((PFNGLCREATEPROGRAMPROC)(vxs_gl_function)gl_choice_function("glCreateProgram"))();
+    return ((PFNGLCREATEPROGRAMPROC)gl_choice_function("glCreateProgram"))();
 }
 
 static void APIENTRY told_DeleteProgram(GLuint name)
@@ -105,7 +105,7 @@ static vxs_gl_function telling(const char *name, void *user)
     if (told.lacks && !strcmp(told.lacks, name)) return NULL;
     for (size_t n = 0; n < sizeof ours / sizeof *ours; n++)
         if (!strcmp(ours[n].name, name)) return ours[n].function;
-    return (vxs_gl_function)gl_choice_function(name);
+    return gl_choice_function(name);
 }
 
 /* lights -------------------------------------------------------------------------------------------------------------------------------- */

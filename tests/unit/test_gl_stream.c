@@ -18,12 +18,6 @@
 #include "gl_taps.h"
 #include "stream_sample.h"
 
-static vxs_gl_function loaded(const char *name, void *user)
-{
-    (void)user;
-    return (vxs_gl_function)gl_choice_function(name);
-}
-
 /* Less than 0 where pages are missing. */
 static const char streamed_body[] = TAPS_BODY(
     "answer = vxs_is_full_at_place(light.first_word, light, place, filter_px) != 0 ? float(dark + 1u) : -float(dark + 1u);");
@@ -89,7 +83,7 @@ static void test_stream(void **state)
         asked.threads = (uint32_t)storage; /* one of its own, that decodes while words are uploaded */
         assert_int_equal(vxs_stream_open(&stream, &asked), VXS_OK);
         vxs_gl_desc desc = {.struct_size      = sizeof desc,
-                            .get_proc_address = loaded,
+                            .get_proc_address = gl_choice_proc,
                             .storage          = storage ? VXS_GL_TEXTURE : VXS_GL_BUFFER,
                             .stream           = stream};
         if (storage) stream_fill(stream, &(vxs_stream_focus){{9, 9, 9}, {9, 9, 9}, 0, 0}); /* pages are there at once */
@@ -139,7 +133,7 @@ static void test_refused(void **state)
     stream_sample_init(&s, 5);
     vxs_stream_desc asked = stream_desc_of(&s, 8 << 20);
     assert_int_equal(vxs_stream_open(&stream, &asked), VXS_OK);
-    vxs_gl_desc desc = {.struct_size = sizeof desc, .get_proc_address = loaded, .stream = stream};
+    vxs_gl_desc desc = {.struct_size = sizeof desc, .get_proc_address = gl_choice_proc, .stream = stream};
     for (uint64_t fail_at = 1, good = 0; !good; fail_at++) {
         alloc_fail    a      = {.fail_at = fail_at};
         vxs_allocator memory = alloc_fail_allocator(&a);

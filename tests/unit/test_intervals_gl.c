@@ -212,7 +212,7 @@ static void asker_open(asker *a, gl_context *gl, const vxs_baked_light *lights, 
         list[n] = (vxs_gl_light){&lights[n].light, words};
         words += (uint32_t)word_counts[n] + BLOCKS_SPARE_WORDS;
     }
-    vxs_gl_desc desc = {.get_proc_address = scene_function,
+    vxs_gl_desc desc = {.get_proc_address = gl_choice_proc,
                         .lights           = list,
                         .light_count      = light_count,
                         .word_count       = words,
@@ -229,7 +229,7 @@ static void asker_open(asker *a, gl_context *gl, const vxs_baked_light *lights, 
     a->program              = gl->CreateProgram();
     gl->ShaderSource(shader, VXS_GL_TEXTS + 3, texts, NULL);
     gl->CompileShader(shader);
-    ((PFNGLGETSHADERINFOLOGPROC)scene_function("glGetShaderInfoLog", NULL))(shader, sizeof log, NULL, log);
+    ((PFNGLGETSHADERINFOLOGPROC)gl_choice_proc("glGetShaderInfoLog", NULL))(shader, sizeof log, NULL, log);
     if (log[0]) fail_msg("%s", log);
     gl->AttachShader(a->program, shader);
     gl->LinkProgram(a->program);
@@ -260,9 +260,9 @@ static void ask(asker *a)
     gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, a->spans);
     gl->BufferData(GL_SHADER_STORAGE_BUFFER, RAYS * sizeof(answer), NULL, GL_STATIC_DRAW);
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, SPANS_AT, a->spans);
-    ((PFNGLDISPATCHCOMPUTEPROC)scene_function("glDispatchCompute", NULL))(RAYS / 64, 1, 1);
-    ((PFNGLMEMORYBARRIERPROC)scene_function("glMemoryBarrier", NULL))(GL_BUFFER_UPDATE_BARRIER_BIT);
-    ((PFNGLGETBUFFERSUBDATAPROC)scene_function("glGetBufferSubData", NULL))(GL_SHADER_STORAGE_BUFFER, 0, RAYS * sizeof(answer),
+    ((PFNGLDISPATCHCOMPUTEPROC)gl_choice_proc("glDispatchCompute", NULL))(RAYS / 64, 1, 1);
+    ((PFNGLMEMORYBARRIERPROC)gl_choice_proc("glMemoryBarrier", NULL))(GL_BUFFER_UPDATE_BARRIER_BIT);
+    ((PFNGLGETBUFFERSUBDATAPROC)gl_choice_proc("glGetBufferSubData", NULL))(GL_SHADER_STORAGE_BUFFER, 0, RAYS * sizeof(answer),
                                                                             a->answers);
     assert_int_equal(gl->GetError(), GL_NO_ERROR);
 }

@@ -52,7 +52,7 @@ static own_map map_make(const volumes_scene *s, int light, uint32_t side)
 static void map_upload(own_map *m, const volumes_scene *s)
 {
     vxs_shadow_depth_map_desc  desc = {.constants = &m->constants, .side_px = m->side};
-    PFNGLTEXTURESUBIMAGE3DPROC put  = (PFNGLTEXTURESUBIMAGE3DPROC)(vxs_gl_function)gl_choice_function("glTextureSubImage3D");
+    PFNGLTEXTURESUBIMAGE3DPROC put  = (PFNGLTEXTURESUBIMAGE3DPROC)gl_choice_function("glTextureSubImage3D");
     m->light.constants              = &m->constants;
     assert_int_equal(vxs_shadow_depth_map_create(&m->map, s->volumes, &desc), VXS_OK);
     assert_int_equal(vxs_shadow_depth_map_side_px(m->map), m->side);
@@ -434,7 +434,7 @@ static void test_arguments(void **state)
     const vxs_adaptive_mesh_desc large = {
         .side_px = 4096, .layers = 1, .triangles_most = 33000000}; /* 378 MiB, where llvmpipe's storage buffers have 128 */
     int storage_bytes;
-    ((PFNGLGETINTEGERVPROC)(vxs_gl_function)gl_choice_function("glGetIntegerv"))(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &storage_bytes);
+    ((PFNGLGETINTEGERVPROC)gl_choice_function("glGetIntegerv"))(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &storage_bytes);
     if (storage_bytes < 378 << 20) {
         assert_int_equal(vxs_adaptive_mesh_create(&mesh, s.volumes, &large), VXS_E_GL);
         assert_null(mesh);

@@ -386,7 +386,7 @@ static void test_shaders_answer_as_c_does(void **state)
     for (int n = 0; n < 4; n++) {
         static const char *const versions[] = {"#version 430 core", "#version 330 core"};
         const vxs_asset         *asset      = n < 2 ? smoky : without;
-        vxs_gl_desc desc = {.get_proc_address = scene_function, .asset = asset, .storage = n & 1 ? VXS_GL_TEXTURE : VXS_GL_BUFFER};
+        vxs_gl_desc desc = {.get_proc_address = gl_choice_proc, .asset = asset, .storage = n & 1 ? VXS_GL_TEXTURE : VXS_GL_BUFFER};
         vxs_gl     *gl;
         uint32_t    dimmed = 0;
         double      most   = 0;

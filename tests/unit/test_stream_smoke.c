@@ -162,12 +162,6 @@ static void test_some_lights(void **state)
 
 /* shaders ------------------------------------------------------------------------------------------------------------------------- */
 
-static vxs_gl_function loaded(const char *name, void *user)
-{
-    (void)user;
-    return (vxs_gl_function)gl_choice_function(name);
-}
-
 /* Whose smoke shaders are given: that of an asset alone, a stream's own, the same said so, that of an asset beside it, or none in its place. */
 typedef enum given { ASSET, OWN, SAME, BESIDE, NONE, GIVEN } given;
 
@@ -189,7 +183,7 @@ static void answers_of(drawing *d, given from, int n, float answers[QUERIES])
     for (uint32_t light = 0; light < LIGHTS && from != NONE; light++)
         smoke[light] = from == SAME ? vxs_stream_smoke(stream, light) : vxs_asset_smoke(whole, light);
     vxs_gl_desc desc = {.struct_size      = sizeof desc,
-                        .get_proc_address = loaded,
+                        .get_proc_address = gl_choice_proc,
                         .storage          = n ? VXS_GL_TEXTURE : VXS_GL_BUFFER,
                         .asset            = from == ASSET ? whole : NULL,
                         .stream           = from == ASSET ? NULL : stream,

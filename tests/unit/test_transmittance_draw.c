@@ -253,7 +253,7 @@ static void test_rubbish_is_left_out(void **state)
 static void test_misuse(void **state)
 {
     (void)state;
-    PFNGLGETINTEGERI_VPROC get_i = (PFNGLGETINTEGERI_VPROC)(vxs_gl_function)gl_choice_function("glGetIntegeri_v");
+    PFNGLGETINTEGERI_VPROC get_i = (PFNGLGETINTEGERI_VPROC)gl_choice_function("glGetIntegeri_v");
     const char            *texts[VXS_SEGMENT_TEXTS];
     vxs_transmittance_map *tiles = map_of(SCENE_SUN, STREAMED), *lists = map_of(SCENE_SUN, SORTED);
     vxs_capsules           none = {.count = 0};

@@ -224,9 +224,9 @@ static void test_state(void **state)
     (void)state;
     volumes_scene            s;
     static double            metres[PIXELS];
-    PFNGLGETINTEGERI_VPROC   get_i      = (PFNGLGETINTEGERI_VPROC)(vxs_gl_function)gl_choice_function("glGetIntegeri_v");
-    PFNGLGETINTEGERVPROC     get        = (PFNGLGETINTEGERVPROC)(vxs_gl_function)gl_choice_function("glGetIntegerv");
-    PFNGLBINDBUFFERRANGEPROC bind_range = (PFNGLBINDBUFFERRANGEPROC)(vxs_gl_function)gl_choice_function("glBindBufferRange");
+    PFNGLGETINTEGERI_VPROC   get_i      = (PFNGLGETINTEGERI_VPROC)gl_choice_function("glGetIntegeri_v");
+    PFNGLGETINTEGERVPROC     get        = (PFNGLGETINTEGERVPROC)gl_choice_function("glGetIntegerv");
+    PFNGLBINDBUFFERRANGEPROC bind_range = (PFNGLBINDBUFFERRANGEPROC)gl_choice_function("glBindBufferRange");
     const GLenum names[] = {GL_SHADER_STORAGE_BUFFER_BINDING, GL_SHADER_STORAGE_BUFFER_START, GL_SHADER_STORAGE_BUFFER_SIZE};
     GLint        before[10], after[10];
     GLuint       buffer;

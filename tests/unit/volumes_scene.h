@@ -35,12 +35,6 @@ typedef struct volumes_camera {
     double eye[3], right[3], up[3], forward[3], tangent; /* of half the view, across and up */
 } volumes_camera;
 
-static inline vxs_gl_function scene_function(const char *name, void *user)
-{
-    (void)user;
-    return (vxs_gl_function)gl_choice_function(name);
-}
-
 static inline void scene_log(vxs_severity severity, const char *text, void *user)
 {
     (void)user;
@@ -104,11 +98,11 @@ static inline void scene_open_asset(volumes_scene *s, vxs_asset *asset, uint32_t
         print_message("no OpenGL 4.5: %s\n", m.error);
         skip();
     }
-    vxs_gl_desc desc = {.get_proc_address = scene_function, .asset = s->asset};
+    vxs_gl_desc desc = {.get_proc_address = gl_choice_proc, .asset = s->asset};
     assert_int_equal(vxs_gl_create(&s->shadows, &desc), VXS_OK);
     assert_int_equal(vxs_gl_upload(s->shadows, SIZE_MAX), 0);
     vxs_volumes_desc of = {
-        .get_proc_address = scene_function, .shadows = s->shadows, .width_px = width_px, .height_px = height_px, .log = scene_log};
+        .get_proc_address = gl_choice_proc, .shadows = s->shadows, .width_px = width_px, .height_px = height_px, .log = scene_log};
     assert_int_equal(vxs_volumes_create(&s->volumes, &of), VXS_OK);
     s->gl->CreateTextures(GL_TEXTURE_2D, 1, &s->depths);
     s->gl->TextureStorage2D(s->depths, 1, GL_R32F, (GLsizei)width_px, (GLsizei)height_px);
