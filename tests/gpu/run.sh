@@ -8,11 +8,9 @@ mkdir -p "$out" || exit 2
 export VXS_GL=egl LD_LIBRARY_PATH=$PWD/lib out
 ldconfig -p 2>/dev/null | grep -q libEGL.so.1 || LD_LIBRARY_PATH+=:$PWD/loaders
 # a driver of NVIDIA that a machine mounts beside its system
-for nvidia in /usr/local/nvidia; do
-    [ -d $nvidia/lib64 ] && LD_LIBRARY_PATH+=:$nvidia/lib64
-    vendor=$nvidia/share/glvnd/egl_vendor.d/10_nvidia.json
-    [ -e "$vendor" ] && export __EGL_VENDOR_LIBRARY_FILENAMES=$vendor
-done
+nvidia=/usr/local/nvidia
+[ -d $nvidia/lib64 ] && LD_LIBRARY_PATH+=:$nvidia/lib64
+[ -e $nvidia/share/glvnd/egl_vendor.d/10_nvidia.json ] && export __EGL_VENDOR_LIBRARY_FILENAMES=$nvidia/share/glvnd/egl_vendor.d/10_nvidia.json
 seconds() { local begin=$EPOCHREALTIME status; "$@"; status=$?; took=$(echo "$EPOCHREALTIME $begin" | awk '{printf "%.1f s", $1 - $2}'); return $status; }
 unit() {
     local name=${1#unit/} word=passed
