@@ -413,7 +413,7 @@ gpu-kit: $(unit) $B/vxs $B/tests/bench/gpu
 # --- other goals -----------------------------------------------------------------------------------------------------------
 
 format:
-	clang-format -i $(wildcard $(foreach d,baker baker/* baker/*/* scenes formats runtime tests/*,$d/*.c $d/*.cc $d/*.h))
+	clang-format -i $(wildcard $(foreach d,baker baker/* baker/*/* scenes formats runtime runtime/* tests tests/*,$d/*.c $d/*.cc $d/*.h))
 
 clean:
 	$(RM) -r build

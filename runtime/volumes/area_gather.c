@@ -49,7 +49,7 @@ static void fill(const vxs_area_light *light)
     vxs_area_light_count(light, light->count, light->side_px, vxs_area_shadow_depth_maps(light), 0);
     vxs_volumes_use_storage(v, light->buffer, 0);
     gl_name      program = vxs_volumes_compute(v, AREA_USES, vxs_volumes_text_area_grids_glsl);
-    volumes_kept kept = vxs_volumes_use(v, program, 0, 0, 0);
+    volumes_kept kept    = vxs_volumes_use(v, program, 0, 0, 0);
     v->api.DispatchCompute(groups(AREA_BITS, 32), groups(rows, 4), light->count);
     vxs_volumes_put_back(v, &kept);
     vxs_or_scan_run(&light->scan, light->buffer, sizeof light->lamps / 16, (uint32_t)light->size.columns, rows * light->count);
@@ -105,8 +105,8 @@ static int is_clear(const frame_block *f)
 
 static void gather(const vxs_area_light *light, const vxs_area_look *look, uint32_t runs)
 {
-    vxs_volumes              *v    = light->volumes;
-    uint32_t                  each = look->gather == VXS_AREA_QUARTER ? 2 : 1, wide = groups((uint32_t)v->frame.wide_px, each),
+    vxs_volumes *v    = light->volumes;
+    uint32_t     each = look->gather == VXS_AREA_QUARTER ? 2 : 1, wide = groups((uint32_t)v->frame.wide_px, each),
              high        = groups((uint32_t)v->frame.high_px, each);
     v->frame.map_side_px = wide;
     v->frame.map_layers  = high;
@@ -116,12 +116,14 @@ static void gather(const vxs_area_light *light, const vxs_area_look *look, uint3
     v->frame.knobs[1]    = !is_clear(&v->frame);
     v->frame.knobs[2]    = look->normal_texture && !look->maps;
     vxs_area_light_count(light, light->count, look->gather, !look->is_sharp, light->curves.side_px);
-    gather_by(light, light->exact ? AREA_TAKES_MAPS : AREA_GATHERS, vxs_volumes_text_area_gather_glsl, 0, look->normal_texture, wide, high);
+    gather_by(light, light->exact ? AREA_TAKES_MAPS : AREA_GATHERS, vxs_volumes_text_area_gather_glsl, 0, look->normal_texture,
+              wide, high);
     for (uint32_t n = 0; n < light->count && look->normal_texture && look->maps; n++) {
         set_map(light, n, look->maps[n]);
         v->frame.pixels = (vxs_pixels){0, 0, wide, high};
         vxs_area_light_count(light, n, look->gather, 0, light->curves.side_px);
-        gather_by(light, AREA_TAKES_MAPS, vxs_volumes_text_area_exact_glsl, vxs_shadow_depth_map_texture(look->maps[n]), look->normal_texture, wide, high);
+        gather_by(light, AREA_TAKES_MAPS, vxs_volumes_text_area_exact_glsl, vxs_shadow_depth_map_texture(look->maps[n]),
+                  look->normal_texture, wide, high);
     }
 }
 

@@ -7,12 +7,12 @@ enum { SIDE = 64, NODES = 4 };
 vxs_result vxs_area_light_take_smoke(vxs_area_light *light, const vxs_area_light_desc *desc)
 {
     if (!vxs_transmittance_is_size(desc->smoke_side_px, desc->smoke_nodes, desc->capsules)) return VXS_E_ARGUMENT;
-    light->curves     = (vxs_transmittance_map){.volumes      = light->volumes,
-                                                .side_px      = desc->smoke_side_px ? desc->smoke_side_px : SIDE,
-                                                .layers       = light->most,
-                                                .nodes        = desc->smoke_nodes ? desc->smoke_nodes : NODES,
-                                                .capsule_room = desc->capsules,
-                                                .names        = AREA_READS};
+    light->curves = (vxs_transmittance_map){.volumes      = light->volumes,
+                                            .side_px      = desc->smoke_side_px ? desc->smoke_side_px : SIDE,
+                                            .layers       = light->most,
+                                            .nodes        = desc->smoke_nodes ? desc->smoke_nodes : NODES,
+                                            .capsule_room = desc->capsules,
+                                            .names        = AREA_READS};
     return vxs_transmittance_take(&light->curves);
 }
 

@@ -4,8 +4,8 @@
 #include <limits.h>
 
 #include "light_mesh.h"
-#include "vxs_mesh_quads.h"
 #include "vxs_desc.h"
+#include "vxs_mesh_quads.h"
 
 /* As in mesh_quads.glsl (std430); corners follow. */
 typedef struct list_head {
@@ -104,11 +104,11 @@ unsigned vxs_adaptive_mesh_buffer(const vxs_adaptive_mesh *mesh)
 static void run(const vxs_adaptive_mesh *mesh, const char *text, gl_name map, int level, int side)
 {
     enum { GROUP = 8 };
-    vxs_volumes *v      = mesh->volumes;
-    uint32_t     groups = ((uint32_t)side + GROUP - 1) / GROUP;
+    vxs_volumes *v       = mesh->volumes;
+    uint32_t     groups  = ((uint32_t)side + GROUP - 1) / GROUP;
     gl_name      program = vxs_volumes_compute(v, "#define VXS_USES_QUADS\n", text);
-    v->frame.counts[0]  = (uint32_t)level;
-    volumes_kept kept   = vxs_volumes_use(v, program, map, 0, 0);
+    v->frame.counts[0]   = (uint32_t)level;
+    volumes_kept kept    = vxs_volumes_use(v, program, map, 0, 0);
     v->api.DispatchCompute(groups, groups, v->frame.map_layers);
     vxs_volumes_put_back(v, &kept);
 }
@@ -123,7 +123,8 @@ static void choose_quads(const vxs_adaptive_mesh *mesh, const vxs_mesh_shape *sh
     if (all) return;
     for (int level = shape->levels; level > 0; level--)
         run(mesh, vxs_volumes_text_mesh_split_glsl, map, level, shape->side >> (level < 3 ? level : 3)); /* as in mesh_split.glsl */
-    for (int level = 1; level < shape->levels; level++) run(mesh, vxs_volumes_text_mesh_meet_glsl, map, level, shape->side >> level);
+    for (int level = 1; level < shape->levels; level++)
+        run(mesh, vxs_volumes_text_mesh_meet_glsl, map, level, shape->side >> level);
 }
 
 static void list_triangles(const vxs_adaptive_mesh *mesh, const vxs_mesh_shape *shape, gl_name map)
@@ -131,7 +132,8 @@ static void list_triangles(const vxs_adaptive_mesh *mesh, const vxs_mesh_shape *
     const list_head none  = {.instances = 1};
     int             least = shape->levels > 0; /* quads of one texel are listed by the quads that split into them */
     vxs_volumes_put(mesh->volumes, mesh->list, 0, sizeof none, &none);
-    for (int level = shape->levels; level >= least; level--) run(mesh, vxs_volumes_text_mesh_list_glsl, map, level, shape->side >> level);
+    for (int level = shape->levels; level >= least; level--)
+        run(mesh, vxs_volumes_text_mesh_list_glsl, map, level, shape->side >> level);
 }
 
 vxs_result vxs_volumes_mesh_adaptive(vxs_volumes *v, const vxs_volumes_light *light, const vxs_shadow_depth_map *map,

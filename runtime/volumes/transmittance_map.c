@@ -166,7 +166,8 @@ void vxs_transmittance_capture(const vxs_transmittance_map *map, const vxs_capsu
     clear(map);
     vxs_volumes_use_storage(v, map->buffer, capsules->list ? map->capsules : capsules->buffer);
     if (map->segment_room && count)
-        dispatch(v, vxs_transmittance_program(map, "", vxs_volumes_text_transmittance_capture_glsl), opaque, across, (count + across - 1) / across, map->layers * capture_parts(map));
+        dispatch(v, vxs_transmittance_program(map, "", vxs_volumes_text_transmittance_capture_glsl), opaque, across,
+                 (count + across - 1) / across, map->layers * capture_parts(map));
 }
 
 static int is_of_its_light(const vxs_transmittance_map *map, const vxs_shadow_depth_map *opaque)
@@ -176,8 +177,9 @@ static int is_of_its_light(const vxs_transmittance_map *map, const vxs_shadow_de
 
 gl_name vxs_transmittance_builder(const vxs_transmittance_map *map)
 {
-    return vxs_transmittance_program(
-        map, map->names, map->segment_room ? vxs_volumes_text_transmittance_build_glsl : vxs_volumes_text_transmittance_stream_glsl);
+    return vxs_transmittance_program(map, map->names,
+                                     map->segment_room ? vxs_volumes_text_transmittance_build_glsl
+                                                       : vxs_volumes_text_transmittance_stream_glsl);
 }
 
 vxs_result vxs_transmittance_map_build_drawn(vxs_transmittance_map *map, const vxs_capsules *capsules,
@@ -186,7 +188,7 @@ vxs_result vxs_transmittance_map_build_drawn(vxs_transmittance_map *map, const v
     if (capsules->count > map->capsule_room || (capsules->count && !capsules->list && !capsules->buffer)) return VXS_E_ARGUMENT;
     if ((opaque && !is_of_its_light(map, opaque)) || (draw && !map->segment_room)) return VXS_E_ARGUMENT;
     gl_name      build = vxs_transmittance_builder(map);
-    storage_kept kept = vxs_volumes_keep_storage(map->volumes);
+    storage_kept kept  = vxs_volumes_keep_storage(map->volumes);
     vxs_transmittance_capture(map, capsules, opaque);
     if (draw) {
         vxs_transmittance_draw(map, constants_of(map), draw, user);

@@ -156,11 +156,12 @@ vxs_result vxs_volumes_set_light(vxs_volumes *v, const vxs_volumes_light *given,
     const vxs_volumes_light *light = &known;
     const size_t             first = offsetof(vxs_volumes_light, min_radiance) + sizeof known.min_radiance;
     if (vxs_desc_take(&known, sizeof known, first, given) != VXS_OK) return VXS_E_ARGUMENT;
-    if (!v->depth_texture || (!light->constants && light->baked_number - 1 >= vxs_gl_light_count(v->shadows))) return VXS_E_ARGUMENT;
+    if (!v->depth_texture || (!light->constants && light->baked_number - 1 >= vxs_gl_light_count(v->shadows)))
+        return VXS_E_ARGUMENT;
     for (int n = 0; n < 3; n++)
         if (!(light->colour[n] >= 0 && isfinite(light->colour[n]))) return VXS_E_ARGUMENT;
-    to->light                         = light->constants ? *light->constants : vxs_gl_constants(v->shadows)[light->baked_number - 1];
-    const vxs_light_constants *c      = &to->light;
+    to->light                    = light->constants ? *light->constants : vxs_gl_constants(v->shadows)[light->baked_number - 1];
+    const vxs_light_constants *c = &to->light;
     int                        is_sun = c->kind == VXS_LIGHT_KIND_DIRECTIONAL;
     if (!is_sun && !(light->radius_metres > 0 && isfinite(light->radius_metres))) return VXS_E_ARGUMENT;
     memcpy(to->colour, light->colour, sizeof to->colour);

@@ -38,13 +38,13 @@ static void voxelize(vxs_volumes *v, const vxs_casters *c, vxs_voxels as)
         [VXS_VOXELS_SOLID]   = "#define VXS_USES_GRID\n#define VXS_VOXELS_SOLID\n",
         [VXS_VOXELS_COVERED] = "#define VXS_USES_GRID\n#define VXS_VOXELS_COVERED\n",
     };
-    gl_name      program = vxs_volumes_compute(v, names[as], vxs_volumes_text_voxelize_glsl);
-    uint32_t     groups = (c->triangle_count + GROUP - 1) / GROUP;
-    uint32_t     turns  = groups < GROUPS_ENOUGH ? GROUPS_ENOUGH / (groups ? groups : 1) : 1;
-    v->frame.counts[0]  = c->triangle_count;
-    v->frame.counts[1]  = c->first_word;
-    v->frame.counts[2]  = c->place_words ? c->place_words : 3;
-    v->frame.counts[3]  = c->corners != 0;
+    gl_name  program   = vxs_volumes_compute(v, names[as], vxs_volumes_text_voxelize_glsl);
+    uint32_t groups    = (c->triangle_count + GROUP - 1) / GROUP;
+    uint32_t turns     = groups < GROUPS_ENOUGH ? GROUPS_ENOUGH / (groups ? groups : 1) : 1;
+    v->frame.counts[0] = c->triangle_count;
+    v->frame.counts[1] = c->first_word;
+    v->frame.counts[2] = c->place_words ? c->place_words : 3;
+    v->frame.counts[3] = c->corners != 0;
     v->api.BindBufferBase(GL_TARGET_STORAGE_BUFFER, v->first_storage + 2, c->corners);
     for (uint32_t first = 0; first < groups; first += GROUPS_MAX) {
         v->frame.first = GROUP * first;

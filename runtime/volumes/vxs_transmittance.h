@@ -39,13 +39,13 @@ typedef struct vxs_transmittance_map vxs_transmittance_map;
 
 /* Fields that are not set are 0, which means the default. New fields are added at the end only. */
 typedef struct vxs_transmittance_desc {
-    size_t                     struct_size; /* sizeof(vxs_transmittance_desc); 0: the first version, which ends with unsorted */
+    size_t                     struct_size;  /* sizeof(vxs_transmittance_desc); 0: the first version, which ends with unsorted */
     uint32_t                   baked_number; /* vxs_baked_number (vxs_volumes.h); not used with constants */
-    const vxs_light_constants *constants;   /* for a light that is not baked; NULL: it is baked */
-    uint32_t                   side_px;     /* texels per side; 0: 256; at most 8192 */
-    uint32_t                   nodes;       /* per curve: 4, 8, 12, 16; 0: 8 */
-    uint32_t                   capsules;    /* largest number of capsules, > 0; at most 2^24 */
-    uint32_t                   segments;    /* capacity of the lists, 16 bytes each; 0: no lists, streaming */
+    const vxs_light_constants *constants;    /* for a light that is not baked; NULL: it is baked */
+    uint32_t                   side_px;      /* texels per side; 0: 256; at most 8192 */
+    uint32_t                   nodes;        /* per curve: 4, 8, 12, 16; 0: 8 */
+    uint32_t                   capsules;     /* largest number of capsules, > 0; at most 2^24 */
+    uint32_t                   segments;     /* capacity of the lists, 16 bytes each; 0: no lists, streaming */
     /* 1: segments are inserted in any order, which may change from frame to frame; 0: by depth */
     uint32_t                   unsorted;
 } vxs_transmittance_desc;

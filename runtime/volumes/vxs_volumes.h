@@ -41,12 +41,12 @@ typedef struct vxs_volumes_desc {
     size_t struct_size; /* sizeof(vxs_volumes_desc); 0: the first version, which ends with log */
     vxs_gl_function (*get_proc_address)(const char *name, void *user);
     void                *user;
-    const vxs_allocator *allocator;            /* NULL: malloc and free; copied, but its functions must outlive the object */
-    vxs_gl              *shadows;              /* the baked lights; borrowed until vxs_volumes_destroy */
-    uint32_t             width_px, height_px;  /* of the largest view, > 0 */
-    uint32_t             first_unit;           /* first texture unit that is used; its state is restored; 0: 8 */
+    const vxs_allocator *allocator;           /* NULL: malloc and free; copied, but its functions must outlive the object */
+    vxs_gl              *shadows;             /* the baked lights; borrowed until vxs_volumes_destroy */
+    uint32_t             width_px, height_px; /* of the largest view, > 0 */
+    uint32_t             first_unit;          /* first texture unit that is used; its state is restored; 0: 8 */
     vxs_log_fn          *log; /* receives compiler messages, with several lines, of a shader that does not compile; may be NULL */
-    uint32_t first_storage;                    /* first of three storage buffer bindings; must not overlap those of vxs_gl; 0: 5 */
+    uint32_t             first_storage; /* first of three storage buffer bindings; must not overlap those of vxs_gl; 0: 5 */
 } vxs_volumes_desc;
 
 /* volumes  [out] NULL on failure
@@ -62,7 +62,7 @@ void vxs_volumes_destroy(vxs_volumes *volumes);
 /* The medium, the camera, and the depths of what was drawn. New fields are added at the end only, and none to vxs_view, which is
  * in its middle. */
 typedef struct vxs_volumes_frame {
-    size_t   struct_size; /* sizeof(vxs_volumes_frame); 0: the first version, which ends with depth_texture */
+    size_t   struct_size;                  /* sizeof(vxs_volumes_frame); 0: the first version, which ends with depth_texture */
     float    scattering[3], extinction[3]; /* per metre, as for vxs_medium */
     float    anisotropy;
     float    ambient[3]; /* radiance that comes from all directions, such as from the sky; fog scatters it, too; 0: none */
@@ -202,8 +202,8 @@ vxs_result vxs_volumes_march(vxs_volumes *volumes, const vxs_volumes_light *ligh
 /* Fields that are not set are 0, which means the default. New fields are added at the end only. */
 typedef struct vxs_shadow_grid_desc {
     size_t   struct_size; /* sizeof(vxs_shadow_grid_desc); 0: the first version, which ends with between_rows */
-    uint32_t columns; /* for angles at the eye; 0: 512 */
-    uint32_t rows;    /* for angles about the axis from the eye to the light; 0: 2048 */
+    uint32_t columns;     /* for angles at the eye; 0: 512 */
+    uint32_t rows;        /* for angles about the axis from the eye to the light; 0: 2048 */
     /* for angles at a punctual light, or distances from the axis to the sun; 0: 512. Memory is allocated in multiples of 128 */
     uint32_t bits;
     uint32_t scan_in_passes; /* 1: scan all at once, which needs twice the memory; 0: row by row, in shared memory */
@@ -298,7 +298,7 @@ vxs_result vxs_volumes_mesh_map(vxs_volumes *volumes, const vxs_volumes_light *l
 
 /* New fields are added at the end only. */
 typedef struct vxs_adaptive_mesh_desc {
-    size_t struct_size; /* sizeof(vxs_adaptive_mesh_desc); 0: the first version, which ends with triangles_most */
+    size_t   struct_size; /* sizeof(vxs_adaptive_mesh_desc); 0: the first version, which ends with triangles_most */
     /* side: of the largest light map in use, a power of two, 1 to 8192, for six layers 4096; layers: 1 or 6 */
     uint32_t side_px, layers;
     uint32_t triangles_most; /* capacity, 12 bytes each; 0: for all quads, or as many as the context supports */

@@ -7,8 +7,8 @@
 enum { QUARTERS = 4, AT_ONCE = 64 }; /* triangles between checks of the lists' capacity */
 
 /* Vectors of four quarters, at all levels: with SSE2 each is two registers. The type is not used outside this file. */
-typedef double         f64x4 __attribute__((vector_size(32)));
-typedef int64_t        i64x4 __attribute__((vector_size(32)));
+typedef double  f64x4 __attribute__((vector_size(32)));
+typedef int64_t i64x4 __attribute__((vector_size(32)));
 
 static inline f64x4 f64x4_all(double value)
 {
