@@ -23,14 +23,14 @@ int main(int argc, char **argv)
     if (vxs_asset_open_file(&level, argv[1], NULL) || !gl_begin()) return fprintf(stderr, "frame: no level, or no OpenGL\n"), 1;
 
     /* when the level is loaded */
-    const vxs_light *sun = &vxs_asset_light(level, 0)->light;
+    const vxs_light *sun    = &vxs_asset_light(level, 0)->light;
+    const uint32_t   number = vxs_baked_number(0);
     if (vxs_gl_create(&shadows, &(vxs_gl_desc){.get_proc_address = gl_function, .asset = level}) ||
         vxs_volumes_create(
             &air, &(vxs_volumes_desc){.get_proc_address = gl_function, .shadows = shadows, .width_px = WIDE, .height_px = HIGH}) ||
-        vxs_shadow_depth_map_create(
-            &map, air, &(vxs_shadow_depth_map_desc){.baked_number = vxs_baked_number(0), .side_px = 1024, .moves = 1}) ||
-        vxs_transmittance_map_create(
-            &smoke, air, &(vxs_transmittance_desc){.baked_number = vxs_baked_number(0), .capsules = 1, .segments = 1 << 18}) ||
+        vxs_shadow_depth_map_create(&map, air, &(vxs_shadow_depth_map_desc){.baked_number = number, .side_px = 1024, .moves = 1}) ||
+        vxs_transmittance_map_create(&smoke, air,
+                                     &(vxs_transmittance_desc){.baked_number = number, .capsules = 1, .segments = 1 << 18}) ||
         vxs_area_light_create(&screen, air, &(vxs_area_light_desc){.lamps = 16, .side_px = 64}))
         return fprintf(stderr, "frame: OpenGL cannot do it\n"), 1;
     vxs_gl_upload(shadows, SIZE_MAX);
@@ -53,7 +53,7 @@ int main(int argc, char **argv)
                                .view          = {.width_px = WIDE, .height_px = HIGH},
                                .far_metres    = 200,
                                .depth_texture = gl_ground(10)};
-    vxs_volumes_light light = {.baked_number = vxs_baked_number(0), .colour = {2, 1.9F, 1.7F}, .smoke = smoke};
+    vxs_volumes_light light = {.baked_number = number, .colour = {2, 1.9F, 1.7F}, .smoke = smoke};
     GLuint            left  = gl_texture(WIDE, HIGH, NULL);
     memcpy(frame.view.point_from_depth, gl_point_from_depth, sizeof gl_point_from_depth);
     vxs_point(sun, 0, (double[3]){half, half, half}, eye_ws);
