@@ -43,8 +43,7 @@ int main(int argc, char **argv)
     vxs_area_light_set(screen, lamps, 16);
 
     /* each frame: places count from the eye, 10 m above the ground in the middle of the map */
-    const double      half = ldexp(0.5, (int)sun->levels);
-    double            eye_ws[3];
+    double            eye_ws[3], half = ldexp(0.5, (int)sun->levels);
     vxs_volumes_frame frame = {.scattering    = {0.004F, 0.004F, 0.004F},
                                .extinction    = {0.005F, 0.005F, 0.005F},
                                .anisotropy    = 0.5F,
