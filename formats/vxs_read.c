@@ -88,7 +88,7 @@ static int seen_before(const vxs_reader *r, uint32_t section)
 static int check_directory(vxs_reader *r)
 {
     uint32_t count  = r->out.section_count;
-    r->out.sections = vxs_take(r, count, sizeof *r->out.sections, HEADER);
+    r->out.sections = vxs_reader_alloc(r, count, sizeof *r->out.sections, HEADER);
     if (!r->out.sections) return 0;
 
     uint32_t defined = VXS_SECTION_OPTIONAL | (has_blocks(r) ? VXS_SECTION_STORED : 0);
@@ -202,7 +202,7 @@ static void read_light_records(vxs_reader *r, int section, const uint8_t *table,
         vxs_found(r, 301, section, 0);
         return;
     }
-    r->out.lights = vxs_take(r, count, sizeof *r->out.lights, section);
+    r->out.lights = vxs_reader_alloc(r, count, sizeof *r->out.lights, section);
     if (!r->out.lights) return;
     memset(r->out.lights, 0, count * sizeof *r->out.lights);
     r->out.light_count = count;
@@ -236,7 +236,7 @@ static void read_lights(vxs_reader *r)
     if (!table) return;
     uint64_t size = r->out.sections[section].inflated_bytes;
     read_light_records(r, section, table, size);
-    vxs_give_back(r, table, size + VXS_LIGHTS_PREFIX_BYTES, 1);
+    vxs_reader_free(r, table, size + VXS_LIGHTS_PREFIX_BYTES, 1);
 }
 
 /* Whether a section of a known kind belongs to an existing light and level, and to the right coding. */

@@ -138,7 +138,7 @@ static int is_fast(const blocks_reader *b)
 /* Nothing can be read without the tools of task 0; other tasks are optional. */
 static void *take_tool(blocks_reader *b, uint32_t task, size_t size)
 {
-    return task ? vxs_take_spare(b->r, size, 1) : vxs_take(b->r, size, 1, b->resident_section);
+    return task ? vxs_reader_try_alloc(b->r, size, 1) : vxs_reader_alloc(b->r, size, 1, b->resident_section);
 }
 
 /* 0: no memory for one of the tools. */
@@ -162,17 +162,17 @@ static int take_memory(blocks_reader *b)
     vxs_common_marks         *marks   = &b->light.marks;
     int                       section = b->resident_section;
     uint32_t                  wanted  = vxs_task_count(r->desc.parallel, s->page_count);
-    b->words = vxs_take(r, b->baked->word_count + (uint64_t)VXS_BLOCKS_SPARE_WORDS, sizeof *b->words, b->pages_section);
+    b->words = vxs_reader_alloc(r, b->baked->word_count + (uint64_t)VXS_BLOCKS_SPARE_WORDS, sizeof *b->words, b->pages_section);
     if (!b->words) return 0;
     b->baked->words = b->words; /* set at once, so that they are freed with the light in any case */
-    if (!(to->nodes = vxs_take(r, s->node_count, sizeof *to->nodes, section))) return 0;
-    if (!(to->page_first = vxs_take(r, s->page_count + (uint64_t)1, sizeof *to->page_first, section))) return 0;
+    if (!(to->nodes = vxs_reader_alloc(r, s->node_count, sizeof *to->nodes, section))) return 0;
+    if (!(to->page_first = vxs_reader_alloc(r, s->page_count + (uint64_t)1, sizeof *to->page_first, section))) return 0;
     if (is_fast(b)) {
-        if (!(marks->at = vxs_take(r, vxs_resident_common_halves(s), 1, section))) return 0;
-        if (!(b->light.inflated = vxs_take(r, vxs_resident_inflated_bytes(s), 1, section))) return 0;
-    } else if (!(to->patterns = vxs_take(r, s->pattern_count, sizeof *to->patterns, section)))
+        if (!(marks->at = vxs_reader_alloc(r, vxs_resident_common_halves(s), 1, section))) return 0;
+        if (!(b->light.inflated = vxs_reader_alloc(r, vxs_resident_inflated_bytes(s), 1, section))) return 0;
+    } else if (!(to->patterns = vxs_reader_alloc(r, s->pattern_count, sizeof *to->patterns, section)))
         return 0;
-    if (!(b->wrong = vxs_take(r, s->page_count, sizeof *b->wrong, section))) return 0;
+    if (!(b->wrong = vxs_reader_alloc(r, s->page_count, sizeof *b->wrong, section))) return 0;
     while (b->task_count < wanted && take_tools(b, b->task_count)) b->task_count++;
     to->words = b->words;
     return b->task_count > 0;
@@ -212,7 +212,7 @@ static void decode_some_pages(void *work, uint32_t task)
     blocks_reader *b = work;
     page_place     p = first_page(b);
     uint32_t       page;
-    while (vxs_items_take(&b->pages, &page)) {
+    while (vxs_items_next(&b->pages, &page)) {
         while (p.page < page) next_page(b, &p);
         b->wrong[page] = (uint16_t)decode_page(b, &p, task);
         if (b->wrong[page] && !b->r->desc.find_all) vxs_items_end(&b->pages);
@@ -260,16 +260,16 @@ void vxs_read_blocks(vxs_reader *r, vxs_baked_light *baked)
     if (take_memory(&b)) decode_light(&b);
 
     vxs_resident *from = &b.light.resident;
-    vxs_give_back(b.r, from->nodes, b.sizes.node_count, sizeof *from->nodes);
-    vxs_give_back(b.r, from->page_first, b.sizes.page_count + (uint64_t)1, sizeof *from->page_first);
-    vxs_give_back(b.r, from->patterns, b.sizes.pattern_count, sizeof *from->patterns);
-    vxs_give_back(b.r, b.light.marks.at, vxs_resident_common_halves(&b.sizes), 1);
-    vxs_give_back(b.r, b.light.inflated, vxs_resident_inflated_bytes(&b.sizes), 1);
-    vxs_give_back(b.r, b.wrong, b.sizes.page_count, sizeof *b.wrong);
+    vxs_reader_free(b.r, from->nodes, b.sizes.node_count, sizeof *from->nodes);
+    vxs_reader_free(b.r, from->page_first, b.sizes.page_count + (uint64_t)1, sizeof *from->page_first);
+    vxs_reader_free(b.r, from->patterns, b.sizes.pattern_count, sizeof *from->patterns);
+    vxs_reader_free(b.r, b.light.marks.at, vxs_resident_common_halves(&b.sizes), 1);
+    vxs_reader_free(b.r, b.light.inflated, vxs_resident_inflated_bytes(&b.sizes), 1);
+    vxs_reader_free(b.r, b.wrong, b.sizes.page_count, sizeof *b.wrong);
     for (uint32_t n = 0; n < VXS_TASKS_MAX; n++) {
         const vxs_page_tools *t = &b.tools[n];
-        vxs_give_back(b.r, b.scratch_memory[n], scratch_bytes(), 1);
-        vxs_give_back(b.r, t->marks, sizeof *t->marks, 1);
+        vxs_reader_free(b.r, b.scratch_memory[n], scratch_bytes(), 1);
+        vxs_reader_free(b.r, t->marks, sizeof *t->marks, 1);
         if (n) ZSTD_freeDCtx(t->zstd);
     }
 }

@@ -59,7 +59,7 @@ static int lay_out_level(light_reader *lr, uint32_t index)
     l->size  = r->out.sections[l->section].inflated_bytes;
     l->count = vxs_load32(l->content);
     if (l->size < 4 || l->count > (l->size - 4) / 2) return vxs_found(r, 401, l->section, 0), 0;
-    if (!(l->word = vxs_take(r, l->count, sizeof *l->word, l->section))) return 0;
+    if (!(l->word = vxs_reader_alloc(r, l->count, sizeof *l->word, l->section))) return 0;
     uint64_t start = lr->words;
     for (uint32_t n = 0; n < l->count; n++) {
         uint32_t states = level_states(l, n);
@@ -145,7 +145,7 @@ static int decode_light(light_reader *lr)
     uint64_t total     = lr->words + (uint64_t)lr->mask_count * 2;
     if (total != lr->baked->word_count) return vxs_found(r, 406, lr->mask_section, 0), 0;
     uint32_t *words = (uint32_t *)lr->baked->words;
-    if (!words && !(words = vxs_take(r, total, sizeof *words, lr->mask_section))) return 0;
+    if (!words && !(words = vxs_reader_alloc(r, total, sizeof *words, lr->mask_section))) return 0;
     lr->baked->words                     = words;
     words[mask_word ? mask_word - 1 : 0] = 0; /* the padding before masks, if there is any */
     for (uint32_t map = 0; map < lr->maps && lr->maps > 1; map++) words[map] = lr->level[lr->level_count - 1].word[map];
@@ -160,8 +160,9 @@ void vxs_read_dag(vxs_reader *r, vxs_baked_light *baked)
     light_reader lr = {.r = r, .baked = baked};
     decode_light(&lr);
     for (uint32_t l = 0; l < lr.level_count; l++) {
-        vxs_give_back(r, lr.level[l].word, lr.level[l].count, sizeof *lr.level[l].word);
-        if (lr.level[l].content) vxs_give_back(r, lr.level[l].content, r->out.sections[lr.level[l].section].inflated_bytes + 4, 1);
+        vxs_reader_free(r, lr.level[l].word, lr.level[l].count, sizeof *lr.level[l].word);
+        if (lr.level[l].content)
+            vxs_reader_free(r, lr.level[l].content, r->out.sections[lr.level[l].section].inflated_bytes + 4, 1);
     }
-    if (lr.masks) vxs_give_back(r, lr.masks, r->out.sections[lr.mask_section].inflated_bytes, 1);
+    if (lr.masks) vxs_reader_free(r, lr.masks, r->out.sections[lr.mask_section].inflated_bytes, 1);
 }

@@ -141,7 +141,7 @@ static int open_section(smoke_reader *s, vxs_reader *r, int section, vxs_baked_s
 
 static void close_section(const smoke_reader *s)
 {
-    vxs_give_back(s->r, (void *)s->content, s->size, 1);
+    vxs_reader_free(s->r, (void *)s->content, s->size, 1);
 }
 
 void vxs_measure_smoke(vxs_reader *r, int section, vxs_baked_smoke *to)
@@ -170,7 +170,7 @@ static void read_section(vxs_reader *r, int section, vxs_baked_smoke *to)
     smoke_reader    s;
     vxs_baked_smoke found;
     uint32_t       *words = NULL;
-    if (open_section(&s, r, section, &found)) words = vxs_take(r, found.word_count, sizeof *words, section);
+    if (open_section(&s, r, section, &found)) words = vxs_reader_alloc(r, found.word_count, sizeof *words, section);
     if (words) {
         *to       = found;
         to->words = words;
@@ -192,7 +192,7 @@ void vxs_read_smoke(vxs_reader *r)
         const vxs_section *s = &r->out.sections[n];
         if (s->kind != VXS_KIND_SMOKE || s->light >= r->out.light_count) continue;
         if (!r->smoke) {
-            if (!(r->smoke = vxs_take(r, r->out.light_count, sizeof *r->smoke, (int)n))) return;
+            if (!(r->smoke = vxs_reader_alloc(r, r->out.light_count, sizeof *r->smoke, (int)n))) return;
             memset(r->smoke, 0, r->out.light_count * sizeof *r->smoke);
         }
         if (!r->smoke[s->light].words) read_section(r, (int)n, &r->smoke[s->light]);
@@ -263,7 +263,7 @@ static void read_content(vxs_reader *r, int section, const uint8_t *content, uin
         vxs_found(r, 701, section, VXS_POINTS_POINT_COUNT);
         return;
     }
-    uint16_t *coordinates = vxs_take(r, p.count, 3 * sizeof *coordinates, section);
+    uint16_t *coordinates = vxs_reader_alloc(r, p.count, 3 * sizeof *coordinates, section);
     if (!coordinates) return;
     p.coordinates = coordinates;
     r->points     = p;
@@ -278,7 +278,7 @@ void vxs_read_points(vxs_reader *r)
         uint8_t *content = vxs_inflate(r, (int)n, 0);
         if (!content) return;
         read_content(r, (int)n, content, s->inflated_bytes);
-        vxs_give_back(r, content, s->inflated_bytes, 1);
+        vxs_reader_free(r, content, s->inflated_bytes, 1);
     }
 }
 

@@ -29,7 +29,7 @@ void vxs_found(vxs_reader *r, int number, int section, uint64_t offset)
     }
 }
 
-void *vxs_take_spare(vxs_reader *r, uint64_t count, size_t size)
+void *vxs_reader_try_alloc(vxs_reader *r, uint64_t count, size_t size)
 {
     if (count > r->memory_left / size) return NULL;
     void *memory = r->allocator.alloc(count ? count * size : 1, r->allocator.user);
@@ -37,18 +37,18 @@ void *vxs_take_spare(vxs_reader *r, uint64_t count, size_t size)
     return memory;
 }
 
-void *vxs_take(vxs_reader *r, uint64_t count, size_t size, int section)
+void *vxs_reader_alloc(vxs_reader *r, uint64_t count, size_t size, int section)
 {
     if (count > r->memory_left / size) {
         vxs_found(r, 211, section, 0);
         return NULL;
     }
-    void *memory = vxs_take_spare(r, count, size);
+    void *memory = vxs_reader_try_alloc(r, count, size);
     if (!memory && r->result == VXS_OK) r->result = VXS_E_MEMORY;
     return memory;
 }
 
-void vxs_give_back(vxs_reader *r, void *memory, uint64_t count, size_t size)
+void vxs_reader_free(vxs_reader *r, void *memory, uint64_t count, size_t size)
 {
     if (!memory) return;
     r->allocator.free(memory, count ? count * size : 1, r->allocator.user);
@@ -82,12 +82,12 @@ uint8_t *vxs_inflate(vxs_reader *r, int section, size_t extra)
     const vxs_section *s    = &r->out.sections[section];
     const uint8_t     *from = vxs_stored_bytes(r, section);
     if (!from || !vxs_check_frame(r, section, from, extra)) return NULL;
-    uint8_t *to = vxs_take(r, s->inflated_bytes + extra, 1, section);
+    uint8_t *to = vxs_reader_alloc(r, s->inflated_bytes + extra, 1, section);
     if (!to) return NULL;
     size_t size = ZSTD_decompressDCtx(r->zstd, to, s->inflated_bytes, from, s->stored_bytes);
     if (ZSTD_isError(size) || size != s->inflated_bytes) {
         vxs_found(r, 207, section, s->offset_bytes);
-        vxs_give_back(r, to, s->inflated_bytes + extra, 1);
+        vxs_reader_free(r, to, s->inflated_bytes + extra, 1);
         return NULL;
     }
     memset(to + s->inflated_bytes, 0, extra);

@@ -31,13 +31,13 @@ struct vxs_reader {
 void vxs_found(vxs_reader *r, int number, int section, uint64_t offset);
 
 /* Allocate count elements of `size` bytes within the limit; NULL: a finding, or VXS_E_MEMORY. */
-void *vxs_take(vxs_reader *r, uint64_t count, size_t size, int section);
+void *vxs_reader_alloc(vxs_reader *r, uint64_t count, size_t size, int section);
 
 /* The same for optional memory: NULL is not a finding. */
-void *vxs_take_spare(vxs_reader *r, uint64_t count, size_t size);
+void *vxs_reader_try_alloc(vxs_reader *r, uint64_t count, size_t size);
 
-/* Free memory from vxs_take or vxs_take_spare, with the same count and size. Accepts NULL. */
-void vxs_give_back(vxs_reader *r, void *memory, uint64_t count, size_t size);
+/* Free memory from vxs_reader_alloc or vxs_reader_try_alloc, with the same count and size. Accepts NULL. */
+void vxs_reader_free(vxs_reader *r, void *memory, uint64_t count, size_t size);
 
 /* Whether two sections are of the same kind, light and level. */
 int vxs_same_section(const vxs_section *a, const vxs_section *b);
@@ -49,7 +49,7 @@ int vxs_find_section(vxs_reader *r, uint32_t kind, uint32_t light, uint32_t leve
  * extra  bytes that the caller wants behind the inflated ones */
 int vxs_check_frame(vxs_reader *r, int section, const uint8_t *from, size_t extra);
 
-/* Inflated bytes of a section, followed by `extra` zeros; to be freed with vxs_give_back. NULL: a finding. */
+/* Inflated bytes of a section, followed by `extra` zeros; to be freed with vxs_reader_free. NULL: a finding. */
 uint8_t *vxs_inflate(vxs_reader *r, int section, size_t extra);
 
 /* Stored bytes of a section. */

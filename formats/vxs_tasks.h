@@ -19,7 +19,7 @@ typedef struct vxs_items {
 } vxs_items;
 
 /* Take the next item; calls parallel->pause first, if it is set. 0: no item is left. Items are taken in order. */
-static inline int vxs_items_take(vxs_items *items, uint32_t *item)
+static inline int vxs_items_next(vxs_items *items, uint32_t *item)
 {
     if (items->parallel && items->parallel->pause) items->parallel->pause(items->parallel->user);
     *item = atomic_fetch_add_explicit(&items->next, 1, memory_order_relaxed);

@@ -182,7 +182,7 @@ static void encode_some_pages(void *work, uint32_t task)
     page_packer   p = packer_of(e);
     uint32_t      page;
     (void)task;
-    while (vxs_items_take(&e->pages, &page)) {
+    while (vxs_items_next(&e->pages, &page)) {
         e->out[page].result = encode_page(e, &p, page, &e->out[page].bytes);
         if (e->out[page].result != VXS_OK) vxs_items_end(&e->pages);
     }

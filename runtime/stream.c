@@ -33,7 +33,7 @@ static void collect(vxs_stream *s)
             vxs_stream_show(s, r->page, 1);
             continue;
         }
-        vxs_stream_room_give_back(s, r->page);
+        vxs_stream_room_free(s, r->page);
         fail(s, r->page, r->ok ? VXS_E_CORRUPT : VXS_E_READ, r->finding);
     }
 }
@@ -43,7 +43,7 @@ static void ask_for(vxs_stream *s, uint32_t number)
 {
     stream_page *page = &s->pages[number];
     if (page->state != PAGE_AWAY || (page->attempts && (int32_t)(s->frame - page->next_at) < 0)) return;
-    if (!vxs_stream_can_ask(s) || !vxs_stream_room_take(s, number)) return;
+    if (!vxs_stream_can_ask(s) || !vxs_stream_room_alloc(s, number)) return;
     page->state = PAGE_COMING;
     vxs_stream_ask(s, number);
 }

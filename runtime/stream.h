@@ -134,8 +134,8 @@ int  vxs_stream_next_nearest(vxs_stream *s, uint32_t *page);
 /* stream_choose.c */
 uint32_t vxs_stream_room_words(const stream_page *page);
 /* Find a place for a page, and evict other pages for it. 0: there is none. */
-int      vxs_stream_room_take(vxs_stream *s, uint32_t page);
-void     vxs_stream_room_give_back(vxs_stream *s, uint32_t page);
+int      vxs_stream_room_alloc(vxs_stream *s, uint32_t page);
+void     vxs_stream_room_free(vxs_stream *s, uint32_t page);
 void     vxs_stream_show(vxs_stream *s, uint32_t page, int there);
 
 /* stream_work.c */

@@ -236,7 +236,7 @@ static void remove_from_room(vxs_stream *s, uint32_t at)
     memmove(s->in_room + at, s->in_room + at + 1, (--s->in_room_count - at) * sizeof *s->in_room);
 }
 
-int vxs_stream_room_take(vxs_stream *s, uint32_t number)
+int vxs_stream_room_alloc(vxs_stream *s, uint32_t number)
 {
     stream_page *page  = &s->pages[number];
     uint32_t     words = vxs_stream_room_words(page);
@@ -259,7 +259,7 @@ int vxs_stream_room_take(vxs_stream *s, uint32_t number)
     return 1;
 }
 
-void vxs_stream_room_give_back(vxs_stream *s, uint32_t number)
+void vxs_stream_room_free(vxs_stream *s, uint32_t number)
 {
     uint32_t at = 0;
     while (s->in_room[at] != number) at++;

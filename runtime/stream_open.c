@@ -80,7 +80,7 @@ static int take_block(opening *o)
     if (most > 4 * (uint64_t)UINT32_MAX) most = 4 * (uint64_t)UINT32_MAX; /* word indices have 32 bits */
     uint64_t size = (most < o->r.memory_left ? most : o->r.memory_left) / BLOCK_ALIGN * BLOCK_ALIGN;
     if (size < least) return vxs_found(&o->r, 211, -1, 0), 0;
-    uint8_t *block = vxs_take(&o->r, size, 1, -1);
+    uint8_t *block = vxs_reader_alloc(&o->r, size, 1, -1);
     if (!block) return 0;
 
     l     = (layout){block, 0};
@@ -132,7 +132,7 @@ static int fill_pages(opening *o, stream_light *light, const light_plan *plan)
     const vxs_section *section = &r->out.sections[plan->pages_section];
     uint64_t           bytes   = vxs_page_table_bytes(plan->sizes.page_count);
     if (bytes > section->stored_bytes) return vxs_found(r, 502, plan->pages_section, 0), 0;
-    uint8_t *table = vxs_take(r, bytes, 1, plan->pages_section);
+    uint8_t *table = vxs_reader_alloc(r, bytes, 1, plan->pages_section);
     if (!table || !vxs_stream_read(o, section->offset_bytes, bytes, table)) return 0;
     int wrong = vxs_check_page_table(table, section->stored_bytes, &plan->sizes, r->out.lights[plan->number].word_count);
     if (wrong) return vxs_found(r, wrong, plan->pages_section, 0), 0;
@@ -173,9 +173,10 @@ static int fill_blocks(opening *o, stream_light *light, const light_plan *plan)
     paged->resident.words             = o->s->words + light->first_word;
     const uint8_t *bytes              = vxs_stream_load(r, section);
     if (!bytes) return 0;
-    if (!(paged->resident.nodes = vxs_take(r, sizes->node_count, sizeof *paged->resident.nodes, section))) return 0;
-    if (!(paged->resident.page_first = vxs_take(r, sizes->page_count + (uint64_t)1, 4, section))) return 0;
-    if (paged->packing == VXS_PACKING_FAST && !(paged->inflated = vxs_take(r, vxs_resident_inflated_bytes(sizes), 1, section)))
+    if (!(paged->resident.nodes = vxs_reader_alloc(r, sizes->node_count, sizeof *paged->resident.nodes, section))) return 0;
+    if (!(paged->resident.page_first = vxs_reader_alloc(r, sizes->page_count + (uint64_t)1, 4, section))) return 0;
+    if (paged->packing == VXS_PACKING_FAST &&
+        !(paged->inflated = vxs_reader_alloc(r, vxs_resident_inflated_bytes(sizes), 1, section)))
         return 0;
     int wrong = vxs_read_resident(paged, sizes, bytes, r->out.sections[section].stored_bytes, &o->s->tools[0].decode);
     if (wrong) return vxs_found(r, wrong, section, 0), 0;
@@ -292,7 +293,7 @@ static int tell_metadata(opening *o)
     o->r.desc.metadata = 1;
     if (!vxs_read_metadata(&o->r)) return 0;
     if (c->metadata) o->desc->metadata(o->desc->metadata_user, c->metadata, c->metadata_bytes);
-    vxs_give_back(&o->r, c->metadata, (uint64_t)c->metadata_bytes + 1, 1);
+    vxs_reader_free(&o->r, c->metadata, (uint64_t)c->metadata_bytes + 1, 1);
     c->metadata = NULL;
     return 1;
 }
@@ -304,7 +305,7 @@ static int tell_points(opening *o)
     if (!o->desc->points) return 1;
     vxs_read_points(&o->r);
     if (o->r.result == VXS_OK && p->coordinates) o->desc->points(o->desc->points_user, p);
-    vxs_give_back(&o->r, (void *)p->coordinates, p->count, 3 * sizeof *p->coordinates);
+    vxs_reader_free(&o->r, (void *)p->coordinates, p->count, 3 * sizeof *p->coordinates);
     return o->r.result == VXS_OK;
 }
 
@@ -369,7 +370,7 @@ vxs_result vxs_stream_open(vxs_stream **stream, const vxs_stream_desc *desc)
     int good          = open_all(&o);
 
     vxs_stream_forget_loaded(&o);
-    vxs_give_back(&o.r, o.lights, o.light_count, sizeof *o.lights);
+    vxs_reader_free(&o.r, o.lights, o.light_count, sizeof *o.lights);
     ZSTD_freeDCtx(o.r.zstd);
     vxs_contents_free(&o.r.out);
     if (good) {

@@ -23,7 +23,7 @@ int vxs_stream_read(opening *o, uint64_t offset, uint64_t size_bytes, void *to)
 
 void vxs_stream_forget_loaded(opening *o)
 {
-    vxs_give_back(&o->r, o->loaded, o->loaded_bytes, 1);
+    vxs_reader_free(&o->r, o->loaded, o->loaded_bytes, 1);
     o->loaded = NULL;
 }
 
@@ -33,7 +33,7 @@ const uint8_t *vxs_stream_load(vxs_reader *r, int section)
     const vxs_section *s = &r->out.sections[section];
     vxs_stream_forget_loaded(o);
     o->loaded_bytes = s->stored_bytes;
-    o->loaded       = vxs_take(r, s->stored_bytes, 1, section);
+    o->loaded       = vxs_reader_alloc(r, s->stored_bytes, 1, section);
     if (!o->loaded || !vxs_stream_read(o, s->offset_bytes, s->stored_bytes, o->loaded)) return NULL;
     if (XXH64(o->loaded, s->stored_bytes, 0) == s->hash) return o->loaded;
     vxs_found(r, 206, section, s->offset_bytes);
@@ -50,12 +50,12 @@ int vxs_stream_read_head(opening *o)
     uint32_t count = vxs_load32(header + VXS_HEADER_SECTION_COUNT);
     uint64_t all   = VXS_HEADER_BYTES + (uint64_t)(count < VXS_SECTIONS_MAX ? count : VXS_SECTIONS_MAX) * VXS_ENTRY_BYTES;
     if (all > size) all = first;
-    if (!(head = vxs_take(&o->r, all, 1, -1))) return 0;
+    if (!(head = vxs_reader_alloc(&o->r, all, 1, -1))) return 0;
     memcpy(head, header, first);
     o->r.bytes = head;
     o->r.size  = size;
     int good   = vxs_stream_read(o, first, all - first, head + first) && vxs_read_head(&o->r);
-    vxs_give_back(&o->r, head, all, 1);
+    vxs_reader_free(&o->r, head, all, 1);
     return good;
 }
 
@@ -113,7 +113,7 @@ int vxs_stream_plan(opening *o)
 {
     o->light_count = o->desc->light_names ? o->desc->light_name_count : o->r.out.light_count;
     if (!o->light_count || o->light_count > VXS_LIGHTS_MAX) return o->r.result = VXS_E_ARGUMENT, 0;
-    if (!(o->lights = vxs_take(&o->r, o->light_count, sizeof *o->lights, -1))) return 0;
+    if (!(o->lights = vxs_reader_alloc(&o->r, o->light_count, sizeof *o->lights, -1))) return 0;
     memset(o->lights, 0, o->light_count * sizeof *o->lights);
     for (uint32_t n = 0; n < o->light_count; n++) {
         o->lights[n].number = n;

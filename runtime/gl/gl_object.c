@@ -60,12 +60,12 @@ static vxs_result choose_storage(vxs_gl *gl, vxs_gl_storage asked, uint64_t word
 
 /* lights and words ------------------------------------------------------------------------------------------------------------ */
 
-void *vxs_gl_take(const vxs_gl *gl, uint64_t count, size_t size)
+void *vxs_gl_alloc(const vxs_gl *gl, uint64_t count, size_t size)
 {
     return count > SIZE_MAX / size ? NULL : gl->memory.alloc((size_t)count * size, gl->memory.user);
 }
 
-void vxs_gl_give_back(const vxs_gl *gl, void *memory, uint64_t count, size_t size)
+void vxs_gl_free(const vxs_gl *gl, void *memory, uint64_t count, size_t size)
 {
     if (memory) gl->memory.free(memory, (size_t)count * size, gl->memory.user);
 }
@@ -73,10 +73,10 @@ void vxs_gl_give_back(const vxs_gl *gl, void *memory, uint64_t count, size_t siz
 static int grow_ranges(vxs_gl *gl)
 {
     uint32_t  capacity = gl->range_capacity ? 2 * gl->range_capacity : RANGES_AT_FIRST;
-    gl_range *ranges   = vxs_gl_take(gl, capacity, sizeof *ranges);
+    gl_range *ranges   = vxs_gl_alloc(gl, capacity, sizeof *ranges);
     if (!ranges) return 0;
     for (uint32_t n = 0; n < gl->range_count; n++) ranges[n] = gl->ranges[(gl->range_first + n) % gl->range_capacity];
-    vxs_gl_give_back(gl, gl->ranges, gl->range_capacity, sizeof *gl->ranges);
+    vxs_gl_free(gl, gl->ranges, gl->range_capacity, sizeof *gl->ranges);
     gl->ranges         = ranges;
     gl->range_capacity = capacity;
     gl->range_first    = 0;
@@ -132,7 +132,7 @@ static vxs_result place_smoke(vxs_gl *gl, const vxs_gl_desc *desc, uint64_t *wor
     uint32_t some = 0;
     for (uint32_t n = 0; n < gl->light_count; n++) some += smoke_of(desc, n) != NULL;
     if (!some) return VXS_OK;
-    if (!(gl->smoke = vxs_gl_take(gl, gl->light_count, sizeof *gl->smoke))) return VXS_E_MEMORY;
+    if (!(gl->smoke = vxs_gl_alloc(gl, gl->light_count, sizeof *gl->smoke))) return VXS_E_MEMORY;
     gl->smoke_word = (uint32_t)*words;
     *words += gl->light_count;
     for (uint32_t n = 0; n < gl->light_count; n++) gl->smoke[n] = place_of(desc, n, words);
@@ -216,8 +216,8 @@ static vxs_result make(vxs_gl *gl, const vxs_gl_desc *desc)
     gl->first_binding   = desc->first_binding;
     gl->stream          = desc->stream;
     if (!load(gl, desc)) return VXS_E_GL;
-    gl->lights    = vxs_gl_take(gl, gl->light_count, sizeof *gl->lights);
-    gl->constants = vxs_gl_take(gl, gl->light_count, sizeof *gl->constants);
+    gl->lights    = vxs_gl_alloc(gl, gl->light_count, sizeof *gl->lights);
+    gl->constants = vxs_gl_alloc(gl, gl->light_count, sizeof *gl->constants);
     if (!gl->lights || !gl->constants) return VXS_E_MEMORY;
     if (desc->asset)
         word_count = lights_of_asset(gl, desc->asset);
@@ -274,12 +274,12 @@ void vxs_gl_destroy(vxs_gl *gl)
     vxs_gl_words_delete(gl, &gl->rows);
     vxs_gl_words_delete(gl, &gl->lists);
     if (gl->culling) gl->api.DeleteProgram(gl->culling);
-    vxs_gl_give_back(gl, gl->lights, gl->light_count, sizeof *gl->lights);
-    vxs_gl_give_back(gl, gl->constants, gl->light_count, sizeof *gl->constants);
-    vxs_gl_give_back(gl, gl->smoke, gl->light_count, sizeof *gl->smoke);
-    vxs_gl_give_back(gl, gl->ranges, gl->range_capacity, sizeof *gl->ranges);
-    vxs_gl_give_back(gl, gl->pages, gl->page_count, sizeof *gl->pages);
-    vxs_gl_give_back(gl, gl->names, gl->page_count, sizeof *gl->names);
+    vxs_gl_free(gl, gl->lights, gl->light_count, sizeof *gl->lights);
+    vxs_gl_free(gl, gl->constants, gl->light_count, sizeof *gl->constants);
+    vxs_gl_free(gl, gl->smoke, gl->light_count, sizeof *gl->smoke);
+    vxs_gl_free(gl, gl->ranges, gl->range_capacity, sizeof *gl->ranges);
+    vxs_gl_free(gl, gl->pages, gl->page_count, sizeof *gl->pages);
+    vxs_gl_free(gl, gl->names, gl->page_count, sizeof *gl->names);
     memory.free(gl, sizeof *gl, memory.user);
 }
 
@@ -295,7 +295,7 @@ vxs_result vxs_gl_put(vxs_gl *gl, const uint32_t *words, uint32_t first, uint32_
 uint64_t vxs_gl_upload(vxs_gl *gl, size_t max_bytes)
 {
     size_t room = max_bytes / sizeof(uint32_t);
-    if (gl->stream) vxs_gl_stream_take_away(gl);
+    if (gl->stream) vxs_gl_stream_detach(gl);
     while (gl->range_count && room) {
         gl_range *r    = &gl->ranges[gl->range_first];
         uint32_t  some = r->count < room ? r->count : (uint32_t)room;

@@ -65,16 +65,16 @@ void vxs_gl_words_write(const vxs_gl *gl, const gl_words *w, const uint32_t *wor
 /* Bind an array: as texture at unit, or storage buffer at binding, first_binding + place. */
 void vxs_gl_words_bind(const vxs_gl *gl, const gl_words *w, uint32_t place);
 
-void *vxs_gl_take(const vxs_gl *gl, uint64_t count, size_t size);
-void  vxs_gl_give_back(const vxs_gl *gl, void *memory, uint64_t count, size_t size);
+void *vxs_gl_alloc(const vxs_gl *gl, uint64_t count, size_t size);
+void  vxs_gl_free(const vxs_gl *gl, void *memory, uint64_t count, size_t size);
 
 /* gl_stream.c: vxs_gl_stream_lights fills the lights and returns the stream's word count; vxs_gl_stream_put queues the resident
- * words; vxs_gl_stream_take_away and vxs_gl_stream_upload apply page changes, as described at vxs_gl_upload.
+ * words; vxs_gl_stream_detach and vxs_gl_stream_upload apply page changes, as described at vxs_gl_upload.
  * room_words  most words to upload, not counting names set to 0
  * vxs_gl_stream_upload returns the number of bytes left. */
 uint32_t   vxs_gl_stream_lights(vxs_gl *gl);
 vxs_result vxs_gl_stream_put(vxs_gl *gl);
-void       vxs_gl_stream_take_away(vxs_gl *gl);
+void       vxs_gl_stream_detach(vxs_gl *gl);
 uint64_t   vxs_gl_stream_upload(vxs_gl *gl, size_t room_words);
 
 /* Shader texts, made by the Makefile from the files of these names. */

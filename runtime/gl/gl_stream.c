@@ -31,8 +31,8 @@ static int list_pages(vxs_gl *gl)
     uint32_t count = 0;
     for (uint32_t n = 0; n < gl->light_count; n++) count += vxs_stream_names(gl->stream, n).word_count;
     gl->page_count = count;
-    gl->pages      = vxs_gl_take(gl, count, sizeof *gl->pages);
-    gl->names      = vxs_gl_take(gl, count, sizeof *gl->names);
+    gl->pages      = vxs_gl_alloc(gl, count, sizeof *gl->pages);
+    gl->names      = vxs_gl_alloc(gl, count, sizeof *gl->names);
     if (count && (!gl->pages || !gl->names)) return 0;
     for (uint32_t n = 0, at = 0; n < gl->light_count; n++)
         for (uint32_t page = 0; page < vxs_stream_names(gl->stream, n).word_count; page++) gl->pages[at++] = (gl_page){n, page};
@@ -81,7 +81,7 @@ static void write_name(vxs_gl *gl, uint32_t number, uint32_t name, uint32_t at)
     gl->bytes_uploaded += sizeof name;
 }
 
-void vxs_gl_stream_take_away(vxs_gl *gl)
+void vxs_gl_stream_detach(vxs_gl *gl)
 {
     uint32_t at;
     for (uint32_t n = 0; n < gl->page_count; n++)

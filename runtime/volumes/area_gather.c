@@ -48,10 +48,10 @@ static void fill(const vxs_area_light *light)
                                    NULL);
     vxs_area_light_count(light, light->count, light->side_px, vxs_area_shadow_depth_maps(light), 0);
     vxs_volumes_use_storage(v, light->buffer, 0);
-    gl_name      program = vxs_volumes_compute(v, AREA_USES, vxs_volumes_text_area_grids_glsl);
-    volumes_kept kept    = vxs_volumes_use(v, program, 0, 0, 0);
+    gl_name     program = vxs_volumes_compute(v, AREA_USES, vxs_volumes_text_area_grids_glsl);
+    saved_state saved   = vxs_volumes_use(v, program, 0, 0, 0);
     v->api.DispatchCompute(groups(AREA_BITS, 32), groups(rows, 4), light->count);
-    vxs_volumes_put_back(v, &kept);
+    vxs_volumes_restore(v, &saved);
     vxs_or_scan_run(&light->scan, light->buffer, sizeof light->lamps / 16, (uint32_t)light->size.columns, rows * light->count);
 }
 
@@ -90,11 +90,11 @@ static void gather_by(const vxs_area_light *light, const char *names, const char
     gl_name      program = dims ? vxs_transmittance_program(&light->curves, names, text) : vxs_volumes_compute(v, names, text);
     vxs_volumes_use_storage(v, light->buffer, 0);
     if (dims) vxs_area_light_use_curves(light);
-    volumes_kept kept = vxs_volumes_use(v, program, map, light->gathered, GL_FORMAT_RGBA32F);
+    saved_state saved = vxs_volumes_use(v, program, map, light->gathered, GL_FORMAT_RGBA32F);
     v->api.ActiveTexture(GL_UNIT_0 + v->first_unit + UNIT_OTHER);
     v->api.BindTexture(GL_TARGET_TEXTURE_2D, normal_texture);
     v->api.DispatchCompute(groups(wide, GROUP), groups(high, GROUP), 1);
-    vxs_volumes_put_back(v, &kept);
+    vxs_volumes_restore(v, &saved);
 }
 
 /* Whether nothing in the air scatters light, so that grids are not needed. */
@@ -155,8 +155,8 @@ vxs_result vxs_volumes_area(vxs_volumes *v, vxs_area_light *light, const vxs_are
     if (!v->depth_texture || !light->count || runs > AREA_BITS || (unsigned)look->gather > VXS_AREA_QUARTER) return VXS_E_ARGUMENT;
     if (light->smoke == AREA_DIMMED_BEFORE) return VXS_E_ARGUMENT;
     if (look->maps ? !are_maps(light, look->maps) : !light->is_cast) return VXS_E_ARGUMENT;
-    v->frame.pixels   = (vxs_pixels){0, 0, (uint32_t)v->frame.wide_px, (uint32_t)v->frame.high_px};
-    storage_kept kept = vxs_volumes_keep_storage(v);
+    v->frame.pixels     = (vxs_pixels){0, 0, (uint32_t)v->frame.wide_px, (uint32_t)v->frame.high_px};
+    saved_storage saved = vxs_volumes_save_storage(v);
     put_heads(light, look->maps, runs);
     if (!is_clear(&v->frame)) {
         if (look->maps)
@@ -167,6 +167,6 @@ vxs_result vxs_volumes_area(vxs_volumes *v, vxs_area_light *light, const vxs_are
     gather(light, look, runs);
     vxs_area_light_show(light, look->gather, 0, v->airlight, 1);
     if (look->normal_texture) vxs_area_light_show(light, look->gather, 1, light->irradiance, 0);
-    vxs_volumes_put_back_storage(v, &kept);
+    vxs_volumes_restore_storage(v, &saved);
     return vxs_volumes_done(v);
 }

@@ -60,7 +60,7 @@ vxs_result vxs_area_light_create(vxs_area_light **out, vxs_volumes *v, const vxs
              rows = known.rows ? known.rows : SIDE;
     if (known.lamps > LAMPS || side < 32 || side > SIDE_MOST || (side & (side - 1))) return VXS_E_ARGUMENT;
     if (columns > SIDE_MOST || rows > SIDE_MOST) return VXS_E_ARGUMENT;
-    vxs_area_light *light = vxs_volumes_take(v, sizeof *light);
+    vxs_area_light *light = vxs_volumes_alloc(v, sizeof *light);
     if (!light) return VXS_E_MEMORY;
     memset(light, 0, sizeof *light);
     light->volumes = v;
@@ -85,8 +85,8 @@ void vxs_area_light_destroy(vxs_area_light *light)
     if (light->irradiance) v->api.DeleteTextures(1, &light->irradiance);
     if (light->scan.volumes) vxs_or_scan_destroy(&light->scan);
     vxs_shadow_grid_destroy(light->exact);
-    if (light->curves.volumes) vxs_transmittance_give_back(&light->curves);
-    vxs_volumes_give_back(v, light, sizeof *light);
+    if (light->curves.volumes) vxs_transmittance_free(&light->curves);
+    vxs_volumes_free(v, light, sizeof *light);
 }
 
 unsigned vxs_area_light_irradiance(const vxs_area_light *light)
@@ -216,14 +216,14 @@ vxs_result vxs_area_light_cast(vxs_area_light *light, const vxs_area_casters *ca
 {
     vxs_volumes *v = light->volumes;
     if (!vxs_area_light_has_sides(light) || (casters->count && !casters->buffer)) return VXS_E_ARGUMENT;
-    storage_kept kept = vxs_volumes_keep_storage(v);
+    saved_storage saved = vxs_volumes_save_storage(v);
     vxs_area_light_put(light, 0);
     clear(light);
     if (casters->count) splat(light, casters);
     vxs_area_light_count(light, light->count, FILL_LEVELS, light->side_px, vxs_area_shadow_depth_maps(light));
     vxs_volumes_use_storage(v, light->buffer, 0);
     vxs_volumes_run(v, vxs_volumes_compute(v, AREA_USES, vxs_volumes_text_area_holes_glsl), 0, 0, light->count, 1);
-    vxs_volumes_put_back_storage(v, &kept);
+    vxs_volumes_restore_storage(v, &saved);
     vxs_result result = vxs_volumes_done(v);
     light->is_cast    = result == VXS_OK;
     return result;

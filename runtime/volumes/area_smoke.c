@@ -13,7 +13,7 @@ vxs_result vxs_area_light_take_smoke(vxs_area_light *light, const vxs_area_light
                                             .nodes        = desc->smoke_nodes ? desc->smoke_nodes : NODES,
                                             .capsule_room = desc->capsules,
                                             .names        = AREA_READS};
-    return vxs_transmittance_take(&light->curves);
+    return vxs_transmittance_alloc(&light->curves);
 }
 
 void vxs_area_light_use_curves(const vxs_area_light *light)
@@ -29,12 +29,12 @@ vxs_result vxs_area_light_smoke(vxs_area_light *light, const vxs_capsules *smoke
     if (!vxs_area_light_has_sides(light)) return VXS_E_ARGUMENT;
     light->smoke = AREA_CLEAR;
     if (!smoke->count) return VXS_OK;
-    storage_kept kept    = vxs_volumes_keep_storage(v);
+    saved_storage saved  = vxs_volumes_save_storage(v);
     light->curves.layers = light->count;
     vxs_area_light_put(light, 0);
     vxs_area_light_use_curves(light);
     vxs_result result = vxs_transmittance_map_build(&light->curves, smoke, NULL);
     if (result == VXS_OK) light->smoke = AREA_DIMMED;
-    vxs_volumes_put_back_storage(v, &kept);
+    vxs_volumes_restore_storage(v, &saved);
     return result;
 }

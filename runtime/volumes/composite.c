@@ -7,9 +7,9 @@ void vxs_volumes_composite(vxs_volumes *v)
     if (!v->depth_texture) return;
     gl_name program = vxs_volumes_raster(v, "", vxs_volumes_text_screen_vert_glsl, vxs_volumes_text_composite_frag_glsl);
     if (vxs_volumes_done(v) != VXS_OK) return;
-    volumes_kept kept   = vxs_volumes_use(v, program, 0, 0, 0);
-    raster_kept  raster = vxs_volumes_draw(v, GL_BLEND_ONE, GL_BLEND_SRC1_COLOUR, GL_BLEND_ONE);
+    saved_state  saved  = vxs_volumes_use(v, program, 0, 0, 0);
+    saved_raster raster = vxs_volumes_draw(v, GL_BLEND_ONE, GL_BLEND_SRC1_COLOUR, GL_BLEND_ONE);
     v->api.DrawArrays(GL_MODE_TRIANGLES, 0, 3);
-    vxs_volumes_put_back_raster(v, &raster);
-    vxs_volumes_put_back(v, &kept);
+    vxs_volumes_restore_raster(v, &raster);
+    vxs_volumes_restore(v, &saved);
 }

@@ -32,7 +32,7 @@ vxs_result vxs_shadow_depth_map_create(vxs_shadow_depth_map **out, vxs_volumes *
     if (vxs_desc_take(&known, sizeof known, first, desc) != VXS_OK) return VXS_E_ARGUMENT;
     if (known.side_px && !is_power_of_two(known.side_px)) return VXS_E_ARGUMENT;
     if (!known.constants && known.baked_number - 1 >= vxs_gl_light_count(v->shadows)) return VXS_E_ARGUMENT;
-    vxs_shadow_depth_map *map = vxs_volumes_take(v, sizeof *map);
+    vxs_shadow_depth_map *map = vxs_volumes_alloc(v, sizeof *map);
     if (!map) return VXS_E_MEMORY;
     *map = (vxs_shadow_depth_map){.volumes = v, .baked = known.baked_number - 1, .is_baked = !known.constants};
     if (known.constants) map->constants = *known.constants;
@@ -63,7 +63,7 @@ void vxs_shadow_depth_map_destroy(vxs_shadow_depth_map *map)
     const vxs_volumes *v = map->volumes;
     if (map->first) v->api.DeleteTextures(1, &map->first);
     if (map->joined) v->api.DeleteTextures(1, &map->joined);
-    vxs_volumes_give_back(v, map, sizeof *map);
+    vxs_volumes_free(v, map, sizeof *map);
 }
 
 static void set_map(vxs_shadow_depth_map *map)
@@ -85,9 +85,9 @@ uint64_t vxs_shadow_depth_map_fill(vxs_shadow_depth_map *map, uint64_t max_texel
         gl_name program   = vxs_volumes_light_program(v, "", NULL, vxs_volumes_text_map_fill_glsl);
         v->frame.first    = (uint32_t)map->filled;
         v->frame.end      = (uint32_t)map->filled + now;
-        volumes_kept kept = vxs_volumes_use(v, program, 0, map->first, GL_FORMAT_R32F);
+        saved_state saved = vxs_volumes_use(v, program, 0, map->first, GL_FORMAT_R32F);
         v->api.DispatchCompute((now + GROUP - 1) / GROUP, 1, 1);
-        vxs_volumes_put_back(v, &kept);
+        vxs_volumes_restore(v, &saved);
         map->filled += now;
         some -= now;
     }
@@ -112,10 +112,10 @@ static void join(vxs_shadow_depth_map *map, const vxs_moving_casters *casters)
     v->frame.high_px     = (float)casters->height_px;
     v->frame.empty_depth = casters->empty_depth;
     v->depth_texture     = casters->depth_texture;
-    volumes_kept kept =
+    saved_state saved =
         vxs_volumes_use(v, vxs_volumes_light_program(v, "", NULL, vxs_volumes_text_map_join_glsl), 0, map->joined, GL_FORMAT_R32F);
     v->api.DispatchCompute(groups, groups, map->layers);
-    vxs_volumes_put_back(v, &kept);
+    vxs_volumes_restore(v, &saved);
     v->frame         = frame;
     v->depth_texture = depths;
 }

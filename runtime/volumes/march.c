@@ -31,11 +31,11 @@ static gl_name march_program(vxs_volumes *v, const vxs_shadow_depth_map *map, co
 static void march_dimmed(vxs_volumes *v, const vxs_volumes_light *light, const vxs_shadow_depth_map *map, uint32_t steps,
                          vxs_steps which)
 {
-    storage_kept kept = vxs_volumes_keep_storage(v);
+    saved_storage saved = vxs_volumes_save_storage(v);
     vxs_transmittance_set_reader(light->smoke, (vxs_curve_lookup)light->smoke_lookup);
     vxs_volumes_use_storage(v, light->smoke->buffer, 0);
     add_steps(v, march_program(v, map, VXS_SMOKE_NAMES, which), map, steps);
-    vxs_volumes_put_back_storage(v, &kept);
+    vxs_volumes_restore_storage(v, &saved);
 }
 
 vxs_result vxs_volumes_march(vxs_volumes *v, const vxs_volumes_light *light, const vxs_shadow_depth_map *map, uint32_t steps,
@@ -72,11 +72,11 @@ static vxs_result intervals(vxs_volumes *v, const vxs_volumes_light *light, int 
     if (light->constants || light->smoke) return VXS_E_ARGUMENT;
     vxs_result result = vxs_volumes_set_light(v, light, NULL);
     if (result != VXS_OK) return result;
-    storage_kept kept = vxs_volumes_keep_storage(v);
+    saved_storage saved = vxs_volumes_save_storage(v);
     vxs_volumes_use_storage(v, v->cut_buffer, 0);
     add_intervals(v, in_pieces ? INTERVALS_FIRST : INTERVALS_WHOLE);
     for (uint32_t n = 0; in_pieces && n < PIECES_MAX && vxs_volumes_cut(v); n++) add_intervals(v, INTERVALS_NEXT);
-    vxs_volumes_put_back_storage(v, &kept);
+    vxs_volumes_restore_storage(v, &saved);
     return vxs_volumes_done(v);
 }
 

@@ -150,7 +150,7 @@ static void draw_crossings(const vxs_volumes *v, const mesh_draw *draw)
     static const float none[4] = {0};
     const volumes_api *api     = &v->api;
     const vxs_pixels  *p       = &v->frame.pixels;
-    raster_kept        kept    = vxs_volumes_draw(v, GL_BLEND_ONE, GL_BLEND_ONE, GL_BLEND_ONE);
+    saved_raster       saved   = vxs_volumes_draw(v, GL_BLEND_ONE, GL_BLEND_ONE, GL_BLEND_ONE);
     api->Scissor((int)p->x, (int)p->y, (int)p->wide_px, (int)p->high_px);
     api->Enable(GL_STATE_SCISSOR_TEST);
     api->ColorMaski(0, 0, 0, 0, 1);
@@ -160,16 +160,16 @@ static void draw_crossings(const vxs_volumes *v, const mesh_draw *draw)
     api->ActiveTexture(GL_UNIT_0 + v->first_unit + UNIT_MESH);
     api->BindTexture(GL_TARGET_TEXTURE_BUFFER, draw->texture);
     draw_corners(v, draw);
-    vxs_volumes_put_back_raster(v, &kept);
+    vxs_volumes_restore_raster(v, &saved);
 }
 
 /* Add the airlight of crossings; then that of the whole ray, where the crossings show that the eye is in light. */
 void vxs_mesh_add(vxs_volumes *v, const vxs_shadow_depth_map *map, const mesh_draw *draw)
 {
     if (vxs_volumes_find_cull_result(v, &v->frame.pixels) != VXS_NOT_CULLED) return;
-    volumes_kept kept = vxs_volumes_use(v, draw->program, map ? vxs_shadow_depth_map_texture(map) : 0, 0, 0);
+    saved_state saved = vxs_volumes_use(v, draw->program, map ? vxs_shadow_depth_map_texture(map) : 0, 0, 0);
     draw_crossings(v, draw);
-    vxs_volumes_put_back(v, &kept);
+    vxs_volumes_restore(v, &saved);
     vxs_volumes_add(v, vxs_volumes_light_program(v, "", NULL, vxs_volumes_text_mesh_whole_glsl), 0);
 }
 
@@ -198,7 +198,7 @@ vxs_result vxs_light_mesh_create(vxs_light_mesh **out, vxs_volumes *v, const flo
     if (!places || !corners || !size->vertex_count || !size->triangle_count) return VXS_E_ARGUMENT;
     api->GetIntegerv(GL_MOST_BUFFER_TEXELS, &most);
     if (corner_words + place_words > (uint64_t)most) return VXS_E_MEMORY;
-    vxs_light_mesh *mesh = vxs_volumes_take(v, sizeof *mesh);
+    vxs_light_mesh *mesh = vxs_volumes_alloc(v, sizeof *mesh);
     if (!mesh) return VXS_E_MEMORY;
     *mesh = (vxs_light_mesh){.volumes = v, .triangle_count = size->triangle_count};
     vxs_volumes_forget_error(v);
@@ -229,7 +229,7 @@ void vxs_light_mesh_destroy(vxs_light_mesh *mesh)
     if (mesh->vertex_array) v->api.DeleteVertexArrays(1, &mesh->vertex_array);
     if (mesh->texture) v->api.DeleteTextures(1, &mesh->texture);
     if (mesh->words) v->api.DeleteBuffers(1, &mesh->words);
-    vxs_volumes_give_back(v, mesh, sizeof *mesh);
+    vxs_volumes_free(v, mesh, sizeof *mesh);
 }
 
 unsigned vxs_light_mesh_buffer(const vxs_light_mesh *mesh)

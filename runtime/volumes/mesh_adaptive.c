@@ -72,7 +72,7 @@ vxs_result vxs_adaptive_mesh_create(vxs_adaptive_mesh **out, vxs_volumes *v, con
                             .is_sun = known.layers == 1};
     if (shape.levels < 0 || (shape.layers != 1 && shape.layers != 6)) return VXS_E_ARGUMENT;
     if (vxs_mesh_triangles(&shape) > INT_MAX / 3) return VXS_E_ARGUMENT;
-    vxs_adaptive_mesh *mesh = vxs_volumes_take(v, sizeof *mesh);
+    vxs_adaptive_mesh *mesh = vxs_volumes_alloc(v, sizeof *mesh);
     if (!mesh) return VXS_E_MEMORY;
     uint32_t most     = triangles_at_most(v, &shape, known.triangles_most);
     *mesh             = (vxs_adaptive_mesh){.volumes = v, .most = shape, .triangles_most = most};
@@ -92,7 +92,7 @@ void vxs_adaptive_mesh_destroy(vxs_adaptive_mesh *mesh)
     if (mesh->list_texture) v->api.DeleteTextures(1, &mesh->list_texture);
     for (int n = 0; n < 2; n++)
         if (buffers[n]) v->api.DeleteBuffers(1, &buffers[n]);
-    vxs_volumes_give_back(v, mesh, sizeof *mesh);
+    vxs_volumes_free(v, mesh, sizeof *mesh);
 }
 
 unsigned vxs_adaptive_mesh_buffer(const vxs_adaptive_mesh *mesh)
@@ -108,9 +108,9 @@ static void run(const vxs_adaptive_mesh *mesh, const char *text, gl_name map, in
     uint32_t     groups  = ((uint32_t)side + GROUP - 1) / GROUP;
     gl_name      program = vxs_volumes_compute(v, "#define VXS_USES_QUADS\n", text);
     v->frame.counts[0]   = (uint32_t)level;
-    volumes_kept kept    = vxs_volumes_use(v, program, map, 0, 0);
+    saved_state saved    = vxs_volumes_use(v, program, map, 0, 0);
     v->api.DispatchCompute(groups, groups, v->frame.map_layers);
-    vxs_volumes_put_back(v, &kept);
+    vxs_volumes_restore(v, &saved);
 }
 
 /* As in light_mesh.c: first split quads with too large errors, from the root down; then split neighbours, from the smallest up. */
@@ -144,14 +144,14 @@ vxs_result vxs_volumes_mesh_adaptive(vxs_volumes *v, const vxs_volumes_light *li
     if (map->side_px > (uint32_t)mesh->most.side || map->layers > (uint32_t)mesh->most.layers) return VXS_E_ARGUMENT;
     vxs_result result = vxs_mesh_begin(v, light, map, &shape);
     if (result != VXS_OK || vxs_volumes_find_cull_result(v, &v->frame.pixels) != VXS_NOT_CULLED) return result;
-    gl_name      texture  = vxs_shadow_depth_map_texture(map);
-    storage_kept kept     = vxs_volumes_keep_storage(v);
+    gl_name       texture = vxs_shadow_depth_map_texture(map);
+    saved_storage saved   = vxs_volumes_save_storage(v);
     v->frame.error_texels = error_texels;
     v->frame.counts[1]    = mesh->triangles_most;
     vxs_volumes_use_storage(v, mesh->splits, mesh->list);
     choose_quads(mesh, &shape, texture, error_texels);
     list_triangles(mesh, &shape, texture);
-    vxs_volumes_put_back_storage(v, &kept);
+    vxs_volumes_restore_storage(v, &saved);
     gl_name program = vxs_mesh_program(v, "#define VXS_MESH_OF_MAP\n#define VXS_MESH_LISTED\n");
     vxs_mesh_add(v, map, &(mesh_draw){.program = program, .texture = mesh->list_texture, .commands = mesh->list});
     return vxs_volumes_done(v);

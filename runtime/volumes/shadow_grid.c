@@ -53,7 +53,7 @@ vxs_result vxs_shadow_grid_create(vxs_shadow_grid **out, vxs_volumes *v, const v
                           known.bits ? (int)known.bits : BITS};
     v->api.GetIntegerv(GL_MOST_STORAGE_BYTES, &most);
     if (bytes_of(&size) > (uint32_t)most || bytes_of(&size) > INT32_MAX) return VXS_E_GL;
-    vxs_shadow_grid *grid = vxs_volumes_take(v, sizeof *grid);
+    vxs_shadow_grid *grid = vxs_volumes_alloc(v, sizeof *grid);
     if (!grid) return VXS_E_MEMORY;
     *grid = (vxs_shadow_grid){.volumes = v, .size = size, .between_rows = known.between_rows != 0, .casts = known.casts != 0};
     vxs_result result = make(grid, &known);
@@ -71,7 +71,7 @@ void vxs_shadow_grid_destroy(vxs_shadow_grid *grid)
     const vxs_volumes *v = grid->volumes;
     if (grid->buffer) v->api.DeleteBuffers(1, &grid->buffer);
     vxs_or_scan_destroy(&grid->scan);
-    vxs_volumes_give_back(v, grid, sizeof *grid);
+    vxs_volumes_free(v, grid, sizeof *grid);
 }
 
 unsigned vxs_shadow_grid_buffer(const vxs_shadow_grid *grid)
@@ -179,13 +179,13 @@ vxs_result vxs_volumes_grid_cast(vxs_volumes *v, const vxs_volumes_light *light,
     if (!map) v->frame.map_side_px = 1U << v->frame.light.levels; /* the asset is looked up like a map with its own texels */
     if (!runs) runs = is_sharp(&v->frame) ? RUNS_SHARP : RUNS;
     if (vxs_volumes_find_cull_result(v, &v->frame.pixels) != VXS_NOT_CULLED) return VXS_OK;
-    storage_kept kept = vxs_volumes_keep_storage(v);
+    saved_storage saved = vxs_volumes_save_storage(v);
     make_grid(grid, !is_alone, map ? vxs_shadow_depth_map_texture(map) : 0, runs, casters, count);
     vxs_volumes_use_storage(v, grid->buffer, 0);
     gl_name look_up = vxs_volumes_light_program(v, "#define VXS_USES_GRID\n#define VXS_GRID_ACCESS readonly\n", NULL,
                                                 vxs_volumes_text_grid_light_glsl);
     vxs_volumes_add(v, look_up, 0);
-    vxs_volumes_put_back_storage(v, &kept);
+    vxs_volumes_restore_storage(v, &saved);
     return vxs_volumes_done(v);
 }
 

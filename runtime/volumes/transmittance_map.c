@@ -47,7 +47,7 @@ gl_name vxs_transmittance_program(const vxs_transmittance_map *map, const char *
     return vxs_volumes_compute(map->volumes, all, body);
 }
 
-vxs_result vxs_transmittance_take(vxs_transmittance_map *map)
+vxs_result vxs_transmittance_alloc(vxs_transmittance_map *map)
 {
     vxs_volumes *v    = map->volumes;
     int          most = 0;
@@ -59,7 +59,7 @@ vxs_result vxs_transmittance_take(vxs_transmittance_map *map)
     return map->buffer && map->capsules && (map->view || !map->segment_room) ? VXS_OK : VXS_E_MEMORY;
 }
 
-void vxs_transmittance_give_back(vxs_transmittance_map *map)
+void vxs_transmittance_free(vxs_transmittance_map *map)
 {
     const gl_name buffers[] = {map->buffer, map->capsules, map->view};
     for (int n = 0; n < 3; n++)
@@ -81,7 +81,7 @@ vxs_result vxs_transmittance_map_create(vxs_transmittance_map **out, vxs_volumes
     if (result != VXS_OK) return result;
     if (!known.constants && known.baked_number - 1 >= vxs_gl_light_count(v->shadows)) return VXS_E_ARGUMENT;
     if (!vxs_transmittance_is_size(known.side_px, known.nodes, known.capsules)) return VXS_E_ARGUMENT;
-    vxs_transmittance_map *map = vxs_volumes_take(v, sizeof *map);
+    vxs_transmittance_map *map = vxs_volumes_alloc(v, sizeof *map);
     if (!map) return VXS_E_MEMORY;
     *map = (vxs_transmittance_map){.volumes      = v,
                                    .baked        = known.baked_number - 1,
@@ -95,7 +95,7 @@ vxs_result vxs_transmittance_map_create(vxs_transmittance_map **out, vxs_volumes
     if (known.constants) map->constants = *known.constants;
     snprintf(map->binding_text, sizeof map->binding_text, "#define VXS_AT_GRID %u\n", v->first_storage);
     map->layers = constants_of(map)->flags & VXS_LIGHT_CUBE ? 6 : 1;
-    result      = vxs_transmittance_take(map);
+    result      = vxs_transmittance_alloc(map);
     if (result == VXS_OK)
         *out = map;
     else
@@ -106,8 +106,8 @@ vxs_result vxs_transmittance_map_create(vxs_transmittance_map **out, vxs_volumes
 void vxs_transmittance_map_destroy(vxs_transmittance_map *map)
 {
     if (!map) return;
-    vxs_transmittance_give_back(map);
-    vxs_volumes_give_back(map->volumes, map, sizeof *map);
+    vxs_transmittance_free(map);
+    vxs_volumes_free(map->volumes, map, sizeof *map);
 }
 
 /* build ------------------------------------------------------------------------------------------------------------------------ */
@@ -127,9 +127,9 @@ void vxs_transmittance_set(const vxs_transmittance_map *map, const vxs_shadow_de
 
 static void dispatch(const vxs_volumes *v, gl_name program, const vxs_shadow_depth_map *opaque, uint32_t x, uint32_t y, uint32_t z)
 {
-    volumes_kept kept = vxs_volumes_use(v, program, opaque ? vxs_shadow_depth_map_texture(opaque) : 0, 0, 0);
+    saved_state saved = vxs_volumes_use(v, program, opaque ? vxs_shadow_depth_map_texture(opaque) : 0, 0, 0);
     v->api.DispatchCompute(x, y, z);
-    vxs_volumes_put_back(v, &kept);
+    vxs_volumes_restore(v, &saved);
 }
 
 void vxs_transmittance_run(const vxs_transmittance_map *map, gl_name program, const vxs_shadow_depth_map *opaque)
@@ -187,15 +187,15 @@ vxs_result vxs_transmittance_map_build_drawn(vxs_transmittance_map *map, const v
 {
     if (capsules->count > map->capsule_room || (capsules->count && !capsules->list && !capsules->buffer)) return VXS_E_ARGUMENT;
     if ((opaque && !is_of_its_light(map, opaque)) || (draw && !map->segment_room)) return VXS_E_ARGUMENT;
-    gl_name      build = vxs_transmittance_builder(map);
-    storage_kept kept  = vxs_volumes_keep_storage(map->volumes);
+    gl_name       build = vxs_transmittance_builder(map);
+    saved_storage saved = vxs_volumes_save_storage(map->volumes);
     vxs_transmittance_capture(map, capsules, opaque);
     if (draw) {
         vxs_transmittance_draw(map, constants_of(map), draw, user);
         vxs_transmittance_set(map, opaque, 0);
     }
     vxs_transmittance_run(map, build, opaque);
-    vxs_volumes_put_back_storage(map->volumes, &kept);
+    vxs_volumes_restore_storage(map->volumes, &saved);
     return vxs_volumes_done(map->volumes);
 }
 
@@ -226,15 +226,15 @@ static int is_lookup(vxs_curve_lookup how)
 void vxs_transmittance_pass(const vxs_transmittance_map *map, gl_name program, gl_name other, gl_name texture)
 {
     enum { GROUP = 8 };
-    vxs_volumes *v    = map->volumes;
-    uint32_t     wide = (uint32_t)v->frame.wide_px, high = (uint32_t)v->frame.high_px;
-    storage_kept kept = vxs_volumes_keep_storage(v);
-    v->frame.pixels   = (vxs_pixels){0, 0, wide, high};
+    vxs_volumes  *v    = map->volumes;
+    uint32_t      wide = (uint32_t)v->frame.wide_px, high = (uint32_t)v->frame.high_px;
+    saved_storage saved = vxs_volumes_save_storage(v);
+    v->frame.pixels     = (vxs_pixels){0, 0, wide, high};
     vxs_volumes_use_storage(v, map->buffer, other);
-    volumes_kept state = vxs_volumes_use(v, program, 0, texture, GL_FORMAT_R32F);
+    saved_state state = vxs_volumes_use(v, program, 0, texture, GL_FORMAT_R32F);
     v->api.DispatchCompute((wide + GROUP - 1) / GROUP, (high + GROUP - 1) / GROUP, 1);
-    vxs_volumes_put_back(v, &state);
-    vxs_volumes_put_back_storage(v, &kept);
+    vxs_volumes_restore(v, &state);
+    vxs_volumes_restore_storage(v, &saved);
 }
 
 vxs_result vxs_volumes_transmittance(vxs_volumes *v, const vxs_transmittance_map *map, unsigned texture, vxs_curve_lookup how)
@@ -259,8 +259,8 @@ vxs_result vxs_volumes_transmittance_at(vxs_volumes *v, const vxs_transmittance_
 {
     enum { GROUP = 64 };
     if (!places || !left || count > UINT32_MAX - first || !is_lookup(how)) return VXS_E_ARGUMENT;
-    uint32_t     groups = count / GROUP + (count % GROUP != 0), across = groups < GROUPS_ACROSS ? groups : GROUPS_ACROSS;
-    storage_kept kept = vxs_volumes_keep_storage(v);
+    uint32_t      groups = count / GROUP + (count % GROUP != 0), across = groups < GROUPS_ACROSS ? groups : GROUPS_ACROSS;
+    saved_storage saved = vxs_volumes_save_storage(v);
     vxs_transmittance_set(map, NULL, 0);
     vxs_transmittance_set_reader(map, how);
     v->frame.counts[1] = count;
@@ -269,7 +269,7 @@ vxs_result vxs_volumes_transmittance_at(vxs_volumes *v, const vxs_transmittance_
     v->api.BindBufferBase(GL_TARGET_STORAGE_BUFFER, v->first_storage + 2, left);
     gl_name program = vxs_volumes_compute(v, VXS_SMOKE_NAMES, vxs_volumes_text_transmittance_places_glsl);
     if (count) dispatch(v, program, NULL, across, (groups + across - 1) / across, 1);
-    vxs_volumes_put_back_storage(v, &kept);
+    vxs_volumes_restore_storage(v, &saved);
     return vxs_volumes_done(v);
 }
 

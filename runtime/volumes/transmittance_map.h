@@ -29,8 +29,8 @@ int vxs_transmittance_is_size(uint32_t side_px, uint32_t nodes, uint32_t capsule
 
 /* Allocate the buffers of a map whose numbers are set.   Returns VXS_OK; VXS_E_GL for more than the context supports;
  * VXS_E_MEMORY. */
-vxs_result vxs_transmittance_take(vxs_transmittance_map *map);
-void       vxs_transmittance_give_back(vxs_transmittance_map *map);
+vxs_result vxs_transmittance_alloc(vxs_transmittance_map *map);
+void       vxs_transmittance_free(vxs_transmittance_map *map);
 
 /* Set the map and its light for shaders (curves.glsl).   opaque  NULL: none */
 void vxs_transmittance_set(const vxs_transmittance_map *map, const vxs_shadow_depth_map *opaque, uint32_t capsule_count);
@@ -41,8 +41,8 @@ void vxs_transmittance_set_reader(const vxs_transmittance_map *map, vxs_curve_lo
 /* Whether the map can be used as smoke of the light: it is a map of that light, in the same object. */
 int vxs_transmittance_is_of(const vxs_transmittance_map *map, const vxs_volumes *volumes, const vxs_volumes_light *light);
 
-/* If there are lists, capture the segments of capsules again. Call it between vxs_volumes_keep_storage and
- * vxs_volumes_put_back_storage. */
+/* If there are lists, capture the segments of capsules again. Call it between vxs_volumes_save_storage and
+ * vxs_volumes_restore_storage. */
 void vxs_transmittance_capture(const vxs_transmittance_map *map, const vxs_capsules *capsules, const vxs_shadow_depth_map *opaque);
 
 /* The buffer of a map's view.   Returns 0 if there is no memory */

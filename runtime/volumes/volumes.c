@@ -10,12 +10,12 @@
 
 enum { FIRST_UNIT = 8, FIRST_STORAGE = 5 };
 
-void *vxs_volumes_take(const vxs_volumes *v, size_t size)
+void *vxs_volumes_alloc(const vxs_volumes *v, size_t size)
 {
     return v->memory.alloc(size, v->memory.user);
 }
 
-void vxs_volumes_give_back(const vxs_volumes *v, void *memory, size_t size)
+void vxs_volumes_free(const vxs_volumes *v, void *memory, size_t size)
 {
     if (memory) v->memory.free(memory, size, v->memory.user);
 }
@@ -196,7 +196,7 @@ void vxs_volumes_add(vxs_volumes *v, gl_name program, gl_name map)
     enum { GROUP = 8 };
     vxs_pixels *p = &v->frame.pixels;
     if (vxs_volumes_find_cull_result(v, p) != VXS_NOT_CULLED) return;
-    volumes_kept kept = vxs_volumes_use(v, program, map, v->airlight, GL_FORMAT_RGBA32F);
+    saved_state saved = vxs_volumes_use(v, program, map, v->airlight, GL_FORMAT_RGBA32F);
     v->api.DispatchCompute((p->wide_px + GROUP - 1) / GROUP, (p->high_px + GROUP - 1) / GROUP, 1);
-    vxs_volumes_put_back(v, &kept);
+    vxs_volumes_restore(v, &saved);
 }

@@ -71,8 +71,8 @@ struct vxs_light_mesh {
 };
 
 /* Memory from the allocator of the caller's desc. */
-void *vxs_volumes_take(const vxs_volumes *v, size_t size);
-void  vxs_volumes_give_back(const vxs_volumes *v, void *memory, size_t size);
+void *vxs_volumes_alloc(const vxs_volumes *v, size_t size);
+void  vxs_volumes_free(const vxs_volumes *v, void *memory, size_t size);
 
 /* A program of the common texts and its own bodies, compiled at its first use.
  * names  lines of #define, or ""
@@ -101,44 +101,44 @@ void vxs_volumes_put(const vxs_volumes *v, gl_name buffer, uint64_t start_bytes,
 void vxs_volumes_forget_error(const vxs_volumes *v);
 
 /* Previous context state that a technique changes, except words and lights. */
-typedef struct volumes_kept {
+typedef struct saved_state {
     int     program, active, textures[UNITS], samplers[UNITS];
     int     buffer, frame, image[6];
     int64_t frame_start, frame_size;
-} volumes_kept;
+} saved_state;
 
 /* Begin to use a program: upload and bind the frame's block, and bind words and lights; bind depths, a map and an image that are
  * not 0.
  * map     a GL_TEXTURE_2D_ARRAY
  * image   bound for reading and writing, all its layers;  format  of it */
-volumes_kept vxs_volumes_use(const vxs_volumes *v, gl_name program, gl_name map, gl_name image, gl_enum format);
+saved_state vxs_volumes_use(const vxs_volumes *v, gl_name program, gl_name map, gl_name image, gl_enum format);
 
 /* Restore the state after a program. */
-void vxs_volumes_put_back(const vxs_volumes *v, const volumes_kept *kept);
+void vxs_volumes_restore(const vxs_volumes *v, const saved_state *saved);
 
-/* A dispatch with vxs_volumes_use before and vxs_volumes_put_back after it; map, image (RGBA32F) as above. */
+/* A dispatch with vxs_volumes_use before and vxs_volumes_restore after it; map, image (RGBA32F) as above. */
 void vxs_volumes_run(const vxs_volumes *v, gl_name program, gl_name map, gl_name image, uint32_t groups_across,
                      uint32_t groups_down);
 
 /* Previous storage buffer bindings, from the caller's first binding on. */
-typedef struct storage_kept {
+typedef struct saved_storage {
     int     buffer, buffers[STORAGES];
     int64_t starts[STORAGES], sizes[STORAGES];
-} storage_kept;
+} saved_storage;
 
-storage_kept vxs_volumes_keep_storage(const vxs_volumes *v);
-void         vxs_volumes_use_storage(const vxs_volumes *v, gl_name first, gl_name second);
-void         vxs_volumes_put_back_storage(const vxs_volumes *v, const storage_kept *kept);
+saved_storage vxs_volumes_save_storage(const vxs_volumes *v);
+void          vxs_volumes_use_storage(const vxs_volumes *v, gl_name first, gl_name second);
+void          vxs_volumes_restore_storage(const vxs_volumes *v, const saved_storage *saved);
 
 /* Previous state that drawing changes in addition. */
-typedef struct raster_kept {
+typedef struct saved_raster {
     int           array, viewport[4], scissor[4], framebuffer, blend[6], polygon[2], front, clip[2];
     unsigned char mask[4], blends, enabled[7];
-} raster_kept;
+} saved_raster;
 
 /* Begin to draw the frame's pixels: no tests, both sides of faces, colour and alpha, one buffer with additive blending as given. */
-raster_kept vxs_volumes_draw(const vxs_volumes *v, gl_enum source, gl_enum destination, gl_enum destination_alpha);
-void        vxs_volumes_put_back_raster(const vxs_volumes *v, const raster_kept *kept);
+saved_raster vxs_volumes_draw(const vxs_volumes *v, gl_enum source, gl_enum destination, gl_enum destination_alpha);
+void         vxs_volumes_restore_raster(const vxs_volumes *v, const saved_raster *saved);
 
 /* Set the light for the shaders that follow.   map  NULL: none.   Returns VXS_OK; VXS_E_ARGUMENT without a frame, or if the
  * light is invalid. */

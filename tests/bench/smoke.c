@@ -127,13 +127,13 @@ static vxs_result capture(bench *b, void *state, uint32_t knob)
 /* Nodes of captured lists. */
 static vxs_result build(bench *b, void *state, uint32_t nodes)
 {
-    const curves *c    = state;
-    storage_kept  kept = vxs_volumes_keep_storage(b->volumes);
+    const curves *c     = state;
+    saved_storage saved = vxs_volumes_save_storage(b->volumes);
     (void)nodes;
     vxs_transmittance_set(c->map, NULL, b->smoke->capsule_count);
     vxs_volumes_use_storage(b->volumes, c->map->buffer, 0);
     vxs_transmittance_run(c->map, vxs_transmittance_builder(c->map), NULL);
-    vxs_volumes_put_back_storage(b->volumes, &kept);
+    vxs_volumes_restore_storage(b->volumes, &saved);
     return VXS_OK;
 }
 

@@ -706,7 +706,7 @@ static void read_state(GLint state[STATE_COUNT])
 }
 
 /* Every call in a context whose state is all but the default. */
-static void test_state_is_put_back(void **state)
+static void test_state_is_restored(void **state)
 {
     drawing d = drawing_make();
     rng     r = {47};
@@ -1105,7 +1105,7 @@ int main(void)
         cmocka_unit_test(test_origin),      cmocka_unit_test(test_slices),
         cmocka_unit_test(test_clamped),     cmocka_unit_test(test_texts_are_those_of_any_asset),
         cmocka_unit_test(test_held_lights), cmocka_unit_test(test_damaged_words),
-        cmocka_unit_test(test_left_out),    cmocka_unit_test(test_state_is_put_back),
+        cmocka_unit_test(test_left_out),    cmocka_unit_test(test_state_is_restored),
         cmocka_unit_test(test_refused),     cmocka_unit_test(test_culling),
         cmocka_unit_test(test_wild_depths), cmocka_unit_test(test_full_lists),
     };

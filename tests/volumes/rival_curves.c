@@ -91,22 +91,22 @@ static void set(const rival_curves *r)
 
 void rival_curves_capture(vxs_transmittance_map *map, const vxs_capsules *capsules)
 {
-    storage_kept kept = vxs_volumes_keep_storage(map->volumes);
+    saved_storage saved = vxs_volumes_save_storage(map->volumes);
     vxs_transmittance_capture(map, capsules, NULL);
-    vxs_volumes_put_back_storage(map->volumes, &kept);
+    vxs_volumes_restore_storage(map->volumes, &saved);
 }
 
 void rival_curves_build(rival_curves *r, double nearest, double farthest)
 {
-    storage_kept kept = vxs_volumes_keep_storage(r->v);
-    r->knobs[1]       = (float)nearest;
-    r->knobs[2]       = (float)farthest;
-    r->knobs[3]       = (float)r->knob / 10000;
+    saved_storage saved = vxs_volumes_save_storage(r->v);
+    r->knobs[1]         = (float)nearest;
+    r->knobs[2]         = (float)farthest;
+    r->knobs[3]         = (float)r->knob / 10000;
     set(r);
     r->v->api.ClearNamedBufferSubData(r->buffer, GL_FORMAT_R32UI, 0, HEAD_BYTES, GL_FORMAT_RED_INTEGER, GL_TYPE_UNSIGNED_INT, NULL);
     vxs_volumes_use_storage(r->v, r->map->buffer, r->buffer);
     vxs_transmittance_run(r->map, r->programs[BUILD], NULL);
-    vxs_volumes_put_back_storage(r->v, &kept);
+    vxs_volumes_restore_storage(r->v, &saved);
 }
 
 void rival_curves_look_up(rival_curves *r, unsigned texture)

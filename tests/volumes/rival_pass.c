@@ -22,9 +22,9 @@ gl_name rival_program(const vxs_volumes *v, const char *names, const embedded *t
 void rival_run(vxs_volumes *v, gl_name program, const vxs_shadow_depth_map *map, gl_name image, gl_enum format, uint32_t x,
                uint32_t y, uint32_t z)
 {
-    volumes_kept kept = vxs_volumes_use(v, program, vxs_shadow_depth_map_texture(map), v->airlight, GL_FORMAT_RGBA32F);
+    saved_state saved = vxs_volumes_use(v, program, vxs_shadow_depth_map_texture(map), v->airlight, GL_FORMAT_RGBA32F);
     v->api.BindImageTexture(RIVAL_IMAGE, image, 0, 1, 0, GL_ACCESS_READ_WRITE, format);
     v->api.DispatchCompute(x, y, z);
     v->api.BindImageTexture(RIVAL_IMAGE, 0, 0, 0, 0, GL_ACCESS_READ_WRITE, format);
-    vxs_volumes_put_back(v, &kept);
+    vxs_volumes_restore(v, &saved);
 }

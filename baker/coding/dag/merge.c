@@ -205,7 +205,7 @@ static uint32_t take_four(dag_merger *g)
     return first;
 }
 
-static void give_back_four(dag_merger *g, uint32_t first)
+static void free_four(dag_merger *g, uint32_t first)
 {
     for (uint32_t c = 0; c < 4; c++) stack_free(&g->squares[first + c].stack);
     g->squares[first].parts = g->spare;
@@ -228,7 +228,7 @@ static vxs_result close_square(dag_merger *g, uint32_t at, uint32_t level)
     dag_stack              whole;
     vxs_result             r = stack_compose(g, level, part, &whole);
     if (r != VXS_OK) return r;
-    give_back_four(g, first);
+    free_four(g, first);
     g->squares[at] = (merge_square){.stack = whole};
     return VXS_OK;
 }
