@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "baker/bake/bake_light.h"
-#include "baker/bake/kept_squares.h"
+#include "baker/bake/bake_squares.h"
 #include "baker/bake/light_coder.h"
 #include "baker/bake/light_columns.h"
 #include "baker/bake/provenance.h"
@@ -112,11 +112,11 @@ static void report_light(light_report *light, const plan_light *planned, const l
 
 /* picture  NULL: not wanted */
 static vxs_result bake_planned(const bake_options *o, const bake_plan *plan, const plan_light *planned, const casters *c,
-                               void *device, kept_squares *kept, light_picture *picture, coded_light *out, light_report *light,
+                               void *device, bake_squares *squares, light_picture *picture, coded_light *out, light_report *light,
                                bake_context *ctx)
 {
     light_columns columns;
-    kept_light    keeper;
+    light_squares cache;
     chosen_coder  coding;
     chosen_coder_init(&coding, o, plan->compress, picture);
     stage_begin(ctx, STAGE_GL);
@@ -124,7 +124,7 @@ static vxs_result bake_planned(const bake_options *o, const bake_plan *plan, con
     stage_begin(ctx, STAGE_NONE);
     if (r == VXS_OK) {
         column_source source = light_columns_source(&columns);
-        r                    = kept_light_source(&keeper, kept, &source, &planned->light, light, ctx->run);
+        r                    = light_squares_source(&cache, squares, &source, &planned->light, light, ctx->run);
         if (r == VXS_OK) r = bake_light(planned, &source, &coding.coder, is_baked_apart(o) ? NULL : out, ctx);
     }
     report_light(light, planned, &columns, &coding, plan->tile_px);
@@ -136,7 +136,7 @@ static vxs_result bake_planned(const bake_options *o, const bake_plan *plan, con
 
 /* Bake the next light, with a picture if wanted. */
 static vxs_result bake_next(const bake_options *o, const plan_light *planned, const casters *c, void *device, coded_light *coded,
-                            kept_squares *kept, bake_report *report, bake_context *ctx)
+                            bake_squares *squares, bake_report *report, bake_context *ctx)
 {
     uint32_t      baked   = report->light_count++;
     light_picture picture = {0};
@@ -144,8 +144,8 @@ static vxs_result bake_next(const bake_options *o, const plan_light *planned, co
     vxs_result    r       = VXS_OK;
     if (wanted) r = light_picture_init(&picture, baked, 1u << planned->light.levels, planned->map_count, ctx->run);
     if (r == VXS_OK)
-        r = bake_planned(o, report->plan, planned, c, device, kept, wanted ? &picture : NULL, &coded[baked], &report->lights[baked],
-                         ctx);
+        r = bake_planned(o, report->plan, planned, c, device, squares, wanted ? &picture : NULL, &coded[baked],
+                         &report->lights[baked], ctx);
     if (r == VXS_OK && wanted)
         keep_picture(report, coded, &picture);
     else
@@ -183,23 +183,23 @@ static vxs_result begin_rendering(void **device, const bake_options *o, bake_rep
     return r;
 }
 
-static vxs_result bake_lights(const bake_options *o, const casters *c, coded_light *coded, kept_squares *kept, bake_report *report,
-                              bake_context *ctx)
+static vxs_result bake_lights(const bake_options *o, const casters *c, coded_light *coded, bake_squares *squares,
+                              bake_report *report, bake_context *ctx)
 {
     const bake_plan *plan = report->plan;
     void            *device;
     vxs_result       r = begin_rendering(&device, o, report, ctx);
-    if (r == VXS_OK) r = kept_squares_open(kept, o, report, ctx->run);
+    if (r == VXS_OK) r = bake_squares_open(squares, o, report, ctx->run);
     ctx->total_seconds = plan->total_seconds;
     for (int s = STAGE_LOAD; s <= STAGE_GL; s++) ctx->past_seconds += plan->seconds[s];
     for (size_t n = 0; n < plan->light_count && r == VXS_OK; n++)
-        if (!plan->lights[n].left_out) r = bake_next(o, &plan->lights[n], c, device, coded, kept, report, ctx);
+        if (!plan->lights[n].left_out) r = bake_next(o, &plan->lights[n], c, device, coded, squares, report, ctx);
     if (device) o->renderer->destroy(device);
     return r;
 }
 
 /* Bake all lights, and encode their file. */
-static vxs_result bake_file(const bake_options *o, const casters *c, kept_squares *kept, vxs_bytes *file, bake_report *report,
+static vxs_result bake_file(const bake_options *o, const casters *c, bake_squares *squares, vxs_bytes *file, bake_report *report,
                             bake_context *ctx)
 {
     size_t          count  = report->plan->baked_count;
@@ -212,8 +212,8 @@ static vxs_result bake_file(const bake_options *o, const casters *c, kept_square
         fail(ctx->run, r, "out of memory for %zu lights", count);
         goto done;
     }
-    if ((r = bake_lights(o, c, coded, kept, report, ctx)) != VXS_OK) goto done;
-    report->warning_count = ctx->run->warning_count - report->warnings_before - kept->store.warnings;
+    if ((r = bake_lights(o, c, coded, squares, report, ctx)) != VXS_OK) goto done;
+    report->warning_count = ctx->run->warning_count - report->warnings_before - squares->store.warnings;
     if (is_baked_apart(o)) goto done;
     watch_say(o->watch, "compressing the file");
     stage_begin(ctx, STAGE_ENCODE);
@@ -282,7 +282,7 @@ vxs_result bake_check_outputs(const bake_options *o, run_context *m)
 
 vxs_result bake_add_folder(const bake_options *o, const char *option, run_context *m)
 {
-    return o->resume_path ? run_files_add_folder(option, o->resume_path, SQUARE_STORE_NAMES, m) : VXS_OK;
+    return o->resume_path ? run_files_add_folder(option, o->resume_path, CACHE_FOLDER_NAMES, m) : VXS_OK;
 }
 
 /* Read a scene, unless it is given, and choose the lights. */
@@ -351,8 +351,8 @@ vxs_result bake(const bake_options *o, const bake_observer *observer, bake_repor
 {
     bake_context ctx = context_of(o, m);
     bake_scene   own = {0}, *s = o->prepared ? o->prepared : &own;
-    kept_squares kept = {0};
-    vxs_bytes    file = {0};
+    bake_squares squares = {0};
+    vxs_bytes    file    = {0};
     vxs_result   r;
 
     if ((r = prepare(o, s, report, &ctx)) != VXS_OK) goto done;
@@ -360,7 +360,7 @@ vxs_result bake(const bake_options *o, const bake_observer *observer, bake_repor
     stage_begin(&ctx, STAGE_PLAN);
     if ((r = plan_find_closed(report->plan, o, &s->casters, m)) != VXS_OK) goto done;
     stage_begin(&ctx, STAGE_NONE);
-    if ((r = bake_file(o, &s->casters, &kept, &file, report, &ctx)) != VXS_OK) goto done;
+    if ((r = bake_file(o, &s->casters, &squares, &file, report, &ctx)) != VXS_OK) goto done;
 
     smoke_source smoke = bake_scene_smoke(s, o);
     if ((smoke.grid || smoke.capsules) && !is_baked_apart(o)) r = bake_smoke(o, &smoke, &file, report, &ctx);
@@ -368,16 +368,16 @@ vxs_result bake(const bake_options *o, const bake_observer *observer, bake_repor
 
     stage_begin(&ctx, STAGE_WRITE);
     if (o->output_path) watch_say(o->watch, "writing %s", o->output_path);
-    if (o->parts) r = kept_squares_end_part(&kept, report, m);
+    if (o->parts) r = bake_squares_end_part(&squares, report, m);
     if (!is_baked_apart(o)) r = asset_write(o, &file, report, m);
     if (r != VXS_OK) goto done;
-    if (kept.has_store && !is_baked_apart(o)) square_store_clean(&kept.store); /* other processes use the other squares */
+    if (squares.has_store && !is_baked_apart(o)) cache_folder_clean(&squares.store); /* other processes use the other squares */
     stage_begin(&ctx, STAGE_NONE);
     report_stages(report, &ctx);
     if (observer) r = observer->look(observer->user, o, &s->casters, &file, m);
 done:
     if (report->unchanged) report_stages(report, &ctx);
-    kept_squares_close(&kept);
+    bake_squares_close(&squares);
     free(file.data);
     bake_scene_free(&own);
     return r;

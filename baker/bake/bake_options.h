@@ -5,7 +5,7 @@
 
 #include <jansson.h>
 
-#include "baker/bake/cache/square_store.h"
+#include "baker/bake/cache/cache_folder.h"
 #include "baker/base/context.h"
 #include "baker/base/text.h"
 #include "baker/base/watch.h"
@@ -93,8 +93,8 @@ typedef struct bake_options {
     const square_exchange *others; /* other processes that make squares of this bake; NULL: none */
 } bake_options;
 
-/* Whether squares are kept: in the cache, as a part, or for other processes. */
-static inline int keeps_squares(const bake_options *o)
+/* Whether squares are stored: in the cache, as a part, or for other processes. */
+static inline int stores_squares(const bake_options *o)
 {
     return o->resume_path || o->parts || o->others;
 }

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "baker/bake/bake_light.h"
-#include "baker/bake/kept_squares.h"
+#include "baker/bake/bake_squares.h"
 #include "baker/bake/light_coder.h"
 #include "baker/base/clock.h"
 #include "baker/files/input_file.h"
@@ -76,7 +76,7 @@ typedef struct part_columns {
     const part_light *of;
     uint32_t          light, map; /* their indices */
     size_t            answered;
-    square_keeper     keeper;
+    square_cache      cache;
 } part_columns;
 
 /* The part that has a square. */
@@ -98,8 +98,8 @@ static vxs_result answer(void *data, uint32_t level, uint32_t i, uint32_t j, col
     return VXS_OK;
 }
 
-static vxs_result ask(void *data, const column_map *columns, uint32_t level, uint32_t i, uint32_t j, square_fate *fate,
-                      vxs_bytes *record, bake_context *ctx)
+static vxs_result find(void *data, const column_map *columns, uint32_t level, uint32_t i, uint32_t j, square_action *action,
+                       vxs_bytes *record, bake_context *ctx)
 {
     part_columns      *c      = data;
     uint64_t           number = c->set->next++;
@@ -107,11 +107,11 @@ static vxs_result ask(void *data, const column_map *columns, uint32_t level, uin
     const part_square *s      = part_find(p, number);
     column_key         key    = part_square_key(number, c->light, c->map, level, i, j);
     (void)columns;
-    *fate = SQUARE_KNOWN;
+    *action = SQUARE_KNOWN;
     return s ? part_read(p, s, &key, record, ctx->run) : part_is_damaged(p, ctx->run);
 }
 
-/* Called only if the record of a square was not sound: an error. So nothing is kept. */
+/* Called only if the record of a square was not sound: an error. So nothing is stored. */
 static vxs_result fetch(void *data, uint32_t level, uint32_t i, uint32_t j, column_square *out, bake_context *ctx)
 {
     const part_columns *c = data;
@@ -148,7 +148,7 @@ static vxs_result open_map(void *data, uint32_t map, column_map *out, bake_conte
                                .fetch    = fetch,
                                .release  = release,
                                .close    = close_map,
-                               .keeper   = &c->keeper};
+                               .cache    = &c->cache};
     return VXS_OK;
 }
 
@@ -179,7 +179,7 @@ static vxs_result merge_file(part_set *s, const bake_options *o, bake_report *re
 
             const part_light *of      = &s->common.lights[n];
             plan_light        planned = {.light = of->light, .map_count = vxs_map_count(&of->light), .tiles = squares_of(of)};
-            part_columns      columns = {.set = s, .of = of, .light = n, .keeper = {&columns, 0, NULL, ask, NULL}};
+            part_columns      columns = {.set = s, .of = of, .light = n, .cache = {&columns, 0, NULL, find, NULL}};
             column_source     source  = {&columns, planned.map_count, open_map};
             chosen_coder      coding;
             snprintf(planned.name, sizeof planned.name, "%.*s", VXS_LIGHT_NAME_BYTES - 1, of->light.name);

@@ -157,7 +157,7 @@ static uint64_t picture_bytes(const bake_plan *plan)
  * possible, because each draws all triangles that it may see. */
 static uint32_t largest_tile(uint32_t side, uint32_t least, const bake_options *o)
 {
-    uint32_t most = keeps_squares(o) && o->maps == MAPS_SPARSE ? max_u32(least, side / 8) : side;
+    uint32_t most = stores_squares(o) && o->maps == MAPS_SPARSE ? max_u32(least, side / 8) : side;
     return min_u32(most, TILE_MAX_PX);
 }
 

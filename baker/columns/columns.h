@@ -53,7 +53,7 @@ typedef struct column_key {
     uint64_t low, high;
 } column_key;
 
-typedef struct square_keeper square_keeper; /* square_record.h */
+typedef struct square_cache square_cache; /* square_record.h */
 
 /* An open map. Threads: one call at a time, unless the source allows more. */
 typedef struct column_map {
@@ -77,7 +77,7 @@ typedef struct column_map {
     /* Key of a square that can be fetched; it does not depend on other parts of the map. NULL: the source has no keys. */
     vxs_result (*key)(void *data, uint32_t level, uint32_t i, uint32_t j, column_key *out);
 
-    const square_keeper *keeper; /* square cache, set by the caller after open; NULL: none */
+    const square_cache *cache; /* square cache, set by the caller after open; NULL: none */
 } column_map;
 
 /* The maps of a light. */

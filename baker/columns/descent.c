@@ -81,7 +81,7 @@ static vxs_result add_square(walker *w, uint32_t slot)
     if (r == VXS_OK && w->record) r = record_square(w, slot);
     if (r != VXS_OK) return r;
     if (s->kind == WAITING_SETTLED) return w->d->settle(w->d->user, &s->bounds, s->level, s->i, s->j);
-    if (!w->columns->keeper || !w->columns->keeper->apart) return w->d->add(w->d->user, slot, s->level, s->i, s->j);
+    if (!w->columns->cache || !w->columns->cache->store_only) return w->d->add(w->d->user, slot, s->level, s->i, s->j);
     w->d->drop(w->d->user, slot);
     return VXS_OK;
 }
@@ -256,16 +256,16 @@ static vxs_result visit(walker *w, uint32_t level, uint32_t i, uint32_t j);
 static void record_begin(walker *w, square_record *record)
 {
     *record   = (square_record){0};
-    w->record = w->columns->keeper ? record : NULL;
+    w->record = w->columns->cache ? record : NULL;
 }
 
-/* Complete the record, with what was built, and keep it. */
+/* Complete the record, with what was built, and store it. */
 static vxs_result record_end(walker *w, square_record *record, vxs_result r)
 {
-    const square_keeper *keeper = w->columns->keeper;
-    vxs_bytes            bytes  = {0};
-    if (r == VXS_OK && keeper) r = record_write(record, w->frames, w->built_bytes, &bytes);
-    if (r == VXS_OK && keeper) r = keeper->keep(keeper->data, &bytes, w->ctx);
+    const square_cache *cache = w->columns->cache;
+    vxs_bytes           bytes = {0};
+    if (r == VXS_OK && cache) r = record_write(record, w->frames, w->built_bytes, &bytes);
+    if (r == VXS_OK && cache) r = cache->store(cache->data, &bytes, w->ctx);
     for (uint32_t n = 0; n < DESCENT_BATCH; n++) free(w->frames[n].data);
     memset(w->frames, 0, sizeof w->frames);
     free(bytes.data);
@@ -354,17 +354,17 @@ static vxs_result make(walker *w, uint32_t level, uint32_t i, uint32_t j)
 /* Make a square that cannot be settled as a whole before a fetch. */
 static vxs_result make_square(walker *w, uint32_t level, uint32_t i, uint32_t j)
 {
-    const square_keeper *keeper = w->columns->keeper;
-    square_fate          fate   = SQUARE_MAKE;
-    vxs_bytes            known  = {0};
-    vxs_result           r      = keeper ? end_batch(w) : VXS_OK;
+    const square_cache *cache  = w->columns->cache;
+    square_action       action = SQUARE_MAKE;
+    vxs_bytes           known  = {0};
+    vxs_result          r      = cache ? end_batch(w) : VXS_OK;
     ++*w->d->squares_fetched;
     w->steps += steps_of(w, level);
-    if (r == VXS_OK && keeper) r = keeper->ask(keeper->data, w->columns, level, i, j, &fate, &known, w->ctx);
-    if (r == VXS_OK && fate == SQUARE_KNOWN) r = recall(w, level, i, j, &known);
+    if (r == VXS_OK && cache) r = cache->find(cache->data, w->columns, level, i, j, &action, &known, w->ctx);
+    if (r == VXS_OK && action == SQUARE_KNOWN) r = recall(w, level, i, j, &known);
     free(known.data);
-    if ((r == VXS_OK && fate == SQUARE_MAKE) || (r == VXS_E_CORRUPT && fate == SQUARE_KNOWN)) r = make(w, level, i, j);
-    return r == VXS_OK && keeper ? end_batch(w) : r;
+    if ((r == VXS_OK && action == SQUARE_MAKE) || (r == VXS_E_CORRUPT && action == SQUARE_KNOWN)) r = make(w, level, i, j);
+    return r == VXS_OK && cache ? end_batch(w) : r;
 }
 
 /* the descent ----------------------------------------------------------------------------------------------------------------- */
@@ -372,9 +372,9 @@ static vxs_result make_square(walker *w, uint32_t level, uint32_t i, uint32_t j)
 static vxs_result bounds_of(const walker *w, uint32_t level, uint32_t i, uint32_t j, column_bounds *out)
 {
     if (!w->fetched) {
-        const square_keeper *keeper = w->columns->keeper;
-        vxs_result           r      = w->columns->bounds(w->columns->data, level, i, j, out);
-        return r == VXS_OK && keeper && keeper->note ? keeper->note(keeper->data, out) : r;
+        const square_cache *cache = w->columns->cache;
+        vxs_result          r     = w->columns->bounds(w->columns->data, level, i, j, out);
+        return r == VXS_OK && cache && cache->note ? cache->note(cache->data, out) : r;
     }
     uint32_t inner = w->fetched_level - level;
     return w->fetched->bounds(w->fetched->data, level, i - (w->fetched_i << inner), j - (w->fetched_j << inner), out);

@@ -1,5 +1,5 @@
-/* Square cache: keeps the results of fetched squares as bytes, so that a square need not be fetched and built again, or that
- * another process can make it.
+/* Square cache: the results of fetched squares as bytes. A square then need not be fetched and built again, or another process
+ * can make it.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SQUARE_RECORD_H
 #define SQUARE_RECORD_H
@@ -7,21 +7,18 @@
 #include "baker/columns/columns.h"
 #include "formats/vxs_write_file.h"
 
-/* Square cache: keeps the results of fetched squares as bytes. A square then need not be fetched and built again, or another
- * process can make it.
- *
- * The descent calls `ask` before it fetches a square, and `keep` with the result. The bytes belong to one version of vxs and one
- * coding (square_record.h); the cache does not interpret them. */
+/* The descent calls `find` before it fetches a square, and `store` with the result. The bytes belong to one version of vxs and one
+ * coding; the cache does not interpret them. */
 
-typedef enum square_fate {
-    SQUARE_MAKE,  /* fetch and build it, and keep the result */
+typedef enum square_action {
+    SQUARE_MAKE,  /* fetch and build it, and store the result */
     SQUARE_KNOWN, /* its record is there */
     SQUARE_LEAVE, /* another process makes it; leave it out */
-} square_fate;
+} square_action;
 
-struct square_keeper {
+struct square_cache {
     void *data;
-    int   apart; /* 1: results are kept for another process to add; nothing is added here */
+    int   store_only; /* 1: results are stored for another process to add; nothing is added here */
 
     /* Note the bounds that a map gave before a square is fetched, in order: they decide which squares are fetched. May be NULL. */
     vxs_result (*note)(void *data, const column_bounds *bounds);
@@ -29,11 +26,11 @@ struct square_keeper {
     /* Decide about the square (i, j) of `level` of a map, which cannot be settled before it is fetched. Called in z order.
      * record  [out] if SQUARE_KNOWN: its record; released by the caller with free(record->data). If the record is not sound, the
      *         descent makes the square anyway */
-    vxs_result (*ask)(void *data, const column_map *columns, uint32_t level, uint32_t i, uint32_t j, square_fate *fate,
-                      vxs_bytes *record, bake_context *ctx);
+    vxs_result (*find)(void *data, const column_map *columns, uint32_t level, uint32_t i, uint32_t j, square_action *action,
+                       vxs_bytes *record, bake_context *ctx);
 
-    /* Keep the result of the square of the last `ask`. May be NULL if fetching a square is an error. */
-    vxs_result (*keep)(void *data, const vxs_bytes *record, bake_context *ctx);
+    /* Store the result of the square of the last `find`. May be NULL if fetching a square is an error. */
+    vxs_result (*store)(void *data, const vxs_bytes *record, bake_context *ctx);
 };
 
 /* Result of a fetched square: the steps of the descent into it, in z order, and what was built.

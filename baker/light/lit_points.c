@@ -61,13 +61,13 @@ static int touches_cone(const reach_run *run, const light_shape *light, double s
 
 /* arrays of the casters that are kept ------------------------------------------------------------------------------------------ */
 
-typedef struct keeper {
+typedef struct selection {
     casters       *out;
     const casters *c;
     uint32_t      *slot; /* [c->vertex_count] 1 + vertex number in out; 0: not copied yet */
-} keeper;
+} selection;
 
-static uint32_t keep_vertex(keeper *k, uint32_t vertex)
+static uint32_t keep_vertex(selection *k, uint32_t vertex)
 {
     if (!k->slot[vertex]) {
         memcpy(k->out->positions_ws + 3 * k->out->vertex_count, k->c->positions_ws + 3 * (size_t)vertex, 3 * sizeof(double));
@@ -76,7 +76,7 @@ static uint32_t keep_vertex(keeper *k, uint32_t vertex)
     return k->slot[vertex] - 1;
 }
 
-static void keep_triangle(keeper *k, size_t t)
+static void keep_triangle(selection *k, size_t t)
 {
     casters       *out = k->out;
     const casters *c   = k->c;
@@ -95,7 +95,7 @@ static void keep_triangle(keeper *k, size_t t)
     out->alpha_mask_first[mask + 1]++;
 }
 
-static void keep_runs(keeper *k, const uint8_t *kept, size_t run_count)
+static void keep_runs(selection *k, const uint8_t *kept, size_t run_count)
 {
     for (size_t n = 0; n < run_count; n++)
         for (size_t t = n * REACH_RUN; t < (n + 1) * REACH_RUN && t < k->c->triangle_count && kept[n]; t++) keep_triangle(k, t);
@@ -106,7 +106,7 @@ static void keep_runs(keeper *k, const uint8_t *kept, size_t run_count)
     for (size_t mask = 0; mask < out->alpha_mask_count; mask++) out->alpha_mask_first[mask + 1] += out->alpha_mask_first[mask];
 }
 
-static int allocate(keeper *k, size_t triangles)
+static int allocate(selection *k, size_t triangles)
 {
     casters       *out    = k->out;
     const casters *c      = k->c;
@@ -128,11 +128,11 @@ vxs_result reach_casters(casters *out, const reach_index *x, const casters *c, c
 {
     *out = *c;
     if (light->kind != LIGHT_SPOT || light->outer_rad > LAMP_SPOT_MAX_RAD) return VXS_OK;
-    uint8_t *kept  = malloc(x->run_count + 1);
-    size_t   count = 0;
-    double   slope = slope_around(light);
-    keeper   k     = {.out = out, .c = c};
-    int      ok    = kept != NULL;
+    uint8_t  *kept  = malloc(x->run_count + 1);
+    size_t    count = 0;
+    double    slope = slope_around(light);
+    selection k     = {.out = out, .c = c};
+    int       ok    = kept != NULL;
     for (size_t n = 0; n < x->run_count && kept; n++) count += kept[n] = (uint8_t)touches_cone(&x->runs[n], light, slope);
     if (kept && count == x->run_count) goto done;
 

@@ -71,8 +71,8 @@ def mpi(mpirun):
 
 
 def squares(stdout):
-    """Of a report: made, all, kept."""
-    return tuple(map(int, re.search(r"^squares      (\d+) of (\d+) made, (\d+) kept in ", stdout, re.M).groups()))
+    """Of a report: made, all, found."""
+    return tuple(map(int, re.search(r"^squares      (\d+) of (\d+) made, (\d+) found in ", stdout, re.M).groups()))
 
 
 @pytest.mark.parametrize("ranks, options", [(2, ()), (3, ("--coding", "dag")), (4, ("--pack", "fast", "--light", "sun")),
@@ -120,7 +120,7 @@ def ranks_of(job):
 
 
 def test_a_rank_that_is_lost(mpirun, mpi, city, tmp_path):
-    """The run ends, and leaves the whole file or none; the next one makes what is not kept, and no more."""
+    """The run ends, and leaves the whole file or none; the next one makes the squares that the cache lacks, and no more."""
     scene, options, want = city
     out, kept, rng = tmp_path / "out.vxs", tmp_path / "kept", random.Random(1)
     command = (3, scene, "-o", out, *options)

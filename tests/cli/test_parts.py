@@ -76,10 +76,10 @@ def test_reports(vxs, scene, parts, tmp_path):
     told = json.loads(report.read_text())
     jsonschema.validate(told, json.loads((ROOT / "docs/bake-report.schema.json").read_text()))
     made = told["part"]["made"]
-    assert told["part"] == {"number": 2, "parts": 4, "made": made, "kept": 0} and told["file_bytes"] == part.stat().st_size
-    assert f"part         2 of 4: {part}, " in done.stdout and f"squares      {made} of {made} made, 0 kept in " in done.stdout
+    assert told["part"] == {"number": 2, "parts": 4, "made": made, "found": 0} and told["file_bytes"] == part.stat().st_size
+    assert f"part         2 of 4: {part}, " in done.stdout and f"squares      {made} of {made} made, 0 found in " in done.stdout
     again = vxs("bake", scene, "-o", part, "--part", "2/4", *SPARSE, *SIZES, "--resume", tmp_path / "kept")
-    assert f"squares      0 of {made} made, {made} kept in " in again.stdout
+    assert f"squares      0 of {made} made, {made} found in " in again.stdout
     assert part.read_bytes() == parts[0][1].read_bytes()
     vxs("merge", *parts[0], "-o", tmp_path / "out.vxs", "--json", report)
     told = json.loads(report.read_text())

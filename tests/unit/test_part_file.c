@@ -1,5 +1,5 @@
-/* Squares in files (baker/bake/cache/): of a kept square and of a part, every bit that is another and every end that is missing is seen, and what
- * is under a right checksum and wrong, too.
+/* Squares in files (baker/bake/cache/), of the cache and of a part: every wrong bit and every missing end is found, and so are wrong contents
+ * under a right checksum.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -11,8 +11,8 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include "baker/bake/cache/cache_folder.h" /* before cmocka, whose fail() is a macro */
 #include "baker/bake/cache/part_file.h"
-#include "baker/bake/cache/square_store.h" /* before cmocka, whose fail() is a macro */
 
 #include <cmocka.h>
 
@@ -44,13 +44,13 @@ static void each_fault(const vxs_bytes *sound, void (*look)(const uint8_t *bytes
     free(bytes);
 }
 
-/* kept squares ---------------------------------------------------------------------------------------------------------------- */
+/* squares of the cache ------------------------------------------------------------------------------------------------------- */
 
 static vxs_result read_square(const uint8_t *bytes, size_t size_bytes, const column_key *key)
 {
     vxs_bytes copy = {malloc(size_bytes + 1), size_bytes, size_bytes + 1};
     memcpy(copy.data, bytes, size_bytes);
-    vxs_result r = kept_square_read(&copy, key);
+    vxs_result r = square_file_read(&copy, key);
     free(copy.data);
     return r;
 }
@@ -61,12 +61,12 @@ static void is_no_square(const uint8_t *bytes, size_t size_bytes, void *of)
     assert_int_equal(read_square(bytes, size_bytes, &keys[0]), VXS_E_CORRUPT);
 }
 
-static void faults_of_a_kept_square(void **state)
+static void faults_of_a_square_file(void **state)
 {
     uint8_t   bytes[RECORD_BYTES];
     vxs_bytes record = record_of(0, bytes), file = {0};
     (void)state;
-    assert_int_equal(kept_square_write(&keys[0], &record, &file), VXS_OK);
+    assert_int_equal(square_file_write(&keys[0], &record, &file), VXS_OK);
     assert_int_equal(read_square(file.data, file.size_bytes, &keys[0]), VXS_OK);
     assert_int_equal(read_square(file.data, file.size_bytes, &keys[1]), VXS_E_CORRUPT);
     each_fault(&file, is_no_square, NULL);
@@ -191,7 +191,7 @@ static void a_part_of_another_version(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(faults_of_a_kept_square),
+        cmocka_unit_test(faults_of_a_square_file),
         cmocka_unit_test_setup_teardown(faults_of_a_part, write_part, remove_part),
         cmocka_unit_test_setup_teardown(a_part_of_another_version, write_part, remove_part),
     };

@@ -9,7 +9,7 @@
 #include <unistd.h>
 #include <xxhash.h>
 
-#include "baker/bake/cache/square_store.h"
+#include "baker/bake/cache/cache_folder.h"
 #include "baker/base/byte_stream.h"
 #include "baker/files/input_file.h"
 
@@ -61,7 +61,7 @@ vxs_result part_begin(part_writer *w, const char *path, uint32_t number, uint32_
 vxs_result part_add(part_writer *w, uint64_t square, const column_key *key, const vxs_bytes *record, run_context *m)
 {
     vxs_bytes  bytes = {0};
-    vxs_result r     = kept_square_write(key, record, &bytes) == VXS_OK ? VXS_OK : out_of_memory(m);
+    vxs_result r     = square_file_write(key, record, &bytes) == VXS_OK ? VXS_OK : out_of_memory(m);
     if (r == VXS_OK) r = note_square(&w->squares, &(part_square){square, w->at, bytes.size_bytes}, m);
     if (r == VXS_OK) r = flush(w, &bytes, m);
     free(bytes.data);
@@ -229,7 +229,7 @@ vxs_result part_read(const part_reader *p, const part_square *s, const column_ke
 {
     *record      = (vxs_bytes){0};
     vxs_result r = read_at(p, s->at, s->size_bytes, record, m);
-    if (r == VXS_OK && kept_square_read(record, key) != VXS_OK) r = part_is_damaged(p, m);
+    if (r == VXS_OK && square_file_read(record, key) != VXS_OK) r = part_is_damaged(p, m);
     if (r == VXS_OK) return r;
     free(record->data);
     *record = (vxs_bytes){0};

@@ -6,8 +6,8 @@
  *         12     4  number of the part, [1, parts]
  *         16     4  parts
  *         20     4  0
- *         24        squares as in square_store.h, sorted by number
- *                   data common to all parts (kept_squares.h)
+ *         24        squares as in cache_folder.h, sorted by number
+ *                   data common to all parts (bake_squares.h)
  *                   for each square: number, offset, size, 8 bytes each
  *    end - 40     8  offset of the common data
  *    end - 32     8  size of the common data

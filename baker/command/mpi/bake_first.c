@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <time.h>
 
-#include "baker/bake/cache/square_store.h"
+#include "baker/bake/cache/cache_folder.h"
 #include "baker/base/array.h"
 #include "baker/base/threads.h"
 #include "baker/command/commands.h"
@@ -139,13 +139,13 @@ static vxs_result failure_of(const first_rank *f, run_context *m)
                 f->failure.error[0] ? f->failure.error : vxs_result_text((vxs_result)f->failure.result));
 }
 
-static vxs_result claim(void *data, uint64_t number, square_fate *fate, run_context *m)
+static vxs_result claim(void *data, uint64_t number, square_action *action, run_context *m)
 {
     first_rank *f = data;
     os_lock(&f->lock);
     const scheduled_square *s = square_scheduler_take(&f->square_scheduler, number);
     if (!s) note_no_memory(f);
-    if (s) *fate = s->rank ? SQUARE_KNOWN : SQUARE_MAKE;
+    if (s) *action = s->rank ? SQUARE_KNOWN : SQUARE_MAKE;
     vxs_result r = f->failure.result == VXS_OK ? VXS_OK : failure_of(f, m);
     os_unlock(&f->lock);
     return r;

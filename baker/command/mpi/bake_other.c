@@ -12,7 +12,7 @@ typedef struct other_rank {
     uint64_t ticket;
 } other_rank;
 
-static vxs_result claim(void *data, uint64_t number, square_fate *fate, run_context *m)
+static vxs_result claim(void *data, uint64_t number, square_action *action, run_context *m)
 {
     other_rank *of = data;
     (void)m;
@@ -22,8 +22,8 @@ static vxs_result claim(void *data, uint64_t number, square_fate *fate, run_cont
         of->has_ticket = 1;
     }
     if (of->ticket == NO_MORE) return VXS_E_BROKEN_PIPE;
-    *fate = of->ticket == number ? SQUARE_MAKE : SQUARE_LEAVE;
-    if (*fate == SQUARE_MAKE) of->has_ticket = 0;
+    *action = of->ticket == number ? SQUARE_MAKE : SQUARE_LEAVE;
+    if (*action == SQUARE_MAKE) of->has_ticket = 0;
     return VXS_OK;
 }
 

@@ -8,8 +8,8 @@
 #include <strings.h>
 #include <unistd.h>
 
+#include "baker/bake/cache/cache_folder.h"
 #include "baker/bake/cache/part_file.h"
-#include "baker/bake/cache/square_store.h"
 #include "baker/base/parallel.h"
 #include "baker/command/options/laboratory.h"
 #include "baker/command/options/options.h"
@@ -79,13 +79,13 @@ static vxs_result check_part_name(const bake_options *o, run_context *m)
 }
 
 /* Conflicts of options that store or share squares. Such a run does not make every square, so options that need all are refused. */
-static vxs_result check_kept(const bake_arguments *a, run_context *m)
+static vxs_result check_stored(const bake_arguments *a, run_context *m)
 {
     const char *given = a->o.resume_path ? "--resume" : a->o.parts ? "--part" : "several processes";
     const char *why   = a->o.page_path                                         ? "--report draws depth maps"
                         : a->o.coding == CODING_DAG && a->o.stop != STOP_FINAL ? "--stop leaves nodes where they were made"
                                                                                : NULL;
-    if (keeps_squares(&a->o) && why)
+    if (stores_squares(&a->o) && why)
         return fail(m, VXS_E_ARGUMENT, "%s, and with %s not every square is made: expected one of them", why, given);
     if (a->o.others && a->o.parts)
         return fail(m, VXS_E_ARGUMENT,
@@ -118,7 +118,7 @@ vxs_result bake_arguments_check(bake_arguments *a, run_context *m)
     vxs_result    r = check_map_sizes(o, m);
     if (r == VXS_OK) r = choose_maps(a, m);
     if (r == VXS_OK) r = read_part(a, m);
-    if (r == VXS_OK) r = check_kept(a, m);
+    if (r == VXS_OK) r = check_stored(a, m);
     if (r == VXS_OK) r = check_part_name(o, m);
     if (r == VXS_OK) r = check_smoke(a, m);
     if (r != VXS_OK) return r;
@@ -163,7 +163,7 @@ void bake_arguments_init(bake_arguments *a, const char *name, const char *synops
          "where the asset goes; - is standard output", NULL},
         {"--if-changed", OPTION_SWITCH, &a->o.if_changed, 0, 0, NULL, NULL,
          "do nothing when OUT.vxs is sound, and was baked from the same scene, lights and options by this version", NULL},
-        {"--resume", OPTION_FOLDER, &a->o.resume_path, 0, 0, SQUARE_STORE_NAMES, "DIR",
+        {"--resume", OPTION_FOLDER, &a->o.resume_path, 0, 0, CACHE_FOLDER_NAMES, "DIR",
          "keep finished squares of the maps in this folder, and take from there what is finished: after a kill, or a change of the "
          "scene",
          NULL},

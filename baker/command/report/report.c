@@ -18,7 +18,7 @@ void part_print(FILE *to, const bake_options *o, const bake_report *r)
     fprintf(to, "part         %u of %u: %s, %s\n", o->part, o->parts,
             is_standard_output(o->output_path) ? "standard output" : plain_text(plain, o->output_path),
             size_text(size, r->file_bytes));
-    fprintf(to, "squares      %llu of %llu made, %llu kept%s%s\n", (unsigned long long)squares.made,
+    fprintf(to, "squares      %llu of %llu made, %llu found%s%s\n", (unsigned long long)squares.made,
             (unsigned long long)squares.all, (unsigned long long)(squares.all - squares.made), o->resume_path ? " in " : "",
             o->resume_path ? plain_text(plain, o->resume_path) : "");
     fprintf(to, "time         %.2f s; memory %s\n", r->total_seconds, size_text(size, r->peak_bytes));
@@ -28,7 +28,7 @@ vxs_result part_write_json(const char *path, const bake_options *o, const bake_r
 {
     square_counts squares = report_squares(r);
     json_t       *part    = json_pack("{s:I, s:I, s:I, s:I}", "number", (json_int_t)o->part, "parts", (json_int_t)o->parts, "made",
-                                      (json_int_t)squares.made, "kept", (json_int_t)(squares.all - squares.made));
+                                      (json_int_t)squares.made, "found", (json_int_t)(squares.all - squares.made));
     json_t       *root =
         json_pack("{s:s, s:o, s:o, s:b, s:o, s:I, s:o, s:f, s:I}", "vxs", VXS_VERSION, "scene", json_text(o->scene_path), "output",
                   json_text(o->output_path), "unchanged", 0, "part", part, "file_bytes", (json_int_t)r->file_bytes, "warnings",
@@ -241,7 +241,7 @@ static json_t *plan_json(const bake_options *o, const bake_report *r)
 static json_t *squares_json(const bake_options *o, const bake_report *r)
 {
     square_counts squares = report_squares(r);
-    return json_pack("{s:o, s:I, s:I}", "folder", json_text(o->resume_path), "made", (json_int_t)squares.made, "kept",
+    return json_pack("{s:o, s:I, s:I}", "folder", json_text(o->resume_path), "made", (json_int_t)squares.made, "found",
                      (json_int_t)(squares.all - squares.made));
 }
 

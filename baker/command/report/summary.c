@@ -125,7 +125,7 @@ void squares_print(FILE *to, const bake_options *o, const bake_report *r)
 {
     square_counts squares = report_squares(r);
     if (!o->resume_path) return;
-    fprintf(to, "squares      %llu of %llu made, %llu kept in %s\n", (unsigned long long)squares.made,
+    fprintf(to, "squares      %llu of %llu made, %llu found in %s\n", (unsigned long long)squares.made,
             (unsigned long long)squares.all, (unsigned long long)(squares.all - squares.made), o->resume_path);
 }
 

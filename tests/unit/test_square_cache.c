@@ -1,5 +1,5 @@
-/* What becomes of fetched squares, kept and read back (baker/columns/square_record.h, square_record.h): the same words and the same DAG, from
- * squares that are built and kept, from kept ones alone, and from some of each; and records that are not what was written.
+/* The square cache (baker/columns/square_record.h): words and DAG are the same from squares that are built and stored, from the cache alone,
+ * and from some of each; damaged records are found.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -23,10 +23,10 @@
 
 enum { SQUARES_MAX = 64 };
 
-/* A keeper in memory: squares in the order in which they were asked about. */
+/* A cache in memory: squares in the order in which the descent looked them up. */
 typedef struct shelf {
     vxs_bytes record[SQUARES_MAX];
-    uint32_t  asked, kept;
+    uint32_t  asked, stored;
     uint32_t  known;   /* of every so many squares one is known; 0: none */
     vxs_bytes instead; /* of the first one that is known, where there are any */
 } shelf;
@@ -38,8 +38,8 @@ static vxs_bytes copy_of(const vxs_bytes *b)
     return copy;
 }
 
-static vxs_result shelf_ask(void *data, const column_map *columns, uint32_t level, uint32_t i, uint32_t j, square_fate *fate,
-                            vxs_bytes *record, bake_context *ctx)
+static vxs_result shelf_find(void *data, const column_map *columns, uint32_t level, uint32_t i, uint32_t j, square_action *action,
+                             vxs_bytes *record, bake_context *ctx)
 {
     shelf   *s = data;
     uint32_t n = s->asked++;
@@ -50,18 +50,18 @@ static vxs_result shelf_ask(void *data, const column_map *columns, uint32_t leve
     (void)ctx;
     assert_true(n < SQUARES_MAX);
     if (!s->known || n % s->known) return VXS_OK;
-    *fate   = SQUARE_KNOWN;
+    *action = SQUARE_KNOWN;
     *record = copy_of(!n && s->instead.data ? &s->instead : &s->record[n]);
     return VXS_OK;
 }
 
-static vxs_result shelf_keep(void *data, const vxs_bytes *record, bake_context *ctx)
+static vxs_result shelf_store(void *data, const vxs_bytes *record, bake_context *ctx)
 {
     shelf *s = data;
     (void)ctx;
     free(s->record[s->asked - 1].data);
     s->record[s->asked - 1] = copy_of(record);
-    s->kept++;
+    s->stored++;
     return VXS_OK;
 }
 
@@ -131,7 +131,7 @@ static void counted_close(void *data)
     (void)data;
 }
 
-static column_map counted_columns(counted_map *c, uint32_t fetch_px, const square_keeper *keeper)
+static column_map counted_columns(counted_map *c, uint32_t fetch_px, const square_cache *cache)
 {
     return (column_map){.data     = c,
                         .side_px  = c->maps->side_px,
@@ -141,7 +141,7 @@ static column_map counted_columns(counted_map *c, uint32_t fetch_px, const squar
                         .fetch    = counted_fetch,
                         .release  = counted_release,
                         .close    = counted_close,
-                        .keeper   = keeper};
+                        .cache    = cache};
 }
 
 /* both codings ---------------------------------------------------------------------------------------------------------------- */
@@ -195,60 +195,60 @@ static void assert_equal_and_free(const vxs_bytes *want, vxs_bytes got)
     free(got.data);
 }
 
-/* Built without a keeper, built and kept, from what was kept, and from half of it. */
-static void kept_squares_are_what_was_built(void **state)
+/* Built without a cache, built and stored, from the cache alone, and half from the cache. */
+static void cached_squares_are_what_was_built(void **state)
 {
     const uint32_t sides[] = {8, 64, 256, 512, 1024};
     (void)state;
     for (size_t s = 0; s < sizeof sides / sizeof *sides; s++)
         for (map_kind kind = 0; kind<MAP_KINDS; kind += sides[s]> 512 ? 5 : sides[s] > 64 ? repeats(3, 1) : 1)
             for (int coding = 0; coding < 2; coding++) {
-                uint32_t      side = sides[s], least = coding ? sub_dag_side(side) : block_square_side(side);
-                depth_maps    d    = random_maps(side, side, kind, side + kind);
-                counted_map   c    = {.maps = &d};
-                shelf         kept = {.known = 0};
-                square_keeper k    = {&kept, 0, NULL, shelf_ask, shelf_keep};
-                uint32_t      px   = min_u32(side, 2 * least);
-                column_map    bare = counted_columns(&c, px, NULL), m = counted_columns(&c, px, &k);
-                vxs_bytes     want = codings[coding](&bare, 1);
+                uint32_t     side = sides[s], least = coding ? sub_dag_side(side) : block_square_side(side);
+                depth_maps   d      = random_maps(side, side, kind, side + kind);
+                counted_map  c      = {.maps = &d};
+                shelf        cached = {.known = 0};
+                square_cache k      = {&cached, 0, NULL, shelf_find, shelf_store};
+                uint32_t     px     = min_u32(side, 2 * least);
+                column_map   bare = counted_columns(&c, px, NULL), m = counted_columns(&c, px, &k);
+                vxs_bytes    want = codings[coding](&bare, 1);
                 assert_equal_and_free(&want, codings[coding](&m, 2));
-                assert_int_equal(kept.kept, (side / px) * (side / px));
-                for (kept.known = 1; kept.known < 3; kept.known++) {
-                    kept.asked = c.fetches = 0;
-                    assert_equal_and_free(&want, codings[coding](&m, kept.known));
-                    assert_int_equal(c.fetches, kept.known == 1 ? 0 : (side / px) * (side / px) / 2);
+                assert_int_equal(cached.stored, (side / px) * (side / px));
+                for (cached.known = 1; cached.known < 3; cached.known++) {
+                    cached.asked = c.fetches = 0;
+                    assert_equal_and_free(&want, codings[coding](&m, cached.known));
+                    assert_int_equal(c.fetches, cached.known == 1 ? 0 : (side / px) * (side / px) / 2);
                 }
                 free(want.data);
-                shelf_free(&kept);
+                shelf_free(&cached);
                 depth_maps_free(&d);
             }
 }
 
-/* Kept apart: nothing is added, and others make the same of it. */
-static void squares_kept_apart(void **state)
+/* Stored only: nothing is added; another process makes the same words from the records. */
+static void squares_stored_only(void **state)
 {
     (void)state;
     for (int coding = 0; coding < 2; coding++) {
-        depth_maps    d     = random_maps(1024, 1024, MAPS_BOXES, 3);
-        counted_map   c     = {.maps = &d};
-        shelf         kept  = {.known = 0};
-        square_keeper apart = {&kept, 1, NULL, shelf_ask, shelf_keep}, here = {&kept, 0, NULL, shelf_ask, shelf_keep};
-        column_map    bare = counted_columns(&c, 256, NULL), m = counted_columns(&c, 256, &apart),
+        depth_maps   d      = random_maps(1024, 1024, MAPS_BOXES, 3);
+        counted_map  c      = {.maps = &d};
+        shelf        cached = {.known = 0};
+        square_cache apart = {&cached, 1, NULL, shelf_find, shelf_store}, here = {&cached, 0, NULL, shelf_find, shelf_store};
+        column_map   bare = counted_columns(&c, 256, NULL), m = counted_columns(&c, 256, &apart),
                    all = counted_columns(&c, 256, &here);
         vxs_bytes want = codings[coding](&bare, 1), nothing = codings[coding](&m, 2);
         assert_true(nothing.size_bytes < want.size_bytes / 2);
-        assert_int_equal(kept.kept, 16);
-        kept.known = 1;
-        kept.asked = 0;
+        assert_int_equal(cached.stored, 16);
+        cached.known = 1;
+        cached.asked = 0;
         assert_equal_and_free(&want, codings[coding](&all, 2));
         free(want.data);
         free(nothing.data);
-        shelf_free(&kept);
+        shelf_free(&cached);
         depth_maps_free(&d);
     }
 }
 
-/* Squares that threads fetch are those that are fetched for all of them; kept ones are, too, whoever fetched them. */
+/* Squares that threads fetch are those that are fetched on one thread; the same holds for stored squares. */
 static void squares_fetched_by_threads(void **state)
 {
     const uint32_t sides[] = {8, 64, 512, 1024};
@@ -256,14 +256,14 @@ static void squares_fetched_by_threads(void **state)
     for (size_t s = 0; s < sizeof sides / sizeof *sides; s++)
         for (map_kind kind = 0; kind<MAP_KINDS; kind += sides[s]> 512 ? repeats(5, 3) : sides[s] > 64 ? repeats(3, 1) : 1)
             for (int coding = 0; coding < 2; coding++) {
-                uint32_t      side = sides[s], least = coding ? sub_dag_side(side) : block_square_side(side);
-                depth_maps    d     = random_maps(side, side, kind, side + kind);
-                counted_map   c     = {.maps = &d};
-                shelf         kept  = {.known = 0};
-                square_keeper k     = {&kept, 0, NULL, shelf_ask, shelf_keep};
-                uint32_t      px    = min_u32(side, 2 * least);
-                column_map    whole = counted_columns(&c, px, NULL), parts = whole, both = counted_columns(&c, px, &k);
-                vxs_bytes     want = codings[coding](&whole, 1);
+                uint32_t     side = sides[s], least = coding ? sub_dag_side(side) : block_square_side(side);
+                depth_maps   d      = random_maps(side, side, kind, side + kind);
+                counted_map  c      = {.maps = &d};
+                shelf        cached = {.known = 0};
+                square_cache k      = {&cached, 0, NULL, shelf_find, shelf_store};
+                uint32_t     px     = min_u32(side, 2 * least);
+                column_map   whole = counted_columns(&c, px, NULL), parts = whole, both = counted_columns(&c, px, &k);
+                vxs_bytes    want = codings[coding](&whole, 1);
                 assert_int_equal(c.alone, 0);
                 parts.parallel_px = both.parallel_px = least;
                 assert_equal_and_free(&want, codings[coding](&parts, 1));
@@ -271,11 +271,11 @@ static void squares_fetched_by_threads(void **state)
                 assert_equal_and_free(&want, codings[coding](&parts, 3));
                 assert_equal_and_free(&want, codings[coding](&both, 2));
                 both.parallel_px = 0;
-                kept.known       = 2;
-                kept.asked       = 0;
+                cached.known     = 2;
+                cached.asked     = 0;
                 assert_equal_and_free(&want, codings[coding](&both, 2));
                 free(want.data);
-                shelf_free(&kept);
+                shelf_free(&cached);
                 depth_maps_free(&d);
             }
 }
@@ -283,24 +283,24 @@ static void squares_fetched_by_threads(void **state)
 /* Damage ---------------------------------------------------------------------------------------------------------------------- */
 
 typedef struct damaged {
-    depth_maps    d;
-    counted_map   c;
-    shelf         kept;
-    square_keeper k;
-    column_map    m;
-    vxs_bytes     want;
-    build_fn      build;
+    depth_maps   d;
+    counted_map  c;
+    shelf        cached;
+    square_cache k;
+    column_map   m;
+    vxs_bytes    want;
+    build_fn     build;
 } damaged;
 
 static void damaged_begin(damaged *t, int coding, uint32_t side, map_kind kind)
 {
-    *t            = (damaged){.d = random_maps(side, side, kind, 11), .build = codings[coding]};
-    t->c          = (counted_map){.maps = &t->d};
-    t->k          = (square_keeper){&t->kept, 0, NULL, shelf_ask, shelf_keep};
-    t->m          = counted_columns(&t->c, side, &t->k);
-    t->want       = t->build(&t->m, 1);
-    t->kept.known = 1;
-    assert_int_equal(t->kept.kept, 1);
+    *t              = (damaged){.d = random_maps(side, side, kind, 11), .build = codings[coding]};
+    t->c            = (counted_map){.maps = &t->d};
+    t->k            = (square_cache){&t->cached, 0, NULL, shelf_find, shelf_store};
+    t->m            = counted_columns(&t->c, side, &t->k);
+    t->want         = t->build(&t->m, 1);
+    t->cached.known = 1;
+    assert_int_equal(t->cached.stored, 1);
 }
 
 /* What comes of other bytes in the place of the record. 1: the square was made again, and all is as it was. */
@@ -312,8 +312,8 @@ static int remade(damaged *t, vxs_bytes instead)
     dag_merger    g     = {0};
     build_stats   stats = {0};
     build_options o     = {.rule = MASK_RULE_GREEDY, .reuse = 1, .compress = COMPRESS_TOP_DOWN, .share = 1};
-    t->kept.instead     = instead;
-    t->kept.asked = t->c.fetches = 0;
+    t->cached.instead   = instead;
+    t->cached.asked = t->c.fetches = 0;
     vxs_result r;
     if (t->build == words_of) {
         block_words w = {0};
@@ -331,14 +331,14 @@ static int remade(damaged *t, vxs_bytes instead)
     block_set_free(&set);
     dag_merger_free(&g);
     run_free(&quiet);
-    t->kept.instead = (vxs_bytes){0};
+    t->cached.instead = (vxs_bytes){0};
     return t->c.fetches == 1;
 }
 
 static void damaged_end(damaged *t)
 {
     free(t->want.data);
-    shelf_free(&t->kept);
+    shelf_free(&t->cached);
     depth_maps_free(&t->d);
 }
 
@@ -351,7 +351,7 @@ static void records_that_are_damaged(void **state)
         rng       r = {5};
         vxs_bytes whole;
         damaged_begin(&t, coding, 128, MAPS_BOXES);
-        whole = copy_of(&t.kept.record[0]);
+        whole = copy_of(&t.cached.record[0]);
         for (size_t size = 0; size <= whole.size_bytes + 1; size += size < 64 || size + 64 > whole.size_bytes ? 1 : 61) {
             if (size == whole.size_bytes) continue;
             vxs_bytes cut              = copy_of(&whole);
@@ -369,7 +369,7 @@ static void records_that_are_damaged(void **state)
         }
         assert_true(again > 200);
         free(whole.data);
-        t.kept.asked = 0;
+        t.cached.asked = 0;
         assert_equal_and_free(&t.want, t.build(&t.m, 1));
         damaged_end(&t);
     }
@@ -385,7 +385,7 @@ static void built_bytes_of_another(void **state)
             rng           r      = {kind};
             square_record record = {0};
             damaged_begin(&t, coding, 64, kind);
-            vxs_bytes whole = copy_of(&t.kept.record[0]);
+            vxs_bytes whole = copy_of(&t.cached.record[0]);
             assert_int_equal(record_read(&record, whole.data, whole.size_bytes, square_level(64), 0, 0, 64), VXS_OK);
             uint32_t built_count = record.built_count, again = 0;
             for (int n = 0; n < 60 && built_count; n++) {
@@ -423,17 +423,17 @@ static void one_unsound_square_of_many(void **state)
         damaged       t;
         square_record record = {0};
         damaged_begin(&t, coding, 1024, MAPS_NOISE);
-        vxs_bytes whole = copy_of(&t.kept.record[0]);
+        vxs_bytes whole = copy_of(&t.cached.record[0]);
         assert_int_equal(record_read(&record, whole.data, whole.size_bytes, square_level(1024), 0, 0, 1024), VXS_OK);
         assert_int_equal(record.built_count, 16);
         for (size_t spoilt = repeats(10, 0); spoilt < 16; spoilt += repeats(16, 5)) {
             vxs_bytes other = copy_of(&whole);
             memset(other.data + (record.steps[spoilt].frame - whole.data), 0, 4);
-            t.kept.instead = other;
-            t.kept.asked = t.c.fetches = 0;
+            t.cached.instead = other;
+            t.cached.asked = t.c.fetches = 0;
             assert_equal_and_free(&t.want, t.build(&t.m, 2));
             assert_int_equal(t.c.fetches, 1);
-            t.kept.instead = (vxs_bytes){0};
+            t.cached.instead = (vxs_bytes){0};
             free(other.data);
         }
         record_free(&record);
@@ -472,9 +472,12 @@ static void steps_tile_the_square(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(kept_squares_are_what_was_built), cmocka_unit_test(squares_kept_apart),
-        cmocka_unit_test(squares_fetched_by_threads),      cmocka_unit_test(records_that_are_damaged),
-        cmocka_unit_test(built_bytes_of_another),          cmocka_unit_test(one_unsound_square_of_many),
+        cmocka_unit_test(cached_squares_are_what_was_built),
+        cmocka_unit_test(squares_stored_only),
+        cmocka_unit_test(squares_fetched_by_threads),
+        cmocka_unit_test(records_that_are_damaged),
+        cmocka_unit_test(built_bytes_of_another),
+        cmocka_unit_test(one_unsound_square_of_many),
         cmocka_unit_test(steps_tile_the_square),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,13 +1,13 @@
 /* Square cache in a folder: vxs bake --resume.
  *
- * Each square is a file named by its key (square_store.h). The file appears completely or not at all, however the run ends, and
+ * Each square is a file named by its key (cache_folder.h). The file appears completely or not at all, however the run ends, and
  * never changes. So any number of runs may share a folder: the worst that one run can do is to remove a file that another run would
  * have found. A square is used if its key and checksum are right; otherwise it is made again, and its file is replaced.
  * A folder serves one bake: a run that has written its output removes the squares that it has neither found nor written, unless
  * another run has the folder open.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef SQUARE_STORE_H
-#define SQUARE_STORE_H
+#ifndef CACHE_FOLDER_H
+#define CACHE_FOLDER_H
 
 #include "baker/base/run_context.h"
 #include "baker/columns/columns.h"
@@ -27,20 +27,20 @@
  *
  * All numbers are little-endian. The key depends on the version of vxs: other versions make other keys. */
 
-enum { KEPT_MAGIC_BYTES = 8, KEPT_HEAD_BYTES = 40, KEPT_TRAILER_BYTES = 8 };
+enum { SQUARE_FILE_MAGIC_BYTES = 8, SQUARE_FILE_HEAD_BYTES = 40, SQUARE_FILE_TRAILER_BYTES = 8 };
 
 /* Append a record. Returns VXS_OK or VXS_E_MEMORY. */
-vxs_result kept_square_write(const column_key *key, const vxs_bytes *record, vxs_bytes *out);
+vxs_result square_file_write(const column_key *key, const vxs_bytes *record, vxs_bytes *out);
 
-/* Whether bytes begin like a record in a file, of any square and version.   head  [KEPT_MAGIC_BYTES] */
-int kept_square_begins(const uint8_t *head);
+/* Whether bytes begin like a record in a file, of any square and version.   head  [SQUARE_FILE_MAGIC_BYTES] */
+int square_file_begins(const uint8_t *head);
 
-/* Whether a file may hold this square, by its first bytes and its size.   head  [KEPT_HEAD_BYTES] */
-int kept_square_may_be(const uint8_t *head, uint64_t file_bytes, const column_key *key);
+/* Whether a file may hold this square, by its first bytes and its size.   head  [SQUARE_FILE_HEAD_BYTES] */
+int square_file_may_be(const uint8_t *head, uint64_t file_bytes, const column_key *key);
 
 /* Check the bytes, and reduce them to the record that they contain.
  * Returns VXS_OK; VXS_E_CORRUPT: another square's record, or none. */
-vxs_result kept_square_read(vxs_bytes *bytes, const column_key *key);
+vxs_result square_file_read(vxs_bytes *bytes, const column_key *key);
 
 /* Hash of some bytes and of a hash before: makes keys step by step. */
 column_key column_key_with(column_key before, const void *bytes, size_t size_bytes);
@@ -53,26 +53,26 @@ typedef struct square_exchange {
     int   adds; /* 1: this process adds the squares */
 
     /* Ask which process makes a square. Numbers ascend.
-     * fate  [out] SQUARE_MAKE: this process. SQUARE_LEAVE, only if it does not add: another process. SQUARE_KNOWN, only if it adds:
-     *       another process; `take` returns the square
+     * action  [out] SQUARE_MAKE: this process. SQUARE_LEAVE, only if it does not add: another process. SQUARE_KNOWN, only if it adds:
+     *       another process; `receive` returns the square
      * Returns VXS_OK; VXS_E_MEMORY; VXS_E_BROKEN_PIPE: no more squares are needed; or the error of another process. */
-    vxs_result (*claim)(void *data, uint64_t number, square_fate *fate, run_context *m);
+    vxs_result (*claim)(void *data, uint64_t number, square_action *action, run_context *m);
 
     /* In the process that adds: wait for the record of a square.
      * key     of the square in this process; a different key of the other process is an error
      * record  [out] released with free(record->data)
      * made    [out] 1: it was made in this run
      * Returns VXS_OK, VXS_E_ARGUMENT, or the error of another process. */
-    vxs_result (*take)(void *data, uint64_t number, const column_key *key, vxs_bytes *record, int *made, run_context *m);
+    vxs_result (*receive)(void *data, uint64_t number, const column_key *key, vxs_bytes *record, int *made, run_context *m);
 
     /* In the other processes: hand over the square that was claimed last. Returns VXS_OK or VXS_E_MEMORY. */
-    vxs_result (*give)(void *data, uint64_t number, const column_key *key, const vxs_bytes *record, int made, run_context *m);
+    vxs_result (*send)(void *data, uint64_t number, const column_key *key, const vxs_bytes *record, int made, run_context *m);
 } square_exchange;
 
 /* Names of the files that are written into the folder and removed from it (run_files_add_folder). */
-#define SQUARE_STORE_NAMES "*.square|.vxs-*.tmp"
+#define CACHE_FOLDER_NAMES "*.square|.vxs-*.tmp"
 
-typedef struct square_store {
+typedef struct cache_folder {
     char *folder;
     int   descriptor; /* of the folder; holds a shared lock */
 
@@ -81,30 +81,30 @@ typedef struct square_store {
     int         is_full;  /* 1: a write has failed, and no more are tried */
     int         is_sound; /* 0: a damaged square was found, and reported */
     size_t      warnings; /* warnings of the cache: they do not belong to the bake, and are not counted in its file */
-} square_store;
+} cache_folder;
 
 /* Open a folder; create it if it does not exist.
- * s  [out] zeroed on failure; ends with square_store_close
+ * s  [out] zeroed on failure; ends with cache_folder_close
  * Returns VXS_OK; VXS_E_WRITE: not a folder, or cannot be created or read; VXS_E_MEMORY. */
-vxs_result square_store_open(square_store *s, const char *folder, run_context *m);
+vxs_result cache_folder_open(cache_folder *s, const char *folder, run_context *m);
 
 /* Look up a square. A square that is damaged, or too large for the memory (m->memory_bytes), counts as not found; the first one
  * gives a warning.
  * record  [out] if *found is 1; released with free(record->data)
  * Returns VXS_OK, VXS_E_MEMORY, VXS_E_STRICT. */
-vxs_result square_store_find(square_store *s, const column_key *key, vxs_bytes *record, int *found, run_context *m);
+vxs_result cache_folder_find(cache_folder *s, const column_key *key, vxs_bytes *record, int *found, run_context *m);
 
 /* Write a square. The first failure gives a warning, and the run goes on.
  * Returns VXS_OK, VXS_E_MEMORY, VXS_E_STRICT. */
-vxs_result square_store_keep(square_store *s, const column_key *key, const vxs_bytes *record, run_context *m);
+vxs_result cache_folder_store(cache_folder *s, const column_key *key, const vxs_bytes *record, run_context *m);
 
 /* Mark a square as used that another process has found or written. Returns VXS_OK or VXS_E_MEMORY. */
-vxs_result square_store_use(square_store *s, const column_key *key, run_context *m);
+vxs_result cache_folder_use(cache_folder *s, const column_key *key, run_context *m);
 
 /* Remove the squares that this run has not used. Files that are not squares stay, whatever their names. */
-void square_store_clean(square_store *s);
+void cache_folder_clean(cache_folder *s);
 
 /* Accepts a zeroed object. */
-void square_store_close(square_store *s);
+void cache_folder_close(cache_folder *s);
 
 #endif

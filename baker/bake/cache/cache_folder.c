@@ -1,6 +1,6 @@
-/* Square cache in a folder; see square_store.h.
+/* Square cache in a folder; see cache_folder.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/bake/cache/square_store.h"
+#include "baker/bake/cache/cache_folder.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -25,39 +25,40 @@
 
 #include "baker/base/byte_stream.h"
 
-static const char magic[KEPT_MAGIC_BYTES] = {'v', 'x', 's', ' ', 'k', 'e', 'p', 't'};
-enum { KEPT_VERSION = 1 };
+static const char magic[SQUARE_FILE_MAGIC_BYTES] = {'v', 'x', 's', ' ', 'k', 'e', 'p', 't'};
+enum { SQUARE_FILE_VERSION = 1 };
 
-vxs_result kept_square_write(const column_key *key, const vxs_bytes *record, vxs_bytes *out)
+vxs_result square_file_write(const column_key *key, const vxs_bytes *record, vxs_bytes *out)
 {
     size_t start = out->size_bytes;
-    int    ok    = put_bytes(out, magic, sizeof magic) && put32(out, KEPT_VERSION) && put32(out, 0) && put64(out, key->low) &&
+    int    ok = put_bytes(out, magic, sizeof magic) && put32(out, SQUARE_FILE_VERSION) && put32(out, 0) && put64(out, key->low) &&
              put64(out, key->high) && put64(out, record->size_bytes) && put_bytes(out, record->data, record->size_bytes);
     return ok && put64(out, XXH64(out->data + start, out->size_bytes - start, 0)) ? VXS_OK : VXS_E_MEMORY;
 }
 
-int kept_square_begins(const uint8_t *head)
+int square_file_begins(const uint8_t *head)
 {
     return !memcmp(head, magic, sizeof magic);
 }
 
-int kept_square_may_be(const uint8_t *head, uint64_t file_bytes, const column_key *key)
+int square_file_may_be(const uint8_t *head, uint64_t file_bytes, const column_key *key)
 {
-    byte_reader from    = {head + sizeof magic, KEPT_HEAD_BYTES - sizeof magic};
+    byte_reader from    = {head + sizeof magic, SQUARE_FILE_HEAD_BYTES - sizeof magic};
     uint32_t    version = take32(&from), zero = take32(&from);
     int         is_square = take64(&from) == key->low;
     is_square &= take64(&from) == key->high;
-    uint64_t size = take64(&from), around = KEPT_HEAD_BYTES + KEPT_TRAILER_BYTES;
-    return kept_square_begins(head) && version == KEPT_VERSION && !zero && is_square && file_bytes >= around &&
+    uint64_t size = take64(&from), around = SQUARE_FILE_HEAD_BYTES + SQUARE_FILE_TRAILER_BYTES;
+    return square_file_begins(head) && version == SQUARE_FILE_VERSION && !zero && is_square && file_bytes >= around &&
            size == file_bytes - around;
 }
 
-vxs_result kept_square_read(vxs_bytes *bytes, const column_key *key)
+vxs_result square_file_read(vxs_bytes *bytes, const column_key *key)
 {
-    if (bytes->size_bytes < KEPT_HEAD_BYTES || !kept_square_may_be(bytes->data, bytes->size_bytes, key)) return VXS_E_CORRUPT;
-    size_t hashed = bytes->size_bytes - KEPT_TRAILER_BYTES, size = hashed - KEPT_HEAD_BYTES;
+    if (bytes->size_bytes < SQUARE_FILE_HEAD_BYTES || !square_file_may_be(bytes->data, bytes->size_bytes, key))
+        return VXS_E_CORRUPT;
+    size_t hashed = bytes->size_bytes - SQUARE_FILE_TRAILER_BYTES, size = hashed - SQUARE_FILE_HEAD_BYTES;
     if (vxs_load64(bytes->data + hashed) != XXH64(bytes->data, hashed, 0)) return VXS_E_CORRUPT;
-    memmove(bytes->data, bytes->data + KEPT_HEAD_BYTES, size);
+    memmove(bytes->data, bytes->data + SQUARE_FILE_HEAD_BYTES, size);
     bytes->size_bytes = size;
     return VXS_OK;
 }
@@ -82,7 +83,7 @@ static void name_of(char name[NAME_BYTES], const column_key *key)
 
 static vxs_result out_of_memory(run_context *m)
 {
-    return fail(m, VXS_E_MEMORY, "out of memory for squares that are kept");
+    return fail(m, VXS_E_MEMORY, "out of memory for the squares of the cache");
 }
 
 /* A warning of the cache. */
@@ -93,9 +94,9 @@ static vxs_result out_of_memory(run_context *m)
         (s)->warnings += (m)->warning_count - before;                                                                              \
     } while (0)
 
-vxs_result square_store_open(square_store *s, const char *folder, run_context *m)
+vxs_result cache_folder_open(cache_folder *s, const char *folder, run_context *m)
 {
-    *s = (square_store){.folder = strdup(folder), .descriptor = -1, .is_sound = 1};
+    *s = (cache_folder){.folder = strdup(folder), .descriptor = -1, .is_sound = 1};
     if (!s->folder) return out_of_memory(m);
     int missing = mkdir(folder, 0777) && errno != EEXIST ? errno : 0;
     if (!missing) s->descriptor = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -105,13 +106,13 @@ vxs_result square_store_open(square_store *s, const char *folder, run_context *m
     }
     vxs_result r = fail(m, VXS_E_WRITE, "--resume %s: the folder cannot be %s: %s", folder, missing ? "made" : "opened",
                         strerror(missing ? missing : errno));
-    square_store_close(s);
+    cache_folder_close(s);
     return r;
 }
 
 /* lookup ---------------------------------------------------------------------------------------------------------------------- */
 
-vxs_result square_store_use(square_store *s, const column_key *key, run_context *m)
+vxs_result cache_folder_use(cache_folder *s, const column_key *key, run_context *m)
 {
     if (!array_reserve(&s->used, &s->used_capacity, s->used_count + 1, sizeof *s->used)) return out_of_memory(m);
     s->used[s->used_count++] = *key;
@@ -119,7 +120,7 @@ vxs_result square_store_use(square_store *s, const column_key *key, run_context 
 }
 
 /* Open a regular file of the folder for reading; no link, pipe or device. -1: there is none. */
-static int open_regular(const square_store *s, const char *name, uint64_t *size_bytes)
+static int open_regular(const cache_folder *s, const char *name, uint64_t *size_bytes)
 {
     struct stat status;
     int         file = openat(s->descriptor, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
@@ -149,17 +150,17 @@ typedef enum finding { FOUND, DAMAGED, TOO_LARGE } finding;
 /* Read a square's file. Memory is allocated only after its head has shown the right key and size. */
 static finding read_file(int file, uint64_t size_bytes, const column_key *key, vxs_bytes *record, const run_context *m)
 {
-    uint8_t head[KEPT_HEAD_BYTES];
-    if (!read_bytes(file, head, sizeof head) || !kept_square_may_be(head, size_bytes, key)) return DAMAGED;
+    uint8_t head[SQUARE_FILE_HEAD_BYTES];
+    if (!read_bytes(file, head, sizeof head) || !square_file_may_be(head, size_bytes, key)) return DAMAGED;
     if (size_bytes >= SIZE_MAX || !memory_allows(size_bytes, m)) return TOO_LARGE;
     *record = (vxs_bytes){malloc(size_bytes + 1), size_bytes, size_bytes + 1};
     if (!record->data) return TOO_LARGE;
     memcpy(record->data, head, sizeof head);
     if (!read_bytes(file, record->data + sizeof head, size_bytes - sizeof head)) return DAMAGED;
-    return kept_square_read(record, key) == VXS_OK ? FOUND : DAMAGED;
+    return square_file_read(record, key) == VXS_OK ? FOUND : DAMAGED;
 }
 
-vxs_result square_store_find(square_store *s, const column_key *key, vxs_bytes *record, int *found, run_context *m)
+vxs_result cache_folder_find(cache_folder *s, const column_key *key, vxs_bytes *record, int *found, run_context *m)
 {
     char     name[NAME_BYTES], text[32];
     uint64_t size = 0;
@@ -171,11 +172,11 @@ vxs_result square_store_find(square_store *s, const column_key *key, vxs_bytes *
     finding what = read_file(file, size, key, record, m);
     close(file);
     *found = what == FOUND;
-    if (*found) return square_store_use(s, key, m);
+    if (*found) return cache_folder_use(s, key, m);
     free(record->data);
     *record = (vxs_bytes){0};
     if (s->is_sound && what == DAMAGED)
-        WARN(s, m, "%s/%s is not what was kept: it is made again, as are any others of that kind", s->folder, name);
+        WARN(s, m, "%s/%s is damaged: it is made again, as are any others of that kind", s->folder, name);
     if (s->is_sound && what == TOO_LARGE)
         WARN(s, m, "%s/%s has %s, for which there is no memory: it is made again, as are any others of that kind", s->folder, name,
              size_text(text, size));
@@ -185,8 +186,8 @@ vxs_result square_store_find(square_store *s, const column_key *key, vxs_bytes *
 
 /* storing --------------------------------------------------------------------------------------------------------------------- */
 
-/* Write a file into the folder. Anything there that is not a regular file is kept. */
-static vxs_result write_file(const square_store *s, const char *name, const vxs_bytes *bytes, run_context *m)
+/* Write a file into the folder. Anything there that is not a regular file stays. */
+static vxs_result write_file(const cache_folder *s, const char *name, const vxs_bytes *bytes, run_context *m)
 {
     char        path[PATH_MAX];
     struct stat there;
@@ -202,21 +203,21 @@ static vxs_result write_file(const square_store *s, const char *name, const vxs_
     return r;
 }
 
-vxs_result square_store_keep(square_store *s, const column_key *key, const vxs_bytes *record, run_context *m)
+vxs_result cache_folder_store(cache_folder *s, const column_key *key, const vxs_bytes *record, run_context *m)
 {
     char        name[NAME_BYTES];
     run_context why   = {.files = m->files, .temporary = m->temporary};
     vxs_bytes   bytes = {0};
     if (s->is_full) return VXS_OK;
     name_of(name, key);
-    vxs_result r = kept_square_write(key, record, &bytes);
+    vxs_result r = square_file_write(key, record, &bytes);
     if (r == VXS_OK) r = write_file(s, name, &bytes, &why);
     free(bytes.data);
     run_free(&why);
-    if (r == VXS_OK) return square_store_use(s, key, m);
+    if (r == VXS_OK) return cache_folder_use(s, key, m);
     if (r == VXS_E_MEMORY) return out_of_memory(m);
     s->is_full = 1;
-    WARN(s, m, "--resume %s: squares cannot be kept any more, and the bake goes on without: %s", s->folder, why.error);
+    WARN(s, m, "--resume %s: squares cannot be written any more, and the bake goes on without: %s", s->folder, why.error);
     return run_check(m);
 }
 
@@ -247,21 +248,21 @@ static int is_left_over(const char *name)
 }
 
 /* Whether the cache wrote the file and this run has not used it. Squares must also begin as a square does. */
-static int is_unused(const square_store *s, const char *name)
+static int is_unused(const cache_folder *s, const char *name)
 {
     column_key key;
     uint64_t   size;
-    uint8_t    head[KEPT_MAGIC_BYTES];
+    uint8_t    head[SQUARE_FILE_MAGIC_BYTES];
     int        is_square = key_of(name, &key);
     if (!is_square && !is_left_over(name)) return 0;
     if (is_square && s->used_count && bsearch(&key, s->used, s->used_count, sizeof key, by_key)) return 0;
     int file = open_regular(s, name, &size);
-    int mine = file >= 0 && (!is_square || (read_bytes(file, head, sizeof head) && kept_square_begins(head)));
+    int mine = file >= 0 && (!is_square || (read_bytes(file, head, sizeof head) && square_file_begins(head)));
     if (file >= 0) close(file);
     return mine;
 }
 
-void square_store_clean(square_store *s)
+void cache_folder_clean(cache_folder *s)
 {
     if (s->used_count) qsort(s->used, s->used_count, sizeof *s->used, by_key);
     if (flock(s->descriptor, LOCK_EX | LOCK_NB)) return;
@@ -273,10 +274,10 @@ void square_store_clean(square_store *s)
     if (folder) closedir(folder);
 }
 
-void square_store_close(square_store *s)
+void cache_folder_close(cache_folder *s)
 {
     if (s->folder && s->descriptor >= 0) close(s->descriptor);
     free(s->folder);
     free(s->used);
-    *s = (square_store){0};
+    *s = (cache_folder){0};
 }

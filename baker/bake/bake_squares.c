@@ -1,12 +1,12 @@
-/* Keys and keeper of cached squares; see kept_squares.h.
+/* Keys and cache of cached squares; see bake_squares.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/bake/kept_squares.h"
+#include "baker/bake/bake_squares.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/bake/cache/square_store.h"
+#include "baker/bake/cache/cache_folder.h"
 #include "baker/bake/provenance.h"
 #include "baker/base/array.h"
 #include "baker/base/byte_stream.h"
@@ -173,7 +173,7 @@ static vxs_result begin_common(part_common *c, const bake_options *o, const bake
     return fail(m, VXS_E_MEMORY, "out of memory for the part of a bake");
 }
 
-vxs_result kept_squares_open(kept_squares *k, const bake_options *o, const bake_report *report, run_context *m)
+vxs_result bake_squares_open(bake_squares *k, const bake_options *o, const bake_report *report, run_context *m)
 {
     vxs_result r = VXS_OK;
 
@@ -185,7 +185,7 @@ vxs_result kept_squares_open(kept_squares *k, const bake_options *o, const bake_
 
     k->others = o->others;
     if (o->resume_path) {
-        r            = square_store_open(&k->store, o->resume_path, m);
+        r            = cache_folder_open(&k->store, o->resume_path, m);
         k->has_store = r == VXS_OK;
     }
     if (r == VXS_OK && o->parts) {
@@ -193,10 +193,10 @@ vxs_result kept_squares_open(kept_squares *k, const bake_options *o, const bake_
         r           = part_begin(&k->part, o->output_path, o->part, o->parts, m);
         if (r == VXS_OK) r = begin_common(&k->common, o, report, m);
     }
-    return r == VXS_OK && keeps_squares(o) ? bake_key(&k->bake, report, m) : r;
+    return r == VXS_OK && stores_squares(o) ? bake_key(&k->bake, report, m) : r;
 }
 
-vxs_result kept_squares_end_part(kept_squares *k, bake_report *report, run_context *m)
+vxs_result bake_squares_end_part(bake_squares *k, bake_report *report, run_context *m)
 {
     vxs_bytes common   = {0};
     k->common.metadata = provenance_text(report);
@@ -208,23 +208,23 @@ vxs_result kept_squares_end_part(kept_squares *k, bake_report *report, run_conte
     return r;
 }
 
-void kept_squares_close(kept_squares *k)
+void bake_squares_close(bake_squares *k)
 {
-    square_store_close(&k->store);
+    cache_folder_close(&k->store);
     part_abort(&k->part);
     part_common_free(&k->common);
-    *k = (kept_squares){.has_store = 0};
+    *k = (bake_squares){.has_store = 0};
 }
 
 /* a light --------------------------------------------------------------------------------------------------------------------- */
 
-/* is_for_others: squares made here go to the process that adds them. is_apart: another process adds them, or a merge does. */
-static int is_for_others(const kept_squares *k)
+/* is_for_others: squares made here go to the process that adds them. is_store_only: another process adds them, or a merge does. */
+static int is_for_others(const bake_squares *k)
 {
     return k->others && !k->others->adds;
 }
 
-static int is_apart(const kept_squares *k)
+static int is_store_only(const bake_squares *k)
 {
     return k->has_part || is_for_others(k);
 }
@@ -236,44 +236,44 @@ column_key part_square_key(uint64_t number, uint32_t light, uint32_t map, uint32
 }
 
 /* Get a square that another process has made. */
-static vxs_result take_from_other(kept_light *l, vxs_bytes *record, run_context *m)
+static vxs_result receive_square(light_squares *l, vxs_bytes *record, run_context *m)
 {
-    kept_squares *k    = l->squares;
+    bake_squares *k    = l->squares;
     int           made = 0;
-    vxs_result    r    = k->others->take(k->others->data, l->number, &l->asked, record, &made, m);
+    vxs_result    r    = k->others->receive(k->others->data, l->number, &l->asked, record, &made, m);
     l->report->squares_made += (uint64_t)made;
-    return r == VXS_OK && k->has_store ? square_store_use(&k->store, &l->asked, m) : r;
+    return r == VXS_OK && k->has_store ? cache_folder_use(&k->store, &l->asked, m) : r;
 }
 
 /* Hand a square to the process that adds it, or to the part. Does nothing if this process adds it. */
-static vxs_result hand_over(const kept_light *l, const vxs_bytes *record, int made, run_context *m)
+static vxs_result send_square(const light_squares *l, const vxs_bytes *record, int made, run_context *m)
 {
-    kept_squares *k = l->squares;
+    bake_squares *k = l->squares;
     if (k->has_part) return part_add(&k->part, l->number, &l->part_key, record, m);
-    return is_for_others(k) ? k->others->give(k->others->data, l->number, &l->asked, record, made, m) : VXS_OK;
+    return is_for_others(k) ? k->others->send(k->others->data, l->number, &l->asked, record, made, m) : VXS_OK;
 }
 
 /* Look up a square of this process in the cache. */
-static vxs_result find_stored(kept_light *l, square_fate *fate, vxs_bytes *record, run_context *m)
+static vxs_result find_stored(light_squares *l, square_action *action, vxs_bytes *record, run_context *m)
 {
-    kept_squares *k     = l->squares;
+    bake_squares *k     = l->squares;
     int           found = 0;
-    vxs_result    r     = k->has_store ? square_store_find(&k->store, &l->asked, record, &found, m) : VXS_OK;
-    if (r == VXS_OK && found) r = hand_over(l, record, 0, m);
-    *fate = !found ? SQUARE_MAKE : is_apart(k) ? SQUARE_LEAVE : SQUARE_KNOWN;
+    vxs_result    r     = k->has_store ? cache_folder_find(&k->store, &l->asked, record, &found, m) : VXS_OK;
+    if (r == VXS_OK && found) r = send_square(l, record, 0, m);
+    *action = !found ? SQUARE_MAKE : is_store_only(k) ? SQUARE_LEAVE : SQUARE_KNOWN;
     return r;
 }
 
-static vxs_result ask(void *data, const column_map *columns, uint32_t level, uint32_t i, uint32_t j, square_fate *fate,
-                      vxs_bytes *record, bake_context *ctx)
+static vxs_result find(void *data, const column_map *columns, uint32_t level, uint32_t i, uint32_t j, square_action *action,
+                       vxs_bytes *record, bake_context *ctx)
 {
-    kept_light   *l = data;
-    kept_squares *k = l->squares;
-    vxs_result    r = VXS_OK;
-    l->number       = k->next++;
-    *fate           = k->has_part && !part_has(&k->part, l->number) ? SQUARE_LEAVE : SQUARE_MAKE;
-    if (k->others) r = k->others->claim(k->others->data, l->number, fate, ctx->run);
-    if (r != VXS_OK || *fate == SQUARE_LEAVE) return r;
+    light_squares *l = data;
+    bake_squares  *k = l->squares;
+    vxs_result     r = VXS_OK;
+    l->number        = k->next++;
+    *action          = k->has_part && !part_has(&k->part, l->number) ? SQUARE_LEAVE : SQUARE_MAKE;
+    if (k->others) r = k->others->claim(k->others->data, l->number, action, ctx->run);
+    if (r != VXS_OK || *action == SQUARE_LEAVE) return r;
     l->report->squares++;
     l->part_key = part_square_key(l->number, l->light, l->map, level, i, j);
     stage_begin(ctx, STAGE_MAPS);
@@ -287,20 +287,20 @@ static vxs_result ask(void *data, const column_map *columns, uint32_t level, uin
         l->asked = column_key_with(column_key_with(l->squares->coding, of_all, sizeof of_all), &of_columns, sizeof of_columns);
     }
     if (r != VXS_OK) fail(ctx->run, r, "out of memory for the key of a square");
-    if (r == VXS_OK) r = *fate == SQUARE_KNOWN ? take_from_other(l, record, ctx->run) : find_stored(l, fate, record, ctx->run);
+    if (r == VXS_OK) r = *action == SQUARE_KNOWN ? receive_square(l, record, ctx->run) : find_stored(l, action, record, ctx->run);
     stage_begin(ctx, STAGE_NONE);
     return r;
 }
 
-static vxs_result keep(void *data, const vxs_bytes *record, bake_context *ctx)
+static vxs_result store(void *data, const vxs_bytes *record, bake_context *ctx)
 {
-    kept_light   *l = data;
-    kept_squares *k = l->squares;
-    vxs_result    r = VXS_OK;
+    light_squares *l = data;
+    bake_squares  *k = l->squares;
+    vxs_result     r = VXS_OK;
     l->report->squares_made++;
     stage_begin(ctx, STAGE_MAPS);
-    if (k->has_store) r = square_store_keep(&k->store, &l->asked, record, ctx->run);
-    if (r == VXS_OK) r = hand_over(l, record, 1, ctx->run);
+    if (k->has_store) r = cache_folder_store(&k->store, &l->asked, record, ctx->run);
+    if (r == VXS_OK) r = send_square(l, record, 1, ctx->run);
     stage_begin(ctx, STAGE_NONE);
     return r;
 }
@@ -308,8 +308,8 @@ static vxs_result keep(void *data, const vxs_bytes *record, bake_context *ctx)
 /* Store the bounds that maps give in the common data of a part. */
 static vxs_result note(void *data, const column_bounds *bounds)
 {
-    kept_light *l = data;
-    part_map   *p = &l->squares->common.lights[l->squares->common.light_count - 1].maps[l->map];
+    light_squares *l = data;
+    part_map      *p = &l->squares->common.lights[l->squares->common.light_count - 1].maps[l->map];
     if (!array_reserve(&p->answers, &p->capacity, p->count + 1, sizeof *p->answers)) return VXS_E_MEMORY;
     p->answers[p->count++] = *bounds;
     return VXS_OK;
@@ -317,26 +317,26 @@ static vxs_result note(void *data, const column_bounds *bounds)
 
 static vxs_result open_map(void *data, uint32_t map, column_map *out, bake_context *ctx)
 {
-    kept_light  *l      = data;
-    part_common *common = &l->squares->common;
-    vxs_result   r      = l->under.open(l->under.data, map, out, ctx);
-    l->map              = map;
+    light_squares *l      = data;
+    part_common   *common = &l->squares->common;
+    vxs_result     r      = l->under.open(l->under.data, map, out, ctx);
+    l->map                = map;
     if (r != VXS_OK) return r;
-    out->keeper = &l->keeper;
+    out->cache = &l->cache;
     if (l->squares->has_part) common->lights[common->light_count - 1].maps[map].fetch_px = out->fetch_px;
     return VXS_OK;
 }
 
-vxs_result kept_light_source(kept_light *l, kept_squares *k, column_source *source, const vxs_light *light, light_report *report,
-                             run_context *m)
+vxs_result light_squares_source(light_squares *l, bake_squares *k, column_source *source, const vxs_light *light,
+                                light_report *report, run_context *m)
 {
     part_common *c = &k->common;
     if (!k->has_store && !k->has_part && !k->others) return VXS_OK;
-    *l      = (kept_light){.squares = k,
-                           .under   = *source,
-                           .keeper  = {l, is_apart(k), k->has_part ? note : NULL, ask, keep},
-                           .report  = report,
-                           .light   = k->lights++};
+    *l      = (light_squares){.squares = k,
+                              .under   = *source,
+                              .cache   = {l, is_store_only(k), k->has_part ? note : NULL, find, store},
+                              .report  = report,
+                              .light   = k->lights++};
     *source = (column_source){l, l->under.map_count, open_map};
     if (!k->has_part) return VXS_OK;
     if (!array_reserve(&c->lights, &c->light_capacity, c->light_count + 1, sizeof *c->lights))
