@@ -260,14 +260,23 @@ $B/libvxs.a $B/libvxs_gl.a $B/libvxs_volumes.a:
 	$Q$(RM) $@ && $(AR) rcs $@ $^
 
 # texts of shaders as C strings: what every compiler takes
-$B/runtime/gl/texts.c: $(gl.text)
-$B/runtime/gl/smoke_lights.glsl: formats/vxs_smoke.h runtime/gl/lights.glsl
-	$Q mkdir -p $(@D) && cat $^ >$@
-$B/runtime/volumes/texts.c: $(volumes.text)
-$B/runtime/gl/texts.c $B/runtime/volumes/texts.c: $B/runtime/%/texts.c: Makefile
-	$Q mkdir -p $(@D) && for f in $(filter-out Makefile,$^); do n=vxs_$*_text_$$(basename $$f | tr . _); \
+$B/runtime/gl/texts.c: $(gl.text) Makefile
+	$Q mkdir -p $(@D) && for f in $(gl.text); do n=vxs_gl_text_$$(basename $$f | tr . _); \
 	    echo "extern const char $$n[];"; echo "const char $$n[] ="; \
 	    sed 's/[\\"]/\\&/g; s/^/    "/; s/$$/\\n"/' $$f; echo "    ;"; done >$@
+$B/runtime/gl/smoke_lights.glsl: formats/vxs_smoke.h runtime/gl/lights.glsl
+	$Q mkdir -p $(@D) && cat $^ >$@
+# and as volumes_text.h has them: a line #include of another text becomes an entry of `needs`
+$B/runtime/volumes/texts.c: $(volumes.text) Makefile
+	$Q mkdir -p $(@D) && awk ' \
+	    function id(f) { sub(/.*\//, "", f); gsub(/\./, "_", f); return "vxs_volumes_text_" f } \
+	    function finish() { printf "static const volumes_text *const needs_of_%s[] = {%sNULL};\nconst volumes_text %s = {\n%s    , needs_of_%s};\n", n, needs, n, text, n } \
+	    BEGIN { print "#include <stddef.h>\n#include \"runtime/volumes/volumes_text.h\""; \
+	        for (i = 1; i < ARGC; i++) { known[id(ARGV[i])]; printf "extern const volumes_text %s;\n", id(ARGV[i]) } } \
+	    FNR == 1 { if (n != "") finish(); n = id(FILENAME); text = needs = "" } \
+	    /^#include "/ { split($$0, part, "\""); if (id(part[2]) in known) { needs = needs "&" id(part[2]) ", "; next } } \
+	    { gsub(/[\\"]/, "\\\\&"); text = text "    \"" $$0 "\\n\"\n" } \
+	    END { finish() }' $(volumes.text) >$@
 $B/runtime/%/texts.c.o: $B/runtime/%/texts.c
 	$(compile)
 

@@ -1,6 +1,8 @@
 /* Virtual point lights with the heads of their grids, and words: of all grids, then of all imperfect shadow maps. As in
  * area_state.h. */
-#ifdef VXS_USES_AREA
+#include "frame.glsl"
+#include "grid_space.glsl"
+
 struct vxs_vpl {
     vec4  axis, ahead, side, alpha_theta, phi; /* of a grid, as in grid.glsl */
     ivec4 size, eye, reserved;
@@ -20,7 +22,6 @@ layout(std430, binding = VXS_AT_AREA) VXS_GRID_ACCESS buffer vxs_area_buffer {
     uint          words[];
 } vxs_area;
 
-#undef vxs_grid_word
 #define vxs_grid_word(words, i) vxs_area.words[(words) + uint(i)]
 
 #if defined(VXS_GL_SMOKE) && defined(VXS_AREA_TAKES_MAPS)
@@ -62,4 +63,3 @@ uint vxs_area_level(uint maps, uint lamp, uint side, uint n)
     uint part = side >> n;
     return maps + lamp * ((4u * side * side - 1u) / 3u) + 4u * (side * side - part * part) / 3u;
 }
-#endif

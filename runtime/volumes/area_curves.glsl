@@ -2,6 +2,10 @@
  * lamp emits, as in its imperfect shadow map, or over the sphere around all casters. Positions are metres in the lamp's frame,
  * from the lamp or from the middle of the sphere. Depths are metres along a ray from the lamp, or from the plane through the
  * middle of the sphere, across the light. */
+#include "area.glsl"
+#include "vxs_area_grid.h"
+#include "transmittance.glsl"
+
 bool vxs_area_is_far(int lamp)
 {
     return vxs_area.lamps[lamp].normal.w == vxs_area_far;

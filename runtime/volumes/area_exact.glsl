@@ -1,5 +1,7 @@
 /* Adds the light of one lamp on surfaces, by its light map, which is that of the frame. counts: the lamp, the vxs_area_gather,
  * unused, the side of curves of smoke; pixels: number of gathered pixels across and up. */
+#include "area_surface.glsl"
+
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(rgba32f, binding = VXS_AT_IMAGE) uniform restrict image2DArray gathered; /* air; surfaces */
 

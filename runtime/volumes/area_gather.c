@@ -48,7 +48,7 @@ static void fill(const vxs_area_light *light)
                                    NULL);
     vxs_area_light_count(light, light->count, light->side_px, vxs_area_shadow_depth_maps(light), 0);
     vxs_volumes_use_storage(v, light->buffer, 0);
-    gl_name     program = vxs_volumes_compute(v, AREA_USES, vxs_volumes_text_area_grids_glsl);
+    gl_name     program = vxs_volumes_program(v, &(program_texts){.body = &vxs_volumes_text_area_grids_glsl});
     saved_state saved   = vxs_volumes_use(v, program, 0, 0, 0);
     v->api.DispatchCompute(groups(AREA_BITS, 32), groups(rows, 4), light->count);
     vxs_volumes_restore(v, &saved);
@@ -82,12 +82,13 @@ static void fill_exactly(vxs_area_light *light, const vxs_shadow_depth_map *cons
 }
 
 /* Run a program, which smoke dims where there is some, on the given number of pixels.   map  a texture; 0: none */
-static void gather_by(const vxs_area_light *light, const char *names, const char *text, gl_name map, unsigned normal_texture,
-                      uint32_t wide, uint32_t high)
+static void gather_by(const vxs_area_light *light, const char *names, const volumes_text *text, gl_name map,
+                      unsigned normal_texture, uint32_t wide, uint32_t high)
 {
     vxs_volumes *v       = light->volumes;
     int          dims    = light->smoke == AREA_DIMMED;
-    gl_name      program = dims ? vxs_transmittance_program(&light->curves, names, text) : vxs_volumes_compute(v, names, text);
+    gl_name      program = dims ? vxs_transmittance_program(&light->curves, names, text)
+                                : vxs_volumes_program(v, &(program_texts){.names = names, .body = text});
     vxs_volumes_use_storage(v, light->buffer, 0);
     if (dims) vxs_area_light_use_curves(light);
     saved_state saved = vxs_volumes_use(v, program, map, light->gathered, GL_FORMAT_RGBA32F);
@@ -116,13 +117,13 @@ static void gather(const vxs_area_light *light, const vxs_area_look *look, uint3
     v->frame.knobs[1]    = !is_clear(&v->frame);
     v->frame.knobs[2]    = look->normal_texture && !look->maps;
     vxs_area_light_count(light, light->count, look->gather, !look->is_sharp, light->curves.side_px);
-    gather_by(light, light->exact ? AREA_TAKES_MAPS : AREA_GATHERS, vxs_volumes_text_area_gather_glsl, 0, look->normal_texture,
+    gather_by(light, light->exact ? AREA_TAKES_MAPS : AREA_GATHERS, &vxs_volumes_text_area_gather_glsl, 0, look->normal_texture,
               wide, high);
     for (uint32_t n = 0; n < light->count && look->normal_texture && look->maps; n++) {
         set_map(light, n, look->maps[n]);
         v->frame.pixels = (vxs_pixels){0, 0, wide, high};
         vxs_area_light_count(light, n, look->gather, 0, light->curves.side_px);
-        gather_by(light, AREA_TAKES_MAPS, vxs_volumes_text_area_exact_glsl, vxs_shadow_depth_map_texture(look->maps[n]),
+        gather_by(light, AREA_TAKES_MAPS, &vxs_volumes_text_area_exact_glsl, vxs_shadow_depth_map_texture(look->maps[n]),
                   look->normal_texture, wide, high);
     }
 }
@@ -131,7 +132,7 @@ void vxs_area_light_show(const vxs_area_light *light, vxs_area_gather gather, ui
 {
     vxs_volumes *v = light->volumes;
     vxs_area_light_count(light, gather, layer, is_added != 0, 0);
-    gl_name program = vxs_volumes_compute(v, "", vxs_volumes_text_area_show_glsl);
+    gl_name program = vxs_volumes_program(v, &(program_texts){.body = &vxs_volumes_text_area_show_glsl});
     vxs_volumes_run(v, program, light->gathered, image, groups((uint32_t)v->frame.wide_px, GROUP),
                     groups((uint32_t)v->frame.high_px, GROUP));
 }

@@ -2,6 +2,8 @@
  * map: number of gathered pixels across and up, the side of a shadow map, the first word of all maps
  * counts: lamps, the vxs_area_gather, 1 to interpolate between rows, the side of curves of smoke
  * knobs: runs; 1: air scatters light; 1: surfaces are lit by these maps */
+#include "area_surface.glsl"
+
 layout(local_size_x = 8, local_size_y = 8) in;
 /* air, and the distance to the surface; surfaces */
 layout(rgba32f, binding = VXS_AT_IMAGE) uniform writeonly restrict image2DArray gathered;

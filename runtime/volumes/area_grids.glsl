@@ -1,5 +1,7 @@
 /* Sets for each light ray of each lamp's grid a bit in the column where shadow begins, by the lamp's imperfect shadow map; a
  * layer of groups for each lamp. counts: lamps, the side of a map, the first word of all maps. */
+#include "area_map.glsl"
+
 layout(local_size_x = 32, local_size_y = 4) in;
 
 /* Depth where shadow begins at a point of a map.   at  in texels */

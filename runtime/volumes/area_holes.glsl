@@ -1,5 +1,7 @@
 /* Fills gaps between points in imperfect shadow maps from coarser levels of the same map: a workgroup for each map. counts:
  * lamps, levels, the side of a map, the first word of all maps. */
+#include "area_map.glsl"
+
 layout(local_size_x = 256) in;
 
 const float steepest = 4.0; /* for texels of one surface: largest depth step between neighbours, in distances between them */

@@ -201,7 +201,7 @@ static void splat(const vxs_area_light *light, const vxs_area_casters *casters)
     v->frame.knobs[3] = POINTS_APART;
     vxs_area_light_count(light, light->count, casters->count, casters->is_whole != 0, vxs_area_shadow_depth_maps(light));
     vxs_volumes_use_storage(v, light->buffer, casters->buffer);
-    gl_name program = vxs_volumes_compute(v, AREA_USES, vxs_volumes_text_area_splat_glsl);
+    gl_name program = vxs_volumes_program(v, &(program_texts){.body = &vxs_volumes_text_area_splat_glsl});
     vxs_volumes_run(v, program, 0, 0, across, (groups + across - 1) / across);
 }
 
@@ -222,7 +222,8 @@ vxs_result vxs_area_light_cast(vxs_area_light *light, const vxs_area_casters *ca
     if (casters->count) splat(light, casters);
     vxs_area_light_count(light, light->count, FILL_LEVELS, light->side_px, vxs_area_shadow_depth_maps(light));
     vxs_volumes_use_storage(v, light->buffer, 0);
-    vxs_volumes_run(v, vxs_volumes_compute(v, AREA_USES, vxs_volumes_text_area_holes_glsl), 0, 0, light->count, 1);
+    gl_name program = vxs_volumes_program(v, &(program_texts){.body = &vxs_volumes_text_area_holes_glsl});
+    vxs_volumes_run(v, program, 0, 0, light->count, 1);
     vxs_volumes_restore_storage(v, &saved);
     vxs_result result = vxs_volumes_done(v);
     light->is_cast    = result == VXS_OK;

@@ -1,6 +1,8 @@
 /* Texels of imperfect shadow maps. If the surface is known, a texel is a small plane, so that the depth between the middles of
  * texels, and in gaps beside them, is that of the surface. Coordinates of a map are from -1 to 1. */
-#ifdef VXS_USES_AREA
+#include "area.glsl"
+#include "vxs_area_grid.h"
+
 const float vxs_area_steepest = 8.0;         /* limit of the slopes of a texel */
 const uint  vxs_area_none     = 0xffffffffu; /* the word of an empty texel */
 const uint  vxs_area_reach    = 7u;          /* the bits of a word for the width of gaps beside it */
@@ -101,4 +103,3 @@ uint vxs_area_map_word(uint maps, uint lamp, int side, ivec2 texel)
 {
     return vxs_area_level(maps, lamp, uint(side), 0u) + uint(texel.y * side + texel.x);
 }
-#endif

@@ -1,6 +1,8 @@
 /* Writes gathered light to each pixel: unchanged; or averaged over nine pixels that have a ninth of the lamps each; or
  * interpolated between four gathered pixels, by position and depth. counts: the vxs_area_gather; the layer; 1 to add it. map:
  * number of gathered pixels across and up. */
+#include "frame.glsl"
+
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(rgba32f, binding = VXS_AT_IMAGE) uniform restrict image2D shown;
 

@@ -12,7 +12,8 @@ vxs_result vxs_area_light_take_smoke(vxs_area_light *light, const vxs_area_light
                                             .layers       = light->most,
                                             .nodes        = desc->smoke_nodes ? desc->smoke_nodes : NODES,
                                             .capsule_room = desc->capsules,
-                                            .names        = AREA_READS};
+                                            .names        = AREA_READS,
+                                            .layers_text  = &vxs_volumes_text_area_curves_glsl};
     return vxs_transmittance_alloc(&light->curves);
 }
 

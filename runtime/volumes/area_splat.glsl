@@ -3,6 +3,8 @@
  * counts: lamps, points, 1 to draw each point, the first word of all maps
  * knobs: the side of a map; relative to the width of what a point represents: the width of the drawn point, and the width of
  * texels from which gaps may be filled; the distance between drawn points, in texels. */
+#include "area_map.glsl"
+
 layout(local_size_x = 64) in;
 layout(std430, binding = VXS_AT_GRID + 1) readonly buffer vxs_area_points { vec4 points[]; };
 

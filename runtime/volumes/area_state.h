@@ -21,8 +21,7 @@ typedef struct area_lamp {
 
 /* Texts that programs need in addition to the common ones: lines of #define. For programs that only read lamps, and for those
  * that gather, without and with exact maps. */
-#define AREA_USES       "#define VXS_USES_GRID\n#define VXS_USES_AREA\n"
-#define AREA_READS      AREA_USES "#define VXS_GRID_ACCESS readonly\n"
+#define AREA_READS      "#define VXS_GRID_ACCESS readonly\n"
 #define AREA_GATHERS    AREA_READS "#define VXS_AREA_GATHERS\n"
 #define AREA_TAKES_MAPS AREA_GATHERS "#define VXS_AREA_TAKES_MAPS\n"
 

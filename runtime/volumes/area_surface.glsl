@@ -2,7 +2,8 @@
  * with the map at the middles of four texels. A texel shadows the surface if its depth there is nearer to the lamp than the
  * surface's plane, and nearer than the point itself. So a plane never shadows itself, in any orientation, and light does not
  * leak under objects that stand on it. */
-#ifdef VXS_AREA_GATHERS
+#include "area_map.glsl"
+
 layout(binding = VXS_AT_OTHER) uniform highp sampler2D vxs_normals;
 
 /* Bias: share of the depth, and of a texel's width. Depths of maps are rounded to 2^-11 of their value. */
@@ -109,4 +110,3 @@ float vxs_area_lit_exactly(vxs_area_pixel p, uint n)
     }
     return lit;
 }
-#endif

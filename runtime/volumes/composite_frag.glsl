@@ -1,4 +1,6 @@
 /* Blends the frame's fog over what was drawn: airlight, scattered ambient light, and the transmittance of each channel. */
+#include "frame.glsl"
+
 layout(location = 0, index = 0) out vec4 airlight;
 layout(location = 0, index = 1) out vec4 left;
 

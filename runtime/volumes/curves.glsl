@@ -6,6 +6,8 @@
  *     a record for each texel   the first segment of its list; of segments for which lists had no room, the least entry, the
  *                               greatest exit, and the product of transmittances
  *     a segment                 entry, exit, transmittance, the next segment */
+#include "frame.glsl"
+
 #define VXS_CURVE_SORTED 1u
 #define VXS_CURVE_OPAQUE 2u
 #define VXS_NO_SEGMENT   0xffffffffu
@@ -42,3 +44,5 @@ uint vxs_curve_segment(uint n)
 {
     return vxs_curve_record(VXS_CURVE_SHAPE.x * VXS_CURVE_SHAPE.x * VXS_CURVE_SHAPE.y) + 4u * n;
 }
+
+#define vxs_curve_number(curves, i) uintBitsToFloat(vxs_curves.words[(curves) + uint(i)])

@@ -1,5 +1,7 @@
 /* The frame, and the light whose airlight is added; after vxs_air_path.h. One uniform block, with the fields of struct
  * frame_block in volumes_state.h. */
+#include "vxs_air_path.h"
+
 layout(std140, binding = VXS_AT_FRAME) uniform vxs_frame_block {
     mat4                point_from_depth;
     vec4                eye_far;        /* origin of eye rays; length of rays that meet nothing, metres */

@@ -1,22 +1,9 @@
 /* A voxelized shadow volume in a storage buffer: a head that shadow_grid.c fills, then words. */
-#ifndef VXS_GRID_ACCESS
-#define VXS_GRID_ACCESS
-#endif
+#include "frame.glsl"
+#include "grid_space.glsl"
 
-vxs_epipolar vxs_grid_space_of(vec4 axis, vec4 ahead, vec4 side, vec4 alpha_theta, vec4 phi)
-{
-    vxs_epipolar space;
-    space.axis  = axis.xyz;
-    space.ahead = ahead.xyz;
-    space.side  = side.xyz;
-    space.away  = axis.w;
-    space.alpha = alpha_theta.xy;
-    space.theta = alpha_theta.zw;
-    space.phi   = phi.xy;
-    return space;
-}
+#define vxs_grid_word(words, i) vxs_grid.words[i]
 
-#ifndef VXS_USES_AREA
 layout(std430, binding = VXS_AT_GRID) VXS_GRID_ACCESS buffer vxs_grid_buffer {
     vec4  axis; /* and metres to the lamp; 0: a sun */
     vec4  ahead, side;
@@ -32,4 +19,3 @@ vxs_epipolar vxs_grid_space()
 {
     return vxs_grid_space_of(vxs_grid.axis, vxs_grid.ahead, vxs_grid.side, vxs_grid.alpha_theta, vxs_grid.phi);
 }
-#endif

@@ -1,5 +1,9 @@
 /* Sets for each light ray of a shadow grid a bit in the column where shadow begins, by the light's map or the asset. The first
  * invocation also tests whether the eye is lit. */
+#include "grid.glsl"
+#include "vxs_shadow_grid.h"
+#include "first_shadow.glsl"
+
 layout(local_size_x = 32, local_size_y = 4) in;
 
 #define IS_SUN (VXS_KIND(vxs_frame.light) == VXS_LIGHT_KIND_DIRECTIONAL)

@@ -1,4 +1,7 @@
 /* Airlight of each pixel's ray by a shadow grid. */
+#include "grid.glsl"
+#include "vxs_shadow_grid.h"
+
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(rgba32f, binding = VXS_AT_IMAGE) uniform restrict image2D airlight;
 

@@ -2,6 +2,9 @@
  *
  * In pieces (knobs.x), each dispatch makes a limited number of steps of the walk, before a driver ends its loops. Alpha stores
  * where the ray continues; 0: it has ended. */
+#include "frame.glsl"
+#include "vxs_intervals.h"
+
 #define VXS_INTERVALS_WHOLE 0.0
 #define VXS_INTERVALS_FIRST 1.0
 #define VXS_INTERVALS_STEPS 512

@@ -82,7 +82,7 @@ uint64_t vxs_shadow_depth_map_fill(vxs_shadow_depth_map *map, uint64_t max_texel
     while (some) {
         uint32_t now = some < (uint64_t)GROUP * GROUPS_MAX ? (uint32_t)some : GROUP * GROUPS_MAX;
         set_map(map);
-        gl_name program   = vxs_volumes_light_program(v, "", NULL, vxs_volumes_text_map_fill_glsl);
+        gl_name program   = vxs_volumes_light_program(v, &(program_texts){.body = &vxs_volumes_text_map_fill_glsl});
         v->frame.first    = (uint32_t)map->filled;
         v->frame.end      = (uint32_t)map->filled + now;
         saved_state saved = vxs_volumes_use(v, program, 0, map->first, GL_FORMAT_R32F);
@@ -112,8 +112,8 @@ static void join(vxs_shadow_depth_map *map, const vxs_moving_casters *casters)
     v->frame.high_px     = (float)casters->height_px;
     v->frame.empty_depth = casters->empty_depth;
     v->depth_texture     = casters->depth_texture;
-    saved_state saved =
-        vxs_volumes_use(v, vxs_volumes_light_program(v, "", NULL, vxs_volumes_text_map_join_glsl), 0, map->joined, GL_FORMAT_R32F);
+    saved_state saved = vxs_volumes_use(v, vxs_volumes_light_program(v, &(program_texts){.body = &vxs_volumes_text_map_join_glsl}),
+                                        0, map->joined, GL_FORMAT_R32F);
     v->api.DispatchCompute(groups, groups, map->layers);
     vxs_volumes_restore(v, &saved);
     v->frame         = frame;

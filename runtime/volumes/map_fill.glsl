@@ -1,4 +1,7 @@
 /* Looks texels [first, end) of a light map up in the asset; each takes the baked texel at the middle of those that it covers. */
+#include "frame.glsl"
+#include "first_shadow.glsl"
+
 layout(local_size_x = 64) in;
 layout(r32f, binding = VXS_AT_IMAGE) uniform writeonly restrict image2DArray first_depths;
 

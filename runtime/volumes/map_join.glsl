@@ -1,5 +1,7 @@
 /* Joins moving casters into a light map: the nearer depth on each light ray. A light ray is one point of a depth map that is
  * seen from the light. The point of the ray at that depth follows from the change of depth along the ray. */
+#include "frame.glsl"
+
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(r32f, binding = VXS_AT_IMAGE) uniform restrict image2DArray first_depths;
 

@@ -19,12 +19,13 @@ static void add_steps(vxs_volumes *v, gl_name program, const vxs_shadow_depth_ma
 }
 
 /* The program of a march.   map  NULL: of the asset */
-static gl_name march_program(vxs_volumes *v, const vxs_shadow_depth_map *map, const char *names, vxs_steps which)
+static gl_name march_program(vxs_volumes *v, const vxs_shadow_depth_map *map, int is_dimmed, vxs_steps which)
 {
     char all[PROGRAM_NAMES];
-    snprintf(all, sizeof all, "%s%s%s", names, map ? "" : "#define VXS_ASK_ASSET\n",
+    snprintf(all, sizeof all, "%s%s%s", is_dimmed ? VXS_SMOKE_NAMES : "", map ? "" : "#define VXS_ASK_ASSET\n",
              which == VXS_STEPS_EVEN ? "#define VXS_MARCH_EVEN\n" : "");
-    return vxs_volumes_light_program(v, all, NULL, vxs_volumes_text_march_glsl);
+    const volumes_text *with = is_dimmed ? &vxs_volumes_text_transmittance_light_glsl : NULL;
+    return vxs_volumes_light_program(v, &(program_texts){.names = all, .with = with, .body = &vxs_volumes_text_march_glsl});
 }
 
 /* March through smoke. */
@@ -34,7 +35,7 @@ static void march_dimmed(vxs_volumes *v, const vxs_volumes_light *light, const v
     saved_storage saved = vxs_volumes_save_storage(v);
     vxs_transmittance_set_reader(light->smoke, (vxs_curve_lookup)light->smoke_lookup);
     vxs_volumes_use_storage(v, light->smoke->buffer, 0);
-    add_steps(v, march_program(v, map, VXS_SMOKE_NAMES, which), map, steps);
+    add_steps(v, march_program(v, map, 1, which), map, steps);
     vxs_volumes_restore_storage(v, &saved);
 }
 
@@ -52,7 +53,7 @@ vxs_result vxs_volumes_march(vxs_volumes *v, const vxs_volumes_light *light, con
     if (light->smoke)
         march_dimmed(v, light, map, steps, which);
     else
-        add_steps(v, march_program(v, map, "", which), map, steps);
+        add_steps(v, march_program(v, map, 0, which), map, steps);
     return vxs_volumes_done(v);
 }
 
@@ -64,7 +65,7 @@ static void add_intervals(vxs_volumes *v, int piece)
     static const uint32_t none = 0;
     v->frame.knobs[0]          = (float)piece;
     if (piece != INTERVALS_WHOLE) vxs_volumes_put(v, v->cut_buffer, 0, sizeof none, &none);
-    vxs_volumes_add(v, vxs_volumes_light_program(v, "", NULL, vxs_volumes_text_intervals_glsl), 0);
+    vxs_volumes_add(v, vxs_volumes_light_program(v, &(program_texts){.body = &vxs_volumes_text_intervals_glsl}), 0);
 }
 
 static vxs_result intervals(vxs_volumes *v, const vxs_volumes_light *light, int in_pieces)

@@ -2,6 +2,8 @@
  * multiplies by the transmittance of smoke. The ray ends where extinction leaves nothing of its light. map.z, map.w: the first
  * step that is summed, and the end. march.c splits many steps into pieces, because drivers end all loops of an invocation after
  * 65535 iterations. */
+#include "frame.glsl"
+
 #define VXS_MARCH_DEPTH 12.0 /* optical depth: e^-12 */
 
 layout(local_size_x = 8, local_size_y = 8) in;

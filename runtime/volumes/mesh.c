@@ -125,7 +125,8 @@ vxs_result vxs_mesh_begin(vxs_volumes *v, const vxs_volumes_light *light, const 
 
 gl_name vxs_mesh_program(vxs_volumes *v, const char *names)
 {
-    return vxs_volumes_light_program(v, names, vxs_volumes_text_mesh_vert_glsl, vxs_volumes_text_mesh_frag_glsl);
+    return vxs_volumes_light_program(
+        v, &(program_texts){names, .vertex = &vxs_volumes_text_mesh_vert_glsl, .body = &vxs_volumes_text_mesh_frag_glsl});
 }
 
 static void draw_corners(const vxs_volumes *v, const mesh_draw *draw)
@@ -170,7 +171,7 @@ void vxs_mesh_add(vxs_volumes *v, const vxs_shadow_depth_map *map, const mesh_dr
     saved_state saved = vxs_volumes_use(v, draw->program, map ? vxs_shadow_depth_map_texture(map) : 0, 0, 0);
     draw_crossings(v, draw);
     vxs_volumes_restore(v, &saved);
-    vxs_volumes_add(v, vxs_volumes_light_program(v, "", NULL, vxs_volumes_text_mesh_whole_glsl), 0);
+    vxs_volumes_add(v, vxs_volumes_light_program(v, &(program_texts){.body = &vxs_volumes_text_mesh_whole_glsl}), 0);
 }
 
 vxs_result vxs_volumes_mesh_map(vxs_volumes *v, const vxs_volumes_light *light, const vxs_shadow_depth_map *map)

@@ -1,5 +1,8 @@
 /* Vertices of the mesh around the lit volume of a light: from its current map, for all quads or for the listed ones, or from a
  * buffer; see vxs_light_mesh.h. Used by both stages. */
+#include "frame.glsl"
+#include "vxs_light_mesh.h"
+
 vxs_mesh_shape vxs_frame_mesh()
 {
     vxs_mesh_shape shape;

@@ -101,12 +101,12 @@ unsigned vxs_adaptive_mesh_buffer(const vxs_adaptive_mesh *mesh)
 }
 
 /* Run a program, of its own text, over the quads of a level, or parts of them.   side  number of them along a side of each layer */
-static void run(const vxs_adaptive_mesh *mesh, const char *text, gl_name map, int level, int side)
+static void run(const vxs_adaptive_mesh *mesh, const volumes_text *text, gl_name map, int level, int side)
 {
     enum { GROUP = 8 };
     vxs_volumes *v       = mesh->volumes;
     uint32_t     groups  = ((uint32_t)side + GROUP - 1) / GROUP;
-    gl_name      program = vxs_volumes_compute(v, "#define VXS_USES_QUADS\n", text);
+    gl_name      program = vxs_volumes_program(v, &(program_texts){.body = text});
     v->frame.counts[0]   = (uint32_t)level;
     saved_state saved    = vxs_volumes_use(v, program, map, 0, 0);
     v->api.DispatchCompute(groups, groups, v->frame.map_layers);
@@ -122,9 +122,10 @@ static void choose_quads(const vxs_adaptive_mesh *mesh, const vxs_mesh_shape *sh
                                  GL_TYPE_UNSIGNED_INT, &all);
     if (all) return;
     for (int level = shape->levels; level > 0; level--)
-        run(mesh, vxs_volumes_text_mesh_split_glsl, map, level, shape->side >> (level < 3 ? level : 3)); /* as in mesh_split.glsl */
+        run(mesh, &vxs_volumes_text_mesh_split_glsl, map, level,
+            shape->side >> (level < 3 ? level : 3)); /* as in mesh_split.glsl */
     for (int level = 1; level < shape->levels; level++)
-        run(mesh, vxs_volumes_text_mesh_meet_glsl, map, level, shape->side >> level);
+        run(mesh, &vxs_volumes_text_mesh_meet_glsl, map, level, shape->side >> level);
 }
 
 static void list_triangles(const vxs_adaptive_mesh *mesh, const vxs_mesh_shape *shape, gl_name map)
@@ -133,7 +134,7 @@ static void list_triangles(const vxs_adaptive_mesh *mesh, const vxs_mesh_shape *
     int             least = shape->levels > 0; /* quads of one texel are listed by the quads that split into them */
     vxs_volumes_put(mesh->volumes, mesh->list, 0, sizeof none, &none);
     for (int level = shape->levels; level >= least; level--)
-        run(mesh, vxs_volumes_text_mesh_list_glsl, map, level, shape->side >> level);
+        run(mesh, &vxs_volumes_text_mesh_list_glsl, map, level, shape->side >> level);
 }
 
 vxs_result vxs_volumes_mesh_adaptive(vxs_volumes *v, const vxs_volumes_light *light, const vxs_shadow_depth_map *map,

@@ -1,6 +1,8 @@
 /* Where an eye ray crosses the surface of the lit volume: the airlight from there to the visible surface is subtracted where the
  * ray leaves, and added where it enters. Crossings behind the visible surface do not count. Alpha counts leaving minus entering:
  * in the end it is 1 if the eye is in light, else 0. mesh_whole.glsl multiplies the airlight of the whole ray by it. */
+#include "mesh.glsl"
+
 layout(location = 0) out vec4 airlight;
 
 /* Distance where a ray from the eye meets the plane of a triangle; corners are relative to the eye. It is clamped to the range

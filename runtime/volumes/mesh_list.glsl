@@ -1,5 +1,8 @@
 /* Appends the triangles of the drawn quads of a level to the list; at level 1 also those of one-texel quads, at the root also
  * those that close the mesh. */
+#include "mesh_quads.glsl"
+#include "vxs_mesh_quads.h"
+
 layout(local_size_x = 8, local_size_y = 8) in;
 
 #define VXS_QUAD_TRIANGLES 6 /* at most, with walls */

@@ -1,4 +1,7 @@
 /* Splits the neighbours of a level's split quads, so that neighbours differ by at most one level. */
+#include "mesh_quads.glsl"
+#include "vxs_mesh_quads.h"
+
 layout(local_size_x = 8, local_size_y = 8) in;
 
 void main()

@@ -1,5 +1,8 @@
 /* Splits the quads of a level whose triangles have too large errors. An invocation for each 8 x 8 texels of a quad, or for a
  * whole smaller quad. Once one invocation has found an error, the others skip the quad. */
+#include "mesh_quads.glsl"
+#include "vxs_mesh_quads.h"
+
 layout(local_size_x = 8, local_size_y = 8) in;
 
 void main()

@@ -1,5 +1,7 @@
 /* A vertex of the mesh. All vertices have the same depth, so that no near or far plane clips faces: those before and behind
  * these planes count, too. */
+#include "mesh.glsl"
+
 #ifndef VXS_MESH_OF_MAP
 layout(location = 0) in vec3 place;
 #endif

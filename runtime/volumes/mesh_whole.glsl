@@ -1,4 +1,6 @@
 /* Runs after a mesh: adds the airlight of the whole ray, times the count in alpha. */
+#include "frame.glsl"
+
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(rgba32f, binding = VXS_AT_IMAGE) uniform restrict image2D airlight;
 

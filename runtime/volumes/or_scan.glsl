@@ -1,4 +1,6 @@
 /* An inclusive scan by OR along segments of 128-bit texels. counts: texels in a segment, segments, the first texel, and a step. */
+#include "frame.glsl"
+
 #ifdef VXS_SCAN_STEPS
 /* One of the log2(length) steps; each doubles the number of texels that a texel covers. */
 layout(local_size_x = 256) in;

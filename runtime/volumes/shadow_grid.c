@@ -133,8 +133,9 @@ static uint32_t groups(uint32_t count, uint32_t each)
 static void fill(const vxs_shadow_grid *grid, gl_name map)
 {
     enum { BITS_ACROSS = 32, ROWS_DOWN = 4 };
-    const char *names   = map ? "#define VXS_USES_GRID\n" : "#define VXS_USES_GRID\n#define VXS_ASK_ASSET\n";
-    gl_name     program = vxs_volumes_light_program(grid->volumes, names, NULL, vxs_volumes_text_grid_fill_glsl);
+    const char *names = map ? NULL : "#define VXS_ASK_ASSET\n";
+    gl_name     program =
+        vxs_volumes_light_program(grid->volumes, &(program_texts){.names = names, .body = &vxs_volumes_text_grid_fill_glsl});
     vxs_volumes_use_storage(grid->volumes, grid->buffer, 0);
     vxs_volumes_run(grid->volumes, program, map, 0, groups((uint32_t)grid->size.bits, BITS_ACROSS),
                     groups((uint32_t)grid->size.rows, ROWS_DOWN));
@@ -182,8 +183,8 @@ vxs_result vxs_volumes_grid_cast(vxs_volumes *v, const vxs_volumes_light *light,
     saved_storage saved = vxs_volumes_save_storage(v);
     make_grid(grid, !is_alone, map ? vxs_shadow_depth_map_texture(map) : 0, runs, casters, count);
     vxs_volumes_use_storage(v, grid->buffer, 0);
-    gl_name look_up = vxs_volumes_light_program(v, "#define VXS_USES_GRID\n#define VXS_GRID_ACCESS readonly\n", NULL,
-                                                vxs_volumes_text_grid_light_glsl);
+    gl_name look_up = vxs_volumes_light_program(
+        v, &(program_texts){.names = "#define VXS_GRID_ACCESS readonly\n", .body = &vxs_volumes_text_grid_light_glsl});
     vxs_volumes_add(v, look_up, 0);
     vxs_volumes_restore_storage(v, &saved);
     return vxs_volumes_done(v);

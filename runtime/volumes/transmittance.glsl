@@ -1,6 +1,10 @@
 /* Capsules on light rays, and lookups of curves; after vxs_curve.h. transmittance_light.glsl and area_curves.glsl define the
  * layers and their rays: which texels may see a capsule (vxs_capsule_texels), and the segment of a capsule on a texel's ray
  * (vxs_capsule_segment). */
+#include "curves.glsl"
+#include "vxs_curve.h"
+#include "capsule.glsl"
+
 struct vxs_capsule {
     vec3  begin;
     float radius; /* 0: no capsule */

@@ -1,6 +1,8 @@
 /* Builds the curve of each texel from the segments in its list. Segments after the first VXS_CURVE_SORTED_MOST are inserted
  * without sorting. So drivers that end loops after 65535 iterations do so after 30000 segments instead of 3500; such texels are
  * counted. */
+#include "transmittance.glsl"
+
 #define VXS_CURVE_SORTED_MOST 2048
 layout(local_size_x = 8, local_size_y = 8) in;
 

@@ -1,5 +1,7 @@
 /* A workgroup for each capsule, layer and part of its texels: appends to the list of each texel whose ray meets the capsule. The
  * parts interleave texels; there are enough parts to keep the loop below the iterations that drivers allow. */
+#include "transmittance_lists.glsl"
+
 layout(local_size_x = 64) in;
 layout(std430, binding = VXS_AT_GRID + 1) readonly restrict buffer vxs_capsules_buffer { vec4 capsules[]; };
 

@@ -31,9 +31,9 @@ vxs_result vxs_transmittance_map_texts(const vxs_transmittance_map *map, const c
     if (!map->segment_room) return VXS_E_ARGUMENT;
     texts[0] = map->binding_text;
     texts[1] = view_text;
-    texts[2] = vxs_volumes_text_curves_glsl;
-    texts[3] = vxs_volumes_text_transmittance_lists_glsl;
-    texts[4] = vxs_volumes_text_transmittance_segments_glsl;
+    texts[2] = vxs_volumes_text_curves_glsl.text;
+    texts[3] = vxs_volumes_text_transmittance_lists_glsl.text;
+    texts[4] = vxs_volumes_text_transmittance_segments_glsl.text;
     return VXS_OK;
 }
 

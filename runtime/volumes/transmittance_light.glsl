@@ -1,5 +1,7 @@
 /* The light's own maps as layers of curves, instead of area_curves.glsl. Positions are metres along the axes of one of the
  * light's maps: for punctual lights from the light, for suns from the map's corner. */
+#include "transmittance.glsl"
+
 bool vxs_is_sun()
 {
     return VXS_KIND(vxs_frame.light) == VXS_LIGHT_KIND_DIRECTIONAL;

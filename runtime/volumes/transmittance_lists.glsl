@@ -1,4 +1,6 @@
 /* Lists of segments, of limited capacity; after curves.glsl. Segments without room are merged into the record of their texel. */
+#include "curves.glsl"
+
 /* Unsigned integers in the order of the floats. */
 uint vxs_ordered(float x)
 {

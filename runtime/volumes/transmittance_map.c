@@ -40,11 +40,11 @@ static uint64_t bytes_of(const vxs_transmittance_map *map)
 
 /* create ----------------------------------------------------------------------------------------------------------------------- */
 
-gl_name vxs_transmittance_program(const vxs_transmittance_map *map, const char *names, const char *body)
+gl_name vxs_transmittance_program(const vxs_transmittance_map *map, const char *names, const volumes_text *body)
 {
     char all[PROGRAM_NAMES];
     snprintf(all, sizeof all, "%s#define VXS_USES_CURVES\n#define VXS_CURVE_MOST %u\n", names, map->nodes);
-    return vxs_volumes_compute(map->volumes, all, body);
+    return vxs_volumes_program(map->volumes, &(program_texts){.names = all, .with = map->layers_text, .body = body});
 }
 
 vxs_result vxs_transmittance_alloc(vxs_transmittance_map *map)
@@ -91,7 +91,8 @@ vxs_result vxs_transmittance_map_create(vxs_transmittance_map **out, vxs_volumes
                                    .capsule_room = known.capsules,
                                    .segment_room = known.segments,
                                    .is_sorted    = !known.unsorted,
-                                   .names        = ""};
+                                   .names        = "",
+                                   .layers_text  = &vxs_volumes_text_transmittance_light_glsl};
     if (known.constants) map->constants = *known.constants;
     snprintf(map->binding_text, sizeof map->binding_text, "#define VXS_AT_GRID %u\n", v->first_storage);
     map->layers = constants_of(map)->flags & VXS_LIGHT_CUBE ? 6 : 1;
@@ -166,7 +167,7 @@ void vxs_transmittance_capture(const vxs_transmittance_map *map, const vxs_capsu
     clear(map);
     vxs_volumes_use_storage(v, map->buffer, capsules->list ? map->capsules : capsules->buffer);
     if (map->segment_room && count)
-        dispatch(v, vxs_transmittance_program(map, "", vxs_volumes_text_transmittance_capture_glsl), opaque, across,
+        dispatch(v, vxs_transmittance_program(map, "", &vxs_volumes_text_transmittance_capture_glsl), opaque, across,
                  (count + across - 1) / across, map->layers * capture_parts(map));
 }
 
@@ -178,8 +179,8 @@ static int is_of_its_light(const vxs_transmittance_map *map, const vxs_shadow_de
 gl_name vxs_transmittance_builder(const vxs_transmittance_map *map)
 {
     return vxs_transmittance_program(map, map->names,
-                                     map->segment_room ? vxs_volumes_text_transmittance_build_glsl
-                                                       : vxs_volumes_text_transmittance_stream_glsl);
+                                     map->segment_room ? &vxs_volumes_text_transmittance_build_glsl
+                                                       : &vxs_volumes_text_transmittance_stream_glsl);
 }
 
 vxs_result vxs_transmittance_map_build_drawn(vxs_transmittance_map *map, const vxs_capsules *capsules,
@@ -242,7 +243,7 @@ vxs_result vxs_volumes_transmittance(vxs_volumes *v, const vxs_transmittance_map
     if (!v->depth_texture || !texture || !is_lookup(how)) return VXS_E_ARGUMENT;
     vxs_transmittance_set(map, NULL, 0);
     v->frame.knobs[0] = (float)how;
-    vxs_transmittance_pass(map, vxs_transmittance_program(map, "", vxs_volumes_text_transmittance_pass_glsl), 0, texture);
+    vxs_transmittance_pass(map, vxs_transmittance_program(map, "", &vxs_volumes_text_transmittance_pass_glsl), 0, texture);
     return vxs_volumes_done(v);
 }
 
@@ -267,7 +268,8 @@ vxs_result vxs_volumes_transmittance_at(vxs_volumes *v, const vxs_transmittance_
     v->frame.counts[2] = first;
     vxs_volumes_use_storage(v, map->buffer, places);
     v->api.BindBufferBase(GL_TARGET_STORAGE_BUFFER, v->first_storage + 2, left);
-    gl_name program = vxs_volumes_compute(v, VXS_SMOKE_NAMES, vxs_volumes_text_transmittance_places_glsl);
+    gl_name program =
+        vxs_volumes_program(v, &(program_texts){.names = VXS_SMOKE_NAMES, .body = &vxs_volumes_text_transmittance_places_glsl});
     if (count) dispatch(v, program, NULL, across, (groups + across - 1) / across, 1);
     vxs_volumes_restore_storage(v, &saved);
     return vxs_volumes_done(v);

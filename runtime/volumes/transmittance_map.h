@@ -12,14 +12,15 @@ struct vxs_transmittance_map {
     uint32_t            baked, is_baked, side_px, layers, nodes, capsule_room, segment_room, is_sorted;
     gl_name             buffer, capsules, view; /* view: data for shaders that draw segments; 0 without lists */
     const char         *names;                  /* lines of #define of the program that builds the curves */
+    const volumes_text *layers_text;            /* functions of its layers: transmittance_light.glsl or area_curves.glsl */
     char                binding_text[48];
 };
 
-/* Texts that programs need in addition to the common ones: lines of #define. For programs that read curves of any map. */
-#define VXS_SMOKE_NAMES "#define VXS_USES_CURVES\n#define VXS_READS_CURVES\n"
+/* Lines of #define for programs that read curves of any map. */
+#define VXS_SMOKE_NAMES "#define VXS_READS_CURVES\n"
 
 /* A program for curves with as many nodes as the map's; after more lines of #define. */
-gl_name vxs_transmittance_program(const vxs_transmittance_map *map, const char *names, const char *body);
+gl_name vxs_transmittance_program(const vxs_transmittance_map *map, const char *names, const volumes_text *body);
 
 /* The program that builds a map's curves. */
 gl_name vxs_transmittance_builder(const vxs_transmittance_map *map);

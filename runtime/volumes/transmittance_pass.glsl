@@ -1,4 +1,6 @@
 /* Transmittance between the light and the visible surface of each pixel. */
+#include "transmittance_light.glsl"
+
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(r32f, binding = VXS_AT_IMAGE) uniform writeonly restrict image2D transmittance;
 

@@ -1,4 +1,6 @@
 /* Transmittance between the light and given positions. */
+#include "transmittance_light.glsl"
+
 layout(local_size_x = 64) in;
 layout(std430, binding = VXS_AT_GRID + 1) readonly restrict buffer vxs_places_buffer { vec4 places[]; };
 layout(std430, binding = VXS_AT_GRID + 2) writeonly restrict buffer vxs_left_buffer { float left[]; };

@@ -1,5 +1,7 @@
 /* A workgroup for each tile of texels. It marks 64 capsules at a time that may overlap the tile; each texel inserts these, in
  * order. */
+#include "transmittance.glsl"
+
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(std430, binding = VXS_AT_GRID + 1) readonly restrict buffer vxs_capsules_buffer { vec4 capsules[]; };
 shared vec4 begins[64], ends[64];

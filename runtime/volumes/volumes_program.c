@@ -6,82 +6,51 @@
 #include "volumes_state.h"
 #include "vxs_air_light.h"
 
-/* A program begins with the texts of vxs_gl, for OpenGL 4.5 whatever language the caller uses, and the texts common to this
- * library. */
 enum { TEXTS = VXS_GL_TEXTS + 41, LOG_BYTES = 1024 };
 
-static void texts_of(const vxs_volumes *v, gl_enum kind, char *own, size_t own_size, const char *names, const char *body,
-                     const char *texts[TEXTS])
+/* Texts of one shader, in their order. */
+typedef struct text_list {
+    const char *texts[TEXTS];
+    uint32_t    count;
+} text_list;
+
+static void add_text(text_list *to, const char *text)
 {
-    const char *shared[VXS_GL_TEXTS];
-    vxs_gl_texts(v->shadows, shared);
-    snprintf(own, own_size,
-             "#define VXS_AT_FRAME %u\n#define VXS_AT_IMAGE %u\n#define VXS_AT_DEPTHS %u\n#define VXS_AT_MAP %u\n"
-             "#define VXS_AT_OTHER %u\n#define VXS_AT_GRID %u\n#define VXS_AT_MESH %u\n#define VXS_NO_END 1e30\n#define "
-             "VXS_FAR_MOST 1e15\n%s",
-             FRAME_BINDING, IMAGE_BINDING, v->first_unit + UNIT_DEPTHS, v->first_unit + UNIT_MAP, v->first_unit + UNIT_OTHER,
-             v->first_storage, v->first_unit + UNIT_MESH, kind == GL_KIND_COMPUTE_SHADER ? "#define VXS_COMPUTE\n" : "");
-    const char *const all[TEXTS] = {"#version 450 core\n",
-                                    strchr(shared[0], '\n') + 1,
-                                    "#undef VXS_ONLY_KIND\n#undef VXS_ONLY_CUBE\n#undef VXS_ONLY_CODING\n",
-                                    own,
-                                    names,
-                                    shared[1],
-                                    shared[2],
-                                    shared[3],
-                                    shared[4],
-                                    shared[5],
-                                    shared[6],
-                                    vxs_volumes_text_vxs_depths_h,
-                                    vxs_volumes_text_vxs_intervals_h,
-                                    vxs_volumes_text_vxs_air_light_h,
-                                    vxs_volumes_text_vxs_air_ray_h,
-                                    vxs_volumes_text_vxs_air_h,
-                                    vxs_volumes_text_vxs_air_path_h,
-                                    vxs_volumes_text_vxs_light_mesh_h,
-                                    vxs_volumes_text_frame_glsl,
-                                    vxs_volumes_text_first_shadow_glsl,
-                                    "#ifdef VXS_USES_GRID\n#define vxs_grid_word(words, i) vxs_grid.words[i]\n",
-                                    vxs_volumes_text_vxs_epipolar_h,
-                                    vxs_volumes_text_grid_glsl,
-                                    vxs_volumes_text_area_glsl,
-                                    vxs_volumes_text_area_map_glsl,
-                                    vxs_volumes_text_vxs_shadow_grid_h,
-                                    "#ifdef VXS_USES_AREA\n",
-                                    vxs_volumes_text_vxs_area_grid_h,
-                                    "#endif\n#endif\n",
-                                    "#ifdef VXS_USES_CURVES\n#define vxs_curve_number(curves, i) "
-                                    "uintBitsToFloat(vxs_curves.words[(curves) + uint(i)])\n",
-                                    vxs_volumes_text_curves_glsl,
-                                    vxs_volumes_text_vxs_curve_h,
-                                    vxs_volumes_text_capsule_glsl,
-                                    vxs_volumes_text_transmittance_glsl,
-                                    "#ifdef VXS_USES_AREA\n",
-                                    vxs_volumes_text_area_curves_glsl,
-                                    "#else\n",
-                                    vxs_volumes_text_transmittance_light_glsl,
-                                    "#endif\n",
-                                    vxs_volumes_text_transmittance_lists_glsl,
-                                    "#endif\n",
-                                    vxs_volumes_text_area_surface_glsl,
-                                    vxs_volumes_text_mesh_glsl,
-                                    "#ifdef VXS_USES_QUADS\n",
-                                    vxs_volumes_text_mesh_quads_glsl,
-                                    vxs_volumes_text_vxs_mesh_quads_h,
-                                    "#endif\n",
-                                    body};
-    memcpy(texts, all, sizeof all);
+    if (to->count < TEXTS) to->texts[to->count++] = text;
 }
 
-static void attach(const vxs_volumes *v, gl_name program, gl_enum kind, const char *names, const char *body)
+/* Add what a text needs, then the text, unless they are there. */
+static void add(text_list *to, const volumes_text *t)
 {
-    char        own[512];
-    char        log[LOG_BYTES];
-    int         good = 0;
-    const char *texts[TEXTS];
+    for (uint32_t n = 0; n < to->count; n++)
+        if (to->texts[n] == t->text) return;
+    for (const volumes_text *const *need = t->needs; *need; need++) add(to, *need);
+    add_text(to, t->text);
+}
+
+/* Add a shader to a program. It begins with the texts of vxs_gl, for OpenGL 4.5 whatever language the caller uses. */
+static void attach(const vxs_volumes *v, gl_name program, gl_enum kind, const program_texts *p)
+{
+    const char *shared[VXS_GL_TEXTS];
+    char        own[512], log[LOG_BYTES];
+    int         good   = 0;
     gl_name     shader = v->api.CreateShader(kind);
-    texts_of(v, kind, own, sizeof own, names, body, texts);
-    v->api.ShaderSource(shader, TEXTS, texts, NULL);
+    text_list   all    = {.count = 0};
+    vxs_gl_texts(v->shadows, shared);
+    snprintf(own, sizeof own,
+             "#undef VXS_ONLY_KIND\n#undef VXS_ONLY_CUBE\n#undef VXS_ONLY_CODING\n#define VXS_AT_FRAME %u\n#define VXS_AT_IMAGE "
+             "%u\n#define VXS_AT_DEPTHS %u\n#define VXS_AT_MAP %u\n#define VXS_AT_OTHER %u\n#define VXS_AT_GRID %u\n#define "
+             "VXS_AT_MESH %u\n#define VXS_NO_END 1e30\n#define VXS_FAR_MOST 1e15\n%s",
+             FRAME_BINDING, IMAGE_BINDING, v->first_unit + UNIT_DEPTHS, v->first_unit + UNIT_MAP, v->first_unit + UNIT_OTHER,
+             v->first_storage, v->first_unit + UNIT_MESH, kind == GL_KIND_COMPUTE_SHADER ? "#define VXS_COMPUTE\n" : "");
+    add_text(&all, "#version 450 core\n");
+    add_text(&all, strchr(shared[0], '\n') + 1);
+    add_text(&all, own);
+    if (p->names) add_text(&all, p->names);
+    for (int n = 1; n < VXS_GL_TEXTS; n++) add_text(&all, shared[n]);
+    if (p->with) add(&all, p->with);
+    add(&all, kind == GL_KIND_VERTEX_SHADER ? p->vertex : p->body);
+    v->api.ShaderSource(shader, (int)all.count, all.texts, NULL);
     v->api.CompileShader(shader);
     v->api.GetShaderiv(shader, GL_STATUS_COMPILE, &good);
     if (!good && v->log) {
@@ -92,9 +61,12 @@ static void attach(const vxs_volumes *v, gl_name program, gl_enum kind, const ch
     v->api.DeleteShader(shader);
 }
 
-static gl_name linked(const vxs_volumes *v, gl_name program)
+gl_name vxs_volumes_compile(const vxs_volumes *v, const program_texts *texts)
 {
-    int good = 0;
+    int     good    = 0;
+    gl_name program = v->api.CreateProgram();
+    if (texts->vertex) attach(v, program, GL_KIND_VERTEX_SHADER, texts);
+    attach(v, program, texts->vertex ? GL_KIND_FRAGMENT_SHADER : GL_KIND_COMPUTE_SHADER, texts);
     v->api.LinkProgram(program);
     v->api.GetProgramiv(program, GL_STATUS_LINK, &good);
     if (good) {
@@ -105,51 +77,41 @@ static gl_name linked(const vxs_volumes *v, gl_name program)
     return 0;
 }
 
-gl_name vxs_volumes_compile(const vxs_volumes *v, const char *names, const char *vertex, const char *body)
+gl_name vxs_volumes_program(vxs_volumes *v, const program_texts *texts)
 {
-    gl_name program = v->api.CreateProgram();
-    if (vertex) attach(v, program, GL_KIND_VERTEX_SHADER, names, vertex);
-    attach(v, program, vertex ? GL_KIND_FRAGMENT_SHADER : GL_KIND_COMPUTE_SHADER, names, body);
-    return linked(v, program);
-}
-
-static int is_program(const volumes_program *p, const char *names, const char *vertex, const char *body)
-{
-    return p->body == body && p->vertex == vertex && !strcmp(p->names, names);
-}
-
-gl_name vxs_volumes_raster(vxs_volumes *v, const char *names, const char *vertex, const char *body)
-{
-    uint32_t n = 0;
-    while (n < v->program_count && !is_program(&v->programs[n], names, vertex, body)) n++;
+    const char *names = texts->names ? texts->names : "";
+    uint32_t    n     = 0;
+    for (; n < v->program_count; n++) {
+        const program_texts *t = &v->programs[n].texts;
+        if (t->body == texts->body && t->vertex == texts->vertex && t->with == texts->with && !strcmp(t->names, names)) break;
+    }
     if (n == PROGRAMS_MOST) {
         v->result = VXS_E_GL;
         return 0;
     }
     volumes_program *p = &v->programs[n];
     if (n == v->program_count) {
-        *p = (volumes_program){.vertex = vertex, .body = body};
+        p->texts       = *texts;
+        p->texts.names = p->names;
         snprintf(p->names, sizeof p->names, "%s", names);
-        p->name = vxs_volumes_compile(v, p->names, vertex, body);
+        p->name = vxs_volumes_compile(v, &p->texts);
         v->program_count++;
     }
     if (!p->name) v->result = VXS_E_GL;
     return p->name;
 }
 
-gl_name vxs_volumes_compute(vxs_volumes *v, const char *names, const char *body)
+gl_name vxs_volumes_light_program(vxs_volumes *v, const program_texts *texts)
 {
-    return vxs_volumes_raster(v, names, NULL, body);
-}
-
-gl_name vxs_volumes_light_program(vxs_volumes *v, const char *names, const char *vertex, const char *body)
-{
-    const vxs_light_constants *c = &v->frame.light;
-    char                       all[PROGRAM_NAMES];
-    snprintf(all, sizeof all, "#define VXS_ONLY_KIND %u\n#define VXS_ONLY_CUBE %d\n#define VXS_ONLY_CODING %u\n%s%s", c->kind,
+    const vxs_light_constants *c     = &v->frame.light;
+    program_texts              light = *texts;
+    char                       names[PROGRAM_NAMES];
+    snprintf(names, sizeof names, "#define VXS_ONLY_KIND %u\n#define VXS_ONLY_CUBE %d\n#define VXS_ONLY_CODING %u\n%s%s", c->kind,
              (c->flags & VXS_LIGHT_CUBE) != 0, c->coding,
-             v->depth_texture && v->frame.top_metres < (float)VXS_AIR_EVERYWHERE ? "" : "#define VXS_ONLY_EVERYWHERE\n", names);
-    return vxs_volumes_raster(v, all, vertex, body);
+             v->depth_texture && v->frame.top_metres < (float)VXS_AIR_EVERYWHERE ? "" : "#define VXS_ONLY_EVERYWHERE\n",
+             texts->names ? texts->names : "");
+    light.names = names;
+    return vxs_volumes_program(v, &light);
 }
 
 vxs_result vxs_volumes_done(vxs_volumes *v)

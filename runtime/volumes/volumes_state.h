@@ -4,6 +4,7 @@
 #define VOLUMES_STATE_H
 
 #include "volumes_gl.h"
+#include "volumes_text.h"
 #include "vxs_volumes.h"
 
 /* As in shaders (frame.glsl, std140). */
@@ -31,12 +32,21 @@ typedef struct frame_block {
 /* Binding offsets in the context, from the caller's first binding on. */
 enum { UNIT_DEPTHS, UNIT_MAP, UNIT_OTHER, UNIT_MESH, UNITS, FRAME_BINDING = 0, IMAGE_BINDING = 0, STORAGES = 3 };
 
-/* A program that has been used, and its texts: it is compiled at its first use, and deleted with the volumes. */
+/* What a program is made of.
+ * names   lines of #define; NULL: none
+ * with    a text in addition to those that the bodies need; NULL: none
+ * vertex  the body of the vertex shader; NULL: `body` is a compute shader, else a fragment shader */
+typedef struct program_texts {
+    const char         *names;
+    const volumes_text *with, *vertex, *body;
+} program_texts;
+
+/* A program that has been used: it is compiled at its first use, and deleted with the volumes. */
 enum { PROGRAMS_MOST = 384, PROGRAM_NAMES = 320 }; /* more than kinds, codings and fogs times passes: 3 x 2 x 2 x 20, and 60 */
 typedef struct volumes_program {
-    char        names[PROGRAM_NAMES];
-    const char *vertex, *body; /* vertex: NULL for a compute shader */
-    gl_name     name;          /* 0: it does not compile */
+    char          names[PROGRAM_NAMES];
+    program_texts texts;
+    gl_name       name; /* 0: it does not compile */
 } volumes_program;
 
 struct vxs_volumes {
@@ -74,17 +84,15 @@ struct vxs_light_mesh {
 void *vxs_volumes_alloc(const vxs_volumes *v, size_t size);
 void  vxs_volumes_free(const vxs_volumes *v, void *memory, size_t size);
 
-/* A program of the common texts and its own bodies, compiled at its first use.
- * names  lines of #define, or ""
+/* A program, compiled at its first use: the texts of vxs_gl, then what the bodies need, then the bodies.
  * Returns 0 if it does not compile; then vxs_volumes_done returns VXS_E_GL. */
-gl_name vxs_volumes_compute(vxs_volumes *v, const char *names, const char *body);
-gl_name vxs_volumes_raster(vxs_volumes *v, const char *names, const char *vertex, const char *fragment);
+gl_name vxs_volumes_program(vxs_volumes *v, const program_texts *texts);
 
-/* The same for the frame's light and fog: what they do not use is not compiled.   vertex  NULL: a compute shader */
-gl_name vxs_volumes_light_program(vxs_volumes *v, const char *names, const char *vertex, const char *body);
+/* The same for the frame's light and fog: what they do not use is not compiled. */
+gl_name vxs_volumes_light_program(vxs_volumes *v, const program_texts *texts);
 
-/* The same as vxs_volumes_raster, compiled now and owned by the caller.   vertex  NULL: a compute shader */
-gl_name vxs_volumes_compile(const vxs_volumes *v, const char *names, const char *vertex, const char *body);
+/* The same as vxs_volumes_program, compiled now and owned by the caller. */
+gl_name vxs_volumes_compile(const vxs_volumes *v, const program_texts *texts);
 
 /* The result of a call that may have compiled programs. */
 vxs_result vxs_volumes_done(vxs_volumes *v);
@@ -155,26 +163,5 @@ void vxs_volumes_add(vxs_volumes *v, gl_name program, gl_name map);
 
 /* Its constants. */
 const vxs_light_constants *vxs_shadow_depth_map_constants(const vxs_shadow_depth_map *map);
-
-/* The texts of shaders; the Makefile generates them from the files of these names. */
-extern const char vxs_volumes_text_frame_glsl[], vxs_volumes_text_first_shadow_glsl[], vxs_volumes_text_march_glsl[],
-    vxs_volumes_text_intervals_glsl[], vxs_volumes_text_vxs_depths_h[], vxs_volumes_text_vxs_intervals_h[],
-    vxs_volumes_text_map_fill_glsl[], vxs_volumes_text_map_join_glsl[], vxs_volumes_text_screen_vert_glsl[],
-    vxs_volumes_text_composite_frag_glsl[], vxs_volumes_text_mesh_glsl[], vxs_volumes_text_mesh_vert_glsl[],
-    vxs_volumes_text_mesh_frag_glsl[], vxs_volumes_text_mesh_whole_glsl[], vxs_volumes_text_mesh_quads_glsl[],
-    vxs_volumes_text_mesh_split_glsl[], vxs_volumes_text_mesh_meet_glsl[], vxs_volumes_text_mesh_list_glsl[],
-    vxs_volumes_text_vxs_mesh_quads_h[], vxs_volumes_text_vxs_light_mesh_h[], vxs_volumes_text_vxs_air_h[],
-    vxs_volumes_text_vxs_air_light_h[], vxs_volumes_text_vxs_air_ray_h[], vxs_volumes_text_vxs_air_path_h[],
-    vxs_volumes_text_vxs_epipolar_h[], vxs_volumes_text_vxs_shadow_grid_h[], vxs_volumes_text_grid_glsl[],
-    vxs_volumes_text_grid_fill_glsl[], vxs_volumes_text_grid_light_glsl[], vxs_volumes_text_voxelize_glsl[],
-    vxs_volumes_text_or_scan_glsl[], vxs_volumes_text_vxs_curve_h[], vxs_volumes_text_curves_glsl[],
-    vxs_volumes_text_transmittance_glsl[], vxs_volumes_text_capsule_glsl[], vxs_volumes_text_transmittance_capture_glsl[],
-    vxs_volumes_text_transmittance_build_glsl[], vxs_volumes_text_transmittance_stream_glsl[],
-    vxs_volumes_text_transmittance_pass_glsl[], vxs_volumes_text_transmittance_places_glsl[],
-    vxs_volumes_text_transmittance_lists_glsl[], vxs_volumes_text_transmittance_segments_glsl[], vxs_volumes_text_vxs_area_grid_h[],
-    vxs_volumes_text_area_glsl[], vxs_volumes_text_area_splat_glsl[], vxs_volumes_text_area_holes_glsl[],
-    vxs_volumes_text_area_grids_glsl[], vxs_volumes_text_area_map_glsl[], vxs_volumes_text_area_surface_glsl[],
-    vxs_volumes_text_area_exact_glsl[], vxs_volumes_text_area_gather_glsl[], vxs_volumes_text_area_show_glsl[],
-    vxs_volumes_text_area_curves_glsl[], vxs_volumes_text_transmittance_light_glsl[];
 
 #endif

@@ -34,11 +34,11 @@ static void set_matrix(frame_block *f, const vxs_epipolar *space, const float po
 static void voxelize(vxs_volumes *v, const vxs_casters *c, vxs_voxels as)
 {
     static const char *const names[VXS_VOXELS_KINDS] = {
-        [VXS_VOXELS_RAYS]    = "#define VXS_USES_GRID\n#define VXS_VOXELS_RAYS\n",
-        [VXS_VOXELS_SOLID]   = "#define VXS_USES_GRID\n#define VXS_VOXELS_SOLID\n",
-        [VXS_VOXELS_COVERED] = "#define VXS_USES_GRID\n#define VXS_VOXELS_COVERED\n",
+        [VXS_VOXELS_RAYS]    = "#define VXS_VOXELS_RAYS\n",
+        [VXS_VOXELS_SOLID]   = "#define VXS_VOXELS_SOLID\n",
+        [VXS_VOXELS_COVERED] = "#define VXS_VOXELS_COVERED\n",
     };
-    gl_name  program   = vxs_volumes_compute(v, names[as], vxs_volumes_text_voxelize_glsl);
+    gl_name  program   = vxs_volumes_program(v, &(program_texts){.names = names[as], .body = &vxs_volumes_text_voxelize_glsl});
     uint32_t groups    = (c->triangle_count + GROUP - 1) / GROUP;
     uint32_t turns     = groups < GROUPS_ENOUGH ? GROUPS_ENOUGH / (groups ? groups : 1) : 1;
     v->frame.counts[0] = c->triangle_count;

@@ -10,6 +10,9 @@
  *      eye       lamp
  *
  * A group processes 64 triangles and shares the rows of all of them; groups with different y process these rows in turn. */
+#include "grid.glsl"
+#include "vxs_shadow_grid.h"
+
 layout(local_size_x = 64) in;
 layout(std430, binding = VXS_AT_GRID + 1) readonly buffer vxs_places_block { float vxs_places[]; };
 layout(std430, binding = VXS_AT_GRID + 2) readonly buffer vxs_corners_block { uint vxs_corners[]; };

@@ -55,7 +55,8 @@ def command_texts(build):
 
 def named(texts):
     """The same, each with the file of its main function in its name: {"blocks march_map sun march.glsl": (stage, text)}."""
-    bodies = {path.name: path.read_text().strip() for path in ROOT.glob("**/*.glsl") if "build" not in path.parts}
+    bodies = {path.name: re.sub(r'^#include "[^\n]*\n', "", path.read_text(), flags=re.M).strip()
+              for path in ROOT.glob("**/*.glsl") if "build" not in path.parts}
     result = {}
     for name, stage, text in texts:
         ends = [file for file, body in bodies.items() if text.strip().endswith(body)]

@@ -12,6 +12,7 @@
 #include "fuzz.h"
 #include "fuzz_places.h"
 #include "runtime/gl/vxs_gl.h"
+#include "runtime/volumes/volumes_text.h"
 #include "runtime/vxs_query.h"
 
 enum {
@@ -49,8 +50,6 @@ typedef struct spans {
         float begin, end, state, coarse;
     } span[SPANS];
 } spans;
-
-extern const char vxs_volumes_text_vxs_depths_h[], vxs_volumes_text_vxs_intervals_h[];
 
 static const char places_text[] =
     "layout(local_size_x = 64) in;\n"
@@ -161,8 +160,8 @@ static GLuint program_of(const vxs_gl *shadows, const char *body)
     vxs_gl_texts(shadows, texts + 1);
     texts[0]                = texts[1];
     texts[1]                = any_light;
-    texts[VXS_GL_TEXTS + 1] = vxs_volumes_text_vxs_depths_h;
-    texts[VXS_GL_TEXTS + 2] = vxs_volumes_text_vxs_intervals_h;
+    texts[VXS_GL_TEXTS + 1] = vxs_volumes_text_vxs_depths_h.text;
+    texts[VXS_GL_TEXTS + 2] = vxs_volumes_text_vxs_intervals_h.text;
     texts[VXS_GL_TEXTS + 3] = body;
     on.gl->ShaderSource(shader, VXS_GL_TEXTS + 4, texts, NULL);
     on.gl->CompileShader(shader);

@@ -18,6 +18,7 @@
 #include <cmocka.h>
 
 #include "query_lights.h"
+#include "runtime/volumes/volumes_text.h"
 #include "volumes_scene.h"
 
 /* pictures ------------------------------------------------------------------------------------------------------------------------ */
@@ -170,8 +171,6 @@ typedef struct answer {
     } span[SPANS];
 } answer;
 
-extern const char vxs_volumes_text_vxs_depths_h[], vxs_volumes_text_vxs_intervals_h[];
-
 static const char rays_text[] =
     "layout(local_size_x = 64) in;\n"
     "struct asked { vec4 origin, direction; uvec4 light; };\n"
@@ -222,8 +221,8 @@ static void asker_open(asker *a, gl_context *gl, const vxs_baked_light *lights, 
         assert_int_equal(vxs_gl_put(a->shadows, lights[n].words, list[n].first_word, (uint32_t)word_counts[n]), VXS_OK);
     assert_int_equal(vxs_gl_upload(a->shadows, SIZE_MAX), 0);
     vxs_gl_texts(a->shadows, texts);
-    texts[VXS_GL_TEXTS]     = vxs_volumes_text_vxs_depths_h;
-    texts[VXS_GL_TEXTS + 1] = vxs_volumes_text_vxs_intervals_h;
+    texts[VXS_GL_TEXTS]     = vxs_volumes_text_vxs_depths_h.text;
+    texts[VXS_GL_TEXTS + 1] = vxs_volumes_text_vxs_intervals_h.text;
     texts[VXS_GL_TEXTS + 2] = rays_text;
     shader                  = gl->CreateShader(GL_COMPUTE_SHADER);
     a->program              = gl->CreateProgram();

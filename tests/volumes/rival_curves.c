@@ -45,15 +45,15 @@ static uint64_t texel_bytes(const rival_curves *r)
 /* Both programs have rival_left; the library's lookup asks it. */
 static gl_name program_of(const rival_curves *r, int which)
 {
-    const char    *pass    = vxs_volumes_text_transmittance_pass_glsl;
+    const char    *pass    = vxs_volumes_text_transmittance_pass_glsl.text;
     const embedded texts[] = {moments_glsl, rival_curves_glsl, {pass, pass + strlen(pass)}};
     char           names[512];
     snprintf(names, sizeof names,
-             "#define VXS_USES_CURVES\n#define VXS_CURVE_MOST %u\n#define %s\n#define KNOB %u\n%sfloat rival_left(uint texel, "
+             "#define VXS_CURVE_MOST %u\n#define %s\n#define KNOB %u\n%sfloat rival_left(uint texel, "
              "float depth);\n"
              "#define vxs_curve_left(texel, depth, exponential) rival_left(texel, depth)\n",
              r->map->nodes, names_of[r->which], r->knob, which == BUILD ? "#define BUILD\n" : "");
-    return rival_program(r->v, names, texts, which == BUILD ? 2 : 3);
+    return rival_program(r->v, names, &vxs_volumes_text_transmittance_light_glsl, texts, which == BUILD ? 2 : 3);
 }
 
 vxs_result rival_curves_create(rival_curves **out, vxs_volumes *v, vxs_transmittance_map *map, rival_curve which, uint32_t knob)

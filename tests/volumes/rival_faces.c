@@ -16,12 +16,12 @@ struct rival_faces {
 
 vxs_result rival_faces_create(rival_faces **out, vxs_volumes *v)
 {
-    const char    *march   = vxs_volumes_text_march_glsl;
+    const char    *march   = vxs_volumes_text_march_glsl.text;
     const embedded texts[] = {rival_faces_glsl, {march, march + strlen(march)}};
     rival_faces   *f       = calloc(1, sizeof *f);
     *out                   = f;
     if (!f) return VXS_E_MEMORY;
-    *f = (rival_faces){v, rival_program(v, RIVAL_USES_AREA, texts, 2)};
+    *f = (rival_faces){v, rival_program(v, "", &vxs_volumes_text_area_map_glsl, texts, 2)};
     if (f->march) return VXS_OK;
     rival_faces_destroy(f);
     *out = NULL;

@@ -26,7 +26,7 @@ static vxs_result create(rival_froxels **out, vxs_volumes *v, uint32_t wide, uin
     if (!f) return VXS_E_MEMORY;
     *f = (rival_froxels){.v = v, .wide = wide, .high = high, .deep = deep};
     for (int n = 0; n < PROGRAMS; n++)
-        f->programs[n] = rival_program(v, n == FILL ? "#define FILL\n" : "#define SHOW\n", texts, count);
+        f->programs[n] = rival_program(v, n == FILL ? "#define FILL\n" : "#define SHOW\n", NULL, texts, count);
     f->cells = vxs_volumes_texture(v, GL_FORMAT_RGBA32F, wide, high, deep);
     if (f->programs[FILL] && f->programs[SHOW] && f->cells) {
         *out = f;

@@ -5,16 +5,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-gl_name rival_program(const vxs_volumes *v, const char *names, const embedded *texts, size_t count)
+gl_name rival_program(const vxs_volumes *v, const char *names, const volumes_text *with, const embedded *texts, size_t count)
 {
-    size_t size = 0;
+    static const volumes_text *const needs[] = {&vxs_volumes_text_frame_glsl, NULL};
+    size_t                           size    = 0;
     for (size_t n = 0; n < count; n++) size += (size_t)(texts[n].end - texts[n].begin);
     char *body = malloc(size + 1), *to = body;
     if (!body) abort();
     for (size_t n = 0; n < count; to += texts[n].end - texts[n].begin, n++)
         memcpy(to, texts[n].begin, (size_t)(texts[n].end - texts[n].begin));
     *to             = 0;
-    gl_name program = vxs_volumes_compile(v, names, NULL, body);
+    gl_name program = vxs_volumes_compile(v, &(program_texts){.names = names, .with = with, .body = &(volumes_text){body, needs}});
     free(body);
     return program;
 }

@@ -9,12 +9,11 @@
 #include "runtime/volumes/volumes_state.h"
 
 enum { RIVAL_IMAGE = 1, RIVAL_BLOCK = 1 }; /* bindings of a rival's own image and uniform block */
-#define RIVAL_USES_AREA                                                                                                            \
-    "#define VXS_USES_GRID\n#define VXS_USES_AREA\n#define VXS_GRID_ACCESS readonly\n" /* names: vxs_area_grid.h is there */
 enum { RIVAL_FORMAT_RG32F = 0x8230 };
 
-/* A compute program of the texts that all techniques have, `names` (lines of #define), and `count` of its own. 0 when it does not compile. */
-gl_name rival_program(const vxs_volumes *v, const char *names, const embedded *texts, size_t count);
+/* A compute program of `names` (lines of #define), the text `with` of the library (NULL: none), the frame, and `count` texts of its
+ * own. Returns 0 if it does not compile. */
+gl_name rival_program(const vxs_volumes *v, const char *names, const volumes_text *with, const embedded *texts, size_t count);
 
 /* Run it in groups x * y * z on the frame and light that are set.
  * image   a layered texture at RIVAL_IMAGE;  format  of it */

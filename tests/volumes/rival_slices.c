@@ -49,7 +49,7 @@ vxs_result rival_slices_create(rival_slices **out, vxs_volumes *v, uint32_t slic
     v->api.CreateBuffers(1, &s->buffer);
     v->api.NamedBufferStorage(s->buffer, sizeof s->block, NULL, GL_STORAGE_DYNAMIC);
     for (int n = 0; n < SUM && result == VXS_OK; n++)
-        if (!(s->programs[n] = rival_program(v, names[n], (const embedded[]){moments_glsl, rival_slices_glsl}, 2)))
+        if (!(s->programs[n] = rival_program(v, names[n], NULL, (const embedded[]){moments_glsl, rival_slices_glsl}, 2)))
             result = VXS_E_GL;
     if (result == VXS_OK)
         *out = s;
@@ -177,7 +177,7 @@ vxs_result rival_slices_set_moments(rival_slices *s, uint32_t parts)
     if (!parts || s->moments) return VXS_OK;
     for (int n = SUM; n < PROGRAMS; n++)
         if (!s->programs[n] &&
-            !(s->programs[n] = rival_program(s->v, names[n], (const embedded[]){moments_glsl, rival_slices_glsl}, 2)))
+            !(s->programs[n] = rival_program(s->v, names[n], NULL, (const embedded[]){moments_glsl, rival_slices_glsl}, 2)))
             return VXS_E_GL;
     s->moments = vxs_volumes_texture(s->v, GL_FORMAT_RGBA32F, (uint32_t)s->block.bins + 1, (uint32_t)s->block.slices, 1);
     return s->moments ? VXS_OK : VXS_E_MEMORY;
