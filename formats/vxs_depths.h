@@ -205,7 +205,7 @@ VXS_INLINE vxs_depths_tile vxs_depths_tile_of(VXS_WORDS blocks, vxs_blocks_node 
             at   = (word >> 14) & 0x1ffffu;
     vxs_u32 pool = word >= 0x80000000u ? vxs_word(blocks, 1u) : block.page;
     if (own != 0u) {
-        r.base += vxs_blocks_own_base(blocks, block, t, used);
+        r.base += vxs_blocks_private_base(blocks, block, t, used);
         return vxs_depths_own(blocks, r, pool, at);
     }
     r.indexed = 1u;

@@ -517,7 +517,7 @@ VXS_FN vxs_blocks_tile vxs_blocks_own(VXS_WORDS blocks, vxs_u32 pool, vxs_u32 at
 }
 
 /* Base of mixed own tile t, relative to its block.   low  low 14 bits of the word of the tile */
-VXS_FN vxs_i32 vxs_blocks_own_base(VXS_WORDS blocks, vxs_blocks_block block, vxs_u32 t, vxs_u32 low)
+VXS_FN vxs_i32 vxs_blocks_private_base(VXS_WORDS blocks, vxs_blocks_block block, vxs_u32 t, vxs_u32 low)
 {
     if ((block.head & 0x400u) == 0u) return VXS_I(low) - 8192;
     vxs_u32 bytes = vxs_blocks_palette_bytes(block) + ((vxs_popcount(block.fresh) + 1u) >> 1);
@@ -553,7 +553,7 @@ VXS_INLINE vxs_blocks_tile vxs_blocks_find_tile(VXS_WORDS blocks, vxs_blocks_nod
     vxs_u32 word = vxs_word(blocks, block.palette - vxs_popcount(block.mixed >> t));
     vxs_u32 pool = word >= 0x80000000u ? vxs_word(blocks, 1u) : block.page, at = (word >> 14) & 0x1ffffu, used = word & 0x3fffu;
     if (((block.own >> t) & 1u) != 0u)
-        return vxs_blocks_own(blocks, pool, at, k - block.base - vxs_blocks_own_base(blocks, block, t, used));
+        return vxs_blocks_own(blocks, pool, at, k - block.base - vxs_blocks_private_base(blocks, block, t, used));
 
     vxs_u32 passed = used & ((1u << rank) - 1u);
     if (passed == 0u || passed == used) return vxs_blocks_whole(passed != 0u ? VXS_BLOCKS_SHADOW : VXS_BLOCKS_LIT);

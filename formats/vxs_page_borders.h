@@ -16,7 +16,7 @@ enum {
     BLOCK_PX     = 32,
     TILE_PX      = 8,
     NEVER        = 0xffff,            /* a uniform depth: never in shadow */
-    OWN_ZERO     = 8192,              /* base 0 of an own tile, as stored in the low bits of its word */
+    PRIVATE_ZERO = 8192,              /* base 0 of an own tile, as stored in the low bits of its word */
     LISTS        = VXS_PATTERN_KINDS, /* one for each kind of pattern; the list of blocks has the place of the unused kind 1 */
     LIST_CHUNK   = 256,
     LATELY_KEPT  = 64, /* number of patterns of planes used last */
@@ -57,16 +57,16 @@ typedef struct walk {
     const vxs_common *common;
     /* entries in each list; chunks in use */
     uint32_t          listed[LISTS], chunks;
-    int32_t           slope_x, slope_y;                                                        /* of the last node */
-    sheet sheet_above[NODE_PX / TILE_PX], sheet_left[NODE_PX / TILE_PX], last_plane, last_own; /* of a block, of a pattern */
+    int32_t           slope_x, slope_y;                                                            /* of the last node */
+    sheet sheet_above[NODE_PX / TILE_PX], sheet_left[NODE_PX / TILE_PX], last_plane, last_private; /* of a block, of a pattern */
     const uint32_t *source;       /* [word_count] encoder only, like the next two: the page to code */
     uint32_t       *pattern_rank; /* [2^18] by ref: rank in its list, + 1; 0: not in the list yet */
     uint32_t       *block_rank;   /* [65536] by word */
     /* the last one in each row and column, + 1; 0: none yet */
-    uint32_t        block_left[NODE_PX / BLOCK_PX], block_above[NODE_PX / BLOCK_PX]; /* words of blocks */
-    uint32_t        own_left[NODE_PX / TILE_PX], own_above[NODE_PX / TILE_PX];       /* patterns of planes, by ref */
+    uint32_t        block_left[NODE_PX / BLOCK_PX], block_above[NODE_PX / BLOCK_PX];   /* words of blocks */
+    uint32_t        private_left[NODE_PX / TILE_PX], private_above[NODE_PX / TILE_PX]; /* patterns of planes, by ref */
     /* patterns of planes used last, ref + 1, most recent first */
-    uint32_t        own_lately[LATELY_KEPT], own_lately_count;
+    uint32_t        private_lately[LATELY_KEPT], private_lately_count;
     _Alignas(16) int16_t above[8 + NODE_PX + 8], left[NODE_PX]; /* [8 + x], [y] */
 } walk;
 

@@ -89,7 +89,7 @@ static int check_fresh(const checked_page *p, const checked_block *b)
 /* own: not 0 if the tile has a private-palette pattern */
 static int check_tile(checked_page *p, const checked_block *b, uint32_t *word, uint32_t own)
 {
-    uint32_t low = *word & 0x3fff, kind = KIND_OWN;
+    uint32_t low = *word & 0x3fff, kind = KIND_PRIVATE;
     if (own && b->far && low) return 0;
     if (!own && (low >> b->entries || (kind = count_bits(low)) < 2)) return 0;
 

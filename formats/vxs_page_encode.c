@@ -144,10 +144,10 @@ vxs_result vxs_common_index(vxs_common *common, uint32_t *patterns, const uint8_
     for (uint32_t n = 0; n < pattern_count; n++) {
         uint32_t head = source_half(&w, half), depths = kinds[n], size = 0;
         uint8_t  index[64];
-        if (kinds[n] == KIND_OWN) {
-            if (head >> 12 >= OWN_KINDS) return VXS_E_ARGUMENT;
-            depths = head >> 12 <= OWN_WORDS ? head & 0xff : 0;
-            size   = head >> 12 <= OWN_WORDS ? 1 + own_delta_halves(head >> 12, depths - 1) : own_halves[head >> 12];
+        if (kinds[n] == KIND_PRIVATE) {
+            if (head >> 12 >= PRIVATE_KINDS) return VXS_E_ARGUMENT;
+            depths = head >> 12 <= PRIVATE_WORDS ? head & 0xff : 0;
+            size   = head >> 12 <= PRIVATE_WORDS ? 1 + private_delta_halves(head >> 12, depths - 1) : private_halves[head >> 12];
         }
         if (depths > DEPTHS_MAX || depths == 1) return VXS_E_ARGUMENT;
         if (depths) {

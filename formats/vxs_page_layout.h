@@ -12,7 +12,7 @@ enum {
     DEPTHS_MAX      = 16,      /* of a private-palette pattern */
     DEPTH_END       = 1 << 24, /* all depths and bases are nearer to 0 than this, so that sums fit 32 bits */
     REF_COMMON      = 0x20000,
-    KIND_OWN        = 0,
+    KIND_PRIVATE    = 0,
     INDEX_HALVES    = 17, /* size of a pattern stored as an image of indices */
     PLANE_SHIFT_MAX = 8,
     FAR_SHIFT_MAX   = 5,
@@ -20,22 +20,22 @@ enum {
 
 /* Kinds of private-palette patterns, bits 12..15 of the first half. */
 enum {
-    OWN_BYTES,
-    OWN_HALVES,
-    OWN_WORDS,
-    OWN_NIBBLES,
-    OWN_RAW1,
-    OWN_RAW2,
-    OWN_RAW3,
-    OWN_PLANE,
-    OWN_NEARER,
-    OWN_FARTHER,
-    OWN_MASK,
-    OWN_KINDS,
+    PRIVATE_BYTES,
+    PRIVATE_HALVES,
+    PRIVATE_WORDS,
+    PRIVATE_NIBBLES,
+    PRIVATE_RAW1,
+    PRIVATE_RAW2,
+    PRIVATE_RAW3,
+    PRIVATE_PLANE,
+    PRIVATE_NEARER,
+    PRIVATE_FARTHER,
+    PRIVATE_MASK,
+    PRIVATE_KINDS,
 };
 
 /* Size in halves of the patterns without a palette. */
-static const uint32_t own_halves[OWN_KINDS] = {0, 0, 0, 1 + 2 + 16, 1 + 32, 1 + 64, 1 + 96, 1 + 2, 1 + 5, 1 + 5, 1 + 5 + 4};
+static const uint32_t private_halves[PRIVATE_KINDS] = {0, 0, 0, 1 + 2 + 16, 1 + 32, 1 + 64, 1 + 96, 1 + 2, 1 + 5, 1 + 5, 1 + 5 + 4};
 
 static inline uint32_t get_half(const uint32_t *words, uint32_t half)
 {
@@ -73,18 +73,19 @@ static inline uint32_t head_words(uint32_t mixed, uint32_t own)
 }
 
 /* Halves of the deltas of a private palette. */
-static inline uint32_t own_delta_halves(uint32_t kind, uint32_t deltas)
+static inline uint32_t private_delta_halves(uint32_t kind, uint32_t deltas)
 {
-    return kind == OWN_BYTES ? (deltas + 1) / 2 : kind == OWN_HALVES ? deltas : 2 * deltas;
+    return kind == PRIVATE_BYTES ? (deltas + 1) / 2 : kind == PRIVATE_HALVES ? deltas : 2 * deltas;
 }
 
 /* Depth of texel z of a raw pattern, before the shift. */
 static inline uint32_t raw_depth(const uint32_t *words, uint32_t half, uint32_t kind, uint32_t z)
 {
     uint32_t byte = 2 * half + 2;
-    if (kind == OWN_NIBBLES) return get_byte(words, byte + z / 16) + (get_byte(words, byte + 4 + (z & 31)) >> (z >> 5) * 4 & 15);
-    if (kind == OWN_RAW1) return get_byte(words, byte + z);
-    if (kind == OWN_RAW2) return get_half(words, half + 1 + z);
+    if (kind == PRIVATE_NIBBLES)
+        return get_byte(words, byte + z / 16) + (get_byte(words, byte + 4 + (z & 31)) >> (z >> 5) * 4 & 15);
+    if (kind == PRIVATE_RAW1) return get_byte(words, byte + z);
+    if (kind == PRIVATE_RAW2) return get_half(words, half + 1 + z);
     return get_byte(words, byte + 3 * z) | get_byte(words, byte + 3 * z + 1) << 8 | get_byte(words, byte + 3 * z + 2) << 16;
 }
 

@@ -146,7 +146,7 @@ static int code_block(walk *w, block *b, uint32_t x0, uint32_t y0)
         for (uint32_t k = 0; k < 1u << width; k++) put_byte(w->words, byte++, delta[n] >> 8 * k);
     for (uint32_t n = 0; n < b->fresh_count; n += 2) put_byte(w->words, byte++, b->index >> 4 * n & 0xff);
     at += (bytes + 3) / 4;
-    for (uint32_t n = 0; n < owns; n++) w->words[at++] = (uint32_t)b->own_base[n];
+    for (uint32_t n = 0; n < owns; n++) w->words[at++] = (uint32_t)b->private_base[n];
     w->word = at;
     return 1;
 }
@@ -185,12 +185,12 @@ static void draw_block(walk *w, uint32_t word, int32_t base, const sheet *whole,
             draw_pattern(w, border_of_ref(w, ref, kind), used, x, y);
             continue;
         }
-        int32_t own = (int32_t)(tile & 0x3fff) - OWN_ZERO;
+        int32_t own = (int32_t)(tile & 0x3fff) - PRIVATE_ZERO;
         if (head >> 26 & 1) {
             uint32_t bytes = ((entries - 1) << width) + (count_bits(shape >> 16) + 1) / 2;
             own            = (int32_t)words[byte / 4 + (bytes + 3) / 4 + count_bits(head & mixed & ((1u << t) - 1))];
         }
-        draw_own(w, ref, base + own, x, y);
+        draw_private(w, ref, base + own, x, y);
     }
 }
 

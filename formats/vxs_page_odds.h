@@ -96,7 +96,7 @@ typedef struct page_odds {
     signed_odds base[3];
     nibble_odds entries[5], delta_form[2], delta_shift, delta_width;
     number_odds delta[16][2], delta_wide;
-    nibble_odds round[13], own_round[13];
+    nibble_odds round[13], private_round[13];
     nibble_odds block_mixed[5][64], index[5][3];
     nibble_odds on_plane[9], plane_like[9], row_on_plane[64], row_mixed[5][16], least_zeros[2];
     plane_odds  block_plane;
@@ -104,12 +104,12 @@ typedef struct page_odds {
     /* tiles */
     nibble_odds used[4][256]; /* [entries left if fewer than four, else 0] */
     number_odds pattern[VXS_PATTERN_KINDS], common[VXS_PATTERN_KINDS];
-    signed_odds own_base[3];
+    signed_odds private_base[3];
     /* patterns */
     nibble_odds differs[2][2][128], other[4][5][3], far;
-    nibble_odds own_found[5], own_kind[3], own_shift, own_count, residual[3][6];
-    number_odds own_lately, own_delta, raw_far, raw_base;
-    plane_odds  own_plane[3];
+    nibble_odds private_found[5], private_kind[3], private_shift, private_count, residual[3][6];
+    number_odds private_lately, private_delta, raw_far, raw_base;
+    plane_odds  private_plane[3];
     nibble_odds far_shift, quarters[2];
     number_odds far_plane;
 } page_odds;

@@ -135,7 +135,7 @@ static int code_steps(walk *w, plane_odds *odds, plane *p, sheet like)
 static sheet steps_beside(const walk *w, uint32_t x0, uint32_t y0, uint32_t which)
 {
     const sheet *left = &w->sheet_left[y0 / TILE_PX], *above = &w->sheet_above[x0 / TILE_PX];
-    if (!left->known) return above->known ? *above : w->last_own;
+    if (!left->known) return above->known ? *above : w->last_private;
     if (!above->known || which == 1) return *left;
     if (which == 2) return *above;
     return (sheet){.x = (left->x + above->x) >> 1, .y = (left->y + above->y) >> 1};

@@ -8,8 +8,8 @@
 #ifndef VXS_PAGE_TILES_H
 #define VXS_PAGE_TILES_H
 
-#include "vxs_page_own.h"
 #include "vxs_page_planes.h"
+#include "vxs_page_private.h"
 
 /* lists ------------------------------------------------------------------------------------------------------------------------- */
 
@@ -116,19 +116,19 @@ enum { FOUND_NEW, FOUND_COMMON, FOUND_LISTED, FOUND_LEFT, FOUND_ABOVE, FOUND_LAT
 static uint32_t find_lately(const walk *w, uint32_t ref)
 {
     uint32_t n = 0;
-    while (n < w->own_lately_count && w->own_lately[n] != ref + 1) n++;
+    while (n < w->private_lately_count && w->private_lately[n] != ref + 1) n++;
     return n;
 }
 
 /* Encoder only.   place  [out] in the list, or among those used last */
-static uint32_t find_own(const walk *w, uint32_t ref, uint32_t left, uint32_t above, uint32_t *place)
+static uint32_t find_private(const walk *w, uint32_t ref, uint32_t left, uint32_t above, uint32_t *place)
 {
-    uint32_t listed = find_pattern(w, KIND_OWN, ref);
+    uint32_t listed = find_pattern(w, KIND_PRIVATE, ref);
     if (listed < 2) return listed;
     if (left == ref + 1) return FOUND_LEFT;
     if (above == ref + 1) return FOUND_ABOVE;
     *place = find_lately(w, ref);
-    if (*place < w->own_lately_count) return FOUND_LATELY;
+    if (*place < w->private_lately_count) return FOUND_LATELY;
     *place = listed - 2;
     return FOUND_LISTED;
 }
@@ -138,20 +138,20 @@ static void remember_planes(walk *w, uint32_t ref, uint32_t x0, uint32_t y0)
 {
     uint32_t place = find_lately(w, ref);
     if (place == LATELY_KEPT) place--;
-    if (place == w->own_lately_count) w->own_lately_count++;
-    memmove(w->own_lately + 1, w->own_lately, place * sizeof *w->own_lately);
-    w->own_lately[0] = w->own_left[y0 / TILE_PX] = w->own_above[x0 / TILE_PX] = ref + 1;
+    if (place == w->private_lately_count) w->private_lately_count++;
+    memmove(w->private_lately + 1, w->private_lately, place * sizeof *w->private_lately);
+    w->private_lately[0] = w->private_left[y0 / TILE_PX] = w->private_above[x0 / TILE_PX] = ref + 1;
 }
 
 /* A known pattern. 0: invalid. */
 static int code_found(walk *w, uint32_t *ref, uint32_t found, uint32_t place, uint32_t left, uint32_t above)
 {
-    if (found == FOUND_COMMON) return code_from_common(w, KIND_OWN, ref);
-    if (found == FOUND_LISTED) return use_pattern(w, KIND_OWN, code_number(&w->c, &w->odds->pattern[KIND_OWN], place), ref);
+    if (found == FOUND_COMMON) return code_from_common(w, KIND_PRIVATE, ref);
+    if (found == FOUND_LISTED) return use_pattern(w, KIND_PRIVATE, code_number(&w->c, &w->odds->pattern[KIND_PRIVATE], place), ref);
     uint32_t name = found == FOUND_LEFT ? left : above;
     if (found == FOUND_LATELY) {
-        place = code_number(&w->c, &w->odds->own_lately, place);
-        name  = place < w->own_lately_count ? w->own_lately[place] : 0;
+        place = code_number(&w->c, &w->odds->private_lately, place);
+        name  = place < w->private_lately_count ? w->private_lately[place] : 0;
     }
     *ref = name - 1;
     return found <= FOUND_LATELY && name;
@@ -159,18 +159,18 @@ static int code_found(walk *w, uint32_t *ref, uint32_t found, uint32_t place, ui
 
 /* The private-palette pattern of a tile, and the base of the tile. 0: invalid page.
  * ref  in: in the source */
-static int code_own_pattern(walk *w, uint32_t *ref, own_base *base, uint32_t x0, uint32_t y0)
+static int code_private_pattern(walk *w, uint32_t *ref, private_base *base, uint32_t x0, uint32_t y0)
 {
-    uint32_t left = w->own_left[y0 / TILE_PX], above = w->own_above[x0 / TILE_PX], place = 0;
-    uint32_t found = PAGE_ENCODING ? find_own(w, *ref, left, above, &place) : 0;
-    found          = code_nibble(&w->c, &w->odds->own_found[likeness(left, above, 0)], found);
+    uint32_t left = w->private_left[y0 / TILE_PX], above = w->private_above[x0 / TILE_PX], place = 0;
+    uint32_t found = PAGE_ENCODING ? find_private(w, *ref, left, above, &place) : 0;
+    found          = code_nibble(&w->c, &w->odds->private_found[likeness(left, above, 0)], found);
     if (found == FOUND_NEW) {
         uint32_t half = w->half;
-        if (!code_own(w, *ref, base, x0, y0)) return 0;
-        add_pattern(w, KIND_OWN, *ref = half);
+        if (!code_private(w, *ref, base, x0, y0)) return 0;
+        add_pattern(w, KIND_PRIVATE, *ref = half);
     } else if (!code_found(w, ref, found, place, left, above) || !code_base_of(w, base, *ref, x0, y0))
         return 0;
-    if (get_half(pool_of(w, *ref), *ref & (REF_COMMON - 1)) >> 12 >= OWN_PLANE) remember_planes(w, *ref, x0, y0);
+    if (get_half(pool_of(w, *ref), *ref & (REF_COMMON - 1)) >> 12 >= PRIVATE_PLANE) remember_planes(w, *ref, x0, y0);
     return 1;
 }
 
@@ -185,7 +185,7 @@ typedef struct block {
     uint64_t    index;                 /* palette indices of fresh tiles, a nibble each */
     uint32_t    fresh_count, mixed_count, far;
     int32_t     base;
-    int32_t     own_base[16];
+    int32_t     private_base[16];
     block_plane plane;
     sheet       sheet;    /* the plane, in the node */
     uint32_t    word;     /* where the block is in the page */
@@ -261,21 +261,21 @@ static int code_mixed_tile(walk *w, block *b, uint32_t t, uint32_t x0, uint32_t 
         draw_pattern(w, border_of_ref(w, ref, kind), depth, x0, y0);
         low = used;
     } else {
-        own_base base = {b->base, 0, b->far};
+        private_base base = {b->base, 0, b->far};
         if (PAGE_ENCODING) {
             if (b->far) {
                 uint32_t shape = source_word(w, b->from), mixed = count_bits(shape & 0xffff);
                 uint32_t bytes = ((b->entries - 1) << (source_word(w, b->from + 1) >> 24 & 3)) + (count_bits(shape >> 16) + 1) / 2;
                 base.value     = (int32_t)source_word(w, b->from_tiles + mixed + (bytes + 3) / 4 + count_bits(b->own));
             } else
-                base.value = (int32_t)(word & 0x3fff) - OWN_ZERO;
+                base.value = (int32_t)(word & 0x3fff) - PRIVATE_ZERO;
             if (base.value <= -DEPTH_END || base.value >= DEPTH_END) return 0;
         }
-        if (!code_own_pattern(w, &ref, &base, x0, y0)) return 0;
-        draw_own(w, ref, b->base + base.value, x0, y0);
-        b->own_base[count_bits(b->own)] = base.value;
+        if (!code_private_pattern(w, &ref, &base, x0, y0)) return 0;
+        draw_private(w, ref, b->base + base.value, x0, y0);
+        b->private_base[count_bits(b->own)] = base.value;
         b->own |= 1u << t;
-        low = b->far ? 0 : (uint32_t)(base.value + OWN_ZERO);
+        low = b->far ? 0 : (uint32_t)(base.value + PRIVATE_ZERO);
     }
     b->used[t]        = (uint16_t)used;
     w->words[w->tile] = ref << 14 | low;

@@ -90,13 +90,13 @@ static uint32_t check_pattern(const checked_pool *p, uint32_t half, uint32_t dep
 }
 
 /* Number of halves of a private-palette pattern with a palette; 0: invalid. */
-static uint32_t check_own_palette(const checked_pool *p, uint32_t half, uint32_t kind, uint32_t shift, uint32_t depths)
+static uint32_t check_private_palette(const checked_pool *p, uint32_t half, uint32_t kind, uint32_t shift, uint32_t depths)
 {
     uint32_t first = half + 1, deltas = depths - 1;
     if (depths < 2 || depths > DEPTHS_MAX) return 0;
-    uint32_t halves = own_delta_halves(kind, deltas);
+    uint32_t halves = private_delta_halves(kind, deltas);
     if (halves_left(p, first) <= halves || !check_deltas(p->words, first, kind, shift, deltas)) return 0;
-    if (kind == OWN_BYTES && deltas % 2 && get_byte(p->words, 2 * first + deltas)) return 0;
+    if (kind == PRIVATE_BYTES && deltas % 2 && get_byte(p->words, 2 * first + deltas)) return 0;
     uint32_t pattern = check_pattern(p, first + halves, depths);
     return pattern ? 1 + halves + pattern : 0;
 }
@@ -113,22 +113,22 @@ static int check_raw(const uint32_t *words, uint32_t half, uint32_t kind, uint32
 }
 
 /* Number of halves of a private-palette pattern; 0: invalid. */
-static uint32_t check_own(const checked_pool *p, uint32_t half)
+static uint32_t check_private(const checked_pool *p, uint32_t half)
 {
     if (!halves_left(p, half)) return 0;
     uint32_t head = get_half(p->words, half), kind = head >> 12, shift = head >> 8 & 15, low = head & 0xff;
-    if (kind <= OWN_WORDS) return check_own_palette(p, half, kind, shift, low);
-    if (kind >= OWN_KINDS || own_halves[kind] > halves_left(p, half)) return 0;
-    if (kind < OWN_PLANE) return !low && check_raw(p->words, half, kind, shift) ? own_halves[kind] : 0;
-    uint32_t quarters = kind == OWN_PLANE ? 3u << 3 : 15u << 3, far_shift = low & 7;
-    if (shift > PLANE_SHIFT_MAX || low & ~(quarters | 7) || far_shift > (kind == OWN_PLANE ? 0 : FAR_SHIFT_MAX)) return 0;
-    return own_halves[kind];
+    if (kind <= PRIVATE_WORDS) return check_private_palette(p, half, kind, shift, low);
+    if (kind >= PRIVATE_KINDS || private_halves[kind] > halves_left(p, half)) return 0;
+    if (kind < PRIVATE_PLANE) return !low && check_raw(p->words, half, kind, shift) ? private_halves[kind] : 0;
+    uint32_t quarters = kind == PRIVATE_PLANE ? 3u << 3 : 15u << 3, far_shift = low & 7;
+    if (shift > PLANE_SHIFT_MAX || low & ~(quarters | 7) || far_shift > (kind == PRIVATE_PLANE ? 0 : FAR_SHIFT_MAX)) return 0;
+    return private_halves[kind];
 }
 
 /* Number of halves of a pattern of a kind (VXS_PATTERN_KINDS) that starts at a half; 0: invalid, or not within the pool. */
 static inline uint32_t check_pattern_of(const checked_pool *p, uint32_t half, uint32_t kind)
 {
-    return kind == KIND_OWN ? check_own(p, half) : check_pattern(p, half, kind);
+    return kind == KIND_PRIVATE ? check_private(p, half) : check_pattern(p, half, kind);
 }
 
 #endif

@@ -202,7 +202,7 @@ static int code_common_pattern(walk *w, uint32_t kind)
 {
     static const int16_t depth[DEPTHS_MAX] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
     _Alignas(16) uint8_t index[64];
-    if (kind == KIND_OWN) return code_own(w, w->half, NULL, 0, 0);
+    if (kind == KIND_PRIVATE) return code_private(w, w->half, NULL, 0, 0);
     if (PAGE_ENCODING && !read_source(w, w->half, kind, index)) return 0;
     return code_image(w, depth, kind, 0, 0, index) && put_pattern(w, index, kind);
 }

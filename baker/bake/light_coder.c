@@ -25,12 +25,12 @@ static vxs_result blocks_add_map(void *data, uint32_t map, const column_map *col
 static palette_counts count_words(const block_words *w)
 {
     const block_counts *c = &w->counts;
-    return (palette_counts){.pages     = c->pages,
-                            .nodes     = c->nodes,
-                            .blocks    = c->blocks,
-                            .tiles     = c->tiles,
-                            .own_tiles = c->own_tiles,
-                            .patterns  = (uint64_t)c->patterns + c->own_patterns + w->common_count};
+    return (palette_counts){.pages         = c->pages,
+                            .nodes         = c->nodes,
+                            .blocks        = c->blocks,
+                            .tiles         = c->tiles,
+                            .private_tiles = c->private_tiles,
+                            .patterns      = (uint64_t)c->patterns + c->private_patterns + w->common_count};
 }
 
 static void free_words(void *owned)

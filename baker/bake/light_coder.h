@@ -47,8 +47,8 @@ typedef struct light_coder {
 /* Contents of a light's words; equal things in a page are counted once. */
 typedef struct palette_counts {
     uint64_t pages, nodes, blocks;
-    uint64_t tiles, own_tiles; /* with patterns; those of them with a private palette */
-    uint64_t patterns;         /* of both kinds, in pages and common ones */
+    uint64_t tiles, private_tiles; /* with patterns; those of them with a private palette */
+    uint64_t patterns;             /* of both kinds, in pages and common ones */
 } palette_counts;
 
 typedef struct blocks_coder {

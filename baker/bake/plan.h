@@ -34,13 +34,13 @@ typedef struct light_sample {
 
     /* of windows with patterns, as palette blocks */
     uint64_t palette_blocks, unique_blocks; /* all, and distinct ones */
-    uint64_t patterns, own_patterns;        /* distinct ones; those of them with a private palette */
+    uint64_t patterns, private_patterns;    /* distinct ones; those of them with a private palette */
     uint64_t block_words, pattern_words;
 } light_sample;
 
 /* Estimate of a light's distinct palette blocks. */
 typedef struct palette_estimate {
-    double blocks, patterns, own_patterns; /* patterns includes own_patterns */
+    double blocks, patterns, private_patterns; /* patterns includes private_patterns */
     double block_words, pattern_words, words;
 } palette_estimate;
 

@@ -61,8 +61,8 @@ static double palette_built_bytes(const plan_light *l)
 {
     const palette_estimate *p = &l->palette;
     enum { REPEATING = 20000 };
-    double own  = (double)l->sample.own_patterns * pow(l->sample.weight, 0.95);
-    double free = fmax(0, p->patterns - p->own_patterns);
+    double own  = (double)l->sample.private_patterns * pow(l->sample.weight, 0.95);
+    double free = fmax(0, p->patterns - p->private_patterns);
     if (free > REPEATING) free = REPEATING * pow(free / REPEATING, 0.35);
     return 900 * own + 150 * free + 160 * p->blocks + 10 * p->words;
 }
@@ -77,7 +77,7 @@ static void estimate_blocks(plan_light *l, int fast)
     double              grown   = different(s->patterns, s->mask_tiles, weight, 0.85, 0.95) / fmax(1, (double)s->patterns);
     p->blocks                   = different(s->unique_blocks, s->palette_blocks, weight, 0.70, 1.0);
     p->patterns                 = (double)s->patterns * grown;
-    p->own_patterns             = (double)s->own_patterns * grown;
+    p->private_patterns         = (double)s->private_patterns * grown;
     p->block_words              = (double)s->block_words * p->blocks / fmax(1, (double)s->unique_blocks);
     p->pattern_words            = (double)s->pattern_words * grown;
     p->words                    = 8 + 2 * squares + node_words(l, squares) + p->block_words + p->pattern_words;

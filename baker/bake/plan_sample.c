@@ -176,7 +176,7 @@ static int has_pattern(const block_set *set, const block_node *node)
 static vxs_result build_node(const sampler *job, window *w, column_square columns)
 {
     int cpu      = cpu_level();
-    w->set       = (block_set){.patterns.cpu = cpu, .own.cpu = cpu};
+    w->set       = (block_set){.patterns.cpu = cpu, .privates.cpu = cpu};
     columns.u_px = w->cell % CELLS_MAX * NODE_PX;
     columns.v_px = w->cell / CELLS_MAX * NODE_PX;
     vxs_result r = block_build_node(&w->set, &columns, job->map, 0, 0);
@@ -297,13 +297,13 @@ static vxs_result count_palettes(sampler *job, uint32_t map_count)
     block_words   w;
     vxs_result    r = block_words_lay_out(&w, &job->set, LEVELS, map_count, job->o->threads);
     if (r != VXS_OK) return r;
-    s->mask_tiles     = job->set.tile_count;
-    s->palette_blocks = job->set.node_count;
-    s->unique_blocks  = w.counts.blocks;
-    s->block_words    = w.counts.block_words;
-    s->pattern_words  = w.counts.pattern_words + w.counts.common_words;
-    s->patterns       = (uint64_t)w.counts.patterns + w.counts.own_patterns + w.common_count;
-    s->own_patterns   = w.counts.own_patterns;
+    s->mask_tiles       = job->set.tile_count;
+    s->palette_blocks   = job->set.node_count;
+    s->unique_blocks    = w.counts.blocks;
+    s->block_words      = w.counts.block_words;
+    s->pattern_words    = w.counts.pattern_words + w.counts.common_words;
+    s->patterns         = (uint64_t)w.counts.patterns + w.counts.private_patterns + w.common_count;
+    s->private_patterns = w.counts.private_patterns;
     block_words_free(&w);
     return VXS_OK;
 }

@@ -256,7 +256,7 @@ class Walk:
     def __init__(self, symbols, words, half):
         self.s, self.words, self.pool = symbols, words, half
         self.nx = self.ny = 0
-        self.last_own = Sheet()
+        self.last_private = Sheet()
         self.begin_node([0] * 256, [0] * 256)
 
     def begin_node(self, above, left):
@@ -351,20 +351,20 @@ class Walk:
 
     # 14.5, a new pattern with depths of its own
 
-    def new_own(self, x0, y0, base):
+    def new_private(self, x0, y0, base):
         """base: of the block, far; None in the common pool. Returns the pattern, and the tile's base in the node."""
         pattern = Pattern(self.pool, 0)
-        kind = self.s.nibble("own_kind", sum(1 for sheet in (self.sheet_left[y0 // 8], self.sheet_above[x0 // 8]) if sheet.whose))
+        kind = self.s.nibble("private_kind", sum(1 for sheet in (self.sheet_left[y0 // 8], self.sheet_above[x0 // 8]) if sheet.whose))
         need(kind <= 11)
         pattern.own = 3 if kind == 11 else kind
         if 7 <= pattern.own <= 10:
             return pattern, self.new_planes(pattern, x0, y0, base)
-        at = self.own_base(pattern, x0, y0, base) if base else 0
-        shift = self.s.nibble("own_shift")
+        at = self.private_base(pattern, x0, y0, base) if base else 0
+        shift = self.s.nibble("private_shift")
         if pattern.own < 3:
-            p = self.s.nibble("own_count") + 2
+            p = self.s.nibble("private_count") + 2
             need(p <= 16)
-            deltas, width = self.deltas(p - 1, lambda _: ("own_delta",), "own_round", pattern.own, shift)
+            deltas, width = self.deltas(p - 1, lambda _: ("private_delta",), "private_round", pattern.own, shift)
             self.put_pool([p, pattern.own << 4 | shift] + [delta >> 8 * n & 255 for delta in deltas for n in range(width)])
             pattern.deltas = [0] + [delta << shift for delta in deltas]
             pattern.index = self.pattern_of_depths([s16(at + delta) for delta in pattern.deltas], x0, y0)
@@ -427,21 +427,21 @@ class Walk:
 
     def new_planes(self, pattern, x0, y0, base):
         w = int(pattern.own != 7)
-        shift = self.s.nibble("own_plane", w, "shift")
+        shift = self.s.nibble("private_plane", w, "shift")
         quarters = self.s.nibble("quarters", w)
         need(shift <= 8 and (w or quarters <= 3))
         left, above = self.sheet_left[y0 // 8], self.sheet_above[x0 // 8]
-        left, above = (left if left.whose else above if above.whose else self.last_own,
-                       above if above.whose else left if left.whose else self.last_own)
+        left, above = (left if left.whose else above if above.whose else self.last_private,
+                       above if above.whose else left if left.whose else self.last_private)
         if w:
-            steps = [self.slopes(("own_plane", 1), left, shift), self.slopes(("own_plane", 2), above, shift)]
+            steps = [self.slopes(("private_plane", 1), left, shift), self.slopes(("private_plane", 2), above, shift)]
             p, c = self.s.nibble("far_shift"), self.s.number("far_plane")
             need(p <= 5 and c < 2**16)
         else:
-            steps, p, c = [self.slopes(("own_plane", 0), half_sums(left, above), shift)], 0, 0
+            steps, p, c = [self.slopes(("private_plane", 0), half_sums(left, above), shift)], 0, 0
         leasts = [64 * (quarters & 3), 64 * (quarters >> 2) + (c << p + 8)]
         pattern.planes = [sheet_of(a, b, shift, leasts[n], 8, 1) for n, (a, b) in enumerate(steps)]
-        at = self.own_base(pattern, x0, y0, base) if base else 0
+        at = self.private_base(pattern, x0, y0, base) if base else 0
         halves = [pattern.own << 12 | shift << 8 | quarters << 3 | p, *(step & 0xffff for pair in steps for step in pair)] + [c] * w
         if pattern.own == 10:
             pattern.mask = self.mask(pattern, at - self.slope(x0 // 8, y0 // 8), x0, y0)
@@ -459,7 +459,7 @@ class Walk:
         left = {y: nearer(self.depth_left(x0, y0 + y), -1, y) for y in range(8)}
         return self.image(2, above | {-1: above[0], 8: above[7]}, left)
 
-    def own_base(self, pattern, x0, y0, base):
+    def private_base(self, pattern, x0, y0, base):
         block, far = base
         if pattern.own < 7:
             least = self.least_beside(x0, y0, 8)
@@ -471,7 +471,7 @@ class Walk:
             numbers = [self.depth_above(x0 + n, y0) - there(n, -1) for n in (1, 3, 5, 7) if self.above[x0 + n] != NEVER]
             numbers += [self.depth_left(x0, y0 + n) - there(-1, n) for n in (1, 3, 5, 7) if self.left[y0 + n] != NEVER]
             like = s16(self.slope(x0 // 8, y0 // 8) - block + middle(numbers))
-        value = like + self.s.signed("own_base", 0 if pattern.own < 7 else 1 if pattern.own == 7 else 2)
+        value = like + self.s.signed("private_base", 0 if pattern.own < 7 else 1 if pattern.own == 7 else 2)
         need(abs(value) < 2**24 if far else -8192 <= value < 8192)
         return block + value
 
@@ -527,7 +527,7 @@ class Page(Walk):
             without = base - self.slope(x0 // 8, y0 // 8) << 8
             sheets = [pattern.planes[pattern.which(*texel)] for texel in ((4, 7), (7, 4))]
             sheets = [Sheet(p.dx, p.dy, p.at + without, p.shift, 1) for p in sheets]
-            self.last_own = sheets[1]
+            self.last_private = sheets[1]
         self.leave(x0, y0, 8, lambda x: depth(x, 7), lambda y: depth(7, y), sheets)
 
     def leave_plane(self, x0, y0, sheet):
@@ -799,7 +799,7 @@ class Page(Walk):
             self.leave_pattern(x0, y0, tile.pattern, palette, None)
         else:
             tile.kind = "own"
-            tile.pattern, at = self.own_pattern((base, b.far), x0, y0)
+            tile.pattern, at = self.private_pattern((base, b.far), x0, y0)
             tile.base = at - base
             tile.word = tile.pattern.ref << 14 | (0 if b.far else tile.base + 8192)
             self.leave_pattern(x0, y0, tile.pattern, None, at)
@@ -822,12 +822,12 @@ class Page(Walk):
         self.lists[p].append(pattern)
         return pattern
 
-    def own_pattern(self, base, x0, y0):
+    def private_pattern(self, base, x0, y0):
         pl, pa = self.plane_left.get(y0), self.plane_above.get(x0)
-        found = self.s.nibble("own_found", alike(pl, pa))
+        found = self.s.nibble("private_found", alike(pl, pa))
         need(found <= 5)
         if found == 0:
-            pattern, at = self.new_own(x0, y0, base)
+            pattern, at = self.new_private(x0, y0, base)
             self.lists[0].append(pattern)
         else:
             if found == 1:
@@ -835,13 +835,13 @@ class Page(Walk):
             elif found == 2:
                 pattern = half_place(self.lists[0], self.s.number("pattern", 0))
             elif found == 5:
-                place = self.s.number("own_lately")
+                place = self.s.number("private_lately")
                 need(place < len(self.lately))
                 pattern = self.lately[place]
             else:
                 pattern = pl if found == 3 else pa
             need(pattern)
-            at = self.own_base(pattern, x0, y0, base)
+            at = self.private_base(pattern, x0, y0, base)
         if pattern.own >= 7:
             self.plane_left[y0] = self.plane_above[x0] = pattern
             self.lately = ([pattern] + [other for other in self.lately if other is not pattern])[:64]
@@ -971,7 +971,7 @@ class Resident:
                 pattern = Pattern(0, kind)
                 pattern.index = walk.pattern_of_depths(list(range(kind)), 0, 0)
             else:
-                pattern, _ = walk.new_own(0, 0, None)
+                pattern, _ = walk.new_private(0, 0, None)
             pattern.ref = 2**17 | half
             self.common[kind].append(pattern)
         need((walk.pool + 1) // 2 == len(self.words) and walk.pool - 2 * self.at <= 2**17)

@@ -63,7 +63,7 @@ def test_what_is_kept_is_told(vxs, bake, city):
     light, told = report["lights"][0], json.loads(vxs("info", out, "--json", "-").stdout)
     kept, parts = light["palette_blocks"], {part["kind"]: part for part in light["levels"]}
     assert 0 < kept["nodes"] <= 64 and kept["nodes"] < kept["blocks"] <= 64 * kept["nodes"]
-    assert 0 < kept["own_tiles"] < kept["tiles"] <= light["mask_tiles"] and kept["tiles"] <= 16 * kept["blocks"]
+    assert 0 < kept["private_tiles"] < kept["tiles"] <= light["mask_tiles"] and kept["tiles"] <= 16 * kept["blocks"]
     assert parts["patterns"]["count"] < kept["patterns"] < kept["tiles"] and kept["pages"] == parts["pages"]["count"] > 0
     assert sum(part["memory_bytes"] for part in parts.values()) == light["size"]["memory_bytes"] == told["lights"][0]["memory_bytes"]
     assert sum(s["memory_bytes"] for s in told["sections"]) == told["lights"][0]["memory_bytes"]

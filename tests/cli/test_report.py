@@ -56,7 +56,7 @@ def blocks(resolution=1024):
     options = {name: value for name, value in made["options"].items() if name not in ("rule", "stop", "reuse", "compress")}
     parts = [{"kind": kind, "count": n, "memory_bytes": share * resolution, "stored_bytes": share * resolution // 2}
              for n, (kind, share) in enumerate((("tops", 1), ("patterns", 2), ("pages", 55)))]
-    kept = {"pages": 2, "nodes": 17, "blocks": 313, "tiles": resolution, "own_tiles": 78, "patterns": 447}
+    kept = {"pages": 2, "nodes": 17, "blocks": 313, "tiles": resolution, "private_tiles": 78, "patterns": 447}
     return made | {"options": options | {"coding": "blocks"}, "size": {"file_bytes": 32 * resolution, "memory_bytes": 58 * resolution,
                                                                       "palette_blocks": kept, "parts": parts}}
 

@@ -112,7 +112,7 @@ static void read_resident(uint32_t levels, const uint8_t *data, size_t size)
                 if (kind)
                     check_masks(pool, o.patterns[n], kind, &good);
                 else
-                    check_own(pool, o.patterns[n], &good);
+                    check_private(pool, o.patterns[n], &good);
         FUZZ_CHECK(good);
         free(o.words);
         free(o.nodes);

@@ -58,8 +58,8 @@ static void find_planes_of_block(plane_places *p, const uint32_t *words, uint32_
     for (uint32_t t = 0; t < 16; t++) {
         if (!(mixed >> t & 1)) continue;
         uint32_t ref = words[tile++] >> 14;
-        if (own >> t & 1 && !(ref & REF_COMMON) && get_half(words, ref) >> 12 >= OWN_PLANE)
-            add_places(p, ref, own_halves[get_half(words, ref) >> 12]);
+        if (own >> t & 1 && !(ref & REF_COMMON) && get_half(words, ref) >> 12 >= PRIVATE_PLANE)
+            add_places(p, ref, private_halves[get_half(words, ref) >> 12]);
     }
 }
 

@@ -19,7 +19,7 @@ enum {
     BLOCKS_SPARE_WORDS  = 4,
     BLOCKS_COMMON_MAX   = 1 << 17,
     BLOCKS_PAGE_FULL_AT = 24000, /* halves; a node has 110000 at most */
-    BLOCKS_KINDS        = 11,    /* of patterns with depths of their own */
+    BLOCKS_KINDS        = 11,    /* of private-palette patterns */
 };
 
 /* Halves, and words as two of them. */
@@ -274,7 +274,7 @@ static inline void put_pattern(blocks_sample *s, rng *r, half_list *list, const 
 }
 
 /* Depths of a tile, [64], none of them below `base`, as a pattern with depths of its own. */
-static inline void put_own(blocks_sample *s, rng *r, half_list *list, const int32_t *depths, int32_t base)
+static inline void put_private(blocks_sample *s, rng *r, half_list *list, const int32_t *depths, int32_t base)
 {
     depth_set set = {{base}, 1};
     int32_t   up[64], greatest = 0;
@@ -343,10 +343,10 @@ typedef struct block_plan {
     depth_set          palette;
     uint32_t           uniform, own; /* a bit for each tile */
     int                far;
-    int32_t            own_base[16]; /* relative to the block */
-    block_plane        plane;        /* the block has: of depths relative to the node, without its slope */
-    const tile_planes *planes[16];   /* NULL, or the tile has those */
-    int32_t            base[16];     /* of those, relative to the node, slope added */
+    int32_t            private_base[16]; /* relative to the block */
+    block_plane        plane;            /* the block has: of depths relative to the node, without its slope */
+    const tile_planes *planes[16];       /* NULL, or the tile has those */
+    int32_t            base[16];         /* of those, relative to the node, slope added */
 } block_plan;
 
 static inline int32_t held_depth(int32_t depth, int32_t last)
@@ -381,9 +381,9 @@ static inline void plan_tiles(block_plan *b, rng *r)
 
     b->far = !rng_below(r, 8);
     for (int t = 0; t < 16; t++) {
-        int32_t least  = b->planes[t] ? b->base[t] : b->least[t] - (int32_t)(rng_below(r, 4) ? 0 : rng_below(r, 20));
-        b->own_base[t] = least - b->palette.depth[0];
-        b->far |= (b->own >> t & 1) && (b->own_base[t] < -8192 || b->own_base[t] > 8191);
+        int32_t least      = b->planes[t] ? b->base[t] : b->least[t] - (int32_t)(rng_below(r, 4) ? 0 : rng_below(r, 20));
+        b->private_base[t] = least - b->palette.depth[0];
+        b->far |= (b->own >> t & 1) && (b->private_base[t] < -8192 || b->private_base[t] > 8191);
     }
 }
 
@@ -397,8 +397,8 @@ static inline uint32_t put_tile(blocks_sample *s, rng *r, const block_plan *b, i
         if (b->planes[t])
             put_planes(s, pool, b->planes[t]);
         else
-            put_own(s, r, pool, b->depths[t], b->palette.depth[0] + b->own_base[t]);
-        return at << 14 | (b->far ? 0 : (uint32_t)(b->own_base[t] + 8192));
+            put_private(s, r, pool, b->depths[t], b->palette.depth[0] + b->private_base[t]);
+        return at << 14 | (b->far ? 0 : (uint32_t)(b->private_base[t] + 8192));
     }
     uint32_t used = 0;
     uint8_t  index[64];
@@ -458,7 +458,7 @@ static inline uint32_t put_block(blocks_sample *s, rng *r, block_plan *b, half_l
     put_bytes(page, bytes, size + (nibbles + 1) / 2);
     pad_to_word(page);
     for (int t = 0; t < 16; t++)
-        if (b->far && (b->own >> t & 1)) put_word(page, (uint32_t)b->own_base[t]);
+        if (b->far && (b->own >> t & 1)) put_word(page, (uint32_t)b->private_base[t]);
     return at;
 }
 

@@ -103,7 +103,7 @@ static inline uint16_t sample_step(rng *r)
 }
 
 /* One plane, or two. */
-static inline void sample_own_planes(rng *r, sample_pattern *p, uint32_t kind)
+static inline void sample_private_planes(rng *r, sample_pattern *p, uint32_t kind)
 {
     p->half[0] =
         (uint16_t)(kind << 12 | rng_below(r, 9) << 8 | rng_below(r, kind == 7 ? 4 : 16) << 3 | (kind > 7 ? rng_below(r, 6) : 0));
@@ -114,11 +114,11 @@ static inline void sample_own_planes(rng *r, sample_pattern *p, uint32_t kind)
     for (uint32_t n = 6; n < p->halves; n++) p->half[n] = (uint16_t)(rng_below(r, 2) ? 0xff00 : rng_u32(r));
 }
 
-static inline void sample_own(rng *r, sample_pattern *p)
+static inline void sample_private(rng *r, sample_pattern *p)
 {
     uint32_t kind = rng_below(r, 11);
     if (kind >= 7) {
-        sample_own_planes(r, p, kind);
+        sample_private_planes(r, p, kind);
         return;
     }
     uint32_t shift = rng_below(r, 3) ? 0 : rng_below(r, kind < 2 || kind == 3 || kind == 4 ? 8 : 1);
@@ -164,7 +164,7 @@ static inline void sample_pattern_make(rng *r, sample_pattern *p, uint32_t kind)
     memset(p, 0, sizeof *p);
     p->kind = kind;
     if (!kind) {
-        sample_own(r, p);
+        sample_private(r, p);
         return;
     }
     sample_indices(r, kind, index);
@@ -393,7 +393,7 @@ static inline void check_masks(checked_words w, uint32_t half, uint32_t depths, 
     }
 }
 
-static inline void check_own(checked_words w, uint32_t half, int *good)
+static inline void check_private(checked_words w, uint32_t half, int *good)
 {
     uint32_t head = checked_half(w, half, good), kind = head >> 12, depths = head & 0xff, last = 0;
     if (kind >= 3) {
@@ -449,7 +449,7 @@ static inline void check_block(checked_words page, checked_words common, uint32_
         checked_words w = ref & REF_OF_COMMON ? common : page;
         nth++;
         if (own >> t & 1)
-            check_own(w, ref & (REF_OF_COMMON - 1), good);
+            check_private(w, ref & (REF_OF_COMMON - 1), good);
         else if (low >> q || count_ones(low) < 2)
             *good = 0;
         else

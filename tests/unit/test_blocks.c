@@ -327,7 +327,7 @@ static void repeated_at_other_depths(void **state)
         }
     depth_maps_reduce(&d, 1);
     assert_int_equal(build_words(&w, &m, 1, 2), VXS_OK);
-    assert_int_equal(w.counts.own_patterns, 64); /* tiles of a period */
+    assert_int_equal(w.counts.private_patterns, 64); /* tiles of a period */
     assert_columns(&w, 0, 10, &d, 0, 0);
     block_words_free(&w);
     depth_maps_free(&d);
@@ -594,15 +594,15 @@ static void quadrants_have_few_depths(void **state)
     }
 }
 
-static void find_own(own_set *set, const tile_ranges *t, uint32_t *id, int32_t *base)
+static void find_private(private_set *set, const tile_ranges *t, uint32_t *id, int32_t *base)
 {
-    own_planes one;
-    own_plane(&one, t);
-    assert_int_equal(own_find(set, t, &one, id, base), VXS_OK);
+    private_planes one;
+    private_plane(&one, t);
+    assert_int_equal(private_find(set, t, &one, id, base), VXS_OK);
 }
 
 /* Whether the depths of a pattern lie in all ranges at some base. */
-static int fits_somewhere(const own_pattern *p, const tile_ranges *t)
+static int fits_somewhere(const private_pattern *p, const tile_ranges *t)
 {
     int32_t least = INT32_MIN, most = INT32_MAX;
     for (int n = 0; n < 64; n++) {
@@ -614,7 +614,7 @@ static int fits_somewhere(const own_pattern *p, const tile_ranges *t)
 
 /* The depths of an own pattern suit each tile that has it, and so does all that is left of its ranges: at any base, near and far apart. A new
  * one is made where none does. */
-static void own_patterns_agree(void **state)
+static void private_patterns_agree(void **state)
 {
     (void)state;
     enum { TILES = 2000, SHAPES = 20 };
@@ -624,9 +624,9 @@ static void own_patterns_agree(void **state)
     static uint32_t    plain[TILES]; /* ids without vectors of more than 16 bytes */
     int                cpus = 1 + cpu_level_of_machine();
     for (int round = 0; round < 5 * cpus; round++) {
-        int32_t step = 1 << 4 * (round / cpus);
-        own_set set  = {.cpu = round % cpus};
-        rng     r    = {(uint64_t)step};
+        int32_t     step = 1 << 4 * (round / cpus);
+        private_set set  = {.cpu = round % cpus};
+        rng         r    = {(uint64_t)step};
         for (int t = 0; t < TILES; t++) {
             rng     shape = {1 + rng_below(&r, SHAPES)};
             int32_t away = (int32_t)rng_below(&r, 1 << 18), slack = (int32_t)rng_below(&r, 9) * step;
@@ -636,7 +636,7 @@ static void own_patterns_agree(void **state)
                 tiles[t].high[n] = depth + (int32_t)rng_below(&r, (uint32_t)slack + 1);
             }
             size_t known = set.count;
-            find_own(&set, &tiles[t], &id[t], &base[t]);
+            find_private(&set, &tiles[t], &id[t], &base[t]);
             for (size_t p = 0; p < known && id[t] == known && t < TILES / 4 && step < 256; p++)
                 assert_false(fits_somewhere(&set.patterns[p], &tiles[t]));
         }
@@ -644,13 +644,13 @@ static void own_patterns_agree(void **state)
         if (set.cpu == CPU_SSE2) memcpy(plain, id, sizeof id);
         assert_memory_equal(id, plain, sizeof id);
         for (int t = 0; t < TILES; t++) {
-            const own_pattern *p = &set.patterns[id[t]];
+            const private_pattern *p = &set.patterns[id[t]];
             for (int n = 0; n < 64; n++) {
                 assert_true(base[t] + p->depth[n] >= tiles[t].low[n] && base[t] + p->depth[n] <= tiles[t].high[n]);
                 assert_true(base[t] + p->may.low[n] >= tiles[t].low[n] && base[t] + p->may.high[n] <= tiles[t].high[n]);
             }
         }
-        own_set_free(&set);
+        private_set_free(&set);
     }
 }
 
@@ -671,36 +671,36 @@ static tile_ranges sheet_ranges(double across, double down, double least)
 static void sheets_are_planes(void **state)
 {
     (void)state;
-    rng      r   = {1};
-    own_set  set = {0};
-    uint32_t id, first, same = 0, round_slopes = 0;
-    int32_t  base;
-    uint16_t halves[OWN_HALVES_MAX];
+    rng         r   = {1};
+    private_set set = {0};
+    uint32_t    id, first, same = 0, round_slopes = 0;
+    int32_t     base;
+    uint16_t    halves[PRIVATE_HALVES_MAX];
     for (int round = 0; round < 3000; round++) {
         double      steep = round % 3 ? 2 : 200, across = (random_unit(&r) - 0.5) * steep, down = (random_unit(&r) - 0.5) * steep;
         tile_ranges t = sheet_ranges(across, down, 5000 + random_unit(&r));
-        find_own(&set, &t, &id, &base);
-        assert_int_equal(own_pattern_encode(&set.patterns[id], halves), OWN_PLANE_HALVES);
+        find_private(&set, &t, &id, &base);
+        assert_int_equal(private_pattern_encode(&set.patterns[id], halves), PRIVATE_PLANE_HALVES);
         for (int n = 0; n < 64; n++) assert_in_range(base + set.patterns[id].depth[n], t.low[n], t.high[n]);
         round_slopes += !((halves[1] | halves[2]) & 7);
         first = id;
         t     = sheet_ranges(across, down, 9000 + random_unit(&r));
-        find_own(&set, &t, &id, &base);
+        find_private(&set, &t, &id, &base);
         same += id == first;
     }
     assert_true(same > 1900 && round_slopes > 2900);
-    own_set_free(&set);
+    private_set_free(&set);
 }
 
 /* Two sheets, of which one ends before the other, or that meet, take what two planes take. */
 static void two_sheets_are_two_planes(void **state)
 {
     (void)state;
-    rng      r        = {2};
-    own_set  set      = {0};
-    uint32_t found[4] = {0}, id;
-    int32_t  base;
-    uint16_t halves[OWN_HALVES_MAX];
+    rng         r        = {2};
+    private_set set      = {0};
+    uint32_t    found[4] = {0}, id;
+    int32_t     base;
+    uint16_t    halves[PRIVATE_HALVES_MAX];
     for (int round = 0; round < 3000; round++) {
         double      edge_x = random_unit(&r) - 0.5, edge_y = random_unit(&r) - 0.5;
         tile_ranges a = sheet_ranges(random_unit(&r) * 8, random_unit(&r) * 8, 1000 + 3000 * (round % 3 == 2));
@@ -715,14 +715,14 @@ static void two_sheets_are_two_planes(void **state)
                 t.low[n]  = b.low[n];
                 t.high[n] = b.high[n];
             }
-        find_own(&set, &t, &id, &base);
+        find_private(&set, &t, &id, &base);
         for (int n = 0; n < 64; n++) assert_in_range(base + set.patterns[id].depth[n], t.low[n], t.high[n]);
-        uint32_t count = own_pattern_encode(&set.patterns[id], halves);
-        found[count == OWN_PLANE_HALVES ? 0 : count == OWN_PAIR_HALVES ? 1 : count == OWN_PLANES_HALVES_MAX ? 2 : 3]++;
-        if (count == OWN_PAIR_HALVES) assert_true(halves[0] >> 12 == 8 || halves[0] >> 12 == 9);
+        uint32_t count = private_pattern_encode(&set.patterns[id], halves);
+        found[count == PRIVATE_PLANE_HALVES ? 0 : count == PRIVATE_PAIR_HALVES ? 1 : count == PRIVATE_PLANES_HALVES_MAX ? 2 : 3]++;
+        if (count == PRIVATE_PAIR_HALVES) assert_true(halves[0] >> 12 == 8 || halves[0] >> 12 == 9);
     }
     assert_true(found[1] > 1500 && found[2] > 700 && found[3] < 300);
-    own_set_free(&set);
+    private_set_free(&set);
 }
 
 /* A slanted sheet over a whole map is a few words for each block, on whatever slope it lies. */
@@ -764,7 +764,7 @@ static void packed_blocks(void **state)
             t->kind = (uint16_t)rng_below(&r, 4);
             if (t->kind == TILE_UNIFORM || t->kind == TILE_PATTERN) t->palette = (uint16_t)rng_below(&r, 1 << 14);
             if (tile_has_pattern(t)) t->pattern = rng_below(&r, 1 << 30);
-            if (t->kind == TILE_OWN) t->base = (int32_t)rng_below(&r, 5) - 2;
+            if (t->kind == TILE_PRIVATE) t->base = (int32_t)rng_below(&r, 5) - 2;
         }
         size_t size = block_pack(&b, bytes);
         assert_true(size <= BLOCK_PACKED_MAX && size % 8 == 0);
@@ -774,28 +774,28 @@ static void packed_blocks(void **state)
         assert_int_equal(with_pattern, __builtin_popcount(head.patterned));
         for (int t = 0; t < BLOCK_TILES; t++) {
             assert_int_equal(head.patterned >> t & 1, tile_has_pattern(&b.tile[t]));
-            assert_int_equal(head.own >> t & 1, b.tile[t].kind == TILE_OWN);
+            assert_int_equal(head.own >> t & 1, b.tile[t].kind == TILE_PRIVATE);
             if (tile_has_pattern(&b.tile[t])) assert_int_equal(patterns[count++], b.tile[t].pattern);
         }
         uint32_t shared[8], own[8], at;
-        int32_t  own_base[8];
+        int32_t  private_base[8];
         for (at = 0; at < 8; at++) {
-            shared[at]   = rng_u32(&r);
-            own[at]      = rng_u32(&r);
-            own_base[at] = (int32_t)rng_below(&r, 5) - 2;
+            shared[at]       = rng_u32(&r);
+            own[at]          = rng_u32(&r);
+            private_base[at] = (int32_t)rng_below(&r, 5) - 2;
         }
         for (block_tile *t = b.tile; t < b.tile + BLOCK_TILES; t++)
             if (tile_has_pattern(t)) t->pattern %= 8;
         block_pack(&b, bytes);
-        block_renumber(bytes, shared, own, own_base);
+        block_renumber(bytes, shared, own, private_base);
         for (block_tile *t = b.tile; t < b.tile + BLOCK_TILES; t++) {
-            if (t->kind == TILE_OWN) t->base += own_base[t->pattern];
-            if (tile_has_pattern(t)) t->pattern = t->kind == TILE_OWN ? own[t->pattern] : shared[t->pattern];
+            if (t->kind == TILE_PRIVATE) t->base += private_base[t->pattern];
+            if (tile_has_pattern(t)) t->pattern = t->kind == TILE_PRIVATE ? own[t->pattern] : shared[t->pattern];
         }
         assert_int_equal(block_pack(&b, others), size);
         assert_memory_equal(bytes, others, size);
         block_tile *t = &b.tile[rng_below(&r, BLOCK_TILES)];
-        if (t->kind == TILE_OWN)
+        if (t->kind == TILE_PRIVATE)
             t->base++;
         else
             t->kind = t->kind == TILE_PLANE ? TILE_UNIFORM : TILE_PLANE;
@@ -807,13 +807,26 @@ static void packed_blocks(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(piercing),           cmocka_unit_test(axes_keep_order),        cmocka_unit_test(repeated_at_other_depths),
-        cmocka_unit_test(own_patterns_agree), cmocka_unit_test(patterns_agree),         cmocka_unit_test(every_kind_of_map),
-        cmocka_unit_test(deep_maps),          cmocka_unit_test(threads_and_fetches),    cmocka_unit_test(six_maps),
-        cmocka_unit_test(sheets_are_planes),  cmocka_unit_test(sheet_over_a_map),       cmocka_unit_test(two_sheets_are_two_planes),
-        cmocka_unit_test(pages_are_cut),      cmocka_unit_test(pages_are_even),         cmocka_unit_test(shapes_of_formulas),
-        cmocka_unit_test(failing_calls),      cmocka_unit_test(searches_find_the_same), cmocka_unit_test(quadrants_have_few_depths),
-        cmocka_unit_test(packed_blocks),      cmocka_unit_test(needs_of_tiles),
+        cmocka_unit_test(piercing),
+        cmocka_unit_test(axes_keep_order),
+        cmocka_unit_test(repeated_at_other_depths),
+        cmocka_unit_test(private_patterns_agree),
+        cmocka_unit_test(patterns_agree),
+        cmocka_unit_test(every_kind_of_map),
+        cmocka_unit_test(deep_maps),
+        cmocka_unit_test(threads_and_fetches),
+        cmocka_unit_test(six_maps),
+        cmocka_unit_test(sheets_are_planes),
+        cmocka_unit_test(sheet_over_a_map),
+        cmocka_unit_test(two_sheets_are_two_planes),
+        cmocka_unit_test(pages_are_cut),
+        cmocka_unit_test(pages_are_even),
+        cmocka_unit_test(shapes_of_formulas),
+        cmocka_unit_test(failing_calls),
+        cmocka_unit_test(searches_find_the_same),
+        cmocka_unit_test(quadrants_have_few_depths),
+        cmocka_unit_test(packed_blocks),
+        cmocka_unit_test(needs_of_tiles),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -199,7 +199,7 @@ enum { FAR_PAGE = 11, FAR_BLOCK = 8, FAR_PATTERN = 15, FAR_WORDS = 24 }; /* bloc
 /* A map of 256 x 256 texels. One block of it has something: a tile on its plane, one with planes of its own, and others at its base. */
 typedef struct far_block {
     node_slope  slope;
-    uint32_t    plane_tile, own_tile;
+    uint32_t    plane_tile, private_tile;
     block_plane plane; /* of depths relative to the block */
     tile_planes own;   /* its base is relative to the block */
     int64_t     base;
@@ -213,7 +213,7 @@ static int64_t far_depth(const far_block *b, int32_t i, int32_t j)
     uint32_t t     = (uint32_t)(i / 8 + j / 8 * 4);
     int64_t  depth = b->base - slope_at(b->slope, i / 8, j / 8);
     if (t == b->plane_tile) return b->base + block_plane_at(&b->plane, i, j);
-    return t == b->own_tile ? depth + b->own.base + tile_planes_at(&b->own, i % 8, j % 8) : depth;
+    return t == b->private_tile ? depth + b->own.base + tile_planes_at(&b->own, i % 8, j % 8) : depth;
 }
 
 /* A number of any length, up to 29 bits. */
@@ -232,28 +232,28 @@ static int64_t far_depth_in(const far_block *b, rng *r, uint32_t t)
 /* Bases are any numbers, or those by which a texel of one of the two tiles has its depth in the map. */
 static void far_plan(far_block *b, rng *r)
 {
-    b->slope       = random_slope(r);
-    b->plane_tile  = rng_below(r, 16);
-    b->own_tile    = (b->plane_tile + 1 + rng_below(r, 15)) % 16;
-    b->plane       = random_block_plane(r, 0, 0);
-    b->plane.depth = far_number(r) / 4;
-    b->own         = random_tile_planes(r, far_number(r));
-    b->base        = far_number(r);
+    b->slope        = random_slope(r);
+    b->plane_tile   = rng_below(r, 16);
+    b->private_tile = (b->plane_tile + 1 + rng_below(r, 15)) % 16;
+    b->plane        = random_block_plane(r, 0, 0);
+    b->plane.depth  = far_number(r) / 4;
+    b->own          = random_tile_planes(r, far_number(r));
+    b->base         = far_number(r);
     if (rng_below(r, 2)) b->base += rng_below(r, 256) - far_depth_in(b, r, b->plane_tile);
-    if (rng_below(r, 2)) b->own.base += (int32_t)(rng_below(r, 256) - far_depth_in(b, r, b->own_tile));
+    if (rng_below(r, 2)) b->own.base += (int32_t)(rng_below(r, 256) - far_depth_in(b, r, b->private_tile));
 }
 
 static void far_write(far_block *b)
 {
     half_list     page     = {0};
     blocks_sample count    = {0};
-    uint32_t      others   = 0xffff & ~(1u << b->plane_tile | 1u << b->own_tile);
+    uint32_t      others   = 0xffff & ~(1u << b->plane_tile | 1u << b->private_tile);
     uint32_t      halves[] = {1, 0, 0, 0, 2, 0, 0, 0, (uint32_t)b->slope.x, (uint32_t)b->slope.y, 1, FAR_BLOCK};
     for (size_t n = 0; n < sizeof halves / sizeof *halves; n++) put_half(&page, halves[n]);
     put_word(&page, (uint32_t)b->base);
     put_word(&page, 0xffffffff);
-    put_word(&page, 1u << b->own_tile | (others & -others) << 16);
-    put_word(&page, 1u << b->own_tile | 1u << b->plane_tile | 1u << 26);
+    put_word(&page, 1u << b->private_tile | (others & -others) << 16);
+    put_word(&page, 1u << b->private_tile | 1u << b->plane_tile | 1u << 26);
     put_plane(&count, &page, &b->plane, 0);
     put_word(&page, 2 * FAR_PATTERN << 14);
     put_word(&page, 0);

@@ -360,7 +360,7 @@ static void images_of_patterns(void **state)
     assert_true(pattern_is_taken(14, image, 17));
 }
 
-static void patterns_with_depths_of_their_own(void **state)
+static void patterns_with_a_private_palette(void **state)
 {
     (void)state;
     uint16_t raw[97] = {0};
@@ -698,7 +698,7 @@ int main(void)
         cmocka_unit_test(blocks_and_nodes),
         cmocka_unit_test(masks_of_patterns),
         cmocka_unit_test(images_of_patterns),
-        cmocka_unit_test(patterns_with_depths_of_their_own),
+        cmocka_unit_test(patterns_with_a_private_palette),
         cmocka_unit_test(pages_that_end_early_are_refused),
         cmocka_unit_test(nodes_must_be_where_the_top_says),
         cmocka_unit_test(resident_parts_come_back),

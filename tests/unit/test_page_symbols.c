@@ -115,7 +115,7 @@ static void any_symbols_make_blocks(void **state)
 static void any_symbols_make_patterns(void **state)
 {
     (void)state;
-    uint32_t taken[VXS_PATTERN_KINDS] = {0}, own_taken[OWN_KINDS] = {0};
+    uint32_t taken[VXS_PATTERN_KINDS] = {0}, private_taken[PRIVATE_KINDS] = {0};
     for (uint64_t seed = 0; seed < repeats(90000, 300000); seed++) {
         draw          = rng_split(seed, 2);
         wild          = 2 + (uint32_t)(seed % 9) * 20;
@@ -134,13 +134,13 @@ static void any_symbols_make_patterns(void **state)
         if (kind)
             check_masks(pool, 0, kind, &good);
         else
-            check_own(pool, 0, &good);
+            check_private(pool, 0, &good);
         assert_true(good);
         taken[kind]++;
-        if (!kind) own_taken[words[0] >> 12 & 15]++;
+        if (!kind) private_taken[words[0] >> 12 & 15]++;
     }
     for (uint32_t k = 0; k < VXS_PATTERN_KINDS; k++) assert_true(k == 1 || taken[k] > 100);
-    for (uint32_t k = 0; k < OWN_KINDS; k++) assert_true(own_taken[k] > repeats(6, 20));
+    for (uint32_t k = 0; k < PRIVATE_KINDS; k++) assert_true(private_taken[k] > repeats(6, 20));
 }
 
 enum { TOP_SIDE = 2, TOP_ENTRIES = TOP_SIDE * TOP_SIDE };
@@ -265,7 +265,7 @@ static const symbol_list lists[] = {
     {"two planes by a mask", VXS_OK, 4, 10,
      LIST(TWO(10), 0, 0, BASE, 9, 0, 15, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, OTHER_ROWS)},
     {"a pool without room for a mask", VXS_E_CORRUPT, 4, 8, LIST(TWO(10), 0, 0, BASE, ZEROS_16, OTHER_ROWS)},
-    /* patterns with depths of their own */
+    /* private-palette patterns */
     {"nibbles of 12", VXS_OK, 4, 19, LIST(OWN, 3, BASE, 0, 0, 15, 3, 2, ZEROS_62, OTHER_ROWS)},
     {"nibbles of 30", VXS_E_CORRUPT, 4, 19, LIST(OWN, 3, BASE, 0, 0, 15, 5, 7, 0, ZEROS_62, OTHER_ROWS)},
     {"no such pattern", VXS_E_CORRUPT, 4, 3, LIST(OWN, 12, 0, 0, 0, BASE, OTHER_ROWS)},

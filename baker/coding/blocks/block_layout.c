@@ -98,21 +98,21 @@ vxs_result layout_build_top(layout *l)
 
 /* patterns -------------------------------------------------------------------------------------------------------------------- */
 
-enum { OWN_KIND = PALETTE_MAX + 1 }; /* kind behind those of 2 to PALETTE_MAX depths */
+enum { PRIVATE_KIND = PALETTE_MAX + 1 }; /* kind behind those of 2 to PALETTE_MAX depths */
 
 /* All patterns during their encoding, sorted by kind. */
 typedef struct pattern_coder {
     const block_set *set;
-    size_t           first[OWN_KIND + 2]; /* patterns of kind k are first[k]..first[k + 1] - 1 */
+    size_t           first[PRIVATE_KIND + 2]; /* patterns of kind k are first[k]..first[k + 1] - 1 */
 
     /* codes: number of halves | depths << 8 (0: private palette); then the halves */
-    uint16_t (*shared)[PATTERN_HALVES_MAX + 1]; /* [first[OWN_KIND]] */
-    uint16_t (*own)[OWN_HALVES_MAX + 1];        /* [set->own.count] */
+    uint16_t (*shared)[PATTERN_HALVES_MAX + 1];   /* [first[PRIVATE_KIND]] */
+    uint16_t (*privates)[PRIVATE_HALVES_MAX + 1]; /* [set->privates.count] */
 } pattern_coder;
 
 static uint16_t *code_of_pattern(const pattern_coder *c, size_t n)
 {
-    return n < c->first[OWN_KIND] ? c->shared[n] : c->own[n - c->first[OWN_KIND]];
+    return n < c->first[PRIVATE_KIND] ? c->shared[n] : c->privates[n - c->first[PRIVATE_KIND]];
 }
 
 static void encode_some_patterns(void *user, size_t begin, size_t end, uint32_t worker)
@@ -123,8 +123,8 @@ static void encode_some_patterns(void *user, size_t begin, size_t end, uint32_t 
     for (size_t n = begin; n < end; n++) {
         uint16_t *code = code_of_pattern(c, n);
         while (n >= c->first[kind + 1]) kind++;
-        if (kind == OWN_KIND) {
-            code[0] = (uint16_t)own_pattern_encode(&c->set->own.patterns[n - c->first[kind]], code + 1);
+        if (kind == PRIVATE_KIND) {
+            code[0] = (uint16_t)private_pattern_encode(&c->set->privates.patterns[n - c->first[kind]], code + 1);
             continue;
         }
         mask_need needs[PALETTE_MAX - 1];
@@ -140,27 +140,27 @@ static vxs_result encode_patterns(layout *l)
 {
     pattern_coder c = {.set = l->set};
     vxs_result    r = VXS_E_MEMORY;
-    for (int kind = 2; kind < OWN_KIND; kind++) c.first[kind + 1] = c.first[kind] + l->set->patterns.by_depths[kind].count;
-    c.first[OWN_KIND + 1] = c.first[OWN_KIND] + l->set->own.count;
-    c.shared              = malloc((c.first[OWN_KIND] + 1) * sizeof *c.shared);
-    c.own                 = malloc((l->set->own.count + 1) * sizeof *c.own);
-    l->code_of[0]         = malloc((l->set->patterns.count + 1) * sizeof *l->code_of[0]);
-    l->code_of[1]         = malloc((l->set->own.count + 1) * sizeof *l->code_of[1]);
-    if (c.shared && c.own && l->code_of[0] && l->code_of[1]) {
-        parallel_for(l->threads, c.first[OWN_KIND + 1], 256, encode_some_patterns, &c);
+    for (int kind = 2; kind < PRIVATE_KIND; kind++) c.first[kind + 1] = c.first[kind] + l->set->patterns.by_depths[kind].count;
+    c.first[PRIVATE_KIND + 1] = c.first[PRIVATE_KIND] + l->set->privates.count;
+    c.shared                  = malloc((c.first[PRIVATE_KIND] + 1) * sizeof *c.shared);
+    c.privates                = malloc((l->set->privates.count + 1) * sizeof *c.privates);
+    l->code_of[0]             = malloc((l->set->patterns.count + 1) * sizeof *l->code_of[0]);
+    l->code_of[1]             = malloc((l->set->privates.count + 1) * sizeof *l->code_of[1]);
+    if (c.shared && c.privates && l->code_of[0] && l->code_of[1]) {
+        parallel_for(l->threads, c.first[PRIVATE_KIND + 1], 256, encode_some_patterns, &c);
 
         r = VXS_OK;
-        for (size_t n = 0, kind = 2; n < c.first[OWN_KIND + 1] && r == VXS_OK; n++) {
+        for (size_t n = 0, kind = 2; n < c.first[PRIVATE_KIND + 1] && r == VXS_OK; n++) {
             const uint16_t *code = code_of_pattern(&c, n);
             while (n >= c.first[kind + 1]) kind++;
             size_t   at = n - c.first[kind], bytes = ((code[0] & 0xffu) + 1) * sizeof *code;
-            int      own = kind == OWN_KIND;
-            uint32_t id  = own ? (uint32_t)at : l->set->patterns.by_depths[kind].ids[at];
-            r            = intern_find(&l->codes[own], code, bytes, &l->code_of[own][id]);
+            int      is_private = kind == PRIVATE_KIND;
+            uint32_t id         = is_private ? (uint32_t)at : l->set->patterns.by_depths[kind].ids[at];
+            r                   = intern_find(&l->codes[is_private], code, bytes, &l->code_of[is_private][id]);
         }
     }
     free(c.shared);
-    free(c.own);
+    free(c.privates);
     return r;
 }
 
@@ -242,8 +242,8 @@ static vxs_result assemble(layout *l)
 
 static vxs_result make_common(layout *l)
 {
-    for (int own = 0; own < 2; own++)
-        if (!(l->common[own] = calloc(l->codes[own].count + 1, sizeof *l->common[own]))) return VXS_E_MEMORY;
+    for (int is_private = 0; is_private < 2; is_private++)
+        if (!(l->common[is_private] = calloc(l->codes[is_private].count + 1, sizeof *l->common[is_private]))) return VXS_E_MEMORY;
     return VXS_OK;
 }
 
@@ -263,10 +263,10 @@ vxs_result block_words_lay_out(block_words *out, const block_set *s, uint32_t le
         r = assemble(&l);
 
     intern_free(&l.shapes);
-    for (int own = 0; own < 2; own++) {
-        intern_free(&l.codes[own]);
-        free(l.code_of[own]);
-        free(l.common[own]);
+    for (int is_private = 0; is_private < 2; is_private++) {
+        intern_free(&l.codes[is_private]);
+        free(l.code_of[is_private]);
+        free(l.common[is_private]);
     }
     free(l.nodes);
     free(l.common_kinds);

@@ -39,7 +39,7 @@ typedef struct in_page {
 
 /* The pattern of a tile in the layout. */
 typedef struct tile_code {
-    int      own;
+    int      is_private;
     uint32_t code;
 } tile_code;
 
@@ -77,9 +77,9 @@ typedef struct layout {
 } layout;
 
 /* The halves of a code. They are stored behind their length and kind. */
-static inline const uint16_t *code_halves(const layout *l, int own, uint32_t code, uint32_t *count)
+static inline const uint16_t *code_halves(const layout *l, int is_private, uint32_t code, uint32_t *count)
 {
-    const uint16_t *halves = intern_at(&l->codes[own], code);
+    const uint16_t *halves = intern_at(&l->codes[is_private], code);
     *count                 = halves[0] & 0xff;
     return halves + 1;
 }

@@ -26,7 +26,7 @@ typedef struct block_area {
  *     uniform    level, x, y, depth
  *     nodes      x, y, emin, xmax, slope (2); 8 bytes: which blocks are mixed; 64 depths; ids of mixed blocks
  *     patterns   of each class: id; 16 bytes for each mask: dark, lit
- *     own        64 depths; ranges (128); count of halves of planes, then these halves, 4 bytes each
+ *     privates   64 depths; ranges (128); count of halves of planes, then these halves, 4 bytes each
  *     blocks     number of depths, plane (3), depths, and of each tile kind | palette << 16, pattern, base
  * */
 
@@ -35,7 +35,7 @@ enum {
     HEAD_BYTES    = 4 * (4 + CLASSES) + 8,
     UNIFORM_BYTES = 16,
     NODE_BYTES    = 32 + 4 * NODE_BLOCKS, /* without mixed blocks */
-    OWN_BYTES     = 4 * (64 + 128 + 1),   /* without planes */
+    PRIVATE_BYTES = 4 * (64 + 128 + 1),   /* without planes */
     TILE_BYTES    = 12,
     BLOCK_BYTES   = 4 * 4 + TILE_BYTES * BLOCK_TILES, /* without depths */
     DEPTH_LIMIT   = 1 << 24,                          /* limit of depths and bases: their sums do not overflow */
@@ -54,7 +54,7 @@ static int put_signed(vxs_bytes *out, const int32_t *values, size_t count)
 static int put_head(vxs_bytes *out, const block_set *s)
 {
     int ok = put32(out, (uint32_t)s->uniform_count) && put32(out, (uint32_t)s->node_count) &&
-             put32(out, (uint32_t)s->blocks.count) && put32(out, (uint32_t)s->own.count);
+             put32(out, (uint32_t)s->blocks.count) && put32(out, (uint32_t)s->privates.count);
     for (int depths = 2; depths <= PALETTE_MAX && ok; depths++) ok = put32(out, (uint32_t)s->patterns.by_depths[depths].count);
     return ok && put64(out, s->tile_count);
 }
@@ -81,7 +81,7 @@ static vxs_result block_set_save(const block_set *s, vxs_bytes *out)
             for (int mask = 0; mask < depths - 1 && ok; mask++) ok = put64(out, needs[mask].dark) && put64(out, needs[mask].lit);
         }
     }
-    for (const own_pattern *p = s->own.patterns; p < s->own.patterns + s->own.count && ok; p++) {
+    for (const private_pattern *p = s->privates.patterns; p < s->privates.patterns + s->privates.count && ok; p++) {
         ok = put_signed(out, p->depth, 64) && put_signed(out, p->may.low, 64) && put_signed(out, p->may.high, 64) &&
              put32(out, p->plane_halves);
         for (uint32_t n = 0; n < p->plane_halves && ok; n++) ok = put32(out, p->planes[n]);
@@ -103,7 +103,7 @@ typedef struct set_loader {
     byte_reader       from;
     block_set        *s;
     const block_area *area;
-    uint32_t          blocks, own, patterns, of_class[PALETTE_MAX + 1];
+    uint32_t          blocks, privates, patterns, of_class[PALETTE_MAX + 1];
     uint8_t          *depths_of; /* [patterns] number of depths by id; 0: id not met yet */
 } set_loader;
 
@@ -186,24 +186,24 @@ static vxs_result take_class(set_loader *l, int depths)
     return r;
 }
 
-static vxs_result take_own(set_loader *l)
+static vxs_result take_private(set_loader *l)
 {
-    if (!has(&l->from, 1, OWN_BYTES)) return VXS_E_CORRUPT;
-    own_pattern *p = &l->s->own.patterns[l->s->own.count];
+    if (!has(&l->from, 1, PRIVATE_BYTES)) return VXS_E_CORRUPT;
+    private_pattern *p = &l->s->privates.patterns[l->s->privates.count];
     memset(p, 0, sizeof *p);
     take_signed(&l->from, p->depth, 64);
     take_signed(&l->from, p->may.low, 64);
     take_signed(&l->from, p->may.high, 64);
     p->plane_halves = take32(&l->from);
-    if (p->plane_halves > OWN_PLANES_HALVES_MAX || !has(&l->from, p->plane_halves, 4)) return VXS_E_CORRUPT;
+    if (p->plane_halves > PRIVATE_PLANES_HALVES_MAX || !has(&l->from, p->plane_halves, 4)) return VXS_E_CORRUPT;
     for (uint32_t n = 0; n < p->plane_halves; n++) p->planes[n] = (uint16_t)take32(&l->from);
-    if (p->plane_halves && !own_planes_are_sound(p->planes, p->plane_halves)) return VXS_E_CORRUPT;
+    if (p->plane_halves && !private_planes_are_sound(p->planes, p->plane_halves)) return VXS_E_CORRUPT;
     if (!all_within(p->depth, 64, 0, DEPTH_LIMIT - 1) || !all_within(p->may.low, 64, -DEPTH_LIMIT, DEPTH_LIMIT) ||
         !all_within(p->may.high, 64, -DEPTH_LIMIT, DEPTH_LIMIT))
         return VXS_E_CORRUPT;
     for (int n = 0; n < 64; n++)
         if (p->may.low[n] > p->depth[n] || p->may.high[n] < p->depth[n]) return VXS_E_CORRUPT;
-    l->s->own.count++;
+    l->s->privates.count++;
     return VXS_OK;
 }
 
@@ -214,7 +214,7 @@ static int is_sound_tile(const set_loader *l, const block_tile *t, uint32_t dept
     case TILE_PATTERN:
         return !(t->palette >> depths) && !t->base && t->pattern < l->patterns &&
                l->depths_of[t->pattern] == __builtin_popcount(t->palette);
-    case TILE_OWN: return !t->palette && t->pattern < l->own && within(t->base, -DEPTH_LIMIT, DEPTH_LIMIT);
+    case TILE_PRIVATE: return !t->palette && t->pattern < l->privates && within(t->base, -DEPTH_LIMIT, DEPTH_LIMIT);
     case TILE_PLANE: return !t->palette && !t->pattern && !t->base;
     }
     return 0;
@@ -251,14 +251,14 @@ static vxs_result take_block(set_loader *l)
 /* Checks counts against the remaining bytes before memory is allocated. */
 static vxs_result load_parts(set_loader *l, uint32_t uniforms, uint32_t nodes)
 {
-    own_set   *own = &l->s->own;
-    vxs_result r   = VXS_OK;
+    private_set *p = &l->s->privates;
+    vxs_result   r = VXS_OK;
     for (uint32_t n = 0; n < uniforms && r == VXS_OK; n++) r = take_uniform(l);
     for (uint32_t n = 0; n < nodes && r == VXS_OK; n++) r = take_node(l);
     for (int depths = 2; depths <= PALETTE_MAX && r == VXS_OK; depths++) r = take_class(l, depths);
-    if (r == VXS_OK && !has(&l->from, l->own, OWN_BYTES)) r = VXS_E_CORRUPT;
-    if (r == VXS_OK && !array_reserve(&own->patterns, &own->pattern_capacity, l->own, sizeof *own->patterns)) r = VXS_E_MEMORY;
-    for (uint32_t n = 0; n < l->own && r == VXS_OK; n++) r = take_own(l);
+    if (r == VXS_OK && !has(&l->from, l->privates, PRIVATE_BYTES)) r = VXS_E_CORRUPT;
+    if (r == VXS_OK && !array_reserve(&p->patterns, &p->pattern_capacity, l->privates, sizeof *p->patterns)) r = VXS_E_MEMORY;
+    for (uint32_t n = 0; n < l->privates && r == VXS_OK; n++) r = take_private(l);
     for (uint32_t n = 0; n < l->blocks && r == VXS_OK; n++) r = take_block(l);
     return r == VXS_OK && l->from.left ? VXS_E_CORRUPT : r;
 }
@@ -272,8 +272,8 @@ static vxs_result block_set_load(block_set *s, const void *bytes, size_t size_by
     uint64_t   all = 0;
     if (!has(&l.from, 1, HEAD_BYTES)) return VXS_E_CORRUPT;
     uint32_t uniforms = take32(&l.from), nodes = take32(&l.from);
-    l.blocks = take32(&l.from);
-    l.own    = take32(&l.from);
+    l.blocks   = take32(&l.from);
+    l.privates = take32(&l.from);
     for (int depths = 2; depths <= PALETTE_MAX; depths++) all += l.of_class[depths] = take32(&l.from);
     s->tile_count = take64(&l.from);
     if (all > size_bytes) return VXS_E_CORRUPT;
@@ -317,7 +317,7 @@ static vxs_result build_slot(void *user, uint32_t slot, const column_square *col
     map_builder *b     = user;
     uint32_t     nodes = max_u32((8u << level) / NODE_PX, 1);
     vxs_result   r     = VXS_OK;
-    b->batch[slot]     = (block_set){.patterns.cpu = b->cpu, .own.cpu = b->cpu};
+    b->batch[slot]     = (block_set){.patterns.cpu = b->cpu, .privates.cpu = b->cpu};
     for (uint32_t n = 0; n < nodes * nodes && r == VXS_OK; n++) {
         z_place at = z_order(n);
         run_control_wait();
@@ -373,7 +373,7 @@ vxs_result block_build_map(block_set *s, uint32_t map, const column_map *columns
     if (!b) return VXS_E_MEMORY;
     *b = (map_builder){.cpu = cpu_level(), .set = s, .map = map, .square_level = square_level(side), .depth_vx = columns->depth_vx};
     s->patterns.cpu = b->cpu;
-    s->own.cpu      = b->cpu;
+    s->privates.cpu = b->cpu;
     descent    d    = {.user            = b,
                        .square_px       = side,
                        .squares_fetched = &s->squares_fetched,

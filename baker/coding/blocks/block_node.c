@@ -8,7 +8,7 @@
 #include "baker/coding/blocks/stabbing_set.h"
 
 enum {
-    OWN_FROM        = 10, /* a tile that needs this many depths gets a private palette */
+    PRIVATE_FROM    = 10, /* a tile that needs this many depths gets a private palette */
     NODE_TILE_COUNT = NODE_TILES * NODE_TILES,
     PLANE_LEAST     = -(1 << 25), /* limit for which a plane's least depth can be stored relative to any block's base */
     PLANE_MOST      = (1 << 26) + (1 << 22)
@@ -16,14 +16,14 @@ enum {
 
 /* A tile of the current block, with the slope added. */
 typedef struct tile_in {
-    tile_ranges ranges;            /* of texels, in the order of patterns.h; unless the tile is uniform */
-    int16_t     low[64], high[64]; /* the same as codes of the block's depth axis */
-    int32_t     emax, xmin;        /* over all texels */
-    tile_kind   kind;
-    int32_t     shift;  /* depth that the slope added */
-    int         flat;   /* 1: it may lie on a plane */
-    int         depths; /* number of depths that it needs; 0: not counted */
-    own_planes  plane;  /* a plane through this tile alone */
+    tile_ranges    ranges;            /* of texels, in the order of patterns.h; unless the tile is uniform */
+    int16_t        low[64], high[64]; /* the same as codes of the block's depth axis */
+    int32_t        emax, xmin;        /* over all texels */
+    tile_kind      kind;
+    int32_t        shift;  /* depth that the slope added */
+    int            flat;   /* 1: it may lie on a plane */
+    int            depths; /* number of depths that it needs; 0: not counted */
+    private_planes plane;  /* a plane through this tile alone */
 } tile_in;
 
 typedef struct node_builder {
@@ -168,12 +168,12 @@ static void count_depths(node_builder *b)
 }
 
 /* Give private palettes to tiles that need at least `from` depths. Returns their number. */
-static int give_own_depths(node_builder *b, int from)
+static int give_private_depths(node_builder *b, int from)
 {
     int count = 0;
     for (tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
         if (t->kind != TILE_PATTERN || t->depths < from) continue;
-        t->kind = TILE_OWN;
+        t->kind = TILE_PRIVATE;
         count++;
     }
     return count;
@@ -199,10 +199,10 @@ static int block_groups(node_builder *b, stab_group groups[PALETTE_MAX + 1])
             s.count   = 1;
         }
         int count = minimum_stabbing_set(&s, groups, PALETTE_MAX + 1, b->set->patterns.cpu);
-        if (count >= OWN_FROM && !counted) {
+        if (count >= PRIVATE_FROM && !counted) {
             counted = 1;
             count_depths(b);
-            if (give_own_depths(b, OWN_FROM)) continue;
+            if (give_private_depths(b, PRIVATE_FROM)) continue;
         }
         if (count <= PALETTE_MAX) return count;
 
@@ -216,11 +216,11 @@ static int block_groups(node_builder *b, stab_group groups[PALETTE_MAX + 1])
             most->ranges.high[n] = most->xmin;
         }
         if (most->kind == TILE_UNIFORM) {
-            own_plane(&most->plane, &most->ranges);
+            private_plane(&most->plane, &most->ranges);
             most->low[0]  = axis_code(&b->axis, most->emax); /* block_groups may use it */
             most->high[0] = axis_code(&b->axis, most->xmin);
         }
-        most->kind = TILE_OWN;
+        most->kind = TILE_PRIVATE;
     }
 }
 
@@ -333,8 +333,8 @@ static vxs_result build_block(node_builder *b, uint32_t *id, int32_t *base)
     for (tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
         t->plane.count = 0;
         if (t->kind != TILE_PATTERN || !t->flat) continue;
-        own_plane(&t->plane, &t->ranges);
-        if (t->plane.count) t->kind = TILE_OWN;
+        private_plane(&t->plane, &t->ranges);
+        if (t->plane.count) t->kind = TILE_PRIVATE;
     }
 
     if (on == 0xffff) {
@@ -350,8 +350,8 @@ static vxs_result build_block(node_builder *b, uint32_t *id, int32_t *base)
         to->kind          = (uint16_t)t->kind;
         if (t->kind == TILE_UNIFORM || t->kind == TILE_PLANE) continue;
         b->set->tile_count++;
-        if (t->kind == TILE_OWN) {
-            r = own_find(&b->set->own, &t->ranges, &t->plane, &to->pattern, &to->base);
+        if (t->kind == TILE_PRIVATE) {
+            r = private_find(&b->set->privates, &t->ranges, &t->plane, &to->pattern, &to->base);
             to->base -= *base;
             continue;
         }

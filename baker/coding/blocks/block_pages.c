@@ -71,7 +71,7 @@ static block_form form_of(const block *b)
         const block_tile *t = &b->tile[n];
         if (tile_has_pattern(t)) f.mixed |= 1u << n;
         if (t->kind == TILE_PLANE) f.plane |= 1u << n;
-        if (t->kind == TILE_OWN) {
+        if (t->kind == TILE_PRIVATE) {
             f.own |= 1u << n;
             f.far |= t->base < -FAR_BASE || t->base >= FAR_BASE;
         }
@@ -108,8 +108,8 @@ static int codes_of(const layout *l, uint32_t id, tile_code tiles[BLOCK_TILES])
     uint32_t   patterns[BLOCK_TILES];
     const int  count = block_patterns(intern_at(&l->set->blocks, id), &head, patterns);
     for (uint32_t n = 0, rest = head.patterned; rest; n++, rest &= rest - 1) {
-        const int own = head.own >> __builtin_ctz(rest) & 1;
-        tiles[n]      = (tile_code){own, l->code_of[own][patterns[n]]};
+        const int is_private = head.own >> __builtin_ctz(rest) & 1;
+        tiles[n]             = (tile_code){is_private, l->code_of[is_private][patterns[n]]};
     }
     return count;
 }
@@ -137,8 +137,8 @@ static void add_to_page(const layout *l, page_scratch *s, page_size *page, const
         page->words += l->block_words[shape->block[b]];
         for (const tile_code *t = tiles; t < tiles + count; t++) {
             uint32_t halves;
-            if (l->common[t->own][t->code] || !is_new(&s->code_at[t->own][t->code], s->stamp, page->halves)) continue;
-            code_halves(l, t->own, t->code, &halves);
+            if (l->common[t->is_private][t->code] || !is_new(&s->code_at[t->is_private][t->code], s->stamp, page->halves)) continue;
+            code_halves(l, t->is_private, t->code, &halves);
             page->halves += halves;
             s->fresh[s->fresh_count++] = *t;
         }
@@ -179,7 +179,7 @@ static vxs_result end_page(layout *l, uint32_t n, uint32_t words)
 }
 
 /* End pages where they are full, or where the words so far are nearest to a multiple of `share`.
- * pages  [own][code] zeroed; [out] number of pages with each pattern; NULL: not wanted */
+ * pages  [is_private][code] zeroed; [out] number of pages with each pattern; NULL: not wanted */
 static vxs_result cut(layout *l, uint64_t share, uint32_t *const *pages)
 {
     page_scratch *s     = &l->scratch;
@@ -203,7 +203,7 @@ static vxs_result cut(layout *l, uint64_t share, uint32_t *const *pages)
         }
         node->page = (uint32_t)l->page_count;
         node->word = s->shape_at[node->shape].at;
-        for (const tile_code *t = s->fresh; pages && t < s->fresh + s->fresh_count; t++) pages[t->own][t->code]++;
+        for (const tile_code *t = s->fresh; pages && t < s->fresh + s->fresh_count; t++) pages[t->is_private][t->code]++;
     }
     return r == VXS_OK && count ? end_page(l, count, page_words(&page)) : r;
 }
@@ -211,7 +211,7 @@ static vxs_result cut(layout *l, uint64_t share, uint32_t *const *pages)
 /* common patterns ------------------------------------------------------------------------------------------------------------- */
 
 typedef struct shared_code {
-    uint32_t pages, own, code;
+    uint32_t pages, is_private, code;
 } shared_code;
 
 /* Most used first. */
@@ -219,7 +219,7 @@ static int by_use(const void *a, const void *b)
 {
     const shared_code *x = a, *y = b;
     if (x->pages != y->pages) return x->pages > y->pages ? -1 : 1;
-    if (x->own != y->own) return x->own < y->own ? -1 : 1;
+    if (x->is_private != y->is_private) return x->is_private < y->is_private ? -1 : 1;
     return (x->code > y->code) - (x->code < y->code);
 }
 
@@ -227,11 +227,11 @@ static int by_use(const void *a, const void *b)
 static vxs_result add_common(layout *l, const shared_code *c)
 {
     uint32_t        count;
-    const uint16_t *halves = code_halves(l, (int)c->own, c->code, &count);
+    const uint16_t *halves = code_halves(l, (int)c->is_private, c->code, &count);
     if (l->common_halves + count > VXS_COMMON_HALVES_MAX) return VXS_OK;
     if (!array_reserve(&l->common_kinds, &l->common_capacity, l->common_count + 1, sizeof *l->common_kinds)) return VXS_E_MEMORY;
     l->common_kinds[l->common_count++] = (uint8_t)(halves[-1] >> 8);
-    l->common[c->own][c->code]         = 1 + l->common_halves;
+    l->common[c->is_private][c->code]  = 1 + l->common_halves;
     l->common_halves += count;
     return VXS_OK;
 }
@@ -253,13 +253,13 @@ static vxs_result cut_twice(layout *l, uint32_t *const *pages)
     vxs_result r = cut(l, VXS_PAGE_WORDS_MAX, pages);
     if (r != VXS_OK || l->page_count < 2) return r;
 
-    /* Store patterns of several pages once, as many as there is space for. pages [own][code] number of pages with each pattern */
+    /* Store patterns of several pages once, as many as there is space for. pages [is_private][code] number of pages with each pattern */
     size_t       all = l->codes[0].count + l->codes[1].count, count = 0;
     shared_code *shared = malloc((all + 1) * sizeof *shared);
     r                   = shared ? VXS_OK : VXS_E_MEMORY;
-    for (uint32_t own = 0; own < 2 && r == VXS_OK; own++)
-        for (uint32_t code = 0; code < l->codes[own].count; code++)
-            if (pages[own][code] > 1) shared[count++] = (shared_code){pages[own][code], own, code};
+    for (uint32_t is_private = 0; is_private < 2 && r == VXS_OK; is_private++)
+        for (uint32_t code = 0; code < l->codes[is_private].count; code++)
+            if (pages[is_private][code] > 1) shared[count++] = (shared_code){pages[is_private][code], is_private, code};
     if (count) qsort(shared, count, sizeof *shared, by_use);
     for (size_t n = 0; n < count && r == VXS_OK; n++) r = add_common(l, &shared[n]);
     free(shared);
@@ -350,10 +350,10 @@ static void write_block(const layout *l, const page_scratch *s, uint32_t *to, co
     }
     for (const block_tile *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
         if (!tile_has_pattern(t)) continue;
-        int      own  = t->kind == TILE_OWN;
-        uint32_t code = l->code_of[own][t->pattern], common = l->common[own][code];
-        uint32_t ref = common ? COMMON | (common - 1) : pool + s->code_at[own][code].at;
-        to[word++]   = ref << 14 | (!own ? t->palette : f.far ? 0 : (uint32_t)(t->base + FAR_BASE));
+        int      is_private = t->kind == TILE_PRIVATE;
+        uint32_t code = l->code_of[is_private][t->pattern], common = l->common[is_private][code];
+        uint32_t ref = common ? COMMON | (common - 1) : pool + s->code_at[is_private][code].at;
+        to[word++]   = ref << 14 | (!is_private ? t->palette : f.far ? 0 : (uint32_t)(t->base + FAR_BASE));
     }
     byte = 4 * word;
     for (uint32_t n = 1; n < b->depths; n++, byte += 1u << f.width)
@@ -365,13 +365,13 @@ static void write_block(const layout *l, const page_scratch *s, uint32_t *to, co
     }
     word = (byte + (nibbles + 1) / 2 + 3) / 4;
     for (const block_tile *t = b->tile; f.far && t < b->tile + BLOCK_TILES; t++)
-        if (t->kind == TILE_OWN) to[word++] = (uint32_t)t->base;
+        if (t->kind == TILE_PRIVATE) to[word++] = (uint32_t)t->base;
 }
 
-static void write_pattern(const layout *l, uint32_t *to, uint32_t half, int own, uint32_t code)
+static void write_pattern(const layout *l, uint32_t *to, uint32_t half, int is_private, uint32_t code)
 {
     uint32_t        count;
-    const uint16_t *halves = code_halves(l, own, code, &count);
+    const uint16_t *halves = code_halves(l, is_private, code, &count);
     half_writer     w      = {to, half};
     for (uint32_t n = 0; n < count; n++) put_half(&w, halves[n]);
 }
@@ -403,20 +403,20 @@ static void write_page(page_writer *w, size_t page, uint32_t *words)
             /* Write the patterns that no earlier block of the page uses. */
             for (const block_tile *t = of.tile; t < of.tile + BLOCK_TILES; t++) {
                 if (!tile_has_pattern(t)) continue;
-                int      own  = t->kind == TILE_OWN;
-                uint32_t code = l->code_of[own][t->pattern], count;
-                if (l->common[own][code] || w->scratch.code_at[own][code].at != next_half) continue;
-                code_halves(l, own, code, &count);
-                write_pattern(l, words, pool + next_half, own, code);
+                int      is_private = t->kind == TILE_PRIVATE;
+                uint32_t code       = l->code_of[is_private][t->pattern], count;
+                if (l->common[is_private][code] || w->scratch.code_at[is_private][code].at != next_half) continue;
+                code_halves(l, is_private, code, &count);
+                write_pattern(l, words, pool + next_half, is_private, code);
                 next_half += count;
-                own ? w->counts.own_patterns++ : w->counts.patterns++;
+                is_private ? w->counts.private_patterns++ : w->counts.patterns++;
             }
 
             next_word += form.words;
             c->blocks++;
             c->block_words += form.words;
             c->tiles += (uint32_t)__builtin_popcount(form.mixed);
-            c->own_tiles += (uint32_t)__builtin_popcount(form.own);
+            c->private_tiles += (uint32_t)__builtin_popcount(form.own);
         }
     }
     c->pattern_words += (size.halves + 1) / 2;
@@ -446,9 +446,9 @@ vxs_result layout_write_pages(layout *l, uint32_t *to)
         l->out->counts.nodes += writers[n].counts.nodes;
         l->out->counts.blocks += writers[n].counts.blocks;
         l->out->counts.tiles += writers[n].counts.tiles;
-        l->out->counts.own_tiles += writers[n].counts.own_tiles;
+        l->out->counts.private_tiles += writers[n].counts.private_tiles;
         l->out->counts.patterns += writers[n].counts.patterns;
-        l->out->counts.own_patterns += writers[n].counts.own_patterns;
+        l->out->counts.private_patterns += writers[n].counts.private_patterns;
         l->out->counts.node_words += writers[n].counts.node_words;
         l->out->counts.block_words += writers[n].counts.block_words;
         l->out->counts.pattern_words += writers[n].counts.pattern_words;
@@ -460,7 +460,7 @@ vxs_result layout_write_pages(layout *l, uint32_t *to)
 
 void layout_write_common(const layout *l, uint32_t *to)
 {
-    for (int own = 0; own < 2; own++)
-        for (uint32_t code = 0; code < l->codes[own].count; code++)
-            if (l->common[own][code]) write_pattern(l, to, l->common[own][code] - 1, own, code);
+    for (int is_private = 0; is_private < 2; is_private++)
+        for (uint32_t code = 0; code < l->codes[is_private].count; code++)
+            if (l->common[is_private][code]) write_pattern(l, to, l->common[is_private][code] - 1, is_private, code);
 }

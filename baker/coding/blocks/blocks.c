@@ -26,7 +26,7 @@ static block_head head_of(const block *b)
     for (uint32_t n = 0; n < BLOCK_TILES; n++) {
         const block_tile *t = &b->tile[n];
         h.patterned |= (uint16_t)(tile_has_pattern(t) << n);
-        h.own |= (uint16_t)((t->kind == TILE_OWN) << n);
+        h.own |= (uint16_t)((t->kind == TILE_PRIVATE) << n);
         h.planar |= (uint16_t)((t->kind == TILE_PLANE) << n);
         h.palette |= (uint16_t)((t->palette != 0) << n);
     }
@@ -54,7 +54,7 @@ void block_unpack(block *b, const uint8_t *bytes)
     memset(b, 0, sizeof *b);
     b->depths = h.depths;
     for (uint32_t n = 0; n < BLOCK_TILES; n++)
-        b->tile[n].kind = h.own >> n & 1         ? TILE_OWN
+        b->tile[n].kind = h.own >> n & 1         ? TILE_PRIVATE
                           : h.patterned >> n & 1 ? TILE_PATTERN
                           : h.planar >> n & 1    ? TILE_PLANE
                                                  : TILE_UNIFORM;
@@ -65,7 +65,7 @@ void block_unpack(block *b, const uint8_t *bytes)
     if (h.has_plane) take(&b->plane, from, sizeof b->plane);
 }
 
-void block_renumber(uint8_t *bytes, const uint32_t *shared, const uint32_t *own, const int32_t *own_base)
+void block_renumber(uint8_t *bytes, const uint32_t *shared, const uint32_t *privates, const int32_t *private_base)
 {
     block_head head;
     uint8_t   *pattern = bytes + sizeof head, *base;
@@ -80,9 +80,9 @@ void block_renumber(uint8_t *bytes, const uint32_t *shared, const uint32_t *own,
             continue;
         }
         memcpy(&depth, base, sizeof depth);
-        depth += own_base[was];
+        depth += private_base[was];
         base = put(base, &depth, sizeof depth);
-        memcpy(pattern, &own[was], sizeof was);
+        memcpy(pattern, &privates[was], sizeof was);
     }
 }
 
@@ -125,8 +125,8 @@ block block_at(const block_set *s, uint32_t id)
 
 /* New ids in `s` for the patterns of `from`, of both kinds. */
 typedef struct new_ids {
-    uint32_t *pattern, *own;
-    int32_t  *own_base; /* added to the bases of tiles */
+    uint32_t *pattern, *privates;
+    int32_t  *private_base; /* added to the bases of tiles */
 } new_ids;
 
 static vxs_result merge_patterns(block_set *s, const block_set *from, new_ids *ids)
@@ -141,9 +141,9 @@ static vxs_result merge_patterns(block_set *s, const block_set *from, new_ids *i
             if (r != VXS_OK) return r;
         }
     }
-    for (size_t n = 0; n < from->own.count; n++) {
+    for (size_t n = 0; n < from->privates.count; n++) {
         run_control_wait_each(BETWEEN_PASSES, n);
-        vxs_result r = own_adopt(&s->own, &from->own.patterns[n], &ids->own[n], &ids->own_base[n]);
+        vxs_result r = private_adopt(&s->privates, &from->privates.patterns[n], &ids->privates[n], &ids->private_base[n]);
         if (r != VXS_OK) return r;
     }
     return VXS_OK;
@@ -164,7 +164,7 @@ static vxs_result merge_blocks(block_set *s, block_set *from, const new_ids *ids
             if (r != VXS_OK) return r;
         }
         if (n >= count) continue;
-        block_renumber(intern_at(&from->blocks, (uint32_t)n), ids->pattern, ids->own, ids->own_base);
+        block_renumber(intern_at(&from->blocks, (uint32_t)n), ids->pattern, ids->privates, ids->private_base);
         hash[n % AHEAD] = intern_ask(&s->blocks, intern_at(&from->blocks, (uint32_t)n), intern_size(&from->blocks, (uint32_t)n));
     }
     return VXS_OK;
@@ -172,11 +172,11 @@ static vxs_result merge_blocks(block_set *s, block_set *from, const new_ids *ids
 
 vxs_result block_set_merge(block_set *s, block_set *from)
 {
-    new_ids    ids       = {.pattern  = malloc((from->patterns.count + 1) * sizeof *ids.pattern),
-                            .own      = malloc((from->own.count + 1) * sizeof *ids.own),
-                            .own_base = malloc((from->own.count + 1) * sizeof *ids.own_base)};
+    new_ids    ids       = {.pattern      = malloc((from->patterns.count + 1) * sizeof *ids.pattern),
+                            .privates     = malloc((from->privates.count + 1) * sizeof *ids.privates),
+                            .private_base = malloc((from->privates.count + 1) * sizeof *ids.private_base)};
     uint32_t  *block_ids = malloc((from->blocks.count + 1) * sizeof *block_ids);
-    vxs_result r         = ids.pattern && ids.own && ids.own_base && block_ids ? VXS_OK : VXS_E_MEMORY;
+    vxs_result r         = ids.pattern && ids.privates && ids.private_base && block_ids ? VXS_OK : VXS_E_MEMORY;
     if (r == VXS_OK) r = merge_patterns(s, from, &ids);
     if (r == VXS_OK) r = merge_blocks(s, from, &ids, block_ids);
     if (r == VXS_OK) {
@@ -191,8 +191,8 @@ vxs_result block_set_merge(block_set *s, block_set *from)
         s->tile_count += from->tile_count;
     }
     free(ids.pattern);
-    free(ids.own);
-    free(ids.own_base);
+    free(ids.privates);
+    free(ids.private_base);
     free(block_ids);
     block_set_free(from);
     return r;
@@ -204,6 +204,6 @@ void block_set_free(block_set *s)
     free(s->nodes);
     intern_free(&s->blocks);
     pattern_set_free(&s->patterns);
-    own_set_free(&s->own);
+    private_set_free(&s->privates);
     memset(s, 0, sizeof *s);
 }

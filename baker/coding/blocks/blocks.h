@@ -5,16 +5,16 @@
 #define BLOCKS_H
 
 #include "baker/base/intern.h"
-#include "baker/coding/blocks/own_patterns.h"
 #include "baker/coding/blocks/patterns.h"
 #include "baker/coding/blocks/plane.h"
+#include "baker/coding/blocks/private_patterns.h"
 #include "baker/columns/columns.h"
 
 /* A palette block of 32 x 32 texels and its tiles of 8 x 8, during the build. */
 
 enum { BLOCK_TILES = 16 };
 
-typedef enum tile_kind { TILE_UNIFORM, TILE_PATTERN, TILE_OWN, TILE_PLANE } tile_kind;
+typedef enum tile_kind { TILE_UNIFORM, TILE_PATTERN, TILE_PRIVATE, TILE_PLANE } tile_kind;
 
 /* Unused fields are 0, so that equal tiles have equal fields. */
 typedef struct block_tile {
@@ -26,7 +26,7 @@ typedef struct block_tile {
 
 static inline int tile_has_pattern(const block_tile *t)
 {
-    return t->kind == TILE_PATTERN || t->kind == TILE_OWN;
+    return t->kind == TILE_PATTERN || t->kind == TILE_PRIVATE;
 }
 
 typedef struct block {
@@ -57,9 +57,9 @@ size_t block_pack(const block *b, uint8_t bytes[BLOCK_PACKED_MAX]);
 
 void block_unpack(block *b, const uint8_t *bytes);
 
-/* Renumber patterns: private-palette ones become own[was], others shared[was]; own_base[was] is added to the bases of
+/* Renumber patterns: private-palette ones become privates[was], others shared[was]; private_base[was] is added to the bases of
  * private-palette ones. */
-void block_renumber(uint8_t *bytes, const uint32_t *shared, const uint32_t *own, const int32_t *own_base);
+void block_renumber(uint8_t *bytes, const uint32_t *shared, const uint32_t *privates, const int32_t *private_base);
 
 /* Read only the patterns of tiles, in the order of the tiles.   patterns  [out] those of head->patterned. Returns their number */
 int block_patterns(const uint8_t *bytes, block_head *head, uint32_t patterns[BLOCK_TILES]);
@@ -106,7 +106,7 @@ typedef struct block_set {
     size_t          uniform_count, uniform_capacity, node_count, node_capacity;
     intern          blocks; /* packed (blocks.h) */
     pattern_set     patterns;
-    own_set         own;
+    private_set     privates;
     plane           recent[PLANES_RECENT]; /* slopes of blocks */
     uint64_t        tile_count;            /* tiles with a pattern */
     uint64_t        squares_fetched;       /* number of fetched squares of columns */
@@ -144,8 +144,8 @@ vxs_result block_build_map(block_set *s, uint32_t map, const column_map *columns
 
 /* Contents of a light's words. */
 typedef struct block_counts {
-    uint32_t pages, nodes, blocks, tiles, own_tiles, patterns, own_patterns;  /* equal ones in a page are counted once */
-    uint32_t top_words, common_words, node_words, block_words, pattern_words; /* their sizes; patterns in pages only */
+    uint32_t pages, nodes, blocks, tiles, private_tiles, patterns, private_patterns; /* equal ones in a page are counted once */
+    uint32_t top_words, common_words, node_words, block_words, pattern_words;        /* their sizes; patterns in pages only */
 } block_counts;
 
 typedef struct block_words {

@@ -272,7 +272,7 @@ void pattern_set_free(pattern_set *s)
 }
 
 enum { STATE_LIT, STATE_DARK, STATE_OWN, STATE_SAME, IMAGE = 0xff };
-enum { OWN_BYTES, OWN_HALVES, OWN_WORDS, RAW_NIBBLES, RAW_BYTES };
+enum { PRIVATE_BYTES, PRIVATE_HALVES, PRIVATE_WORDS, RAW_NIBBLES, RAW_BYTES };
 
 /* Bytes are stored low byte first in halves. */
 static void put_byte(uint16_t *halves, uint32_t at, uint32_t byte)
@@ -292,10 +292,10 @@ static void put_nibbles(uint16_t *halves, const uint8_t nibble[64])
 uint32_t pattern_encode(const uint8_t index[64], int depths, uint16_t *halves)
 {
     int      masks = depths - 1;
-    uint64_t mask_bits[OWN_DEPTHS_MAX];
-    uint16_t own[4 * (OWN_DEPTHS_MAX - 1)];
-    uint8_t  states[OWN_DEPTHS_MAX] = {0};
-    uint32_t count                  = 0;
+    uint64_t mask_bits[PRIVATE_DEPTHS_MAX];
+    uint16_t own[4 * (PRIVATE_DEPTHS_MAX - 1)];
+    uint8_t  states[PRIVATE_DEPTHS_MAX] = {0};
+    uint32_t count                      = 0;
     for (int mask = 0; mask < masks; mask++) mask_bits[mask] = bytes_at_most(index, (uint8_t)mask);
     for (int q = 0; q < 4; q++)
         for (int mask = 0, owned = 0; mask < masks; mask++) {
@@ -320,7 +320,7 @@ uint32_t pattern_encode(const uint8_t index[64], int depths, uint16_t *halves)
 /* private-palette patterns ---------------------------------------------------------------------------------------------------- */
 
 /* The distinct depths, ascending. Each search starts at the previous texel's depth, because neighbours are similar.
- * Returns their number, or OWN_DEPTHS_MAX + 1. */
+ * Returns their number, or PRIVATE_DEPTHS_MAX + 1. */
 static int depths_of(const int32_t depth[64], int32_t *list)
 {
     int count = 0, at = 0;
@@ -328,7 +328,7 @@ static int depths_of(const int32_t depth[64], int32_t *list)
         while (at && list[at - 1] >= depth[n]) at--;
         while (at < count && list[at] < depth[n]) at++;
         if (at < count && list[at] == depth[n]) continue;
-        if (count == OWN_DEPTHS_MAX) return OWN_DEPTHS_MAX + 1;
+        if (count == PRIVATE_DEPTHS_MAX) return PRIVATE_DEPTHS_MAX + 1;
         for (int m = count++; m > at; m--) list[m] = list[m - 1];
         list[at] = depth[n];
     }
@@ -338,13 +338,13 @@ static int depths_of(const int32_t depth[64], int32_t *list)
 /* Encode as a palette and a pattern. Returns 0 if there are too many depths. */
 static uint32_t encode_palette(const int32_t depth[64], int shift, int32_t greatest, uint16_t *halves)
 {
-    int32_t  list[OWN_DEPTHS_MAX + 1];
+    int32_t  list[PRIVATE_DEPTHS_MAX + 1];
     uint8_t  index[64];
     int      count = depths_of(depth, list), bytes = greatest >> shift <= 0xff, at_halves = greatest >> shift <= 0xffff;
     uint32_t at = 1;
-    if (count < 2 || count > OWN_DEPTHS_MAX) return 0;
+    if (count < 2 || count > PRIVATE_DEPTHS_MAX) return 0;
     if (!bytes && !at_halves) shift = 0;
-    halves[0] = (uint16_t)((bytes ? OWN_BYTES : at_halves ? OWN_HALVES : OWN_WORDS) << 12 | shift << 8 | count);
+    halves[0] = (uint16_t)((bytes ? PRIVATE_BYTES : at_halves ? PRIVATE_HALVES : PRIVATE_WORDS) << 12 | shift << 8 | count);
     for (int n = 1; n < count; n++) {
         uint32_t delta = (uint32_t)(list[n] - list[0]) >> shift;
         if (bytes) {
@@ -389,9 +389,9 @@ static void encode_raw(const int32_t depth[64], int shift, uint32_t bytes, uint1
         for (uint32_t b = 0; b < bytes; b++) put_byte(halves + 1, bytes * n + b, (uint32_t)depth[n] >> shift >> 8 * b & 0xff);
 }
 
-uint32_t own_encode(const int32_t depth[64], uint16_t *halves)
+uint32_t private_encode(const int32_t depth[64], uint16_t *halves)
 {
-    uint16_t other[OWN_HALVES_MAX];
+    uint16_t other[PRIVATE_HALVES_MAX];
     int32_t  bits = 0, greatest = 0;
     for (int n = 0; n < 64; n++) {
         bits |= depth[n];

@@ -69,9 +69,9 @@ static void print_found(FILE *to, const light_report *l)
     if (l->light.coding != VXS_CODING_DAG) {
         const palette_counts *p = &l->palette;
         fprintf(to, "  patterns   %llu tiles of 8 x 8 need one\n", (unsigned long long)l->mask_tiles);
-        fprintf(to, "  kept       %llu nodes, %llu blocks, %llu tiles, %llu of them with depths of their own, %llu patterns\n",
+        fprintf(to, "  kept       %llu nodes, %llu blocks, %llu tiles, %llu of them with private palettes, %llu patterns\n",
                 (unsigned long long)p->nodes, (unsigned long long)p->blocks, (unsigned long long)p->tiles,
-                (unsigned long long)p->own_tiles, (unsigned long long)p->patterns);
+                (unsigned long long)p->private_tiles, (unsigned long long)p->patterns);
         return;
     }
     fprintf(to, "  masks      %llu tiles of 8 x 8 need %llu masks\n", (unsigned long long)l->mask_tiles,
@@ -182,8 +182,8 @@ static json_t *coded_json(const light_report *l)
         return json_pack("{s:I, s:I, s:I}", "mask_runs", (json_int_t)l->mask_runs, "inserted_nodes", (json_int_t)l->inserted_nodes,
                          "inserted_masks", (json_int_t)l->inserted_masks);
     return json_pack("{s:{s:I, s:I, s:I, s:I, s:I, s:I}}", "palette_blocks", "pages", (json_int_t)p->pages, "nodes",
-                     (json_int_t)p->nodes, "blocks", (json_int_t)p->blocks, "tiles", (json_int_t)p->tiles, "own_tiles",
-                     (json_int_t)p->own_tiles, "patterns", (json_int_t)p->patterns);
+                     (json_int_t)p->nodes, "blocks", (json_int_t)p->blocks, "tiles", (json_int_t)p->tiles, "private_tiles",
+                     (json_int_t)p->private_tiles, "patterns", (json_int_t)p->patterns);
 }
 
 static json_t *light_json(const light_report *l)

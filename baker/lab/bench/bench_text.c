@@ -147,7 +147,7 @@ static const figure_row rows[] = {
     {"size/palette_blocks", "nodes", "nodes", FIGURE_COUNT, 0},
     {"size/palette_blocks", "blocks", "blocks", FIGURE_COUNT, 0},
     {"size/palette_blocks", "tiles", "tiles", FIGURE_COUNT, 0},
-    {"size/palette_blocks", "tiles with own depths", "own_tiles", FIGURE_COUNT, 0},
+    {"size/palette_blocks", "tiles with private palettes", "private_tiles", FIGURE_COUNT, 0},
     {"size/palette_blocks", "patterns", "patterns", FIGURE_COUNT, 0},
     {"errors", "wrong", "wrong_share", FIGURE_SHARE, FIGURE_COLUMN | FIGURE_ERROR},
     {"errors", "leaks", "leaks", FIGURE_COUNT, FIGURE_ERROR},

@@ -377,7 +377,7 @@ function show_parts(title, parts_of) {
 
 /* Objects of a cell's coding: [[name, count]] */
 const KEPT = { nodes: "nodes", masks: "masks", inserted_nodes: "nodes inserted", inserted_masks: "masks inserted", blocks: "blocks",
-    tiles: "tiles", own_tiles: "of own depths", patterns: "patterns", pages: "pages" };
+    tiles: "tiles", private_tiles: "with private palettes", patterns: "patterns", pages: "pages" };
 function kept_of({ size }) {
     const kept = { ...size, ...size.palette_blocks };
     return Object.entries(KEPT).filter(([key]) => key in kept).map(([key, name]) => [name, kept[key]]);

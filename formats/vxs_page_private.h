@@ -1,8 +1,8 @@
 /* Private-palette patterns.
  * Internal to vxs_page_*.c, which define PAGE_ENCODING. Not installed.
  * SPDX-License-Identifier: MIT */
-#ifndef VXS_PAGE_OWN_H
-#define VXS_PAGE_OWN_H
+#ifndef VXS_PAGE_PRIVATE_H
+#define VXS_PAGE_PRIVATE_H
 
 #include "vxs_page_patterns.h"
 #include "vxs_page_planes.h"
@@ -12,17 +12,17 @@
 enum { QUARTER = 64 /* a quarter voxel, in 1/256 voxel: unit of the least depth of a plane of a pattern */ };
 
 /* Depths are relative to the base of the pattern. */
-typedef struct own_planes {
+typedef struct private_planes {
     uint32_t kind;
     sheet    s[2];
     uint64_t mask; /* texels of the second plane, quadrant by quadrant */
-} own_planes;
+} private_planes;
 
 /* Base of a tile with a private-palette pattern. */
-typedef struct own_base {
+typedef struct private_base {
     int32_t  block, value; /* block: of the block, in the node; value: of the tile, relative to that */
     uint32_t far;
-} own_base;
+} private_base;
 
 /* Index of texel (x, y), quadrant by quadrant. */
 PAGE_INLINE uint32_t texel_at(uint32_t x, uint32_t y)
@@ -30,35 +30,35 @@ PAGE_INLINE uint32_t texel_at(uint32_t x, uint32_t y)
     return ((x >> 2) + 2 * (y >> 2)) * 16 + (y & 3) * 4 + (x & 3);
 }
 
-static own_planes read_own_planes(const uint32_t *words, uint32_t half)
+static private_planes read_private_planes(const uint32_t *words, uint32_t half)
 {
-    uint32_t   head = get_half(words, half), shift = head >> 8 & 15;
-    own_planes p = {.kind = head >> 12};
-    for (uint32_t n = 0; n < (p.kind == OWN_PLANE ? 1u : 2u); n++) {
+    uint32_t       head = get_half(words, half), shift = head >> 8 & 15;
+    private_planes p = {.kind = head >> 12};
+    for (uint32_t n = 0; n < (p.kind == PRIVATE_PLANE ? 1u : 2u); n++) {
         plane    one   = {(int16_t)get_half(words, half + 1 + 2 * n), (int16_t)get_half(words, half + 2 + 2 * n), shift};
         uint32_t least = (n ? get_half(words, half + 5) << (head & 7) << 8 : 0) + (head >> (3 + 2 * n) & 3) * QUARTER;
         p.s[n]         = sheet_of(&one, least, TILE_PX, OF_PATTERN);
     }
-    for (uint32_t n = 0; n < 4 && p.kind == OWN_MASK; n++) p.mask |= (uint64_t)get_half(words, half + 6 + n) << 16 * n;
+    for (uint32_t n = 0; n < 4 && p.kind == PRIVATE_MASK; n++) p.mask |= (uint64_t)get_half(words, half + 6 + n) << 16 * n;
     return p;
 }
 
 /* Plane of texel (x, y): 0 or 1; with a mask the texel must be in the tile. */
-PAGE_INLINE uint32_t which_plane(const own_planes *p, int32_t x, int32_t y)
+PAGE_INLINE uint32_t which_plane(const private_planes *p, int32_t x, int32_t y)
 {
-    if (p->kind == OWN_PLANE) return 0;
-    if (p->kind == OWN_MASK) return p->mask >> texel_at((uint32_t)x, (uint32_t)y) & 1;
+    if (p->kind == PRIVATE_PLANE) return 0;
+    if (p->kind == PRIVATE_MASK) return p->mask >> texel_at((uint32_t)x, (uint32_t)y) & 1;
     int32_t first = (int32_t)sheet_from(p->s[0], x, y).at >> 8, second = (int32_t)sheet_from(p->s[1], x, y).at >> 8;
-    return p->kind == OWN_NEARER ? second < first : second > first;
+    return p->kind == PRIVATE_NEARER ? second < first : second > first;
 }
 
 /* Predicted base of a tile: its planes meet the texels beside it. */
-static int32_t meet_own(const walk *w, const own_planes *p, uint32_t x0, uint32_t y0)
+static int32_t meet_private(const walk *w, const private_planes *p, uint32_t x0, uint32_t y0)
 {
-    own_planes like = *p;
-    int32_t    said[2 * TILE_PX], depth, slope = tile_slope(w, x0 / TILE_PX, y0 / TILE_PX);
-    uint32_t   count = 0;
-    if (like.kind == OWN_MASK) like.kind = OWN_PLANE; /* the mask has no texels beside the tile */
+    private_planes like = *p;
+    int32_t        said[2 * TILE_PX], depth, slope = tile_slope(w, x0 / TILE_PX, y0 / TILE_PX);
+    uint32_t       count = 0;
+    if (like.kind == PRIVATE_MASK) like.kind = PRIVATE_PLANE; /* the mask has no texels beside the tile */
     for (uint32_t n = 1; n < TILE_PX; n += 2) {
         int32_t k = (int32_t)n;
         if (depth_above(w, x0 + n, y0, &depth))
@@ -70,16 +70,16 @@ static int32_t meet_own(const walk *w, const own_planes *p, uint32_t x0, uint32_
 }
 
 /* p  planes of the tile; NULL: none */
-static int code_own_base(walk *w, own_base *o, const own_planes *p, uint32_t x0, uint32_t y0)
+static int code_private_base(walk *w, private_base *o, const private_planes *p, uint32_t x0, uint32_t y0)
 {
     int32_t least = least_border_depth(w, x0, y0, TILE_PX);
-    int32_t like  = p ? (int16_t)(meet_own(w, p, x0, y0) - o->block) : least == INT16_MAX ? 0 : (int16_t)(least - o->block);
-    o->value      = like + code_signed(&w->c, &w->odds->own_base[p ? p->kind == OWN_PLANE ? 1 : 2 : 0], o->value - like);
-    return o->far ? o->value > -DEPTH_END && o->value < DEPTH_END : o->value >= -OWN_ZERO && o->value < OWN_ZERO;
+    int32_t like  = p ? (int16_t)(meet_private(w, p, x0, y0) - o->block) : least == INT16_MAX ? 0 : (int16_t)(least - o->block);
+    o->value      = like + code_signed(&w->c, &w->odds->private_base[p ? p->kind == PRIVATE_PLANE ? 1 : 2 : 0], o->value - like);
+    return o->far ? o->value > -DEPTH_END && o->value < DEPTH_END : o->value >= -PRIVATE_ZERO && o->value < PRIVATE_ZERO;
 }
 
 /* Whether a depth at a texel is nearer to the second plane. */
-PAGE_INLINE uint8_t is_second(const own_planes *p, int32_t x, int32_t y, int32_t depth)
+PAGE_INLINE uint8_t is_second(const private_planes *p, int32_t x, int32_t y, int32_t depth)
 {
     int32_t first  = depth - ((int32_t)sheet_from(p->s[0], x, y).at >> 8),
             second = depth - ((int32_t)sheet_from(p->s[1], x, y).at >> 8);
@@ -88,7 +88,7 @@ PAGE_INLINE uint8_t is_second(const own_planes *p, int32_t x, int32_t y, int32_t
 
 /* The mask of texels on the second plane. Texels beside the tile count as on the plane that is nearer to their depth.
  * base  of the tile, in the node */
-static int code_own_mask(walk *w, const own_planes *p, uint32_t from, int32_t base, uint32_t x0, uint32_t y0)
+static int code_private_mask(walk *w, const private_planes *p, uint32_t from, int32_t base, uint32_t x0, uint32_t y0)
 {
     uint8_t              border[16] = {0}, left[8] = {0};
     int32_t              without = base - tile_slope(w, x0 / TILE_PX, y0 / TILE_PX), depth;
@@ -108,18 +108,18 @@ static int code_own_mask(walk *w, const own_planes *p, uint32_t from, int32_t ba
 }
 
 /* A new pattern.   from  half of the source where it starts;   base  NULL in the common pool, where it counts as 0 */
-static int code_own_planes(walk *w, uint32_t kind, uint32_t from, own_base *base, uint32_t x0, uint32_t y0)
+static int code_private_planes(walk *w, uint32_t kind, uint32_t from, private_base *base, uint32_t x0, uint32_t y0)
 {
     coder     *c    = &w->c;
     page_odds *odds = w->odds;
-    uint32_t   half = w->half, head = source_half(w, from), two = kind != OWN_PLANE;
-    uint32_t   shift = code_nibble(c, &odds->own_plane[two].shift, head >> 8 & 15), far_shift = 0;
+    uint32_t   half = w->half, head = source_half(w, from), two = kind != PRIVATE_PLANE;
+    uint32_t   shift = code_nibble(c, &odds->private_plane[two].shift, head >> 8 & 15), far_shift = 0;
     uint32_t   quarters = code_nibble(c, &odds->quarters[two], head >> 3 & 15);
     if (!two && quarters > 3) return 0;
-    if (shift > PLANE_SHIFT_MAX || own_halves[kind] > 2 * w->word_count - half) return 0;
+    if (shift > PLANE_SHIFT_MAX || private_halves[kind] > 2 * w->word_count - half) return 0;
     for (uint32_t n = 0; n <= two; n++) {
         plane p = {(int16_t)source_half(w, from + 1 + 2 * n), (int16_t)source_half(w, from + 2 + 2 * n), shift};
-        if (!code_steps(w, &odds->own_plane[two + n], &p, steps_beside(w, x0, y0, two + n))) return 0;
+        if (!code_steps(w, &odds->private_plane[two + n], &p, steps_beside(w, x0, y0, two + n))) return 0;
         put_half(w->words, half + 1 + 2 * n, (uint32_t)p.a);
         put_half(w->words, half + 2 + 2 * n, (uint32_t)p.b);
     }
@@ -131,39 +131,39 @@ static int code_own_planes(walk *w, uint32_t kind, uint32_t from, own_base *base
         put_half(w->words, half + 5, far);
     }
     put_half(w->words, half, kind << 12 | shift << 8 | quarters << 3 | far_shift);
-    own_planes p = read_own_planes(w->words, half);
-    if (base && !code_own_base(w, base, &p, x0, y0)) return 0;
-    if (kind == OWN_MASK && !code_own_mask(w, &p, from + 6, base ? base->block + base->value : 0, x0, y0)) return 0;
-    w->half += own_halves[kind];
+    private_planes p = read_private_planes(w->words, half);
+    if (base && !code_private_base(w, base, &p, x0, y0)) return 0;
+    if (kind == PRIVATE_MASK && !code_private_mask(w, &p, from + 6, base ? base->block + base->value : 0, x0, y0)) return 0;
+    w->half += private_halves[kind];
     return 1;
 }
 
 /* all kinds of patterns --------------------------------------------------------------------------------------------------------- */
 
 /* Delta n of a private palette.   head  first half of the pattern;   half  where the deltas start */
-static uint32_t own_delta(const uint32_t *words, uint32_t half, uint32_t head, uint32_t n)
+static uint32_t private_delta(const uint32_t *words, uint32_t half, uint32_t head, uint32_t n)
 {
     uint32_t kind = head >> 12, shift = head >> 8 & 15;
-    if (kind == OWN_BYTES) return get_byte(words, 2 * half + n) << shift;
-    if (kind == OWN_HALVES) return get_half(words, half + n) << shift;
+    if (kind == PRIVATE_BYTES) return get_byte(words, 2 * half + n) << shift;
+    if (kind == PRIVATE_HALVES) return get_half(words, half + n) << shift;
     return (get_half(words, half + 2 * n) | get_half(words, half + 2 * n + 1) << 16) << shift;
 }
 
 /* Set the borders after an own tile.   base  of the tile, in the node */
-static void draw_own(walk *w, uint32_t ref, int32_t base, uint32_t x0, uint32_t y0)
+static void draw_private(walk *w, uint32_t ref, int32_t base, uint32_t x0, uint32_t y0)
 {
     const uint32_t *words = pool_of(w, ref);
     uint32_t        half = ref & (REF_COMMON - 1), head = get_half(words, half), kind = head >> 12;
-    if (kind <= OWN_WORDS) {
+    if (kind <= PRIVATE_WORDS) {
         int16_t  depth[DEPTHS_MAX];
         uint32_t depths = head & 0xff;
         depth[0]        = (int16_t)base;
-        for (uint32_t n = 0; n + 1 < depths; n++) depth[n + 1] = (int16_t)(base + (int32_t)own_delta(words, half + 1, head, n));
-        draw_pattern(w, border_of(words, half + 1 + own_delta_halves(kind, depths - 1), depths), depth, x0, y0);
+        for (uint32_t n = 0; n + 1 < depths; n++) depth[n + 1] = (int16_t)(base + (int32_t)private_delta(words, half + 1, head, n));
+        draw_pattern(w, border_of(words, half + 1 + private_delta_halves(kind, depths - 1), depths), depth, x0, y0);
         return;
     }
-    if (kind >= OWN_PLANE) {
-        own_planes planes = read_own_planes(words, half);
+    if (kind >= PRIVATE_PLANE) {
+        private_planes planes = read_private_planes(words, half);
 
         /* base is that of the tile, in the node */
         uint32_t without = (uint32_t)(base - tile_slope(w, x0 / TILE_PX, y0 / TILE_PX)) << 8;
@@ -176,7 +176,7 @@ static void draw_own(walk *w, uint32_t ref, int32_t base, uint32_t x0, uint32_t 
         *left  = planes.s[which_plane(&planes, 7, 4)];
         above->at += without;
         left->at += without;
-        w->last_own = *left;
+        w->last_private = *left;
 
         return;
     }
@@ -189,34 +189,34 @@ static void draw_own(walk *w, uint32_t ref, int32_t base, uint32_t x0, uint32_t 
 }
 
 /* A private palette and its pattern.   from  half of the source where it starts */
-static int code_own_palette(walk *w, uint32_t kind, uint32_t from, int32_t base, uint32_t x0, uint32_t y0)
+static int code_private_palette(walk *w, uint32_t kind, uint32_t from, int32_t base, uint32_t x0, uint32_t y0)
 {
     coder     *c    = &w->c;
     page_odds *odds = w->odds;
-    uint32_t   head = source_half(w, from), shift = code_nibble(c, &odds->own_shift, head >> 8 & 15);
-    uint32_t   depths = code_nibble(c, &odds->own_count, (head - 2) & 15) + 2, half = w->half, last = 0;
-    uint32_t   halves = own_delta_halves(kind, depths - 1), end = kind == OWN_BYTES    ? 1 << 8
-                                                                  : kind == OWN_HALVES ? 1 << 16
-                                                                                       : DEPTH_END;
+    uint32_t   head = source_half(w, from), shift = code_nibble(c, &odds->private_shift, head >> 8 & 15);
+    uint32_t   depths = code_nibble(c, &odds->private_count, (head - 2) & 15) + 2, half = w->half, last = 0;
+    uint32_t   halves = private_delta_halves(kind, depths - 1), end = kind == PRIVATE_BYTES    ? 1 << 8
+                                                                      : kind == PRIVATE_HALVES ? 1 << 16
+                                                                                               : DEPTH_END;
     int16_t    depth[DEPTHS_MAX] = {(int16_t)base};
     if (depths > DEPTHS_MAX || 1 + halves > 2 * w->word_count - half) return 0;
     put_half(w->words, half, head = kind << 12 | shift << 8 | depths);
     for (uint32_t n = 0; n + 1 < depths; n++) {
         uint32_t delta = 0;
         if (PAGE_ENCODING) {
-            uint32_t at = from + 1 + (kind == OWN_BYTES ? n / 2 : kind == OWN_HALVES ? n : 2 * n);
-            delta       = kind == OWN_BYTES    ? source_half(w, at) >> 8 * (n & 1) & 255
-                          : kind == OWN_HALVES ? source_half(w, at)
-                                               : source_half(w, at) | source_half(w, at + 1) << 16;
+            uint32_t at = from + 1 + (kind == PRIVATE_BYTES ? n / 2 : kind == PRIVATE_HALVES ? n : 2 * n);
+            delta       = kind == PRIVATE_BYTES    ? source_half(w, at) >> 8 * (n & 1) & 255
+                          : kind == PRIVATE_HALVES ? source_half(w, at)
+                                                   : source_half(w, at) | source_half(w, at + 1) << 16;
             if (delta <= last || delta >= end) return 0;
         }
-        delta = code_step(c, &odds->own_delta, odds->own_round, last, delta - last - 1);
+        delta = code_step(c, &odds->private_delta, odds->private_round, last, delta - last - 1);
         if (delta >= end - 1 - last || (uint64_t)(last + delta + 1) << shift >= DEPTH_END) return 0;
         last += delta + 1;
         depth[n + 1] = (int16_t)(base + (int32_t)(last << shift));
-        if (kind == OWN_BYTES)
+        if (kind == PRIVATE_BYTES)
             put_byte(w->words, 2 * half + 2 + n, last);
-        else if (kind == OWN_HALVES)
+        else if (kind == PRIVATE_HALVES)
             put_half(w->words, half + 1 + n, last);
         else {
             put_half(w->words, half + 1 + 2 * n, last);
@@ -242,16 +242,16 @@ PAGE_INLINE int32_t raw_like(const walk *w, const uint32_t *d, uint32_t x, uint3
     return (int16_t)((left[0] < above[0] ? left[0] : above[0]) - base) >> shift;
 }
 
-/* 64 depths without a palette.   explicit_bases  1: the four bases of OWN_NIBBLES are not the least depths of their
+/* 64 depths without a palette.   explicit_bases  1: the four bases of PRIVATE_NIBBLES are not the least depths of their
  * quadrants */
-static int code_own_raw(walk *w, uint32_t kind, int explicit_bases, uint32_t from, int32_t base_depth, uint32_t x0, uint32_t y0)
+static int code_private_raw(walk *w, uint32_t kind, int explicit_bases, uint32_t from, int32_t base_depth, uint32_t x0, uint32_t y0)
 {
     coder     *c    = &w->c;
     page_odds *odds = w->odds;
-    uint32_t   half = w->half, shift = code_nibble(c, &odds->own_shift, source_half(w, from) >> 8 & 15);
+    uint32_t   half = w->half, shift = code_nibble(c, &odds->private_shift, source_half(w, from) >> 8 & 15);
     uint32_t   depth[8][8], base[4] = {~0u, ~0u, ~0u, ~0u}, last = 0;
-    uint32_t   end = kind == OWN_NIBBLES ? 255 + 16 : kind == OWN_RAW1 ? 1 << 8 : kind == OWN_RAW2 ? 1 << 16 : 1 << 24;
-    if (own_halves[kind] > 2 * w->word_count - half) return 0;
+    uint32_t   end = kind == PRIVATE_NIBBLES ? 255 + 16 : kind == PRIVATE_RAW1 ? 1 << 8 : kind == PRIVATE_RAW2 ? 1 << 16 : 1 << 24;
+    if (private_halves[kind] > 2 * w->word_count - half) return 0;
     for (uint32_t y = 0; y < 8; y++)
         for (uint32_t x = 0; x < 8; x++) {
             uint32_t z = texel_at(x, y), *d = &depth[y][x];
@@ -272,59 +272,60 @@ static int code_own_raw(walk *w, uint32_t kind, int explicit_bases, uint32_t fro
             if (base[z / 16] > *d) base[z / 16] = *d;
         }
     put_half(w->words, half, kind << 12 | shift << 8);
-    for (uint32_t n = 0; n < 4 && kind == OWN_NIBBLES; n++) {
+    for (uint32_t n = 0; n < 4 && kind == PRIVATE_NIBBLES; n++) {
         if (explicit_bases) base[n] = code_number(c, &odds->raw_base, source_half(w, from + 1 + n / 2) >> 8 * (n & 1) & 255);
         if (base[n] > 255) return 0;
         put_byte(w->words, 2 * half + 2 + n, base[n]);
     }
     for (uint32_t z = 0; z < 64; z++) {
         uint32_t d = depth[(z >> 5) * 4 + (z >> 2 & 3)][(z >> 4 & 1) * 4 + (z & 3)], byte = 2 * half + 2;
-        if (kind == OWN_NIBBLES) {
+        if (kind == PRIVATE_NIBBLES) {
             d -= base[z / 16];
             if (d > 15) return 0;
             put_byte(w->words, byte + 4 + (z & 31), d << (z >> 5) * 4);
-        } else if (kind == OWN_RAW1)
+        } else if (kind == PRIVATE_RAW1)
             put_byte(w->words, byte + z, d);
-        else if (kind == OWN_RAW2)
+        else if (kind == PRIVATE_RAW2)
             put_half(w->words, half + 1 + z, d);
         else
             for (uint32_t n = 0; n < 3; n++) put_byte(w->words, byte + 3 * z + n, d >> 8 * n);
     }
-    w->half += own_halves[kind];
+    w->half += private_halves[kind];
     return 1;
 }
 
 /* The base of a tile with a known pattern. */
-static int code_base_of(walk *w, own_base *base, uint32_t ref, uint32_t x0, uint32_t y0)
+static int code_base_of(walk *w, private_base *base, uint32_t ref, uint32_t x0, uint32_t y0)
 {
     const uint32_t *words = pool_of(w, ref);
     uint32_t        half  = ref & (REF_COMMON - 1);
-    if (get_half(words, half) >> 12 < OWN_PLANE) return code_own_base(w, base, NULL, x0, y0);
-    own_planes p = read_own_planes(words, half);
-    return code_own_base(w, base, &p, x0, y0);
+    if (get_half(words, half) >> 12 < PRIVATE_PLANE) return code_private_base(w, base, NULL, x0, y0);
+    private_planes p = read_private_planes(words, half);
+    return code_private_base(w, base, &p, x0, y0);
 }
 
 /* A new private-palette pattern.   base  of the tile; NULL in the common pool, where it counts as 0 */
-static int code_own(walk *w, uint32_t from, own_base *base, uint32_t x0, uint32_t y0)
+static int code_private(walk *w, uint32_t from, private_base *base, uint32_t x0, uint32_t y0)
 {
     uint32_t kind = source_half(w, from) >> 12;
     if (PAGE_ENCODING) {
-        if (kind >= OWN_KINDS) return 0;
-        if (kind >= OWN_NIBBLES && kind < OWN_PLANE && from + own_halves[kind] > 2 * w->word_count) return 0;
-        for (uint32_t c = 0, bases = kind == OWN_NIBBLES; c < 4 && bases; c++) {
+        if (kind >= PRIVATE_KINDS) return 0;
+        if (kind >= PRIVATE_NIBBLES && kind < PRIVATE_PLANE && from + private_halves[kind] > 2 * w->word_count) return 0;
+        for (uint32_t c = 0, bases = kind == PRIVATE_NIBBLES; c < 4 && bases; c++) {
             uint32_t least = 0, first = get_byte(w->source, 2 * from + 2 + c);
-            for (uint32_t z = 16 * c; z < 16 * c + 16; z++) least |= raw_depth(w->source, from, OWN_NIBBLES, z) == first;
-            if (!least) kind = OWN_KINDS;
+            for (uint32_t z = 16 * c; z < 16 * c + 16; z++) least |= raw_depth(w->source, from, PRIVATE_NIBBLES, z) == first;
+            if (!least) kind = PRIVATE_KINDS;
         }
     }
     uint32_t beside = (w->sheet_left[y0 / TILE_PX].known != 0) + (w->sheet_above[x0 / TILE_PX].known != 0);
-    kind            = code_nibble(&w->c, &w->odds->own_kind[beside], kind);
-    if (kind > OWN_KINDS) return 0;
-    if (kind >= OWN_PLANE && kind < OWN_KINDS) return code_own_planes(w, kind, from, base, x0, y0);
-    if (base && !code_own_base(w, base, NULL, x0, y0)) return 0;
+    kind            = code_nibble(&w->c, &w->odds->private_kind[beside], kind);
+    if (kind > PRIVATE_KINDS) return 0;
+    if (kind >= PRIVATE_PLANE && kind < PRIVATE_KINDS) return code_private_planes(w, kind, from, base, x0, y0);
+    if (base && !code_private_base(w, base, NULL, x0, y0)) return 0;
     int32_t depth = base ? base->block + base->value : 0;
-    if (kind <= OWN_WORDS) return code_own_palette(w, kind, from, depth, x0, y0);
-    return kind == OWN_KINDS ? code_own_raw(w, OWN_NIBBLES, 1, from, depth, x0, y0) : code_own_raw(w, kind, 0, from, depth, x0, y0);
+    if (kind <= PRIVATE_WORDS) return code_private_palette(w, kind, from, depth, x0, y0);
+    return kind == PRIVATE_KINDS ? code_private_raw(w, PRIVATE_NIBBLES, 1, from, depth, x0, y0)
+                                 : code_private_raw(w, kind, 0, from, depth, x0, y0);
 }
 
 #endif

@@ -1,8 +1,8 @@
 /* Private-palette patterns, for tiles with many depths: 64 depths relative to a base. Tiles whose ranges allow it share a pattern,
  * with different bases.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef OWN_PATTERNS_H
-#define OWN_PATTERNS_H
+#ifndef PRIVATE_PATTERNS_H
+#define PRIVATE_PATTERNS_H
 
 #include <stddef.h>
 #include <stdint.h>
@@ -26,61 +26,61 @@ static inline int32_t least_high(const tile_ranges *t)
 
 /* Patterns of tiles whose texels lie on one plane or on two, for instance where a slanted sheet ends in front of another. */
 
-enum { OWN_PLANE_HALVES = 3, OWN_PAIR_HALVES = 6, OWN_PLANES_HALVES_MAX = 10 };
+enum { PRIVATE_PLANE_HALVES = 3, PRIVATE_PAIR_HALVES = 6, PRIVATE_PLANES_HALVES_MAX = 10 };
 
 /* The ranges of a tile in parts of a voxel, relative to depth `from`. */
 void plane_ranges_of(plane_ranges *to, const tile_ranges *t, int32_t from);
 
 /* Planes that pass through all ranges of a tile. */
-typedef struct own_planes {
-    uint32_t count;                         /* number of halves; 0: no planes */
-    uint16_t halves[OWN_PLANES_HALVES_MAX]; /* [count] formats/vxs.md 13.3 */
-    int32_t  depth[64], base;               /* depths of the planes relative to the base, all >= 0 */
-} own_planes;
+typedef struct private_planes {
+    uint32_t count;                             /* number of halves; 0: no planes */
+    uint16_t halves[PRIVATE_PLANES_HALVES_MAX]; /* [count] formats/vxs.md 13.3 */
+    int32_t  depth[64], base;                   /* depths of the planes relative to the base, all >= 0 */
+} private_planes;
 
 /* Whether `count` halves from any writer are valid planes. */
-int own_planes_are_sound(const uint16_t *halves, uint32_t count);
+int private_planes_are_sound(const uint16_t *halves, uint32_t count);
 
-/* Fit one plane: count becomes OWN_PLANE_HALVES, or 0. */
-void own_plane(own_planes *to, const tile_ranges *t);
+/* Fit one plane: count becomes PRIVATE_PLANE_HALVES, or 0. */
+void private_plane(private_planes *to, const tile_ranges *t);
 
 /* Fit two planes. */
-void own_plane_pair(own_planes *to, const tile_ranges *t);
+void private_plane_pair(private_planes *to, const tile_ranges *t);
 
-enum { OWN_WINDOW = 1024 }; /* number of patterns that a tile is compared with */
+enum { PRIVATE_WINDOW = 1024 }; /* number of patterns that a tile is compared with */
 
-typedef struct own_pattern {
+typedef struct private_pattern {
     int32_t     depth[64]; /* all >= 0 */
     tile_ranges may;       /* intersection of the ranges of all its tiles, relative to their bases */
     uint32_t    plane_halves;
-    uint16_t    planes[OWN_PLANES_HALVES_MAX]; /* [plane_halves] the pattern as planes, if it is planes */
-} own_pattern;
+    uint16_t    planes[PRIVATE_PLANES_HALVES_MAX]; /* [plane_halves] the pattern as planes, if it is planes */
+} private_pattern;
 
 /* Zero it. */
-typedef struct own_set {
-    own_pattern *patterns; /* by id */
-    size_t       count, pattern_capacity;
+typedef struct private_set {
+    private_pattern *patterns; /* by id */
+    size_t           count, pattern_capacity;
 
     /* search order is last to first; only patterns whose depths fit into halves */
-    struct own_known *known;
-    struct own_group *groups;
-    size_t            known_count, known_capacity, group_capacity;
-    int               cpu; /* [in] level of cpu.h for searches; affects only time */
-} own_set;
+    struct private_known *known;
+    struct own_group     *groups;
+    size_t                known_count, known_capacity, group_capacity;
+    int                   cpu; /* [in] level of cpu.h for searches; affects only time */
+} private_set;
 
 /* Find a pattern that fits, or add one: planes, or depths that follow their neighbours as far as the ranges allow.
- * one   result of own_plane for the ranges
+ * one   result of private_plane for the ranges
  * id    [out];   base  [out] added to the pattern's depths
  * Returns VXS_OK or VXS_E_MEMORY. */
-vxs_result own_find(own_set *s, const tile_ranges *t, const own_planes *one, uint32_t *id, int32_t *base);
+vxs_result private_find(private_set *s, const tile_ranges *t, const private_planes *one, uint32_t *id, int32_t *base);
 
 /* The same for a pattern of another set, within the ranges that its tiles allow. If no pattern fits, the pattern itself is
  * added. */
-vxs_result own_adopt(own_set *s, const own_pattern *p, uint32_t *id, int32_t *base);
+vxs_result private_adopt(private_set *s, const private_pattern *p, uint32_t *id, int32_t *base);
 
-/* Number of halves of a pattern.   halves  [out] [OWN_HALVES_MAX] */
-uint32_t own_pattern_encode(const own_pattern *p, uint16_t *halves);
+/* Number of halves of a pattern.   halves  [out] [PRIVATE_HALVES_MAX] */
+uint32_t private_pattern_encode(const private_pattern *p, uint16_t *halves);
 
-void own_set_free(own_set *s);
+void private_set_free(private_set *s);
 
 #endif

@@ -1,6 +1,6 @@
-/* Private-palette patterns; see own_patterns.h.
+/* Private-palette patterns; see private_patterns.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/coding/blocks/own_patterns.h"
+#include "baker/coding/blocks/private_patterns.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -20,10 +20,10 @@ enum { PAIRS = 4, GROUP = 16, SHIFTS = 8, MARGIN = 1024, BYTES_HALVES_MIN = 19 /
 /* Pairs of texels that are compared first, spread over the tile: the depth difference of a pair does not depend on the base. */
 static const int pair_texels[PAIRS][2] = {{0, 63}, {22, 41}, {15, 51}, {28, 37}};
 
-typedef struct own_known {
+typedef struct private_known {
     int16_t  depth[64];
     uint32_t id;
-} own_known;
+} private_known;
 
 /* Pairs of GROUP patterns, which are searched at once. */
 typedef struct own_group {
@@ -113,9 +113,9 @@ static uint32_t last_bit(uint32_t bits)
 }
 
 /* Returns the place of a pattern that fits, or the count. */
-static ALWAYS_INLINE size_t search_by(find_possible *find, const own_set *s, const half_ranges *t, int *base)
+static ALWAYS_INLINE size_t search_by(find_possible *find, const private_set *s, const half_ranges *t, int *base)
 {
-    size_t      stop = s->known_count > OWN_WINDOW ? s->known_count - OWN_WINDOW : 0;
+    size_t      stop = s->known_count > PRIVATE_WINDOW ? s->known_count - PRIVATE_WINDOW : 0;
     pair_ranges r;
     for (int n = 0; n < PAIRS; n++) {
         int from = pair_texels[n][0], to = pair_texels[n][1];
@@ -134,21 +134,21 @@ static ALWAYS_INLINE size_t search_by(find_possible *find, const own_set *s, con
     return s->known_count;
 }
 
-static size_t search_plain(const own_set *s, const half_ranges *t, int *base)
+static size_t search_plain(const private_set *s, const half_ranges *t, int *base)
 {
     return search_by(possible, s, t, base);
 }
 
 #ifdef __x86_64__
 
-CPU_TARGET_AVX2 static size_t search_avx2(const own_set *s, const half_ranges *t, int *base)
+CPU_TARGET_AVX2 static size_t search_avx2(const private_set *s, const half_ranges *t, int *base)
 {
     return search_by(possible_avx2, s, t, base);
 }
 
 #endif
 
-static size_t search(const own_set *s, const half_ranges *t, int *base)
+static size_t search(const private_set *s, const half_ranges *t, int *base)
 {
 #ifdef __x86_64__
     if (s->cpu >= CPU_AVX2) return search_avx2(s, t, base);
@@ -156,7 +156,7 @@ static size_t search(const own_set *s, const half_ranges *t, int *base)
     return search_plain(s, t, base);
 }
 
-static void exchange_pairs(own_set *s, size_t a, size_t b)
+static void exchange_pairs(private_set *s, size_t a, size_t b)
 {
     for (int n = 0; n < PAIRS; n++) {
         int16_t *x = &s->groups[a / GROUP].deeper[n][a % GROUP], *y = &s->groups[b / GROUP].deeper[n][b % GROUP], was = *x;
@@ -177,7 +177,7 @@ static int32_t predicted(int32_t d[8][8], int x, int y)
 
 /* Choose depths in bytes, in steps of 1 << shift, each as near to its prediction as its range allows. Returns 0 if they do not
  * fit. */
-static int choose_bytes(own_pattern *p, const tile_ranges *t, int shift, int32_t *base)
+static int choose_bytes(private_pattern *p, const tile_ranges *t, int shift, int32_t *base)
 {
     int32_t first = least_high(t), last = greatest_low(t), step = 1 << shift, d[8][8], least = 255;
     if ((last - first + step - 1) >> shift > 255) return 0;
@@ -198,18 +198,18 @@ static int choose_bytes(own_pattern *p, const tile_ranges *t, int shift, int32_t
 }
 
 /* For depths that span much: choose each as near to the first as its range allows. */
-static void choose_any(own_pattern *p, const tile_ranges *t, int32_t *base)
+static void choose_any(private_pattern *p, const tile_ranges *t, int32_t *base)
 {
     *base = least_high(t);
     for (int n = 0; n < 64; n++) p->depth[n] = t->low[n] > *base ? t->low[n] - *base : 0;
 }
 
 /* Choose depths that take few halves: few distinct ones, or bytes. Returns the number of halves. */
-static uint32_t choose_depths(own_pattern *p, const tile_ranges *t, const half_ranges *halves, int32_t *base)
+static uint32_t choose_depths(private_pattern *p, const tile_ranges *t, const half_ranges *halves, int32_t *base)
 {
-    uint16_t    code[OWN_HALVES_MAX];
-    own_pattern bytes;
-    int32_t     base_of_bytes;
+    uint16_t        code[PRIVATE_HALVES_MAX];
+    private_pattern bytes;
+    int32_t         base_of_bytes;
     if (halves) {
         /* Choose as few distinct depths as possible. */
         intervals  s;
@@ -235,10 +235,10 @@ static uint32_t choose_depths(own_pattern *p, const tile_ranges *t, const half_r
     *base += least;
 
     p->plane_halves        = 0;
-    uint32_t halves_of_few = own_encode(p->depth, code);
+    uint32_t halves_of_few = private_encode(p->depth, code);
     for (int shift = 0; shift < SHIFTS && halves_of_few > BYTES_HALVES_MIN; shift++) {
         if (!choose_bytes(&bytes, t, shift, &base_of_bytes)) continue;
-        uint32_t count = own_encode(bytes.depth, code);
+        uint32_t count = private_encode(bytes.depth, code);
         if (count >= halves_of_few) break;
         memcpy(p->depth, bytes.depth, sizeof p->depth);
         *base = base_of_bytes;
@@ -255,7 +255,7 @@ static int in_halves(const int32_t depth[64])
     return 1;
 }
 
-static void take_planes(own_pattern *p, const own_planes *planes, int32_t *base)
+static void take_planes(private_pattern *p, const private_planes *planes, int32_t *base)
 {
     memcpy(p->depth, planes->depth, sizeof p->depth);
     memcpy(p->planes, planes->halves, sizeof p->planes);
@@ -264,27 +264,27 @@ static void take_planes(own_pattern *p, const own_planes *planes, int32_t *base)
 }
 
 /* Choose one plane, or depths, or two planes if these are certain to take less. */
-static void choose(own_pattern *p, const tile_ranges *t, const half_ranges *halves, const own_planes *one, int32_t *base)
+static void choose(private_pattern *p, const tile_ranges *t, const half_ranges *halves, const private_planes *one, int32_t *base)
 {
-    own_planes pair;
+    private_planes pair;
     if (one->count && (!halves || in_halves(one->depth))) {
         take_planes(p, one, base);
         return;
     }
-    if (choose_depths(p, t, halves, base) <= OWN_PLANES_HALVES_MAX) return;
-    own_plane_pair(&pair, t);
+    if (choose_depths(p, t, halves, base) <= PRIVATE_PLANES_HALVES_MAX) return;
+    private_plane_pair(&pair, t);
     if (pair.count && (!halves || in_halves(pair.depth))) take_planes(p, &pair, base);
 }
 
-uint32_t own_pattern_encode(const own_pattern *p, uint16_t *halves)
+uint32_t private_pattern_encode(const private_pattern *p, uint16_t *halves)
 {
-    if (!p->plane_halves) return own_encode(p->depth, halves);
+    if (!p->plane_halves) return private_encode(p->depth, halves);
     memcpy(halves, p->planes, p->plane_halves * sizeof *halves);
     return p->plane_halves;
 }
 
 /* Narrow the pattern's ranges by one more tile. */
-static void narrow(own_pattern *p, const tile_ranges *t, int32_t base)
+static void narrow(private_pattern *p, const tile_ranges *t, int32_t base)
 {
     for (int n = 0; n < 64; n++) {
         int32_t low = t->low[n] - base, high = t->high[n] - base;
@@ -293,14 +293,14 @@ static void narrow(own_pattern *p, const tile_ranges *t, int32_t base)
     }
 }
 
-static vxs_result remember(own_set *s, const own_pattern *p, uint32_t id)
+static vxs_result remember(private_set *s, const private_pattern *p, uint32_t id)
 {
     size_t at = s->known_count;
     if (!array_reserve(&s->known, &s->known_capacity, at + 1, sizeof *s->known)) return VXS_E_MEMORY;
     if (!array_reserve(&s->groups, &s->group_capacity, at / GROUP + 1, sizeof *s->groups)) return VXS_E_MEMORY;
     if (at % GROUP == 0) s->groups[at / GROUP] = (own_group){0};
-    own_known *k = &s->known[at];
-    k->id        = id;
+    private_known *k = &s->known[at];
+    k->id            = id;
     for (int n = 0; n < 64; n++) k->depth[n] = (int16_t)p->depth[n];
     for (int n = 0; n < PAIRS; n++)
         s->groups[at / GROUP].deeper[n][at % GROUP] = (int16_t)(k->depth[pair_texels[n][1]] - k->depth[pair_texels[n][0]]);
@@ -309,12 +309,12 @@ static vxs_result remember(own_set *s, const own_pattern *p, uint32_t id)
 }
 
 /* Add a new pattern.   like  the pattern to copy; NULL: choose one, which may be the plane `one` */
-static vxs_result add(own_set *s, const tile_ranges *t, const half_ranges *halves, const own_planes *one, const own_pattern *like,
-                      uint32_t *id, int32_t *base)
+static vxs_result add(private_set *s, const tile_ranges *t, const half_ranges *halves, const private_planes *one,
+                      const private_pattern *like, uint32_t *id, int32_t *base)
 {
     if (!array_reserve(&s->patterns, &s->pattern_capacity, s->count + 1, sizeof *s->patterns)) return VXS_E_MEMORY;
-    own_pattern *p = &s->patterns[s->count];
-    *base          = 0;
+    private_pattern *p = &s->patterns[s->count];
+    *base              = 0;
     if (like)
         *p = *like;
     else
@@ -329,7 +329,7 @@ static vxs_result add(own_set *s, const tile_ranges *t, const half_ranges *halve
     return VXS_OK;
 }
 
-static vxs_result find(own_set *s, const tile_ranges *t, const own_planes *one, const own_pattern *like, uint32_t *id,
+static vxs_result find(private_set *s, const tile_ranges *t, const private_planes *one, const private_pattern *like, uint32_t *id,
                        int32_t *base)
 {
     half_ranges halves;
@@ -342,26 +342,26 @@ static vxs_result find(own_set *s, const tile_ranges *t, const own_planes *one, 
     narrow(&s->patterns[*id], t, *base);
 
     /* Move a pattern halfway to where searches begin. */
-    size_t    to  = at + (s->known_count - at) / 2;
-    own_known was = s->known[at];
-    s->known[at]  = s->known[to];
-    s->known[to]  = was;
+    size_t        to  = at + (s->known_count - at) / 2;
+    private_known was = s->known[at];
+    s->known[at]      = s->known[to];
+    s->known[to]      = was;
     exchange_pairs(s, at, to);
 
     return VXS_OK;
 }
 
-vxs_result own_find(own_set *s, const tile_ranges *t, const own_planes *one, uint32_t *id, int32_t *base)
+vxs_result private_find(private_set *s, const tile_ranges *t, const private_planes *one, uint32_t *id, int32_t *base)
 {
     return find(s, t, one, NULL, id, base);
 }
 
-vxs_result own_adopt(own_set *s, const own_pattern *p, uint32_t *id, int32_t *base)
+vxs_result private_adopt(private_set *s, const private_pattern *p, uint32_t *id, int32_t *base)
 {
     return find(s, &p->may, NULL, p, id, base);
 }
 
-void own_set_free(own_set *s)
+void private_set_free(private_set *s)
 {
     free(s->patterns);
     free(s->known);

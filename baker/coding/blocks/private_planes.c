@@ -1,6 +1,6 @@
-/* Patterns of planes; see own_patterns.h.
+/* Patterns of planes; see private_patterns.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/coding/blocks/own_patterns.h"
+#include "baker/coding/blocks/private_patterns.h"
 
 #include <string.h>
 
@@ -65,7 +65,7 @@ static int all_fit(const tile_ranges *t, const int32_t depth[64], int32_t base)
     return !i32x4_bits(off);
 }
 
-void own_plane(own_planes *to, const tile_ranges *t)
+void private_plane(private_planes *to, const tile_ranges *t)
 {
     plane_ranges        ranges = {.x = 0};
     const plane_ranges *tile   = &ranges;
@@ -85,7 +85,7 @@ void own_plane(own_planes *to, const tile_ranges *t)
     to->halves[0] = (uint16_t)(ONE_PLANE << 12 | shift << 8 | parts(&p) << FIRST_PARTS);
     to->halves[1] = slope_half(p.across, shift);
     to->halves[2] = slope_half(p.down, shift);
-    to->count     = OWN_PLANE_HALVES;
+    to->count     = PRIVATE_PLANE_HALVES;
 }
 
 /* Two planes in their stored form: relative to the nearer one, with slopes in the same unit. */
@@ -121,7 +121,7 @@ static int prepare_pair(plane_pair *pair)
 }
 
 /* Returns the number of halves; 0: some texel's range does not contain its plane. */
-static uint32_t encode_pair(own_planes *to, plane_pair pair, int kind, const tile_ranges *t, int32_t from)
+static uint32_t encode_pair(private_planes *to, plane_pair pair, int kind, const tile_ranges *t, int32_t from)
 {
     if (!prepare_pair(&pair)) return 0;
     uint16_t *halves = to->halves;
@@ -144,12 +144,12 @@ static uint32_t encode_pair(own_planes *to, plane_pair pair, int kind, const til
         halves[2 + 2 * n] = slope_half(pair.p[n].down, pair.shift);
     }
     halves[5] = (uint16_t)pair.far;
-    if (kind != BY_MASK) return OWN_PAIR_HALVES;
-    for (int n = 0; n < 4; n++) halves[OWN_PAIR_HALVES + n] = (uint16_t)(pair.second >> 16 * n);
-    return OWN_PLANES_HALVES_MAX;
+    if (kind != BY_MASK) return PRIVATE_PAIR_HALVES;
+    for (int n = 0; n < 4; n++) halves[PRIVATE_PAIR_HALVES + n] = (uint16_t)(pair.second >> 16 * n);
+    return PRIVATE_PLANES_HALVES_MAX;
 }
 
-void own_plane_pair(own_planes *to, const tile_ranges *t)
+void private_plane_pair(private_planes *to, const tile_ranges *t)
 {
     plane_ranges ranges = {.x = 0};
     plane_pair   found;
@@ -169,12 +169,12 @@ void own_plane_pair(own_planes *to, const tile_ranges *t)
     if (!to->count) to->count = encode_pair(to, found, BY_MASK, t, from);
 }
 
-int own_planes_are_sound(const uint16_t *halves, uint32_t count)
+int private_planes_are_sound(const uint16_t *halves, uint32_t count)
 {
-    if (count < OWN_PLANE_HALVES) return 0;
+    if (count < PRIVATE_PLANE_HALVES) return 0;
     uint32_t kind = halves[0] >> 12, shift = halves[0] >> 8 & 15, parts = halves[0] & 0xff, far_shift = parts & 7;
     if (shift > PLANE_SHIFT_MAX) return 0;
-    if (kind == ONE_PLANE) return count == OWN_PLANE_HALVES && !(parts & ~(3u << FIRST_PARTS));
-    return count == (kind == BY_MASK ? OWN_PLANES_HALVES_MAX : OWN_PAIR_HALVES) && kind > ONE_PLANE && kind <= BY_MASK &&
+    if (kind == ONE_PLANE) return count == PRIVATE_PLANE_HALVES && !(parts & ~(3u << FIRST_PARTS));
+    return count == (kind == BY_MASK ? PRIVATE_PLANES_HALVES_MAX : PRIVATE_PAIR_HALVES) && kind > ONE_PLANE && kind <= BY_MASK &&
            far_shift <= FAR_SHIFT_MAX && parts < 1u << (SECOND_PARTS + 2);
 }
