@@ -20,25 +20,6 @@ static double luminance_of(const scene_area *a, const float *texel)
            0.0722 * (double)(a->radiance[2] * texel[2]);
 }
 
-/* 1: no point of a ray from the eye is in front of it. */
-static int area_is_behind(const scene_area *a, const double eye_ws[3], const camera_view *seen, double far_metres)
-{
-    double normal[3], way[3];
-    vec3_cross(a->across_ws, a->up_ws, normal);
-    vec3_sub(eye_ws, a->corner_ws, way);
-    double eye = vec3_dot(way, normal), across = fabs(vec3_dot(seen->right, normal)), up = fabs(vec3_dot(seen->up, normal));
-    return eye <= 0 && eye + far_metres * (vec3_dot(seen->forward, normal) + across + up) <= 0;
-}
-
-/* The brightest parallelogram without a share; `count` if there is none. */
-static uint32_t brightest(const double *powers, const area_share *shares, uint32_t count)
-{
-    uint32_t best = count;
-    for (uint32_t n = 0; n < count; n++)
-        if (shares[n].cull_result == AREA_FAINT && powers[n] > 0 && (best == count || powers[n] > powers[best])) best = n;
-    return best;
-}
-
 /* Distribute virtual lights by power to the parallelograms that are not behind the view, in descending order of power. Each gets
  * at least one, until none is left.
  * powers  [count]
@@ -53,12 +34,15 @@ static void area_plan_share(const double *powers, area_share *shares, uint32_t c
         if (shares[n].cull_result == AREA_FAINT) all += powers[n];
         rest += shares[n].cull_result == AREA_FAINT && powers[n] > 0;
     }
-    for (uint32_t n; plan->vpls < vpls && (n = brightest(powers, shares, count)) < count;) {
+    while (plan->vpls < vpls && rest) {
+        uint32_t best = count; /* the brightest parallelogram without a share */
+        for (uint32_t n = 0; n < count; n++)
+            if (shares[n].cull_result == AREA_FAINT && powers[n] > 0 && (best == count || powers[n] > powers[best])) best = n;
         uint32_t left = vpls - plan->vpls, most = left > rest-- ? left - rest : 1;
-        double   part = all > powers[n] ? round(left * (powers[n] / all)) : left;
-        shares[n]     = (area_share){AREA_DRAWN, (uint32_t)fmin(fmax(part, 1), most)};
-        plan->vpls += shares[n].vpls;
-        all -= powers[n];
+        double   part = all > powers[best] ? round(left * (powers[best] / all)) : left;
+        shares[best]  = (area_share){AREA_DRAWN, (uint32_t)fmin(fmax(part, 1), most)};
+        plan->vpls += shares[best].vpls;
+        all -= powers[best];
     }
     for (uint32_t n = 0; n < count; n++) plan->areas[shares[n].cull_result]++;
 }
@@ -175,9 +159,15 @@ vxs_result area_pass_draw(area_pass *p, const double eye_ws[3], const camera_vie
 {
     vxs_result r     = VXS_OK;
     int        moved = vpl_pass_move(p->vpls, moved_ws);
-    for (uint32_t n = 0; n < p->count; n++)
-        p->next[n].cull_result =
-            area_is_behind(&p->options.lit.scene->areas[n], eye_ws, seen, far_metres) ? AREA_BEHIND : AREA_FAINT;
+    for (uint32_t n = 0; n < p->count; n++) {
+        const scene_area *a = &p->options.lit.scene->areas[n];
+        double            normal[3], way[3];
+        vec3_cross(a->across_ws, a->up_ws, normal);
+        vec3_sub(eye_ws, a->corner_ws, way);
+        double eye = vec3_dot(way, normal), across = fabs(vec3_dot(seen->right, normal)), up = fabs(vec3_dot(seen->up, normal));
+        double farthest        = eye + far_metres * (vec3_dot(seen->forward, normal) + across + up);
+        p->next[n].cull_result = eye <= 0 && farthest <= 0 ? AREA_BEHIND : AREA_FAINT; /* no point of a ray is in front of it */
+    }
     area_plan_share(p->powers, p->next, p->count, p->options.lit.vpls, plan);
     int same = exposure == p->exposure && !memcmp(p->shares, p->next, p->count * sizeof *p->next);
     memcpy(p->shares, p->next, p->count * sizeof *p->next);

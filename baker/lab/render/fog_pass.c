@@ -32,25 +32,6 @@ static vxs_result read_map(const baked_mesh_options *o, const gl_context *gl, vx
     return result;
 }
 
-static vxs_result upload_mesh(vxs_light_mesh **mesh, vxs_volumes *volumes, const vxs_light_mesh_desc *desc, void *room)
-{
-    vxs_light_mesh_size size;
-    vxs_result          result  = vxs_light_mesh_plan(desc, room, &size);
-    float              *places  = NULL;
-    uint32_t           *corners = NULL;
-    if (result != VXS_OK) return result;
-    places  = malloc(3 * sizeof *places * size.vertex_count);
-    corners = malloc(3 * sizeof *corners * size.triangle_count);
-    result  = VXS_E_MEMORY;
-    if (places && corners) {
-        vxs_light_mesh_fill(desc, room, places, corners);
-        result = vxs_light_mesh_create(mesh, volumes, places, corners, &size);
-    }
-    free(places);
-    free(corners);
-    return result;
-}
-
 vxs_result baked_mesh_make(vxs_light_mesh **mesh, const baked_mesh_options *o, const gl_context *gl, const vxs_gl *shadows,
                            vxs_volumes *volumes, run_context *m)
 {
@@ -61,9 +42,24 @@ vxs_result baked_mesh_make(vxs_light_mesh **mesh, const baked_mesh_options *o, c
     float              *first  = NULL;
     vxs_result          result = read_map(o, gl, volumes, &first, &desc.side_px, m);
     if (result != VXS_OK) return result;
-    desc.first = first;
-    void *room = malloc(vxs_light_mesh_room(&desc) + 1);
-    result     = room ? upload_mesh(mesh, volumes, &desc, room) : VXS_E_MEMORY;
+
+    vxs_light_mesh_size size;
+    float              *places  = NULL;
+    uint32_t           *corners = NULL;
+    desc.first                  = first;
+    void *room                  = malloc(vxs_light_mesh_room(&desc) + 1);
+    result                      = room ? vxs_light_mesh_plan(&desc, room, &size) : VXS_E_MEMORY;
+    if (result == VXS_OK) {
+        places  = malloc(3 * sizeof *places * size.vertex_count);
+        corners = malloc(3 * sizeof *corners * size.triangle_count);
+        result  = VXS_E_MEMORY;
+    }
+    if (places && corners) {
+        vxs_light_mesh_fill(&desc, room, places, corners);
+        result = vxs_light_mesh_create(mesh, volumes, places, corners, &size);
+    }
+    free(places);
+    free(corners);
     free(room);
     free(first);
     return result == VXS_OK ? VXS_OK : fail(m, result, "no mesh can be made of light %u: %s", o->light, vxs_result_text(result));
@@ -78,17 +74,6 @@ enum { MAP_SIDE = 1024, MESH_SIDE = 1024, GRID_SIDE = 512, GRID_SIDE_SOFTWARE = 
 static vxs_gl_function lookup(const char *name, void *user)
 {
     return (vxs_gl_function)((const gl_context *)user)->lookup(name);
-}
-
-static vxs_result make_grid(fog_pass *p, run_context *m)
-{
-    uint32_t             fits   = p->gl->backend == GL_BACKEND_OSMESA ? GRID_SIDE_SOFTWARE : GRID_SIDE;
-    uint32_t             side   = p->options.grid ? p->options.grid : fits;
-    vxs_shadow_grid_desc desc   = {.columns = side, .rows = 2 * side, .bits = side};
-    vxs_result           result = vxs_shadow_grid_create(&p->grid, p->volumes, &desc);
-    p->options.grid             = side;
-    if (result == VXS_OK) return VXS_OK;
-    return fail(m, result, "a shadow grid of %u x %u x %u voxels is larger than what OpenGL has room for", side, 2 * side, side);
 }
 
 vxs_result fog_pass_create(fog_pass **out, const fog_pass_options *o, const gl_context *gl, vxs_gl *shadows, run_context *m)
@@ -110,10 +95,18 @@ vxs_result fog_pass_create(fog_pass **out, const fog_pass_options *o, const gl_c
     p->meshes         = calloc(vxs_gl_light_count(shadows), sizeof *p->meshes);
     p->maps           = calloc(vxs_gl_light_count(shadows), sizeof *p->maps);
     p->faint          = calloc(vxs_gl_light_count(shadows), sizeof *p->faint);
-    vxs_result result = p->lights && p->meshes && p->maps && p->faint ? vxs_volumes_create(&p->volumes, &desc) : VXS_E_MEMORY;
+    p->least          = calloc(vxs_gl_light_count(shadows), sizeof *p->least);
+    vxs_result result = VXS_E_MEMORY;
+    if (p->lights && p->meshes && p->maps && p->faint && p->least) result = vxs_volumes_create(&p->volumes, &desc);
     if (result != VXS_OK)
         return fail(m, result, "OpenGL cannot draw fog of %u x %u samples: %s", o->width, o->height, vxs_result_text(result));
-    return o->by == FOG_BY_GRID ? make_grid(p, m) : VXS_OK;
+    if (o->by != FOG_BY_GRID) return VXS_OK;
+
+    uint32_t side = o->grid ? o->grid : gl->backend == GL_BACKEND_OSMESA ? GRID_SIDE_SOFTWARE : GRID_SIDE;
+    result = vxs_shadow_grid_create(&p->grid, p->volumes, &(vxs_shadow_grid_desc){.columns = side, .rows = 2 * side, .bits = side});
+    p->options.grid = side;
+    if (result == VXS_OK) return VXS_OK;
+    return fail(m, result, "a shadow grid of %u x %u x %u voxels is larger than what OpenGL has room for", side, 2 * side, side);
 }
 
 void fog_pass_destroy(fog_pass *p)
@@ -123,24 +116,12 @@ void fog_pass_destroy(fog_pass *p)
     for (uint32_t n = 0; p->maps && n < vxs_gl_light_count(p->shadows); n++) vxs_shadow_depth_map_destroy(p->maps[n]);
     vxs_shadow_grid_destroy(p->grid);
     vxs_volumes_destroy(p->volumes);
+    free(p->least);
     free(p->faint);
     free(p->maps);
     free(p->meshes);
     free(p->lights);
     free(p);
-}
-
-/* maps ------------------------------------------------------------------------------------------------------------------------- */
-
-/* Join the light's shadow depth map with those of moving casters: light ends at the first of them. */
-static vxs_result join_map(fog_pass *p, uint32_t light, const vxs_moving_casters *casters, uint32_t count)
-{
-    const vxs_shadow_depth_map_desc desc = {.baked_number = vxs_baked_number(light), .side_px = MAP_SIDE, .moves = 1};
-    vxs_result result = p->maps[light] ? VXS_OK : vxs_shadow_depth_map_create(&p->maps[light], p->volumes, &desc);
-    if (result != VXS_OK) return result;
-    if (p->options.streamed) vxs_shadow_depth_map_refill(p->maps[light]);
-    vxs_shadow_depth_map_fill(p->maps[light], UINT64_MAX);
-    return vxs_shadow_depth_map_join(p->maps[light], casters, count);
 }
 
 /* frame ------------------------------------------------------------------------------------------------------------------------ */
@@ -189,24 +170,6 @@ static int fainter(const void *a, const void *b)
     return p->light < q->light ? -1 : 1;
 }
 
-/* Choose lights to leave out, faintest first, as long as their sum is at most half of the allowed error, FOG_FAINTEST. The other
- * half is shared equally by the remaining lights: each may skip pixels below its share.
- * least  [out] of each light, as in vxs_volumes_light */
-static void choose_faint(fog_pass *p, const light_emission *emissions, double exposure, float *least)
-{
-    uint32_t count = vxs_gl_light_count(p->shadows), faint = 0;
-    double   sum = 0;
-    for (uint32_t n = 0; n < count; n++) {
-        vxs_volumes_light light = light_of(p, n, &emissions[n], exposure);
-        p->faint[n]             = (faint_light){n, vxs_volumes_most(p->volumes, &light)};
-    }
-    qsort(p->faint, count, sizeof *p->faint, fainter);
-    while (faint < count && sum + (double)p->faint[faint].most <= 0.5 * FOG_FAINTEST) sum += (double)p->faint[faint++].most;
-    for (uint32_t n = 0; n < count; n++)
-        least[p->faint[n].light] =
-            n < faint ? fmaxf(1.001F * p->faint[n].most, 1e-30F) : (float)(0.5 * FOG_FAINTEST / (count - faint));
-}
-
 /* Add one light; those left out cost no call and no mesh.   light  its values in libvxs_volumes */
 static vxs_result add_light(fog_pass *p, vxs_volumes_light light, const moving_pass *moving, const smoke_pass *smoke,
                             fog_plan *plan, run_context *m)
@@ -220,35 +183,34 @@ static vxs_result add_light(fog_pass *p, vxs_volumes_light light, const moving_p
                                                    [VXS_CULLED_OFFSCREEN] = FOG_OUT_OF_VIEW,
                                                    [VXS_CULLED_CLEAR]     = FOG_CLEAR};
     vxs_pixels                   pixels;
-    fog_cull_result              cull_result = cull_results[vxs_volumes_cull(p->volumes, &light, &pixels)];
-    double                       all         = (double)p->options.width * p->options.height;
-    p->lights[n]                             = (fog_light_plan){.cull_result = cull_result,
-                                                                .share       = cull_result == FOG_DRAWN ? (double)pixels.wide_px * pixels.high_px / all : 0,
-                                                                .by          = p->options.by};
-
-    plan->lights[p->lights[n].cull_result]++;
-    if (p->lights[n].cull_result != FOG_DRAWN) return VXS_OK;
-    p->last     = n;
-    light.smoke = smoke ? smoke_pass_map(smoke, n) : NULL;
+    fog_light_plan              *planned = &p->lights[n];
+    *planned = (fog_light_plan){.cull_result = cull_results[vxs_volumes_cull(p->volumes, &light, &pixels)], .by = p->options.by};
+    plan->lights[planned->cull_result]++;
+    if (planned->cull_result != FOG_DRAWN) return VXS_OK;
+    planned->share = (double)pixels.wide_px * pixels.high_px / ((double)p->options.width * p->options.height);
+    p->last        = n;
+    light.smoke    = smoke ? smoke_pass_map(smoke, n) : NULL;
 
     /* fall back to equiangular steps for lights that the requested method cannot draw correctly: if smoke dims the light, only
      * marches can, since the other methods use closed forms; if casters move in it, intervals and meshes cannot, since they are
      * of the file alone */
-    int is_dimmed    = light.smoke || (p->options.baked_smoke && p->options.baked_smoke[n]);
-    int meets_moving = caster_count > 0;
-    int marches      = p->lights[n].by == FOG_BY_MARCH || p->lights[n].by == FOG_BY_ANGLES,
-        knows_moving = marches || p->lights[n].by == FOG_BY_GRID;
+    int is_dimmed = light.smoke || (p->options.baked_smoke && p->options.baked_smoke[n]);
+    int marches   = planned->by == FOG_BY_MARCH || planned->by == FOG_BY_ANGLES;
     if (is_dimmed && !marches)
-        p->lights[n].why = "smoke dims it";
-    else if (meets_moving && !knows_moving)
-        p->lights[n].why = "something moves in its light";
-    if (p->lights[n].why) p->lights[n].by = FOG_BY_ANGLES;
+        planned->why = "smoke dims it";
+    else if (caster_count && !marches && planned->by != FOG_BY_GRID)
+        planned->why = "something moves in its light";
+    if (planned->why) planned->by = FOG_BY_ANGLES;
+    plan->by_angles += planned->why != NULL;
 
-    if (caster_count) {
+    if (caster_count) { /* join the light's shadow depth map with those of moving casters: light ends at the first of them */
+        const vxs_shadow_depth_map_desc desc = {.baked_number = light.baked_number, .side_px = MAP_SIDE, .moves = 1};
         plan->light_maps++;
-        result = join_map(p, n, casters, caster_count);
+        if (!p->maps[n] && (result = vxs_shadow_depth_map_create(&p->maps[n], p->volumes, &desc)) != VXS_OK) return result;
+        if (p->options.streamed) vxs_shadow_depth_map_refill(p->maps[n]);
+        vxs_shadow_depth_map_fill(p->maps[n], UINT64_MAX);
+        result = vxs_shadow_depth_map_join(p->maps[n], casters, caster_count);
     }
-    plan->by_angles += p->lights[n].why != NULL;
     return result == VXS_OK ? draw_light(p, &light, caster_count ? p->maps[n] : NULL, m) : result;
 }
 
@@ -275,18 +237,29 @@ vxs_result fog_pass_begin(fog_pass *p, const vxs_view *view, unsigned depths, co
 vxs_result fog_pass_draw(fog_pass *p, const light_emission *emissions, const moving_pass *moving, const smoke_pass *smoke,
                          double exposure, fog_plan *plan, run_context *m)
 {
-    uint32_t   count  = vxs_gl_light_count(p->shadows);
-    float     *least  = malloc((count + 1) * sizeof *least);
-    vxs_result result = least ? VXS_OK : VXS_E_MEMORY;
+    uint32_t   count = vxs_gl_light_count(p->shadows), faint = 0;
+    double     sum    = 0;
+    vxs_result result = VXS_OK;
     *plan             = (fog_plan){0};
     p->last           = UINT32_MAX;
-    if (least) choose_faint(p, emissions, exposure, least);
+
+    /* Lights are left out, faintest first, as long as their sum is at most half of the allowed error, FOG_FAINTEST. The other half
+     * is shared equally by the remaining lights: each may skip pixels below its share. */
+    for (uint32_t n = 0; n < count; n++) {
+        vxs_volumes_light light = light_of(p, n, &emissions[n], exposure);
+        p->faint[n]             = (faint_light){n, vxs_volumes_most(p->volumes, &light)};
+    }
+    qsort(p->faint, count, sizeof *p->faint, fainter);
+    while (faint < count && sum + (double)p->faint[faint].most <= 0.5 * FOG_FAINTEST) sum += (double)p->faint[faint++].most;
+    for (uint32_t n = 0; n < count; n++)
+        p->least[p->faint[n].light] =
+            n < faint ? fmaxf(1.001F * p->faint[n].most, 1e-30F) : (float)(0.5 * FOG_FAINTEST / (count - faint));
+
     for (uint32_t n = 0; n < count && result == VXS_OK; n++) {
         vxs_volumes_light light = light_of(p, n, &emissions[n], exposure);
-        light.min_radiance      = least[n];
+        light.min_radiance      = p->least[n];
         result                  = add_light(p, light, moving, smoke, plan, m);
     }
-    free(least);
     if (result != VXS_OK) return fail(m, result, "fog cannot be drawn: %s", vxs_result_text(result));
     plan->meshes_made = p->meshes_made;
     vxs_volumes_composite(p->volumes);

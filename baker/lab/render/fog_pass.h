@@ -46,6 +46,7 @@ typedef struct fog_pass {
     uint32_t               meshes_made;
     fog_light_plan        *lights; /* [lights] of the last frame */
     faint_light           *faint;  /* [lights] */
+    float                 *least;  /* [lights] min_radiance of each */
     uint32_t               last;   /* the light that was drawn last; UINT32_MAX: none */
 } fog_pass;
 

@@ -119,9 +119,8 @@ json_t *fog_plan_left_out(const fog_plan *plan, fog_by by, uint32_t light_count)
     fog_saving savings[FOG_SAVINGS];
     json_t    *list = json_array();
     fog_plan_savings(plan, by, light_count, savings);
-    for (const fog_saving *s = savings; s < savings + FOG_SAVINGS && *s->left_out; s++) {
+    for (const fog_saving *s = savings; s < savings + FOG_SAVINGS && *s->left_out; s++)
         json_append(&list, json_pack("{s:s, s:s}", "what", s->left_out, "reason", s->reason));
-    }
     return list;
 }
 

@@ -36,11 +36,6 @@ static void set_row(double row[4], const double axis[3], double scale, const dou
     row[3] = more - scale * vec3_dot(axis, from);
 }
 
-static void add_row(double row[4], const double other[4], double scale)
-{
-    for (int n = 0; n < 4; n++) row[n] += scale * other[n];
-}
-
 static moving_view perspective_view(const double place[3], const double forward[3], double half_wide, double near, double far)
 {
     moving_view v = {.texel = 2 * half_wide / SIDE_PX};
@@ -49,9 +44,11 @@ static moving_view perspective_view(const double place[3], const double forward[
     set_row(v.rows[3], forward, 1, place, 0);
     set_row(v.rows[0], right, 0.5 / half_wide, place, 0);
     set_row(v.rows[1], up, 0.5 / half_wide, place, 0);
-    add_row(v.rows[0], v.rows[3], 0.5);
-    add_row(v.rows[1], v.rows[3], 0.5);
-    add_row(v.rows[2], v.rows[3], far / (far - near));
+    for (int n = 0; n < 4; n++) {
+        v.rows[0][n] += 0.5 * v.rows[3][n];
+        v.rows[1][n] += 0.5 * v.rows[3][n];
+        v.rows[2][n] += far / (far - near) * v.rows[3][n];
+    }
     v.rows[2][3] -= near * far / (far - near);
     return v;
 }
@@ -63,14 +60,12 @@ static uint32_t views_of(const vxs_light *light, const double middle[3], double 
     const double *place = shape.position_ws;
     double        way[3], forward[3];
     if (shape.kind == LIGHT_DIRECTIONAL) {
-        moving_view v = {.rows[3] = {0, 0, 0, 1}, .texel = 2 * radius / SIDE_PX};
-        double      right[3], up[3];
+        double right[3], up[3];
+        views[0] = (moving_view){.rows[3] = {0, 0, 0, 1}, .texel = 2 * radius / SIDE_PX};
         vec3_across(light->direction_ws, right, up);
-        set_row(v.rows[0], right, 0.5 / radius, middle, 0.5);
-        set_row(v.rows[1], up, 0.5 / radius, middle, 0.5);
-        set_row(v.rows[2], light->direction_ws, 0.5 / radius, middle, 0.5);
-        views[0] = v;
-
+        set_row(views[0].rows[0], right, 0.5 / radius, middle, 0.5);
+        set_row(views[0].rows[1], up, 0.5 / radius, middle, 0.5);
+        set_row(views[0].rows[2], light->direction_ws, 0.5 / radius, middle, 0.5);
         return 1;
     }
     vec3_sub(middle, place, way);
@@ -169,9 +164,8 @@ static void draw_light(moving_pass *p, uint32_t light, GLuint program, const dou
     p->block->lights[light][1] = count;
     plan->lights += count > 0;
     for (uint32_t n = 0; n < count; n++) {
-        shader_view *to = &p->block->views[plan->maps];
-
         uint32_t          map      = plan->maps++;
+        shader_view      *to       = &p->block->views[map];
         const gl_context *gl       = p->gl;
         const float       farthest = 1;
         float             matrix[16];
@@ -180,7 +174,6 @@ static void draw_light(moving_pass *p, uint32_t light, GLuint program, const dou
         gl->ClearBufferfv(GL_DEPTH, 0, &farthest);
         gl->ProgramUniformMatrix4fv(program, gl->GetUniformLocation(program, "clip_from_scene"), 1, GL_FALSE, matrix);
         surface_mesh_draw(&p->mesh, gl, program);
-
         set_matrix(&views[n], eye_ws, 0, to->depth_from_point);
         to->texel[0] = (float)views[n].texel;
     }

@@ -28,9 +28,10 @@ typedef struct passes {
     int          is_linear;                          /* floats are written, too */
     int          filter_px;                          /* as for vxs_lookup */
     size_t       count;                              /* samples */
-    float       *depths, *normals, *albedos, *light; /* of renderer_read */
+    float       *depths, *normals, *albedos, *light; /* of renderer_read; one allocation with all that follow */
     float       *lit;                                /* [count] of one light */
-    float       *sum, *true_sum, *reached;           /* [count] sums over lights that were looked up */
+    float       *spare;                              /* [3 * count] for any pass, before the sums are needed */
+    float       *sum, *true_sum, *reached;           /* [count] sums over lights that were looked up: in spare */
     uint8_t     *rgb;
 } passes;
 
@@ -133,27 +134,12 @@ static vxs_result write_light(passes *p, run_context *m)
 /* Write linear light, times a factor. */
 static vxs_result write_linear(passes *p, const char *name, render_texture which, double factor, run_context *m)
 {
-    float     *light = malloc(3 * p->count * sizeof *light);
-    vxs_result r =
-        light ? renderer_read_texture(p->renderer, which, light, m) : fail(m, VXS_E_MEMORY, "out of memory for a picture");
+    vxs_result r = renderer_read_texture(p->renderer, which, p->spare, m);
     for (size_t n = 0; n < 3 * p->count && r == VXS_OK; n++) {
-        light[n]  = (float)(factor * (double)light[n]);
-        p->rgb[n] = byte_of(curve(fmin(1, (double)light[n])));
+        p->spare[n] = (float)(factor * (double)p->spare[n]);
+        p->rgb[n]   = byte_of(curve(fmin(1, (double)p->spare[n])));
     }
-    if (r == VXS_OK) r = write_pass(p, name, light, "RGB", m);
-    free(light);
-    return r;
-}
-
-static vxs_result write_transmittance(passes *p, run_context *m)
-{
-    float *left = malloc(3 * p->count * sizeof *left);
-    if (!left) return fail(m, VXS_E_MEMORY, "out of memory for a picture");
-    renderer_fog_left(p->renderer, p->depths, left);
-    for (size_t n = 0; n < 3 * p->count; n++) p->rgb[n] = byte_of((double)left[n]);
-    vxs_result r = write_pass(p, "transmittance", left, "RGB", m);
-    free(left);
-    return r;
+    return r == VXS_OK ? write_pass(p, name, p->spare, "RGB", m) : r;
 }
 
 static vxs_result write_shadow_grid(const passes *p, run_context *m)
@@ -174,33 +160,12 @@ static vxs_result write_shadow_grid(const passes *p, run_context *m)
 /* The mesh over a dimmed picture of the scene. */
 static vxs_result write_light_mesh(const passes *p, run_context *m)
 {
-    float     *mesh = malloc(3 * p->count * sizeof *mesh);
-    vxs_result r    = mesh ? renderer_read_mesh(p->renderer, mesh, m) : fail(m, VXS_E_MEMORY, "out of memory for a picture");
+    vxs_result r = renderer_read_mesh(p->renderer, p->spare, m);
     for (size_t n = 0; n < 3 * p->count && r == VXS_OK; n++) {
         double dim = p->depths[n / 3] > 0 ? 0.05 + 0.03 * (double)p->normals[n - n % 3 + 1] : 0.004;
-        p->rgb[n]  = byte_of(curve(dim - expm1(-(double)mesh[n])));
+        p->rgb[n]  = byte_of(curve(dim - expm1(-(double)p->spare[n])));
     }
-    free(mesh);
     return r == VXS_OK ? write_pass(p, "light-mesh", NULL, NULL, m) : r;
-}
-
-/* Blue, green, yellow, red. */
-static void set_heat(uint8_t rgb[3], double share)
-{
-    rgb[0] = byte_of(3 * share - 1);
-    rgb[1] = byte_of(share < 0.5 ? 3 * share : 3 - 3 * share);
-    rgb[2] = byte_of(1 - 3 * share);
-}
-
-static vxs_result write_lights(passes *p, run_context *m)
-{
-    float most = 1;
-    for (size_t n = 0; n < p->count; n++) most = fmaxf(most, p->light[4 * n + 3]);
-    for (size_t n = 0; n < p->count; n++) {
-        memset(p->rgb + 3 * n, 0, 3);
-        if (p->light[4 * n + 3] > 0) set_heat(p->rgb + 3 * n, (double)(p->light[4 * n + 3] / most));
-    }
-    return write_pass(p, "lights", p->light, "...Y", m);
 }
 
 static vxs_result write_resident(passes *p, run_context *m)
@@ -255,26 +220,22 @@ static vxs_result write_of_light(const passes *p, const char *what, uint32_t num
     return write_pass(p, name, floats, "Y", m);
 }
 
-/* Write no file if the light reaches no sample: of hundreds of lights most do not. */
-static vxs_result write_lit(passes *p, uint32_t number, const vxs_light *light, run_context *m)
-{
-    size_t reached = 0;
-    for (size_t n = 0; n < p->count; n++) reached += p->lit[n] >= 0;
-    if (!reached) return VXS_OK;
-    for (size_t n = 0; n < p->count; n++) {
-        set_grey(p->rgb + 3 * n, (double)p->lit[n]);
-        if (!(p->lit[n] >= 0)) memcpy(p->rgb + 3 * n, nothing, sizeof nothing);
-    }
-    return write_of_light(p, "lit", number, light, p->lit, m);
-}
-
 static vxs_result write_lights_each(passes *p, const vxs_baked_light *const *lights, uint32_t light_count, run_context *m)
 {
     vxs_result r = VXS_OK;
     for (uint32_t n = 0; n < light_count && r == VXS_OK; n++) {
         asked_light a = {p, &lights[n]->light, baked_light_shape(&lights[n]->light)};
-        r             = renderer_read_lit(p->renderer, n, p->lit, m);
-        if (r == VXS_OK) r = write_lit(p, n, a.light, m);
+        if ((r = renderer_read_lit(p->renderer, n, p->lit, m)) != VXS_OK) break;
+        size_t reached = 0;
+        for (size_t i = 0; i < p->count; i++) {
+            set_grey(p->rgb + 3 * i, (double)p->lit[i]);
+            if (p->lit[i] >= 0)
+                reached++;
+            else
+                memcpy(p->rgb + 3 * i, nothing, sizeof nothing);
+        }
+        if (!reached) continue; /* so it is for most of hundreds of lights */
+        r = write_of_light(p, "lit", n, a.light, p->lit, m);
         if (r == VXS_OK && p->truth) parallel_for(p->threads, p->count, p->width, trace_samples, &a);
     }
     return r;
@@ -284,8 +245,8 @@ static vxs_result write_lights_each(passes *p, const vxs_baked_light *const *lig
 static vxs_result write_smoke(passes *p, const vxs_baked_light *const *lights, uint32_t light_count, run_context *m)
 {
     const smoke_light_plan *dimmed = renderer_facts(p->renderer).smoke_lights;
-    float                  *left   = malloc(p->count * sizeof *left);
-    vxs_result r = left ? renderer_read_through(p->renderer, left, m) : fail(m, VXS_E_MEMORY, "out of memory for a picture");
+    float                  *left   = p->spare;
+    vxs_result              r      = renderer_read_through(p->renderer, left, m);
     for (size_t i = 0; i < p->count && r == VXS_OK; i++) set_grey(p->rgb + 3 * i, (double)left[i]);
     if (r == VXS_OK) r = write_pass(p, "smoke", left, "Y", m);
     for (uint32_t n = 0; n < light_count && r == VXS_OK; n++) {
@@ -297,7 +258,6 @@ static vxs_result write_smoke(passes *p, const vxs_baked_light *const *lights, u
         }
         if (r == VXS_OK) r = write_of_light(p, "smoke", n, &lights[n]->light, left, m);
     }
-    free(left);
     return r;
 }
 
@@ -328,15 +288,20 @@ static vxs_result write_truth(passes *p, truth_difference *d, run_context *m)
 
 static vxs_result take(passes *p, run_context *m)
 {
-    float    **of[]   = {&p->depths, &p->normals, &p->albedos, &p->light, &p->lit, &p->sum, &p->true_sum, &p->reached};
-    size_t     size[] = {1, 3, 3, 4, 1, 1, 1, 1};
-    vxs_result r      = memory_check(p->count * (15 * sizeof(float) + 3), m, "passes of %u x %u samples need", p->width, p->height);
+    vxs_result r = memory_check(p->count * (15 * sizeof(float) + 3), m, "passes of %u x %u samples need", p->width, p->height);
     if (r != VXS_OK) return r;
-    for (int n = 0; n < 8; n++)
-        if (!(*of[n] = calloc(size[n] * p->count, sizeof(float)))) r = VXS_E_MEMORY;
-    p->rgb = malloc(3 * p->count);
-    if (r == VXS_OK && p->rgb) return renderer_read(p->renderer, p->depths, p->normals, p->albedos, p->light, m);
-    return fail(m, VXS_E_MEMORY, "out of memory for passes of %u x %u samples", p->width, p->height);
+    p->depths = malloc(15 * p->count * sizeof(float));
+    p->rgb    = malloc(3 * p->count);
+    if (!p->depths || !p->rgb) return fail(m, VXS_E_MEMORY, "out of memory for passes of %u x %u samples", p->width, p->height);
+    p->normals  = p->depths + p->count;
+    p->albedos  = p->normals + 3 * p->count;
+    p->light    = p->albedos + 3 * p->count;
+    p->lit      = p->light + 4 * p->count;
+    p->spare    = p->lit + p->count;
+    p->sum      = p->spare;
+    p->true_sum = p->sum + p->count;
+    p->reached  = p->true_sum + p->count;
+    return renderer_read(p->renderer, p->depths, p->normals, p->albedos, p->light, m);
 }
 
 vxs_result render_passes(renderer *drawn, const char *folder, const vxs_baked_light *const *lights, uint32_t light_count,
@@ -358,25 +323,38 @@ vxs_result render_passes(renderer *drawn, const char *folder, const vxs_baked_li
     vxs_result r = take(&p, m);
     if (r == VXS_OK) r = write_surfaces(&p, m);
     if (r == VXS_OK) r = write_light(&p, m);
-    if (r == VXS_OK) r = write_lights(&p, m);
+    if (r == VXS_OK) {
+        float most = 1;
+        for (size_t n = 0; n < p.count; n++) most = fmaxf(most, p.light[4 * n + 3]);
+        for (size_t n = 0; n < p.count; n++) {
+            uint8_t *rgb   = p.rgb + 3 * n;
+            double   share = (double)(p.light[4 * n + 3] / most);
+            memset(rgb, 0, 3);
+            if (!(share > 0)) continue;
+            rgb[0] = byte_of(3 * share - 1); /* blue, green, yellow, red */
+            rgb[1] = byte_of(share < 0.5 ? 3 * share : 3 - 3 * share);
+            rgb[2] = byte_of(1 - 3 * share);
+        }
+        r = write_pass(&p, "lights", p.light, "...Y", m);
+    }
     if (r == VXS_OK && facts.areas) r = write_linear(&p, "area", TEXTURE_AREAS, 1 / pi, m);
     if (r == VXS_OK && facts.sky) r = write_linear(&p, "sky", TEXTURE_SKY, 1 / pi, m);
     if (r == VXS_OK && facts.is_in_fog) r = write_linear(&p, "airlight", TEXTURE_AIRLIGHT, 1, m);
-    if (r == VXS_OK && facts.is_in_fog) r = write_transmittance(&p, m);
+    if (r == VXS_OK && facts.is_in_fog) {
+        renderer_fog_left(drawn, p.depths, p.spare);
+        for (size_t n = 0; n < 3 * p.count; n++) p.rgb[n] = byte_of((double)p.spare[n]);
+        r = write_pass(&p, "transmittance", p.spare, "RGB", m);
+    }
     if (r == VXS_OK && facts.fog_grid) r = write_shadow_grid(&p, m);
     if (r == VXS_OK && facts.has_mesh) r = write_light_mesh(&p, m);
     if (r == VXS_OK && facts.smoke_lights) r = write_smoke(&p, lights, light_count, m);
     if (r == VXS_OK && o->streamed) r = write_resident(&p, m);
-    if (r == VXS_OK) r = write_lights_each(&p, lights, light_count, m);
+    if (r == VXS_OK) {
+        memset(p.spare, 0, 3 * p.count * sizeof *p.spare);
+        r = write_lights_each(&p, lights, light_count, m);
+    }
     if (r == VXS_OK && t) r = write_truth(&p, difference, m);
     free(p.depths);
-    free(p.normals);
-    free(p.albedos);
-    free(p.light);
-    free(p.lit);
-    free(p.sum);
-    free(p.true_sum);
-    free(p.reached);
     free(p.rgb);
     return r;
 }

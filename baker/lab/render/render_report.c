@@ -71,16 +71,6 @@ static void stream_numbers(const drawn_frame *d, stream_number numbers[STREAM_NU
     memcpy(numbers, all, sizeof all);
 }
 
-static json_t *stream_json(const drawn_frame *d)
-{
-    stream_number n[STREAM_NUMBERS];
-    json_t       *o = json_object();
-    stream_numbers(d, n);
-    for (int k = 0; k < STREAM_NUMBERS; k++)
-        json_set(&o, n[k].name, n[k].whole ? json_integer((json_int_t)n[k].value) : json_real(rounded(n[k].value, 4)));
-    return o;
-}
-
 static json_t *frame_json(const render_report *r, const drawn_frame *d)
 {
     const render_frame *f      = &d->frame;
@@ -98,7 +88,14 @@ static json_t *frame_json(const render_report *r, const drawn_frame *d)
                            (int)f->moving.left_out));
     if (r->facts->smoke_lights) json_set(&o, "smoke_lights", smoke_plan_counts(&f->smoke));
     if (r->areas) json_set(&o, "area_lights", area_plan_counts(&f->area));
-    if (r->budget_bytes) json_set(&o, "stream", stream_json(d));
+    if (r->budget_bytes) {
+        stream_number n[STREAM_NUMBERS];
+        json_t       *stream = json_object();
+        stream_numbers(d, n);
+        for (int k = 0; k < STREAM_NUMBERS; k++)
+            json_set(&stream, n[k].name, n[k].whole ? json_integer((json_int_t)n[k].value) : json_real(rounded(n[k].value, 4)));
+        json_set(&o, "stream", stream);
+    }
     return o;
 }
 
@@ -190,19 +187,16 @@ void render_report_print(FILE *to, const render_report *r, int verbose)
 
 vxs_result render_report_csv(const render_report *r, const char *path, run_context *m)
 {
-    output_file out    = {0};
-    vxs_result  result = output_file_open(&out, path, m);
+    output_file   out    = {0};
+    vxs_result    result = output_file_open(&out, path, m);
+    stream_number numbers[STREAM_NUMBERS];
     if (result != VXS_OK) return result;
+    stream_numbers(&r->frames[0], numbers);
     fputs("frame,eye_x,eye_y,eye_z,target_x,target_y,target_z", out.stream);
     for (int n = 0; n < RENDER_STAGES; n++)
         if (has_stage(r, n)) fprintf(out.stream, ",%s_ms", render_stage_names[n]);
     fputs(",total_ms,surface_samples,lights_per_sample,longest_list", out.stream);
-    if (r->budget_bytes) {
-        FILE         *to = out.stream;
-        stream_number n[STREAM_NUMBERS];
-        stream_numbers(&r->frames[0], n);
-        for (int k = 0; k < STREAM_NUMBERS; k++) fprintf(to, ",%s", n[k].name);
-    }
+    for (int k = 0; k < STREAM_NUMBERS && r->budget_bytes; k++) fprintf(out.stream, ",%s", numbers[k].name);
     fputc('\n', out.stream);
     for (size_t n = 0; n < r->frame_count; n++) {
         const drawn_frame *d = &r->frames[n];
@@ -212,12 +206,9 @@ vxs_result render_report_csv(const render_report *r, const char *path, run_conte
             if (has_stage(r, k)) fprintf(out.stream, ",%.4g", 1000 * d->frame.seconds[k]);
         fprintf(out.stream, ",%.4g,%llu,%.4g,%u", 1000 * total_of(&d->frame), (unsigned long long)d->frame.surface_pixels,
                 lights_per_pixel(&d->frame), d->frame.longest_list);
-        if (r->budget_bytes) {
-            FILE         *to = out.stream;
-            stream_number numbers[STREAM_NUMBERS];
-            stream_numbers(d, numbers);
-            for (int k = 0; k < STREAM_NUMBERS; k++) fprintf(to, numbers[k].whole ? ",%.0f" : ",%.4g", numbers[k].value);
-        }
+        stream_numbers(d, numbers);
+        for (int k = 0; k < STREAM_NUMBERS && r->budget_bytes; k++)
+            fprintf(out.stream, numbers[k].whole ? ",%.0f" : ",%.4g", numbers[k].value);
         fputc('\n', out.stream);
     }
     result = output_file_commit(&out, m);
@@ -231,17 +222,6 @@ enum { PLOT_WIDE = 900, PLOT_HIGH = 360, LEFT = 60, RIGHT = 150, TOP = 20, BOTTO
 
 static const char *const plot_colours[RENDER_STAGES] = {"#66ccee", "#117733", "#4477aa", "#ddaa99", "#ccbb44",
                                                         "#cc6677", "#228833", "#88ccee", "#aa3377", "#999999"};
-
-/* 1, 2 or 5 times a power of ten: the smallest such that five steps or fewer reach `most`. */
-static double step_for(double most)
-{
-    double power = pow(10, floor(log10(most / 5)));
-    for (int n = 0; n < 3; n++) {
-        double step = (const double[]){1, 2, 5}[n] * power;
-        if (most / step <= 5) return step;
-    }
-    return 10 * power;
-}
 
 static double x_of(const render_report *r, size_t frame)
 {
@@ -311,7 +291,11 @@ vxs_result render_report_plot(const render_report *r, const char *path, run_cont
                     PLOT_WIDE - RIGHT + 20, TOP + 22 * (RENDER_STAGES - 1 - n), plot_colours[n], PLOT_WIDE - RIGHT + 38,
                     TOP + 11 + 22 * (RENDER_STAGES - 1 - n), render_stage_names[n]);
         }
-    for (double ms = 0, step = step_for(most); ms <= most; ms += step)
+
+    /* 1, 2 or 5 times a power of ten: the smallest such that five steps or fewer reach the top */
+    double power = pow(10, floor(log10(most / 5))), step = power;
+    for (int n = 1; n < 4 && !(most / step <= 5); n++) step = (const double[]){1, 2, 5, 10}[n] * power;
+    for (double ms = 0; ms <= most; ms += step)
         fprintf(out.stream, "<path stroke=\"#ccc\" d=\"M%d %.1fH%d\"/><text x=\"%d\" y=\"%.1f\" text-anchor=\"end\">%g</text>\n",
                 LEFT, y_of(ms, most), PLOT_WIDE - RIGHT, LEFT - 6, y_of(ms, most) + 4, ms);
     fprintf(out.stream, "<text x=\"%d\" y=\"%d\">frames 0 to %zu, milliseconds; %u lights</text>\n", LEFT, PLOT_HIGH - 12,

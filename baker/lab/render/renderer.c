@@ -15,19 +15,6 @@ EMBEDDED(tone_frag_glsl)
 
 static const double pi = 3.14159265358979324;
 
-/* programs --------------------------------------------------------------------------------------------------------------------- */
-
-static vxs_result make_programs(renderer *r, run_context *m)
-{
-    const gl_text version = {"#version 450 core\n", -1}, tone = gl_embedded(tone_frag_glsl);
-    const gl_text shown[]   = {version, {r->fog ? "#define FROM_PICTURE\n" : "", -1}, tone, {0}};
-    const gl_text picture[] = {version, {"#define TO_PICTURE\n", -1}, tone, {0}};
-    vxs_result    result    = gl_program_of(r->gl, &r->surface_program, surface_glsl, (gl_text){0}, m);
-    if (result == VXS_OK) result = gl_screen_program(r->gl, &r->tone_program, shown, m);
-    if (result == VXS_OK && r->fog) result = gl_screen_program(r->gl, &r->picture_program, picture, m);
-    return result == VXS_OK ? renderer_lit_program(r, &r->shade_program, shade_frag_glsl, r->options.filter_px, m) : result;
-}
-
 /* targets ---------------------------------------------------------------------------------------------------------------------- */
 
 static vxs_result make_targets(renderer *r, run_context *m)
@@ -230,8 +217,15 @@ vxs_result renderer_create(renderer **out, const render_options *o, const scene 
     if (has_areas && (result = make_areas(r, s, m)) != VXS_OK) return result;
     if (r->options.sky && (result = make_sky(r, s, m)) != VXS_OK) return result;
     if (has_smoke && (result = make_smoke(r, s, lights, m)) != VXS_OK) return result;
-    if ((result = make_programs(r, m)) != VXS_OK) return result;
-    return make_targets(r, m);
+
+    const gl_text version = {"#version 450 core\n", -1}, tone = gl_embedded(tone_frag_glsl);
+    const gl_text shown[]   = {version, {r->fog ? "#define FROM_PICTURE\n" : "", -1}, tone, {0}};
+    const gl_text picture[] = {version, {"#define TO_PICTURE\n", -1}, tone, {0}};
+    if ((result = gl_program_of(r->gl, &r->surface_program, surface_glsl, (gl_text){0}, m)) != VXS_OK) return result;
+    if ((result = gl_screen_program(r->gl, &r->tone_program, shown, m)) != VXS_OK) return result;
+    if (r->fog && (result = gl_screen_program(r->gl, &r->picture_program, picture, m)) != VXS_OK) return result;
+    result = renderer_lit_program(r, &r->shade_program, shade_frag_glsl, r->options.filter_px, m);
+    return result == VXS_OK ? make_targets(r, m) : result;
 }
 
 void renderer_destroy(renderer *r)

@@ -27,24 +27,6 @@ const char *const render_stage_names[RENDER_STAGES] = {"upload", "moving", "surf
 
 enum { PICTURE_UNIT = 4 };
 
-/* The camera's matrices. Depths are near / z; u and v go up from the lower left corner. Column-major. */
-static void set_view(renderer *r, const camera_pose *camera)
-{
-    const camera_view *v = &r->seen;
-    float             *m = r->view.point_from_depth;
-    r->camera            = *camera;
-    r->near_metres       = camera->near_metres > 0 ? camera->near_metres : 1e-5 * r->mesh.size_metres;
-    r->seen              = camera_view_of(camera, (double)r->width / r->height);
-    r->view =
-        (vxs_view){.width_px = r->width, .height_px = r->height, .empty_depth = 0, .filter_px = (int32_t)r->options.filter_px};
-    for (int n = 0; n < 3; n++) {
-        m[n]      = (float)(2 * v->right[n]);
-        m[4 + n]  = (float)(2 * v->up[n]);
-        m[12 + n] = (float)(v->forward[n] - v->right[n] - v->up[n]);
-    }
-    m[11] = (float)(1 / r->near_metres);
-}
-
 static void draw_mesh(const renderer *r, const surface_mesh *mesh)
 {
     const gl_context *gl = r->gl;
@@ -99,34 +81,6 @@ static vxs_result begin_air(const renderer *r, run_context *m)
     return fog_pass_begin(r->fog, &r->view, r->target[DEPTHS], r->camera.eye_ws, ambient, m);
 }
 
-/* Begin a frame of the air, add the airlight of area lights, and their light on surfaces. */
-static vxs_result light_by_areas(const renderer *r, area_plan *plan, run_context *m)
-{
-    double     exposure = r->exposure > 0 ? r->exposure : 1, moved_ws[3] = {0};
-    vxs_result result = begin_air(r, m);
-    if (r->moving) vec3_sub(r->moving->mesh.middle_ws, r->moving->first_middle_ws, moved_ws);
-    if (result == VXS_OK)
-        result = area_pass_draw(r->areas, r->camera.eye_ws, &r->seen, moved_ws, fog_pass_far_metres(r->fog), r->target[NORMALS],
-                                exposure, plan, m);
-    if (result != VXS_OK || !plan->vpls) return result;
-    r->gl->BindFramebuffer(GL_FRAMEBUFFER, r->light_frame);
-    area_pass_add_light(r->areas);
-    return VXS_OK;
-}
-
-/* The same for the sky, in the frame of area lights if there are some. */
-static vxs_result light_by_sky(const renderer *r, run_context *m)
-{
-    double     exposure = r->exposure > 0 ? r->exposure : 1, moved_ws[3] = {0};
-    vxs_result result = r->areas ? VXS_OK : begin_air(r, m);
-    if (r->moving) vec3_sub(r->moving->mesh.middle_ws, r->moving->first_middle_ws, moved_ws);
-    if (result == VXS_OK) result = sky_pass_draw(r->sky, r->camera.eye_ws, moved_ws, r->target[NORMALS], exposure, m);
-    if (result != VXS_OK) return result;
-    r->gl->BindFramebuffer(GL_FRAMEBUFFER, r->light_frame);
-    sky_pass_add_light(r->sky);
-    return VXS_OK;
-}
-
 /* The picture, emissive surfaces, and the air over it. */
 static vxs_result fog(const renderer *r, fog_plan *plan, run_context *m)
 {
@@ -140,15 +94,6 @@ static vxs_result fog(const renderer *r, fog_plan *plan, run_context *m)
     if (r->areas) area_pass_add_glow(r->areas, matrix, r->target[DEPTHS], r->camera.eye_ws, r->exposure);
     if (r->sky) sky_pass_add_map(r->sky, &r->view, r->target[DEPTHS], r->exposure);
     return result != VXS_OK ? result : fog_pass_draw(r->fog, r->emissions, r->moving, r->smoke, r->exposure, plan, m);
-}
-
-static void tone(const renderer *r)
-{
-    GLuint p = r->tone_program;
-    set_sizes(r, p);
-    if (r->fog) r->gl->BindTextureUnit(PICTURE_UNIT, r->target[PICTURE]);
-    r->gl->ProgramUniform1i(p, r->gl->GetUniformLocation(p, "samples"), (GLint)r->options.samples);
-    draw_screen(r, r->screen_frame, p, SCREEN, r->options.width_px, r->options.height_px);
 }
 
 static int brighter(const void *a, const void *b)
@@ -169,15 +114,6 @@ static vxs_result count_full(renderer *r, render_frame *frame, run_context *m)
     return result;
 }
 
-/* Upload a slice of the pages that were loaded. */
-static void upload(renderer *r, render_frame *frame)
-{
-    size_t slice          = r->options.upload_bytes < SIZE_MAX ? (size_t)r->options.upload_bytes : SIZE_MAX;
-    frame->waiting_bytes  = vxs_gl_upload(r->shadows, slice);
-    frame->uploaded_bytes = vxs_gl_uploaded_bytes(r->shadows) - r->uploaded_bytes;
-    r->uploaded_bytes += frame->uploaded_bytes;
-}
-
 /* stage  that ends; RENDER_STAGES: no stage, the time since the last one is not counted */
 static void stage_ends(const renderer *r, render_frame *frame, int stage, double *since)
 {
@@ -187,18 +123,30 @@ static void stage_ends(const renderer *r, render_frame *frame, int stage, double
     *since = now;
 }
 
-/* All light on surfaces. */
+/* All light on surfaces. Area lights and the sky share a frame of the air, to which they add their airlight. */
 static vxs_result light_surfaces(const renderer *r, render_frame *frame, double *since, run_context *m)
 {
-    vxs_result result = VXS_OK;
+    vxs_result result   = VXS_OK;
+    double     exposure = r->exposure > 0 ? r->exposure : 1, moved_ws[3] = {0};
     renderer_shade(r, SHOW_LIGHT, 0);
     stage_ends(r, frame, RENDER_SHADE, since);
-    if (r->areas) {
-        result = light_by_areas(r, &frame->area, m);
+    if (r->moving) vec3_sub(r->moving->mesh.middle_ws, r->moving->first_middle_ws, moved_ws);
+    if (r->areas || r->sky) result = begin_air(r, m);
+    if (result == VXS_OK && r->areas) {
+        result = area_pass_draw(r->areas, r->camera.eye_ws, &r->seen, moved_ws, fog_pass_far_metres(r->fog), r->target[NORMALS],
+                                exposure, &frame->area, m);
+        if (result == VXS_OK && frame->area.vpls) {
+            r->gl->BindFramebuffer(GL_FRAMEBUFFER, r->light_frame);
+            area_pass_add_light(r->areas);
+        }
         stage_ends(r, frame, RENDER_AREA, since);
     }
     if (result == VXS_OK && r->sky) {
-        result = light_by_sky(r, m);
+        result = sky_pass_draw(r->sky, r->camera.eye_ws, moved_ws, r->target[NORMALS], exposure, m);
+        if (result == VXS_OK) {
+            r->gl->BindFramebuffer(GL_FRAMEBUFFER, r->light_frame);
+            sky_pass_add_light(r->sky);
+        }
         stage_ends(r, frame, RENDER_SKY, since);
     }
     return result;
@@ -247,7 +195,12 @@ static vxs_result draw_frame(renderer *r, render_frame *frame, run_context *m)
 {
     double since;
     stage_ends(r, frame, RENDER_STAGES, &since);
-    if (r->options.stream) upload(r, frame);
+    if (r->options.stream) { /* upload a slice of the pages that were loaded */
+        size_t slice          = r->options.upload_bytes < SIZE_MAX ? (size_t)r->options.upload_bytes : SIZE_MAX;
+        frame->waiting_bytes  = vxs_gl_upload(r->shadows, slice);
+        frame->uploaded_bytes = vxs_gl_uploaded_bytes(r->shadows) - r->uploaded_bytes;
+        r->uploaded_bytes += frame->uploaded_bytes;
+    }
     stage_ends(r, frame, RENDER_UPLOAD, &since);
     if (r->moving) {
         double by_ws[3];
@@ -280,15 +233,34 @@ static vxs_result draw_frame(renderer *r, render_frame *frame, run_context *m)
         stage_ends(r, frame, RENDER_SMOKE, &since);
     }
     if (result != VXS_OK) return result;
-    tone(r);
+
+    GLuint p = r->tone_program;
+    set_sizes(r, p);
+    if (r->fog) r->gl->BindTextureUnit(PICTURE_UNIT, r->target[PICTURE]);
+    r->gl->ProgramUniform1i(p, r->gl->GetUniformLocation(p, "samples"), (GLint)r->options.samples);
+    draw_screen(r, r->screen_frame, p, SCREEN, r->options.width_px, r->options.height_px);
+
     stage_ends(r, frame, RENDER_TONE, &since);
     return VXS_OK;
 }
 
 vxs_result renderer_draw(renderer *r, const camera_pose *camera, uint8_t *rgb, render_frame *frame, run_context *m)
 {
-    *frame = (render_frame){0};
-    set_view(r, camera);
+    const camera_view *v      = &r->seen;
+    float             *matrix = r->view.point_from_depth;
+    *frame                    = (render_frame){0};
+    r->camera                 = *camera;
+    r->near_metres            = camera->near_metres > 0 ? camera->near_metres : 1e-5 * r->mesh.size_metres;
+    r->seen                   = camera_view_of(camera, (double)r->width / r->height);
+    r->view =
+        (vxs_view){.width_px = r->width, .height_px = r->height, .empty_depth = 0, .filter_px = (int32_t)r->options.filter_px};
+    for (int n = 0; n < 3; n++) { /* column-major; depths are near / z; u and v go up from the lower left corner */
+        matrix[n]      = (float)(2 * v->right[n]);
+        matrix[4 + n]  = (float)(2 * v->up[n]);
+        matrix[12 + n] = (float)(v->forward[n] - v->right[n] - v->up[n]);
+    }
+    matrix[11] = (float)(1 / r->near_metres);
+
     vxs_result result = draw_frame(r, frame, m);
     r->frames_drawn++;
     if (result == VXS_OK) {

@@ -170,17 +170,6 @@ vxs_result renderer_read_through(renderer *r, float *left, run_context *m)
 
 enum { MESH_BINDING = 5 };
 
-/* Whether counterclockwise in light space stays so in the picture: the sign of a determinant of x, y and w. */
-static int turn_of(const float m[16])
-{
-    double sum = 0;
-    for (int n = 0; n < 3; n++) {
-        int a = (n + 1) % 3, b = (n + 2) % 3;
-        sum += (double)m[4 * n] * ((double)m[4 * a + 1] * (double)m[4 * b + 3] - (double)m[4 * b + 1] * (double)m[4 * a + 3]);
-    }
-    return sum < 0 ? -1 : 1;
-}
-
 static void draw_mesh(const renderer *r, GLuint program, const vxs_light_mesh *mesh, const vxs_light_constants *light)
 {
     const gl_context *gl      = r->gl;
@@ -202,9 +191,16 @@ static void draw_mesh(const renderer *r, GLuint program, const vxs_light_mesh *m
         }
     }
 
+    /* whether counterclockwise in light space stays so in the picture: the sign of a determinant of x, y and w */
+    double turn = 0;
+    for (int n = 0; n < 3; n++) {
+        const float *x = matrix + 4 * n, *a = matrix + 4 * ((n + 1) % 3), *b = matrix + 4 * ((n + 2) % 3);
+        turn += (double)x[0] * ((double)a[1] * (double)b[3] - (double)b[1] * (double)a[3]);
+    }
+
     gl->ProgramUniformMatrix4fv(program, gl->GetUniformLocation(program, "clip_from_ls"), 1, GL_FALSE, matrix);
     gl->ProgramUniform1i(program, gl->GetUniformLocation(program, "first_place"), corners);
-    gl->ProgramUniform1i(program, gl->GetUniformLocation(program, "turn"), turn_of(matrix));
+    gl->ProgramUniform1i(program, gl->GetUniformLocation(program, "turn"), turn < 0 ? -1 : 1);
     gl->ProgramUniform1f(program, gl->GetUniformLocation(program, "farthest"),
                          (float)(r->near_metres / fog_pass_far_metres(r->fog)));
     gl->BindFramebuffer(GL_FRAMEBUFFER, r->light_frame);

@@ -40,8 +40,6 @@ static vxs_result make_map(sky_map *map, const sky_file *file, uint32_t wide_px,
     return map->radiance ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory for the sky of '%s'", file->name);
 }
 
-/* PNG -------------------------------------------------------------------------------------------------------------------------- */
-
 static int is_png(const sky_file *file)
 {
     static const char magic[8] = "\x89PNG\r\n\x1a\n";
@@ -138,14 +136,6 @@ static vxs_result read_setting(reader *r, char *line)
                                  : VXS_OK;
 }
 
-/* "-Y 512 +X 1024": rows from the top, from left to right. */
-static vxs_result read_size(reader *r, const char *line)
-{
-    if (sscanf(line, "-Y %9u +X %9u", &r->high_px, &r->wide_px) == 2) return VXS_OK;
-    return fail(r->m, VXS_E_UNSUPPORTED, "'%s' says '%.40s' of its rows: expected '-Y HEIGHT +X WIDTH': turn it", r->file->name,
-                line);
-}
-
 static vxs_result read_head(reader *r)
 {
     char       line[LINE_BYTES];
@@ -155,7 +145,10 @@ static vxs_result read_head(reader *r)
         result = read_setting(r, line);
     } while (result == VXS_OK && *line);
     if (result != VXS_OK) return result;
-    return next_line(r, line) ? read_size(r, line) : broken(r, VXS_E_TRUNCATED, "it ends before its pixels begin");
+    if (!next_line(r, line)) return broken(r, VXS_E_TRUNCATED, "it ends before its pixels begin");
+    if (sscanf(line, "-Y %9u +X %9u", &r->high_px, &r->wide_px) == 2) return VXS_OK; /* rows from the top, from left to right */
+    return fail(r->m, VXS_E_UNSUPPORTED, "'%s' says '%.40s' of its rows: expected '-Y HEIGHT +X WIDTH': turn it", r->file->name,
+                line);
 }
 
 /* rows ------------------------------------------------------------------------------------------------------------------------- */
@@ -203,18 +196,6 @@ static vxs_result read_row(reader *r, uint8_t (*row)[4])
     return result;
 }
 
-/* Three mantissas of 8 bits below 1, times two to the power of the exponent - 128; 0 where that is 0. */
-static vxs_result put_row(const reader *r, const uint8_t (*row)[4], float *radiance)
-{
-    for (uint32_t x = 0; x < r->wide_px; x++)
-        for (int n = 0; n < 3; n++) {
-            double value = row[x][3] ? ldexp(row[x][n], row[x][3] - 136) / r->exposure[n] : 0;
-            if (!(value <= FLT_MAX)) return broken(r, VXS_E_CORRUPT, "its exposure makes pixels infinite");
-            *radiance++ = (float)value;
-        }
-    return VXS_OK;
-}
-
 static int is_radiance(const sky_file *file)
 {
     return file->end - file->bytes >= 2 && !memcmp(file->bytes, "#?", 2);
@@ -226,11 +207,18 @@ static vxs_result read_radiance(sky_map *map, const sky_file *file, run_context 
     reader     r      = {.file = file, .at = file->bytes, .exposure = {1, 1, 1}, .m = m};
     vxs_result result = read_head(&r);
     if (result == VXS_OK) result = make_map(map, file, r.wide_px, r.high_px, m);
-    for (; r.row < r.high_px && result == VXS_OK; r.row++) {
-        result = read_row(&r, row);
-        if (result == VXS_OK) result = put_row(&r, row, map->radiance + 3 * (size_t)r.row * r.wide_px);
+    if (result != VXS_OK) return result;
+    for (float *radiance = map->radiance; r.row < r.high_px; r.row++) {
+        if ((result = read_row(&r, row)) != VXS_OK) return result;
+        for (uint32_t n = 0; n < 3 * r.wide_px; n++) {
+            /* mantissas of 8 bits below 1, times two to the power of the exponent - 128; 0 where that is 0 */
+            const uint8_t *pixel = row[n / 3];
+            double         value = pixel[3] ? ldexp(pixel[n % 3], pixel[3] - 136) / r.exposure[n % 3] : 0;
+            if (!(value <= FLT_MAX)) return broken(&r, VXS_E_CORRUPT, "its exposure makes pixels infinite");
+            *radiance++ = (float)value;
+        }
     }
-    return result;
+    return VXS_OK;
 }
 
 /* PNG ------------------------------------------------------------------------------------------------------------------------ */
@@ -267,13 +255,6 @@ done:
 
 /* files ------------------------------------------------------------------------------------------------------------------------ */
 
-static int is_black(const sky_map *map)
-{
-    for (size_t n = 0; n < 3 * (size_t)map->wide_px * map->high_px; n++)
-        if (map->radiance[n] > 0) return 0;
-    return 1;
-}
-
 vxs_result sky_map_decode(sky_map *map, const char *name, const uint8_t *bytes, size_t size_bytes, run_context *m)
 {
     sky_file   file = {name, bytes, bytes + size_bytes};
@@ -285,7 +266,10 @@ vxs_result sky_map_decode(sky_map *map, const char *name, const uint8_t *bytes, 
         r = read_png(map, &file, m);
     else
         fail(m, r, "'%s' is neither a Radiance picture (.hdr) nor a PNG: convert it to .hdr", name);
-    if (r == VXS_OK && is_black(map)) r = fail(m, VXS_E_SCENE, "'%s' is black: there is no light in it", name);
+
+    size_t black = 0, count = 3 * (size_t)map->wide_px * map->high_px;
+    while (black < count && !(map->radiance[black] > 0)) black++;
+    if (r == VXS_OK && black == count) r = fail(m, VXS_E_SCENE, "'%s' is black: there is no light in it", name);
     if (r != VXS_OK) sky_map_free(map);
     return r;
 }

@@ -75,29 +75,23 @@ void sky_pass_destroy(sky_pass *p)
 
 /* frame ------------------------------------------------------------------------------------------------------------------------ */
 
-/* The radius of the sphere around the scene and the moving casters at their current position. */
-static double radius_of(const sky_pass *p, const double moved_ws[3])
-{
-    double way[3], corner = 0;
-    if (!p->options.lit.moving) return p->options.radius_metres;
-    for (int n = 0; n < 3; n++) {
-        double from = moved_ws[n] - p->options.lit.middle_ws[n];
-        way[n]      = fmax(fabs(p->moving_ws.min[n] + from), fabs(p->moving_ws.max[n] + from));
-        corner += way[n] * way[n];
-    }
-    return fmax(p->options.radius_metres, sqrt(corner));
-}
-
 vxs_result sky_pass_draw(sky_pass *p, const double eye_ws[3], const double moved_ws[3], unsigned normals, double exposure,
                          run_context *m)
 {
     vxs_result r = VXS_OK;
     if (vpl_pass_move(p->vpls, moved_ws) || exposure != p->exposure) {
+        /* the radius of a sphere around the scene and the moving casters at their current position */
+        double square = 0;
+        for (int n = 0; n < 3 && p->options.lit.moving; n++) {
+            double from = moved_ws[n] - p->options.lit.middle_ws[n];
+            double most = fmax(fabs(p->moving_ws.min[n] + from), fabs(p->moving_ws.max[n] + from));
+            square += most * most;
+        }
+        double  radius = fmax(p->options.radius_metres, sqrt(square));
         vxs_vpl vpls[VXS_VPLS_MAX];
-        float   radius = (float)radius_of(p, moved_ws);
         for (uint32_t n = 0; n < p->options.lit.vpls; n++) {
             vpls[n]               = p->placed[n];
-            vpls[n].radius_metres = radius;
+            vpls[n].radius_metres = (float)radius;
             for (int k = 0; k < 3; k++) vpls[n].colour[k] = (float)(exposure * (double)vpls[n].colour[k]);
         }
         r           = vpl_pass_set(p->vpls, vpls, p->options.lit.vpls, NULL, NULL);

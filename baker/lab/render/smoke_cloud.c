@@ -83,16 +83,6 @@ static int find_plane(const vxs_capsule *c, quad_plane *p)
     return 1;
 }
 
-/* A quad that covers the whole picture, a metre in front of the eye. */
-static quad_plane whole_picture(const smoke_eye *eye)
-{
-    quad_plane p = {.half_u = 1, .half_v = 1};
-    memcpy(p.middle, eye->seen.forward, sizeof p.middle);
-    memcpy(p.u, eye->seen.right, sizeof p.u);
-    memcpy(p.v, eye->seen.up, sizeof p.v);
-    return p;
-}
-
 void smoke_quads_make(smoke_quads *q, const scene_smoke *smoke, const smoke_eye *eye)
 {
     for (uint32_t n = 0; n < q->count; n++) {
@@ -104,6 +94,10 @@ void smoke_quads_make(smoke_quads *q, const scene_smoke *smoke, const smoke_eye 
     }
     qsort(q->order, q->count, sizeof *q->order, is_farther);
 
+    quad_plane whole = {.half_u = 1, .half_v = 1}; /* covers the whole picture, a metre in front of the eye */
+    memcpy(whole.middle, eye->seen.forward, sizeof whole.middle);
+    memcpy(whole.u, eye->seen.right, sizeof whole.u);
+    memcpy(whole.v, eye->seen.up, sizeof whole.v);
     q->covered_px = 0;
     for (uint32_t n = 0; n < q->count; n++) {
         uint32_t       from = q->order[n].capsule;
@@ -114,7 +108,7 @@ void smoke_quads_make(smoke_quads *q, const scene_smoke *smoke, const smoke_eye 
 
         quad_plane p;
         int        is_near = !find_plane(&to->capsule, &p);
-        quad_plane drawn   = is_near ? whole_picture(eye) : p;
+        quad_plane drawn   = is_near ? whole : p;
         double     pixel   = eye->pixel_metres * sqrt(vec3_dot(p.middle, p.middle));
         q->covered_px += is_near ? eye->all_px : fmin(eye->all_px, 4 * p.half_u * p.half_v / (pixel * pixel));
         for (int corner = 0; corner < SMOKE_CORNERS; corner++) {
@@ -199,21 +193,6 @@ void renderer_free_cloud(renderer *r)
 
 /* frame ------------------------------------------------------------------------------------------------------------------------ */
 
-static vxs_result light_corners(const renderer *r, smoke_cloud *c)
-{
-    const gl_context *gl      = r->gl;
-    uint32_t          corners = SMOKE_CORNERS * c->quads.count;
-    vxs_result        result  = smoke_pass_ask(r->smoke, c->buffers[PLACES], corners, c->buffers[LEFT]);
-    if (result != VXS_OK) return result;
-    renderer_bind_lights(r);
-    gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, CAPSULES_BINDING, c->buffers[PLACES]);
-    gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, LEFT_BINDING, c->buffers[LEFT]);
-    gl->BindFramebuffer(GL_FRAMEBUFFER, c->lights_frame);
-    gl->Viewport(0, 0, ROW, (GLsizei)c->rows);
-    renderer_add_lights(r, c->light_program, "sizes", 2, (const GLint[4]){ROW, (GLint)corners, 0, 0});
-    return VXS_OK;
-}
-
 static void set4(const renderer *r, const char *name, const double rgb[3], double last)
 {
     GLuint p = r->cloud->program;
@@ -262,8 +241,15 @@ vxs_result renderer_draw_cloud(renderer *r, run_context *m)
              "smoke: %u capsules cover the picture %.0f times, which takes long to draw: a smaller picture, or --samples 1, takes "
              "less",
              c->quads.count, c->quads.covered_px / ((double)r->width * r->height));
-    vxs_result result = light_corners(r, c);
+    vxs_result result = smoke_pass_ask(r->smoke, c->buffers[PLACES], (uint32_t)corners, c->buffers[LEFT]);
     if (result != VXS_OK) return fail(m, result, "smoke cannot be drawn: %s", vxs_result_text(result));
+    renderer_bind_lights(r); /* the light at corners */
+    gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, CAPSULES_BINDING, c->buffers[PLACES]);
+    gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, LEFT_BINDING, c->buffers[LEFT]);
+    gl->BindFramebuffer(GL_FRAMEBUFFER, c->lights_frame);
+    gl->Viewport(0, 0, ROW, (GLsizei)c->rows);
+    renderer_add_lights(r, c->light_program, "sizes", 2, (const GLint[4]){ROW, (GLint)corners, 0, 0});
+
     set_uniforms(r);
     renderer_clip(r, eye, matrix);
     gl->ProgramUniformMatrix4fv(c->program, gl->GetUniformLocation(c->program, "clip_from_eye"), 1, GL_FALSE, matrix);

@@ -30,26 +30,18 @@ static double ball_of(const scene_smoke *smoke, const vxs_capsule *c, double mid
     return sqrt(square) + (double)c->radius_metres;
 }
 
-/* Whether a sphere is in a sun's prism, ignoring its ends. */
-static int is_in_prism(const vxs_light *light, const double middle_ws[3], double radius)
+/* Whether a light reaches the sphere around a capsule. A sun's prism is taken to be endless. */
+static int reaches(const vxs_light *light, const light_shape *shape, const scene_smoke *smoke, const vxs_capsule *c)
 {
+    double middle_ws[3], radius = ball_of(smoke, c, middle_ws);
+    if (shape->kind != LIGHT_DIRECTIONAL) return light_reaches_ball(shape, middle_ws, radius);
+
     double edge = ldexp(1, (int)light->levels), texels = radius / light->texel_metres;
     for (int row = 0; row < 2; row++) {
         double at = vec3_dot(light->ls_from_ws + 4 * row, middle_ws) + light->ls_from_ws[4 * row + 3];
         if (at + texels < 0 || at - texels > edge) return 0;
     }
     return 1;
-}
-
-static int reaches_smoke(const scene_smoke *smoke, const vxs_light *light)
-{
-    light_shape shape = baked_light_shape(light);
-    for (uint32_t n = 0; n < smoke->count; n++) {
-        double middle_ws[3], radius = ball_of(smoke, &smoke->list[n], middle_ws);
-        if (shape.kind == LIGHT_DIRECTIONAL ? is_in_prism(light, middle_ws, radius) : light_reaches_ball(&shape, middle_ws, radius))
-            return 1;
-    }
-    return 0;
 }
 
 /* Whether a lamp's range is partly in view: not outside of any plane through the eye and an edge of the picture. */
@@ -87,8 +79,11 @@ vxs_result smoke_pass_create(smoke_pass **out, const smoke_pass_options *o, cons
     p->capsules = malloc(p->options.smoke->count * sizeof *p->capsules);
     if (!p->lights || !p->layer_of || !p->in_reach || !p->capsules) return fail(m, VXS_E_MEMORY, "out of memory for smoke");
     for (uint32_t n = 0; n < lights; n++) {
-        p->layer_of[n] = -1;
-        p->in_reach[n] = (uint8_t)reaches_smoke(p->options.smoke, &p->options.lights[n]->light);
+        const vxs_light *light = &p->options.lights[n]->light;
+        light_shape      shape = baked_light_shape(light);
+        p->layer_of[n]         = -1;
+        for (uint32_t k = 0; k < o->smoke->count && !p->in_reach[n]; k++)
+            p->in_reach[n] = (uint8_t)reaches(light, &shape, o->smoke, &o->smoke->list[k]);
         reached += p->in_reach[n];
     }
     p->layers = reached < SMOKE_MAPS ? reached : SMOKE_MAPS;
@@ -142,10 +137,8 @@ static uint32_t choose_side(const smoke_pass *p, const vxs_light *light, run_con
     double             all = (double)vxs_map_count(light) * asked * asked, covered = 0;
     for (uint32_t n = 0; n < smoke->count; n++) {
         const vxs_capsule *c = &smoke->list[n];
-        double middle_ws[3], axis[3], radius = ball_of(smoke, c, middle_ws), texel = texel_at(p, light, &shape, c, asked);
-        if (!(shape.kind == LIGHT_DIRECTIONAL ? is_in_prism(light, middle_ws, radius)
-                                              : light_reaches_ball(&shape, middle_ws, radius)))
-            continue;
+        double             axis[3], texel = texel_at(p, light, &shape, c, asked);
+        if (!reaches(light, &shape, smoke, c)) continue;
         for (int k = 0; k < 3; k++) axis[k] = (double)c->end[k] - (double)c->begin[k];
         double wide = 2 * (double)c->radius_metres / texel + 1;
         covered += fmin(wide * (wide + sqrt(vec3_dot(axis, axis)) / texel), all);
@@ -174,24 +167,6 @@ static vxs_result build(smoke_pass *p, uint32_t light, uint32_t side_px, uint32_
     return result == VXS_OK ? vxs_transmittance_map_build(*map, &capsules, NULL) : result;
 }
 
-static void warn_about_room(const smoke_pass *p, uint32_t light, uint32_t side_px, const vxs_transmittance_counts *counts,
-                            run_context *m)
-{
-    const char *name = p->options.lights[light]->light.name;
-    if (counts->merged)
-        warn(m,
-             "smoke: %u of %u segments in the map of light %s have no room, and are merged: it is right behind the smoke, and "
-             "coarse in it; "
-             "--smoke-side below %u takes fewer",
-             counts->merged, counts->segments, name, side_px);
-    if (counts->cut_texels)
-        warn(m,
-             "smoke: OpenGL ended the lists of %u texels in the map of light %s before their end: there it is too light; "
-             "--smoke-side above "
-             "%u spreads them over more",
-             counts->cut_texels, name, side_px);
-}
-
 /* Repeat with longer lists if they were too short and may grow. */
 static vxs_result make_map(smoke_pass *p, uint32_t light, const double eye_ws[3], run_context *m)
 {
@@ -205,10 +180,8 @@ static vxs_result make_map(smoke_pass *p, uint32_t light, const double eye_ws[3]
     const scene_smoke *smoke = p->options.smoke;
     light_shape        shape = baked_light_shape(of);
     for (uint32_t n = 0; n < smoke->count; n++) {
-        const vxs_capsule *from = &smoke->list[n];
-        vxs_capsule        c    = smoke_widened(*from, 0.5 * texel_at(p, of, &shape, from, side));
-        smoke_from_eye(smoke, &c, eye_ws);
-        p->capsules[n] = c;
+        p->capsules[n] = smoke_widened(smoke->list[n], 0.5 * texel_at(p, of, &shape, &smoke->list[n], side));
+        smoke_from_eye(smoke, &p->capsules[n], eye_ws);
     }
 
     result = build(p, light, side, SEGMENTS, map);
@@ -220,7 +193,18 @@ static vxs_result make_map(smoke_pass *p, uint32_t light, const double eye_ws[3]
         if (result == VXS_OK) counts = vxs_transmittance_map_counts(*map);
     }
     if (result != VXS_OK) return fail(m, result, "a map of smoke of %u x %u curves is more than OpenGL has room for", side, side);
-    warn_about_room(p, light, side, &counts, m);
+
+    if (counts.merged)
+        warn(m,
+             "smoke: %u of %u segments in the map of light %s have no room, and are merged: it is right behind the smoke, and "
+             "coarse in it; --smoke-side below %u takes fewer",
+             counts.merged, counts.segments, of->name, side);
+    if (counts.cut_texels)
+        warn(m,
+             "smoke: OpenGL ended the lists of %u texels in the map of light %s before their end: there it is too light; "
+             "--smoke-side above %u spreads them over more",
+             counts.cut_texels, of->name, side);
+
     p->lights[light]   = (smoke_light_plan){.segments = counts.segments, .merged = counts.merged, .cut_texels = counts.cut_texels};
     p->layer_of[light] = (int32_t)p->used++;
     return VXS_OK;
@@ -228,38 +212,30 @@ static vxs_result make_map(smoke_pass *p, uint32_t light, const double eye_ws[3]
 
 /* frame ------------------------------------------------------------------------------------------------------------------------ */
 
-static smoke_cull_result cull_result_of(const smoke_pass *p, uint32_t light, const double eye_ws[3], const camera_view *seen)
-{
-    if (!p->in_reach[light]) return SMOKE_OUT_OF_REACH;
-    if (!is_in_view(&p->options.lights[light]->light, eye_ws, seen)) return SMOKE_OUT_OF_VIEW;
-    return p->layer_of[light] >= 0 || p->used < p->layers ? SMOKE_DIMS : SMOKE_NO_ROOM;
-}
-
-static vxs_result draw_light(smoke_pass *p, uint32_t light, const double eye_ws[3], smoke_plan *plan, run_context *m)
-{
-    vxs_result result = VXS_OK;
-    if (p->layer_of[light] < 0) {
-        plan->built++;
-        result = make_map(p, light, eye_ws, m);
-    }
-    if (result != VXS_OK) return result;
-    int32_t layer                = p->layer_of[light];
-    p->lights[light].cull_result = SMOKE_DIMS;
-    result                       = vxs_volumes_transmittance(p->volumes, p->maps[layer], p->pictures[layer], VXS_CURVE_LINES);
-    return result == VXS_OK ? VXS_OK : fail(m, result, "a map of smoke cannot be asked: %s", vxs_result_text(result));
-}
-
 vxs_result smoke_pass_draw(smoke_pass *p, const double eye_ws[3], const camera_view *seen, smoke_plan *plan, run_context *m)
 {
     vxs_result result = VXS_OK;
     *plan             = (smoke_plan){0};
-    for (uint32_t n = 0; n < p->options.light_count && result == VXS_OK; n++) {
-        smoke_cull_result cull_result = cull_result_of(p, n, eye_ws, seen);
-        p->lights[n].cull_result      = cull_result;
+    for (uint32_t n = 0; n < p->options.light_count; n++) {
+        smoke_cull_result cull_result = SMOKE_DIMS;
+        if (!p->in_reach[n])
+            cull_result = SMOKE_OUT_OF_REACH;
+        else if (!is_in_view(&p->options.lights[n]->light, eye_ws, seen))
+            cull_result = SMOKE_OUT_OF_VIEW;
+        else if (p->layer_of[n] < 0 && p->used == p->layers)
+            cull_result = SMOKE_NO_ROOM;
         plan->lights[cull_result]++;
-        if (cull_result == SMOKE_DIMS) result = draw_light(p, n, eye_ws, plan, m);
+        if (cull_result == SMOKE_DIMS && p->layer_of[n] < 0) {
+            plan->built++;
+            if ((result = make_map(p, n, eye_ws, m)) != VXS_OK) return result;
+        }
+        p->lights[n].cull_result = cull_result;
+        if (cull_result != SMOKE_DIMS) continue;
+        int32_t layer = p->layer_of[n];
+        result        = vxs_volumes_transmittance(p->volumes, p->maps[layer], p->pictures[layer], VXS_CURVE_LINES);
+        if (result != VXS_OK) return fail(m, result, "a map of smoke cannot be asked: %s", vxs_result_text(result));
     }
-    return result;
+    return VXS_OK;
 }
 
 void smoke_pass_bind(const smoke_pass *p)

@@ -25,8 +25,7 @@ typedef struct filling {
     surface_mesh   *mesh;
     surface_vertex *vertices; /* [3 * triangle_count] */
     uint32_t       *mask_of;  /* [triangle_count] 0: none; else 1 + its mask */
-    float (*uvs)[3][2];       /* [triangle_count] when there are masks */
-    uint32_t *part_of;        /* [triangle_count] */
+    float (*uvs)[3][2];       /* [triangle_count] where there is a mask */
 } filling;
 
 /* Triangles without a mask come first, then those of each mask. */
@@ -35,12 +34,12 @@ static void fill(filling *f)
     surface_mesh *mesh  = f->mesh;
     size_t        count = f->scene->triangle_count;
     uint32_t      part  = 0;
-    for (size_t n = 0; n < count; n++) mesh->first[(f->mask_of ? f->mask_of[n] : 0) + 1]++;
+    for (size_t n = 0; n < count; n++) mesh->first[f->mask_of[n] + 1]++;
     for (size_t n = 1; n < mesh->mask_count + 2; n++) mesh->first[n] += mesh->first[n - 1];
     for (size_t n = 0; n < count; n++) {
         part = scene_part_at(f->scene, part, n);
 
-        surface_vertex *out       = f->vertices + 3 * mesh->first[f->mask_of ? f->mask_of[n] : 0]++;
+        surface_vertex *out       = f->vertices + 3 * mesh->first[f->mask_of[n]]++;
         const scene    *s         = f->scene;
         const uint32_t *index     = s->indices + 3 * n;
         const double   *corner[3] = {s->positions_ws + 3 * (size_t)index[0], s->positions_ws + 3 * (size_t)index[1],
@@ -58,28 +57,14 @@ static void fill(filling *f)
             for (int i = 0; i < 3; i++) out[j].colour[i] = (uint8_t)(255 * sqrtf(linear[i]) + 0.5f);
             out[j].colour[3] = 255;
             for (int k = 0; k < 3; k++) {
-                out[j].position[k] = (float)(corner[j][k] - f->mesh->middle_ws[k]);
+                out[j].position[k] = (float)(corner[j][k] - mesh->middle_ws[k]);
                 out[j].normal[k]   = (float)normal[k];
             }
-            if (f->mask_of && f->mask_of[n]) memcpy(out[j].uv, f->uvs[n][j], sizeof out[j].uv);
+            memcpy(out[j].uv, f->uvs[n][j], sizeof out[j].uv);
         }
     }
     memmove(mesh->first + 1, mesh->first, (mesh->mask_count + 1) * sizeof *mesh->first);
     mesh->first[0] = 0;
-}
-
-static vxs_result take_masks(filling *f)
-{
-    const scene *s = f->scene;
-    if (!s->alpha_mask_count) return VXS_OK;
-    f->mask_of = calloc(s->triangle_count, sizeof *f->mask_of);
-    f->uvs     = calloc(s->triangle_count, sizeof *f->uvs);
-    if (!f->mask_of || !f->uvs) return VXS_E_MEMORY;
-    for (const holed_triangle *h = s->holed_triangles; h < s->holed_triangles + s->holed_triangle_count; h++) {
-        f->mask_of[h->triangle] = 1 + h->mask;
-        memcpy(f->uvs[h->triangle], h->uv, sizeof h->uv);
-    }
-    return VXS_OK;
 }
 
 static void put_vertices(surface_mesh *mesh, const gl_context *gl, const surface_vertex *vertices, size_t count)
@@ -115,12 +100,18 @@ vxs_result surface_mesh_make(surface_mesh *mesh, gl_context *gl, const scene *s,
     mesh->size_metres = fmax(box_diagonal(&b), 1e-9);
     if (r != VXS_OK) return r;
     f.vertices       = malloc(3 * s->triangle_count * sizeof *f.vertices);
+    f.mask_of        = calloc(s->triangle_count, sizeof *f.mask_of);
+    f.uvs            = calloc(s->triangle_count, sizeof *f.uvs);
     mesh->first      = calloc(s->alpha_mask_count + 3, sizeof *mesh->first);
     mesh->masks      = calloc(s->alpha_mask_count + 1, sizeof *mesh->masks);
     mesh->thresholds = calloc(s->alpha_mask_count + 1, sizeof *mesh->thresholds);
-    if (!f.vertices || !mesh->first || !mesh->masks || !mesh->thresholds || take_masks(&f) != VXS_OK)
+    if (!f.vertices || !f.mask_of || !f.uvs || !mesh->first || !mesh->masks || !mesh->thresholds)
         r = fail(m, VXS_E_MEMORY, "out of memory for %zu triangles to draw", s->triangle_count);
     if (r == VXS_OK) {
+        for (const holed_triangle *h = s->holed_triangles; h < s->holed_triangles + s->holed_triangle_count; h++) {
+            f.mask_of[h->triangle] = 1 + h->mask;
+            memcpy(f.uvs[h->triangle], h->uv, sizeof h->uv);
+        }
         fill(&f);
         put_vertices(mesh, gl, f.vertices, 3 * s->triangle_count);
         for (size_t n = 0; n < mesh->mask_count; n++) {

@@ -47,15 +47,6 @@ static vxs_result scatter(const vpl_pass *p, const scene *s, uint32_t vpls, vxs_
     return VXS_OK;
 }
 
-static vxs_result scatter_moving(vpl_pass *p, run_context *m)
-{
-    if (!p->options.moving) return VXS_OK;
-    p->moving = malloc(MOVING_POINTS * sizeof *p->moving);
-    p->moved  = malloc(MOVING_POINTS * sizeof *p->moved);
-    if (!p->moving || !p->moved) return fail(m, VXS_E_MEMORY, "out of memory for %d points of shadows", MOVING_POINTS);
-    return scatter(p, p->options.moving, 0, p->moving, MOVING_POINTS, &p->moving_points, m);
-}
-
 /* Append the moving points, at their current position, to the static ones. */
 static void put_moving(vpl_pass *p, const double moved_ws[3])
 {
@@ -67,15 +58,6 @@ static void put_moving(vpl_pass *p, const double moved_ws[3])
     p->gl->NamedBufferSubData(p->buffer, p->points * size, p->moving_points * size, p->moved);
     memcpy(p->moved_ws, moved_ws, sizeof p->moved_ws);
     p->has_moved = 1;
-}
-
-/* The number of coordinate bits that distinguish points whose distance is a quarter of their width or more. */
-static uint32_t bits_that_count(const vxs_baked_points *points)
-{
-    double   units = 0.25 * sqrt(points->square_metres) / points->step_metres;
-    uint32_t none  = 0;
-    while (none < 16 && units >= 2) units /= 2, none++;
-    return none;
 }
 
 static int in_one_cell(const uint16_t *a, const uint16_t *b, uint32_t shift)
@@ -91,7 +73,9 @@ static int in_one_cell(const uint16_t *a, const uint16_t *b, uint32_t shift)
  * Returns their number. */
 static uint32_t unpack(const vxs_baked_points *baked, const double middle_ws[3], vxs_area_point *points, run_context *m)
 {
-    uint32_t shift = bits_that_count(baked), places = 1, kept = 0;
+    double   units = 0.25 * sqrt(baked->square_metres) / baked->step_metres; /* in a quarter of a point's width */
+    uint32_t shift = 0, places = 1, kept = 0;
+    while (shift < 16 && units >= 2) units /= 2, shift++;
     for (uint32_t n = 1; n < baked->count; n++) {
         const uint16_t *c = baked->coordinates + 3 * (size_t)n;
         places += !in_one_cell(c - 3, c, shift);
@@ -141,8 +125,14 @@ vxs_result vpl_pass_create(vpl_pass **out, const vpl_pass_options *o, const gl_c
     const vxs_baked_points *baked      = p->options.points;
     uint32_t                most       = baked ? baked->count : POINTS;
     vxs_area_point         *points     = malloc(most * sizeof *points);
-    r         = points ? scatter_moving(p, m) : fail(m, VXS_E_MEMORY, "out of memory for %u points of shadows", most);
-    p->points = most;
+    r                                  = points ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory for %u points of shadows", most);
+    p->points                          = most;
+    if (r == VXS_OK && o->moving) {
+        p->moving = malloc(MOVING_POINTS * sizeof *p->moving);
+        p->moved  = malloc(MOVING_POINTS * sizeof *p->moved);
+        r         = p->moving && p->moved ? scatter(p, o->moving, 0, p->moving, MOVING_POINTS, &p->moving_points, m)
+                                          : fail(m, VXS_E_MEMORY, "out of memory for %d points of shadows", MOVING_POINTS);
+    }
     if (r == VXS_OK && baked) p->points = unpack(baked, p->options.middle_ws, points, m);
     if (r == VXS_OK && !baked) r = scatter(p, p->options.scene, p->options.dense_count, points, most, &p->points, m);
     GLsizeiptr size = sizeof *points, still = r == VXS_OK ? p->points * size : 0;
@@ -176,26 +166,22 @@ int vpl_pass_move(vpl_pass *p, const double moved_ws[3])
     return p->has_moved;
 }
 
-/* Make the smoke maps of all virtual lights. */
-static vxs_result dim(vpl_pass *p, int (*is_reached)(const void *user, const vxs_capsule *c), const void *user)
-{
-    const scene_smoke *smoke = p->options.smoke;
-    p->capsule_count         = 0;
-    for (uint32_t n = 0; smoke && n < smoke->count; n++) {
-        vxs_capsule *c = &p->capsules[p->capsule_count];
-        *c             = smoke->list[n];
-        smoke_from_eye(smoke, c, p->options.middle_ws);
-        p->capsule_count += !is_reached || is_reached(user, c);
-    }
-    return vxs_area_light_smoke(p->light, &(vxs_capsules){.list = p->capsules, .count = p->capsule_count});
-}
-
 vxs_result vpl_pass_set(vpl_pass *p, const vxs_vpl *vpls, uint32_t count, int (*is_reached)(const void *user, const vxs_capsule *c),
                         const void *user)
 {
-    vxs_result r    = vxs_area_light_set(p->light, vpls, count);
-    int        stay = vxs_area_light_is_cast(p->light);
-    if (r == VXS_OK && !stay) r = dim(p, is_reached, user);
+    const scene_smoke *smoke = p->options.smoke;
+    vxs_result         r     = vxs_area_light_set(p->light, vpls, count);
+    int                stay  = vxs_area_light_is_cast(p->light);
+    if (r == VXS_OK && !stay) {
+        p->capsule_count = 0;
+        for (uint32_t n = 0; smoke && n < smoke->count; n++) {
+            vxs_capsule *c = &p->capsules[p->capsule_count];
+            *c             = smoke->list[n];
+            smoke_from_eye(smoke, c, p->options.middle_ws);
+            p->capsule_count += !is_reached || is_reached(user, c);
+        }
+        r = vxs_area_light_smoke(p->light, &(vxs_capsules){.list = p->capsules, .count = p->capsule_count});
+    }
     if (r == VXS_OK && (p->has_moved || !stay))
         r = vxs_area_light_cast(p->light, &(vxs_area_casters){p->buffer, p->points + p->moving_points, 0});
     p->has_moved = 0;
