@@ -146,33 +146,6 @@ static void show_progress(const bench_work *w, uint32_t run, size_t at)
                    bench_cell_name(name, sizeof name, w->result, w->jobs[at].cell));
 }
 
-static vxs_result run_rounds(bench_work *w, run_context *m)
-{
-    vxs_result r = VXS_OK;
-    w->since     = clock_seconds();
-    for (uint32_t run = 0; run < w->o->runs && r == VXS_OK; run++)
-        for (size_t n = 0; n < w->job_count && r == VXS_OK; n++) {
-            show_progress(w, run, n);
-
-            json_t *bake = NULL, *compare = NULL;
-            double  bake_seconds = 0, compare_seconds = 0;
-            r = run_child(w, &w->jobs[n], w->jobs[n].arguments, 0, &bake_seconds, m);
-            if (r == VXS_OK) r = json_read(&bake, w->children.report, m);
-            if (r == VXS_OK) r = require_same_bytes(w, &w->jobs[n], run, m);
-            if (r == VXS_OK && w->o->points) r = compare_once(w, &w->jobs[n], &compare_seconds, m);
-            if (r == VXS_OK && w->o->points) r = json_read(&compare, w->children.report, m);
-            if (r == VXS_OK) {
-                json_object_set(json_object_get(w->result, "machine"), "renderer", json_object_get(bake, "renderer"));
-                json_array_append_new(w->jobs[n].runs, bench_cell_of_run(w->jobs[n].cell, bake, compare, bake_seconds));
-            }
-            w->jobs[n].seconds = bake_seconds + compare_seconds;
-            json_decref(bake);
-            json_decref(compare);
-        }
-    progress_clear();
-    return r;
-}
-
 /* Scenes from pipes ------------------------------------------------------------------------------------------------------------ */
 
 /* Read a GLB, or text that may be glTF, completely. For other files the first bytes suffice: the bake rejects them. */
@@ -206,13 +179,6 @@ static vxs_result keep_pipes(bench_work *w, run_context *m)
     return VXS_OK;
 }
 
-static void release_pipes(bench_work *w)
-{
-    for (size_t n = 0; w->inputs && n < w->o->scenes.count; n++)
-        if (w->inputs[n] >= 0) close(w->inputs[n]);
-    free(w->inputs);
-}
-
 /* The whole -------------------------------------------------------------------------------------------------------------------- */
 
 /* The data known before the first run. NULL when out of memory. */
@@ -241,7 +207,29 @@ vxs_result bench_run(const bench_options *o, json_t **result, int *outputs_diffe
     r = children_begin(&w.children, m); /* from now on signals wait */
     if (r == VXS_OK && !(w.result = describe(o))) r = fail(m, VXS_E_MEMORY, "out of memory");
     if (r == VXS_OK) r = bench_jobs_make(&w.jobs, &w.job_count, json_object_get(w.result, "cells"), o, w.inputs, &w.children, m);
-    if (r == VXS_OK) r = run_rounds(&w, m);
+    if (r == VXS_OK) {
+        w.since = clock_seconds();
+        for (uint32_t run = 0; run < w.o->runs && r == VXS_OK; run++)
+            for (size_t n = 0; n < w.job_count && r == VXS_OK; n++) {
+                show_progress(&w, run, n);
+
+                json_t *bake = NULL, *compare = NULL;
+                double  bake_seconds = 0, compare_seconds = 0;
+                r = run_child(&w, &w.jobs[n], w.jobs[n].arguments, 0, &bake_seconds, m);
+                if (r == VXS_OK) r = json_read(&bake, w.children.report, m);
+                if (r == VXS_OK) r = require_same_bytes(&w, &w.jobs[n], run, m);
+                if (r == VXS_OK && w.o->points) r = compare_once(&w, &w.jobs[n], &compare_seconds, m);
+                if (r == VXS_OK && w.o->points) r = json_read(&compare, w.children.report, m);
+                if (r == VXS_OK) {
+                    json_object_set(json_object_get(w.result, "machine"), "renderer", json_object_get(bake, "renderer"));
+                    json_array_append_new(w.jobs[n].runs, bench_cell_of_run(w.jobs[n].cell, bake, compare, bake_seconds));
+                }
+                w.jobs[n].seconds = bake_seconds + compare_seconds;
+                json_decref(bake);
+                json_decref(compare);
+            }
+        progress_clear();
+    }
     children_end(&w.children);
 
     for (size_t n = 0; n < w.job_count && r == VXS_OK; n++)
@@ -251,6 +239,8 @@ vxs_result bench_run(const bench_options *o, json_t **result, int *outputs_diffe
     if (r != VXS_OK) json_decref(w.result);
     *result = r == VXS_OK ? w.result : NULL;
 done:
-    release_pipes(&w);
+    for (size_t n = 0; w.inputs && n < o->scenes.count; n++)
+        if (w.inputs[n] >= 0) close(w.inputs[n]);
+    free(w.inputs);
     return r;
 }

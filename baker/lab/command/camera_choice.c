@@ -22,11 +22,6 @@ vxs_result camera_check(const camera_choice *c, run_context *m)
     return VXS_OK;
 }
 
-void camera_place(camera_choice *c, const box *around, const vxs_baked_light *const *lights, uint32_t light_count, double aspect)
-{
-    if (!c->eye_given) camera_frame_lit(&c->camera, around, lights, light_count, aspect);
-}
-
 /* cameras of a file ------------------------------------------------------------------------------------------------------------ */
 
 static const double PARALLEL_TIMES = 1000;
@@ -122,21 +117,6 @@ enum { ORBIT_KEYS = 24, PATH_BYTES_MAX = 8 << 20 };
 
 static const double pi = 3.14159265358979323846;
 
-/* Parse a line of exactly six finite numbers. */
-static int read_key(char *line, camera_pose *key)
-{
-    double numbers[6];
-    for (int n = 0; n < 6; n++) {
-        char *end;
-        numbers[n] = strtod(line, &end);
-        if (end == line || !isfinite(numbers[n])) return 0;
-        line = end;
-    }
-    memcpy(key->eye_ws, numbers, sizeof key->eye_ws);
-    memcpy(key->target_ws, numbers + 3, sizeof key->target_ws);
-    return line[strspn(line, " \t\r")] == 0 && memcmp(key->eye_ws, key->target_ws, sizeof key->eye_ws);
-}
-
 static vxs_result read_keys(camera_path *path, char *text, const char *name, double fov_degrees, run_context *m)
 {
     size_t number = 0;
@@ -152,7 +132,15 @@ static vxs_result read_keys(camera_path *path, char *text, const char *name, dou
             return fail(m, VXS_E_READ, "'%s' line %zu: more than %d keys", name, number, (int)PATH_KEYS_MAX);
         camera_pose *key = &path->keys[path->count++];
         *key             = (camera_pose){.fov_degrees = fov_degrees};
-        if (!read_key(line, key))
+        int good         = 1; /* exactly six finite numbers, two different points */
+        for (int n = 0; n < 6; n++) {
+            char  *end;
+            double value = strtod(line, &end);
+            good &= end != line && isfinite(value);
+            (n < 3 ? key->eye_ws : key->target_ws)[n % 3] = value;
+            line                                          = end;
+        }
+        if (!good || line[strspn(line, " \t\r")] || !memcmp(key->eye_ws, key->target_ws, sizeof key->eye_ws))
             return fail(m, VXS_E_READ, "'%s' line %zu: expected six numbers, x y z of the eye and of another point to look at",
                         name, number);
     }

@@ -11,7 +11,7 @@
 #include "formats/vxs_file.h"
 
 typedef struct camera_choice {
-    camera_pose camera; /* fov_degrees has its default; camera_place sets eye and target if they are not given */
+    camera_pose camera; /* fov_degrees has its default */
     int         eye_given, target_given;
 } camera_choice;
 
@@ -27,10 +27,6 @@ typedef struct camera_choice {
 
 /* Returns VXS_OK, or VXS_E_ARGUMENT when only one of eye and target is given, or both are the same point. */
 vxs_result camera_check(const camera_choice *c, run_context *m);
-
-/* If no eye is given: place the camera so that all of a box is in view, beside the first sun of the lights (camera_frame_lit).
- * lights  [light_count];   aspect  width / height */
-void camera_place(camera_choice *c, const box *around, const vxs_baked_light *const *lights, uint32_t light_count, double aspect);
 
 /* Find a camera by its name, by a pattern with shell wildcards, or by its number from 0, "#2" or "2". If several match, the
  * error lists their numbers.

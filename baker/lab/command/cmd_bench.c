@@ -25,23 +25,19 @@ typedef struct bench_command {
     size_t  too_slow;
 } bench_command;
 
-/* Checks that are possible before the work begins. */
-static vxs_result check(bench_command *c, run_context *m)
+static vxs_result run(void *command, run_context *m)
 {
+    bench_command *c = command;
+    char           word[COLORED_BYTES];
+    FILE          *to = report_stream(m, is_standard_output(c->output_path)); /* keep the report out of standard output when JSON
+                                                                                 goes there */
+
     vxs_result r = filters_take(&c->filters, &c->smooth, c->o.filters_px, &c->o.filter_count, m);
     if (r == VXS_OK && c->max_slower_given && !c->against_path) r = fail(m, VXS_E_ARGUMENT, "--max-slower goes with --against");
     for (size_t n = 0; n < c->o.scenes.count && r == VXS_OK; n++)
         if (!is_read_once(c->o.scenes.items[n])) r = scene_check_files_gltf(c->o.scenes.items[n], m);
     if (r == VXS_OK && c->against_path) r = bench_json_read(&c->before, c->against_path, m);
-    return r;
-}
 
-static vxs_result measure(bench_command *c, run_context *m)
-{
-    FILE      *to = report_stream(m, is_standard_output(c->output_path)); /* keep the report out of standard output when JSON
-                                                                             goes there */
-    char       word[COLORED_BYTES];
-    vxs_result r  = check(c, m);
     c->o.progress = progress_wanted(m);
     if (r == VXS_OK) r = bench_run(&c->o, &c->now, &c->outputs_differ, m);
     if (r == VXS_OK) r = json_write(c->output_path, json_incref(c->now), m);
@@ -50,14 +46,7 @@ static vxs_result measure(bench_command *c, run_context *m)
     if (r == VXS_OK && c->too_slow && to)
         fprintf(to, "%zu of these times are more than %g times what they were; %s\n", c->too_slow, c->max_slower,
                 colored(word, m->color, to, COLOR_RED, "FAILED"));
-    return r;
-}
-
-static vxs_result run(void *command, run_context *m)
-{
-    bench_command *c = command;
-    vxs_result     r = measure(c, m);
-    m->wrong         = c->outputs_differ || c->too_slow;
+    m->wrong = c->outputs_differ || c->too_slow;
     json_decref(c->now);
     json_decref(c->before);
     return r;

@@ -30,29 +30,7 @@ typedef struct compare_command {
     compare_report report;
 } compare_command;
 
-/* The casters of a scene, with the solids that the asset was baked with, and the ray tracer's data. */
-typedef struct traced_scene {
-    casters casters;
-    truth  *truth;
-} traced_scene;
-
 /* assets ----------------------------------------------------------------------------------------------------------------------- */
-
-/* Read a number of a JSON object in [0, most]. Returns 0 when there is none. */
-static int number_member(const json_t *object, const char *key, double most, double *out)
-{
-    const json_t *value = json_object_get(object, key);
-    *out                = json_number_value(value);
-    return json_is_number(value) && *out >= 0 && *out <= most;
-}
-
-/* The mode that decided which components were solids in the asset's bake, from its metadata; auto if it is missing. */
-static closed_mode closed_of_asset(const json_t *made)
-{
-    const char *text  = json_string_value(json_object_get(json_object_get(made, "options"), "closed"));
-    int         index = text ? choice_index(CLOSED_CHOICES, text) : -1;
-    return index < 0 ? CLOSED_AUTO : (closed_mode)index;
-}
 
 /* Read the report that vxs bake --json wrote for an asset. */
 static vxs_result read_bake_report(compared_asset *a, const char *path, run_context *m)
@@ -65,8 +43,11 @@ static vxs_result read_bake_report(compared_asset *a, const char *path, run_cont
     vxs_result               r = json_read(&root, path, &of_file);
     if (r != VXS_OK) return fail(m, r, "--bake-report %s", of_file.error);
     int unchanged = json_is_true(json_object_get(root, "unchanged")); /* nothing was baked, so there are no measurements */
-    for (int n = unchanged ? 2 : 0; n < 3; n++)
-        if (!number_member(root, keys[n], 1e18, &values[n]) && !absent) absent = keys[n];
+    for (int n = unchanged ? 2 : 0; n < 3; n++) {
+        const json_t *value = json_object_get(root, keys[n]);
+        values[n]           = json_number_value(value);
+        if (!absent && !(json_is_number(value) && values[n] >= 0 && values[n] <= 1e18)) absent = keys[n];
+    }
     json_decref(root);
     if (absent)
         return fail(m, VXS_E_READ, "--bake-report %s: expected what vxs bake --json writes, with a number from 0 as %s", path,
@@ -89,7 +70,12 @@ static vxs_result open_asset(compare_command *c, size_t n, run_context *m)
     vxs_result r      = asset_open(&a->asset, a->path, 0, 1, c->report.options.threads, m);
     if (r == VXS_OK) r = provenance_read(&a->made, vxs_asset_contents(a->asset), m);
     if (r != VXS_OK) return r;
-    a->closed = c->closed_given ? (closed_mode)c->closed : closed_of_asset(a->made);
+
+    /* the mode that decided in the bake which components were solids; auto if the metadata does not have it */
+    const char *closed = json_string_value(json_object_get(json_object_get(a->made, "options"), "closed"));
+    int         index  = c->closed_given ? c->closed : closed ? choice_index(CLOSED_CHOICES, closed) : -1;
+    a->closed          = index < 0 ? CLOSED_AUTO : (closed_mode)index;
+
     if ((a->lights = calloc(VXS_LIGHTS_MAX, sizeof *a->lights)) == NULL)
         return fail(m, VXS_E_MEMORY, "out of memory for the lights of '%s'", a->path);
     if ((r = asset_choose_lights(vxs_asset_contents(a->asset), a->path, &c->light_names, a->lights, &a->light_count, m)) != VXS_OK)
@@ -119,7 +105,7 @@ static vxs_result require_checked(const compare_command *c, const vxs_light *l, 
                 input_name(c->report.scene_path), l->name);
 }
 
-static vxs_result compare_asset(compare_command *c, compared_asset *a, const traced_scene *t, run_context *m)
+static vxs_result compare_asset(compare_command *c, compared_asset *a, const casters *casting, const truth *t, run_context *m)
 {
     /* the don't-care rules of the asset besides the insides of solids, from its metadata */
     const json_t           *options   = json_object_get(a->made, "options");
@@ -130,13 +116,13 @@ static vxs_result compare_asset(compare_command *c, compared_asset *a, const tra
 
     uint32_t   count        = a->light_count;
     vxs_result r            = VXS_OK;
-    a->triangle_count       = t->casters.triangle_count;
-    a->solid_triangle_count = t->casters.solid_triangle_count;
+    a->triangle_count       = casting->triangle_count;
+    a->solid_triangle_count = casting->solid_triangle_count;
     a->results              = calloc(count, sizeof *a->results);
     if (!a->results) return fail(m, VXS_E_MEMORY, "out of memory for the results of %u lights", count);
     for (uint32_t n = 0; n < count && r == VXS_OK; n++) {
         const vxs_baked_light *l = a->lights[n];
-        if ((r = compare_light(&a->results[n], t->truth, &t->casters, l, &dont_care, &c->report.options, m)) == VXS_OK)
+        if ((r = compare_light(&a->results[n], t, casting, l, &dont_care, &c->report.options, m)) == VXS_OK)
             r = require_checked(c, &l->light, &a->results[n], m);
     }
     return r;
@@ -157,36 +143,6 @@ static vxs_result check_scene(compare_command *c, const scene *s, run_context *m
                 "'%s' was baked from another scene than %s (differs: %s): bake it anew, or --other-scene compares all the same",
                 a->path, c->report.scene_path, provenance_differences_text(differ, a->scene_differences));
     }
-    return r;
-}
-
-static vxs_result traced_scene_make(traced_scene *t, const compare_command *c, closed_mode closed, run_context *m)
-{
-    vxs_result r = casters_from_scene(&t->casters, &c->scene, closed, c->report.options.threads, m);
-    if (r == VXS_OK) r = truth_create(&t->truth, &t->casters, c->report.options.threads, m);
-    return r;
-}
-
-/* One camera serves all assets. If it is not given, it is placed for the lights of the first. */
-static void place_camera(compare_command *c, const traced_scene *t)
-{
-    const compared_asset *first  = &c->report.assets[0];
-    box                   around = box_of_corners(t->casters.positions_ws, t->casters.indices, 3 * t->casters.triangle_count);
-    camera_place(&c->camera, &around, first->lights, first->light_count, COMPARE_CAMERA_ASPECT);
-    c->report.options.camera = &c->camera.camera;
-}
-
-/* Compare an asset, and all others that were baked with the same solids: they share the casters. */
-static vxs_result compare_alike(compare_command *c, size_t first, run_context *m)
-{
-    compared_asset *assets = c->report.assets;
-    traced_scene    t      = {0};
-    vxs_result      r      = traced_scene_make(&t, c, assets[first].closed, m);
-    if (r == VXS_OK && first == 0 && c->camera_given) place_camera(c, &t);
-    for (size_t n = first; n < c->report.asset_count && r == VXS_OK; n++)
-        if (assets[n].closed == assets[first].closed) r = compare_asset(c, &assets[n], &t, m);
-    truth_destroy(t.truth);
-    casters_free(&t.casters);
     return r;
 }
 
@@ -213,7 +169,25 @@ static vxs_result compare_all(compare_command *c, run_context *m)
     if ((r = scene_load_gltf(&c->scene, c->report.scene_path, &c->choice, m)) != VXS_OK) return r;
     if ((r = check_scene(c, &c->scene, m)) != VXS_OK) return r;
     for (size_t n = 0; n < c->report.asset_count && r == VXS_OK; n++)
-        if (!c->report.assets[n].results) r = compare_alike(c, n, m);
+        if (!c->report.assets[n].results) {
+            /* Compare an asset, and all others that were baked with the same solids: they share the casters. */
+            compared_asset *assets  = c->report.assets;
+            casters         casting = {0};
+            truth          *t       = NULL;
+            r                       = casters_from_scene(&casting, &c->scene, assets[n].closed, c->report.options.threads, m);
+            if (r == VXS_OK) r = truth_create(&t, &casting, c->report.options.threads, m);
+            if (r == VXS_OK && n == 0 && c->camera_given) {
+                /* one camera serves all assets; if it is not given, it is placed for the lights of the first */
+                box around = box_of_corners(casting.positions_ws, casting.indices, 3 * casting.triangle_count);
+                if (!c->camera.eye_given)
+                    camera_frame_lit(&c->camera.camera, &around, assets->lights, assets->light_count, COMPARE_CAMERA_ASPECT);
+                c->report.options.camera = &c->camera.camera;
+            }
+            for (size_t k = n; k < c->report.asset_count && r == VXS_OK; k++)
+                if (assets[k].closed == assets[n].closed) r = compare_asset(c, &assets[k], &casting, t, m);
+            truth_destroy(t);
+            casters_free(&casting);
+        }
     if (r != VXS_OK) return r;
 
     /* keep the report out of standard output when JSON goes there */

@@ -92,11 +92,6 @@ static json_t *counts_json(const repaired_component *k)
     return json;
 }
 
-static json_t *solids_json(const mend_command *c, int when)
-{
-    return json_pack("{s:I, s:I}", "components", (json_int_t)c->solids[when], "triangles", (json_int_t)c->triangles[when]);
-}
-
 static json_t *report_json(const mend_command *c, const scene *s)
 {
     const repair_report *r          = &c->report;
@@ -108,12 +103,13 @@ static json_t *report_json(const mend_command *c, const scene *s)
         json_object_set_new(entry, "from", part_json(s, &r->components[i].parts));
         json_array_append_new(components, entry);
     }
-    return json_pack("{s:o, s:o, s:{s:f, s:I}, s:o, s:o, s:I, s:I, s:I, s:o, s:o}", "scene", json_text(c->path), "output",
-                     json_text(c->output_path), "options", "hole_diameter_m", c->how.hole_diameter_metres, "hole_edges",
+    return json_pack("{s:o, s:o, s:{s:f, s:I}, s:o, s:o, s:I, s:I, s:I, s:{s:I, s:I}, s:{s:I, s:I}}", "scene", json_text(c->path),
+                     "output", json_text(c->output_path), "options", "hole_diameter_m", c->how.hole_diameter_metres, "hole_edges",
                      (json_int_t)c->how.hole_edges_max, "total", counts_json(&r->total), "components", components,
                      "component_count", (json_int_t)r->component_count, "closed_before", (json_int_t)r->closed_before,
-                     "closed_after", (json_int_t)r->closed_after, "solids_before", solids_json(c, 0), "solids_after",
-                     solids_json(c, 1));
+                     "closed_after", (json_int_t)r->closed_after, "solids_before", "components", (json_int_t)c->solids[0],
+                     "triangles", (json_int_t)c->triangles[0], "solids_after", "components", (json_int_t)c->solids[1], "triangles",
+                     (json_int_t)c->triangles[1]);
 }
 
 /* when  0: before, 1: after */
@@ -128,26 +124,12 @@ static vxs_result count_solids(mend_command *c, const scene *s, int when, run_co
     return VXS_OK;
 }
 
-static vxs_result write_scene(const char *path, const scene *s, const double origin_ws[3], run_context *m)
-{
-    glb_scene   glb = {0};
-    output_file out = {0};
-    vxs_result  r;
-
-    if ((r = glb_from_scene(&glb, s, origin_ws, m)) != VXS_OK) goto done;
-    if ((r = output_file_open(&out, path, m)) != VXS_OK) goto done;
-    if ((r = glb_write(&glb, &out, m)) != VXS_OK) goto done;
-    r = output_file_commit(&out, m);
-done:
-    output_file_abort(&out);
-    glb_scene_free(&glb);
-    return r;
-}
-
 static vxs_result run(void *command, run_context *m)
 {
-    mend_command *c = command;
-    scene         s = {0};
+    mend_command *c   = command;
+    scene         s   = {0};
+    glb_scene     glb = {0};
+    output_file   out = {0};
     double        origin_ws[3];
     vxs_result    r;
 
@@ -160,13 +142,19 @@ static vxs_result run(void *command, run_context *m)
         goto done; /* round first, as the file does, so that holes closed here are closed in the file */
     if ((r = scene_repair(&s, &c->how, &c->report, m)) != VXS_OK) goto done;
     if ((r = count_solids(c, &s, 1, m)) != VXS_OK) goto done;
-    if ((r = write_scene(c->output_path, &s, origin_ws, m)) != VXS_OK) goto done;
+    if ((r = glb_from_scene(&glb, &s, origin_ws, m)) != VXS_OK) goto done;
+    if ((r = output_file_open(&out, c->output_path, m)) != VXS_OK) goto done;
+    if ((r = glb_write(&glb, &out, m)) != VXS_OK) goto done;
+    if ((r = output_file_commit(&out, m)) != VXS_OK) goto done;
+
     if (c->report.count) qsort(c->report.components, c->report.count, sizeof *c->report.components, worst_first);
     /* keep the report out of standard output when an output goes there */
     FILE *to = report_stream(m, is_standard_output(c->output_path) || is_standard_output(c->json_path));
     if (to) print_report(to, c, &s, m->verbose);
     if (c->json_path) r = json_write(c->json_path, report_json(c, &s), m);
 done:
+    output_file_abort(&out);
+    glb_scene_free(&glb);
     repair_report_free(&c->report);
     scene_free(&s);
     return r;
@@ -189,8 +177,7 @@ int cmd_mend(int argc, char **argv)
     };
     const command_line line = COMMAND_LINE("mend", "SCENE -o OUT.glb [options]",
                                            "Write a scene with closed meshes, for smaller files. What can be closed is closed, so "
-                                           "that more of the scene is solid, and "
-                                           "what a bake needs of it is written.",
+                                           "that more of the scene is solid, and what a bake needs of it is written.",
                                            options);
     return command_run(&line, argc, argv, run, &c);
 }

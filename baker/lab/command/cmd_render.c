@@ -129,25 +129,6 @@ int render_has_baked_smoke(const render_command *c, const subject *s)
     return some;
 }
 
-/* Whether some light takes steps in fog; known when scene and file are loaded. */
-static vxs_result check_steps(const render_command *c, const subject *s, run_context *m)
-{
-    if (c->moving_path || (c->options.smoke == SMOKE_ON && s->scene.smoke.count) || render_has_baked_smoke(c, s)) return VXS_OK;
-    return fog_check_steps(&c->fog, s->scene.smoke.count ? ", or --smoke on" : ": there is no smoke, and nothing moves", m);
-}
-
-static vxs_result load_sky(render_command *c, subject *s, run_context *m)
-{
-    c->options.sky = &s->sky;
-    return sky_map_read(&s->sky, c->sky_path, m);
-}
-
-/* Whether an asset's smoke comes from the scene's capsules, which are drawn, too. */
-static int has_capsules(const json_t *made)
-{
-    return json_object_get(json_object_get(json_object_get(made, "options"), "smoke"), "capsules") != NULL;
-}
-
 /* The scene's own camera, or one that sees the whole scene; on an orbit, from each of its poses. */
 static vxs_result place_camera(render_command *c, subject *s, run_context *m)
 {
@@ -155,7 +136,7 @@ static vxs_result place_camera(render_command *c, subject *s, run_context *m)
     const scene_view *view = NULL;
     if (!c->camera_name) {
         double aspect = (double)o->width_px / o->height_px;
-        camera_place(&c->camera, &s->box, s->lights, s->light_count, aspect);
+        if (!c->camera.eye_given) camera_frame_lit(&c->camera.camera, &s->box, s->lights, s->light_count, aspect);
         if (c->orbits && !c->camera.eye_given) camera_frame_orbit(&c->camera.camera, &s->box, aspect);
         return VXS_OK;
     }
@@ -189,9 +170,10 @@ static vxs_result load(render_command *c, subject *s, run_context *m)
     vxs_result          r;
     if ((r = open_asset(c, s, &contents, m)) != VXS_OK) goto done;
     if ((r = provenance_read(&made, contents, m)) != VXS_OK) goto done;
-    c->options.baked_smoke = s->smoke;
-    if (c->options.smoke == SMOKE_ON && has_capsules(made))
-        memset(s->smoke, 0, sizeof s->smoke); /* the scene's capsules are drawn: both would dim light twice */
+    c->options.baked_smoke    = s->smoke;
+    const json_t *baked_smoke = json_object_get(json_object_get(made, "options"), "smoke");
+    if (c->options.smoke == SMOKE_ON && json_object_get(baked_smoke, "capsules"))
+        memset(s->smoke, 0, sizeof s->smoke); /* the scene's capsules are drawn, too: both would dim light twice */
     if ((r = asset_scene_choice(made, &c->choice, m)) != VXS_OK) goto done;
     if ((r = scene_load_gltf(&s->scene, c->scene_path, &c->choice, m)) != VXS_OK) goto done;
     r = asset_check_scene(contents, made, c->asset_path, &s->scene, c->scene_path, "its shadows may not fit", m);
@@ -213,8 +195,16 @@ static vxs_result load(render_command *c, subject *s, run_context *m)
     if ((r = run_check(m)) != VXS_OK) goto done;
     s->box = box_of_corners(s->scene.positions_ws, s->scene.indices, 3 * s->scene.triangle_count);
     if (c->moving_path && (r = load_moving(c, s, m)) != VXS_OK) goto done;
-    if (c->sky_path && (r = load_sky(c, s, m)) != VXS_OK) goto done;
-    if ((r = check_steps(c, s, m)) != VXS_OK) goto done;
+    if (c->sky_path) {
+        c->options.sky = &s->sky;
+        if ((r = sky_map_read(&s->sky, c->sky_path, m)) != VXS_OK) goto done;
+    }
+
+    /* does some light take steps in fog? */
+    if (!c->moving_path && (c->options.smoke == SMOKE_OFF || !s->scene.smoke.count) && !render_has_baked_smoke(c, s)) {
+        r = fog_check_steps(&c->fog, s->scene.smoke.count ? ", or --smoke on" : ": there is no smoke, and nothing moves", m);
+        if (r != VXS_OK) goto done;
+    }
     r = place_camera(c, s, m);
 done:
     json_decref(made);
@@ -264,8 +254,7 @@ static vxs_result run(void *command, run_context *m)
      "of virtual lights a sample asks each, a ninth, or each for one sample in four (default quarter)", &(c).gather_given},        \
     {"--sky", OPTION_INPUT, &(c).sky_path, FILE_PICTURE, 0, NULL, "FILE",                                                          \
      "with OpenGL: a map of the sky that lights surfaces and fog, by as many virtual lights as --area says, and is seen: .hdr "    \
-     "or "                                                                                                                         \
-     "PNG, twice as wide as high",                                                                                                 \
+     "or PNG, twice as wide as high",                                                                                              \
      NULL},                                                                                                                        \
     {"--sky-light", OPTION_F64, &(c).options.sky_light, 1e-9, 1e9, NULL, "FACTOR",                                                 \
      "candela a square metre of what is 1 in the map, 1e-9 to 1e9 (default 1)", &(c).sky_light_given},                             \

@@ -14,24 +14,19 @@ typedef struct report_command {
     page_kind   kind; /* of all files */
 } report_command;
 
-static vxs_result check_file(const json_t *measured, const char *path, page_kind kind, run_context *m)
-{
-    int         is_fog = kind == PAGE_VOLUMES;
-    const char *items  = is_fog ? "scenes" : "cells";
-    vxs_result  r      = is_fog ? volumes_json_check(measured, path, m) : bench_json_check(measured, path, m);
-    if (r == VXS_OK && !json_array_size(json_at(measured, items)))
-        r = fail(m, VXS_E_READ, "%s: no %s: expected one at least", path, items);
-    return r;
-}
-
 static vxs_result add_file(report_command *c, json_t *files, const char *path, run_context *m)
 {
     json_t    *measured;
     vxs_result r = json_read(&measured, path, m);
     if (r != VXS_OK) return r;
-    page_kind kind = is_volumes_json(measured) ? PAGE_VOLUMES : PAGE_BENCH;
+    int         is_fog = is_volumes_json(measured);
+    page_kind   kind   = is_fog ? PAGE_VOLUMES : PAGE_BENCH;
+    const char *items  = is_fog ? "scenes" : "cells";
     if (!json_array_size(files)) c->kind = kind;
-    if ((r = check_file(measured, path, kind, m)) == VXS_OK && kind != c->kind)
+    r = is_fog ? volumes_json_check(measured, path, m) : bench_json_check(measured, path, m);
+    if (r == VXS_OK && !json_array_size(json_at(measured, items)))
+        r = fail(m, VXS_E_READ, "%s: no %s: expected one at least", path, items);
+    if (r == VXS_OK && kind != c->kind)
         r = fail(m, VXS_E_READ, "%s: measurements of %s: expected such as are in %s", path, kind == PAGE_BENCH ? "bakes" : "fog",
                  c->benches.items[0]);
     if (r == VXS_OK)

@@ -88,13 +88,19 @@ static vxs_result generate(glb_scene *s, const scene_options *o, run_context *m)
     }
 }
 
-static vxs_result make_scene(const scene_options *o, run_context *m)
+static vxs_result run(void *command, run_context *m)
 {
-    glb_scene   s   = {0};
-    output_file out = {0};
-    FILE       *to  = report_stream(m, is_standard_output(o->out));
-    vxs_result  r;
+    const scene_options *o   = command;
+    glb_scene            s   = {0};
+    output_file          out = {0};
+    vxs_result           r;
+    if (o->kind == KIND_STRESS && o->case_given && !strcmp(o->stress_case, "list") && check_kind(o, m) == VXS_OK) {
+        for (size_t i = 0; stress_name(i); i++) printf("%-24s %s\n", stress_name(i), stress_purpose(i));
+        return VXS_OK;
+    }
+    if ((r = check(o, m)) != VXS_OK) return r;
 
+    FILE *to = report_stream(m, is_standard_output(o->out));
     if ((r = output_file_open(&out, o->out, m)) != VXS_OK) goto done; /* open first: fail early when the file cannot be written */
     if ((r = generate(&s, o, m)) != VXS_OK) goto done;
     if ((r = glb_write(&s, &out, m)) != VXS_OK) goto done;
@@ -112,17 +118,6 @@ static vxs_result make_scene(const scene_options *o, run_context *m)
 done:
     output_file_abort(&out);
     glb_scene_free(&s);
-    return r;
-}
-
-static vxs_result run(void *command, run_context *m)
-{
-    const scene_options *o = command;
-    vxs_result           r = VXS_OK;
-    if (o->kind == KIND_STRESS && o->case_given && !strcmp(o->stress_case, "list") && check_kind(o, m) == VXS_OK) {
-        for (size_t i = 0; stress_name(i); i++) printf("%-24s %s\n", stress_name(i), stress_purpose(i));
-    } else if ((r = check(o, m)) == VXS_OK)
-        r = make_scene(o, m);
     return r;
 }
 

@@ -63,16 +63,6 @@ static int trace_like(void *user, const query_point *point, float *lit)
     return 1;
 }
 
-static vxs_result check_options(const truth_options *o, run_context *m)
-{
-    if (filter_given(&o->filter) && !o->like_path)
-        return fail(m, VXS_E_ARGUMENT, "%s goes with --like FILE.vxs: a filter is as wide as the texels of a baked map",
-                    o->filter.smooth_given ? "--smooth" : "--filter");
-    if (o->suns.count && o->like_path)
-        return fail(m, VXS_E_ARGUMENT, "--sun and --like exclude each other: the lights are those of %s", o->like_path);
-    return filter_check(&o->filter, m);
-}
-
 /* Open the asset, choose the lights that are wanted, and set the scene options of its bake. */
 static vxs_result open_like(truth_options *o, vxs_asset **asset, json_t **made, traced_like *q, run_context *m)
 {
@@ -107,7 +97,18 @@ static vxs_result run(void *command, run_context *m)
     scene_check    check  = light_question_check(&q);
 
     if ((r = points_check_input("SCENE", o->scene_path, m)) != VXS_OK) goto done;
-    if ((r = check_options(o, m)) != VXS_OK) goto done;
+
+    if (filter_given(&o->filter) && !o->like_path) {
+        r = fail(m, VXS_E_ARGUMENT, "%s goes with --like FILE.vxs: a filter is as wide as the texels of a baked map",
+                 o->filter.smooth_given ? "--smooth" : "--filter");
+        goto done;
+    }
+    if (o->suns.count && o->like_path) {
+        r = fail(m, VXS_E_ARGUMENT, "--sun and --like exclude each other: the lights are those of %s", o->like_path);
+        goto done;
+    }
+    if ((r = filter_check(&o->filter, m)) != VXS_OK) goto done;
+
     if (o->like_path && (r = open_like(o, &asset, &made, &like, m)) != VXS_OK) goto done;
     if ((r = scene_load_gltf_checked(&s, o->scene_path, &o->choice, o->like_path ? NULL : &check, m)) != VXS_OK) goto done;
     if (o->like_path)

@@ -15,11 +15,6 @@
 
 static const char *const kind_names[COMPARE_KINDS] = {"random", "surface", "camera"};
 
-static double share(uint64_t part, uint64_t whole)
-{
-    return whole ? (double)part / (double)whole : 0;
-}
-
 /* Sort kinds that were compared first. */
 static int kind_count(const compare_report *r)
 {
@@ -65,7 +60,7 @@ static compare_counts total_of_all(const compared_asset *a)
 
 static double wrong_share(const compare_counts *n)
 {
-    return share(compare_wrong(n), n->checked);
+    return n->checked ? (double)compare_wrong(n) / (double)n->checked : 0;
 }
 
 static int compare_asset_passes(const compare_report *r, const compared_asset *a)
@@ -106,21 +101,6 @@ static double lookup_seconds_of_all(const compared_asset *a)
 }
 
 /* as text ---------------------------------------------------------------------------------------------------------------------- */
-
-static void print_counts(FILE *to, const char *name, const compare_counts *n)
-{
-    fprintf(to, "  %-9s %10llu %10llu %10llu %9.4f %% %9llu %9llu %9llu %9llu %11llu\n", name, (unsigned long long)n->checked,
-            (unsigned long long)n->outside, (unsigned long long)n->inside_solid, 100 * wrong_share(n), (unsigned long long)n->leaks,
-            (unsigned long long)n->false_shadows, (unsigned long long)n->near_boundary, (unsigned long long)n->near_surface,
-            (unsigned long long)n->unexplained);
-}
-
-static void print_distance(FILE *to, const char *name, const compare_distance *d)
-{
-    fprintf(to, "  %-9s %10llu %10llu", name, (unsigned long long)d->points, (unsigned long long)d->beyond);
-    if (d->points) fprintf(to, " %10.3f %11.3f %9.3f %9.3f", d->mean, d->median, d->p95, d->max);
-    fprintf(to, "\n");
-}
 
 static void print_example(FILE *to, const compare_example *e)
 {
@@ -166,8 +146,12 @@ static void print_light(FILE *to, const compare_report *r, const vxs_light *l, c
     fprintf(to, "  %-9s %10s %10s %10s %11s %9s %9s %9s %9s %11s\n", "points", "checked", "outside", "in solids", "wrong", "leaks",
             "shadows", "boundary", "surface", "unexplained");
     for (int kind = 0; kind < kind_count(r); kind++) {
-        print_counts(to, kind_names[kind], &result->counts[kind]);
-        wrong |= compare_wrong(&result->counts[kind]) > 0;
+        const compare_counts *n = &result->counts[kind];
+        fprintf(to, "  %-9s %10llu %10llu %10llu %9.4f %% %9llu %9llu %9llu %9llu %11llu\n", kind_names[kind],
+                (unsigned long long)n->checked, (unsigned long long)n->outside, (unsigned long long)n->inside_solid,
+                100 * wrong_share(n), (unsigned long long)n->leaks, (unsigned long long)n->false_shadows,
+                (unsigned long long)n->near_boundary, (unsigned long long)n->near_surface, (unsigned long long)n->unexplained);
+        wrong |= compare_wrong(n) > 0;
     }
     for (int kind = 0; kind < kind_count(r); kind++)
         if (result->counts[kind].left_free)
@@ -176,8 +160,13 @@ static void print_light(FILE *to, const compare_report *r, const vxs_light *l, c
     if (wrong)
         fprintf(to, "  %-9s %10s %10s %10s %11s %9s %9s   texels from a wrong answer to the nearest boundary\n", "wrong", "found",
                 "beyond", "mean", "median", "95 %", "most");
-    for (int kind = 0; kind < kind_count(r); kind++)
-        if (compare_wrong(&result->counts[kind])) print_distance(to, kind_names[kind], &result->counts[kind].boundary);
+    for (int kind = 0; kind < kind_count(r); kind++) {
+        const compare_distance *d = &result->counts[kind].boundary;
+        if (!compare_wrong(&result->counts[kind])) continue;
+        fprintf(to, "  %-9s %10llu %10llu", kind_names[kind], (unsigned long long)d->points, (unsigned long long)d->beyond);
+        if (d->points) fprintf(to, " %10.3f %11.3f %9.3f %9.3f", d->mean, d->median, d->p95, d->max);
+        fprintf(to, "\n");
+    }
 
     for (int kind = COMPARE_SURFACE; kind < kind_count(r); kind++) print_bias(to, kind_names[kind], &result->counts[kind].bias);
     for (uint32_t n = 0; n < result->example_count; n++) print_example(to, &result->examples[n]);
@@ -352,13 +341,6 @@ static json_t *texels_json(const compare_distance *d, double texels)
     return d->points ? json_real(texels) : json_null();
 }
 
-static json_t *distance_json(const compare_distance *d)
-{
-    return json_pack("{s:I, s:I, s:o, s:o, s:o, s:o}", "points", (json_int_t)d->points, "beyond", (json_int_t)d->beyond, "mean",
-                     texels_json(d, d->mean), "median", texels_json(d, d->median), "p95", texels_json(d, d->p95), "max",
-                     texels_json(d, d->max));
-}
-
 /* Random points have no bias. */
 static void set_bias(json_t *object, int kind, const compare_bias *bias)
 {
@@ -369,12 +351,16 @@ static void set_bias(json_t *object, int kind, const compare_bias *bias)
 
 static json_t *counts_json(const compare_counts *n, compare_kind kind)
 {
-    json_t *counts = json_pack(
-        "{s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:I, s:I, s:I, s:I, s:I, s:o}", "points", (json_int_t)n->points, "outside",
-        (json_int_t)n->outside, "inside_solid", (json_int_t)n->inside_solid, "left_free", (json_int_t)n->left_free, "checked",
-        (json_int_t)n->checked, "wrong", (json_int_t)compare_wrong(n), "wrong_share", wrong_share(n), "leaks", (json_int_t)n->leaks,
-        "false_shadows", (json_int_t)n->false_shadows, "near_boundary", (json_int_t)n->near_boundary, "near_surface",
-        (json_int_t)n->near_surface, "unexplained", (json_int_t)n->unexplained, "boundary_texels", distance_json(&n->boundary));
+    const compare_distance *d = &n->boundary;
+    json_t *distance = json_pack("{s:I, s:I, s:o, s:o, s:o, s:o}", "points", (json_int_t)d->points, "beyond", (json_int_t)d->beyond,
+                                 "mean", texels_json(d, d->mean), "median", texels_json(d, d->median), "p95",
+                                 texels_json(d, d->p95), "max", texels_json(d, d->max));
+    json_t *counts = json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:I, s:I, s:I, s:I, s:I, s:o}", "points", (json_int_t)n->points,
+                               "outside", (json_int_t)n->outside, "inside_solid", (json_int_t)n->inside_solid, "left_free",
+                               (json_int_t)n->left_free, "checked", (json_int_t)n->checked, "wrong", (json_int_t)compare_wrong(n),
+                               "wrong_share", wrong_share(n), "leaks", (json_int_t)n->leaks, "false_shadows",
+                               (json_int_t)n->false_shadows, "near_boundary", (json_int_t)n->near_boundary, "near_surface",
+                               (json_int_t)n->near_surface, "unexplained", (json_int_t)n->unexplained, "boundary_texels", distance);
     set_bias(counts, kind, &n->bias);
     return counts;
 }
@@ -414,19 +400,6 @@ static json_t *filters_json(const compare_report *r, const compare_result *resul
     return filters;
 }
 
-static json_t *compared_light_json(const compare_report *r, const vxs_light *l, const compare_result *result)
-{
-    json_t *light = light_json(l);
-    for (int kind = 0; kind < kind_count(r); kind++)
-        json_object_set_new(light, kind_names[kind], counts_json(&result->counts[kind], (compare_kind)kind));
-    json_object_set_new(light, "faults", examples_json(result));
-    json_object_set_new(light, "filters", filters_json(r, result));
-    json_object_set_new(light, "time",
-                        json_pack("{s:I, s:f, s:f}", "points", (json_int_t)result->time.points, "lookup_ns",
-                                  1e9 * result->time.lookup_s, "ray_ns", 1e9 * result->time.truth_s));
-    return light;
-}
-
 /* The triangles that an asset was compared with: members of each asset, and, for the first one, of the whole report. */
 static void set_casters(json_t *object, const compared_asset *a)
 {
@@ -440,8 +413,18 @@ static json_t *asset_json(const compare_report *r, const compared_asset *a)
 {
     compare_counts sum    = total_of_all(a);
     json_t        *lights = json_array();
-    for (uint32_t n = 0; n < a->light_count; n++)
-        json_array_append_new(lights, compared_light_json(r, &a->lights[n]->light, &a->results[n]));
+    for (uint32_t n = 0; n < a->light_count; n++) {
+        const compare_result *result = &a->results[n];
+        json_t               *light  = light_json(&a->lights[n]->light);
+        for (int kind = 0; kind < kind_count(r); kind++)
+            json_object_set_new(light, kind_names[kind], counts_json(&result->counts[kind], (compare_kind)kind));
+        json_object_set_new(light, "faults", examples_json(result));
+        json_object_set_new(light, "filters", filters_json(r, result));
+        json_object_set_new(light, "time",
+                            json_pack("{s:I, s:f, s:f}", "points", (json_int_t)result->time.points, "lookup_ns",
+                                      1e9 * result->time.lookup_s, "ray_ns", 1e9 * result->time.truth_s));
+        json_array_append_new(lights, light);
+    }
     json_t *root = json_pack("{s:o, s:I, s:I, s:I, s:o, s:I, s:I, s:f, s:I, s:b}", "asset", json_text(a->path), "file_bytes",
                              (json_int_t)a->file_bytes, "memory_bytes", (json_int_t)a->memory_bytes, "lights_in_file",
                              (json_int_t)vxs_asset_light_count(a->asset), "lights", lights, "checked", (json_int_t)sum.checked,
@@ -455,15 +438,6 @@ static json_t *asset_json(const compare_report *r, const compared_asset *a)
     return root;
 }
 
-static json_t *camera_json(const compare_report *r)
-{
-    const camera_pose *c = r->options.camera;
-    uint32_t           width_px, height_px;
-    compare_picture_size(r->options.points, &width_px, &height_px);
-    return json_pack("{s:o, s:o, s:f, s:I, s:I}", "eye_m", json_vector(c->eye_ws), "target_m", json_vector(c->target_ws),
-                     "fov_degrees", c->fov_degrees, "width_px", (json_int_t)width_px, "height_px", (json_int_t)height_px);
-}
-
 json_t *compare_json(const compare_report *r)
 {
     json_t *assets = json_array();
@@ -472,7 +446,15 @@ json_t *compare_json(const compare_report *r)
                              (json_int_t)r->options.points, "seed", (json_int_t)r->options.seed, "assets", assets, "passed",
                              compare_passes(r));
     set_casters(root, &r->assets[0]);
-    if (r->options.camera) json_object_set_new(root, "camera", camera_json(r));
+    const camera_pose *c = r->options.camera;
+    if (c) {
+        uint32_t width_px, height_px;
+        compare_picture_size(r->options.points, &width_px, &height_px);
+        json_object_set_new(root, "camera",
+                            json_pack("{s:o, s:o, s:f, s:I, s:I}", "eye_m", json_vector(c->eye_ws), "target_m",
+                                      json_vector(c->target_ws), "fov_degrees", c->fov_degrees, "width_px", (json_int_t)width_px,
+                                      "height_px", (json_int_t)height_px));
+    }
     if (r->max_error_given) json_object_set_new(root, "max_error", json_real(r->max_error));
     return root;
 }

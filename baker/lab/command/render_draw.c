@@ -46,38 +46,6 @@ static vxs_result draw_by_rays(const render_command *c, const subject *s, const 
     return r;
 }
 
-static vxs_result choose_path(const render_command *c, camera_path *path, run_context *m)
-{
-    if (c->path_file) return camera_path_read(path, c->path_file, c->camera.camera.fov_degrees, m);
-    return c->orbits ? camera_path_orbit(path, &c->camera.camera, m) : VXS_OK;
-}
-
-/* Draw each frame of a path, or a single frame without a path; the last one is the picture. A stream is filled before the
- * first frame, as by a loading screen; later frames have the pages loaded meanwhile. */
-static vxs_result draw_frames(const render_command *c, subject *s, renderer **drawn, const camera_path *path, drawn_frame *frames,
-                              uint32_t count, uint8_t *rgb, run_context *m)
-{
-    vxs_result r = VXS_OK;
-    for (uint32_t n = 0; n < count && r == VXS_OK; n++) {
-        drawn_frame *f     = &frames[n];
-        double       share = count > 1 ? (double)n / (path->closed ? count : count - 1) : 0;
-        f->camera          = path->count ? camera_path_at(path, share) : c->camera.camera;
-        if (c->budget_given) {
-            const drawn_frame *before = n ? f - 1 : NULL;
-            double             since  = clock_seconds();
-            const double      *eye_ws = f->camera.eye_ws;
-            f->stream.struct_size     = sizeof f->stream;
-            r                         = before ? asset_stream_frame(&s->stream, eye_ws, &f->stream, m)
-                                               : asset_stream_fill(&s->stream, eye_ws, &f->stream, m);
-            f->read_bytes             = f->stream.bytes_read - (before ? before->stream.bytes_read : 0);
-            f->wait_seconds           = clock_seconds() - since;
-        }
-        if (r == VXS_OK && !n) r = renderer_create(drawn, &c->options, &s->scene, s->lights, s->light_count, m);
-        if (r == VXS_OK) r = renderer_draw(*drawn, &f->camera, n + 1 == count ? rgb : NULL, &f->frame, m);
-    }
-    return r;
-}
-
 static vxs_result write_passes(const render_command *c, const subject *s, renderer *drawn, truth_difference *difference,
                                run_context *m)
 {
@@ -174,6 +142,8 @@ void render_print_written(const render_command *c, const run_context *m)
     written_print(to, c->out, size);
 }
 
+/* Draw each frame of a path, or a single frame without a path; the last one is the picture. A stream is filled before the first
+ * frame, as by a loading screen; later frames have the pages loaded meanwhile. */
 static vxs_result draw_by_gl(const render_command *c, subject *s, pixels *to, run_context *m)
 {
     renderer        *drawn      = NULL;
@@ -181,8 +151,24 @@ static vxs_result draw_by_gl(const render_command *c, subject *s, pixels *to, ru
     truth_difference difference = {0};
     uint32_t         count      = c->path_file || c->orbits ? c->frames : 1;
     drawn_frame     *frames     = calloc(count, sizeof *frames);
-    vxs_result       r          = frames ? choose_path(c, &path, m) : fail(m, VXS_E_MEMORY, "out of memory for %u frames", count);
-    if (r == VXS_OK) r = draw_frames(c, s, &drawn, &path, frames, count, to->rgb, m);
+    vxs_result       r          = frames ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory for %u frames", count);
+    if (r == VXS_OK && c->path_file) r = camera_path_read(&path, c->path_file, c->camera.camera.fov_degrees, m);
+    if (r == VXS_OK && c->orbits) r = camera_path_orbit(&path, &c->camera.camera, m);
+    for (uint32_t n = 0; n < count && r == VXS_OK; n++) {
+        drawn_frame *f     = &frames[n];
+        double       share = count > 1 ? (double)n / (path.closed ? count : count - 1) : 0;
+        f->camera          = path.count ? camera_path_at(&path, share) : c->camera.camera;
+        if (c->budget_given) {
+            double        since   = clock_seconds();
+            const double *eye_ws  = f->camera.eye_ws;
+            f->stream.struct_size = sizeof f->stream;
+            r = n ? asset_stream_frame(&s->stream, eye_ws, &f->stream, m) : asset_stream_fill(&s->stream, eye_ws, &f->stream, m);
+            f->read_bytes   = f->stream.bytes_read - (n ? f[-1].stream.bytes_read : 0);
+            f->wait_seconds = clock_seconds() - since;
+        }
+        if (r == VXS_OK && !n) r = renderer_create(&drawn, &c->options, &s->scene, s->lights, s->light_count, m);
+        if (r == VXS_OK) r = renderer_draw(drawn, &f->camera, n + 1 == count ? to->rgb : NULL, &f->frame, m);
+    }
     if (r == VXS_OK && to->linear) r = renderer_read_linear(drawn, to->linear, m);
     if (r == VXS_OK) to->white = renderer_facts(drawn).white;
     if (r == VXS_OK && c->passes_folder) r = write_passes(c, s, drawn, &difference, m);
@@ -193,33 +179,28 @@ static vxs_result draw_by_gl(const render_command *c, subject *s, pixels *to, ru
     return r;
 }
 
-/* Write the picture as OpenEXR, in linear colours. */
-static vxs_result write_linear(const render_command *c, const pixels *p, run_context *m)
-{
-    output_file file = {0};
-    size_t      size = 0;
-    uint8_t    *exr  = exr_encode(p->linear, c->options.width_px, c->options.height_px, "RGB", (float)p->white, &size);
-    vxs_result  r    = exr ? output_file_open(&file, c->linear_path, m) : VXS_E_MEMORY;
-    if (r == VXS_OK) r = output_file_write(&file, exr, size, m);
-    if (r == VXS_OK) r = output_file_commit(&file, m);
-    output_file_abort(&file);
-    free(exr);
-    return r;
-}
-
 vxs_result render_draw(const render_command *c, subject *s, output_file *out, run_context *m)
 {
-    uint32_t   width = c->options.width_px, height = c->options.height_px;
-    size_t     count = (size_t)3 * width * height, size_bytes = 0;
-    uint8_t   *png = NULL;
-    pixels     p   = {.rgb = malloc(count), .linear = c->linear_path ? malloc(count * sizeof(float)) : NULL};
-    vxs_result r   = VXS_E_MEMORY;
+    uint32_t    width = c->options.width_px, height = c->options.height_px;
+    size_t      count = (size_t)3 * width * height, size_bytes = 0;
+    uint8_t    *png = NULL, *exr = NULL;
+    output_file linear = {0};
+    pixels      p      = {.rgb = malloc(count), .linear = c->linear_path ? malloc(count * sizeof(float)) : NULL};
+    vxs_result  r      = VXS_E_MEMORY;
     if (p.rgb && (p.linear || !c->linear_path)) r = c->draw == DRAW_RAYS ? draw_by_rays(c, s, &p, m) : draw_by_gl(c, s, &p, m);
     if (r != VXS_OK) goto done;
-    if (p.linear && (r = write_linear(c, &p, m)) != VXS_OK) goto done;
+    if (p.linear) { /* linear colours, as OpenEXR */
+        exr = exr_encode(p.linear, width, height, "RGB", (float)p.white, &size_bytes);
+        r   = exr ? output_file_open(&linear, c->linear_path, m) : VXS_E_MEMORY;
+        if (r == VXS_OK) r = output_file_write(&linear, exr, size_bytes, m);
+        if (r == VXS_OK) r = output_file_commit(&linear, m);
+        if (r != VXS_OK) goto done;
+    }
     png = png_encode(p.rgb, width, height, 3, &size_bytes);
     r   = png ? output_file_write(out, png, size_bytes, m) : VXS_E_MEMORY;
 done:
+    output_file_abort(&linear);
+    free(exr);
     free(png);
     free(p.rgb);
     free(p.linear);

@@ -303,29 +303,6 @@ static void add_example(const judgement *j, size_t index, compare_fault fault, i
     e->map = vxs_voxel(j->comparison->light, s.point_ws, s.normal, 1, e->voxel);
 }
 
-static void count_verdicts(const judgement *j, compare_result *out)
-{
-    compare_counts *n = &out->counts[j->kind];
-    n->points         = compare_point_count(j->comparison, j->kind);
-    for (size_t i = 0; i < n->points; i++) {
-        int cause = j->verdicts[i] & VERDICT_CAUSE, leak = (j->verdicts[i] & VERDICT_LEAK) != 0;
-        n->outside += cause == VERDICT_OUTSIDE;
-        n->inside_solid += cause == VERDICT_INSIDE_SOLID;
-        n->left_free += cause == VERDICT_LEFT_FREE;
-        n->checked += cause >= VERDICT_RIGHT && cause != VERDICT_LEFT_FREE;
-        n->leaks += leak;
-        n->false_shadows += is_wrong(j->verdicts[i]) && !leak;
-        n->near_boundary += cause == VERDICT_NEAR_BOUNDARY;
-        n->near_surface += cause == VERDICT_NEAR_SURFACE;
-        n->unexplained += cause == VERDICT_UNEXPLAINED;
-        n->bias.self_shadows += (j->verdicts[i] & VERDICT_SELF_SHADOW) != 0;
-        n->bias.deep_leaks += (j->verdicts[i] & VERDICT_DEEP_LEAK) != 0;
-        if (cause == VERDICT_UNEXPLAINED) add_example(j, i, FAULT_UNEXPLAINED, leak, out);
-        if (j->verdicts[i] & VERDICT_SELF_SHADOW) add_example(j, i, FAULT_SELF_SHADOW, leak, out);
-        if (j->verdicts[i] & VERDICT_DEEP_LEAK) add_example(j, i, FAULT_DEEP_LEAK, leak, out);
-    }
-}
-
 uint64_t compare_wrong(const compare_counts *n)
 {
     return n->leaks + n->false_shadows;
@@ -353,8 +330,27 @@ static vxs_result compare_points_of_kind(const comparison *c, compare_kind kind,
     judgement              j     = {c, kind, malloc(count)};
     if (count && !j.verdicts) return fail(m, VXS_E_MEMORY, "out of memory for %zu points", count);
     parallel_for(o->threads, count, POINTS_AT_A_TIME, judge_points, &j);
-    count_verdicts(&j, out);
-    vxs_result r = measure_distances(&j, &out->counts[kind], m);
+
+    compare_counts *counts = &out->counts[kind];
+    counts->points         = count;
+    for (size_t i = 0; i < count; i++) {
+        int cause = j.verdicts[i] & VERDICT_CAUSE, leak = (j.verdicts[i] & VERDICT_LEAK) != 0;
+        counts->outside += cause == VERDICT_OUTSIDE;
+        counts->inside_solid += cause == VERDICT_INSIDE_SOLID;
+        counts->left_free += cause == VERDICT_LEFT_FREE;
+        counts->checked += cause >= VERDICT_RIGHT && cause != VERDICT_LEFT_FREE;
+        counts->leaks += leak;
+        counts->false_shadows += is_wrong(j.verdicts[i]) && !leak;
+        counts->near_boundary += cause == VERDICT_NEAR_BOUNDARY;
+        counts->near_surface += cause == VERDICT_NEAR_SURFACE;
+        counts->unexplained += cause == VERDICT_UNEXPLAINED;
+        counts->bias.self_shadows += (j.verdicts[i] & VERDICT_SELF_SHADOW) != 0;
+        counts->bias.deep_leaks += (j.verdicts[i] & VERDICT_DEEP_LEAK) != 0;
+        if (cause == VERDICT_UNEXPLAINED) add_example(&j, i, FAULT_UNEXPLAINED, leak, out);
+        if (j.verdicts[i] & VERDICT_SELF_SHADOW) add_example(&j, i, FAULT_SELF_SHADOW, leak, out);
+        if (j.verdicts[i] & VERDICT_DEEP_LEAK) add_example(&j, i, FAULT_DEEP_LEAK, leak, out);
+    }
+    vxs_result r = measure_distances(&j, counts, m);
     for (uint32_t n = 0; n < o->filter_count && r == VXS_OK; n++)
         r = compare_filtered(c, kind, o->filters_px[n], &out->filters[n].error[kind], m);
     free(j.verdicts);

@@ -136,23 +136,6 @@ static void count_holes(examination *x)
     for (size_t i = 0; i < key_count; i++) x->h->components[x->keys[i] >> 32].holes++;
 }
 
-/* Count the roots of corners around a vertex: one for each group of triangles. */
-static void count_vertices(examination *x)
-{
-    size_t key_count = 0;
-    start_joining(x, x->edge_count); /* there are as many corners */
-    for_each_edge(x, join_corners);
-    for (uint32_t i = 0; i < x->edge_count; i++)
-        if (mesh_find(x->joined, i) == i) x->keys[key_count++] = (uint64_t)x->c->component_of[i / 3] << 32 | x->c->indices[i];
-    sort_keys(x->keys, key_count);
-    for (size_t begin = 0, end; begin < key_count; begin = end) {
-        component_health *k = &x->h->components[x->keys[begin] >> 32];
-        for (end = begin; end < key_count && x->keys[end] == x->keys[begin];) end++;
-        k->vertices++;
-        k->nonmanifold_vertices += end - begin > 1;
-    }
-}
-
 /* triangles -------------------------------------------------------------------------------------------------------------------- */
 
 /* The corners of a triangle are all different. */
@@ -298,7 +281,21 @@ static int examine(examination *x, mesh_health *h, const casters *c, void (*prog
     for_each_edge(x, find_repeated);
     start_joining(x, c->triangle_count);
     for_each_edge(x, examine_sides);
-    count_vertices(x);
+
+    /* Count the roots of corners around a vertex: one for each group of triangles. */
+    size_t key_count = 0;
+    start_joining(x, x->edge_count); /* there are as many corners */
+    for_each_edge(x, join_corners);
+    for (uint32_t i = 0; i < x->edge_count; i++)
+        if (mesh_find(x->joined, i) == i) x->keys[key_count++] = (uint64_t)x->c->component_of[i / 3] << 32 | x->c->indices[i];
+    sort_keys(x->keys, key_count);
+    for (size_t begin = 0, end; begin < key_count; begin = end) {
+        component_health *k = &x->h->components[x->keys[begin] >> 32];
+        for (end = begin; end < key_count && x->keys[end] == x->keys[begin];) end++;
+        k->vertices++;
+        k->nonmanifold_vertices += end - begin > 1;
+    }
+
     count_holes(x);
 
     if (progress) progress("triangles");

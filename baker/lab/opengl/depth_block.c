@@ -447,21 +447,6 @@ static int resolve_layer(depth_block *b)
     return u0 < u1;
 }
 
-/* Where a ray meets a sheet first, or at the same depth, it enters and leaves there. */
-static void mix_sheets(const depth_block *b)
-{
-    for (uint32_t row = 0; row < b->context->block_px; row++) {
-        const float *sheet = b->sheet + (size_t)row * b->context->block_px;
-        float       *e = b->enter + (size_t)row * b->row_px, *x = b->exit + (size_t)row * b->row_px;
-        for (uint32_t n = 0; n < b->context->block_px; n++) {
-            float h     = b->context->order.sign * sheet[n];
-            int   first = h <= e[n];
-            e[n]        = first ? h : e[n];
-            x[n]        = first ? h : x[n];
-        }
-    }
-}
-
 int depth_block_resolve(depth_block *b)
 {
     depth_stats *stats = &b->context->stats;
@@ -492,6 +477,18 @@ int depth_block_resolve(depth_block *b)
     uint32_t passes = b->peels ? b->pass + 1 : 0;
     stats->peel_passes += passes;
     if (passes > stats->peel_passes_max) stats->peel_passes_max = passes;
-    if (b->has_sheets) mix_sheets(b);
+    if (b->has_sheets) {
+        /* Where a ray meets a sheet first, or at the same depth, it enters and leaves there. */
+        for (uint32_t row = 0; row < b->context->block_px; row++) {
+            const float *sheet = b->sheet + (size_t)row * b->context->block_px;
+            float       *e = b->enter + (size_t)row * b->row_px, *x = b->exit + (size_t)row * b->row_px;
+            for (uint32_t n = 0; n < b->context->block_px; n++) {
+                float h     = b->context->order.sign * sheet[n];
+                int   first = h <= e[n];
+                e[n]        = first ? h : e[n];
+                x[n]        = first ? h : x[n];
+            }
+        }
+    }
     return 0;
 }

@@ -169,28 +169,6 @@ static int start_next(depth_block *lane, tile_blocks *t)
     return 0;
 }
 
-/* Lanes alternate: while one is read and resolved, the rasterizer works on the other. */
-static void render_blocks(depth_renderer *r, tile_blocks *t)
-{
-    int active[LANES], any = 0;
-    for (int n = 0; n < LANES; n++) {
-        active[n] = start_next(&r->lane[n], t);
-        if (active[n]) depth_block_issue(&r->lane[n]);
-        any |= active[n];
-    }
-    while (any) {
-        any = 0;
-        for (int n = 0; n < LANES; n++) {
-            if (!active[n]) continue;
-            depth_block_read(&r->lane[n]);
-            active[n] = depth_block_resolve(&r->lane[n]) || start_next(&r->lane[n], t);
-            if (active[n]) depth_block_issue(&r->lane[n]);
-            any |= active[n];
-        }
-        if (r->watch) r->watch(r->watch_user, (double)t->next / t->count);
-    }
-}
-
 vxs_result depth_renderer_tile(depth_renderer *r, depth_maps *maps, uint32_t i, uint32_t j, run_context *m)
 {
     uint32_t    blocks = maps->side_px / r->context.block_px;
@@ -212,7 +190,26 @@ vxs_result depth_renderer_tile(depth_renderer *r, depth_maps *maps, uint32_t i, 
     for (size_t n = 0; n < r->context.casters.triangle_count; n++)
         if (texel_box_touches(&r->context.boxes[n], (int32_t)t.u0, (int32_t)t.v0, (int32_t)t.maps->side_px))
             r->context.candidates[r->context.candidate_count++] = (uint32_t)n;
-    render_blocks(r, &t);
+
+    /* Lanes alternate: while one is read and resolved, the rasterizer works on the other. */
+    int active[LANES], any = 0;
+    for (int n = 0; n < LANES; n++) {
+        active[n] = start_next(&r->lane[n], &t);
+        if (active[n]) depth_block_issue(&r->lane[n]);
+        any |= active[n];
+    }
+    while (any) {
+        any = 0;
+        for (int n = 0; n < LANES; n++) {
+            if (!active[n]) continue;
+            depth_block_read(&r->lane[n]);
+            active[n] = depth_block_resolve(&r->lane[n]) || start_next(&r->lane[n], &t);
+            if (active[n]) depth_block_issue(&r->lane[n]);
+            any |= active[n];
+        }
+        if (r->watch) r->watch(r->watch_user, (double)t.next / t.count);
+    }
+
     GLenum error = r->context.gl->GetError();
     if (error != GL_NO_ERROR) return fail(m, VXS_E_GL, "OpenGL failed while rendering depth maps (error 0x%04x)", error);
     return VXS_OK;

@@ -107,13 +107,6 @@ static vxs_result maps_bounds(void *data, uint32_t level, uint32_t i, uint32_t j
     return VXS_OK;
 }
 
-/* voxels_down and voxels_up for four linear depths at once; this is exact in float, too. */
-static void four_down(const depth_maps *d, const float *depths, uint32_t *to)
-{
-    i32x4 down = __builtin_convertvector(f32x4_load(depths) * (float)d->depth_vx, i32x4);
-    memcpy(to, &down, sizeof down);
-}
-
 static void four_up(const depth_maps *d, const float *depths, uint32_t *to)
 {
     f32x4 voxels = f32x4_load(depths) * (float)d->depth_vx;
@@ -131,7 +124,9 @@ static vxs_result maps_tile(void *data, uint32_t i, uint32_t j, column_tile *out
         for (int n = 0; n < 8; n += 4) {
             uint32_t *to_e = out->e + row * 8 + n, *to_x = out->x + row * 8 + n;
             if (d->voxel_log == 0) {
-                four_down(d, e + n, to_e);
+                /* voxels_down and voxels_up for four linear depths at once; this is exact in float, too. */
+                i32x4 down = __builtin_convertvector(f32x4_load(e + n) * (float)d->depth_vx, i32x4);
+                memcpy(to_e, &down, sizeof down);
                 four_up(d, x + n, to_x);
                 continue;
             }

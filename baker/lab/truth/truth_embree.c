@@ -352,19 +352,6 @@ static bool ask_at_lamp(struct RTCPointQueryFunctionArguments *args)
     return false;
 }
 
-static int is_occluded_at_lamp(const truth *t, const double lamp_ws[3], const double way_ws[3], double end)
-{
-    lamp_query           q = {.truth = t, .lamp_ws = lamp_ws, .way_ws = {-way_ws[0], -way_ws[1], -way_ws[2]}, .end = end};
-    float                at[3];
-    struct RTCPointQuery query = {.radius = 2 * (float)AT_LAMP};
-    unit_from_ws(t, lamp_ws, at);
-    query.x = at[0], query.y = at[1], query.z = at[2];
-    struct RTCPointQueryContext context;
-    rtcInitPointQueryContext(&context);
-    rtcPointQuery(t->scene, &query, &context, ask_at_lamp, &q);
-    return q.occluded;
-}
-
 /* The direction from a point to a light, and the distance: INFINITY for a directional light. */
 static double way_to_light(const light_shape *light, const double point_ws[3], double way_ws[3])
 {
@@ -384,7 +371,21 @@ int truth_lit(const truth *t, const double point_ws[3], const light_shape *light
     if (skipped == 0) ray.tnear = FLOAT_SLACK; /* the surface of the point itself does not count */
     if (distance < INFINITY) {
         double own = skipped == 0 ? truth_precision(t) : 0;
-        if (is_occluded_at_lamp(t, light->position_ws, to_light_ws, distance - own)) return 0;
+
+        /* Is the light itself within a caster? */
+        lamp_query           q = {.truth   = t,
+                                  .lamp_ws = light->position_ws,
+                                  .way_ws  = {-to_light_ws[0], -to_light_ws[1], -to_light_ws[2]},
+                                  .end     = distance - own};
+        float                at[3];
+        struct RTCPointQuery query = {.radius = 2 * (float)AT_LAMP};
+        unit_from_ws(t, light->position_ws, at);
+        query.x = at[0], query.y = at[1], query.z = at[2];
+        struct RTCPointQueryContext context;
+        rtcInitPointQueryContext(&context);
+        rtcPointQuery(t->scene, &query, &context, ask_at_lamp, &q);
+        if (q.occluded) return 0;
+
         ray.tfar = (float)((distance - skipped) * t->scale - AT_LAMP / 2);
         if (ray.tfar <= ray.tnear) return 1;
     }
