@@ -6,6 +6,12 @@
 #include <math.h>
 #include <stdint.h>
 
+/* The sRGB value of linear light, both 1 where white. */
+static inline double srgb_of(double light)
+{
+    return light <= 0.0031308 ? 12.92 * light : 1.055 * pow(light, 1 / 2.4) - 0.055;
+}
+
 /* Linear light of an sRGB byte, [0, 1]. */
 static inline float srgb_light(uint8_t byte)
 {

@@ -7,12 +7,13 @@
 #include "baker/base/parallel.h"
 #include "baker/coding/blocks/blocks.h"
 #include "tests/bench/rival.h"
+#include "tests/columns/stored_maps.h"
 
 static vxs_result blocks_build(light_maps *maps, const void *options, vxs_bytes *file)
 {
     run_context  m       = {0};
     bake_context ctx     = {.run = &m, .threads = maps->threads};
-    column_map   columns = depth_maps_map(&maps->maps);
+    column_map   columns = stored_map(&maps->maps);
     block_set    set     = {0};
     block_words  words   = {0};
     (void)options;

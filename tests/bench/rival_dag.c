@@ -8,6 +8,7 @@
 
 #include "baker/coding/dag/build.h"
 #include "tests/bench/rival.h"
+#include "tests/columns/stored_maps.h"
 
 typedef struct dag_options {
     mask_rule       rule;
@@ -25,7 +26,7 @@ static vxs_result dag_build(light_maps *maps, const void *options, vxs_bytes *fi
     build_stats        stats   = {0};
     run_context        m       = {0};
     bake_context       ctx     = {.run = &m, .threads = maps->threads};
-    column_map         columns = depth_maps_map(&maps->maps);
+    column_map         columns = stored_map(&maps->maps);
     dag_merger         merger;
     dag                d = {0};
     vxs_result         r;

@@ -4,6 +4,7 @@
 
 #include "baker/base/random.h"
 #include "baker/coding/dag/build.h"
+#include "tests/columns/stored_maps.h"
 
 static void spoil_depth(depth_maps *maps, rng *random)
 {
@@ -111,7 +112,7 @@ static vxs_result build_dag(const bake_options *bake, const depth_maps *maps, sp
 {
     build_options o       = build_options_of(bake, compress_order_of(bake->compress));
     bake_context  ctx     = {.run = m, .threads = 1};
-    column_map    columns = depth_maps_map(maps);
+    column_map    columns = stored_map(maps);
     dag_merger    merger;
     o.after      = spoil_square_dag;
     o.user       = s;

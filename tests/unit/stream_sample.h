@@ -5,6 +5,7 @@
 #define STREAM_SAMPLE_H
 
 #include "runtime/vxs_stream.h"
+#include "tests/columns/stored_maps.h"
 #include "tests/unit/blocks_built.h"
 #include "tests/unit/dag_sample.h"
 
@@ -26,7 +27,7 @@ static inline block_words stream_words_of(uint32_t levels, uint32_t map_count, m
     block_words w;
     for (uint32_t map = 0; map < map_count; map++) {
         d[map] = random_maps(1u << levels, 1u << levels, kind, seed + map);
-        m[map] = depth_maps_map(&d[map]);
+        m[map] = stored_map(&d[map]);
     }
     assert_int_equal(build_words(&w, m, map_count, 2), VXS_OK);
     for (uint32_t map = 0; map < map_count; map++) depth_maps_free(&d[map]);

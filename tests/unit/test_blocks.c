@@ -21,6 +21,7 @@
 
 #include <cmocka.h>
 
+#include "tests/columns/stored_maps.h"
 #include "tests/unit/blocks_built.h"
 #include "tests/unit/repeats.h"
 
@@ -178,7 +179,7 @@ static void every_kind_of_map(void **state)
     for (uint32_t side = 8; side <= 512; side *= 2)
         for (map_kind kind = 0; kind < MAP_KINDS; kind++) {
             depth_maps  d = random_maps(side, side, kind, side + kind);
-            column_map  m = depth_maps_map(&d);
+            column_map  m = stored_map(&d);
             block_words w;
             assert_int_equal(build_words(&w, &m, 1, 1 + kind % 3), VXS_OK);
             assert_columns(&w, 0, log2_u32(side), &d, 0, 0);
@@ -220,7 +221,7 @@ static void threads_and_fetches(void **state)
     for (size_t n = 0; n < repeats(3, sizeof kinds / sizeof *kinds); n++) {
         uint32_t    side = sides[n];
         depth_maps  d    = random_maps(side, side, kinds[n], 7);
-        column_map  m    = depth_maps_map(&d);
+        column_map  m    = stored_map(&d);
         block_words once, again;
         assert_int_equal(build_words(&once, &m, 1, 1), VXS_OK);
         uint32_t first = 0; /* each size of a fetch with one count of threads, or all */
@@ -250,7 +251,7 @@ static void six_maps(void **state)
     block_words one, six;
     for (int map = 0; map < 6; map++) {
         d[map] = random_maps(512, 512, MAPS_BOXES, map % 2);
-        m[map] = depth_maps_map(&d[map]);
+        m[map] = stored_map(&d[map]);
     }
     assert_int_equal(build_words(&one, m, 2, 2), VXS_OK);
     assert_int_equal(build_words(&six, m, 6, 2), VXS_OK);
@@ -267,7 +268,7 @@ static void pages_are_cut(void **state)
 {
     (void)state;
     depth_maps  d = random_maps(2048, 2048, MAPS_NOISE, 3);
-    column_map  m = depth_maps_map(&d);
+    column_map  m = stored_map(&d);
     block_words w;
     for (uint32_t n = 0; n < 2048 * 1024; n++)
         d.exit[n] = d.enter[n] = d.enter[n % (2048 * 256)]; /* repeated, so that there is a lot to share */
@@ -290,7 +291,7 @@ static void pages_are_even(void **state)
 {
     (void)state;
     depth_maps d = random_maps(2048, 2048, MAPS_NOISE, 3);
-    column_map m = depth_maps_map(&d);
+    column_map m = stored_map(&d);
     for (uint32_t noisy = 112; noisy >= 48; noisy -= 32) { /* so many texels of each node */
         block_words w;
         for (uint32_t n = 0; n < 2048 * 2048; n++)
@@ -315,7 +316,7 @@ static void repeated_at_other_depths(void **state)
     (void)state;
     const uint32_t side = 1024, period = 64;
     depth_maps     d = random_maps(side, side, MAPS_EMPTY, 1);
-    column_map     m = depth_maps_map(&d);
+    column_map     m = stored_map(&d);
     block_words    w;
     rng            r = {3};
     uint32_t       depth[64 * 64];
@@ -732,7 +733,7 @@ static void sheet_over_a_map(void **state)
     const uint32_t side = 512;
     for (int steep = 0; steep < 2; steep++) {
         depth_maps  d = random_maps(side, side, MAPS_EMPTY, 1);
-        column_map  m = depth_maps_map(&d);
+        column_map  m = stored_map(&d);
         block_words w;
         for (uint32_t n = 0; n < side * side; n++)
             d.enter[n] = d.exit[n] =

@@ -11,6 +11,7 @@
 
 #include <cmocka.h>
 
+#include "tests/columns/stored_maps.h"
 #include "tests/unit/random_maps.h"
 
 static void init(depth_maps *d, uint32_t side, uint32_t depth, int with_exit)
@@ -143,7 +144,7 @@ static void logarithmic_depths(void **state)
                 assert_pyramid(&d);
                 assert_tiles(&d);
                 for (int n = 0; n < 64 * 64; n++) {
-                    double found = depth_maps_voxels(&d, d.enter[n]);
+                    double found = stored_voxels(&d, d.enter[n]);
                     assert_true(found >= 0 && found <= depth && fabs(found - (double)voxels(&d, d.enter[n])) <= 1e-11 * depth);
                 }
                 depth_maps_free(&d);
@@ -158,13 +159,13 @@ static void logarithms_keep_order(void **state)
     run_context m = {0};
     rng         r = {5};
     assert_int_equal(depth_maps_init(&d, 8, 512, log(1e7) / 512, 0, &m), VXS_OK);
-    assert_true(depth_maps_voxels(&d, -1) == 0);
-    assert_true(depth_maps_voxels(&d, 0) == 512 && depth_maps_voxels(&d, -0.0f) == 512 && depth_maps_voxels(&d, -1e-45f) == 512);
+    assert_true(stored_voxels(&d, -1) == 0);
+    assert_true(stored_voxels(&d, 0) == 512 && stored_voxels(&d, -0.0f) == 512 && stored_voxels(&d, -1e-45f) == 512);
     for (int n = 0; n < 20000; n++) {
         float depth = -powf(1e-7f, random_unit(&r));
         for (int k = 0; k < 20; k++) {
             float next = nextafterf(depth, 1);
-            assert_true(depth_maps_voxels(&d, next) >= depth_maps_voxels(&d, depth));
+            assert_true(stored_voxels(&d, next) >= stored_voxels(&d, depth));
             depth = next;
         }
     }

@@ -14,6 +14,7 @@
 
 #include <cmocka.h>
 
+#include "tests/columns/stored_maps.h"
 #include "tests/unit/blocks_built.h"
 
 /* Between the depths that light was built from: the voxel before is not dark by the contract, and the first shadow is not lit by it. */
@@ -22,7 +23,7 @@ static void test_against_depth_maps(void **state)
     (void)state;
     for (int kind = 0; kind < MAP_KINDS; kind++) {
         depth_maps  d       = random_maps(256, 256, (map_kind)kind, 90 + (uint64_t)kind);
-        column_map  columns = depth_maps_map(&d);
+        column_map  columns = stored_map(&d);
         block_words w;
         assert_int_equal(build_words(&w, &columns, 1, 1), VXS_OK);
         vxs_baked_light l = {.light = {.kind = VXS_LIGHT_KIND_DIRECTIONAL, .levels = 8, .coding = VXS_CODING_BLOCKS},

@@ -25,6 +25,7 @@
 
 #include "blocks_built.h"
 #include "format_parts.h"
+#include "tests/columns/stored_maps.h"
 
 /* How lights that are made here are packed. */
 static uint32_t packing;
@@ -53,7 +54,7 @@ static block_words words_of_maps(uint32_t levels, uint32_t map_count, map_kind k
     block_words w;
     for (uint32_t map = 0; map < map_count; map++) {
         d[map] = random_maps(1u << levels, 1u << levels, kind, seed + map);
-        m[map] = depth_maps_map(&d[map]);
+        m[map] = stored_map(&d[map]);
     }
     assert_int_equal(build_words(&w, m, map_count, 2), VXS_OK);
     for (uint32_t map = 0; map < map_count; map++) depth_maps_free(&d[map]);
@@ -65,7 +66,7 @@ static block_words make_words_of_pages(void)
 {
     enum { SIDE = 1024, PERIOD = 384 };
     depth_maps  d = random_maps(SIDE, SIDE, MAPS_NOISE, 3);
-    column_map  m = depth_maps_map(&d);
+    column_map  m = stored_map(&d);
     block_words w;
     for (uint32_t n = 0; n < SIDE * SIDE; n++) d.exit[n] = d.enter[n] = n < SIDE * PERIOD ? d.enter[n] : d.enter[n - SIDE * PERIOD];
     depth_maps_reduce(&d, 1);
@@ -1046,7 +1047,7 @@ static block_words words_of_slope(void)
 {
     enum { SIDE = 512 };
     depth_maps  d = random_maps(SIDE, SIDE, MAPS_EMPTY, 0);
-    column_map  m = depth_maps_map(&d);
+    column_map  m = stored_map(&d);
     block_words w;
     for (uint32_t n = 0; n < SIDE * SIDE; n++) {
         double depth = 0.5 + 0.4 * (n % SIDE) / SIDE - 0.3 * (n / SIDE) / SIDE - (n % SIDE < 100 ? 0.1 : 0);

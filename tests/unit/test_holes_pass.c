@@ -16,6 +16,7 @@
 #include "baker/lab/opengl/depth_gl.h"
 #include "baker/scene/scene.h"
 #include "runtime/vxs.h"
+#include "tests/columns/stored_maps.h"
 #include "tests/gl_choice.h"
 
 #include <cmocka.h>
@@ -199,7 +200,7 @@ static void compare_cards(vxs_light light, uint64_t seed, size_t *asked, size_t 
         if (!nearest(&k, near, way, &distance)) continue;
         double z        = near[2] + distance * way[2];
         double expected = lamp ? log(z / light.near_metres) / light.voxel_metres : distance / length * SIDE;
-        double found    = depth_maps_voxels(&maps, maps.enter[n]);
+        double found    = stored_voxels(&maps, maps.enter[n]);
         if (!(fabs(found - expected) < 0.05))
             print_error("seed %d texel %zu: depth %g voxels, expected %g\n", (int)seed, n, found, expected);
         assert_true(fabs(found - expected) < 0.05);

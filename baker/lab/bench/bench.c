@@ -34,14 +34,6 @@ typedef struct bench_work {
 
 /* Children --------------------------------------------------------------------------------------------------------------------- */
 
-static vxs_result result_of_status(int status)
-{
-    static const vxs_result results[] = {VXS_E_ARGUMENT, VXS_E_READ, VXS_E_WRITE, VXS_E_NO_CASTER, VXS_E_MEMORY, VXS_E_INTERRUPTED};
-    for (size_t n = 0; n < sizeof results / sizeof *results; n++)
-        if (exit_status(results[n]) == status) return results[n];
-    return VXS_E_MEMORY; /* it crashed, or was killed */
-}
-
 /* Run a command. Its exit status must be 0 or `accepted`. */
 static vxs_result run_child(bench_work *w, const bench_job *job, const char *const *arguments, int accepted, double *seconds,
                             run_context *m)
@@ -63,30 +55,27 @@ static vxs_result run_child(bench_work *w, const bench_job *job, const char *con
 
     if (!text[0] && status < 0) snprintf(text, sizeof text, "ended by signal %d, %s", -status, strsignal(-status));
     if (!text[0]) snprintf(text, sizeof text, "exit status %d", status);
-    return fail(m, result_of_status(status), "%s of %s: %s", arguments[1], bench_cell_name(name, sizeof name, w->result, job->cell),
-                text);
+
+    static const vxs_result results[] = {VXS_E_ARGUMENT, VXS_E_READ, VXS_E_WRITE, VXS_E_NO_CASTER, VXS_E_MEMORY, VXS_E_INTERRUPTED};
+    r                                 = VXS_E_MEMORY; /* it crashed, or was killed */
+    for (size_t n = 0; n < sizeof results / sizeof *results; n++)
+        if (exit_status(results[n]) == status) r = results[n];
+    return fail(m, r, "%s of %s: %s", arguments[1], bench_cell_name(name, sizeof name, w->result, job->cell), text);
 }
 
 /* Steps of a run --------------------------------------------------------------------------------------------------------------- */
 
-static vxs_result hash_file(const char *path, uint64_t *hash, run_context *m)
-{
-    char  bytes[1 << 16];
-    FILE *f = fopen(path, "rbe");
-    *hash   = 0;
-    if (!f && errno == ENOMEM) return fail(m, VXS_E_MEMORY, "out of memory while reading %s", path);
-    for (size_t count; f && (count = fread(bytes, 1, sizeof bytes, f));) *hash = XXH3_64bits_withSeed(bytes, count, *hash);
-    vxs_result r = f && !ferror(f) ? VXS_OK : fail(m, VXS_E_READ, "%s: cannot read: %s", path, strerror(errno));
-    if (f) fclose(f);
-    return r;
-}
-
 /* All runs must write the same bytes; else they did not do the same work. */
 static vxs_result require_same_bytes(bench_work *w, bench_job *job, uint32_t run, run_context *m)
 {
-    uint64_t   hash;
-    char       name[256];
-    vxs_result r = hash_file(w->children.asset, &hash, m);
+    char        name[256], bytes[1 << 16];
+    const char *path = w->children.asset;
+    FILE       *f    = fopen(path, "rbe");
+    uint64_t    hash = 0;
+    if (!f && errno == ENOMEM) return fail(m, VXS_E_MEMORY, "out of memory while reading %s", path);
+    for (size_t count; f && (count = fread(bytes, 1, sizeof bytes, f));) hash = XXH3_64bits_withSeed(bytes, count, hash);
+    vxs_result r = f && !ferror(f) ? VXS_OK : fail(m, VXS_E_READ, "%s: cannot read: %s", path, strerror(errno));
+    if (f) fclose(f);
     if (r != VXS_OK) return r;
     if (!run) job->asset_hash = hash;
     if (hash == job->asset_hash) return VXS_OK;

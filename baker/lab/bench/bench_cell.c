@@ -59,16 +59,6 @@ static double maps_to_words_seconds(const json_t *stages)
     return seconds;
 }
 
-/* The level with that side. Levels are sorted by side, the root first, masks (0) last. */
-static json_t *level_of(json_t *levels, uint64_t side_voxels)
-{
-    size_t at = 0;
-    while (at < json_array_size(levels) && count_at(json_array_get(levels, at), "side_voxels") > side_voxels) at++;
-    if (at == json_array_size(levels) || count_at(json_array_get(levels, at), "side_voxels") != side_voxels)
-        json_array_insert_new(levels, at, json_pack("{s:I}", "side_voxels", (json_int_t)side_voxels));
-    return json_array_get(levels, at);
-}
-
 static void add_count(json_t *object, const char *name, uint64_t count)
 {
     json_object_set_new(object, name, json_integer((json_int_t)(count_at(object, name) + count)));
@@ -81,10 +71,17 @@ static void add_bytes(json_t *sum, const json_t *part)
     for (size_t n = 0; n < sizeof figures / sizeof *figures; n++) add_count(sum, figures[n], count_at(part, figures[n]));
 }
 
+/* Levels are sorted by side, the root first, masks (side 0) last. */
 static void add_level(json_t *size, const json_t *level)
 {
-    const char *kind = text_at(level, "kind"); /* "nodes" or "masks" */
-    add_bytes(level_of(json_object_get(size, "levels"), strcmp(kind, "masks") ? count_at(level, "side_voxels") : 0), level);
+    const char *kind   = text_at(level, "kind"); /* "nodes" or "masks" */
+    json_t     *levels = json_object_get(size, "levels");
+    uint64_t    side   = strcmp(kind, "masks") ? count_at(level, "side_voxels") : 0;
+    size_t      at     = 0;
+    while (at < json_array_size(levels) && count_at(json_array_get(levels, at), "side_voxels") > side) at++;
+    if (at == json_array_size(levels) || count_at(json_array_get(levels, at), "side_voxels") != side)
+        json_array_insert_new(levels, at, json_pack("{s:I}", "side_voxels", (json_int_t)side));
+    add_bytes(json_array_get(levels, at), level);
     add_count(size, kind, count_at(level, "count"));
 }
 
@@ -117,14 +114,6 @@ static void set_blocks_size(json_t *size, const json_t *lights)
     }
     json_object_set_new(size, "palette_blocks", kept);
     json_object_set_new(size, "parts", parts);
-}
-
-static json_t *size_json(const json_t *bake, const json_t *lights)
-{
-    json_t *size = json_pack("{s:O, s:I}", "file_bytes", json_at(bake, "file_bytes"), "memory_bytes",
-                             (json_int_t)total(lights, "size/memory_bytes"));
-    json_at(lights, "0/palette_blocks") ? set_blocks_size(size, lights) : set_dag_size(size, lights);
-    return size;
 }
 
 /* A comparison ----------------------------------------------------------------------------------------------------------------- */
@@ -199,23 +188,17 @@ static json_t *lookups_json(const json_t *lights)
 json_t *bench_cell_of_run(const json_t *cell, const json_t *bake, const json_t *compare, double wall_seconds)
 {
     const json_t *lights = json_at(bake, "lights"), *compared = json_at(compare, "assets/0/lights");
+    json_t       *size = json_pack("{s:O, s:I}", "file_bytes", json_at(bake, "file_bytes"), "memory_bytes",
+                                   (json_int_t)total(lights, "size/memory_bytes"));
+    json_at(lights, "0/palette_blocks") ? set_blocks_size(size, lights) : set_dag_size(size, lights);
     return json_pack("{s:O, s:O, s:O, s:O, s:I, s:I, s:O, s:{s:f, s:f, s:f, s:O, s:O}, s:o, s:o, s:o}", "scene",
                      json_at(cell, "scene"), "triangles", json_at(bake, "casters/triangles"), "solid_triangles",
                      json_at(bake, "casters/solids/triangles"), "light", json_at(lights, "0/name"), "lights",
                      (json_int_t)json_array_size(lights), "maps", (json_int_t)total(lights, "maps"), "options",
                      json_at(cell, "options"), "bake", "wall_seconds", wall_seconds, "total_seconds",
                      number_at(bake, "total_seconds"), "maps_to_words_seconds", maps_to_words_seconds(json_at(bake, "stages")),
-                     "stages", json_at(bake, "stages"), "peak_bytes", json_at(bake, "peak_bytes"), "size", size_json(bake, lights),
-                     "errors", errors_json(compared), "lookups", lookups_json(compared));
-}
-
-static json_t *spread_json(const json_t *numbers)
-{
-    double values[BENCH_RUNS_MAX];
-    size_t count = json_array_size(numbers);
-    for (size_t n = 0; n < count; n++) values[n] = json_number_value(json_array_get(numbers, n));
-    spread s = spread_of(values, (uint32_t)count);
-    return json_pack("{s:f, s:f, s:f}", "median", s.median, "min", s.min, "max", s.max);
+                     "stages", json_at(bake, "stages"), "peak_bytes", json_at(bake, "peak_bytes"), "size", size, "errors",
+                     errors_json(compared), "lookups", lookups_json(compared));
 }
 
 /* The values of all runs under one name. values: released */
@@ -225,7 +208,10 @@ static json_t *of_runs(const char *name, json_t *values)
     const char *key;
     size_t      n;
     if (first && strstr(name, "seconds")) {
-        whole = spread_json(values);
+        double numbers[BENCH_RUNS_MAX];
+        json_array_foreach(values, n, part) numbers[n] = json_number_value(part);
+        spread s                                       = spread_of(numbers, (uint32_t)json_array_size(values));
+        whole = json_pack("{s:f, s:f, s:f}", "median", s.median, "min", s.min, "max", s.max);
     } else if (json_is_object(first)) {
         whole = json_object();
         json_object_foreach(first, key, part) json_object_set_new(whole, key, of_runs(key, pick(values, "%s", key)));

@@ -32,26 +32,6 @@ static size_t count_alike(const text_list *values, size_t n)
     return count;
 }
 
-/* Value `which` of these. */
-static const char *value_alike(const text_list *values, size_t n, size_t which)
-{
-    size_t i = n;
-    while (!same_name(values->items[i], values->items[n]) || which--) i++;
-    return values->items[i];
-}
-
-/* The number of combinations; at most BENCH_CELLS_MAX + 1. */
-static size_t count_cells(const bench_options *o)
-{
-    size_t count = o->scenes.count;
-    for (int n = 0; n < BENCH_SWEEPS; n++)
-        for (size_t i = 0; i < o->sweep_value[n].count && count <= BENCH_CELLS_MAX; i++) {
-            size_t alike = count_alike(&o->sweep_value[n], i);
-            if (alike) count *= alike;
-        }
-    return count <= BENCH_CELLS_MAX ? count : BENCH_CELLS_MAX + 1;
-}
-
 static size_t append_pair(const char **arguments, size_t count, const char *name, const char *value)
 {
     if (!value) return count;
@@ -84,9 +64,11 @@ static const char **arguments_of(const bench_options *o, const char *scene_path,
     count = append_pair(all, count, "--scene", o->scene_name);
     for (int n = BENCH_SWEEPS; n-- > 0;) /* the last varies fastest */
         for (size_t i = o->sweep_value[n].count; i-- > 0;) {
-            size_t alike = count_alike(&o->sweep_value[n], i);
+            const text_list *values = &o->sweep_value[n];
+            size_t           alike = count_alike(values, i), which = alike ? index % alike : 0, at = i;
             if (!alike) continue;
-            count = append_pair(all, count, o->sweep_name[n], value_alike(&o->sweep_value[n], i, index % alike));
+            while (!same_name(values->items[at], values->items[i]) || which--) at++; /* to value `which` of these */
+            count = append_pair(all, count, o->sweep_name[n], values->items[at]);
             index /= alike;
         }
     if (o->allow_outside) all[count++] = "--allow-outside";
@@ -155,10 +137,15 @@ static vxs_result require_different(const json_t *cells, run_context *m)
 vxs_result bench_jobs_make(bench_job **jobs, size_t *count, json_t *cells, const bench_options *o, const int *inputs,
                            const children *c, run_context *m)
 {
-    size_t     all = count_cells(o);
+    size_t     all = o->scenes.count;
     vxs_result r   = VXS_OK;
     *count         = 0;
     *jobs          = NULL;
+    for (int n = 0; n < BENCH_SWEEPS; n++)
+        for (size_t i = 0; i < o->sweep_value[n].count && all <= BENCH_CELLS_MAX; i++) {
+            size_t alike = count_alike(&o->sweep_value[n], i);
+            if (alike) all *= alike;
+        }
     if (all > BENCH_CELLS_MAX)
         return fail(m, VXS_E_ARGUMENT, "too many combinations of scenes and options: expected at most %d", BENCH_CELLS_MAX);
     if (o->light_names.count > VXS_LIGHTS_MAX) return fail(m, VXS_E_ARGUMENT, "--light: expected at most %u", VXS_LIGHTS_MAX);

@@ -68,12 +68,6 @@ static int check_object(shape_reader *r, const char *object_name, const json_t *
     return 1;
 }
 
-static int is_other(const json_t *item)
-{
-    return json_is_true(json_object_get(item, "smooth")) || json_is_true(json_object_get(item, "refused")) ||
-           json_integer_value(json_object_get(item, "filter_px")) > 1;
-}
-
 static int check_array(shape_reader *r, const char *name, const json_t *array, const json_t *shape)
 {
     size_t  n, most = (size_t)json_integer_value(json_array_get(shape, 0)), last = json_array_size(shape) - 1;
@@ -85,7 +79,9 @@ static int check_array(shape_reader *r, const char *name, const json_t *array, c
     {
         if (!json_is_object(item)) return fault(r, name, "has an item that is no object");
         if (number) *number = n + 1;
-        if (!check_object(r, name, item, json_array_get(shape, is_other(item) ? last : 1))) return 0;
+        int is_other = json_is_true(json_object_get(item, "smooth")) || json_is_true(json_object_get(item, "refused")) ||
+                       json_integer_value(json_object_get(item, "filter_px")) > 1;
+        if (!check_object(r, name, item, json_array_get(shape, is_other ? last : 1))) return 0;
     }
     if (number) *number = 0;
     return 1;

@@ -11,9 +11,12 @@
 
 #include "baker/base/parallel.h"
 
-/* The processor's model name from the system, else the machine type. */
-static char *processor(const char *kind)
+int machine_describe(bench_machine *machine)
 {
+    struct utsname name;
+    uname(&name);
+
+    /* the processor's model name from the system, else the machine type */
     char  line[512], *model = NULL;
     FILE *f = fopen("/proc/cpuinfo", "re");
     while (f && !model && fgets(line, sizeof line, f)) {
@@ -23,14 +26,8 @@ static char *processor(const char *kind)
         model[strcspn(model, "\n")] = 0;
     }
     if (f) fclose(f);
-    return strdup(model ? model : kind);
-}
 
-int machine_describe(bench_machine *machine)
-{
-    struct utsname name;
-    uname(&name);
-    machine->processor    = processor(name.machine);
+    machine->processor    = strdup(model ? model : name.machine);
     machine->cores        = parallel_default_threads();
     machine->memory_bytes = (uint64_t)sysconf(_SC_PAGESIZE) * (uint64_t)sysconf(_SC_PHYS_PAGES);
     if (asprintf(&machine->system, "%s %s %s, glibc %s", name.sysname, name.release, name.machine, gnu_get_libc_version()) < 0)

@@ -249,17 +249,6 @@ static int all_arrive(const comparison *c, const sample *s, double u, double v, 
     return 1;
 }
 
-static int is_unobstructed(const comparison *c, const sample *s, const filter_taps *taps)
-{
-    double middle[2], step_px;
-    for (int axis = 0; axis < 2; axis++) middle[axis] = taps->first[axis] + 0.5 * taps->count[axis];
-    step_px = compare_step_px(c, s->map, middle[0], middle[1], taps->depth);
-    for (int j = -1; j <= taps->count[1]; j++)
-        for (int i = -1; i <= taps->count[0]; i++)
-            if (!all_arrive(c, s, taps->first[0] + i + 0.5, taps->first[1] + j + 0.5, step_px)) return 0;
-    return 1;
-}
-
 static int is_deep_in_shadow(const comparison *c, const sample *s, const filter_taps *taps)
 {
     /* outside the map of a directional light, lookups are always lit */
@@ -288,6 +277,12 @@ compare_fault compare_bias_fault(const comparison *c, const sample *s, int filte
     if (c->shape.kind != LIGHT_DIRECTIONAL) vec3_sub(c->shape.position_ws, s->point_ws, to_light_ws);
     if (lit && vec3_dot(to_light_ws, s->normal_ws) <= 0) return FAULT_NONE; /* the surface faces away from the light */
     filter_taps taps = filter_taps_of(c->light, s->point_ws, s->normal, filter_px);
-    if (lit) return is_unobstructed(c, s, &taps) ? FAULT_SELF_SHADOW : FAULT_NONE;
-    return is_deep_in_shadow(c, s, &taps) ? FAULT_DEEP_LEAK : FAULT_NONE;
+    if (!lit) return is_deep_in_shadow(c, s, &taps) ? FAULT_DEEP_LEAK : FAULT_NONE;
+
+    double step_px =
+        compare_step_px(c, s->map, taps.first[0] + 0.5 * taps.count[0], taps.first[1] + 0.5 * taps.count[1], taps.depth);
+    for (int j = -1; j <= taps.count[1]; j++)
+        for (int i = -1; i <= taps.count[0]; i++)
+            if (!all_arrive(c, s, taps.first[0] + i + 0.5, taps.first[1] + j + 0.5, step_px)) return FAULT_NONE;
+    return FAULT_SELF_SHADOW;
 }

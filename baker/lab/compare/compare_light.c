@@ -259,28 +259,29 @@ static verdict explain(const comparison *c, const sample *s, int asset_lit)
     return holds_about(c, &at, asset_lit, is_free) ? VERDICT_NEAR_SURFACE : VERDICT_UNEXPLAINED;
 }
 
-static uint8_t judge(const judgement *j, size_t index)
-{
-    const comparison *c = j->comparison;
-    sample            s;
-    if (!compare_point(c, j->kind, index, &s)) return VERDICT_OUTSIDE;
-    float lookup    = vxs_lookup(c->baked, s.point_ws, s.normal, 1);
-    int   asset_lit = lookup > 0;
-    if (lookup < 0) return VERDICT_OUTSIDE;
-    if (truth_inside_solid(c->truth, s.truth_ws)) return VERDICT_INSIDE_SOLID;
-    if (truth_lit(c->truth, s.truth_ws, &c->shape) == asset_lit) return VERDICT_RIGHT;
-    verdict v = explain(c, &s, asset_lit);
-    if (v == VERDICT_LEFT_FREE) return VERDICT_LEFT_FREE;
-    compare_fault fault = compare_bias_fault(c, &s, 1, lookup, !asset_lit);
-    return (uint8_t)(v | (asset_lit ? VERDICT_LEAK : 0) | (fault == FAULT_SELF_SHADOW ? VERDICT_SELF_SHADOW : 0) |
-                     (fault == FAULT_DEEP_LEAK ? VERDICT_DEEP_LEAK : 0));
-}
-
 static void judge_points(void *user, size_t begin, size_t end, uint32_t worker)
 {
-    judgement *j = user;
+    judgement        *j = user;
+    const comparison *c = j->comparison;
     (void)worker;
-    for (size_t n = begin; n < end; n++) j->verdicts[n] = judge(j, n);
+    for (size_t n = begin; n < end; n++) {
+        uint8_t *found = &j->verdicts[n];
+        sample   s;
+        *found = VERDICT_OUTSIDE;
+        if (!compare_point(c, j->kind, n, &s)) continue;
+        float lookup    = vxs_lookup(c->baked, s.point_ws, s.normal, 1);
+        int   asset_lit = lookup > 0;
+        if (lookup < 0) continue;
+        *found = VERDICT_INSIDE_SOLID;
+        if (truth_inside_solid(c->truth, s.truth_ws)) continue;
+        *found = VERDICT_RIGHT;
+        if (truth_lit(c->truth, s.truth_ws, &c->shape) == asset_lit) continue;
+        *found = (uint8_t)explain(c, &s, asset_lit);
+        if (*found == VERDICT_LEFT_FREE) continue;
+        compare_fault fault = compare_bias_fault(c, &s, 1, lookup, !asset_lit);
+        *found |= (asset_lit ? VERDICT_LEAK : 0) | (fault == FAULT_SELF_SHADOW ? VERDICT_SELF_SHADOW : 0) |
+                  (fault == FAULT_DEEP_LEAK ? VERDICT_DEEP_LEAK : 0);
+    }
 }
 
 /* counts ----------------------------------------------------------------------------------------------------------------------- */
@@ -307,21 +308,6 @@ uint64_t compare_wrong(const compare_counts *n)
 {
     return n->leaks + n->false_shadows;
 }
-
-static vxs_result measure_distances(const judgement *j, compare_counts *n, run_context *m)
-{
-    size_t        count = 0, wrong = compare_wrong(n);
-    wrong_answer *answers = wrong ? malloc(wrong * sizeof *answers) : NULL;
-    if (!wrong) return VXS_OK;
-    if (!answers) return fail(m, VXS_E_MEMORY, "out of memory for %zu wrong answers", wrong);
-    for (size_t i = 0; i < n->points; i++)
-        if (is_wrong(j->verdicts[i])) answers[count++] = (wrong_answer){i, (j->verdicts[i] & VERDICT_LEAK) != 0, 0};
-    n->boundary = compare_boundary(j->comparison, j->kind, answers, count);
-    free(answers);
-    return VXS_OK;
-}
-
-/* all of it -------------------------------------------------------------------------------------------------------------------- */
 
 static vxs_result compare_points_of_kind(const comparison *c, compare_kind kind, compare_result *out, run_context *m)
 {
@@ -350,7 +336,15 @@ static vxs_result compare_points_of_kind(const comparison *c, compare_kind kind,
         if (j.verdicts[i] & VERDICT_SELF_SHADOW) add_example(&j, i, FAULT_SELF_SHADOW, leak, out);
         if (j.verdicts[i] & VERDICT_DEEP_LEAK) add_example(&j, i, FAULT_DEEP_LEAK, leak, out);
     }
-    vxs_result r = measure_distances(&j, counts, m);
+
+    size_t        wrong = compare_wrong(counts), collected = 0;
+    wrong_answer *answers = malloc((wrong + 1) * sizeof *answers);
+    vxs_result    r       = answers ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory for %zu wrong answers", wrong);
+    for (size_t i = 0; i < count && answers; i++)
+        if (is_wrong(j.verdicts[i])) answers[collected++] = (wrong_answer){i, (j.verdicts[i] & VERDICT_LEAK) != 0, 0};
+    if (collected) counts->boundary = compare_boundary(c, kind, answers, collected);
+    free(answers);
+
     for (uint32_t n = 0; n < o->filter_count && r == VXS_OK; n++)
         r = compare_filtered(c, kind, o->filters_px[n], &out->filters[n].error[kind], m);
     free(j.verdicts);

@@ -138,14 +138,6 @@ static void count_holes(examination *x)
 
 /* triangles -------------------------------------------------------------------------------------------------------------------- */
 
-/* The corners of a triangle are all different. */
-static int same_corners(const uint32_t *v, const uint32_t *w)
-{
-    for (int i = 0; i < 3; i++)
-        if (v[i] != w[0] && v[i] != w[1] && v[i] != w[2]) return 0;
-    return 1;
-}
-
 /* Find repeated triangles at the edge of their two lowest corners: there, only the third corner differs. */
 static void find_repeated(examination *x, uint32_t begin, uint32_t end)
 {
@@ -160,6 +152,7 @@ static void find_repeated(examination *x, uint32_t begin, uint32_t end)
     for (size_t i = 1; i < count; i++) component_at(x, x->sorted[begin] / 3)->repeated_triangles += x->keys[i] == x->keys[i - 1];
 }
 
+/* Sizes and volumes. Volumes are summed relative to a corner of the box, to avoid cancellation with large coordinates. */
 static void measure(examination *x)
 {
     const casters *c    = x->c;
@@ -170,12 +163,6 @@ static void measure(examination *x)
         for (size_t i = 0; i < 3; i++) box_add(&k->box_ws, &c->positions_ws[3 * (size_t)c->indices[3 * t + i]]);
         k->zero_area_triangles += mesh_is_flat(&soup, t) != 0;
     }
-}
-
-/* Call when boxes are known: volumes are summed relative to a corner of the box, to avoid cancellation with large coordinates. */
-static void sum_volumes(examination *x)
-{
-    const casters *c = x->c;
     for (size_t t = 0; t < c->triangle_count; t++) {
         component_health *k = component_at(x, t);
         double            e[3][3], normal[3];
@@ -226,7 +213,10 @@ static int keep_intersection(void *user, uint32_t a, uint32_t b)
     examination    *x  = user;
     const uint32_t *of = x->c->component_of, *indices = x->c->indices;
     if (of[a] == of[b]) {
-        component_at(x, a)->self_intersections += (uint64_t)!same_corners(&indices[3 * (size_t)a], &indices[3 * (size_t)b]);
+        const uint32_t *v = &indices[3 * (size_t)a], *w = &indices[3 * (size_t)b];
+        int             same = 0; /* the corners of a triangle are all different */
+        for (int i = 0; i < 3; i++) same += v[i] == w[0] || v[i] == w[1] || v[i] == w[2];
+        component_at(x, a)->self_intersections += same < 3;
         return 0;
     }
     uint64_t key       = pair_key(x, a, b);
@@ -300,7 +290,6 @@ static int examine(examination *x, mesh_health *h, const casters *c, void (*prog
 
     if (progress) progress("triangles");
     measure(x);
-    sum_volumes(x);
     if (progress) progress("intersections");
     return examine_intersections(x);
 }

@@ -239,21 +239,17 @@ static int first_is_wrong(const patch *p)
     return p->volume < 0;
 }
 
-static void turn_triangle(scene *s, uint32_t t)
+static vxs_result orient(repair *x, run_context *m)
 {
-    uint32_t *v       = &s->indices[3 * (size_t)t];
-    uint32_t  swapped = v[1];
-    v[1]              = v[2];
-    v[2]              = swapped;
-}
-
-/* parents, turned  [triangles];  patches  [triangles], used at roots
- * Returns the number of triangles turned. */
-static size_t turn_patches(repair *x, uint32_t *parents, uint8_t *turned, patch *patches)
-{
-    const snapshot *v     = &x->v;
-    size_t          count = 0;
+    const snapshot *v         = &x->v;
+    size_t          triangles = v->mesh.triangle_count, count = 0;
+    scratch         memory  = {0};
+    uint32_t       *parents = scratch_take(&memory, triangles, sizeof *parents);
+    uint8_t        *turned  = scratch_take(&memory, triangles, sizeof *turned);
+    patch          *patches = scratch_take(&memory, triangles, sizeof *patches); /* used at roots */
+    vxs_result      r       = memory.missing ? out_of_memory(x, m) : VXS_OK;
     int             is_turned;
+    if (r != VXS_OK) goto done;
     for (uint32_t t = 0; t < v->mesh.triangle_count; t++) parents[t] = t;
     for (uint32_t begin = 0, end; begin < v->edge_count; begin = end) {
         end = begin + v->faces[v->sorted[begin]];
@@ -270,21 +266,14 @@ static size_t turn_patches(repair *x, uint32_t *parents, uint8_t *turned, patch 
         const patch *p     = &patches[mesh_find_turned(parents, turned, t, &is_turned)];
         int          mixed = p->area[0] > 0 && p->area[1] > 0 && !p->one_sided;
         if (!mixed || is_turned != !first_is_wrong(p)) continue;
-        turn_triangle(x->s, v->mesh.from[t]);
+        uint32_t *corners = &x->s->indices[3 * (size_t)v->mesh.from[t]], second = corners[1];
+        corners[1] = corners[2];
+        corners[2] = second;
         origin_at(x, t)->turned_triangles++;
         count++;
     }
-    return count;
-}
-
-static vxs_result orient(repair *x, run_context *m)
-{
-    scratch    memory  = {0};
-    uint32_t  *parents = scratch_take(&memory, x->v.mesh.triangle_count, sizeof *parents);
-    uint8_t   *turned  = scratch_take(&memory, x->v.mesh.triangle_count, sizeof *turned);
-    patch     *patches = scratch_take(&memory, x->v.mesh.triangle_count, sizeof *patches);
-    vxs_result r       = memory.missing ? out_of_memory(x, m) : VXS_OK;
-    if (r == VXS_OK && turn_patches(x, parents, turned, patches)) r = take_snapshot(x, m);
+    if (count) r = take_snapshot(x, m);
+done:
     scratch_free(&memory);
     return r;
 }
@@ -352,7 +341,7 @@ static int triangulate(repair *x, const filling *f, const uint32_t *edges, size_
     return mesh_fill_hole(x->points, count, x->filled);
 }
 
-/* Record a hole, or an open path, by its half-edges. It counts as left until settle finds it filled. */
+/* Record a hole, or an open path, by its half-edges. It counts as left until all of its component is filled. */
 static void add_hole(repair *x, filling *f, const uint32_t *edges, size_t count, int closes)
 {
     uint32_t beside     = edges[0] / 3;
@@ -366,22 +355,6 @@ static void add_hole(repair *x, filling *f, const uint32_t *edges, size_t count,
         *a          = (addition){.beside = beside, .is_first = !i};
         for (size_t k = 0; k < 3; k++) a->corners[k] = f->vertex_of[x->line[x->filled[3 * i + k]]];
     }
-}
-
-/* Discard the triangles for components that stay open, and count the others. */
-static void settle(repair *x, filling *f)
-{
-    size_t kept = 0;
-    for (size_t i = 0; i < f->added_count; i++) {
-        addition            a      = f->added[i];
-        repaired_component *origin = origin_at(x, a.beside);
-        if (f->stays_open[x->v.component_of[a.beside]]) continue;
-        f->added[kept++] = a;
-        origin->added_triangles++;
-        origin->filled_holes += (uint32_t)a.is_first;
-        origin->left_holes -= (uint32_t)a.is_first;
-    }
-    f->added_count = kept;
 }
 
 /* Follow a border from a half-edge. When the path returns to a vertex, split off the loop since then as its own hole, so that no
@@ -460,7 +433,19 @@ static vxs_result fill(repair *x, run_context *m)
     for (size_t i = 0; i < v->edge_count; i++) box_add(&f.boxes[v->component_of[i / 3]], position(v, v->mesh.indices[i]));
     for (size_t i = 0; i < f.ends_at[v->mesh.vertex_count]; i++)
         if (!f.used[f.at[i]]) follow_border(x, &f, f.at[i]);
-    settle(x, &f);
+
+    /* discard the triangles for components that stay open, and count the others */
+    size_t kept = 0;
+    for (size_t i = 0; i < f.added_count; i++) {
+        addition            a      = f.added[i];
+        repaired_component *origin = origin_at(x, a.beside);
+        if (f.stays_open[v->component_of[a.beside]]) continue;
+        f.added[kept++] = a;
+        origin->added_triangles++;
+        origin->filled_holes += (uint32_t)a.is_first;
+        origin->left_holes -= (uint32_t)a.is_first;
+    }
+    f.added_count = kept;
     if (f.no_memory || (f.added_count && !append(x, &f))) goto done;
     r = f.added_count ? take_snapshot(x, m) : VXS_OK;
 done:

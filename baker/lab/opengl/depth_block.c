@@ -212,19 +212,6 @@ int depth_block_start(depth_block *b, float *enter, float *exit, uint32_t row_px
 
 /* drawing ---------------------------------------------------------------------------------------------------------------------- */
 
-static void upload(const depth_block *b)
-{
-    gl_context *gl = b->context->gl;
-    gl->BindVertexArray(b->vertex_array);
-    if (!b->pass) {
-        gl->BindBuffer(GL_ARRAY_BUFFER, b->buffers[0]);
-        gl->BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)b->vertex_count * 3 * (GLsizeiptr)sizeof *b->positions, b->positions,
-                       GL_STREAM_DRAW);
-    }
-    gl->BufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)b->triangle_count * 3 * (GLsizeiptr)sizeof *b->indices, b->indices,
-                   GL_STREAM_DRAW);
-}
-
 /* Draw very many triangles in parts, and wait after each: llvmpipe bins triangles into up to 64 scenes of 36 MiB ahead of its
  * rasterizer. */
 static void draw(depth_block *b, GLuint program, uint32_t first, uint32_t count)
@@ -281,7 +268,14 @@ static void draw_count(depth_block *b)
 void depth_block_issue(depth_block *b)
 {
     gl_context *gl = b->context->gl;
-    upload(b);
+    gl->BindVertexArray(b->vertex_array);
+    if (!b->pass) {
+        gl->BindBuffer(GL_ARRAY_BUFFER, b->buffers[0]);
+        gl->BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)b->vertex_count * 3 * (GLsizeiptr)sizeof *b->positions, b->positions,
+                       GL_STREAM_DRAW);
+    }
+    gl->BufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)b->triangle_count * 3 * (GLsizeiptr)sizeof *b->indices, b->indices,
+                   GL_STREAM_DRAW);
     if (b->pass) {
         gl->Enable(GL_SCISSOR_TEST);
         gl->Scissor((GLint)b->open.u, (GLint)b->open.v, (GLsizei)b->open.width, (GLsizei)b->open.height);
@@ -458,7 +452,6 @@ int depth_block_resolve(depth_block *b)
             for (uint32_t n = 0; n < block_px && b->context->casters.reversed; n++) e[n] = -e[n];
             if (b->exit != b->enter) memcpy(b->exit + (size_t)row * b->row_px, e, block_px * sizeof *e);
         }
-
         return 0;
     }
     if (resolve_layer(b)) {

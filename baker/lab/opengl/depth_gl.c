@@ -14,8 +14,9 @@ enum { LANES = 2 }; /* blocks in flight: one is rasterized while the other's tex
 struct depth_renderer {
     block_context context;
     depth_block   lane[LANES];
-    uint32_t      side_px; /* of the map */
-    void (*watch)(void *user, double share);
+    uint32_t      side_px;                   /* of the map */
+    void (*watch)(void *user, double share); /* called while a square is rendered: the share of its blocks that have begun, 0 to
+                                                1. NULL: no calls */
     void *watch_user;
 };
 
@@ -136,14 +137,6 @@ int depth_renderer_has_casters(const depth_renderer *r, uint32_t side_px, uint32
     for (size_t n = 0; n < r->context.casters.triangle_count; n++)
         if (texel_box_touches(&r->context.boxes[n], (int32_t)(i * side_px), (int32_t)(j * side_px), (int32_t)side_px)) return 1;
     return 0;
-}
-
-/* From now on call watch(user, share) while a square is rendered: the share of its blocks that have begun, 0 to 1. NULL: stop
- * calls. */
-static void depth_renderer_watch(depth_renderer *r, void (*watch)(void *user, double share), void *user)
-{
-    r->watch      = watch;
-    r->watch_user = user;
 }
 
 /* a map tile ------------------------------------------------------------------------------------------------------------------- */
@@ -284,18 +277,6 @@ static void map_close(void *data)
     free(o);
 }
 
-/* Reuse the memory of the previous map, or allocate it. */
-static vxs_result take_maps(opengl_map *o, uint32_t tile_px, uint32_t side_px, run_context *m)
-{
-    rendered_columns *owner = o->owner;
-    int               lamp  = owner->light->kind != VXS_LIGHT_KIND_DIRECTIONAL;
-    o->maps                 = owner->spare;
-    owner->spare            = NULL;
-    if (o->maps && o->maps->enter) return VXS_OK;
-    if (!o->maps && !(o->maps = calloc(1, sizeof *o->maps))) return fail(m, VXS_E_MEMORY, "out of memory for rendering depth maps");
-    return depth_maps_init(o->maps, tile_px, side_px, lamp ? owner->light->voxel_metres : 0, owner->has_exit_map, m);
-}
-
 static vxs_result open_map(void *data, uint32_t map, column_map *out, bake_context *ctx)
 {
     rendered_columns *owner = data;
@@ -305,7 +286,13 @@ static vxs_result open_map(void *data, uint32_t map, column_map *out, bake_conte
     if (!o) return fail(ctx->run, VXS_E_MEMORY, "out of memory for rendering depth maps");
     *o = (opengl_map){.owner = owner, .map = map};
     stage_begin(ctx, STAGE_GL);
-    vxs_result r = take_maps(o, tile, side, ctx->run);
+
+    /* reuse the memory of the previous map, or allocate it */
+    double voxel_log = owner->light->kind == VXS_LIGHT_KIND_DIRECTIONAL ? 0 : owner->light->voxel_metres;
+    o->maps          = owner->spare ? owner->spare : calloc(1, sizeof *o->maps);
+    owner->spare     = NULL;
+    vxs_result r     = o->maps ? VXS_OK : fail(ctx->run, VXS_E_MEMORY, "out of memory for rendering depth maps");
+    if (r == VXS_OK && !o->maps->enter) r = depth_maps_init(o->maps, tile, side, voxel_log, owner->has_exit_map, ctx->run);
     if (r == VXS_OK)
         r = depth_renderer_create(&o->renderer, owner->device, owner->casters, owner->light, (int)map, owner->exit, ctx->threads,
                                   ctx->run);
@@ -314,15 +301,16 @@ static vxs_result open_map(void *data, uint32_t map, column_map *out, bake_conte
         map_close(o);
         return r;
     }
-    depth_renderer_watch(o->renderer, show_part, o);
-    *out = (column_map){.data     = o,
-                        .side_px  = side,
-                        .depth_vx = side,
-                        .fetch_px = tile,
-                        .bounds   = map_bounds,
-                        .fetch    = map_fetch,
-                        .release  = map_release,
-                        .close    = map_close};
+    o->renderer->watch      = show_part;
+    o->renderer->watch_user = o;
+    *out                    = (column_map){.data     = o,
+                                           .side_px  = side,
+                                           .depth_vx = side,
+                                           .fetch_px = tile,
+                                           .bounds   = map_bounds,
+                                           .fetch    = map_fetch,
+                                           .release  = map_release,
+                                           .close    = map_close};
     return VXS_OK;
 }
 

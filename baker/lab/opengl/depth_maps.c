@@ -43,24 +43,14 @@ void depth_maps_free(depth_maps *d)
     memset(d, 0, sizeof *d);
 }
 
-static depth_scale scale_of(const depth_maps *d)
-{
-    return (depth_scale){d->depth_vx, d->voxel_log};
-}
-
-double depth_maps_voxels(const depth_maps *d, float depth)
-{
-    return depth_in_voxels(scale_of(d), (double)depth);
-}
-
 static uint32_t voxels_down(const depth_maps *d, float depth)
 {
-    return depth_down(scale_of(d), (double)depth);
+    return depth_down((depth_scale){d->depth_vx, d->voxel_log}, (double)depth);
 }
 
 static uint32_t voxels_up(const depth_maps *d, float depth)
 {
-    return depth_up(scale_of(d), (double)depth);
+    return depth_up((depth_scale){d->depth_vx, d->voxel_log}, (double)depth);
 }
 
 /* Level 0 of the pyramid, rows [begin, end) of tiles. Rounding is monotonic, so minimum and maximum are taken of floats. */
@@ -142,36 +132,4 @@ column_square depth_maps_square(const depth_maps *d)
 {
     return (column_square){
         .data = (void *)d, .side_px = d->side_px, .depth_vx = d->depth_vx, .bounds = maps_bounds, .tile = maps_tile};
-}
-
-static vxs_result maps_fetch(void *data, uint32_t level, uint32_t i, uint32_t j, column_square *out, bake_context *ctx)
-{
-    (void)ctx;
-    (void)i;
-    (void)j;
-    *out = depth_maps_square(data);
-    return 8u << level == out->side_px ? VXS_OK : VXS_E_ARGUMENT;
-}
-
-static void maps_release(void *data, column_square *square)
-{
-    (void)data;
-    (void)square;
-}
-
-static void maps_close(void *data)
-{
-    (void)data;
-}
-
-column_map depth_maps_map(const depth_maps *d)
-{
-    return (column_map){.data     = (void *)d,
-                        .side_px  = d->side_px,
-                        .depth_vx = d->depth_vx,
-                        .fetch_px = d->side_px,
-                        .bounds   = maps_bounds,
-                        .fetch    = maps_fetch,
-                        .release  = maps_release,
-                        .close    = maps_close};
 }

@@ -20,18 +20,14 @@ typedef struct depth_maps {
     column_bounds *pyramid[PYRAMID_LEVELS_MAX]; /* [l]: squares of 8 << l texels, rows of squares; pyramid[0] owns all */
 } depth_maps;
 
-/* A depth of the maps in voxels, [0, depth_vx], not rounded. */
-double depth_maps_voxels(const depth_maps *d, float depth);
-
 /* Allocate maps without contents.   with_exit  0: exit is the same array as enter.   Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result depth_maps_init(depth_maps *d, uint32_t side_px, uint32_t depth_vx, double voxel_log, int with_exit, run_context *m);
 
 /* Compute the pyramid from the maps; call again whenever they change. */
 void depth_maps_reduce(depth_maps *d, uint32_t threads);
 
-/* The maps as a square of columns, and as an open map; both borrow d, and are valid until depth_maps_free. */
+/* The maps as a square of columns, which borrows d and is valid until depth_maps_free. */
 column_square depth_maps_square(const depth_maps *d);
-column_map    depth_maps_map(const depth_maps *d);
 
 void depth_maps_free(depth_maps *d);
 

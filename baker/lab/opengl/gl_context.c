@@ -163,24 +163,17 @@ vxs_result gl_context_create(gl_context **out, gl_backend backend, uint32_t thre
     return VXS_OK;
 }
 
-static void destroy_egl(gl_context *gl)
-{
-    egl e;
-    if (!gl->display || !open_egl(&e, gl->library)) return;
-    e.MakeCurrent(gl->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
-    if (gl->handle) e.DestroyContext(gl->display, gl->handle);
-    e.Terminate(gl->display);
-}
-
 void gl_context_destroy(gl_context *gl)
 {
     if (!gl) return;
-    if (gl->backend == GL_BACKEND_EGL)
-        destroy_egl(gl);
-    else {
-        osmesa o;
-        if (gl->handle && open_osmesa(&o, gl->library)) o.DestroyContext(gl->handle);
-    }
+    osmesa o;
+    egl    e;
+    if (gl->backend == GL_BACKEND_EGL && gl->display && open_egl(&e, gl->library)) {
+        e.MakeCurrent(gl->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+        if (gl->handle) e.DestroyContext(gl->display, gl->handle);
+        e.Terminate(gl->display);
+    } else if (gl->backend != GL_BACKEND_EGL && gl->handle && open_osmesa(&o, gl->library))
+        o.DestroyContext(gl->handle);
     free(gl); /* the library stays loaded: drivers may fail when unloaded */
 }
 

@@ -34,12 +34,6 @@ static embedded behind(embedded text, const char *mark)
     return (embedded){at + strlen(mark), text.end};
 }
 
-/* Print JSON so that it cannot end the script element: '<' occurs only in strings, and is escaped there. */
-static void print_json(FILE *to, const char *json)
-{
-    for (size_t n; n = strcspn(json, "<"), fwrite(json, 1, n, to), json[n]; json += n + 1) fputs("\\u003c", to);
-}
-
 vxs_result page_write(const char *path, page_kind kind, json_t *data, run_context *m)
 {
     char       *json = data ? json_print(data, JSON_COMPACT | JSON_REAL_PRECISION(9)) : NULL;
@@ -54,7 +48,11 @@ vxs_result page_write(const char *path, page_kind kind, json_t *data, run_contex
     FILE    *to     = out.stream;
     embedded script = kind == PAGE_BAKE ? bake_page_js : kind == PAGE_BENCH ? bench_page_js : volumes_page_js;
     embedded_print(to, behind(page_html, "-->\n"));
-    print_json(to, json);
+    for (const char *at = json; *at; at++)
+        if (*at == '<') /* escaped, so that it cannot end the script element; it occurs only in strings */
+            fputs("\\u003c", to);
+        else
+            fputc(*at, to);
     fputs("</script>\n<script>", to);
     if (kind != PAGE_BAKE) embedded_print(to, chart_min_js);
     fputs("</script>\n<script>", to);
@@ -75,8 +73,6 @@ done:
 
 /* The size of the picture of the shadows, and limits on memory for drawing it: in all, and for each triangle. */
 enum { PICTURE_WIDTH_PX = 480, PICTURE_HEIGHT_PX = 270, PICTURE_BYTES = 16 << 20, PICTURE_TRIANGLE_BYTES = 160 };
-
-/* pixels of pictures ----------------------------------------------------------------------------------------------------------- */
 
 /* Classes of the number of masks that a tile needs, ascending; until: the class's largest number. */
 static const struct {
@@ -230,43 +226,6 @@ static json_t *maps_json(const light_picture *p, const vxs_light *light, int mas
     return json;
 }
 
-/* The directions of a light's own axes in the world. */
-static json_t *axes_json(const vxs_light *light)
-{
-    const double *a = light->ls_from_ws;
-    return json_pack("[[f,f,f], [f,f,f], [f,f,f]]", a[0], a[1], a[2], a[4], a[5], a[6], a[8], a[9], a[10]);
-}
-
-static json_t *picture_json(const light_picture *p, const vxs_light *light)
-{
-    json_t *depths = maps_json(p, light, 0), *masks = maps_json(p, light, 1);
-    return json_pack("{s:i, s:i, s:i, s:o, s:o, s:o}", "light", (int)p->light, "side_px", (int)p->side_px, "mask_tiles",
-                     (int)p->mask_tiles, "axes", axes_json(light), "depths", depths, "masks", masks);
-}
-
-/* The meaning of colours, in the order of a legend. */
-static json_t *mask_colours_json(void)
-{
-    json_t *colours = json_array();
-    for (int n = 0; n < MASK_CLASSES; n++) {
-        const uint8_t *c = mask_classes[n].colour;
-        json_array_append_new(colours, json_pack("[s, o]", mask_classes[n].name, json_sprintf("#%02x%02x%02x", c[0], c[1], c[2])));
-    }
-    json_array_append_new(colours, json_pack("[s, s]", "none", "#c9c9c9"));
-    return colours;
-}
-
-/* The modification time of the scene's file, "2026-11-22 08:30 UTC"; null if unknown. */
-static json_t *scene_date_json(const char *path)
-{
-    struct stat status;
-    struct tm   utc;
-    char        text[32];
-    if (stat(path, &status) || !S_ISREG(status.st_mode) || !gmtime_r(&status.st_mtime, &utc)) return json_null();
-    strftime(text, sizeof text, "%Y-%m-%d %H:%M UTC", &utc);
-    return json_string(text);
-}
-
 vxs_result bake_page_look(void *page, const bake_options *o, const casters *c, vxs_bytes *file, run_context *m)
 {
     bake_page *p     = page;
@@ -281,13 +240,36 @@ vxs_result bake_page_look(void *page, const bake_options *o, const casters *c, v
 vxs_result bake_page_write(const char *path, const bake_page *page, const bake_options *o, const bake_report *r, run_context *m)
 {
     json_t *pictures = json_array();
-    for (uint32_t n = 0; n < r->picture_count; n++)
-        json_array_append_new(pictures, picture_json(&r->pictures[n], &r->lights[r->pictures[n].light].light));
+    for (uint32_t n = 0; n < r->picture_count; n++) {
+        const light_picture *p      = &r->pictures[n];
+        const vxs_light     *light  = &r->lights[p->light].light;
+        const double        *a      = light->ls_from_ws; /* the axes of the light in the world */
+        json_t              *depths = maps_json(p, light, 0), *masks = maps_json(p, light, 1);
+        json_array_append_new(pictures,
+                              json_pack("{s:i, s:i, s:i, s:[[f,f,f], [f,f,f], [f,f,f]], s:o, s:o}", "light", (int)p->light,
+                                        "side_px", (int)p->side_px, "mask_tiles", (int)p->mask_tiles, "axes", a[0], a[1], a[2],
+                                        a[4], a[5], a[6], a[8], a[9], a[10], "depths", depths, "masks", masks));
+    }
+
+    json_t *colours = json_array(); /* their meaning, in the order of a legend */
+    for (int n = 0; n < MASK_CLASSES; n++) {
+        const uint8_t *c = mask_classes[n].colour;
+        json_array_append_new(colours, json_pack("[s, o]", mask_classes[n].name, json_sprintf("#%02x%02x%02x", c[0], c[1], c[2])));
+    }
+    json_array_append_new(colours, json_pack("[s, s]", "none", "#c9c9c9"));
+
+    /* the modification time of the scene's file, "2026-11-22 08:30 UTC"; null if unknown */
+    struct stat status;
+    struct tm   utc;
+    char        date[32];
+    int         is_known = !stat(o->scene_path, &status) && S_ISREG(status.st_mode) && gmtime_r(&status.st_mtime, &utc) != NULL;
+    if (is_known) strftime(date, sizeof date, "%Y-%m-%d %H:%M UTC", &utc);
+
     json_t *shadows = page->rgb ? png_json(page->rgb, PICTURE_WIDTH_PX, PICTURE_HEIGHT_PX, 3) : json_null();
     int     whole   = shadows && json_array_size(pictures) == r->picture_count;
-    json_t *data    = json_pack("{s:o, s:o, s:o, s:o, s:i, s:o}", "report", report_json(o, r, m), "scene_date",
-                                scene_date_json(o->scene_path), "mask_colours", mask_colours_json(), "shadows", shadows,
-                                "shadow_lights", ASSET_PICTURE_LIGHTS, "pictures", pictures);
+    json_t *data =
+        json_pack("{s:o, s:s?, s:o, s:o, s:i, s:o}", "report", report_json(o, r, m), "scene_date", is_known ? date : NULL,
+                  "mask_colours", colours, "shadows", shadows, "shadow_lights", ASSET_PICTURE_LIGHTS, "pictures", pictures);
     if (whole) return page_write(path, PAGE_BAKE, data, m);
     json_decref(data);
     return fail(m, VXS_E_MEMORY, "out of memory for pictures of %u lights", r->picture_count);

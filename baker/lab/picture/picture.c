@@ -22,6 +22,7 @@
 #include "baker/base/box.h"
 #include "baker/base/parallel.h"
 #include "baker/base/random.h"
+#include "baker/base/srgb.h"
 #include "baker/base/vec3.h"
 #include "baker/files/png_encode.h"
 #include "baker/light/map_space.h"
@@ -112,19 +113,6 @@ static void sky_light(const view *v, const double from_ws[3], const double norma
     }
 }
 
-/* Light of the suns after shadows. Beyond the map there is no shadow. */
-static double sun_light(const view *v, const double point_ws[3], const double normal[3])
-{
-    double sum = 0;
-    for (uint32_t n = 0; n < v->sun_count; n++) {
-        double facing = -vec3_dot(normal, v->suns[n]->light.direction_ws);
-        if (facing <= 0) continue;
-        float lit = vxs_lookup(v->suns[n], point_ws, normal, v->options->filter_px);
-        sum += facing * (lit < 0 ? 1 : (double)lit) / v->sun_count;
-    }
-    return sum;
-}
-
 /* lamps ------------------------------------------------------------------------------------------------------------------------ */
 
 static lamp make_lamp(const view *v, const vxs_baked_light *light, double size)
@@ -169,18 +157,6 @@ static double lamp_strength(const lamp *l, const double point_ws[3], double to_l
     return edge <= 0 ? 0 : strength * edge * edge * (3 - 2 * edge);
 }
 
-static double lamp_light(const view *v, const double point_ws[3], const double normal[3])
-{
-    double sum = 0, to_lamp[3];
-    for (uint32_t n = 0; n < v->lamp_count; n++) {
-        double strength = lamp_strength(&v->lamps[n], point_ws, to_lamp), facing = 0;
-        if (strength > 0) facing = vec3_dot(normal, to_lamp);
-        if (facing > 0)
-            sum += strength * facing * fmax(0, (double)vxs_lookup(v->lamps[n].light, point_ws, normal, v->options->filter_px));
-    }
-    return sum;
-}
-
 /* Lamps' light that the air scatters along a ray. Lookups are at equal angles as seen from the lamp (Kulla and Fajardo,
  * "Importance Sampling Techniques for Path Tracing in Participating Media", EGSR 2012). */
 static double air_light(const view *v, const double direction[3], double metres, rng *r)
@@ -216,6 +192,25 @@ static double air_light(const view *v, const double direction[3], double metres,
     return sum;
 }
 
+/* Light of suns and lamps on a surface, after shadows, without fog. */
+static void lights_at(const view *v, const double point_ws[3], const double normal[3], double out[3])
+{
+    double suns = 0, lamps = 0, to_lamp[3];
+    for (uint32_t n = 0; n < v->sun_count; n++) {
+        double facing = -vec3_dot(normal, v->suns[n]->light.direction_ws);
+        if (facing <= 0) continue;
+        float lit = vxs_lookup(v->suns[n], point_ws, normal, v->options->filter_px);
+        suns += facing * (lit < 0 ? 1 : (double)lit) / v->sun_count; /* beyond the map there is no shadow */
+    }
+    for (uint32_t n = 0; n < v->lamp_count; n++) {
+        double strength = lamp_strength(&v->lamps[n], point_ws, to_lamp), facing = 0;
+        if (strength > 0) facing = vec3_dot(normal, to_lamp);
+        if (facing > 0)
+            lamps += strength * facing * fmax(0, (double)vxs_lookup(v->lamps[n].light, point_ws, normal, v->options->filter_px));
+    }
+    for (int i = 0; i < 3; i++) out[i] = suns * sun_colour[i] + lamps * lamp_colour[i];
+}
+
 /* Light that comes to the eye along one ray, from the first surface. */
 static int trace_surface(const view *v, const double direction[3], int sample, rng *r, double *distance, double out[3])
 {
@@ -245,10 +240,8 @@ static int trace_surface(const view *v, const double direction[3], int sample, r
             if (lit < 0) lit = l->shape.kind == LIGHT_DIRECTIONAL;
             for (int i = 0; i < 3; i++) light[i] += facing * lit * reaches[i] * l->colour[i] / pi;
         }
-    } else {
-        double sun = sun_light(v, point, normal), lamps = lamp_light(v, point, normal);
-        for (int i = 0; i < 3; i++) light[i] = sun * sun_colour[i] + lamps * lamp_colour[i];
-    }
+    } else
+        lights_at(v, point, normal, light);
     sky_light(v, lifted, normal, sample, r, sky);
     for (int i = 0; i < 3; i++) out[i] = albedo[i] * (light[i] + 0.42 * v->day * sky[i]);
     if (!v->options->fog) mix(out, haze, 1 - exp(-fmax(*distance - v->near_metres, 0) / v->haze_metres), out);
@@ -271,7 +264,6 @@ static void trace(const view *v, const double direction[3], int sample, rng *r, 
             out[i]        = left[i] * out[i] + (1 - left[i]) * turned * seen * v->day * sky_horizon[i];
         }
         fog_add_airlight(f, v->fog_lights, v->sun_count + v->lamp_count, eye, direction, distance, out);
-
         return;
     }
     double air = v->lamp_count ? air_light(v, direction, distance, r) : 0;
@@ -279,13 +271,6 @@ static void trace(const view *v, const double direction[3], int sample, rng *r, 
 }
 
 /* pixels ----------------------------------------------------------------------------------------------------------------------- */
-
-/* Tone mapping: a soft shoulder, which keeps detail in sunlit walls, then the sRGB curve. */
-static double curve(double x)
-{
-    x = x < 0.6 ? x : 0.6 + 0.4 * (1 - exp(-(x - 0.6) / 0.4));
-    return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055;
-}
 
 static void render_pixels(void *user, size_t begin, size_t end, uint32_t worker)
 {
@@ -305,30 +290,11 @@ static void render_pixels(void *user, size_t begin, size_t end, uint32_t worker)
             for (int i = 0; i < 3; i++) sum[i] += colour[i] / (SIDE_SAMPLES * SIDE_SAMPLES);
         }
         for (size_t i = 0; i < 3; i++) {
-            double light      = shown * sum[i];
-            v->rgb[3 * n + i] = png_dithered(curve(light), (uint32_t)(n % o->width_px), (uint32_t)(n / o->width_px));
+            double light  = shown * sum[i];
+            double mapped = light < 0.6 ? light : 0.6 + 0.4 * (1 - exp(-(light - 0.6) / 0.4)); /* keeps detail in sunlit walls */
+            v->rgb[3 * n + i] = png_dithered(srgb_of(mapped), (uint32_t)(n % o->width_px), (uint32_t)(n / o->width_px));
             if (v->linear) v->linear[3 * n + i] = (float)light;
         }
-    }
-}
-
-/* A matt surface reflects 1 / pi of the light that reaches it in each direction. So in fog, a light has pi times its colour on
- * surfaces. */
-static void light_fog(view *v)
-{
-    uint32_t count = 0;
-    for (uint32_t n = 0; n < v->sun_count; n++) {
-        fog_light *out = &v->fog_lights[count++];
-        *out           = (fog_light){.light = v->suns[n], .shape = baked_light_shape(&v->suns[n]->light)};
-        for (int i = 0; i < 3; i++) out->colour[i] = pi * sun_colour[i] / v->sun_count;
-    }
-    for (uint32_t n = 0; n < v->lamp_count; n++) {
-        const lamp *l           = &v->lamps[n];
-        fog_light  *out         = &v->fog_lights[count++];
-        *out                    = (fog_light){.light = l->light, .shape = l->shape, .radius_metres = 0.03 * l->usual_metres};
-        out->cos_inner          = cos(0.9 * l->shape.outer_rad);
-        out->shape.range_metres = l->reach_metres;
-        for (int i = 0; i < 3; i++) out->colour[i] = pi * lamp_colour[i] * 2 * l->usual_metres * l->usual_metres;
     }
 }
 
@@ -365,7 +331,20 @@ vxs_result picture_render(uint8_t *rgb, float *linear, const picture_options *o,
             v.lamps[v.lamp_count++] = make_lamp(&v, lights[n], size);
     }
     v.day = v.sun_count ? 1 : night;
-    light_fog(&v);
+
+    /* a matt surface reflects 1 / pi of the light that reaches it in each direction: so in fog, lights have pi times their colour */
+    fog_light *in_fog = v.fog_lights;
+    for (uint32_t n = 0; n < v.sun_count; n++, in_fog++) {
+        *in_fog = (fog_light){.light = v.suns[n], .shape = baked_light_shape(&v.suns[n]->light)};
+        for (int i = 0; i < 3; i++) in_fog->colour[i] = pi * sun_colour[i] / v.sun_count;
+    }
+    for (uint32_t n = 0; n < v.lamp_count; n++, in_fog++) {
+        const lamp *l              = &v.lamps[n];
+        *in_fog                    = (fog_light){.light = l->light, .shape = l->shape, .radius_metres = 0.03 * l->usual_metres};
+        in_fog->cos_inner          = cos(0.9 * l->shape.outer_rad);
+        in_fog->shape.range_metres = l->reach_metres;
+        for (int i = 0; i < 3; i++) in_fog->colour[i] = pi * lamp_colour[i] * 2 * l->usual_metres * l->usual_metres;
+    }
     parallel_for(o->threads, (size_t)o->width_px * o->height_px, o->width_px, render_pixels, &v);
 done:
     free(v.suns);

@@ -12,6 +12,7 @@
 
 #include "baker/base/memory.h"
 #include "baker/base/parallel.h"
+#include "baker/base/srgb.h"
 #include "baker/base/vec3.h"
 #include "baker/files/output_file.h"
 #include "baker/files/png_encode.h"
@@ -40,11 +41,6 @@ static const double pi = 3.14159265358979324;
 static uint8_t byte_of(double share)
 {
     return (uint8_t)(255 * fmin(fmax(share, 0), 1) + 0.5);
-}
-
-static double curve(double x)
-{
-    return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055;
 }
 
 static void set_grey(uint8_t rgb[3], double share)
@@ -115,7 +111,7 @@ static vxs_result write_surfaces(passes *p, run_context *m)
     for (size_t n = 0; n < 3 * p->count; n++) p->rgb[n] = p->depths[n / 3] > 0 ? byte_of(0.5 + 0.5 * (double)p->normals[n]) : 0;
     if (r == VXS_OK) r = write_pass(p, "normal", p->normals, "XYZ", m);
 
-    for (size_t n = 0; n < 3 * p->count; n++) p->rgb[n] = p->depths[n / 3] > 0 ? byte_of(curve((double)p->albedos[n])) : 0;
+    for (size_t n = 0; n < 3 * p->count; n++) p->rgb[n] = p->depths[n / 3] > 0 ? byte_of(srgb_of((double)p->albedos[n])) : 0;
     return r == VXS_OK ? write_pass(p, "albedo", p->albedos, "RGB", m) : r;
 }
 
@@ -126,7 +122,7 @@ static vxs_result write_light(passes *p, run_context *m)
         for (size_t k = 0; k < 3; k++) {
             float *light      = &p->light[4 * n + k];
             *light            = (float)(exposure * (double)*light);
-            p->rgb[3 * n + k] = byte_of(curve(fmin(1, (double)*light)));
+            p->rgb[3 * n + k] = byte_of(srgb_of(fmin(1, (double)*light)));
         }
     return write_pass(p, "light", p->light, "RGB.", m);
 }
@@ -137,7 +133,7 @@ static vxs_result write_linear(passes *p, const char *name, render_texture which
     vxs_result r = renderer_read_texture(p->renderer, which, p->spare, m);
     for (size_t n = 0; n < 3 * p->count && r == VXS_OK; n++) {
         p->spare[n] = (float)(factor * (double)p->spare[n]);
-        p->rgb[n]   = byte_of(curve(fmin(1, (double)p->spare[n])));
+        p->rgb[n]   = byte_of(srgb_of(fmin(1, (double)p->spare[n])));
     }
     return r == VXS_OK ? write_pass(p, name, p->spare, "RGB", m) : r;
 }
@@ -163,7 +159,7 @@ static vxs_result write_light_mesh(const passes *p, run_context *m)
     vxs_result r = renderer_read_mesh(p->renderer, p->spare, m);
     for (size_t n = 0; n < 3 * p->count && r == VXS_OK; n++) {
         double dim = p->depths[n / 3] > 0 ? 0.05 + 0.03 * (double)p->normals[n - n % 3 + 1] : 0.004;
-        p->rgb[n]  = byte_of(curve(dim - expm1(-(double)p->spare[n])));
+        p->rgb[n]  = byte_of(srgb_of(dim - expm1(-(double)p->spare[n])));
     }
     return r == VXS_OK ? write_pass(p, "light-mesh", NULL, NULL, m) : r;
 }
