@@ -80,7 +80,7 @@ static void place_camera(measure_options *o, const light_maps *maps)
 {
     const vxs_baked_light sun = {.light = maps->light}, *suns = &sun;
     box around = box_of_corners(maps->casters.positions_ws, maps->casters.indices, 3 * maps->casters.triangle_count);
-    camera_place(&o->camera, &around, &suns, 1, (double)o->width_px / o->height_px);
+    if (!o->camera.eye_given) camera_frame_lit(&o->camera.camera, &around, &suns, 1, (double)o->width_px / o->height_px);
 }
 
 static vxs_result run(rivals_command *c, int *right, run_context *m)
