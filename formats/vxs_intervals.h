@@ -223,7 +223,7 @@ VXS_INLINE vxs_i32 vxs_walk_texel(VXS_LIGHT light, VXS_WALK w, vxs_i32 axis, vxs
     if (vxs_walk_is_sun(light) != 0)
         return VXS_FIELD(w, origin)[axis] + vxs_walk_floor(at);
     else
-        return vxs_walk_floor(vxs_lamp_coordinate(light, at, along > VXS_REAL_MIN ? along : VXS_REAL(VXS_REAL_MIN)));
+        return vxs_walk_floor(vxs_punctual_coordinate(light, at, along > VXS_REAL_MIN ? along : VXS_REAL(VXS_REAL_MIN)));
 }
 
 /* Depth of the ray in voxels, at distance `along` from the light. */

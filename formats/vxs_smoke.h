@@ -89,8 +89,8 @@ VXS_FN vxs_i32 vxs_smoke_place(VXS_LIGHT light, const vxs_real3 point_ws, vxs_re
         map = vxs_map_from_ls(light, ls);
         vxs_face_from_ls(vxs_face_of_map(light, map), ls, p);
         place[2] = p[2] > VXS_REAL_MIN ? p[2] : VXS_REAL_MIN;
-        place[0] = vxs_lamp_coordinate(light, p[0], place[2]);
-        place[1] = vxs_lamp_coordinate(light, p[1], place[2]);
+        place[0] = vxs_punctual_coordinate(light, p[0], place[2]);
+        place[1] = vxs_punctual_coordinate(light, p[1], place[2]);
         if (vxs_in_reach(light, ls) == 0) map = -1;
     }
     place[0] = place[0] * (texels / side);

@@ -370,7 +370,7 @@ VXS_FN vxs_i32 vxs_in_reach(VXS_LIGHT light, const vxs_real3 ls)
 }
 
 /* u or v in the map of a spot or point light, for a point at `across` metres along that axis and z away from the light. */
-VXS_FN vxs_real vxs_lamp_coordinate(VXS_LIGHT light, vxs_real across, vxs_real z)
+VXS_FN vxs_real vxs_punctual_coordinate(VXS_LIGHT light, vxs_real across, vxs_real z)
 {
     return 0.5 * VXS_REAL(VXS_I(1) << VXS_FIELD(light, levels)) + across / z / VXS_FIELD(light, texel_metres);
 }
@@ -384,7 +384,7 @@ VXS_FN vxs_i32 vxs_texel_in_map(VXS_LIGHT light, vxs_i32 texel)
 
 /* Texels are z * texel_metres wide; voxels are z * voxel_metres deep, along the ray through the point: its direction is (p /
  * z, q / z, 1). */
-VXS_FN vxs_place vxs_lamp_place(VXS_LIGHT light, const vxs_real3 point_ws, const vxs_real3 normal_ws, vxs_i32 filter_px)
+VXS_FN vxs_place vxs_punctual_place(VXS_LIGHT light, const vxs_real3 point_ws, const vxs_real3 normal_ws, vxs_i32 filter_px)
 {
     vxs_real3 ls, normal_ls, p, normal, at;
     vxs_place place;
@@ -395,8 +395,8 @@ VXS_FN vxs_place vxs_lamp_place(VXS_LIGHT light, const vxs_real3 point_ws, const
     vxs_face_from_ls(vxs_face_of_map(light, map), normal_ls, normal);
 
     vxs_real z = p[2] > VXS_REAL_MIN ? p[2] : VXS_REAL_MIN; /* the position of the light itself is lit */
-    at[0]      = vxs_lamp_coordinate(light, p[0], z);
-    at[1]      = vxs_lamp_coordinate(light, p[1], z);
+    at[0]      = vxs_punctual_coordinate(light, p[0], z);
+    at[1]      = vxs_punctual_coordinate(light, p[1], z);
     at[2]      = log(z / VXS_FIELD(light, near_metres)) / VXS_FIELD(light, voxel_metres);
     normal[2] += normal[0] * (p[0] / z) + normal[1] * (p[1] / z);
     place.across = vxs_within(at[0], filter_px);
@@ -418,7 +418,7 @@ VXS_FN vxs_place vxs_place_from_ws(VXS_LIGHT light, const vxs_real3 point_ws, co
     if (VXS_KIND(light) == VXS_LIGHT_KIND_DIRECTIONAL)
         return vxs_sun_place(light, point_ws, normal_ws, filter_px);
     else /* if one kind is compiled, nothing follows what is returned */
-        return vxs_lamp_place(light, point_ws, normal_ws, filter_px);
+        return vxs_punctual_place(light, point_ws, normal_ws, filter_px);
 }
 
 /* The voxel of vxs_place_from_ws. Returns its map. */

@@ -45,8 +45,8 @@ static void depth_range(const vxs_light *light, uint32_t bounds, double *nearest
 }
 
 /* Bounding box of a part of a pyramid, from its corners. */
-static void lamp_extent(const vxs_light *light, uint32_t map, const double from[2], const double to[2], double nearest,
-                        double farthest, extent *e)
+static void punctual_extent(const vxs_light *light, uint32_t map, const double from[2], const double to[2], double nearest,
+                            double farthest, extent *e)
 {
     double middle = 0.5 * (double)(1u << light->levels);
     for (int k = 0; k < 3; k++) {
@@ -79,7 +79,7 @@ void vxs_stream_page_add_square(stream_page *page, const vxs_light *light, uint3
         e.min[2] = nearest;
         e.max[2] = farthest;
     } else
-        lamp_extent(light, map, from, to, nearest, farthest, &e);
+        punctual_extent(light, map, from, to, nearest, farthest, &e);
 
     for (int k = 0; k < 3; k++) {
         float low = held(e.min[k], -FAR_METRES), high = held(e.max[k], FAR_METRES);
@@ -156,7 +156,8 @@ void vxs_stream_rank_pages(vxs_stream *s, const vxs_stream_focus *foci, uint32_t
         stream_page *page = &s->pages[n];
         if (page->rank == FLT_MAX) continue;
         if (page->state == PAGE_HERE || page->state == PAGE_COMING) {
-            /* Reduced, so that a page at equal distance, or a little nearer when the camera moves to and fro, does not replace it. */
+            /* Reduced, so that a page at equal distance, or a little nearer when the camera moves to and fro, does not replace it.
+             * */
             float nearer = 0.75f * page->rank - 1;
             page->rank   = nearer > 0 ? nearer : 0;
         }
@@ -175,7 +176,8 @@ int vxs_stream_next_nearest(vxs_stream *s, uint32_t *page)
     return 1;
 }
 
-/* places ------------------------------------------------------------------------------------------------------------------------ */
+/* places ------------------------------------------------------------------------------------------------------------------------
+ * */
 
 /* Choice of a page's place in the array of words: a gap in the room for pages, or the place of pages that are evicted.
  *

@@ -264,7 +264,7 @@ static void warn_about_scene(const bake_options *o, const bake_scene *s, const l
     warn_about_ranges(c, chosen, m);
     warn_about_flat(c, m);
     warn_about_names(&s->scene, m);
-    if (o->region_given && has_sun) warn_about_region(c, o->region_ws, m); /* regions do not affect lamps */
+    if (o->region_given && has_sun) warn_about_region(c, o->region_ws, m); /* regions do not affect punctual lights */
 }
 
 /* Whether the output was made from the same input and is kept. A strict run would not have written an output with warnings. */

@@ -227,7 +227,7 @@ static int nearer(const void *a, const void *b)
     return p->width_px < q->width_px ? -1 : p->width_px > q->width_px;
 }
 
-/* Distance from a lamp to a point along the axis of the map that sees it. */
+/* Distance from a punctual light to a point along the axis of the map that sees it. */
 static double along_axis(const plan_light *l, const double at_ws[3])
 {
     double from[3], along = 0;

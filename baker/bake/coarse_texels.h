@@ -6,7 +6,8 @@
 #include "baker/bake/plan.h"
 #include "baker/bake/scene_objects.h"
 
-/* Objects that make a sun's map much larger than the rest of the scene needs: a forgotten crate far away, the sea around an island. */
+/* Objects that make a sun's map much larger than the rest of the scene needs: a forgotten crate far away, the sea around an island.
+ * */
 
 enum { FAR_OBJECTS_MAX = 8 };
 
@@ -43,8 +44,8 @@ enum { PREVIEW_PX = 256 };
  * Returns 1 if it has warned. */
 int warn_about_far_objects(const check_scene *k, const far_objects *far, const object_list *of);
 
-/* Whether most of what a light reaches is narrower than two texels. Counts components; for a lamp, the nearest quarter of them; and
- * nodes, if there are several, so that leaves of trees do not count one by one.
+/* Whether most of what a light reaches is narrower than two texels. Counts components; for a punctual light, the nearest quarter of
+ * them; and nodes, if there are several, so that leaves of trees do not count one by one.
  * lost, of  [out] number of narrow components; of all that count */
 int texels_lose_most(const check_scene *k, const plan_light *l, size_t *lost, size_t *of);
 

@@ -128,7 +128,7 @@ void plan_free(bake_plan *plan);
 /* plan_checks.c: check the fitted lights of a plan for signs of a bake of little use. Fills texels of each light; warns of
  *   - an object that hides a light from all others (scene_objects.h)
  *   - objects that make a sun's map much larger than the rest needs, and texels wider than most components (coarse_texels.h)
- *   - a lamp whose range ends within its own fixture
+ *   - a punctual light whose range ends within its own fixture
  *   - positions that are stored coarsely, because floats are far from their origin
  * Warnings are given only in nearly certain cases; see docs/manual.md, "Bakes of little use".
  * s  NULL: nodes and their names are not known. Without memory, warnings are left out. */

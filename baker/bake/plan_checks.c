@@ -98,7 +98,8 @@ static int check_far(const check_scene *k, const scene_object *const *hiders)
 
 /* short ranges ---------------------------------------------------------------------------------------------------------------- */
 
-/* Find the only object within a lamp's range, if it is small: the lamp's fixture.   next_metres  [out] distance to the next object */
+/* Find the only object within a punctual light's range, if it is small: the light's fixture.   next_metres  [out] distance to the
+ * next object */
 static const scene_object *find_fixture(const check_scene *k, const plan_light *l, double *next_metres)
 {
     const object_list  *list  = k->nodes.count > 1 ? &k->nodes : &k->components;

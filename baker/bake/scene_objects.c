@@ -175,7 +175,7 @@ void object_name_find(object_name *name, const scene_object *object, const caste
 enum { POINTS = 256, POINTS_SOON = 16, POINTS_LIT = 6, POINTS_MIN = 24, OBJECTS_TRIED = 4 };
 static const double SHARE_LIT = 0.02, SHARE_MIXED = 0.1, BULB_METRES = 1.5, GRAZING = 1e-6;
 
-/* Ray from a point to the light: at + t * way. t ends at 1 for a lamp; it has no end for a sun. */
+/* Ray from a point to the light: at + t * way. t ends at 1 for a punctual light; it has no end for a sun. */
 typedef struct light_ray {
     double at[3], way[3], t_end;
     double over_way[3]; /* 1 / way */
@@ -206,8 +206,8 @@ static int meets_box(const light_ray *r, const box *b)
 
 /* boxes ----------------------------------------------------------------------------------------------------------------------- */
 
-/* Whether an object contains a lamp or is near it. An object whose distance is greater than its size leaves most directions
- * free. */
+/* Whether an object contains a punctual light or is near it. An object whose distance is greater than its size leaves most
+ * directions free. */
 static int is_near(const box *b, const light_shape *shape)
 {
     double away = 0, diagonal = box_diagonal(b);

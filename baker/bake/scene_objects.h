@@ -43,15 +43,15 @@ typedef struct object_name {
  * s  NULL, or without parts: no names are known */
 void object_name_find(object_name *name, const scene_object *object, const casters *c, const scene *s);
 
-/* Finds an object that hides a light from all others: a sky box around a scene with a sun, the bulb around a lamp, the floor above
- * a lamp that hangs too low. */
+/* Finds an object that hides a light from all others: a sky box around a scene with a sun, the bulb around a punctual light, the
+ * floor above a punctual light that hangs too low. */
 
 /* Find the object in whose shadow nearly all other objects lie: 98 of 100 random points on them. An object that is worth a bake by
  * itself does not count: the outside of a house without windows is lit, and so is the inside of a room that is one object.
  *
  * A sun's hider has its back faces toward the sun, because it is made to be seen from inside, or surrounds the others on all sides.
- * A lamp's hider is within 1.5 m of the lamp. It has its back faces toward the lamp, as a solid that contains the lamp has, or
- * does not surround it.
+ * A punctual light's hider is within 1.5 m of the light. It has its back faces toward the light, as a solid that contains the light
+ * has, or does not surround it.
  *
  * points  [point_count] on all objects (lit_points.h): they rule out most objects fast
  * d       of the light; its object_of and without are ignored

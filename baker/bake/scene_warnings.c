@@ -251,7 +251,8 @@ void warn_about_ranges(const casters *c, const light_choice *chosen, run_context
     box all = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
     if (box_diagonal(&all) < CENTIMETRES_ACROSS_MIN_METRES) return;
     warn(m,
-         "light '%s' reaches %.3g m, no lamp farther, and %zu of %zu components are wider than %.3g m, in a scene of %.15g m: as "
+         "light '%s' reaches %.3g m, no punctual light farther, and %zu of %zu components are wider than %.3g m, in a scene of "
+         "%.15g m: as "
          "of one in "
          "centimetres with lights in metres; scale its root nodes by 0.01, or give lights longer ranges",
          longest->name, longest->shape.range_metres, wider, count, width, rounded(box_diagonal(&all), 3));

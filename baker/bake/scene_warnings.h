@@ -11,8 +11,8 @@
 /* Warn if a scene is too large or too small for metres, the unit of glTF. Its numbers are then probably in another unit. */
 void warn_about_scale(const casters *c, run_context *m);
 
-/* Warn if no lamp reaches half the width of most components, in a scene of 100 m or more. Such a scene is probably in centimetres,
- * with light ranges in metres. */
+/* Warn if no punctual light reaches half the width of most components, in a scene of 100 m or more. Such a scene is probably in
+ * centimetres, with light ranges in metres. */
 void warn_about_ranges(const casters *c, const light_choice *chosen, run_context *m);
 
 /* Warn if all casters lie in one plane: no object can shadow another. */

@@ -40,7 +40,7 @@ static void normal_of(const map_polygon *p, double normal[3])
 }
 
 /* 1 when the light is in the plane of the triangle, up to rounding. Then the triangle covers no texel, and must not pull the near
- * plane to the light: for example, the ceiling around a recessed lamp. */
+ * plane to the light: for example, the ceiling around a recessed light. */
 static int edge_on(const map_polygon *triangle)
 {
     const double rounding = 1e-12;
@@ -98,7 +98,7 @@ static reach measure(const vxs_light *light, const casters *c, double range_metr
 /* Border texels at each side of the cone, or of a side of the cube. */
 static uint32_t border_px(uint32_t side)
 {
-    return min_u32(LAMP_BORDER_PX, side / 8);
+    return min_u32(PUNCTUAL_BORDER_PX, side / 8);
 }
 
 /* Width of a texel at one metre, when `side` texels cover the cone and its border. */
@@ -107,11 +107,11 @@ static double slope_of(double half_slope, uint32_t side)
     return half_slope / (side / 2.0 - border_px(side));
 }
 
-vxs_result lamp_fit(vxs_light *light, const casters *c, const light_fit_desc *desc, double axes[3][3], run_context *m)
+vxs_result punctual_fit(vxs_light *light, const casters *c, const light_fit_desc *desc, double axes[3][3], run_context *m)
 {
     const light_shape *shape = desc->shape;
     int                spot  = shape->kind == LIGHT_SPOT;
-    int                cube  = !spot || shape->outer_rad > LAMP_SPOT_MAX_RAD;
+    int                cube  = !spot || shape->outer_rad > PUNCTUAL_SPOT_MAX_RAD;
     double             slope = cube ? 1 : tan(shape->outer_rad);
     uint32_t           side  = desc->resolution ? desc->resolution : 8;
 
@@ -148,7 +148,7 @@ vxs_result lamp_fit(vxs_light *light, const casters *c, const light_fit_desc *de
 
     /* margins: one voxel in front of the casters and two behind, as for directional lights; a voxel is not thinner than a texel is
      * wide */
-    double near         = fmax(r.near, r.far / LAMP_FAR_NEAR_MAX);
+    double near         = fmax(r.near, r.far / PUNCTUAL_FAR_NEAR_MAX);
     light->voxel_metres = fmax(log(r.far / near) / (side - 3), light->texel_metres);
     light->near_metres  = near * exp(-light->voxel_metres);
     if (!(light->near_metres > 0) || !isfinite(r.far))
@@ -255,5 +255,5 @@ vxs_result light_fit(vxs_light *light, const casters *c, const light_fit_desc *d
     vec3_cross(direction, axes[0], axes[1]);
     memcpy(axes[2], direction, sizeof axes[2]);
 
-    return desc->shape->kind == LIGHT_DIRECTIONAL ? sun_fit(light, c, desc, axes, m) : lamp_fit(light, c, desc, axes, m);
+    return desc->shape->kind == LIGHT_DIRECTIONAL ? sun_fit(light, c, desc, axes, m) : punctual_fit(light, c, desc, axes, m);
 }

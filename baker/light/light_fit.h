@@ -6,9 +6,9 @@
 #include "baker/casters/casters.h"
 #include "formats/vxs_file.h"
 
-#define LAMP_BORDER_PX    26 /* half the width of the widest filter with its bias (vxs_voxel), rounded up */
-#define LAMP_FAR_NEAR_MAX 1e7
-#define LAMP_SPOT_MAX_RAD 1.0471975511965976 /* 60 degrees from the axis; wider cones get six maps */
+#define PUNCTUAL_BORDER_PX    26 /* half the width of the widest filter with its bias (vxs_voxel), rounded up */
+#define PUNCTUAL_FAR_NEAR_MAX 1e7
+#define PUNCTUAL_SPOT_MAX_RAD 1.0471975511965976 /* 60 degrees from the axis; wider cones get six maps */
 
 typedef struct light_fit_desc {
     const char        *name;
@@ -29,9 +29,9 @@ typedef struct light_fit_desc {
  *
  * Spot and point: perspective maps with logarithmic depth ([CPVS16] 5). A spot light has one map across its cone. If the cone is
  * wider than 120 degrees, one map would waste its texels at the rim, so the light gets the six maps of a cube, as a point light. A
- * border of LAMP_BORDER_PX texels (fewer in maps narrower than 256 texels) surrounds the cone or the sides of the cube, for filters
- * and their bias. Near and far are those of the casters within the light's range and maps, with far / near <= LAMP_FAR_NEAR_MAX:
- * nearer casters are moved to the near plane. The texel size applies at the far side. The region is ignored.
+ * border of PUNCTUAL_BORDER_PX texels (fewer in maps narrower than 256 texels) surrounds the cone or the sides of the cube, for
+ * filters and their bias. Near and far are those of the casters within the light's range and maps, with far / near <=
+ * PUNCTUAL_FAR_NEAR_MAX: nearer casters are moved to the near plane. The texel size applies at the far side. The region is ignored.
  *
  * light  [out] everything except the DAG.
  * Returns VXS_OK; VXS_E_NO_CASTER (without a message): the light reaches no caster; VXS_E_ARGUMENT. */
@@ -40,6 +40,6 @@ vxs_result light_fit(vxs_light *light, const casters *c, const light_fit_desc *d
 /* Part of light_fit for spot and point lights, in light_fit.c.
  * light  [in] with its name set
  * axes   rows: u, v, and the light's direction; right-handed */
-vxs_result lamp_fit(vxs_light *light, const casters *c, const light_fit_desc *desc, double axes[3][3], run_context *m);
+vxs_result punctual_fit(vxs_light *light, const casters *c, const light_fit_desc *desc, double axes[3][3], run_context *m);
 
 #endif

@@ -127,7 +127,7 @@ static int allocate(selection *k, size_t triangles)
 vxs_result reach_casters(casters *out, const reach_index *x, const casters *c, const light_shape *light, run_context *m)
 {
     *out = *c;
-    if (light->kind != LIGHT_SPOT || light->outer_rad > LAMP_SPOT_MAX_RAD) return VXS_OK;
+    if (light->kind != LIGHT_SPOT || light->outer_rad > PUNCTUAL_SPOT_MAX_RAD) return VXS_OK;
     uint8_t  *kept  = malloc(x->run_count + 1);
     size_t    count = 0;
     double    slope = slope_around(light);
@@ -287,7 +287,7 @@ static void ws_from_map_space(const map_frame *f, const double at[3], double out
 }
 
 /* A random point of the visible part of a triangle. Returns 0 when no part is visible. */
-static int point_of_lamp(lit_point *out, const lit_points_desc *d, const map_sides *sides, size_t t, rng *random)
+static int point_of_punctual(lit_point *out, const lit_points_desc *d, const map_sides *sides, size_t t, rng *random)
 {
     map_polygon seen[VXS_CUBE_FACES];
     double      areas[VXS_CUBE_FACES], all = 0, at[3];
@@ -349,7 +349,7 @@ size_t lit_points_choose(lit_point *points, size_t count, const lit_points_desc 
             p->weight       = polygon_area(&triangle);
             p->along_metres = 0;
             point_in(&triangle, p->weight, &random, p->at_ws);
-        } else if (!point_of_lamp(p, d, &sides, p->triangle, &random))
+        } else if (!point_of_punctual(p, d, &sides, p->triangle, &random))
             continue;
         p->weight /= likely * (double)count;
         found++;

@@ -39,19 +39,19 @@ int map_space_behind(const vxs_light *light, int map, const map_polygon *triangl
 
 map_sides map_sides_of(const vxs_light *light, double beyond_px)
 {
-    int       lamp   = light->kind != VXS_LIGHT_KIND_DIRECTIONAL;
+    int       is_punctual = light->kind != VXS_LIGHT_KIND_DIRECTIONAL;
     double    middle = ldexp(0.5, (int)light->levels), half = middle + beyond_px;
     map_sides s = {{{0}}};
     for (int n = 0; n < 4; n++) {
         double sign   = n % 2 ? 1 : -1;
         s.n[n][n / 2] = sign;
-        if (lamp)
+        if (is_punctual)
             s.n[n][2] = half * light->texel_metres;
         else
             s.n[n][3] = half - sign * middle;
     }
-    s.n[4][2] = lamp;
-    s.n[4][3] = lamp ? -light->near_metres * NEAREST_SHARE : 1;
+    s.n[4][2] = is_punctual;
+    s.n[4][3] = is_punctual ? -light->near_metres * NEAREST_SHARE : 1;
     return s;
 }
 

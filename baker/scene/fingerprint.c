@@ -134,10 +134,10 @@ vxs_result scene_fingerprint_take(scene_fingerprint *f, const scene *s, run_cont
     static const double nowhere[3] = {0, 0, 0};
     hash_begin(&h);
     for (const scene_light *l = s->lights; l < s->lights + s->light_count; l++) {
-        int is_lamp = l->shape.kind != LIGHT_DIRECTIONAL;
+        int is_punctual = l->shape.kind != LIGHT_DIRECTIONAL;
         hash_bytes(&h, l->name, strlen(l->name));
-        hash_word(&h, (uint64_t)is_lamp);
-        hash_numbers(&h, is_lamp ? l->shape.position_ws : nowhere, 3);
+        hash_word(&h, (uint64_t)is_punctual);
+        hash_numbers(&h, is_punctual ? l->shape.position_ws : nowhere, 3);
     }
     hash_end_text(&h, f->lights);
 

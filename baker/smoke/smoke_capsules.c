@@ -220,7 +220,7 @@ static int tiles_of(const scene_smoke *smoke, uint32_t n, const vxs_light *light
     if (!is_sun && box[1][2] <= 0) return 0;
     for (int i = 0; i < 2; i++) {
         double low = box[0][i], high = box[1][i];
-        if (!is_sun) { /* slopes; a capsule that is beside the lamp or around it may be anywhere */
+        if (!is_sun) { /* slopes; a capsule that is beside the light or around it may be anywhere */
             double near = fmax(box[0][2], 0), far = box[1][2];
             low  = fmin(low / near, low / far);
             high = fmax(high / near, high / far);

@@ -106,8 +106,8 @@ static void find_range(const maker *k, int32_t map, double range[2])
     for (uint32_t n = 0; capsules && n < capsules->count; n++) smoke_capsule_depths(capsules, n, &k->baked->light, map, range);
 }
 
-/* Choose units that cover the depths of all smoke; a lamp's light begins at its near plane. Returns 0: light does not reach the
- * smoke. */
+/* Choose units that cover the depths of all smoke; a punctual light's light begins at its near plane. Returns 0: light does not
+ * reach the smoke. */
 static int find_units(maker *k)
 {
     const vxs_light *light    = &k->baked->light;
@@ -135,7 +135,7 @@ static uint32_t side_of(const smoke_source *source, const vxs_light *light)
     smoke_grid_middle(source->grid, middle);
     smoke_grid_corner(source->grid, 0, far);
     vec3_sub(far, middle, far);
-    vxs_ls_from_ws(light, middle, 1, at); /* lamps: distance in metres, by which maps are wider there */
+    vxs_ls_from_ws(light, middle, 1, at); /* punctual lights: distance in metres, by which maps are wider there */
     if (!is_sun(light)) wide *= fmax(sqrt(vec3_dot(at, at)), sqrt(vec3_dot(far, far)));
     while (side < SIDE_MOST && wide / side > 1.01 * smoke_grid_spacing(source->grid)) side *= 2;
     return side;

@@ -1,5 +1,5 @@
-/* One frame with everything, of installed libraries: the ground of a level in baked shadow, that of a board which moves, and that of smoke; fog, and a screen
- * that shines. Light 0 of the file is a sun.
+/* One frame with everything, of installed libraries: the ground of a level in baked shadow, that of a board which moves, and that
+ * of smoke; fog, and a screen that shines. Light 0 of the file is a sun.
  *
  *     cc frame.c $(pkg-config --cflags --libs vxs_volumes) -lOSMesa -lm -o frame
  *     ./frame level.vxs frame.ppm
@@ -31,7 +31,7 @@ int main(int argc, char **argv)
         vxs_shadow_depth_map_create(&map, air, &(vxs_shadow_depth_map_desc){.baked_number = number, .side_px = 1024, .moves = 1}) ||
         vxs_transmittance_map_create(&smoke, air,
                                      &(vxs_transmittance_desc){.baked_number = number, .capsules = 1, .segments = 1 << 18}) ||
-        vxs_area_light_create(&screen, air, &(vxs_area_light_desc){.lamps = 16, .side_px = 64}))
+        vxs_area_light_create(&screen, air, &(vxs_area_light_desc){.vpls = 16, .side_px = 64}))
         return fprintf(stderr, "frame: OpenGL cannot do it\n"), 1;
     vxs_gl_upload(shadows, SIZE_MAX);
     vxs_shadow_depth_map_fill(map, UINT64_MAX);

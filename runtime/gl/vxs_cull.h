@@ -45,7 +45,7 @@ VXS_FN vxs_i32 vxs_sun_meets_box(VXS_LIGHT light, vxs_i32 row, const vxs_real3 m
 }
 
 /* Returns 0 when a box is beyond the range of a spot or point light. */
-VXS_FN vxs_i32 vxs_lamp_in_range(VXS_LIGHT light, const vxs_real3 middle, const vxs_real3 half_size)
+VXS_FN vxs_i32 vxs_punctual_in_range(VXS_LIGHT light, const vxs_real3 middle, const vxs_real3 half_size)
 {
     vxs_real range = VXS_FIELD(light, range_metres), square = VXS_REAL(0.0);
     for (vxs_i32 n = 0; n < 3; n++) {
@@ -103,7 +103,7 @@ VXS_FN vxs_i32 vxs_light_meets_box(VXS_LIGHT light, const vxs_real3 middle, cons
         if ((VXS_FIELD(light, flags) & VXS_LIGHT_BOUNDED) == 0u) return 1;
         return vxs_sun_meets_box(light, 2, middle, half_size, filter_px);
     }
-    if (vxs_lamp_in_range(light, middle, half_size) == 0) return 0;
+    if (vxs_punctual_in_range(light, middle, half_size) == 0) return 0;
     if (VXS_FIELD(light, kind) == VXS_LIGHT_KIND_POINT) return 1;
     return vxs_spot_meets_box(light, middle, half_size);
 }

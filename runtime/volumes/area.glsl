@@ -18,7 +18,7 @@ struct vxs_vpl {
 #define VXS_AT_AREA VXS_AT_GRID
 #endif
 layout(std430, binding = VXS_AT_AREA) VXS_GRID_ACCESS buffer vxs_area_buffer {
-    vxs_vpl lamps[256];
+    vxs_vpl vpls[256];
     uint          words[];
 } vxs_area;
 
@@ -28,38 +28,38 @@ layout(std430, binding = VXS_AT_AREA) VXS_GRID_ACCESS buffer vxs_area_buffer {
 #define VXS_AREA_BAKED
 #endif
 #if defined(VXS_AREA_GATHERS) && (defined(VXS_USES_CURVES) || defined(VXS_AREA_BAKED))
-/* The current lamp and eye ray, and below the transmittance of the lamp's smoke along the ray. */
+/* The current VPL and eye ray, and below the transmittance of the VPL's smoke along the ray. */
 uint  vxs_vpl_now;
 vec3  vxs_area_direction;
-float vxs_area_left(uint lamp, vec3 at);
+float vxs_area_left(uint vpl, vec3 at);
 #define vxs_grid_left(metres) vxs_area_left(vxs_vpl_now, vxs_frame.eye_far.xyz + (metres) * vxs_area_direction)
 #endif
 
-vxs_epipolar vxs_area_space(uint lamp)
+vxs_epipolar vxs_area_space(uint vpl)
 {
-    return vxs_grid_space_of(vxs_area.lamps[lamp].axis, vxs_area.lamps[lamp].ahead, vxs_area.lamps[lamp].side,
-                             vxs_area.lamps[lamp].alpha_theta, vxs_area.lamps[lamp].phi);
+    return vxs_grid_space_of(vxs_area.vpls[vpl].axis, vxs_area.vpls[vpl].ahead, vxs_area.vpls[vpl].side,
+                             vxs_area.vpls[vpl].alpha_theta, vxs_area.vpls[vpl].phi);
 }
 
-/* A vector from a lamp in its frame: across, up, along its normal. */
-vec3 vxs_area_way(uint lamp, vec3 way)
+/* A vector from a VPL in its frame: across, up, along its normal. */
+vec3 vxs_area_way(uint vpl, vec3 way)
 {
-    vec3 normal = vxs_area.lamps[lamp].normal.xyz, across = vxs_area.lamps[lamp].across.xyz;
+    vec3 normal = vxs_area.vpls[vpl].normal.xyz, across = vxs_area.vpls[vpl].across.xyz;
     return vec3(dot(across, way), dot(cross(normal, across), way), dot(normal, way));
 }
 
 const float vxs_area_far = 2.0;
 
-/* Position in the imperfect shadow map of a distant lamp, which covers the sphere around all casters; in texels.
- * way  from the sphere's middle, in the lamp's frame */
-vec2 vxs_area_far_texel(uint lamp, vec3 way, int side)
+/* Position in the imperfect shadow map of a distant VPL, which covers the sphere around all casters; in texels.
+ * way  from the sphere's middle, in the VPL's frame */
+vec2 vxs_area_far_texel(uint vpl, vec3 way, int side)
 {
-    return 0.5 * float(side) * (1.0 + way.xy / vxs_area.lamps[lamp].place.w);
+    return 0.5 * float(side) * (1.0 + way.xy / vxs_area.vpls[vpl].place.w);
 }
 
-/* The first word of level n of a lamp's imperfect shadow map; levels are stored in order.   maps  the first word of all maps */
-uint vxs_area_level(uint maps, uint lamp, uint side, uint n)
+/* The first word of level n of a VPL's imperfect shadow map; levels are stored in order.   maps  the first word of all maps */
+uint vxs_area_level(uint maps, uint vpl, uint side, uint n)
 {
     uint part = side >> n;
-    return maps + lamp * ((4u * side * side - 1u) / 3u) + 4u * (side * side - part * part) / 3u;
+    return maps + vpl * ((4u * side * side - 1u) / 3u) + 4u * (side * side - part * part) / 3u;
 }

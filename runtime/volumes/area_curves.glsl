@@ -1,35 +1,35 @@
-/* Lamps of an area light as layers of curves, instead of transmittance_light.glsl: over the half of all directions to which a
- * lamp emits, as in its imperfect shadow map, or over the sphere around all casters. Positions are metres in the lamp's frame,
- * from the lamp or from the middle of the sphere. Depths are metres along a ray from the lamp, or from the plane through the
+/* VPLs of an area light as layers of curves, instead of transmittance_light.glsl: over the half of all directions to which a
+ * VPL emits, as in its imperfect shadow map, or over the sphere around all casters. Positions are metres in the VPL's frame,
+ * from the VPL or from the middle of the sphere. Depths are metres along a ray from the VPL, or from the plane through the
  * middle of the sphere, across the light. */
 #include "area.glsl"
 #include "vxs_area_grid.h"
 #include "transmittance.glsl"
 
-bool vxs_area_is_far(int lamp)
+bool vxs_area_is_far(int vpl)
 {
-    return vxs_area.lamps[lamp].normal.w == vxs_area_far;
+    return vxs_area.vpls[vpl].normal.w == vxs_area_far;
 }
 
-/* Position in a lamp's layer, in texels.   wide  [out] width of a texel there, in metres */
-vec2 vxs_area_place(int lamp, vec3 way, out float wide)
+/* Position in a VPL's layer, in texels.   wide  [out] width of a texel there, in metres */
+vec2 vxs_area_place(int vpl, vec3 way, out float wide)
 {
     int  side = int(vxs_frame.counts.w);
-    vec2 at = vxs_area_far_texel(uint(lamp), way, side);
-    wide = 2.0 * vxs_area.lamps[lamp].place.w / float(side);
-    if (!vxs_area_is_far(lamp)) wide = length(way) * vxs_area_texel(way, side, at);
+    vec2 at = vxs_area_far_texel(uint(vpl), way, side);
+    wide = 2.0 * vxs_area.vpls[vpl].place.w / float(side);
+    if (!vxs_area_is_far(vpl)) wide = length(way) * vxs_area_texel(way, side, at);
     return at;
 }
 
 /* Widen a capsule to at least a texel, and reduce its density by the increase of its area: so it takes the same light in all, as
  * long as that is little. */
-vxs_capsule vxs_capsule_of(vec4 begin, vec4 end, int lamp)
+vxs_capsule vxs_capsule_of(vec4 begin, vec4 end, int vpl)
 {
     vxs_capsule c = vxs_capsule_stored(begin, end);
     float       wide, size = length(c.end - c.begin);
-    c.begin = vxs_area_way(uint(lamp), c.begin - vxs_area.lamps[lamp].place.xyz);
-    c.end   = vxs_area_way(uint(lamp), c.end - vxs_area.lamps[lamp].place.xyz);
-    vxs_area_place(lamp, 0.5 * (c.begin + c.end), wide);
+    c.begin = vxs_area_way(uint(vpl), c.begin - vxs_area.vpls[vpl].place.xyz);
+    c.end   = vxs_area_way(uint(vpl), c.end - vxs_area.vpls[vpl].place.xyz);
+    vxs_area_place(vpl, 0.5 * (c.begin + c.end), wide);
     if (c.radius > 0.0 && 0.5 * wide > c.radius) {
         float part = c.radius / (0.5 * wide);
         c.extinction *= part * part * (size + 4.0 / 3.0 * c.radius) / (size + 2.0 / 3.0 * wide);
@@ -40,16 +40,16 @@ vxs_capsule vxs_capsule_of(vec4 begin, vec4 end, int lamp)
 
 /* Texels of a ball around the capsule. A paraboloid shows a ball's outline as a circle. The circle's ends toward the normal and
  * away from it are tangents of half the angles of the ball's outline. */
-bool vxs_capsule_texels(vxs_capsule c, int lamp, out ivec4 box)
+bool vxs_capsule_texels(vxs_capsule c, int vpl, out ivec4 box)
 {
     float side = float(vxs_frame.counts.w), wide;
     vec3  middle = 0.5 * (c.begin + c.end);
     float radius = c.radius + 0.5 * length(c.end - c.begin), metres = length(middle), beside = length(middle.xy);
-    vec2  at = vxs_area_place(lamp, middle, wide);
+    vec2  at = vxs_area_place(vpl, middle, wide);
     float reach = radius / wide;
     box = ivec4(0);
     if (!(c.radius > 0.0)) return false;
-    if (!vxs_area_is_far(lamp)) {
+    if (!vxs_area_is_far(vpl)) {
         float from = atan(beside, middle.z), half_wide = metres > radius ? asin(radius / metres) : 4.0;
         vec2  ends = tan(0.5 * vec2(from - half_wide, from + half_wide));
         bool  is_all = !(from + half_wide < 3.1);
@@ -73,16 +73,16 @@ bool vxs_capsule_segment(vxs_capsule c, ivec3 texel, float opaque, out vec3 segm
     vec2  at = (vec2(texel.xy) + 0.5) * (2.0 / float(vxs_frame.counts.w)) - 1.0;
     float square = dot(at, at);
     if (vxs_area_is_far(texel.z))
-        return vxs_ray_segment(c, vec3(at * vxs_area.lamps[texel.z].place.w, 0.0), vec3(0.0, 0.0, 1.0), 1.0, false, opaque, segment);
+        return vxs_ray_segment(c, vec3(at * vxs_area.vpls[texel.z].place.w, 0.0), vec3(0.0, 0.0, 1.0), 1.0, false, opaque, segment);
     return vxs_ray_segment(c, vec3(0.0), vec3(2.0 * at, 1.0 - square) / (1.0 + square), 1.0, true, opaque, segment);
 }
 
-/* Transmittance of smoke between a lamp and a position, by its curves; 1 outside of its layer. */
-float vxs_area_curves_left(uint lamp, vec3 at)
+/* Transmittance of smoke between a VPL and a position, by its curves; 1 outside of its layer. */
+float vxs_area_curves_left(uint vpl, vec3 at)
 {
-    vec3  way = vxs_area_way(lamp, at - vxs_area.lamps[lamp].place.xyz);
+    vec3  way = vxs_area_way(vpl, at - vxs_area.vpls[vpl].place.xyz);
     float wide;
-    vec2  place = vxs_area_place(int(lamp), way, wide);
+    vec2  place = vxs_area_place(int(vpl), way, wide);
     if (!(all(greaterThanEqual(place, vec2(0.0))) && all(lessThan(place, vec2(vxs_frame.counts.w))))) return 1.0;
-    return vxs_curves_left(place, int(lamp), vxs_area_is_far(int(lamp)) ? way.z : length(way), 0);
+    return vxs_curves_left(place, int(vpl), vxs_area_is_far(int(vpl)) ? way.z : length(way), 0);
 }

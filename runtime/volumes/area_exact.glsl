@@ -1,4 +1,4 @@
-/* Adds the light of one lamp on surfaces, by its light map, which is that of the frame. counts: the lamp, the vxs_area_gather,
+/* Adds the light of one VPL on surfaces, by its light map, which is that of the frame. counts: the VPL, the vxs_area_gather,
  * unused, the side of curves of smoke; pixels: number of gathered pixels across and up. */
 #include "area_surface.glsl"
 
@@ -8,17 +8,17 @@ layout(rgba32f, binding = VXS_AT_IMAGE) uniform restrict image2DArray gathered; 
 void main()
 {
     ivec2 at = ivec2(gl_GlobalInvocationID.xy);
-    uint  lamp = vxs_frame.counts.x;
+    uint  vpl = vxs_frame.counts.x;
     bool  ninths = vxs_frame.counts.y == 1u;
     if (any(greaterThanEqual(gl_GlobalInvocationID.xy, vxs_frame.pixels.zw))) return;
-    if (ninths && lamp % 9u != uint(at.x % 3 + 3 * (at.y % 3))) return;
+    if (ninths && vpl % 9u != uint(at.x % 3 + 3 * (at.y % 3))) return;
     vxs_area_pixel p = vxs_area_pixel_of(vxs_frame.counts.y == 2u ? 2 * at : at);
-    vec3 irradiance = p.normal != vec3(0.0) ? vxs_area_irradiance(p, lamp) : vec3(0.0);
+    vec3 irradiance = p.normal != vec3(0.0) ? vxs_area_irradiance(p, vpl) : vec3(0.0);
     if (irradiance == vec3(0.0)) return;
-    irradiance *= vxs_area_lit_exactly(p, lamp);
+    irradiance *= vxs_area_lit_exactly(p, vpl);
 #ifdef VXS_GRID_DIMS
-    irradiance *= vxs_area_left(lamp, p.eye + p.metres * p.direction);
+    irradiance *= vxs_area_left(vpl, p.eye + p.metres * p.direction);
 #endif
     vec4 before = imageLoad(gathered, ivec3(at, 1));
-    imageStore(gathered, ivec3(at, 1), before + vec4(vxs_area.lamps[lamp].colour.rgb * irradiance * (ninths ? 9.0 : 1.0), 0.0));
+    imageStore(gathered, ivec3(at, 1), before + vec4(vxs_area.vpls[vpl].colour.rgb * irradiance * (ninths ? 9.0 : 1.0), 0.0));
 }

@@ -1,4 +1,4 @@
-/* Area lights in a frame: the grids of all lamps, and the light that pixels gather from them; see vxs_area_light.h.
+/* Area lights in a frame: the grids of all VPLs, and the light that pixels gather from them; see vxs_area_light.h.
  * SPDX-License-Identifier: MIT */
 #include <math.h>
 
@@ -12,17 +12,17 @@ static uint32_t groups(uint32_t count, uint32_t each)
     return (count + each - 1) / each;
 }
 
-static vxs_epipolar space_of(const frame_block *f, const area_lamp *lamp, const float anchor[3], const vxs_epipolar_view *view)
+static vxs_epipolar space_of(const frame_block *f, const area_vpl *vpl, const float anchor[3], const vxs_epipolar_view *view)
 {
-    double to_lamp[3], normal[3], back[3];
+    double to_vpl[3], normal[3], back[3];
     for (int n = 0; n < 3; n++) {
-        to_lamp[n] = (double)lamp->place[n] + (double)anchor[n] - (double)f->eye[n];
-        normal[n]  = (double)lamp->normal[n];
-        back[n]    = -normal[n];
+        to_vpl[n] = (double)vpl->place[n] + (double)anchor[n] - (double)f->eye[n];
+        normal[n] = (double)vpl->normal[n];
+        back[n]   = -normal[n];
     }
-    if (lamp->kind == AREA_FAR) return vxs_epipolar_of_sun(back, view);
-    vxs_epipolar space = vxs_epipolar_of_lamp(to_lamp, view);
-    if (lamp->kind == AREA_ONE_SIDE) vxs_epipolar_in_cone(&space, normal, 0, space.phi);
+    if (vpl->kind == AREA_FAR) return vxs_epipolar_of_sun(back, view);
+    vxs_epipolar space = vxs_epipolar_of_punctual(to_vpl, view);
+    if (vpl->kind == AREA_ONE_SIDE) vxs_epipolar_in_cone(&space, normal, 0, space.phi);
     return space;
 }
 
@@ -31,9 +31,9 @@ static void put_heads(vxs_area_light *light, const vxs_shadow_depth_map *const *
     const vxs_volumes *v    = light->volumes;
     vxs_epipolar_view  view = vxs_grid_view_of(&v->frame);
     for (uint32_t n = 0; n < light->count; n++) {
-        vxs_epipolar space    = space_of(&v->frame, &light->lamps[n], light->anchor, &view);
-        light->lamps[n].grid  = vxs_grid_head_of(&space, &light->size, runs);
-        light->lamps[n].baked = maps && maps[n]->is_baked ? (float)(maps[n]->baked + 1) : 0;
+        vxs_epipolar space   = space_of(&v->frame, &light->vpls[n], light->anchor, &view);
+        light->vpls[n].grid  = vxs_grid_head_of(&space, &light->size, runs);
+        light->vpls[n].baked = maps && maps[n]->is_baked ? (float)(maps[n]->baked + 1) : 0;
     }
     vxs_area_light_put(light, 1);
 }
@@ -43,7 +43,7 @@ static void fill(const vxs_area_light *light)
 {
     vxs_volumes *v      = light->volumes;
     uint32_t     texels = (uint32_t)vxs_grid_words(&light->size) / 4, rows = (uint32_t)light->size.rows;
-    v->api.ClearNamedBufferSubData(light->buffer, GL_FORMAT_R32UI, sizeof light->lamps,
+    v->api.ClearNamedBufferSubData(light->buffer, GL_FORMAT_R32UI, sizeof light->vpls,
                                    (gl_bytes)light->count * 16 * (gl_bytes)texels, GL_FORMAT_RED_INTEGER, GL_TYPE_UNSIGNED_INT,
                                    NULL);
     vxs_area_light_count(light, light->count, light->side_px, vxs_area_shadow_depth_maps(light), 0);
@@ -52,14 +52,14 @@ static void fill(const vxs_area_light *light)
     saved_state saved   = vxs_volumes_use(v, program, 0, 0, 0);
     v->api.DispatchCompute(groups(AREA_BITS, 32), groups(rows, 4), light->count);
     vxs_volumes_restore(v, &saved);
-    vxs_or_scan_run(&light->scan, light->buffer, sizeof light->lamps / 16, (uint32_t)light->size.columns, rows * light->count);
+    vxs_or_scan_run(&light->scan, light->buffer, sizeof light->vpls / 16, (uint32_t)light->size.columns, rows * light->count);
 }
 
-/* Make a lamp's light map that of the frame. All pixels of the view are drawn, because a lamp of an area light has no range. */
-static void set_map(const vxs_area_light *light, uint32_t lamp, const vxs_shadow_depth_map *map)
+/* Make a VPL's light map that of the frame. All pixels of the view are drawn, because a VPL of an area light has no range. */
+static void set_map(const vxs_area_light *light, uint32_t vpl, const vxs_shadow_depth_map *map)
 {
     vxs_volumes      *v   = light->volumes;
-    vxs_volumes_light of  = {.constants = vxs_shadow_depth_map_constants(map), .radius_metres = light->lamps[lamp].radius_metres};
+    vxs_volumes_light of  = {.constants = vxs_shadow_depth_map_constants(map), .radius_metres = light->vpls[vpl].radius_metres};
     vxs_pixels        all = v->frame.pixels;
     vxs_volumes_set_light(v, &of, map);
     v->frame.pixels = all;
@@ -71,12 +71,12 @@ static void fill_exactly(vxs_area_light *light, const vxs_shadow_depth_map *cons
     const vxs_volumes *v     = light->volumes;
     gl_bytes           bytes = 4 * (gl_bytes)vxs_grid_words(&light->size);
     for (uint32_t n = 0; n < light->count; n++) {
-        const area_lamp *lamp = &light->lamps[n];
+        const area_vpl *vpl = &light->vpls[n];
         set_map(light, n, maps[n]);
         vxs_shadow_grid_make(light->exact, vxs_shadow_depth_map_texture(maps[n]), runs);
         gl_name from = vxs_shadow_grid_buffer(light->exact);
-        v->api.CopyNamedBufferSubData(from, light->buffer, 0, (gl_bytes)(n * sizeof *lamp), sizeof lamp->grid);
-        v->api.CopyNamedBufferSubData(from, light->buffer, sizeof lamp->grid, (gl_bytes)sizeof light->lamps + (gl_bytes)n * bytes,
+        v->api.CopyNamedBufferSubData(from, light->buffer, 0, (gl_bytes)(n * sizeof *vpl), sizeof vpl->grid);
+        v->api.CopyNamedBufferSubData(from, light->buffer, sizeof vpl->grid, (gl_bytes)sizeof light->vpls + (gl_bytes)n * bytes,
                                       bytes);
     }
 }
@@ -140,7 +140,7 @@ void vxs_area_light_show(const vxs_area_light *light, vxs_area_gather gather, ui
 static int are_maps(const vxs_area_light *light, const vxs_shadow_depth_map *const *maps)
 {
     for (uint32_t n = 0; n < light->count; n++)
-        if (light->lamps[n].kind == AREA_FAR || !maps[n] ||
+        if (light->vpls[n].kind == AREA_FAR || !maps[n] ||
             vxs_shadow_depth_map_constants(maps[n])->kind == VXS_LIGHT_KIND_DIRECTIONAL)
             return 0;
     return light->exact != NULL;

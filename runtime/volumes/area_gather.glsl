@@ -1,6 +1,6 @@
-/* Gathers light in the air and on surfaces: of all lamps, or of a ninth; for each pixel, or for one in four.
+/* Gathers light in the air and on surfaces: of all VPLs, or of a ninth; for each pixel, or for one in four.
  * map: number of gathered pixels across and up, the side of a shadow map, the first word of all maps
- * counts: lamps, the vxs_area_gather, 1 to interpolate between rows, the side of curves of smoke
+ * counts: VPLs, the vxs_area_gather, 1 to interpolate between rows, the side of curves of smoke
  * knobs: runs; 1: air scatters light; 1: surfaces are lit by these maps */
 #include "area_surface.glsl"
 
@@ -10,18 +10,18 @@ layout(rgba32f, binding = VXS_AT_IMAGE) uniform writeonly restrict image2DArray 
 
 vec3 air_of(vxs_area_pixel p, uint n)
 {
-    vxs_air_light lamp;
-    bool is_far        = vxs_area.lamps[n].normal.w == vxs_area_far;
-    lamp.kind          = is_far ? VXS_LIGHT_KIND_DIRECTIONAL : VXS_LIGHT_KIND_POINT;
-    lamp.place         = is_far ? -vxs_area.lamps[n].normal.xyz : vxs_area.lamps[n].place.xyz;
-    lamp.axis          = vxs_area.lamps[n].normal.xyz;
-    lamp.cos_inner     = 1.0;
-    lamp.cos_outer     = 0.0;
-    lamp.radius_metres = vxs_area.lamps[n].place.w;
-    lamp.range_metres  = 0.0;
-    vxs_air_path     path = vxs_area_path(lamp, vxs_area.lamps[n].normal.w == 1.0 ? 1 : 0, p.eye, p.direction, p.metres, vxs_frame.sizes.w);
+    vxs_air_light vpl;
+    bool is_far        = vxs_area.vpls[n].normal.w == vxs_area_far;
+    vpl.kind          = is_far ? VXS_LIGHT_KIND_DIRECTIONAL : VXS_LIGHT_KIND_POINT;
+    vpl.place         = is_far ? -vxs_area.vpls[n].normal.xyz : vxs_area.vpls[n].place.xyz;
+    vpl.axis          = vxs_area.vpls[n].normal.xyz;
+    vpl.cos_inner     = 1.0;
+    vpl.cos_outer     = 0.0;
+    vpl.radius_metres = vxs_area.vpls[n].place.w;
+    vpl.range_metres  = 0.0;
+    vxs_air_path     path = vxs_area_path(vpl, vxs_area.vpls[n].normal.w == 1.0 ? 1 : 0, p.eye, p.direction, p.metres, vxs_frame.sizes.w);
     vxs_epipolar     space = vxs_area_space(n);
-    vxs_grid_size    size = vxs_grid_size(vxs_area.lamps[n].size.x, vxs_area.lamps[n].size.y, vxs_area.lamps[n].size.z);
+    vxs_grid_size    size = vxs_grid_size(vxs_area.vpls[n].size.x, vxs_area.vpls[n].size.y, vxs_area.vpls[n].size.z);
     vxs_epipolar_ray ray = vxs_epipolar_eye(space, p.direction);
     vxs_grid_rows    rows = vxs_grid_row_of(space, size, ray.theta);
     vec3             air;
@@ -31,7 +31,7 @@ vec3 air_of(vxs_area_pixel p, uint n)
 #endif
     if (vxs_frame.counts.z != 0u) rows = vxs_grid_rows_about(space, size, ray.theta);
     vxs_grid_airlight_of(n * uint(vxs_grid_words(size)), space, size, p.medium, path, ray, rows, p.metres, int(vxs_frame.knobs.x),
-                         vxs_area.lamps[n].eye.x, air);
+                         vxs_area.vpls[n].eye.x, air);
     return air;
 }
 
@@ -56,8 +56,8 @@ void main()
     vxs_area_pixel p = vxs_area_pixel_of(vxs_frame.counts.y == 2u ? 2 * at : at);
     bool has_surface = vxs_frame.knobs.z != 0.0 && p.normal != vec3(0.0);
     for (uint n = first; n < vxs_frame.counts.x; n += step) {
-        if (has_air) air += vxs_area.lamps[n].colour.rgb * air_of(p, n);
-        if (has_surface) surface += vxs_area.lamps[n].colour.rgb * surface_of(p, n);
+        if (has_air) air += vxs_area.vpls[n].colour.rgb * air_of(p, n);
+        if (has_surface) surface += vxs_area.vpls[n].colour.rgb * surface_of(p, n);
     }
     imageStore(gathered, ivec3(at, 0), vec4(air * float(step), p.metres));
     imageStore(gathered, ivec3(at, 1), vec4(surface * float(step), p.metres));

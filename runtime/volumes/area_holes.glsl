@@ -1,5 +1,5 @@
 /* Fills gaps between points in imperfect shadow maps from coarser levels of the same map: a workgroup for each map. counts:
- * lamps, levels, the side of a map, the first word of all maps. */
+ * VPLs, levels, the side of a map, the first word of all maps. */
 #include "area_map.glsl"
 
 layout(local_size_x = 256) in;
@@ -7,25 +7,25 @@ layout(local_size_x = 256) in;
 const float steepest = 4.0; /* for texels of one surface: largest depth step between neighbours, in distances between them */
 
 /* Largest depth of a surface that has the given depth in a texel of a level of the given side. */
-float end_of_surface(uint lamp, int side, ivec2 texel, float depth)
+float end_of_surface(uint vpl, int side, ivec2 texel, float depth)
 {
-    return depth + steepest * vxs_area_texel_metres(lamp, vxs_area_middle(texel, side), side, depth);
+    return depth + steepest * vxs_area_texel_metres(vpl, vxs_area_middle(texel, side), side, depth);
 }
 
 /* Of four texels, 2 x 2 of a finer level, the mean of those on the nearest surface, each evaluated in the middle of all; as a word.
  * side, texel  of the coarser level;   finer  the first word of the finer level */
-uint mean_of(uint lamp, int side, ivec2 texel, uint finer)
+uint mean_of(uint vpl, int side, ivec2 texel, uint finer)
 {
     uint first = finer + uint(4 * texel.y * side + 2 * texel.x), below = first + 2u * uint(side);
     uint words[4] = uint[4](vxs_area.words[first], vxs_area.words[first + 1u], vxs_area.words[below], vxs_area.words[below + 1u]);
     uint nearest = min(min(words[0], words[1]), min(words[2], words[3]));
     if (nearest == vxs_area_none) return nearest;
     vxs_area_surface mean = vxs_area_surface(0.0, vec2(0.0), nearest & vxs_area_reach, true);
-    float end = end_of_surface(lamp, side, texel, vxs_area_surface_of(lamp, nearest).depth), count = 0.0;
+    float end = end_of_surface(vpl, side, texel, vxs_area_surface_of(vpl, nearest).depth), count = 0.0;
     for (int n = 0; n < 4; n++) {
-        vxs_area_surface s = vxs_area_surface_of(lamp, words[n]);
+        vxs_area_surface s = vxs_area_surface_of(vpl, words[n]);
         if (s.depth > end) continue;
-        s = vxs_area_beside(lamp, s, vxs_area_middle(2 * texel + ivec2(n & 1, n >> 1), 2 * side), vxs_area_middle(texel, side));
+        s = vxs_area_beside(vpl, s, vxs_area_middle(2 * texel + ivec2(n & 1, n >> 1), 2 * side), vxs_area_middle(texel, side));
         mean.depth += s.depth;
         mean.slope += s.slope;
         mean.is_plane = mean.is_plane && s.is_plane;
@@ -33,17 +33,17 @@ uint mean_of(uint lamp, int side, ivec2 texel, uint finer)
     }
     mean.depth /= count;
     mean.slope /= count;
-    return vxs_area_word(lamp, mean);
+    return vxs_area_word(vpl, mean);
 }
 
 /* The greatest depth of a texel of a level and its four neighbours; VXS_NO_END at the border of a caster, which must not grow. */
-float farthest_about(uint lamp, uint level, int side, ivec2 texel)
+float farthest_about(uint vpl, uint level, int side, ivec2 texel)
 {
     const ivec2 sides[5] = ivec2[5](ivec2(0), ivec2(1, 0), ivec2(-1, 0), ivec2(0, 1), ivec2(0, -1));
     float farthest = 0.0;
     for (int n = 0; n < 5; n++) {
         ivec2 at = clamp(texel + sides[n], ivec2(0), ivec2(side - 1));
-        farthest = max(farthest, vxs_area_surface_of(lamp, vxs_area.words[level + uint(at.y * side + at.x)]).depth);
+        farthest = max(farthest, vxs_area_surface_of(vpl, vxs_area.words[level + uint(at.y * side + at.x)]).depth);
     }
     return farthest;
 }
@@ -51,36 +51,36 @@ float farthest_about(uint lamp, uint level, int side, ivec2 texel)
 /* Fill gaps in the four texels of a finer level that are in a texel: empty ones, and those behind a surface that continues
  * around them.
  * number, level, finer  of the coarser level: its number above the map, its first word, and that of the finer level */
-void fill(uint lamp, int side, ivec2 texel, uint number, uint level, uint finer)
+void fill(uint vpl, int side, ivec2 texel, uint number, uint level, uint finer)
 {
     uint word = vxs_area.words[level + uint(texel.y * side + texel.x)];
     if (word == vxs_area_none || (word & vxs_area_reach) < number) return;
-    vxs_area_surface s = vxs_area_surface_of(lamp, word);
-    float end = end_of_surface(lamp, side, texel, s.depth), farthest = 0.0;
+    vxs_area_surface s = vxs_area_surface_of(vpl, word);
+    float end = end_of_surface(vpl, side, texel, s.depth), farthest = 0.0;
     for (int n = 0; n < 4; n++) {
         ivec2 there = 2 * texel + ivec2(n & 1, n >> 1);
         uint  at = finer + uint(there.y * 2 * side + there.x);
-        if (!(vxs_area_surface_of(lamp, vxs_area.words[at]).depth >= end)) continue;
-        if (farthest == 0.0) farthest = farthest_about(lamp, level, side, texel);
+        if (!(vxs_area_surface_of(vpl, vxs_area.words[at]).depth >= end)) continue;
+        if (farthest == 0.0) farthest = farthest_about(vpl, level, side, texel);
         if (!(farthest < VXS_NO_END && farthest <= end)) return;
-        vxs_area.words[at] = vxs_area_word(lamp, vxs_area_beside(lamp, s, vxs_area_middle(texel, side), vxs_area_middle(there, 2 * side)));
+        vxs_area.words[at] = vxs_area_word(vpl, vxs_area_beside(vpl, s, vxs_area_middle(texel, side), vxs_area_middle(there, 2 * side)));
     }
 }
 
 void main()
 {
-    uint lamp = gl_WorkGroupID.x, side = vxs_frame.counts.z, maps = vxs_frame.counts.w, levels = vxs_frame.counts.y;
+    uint vpl = gl_WorkGroupID.x, side = vxs_frame.counts.z, maps = vxs_frame.counts.w, levels = vxs_frame.counts.y;
     for (uint turn = 0u; turn < 2u * levels; turn++) { /* to coarser levels, and back */
         bool is_back = turn >= levels;
         uint number = is_back ? 2u * levels - turn : turn + 1u;
-        uint level = vxs_area_level(maps, lamp, side, number), finer = vxs_area_level(maps, lamp, side, number - 1u);
+        uint level = vxs_area_level(maps, vpl, side, number), finer = vxs_area_level(maps, vpl, side, number - 1u);
         int  part = int(side >> number), shift = findMSB(part);
         for (int n = int(gl_LocalInvocationID.x); n < part * part; n += 256) {
             ivec2 texel = ivec2(n & (part - 1), n >> shift);
             if (is_back)
-                fill(lamp, part, texel, number, level, finer);
+                fill(vpl, part, texel, number, level, finer);
             else
-                vxs_area.words[level + uint(n)] = mean_of(lamp, part, texel, finer);
+                vxs_area.words[level + uint(n)] = mean_of(vpl, part, texel, finer);
         }
         memoryBarrierBuffer();
         barrier();

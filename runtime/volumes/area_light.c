@@ -1,4 +1,4 @@
-/* Area lights: create, lamps, and their imperfect shadow maps; see vxs_area_light.h.
+/* Area lights: create, VPLs, and their imperfect shadow maps; see vxs_area_light.h.
  * SPDX-License-Identifier: MIT */
 #include <math.h>
 #include <string.h>
@@ -6,9 +6,9 @@
 #include "area_state.h"
 #include "vxs_desc.h"
 
-_Static_assert(sizeof(area_lamp) == 192, "a lamp is twelve texels");
+_Static_assert(sizeof(area_vpl) == 192, "a VPL is twelve texels");
 
-enum { LAMPS = VXS_VPLS_MAX, SIDE = 128, SIDE_MOST = 256, FILL_LEVELS = 5 };
+enum { VPLS = VXS_VPLS_MAX, SIDE = 128, SIDE_MOST = 256, FILL_LEVELS = 5 };
 
 /* Relative to the width of what a point represents: the width of a drawn point, and the largest width of a texel of the coarsest
  * level from which gaps between points are filled. */
@@ -30,7 +30,7 @@ uint32_t vxs_area_shadow_depth_maps(const vxs_area_light *light)
 
 static uint64_t bytes_of(const vxs_area_light *light)
 {
-    return sizeof light->lamps +
+    return sizeof light->vpls +
            4 * ((uint64_t)vxs_area_shadow_depth_maps(light) + (uint64_t)light->most * words_of_map(light->side_px));
 }
 
@@ -58,14 +58,14 @@ vxs_result vxs_area_light_create(vxs_area_light **out, vxs_volumes *v, const vxs
     if (vxs_desc_take(&known, sizeof known, first, desc) != VXS_OK) return VXS_E_ARGUMENT;
     uint32_t side = known.side_px ? known.side_px : SIDE, columns = known.columns ? known.columns : SIDE,
              rows = known.rows ? known.rows : SIDE;
-    if (known.lamps > LAMPS || side < 32 || side > SIDE_MOST || (side & (side - 1))) return VXS_E_ARGUMENT;
+    if (known.vpls > VPLS || side < 32 || side > SIDE_MOST || (side & (side - 1))) return VXS_E_ARGUMENT;
     if (columns > SIDE_MOST || rows > SIDE_MOST) return VXS_E_ARGUMENT;
     vxs_area_light *light = vxs_volumes_alloc(v, sizeof *light);
     if (!light) return VXS_E_MEMORY;
     memset(light, 0, sizeof *light);
     light->volumes = v;
     light->size    = (vxs_grid_size){(int)columns, (int)rows, AREA_BITS};
-    light->most    = known.lamps ? known.lamps : LAMPS;
+    light->most    = known.vpls ? known.vpls : VPLS;
     light->side_px = side;
     v->api.GetIntegerv(GL_MOST_STORAGE_BYTES, &most);
     vxs_result result = bytes_of(light) > (uint32_t)most ? VXS_E_GL : make(light, &known);
@@ -94,16 +94,16 @@ unsigned vxs_area_light_irradiance(const vxs_area_light *light)
     return light->irradiance;
 }
 
-/* lamps ------------------------------------------------------------------------------------------------------------------------ */
+/* VPLs ------------------------------------------------------------------------------------------------------------------------ */
 
-static float kind_of(const vxs_vpl *lamp)
+static float kind_of(const vxs_vpl *vpl)
 {
     static const float none[3] = {0, 0, 0};
-    return lamp->is_far ? AREA_FAR : memcmp(lamp->normal, none, sizeof none) ? AREA_ONE_SIDE : AREA_ALL_SIDES;
+    return vpl->is_far ? AREA_FAR : memcmp(vpl->normal, none, sizeof none) ? AREA_ONE_SIDE : AREA_ALL_SIDES;
 }
 
-/* Returns 0 if it is not a valid lamp. */
-static int lamp_of(const vxs_vpl *from, area_lamp *to)
+/* Returns 0 if it is not a valid VPL. */
+static int vpl_of(const vxs_vpl *from, area_vpl *to)
 {
     float square = 0;
     int   least  = 0;
@@ -114,7 +114,7 @@ static int lamp_of(const vxs_vpl *from, area_lamp *to)
     }
     if (!(from->radius_metres > 0) || !isfinite(from->radius_metres)) return 0;
     if ((square != 0 || from->is_far) && !(fabsf(square - 1) < 1e-3F)) return 0;
-    *to = (area_lamp){.radius_metres = from->radius_metres, .kind = kind_of(from)};
+    *to = (area_vpl){.radius_metres = from->radius_metres, .kind = kind_of(from)};
     memcpy(to->place, from->place, sizeof to->place);
     memcpy(to->normal, from->normal, sizeof to->normal);
     memcpy(to->colour, from->colour, sizeof from->colour);
@@ -126,23 +126,23 @@ static int lamp_of(const vxs_vpl *from, area_lamp *to)
     return 1;
 }
 
-static int is_where_it_was(const area_lamp *before, const vxs_vpl *lamp)
+static int is_where_it_was(const area_vpl *before, const vxs_vpl *vpl)
 {
-    return !memcmp(before->place, lamp->place, sizeof before->place) &&
-           !memcmp(before->normal, lamp->normal, sizeof before->normal) && before->radius_metres == lamp->radius_metres &&
-           (before->kind == AREA_FAR) == (lamp->is_far != 0);
+    return !memcmp(before->place, vpl->place, sizeof before->place) &&
+           !memcmp(before->normal, vpl->normal, sizeof before->normal) && before->radius_metres == vpl->radius_metres &&
+           (before->kind == AREA_FAR) == (vpl->is_far != 0);
 }
 
-vxs_result vxs_area_light_set(vxs_area_light *light, const vxs_vpl *lamps, uint32_t count)
+vxs_result vxs_area_light_set(vxs_area_light *light, const vxs_vpl *vpls, uint32_t count)
 {
-    area_lamp unused;
+    area_vpl unused;
     if (!count || count > light->most) return VXS_E_ARGUMENT;
     for (uint32_t n = 0; n < count; n++)
-        if (!lamp_of(&lamps[n], &unused)) return VXS_E_ARGUMENT;
+        if (!vpl_of(&vpls[n], &unused)) return VXS_E_ARGUMENT;
     int stays = count == light->count;
     for (uint32_t n = 0; n < count; n++) {
-        stays = stays && is_where_it_was(&light->lamps[n], &lamps[n]);
-        lamp_of(&lamps[n], &light->lamps[n]);
+        stays = stays && is_where_it_was(&light->vpls[n], &vpls[n]);
+        vpl_of(&vpls[n], &light->vpls[n]);
     }
     if (!stays) light->is_cast = 0;
     if (!stays && light->smoke == AREA_DIMMED) light->smoke = AREA_DIMMED_BEFORE;
@@ -166,11 +166,11 @@ vxs_result vxs_area_light_anchor(vxs_area_light *light, const float place[3])
 void vxs_area_light_put(vxs_area_light *light, int from_origin)
 {
     for (uint32_t n = 0; n < light->count && from_origin; n++) {
-        light->placed[n] = light->lamps[n];
+        light->placed[n] = light->vpls[n];
         for (int i = 0; i < 3; i++) light->placed[n].place[i] += light->anchor[i];
     }
-    vxs_volumes_put(light->volumes, light->buffer, 0, light->count * sizeof *light->lamps,
-                    from_origin ? light->placed : light->lamps);
+    vxs_volumes_put(light->volumes, light->buffer, 0, light->count * sizeof *light->vpls,
+                    from_origin ? light->placed : light->vpls);
 }
 
 /* imperfect shadow maps -------------------------------------------------------------------------------------------------------- */
@@ -184,7 +184,7 @@ void vxs_area_light_count(const vxs_area_light *light, uint32_t a, uint32_t b, u
 static void clear(const vxs_area_light *light)
 {
     static const uint32_t none  = UINT32_MAX;
-    gl_bytes              first = (gl_bytes)(sizeof light->lamps + 4 * (size_t)vxs_area_shadow_depth_maps(light));
+    gl_bytes              first = (gl_bytes)(sizeof light->vpls + 4 * (size_t)vxs_area_shadow_depth_maps(light));
     light->volumes->api.ClearNamedBufferSubData(light->buffer, GL_FORMAT_R32UI, first,
                                                 (gl_bytes)light->count * 4 * (gl_bytes)words_of_map(light->side_px),
                                                 GL_FORMAT_RED_INTEGER, GL_TYPE_UNSIGNED_INT, &none);
@@ -208,7 +208,7 @@ static void splat(const vxs_area_light *light, const vxs_area_casters *casters)
 int vxs_area_light_has_sides(const vxs_area_light *light)
 {
     for (uint32_t n = 0; n < light->count; n++)
-        if (light->lamps[n].kind == AREA_ALL_SIDES) return 0;
+        if (light->vpls[n].kind == AREA_ALL_SIDES) return 0;
     return light->count > 0;
 }
 

@@ -8,7 +8,7 @@ const uint  vxs_area_none     = 0xffffffffu; /* the word of an empty texel */
 const uint  vxs_area_reach    = 7u;          /* the bits of a word for the width of gaps beside it */
 
 struct vxs_area_surface {
-    /* where shadow begins, metres from the lamp; for a distant lamp, from the side of the sphere that faces its light */
+    /* where shadow begins, metres from the VPL; for a distant VPL, from the side of the sphere that faces its light */
     float depth;
     vec2  slope; /* change of depth per metre across, along x and y of the map */
     uint  reach; /* number of coarser levels from which gaps beside it may be filled */
@@ -22,28 +22,28 @@ vec2 vxs_area_middle(ivec2 texel, int side)
 }
 
 /* Width of a texel in metres, at the depth where shadow begins. */
-float vxs_area_texel_metres(uint lamp, vec2 at, int side, float depth)
+float vxs_area_texel_metres(uint vpl, vec2 at, int side, float depth)
 {
-    if (vxs_area.lamps[lamp].normal.w == vxs_area_far) return 2.0 * vxs_area.lamps[lamp].place.w / float(side);
+    if (vxs_area.vpls[vpl].normal.w == vxs_area_far) return 2.0 * vxs_area.vpls[vpl].place.w / float(side);
     return 4.0 * depth / (float(side) * (1.0 + dot(at, at)));
 }
 
-/* The point at a depth, in the lamp's frame. */
-vec3 vxs_area_place_of(uint lamp, vec2 at, float depth)
+/* The point at a depth, in the VPL's frame. */
+vec3 vxs_area_place_of(uint vpl, vec2 at, float depth)
 {
-    float square = dot(at, at), radius = vxs_area.lamps[lamp].place.w;
-    if (vxs_area.lamps[lamp].normal.w == vxs_area_far) return vec3(at * radius, depth - radius);
+    float square = dot(at, at), radius = vxs_area.vpls[vpl].place.w;
+    if (vxs_area.vpls[vpl].normal.w == vxs_area_far) return vec3(at * radius, depth - radius);
     return vec3(2.0 * at, 1.0 - square) * (depth / (1.0 + square));
 }
 
 /* A plane seen at a point of the map: its depth, and its slope.
- * normal, way  normal of the plane, of any length; vector to a point of it; in the lamp's frame
+ * normal, way  normal of the plane, of any length; vector to a point of it; in the VPL's frame
  * Returns a depth of 0 or less if it is not visible. */
-vxs_area_surface vxs_area_plane(uint lamp, vec3 normal, vec3 way, vec2 at)
+vxs_area_surface vxs_area_plane(uint vpl, vec3 normal, vec3 way, vec2 at)
 {
     vxs_area_surface found = vxs_area_surface(0.0, vec2(0.0), 0u, true);
-    float square = dot(at, at), radius = vxs_area.lamps[lamp].place.w;
-    if (vxs_area.lamps[lamp].normal.w == vxs_area_far) {
+    float square = dot(at, at), radius = vxs_area.vpls[vpl].place.w;
+    if (vxs_area.vpls[vpl].normal.w == vxs_area_far) {
         if (normal.z == 0.0) return found;
         found.slope = -normal.xy / normal.z;
         found.depth = way.z + dot(found.slope, at * radius - way.xy) + radius;
@@ -59,11 +59,11 @@ vxs_area_surface vxs_area_plane(uint lamp, vec3 normal, vec3 way, vec2 at)
 /* The plane of a texel, at another point. For a plane, (1 + x^2 + y^2) / depth is a x + b y + c (1 - x^2 - y^2). Depth and slope
  * give a, b and c. Depths change by at most the steepest slope.
  * at  the middle of the texel */
-vxs_area_surface vxs_area_beside(uint lamp, vxs_area_surface s, vec2 at, vec2 other)
+vxs_area_surface vxs_area_beside(uint vpl, vxs_area_surface s, vec2 at, vec2 other)
 {
     if (!s.is_plane) return s;
-    if (vxs_area.lamps[lamp].normal.w == vxs_area_far) {
-        s.depth += vxs_area.lamps[lamp].place.w * dot(s.slope, other - at);
+    if (vxs_area.vpls[vpl].normal.w == vxs_area_far) {
+        s.depth += vxs_area.vpls[vpl].place.w * dot(s.slope, other - at);
         return s;
     }
     float square = dot(at, at), there = dot(other, other), wide = 2.0 / (1.0 + square), most = 1.0 + vxs_area_steepest * wide * length(other - at);
@@ -77,11 +77,11 @@ vxs_area_surface vxs_area_beside(uint lamp, vxs_area_surface s, vec2 at, vec2 ot
     return s;
 }
 
-/* Pack a texel into a word; a nearer texel has a smaller word. 15 bits: a float of the depth in radii of the lamp, which is >=
+/* Pack a texel into a word; a nearer texel has a smaller word. 15 bits: a float of the depth in radii of the VPL, which is >=
  * 1. For each slope, the sign and 6 bits of the square root; -0 along x if no plane is known. 3 bits: the reach, at most 6. */
-uint vxs_area_word(uint lamp, vxs_area_surface s)
+uint vxs_area_word(uint vpl, vxs_area_surface s)
 {
-    float part = s.depth / vxs_area.lamps[lamp].place.w + (vxs_area.lamps[lamp].normal.w == vxs_area_far ? 1.0 : 0.0);
+    float part = s.depth / vxs_area.vpls[vpl].place.w + (vxs_area.vpls[vpl].normal.w == vxs_area_far ? 1.0 : 0.0);
     uint  depth = (floatBitsToUint(clamp(part, 1.0, 4e9)) - 0x3f800000u + 0x1000u) >> 13;
     uvec2 slope = uvec2(sqrt(min(abs(s.slope) / vxs_area_steepest, 1.0)) * 63.0 + 0.5);
     slope |= uvec2(greaterThan(slope, uvec2(0u))) * uvec2(lessThan(s.slope, vec2(0.0))) << 6;
@@ -90,16 +90,16 @@ uint vxs_area_word(uint lamp, vxs_area_surface s)
 }
 
 /* The inverse of vxs_area_word.   depth  VXS_NO_END: empty */
-vxs_area_surface vxs_area_surface_of(uint lamp, uint word)
+vxs_area_surface vxs_area_surface_of(uint vpl, uint word)
 {
-    float part = uintBitsToFloat((word >> 17 << 13) + 0x3f800000u) - (vxs_area.lamps[lamp].normal.w == vxs_area_far ? 1.0 : 0.0);
+    float part = uintBitsToFloat((word >> 17 << 13) + 0x3f800000u) - (vxs_area.vpls[vpl].normal.w == vxs_area_far ? 1.0 : 0.0);
     uvec2 code = uvec2(word >> 10, word >> 3);
     vec2  root = vec2(code & 63u) / 63.0, slope = root * root * vxs_area_steepest * (1.0 - 2.0 * vec2(code >> 6 & 1u));
-    return vxs_area_surface(word == vxs_area_none ? VXS_NO_END : part * vxs_area.lamps[lamp].place.w, slope, word & vxs_area_reach, (code.x & 127u) != 64u);
+    return vxs_area_surface(word == vxs_area_none ? VXS_NO_END : part * vxs_area.vpls[vpl].place.w, slope, word & vxs_area_reach, (code.x & 127u) != 64u);
 }
 
-/* The word of a texel of a lamp's map.   maps  the first word of all maps */
-uint vxs_area_map_word(uint maps, uint lamp, int side, ivec2 texel)
+/* The word of a texel of a VPL's map.   maps  the first word of all maps */
+uint vxs_area_map_word(uint maps, uint vpl, int side, ivec2 texel)
 {
-    return vxs_area_level(maps, lamp, uint(side), 0u) + uint(texel.y * side + texel.x);
+    return vxs_area_level(maps, vpl, uint(side), 0u) + uint(texel.y * side + texel.x);
 }

@@ -88,42 +88,42 @@ static vxs_area_point point_on(const float *const v[CORNERS], part p, double t, 
     return point;
 }
 
-/* scattering by what lamps see ------------------------------------------------------------------------------------------------- */
+/* scattering by what VPLs see ------------------------------------------------------------------------------------------------- */
 
 /* The share of all points that is distributed by area alone. */
 static const double by_area = 0.25;
 
 typedef struct scattering {
-    const vxs_vpl  *lamps;
-    uint32_t        lamp_count, count, next; /* number of points, and the next one */
+    const vxs_vpl  *vpls;
+    uint32_t        vpl_count, count, next; /* number of points, and the next one */
     vxs_area_point *points;
     /* over all triangles: area, and light that they receive; the sum of both shares so far */
     double          area, seen, before;
 } scattering;
 
-/* Irradiance of a face turned toward the lamps.   nearest  [out] metres to the nearest lamp, at least its radius */
+/* Irradiance of a face turned toward the VPLs.   nearest  [out] metres to the nearest VPL, at least its radius */
 static double seen_at(const scattering *s, const double place[3], double *nearest)
 {
     double sum = 0;
     *nearest   = INFINITY;
-    for (uint32_t n = 0; n < s->lamp_count; n++) {
-        const vxs_vpl *lamp = &s->lamps[n];
-        double         way[3], square = 0, along = 0, radius = (double)lamp->radius_metres;
+    for (uint32_t n = 0; n < s->vpl_count; n++) {
+        const vxs_vpl *vpl = &s->vpls[n];
+        double         way[3], square = 0, along = 0, radius = (double)vpl->radius_metres;
         for (int i = 0; i < 3; i++) {
-            way[i] = place[i] - (double)lamp->place[i];
+            way[i] = place[i] - (double)vpl->place[i];
             square += way[i] * way[i];
-            along += way[i] * (double)lamp->normal[i];
+            along += way[i] * (double)vpl->normal[i];
         }
         double metres = fmax(sqrt(square), radius),
-               bright = (double)lamp->colour[0] + (double)lamp->colour[1] + (double)lamp->colour[2];
-        int has_side  = lamp->normal[0] != 0 || lamp->normal[1] != 0 || lamp->normal[2] != 0;
+               bright = (double)vpl->colour[0] + (double)vpl->colour[1] + (double)vpl->colour[2];
+        int has_side  = vpl->normal[0] != 0 || vpl->normal[1] != 0 || vpl->normal[2] != 0;
         *nearest      = fmin(*nearest, metres);
         sum += bright * (has_side ? fmax(along, 0) / metres : 1) / (metres * metres);
     }
     return sum;
 }
 
-/* Scatter the points of a part. It is halved until its longest side is at most half of the distance to the nearest lamp, so that
+/* Scatter the points of a part. It is halved until its longest side is at most half of the distance to the nearest VPL, so that
  * the light hardly varies on it. Without an array of points, only the light is summed. */
 static void scatter_part(scattering *s, const float *const v[CORNERS], const part *p, int halvings)
 {
@@ -180,11 +180,11 @@ double vxs_area_scatter(const float *positions, const uint32_t *corners, uint32_
     return all;
 }
 
-double vxs_area_scatter_for(const float *positions, const uint32_t *corners, uint32_t triangle_count, const vxs_vpl *lamps,
-                            uint32_t lamp_count, vxs_area_point *points, uint32_t count)
+double vxs_area_scatter_for(const float *positions, const uint32_t *corners, uint32_t triangle_count, const vxs_vpl *vpls,
+                            uint32_t vpl_count, vxs_area_point *points, uint32_t count)
 {
     enum { HALVINGS = 24 };
-    scattering s = {.lamps = lamps, .lamp_count = lamp_count, .count = count};
+    scattering s = {.vpls = vpls, .vpl_count = vpl_count, .count = count};
     for (uint32_t t = 0; t < triangle_count; t++) s.area += area_of_corners(positions, corners + 3 * (size_t)t);
     if (!(s.area > 0) || !isfinite(s.area)) return 0;
     for (int turn = 0; turn < 2; turn++) {

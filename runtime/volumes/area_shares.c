@@ -4,7 +4,7 @@
 
 #include "area_sites.h"
 
-enum { PIECES = 64 }; /* across and down; each belongs to one lamp */
+enum { PIECES = 64 }; /* across and down; each belongs to one VPL */
 
 /* Length of the part of [begin, end] in [from, to]. */
 static double overlap(double begin, double end, double from, double to)

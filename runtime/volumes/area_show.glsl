@@ -1,4 +1,4 @@
-/* Writes gathered light to each pixel: unchanged; or averaged over nine pixels that have a ninth of the lamps each; or
+/* Writes gathered light to each pixel: unchanged; or averaged over nine pixels that have a ninth of the VPLs each; or
  * interpolated between four gathered pixels, by position and depth. counts: the vxs_area_gather; the layer; 1 to add it. map:
  * number of gathered pixels across and up. */
 #include "frame.glsl"

@@ -6,7 +6,7 @@
 
 static const double pi = 3.14159265358979324;
 
-vxs_result vxs_area_sample_sky(const vxs_area_sky *sky, vxs_area_places places, uint32_t seed, vxs_vpl *lamps, uint32_t count)
+vxs_result vxs_area_sample_sky(const vxs_area_sky *sky, vxs_area_places places, uint32_t seed, vxs_vpl *vpls, uint32_t count)
 {
     area_site    sites[VXS_VPLS_MAX];
     double       from[3];
@@ -17,12 +17,12 @@ vxs_result vxs_area_sample_sky(const vxs_area_sky *sky, vxs_area_places places, 
         return VXS_E_ARGUMENT;
     vxs_area_sites(&picture, places, seed, sites, count);
     for (uint32_t n = 0; n < count; n++) {
-        lamps[n] = (vxs_vpl){.is_far = 1, .radius_metres = sky->radius_metres};
+        vpls[n] = (vxs_vpl){.is_far = 1, .radius_metres = sky->radius_metres};
         vxs_area_place_of(&picture, sites[n].u, sites[n].v, from);
         for (int i = 0; i < 3; i++) {
-            lamps[n].place[i]  = sky->middle[i];
-            lamps[n].normal[i] = (float)-from[i];
-            lamps[n].colour[i] = (float)((double)sky->radiance[i] * sites[n].light[i] * 4 * pi / count);
+            vpls[n].place[i]  = sky->middle[i];
+            vpls[n].normal[i] = (float)-from[i];
+            vpls[n].colour[i] = (float)((double)sky->radiance[i] * sites[n].light[i] * 4 * pi / count);
         }
     }
     return VXS_OK;

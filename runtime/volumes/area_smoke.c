@@ -1,4 +1,4 @@
-/* Smoke that dims the lamps of an area light: a layer of curves for each lamp; see vxs_area_light.h.
+/* Smoke that dims the VPLs of an area light: a layer of curves for each VPL; see vxs_area_light.h.
  * SPDX-License-Identifier: MIT */
 #include "area_state.h"
 

@@ -1,6 +1,6 @@
 /* Draws points of shadow casters into imperfect shadow maps. A workgroup has 64 consecutive points, and draws as many of them
- * into a lamp's map as that can resolve.
- * counts: lamps, points, 1 to draw each point, the first word of all maps
+ * into a VPL's map as that can resolve.
+ * counts: VPLs, points, 1 to draw each point, the first word of all maps
  * knobs: the side of a map; relative to the width of what a point represents: the width of the drawn point, and the width of
  * texels from which gaps may be filled; the distance between drawn points, in texels. */
 #include "area_map.glsl"
@@ -49,26 +49,26 @@ vec3 normal_of(uint n, uint first, uint count)
     return normal;
 }
 
-/* Position of a point in a lamp's map, and its depth; for a distant lamp, metres from one side of the sphere around all casters.
+/* Position of a point in a VPL's map, and its depth; for a distant VPL, metres from one side of the sphere around all casters.
  * wide  [out] width of a texel there, in metres
  * Returns 0 or less if the point is not in the map. */
-float depth_of(uint lamp, vec3 way, int side, out vec2 at, out float wide)
+float depth_of(uint vpl, vec3 way, int side, out vec2 at, out float wide)
 {
-    float radius = vxs_area.lamps[lamp].place.w, metres = length(way);
-    at   = vxs_area_far_texel(lamp, way, side);
+    float radius = vxs_area.vpls[vpl].place.w, metres = length(way);
+    at   = vxs_area_far_texel(vpl, way, side);
     wide = 2.0 * radius / float(side);
-    if (vxs_area.lamps[lamp].normal.w == vxs_area_far) return max(abs(way.x), abs(way.y)) < 2.0 * radius ? way.z + radius : 0.0;
+    if (vxs_area.vpls[vpl].normal.w == vxs_area_far) return max(abs(way.x), abs(way.y)) < 2.0 * radius ? way.z + radius : 0.0;
     if (!(way.z > 1e-4 * metres && metres > radius)) return 0.0;
     wide = metres * vxs_area_texel(way, side, at);
     return metres;
 }
 
-/* Width of a disc along x and y of the map, relative to a disc that faces the light.   normal  of the disc, in the lamp's frame */
-vec2 foreshortened(uint lamp, vec3 normal, vec2 at)
+/* Width of a disc along x and y of the map, relative to a disc that faces the light.   normal  of the disc, in the VPL's frame */
+vec2 foreshortened(uint vpl, vec3 normal, vec2 at)
 {
     float square = dot(at, at);
     vec3  right = vec3(1.0, 0.0, 0.0), up = vec3(0.0, 1.0, 0.0);
-    if (vxs_area.lamps[lamp].normal.w != vxs_area_far) {
+    if (vxs_area.vpls[vpl].normal.w != vxs_area_far) {
         right = vec3(1.0 + square - 2.0 * at.x * at.x, -2.0 * at.x * at.y, -2.0 * at.x) / (1.0 + square);
         up    = vec3(-2.0 * at.x * at.y, 1.0 + square - 2.0 * at.y * at.y, -2.0 * at.y) / (1.0 + square);
     }
@@ -81,15 +81,15 @@ vec2 foreshortened(uint lamp, vec3 normal, vec2 at)
  * its share of the map.
  * normal      of the surface; 0: not known
  * stands_for  number of points that this point represents */
-void splat(uint lamp, vec4 point, vec3 normal, float stands_for)
+void splat(uint vpl, vec4 point, vec3 normal, float stands_for)
 {
     /* largest width in texels; radius of a disc with the area of a square of side 1 */
     const float most = 32.0, radius_of_1 = 0.564;
     int   side = int(vxs_frame.knobs.x);
     bool  is_flat = normal != vec3(0.0);
-    vec3  way = vxs_area_way(lamp, point.xyz - vxs_area.lamps[lamp].place.xyz), turned = vxs_area_way(lamp, normal);
+    vec3  way = vxs_area_way(vpl, point.xyz - vxs_area.vpls[vpl].place.xyz), turned = vxs_area_way(vpl, normal);
     vec2  at;
-    float texel, depth = depth_of(lamp, way, side, at, texel);
+    float texel, depth = depth_of(vpl, way, side, at, texel);
     if (!(depth > 0.0)) return;
     float wide = sqrt(point.w * stands_for) / texel, across = min(vxs_frame.knobs.y * wide, most);
     uint  reach = uint(log2(clamp(vxs_frame.knobs.z * wide, 2.0, most)));
@@ -98,35 +98,35 @@ void splat(uint lamp, vec4 point, vec3 normal, float stands_for)
     float radius = radius_of_1 * across * texel;
     vec2  half_wide = vec2(0.5 * across);
     if (is_flat) /* the nearer part of it appears wider */
-        half_wide = min((1.0 + min(radius / depth, 1.0)) * radius / texel * foreshortened(lamp, turned, at * (2.0 / float(side)) - 1.0), vec2(0.5 * most));
+        half_wide = min((1.0 + min(radius / depth, 1.0)) * radius / texel * foreshortened(vpl, turned, at * (2.0 / float(side)) - 1.0), vec2(0.5 * most));
     ivec2 first = max(ivec2(ceil(at - half_wide - 0.5)), ivec2(0)), last = min(ivec2(floor(at + half_wide - 0.5)), ivec2(side - 1));
     for (int y = first.y; y <= last.y; y++)
         for (int x = first.x; x <= last.x; x++) {
             vxs_area_surface s = vxs_area_surface(depth, vec2(0.0), reach, is_flat);
             if (is_flat) {
                 vec2 middle = vxs_area_middle(ivec2(x, y), side);
-                s = vxs_area_plane(lamp, turned, way, middle);
+                s = vxs_area_plane(vpl, turned, way, middle);
                 s.reach = reach;
-                vec3 off = vxs_area_place_of(lamp, middle, s.depth) - way;
+                vec3 off = vxs_area_place_of(vpl, middle, s.depth) - way;
                 if (!(s.depth > 0.0 && dot(off, off) <= radius * radius)) continue;
             }
-            atomicMin(vxs_area.words[vxs_area_map_word(vxs_frame.counts.w, lamp, side, ivec2(x, y))], vxs_area_word(lamp, s));
+            atomicMin(vxs_area.words[vxs_area_map_word(vxs_frame.counts.w, vpl, side, ivec2(x, y))], vxs_area_word(vpl, s));
         }
 }
 
-/* Number of points of a group that a lamp's map can resolve, at the distance that the frame gives, for the point nearest to the
- * lamp; at most group_size.
+/* Number of points of a group that a VPL's map can resolve, at the distance that the frame gives, for the point nearest to the
+ * VPL; at most group_size.
  * ball           around the points, and its radius
  * square_metres  the largest area that a point represents
- * Returns 0 if all of them are behind the lamp. */
-float count_of(uint lamp, vec4 ball, float square_metres)
+ * Returns 0 if all of them are behind the VPL. */
+float count_of(uint vpl, vec4 ball, float square_metres)
 {
-    float side = vxs_frame.knobs.x, radius = vxs_area.lamps[lamp].place.w, texel = 2.0 * radius / side, cosine = 1.0;
-    if (vxs_area.lamps[lamp].normal.w != vxs_area_far) {
-        vec3  way = ball.xyz - vxs_area.lamps[lamp].place.xyz;
-        float metres = length(way), before = dot(way, vxs_area.lamps[lamp].normal.xyz) + ball.w;
+    float side = vxs_frame.knobs.x, radius = vxs_area.vpls[vpl].place.w, texel = 2.0 * radius / side, cosine = 1.0;
+    if (vxs_area.vpls[vpl].normal.w != vxs_area_far) {
+        vec3  way = ball.xyz - vxs_area.vpls[vpl].place.xyz;
+        float metres = length(way), before = dot(way, vxs_area.vpls[vpl].normal.xyz) + ball.w;
         if (!(before > 0.0)) return 0.0;
-        cosine = clamp(before / max(metres, 1e-20), 0.1, 1.0); /* fewer in directions where the lamp emits less */
+        cosine = clamp(before / max(metres, 1e-20), 0.1, 1.0); /* fewer in directions where the VPL emits less */
         texel  = 4.0 / side * max(metres - ball.w, radius);
     }
     texel *= vxs_frame.knobs.w;
@@ -151,24 +151,24 @@ vec4 ball_about(uint first, uint count, out float square_metres)
 void main()
 {
     uvec4 counts = vxs_frame.counts;
-    uint  group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x, first = group * group_size, at_once = 1u; /* lamps */
+    uint  group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x, first = group * group_size, at_once = 1u; /* VPLs */
     if (first >= counts.y) return;
     uint  here = min(counts.y - first, group_size);
     float square_metres;
     vec4  ball = ball_about(first, here, square_metres);
     while (at_once < min(counts.x, group_size)) at_once *= 2u;
-    for (uint lamp = gl_LocalInvocationID.x % at_once; lamp < counts.x; lamp += at_once) {
-        uint  turn = vxs_area_hash(group * 256u + lamp), drawn = group_size;
+    for (uint vpl = gl_LocalInvocationID.x % at_once; vpl < counts.x; vpl += at_once) {
+        uint  turn = vxs_area_hash(group * 256u + vpl), drawn = group_size;
         float shown = float(group_size);
         if (counts.z == 0u && here == group_size) {
-            shown = count_of(lamp, ball, square_metres);
+            shown = count_of(vpl, ball, square_metres);
             drawn = uint(ceil(shown));
             if (shown > 1.0) shown = float(drawn);
             if (shown <= float(turn >> 8) / 16777216.0) drawn = 0u; /* if the map needs less than a point of the group: at random */
         }
         for (uint rank = gl_LocalInvocationID.x / at_once; rank < drawn; rank += group_size / at_once) {
             uint n = first + ((bitfieldReverse(rank) >> 26) + turn) % group_size; /* evenly distributed */
-            if (n < first + here) splat(lamp, points[n], normal_of(n, first, here), float(group_size) / shown);
+            if (n < first + here) splat(vpl, points[n], normal_of(n, first, here), float(group_size) / shown);
         }
     }
 }

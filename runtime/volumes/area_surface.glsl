@@ -1,5 +1,5 @@
-/* Light of a lamp on the visible surface of a pixel: irradiance, times the lit share by its shadow map. The point is compared
- * with the map at the middles of four texels. A texel shadows the surface if its depth there is nearer to the lamp than the
+/* Light of a VPL on the visible surface of a pixel: irradiance, times the lit share by its shadow map. The point is compared
+ * with the map at the middles of four texels. A texel shadows the surface if its depth there is nearer to the VPL than the
  * surface's plane, and nearer than the point itself. So a plane never shadows itself, in any orientation, and light does not
  * leak under objects that stand on it. */
 #include "area_map.glsl"
@@ -10,14 +10,14 @@ layout(binding = VXS_AT_OTHER) uniform highp sampler2D vxs_normals;
 const float vxs_area_slack = 0.005, vxs_area_texel_slack = 0.1;
 
 #ifdef VXS_GRID_DIMS
-float vxs_area_left(uint lamp, vec3 at)
+float vxs_area_left(uint vpl, vec3 at)
 {
     float left = 1.0;
 #ifdef VXS_USES_CURVES
-    left = vxs_area_curves_left(lamp, at);
+    left = vxs_area_curves_left(vpl, at);
 #endif
 #ifdef VXS_AREA_BAKED
-    float baked = vxs_area.lamps[lamp].colour.w;
+    float baked = vxs_area.vpls[vpl].colour.w;
     if (baked > 0.0) left *= vxs_smoke_left_by(uint(baked) - 1u, at);
 #endif
     return left;
@@ -48,24 +48,24 @@ vec3 vxs_area_far_irradiance(vxs_area_pixel p, vec3 to_light)
     return to_light.y > 0.0 ? exp(-p.medium.extinction * (below / to_light.y)) * cosine : vec3(0.0);
 }
 
-/* Irradiance of a surface by a lamp, without shadow. */
+/* Irradiance of a surface by a VPL, without shadow. */
 vec3 vxs_area_irradiance(vxs_area_pixel p, uint n)
 {
-    if (vxs_area.lamps[n].normal.w == vxs_area_far) return vxs_area_far_irradiance(p, -vxs_area.lamps[n].normal.xyz);
-    vec3  to_lamp = vxs_area.lamps[n].place.xyz - p.eye - p.metres * p.direction;
-    float square = max(dot(to_lamp, to_lamp), 1e-20), metres = sqrt(square), radius = vxs_area.lamps[n].place.w;
-    float cosine = max(dot(p.normal, to_lamp) / metres, 0.0);
-    if (vxs_area.lamps[n].normal.w != 0.0) cosine *= max(-dot(vxs_area.lamps[n].normal.xyz, to_lamp) / metres, 0.0);
+    if (vxs_area.vpls[n].normal.w == vxs_area_far) return vxs_area_far_irradiance(p, -vxs_area.vpls[n].normal.xyz);
+    vec3  to_vpl = vxs_area.vpls[n].place.xyz - p.eye - p.metres * p.direction;
+    float square = max(dot(to_vpl, to_vpl), 1e-20), metres = sqrt(square), radius = vxs_area.vpls[n].place.w;
+    float cosine = max(dot(p.normal, to_vpl) / metres, 0.0);
+    if (vxs_area.vpls[n].normal.w != 0.0) cosine *= max(-dot(vxs_area.vpls[n].normal.xyz, to_vpl) / metres, 0.0);
     return exp(-p.medium.extinction * metres) * (cosine / max(square, radius * radius));
 }
 
-/* The lit share, by the lamp's imperfect shadow map. */
+/* The lit share, by the VPL's imperfect shadow map. */
 float vxs_area_lit(vxs_area_pixel p, uint n)
 {
     int   side = int(vxs_frame.map.z);
-    bool  is_far = vxs_area.lamps[n].normal.w == vxs_area_far;
-    vec3  way = vxs_area_way(n, p.eye + p.metres * p.direction - vxs_area.lamps[n].place.xyz), normal = vxs_area_way(n, p.normal);
-    float radius = vxs_area.lamps[n].place.w, depth = is_far ? way.z + radius : length(way), texel = 2.0 * radius / float(side), lit = 0.0;
+    bool  is_far = vxs_area.vpls[n].normal.w == vxs_area_far;
+    vec3  way = vxs_area_way(n, p.eye + p.metres * p.direction - vxs_area.vpls[n].place.xyz), normal = vxs_area_way(n, p.normal);
+    float radius = vxs_area.vpls[n].place.w, depth = is_far ? way.z + radius : length(way), texel = 2.0 * radius / float(side), lit = 0.0;
     vec2  at = vxs_area_far_texel(n, way, side);
     if (!is_far) {
         if (!(depth > radius && way.z > 0.0)) return 1.0;
@@ -86,14 +86,14 @@ float vxs_area_lit(vxs_area_pixel p, uint n)
 }
 
 /* The same by its light map, which is that of the frame; its texels have the nearest depth of all casters in them, rounded
- * toward the lamp to a voxel. */
+ * toward the VPL to a voxel. */
 float vxs_area_lit_exactly(vxs_area_pixel p, uint n)
 {
     vec3  ls, from_ls, turned, normal;
     ivec3 texel;
     float side = float(vxs_frame.map.x), texel_wide = float(1u << vxs_frame.light.levels) * vxs_frame.light.texel_metres / side, depth, lit = 0.0;
-    vec3  place = p.eye + p.metres * p.direction, to_lamp = vxs_area.lamps[n].place.xyz - place;
-    if (dot(to_lamp, to_lamp) <= vxs_area.lamps[n].place.w * vxs_area.lamps[n].place.w) return 1.0;
+    vec3  place = p.eye + p.metres * p.direction, to_vpl = vxs_area.vpls[n].place.xyz - place;
+    if (dot(to_vpl, to_vpl) <= vxs_area.vpls[n].place.w * vxs_area.vpls[n].place.w) return 1.0;
     vxs_ls_from_ws(vxs_frame.light, place, 1.0, ls);
     vxs_ls_from_ws(vxs_frame.light, p.normal, 0.0, from_ls);
     if (!vxs_map_texel(ls, texel, depth)) return 1.0;

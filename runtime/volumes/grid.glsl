@@ -5,7 +5,7 @@
 #define vxs_grid_word(words, i) vxs_grid.words[i]
 
 layout(std430, binding = VXS_AT_GRID) VXS_GRID_ACCESS buffer vxs_grid_buffer {
-    vec4  axis; /* and metres to the lamp; 0: a sun */
+    vec4  axis; /* and metres to the light; 0: a sun */
     vec4  ahead, side;
     vec4  alpha_theta;
     vec4  phi;

@@ -22,8 +22,8 @@ bool lit(vec3 at)
         map = vxs_map_from_ls(vxs_frame.light, ls);
         vxs_face_from_ls(vxs_face_of_map(vxs_frame.light, map), ls, turned);
         float z = max(turned.z, VXS_REAL_MIN);
-        turned.x = vxs_lamp_coordinate(vxs_frame.light, turned.x, z);
-        turned.y = vxs_lamp_coordinate(vxs_frame.light, turned.y, z);
+        turned.x = vxs_punctual_coordinate(vxs_frame.light, turned.x, z);
+        turned.y = vxs_punctual_coordinate(vxs_frame.light, turned.y, z);
         turned.z = log(z / vxs_frame.light.near_metres) / vxs_frame.light.voxel_metres;
     }
     ivec3 voxel = ivec3(vxs_clamped(floor(turned.x)), vxs_clamped(floor(turned.y)), vxs_clamped(floor(turned.z)));

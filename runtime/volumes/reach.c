@@ -1,13 +1,13 @@
 /* The pixels of a frame in which a light's airlight can be seen; see vxs_volumes.h.
  *
- * A ray that passes a punctual light ("lamp") at a distance h has an airlight of at most
+ * A ray that passes a punctual light at a distance h has an airlight of at most
  *
  *     I scattering p exp(-extinction D) pi / h
  *
- * D is the shortest path of light through the fog: the distance from the lamp to the eye; if one of them is above a level
+ * D is the shortest path of light through the fog: the distance from the light to the eye; if one of them is above a level
  * top, the depth of the other below it. p is the maximum of the phase function. The integral of 1 / distance^2 along the whole
  * ray is pi / h.
- * So rays with more airlight than the bound pass through a sphere about the lamp. Rays that the lamp lights at all pass through
+ * So rays with more airlight than the bound pass through a sphere about the light. Rays that the light lights at all pass through
  * a sphere about its cone and range.
  * SPDX-License-Identifier: MIT */
 #include <math.h>

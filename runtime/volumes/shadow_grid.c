@@ -15,8 +15,8 @@ enum { COLUMNS = 512, ROWS = 2048, BITS = 512, SIDE_MAX = 16384, RUNS = 16, RUNS
  * comes from points at small angles. So an eye nearer than this part of the radius uses the grid of an eye moved out to that
  * distance, on the same light ray; the same casters shadow both. An eye practically at the light sees along light rays: all that
  * it sees is lit. */
-#define EYE_NEAREST 0.25
-#define EYE_IN_LAMP 1e-3
+#define EYE_NEAREST  0.25
+#define EYE_IN_LIGHT 1e-3
 
 struct vxs_shadow_grid {
     vxs_volumes  *volumes;
@@ -97,11 +97,11 @@ static vxs_epipolar space_of(const frame_block *f)
     }
     if (is_sun) return vxs_epipolar_of_sun(to_light, &view);
     double range = (double)f->light.range_metres, away = sqrt(vxs_air_dot(to_light, to_light)), radius = (double)f->radius_metres;
-    double out = away > EYE_IN_LAMP * radius ? fmax(EYE_NEAREST * radius / away, 1) : 1;
+    double out = away > EYE_IN_LIGHT * radius ? fmax(EYE_NEAREST * radius / away, 1) : 1;
     for (int n = 0; n < 3; n++) to_light[n] *= out;
     away *= out;
     if (range > 0 && away + range < view.far_metres) view.far_metres = away + range;
-    vxs_epipolar space = vxs_epipolar_of_lamp(to_light, &view);
+    vxs_epipolar space = vxs_epipolar_of_punctual(to_light, &view);
     if (f->light.kind != VXS_LIGHT_KIND_POINT) vxs_epipolar_in_cone(&space, axis, (double)f->light.cos_outer, space.phi);
     return space;
 }
@@ -112,7 +112,7 @@ static void put_head(const vxs_shadow_grid *grid, const vxs_epipolar *space, uin
     const vxs_volumes *v    = grid->volumes;
     grid_head          head = vxs_grid_head_of(space, &grid->size, runs);
     head.between_rows       = grid->between_rows;
-    head.eye_lit            = head.away > 0 && head.away <= (float)EYE_IN_LAMP * v->frame.radius_metres ? 2 : 1;
+    head.eye_lit            = head.away > 0 && head.away <= (float)EYE_IN_LIGHT * v->frame.radius_metres ? 2 : 1;
     vxs_volumes_put(v, grid->buffer, 0, sizeof head, &head);
     v->api.ClearNamedBufferSubData(grid->buffer, GL_FORMAT_R32UI, sizeof head, (gl_bytes)(bytes_of(&grid->size) - sizeof head),
                                    GL_FORMAT_RED_INTEGER, GL_TYPE_UNSIGNED_INT, NULL);

@@ -17,7 +17,7 @@ static const char view_text[] = "#define VXS_CURVE_SHAPE vxs_view.shape\n"
                                 "layout(std430, binding = VXS_AT_GRID + 1) readonly restrict buffer vxs_view_buffer {\n"
                                 "    vec4  metres_from_ws[18];\n"
                                 "    uvec4 shape; /* texels a side, layers, nodes, segments that lists have room for */\n"
-                                "    float texel_metres; /* how wide one is: of lamps at one metre along the axis */\n"
+                                "    float texel_metres; /* how wide one is: of punctual lights at one metre along the axis */\n"
                                 "    float is_sun;\n"
                                 "} vxs_view;\n";
 

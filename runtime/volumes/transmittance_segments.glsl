@@ -24,7 +24,7 @@ vec4 vxs_segment_position(vec3 at, int layer)
 }
 
 /* The light ray through a texel's centre, in the axes of the layer.   way  [out] direction, of length 1;   Returns its origin:
- * the lamp, or a point where a sun's map begins */
+ * the light, or a point where a sun's map begins */
 vec3 vxs_segment_axes(ivec3 texel, out vec3 way)
 {
     vec2 at = (vec2(texel.xy) + 0.5) * vxs_view.texel_metres;
@@ -44,7 +44,7 @@ vec3 vxs_segment_ray(ivec3 texel, out vec3 from)
     return world * way;
 }
 
-/* Add a segment with a transmittance, from entry to exit, metres along that ray. The part before a lamp is cut off, as if
+/* Add a segment with a transmittance, from entry to exit, metres along that ray. The part before a punctual light is cut off, as if
  * density was constant. Segments are ignored if the texel does not exist, if a number is NaN or infinite, or if they take no
  * light. */
 void vxs_add_segment(ivec3 texel, float entry, float exit, float left)

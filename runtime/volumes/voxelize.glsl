@@ -7,7 +7,7 @@
  *       |     /                                  flipped if an odd number of segments is behind it [Eisemann 2008]
  *       |   p                VXS_VOXELS_COVERED  all light rays of a voxel whose wedge the triangle touches: a bit where it is
  *       *----------*--> along                    nearest to the light; the scan sets the rest [Schwarz 2010]
- *      eye       lamp
+ *      eye       light
  *
  * A group processes 64 triangles and shares the rows of all of them; groups with different y process these rows in turn. */
 #include "grid.glsl"
@@ -240,7 +240,7 @@ float bent_part(vxs_epipolar space, vxs_grid_size size)
     return cos(0.5 * (space.theta.y - space.theta.x) / float(size.rows));
 }
 
-/* and changes angles at the eye and at a lamp by at most this. */
+/* and changes angles at the eye and at a punctual light by at most this. */
 float bent_angle(float part)
 {
     return (1.0 - part) / (1.0 + part);

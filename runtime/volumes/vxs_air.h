@@ -1,14 +1,14 @@
 /* Airlight in a homogeneous medium, along a part of an eye ray that is fully lit: one text for C99, C++, GLSL and HLSL. Built on
  * vxs_air_ray.h.
  *
- *     vxs_air_lamp         airlight of a spot or point light along a part of the ray
+ *     vxs_air_punctual         airlight of a spot or point light along a part of the ray
  *     vxs_air_sun          airlight of the sun along a part of the ray
  *
- * "Lamps" are punctual lights. Distances are metres along the ray from the eye; the ray's direction has length 1. The numbers of
+ * Distances are metres along the ray from the eye; the ray's direction has length 1. The numbers of
  * the medium are per metre and colour channel. Airlight is radiance for an intensity (punctual lights: candela, per steradian)
  * or an irradiance (sun: lux) of 1 in each channel. Multiply it by the colour of the light to get what the eye sees.
  *
- *     lamp             Light that scatters at x toward the eye has travelled x + r, where r is the distance from the lamp to x.
+ *     light            Light that scatters at x toward the eye has travelled x + r, where r is the distance from the light to x.
  *       *              This is `along` plus a detour d = r + x - along, which increases with x. With h = beside:
  *       |`.  r
  *     h |  `.              r = (d^2 + h^2) / 2d        x = along + (d^2 - h^2) / 2d        d / h = tan(half the scattering angle)
@@ -18,13 +18,13 @@
  *                          p / r^2 dx = sqrt((h^2 + d^2) / (h^2 + k^2 d^2)) / (2 pi h (1 - g)) db
  *
  *                      This is smooth and nearly constant, however sharp the phase function is. So a quadrature in b needs few
- *                      nodes. No exponent is positive, and no nearly equal numbers are subtracted. If a lamp has a
+ *                      nodes. No exponent is positive, and no nearly equal numbers are subtracted. If a punctual light has a
  *                      range, each node is multiplied by 1 - (r / range)^4.
  *
- * The segment is split where the optical depth of the detour reaches 1, 5, 21..., and ends at 24. If the lamp has a range, the
+ * The segment is split where the optical depth of the detour reaches 1, 5, 21..., and ends at 24. If the light has a range, the
  * segment is also split at a third of the range: beyond that, the window of the range changes while b hardly does. In fog with a
- * level top and with a lamp above it, the path through the fog may get shorter along the ray. Then the segment is split by
- * optical depth, starting from its bright end.
+ * level top and with a punctual light above it, the path through the fog may get shorter along the ray. Then the segment is split
+ * by optical depth, starting from its bright end.
  * Relative error of 10^5 random rays with optical depths from 1e-6 to 1e4 and g from -0.99 to 0.99: docs/measurements.md.
  * Source: [Sun 2005] for airlight by angles; [Billeter 2010] for the sum over lit segments. The variable b is ours.
  * Internal: public texts need it; its names may change in any version.
@@ -165,7 +165,7 @@ VXS_FN void vxs_air_add_node(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real k, VXS
     sum[2] += weight * exp(-VXS_FIELD(medium, extinction)[2] * way);
 }
 
-/* Distance from the lamp at a detour, divided by the range. */
+/* Distance from the light at a detour, divided by the range. */
 VXS_FN vxs_real vxs_air_part_of_range(VXS_AIR_RAY ray, vxs_real detour)
 {
     vxs_real h = VXS_FIELD(ray, beside);
@@ -206,7 +206,7 @@ VXS_FN void vxs_air_extremes(VXS_MEDIUM medium, VXS_OUT vxs_real2 extinction)
     }
 }
 
-/* Detours where the integrand changes its form: near the lamp, where phase and distance change, and where the ray comes within a
+/* Detours where the integrand changes its form: near the light, where phase and distance change, and where the ray comes within a
  * third of the range and leaves it. Sorted, except for the last two. Detours that are not on any ray are 0. */
 VXS_FN void vxs_air_cuts(VXS_AIR_RAY ray, vxs_real k, VXS_OUT vxs_real4 cuts)
 {
@@ -219,7 +219,7 @@ VXS_FN void vxs_air_cuts(VXS_AIR_RAY ray, vxs_real k, VXS_OUT vxs_real4 cuts)
     cuts[3] = h * (h / cuts[2]);
 }
 
-/* Add the airlight of [begin, begin + length), without the factors of vxs_air_finish, of a lamp in the fog. */
+/* Add the airlight of [begin, begin + length), without the factors of vxs_air_finish, of a punctual light in the fog. */
 VXS_FN void vxs_air_add_in_fog(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real begin, vxs_real length, VXS_INOUT vxs_real3 sum)
 {
     vxs_real     k = vxs_air_sharpness(medium);
@@ -246,7 +246,7 @@ VXS_FN void vxs_air_add_in_fog(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real begi
 }
 
 /* Length of the next step from a position, forward (turn 1) or back (-1), at most `rest`. It ends where phase and distance
- * change, keeps the height below the lamp within a factor of 4, and changes the path length of the light by about `change`
+ * change, keeps the height below the light within a factor of 4, and changes the path length of the light by about `change`
  * metres. */
 VXS_FN vxs_real vxs_air_step_below(VXS_AIR_RAY ray, vxs_real k, vxs_real from, vxs_real turn, vxs_real rest, vxs_real change)
 {
@@ -275,8 +275,8 @@ VXS_FN vxs_real vxs_air_step_below(VXS_AIR_RAY ray, vxs_real k, vxs_real from, v
     return low;
 }
 
-/* The same as vxs_air_add_in_fog, of a lamp above the top of the fog. It starts at the end of the part with the shorter light
- * path. */
+/* The same as vxs_air_add_in_fog, of a punctual light above the top of the fog. It starts at the end of the part with the shorter
+ * light path. */
 VXS_FN void vxs_air_add_below(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real begin, vxs_real length, VXS_INOUT vxs_real3 sum)
 {
     vxs_real  k = vxs_air_sharpness(medium), from = begin - VXS_FIELD(ray, in_fog), rest = length, depth = VXS_REAL(1.0);
@@ -329,18 +329,18 @@ VXS_FN void vxs_air_finish(VXS_MEDIUM medium, VXS_AIR_RAY ray, VXS_INOUT vxs_rea
     sum[2] *= scale * VXS_FIELD(medium, scattering)[2];
 }
 
-/* begin, length  of the part of the ray, >= 0, finite; it must be in the lamp's range, if it has one (vxs_air_in_range); for a
+/* begin, length  of the part of the ray, >= 0, finite; it must be in the light's range, if it has one (vxs_air_in_range); for a
  *                spot light, only what is in its cone counts
  * airlight       [out] */
-VXS_FN void vxs_air_lamp(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real begin, vxs_real length, VXS_OUT vxs_real3 airlight)
+VXS_FN void vxs_air_punctual(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real begin, vxs_real length, VXS_OUT vxs_real3 airlight)
 {
     vxs_real2 lit, full;
     vxs_i32   first = 2;
     lit[0] = full[0] = begin;
     lit[1] = full[1] = begin + length;
     airlight[0] = airlight[1] = airlight[2] = VXS_REAL(0.0);
-    /* The rim of a spot light has kinks where the inner cone begins and ends, so the integral is split there: before the inner cone,
-     * behind it, and in it. */
+    /* The rim of a spot light has kinks where the inner cone begins and ends, so the integral is split there: before the inner
+     * cone, behind it, and in it. */
     if (VXS_FIELD(ray, cos_outer) >= 0.0) {
         first = 0;
         vxs_air_in_cone(ray, VXS_FIELD(ray, cos_outer), lit);

@@ -15,7 +15,7 @@
  *                                  colour of the sun is its colour inside the fog. A sun below the horizon gives no light
  *                                  through fog with a top
  *
- * "Lamps" are punctual lights. Distances are metres; the numbers of the medium are per metre and colour channel.
+ * Distances are metres; the numbers of the medium are per metre and colour channel.
  * Internal: public texts need it; its names may change in any version.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_AIR_LIGHT_H

@@ -106,7 +106,7 @@ VXS_FN vxs_real vxs_air_seen_to(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_real d
     if (VXS_KIND(path) == VXS_LIGHT_KIND_DIRECTIONAL)
         return VXS_FIELD(path, slope) * (end - begin) > more ? begin + more / VXS_FIELD(path, slope) : end;
     if (VXS_AIR_IS_BELOW(
-            VXS_REF_OF(path, passed))) { /* bounded by the path to the eye alone: the path to the lamp may get shorter */
+            VXS_REF_OF(path, passed))) { /* bounded by the path to the eye alone: the path to the light may get shorter */
         vxs_real fog = VXS_FIELD(path, passed).in_fog, way = vxs_air_way_at(VXS_REF_OF(path, passed), begin - fog);
         vxs_real behind = vxs_air_way_at(VXS_REF_OF(path, passed), end - fog);
         vxs_real seen   = fog + (way < behind ? way : behind) + more;
@@ -130,7 +130,7 @@ VXS_FN void vxs_air_lit(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_real begin, vx
                     VXS_FIELD(path, way) + VXS_FIELD(path, slope) * (first - VXS_FIELD(path, begin)), VXS_FIELD(path, slope),
                     airlight);
     else
-        vxs_air_lamp(medium, VXS_REF_OF(path, passed), first, last - first, airlight);
+        vxs_air_punctual(medium, VXS_REF_OF(path, passed), first, last - first, airlight);
     for (vxs_i32 i = 0; i < 3; i++) /* differences of nearly equal numbers */
         if (airlight[i] < 0.0) airlight[i] = VXS_REAL(0.0);
 }

@@ -1,16 +1,17 @@
-/* An eye ray in a homogeneous medium, relative to a punctual light ("lamp"): one text for C99, C++, GLSL and HLSL. Include
+/* An eye ray in a homogeneous medium, relative to a punctual light: one text for C99, C++, GLSL and HLSL. Include
  * vxs_air_light.h first.
  *
- *     vxs_air_ray_of      an eye ray relative to a lamp
+ *     vxs_air_ray_of      an eye ray relative to a punctual light
  *     vxs_air_in_cone     the part of the ray in a spot light's cone; vxs_air_before_face: before a face that emits to one side
  *     vxs_air_in_fog      the part of the ray below the level top of ground fog
  *     vxs_air_below_top   prepares a ray for such fog, so that only the path below the top dims light
- *     vxs_air_way         length of the path through the fog, from a lamp over a point of the ray to the eye
+ *     vxs_air_way         length of the path through the fog, from a punctual light over a point of the ray to the eye
  *
  * Distances are metres along the ray from the eye; the ray's direction has length 1. The numbers of the medium are per metre and
  * colour channel.
  *
- *           * lamp        Fog with a level top dims light only below the top. From a lamp above it, light first crosses clear air:
+ *           * light       Fog with a level top dims light only below the top. From a punctual light above it, light first crosses
+ *           clear air:
  *     above |`.           of its path r to a point `below` the top, the share below / (above + below) is in fog.
  *     ------+--`.-----    Light that scatters `metres` behind the point where the ray enters the fog has a path through the fog of
  *           :    `. below
@@ -34,12 +35,12 @@ typedef struct vxs_air_ray vxs_air_ray;
 #define VXS_AIR_RAY_INOUT inout vxs_air_ray
 #endif
 
-/* An eye ray relative to a lamp. */
+/* An eye ray relative to a punctual light. */
 struct vxs_air_ray {
-    vxs_real along;     /* metres along the ray to its point nearest to the lamp; negative: behind the eye */
-    vxs_real beside;    /* distance of this point from the lamp, but at least the lamp's radius; > 0 */
+    vxs_real along;     /* metres along the ray to its point nearest to the light; negative: behind the eye */
+    vxs_real beside;    /* distance of this point from the light, but at least the light's radius; > 0 */
     vxs_real facing;    /* cosine between the ray and a spot light's axis */
-    vxs_real before;    /* metres from the lamp to this point, along the axis */
+    vxs_real before;    /* metres from the light to this point, along the axis */
     vxs_real cos_outer; /* cosine where the cone ends; point lights: -1 */
     /* cosine where the cone starts to fade, as in glTF: intensity is clamp(cosine * rim_scale + rim_offset, 0, 1)^2 */
     vxs_real cos_inner;
@@ -49,24 +50,24 @@ struct vxs_air_ray {
 
     /* fog with a level top; all 0 without a top */
     vxs_real in_fog; /* metres along the ray to where it enters the fog; 0: the eye is in the fog */
-    vxs_real above;  /* height of the lamp above the top; 0: it is below, and the whole path of its light is in the fog */
+    vxs_real above;  /* height of the light above the top; 0: it is below, and the whole path of its light is in the fog */
     vxs_real below;  /* depth of the ray below the top where it enters the fog */
     vxs_real up;     /* vertical component of the ray's direction */
 
-    vxs_real per_range; /* 1 / range of the lamp; 0: unlimited */
+    vxs_real per_range; /* 1 / range of the light; 0: unlimited */
 };
 
-/* to_lamp        from the eye, metres
+/* to_light        from the eye, metres
  * direction      of the ray, of length 1
- * radius_metres  of the lamp, > 0: without it, airlight is unbounded where a ray meets a point light */
-VXS_FN vxs_air_ray vxs_air_ray_of(const vxs_real3 to_lamp, const vxs_real3 direction, vxs_real radius_metres)
+ * radius_metres  of the light, > 0: without it, airlight is unbounded where a ray meets a point light */
+VXS_FN vxs_air_ray vxs_air_ray_of(const vxs_real3 to_light, const vxs_real3 direction, vxs_real radius_metres)
 {
     vxs_air_ray ray;
-    vxs_real    x = to_lamp[1] * direction[2] - to_lamp[2] * direction[1];
-    vxs_real    y = to_lamp[2] * direction[0] - to_lamp[0] * direction[2];
-    vxs_real    z = to_lamp[0] * direction[1] - to_lamp[1] * direction[0];
+    vxs_real    x = to_light[1] * direction[2] - to_light[2] * direction[1];
+    vxs_real    y = to_light[2] * direction[0] - to_light[0] * direction[2];
+    vxs_real    z = to_light[0] * direction[1] - to_light[1] * direction[0];
     vxs_real    h = sqrt(x * x + y * y + z * z);
-    ray.along     = vxs_air_dot(to_lamp, direction);
+    ray.along     = vxs_air_dot(to_light, direction);
     ray.beside    = h > radius_metres ? h : radius_metres;
     ray.facing = ray.before = VXS_REAL(0.0);
     ray.cos_outer = ray.cos_inner = VXS_REAL(-1.0);
@@ -78,12 +79,12 @@ VXS_FN vxs_air_ray vxs_air_ray_of(const vxs_real3 to_lamp, const vxs_real3 direc
 }
 
 /* The same for a spot light.   axis  its direction, of length 1;   cos_inner >= cos_outer >= 0 */
-VXS_FN vxs_air_ray vxs_air_ray_of_spot(const vxs_real3 to_lamp, const vxs_real3 direction, vxs_real radius_metres,
+VXS_FN vxs_air_ray vxs_air_ray_of_spot(const vxs_real3 to_light, const vxs_real3 direction, vxs_real radius_metres,
                                        const vxs_real3 axis, vxs_real cos_inner, vxs_real cos_outer)
 {
-    vxs_air_ray ray = vxs_air_ray_of(to_lamp, direction, radius_metres);
+    vxs_air_ray ray = vxs_air_ray_of(to_light, direction, radius_metres);
     ray.facing      = vxs_air_dot(axis, direction);
-    ray.before      = ray.along * ray.facing - vxs_air_dot(axis, to_lamp);
+    ray.before      = ray.along * ray.facing - vxs_air_dot(axis, to_light);
     ray.cos_outer   = cos_outer;
     ray.cos_inner   = cos_inner > cos_outer + VXS_AIR_RIM_LEAST ? cos_inner : cos_outer + VXS_AIR_RIM_LEAST;
     ray.rim_scale   = 1.0 / (ray.cos_inner - cos_outer);
@@ -93,12 +94,12 @@ VXS_FN vxs_air_ray vxs_air_ray_of_spot(const vxs_real3 to_lamp, const vxs_real3 
 
 /* The same for a small face that emits to one side, with the cosine to its normal, of length 1. It emits nothing behind it:
  * vxs_air_before_face. */
-VXS_FN vxs_air_ray vxs_air_ray_of_face(const vxs_real3 to_lamp, const vxs_real3 direction, vxs_real radius_metres,
+VXS_FN vxs_air_ray vxs_air_ray_of_face(const vxs_real3 to_light, const vxs_real3 direction, vxs_real radius_metres,
                                        const vxs_real3 normal)
 {
-    vxs_air_ray ray = vxs_air_ray_of(to_lamp, direction, radius_metres);
+    vxs_air_ray ray = vxs_air_ray_of(to_light, direction, radius_metres);
     ray.facing      = vxs_air_dot(normal, direction);
-    ray.before      = ray.along * ray.facing - vxs_air_dot(normal, to_lamp);
+    ray.before      = ray.along * ray.facing - vxs_air_dot(normal, to_light);
     ray.rim_scale   = VXS_REAL(1.0);
     ray.rim_offset  = VXS_REAL(0.0);
     ray.is_face     = 1;
@@ -168,7 +169,7 @@ VXS_FN void vxs_air_in_fog(vxs_real height, vxs_real up, vxs_real top, VXS_INOUT
 }
 
 /* Prepare a ray for fog with a level top: the path above the top is not dimmed.
- * height, top  of the lamp and of the top, relative to the eye;   up  vertical component of the ray's direction
+ * height, top  of the light and of the top, relative to the eye;   up  vertical component of the ray's direction
  * in_fog       metres along the ray to where it enters the fog; 0: the eye is in the fog */
 VXS_FN void vxs_air_below_top(VXS_AIR_RAY_INOUT ray, vxs_real height, vxs_real up, vxs_real top, vxs_real in_fog)
 {
@@ -185,7 +186,7 @@ VXS_FN vxs_real vxs_air_below_at(VXS_AIR_RAY ray, vxs_real metres)
     return below > 0.0 ? below : VXS_REAL(0.0);
 }
 
-/* Length of the path through the fog of light that scatters after `metres` in the fog, at a distance r from the lamp. It
+/* Length of the path through the fog of light that scatters after `metres` in the fog, at a distance r from the light. It
  * subtracts no nearly equal numbers. */
 VXS_FN vxs_real vxs_air_way(VXS_AIR_RAY ray, vxs_real metres, vxs_real r)
 {

@@ -44,12 +44,12 @@ VXS_FN vxs_real vxs_area_texel(const vxs_real3 way, vxs_i32 side, VXS_OUT vxs_re
 VXS_FN vxs_air_path vxs_area_path(VXS_AIR_LIGHT light, vxs_i32 is_face, const vxs_real3 eye, const vxs_real3 direction,
                                   vxs_real metres, vxs_real top)
 {
-    vxs_real3    to_lamp;
+    vxs_real3    to_vpl;
     vxs_real2    part;
     vxs_air_path path = vxs_air_path_of(light, eye, direction, metres, top, part);
     if (is_face == 0) return path;
-    for (vxs_i32 n = 0; n < 3; n++) to_lamp[n] = VXS_FIELD(light, place)[n] - eye[n];
-    path.passed = vxs_air_ray_of_face(to_lamp, direction, VXS_FIELD(light, radius_metres), VXS_FIELD(light, axis));
+    for (vxs_i32 n = 0; n < 3; n++) to_vpl[n] = VXS_FIELD(light, place)[n] - eye[n];
+    path.passed = vxs_air_ray_of_face(to_vpl, direction, VXS_FIELD(light, radius_metres), VXS_FIELD(light, axis));
     part[0]     = path.begin;
     part[1]     = path.end;
     vxs_air_before_face(VXS_REF(path.passed), part);

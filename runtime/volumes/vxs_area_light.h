@@ -2,15 +2,15 @@
  * at once. Built on vxs_volumes.h.
  *
  *     vxs_area_rectangle screen = {...};                                // once, or when the image on it changes
- *     vxs_area_sample(&screen, VXS_AREA_IMPORTANCE, 0, lamps, 64);
- *     vxs_area_light_set(light, lamps, 64);
+ *     vxs_area_sample(&screen, VXS_AREA_IMPORTANCE, 0, vpls, 64);
+ *     vxs_area_light_set(light, vpls, 64);
  *     vxs_area_light_cast(light, &(vxs_area_casters){points, count});   // again when casters or VPLs have moved
  *     // if there is smoke; again when smoke or VPLs have moved
  *     vxs_area_light_smoke(light, &(vxs_capsules){.list = smoke, .count = puffs});
  *
  *     vxs_volumes_area(air, light, &(vxs_area_look){0});                // each frame, after vxs_volumes_begin
  *
- * "Lamps" are VPLs here. Positions of VPLs and casters are metres from an anchor that the caller chooses; vxs_area_light_anchor
+ * Positions of VPLs and casters are metres from an anchor that the caller chooses; vxs_area_light_anchor
  * sets its position.
  * Source: [IVSV13].
  * Public.
@@ -64,12 +64,12 @@ typedef enum vxs_area_places {
  * VPL gets the light of its Voronoi cell, computed from 64 x 64 pieces, so that no bright area is missed; without a texture all
  * VPLs are equal. Their sum is the light of the rectangle; with VXS_AREA_IMPORTANCE this holds for luminance only.
  * seed   of random positions; for Halton and Hammersley points a shift of all, with wrap-around. 0: no shift
- * lamps  [out] [count]
+ * vpls  [out] [count]
  * count  1 to VXS_VPLS_MAX
  * Returns VXS_OK; VXS_E_ARGUMENT for numbers that are not valid, a rectangle without area, or a texture without texels.
  * Cost: one pass over the texture, and 4096 distances for each VPL; with VXS_AREA_IMPORTANCE two passes, and a row for each VPL.
  * Threads: no shared state; it allocates no memory. */
-vxs_result vxs_area_sample(const vxs_area_rectangle *rectangle, vxs_area_places places, uint32_t seed, vxs_vpl *lamps,
+vxs_result vxs_area_sample(const vxs_area_rectangle *rectangle, vxs_area_places places, uint32_t seed, vxs_vpl *vpls,
                            uint32_t count);
 
 /* An environment map: radiance of distant light from each direction. */
@@ -85,9 +85,9 @@ typedef struct vxs_area_sky {
 
 /* Sample VPLs of a sky, which are distant. Texels are weighted by their solid angle, and with VXS_AREA_IMPORTANCE by luminance
  * times solid angle.
- * seed, lamps, count  as for vxs_area_sample
+ * seed, vpls, count  as for vxs_area_sample
  * Returns, cost, threads: as for vxs_area_sample. */
-vxs_result vxs_area_sample_sky(const vxs_area_sky *sky, vxs_area_places places, uint32_t seed, vxs_vpl *lamps, uint32_t count);
+vxs_result vxs_area_sample_sky(const vxs_area_sky *sky, vxs_area_places places, uint32_t seed, vxs_vpl *vpls, uint32_t count);
 
 /* points on shadow casters ----------------------------------------------------------------------------------------------------- */
 
@@ -112,13 +112,13 @@ double vxs_area_scatter(const float *positions, const uint32_t *corners, uint32_
 /* The same, with more points where the lights matter. A quarter of the points are distributed by area. The others are
  * distributed by the irradiance of a face turned toward the lights, without shadows. Large scenes need it, because points by
  * area alone are too far apart near a light.
- * lamps   [lamp_count] about 16 per light are enough, from vxs_area_sample; colours are weights. Distant VPLs are treated as
+ * vpls   [vpl_count] about 16 per light are enough, from vxs_area_sample; colours are weights. Distant VPLs are treated as
  *         near ones
  * points  [out] [count] with individual areas, whose sum is about the total area
  * Returns, threads: as above; without light, the points are those of vxs_area_scatter.
  * Cost: two evaluations of each triangle for each VPL, and more for triangles that are wider than half of their distance. */
-double vxs_area_scatter_for(const float *positions, const uint32_t *corners, uint32_t triangle_count, const vxs_vpl *lamps,
-                            uint32_t lamp_count, vxs_area_point *points, uint32_t count);
+double vxs_area_scatter_for(const float *positions, const uint32_t *corners, uint32_t triangle_count, const vxs_vpl *vpls,
+                            uint32_t vpl_count, vxs_area_point *points, uint32_t count);
 
 /* the light -------------------------------------------------------------------------------------------------------------------- */
 
@@ -127,7 +127,7 @@ typedef struct vxs_area_light vxs_area_light;
 /* Fields that are not set are 0, which means the default. New fields are added at the end only. */
 typedef struct vxs_area_light_desc {
     size_t   struct_size;   /* sizeof(vxs_area_light_desc); 0: the first version, which ends with smoke_nodes */
-    uint32_t lamps;         /* largest number of VPLs, at most VXS_VPLS_MAX; 0: VXS_VPLS_MAX */
+    uint32_t vpls;          /* largest number of VPLs, at most VXS_VPLS_MAX; 0: VXS_VPLS_MAX */
     uint32_t side_px;       /* of the imperfect shadow map of each VPL: 32, 64, 128, 256; 0: 128 */
     uint32_t columns, rows; /* of the grid of each VPL, whose eye rays have 128 bits: 1 to 256; 0: 128 */
     uint32_t takes_maps;    /* 1: exact light maps may be given instead of imperfect shadow maps */
@@ -136,8 +136,8 @@ typedef struct vxs_area_light_desc {
     uint32_t smoke_nodes;   /* per curve: 4, 8, 12, 16; 0: 4 */
 } vxs_area_light_desc;
 
-/* Memory: lamps * (16 * columns * rows + 5.4 * side_px * side_px) bytes in one storage buffer, 86 MiB by default, and three
- * textures of the size of the view. With smoke, another buffer of lamps * 8 * smoke_nodes * smoke_side_px * smoke_side_px bytes,
+/* Memory: vpls * (16 * columns * rows + 5.4 * side_px * side_px) bytes in one storage buffer, 86 MiB by default, and three
+ * textures of the size of the view. With smoke, another buffer of vpls * 8 * smoke_nodes * smoke_side_px * smoke_side_px bytes,
  * 32 MiB by default, and 32 bytes for each capsule.
  * light  [out] NULL on failure
  * Returns VXS_OK; VXS_E_ARGUMENT; VXS_E_GL: a shader does not compile, or more than the largest storage buffer of the context;
@@ -149,7 +149,7 @@ void       vxs_area_light_destroy(vxs_area_light *light); /* accepts NULL */
  * they have none.
  * count  1 to the number given to create
  * Returns VXS_OK; VXS_E_ARGUMENT for numbers that are not valid, or normals whose length is not 1. */
-vxs_result vxs_area_light_set(vxs_area_light *light, const vxs_vpl *lamps, uint32_t count);
+vxs_result vxs_area_light_set(vxs_area_light *light, const vxs_vpl *vpls, uint32_t count);
 
 /* Set the anchor: positions of VPLs and casters are relative to it. place is in metres from the origin that was last set by
  * vxs_gl_origin; call this again when that origin follows a camera. Shadow maps stay valid. Before the first call, the anchor is
@@ -205,7 +205,7 @@ typedef struct vxs_area_look {
     /* GL_TEXTURE_2D of the size of the view: normals of what was drawn, of length 1, or 0 where nothing was drawn; 0: airlight
      * alone */
     unsigned                           normal_texture;
-    const vxs_shadow_depth_map *const *maps; /* [lamps] exact shadow maps, for VPLs that do not move; NULL: imperfect shadow maps */
+    const vxs_shadow_depth_map *const *maps; /* [vpls] exact shadow maps, for VPLs that do not move; NULL: imperfect shadow maps */
 } vxs_area_look;
 
 /* Add the airlight of all VPLs to the frame, and, if normals are given, compute the light that reaches surfaces. Each VPL has a

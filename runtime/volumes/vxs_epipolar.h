@@ -1,7 +1,7 @@
 /* Epipolar space: angles about the eye and a light. In it, eye rays and light rays are both parallel to an axis. One text for
  * C99, C++, GLSL and HLSL. Built on vxs_air.h.
  *
- *     vxs_epipolar_of_lamp     the frame of an eye and a punctual light ("lamp"), and the angles that a view can see
+ *     vxs_epipolar_of_punctual     the frame of an eye and a punctual light, and the angles that a view can see
  *     vxs_epipolar_of_sun      the same of a sun
  *     vxs_epipolar_in_cone     the part of these angles that a spot light's cone can reach
  *     vxs_epipolar_from_place  position to angles
@@ -12,11 +12,13 @@
  *     vxs_epipolar_light_ray   a light ray: theta and phi
  *     vxs_epipolar_alpha_at    alpha of a point on a light ray
  *
- *                 lamp         alpha: at the eye, from the direction of the lamp to that of the point. Constant on an eye ray. On a
- *      eye  alpha  *           light ray it increases away from the lamp, so that light ends at most once along the columns.
- *        *--------/ phi        theta: about the axis through eye and lamp. Constant on eye rays and light rays; 0 in the middle of
+ *                 light        alpha: at the eye, from the direction of the light to that of the point. Constant on an eye ray. On
+ *                 a
+ *      eye  alpha  *           light ray it increases away from the light, so that light ends at most once along the columns.
+ *        *--------/ phi        theta: about the axis through eye and light. Constant on eye rays and light rays; 0 in the middle of
  *         `.     /             the view.
- *           `.  /              phi: at the lamp, from the direction of the eye to that of the point. 0 at the eye; on an eye ray it
+ *           `.  /              phi: at the light, from the direction of the eye to that of the point. 0 at the eye; on an eye ray
+ *           it
  *             `/               increases to pi - alpha. Constant on a light ray.
  *            place             For a sun, whose rays are parallel, phi is the distance from the axis, in metres.
  *
@@ -206,17 +208,17 @@ VXS_FN void vxs_epipolar_place(VXS_EPIPOLAR space, const vxs_real3 angles, VXS_O
     for (vxs_i32 n = 0; n < 3; n++) place[n] = metres * (ray.cosine * VXS_FIELD(space, axis)[n] + ray.sine * across[n]);
 }
 
-/* A light ray: its origin (the lamp; for a sun, a point beside the eye, from which the ray extends both ways), and its
+/* A light ray: its origin (the light; for a sun, a point beside the eye, from which the ray extends both ways), and its
  * direction, of length 1.
  * across  vxs_epipolar_across theta;   turned  vxs_epipolar_turn_of phi */
 VXS_FN void vxs_epipolar_light_ray(VXS_EPIPOLAR space, const vxs_real3 across, const vxs_real2 turned, VXS_OUT vxs_real3 begin,
                                    VXS_OUT vxs_real3 direction)
 {
-    vxs_i32 is_lamp = VXS_FIELD(space, away) > 0.0 ? 1 : 0;
+    vxs_i32 is_punctual = VXS_FIELD(space, away) > 0.0 ? 1 : 0;
     for (vxs_i32 n = 0; n < 3; n++) {
         vxs_real axis = VXS_FIELD(space, axis)[n];
-        begin[n]      = is_lamp != 0 ? VXS_FIELD(space, away) * axis : turned[0] * across[n];
-        direction[n]  = is_lamp != 0 ? turned[0] * across[n] - turned[1] * axis : -axis;
+        begin[n]      = is_punctual != 0 ? VXS_FIELD(space, away) * axis : turned[0] * across[n];
+        direction[n]  = is_punctual != 0 ? turned[0] * across[n] - turned[1] * axis : -axis;
     }
 }
 
@@ -362,17 +364,17 @@ VXS_FN vxs_epipolar vxs_epipolar_of(const vxs_real3 axis, vxs_real away, VXS_EPI
     return space;
 }
 
-/* to_lamp  from the eye, metres; finite */
-VXS_FN vxs_epipolar vxs_epipolar_of_lamp(const vxs_real3 to_lamp, VXS_EPIPOLAR_VIEW view)
+/* to_light  from the eye, metres; finite */
+VXS_FN vxs_epipolar vxs_epipolar_of_punctual(const vxs_real3 to_light, VXS_EPIPOLAR_VIEW view)
 {
     vxs_real3 axis;
-    for (vxs_i32 n = 0; n < 3; n++) axis[n] = to_lamp[n];
+    for (vxs_i32 n = 0; n < 3; n++) axis[n] = to_light[n];
     vxs_real away = vxs_epipolar_unit(axis);
     return vxs_epipolar_of(axis, away > VXS_EPIPOLAR_NEAREST ? away : VXS_REAL(VXS_EPIPOLAR_NEAREST), view);
 }
 
 /* For a spot light: clip the range of phi to its cone.
- * phi        [in, out] of a frame of vxs_epipolar_of_lamp
+ * phi        [in, out] of a frame of vxs_epipolar_of_punctual
  * axis       direction of the light, of length 1
  * cos_outer  of the cone, >= 0 */
 VXS_FN void vxs_epipolar_in_cone(VXS_EPIPOLAR space, const vxs_real3 axis, vxs_real cos_outer, VXS_INOUT vxs_real2 phi)

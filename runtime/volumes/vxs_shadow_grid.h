@@ -201,7 +201,7 @@ VXS_FN vxs_real vxs_grid_left_along(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_i3
  * fully lit.
  * ray       vxs_epipolar_eye of its direction;   rows  that it uses;   metres  along the ray to the surface behind the air
  * runs      number of runs, >= 1; size.bits or more: one for each bit
- * eye_lit   1: the light reaches the eye; 2: the eye is inside the lamp, and all that it sees is lit; else 0
+ * eye_lit   1: the light reaches the eye; 2: the eye is inside the light, and all that it sees is lit; else 0
  * airlight  [out] for an intensity or irradiance of 1 */
 VXS_FN void vxs_grid_airlight_of(VXS_GRID_WORDS words, VXS_EPIPOLAR space, VXS_GRID_SIZE size, VXS_MEDIUM medium, VXS_AIR_PATH path,
                                  VXS_EPIPOLAR_RAY ray, VXS_GRID_ROWS rows, vxs_real metres, vxs_i32 runs, vxs_i32 eye_lit,
@@ -242,7 +242,7 @@ VXS_FN void vxs_grid_airlight_of(VXS_GRID_WORDS words, VXS_EPIPOLAR space, VXS_G
         vxs_epipolar_turn_of(space, vxs_grid_place(VXS_FIELD(space, phi), 0.5 * (bit + next), bits), turned);
         vxs_real x = vxs_epipolar_distance(space, ray, turned, end), weight = next - bit;
         x = x > begin ? x : begin;
-        if (away > 0.0) { /* the length of a bit is proportional to the squared distance from the lamp, also inside its radius */
+        if (away > 0.0) { /* the length of a bit is proportional to the squared distance from the light, also inside its radius */
             vxs_real y = x - away * VXS_FIELD(ray, cosine), h = away * VXS_FIELD(ray, sine);
             weight *= h * h + y * y;
         }

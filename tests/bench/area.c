@@ -1,11 +1,13 @@
-/* area: error against run time of the airlight of a rectangle that shines, by lamps on it whose shadow volumes are made together, and by rivals, in one process
- * and context.
+/* area: error against run time of the airlight of a rectangle that shines, by VPLs on it whose shadow volumes are made together,
+ * and by rivals, in one process and context.
  *
- *     area SCENE --corner X,Y,Z --across X,Y,Z --up X,Y,Z --eye X,Y,Z --target X,Y,Z [--picture] [--points N] [--fog PER_METRE] [--json FILE.json] ...
+ *     area SCENE --corner X,Y,Z --across X,Y,Z --up X,Y,Z --eye X,Y,Z --target X,Y,Z [--picture] [--points N] [--fog PER_METRE]
+ *     [--json FILE.json] ...
  *
- * A knob is how many lamps are set, but of froxels, which have one light and slices. Imperfect shadow maps are made in each frame, as when all moves. Exact ones are
- * light maps of an asset that is baked here, with a lamp at each of Halton's places and one in the middle. The reference is a mean over places of the rectangle and
- * of the ray, with traced shadows (tests/volumes/area_reference.h). Creation is what a view of one pixel takes.
+ * A knob is how many VPLs are set, but of froxels, which have one light and slices. Imperfect shadow maps are made in each frame,
+ * as when all moves. Exact ones are light maps of an asset that is baked here, with a VPL at each of Halton's places and one in the
+ * middle. The reference is a mean over places of the rectangle and of the ray, with traced shadows
+ * (tests/volumes/area_reference.h). Creation is what a view of one pixel takes.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <stdio.h>
 #include <stdlib.h>
@@ -23,7 +25,7 @@
 #include "tests/volumes/rival_faces.h"
 #include "tests/volumes/rival_froxels.h"
 
-enum { LAMPS = VXS_VPLS_MAX, LIGHTS = LAMPS + 1, WIDE = 16, HIGH = 9, STEPS = 64 };
+enum { VPLS = VXS_VPLS_MAX, LIGHTS = VPLS + 1, WIDE = 16, HIGH = 9, STEPS = 64 };
 
 typedef struct area {
     double                corner_ws[3], across[3], up[3];
@@ -32,9 +34,9 @@ typedef struct area {
     vxs_area_rectangle    screen; /* places count from the eye */
     float                 picture[HIGH][WIDE][3];
     area_source           source;
-    vxs_vpl               lamps[LAMPS]; /* of the frame */
-    vxs_area_light       *all, *one;    /* of all techniques */
-    uint32_t              lamps_most;   /* of those that have exact maps; behind them is one in the middle */
+    vxs_vpl               vpls[VPLS]; /* of the frame */
+    vxs_area_light       *all, *one;  /* of all techniques */
+    uint32_t              vpls_most;  /* of those that have exact maps; behind them is one in the middle */
     vxs_shadow_depth_map *maps[LIGHTS];
     rival_faces          *faces;
     GLuint                casters;
@@ -42,11 +44,12 @@ typedef struct area {
     double               *off;       /* [pixels] of the reference, about, at most */
 } area;
 
-/* techniques ---------------------------------------------------------------------------------------------------------------------- */
+/* techniques ----------------------------------------------------------------------------------------------------------------------
+ * */
 
 static vxs_result sample(bench *b, vxs_area_places which, uint32_t count)
 {
-    return vxs_area_sample(&b->area->screen, which, which == VXS_AREA_JITTERED, b->area->lamps, count);
+    return vxs_area_sample(&b->area->screen, which, which == VXS_AREA_JITTERED, b->area->vpls, count);
 }
 
 static vxs_result halton(bench *b, void *state, uint32_t count)
@@ -67,17 +70,17 @@ static vxs_result jittered(bench *b, void *state, uint32_t count)
     return sample(b, VXS_AREA_JITTERED, count);
 }
 
-/* Lamps of `light`, and what casts shadows of them. */
-static vxs_result cast_lamps(vxs_area_light *light, const vxs_vpl *lamps, uint32_t count, GLuint points, uint32_t point_count)
+/* VPLs of `light`, and what casts shadows of them. */
+static vxs_result cast_vpls(vxs_area_light *light, const vxs_vpl *vpls, uint32_t count, GLuint points, uint32_t point_count)
 {
-    vxs_result r = vxs_area_light_set(light, lamps, count);
+    vxs_result r = vxs_area_light_set(light, vpls, count);
     return r == VXS_OK ? vxs_area_light_cast(light, &(vxs_area_casters){points, point_count, 0}) : r;
 }
 
 static vxs_result cast(bench *b, void *state, uint32_t count)
 {
     (void)state;
-    return cast_lamps(b->area->all, b->area->lamps, count, b->area->casters, b->area->points);
+    return cast_vpls(b->area->all, b->area->vpls, count, b->area->casters, b->area->points);
 }
 
 static vxs_result gather(const bench *b, vxs_area_gather which)
@@ -109,7 +112,7 @@ static vxs_result quarter(bench *b, void *state, uint32_t count)
 static vxs_result exact(bench *b, void *state, uint32_t count)
 {
     area      *a = b->area;
-    vxs_result r = vxs_area_light_set(a->all, a->lamps, count);
+    vxs_result r = vxs_area_light_set(a->all, a->vpls, count);
     (void)state;
     return r == VXS_OK
                ? vxs_volumes_area(b->volumes, a->all, &(vxs_area_look){.maps = (const vxs_shadow_depth_map *const *)a->maps})
@@ -125,7 +128,8 @@ static GLuint upload(const bench *b, const vxs_area_point *points, uint32_t coun
     return buffer;
 }
 
-/* What falls to one of so many lamps, in a buffer that goes with the context: one of each `count` points, which stands for all of them. */
+/* What falls to one of so many VPLs, in a buffer that goes with the context: one of each `count` points, which stands for all of
+ * them. */
 static vxs_result open_part(bench *b, void **state, uint32_t count)
 {
     uint32_t        points = b->area->points / count;
@@ -141,12 +145,12 @@ static vxs_result open_part(bench *b, void **state, uint32_t count)
     return VXS_OK;
 }
 
-/* The same passes of one lamp after the other, each with the points that fall to it. */
+/* The same passes of one VPL after the other, each with the points that fall to it. */
 static vxs_result one_by_one(bench *b, void *state, uint32_t count)
 {
     vxs_result r = VXS_OK;
     for (uint32_t n = 0; n < count && r == VXS_OK; n++) {
-        r = cast_lamps(b->area->one, &b->area->lamps[n], 1, (GLuint)(uintptr_t)state, b->area->points / count);
+        r = cast_vpls(b->area->one, &b->area->vpls[n], 1, (GLuint)(uintptr_t)state, b->area->points / count);
         if (r == VXS_OK) r = vxs_volumes_area(b->volumes, b->area->one, &(vxs_area_look){0});
     }
     return r;
@@ -157,7 +161,7 @@ static vxs_result marches(bench *b, void *state, uint32_t count)
     vxs_result r = VXS_OK;
     (void)state;
     for (uint32_t n = 0; n < count && r == VXS_OK; n++)
-        r = rival_faces_march(b->area->faces, &b->area->lamps[n], n, b->area->maps[n], STEPS);
+        r = rival_faces_march(b->area->faces, &b->area->vpls[n], n, b->area->maps[n], STEPS);
     return r;
 }
 
@@ -170,7 +174,7 @@ static vxs_result open_froxels(bench *b, void **state, uint32_t deep)
 static vxs_result froxels(bench *b, void *state, uint32_t deep)
 {
     (void)deep;
-    return rival_froxels_add_rectangle(state, &b->area->screen, &b->light, b->area->maps[b->area->lamps_most]);
+    return rival_froxels_add_rectangle(state, &b->area->screen, &b->light, b->area->maps[b->area->vpls_most]);
 }
 
 static void close_froxels(void *state)
@@ -179,25 +183,26 @@ static void close_froxels(void *state)
 }
 
 #define POINTS "the points' shadows"
-#define MAPS   "shadow maps of lamps, and grids of 128"
+#define MAPS   "shadow maps of VPLs, and grids of 128"
 
 /* clang-format off */
-#define COUNTS {1, 4, 16, 64, LAMPS}
+#define COUNTS {1, 4, 16, 64, VPLS}
 #define OF(places, draw) NULL, draw, NULL, {places, cast}, NULL
 static const technique techniques[] = {
-    {"imperfect", "lamps", POINTS, 0, COUNTS, OF(halton, each)},
-    {"imperfect, importance", "lamps", POINTS, 0, COUNTS, OF(importance, each)},
-    {"imperfect, jittered", "lamps", POINTS, 0, COUNTS, OF(jittered, each)},
-    {"imperfect, ninths", "lamps", POINTS ", a ninth of the lamps a pixel", 0, COUNTS, OF(halton, ninths)},
-    {"imperfect, quarter", "lamps", POINTS ", in a quarter of the pixels", 0, COUNTS, OF(halton, quarter)},
-    {"exact maps", "lamps", MAPS, 0, COUNTS, NULL, exact, NULL, {halton}, NULL},
-    {"imperfect, one by one", "lamps", POINTS, 1, COUNTS, open_part, one_by_one, NULL, {halton}, NULL},
-    {"marches", "lamps", "shadow maps of lamps, and 64 steps", 1, COUNTS, NULL, marches, NULL, {halton}, NULL},
+    {"imperfect", "vpls", POINTS, 0, COUNTS, OF(halton, each)},
+    {"imperfect, importance", "vpls", POINTS, 0, COUNTS, OF(importance, each)},
+    {"imperfect, jittered", "vpls", POINTS, 0, COUNTS, OF(jittered, each)},
+    {"imperfect, ninths", "vpls", POINTS ", a ninth of the VPLs a pixel", 0, COUNTS, OF(halton, ninths)},
+    {"imperfect, quarter", "vpls", POINTS ", in a quarter of the pixels", 0, COUNTS, OF(halton, quarter)},
+    {"exact maps", "vpls", MAPS, 0, COUNTS, NULL, exact, NULL, {halton}, NULL},
+    {"imperfect, one by one", "vpls", POINTS, 1, COUNTS, open_part, one_by_one, NULL, {halton}, NULL},
+    {"marches", "vpls", "shadow maps of VPLs, and 64 steps", 1, COUNTS, NULL, marches, NULL, {halton}, NULL},
     {"froxels", "slices", "all light with the shadow of its middle, columns of 8 x 8 pixels", 1, {16, 64, 256}, open_froxels, froxels, close_froxels, {NULL}, NULL},
 };
 /* clang-format on */
 
-/* the scene ----------------------------------------------------------------------------------------------------------------------- */
+/* the scene -----------------------------------------------------------------------------------------------------------------------
+ * */
 
 /* A picture as a television shows: dim, with a bright window and a warm corner. */
 static void paint(area *a)
@@ -212,8 +217,8 @@ static void paint(area *a)
 
 static int is_free(const void *traced, const double from_ws[3], const double to_ws[3])
 {
-    const light_shape lamp = {.kind = LIGHT_POINT, .position_ws = {from_ws[0], from_ws[1], from_ws[2]}, .range_metres = INFINITY};
-    return truth_lit(traced, to_ws, &lamp);
+    const light_shape vpl = {.kind = LIGHT_POINT, .position_ws = {from_ws[0], from_ws[1], from_ws[2]}, .range_metres = INFINITY};
+    return truth_lit(traced, to_ws, &vpl);
 }
 
 static void set_screen(bench *b)
@@ -237,8 +242,8 @@ static void set_screen(bench *b)
     a->source.user      = b->truth;
 }
 
-/* How many lamps of Halton's places a technique has, as far as knobs go. */
-static uint32_t most_lamps(const bench *b)
+/* How many VPLs of Halton's places a technique has, as far as knobs go. */
+static uint32_t most_vpls(const bench *b)
 {
     const uint32_t *counts = techniques[0].values;
     uint32_t        n      = 0;
@@ -246,7 +251,7 @@ static uint32_t most_lamps(const bench *b)
     return counts[n];
 }
 
-/* An asset of a lamp at each place, and in the middle. */
+/* An asset of a VPL at each place, and in the middle. */
 static vxs_result bake(bench *b, const float *positions, run_context *m)
 {
     area            *a    = b->area;
@@ -257,14 +262,14 @@ static vxs_result bake(bench *b, const float *positions, run_context *m)
     vxs_bake_light   lights[LIGHTS];
     char             names[LIGHTS][16];
     vxs_bake_options options = vxs_bake_defaults();
-    vxs_bake_arrays  arrays  = {.meshes = &mesh, .mesh_count = 1, .lights = lights, .light_count = a->lamps_most + 1};
+    vxs_bake_arrays  arrays  = {.meshes = &mesh, .mesh_count = 1, .lights = lights, .light_count = a->vpls_most + 1};
     vxs_bake_bytes   file;
-    for (uint32_t n = 0; n <= a->lamps_most; n++) {
+    for (uint32_t n = 0; n <= a->vpls_most; n++) {
         snprintf(names[n], sizeof names[n], "lamp %u", n);
         lights[n] = (vxs_bake_light){.name = names[n], .kind = VXS_BAKE_POINT};
         for (int i = 0; i < 3; i++) {
             double middle            = (double)a->screen.corner[i] + 0.5 * (a->across[i] + a->up[i]);
-            lights[n].position_ws[i] = b->pose.eye_ws[i] + (n == a->lamps_most ? middle : (double)a->lamps[n].place[i]);
+            lights[n].position_ws[i] = b->pose.eye_ws[i] + (n == a->vpls_most ? middle : (double)a->vpls[n].place[i]);
             mesh.origin_ws[i]        = b->pose.eye_ws[i];
         }
     }
@@ -292,12 +297,12 @@ static vxs_result upload_points(bench *b, const float *positions, run_context *m
 static vxs_result open_lights(bench *b, run_context *m)
 {
     area               *a   = b->area;
-    vxs_area_light_desc all = {.takes_maps = 1}, one = {.lamps = 1};
+    vxs_area_light_desc all = {.takes_maps = 1}, one = {.vpls = 1};
     vxs_result          r = vxs_area_light_create(&a->all, b->volumes, &all);
     if (r == VXS_OK) r = vxs_area_light_create(&a->one, b->volumes, &one);
     if (r == VXS_OK) r = rival_faces_create(&a->faces, b->volumes);
-    for (uint32_t n = 0; n <= a->lamps_most && r == VXS_OK; n++) r = volumes_open_map(b, n, 0, &a->maps[n]);
-    b->light = (vxs_volumes_light){.baked_number  = vxs_baked_number(a->lamps_most),
+    for (uint32_t n = 0; n <= a->vpls_most && r == VXS_OK; n++) r = volumes_open_map(b, n, 0, &a->maps[n]);
+    b->light = (vxs_volumes_light){.baked_number  = vxs_baked_number(a->vpls_most),
                                    .colour        = {1, 1, 1},
                                    .cos_inner     = 1,
                                    .radius_metres = (float)b->radius_metres};
@@ -336,7 +341,7 @@ static vxs_result run(void *command, run_context *m)
     area      *a         = b->area;
     float     *positions = NULL;
     vxs_result r         = volumes_load_scene(b, m);
-    free(b->classes); /* there is no pixel that passes the lamp */
+    free(b->classes); /* there is no pixel that passes the VPL */
     b->classes = NULL;
     if (r == VXS_OK) {
         set_screen(b);
@@ -344,8 +349,8 @@ static vxs_result run(void *command, run_context *m)
         a->off    = calloc(b->pixels, sizeof *a->off);
         if (!positions || !a->off) r = fail(m, VXS_E_MEMORY, "out of memory for casters");
     }
-    a->lamps_most = most_lamps(b);
-    if (r == VXS_OK && (r = sample(b, VXS_AREA_HALTON, a->lamps_most)) != VXS_OK) r = fail(m, r, "the rectangle has no area");
+    a->vpls_most = most_vpls(b);
+    if (r == VXS_OK && (r = sample(b, VXS_AREA_HALTON, a->vpls_most)) != VXS_OK) r = fail(m, r, "the rectangle has no area");
     if (r == VXS_OK) r = bake(b, positions, m);
     if (r == VXS_OK) r = volumes_open_gl(b, m);
     if (r == VXS_OK) r = upload_points(b, positions, m);
@@ -372,7 +377,7 @@ int main(int argc, char **argv)
                               .technique_count  = sizeof techniques / sizeof *techniques,
                               .light_name       = "area",
                               .reference        = "the whole surface, with traced shadows",
-                              .parts            = {"lamps", "maps", "volumes"},
+                              .parts            = {"vpls", "maps", "volumes"},
                               .has_creation     = 1,
                               .describe         = describe};
     const option options[] = {

@@ -1,12 +1,14 @@
-/* bias: what the bias of lookups with a normal costs and saves. Planes that nothing shades are looked up on both sides, and so is the
- * ground behind walls; for suns, spots and points, with and without a caster that makes voxels deeper than texels are wide.
+/* bias: what the bias of lookups with a normal costs and saves. Planes that nothing shades are looked up on both sides, and so is
+ * the ground behind walls; for suns, spots and points, with and without a caster that makes voxels deeper than texels are wide.
  *
  *     bias [--stages N] [--points N] [--largest N] [--json FILE]
  *
- * For each kind of light, N planes and N walls are baked in maps of 256 texels a side to --largest and in both codings, and each plane is looked
- * up at --points points with each filter. Printed, and written as JSON (docs/bias.schema.json), for each light and filter:
+ * For each kind of light, N planes and N walls are baked in maps of 256 texels a side to --largest and in both codings, and each
+ * plane is looked up at --points points with each filter. Printed, and written as JSON (docs/bias.schema.json), for each light and
+ * filter:
  *
- *     dark        of points of the plane that the light meets at a cosine of 0.08 or more, the part that is not wholly lit: shadow acne
+ *     dark        of points of the plane that the light meets at a cosine of 0.08 or more, the part that is not wholly lit: shadow
+ *     acne
  *     lost        the light that they lose, a mean
  *     back        the light that reaches the other side of the plane, a mean
  *     gap         how much of the ground behind a wall's foot is lit, in texels: peter-panning
@@ -52,7 +54,7 @@ static void measure_plane(const bias_setup *o, uint64_t seed, uint32_t points, t
 /* Along axis 0: where the shadow of the wall's top ends, and on which line. */
 static void shadow_end(const bias_stage *s, const bias_setup *o, double *x, double *y)
 {
-    *x = bias_wall_x(o) * BIAS_LAMP_METRES / (BIAS_LAMP_METRES - BIAS_WALL_METRES);
+    *x = bias_wall_x(o) * BIAS_PUNCTUAL_METRES / (BIAS_PUNCTUAL_METRES - BIAS_WALL_METRES);
     *y = 0;
     if (o->kind != VXS_BAKE_DIRECTIONAL) return;
     double up = vec3_dot(s->to_light_ws, s->axes_ws[2]);

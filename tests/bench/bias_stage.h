@@ -1,5 +1,5 @@
-/* A plane that nothing shades, or a wall on it, below a light: where the bias of a lookup with a normal can be measured. For tests/bench/bias.c and
- * tests/unit/test_bias.c.
+/* A plane that nothing shades, or a wall on it, below a light: where the bias of a lookup with a normal can be measured. For
+ * tests/bench/bias.c and tests/unit/test_bias.c.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef BIAS_STAGE_H
 #define BIAS_STAGE_H
@@ -14,17 +14,17 @@
 #include "baker/vxs_bake.h"
 #include "runtime/vxs.h"
 
-#define BIAS_PI          3.14159265358979323846
-#define BIAS_COSINE      0.08 /* of the angle between the normal and the light, at least */
-#define BIAS_LAMP_METRES 2.0  /* from a spot or point light to the plane */
-#define BIAS_WALL_METRES 1.0  /* how high a wall is */
+#define BIAS_PI              3.14159265358979323846
+#define BIAS_COSINE          0.08 /* of the angle between the normal and the light, at least */
+#define BIAS_PUNCTUAL_METRES 2.0  /* from a spot or point light to the plane */
+#define BIAS_WALL_METRES     1.0  /* how high a wall is */
 
 enum { BIAS_CORNERS = 3 + 3 + 6 };
 
 typedef struct bias_setup {
     vxs_bake_light_kind kind;
-    /* Of a lamp: metres to a caster behind it that shades nothing of the plane, as a fixture does; of a sun: metres from the plane to a caster behind
-     * it, of a map some 20 m wide. Either makes voxels deeper than texels are wide. 0: none */
+    /* Of a punctual light: metres to a caster behind it that shades nothing of the plane, as a fixture does; of a sun: metres from
+     * the plane to a caster behind it, of a map some 20 m wide. Either makes voxels deeper than texels are wide. 0: none */
     double              other_caster_metres;
     int                 wall;
     uint32_t            side_px;
@@ -32,10 +32,10 @@ typedef struct bias_setup {
 } bias_setup;
 
 typedef struct bias_stage {
-    double   foot_ws[3];     /* below a lamp; where axes begin, and what corners count from */
+    double   foot_ws[3];     /* below a punctual light; where axes begin, and what corners count from */
     double   axes_ws[3][3];  /* two in the plane, and its normal */
     double   plane_metres;   /* the plane's height above the foot: of its corners, as they were rounded to floats */
-    double   light_ws[3];    /* a lamp's place */
+    double   light_ws[3];    /* a punctual light's place */
     double   to_light_ws[3]; /* against a sun's direction, or a spot's axis */
     float    corners[3 * BIAS_CORNERS];
     uint32_t corner_count;
@@ -122,7 +122,7 @@ static inline void bias_place_light(bias_stage *s, const bias_setup *o, rng *r)
 {
     double cosine = o->wall ? 0.25 + 0.6 * rng_unit(r) : BIAS_COSINE + (1 - BIAS_COSINE) * rng_unit(r);
     double turn = o->wall ? BIAS_PI + rng_unit(r) - 0.5 : 2 * BIAS_PI * rng_unit(r), angle = acos(cosine);
-    bias_point(s, 0, 0, BIAS_LAMP_METRES, s->light_ws);
+    bias_point(s, 0, 0, BIAS_PUNCTUAL_METRES, s->light_ws);
     if (o->kind == VXS_BAKE_SPOT && o->wall) turn = BIAS_PI, angle = 30 / 180.0 * BIAS_PI;
     if (o->kind == VXS_BAKE_SPOT && !o->wall)
         angle = (50 + 25 * rng_unit(r)) / 180 * BIAS_PI; /* the cone sees more than the plane */
@@ -134,9 +134,10 @@ static inline void bias_place_light(bias_stage *s, const bias_setup *o, rng *r)
         for (int n = 0; n < 3; n++) away[n] = -s->to_light_ws[n];
         for (int n = 0; n < 3; n++) at[n] = o->other_caster_metres * away[n];
         bias_add_triangle(s, at, away, 1);
-    } else { /* a point light's above it; a spot's in its cone, 104 degrees from the way to the plane, and so narrow that no filter reaches it */
+    } else {
+        /* point light: above it. Spot: in its cone, 104 degrees from the direction of the plane, and so narrow that no filter reaches it */
         bias_direction(s, o->kind == VXS_BAKE_POINT ? 0 : 76 / 180.0 * BIAS_PI, turn + BIAS_PI, away);
-        bias_from_foot(s, 0, 0, BIAS_LAMP_METRES, at);
+        bias_from_foot(s, 0, 0, BIAS_PUNCTUAL_METRES, at);
         vec3_mad(at, o->other_caster_metres, away, at);
         bias_add_triangle(s, at, away, 0.005 * o->other_caster_metres);
     }
@@ -166,11 +167,12 @@ static inline bias_stage bias_stage_make(const bias_setup *o, uint64_t seed)
     return s;
 }
 
-/* A point of the plane, at an angle to a lamp of which all cosines from BIAS_COSINE on are alike likely; for a sun anywhere. */
+/* A point of the plane, at an angle to a punctual light of which all cosines from BIAS_COSINE on are alike likely; for a sun
+ * anywhere. */
 static inline void bias_draw_point(const bias_stage *s, const bias_setup *o, rng *r, double point_ws[3])
 {
     double turn = 2 * BIAS_PI * rng_unit(r), cosine = BIAS_COSINE + (1 - BIAS_COSINE) * rng_unit(r);
-    double away = o->kind == VXS_BAKE_DIRECTIONAL ? 4.5 * rng_unit(r) : BIAS_LAMP_METRES * sqrt(1 / (cosine * cosine) - 1);
+    double away = o->kind == VXS_BAKE_DIRECTIONAL ? 4.5 * rng_unit(r) : BIAS_PUNCTUAL_METRES * sqrt(1 / (cosine * cosine) - 1);
     bias_point(s, away * cos(turn), away * sin(turn), 0, point_ws);
 }
 

@@ -1,6 +1,6 @@
-/* The texts of the programs that libvxs_gl and libvxs_volumes compile, without any OpenGL: its functions are replaced by ones that do
- * nothing, but for the one that receives texts, which writes them into files. Each technique is called for a light of each kind; those
- * that read words, in each coding.
+/* The texts of the programs that libvxs_gl and libvxs_volumes compile, without any OpenGL: its functions are replaced by ones that
+ * do nothing, but for the one that receives texts, which writes them into files. Each technique is called for a light of each kind;
+ * those that read words, in each coding.
  *
  *     programs FOLDER      FOLDER/NNN_CODING_TECHNIQUE_LIGHT.comp, .vert, .frag, in the order in which programs are compiled
  *
@@ -132,11 +132,11 @@ static void area_lights(vxs_volumes *v, int has_smoke)
 {
     static const vxs_capsule smoke = {{0, 0, 0}, 1, {1, 0, 0}, 1};
     vxs_area_light          *area;
-    vxs_vpl                  lamp    = {.normal = {0, -1, 0}, .colour = {1, 1, 1}, .radius_metres = 1};
-    vxs_area_casters         casters = {.buffer = 1, .count = 64};
+    vxs_vpl                  punctual = {.normal = {0, -1, 0}, .colour = {1, 1, 1}, .radius_metres = 1};
+    vxs_area_casters         casters  = {.buffer = 1, .count = 64};
     CALL("area",
-         vxs_area_light_create(&area, v, &(vxs_area_light_desc){.lamps = 1, .takes_maps = 0, .capsules = has_smoke ? 16 : 0}));
-    CALL("area", vxs_area_light_set(area, &lamp, 1));
+         vxs_area_light_create(&area, v, &(vxs_area_light_desc){.vpls = 1, .takes_maps = 0, .capsules = has_smoke ? 16 : 0}));
+    CALL("area", vxs_area_light_set(area, &punctual, 1));
     CALL("area", vxs_area_light_cast(area, &casters));
     if (has_smoke) CALL("area_smoke", vxs_area_light_smoke(area, &(vxs_capsules){.list = &smoke, .count = 1}));
     CALL(has_smoke ? "area_smoke" : "area", vxs_volumes_area(v, area, &(vxs_area_look){.normal_texture = 1}));

@@ -51,7 +51,7 @@ AREAS = [
                                           "--eye", "4,1.6,7", "--target", "0,1.2,0", "--fog", "0.05"]),
 ]
 LEAST_PART = 4e-3  # of a frame: parts that take less are not told in tables
-AREA_PART = 0.4  # of the sides of a view: each of its pixels gathers hundreds of lamps
+AREA_PART = 0.4  # of the sides of a view: each of its pixels gathers hundreds of VPLs
 
 
 def stem_of(name):
@@ -68,7 +68,7 @@ def told(args, name, program, *arguments, part=1):
     ratios = claims(scene)
     print(monotone_text(scene))
     for technique, power in slopes(scene).items():
-        print(f"{technique}: the error falls as lamps to the power of {power:.2f}")
+        print(f"{technique}: the error falls as VPLs to the power of {power:.2f}")
     for claim in ratios:
         print(f"{claim['what']}: {claim['value']:.3g} times; the paper has {claim['paper']:g}")
     return {"name": name, **scene, **({"claims": ratios} if ratios else {})}

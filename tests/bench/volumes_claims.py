@@ -24,9 +24,9 @@ def monotone_text(scene):
 
 
 def slopes(scene, most=64):
-    """Of area lights: to which power of how many lamps each technique's error falls, up to so many, by least squares: {technique: power}."""
+    """Of area lights: to which power of how many VPLs each technique's error falls, up to so many, by least squares: {technique: power}."""
     found = {}
-    for name in dict.fromkeys(c["technique"] for c in drawn(scene) if c["knob"] == "lamps"):
+    for name in dict.fromkeys(c["technique"] for c in drawn(scene) if c["knob"] == "vpls"):
         at = [(math.log(c["value"]), math.log(c["error"]["relative_rms"])) for c in drawn(scene) if c["technique"] == name and c["value"] <= most]
         x, y = (sum(p[n] for p in at) / len(at) for n in (0, 1))
         across = sum((a - x) ** 2 for a, _ in at)
@@ -43,7 +43,7 @@ def claims(scene):
     rows = [("building deep shadow maps over 8 nodes", part("build"), ("deep", 100), ("adaptive", 8), 276),
             ("looking up deep shadow maps over 8 nodes", part("look up"), ("deep", 100), ("adaptive", 8), 10),
             ("looking up uncompressed segments over 8 nodes", part("look up"), ("uncompressed", 1), ("adaptive", 8), 51),
-            ("creating shadow volumes of 256 lamps, one after the other over together", creation, ("imperfect, one by one", 256), ("imperfect", 256), 20),
-            ("a frame of 256 lamps, one after the other over together", frame, ("imperfect, one by one", 256), ("imperfect", 256), 5.6)]
+            ("creating shadow volumes of 256 VPLs, one after the other over together", creation, ("imperfect, one by one", 256), ("imperfect", 256), 20),
+            ("a frame of 256 VPLs, one after the other over together", frame, ("imperfect, one by one", 256), ("imperfect", 256), 5.6)]
     return [{"what": what, "value": float(f"{of(cells[a]) / of(cells[b]):.4g}"), "paper": paper} for what, of, a, b, paper in rows
             if a in cells and b in cells and of(cells[b])]

@@ -200,7 +200,7 @@ def test_several_map_tiles(exact, scene):
 
 
 @pytest.mark.parametrize("name", share(3))
-def test_every_voxel_of_lamps_in_every_scene(exact, scene, name):
+def test_every_voxel_of_punctual_lights_in_every_scene(exact, scene, name):
     assert_complete(exact(scene(name), *LAMPS, "--resolution", 128, coding=CODINGS), 128)
 
 
@@ -211,13 +211,13 @@ def test_every_voxel_of_fine_lamps(exact, scene, name):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", GENERATED[:1] + (SOME_SHARED if EVERY else []))
-def test_every_voxel_of_lamps_after_every_stage_with_each_rule(exact, scene, name):
+def test_every_voxel_of_punctual_lights_after_every_stage_with_each_rule(exact, scene, name):
     assert_complete(exact(scene(name), *LAMPS, "--resolution", 256, stop=STOPS, rule=RULES), 256)
     assert_complete(exact(scene(name), *LAMPS, "--resolution", 256, closed=["on", "off"], exit=["peel", "back"]), 256)
 
 
 @pytest.mark.slow
-def test_every_voxel_of_lamps_at_every_resolution(exact, scene):
+def test_every_voxel_of_punctual_lights_at_every_resolution(exact, scene):
     for counts in exact(scene("city"), *LAMPS, resolution=[8, 16, 32, 64, 2 * SIDE], coding=CODINGS):
         assert_complete([counts], counts["resolution"])
 
@@ -232,7 +232,7 @@ def test_columns_of_fine_lamps(exact, scene):
         assert counts["maps"] == 6
 
 
-def test_lamps_that_reach_nothing(exact, scene):
+def test_punctual_lights_that_reach_nothing(exact, scene):
     assert exact(scene("city"), "--spot", "0.5,2,0.5,0,1,0,60", status=5) == []
     assert exact(scene("city"), "--point", "0.5,9,0.5,0.1", status=5) == []
     both, = exact(scene("city"), "--spot", "0.5,2,0.5,0,1,0,60", "--spot", "0.5,2,0.5,0,-1,0,60", "--resolution", 64)
@@ -240,7 +240,7 @@ def test_lamps_that_reach_nothing(exact, scene):
 
 
 @pytest.mark.parametrize("lamp", [LAMPS[2:4], LAMPS[6:8], LAMPS[10:12]], ids=["spot", "wide", "point"])
-def test_faults_of_lamps_are_seen(exact, scene, lamp):
+def test_faults_of_punctual_lights_are_seen(exact, scene, lamp):
     counts, = exact(scene("city"), *lamp, "--fault", "word", status=1)
     assert counts["wrong_lit"] + counts["wrong_shadow"] > 0
 

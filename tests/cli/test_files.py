@@ -12,7 +12,7 @@ import zlib
 
 import pytest
 
-import lamps
+import punctual
 import small_scene
 from conftest import ROOT
 from small_scene import GROUND, NOON
@@ -163,7 +163,7 @@ def lit_by(folder, *found):
     """The small scene with lights, each a point over the ground: members of its definition."""
     path = folder / "lit.gltf"
     path.parent.mkdir(exist_ok=True)
-    lamps.copy_with(small_scene.write(folder / "dark.gltf", lights=()), folder, [({"type": "point"} | light, (3 * n - 3, 5, 3), NOON, None) for n, light in enumerate(found)])
+    punctual.copy_with(small_scene.write(folder / "dark.gltf", lights=()), folder, [({"type": "point"} | light, (3 * n - 3, 5, 3), NOON, None) for n, light in enumerate(found)])
     return folder / "dark.gltf"
 
 
@@ -186,7 +186,7 @@ def test_lights_that_do_not_shine(vxs, tmp_path):
         assert pictures[0] == pictures[1] != pictures[2]
     vxs("mend", path, "-o", tmp_path / "mended.glb")
     assert "light 'off' (node 2) is left out: its intensity is 0; " in vxs("bake", tmp_path / "mended.glb", "-o", out, *SMALL).stderr
-    mended = lamps.read(tmp_path / "mended.glb")[0]["extensions"]["KHR_lights_punctual"]["lights"]
+    mended = punctual.read(tmp_path / "mended.glb")[0]["extensions"]["KHR_lights_punctual"]["lights"]
     assert [light.get("intensity") for light in mended] == [None, 0]
 
 

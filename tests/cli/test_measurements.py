@@ -171,14 +171,14 @@ def test_volumes_of_smoke(measure_fog):
 
 
 def test_volumes_of_area_lights(measure_fog):
-    """The same lamps, with exact maps, are the same by all techniques; the more of them, the nearer."""
+    """The same VPLs, with exact maps, are the same by all techniques; the more of them, the nearer."""
     scene, errors, printed = measure_fog("area light behind a wall", values=2)
     assert {t["name"] for t in scene["techniques"] if t["rival"]} == {"imperfect, one by one", "marches", "froxels"} and scene["reference_rms"] < 0.2
     assert errors["exact maps"][1] < errors["exact maps"][0] and errors["marches"] == pytest.approx(errors["exact maps"], rel=0.1)
     assert errors["imperfect"][0] == pytest.approx(errors["imperfect, one by one"][0], rel=1e-3), "one lamp"
     for cell in scene["cells"]:
         parts = {p["name"]: p["ms"] for p in cell["parts"]}
-        assert list(parts) == ["lamps", "maps", "volumes"] and (parts["maps"] > 0) == (cell["technique"].startswith("imperfect") and "one" not in cell["technique"])
+        assert list(parts) == ["vpls", "maps", "volumes"] and (parts["maps"] > 0) == (cell["technique"].startswith("imperfect") and "one" not in cell["technique"])
         assert cell["creation_ms"] > 0 and "flicker" not in cell
-    assert all(f"{name}: the error falls as lamps to the power of " in printed for name in errors if name != "froxels")
+    assert all(f"{name}: the error falls as VPLs to the power of " in printed for name in errors if name != "froxels")
     assert ("Error rises" in printed) == any(b > 1.1 * a for found in errors.values() for a, b in zip(found, found[1:]))

@@ -86,7 +86,7 @@ def test_refused_exact_and_at_a_lamp(report, browser):
     refused = {"technique": "grid", "knob": "bits", "value": 512, "refused": True, "open_ms": 1}
     endless = cell("march", 16, 1, 0, error=error(0) | {"relative_rms": None})
     page = report(measured(scene(*SOME, refused, endless, cell("angles", 8, 1, 0), cell("mesh", 8, 3, 0.01, epipole=error(0.125)))))
-    assert "512 bits refused" in page.text and "RMS at the lamp" in page.text and "0.13" in page.text
+    assert "512 bits refused" in page.text and "RMS at the light" in page.text and "0.13" in page.text
     drawn = browser.ask('Chart.getChart(document.querySelector("#front-1 canvas")).data.datasets.map((d) => d.data.map((p) => p.y))')
     assert drawn == [[0.25, 0.02, 0.01, 5e-7], [0.25, 0.03], [0.02], [5e-7], [], [0.01]]
     alone = report(measured(scene(refused)))

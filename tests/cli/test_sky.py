@@ -111,12 +111,12 @@ def test_where_it_comes_from(irradiance):
 
 
 def test_behind_a_house(irradiance):
-    """Where the sun of the map is hidden, error falls as lamps come to be more."""
+    """Where the sun of the map is hidden, error falls as VPLs come to be more."""
     pixels = [(x, y) for y in (6, 12, 18) for x in range(2, 18, 3)]
     wanted = [SKY.irradiance((0, 1, 0), is_free(floor_at(x, y), [HOUSE])) for x, y in pixels]
     errors = []
-    for lamps in (4, 16, 40):
-        found = irradiance(*ABOVE, "--area", lamps, pixels=pixels, boxes=[HOUSE])
+    for vpls in (4, 16, 40):
+        found = irradiance(*ABOVE, "--area", vpls, pixels=pixels, boxes=[HOUSE])
         errors.append(math.sqrt(sum((sum(f) - sum(w)) ** 2 for f, w in zip(found, wanted)) / sum(sum(w) ** 2 for w in wanted)))
     assert errors[2] < 0.1 and errors[0] > 2 * errors[1] > 4 * errors[2], errors
 
@@ -164,7 +164,7 @@ def test_beside_a_quad(vxs, tmp_path):
 
     assert quad() == pytest.approx(quad("--sky", tmp_path / "sky.hdr", "--sky-light", 0.2), rel=0.05)
     found = json.loads((tmp_path / "r.json").read_text())
-    assert found["area"]["lamps"] == found["sky"]["lamps"] == 4 and found["median_ms"]["area"] > 0 and found["median_ms"]["sky"] > 0
+    assert found["area"]["vpls"] == found["sky"]["vpls"] == 4 and found["median_ms"]["area"] > 0 and found["median_ms"]["sky"] > 0
 
 
 def test_in_smoke(vxs, tmp_path):
@@ -204,9 +204,9 @@ def test_in_fog(under, tmp_path):
 
 def test_plan(under):
     said, found, folder = under(*ABOVE, "--area", 3, "--sky-light", 0.5, "--sky-turn", -30, "--verbose")
-    assert found["sky"] == {"path": str(folder / "sky.hdr"), "width_px": 32, "height_px": 16, "light": 0.5, "turn_degrees": -30, "lamps": 3, "gather": "quarter",
+    assert found["sky"] == {"path": str(folder / "sky.hdr"), "width_px": 32, "height_px": 16, "light": 0.5, "turn_degrees": -30, "vpls": 3, "gather": "quarter",
                             "points": 262144, "points_of": "scene", "baked_smoke_left_out": False}
-    assert said == (f"sky          {folder}/sky.hdr, 32 x 16 pixels: drawn by 3 lamps\n"
+    assert said == (f"sky          {folder}/sky.hdr, 32 x 16 pixels: drawn by 3 VPLs\n"
                     "radiance times 0.5, turned by -30 degrees\nshadows of 262144 points of the scene, pixels gather quarter\n")
     assert found["median_ms"]["sky"] > 0 and "area" not in found
 

@@ -9,7 +9,7 @@ import subprocess
 
 import pytest
 
-import lamps
+import punctual
 from named_scene import cube, dome, inside_out, join, light, node, plane, write
 from small_scene import NOON, box
 
@@ -260,7 +260,7 @@ def test_ranges_in_metres_of_a_scene_in_centimetres(said, vxs, tmp_path):
     hall = [node("floor", plane(1200)), *(node(f"crate{n}", cube(100), (130 * n - 500, 50, 0)) for n in range(9))]
     short = [light("lamp", "point", (0, 110, 0), reach=20)]
     found = said(hall, short)
-    assert len(found) == 1 and "reaches 20 m, no lamp farther, and 10 of 10 components are wider than 40 m" in found[0]
+    assert len(found) == 1 and "reaches 20 m, no punctual light farther, and 10 of 10 components are wider than 40 m" in found[0]
     assert said(hall, [*short, light("far", "point", (0, 300, 0), reach=900)]) == []
     assert said(hall, [*short, light("endless", "point", (0, 300, 0))]) == []
     path = write(tmp_path / "none.gltf", hall, [light("lamp", "point", (0, 300, 0), reach=20)])

@@ -6,7 +6,7 @@ import subprocess
 
 import pytest
 
-import lamps
+import punctual
 import small_scene
 from small_scene import BLOCK, GROUND, MORNING, NOON
 
@@ -41,7 +41,7 @@ def said(vxs, tmp_path):
 
 
 def with_lights(folder, *found):
-    return lamps.copy_with(small_scene.write(folder / "dark.gltf", lights=()), folder, found)
+    return punctual.copy_with(small_scene.write(folder / "dark.gltf", lights=()), folder, found)
 
 
 # --- suns from below ----------------------------------------------------------------------------------------------------------
@@ -69,20 +69,20 @@ def test_sun_at_the_horizon_is_none_from_below(said, tmp_path):
 
 # --- lights that are there twice ----------------------------------------------------------------------------------------------
 
-POINT = lamps.point("a", (0, 6, 0), 9)
-SPOT = lamps.spot("a", (0, 6, 0), NOON, 60, 9)
+POINT = punctual.point("a", (0, 6, 0), 9)
+SPOT = punctual.spot("a", (0, 6, 0), NOON, 60, 9)
 
 
 @pytest.mark.parametrize("first, second, kind", [
-    (POINT, lamps.point("b", (0, 6.00001, 0), 9), "point"),
-    (POINT, lamps.point("b", (0, 6.01, 0), 9), None),
-    (POINT, lamps.point("b", (0, 6, 0), 8), None),
-    (POINT, lamps.point("b", (0, 6, 0)), None),
-    (lamps.point("a", (0, 6, 0)), lamps.point("b", (0, 6, 0)), "point"),
-    (POINT, lamps.spot("b", (0, 6, 0), NOON, 60, 9), None),
-    (SPOT, lamps.spot("b", (0, 6, 0), (1e-5, -1, 0), 60.001, 9), "spot"),
-    (SPOT, lamps.spot("b", (0, 6, 0), NOON, 61, 9), None),
-    (SPOT, lamps.spot("b", (0, 6, 0), (0.01, -1, 0), 60, 9), None),
+    (POINT, punctual.point("b", (0, 6.00001, 0), 9), "point"),
+    (POINT, punctual.point("b", (0, 6.01, 0), 9), None),
+    (POINT, punctual.point("b", (0, 6, 0), 8), None),
+    (POINT, punctual.point("b", (0, 6, 0)), None),
+    (punctual.point("a", (0, 6, 0)), punctual.point("b", (0, 6, 0)), "point"),
+    (POINT, punctual.spot("b", (0, 6, 0), NOON, 60, 9), None),
+    (SPOT, punctual.spot("b", (0, 6, 0), (1e-5, -1, 0), 60.001, 9), "spot"),
+    (SPOT, punctual.spot("b", (0, 6, 0), NOON, 61, 9), None),
+    (SPOT, punctual.spot("b", (0, 6, 0), (0.01, -1, 0), 60, 9), None),
     (({"name": "a", "type": "directional"}, (0, 0, 0), NOON, None), ({"name": "b", "type": "directional"}, (5, 6, 7), NOON, None),
      "directional"),
     (({"name": "a", "type": "directional"}, (0, 0, 0), NOON, None), ({"name": "b", "type": "directional"}, (0, 0, 0), MORNING, None),
@@ -136,7 +136,7 @@ def test_region_beside_a_slope(said, tmp_path):
     assert said(path, "--region", "0.6,0.6,-0.5,1.2,1.2,0.5") == []
 
 
-def test_lamps_do_not_look_at_the_region(said, tmp_path):
+def test_punctual_lights_do_not_look_at_the_region(said, tmp_path):
     path = small_scene.write(tmp_path / "lamp.gltf", lights=(("lamp", "spot", NOON),))
     assert said(path, "--region", "-2,4,-2,2,5,2") == []
 
@@ -151,11 +151,11 @@ def test_region_smaller_than_a_texel(said, scene):
 
 def scaled(source, path, scale):
     """A copy of a scene, all of it under nodes that scale."""
-    gltf, rest = lamps.read(source)
+    gltf, rest = punctual.read(source)
     roots = gltf["scenes"][gltf.get("scene", 0)]["nodes"]
     gltf["scenes"][gltf.get("scene", 0)]["nodes"] = [len(gltf["nodes"])]
     gltf["nodes"].append({"children": roots, "scale": [scale] * 3})
-    return lamps.write(path, gltf, rest)
+    return punctual.write(path, gltf, rest)
 
 
 @pytest.mark.parametrize("options", [("city",), ("landscape",), ("forest",), ("landscape", "--size", 100000, "--height", 9000),
@@ -232,8 +232,8 @@ def test_warnings_of_a_scene_are_errors_before_a_triangle_is_placed(vxs, tmp_pat
 
 def with_many_lights(folder, count):
     """At places of their own, all over the ground."""
-    found = [lamps.point(f"lamp{n}", (n % 40 / 4 - 5, 5, n // 40 / 4 - 5), 30) for n in range(count)]
-    return lamps.copy_with(far_away(folder), folder, found)
+    found = [punctual.point(f"lamp{n}", (n % 40 / 4 - 5, 5, n // 40 / 4 - 5), 30) for n in range(count)]
+    return punctual.copy_with(far_away(folder), folder, found)
 
 
 def test_more_lights_than_a_file_holds(vxs, tmp_path):

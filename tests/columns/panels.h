@@ -1,11 +1,12 @@
 /* Panels of 1 m that meet along their sides, and the columns through which light falls between them.
  *
- * Three strips of three panels, folded along the seams between strips' panels, or flat and like bricks; each panel is a grid of 1 to 4 by 1
- * to 4 quads of its own, so that most vertices on a side lie in the middle of the neighbour's edges. All of it is turned and moved anyhow.
- * Coordinates are floats: of all panels, or of each, which a node then turns and places.
+ * Three strips of three panels, folded along the seams between strips' panels, or flat and like bricks; each panel is a grid of 1
+ * to 4 by 1 to 4 quads of its own, so that most vertices on a side lie in the middle of the neighbour's edges. All of it is turned
+ * and moved anyhow. Coordinates are floats: of all panels, or of each, which a node then turns and places.
  *
- * The panels face the light, with nothing behind them: a column that has no caster though its ray meets where panels are, is a leak. A gap
- * explains it where the ray passes a seam within that gap's width; what rounding makes of seams without a gap explains nothing.
+ * The panels face the light, with nothing behind them: a column that has no caster though its ray meets where panels are, is a
+ * leak. A gap explains it where the ray passes a seam within that gap's width; what rounding makes of seams without a gap explains
+ * nothing.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef PANELS_H
 #define PANELS_H
@@ -20,7 +21,7 @@
 #include "baker/lab/opengl/depth_gl.h"
 #include "baker/light/light_fit.h"
 #include "baker/light/map_space.h"
-#include "tests/unit/random_lamp.h"
+#include "tests/unit/random_light.h"
 
 enum { PANELS_ACROSS = 3, PANELS = PANELS_ACROSS * PANELS_ACROSS, PANEL_PARTS_MAX = 4, PANEL_MAPS_MAX = 6 };
 

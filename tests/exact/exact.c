@@ -2,24 +2,24 @@
  *
  * The contract (docs/overview.md): with e and x the enter and exit depth of texel (i,j) in voxels, voxel (i,j,k) is lit if
  * its far side is at or before e (k + 1 <= e), shadowed if its near side is at or behind x (k >= x), and free otherwise. The
- * maps are rendered a second time and compared as the floats that they are, in double: no pyramid, mask or node takes part. What the
- * bake and this check have in common is the renderer and the lookup. What is baked with --maps sparse is compared with brute force
- * (tests/columns/brute.h), which has only the projection in common with it.
+ * maps are rendered a second time and compared as the floats that they are, in double: no pyramid, mask or node takes part. What
+ * the bake and this check have in common is the renderer and the lookup. What is baked with --maps sparse is compared with brute
+ * force (tests/columns/brute.h), which has only the projection in common with it.
  *
  *     exact SCENE [--sun X,Y,Z]... [--resolution N]... [--columns all|COUNT] [bake's options]... [--fault NAME]
  *     exact SCENE [--free shadow|free,METRES]...
  *     exact SCENE --spot X,Y,Z,DX,DY,DZ,DEGREES[,RANGE] ... --point X,Y,Z[,RANGE] ... [the same]
  *
- * --sun, --resolution, --free, --maps, --closed, --exit, --coding, --rule, --reuse, --compress, --stop and --seed may be repeated: every
- * combination is baked and compared. The scene is read once; casters are found once for each --closed; and maps are rendered once for
- * all files that differ in coding, rule, reuse, compress, stop or seed only. The first combination is baked by bake(), from the scene's
- * file to the asset's, the others by its stages.
+ * --sun, --resolution, --free, --maps, --closed, --exit, --coding, --rule, --reuse, --compress, --stop and --seed may be repeated:
+ * every combination is baked and compared. The scene is read once; casters are found once for each --closed; and maps are rendered
+ * once for all files that differ in coding, rule, reuse, compress, stop or seed only. The first combination is baked by bake(),
+ * from the scene's file to the asset's, the others by its stages.
  * --free gives bake's --behind and --thickness, 0 for none.
  * --columns all asks for every voxel, COUNT for that many random columns: the voxels around e and x, both ends, and 16
- * others; with --maps sparse for every voxel of so many columns, in tiles of 64, every other of them where an edge of a triangle passes, and
- * besides for the former through the runtime; --silhouettes COUNT for all tiles around so many random silhouettes of the map, too.
- * --spot and --point put lights into the scene, in place of its own; where is told in shares of the scene's box, how far in shares of
- * its diagonal, so that the same light fits every scene. DEGREES is the whole cone.
+ * others; with --maps sparse for every voxel of so many columns, in tiles of 64, every other of them where an edge of a triangle
+ * passes, and besides for the former through the runtime; --silhouettes COUNT for all tiles around so many random silhouettes of
+ * the map, too. --spot and --point put lights into the scene, in place of its own; where is told in shares of the scene's box, how
+ * far in shares of its diagonal, so that the same light fits every scene. DEGREES is the whole cone.
  * --fault builds the DAG here, stage by stage, and spoils one thing after one of them: the check must see it.
  * One line of JSON on standard output for each combination. Exit status 0: no voxel is wrong; 1: some are; else as vxs.
  * SPDX-License-Identifier: GPL-3.0-or-later */
@@ -99,8 +99,7 @@ typedef struct way {
     tally        sum;
 } way;
 
-/* a scene and what casts shadows in it
- * ---------------------------------------------------------------------------------------- */
+/* a scene and what casts shadows in it ----------------------------------------------------------------------------------------- */
 
 typedef struct world {
     scene       s;
@@ -108,7 +107,7 @@ typedef struct world {
     gl_context *gl;
 } world;
 
-/* Bounds, and room above and below what is flat: a lamp in its plane would see an edge. */
+/* Bounds, and room above and below what is flat: a punctual light in its plane would see an edge. */
 static void scene_box(const scene *s, double box[6])
 {
     double widest = 0;
@@ -128,7 +127,7 @@ static void scene_box(const scene *s, double box[6])
 }
 
 /* A light of the command line, from shares of the scene's box. */
-static vxs_result put_lamp(scene *s, const char *text, int spot, const double box[6], run_context *m)
+static vxs_result put_punctual(scene *s, const char *text, int spot, const double box[6], run_context *m)
 {
     double       v[8] = {0}, diagonal = 0;
     int          end = 0, count, wanted = spot ? 7 : 3;
@@ -149,24 +148,24 @@ static vxs_result put_lamp(scene *s, const char *text, int spot, const double bo
     return VXS_OK;
 }
 
-static size_t lamps_asked_for(const exact_options *o)
+static size_t punctuals_asked_for(const exact_options *o)
 {
     return o->spots.count + o->points.count;
 }
 
 /* The lights of the command line in place of the scene's. */
-static vxs_result put_lamps(scene *s, const exact_options *o, run_context *m)
+static vxs_result put_punctuals(scene *s, const exact_options *o, run_context *m)
 {
     double     box[6];
     vxs_result r = VXS_OK;
     for (size_t n = 0; n < s->light_count; n++) free(s->lights[n].name);
     free(s->lights);
     s->light_count = 0;
-    s->lights      = calloc(lamps_asked_for(o), sizeof *s->lights);
+    s->lights      = calloc(punctuals_asked_for(o), sizeof *s->lights);
     if (!s->lights) return fail(m, VXS_E_MEMORY, "out of memory");
     scene_box(s, box);
-    for (size_t n = 0; n < o->spots.count && r == VXS_OK; n++) r = put_lamp(s, o->spots.items[n], 1, box, m);
-    for (size_t n = 0; n < o->points.count && r == VXS_OK; n++) r = put_lamp(s, o->points.items[n], 0, box, m);
+    for (size_t n = 0; n < o->spots.count && r == VXS_OK; n++) r = put_punctual(s, o->spots.items[n], 1, box, m);
+    for (size_t n = 0; n < o->points.count && r == VXS_OK; n++) r = put_punctual(s, o->points.items[n], 0, box, m);
     return r;
 }
 
@@ -177,7 +176,7 @@ static vxs_result world_load(world *w, const exact_options *o, run_context *m)
 {
     vxs_result r;
     if ((r = scene_load_gltf(&w->s, o->scene_path, &everything, m)) != VXS_OK) return r;
-    return lamps_asked_for(o) ? put_lamps(&w->s, o, m) : VXS_OK;
+    return punctuals_asked_for(o) ? put_punctuals(&w->s, o, m) : VXS_OK;
 }
 
 static void world_free(world *w)
@@ -187,8 +186,7 @@ static void world_free(world *w)
     scene_free(&w->s);
 }
 
-/* the three ways to an asset
- * ---------------------------------------------------------------------------------------------------- */
+/* the three ways to an asset --------------------------------------------------------------------------------------------------- */
 
 static vxs_result bake_asset(const exact_options *o, way *y, run_context *m)
 {
@@ -284,8 +282,7 @@ done:
     return r;
 }
 
-/* comparing
- * ------------------------------------------------------------------------------------------------------------------- */
+/* comparing -------------------------------------------------------------------------------------------------------------------- */
 
 /* A child of a root that was a node of its own becomes lit: of the first of six that has one. */
 static void spoil_word(uint32_t *words, const vxs_light *light)
@@ -375,8 +372,7 @@ static int print_result(const exact_options *o, const way *y)
     return !failed && !t->wrong_lit && !t->wrong_shadow && !t->misread && !t->insane && t->columns;
 }
 
-/* all combinations
- * ------------------------------------------------------------------------------------------------------------ */
+/* all combinations ------------------------------------------------------------------------------------------------------------- */
 
 /* The combinations that share maps: they differ in coding, rule, reuse, compress, stop and seed.
  * left_free  as it was given, or NULL */
@@ -421,7 +417,7 @@ static vxs_result compare_ways(const exact_options *o, world *w, const bake_opti
     if ((r = lights_choose(&w->s, &bake->light_names, &bake->suns, &chosen, m)) != VXS_OK) goto done;
     for (uint32_t y = 0; y < count; y++) {
         if (ways[y].asset) continue;
-        r = o->fault == FAULT_NONE || (lamps_asked_for(o) && o->fault == FAULT_WORD)
+        r = o->fault == FAULT_NONE || (punctuals_asked_for(o) && o->fault == FAULT_WORD)
                 ? staged_asset(w, &chosen, &ways[y], m)
                 : spoilt_asset(w, &chosen, o->fault, &ways[y], m);
         if (r != VXS_OK) goto done;
@@ -490,7 +486,7 @@ static vxs_result compare_all(const exact_options *o, int *right, run_context *m
     const char  *left_free;
     vxs_result   r;
     bake.renderer = &opengl_renderer;
-    if (!lamps_asked_for(o) && o->fault == FAULT_NONE) {
+    if (!punctuals_asked_for(o) && o->fault == FAULT_NONE) {
         way ways[WAYS_MAX];
         bake.closed = (closed_mode)o->value[CHOICE_CLOSED][0];
         if ((r = set_maps(o, 0, &bake, &left_free, m)) != VXS_OK) goto done;
@@ -518,8 +514,7 @@ done:
     return r;
 }
 
-/* the command line
- * ------------------------------------------------------------------------------------------------------------ */
+/* the command line ------------------------------------------------------------------------------------------------------------- */
 
 /* The words given for a choice; without any, the usual one. */
 static vxs_result set_choice(exact_options *o, enum choice c, const text_list *given, run_context *m)
@@ -546,7 +541,8 @@ static vxs_result check_options(exact_options *o, const char *columns, run_conte
         if (*end || !o->columns) return fail(m, VXS_E_ARGUMENT, "--columns %s: expected all or a number from 1", columns);
     }
     if (o->silhouettes && !o->columns) return fail(m, VXS_E_ARGUMENT, "--silhouettes: only with --columns COUNT");
-    if (lamps_asked_for(o) && (o->suns.count || o->bake.light_names.count || (o->fault != FAULT_NONE && o->fault != FAULT_WORD)))
+    if (punctuals_asked_for(o) &&
+        (o->suns.count || o->bake.light_names.count || (o->fault != FAULT_NONE && o->fault != FAULT_WORD)))
         return fail(m, VXS_E_ARGUMENT, "--spot and --point: not with --sun, --light or a --fault but word");
     for (size_t n = 0; n < o->value_count[CHOICE_MAPS]; n++)
         if (o->value[CHOICE_MAPS][n] != MAPS_SPARSE && o->silhouettes)

@@ -68,8 +68,8 @@ static inline void point_ws(const vxs_light *l, uint64_t *random, double ws[3])
         if (anywhere || !isfinite(ws[axis])) ws[axis] = far[next_random(random) % (sizeof far / sizeof *far)];
 }
 
-/* How finely a walk along a ray sums up: relative to what it sums up, and how wide about a point of a lamp, relative to how far it is, its state
- * is to be one to be held against it. */
+/* How finely a walk along a ray sums up: relative to what it sums up, and how wide about a point of a punctual light, relative to
+ * how far it is, its state is to be one to be held against it. */
 typedef struct walk_precision {
     double sum, wide;
 } walk_precision;
@@ -82,8 +82,8 @@ static inline int32_t state_at(const vxs_baked_light *l, const double point[3])
     return lit == VXS_OUTSIDE ? VXS_INTERVAL_OUTSIDE : lit == 1 ? VXS_INTERVAL_LIT : VXS_INTERVAL_SHADOW;
 }
 
-/* The state in the middle of a part of a ray by single lookups, where it is the same all about, as far as rounding may lead, and the part is longer
- * than that; else -1. */
+/* The state in the middle of a part of a ray by single lookups, where it is the same all about, as far as rounding may lead, and
+ * the part is longer than that; else -1. */
 static inline int32_t clear_state(const vxs_baked_light *baked, const vxs_ray *r, double begin, double end,
                                   walk_precision precision)
 {

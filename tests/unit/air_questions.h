@@ -1,4 +1,5 @@
-/* Random questions about airlight of lamps, to C and to a shader, and errors of answers. Included behind cmocka.h and gl_points.h.
+/* Random questions about airlight of punctual lights, to C and to a shader, and errors of answers. Included behind cmocka.h and
+ * gl_points.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef AIR_QUESTIONS_H
 #define AIR_QUESTIONS_H
@@ -7,7 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "random_lamp.h"
+#include "random_light.h"
 #include "read_text.h"
 #include "runtime/volumes/vxs_air.h"
 #include "runtime/volumes/vxs_air_path.h"
@@ -21,7 +22,7 @@ static inline double spread(rng *r, double low, double high)
 
 /* A question to C and to a shader alike: floats, as the shader reads them. */
 typedef struct question {
-    float to_lamp[3], radius;
+    float to_light[3], radius;
     float direction[3], begin;
     float axis[3], length; /* of a spot light; 0: of a point light */
     float scattering[3], anisotropy;
@@ -35,7 +36,7 @@ static inline air_passing passing_of(const question *q)
     double w[3], l[3], axis[3];
     for (int i = 0; i < 3; i++) {
         w[i]    = q->direction[i];
-        l[i]    = q->to_lamp[i];
+        l[i]    = q->to_light[i];
         axis[i] = q->axis[i];
     }
     air_passing p = air_passing_of(w, l, q->radius, q->cos_inner > 0 ? axis : NULL, q->cos_inner, q->cos_outer);
@@ -43,7 +44,7 @@ static inline air_passing passing_of(const question *q)
     p.range       = q->range;
     p.up          = w[1];
     p.top         = q->in_fog > 0 ? p.up * (double)q->in_fog : (double)q->top; /* as the rounded place has it */
-    p.lamp        = p.top + l[1] - (double)q->top;
+    p.punctual    = p.top + l[1] - (double)q->top;
     return p;
 }
 
@@ -51,29 +52,29 @@ static inline void reference(const question *q, double airlight[3])
 {
     air_passing p = passing_of(q);
     for (int i = 0; i < 3; i++)
-        airlight[i] = (double)q->scattering[i] * air_of_lamp(&p, q->anisotropy, q->extinction[i], q->begin, q->length);
+        airlight[i] = (double)q->scattering[i] * air_of_punctual(&p, q->anisotropy, q->extinction[i], q->begin, q->length);
 }
 
 /* The same for runtime/volumes. */
 static inline void ask_c(const question *q, vxs_medium *medium, vxs_air_ray *ray)
 {
-    double to_lamp[3], direction[3], axis[3];
+    double to_light[3], direction[3], axis[3];
     for (int i = 0; i < 3; i++) {
-        to_lamp[i]            = q->to_lamp[i];
+        to_light[i]           = q->to_light[i];
         direction[i]          = q->direction[i];
         axis[i]               = q->axis[i];
         medium->scattering[i] = q->scattering[i];
         medium->extinction[i] = q->extinction[i];
     }
     medium->anisotropy = q->anisotropy;
-    *ray               = q->cos_inner > 0 ? vxs_air_ray_of_spot(to_lamp, direction, q->radius, axis, q->cos_inner, q->cos_outer)
-                                          : vxs_air_ray_of(to_lamp, direction, q->radius);
-    if (q->has_top > 0) vxs_air_below_top(ray, to_lamp[1], direction[1], q->top, q->in_fog);
+    *ray               = q->cos_inner > 0 ? vxs_air_ray_of_spot(to_light, direction, q->radius, axis, q->cos_inner, q->cos_outer)
+                                          : vxs_air_ray_of(to_light, direction, q->radius);
+    if (q->has_top > 0) vxs_air_below_top(ray, to_light[1], direction[1], q->top, q->in_fog);
     if (q->range > 0) ray->per_range = 1 / (double)q->range;
 }
 
-/* Any ray: the lamp before the eye, behind it, at it, on the ray; short and endless pieces; thin air and ink.
- * least_beside  of the lamp's distance */
+/* Any ray: the light before the eye, behind it, at it, on the ray; short and endless pieces; thin air and ink.
+ * least_beside  of the light's distance */
 static inline question random_question(rng *r, double least_beside, int spots)
 {
     question q = {0};
@@ -89,7 +90,7 @@ static inline question random_question(rng *r, double least_beside, int spots)
     q.radius = (float)(size * spread(r, least_beside, 1e-1));
     for (int i = 0; i < 3; i++) {
         q.direction[i] = (float)w[i];
-        q.to_lamp[i]   = (float)(along * w[i] + beside * side[i] / sqrt(length));
+        q.to_light[i]  = (float)(along * w[i] + beside * side[i] / sqrt(length));
         q.axis[i]      = (float)axis[i];
     }
     q.begin     = (float)(rng_below(r, 3) ? size * spread(r, 1e-3, 3) : 0);
@@ -110,14 +111,14 @@ static inline question random_question(rng *r, double least_beside, int spots)
     return q;
 }
 
-/* The same in fog with a level top below the lamp, near it or far, in which a part of the ray is. */
+/* The same in fog with a level top below the light, near it or far, in which a part of the ray is. */
 static inline question random_question_below(rng *r, double least_beside, int spots)
 {
     for (;;) {
         question q    = random_question(r, least_beside, spots);
-        double   size = hypot(hypot(q.to_lamp[0], q.to_lamp[1]), hypot(q.to_lamp[2], q.radius));
+        double   size = hypot(hypot(q.to_light[0], q.to_light[1]), hypot(q.to_light[2], q.radius));
         q.has_top     = 1;
-        q.top         = q.to_lamp[1] - (float)(rng_below(r, 8) ? size * spread(r, 1e-4, 10) : 0);
+        q.top         = q.to_light[1] - (float)(rng_below(r, 8) ? size * spread(r, 1e-4, 10) : 0);
         double all[2] = {0, INFINITY}, part[2] = {(double)q.begin, (double)q.begin + (double)q.length};
         vxs_air_in_fog(0, (double)q.direction[1], (double)q.top, all);
         vxs_air_in_fog(0, (double)q.direction[1], (double)q.top, part);
@@ -162,8 +163,9 @@ typedef struct errors {
     uint32_t count, large; /* channels; those with an error of 1e-3 and more */
 } errors;
 
-/* Errors of what a spot light adds, or a lamp with a range, count relative to a hundredth of what a point light without one would, where that is more: a
- * ray that grazes its cone sees nothing, and at the end of its range there is nothing. Channels do not count of which fog leaves less than 1e-8 before the segment begins. */
+/* Errors of what a spot light adds, or a punctual light with a range, count relative to a hundredth of what a point light without
+ * one would, where that is more: a ray that grazes its cone sees nothing, and at the end of its range there is nothing. Channels do
+ * not count of which fog leaves less than 1e-8 before the segment begins. */
 static inline void count_errors(errors *e, const question *q, const double found[3])
 {
     double      wanted[3], all[3] = {0};
@@ -215,8 +217,8 @@ static const char air_ask_text[] = "struct question { vec4 lamp, way, axis, scat
                                    "    answer = airlight[vertex % 3];\n"
                                    "}\n";
 
-/* ask_lamp  text that defines this function, as vxs_air_lamp */
-static inline void use_air(drawing *d, const char *ask_lamp)
+/* ask_punctual  text that defines this function, as vxs_air_punctual */
+static inline void use_air(drawing *d, const char *ask_punctual)
 {
     const char *paths[] = {"formats/vxs_lookup.h",          "formats/vxs_lookup_blocks.h",
                            "formats/vxs_space.h",           "runtime/volumes/vxs_air_light.h",
@@ -225,7 +227,7 @@ static inline void use_air(drawing *d, const char *ask_lamp)
     char       *texts[PATHS];
     const char *all[PATHS + 3] = {"#version 430\n#define vxs_word(dag, i) 0u\n"};
     for (int n = 0; n < PATHS; n++) all[n + 1] = texts[n] = read_text(paths[n]);
-    all[PATHS + 1] = ask_lamp;
+    all[PATHS + 1] = ask_punctual;
     all[PATHS + 2] = air_ask_text;
     use_texts(d, "vxs_air.h", "#version 430", all, PATHS + 3);
     for (int n = 0; n < PATHS; n++) free(texts[n]);

@@ -1,5 +1,5 @@
-/* A screen in the fog of volumes_scene.h: its lamps, points of the boxes about it, and its light with exact visibility in double. Included behind
- * volumes_scene.h; `light`, `scene`, `points` and `normals` are there from area_set_up to area_tear_down.
+/* A screen in the fog of volumes_scene.h: its VPLs, points of the boxes about it, and its light with exact visibility in double.
+ * Included behind volumes_scene.h; `light`, `scene`, `points` and `normals` are there from area_set_up to area_tear_down.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef AREA_SCENE_H
 #define AREA_SCENE_H
@@ -25,7 +25,8 @@ static inline int area_is_free(const volumes_scene *s, const double from[3], con
     return 1;
 }
 
-/* A corner of a polygon: t of the way from a lamp to a place of an eye ray, and that times how far along the eye ray the place is. */
+/* A corner of a polygon: t of the way from a VPL to a place of an eye ray, and that times how far along the eye ray the place is.
+ * */
 typedef struct area_corner {
     double t, s;
 } area_corner;
@@ -48,8 +49,8 @@ static inline int area_clip(area_corner *at, int count, double a, double b, doub
     return n;
 }
 
-/* Where a box keeps a lamp's light from an eye ray: exactly. A place x of the ray is in the dark if the way to it, from + t (eye + x direction - from), is in
- * the box for a t in [0, 1]: bounds that are linear in t and in t x.
+/* Where a box keeps a VPL's light from an eye ray: exactly. A place x of the ray is in the dark if the way to it, from + t (eye + x
+ * direction - from), is in the box for a t in [0, 1]: bounds that are linear in t and in t x.
  * part  [out];   Returns 0 where there is none */
 static inline int area_shadow(const float *low, const float *high, const double from[3], const double eye[3],
                               const double direction[3], double end, double part[2])
@@ -76,17 +77,17 @@ static inline int area_by_begin(const void *a, const void *b)
     return (p > q) - (p < q);
 }
 
-/* Airlight of lamps along a ray, each by the exact parts of it that it reaches.   sum  [in, out] */
-static inline void area_airlight(const volumes_scene *s, const vxs_vpl *lamps, uint32_t count, const vxs_medium *medium,
+/* Airlight of VPLs along a ray, each by the exact parts of it that it reaches.   sum  [in, out] */
+static inline void area_airlight(const volumes_scene *s, const vxs_vpl *vpls, uint32_t count, const vxs_medium *medium,
                                  const double eye[3], const double direction[3], double metres, double sum[3])
 {
     for (uint32_t n = 0; n < count; n++) {
-        vxs_air_light light = {.kind = VXS_LIGHT_KIND_POINT, .radius_metres = (double)lamps[n].radius_metres};
+        vxs_air_light light = {.kind = VXS_LIGHT_KIND_POINT, .radius_metres = (double)vpls[n].radius_metres};
         double        dark[SCENE_BOXES + 2][2], lit[3];
         int           darks = 0;
         for (int i = 0; i < 3; i++) {
-            light.place[i] = (double)lamps[n].place[i];
-            light.axis[i]  = (double)lamps[n].normal[i];
+            light.place[i] = (double)vpls[n].place[i];
+            light.axis[i]  = (double)vpls[n].normal[i];
         }
         vxs_air_path path =
             vxs_area_path(&light, vxs_air_dot(light.axis, light.axis) > 0, eye, direction, metres, VXS_AIR_EVERYWHERE);
@@ -99,7 +100,7 @@ static inline void area_airlight(const volumes_scene *s, const vxs_vpl *lamps, u
         double begin   = path.begin;
         for (int k = 0; k <= darks; k++) {
             vxs_air_lit(medium, &path, begin, dark[k][0], lit);
-            for (int i = 0; i < 3; i++) sum[i] += (double)lamps[n].colour[i] * lit[i];
+            for (int i = 0; i < 3; i++) sum[i] += (double)vpls[n].colour[i] * lit[i];
             if (k < darks) begin = fmax(begin, dark[k][1]);
         }
     }
@@ -136,8 +137,8 @@ static inline void area_normal(const volumes_scene *s, const double place[3], fl
         }
 }
 
-/* What lamps send to a place of a surface, less what fog takes of it, where nothing is between them: one channel. */
-static inline double area_irradiance(const volumes_scene *s, const vxs_vpl *lamps, uint32_t count, double extinction,
+/* What VPLs send to a place of a surface, less what fog takes of it, where nothing is between them: one channel. */
+static inline double area_irradiance(const volumes_scene *s, const vxs_vpl *vpls, uint32_t count, double extinction,
                                      const double place[3], const float normal[3])
 {
     double sum = 0, above[3];
@@ -145,19 +146,20 @@ static inline double area_irradiance(const volumes_scene *s, const vxs_vpl *lamp
     for (uint32_t n = 0; n < count; n++) {
         double way[3], from[3], here = 0, there = 0;
         for (int i = 0; i < 3; i++) {
-            from[i] = (double)lamps[n].place[i];
+            from[i] = (double)vpls[n].place[i];
             way[i]  = from[i] - place[i];
             here += way[i] * (double)normal[i];
-            there -= way[i] * (double)lamps[n].normal[i];
+            there -= way[i] * (double)vpls[n].normal[i];
         }
         double square = dot(way, way), metres = sqrt(square);
         if (here > 0 && there > 0 && area_is_free(s, from, above))
-            sum += (double)lamps[n].colour[0] * here * there / (square * square) * exp(-extinction * metres);
+            sum += (double)vpls[n].colour[0] * here * there / (square * square) * exp(-extinction * metres);
     }
     return sum;
 }
 
-/* one scene, and a light of its own, for all tests of a program ------------------------------------------------------------------- */
+/* one scene, and a light of its own, for all tests of a program -------------------------------------------------------------------
+ * */
 
 enum { WIDE = 32, HIGH = 24, PIXELS = WIDE * HIGH, SIDE = 64, COLUMNS = 64, ROWS = 60, POINTS = 100000 };
 
@@ -195,10 +197,10 @@ static inline int area_tear_down(void **state)
 }
 
 /* A screen that hangs over the boxes, tilted. */
-static inline void screen_lamps(uint32_t seed, vxs_vpl *lamps, uint32_t count)
+static inline void screen_vpls(uint32_t seed, vxs_vpl *vpls, uint32_t count)
 {
     const vxs_area_rectangle screen = {{-1.5F, 4.5F, -1}, {3, 0, 0}, {0, -0.6F, 1.8F}, {10, 8, 6}, NULL, 0, 0};
-    assert_int_equal(vxs_area_sample(&screen, VXS_AREA_HALTON, seed, lamps, count), VXS_OK);
+    assert_int_equal(vxs_area_sample(&screen, VXS_AREA_HALTON, seed, vpls, count), VXS_OK);
 }
 
 static inline void draw(const vxs_volumes_frame *frame, const vxs_area_look *asked, float *pixels)
@@ -221,11 +223,12 @@ static inline void read_buffer(size_t start, size_t size, void *data)
 
 static inline size_t map_at(uint32_t number, uint32_t side)
 {
-    return sizeof light->lamps + 4 * (vxs_area_shadow_depth_maps(light) + (size_t)number * ((4 * side * side - 1) / 3));
+    return sizeof light->vpls + 4 * (vxs_area_shadow_depth_maps(light) + (size_t)number * ((4 * side * side - 1) / 3));
 }
 
-/* A word of a lamp's imperfect shadow map, as area_map.glsl has them: 15 bits of a float of the depth in radii of the lamp; a level surface. 1e30: nothing is there. */
-static inline uint32_t map_word(const area_lamp *of, float depth)
+/* A word of a VPL's imperfect shadow map, as area_map.glsl has them: 15 bits of a float of the depth in radii of the VPL; a level
+ * surface. 1e30: nothing is there. */
+static inline uint32_t map_word(const area_vpl *of, float depth)
 {
     float    part = depth / of->radius_metres + (of->kind == AREA_FAR);
     uint32_t bits;
@@ -233,7 +236,7 @@ static inline uint32_t map_word(const area_lamp *of, float depth)
     return depth < 1e30F ? (bits - 0x3f800000U + 0x1000U) >> 13 << 17 : UINT32_MAX;
 }
 
-static inline float map_depth(const area_lamp *of, uint32_t word)
+static inline float map_depth(const area_vpl *of, uint32_t word)
 {
     uint32_t bits = (word >> 17 << 13) + 0x3f800000U;
     float    part;
@@ -241,7 +244,7 @@ static inline float map_depth(const area_lamp *of, uint32_t word)
     return word == UINT32_MAX ? 1e30F : (part - (of->kind == AREA_FAR)) * of->radius_metres;
 }
 
-/* The depths of a lamp's imperfect shadow map; 1e30: nothing is there.
+/* The depths of a VPL's imperfect shadow map; 1e30: nothing is there.
  * side  of a map;   depths  [out] [side * side] */
 static inline void read_map(uint32_t number, uint32_t side, float *depths)
 {
@@ -249,7 +252,7 @@ static inline void read_map(uint32_t number, uint32_t side, float *depths)
     for (uint32_t n = 0; n < side * side; n++) {
         uint32_t word;
         memcpy(&word, &depths[n], sizeof word);
-        depths[n] = map_depth(&light->lamps[number], word);
+        depths[n] = map_depth(&light->vpls[number], word);
     }
 }
 

@@ -1,5 +1,5 @@
-/* Places in lights, and what C says of them in each of the ways that it can be asked, which have to agree bit for bit. Included behind
- * cmocka.h.
+/* Places in lights, and what C says of them in each of the ways that it can be asked, which have to agree bit for bit. Included
+ * behind cmocka.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef ASKED_PLACES_H
 #define ASKED_PLACES_H
@@ -7,11 +7,12 @@
 #include "blocks_scalar.h"
 #include "formats/vxs_space.h"
 #include "lookup_many_scalar.h"
-#include "random_lamp.h"
+#include "random_light.h"
 
 enum { PLACES = 256 };
 
-/* Points that are looked up in one light with one filter: near one another, as pixels are, so that a batch keeps what it found; or scattered. */
+/* Points that are looked up in one light with one filter: near one another, as pixels are, so that a batch keeps what it found; or
+ * scattered. */
 typedef struct asked_places {
     const vxs_baked_light *light;
     int                    filter_px;

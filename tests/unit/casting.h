@@ -1,5 +1,5 @@
-/* A scene whose triangles are cast into shadow grids, lights without their assets, and grids that cast. Included behind cmocka.h and random_lamp.h, with
- * baker/lab/opengl/gl.h first of all.
+/* A scene whose triangles are cast into shadow grids, lights without their assets, and grids that cast. Included behind cmocka.h
+ * and random_light.h, with baker/lab/opengl/gl.h first of all.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef CASTING_H
 #define CASTING_H

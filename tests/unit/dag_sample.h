@@ -125,9 +125,9 @@ static inline vxs_write_light dag_sample_light(const dag_sample *s, const char *
     return l;
 }
 
-/* A spot or point light for a sample, at (1, 2, 3) and looking along -x: u is +z, v is +y. One map reaches to 45 degrees, and depth from
- * half a metre to 8. */
-static inline vxs_write_light dag_sample_lamp(const dag_sample *s, const char *name, uint32_t kind, uint32_t flags)
+/* A spot or point light for a sample, at (1, 2, 3) and looking along -x: u is +z, v is +y. One map reaches to 45 degrees, and depth
+ * from half a metre to 8. */
+static inline vxs_write_light dag_sample_punctual(const dag_sample *s, const char *name, uint32_t kind, uint32_t flags)
 {
     double          side = (double)(1u << s->levels);
     vxs_write_light l    = {.light = {.kind         = kind,

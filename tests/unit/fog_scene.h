@@ -1,7 +1,8 @@
 /* Spheres in fog: light maps of them, views, and airlight by exact traversal of a light map, in double. Included behind cmocka.h.
  *
- * A light map is as vxs_volumes.h has it: where shadow begins on the light ray through each texel's centre; of suns in voxels, of lamps in metres
- * along the map's axis; 1e30 where light does not end. Here everything about it is computed from matrices, and not by vxs_epipolar.h.
+ * A light map is as vxs_volumes.h has it: where shadow begins on the light ray through each texel's centre; of suns in voxels, of
+ * punctual lights in metres along the map's axis; 1e30 where light does not end. Here everything about it is computed from
+ * matrices, and not by vxs_epipolar.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef FOG_SCENE_H
 #define FOG_SCENE_H
@@ -10,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "random_lamp.h"
+#include "random_light.h"
 #include "runtime/volumes/vxs_air_path.h"
 
 enum { SPHERES_MOST = 32 };
@@ -80,7 +81,7 @@ static inline void face_from_ws(const light_map *m, int face, const double *ws, 
     for (int n = 0; n < 3; n++) out[n] = axes[n] < 'a' ? -ls[axes[n] - 'X'] : ls[axes[n] - 'x'];
 }
 
-/* Of lamps, how far across at z = 1 the edge of texel n lies; of suns, its u. */
+/* Of punctual lights, how far across at z = 1 the edge of texel n lies; of suns, its u. */
 static inline double texel_edge(const light_map *m, double n)
 {
     double baked = ldexp(1, (int)m->light.levels);
@@ -88,7 +89,7 @@ static inline double texel_edge(const light_map *m, double n)
                                                        : (n * baked / m->side - baked / 2) * m->light.texel_metres;
 }
 
-/* The light ray through a texel's centre: of a lamp from it on, of a sun from depth 0 on.
+/* The light ray through a texel's centre: of a punctual light from it on, of a sun from depth 0 on.
  * way  [out] of length 1
  * Returns how many metres along it the map's depth grows by 1 */
 static inline double light_map_ray(const light_map *m, int face, int x, int y, double *from, double *way)
@@ -103,7 +104,7 @@ static inline double light_map_ray(const light_map *m, int face, int x, int y, d
     }
     face_from_ws(m, face, (double[3]){0, 0, 0}, 1, middle);
     for (int i = 0; i < 3; i++) {
-        from[i] = 0; /* of a lamp, where the face's place is 0 */
+        from[i] = 0; /* of a punctual light, where the face's place is 0 */
         for (int k = 0; k < 3; k++) from[i] += columns[i][k] * (is_sun ? (at[k] - middle[k]) * scale[k] * scale[k] : -middle[k]);
         way[i] = is_sun ? columns[i][2] * scale[2] * scale[2] : dot(columns[i], at);
     }
@@ -197,10 +198,10 @@ static inline void map_airlight(const light_map *m, const vxs_medium *medium, co
                                 const double *direction, double airlight[3])
 {
     static double cuts[1 << 16];
-    size_t        count   = 0;
-    int           is_lamp = m->light.kind != VXS_LIGHT_KIND_DIRECTIONAL;
-    cuts[count++]         = path->begin;
-    cuts[count++]         = path->end;
+    size_t        count       = 0;
+    int           is_punctual = m->light.kind != VXS_LIGHT_KIND_DIRECTIONAL;
+    cuts[count++]             = path->begin;
+    cuts[count++]             = path->end;
     for (int face = 0; face < m->layers; face++) {
         double o[3], w[3];
         face_from_ws(m, face, eye, 1, o);
@@ -209,12 +210,12 @@ static inline void map_airlight(const light_map *m, const vxs_medium *medium, co
             for (int axis = 0; axis < 2; axis++) {
                 /* beyond both ends, of a cube: the sides of the face */
                 double edge = n < 0 ? -1 : n > m->side ? 1 : texel_edge(m, n), x;
-                if (is_lamp)
+                if (is_punctual)
                     x = -(o[axis] - edge * o[2]) / (w[axis] - edge * w[2]);
                 else
                     x = (edge - o[axis]) / w[axis];
                 if (!(x > path->begin && x < path->end) || count >= sizeof cuts / sizeof *cuts) continue;
-                if (is_lamp) {
+                if (is_punctual) {
                     double z = o[2] + x * w[2];
                     if (z < 0 || (m->layers > 1 && fabs(o[1 - axis] + x * w[1 - axis]) > z * (1 + 1e-9))) continue;
                 }

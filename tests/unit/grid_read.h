@@ -1,4 +1,5 @@
-/* Shadow grids of libvxs_volumes, made, and read back as doubles. Included behind cmocka.h and random_lamp.h, with baker/lab/opengl/gl.h first of all.
+/* Shadow grids of libvxs_volumes, made, and read back as doubles. Included behind cmocka.h and random_light.h, with
+ * baker/lab/opengl/gl.h first of all.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef GRID_READ_H
 #define GRID_READ_H

@@ -1,5 +1,5 @@
-/* The mesh about what a light reaches, made of a light map in C, and where rays cross it, in double, by asking every triangle. Included behind
- * cmocka.h and random_lamp.h.
+/* The mesh about what a light reaches, made of a light map in C, and where rays cross it, in double, by asking every triangle.
+ * Included behind cmocka.h and random_light.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MESH_WALK_H
 #define MESH_WALK_H
@@ -38,8 +38,8 @@ static inline void mesh_free(mesh_lists *m)
     free(m->corners);
 }
 
-/* Whether a ray crosses a triangle: 1, and it leaves what is lit; -1, and it enters; 0. An edge is of one of the two that meet in it, but for rays that
- * meet it as closely as a double tells.
+/* Whether a ray crosses a triangle: 1, and it leaves what is lit; -1, and it enters; 0. An edge is of one of the two that meet in
+ * it, but for rays that meet it as closely as a double tells.
  * from, way  light space
  * at         [out] in lengths of way, >= 0 */
 static inline int crossing(const mesh_lists *m, uint32_t triangle, const double from[3], const double way[3], double *at)

@@ -14,8 +14,8 @@ enum { LIGHTS = 4 };
 static inline vxs_baked_light blocks_light(const uint32_t *words, uint32_t levels, int kind)
 {
     dag_sample      shape = {.levels = levels};
-    vxs_write_light sun = dag_sample_light(&shape, "sun"), spot = dag_sample_lamp(&shape, "spot", VXS_LIGHT_KIND_SPOT, 0);
-    vxs_write_light point = dag_sample_lamp(&shape, "lamp", VXS_LIGHT_KIND_POINT, VXS_LIGHT_CUBE);
+    vxs_write_light sun = dag_sample_light(&shape, "sun"), spot = dag_sample_punctual(&shape, "spot", VXS_LIGHT_KIND_SPOT, 0);
+    vxs_write_light point = dag_sample_punctual(&shape, "lamp", VXS_LIGHT_KIND_POINT, VXS_LIGHT_CUBE);
     vxs_baked_light l     = {.light = kind < 2 ? sun.light : kind == 2 ? spot.light : point.light, .words = words};
     if (kind == 1) l.light.flags = VXS_LIGHT_BOUNDED;
     l.light.coding = VXS_CODING_BLOCKS;
@@ -26,8 +26,8 @@ static inline vxs_baked_light blocks_light(const uint32_t *words, uint32_t level
 static inline vxs_asset *dag_asset(const dag_sample *s)
 {
     vxs_write_light lights[LIGHTS] = {dag_sample_light(s, "sun"), dag_sample_light(s, "moon"),
-                                      dag_sample_lamp(s, "spot", VXS_LIGHT_KIND_SPOT, 0),
-                                      dag_sample_lamp(s, "lamp", VXS_LIGHT_KIND_POINT, VXS_LIGHT_CUBE)};
+                                      dag_sample_punctual(s, "spot", VXS_LIGHT_KIND_SPOT, 0),
+                                      dag_sample_punctual(s, "lamp", VXS_LIGHT_KIND_POINT, VXS_LIGHT_CUBE)};
     vxs_write_desc  desc           = {.lights = lights, .light_count = LIGHTS, .zstd_level = 1};
     vxs_bytes       file           = {0};
     vxs_asset      *asset          = NULL;

@@ -1,4 +1,5 @@
-/* A whole voxelized shadow volume in double, one bit after the other: what the passes of runtime/volumes/ are held to. Behind fog_scene.h.
+/* A whole voxelized shadow volume in double, one bit after the other: what the passes of runtime/volumes/ are held to. Behind
+ * fog_scene.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SHADOW_GRID_H
 #define SHADOW_GRID_H
@@ -66,12 +67,12 @@ static inline shadow_grid grid_make(const light_map *m, const fog_view *v, int c
     int               sun  = m->light.kind == VXS_LIGHT_KIND_DIRECTIONAL;
     double            to_light[3];
     memcpy(g.eye, v->eye, sizeof g.eye);
-    for (int i = 0; i < 3; i++) { /* the lamp: what lies at 0 of light space, whose rows are of length 1 */
+    for (int i = 0; i < 3; i++) { /* the light: what lies at 0 of light space, whose rows are of length 1 */
         to_light[i] = sun ? -m->light.direction_ws[i] : -v->eye[i];
         for (int row = 0; !sun && row < 3; row++)
             to_light[i] -= m->light.ls_from_ws[4 * row + i] * m->light.ls_from_ws[4 * row + 3];
     }
-    g.space = sun ? vxs_epipolar_of_sun(to_light, &view) : vxs_epipolar_of_lamp(to_light, &view);
+    g.space = sun ? vxs_epipolar_of_sun(to_light, &view) : vxs_epipolar_of_punctual(to_light, &view);
     if (m->light.kind == VXS_LIGHT_KIND_SPOT)
         vxs_epipolar_in_cone(&g.space, m->light.direction_ws, m->light.cos_outer, g.space.phi);
     g.words = malloc((size_t)vxs_grid_words(&g.size) * sizeof *g.words);

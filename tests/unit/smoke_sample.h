@@ -1,4 +1,4 @@
-/* A grid of smoke for tests, sampled and integrated without the grid's own code. Included behind cmocka.h and random_lamp.h.
+/* A grid of smoke for tests, sampled and integrated without the grid's own code. Included behind cmocka.h and random_light.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SMOKE_SAMPLE_H
 #define SMOKE_SAMPLE_H

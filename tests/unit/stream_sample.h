@@ -1,5 +1,5 @@
-/* A file to stream, and what its lookups have to say: the same file opened whole, and a copy of it in which no page is there. Include after
- * <cmocka.h>.
+/* A file to stream, and what its lookups have to say: the same file opened whole, and a copy of it in which no page is there.
+ * Include after <cmocka.h>.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef STREAM_SAMPLE_H
 #define STREAM_SAMPLE_H
@@ -38,9 +38,10 @@ static inline vxs_write_light stream_light_of(const block_words *w, uint32_t lev
                                               uint32_t packing, const char *name)
 {
     dag_sample      of = {.levels = levels};
-    vxs_write_light l  = kind == VXS_LIGHT_KIND_DIRECTIONAL ? dag_sample_light(&of, name) : dag_sample_lamp(&of, name, kind, flags);
-    l.light.coding     = VXS_CODING_BLOCKS;
-    l.blocks           = (vxs_blocks_view){w->words, w->count, w->common_kinds, w->common_count, packing};
+    vxs_write_light l =
+        kind == VXS_LIGHT_KIND_DIRECTIONAL ? dag_sample_light(&of, name) : dag_sample_punctual(&of, name, kind, flags);
+    l.light.coding = VXS_CODING_BLOCKS;
+    l.blocks       = (vxs_blocks_view){w->words, w->count, w->common_kinds, w->common_count, packing};
     return l;
 }
 

@@ -20,7 +20,7 @@ static void air_of(const question *q, double airlight[3])
     vxs_medium  medium;
     vxs_air_ray ray;
     ask_c(q, &medium, &ray);
-    vxs_air_lamp(&medium, &ray, q->begin, q->length, airlight);
+    vxs_air_punctual(&medium, &ray, q->begin, q->length, airlight);
 }
 
 typedef question random_maker(rng *r, double least_beside, int spots);
@@ -53,7 +53,7 @@ static void test_spots(void **state)
     check_errors(&e, 1e-2, 1e-4, 0.01, repeats(1500, 100000));
 }
 
-/* Lamps whose range ends in the segment, or behind it. */
+/* Punctual lights whose range ends in the segment, or behind it. */
 static void test_ranges(void **state)
 {
     (void)state;
@@ -74,31 +74,31 @@ static void test_faces(void **state)
     uint32_t part = 0, none = 0, bad = 0;
     double   mean = 0, most = 0, channels = 0;
     for (uint32_t n = 0; n < repeats(1000, 50000); n++) {
-        double     to_lamp[3], direction[3], normal[3], before[2] = {0, uniform(&r, 1, 40)}, found[3];
+        double     to_light[3], direction[3], normal[3], before[2] = {0, uniform(&r, 1, 40)}, found[3];
         vxs_medium medium = {.anisotropy = uniform(&r, -0.8, 0.8)};
         random_direction(&r, direction);
         random_direction(&r, normal);
         for (int i = 0; i < 3; i++) {
-            to_lamp[i]           = uniform(&r, -10, 10);
+            to_light[i]          = uniform(&r, -10, 10);
             medium.extinction[i] = medium.scattering[i] = spread(&r, 1e-3, 1);
         }
         double      end = before[1];
-        vxs_air_ray ray = vxs_air_ray_of_face(to_lamp, direction, 1e-2, normal);
+        vxs_air_ray ray = vxs_air_ray_of_face(to_light, direction, 1e-2, normal);
         vxs_air_before_face(&ray, before);
         for (int k = 0; k < 10; k++) {
             double x = uniform(&r, 0, end), way[3];
-            for (int i = 0; i < 3; i++) way[i] = direction[i] * x - to_lamp[i];
+            for (int i = 0; i < 3; i++) way[i] = direction[i] * x - to_light[i];
             if (fabs(dot(way, normal)) > 1e-9) assert_int_equal(dot(way, normal) > 0, x >= before[0] && x <= before[1]);
         }
         part += before[1] > before[0] && before[1] - before[0] < end;
         none += !(before[1] > before[0]);
         if (!(before[1] > before[0])) continue;
-        air_passing p = air_passing_of(direction, to_lamp, 1e-2, normal, 1, 0);
+        air_passing p = air_passing_of(direction, to_light, 1e-2, normal, 1, 0);
         p.is_face     = 1;
-        vxs_air_lamp(&medium, &ray, before[0], before[1] - before[0], found);
+        vxs_air_punctual(&medium, &ray, before[0], before[1] - before[0], found);
         for (int i = 0; i < 3; i++) {
-            double wanted =
-                medium.scattering[i] * air_of_lamp(&p, medium.anisotropy, medium.extinction[i], before[0], before[1] - before[0]);
+            double wanted = medium.scattering[i] *
+                            air_of_punctual(&p, medium.anisotropy, medium.extinction[i], before[0], before[1] - before[0]);
             double error = fabs(found[i] / wanted - 1);
             most         = fmax(most, error);
             mean += error;
@@ -112,7 +112,7 @@ static void test_faces(void **state)
     assert_true(most < 2e-2 && mean / channels < 1e-4);
 }
 
-/* Lamps above the level top of fog, at it, and far above. */
+/* Punctual lights above the level top of fog, at it, and far above. */
 static void test_points_below_top(void **state)
 {
     (void)state;
@@ -181,16 +181,16 @@ static void test_cones(void **state)
     rng      r      = {6};
     uint32_t inside = 0;
     for (uint32_t n = 0; n < repeats(20000, 200000); n++) {
-        double to_lamp[3], direction[3], axis[3], cosine = cos(uniform(&r, 0.05, M_PI / 2)), part[2] = {0, 100};
+        double to_light[3], direction[3], axis[3], cosine = cos(uniform(&r, 0.05, M_PI / 2)), part[2] = {0, 100};
         random_direction(&r, direction);
         random_direction(&r, axis);
-        for (int i = 0; i < 3; i++) to_lamp[i] = uniform(&r, -30, 30);
-        vxs_air_ray ray = vxs_air_ray_of_spot(to_lamp, direction, 1e-3, axis, 1, cosine);
+        for (int i = 0; i < 3; i++) to_light[i] = uniform(&r, -30, 30);
+        vxs_air_ray ray = vxs_air_ray_of_spot(to_light, direction, 1e-3, axis, 1, cosine);
         vxs_air_in_cone(&ray, cosine, part);
         for (int k = 0; k < 20; k++) {
             double x = uniform(&r, 0, 100), way[3], dot = 0, square = 0;
             for (int i = 0; i < 3; i++) {
-                way[i] = direction[i] * x - to_lamp[i];
+                way[i] = direction[i] * x - to_light[i];
                 dot += way[i] * axis[i];
                 square += way[i] * way[i];
             }
@@ -204,10 +204,10 @@ static void test_cones(void **state)
 }
 
 /* One interval of a ray in a cone, by places.   Returns how many places are in the cone */
-static uint32_t check_cone(const double to_lamp[3], const double direction[3], const double axis[3], double cosine)
+static uint32_t check_cone(const double to_light[3], const double direction[3], const double axis[3], double cosine)
 {
     enum { PLACES = 400 };
-    vxs_air_ray ray     = vxs_air_ray_of_spot(to_lamp, direction, 1e-9, axis, 1, cosine);
+    vxs_air_ray ray     = vxs_air_ray_of_spot(to_light, direction, 1e-9, axis, 1, cosine);
     double      part[2] = {0, 100};
     uint32_t    inside  = 0;
     vxs_air_in_cone(&ray, cosine, part);
@@ -215,7 +215,7 @@ static uint32_t check_cone(const double to_lamp[3], const double direction[3], c
     for (int k = 0; k < PLACES; k++) {
         double x = k % 2 ? 100.0 * k / PLACES : pow(10, -6 + 8.0 * k / PLACES), way[3], dot = 0, square = 0;
         for (int i = 0; i < 3; i++) {
-            way[i] = direction[i] * x - to_lamp[i];
+            way[i] = direction[i] * x - to_light[i];
             dot += way[i] * axis[i];
             square += way[i] * way[i];
         }
@@ -223,43 +223,44 @@ static uint32_t check_cone(const double to_lamp[3], const double direction[3], c
         if (fabs(margin) < 1e-7 * (1 + sqrt(square)) * (1 + cosine)) continue; /* on the side itself */
         if ((margin > 0) != (x >= part[0] && x <= part[1]))
             fail_msg("at %g of a ray (%g %g %g) the lamp at (%g %g %g), cosine %g: margin %g, part [%g, %g]", x, direction[0],
-                     direction[1], direction[2], to_lamp[0], to_lamp[1], to_lamp[2], cosine, margin, part[0], part[1]);
+                     direction[1], direction[2], to_light[0], to_light[1], to_light[2], cosine, margin, part[0], part[1]);
         inside += margin > 0;
     }
     return inside;
 }
 
-/* Rays that are parallel to a side of the cone to the last bit, and turned a little; through its tip, along its axis, along its side, and inside. */
+/* Rays that are parallel to a side of the cone to the last bit, and turned a little; through its tip, along its axis, along its
+ * side, and inside. */
 static void test_rays_along_cones(void **state)
 {
     (void)state;
-    static const double turns[]    = {0, 1e-16, 1e-15, -1e-15, 1e-12, -1e-12, 1e-9, -1e-9, 1e-6, -1e-6, 1e-3};
-    static const double axis[3]    = {0, -1, 0};
-    static const double lamps[][3] = {{-1, 5, 0}, {1, 5, 0},  {-3, 2, 0}, {-3, 2, 1}, {3, -2, 0}, {0, 5, 0},
-                                      {0, 1, 0},  {0, -4, 0}, {5, 0, 0},  {0, 0, 2},  {0, 0, 0}};
+    static const double turns[]        = {0, 1e-16, 1e-15, -1e-15, 1e-12, -1e-12, 1e-9, -1e-9, 1e-6, -1e-6, 1e-3};
+    static const double axis[3]        = {0, -1, 0};
+    static const double punctuals[][3] = {{-1, 5, 0}, {1, 5, 0},  {-3, 2, 0}, {-3, 2, 1}, {3, -2, 0}, {0, 5, 0},
+                                          {0, 1, 0},  {0, -4, 0}, {5, 0, 0},  {0, 0, 2},  {0, 0, 0}};
     uint32_t            parallel = 0, inside = 0;
     double              most = 0;
     for (int angle = 0; angle <= 90; angle += 5)
         for (size_t t = 0; t < sizeof turns / sizeof *turns; t++)
-            for (size_t l = 0; l < sizeof lamps / sizeof *lamps; l++)
+            for (size_t l = 0; l < sizeof punctuals / sizeof *punctuals; l++)
                 for (int back = -1; back <= 1; back += 2) {
                     double cosine = angle == 90 ? 0 : cos(angle * M_PI / 180), side = sin(angle * M_PI / 180);
                     double direction[3] = {back * side + turns[t], -back * cosine, 0}, size = 0, found[3];
                     for (int i = 0; i < 3; i++) size += direction[i] * direction[i];
                     for (int i = 0; i < 3 && turns[t] != 0; i++) direction[i] /= sqrt(size);
                     parallel += fabs(direction[1]) == cosine;
-                    inside += check_cone(lamps[l], direction, axis, cosine);
-                    check_cone(lamps[l], direction, (const double[]){0, 1, 0}, cosine);
-                    if (angle == 0 || lamps[l][0] * lamps[l][0] + lamps[l][2] * lamps[l][2] == 0) continue;
+                    inside += check_cone(punctuals[l], direction, axis, cosine);
+                    check_cone(punctuals[l], direction, (const double[]){0, 1, 0}, cosine);
+                    if (angle == 0 || punctuals[l][0] * punctuals[l][0] + punctuals[l][2] * punctuals[l][2] == 0) continue;
                     /* and what that part scatters */
                     vxs_medium  medium = {{0.1, 0.1, 0.1}, {0.1, 0.1, 0.1}, 0.2};
                     double      inner  = cosine + 0.3 * (1 - cosine);
-                    vxs_air_ray ray    = vxs_air_ray_of_spot(lamps[l], direction, 1e-2, axis, inner, cosine);
-                    air_passing p = air_passing_of(direction, lamps[l], 1e-2, axis, inner, cosine), all = p;
+                    vxs_air_ray ray    = vxs_air_ray_of_spot(punctuals[l], direction, 1e-2, axis, inner, cosine);
+                    air_passing p = air_passing_of(direction, punctuals[l], 1e-2, axis, inner, cosine), all = p;
                     all.is_spot = 0;
-                    vxs_air_lamp(&medium, &ray, 0, 50, found);
-                    double wanted = 0.1 * air_of_lamp(&p, 0.2, 0.1, 0, 50),
-                           scale  = fmax(wanted, 0.001 * air_of_lamp(&all, 0.2, 0.1, 0, 50));
+                    vxs_air_punctual(&medium, &ray, 0, 50, found);
+                    double wanted = 0.1 * air_of_punctual(&p, 0.2, 0.1, 0, 50),
+                           scale  = fmax(wanted, 0.001 * air_of_punctual(&all, 0.2, 0.1, 0, 50));
                     assert_true(isfinite(found[0]));
                     most = fmax(most, fabs(found[0] - wanted) / scale);
                 }
@@ -268,7 +269,8 @@ static void test_rays_along_cones(void **state)
     assert_true(most < 5e-3);
 }
 
-/* Airlight of a metre is what reaches the place, times what turns there and is left on the way to the eye; where no path is, nothing reaches a place in the fog. */
+/* Airlight of a metre is what reaches the place, times what turns there and is left on the way to the eye; where no path is,
+ * nothing reaches a place in the fog. */
 static void test_reaches(void **state)
 {
     (void)state;
@@ -318,7 +320,7 @@ static void test_reaches(void **state)
     assert_true(fabs(vxs_air_rim(0.75, 1, 0.5) - 0.25) < 1e-15 && vxs_air_rim(0.4, 1, 0.5) == 0);
 }
 
-/* The lamp's distance from the ray is a difference in a shader: it is no less than a thousandth of the distance here. */
+/* The light's distance from the ray is a difference in a shader: it is no less than a thousandth of the distance here. */
 static errors errors_in_shader(const drawing *d, random_maker *random, int spots, uint32_t least)
 {
     enum { ASKED = QUERIES / 3 };
@@ -342,7 +344,7 @@ static void test_shader(void **state)
 {
     (void)state;
     drawing d = drawing_make();
-    use_air(&d, "#define ask_lamp vxs_air_lamp\n");
+    use_air(&d, "#define ask_lamp vxs_air_punctual\n");
     errors points = errors_in_shader(&d, random_question, 0, QUERIES / 3), spots = errors_in_shader(&d, random_question, 1, 1500);
     errors points_below    = errors_in_shader(&d, random_question_below, 0, 1000),
            spots_below     = errors_in_shader(&d, random_question_below, 1, 400);

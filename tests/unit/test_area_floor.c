@@ -1,12 +1,13 @@
-/* A panel over a bare floor, and over one of which a plate hides half: what area lights send to surfaces, against the closed form of a polygon [Lambert 1760], and
- * to the air, against an integral over the panel and the eye ray, from many eyes, on floors of 8 to 200 metres, in each way to gather.
+/* A panel over a bare floor, and over one of which a plate hides half: what area lights send to surfaces, against the closed form
+ * of a polygon [Lambert 1760], and to the air, against an integral over the panel and the eye ray, from many eyes, on floors of 8
+ * to 200 metres, in each way to gather.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-#include "random_lamp.h"
+#include "random_light.h"
 #include "repeats.h"
 
 /* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
@@ -135,7 +136,7 @@ static double air_along(const room *r, const vxs_medium *medium, const double ey
     return sum;
 }
 
-/* How near an eye ray comes to the panel, about, where lamps are too far apart for it. */
+/* How near an eye ray comes to the panel, about, where VPLs are too far apart for it. */
 static double distance_to_panel(const double eye[3], const double direction[3], double metres)
 {
     double nearest = INFINITY;
@@ -163,18 +164,18 @@ static uint32_t triangles(const room *r, float *positions, uint32_t *corners)
     return r->has_plate ? 6 : 4;
 }
 
-/* Points of it: by area alone, or about the panel's lamps.   Returns their buffer */
-static GLuint scatter(const room *r, int is_about_lamps, uint32_t point_count)
+/* Points of it: by area alone, or about the panel's VPLs.   Returns their buffer */
+static GLuint scatter(const room *r, int is_about_vpls, uint32_t point_count)
 {
     float           positions[36];
     uint32_t        corners[18], count = triangles(r, positions, corners);
-    vxs_vpl         lamps[SHOWN];
+    vxs_vpl         vpls[SHOWN];
     vxs_area_point *scattered = malloc(point_count * sizeof *scattered);
     GLuint          buffer;
     assert_non_null(scattered);
-    assert_int_equal(vxs_area_sample(&panel, VXS_AREA_IMPORTANCE, 0, lamps, SHOWN), VXS_OK);
-    if (is_about_lamps)
-        assert_true(vxs_area_scatter_for(positions, corners, count, lamps, SHOWN, scattered, point_count) > 0);
+    assert_int_equal(vxs_area_sample(&panel, VXS_AREA_IMPORTANCE, 0, vpls, SHOWN), VXS_OK);
+    if (is_about_vpls)
+        assert_true(vxs_area_scatter_for(positions, corners, count, vpls, SHOWN, scattered, point_count) > 0);
     else
         assert_true(vxs_area_scatter(positions, corners, count, scattered, point_count) > 0);
     scene.gl->GenBuffers(1, &buffer);
@@ -201,8 +202,8 @@ static vxs_volumes_frame look_from(const room *r, const volumes_camera *c, const
     return frame;
 }
 
-/* How far what is drawn is off: the sums of what is found and of what is right; of what there would be in the open, or in the view's mean where that is more,
- * the most that a pixel is off, and RMS. */
+/* How far what is drawn is off: the sums of what is found and of what is right; of what there would be in the open, or in the
+ * view's mean where that is more, the most that a pixel is off, and RMS. */
 typedef struct errors {
     double   found[PIXELS], wanted[PIXELS], open[PIXELS];
     uint32_t count;
@@ -288,39 +289,39 @@ static volumes_camera camera_of(int view)
     return camera_at(views[view][0], views[view][1], 0.6);
 }
 
-static void set_lamps(uint32_t seed, uint32_t count)
+static void set_vpls(uint32_t seed, uint32_t count)
 {
-    vxs_vpl lamps[VXS_VPLS_MAX];
-    assert_int_equal(vxs_area_sample(&panel, VXS_AREA_IMPORTANCE, seed, lamps, count), VXS_OK);
-    assert_int_equal(vxs_area_light_set(light, lamps, count), VXS_OK);
+    vxs_vpl vpls[VXS_VPLS_MAX];
+    assert_int_equal(vxs_area_sample(&panel, VXS_AREA_IMPORTANCE, seed, vpls, count), VXS_OK);
+    assert_int_equal(vxs_area_light_set(light, vpls, count), VXS_OK);
 }
 
-static void cast_room(const room *r, int is_about_lamps, uint32_t point_count)
+static void cast_room(const room *r, int is_about_vpls, uint32_t point_count)
 {
-    GLuint buffer = scatter(r, is_about_lamps, point_count);
+    GLuint buffer = scatter(r, is_about_vpls, point_count);
     assert_int_equal(vxs_area_light_cast(light, &(vxs_area_casters){buffer, point_count, 0}), VXS_OK);
     scene.gl->DeleteBuffers(1, &buffer);
 }
 
-/* tests ---------------------------------------------------------------------------------------------------------------------------- */
+/* tests ------------------------------------------------------------------------------------------------------------------------ */
 
-/* Of bare floors points by area alone are enough; half below a plate, points about the lamps say where its edge is. */
+/* Of bare floors points by area alone are enough; half below a plate, points about the VPLs say where its edge is. */
 static void test_closed_forms(void **state)
 {
     (void)state;
     static const double   floors[] = {100, 4, 20, 6};
-    static const uint32_t lamps[]  = {64, 256};
+    static const uint32_t vpls[]   = {64, 256};
     static errors         surface, air;
     for (size_t n = 0; n < repeats(2, 4 * 2 * 2); n++) {
         room     r     = {floors[n / 2 % 4], n % 2};
-        uint32_t count = lamps[n / 8];
-        set_lamps(0, count);
+        uint32_t count = vpls[n / 8];
+        set_vpls(0, count);
         cast_room(&r, r.has_plate, SOME_POINTS);
         for (int k = 0; k < VIEWS; k++) {
             volumes_camera c        = camera_of(k);
             int            asks_air = k % (int)repeats(8, 1) == 0;
             surfaces_of(&r, &c, &(vxs_area_look){.normal_texture = normals}, &surface);
-            print_message("floor of %g m%s, %u lamps, eye %g %g %g: surfaces %.3f, a pixel %.3f at most, RMS %.3f",
+            print_message("floor of %g m%s, %u VPLs, eye %g %g %g: surfaces %.3f, a pixel %.3f at most, RMS %.3f",
                           2 * r.half_metres, r.has_plate ? ", half hidden" : "", count, c.eye[0], c.eye[1], c.eye[2], surface.mean,
                           surface.most, surface.rms);
             if (asks_air) air_of(&r, &c, &(vxs_area_look){0}, repeats(8, 4), &air);
@@ -334,14 +335,15 @@ static void test_closed_forms(void **state)
     }
 }
 
-/* A ninth of the lamps for each pixel, and a quarter of the pixels, are as bright; and so are lamps that shine to all sides at once, as maps of theirs are. */
+/* A ninth of the VPLs for each pixel, and a quarter of the pixels, are as bright; and so are VPLs that shine to all sides at once,
+ * as maps of theirs are. */
 static void test_ways_to_gather(void **state)
 {
     (void)state;
     static const char *const names[] = {"each", "ninths", "quarter"};
     static errors            surface, air;
     const room               r = {20, 0};
-    set_lamps(0, 64);
+    set_vpls(0, 64);
     cast_room(&r, 0, SOME_POINTS);
     for (int k = 0; k < VIEWS; k += (int)repeats(10, 2))
         for (int which = 0; which <= VXS_AREA_QUARTER; which++) {
@@ -363,11 +365,11 @@ static int by_size(const void *a, const void *b)
 }
 
 /* RMS over two views of a floor that is half hidden. */
-static double error_of(const room *r, uint32_t seed, uint32_t lamp_count, uint32_t point_count)
+static double error_of(const room *r, uint32_t seed, uint32_t vpl_count, uint32_t point_count)
 {
     static errors surface;
     double        square = 0;
-    set_lamps(seed, lamp_count);
+    set_vpls(seed, vpl_count);
     cast_room(r, 1, point_count);
     for (int k = 0; k < 2; k++) {
         volumes_camera c = camera_of(k);
@@ -377,7 +379,7 @@ static double error_of(const room *r, uint32_t seed, uint32_t lamp_count, uint32
     return sqrt(square);
 }
 
-/* More lamps, and more points, never make it worse: medians over seeds. */
+/* More VPLs, and more points, never make it worse: medians over seeds. */
 static void test_more_is_no_worse(void **state)
 {
     (void)state;
@@ -387,17 +389,18 @@ static void test_more_is_no_worse(void **state)
     for (int by_points = 0; by_points < 2; by_points++) {
         double before = INFINITY, found[SEEDS_MOST];
         for (uint32_t step = 0; step < repeats(3, 4); step++) {
-            uint32_t lamp_count = by_points ? 4 : 1U << 2 * step, point_count = by_points ? 1U << (12 + 2 * step) : SOME_POINTS;
-            for (uint32_t seed = 0; seed < seeds; seed++) found[seed] = error_of(&r, seed, lamp_count, point_count);
+            uint32_t vpl_count = by_points ? 4 : 1U << 2 * step, point_count = by_points ? 1U << (12 + 2 * step) : SOME_POINTS;
+            for (uint32_t seed = 0; seed < seeds; seed++) found[seed] = error_of(&r, seed, vpl_count, point_count);
             qsort(found, seeds, sizeof *found, by_size);
-            print_message("%u lamps, %u points: RMS %.4f\n", lamp_count, point_count, found[seeds / 2]);
+            print_message("%u VPLs, %u points: RMS %.4f\n", vpl_count, point_count, found[seeds / 2]);
             assert_true(found[seeds / 2] < 1.05 * before);
             before = found[seeds / 2];
         }
     }
 }
 
-/* a ball on a floor --------------------------------------------------------------------------------------------------------------- */
+/* a ball on a floor ---------------------------------------------------------------------------------------------------------------
+ * */
 
 enum { AROUND = 64, DOWN = 32, BALL_CORNERS = 4 + (AROUND + 1) * (DOWN + 1), BALL_TRIANGLES = 2 + 2 * AROUND * DOWN };
 static const double ball_at[3] = {0, 0.5, 0}, ball_radius = 0.5;
@@ -441,7 +444,8 @@ static GLuint scatter_ball(double half_metres, uint32_t point_count)
     return buffer;
 }
 
-/* What is round does not shade itself, from points that are .2 m apart, and that are in rows of triangles, as from many: surfaces against rays to each lamp. */
+/* What is round does not shade itself, from points that are .2 m apart, and that are in rows of triangles, as from many: surfaces
+ * against rays to each VPL. */
 static void test_ball(void **state)
 {
     (void)state;
@@ -452,8 +456,8 @@ static void test_ball(void **state)
     static double         wanted[2][PIXELS];
     volumes_camera        c     = camera_at((double[3]){2, 1.6, 2}, (double[3]){0, 0.3, 0}, 0.5);
     vxs_volumes_frame     frame = scene_frame(&scene, &c, &clear_air, VXS_AIR_EVERYWHERE, far_metres, NULL);
-    vxs_vpl               lamps[COUNT];
-    assert_int_equal(vxs_area_sample(&panel, VXS_AREA_IMPORTANCE, 0, lamps, COUNT), VXS_OK);
+    vxs_vpl               vpls[COUNT];
+    assert_int_equal(vxs_area_sample(&panel, VXS_AREA_IMPORTANCE, 0, vpls, COUNT), VXS_OK);
     for (uint32_t n = 0; n < PIXELS; n++) {
         double direction[3], place[3], up[3] = {0, 1, 0};
         camera_ray(&scene, &c, n % WIDE, n / WIDE, direction);
@@ -468,16 +472,16 @@ static void test_ball(void **state)
         wanted[0][n] = wanted[1][n] = 0;
         for (int k = 0; k < COUNT; k++) {
             double way[3], square;
-            for (int i = 0; i < 3; i++) way[i] = (double)lamps[k].place[i] - place[i];
+            for (int i = 0; i < 3; i++) way[i] = (double)vpls[k].place[i] - place[i];
             square      = dot(way, way);
-            double here = dot(way, up), lit = (double)lamps[k].colour[0] * here * way[1] / (square * square);
+            double here = dot(way, up), lit = (double)vpls[k].colour[0] * here * way[1] / (square * square);
             make_unit(way);
             if (here > 0 && (is_ball || to_ball(place, way) == INFINITY)) wanted[is_ball][n] += lit;
         }
     }
     scene.gl->TextureSubImage2D(scene.depths, 0, 0, 0, WIDE, HIGH, GL_RED, GL_FLOAT, depths);
     scene.gl->TextureSubImage2D(normals, 0, 0, 0, WIDE, HIGH, GL_RGBA, GL_FLOAT, normal);
-    assert_int_equal(vxs_area_light_set(light, lamps, COUNT), VXS_OK);
+    assert_int_equal(vxs_area_light_set(light, vpls, COUNT), VXS_OK);
     for (int n = 0; n < 3; n++) {
         GLuint buffer  = scatter_ball(floors[n], counts[n]);
         double sums[4] = {0};
@@ -500,7 +504,7 @@ static int set_up(void **state)
 {
     area_set_up(state);
     vxs_area_light_destroy(light);
-    assert_int_equal(vxs_area_light_create(&light, scene.volumes, &(vxs_area_light_desc){.lamps = (uint32_t)repeats(64, 256)}),
+    assert_int_equal(vxs_area_light_create(&light, scene.volumes, &(vxs_area_light_desc){.vpls = (uint32_t)repeats(64, 256)}),
                      VXS_OK);
     return 0;
 }

@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 
-#include "random_lamp.h"
+#include "random_light.h"
 
 /* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
 #include <setjmp.h>
@@ -32,7 +32,8 @@ static void test_rows(void **state)
     }
 }
 
-/* Directions to all of the disc: each in the place that a paraboloid shows it at, a texel as wide as the directions that are in it. */
+/* Directions to all of the disc: each in the place that a paraboloid shows it at, a texel as wide as the directions that are in it.
+ * */
 static void test_texels(void **state)
 {
     (void)state;

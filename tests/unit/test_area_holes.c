@@ -1,12 +1,13 @@
-/* Imperfect shadow maps of libvxs_volumes on llvmpipe, texel by texel against exact depths: light that leaks through gaps between points, and shadows where there
- * are none, of a wall on a floor, and of one with slits, from few points and many, of one lamp and many.
+/* Imperfect shadow maps of libvxs_volumes on llvmpipe, texel by texel against exact depths: light that leaks through gaps between
+ * points, and shadows where there are none, of a wall on a floor, and of one with slits, from few points and many, of one VPL and
+ * many.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-#include "random_lamp.h"
+#include "random_light.h"
 #include "repeats.h"
 
 /* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
@@ -26,7 +27,8 @@ enum { MAP_SIDE = 128, QUADS = 4, FLOOR = QUADS - 1 };
 
 static const double room_metres = 8; /* light beyond does not count */
 
-/* Three parts of a wall, 1.5 m before the lamps, with a slit between each two; and the floor it stands on. Corner, and both sides. */
+/* Three parts of a wall, 1.5 m before the VPLs, with a slit between each two; and the floor it stands on. Corner, and both sides.
+ * */
 typedef struct quads {
     float at[QUADS][3][3];
 } quads;
@@ -78,24 +80,25 @@ static GLuint points_of(const quads *q, uint32_t count)
     return buffer;
 }
 
-/* What maps of lamps let through, of all that lamps send as far as room_metres: of airlight a piece of a ray has as much wherever it is. */
+/* What maps of VPLs let through, of all that VPLs send as far as room_metres: of airlight a piece of a ray has as much wherever it
+ * is. */
 typedef struct light_parts {
     double leaked, lost; /* where it does not come, and of what comes */
     double through;      /* of what comes through the slits, how much is there */
 } light_parts;
 
-/* Each lamp's map, in the middles of texels. */
-static light_parts parts_of(const quads *q, uint32_t lamp_count, uint32_t lamp_step)
+/* Each VPL's map, in the middles of texels. */
+static light_parts parts_of(const quads *q, uint32_t vpl_count, uint32_t vpl_step)
 {
     static float map[MAP_SIDE * MAP_SIDE];
     light_parts  p   = {0};
     double       all = 0, beyond = 0;
-    for (uint32_t n = 0; n < lamp_count; n += lamp_step) {
+    for (uint32_t n = 0; n < vpl_count; n += vpl_step) {
         double from[3], across[3], normal[3], up[3];
         for (int i = 0; i < 3; i++) {
-            from[i]   = (double)light->lamps[n].place[i];
-            across[i] = (double)light->lamps[n].across[i];
-            normal[i] = (double)light->lamps[n].normal[i];
+            from[i]   = (double)light->vpls[n].place[i];
+            across[i] = (double)light->vpls[n].across[i];
+            normal[i] = (double)light->vpls[n].normal[i];
         }
         cross(normal, across, up);
         read_map(n, MAP_SIDE, map);
@@ -122,29 +125,30 @@ static light_parts parts_of(const quads *q, uint32_t lamp_count, uint32_t lamp_s
     return p;
 }
 
-static light_parts cast_wall(const quads *q, uint32_t point_count, uint32_t lamp_count)
+static light_parts cast_wall(const quads *q, uint32_t point_count, uint32_t vpl_count)
 {
     const vxs_area_rectangle screen = {{-1, 0.7F, -1.5F}, {2, 0, 0}, {0, 1.6F, 0}, {1, 1, 1}, NULL, 0, 0};
-    vxs_vpl                  lamps[VXS_VPLS_MAX];
+    vxs_vpl                  vpls[VXS_VPLS_MAX];
     GLuint                   buffer = points_of(q, point_count);
-    assert_int_equal(vxs_area_sample(&screen, VXS_AREA_HALTON, 0, lamps, lamp_count), VXS_OK);
-    assert_int_equal(vxs_area_light_set(light, lamps, lamp_count), VXS_OK);
+    assert_int_equal(vxs_area_sample(&screen, VXS_AREA_HALTON, 0, vpls, vpl_count), VXS_OK);
+    assert_int_equal(vxs_area_light_set(light, vpls, vpl_count), VXS_OK);
     assert_int_equal(vxs_area_light_cast(light, &(vxs_area_casters){buffer, point_count, 0}), VXS_OK);
-    light_parts p = parts_of(q, lamp_count, lamp_count < 4 ? 1 : lamp_count / 4);
+    light_parts p = parts_of(q, vpl_count, vpl_count < 4 ? 1 : vpl_count / 4);
     scene.gl->DeleteBuffers(1, &buffer);
     return p;
 }
 
-/* A wall that stands on a floor: points of the floor, seen between those of the wall, do not keep its gaps open, however few there are. */
+/* A wall that stands on a floor: points of the floor, seen between those of the wall, do not keep its gaps open, however few there
+ * are. */
 static void test_wall_on_floor(void **state)
 {
     (void)state;
-    static const uint32_t counts[] = {20000, 5000, 100000, 262144}, lamps[] = {1, 16, 64, 256};
+    static const uint32_t counts[] = {20000, 5000, 100000, 262144}, vpls[] = {1, 16, 64, 256};
     const quads           q = wall_with_slits(0);
     for (size_t n = 0; n < repeats(1, 4); n++)
         for (size_t k = 0; k < 4; k++) {
-            light_parts p = cast_wall(&q, counts[n], lamps[k]);
-            print_message("%u points, %u lamps: %.4f of all light leaks, %.4f is lost\n", counts[n], lamps[k], p.leaked, p.lost);
+            light_parts p = cast_wall(&q, counts[n], vpls[k]);
+            print_message("%u points, %u VPLs: %.4f of all light leaks, %.4f is lost\n", counts[n], vpls[k], p.leaked, p.lost);
             assert_true(p.leaked < 0.001 && p.lost < 0.008);
         }
 }

@@ -1,12 +1,13 @@
-/* Area lights of libvxs_volumes on llvmpipe: one lamp against a plain grid, grids apart from each other, points and filters, what shaders gather against double;
- * error by the number of lamps, surfaces and light behind walls against exact visibility; the context's state, misuse, and no number that is none.
+/* Area lights of libvxs_volumes on llvmpipe: one VPL against a plain grid, grids apart from each other, points and filters, what
+ * shaders gather against double; error by the number of VPLs, surfaces and light behind walls against exact visibility; the
+ * context's state, misuse, and no number that is none.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-#include "random_lamp.h"
+#include "random_light.h"
 #include "repeats.h"
 
 /* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
@@ -26,13 +27,13 @@ enum { GRID_WORDS = 4 * COLUMNS * ROWS };
 
 static void read_grids(uint32_t count, uint32_t *words)
 {
-    read_buffer(sizeof light->lamps, (size_t)count * GRID_WORDS * sizeof *words, words);
+    read_buffer(sizeof light->vpls, (size_t)count * GRID_WORDS * sizeof *words, words);
 }
 
-/* tests ---------------------------------------------------------------------------------------------------------------------------- */
+/* tests ------------------------------------------------------------------------------------------------------------------------ */
 
-/* One lamp with an exact map is a grid of that size: to all sides, and to one in what of the air is before it. */
-static void test_one_lamp_is_a_grid(void **state)
+/* One VPL with an exact map is a grid of that size: to all sides, and to one in what of the air is before it. */
+static void test_one_vpl_is_a_grid(void **state)
 {
     (void)state;
     static double             metres[PIXELS];
@@ -51,7 +52,7 @@ static void test_one_lamp_is_a_grid(void **state)
     for (int i = 0; i < 3; i++) of.place[i] = (float)air.place[i];
     const vxs_shadow_depth_map *maps[]    = {map};
     vxs_light_constants         constants = vxs_gl_constants(scene.shadows)[SCENE_POINT];
-    constants.range_metres                = 0; /* lamps of an area have none */
+    constants.range_metres                = 0; /* VPLs of an area have none */
     l.constants                           = &constants;
     for (int camera = 0; camera < CAMERAS; camera++) {
         volumes_camera    c     = camera_at(eyes[camera], look, 0.7);
@@ -66,14 +67,14 @@ static void test_one_lamp_is_a_grid(void **state)
             off  = fmax(off, fabs((double)found[n] - (double)wanted[n]));
         }
     }
-    print_message("one lamp and a plain grid differ by %.1e of the brightest pixel\n", off / most);
+    print_message("one VPL and a plain grid differ by %.1e of the brightest pixel\n", off / most);
     assert_true(most > 0 && off < 1e-5 * most);
     vxs_shadow_depth_map_destroy(map);
     vxs_shadow_grid_destroy(grid);
 }
 
-/* Lamps in turn have maps in which every other texel is near, and empty ones: of the empty ones no bit is set, and those of the others are what they are
- * alone. */
+/* VPLs in turn have maps in which every other texel is near, and empty ones: of the empty ones no bit is set, and those of the
+ * others are what they are alone. */
 static void test_no_bit_leaks(void **state)
 {
     (void)state;
@@ -82,16 +83,16 @@ static void test_no_bit_leaks(void **state)
     static uint32_t   board[SIDE * SIDE], none[SIDE * SIDE];
     static float      pixels[4 * PIXELS];
     static double     metres[PIXELS];
-    vxs_vpl           lamps[COUNT];
+    vxs_vpl           vpls[COUNT];
     volumes_camera    c     = camera_at(eyes[0], look, 0.7);
     vxs_volumes_frame frame = scene_frame(&scene, &c, &haze, 1e30, 30, metres);
     uint32_t          dark  = 0;
-    screen_lamps(0, lamps, COUNT);
-    assert_int_equal(vxs_area_light_set(light, lamps, COUNT), VXS_OK);
+    screen_vpls(0, vpls, COUNT);
+    assert_int_equal(vxs_area_light_set(light, vpls, COUNT), VXS_OK);
     cast(0, 0);
     for (int n = 0; n < SIDE * SIDE; n++) {
-        board[n] = map_word(&light->lamps[0], (n + n / SIDE) % 2 ? 0.5F : 1e30F);
-        none[n]  = map_word(&light->lamps[0], 1e30F);
+        board[n] = map_word(&light->vpls[0], (n + n / SIDE) % 2 ? 0.5F : 1e30F);
+        none[n]  = map_word(&light->vpls[0], 1e30F);
     }
     for (uint32_t all = 0; all < 2; all++) {
         for (uint32_t n = 0; n < COUNT; n++)
@@ -109,20 +110,20 @@ static void test_no_bit_leaks(void **state)
     assert_true(dark > 10000);
 }
 
-/* A point casts a shadow of each lamp, in its map and in no other, and beside it no hole is filled; depths are the point's, as near as 15 bits of a float have them.
- * Other points are at the first lamp, where no map has them. */
+/* A point casts a shadow of each VPL, in its map and in no other, and beside it no hole is filled; depths are the point's, as near
+ * as 15 bits of a float have them. Other points are at the first VPL, where no map has them. */
 static void test_points_stay_in_their_map(void **state)
 {
     (void)state;
     enum { COUNT = 9, MANY = 1 << 12 };
     static float          map[SIDE * SIDE];
     static vxs_area_point all[MANY];
-    vxs_vpl               lamps[COUNT];
+    vxs_vpl               vpls[COUNT];
     vxs_area_point        one = {{0.3F, 1, 0.5F}, 0.1F};
     GLuint                buffer;
-    screen_lamps(0, lamps, COUNT);
-    assert_int_equal(vxs_area_light_set(light, lamps, COUNT), VXS_OK);
-    for (uint32_t n = 0; n < MANY; n++) memcpy(all[n].place, lamps[0].place, sizeof all[n].place);
+    screen_vpls(0, vpls, COUNT);
+    assert_int_equal(vxs_area_light_set(light, vpls, COUNT), VXS_OK);
+    for (uint32_t n = 0; n < MANY; n++) memcpy(all[n].place, vpls[0].place, sizeof all[n].place);
     all[MANY - 1] = one;
     scene.gl->GenBuffers(1, &buffer);
     scene.gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, buffer);
@@ -132,7 +133,7 @@ static void test_points_stay_in_their_map(void **state)
         for (uint32_t n = 0; n < COUNT; n++) {
             uint32_t texels = 0;
             double   way[3], metres = 0;
-            for (int i = 0; i < 3; i++) way[i] = (double)one.place[i] - (double)lamps[n].place[i];
+            for (int i = 0; i < 3; i++) way[i] = (double)one.place[i] - (double)vpls[n].place[i];
             metres = sqrt(dot(way, way));
             read_map(n, SIDE, map);
             for (int k = 0; k < SIDE * SIDE; k++) {
@@ -145,13 +146,13 @@ static void test_points_stay_in_their_map(void **state)
     scene.gl->DeleteBuffers(1, &buffer);
 }
 
-/* How many texels of a lamp's map have a depth, of how many whose middles see a patch of 4 x 4 metres at y = 1; and how far their depths are from its plane, RMS of
- * parts of them. */
+/* How many texels of a VPL's map have a depth, of how many whose middles see a patch of 4 x 4 metres at y = 1; and how far their
+ * depths are from its plane, RMS of parts of them. */
 static double texels_of_patch(uint32_t number, double *off)
 {
-    static float     map[SIDE * SIDE];
-    const area_lamp *of     = &light->lamps[number];
-    double           square = 0, texels = 0, wanted = 0, across[3], normal[3], up[3];
+    static float    map[SIDE * SIDE];
+    const area_vpl *of     = &light->vpls[number];
+    double          square = 0, texels = 0, wanted = 0, across[3], normal[3], up[3];
     for (int i = 0; i < 3; i++) {
         across[i] = (double)of->across[i];
         normal[i] = (double)of->normal[i];
@@ -174,14 +175,14 @@ static double texels_of_patch(uint32_t number, double *off)
     return texels / wanted;
 }
 
-/* A map shows all of a patch, and as a plane, from many points as from few, whether there are many lamps or few. */
+/* A map shows all of a patch, and as a plane, from many points as from few, whether there are many VPLs or few. */
 static void test_points_are_thinned(void **state)
 {
     (void)state;
     static const float    patch[12]  = {-2, 1, -2, 2, 1, -2, 2, 1, 2, -2, 1, 2};
     static const uint32_t corners[6] = {0, 1, 2, 0, 2, 3}, counts[] = {1 << 10, 1 << 14, 1 << 18}, some[] = {1, 64};
     vxs_area_point       *of_patch = malloc((1 << 18) * sizeof *of_patch);
-    vxs_vpl               lamps[64];
+    vxs_vpl               vpls[64];
     GLuint                buffer;
     double                off;
     assert_non_null(of_patch);
@@ -190,18 +191,19 @@ static void test_points_are_thinned(void **state)
         scene.gl->GenBuffers(1, &buffer);
         scene.gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, buffer);
         scene.gl->BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)(counts[n % 3] * sizeof *of_patch), of_patch, GL_STATIC_DRAW);
-        screen_lamps(0, lamps, some[n / 3]);
-        assert_int_equal(vxs_area_light_set(light, lamps, some[n / 3]), VXS_OK);
+        screen_vpls(0, vpls, some[n / 3]);
+        assert_int_equal(vxs_area_light_set(light, vpls, some[n / 3]), VXS_OK);
         assert_int_equal(vxs_area_light_cast(light, &(vxs_area_casters){buffer, counts[n % 3], 0}), VXS_OK);
         double texels = texels_of_patch(some[n / 3] - 1, &off);
-        print_message("%u points, %u lamps: %.3f of the texels, off by %.4f\n", counts[n % 3], some[n / 3], texels, off);
+        print_message("%u points, %u VPLs: %.3f of the texels, off by %.4f\n", counts[n % 3], some[n / 3], texels, off);
         assert_true(fabs(texels - 1) < 0.08 && off < 1e-3);
         scene.gl->DeleteBuffers(1, &buffer);
     }
     free(of_patch);
 }
 
-/* What is the same everywhere stays so, however far away pixels are; and where all are as far away, nine with a ninth each are their mean. */
+/* What is the same everywhere stays so, however far away pixels are; and where all are as far away, nine with a ninth each are
+ * their mean. */
 static void test_filters(void **state)
 {
     (void)state;
@@ -245,11 +247,11 @@ static void test_gather(void **state)
     static uint32_t words[COUNT * GRID_WORDS];
     static double   metres[PIXELS], wanted[3 * PIXELS];
     static float    pixels[4 * PIXELS];
-    area_lamp       heads[COUNT];
-    vxs_vpl         lamps[COUNT];
+    area_vpl        heads[COUNT];
+    vxs_vpl         vpls[COUNT];
     double          most = 0;
-    screen_lamps(0, lamps, COUNT);
-    assert_int_equal(vxs_area_light_set(light, lamps, COUNT), VXS_OK);
+    screen_vpls(0, vpls, COUNT);
+    assert_int_equal(vxs_area_light_set(light, vpls, COUNT), VXS_OK);
     cast(POINTS, 0);
     for (int camera = 0; camera < CAMERAS; camera++) {
         volumes_camera    c     = camera_at(eyes[camera], look, 0.7);
@@ -260,10 +262,10 @@ static void test_gather(void **state)
         read_buffer(0, sizeof heads, heads);
         memset(wanted, 0, sizeof wanted);
         for (uint32_t n = 0; n < PIXELS * COUNT; n++) {
-            const area_lamp *h     = &heads[n % COUNT];
-            vxs_epipolar     space = {.away = (double)h->grid.away};
-            vxs_air_light    air   = {.kind = VXS_LIGHT_KIND_POINT, .radius_metres = (double)h->radius_metres};
-            double           direction[3], found[3];
+            const area_vpl *h     = &heads[n % COUNT];
+            vxs_epipolar    space = {.away = (double)h->grid.away};
+            vxs_air_light   air   = {.kind = VXS_LIGHT_KIND_POINT, .radius_metres = (double)h->radius_metres};
+            double          direction[3], found[3];
             for (int i = 0; i < 3; i++) {
                 space.axis[i]  = (double)h->grid.axis[i];
                 space.ahead[i] = (double)h->grid.ahead[i];
@@ -319,33 +321,33 @@ static void test_exact_shadows(void **state)
     assert_true(dark[0] > 2000 && dark[1] > 2000);
 }
 
-/* The more lamps, the less error, to many of them with exact visibility. */
+/* The more VPLs, the less error, to many of them with exact visibility. */
 static void test_error_falls(void **state)
 {
     (void)state;
     enum { MANY = 4, STEP = 2 };
     static double metres[PIXELS], wanted[3 * PIXELS];
     static float  pixels[4 * PIXELS];
-    vxs_vpl       lamps[VXS_VPLS_MAX];
+    vxs_vpl       vpls[VXS_VPLS_MAX];
     for (uint32_t camera = 0; camera < repeats(2, CAMERAS); camera++) {
         volumes_camera    c     = camera_at(eyes[camera], look, 0.7);
         vxs_volumes_frame frame = scene_frame(&scene, &c, &haze, 1e30, 30, metres);
         memset(wanted, 0, sizeof wanted);
         for (uint32_t seed = 1; seed <= MANY; seed++) {
-            screen_lamps(seed, lamps, VXS_VPLS_MAX);
+            screen_vpls(seed, vpls, VXS_VPLS_MAX);
             for (uint32_t n = 0; n < PIXELS; n++) {
                 double direction[3];
                 if (n % WIDE % STEP || n / WIDE % STEP) continue;
                 camera_ray(&scene, &c, n % WIDE, n / WIDE, direction);
-                area_airlight(&scene, lamps, VXS_VPLS_MAX, &haze, c.eye, direction, metres[n], wanted + 3 * (size_t)n);
+                area_airlight(&scene, vpls, VXS_VPLS_MAX, &haze, c.eye, direction, metres[n], wanted + 3 * (size_t)n);
             }
         }
         for (int n = 0; n < 3 * PIXELS; n++) wanted[n] /= MANY;
         double x = 0, y = 0, xx = 0, xy = 0, first = 0, last = 0;
         int    asked = 0;
         for (uint32_t count = 1; count <= 64; count *= 4, asked++) {
-            screen_lamps(0, lamps, count);
-            assert_int_equal(vxs_area_light_set(light, lamps, count), VXS_OK);
+            screen_vpls(0, vpls, count);
+            assert_int_equal(vxs_area_light_set(light, vpls, count), VXS_OK);
             cast(POINTS, 0);
             draw(&frame, &(vxs_area_look){0}, pixels);
             double error = relative_rms(pixels, wanted, STEP);
@@ -358,13 +360,13 @@ static void test_error_falls(void **state)
             last  = error;
         }
         double slope = (asked * xy - x * y) / (asked * xx - x * x);
-        print_message(" lamps: slope %.2f\n", slope);
+        print_message(" VPLs: slope %.2f\n", slope);
         assert_true(slope < -0.4 && slope > -1);
         assert_true(last < 0.1 && last < first / 6);
     }
 }
 
-/* Light on surfaces against exact visibility of the same lamps; and the ways to gather less, against gathering all. */
+/* Light on surfaces against exact visibility of the same VPLs; and the ways to gather less, against gathering all. */
 static void test_surfaces_and_less(void **state)
 {
     (void)state;
@@ -372,9 +374,9 @@ static void test_surfaces_and_less(void **state)
     static double metres[PIXELS], wanted[3 * PIXELS], every[3 * PIXELS];
     static float  normal[4 * PIXELS], pixels[4 * PIXELS];
     const double  low[3] = {0, 1, 0};
-    vxs_vpl       lamps[COUNT];
-    screen_lamps(0, lamps, COUNT);
-    assert_int_equal(vxs_area_light_set(light, lamps, COUNT), VXS_OK);
+    vxs_vpl       vpls[COUNT];
+    screen_vpls(0, vpls, COUNT);
+    assert_int_equal(vxs_area_light_set(light, vpls, COUNT), VXS_OK);
     cast(POINTS, 0);
     for (int camera = 0; camera < CAMERAS; camera++) {
         volumes_camera    c     = camera_at(eyes[camera], low, 0.25);
@@ -386,7 +388,7 @@ static void test_surfaces_and_less(void **state)
             camera_ray(&scene, &c, n % WIDE, n / WIDE, direction);
             for (int i = 0; i < 3; i++) place[i] = c.eye[i] + metres[n] * direction[i];
             area_normal(&scene, place, normal + 4 * (size_t)n);
-            wanted[3 * n]     = area_irradiance(&scene, lamps, COUNT, haze.extinction[0], place, normal + 4 * (size_t)n);
+            wanted[3 * n]     = area_irradiance(&scene, vpls, COUNT, haze.extinction[0], place, normal + 4 * (size_t)n);
             wanted[3 * n + 1] = wanted[3 * n + 2] = 0;
             seen += wanted[3 * n] > 0;
         }
@@ -399,7 +401,7 @@ static void test_surfaces_and_less(void **state)
             for (int n = 0; n < PIXELS; n++) pixels[4 * n + 1] = pixels[4 * n + 2] = 0;
             if (!which) errors[0] = relative_rms(pixels, wanted, 1);
         }
-        print_message("surfaces: RMS %.3f of %u; air: a ninth of the lamps %.3f, a quarter of the pixels %.3f\n", errors[0], seen,
+        print_message("surfaces: RMS %.3f of %u; air: a ninth of the VPLs %.3f, a quarter of the pixels %.3f\n", errors[0], seen,
                       errors[1], errors[2]);
         assert_true(seen > 100 && errors[0] < 0.05 && errors[1] < 0.2 && errors[2] < 0.15);
         assert_true(errors[1] > 0 && errors[2] > 0);
@@ -410,7 +412,7 @@ static void test_surfaces_and_less(void **state)
 static volumes_scene large_view(uint32_t width_px, uint32_t height_px, vxs_area_light **its_light, GLuint *its_normals)
 {
     volumes_scene             s     = scene;
-    const vxs_area_light_desc small = {.lamps = 16, .side_px = SIDE, .columns = COLUMNS, .rows = ROWS};
+    const vxs_area_light_desc small = {.vpls = 16, .side_px = SIDE, .columns = COLUMNS, .rows = ROWS};
     vxs_volumes_desc          desc  = {
                   .get_proc_address = gl_choice_proc, .shadows = s.shadows, .width_px = width_px, .height_px = height_px};
     s.width_px  = width_px;
@@ -424,7 +426,7 @@ static volumes_scene large_view(uint32_t width_px, uint32_t height_px, vxs_area_
     return s;
 }
 
-/* Light at places behind a wall, which hides all lamps from them, of what they would have without it. */
+/* Light at places behind a wall, which hides all VPLs from them, of what they would have without it. */
 static void test_leaks(void **state)
 {
     (void)state;
@@ -436,14 +438,14 @@ static void test_leaks(void **state)
     static vxs_area_point    of_wall[POINTS_OF_WALL];
     static float             depths[PLACES], normal[4 * PLACES], found[2][4 * PLACES];
     vxs_area_light          *its;
-    vxs_vpl                  lamps[COUNT];
+    vxs_vpl                  vpls[COUNT];
     rng                      r = {3};
     GLuint                   buffer, to_normals;
     double                   leaked = 0;
     uint32_t                 asked = 0, leaks = 0;
     volumes_scene            s = large_view(PLACES_WIDE, PLACES_HIGH, &its, &to_normals);
-    assert_int_equal(vxs_area_sample(&screen, VXS_AREA_HALTON, 0, lamps, COUNT), VXS_OK);
-    assert_int_equal(vxs_area_light_set(its, lamps, COUNT), VXS_OK);
+    assert_int_equal(vxs_area_sample(&screen, VXS_AREA_HALTON, 0, vpls, COUNT), VXS_OK);
+    assert_int_equal(vxs_area_light_set(its, vpls, COUNT), VXS_OK);
     assert_true(vxs_area_scatter(wall, corners, 2, of_wall, POINTS_OF_WALL) > 63);
     s.gl->GenBuffers(1, &buffer);
     s.gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, buffer);
@@ -454,7 +456,7 @@ static void test_leaks(void **state)
         for (uint32_t n = 0; n < PLACES; n++) {
             double direction[3], at[3], metres;
             camera_ray(&s, &c, n % PLACES_WIDE, n / PLACES_WIDE, direction);
-            do { /* behind the wall, and in the shadow of each lamp */
+            do { /* behind the wall, and in the shadow of each VPL */
                 metres = uniform(&r, 1, 16);
                 for (int i = 0; i < 3; i++) at[i] = eye[i] + metres * direction[i];
             } while (at[2] < 3 || at[2] > 13 || fabs(at[0]) > 2 * at[2] - 1 || fabs(at[1]) > 2 * at[2] - 1);
@@ -484,7 +486,7 @@ static void test_leaks(void **state)
     vxs_volumes_destroy(s.volumes);
 }
 
-/* Cameras, lamps, points and media at random: nothing that is drawn is no number, or negative. */
+/* Cameras, VPLs, points and media at random: nothing that is drawn is no number, or negative. */
 static void test_any_numbers(void **state)
 {
     (void)state;
@@ -495,7 +497,7 @@ static void test_any_numbers(void **state)
     for (uint32_t n = 0; n < repeats(40, 1000); n++) {
         double     eye[3], to[3], tangent = exp(uniform(&r, -7, 1.5));
         vxs_medium medium = {.anisotropy = uniform(&r, -0.99, 0.99)};
-        vxs_vpl    lamps[COUNT];
+        vxs_vpl    vpls[COUNT];
         for (int i = 0; i < 3; i++) {
             medium.extinction[i] = exp(uniform(&r, log(1e-8), log(1e4)));
             medium.scattering[i] = medium.extinction[i] * uniform(&r, 0, 1);
@@ -505,25 +507,25 @@ static void test_any_numbers(void **state)
         for (int k = 0; k < COUNT; k++) {
             double normal[3];
             random_direction(&r, normal);
-            lamps[k] = (vxs_vpl){.radius_metres = (float)exp(uniform(&r, log(1e-4), 0)), .colour = {40, 0, 1}};
+            vpls[k] = (vxs_vpl){.radius_metres = (float)exp(uniform(&r, log(1e-4), 0)), .colour = {40, 0, 1}};
             for (int i = 0; i < 3; i++) {
-                lamps[k].place[i]  = (float)uniform(&r, -5, 5);
-                lamps[k].normal[i] = (float)normal[i];
-                if (!rng_below(&r, 3)) lamps[k].normal[i] = (float)(i == (int)n % 3);
+                vpls[k].place[i]  = (float)uniform(&r, -5, 5);
+                vpls[k].normal[i] = (float)normal[i];
+                if (!rng_below(&r, 3)) vpls[k].normal[i] = (float)(i == (int)n % 3);
             }
-            float square = lamps[k].normal[0] * lamps[k].normal[0] + lamps[k].normal[1] * lamps[k].normal[1] +
-                           lamps[k].normal[2] * lamps[k].normal[2];
-            if (!(fabsf(square - 1) < 1e-4F)) memcpy(lamps[k].normal, (float[3]){0, -1, 0}, sizeof lamps[k].normal);
+            float square = vpls[k].normal[0] * vpls[k].normal[0] + vpls[k].normal[1] * vpls[k].normal[1] +
+                           vpls[k].normal[2] * vpls[k].normal[2];
+            if (!(fabsf(square - 1) < 1e-4F)) memcpy(vpls[k].normal, (float[3]){0, -1, 0}, sizeof vpls[k].normal);
         }
         for (int i = 0; i < 3; i++) {
-            if (n % 5 == 0) to[i] = (double)lamps[0].place[i];                              /* toward a lamp */
-            if (n % 5 == 1) to[i] = 2 * eye[i] - (double)lamps[0].place[i];                 /* or away from it */
-            if (n % 7 == 2) eye[i] = (double)lamps[1].place[i] + 1e-3 * uniform(&r, -1, 1); /* or in one */
+            if (n % 5 == 0) to[i] = (double)vpls[0].place[i];                              /* toward a VPL */
+            if (n % 5 == 1) to[i] = 2 * eye[i] - (double)vpls[0].place[i];                 /* or away from it */
+            if (n % 7 == 2) eye[i] = (double)vpls[1].place[i] + 1e-3 * uniform(&r, -1, 1); /* or in one */
         }
         volumes_camera    c = camera_at(eye, to, tangent);
         vxs_volumes_frame frame =
             scene_frame(&scene, &c, &medium, rng_below(&r, 3) ? 1e30 : uniform(&r, -1, 5), exp(uniform(&r, -5, 12)), metres);
-        assert_int_equal(vxs_area_light_set(light, lamps, COUNT), VXS_OK);
+        assert_int_equal(vxs_area_light_set(light, vpls, COUNT), VXS_OK);
         cast(rng_below(&r, 3) ? 2000 : 0, rng_below(&r, 2));
         draw(&frame,
              &(vxs_area_look){.gather         = (vxs_area_gather)rng_below(&r, 3),
@@ -549,11 +551,11 @@ static void test_state(void **state)
     static double          metres[PIXELS];
     static float           pixels[4 * PIXELS];
     GLint                  before[8], after[8];
-    vxs_vpl                lamps[4];
+    vxs_vpl                vpls[4];
     volumes_camera         c     = camera_at(eyes[0], look, 0.7);
     vxs_volumes_frame      frame = scene_frame(&scene, &c, &haze, 1e30, 30, metres);
-    screen_lamps(0, lamps, 4);
-    assert_int_equal(vxs_area_light_set(light, lamps, 4), VXS_OK);
+    screen_vpls(0, vpls, 4);
+    assert_int_equal(vxs_area_light_set(light, vpls, 4), VXS_OK);
     light->volumes->api.ActiveTexture(GL_TEXTURE0 + 10); /* where normals are bound */
     scene.gl->BindTextureUnit(10, scene.depths);
     for (GLuint n = 6; n < 8; n++) scene.gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, n, points);
@@ -586,13 +588,13 @@ static void test_misuse(void **state)
 {
     (void)state;
     static double                    metres[PIXELS];
-    static const vxs_area_light_desc bad[] = {{.lamps = 257},   {.side_px = 48},  {.side_px = 16},
+    static const vxs_area_light_desc bad[] = {{.vpls = 257},    {.side_px = 48},  {.side_px = 16},
                                               {.side_px = 512}, {.columns = 257}, {.rows = 257}};
     const vxs_area_light_desc        large = {.side_px = 256, .columns = 256, .rows = 256},
-                              small        = {.lamps = 1, .side_px = 32, .columns = 1, .rows = 1};
+                              small        = {.vpls = 1, .side_px = 32, .columns = 1, .rows = 1};
     vxs_area_light   *other;
     int               storage_bytes;
-    vxs_vpl           lamps[2], wrong;
+    vxs_vpl           vpls[2], wrong;
     volumes_camera    c     = camera_at(eyes[0], look, 0.7);
     vxs_volumes_frame frame = scene_frame(&scene, &c, &haze, 1e30, 30, metres);
     for (size_t n = 0; n < sizeof bad / sizeof *bad; n++) {
@@ -606,14 +608,14 @@ static void test_misuse(void **state)
     }
     vxs_area_light_destroy(NULL);
     assert_int_equal(vxs_area_light_create(&other, scene.volumes, &small), VXS_OK);
-    screen_lamps(0, lamps, 2);
+    screen_vpls(0, vpls, 2);
     assert_int_equal(vxs_volumes_begin(scene.volumes, &frame), VXS_OK);
-    assert_int_equal(vxs_volumes_area(scene.volumes, other, &(vxs_area_look){0}), VXS_E_ARGUMENT); /* no lamps */
+    assert_int_equal(vxs_volumes_area(scene.volumes, other, &(vxs_area_look){0}), VXS_E_ARGUMENT); /* no VPLs */
     assert_int_equal(vxs_area_light_cast(other, &(vxs_area_casters){0}), VXS_E_ARGUMENT);
-    assert_int_equal(vxs_area_light_set(other, lamps, 2), VXS_E_ARGUMENT);
-    assert_int_equal(vxs_area_light_set(other, lamps, 0), VXS_E_ARGUMENT);
+    assert_int_equal(vxs_area_light_set(other, vpls, 2), VXS_E_ARGUMENT);
+    assert_int_equal(vxs_area_light_set(other, vpls, 0), VXS_E_ARGUMENT);
     for (int n = 0; n < 5; n++) {
-        wrong = lamps[0];
+        wrong = vpls[0];
         if (n == 0) wrong.place[1] = NAN;
         if (n == 1) wrong.normal[0] = 1;
         if (n == 2) wrong.colour[2] = -1;
@@ -621,7 +623,7 @@ static void test_misuse(void **state)
         if (n == 4) wrong.radius_metres = INFINITY;
         assert_int_equal(vxs_area_light_set(other, &wrong, 1), VXS_E_ARGUMENT);
     }
-    assert_int_equal(vxs_area_light_set(other, lamps, 1), VXS_OK);
+    assert_int_equal(vxs_area_light_set(other, vpls, 1), VXS_OK);
     assert_int_equal(vxs_volumes_area(scene.volumes, other, &(vxs_area_look){0}), VXS_E_ARGUMENT); /* no shadow maps */
     assert_int_equal(vxs_area_light_cast(other, &(vxs_area_casters){.count = 1}), VXS_E_ARGUMENT);
     assert_int_equal(vxs_area_light_cast(other, &(vxs_area_casters){0}), VXS_OK);
@@ -633,8 +635,8 @@ static void test_misuse(void **state)
     const vxs_area_look whole = {.runs = 4};
     HOLD_SIZES(vxs_area_light_desc, smoke_nodes, small, make_light(given));
     HOLD_SIZES(vxs_area_look, maps, whole, vxs_volumes_area(scene.volumes, other, given));
-    memset(lamps[0].normal, 0, sizeof lamps[0].normal);
-    assert_int_equal(vxs_area_light_set(other, lamps, 1), VXS_OK);
+    memset(vpls[0].normal, 0, sizeof vpls[0].normal);
+    assert_int_equal(vxs_area_light_set(other, vpls, 1), VXS_OK);
     assert_int_equal(vxs_area_light_cast(other, &(vxs_area_casters){0}), VXS_E_ARGUMENT); /* it has no half of all directions */
     vxs_area_light_destroy(other);
 }
@@ -642,7 +644,7 @@ static void test_misuse(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_one_lamp_is_a_grid),
+        cmocka_unit_test(test_one_vpl_is_a_grid),
         cmocka_unit_test(test_no_bit_leaks),
         cmocka_unit_test(test_points_stay_in_their_map),
         cmocka_unit_test(test_points_are_thinned),

@@ -1,12 +1,12 @@
-/* Area lights that are far away: lamps of a sky by luminance and direction, against sums over all of it; their airlight and their light on surfaces against exact
- * visibility.
+/* Area lights that are far away: VPLs of a sky by luminance and direction, against sums over all of it; their airlight and their
+ * light on surfaces against exact visibility.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-#include "random_lamp.h"
+#include "random_light.h"
 #include "repeats.h"
 
 /* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
@@ -66,13 +66,13 @@ static double exactly(const vxs_area_sky *sky, const double normal[3], double *a
     return sum;
 }
 
-static double by_lamps(const vxs_vpl *lamps, uint32_t count, const double normal[3])
+static double by_vpls(const vxs_vpl *vpls, uint32_t count, const double normal[3])
 {
     double sum = 0;
     for (uint32_t n = 0; n < count; n++) {
         double here = 0;
-        for (int i = 0; i < 3; i++) here -= (double)lamps[n].normal[i] * normal[i];
-        sum += luminance(lamps[n].colour) * fmax(here, 0);
+        for (int i = 0; i < 3; i++) here -= (double)vpls[n].normal[i] * normal[i];
+        sum += luminance(vpls[n].colour) * fmax(here, 0);
     }
     return sum;
 }
@@ -83,23 +83,23 @@ static void test_energy(void **state)
     (void)state;
     const double up[3] = {0, 1, 0};
     vxs_area_sky sky   = make_sky();
-    vxs_vpl      lamps[VXS_VPLS_MAX];
+    vxs_vpl      vpls[VXS_VPLS_MAX];
     double       all, sum;
     exactly(&sky, up, &all);
     for (uint32_t count = 1; count <= VXS_VPLS_MAX; count = 3 * count + 1) {
-        assert_int_equal(vxs_area_sample_sky(&sky, VXS_AREA_IMPORTANCE, count, lamps, count), VXS_OK);
+        assert_int_equal(vxs_area_sample_sky(&sky, VXS_AREA_IMPORTANCE, count, vpls, count), VXS_OK);
         sum = 0;
         for (uint32_t n = 0; n < count; n++) {
-            double way[3] = {(double)lamps[n].normal[0], (double)lamps[n].normal[1], (double)lamps[n].normal[2]};
-            sum += luminance(lamps[n].colour);
-            assert_true(fabs(dot(way, way) - 1) < 1e-5 && way[1] <= 0 && lamps[n].is_far == 1);
-            assert_true(fabs(luminance(lamps[n].colour) / all * count - 1) < 1e-5);
+            double way[3] = {(double)vpls[n].normal[0], (double)vpls[n].normal[1], (double)vpls[n].normal[2]};
+            sum += luminance(vpls[n].colour);
+            assert_true(fabs(dot(way, way) - 1) < 1e-5 && way[1] <= 0 && vpls[n].is_far == 1);
+            assert_true(fabs(luminance(vpls[n].colour) / all * count - 1) < 1e-5);
         }
         assert_true(fabs(sum / all - 1) < 1e-6);
     }
 }
 
-/* Relative RMS of irradiance of a tilted plane over seeds, right in the mean; its slope by the number of lamps. */
+/* Relative RMS of irradiance of a tilted plane over seeds, right in the mean; its slope by the number of VPLs. */
 static void test_convergence(void **state)
 {
     (void)state;
@@ -107,7 +107,7 @@ static void test_convergence(void **state)
     static const char *const names[]   = {"Halton", "importance", "regular", "jittered"};
     const double             normal[3] = {0.6, 0.8, 0};
     vxs_area_sky             sky       = make_sky();
-    vxs_vpl                  lamps[VXS_VPLS_MAX];
+    vxs_vpl                  vpls[VXS_VPLS_MAX];
     double                   all, is = exactly(&sky, normal, &all), last[4], slope[4];
     for (int places = 0; places <= VXS_AREA_JITTERED; places++) {
         double first = 0, mean = 0;
@@ -115,8 +115,8 @@ static void test_convergence(void **state)
             double square = 0;
             mean          = 0;
             for (uint32_t seed = 1; seed <= SEEDS; seed++) {
-                assert_int_equal(vxs_area_sample_sky(&sky, (vxs_area_places)places, seed, lamps, count), VXS_OK);
-                double off = by_lamps(lamps, count, normal) / is - 1;
+                assert_int_equal(vxs_area_sample_sky(&sky, (vxs_area_places)places, seed, vpls, count), VXS_OK);
+                double off = by_vpls(vpls, count, normal) / is - 1;
                 square += off * off / SEEDS;
                 mean += off / SEEDS;
             }
@@ -124,7 +124,7 @@ static void test_convergence(void **state)
             if (count == 4) first = last[places];
         }
         slope[places] = log(last[places] / first) / log(64);
-        print_message("%s: error of 256 lamps %.4f, slope %.2f\n", names[places], last[places], slope[places]);
+        print_message("%s: error of 256 VPLs %.4f, slope %.2f\n", names[places], last[places], slope[places]);
         if (places != VXS_AREA_REGULAR) assert_true(fabs(mean) < 4 * last[places] / sqrt(SEEDS) + 1e-3);
     }
     assert_true(last[VXS_AREA_IMPORTANCE] < 0.02 && slope[VXS_AREA_IMPORTANCE] < -0.6);
@@ -141,7 +141,7 @@ static void test_a_sun(void **state)
     vxs_vpl of = {.colour = {l.colour[0], l.colour[1], l.colour[2]}, .place = {0, 2, 0}, .radius_metres = 13, .is_far = 1};
     for (int i = 0; i < 3; i++) of.normal[i] = (float)-sun.place[i];
     vxs_area_light *coarse = light;
-    assert_int_equal(vxs_area_light_create(&light, scene.volumes, &(vxs_area_light_desc){.lamps = 1, .side_px = 256}), VXS_OK);
+    assert_int_equal(vxs_area_light_create(&light, scene.volumes, &(vxs_area_light_desc){.vpls = 1, .side_px = 256}), VXS_OK);
     assert_int_equal(vxs_area_light_set(light, &of, 1), VXS_OK);
     cast(POINTS, 0);
     for (int camera = 0; camera < CAMERAS; camera++) {
@@ -181,7 +181,8 @@ static void test_a_sun(void **state)
     light = coarse;
 }
 
-/* a floor in a corner ------------------------------------------------------------------------------------------------------------- */
+/* a floor in a corner -------------------------------------------------------------------------------------------------------------
+ * */
 
 enum { CORNER_POINTS = 1 << 18, CORNER_SEEDS_MOST = 9 };
 
@@ -209,7 +210,8 @@ static double in_corner(double x, double z)
     return M_PI * sum / (STEPS * STEPS);
 }
 
-/* What a view from above sees of the floor: depths and normals go up.   right  [out] [PIXELS] what each pixel gets; 0: it does not count */
+/* What a view from above sees of the floor: depths and normals go up.   right  [out] [PIXELS] what each pixel gets; 0: it does not
+ * count */
 static vxs_volumes_frame look_down(double *right)
 {
     static const vxs_medium clear  = {.anisotropy = 0};
@@ -231,14 +233,14 @@ static vxs_volumes_frame look_down(double *right)
 }
 
 /* Under an even sky, RMS of parts of what the floor gets.   bright  [out] how bright it is, of how bright it is to be */
-static double error_in_corner(const vxs_volumes_frame *frame, const double *right, uint32_t seed, uint32_t lamp_count,
+static double error_in_corner(const vxs_volumes_frame *frame, const double *right, uint32_t seed, uint32_t vpl_count,
                               uint32_t point_count, double *bright)
 {
     static float       pixels[4 * PIXELS];
     float              white[3 * 16] = {0};
     const vxs_area_sky sky           = {white, 4, 4, {1, 1, 1}, {10, 20, 10}, 25};
     vxs_area_point    *of_corner     = malloc(point_count * sizeof *of_corner);
-    vxs_vpl            lamps[VXS_VPLS_MAX];
+    vxs_vpl            vpls[VXS_VPLS_MAX];
     GLuint             buffer;
     double             off = 0, size = 0, found = 0, there = 0;
     for (int n = 0; n < 48; n++) white[n] = n < 24; /* there is none from below */
@@ -248,8 +250,8 @@ static double error_in_corner(const vxs_volumes_frame *frame, const double *righ
     scene.gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, buffer);
     scene.gl->BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)(point_count * sizeof *of_corner), of_corner, GL_STATIC_DRAW);
     free(of_corner);
-    assert_int_equal(vxs_area_sample_sky(&sky, VXS_AREA_IMPORTANCE, seed, lamps, lamp_count), VXS_OK);
-    assert_int_equal(vxs_area_light_set(light, lamps, lamp_count), VXS_OK);
+    assert_int_equal(vxs_area_sample_sky(&sky, VXS_AREA_IMPORTANCE, seed, vpls, vpl_count), VXS_OK);
+    assert_int_equal(vxs_area_light_set(light, vpls, vpl_count), VXS_OK);
     assert_int_equal(vxs_area_light_cast(light, &(vxs_area_casters){buffer, point_count, 0}), VXS_OK);
     draw(frame, &(vxs_area_look){.normal_texture = normals}, pixels);
     scene.gl->GetTextureImage(vxs_area_light_irradiance(light), 0, GL_RGBA, GL_FLOAT, sizeof pixels, pixels);
@@ -271,11 +273,12 @@ static int by_size(const void *a, const void *b)
     return (p > q) - (p < q);
 }
 
-/* In a corner a floor has half of an even sky. More lamps, and more points, never make it worse: medians over seeds; so at the 65th lamp of 2^18 points. */
+/* In a corner a floor has half of an even sky. More VPLs, and more points, never make it worse: medians over seeds; so at the 65th
+ * VPL of 2^18 points. */
 static void test_in_a_corner(void **state)
 {
     (void)state;
-    static const uint32_t lamps[]  = {16, 64, 65, 256, 4, 4, 4},
+    static const uint32_t vpls[]   = {16, 64, 65, 256, 4, 4, 4},
                           counts[] = {1 << 18, 1 << 18, 1 << 18, 1 << 18, 1 << 12, 1 << 15, 1 << 18};
     static double     right[PIXELS];
     uint32_t          seeds  = repeats(3, CORNER_SEEDS_MOST);
@@ -284,23 +287,23 @@ static void test_in_a_corner(void **state)
     double            before = INFINITY, found[CORNER_SEEDS_MOST], bright[CORNER_SEEDS_MOST];
     assert_int_equal(vxs_area_light_create(&light, scene.volumes, &(vxs_area_light_desc){.columns = 1, .rows = 1}), VXS_OK);
     for (int n = 0; n < 7; n++) {
-        if (lamps[n] == 256 && seeds < CORNER_SEEDS_MOST) continue;
+        if (vpls[n] == 256 && seeds < CORNER_SEEDS_MOST) continue;
         for (uint32_t seed = 0; seed < seeds; seed++)
-            found[seed] = error_in_corner(&frame, right, seed, lamps[n], counts[n], &bright[seed]);
+            found[seed] = error_in_corner(&frame, right, seed, vpls[n], counts[n], &bright[seed]);
         qsort(found, seeds, sizeof *found, by_size);
         qsort(bright, seeds, sizeof *bright, by_size);
-        print_message("in a corner: %u lamps, %u points: RMS %.3f, %.3f of the light\n", lamps[n], counts[n], found[seeds / 2],
+        print_message("in a corner: %u VPLs, %u points: RMS %.3f, %.3f of the light\n", vpls[n], counts[n], found[seeds / 2],
                       bright[seeds / 2]);
-        if (lamps[n] == 4 && counts[n] == 1 << 12) before = INFINITY;
-        assert_true(found[seeds / 2] < (lamps[n] == 65 ? 1.4 : 1.1) * before); /* 64 of Hammersley's points are more even than 65 */
-        assert_true(lamps[n] < 64 || fabs(bright[seeds / 2] - 1) < 0.05);
+        if (vpls[n] == 4 && counts[n] == 1 << 12) before = INFINITY;
+        assert_true(found[seeds / 2] < (vpls[n] == 65 ? 1.4 : 1.1) * before); /* 64 of Hammersley's points are more even than 65 */
+        assert_true(vpls[n] < 64 || fabs(bright[seeds / 2] - 1) < 0.05);
         before = found[seeds / 2];
     }
     vxs_area_light_destroy(light);
     light = coarse;
 }
 
-/* A sky together with a screen, of any number of lamps: nothing is no number; what is refused. */
+/* A sky together with a screen, of any number of VPLs: nothing is no number; what is refused. */
 static void test_any_sky(void **state)
 {
     (void)state;
@@ -308,21 +311,21 @@ static void test_any_sky(void **state)
     static float pixels[2][4 * PIXELS];
     rng          r   = {4};
     vxs_area_sky sky = make_sky();
-    vxs_vpl      lamps[COUNT + 2];
+    vxs_vpl      vpls[COUNT + 2];
     for (uint32_t n = 0; n < repeats(8, 400); n++) {
         double eye[3]     = {uniform(&r, -9, 9), uniform(&r, -2, 9), uniform(&r, -9, 9)},
                to[3]      = {uniform(&r, -5, 5), 2, uniform(&r, -5, 5)};
         vxs_medium medium = haze;
         for (int i = 0; i < 3; i++) medium.extinction[i] = medium.scattering[i] = pow(10, uniform(&r, -8, 4));
         sky.radius_metres = (float)pow(10, uniform(&r, -3, 6));
-        assert_int_equal(vxs_area_sample_sky(&sky, (vxs_area_places)(n % 4), n, lamps, COUNT), VXS_OK);
-        screen_lamps(n, lamps + COUNT, 2);
+        assert_int_equal(vxs_area_sample_sky(&sky, (vxs_area_places)(n % 4), n, vpls, COUNT), VXS_OK);
+        screen_vpls(n, vpls + COUNT, 2);
         if (n % 3 == 0) /* the eye looks along the light, or against it */
-            for (int i = 0; i < 3; i++) to[i] = eye[i] + (n % 2 ? 1 : -1) * (double)lamps[0].normal[i];
+            for (int i = 0; i < 3; i++) to[i] = eye[i] + (n % 2 ? 1 : -1) * (double)vpls[0].normal[i];
         volumes_camera    c = camera_at(eye, to, 0.7);
         vxs_volumes_frame frame =
             scene_frame(&scene, &c, &medium, n % 4 ? 1e30 : uniform(&r, -1, 5), pow(10, uniform(&r, -2, 5)), metres);
-        assert_int_equal(vxs_area_light_set(light, lamps, COUNT + 2), VXS_OK);
+        assert_int_equal(vxs_area_light_set(light, vpls, COUNT + 2), VXS_OK);
         cast(3000, n % 2);
         draw(&frame, &(vxs_area_look){.normal_texture = normals}, pixels[0]);
         scene.gl->GetTextureImage(vxs_area_light_irradiance(light), 0, GL_RGBA, GL_FLOAT, sizeof *pixels, pixels[1]);
@@ -332,13 +335,13 @@ static void test_any_sky(void **state)
         }
     }
     sky.radius_metres = 0;
-    assert_int_equal(vxs_area_sample_sky(&sky, VXS_AREA_HALTON, 0, lamps, 1), VXS_E_ARGUMENT);
+    assert_int_equal(vxs_area_sample_sky(&sky, VXS_AREA_HALTON, 0, vpls, 1), VXS_E_ARGUMENT);
     sky.radius_metres = 1;
     sky.texture       = NULL;
-    assert_int_equal(vxs_area_sample_sky(&sky, VXS_AREA_HALTON, 0, lamps, 1), VXS_E_ARGUMENT);
-    memset(lamps[0].normal, 0, sizeof lamps->normal);
-    lamps[0].is_far = 1;
-    assert_int_equal(vxs_area_light_set(light, lamps, 1), VXS_E_ARGUMENT);
+    assert_int_equal(vxs_area_sample_sky(&sky, VXS_AREA_HALTON, 0, vpls, 1), VXS_E_ARGUMENT);
+    memset(vpls[0].normal, 0, sizeof vpls->normal);
+    vpls[0].is_far = 1;
+    assert_int_equal(vxs_area_light_set(light, vpls, 1), VXS_E_ARGUMENT);
 }
 
 int main(void)

@@ -1,4 +1,5 @@
-/* How airlight of a picture comes nearer as it has more lamps, each way to place them: nothing is in the light, so what is off is where lamps are.
+/* How airlight of a picture comes nearer as it has more VPLs, each way to place them: nothing is in the light, so what is off is
+ * where VPLs are.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 #include <stdlib.h>
@@ -12,7 +13,7 @@
 
 #include <cmocka.h>
 
-#include "random_lamp.h"
+#include "random_light.h"
 #include "repeats.h"
 #include "runtime/volumes/vxs_area_grid.h"
 #include "runtime/volumes/vxs_area_light.h"
@@ -38,8 +39,8 @@ static void end_of(int ray, double to[3])
     to[2] = fabs(to[0]) < 0.8 && fabs(to[1]) < 0.45 ? 0.01 : -0.3;
 }
 
-/* Airlight of lamps along rays, one channel, added. */
-static void add_airlight(const vxs_vpl *lamps, uint32_t count, double *sums)
+/* Airlight of VPLs along rays, one channel, added. */
+static void add_airlight(const vxs_vpl *vpls, uint32_t count, double *sums)
 {
     static const vxs_medium medium = {{0.1, 0.1, 0.1}, {0.1, 0.1, 0.1}, 0};
     static const double     eye[3] = {3, 0.6, 4};
@@ -51,14 +52,14 @@ static void add_airlight(const vxs_vpl *lamps, uint32_t count, double *sums)
         for (int i = 0; i < 3; i++) direction[i] /= metres;
         for (uint32_t n = 0; n < count; n++) {
             double        lit[3];
-            vxs_air_light light = {.kind = VXS_LIGHT_KIND_POINT, .radius_metres = (double)lamps[n].radius_metres};
+            vxs_air_light light = {.kind = VXS_LIGHT_KIND_POINT, .radius_metres = (double)vpls[n].radius_metres};
             for (int i = 0; i < 3; i++) {
-                light.place[i] = (double)lamps[n].place[i];
-                light.axis[i]  = (double)lamps[n].normal[i];
+                light.place[i] = (double)vpls[n].place[i];
+                light.axis[i]  = (double)vpls[n].normal[i];
             }
             vxs_air_path path = vxs_area_path(&light, 1, eye, direction, metres, VXS_AIR_EVERYWHERE);
             vxs_air_lit(&medium, &path, path.begin, path.end, lit);
-            sums[ray] += (double)lamps[n].colour[0] * lit[0];
+            sums[ray] += (double)vpls[n].colour[0] * lit[0];
         }
     }
 }
@@ -74,11 +75,11 @@ static void errors_of(const vxs_area_rectangle *r, int places, uint32_t count, u
                       double *far)
 {
     double  errors[2][SEEDS_MOST];
-    vxs_vpl lamps[VXS_VPLS_MAX];
+    vxs_vpl vpls[VXS_VPLS_MAX];
     for (uint32_t seed = 0; seed < seeds; seed++) {
         double found[RAYS] = {0}, wrong[2] = {0}, size[2] = {0}, to[3];
-        assert_int_equal(vxs_area_sample(r, (vxs_area_places)places, seed, lamps, count), VXS_OK);
-        add_airlight(lamps, count, found);
+        assert_int_equal(vxs_area_sample(r, (vxs_area_places)places, seed, vpls, count), VXS_OK);
+        add_airlight(vpls, count, found);
         for (int n = 0; n < RAYS; n++) {
             end_of(n, to);
             for (int k = 0; k < (to[2] < 0 ? 2 : 1); k++) {
@@ -93,7 +94,7 @@ static void errors_of(const vxs_area_rectangle *r, int places, uint32_t count, u
     *far = errors[1][seeds / 2];
 }
 
-/* The power of the number of lamps that errors of 1, 4, 16 and 64 lamps fall with, by least squares. */
+/* The power of the number of VPLs that errors of 1, 4, 16 and 64 VPLs fall with, by least squares. */
 static double slope_of(const double *errors)
 {
     const int count = 4;
@@ -114,12 +115,12 @@ static void test_slopes(void **state)
     enum { MANY = 8 };
     static const char *const names[] = {"Halton", "importance", "regular", "jittered"};
     vxs_area_rectangle       r       = screen();
-    vxs_vpl                  lamps[VXS_VPLS_MAX];
+    vxs_vpl                  vpls[VXS_VPLS_MAX];
     double                   wanted[RAYS] = {0}, all[STEPS], far[STEPS];
     for (uint32_t seed = 1; seed <= MANY; seed++) {
-        assert_int_equal(vxs_area_sample(&r, VXS_AREA_IMPORTANCE, seed, lamps, VXS_VPLS_MAX), VXS_OK);
-        for (int n = 0; n < VXS_VPLS_MAX; n++) lamps[n].radius_metres /= (float)sqrt(MANY);
-        add_airlight(lamps, VXS_VPLS_MAX, wanted);
+        assert_int_equal(vxs_area_sample(&r, VXS_AREA_IMPORTANCE, seed, vpls, VXS_VPLS_MAX), VXS_OK);
+        for (int n = 0; n < VXS_VPLS_MAX; n++) vpls[n].radius_metres /= (float)sqrt(MANY);
+        add_airlight(vpls, VXS_VPLS_MAX, wanted);
     }
     for (int n = 0; n < RAYS; n++) wanted[n] /= MANY;
     for (int places = 0; places <= VXS_AREA_JITTERED; places++) {
@@ -128,7 +129,7 @@ static void test_slopes(void **state)
         double slope = slope_of(all), slope_far = slope_of(far);
         print_message("%s:", names[places]);
         for (int n = 0; n < steps; n++) print_message(" %.3f (%.3f)", all[n], far[n]);
-        print_message(" of 1, 4, ... lamps (rays beside the screen); slope to 64: %.2f (%.2f)\n", slope, slope_far);
+        print_message(" of 1, 4, ... VPLs (rays beside the screen); slope to 64: %.2f (%.2f)\n", slope, slope_far);
         assert_true(slope < -0.5 && slope > -1 && all[3] < 0.045);
     }
 }

@@ -1,5 +1,5 @@
-/* Smoke between the lamps of an area light and what they light, on llvmpipe, against each lamp's own rays through the same capsules in double: surfaces, air, lamps that are far
- * away; what is not asked again, misuse, and no number that is none.
+/* Smoke between the VPLs of an area light and what they light, on llvmpipe, against each VPL's own rays through the same capsules
+ * in double: surfaces, air, VPLs that are far away; what is not asked again, misuse, and no number that is none.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h"
 
@@ -7,7 +7,7 @@
 #include <stdlib.h>
 
 #include "baker/smoke/smoke_map.h"
-#include "random_lamp.h"
+#include "random_light.h"
 #include "repeats.h"
 
 /* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
@@ -24,16 +24,16 @@
 
 #include "area_scene.h"
 
-enum { RESOLUTION = 64, CAPSULES = 60, LAMPS = 16 };
+enum { RESOLUTION = 64, CAPSULES = 60, VPLS = 16 };
 
 static vxs_capsule smoke[CAPSULES]; /* puffs and strands below the screen and before it */
-static vxs_vpl     lamps[LAMPS];
+static vxs_vpl     vpls[VPLS];
 static double      metres[PIXELS];
 
 static vxs_area_light *make_light(const volumes_scene *s, uint32_t side_px, uint32_t capsules)
 {
     vxs_area_light           *made;
-    const vxs_area_light_desc desc = {.lamps         = LAMPS,
+    const vxs_area_light_desc desc = {.vpls          = VPLS,
                                       .side_px       = 32,
                                       .columns       = COLUMNS,
                                       .rows          = ROWS,
@@ -52,7 +52,7 @@ static int set_up(void **state)
     light = make_light(&scene, 0, CAPSULES);
     scene.gl->CreateTextures(GL_TEXTURE_2D, 1, &normals);
     scene.gl->TextureStorage2D(normals, 1, GL_RGBA32F, WIDE, HIGH);
-    screen_lamps(0, lamps, LAMPS);
+    screen_vpls(0, vpls, VPLS);
     for (int n = 0; n < CAPSULES; n++) {
         const double low[3] = {-4, 0, -3}, high[3] = {4, 5, 6}, thin = n % 3 ? 1 : 0.1;
         for (int i = 0; i < 3; i++) {
@@ -65,7 +65,7 @@ static int set_up(void **state)
     return 0;
 }
 
-/* What capsules leave between a lamp and a place. */
+/* What capsules leave between a VPL and a place. */
 static double left_between(const vxs_vpl *l, const double at[3])
 {
     smoke_part parts[CAPSULES];
@@ -110,7 +110,7 @@ static void put_smoke(vxs_area_light *its, uint32_t count)
     assert_int_equal(vxs_area_light_smoke(its, &(vxs_capsules){.list = smoke, .count = count}), VXS_OK);
 }
 
-static void put_lamps(vxs_area_light *its, const vxs_vpl *of, uint32_t count)
+static void put_vpls(vxs_area_light *its, const vxs_vpl *of, uint32_t count)
 {
     assert_int_equal(vxs_area_light_set(its, of, count), VXS_OK);
     assert_int_equal(vxs_area_light_cast(its, &(vxs_area_casters){0}), VXS_OK);
@@ -125,7 +125,7 @@ static void look_at(vxs_area_light *its, const vxs_volumes_frame *frame, uint32_
     scene.gl->GetTextureImage(vxs_area_light_irradiance(its), 0, GL_RGBA, GL_FLOAT, 4 * PIXELS * sizeof *surfaces, surfaces);
 }
 
-/* Irradiance of a lamp at a place that faces up, without smoke: one channel. */
+/* Irradiance of a VPL at a place that faces up, without smoke: one channel. */
 static double shines(const vxs_vpl *l, const double at[3])
 {
     double way[3], normal[3];
@@ -165,9 +165,9 @@ static double error_of(const float *with, const float *without, const double wan
     return sqrt(square / *count);
 }
 
-/* tests ---------------------------------------------------------------------------------------------------------------------------- */
+/* tests ------------------------------------------------------------------------------------------------------------------------ */
 
-/* What reaches surfaces: nearer with more texels; and far nearer than what a single lamp in the middle of all would have left. */
+/* What reaches surfaces: nearer with more texels; and far nearer than what a single VPL in the middle of all would have left. */
 static void test_surfaces(void **state)
 {
     (void)state;
@@ -178,12 +178,12 @@ static void test_surfaces(void **state)
     vxs_area_light   *of[2]  = {make_light(&scene, 32, CAPSULES), light};
     volumes_camera    c      = camera_of(0);
     vxs_volumes_frame frame  = random_places(&c, 16, places);
-    vxs_vpl           middle = lamps[0];
+    vxs_vpl           middle = vpls[0];
     for (int i = 0; i < 3; i++) middle.place[i] = 0;
-    for (int n = 0; n < 3 * LAMPS; n++) middle.place[n % 3] += lamps[n / 3].place[n % 3] / LAMPS;
-    parts_left(lamps, LAMPS, places, wanted);
+    for (int n = 0; n < 3 * VPLS; n++) middle.place[n % 3] += vpls[n / 3].place[n % 3] / VPLS;
+    parts_left(vpls, VPLS, places, wanted);
     for (uint32_t n = 0; n < 2; n++) {
-        put_lamps(of[n], lamps, LAMPS);
+        put_vpls(of[n], vpls, VPLS);
         for (uint32_t with = 0; with < 2; with++) {
             put_smoke(of[n], with * CAPSULES);
             look_at(of[n], &frame, 0, air, found[with]);
@@ -199,7 +199,7 @@ static void test_surfaces(void **state)
     assert_true(errors[1] < 0.75 * errors[0] && errors[1] < 0.15 * sqrt(centre));
 }
 
-/* Airlight of lamps by many places of each ray, each dimmed by itself, and that without smoke. */
+/* Airlight of VPLs by many places of each ray, each dimmed by itself, and that without smoke. */
 static void airlight(const vxs_vpl *of, uint32_t count, const double eye[3], const double direction[3], double end, double sums[2])
 {
     enum { STEPS = 48 };
@@ -229,7 +229,7 @@ static void test_air(void **state)
     enum { COUNT = 4, EACH = 13 };
     static double places[PIXELS][3];
     static float  found[2][2][4 * PIXELS], surfaces[4 * PIXELS]; /* without and with, by few runs and many */
-    put_lamps(light, lamps, COUNT);
+    put_vpls(light, vpls, COUNT);
     for (int camera = 0; camera < 2; camera++) {
         volumes_camera    c         = camera_of(camera);
         vxs_volumes_frame frame     = random_places(&c, 16, places);
@@ -241,7 +241,7 @@ static void test_air(void **state)
         for (uint32_t n = 0; n < PIXELS; n += repeats(EACH, 1)) {
             double direction[3], sums[2];
             camera_ray(&scene, &c, n % WIDE, n / WIDE, direction);
-            airlight(lamps, COUNT, c.eye, direction, metres[n], sums);
+            airlight(vpls, COUNT, c.eye, direction, metres[n], sums);
             if (!(found[0][0][4 * n] > 0)) continue;
             clear += sums[0];
             dimmed += sums[1];
@@ -256,20 +256,20 @@ static void test_air(void **state)
     }
 }
 
-/* Short rays away from a lamp, of which half a bit of its grid has all: they have steps of their own. */
-static void test_away_from_a_lamp(void **state)
+/* Short rays away from a VPL, of which half a bit of its grid has all: they have steps of their own. */
+static void test_away_from_a_vpl(void **state)
 {
     (void)state;
     static double places[PIXELS][3];
     static float  found[2][4 * PIXELS], surfaces[4 * PIXELS];
     double        eye[3], to[3], clear = 0, dimmed = 0, most = 0;
     for (int i = 0; i < 3; i++) {
-        eye[i] = (double)lamps[0].place[i] + 4 * (double)lamps[0].normal[i];
-        to[i]  = (double)lamps[0].place[i] + 9 * (double)lamps[0].normal[i];
+        eye[i] = (double)vpls[0].place[i] + 4 * (double)vpls[0].normal[i];
+        to[i]  = (double)vpls[0].place[i] + 9 * (double)vpls[0].normal[i];
     }
     volumes_camera    c     = camera_at(eye, to, 0.002);
     vxs_volumes_frame frame = random_places(&c, 0.5, places);
-    put_lamps(light, lamps, 1);
+    put_vpls(light, vpls, 1);
     for (uint32_t with = 0; with < 2; with++) {
         put_smoke(light, with * CAPSULES);
         look_at(light, &frame, 32, found[with], surfaces);
@@ -277,16 +277,17 @@ static void test_away_from_a_lamp(void **state)
     for (uint32_t n = 0; n < PIXELS; n += 13) {
         double direction[3], sums[2];
         camera_ray(&scene, &c, n % WIDE, n / WIDE, direction);
-        airlight(lamps, 1, c.eye, direction, metres[n], sums);
+        airlight(vpls, 1, c.eye, direction, metres[n], sums);
         clear += sums[0];
         dimmed += sums[1];
         most = fmax(most, fabs((double)found[1][4 * n] / (double)found[0][4 * n] - sums[1] / sums[0]));
     }
-    print_message("away from a lamp: smoke leaves %.2f, off by %.4f at most\n", dimmed / clear, most);
+    print_message("away from a VPL: smoke leaves %.2f, off by %.4f at most\n", dimmed / clear, most);
     assert_true(dimmed < 0.8 * clear && most < 0.04);
 }
 
-/* Strands that no ray through the middle of a texel need meet: all places about them are dimmed a little, and none as behind one that is as wide as a texel. */
+/* Strands that no ray through the middle of a texel need meet: all places about them are dimmed a little, and none as behind one
+ * that is as wide as a texel. */
 static void test_thin(void **state)
 {
     (void)state;
@@ -304,7 +305,7 @@ static void test_thin(void **state)
         smoke[n].radius_metres = 0.004F;
         smoke[n].extinction    = 100;
     }
-    put_lamps(light, lamps, 1);
+    put_vpls(light, vpls, 1);
     for (uint32_t with = 0; with < 2; with++) {
         put_smoke(light, with * CAPSULES);
         look_at(light, &frame, 0, air, found[with]);
@@ -321,8 +322,8 @@ static void test_thin(void **state)
     assert_true(4 * dimmed > count && most < 0.4);
 }
 
-/* Of lamps that are far away, each along its own way; beside the sphere about what casts nothing dims. */
-static void test_far_lamps(void **state)
+/* Of VPLs that are far away, each along its own way; beside the sphere about what casts nothing dims. */
+static void test_far_vpls(void **state)
 {
     (void)state;
     enum { COUNT = 3 };
@@ -339,7 +340,7 @@ static void test_far_lamps(void **state)
             far[n] = (vxs_vpl){.place = {0, 2, 1}, .colour = {1, 1, 1}, .radius_metres = narrow ? 2 : 12, .is_far = 1};
             for (int i = 0; i < 3; i++) far[n].normal[i] = (float)normal[i];
         }
-        put_lamps(light, far, count);
+        put_vpls(light, far, count);
         parts_left(far, count, places, wanted);
         for (uint32_t with = 0; with < 2; with++) {
             put_smoke(light, with * CAPSULES);
@@ -357,7 +358,7 @@ static void test_far_lamps(void **state)
             beside += wanted[n] < 0.9;
         }
         double error = error_of(found[1], found[0], wanted, &compared);
-        if (!narrow) print_message("lamps far away: RMS %.4f at %u places\n", error, compared);
+        if (!narrow) print_message("VPLs far away: RMS %.4f at %u places\n", error, compared);
         assert_true(narrow ? beside > 20 : compared > 700 && error < 0.04);
     }
 }
@@ -384,7 +385,7 @@ static vxs_asset *smoky_asset(void)
     return asset;
 }
 
-/* Mean airlight of the point light: as a lamp with its map, and by a march of many steps. */
+/* Mean airlight of the point light: as a VPL with its map, and by a march of many steps. */
 static void air_of_point(volumes_scene *s, double means[2])
 {
     static float                pixels[4 * PIXELS];
@@ -415,7 +416,7 @@ static void air_of_point(volumes_scene *s, double means[2])
     vxs_area_light_destroy(its);
 }
 
-/* A lamp with the map of a baked light is dimmed by that light's baked smoke, as marches are. */
+/* A VPL with the map of a baked light is dimmed by that light's baked smoke, as marches are. */
 static void test_baked_smoke(void **state)
 {
     (void)state;
@@ -432,13 +433,14 @@ static void test_baked_smoke(void **state)
     vxs_volumes_destroy(smoky.volumes);
     vxs_gl_destroy(smoky.shadows);
     vxs_asset_close(smoky.asset);
-    print_message("a baked light's air: as a lamp %.4f, baked smoke leaves %.4f; by marches %.4f, %.4f\n", means[0][0],
+    print_message("a baked light's air: as a VPL %.4f, baked smoke leaves %.4f; by marches %.4f, %.4f\n", means[0][0],
                   means[1][0] / means[0][0], means[0][1], means[1][1] / means[0][1]);
     assert_true(fabs(means[0][0] / means[0][1] - 1) < 0.02);
     assert_true(means[1][1] < 0.95 * means[0][1] && fabs(means[1][0] / means[0][0] - means[1][1] / means[0][1]) < 0.01);
 }
 
-/* Curves stay where only colours change; where lamps move, they have to be made again, or left out. Without smoke all is as it would be in a light that takes none. */
+/* Curves stay where only colours change; where VPLs move, they have to be made again, or left out. Without smoke all is as it would
+ * be in a light that takes none. */
 static void test_when(void **state)
 {
     (void)state;
@@ -449,9 +451,9 @@ static void test_when(void **state)
     vxs_vpl           moved[COUNT];
     volumes_camera    c     = camera_of(0);
     vxs_volumes_frame frame = random_places(&c, 16, places);
-    memcpy(moved, lamps, sizeof moved);
-    put_lamps(plain, lamps, COUNT);
-    put_lamps(light, lamps, COUNT);
+    memcpy(moved, vpls, sizeof moved);
+    put_vpls(plain, vpls, COUNT);
+    put_vpls(light, vpls, COUNT);
     put_smoke(light, CAPSULES);
     look_at(light, &frame, 0, air[0], surfaces[0]);
     assert_int_equal(vxs_area_light_set(light, moved, COUNT), VXS_OK);
@@ -465,9 +467,9 @@ static void test_when(void **state)
     assert_memory_not_equal(air[0], air[2], sizeof *air);
     put_smoke(light, CAPSULES);
     moved[3].place[0] += 0.5F;
-    put_lamps(light, moved, COUNT);
+    put_vpls(light, moved, COUNT);
     assert_int_equal(vxs_volumes_begin(scene.volumes, &frame), VXS_OK);
-    assert_int_equal(vxs_volumes_area(scene.volumes, light, &(vxs_area_look){0}), VXS_E_ARGUMENT); /* curves of where lamps were */
+    assert_int_equal(vxs_volumes_area(scene.volumes, light, &(vxs_area_look){0}), VXS_E_ARGUMENT); /* curves of where VPLs were */
     put_smoke(light, CAPSULES);
     assert_int_equal(vxs_volumes_area(scene.volumes, light, &(vxs_area_look){0}), VXS_OK);
     vxs_area_light_destroy(plain);
@@ -485,7 +487,7 @@ static void test_state(void **state)
     GLuint                 buffers[3];
     scene.gl->GenBuffers(3, buffers);
     for (GLuint n = 0; n < 3; n++) scene.gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, 5 + n, buffers[n]);
-    put_lamps(light, lamps, 2);
+    put_vpls(light, vpls, 2);
     put_smoke(light, CAPSULES);
     look_at(light, &frame, 0, air, surfaces);
     for (GLuint n = 0; n < 3; n++) {
@@ -503,11 +505,11 @@ static void test_misuse(void **state)
     static const vxs_area_light_desc bad[] = {
         {.capsules = 1, .smoke_nodes = 5}, {.capsules = 1, .smoke_side_px = 8193}, {.capsules = 1U << 25}};
     vxs_area_light *other = make_light(&scene, 0, 0);
-    vxs_vpl         round = lamps[0];
-    put_lamps(light, lamps, 1);
+    vxs_vpl         round = vpls[0];
+    put_vpls(light, vpls, 1);
     assert_int_equal(vxs_area_light_smoke(light, &more), VXS_E_ARGUMENT);
     assert_int_equal(vxs_area_light_smoke(light, &none), VXS_E_ARGUMENT); /* neither a list nor a buffer */
-    put_lamps(other, lamps, 1);
+    put_vpls(other, vpls, 1);
     assert_int_equal(vxs_area_light_smoke(other, &all), VXS_E_ARGUMENT); /* it takes none */
     memset(round.normal, 0, sizeof round.normal);
     assert_int_equal(vxs_area_light_set(light, &round, 1), VXS_OK);
@@ -522,7 +524,7 @@ static void test_misuse(void **state)
     assert_null(other);
 }
 
-/* Lamps in smoke, smoke of any size and place, and what is no capsule: light is dimmed, and is a number. */
+/* VPLs in smoke, smoke of any size and place, and what is no capsule: light is dimmed, and is a number. */
 static void test_any_numbers(void **state)
 {
     (void)state;
@@ -537,12 +539,12 @@ static void test_any_numbers(void **state)
         volumes_camera    c     = scene_random_camera(&r);
         vxs_volumes_frame frame = random_places(&c, 16, places);
         for (int k = 0; k < COUNT; k++) {
-            some[k]        = lamps[rng_below(&r, LAMPS)];
+            some[k]        = vpls[rng_below(&r, VPLS)];
             some[k].is_far = rng_below(&r, 2);
         }
         for (int k = 0; k < CAPSULES; k++) {
             for (int i = 0; i < 3; i++) smoke[k].begin[i] = smoke[k].end[i] = (float)uniform(&r, -8, 8);
-            if (k % 4 == 0) memcpy(smoke[k].begin, some[0].place, sizeof some->place); /* from a lamp */
+            if (k % 4 == 0) memcpy(smoke[k].begin, some[0].place, sizeof some->place); /* from a VPL */
             if (k % 4 == 1) smoke[k].end[k % 3] += (float)exp(uniform(&r, -15, 8));
             smoke[k].radius_metres = (float)exp(uniform(&r, -15, k % 8 ? 0 : 8));
             smoke[k].extinction    = (float)exp(uniform(&r, -15, 15));
@@ -550,7 +552,7 @@ static void test_any_numbers(void **state)
         smoke[n % CAPSULES].begin[n % 3] = (float[]){NAN, INFINITY, -1e30F, 1e13F}[n % 4];
         smoke[n % 7].radius_metres       = (float[]){NAN, -1, 0, INFINITY}[n % 4];
         smoke[n % 11].extinction         = (float[]){NAN, -1, 0, INFINITY}[(n + 1) % 4];
-        put_lamps(light, some, COUNT);
+        put_vpls(light, some, COUNT);
         for (uint32_t with = 0; with < 2; with++) {
             put_smoke(light, with * CAPSULES);
             look_at(light, &frame, 1 + n % 9, found[with][0], found[with][1]);
@@ -566,9 +568,9 @@ static void test_any_numbers(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_surfaces),    cmocka_unit_test(test_air),       cmocka_unit_test(test_away_from_a_lamp),
-        cmocka_unit_test(test_thin),        cmocka_unit_test(test_far_lamps), cmocka_unit_test(test_baked_smoke),
-        cmocka_unit_test(test_when),        cmocka_unit_test(test_state),     cmocka_unit_test(test_misuse),
+        cmocka_unit_test(test_surfaces),    cmocka_unit_test(test_air),      cmocka_unit_test(test_away_from_a_vpl),
+        cmocka_unit_test(test_thin),        cmocka_unit_test(test_far_vpls), cmocka_unit_test(test_baked_smoke),
+        cmocka_unit_test(test_when),        cmocka_unit_test(test_state),    cmocka_unit_test(test_misuse),
         cmocka_unit_test(test_any_numbers),
     };
     return cmocka_run_group_tests(tests, set_up, area_tear_down);

@@ -1,11 +1,12 @@
-/* Area lights as engines use them: an origin that follows a camera, a picture that moves, lamps with baked shadows; and the extremes of all their numbers.
+/* Area lights as engines use them: an origin that follows a camera, a picture that moves, VPLs with baked shadows; and the extremes
+ * of all their numbers.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-#include "random_lamp.h"
+#include "random_light.h"
 #include "repeats.h"
 
 /* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
@@ -48,16 +49,17 @@ static double difference(const float *a, double factor, const float *b)
     return off / most;
 }
 
-/* Lamps and maps stay where they are, and the origin is at the eye: air and surfaces are those of an origin that is with the lamps. */
+/* VPLs and maps stay where they are, and the origin is at the eye: air and surfaces are those of an origin that is with the VPLs.
+ * */
 static void test_origin_follows_the_eye(void **state)
 {
     (void)state;
     enum { COUNT = 9 };
     static float  air[2][4 * PIXELS], surfaces[2][4 * PIXELS];
-    vxs_vpl       lamps[COUNT];
+    vxs_vpl       vpls[COUNT];
     vxs_area_look asked = {.normal_texture = normals};
-    screen_lamps(0, lamps, COUNT);
-    assert_int_equal(vxs_area_light_set(light, lamps, COUNT), VXS_OK);
+    screen_vpls(0, vpls, COUNT);
+    assert_int_equal(vxs_area_light_set(light, vpls, COUNT), VXS_OK);
     cast(POINTS, 0);
     for (int camera = 0; camera < CAMERAS; camera++) {
         volumes_camera    c        = camera_at(eyes[camera], look, 0.5);
@@ -79,27 +81,27 @@ static void test_origin_follows_the_eye(void **state)
     assert_int_equal(vxs_area_light_anchor(light, (float[3]){0, NAN, 0}), VXS_E_ARGUMENT);
 }
 
-/* Where nothing but colours changes shadow maps stay; where a lamp moves, turns, grows, or is one more, there are none. */
+/* Where nothing but colours changes shadow maps stay; where a VPL moves, turns, grows, or is one more, there are none. */
 static void test_a_picture_moves(void **state)
 {
     (void)state;
     enum { COUNT = 9 };
     static float      pixels[2][4 * PIXELS];
-    vxs_vpl           lamps[COUNT], kept[COUNT];
+    vxs_vpl           vpls[COUNT], kept[COUNT];
     volumes_camera    c     = camera_at(eyes[0], look, 0.7);
     vxs_volumes_frame frame = scene_frame(&scene, &c, &haze, 1e30, 30, metres);
-    screen_lamps(0, lamps, COUNT);
-    assert_int_equal(vxs_area_light_set(light, lamps, COUNT), VXS_OK);
+    screen_vpls(0, vpls, COUNT);
+    assert_int_equal(vxs_area_light_set(light, vpls, COUNT), VXS_OK);
     cast(POINTS, 0);
     draw(&frame, &(vxs_area_look){0}, pixels[0]);
-    for (int n = 0; n < 3 * COUNT; n++) lamps[n / 3].colour[n % 3] *= 3;
-    assert_int_equal(vxs_area_light_set(light, lamps, COUNT), VXS_OK);
+    for (int n = 0; n < 3 * COUNT; n++) vpls[n / 3].colour[n % 3] *= 3;
+    assert_int_equal(vxs_area_light_set(light, vpls, COUNT), VXS_OK);
     assert_true(vxs_area_light_is_cast(light));
     draw(&frame, &(vxs_area_look){0}, pixels[1]);
     assert_true(difference(pixels[1], 3, pixels[0]) < 1e-5);
     for (int n = 0; n < 4; n++) {
-        memcpy(kept, lamps, sizeof kept);
-        assert_int_equal(vxs_area_light_set(light, lamps, COUNT), VXS_OK);
+        memcpy(kept, vpls, sizeof kept);
+        assert_int_equal(vxs_area_light_set(light, vpls, COUNT), VXS_OK);
         cast(100, 0);
         if (n == 0) kept[4].place[1] += 1e-3F;
         if (n == 1) memcpy(kept[4].normal, (float[3]){0, 0, 1}, sizeof kept->normal);
@@ -110,8 +112,8 @@ static void test_a_picture_moves(void **state)
     }
 }
 
-/* What a lamp sends to surfaces, nothing dimmed, one channel: where a map of the asset's lets it through, as rays to the lamp do. */
-static void exact_surfaces(const volumes_camera *c, const vxs_vpl *lamp_of, double *wanted)
+/* What a VPL sends to surfaces, nothing dimmed, one channel: where a map of the asset's lets it through, as rays to the VPL do. */
+static void exact_surfaces(const volumes_camera *c, const vxs_vpl *vpl_of, double *wanted)
 {
     static float normal[4 * PIXELS];
     scene.gl->GetTextureImage(normals, 0, GL_RGBA, GL_FLOAT, sizeof normal, normal);
@@ -121,17 +123,17 @@ static void exact_surfaces(const volumes_camera *c, const vxs_vpl *lamp_of, doub
         for (uint32_t i = 0; i < 3; i++) {
             place[i] = c->eye[i] + metres[n] * direction[i];
             above[i] = place[i] + 1e-4 * (double)normal[4 * n + i];
-            from[i]  = (double)lamp_of->place[i];
+            from[i]  = (double)vpl_of->place[i];
             way[i]   = from[i] - place[i];
             here += way[i] * (double)normal[4 * n + i];
         }
         double square = dot(way, way);
-        if (here > 0 && area_is_free(&scene, from, above)) wanted[n] += (double)lamp_of->colour[0] * here / (square * sqrt(square));
+        if (here > 0 && area_is_free(&scene, from, above)) wanted[n] += (double)vpl_of->colour[0] * here / (square * sqrt(square));
     }
 }
 
-/* Lamps that stay where they are, each with the light map of a light of the asset: together they are what each is alone, in the air and on surfaces; on surfaces
- * as rays to the lamp say, of the one that shines to all sides. */
+/* VPLs that stay where they are, each with the light map of a light of the asset: together they are what each is alone, in the air
+ * and on surfaces; on surfaces as rays to the VPL say, of the one that shines to all sides. */
 static void test_baked_lights(void **state)
 {
     (void)state;
@@ -140,14 +142,14 @@ static void test_baked_lights(void **state)
     static float                pixels[COUNT + 1][4 * PIXELS], surfaces[COUNT + 1][4 * PIXELS];
     static double               wanted[PIXELS];
     vxs_shadow_depth_map       *maps[COUNT];
-    vxs_vpl                     lamps[COUNT];
+    vxs_vpl                     vpls[COUNT];
     const vxs_shadow_depth_map *given[COUNT];
     double                      off = 0, size = 0, lit[2] = {0};
     for (int n = 0; n < COUNT; n++) {
         vxs_volumes_light   l   = scene_light(baked[n]);
         const vxs_air_light air = scene_air_light(&scene, &l);
-        lamps[n]                = (vxs_vpl){.colour = {l.colour[0], l.colour[1], l.colour[2]}, .radius_metres = l.radius_metres};
-        for (int i = 0; i < 3; i++) lamps[n].place[i] = (float)air.place[i];
+        vpls[n]                 = (vxs_vpl){.colour = {l.colour[0], l.colour[1], l.colour[2]}, .radius_metres = l.radius_metres};
+        for (int i = 0; i < 3; i++) vpls[n].place[i] = (float)air.place[i];
         assert_int_equal(
             vxs_shadow_depth_map_create(&maps[n], scene.volumes,
                                         &(vxs_shadow_depth_map_desc){.baked_number = vxs_baked_number((uint32_t)baked[n])}),
@@ -160,10 +162,10 @@ static void test_baked_lights(void **state)
     volumes_camera    c     = camera_at(eyes[2], look, 0.7);
     vxs_volumes_frame frame = scene_frame(&scene, &c, &thin, 1e30, 30, metres);
     put_normals(&c);
-    exact_surfaces(&c, &lamps[0], wanted);
+    exact_surfaces(&c, &vpls[0], wanted);
     for (uint32_t n = 0; n <= COUNT; n++) {
         uint32_t first = n < COUNT ? n : 0;
-        assert_int_equal(vxs_area_light_set(light, lamps + first, n < COUNT ? 1 : COUNT), VXS_OK);
+        assert_int_equal(vxs_area_light_set(light, vpls + first, n < COUNT ? 1 : COUNT), VXS_OK);
         draw(&frame, &(vxs_area_look){.maps = given + first, .normal_texture = normals}, pixels[n]);
         scene.gl->GetTextureImage(vxs_area_light_irradiance(light), 0, GL_RGBA, GL_FLOAT, sizeof *surfaces, surfaces[n]);
     }
@@ -184,14 +186,16 @@ static void test_baked_lights(void **state)
     for (int n = 0; n < COUNT; n++) vxs_shadow_depth_map_destroy(maps[n]);
 }
 
-/* any numbers --------------------------------------------------------------------------------------------------------------------- */
+/* any numbers ---------------------------------------------------------------------------------------------------------------------
+ * */
 
 static double power_of_ten(rng *r, double least, double most)
 {
     return pow(10, uniform(r, least, most));
 }
 
-/* Rectangles of any size anywhere, with black, sharp and huge textures: lamps are numbers, on it, and as bright as it where a texture is even. */
+/* Rectangles of any size anywhere, with black, sharp and huge textures: VPLs are numbers, on it, and as bright as it where a
+ * texture is even. */
 static void test_any_rectangle(void **state)
 {
     (void)state;
@@ -200,7 +204,7 @@ static void test_any_rectangle(void **state)
     uint32_t sampled = 0;
     for (uint32_t n = 0; n < repeats(4000, 40000); n++) {
         float              texture[3 * SIDE_MOST_PX * SIDE_MOST_PX];
-        vxs_vpl            lamps[COUNT];
+        vxs_vpl            vpls[COUNT];
         double             size = power_of_ten(&r, -6, 6), away = rng_below(&r, 2) ? 1e6 : 1;
         vxs_area_rectangle a = {
             .texture = texture, .wide_px = 1 + rng_below(&r, SIDE_MOST_PX), .high_px = 1 + rng_below(&r, SIDE_MOST_PX)};
@@ -214,16 +218,16 @@ static void test_any_rectangle(void **state)
             texture[i] = rng_below(&r, 1 + n % 4) ? 0 : (float)power_of_ten(&r, -6, 6);
         if (n % 9 == 0) a.texture = NULL;
         uint32_t count = 1 + rng_below(&r, COUNT);
-        if (vxs_area_sample(&a, (vxs_area_places)rng_below(&r, 4), rng_below(&r, 3), lamps, count) != VXS_OK) continue;
+        if (vxs_area_sample(&a, (vxs_area_places)rng_below(&r, 4), rng_below(&r, 3), vpls, count) != VXS_OK) continue;
         sampled++;
         for (uint32_t k = 0; k < count; k++) {
             double square = 0;
             for (int i = 0; i < 3; i++) {
-                assert_true(isfinite(lamps[k].place[i]) && isfinite(lamps[k].colour[i]) && lamps[k].colour[i] >= 0);
-                square += (double)lamps[k].normal[i] * (double)lamps[k].normal[i];
+                assert_true(isfinite(vpls[k].place[i]) && isfinite(vpls[k].colour[i]) && vpls[k].colour[i] >= 0);
+                square += (double)vpls[k].normal[i] * (double)vpls[k].normal[i];
             }
-            assert_true(fabs(square - 1) < 1e-3 && lamps[k].radius_metres > 0 && isfinite(lamps[k].radius_metres));
-            assert_int_equal(vxs_area_light_set(light, lamps + k, 1), VXS_OK);
+            assert_true(fabs(square - 1) < 1e-3 && vpls[k].radius_metres > 0 && isfinite(vpls[k].radius_metres));
+            assert_int_equal(vxs_area_light_set(light, vpls + k, 1), VXS_OK);
         }
     }
     assert_true(sampled > 3900);
@@ -252,7 +256,8 @@ static void test_any_triangles(void **state)
     }
 }
 
-/* Lamps as small as 1e-6 m, 1e6 m away, at the eye and at each other; points on lamps, and of any size; air as dense as ink. Nothing is no number, or negative. */
+/* VPLs as small as 1e-6 m, 1e6 m away, at the eye and at each other; points on VPLs, and of any size; air as dense as ink. Nothing
+ * is no number, or negative. */
 static void test_any_view(void **state)
 {
     (void)state;
@@ -265,7 +270,7 @@ static void test_any_view(void **state)
     for (uint32_t n = 0; n < repeats(24, 1000); n++) {
         double     away   = n % 3 ? power_of_ten(&r, -3, 6) : 1, eye[3], to[3];
         vxs_medium medium = {.anisotropy = uniform(&r, -0.99, 0.99)};
-        vxs_vpl    lamps[COUNT];
+        vxs_vpl    vpls[COUNT];
         for (int i = 0; i < 3; i++) {
             medium.extinction[i] = rng_below(&r, 4) ? power_of_ten(&r, -8, 4) : 0;
             medium.scattering[i] = medium.extinction[i];
@@ -275,15 +280,15 @@ static void test_any_view(void **state)
         for (int k = 0; k < COUNT; k++) {
             double normal[3];
             random_direction(&r, normal);
-            lamps[k] = (vxs_vpl){.radius_metres = (float)power_of_ten(&r, -6, 1), .colour = {(float)power_of_ten(&r, -6, 6), 0, 1}};
+            vpls[k] = (vxs_vpl){.radius_metres = (float)power_of_ten(&r, -6, 1), .colour = {(float)power_of_ten(&r, -6, 6), 0, 1}};
             for (int i = 0; i < 3; i++) {
-                lamps[k].place[i]  = (float)(rng_below(&r, 4) ? away * uniform(&r, -1, 1) : eye[i]);
-                lamps[k].normal[i] = (float)normal[i];
+                vpls[k].place[i]  = (float)(rng_below(&r, 4) ? away * uniform(&r, -1, 1) : eye[i]);
+                vpls[k].normal[i] = (float)normal[i];
             }
-            if (n % 5 == 0) memcpy(lamps[k].place, lamps[0].place, sizeof lamps->place);
+            if (n % 5 == 0) memcpy(vpls[k].place, vpls[0].place, sizeof vpls->place);
         }
         for (int k = 0; k < CASTERS; k++) {
-            for (int i = 0; i < 3; i++) some[k].place[i] = k % 3 ? (float)(away * uniform(&r, -1, 1)) : lamps[k % COUNT].place[i];
+            for (int i = 0; i < 3; i++) some[k].place[i] = k % 3 ? (float)(away * uniform(&r, -1, 1)) : vpls[k % COUNT].place[i];
             some[k].square_metres = (float)power_of_ten(&r, -12, 12);
         }
         scene.gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, buffer);
@@ -292,7 +297,7 @@ static void test_any_view(void **state)
         vxs_volumes_frame frame =
             scene_frame(&scene, &c, &medium, rng_below(&r, 3) ? 1e30 : uniform(&r, -1, 5), power_of_ten(&r, -3, 7), metres);
         put_normals(&c);
-        assert_int_equal(vxs_area_light_set(light, lamps, COUNT), VXS_OK);
+        assert_int_equal(vxs_area_light_set(light, vpls, COUNT), VXS_OK);
         assert_int_equal(vxs_area_light_anchor(light, (float[3]){n % 4 ? 0 : (float)away, 0, 0}), VXS_OK);
         assert_int_equal(vxs_area_light_cast(light, &(vxs_area_casters){buffer, CASTERS, rng_below(&r, 2)}), VXS_OK);
         draw(&frame,

@@ -1,12 +1,12 @@
-/* What any argument of a lookup means, for all kinds of lights in both codings, against sums over single taps: filters of any number, points on
- * the borders of voxels, tiles, blocks, pages and maps, normals of any length, and numbers that are none.
+/* What any argument of a lookup means, for all kinds of lights in both codings, against sums over single taps: filters of any
+ * number, points on the borders of voxels, tiles, blocks, pages and maps, normals of any length, and numbers that are none.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <limits.h>
 #include <math.h>
 
 #include "blocks_sample.h"
 #include "dag_sample.h"
-#include "random_lamp.h"
+#include "random_light.h"
 #include "repeats.h"
 #include "runtime/vxs.h"
 #include "smooth_box.h"
@@ -21,8 +21,8 @@
 
 typedef enum shape { SUN, BOUNDED_SUN, ONE_MAP_SPOT, SIX_MAP_SPOT, ALL_AROUND, SHAPES } shape;
 
-/* A light whose space is the world's: of a sun, a metre is a texel and a voxel; of a lamp, the map is seen under 45 degrees to all sides, and
- * its depth is from 1 m to 256. So what is exact in the map is in the world, too. */
+/* A light whose space is the world's: of a sun, a metre is a texel and a voxel; of a punctual light, the map is seen under 45
+ * degrees to all sides, and its depth is from 1 m to 256. So what is exact in the map is in the world, too. */
 typedef struct subject {
     shape           shape;
     int             maps;
@@ -40,22 +40,22 @@ enum { FILTERS = sizeof any_filter / sizeof *any_filter };
 
 static vxs_light light_of(shape s, uint32_t levels, uint32_t coding)
 {
-    double    side    = ldexp(1, (int)levels);
-    int       is_lamp = s >= ONE_MAP_SPOT;
-    vxs_light light   = {.kind         = !is_lamp          ? VXS_LIGHT_KIND_DIRECTIONAL
-                                         : s == ALL_AROUND ? VXS_LIGHT_KIND_POINT
-                                                           : VXS_LIGHT_KIND_SPOT,
-                         .flags        = s == BOUNDED_SUN    ? VXS_LIGHT_BOUNDED
-                                         : s >= SIX_MAP_SPOT ? VXS_LIGHT_CUBE
-                                                             : 0,
-                         .levels       = levels,
-                         .coding       = coding,
-                         .ls_from_ws   = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0},
-                         .direction_ws = {0, 0, 1},
-                         .texel_metres = is_lamp ? 2 / side : 1,
-                         .voxel_metres = is_lamp ? log(256) / side : 1,
-                         .near_metres  = is_lamp ? 1 : 0,
-                         .cos_outer    = s == ONE_MAP_SPOT ? 0.7 : 0};
+    double    side        = ldexp(1, (int)levels);
+    int       is_punctual = s >= ONE_MAP_SPOT;
+    vxs_light light       = {.kind         = !is_punctual      ? VXS_LIGHT_KIND_DIRECTIONAL
+                                             : s == ALL_AROUND ? VXS_LIGHT_KIND_POINT
+                                                               : VXS_LIGHT_KIND_SPOT,
+                             .flags        = s == BOUNDED_SUN    ? VXS_LIGHT_BOUNDED
+                                             : s >= SIX_MAP_SPOT ? VXS_LIGHT_CUBE
+                                                                 : 0,
+                             .levels       = levels,
+                             .coding       = coding,
+                             .ls_from_ws   = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0},
+                             .direction_ws = {0, 0, 1},
+                             .texel_metres = is_punctual ? 2 / side : 1,
+                             .voxel_metres = is_punctual ? log(256) / side : 1,
+                             .near_metres  = is_punctual ? 1 : 0,
+                             .cos_outer    = s == ONE_MAP_SPOT ? 0.7 : 0};
     return light;
 }
 
@@ -69,9 +69,10 @@ static subject subject_make(shape s, uint32_t coding, uint32_t levels, uint64_t 
         vxs_bytes       file = {0};
         vxs_write_light light;
         dag_sample_init(&of.dag, &r, levels, levels < 5 ? 12 : 150);
-        light               = s < ONE_MAP_SPOT ? dag_sample_light(&of.dag, "light")
-                                               : dag_sample_lamp(&of.dag, "light", s == ALL_AROUND ? VXS_LIGHT_KIND_POINT : VXS_LIGHT_KIND_SPOT,
-                                                   s == ONE_MAP_SPOT ? 0 : VXS_LIGHT_CUBE);
+        light               = s < ONE_MAP_SPOT
+                                  ? dag_sample_light(&of.dag, "light")
+                                  : dag_sample_punctual(&of.dag, "light", s == ALL_AROUND ? VXS_LIGHT_KIND_POINT : VXS_LIGHT_KIND_SPOT,
+                                          s == ONE_MAP_SPOT ? 0 : VXS_LIGHT_CUBE);
         vxs_write_desc desc = {.lights = &light, .light_count = 1, .zstd_level = 1};
         assert_int_equal(vxs_write(&file, &desc), VXS_OK);
         assert_int_equal(vxs_asset_open(&of.asset, file.data, file.size_bytes, NULL), VXS_OK);
@@ -142,9 +143,10 @@ static float sum_at(const subject *s, int map, double u, double v, double depth,
     return sum_of_taps(s, map, voxel, (double[2]){u - voxel[0], v - voxel[1]}, filter_px);
 }
 
-/* places --------------------------------------------------------------------------------------------------------------------------- */
+/* places ----------------------------------------------------------------------------------------------------------------------- */
 
-/* A coordinate on a border of voxels, tiles, blocks, pages or the map, beside one, or anywhere.   step  the least that it may be beside */
+/* A coordinate on a border of voxels, tiles, blocks, pages or the map, beside one, or anywhere.   step  the least that it may be
+ * beside */
 static double tricky_coordinate(rng *r, double side, double step)
 {
     static const int sizes[] = {1, 8, 32, 256};
@@ -159,7 +161,8 @@ static double tricky_coordinate(rng *r, double side, double step)
     }
 }
 
-/* A place of a map, and the point in the world that is exactly there. Lamps: before the map's middle, where no other map is nearer. */
+/* A place of a map, and the point in the world that is exactly there. Punctual lights: before the map's middle, where no other map
+ * is nearer. */
 static void tricky_place(const subject *s, rng *r, int map, double at[3], double point[3])
 {
     if (s->shape < ONE_MAP_SPOT) {
@@ -208,7 +211,7 @@ static void for_all_subjects(void (*check)(subject *s, rng *r))
             }
 }
 
-/* tests ---------------------------------------------------------------------------------------------------------------------------- */
+/* tests ------------------------------------------------------------------------------------------------------------------------ */
 
 static int asked, outside, partly;
 

@@ -1,4 +1,5 @@
-/* The bake library: options that make no sense, steps, bakes that are given up, several at once, and what a program has to be left alone with.
+/* The bake library: options that make no sense, steps, bakes that are given up, several at once, and what a program has to be left
+ * alone with.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/vxs_bake.h"
 
@@ -29,10 +30,10 @@ static uint32_t      indices[BOXES * SIDES * 3];
 static vxs_bake_mesh town = {
     .positions = positions, .indices = indices, .vertex_count = BOXES * CORNERS, .triangle_count = BOXES * SIDES};
 
-static const vxs_bake_light  lamps[]    = {{"lamp", VXS_BAKE_SPOT, {0, 30, 0}, {0, -1, 0}, 0.825335614909678, 60},
-                                           {"bulb", VXS_BAKE_POINT, {4, 14, 3}, {0, 0, 0}, 0, 0}};
-static const vxs_bake_arrays town_only  = {.meshes = &town, .mesh_count = 1};
-static const vxs_bake_arrays town_lamps = {.meshes = &town, .mesh_count = 1, .lights = lamps, .light_count = 2};
+static const vxs_bake_light  punctuals[]    = {{"lamp", VXS_BAKE_SPOT, {0, 30, 0}, {0, -1, 0}, 0.825335614909678, 60},
+                                               {"bulb", VXS_BAKE_POINT, {4, 14, 3}, {0, 0, 0}, 0, 0}};
+static const vxs_bake_arrays town_only      = {.meshes = &town, .mesh_count = 1};
+static const vxs_bake_arrays town_punctuals = {.meshes = &town, .mesh_count = 1, .lights = punctuals, .light_count = 2};
 static const vxs_bake_sun    noon = {NULL, {0.3, -1, 0.1}}, evening = {"evening", {1, -0.4, 0.2}};
 
 static void make_town(void)
@@ -231,7 +232,7 @@ static void test_arrays_that_are_no_scene(void **state)
 {
     (void)state;
     vxs_bake_mesh   mesh       = town;
-    vxs_bake_light  lights[2]  = {lamps[0], lamps[1]};
+    vxs_bake_light  lights[2]  = {punctuals[0], punctuals[1]};
     vxs_bake_arrays arrays     = {.meshes = &mesh, .mesh_count = 1, .lights = lights, .light_count = 2};
     const double    nowhere[3] = {0, NAN, 0};
 #define WRONG(change, back, words)                                                                                                 \
@@ -356,7 +357,8 @@ static void count_blend(vxs_severity severity, const char *text, void *user)
     *(int *)user += severity == VXS_SEVERITY_WARNING && strstr(text, "alphaMode BLEND");
 }
 
-/* Options of a file's scene that the first version of the struct had not: a card of BLEND beside a wall, and a buffer out of the folder. */
+/* Options of a file's scene that the first version of the struct had not: a card of BLEND beside a wall, and a buffer out of the
+ * folder. */
 static void test_options_of_files(void **state)
 {
     (void)state;
@@ -542,7 +544,7 @@ static void test_open_scene(void **state)
     (void)state;
     vxs_bake_options scene_options = town_options();
     vxs_bake_scene  *scene;
-    scene_options.arrays = &town_lamps;
+    scene_options.arrays = &town_punctuals;
     scene_options.closed = VXS_BAKE_CLOSED_ON;
     assert_int_equal(vxs_bake_scene_open(&scene, &scene_options), VXS_OK);
     for (int n = 0; n < 2; n++) {
@@ -797,7 +799,7 @@ static void test_four_at_once(void **state)
         r[n]              = (runner){.o = town_options(), .budget_ms = n == 1 ? 1 : 0};
         r[n].o.resolution = 512u << n % 2;
     }
-    r[0].o.arrays           = &town_lamps; /* lamps and a sun */
+    r[0].o.arrays           = &town_punctuals; /* punctual lights and a sun */
     r[0].o.light_names      = (const char *const[]){"lamp", "bulb"};
     r[0].o.light_name_count = 2;
     r[1].o.coding           = VXS_BAKE_DAG;

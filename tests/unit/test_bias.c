@@ -1,10 +1,10 @@
-/* The bias of lookups with a normal (formats/vxs_space.h): taps lie before the plane of the surface, and not farther than they must; baked
- * planes do not shade themselves.
+/* The bias of lookups with a normal (formats/vxs_space.h): taps lie before the plane of the surface, and not farther than they
+ * must; baked planes do not shade themselves.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/truth/truth.h"
 #include "baker/light/map_space.h"
 #include "formats/vxs_space.h"
-#include "random_lamp.h"
+#include "random_light.h"
 #include "repeats.h"
 #include "tests/bench/bias_stage.h"
 
@@ -44,13 +44,13 @@ static vxs_light random_sun(rng *r)
     return l;
 }
 
-/* Returns 0 where the light does not reach the point, or a lamp's map has a border that is too narrow for every bias. */
+/* Returns 0 where the light does not reach the point, or a punctual light's map has a border that is too narrow for every bias. */
 static int ask(rng *r, question *q)
 {
     double side, way[3], ahead[3];
-    int    lamps = (int)rng_below(r, 4);
-    q->light     = lamps < LAMP_SHAPES ? random_lamp(r, (lamp_shape)lamps).light : random_sun(r);
-    side         = ldexp(1, (int)q->light.levels);
+    int    punctuals = (int)rng_below(r, 4);
+    q->light         = punctuals < PUNCTUAL_SHAPES ? random_punctual(r, (punctual_shape)punctuals).light : random_sun(r);
+    side             = ldexp(1, (int)q->light.levels);
     if (q->light.kind != VXS_LIGHT_KIND_DIRECTIONAL) q->light.voxel_metres = fmax(q->light.voxel_metres, q->light.texel_metres);
     int face = (int)rng_below(r, q->light.flags & VXS_LIGHT_CUBE ? 6 : 1);
     for (int n = 0; n < 3; n++) q->at[n] = uniform(r, 0, side);
@@ -121,8 +121,8 @@ static void taps_lie_before_the_plane(void **state)
     assert_true(fronts > 20000 && backs > 20000 && held < fronts / 10);
 }
 
-/* A step along the light is at most the share of the filter's width that vxs_space.h says, and two voxels; one across at most what the corner
- * of a filter needs. */
+/* A step along the light is at most the share of the filter's width that vxs_space.h says, and two voxels; one across at most what
+ * the corner of a filter needs. */
 static void steps_are_short(void **state)
 {
     (void)state;
@@ -142,7 +142,8 @@ static void steps_are_short(void **state)
     assert_true(asked > 40000);
 }
 
-/* What faces the light is moved by a voxel and nothing else; a normal's length does not matter, and one that is none moves nothing. */
+/* What faces the light is moved by a voxel and nothing else; a normal's length does not matter, and one that is none moves nothing.
+ * */
 static void simple_steps(void **state)
 {
     (void)state;
@@ -175,7 +176,8 @@ static void simple_steps(void **state)
     }
 }
 
-/* Baked, with and without a fixture near the lamp: no point of a plane that nothing shades is dark, and little light leaks to its back. */
+/* Baked, with and without a fixture near the light: no point of a plane that nothing shades is dark, and little light leaks to its
+ * back. */
 static void planes_do_not_shade_themselves(void **state)
 {
     static const double others_metres[] = {0, 0.03, 0.005};

@@ -121,8 +121,8 @@ static compare_result compared_sheets(double lower, double upper, const uint32_t
     return compared_scene(&sheets, light_of(words), o);
 }
 
-/* A second sheet half a voxel above the first. The bias takes lookups on the lower one's upper side, one face of four, past it into the light:
- * wrong, and no fault. */
+/* A second sheet half a voxel above the first. The bias takes lookups on the lower one's upper side, one face of four, past it into
+ * the light: wrong, and no fault. */
 static void what_the_bias_leaks_is_wrong(void **state)
 {
     (void)state;
@@ -132,8 +132,8 @@ static void what_the_bias_leaks_is_wrong(void **state)
     assert_true(n.bias.self_shadows == 0 && n.bias.deep_leaks == 0);
 }
 
-/* Shadow from two voxels before the sheet on: all of its upper side, single taps and filters. A wall nearby darkens its foot, which is no
- * fault. */
+/* Shadow from two voxels before the sheet on: all of its upper side, single taps and filters. A wall nearby darkens its foot, which
+ * is no fault. */
 static void surfaces_in_their_own_shadow_are_counted(void **state)
 {
     (void)state;
@@ -313,8 +313,8 @@ static void threads_change_nothing_and_seeds_do(void **state)
 
 /* -- spot and point lights --------------------------------------------------------------------------------
  *
- * Boxes on a ground of 40 x 40 m, a roof to one side, and a lamp 6 m above the ground, baked here by tracing a ray through each
- * texel's centre. */
+ * Boxes on a ground of 40 x 40 m, a roof to one side, and a punctual light 6 m above the ground, baked here by tracing a ray
+ * through each texel's centre. */
 
 static const double corner_min[][3] = {{-20, -1, -20}, {3, 0, -1}, {-9, 0, 4}, {-4, 4, -9}, {-1, 1, 5}};
 static const double corner_max[][3] = {{20, 0, 20}, {5, 4, 2}, {-6, 9, 7}, {4, 5, -3}, {1, 3, 6}};
@@ -341,8 +341,9 @@ static casters yard(const double at[3])
 
 enum { NEAR_CM = 10, FAR_M = 60 };
 
-/* A lamp at (0, 6, 0) of the yard. outer_rad: 0 makes a point light. */
-static vxs_light lamp_of(const double at[3], const double direction[3], double outer_rad, int cube, uint32_t levels, double range)
+/* A punctual light at (0, 6, 0) of the yard. outer_rad: 0 makes a point light. */
+static vxs_light punctual_of(const double at[3], const double direction[3], double outer_rad, int cube, uint32_t levels,
+                             double range)
 {
     vxs_light    l           = {.name         = "lamp",
                                 .kind         = outer_rad > 0 ? VXS_LIGHT_KIND_SPOT : VXS_LIGHT_KIND_POINT,
@@ -449,7 +450,7 @@ static uint32_t put_node(const vxs_light *l, const fault *f, int map, int i, int
     return node;
 }
 
-static vxs_baked_light bake_lamp(const vxs_light *l, const fault *f)
+static vxs_baked_light bake_punctual(const vxs_light *l, const fault *f)
 {
     int side = 1 << l->levels, maps = l->flags & VXS_LIGHT_CUBE ? 6 : 1, slices = (side / 8) * (side / 8) * (side / 8);
     dag       = malloc((size_t)(6 + maps * slices * (25 + 9)) * sizeof *dag);
@@ -463,14 +464,14 @@ static vxs_baked_light bake_lamp(const vxs_light *l, const fault *f)
     return (vxs_baked_light){.light = *l, .words = dag, .word_count = dag_words};
 }
 
-static compare_result compared_lamp(vxs_light l, fault f, const double at[3], compare_options o)
+static compare_result compared_punctual(vxs_light l, fault f, const double at[3], compare_options o)
 {
     const casters c = yard(at);
     run_context   m = {0};
     truth        *t = NULL;
     assert_int_equal(truth_create(&t, &c, 1, &m), VXS_OK);
     trace_depths(t, &l, f.exits);
-    compare_result result = compared_scene(&c, bake_lamp(&l, &f), o);
+    compare_result result = compared_scene(&c, bake_punctual(&l, &f), o);
     truth_destroy(t);
     free(depths);
     free(dag);
@@ -498,12 +499,12 @@ static void honest_spots_have_no_fault(void **state)
     (void)state;
     const int degrees[] = {1, 30, 60, 90, 120};
     for (int n = 0; n < 5; n++) {
-        vxs_light      here  = lamp_of(zero, aslant, degrees[n] / 2.0 * degree, 0, 7, 0);
-        vxs_light      there = lamp_of(far_away, aslant, degrees[n] / 2.0 * degree, 0, 7, 20);
-        compare_result r     = compared_lamp(here, (fault){0}, zero, few);
+        vxs_light      here  = punctual_of(zero, aslant, degrees[n] / 2.0 * degree, 0, 7, 0);
+        vxs_light      there = punctual_of(far_away, aslant, degrees[n] / 2.0 * degree, 0, 7, 20);
+        compare_result r     = compared_punctual(here, (fault){0}, zero, few);
         assert_right(&r, 0.01);
         assert_true(n == 0 || compare_wrong(&r.counts[COMPARE_RANDOM]) > 0);
-        r = compared_lamp(there, (fault){.exits = 1}, far_away, few);
+        r = compared_punctual(there, (fault){.exits = 1}, far_away, few);
         assert_right(&r, 0.12);
     }
 }
@@ -511,11 +512,11 @@ static void honest_spots_have_no_fault(void **state)
 static void honest_cubes_have_no_fault(void **state)
 {
     (void)state;
-    compare_result lamp = compared_lamp(lamp_of(zero, aslant, 0, 1, 7, 0), (fault){.exits = 1}, zero, few);
-    assert_right(&lamp, 0.06);
-    lamp = compared_lamp(lamp_of(far_away, level, 0, 1, 7, 15), (fault){0}, far_away, few);
-    assert_right(&lamp, 0.06);
-    compare_result spot = compared_lamp(lamp_of(zero, aslant, 89.5 * degree, 1, 7, 0), (fault){0}, zero, few);
+    compare_result punctual = compared_punctual(punctual_of(zero, aslant, 0, 1, 7, 0), (fault){.exits = 1}, zero, few);
+    assert_right(&punctual, 0.06);
+    punctual = compared_punctual(punctual_of(far_away, level, 0, 1, 7, 15), (fault){0}, far_away, few);
+    assert_right(&punctual, 0.06);
+    compare_result spot = compared_punctual(punctual_of(zero, aslant, 89.5 * degree, 1, 7, 0), (fault){0}, zero, few);
     assert_right(&spot, 0.06);
 }
 
@@ -524,19 +525,20 @@ static uint64_t unexplained(const compare_result *r)
     return r->counts[COMPARE_RANDOM].unexplained + r->counts[COMPARE_SURFACE].unexplained;
 }
 
-static void faults_of_lamps_are_found(void **state)
+static void faults_of_punctuals_are_found(void **state)
 {
     (void)state;
     /* edges of the boxes run along texels, so that a shadow two texels aside is not within two texels of its place */
-    const vxs_light spot = lamp_of(zero, level, 50 * degree, 0, 7, 0), lamp = lamp_of(zero, level, 0, 1, 7, 0);
+    const vxs_light spot = punctual_of(zero, level, 50 * degree, 0, 7, 0), punctual = punctual_of(zero, level, 0, 1, 7, 0);
     compare_options more = few;
     more.points          = 3000;
     const fault faults[] = {{.shift_texels = 2}, {.shift_texels = 5}, {.early_voxels = 8}, {.early_voxels = -8}, {.mirrored = 1}};
     for (int n = 0; n < 5; n++) {
-        compare_result of_spot = compared_lamp(spot, faults[n], zero, more), of_lamp = compared_lamp(lamp, faults[n], zero, more);
-        assert_true(unexplained(&of_spot) > 10 && unexplained(&of_lamp) > 10);
+        compare_result of_spot     = compared_punctual(spot, faults[n], zero, more),
+                       of_punctual = compared_punctual(punctual, faults[n], zero, more);
+        assert_true(unexplained(&of_spot) > 10 && unexplained(&of_punctual) > 10);
     }
-    compare_result swapped = compared_lamp(lamp, (fault){.swapped_maps = 1}, zero, few);
+    compare_result swapped = compared_punctual(punctual, (fault){.swapped_maps = 1}, zero, few);
     assert_true(unexplained(&swapped) > few.points / 5);
     for (uint32_t n = 0; n < swapped.example_count; n++) assert_in_range(swapped.examples[n].map, 0, 5);
 }
@@ -546,17 +548,17 @@ static uint64_t wrong_of(const compare_result *r)
     return compare_wrong(&r->counts[COMPARE_RANDOM]) + compare_wrong(&r->counts[COMPARE_SURFACE]);
 }
 
-/* More answers are wrong, farther off, and not all of them have an excuse. The voxel before a surface's is lit; that of the surface may be
- * either, so that a shadow one voxel early is no fault here. */
+/* More answers are wrong, farther off, and not all of them have an excuse. The voxel before a surface's is lit; that of the surface
+ * may be either, so that a shadow one voxel early is no fault here. */
 static void faults_of_one_texel_or_voxel_show(void **state)
 {
     (void)state;
     const fault faults[] = {{.shift_texels = 1}, {.shift_texels = -1}, {.early_voxels = 2}, {.early_voxels = -1}};
     for (int cube = 0; cube < 2; cube++) {
-        const vxs_light l     = lamp_of(zero, aslant, cube ? 0 : 50 * degree, cube, 7, 0);
-        compare_result  right = compared_lamp(l, (fault){0}, zero, few);
+        const vxs_light l     = punctual_of(zero, aslant, cube ? 0 : 50 * degree, cube, 7, 0);
+        compare_result  right = compared_punctual(l, (fault){0}, zero, few);
         for (int n = 0; n < 4; n++) {
-            compare_result wrong = compared_lamp(l, faults[n], zero, few);
+            compare_result wrong = compared_punctual(l, faults[n], zero, few);
             assert_true(unexplained(&right) == 0 && unexplained(&wrong) > 10);
             assert_true(wrong_of(&wrong) > 1.2 * (double)wrong_of(&right));
             assert_true(wrong.counts[COMPARE_RANDOM].boundary.median > 1.2 * right.counts[COMPARE_RANDOM].boundary.median);
@@ -586,7 +588,7 @@ static int lit_voxel(const truth *t, const vxs_light *l, int voxel[3])
 static void one_wrong_voxel_is_found(void **state)
 {
     (void)state;
-    const vxs_light l = lamp_of(zero, (double[]){-1, -0.1, -0.3}, 30 * degree, 0, 5, 0);
+    const vxs_light l = punctual_of(zero, (double[]){-1, -0.1, -0.3}, 30 * degree, 0, 5, 0);
     const casters   c = yard(zero);
     run_context     m = {0};
     truth          *t = NULL;
@@ -597,7 +599,7 @@ static void one_wrong_voxel_is_found(void **state)
 
     compare_options many = few;
     many.points          = 100000;
-    compare_result right = compared_lamp(l, (fault){0}, zero, many), wrong = compared_lamp(l, f, zero, many);
+    compare_result right = compared_punctual(l, (fault){0}, zero, many), wrong = compared_punctual(l, f, zero, many);
     assert_int_equal(unexplained(&right), 0);
     assert_true(wrong.counts[COMPARE_RANDOM].unexplained > 5 && wrong.counts[COMPARE_SURFACE].unexplained == 0);
     for (uint32_t n = 0; n < wrong.example_count; n++) {
@@ -607,7 +609,7 @@ static void one_wrong_voxel_is_found(void **state)
     }
 }
 
-static void filters_of_lamps_are_compared(void **state)
+static void filters_of_punctuals_are_compared(void **state)
 {
     (void)state;
     compare_options o = few;
@@ -615,9 +617,9 @@ static void filters_of_lamps_are_compared(void **state)
     o.filter_count    = 1;
     o.points          = 2000;
     for (int cube = 0; cube < 2; cube++) {
-        const vxs_light l      = lamp_of(zero, aslant, cube ? 0 : 50 * degree, cube, 8, 0);
-        compare_result  right  = compared_lamp(l, (fault){0}, zero, o),
-                       shifted = compared_lamp(l, (fault){.shift_texels = 3}, zero, o);
+        const vxs_light l      = punctual_of(zero, aslant, cube ? 0 : 50 * degree, cube, 8, 0);
+        compare_result  right  = compared_punctual(l, (fault){0}, zero, o),
+                       shifted = compared_punctual(l, (fault){.shift_texels = 3}, zero, o);
         for (int kind = 0; kind < COMPARE_CAMERA; kind++) {
             const compare_error *small = &right.filters[0].error[kind], *large = &shifted.filters[0].error[kind];
             assert_true(small->points > 1000 && small->rmse < 0.05 && large->rmse > 1.8 * small->rmse);
@@ -638,7 +640,7 @@ static void random_points_are_uniform_by_volume(void **state)
     const int           ways[]   = {DRAW_FROM_CONE, DRAW_FROM_CONE, DRAW_FROM_CONE, DRAW_FROM_BOX, DRAW_FROM_CONE};
     const double        outers[] = {0.5, 20, 80, 0, 0}, ranges[] = {20, 18, 18, 19.5, 4};
     for (int n = 0; n < 5; n++) {
-        vxs_light   l    = lamp_of(zero, aslant, outers[n] * degree, 1, 7, ranges[n]);
+        vxs_light   l    = punctual_of(zero, aslant, outers[n] * degree, 1, 7, ranges[n]);
         light_shape s    = baked_light_shape(&l);
         rng         r    = {(uint64_t)n};
         int         near = 0, inner = 0, beside = 0;
@@ -670,9 +672,9 @@ static void random_points_are_found_in_needles(void **state)
     static light_volume v;
     const box           flat      = {{-500, 0, -500}, {500, 5, 500}};
     const double        down[3]   = {0, -1, 0};
-    const double        heights[] = {-3, 1e3, 1e6}; /* the lamp is six metres higher */
+    const double        heights[] = {-3, 1e3, 1e6}; /* the light is six metres higher */
     for (int n = 0; n < 3; n++) {
-        vxs_light   l = lamp_of((double[]){1, heights[n], 2}, down, 0.5 * degree, 0, 7, 0);
+        vxs_light   l = punctual_of((double[]){1, heights[n], 2}, down, 0.5 * degree, 0, 7, 0);
         light_shape s = baked_light_shape(&l);
         rng         r = {7};
         light_volume_init(&v, &l, &flat);
@@ -685,7 +687,7 @@ static void random_points_are_found_in_needles(void **state)
         }
         assert_true(n == 0 ? sum > 0.7 && sum < 0.8 : fabs(sum - 2.5) < 0.1); /* a cone from y = 3 has its middle at 0.75 */
     }
-    vxs_light up = lamp_of((double[]){0, 10, 0}, (double[]){0, 1, 0}, 0.5 * degree, 0, 7, 0);
+    vxs_light up = punctual_of((double[]){0, 10, 0}, (double[]){0, 1, 0}, 0.5 * degree, 0, 7, 0);
     rng       r  = {7};
     double    p[3];
     light_volume_init(&v, &up, &flat);
@@ -711,10 +713,10 @@ int main(void)
         cmocka_unit_test(threads_change_nothing_and_seeds_do),
         cmocka_unit_test(honest_spots_have_no_fault),
         cmocka_unit_test(honest_cubes_have_no_fault),
-        cmocka_unit_test(faults_of_lamps_are_found),
+        cmocka_unit_test(faults_of_punctuals_are_found),
         cmocka_unit_test(faults_of_one_texel_or_voxel_show),
         cmocka_unit_test(one_wrong_voxel_is_found),
-        cmocka_unit_test(filters_of_lamps_are_compared),
+        cmocka_unit_test(filters_of_punctuals_are_compared),
         cmocka_unit_test(random_points_are_uniform_by_volume),
         cmocka_unit_test(random_points_are_found_in_needles),
     };

@@ -1,5 +1,5 @@
-/* Transmittance curves of runtime/volumes/vxs_curve.h against the product of what each segment lets through, in double, and in a shader against C in
- * float, to the bit but for exponentials.
+/* Transmittance curves of runtime/volumes/vxs_curve.h against the product of what each segment lets through, in double, and in a
+ * shader against C in float, to the bit but for exponentials.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h"
 
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "random_lamp.h"
+#include "random_light.h"
 #include "repeats.h"
 
 /* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
@@ -98,7 +98,7 @@ static void check_curve(const vxs_curve *c, int nodes)
     }
 }
 
-/* tests ---------------------------------------------------------------------------------------------------------------------------- */
+/* tests ------------------------------------------------------------------------------------------------------------------------ */
 
 /* Of no segments and of any, after each of them; between nodes, too. */
 static void test_t_never_rises(void **state)
@@ -241,7 +241,8 @@ static void errors_of(const vxs_curve *c, const segment *s, int count, double be
     }
 }
 
-/* One thick segment, many thin ones at one place, and thick ones that overlap: nodes are where the curve is steep, and errors fall with their number. */
+/* One thick segment, many thin ones at one place, and thick ones that overlap: nodes are where the curve is steep, and errors fall
+ * with their number. */
 static void test_thick_segments(void **state)
 {
     (void)state;

@@ -41,8 +41,7 @@ static int close_gl(void **state)
     return 0;
 }
 
-/* --- scenes: solids are added before sheets
- * ---------------------------------------------------------------------------------- */
+/* scenes: solids are added before sheets --------------------------------------------------------------------------------------- */
 
 typedef struct mesh {
     casters c;
@@ -143,8 +142,7 @@ static void solids_end(mesh *k)
     k->c.solid_triangle_count = k->c.triangle_count;
 }
 
-/* --- the reference
- * ----------------------------------------------------------------------------------------------------------- */
+/* the reference ---------------------------------------------------------------------------------------------------------------- */
 
 typedef struct hit {
     double depth, tolerance;
@@ -270,8 +268,7 @@ static range first_back(const texel_hits *t)
     return r;
 }
 
-/* --- rendering and comparing
- * ------------------------------------------------------------------------------------------------- */
+/* rendering and comparing ------------------------------------------------------------------------------------------------------ */
 
 static vxs_light identity_light(uint32_t side)
 {
@@ -363,8 +360,7 @@ static depth_stats check_scene(mesh *k, uint32_t side)
     return stats;
 }
 
-/* --- solids
- * ------------------------------------------------------------------------------------------------------------------ */
+/* solids ----------------------------------------------------------------------------------------------------------------------- */
 
 static void boxes_that_intersect(void **state)
 {
@@ -490,8 +486,7 @@ static void inverted_lobes(void **state)
     }
 }
 
-/* --- sheets
- * ------------------------------------------------------------------------------------------------------------------ */
+/* sheets ----------------------------------------------------------------------------------------------------------------------- */
 
 static void sheets_among_solids(void **state)
 {
@@ -593,8 +588,7 @@ static void sheets_alone_share_one_map(void **state)
     casters_free(&k.c);
 }
 
-/* --- triangles that rasterizers have trouble with
- * ---------------------------------------------------------------------------- */
+/* triangles that rasterizers have trouble with --------------------------------------------------------------------------------- */
 
 static void assert_depths_within(const depth_maps *maps, double low, double high)
 {
@@ -690,8 +684,7 @@ static void casters_beyond_the_map(void **state)
     casters_free(&k.c);
 }
 
-/* --- tiles, blocks, threads, lights
- * ------------------------------------------------------------------------------------------ */
+/* tiles, blocks, threads, lights ----------------------------------------------------------------------------------------------- */
 
 static mesh city(uint64_t seed, uint32_t side)
 {
@@ -821,12 +814,11 @@ static void fitted_lights(void **state)
     }
 }
 
-/* --- spot and point lights: rays from the light through texel centres, in the space of the map and in double
- * ------------------------------------------------------------------------------------------ */
+/* spot and point lights: rays from the light through texel centres, in the space of the map and in double ---------------------- */
 
 static const double nearest_share = 1.0 / 1024; /* what is nearer than this of the near side is cut off (map_space.c) */
 
-/* A corner of a cube's map by the names of vxs.md section 2, as tests/unit/random_lamp.h has them. */
+/* A corner of a cube's map by the names of vxs.md section 2, as tests/unit/random_light.h has them. */
 static void to_map(const vxs_light *l, int map, const double *ws, double out[3])
 {
     static const char *const names[6] = {"yzx", "zyX", "zxy", "xzY", "xyz", "yxZ"};
@@ -850,8 +842,8 @@ static int see_edge(const vxs_light *l, const double a[3], const double b[3], do
     return 1;
 }
 
-static void hit_lamp_texel(texel_hits *t, const vxs_light *l, const double p[2], double corner[3][3], const double normal[3],
-                           int solid)
+static void hit_punctual_texel(texel_hits *t, const vxs_light *l, const double p[2], double corner[3][3], const double normal[3],
+                               int solid)
 {
     double half = ldexp(0.5, (int)l->levels), plane = vec3_dot(normal, corner[0]), w[3], part[3];
     double ray[3] = {(p[0] - half) * l->texel_metres, (p[1] - half) * l->texel_metres, 1};
@@ -868,7 +860,8 @@ static void hit_lamp_texel(texel_hits *t, const vxs_light *l, const double p[2],
     }
     double steep = l->near_metres * l->texel_metres * (fabs(normal[0]) + fabs(normal[1])) / fabs(plane);
     assert_true(t->count < HITS_MAX);
-    /* corners are snapped to 1/256 texel, and numbers are floats: of the depth's own size, and of what the slope makes of a block */
+    /* corners are snapped to 1/256 texel, and numbers are floats: of the depth's own size, and of what the slope makes of a block
+     * */
     t->hits[t->count++] = (hit){.depth     = fmax(-share, -1),
                                 .tolerance = 1e-6 * fmin(share, 1) + steep * (1.01 / 512 + 512 * 3e-7),
                                 .front     = plane < 0,
@@ -885,7 +878,7 @@ static int behind_spot(const vxs_light *l, int map, const double p[2])
 }
 
 /* Texels [u0, u0 + side) x [v0, v0 + side) of a map. */
-static texel_hits *cast_lamp_rays(const casters *c, const vxs_light *l, int map, uint32_t u0, uint32_t v0, uint32_t side)
+static texel_hits *cast_punctual_rays(const casters *c, const vxs_light *l, int map, uint32_t u0, uint32_t v0, uint32_t side)
 {
     texel_hits *all = calloc((size_t)side * side, sizeof *all);
     assert_non_null(all);
@@ -911,13 +904,13 @@ static texel_hits *cast_lamp_rays(const casters *c, const vxs_light *l, int map,
                 texel_hits *t    = &all[v * side + u];
                 for (int k = 0; k < 3; k++) t->unsure |= seen[k] && segment_distance(p, flat[k][0], flat[k][1]) < 1.0 / 128;
                 t->unsure |= behind_spot(l, map, p);
-                if (!t->unsure) hit_lamp_texel(t, l, p, corner, normal, n < c->solid_triangle_count);
+                if (!t->unsure) hit_punctual_texel(t, l, p, corner, normal, n < c->solid_triangle_count);
             }
     }
     return all;
 }
 
-static void render_lamp(const casters *c, const vxs_light *light, int map, exit_mode mode, uint32_t threads, depth_maps *maps)
+static void render_punctual(const casters *c, const vxs_light *light, int map, exit_mode mode, uint32_t threads, depth_maps *maps)
 {
     depth_renderer *r;
     run_context     m    = {0};
@@ -929,7 +922,7 @@ static void render_lamp(const casters *c, const vxs_light *light, int map, exit_
 }
 
 /* All maps of a light, peeled and with nearest backs; returns texels with casters that were asked. */
-static size_t check_lamp(const mesh *k, const light_shape *shape, uint32_t side)
+static size_t check_punctual(const mesh *k, const light_shape *shape, uint32_t side)
 {
     vxs_light      light;
     run_context    m     = {0};
@@ -940,9 +933,9 @@ static size_t check_lamp(const mesh *k, const light_shape *shape, uint32_t side)
     assert_int_equal(found, VXS_OK);
     for (int map = 0; map < (light.flags & VXS_LIGHT_CUBE ? 6 : 1); map++) {
         depth_maps  peel, back;
-        texel_hits *all = cast_lamp_rays(&k->c, &light, map, 0, 0, side);
-        render_lamp(&k->c, &light, map, EXIT_PEEL, 2, &peel);
-        render_lamp(&k->c, &light, map, EXIT_BACK, 2, &back);
+        texel_hits *all = cast_punctual_rays(&k->c, &light, map, 0, 0, side);
+        render_punctual(&k->c, &light, map, EXIT_PEEL, 2, &peel);
+        render_punctual(&k->c, &light, map, EXIT_BACK, 2, &back);
         compared c = compare_maps(all, &peel, EXIT_PEEL);
         compare_maps(all, &back, EXIT_BACK);
         for (size_t n = 0; n < (size_t)side * side; n++) {
@@ -972,7 +965,7 @@ static light_shape random_shape(rng *r, int inside)
     return s;
 }
 
-static void lamps_on_solids_and_sheets(void **state)
+static void punctuals_on_solids_and_sheets(void **state)
 {
     (void)state;
     size_t asked = 0;
@@ -998,14 +991,14 @@ static void lamps_on_solids_and_sheets(void **state)
             add_sheet(&k, u, v, u + 10 + 60 * unit(&r), v + 10 + 60 * unit(&r), 40 + 170 * unit(&r), 40 * unit(&r));
         }
         light_shape shape = random_shape(&r, seed % 3 != 0);
-        asked += check_lamp(&k, &shape, 8u << seed % 5);
+        asked += check_punctual(&k, &shape, 8u << seed % 5);
         casters_free(&k.c);
     }
     assert_true(asked > 50000);
 }
 
 /* A light close above a floor, between two walls, and in the open end of a corner. */
-static void lamps_near_surfaces(void **state)
+static void punctuals_near_surfaces(void **state)
 {
     (void)state;
     for (int n = 0; n < 12; n++) {
@@ -1021,13 +1014,13 @@ static void lamps_near_surfaces(void **state)
         add_box(&k, 30, 40, 40, 60, 160, 60);
         solids_end(&k);
         add_sheet(&k, 20, 20, 200, 40, 50, 5);
-        assert_true(check_lamp(&k, &shape, 128) > 1000);
+        assert_true(check_punctual(&k, &shape, 128) > 1000);
         casters_free(&k.c);
     }
 }
 
 /* Things from a millimetre to a kilometre: near and far a million apart, and depths right in shares of themselves. */
-static void lamps_see_near_and_far(void **state)
+static void punctuals_see_near_and_far(void **state)
 {
     (void)state;
     for (int kind = 0; kind < 2; kind++) {
@@ -1047,12 +1040,12 @@ static void lamps_see_near_and_far(void **state)
         assert_int_equal(light_fit(&light, &k.c, &fit, &m), VXS_OK);
         double near = light.near_metres * exp(light.voxel_metres), far = light.near_metres * exp(254 * light.voxel_metres);
         assert_true(far / near > 1e6);
-        assert_true(check_lamp(&k, &shape, 256) > 20000);
+        assert_true(check_punctual(&k, &shape, 256) > 20000);
         casters_free(&k.c);
     }
 }
 
-static void lamps_and_threads(void **state)
+static void punctuals_and_threads(void **state)
 {
     (void)state;
     for (uint64_t seed = 0; seed < 1; seed++) {
@@ -1065,8 +1058,8 @@ static void lamps_and_threads(void **state)
         assert_int_equal(light_fit(&light, &k.c, &fit, &m), VXS_OK);
         for (int map = 0; map < (light.flags & VXS_LIGHT_CUBE ? 6 : 1); map++) {
             depth_maps one, many;
-            render_lamp(&k.c, &light, map, EXIT_PEEL, 1, &one);
-            render_lamp(&k.c, &light, map, EXIT_PEEL, 8, &many);
+            render_punctual(&k.c, &light, map, EXIT_PEEL, 1, &one);
+            render_punctual(&k.c, &light, map, EXIT_PEEL, 8, &many);
             assert_memory_equal(one.enter, many.enter, (size_t)1024 * 1024 * sizeof *one.enter);
             assert_memory_equal(one.exit, many.exit, (size_t)1024 * 1024 * sizeof *one.exit);
             depth_maps_free(&one);
@@ -1076,8 +1069,8 @@ static void lamps_and_threads(void **state)
     }
 }
 
-/* Tiles of a lamp's map are the map; squares far from the corner of a large one are right where they are. */
-static void tiles_of_lamps(void **state)
+/* Tiles of a punctual light's map are the map; squares far from the corner of a large one are right where they are. */
+static void tiles_of_punctuals(void **state)
 {
     (void)state;
     enum { SIDE = 1024, TILE = 512, LARGE = 16384, PART = 64 };
@@ -1091,7 +1084,7 @@ static void tiles_of_lamps(void **state)
     for (int map = 0; map < 6; map += 3) {
         depth_maps      whole, tile;
         depth_renderer *r;
-        render_lamp(&k.c, &light, map, EXIT_PEEL, 2, &whole);
+        render_punctual(&k.c, &light, map, EXIT_PEEL, 2, &whole);
         assert_int_equal(depth_renderer_create(&r, gl, &k.c, &light, map, EXIT_PEEL, 2, &m), VXS_OK);
         assert_int_equal(depth_maps_init(&tile, TILE, SIDE, light.voxel_metres, 1, &m), VXS_OK);
         for (uint32_t j = 0; j < SIDE / TILE; j++)
@@ -1125,7 +1118,7 @@ static void tiles_of_lamps(void **state)
                 memcpy(part.enter + row * PART, tile.enter + (v + row) * TILE + u, PART * sizeof *part.enter);
                 memcpy(part.exit + row * PART, tile.exit + (v + row) * TILE + u, PART * sizeof *part.exit);
             }
-            texel_hits *all = cast_lamp_rays(&k.c, &light, map, i * TILE + u, j * TILE + v, PART);
+            texel_hits *all = cast_punctual_rays(&k.c, &light, map, i * TILE + u, j * TILE + v, PART);
             asked += compare_maps(all, &part, EXIT_PEEL).asked;
             free(all);
         }
@@ -1157,8 +1150,8 @@ static column_tile *fetch_columns(column_map *open, bake_context *ctx)
     return tiles;
 }
 
-/* Maps of a sun and of all faces of a lamp, open at once and fetched in turn, are what each is alone: renderers share a context, but
- * depths grow in one and shrink in the others. */
+/* Maps of a sun and of all faces of a punctual light, open at once and fetched in turn, are what each is alone: renderers share a
+ * context, but depths grow in one and shrink in the others. */
 static void several_maps_are_open(void **state)
 {
     (void)state;
@@ -1229,11 +1222,11 @@ int main(void)
         cmocka_unit_test(empty_squares_have_no_casters),
         cmocka_unit_test(threads_change_nothing),
         cmocka_unit_test(fitted_lights),
-        cmocka_unit_test(lamps_on_solids_and_sheets),
-        cmocka_unit_test(lamps_near_surfaces),
-        cmocka_unit_test(lamps_see_near_and_far),
-        cmocka_unit_test(lamps_and_threads),
-        cmocka_unit_test(tiles_of_lamps),
+        cmocka_unit_test(punctuals_on_solids_and_sheets),
+        cmocka_unit_test(punctuals_near_surfaces),
+        cmocka_unit_test(punctuals_see_near_and_far),
+        cmocka_unit_test(punctuals_and_threads),
+        cmocka_unit_test(tiles_of_punctuals),
         cmocka_unit_test(several_maps_are_open),
     };
     return cmocka_run_group_tests_name("depth_gl", tests, open_gl, close_gl);

@@ -1,4 +1,5 @@
-/* Epipolar space of runtime/volumes/vxs_epipolar.h: places to angles and back, in C and in a shader, and the angles that a view can see.
+/* Epipolar space of runtime/volumes/vxs_epipolar.h: places to angles and back, in C and in a shader, and the angles that a view can
+ * see.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h"
 
@@ -7,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "random_lamp.h"
+#include "random_light.h"
 #include "repeats.h"
 #include "runtime/volumes/vxs_epipolar.h"
 
@@ -57,7 +58,7 @@ static void random_in_view(rng *r, const vxs_epipolar_view *view, double *direct
     make_unit(direction);
 }
 
-/* Lamps and suns: before the eye and behind it, on the axis of the view and off it, near and far. */
+/* Punctual lights and suns: before the eye and behind it, on the axis of the view and off it, near and far. */
 static vxs_epipolar random_space(rng *r, const vxs_epipolar_view *view, double *to_light, int *is_sun)
 {
     double distance = spread(r, 1e-3, 1e4), sign = rng_below(r, 2) ? 1 : -1;
@@ -73,7 +74,7 @@ static vxs_epipolar random_space(rng *r, const vxs_epipolar_view *view, double *
     default: random_direction(r, to_light);
     }
     for (int i = 0; i < 3; i++) to_light[i] *= sign * distance;
-    return *is_sun ? vxs_epipolar_of_sun(to_light, view) : vxs_epipolar_of_lamp(to_light, view);
+    return *is_sun ? vxs_epipolar_of_sun(to_light, view) : vxs_epipolar_of_punctual(to_light, view);
 }
 
 /* The same angles as the paper has them, by vectors. */
@@ -92,7 +93,7 @@ static void angles_of(const vxs_epipolar *space, const double *to_light, int is_
     angles[2] = atan2(sqrt(dot(across, across)), -dot(to_light, from));
 }
 
-/* tests ---------------------------------------------------------------------------------------------------------------------------- */
+/* tests ------------------------------------------------------------------------------------------------------------------------ */
 
 static void test_frame(void **state)
 {
@@ -230,7 +231,7 @@ static void test_cone(void **state)
         random_direction(&r, to_light);
         random_direction(&r, axis);
         for (int i = 0; i < 3; i++) to_light[i] *= 20;
-        vxs_epipolar space = vxs_epipolar_of_lamp(to_light, &view);
+        vxs_epipolar space = vxs_epipolar_of_punctual(to_light, &view);
         memcpy(phi, space.phi, sizeof phi);
         vxs_epipolar_in_cone(&space, axis, cos(cone), space.phi);
         assert_true(space.phi[0] >= phi[0] && space.phi[0] < space.phi[1]);
@@ -255,7 +256,8 @@ static void check_finite(const vxs_epipolar *space)
     assert_true(space->alpha[0] >= 0 && space->theta[0] >= -M_PI && space->phi[0] >= 0);
 }
 
-/* Lamps at the eye, on the view's axis, behind, as far away as a double goes; images of no size; all numbers stay numbers. */
+/* Punctual lights at the eye, on the view's axis, behind, as far away as a double goes; images of no size; all numbers stay
+ * numbers. */
 static void test_extremes(void **state)
 {
     (void)state;
@@ -272,7 +274,7 @@ static void test_extremes(void **state)
         for (int i = 0; i < 3; i++) to_light[i] = view.corners[0][i] + view.corners[2][i];
         if (rng_below(&r, 2)) random_direction(&r, to_light);
         for (int i = 0; i < 3; i++) to_light[i] *= sizes[n / SIZES % SIZES] * (n & 1 ? 1 : -1);
-        vxs_epipolar spaces[2] = {vxs_epipolar_of_lamp(to_light, &view), vxs_epipolar_of_sun(to_light, &view)};
+        vxs_epipolar spaces[2] = {vxs_epipolar_of_punctual(to_light, &view), vxs_epipolar_of_sun(to_light, &view)};
         for (int k = 0; k < 2; k++) {
             check_finite(&spaces[k]);
             memcpy(ways[1], spaces[k].axis, sizeof ways[1]);
@@ -296,9 +298,10 @@ static void test_extremes(void **state)
     }
 }
 
-/* shaders --------------------------------------------------------------------------------------------------------------------------- */
+/* shaders ---------------------------------------------------------------------------------------------------------------------- */
 
-/* A point of gl_points.h asks for a number: the frame and the ranges, a place's angles, the place of these, alpha of it on its light ray. */
+/* A point of gl_points.h asks for a number: the frame and the ranges, a place's angles, the place of these, alpha of it on its
+ * light ray. */
 enum { ANSWERS = 32 };
 static const char ask_text[] =
     "struct question { vec4 light, corners[4], place; };\n" /* light.w: 1 for suns; place.w: the far end */
@@ -314,7 +317,7 @@ static const char ask_text[] =
     "    for (int n = 0; n < 4; n++) view.corners[n] = q.corners[n].xyz;\n"
     "    view.far_metres = q.place.w;\n"
     "    if (q.light.w == 1.0) space = vxs_epipolar_of_sun(q.light.xyz, view);\n"
-    "    else space = vxs_epipolar_of_lamp(q.light.xyz, view);\n"
+    "    else space = vxs_epipolar_of_punctual(q.light.xyz, view);\n"
     "    vxs_epipolar_from_place(space, q.place.xyz, angles);\n"
     "    vxs_epipolar_place(space, angles, place);\n"
     "    vxs_epipolar_across(space, angles.y, across);\n"
@@ -330,8 +333,8 @@ static const char ask_text[] =
     "    answer = all[vertex % 32];\n"
     "}\n";
 
-/* Floats against doubles. Where the axis is nearly that of the view its frame turns about it by a rounding error, and ranges may be all of
- * theta in one and not in the other: such views are not asked. */
+/* Floats against doubles. Where the axis is nearly that of the view its frame turns about it by a rounding error, and ranges may be
+ * all of theta in one and not in the other: such views are not asked. */
 static void test_shader(void **state)
 {
     (void)state;
@@ -371,7 +374,7 @@ static void test_shader(void **state)
             for (int k = 0; k < 4; k++)
                 for (int i = 0; i < 3; i++) view.corners[k][i] = (float)view.corners[k][i];
             view.far_metres = (float)view.far_metres;
-            spaces[n]       = is_sun ? vxs_epipolar_of_sun(to_light, &view) : vxs_epipolar_of_lamp(to_light, &view);
+            spaces[n]       = is_sun ? vxs_epipolar_of_sun(to_light, &view) : vxs_epipolar_of_punctual(to_light, &view);
         } while (margin < 0.05 || spaces[n].alpha[1] - spaces[n].alpha[0] < 0.01 || spaces[n].theta[1] - spaces[n].theta[0] > 3);
         questions[n].light[3] = (float)is_sun;
         questions[n].place[3] = (float)view.far_metres;

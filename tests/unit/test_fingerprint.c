@@ -11,7 +11,7 @@
 
 #include <cmocka.h> /* last: it makes a macro of fail */
 
-/* A sheet of two triangles, one with holes; two lamps and a sun; two cameras. */
+/* A sheet of two triangles, one with holes; two punctual lights and a sun; two cameras. */
 typedef struct world {
     double         positions[6][3];
     uint32_t       indices[9];
@@ -138,7 +138,7 @@ static void what_casts_no_shadow_changes_none(void **state)
     (void)state;
     CHANGED(0, w.s.name = "another");
     CHANGED(0, w.lights[0].shape.position_ws[1] = 99); /* sunlight comes from nowhere */
-    CHANGED(0, w.lights[1].shape.direction_ws[0] = 1); /* nor does a lamp's cone make a place */
+    CHANGED(0, w.lights[1].shape.direction_ws[0] = 1); /* nor does a punctual light's cone make a place */
     CHANGED(0, w.lights[1].shape.outer_rad = 1);
     CHANGED(0, w.lights[2].shape.range_metres = 1);
 }
@@ -210,7 +210,8 @@ static void every_one_of_many_counts(void **state)
     assert_string_equal(fingerprint(&b).geometry, before.geometry);
 }
 
-/* XXH3-128 of the words in little-endian order, computed by other means: a file of today is known tomorrow, and on another machine. */
+/* XXH3-128 of the words in little-endian order, computed by other means: a file of today is known tomorrow, and on another machine.
+ * */
 static void it_stays_what_it_is(void **state)
 {
     (void)state;

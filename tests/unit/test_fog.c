@@ -5,7 +5,7 @@
 #include "baker/lab/picture/fog.h"
 #include "baker/light/map_space.h"
 #include "query_lights.h"
-#include "random_lamp.h"
+#include "random_light.h"
 #include "runtime/vxs.h"
 
 /* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */

@@ -143,8 +143,9 @@ static vxs_bytes sample_file(void)
     return file;
 }
 
-/* A spot, a wide spot and a point light of 16 x 16 texels, whose maps share nodes and masks; two roots of the last are the same node. */
-static vxs_bytes lamps_file(void)
+/* A spot, a wide spot and a point light of 16 x 16 texels, whose maps share nodes and masks; two roots of the last are the same
+ * node. */
+static vxs_bytes punctuals_file(void)
 {
     static const uint32_t roots[4 * 8] = {2, 3, 1, 0, 2, 0, 1, 2, 0, 0, 0, 3, 1, 1, 1, 3,
                                           3, 2, 4, 0, 3, 2, 4, 1, 0, 0, 0, 0, 0, 0, 0, 0};
@@ -152,9 +153,9 @@ static vxs_bytes lamps_file(void)
     static const uint64_t masks[3]     = {0x00000000ffffffffu, 0x8040201008040201u, 0xfffffffffffffffeu};
     const vxs_dag_view    dag          = {{slices, roots}, {3, 4}, 2, masks, 3, {0, 1, 2, 3, 1, 0}};
     const dag_sample      of           = {.levels = 4, .view = dag};
-    vxs_write_light       lights[3]    = {dag_sample_lamp(&of, "spot", VXS_LIGHT_KIND_SPOT, 0),
-                                          dag_sample_lamp(&of, "wide", VXS_LIGHT_KIND_SPOT, VXS_LIGHT_CUBE),
-                                          dag_sample_lamp(&of, "point", VXS_LIGHT_KIND_POINT, VXS_LIGHT_CUBE)};
+    vxs_write_light       lights[3]    = {dag_sample_punctual(&of, "spot", VXS_LIGHT_KIND_SPOT, 0),
+                                          dag_sample_punctual(&of, "wide", VXS_LIGHT_KIND_SPOT, VXS_LIGHT_CUBE),
+                                          dag_sample_punctual(&of, "point", VXS_LIGHT_KIND_POINT, VXS_LIGHT_CUBE)};
     lights[1].light.range_metres       = 6;
     lights[2].light.range_metres       = 10;
     vxs_write_desc desc                = {.lights = lights, .light_count = 3, .metadata = metadata, .zstd_level = 19};
@@ -207,8 +208,8 @@ static void check_light(const vxs_baked_light *baked, const vxs_write_light *wan
 static vxs_write_light sample_of_shape(const dag_sample *s, const char *name, uint32_t shape)
 {
     vxs_write_light l = shape < 2   ? dag_sample_light(s, name)
-                        : shape < 4 ? dag_sample_lamp(s, name, VXS_LIGHT_KIND_SPOT, shape == 3 ? VXS_LIGHT_CUBE : 0)
-                                    : dag_sample_lamp(s, name, VXS_LIGHT_KIND_POINT, VXS_LIGHT_CUBE);
+                        : shape < 4 ? dag_sample_punctual(s, name, VXS_LIGHT_KIND_SPOT, shape == 3 ? VXS_LIGHT_CUBE : 0)
+                                    : dag_sample_punctual(s, name, VXS_LIGHT_KIND_POINT, VXS_LIGHT_CUBE);
     if (shape == 1) l.light.flags = VXS_LIGHT_BOUNDED;
     if (shape == 4) l.light.range_metres = 12.5;
     return l;
@@ -327,7 +328,7 @@ static void test_six_equal_roots(void **state)
     uint32_t        slices[8] = {0, 0, 2, 2, 1, 1, 1, 1};
     uint64_t        mask      = 0x123456789abcdef0u;
     dag_sample      none      = {.levels = 3};
-    vxs_write_light light     = dag_sample_lamp(&none, "lamp", VXS_LIGHT_KIND_POINT, VXS_LIGHT_CUBE);
+    vxs_write_light light     = dag_sample_punctual(&none, "lamp", VXS_LIGHT_KIND_POINT, VXS_LIGHT_CUBE);
     light.dag                 = (vxs_dag_view){.nodes = {slices}, .count = {1}, .level_count = 1, .masks = &mask, .mask_count = 1};
 
     vxs_write_desc desc = {.lights = &light, .light_count = 1, .zstd_level = 1};
@@ -437,7 +438,7 @@ static void test_every_prefix_is_refused(void **state)
 {
     (void)state;
     every_prefix_is_refused(sample_file());
-    every_prefix_is_refused(lamps_file());
+    every_prefix_is_refused(punctuals_file());
 }
 
 static void every_flipped_bit_is_refused(vxs_bytes file)
@@ -455,7 +456,7 @@ static void test_every_flipped_bit_is_refused(void **state)
 {
     (void)state;
     every_flipped_bit_is_refused(sample_file());
-    every_flipped_bit_is_refused(lamps_file());
+    every_flipped_bit_is_refused(punctuals_file());
 }
 
 /* Under checksums that hold: every bit of every section's content, of every directory entry, and of the header. */
@@ -493,7 +494,7 @@ static void test_every_flipped_bit_under_checksums_is_safe(void **state)
 {
     (void)state;
     every_flipped_bit_under_checksums_is_safe(sample_file());
-    every_flipped_bit_under_checksums_is_safe(lamps_file());
+    every_flipped_bit_under_checksums_is_safe(punctuals_file());
 }
 
 static void test_random_changes_under_checksums_are_safe(void **state)
@@ -749,20 +750,20 @@ static void light_finding_f64(int number, size_t at, double value)
 }
 
 /* Fields of a light of another kind: 0 the spot, 1 the wide one, 2 the point. */
-typedef struct lamp_change {
-    uint32_t lamp, flags;
+typedef struct punctual_change {
+    uint32_t punctual, flags;
     int      change_flags;
     size_t   at; /* of a number */
     double   value;
-} lamp_change;
+} punctual_change;
 
-static vxs_bytes changed_lamps(lamp_change c)
+static vxs_bytes changed_punctuals(punctual_change c)
 {
-    vxs_bytes file = lamps_file();
+    vxs_bytes file = punctuals_file();
     parts     p;
     take_apart(&p, &file);
     free(file.data);
-    uint8_t *record = content_of(&p, VXS_KIND_LIGHTS, 0) + VXS_LIGHTS_PREFIX_BYTES + c.lamp * VXS_LIGHT_BYTES;
+    uint8_t *record = content_of(&p, VXS_KIND_LIGHTS, 0) + VXS_LIGHTS_PREFIX_BYTES + c.punctual * VXS_LIGHT_BYTES;
     if (c.change_flags) vxs_store32(record + VXS_LIGHT_FLAGS, c.flags);
     if (c.at) vxs_store_f64(record + c.at, c.value);
     store(find_part(&p, VXS_KIND_LIGHTS, 0));
@@ -771,9 +772,9 @@ static vxs_bytes changed_lamps(lamp_change c)
     return file;
 }
 
-static void lamp_number(int number, uint32_t lamp, size_t at, double value)
+static void punctual_number(int number, uint32_t punctual, size_t at, double value)
 {
-    vxs_bytes file = changed_lamps((lamp_change){.lamp = lamp, .at = at, .value = value});
+    vxs_bytes file = changed_punctuals((punctual_change){.punctual = punctual, .at = at, .value = value});
     if (number)
         refused(&file, number);
     else
@@ -781,14 +782,14 @@ static void lamp_number(int number, uint32_t lamp, size_t at, double value)
     free(file.data);
 }
 
-static void lamp_flags(int number, uint32_t lamp, uint32_t flags)
+static void punctual_flags(int number, uint32_t punctual, uint32_t flags)
 {
-    vxs_bytes file = changed_lamps((lamp_change){.lamp = lamp, .flags = flags, .change_flags = 1});
+    vxs_bytes file = changed_punctuals((punctual_change){.punctual = punctual, .flags = flags, .change_flags = 1});
     refused(&file, number);
     free(file.data);
 }
 
-static void test_lamp_findings(void **state)
+static void test_punctual_findings(void **state)
 {
     (void)state;
     const double bad[]   = {(double)NAN, (double)INFINITY, -(double)INFINITY, -1, -1e-300};
@@ -796,36 +797,36 @@ static void test_lamp_findings(void **state)
     for (int n = 0; n < 3; n++)
         for (int k = 0; k < 5; k++) {
             light_finding_f64(308, reach[n], bad[k]); /* of the moon */
-            for (uint32_t lamp = 0; lamp < 3; lamp++) lamp_number(308, lamp, reach[n], bad[k]);
+            for (uint32_t punctual = 0; punctual < 3; punctual++) punctual_number(308, punctual, reach[n], bad[k]);
         }
     for (int n = 0; n < 3; n++) light_finding_f64(308, reach[n], 0.5), light_finding_f64(308, reach[n], 5e-324);
-    for (uint32_t lamp = 0; lamp < 3; lamp++) {
-        int point = lamp == 2;
-        lamp_number(308, lamp, VXS_LIGHT_NEAR_METRES, 0);
-        lamp_number(0, lamp, VXS_LIGHT_NEAR_METRES, 5e-324);
-        lamp_number(0, lamp, VXS_LIGHT_NEAR_METRES, 1e308);
-        lamp_number(0, lamp, VXS_LIGHT_COS_OUTER, 0);
-        lamp_number(point ? 308 : 0, lamp, VXS_LIGHT_COS_OUTER, 0.999999);
-        lamp_number(308, lamp, VXS_LIGHT_COS_OUTER, 1);
-        lamp_number(308, lamp, VXS_LIGHT_COS_OUTER, 2);
-        lamp_number(0, lamp, VXS_LIGHT_RANGE_METRES, 0);
-        lamp_number(0, lamp, VXS_LIGHT_RANGE_METRES, 5e-324);
-        lamp_number(0, lamp, VXS_LIGHT_RANGE_METRES, 1e308);
-        lamp_number(305, lamp, VXS_LIGHT_TEXEL_METRES, 0);
-        lamp_number(305, lamp, VXS_LIGHT_VOXEL_METRES, (double)NAN);
-        lamp_number(304, lamp, VXS_LIGHT_LS_FROM_WS + 8, (double)INFINITY);
+    for (uint32_t punctual = 0; punctual < 3; punctual++) {
+        int point = punctual == 2;
+        punctual_number(308, punctual, VXS_LIGHT_NEAR_METRES, 0);
+        punctual_number(0, punctual, VXS_LIGHT_NEAR_METRES, 5e-324);
+        punctual_number(0, punctual, VXS_LIGHT_NEAR_METRES, 1e308);
+        punctual_number(0, punctual, VXS_LIGHT_COS_OUTER, 0);
+        punctual_number(point ? 308 : 0, punctual, VXS_LIGHT_COS_OUTER, 0.999999);
+        punctual_number(308, punctual, VXS_LIGHT_COS_OUTER, 1);
+        punctual_number(308, punctual, VXS_LIGHT_COS_OUTER, 2);
+        punctual_number(0, punctual, VXS_LIGHT_RANGE_METRES, 0);
+        punctual_number(0, punctual, VXS_LIGHT_RANGE_METRES, 5e-324);
+        punctual_number(0, punctual, VXS_LIGHT_RANGE_METRES, 1e308);
+        punctual_number(305, punctual, VXS_LIGHT_TEXEL_METRES, 0);
+        punctual_number(305, punctual, VXS_LIGHT_VOXEL_METRES, (double)NAN);
+        punctual_number(304, punctual, VXS_LIGHT_LS_FROM_WS + 8, (double)INFINITY);
     }
-    for (uint32_t lamp = 0; lamp < 3; lamp++) {
-        lamp_flags(307, lamp, VXS_LIGHT_BOUNDED);
-        lamp_flags(307, lamp, VXS_LIGHT_BOUNDED | VXS_LIGHT_CUBE);
-        lamp_flags(307, lamp, VXS_LIGHT_CUBE | 4);
-        lamp_flags(307, lamp, VXS_LIGHT_CUBE | 1u << 31);
+    for (uint32_t punctual = 0; punctual < 3; punctual++) {
+        punctual_flags(307, punctual, VXS_LIGHT_BOUNDED);
+        punctual_flags(307, punctual, VXS_LIGHT_BOUNDED | VXS_LIGHT_CUBE);
+        punctual_flags(307, punctual, VXS_LIGHT_CUBE | 4);
+        punctual_flags(307, punctual, VXS_LIGHT_CUBE | 1u << 31);
     }
-    lamp_flags(307, 2, 0);              /* a point light has six maps */
-    lamp_flags(404, 0, VXS_LIGHT_CUBE); /* one root is not six */
-    lamp_flags(404, 1, 0);              /* nor six one */
+    punctual_flags(307, 2, 0);              /* a point light has six maps */
+    punctual_flags(404, 0, VXS_LIGHT_CUBE); /* one root is not six */
+    punctual_flags(404, 1, 0);              /* nor six one */
     light_finding(307, VXS_LIGHT_FLAGS, "\3", 1);
-    /* a sun that says that it is a lamp, with nothing else changed */
+    /* a sun that says that it is a punctual light, with nothing else changed */
     light_finding(308, VXS_LIGHT_KIND, "\2", 1);
     light_finding(308, VXS_LIGHT_KIND, "\3", 1);
 }
@@ -835,7 +836,7 @@ static void six_roots_finding(int number, uint32_t words_more, const void *conte
 {
     uint32_t        slices[8] = {0, 0, 0, 0, 1, 1, 1, 1};
     dag_sample      none      = {.levels = 3};
-    vxs_write_light light     = dag_sample_lamp(&none, "lamp", VXS_LIGHT_KIND_POINT, VXS_LIGHT_CUBE);
+    vxs_write_light light     = dag_sample_punctual(&none, "lamp", VXS_LIGHT_KIND_POINT, VXS_LIGHT_CUBE);
     vxs_write_desc  desc      = {.lights = &light, .light_count = 1, .zstd_level = 1};
     vxs_bytes       file      = {0};
     parts           p;
@@ -1187,10 +1188,10 @@ static void test_golden_sample(void **state)
     check_golden("tests/golden/sample.vxs", sample_file());
 }
 
-static void test_golden_lamps(void **state)
+static void test_golden_punctuals(void **state)
 {
     (void)state;
-    check_golden("tests/golden/lamps.vxs", lamps_file());
+    check_golden("tests/golden/lamps.vxs", punctuals_file());
 }
 
 static int write_golden(const char *folder, const char *name, vxs_bytes file)
@@ -1209,7 +1210,7 @@ int main(void)
     const char *folder = getenv("VXS_GOLDEN_OUT");
     if (folder)
         return write_golden(folder, "smallest.vxs", smallest_file()) | write_golden(folder, "sample.vxs", sample_file()) |
-               write_golden(folder, "lamps.vxs", lamps_file());
+               write_golden(folder, "lamps.vxs", punctuals_file());
 
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_round_trip_small),
@@ -1227,7 +1228,7 @@ int main(void)
         cmocka_unit_test(test_header_findings),
         cmocka_unit_test(test_directory_findings),
         cmocka_unit_test(test_light_findings),
-        cmocka_unit_test(test_lamp_findings),
+        cmocka_unit_test(test_punctual_findings),
         cmocka_unit_test(test_six_roots_findings),
         cmocka_unit_test(test_level_findings),
         cmocka_unit_test(test_memory_limit),
@@ -1236,7 +1237,7 @@ int main(void)
         cmocka_unit_test(test_repeated_sections_are_found_once_each),
         cmocka_unit_test(test_golden_smallest),
         cmocka_unit_test(test_golden_sample),
-        cmocka_unit_test(test_golden_lamps),
+        cmocka_unit_test(test_golden_punctuals),
         cmocka_unit_test(test_every_finding_was_produced),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,6 +1,6 @@
-/* Lights of palette blocks in .vxs files, version 2 of the format: words that are written are read back and looked up, beside DAGs, and
- * bytes that break a rule of formats/vxs.md are refused with their finding. Damaged pages are tests/unit/test_page.c's; here they come
- * in files whose checksums hold.
+/* Lights of palette blocks in .vxs files, version 2 of the format: words that are written are read back and looked up, beside DAGs,
+ * and bytes that break a rule of formats/vxs.md are refused with their finding. Damaged pages are tests/unit/test_page.c's; here
+ * they come in files whose checksums hold.
  * VXS_BLOCKS_OUT=FILE writes a file with lights of palette blocks instead, VXS_GOLDEN_OUT=FOLDER the golden file of tests/golden/.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "formats/vxs_lookup_blocks.h" /* before the baker, which has a type of a name that is a parameter here */
@@ -88,12 +88,12 @@ static block_words words_of_pages(void)
     return copy;
 }
 
-/* A sun, or a lamp of six maps. */
+/* A sun, or a punctual light of six maps. */
 static vxs_write_light blocks_light(const block_words *w, uint32_t levels, uint32_t map_count, const char *name)
 {
     dag_sample      of = {.levels = levels};
     vxs_write_light l =
-        map_count == 1 ? dag_sample_light(&of, name) : dag_sample_lamp(&of, name, VXS_LIGHT_KIND_POINT, VXS_LIGHT_CUBE);
+        map_count == 1 ? dag_sample_light(&of, name) : dag_sample_punctual(&of, name, VXS_LIGHT_KIND_POINT, VXS_LIGHT_CUBE);
     l.light.coding = VXS_CODING_BLOCKS;
     l.blocks       = (vxs_blocks_view){w->words, w->count, w->common_kinds, w->common_count, packing};
     return l;
@@ -233,16 +233,16 @@ static void test_round_trip_of_large_maps(void **state)
         }
 }
 
-/* A sun and a lamp of palette blocks, with DAGs before, between and behind them. */
+/* A sun and a punctual light of palette blocks, with DAGs before, between and behind them. */
 static void test_mixed_codings(void **state)
 {
     (void)state;
     rng         r = {8};
     dag_sample  dag;
-    block_words sun = words_of_maps(8, 1, MAPS_BOXES, 1), lamp = words_of_maps(6, 6, MAPS_SLOPE, 2);
+    block_words sun = words_of_maps(8, 1, MAPS_BOXES, 1), punctual = words_of_maps(6, 6, MAPS_SLOPE, 2);
     dag_sample_init(&dag, &r, 5, 40);
     vxs_write_light lights[5] = {dag_sample_light(&dag, "first"), blocks_light(&sun, 8, 1, "sun"), dag_sample_light(&dag, "middle"),
-                                 blocks_light(&lamp, 6, 6, "lamp"), dag_sample_light(&dag, "last")};
+                                 blocks_light(&punctual, 6, 6, "lamp"), dag_sample_light(&dag, "last")};
     vxs_bytes       file = file_of(lights, 5), dags = file_of(lights, 1);
     vxs_asset      *mixed, *alone;
     assert_int_equal(vxs_load32(dags.data + VXS_HEADER_VERSION), 1);
@@ -256,15 +256,15 @@ static void test_mixed_codings(void **state)
         assert_memory_equal(found->words, wanted->words, wanted->word_count * sizeof *wanted->words);
     }
     check_words(vxs_asset_light(mixed, 1), &sun);
-    check_words(vxs_asset_light(mixed, 3), &lamp);
+    check_words(vxs_asset_light(mixed, 3), &punctual);
     check_lookups(vxs_asset_light(mixed, 1), &sun, 1);
-    check_lookups(vxs_asset_light(mixed, 3), &lamp, 2);
+    check_lookups(vxs_asset_light(mixed, 3), &punctual, 2);
     vxs_asset_close(mixed);
     vxs_asset_close(alone);
     free(file.data);
     free(dags.data);
     block_words_free(&sun);
-    block_words_free(&lamp);
+    block_words_free(&punctual);
     dag_sample_free(&dag);
 }
 
@@ -840,7 +840,8 @@ static void count_pause(void *user)
     ++*(uint32_t *)user;
 }
 
-/* Each task is held before each of its pages, and once before it learns that there is none left; also on the caller's own thread. */
+/* Each task is held before each of its pages, and once before it learns that there is none left; also on the caller's own thread.
+ * */
 static void test_pauses(void **state)
 {
     (void)state;
@@ -961,7 +962,8 @@ static void test_memory_of_threads(void **state)
 
 /* memory ----------------------------------------------------------------------------------------------------------------------- */
 
-/* A page that says that it takes as much as a page may, and a resident part that says that it takes a lot: refused before it is taken. */
+/* A page that says that it takes as much as a page may, and a resident part that says that it takes a lot: refused before it is
+ * taken. */
 static void test_memory_limit(void **state)
 {
     (void)state;
@@ -1080,7 +1082,7 @@ static int write_file(const char *path, const vxs_write_light *lights, uint32_t 
     return good ? 0 : 1;
 }
 
-/* Suns with a bit of all, and a lamp. */
+/* Suns with a bit of all, and a punctual light. */
 static int write_blocks(const char *path)
 {
     block_words w[] = {

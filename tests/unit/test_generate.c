@@ -286,7 +286,7 @@ static void test_city_has_as_many_spots_as_asked_and_none_in_a_box(void **state)
     }
 }
 
-/* The arm of a lamp is 6/64 m wide and 8/64 m high: nothing else is. */
+/* The arm of a punctual light is 6/64 m wide and 8/64 m high: nothing else is. */
 static int is_under_an_arm(const solid *solids, size_t count, const double at[3])
 {
     for (size_t b = 0; b < count; b++) {
@@ -297,10 +297,10 @@ static int is_under_an_arm(const solid *solids, size_t count, const double at[3]
     return 0;
 }
 
-static void test_city_spots_hang_under_lamps_first(void **state)
+static void test_city_spots_hang_under_punctuals_first(void **state)
 {
     (void)state;
-    const uint32_t counts[3] = {165, 768, 2000}, under_lamps[3] = {165, 768, 768};
+    const uint32_t counts[3] = {165, 768, 2000}, under_punctuals[3] = {165, 768, 768};
     for (int i = 0; i < 3; i++) {
         city_options o = city_default;
         o.spots        = counts[i];
@@ -309,7 +309,7 @@ static void test_city_spots_hang_under_lamps_first(void **state)
         size_t    under  = 0;
         for (size_t k = 1; k < s.light_count; k++)
             under += (size_t)is_under_an_arm(solids, s.vertex_count / 8, s.lights[k].shape.position_ws);
-        assert_int_equal(under, under_lamps[i]);
+        assert_int_equal(under, under_punctuals[i]);
         check_same(&s, &without, 1);
         free(solids);
         glb_scene_free(&s);
@@ -633,7 +633,7 @@ int main(void)
         cmocka_unit_test(test_city_has_no_box_inside_another),
         cmocka_unit_test(test_city_stands),
         cmocka_unit_test(test_city_has_as_many_spots_as_asked_and_none_in_a_box),
-        cmocka_unit_test(test_city_spots_hang_under_lamps_first),
+        cmocka_unit_test(test_city_spots_hang_under_punctuals_first),
         cmocka_unit_test(test_city_meets_the_target_to_the_nearest_dozen),
         cmocka_unit_test(test_one_block_takes_the_most_triangles),
         cmocka_unit_test(test_city_looks_like_one),

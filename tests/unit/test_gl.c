@@ -1,5 +1,5 @@
-/* libvxs_gl on llvmpipe: the same answers as in C from a buffer and from a texture in every dialect, uploads in slices, what it makes and
- * what it leaves of the context's state, damaged words, and lists of lights held against every light at every pixel.
+/* libvxs_gl on llvmpipe: the same answers as in C from a buffer and from a texture in every dialect, uploads in slices, what it
+ * makes and what it leaves of the context's state, damaged words, and lists of lights held against every light at every pixel.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h"
 
@@ -10,7 +10,7 @@
 #include "blocks_sample.h"
 #include "dag_sample.h"
 #include "formats/vxs_space.h"
-#include "random_lamp.h"
+#include "random_light.h"
 #include "repeats.h"
 #include "runtime/gl/vxs_gl.h"
 
@@ -25,7 +25,7 @@
 #include "asked_places.h"
 #include "gl_taps.h"
 
-/* a context that tells lies, and counts ----------------------------------------------------------------------------------------------- */
+/* a context that tells lies, and counts ---------------------------------------------------------------------------------------- */
 
 /* What a context is said to be, which function it lacks, and what was made in it. */
 static struct {
@@ -108,9 +108,11 @@ static vxs_gl_function telling(const char *name, void *user)
     return gl_choice_function(name);
 }
 
-/* lights -------------------------------------------------------------------------------------------------------------------------------- */
+/* lights
+ * --------------------------------------------------------------------------------------------------------------------------------
+ * */
 
-enum { SUN = LAMP_SHAPES, BOUNDED_SUN, LIGHT_KINDS };
+enum { SUN = PUNCTUAL_SHAPES, BOUNDED_SUN, LIGHT_KINDS };
 
 /* Palette blocks at random, in a light of any kind about `at`. */
 typedef struct block_light {
@@ -120,7 +122,7 @@ typedef struct block_light {
 
 static vxs_light light_of(rng *r, int kind, uint32_t levels, const double at[3])
 {
-    lamp      of    = random_lamp(r, kind < SUN ? (lamp_shape)kind : POINT);
+    punctual  of    = random_punctual(r, kind < SUN ? (punctual_shape)kind : POINT);
     vxs_light light = of.light;
     double    side  = ldexp(1, (int)levels);
     if (kind >= SUN) { /* a map of 40 metres a side */
@@ -163,8 +165,8 @@ static vxs_asset *asset_of_dags(rng *r, dag_sample samples[LIGHT_KINDS])
         dag_sample_init(&samples[kind], r, 7, 200);
         vxs_light light = light_of(r, kind, 7, (double[3]){0, 0, 0});
         snprintf(name, sizeof name, "light %d", kind);
-        lights[kind] =
-            kind < SUN ? dag_sample_lamp(&samples[kind], name, light.kind, light.flags) : dag_sample_light(&samples[kind], name);
+        lights[kind] = kind < SUN ? dag_sample_punctual(&samples[kind], name, light.kind, light.flags)
+                                  : dag_sample_light(&samples[kind], name);
         memcpy(light.name, lights[kind].light.name, sizeof light.name);
         light.coding       = lights[kind].light.coding;
         lights[kind].light = light;
@@ -175,7 +177,7 @@ static vxs_asset *asset_of_dags(rng *r, dag_sample samples[LIGHT_KINDS])
     return asset;
 }
 
-/* the same answer ----------------------------------------------------------------------------------------------------------------------- */
+/* the same answer -------------------------------------------------------------------------------------------------------------- */
 
 static const struct dialect {
     const char    *name, *version; /* NULL: what the context says */
@@ -318,8 +320,8 @@ static void check_file(drawing *d, const char *path, const vxs_asset *asset, uin
                   (double)partly * 50 / rounds / QUERIES);
 }
 
-/* Files of VXS_ASSETS, between colons, for which no other test is run, or one of tests/golden: VXS_POINTS of each by each storage, 30 000
- * unless that says otherwise. */
+/* Files of VXS_ASSETS, between colons, for which no other test is run, or one of tests/golden: VXS_POINTS of each by each storage,
+ * 30 000 unless that says otherwise. */
 static void test_same_answer_of_files(void **state)
 {
     const char *paths = getenv("VXS_ASSETS"), *points = getenv("VXS_POINTS");
@@ -350,8 +352,8 @@ static const char lit_body[] =
     "    answer = vxs_lit_by(vxs_light_count() - 1u, position_ws, normal_ws, int(gl_FragCoord.x) % 2 == 0 ? 9 : 265);\n"
     "}\n";
 
-/* From positions, relative to an origin, as by one light's constants alone (tests/unit/test_shaders.c holds those against C): here that
- * vxs_gl_origin moves all lights, in both storages alike. */
+/* From positions, relative to an origin, as by one light's constants alone (tests/unit/test_shaders.c holds those against C): here
+ * that vxs_gl_origin moves all lights, in both storages alike. */
 static void test_origin(void **state)
 {
     static query queries[QUERIES];
@@ -400,7 +402,9 @@ static void test_origin(void **state)
     for (int n = 0; n < LIGHT_KINDS; n++) dag_sample_free(&dags[n]);
 }
 
-/* uploads ------------------------------------------------------------------------------------------------------------------------------- */
+/* uploads
+ * -------------------------------------------------------------------------------------------------------------------------------
+ * */
 
 /* The word at position.x. */
 static const char word_body[] = "in vec3 position_ws;\n"
@@ -514,8 +518,8 @@ static void test_clamped(void **state)
     gl_context_destroy(d.gl);
 }
 
-/* Programs are those of any asset whose lights have the same kinds: with buffers, texts contain no sizes; with textures they do. Lights of two
- * kinds have code for both. */
+/* Programs are those of any asset whose lights have the same kinds: with buffers, texts contain no sizes; with textures they do.
+ * Lights of two kinds have code for both. */
 static void test_texts_are_those_of_any_asset(void **state)
 {
     drawing   d = drawing_make();
@@ -632,7 +636,7 @@ static void test_damaged_words(void **state)
     gl_context_destroy(d.gl);
 }
 
-/* what is made, and what is left -------------------------------------------------------------------------------------------------------- */
+/* what is made, and what is left ----------------------------------------------------------------------------------------------- */
 
 /* One sun: a buffer for its words and one for its constants. No texture, no program, no byte beside. */
 static void test_left_out(void **state)
@@ -837,7 +841,9 @@ static void test_refused(void **state)
     gl_context_destroy(d.gl);
 }
 
-/* culling ------------------------------------------------------------------------------------------------------------------------------- */
+/* culling
+ * -------------------------------------------------------------------------------------------------------------------------------
+ * */
 
 enum { VIEW_WIDE = 61, VIEW_HIGH = 37, VIEW_PIXELS = VIEW_WIDE * VIEW_HIGH, TILES_WIDE = 8, TILES_HIGH = 5 };
 
@@ -963,7 +969,7 @@ static void test_culling(void **state)
         for (int n = 0; n < LIGHTS; n++) {
             double at[3];
             for (int k = 0; k < 3; k++) at[k] = uniform(&r, -30, 30);
-            light[n]  = light_of(&r, n < 140 ? (int)rng_below(&r, LAMP_SHAPES) : n % 2 ? SUN : BOUNDED_SUN, 8, at);
+            light[n]  = light_of(&r, n < 140 ? (int)rng_below(&r, PUNCTUAL_SHAPES) : n % 2 ? SUN : BOUNDED_SUN, 8, at);
             lights[n] = (vxs_gl_light){&light[n], 0};
         }
         vxs_gl_desc desc = {.get_proc_address = telling, .lights = lights, .light_count = LIGHTS, .word_count = 1};
@@ -987,8 +993,8 @@ static void test_culling(void **state)
     gl_context_destroy(d.gl);
 }
 
-/* Depths that lead nowhere, to the camera, or as far as numbers go, in tiles that show something besides: of what these show no light is left
- * out. */
+/* Depths that lead nowhere, to the camera, or as far as numbers go, in tiles that show something besides: of what these show no
+ * light is left out. */
 static void test_wild_depths(void **state)
 {
     enum { LIGHTS = 60 };

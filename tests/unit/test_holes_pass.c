@@ -113,7 +113,7 @@ static vxs_light sun(void)
 }
 
 /* Down the same way, from where the cards lie 2 to 5 m away. */
-static vxs_light lamp(void)
+static vxs_light punctual(void)
 {
     return (vxs_light){.kind         = VXS_LIGHT_KIND_SPOT,
                        .levels       = 8,
@@ -182,13 +182,13 @@ static int nearest(const cards *k, const double origin[3], const double way[3], 
 static void compare_cards(vxs_light light, uint64_t seed, size_t *asked, size_t *through)
 {
     cards           k;
-    depth_renderer *r    = NULL;
-    depth_maps      maps = {0};
-    run_context     m    = {0};
-    int             lamp = light.kind != VXS_LIGHT_KIND_DIRECTIONAL;
+    depth_renderer *r        = NULL;
+    depth_maps      maps     = {0};
+    run_context     m        = {0};
+    int             punctual = light.kind != VXS_LIGHT_KIND_DIRECTIONAL;
     make_cards(&k, seed);
     assert_int_equal(depth_renderer_create(&r, gl, &k.c, &light, 0, EXIT_AUTO, 1, &m), VXS_OK);
-    assert_int_equal(depth_maps_init(&maps, SIDE, SIDE, lamp ? light.voxel_metres : 0, 0, &m), VXS_OK);
+    assert_int_equal(depth_maps_init(&maps, SIDE, SIDE, punctual ? light.voxel_metres : 0, 0, &m), VXS_OK);
     assert_int_equal(depth_renderer_tile(r, &maps, 0, 0, &m), VXS_OK);
     for (size_t n = 0; n < SIDE * SIDE; n++) {
         double near[3], far[3], way[3], distance;
@@ -199,7 +199,7 @@ static void compare_cards(vxs_light light, uint64_t seed, size_t *asked, size_t 
         vec3_unit(way, way);
         if (!nearest(&k, near, way, &distance)) continue;
         double z        = near[2] + distance * way[2];
-        double expected = lamp ? log(z / light.near_metres) / light.voxel_metres : distance / length * SIDE;
+        double expected = punctual ? log(z / light.near_metres) / light.voxel_metres : distance / length * SIDE;
         double found    = stored_voxels(&maps, maps.enter[n]);
         if (!(fabs(found - expected) < 0.05))
             print_error("seed %d texel %zu: depth %g voxels, expected %g\n", (int)seed, n, found, expected);
@@ -228,7 +228,7 @@ static void masks_in_a_flat_map(void **state)
 static void masks_in_a_perspective_map(void **state)
 {
     (void)state;
-    compare_many(lamp());
+    compare_many(punctual());
 }
 
 int main(void)

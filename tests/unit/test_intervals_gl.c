@@ -1,12 +1,12 @@
-/* Exact lit intervals on a graphics processor, on llvmpipe, against those in double: whole pictures in fog, and the intervals of any rays in
- * any light, with words that are missing or damaged.
+/* Exact lit intervals on a graphics processor, on llvmpipe, against those in double: whole pictures in fog, and the intervals of
+ * any rays in any light, with words that are missing or damaged.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-#include "random_lamp.h"
+#include "random_light.h"
 #include "repeats.h"
 
 /* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
@@ -21,14 +21,15 @@
 #include "runtime/volumes/volumes_text.h"
 #include "volumes_scene.h"
 
-/* pictures ------------------------------------------------------------------------------------------------------------------------ */
+/* pictures ------------------------------------------------------------------------------------------------------------------------
+ * */
 
 enum { RESOLUTION = 1024, WIDE = 96, HIGH = 80, PIXELS = WIDE * HIGH };
 
 /* Eight metres of the second let nothing through. */
 static const vxs_medium haze = {{0.03, 0.035, 0.04}, {0.04, 0.045, 0.05}, 0.4}, murk = {{2, 2.2, 2.5}, {3, 3.2, 3.5}, 0.4};
 
-/* Into the light, from afar, in a shadow, through the lamp. */
+/* Into the light, from afar, in a shadow, through the light. */
 static const double eyes[][3]  = {{9, 3, 1}, {-4, 6, 9}, {0.4, 1.5, 0}, {-8, 0.5, -8}, {0.5, 2.5, 8}};
 static const double looks[][3] = {{0, 2, 0}, {0, 1, 0}, {5, 1.6, 2}, {0.5, 2.5, -0.3}, {0.5, 2.5, -0.3}};
 enum { CAMERAS = sizeof eyes / sizeof *eyes };
@@ -48,7 +49,8 @@ static double spread(const volumes_scene *s, const vxs_volumes_light *l, const v
     return most;
 }
 
-/* A picture is that of intervals in double, to a part of the brightest pixel. A ray that touches a hard rim may be off by its spread, too. */
+/* A picture is that of intervals in double, to a part of the brightest pixel. A ray that touches a hard rim may be off by its
+ * spread, too. */
 static void check_picture(const volumes_scene *s, const vxs_volumes_light *l, const volumes_camera *c,
                           const vxs_volumes_frame *frame, const vxs_medium *medium, const double *metres, double part,
                           const char *what)
@@ -107,7 +109,8 @@ static void test_pictures(void **state)
     scene_close(&s);
 }
 
-/* An eye and where it looks: a sun is looked at from 2 m above a random surface, level; a lamp from between it and one. */
+/* An eye and where it looks: a sun is looked at from 2 m above a random surface, level; a punctual light from between it and one.
+ * */
 static volumes_camera random_camera(rng *r, const vxs_baked_light *baked, const vxs_air_light *air)
 {
     int32_t depth, i, j, map, side = 1 << baked->light.levels;
@@ -153,7 +156,8 @@ static void test_files(void **state)
     free(names);
 }
 
-/* rays ---------------------------------------------------------------------------------------------------------------------------- */
+/* rays ----------------------------------------------------------------------------------------------------------------------------
+ * */
 
 enum { RAYS = 512, SPANS = 400, RAYS_AT = 10, SPANS_AT = 11, ROOM = 4 * (1 + SPANS) };
 
@@ -322,7 +326,7 @@ static void random_rays(rng *r, asker *a, const vxs_baked_light *lights, uint32_
         *ray                 = (asked_ray){.end = 1, .light = which};
         random_place(r, light, from);
         random_place(r, light, to);
-        if (n % 8 == 0) /* from the lamp, or to it */
+        if (n % 8 == 0) /* from the light, or to it */
             for (int i = 0; i < 3; i++) {
                 double at = -light->ls_from_ws[i] * light->ls_from_ws[3] - light->ls_from_ws[4 + i] * light->ls_from_ws[7] -
                             light->ls_from_ws[8 + i] * light->ls_from_ws[11];
@@ -428,8 +432,8 @@ static void test_dags(void **state)
     gl_context_destroy(gl);
 }
 
-/* Suns in whose maps the world's origin lies far from the first texel, and rays of few voxels about it, which floats know to 1e-7 of a voxel,
- * but the map's own coordinates to 3e-5. */
+/* Suns in whose maps the world's origin lies far from the first texel, and rays of few voxels about it, which floats know to 1e-7
+ * of a voxel, but the map's own coordinates to 3e-5. */
 static void test_near_origin(void **state)
 {
     (void)state;

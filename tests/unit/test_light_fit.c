@@ -261,7 +261,8 @@ static void long_names(void **state)
     run_free(&m);
 }
 
-/* spot and point lights ---------------------------------------------------------------------------------------------------------- */
+/* spot and point lights ----------------------------------------------------------------------------------------------------------
+ * */
 
 enum { TRIANGLES = 12 };
 
@@ -294,21 +295,21 @@ static void sample_triangle(const soup *k, size_t t, rng *r, double out[3])
     }
 }
 
-static light_fit_desc lamp_desc(const light_shape *shape, uint32_t resolution)
+static light_fit_desc punctual_desc(const light_shape *shape, uint32_t resolution)
 {
     return (light_fit_desc){.name = "lamp", .shape = shape, .resolution = resolution, .resolution_max = 16384};
 }
 
-static vxs_result fit_lamp(vxs_light *l, const soup *k, const light_shape *shape, uint32_t resolution)
+static vxs_result fit_punctual(vxs_light *l, const soup *k, const light_shape *shape, uint32_t resolution)
 {
-    light_fit_desc d = lamp_desc(shape, resolution);
+    light_fit_desc d = punctual_desc(shape, resolution);
     run_context    m = {0};
     vxs_result     r = light_fit(l, &k->c, &d, &m);
     if (r == VXS_OK || r == VXS_E_NO_CASTER) assert_string_equal(m.error, "");
     return r;
 }
 
-static void assert_lamp_axes(const vxs_light *l, const light_shape *shape)
+static void assert_punctual_axes(const vxs_light *l, const light_shape *shape)
 {
     double at[3], cross[3];
     for (int a = 0; a < 3; a++)
@@ -327,7 +328,7 @@ static void assert_lamp_axes(const vxs_light *l, const light_shape *shape)
 /* Distance along the axis of the map that a point is in, and how far inside the map's border it is, in texels. */
 static double inside_border(const vxs_light *l, const double point[3], double *along)
 {
-    double side = ldexp(1, (int)l->levels), border = fmin(LAMP_BORDER_PX, side / 8), ls[3], p[3];
+    double side = ldexp(1, (int)l->levels), border = fmin(PUNCTUAL_BORDER_PX, side / 8), ls[3], p[3];
     to_voxels(l, point, ls);
     for (int n = 0; n < 3; n++) p[n] = fabs(ls[n]);
     *along = ls[2];
@@ -337,7 +338,7 @@ static double inside_border(const vxs_light *l, const double point[3], double *a
 }
 
 /* Points of casters in cone and range are within the border of a map and its near and far sides: one voxel in front, two behind. */
-static int assert_lamp_holds(const vxs_light *l, const soup *k, const light_shape *shape, double slack, uint64_t seed)
+static int assert_punctual_holds(const vxs_light *l, const soup *k, const light_shape *shape, double slack, uint64_t seed)
 {
     rng    r     = rng_split(seed, 40);
     int    asked = 0;
@@ -352,7 +353,7 @@ static int assert_lamp_holds(const vxs_light *l, const soup *k, const light_shap
         assert_true(border > -slack * side);
         double depth = log(along / l->near_metres) / l->voxel_metres;
         assert_true(depth <= side - 2 + slack * side);
-        if (along > far / LAMP_FAR_NEAR_MAX * 1.01) assert_true(depth >= 1 - slack * side);
+        if (along > far / PUNCTUAL_FAR_NEAR_MAX * 1.01) assert_true(depth >= 1 - slack * side);
         if (vxs_voxel(l, point, NULL, 1, voxel) >= 0) assert_true(voxel[2] < (int32_t)side);
         asked++;
     }
@@ -382,7 +383,7 @@ static void random_soup(soup *k, rng *r, light_shape *shape, const double origin
     }
 }
 
-static void lamps_hold_what_they_reach(void **state)
+static void punctuals_hold_what_they_reach(void **state)
 {
     (void)state;
     int held = 0, none = 0;
@@ -393,7 +394,7 @@ static void lamps_hold_what_they_reach(void **state)
         soup         k;
         vxs_light    l;
         random_soup(&k, &r, &shape, here, 1);
-        vxs_result result = fit_lamp(&l, &k, &shape, 8u << rng_below(&r, 9));
+        vxs_result result = fit_punctual(&l, &k, &shape, 8u << rng_below(&r, 9));
         if (result == VXS_E_NO_CASTER) {
             none++;
             for (int n = 0; n < 400; n++) { /* indeed */
@@ -404,17 +405,17 @@ static void lamps_hold_what_they_reach(void **state)
             continue;
         }
         assert_int_equal(result, VXS_OK);
-        assert_lamp_axes(&l, &shape);
+        assert_punctual_axes(&l, &shape);
         assert_int_equal(l.kind, shape.kind == LIGHT_SPOT ? VXS_LIGHT_KIND_SPOT : VXS_LIGHT_KIND_POINT);
         assert_int_equal(l.flags, shape.kind == LIGHT_SPOT && shape.outer_rad < 1.048 ? 0 : VXS_LIGHT_CUBE);
         assert_true(l.range_metres == (isfinite(shape.range_metres) ? shape.range_metres : 0));
         assert_true(shape.kind == LIGHT_SPOT ? fabs(l.cos_outer - cos(shape.outer_rad)) < 1e-15 : l.cos_outer == 0);
-        held += assert_lamp_holds(&l, &k, &shape, 1e-6, seed);
+        held += assert_punctual_holds(&l, &k, &shape, 1e-6, seed);
     }
     assert_true(held > 100000 && none > 500);
 }
 
-static void lamps_far_off_and_tiny(void **state)
+static void punctuals_far_off_and_tiny(void **state)
 {
     (void)state;
     int held = 0;
@@ -426,15 +427,15 @@ static void lamps_far_off_and_tiny(void **state)
         int         far       = seed % 2;
         double      origin[3] = {far ? 1e7 : 0, far ? -3e6 : 0, far ? 8e6 : 0};
         random_soup(&k, &r, &shape, origin, far ? 1 : 1e-6);
-        if (fit_lamp(&l, &k, &shape, 1024) != VXS_OK) continue;
-        assert_lamp_axes(&l, &shape);
-        held += assert_lamp_holds(&l, &k, &shape, far ? 1e-4 : 1e-6, seed);
+        if (fit_punctual(&l, &k, &shape, 1024) != VXS_OK) continue;
+        assert_punctual_axes(&l, &shape);
+        held += assert_punctual_holds(&l, &k, &shape, far ? 1e-4 : 1e-6, seed);
     }
     assert_true(held > 10000);
 }
 
 /* A wall of known place in front of the light: near and far are its ends, to the voxel. */
-static void lamps_fit_tightly(void **state)
+static void punctuals_fit_tightly(void **state)
 {
     (void)state;
     static const double walls[2][9] = {{-0.5, -0.5, 4, 0.5, -0.5, 4, 0, 0.5, 7}, {-1e3, -1e3, 2, 1e3, -1e3, 2, 0, 2e3, 2}};
@@ -445,11 +446,11 @@ static void lamps_fit_tightly(void **state)
             vxs_light   l;
             soup_init(&k, 1);
             memcpy(k.positions, walls[wall], sizeof walls[wall]);
-            assert_int_equal(fit_lamp(&l, &k, &shape, side), VXS_OK);
+            assert_int_equal(fit_punctual(&l, &k, &shape, side), VXS_OK);
             double near = wall ? 2 : 4, far = wall ? 2 : 7;
             assert_true(fabs(l.near_metres * exp(l.voxel_metres) - near) < 1e-9);
             assert_true(fabs(l.voxel_metres - fmax(log(far / near) / (side - 3), l.texel_metres)) < 1e-12);
-            assert_true(fabs(l.texel_metres - tan(0.7) / (side / 2 - fmin(LAMP_BORDER_PX, side / 8))) < 1e-12);
+            assert_true(fabs(l.texel_metres - tan(0.7) / (side / 2 - fmin(PUNCTUAL_BORDER_PX, side / 8))) < 1e-12);
         }
 }
 
@@ -459,7 +460,7 @@ static void range_is_to_the_nearest_point(void **state)
     (void)state;
     for (uint32_t side = 8; side <= 512; side *= 2)
         for (int turn = 0; turn < 6 * 4 * 3; turn++) {
-            double edge       = 0.5 * side / (side / 2.0 - fmin(LAMP_BORDER_PX, side / 8)) * 4,
+            double edge       = 0.5 * side / (side / 2.0 - fmin(PUNCTUAL_BORDER_PX, side / 8)) * 4,
                    flat[3][2] = {{edge, -1}, {90, 300}, {-90, -1}};
             light_shape shape = {.kind = LIGHT_POINT, .range_metres = 4.01};
             soup        k;
@@ -476,11 +477,11 @@ static void range_is_to_the_nearest_point(void **state)
                 at[(axis + 1) % 3] = p[0];
                 at[(axis + 2) % 3] = p[1];
             }
-            assert_int_equal(fit_lamp(&l, &k, &shape, side), VXS_OK);
+            assert_int_equal(fit_punctual(&l, &k, &shape, side), VXS_OK);
             assert_true(fabs(l.near_metres * exp(l.voxel_metres) - 4) < 0.02 || l.near_metres < 4);
             assert_true(l.near_metres * exp(l.voxel_metres * (side - 2)) > 4 - 1e-9);
             shape.range_metres = 3.99;
-            assert_int_equal(fit_lamp(&l, &k, &shape, side), VXS_E_NO_CASTER);
+            assert_int_equal(fit_punctual(&l, &k, &shape, side), VXS_E_NO_CASTER);
         }
 }
 
@@ -496,14 +497,14 @@ static void far_and_near_keep_together(void **state)
         vxs_light    l;
         soup_init(&k, 2);
         memcpy(k.positions, wall, sizeof wall);
-        assert_int_equal(fit_lamp(&l, &k, &shape, 1024), VXS_OK);
+        assert_int_equal(fit_punctual(&l, &k, &shape, 1024), VXS_OK);
         double near = l.near_metres * exp(l.voxel_metres), far = l.near_metres * exp(1022 * l.voxel_metres);
-        assert_true(fabs(far / near / LAMP_FAR_NEAR_MAX - 1) < 1e-9);
+        assert_true(fabs(far / near / PUNCTUAL_FAR_NEAR_MAX - 1) < 1e-9);
         assert_true(n ? fabs(far - 70) < 1e-6 : far > 79 && far < 101);
     }
 }
 
-/* The ceiling that a lamp is set into casts nothing: depth begins at what hangs below it. */
+/* The ceiling that a punctual light is set into casts nothing: depth begins at what hangs below it. */
 static void a_plane_through_the_light_is_no_caster(void **state)
 {
     (void)state;
@@ -513,12 +514,12 @@ static void a_plane_through_the_light_is_no_caster(void **state)
     vxs_light    l;
     soup_init(&k, 2);
     memcpy(k.positions, planes, sizeof planes);
-    assert_int_equal(fit_lamp(&l, &k, &shape, 1024), VXS_OK);
+    assert_int_equal(fit_punctual(&l, &k, &shape, 1024), VXS_OK);
     double near = l.near_metres * exp(l.voxel_metres);
     assert_true(near > 1 && near <= 2);
 }
 
-static void lamps_that_reach_nothing(void **state)
+static void punctuals_that_reach_nothing(void **state)
 {
     (void)state;
     const struct {
@@ -542,12 +543,12 @@ static void lamps_that_reach_nothing(void **state)
         vxs_light l;
         soup_init(&k, 1);
         memcpy(k.positions, (const double[9]){-3, -3, 10, 3, -3, 10, 0, 3, 10}, 9 * sizeof(double));
-        assert_int_equal(fit_lamp(&l, &k, &cases[n].shape, 256), cases[n].wanted);
+        assert_int_equal(fit_punctual(&l, &k, &cases[n].shape, 256), cases[n].wanted);
     }
 }
 
 /* The least power of two whose texels are no larger where the light ends. */
-static void lamp_texel_sizes(void **state)
+static void punctual_texel_sizes(void **state)
 {
     (void)state;
     for (uint64_t seed = 0; seed < 500; seed++) {
@@ -557,28 +558,28 @@ static void lamp_texel_sizes(void **state)
         soup           k;
         vxs_light      l;
         run_context    m = {0};
-        light_fit_desc d = lamp_desc(&shape, 0);
+        light_fit_desc d = punctual_desc(&shape, 0);
         random_soup(&k, &r, &shape, here, 1);
         d.texel_metres    = pow(10, between(&r, -2.5, 0.5));
         vxs_result result = light_fit(&l, &k.c, &d, &m);
         if (result == VXS_E_NO_CASTER) continue;
         if (result == VXS_E_ARGUMENT) {
             assert_non_null(strstr(m.error, "--texel"));
-            assert_int_equal(fit_lamp(&l, &k, &shape, d.resolution_max), VXS_OK); /* indeed the largest map is too small */
+            assert_int_equal(fit_punctual(&l, &k, &shape, d.resolution_max), VXS_OK); /* indeed the largest map is too small */
             assert_true(l.near_metres * exp((d.resolution_max - 2) * l.voxel_metres) * l.texel_metres > d.texel_metres);
             continue;
         }
         assert_int_equal(result, VXS_OK);
-        assert_lamp_holds(&l, &k, &shape, 1e-6, seed);
+        assert_punctual_holds(&l, &k, &shape, 1e-6, seed);
         double side = ldexp(1, (int)l.levels), far = l.near_metres * exp((side - 2) * l.voxel_metres);
-        double half    = l.texel_metres * (side / 2 - fmin(LAMP_BORDER_PX, side / 8)),
-               coarser = half / (side / 4 - fmin(LAMP_BORDER_PX, side / 16));
+        double half    = l.texel_metres * (side / 2 - fmin(PUNCTUAL_BORDER_PX, side / 8)),
+               coarser = half / (side / 4 - fmin(PUNCTUAL_BORDER_PX, side / 16));
         int loose      = l.voxel_metres == l.texel_metres; /* then the far side is behind what is reached */
         if (!loose) assert_true(far * l.texel_metres <= d.texel_metres * (1 + 1e-9));
         if (!loose && side > 8) assert_true(far * coarser > d.texel_metres * (1 - 1e-9));
     }
     light_shape    shape = {.kind = LIGHT_POINT, .range_metres = INFINITY};
-    light_fit_desc d     = lamp_desc(&shape, 0);
+    light_fit_desc d     = punctual_desc(&shape, 0);
     soup           k;
     vxs_light      l;
     run_context    m = {0};
@@ -592,7 +593,8 @@ static void lamp_texel_sizes(void **state)
     assert_int_equal(l.levels, 9); /* 20 m in 400 texels and two borders */
 }
 
-/* What the runtime promises of borders: from 256 texels no filter leaves the map, with the step along a normal that faces the light. */
+/* What the runtime promises of borders: from 256 texels no filter leaves the map, with the step along a normal that faces the
+ * light. */
 static void borders_hold_every_filter(void **state)
 {
     (void)state;
@@ -605,7 +607,7 @@ static void borders_hold_every_filter(void **state)
         shape.range_metres = INFINITY;
         soup_init(&k, 1);
         memcpy(k.positions, (const double[9]){-300, -300, 10, 300, -300, 10, 0, 300, 10}, 9 * sizeof(double));
-        if (fit_lamp(&l, &k, &shape, n % 2 ? 256 : 512) != VXS_OK) continue;
+        if (fit_punctual(&l, &k, &shape, n % 2 ? 256 : 512) != VXS_OK) continue;
         for (int q = 0; q < 20; q++) {
             double  way[3] = {0}, normal[3] = {0}, point[3], wide = 1 - pow(10, between(&r, -9, -2));
             int32_t voxel[3], side = 1 << l.levels;
@@ -645,14 +647,14 @@ int main(void)
         cmocka_unit_test(regions),
         cmocka_unit_test(texel_sizes),
         cmocka_unit_test(long_names),
-        cmocka_unit_test(lamps_hold_what_they_reach),
-        cmocka_unit_test(lamps_far_off_and_tiny),
-        cmocka_unit_test(lamps_fit_tightly),
+        cmocka_unit_test(punctuals_hold_what_they_reach),
+        cmocka_unit_test(punctuals_far_off_and_tiny),
+        cmocka_unit_test(punctuals_fit_tightly),
         cmocka_unit_test(range_is_to_the_nearest_point),
         cmocka_unit_test(far_and_near_keep_together),
         cmocka_unit_test(a_plane_through_the_light_is_no_caster),
-        cmocka_unit_test(lamps_that_reach_nothing),
-        cmocka_unit_test(lamp_texel_sizes),
+        cmocka_unit_test(punctuals_that_reach_nothing),
+        cmocka_unit_test(punctual_texel_sizes),
         cmocka_unit_test(borders_hold_every_filter),
     };
     return cmocka_run_group_tests_name("light_fit", tests, NULL, NULL);

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "random_lamp.h"
+#include "random_light.h"
 #include "repeats.h"
 
 /* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
@@ -21,15 +21,15 @@
 
 static const float no_end = 1e30F;
 
-/* lights and their maps -------------------------------------------------------------------------------------------------------------- */
+/* lights and their maps -------------------------------------------------------------------------------------------------------- */
 
-typedef enum shape_of_light { SUN = LAMP_SHAPES, BOUNDED_SUN, SHAPES_OF_LIGHTS } shape_of_light;
+typedef enum shape_of_light { SUN = PUNCTUAL_SHAPES, BOUNDED_SUN, SHAPES_OF_LIGHTS } shape_of_light;
 
 /* A light, and a map of its. */
 typedef struct lit_map {
     vxs_light           light;
     vxs_light_constants constants;
-    lamp                lamp; /* where it is one */
+    punctual            punctual; /* where it is one */
     int                 side, layers;
     float               far_metres;
     float              *first;
@@ -77,9 +77,9 @@ static void fill_map(rng *r, lit_map *m, float most)
 static lit_map random_map(rng *r, int shape, int side_most)
 {
     lit_map m = {.far_metres = 100};
-    if (shape < (int)LAMP_SHAPES) {
-        m.lamp  = random_lamp(r, (lamp_shape)shape);
-        m.light = m.lamp.light;
+    if (shape < (int)PUNCTUAL_SHAPES) {
+        m.punctual = random_punctual(r, (punctual_shape)shape);
+        m.light    = m.punctual.light;
         if (rng_below(r, 2)) m.light.range_metres = uniform(r, 20, 100);
     } else
         m.light = random_sun(r, shape == (int)BOUNDED_SUN);
@@ -89,11 +89,11 @@ static lit_map random_map(rng *r, int shape, int side_most)
     while (m.side > side_most) m.side /= 2;
     m.first = malloc((size_t)(m.layers * m.side * m.side) * sizeof *m.first);
     assert_non_null(m.first);
-    fill_map(r, &m, shape < (int)LAMP_SHAPES ? 20 : (float)(1 << m.light.levels));
+    fill_map(r, &m, shape < (int)PUNCTUAL_SHAPES ? 20 : (float)(1 << m.light.levels));
     return m;
 }
 
-/* meshes ----------------------------------------------------------------------------------------------------------------------------- */
+/* meshes ----------------------------------------------------------------------------------------------------------------------- */
 
 static vxs_light_mesh_desc desc_of(const lit_map *m, float error_texels)
 {
@@ -152,7 +152,8 @@ static uint32_t open_edges(const mesh_lists *m)
     return open;
 }
 
-/* Where a ray leaves what is lit (+1) and enters it (-1), summed; and the metres, or units of light space, that are lit of its first `length`. */
+/* Where a ray leaves what is lit (+1) and enters it (-1), summed; and the metres, or units of light space, that are lit of its
+ * first `length`. */
 static int walk_ray(const mesh_lists *m, const double from[3], const double way[3], double length, double *lit)
 {
     int sum = 0;
@@ -167,7 +168,7 @@ static int walk_ray(const mesh_lists *m, const double from[3], const double way[
     return sum;
 }
 
-/* light maps as they are defined ----------------------------------------------------------------------------------------------------- */
+/* light maps as they are defined ----------------------------------------------------------------------------------------------- */
 
 /* Whether a point of the world is lit, by the texel that it is in; and, where the texels about it do not agree, -1. */
 static int lit_by_map(const lit_map *m, const double point_ws[3], const double ls[3])
@@ -182,11 +183,11 @@ static int lit_by_map(const lit_map *m, const double point_ws[3], const double l
     } else {
         double p[3], most = -1;
         for (int n = 0; n < map_count(&m->light); n++) {
-            map_space(&m->lamp, n, point_ws, p);
+            map_space(&m->punctual, n, point_ws, p);
             if (p[2] > most) layer = n;
             most = fmax(most, p[2]);
         }
-        map_space(&m->lamp, layer, point_ws, p);
+        map_space(&m->punctual, layer, point_ws, p);
         z = p[2];
         u = m->side / 2.0 + p[0] / z / m->light.texel_metres / per_texel;
         v = m->side / 2.0 + p[1] / z / m->light.texel_metres / per_texel;
@@ -223,7 +224,7 @@ static void random_point(rng *r, const lit_map *m, double ls[3], double ws[3])
     }
 }
 
-/* tests ------------------------------------------------------------------------------------------------------------------------------ */
+/* tests ------------------------------------------------------------------------------------------------------------------------ */
 
 static const float thresholds[] = {0, 1e-4F, 0.5F, 4, 1e9F};
 enum { THRESHOLDS = sizeof thresholds / sizeof *thresholds };
@@ -247,7 +248,8 @@ static void test_closed(void **state)
     }
 }
 
-/* From any point any ray leaves what is lit once more than it enters it, or as often: where the point is lit, as the map has it, and else. */
+/* From any point any ray leaves what is lit once more than it enters it, or as often: where the point is lit, as the map has it,
+ * and else. */
 static void test_rays(void **state)
 {
     (void)state;
@@ -298,8 +300,8 @@ static void fill_city(rng *r, lit_map *m)
     }
 }
 
-/* What rays see of the light with quads of several texels, against a quad for each: next to nothing is lost where next to nothing is allowed,
- * and more, with fewer triangles, where more is. */
+/* What rays see of the light with quads of several texels, against a quad for each: next to nothing is lost where next to nothing
+ * is allowed, and more, with fewer triangles, where more is. */
 static void test_threshold(void **state)
 {
     (void)state;
@@ -308,11 +310,11 @@ static void test_threshold(void **state)
     double             from[RAYS][3], way[RAYS][3], one[RAYS];
     static const float allowed[] = {1e-6F, 0.1F, 1, 10, 100};
     rng                r         = {3};
-    for (int shape = SPOT; shape < (int)LAMP_SHAPES; shape += POINT - SPOT) {
+    for (int shape = SPOT; shape < (int)PUNCTUAL_SHAPES; shape += POINT - SPOT) {
         lit_map m            = {.side = 64, .far_metres = 30};
         double  last         = -1;
-        m.lamp               = random_lamp(&r, (lamp_shape)shape);
-        m.light              = m.lamp.light;
+        m.punctual           = random_punctual(&r, (punctual_shape)shape);
+        m.light              = m.punctual.light;
         m.light.levels       = 6;
         m.light.texel_metres = shape == SPOT ? 0.02 : 1 / 29.0;
         m.constants          = vxs_light_constants_of(&m.light, NULL, 0);

@@ -1,4 +1,5 @@
-/* Lit intervals along rays: against every border that a ray may cross and single lookups between them, and against lookups anywhere on it.
+/* Lit intervals along rays: against every border that a ray may cross and single lookups between them, and against lookups anywhere
+ * on it.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 
@@ -101,7 +102,8 @@ static uint32_t check_points(rng *r, const vxs_baked_light *l, const vxs_ray *ra
     return on_border;
 }
 
-/* brute force -------------------------------------------------------------------------------------------------------------------- */
+/* brute force --------------------------------------------------------------------------------------------------------------------
+ * */
 
 static int by_value(const void *a, const void *b)
 {
@@ -189,7 +191,8 @@ static size_t borders_of(const vxs_baked_light *l, const vxs_ray *ray, double *t
     return count;
 }
 
-/* Between any two borders that are next to each other and not too near, there is one interval, of what a lookup in the middle says. */
+/* Between any two borders that are next to each other and not too near, there is one interval, of what a lookup in the middle says.
+ * */
 static void check_borders(const vxs_baked_light *l, const vxs_ray *ray, const vxs_interval *list, size_t count, double slack)
 {
     static double t[BORDERS_MAX];
@@ -210,7 +213,8 @@ static void check_borders(const vxs_baked_light *l, const vxs_ray *ray, const vx
     }
 }
 
-/* rays --------------------------------------------------------------------------------------------------------------------------- */
+/* rays ---------------------------------------------------------------------------------------------------------------------------
+ * */
 
 /* A point of a map, or about it; on borders of texels and voxels as often as not. */
 static void random_place(rng *r, const vxs_light *light, double *ws)
@@ -224,7 +228,7 @@ static void random_place(rng *r, const vxs_light *light, double *ws)
     vxs_point(light, map, c, ws);
 }
 
-/* Where a lamp is, or a sun's corner: the samples' axes are those of the world. */
+/* Where a punctual light is, or a sun's corner: the samples' axes are those of the world. */
 static void place_of_light(const vxs_light *light, double *ws)
 {
     for (int axis = 0; axis < 3; axis++)

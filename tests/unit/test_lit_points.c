@@ -99,8 +99,8 @@ static void test_a_sun_reaches_all(void **state)
     reach_free(&s.reach);
 }
 
-/* Of the floor 5 m below a lamp: a disc, which the cone or the range cuts out. */
-static void test_a_lamp_reaches_a_disc(void **state)
+/* Of the floor 5 m below a punctual light: a disc, which the cone or the range cuts out. */
+static void test_a_punctual_reaches_a_disc(void **state)
 {
     static floor_scene s;
     const double       height = 5;
@@ -162,7 +162,7 @@ static void test_thinned_out(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_a_sun_reaches_all), cmocka_unit_test(test_a_lamp_reaches_a_disc),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_a_sun_reaches_all), cmocka_unit_test(test_a_punctual_reaches_a_disc),
                                        cmocka_unit_test(test_without_an_object), cmocka_unit_test(test_thinned_out)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

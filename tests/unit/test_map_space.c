@@ -10,16 +10,16 @@
 
 #include "baker/light/map_space.h" /* before cmocka, whose fail() is a macro */
 #include "runtime/vxs.h"
-#include "tests/unit/random_lamp.h"
+#include "tests/unit/random_light.h"
 
 #include <cmocka.h>
 
-/* A light of any kind; of a directional one `lamp` holds no more than the light. */
-static lamp random_light(rng *r, int kind)
+/* A light of any kind; of a directional one `punctual` holds no more than the light. */
+static punctual random_light(rng *r, int kind)
 {
-    if (kind < LAMP_SHAPES) return random_lamp(r, (lamp_shape)kind);
-    lamp   l    = random_lamp(r, SPOT);
-    double unit = uniform(r, 0.01, 2), deep = uniform(r, 0.01, 2);
+    if (kind < PUNCTUAL_SHAPES) return random_punctual(r, (punctual_shape)kind);
+    punctual l    = random_punctual(r, SPOT);
+    double   unit = uniform(r, 0.01, 2), deep = uniform(r, 0.01, 2);
     l.light.kind      = VXS_LIGHT_KIND_DIRECTIONAL;
     l.light.cos_outer = l.light.near_metres = 0;
     for (int n = 0; n < 12; n++) l.light.ls_from_ws[n] /= n < 8 ? unit : deep;
@@ -29,7 +29,7 @@ static lamp random_light(rng *r, int kind)
     return l;
 }
 
-enum { KINDS = LAMP_SHAPES + 1 };
+enum { KINDS = PUNCTUAL_SHAPES + 1 };
 
 /* How far within the sides a point of map space is, in texels of the map that it is seen at: by division, where the code under test
  * multiplies. Below 0: outside. The light's own side counts in shares of the nearest distance that is kept. */
@@ -64,14 +64,14 @@ static void map_space_is_that_of_lookups(void **state)
     (void)state;
     rng r = {1};
     for (int n = 0; n < 20000; n++) {
-        lamp   l    = random_light(&r, n % KINDS);
-        int    maps = l.light.flags & VXS_LIGHT_CUBE ? 6 : 1, map = rng_between(&r, 0, maps - 1);
-        double side = ldexp(1, (int)l.light.levels), at[3], point[3], p[3], wanted[3];
+        punctual l    = random_light(&r, n % KINDS);
+        int      maps = l.light.flags & VXS_LIGHT_CUBE ? 6 : 1, map = rng_between(&r, 0, maps - 1);
+        double   side = ldexp(1, (int)l.light.levels), at[3], point[3], p[3], wanted[3];
         for (int c = 0; c < 3; c++) at[c] = uniform(&r, 0.01, side - 0.01);
         vxs_point(&l.light, map, at, point);
         map_frame frame = map_frame_of(&l.light, map);
         map_space_from_ws(&frame, point, p);
-        if (n % KINDS < LAMP_SHAPES) {
+        if (n % KINDS < PUNCTUAL_SHAPES) {
             map_space(&l, map, point, wanted);
             for (int c = 0; c < 3; c++) assert_true(fabs(p[c] - wanted[c]) < 1e-9 * (1 + p[2]));
             assert_true(fabs(side / 2 + p[0] / p[2] / l.light.texel_metres - at[0]) < 1e-6 * side);
@@ -123,7 +123,7 @@ static void clipping_keeps_what_is_inside(void **state)
     rng r  = {2};
     int in = 0, out = 0, whole = 0, cut = 0, missed = 0;
     for (int n = 0; n < 40000; n++) {
-        lamp        l    = random_light(&r, n % KINDS);
+        punctual    l    = random_light(&r, n % KINDS);
         double      side = ldexp(1, (int)l.light.levels), beyond = n % 3 ? uniform(&r, 0, side) : (double)(n % 2);
         map_sides   s = map_sides_of(&l.light, beyond);
         map_polygon t = {.count = 3}, kept = {.count = 0};
@@ -155,13 +155,14 @@ static void clipping_keeps_what_is_inside(void **state)
     assert_true(in > 10000 && out > 100000 && whole > 500 && cut > 10000 && missed > 3000);
 }
 
-/* Corners on a side, on several, on the plane of the light and at the light: no corner beyond the array, none that is not a number. */
+/* Corners on a side, on several, on the plane of the light and at the light: no corner beyond the array, none that is not a number.
+ * */
 static void degenerate_triangles(void **state)
 {
     (void)state;
     rng r = {3};
     for (int n = 0; n < 200000; n++) {
-        lamp        l    = random_light(&r, n % KINDS);
+        punctual    l    = random_light(&r, n % KINDS);
         double      side = ldexp(1, (int)l.light.levels);
         map_sides   s    = map_sides_of(&l.light, n % 2 ? side : 0);
         map_polygon t    = {.count = 3}, kept;
@@ -219,11 +220,11 @@ static void closed_meshes_stay_closed(void **state)
     assert_non_null(edges);
     size_t asked = 0;
     for (int n = 0; n < 600; n++) {
-        lamp      l    = random_light(&r, n % KINDS);
+        punctual  l    = random_light(&r, n % KINDS);
         double    side = ldexp(1, (int)l.light.levels), centre[3], place_of[STACKS + 1][SLICES][3];
         map_sides s    = map_sides_of(&l.light, n % 2 ? side : 1);
         random_corner(&r, &l.light, centre);
-        double radius = (n % KINDS == LAMP_SHAPES ? side : l.light.near_metres * 50) * uniform(&r, 0.1, 2);
+        double radius = (n % KINDS == PUNCTUAL_SHAPES ? side : l.light.near_metres * 50) * uniform(&r, 0.1, 2);
         for (int a = 0; a <= STACKS; a++)
             for (int b = 0; b < SLICES; b++) {
                 double polar = acos(-1) * a / STACKS, round = 2 * acos(-1) * b / SLICES,

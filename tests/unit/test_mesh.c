@@ -1,12 +1,12 @@
-/* Polygonal light volumes of libvxs_volumes on llvmpipe: each pixel's airlight against the same mesh walked in double, the count of its crossings,
- * what is clamped, and no number that is none.
+/* Polygonal light volumes of libvxs_volumes on llvmpipe: each pixel's airlight against the same mesh walked in double, the count of
+ * its crossings, what is clamped, and no number that is none.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-#include "random_lamp.h"
+#include "random_light.h"
 #include "repeats.h"
 
 /* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
@@ -195,8 +195,8 @@ static void test_airlight(void **state)
     scene_close(&s);
 }
 
-/* A face that is seen from its edge may be drawn in a pixel whose ray passes beside it: the pixel of a view that is farthest off exact intervals is still as
- * the mesh in double has it. */
+/* A face that is seen from its edge may be drawn in a pixel whose ray passes beside it: the pixel of a view that is farthest off
+ * exact intervals is still as the mesh in double has it. */
 static void test_edge_on(void **state)
 {
     (void)state;
@@ -359,7 +359,7 @@ static void test_any_numbers(void **state)
                 to[i]                = uniform(&r, -5, 5);
             }
             if (!rng_below(&r, 4))
-                memcpy(eye, air.place, sizeof eye); /* the eye at the lamp, or the lamp in the middle of the view */
+                memcpy(eye, air.place, sizeof eye); /* the eye at the light, or the light in the middle of the view */
             if (!rng_below(&r, 4)) memcpy(to, air.place, sizeof to);
             to[0] += 1e-3;
             u.light.radius_metres = (float)exp(uniform(&r, log(1e-6), log(10)));

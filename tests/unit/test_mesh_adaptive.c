@@ -1,12 +1,12 @@
-/* Light meshes that shaders choose the quads of, on llvmpipe: against the mesh that C makes of the same map, which is tested by itself, triangle by
- * triangle; against the mesh of all quads; and the count of crossings in each pixel.
+/* Light meshes that shaders choose the quads of, on llvmpipe: against the mesh that C makes of the same map, which is tested by
+ * itself, triangle by triangle; against the mesh of all quads; and the count of crossings in each pixel.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-#include "random_lamp.h"
+#include "random_light.h"
 #include "repeats.h"
 #include "runtime/volumes/light_mesh.h"
 
@@ -26,7 +26,9 @@ enum { RESOLUTION = 256, WIDE = 32, HIGH = 24, PIXELS = WIDE * HIGH, SIDE_MOST =
 
 static const vxs_medium haze = {{0.03, 0.035, 0.04}, {0.04, 0.045, 0.05}, 0.4};
 
-/* maps ------------------------------------------------------------------------------------------------------------------------------- */
+/* maps
+ * -------------------------------------------------------------------------------------------------------------------------------
+ * */
 
 /* A light of the scene, and a map of it that may hold anything. */
 typedef struct own_map {
@@ -91,7 +93,7 @@ static void map_free(own_map *m)
     free(m->texels);
 }
 
-/* meshes ----------------------------------------------------------------------------------------------------------------------------- */
+/* meshes ----------------------------------------------------------------------------------------------------------------------- */
 
 static vxs_adaptive_mesh *mesh_room(const volumes_scene *s, uint32_t side, uint32_t layers, uint32_t triangles_most)
 {
@@ -221,12 +223,13 @@ static double error_of(const float *pixels, const float *wanted, double *most)
     return sqrt(wrong / size);
 }
 
-/* tests ------------------------------------------------------------------------------------------------------------------------------ */
+/* tests ------------------------------------------------------------------------------------------------------------------------ */
 
 static const float thresholds[] = {0, 0.03F, 0.37F, 3.1F, 29, 1e9F};
 enum { THRESHOLDS = sizeof thresholds / sizeof *thresholds };
 
-/* Shaders list the triangles that C does, whatever the map: of suns, bounded or not, of lamps, with a range or not, of maps of one texel and more. */
+/* Shaders list the triangles that C does, whatever the map: of suns, bounded or not, of punctual lights, with a range or not, of
+ * maps of one texel and more. */
 static void test_triangles(void **state)
 {
     (void)state;

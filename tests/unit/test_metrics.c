@@ -64,12 +64,12 @@ static void test_classes(void **state)
 {
     (void)state;
     static uint8_t classes[PIXELS];
-    const double   eye[3] = {1, 2, 3}, lamp[3] = {1, 2, 13}, ahead[3] = {0, 0, 1}, back[3] = {0, 0, -1};
+    const double   eye[3] = {1, 2, 3}, punctual[3] = {1, 2, 13}, ahead[3] = {0, 0, 1}, back[3] = {0, 0, -1};
     const double   in[3] = {0.039, 0, sqrt(1 - 0.039 * 0.039)}, out[3] = {0.041, 0, sqrt(1 - 0.041 * 0.041)};
-    assert_int_equal(pixel_class_of(eye, ahead, lamp, 0.1), PIXELS_EPIPOLE);
-    assert_int_equal(pixel_class_of(eye, back, lamp, 0.1), PIXELS_ELSEWHERE);
-    assert_int_equal(pixel_class_of(eye, in, lamp, 0.1), PIXELS_EPIPOLE);
-    assert_int_equal(pixel_class_of(eye, out, lamp, 0.1), PIXELS_ELSEWHERE);
+    assert_int_equal(pixel_class_of(eye, ahead, punctual, 0.1), PIXELS_EPIPOLE);
+    assert_int_equal(pixel_class_of(eye, back, punctual, 0.1), PIXELS_ELSEWHERE);
+    assert_int_equal(pixel_class_of(eye, in, punctual, 0.1), PIXELS_EPIPOLE);
+    assert_int_equal(pixel_class_of(eye, out, punctual, 0.1), PIXELS_ELSEWHERE);
     for (int n = 0; n < PIXELS; n++) classes[n] = n < 10 ? PIXELS_EPIPOLE : PIXELS_ELSEWHERE;
     for (int n = 0; n < VALUES; n++) {
         wanted[n] = n < 30 ? 1000 : 1;

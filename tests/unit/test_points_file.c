@@ -1,11 +1,11 @@
-/* Points of what casts in a .vxs file: what is written is read back within its rounding, in the order of formats/vxs.md section 16; what breaks a rule is refused
- * with its finding.
+/* Points of what casts in a .vxs file: what is written is read back within its rounding, in the order of formats/vxs.md section 16;
+ * what breaks a rule is refused with its finding.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 
 #include "alloc_fail.h"
 #include "dag_sample.h"
-#include "random_lamp.h"
+#include "random_light.h"
 #include "runtime/vxs_stream.h"
 
 /* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
@@ -135,7 +135,8 @@ static void test_what_has_no_room_is_not_written(void **state)
     free(file.data);
 }
 
-/* findings ----------------------------------------------------------------------------------------------------------------------- */
+/* findings -----------------------------------------------------------------------------------------------------------------------
+ * */
 
 static void refused_when(void (*change)(part *points), int number)
 {

@@ -11,7 +11,7 @@
 
 #include "baker/light/projection.h" /* before cmocka, whose fail() is a macro */
 #include "runtime/vxs.h"
-#include "tests/unit/random_lamp.h"
+#include "tests/unit/random_light.h"
 
 #include <cmocka.h>
 
@@ -56,7 +56,7 @@ static void add_ball(mesh *k, rng *r, const double centre[3], double radius)
 }
 
 /* Balls and sheets in front of a light, about it and through it. */
-static void make_mesh(mesh *k, rng *r, const lamp *l)
+static void make_mesh(mesh *k, rng *r, const punctual *l)
 {
     memset(k, 0, sizeof *k);
     k->c.positions_ws = k->positions;
@@ -81,7 +81,7 @@ static void make_mesh(mesh *k, rng *r, const lamp *l)
     }
 }
 
-static void project(projection *p, const casters *c, const lamp *l, int map)
+static void project(projection *p, const casters *c, const punctual *l, int map)
 {
     run_context m = {0};
     assert_int_equal(projection_init(p, c, &l->light, map, 2, &m), VXS_OK);
@@ -116,16 +116,16 @@ static double inside_triangle(const projection *p, size_t t, double u, double v,
 }
 
 /* The cube of a wide spot has maps that look there; what lies there wholly is left out of them. */
-static int behind_spot(const lamp *l, const double point_ws[3])
+static int behind_spot(const punctual *l, const double point_ws[3])
 {
     double from[3];
     for (int w = 0; w < 3; w++) from[w] = point_ws[w] - l->at[w];
     return l->light.kind == VXS_LIGHT_KIND_SPOT && dot(l->axis[2], from) < 0;
 }
 
-/* Points of casters that the map sees are in some triangle of the projection, at their own depth; and no triangle is where there is no
- * caster. */
-static void points_of_casters(const projection *p, const mesh *k, const lamp *l, int map, rng *r, int *asked)
+/* Points of casters that the map sees are in some triangle of the projection, at their own depth; and no triangle is where there is
+ * no caster. */
+static void points_of_casters(const projection *p, const mesh *k, const punctual *l, int map, rng *r, int *asked)
 {
     double side = ldexp(1, (int)l->light.levels);
     for (int n = 0; n < 150; n++) {
@@ -176,8 +176,8 @@ static int on_a_bound(const edge *e, double side)
     return 0;
 }
 
-/* 0 when some triangle with this edge's start was left out since it is beside the map: then its neighbours have open edges there, which
- * the map does not see. */
+/* 0 when some triangle with this edge's start was left out since it is beside the map: then its neighbours have open edges there,
+ * which the map does not see. */
 static int seen_by_map(const edge *e, double side)
 {
     return fmax(e->from.u, e->to.u) >= -1 && fmin(e->from.u, e->to.u) <= side + 1 && fmax(e->from.v, e->to.v) >= -1 &&
@@ -215,9 +215,9 @@ static void what_a_map_sees_is_there(void **state)
     mesh  *k     = malloc(sizeof *k);
     assert_non_null(k);
     for (int n = 0; n < 400; n++) {
-        lamp   l    = random_lamp(&r, (lamp_shape)(n % LAMP_SHAPES));
-        int    maps = l.light.flags & VXS_LIGHT_CUBE ? 6 : 1;
-        double side = ldexp(1, (int)l.light.levels);
+        punctual l    = random_punctual(&r, (punctual_shape)(n % PUNCTUAL_SHAPES));
+        int      maps = l.light.flags & VXS_LIGHT_CUBE ? 6 : 1;
+        double   side = ldexp(1, (int)l.light.levels);
         make_mesh(k, &r, &l);
         for (int map = 0; map < maps; map++) {
             projection p, solids;
@@ -249,7 +249,7 @@ static void windings_stay(void **state)
     rng r     = {2};
     int asked = 0;
     for (int n = 0; n < 3000; n++) {
-        lamp     l = random_lamp(&r, (lamp_shape)(n % LAMP_SHAPES));
+        punctual l = random_punctual(&r, (punctual_shape)(n % PUNCTUAL_SHAPES));
         mesh     k;
         uint32_t corner[3];
         double   side = ldexp(1, (int)l.light.levels), p[3][3], ab[3], ac[3], normal[3], from[3];
@@ -285,7 +285,7 @@ static void nothing_to_see(void **state)
 {
     (void)state;
     rng        r    = {3};
-    lamp       l    = random_lamp(&r, SPOT);
+    punctual   l    = random_punctual(&r, SPOT);
     casters    none = {0};
     projection p;
     project(&p, &none, &l, 0);

@@ -2,7 +2,7 @@
  * airlight between lit ends against closed forms, and that nothing changes when it is asked twice as finely.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mesh_sample.h"
-#include "random_lamp.h"
+#include "random_light.h"
 #include "repeats.h"
 #include "tests/volumes/map_parts.h"
 #include "tests/volumes/mesh_parts.h"
@@ -69,11 +69,11 @@ static int spheres_lit(const void *user, const double point[3])
 }
 
 /* at  [SPHERES] */
-static lit_spheres random_spheres(rng *r, int is_lamp, sphere *at)
+static lit_spheres random_spheres(rng *r, int is_punctual, sphere *at)
 {
-    lit_spheres s = {at, SPHERES, .light = {.kind = is_lamp ? LIGHT_POINT : LIGHT_DIRECTIONAL, .range_metres = INFINITY}};
+    lit_spheres s = {at, SPHERES, .light = {.kind = is_punctual ? LIGHT_POINT : LIGHT_DIRECTIONAL, .range_metres = INFINITY}};
     random_direction(r, s.light.direction_ws);
-    for (int n = 0; n < 3; n++) s.light.position_ws[n] = is_lamp ? uniform(r, -3, 3) : 0;
+    for (int n = 0; n < 3; n++) s.light.position_ws[n] = is_punctual ? uniform(r, -3, 3) : 0;
     for (int n = 0; n < SPHERES; n++) {
         double away[3];
         do {
@@ -87,7 +87,7 @@ static lit_spheres random_spheres(rng *r, int is_lamp, sphere *at)
     return s;
 }
 
-/* Turn a ray to a lamp, or to the sun. */
+/* Turn a ray to a punctual light, or to the sun. */
 static void look_into(eye_ray *ray, const light_shape *light)
 {
     for (int k = 0; k < 3; k++)
@@ -200,16 +200,16 @@ static void test_traced_scene(void **state)
 
 /* T1: texels ---------------------------------------------------------------------------------------------------------- */
 
-/* A map of random depths, some without end; of a sun or of a lamp. */
+/* A map of random depths, some without end; of a sun or of a punctual light. */
 typedef struct random_map {
-    lamp      l;
+    punctual  l;
     light_map map;
     float    *first;
 } random_map;
 
 static random_map map_of(rng *r, int kind)
 {
-    random_map m     = {.l = random_lamp(r, kind == 0 ? SPOT : kind == 1 ? WIDE_SPOT : POINT)};
+    random_map m     = {.l = random_punctual(r, kind == 0 ? SPOT : kind == 1 ? WIDE_SPOT : POINT)};
     uint32_t   shift = rng_below(r, 2);
     m.l.light.levels = 4;
     if (kind < 3) m.l.light.texel_metres = (kind == 0 ? tan(m.l.cone_rad) : 1) / 6.5;
@@ -226,7 +226,7 @@ static random_map map_of(rng *r, int kind)
     return m;
 }
 
-/* Whether a place is lit, with axes by their names (random_lamp.h), and no function of vxs_space.h. */
+/* Whether a place is lit, with axes by their names (random_light.h), and no function of vxs_space.h. */
 static int lit_by_names(const random_map *m, const double point[3])
 {
     double   p[3] = {0}, side = m->map.side, baked = 16, u, v;

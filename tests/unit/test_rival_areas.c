@@ -1,12 +1,12 @@
-/* What area lights are judged by, and their rivals, against exact visibility among boxes: the reference of traced shadows is right, marches of faces and froxels of
- * a rectangle reach their own limits as their knobs grow.
+/* What area lights are judged by, and their rivals, against exact visibility among boxes: the reference of traced shadows is right,
+ * marches of faces and froxels of a rectangle reach their own limits as their knobs grow.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-#include "random_lamp.h"
+#include "random_light.h"
 #include "tests/volumes/area_reference.h"
 #include "tests/volumes/rival_faces.h"
 #include "tests/volumes/rival_froxels.h"
@@ -29,7 +29,8 @@ static int is_free(const void *boxes, const double from[3], const double to[3])
     return area_is_free(boxes, from, to);
 }
 
-/* The reference, by a mean of places, and the parts of rays that boxes leave lit to 2048 lamps: with few samples it is off by about what it tells. */
+/* The reference, by a mean of places, and the parts of rays that boxes leave lit to 2048 VPLs: with few samples it is off by about
+ * what it tells. */
 static void test_reference(void **state)
 {
     (void)state;
@@ -45,12 +46,12 @@ static void test_reference(void **state)
     for (uint32_t ray = 0; ray < RAYS; ray++) {
         volumes_camera c         = camera_at(eyes[ray % CAMERAS], look, 0.7);
         double         wanted[3] = {0}, found[3] = {0}, direction[3];
-        vxs_vpl        lamps[VXS_VPLS_MAX];
+        vxs_vpl        vpls[VXS_VPLS_MAX];
         camera_ray(&scene, &c, 7 * ray % WIDE, 5 * ray % HIGH, direction);
         double metres = fmin(scene_trace(&scene, c.eye, direction), 30);
         for (uint32_t seed = 1; seed <= SETS; seed++) {
-            screen_lamps(seed, lamps, VXS_VPLS_MAX);
-            area_airlight(&scene, lamps, VXS_VPLS_MAX, &haze, c.eye, direction, metres, wanted);
+            screen_vpls(seed, vpls, VXS_VPLS_MAX);
+            area_airlight(&scene, vpls, VXS_VPLS_MAX, &haze, c.eye, direction, metres, wanted);
         }
         off += 3 * pow(area_reference_add(&source, &fog, c.eye, direction, metres, SAMPLES, ray, found), 2);
         for (int n = 0; n < 3; n++) {
@@ -62,33 +63,33 @@ static void test_reference(void **state)
     assert_true(sqrt(wrong / size) < 0.01 && sqrt(off / size) < 0.02);
 }
 
-/* A lamp where the scene's point light is, that shines down; its map; and a view of it. */
-typedef struct one_lamp {
-    vxs_vpl               lamp;
+/* A VPL where the scene's point light is, that shines down; its map; and a view of it. */
+typedef struct one_vpl {
+    vxs_vpl               vpl;
     vxs_shadow_depth_map *map;
     vxs_volumes_light     light;
     vxs_volumes_frame     frame;
     volumes_camera        camera;
     double                metres[PIXELS];
-} one_lamp;
+} one_vpl;
 
-static void open_one(one_lamp *o, int camera)
+static void open_one(one_vpl *o, int camera)
 {
     const vxs_shadow_depth_map_desc desc = {.baked_number = vxs_baked_number(SCENE_POINT)};
     o->light                             = scene_light(SCENE_POINT);
     const vxs_air_light air              = scene_air_light(&scene, &o->light);
-    o->lamp                              = (vxs_vpl){.normal = {0, -1, 0}, .colour = {4, 3, 2}, .radius_metres = 0.1F};
-    for (int n = 0; n < 3; n++) o->lamp.place[n] = (float)air.place[n];
+    o->vpl                               = (vxs_vpl){.normal = {0, -1, 0}, .colour = {4, 3, 2}, .radius_metres = 0.1F};
+    for (int n = 0; n < 3; n++) o->vpl.place[n] = (float)air.place[n];
     o->camera = camera_at(eyes[camera], look, 0.7);
     o->frame  = scene_frame(&scene, &o->camera, &haze, 1e30, 30, o->metres);
     assert_int_equal(vxs_shadow_depth_map_create(&o->map, scene.volumes, &desc), VXS_OK);
     while (vxs_shadow_depth_map_fill(o->map, 1 << 20)) continue;
 }
 
-static void march(const one_lamp *o, rival_faces *faces, uint32_t steps, float *pixels)
+static void march(const one_vpl *o, rival_faces *faces, uint32_t steps, float *pixels)
 {
     assert_int_equal(vxs_volumes_begin(scene.volumes, &o->frame), VXS_OK);
-    assert_int_equal(rival_faces_march(faces, &o->lamp, SCENE_POINT, o->map, steps), VXS_OK);
+    assert_int_equal(rival_faces_march(faces, &o->vpl, SCENE_POINT, o->map, steps), VXS_OK);
     scene_read(&scene, pixels);
 }
 
@@ -100,16 +101,16 @@ static void test_faces(void **state)
     static double         wanted[3 * PIXELS];
     static float          pixels[4 * PIXELS];
     double                errors[3];
-    one_lamp              o;
+    one_vpl               o;
     rival_faces          *faces;
     open_one(&o, 0);
-    o.lamp.colour[0] = 40;
+    o.vpl.colour[0] = 40;
     assert_int_equal(rival_faces_create(&faces, scene.volumes), VXS_OK);
     memset(wanted, 0, sizeof wanted);
     for (uint32_t n = 0; n < PIXELS; n++) {
         double direction[3];
         camera_ray(&scene, &o.camera, n % WIDE, n / WIDE, direction);
-        area_airlight(&scene, &o.lamp, 1, &haze, o.camera.eye, direction, o.metres[n], wanted + 3 * (size_t)n);
+        area_airlight(&scene, &o.vpl, 1, &haze, o.camera.eye, direction, o.metres[n], wanted + 3 * (size_t)n);
     }
     for (int n = 0; n < 3; n++) {
         march(&o, faces, steps[n], pixels);
@@ -121,7 +122,7 @@ static void test_faces(void **state)
     vxs_shadow_depth_map_destroy(o.map);
 }
 
-/* A rectangle that is small is a lamp. */
+/* A rectangle that is small is a VPL. */
 static void test_rectangle(void **state)
 {
     (void)state;
@@ -130,7 +131,7 @@ static void test_rectangle(void **state)
     static double         wanted[3 * PIXELS];
     static float          pixels[4 * PIXELS];
     double                errors[3];
-    one_lamp              o;
+    one_vpl               o;
     rival_faces          *faces;
     open_one(&o, 1);
     assert_int_equal(rival_faces_create(&faces, scene.volumes), VXS_OK);
@@ -138,8 +139,8 @@ static void test_rectangle(void **state)
     for (size_t n = 0; n < 3 * PIXELS; n++) wanted[n] = (double)pixels[n / 3 * 4 + n % 3];
     vxs_area_rectangle small = {.across = {side, 0, 0}, .up = {0, 0, side}};
     for (int n = 0; n < 3; n++) {
-        small.corner[n]   = o.lamp.place[n] - 0.5F * (small.across[n] + small.up[n]);
-        small.radiance[n] = o.lamp.colour[n] / (side * side);
+        small.corner[n]   = o.vpl.place[n] - 0.5F * (small.across[n] + small.up[n]);
+        small.radiance[n] = o.vpl.colour[n] / (side * side);
     }
     for (int n = 0; n < 3; n++) {
         rival_froxels *froxels;

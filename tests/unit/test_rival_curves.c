@@ -1,12 +1,12 @@
-/* Rivals of transmittance curves (tests/volumes/rival_curves.h) on llvmpipe: each reaches its own limit, what capsules leave of light in double, as its knob
- * grows, and is off as it is known to be where that is small.
+/* Rivals of transmittance curves (tests/volumes/rival_curves.h) on llvmpipe: each reaches its own limit, what capsules leave of
+ * light in double, as its knob grows, and is off as it is known to be where that is small.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-#include "random_lamp.h"
+#include "random_light.h"
 #include "repeats.h"
 
 /* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "random_lamp.h"
+#include "random_light.h"
 #include "repeats.h"
 #include "tests/volumes/map_parts.h"
 #include "tests/volumes/metrics.h"
@@ -191,7 +191,7 @@ static void test_slices(void **state)
     scene_close(&s);
 }
 
-/* A tree says no more than its leaves: the same picture bin by bin, wherever a lamp is nearest to a ray. */
+/* A tree says no more than its leaves: the same picture bin by bin, wherever a punctual light is nearest to a ray. */
 static void test_slices_tree(void **state)
 {
     (void)state;

@@ -8,7 +8,7 @@
 
 #include "alloc_fail.h"
 #include "dag_sample.h"
-#include "random_lamp.h"
+#include "random_light.h"
 #include "runtime/vxs.h"
 #include "smooth_box.h"
 
@@ -110,7 +110,8 @@ static void test_open_file(void **state)
     unlink(empty);
 }
 
-/* Files of a terabyte, of which no disk has more than some blocks: what they are is said by their first bytes, and nothing is taken for them. */
+/* Files of a terabyte, of which no disk has more than some blocks: what they are is said by their first bytes, and nothing is taken
+ * for them. */
 static void test_a_file_is_told_by_its_head(void **state)
 {
     const fixture *f      = *state;
@@ -327,8 +328,8 @@ static void test_smooth_lookup_is_smooth(void **state)
     assert_true(box_jump > 0.3f);
 }
 
-/* A solid that ends in a wall along the light: texels whose centre is in it are shadowed. On the wall, whatever part of a texel it cuts off,
- * a filter that is moved along its normal sees none of it. */
+/* A solid that ends in a wall along the light: texels whose centre is in it are shadowed. On the wall, whatever part of a texel it
+ * cuts off, a filter that is moved along its normal sees none of it. */
 static void test_wall_along_the_light(void **state)
 {
     (void)state;
@@ -406,7 +407,8 @@ static void test_lookup_many(void **state)
     vxs_lookup_many(light, NULL, NULL, 0, 5, NULL);
 }
 
-/* spot and point lights ---------------------------------------------------------------------------------------------------------- */
+/* spot and point lights ----------------------------------------------------------------------------------------------------------
+ * */
 
 /* 0 when a coordinate is so near a whole number that rounding may decide. */
 static int clear_of_boundaries(const double *coordinates)
@@ -417,17 +419,17 @@ static int clear_of_boundaries(const double *coordinates)
 }
 
 /* From light space to the world and back, for all maps of all kinds, and that the place is the one of the format's text. */
-static void test_lamp_voxel_and_point(void **state)
+static void test_punctual_voxel_and_point(void **state)
 {
     (void)state;
-    rng r                     = {21};
-    int asked[LAMP_SHAPES][6] = {{0}};
+    rng r                         = {21};
+    int asked[PUNCTUAL_SHAPES][6] = {{0}};
     for (int n = 0; n < 60000; n++) {
-        lamp_shape shape = (lamp_shape)(n % LAMP_SHAPES);
-        lamp       l     = random_lamp(&r, shape);
-        int        map   = rng_between(&r, 0, map_count(&l.light) - 1);
-        double     side = ldexp(1, (int)l.light.levels), width = shape == SPOT ? tan(l.cone_rad) * 0.7 : 0.999;
-        double     at[3], point[3], found[3];
+        punctual_shape shape = (punctual_shape)(n % PUNCTUAL_SHAPES);
+        punctual       l     = random_punctual(&r, shape);
+        int            map   = rng_between(&r, 0, map_count(&l.light) - 1);
+        double         side = ldexp(1, (int)l.light.levels), width = shape == SPOT ? tan(l.cone_rad) * 0.7 : 0.999;
+        double         at[3], point[3], found[3];
         for (int c = 0; c < 2; c++) at[c] = side / 2 + uniform(&r, -width, width) / l.light.texel_metres;
         at[2] = uniform(&r, -2, side + 2);
         vxs_point(&l.light, map, at, point);
@@ -442,7 +444,7 @@ static void test_lamp_voxel_and_point(void **state)
         for (int c = 0; c < 3; c++) assert_true(fabs(floor(at[c]) - voxel[c]) == 0);
         asked[shape][map]++;
     }
-    for (int shape = 0; shape < LAMP_SHAPES; shape++)
+    for (int shape = 0; shape < PUNCTUAL_SHAPES; shape++)
         for (int map = 0; map < 6; map++)
             if (shape != SPOT || map == 0) assert_true(asked[shape][map] > 1000 || (shape == WIDE_SPOT && map == 5));
 }
@@ -465,15 +467,15 @@ static void test_sun_voxel_and_point(void **state)
     }
 }
 
-/* The six maps as things in the world: each looks along an axis of light space, is right-handed, and has no direction nearer another
- * map's. */
+/* The six maps as things in the world: each looks along an axis of light space, is right-handed, and has no direction nearer
+ * another map's. */
 static void test_cube_maps(void **state)
 {
     (void)state;
     rng r = {23};
     for (int n = 0; n < 300; n++) {
-        lamp   l    = random_lamp(&r, POINT);
-        double side = ldexp(1, (int)l.light.levels), ahead[6][3];
+        punctual l    = random_punctual(&r, POINT);
+        double   side = ldexp(1, (int)l.light.levels), ahead[6][3];
         for (int map = 0; map < 6; map++) {
             double middle[3], across[3], down[3], handed[3];
             vxs_point(&l.light, map, (double[3]){side / 2, side / 2, 10.5}, middle);
@@ -517,10 +519,10 @@ static void test_cube_edges(void **state)
     (void)state;
     rng r = {24};
     for (int n = 0; n < 3000; n++) {
-        lamp   l = random_lamp(&r, POINT);
-        int    a = rng_between(&r, 0, 2), b = (a + rng_between(&r, 1, 2)) % 3, c = 3 - a - b;
-        double sign_a = rng_below(&r, 2) ? 1 : -1, sign_b = rng_below(&r, 2) ? 1 : -1, depth = uniform(&r, 0.1, 50);
-        double ls[2][3], point[2][3], found[2][3];
+        punctual l = random_punctual(&r, POINT);
+        int      a = rng_between(&r, 0, 2), b = (a + rng_between(&r, 1, 2)) % 3, c = 3 - a - b;
+        double   sign_a = rng_below(&r, 2) ? 1 : -1, sign_b = rng_below(&r, 2) ? 1 : -1, depth = uniform(&r, 0.1, 50);
+        double   ls[2][3], point[2][3], found[2][3];
         ls[0][a] = ls[1][b] = depth * (1 + 1e-9);
         ls[0][b] = ls[1][a] = depth;
         for (int k = 0; k < 2; k++) {
@@ -545,7 +547,7 @@ static void test_cube_ties(void **state)
 {
     (void)state;
     dag_sample none = {.levels = 6};
-    vxs_light  l    = dag_sample_lamp(&none, "lamp", VXS_LIGHT_KIND_POINT, VXS_LIGHT_CUBE).light;
+    vxs_light  l    = dag_sample_punctual(&none, "lamp", VXS_LIGHT_KIND_POINT, VXS_LIGHT_CUBE).light;
     memcpy(l.ls_from_ws, (double[12]){1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, sizeof l.ls_from_ws);
     static const struct {
         double point[3];
@@ -559,15 +561,15 @@ static void test_cube_ties(void **state)
 }
 
 /* Cone and range, by angles and distances of the world. */
-static void test_lamp_volume(void **state)
+static void test_punctual_volume(void **state)
 {
     (void)state;
     rng r     = {25};
     int in[2] = {0};
     for (int n = 0; n < 60000; n++) {
-        lamp    l = random_lamp(&r, (lamp_shape)(n % LAMP_SHAPES));
-        double  way[3], point[3], distance = pow(10, uniform(&r, -3, 3)), handed[3];
-        int32_t voxel[3];
+        punctual l = random_punctual(&r, (punctual_shape)(n % PUNCTUAL_SHAPES));
+        double   way[3], point[3], distance = pow(10, uniform(&r, -3, 3)), handed[3];
+        int32_t  voxel[3];
         if (n % 2) l.light.range_metres = pow(10, uniform(&r, -3, 3));
         if (n % 7 == 0) l.light.range_metres = distance * uniform(&r, 0.9, 1.1);
         random_direction(&r, way);
@@ -588,18 +590,18 @@ static void test_lamp_volume(void **state)
 }
 
 /* Where the format has six roots: lookups of a sample whose maps are known. */
-typedef struct lamp_asset {
+typedef struct punctual_asset {
     dag_sample      sample;
     vxs_asset      *asset;
     vxs_baked_light baked; /* a copy, to be changed */
-} lamp_asset;
+} punctual_asset;
 
-static lamp_asset lamp_asset_make(uint32_t levels, uint32_t kind, uint32_t flags, uint64_t seed)
+static punctual_asset punctual_asset_make(uint32_t levels, uint32_t kind, uint32_t flags, uint64_t seed)
 {
-    lamp_asset a = {0};
-    rng        r = {seed};
+    punctual_asset a = {0};
+    rng            r = {seed};
     dag_sample_init(&a.sample, &r, levels, 100);
-    vxs_write_light light = dag_sample_lamp(&a.sample, "lamp", kind, flags);
+    vxs_write_light light = dag_sample_punctual(&a.sample, "lamp", kind, flags);
     vxs_write_desc  desc  = {.lights = &light, .light_count = 1, .zstd_level = 1};
     vxs_bytes       file  = {0};
     assert_int_equal(vxs_write(&file, &desc), VXS_OK);
@@ -609,13 +611,13 @@ static lamp_asset lamp_asset_make(uint32_t levels, uint32_t kind, uint32_t flags
     return a;
 }
 
-static void lamp_asset_free(lamp_asset *a)
+static void punctual_asset_free(punctual_asset *a)
 {
     vxs_asset_close(a->asset);
     dag_sample_free(&a->sample);
 }
 
-static float lamp_fraction(const dag_sample *s, const int32_t voxel[3], int filter_px)
+static float punctual_fraction(const dag_sample *s, const int32_t voxel[3], int filter_px)
 {
     int32_t side = 1 << s->levels, k = voxel[2] < side ? voxel[2] : side - 1;
     if (k < 0) return 1;
@@ -629,7 +631,7 @@ static float lamp_fraction(const dag_sample *s, const int32_t voxel[3], int filt
 }
 
 /* A filter takes all its texels from the point's own map, however near the next one is; tiny maps are all border. */
-static void test_lamp_lookup(void **state)
+static void test_punctual_lookup(void **state)
 {
     static const struct {
         uint32_t kind, flags;
@@ -638,9 +640,9 @@ static void test_lamp_lookup(void **state)
     int partly = 0, asked = 0;
     for (uint32_t levels = 3; levels <= 6; levels++)
         for (size_t shape = 0; shape < 3; shape++) {
-            lamp_asset a            = lamp_asset_make(levels, shapes[shape].kind, shapes[shape].flags, 40 + levels);
-            double     side         = (double)(1 << levels);
-            rng        r            = {levels};
+            punctual_asset a        = punctual_asset_make(levels, shapes[shape].kind, shapes[shape].flags, 40 + levels);
+            double         side     = (double)(1 << levels);
+            rng            r        = {levels};
             a.baked.light.cos_outer = 0;
             for (int map = 0; map < map_count(&a.baked.light); map++) {
                 dag_sample_show(&a.sample, (uint32_t)map);
@@ -654,7 +656,7 @@ static void test_lamp_lookup(void **state)
                     vxs_point(&a.baked.light, map, at, point);
                     if (!clear_of_boundaries(at) || vxs_voxel(&a.baked.light, point, NULL, filter_px, voxel) != map) continue;
                     for (int c = 0; c < 3; c++) assert_int_equal(voxel[c], (int32_t)floor(at[c]));
-                    float wanted = lamp_fraction(&a.sample, voxel, filter_px);
+                    float wanted = punctual_fraction(&a.sample, voxel, filter_px);
                     assert_true(vxs_lookup(&a.baked, point, NULL, filter_px) == wanted);
                     partly += wanted > 0 && wanted < 1;
                     asked++;
@@ -665,19 +667,20 @@ static void test_lamp_lookup(void **state)
                     random_direction(&r, normal);
                     vxs_voxel(&a.baked.light, point, normal, filter_px, voxel);
                     assert_true(voxel[0] >= 0 && voxel[0] < (int32_t)side && voxel[1] >= 0 && voxel[1] < (int32_t)side);
-                    assert_true(vxs_lookup(&a.baked, point, normal, filter_px) == lamp_fraction(&a.sample, voxel, filter_px));
+                    assert_true(vxs_lookup(&a.baked, point, normal, filter_px) == punctual_fraction(&a.sample, voxel, filter_px));
                 }
             }
-            lamp_asset_free(&a);
+            punctual_asset_free(&a);
         }
     assert_true(asked > 50000 && partly > 10000);
 }
 
 /* The light itself, and what is all but there. */
-static void test_lamp_own_place(void **state)
+static void test_punctual_own_place(void **state)
 {
     (void)state;
-    lamp_asset a = lamp_asset_make(6, VXS_LIGHT_KIND_POINT, VXS_LIGHT_CUBE, 50), b = lamp_asset_make(6, VXS_LIGHT_KIND_SPOT, 0, 51);
+    punctual_asset a = punctual_asset_make(6, VXS_LIGHT_KIND_POINT, VXS_LIGHT_CUBE, 50),
+                   b = punctual_asset_make(6, VXS_LIGHT_KIND_SPOT, 0, 51);
     for (int filter_px = 1; filter_px <= VXS_FILTER_MAX; filter_px += 2)
         for (int n = 0; n < 7; n++) {
             double normal[3] = {n == 0, n == 1, n == 2}, point[3] = {1, 2, 3};
@@ -688,8 +691,8 @@ static void test_lamp_own_place(void **state)
             assert_true(vxs_lookup(&a.baked, point, n == 6 ? NULL : normal, filter_px) == 1);
             assert_true(vxs_lookup(&b.baked, point, n == 6 ? NULL : normal, filter_px) == 1);
         }
-    lamp_asset_free(&a);
-    lamp_asset_free(&b);
+    punctual_asset_free(&a);
+    punctual_asset_free(&b);
 }
 
 static int is_fraction(float lit)
@@ -697,15 +700,17 @@ static int is_fraction(float lit)
     return lit == VXS_OUTSIDE || (lit >= 0 && lit <= 1);
 }
 
-/* Every number that a file or a caller may bring: no answer that is none, and (under a sanitizer) no byte that is not the asset's. */
-static void test_lamp_extremes(void **state)
+/* Every number that a file or a caller may bring: no answer that is none, and (under a sanitizer) no byte that is not the asset's.
+ * */
+static void test_punctual_extremes(void **state)
 {
     static const double numbers[] = {0, -0.0, 5e-324, -5e-324, 1e-300, -1e-160, 1, -1, 1e8, -1e155, 1e300, -1.7e308, 1.7e308};
     enum { NUMBERS = sizeof numbers / sizeof *numbers };
     (void)state;
     rng r = {52};
     for (int shape = 0; shape < 3; shape++) {
-        lamp_asset a = lamp_asset_make(4, shape < 2 ? VXS_LIGHT_KIND_SPOT : VXS_LIGHT_KIND_POINT, shape ? VXS_LIGHT_CUBE : 0, 53);
+        punctual_asset a =
+            punctual_asset_make(4, shape < 2 ? VXS_LIGHT_KIND_SPOT : VXS_LIGHT_KIND_POINT, shape ? VXS_LIGHT_CUBE : 0, 53);
         for (int n = 0; n < 100000; n++) {
             vxs_baked_light baked = a.baked;
             vxs_light      *l     = &baked.light;
@@ -731,7 +736,7 @@ static void test_lamp_extremes(void **state)
             assert_true(vxs_lookup(&a.baked, point, NULL, 9) == VXS_OUTSIDE);
             assert_true(vxs_lookup(&a.baked, (double[3]){0, 2, 3}, point, 9) >= 0); /* a normal that is none */
         }
-        lamp_asset_free(&a);
+        punctual_asset_free(&a);
     }
 }
 
@@ -760,15 +765,15 @@ int main(void)
         cmocka_unit_test(test_lookup_with_normal),
         cmocka_unit_test(test_lookup_far_away),
         cmocka_unit_test(test_lookup_many),
-        cmocka_unit_test(test_lamp_voxel_and_point),
+        cmocka_unit_test(test_punctual_voxel_and_point),
         cmocka_unit_test(test_sun_voxel_and_point),
         cmocka_unit_test(test_cube_maps),
         cmocka_unit_test(test_cube_edges),
         cmocka_unit_test(test_cube_ties),
-        cmocka_unit_test(test_lamp_volume),
-        cmocka_unit_test(test_lamp_lookup),
-        cmocka_unit_test(test_lamp_own_place),
-        cmocka_unit_test(test_lamp_extremes),
+        cmocka_unit_test(test_punctual_volume),
+        cmocka_unit_test(test_punctual_lookup),
+        cmocka_unit_test(test_punctual_own_place),
+        cmocka_unit_test(test_punctual_extremes),
         cmocka_unit_test(test_result_text),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

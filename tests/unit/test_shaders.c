@@ -1,6 +1,6 @@
-/* The shaders of tests/shaders/, and others on the same headers, run by OpenGL and held against C: from integer voxels bit for bit, from
- * positions but for where float rounding decides between two voxels. A query is a point that is drawn into a pixel of its own, so that
- * versions without compute shaders are asked the same way.
+/* The shaders of tests/shaders/, and others on the same headers, run by OpenGL and held against C: from integer voxels bit for bit,
+ * from positions but for where float rounding decides between two voxels. A query is a point that is drawn into a pixel of its own,
+ * so that versions without compute shaders are asked the same way.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h"
 
@@ -10,7 +10,7 @@
 #include "dag_sample.h"
 #include "formats/vxs_lookup.h"
 #include "formats/vxs_lookup_blocks.h"
-#include "random_lamp.h"
+#include "random_light.h"
 #include "runtime/vxs.h"
 
 /* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
@@ -28,7 +28,8 @@ enum { WORDS_WIDE = 2048, FIRST_WORD = 5 };
 static const char *const dialects[] = {"lit_430.frag", "lit_330.frag", "lit_310es.frag", "lit_300es.frag"};
 enum { DIALECTS = sizeof dialects / sizeof *dialects };
 
-/* text ---------------------------------------------------------------------------------------------------------------------------- */
+/* text ----------------------------------------------------------------------------------------------------------------------------
+ * */
 
 static char *read_text(const char *folder, const char *name)
 {
@@ -111,7 +112,8 @@ static void put_words(drawing *d, const light_words *lights, uint32_t count, uin
     free(words);
 }
 
-/* subjects ------------------------------------------------------------------------------------------------------------------------ */
+/* subjects ------------------------------------------------------------------------------------------------------------------------
+ * */
 
 static vxs_asset *open_light(const vxs_write_light *light)
 {
@@ -124,19 +126,21 @@ static vxs_asset *open_light(const vxs_write_light *light)
     return asset;
 }
 
-typedef enum light_kind { SUN, BOUNDED_SUN, LAMP_FIRST, KINDS = LAMP_FIRST + LAMP_SHAPES } light_kind;
+typedef enum light_kind { SUN, BOUNDED_SUN, PUNCTUAL_FIRST, KINDS = PUNCTUAL_FIRST + PUNCTUAL_SHAPES } light_kind;
 
-/* A light of a sample, turned at random and about `at`, which is the place of a lamp and the middle of a sun's map. */
+/* A light of a sample, turned at random and about `at`, which is the place of a punctual light and the middle of a sun's map. */
 static vxs_write_light turned_light(rng *r, const dag_sample *s, light_kind kind, const double at[3])
 {
-    lamp            of = random_lamp(r, kind < LAMP_FIRST ? POINT : (lamp_shape)(kind - LAMP_FIRST));
+    punctual        of = random_punctual(r, kind < PUNCTUAL_FIRST ? POINT : (punctual_shape)(kind - PUNCTUAL_FIRST));
     vxs_write_light light =
-        kind < LAMP_FIRST ? dag_sample_light(s, "sun") : dag_sample_lamp(s, "lamp", of.light.kind, of.light.flags);
+        kind < PUNCTUAL_FIRST ? dag_sample_light(s, "sun") : dag_sample_punctual(s, "lamp", of.light.kind, of.light.flags);
     if (kind == BOUNDED_SUN) light.light.flags = VXS_LIGHT_BOUNDED;
     for (int row = 0; row < 3; row++) {
-        double *m = light.light.ls_from_ws + 4 * row, scale = kind >= LAMP_FIRST ? 1 : row < 2 ? 1 / light.light.texel_metres : 1;
+        double *m = light.light.ls_from_ws + 4 * row, scale = kind >= PUNCTUAL_FIRST ? 1
+                                                              : row < 2              ? 1 / light.light.texel_metres
+                                                                                     : 1;
         for (int n = 0; n < 3; n++) m[n] = of.axis[row][n] * scale;
-        m[3] = (kind < LAMP_FIRST ? ldexp(0.5, (int)s->levels) : 0) - dot(m, at);
+        m[3] = (kind < PUNCTUAL_FIRST ? ldexp(0.5, (int)s->levels) : 0) - dot(m, at);
     }
     memcpy(light.light.direction_ws, of.axis[2], sizeof of.axis[2]);
     return light;
@@ -182,7 +186,8 @@ static double clear_by(const vxs_light *l, const double *point, const double *no
     return fmin(by, fmin(clear_of_whole(depth), clear_of_step(half * n[along] * l->texel_metres / l->voxel_metres)));
 }
 
-/* tests --------------------------------------------------------------------------------------------------------------------------- */
+/* tests ---------------------------------------------------------------------------------------------------------------------------
+ * */
 
 /* A texel near what may go wrong: the corners and sides of the map, just outside and far outside. */
 static float tricky_texel(rng *r, int32_t side)
@@ -201,10 +206,12 @@ static int32_t held(int32_t x, int32_t last)
     return x < 0 ? 0 : x < last ? x : last;
 }
 
-/* A sum of a smooth box has more bits than a float; a remainder by this has not, and tells sums apart that do not differ by all of it. */
+/* A sum of a smooth box has more bits than a float; a remainder by this has not, and tells sums apart that do not differ by all of
+ * it. */
 #define SUM_MODULUS 16777213u
 
-/* A random filter, and of a smooth one where in the texel it is about: the texts of all shaders take both from numbers that have room.
+/* A random filter, and of a smooth one where in the texel it is about: the texts of all shaders take both from numbers that have
+ * room.
  * y  levels and more, below 256: across, times 256, is added;   z  [out] the filter, and down times 512 */
 static void add_filter(rng *r, float *y, float *z)
 {
@@ -414,8 +421,9 @@ static void check_every(const vxs_baked_light *baked, const double origin[3], co
     }
 }
 
-/* The shaders as they stand in tests/shaders, for all kinds of lights, some of them a thousand kilometres from the world's origin; and each with
- * another width in the place of theirs, no two that fetch words alike with the same: a compiler takes longer than all else here. */
+/* The shaders as they stand in tests/shaders, for all kinds of lights, some of them a thousand kilometres from the world's origin;
+ * and each with another width in the place of theirs, no two that fetch words alike with the same: a compiler takes longer than all
+ * else here. */
 static void test_positions(void **state)
 {
     enum { WIDTHS = 4 };
@@ -440,7 +448,7 @@ static void test_positions(void **state)
                 tally      sum = {0};
                 dag_sample_init(&sample, &r, levels, 200);
                 vxs_write_light light = turned_light(&r, &sample, (light_kind)kind, at);
-                if (kind >= LAMP_FIRST && (kind + width) % 3) light.light.range_metres = 6;
+                if (kind >= PUNCTUAL_FIRST && (kind + width) % 3) light.light.range_metres = 6;
                 vxs_asset             *asset   = open_light(&light);
                 const vxs_baked_light *baked   = vxs_asset_light(asset, 0);
                 blocks_sample          blocks  = {0};
@@ -459,7 +467,7 @@ static void test_positions(void **state)
                 draw(&d, queries, answers);
                 check_every(baked, origin, queries, filter_px, 0, 1, answers, dialects[dialect], &sum);
                 assert_true(sum.asked > QUERIES * 6 / 10);
-                assert_true(sum.outside > QUERIES / 50 || (kind == LAMP_FIRST + POINT && light.light.range_metres == 0));
+                assert_true(sum.outside > QUERIES / 50 || (kind == PUNCTUAL_FIRST + POINT && light.light.range_metres == 0));
                 assert_true(sum.partly > (width ? QUERIES / 40 : -1));
                 vxs_asset_close(asset);
                 dag_sample_free(&sample);
@@ -557,17 +565,17 @@ static void test_there_and_back(void **state)
     for (int dialect = 0; dialect < DIALECTS; dialect++) {
         use_program(&d, dialects[dialect], back_body, NULL);
         for (int kind = 0; kind < KINDS; kind++) {
-            if (kind == LAMP_FIRST + WIDE_SPOT) continue; /* maps as a point light's, some of them behind it */
+            if (kind == PUNCTUAL_FIRST + WIDE_SPOT) continue; /* maps as a point light's, some of them behind it */
             rng                 r     = {(uint64_t)(81 + kind)};
             dag_sample          none  = {.levels = 6};
             vxs_light           light = turned_light(&r, &none, (light_kind)kind, (double[3]){30, -20, 50}).light;
             vxs_light_constants c     = vxs_light_constants_of(&light, NULL, 0);
-            double              edge  = kind < LAMP_FIRST ? 0 : 1; /* no texel is on an edge of the cube */
+            double              edge  = kind < PUNCTUAL_FIRST ? 0 : 1; /* no texel is on an edge of the cube */
             c.cos_outer               = 0;
             bind_buffer(&d, GL_UNIFORM_BUFFER, sizeof c, &c);
             for (int n = 0; n < QUERIES; n++) {
                 for (int k = 0; k < 3; k++) queries[n].position[k] = (float)(floor(uniform(&r, edge, 64 - edge)) + 0.5);
-                queries[n].normal[0] = kind == LAMP_FIRST + POINT ? (float)rng_below(&r, 6) : 0;
+                queries[n].normal[0] = kind == PUNCTUAL_FIRST + POINT ? (float)rng_below(&r, 6) : 0;
             }
             draw(&d, queries, answers);
             for (int n = 0; n < QUERIES; n++)
@@ -582,7 +590,7 @@ static void test_constants(void **state)
 {
     const double        origin[3] = {1e6, -2e6, 3e6};
     dag_sample          none      = {.levels = 6};
-    const vxs_light     l = dag_sample_lamp(&none, "lamp", VXS_LIGHT_KIND_SPOT, 0).light, *light = &l;
+    const vxs_light     l = dag_sample_punctual(&none, "lamp", VXS_LIGHT_KIND_SPOT, 0).light, *light = &l;
     vxs_light_constants c = vxs_light_constants_of(light, NULL, 77), moved = vxs_light_constants_of(light, origin, 77);
     (void)state;
     assert_int_equal(offsetof(vxs_light_constants, ls_from_ws), 0);

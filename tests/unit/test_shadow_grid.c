@@ -33,9 +33,9 @@ static const char *const place_names[LIGHT_PLACES] = {"above the view", "beside 
 
 static setting setting_make(light_place place, int wide, int high)
 {
-    static const double lamps[LIGHT_PLACES][3] = {{2, 13, 1}, {9, 2, 14}, {1, 1, -9}, {1, 2, 30}, {0, 0, 0}, {2, 13, 1}};
-    setting             s                      = {.scene.count = 12, .medium = {{0.04, 0.04, 0.04}, {0.05, 0.05, 0.05}, 0.3}};
-    rng                 r                      = {7};
+    static const double punctuals[LIGHT_PLACES][3] = {{2, 13, 1}, {9, 2, 14}, {1, 1, -9}, {1, 2, 30}, {0, 0, 0}, {2, 13, 1}};
+    setting             s                          = {.scene.count = 12, .medium = {{0.04, 0.04, 0.04}, {0.05, 0.05, 0.05}, 0.3}};
+    rng                 r                          = {7};
     double              towards[3] = {-0.1, -1, 0.05}, eye[3] = {0, 0.5, 18}, ahead[3] = {0, -0.05, -1};
     uint32_t            kind = place == AT_INFINITY ? VXS_LIGHT_KIND_DIRECTIONAL
                                : place == IN_A_CONE ? VXS_LIGHT_KIND_SPOT
@@ -44,10 +44,10 @@ static setting setting_make(light_place place, int wide, int high)
         for (int i = 0; i < 3; i++) s.scene.spheres[n][i] = uniform(&r, -6, 6);
         s.scene.spheres[n][3] = uniform(&r, 0.4, 1.4);
     }
-    s.light = light_make(kind, lamps[place], towards, 0.6, 40);
+    s.light = light_make(kind, punctuals[place], towards, 0.6, 40);
     s.air   = (vxs_air_light){.kind = kind, .cos_inner = cos(0.5), .cos_outer = cos(0.6), .radius_metres = 0.02};
     for (int i = 0; i < 3; i++) {
-        s.air.place[i] = place == AT_INFINITY ? -s.light.direction_ws[i] : lamps[place][i];
+        s.air.place[i] = place == AT_INFINITY ? -s.light.direction_ws[i] : punctuals[place][i];
         s.air.axis[i]  = s.light.direction_ws[i];
     }
     s.view = view_make(eye, ahead, 0.5, wide, high, 40);
@@ -131,12 +131,13 @@ static double relative_rms(const double *image, const double *wanted, int pixels
     return sqrt(error / all);
 }
 
-/* Between the lamp above the view and what can be seen. */
+/* Between the light above the view and what can be seen. */
 static const double cover[4] = {1.6, 11.5, 1.5, 1};
 
-/* tests ---------------------------------------------------------------------------------------------------------------------------- */
+/* tests ------------------------------------------------------------------------------------------------------------------------ */
 
-/* A bit is set where its voxel's middle is in shadow, and nowhere else: occluders between the light and what can be seen, seams, poles, columns. */
+/* A bit is set where its voxel's middle is in shadow, and nowhere else: occluders between the light and what can be seen, seams,
+ * poles, columns. */
 static void test_every_bit(void **state)
 {
     (void)state;
@@ -172,7 +173,7 @@ static void test_every_bit(void **state)
     }
 }
 
-/* Errors by size, against exact traversal. Rays near a lamp in view are a class of their own. */
+/* Errors by size, against exact traversal. Rays near a punctual light in view are a class of their own. */
 static void test_converges(void **state)
 {
     (void)state;
@@ -270,18 +271,18 @@ static void test_before_the_view(void **state)
     free(images[1]);
 }
 
-/* Toward a lamp and away from it, where all rays of a column are one: lit if nothing is between the lamp and the eye, else dark. And all is lit for an eye
- * in a lamp, whatever bits say. */
+/* Toward a punctual light and away from it, where all rays of a column are one: lit if nothing is between the light and the eye,
+ * else dark. And all is lit for an eye in a punctual light, whatever bits say. */
 static void test_poles(void **state)
 {
     (void)state;
     for (int n = 0; n < 4; n++) {
         int     toward = n & 1, covered = n >> 1;
         setting s = setting_make(toward ? IN_VIEW : BEHIND, 32, 24);
-        double  to_lamp[3], wanted[3], found[3], in_fog[2];
+        double  to_light[3], wanted[3], found[3], in_fog[2];
         for (int i = 0; i < 3; i++) {
-            to_lamp[i]            = s.air.place[i] - s.view.eye[i];
-            s.scene.spheres[0][i] = s.view.eye[i] + to_lamp[i] / 2;
+            to_light[i]           = s.air.place[i] - s.view.eye[i];
+            s.scene.spheres[0][i] = s.view.eye[i] + to_light[i] / 2;
         }
         s.scene.spheres[0][3] = 0.5;
         s.scene.count         = (uint32_t)covered;
@@ -289,10 +290,10 @@ static void test_poles(void **state)
         shadow_grid g         = grid_make(&m, &s.view, 32, 32, 128);
         int         eye_lit   = light_map_lit(&m, s.view.eye);
         assert_int_equal(eye_lit, !covered);
-        make_unit(to_lamp);
+        make_unit(to_light);
         for (int k = 0; k < 16; k++) {
             double direction[3];
-            for (int i = 0; i < 3; i++) direction[i] = (toward ? 1 : -1) * to_lamp[i] + 2e-4 * ((k * (i + 3) % 7) - 3);
+            for (int i = 0; i < 3; i++) direction[i] = (toward ? 1 : -1) * to_light[i] + 2e-4 * ((k * (i + 3) % 7) - 3);
             make_unit(direction);
             double       metres = toward ? fmin(spheres_hit(&s.scene, s.view.eye, direction), s.view.far_metres) : 1;
             vxs_air_path path   = vxs_air_path_of(&s.air, s.view.eye, direction, metres, VXS_AIR_EVERYWHERE, in_fog);
@@ -380,7 +381,7 @@ static void test_any_numbers(void **state)
         vxs_grid_size     grid = {COLUMNS, ROWS, BITS};
         double            to_light[3];
         for (int i = 0; i < 3; i++) to_light[i] = size * to[i];
-        vxs_epipolar space = is_sun ? vxs_epipolar_of_sun(to, &view) : vxs_epipolar_of_lamp(to_light, &view);
+        vxs_epipolar space = is_sun ? vxs_epipolar_of_sun(to, &view) : vxs_epipolar_of_punctual(to_light, &view);
         if (light.kind == VXS_LIGHT_KIND_SPOT) vxs_epipolar_in_cone(&space, light.axis, light.cos_outer, space.phi);
         pixel_direction(&v, (int)rng_below(&r, 8), (int)rng_below(&r, 8), direction);
         double       metres = v.far_metres * (rng_below(&r, 4) ? uniform(&r, 0, 1) : 1);

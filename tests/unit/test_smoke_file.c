@@ -5,7 +5,7 @@
 
 #include "alloc_fail.h"
 #include "query_lights.h"
-#include "random_lamp.h"
+#include "random_light.h"
 
 /* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
 #include <setjmp.h>
@@ -29,8 +29,8 @@ static vxs_bytes smoky_file(curve_maps samples[LIGHTS], uint32_t with)
     dag_sample d;
     dag_sample_init(&d, &r, LEVELS, 20);
     vxs_write_light lights[LIGHTS] = {dag_sample_light(&d, "sun"), dag_sample_light(&d, "moon"),
-                                      dag_sample_lamp(&d, "spot", VXS_LIGHT_KIND_SPOT, 0),
-                                      dag_sample_lamp(&d, "lamp", VXS_LIGHT_KIND_POINT, VXS_LIGHT_CUBE)};
+                                      dag_sample_punctual(&d, "spot", VXS_LIGHT_KIND_SPOT, 0),
+                                      dag_sample_punctual(&d, "lamp", VXS_LIGHT_KIND_POINT, VXS_LIGHT_CUBE)};
     vxs_write_desc  desc           = {.lights = lights, .light_count = LIGHTS, .zstd_level = 1};
     vxs_smoke_view  views[LIGHTS]  = {0};
     vxs_bytes       file = {0}, smoky = {0};

@@ -7,7 +7,7 @@
 #include "baker/smoke/smoke_grid.h"
 #include "baker/smoke/smoke_map.h"
 #include "formats/vxs_format.h"
-#include "random_lamp.h"
+#include "random_light.h"
 
 /* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
 #include <setjmp.h>
@@ -170,8 +170,8 @@ static void test_more_nodes_are_nearer(void **state)
     smoke_path_free(&path);
 }
 
-/* Extinction from 1 to 1e8 per metre, in one voxel and in one capsule: what is left is what the integral in closed form says, however steep, and a curve
- * uses its nodes. */
+/* Extinction from 1 to 1e8 per metre, in one voxel and in one capsule: what is left is what the integral in closed form says,
+ * however steep, and a curve uses its nodes. */
 static void test_dense_smoke_uses_its_nodes(void **state)
 {
     (void)state;

@@ -6,7 +6,7 @@
 #include <math.h>
 
 #include "baker/smoke/smoke_map.h"
-#include "random_lamp.h"
+#include "random_light.h"
 #include "tests/volumes/smoke_scene.h"
 
 /* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
@@ -94,14 +94,14 @@ static double thick_along(const double from[3], const double way[3], double metr
     return sum;
 }
 
-/* Of the light's way to a place: of a lamp from it on, of a sun from before all smoke. */
+/* Of the light's way to a place: of a punctual light from it on, of a sun from before all smoke. */
 static double thick_to(const vxs_light *light, const double ws[3])
 {
     double from[3], way[3];
     for (int n = 0; n < 3; n++) {
         from[n] = ws[n] - 30 * light->direction_ws[n];
         if (light->kind == VXS_LIGHT_KIND_DIRECTIONAL) continue;
-        from[n] = 0; /* rows of a lamp's matrix are of length 1 */
+        from[n] = 0; /* rows of a punctual light's matrix are of length 1 */
         for (int row = 0; row < 3; row++) from[n] -= light->ls_from_ws[4 * row + n] * light->ls_from_ws[4 * row + 3];
     }
     for (int n = 0; n < 3; n++) way[n] = ws[n] - from[n];
@@ -158,7 +158,8 @@ static double voxel_of(const vxs_light *light, double metres)
                                                      : log(metres / light->near_metres) / light->voxel_metres;
 }
 
-/* Depths, metres along a map's axis, between which the ray through a place of the map loses light, as far as the light comes.   Returns 0: nowhere */
+/* Depths, metres along a map's axis, between which the ray through a place of the map loses light, as far as the light comes.
+ * Returns 0: nowhere */
 static int depths_with_smoke(const vxs_baked_light *baked, const vxs_baked_smoke *smoke, int map, const double at[2],
                              double depths[2])
 {
@@ -183,7 +184,8 @@ static int depths_with_smoke(const vxs_baked_light *baked, const vxs_baked_smoke
     return last > first;
 }
 
-/* What a bake says of lookups between rays, against places of our own: half of them in the smoke, half where it or the light ends. */
+/* What a bake says of lookups between rays, against places of our own: half of them in the smoke, half where it or the light ends.
+ * */
 static void check_lookups(const smoke_lookups *told, const vxs_baked_light *baked, const vxs_baked_smoke *smoke)
 {
     const vxs_light *light = &baked->light;

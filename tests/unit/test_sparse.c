@@ -1,7 +1,8 @@
 /* Sparse columns against brute force (tests/columns/brute.h): every texel of maps of random meshes, as small as they are nasty.
  *
- * The meshes lie in the space of the light, u and v in texels and z in voxels, or about a lamp. Squares that are decided as wholes must keep
- * to what is there; texels of the other tiles must be what they are, but for exits behind the tile's last enter depth, which may be early.
+ * The meshes lie in the space of the light, u and v in texels and z in voxels, or about a punctual light. Squares that are decided
+ * as wholes must keep to what is there; texels of the other tiles must be what they are, but for exits behind the tile's last enter
+ * depth, which may be early.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/base/cpu.h"
 #include "baker/columns/sparse/sparse_columns.h" /* before cmocka, whose fail() is a macro */
@@ -12,13 +13,12 @@
 #include "runtime/vxs.h"
 #include "tests/columns/brute.h"
 #include "tests/unit/mesh_sample.h"
-#include "tests/unit/random_lamp.h"
+#include "tests/unit/random_light.h"
 #include "tests/unit/repeats.h"
 
 enum { MAPS_MAX = 6 };
 
-/* --- meshes: [0, side) in u, v and z
- * ----------------------------------------------------------------------------------------------------------- */
+/* meshes: [0, side) in u, v and z ---------------------------------------------------------------------------------------------- */
 
 static void random_point(rng *r, double low, double high, double out[3])
 {
@@ -184,7 +184,8 @@ static void add_mesh(sample *b, rng *r, double side, uint32_t kind)
 }
 
 /* --- comparing
- * --------------------------------------------------------------------------------------------------------------------------------- */
+ * ---------------------------------------------------------------------------------------------------------------------------------
+ * */
 
 typedef struct counts {
     size_t texels;             /* with casters */
@@ -333,11 +334,9 @@ static vxs_light identity_light(uint32_t side)
     return l;
 }
 
-/* --- tests
- * ------------------------------------------------------------------------------------------------------------------------------------- */
+/* tests ------------------------------------------------------------------------------------------------------------------------ */
 
-/* --- parts
- * ------------------------------------------------------------------------------------------------------------------------------------- */
+/* parts ------------------------------------------------------------------------------------------------------------------------ */
 
 /* The patches of a few triangles, all edges that are ends counted. */
 static size_t patches_of(sample *b, uint32_t patch_of[8], int8_t facing)
@@ -387,8 +386,8 @@ static double plane_depth(const sparse_triangle *t, double x, double y)
     return z < t->zmax ? z : t->zmax;
 }
 
-/* Depths in a square of random triangles, steep and narrow ones among them, as they are computed and as they are, lie between what a list
- * says. */
+/* Depths in a square of random triangles, steep and narrow ones among them, as they are computed and as they are, lie between what
+ * a list says. */
 static void depths_stay_within_their_lists(void **state)
 {
     enum { SIDE = 16384 };
@@ -463,8 +462,7 @@ static void sheets_end_on_centres(void **state)
     }
 }
 
-/* --- what is free besides the insides of solids
- * ----------------------------------------------------------------------------------------------------------------------------- */
+/* what is free besides the insides of solids ----------------------------------------------------------------------------------- */
 
 /* A sheet across the map, and somewhat more across than others: it has corners of its own. */
 static void add_sheet(sample *b, double z, char kind)
@@ -641,8 +639,8 @@ static void light_leaves_where_no_solid_is_open(void **state)
     }
 }
 
-/* Metres of thickness are those along the axis of a lamp's map. */
-static void sheets_are_as_thick_for_a_lamp(void **state)
+/* Metres of thickness are those along the axis of a punctual light's map. */
+static void sheets_are_as_thick_for_a_punctual(void **state)
 {
     light_shape shape = {
         .kind = LIGHT_SPOT, .position_ws = {32, 32, -10}, .direction_ws = {0, 0, 1}, .outer_rad = 0.5, .range_metres = 90};
@@ -705,7 +703,7 @@ static void piles(void **state)
     }
 }
 
-static void lamps(void **state)
+static void punctuals(void **state)
 {
     counts sum = {0};
     (void)state;
@@ -742,11 +740,11 @@ int main(void)
         cmocka_unit_test(sheets_end_on_centres),
         cmocka_unit_test(light_leaves_where_no_solid_is_open),
         cmocka_unit_test(more_is_free_where_it_is_asked_for),
-        cmocka_unit_test(sheets_are_as_thick_for_a_lamp),
+        cmocka_unit_test(sheets_are_as_thick_for_a_punctual),
         cmocka_unit_test(sheets_over_themselves),
         cmocka_unit_test(suns),
         cmocka_unit_test(piles),
-        cmocka_unit_test(lamps),
+        cmocka_unit_test(punctuals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,5 +1,5 @@
-/* Keys of squares of the sparse source (baker/columns/sparse/sparse_columns.c): of two scenes that differ in one thing, squares with equal keys have
- * equal columns, each one of them, and most squares far from the difference have equal keys.
+/* Keys of squares of the sparse source (baker/columns/sparse/sparse_columns.c): of two scenes that differ in one thing, squares
+ * with equal keys have equal columns, each one of them, and most squares far from the difference have equal keys.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/base/random.h" /* before cmocka, whose fail() is a macro */
 #include "baker/columns/sparse/sparse_columns.h"
@@ -40,7 +40,8 @@ static void add_holed(sample *b, double u, double v, double size, uint32_t mask,
     }
 }
 
-/* A grid of hills over all of the map, one patch or two; each corner is moved by so little that no two triangles are on one plane. */
+/* A grid of hills over all of the map, one patch or two; each corner is moved by so little that no two triangles are on one plane.
+ * */
 static void hill_corner(int i, int j, int parts, double out[3])
 {
     rng r  = rng_split((uint64_t)(i * 1000 + j), 77);
@@ -131,7 +132,7 @@ static int same_columns(const known_square *a, const known_square *b)
     return !memcmp(&a->bounds, &b->bounds, sizeof a->bounds) && !memcmp(a->tiles, b->tiles, sizeof a->tiles);
 }
 
-static vxs_light light_of(int is_lamp, const casters *c)
+static vxs_light light_of(int is_punctual, const casters *c)
 {
     vxs_light      l     = {.kind = VXS_LIGHT_KIND_DIRECTIONAL, .levels = log2_u32(SIDE), .texel_metres = 1, .voxel_metres = 1};
     light_shape    shape = {.kind = LIGHT_SPOT, .outer_rad = 0.6, .range_metres = INFINITY, .direction_ws = {0, 0, 1}};
@@ -139,7 +140,7 @@ static vxs_light light_of(int is_lamp, const casters *c)
     run_context    m     = {0};
     l.ls_from_ws[0] = l.ls_from_ws[5] = l.ls_from_ws[10] = 1;
     l.direction_ws[2]                                    = 1;
-    if (!is_lamp) return l;
+    if (!is_punctual) return l;
     shape.position_ws[0] = shape.position_ws[1] = 500;
     shape.position_ws[2]                        = -900;
     assert_int_equal(light_fit(&l, c, &fit, &m), VXS_OK);
@@ -152,12 +153,12 @@ static void equal_keys_have_equal_columns(void **state)
     known_square         *one = calloc(MAPS_MAX * SQUARES, sizeof *one), *other = calloc(MAPS_MAX * SQUARES, sizeof *other);
     (void)state;
     assert_true(one && other);
-    for (int is_lamp = 0; is_lamp < 2; is_lamp++) {
+    for (int is_punctual = 0; is_punctual < 2; is_punctual++) {
         sample      a;
         alpha_image images[4];
         uint8_t     pixels[4][IMAGE_PX * IMAGE_PX];
         make(&a, images, pixels, DIFFERENCE_NONE);
-        vxs_light light = light_of(is_lamp, &a.c); /* as it is fitted to the first scene */
+        vxs_light light = light_of(is_punctual, &a.c); /* as it is fitted to the first scene */
         uint32_t  count = look(&a.c, &light, 0, one);
         for (difference d = 0; d < DIFFERENCES; d++) {
             sample   b;
@@ -169,7 +170,7 @@ static void equal_keys_have_equal_columns(void **state)
                 other_columns += !same_columns(&one[n], &other[n]);
                 if (same_key(&one[n], &other[n])) assert_true(same_columns(&one[n], &other[n]));
             }
-            printf("lamp %d, difference %d: %u of %u keys, %u squares of columns\n", is_lamp, (int)d, other_keys, count,
+            printf("lamp %d, difference %d: %u of %u keys, %u squares of columns\n", is_punctual, (int)d, other_keys, count,
                    other_columns);
             assert_true(other_keys <= most[d]);
             assert_true(d == DIFFERENCE_NONE || d == DIFFERENCE_FIRST || d == DIFFERENCE_NEIGHBOUR || other_columns);

@@ -1,5 +1,5 @@
-/* Baked smoke in streams: lookups are those of the file opened whole, whatever pages are there, in C and in shaders; what it takes of the
- * budget and of the file; and what becomes of smoke that is damaged, or cannot be read.
+/* Baked smoke in streams: lookups are those of the file opened whole, whatever pages are there, in C and in shaders; what it takes
+ * of the budget and of the file; and what becomes of smoke that is damaged, or cannot be read.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h"
 #include "formats/vxs_space.h" /* before format_parts.h, which has a type of a name that is a parameter here */
@@ -22,9 +22,9 @@
 #include "smoke_curves.h"
 #include "stream_sample.h"
 
-enum { SUN, MOON, LAMP, LIGHTS, ENOUGH = 64 << 20 };
+enum { SUN, MOON, PUNCTUAL, LIGHTS, ENOUGH = 64 << 20 };
 
-static vxs_bytes  plain, smoky; /* the same file without smoke, and with that of sun and lamp */
+static vxs_bytes  plain, smoky; /* the same file without smoke, and with that of sun and light */
 static vxs_asset *whole;        /* smoky */
 
 /* Suns of palette blocks and of a DAG, and a point light. */
@@ -35,9 +35,9 @@ static vxs_bytes plain_file(void)
     dag_sample  dag;
     dag_sample_init(&dag, &r, 5, 20);
     vxs_write_light lights[LIGHTS] = {
-        [SUN]  = stream_light_of(&w, 10, VXS_LIGHT_KIND_DIRECTIONAL, 0, VXS_PACKING_FAST, "sun"),
-        [MOON] = dag_sample_light(&dag, "moon"),
-        [LAMP] = dag_sample_lamp(&dag, "lamp", VXS_LIGHT_KIND_POINT, VXS_LIGHT_CUBE),
+        [SUN]      = stream_light_of(&w, 10, VXS_LIGHT_KIND_DIRECTIONAL, 0, VXS_PACKING_FAST, "sun"),
+        [MOON]     = dag_sample_light(&dag, "moon"),
+        [PUNCTUAL] = dag_sample_punctual(&dag, "lamp", VXS_LIGHT_KIND_POINT, VXS_LIGHT_CUBE),
     };
     vxs_write_desc desc = {.lights = lights, .light_count = LIGHTS, .zstd_level = 1};
     vxs_bytes      file = {0};
@@ -56,8 +56,8 @@ static int make_files(void **state)
     plain = plain_file();
     random_curves(&curves[0], &r, 1);
     random_curves(&curves[1], &r, VXS_CUBE_FACES);
-    const vxs_smoke_view views[LIGHTS] = {[SUN]  = curves_view(&curves[0], -3, 0.016F), /* as deep as the maps are */
-                                          [LAMP] = curves_view(&curves[1], 0.125F, 0.00012F)};
+    const vxs_smoke_view views[LIGHTS] = {[SUN]      = curves_view(&curves[0], -3, 0.016F), /* as deep as the maps are */
+                                          [PUNCTUAL] = curves_view(&curves[1], 0.125F, 0.00012F)};
     assert_int_equal(vxs_read(&contents, plain.data, plain.size_bytes, NULL), VXS_OK);
     assert_int_equal(vxs_write_smoke(&smoky, plain.data, plain.size_bytes, &contents, views, 3), VXS_OK);
     vxs_contents_free(&contents);
@@ -79,7 +79,8 @@ static vxs_stream_desc desc_of(const vxs_bytes *file, uint64_t budget_bytes)
     return stream_desc_of(&(stream_sample){.file = *file}, budget_bytes);
 }
 
-/* lookups ------------------------------------------------------------------------------------------------------------------------- */
+/* lookups -------------------------------------------------------------------------------------------------------------------------
+ * */
 
 /* Lights of a stream, which are these of the file, say what the file says, to the bit.   Returns how many places smoke dims */
 static uint32_t compare(const vxs_stream *stream, const uint32_t *numbers, rng *r, int count)
@@ -103,7 +104,7 @@ static uint32_t compare(const vxs_stream *stream, const uint32_t *numbers, rng *
 static void test_lookups_are_those_of_the_file(void **state)
 {
     (void)state;
-    static const uint32_t all[LIGHTS] = {SUN, MOON, LAMP};
+    static const uint32_t all[LIGHTS] = {SUN, MOON, PUNCTUAL};
     vxs_stream_desc       desc        = desc_of(&smoky, 0);
     const uint64_t        least = stream_least_budget(desc), budgets[] = {least, least + 400000, ENOUGH};
     rng                   r = {1};
@@ -132,7 +133,7 @@ static void test_some_lights(void **state)
 {
     (void)state;
     static const char *const names[] = {"lamp", "sun", "lamp"}, *const moon[] = {"moon"};
-    static const uint32_t numbers[] = {LAMP, SUN, LAMP};
+    static const uint32_t numbers[] = {PUNCTUAL, SUN, PUNCTUAL};
     vxs_stream_desc       desc      = desc_of(&smoky, ENOUGH);
     vxs_stream_status     status    = {.struct_size = sizeof status};
     vxs_stream           *stream;
@@ -160,9 +161,11 @@ static void test_some_lights(void **state)
     assert_int_equal(read[1] - read[0], 2 * VXS_ENTRY_BYTES);
 }
 
-/* shaders ------------------------------------------------------------------------------------------------------------------------- */
+/* shaders -------------------------------------------------------------------------------------------------------------------------
+ * */
 
-/* Whose smoke shaders are given: that of an asset alone, a stream's own, the same said so, that of an asset beside it, or none in its place. */
+/* Whose smoke shaders are given: that of an asset alone, a stream's own, the same said so, that of an asset beside it, or none in
+ * its place. */
 typedef enum given { ASSET, OWN, SAME, BESIDE, NONE, GIVEN } given;
 
 static query asked[QUERIES];
@@ -206,7 +209,8 @@ static void answers_of(drawing *d, given from, int n, float answers[QUERIES])
     vxs_stream_close(stream);
 }
 
-/* To the bit those of the file opened whole. They are C's but beside steps of curves, where a float's place may be on the other side. */
+/* To the bit those of the file opened whole. They are C's but beside steps of curves, where a float's place may be on the other
+ * side. */
 static void test_shaders_answer_as_those_of_the_file(void **state)
 {
     (void)state;
@@ -241,7 +245,8 @@ static void test_shaders_answer_as_those_of_the_file(void **state)
     gl_context_destroy(d.gl);
 }
 
-/* memory -------------------------------------------------------------------------------------------------------------------------- */
+/* memory --------------------------------------------------------------------------------------------------------------------------
+ * */
 
 static const vxs_section *section_of(const vxs_asset *asset, uint32_t light)
 {
@@ -250,14 +255,14 @@ static const vxs_section *section_of(const vxs_asset *asset, uint32_t light)
     return s;
 }
 
-/* Of the budget its words, and room to read the larger one, where pages go later; no more is held or read. One byte less than the least is
- * an error that says so. */
+/* Of the budget its words, and room to read the larger one, where pages go later; no more is held or read. One byte less than the
+ * least is an error that says so. */
 static void test_what_it_takes(void **state)
 {
     (void)state;
     uint64_t          least[2], held[2], read[2], words = 0, stored = 0, work = 0;
     vxs_stream_status status = {.struct_size = sizeof status};
-    for (uint32_t n = SUN; n <= LAMP; n += LAMP) {
+    for (uint32_t n = SUN; n <= PUNCTUAL; n += PUNCTUAL) {
         words += vxs_asset_smoke(whole, n)->word_count;
         stored += section_of(whole, n)->stored_bytes;
         work = section_of(whole, n)->stored_bytes + section_of(whole, n)->inflated_bytes;
@@ -298,7 +303,8 @@ static void test_what_it_takes(void **state)
     assert_int_equal(read[1] - read[0], 2 * stored + 2 * VXS_ENTRY_BYTES);
 }
 
-/* what goes wrong ----------------------------------------------------------------------------------------------------------------- */
+/* what goes wrong -----------------------------------------------------------------------------------------------------------------
+ * */
 
 /* Open fails with a finding, of a stream of all lights; one without the light whose smoke it is opens. */
 static void refused_by_stream(const vxs_bytes *file, int number)
@@ -409,7 +415,7 @@ static void test_reads_that_fail(void **state)
     (void)state;
     vxs_stream_desc desc = desc_of(&smoky, ENOUGH);
     vxs_stream     *stream;
-    reading         all = {0}, other = {.section_bytes = section_of(whole, LAMP)->stored_bytes};
+    reading         all = {0}, other = {.section_bytes = section_of(whole, PUNCTUAL)->stored_bytes};
     findings        f = {0};
     desc.bytes        = NULL;
     desc.read         = read_badly;

@@ -1,6 +1,6 @@
-/* Maps of transmittance curves (vxs_transmittance.h) on llvmpipe against what capsules leave of light along each texel's ray, in double
- * (tests/volumes/smoke_scene.h): lists, sorted or not, lists without room, streaming in tiles; a sun, a spot and a point light; before opaque casters;
- * lookups; misuse, and no number that is none.
+/* Maps of transmittance curves (vxs_transmittance.h) on llvmpipe against what capsules leave of light along each texel's ray, in
+ * double (tests/volumes/smoke_scene.h): lists, sorted or not, lists without room, streaming in tiles; a sun, a spot and a point
+ * light; before opaque casters; lookups; misuse, and no number that is none.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h"
 
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "random_lamp.h"
+#include "random_light.h"
 #include "repeats.h"
 
 /* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
@@ -21,9 +21,10 @@
 
 #include "transmittance_maps.h"
 
-/* tests ---------------------------------------------------------------------------------------------------------------------------- */
+/* tests ------------------------------------------------------------------------------------------------------------------------ */
 
-/* One capsule at a time, thick, thin, about a lamp and beside it: what is stored is what it leaves, at any depth, on each texel's ray. */
+/* One capsule at a time, thick, thin, about a punctual light and beside it: what is stored is what it leaves, at any depth, on each
+ * texel's ray. */
 static void test_single_capsules(void **state)
 {
     (void)state;
@@ -62,7 +63,8 @@ static void test_single_capsules(void **state)
         }
 }
 
-/* Behind all smoke, with hair in it: the product of all that a ray meets, however curves are built, and where lists have no room, too. And what is counted. */
+/* Behind all smoke, with hair in it: the product of all that a ray meets, however curves are built, and where lists have no room,
+ * too. And what is counted. */
 static void test_t_last(void **state)
 {
     (void)state;
@@ -107,8 +109,8 @@ static int by_entry(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Texels whose curves are those of C, which inserts what the ray meets by depth. Of nodes that bend a curve alike either may go, as rounding has it: what
- * is compared is what curves say at the nodes of both. */
+/* Texels whose curves are those of C, which inserts what the ray meets by depth. Of nodes that bend a curve alike either may go, as
+ * rounding has it: what is compared is what curves say at the nodes of both. */
 static uint32_t texels_as_in_c(const texels *t, const vxs_capsule *smoke)
 {
     static texel_ray ray;
@@ -159,7 +161,8 @@ static void test_order_of_capsules(void **state)
     free(second.curves);
 }
 
-/* Balls about one texel's ray, in lists of so much room, or without (0): what is left behind them all, or it is said that a driver cut the list. */
+/* Balls about one texel's ray, in lists of so much room, or without (0): what is left behind them all, or it is said that a driver
+ * cut the list. */
 static void check_balls(uint32_t count, uint32_t room, uint32_t unsorted, int may_cut)
 {
     enum { MOST = 70000 };
@@ -200,7 +203,8 @@ static void check_balls(uint32_t count, uint32_t room, uint32_t unsorted, int ma
     vxs_transmittance_map_destroy(map);
 }
 
-/* All of a texel's, in lists with room and without; and more than llvmpipe can take, which ends an invocation's loops after 65535 rounds in all. */
+/* All of a texel's, in lists with room and without; and more than llvmpipe can take, which ends an invocation's loops after 65535
+ * rounds in all. */
 static void test_10000_segments_in_a_texel(void **state)
 {
     (void)state;

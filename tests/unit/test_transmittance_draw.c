@@ -1,5 +1,6 @@
-/* Segments that shaders of an engine add to maps of transmittance curves (vxs_transmittance_map_build_drawn): balls, drawn as boxes about them, against
- * the same balls as capsules, and against what they leave of light in double; a sun, a spot and a point light; rubbish; misuse.
+/* Segments that shaders of an engine add to maps of transmittance curves (vxs_transmittance_map_build_drawn): balls, drawn as boxes
+ * about them, against the same balls as capsules, and against what they leave of light in double; a sun, a spot and a point light;
+ * rubbish; misuse.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h"
 
@@ -7,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "random_lamp.h"
+#include "random_light.h"
 #include "repeats.h"
 
 /* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
@@ -22,9 +23,10 @@
 
 enum { AT_BALLS = 12 };
 
-/* an engine -------------------------------------------------------------------------------------------------------------------------- */
+/* an engine -------------------------------------------------------------------------------------------------------------------- */
 
-/* The far sides of a box about each ball, so that a texel has one fragment; wider than the ball by half a texel's share, which a texel's centre may need. */
+/* The far sides of a box about each ball, so that a texel has one fragment; wider than the ball by half a texel's share, which a
+ * texel's centre may need. */
 static const char vertex_body[] =
     "layout(std430, binding = 12) readonly buffer balls_buffer { vec4 balls[]; }; /* capsules, two each */\n"
     "uniform int layer;\n"
@@ -157,7 +159,7 @@ static void engine_draw(void *user)
     s.gl->BindVertexArray(0);
 }
 
-/* tests ---------------------------------------------------------------------------------------------------------------------------- */
+/* tests ------------------------------------------------------------------------------------------------------------------------ */
 
 /* Balls where the smoke's capsules begin; every tenth on the ground. */
 static void make_balls(vxs_capsule *balls)
@@ -194,7 +196,8 @@ static uint32_t texels_alike(const texels *a, const texels *b, double within)
     return alike;
 }
 
-/* All of them drawn, or half, beside capsules: the segments and curves that capsules alone make, and behind all of them what double says. */
+/* All of them drawn, or half, beside capsules: the segments and curves that capsules alone make, and behind all of them what double
+ * says. */
 static void test_balls_are_drawn(void **state)
 {
     (void)state;
@@ -231,7 +234,7 @@ static void test_balls_are_drawn(void **state)
     }
 }
 
-/* Of what is no segment nothing is added; of one about the lamp, of the last texel, the half before it. */
+/* Of what is no segment nothing is added; of one about the light, of the last texel, the half before it. */
 static void test_rubbish_is_left_out(void **state)
 {
     (void)state;

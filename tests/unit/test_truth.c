@@ -359,13 +359,13 @@ static void lifted_points_leave_their_surface(void **state)
 
 /* -- spot and point lights ------------------------------------------------------------------------------- */
 
-static int lit_by_lamp(const truth *t, double x, double y, double z, const double lamp_ws[3])
+static int lit_by_punctual(const truth *t, double x, double y, double z, const double light_ws[3])
 {
-    light_shape lamp = {.kind = LIGHT_POINT, .position_ws = {lamp_ws[0], lamp_ws[1], lamp_ws[2]}, .range_metres = 0.5};
-    return truth_lit(t, (const double[]){x, y, z}, &lamp);
+    light_shape punctual = {.kind = LIGHT_POINT, .position_ws = {light_ws[0], light_ws[1], light_ws[2]}, .range_metres = 0.5};
+    return truth_lit(t, (const double[]){x, y, z}, &punctual);
 }
 
-static void a_lamp_in_a_room_casts_the_shadows_drawn_by_hand(void **state)
+static void a_punctual_in_a_room_casts_the_shadows_drawn_by_hand(void **state)
 {
     (void)state;
     const double hung[3] = {0, 3, 0}, in_the_ceiling[3] = {1, 4, 1}, in_the_pillar[3] = {2, 1, 0}, above[3] = {0, 1e6, 0};
@@ -375,54 +375,54 @@ static void a_lamp_in_a_room_casts_the_shadows_drawn_by_hand(void **state)
     box(1.5, 0, -0.5, 2.5, 2, 0.5);
     truth *t = make();
 
-    /* the lamp is a metre above the pillar's top, whose far edge is 2.5 away: the shadow ends at 7.5, beyond the floor */
-    assert_int_equal(lit_by_lamp(t, 4.9, 0.001, 0, hung), 0);
-    assert_int_equal(lit_by_lamp(t, 4.9, 1.03, 0, hung), 0); /* 3 - 4.9 / 2.5 = 1.04 */
-    assert_int_equal(lit_by_lamp(t, 4.9, 1.05, 0, hung), 1);
-    assert_int_equal(lit_by_lamp(t, 4.9, 1.03, 1.7, hung), 1); /* beside it */
-    assert_int_equal(lit_by_lamp(t, -4.9, 0, 4, hung), 1);     /* on the floor, farther than the range, which is not asked about */
-    assert_int_equal(lit_by_lamp(t, 0, 3.999, 4, hung), 1);    /* behind the lamp's back: points have none */
-    assert_int_equal(lit_by_lamp(t, 0, 4.001, 0, hung), 0);
-    assert_int_equal(lit_by_lamp(t, 0, -0.001, 0, hung), 0);
-    assert_int_equal(lit_by_lamp(t, 100, 100, 100, hung), 0);
-    assert_int_equal(lit_by_lamp(t, 30, 3.001, 0, hung), 1); /* out through the open side */
-    assert_int_equal(lit_by_lamp(t, 0, 3, 0, hung), 1);      /* the lamp itself */
+    /* the light is a metre above the pillar's top, whose far edge is 2.5 away: the shadow ends at 7.5, beyond the floor */
+    assert_int_equal(lit_by_punctual(t, 4.9, 0.001, 0, hung), 0);
+    assert_int_equal(lit_by_punctual(t, 4.9, 1.03, 0, hung), 0); /* 3 - 4.9 / 2.5 = 1.04 */
+    assert_int_equal(lit_by_punctual(t, 4.9, 1.05, 0, hung), 1);
+    assert_int_equal(lit_by_punctual(t, 4.9, 1.03, 1.7, hung), 1); /* beside it */
+    assert_int_equal(lit_by_punctual(t, -4.9, 0, 4, hung), 1);  /* on the floor, farther than the range, which is not asked about */
+    assert_int_equal(lit_by_punctual(t, 0, 3.999, 4, hung), 1); /* behind the light's back: points have none */
+    assert_int_equal(lit_by_punctual(t, 0, 4.001, 0, hung), 0);
+    assert_int_equal(lit_by_punctual(t, 0, -0.001, 0, hung), 0);
+    assert_int_equal(lit_by_punctual(t, 100, 100, 100, hung), 0);
+    assert_int_equal(lit_by_punctual(t, 30, 3.001, 0, hung), 1); /* out through the open side */
+    assert_int_equal(lit_by_punctual(t, 0, 3, 0, hung), 1);      /* the light itself */
 
-    assert_int_equal(lit_by_lamp(t, -4, 0, -4, in_the_ceiling), 1);
-    assert_int_equal(lit_by_lamp(t, 1, 5, 1, in_the_ceiling), 1); /* a lamp in a sheet shines to both sides */
-    assert_int_equal(lit_by_lamp(t, 2, 0.5, 0, in_the_pillar), 1);
-    assert_int_equal(lit_by_lamp(t, 3, 1, 0, in_the_pillar), 0);
-    assert_int_equal(lit_by_lamp(t, 4.9, 0, 4, in_the_pillar), 0);
+    assert_int_equal(lit_by_punctual(t, -4, 0, -4, in_the_ceiling), 1);
+    assert_int_equal(lit_by_punctual(t, 1, 5, 1, in_the_ceiling), 1); /* a punctual light in a sheet shines to both sides */
+    assert_int_equal(lit_by_punctual(t, 2, 0.5, 0, in_the_pillar), 1);
+    assert_int_equal(lit_by_punctual(t, 3, 1, 0, in_the_pillar), 0);
+    assert_int_equal(lit_by_punctual(t, 4.9, 0, 4, in_the_pillar), 0);
 
-    assert_int_equal(lit_by_lamp(t, 0, 4.001, 0, above), 1);
-    assert_int_equal(lit_by_lamp(t, 0, 3.999, 0, above), 0);
-    assert_int_equal(lit_by_lamp(t, 0, 2e6, 0, above), 1); /* the lamp is between the point and the room */
-    assert_int_equal(lit_by_lamp(t, 0, -2e6, 0, above), 0);
-    assert_int_equal(lit_by_lamp(t, 0, -2e6, 1e300, above), 1);
+    assert_int_equal(lit_by_punctual(t, 0, 4.001, 0, above), 1);
+    assert_int_equal(lit_by_punctual(t, 0, 3.999, 0, above), 0);
+    assert_int_equal(lit_by_punctual(t, 0, 2e6, 0, above), 1); /* the light is between the point and the room */
+    assert_int_equal(lit_by_punctual(t, 0, -2e6, 0, above), 0);
+    assert_int_equal(lit_by_punctual(t, 0, -2e6, 1e300, above), 1);
     truth_destroy(t);
 }
 
-/* 1 no triangle between a point and a lamp, 0 there is one, -1 too close to tell. */
-static int brute_lit(const double point[3], const double lamp[3], double slack)
+/* 1 no triangle between a point and a punctual light, 0 there is one, -1 too close to tell. */
+static int brute_lit(const double point[3], const double punctual[3], double slack)
 {
     double way[3], unit[3] = {0, 0, 0};
     int    doubt = 0;
-    vec3_sub(lamp, point, way);
+    vec3_sub(punctual, point, way);
     vec3_unit(way, unit);
     double length = sqrt(vec3_dot(way, way));
     for (size_t t = 0; t < built.triangle_count; t++) {
-        double margin, from_lamp, back[3] = {-unit[0], -unit[1], -unit[2]};
-        double along   = intersect(t, point, unit, &margin); /* margins are those of the end that is nearer to the plane */
-        double to_lamp = intersect(t, lamp, back, &from_lamp);
-        margin         = fmin(margin, from_lamp);
-        if (margin > slack && fmin(along, to_lamp) > slack) return 0;
-        doubt |= fmin(along, to_lamp) > -slack && along < length + slack && margin > -slack;
+        double margin, from_punctual, back[3] = {-unit[0], -unit[1], -unit[2]};
+        double along    = intersect(t, point, unit, &margin); /* margins are those of the end that is nearer to the plane */
+        double to_light = intersect(t, punctual, back, &from_punctual);
+        margin          = fmin(margin, from_punctual);
+        if (margin > slack && fmin(along, to_light) > slack) return 0;
+        doubt |= fmin(along, to_light) > -slack && along < length + slack && margin > -slack;
     }
     return doubt ? -1 : 1;
 }
 
-/* Lamps `spread` times as far as the scene is large, and points in and about it. */
-static void compare_lamps(double size, const double offset[3], double spread, int dark_at_least)
+/* Punctual lights `spread` times as far as the scene is large, and points in and about it. */
+static void compare_punctuals(double size, const double offset[3], double spread, int dark_at_least)
 {
     rng r = {37};
     start();
@@ -434,51 +434,51 @@ static void compare_lamps(double size, const double offset[3], double spread, in
 
     int clear = 0, dark = 0;
     for (int i = 0; i < 2000; i++) {
-        light_shape lamp = {.kind = i % 2 ? LIGHT_POINT : LIGHT_SPOT, .range_metres = INFINITY, .outer_rad = 0.5};
+        light_shape punctual = {.kind = i % 2 ? LIGHT_POINT : LIGHT_SPOT, .range_metres = INFINITY, .outer_rad = 0.5};
         double      point[3];
         random_point(&r, 1.5 * size, point);
-        random_point(&r, spread * size, lamp.position_ws);
-        random_direction(&r, lamp.direction_ws);
-        for (int k = 0; k < 3; k++) point[k] += offset[k], lamp.position_ws[k] += offset[k];
-        int expected = brute_lit(point, lamp.position_ws, slack);
+        random_point(&r, spread * size, punctual.position_ws);
+        random_direction(&r, punctual.direction_ws);
+        for (int k = 0; k < 3; k++) point[k] += offset[k], punctual.position_ws[k] += offset[k];
+        int expected = brute_lit(point, punctual.position_ws, slack);
         if (expected < 0) continue;
         clear++;
         dark += !expected;
-        assert_int_equal(truth_lit(t, point, &lamp), expected);
+        assert_int_equal(truth_lit(t, point, &punctual), expected);
     }
     assert_true(clear > 1900 && dark > dark_at_least && dark < 1700);
     truth_destroy(t);
 }
 
-static void lamps_agree_with_brute_force(void **state)
+static void punctuals_agree_with_brute_force(void **state)
 {
     (void)state;
     const double zero[3] = {0, 0, 0}, far[3] = {1e7, -2e7, 3e7};
-    compare_lamps(100, zero, 1, 200);
-    compare_lamps(100, zero, 0.01, 200); /* close together, amidst the scene */
-    compare_lamps(100, zero, 10, 200);
-    compare_lamps(100, zero, 1e6, 200);
-    compare_lamps(100, far, 1, 200);
-    compare_lamps(100, far, 1e3, 200);
-    compare_lamps(1e-9, zero, 1, 200);
-    compare_lamps(1e-6, zero, 1e9, 200);
-    compare_lamps(1e12, zero, 2, 200);
+    compare_punctuals(100, zero, 1, 200);
+    compare_punctuals(100, zero, 0.01, 200); /* close together, amidst the scene */
+    compare_punctuals(100, zero, 10, 200);
+    compare_punctuals(100, zero, 1e6, 200);
+    compare_punctuals(100, far, 1, 200);
+    compare_punctuals(100, far, 1e3, 200);
+    compare_punctuals(1e-9, zero, 1, 200);
+    compare_punctuals(1e-6, zero, 1e9, 200);
+    compare_punctuals(1e12, zero, 2, 200);
 }
 
-static void a_lamp_reaches_its_cone_and_range(void **state)
+static void a_punctual_reaches_its_cone_and_range(void **state)
 {
     (void)state;
     const double far = 1e7, pi = 3.14159265358979323846;
     light_shape  sun  = {.kind = LIGHT_DIRECTIONAL, .direction_ws = {0, -1, 0}};
     light_shape  spot = {
          .kind = LIGHT_SPOT, .position_ws = {far, 5, -far}, .direction_ws = {0.6, -0.8, 0}, .outer_rad = pi / 6, .range_metres = 10};
-    light_shape lamp = {.kind = LIGHT_POINT, .position_ws = {far, 5, -far}, .direction_ws = {0, 0, -1}, .range_metres = 10};
+    light_shape punctual = {.kind = LIGHT_POINT, .position_ws = {far, 5, -far}, .direction_ws = {0, 0, -1}, .range_metres = 10};
     assert_int_equal(light_reaches(&sun, (const double[]){1e30, 1e30, -1e30}), 1);
     for (int degrees = -179; degrees <= 180; degrees++)
         for (int metres = 1; metres < 20; metres += 2) {
             double turned  = atan2(-0.8, 0.6) + degrees * pi / 180;
             double here[3] = {far + metres * cos(turned), 5 + metres * sin(turned), -far};
-            assert_int_equal(light_reaches(&lamp, here), metres < 10);
+            assert_int_equal(light_reaches(&punctual, here), metres < 10);
             if (abs(degrees) != 30) assert_int_equal(light_reaches(&spot, here), metres < 10 && abs(degrees) < 30);
             spot.outer_rad = pi / 2;
             if (abs(degrees) != 90) assert_int_equal(light_reaches(&spot, here), metres < 10 && abs(degrees) < 90);
@@ -486,8 +486,8 @@ static void a_lamp_reaches_its_cone_and_range(void **state)
         }
     assert_int_equal(light_reaches(&spot, (const double[]){far + 6, -3, -far}), 1); /* the range's end belongs to it */
     assert_int_equal(light_reaches(&spot, (const double[]){far, 5, -far}), 1);
-    lamp.range_metres = INFINITY;
-    assert_int_equal(light_reaches(&lamp, (const double[]){1e30, -1e30, 1e30}), 1);
+    punctual.range_metres = INFINITY;
+    assert_int_equal(light_reaches(&punctual, (const double[]){1e30, -1e30, 1e30}), 1);
 
     /* half a degree to each side */
     spot.outer_rad    = pi / 360;
@@ -568,8 +568,8 @@ static void light_passes_holes_drawn_by_hand(void **state)
             uint32_t which;
             double   distance, normal[3];
             assert_int_equal(lit(t, x + 0.49, 1, z + 0.52, down), hole);
-            assert_int_equal(lit_by_lamp(t, x + 0.49, 1, z + 0.52, (const double[]){x + 0.49, 50, z + 0.52}), hole);
-            assert_int_equal(lit_by_lamp(t, x + 0.49, 1, z + 0.52, (const double[]){x + 0.49, 2.9, z + 0.52}), 1);
+            assert_int_equal(lit_by_punctual(t, x + 0.49, 1, z + 0.52, (const double[]){x + 0.49, 50, z + 0.52}), hole);
+            assert_int_equal(lit_by_punctual(t, x + 0.49, 1, z + 0.52, (const double[]){x + 0.49, 2.9, z + 0.52}), 1);
             assert_int_equal(truth_first_hit(t, (const double[]){x + 0.49, 5, z + 0.52}, down, &distance, normal, &which), 1);
             assert_true(distance == (hole ? 5 : 2) && normal[1] == 1 && (which < 2) == hole);
             assert_int_equal(truth_first_hit(t, (const double[]){x + 0.49, 1, z + 0.52}, up, NULL, NULL, NULL), !hole);
@@ -1010,9 +1010,9 @@ int main(void)
         cmocka_unit_test(surfaces_are_watertight),
         cmocka_unit_test(equal_triangles_are_told_by_index),
         cmocka_unit_test(lifted_points_leave_their_surface),
-        cmocka_unit_test(a_lamp_in_a_room_casts_the_shadows_drawn_by_hand),
-        cmocka_unit_test(lamps_agree_with_brute_force),
-        cmocka_unit_test(a_lamp_reaches_its_cone_and_range),
+        cmocka_unit_test(a_punctual_in_a_room_casts_the_shadows_drawn_by_hand),
+        cmocka_unit_test(punctuals_agree_with_brute_force),
+        cmocka_unit_test(a_punctual_reaches_its_cone_and_range),
         cmocka_unit_test(light_passes_holes_drawn_by_hand),
         cmocka_unit_test(rays_through_holes_agree_with_brute_force),
         cmocka_unit_test(surface_points_are_not_in_holes),

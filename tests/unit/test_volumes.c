@@ -1,12 +1,12 @@
-/* libvxs_volumes on llvmpipe: light maps against the asset's depths, marches against exact lit intervals in double, what moves joined with what
- * stands, the picture behind fog, the context's state as it was, and no number that is none.
+/* libvxs_volumes on llvmpipe: light maps against the asset's depths, marches against exact lit intervals in double, what moves
+ * joined with what stands, the picture behind fog, the context's state as it was, and no number that is none.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-#include "random_lamp.h"
+#include "random_light.h"
 #include "repeats.h"
 
 /* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
@@ -169,7 +169,8 @@ static void test_marches(void **state)
     scene_close(&s);
 }
 
-/* In fog of which a ray sees a thirtieth or less, and in fog of which one channel is thin and another thick, a march of few steps loses nothing. */
+/* In fog of which a ray sees a thirtieth or less, and in fog of which one channel is thin and another thick, a march of few steps
+ * loses nothing. */
 static void test_marches_in_dense_fog(void **state)
 {
     (void)state;
@@ -182,7 +183,7 @@ static void test_marches_in_dense_fog(void **state)
     for (int light = 0; light < SCENE_LIGHTS; light++) {
         vxs_volumes_light l = scene_light(light);
         for (size_t k = 0; k < sizeof media / sizeof *media; k++) {
-            double top = k == 1 && light != SCENE_POINT ? 3 : VXS_AIR_EVERYWHERE; /* lamps above it, too */
+            double top = k == 1 && light != SCENE_POINT ? 3 : VXS_AIR_EVERYWHERE; /* punctual lights above it, too */
             see_in(&s, light == SCENE_SUN ? 0 : 2, light, &media[k], top, &v);
             for (int which = VXS_STEPS_EVEN; which <= VXS_STEPS_EQUIANGULAR; which++) {
                 double mean;
@@ -224,8 +225,8 @@ static void test_many_steps(void **state)
     scene_close(&s);
 }
 
-/* Rays that graze the ground through thousands of texels: intervals in pieces are exact, those of a dispatch are the same where no driver ended them, and rays
- * that one ended are counted. */
+/* Rays that graze the ground through thousands of texels: intervals in pieces are exact, those of a dispatch are the same where no
+ * driver ended them, and rays that one ended are counted. */
 static void test_intervals_in_pieces(void **state)
 {
     (void)state;
@@ -264,9 +265,10 @@ static void test_intervals_in_pieces(void **state)
     scene_close(&s);
 }
 
-/* What moves: a disc that faces the light two metres before it (the sun: among the boxes), seen by a depth map of the light's own. */
+/* What moves: a disc that faces the light two metres before it (the sun: among the boxes), seen by a depth map of the light's own.
+ * */
 typedef struct moving_disc {
-    double             depth, radius; /* of lamps metres, of the sun voxels and texels */
+    double             depth, radius; /* of punctual lights metres, of the sun voxels and texels */
     vxs_moving_casters casters;
 } moving_disc;
 
@@ -279,7 +281,8 @@ static moving_disc disc_before(const volumes_scene *s, int light, GLuint depths)
     int              is_sun = l->kind == VXS_LIGHT_KIND_DIRECTIONAL;
     double           side   = ldexp(1, (int)l->levels);
     moving_disc      d      = {is_sun ? side / 6 : 2, is_sun ? side / 5 : 0.7, {depths, MOVING_PX, MOVING_PX, {0}, 1.0F}};
-    /* texture coordinates and depth by light space: a plane's depth is linear in the sun's, and 1 - near / z of a lamp's */
+    /* texture coordinates and depth by light space: a plane's depth is linear in the sun's, and 1 - near / z of a punctual light's
+     * */
     double           across = is_sun ? 1 / side : 0.4, rows[4][4] = {{0}};
     float           *seen_depths = malloc(sizeof(float) * MOVING_PX * MOVING_PX);
     assert_non_null(seen_depths);
@@ -357,7 +360,8 @@ static void test_joined(void **state)
     scene_close(&s);
 }
 
-/* Airlight of a light map by exact traversal of its texels, adaptively, in double, of every so many pixels; what differs from it, by RMS. */
+/* Airlight of a light map by exact traversal of its texels, adaptively, in double, of every so many pixels; what differs from it,
+ * by RMS. */
 enum { ASKED_EACH = 2, ASKED_PIXELS = (PIXELS + ASKED_EACH - 1) / ASKED_EACH };
 
 static void traverse(const volumes_scene *s, const volumes_camera *c, int light, const seen *v, const float *first,
@@ -387,7 +391,8 @@ static double rms_from(const double found[ASKED_PIXELS][3], const double wanted[
     return sqrt(wrong / size);
 }
 
-/* All techniques that read a light map know what moves: their airlight is that of the map as it was joined, which is not that of what stands. */
+/* All techniques that read a light map know what moves: their airlight is that of the map as it was joined, which is not that of
+ * what stands. */
 static void test_joined_airlight(void **state)
 {
     (void)state;
@@ -667,7 +672,8 @@ static void test_any_numbers(void **state)
             to[i]                = uniform(&r, -5, 5);
         }
         const vxs_air_light air = scene_air_light(&s, &l);
-        if (!rng_below(&r, 4)) memcpy(eye, air.place, sizeof eye); /* the eye at the lamp, or the lamp in the middle of the view */
+        if (!rng_below(&r, 4))
+            memcpy(eye, air.place, sizeof eye); /* the eye at the light, or the light in the middle of the view */
         if (!rng_below(&r, 4)) memcpy(to, air.place, sizeof to);
         for (int i = 0; i < 3; i++) to[i] += eye[i] == to[i] || i == 0 ? 1e-3 : 0;
         l.radius_metres     = (float)exp(uniform(&r, log(1e-6), log(10)));
@@ -691,7 +697,8 @@ static void test_any_numbers(void **state)
     scene_close(&s);
 }
 
-/* What is left out has no more airlight than was said, whatever the camera, the light, the medium and what is in shadow; and much is left out. */
+/* What is left out has no more airlight than was said, whatever the camera, the light, the medium and what is in shadow; and much
+ * is left out. */
 static void test_reach(void **state)
 {
     (void)state;

@@ -1,12 +1,13 @@
-/* Voxelized shadow volumes of libvxs_volumes on llvmpipe: their scans against a serial one, bit for bit; their words and airlight against those of
- * shadow_grid.h in double; the asset against its map; all of it against exact lit intervals; the context's state, misuse, and no number that is none.
+/* Voxelized shadow volumes of libvxs_volumes on llvmpipe: their scans against a serial one, bit for bit; their words and airlight
+ * against those of shadow_grid.h in double; the asset against its map; all of it against exact lit intervals; the context's state,
+ * misuse, and no number that is none.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-#include "random_lamp.h"
+#include "random_light.h"
 #include "repeats.h"
 
 /* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
@@ -22,7 +23,7 @@
 
 enum { RESOLUTION = 256, WIDE = 48, HIGH = 40, PIXELS = WIDE * HIGH };
 
-/* tests ---------------------------------------------------------------------------------------------------------------------------- */
+/* tests ------------------------------------------------------------------------------------------------------------------------ */
 
 /* Both scans are the serial one, bit for bit, of any number of texels in a segment, and touch nothing beside them. */
 static void test_scans(void **state)
@@ -60,8 +61,8 @@ static void test_scans(void **state)
     scene_close(&s);
 }
 
-/* Where shadow begins on each light ray, against the same in double: the next column or the one before only where rounding decides, but for rays
- * between two texels of the map. */
+/* Where shadow begins on each light ray, against the same in double: the next column or the one before only where rounding decides,
+ * but for rays between two texels of the map. */
 static void check_columns(const shadow_grid *g, const light_map *m, uint32_t *dark)
 {
     uint32_t elsewhere = 0;
@@ -292,7 +293,8 @@ static void test_misuse(void **state)
     scene_close(&s);
 }
 
-/* Cameras, lights and media at random: nothing that is drawn is no number, or negative, or more than all the light without shadow. */
+/* Cameras, lights and media at random: nothing that is drawn is no number, or negative, or more than all the light without shadow.
+ * */
 static void test_any_numbers(void **state)
 {
     (void)state;
@@ -315,7 +317,7 @@ static void test_any_numbers(void **state)
             to[i]                = uniform(&r, -5, 5);
         }
         const vxs_air_light air = scene_air_light(&s, &l);
-        if (!rng_below(&r, 3)) memcpy(to, air.place, sizeof to); /* toward a lamp */
+        if (!rng_below(&r, 3)) memcpy(to, air.place, sizeof to); /* toward a punctual light */
         if (!rng_below(&r, 4))
             for (int i = 0; i < 3; i++) to[i] = 2 * eye[i] - air.place[i]; /* or away from it */
         if (!rng_below(&r, 6))
@@ -336,8 +338,9 @@ static void test_any_numbers(void **state)
     scene_close(&s);
 }
 
-/* An eye in a lamp, or nearly, sees the shadows of its light: by the radius of a lamp that is carried, and of a large one. */
-static void test_eye_in_lamp(void **state)
+/* An eye in a punctual light, or nearly, sees the shadows of its light: by the radius of a punctual light that is carried, and of a
+ * large one. */
+static void test_eye_in_punctual(void **state)
 {
     (void)state;
     static const double offsets[][3] = {{0, 0, 0}, {1e-6, 0, 0}, {0.03, -0.05, 0.02}, {0.095, 0, 0}, {0.2, 0, 0.2}},
@@ -384,7 +387,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_scans),     cmocka_unit_test(test_words),       cmocka_unit_test(test_bounded_sun),
-        cmocka_unit_test(test_converges), cmocka_unit_test(test_state),       cmocka_unit_test(test_eye_in_lamp),
+        cmocka_unit_test(test_converges), cmocka_unit_test(test_state),       cmocka_unit_test(test_eye_in_punctual),
         cmocka_unit_test(test_misuse),    cmocka_unit_test(test_any_numbers),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

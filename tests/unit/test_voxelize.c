@@ -1,12 +1,12 @@
-/* Voxels of triangles, on llvmpipe: where light rays meet them against rays traced in double, insides of closed models against boxes, what is covered
- * against many light rays in each voxel; and how they are joined to what stands.
+/* Voxels of triangles, on llvmpipe: where light rays meet them against rays traced in double, insides of closed models against
+ * boxes, what is covered against many light rays in each voxel; and how they are joined to what stands.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-#include "random_lamp.h"
+#include "random_light.h"
 #include "repeats.h"
 
 /* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
@@ -52,7 +52,7 @@ static double columns_before_hit(const shadow_grid *g, triangles t, double row, 
     return fmin(fmax(columns, 0), g->size.columns);
 }
 
-/* tests ---------------------------------------------------------------------------------------------------------------------------- */
+/* tests ------------------------------------------------------------------------------------------------------------------------ */
 
 /* Whether shadow begins on each light ray where it meets the first triangle, and so it does of the eye. */
 static void check_light_rays(const volumes_scene *s, triangles t, int light, int camera, uint32_t counts[4])
@@ -103,7 +103,8 @@ static void test_light_rays(void **state)
     assert_int_equal(s->gl->GetError(), GL_NO_ERROR);
 }
 
-/* What stands, of the asset or of its map, and what moves: on each light ray the nearer of both, bit for bit; and the eye is lit if it is by both. */
+/* What stands, of the asset or of its map, and what moves: on each light ray the nearer of both, bit for bit; and the eye is lit if
+ * it is by both. */
 static void test_with_what_stands(void **state)
 {
     (void)state;
@@ -156,8 +157,8 @@ static int boxes_about(const volumes_scene *s, const double *at)
     return count;
 }
 
-/* Solid voxels are those whose middles are in an odd number of boxes; shadow begins at the first, or where a light ray meets any box
- * before what can be seen. */
+/* Solid voxels are those whose middles are in an odd number of boxes; shadow begins at the first, or where a light ray meets any
+ * box before what can be seen. */
 static void test_solid(void **state)
 {
     (void)state;
@@ -204,7 +205,8 @@ static void test_solid(void **state)
     assert_true(wrong < asked / 2000);
 }
 
-/* Whatever light ray of a voxel meets a triangle, it is dark from there on; and no more than a voxel before the first of many of them. */
+/* Whatever light ray of a voxel meets a triangle, it is dark from there on; and no more than a voxel before the first of many of
+ * them. */
 static void test_covered(void **state)
 {
     (void)state;

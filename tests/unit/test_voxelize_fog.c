@@ -1,11 +1,12 @@
-/* Airlight by voxelized triangles, on llvmpipe, against that in their exact shadows, turned to all sides, too; triangles that are none, and misuse.
+/* Airlight by voxelized triangles, on llvmpipe, against that in their exact shadows, turned to all sides, too; triangles that are
+ * none, and misuse.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-#include "random_lamp.h"
+#include "random_light.h"
 #include "repeats.h"
 
 /* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
@@ -122,7 +123,7 @@ static void test_turned(void **state)
     vxs_shadow_grid_destroy(grid);
 }
 
-/* A corner that makes trouble: in the lamp, in the eye, on the axis, far away, no number. */
+/* A corner that makes trouble: in the light, in the eye, on the axis, far away, no number. */
 static void random_corner(rng *r, const double *eye, const double *light, float *corner)
 {
     static const float extremes[] = {0, 1e-30F, -1e-30F, 1e14F, -1e14F, 1e30F, 3e38F, INFINITY, -INFINITY, NAN};
@@ -179,7 +180,8 @@ static void test_any_triangles(void **state)
     }
 }
 
-/* A triangle that fills the view changes more bits of a row than llvmpipe's loops have rounds: it is said. Of a smaller grid they suffice. */
+/* A triangle that fills the view changes more bits of a row than llvmpipe's loops have rounds: it is said. Of a smaller grid they
+ * suffice. */
 static void test_cut(void **state)
 {
     (void)state;
@@ -201,8 +203,9 @@ static void test_cut(void **state)
     }
 }
 
-/* An eye within a lamp's radius, behind a shade beside the lamp: it sees the shadow of that, and none of another shade, behind it. */
-static void test_shade_in_lamp(void **state)
+/* An eye within a punctual light's radius, behind a shade beside the light: it sees the shadow of that, and none of another shade,
+ * behind it. */
+static void test_shade_in_punctual(void **state)
 {
     (void)state;
     const volumes_scene *s = opened();
@@ -221,7 +224,7 @@ static void test_shade_in_lamp(void **state)
             eye[i] = air.place[i] + (i == 0 ? 0.3 : 0);
             to[i]  = eye[i] + (i == 2 ? 1 : 0);
         }
-        for (int k = 0; k < 4; k++) { /* across the way from the lamp to the eye */
+        for (int k = 0; k < 4; k++) { /* across the way from the light to the eye */
             places[3 * k]     = (float)(air.place[0] + (behind ? 0.4 : 0.15));
             places[3 * k + 1] = (float)(air.place[1] + (k & 1 ? 0.1 : -0.1));
             places[3 * k + 2] = (float)(air.place[2] + (k & 2 ? 0.1 : -0.1));
@@ -274,8 +277,9 @@ static void test_misuse(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_converges), cmocka_unit_test(test_turned),        cmocka_unit_test(test_any_triangles),
-        cmocka_unit_test(test_cut),       cmocka_unit_test(test_shade_in_lamp), cmocka_unit_test(test_misuse),
+        cmocka_unit_test(test_converges),         cmocka_unit_test(test_turned),
+        cmocka_unit_test(test_any_triangles),     cmocka_unit_test(test_cut),
+        cmocka_unit_test(test_shade_in_punctual), cmocka_unit_test(test_misuse),
     };
     return cmocka_run_group_tests(tests, NULL, close_scene);
 }

@@ -1,5 +1,5 @@
-/* Maps of transmittance curves on llvmpipe, read back, and each texel's ray through the same capsules in double. Included behind cmocka.h and random_lamp.h, with
- * baker/lab/opengl/gl.h first of all.
+/* Maps of transmittance curves on llvmpipe, read back, and each texel's ray through the same capsules in double. Included behind
+ * cmocka.h and random_light.h, with baker/lab/opengl/gl.h first of all.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef TRANSMITTANCE_MAPS_H
 #define TRANSMITTANCE_MAPS_H
@@ -45,7 +45,8 @@ static inline vxs_transmittance_desc desc_of(int light, way_to_build how, uint32
                                     .unsorted     = how == UNSORTED};
 }
 
-/* One scene for all tests, and its maps of 8 nodes, made when they are first asked for: programs take longer to compile than to run here. */
+/* One scene for all tests, and its maps of 8 nodes, made when they are first asked for: programs take longer to compile than to run
+ * here. */
 static volumes_scene          s;
 static vxs_transmittance_map *maps[SCENE_LIGHTS][WAYS];
 enum { NODES = 8 };

@@ -1,5 +1,5 @@
-/* Shadows of triangles along an eye ray, exactly, in double: of each triangle an interval, where a ray enters and leaves the pyramid or prism that it casts.
- * Included behind random_lamp.h.
+/* Shadows of triangles along an eye ray, exactly, in double: of each triangle an interval, where a ray enters and leaves the
+ * pyramid or prism that it casts. Included behind random_light.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef TRIANGLE_SHADOWS_H
 #define TRIANGLE_SHADOWS_H
@@ -19,7 +19,7 @@ static inline void clip_to_plane(const double normal[3], const double on[3], con
     if (slope < 0) part[1] = fmin(part[1], x);
 }
 
-/* light  of a lamp its place, of a sun the way to it;   part  as above */
+/* light  of a punctual light its place, of a sun the way to it;   part  as above */
 static inline void triangle_shadow(double corners[3][3], const vxs_air_light *light, const double origin[3], const double way[3],
                                    double part[2])
 {

@@ -1,5 +1,5 @@
-/* A small scene in fog: boxes on a floor, baked for a sun, a spot and a point light; views of it, with depths by brute force; libvxs_volumes on
- * them. Included behind cmocka.h and random_lamp.h, with baker/lab/opengl/gl.h first of all.
+/* A small scene in fog: boxes on a floor, baked for a sun, a spot and a point light; views of it, with depths by brute force;
+ * libvxs_volumes on them. Included behind cmocka.h and random_light.h, with baker/lab/opengl/gl.h first of all.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef VOLUMES_SCENE_H
 #define VOLUMES_SCENE_H
@@ -125,8 +125,8 @@ static inline void scene_close(volumes_scene *s)
     gl_context_destroy(s->gl);
 }
 
-/* Whether a test that may ask all lights of all cameras asks a light of a camera. The part: each light and each camera, fog with a top
- * (camera 1) of the sun and of a lamp, and the point light in view of camera 3. */
+/* Whether a test that may ask all lights of all cameras asks a light of a camera. The part: each light and each camera, fog with a
+ * top (camera 1) of the sun and of a punctual light, and the point light in view of camera 3. */
 static inline int scene_asks(int light, int camera)
 {
     static const uint32_t cameras[SCENE_LIGHTS] = {1 << 0 | 1 << 1, 1 << 1 | 1 << 2, 1 << 3 | 1 << 4};
@@ -134,8 +134,8 @@ static inline int scene_asks(int light, int camera)
 }
 
 /* The lights as they are asked for, each bright enough to be seen. */
-/* Test `call` with each struct_size of `given`: none, that of the first version, of this one, of a newer one whose new field is 0 or
- * set; and sizes that no version has.   last  the last field of the first version */
+/* Test `call` with each struct_size of `given`: none, that of the first version, of this one, of a newer one whose new field is 0
+ * or set; and sizes that no version has.   last  the last field of the first version */
 #define HOLD_SIZES(type, last, value, call)                                                                                        \
     do {                                                                                                                           \
         struct {                                                                                                                   \
@@ -270,7 +270,7 @@ static inline vxs_air_light scene_air_light(const volumes_scene *s, const vxs_vo
                             .range_metres  = l->range_metres};
     for (int n = 0; n < 3; n++) {
         const double *m = l->ls_from_ws;
-        air.place[n]    = -m[n] * m[3] - m[4 + n] * m[7] - m[8 + n] * m[11]; /* of a lamp: where light space begins */
+        air.place[n]    = -m[n] * m[3] - m[4 + n] * m[7] - m[8 + n] * m[11]; /* of a punctual light: where light space begins */
         if (l->kind == VXS_LIGHT_KIND_DIRECTIONAL) air.place[n] = -l->direction_ws[n];
         air.axis[n] = l->direction_ws[n];
     }

@@ -40,10 +40,10 @@ double air_way_of(const air_passing *p, double x)
 {
     double height = p->up * x, r = hypot(p->beside, x - p->along);
     if (!p->has_top) return x + r;
-    return x * share_below(p->top, 0, height) + r * share_below(p->top, p->lamp, height);
+    return x * share_below(p->top, 0, height) + r * share_below(p->top, p->punctual, height);
 }
 
-static double lamp_at(double s, void *user)
+static double punctual_at(double s, void *user)
 {
     const integrand   *n = user;
     const air_passing *p = n->p;
@@ -62,29 +62,30 @@ static int by_size(const void *a, const void *b)
     return (p > q) - (p < q);
 }
 
-air_passing air_passing_of(const double direction[3], const double to_lamp[3], double radius, const double *axis, double cos_inner,
+air_passing air_passing_of(const double direction[3], const double to_light[3], double radius, const double *axis, double cos_inner,
                            double cos_outer)
 {
     air_passing p      = {.cos_inner = cos_inner, .cos_outer = cos_outer, .is_spot = axis != NULL};
     double      square = 0;
     for (int i = 0; i < 3; i++) {
         int    a = (i + 1) % 3, b = (i + 2) % 3;
-        double across = to_lamp[a] * direction[b] - to_lamp[b] * direction[a];
+        double across = to_light[a] * direction[b] - to_light[b] * direction[a];
         square += across * across;
-        p.along += direction[i] * to_lamp[i];
+        p.along += direction[i] * to_light[i];
         if (axis) p.facing += direction[i] * axis[i];
     }
-    for (int i = 0; i < 3 && axis; i++) p.before += (p.along * direction[i] - to_lamp[i]) * axis[i];
+    for (int i = 0; i < 3 && axis; i++) p.before += (p.along * direction[i] - to_light[i]) * axis[i];
     p.beside = fmax(sqrt(square), radius);
     return p;
 }
 
-/* In pieces that grow away from where the ray is nearest to the lamp, and from its begin as fast as light is lost; below a top from both ends. */
-double air_of_lamp(const air_passing *p, double g, double extinction, double begin, double length)
+/* In pieces that grow away from where the ray is nearest to the light, and from its begin as fast as light is lost; below a top
+ * from both ends. */
+double air_of_punctual(const air_passing *p, double g, double extinction, double begin, double length)
 {
     enum { PIECES = 500 };
     integrand    n = {p, begin - p->along, extinction, g};
-    gsl_function f = {lamp_at, &n};
+    gsl_function f = {punctual_at, &n};
     double       ends[PIECES], sum = 0, nearest = -n.from;
     int          count = 0;
     ends[count++]      = 0;

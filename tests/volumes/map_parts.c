@@ -1,7 +1,7 @@
 /* Lit parts by the texels of a light map; see map_parts.h.
  *
- * In light space a ray is a line. Of a sun, planes between columns are u = i; of a lamp's map, x = c_i z: also planes. Between two
- * cuts that follow each other the ray is in one texel, and its depth is linear.
+ * In light space a ray is a line. Of a sun, planes between columns are u = i; of a punctual light's map, x = c_i z: also planes.
+ * Between two cuts that follow each other the ray is in one texel, and its depth is linear.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "tests/volumes/map_parts.h"
 
@@ -31,7 +31,7 @@ static line line_in_map(const light_map *map, const line *l, int layer)
     return turned;
 }
 
-/* Texel coordinate: scale * x + middle of a sun, of x / z of a lamp. */
+/* Texel coordinate: scale * x + middle of a sun, of x / z of a punctual light. */
 static double texels_per_unit(const light_map *map)
 {
     double coarser = map->side / ldexp(1, (int)map->light->levels);

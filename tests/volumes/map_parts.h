@@ -10,7 +10,7 @@
 typedef struct light_map {
     const vxs_light *light;        /* how its maps lie */
     uint32_t         side, layers; /* texels; 1, or 6 of a light with a cube */
-    const float     *first;        /* [layers][side][side]: suns: voxels of the light; lamps: metres along the axis of the map */
+    const float     *first; /* [layers][side][side]: suns: voxels of the light; punctual lights: metres along the axis of the map */
 } light_map;
 
 /* A lit_oracle of a light_map. Outside the maps, and of suns outside their depth, all is lit. Cone and range do not count.

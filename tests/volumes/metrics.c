@@ -7,13 +7,13 @@
 
 #include "baker/base/vec3.h"
 
-pixel_class pixel_class_of(const double eye[3], const double direction[3], const double lamp[3], double radius_metres)
+pixel_class pixel_class_of(const double eye[3], const double direction[3], const double punctual[3], double radius_metres)
 {
-    double to_lamp[3], across[3];
-    vec3_sub(lamp, eye, to_lamp);
-    vec3_cross(to_lamp, direction, across);
+    double to_light[3], across[3];
+    vec3_sub(punctual, eye, to_light);
+    vec3_cross(to_light, direction, across);
     int is_near = vec3_dot(across, across) < EPIPOLE_RADII * EPIPOLE_RADII * radius_metres * radius_metres;
-    return is_near && vec3_dot(to_lamp, direction) > 0 ? PIXELS_EPIPOLE : PIXELS_ELSEWHERE;
+    return is_near && vec3_dot(to_light, direction) > 0 ? PIXELS_EPIPOLE : PIXELS_ELSEWHERE;
 }
 
 static int by_size(const void *a, const void *b)

@@ -6,13 +6,13 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Pixels are counted apart: those within EPIPOLE_RADII radii of a lamp that is seen, beside the ray, where airlight is largest and
- * sharpest. */
+/* Pixels are counted apart: those within EPIPOLE_RADII radii of a punctual light that is seen, beside the ray, where airlight is
+ * largest and sharpest. */
 typedef enum pixel_class { PIXELS_ELSEWHERE, PIXELS_EPIPOLE, PIXEL_CLASSES } pixel_class;
 
 #define EPIPOLE_RADII 4.0
 
-pixel_class pixel_class_of(const double eye[3], const double direction[3], const double lamp[3], double radius_metres);
+pixel_class pixel_class_of(const double eye[3], const double direction[3], const double punctual[3], double radius_metres);
 
 /* Of a picture's pixels of one class. All but the first are relative to the reference's largest value in the whole picture. */
 typedef struct picture_error {

@@ -17,10 +17,10 @@ static void keep_fog(double top, const eye_ray *ray, double part[2])
     if (up == 0 && height > top) part[1] = part[0];
 }
 
-/* And in a lamp's range, by the roots of a square. */
-static void keep_range(const vxs_air_light *light, const double to_lamp[3], double along, double part[2])
+/* And in a punctual light's range, by the roots of a square. */
+static void keep_range(const vxs_air_light *light, const double to_light[3], double along, double part[2])
 {
-    double within = light->range_metres * light->range_metres - vec3_dot(to_lamp, to_lamp) + along * along;
+    double within = light->range_metres * light->range_metres - vec3_dot(to_light, to_light) + along * along;
     if (!(light->range_metres > 0)) return;
     within  = within > 0 ? sqrt(within) : 0;
     part[0] = fmax(part[0], along - within);
@@ -29,7 +29,7 @@ static void keep_range(const vxs_air_light *light, const double to_lamp[3], doub
 
 typedef struct passage {
     int         is_sun;
-    air_passing passing;            /* of a lamp */
+    air_passing passing;            /* of a punctual light */
     double      cosine, way, slope; /* of the sun: way at the eye */
 } passage;
 
@@ -37,13 +37,13 @@ static double channel_of(const vxs_medium *medium, const passage *p, int channel
 {
     double extinction = medium->extinction[channel], g = medium->anisotropy;
     if (p->is_sun) return air_of_sun(p->cosine, g, extinction, p->way, p->slope, begin, end - begin);
-    return air_of_lamp(&p->passing, g, extinction, begin, end - begin);
+    return air_of_punctual(&p->passing, g, extinction, begin, end - begin);
 }
 
 void reference_airlight(const vxs_medium *medium, double top, const reference_light *of, const eye_ray *ray, double airlight[3])
 {
     const vxs_air_light *light   = &of->light;
-    double               part[2] = {ray->begin, ray->end}, to_lamp[3], fog[2] = {0, INFINITY};
+    double               part[2] = {ray->begin, ray->end}, to_light[3], fog[2] = {0, INFINITY};
     lit_parts            lit = {0};
     passage              p   = {.is_sun = light->kind == VXS_LIGHT_KIND_DIRECTIONAL, .slope = 1};
     airlight[0] = airlight[1] = airlight[2] = 0;
@@ -58,15 +58,15 @@ void reference_airlight(const vxs_medium *medium, double top, const reference_li
         }
     } else {
         int is_spot = light->kind != VXS_LIGHT_KIND_POINT;
-        vec3_sub(light->place, ray->eye, to_lamp);
-        p.passing = air_passing_of(ray->direction, to_lamp, light->radius_metres, is_spot ? light->axis : NULL, light->cos_inner,
+        vec3_sub(light->place, ray->eye, to_light);
+        p.passing = air_passing_of(ray->direction, to_light, light->radius_metres, is_spot ? light->axis : NULL, light->cos_inner,
                                    light->cos_outer);
-        p.passing.has_top = top < VXS_AIR_EVERYWHERE;
-        p.passing.top     = top - ray->eye[1];
-        p.passing.lamp    = to_lamp[1];
-        p.passing.up      = ray->direction[1];
-        p.passing.range   = light->range_metres;
-        keep_range(light, to_lamp, p.passing.along, part);
+        p.passing.has_top  = top < VXS_AIR_EVERYWHERE;
+        p.passing.top      = top - ray->eye[1];
+        p.passing.punctual = to_light[1];
+        p.passing.up       = ray->direction[1];
+        p.passing.range    = light->range_metres;
+        keep_range(light, to_light, p.passing.along, part);
     }
     if (!(part[1] > part[0])) return;
     eye_ray asked = *ray;

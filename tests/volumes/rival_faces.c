@@ -35,13 +35,14 @@ void rival_faces_destroy(rival_faces *f)
     free(f);
 }
 
-vxs_result rival_faces_march(rival_faces *f, const vxs_vpl *lamp, uint32_t baked, const vxs_shadow_depth_map *map, uint32_t steps)
+vxs_result rival_faces_march(rival_faces *f, const vxs_vpl *punctual, uint32_t baked, const vxs_shadow_depth_map *map,
+                             uint32_t steps)
 {
-    vxs_volumes_light light = {.baked_number = vxs_baked_number(baked), .radius_metres = lamp->radius_metres};
-    memcpy(light.colour, lamp->colour, sizeof light.colour);
+    vxs_volumes_light light = {.baked_number = vxs_baked_number(baked), .radius_metres = punctual->radius_metres};
+    memcpy(light.colour, punctual->colour, sizeof light.colour);
     vxs_result result = vxs_volumes_set_light(f->v, &light, map);
     if (result != VXS_OK) return result;
-    memcpy(f->v->frame.axis, lamp->normal, sizeof lamp->normal);
+    memcpy(f->v->frame.axis, punctual->normal, sizeof punctual->normal);
     f->v->frame.knobs[0] = (float)steps;
     f->v->frame.knobs[1] = VXS_STEPS_EQUIANGULAR;
     f->v->frame.first    = 0;

@@ -18,10 +18,10 @@ void       rival_froxels_destroy(rival_froxels *froxels);
 /* Add a light's airlight to the frame, as vxs_volumes_march does. */
 vxs_result rival_froxels_add(rival_froxels *froxels, const vxs_volumes_light *light, const vxs_shadow_depth_map *map);
 
-/* The same of a rectangle: all its light, without a shadow but that of its centre, as engines have local lights of any shape in their froxels, which have one
- * shadow map each.
+/* The same of a rectangle: all its light, without a shadow but that of its centre, as engines have local lights of any shape in
+ * their froxels, which have one shadow map each.
  * rectangle  its texture counts by its mean
- * centre     a lamp that stands there, and the map of it */
+ * centre     a punctual light that stands there, and the map of it */
 vxs_result rival_froxels_create_rectangle(rival_froxels **froxels, vxs_volumes *v, uint32_t wide, uint32_t high, uint32_t deep);
 vxs_result rival_froxels_add_rectangle(rival_froxels *froxels, const vxs_area_rectangle *rectangle, const vxs_volumes_light *centre,
                                        const vxs_shadow_depth_map *map);

@@ -103,8 +103,8 @@ float way_of(slice_ray ray, float x)
     return length(vec2(ray.sine * x, ray.to_light - ray.cosine * x));
 }
 
-/* 1 when all of a node is lit along the ray, -1 when none, 0 when nothing is said. A way to a lamp is least where the ray is
- * nearest to it. */
+/* 1 when all of a node is lit along the ray, -1 when none, 0 when nothing is said. A way to a punctual light is least where the ray
+ * is nearest to it. */
 int node_lit(slice_ray ray, int slice, int level, int node, float begin, float end)
 {
     vec2  first = imageLoad(tree, ivec3(level_begin(level) + node, slice, 0)).rg;

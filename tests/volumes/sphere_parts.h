@@ -1,5 +1,5 @@
-/* Oracle of spheres: lit parts of a ray by formulas. What a sphere keeps light from is itself and, behind the circle where light grazes it,
- * a cylinder of the sun's, a cone of a lamp's.
+/* Oracle of spheres: lit parts of a ray by formulas. What a sphere keeps light from is itself and, behind the circle where light
+ * grazes it, a cylinder of the sun's, a cone of a punctual light's.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SPHERE_PARTS_H
 #define SPHERE_PARTS_H

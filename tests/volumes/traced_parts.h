@@ -10,7 +10,7 @@
 typedef struct traced_light {
     int (*lit)(const void *user, const double point[3]); /* 1: the light reaches it */
     const void *user;
-    light_shape shape;   /* samples of lamps lie at even angles about the light, of suns at even distances */
+    light_shape shape;   /* samples of punctual lights lie at even angles about the light, of suns at even distances */
     size_t      samples; /* >= 2; TRACED_SAMPLES for a reference */
 } traced_light;
 

@@ -22,7 +22,7 @@ void plan_print(FILE *to, const bake_options *o, const bake_report *report);
 /* path "-" is standard output. Returns VXS_OK, VXS_E_WRITE, VXS_E_MEMORY. */
 vxs_result plan_write_json(const char *path, const bake_options *o, const bake_report *report, run_context *m);
 
-/* "0.206 m", for a lamp "0.002 to 0.03 m at casters, median 0.01 m", into text. Returns text. */
+/* "0.206 m", for a punctual light "0.002 to 0.03 m at casters, median 0.01 m", into text. Returns text. */
 enum { TEXELS_BYTES = 96 };
 const char *texels_text(char text[TEXELS_BYTES], const texel_range *t, int digits);
 json_t     *texels_json(const texel_range *t);

@@ -9,7 +9,7 @@
 #include "baker/command/report/plan_text.h"
 #include "baker/files/input_file.h"
 
-/* "sun, lamp and 12 more": as many names as fit into a line, at least one. */
+/* "sun, light and 12 more": as many names as fit into a line, at least one. */
 typedef struct name_list {
     char   text[VXS_LIGHT_NAME_BYTES + 48];
     size_t count, shown;

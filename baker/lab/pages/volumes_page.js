@@ -106,7 +106,7 @@ function show_techniques() {
 
 /* Columns that not all scenes have: a head, and its text of a cell. */
 const columns_of = (scene) => [
-    ...(scene.cells.some((c) => c.epipole) ? [["RMS at the lamp", (c) => c.epipole ? error_text(c.epipole.relative_rms) : ""]] : []),
+    ...(scene.cells.some((c) => c.epipole) ? [["RMS at the light", (c) => c.epipole ? error_text(c.epipole.relative_rms) : ""]] : []),
     ...(scene.cells.some((c) => c.flicker !== undefined) ? [["flicker", (c) => error_text(c.flicker)]] : []),
     ...(drawn_cells(scene)[0]?.parts ?? []).map(({ name }, n) => [clean(name), (c) => milliseconds(c.parts[n].ms)]),
     ...(scene.cells.some((c) => c.creation_ms !== undefined) ? [["creation", (c) => milliseconds(c.creation_ms)]] : []),
@@ -136,7 +136,7 @@ function show_scene(scene) {
 function show_figures() {
     show(el("h2", {}, "The figures"), soft("Times are medians of rounds, and least to greatest; a first frame has with it what it is made ready by. Errors "
         + "are of linear airlight, of smoke of what it takes of the light; mean, 99 % and largest are relative to the brightest pixel. Flicker is how much the error "
-        + "changes while the camera moves by a third of a texel. At a lamp that is seen are the pixels whose rays pass it within four of its radii. Creation is what a "
+        + "changes while the camera moves by a third of a texel. At the light: pixels whose rays pass it within four of its radii. Creation is what a "
         + "view of one pixel takes."));
     scenes.forEach(show_scene);
 }

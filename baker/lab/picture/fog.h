@@ -11,9 +11,9 @@
 typedef struct fog_light {
     const vxs_baked_light *light;
     light_shape            shape;         /* its range is the end of its light, in the air and on surfaces */
-    double                 colour[3];     /* suns: irradiance; lamps: intensity, irradiance times square metres */
+    double                 colour[3];     /* suns: irradiance; punctual lights: intensity, irradiance times square metres */
     double                 cos_inner;     /* of spot lights */
-    double                 radius_metres; /* of lamps, > 0 */
+    double                 radius_metres; /* of punctual lights, > 0 */
 } fog_light;
 
 /* Add the airlight between the eye and `metres`, finite, along a direction of length 1.

@@ -3,11 +3,13 @@
  * A pixel is the mean of 2 x 2 rays. All surfaces are one matt material under these lights:
  *
  *     suns      lambert, times the lookup in the asset at the point, with its normal, filtered
- *     lamps     the same, weaker with distance: as bright as a sun at the usual distance of surfaces that the lamp lights
+ *     punctual lights     the same, weaker with distance: as bright as a sun at the usual distance of surfaces that the light
+ *     lights
  *     sky       rays over the hemisphere: the sky's colour where they leave the scene, darker the sooner they meet it
  *     haze      mixed over all, by distance behind the nearest corner of the scene
- *     air       in front of all, lamps' light that haze scatters: single lookups at some places along the ray
- *     fog       optional, replaces haze and air: its transmittance, and airlight of suns and lamps along exactly those parts of
+ *     air       in front of all, punctual light that haze scatters: single lookups at some places along the ray
+ *     fog       optional, replaces haze and air: its transmittance, and airlight of suns and punctual lights along exactly those
+ *     parts of
  *               the ray that are lit (fog.h). Then lights reach surfaces by the law of light in the air, too: by the square of
  *               the distance, and with transmittance along the way
  *
@@ -28,34 +30,34 @@
 #include "baker/light/map_space.h"
 #include "runtime/vxs.h"
 
-enum { SIDE_SAMPLES = 2, SKY_RAYS_SIDE = 3, SKY_RAYS = SKY_RAYS_SIDE * SKY_RAYS_SIDE, AIR_STEPS = 16, LAMP_PROBES = 64 };
+enum { SIDE_SAMPLES = 2, SKY_RAYS_SIDE = 3, SKY_RAYS = SKY_RAYS_SIDE * SKY_RAYS_SIDE, AIR_STEPS = 16, PUNCTUAL_PROBES = 64 };
 
 static const double pi = 3.14159265358979323846;
 
-static const double albedo[3]      = {0.66, 0.62, 0.56};
-static const double sun_colour[3]  = {2.05, 1.76, 1.34};
-static const double lamp_colour[3] = {2.00, 1.55, 0.95};
-static const double sky_zenith[3]  = {0.20, 0.40, 0.86};
-static const double sky_horizon[3] = {0.70, 0.81, 0.95};
-static const double sky_below[3]   = {0.56, 0.61, 0.68};
-static const double bounce[3]      = {0.09, 0.08, 0.07};
+static const double albedo[3]          = {0.66, 0.62, 0.56};
+static const double sun_colour[3]      = {2.05, 1.76, 1.34};
+static const double punctual_colour[3] = {2.00, 1.55, 0.95};
+static const double sky_zenith[3]      = {0.20, 0.40, 0.86};
+static const double sky_horizon[3]     = {0.70, 0.81, 0.95};
+static const double sky_below[3]       = {0.56, 0.61, 0.68};
+static const double bounce[3]          = {0.09, 0.08, 0.07};
 
 static const double night = 0.07; /* of a sky without a sun */
 
-typedef struct lamp {
+typedef struct punctual_light {
     const vxs_baked_light *light;
     light_shape            shape;
     double                 usual_metres; /* usual distance of the surfaces that it lights */
     double                 reach_metres; /* its light ends there */
-} lamp;
+} punctual_light;
 
 typedef struct view {
     const picture_options  *options;
     const truth            *truth;
-    const vxs_baked_light **suns;       /* [sun_count] */
-    lamp                   *lamps;      /* [lamp_count] */
-    fog_light              *fog_lights; /* [sun_count + lamp_count] */
-    uint32_t                sun_count, lamp_count;
+    const vxs_baked_light **suns;            /* [sun_count] */
+    punctual_light         *punctual_lights; /* [punctual_count] */
+    fog_light              *fog_lights;      /* [sun_count + punctual_count] */
+    uint32_t                sun_count, punctual_count;
     double                  day; /* factor on the sky's light: 1, or night */
     uint8_t                *rgb;
     float                  *linear; /* NULL: not wanted */
@@ -113,18 +115,18 @@ static void sky_light(const view *v, const double from_ws[3], const double norma
     }
 }
 
-/* lamps ------------------------------------------------------------------------------------------------------------------------ */
+/* punctual lights ------------------------------------------------------------------------------------------------------------------------ */
 
-static lamp make_lamp(const view *v, const vxs_baked_light *light, double size)
+static punctual_light make_punctual(const view *v, const vxs_baked_light *light, double size)
 {
-    lamp   l    = {.light = light, .shape = baked_light_shape(&light->light)};
-    rng    r    = {1};
-    double sum  = 0, metres;
-    int    hits = 0;
-    for (int n = 0; n < LAMP_PROBES; n++) {
+    punctual_light l    = {.light = light, .shape = baked_light_shape(&light->light)};
+    rng            r    = {1};
+    double         sum  = 0, metres;
+    int            hits = 0;
+    for (int n = 0; n < PUNCTUAL_PROBES; n++) {
         double direction[3];
 
-        /* a random direction in the lamp's cone */
+        /* a random direction in the light's cone */
         double a[3], b[3], sunk = rng_unit(&r), turn = 2 * pi * rng_unit(&r);
         sunk *= l.shape.kind == LIGHT_POINT ? 2 : 1 - cos(l.shape.outer_rad);
         double wide = sqrt(sunk * (2 - sunk));
@@ -141,33 +143,33 @@ static lamp make_lamp(const view *v, const vxs_baked_light *light, double size)
     return l;
 }
 
-/* Brightness of a lamp at a point: it decreases with distance, to the edge of its cone and to the end of its range. 0 out of
- * reach.
- * to_lamp  [out] unit */
-static double lamp_strength(const lamp *l, const double point_ws[3], double to_lamp[3])
+/* Brightness of a punctual light at a point: it decreases with distance, to the edge of its cone and to the end of its range. 0 out
+ * of reach.
+ * to_light  [out] unit */
+static double punctual_strength(const punctual_light *l, const double point_ws[3], double to_light[3])
 {
     double way[3];
     vec3_sub(l->shape.position_ws, point_ws, way);
     double metres = sqrt(vec3_dot(way, way)), share = metres / l->usual_metres;
-    if (!(metres < l->reach_metres) || !vec3_unit(way, to_lamp)) return 0;
+    if (!(metres < l->reach_metres) || !vec3_unit(way, to_light)) return 0;
     double strength = 2 / (1 + share * share) * (1 - pow(metres / l->reach_metres, 4));
     if (l->shape.kind == LIGHT_POINT) return strength;
-    double angle = acos(fmin(1, fmax(-1, -vec3_dot(to_lamp, l->shape.direction_ws))));
+    double angle = acos(fmin(1, fmax(-1, -vec3_dot(to_light, l->shape.direction_ws))));
     double edge  = fmin(1, (l->shape.outer_rad - angle) / (0.1 * l->shape.outer_rad));
     return edge <= 0 ? 0 : strength * edge * edge * (3 - 2 * edge);
 }
 
-/* Lamps' light that the air scatters along a ray. Lookups are at equal angles as seen from the lamp (Kulla and Fajardo,
- * "Importance Sampling Techniques for Path Tracing in Participating Media", EGSR 2012). */
+/* Light of punctual lights that the air scatters along a ray. Lookups are at equal angles as seen from the light (Kulla and
+ * Fajardo, "Importance Sampling Techniques for Path Tracing in Participating Media", EGSR 2012). */
 static double air_light(const view *v, const double direction[3], double metres, rng *r)
 {
     const double scattered = 0.10; /* share scattered along the usual distance, by light of the usual strength */
     double       sum       = 0;
-    for (uint32_t n = 0; n < v->lamp_count; n++) {
-        const lamp *l     = &v->lamps[n];
-        double      begin = 0, end = metres, nearest, beside, first = rng_unit(r), to_lamp[3], point[3];
+    for (uint32_t n = 0; n < v->punctual_count; n++) {
+        const punctual_light *l     = &v->punctual_lights[n];
+        double                begin = 0, end = metres, nearest, beside, first = rng_unit(r), to_light[3], point[3];
 
-        /* the part of the ray in the lamp's reach, its point nearest to the lamp, and the distance between them */
+        /* the part of the ray in the light's reach, its point nearest to the light, and the distance between them */
         double from[3];
         vec3_sub(v->options->camera.eye_ws, l->shape.position_ws, from);
         nearest       = -vec3_dot(from, direction);
@@ -182,9 +184,9 @@ static double air_light(const view *v, const double direction[3], double metres,
         for (int i = 0; i < AIR_STEPS; i++) {
             double slope = tan(low + (i + first) * step), length = step * beside * (1 + slope * slope);
             vec3_mad(v->options->camera.eye_ws, nearest + beside * slope, direction, point);
-            double strength = lamp_strength(l, point, to_lamp);
+            double strength = punctual_strength(l, point, to_light);
             if (!(strength > 0)) continue;
-            /* weighted by strength twice: else haze far from lamps would hide the scene */
+            /* weighted by strength twice: else haze far from punctual lights would hide the scene */
             double lit = fmax(0, (double)vxs_lookup(l->light, point, NULL, 1));
             sum += scattered * strength * fmin(1, strength) * lit * length / l->usual_metres;
         }
@@ -192,23 +194,24 @@ static double air_light(const view *v, const double direction[3], double metres,
     return sum;
 }
 
-/* Light of suns and lamps on a surface, after shadows, without fog. */
+/* Light of suns and punctual lights on a surface, after shadows, without fog. */
 static void lights_at(const view *v, const double point_ws[3], const double normal[3], double out[3])
 {
-    double suns = 0, lamps = 0, to_lamp[3];
+    double suns = 0, punctual_lights = 0, to_light[3];
     for (uint32_t n = 0; n < v->sun_count; n++) {
         double facing = -vec3_dot(normal, v->suns[n]->light.direction_ws);
         if (facing <= 0) continue;
         float lit = vxs_lookup(v->suns[n], point_ws, normal, v->options->filter_px);
         suns += facing * (lit < 0 ? 1 : (double)lit) / v->sun_count; /* beyond the map there is no shadow */
     }
-    for (uint32_t n = 0; n < v->lamp_count; n++) {
-        double strength = lamp_strength(&v->lamps[n], point_ws, to_lamp), facing = 0;
-        if (strength > 0) facing = vec3_dot(normal, to_lamp);
+    for (uint32_t n = 0; n < v->punctual_count; n++) {
+        double strength = punctual_strength(&v->punctual_lights[n], point_ws, to_light), facing = 0;
+        if (strength > 0) facing = vec3_dot(normal, to_light);
         if (facing > 0)
-            lamps += strength * facing * fmax(0, (double)vxs_lookup(v->lamps[n].light, point_ws, normal, v->options->filter_px));
+            punctual_lights += strength * facing *
+                               fmax(0, (double)vxs_lookup(v->punctual_lights[n].light, point_ws, normal, v->options->filter_px));
     }
-    for (int i = 0; i < 3; i++) out[i] = suns * sun_colour[i] + lamps * lamp_colour[i];
+    for (int i = 0; i < 3; i++) out[i] = suns * sun_colour[i] + punctual_lights * punctual_colour[i];
 }
 
 /* Light that comes to the eye along one ray, from the first surface. */
@@ -230,7 +233,7 @@ static int trace_surface(const view *v, const double direction[3], int sample, r
     double sky[3], light[3];
     if (v->options->fog) {
         memset(light, 0, 3 * sizeof *light);
-        for (uint32_t n = 0; n < v->sun_count + v->lamp_count; n++) {
+        for (uint32_t n = 0; n < v->sun_count + v->punctual_count; n++) {
             const fog_light *l = &v->fog_lights[n];
             double           to_light[3], reaches[3];
             fog_reaches(v->options->fog, l, point, to_light, reaches);
@@ -263,11 +266,11 @@ static void trace(const view *v, const double direction[3], int sample, rng *r, 
             double turned = f->extinction[i] > 0 ? f->scattering[i] / f->extinction[i] : 0;
             out[i]        = left[i] * out[i] + (1 - left[i]) * turned * seen * v->day * sky_horizon[i];
         }
-        fog_add_airlight(f, v->fog_lights, v->sun_count + v->lamp_count, eye, direction, distance, out);
+        fog_add_airlight(f, v->fog_lights, v->sun_count + v->punctual_count, eye, direction, distance, out);
         return;
     }
-    double air = v->lamp_count ? air_light(v, direction, distance, r) : 0;
-    for (int i = 0; i < 3; i++) out[i] += air * lamp_colour[i];
+    double air = v->punctual_count ? air_light(v, direction, distance, r) : 0;
+    for (int i = 0; i < 3; i++) out[i] += air * punctual_colour[i];
 }
 
 /* pixels ----------------------------------------------------------------------------------------------------------------------- */
@@ -308,19 +311,19 @@ vxs_result picture_render(uint8_t *rgb, float *linear, const picture_options *o,
         double outside = fmax(fmax(b.min[i] - o->camera.eye_ws[i], o->camera.eye_ws[i] - b.max[i]), 0);
         square += outside * outside;
     }
-    view v       = {.options     = o,
-                    .truth       = t,
-                    .rgb         = rgb,
-                    .linear      = linear,
-                    .seen        = camera_view_of(&o->camera, (double)o->width_px / o->height_px),
-                    .near_metres = sqrt(square),
-                    .haze_metres = 4 * size,
-                    .sky_metres  = 0.03 * size,
-                    .end_metres  = sqrt(square) + 2 * size};
-    v.suns       = malloc((light_count + 1) * sizeof *v.suns);
-    v.lamps      = malloc((light_count + 1) * sizeof *v.lamps);
-    v.fog_lights = malloc((light_count + 1) * sizeof *v.fog_lights);
-    if (!v.suns || !v.lamps || !v.fog_lights) {
+    view v            = {.options     = o,
+                         .truth       = t,
+                         .rgb         = rgb,
+                         .linear      = linear,
+                         .seen        = camera_view_of(&o->camera, (double)o->width_px / o->height_px),
+                         .near_metres = sqrt(square),
+                         .haze_metres = 4 * size,
+                         .sky_metres  = 0.03 * size,
+                         .end_metres  = sqrt(square) + 2 * size};
+    v.suns            = malloc((light_count + 1) * sizeof *v.suns);
+    v.punctual_lights = malloc((light_count + 1) * sizeof *v.punctual_lights);
+    v.fog_lights      = malloc((light_count + 1) * sizeof *v.fog_lights);
+    if (!v.suns || !v.punctual_lights || !v.fog_lights) {
         r = fail(m, VXS_E_MEMORY, "out of memory for %u lights", light_count);
         goto done;
     }
@@ -328,27 +331,28 @@ vxs_result picture_render(uint8_t *rgb, float *linear, const picture_options *o,
         if (lights[n]->light.kind == VXS_LIGHT_KIND_DIRECTIONAL)
             v.suns[v.sun_count++] = lights[n];
         else
-            v.lamps[v.lamp_count++] = make_lamp(&v, lights[n], size);
+            v.punctual_lights[v.punctual_count++] = make_punctual(&v, lights[n], size);
     }
     v.day = v.sun_count ? 1 : night;
 
-    /* a matt surface reflects 1 / pi of the light that reaches it in each direction: so in fog, lights have pi times their colour */
+    /* a matt surface reflects 1 / pi of the light that reaches it in each direction: so in fog, lights have pi times their colour
+     * */
     fog_light *in_fog = v.fog_lights;
     for (uint32_t n = 0; n < v.sun_count; n++, in_fog++) {
         *in_fog = (fog_light){.light = v.suns[n], .shape = baked_light_shape(&v.suns[n]->light)};
         for (int i = 0; i < 3; i++) in_fog->colour[i] = pi * sun_colour[i] / v.sun_count;
     }
-    for (uint32_t n = 0; n < v.lamp_count; n++, in_fog++) {
-        const lamp *l              = &v.lamps[n];
+    for (uint32_t n = 0; n < v.punctual_count; n++, in_fog++) {
+        const punctual_light *l    = &v.punctual_lights[n];
         *in_fog                    = (fog_light){.light = l->light, .shape = l->shape, .radius_metres = 0.03 * l->usual_metres};
         in_fog->cos_inner          = cos(0.9 * l->shape.outer_rad);
         in_fog->shape.range_metres = l->reach_metres;
-        for (int i = 0; i < 3; i++) in_fog->colour[i] = pi * lamp_colour[i] * 2 * l->usual_metres * l->usual_metres;
+        for (int i = 0; i < 3; i++) in_fog->colour[i] = pi * punctual_colour[i] * 2 * l->usual_metres * l->usual_metres;
     }
     parallel_for(o->threads, (size_t)o->width_px * o->height_px, o->width_px, render_pixels, &v);
 done:
     free(v.suns);
-    free(v.lamps);
+    free(v.punctual_lights);
     free(v.fog_lights);
     return r;
 }

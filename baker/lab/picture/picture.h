@@ -15,7 +15,7 @@ typedef struct picture_options {
     int               filter_px; /* of lookups, as for vxs_lookup */
     uint32_t          threads;
     camera_pose       camera; /* eye and target are different, and their direction is not vertical within rounding */
-    const fog_medium *fog;    /* replaces haze, and lamps' light in it; NULL: none */
+    const fog_medium *fog;    /* replaces haze, and punctual lights in it; NULL: none */
 } picture_options;
 
 /* Render: shadows by lookups, all else (surfaces, light from the sky) by rays. Without directional lights it is night, and the
@@ -27,7 +27,7 @@ typedef struct picture_options {
 vxs_result picture_render(uint8_t *rgb, float *linear, const picture_options *o, const truth *t, const casters *c,
                           const vxs_baked_light *const *lights, uint32_t light_count, run_context *m);
 
-/* Limit on lights: each takes time in each pixel, and of hundreds of lamps most light a small area. */
+/* Limit on lights: each takes time in each pixel, and of hundreds of punctual lights most light a small area. */
 enum { ASSET_PICTURE_LIGHTS = 6 };
 
 /* Draw the asset's scene from above, all of it in view, in the light of the ASSET_PICTURE_LIGHTS lights with the largest shadows

@@ -182,7 +182,7 @@ static void vpl_plan_print_smoke(FILE *to, const vpl_words *w)
 static void vpl_plan_print(FILE *to, const vpl_words *w)
 {
     fprintf(to, "shadows of %u points of the %s, pixels gather %s\n", w->points, w->baked ? "file" : "scene", w->gather);
-    if (w->capsules) fprintf(to, "smoke by %u x %u curves for each lamp\n", w->smoke_side, w->smoke_side);
+    if (w->capsules) fprintf(to, "smoke by %u x %u curves for each light\n", w->smoke_side, w->smoke_side);
     if (w->baked_smoke) fprintf(to, "baked smoke is left out: the file has it for its own lights alone\n");
 }
 
@@ -200,7 +200,7 @@ static void vpl_plan_json(json_t **o, const vpl_words *w)
 
 static const char *const area_cull_names[AREA_CULL_RESULTS] = {"drawn", "faint", "behind"};
 static const char *const area_cull_texts[AREA_CULL_RESULTS] = {
-    [AREA_FAINT] = "too faint (brighter ones have all lamps)", [AREA_BEHIND] = "behind all that is seen"};
+    [AREA_FAINT] = "too faint (brighter ones have all VPLs)", [AREA_BEHIND] = "behind all that is seen"};
 
 static const char *name_of(const scene *s, const scene_area *a)
 {
@@ -212,7 +212,7 @@ void area_plan_print(FILE *to, const area_plan *plan, const area_words *w, int v
     size_t count = w->scene->area_count;
     fprintf(to, "area         %zu parallelogram%s of light", count, count == 1 ? "" : "s");
     if (count)
-        fprintf(to, ": %u drawn by %u lamps", plan->areas[AREA_DRAWN], plan->vpls);
+        fprintf(to, ": %u drawn by %u VPLs", plan->areas[AREA_DRAWN], plan->vpls);
     else
         fputs(": nothing in the scene shines; --sky FILE lights it by a map of the sky", to);
     vpl_plan_print_smoke(to, &w->lit);
@@ -226,7 +226,7 @@ void area_plan_print(FILE *to, const area_plan *plan, const area_words *w, int v
         snprintf(name, sizeof name, "%s", name_of(w->scene, &w->scene->areas[n]));
         one_line(name);
         if (w->shares[n].cull_result == AREA_DRAWN)
-            fprintf(to, "area light %s: %u lamps\n", name, w->shares[n].vpls);
+            fprintf(to, "area light %s: %u VPLs\n", name, w->shares[n].vpls);
         else
             fprintf(to, "area light %s is left out: %s\n", name, area_cull_texts[w->shares[n].cull_result]);
     }
@@ -240,10 +240,10 @@ json_t *area_plan_counts(const area_plan *plan)
 
 json_t *area_plan_json(const area_plan *plan, const area_words *w)
 {
-    json_t *o = json_pack("{s:i}", "lamps", (int)plan->vpls), *lights = json_array();
+    json_t *o = json_pack("{s:i}", "vpls", (int)plan->vpls), *lights = json_array();
     for (size_t n = 0; n < w->scene->area_count; n++)
         json_append(&lights, json_pack("{s:o, s:s, s:i}", "node", json_text(name_of(w->scene, &w->scene->areas[n])), "fate",
-                                       area_cull_names[w->shares[n].cull_result], "lamps", (int)w->shares[n].vpls));
+                                       area_cull_names[w->shares[n].cull_result], "vpls", (int)w->shares[n].vpls));
     vpl_plan_json(&o, &w->lit);
     json_set(&o, "lights", lights);
     json_set(&o, "dim_triangles", json_integer((json_int_t)w->scene->dim_count));
@@ -256,7 +256,7 @@ void sky_plan_print(FILE *to, const sky_words *w, int verbose)
 {
     char name[128];
     snprintf(name, sizeof name, "%s", w->path);
-    fprintf(to, "sky          %s, %u x %u pixels: drawn by %u lamps", one_line(name), w->wide_px, w->high_px, w->vpls);
+    fprintf(to, "sky          %s, %u x %u pixels: drawn by %u VPLs", one_line(name), w->wide_px, w->high_px, w->vpls);
     vpl_plan_print_smoke(to, &w->lit);
     fputc('\n', to);
     if (!verbose) return;
@@ -267,7 +267,7 @@ void sky_plan_print(FILE *to, const sky_words *w, int verbose)
 json_t *sky_plan_json(const sky_words *w)
 {
     json_t *o = json_pack("{s:o, s:i, s:i, s:f, s:f, s:i}", "path", json_text(w->path), "width_px", (int)w->wide_px, "height_px",
-                          (int)w->high_px, "light", w->light, "turn_degrees", w->turn_degrees, "lamps", (int)w->vpls);
+                          (int)w->high_px, "light", w->light, "turn_degrees", w->turn_degrees, "vpls", (int)w->vpls);
     vpl_plan_json(&o, &w->lit);
     return o;
 }

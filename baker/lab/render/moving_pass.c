@@ -1,5 +1,5 @@
 /* Moving casters; see moving_pass.h. A depth map covers the sphere around all of them: for a sun, a square across its direction;
- * for a lamp, a frustum towards the sphere's centre, or, if the lamp is in the sphere or near it, six frusta.
+ * for a punctual light, a frustum towards the sphere's centre, or, if the light is in the sphere or near it, six frusta.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/render/moving_pass.h"
 

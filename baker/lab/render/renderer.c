@@ -146,7 +146,7 @@ static vxs_result make_fog(renderer *r, run_context *m)
     return fog_pass_create(&r->fog, &fog, r->gl, r->shadows, m);
 }
 
-static vpl_pass_options lit_by_lamps(const renderer *r, const scene *s)
+static vpl_pass_options lit_by_vpls(const renderer *r, const scene *s)
 {
     return (vpl_pass_options){.scene      = s,
                               .points     = r->options.area_points,
@@ -161,13 +161,13 @@ static vpl_pass_options lit_by_lamps(const renderer *r, const scene *s)
 /* Light that a matt surface reflects is counted pi times here, so emitted light is, too. */
 static vxs_result make_areas(renderer *r, const scene *s, run_context *m)
 {
-    area_pass_options o = {.lit = lit_by_lamps(r, s), .scale = pi * r->scale};
+    area_pass_options o = {.lit = lit_by_vpls(r, s), .scale = pi * r->scale};
     return area_pass_create(&r->areas, &o, r->gl, r->fog->volumes, m);
 }
 
 static vxs_result make_sky(renderer *r, const scene *s, run_context *m)
 {
-    sky_pass_options o = {.lit           = lit_by_lamps(r, s),
+    sky_pass_options o = {.lit           = lit_by_vpls(r, s),
                           .radius_metres = 0.5 * r->mesh.size_metres,
                           .map           = r->options.sky,
                           .scale         = pi * r->scale * r->options.sky_light,

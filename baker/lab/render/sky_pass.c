@@ -21,9 +21,9 @@ static vxs_result place_vpls(sky_pass *p, run_context *m)
     float          scale = (float)p->options.scale;
     vxs_area_sky   sky   = {map->radiance, map->wide_px, map->high_px, {scale, scale, scale}, {0}, (float)p->options.radius_metres};
     p->placed            = malloc(count * sizeof *p->placed);
-    if (!p->placed) return fail(m, VXS_E_MEMORY, "out of memory for the lamps of a sky");
+    if (!p->placed) return fail(m, VXS_E_MEMORY, "out of memory for the VPLs of a sky");
     vxs_result r = vxs_area_sample_sky(&sky, VXS_AREA_IMPORTANCE, 0, p->placed, count);
-    if (r != VXS_OK) return fail(m, r, "the sky has no lamps: %s", vxs_result_text(r));
+    if (r != VXS_OK) return fail(m, r, "the sky has no VPLs: %s", vxs_result_text(r));
     for (uint32_t n = 0; n < count; n++) {
         const float *colour = p->placed[n].colour;
         if (!isfinite(colour[0] + colour[1] + colour[2]))

@@ -44,7 +44,7 @@ static int reaches(const vxs_light *light, const light_shape *shape, const scene
     return 1;
 }
 
-/* Whether a lamp's range is partly in view: not outside of any plane through the eye and an edge of the picture. */
+/* Whether a punctual light's range is partly in view: not outside of any plane through the eye and an edge of the picture. */
 static int is_in_view(const vxs_light *light, const double eye_ws[3], const camera_view *seen)
 {
     light_shape shape = baked_light_shape(light);

@@ -1,6 +1,6 @@
-/* A scene's smoke in the light of its lamps and suns, by libvxs_volumes: a transmittance map for each light that capsules can
- * dim, and for each pixel the transmittance towards each light. A map is built once, when its light is first in view: smoke does
- * not move. And smoke as the eye sees it, by quads.
+/* A scene's smoke in the light of its punctual lights and suns, by libvxs_volumes: a transmittance map for each light that capsules
+ * can dim, and for each pixel the transmittance towards each light. A map is built once, when its light is first in view: smoke
+ * does not move. And smoke as the eye sees it, by quads.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SMOKE_PASS_H
 #define SMOKE_PASS_H

@@ -113,11 +113,11 @@ vxs_result vpl_pass_create(vpl_pass **out, const vpl_pass_options *o, const gl_c
     p->volumes = volumes;
 
     uint32_t            capsules = p->options.smoke ? p->options.smoke->count : 0;
-    vxs_area_light_desc desc     = {.lamps = p->options.vpls, .capsules = capsules, .smoke_side_px = p->options.smoke_side};
+    vxs_area_light_desc desc     = {.vpls = p->options.vpls, .capsules = capsules, .smoke_side_px = p->options.smoke_side};
     vxs_result          r        = vxs_area_light_create(&p->light, p->volumes, &desc);
     p->capsules                  = calloc(capsules + !capsules, sizeof *p->capsules);
     if (!p->capsules) return fail(m, VXS_E_MEMORY, "out of memory for %u capsules of smoke", capsules);
-    if (r != VXS_OK) return fail(m, r, "OpenGL cannot draw area lights of %u lamps: %s", p->options.vpls, vxs_result_text(r));
+    if (r != VXS_OK) return fail(m, r, "OpenGL cannot draw area lights of %u VPLs: %s", p->options.vpls, vxs_result_text(r));
     if ((r = gl_screen_program(p->gl, &p->add_program, (const gl_text[]){{add_text, -1}, {0}}, m)) != VXS_OK) return r;
     p->gl->GenVertexArrays(1, &p->empty_array);
 

@@ -40,9 +40,9 @@ void truth_lift(const truth *t, const double point_ws[3], const double normal_ws
 /* 1 when no caster is between the point and the light, 0 otherwise. The light's cone and range are ignored; light_reaches()
  * tests them. Casters within truth_precision of the point, along the ray, are ignored, so that a point on a floor is not in the
  * floor's shadow, unless the light is nearly parallel to it. Casters at the position of a spot or point light are ignored, too:
- * a lamp may be in a ceiling. Casters near such a light, within a thousandth of the scene's size, are tested in double, so that
- * a caster a millimetre in front of a lamp casts the right shadow a kilometre away. A light may be inside the casters' bounds or
- * far outside.
+ * a punctual light may be in a ceiling. Casters near such a light, within a thousandth of the scene's size, are tested in double,
+ * so that a caster a millimetre in front of a punctual light casts the right shadow a kilometre away. A light may be inside the
+ * casters' bounds or far outside.
  * Cost: one or two rays; 2 to 10 million points a second on one core, with up to 700 000 triangles. */
 int truth_lit(const truth *t, const double point_ws[3], const light_shape *light);
 

@@ -282,8 +282,9 @@ static int is_hole(const casters *c, size_t triangle, double second, double thir
     return !alpha_mask_opaque(mask, &c->images[mask->image], at[0], at[1]);
 }
 
-/* Casters within this distance of a lamp, in unit space, are tested in double: there, rounding to float turns a ray by too much. */
-#define AT_LAMP 0x1p-10
+/* Casters within this distance of a punctual light, in unit space, are tested in double: there, rounding to float turns a ray by
+ * too much. */
+#define AT_LIGHT 0x1p-10
 
 /* Corners of a triangle relative to a point, in metres. */
 static void corners_from(const truth *t, size_t triangle, const double from_ws[3], double corners[3][3])
@@ -291,10 +292,10 @@ static void corners_from(const truth *t, size_t triangle, const double from_ws[3
     for (int k = 0; k < 3; k++) vec3_sub(corner(t->casters, triangle, k), from_ws, corners[k]);
 }
 
-static int is_at_lamp(const truth *t, size_t triangle, const double lamp_ws[3])
+static int is_at_light(const truth *t, size_t triangle, const double light_ws[3])
 {
-    double corners[3][3], limit = AT_LAMP / t->scale;
-    corners_from(t, triangle, lamp_ws, corners);
+    double corners[3][3], limit = AT_LIGHT / t->scale;
+    corners_from(t, triangle, light_ws, corners);
     return triangle_distance2(corners[0], corners[1], corners[2]) <= limit * limit;
 }
 
@@ -302,44 +303,44 @@ static int is_at_lamp(const truth *t, size_t triangle, const double lamp_ws[3])
 typedef struct way_context {
     struct RTCIntersectContext embree; /* first member: the filter gets a pointer to it */
     const truth               *truth;
-    const double              *lamp_ws; /* NULL for a directional light */
+    const double              *light_ws; /* NULL for a directional light */
 } way_context;
 
 /* Holes let light pass. Embree's barycentric weights are off by the rounding displacement of the ray, which truth_precision
- * includes. Casters at the lamp are left to is_occluded_at_lamp. */
+ * includes. Casters at the light are left to is_occluded_at_light. */
 static void pass_holes(const struct RTCFilterFunctionNArguments *args)
 {
     const way_context   *way = (const way_context *)args->context;
     const struct RTCHit *hit = (const struct RTCHit *)args->hit; /* N is 1: the plain struct */
     if (is_hole(way->truth->casters, hit->primID, (double)hit->u, (double)hit->v)) args->valid[0] = 0;
-    if (way->lamp_ws && is_at_lamp(way->truth, hit->primID, way->lamp_ws)) args->valid[0] = 0;
+    if (way->light_ws && is_at_light(way->truth, hit->primID, way->light_ws)) args->valid[0] = 0;
 }
 
-static int is_occluded(const truth *t, struct RTCRay ray, const double *lamp_ws)
+static int is_occluded(const truth *t, struct RTCRay ray, const double *light_ws)
 {
-    way_context way = {.truth = t, .lamp_ws = lamp_ws};
+    way_context way = {.truth = t, .light_ws = light_ws};
     rtcInitIntersectContext(&way.embree);
-    if (t->casters->alpha_mask_count || lamp_ws) way.embree.filter = pass_holes;
+    if (t->casters->alpha_mask_count || light_ws) way.embree.filter = pass_holes;
     rtcOccluded1(t->scene, &way.embree, &ray);
     return ray.tfar < 0; /* Embree sets -infinity when occluded */
 }
 
-/* Test casters near a lamp, in double, between it and a point. */
-typedef struct lamp_query {
+/* Test casters near a punctual light, in double, between it and a point. */
+typedef struct light_query {
     const truth  *truth;
-    const double *lamp_ws;
-    double        way_ws[3]; /* unit, from the lamp */
+    const double *light_ws;
+    double        way_ws[3]; /* unit, from the light */
     double        end;       /* metres: casters farther away are ignored */
     int           occluded;
-} lamp_query;
+} light_query;
 
 /* Moeller and Trumbore, 1997. */
-static bool ask_at_lamp(struct RTCPointQueryFunctionArguments *args)
+static bool query_at_light(struct RTCPointQueryFunctionArguments *args)
 {
-    lamp_query *q = args->userPtr;
-    double      corners[3][3], ab[3], ac[3], p[3], r[3];
-    if (q->occluded || !is_at_lamp(q->truth, args->primID, q->lamp_ws)) return false;
-    corners_from(q->truth, args->primID, q->lamp_ws, corners);
+    light_query *q = args->userPtr;
+    double       corners[3][3], ab[3], ac[3], p[3], r[3];
+    if (q->occluded || !is_at_light(q->truth, args->primID, q->light_ws)) return false;
+    corners_from(q->truth, args->primID, q->light_ws, corners);
     vec3_sub(corners[1], corners[0], ab);
     vec3_sub(corners[2], corners[0], ac);
     vec3_cross(q->way_ws, ac, p);
@@ -347,7 +348,7 @@ static bool ask_at_lamp(struct RTCPointQueryFunctionArguments *args)
     double volume = vec3_dot(ab, p);
     double second = -vec3_dot(corners[0], p) / volume, third = vec3_dot(q->way_ws, r) / volume, at = vec3_dot(ac, r) / volume;
     if (!(second >= 0 && third >= 0 && second + third <= 1)) return false;
-    if (!(at > 1e-9 * q->end && at < q->end)) return false; /* a lamp may be in a ceiling */
+    if (!(at > 1e-9 * q->end && at < q->end)) return false; /* a punctual light may be in a ceiling */
     q->occluded = !is_hole(q->truth->casters, args->primID, second, third);
     return false;
 }
@@ -373,24 +374,24 @@ int truth_lit(const truth *t, const double point_ws[3], const light_shape *light
         double own = skipped == 0 ? truth_precision(t) : 0;
 
         /* Is the light itself within a caster? */
-        lamp_query           q = {.truth   = t,
-                                  .lamp_ws = light->position_ws,
-                                  .way_ws  = {-to_light_ws[0], -to_light_ws[1], -to_light_ws[2]},
-                                  .end     = distance - own};
+        light_query          q = {.truth    = t,
+                                  .light_ws = light->position_ws,
+                                  .way_ws   = {-to_light_ws[0], -to_light_ws[1], -to_light_ws[2]},
+                                  .end      = distance - own};
         float                at[3];
-        struct RTCPointQuery query = {.radius = 2 * (float)AT_LAMP};
+        struct RTCPointQuery query = {.radius = 2 * (float)AT_LIGHT};
         unit_from_ws(t, light->position_ws, at);
         query.x = at[0], query.y = at[1], query.z = at[2];
         struct RTCPointQueryContext context;
         rtcInitPointQueryContext(&context);
-        rtcPointQuery(t->scene, &query, &context, ask_at_lamp, &q);
+        rtcPointQuery(t->scene, &query, &context, query_at_light, &q);
         if (q.occluded) return 0;
 
-        ray.tfar = (float)((distance - skipped) * t->scale - AT_LAMP / 2);
+        ray.tfar = (float)((distance - skipped) * t->scale - AT_LIGHT / 2);
         if (ray.tfar <= ray.tnear) return 1;
     }
-    const double *lamp_ws = distance < INFINITY ? light->position_ws : NULL;
-    if (is_occluded(t, ray, lamp_ws)) return 0;
+    const double *light_ws = distance < INFINITY ? light->position_ws : NULL;
+    if (is_occluded(t, ray, light_ws)) return 0;
 
     /* Embree is watertight along edges, but rarely a ray towards a vertex passes through it, and points on a grid do aim at
      * vertices: a second ray must reach the light, too */
@@ -406,7 +407,7 @@ int truth_lit(const truth *t, const double point_ws[3], const light_shape *light
     ray.dir_y = (float)tilted[1];
     ray.dir_z = (float)tilted[2];
 
-    return !is_occluded(t, ray, lamp_ws);
+    return !is_occluded(t, ray, light_ws);
 }
 
 /* At equal distances, Embree keeps the triangle that its tree visits last, and trees depend on threads: choose by number. */

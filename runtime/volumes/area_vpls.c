@@ -23,7 +23,7 @@ static double length_of(const float v[3])
     return sqrt((double)v[0] * (double)v[0] + (double)v[1] * (double)v[1] + (double)v[2] * (double)v[2]);
 }
 
-vxs_result vxs_area_sample(const vxs_area_rectangle *r, vxs_area_places places, uint32_t seed, vxs_vpl *lamps, uint32_t count)
+vxs_result vxs_area_sample(const vxs_area_rectangle *r, vxs_area_places places, uint32_t seed, vxs_vpl *vpls, uint32_t count)
 {
     area_site    sites[VXS_VPLS_MAX];
     area_picture picture = {r->texture, r->radiance, r->wide_px, r->high_px, 0, length_of(r->across) / length_of(r->up)};
@@ -34,11 +34,11 @@ vxs_result vxs_area_sample(const vxs_area_rectangle *r, vxs_area_places places, 
     vxs_area_sites(&picture, places, seed, sites, count);
     for (uint32_t n = 0; n < count; n++) {
         const area_site *at = &sites[n];
-        lamps[n]            = (vxs_vpl){.radius_metres = (float)sqrt(area / count / 3.14159265358979324)};
+        vpls[n]             = (vxs_vpl){.radius_metres = (float)sqrt(area / count / 3.14159265358979324)};
         for (int i = 0; i < 3; i++) {
-            lamps[n].place[i]  = (float)((double)r->corner[i] + at->u * (double)r->across[i] + at->v * (double)r->up[i]);
-            lamps[n].normal[i] = (float)normal[i];
-            lamps[n].colour[i] = (float)((double)r->radiance[i] * at->light[i] * area / count);
+            vpls[n].place[i]  = (float)((double)r->corner[i] + at->u * (double)r->across[i] + at->v * (double)r->up[i]);
+            vpls[n].normal[i] = (float)normal[i];
+            vpls[n].colour[i] = (float)((double)r->radiance[i] * at->light[i] * area / count);
         }
     }
     return VXS_OK;

@@ -1,4 +1,5 @@
-/* Virtual point lights of a rectangle, and points of triangles: sums, means, how evenly they lie, and that none is where it is black.
+/* Virtual point lights of a rectangle, and points of triangles: sums, means, how evenly they lie, and that none is where it is
+ * black.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 #include <stdlib.h>
@@ -12,7 +13,7 @@
 
 #include <cmocka.h>
 
-#include "random_lamp.h"
+#include "random_light.h"
 #include "runtime/volumes/vxs_area_light.h"
 
 enum { WIDE = 13, HIGH = 7, PLACES = VXS_AREA_JITTERED + 1 };
@@ -41,9 +42,9 @@ static void random_texture(rng *r, float *texture)
     for (int i = 0; i < 3; i++) texture[3 * (4 * WIDE + 5) + i] = 100;
 }
 
-static void lamps_of(const vxs_area_rectangle *r, int places, uint32_t seed, vxs_vpl *lamps, uint32_t count)
+static void vpls_of(const vxs_area_rectangle *r, int places, uint32_t seed, vxs_vpl *vpls, uint32_t count)
 {
-    assert_int_equal(vxs_area_sample(r, (vxs_area_places)places, seed, lamps, count), VXS_OK);
+    assert_int_equal(vxs_area_sample(r, (vxs_area_places)places, seed, vpls, count), VXS_OK);
 }
 
 /* Even light: all have an equal part of it, on the rectangle, to the side of its normal. */
@@ -52,13 +53,13 @@ static void test_sums(void **state)
     (void)state;
     static const uint32_t counts[] = {1, 2, 7, 64, 256};
     vxs_area_rectangle    r        = rectangle_of(NULL);
-    vxs_vpl               lamps[VXS_VPLS_MAX];
+    vxs_vpl               vpls[VXS_VPLS_MAX];
     for (int places = 0; places < PLACES; places++)
         for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) {
             double sum[3] = {0}, discs = 0;
-            lamps_of(&r, places, (uint32_t)k, lamps, counts[k]);
+            vpls_of(&r, places, (uint32_t)k, vpls, counts[k]);
             for (uint32_t n = 0; n < counts[k]; n++) {
-                const vxs_vpl *l = &lamps[n];
+                const vxs_vpl *l = &vpls[n];
                 for (int i = 0; i < 3; i++) sum[i] += (double)l->colour[i];
                 assert_true(l->place[0] >= 1 && l->place[0] <= 3 && l->place[1] >= 2 && l->place[1] <= 3 && l->place[2] == 3);
                 assert_true(l->normal[0] == 0 && l->normal[1] == 0 && l->normal[2] == 1);
@@ -69,22 +70,23 @@ static void test_sums(void **state)
         }
 }
 
-/* By importance, all lamps have one luminance, their sum is that of the texture, each has the colour of its texel, and none is where that is black. */
+/* By importance, all VPLs have one luminance, their sum is that of the texture, each has the colour of its texel, and none is where
+ * that is black. */
 static void test_importance(void **state)
 {
     (void)state;
     rng     r = {5};
     float   texture[3 * WIDE * HIGH];
-    vxs_vpl lamps[VXS_VPLS_MAX];
+    vxs_vpl vpls[VXS_VPLS_MAX];
     for (uint32_t seed = 0; seed < 100; seed++) {
         double all = 0;
         random_texture(&r, texture);
         vxs_area_rectangle of = rectangle_of(texture);
         for (int n = 0; n < WIDE * HIGH; n++)
             all += luminance((float[3]){3 * texture[3 * n], 2 * texture[3 * n + 1], texture[3 * n + 2]}) * 2 / (WIDE * HIGH);
-        lamps_of(&of, VXS_AREA_IMPORTANCE, seed, lamps, VXS_VPLS_MAX);
+        vpls_of(&of, VXS_AREA_IMPORTANCE, seed, vpls, VXS_VPLS_MAX);
         for (int n = 0; n < VXS_VPLS_MAX; n++) {
-            const vxs_vpl *l = &lamps[n];
+            const vxs_vpl *l = &vpls[n];
             int            x = (int)(((double)l->place[0] - 1) / 2 * WIDE), y = (int)(((double)l->place[1] - 2) * HIGH);
             const float   *texel  = texture + 3 * (WIDE * y + x);
             double         bright = luminance(texel);
@@ -99,17 +101,17 @@ static void test_importance(void **state)
     }
     memset(texture, 0, sizeof texture); /* a screen that is off */
     vxs_area_rectangle off = rectangle_of(texture);
-    lamps_of(&off, VXS_AREA_IMPORTANCE, 0, lamps, 9);
-    for (int n = 0; n < 9; n++) assert_true(luminance(lamps[n].colour) == 0 && lamps[n].place[0] >= 1 && lamps[n].place[0] <= 3);
+    vpls_of(&off, VXS_AREA_IMPORTANCE, 0, vpls, 9);
+    for (int n = 0; n < 9; n++) assert_true(luminance(vpls[n].colour) == 0 && vpls[n].place[0] >= 1 && vpls[n].place[0] <= 3);
 }
 
-/* The light of a texture is all there, wherever its lamps are: each has what is nearest to it. */
+/* The light of a texture is all there, wherever its VPLs are: each has what is nearest to it. */
 static void test_shares(void **state)
 {
     (void)state;
     rng     r = {6};
     float   texture[3 * WIDE * HIGH];
-    vxs_vpl lamps[VXS_VPLS_MAX];
+    vxs_vpl vpls[VXS_VPLS_MAX];
     for (uint32_t seed = 0; seed < 20; seed++) {
         uint32_t           count = 1 + rng_below(&r, VXS_VPLS_MAX);
         vxs_area_rectangle of    = rectangle_of(texture);
@@ -117,8 +119,8 @@ static void test_shares(void **state)
         for (int places = 0; places < PLACES; places++) {
             double sum[3] = {0}, all[3] = {0};
             if (places == VXS_AREA_IMPORTANCE) continue; /* exact in luminance: see there */
-            lamps_of(&of, places, seed, lamps, count);
-            for (uint32_t n = 0; n < 3 * count; n++) sum[n % 3] += (double)lamps[n / 3].colour[n % 3];
+            vpls_of(&of, places, seed, vpls, count);
+            for (uint32_t n = 0; n < 3 * count; n++) sum[n % 3] += (double)vpls[n / 3].colour[n % 3];
             for (int n = 0; n < 3 * WIDE * HIGH; n++) all[n % 3] += (3 - n % 3) * 2 * (double)texture[n] / (WIDE * HIGH);
             for (int i = 0; i < 3; i++) assert_true(fabs(sum[i] / all[i] - 1) < 1e-5);
         }
@@ -126,8 +128,8 @@ static void test_shares(void **state)
     memset(texture, 0, sizeof texture);
     for (int i = 0; i < 3; i++) texture[3 * (2 * WIDE + 10) + i] = 1;
     vxs_area_rectangle one = rectangle_of(texture);
-    lamps_of(&one, VXS_AREA_REGULAR, 0, lamps, 2); /* the texel is in the right half */
-    assert_true(lamps[0].colour[0] == 0 && lamps[0].place[0] < 2 && fabs((double)lamps[1].colour[0] * WIDE * HIGH / 6 - 1) < 1e-5);
+    vpls_of(&one, VXS_AREA_REGULAR, 0, vpls, 2); /* the texel is in the right half */
+    assert_true(vpls[0].colour[0] == 0 && vpls[0].place[0] < 2 && fabs((double)vpls[1].colour[0] * WIDE * HIGH / 6 - 1) < 1e-5);
 }
 
 static int by_size(const void *a, const void *b)
@@ -136,12 +138,13 @@ static int by_size(const void *a, const void *b)
     return (p > q) - (p < q);
 }
 
-/* The largest difference, of all boxes from the corner, of a box's area and the part of the points in it: at boxes that end at points. */
-static double star_discrepancy(const vxs_vpl *lamps, uint32_t count)
+/* The largest difference, of all boxes from the corner, of a box's area and the part of the points in it: at boxes that end at
+ * points. */
+static double star_discrepancy(const vxs_vpl *vpls, uint32_t count)
 {
     double at[2][VXS_VPLS_MAX], ends[2][VXS_VPLS_MAX + 1], most = 0;
     for (uint32_t n = 0; n < count; n++)
-        for (int i = 0; i < 2; i++) at[i][n] = ends[i][n] = i ? (double)lamps[n].place[1] - 2 : ((double)lamps[n].place[0] - 1) / 2;
+        for (int i = 0; i < 2; i++) at[i][n] = ends[i][n] = i ? (double)vpls[n].place[1] - 2 : ((double)vpls[n].place[0] - 1) / 2;
     for (int i = 0; i < 2; i++) {
         ends[i][count] = 1;
         qsort(ends[i], count + 1, sizeof(double), by_size);
@@ -164,50 +167,50 @@ static void test_evenness(void **state)
     (void)state;
     enum { COUNT = 64 };
     vxs_area_rectangle r = rectangle_of(NULL);
-    vxs_vpl            lamps[COUNT];
+    vxs_vpl            vpls[COUNT];
     rng                random = {3};
     double             found[PLACES], at_random = 0;
     for (int places = 0; places < PLACES; places++) {
-        lamps_of(&r, places, 0, lamps, COUNT);
-        found[places] = star_discrepancy(lamps, COUNT);
-        print_message("%s: star discrepancy of 64 lamps %.3f\n", names[places], found[places]);
+        vpls_of(&r, places, 0, vpls, COUNT);
+        found[places] = star_discrepancy(vpls, COUNT);
+        print_message("%s: star discrepancy of 64 VPLs %.3f\n", names[places], found[places]);
     }
     for (int n = 0; n < COUNT; n++) {
-        lamps[n].place[0] = (float)uniform(&random, 1, 3);
-        lamps[n].place[1] = (float)uniform(&random, 2, 3);
+        vpls[n].place[0] = (float)uniform(&random, 1, 3);
+        vpls[n].place[1] = (float)uniform(&random, 2, 3);
     }
-    at_random = star_discrepancy(lamps, COUNT);
+    at_random = star_discrepancy(vpls, COUNT);
     print_message("at random: %.3f\n", at_random);
     assert_true(found[VXS_AREA_HALTON] < 0.06 && found[VXS_AREA_IMPORTANCE] < 0.9 * found[VXS_AREA_HALTON]);
     assert_true(found[VXS_AREA_HALTON] < found[VXS_AREA_JITTERED] && found[VXS_AREA_JITTERED] < at_random);
     assert_true(found[VXS_AREA_HALTON] < found[VXS_AREA_REGULAR]);
 }
 
-/* What a place before the rectangle gets of the lamps, nothing between them. */
-static double irradiance_of(const vxs_vpl *lamps, uint32_t count)
+/* What a place before the rectangle gets of the VPLs, nothing between them. */
+static double irradiance_of(const vxs_vpl *vpls, uint32_t count)
 {
     const double place[3] = {2.2, 2.4, 4.5};
     double       sum      = 0;
     for (uint32_t n = 0; n < count; n++) {
         double way[3], square = 0;
         for (int i = 0; i < 3; i++) {
-            way[i] = place[i] - (double)lamps[n].place[i];
+            way[i] = place[i] - (double)vpls[n].place[i];
             square += way[i] * way[i];
         }
-        sum += luminance(lamps[n].colour) * way[2] * way[2] / (square * square);
+        sum += luminance(vpls[n].colour) * way[2] * way[2] / (square * square);
     }
     return sum;
 }
 
-/* How far estimates by 16 lamps are from what all texels give, over many seeds: relative RMS of one texture. */
+/* How far estimates by 16 VPLs are from what all texels give, over many seeds: relative RMS of one texture. */
 static double error_of(const vxs_area_rectangle *r, int places, double wanted)
 {
     enum { SEEDS = 400, COUNT = 16 };
-    vxs_vpl lamps[COUNT];
+    vxs_vpl vpls[COUNT];
     double  square = 0, mean = 0;
     for (uint32_t seed = 1; seed <= SEEDS; seed++) {
-        lamps_of(r, places, seed, lamps, COUNT);
-        double found = irradiance_of(lamps, COUNT) / wanted;
+        vpls_of(r, places, seed, vpls, COUNT);
+        double found = irradiance_of(vpls, COUNT) / wanted;
         square += (found - 1) * (found - 1) / SEEDS;
         mean += found / SEEDS;
     }
@@ -215,7 +218,7 @@ static double error_of(const vxs_area_rectangle *r, int places, double wanted)
     return sqrt(square);
 }
 
-/* The wanted sum, by 32 x 32 lamps in each texel. */
+/* The wanted sum, by 32 x 32 VPLs in each texel. */
 static double exactly(const vxs_area_rectangle *r)
 {
     enum { FINE = 32 };
@@ -242,7 +245,7 @@ static void test_variance(void **state)
     even[1]               = error_of(&of, VXS_AREA_JITTERED, exactly(&of));
     random_texture(&r, texture);
     for (int places = 0; places < PLACES; places++) uneven[places] = error_of(&of, places, exactly(&of));
-    print_message("16 lamps, even: %.4f Halton, %.4f jittered; with a bright texel:", even[0], even[1]);
+    print_message("16 VPLs, even: %.4f Halton, %.4f jittered; with a bright texel:", even[0], even[1]);
     for (int places = 0; places < PLACES; places++) print_message(" %.4f %s", uneven[places], names[places]);
     print_message("\n");
     assert_true(even[0] < 0.02 && even[1] < 0.02);
@@ -312,7 +315,8 @@ static void test_points_of_a_square(void **state)
     assert_true(nearest * sqrt(COUNT) > 0.5);
 }
 
-/* A floor below a lamp, in rings about it: each has a quarter of what it has of the area, and three of what it has of the lamp's light; points stand for all of it. */
+/* A floor below a VPL, in rings about it: each has a quarter of what it has of the area, and three of what it has of the VPL's
+ * light; points stand for all of it. */
 static void test_scatter_for(void **state)
 {
     (void)state;
@@ -355,7 +359,7 @@ static void test_scatter_for(void **state)
 static void test_misuse(void **state)
 {
     (void)state;
-    vxs_vpl            lamps[1];
+    vxs_vpl            vpls[1];
     float              texture[3] = {1, 1, 1};
     vxs_area_rectangle good       = rectangle_of(NULL), bad[5];
     for (int n = 0; n < 5; n++) bad[n] = good;
@@ -365,10 +369,10 @@ static void test_misuse(void **state)
     bad[3].texture     = texture;
     bad[3].wide_px     = 0;
     bad[4].across[0]   = INFINITY;
-    for (int n = 0; n < 5; n++) assert_int_equal(vxs_area_sample(&bad[n], VXS_AREA_HALTON, 0, lamps, 1), VXS_E_ARGUMENT);
-    assert_int_equal(vxs_area_sample(&good, VXS_AREA_HALTON, 0, lamps, 0), VXS_E_ARGUMENT);
-    assert_int_equal(vxs_area_sample(&good, VXS_AREA_HALTON, 0, lamps, VXS_VPLS_MAX + 1), VXS_E_ARGUMENT);
-    assert_int_equal(vxs_area_sample(&good, (vxs_area_places)PLACES, 0, lamps, 1), VXS_E_ARGUMENT);
+    for (int n = 0; n < 5; n++) assert_int_equal(vxs_area_sample(&bad[n], VXS_AREA_HALTON, 0, vpls, 1), VXS_E_ARGUMENT);
+    assert_int_equal(vxs_area_sample(&good, VXS_AREA_HALTON, 0, vpls, 0), VXS_E_ARGUMENT);
+    assert_int_equal(vxs_area_sample(&good, VXS_AREA_HALTON, 0, vpls, VXS_VPLS_MAX + 1), VXS_E_ARGUMENT);
+    assert_int_equal(vxs_area_sample(&good, (vxs_area_places)PLACES, 0, vpls, 1), VXS_E_ARGUMENT);
 }
 
 int main(void)

@@ -1,8 +1,8 @@
-/* Random spot and point lights, and their light space as formats/vxs.md section 2 has it, by names of axes: what tests hold against the
- * formulas of vxs_space.h and map_space.c.
+/* Random spot and point lights, and their light space as formats/vxs.md section 2 has it, by names of axes: what tests hold against
+ * the formulas of vxs_space.h and map_space.c.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef RANDOM_LAMP_H
-#define RANDOM_LAMP_H
+#ifndef RANDOM_PUNCTUAL_H
+#define RANDOM_PUNCTUAL_H
 
 #include <math.h>
 #include <string.h>
@@ -39,20 +39,20 @@ static inline void random_direction(rng *r, double *out)
     make_unit(out);
 }
 
-/* What a lamp is made of, beside what the file says of it. */
-typedef struct lamp {
+/* What a punctual light is made of, beside what the file says of it. */
+typedef struct punctual {
     vxs_light light;
     double    axis[3][3]; /* of light space, in world space */
     double    at[3];
     double    cone_rad; /* pi: all around */
-} lamp;
+} punctual;
 
-typedef enum lamp_shape { SPOT, WIDE_SPOT, POINT, LAMP_SHAPES } lamp_shape;
+typedef enum punctual_shape { SPOT, WIDE_SPOT, POINT, PUNCTUAL_SHAPES } punctual_shape;
 
-static inline lamp random_lamp(rng *r, lamp_shape shape)
+static inline punctual random_punctual(rng *r, punctual_shape shape)
 {
-    lamp   l    = {.cone_rad = shape == SPOT ? uniform(r, 0.01, 1.04) : shape == WIDE_SPOT ? uniform(r, 1.05, 1.57) : acos(-1)};
-    double side = ldexp(1, 3 + rng_between(r, 0, 11)), border = fmin(18, side / 8), far = uniform(r, 1.5, 4);
+    punctual l    = {.cone_rad = shape == SPOT ? uniform(r, 0.01, 1.04) : shape == WIDE_SPOT ? uniform(r, 1.05, 1.57) : acos(-1)};
+    double   side = ldexp(1, 3 + rng_between(r, 0, 11)), border = fmin(18, side / 8), far = uniform(r, 1.5, 4);
     random_direction(r, l.axis[2]);
     random_direction(r, l.axis[1]);
     cross(l.axis[1], l.axis[2], l.axis[0]);
@@ -82,7 +82,7 @@ static inline int map_count(const vxs_light *light)
 /* Axes of a map by name, as vxs.md section 2 has them: across, down, along; capitals are negative. */
 static const char *const map_axes[6] = {"yzx", "zyX", "zxy", "xzY", "xyz", "yxZ"};
 
-static inline void map_space(const lamp *l, int map, const double *point_ws, double *out)
+static inline void map_space(const punctual *l, int map, const double *point_ws, double *out)
 {
     const char *axes = map_axes[map_count(&l->light) > 1 ? map : 4];
     double      from[3];
@@ -91,7 +91,7 @@ static inline void map_space(const lamp *l, int map, const double *point_ws, dou
 }
 
 /* u, v and depth of a point that is before the map. */
-static inline void place(const lamp *l, int map, const double *point_ws, double *out)
+static inline void place(const punctual *l, int map, const double *point_ws, double *out)
 {
     double p[3], side = ldexp(1, (int)l->light.levels);
     map_space(l, map, point_ws, p);

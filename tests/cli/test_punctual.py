@@ -5,7 +5,7 @@ import json
 
 import pytest
 
-import lamps
+import punctual
 
 SCENES = ["camp_and_cave_two_scenes", "chess_board", "dream_apartment", "dutch_ship_mask", "japanese_bridge_garden", "kaykit_city",
           "kaykit_city_gpu_instancing", "low_poly_terrain", "mountains_heightfield", "pandora_indoor", "room_with_spheres_closed",
@@ -26,15 +26,15 @@ def hung(scene, box, folder):
     eye = at(0.1, 1.2, 0.2)
     to_middle = [b - a for a, b in zip(eye, at(0.5, 0.4, 0.5))]
     folder.mkdir()
-    return lamps.copy_with(scene, folder, [lamps.spot("narrow", eye, to_middle, 1),
-                                           lamps.spot("sixty", at(0.3, 0.8, 0.6), (0.3, -1, -0.2), 60),
-                                           lamps.spot("wide", at(0.45, 0.9, 0.4), (-0.1, -1, 0.3), 120),
-                                           lamps.spot("half", at(0.52, 1.1, 0.55), (0.2, -1, 0.1), 179),
-                                           lamps.point("bulb", at(0.41, 0.62, 0.57))])
+    return punctual.copy_with(scene, folder, [punctual.spot("narrow", eye, to_middle, 1),
+                                           punctual.spot("sixty", at(0.3, 0.8, 0.6), (0.3, -1, -0.2), 60),
+                                           punctual.spot("wide", at(0.45, 0.9, 0.4), (-0.1, -1, 0.3), 120),
+                                           punctual.spot("half", at(0.52, 1.1, 0.55), (0.2, -1, 0.1), 179),
+                                           punctual.point("bulb", at(0.41, 0.62, 0.57))])
 
 
 @pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.long) if name in LARGE else name for name in SCENES])
-def test_lamps_against_rays(vxs, scenes, tmp_path, name):
+def test_punctual_lights_against_rays(vxs, scenes, tmp_path, name):
     source = scenes / "real" / f"{name}.glb"
     if not source.is_file():
         pytest.skip(f"{source} is not there")
