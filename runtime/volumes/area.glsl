@@ -1,6 +1,6 @@
 /* Virtual point lights with the heads of their grids, and words: of all grids, then of all imperfect shadow maps. As in
  * area_state.h. */
-#include "frame.glsl"
+#include "area_pass.glsl"
 #include "grid_space.glsl"
 
 struct vxs_vpl {

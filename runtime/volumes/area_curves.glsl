@@ -14,7 +14,7 @@ bool vxs_area_is_far(int vpl)
 /* Position in a VPL's layer, in texels.   wide  [out] width of a texel there, in metres */
 vec2 vxs_area_place(int vpl, vec3 way, out float wide)
 {
-    int  side = int(vxs_frame.counts.w);
+    int  side = int(vxs_curve_map.side);
     vec2 at = vxs_area_far_texel(uint(vpl), way, side);
     wide = 2.0 * vxs_area.vpls[vpl].place.w / float(side);
     if (!vxs_area_is_far(vpl)) wide = length(way) * vxs_area_texel(way, side, at);
@@ -42,7 +42,7 @@ vxs_capsule vxs_capsule_of(vec4 begin, vec4 end, int vpl)
  * away from it are tangents of half the angles of the ball's outline. */
 bool vxs_capsule_texels(vxs_capsule c, int vpl, out ivec4 box)
 {
-    float side = float(vxs_frame.counts.w), wide;
+    float side = float(vxs_curve_map.side), wide;
     vec3  middle = 0.5 * (c.begin + c.end);
     float radius = c.radius + 0.5 * length(c.end - c.begin), metres = length(middle), beside = length(middle.xy);
     vec2  at = vxs_area_place(vpl, middle, wide);
@@ -70,7 +70,7 @@ float vxs_opaque_depth(ivec3 texel)
 
 bool vxs_capsule_segment(vxs_capsule c, ivec3 texel, float opaque, out vec3 segment)
 {
-    vec2  at = (vec2(texel.xy) + 0.5) * (2.0 / float(vxs_frame.counts.w)) - 1.0;
+    vec2  at = (vec2(texel.xy) + 0.5) * (2.0 / float(vxs_curve_map.side)) - 1.0;
     float square = dot(at, at);
     if (vxs_area_is_far(texel.z))
         return vxs_ray_segment(c, vec3(at * vxs_area.vpls[texel.z].place.w, 0.0), vec3(0.0, 0.0, 1.0), 1.0, false, opaque, segment);
@@ -83,6 +83,6 @@ float vxs_area_curves_left(uint vpl, vec3 at)
     vec3  way = vxs_area_way(vpl, at - vxs_area.vpls[vpl].place.xyz);
     float wide;
     vec2  place = vxs_area_place(int(vpl), way, wide);
-    if (!(all(greaterThanEqual(place, vec2(0.0))) && all(lessThan(place, vec2(vxs_frame.counts.w))))) return 1.0;
+    if (!(all(greaterThanEqual(place, vec2(0.0))) && all(lessThan(place, vec2(vxs_curve_map.side))))) return 1.0;
     return vxs_curves_left(place, int(vpl), vxs_area_is_far(int(vpl)) ? way.z : length(way), 0);
 }

@@ -1,5 +1,4 @@
-/* Adds the light of one VPL on surfaces, by its light map, which is that of the frame. counts: the VPL, the vxs_area_gather,
- * unused, the side of curves of smoke; pixels: number of gathered pixels across and up. */
+/* Adds the light of one VPL on surfaces, by its light map, which is that of the frame. */
 #include "area_surface.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -8,11 +7,11 @@ layout(rgba32f, binding = VXS_AT_IMAGE) uniform restrict image2DArray gathered; 
 void main()
 {
     ivec2 at = ivec2(gl_GlobalInvocationID.xy);
-    uint  vpl = vxs_frame.counts.x;
-    bool  ninths = vxs_frame.counts.y == 1u;
-    if (any(greaterThanEqual(gl_GlobalInvocationID.xy, vxs_frame.pixels.zw))) return;
+    uint  vpl = vxs_area_pass.vpl;
+    bool  ninths = vxs_area_pass.gather == 1u;
+    if (at.x >= int(vxs_area_pass.wide) || at.y >= int(vxs_area_pass.high)) return;
     if (ninths && vpl % 9u != uint(at.x % 3 + 3 * (at.y % 3))) return;
-    vxs_area_pixel p = vxs_area_pixel_of(vxs_frame.counts.y == 2u ? 2 * at : at);
+    vxs_area_pixel p = vxs_area_pixel_of(vxs_area_pass.gather == 2u ? 2 * at : at);
     vec3 irradiance = p.normal != vec3(0.0) ? vxs_area_irradiance(p, vpl) : vec3(0.0);
     if (irradiance == vec3(0.0)) return;
     irradiance *= vxs_area_lit_exactly(p, vpl);

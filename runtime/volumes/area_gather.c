@@ -46,7 +46,7 @@ static void fill(const vxs_area_light *light)
     v->api.ClearNamedBufferSubData(light->buffer, GL_FORMAT_R32UI, sizeof light->vpls,
                                    (gl_bytes)light->count * 16 * (gl_bytes)texels, GL_FORMAT_RED_INTEGER, GL_TYPE_UNSIGNED_INT,
                                    NULL);
-    vxs_area_light_count(light, light->count, light->side_px, vxs_area_shadow_depth_maps(light), 0);
+    v->own.area = (area_block){.vpls = light->count, .side_px = light->side_px, .first_word = vxs_area_shadow_depth_maps(light)};
     vxs_volumes_use_storage(v, light->buffer, 0);
     gl_name     program = vxs_volumes_program(v, &(program_texts){.body = &vxs_volumes_text_area_grids_glsl});
     saved_state saved   = vxs_volumes_use(v, program, 0, 0, 0);
@@ -104,25 +104,33 @@ static int is_clear(const frame_block *f)
     return f->scattering[0] == 0 && f->scattering[1] == 0 && f->scattering[2] == 0;
 }
 
+/* Pixels of the view across one gathered pixel. */
+static uint32_t each_of(vxs_area_gather gather)
+{
+    return gather == VXS_AREA_QUARTER ? 2 : 1;
+}
+
 static void gather(const vxs_area_light *light, const vxs_area_look *look, uint32_t runs)
 {
     vxs_volumes *v    = light->volumes;
-    uint32_t     each = look->gather == VXS_AREA_QUARTER ? 2 : 1, wide = groups((uint32_t)v->frame.wide_px, each),
-             high        = groups((uint32_t)v->frame.high_px, each);
-    v->frame.map_side_px = wide;
-    v->frame.map_layers  = high;
-    v->frame.first       = light->side_px;
-    v->frame.end         = vxs_area_shadow_depth_maps(light);
-    v->frame.knobs[0]    = (float)runs;
-    v->frame.knobs[1]    = !is_clear(&v->frame);
-    v->frame.knobs[2]    = look->normal_texture && !look->maps;
-    vxs_area_light_count(light, light->count, look->gather, !look->is_sharp, light->curves.side_px);
+    uint32_t     each = each_of(look->gather), wide = groups((uint32_t)v->frame.wide_px, each),
+             high     = groups((uint32_t)v->frame.high_px, each);
+    v->own.area       = (area_block){.vpls         = light->count,
+                                     .side_px      = light->side_px,
+                                     .first_word   = vxs_area_shadow_depth_maps(light),
+                                     .gather       = look->gather,
+                                     .wide_px      = wide,
+                                     .high_px      = high,
+                                     .runs         = (int32_t)runs,
+                                     .between_rows = !look->is_sharp,
+                                     .has_air      = !is_clear(&v->frame),
+                                     .has_surface  = look->normal_texture && !look->maps};
+    v->curves.side_px = light->curves.side_px;
     gather_by(light, light->exact ? AREA_TAKES_MAPS : AREA_GATHERS, &vxs_volumes_text_area_gather_glsl, 0, look->normal_texture,
               wide, high);
     for (uint32_t n = 0; n < light->count && look->normal_texture && look->maps; n++) {
         set_map(light, n, look->maps[n]);
-        v->frame.pixels = (vxs_pixels){0, 0, wide, high};
-        vxs_area_light_count(light, n, look->gather, 0, light->curves.side_px);
+        v->own.area.vpl = n;
         gather_by(light, AREA_TAKES_MAPS, &vxs_volumes_text_area_exact_glsl, vxs_shadow_depth_map_texture(look->maps[n]),
                   look->normal_texture, wide, high);
     }
@@ -130,9 +138,14 @@ static void gather(const vxs_area_light *light, const vxs_area_look *look, uint3
 
 void vxs_area_light_show(const vxs_area_light *light, vxs_area_gather gather, uint32_t layer, gl_name image, int is_added)
 {
-    vxs_volumes *v = light->volumes;
-    vxs_area_light_count(light, gather, layer, is_added != 0, 0);
-    gl_name program = vxs_volumes_program(v, &(program_texts){.body = &vxs_volumes_text_area_show_glsl});
+    vxs_volumes *v    = light->volumes;
+    uint32_t     each = each_of(gather);
+    v->own.area       = (area_block){.gather   = gather,
+                                     .wide_px  = groups((uint32_t)v->frame.wide_px, each),
+                                     .high_px  = groups((uint32_t)v->frame.high_px, each),
+                                     .layer    = layer,
+                                     .is_added = is_added != 0};
+    gl_name program   = vxs_volumes_program(v, &(program_texts){.body = &vxs_volumes_text_area_show_glsl});
     vxs_volumes_run(v, program, light->gathered, image, groups((uint32_t)v->frame.wide_px, GROUP),
                     groups((uint32_t)v->frame.high_px, GROUP));
 }

@@ -1,7 +1,4 @@
-/* Gathers light in the air and on surfaces: of all VPLs, or of a ninth; for each pixel, or for one in four.
- * map: number of gathered pixels across and up, the side of a shadow map, the first word of all maps
- * counts: VPLs, the vxs_area_gather, 1 to interpolate between rows, the side of curves of smoke
- * knobs: runs; 1: air scatters light; 1: surfaces are lit by these maps */
+/* Gathers light in the air and on surfaces: of all VPLs, or of a ninth; for each pixel, or for one in four. */
 #include "area_surface.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -29,8 +26,8 @@ vec3 air_of(vxs_area_pixel p, uint n)
     vxs_vpl_now  = n;
     vxs_area_direction = p.direction;
 #endif
-    if (vxs_frame.counts.z != 0u) rows = vxs_grid_rows_about(space, size, ray.theta);
-    vxs_grid_airlight_of(n * uint(vxs_grid_words(size)), space, size, p.medium, path, ray, rows, p.metres, int(vxs_frame.knobs.x),
+    if (vxs_area_pass.between_rows != 0u) rows = vxs_grid_rows_about(space, size, ray.theta);
+    vxs_grid_airlight_of(n * uint(vxs_grid_words(size)), space, size, p.medium, path, ray, rows, p.metres, vxs_area_pass.runs,
                          vxs_area.vpls[n].eye.x, air);
     return air;
 }
@@ -49,13 +46,13 @@ vec3 surface_of(vxs_area_pixel p, uint n)
 void main()
 {
     ivec2 at = ivec2(gl_GlobalInvocationID.xy);
-    if (any(greaterThanEqual(gl_GlobalInvocationID.xy, vxs_frame.map.xy))) return;
-    bool ninths = vxs_frame.counts.y == 1u, has_air = vxs_frame.knobs.y != 0.0;
+    if (at.x >= int(vxs_area_pass.wide) || at.y >= int(vxs_area_pass.high)) return;
+    bool ninths = vxs_area_pass.gather == 1u, has_air = vxs_area_pass.has_air != 0u;
     uint first = ninths ? uint(at.x % 3 + 3 * (at.y % 3)) : 0u, step = ninths ? 9u : 1u;
     vec3 air = vec3(0.0), surface = vec3(0.0);
-    vxs_area_pixel p = vxs_area_pixel_of(vxs_frame.counts.y == 2u ? 2 * at : at);
-    bool has_surface = vxs_frame.knobs.z != 0.0 && p.normal != vec3(0.0);
-    for (uint n = first; n < vxs_frame.counts.x; n += step) {
+    vxs_area_pixel p = vxs_area_pixel_of(vxs_area_pass.gather == 2u ? 2 * at : at);
+    bool has_surface = vxs_area_pass.has_surface != 0u && p.normal != vec3(0.0);
+    for (uint n = first; n < vxs_area_pass.vpls; n += step) {
         if (has_air) air += vxs_area.vpls[n].colour.rgb * air_of(p, n);
         if (has_surface) surface += vxs_area.vpls[n].colour.rgb * surface_of(p, n);
     }

@@ -1,5 +1,5 @@
 /* Sets for each light ray of each VPL's grid a bit in the column where shadow begins, by the VPL's imperfect shadow map; a
- * layer of groups for each VPL. counts: VPLs, the side of a map, the first word of all maps. */
+ * layer of groups for each VPL. */
 #include "area_map.glsl"
 
 layout(local_size_x = 32, local_size_y = 4) in;
@@ -8,7 +8,7 @@ layout(local_size_x = 32, local_size_y = 4) in;
 float depth_at(uint vpl, vec2 at, int side)
 {
     ivec2 texel = clamp(ivec2(at), ivec2(0), ivec2(side - 1));
-    vxs_area_surface s = vxs_area_surface_of(vpl, vxs_area.words[vxs_area_map_word(vxs_frame.counts.z, vpl, side, texel)]);
+    vxs_area_surface s = vxs_area_surface_of(vpl, vxs_area.words[vxs_area_map_word(vxs_area_pass.first_word, vpl, side, texel)]);
     if (!(s.depth < VXS_NO_END)) return VXS_NO_END;
     return vxs_area_beside(vpl, s, vxs_area_middle(texel, side), at * (2.0 / float(side)) - 1.0).depth;
 }
@@ -17,7 +17,7 @@ float depth_at(uint vpl, vec2 at, int side)
  * distant VPL any point on the ray */
 float shadow_begins(uint vpl, vec3 from, vec3 direction)
 {
-    int   side = int(vxs_frame.counts.y);
+    int   side = int(vxs_area_pass.side);
     bool  is_far = vxs_area.vpls[vpl].normal.w == vxs_area_far;
     vec3  way = vxs_area_way(vpl, is_far ? from - vxs_area.vpls[vpl].place.xyz : direction);
     vec2  at = vxs_area_far_texel(vpl, way, side);

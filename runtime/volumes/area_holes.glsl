@@ -1,5 +1,4 @@
-/* Fills gaps between points in imperfect shadow maps from coarser levels of the same map: a workgroup for each map. counts:
- * VPLs, levels, the side of a map, the first word of all maps. */
+/* Fills gaps between points in imperfect shadow maps from coarser levels of the same map: a workgroup for each map. */
 #include "area_map.glsl"
 
 layout(local_size_x = 256) in;
@@ -69,7 +68,7 @@ void fill(uint vpl, int side, ivec2 texel, uint number, uint level, uint finer)
 
 void main()
 {
-    uint vpl = gl_WorkGroupID.x, side = vxs_frame.counts.z, maps = vxs_frame.counts.w, levels = vxs_frame.counts.y;
+    uint vpl = gl_WorkGroupID.x, side = vxs_area_pass.side, maps = vxs_area_pass.first_word, levels = vxs_area_pass.levels;
     for (uint turn = 0u; turn < 2u * levels; turn++) { /* to coarser levels, and back */
         bool is_back = turn >= levels;
         uint number = is_back ? 2u * levels - turn : turn + 1u;

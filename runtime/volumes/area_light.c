@@ -175,12 +175,6 @@ void vxs_area_light_put(vxs_area_light *light, int from_origin)
 
 /* imperfect shadow maps -------------------------------------------------------------------------------------------------------- */
 
-void vxs_area_light_count(const vxs_area_light *light, uint32_t a, uint32_t b, uint32_t c, uint32_t d)
-{
-    const uint32_t counts[4] = {a, b, c, d};
-    memcpy(light->volumes->frame.counts, counts, sizeof counts);
-}
-
 static void clear(const vxs_area_light *light)
 {
     static const uint32_t none  = UINT32_MAX;
@@ -195,11 +189,14 @@ static void splat(const vxs_area_light *light, const vxs_area_casters *casters)
     enum { GROUP = 64, ACROSS = 32768 };
     vxs_volumes *v      = light->volumes;
     uint32_t     groups = casters->count / GROUP + (casters->count % GROUP != 0), across = groups < ACROSS ? groups : ACROSS;
-    v->frame.knobs[0] = (float)light->side_px;
-    v->frame.knobs[1] = POINT_WIDE;
-    v->frame.knobs[2] = GAP_WIDE;
-    v->frame.knobs[3] = POINTS_APART;
-    vxs_area_light_count(light, light->count, casters->count, casters->is_whole != 0, vxs_area_shadow_depth_maps(light));
+    v->own.area = (area_block){.vpls         = light->count,
+                               .side_px      = light->side_px,
+                               .first_word   = vxs_area_shadow_depth_maps(light),
+                               .points       = casters->count,
+                               .is_whole     = casters->is_whole != 0,
+                               .point_wide   = POINT_WIDE,
+                               .gap_wide     = GAP_WIDE,
+                               .points_apart = POINTS_APART};
     vxs_volumes_use_storage(v, light->buffer, casters->buffer);
     gl_name program = vxs_volumes_program(v, &(program_texts){.body = &vxs_volumes_text_area_splat_glsl});
     vxs_volumes_run(v, program, 0, 0, across, (groups + across - 1) / across);
@@ -220,7 +217,8 @@ vxs_result vxs_area_light_cast(vxs_area_light *light, const vxs_area_casters *ca
     vxs_area_light_put(light, 0);
     clear(light);
     if (casters->count) splat(light, casters);
-    vxs_area_light_count(light, light->count, FILL_LEVELS, light->side_px, vxs_area_shadow_depth_maps(light));
+    v->own.area = (area_block){
+        .vpls = light->count, .levels = FILL_LEVELS, .side_px = light->side_px, .first_word = vxs_area_shadow_depth_maps(light)};
     vxs_volumes_use_storage(v, light->buffer, 0);
     gl_name program = vxs_volumes_program(v, &(program_texts){.body = &vxs_volumes_text_area_holes_glsl});
     vxs_volumes_run(v, program, 0, 0, light->count, 1);

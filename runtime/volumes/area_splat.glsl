@@ -1,8 +1,5 @@
 /* Draws points of shadow casters into imperfect shadow maps. A workgroup has 64 consecutive points, and draws as many of them
- * into a VPL's map as that can resolve.
- * counts: VPLs, points, 1 to draw each point, the first word of all maps
- * knobs: the side of a map; relative to the width of what a point represents: the width of the drawn point, and the width of
- * texels from which gaps may be filled; the distance between drawn points, in texels. */
+ * into a VPL's map as that can resolve. */
 #include "area_map.glsl"
 
 layout(local_size_x = 64) in;
@@ -85,14 +82,14 @@ void splat(uint vpl, vec4 point, vec3 normal, float stands_for)
 {
     /* largest width in texels; radius of a disc with the area of a square of side 1 */
     const float most = 32.0, radius_of_1 = 0.564;
-    int   side = int(vxs_frame.knobs.x);
+    int   side = int(vxs_area_pass.side);
     bool  is_flat = normal != vec3(0.0);
     vec3  way = vxs_area_way(vpl, point.xyz - vxs_area.vpls[vpl].place.xyz), turned = vxs_area_way(vpl, normal);
     vec2  at;
     float texel, depth = depth_of(vpl, way, side, at, texel);
     if (!(depth > 0.0)) return;
-    float wide = sqrt(point.w * stands_for) / texel, across = min(vxs_frame.knobs.y * wide, most);
-    uint  reach = uint(log2(clamp(vxs_frame.knobs.z * wide, 2.0, most)));
+    float wide = sqrt(point.w * stands_for) / texel, across = min(vxs_area_pass.point_wide * wide, most);
+    uint  reach = uint(log2(clamp(vxs_area_pass.gap_wide * wide, 2.0, most)));
     /* so that it extends no farther from its surface than needed */
     if (!is_flat) across = max(across - 0.5 * float(1u << reach), min(across, 1.0));
     float radius = radius_of_1 * across * texel;
@@ -110,7 +107,7 @@ void splat(uint vpl, vec4 point, vec3 normal, float stands_for)
                 vec3 off = vxs_area_place_of(vpl, middle, s.depth) - way;
                 if (!(s.depth > 0.0 && dot(off, off) <= radius * radius)) continue;
             }
-            atomicMin(vxs_area.words[vxs_area_map_word(vxs_frame.counts.w, vpl, side, ivec2(x, y))], vxs_area_word(vpl, s));
+            atomicMin(vxs_area.words[vxs_area_map_word(vxs_area_pass.first_word, vpl, side, ivec2(x, y))], vxs_area_word(vpl, s));
         }
 }
 
@@ -121,7 +118,7 @@ void splat(uint vpl, vec4 point, vec3 normal, float stands_for)
  * Returns 0 if all of them are behind the VPL. */
 float count_of(uint vpl, vec4 ball, float square_metres)
 {
-    float side = vxs_frame.knobs.x, radius = vxs_area.vpls[vpl].place.w, texel = 2.0 * radius / side, cosine = 1.0;
+    float side = float(vxs_area_pass.side), radius = vxs_area.vpls[vpl].place.w, texel = 2.0 * radius / side, cosine = 1.0;
     if (vxs_area.vpls[vpl].normal.w != vxs_area_far) {
         vec3  way = ball.xyz - vxs_area.vpls[vpl].place.xyz;
         float metres = length(way), before = dot(way, vxs_area.vpls[vpl].normal.xyz) + ball.w;
@@ -129,7 +126,7 @@ float count_of(uint vpl, vec4 ball, float square_metres)
         cosine = clamp(before / max(metres, 1e-20), 0.1, 1.0); /* fewer in directions where the VPL emits less */
         texel  = 4.0 / side * max(metres - ball.w, radius);
     }
-    texel *= vxs_frame.knobs.w;
+    texel *= vxs_area_pass.points_apart;
     return min(float(group_size) * cosine * square_metres / (texel * texel), float(group_size));
 }
 
@@ -150,17 +147,16 @@ vec4 ball_about(uint first, uint count, out float square_metres)
 
 void main()
 {
-    uvec4 counts = vxs_frame.counts;
     uint  group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x, first = group * group_size, at_once = 1u; /* VPLs */
-    if (first >= counts.y) return;
-    uint  here = min(counts.y - first, group_size);
+    if (first >= vxs_area_pass.points) return;
+    uint  here = min(vxs_area_pass.points - first, group_size);
     float square_metres;
     vec4  ball = ball_about(first, here, square_metres);
-    while (at_once < min(counts.x, group_size)) at_once *= 2u;
-    for (uint vpl = gl_LocalInvocationID.x % at_once; vpl < counts.x; vpl += at_once) {
+    while (at_once < min(vxs_area_pass.vpls, group_size)) at_once *= 2u;
+    for (uint vpl = gl_LocalInvocationID.x % at_once; vpl < vxs_area_pass.vpls; vpl += at_once) {
         uint  turn = vxs_area_hash(group * 256u + vpl), drawn = group_size;
         float shown = float(group_size);
-        if (counts.z == 0u && here == group_size) {
+        if (vxs_area_pass.is_whole == 0u && here == group_size) {
             shown = count_of(vpl, ball, square_metres);
             drawn = uint(ceil(shown));
             if (shown > 1.0) shown = float(drawn);

@@ -63,9 +63,6 @@ vxs_result vxs_area_light_take_smoke(vxs_area_light *light, const vxs_area_light
 /* Bind the VPLs' curves, and after them the VPLs. */
 void vxs_area_light_use_curves(const vxs_area_light *light);
 
-/* Set `counts` for a program; each program defines their meaning. */
-void vxs_area_light_count(const vxs_area_light *light, uint32_t a, uint32_t b, uint32_t c, uint32_t d);
-
 /* Show a layer of the gathered light: added to `image`, or replacing it. */
 void vxs_area_light_show(const vxs_area_light *light, vxs_area_gather gather, uint32_t layer, gl_name image, int is_added);
 

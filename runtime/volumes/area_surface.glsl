@@ -62,7 +62,7 @@ vec3 vxs_area_irradiance(vxs_area_pixel p, uint n)
 /* The lit share, by the VPL's imperfect shadow map. */
 float vxs_area_lit(vxs_area_pixel p, uint n)
 {
-    int   side = int(vxs_frame.map.z);
+    int   side = int(vxs_area_pass.side);
     bool  is_far = vxs_area.vpls[n].normal.w == vxs_area_far;
     vec3  way = vxs_area_way(n, p.eye + p.metres * p.direction - vxs_area.vpls[n].place.xyz), normal = vxs_area_way(n, p.normal);
     float radius = vxs_area.vpls[n].place.w, depth = is_far ? way.z + radius : length(way), texel = 2.0 * radius / float(side), lit = 0.0;
@@ -77,7 +77,7 @@ float vxs_area_lit(vxs_area_pixel p, uint n)
         ivec2 step = ivec2(k & 1, k >> 1), there = clamp(ivec2(from) + step, ivec2(0), ivec2(side - 1));
         vec2  near = abs(1.0 - vec2(step) - part);
         vxs_area_surface plane = vxs_area_plane(n, normal, way, vxs_area_middle(there, side));
-        vxs_area_surface first = vxs_area_surface_of(n, vxs_area.words[vxs_area_map_word(vxs_frame.map.w, n, side, there)]);
+        vxs_area_surface first = vxs_area_surface_of(n, vxs_area.words[vxs_area_map_word(vxs_area_pass.first_word, n, side, there)]);
         float ends = (plane.depth > 0.0 ? min(plane.depth, depth) : depth) - slack;
         ends -= texel * exp2(float(first.reach)) * (first.is_plane ? vxs_area_texel_slack : 0.25 + 0.75 * min(length(plane.slope), 4.0));
         if (!(first.depth < ends)) lit += near.x * near.y;
@@ -91,9 +91,9 @@ float vxs_area_lit_exactly(vxs_area_pixel p, uint n)
 {
     vec3  ls, from_ls, turned, normal;
     ivec3 texel;
-    float side = float(vxs_frame.map.x), texel_wide = float(1u << vxs_frame.light.levels) * vxs_frame.light.texel_metres / side, depth, lit = 0.0;
-    vec3  place = p.eye + p.metres * p.direction, to_vpl = vxs_area.vpls[n].place.xyz - place;
-    if (dot(to_vpl, to_vpl) <= vxs_area.vpls[n].place.w * vxs_area.vpls[n].place.w) return 1.0;
+    float side = float(vxs_frame.map_side), texel_wide = float(1u << vxs_frame.light.levels) * vxs_frame.light.texel_metres / side, depth, lit = 0.0;
+    vec3  place = p.eye + p.metres * p.direction, to_lamp = vxs_area.vpls[n].place.xyz - place;
+    if (dot(to_lamp, to_lamp) <= vxs_area.vpls[n].place.w * vxs_area.vpls[n].place.w) return 1.0;
     vxs_ls_from_ws(vxs_frame.light, place, 1.0, ls);
     vxs_ls_from_ws(vxs_frame.light, p.normal, 0.0, from_ls);
     if (!vxs_map_texel(ls, texel, depth)) return 1.0;

@@ -1,6 +1,4 @@
 /* Words of a map of transmittance curves, in the layout of transmittance_map.c.
- * counts: capsules, capacity of the lists in segments, flags, texels per side
- * map: texels per side of the light map of opaque casters, layers
  * If there are lists, these are stored after the curves:
  *
  *     a record for each texel   the first segment of its list; of segments for which lists had no room, the least entry, the
@@ -12,12 +10,17 @@
 #define VXS_CURVE_OPAQUE 2u
 #define VXS_NO_SEGMENT   0xffffffffu
 #ifndef VXS_CURVE_SHAPE /* texels per side, layers, nodes, capacity of the lists; shaders of the caller define it differently */
-#ifdef VXS_READS_CURVES /* of any map: counts: nodes */
-#define VXS_CURVE_NODES int(vxs_frame.counts.x)
+layout(std140, binding = VXS_AT_CURVES) uniform vxs_curve_block {
+    uint capsules, segment_room, flags, side; /* segment_room: capacity of the lists; side: in texels */
+    uint layers, nodes, opaque_side;          /* opaque_side: of the map of opaque casters */
+    int  lookup;                              /* vxs_curve_lookup */
+} vxs_curve_map;
+#ifdef VXS_READS_CURVES /* of any map */
+#define VXS_CURVE_NODES int(vxs_curve_map.nodes)
 #else
 #define VXS_CURVE_NODES VXS_CURVE_MOST
 #endif
-#define VXS_CURVE_SHAPE uvec4(vxs_frame.counts.w, vxs_frame.map.y, uint(VXS_CURVE_NODES), vxs_frame.counts.y)
+#define VXS_CURVE_SHAPE uvec4(vxs_curve_map.side, vxs_curve_map.layers, uint(VXS_CURVE_NODES), vxs_curve_map.segment_room)
 #endif
 layout(std430, binding = VXS_AT_GRID) restrict buffer vxs_curves_buffer {
     uint segments, merged, cut, reserved;

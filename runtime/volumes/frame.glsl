@@ -1,5 +1,5 @@
 /* The frame, and the light whose airlight is added; after vxs_air_path.h. One uniform block, with the fields of struct
- * frame_block in volumes_state.h. */
+ * frame_block in volumes_blocks.h. */
 #include "vxs_air_path.h"
 
 layout(std140, binding = VXS_AT_FRAME) uniform vxs_frame_block {
@@ -13,16 +13,8 @@ layout(std140, binding = VXS_AT_FRAME) uniform vxs_frame_block {
     vec4                place;          /* punctual light: position; sun: direction to it; and cosine of the inner cone */
     vec4                axis;           /* direction of a spot light */
     vxs_light_constants light;
-    vec4                knobs;          /* parameters of the technique */
-    uvec4               map;            /* of the light's map: side in texels, layers; and of the current step: first, end */
-    uvec4               pixels;         /* drawn pixels: the first, and how many across and up */
-    uvec4               counts;         /* parameters of the technique */
-    mat4                clip_from_ls;   /* meshes: of the view, for positions relative to the eye */
-    mat4                eye_from_ls;    /* casters: from their positions to coordinates along the axis, `ahead` and `side` */
-    /* of vxs_mesh_shape: low, high, texel; and 1 or -1: orientation of the lit volume in the view */
-    vec4                mesh;
-    vec4                mesh_depths;    /* least, reach; error_scale, and the largest error that is allowed */
-    vec4                box_low, box_high;
+    uint                map_side, map_layers; /* of the light's map: texels per side, and layers */
+    uvec4               pixels;               /* drawn pixels: the first, and how many across and up */
 } vxs_frame;
 
 layout(binding = VXS_AT_DEPTHS) uniform highp sampler2D vxs_depths;
@@ -114,7 +106,7 @@ vxs_air_path vxs_eye_path(vec3 direction, float metres)
  * depth  [out] distance from the light, along the axis of the map */
 bool vxs_map_texel(vec3 ls, out ivec3 texel, out float depth)
 {
-    float side = float(vxs_frame.map.x);
+    float side = float(vxs_frame.map_side);
     vec2  at;
     depth = ls.z;
     texel = ivec3(0);

@@ -1,13 +1,14 @@
 /* A ray for each pixel, and its exact lit parts in the asset: no steps, but a closed form of each lit part.
  *
- * In pieces (knobs.x), each dispatch makes a limited number of steps of the walk, before a driver ends its loops. Alpha stores
+ * In pieces, each dispatch makes a limited number of steps of the walk, before a driver ends its loops. Alpha stores
  * where the ray continues; 0: it has ended. */
 #include "frame.glsl"
 #include "vxs_intervals.h"
 
-#define VXS_INTERVALS_WHOLE 0.0
-#define VXS_INTERVALS_FIRST 1.0
+#define VXS_INTERVALS_WHOLE 0u
+#define VXS_INTERVALS_FIRST 1u
 #define VXS_INTERVALS_STEPS 512
+layout(std140, binding = VXS_AT_OWN) uniform vxs_intervals_block { uint piece; } vxs_pieces;
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(rgba32f, binding = VXS_AT_IMAGE) uniform restrict image2D airlight;
 layout(std430, binding = VXS_AT_GRID) restrict buffer vxs_cut_buffer { uint rays; } vxs_cut;
@@ -16,7 +17,7 @@ void main()
 {
     ivec2 pixel;
     if (!vxs_pixel(pixel)) return;
-    bool  in_pieces = vxs_frame.knobs.x != VXS_INTERVALS_WHOLE, goes_on = vxs_frame.knobs.x > VXS_INTERVALS_FIRST;
+    bool  in_pieces = vxs_pieces.piece != VXS_INTERVALS_WHOLE, goes_on = vxs_pieces.piece > VXS_INTERVALS_FIRST;
     vec4  before = imageLoad(airlight, pixel);
     if (goes_on && before.a == 0.0) return;
     float        metres;

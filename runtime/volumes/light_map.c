@@ -83,8 +83,7 @@ uint64_t vxs_shadow_depth_map_fill(vxs_shadow_depth_map *map, uint64_t max_texel
         uint32_t now = some < (uint64_t)GROUP * GROUPS_MAX ? (uint32_t)some : GROUP * GROUPS_MAX;
         set_map(map);
         gl_name program   = vxs_volumes_light_program(v, &(program_texts){.body = &vxs_volumes_text_map_fill_glsl});
-        v->frame.first    = (uint32_t)map->filled;
-        v->frame.end      = (uint32_t)map->filled + now;
+        v->own.map_fill   = (map_fill_block){(uint32_t)map->filled, (uint32_t)map->filled + now};
         saved_state saved = vxs_volumes_use(v, program, 0, map->first, GL_FORMAT_R32F);
         v->api.DispatchCompute((now + GROUP - 1) / GROUP, 1, 1);
         vxs_volumes_restore(v, &saved);

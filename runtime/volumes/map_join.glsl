@@ -16,7 +16,7 @@ vec4 from_ls(vec3 ls, float one)
 void main()
 {
     ivec3 texel = ivec3(gl_GlobalInvocationID);
-    float side = float(vxs_frame.map.x), baked = float(1u << vxs_frame.light.levels), typical = 0.5 * baked;
+    float side = float(vxs_frame.map_side), baked = float(1u << vxs_frame.light.levels), typical = 0.5 * baked;
     vec3  at = vec3((vec2(texel) + 0.5) * (baked / side), 0.0), begin = at, way = vec3(0.0, 0.0, 1.0);
     if (any(greaterThanEqual(texel.xy, ivec2(side)))) return;
     if (VXS_KIND(vxs_frame.light) != VXS_LIGHT_KIND_DIRECTIONAL) {

@@ -12,8 +12,8 @@ enum { STEPS_AT_ONCE = 512 };
 static void add_steps(vxs_volumes *v, gl_name program, const vxs_shadow_depth_map *map, uint32_t steps)
 {
     for (uint32_t first = 0; first < steps; first += STEPS_AT_ONCE) {
-        v->frame.first = first;
-        v->frame.end   = steps - first < STEPS_AT_ONCE ? steps : first + STEPS_AT_ONCE;
+        v->own.march.first = first;
+        v->own.march.end   = steps - first < STEPS_AT_ONCE ? steps : first + STEPS_AT_ONCE;
         vxs_volumes_add(v, program, map ? vxs_shadow_depth_map_texture(map) : 0);
     }
 }
@@ -48,8 +48,7 @@ vxs_result vxs_volumes_march(vxs_volumes *v, const vxs_volumes_light *light, con
     vxs_result result = vxs_volumes_set_light(v, light, map);
     if (result != VXS_OK) return result;
     if (light->smoke && !vxs_transmittance_is_of(light->smoke, v, light)) return VXS_E_ARGUMENT;
-    v->frame.knobs[0] = (float)steps;
-    v->frame.knobs[3] = light->constants ? 0 : (float)light->baked_number; /* the light whose baked smoke dims it */
+    v->own.march = (march_block){.steps = steps, .baked_number = light->constants ? 0 : light->baked_number};
     if (light->smoke)
         march_dimmed(v, light, map, steps, which);
     else
@@ -63,7 +62,7 @@ enum { INTERVALS_WHOLE, INTERVALS_FIRST, INTERVALS_NEXT, PIECES_MAX = 65536 };
 static void add_intervals(vxs_volumes *v, int piece)
 {
     static const uint32_t none = 0;
-    v->frame.knobs[0]          = (float)piece;
+    v->own.intervals           = (intervals_block){(uint32_t)piece};
     if (piece != INTERVALS_WHOLE) vxs_volumes_put(v, v->cut_buffer, 0, sizeof none, &none);
     vxs_volumes_add(v, vxs_volumes_light_program(v, &(program_texts){.body = &vxs_volumes_text_intervals_glsl}), 0);
 }

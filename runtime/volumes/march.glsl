@@ -1,11 +1,14 @@
 /* A ray for each pixel. It tests at the middle of each step whether the light reaches it, by the light's map or the asset, and
- * multiplies by the transmittance of smoke. The ray ends where extinction leaves nothing of its light. map.z, map.w: the first
- * step that is summed, and the end. march.c splits many steps into pieces, because drivers end all loops of an invocation after
+ * multiplies by the transmittance of smoke. The ray ends where extinction leaves nothing of its light. march.c splits many steps into pieces, because drivers end all loops of an invocation after
  * 65535 iterations. */
 #include "frame.glsl"
 
 #define VXS_MARCH_DEPTH 12.0 /* optical depth: e^-12 */
 
+layout(std140, binding = VXS_AT_OWN) uniform vxs_march_block {
+    uint steps, first, end; /* the number of steps of a ray; of them, the first that is summed, and the end */
+    uint baked_number;      /* of the light whose baked smoke dims it; 0: none */
+} vxs_march;
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(rgba32f, binding = VXS_AT_IMAGE) uniform restrict image2D airlight;
 
@@ -46,10 +49,10 @@ float left(vec3 at)
     float some = 1.0;
     if (!lit(at)) return 0.0;
 #ifdef VXS_READS_CURVES
-    some = vxs_transmittance(at, int(vxs_frame.knobs.z));
+    some = vxs_transmittance(at);
 #endif
 #ifdef VXS_GL_SMOKE
-    if (vxs_frame.knobs.w > 0.0) some *= vxs_smoke_left_by(uint(vxs_frame.knobs.w) - 1u, at);
+    if (vxs_march.baked_number > 0u) some *= vxs_smoke_left_by(vxs_march.baked_number - 1u, at);
 #endif
     return some;
 }
@@ -60,7 +63,7 @@ vec3 march(vxs_medium medium, vxs_air_path path, vec3 direction, int steps)
 {
     vec3  sum = vec3(0.0), air;
     float step = (path.end - path.begin) / float(steps);
-    for (int n = int(vxs_frame.map.z); n < int(vxs_frame.map.w); n++) {
+    for (int n = int(vxs_march.first); n < int(vxs_march.end); n++) {
         float x = path.begin + (float(n) + 0.5) * step;
         float part = left(vxs_frame.eye_far.xyz + x * direction);
         if (part == 0.0) continue;
@@ -78,7 +81,7 @@ vec3 march(vxs_medium medium, vxs_air_path path, vec3 direction, int steps)
     vxs_air_ray  ray = path.passed;
     float        k = vxs_air_sharpness(medium);
     vxs_air_part part = vxs_air_part_between(ray, k, path.begin, path.end - path.begin);
-    for (int n = int(vxs_frame.map.z); n < int(vxs_frame.map.w); n++) {
+    for (int n = int(vxs_march.first); n < int(vxs_march.end); n++) {
         float more = vxs_air_more_at(part, (float(n) + 0.5) / float(steps));
         float some = left(vxs_frame.eye_far.xyz + (path.begin + vxs_air_metres_of(ray, part, more)) * direction);
         if (some > 0.0) vxs_air_add_node(medium, ray, k, part, path.begin - ray.in_fog, more, some * part.wide / float(steps), sum);
@@ -94,10 +97,10 @@ vec3 march(vxs_medium medium, vxs_air_path path, vec3 direction, int steps)
     vec3  sum = vec3(0.0), air;
     float thinnest = min(medium.extinction.r, min(medium.extinction.g, medium.extinction.b));
     float turn = max(path.slope, 0.0) * thinnest, gone = 1.0 - exp(-turn * (path.end - path.begin)), begin = path.begin;
-    for (int n = int(vxs_frame.map.z); n <= int(vxs_frame.map.w); n++) {
+    for (int n = int(vxs_march.first); n <= int(vxs_march.end); n++) {
         float share = float(n) / float(steps), end = path.begin + share * (path.end - path.begin);
         if (gone > 1e-3) end = n == steps ? path.end : path.begin - log(1.0 - share * gone) / turn;
-        if (n == int(vxs_frame.map.z)) { /* begin of the first step */
+        if (n == int(vxs_march.first)) { /* begin of the first step */
             begin = end;
             continue;
         }
@@ -120,7 +123,7 @@ void main()
     vec3         direction = vxs_eye_ray(pixel, metres), sum;
     vxs_medium   medium = vxs_frame_medium();
     vxs_air_path path = vxs_eye_path(direction, metres);
-    int          steps = int(vxs_frame.knobs.x);
+    int          steps = int(vxs_march.steps);
     path.end = vxs_air_seen_to(medium, path, VXS_MARCH_DEPTH);
     if (!(path.end > path.begin)) return;
     sum = march(medium, path, direction, steps);

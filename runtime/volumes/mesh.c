@@ -68,7 +68,7 @@ static float turn_of(const double clip[16])
 }
 
 /* Set the matrices of the light and its mesh in the view.   eye_ls  [out]   Returns 0 if there is no inverse. */
-static int set_places(frame_block *f, double eye_ls[3])
+static int set_places(mesh_block *to, const frame_block *f, double eye_ls[3])
 {
     double ls_from_ws[16] = {[15] = 1}, point_from_ls[16], clip[16], clip_ls[16];
     for (int n = 0; n < 12; n++) ls_from_ws[4 * (n % 4) + n / 4] = (double)f->light.ls_from_ws[n];
@@ -80,32 +80,32 @@ static int set_places(frame_block *f, double eye_ls[3])
     multiply(clip, point_from_ls, clip_ls);
     for (int n = 0; n < 3; n++) point_from_ls[12 + n] -= (double)f->eye[n];
     for (int n = 0; n < 16; n++) {
-        f->clip_from_ls[n] = (float)clip_ls[n];
-        f->eye_from_ls[n]  = (float)point_from_ls[n];
-        if (!isfinite(f->clip_from_ls[n]) || !isfinite(f->eye_from_ls[n])) return 0;
+        to->clip_from_ls[n] = (float)clip_ls[n];
+        to->eye_from_ls[n]  = (float)point_from_ls[n];
+        if (!isfinite(to->clip_from_ls[n]) || !isfinite(to->eye_from_ls[n])) return 0;
     }
-    f->mesh_turn = turn_of(clip_ls);
+    to->turn = turn_of(clip_ls);
     return 1;
 }
 
 /* The shape is so large that no eye ray leaves it, except where a punctual light's range ends. */
-static vxs_mesh_shape set_shape(frame_block *f, const double eye_ls[3])
+static vxs_mesh_shape set_shape(mesh_block *to, const frame_block *f, const double eye_ls[3])
 {
     double far_metres = (double)f->far_metres;
     int    is_sun     = f->light.kind == VXS_LIGHT_KIND_DIRECTIONAL;
     for (int n = 0; n < 3 && !is_sun; n++) far_metres += fabs(eye_ls[n]);
     vxs_mesh_shape s = vxs_light_mesh_shape(&f->light, f->map_side_px, far_metres < FAR_MOST ? far_metres : FAR_MOST, eye_ls);
-    f->mesh_low      = (float)s.low;
-    f->mesh_high     = (float)s.high;
-    f->mesh_texel    = (float)s.texel;
-    f->mesh_least    = (float)s.least;
-    f->mesh_reach    = (float)s.reach;
-    f->mesh_scale    = (float)s.error_scale;
-    f->first         = (uint32_t)s.first;
-    f->end           = (uint32_t)s.last;
+    to->low          = (float)s.low;
+    to->high         = (float)s.high;
+    to->texel        = (float)s.texel;
+    to->least        = (float)s.least;
+    to->reach        = (float)s.reach;
+    to->error_scale  = (float)s.error_scale;
+    to->first        = s.first;
+    to->last         = s.last;
     for (int n = 0; n < 3; n++) {
-        f->box_low[n]  = (float)s.box_low[n];
-        f->box_high[n] = (float)s.box_high[n];
+        to->box_low[n]  = (float)s.box_low[n];
+        to->box_high[n] = (float)s.box_high[n];
     }
     return s;
 }
@@ -116,10 +116,11 @@ vxs_result vxs_mesh_begin(vxs_volumes *v, const vxs_volumes_light *light, const 
     if (light->smoke) return VXS_E_ARGUMENT;
     vxs_result result = vxs_volumes_set_light(v, light, map);
     if (result != VXS_OK) return result;
-    if (!set_places(&v->frame, eye_ls)) return VXS_E_ARGUMENT;
+    v->own.mesh = (mesh_block){.turn = 1};
+    if (!set_places(&v->own.mesh, &v->frame, eye_ls)) return VXS_E_ARGUMENT;
     if (!map) return VXS_OK;
     if (vxs_mesh_levels(map->side_px) < 0) return VXS_E_ARGUMENT;
-    *shape = set_shape(&v->frame, eye_ls);
+    *shape = set_shape(&v->own.mesh, &v->frame, eye_ls);
     return vxs_mesh_triangles(shape) <= INT_MAX / 3 ? VXS_OK : VXS_E_ARGUMENT;
 }
 
@@ -248,7 +249,7 @@ vxs_result vxs_volumes_mesh(vxs_volumes *v, const vxs_volumes_light *light, cons
     if (!mesh) return VXS_E_ARGUMENT;
     vxs_result result = vxs_mesh_begin(v, light, NULL, NULL);
     if (result != VXS_OK) return result;
-    v->frame.first = 3 * mesh->triangle_count; /* positions are stored after corners */
+    v->own.mesh.first_place = (int32_t)(3 * mesh->triangle_count); /* positions are stored after corners */
     vxs_mesh_add(v, NULL,
                  &(mesh_draw){.program      = vxs_mesh_program(v, ""),
                               .texture      = mesh->texture,

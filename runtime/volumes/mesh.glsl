@@ -3,23 +3,34 @@
 #include "frame.glsl"
 #include "vxs_light_mesh.h"
 
+layout(std140, binding = VXS_AT_OWN) uniform vxs_mesh_block {
+    mat4  clip_from_ls, eye_from_ls; /* for positions relative to the eye */
+    float low, high, texel, turn;    /* turn: 1 or -1, orientation of the lit volume in the view */
+    float least, reach, error_scale, error_texels;
+    int   first, last, level; /* level: of the quads of an adaptive mesh */
+    uint  triangles_most;
+    vec3  box_low;
+    int   first_place; /* of a mesh made in C: the word of its buffer where positions begin */
+    vec3  box_high;
+} vxs_mesh_of;
+
 vxs_mesh_shape vxs_frame_mesh()
 {
     vxs_mesh_shape shape;
-    shape.side        = int(vxs_frame.map.x);
-    shape.layers      = int(vxs_frame.map.y);
+    shape.side        = int(vxs_frame.map_side);
+    shape.layers      = int(vxs_frame.map_layers);
     shape.levels      = findMSB(shape.side);
     shape.is_sun      = VXS_KIND(vxs_frame.light) == VXS_LIGHT_KIND_DIRECTIONAL ? 1 : 0;
-    shape.low         = vxs_frame.mesh.x;
-    shape.high        = vxs_frame.mesh.y;
-    shape.first       = int(vxs_frame.map.z);
-    shape.last        = int(vxs_frame.map.w);
-    shape.texel       = vxs_frame.mesh.z;
-    shape.least       = vxs_frame.mesh_depths.x;
-    shape.reach       = vxs_frame.mesh_depths.y;
-    shape.error_scale = vxs_frame.mesh_depths.z;
-    shape.box_low     = vxs_frame.box_low.xyz;
-    shape.box_high    = vxs_frame.box_high.xyz;
+    shape.low         = vxs_mesh_of.low;
+    shape.high        = vxs_mesh_of.high;
+    shape.first       = vxs_mesh_of.first;
+    shape.last        = vxs_mesh_of.last;
+    shape.texel       = vxs_mesh_of.texel;
+    shape.least       = vxs_mesh_of.least;
+    shape.reach       = vxs_mesh_of.reach;
+    shape.error_scale = vxs_mesh_of.error_scale;
+    shape.box_low     = vxs_mesh_of.box_low;
+    shape.box_high    = vxs_mesh_of.box_high;
     return shape;
 }
 
@@ -31,7 +42,7 @@ vxs_mesh_shape vxs_frame_mesh()
 /* A corner of a triangle in the list, or, if the list did not fit, of all quads. */
 vxs_mesh_vertex vxs_frame_corner(vxs_mesh_shape shape, int triangle, int corner)
 {
-    if (texelFetch(vxs_mesh, VXS_MESH_WANTED).r > vxs_frame.counts.y) return vxs_mesh_corner(shape, triangle, corner);
+    if (texelFetch(vxs_mesh, VXS_MESH_WANTED).r > vxs_mesh_of.triangles_most) return vxs_mesh_corner(shape, triangle, corner);
     return vxs_mesh_vertex_from_code(texelFetch(vxs_mesh, VXS_MESH_HEAD + 3 * triangle + corner).r);
 }
 #else
@@ -53,7 +64,7 @@ vec3 vxs_mesh_corner_ls(int triangle, int corner)
     }
     vxs_mesh_place(shape, v, depth, ls);
 #else
-    int at = int(vxs_frame.map.z) + 3 * int(texelFetch(vxs_mesh, 3 * triangle + corner).r);
+    int at = vxs_mesh_of.first_place + 3 * int(texelFetch(vxs_mesh, 3 * triangle + corner).r);
     for (int n = 0; n < 3; n++) ls[n] = uintBitsToFloat(texelFetch(vxs_mesh, at + n).r);
 #endif
     return ls;

@@ -107,7 +107,7 @@ static void run(const vxs_adaptive_mesh *mesh, const volumes_text *text, gl_name
     vxs_volumes *v       = mesh->volumes;
     uint32_t     groups  = ((uint32_t)side + GROUP - 1) / GROUP;
     gl_name      program = vxs_volumes_program(v, &(program_texts){.body = text});
-    v->frame.counts[0]   = (uint32_t)level;
+    v->own.mesh.level    = level;
     saved_state saved    = vxs_volumes_use(v, program, map, 0, 0);
     v->api.DispatchCompute(groups, groups, v->frame.map_layers);
     vxs_volumes_restore(v, &saved);
@@ -145,10 +145,10 @@ vxs_result vxs_volumes_mesh_adaptive(vxs_volumes *v, const vxs_volumes_light *li
     if (map->side_px > (uint32_t)mesh->most.side || map->layers > (uint32_t)mesh->most.layers) return VXS_E_ARGUMENT;
     vxs_result result = vxs_mesh_begin(v, light, map, &shape);
     if (result != VXS_OK || vxs_volumes_find_cull_result(v, &v->frame.pixels) != VXS_NOT_CULLED) return result;
-    gl_name       texture = vxs_shadow_depth_map_texture(map);
-    saved_storage saved   = vxs_volumes_save_storage(v);
-    v->frame.error_texels = error_texels;
-    v->frame.counts[1]    = mesh->triangles_most;
+    gl_name       texture      = vxs_shadow_depth_map_texture(map);
+    saved_storage saved        = vxs_volumes_save_storage(v);
+    v->own.mesh.error_texels   = error_texels;
+    v->own.mesh.triangles_most = mesh->triangles_most;
     vxs_volumes_use_storage(v, mesh->splits, mesh->list);
     choose_quads(mesh, &shape, texture, error_texels);
     list_triangles(mesh, &shape, texture);

@@ -34,9 +34,9 @@ float met_at(vec3 a, vec3 b, vec3 c, vec3 direction)
 void main()
 {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    float metres, met, leaves = gl_FrontFacing == (vxs_frame.mesh.w < 0.0) ? -1.0 : 1.0;
+    float metres, met, leaves = gl_FrontFacing == (vxs_mesh_of.turn < 0.0) ? -1.0 : 1.0;
     vec3  direction = vxs_eye_ray(pixel, metres), at[3], air;
-    for (int n = 0; n < 3; n++) at[n] = (vxs_frame.eye_from_ls * vec4(vxs_mesh_corner_ls(gl_PrimitiveID, n), 1.0)).xyz;
+    for (int n = 0; n < 3; n++) at[n] = (vxs_mesh_of.eye_from_ls * vec4(vxs_mesh_corner_ls(gl_PrimitiveID, n), 1.0)).xyz;
     met      = met_at(at[0], at[1], at[2], direction);
     airlight = vec4(vec3(0.0), leaves);
     if (met >= metres) return;

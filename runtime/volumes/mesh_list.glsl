@@ -23,7 +23,7 @@ void list_found(vxs_mesh_shape shape)
 {
     if (found_count == 0u) return;
     uint at = atomicAdd(vxs_mesh_list.triangles, found_count), end = at + found_count;
-    bool fits = end <= vxs_frame.counts.y;
+    bool fits = end <= vxs_mesh_of.triangles_most;
     atomicMax(vxs_mesh_list.corners_drawn, 3u * (fits ? end : uint(vxs_mesh_triangles(shape))));
     for (uint n = 0u; n < 3u * found_count && fits; n++) vxs_mesh_list.corners[3u * at + n] = found[n];
     found_count = 0u;
@@ -56,7 +56,7 @@ void main()
 {
     vxs_mesh_shape shape = vxs_frame_mesh();
     ivec3          at = ivec3(gl_GlobalInvocationID);
-    int            level = int(vxs_frame.counts.x), count = 0;
+    int            level = vxs_mesh_of.level, count = 0;
     vxs_mesh_quad  q = vxs_mesh_quad_of(at.z, level, at.x, at.y);
     if (any(greaterThanEqual(at.xy, ivec2(shape.side >> level)))) return;
     if (vxs_mesh_is_drawn(0, shape, q) != 0) count = 1;

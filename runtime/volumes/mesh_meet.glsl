@@ -8,7 +8,7 @@ void main()
 {
     vxs_mesh_shape shape = vxs_frame_mesh();
     ivec3          at = ivec3(gl_GlobalInvocationID);
-    int            level = int(vxs_frame.counts.x);
+    int            level = vxs_mesh_of.level;
     if (any(greaterThanEqual(at.xy, ivec2(shape.side >> level)))) return;
     vxs_mesh_let_meet(0, shape, vxs_mesh_quad_of(at.z, level, at.x, at.y));
 }

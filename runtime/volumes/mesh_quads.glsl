@@ -1,5 +1,4 @@
-/* An adaptive mesh while it is built: which quads are split (vxs_mesh_quads.h), and the list of its triangles. counts: the
- * current level of quads, and the capacity in triangles. */
+/* An adaptive mesh while it is built: which quads are split (vxs_mesh_quads.h), and the list of its triangles. */
 #include "mesh.glsl"
 
 layout(std430, binding = VXS_AT_GRID) buffer vxs_mesh_split_buffer { uint split[]; } vxs_mesh_tree;

@@ -13,6 +13,6 @@ void main()
 #else
     vec3 ls = place;
 #endif
-    gl_Position = vxs_frame.clip_from_ls * vec4(ls, 1.0);
+    gl_Position = vxs_mesh_of.clip_from_ls * vec4(ls, 1.0);
     gl_Position.z = 0.0;
 }

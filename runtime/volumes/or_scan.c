@@ -19,11 +19,11 @@ void vxs_or_scan_destroy(or_scan *scan)
 
 static void dispatch(const or_scan *scan, uint32_t groups, uint32_t length, uint32_t segments, uint32_t first, uint32_t step)
 {
-    vxs_volumes   *v         = scan->volumes;
-    const uint32_t counts[4] = {length, segments, first, step}, across = groups < GROUPS_ACROSS ? groups : GROUPS_ACROSS;
-    for (int n = 0; n < 4; n++) v->frame.counts[n] = counts[n];
-    gl_name program = vxs_volumes_program(
-        v, &(program_texts){.names = scan->other ? "#define VXS_SCAN_STEPS\n" : NULL, .body = &vxs_volumes_text_or_scan_glsl});
+    vxs_volumes *v      = scan->volumes;
+    uint32_t     across = groups < GROUPS_ACROSS ? groups : GROUPS_ACROSS;
+    v->own.or_scan      = (or_scan_block){length, segments, first, step};
+    gl_name program     = vxs_volumes_program(
+            v, &(program_texts){.names = scan->other ? "#define VXS_SCAN_STEPS\n" : NULL, .body = &vxs_volumes_text_or_scan_glsl});
     vxs_volumes_run(v, program, 0, 0, across, (groups + across - 1) / across);
 }
 

@@ -1,5 +1,9 @@
-/* An inclusive scan by OR along segments of 128-bit texels. counts: texels in a segment, segments, the first texel, and a step. */
+/* An inclusive scan by OR along segments of 128-bit texels. */
 #include "frame.glsl"
+
+layout(std140, binding = VXS_AT_OWN) uniform vxs_or_scan_block {
+    uint length, segments, first, step; /* length of a segment, and the first of all, in texels */
+} vxs_scan;
 
 #ifdef VXS_SCAN_STEPS
 /* One of the log2(length) steps; each doubles the number of texels that a texel covers. */
@@ -9,12 +13,11 @@ layout(std430, binding = VXS_AT_GRID + 1) writeonly buffer vxs_scan_to { uvec4 s
 
 void main()
 {
-    uvec4 counts = vxs_frame.counts;
-    uint  group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x, n = group * 256u + gl_LocalInvocationID.x;
-    if (n >= counts.x * counts.y) return;
-    uvec4 bits = scanned_before[counts.z + n];
-    if (n % counts.x >= counts.w) bits |= scanned_before[counts.z + n - counts.w];
-    scanned[counts.z + n] = bits;
+    uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x, n = group * 256u + gl_LocalInvocationID.x;
+    if (n >= vxs_scan.length * vxs_scan.segments) return;
+    uvec4 bits = scanned_before[vxs_scan.first + n];
+    if (n % vxs_scan.length >= vxs_scan.step) bits |= scanned_before[vxs_scan.first + n - vxs_scan.step];
+    scanned[vxs_scan.first + n] = bits;
 }
 #else
 /* A workgroup for each segment. Each invocation combines adjacent texels; the results are scanned in shared memory; the OR of
@@ -25,11 +28,11 @@ shared uvec4 parts[2][128];
 
 void main()
 {
-    uvec4 counts = vxs_frame.counts, bits = uvec4(0u);
+    uvec4 bits = uvec4(0u);
     uint  segment = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x, at = gl_LocalInvocationID.x, which = 0u;
-    if (segment >= counts.y) return;
-    uint each = (counts.x + 127u) / 128u, start = counts.z + segment * counts.x;
-    uint begin = start + min(at * each, counts.x), end = start + min((at + 1u) * each, counts.x);
+    if (segment >= vxs_scan.segments) return;
+    uint each = (vxs_scan.length + 127u) / 128u, start = vxs_scan.first + segment * vxs_scan.length;
+    uint begin = start + min(at * each, vxs_scan.length), end = start + min((at + 1u) * each, vxs_scan.length);
     for (uint n = begin; n < end; n++) bits |= scanned[n];
     parts[0][at] = bits;
     barrier();

@@ -54,7 +54,7 @@ void vxs_curve_store(uint texel, vxs_curve curve)
 /* At a depth, interpolated between four texels of a layer. Border texels are repeated beyond the border.   place  in texels */
 float vxs_curves_left(vec2 place, int layer, float depth, int exponential)
 {
-    ivec2 first = ivec2(floor(place - 0.5)), side = ivec2(vxs_frame.counts.w);
+    ivec2 first = ivec2(floor(place - 0.5)), side = ivec2(vxs_curve_map.side);
     vec2  part = place - 0.5 - vec2(first);
     vec4  left;
     for (int n = 0; n < 4; n++) {

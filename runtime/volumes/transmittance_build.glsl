@@ -87,12 +87,12 @@ vec3 ends_at(float opaque, vec3 segment)
 void main()
 {
     ivec3 texel = ivec3(gl_GlobalInvocationID);
-    if (any(greaterThanEqual(texel.xy, ivec2(vxs_frame.counts.w)))) return;
+    if (any(greaterThanEqual(texel.xy, ivec2(vxs_curve_map.side)))) return;
     uint      index = vxs_curve_texel(texel), record = vxs_curve_record(index);
     vxs_curve curve = vxs_curve_empty();
     uint      n = vxs_curves.words[record], rest = VXS_NO_SEGMENT;
     float     opaque = vxs_opaque_depth(texel);
-    if ((vxs_frame.counts.z & VXS_CURVE_SORTED) != 0u) {
+    if ((vxs_curve_map.flags & VXS_CURVE_SORTED) != 0u) {
         rest = n;
         n    = sorted(rest);
         vxs_curves.words[record] = n;

@@ -8,10 +8,10 @@ layout(std430, binding = VXS_AT_GRID + 1) readonly restrict buffer vxs_capsules_
 void main()
 {
     uint  n = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
-    int   layer = int(gl_WorkGroupID.z % vxs_frame.map.y), part = int(gl_WorkGroupID.z / vxs_frame.map.y);
-    int   parts = int(gl_NumWorkGroups.z / vxs_frame.map.y);
+    int   layer = int(gl_WorkGroupID.z % vxs_curve_map.layers), part = int(gl_WorkGroupID.z / vxs_curve_map.layers);
+    int   parts = int(gl_NumWorkGroups.z / vxs_curve_map.layers);
     ivec4 box;
-    if (n >= vxs_frame.counts.x) return;
+    if (n >= vxs_curve_map.capsules) return;
     vxs_capsule c = vxs_capsule_of(capsules[2u * n], capsules[2u * n + 1u], layer);
     if (!vxs_capsule_texels(c, layer, box)) return;
     int wide = box.z - box.x, count = wide * (box.w - box.y);

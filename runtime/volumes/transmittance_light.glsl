@@ -10,7 +10,7 @@ bool vxs_is_sun()
 /* Width of a texel: for suns in metres, for punctual lights at one metre along the axis. */
 float vxs_curve_texel_size()
 {
-    return vxs_frame.light.texel_metres * float(1u << vxs_frame.light.levels) / float(vxs_frame.counts.w);
+    return vxs_frame.light.texel_metres * float(1u << vxs_frame.light.levels) / float(vxs_curve_map.side);
 }
 
 vec3 vxs_map_metres(vec3 ls, int layer)
@@ -42,7 +42,7 @@ vec4 vxs_ball_slopes(vec3 middle, float radius)
 /* Texels of a layer whose rays may meet a capsule.   box  [out] first, end   Returns whether there are any */
 bool vxs_capsule_texels(vxs_capsule c, int layer, out ivec4 box)
 {
-    float side = float(vxs_frame.counts.w), middle = vxs_is_sun() ? 0.0 : 0.5 * side;
+    float side = float(vxs_curve_map.side), middle = vxs_is_sun() ? 0.0 : 0.5 * side;
     vec4  ends = vec4(min(c.begin.xy, c.end.xy) - c.radius, max(c.begin.xy, c.end.xy) + c.radius);
     box = ivec4(0);
     if (!(c.radius > 0.0)) return false;
@@ -60,8 +60,8 @@ bool vxs_capsule_texels(vxs_capsule c, int layer, out ivec4 box)
 /* Metres along the map's axis to where opaque shadow begins in a texel; VXS_NO_END: nowhere. */
 float vxs_opaque_depth(ivec3 texel)
 {
-    if ((vxs_frame.counts.z & VXS_CURVE_OPAQUE) == 0u) return VXS_NO_END;
-    vec2  at = (vec2(texel.xy) + 0.5) * (float(vxs_frame.map.x) / float(vxs_frame.counts.w));
+    if ((vxs_curve_map.flags & VXS_CURVE_OPAQUE) == 0u) return VXS_NO_END;
+    vec2  at = (vec2(texel.xy) + 0.5) * (float(vxs_curve_map.opaque_side) / float(vxs_curve_map.side));
     float first = texelFetch(vxs_map, ivec3(at, texel.z), 0).r;
     if (!(first < VXS_NO_END)) return VXS_NO_END;
     return vxs_is_sun() ? first * vxs_frame.light.voxel_metres : first;
@@ -70,7 +70,7 @@ float vxs_opaque_depth(ivec3 texel)
 /* The segment of a capsule on the ray of a texel, before an opaque depth; as vxs_ray_segment. */
 bool vxs_capsule_segment(vxs_capsule c, ivec3 texel, float opaque, out vec3 segment)
 {
-    float size = vxs_curve_texel_size(), side = float(vxs_frame.counts.w);
+    float size = vxs_curve_texel_size(), side = float(vxs_curve_map.side);
     if (vxs_is_sun()) return vxs_ray_segment(c, vec3((vec2(texel.xy) + 0.5) * size, 0.0), vec3(0.0, 0.0, 1.0), 1.0, false, opaque, segment);
     vec3  way       = vec3((vec2(texel.xy) + 0.5 - 0.5 * side) * size, 1.0);
     float per_metre = 1.0 / length(way);
@@ -78,10 +78,10 @@ bool vxs_capsule_segment(vxs_capsule c, ivec3 texel, float opaque, out vec3 segm
 }
 
 /* Transmittance of smoke between the light and a position; 1 outside of the map. */
-float vxs_transmittance(vec3 at, int exponential)
+float vxs_transmittance(vec3 at)
 {
     vec3  ls;
-    ivec2 side = ivec2(vxs_frame.counts.w);
+    ivec2 side = ivec2(vxs_curve_map.side);
     vxs_ls_from_ws(vxs_frame.light, at, 1.0, ls);
     int  layer = vxs_is_sun() ? 0 : vxs_map_from_ls(vxs_frame.light, ls);
     vec3 place = vxs_map_metres(ls, layer);
@@ -91,5 +91,5 @@ float vxs_transmittance(vec3 at, int exponential)
     }
     place.xy /= vxs_curve_texel_size();
     if (!(all(greaterThanEqual(place.xy, vec2(0.0))) && all(lessThan(place.xy, vec2(side))))) return 1.0;
-    return vxs_curves_left(place.xy, layer, place.z, exponential);
+    return vxs_curves_left(place.xy, layer, place.z, vxs_curve_map.lookup);
 }

@@ -116,14 +116,14 @@ void vxs_transmittance_map_destroy(vxs_transmittance_map *map)
 void vxs_transmittance_set(const vxs_transmittance_map *map, const vxs_shadow_depth_map *opaque, uint32_t capsule_count)
 {
     enum { SORTED = 1, ENDS_AT_OPAQUE = 2 };
-    frame_block *to = &map->volumes->frame;
-    to->light       = *constants_of(map);
-    to->map_side_px = opaque ? opaque->side_px : 0;
-    to->map_layers  = map->layers;
-    to->counts[0]   = capsule_count;
-    to->counts[1]   = map->segment_room;
-    to->counts[2]   = (map->is_sorted ? SORTED : 0) | (opaque ? ENDS_AT_OPAQUE : 0);
-    to->counts[3]   = map->side_px;
+    map->volumes->frame.light = *constants_of(map);
+    map->volumes->curves      = (curve_block){.capsules       = capsule_count,
+                                              .segment_room   = map->segment_room,
+                                              .flags          = (map->is_sorted ? SORTED : 0) | (opaque ? ENDS_AT_OPAQUE : 0U),
+                                              .side_px        = map->side_px,
+                                              .layers         = map->layers,
+                                              .nodes          = map->nodes,
+                                              .opaque_side_px = opaque ? opaque->side_px : 0};
 }
 
 static void dispatch(const vxs_volumes *v, gl_name program, const vxs_shadow_depth_map *opaque, uint32_t x, uint32_t y, uint32_t z)
@@ -242,17 +242,18 @@ vxs_result vxs_volumes_transmittance(vxs_volumes *v, const vxs_transmittance_map
 {
     if (!v->depth_texture || !texture || !is_lookup(how)) return VXS_E_ARGUMENT;
     vxs_transmittance_set(map, NULL, 0);
-    v->frame.knobs[0] = (float)how;
+    v->curves.lookup = (int32_t)how;
     vxs_transmittance_pass(map, vxs_transmittance_program(map, "", &vxs_volumes_text_transmittance_pass_glsl), 0, texture);
     return vxs_volumes_done(v);
 }
 
 void vxs_transmittance_set_reader(const vxs_transmittance_map *map, vxs_curve_lookup how)
 {
-    frame_block *to = &map->volumes->frame;
-    to->counts[0]   = map->nodes;
-    to->counts[3]   = map->side_px;
-    to->knobs[2]    = (float)how;
+    map->volumes->curves = (curve_block){.side_px      = map->side_px,
+                                         .layers       = map->layers,
+                                         .nodes        = map->nodes,
+                                         .segment_room = map->segment_room,
+                                         .lookup       = (int32_t)how};
 }
 
 vxs_result vxs_volumes_transmittance_at(vxs_volumes *v, const vxs_transmittance_map *map, unsigned places, uint32_t count,
@@ -264,8 +265,7 @@ vxs_result vxs_volumes_transmittance_at(vxs_volumes *v, const vxs_transmittance_
     saved_storage saved = vxs_volumes_save_storage(v);
     vxs_transmittance_set(map, NULL, 0);
     vxs_transmittance_set_reader(map, how);
-    v->frame.counts[1] = count;
-    v->frame.counts[2] = first;
+    v->own.places = (places_block){count, first};
     vxs_volumes_use_storage(v, map->buffer, places);
     v->api.BindBufferBase(GL_TARGET_STORAGE_BUFFER, v->first_storage + 2, left);
     gl_name program =

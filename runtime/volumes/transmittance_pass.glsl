@@ -11,6 +11,6 @@ void main()
     float metres;
     vec3  direction = vxs_eye_ray(pixel, metres);
     bool  seen = texelFetch(vxs_depths, pixel, 0).r != vxs_frame.sizes.z;
-    float left = seen ? vxs_transmittance(vxs_frame.eye_far.xyz + metres * direction, int(vxs_frame.knobs.x)) : 1.0;
+    float left = seen ? vxs_transmittance(vxs_frame.eye_far.xyz + metres * direction) : 1.0;
     imageStore(transmittance, pixel, vec4(left, 0.0, 0.0, 0.0));
 }

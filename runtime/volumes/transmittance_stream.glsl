@@ -17,8 +17,8 @@ bool in_tile(vxs_capsule c)
 void main()
 {
     ivec3     texel = ivec3(gl_GlobalInvocationID);
-    uint      own = gl_LocalInvocationIndex, count = vxs_frame.counts.x;
-    bool      is_one = all(lessThan(texel.xy, ivec2(vxs_frame.counts.w)));
+    uint      own = gl_LocalInvocationIndex, count = vxs_curve_map.capsules;
+    bool      is_one = all(lessThan(texel.xy, ivec2(vxs_curve_map.side)));
     float     opaque = is_one ? vxs_opaque_depth(texel) : VXS_NO_END;
     vxs_curve curve = vxs_curve_empty();
     uint first = 0u, bits = 0u;

@@ -45,6 +45,21 @@ static void bind_as_it_was(const vxs_volumes *v, gl_enum target, gl_name binding
         v->api.BindBufferBase(target, binding, (gl_name)buffer);
 }
 
+/* Upload and bind the blocks of the frame, of the technique and of its curves. */
+static void put_blocks(const vxs_volumes *v)
+{
+    const struct {
+        const void *data;
+        size_t      size;
+    } blocks[BLOCKS] = {[BLOCK_FRAME]  = {&v->frame, sizeof v->frame},
+                        [BLOCK_OWN]    = {&v->own, sizeof v->own},
+                        [BLOCK_CURVES] = {&v->curves, sizeof v->curves}};
+    for (gl_name n = 0; n < BLOCKS; n++) {
+        v->api.NamedBufferSubData(v->blocks, (gl_bytes)n * BLOCK_BYTES, (gl_bytes)blocks[n].size, blocks[n].data);
+        v->api.BindBufferRange(GL_TARGET_UNIFORM_BUFFER, n, v->blocks, (gl_bytes)n * BLOCK_BYTES, BLOCK_BYTES);
+    }
+}
+
 saved_state vxs_volumes_use(const vxs_volumes *v, gl_name program, gl_name map, gl_name image, gl_enum format)
 {
     const volumes_api *api = &v->api;
@@ -58,11 +73,12 @@ saved_state vxs_volumes_use(const vxs_volumes *v, gl_name program, gl_name map, 
     api->ActiveTexture((gl_enum)saved.active);
 
     api->GetIntegerv(GL_IS_UNIFORM_BUFFER, &saved.buffer);
-    api->GetIntegeri_v(GL_IS_UNIFORM_BUFFER, FRAME_BINDING, &saved.frame);
-    api->GetInteger64i_v(GL_IS_UNIFORM_BUFFER_START, FRAME_BINDING, &saved.frame_start);
-    api->GetInteger64i_v(GL_IS_UNIFORM_BUFFER_SIZE, FRAME_BINDING, &saved.frame_size);
-    api->NamedBufferSubData(v->frame_buffer, 0, sizeof v->frame, &v->frame);
-    api->BindBufferBase(GL_TARGET_UNIFORM_BUFFER, FRAME_BINDING, v->frame_buffer);
+    for (gl_name n = 0; n < BLOCKS; n++) {
+        api->GetIntegeri_v(GL_IS_UNIFORM_BUFFER, n, &saved.blocks[n]);
+        api->GetInteger64i_v(GL_IS_UNIFORM_BUFFER_START, n, &saved.block_starts[n]);
+        api->GetInteger64i_v(GL_IS_UNIFORM_BUFFER_SIZE, n, &saved.block_sizes[n]);
+    }
+    put_blocks(v);
 
     for (int n = 0; n < IMAGE_STATE; n++) api->GetIntegeri_v(image_state[n], IMAGE_BINDING, &saved.image[n]);
     if (image) api->BindImageTexture(IMAGE_BINDING, image, 0, 1, 0, GL_ACCESS_READ_WRITE, format);
@@ -79,7 +95,8 @@ void vxs_volumes_restore(const vxs_volumes *v, const saved_state *saved)
     api->UseProgram((gl_name)saved->program);
     const int *i = saved->image;
     api->BindImageTexture(IMAGE_BINDING, (gl_name)i[0], i[1], (unsigned char)(i[2] != 0), i[3], (gl_enum)i[4], (gl_enum)i[5]);
-    bind_as_it_was(v, GL_TARGET_UNIFORM_BUFFER, FRAME_BINDING, saved->frame, saved->frame_start, saved->frame_size);
+    for (gl_name n = 0; n < BLOCKS; n++)
+        bind_as_it_was(v, GL_TARGET_UNIFORM_BUFFER, n, saved->blocks[n], saved->block_starts[n], saved->block_sizes[n]);
     api->BindBuffer(GL_TARGET_UNIFORM_BUFFER, (gl_name)saved->buffer);
     for (int unit = 0; unit < UNITS; unit++) {
         api->ActiveTexture(GL_UNIT_0 + v->first_unit + (gl_enum)unit);

@@ -38,11 +38,13 @@ static void attach(const vxs_volumes *v, gl_name program, gl_enum kind, const pr
     text_list   all    = {.count = 0};
     vxs_gl_texts(v->shadows, shared);
     snprintf(own, sizeof own,
-             "#undef VXS_ONLY_KIND\n#undef VXS_ONLY_CUBE\n#undef VXS_ONLY_CODING\n#define VXS_AT_FRAME %u\n#define VXS_AT_IMAGE "
+             "#undef VXS_ONLY_KIND\n#undef VXS_ONLY_CUBE\n#undef VXS_ONLY_CODING\n#define VXS_AT_FRAME %u\n#define VXS_AT_OWN "
+             "%u\n#define VXS_AT_CURVES %u\n#define VXS_AT_IMAGE "
              "%u\n#define VXS_AT_DEPTHS %u\n#define VXS_AT_MAP %u\n#define VXS_AT_OTHER %u\n#define VXS_AT_GRID %u\n#define "
              "VXS_AT_MESH %u\n#define VXS_NO_END 1e30\n#define VXS_FAR_MOST 1e15\n%s",
-             FRAME_BINDING, IMAGE_BINDING, v->first_unit + UNIT_DEPTHS, v->first_unit + UNIT_MAP, v->first_unit + UNIT_OTHER,
-             v->first_storage, v->first_unit + UNIT_MESH, kind == GL_KIND_COMPUTE_SHADER ? "#define VXS_COMPUTE\n" : "");
+             BLOCK_FRAME, BLOCK_OWN, BLOCK_CURVES, IMAGE_BINDING, v->first_unit + UNIT_DEPTHS, v->first_unit + UNIT_MAP,
+             v->first_unit + UNIT_OTHER, v->first_storage, v->first_unit + UNIT_MESH,
+             kind == GL_KIND_COMPUTE_SHADER ? "#define VXS_COMPUTE\n" : "");
     add_text(&all, "#version 450 core\n");
     add_text(&all, strchr(shared[0], '\n') + 1);
     add_text(&all, own);

@@ -3,34 +3,16 @@
 #ifndef VOLUMES_STATE_H
 #define VOLUMES_STATE_H
 
+#include "volumes_blocks.h"
 #include "volumes_gl.h"
 #include "volumes_text.h"
 #include "vxs_volumes.h"
 
-/* As in shaders (frame.glsl, std140). */
-typedef struct frame_block {
-    float               point_from_depth[16];
-    float               eye[3], far_metres;
-    float               wide_px, high_px, empty_depth, top_metres;
-    float               scattering[3], anisotropy;
-    float               extinction[3], two; /* `two` is 2, unknown to the shader compiler */
-    float               ambient[3], reserved_1;
-    float               colour[3], radius_metres;
-    float               place[3], cos_inner;
-    float               axis[4];
-    vxs_light_constants light;
-    float               knobs[4];
-    uint32_t            map_side_px, map_layers, first, end;
-    vxs_pixels          pixels;
-    uint32_t            counts[4];
-    float               clip_from_ls[16], eye_from_ls[16]; /* for meshes; the second also for casters */
-    float               mesh_low, mesh_high, mesh_texel, mesh_turn;
-    float               mesh_least, mesh_reach, mesh_scale, error_texels;
-    float               box_low[4], box_high[4];
-} frame_block;
-
 /* Binding offsets in the context, from the caller's first binding on. */
-enum { UNIT_DEPTHS, UNIT_MAP, UNIT_OTHER, UNIT_MESH, UNITS, FRAME_BINDING = 0, IMAGE_BINDING = 0, STORAGES = 3 };
+enum { UNIT_DEPTHS, UNIT_MAP, UNIT_OTHER, UNIT_MESH, UNITS, IMAGE_BINDING = 0, STORAGES = 3 };
+
+/* Bindings of uniform blocks, which are parts of one buffer. */
+enum { BLOCK_FRAME, BLOCK_OWN, BLOCK_CURVES, BLOCKS, BLOCK_BYTES = 512 };
 
 /* What a program is made of.
  * names   lines of #define; NULL: none
@@ -56,9 +38,11 @@ struct vxs_volumes {
     void           *user;
     vxs_gl         *shadows;
     uint32_t        width_px, height_px, first_unit, first_storage;
-    gl_name         airlight, frame_buffer, vertex_array, target; /* target: a framebuffer that draws into airlight */
-    gl_name         cut_buffer;                                   /* the number of rays of the frame that were cut short */
+    gl_name         airlight, blocks, vertex_array, target; /* target: a framebuffer that draws into airlight */
+    gl_name         cut_buffer;                             /* the number of rays of the frame that were cut short */
     frame_block     frame;
+    own_block       own;
+    curve_block     curves;
     float           frame_least, least; /* min_radiance of the frame; that of the light */
     gl_name         depth_texture;      /* of the frame; 0: no frame has begun */
     uint32_t        program_count;
@@ -111,8 +95,8 @@ void vxs_volumes_forget_error(const vxs_volumes *v);
 /* Previous context state that a technique changes, except words and lights. */
 typedef struct saved_state {
     int     program, active, textures[UNITS], samplers[UNITS];
-    int     buffer, frame, image[6];
-    int64_t frame_start, frame_size;
+    int     buffer, blocks[BLOCKS], image[6];
+    int64_t block_starts[BLOCKS], block_sizes[BLOCKS];
 } saved_state;
 
 /* Begin to use a program: upload and bind the frame's block, and bind words and lights; bind depths, a map and an image that are

@@ -13,6 +13,12 @@
 #include "grid.glsl"
 #include "vxs_shadow_grid.h"
 
+layout(std140, binding = VXS_AT_OWN) uniform vxs_voxelize_block {
+    mat4 axes_from_place; /* from positions of casters to coordinates along the axis, `ahead` and `side` */
+    uint triangles, first_word, place_words, is_indexed;
+    uint first_triangle;
+    int  columns;
+} vxs_voxels;
 layout(local_size_x = 64) in;
 layout(std430, binding = VXS_AT_GRID + 1) readonly buffer vxs_places_block { float vxs_places[]; };
 layout(std430, binding = VXS_AT_GRID + 2) readonly buffer vxs_corners_block { uint vxs_corners[]; };
@@ -20,20 +26,18 @@ shared vec3 corners[3 * 64];
 shared int  first_rows[64];
 shared uint ends[64]; /* running sum of the number of rows of each triangle */
 
-/* Coordinates along the axis, `ahead` and `side`. counts: triangles; the first word of positions, and their stride in words;
- * whether there are indices. Returns whether the position is valid. */
+/* Coordinates along the axis, `ahead` and `side`. Returns whether the position is valid. */
 bool read_corner(uint corner, out vec3 place)
 {
-    uvec4 counts = vxs_frame.counts;
-    uint  words = uint(vxs_places.length()), n = corner;
+    uint words = uint(vxs_places.length()), n = corner;
     place = vec3(0.0);
-    if (counts.w != 0u) {
+    if (vxs_voxels.is_indexed != 0u) {
         if (corner >= uint(vxs_corners.length())) return false;
         n = vxs_corners[corner];
     }
-    if (words < counts.y + 3u || n > (words - counts.y - 3u) / counts.z) return false;
-    uint word = counts.y + n * counts.z;
-    place = (vxs_frame.eye_from_ls * vec4(vxs_places[word], vxs_places[word + 1u], vxs_places[word + 2u], 1.0)).xyz;
+    if (words < vxs_voxels.first_word + 3u || n > (words - vxs_voxels.first_word - 3u) / vxs_voxels.place_words) return false;
+    uint word = vxs_voxels.first_word + n * vxs_voxels.place_words;
+    place = (vxs_voxels.axes_from_place * vec4(vxs_places[word], vxs_places[word + 1u], vxs_places[word + 2u], 1.0)).xyz;
     return all(lessThan(abs(place), vec3(VXS_FAR_MOST)));
 }
 
@@ -158,14 +162,14 @@ bool cut(vec3 triangle[3], vec2 way, out vec2 p, out vec2 q)
 #endif
 
 #ifdef VXS_VOXELS_RAYS
-/* knobs.x: number of columns; shadow that begins behind them is left out. */
+/* Shadow that begins behind the columns is left out. */
 void voxelize(vxs_epipolar space, vxs_grid_size size, int row, vec3 triangle[3])
 {
     vec2 p, q;
     if (!cut(triangle, way_at(vxs_grid_middle(space.theta, row, size.rows)), p, q)) return;
     float columns = min(columns_before(space, size, p), columns_before(space, size, q));
     ivec2 bits = middles_between(bits_before(space, size, p), bits_before(space, size, q), size.bits);
-    int   columns_end = int(vxs_frame.knobs.x);
+    int   columns_end = vxs_voxels.columns;
     if (columns > float(columns_end)) return;
     for (int bit = bits.x; bit < bits.y; bit++) {
         vec2 turned;
@@ -286,11 +290,11 @@ void voxelize(vxs_epipolar space, vxs_grid_size size, int row, vec3 triangle[3])
 
 void main()
 {
-    uint          at = gl_LocalInvocationID.x, triangle = vxs_frame.map.z + 64u * gl_WorkGroupID.x + at, turns = 64u * gl_NumWorkGroups.y;
+    uint          at = gl_LocalInvocationID.x, triangle = vxs_voxels.first_triangle + 64u * gl_WorkGroupID.x + at, turns = 64u * gl_NumWorkGroups.y;
     vxs_epipolar  space = vxs_grid_space();
     vxs_grid_size size = vxs_grid_size(vxs_grid.size.x, vxs_grid.size.y, vxs_grid.size.z);
     vec3          read[3];
-    bool          is_triangle = triangle < vxs_frame.counts.x;
+    bool          is_triangle = triangle < vxs_voxels.triangles;
     ivec2         rows = ivec2(0);
     for (uint n = 0u; n < 3u && is_triangle; n++) is_triangle = read_corner(3u * triangle + n, read[n]);
     if (is_triangle) {

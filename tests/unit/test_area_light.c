@@ -217,8 +217,6 @@ static void test_filters(void **state)
         for (int which = 0; which <= VXS_AREA_QUARTER; which++) {
             uint32_t wide = which == VXS_AREA_QUARTER ? WIDE / 2 : WIDE, high = which == VXS_AREA_QUARTER ? HIGH / 2 : HIGH;
             assert_int_equal(vxs_volumes_begin(scene.volumes, &frame), VXS_OK);
-            scene.volumes->frame.map_side_px = wide;
-            scene.volumes->frame.map_layers  = high;
             for (uint32_t n = 0; n < wide * high; n++) {
                 uint32_t x = n % wide, y = n / wide;
                 for (uint32_t i = 0; i < 3; i++)

@@ -511,10 +511,11 @@ static const GLenum asked_numbers[] = {GL_CURRENT_PROGRAM,
                                        GL_CLIP_DEPTH_MODE,
                                        GL_PRIMITIVE_RESTART};
 enum {
-    ASKED_NUMBERS = sizeof asked_numbers / sizeof *asked_numbers,
-    UNITS_ASKED   = 12,
-    STORAGES      = 2, /* from the sixth on, of a technique */
-    STATE         = ASKED_NUMBERS + 4 * UNITS_ASKED + 4 + 4 + 4 + 2 + 9 + 3 * STORAGES
+    ASKED_NUMBERS  = sizeof asked_numbers / sizeof *asked_numbers,
+    UNITS_ASKED    = 12,
+    STORAGES       = 2, /* from the sixth on, of a technique */
+    UNIFORM_BLOCKS = 3,
+    STATE          = ASKED_NUMBERS + 4 * UNITS_ASKED + 4 + 4 + 4 + 2 + 6 + 3 * UNIFORM_BLOCKS + 3 * STORAGES
 };
 
 static void read_state(const volumes_scene *s, GLint state[STATE])
@@ -542,9 +543,11 @@ static void read_state(const volumes_scene *s, GLint state[STATE])
     get(GL_SCISSOR_BOX, to + 10);
     to += 14;
     for (int n = 0; n < 6; n++) get_i(image[n], 0, to++);
-    get_i(GL_UNIFORM_BUFFER_BINDING, 0, to++);
-    get_i(GL_UNIFORM_BUFFER_START, 0, to++);
-    get_i(GL_UNIFORM_BUFFER_SIZE, 0, to++);
+    for (GLuint n = 0; n < UNIFORM_BLOCKS; n++) {
+        get_i(GL_UNIFORM_BUFFER_BINDING, n, to++);
+        get_i(GL_UNIFORM_BUFFER_START, n, to++);
+        get_i(GL_UNIFORM_BUFFER_SIZE, n, to++);
+    }
     for (GLuint n = 0; n < STORAGES; n++) {
         get_i(GL_SHADER_STORAGE_BUFFER_BINDING, 6 + n, to++);
         get_i(GL_SHADER_STORAGE_BUFFER_START, 6 + n, to++);
@@ -583,7 +586,7 @@ static void disturb(const volumes_scene *s)
     gl->BindBuffer(GL_UNIFORM_BUFFER, buffer);
     gl->BufferData(GL_UNIFORM_BUFFER, 1024, NULL, GL_STATIC_DRAW);
     PFNGLBINDBUFFERRANGEPROC bind = (PFNGLBINDBUFFERRANGEPROC)gl_choice_function("glBindBufferRange");
-    bind(GL_UNIFORM_BUFFER, 0, buffer, 256, 512);
+    for (GLuint n = 0; n < UNIFORM_BLOCKS; n++) bind(GL_UNIFORM_BUFFER, n, buffer, 256, 512);
     for (GLuint n = 0; n < STORAGES; n++) bind(GL_SHADER_STORAGE_BUFFER, 6 + n, buffer, 256, 512);
     gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, buffer);
     ((PFNGLBINDIMAGETEXTUREPROC)gl_choice_function("glBindImageTexture"))(0, textures[1], 1, GL_FALSE, 2, GL_READ_ONLY, GL_RGBA8);

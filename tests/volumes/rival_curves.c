@@ -20,7 +20,7 @@ struct rival_curves {
     rival_curve            which;
     uint32_t               knob;
     gl_name                buffer, programs[PROGRAMS];
-    float                  knobs[4];
+    float                  block[3]; /* as in rival_curves.glsl */
 };
 
 static const char *const names_of[] = {[RIVAL_OPACITY]      = "OPACITY",
@@ -86,7 +86,7 @@ void rival_curves_destroy(rival_curves *r)
 static void set(const rival_curves *r)
 {
     vxs_transmittance_set(r->map, NULL, 0);
-    memcpy(r->v->frame.knobs, r->knobs, sizeof r->knobs);
+    memcpy(r->v->own.words, r->block, sizeof r->block);
 }
 
 void rival_curves_capture(vxs_transmittance_map *map, const vxs_capsules *capsules)
@@ -99,9 +99,9 @@ void rival_curves_capture(vxs_transmittance_map *map, const vxs_capsules *capsul
 void rival_curves_build(rival_curves *r, double nearest, double farthest)
 {
     saved_storage saved = vxs_volumes_save_storage(r->v);
-    r->knobs[1]         = (float)nearest;
-    r->knobs[2]         = (float)farthest;
-    r->knobs[3]         = (float)r->knob / 10000;
+    r->block[0]         = (float)nearest;
+    r->block[1]         = (float)farthest;
+    r->block[2]         = (float)r->knob / 10000;
     set(r);
     r->v->api.ClearNamedBufferSubData(r->buffer, GL_FORMAT_R32UI, 0, HEAD_BYTES, GL_FORMAT_RED_INTEGER, GL_TYPE_UNSIGNED_INT, NULL);
     vxs_volumes_use_storage(r->v, r->map->buffer, r->buffer);

@@ -1,5 +1,5 @@
-/* Curves of other kinds, of the lists of a map of transmittance curves: rival_left says what is left of light at a depth; BUILD makes them, a texel an invocation.
- * knobs.y, .z: the nearest and the farthest depth; .w: the knob. */
+/* Curves of other kinds, of the lists of a map of transmittance curves: rival_left says what is left of light at a depth; BUILD makes them, a texel an invocation. */
+layout(std140, binding = VXS_AT_OWN) uniform rival_block { float nearest, farthest, knob; } rival_of; /* depths */
 layout(std430, binding = VXS_AT_GRID + 1) restrict buffer rival_buffer {
     uint rival_used, rival_nodes, rival_reserved_0, rival_reserved_1; /* of deep shadow maps: events, and nodes that are left of them */
     uint rival_words[];
@@ -15,7 +15,7 @@ float rival_number(uint at)
 /* A depth in the range as [0, 1]. */
 float rival_place(float depth)
 {
-    return clamp((depth - vxs_frame.knobs.y) / (vxs_frame.knobs.z - vxs_frame.knobs.y), 0.0, 1.0);
+    return clamp((depth - rival_of.nearest) / (rival_of.farthest - rival_of.nearest), 0.0, 1.0);
 }
 
 vec3 rival_segment(uint n)
@@ -120,7 +120,7 @@ void rival_build(uint texel, uint first)
 /* Of a texel where its nodes begin, and how many there are; then, of all texels, depth and what is left. */
 uint rival_first_node(uint texel)
 {
-    return 2u * vxs_frame.counts.w * vxs_frame.counts.w * vxs_frame.map.y + 4u * rival_words[2u * texel];
+    return 2u * vxs_curve_map.side * vxs_curve_map.side * vxs_curve_map.layers + 4u * rival_words[2u * texel];
 }
 
 float rival_left(uint texel, float depth)
@@ -167,7 +167,7 @@ void rival_build(uint texel, uint list)
         rival_add_event(first, added++, exit, -extinction);
     }
     /* from a node, slopes that pass all depths since within the tolerance; where none is left, a node at the last depth, on the middle slope */
-    float tolerance = vxs_frame.knobs.w, begin = rival_number(first), from = 1.0, low = -1e30, high = 1e30, depth = begin, sum = 0.0, rate = 0.0;
+    float tolerance = rival_of.knob, begin = rival_number(first), from = 1.0, low = -1e30, high = 1e30, depth = begin, sum = 0.0, rate = 0.0;
     for (uint n = 0u; n < count; n++) {
         float at = rival_number(first + 4u * n);
         sum += max(rate, 0.0) * (at - depth);
@@ -221,7 +221,7 @@ layout(local_size_x = 8, local_size_y = 8) in;
 void main()
 {
     ivec3 at = ivec3(gl_GlobalInvocationID);
-    if (any(greaterThanEqual(at.xy, ivec2(vxs_frame.counts.w)))) return;
+    if (any(greaterThanEqual(at.xy, ivec2(vxs_curve_map.side)))) return;
     uint texel = vxs_curve_texel(at);
     rival_build(texel, vxs_curves.words[vxs_curve_record(texel)]);
 }

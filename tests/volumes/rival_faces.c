@@ -43,10 +43,7 @@ vxs_result rival_faces_march(rival_faces *f, const vxs_vpl *punctual, uint32_t b
     vxs_result result = vxs_volumes_set_light(f->v, &light, map);
     if (result != VXS_OK) return result;
     memcpy(f->v->frame.axis, punctual->normal, sizeof punctual->normal);
-    f->v->frame.knobs[0] = (float)steps;
-    f->v->frame.knobs[1] = VXS_STEPS_EQUIANGULAR;
-    f->v->frame.first    = 0;
-    f->v->frame.end      = steps;
+    f->v->own.march = (march_block){.steps = steps, .end = steps};
     vxs_volumes_add(f->v, f->march, vxs_shadow_depth_map_texture(map));
     return VXS_OK;
 }

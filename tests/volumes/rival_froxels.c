@@ -88,10 +88,10 @@ vxs_result rival_froxels_add_rectangle(rival_froxels *f, const vxs_area_rectangl
     frame_block *frame  = &f->v->frame;
     if (result != VXS_OK) return result;
     for (uint32_t n = 0; n < 3; n++) {
-        frame->colour[n]           = rectangle->radiance[n] * mean_of(rectangle, n);
-        frame->clip_from_ls[n]     = rectangle->corner[n];
-        frame->clip_from_ls[4 + n] = rectangle->across[n];
-        frame->clip_from_ls[8 + n] = rectangle->up[n];
+        frame->colour[n]       = rectangle->radiance[n] * mean_of(rectangle, n);
+        f->v->own.words[n]     = rectangle->corner[n];
+        f->v->own.words[4 + n] = rectangle->across[n];
+        f->v->own.words[8 + n] = rectangle->up[n];
     }
     add(f, map);
     return VXS_OK;

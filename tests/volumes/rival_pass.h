@@ -8,7 +8,7 @@
 #include "baker/base/embedded.h"
 #include "runtime/volumes/volumes_state.h"
 
-enum { RIVAL_IMAGE = 1, RIVAL_BLOCK = 1 }; /* bindings of a rival's own image and uniform block */
+enum { RIVAL_IMAGE = 1, RIVAL_BLOCK = BLOCKS }; /* bindings of a rival's own image and uniform block */
 enum { RIVAL_FORMAT_RG32F = 0x8230 };
 
 /* A compute program of `names` (lines of #define), the text `with` of the library (NULL: none), the frame, and `count` texts of its

@@ -1,5 +1,7 @@
 /* Before rival_froxels.glsl: airlight of a rectangle, as if all of it were seen from wherever its centre is: by its solid angle, with the phase and the way of
- * light from the centre. clip_from_ls: its corner and its sides; colour: its radiance. */
+ * light from the centre. colour: its radiance. */
+layout(std140, binding = VXS_AT_OWN) uniform rectangle_block { vec4 corner, across, up; } rectangle;
+
 float triangle_angle(vec3 a, vec3 b, vec3 c)
 {
     return 2.0 * atan(abs(dot(a, cross(b, c))), 1.0 + dot(a, b) + dot(b, c) + dot(c, a));
@@ -7,7 +9,7 @@ float triangle_angle(vec3 a, vec3 b, vec3 c)
 
 void rectangle_air(vxs_medium medium, vec3 direction, float x, out vec3 air)
 {
-    vec3  corner = vxs_frame.clip_from_ls[0].xyz, across = vxs_frame.clip_from_ls[1].xyz, up = vxs_frame.clip_from_ls[2].xyz;
+    vec3  corner = rectangle.corner.xyz, across = rectangle.across.xyz, up = rectangle.up.xyz;
     vec3  from = vxs_frame.eye_far.xyz + x * direction, centre = corner + 0.5 * (across + up) - from;
     float metres = length(centre);
     air          = vec3(0.0);

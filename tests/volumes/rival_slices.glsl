@@ -9,7 +9,7 @@ layout(rgba32f, binding = VXS_AT_IMAGE) uniform restrict image2D airlight;
 layout(rg32f, binding = 1) uniform coherent image2DArray tree;
 layout(rgba32f, binding = 2) uniform restrict image2DArray samples; /* .a: its metres; or moments of the bins before one */
 
-layout(std140, binding = 1) uniform slices_block {
+layout(std140, binding = 3) uniform slices_block {
     vec4 axis, up, across;
     vec4 angles;  /* theta and its range; alpha and its range */
     vec4 sizes;   /* the range of bins; slices, bins, samples */
@@ -46,7 +46,7 @@ void main()
         vec3 more;
         vxs_ls_from_ws(vxs_frame.light, vxs_frame.eye_far.xyz + bin * side, 1.0, ls);
         vxs_ls_from_ws(vxs_frame.light, -slices.axis.xyz, 0.0, more);
-        float side_px = float(vxs_frame.map.x);
+        float side_px = float(vxs_frame.map_side);
         vec2  place   = ls.xy * (side_px / float(1u << vxs_frame.light.levels));
         if (all(greaterThanEqual(place, vec2(0.0))) && all(lessThan(place, vec2(side_px)))) {
             float first = texelFetch(vxs_map, ivec3(place, 0), 0).r;
