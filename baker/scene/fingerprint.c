@@ -92,32 +92,6 @@ mask_fingerprint alpha_mask_fingerprint(const alpha_mask *mask, const alpha_imag
     return (mask_fingerprint){hash.low64, hash.high64};
 }
 
-/* Triangle numbers are not hashed: the geometry hash already includes which triangles have holes. */
-static vxs_result take_alpha_masks(hasher *h, const scene *s, char text[FINGERPRINT_BYTES], run_context *m)
-{
-    XXH128_hash_t *masks = calloc(s->alpha_mask_count + 1, sizeof *masks);
-    if (!masks) return fail(m, VXS_E_MEMORY, "out of memory for the fingerprint of %zu alpha masks", s->alpha_mask_count);
-    for (size_t n = 0; n < s->alpha_mask_count; n++)
-        masks[n] = hash_of_mask(h, &s->alpha_masks[n], &s->images[s->alpha_masks[n].image]);
-    hash_begin(h);
-    for (size_t n = 0; n < s->holed_triangle_count; n++) {
-        const holed_triangle *t = &s->holed_triangles[n];
-        hash_word(h, masks[t->mask].high64);
-        hash_word(h, masks[t->mask].low64);
-        for (int corner = 0; corner < 3; corner++) hash_numbers(h, (double[2]){t->uv[corner][0], t->uv[corner][1]}, 2);
-    }
-    hash_end_text(h, text);
-    free(masks);
-    return VXS_OK;
-}
-
-static void take_cameras(hasher *h, const scene *s, char text[FINGERPRINT_BYTES])
-{
-    hash_begin(h);
-    hash_numbers(h, s->camera_positions_ws, 3 * s->camera_count);
-    hash_end_text(h, text);
-}
-
 vxs_result scene_fingerprint_take(scene_fingerprint *f, const scene *s, run_context *m)
 {
     hasher h;
@@ -129,7 +103,9 @@ vxs_result scene_fingerprint_take(scene_fingerprint *f, const scene *s, run_cont
     }
     hash_end_text(&h, f->geometry);
 
-    take_cameras(&h, s, f->cameras);
+    hash_begin(&h);
+    hash_numbers(&h, s->camera_positions_ws, 3 * s->camera_count);
+    hash_end_text(&h, f->cameras);
 
     static const double nowhere[3] = {0, 0, 0};
     hash_begin(&h);
@@ -141,5 +117,19 @@ vxs_result scene_fingerprint_take(scene_fingerprint *f, const scene *s, run_cont
     }
     hash_end_text(&h, f->lights);
 
-    return take_alpha_masks(&h, s, f->alpha_masks, m);
+    /* triangle numbers are not hashed: the geometry hash already includes which triangles have holes */
+    XXH128_hash_t *masks = calloc(s->alpha_mask_count + 1, sizeof *masks);
+    if (!masks) return fail(m, VXS_E_MEMORY, "out of memory for the fingerprint of %zu alpha masks", s->alpha_mask_count);
+    for (size_t n = 0; n < s->alpha_mask_count; n++)
+        masks[n] = hash_of_mask(&h, &s->alpha_masks[n], &s->images[s->alpha_masks[n].image]);
+    hash_begin(&h);
+    for (size_t n = 0; n < s->holed_triangle_count; n++) {
+        const holed_triangle *t = &s->holed_triangles[n];
+        hash_word(&h, masks[t->mask].high64);
+        hash_word(&h, masks[t->mask].low64);
+        for (int corner = 0; corner < 3; corner++) hash_numbers(&h, (double[2]){t->uv[corner][0], t->uv[corner][1]}, 2);
+    }
+    hash_end_text(&h, f->alpha_masks);
+    free(masks);
+    return VXS_OK;
 }

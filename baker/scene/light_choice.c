@@ -291,24 +291,18 @@ void warn_about_sun(const char *name, const double direction_ws[3], run_context 
          name, d[0], d[1], d[2], 0 - d[0], 0 - d[1], 0 - d[2]); /* avoids -0 */
 }
 
-/* Warn of a node that was never rotated: its light travels horizontally and only grazes the ground. */
-static void warn_about_unturned(const chosen_light *light, run_context *m)
-{
-    const double *d = light->shape.direction_ws;
-    if (light->is_option || d[2] > -1 + 1e-9 || fabs(d[0]) > 1e-6 || fabs(d[1]) > 1e-6) return;
-    warn(m,
-         "light '%s' travels level, along -Z, as a node without a rotation has it: sunlight comes from above; turn its node, or "
-         "give "
-         "--sun X,Y,Z",
-         light->name);
-}
-
 void warn_about_suns(const light_choice *chosen, run_context *m)
 {
     for (const chosen_light *light = chosen->lights; light < chosen->lights + chosen->count; light++)
         if (light->shape.kind == LIGHT_DIRECTIONAL) {
             warn_about_sun(light->name, light->shape.direction_ws, m);
-            warn_about_unturned(light, m);
+            /* a node that was never rotated: its light travels horizontally and only grazes the ground */
+            const double *d = light->shape.direction_ws;
+            if (light->is_option || d[2] > -1 + 1e-9 || fabs(d[0]) > 1e-6 || fabs(d[1]) > 1e-6) continue;
+            warn(m,
+                 "light '%s' travels level, along -Z, as a node without a rotation has it: sunlight comes from above; turn its "
+                 "node, or give --sun X,Y,Z",
+                 light->name);
         }
 }
 

@@ -53,7 +53,8 @@ int alpha_mask_opaque(const alpha_mask *mask, const alpha_image *image, double u
     return (float)(alpha_mask_alpha(mask, image, u, v) / 255) >= mask->threshold;
 }
 
-void scene_light_free(scene_light *l)
+/* Free the members of a light. */
+static void scene_light_free(scene_light *l)
 {
     free(l->name);
     free(l->node_name);

@@ -242,9 +242,6 @@ vxs_result scene_load_gltf_memory(scene *s, const void *bytes, size_t size_bytes
 
 void scene_free(scene *s);
 
-/* Free the members of a light. */
-void scene_light_free(scene_light *l);
-
 /* Part of a triangle. `part` is the part of an earlier triangle, 0 at first. */
 static inline uint32_t scene_part_at(const scene *s, uint32_t part, size_t triangle)
 {
@@ -272,10 +269,6 @@ int light_reaches(const light_shape *light, const double point_ws[3]);
 /* 1 when a part of a ball is within the light's cone and range. */
 int light_reaches_ball(const light_shape *light, const double middle_ws[3], double radius_metres);
 
-#ifdef __cplusplus
-}
-#endif
-
 /* Evaluates alpha masks: whether an alpha-tested material has a surface at a point of its image. Ray tracing uses these functions
  * directly; the shader for depth maps follows the same definition.
  *
@@ -290,10 +283,6 @@ int light_reaches_ball(const light_shape *light, const double middle_ws[3], doub
  * Alpha is that of the pixel containing (u, v) (nearest), or bilinear between the four nearest pixel centres: first along u, then
  * along v, each as a + share * (b - a), so that equal pixels give exactly their alpha. No mipmaps are used, because a bake has no
  * viewpoint. */
-
-#ifdef __cplusplus
-extern "C" {
-#endif
 
 /* Alpha at (u, v), 0 to 255. A coordinate that is not finite counts as 0. Thread-safe. */
 double alpha_mask_alpha(const alpha_mask *mask, const alpha_image *image, double u, double v);

@@ -99,12 +99,6 @@ static int chunk_of(chunk *c, const glb_scene *s)
     return failed;
 }
 
-static void chunk_free(chunk *c)
-{
-    for (size_t i = 0; i < c->part_count; i++) free(c->parts[i].owned);
-    free(c->parts);
-}
-
 /* ---- the text ---- */
 
 /* Append an item to an array of the root. The array is created at first use, so that empty lists are left out. */
@@ -154,21 +148,19 @@ static void quaternion_from_direction(double q[4], const double direction[3])
     q[3] = w / norm;
 }
 
-/* The largest component becomes the intensity: components of `color` are at most 1. */
-static int set_colour(json_t *light, const double colour[3])
-{
-    double intensity = fmax(colour[0], fmax(colour[1], colour[2])), share[3];
-    for (int i = 0; i < 3; i++) share[i] = colour[i] / intensity;
-    return json_object_set_new(light, "color", json_vector(share)) | json_object_set_new(light, "intensity", json_real(intensity));
-}
-
 static json_t *json_light(const scene_light *light)
 {
     json_t *json   = json_pack("{s:s, s:s}", "name", light->name, "type", light_kind_name(light->shape.kind));
     int     failed = !json;
     if (!failed && light->shape.kind != LIGHT_DIRECTIONAL && isfinite(light->shape.range_metres))
         failed = json_object_set_new(json, "range", json_real(light->shape.range_metres));
-    if (!failed && !is_zero(light->colour)) failed = set_colour(json, light->colour);
+    if (!failed && !is_zero(light->colour)) {
+        /* the largest component becomes the intensity: components of `color` are at most 1 */
+        double intensity = fmax(light->colour[0], fmax(light->colour[1], light->colour[2])), share[3];
+        for (int i = 0; i < 3; i++) share[i] = light->colour[i] / intensity;
+        failed =
+            json_object_set_new(json, "color", json_vector(share)) | json_object_set_new(json, "intensity", json_real(intensity));
+    }
     if (!failed && light->dark) failed = json_object_set_new(json, "intensity", json_real(0));
     if (!failed && light->shape.kind == LIGHT_SPOT)
         failed = json_object_set_new(json, "spot", json_pack("{s:f}", "outerConeAngle", light->shape.outer_rad));
@@ -194,12 +186,6 @@ static int append_light_node(json_t *root, const glb_scene *s, size_t i)
     if (!failed) return append_node(root, node);
     json_decref(node);
     return 1;
-}
-
-/* All camera nodes share one camera. */
-static int append_camera_node(json_t *root, const double position[3])
-{
-    return append_node(root, json_pack("{s:s, s:i, s:o}", "name", "camera", "camera", 0, "translation", json_vector(position)));
 }
 
 /* `count` float elements from an offset in a buffer view. */
@@ -229,36 +215,26 @@ static json_t *position_accessor(size_t view, size_t offset, size_t count, const
     return accessor;
 }
 
-static json_t *mesh_position_accessor(const glb_scene *s, const glb_mesh *mesh)
-{
-    return position_accessor(0, mesh->vertex_first * VERTEX_BYTES, mesh->vertex_count, s->positions + 3 * mesh->vertex_first, 3);
-}
-
-static json_t *index_accessor(const glb_mesh *mesh)
-{
-    return json_pack("{s:i, s:I, s:i, s:I, s:s}", "bufferView", 1, "byteOffset",
-                     (json_int_t)(mesh->triangle_first * TRIANGLE_BYTES), "componentType", GL_UNSIGNED_INT, "count",
-                     (json_int_t)(3 * mesh->triangle_count), "type", "SCALAR");
-}
-
-static json_t *texcoord_accessor(const chunk *c, const glb_mesh *mesh)
-{
-    return float_accessor(c->texcoord_part, mesh->vertex_first * TEXCOORD_BYTES, mesh->vertex_count, "VEC2");
-}
-
 static int append_mesh(json_t *root, const chunk *c, const glb_scene *s, size_t i)
 {
     const glb_mesh *mesh  = &s->meshes[i];
     json_int_t      first = (json_int_t)json_array_size(json_object_get(root, "accessors"));
 
-    int failed = append(root, "accessors", mesh_position_accessor(s, mesh)) | append(root, "accessors", index_accessor(mesh));
+    int failed = append(root, "accessors",
+                        position_accessor(0, mesh->vertex_first * VERTEX_BYTES, mesh->vertex_count,
+                                          s->positions + 3 * mesh->vertex_first, 3)) |
+                 append(root, "accessors",
+                        json_pack("{s:i, s:I, s:i, s:I, s:s}", "bufferView", 1, "byteOffset",
+                                  (json_int_t)(mesh->triangle_first * TRIANGLE_BYTES), "componentType", GL_UNSIGNED_INT, "count",
+                                  (json_int_t)(3 * mesh->triangle_count), "type", "SCALAR"));
 
     json_t *primitive = json_pack("{s:{s:I}, s:I}", "attributes", "POSITION", first, "indices", first + 1);
     failed |= !primitive;
     if (!failed && mesh->material) {
         failed = json_object_set_new(primitive, "material", json_integer((json_int_t)mesh->material - 1));
         if (s->materials[mesh->material - 1].image) {
-            failed |= append(root, "accessors", texcoord_accessor(c, mesh));
+            failed |= append(root, "accessors",
+                             float_accessor(c->texcoord_part, mesh->vertex_first * TEXCOORD_BYTES, mesh->vertex_count, "VEC2"));
             failed |= json_object_set_new(json_object_get(primitive, "attributes"), "TEXCOORD_0", json_integer(first + 2));
         }
     }
@@ -393,7 +369,10 @@ static json_t *json_from_scene(const glb_scene *s, const chunk *c)
     if (!failed && s->camera_count)
         failed = append(root, "cameras",
                         json_pack("{s:s, s:{s:f, s:f}}", "type", "perspective", "perspective", "yfov", 1.0, "znear", 0.1));
-    for (size_t i = 0; !failed && i < s->camera_count; i++) failed = append_camera_node(root, &s->camera_positions_ws[3 * i]);
+    /* all camera nodes share one camera */
+    for (size_t i = 0; !failed && i < s->camera_count; i++)
+        failed = append_node(root, json_pack("{s:s, s:i, s:o}", "name", "camera", "camera", 0, "translation",
+                                             json_vector(&s->camera_positions_ws[3 * i])));
     if (!failed) {
         uint64_t at = 0;
         failed      = 0;
@@ -455,7 +434,8 @@ vxs_result glb_write(const glb_scene *s, output_file *out, run_context *m)
     r = text ? write_file(out, text, &c, m) : fail(m, VXS_E_MEMORY, "out of memory while writing %s", out->name);
     free(text);
     json_decref(root);
-    chunk_free(&c);
+    for (size_t i = 0; i < c.part_count; i++) free(c.parts[i].owned);
+    free(c.parts);
     return r;
 }
 

@@ -81,24 +81,22 @@ bool is_data(const std::string &uri)
     return begins_with(uri, "data:");
 }
 
-static void check_file_beside(loader &l, const std::string &what, const json &object)
-{
-    auto               found = object.find("uri");
-    const std::string *uri   = found == object.end() ? nullptr : found->get_ptr<const std::string *>();
-    if (!uri || uri->empty() || is_data(*uri)) return;
-    std::string path = path_beside(l, file_of(l, *uri));
-    if (path == "-") path = "./-"; /* here "-" is a file name, not standard input */
-    vxs_result r = run_files_check_input(path.c_str(), (what + " of '" + l.path + "'").c_str(), l.m);
-    if (r != VXS_OK) throw failure{r, "", true};
-}
-
 void check_files_beside(loader &l, const json &root)
 {
-    size_t index = 0;
     if (!l.files_beside) return;
-    for (const json &object : items(root, "buffers")) check_file_beside(l, label("buffer", index++), object);
-    index = 0;
-    for (const json &object : items(root, "images")) check_file_beside(l, label("image", index++), object);
+    for (auto [list, kind] : {std::pair("buffers", "buffer"), std::pair("images", "image")}) {
+        size_t index = 0;
+        for (const json &object : items(root, list)) {
+            std::string        what  = label(kind, index++) + " of '" + l.path + "'";
+            auto               found = object.find("uri");
+            const std::string *uri   = found == object.end() ? nullptr : found->get_ptr<const std::string *>();
+            if (!uri || uri->empty() || is_data(*uri)) continue;
+            std::string path = path_beside(l, file_of(l, *uri));
+            if (path == "-") path = "./-"; /* here "-" is a file name, not standard input */
+            vxs_result r = run_files_check_input(path.c_str(), what.c_str(), l.m);
+            if (r != VXS_OK) throw failure{r, "", true};
+        }
+    }
 }
 
 /* A file in the same folder whose name differs only in case: on other systems this is the same file. */
@@ -137,25 +135,20 @@ file_bytes read_beside(loader &l, const std::string &what, const std::string &ur
 
 /* ---- data URIs (RFC 2397): data:[type][;parameter]...[;base64],data; the prefix is not case-sensitive ---- */
 
-static int sextet(char c)
-{
-    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    const char       *found    = c ? strchr(digits, c == '-' ? '+' : c == '_' ? '/' : c) : nullptr;
-    return found ? (int)(found - digits) : -1;
-}
-
 /* Decode base64. White space is ignored, and final padding may be missing. Returns the number of valid characters. */
 static size_t decode_base64(const char *text, size_t size, file_bytes &out)
 {
-    uint32_t bits = 0;
-    int      held = 0;
-    size_t   at   = 0;
+    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    uint32_t          bits     = 0;
+    int               held     = 0;
+    size_t            at       = 0;
     out.reserve(size / 4 * 3 + 3);
     for (; at < size && text[at] != '='; at++) {
-        int six = sextet(text[at]);
-        if (isspace((unsigned char)text[at])) continue;
-        if (six < 0) return at;
-        bits = bits << 6 | (uint32_t)six;
+        char c = text[at] == '-' ? '+' : text[at] == '_' ? '/' : text[at];
+        if (isspace((unsigned char)c)) continue;
+        const char *six = c ? strchr(digits, c) : nullptr;
+        if (!six) return at;
+        bits = bits << 6 | (uint32_t)(six - digits);
         held += 6;
         if (held < 8) continue;
         held -= 8;
@@ -188,15 +181,6 @@ file_bytes data_of(loader &l, const std::string &where, const std::string &uri)
     return out;
 }
 
-static bool is_fallback(const json &object)
-{
-    for (const char *name : {"EXT_meshopt_compression", "KHR_meshopt_compression"}) {
-        const json *e = extension(object, name);
-        if (e && e->value("fallback", json()) == true) return true;
-    }
-    return false;
-}
-
 /* Read the bytes of a buffer. `there` stays 0 if none can be read. */
 static void read_buffer(loader &l, const json &object, const container &c, size_t index)
 {
@@ -207,7 +191,10 @@ static void read_buffer(loader &l, const json &object, const container &c, size_
     size_t      found = c.bin_size;
     b.size_bytes      = object["byteLength"].get<size_t>();
     if (!b.size_bytes) l.broken(where, "byteLength is 0");
-    if (is_fallback(object)) return;
+    for (const char *name : {"EXT_meshopt_compression", "KHR_meshopt_compression"}) {
+        const json *e = extension(object, name);
+        if (e && e->value("fallback", json()) == true) return;
+    }
 
     if (uri.empty()) {
         if (!c.bin || index) l.broken("", "buffer %zu has neither a uri nor a GLB chunk", index);
@@ -318,17 +305,6 @@ bool is_unsigned(int component)
            component == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
 }
 
-/* Matrix columns start at multiples of four bytes (3.6.2.4). */
-static size_t element_bytes(int type, size_t component)
-{
-    switch (type) {
-    case TINYGLTF_TYPE_MAT2: return component == 1 ? 8 : 4 * component;
-    case TINYGLTF_TYPE_MAT3: return component == 4 ? 36 : 12 * component;
-    case TINYGLTF_TYPE_MAT4: return 16 * component;
-    }
-    return (size_t)tinygltf::GetNumComponentsInType((uint32_t)type) * component;
-}
-
 /* Check that `count` elements of `size` bytes from `offset` are inside a bufferView, and inside the available part of its buffer.
  * Returns the stride. */
 static size_t check_extent(loader &l, const std::string &where, int index, size_t offset, size_t count, size_t size)
@@ -350,7 +326,10 @@ static void check_accessor(loader &l, const tinygltf::Accessor &a, elements &e)
     if (l.faults[ACCESSORS].count(index)) throw l.faults[ACCESSORS][index];
     e.component      = a.componentType;
     e.component_size = component_bytes(a.componentType);
-    e.size = e.stride = element_bytes(a.type, e.component_size);
+    size_t rows      = a.type == TINYGLTF_TYPE_MAT2 ? 2 : a.type == TINYGLTF_TYPE_MAT3 ? 3 : a.type == TINYGLTF_TYPE_MAT4 ? 4 : 0;
+    e.size           = (size_t)tinygltf::GetNumComponentsInType((uint32_t)a.type) * e.component_size;
+    if (rows) e.size = rows * ((rows * e.component_size + 3) / 4 * 4); /* columns start at multiples of four bytes (3.6.2.4) */
+    e.stride = e.size;
     if (a.bufferView >= 0) e.stride = check_extent(l, e.label, a.bufferView, a.byteOffset, a.count, e.size);
     if (a.sparse.isSparse && (size_t)a.sparse.count > a.count)
         l.broken(e.label, "sparse count %d exceeds its %zu elements", a.sparse.count, a.count);
@@ -401,8 +380,18 @@ static elements view_elements(loader &l, const std::string &where, int view, int
     return e;
 }
 
-static void overlay_sparse(loader &l, const tinygltf::Accessor &a, elements &e)
+/* Store the elements densely, with those of a sparse accessor in their places. */
+static void make_dense(loader &l, const tinygltf::Accessor &a, elements &e)
 {
+    if (e.count > l.dense_left) l.refused(e.label, "sparse accessors would hold more than %zu elements", DENSE_MAX);
+    l.dense_left -= e.count;
+    l.need(e.count * e.size, e.label);
+    e.dense.resize(e.count * e.size);
+    for (size_t i = 0; e.data && i < e.count; i++) memcpy(e.dense.data() + i * e.size, e.data + i * e.stride, e.size);
+    e.data   = e.dense.data();
+    e.stride = e.size;
+    if (!a.sparse.isSparse) return;
+
     const auto &at     = a.sparse.indices;
     const auto &values = a.sparse.values;
     size_t      count = (size_t)a.sparse.count, last = 0;
@@ -417,18 +406,6 @@ static void overlay_sparse(loader &l, const tinygltf::Accessor &a, elements &e)
         memcpy(e.dense.data() + index * e.size, replaced.data + i * replaced.stride, e.size);
         last = index;
     }
-}
-
-static void make_dense(loader &l, const tinygltf::Accessor &a, elements &e)
-{
-    if (e.count > l.dense_left) l.refused(e.label, "sparse accessors would hold more than %zu elements", DENSE_MAX);
-    l.dense_left -= e.count;
-    l.need(e.count * e.size, e.label);
-    e.dense.resize(e.count * e.size);
-    for (size_t i = 0; e.data && i < e.count; i++) memcpy(e.dense.data() + i * e.size, e.data + i * e.stride, e.size);
-    e.data   = e.dense.data();
-    e.stride = e.size;
-    if (a.sparse.isSparse) overlay_sparse(l, a, e);
 }
 
 const elements &use_accessor(loader &l, size_t index)

@@ -16,13 +16,6 @@ namespace gltf
 
 static const char *const NAME = "KHR_draco_mesh_compression";
 
-/* Upper limit for the triangles in a stream of this many bytes. Regular meshes need only a few bits per triangle, but a declaration
- * of millions in a few bytes is invalid. */
-static size_t plausible_triangles(size_t bytes)
-{
-    return ((size_t)1 << 20) + 64 * bytes;
-}
-
 bool needs_draco(const loader &l, const tinygltf::Primitive &p)
 {
     if (!p.extensions.count(NAME)) return false;
@@ -100,16 +93,6 @@ static elements copy_attribute(loader &l, const std::string &where, const draco:
     return e;
 }
 
-static elements copy_indices(const draco::Mesh &mesh, const elements &accessor)
-{
-    elements e = dense_elements(accessor, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, 1, 3 * (size_t)mesh.num_faces());
-    for (size_t i = 0; i < e.count; i++) {
-        uint32_t index = mesh.face(draco::FaceIndex((uint32_t)(i / 3)))[i % 3].value();
-        memcpy(e.dense.data() + i * sizeof index, &index, sizeof index);
-    }
-    return e;
-}
-
 static draco_primitive decode(loader &l, const std::string &where, const tinygltf::Primitive &p)
 {
     const tinygltf::Value &e    = p.extensions.at(NAME);
@@ -124,7 +107,9 @@ static draco_primitive decode(loader &l, const std::string &where, const tinyglt
     if (!triangles_in_header(from, size, triangles)) l.broken(where, "its %s data is not a mesh", NAME);
     if (3 * (size_t)triangles != indices.count)
         l.broken(where, "its %s data holds %u triangles, accessor %d says %zu indices", NAME, triangles, p.indices, indices.count);
-    if (triangles > plausible_triangles(size)) l.unsupported(where, "%u triangles in %zu bytes of %s data", triangles, size, NAME);
+    /* regular meshes need only a few bits per triangle, but a declaration of millions in a few bytes is invalid */
+    if (triangles > ((size_t)1 << 20) + 64 * size)
+        l.unsupported(where, "%u triangles in %zu bytes of %s data", triangles, size, NAME);
 
     l.need(TRIANGLE_BYTES * triangles, where);
     draco::DecoderBuffer buffer;
@@ -134,8 +119,12 @@ static draco_primitive decode(loader &l, const std::string &where, const tinyglt
     if (!mesh.ok()) l.broken(where, "its %s data: %s", NAME, one_line(mesh.status().error_msg_string()).c_str());
     if (mesh.value()->num_faces() != triangles) l.broken(where, "its %s data is incomplete", NAME);
 
-    draco_primitive out    = {{}, copy_indices(*mesh.value(), indices)};
+    draco_primitive out    = {{}, dense_elements(indices, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, 1, 3 * (size_t)triangles)};
     bool            masked = p.material >= 0 && l.materials[p.material].mode != alpha_mode::SOLID;
+    for (size_t i = 0; i < out.indices.count; i++) {
+        uint32_t index = mesh.value()->face(draco::FaceIndex((uint32_t)(i / 3)))[i % 3].value();
+        memcpy(out.indices.dense.data() + i * sizeof index, &index, sizeof index);
+    }
     for (const auto &[name, accessor] : p.attributes) {
         bool is_alpha = name.rfind("TEXCOORD_", 0) == 0 || name == "COLOR_0",
              is_skin  = name.rfind("JOINTS_", 0) == 0 || name.rfind("WEIGHTS_", 0) == 0;

@@ -119,14 +119,6 @@ static uint32_t u32_at(const file_bytes &file, size_t offset)
     return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
 }
 
-/* Start of the chunk after the JSON: the next multiple of four, or directly after the JSON, where some exporters put it. */
-static size_t second_chunk(const file_bytes &file, size_t begin, size_t length)
-{
-    size_t aligned = (begin + 3) / 4 * 4;
-    bool   is_bin  = begin != aligned && begin + 8 <= length && u32_at(file, begin + 4) == BIN_CHUNK;
-    return is_bin ? begin : std::min(aligned, length);
-}
-
 static container open_chunks(loader &l, size_t length)
 {
     const file_bytes &file      = l.file;
@@ -136,7 +128,9 @@ static container open_chunks(loader &l, size_t length)
     if (!text_size || length < 20 || text_size > length - 20)
         l.broken("", "GLB JSON chunk of %u bytes in a file of %zu: it must be there, and fit", text_size, length);
 
-    size_t at = second_chunk(file, 20 + (size_t)text_size, length);
+    /* the next chunk is at the next multiple of four, or directly after the JSON, where some exporters put it */
+    size_t at = 20 + (size_t)text_size, aligned = (at + 3) / 4 * 4;
+    if (at == aligned || at + 8 > length || u32_at(file, at + 4) != BIN_CHUNK) at = std::min(aligned, length);
     for (size_t n = 1; at < length; n++) {
         if (length - at < 8 || u32_at(file, at) > length - at - 8) l.broken("", "GLB chunk %zu does not fit in the file", n);
         uint32_t size = u32_at(file, at), type = u32_at(file, at + 4);
@@ -192,22 +186,6 @@ static void check_pixels(loader &l, const std::string &where, int width, int hei
     out.height_px = (uint32_t)height;
 }
 
-static image_alpha alpha_of(const image_colours &image)
-{
-    image_alpha out = {};
-    out.width_px    = image.width_px;
-    out.height_px   = image.height_px;
-    out.least = out.most = 255;
-    out.has_alpha        = image.has_alpha;
-    if (image.rgba.empty()) return out;
-    out.alpha.resize(image.rgba.size() / 4);
-    for (size_t i = 0; i < out.alpha.size(); i++) out.alpha[i] = image.rgba[4 * i + 3];
-    auto [least, most] = std::minmax_element(out.alpha.begin(), out.alpha.end());
-    out.least          = *least;
-    out.most           = *most;
-    return out;
-}
-
 /* Frees libpng's memory in all cases. */
 struct png_reader {
     png_image image = {};
@@ -241,9 +219,9 @@ static void decode_webp(loader &l, const std::string &where, const unsigned char
     if (!WebPDecodeRGBAInto(from, size, out.rgba.data(), out.rgba.size(), 4 * features.width)) l.broken(where, "broken WebP");
 }
 
-/* Name of a known image format that is not supported; NULL: unknown. */
-static const char *other_format(const unsigned char *from, size_t size)
+static void decode(loader &l, const std::string &where, const unsigned char *from, size_t size, image_colours &out)
 {
+    /* formats that are not read, by name for the message */
     static const struct {
         const char *magic, *name;
         size_t      at;
@@ -260,53 +238,53 @@ static const char *other_format(const unsigned char *from, size_t size)
                    {"8BPS", "Photoshop", 0},
                    {"version https://git-lfs", "a Git LFS pointer (git lfs pull)", 0},
                    {"sB", "basis", 0}};
-    for (const auto &f : formats)
-        if (size >= f.at + strlen(f.magic) && !memcmp(from + f.at, f.magic, strlen(f.magic))) return f.name;
-    return nullptr;
-}
-
-static void decode(loader &l, const std::string &where, const unsigned char *from, size_t size, image_colours &out)
-{
-    auto begins = [from, size](const char *magic, size_t length, size_t at) {
-        return size >= at + length && !memcmp(from + at, magic, length);
+    auto begins = [from, size](const char *magic, size_t at) {
+        return size >= at + strlen(magic) && !memcmp(from + at, magic, strlen(magic));
     };
-    if (begins("\x89PNG", 4, 0)) return decode_png(l, where, from, size, out);
-    if (begins("RIFF", 4, 0) && begins("WEBP", 4, 8)) return decode_webp(l, where, from, size, out);
-    const char *other = other_format(from, size);
-    if (!begins("\xff\xd8\xff", 3, 0))
-        l.unsupported(where, "not a PNG, JPEG or WebP%s%s", other ? ", but " : "", other ? other : "");
+    if (begins("\x89PNG", 0)) return decode_png(l, where, from, size, out);
+    if (begins("RIFF", 0) && begins("WEBP", 8)) return decode_webp(l, where, from, size, out);
+    if (!begins("\xff\xd8\xff", 0)) {
+        for (const auto &f : formats)
+            if (begins(f.magic, f.at)) l.unsupported(where, "not a PNG, JPEG or WebP, but %s", f.name);
+        l.unsupported(where, "not a PNG, JPEG or WebP");
+    }
     /* a JPEG is opaque; only check that its start and end markers are there */
     if (!memmem(from, size, "\xff\xd9", 2)) l.broken(where, "broken JPEG: it has no end");
-}
-
-static void read_image(loader &l, const std::string &where, const json &object, image_colours &out)
-{
-    check_shape(l, where, object, {{"uri", is::text}, {"bufferView", is::index}});
-    if (object.contains("bufferView")) {
-        size_t               view  = object["bufferView"];
-        const unsigned char *bytes = whole_view(l, where, view);
-        return decode(l, where, bytes, l.views[view].length, out);
-    }
-    std::string uri = object.value("uri", "");
-    if (uri.empty()) l.error(VXS_E_SCENE, "%s has neither a uri nor a bufferView", where.c_str());
-    file_bytes owned = is_data(uri) ? data_of(l, where, uri) : read_beside(l, where, uri, IMAGE_BYTES_MAX);
-    decode(l, where, owned.data(), owned.size(), out);
 }
 
 static image_colours colours_of(loader &l, size_t index)
 {
     const json   &object = items(l.rest, "images")[index];
     std::string   name   = text_of(object, "name", text_of(object, "uri"));
-    image_colours image  = {};
-    read_image(l, label("image", index, is_data(name) ? "" : name), object, image);
-    return image;
+    std::string   where  = label("image", index, is_data(name) ? "" : name);
+    image_colours out    = {};
+    check_shape(l, where, object, {{"uri", is::text}, {"bufferView", is::index}});
+    if (object.contains("bufferView")) {
+        size_t               view  = object["bufferView"];
+        const unsigned char *bytes = whole_view(l, where, view);
+        decode(l, where, bytes, l.views[view].length, out);
+        return out;
+    }
+    std::string uri = object.value("uri", "");
+    if (uri.empty()) l.error(VXS_E_SCENE, "%s has neither a uri nor a bufferView", where.c_str());
+    file_bytes owned = is_data(uri) ? data_of(l, where, uri) : read_beside(l, where, uri, IMAGE_BYTES_MAX);
+    decode(l, where, owned.data(), owned.size(), out);
+    return out;
 }
 
 image_alpha &use_image(loader &l, size_t index)
 {
     auto found = l.images.find(index);
     if (found != l.images.end()) return found->second;
-    return l.images.emplace(index, alpha_of(colours_of(l, index))).first->second;
+    image_colours image = colours_of(l, index);
+    image_alpha   out   = {image.width_px, image.height_px, {}, 255, 255, image.has_alpha};
+    for (size_t i = 3; i < image.rgba.size(); i += 4) out.alpha.push_back(image.rgba[i]);
+    if (!out.alpha.empty()) {
+        auto [least, most] = std::minmax_element(out.alpha.begin(), out.alpha.end());
+        out.least          = *least;
+        out.most           = *most;
+    }
+    return l.images.emplace(index, out).first->second;
 }
 
 image_colours &use_colours(loader &l, size_t index)

@@ -138,13 +138,6 @@ static std::string take_name(json &object)
     return text_of(object, "name");
 }
 
-/* Refuse a 3D Tiles tileset, which is also JSON with an `asset`. */
-static void refuse_tileset(loader &l, const json &root)
-{
-    if (root.contains("geometricError") && root.contains("root"))
-        l.refused("", "is a tileset of 3D Tiles: give the glTF files that it refers to, one by one");
-}
-
 /* Parse the version: "2.0", and variants that some writers use: 2.0 and 2, as a number or a string. */
 static bool read_version(const json &value, unsigned *major, unsigned *minor)
 {
@@ -182,14 +175,6 @@ static void check_version(loader &l, const json &root)
 
 static const char export_again[] = "export it again";
 
-/* Remove a member with the wrong type. Returns its fault. */
-static failure take_out(loader &l, const std::string &where, json &object, const property &p)
-{
-    failure f = fault_of([&] { check_member(l, where, object, p); });
-    if (f) object.erase(p.name);
-    return f;
-}
-
 /* Check the members of an extension, and remove the extension if they are wrong. */
 static failure take_out_extension(loader &l, const std::string &where, json &object, const char *name, const shape &expected)
 {
@@ -204,8 +189,9 @@ static void check_node(loader &l, json &node, size_t index)
     node_state &state = l.nodes[index];
     std::string where = label("node", index, take_name(node));
     for (const property &p : node_shape) {
-        failure f     = take_out(l, where, node, p);
+        failure f     = fault_of([&] { check_member(l, where, node, p); });
         bool    moves = p.kind == is::numbers && strcmp(p.name, "weights") != 0;
+        if (f) node.erase(p.name);
         if (f && moves && !state.fault)
             state.fault = f;
         else if (f && !moves)
@@ -241,14 +227,6 @@ static void check_accessor(loader &l, const std::string &where, const json &acce
     check_shape(l, where + " sparse values", (*sparse)["values"], sparse_values_shape);
 }
 
-static void check_primitive(loader &l, const std::string &where, const json &primitive)
-{
-    check_shape(l, where, primitive, primitive_shape);
-    check_extension(l, where, primitive, "KHR_draco_mesh_compression", draco_shape);
-    for (const json &target : items(primitive, "targets"))
-        if (!all(target, is_index)) l.broken(where, "a morph target's attribute is not an index");
-}
-
 static void check_mesh(loader &l, json &mesh, size_t index)
 {
     std::string where    = label("mesh", index, take_name(mesh));
@@ -256,8 +234,15 @@ static void check_mesh(loader &l, json &mesh, size_t index)
     if (!l.mesh_faults[index]) l.mesh_faults.erase(index);
     if (l.mesh_faults.count(index)) mesh["primitives"] = json::array(), mesh.erase("weights");
     for (size_t i = 0; i < mesh["primitives"].size(); i++) {
-        json &primitive = mesh["primitives"][i];
-        if (failure f = fault_of([&] { check_primitive(l, where + " " + label("primitive", i), primitive); })) {
+        json       &primitive = mesh["primitives"][i];
+        std::string what      = where + " " + label("primitive", i);
+        failure     f         = fault_of([&] {
+            check_shape(l, what, primitive, primitive_shape);
+            check_extension(l, what, primitive, "KHR_draco_mesh_compression", draco_shape);
+            for (const json &target : items(primitive, "targets"))
+                if (!all(target, is_index)) l.broken(what, "a morph target's attribute is not an index");
+        });
+        if (f) {
             json instead = {{"attributes", json::object()}};
             if (primitive.contains("material") && is_index(primitive["material"]))
                 instead["material"] = primitive["material"]; /* kept, because patterns may match it */
@@ -280,23 +265,6 @@ static void check_items(loader &l, json &root, list which, const char *name, con
             item               = instead;
         }
     }
-}
-
-static void check_lists(loader &l, json &root)
-{
-    auto by = [&l](const shape &expected) {
-        return [&l, &expected](const std::string &where, const json &item) { check_shape(l, where, item, expected); };
-    };
-    check_items(l, root, SCENES, "scene", json::object(), by(scene_shape));
-    check_items(l, root, ACCESSORS, "accessor", {{"componentType", 5126}, {"count", 0}, {"type", "SCALAR"}},
-                [&l](const std::string &where, const json &item) { check_accessor(l, where, item); });
-    check_items(l, root, VIEWS, "bufferView", json::object(), by(buffer_view_shape));
-    check_items(l, root, BUFFERS, "buffer", json::object(), by(buffer_shape));
-    check_items(l, root, SKINS, "skin", json::object(), by(skin_shape));
-    l.nodes.resize(items(root, "nodes").size());
-    for (size_t i = 0; i < l.nodes.size(); i++) check_node(l, root["nodes"][i], i);
-    for (size_t i = 0; i < items(root, "meshes").size(); i++) check_mesh(l, root["meshes"][i], i);
-    for (size_t i = 0; i < items(root, "materials").size(); i++) take_name(root["materials"][i]);
 }
 
 static json trimmed(json &object, const shape &kept)
@@ -333,46 +301,11 @@ json take_model(json &root)
 
 /* ---- the text ---- */
 
-/* Statistics of a JSON text. */
-struct text_counts {
-    long   deepest = 0; /* maximum nesting of brackets; counting it in nlohmann's parser would take quadratic time */
-    size_t values  = 0; /* approximate */
-};
-
-static text_counts count_text(const container &c)
-{
-    text_counts counts;
-    long        depth  = 0;
-    bool        quoted = false;
-    for (size_t i = 0; i < c.text_size; i++) {
-        char at = c.text[i];
-        if (quoted && at == '\\')
-            i++;
-        else if (at == '"')
-            quoted = !quoted;
-        else if (!quoted && (at == '[' || at == '{'))
-            counts.deepest = std::max(counts.deepest, ++depth), counts.values++;
-        else if (!quoted && (at == ']' || at == '}'))
-            depth--;
-        else if (!quoted && at == ',')
-            counts.values++;
-    }
-    return counts;
-}
-
 /* Memory per JSON value and per byte of text, including tinygltf's model. Measured with long lists of nodes and with data URIs. */
 constexpr uint64_t JSON_VALUE_BYTES = 150, JSON_TEXT_BYTES = 3;
 
-/* Invalid numbers that printf and scripts write: NaN, -Infinity, inf, -nan(ind), 1.#QNAN, and 1e999. */
-static bool is_no_number(const std::string &token)
-{
-    if (token == "true" || token == "false" || token == "null") return false;
-    char  *end;
-    double number = strtod(token.c_str(), &end); /* strtod accepts these words */
-    return end != token.c_str() && (*end == '#' || *end == '(' || (!*end && !std::isfinite(number)));
-}
-
-/* Replace such numbers by null; properties that need a number then report an error. Returns how many were replaced. */
+/* Replace invalid numbers that printf and scripts write (NaN, -Infinity, inf, -nan(ind), 1.#QNAN, 1e999) by null; properties that
+ * need a number then report an error. Returns how many were replaced. */
 static size_t replace_no_numbers(const container &c, std::string &text)
 {
     static const char token_of[] = "+-.#()0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz";
@@ -391,7 +324,9 @@ static size_t replace_no_numbers(const container &c, std::string &text)
             continue;
         }
         std::string token(c.text + begin, i - begin);
-        bool        bad = is_no_number(token);
+        char       *end;
+        double      number = strtod(token.c_str(), &end); /* accepts these words */
+        bool        bad    = end != token.c_str() && (*end == '#' || *end == '(' || (!*end && !std::isfinite(number)));
         text += bad ? "null" : token;
         count += bad;
     }
@@ -454,10 +389,25 @@ static void take_whole_numbers(json &value)
 
 json parse_json(loader &l, const container &c)
 {
-    text_counts counts = count_text(c);
-    if (counts.deepest > JSON_DEPTH_MAX) l.broken("", "its JSON is nested too deeply");
-    l.need(JSON_VALUE_BYTES * counts.values + JSON_TEXT_BYTES * c.text_size,
-           "JSON of " + std::to_string(counts.values) + " values in " + std::to_string(c.text_size) + " bytes");
+    long   deepest = 0, depth = 0; /* nesting of brackets; counting it in nlohmann's parser would take quadratic time */
+    size_t values = 0;             /* approximate */
+    bool   quoted = false;
+    for (size_t i = 0; i < c.text_size; i++) {
+        char at = c.text[i];
+        if (quoted && at == '\\')
+            i++;
+        else if (at == '"')
+            quoted = !quoted;
+        else if (!quoted && (at == '[' || at == '{'))
+            deepest = std::max(deepest, ++depth), values++;
+        else if (!quoted && (at == ']' || at == '}'))
+            depth--;
+        else if (!quoted && at == ',')
+            values++;
+    }
+    if (deepest > JSON_DEPTH_MAX) l.broken("", "its JSON is nested too deeply");
+    l.need(JSON_VALUE_BYTES * values + JSON_TEXT_BYTES * c.text_size,
+           "JSON of " + std::to_string(values) + " values in " + std::to_string(c.text_size) + " bytes");
     json root = parse_text(l, c);
     take_whole_numbers(root);
     return root;
@@ -466,11 +416,25 @@ json parse_json(loader &l, const container &c)
 void check_json(loader &l, json &root)
 {
     if (!root.is_object()) l.broken("", "its JSON is not an object");
-    refuse_tileset(l, root);
+    if (root.contains("geometricError") && root.contains("root")) /* also JSON with an `asset` */
+        l.refused("", "is a tileset of 3D Tiles: give the glTF files that it refers to, one by one");
     check_version(l, root);
     check_shape(l, "glTF", root, root_shape);
     check_extensions(l, root);
-    check_lists(l, root);
+
+    auto by = [&l](const shape &expected) {
+        return [&l, &expected](const std::string &where, const json &item) { check_shape(l, where, item, expected); };
+    };
+    check_items(l, root, SCENES, "scene", json::object(), by(scene_shape));
+    check_items(l, root, ACCESSORS, "accessor", {{"componentType", 5126}, {"count", 0}, {"type", "SCALAR"}},
+                [&l](const std::string &where, const json &item) { check_accessor(l, where, item); });
+    check_items(l, root, VIEWS, "bufferView", json::object(), by(buffer_view_shape));
+    check_items(l, root, BUFFERS, "buffer", json::object(), by(buffer_shape));
+    check_items(l, root, SKINS, "skin", json::object(), by(skin_shape));
+    l.nodes.resize(items(root, "nodes").size());
+    for (size_t i = 0; i < l.nodes.size(); i++) check_node(l, root["nodes"][i], i);
+    for (size_t i = 0; i < items(root, "meshes").size(); i++) check_mesh(l, root["meshes"][i], i);
+    for (size_t i = 0; i < items(root, "materials").size(); i++) take_name(root["materials"][i]);
 }
 
 } // namespace gltf

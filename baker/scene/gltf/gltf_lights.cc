@@ -54,26 +54,6 @@ static void read_cone(const json &light, light_definition &out)
                   outer_rad > M_PI ? 180.0 : outer_rad * 180 / M_PI);
 }
 
-static void read_range(const json &light, light_definition &out)
-{
-    double range = number_of(light, "range", INFINITY, out.odd, "none");
-    if (!(range > 0))
-        out.odd += (out.odd.empty() ? "" : ", ") + formatted("range is %g, expected more than 0: taken as none", range);
-    if (range > 0) out.shape.range_metres = range;
-}
-
-/* Colour and intensity are only for pictures, and to detect dark lights. Missing or invalid ones are 1. */
-static void read_colour(const json &light, light_definition &out)
-{
-    auto   found     = light.find("intensity");
-    double intensity = found != light.end() && found->is_number() && std::isfinite(found->get<double>()) ? found->get<double>() : 1;
-    numbers_or(light, "color", 1, out.colour);
-    if (intensity < 0) out.dark = "its intensity is below 0";
-    if (intensity == 0) out.dark = "its intensity is 0";
-    if (!out.dark && out.colour[0] + out.colour[1] + out.colour[2] == 0) out.dark = "its colour is black";
-    for (double &c : out.colour) c *= out.dark ? 0 : intensity;
-}
-
 static light_definition read_light(const json &light)
 {
     static const std::map<std::string, light_kind> kinds = {
@@ -84,14 +64,27 @@ static light_definition read_light(const json &light)
     auto             kind     = kinds.find(type);
     out.name                  = text_of(light, "name");
     out.shape.range_metres    = INFINITY;
-    read_colour(light, out);
+
+    /* colour and intensity are only for pictures, and to detect dark lights; missing or invalid ones are 1 */
+    auto   found     = light.find("intensity");
+    double intensity = found != light.end() && found->is_number() && std::isfinite(found->get<double>()) ? found->get<double>() : 1;
+    numbers_or(light, "color", 1, out.colour);
+    if (intensity < 0) out.dark = "its intensity is below 0";
+    if (intensity == 0) out.dark = "its intensity is 0";
+    if (!out.dark && out.colour[0] + out.colour[1] + out.colour[2] == 0) out.dark = "its colour is black";
+    for (double &c : out.colour) c *= out.dark ? 0 : intensity;
+
     if (!has_type) out.fault = "'type' is missing: expected directional, spot or point";
     if (has_type && kind == kinds.end())
         out.fault = "unknown type '" + type.substr(0, 40) + "', expected directional, spot or point";
     if (!out.fault.empty()) return out;
     out.shape.kind = kind->second;
     if (out.shape.kind == LIGHT_SPOT) read_cone(light, out);
-    if (out.shape.kind != LIGHT_DIRECTIONAL) read_range(light, out);
+    if (out.shape.kind == LIGHT_DIRECTIONAL) return out;
+    double range = number_of(light, "range", INFINITY, out.odd, "none");
+    if (!(range > 0))
+        out.odd += (out.odd.empty() ? "" : ", ") + formatted("range is %g, expected more than 0: taken as none", range);
+    if (range > 0) out.shape.range_metres = range;
     return out;
 }
 
@@ -132,11 +125,6 @@ static light_definition used_light(loader &l, size_t node, size_t &index)
     return none;
 }
 
-static bool uses_light(const loader &l, size_t node)
-{
-    return l.model.nodes[node].extensions.count("KHR_lights_punctual") || !l.nodes[node].light.empty();
-}
-
 static void add_light(scene *s, const light_definition &light, const std::string &node_name, size_t node)
 {
     scene_light *out = &s->lights[s->light_count++];
@@ -168,7 +156,7 @@ void place_lights(loader &l)
     std::vector<size_t>           nodes;
     for (size_t node : l.order) {
         size_t index;
-        if (!uses_light(l, node)) continue;
+        if (!l.model.nodes[node].extensions.count("KHR_lights_punctual") && l.nodes[node].light.empty()) continue;
         nodes.push_back(node);
         used_light(l, node, index);
         users[index]++;

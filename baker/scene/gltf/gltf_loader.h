@@ -721,6 +721,9 @@ texture_place read_texture_place(loader &l, const std::string &where, const json
 /* A material, after evaluating where it has a surface. */
 material &use_material(loader &l, size_t index);
 
+/* The elements of an additional attribute of a primitive, as many as positions. */
+const elements &attribute_of(loader &l, const std::string &where, const placement &p, const std::string &name);
+
 /* Find the texture coordinates of a placement with holes. */
 void find_uvs(loader &l, const std::string &where, placement &p);
 void warn_about_colors(loader &l, const std::string &where, size_t node, const placement &p);

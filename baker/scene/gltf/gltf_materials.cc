@@ -77,23 +77,16 @@ static const char *transmission_of(const json &object)
     return nullptr;
 }
 
-static alpha_mode read_mode(const json &object, std::string &odd)
-{
-    auto        found = object.find("alphaMode");
-    std::string mode  = found == object.end() ? "OPAQUE" : found->is_string() ? found->get<std::string>() : "";
-    if (mode == "MASK") return alpha_mode::MASK;
-    if (mode == "BLEND") return alpha_mode::BLEND;
-    if (mode != "OPAQUE") odd = "unknown alphaMode '" + mode.substr(0, 40) + "': taken as OPAQUE";
-    return alpha_mode::SOLID;
-}
-
 void read_materials(loader &l, const json &root)
 {
     for (const json &object : items(root, "materials")) {
-        material m   = {};
-        auto     two = object.find("doubleSided");
-        m.name       = object.value("name", "");
-        m.mode       = read_mode(object, m.odd);
+        material    m    = {};
+        auto        two  = object.find("doubleSided");
+        std::string mode = object.contains("alphaMode") ? text_of(object, "alphaMode") : "OPAQUE";
+        m.name           = object.value("name", "");
+        m.mode           = mode == "MASK" ? alpha_mode::MASK : mode == "BLEND" ? alpha_mode::BLEND : alpha_mode::SOLID;
+        if (m.mode == alpha_mode::SOLID && mode != "OPAQUE")
+            m.odd = "unknown alphaMode '" + mode.substr(0, 40) + "': taken as OPAQUE";
         if (two != object.end() && !two->is_boolean()) m.odd = "'doubleSided' is not true or false: taken as false";
         m.double_sided = two != object.end() && *two == true;
         m.transmits    = transmission_of(object);
@@ -161,18 +154,6 @@ texture_place read_texture_place(loader &l, const std::string &where, const json
     return place;
 }
 
-/* Add an alpha mask and its image to the scene. Returns the mask's number. */
-static uint32_t add_mask(loader &l, image_alpha &image, alpha_mask added)
-{
-    if (image.in_scene == SIZE_MAX) {
-        image.in_scene = l.hole_images.size();
-        l.hole_images.push_back(&image);
-    }
-    added.image = (uint32_t)image.in_scene;
-    l.alpha_masks.push_back(added);
-    return (uint32_t)l.alpha_masks.size() - 1;
-}
-
 const json &texture_of(loader &l, const std::string &where, const json &info)
 {
     check_shape(l, where, info, {{"index", is::index, true}, {"texCoord", is::index}, {"extensions", is::extensions}});
@@ -200,15 +181,13 @@ static void read_texture(loader &l, const std::string &where, const json &info, 
     if (m.surface != material::WITH_HOLES) return;
     read_sampler(l, where, texture, added);
     m.holes      = read_texture_place(l, where, info);
-    m.alpha_mask = add_mask(l, image, added);
-}
-
-static double cutoff_of(loader &l, const std::string &where, const json &object, const material &m)
-{
-    if (m.mode == alpha_mode::BLEND) return 0.5; /* half of the light passes */
-    json cutoff = object.value("alphaCutoff", json(0.5));
-    if (!cutoff.is_number() || !(cutoff.get<double>() >= 0)) l.broken(where, "'alphaCutoff' is not a number, 0 or more");
-    return cutoff.get<double>();
+    m.alpha_mask = (uint32_t)l.alpha_masks.size();
+    if (image.in_scene == SIZE_MAX) {
+        image.in_scene = l.hole_images.size();
+        l.hole_images.push_back(&image);
+    }
+    added.image = (uint32_t)image.in_scene;
+    l.alpha_masks.push_back(added);
 }
 
 /* The factors of a material's alpha. */
@@ -231,11 +210,13 @@ static alpha_source alpha_of(loader &l, const std::string &where, const json &ob
 
 static void read_mask(loader &l, const std::string &where, const json &object, material &m)
 {
-    alpha_source alpha  = alpha_of(l, where, object);
-    double       cutoff = cutoff_of(l, where, object, m);
-    m.threshold         = alpha.factor > 0 ? cutoff / alpha.factor : INFINITY;
-    m.is_clear          = alpha.factor < 1;
-    m.is_nothing        = !(alpha.factor > 0);
+    alpha_source alpha = alpha_of(l, where, object);
+    json         given = m.mode == alpha_mode::BLEND ? json(0.5) : object.value("alphaCutoff", json(0.5));
+    if (!given.is_number() || !(given.get<double>() >= 0)) l.broken(where, "'alphaCutoff' is not a number, 0 or more");
+    double cutoff = given.get<double>(); /* of BLEND 0.5: half of the light passes */
+    m.threshold   = alpha.factor > 0 ? cutoff / alpha.factor : INFINITY;
+    m.is_clear    = alpha.factor < 1;
+    m.is_nothing  = !(alpha.factor > 0);
     if (cutoff <= 0 && alpha.texture) m.trap = "alphaCutoff is 0, which any alpha reaches: there are no holes";
     if (cutoff > 0 && !(m.threshold <= 1)) m.surface = material::NOWHERE;
     if (cutoff > 0 && m.threshold <= 1 && alpha.texture) read_texture(l, where, *alpha.texture, m);
@@ -318,26 +299,24 @@ static void warn_about_material(loader &l, size_t index, const material &m)
 
 /* ---- materials of primitives ---- */
 
-/* The elements of an additional attribute of a primitive. */
-static const elements &further_attribute(loader &l, const std::string &where, const placement &p, const std::string &name)
+const elements &attribute_of(loader &l, const std::string &where, const placement &p, const std::string &name)
 {
-    int accessor = attribute(p.primitive->attributes, name);
-    if (accessor < 0)
-        l.broken(where, "no %s, which the mask of %s needs", name.c_str(),
-                 label("material", l.materials, (size_t)p.primitive->material).c_str());
-    bool            in_draco = p.draco && p.draco->attributes.count(name);
-    const elements &e        = in_draco ? p.draco->attributes.at(name)
-                                        : (sound_accessor(l, where, name.c_str(), accessor), use_accessor(l, (size_t)accessor));
+    if (p.draco && p.draco->attributes.count(name)) return p.draco->attributes.at(name);
+    int             accessor = attribute(p.primitive->attributes, name);
+    const elements &e        = sound_accessor(l, where, name.c_str(), accessor);
     if (e.count != p.positions->count)
         l.broken(where, "%zu elements of %s, expected %zu", e.count, name.c_str(), p.positions->count);
-    return e;
+    return use_accessor(l, (size_t)accessor);
 }
 
 /* Find the texture coordinates. Some exporters write a third component, 0: components after the second are ignored. */
 void find_uvs(loader &l, const std::string &where, placement &p)
 {
-    std::string     name  = "TEXCOORD_" + std::to_string(p.material->holes.uv_set);
-    const elements &e     = further_attribute(l, where, p, name);
+    std::string name = "TEXCOORD_" + std::to_string(p.material->holes.uv_set);
+    if (attribute(p.primitive->attributes, name) < 0)
+        l.broken(where, "no %s, which the mask of %s needs", name.c_str(),
+                 label("material", l.materials, (size_t)p.primitive->material).c_str());
+    const elements &e     = attribute_of(l, where, p, name);
     bool            plain = e.component == TINYGLTF_COMPONENT_TYPE_FLOAT || e.normalized;
     bool            many  = e.type == TINYGLTF_TYPE_VEC2 || e.type == TINYGLTF_TYPE_VEC3 || e.type == TINYGLTF_TYPE_VEC4;
     if (!many || e.component == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT || (!plain && !l.quantization))
@@ -358,7 +337,7 @@ void warn_about_colors(loader &l, const std::string &where, size_t node, const p
     if (accessor < 0 || (size_t)accessor >= l.accessors.size() || l.accessors[accessor].type != TINYGLTF_TYPE_VEC4) return;
     const elements *e    = nullptr;
     bool            seen = false;
-    failure         f    = caught([&] { e = &further_attribute(l, where, p, "COLOR_0"); });
+    failure         f    = caught([&] { e = &attribute_of(l, where, p, "COLOR_0"); });
     for (size_t i = 0; e && i < e->count && !seen; i++) seen = e->value(i, 3) != 1;
     if (seen)
         take_note(l, cost::COLOUR, (uint64_t)l.model.nodes[node].mesh << 32 | p.index, where, "the alpha of COLOR_0 is ignored",
@@ -379,19 +358,14 @@ bool append_mask_triangle(loader &l, const placement &p, const uint32_t element[
     return true;
 }
 
-/* Number of triangles left out because their material lets light through. */
-static size_t count_blended(const loader &l)
-{
-    size_t count = 0;
-    for (const material &m : l.materials) count += m.surface == material::NOWHERE && m.mode != alpha_mode::MASK ? m.left_out : 0;
-    return count;
-}
-
 void place_masks(loader &l)
 {
     scene *s = l.s;
-    for (size_t i = 0; i < l.materials.size(); i++) warn_about_material(l, i, l.materials[i]);
-    l.exclusions.back().triangles = count_blended(l);
+    for (size_t i = 0; i < l.materials.size(); i++) {
+        const material &m = l.materials[i];
+        warn_about_material(l, i, m);
+        if (m.surface == material::NOWHERE && m.mode != alpha_mode::MASK) l.exclusions.back().triangles += m.left_out;
+    }
     if (l.holed_triangles.empty()) return;
 
     s->images = zeroed<alpha_image>(l.hole_images.size());

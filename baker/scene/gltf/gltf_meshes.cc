@@ -29,13 +29,6 @@ void check_attribute(loader &l, const std::string &primitive, const tinygltf::Pr
     if (e.count != count) l.broken(where, "%zu elements, expected %zu", e.count, count);
 }
 
-static void check_indices(loader &l, const std::string &primitive, int index)
-{
-    const elements &e     = sound_accessor(l, primitive, "indices", index);
-    std::string     where = primitive + ", " + e.label;
-    if (e.type != TINYGLTF_TYPE_SCALAR || !is_unsigned(e.component)) l.broken(where, "indices are not unsigned scalars");
-}
-
 bool makes_triangles(const tinygltf::Primitive &p)
 {
     return p.mode >= TINYGLTF_MODE_TRIANGLES && p.mode <= TINYGLTF_MODE_TRIANGLE_FAN && attribute(p.attributes, "POSITION") >= 0;
@@ -60,7 +53,11 @@ static void check_primitive(loader &l, const std::string &where, const tinygltf:
     if (!makes_triangles(p) && !makes_smoke(p)) return;
     size_t vertices = sound_accessor(l, where, "POSITION", attribute(p.attributes, "POSITION")).count;
     check_attribute(l, where, p, "POSITION", TINYGLTF_TYPE_VEC3, "a VEC3", vertices);
-    if (p.indices >= 0) check_indices(l, where, p.indices);
+    if (p.indices >= 0) {
+        const elements &e = sound_accessor(l, where, "indices", p.indices);
+        if (e.type != TINYGLTF_TYPE_SCALAR || !is_unsigned(e.component))
+            l.broken(where + ", " + e.label, "indices are not unsigned scalars");
+    }
     if (makes_smoke(p)) check_smoke(l, where, p);
 }
 
@@ -99,20 +96,15 @@ void check_model_meshes(loader &l)
 
 /* ---- what a node places ---- */
 
-static std::string placed_by(const loader &l, size_t node, const tinygltf::Primitive &p)
-{
-    std::string text = " (" + label("node", l.model.nodes, node);
-    if (p.material >= 0) text += ", " + label("material", l.materials, (size_t)p.material);
-    return text + ")";
-}
-
 void lose_primitive(loader &l, cost kind, size_t node, size_t index, const failure &f, size_t count)
 {
     if (f.whole) throw f;
-    size_t                     mesh = (size_t)l.model.nodes[node].mesh;
-    const tinygltf::Primitive &p    = l.model.meshes[mesh].primitives[index];
+    size_t                     mesh      = (size_t)l.model.nodes[node].mesh;
+    const tinygltf::Primitive &p         = l.model.meshes[mesh].primitives[index];
+    std::string                placed_by = " (" + label("node", l.model.nodes, node);
+    if (p.material >= 0) placed_by += ", " + label("material", l.materials, (size_t)p.material);
     take_fault(l, kind, (uint64_t)mesh << 32 | index, primitive_label(l, mesh, index), f,
-               "mend it, or " + exclude_remedy("mesh:", mesh, l.model.meshes[mesh].name), count, placed_by(l, node, p));
+               "mend it, or " + exclude_remedy("mesh:", mesh, l.model.meshes[mesh].name), count, placed_by + ")");
 }
 
 /* Primitives that are not baked, or not exactly, and that no rule excludes. */
@@ -160,23 +152,6 @@ struct mesh_counts {
     }
 };
 
-/* Memory of a scene's arrays, and of the arrays that all users of a scene create: welded vertices, then edges (mesh_edges.c,
- * casters.c). */
-static uint64_t scene_bytes(uint64_t triangles, uint64_t vertices)
-{
-    return std::max(29 * triangles + 60 * vertices, 66 * triangles + 28 * vertices);
-}
-
-/* Warn of a mesh without any readable primitive. */
-static void warn_about_mesh(loader &l, size_t node)
-{
-    size_t mesh   = (size_t)l.model.nodes[node].mesh;
-    auto   broken = l.mesh_faults.find(mesh);
-    if (broken == l.mesh_faults.end() || exclusion_of(l, node, tinygltf::Primitive()) != CASTS) return;
-    take_fault(l, cost::PRIMITIVE, (uint64_t)mesh << 32 | UINT32_MAX, label("mesh", l.model.meshes, mesh), broken->second,
-               "mend it, or " + exclude_remedy("mesh:", mesh, l.model.meshes[mesh].name));
-}
-
 /* Count what a node's mesh casts, per placement. Other triangles are counted by their exclusion rule. */
 static mesh_counts measure_node(loader &l, size_t index, size_t instances, skipped &skip)
 {
@@ -184,7 +159,10 @@ static mesh_counts measure_node(loader &l, size_t index, size_t instances, skipp
     const auto           &primitives = l.model.meshes[node.mesh].primitives;
     mesh_counts           casting;
     bool                  skinned = false;
-    warn_about_mesh(l, index);
+    auto                  broken  = l.mesh_faults.find((size_t)node.mesh); /* no primitive can be read */
+    if (broken != l.mesh_faults.end() && exclusion_of(l, index, tinygltf::Primitive()) == CASTS)
+        take_fault(l, cost::PRIMITIVE, (uint64_t)node.mesh << 32 | UINT32_MAX, label("mesh", l.model.meshes, (size_t)node.mesh),
+                   broken->second, "mend it, or " + exclude_remedy("mesh:", (size_t)node.mesh, l.model.meshes[node.mesh].name));
     for (size_t i = 0; i < primitives.size(); i++) {
         size_t triangles     = makes_triangles(primitives[i]) ? std::min(triangle_count(l, primitives[i]), TRIANGLES_MAX + 1) : 0;
         size_t rule          = exclusion_of(l, index, primitives[i]);
@@ -226,9 +204,10 @@ size_t measure(loader &l)
                  kind, count);
     warn_about_skinned(l);
     l.vertex_capacity = vertices;
-    if (total)
-        l.need(scene_bytes(total, vertices), std::to_string(total) + " triangles with " + std::to_string(vertices) +
-                                                 " vertices, meshes placed " + std::to_string(placed) + " times");
+    if (total) /* the scene's arrays, and those that all users create: welded vertices, then edges (mesh_edges.c, casters.c) */
+        l.need(std::max(29 * total + 60 * vertices, 66 * total + 28 * vertices),
+               std::to_string(total) + " triangles with " + std::to_string(vertices) + " vertices, meshes placed " +
+                   std::to_string(placed) + " times");
     return total;
 }
 
@@ -295,36 +274,23 @@ static skin &use_skin(loader &l, const std::string &where, size_t index)
     return s;
 }
 
-static const elements &attribute_of(loader &l, const std::string &where, const placement &p, const std::string &name)
-{
-    if (p.draco && p.draco->attributes.count(name)) return p.draco->attributes.at(name);
-    const elements &e = sound_accessor(l, where, name.c_str(), attribute(p.primitive->attributes, name));
-    if (e.type != TINYGLTF_TYPE_VEC4) l.broken(where + ", " + e.label, "%s is not a VEC4", name.c_str());
-    if (e.count != p.positions->count)
-        l.broken(where, "%zu elements of %s, expected %zu", e.count, name.c_str(), p.positions->count);
-    return use_accessor(l, (size_t)attribute(p.primitive->attributes, name));
-}
-
-static void check_joints(loader &l, const elements &e, size_t joints)
-{
-    if (!is_unsigned(e.component) || e.component == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT)
-        l.broken(e.label, "joints are not of 8 or 16 bits");
-    for (size_t i = 0; i < e.count; i++)
-        for (size_t k = 0; k < 4; k++)
-            if (!(e.value(i, k) < (double)joints))
-                l.broken(e.label, "joint %g of vertex %zu, and the skin has %zu", e.value(i, k), i, joints);
-}
-
 void find_skin(loader &l, const std::string &where, const tinygltf::Node &node, placement &p)
 {
     p.skin = &use_skin(l, where, (size_t)node.skin);
     for (int set = 0; attribute(p.primitive->attributes, "JOINTS_" + std::to_string(set)) >= 0; set++) {
         const elements &joints  = attribute_of(l, where, p, "JOINTS_" + std::to_string(set));
         const elements &weights = attribute_of(l, where, p, "WEIGHTS_" + std::to_string(set));
+        size_t          count   = p.skin->joints.size();
+        for (auto [e, name] : {std::pair(&joints, "JOINTS_"), std::pair(&weights, "WEIGHTS_")})
+            if (e->type != TINYGLTF_TYPE_VEC4) l.broken(where + ", " + e->label, "%s%d is not a VEC4", name, set);
         if (joints.normalized) l.broken(joints.label, "joints are normalised numbers");
         if (weights.component != TINYGLTF_COMPONENT_TYPE_FLOAT && !(is_unsigned(weights.component) && weights.normalized))
             l.broken(weights.label, "weights are not floats or normalised unsigned integers");
-        check_joints(l, joints, p.skin->joints.size());
+        if (!is_unsigned(joints.component) || joints.component == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT)
+            l.broken(joints.label, "joints are not of 8 or 16 bits");
+        for (size_t i = 0; i < 4 * joints.count; i++)
+            if (double joint = joints.value(i / 4, i % 4); !(joint < (double)count))
+                l.broken(joints.label, "joint %g of vertex %zu, and the skin has %zu", joint, i / 4, count);
         p.joints.push_back(&joints);
         p.weights.push_back(&weights);
     }

@@ -139,12 +139,6 @@ bool is_mirrored(const transform &t)
     return volume_scale(t) < 0;
 }
 
-/* Some exporters write matrices row by row: then the translation is in the last row. */
-static bool is_by_rows(const std::vector<double> &m)
-{
-    return m[12] == 0 && m[13] == 0 && m[14] == 0 && m[15] == 1 && (m[3] != 0 || m[7] != 0 || m[11] != 0);
-}
-
 transform node_transform(loader &l, size_t index)
 {
     const tinygltf::Node      &node  = l.model.nodes[index];
@@ -152,9 +146,11 @@ transform node_transform(loader &l, size_t index)
     std::string                where = label("node", index, node.name);
     if (l.nodes[index].fault) throw l.nodes[index].fault;
     if (!m.empty()) {
+        /* some exporters write matrices row by row: then the translation is in the last row */
+        bool by_rows = m[12] == 0 && m[13] == 0 && m[14] == 0 && m[15] == 1 && (m[3] != 0 || m[7] != 0 || m[11] != 0);
         if (std::fabs(m[3]) + std::fabs(m[7]) + std::fabs(m[11]) + std::fabs(m[15] - 1) > 1e-6)
             l.broken(where, "the last row of its matrix is not 0, 0, 0, 1%s",
-                     is_by_rows(m) ? " (it seems to be written by rows, not by columns)" : "");
+                     by_rows ? " (it seems to be written by rows, not by columns)" : "");
         return {{{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}}, {m[12], m[13], m[14]}};
     }
 

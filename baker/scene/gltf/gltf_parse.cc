@@ -11,24 +11,17 @@
 namespace gltf
 {
 
-/* The indices of all primitives, mesh by mesh, taken out of the JSON: tinygltf insists that they have a bufferView. */
-static std::vector<int> take_indices(json &model)
+static void load_model(loader &l, json &root)
 {
-    std::vector<int> indices;
-    for (size_t i = 0; i < items(model, "meshes").size(); i++)
-        for (json &primitive : model["meshes"][i]["primitives"]) {
+    json             part = take_model(root);
+    std::vector<int> indices; /* of all primitives, taken out of the JSON: tinygltf insists that they have a bufferView */
+    for (size_t i = 0; i < items(part, "meshes").size(); i++)
+        for (json &primitive : part["meshes"][i]["primitives"]) {
             indices.push_back(primitive.value("indices", -1));
             primitive.erase("indices");
         }
-    return indices;
-}
-
-static void load_model(loader &l, json &root)
-{
-    json             part    = take_model(root);
-    std::vector<int> indices = take_indices(part);
-    std::string      text    = part.dump(), error, warning;
-    part                     = json();
+    std::string text = part.dump(), error, warning;
+    part             = json();
 
     tinygltf::TinyGLTF gltf;
     bool               ok   = gltf.LoadASCIIFromString(&l.model, &error, &warning, text.data(), (unsigned)text.size(), "");

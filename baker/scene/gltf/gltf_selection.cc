@@ -63,12 +63,6 @@ static pattern read_pattern(const char *option, const char *text)
     return p;
 }
 
-static bool matches(const pattern &p, int k, size_t index, const std::string &name)
-{
-    if (!p.of[k] || p.glob.empty()) return false;
-    return name == p.glob || p.glob == "#" + std::to_string(index) || !fnmatch(p.glob.c_str(), name.c_str(), 0);
-}
-
 /* All objects with names, in the file's order. */
 struct nameable {
     kind               k;
@@ -107,21 +101,13 @@ static std::string list_names(const pattern &p, const std::vector<nameable> &all
     return text;
 }
 
-[[noreturn]] static void refuse(loader &l, const pattern &p, const std::vector<nameable> &all)
-{
-    std::string near = list_names(p, all, true), some = list_names(p, all, false);
-    l.error(VXS_E_ARGUMENT, "%s %s names nothing in the scene; %s%s", p.option, p.text,
-            !near.empty()   ? "near it are "
-            : !some.empty() ? "there are "
-                            : "nothing there has a name, #0 is the first of each kind",
-            (near.empty() ? some : near).c_str());
-}
-
 /* Apply the patterns to one object. The first `excludes` patterns exclude. */
 static void mark_by_patterns(std::vector<pattern> &patterns, size_t excludes, const nameable &n, mark &said)
 {
     for (size_t i = patterns.size(); i-- > 0;) {
-        if (!matches(patterns[i], n.k, n.index, *n.name)) continue;
+        const std::string &glob = patterns[i].glob;
+        if (!patterns[i].of[n.k] || glob.empty()) continue;
+        if (*n.name != glob && glob != "#" + std::to_string(n.index) && fnmatch(glob.c_str(), n.name->c_str(), 0) != 0) continue;
         patterns[i].used = true;
         if (i < excludes)
             said.excluded = i;
@@ -129,13 +115,6 @@ static void mark_by_patterns(std::vector<pattern> &patterns, size_t excludes, co
             said.included = true;
     }
     if (said.included) said.flagged = false;
-}
-
-static void inherit(mark &said, const mark &above)
-{
-    said.flagged  = said.flagged || (above.flagged && !said.included);
-    said.included = said.included || above.included;
-    said.excluded = std::min(said.excluded, above.excluded);
 }
 
 void select_casters(loader &l, const std::vector<int> &parent)
@@ -149,10 +128,21 @@ void select_casters(loader &l, const std::vector<int> &parent)
     for (const nameable &n : all) {
         mark &said = l.marks[n.k][n.index];
         mark_by_patterns(patterns, exclude.count, n, said);
-        if (n.k == NODE && parent[n.index] >= 0) inherit(said, l.marks[NODE][parent[n.index]]); /* parents come first */
+        if (n.k != NODE || parent[n.index] < 0) continue;
+        const mark &above = l.marks[NODE][parent[n.index]]; /* parents come first */
+        said.flagged      = said.flagged || (above.flagged && !said.included);
+        said.included     = said.included || above.included;
+        said.excluded     = std::min(said.excluded, above.excluded);
     }
-    for (const pattern &p : patterns)
-        if (!p.used) refuse(l, p, all);
+    for (const pattern &p : patterns) {
+        if (p.used) continue;
+        std::string near = list_names(p, all, true), some = list_names(p, all, false);
+        l.error(VXS_E_ARGUMENT, "%s %s names nothing in the scene; %s%s", p.option, p.text,
+                !near.empty()   ? "near it are "
+                : !some.empty() ? "there are "
+                                : "nothing there has a name, #0 is the first of each kind",
+                (near.empty() ? some : near).c_str());
+    }
 
     l.exclusions.push_back({EXCLUDED_BY_INCLUDE, nullptr, 0, 0});
     for (size_t i = 0; i < exclude.count; i++) l.exclusions.push_back({EXCLUDED_BY_EXCLUDE, exclude.items[i], 0, 0});

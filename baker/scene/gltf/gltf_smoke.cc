@@ -45,8 +45,8 @@ void check_smoke(loader &l, const std::string &primitive, const tinygltf::Primit
 struct cloud {
     const tinygltf::Primitive *primitive;
     const elements            *positions, *radii, *extinctions;
-    const elements            *indices;         /* NULL: 0, 1, 2, ... */
-    size_t                     capsules, index; /* index: of the primitive in its mesh */
+    const elements            *indices; /* NULL: 0, 1, 2, ... */
+    size_t                     capsules;
     float                      albedo[3];
 };
 
@@ -55,16 +55,6 @@ static double amount(loader &l, const elements &e, const char *name, uint32_t ve
     double value = e.value(vertex, 0);
     if (!(value >= 0) || !std::isfinite(value)) l.broken(e.label, "%s %u is %g, expected 0 or more", name, vertex, value);
     return value;
-}
-
-/* The two vertices of capsule i. */
-static void find_ends(const cloud &c, size_t i, uint32_t ends[2])
-{
-    int    mode  = c.primitive->mode;
-    size_t first = mode == TINYGLTF_MODE_LINE ? 2 * i : i, last = mode == TINYGLTF_MODE_POINTS ? first : first + 1;
-    if (mode == TINYGLTF_MODE_LINE_LOOP && last == c.capsules) last = 0;
-    ends[0] = c.indices ? c.indices->index(first) : (uint32_t)first;
-    ends[1] = c.indices ? c.indices->index(last) : (uint32_t)last;
 }
 
 static vec3 placed_end(loader &l, const cloud &c, const transform &ws_from_node, uint32_t vertex)
@@ -80,11 +70,13 @@ static vec3 placed_end(loader &l, const cloud &c, const transform &ws_from_node,
 static void add_capsule(loader &l, const cloud &c, const transform &ws_from_node, double larger, size_t i)
 {
     scene_smoke &smoke = l.s->smoke;
-    uint32_t     ends[2];
-    find_ends(c, i, ends);
-    double radius     = larger * 0.5 * (amount(l, *c.radii, RADIUS, ends[0]) + amount(l, *c.radii, RADIUS, ends[1]));
-    double extinction = 0.5 * (amount(l, *c.extinctions, EXTINCTION, ends[0]) + amount(l, *c.extinctions, EXTINCTION, ends[1]));
-    vec3   begin = placed_end(l, c, ws_from_node, ends[0]), end = placed_end(l, c, ws_from_node, ends[1]);
+    int          mode  = c.primitive->mode;
+    size_t       first = mode == TINYGLTF_MODE_LINE ? 2 * i : i, last = mode == TINYGLTF_MODE_POINTS ? first : first + 1;
+    if (mode == TINYGLTF_MODE_LINE_LOOP && last == c.capsules) last = 0;
+    uint32_t ends[2] = {c.indices ? c.indices->index(first) : (uint32_t)first, c.indices ? c.indices->index(last) : (uint32_t)last};
+    double   radius  = larger * 0.5 * (amount(l, *c.radii, RADIUS, ends[0]) + amount(l, *c.radii, RADIUS, ends[1]));
+    double   extinction = 0.5 * (amount(l, *c.extinctions, EXTINCTION, ends[0]) + amount(l, *c.extinctions, EXTINCTION, ends[1]));
+    vec3     begin = placed_end(l, c, ws_from_node, ends[0]), end = placed_end(l, c, ws_from_node, ends[1]);
     if (!(radius > 0) || !(extinction > 0)) return;
     extinction /= larger;
     if (!(radius < METRES_MOST) || !(extinction < EXTINCTION_MOST))
@@ -98,10 +90,10 @@ static void add_capsule(loader &l, const cloud &c, const transform &ws_from_node
                                  (float)extinction};
 }
 
-static cloud find_cloud(loader &l, const tinygltf::Primitive &p, size_t index)
+static cloud find_cloud(loader &l, const tinygltf::Primitive &p)
 {
     static const float grey = 0.9f;
-    cloud              c    = {&p, nullptr, nullptr, nullptr, nullptr, capsule_count(l, p), index, {grey, grey, grey}};
+    cloud              c    = {&p, nullptr, nullptr, nullptr, nullptr, capsule_count(l, p), {grey, grey, grey}};
     c.positions             = &use_accessor(l, attribute(p.attributes, "POSITION"));
     c.radii                 = &use_accessor(l, attribute(p.attributes, RADIUS));
     c.extinctions           = &use_accessor(l, attribute(p.attributes, EXTINCTION));
@@ -119,15 +111,6 @@ static bool is_cloud(const loader &l, size_t node, size_t index)
     return !primitive_fault(l, mesh, index) && makes_smoke(p) && capsule_count(l, p) && exclusion_of(l, node, p) == CASTS;
 }
 
-static void place_cloud(loader &l, size_t node, const cloud &c, const transform &ws_from_instance)
-{
-    double larger = std::cbrt(std::fabs(volume_scale(ws_from_instance)));
-    for (size_t i = 0; i < c.capsules; i++) {
-        failure f = fault_of([&] { add_capsule(l, c, ws_from_instance, larger, i); });
-        if (f) lose_primitive(l, cost::CAPSULES, node, c.index, f, 1);
-    }
-}
-
 /* Place all instances of a node's smoke. */
 static void place_clouds(loader &l, size_t node)
 {
@@ -136,9 +119,16 @@ static void place_clouds(loader &l, size_t node)
         size_t instances = is_cloud(l, node, i) ? usable_instances(l, node) : 0;
         if (!instances) continue;
         cloud   c = {};
-        failure f = fault_of([&] { c = find_cloud(l, primitives[i], i); });
+        failure f = fault_of([&] { c = find_cloud(l, primitives[i]); });
         if (f) lose_primitive(l, cost::SMOKE, node, i, f, instances * capsule_count(l, primitives[i]));
-        for (size_t n = 0; n < instances && !f; n++) place_cloud(l, node, c, instance_transform(l, node, n));
+        for (size_t n = 0; n < instances && !f; n++) {
+            transform ws_from_instance = instance_transform(l, node, n);
+            double    larger           = std::cbrt(std::fabs(volume_scale(ws_from_instance)));
+            for (size_t k = 0; k < c.capsules; k++) {
+                failure lost = fault_of([&] { add_capsule(l, c, ws_from_instance, larger, k); });
+                if (lost) lose_primitive(l, cost::CAPSULES, node, i, lost, 1);
+            }
+        }
     }
 }
 

@@ -20,17 +20,6 @@ vec3 position(const elements &e, size_t index)
     return {p[0], p[1], p[2]};
 }
 
-/* Position of an element after morphing, before the transform of its node or joints. */
-static vec3 morphed(const placement &p, uint32_t index)
-{
-    vec3 v = position(*p.positions, index);
-    for (const morph &m : p.targets) {
-        vec3 d = position(*m.positions, index);
-        v      = {v.x + m.weight * d.x, v.y + m.weight * d.y, v.z + m.weight * d.z};
-    }
-    return v;
-}
-
 /* Vertex number in the scene of an accessor's element; UINT32_MAX when its position is not finite. */
 static inline uint32_t vertex_of(loader &l, placement &p, uint32_t index)
 {
@@ -40,7 +29,12 @@ static inline uint32_t vertex_of(loader &l, placement &p, uint32_t index)
     scene *s = l.s;
     if (!array_reserve(&s->positions_ws, &l.vertex_capacity, s->vertex_count + 1, 3 * sizeof(double))) throw std::bad_alloc();
     bool off = false;
-    vec3 v   = apply(p.skin ? skin_transform(p, index, off) : p.ws_from_node, morphed(p, index));
+    vec3 v   = position(*p.positions, index);
+    for (const morph &m : p.targets) { /* before the transform of the node or the joints */
+        vec3 d = position(*m.positions, index);
+        v      = {v.x + m.weight * d.x, v.y + m.weight * d.y, v.z + m.weight * d.z};
+    }
+    v = apply(p.skin ? skin_transform(p, index, off) : p.ws_from_node, v);
     p.off_count += off;
     if (!finite(v)) return UINT32_MAX;
     memcpy(s->positions_ws + 3 * s->vertex_count, &v, sizeof v);
@@ -83,16 +77,6 @@ static void find_geometry(loader &l, const std::string &where, placement &p)
     if (p.indices) check_index_values(l, *p.indices, p.positions->count, primitive.mode != TINYGLTF_MODE_TRIANGLES);
 }
 
-static const elements &target_positions(loader &l, const std::string &where, const placement &p, int accessor)
-{
-    const elements &target = sound_accessor(l, where, "morph target POSITION", accessor);
-    if (target.type != TINYGLTF_TYPE_VEC3 || target.component == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT)
-        l.broken(where, "a morph target's POSITION is not a VEC3 of floats, or of 8 or 16 bits");
-    if (target.count != p.positions->count)
-        l.broken(where, "a morph target of %zu vertices, expected %zu", target.count, p.positions->count);
-    return use_accessor(l, (size_t)accessor);
-}
-
 /* Find the weights of morph targets (3.7.2.2): the node's, else the mesh's, else none. Additional weights are ignored. */
 static void find_targets(loader &l, const tinygltf::Node &node, const std::string &where, placement &p)
 {
@@ -105,7 +89,13 @@ static void find_targets(loader &l, const tinygltf::Node &node, const std::strin
                   "export it again");
     for (size_t i = 0; i < std::min(weights.size(), targets.size()); i++) {
         int accessor = attribute(targets[i], "POSITION");
-        if (weights[i] != 0 && accessor >= 0) p.targets.push_back({weights[i], &target_positions(l, where, p, accessor)});
+        if (weights[i] == 0 || accessor < 0) continue;
+        const elements &target = sound_accessor(l, where, "morph target POSITION", accessor);
+        if (target.type != TINYGLTF_TYPE_VEC3 || target.component == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT)
+            l.broken(where, "a morph target's POSITION is not a VEC3 of floats, or of 8 or 16 bits");
+        if (target.count != p.positions->count)
+            l.broken(where, "a morph target of %zu vertices, expected %zu", target.count, p.positions->count);
+        p.targets.push_back({weights[i], &use_accessor(l, (size_t)accessor)});
     }
 }
 
@@ -221,18 +211,15 @@ static void place_node(loader &l, size_t node)
     }
 }
 
-static void make_room(loader &l, size_t triangles)
-{
-    l.s->positions_ws   = (double *)pages_alloc((3 * l.vertex_capacity + 1) * sizeof(double));
-    l.s->indices        = (uint32_t *)pages_alloc(3 * triangles * sizeof(uint32_t));
-    l.s->triangle_flags = (uint8_t *)pages_alloc(triangles);
-    if (!l.s->positions_ws || !l.s->indices || !l.s->triangle_flags)
-        l.error(VXS_E_MEMORY, "out of memory for %zu triangles", triangles);
-}
-
 void place_meshes(loader &l, size_t triangles)
 {
-    if (triangles) make_room(l, triangles);
+    if (triangles) {
+        l.s->positions_ws   = (double *)pages_alloc((3 * l.vertex_capacity + 1) * sizeof(double));
+        l.s->indices        = (uint32_t *)pages_alloc(3 * triangles * sizeof(uint32_t));
+        l.s->triangle_flags = (uint8_t *)pages_alloc(triangles);
+        if (!l.s->positions_ws || !l.s->indices || !l.s->triangle_flags)
+            l.error(VXS_E_MEMORY, "out of memory for %zu triangles", triangles);
+    }
     for (size_t node : l.order)
         if (l.model.nodes[node].mesh >= 0) place_node(l, node);
     place_masks(l);

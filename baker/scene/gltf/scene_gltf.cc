@@ -69,15 +69,6 @@ static void require_no_error(const loader &l, vxs_result r)
     if (r != VXS_OK) throw failure{r, "", true};
 }
 
-/* Checks before triangles are placed, which may be many more than in the file. */
-static void check_before_triangles(loader &l, size_t triangles, const scene_check *check)
-{
-    require_geometry(l, triangles, count_capsules(l));
-    say_notes(l);
-    require_no_error(l, VXS_OK);
-    require_no_error(l, check ? check->check(check->user, l.s, l.m) : VXS_OK);
-}
-
 static void load(loader &l, const scene_check *check)
 {
     parse(l);
@@ -97,7 +88,13 @@ static void load(loader &l, const scene_check *check)
     l.s->name        = duplicate(chosen < 0 ? "" : l.model.scenes[chosen].name);
     size_t triangles = measure(l);
     look_at_traps(l, chosen, triangles);
-    check_before_triangles(l, triangles, check);
+
+    /* checks before triangles are placed, which may be many more than in the file */
+    require_geometry(l, triangles, count_capsules(l));
+    say_notes(l);
+    require_no_error(l, VXS_OK);
+    require_no_error(l, check ? check->check(check->user, l.s, l.m) : VXS_OK);
+
     place_smoke(l);
     place_meshes(l, triangles);
     require_geometry(l, l.s->triangle_count, l.s->smoke.count);

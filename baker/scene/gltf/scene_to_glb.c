@@ -37,29 +37,6 @@ static const holed_triangle *hole_of(const scene *s, size_t t, size_t *at)
     return *at < s->holed_triangle_count && s->holed_triangles[*at].triangle == t ? &s->holed_triangles[*at] : NULL;
 }
 
-static void count_materials(material_sort *k, const scene *s)
-{
-    for (size_t t = 0, at = 0; t < s->triangle_count; t++) k->first[material_of(s, t, hole_of(s, t, &at)) + 1]++;
-    for (size_t i = 0; i < k->count; i++) k->first[i + 1] += k->first[i];
-    memcpy(k->next, k->first, k->count * sizeof *k->next);
-}
-
-static void add_meshes(glb_scene *out, const material_sort *k, const scene *s)
-{
-    for (size_t i = 0; i < k->count; i++) {
-        glb_mesh mesh = {.material = (uint32_t)i, .triangle_first = k->first[i], .triangle_count = k->first[i + 1] - k->first[i]};
-        if (!mesh.triangle_count) continue;
-        if (i < MATERIALS_WITHOUT_MASK) {
-            mesh.vertex_count = s->vertex_count;
-        } else {
-            mesh.vertex_first = s->vertex_count + 3 * (mesh.triangle_first - k->first[MATERIALS_WITHOUT_MASK]);
-            mesh.vertex_count = 3 * mesh.triangle_count;
-        }
-        snprintf(mesh.name, sizeof mesh.name, "material %zu", i);
-        out->meshes[out->mesh_count++] = mesh;
-    }
-}
-
 static void add_triangles(glb_scene *out, material_sort *k, const scene *s)
 {
     for (size_t i = 0; i < 3 * s->vertex_count; i++) out->positions[i] = (float)(s->positions_ws[i] - out->origin_ws[i % 3]);
@@ -106,16 +83,6 @@ static int add_image(glb_scene *out, const alpha_image *image)
     return 1;
 }
 
-/* Add a light. White with intensity 1 is glTF's default: it is stored as 0, and not written. A dark light stays dark. */
-static int add_light(glb_scene *out, const scene_light *light)
-{
-    scene_light   copy = {.name = strdup(light->name), .shape = light->shape, .dark = light->dark};
-    const double *c    = light->colour;
-    if (c[0] != 1 || c[1] != 1 || c[2] != 1) memcpy(copy.colour, c, sizeof copy.colour);
-    if (copy.name) out->lights[out->light_count++] = copy;
-    return copy.name != NULL;
-}
-
 /* ---- smoke ---- */
 
 static int is_line(const vxs_capsule *c)
@@ -139,22 +106,20 @@ static void add_smoke_vertex(glb_scene *out, const scene_smoke *smoke, const flo
     out->smoke[out->smoke_count - 1].vertex_count++;
 }
 
-static void begin_run(glb_scene *out, const scene_smoke *smoke, uint32_t n)
-{
-    glb_smoke   *run      = &out->smoke[out->smoke_count++];
-    glb_material material = {.name = "smoke"};
-    for (int k = 0; k < 3; k++) material.colour[k] = (double)smoke->albedos[n][k];
-    out->materials[out->material_count++] = material;
-    *run                                  = (glb_smoke){
-                                         .lines = is_line(&smoke->list[n]), .vertex_first = out->smoke_vertex_count, .material = (uint32_t)out->material_count};
-    snprintf(run->name, sizeof run->name, "smoke %zu", out->smoke_count);
-}
-
 static void add_smoke(glb_scene *out, const scene_smoke *smoke)
 {
     for (uint32_t n = 0; n < smoke->count; n++) {
         const vxs_capsule *c = &smoke->list[n];
-        if (begins_run(smoke, n)) begin_run(out, smoke, n);
+        if (begins_run(smoke, n)) {
+            glb_smoke   *run      = &out->smoke[out->smoke_count++];
+            glb_material material = {.name = "smoke"};
+            for (int k = 0; k < 3; k++) material.colour[k] = (double)smoke->albedos[n][k];
+            out->materials[out->material_count++] = material;
+            *run                                  = (glb_smoke){.lines        = is_line(&smoke->list[n]),
+                                                                .vertex_first = out->smoke_vertex_count,
+                                                                .material     = (uint32_t)out->material_count};
+            snprintf(run->name, sizeof run->name, "smoke %zu", out->smoke_count);
+        }
         add_smoke_vertex(out, smoke, c->begin, c);
         if (is_line(c)) add_smoke_vertex(out, smoke, c->end, c);
     }
@@ -201,20 +166,6 @@ static double farthest_of(const scene *s, const double from[3])
     return far;
 }
 
-/* Origin of the longest run of triangles; the first of equally long ones. NULL: unknown. */
-static const double *usual_origin(const scene *s)
-{
-    size_t most = 0, best = 0;
-    for (size_t n = 0; n < s->origin_count; n++) {
-        size_t end = n + 1 < s->origin_count ? s->origins[n + 1].triangle_first : s->triangle_count;
-        size_t own = end - s->origins[n].triangle_first;
-        if (own <= most) continue;
-        most = own;
-        best = n;
-    }
-    return s->origin_count ? s->origins[best].at_ws : NULL;
-}
-
 /* Maximum rounding error of a coordinate, metres. */
 static double rounding_of(const scene *s, const double from[3])
 {
@@ -232,7 +183,16 @@ void glb_find_origin(const scene *s, double origin_ws[3])
 {
     static const double zero[3] = {0, 0, 0};
     double              low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, half = 0;
-    const double       *usual = usual_origin(s);
+
+    /* origin of the longest run of triangles; the first of equally long ones */
+    const double *usual = s->origin_count ? s->origins[0].at_ws : NULL;
+    for (size_t n = 0, most = 0; n < s->origin_count; n++) {
+        size_t end = n + 1 < s->origin_count ? s->origins[n + 1].triangle_first : s->triangle_count;
+        size_t own = end - s->origins[n].triangle_first;
+        if (own <= most) continue;
+        most  = own;
+        usual = s->origins[n].at_ws;
+    }
     for (size_t i = 0; i < 3 * s->vertex_count; i++) {
         low[i % 3]  = fmin(low[i % 3], s->positions_ws[i]);
         high[i % 3] = fmax(high[i % 3], s->positions_ws[i]);
@@ -258,8 +218,7 @@ vxs_result glb_round_positions(scene *s, const double origin_ws[3], run_context 
     if (moved > MOVED_MAX_METRES)
         warn(m,
              "positions become floats, and vertices move by up to %.2g m, as the scene is %.3g m wide; mend what lies far apart by "
-             "itself, "
-             "with --include",
+             "itself, with --include",
              moved, farthest_of(s, origin_ws));
     return run_check(m);
 }
@@ -275,13 +234,33 @@ vxs_result glb_from_scene(glb_scene *out, const scene *s, const double origin_ws
     *out = (glb_scene){.name = s->name, .origin_ws = {origin_ws[0], origin_ws[1], origin_ws[2]}};
     ok   = reserve(out, &k, s);
     for (size_t i = 0; ok && i < s->image_count; i++) ok = add_image(out, &s->images[i]);
-    for (size_t i = 0; ok && i < s->light_count; i++) ok = add_light(out, &s->lights[i]);
+    for (size_t i = 0; ok && i < s->light_count; i++) {
+        /* white with intensity 1 is glTF's default: it is stored as 0, and not written; a dark light stays dark */
+        scene_light   copy = {.name = strdup(s->lights[i].name), .shape = s->lights[i].shape, .dark = s->lights[i].dark};
+        const double *c    = s->lights[i].colour;
+        if (c[0] != 1 || c[1] != 1 || c[2] != 1) memcpy(copy.colour, c, sizeof copy.colour);
+        if (copy.name) out->lights[out->light_count++] = copy;
+        ok = copy.name != NULL;
+    }
     if (!ok) {
         r = fail(m, VXS_E_MEMORY, "out of memory for writing %zu triangles", s->triangle_count);
         goto done;
     }
-    count_materials(&k, s);
-    add_meshes(out, &k, s);
+    for (size_t t = 0, at = 0; t < s->triangle_count; t++) k.first[material_of(s, t, hole_of(s, t, &at)) + 1]++;
+    for (size_t i = 0; i < k.count; i++) k.first[i + 1] += k.first[i];
+    memcpy(k.next, k.first, k.count * sizeof *k.next);
+    for (size_t i = 0; i < k.count; i++) {
+        glb_mesh mesh = {.material = (uint32_t)i, .triangle_first = k.first[i], .triangle_count = k.first[i + 1] - k.first[i]};
+        if (!mesh.triangle_count) continue;
+        if (i < MATERIALS_WITHOUT_MASK) {
+            mesh.vertex_count = s->vertex_count;
+        } else {
+            mesh.vertex_first = s->vertex_count + 3 * (mesh.triangle_first - k.first[MATERIALS_WITHOUT_MASK]);
+            mesh.vertex_count = 3 * mesh.triangle_count;
+        }
+        snprintf(mesh.name, sizeof mesh.name, "material %zu", i);
+        out->meshes[out->mesh_count++] = mesh;
+    }
     add_triangles(out, &k, s);
     add_materials(out, s);
     add_smoke(out, &s->smoke);
