@@ -41,14 +41,6 @@ static int print_help(const char *format_word)
     return status ? status : command_end(&m, VXS_OK);
 }
 
-/* Print the list of commands as the error message, so to standard error. */
-static int no_command(void)
-{
-    dup2(STDERR_FILENO, STDOUT_FILENO);
-    print_help("text");
-    return exit_status(VXS_E_ARGUMENT);
-}
-
 static int unknown_command(const char *name)
 {
     run_context m    = {0};
@@ -65,7 +57,12 @@ static int run(int argc, char **argv)
 {
     run_context m    = {0};
     const char *name = argc >= 2 ? argv[1] : "";
-    if (argc < 2) return no_command();
+    if (argc < 2) {
+        /* the list of commands is the error message, so it goes to standard error */
+        dup2(STDERR_FILENO, STDOUT_FILENO);
+        print_help("text");
+        return exit_status(VXS_E_ARGUMENT);
+    }
     if (!strcmp(name, "help") && argc > 3)
         return command_end(&m, fail(&m, VXS_E_ARGUMENT, "unexpected argument '%s': usage is vxs help COMMAND", argv[3]));
     if (!strcmp(name, "help") && argc == 3 && argv[2][0] != '-') { /* vxs help COMMAND is vxs COMMAND --help */

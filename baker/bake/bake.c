@@ -26,19 +26,6 @@
 /* Positions are rounded to this share of the distance between points, much less than the drawn width of a point. */
 #define ROUNDED_TO (1.0 / 32)
 
-/* Floats relative to the centre of the triangles. */
-static double scatter(const casters *c, uint32_t count, double *places_ws, float *positions, vxs_area_point *points)
-{
-    box    b = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
-    double middle_ws[3];
-    for (int n = 0; n < 3; n++) middle_ws[n] = 0.5 * (b.min[n] + b.max[n]);
-    for (size_t n = 0; n < 3 * c->vertex_count; n++) positions[n] = (float)(c->positions_ws[n] - middle_ws[n % 3]);
-    double area = vxs_area_scatter(positions, c->indices, (uint32_t)c->triangle_count, points, count);
-    for (uint32_t n = 0; n < count; n++)
-        for (size_t i = 0; i < 3; i++) places_ws[3 * (size_t)n + i] = middle_ws[i] + (double)points[n].place[i];
-    return area;
-}
-
 /* Scatter `count` points over the triangles, uniformly by area.
  * view  [out] the caller owns its points: free((void *)view->places_ws)
  * Returns VXS_OK, VXS_E_MEMORY; VXS_E_SCENE if the triangles have no area. */
@@ -47,12 +34,19 @@ static vxs_result bake_points(vxs_points_view *view, const casters *c, uint32_t 
     double         *places_ws = malloc(3 * (size_t)count * sizeof *places_ws);
     float          *positions = malloc(3 * c->vertex_count * sizeof *positions);
     vxs_area_point *points    = calloc(count, sizeof *points);
-    vxs_result      r         = VXS_E_MEMORY;
-    double          area      = places_ws && positions && points ? scatter(c, count, places_ws, positions, points) : 0;
-    if (!places_ws || !positions || !points)
-        fail(m, r, "out of memory for %u points", count);
-    else
-        r = area > 0 ? VXS_OK : fail(m, VXS_E_SCENE, "--points %u: the triangles have no area", count);
+    vxs_result      r         = VXS_OK;
+    box             b         = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
+    double          middle_ws[3], area = 0; /* floats are relative to the middle */
+    for (int n = 0; n < 3; n++) middle_ws[n] = 0.5 * (b.min[n] + b.max[n]);
+    if (places_ws && positions && points) {
+        for (size_t n = 0; n < 3 * c->vertex_count; n++) positions[n] = (float)(c->positions_ws[n] - middle_ws[n % 3]);
+        area = vxs_area_scatter(positions, c->indices, (uint32_t)c->triangle_count, points, count);
+        for (uint32_t n = 0; n < count; n++)
+            for (size_t i = 0; i < 3; i++) places_ws[3 * (size_t)n + i] = middle_ws[i] + (double)points[n].place[i];
+        if (!(area > 0)) r = fail(m, VXS_E_SCENE, "--points %u: the triangles have no area", count);
+    } else {
+        r = fail(m, VXS_E_MEMORY, "out of memory for %u points", count);
+    }
     *view = (vxs_points_view){places_ws, count, area / count, ROUNDED_TO * sqrt(area / count)};
     free(positions);
     free(points);
@@ -82,33 +76,7 @@ static void keep_picture(bake_report *report, const coded_light *coded, light_pi
     *least = *picture;
 }
 
-/* Whether a light may be one of the largest. A picture takes time, and with many lights most pictures are dropped. */
-static int is_picture_wanted(const bake_options *o, const bake_plan *plan, const plan_light *planned)
-{
-    uint32_t larger = 0;
-    if (!o->page_path) return 0;
-    for (size_t n = 0; n < plan->light_count; n++) larger += plan->lights[n].stored_bytes > planned->stored_bytes;
-    return larger < 4 * PICTURES_MAX;
-}
-
 /* the lights ------------------------------------------------------------------------------------------------------------------ */
-
-static void report_light(light_report *light, const plan_light *planned, const light_columns *columns, const chosen_coder *coding,
-                         uint32_t tile_px)
-{
-    const build_stats *stats  = coding->stats;
-    uint64_t           across = max_u32(1, (1u << planned->light.levels) / tile_px);
-    light->light              = planned->light;
-    light->texels             = planned->texels;
-    light->depth              = columns->rendered.stats;
-    light->tiles              = planned->map_count * across * across;
-    light->tiles_skipped      = light->tiles - stats->squares_fetched;
-    light->mask_tiles         = stats->mask_tiles;
-    light->mask_runs          = stats->mask_runs;
-    light->inserted_nodes     = stats->inserted_nodes;
-    light->inserted_masks     = stats->inserted_masks;
-    light->palette            = coding->blocks.counts;
-}
 
 /* picture  NULL: not wanted */
 static vxs_result bake_planned(const bake_options *o, const bake_plan *plan, const plan_light *planned, const casters *c,
@@ -127,7 +95,19 @@ static vxs_result bake_planned(const bake_options *o, const bake_plan *plan, con
         r                    = light_squares_source(&cache, squares, &source, &planned->light, light, ctx->run);
         if (r == VXS_OK) r = bake_light(planned, &source, &coding.coder, is_baked_apart(o) ? NULL : out, ctx);
     }
-    report_light(light, planned, &columns, &coding, plan->tile_px);
+
+    const build_stats *stats  = coding.stats;
+    uint64_t           across = max_u32(1, (1u << planned->light.levels) / plan->tile_px);
+    light->light              = planned->light;
+    light->texels             = planned->texels;
+    light->depth              = columns.rendered.stats;
+    light->tiles              = planned->map_count * across * across;
+    light->tiles_skipped      = light->tiles - stats->squares_fetched;
+    light->mask_tiles         = stats->mask_tiles;
+    light->mask_runs          = stats->mask_runs;
+    light->inserted_nodes     = stats->inserted_nodes;
+    light->inserted_masks     = stats->inserted_masks;
+    light->palette            = coding.blocks.counts;
     chosen_coder_free(&coding);
     if (r == VXS_OK && picture) r = light_columns_draw(&columns, picture, ctx);
     light_columns_free(&columns);
@@ -138,31 +118,23 @@ static vxs_result bake_planned(const bake_options *o, const bake_plan *plan, con
 static vxs_result bake_next(const bake_options *o, const plan_light *planned, const casters *c, void *device, coded_light *coded,
                             bake_squares *squares, bake_report *report, bake_context *ctx)
 {
-    uint32_t      baked   = report->light_count++;
-    light_picture picture = {0};
-    int           wanted  = is_picture_wanted(o, report->plan, planned);
-    vxs_result    r       = VXS_OK;
+    const bake_plan *plan  = report->plan;
+    uint32_t         baked = report->light_count++, larger = 0;
+    light_picture    picture = {0};
+    vxs_result       r       = VXS_OK;
+
+    /* a picture takes time, and with many lights most are dropped: make one of a light that may be one of the largest */
+    for (size_t n = 0; n < plan->light_count; n++) larger += plan->lights[n].stored_bytes > planned->stored_bytes;
+    int wanted = o->page_path && larger < 4 * PICTURES_MAX;
     if (wanted) r = light_picture_init(&picture, baked, 1u << planned->light.levels, planned->map_count, ctx->run);
     if (r == VXS_OK)
-        r = bake_planned(o, report->plan, planned, c, device, squares, wanted ? &picture : NULL, &coded[baked],
-                         &report->lights[baked], ctx);
+        r = bake_planned(o, plan, planned, c, device, squares, wanted ? &picture : NULL, &coded[baked], &report->lights[baked],
+                         ctx);
     if (r == VXS_OK && wanted)
         keep_picture(report, coded, &picture);
     else
         light_picture_free(&picture);
     return r;
-}
-
-/* Mesa and LLVM crash if the address space is exhausted (ulimit -v), so they are not started if this may happen. In addition to
- * counted memory, they map libraries, code, and a stack and a heap for each thread. */
-static vxs_result check_address_space(const bake_options *o, const bake_plan *plan, run_context *m)
-{
-    uint64_t bytes = ((uint64_t)450 << 20) + o->threads * ((uint64_t)72 << 20) + plan->peak_bytes;
-    char     needed[32];
-    if (memory_has_room(bytes)) return VXS_OK;
-    return fail(m, VXS_E_MEMORY,
-                "OpenGL needs up to %s of address space for '%s', and this process may not have as much (ulimit -v)",
-                size_text(needed, bytes), o->scene_path);
 }
 
 /* Create the renderer's device if maps are rendered; else *device is NULL. */
@@ -173,28 +145,20 @@ static vxs_result begin_rendering(void **device, const bake_options *o, bake_rep
     *device            = NULL;
     if (o->maps != MAPS_SPARSE) {
         if (!o->renderer) return fail(ctx->run, VXS_E_GL, "this program bakes straight from triangles alone: it has no OpenGL");
-        if ((r = check_address_space(o, report->plan, ctx->run)) != VXS_OK) return r;
+        /* Mesa and LLVM crash if the address space is exhausted (ulimit -v), so they are not started if this may happen. In addition
+         * to counted memory, they map libraries, code, and a stack and a heap for each thread. */
+        uint64_t bytes = ((uint64_t)450 << 20) + o->threads * ((uint64_t)72 << 20) + report->plan->peak_bytes;
+        char     needed[32];
+        if (!memory_has_room(bytes))
+            return fail(ctx->run, VXS_E_MEMORY,
+                        "OpenGL needs up to %s of address space for '%s', and this process may not have as much (ulimit -v)",
+                        size_text(needed, bytes), o->scene_path);
         stage_begin(ctx, STAGE_GL);
         r = o->renderer->create(device, &names, o->gl, o->threads, ctx->run);
         stage_begin(ctx, STAGE_NONE);
     }
     memcpy(report->renderer, names.renderer, sizeof report->renderer);
     memcpy(report->cpu_class, names.cpu_class, sizeof report->cpu_class);
-    return r;
-}
-
-static vxs_result bake_lights(const bake_options *o, const casters *c, coded_light *coded, bake_squares *squares,
-                              bake_report *report, bake_context *ctx)
-{
-    const bake_plan *plan = report->plan;
-    void            *device;
-    vxs_result       r = begin_rendering(&device, o, report, ctx);
-    if (r == VXS_OK) r = bake_squares_open(squares, o, report, ctx->run);
-    ctx->total_seconds = plan->total_seconds;
-    for (int s = STAGE_LOAD; s <= STAGE_GL; s++) ctx->past_seconds += plan->seconds[s];
-    for (size_t n = 0; n < plan->light_count && r == VXS_OK; n++)
-        if (!plan->lights[n].left_out) r = bake_next(o, &plan->lights[n], c, device, coded, squares, report, ctx);
-    if (device) o->renderer->destroy(device);
     return r;
 }
 
@@ -212,7 +176,18 @@ static vxs_result bake_file(const bake_options *o, const casters *c, bake_square
         fail(ctx->run, r, "out of memory for %zu lights", count);
         goto done;
     }
-    if ((r = bake_lights(o, c, coded, squares, report, ctx)) != VXS_OK) goto done;
+
+    const bake_plan *plan = report->plan;
+    void            *device;
+    r = begin_rendering(&device, o, report, ctx);
+    if (r == VXS_OK) r = bake_squares_open(squares, o, report, ctx->run);
+    ctx->total_seconds = plan->total_seconds;
+    for (int s = STAGE_LOAD; s <= STAGE_GL; s++) ctx->past_seconds += plan->seconds[s];
+    for (size_t n = 0; n < plan->light_count && r == VXS_OK; n++)
+        if (!plan->lights[n].left_out) r = bake_next(o, &plan->lights[n], c, device, coded, squares, report, ctx);
+    if (device) o->renderer->destroy(device);
+    if (r != VXS_OK) goto done;
+
     report->warning_count = ctx->run->warning_count - report->warnings_before - squares->store.warnings;
     if (is_baked_apart(o)) goto done;
     watch_say(o->watch, "compressing the file");
@@ -267,13 +242,6 @@ static void warn_about_scene(const bake_options *o, const bake_scene *s, const l
     if (o->region_given && has_sun) warn_about_region(c, o->region_ws, m); /* regions do not affect punctual lights */
 }
 
-/* Whether the output was made from the same input and is kept. A strict run would not have written an output with warnings. */
-static int is_unchanged(const bake_options *o, bake_report *report, const run_context *m)
-{
-    return o->if_changed && provenance_is_current(o->output_path, report->inputs, &report->file_bytes, &report->warning_count, m) &&
-           !(m->strict && report->warning_count);
-}
-
 vxs_result bake_check_outputs(const bake_options *o, run_context *m)
 {
     vxs_result r = o->output_path ? output_file_check(o->output_path, m) : VXS_OK;
@@ -285,14 +253,6 @@ vxs_result bake_add_folder(const bake_options *o, const char *option, run_contex
     return o->resume_path ? run_files_add_folder(option, o->resume_path, CACHE_FOLDER_NAMES, m) : VXS_OK;
 }
 
-/* Read a scene, unless it is given, and choose the lights. */
-static vxs_result begin_scene(const bake_options *o, bake_scene *s, light_choice *chosen, bake_context *ctx)
-{
-    light_question question = {&o->light_names, &o->suns, chosen, judge_lights};
-    scene_check    check    = light_question_check(&question);
-    return o->prepared ? check.check(check.user, &s->scene, ctx->run) : bake_scene_read(s, o, &check, ctx);
-}
-
 /* Prepare a bake up to its plan; or find that the output is up to date. */
 static vxs_result prepare(const bake_options *o, bake_scene *s, bake_report *report, bake_context *ctx)
 {
@@ -302,10 +262,19 @@ static vxs_result prepare(const bake_options *o, bake_scene *s, bake_report *rep
     report->warnings_before = m->warning_count;
     stage_begin(ctx, STAGE_LOAD);
     m->memory_bytes = o->memory_bytes;
-    if ((r = begin_scene(o, s, &chosen, ctx)) != VXS_OK) goto done;
+
+    /* read a scene, unless it is given, and choose the lights */
+    light_question question = {&o->light_names, &o->suns, &chosen, judge_lights};
+    scene_check    check    = light_question_check(&question);
+    if ((r = o->prepared ? check.check(check.user, &s->scene, ctx->run) : bake_scene_read(s, o, &check, ctx)) != VXS_OK) goto done;
+
     if ((r = bake_scene_read_smoke(s, o, ctx)) != VXS_OK) goto done;
     if ((r = provenance_inputs(&report->inputs, o, s, &chosen, m)) != VXS_OK) goto done;
-    if ((report->unchanged = is_unchanged(o, report, m))) goto done;
+    /* a strict run would not have written an output with warnings */
+    report->unchanged = o->if_changed &&
+                        provenance_is_current(o->output_path, report->inputs, &report->file_bytes, &report->warning_count, m) &&
+                        !(m->strict && report->warning_count);
+    if (report->unchanged) goto done;
     if (o->if_changed && (r = bake_check_outputs(o, m)) != VXS_OK) goto done; /* else checked before */
 
     if (!o->prepared && (r = bake_scene_find_casters(s, o, ctx)) != VXS_OK) goto done;

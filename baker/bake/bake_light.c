@@ -9,32 +9,21 @@
 #include "baker/files/output_file.h"
 #include "runtime/vxs.h"
 
-static vxs_result bake_map(const light_coder *coder, uint32_t map, const column_source *source, bake_context *ctx)
-{
-    column_map columns;
-    vxs_result r = source->open(source->data, map, &columns, ctx);
-    if (r != VXS_OK) return r;
-    r = coder->add_map(coder->data, map, &columns, ctx);
-    columns.close(columns.data);
-    return r;
-}
-
-/* Planned seconds of a tile of the light. */
-static double tile_seconds(const plan_light *planned)
-{
-    double light = 0;
-    for (int s = STAGE_MAPS; s <= STAGE_MERGE; s++) light += planned->seconds[s];
-    return light / (double)planned->tiles;
-}
-
 vxs_result bake_light(const plan_light *planned, const column_source *source, const light_coder *coder, coded_light *out,
                       bake_context *ctx)
 {
-    char doing[sizeof ctx->doing];
+    char   doing[sizeof ctx->doing];
+    double seconds = 0;
     snprintf(doing, sizeof doing, "light %s: tile", planned->name);
-    steps_begin(ctx, (uint32_t)planned->tiles, tile_seconds(planned), doing);
+    for (int s = STAGE_MAPS; s <= STAGE_MERGE; s++) seconds += planned->seconds[s];
+    steps_begin(ctx, (uint32_t)planned->tiles, seconds / (double)planned->tiles, doing);
     vxs_result r = coder->begin(coder->data, &planned->light);
-    for (uint32_t map = 0; map < source->map_count && r == VXS_OK; map++) r = bake_map(coder, map, source, ctx);
+    for (uint32_t map = 0; map < source->map_count && r == VXS_OK; map++) {
+        column_map columns;
+        if ((r = source->open(source->data, map, &columns, ctx)) != VXS_OK) break;
+        r = coder->add_map(coder->data, map, &columns, ctx);
+        columns.close(columns.data);
+    }
     stage_begin(ctx, STAGE_MERGE);
     if (r == VXS_OK && out) r = coder->finish(coder->data, out);
     stage_begin(ctx, STAGE_NONE);
@@ -71,7 +60,7 @@ vxs_result asset_write(const bake_options *o, const vxs_bytes *file, bake_report
     vxs_result    r        = vxs_read(&contents, file->data, file->size_bytes, &desc);
     if (r != VXS_OK) return fail(m, r, "the encoded asset cannot be read back, nothing was written: %s", vxs_result_text(r));
 
-    /* Fill sizes by part from the file, as a reader sees it. */
+    /* sizes by part, as a reader sees them */
     for (uint32_t s = 0; s < contents.section_count; s++)
         if (contents.sections[s].kind == VXS_KIND_POINTS) report->points_bytes = contents.sections[s].stored_bytes;
     for (uint32_t n = 0; n < contents.light_count; n++) {

@@ -12,19 +12,6 @@ static void set_word(json_t **object, const char *key, const char *choices, int 
     json_set(object, key, json_string(choice_word(word, choices, index)));
 }
 
-/* Source of depths. Files omit OpenGL, which was once the only source. */
-static void set_maps(json_t **object, const bake_options *o)
-{
-    if (o->maps == MAPS_SPARSE) set_word(object, "maps", MAPS_CHOICES, (int)o->maps);
-}
-
-/* Don't-care rules in addition to the insides of solids, if any. */
-static void set_dont_care(json_t **object, const bake_options *o)
-{
-    if (o->behind != BEHIND_SHADOW) set_word(object, "behind", BEHIND_CHOICES, (int)o->behind);
-    if (o->thickness_metres > 0) json_set(object, "thickness_m", json_real(o->thickness_metres));
-}
-
 /* A coding and its own options. Files omit the DAG coding, which was once the only one, and small packing. */
 static void set_coding(json_t **object, const bake_options *o)
 {
@@ -44,8 +31,10 @@ json_t *bake_choices_json(const bake_options *o)
     const double *b      = o->region_ws;
     set_word(&object, "closed", CLOSED_CHOICES, (int)o->closed);
     set_word(&object, "exit", EXIT_CHOICES, (int)o->exit);
-    set_maps(&object, o);
-    set_dont_care(&object, o);
+    /* files omit OpenGL, which was once the only source of depths */
+    if (o->maps == MAPS_SPARSE) set_word(&object, "maps", MAPS_CHOICES, (int)o->maps);
+    if (o->behind != BEHIND_SHADOW) set_word(&object, "behind", BEHIND_CHOICES, (int)o->behind);
+    if (o->thickness_metres > 0) json_set(&object, "thickness_m", json_real(o->thickness_metres));
     set_coding(&object, o);
     set_word(&object, "gl", GL_CHOICES, (int)o->gl);
     json_set(&object, "zstd_level", json_integer(o->zstd_level));
@@ -94,26 +83,21 @@ static json_t *real_json(const double numbers[3])
     return json_real(numbers[0]);
 }
 
-/* The lights, and the sizes of their maps. */
-static void set_lights(json_t **object, const bake_options *o)
-{
-    json_t *names = json_array();
-    for (size_t n = 0; n < o->light_names.count; n++) json_append(&names, json_text(o->light_names.items[n]));
-    set_unless_empty(object, "light", names, json_array_size(names));
-    set_named(object, "sun", &o->suns, json_vector);
-    if (o->resolution)
-        json_set(object, "resolution_px", json_integer(o->resolution));
-    else
-        json_set(object, "texel_m", json_real(o->texel_metres));
-    set_named(object, "light_resolution_px", &o->resolutions, whole_json);
-    set_named(object, "light_texel_m", &o->texels, real_json);
-}
-
 json_t *bake_options_json(const bake_options *o)
 {
     json_t *object = bake_choices_json(o);
     if (bakes_smoke(o)) json_set(&object, "smoke", bake_smoke_json(o));
-    set_lights(&object, o);
+    json_t *names = json_array();
+    for (size_t n = 0; n < o->light_names.count; n++) json_append(&names, json_text(o->light_names.items[n]));
+    set_unless_empty(&object, "light", names, json_array_size(names));
+    set_named(&object, "sun", &o->suns, json_vector);
+    if (o->resolution)
+        json_set(&object, "resolution_px", json_integer(o->resolution));
+    else
+        json_set(&object, "texel_m", json_real(o->texel_metres));
+    set_named(&object, "light_resolution_px", &o->resolutions, whole_json);
+    set_named(&object, "light_texel_m", &o->texels, real_json);
+
     set_word(&object, "coding", CODING_CHOICES, (int)o->coding);
     if (o->coding == CODING_DAG) {
         set_word(&object, "reuse", REUSE_CHOICES, o->reuse);

@@ -16,27 +16,6 @@ static void leave_out(bake_report *report, const char *name, const char *why)
     l->why = why;
 }
 
-/* Lights that were not chosen, are dark, faulty or hidden, and lights that reach nothing. */
-static vxs_result report_left_out(bake_report *report, const scene *s, run_context *m)
-{
-    const bake_plan *plan = report->plan;
-    report->left_out      = calloc(s->light_count + s->lost_light_count + plan->light_count + 1, sizeof *report->left_out);
-    if (!report->left_out) return fail(m, VXS_E_MEMORY, "out of memory for %zu lights", s->light_count);
-    for (size_t n = 0; n < s->light_count; n++) {
-        int is_chosen = 0;
-        for (size_t k = 0; k < plan->light_count; k++)
-            is_chosen |= !strncmp(s->lights[n].name, plan->lights[k].name, VXS_LIGHT_NAME_BYTES - 1);
-        if (!is_chosen) leave_out(report, s->lights[n].name, s->lights[n].dark ? "dark" : "not asked for");
-    }
-    for (size_t n = 0; n < s->lost_light_count; n++)
-        leave_out(report, s->lost_lights[n].name, s->lost_lights[n].why ? "cannot be baked" : "hidden");
-    for (size_t n = 0; n < plan->light_count; n++) {
-        const plan_light *l = &plan->lights[n];
-        if (l->left_out) leave_out(report, l->name, l->left_out);
-    }
-    return VXS_OK;
-}
-
 vxs_result bake_report_begin(bake_report *report, const scene *s, const casters *c, run_context *m)
 {
     report->casters      = *c;
@@ -61,7 +40,24 @@ vxs_result bake_report_begin(bake_report *report, const scene *s, const casters 
     report->exclusions      = malloc((s->exclusion_count + 1) * sizeof *report->exclusions);
     if (!report->exclusions) return fail(m, VXS_E_MEMORY, "out of memory for %zu exclusions", s->exclusion_count);
     if (s->exclusion_count) memcpy(report->exclusions, s->exclusions, s->exclusion_count * sizeof *report->exclusions);
-    return report_left_out(report, s, m);
+
+    /* lights that were not chosen, are dark, faulty or hidden, and lights that reach nothing */
+    const bake_plan *plan = report->plan;
+    report->left_out      = calloc(s->light_count + s->lost_light_count + plan->light_count + 1, sizeof *report->left_out);
+    if (!report->left_out) return fail(m, VXS_E_MEMORY, "out of memory for %zu lights", s->light_count);
+    for (size_t n = 0; n < s->light_count; n++) {
+        int is_chosen = 0;
+        for (size_t k = 0; k < plan->light_count; k++)
+            is_chosen |= !strncmp(s->lights[n].name, plan->lights[k].name, VXS_LIGHT_NAME_BYTES - 1);
+        if (!is_chosen) leave_out(report, s->lights[n].name, s->lights[n].dark ? "dark" : "not asked for");
+    }
+    for (size_t n = 0; n < s->lost_light_count; n++)
+        leave_out(report, s->lost_lights[n].name, s->lost_lights[n].why ? "cannot be baked" : "hidden");
+    for (size_t n = 0; n < plan->light_count; n++) {
+        const plan_light *l = &plan->lights[n];
+        if (l->left_out) leave_out(report, l->name, l->left_out);
+    }
+    return VXS_OK;
 }
 
 square_counts report_squares(const bake_report *r)

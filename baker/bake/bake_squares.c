@@ -35,7 +35,8 @@ static int put_text(vxs_bytes *out, const char *text)
     return put64(out, strlen(text)) && put_bytes(out, text, strlen(text));
 }
 
-vxs_result part_common_write(const part_common *c, vxs_bytes *out)
+/* Append it to out. Returns VXS_OK or VXS_E_MEMORY. */
+static vxs_result part_common_write(const part_common *c, vxs_bytes *out)
 {
     const uint32_t choices[CHOICES] = {c->o.coding, c->o.pack, c->o.rule, (uint32_t)c->o.reuse, c->o.zstd_level};
     int ok = put32s(out, choices, CHOICES) && put_text(out, c->made_by) && put_text(out, c->metadata) && put64(out, c->light_count);
@@ -49,10 +50,9 @@ vxs_result part_common_write(const part_common *c, vxs_bytes *out)
             vxs_store_f64(bytes, *of[k]);
             ok = put_bytes(out, bytes, sizeof bytes);
         }
-        for (uint32_t map = 0; map < vxs_map_count(&l) && ok; map++) {
-            ok = put32(out, c->lights[n].maps[map].fetch_px) && put64(out, c->lights[n].maps[map].count);
-            for (const column_bounds *b = c->lights[n].maps[map].answers;
-                 b < c->lights[n].maps[map].answers + c->lights[n].maps[map].count && ok; b++)
+        for (const part_map *p = c->lights[n].maps; p < c->lights[n].maps + vxs_map_count(&l) && ok; p++) {
+            ok = put32(out, p->fetch_px) && put64(out, p->count);
+            for (const column_bounds *b = p->answers; b < p->answers + p->count && ok; b++)
                 ok = put32s(out, (uint32_t[]){b->emin, b->emax, b->xmin, b->xmax}, 4);
         }
     }
@@ -68,11 +68,6 @@ static vxs_result take_text(byte_reader *from, char **text)
     if (!has(from, size, 1) || memchr(from->at, 0, size)) return VXS_E_CORRUPT;
     *text = strndup((const char *)take_bytes(from, size), size);
     return *text ? VXS_OK : VXS_E_MEMORY;
-}
-
-static int are_choices(const uint32_t c[CHOICES])
-{
-    return c[0] <= CODING_BLOCKS && c[1] <= PACK_FAST && c[2] <= MASK_RULE_SHADOW && c[3] <= 1 && c[4] >= 1 && c[4] <= 19;
 }
 
 static vxs_result take_map(byte_reader *from, part_map *p, uint32_t side_px)
@@ -120,7 +115,9 @@ vxs_result part_common_read(part_common *c, const void *bytes, size_t size_bytes
     uint32_t    choices[CHOICES];
     if (!has(&from, CHOICES, 4)) return VXS_E_CORRUPT;
     take32s(&from, choices, CHOICES);
-    if (!are_choices(choices)) return VXS_E_CORRUPT;
+    if (!(choices[0] <= CODING_BLOCKS && choices[1] <= PACK_FAST && choices[2] <= MASK_RULE_SHADOW && choices[3] <= 1 &&
+          choices[4] >= 1 && choices[4] <= 19))
+        return VXS_E_CORRUPT;
     c->o         = (bake_options){.coding     = (coding_choice)choices[0],
                                   .pack       = (pack_choice)choices[1],
                                   .rule       = (mask_rule)choices[2],
@@ -154,30 +151,11 @@ static column_key with_text(column_key before, const char *text)
     return column_key_with(before, text, strlen(text) + 1);
 }
 
-/* All input of the bake, and the renderer. */
-static vxs_result bake_key(column_key *key, const bake_report *report, run_context *m)
-{
-    char *inputs = json_whole_text(report->inputs, JSON_COMPACT | JSON_SORT_KEYS);
-    if (!inputs) return fail(m, VXS_E_MEMORY, "out of memory for the key of a bake");
-    *key = with_text(with_text(with_text((column_key){0, 0}, inputs), report->renderer), report->cpu_class);
-    free(inputs);
-    return VXS_OK;
-}
-
-/* Set the common data that is known before the first light. */
-static vxs_result begin_common(part_common *c, const bake_options *o, const bake_report *report, run_context *m)
-{
-    c->o = *o;
-    if (asprintf(&c->made_by, "%s, %s, %s", SQUARES_MADE_BY, report->renderer, report->cpu_class) >= 0) return VXS_OK;
-    c->made_by = NULL;
-    return fail(m, VXS_E_MEMORY, "out of memory for the part of a bake");
-}
-
 vxs_result bake_squares_open(bake_squares *k, const bake_options *o, const bake_report *report, run_context *m)
 {
     vxs_result r = VXS_OK;
 
-    /* The coding and its build options; without the order of compression, which does not change results. */
+    /* the coding and its build options; without the order of compression, which does not change results */
     const build_options b         = build_options_of(o, COMPRESS_NONE);
     const uint32_t      choices[] = {o->coding, o->coding == CODING_DAG ? (uint32_t)b.rule : 0,
                                 o->coding == CODING_DAG ? (uint32_t)b.reuse : 0, o->coding == CODING_DAG ? (uint32_t)b.share : 0};
@@ -190,10 +168,21 @@ vxs_result bake_squares_open(bake_squares *k, const bake_options *o, const bake_
     }
     if (r == VXS_OK && o->parts) {
         k->has_part = 1;
+        k->common.o = *o;
         r           = part_begin(&k->part, o->output_path, o->part, o->parts, m);
-        if (r == VXS_OK) r = begin_common(&k->common, o, report, m);
+        if (r == VXS_OK && asprintf(&k->common.made_by, "%s, %s, %s", SQUARES_MADE_BY, report->renderer, report->cpu_class) < 0) {
+            k->common.made_by = NULL;
+            r                 = fail(m, VXS_E_MEMORY, "out of memory for the part of a bake");
+        }
     }
-    return r == VXS_OK && stores_squares(o) ? bake_key(&k->bake, report, m) : r;
+    if (r != VXS_OK || !stores_squares(o)) return r;
+
+    /* all input of the bake, and the renderer */
+    char *inputs = json_whole_text(report->inputs, JSON_COMPACT | JSON_SORT_KEYS);
+    if (!inputs) return fail(m, VXS_E_MEMORY, "out of memory for the key of a bake");
+    k->bake = with_text(with_text(with_text((column_key){0, 0}, inputs), report->renderer), report->cpu_class);
+    free(inputs);
+    return VXS_OK;
 }
 
 vxs_result bake_squares_end_part(bake_squares *k, bake_report *report, run_context *m)

@@ -39,9 +39,6 @@ typedef struct part_common {
     size_t       light_count, light_capacity;
 } part_common;
 
-/* Append it to out. Returns VXS_OK or VXS_E_MEMORY. */
-vxs_result part_common_write(const part_common *c, vxs_bytes *out);
-
 /* Read it from all of the bytes.
  * c  [out] zero it first; released with part_common_free, whatever is returned
  * Returns VXS_OK, VXS_E_MEMORY, VXS_E_CORRUPT. */

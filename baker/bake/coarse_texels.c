@@ -42,32 +42,6 @@ static double median(const object_list *l, const box *all, size_t triangles, int
     return low;
 }
 
-static double reach_of(const box *b, const double from[3])
-{
-    double reach = 0;
-    for (int axis = 0; axis < 3; axis++) reach = fmax(reach, fmax(b->max[axis] - from[axis], from[axis] - b->min[axis]));
-    return reach;
-}
-
-/* The objects that extend farthest, in this order; ties in the scene's order.   Returns their number. */
-static size_t farthest(uint32_t out[FAR_OBJECTS_MAX], const object_list *l, const double from[3])
-{
-    double reaches[FAR_OBJECTS_MAX];
-    size_t found = 0;
-    for (size_t n = 0; n < l->count; n++) {
-        double reach = reach_of(&l->items[n].around, from);
-        size_t place = found;
-        while (place && reach > reaches[place - 1]) place--;
-        if (place == FAR_OBJECTS_MAX) continue;
-        if (found < FAR_OBJECTS_MAX) found++;
-        memmove(&out[place + 1], &out[place], (found - place - 1) * sizeof *out);
-        memmove(&reaches[place + 1], &reaches[place], (found - place - 1) * sizeof *reaches);
-        out[place]     = (uint32_t)n;
-        reaches[place] = reach;
-    }
-    return found;
-}
-
 int far_objects_find(far_objects *out, const object_list *l)
 {
     box    all       = box_empty(), rests[FAR_OBJECTS_MAX + 1];
@@ -79,7 +53,23 @@ int far_objects_find(far_objects *out, const object_list *l)
         triangles += o->triangles;
     }
     for (int axis = 0; axis < 3; axis++) middle[axis] = median(l, &all, triangles, axis);
-    found = farthest(out->items, l, middle);
+
+    /* the objects that extend farthest, in this order; ties in the scene's order */
+    double reaches[FAR_OBJECTS_MAX];
+    found = 0;
+    for (size_t n = 0; n < l->count; n++) {
+        const box *b     = &l->items[n].around;
+        double     reach = 0;
+        size_t     place = found;
+        for (int axis = 0; axis < 3; axis++) reach = fmax(reach, fmax(b->max[axis] - middle[axis], middle[axis] - b->min[axis]));
+        while (place && reach > reaches[place - 1]) place--;
+        if (place == FAR_OBJECTS_MAX) continue;
+        if (found < FAR_OBJECTS_MAX) found++;
+        memmove(&out->items[place + 1], &out->items[place], (found - place - 1) * sizeof *out->items);
+        memmove(&reaches[place + 1], &reaches[place], (found - place - 1) * sizeof *reaches);
+        out->items[place] = (uint32_t)n;
+        reaches[place]    = reach;
+    }
 
     /* bounding box without the first n of them */
     rests[found] = box_empty();
@@ -192,7 +182,7 @@ int warn_about_far_objects(const check_scene *k, const far_objects *far, const o
     if (texels > 64 && median > 32 * size) return 0; /* coarser than necessary, but still fine */
     char names[LIST_BYTES], remedies[LIST_BYTES], region[160];
 
-    /* Names of the objects, "node 'sea', node 'sky'", and the options that exclude them. */
+    /* names of the objects, "node 'sea', node 'sky'", and the options that exclude them */
     names[0] = remedies[0] = 0;
     for (size_t n = 0; n < far->count; n++) {
         object_name name;
@@ -296,27 +286,20 @@ uint32_t coarser_side(const check_scene *k, const plan_light *l)
     return side == 1u << l->light.levels ? side / 2 : side;
 }
 
-/* Resolution at which a texel is a quarter of the components' median width; 0: no resolution is that fine. */
-static uint32_t enough_texels(const check_scene *k, const plan_light *l)
-{
-    double median = median_width(k, &EVERYWHERE), side = ldexp(1, (int)l->light.levels);
-    while (side <= RESOLUTION_MAX_PX && l->texels.median * ldexp(1, (int)l->light.levels) / side > median / 4) side *= 2;
-    return side <= RESOLUTION_MAX_PX ? (uint32_t)side : 0;
-}
-
 void warn_about_lost(const check_scene *k, const plan_light *l, size_t lost, size_t of)
 {
-    uint32_t side                             = enough_texels(k, l);
-    char     finer[32 + VXS_LIGHT_NAME_BYTES] = "";
-    if (side && k->plan->light_count > 1)
-        snprintf(finer, sizeof finer, "--resolution %s=%u, or ", l->name, side);
-    else if (side)
-        snprintf(finer, sizeof finer, "--resolution %u, or ", side);
+    /* the resolution at which a texel is a quarter of the components' median width, if one is that fine */
+    char   finer[32 + VXS_LIGHT_NAME_BYTES] = "";
+    double width = median_width(k, &EVERYWHERE), now = ldexp(1, (int)l->light.levels), side = now;
+    while (side <= RESOLUTION_MAX_PX && l->texels.median * now / side > width / 4) side *= 2;
+    if (side <= RESOLUTION_MAX_PX && k->plan->light_count > 1)
+        snprintf(finer, sizeof finer, "--resolution %s=%.0f, or ", l->name, side);
+    else if (side <= RESOLUTION_MAX_PX)
+        snprintf(finer, sizeof finer, "--resolution %.0f, or ", side);
     if (is_sun(l))
         warn(k->m,
              "light '%s': a texel is %.3g m, and %zu of %zu components are narrower than two texels: their shadows are lost; "
-             "%s--region around "
-             "what matters",
+             "%s--region around what matters",
              l->name, l->texels.median, lost, of, finer);
     else
         warn(k->m,

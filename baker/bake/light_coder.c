@@ -22,17 +22,6 @@ static vxs_result blocks_add_map(void *data, uint32_t map, const column_map *col
     return r;
 }
 
-static palette_counts count_words(const block_words *w)
-{
-    const block_counts *c = &w->counts;
-    return (palette_counts){.pages         = c->pages,
-                            .nodes         = c->nodes,
-                            .blocks        = c->blocks,
-                            .tiles         = c->tiles,
-                            .private_tiles = c->private_tiles,
-                            .patterns      = (uint64_t)c->patterns + c->private_patterns + w->common_count};
-}
-
 static void free_words(void *owned)
 {
     block_words_free(owned);
@@ -49,12 +38,18 @@ static vxs_result blocks_finish(void *data, coded_light *out)
         free(w);
         return r;
     }
-    c->counts = count_words(w);
-    *out      = (coded_light){
-             .written      = {.light = *c->light, .blocks = {w->words, w->count, w->common_kinds, w->common_count, c->packing}},
-             .memory_bytes = 4 * (uint64_t)w->count,
-             .owned        = w,
-             .free         = free_words,
+    const block_counts *n = &w->counts;
+    c->counts             = (palette_counts){.pages         = n->pages,
+                                             .nodes         = n->nodes,
+                                             .blocks        = n->blocks,
+                                             .tiles         = n->tiles,
+                                             .private_tiles = n->private_tiles,
+                                             .patterns      = (uint64_t)n->patterns + n->private_patterns + w->common_count};
+    *out                  = (coded_light){
+                         .written      = {.light = *c->light, .blocks = {w->words, w->count, w->common_kinds, w->common_count, c->packing}},
+                         .memory_bytes = 4 * (uint64_t)w->count,
+                         .owned        = w,
+                         .free         = free_words,
     };
     out->written.light.coding = VXS_CODING_BLOCKS;
     return VXS_OK;

@@ -41,14 +41,6 @@ static vxs_result check_part(const part_set *s, const part_reader *p, run_contex
     return VXS_OK;
 }
 
-static vxs_result check_all_there(const part_set *s, run_context *m)
-{
-    uint32_t parts = s->parts[0].parts, missing = 0;
-    while (missing < parts && s->at[missing]) missing++;
-    if (missing == parts) return VXS_OK;
-    return fail(m, VXS_E_ARGUMENT, "part %u of %u is missing: %zu were given", missing + 1, parts, s->count);
-}
-
 static vxs_result open_parts(part_set *s, const text_list *paths, run_context *m)
 {
     vxs_result r = VXS_OK;
@@ -63,8 +55,10 @@ static vxs_result open_parts(part_set *s, const text_list *paths, run_context *m
         if (r == VXS_OK) r = check_part(s, p, m);
         if (r == VXS_OK) s->at[p->number - 1] = (uint32_t)s->count;
     }
-    if (r == VXS_OK) r = check_all_there(s, m);
     if (r != VXS_OK) return r;
+    for (uint32_t n = 0; n < s->parts[0].parts; n++)
+        if (!s->at[n])
+            return fail(m, VXS_E_ARGUMENT, "part %u of %u is missing: %zu were given", n + 1, s->parts[0].parts, s->count);
     r = part_common_read(&s->common, s->parts[0].common.data, s->parts[0].common.size_bytes);
     return r == VXS_E_CORRUPT ? part_is_damaged(&s->parts[0], m) : r == VXS_OK ? r : fail(m, r, "out of memory for parts");
 }
@@ -154,16 +148,6 @@ static vxs_result open_map(void *data, uint32_t map, column_map *out, bake_conte
 
 /* the merge ------------------------------------------------------------------------------------------------------------------- */
 
-static uint64_t squares_of(const part_light *l)
-{
-    uint64_t squares = 0;
-    for (uint32_t map = 0; map < vxs_map_count(&l->light); map++) {
-        uint64_t across = (1u << l->light.levels) / l->maps[map].fetch_px;
-        squares += across * across;
-    }
-    return squares;
-}
-
 /* Merge the parts into a file. */
 static vxs_result merge_file(part_set *s, const bake_options *o, bake_report *report, bake_context *ctx)
 {
@@ -178,10 +162,14 @@ static vxs_result merge_file(part_set *s, const bake_options *o, bake_report *re
             report->lights[n].light = s->common.lights[n].light;
 
             const part_light *of      = &s->common.lights[n];
-            plan_light        planned = {.light = of->light, .map_count = vxs_map_count(&of->light), .tiles = squares_of(of)};
+            plan_light        planned = {.light = of->light, .map_count = vxs_map_count(&of->light)};
             part_columns      columns = {.set = s, .of = of, .light = n, .cache = {&columns, 0, NULL, find, NULL}};
             column_source     source  = {&columns, planned.map_count, open_map};
             chosen_coder      coding;
+            for (uint32_t map = 0; map < planned.map_count; map++) {
+                uint64_t across = (1u << of->light.levels) / of->maps[map].fetch_px;
+                planned.tiles += across * across;
+            }
             snprintf(planned.name, sizeof planned.name, "%.*s", VXS_LIGHT_NAME_BYTES - 1, of->light.name);
             chosen_coder_init(&coding, o, COMPRESS_NONE, NULL);
             r = bake_light(&planned, &source, &coding.coder, &coded[n], ctx);

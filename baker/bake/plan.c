@@ -17,14 +17,6 @@ const char REACHES_NOTHING[] = "reaches no caster";
 
 /* lights ---------------------------------------------------------------------------------------------------------------------- */
 
-static vxs_result check_name(const bake_plan *plan, const plan_light *light, run_context *m)
-{
-    for (const plan_light *other = plan->lights; other < light; other++)
-        if (!other->left_out && !strcmp(other->light.name, light->light.name))
-            return fail(m, VXS_E_ARGUMENT, "light '%s': another light of that name is baked too", light->light.name);
-    return VXS_OK;
-}
-
 static vxs_result fit_light(bake_plan *plan, plan_light *l, const bake_options *o, const casters *c, const chosen_light *chosen,
                             run_context *m)
 {
@@ -46,27 +38,11 @@ static vxs_result fit_light(bake_plan *plan, plan_light *l, const bake_options *
     }
     plan->baked_count++;
     l->map_count = vxs_map_count(&l->light);
-    return r == VXS_OK ? check_name(plan, l, m) : r;
-}
-
-static vxs_result fit_lights(bake_plan *plan, const bake_options *o, const casters *c, const scene *s, const light_choice *chosen,
-                             run_context *m)
-{
-    vxs_result r = light_choice_require(chosen, "--resolution", &o->resolutions, m);
-    if (r == VXS_OK) r = light_choice_require(chosen, "--texel", &o->texels, m);
     if (r != VXS_OK) return r;
-    plan->lights = calloc(chosen->count, sizeof *plan->lights);
-    if (!plan->lights) return fail(m, VXS_E_MEMORY, "out of memory for %zu lights", chosen->count);
-    plan->light_count = chosen->count;
-    for (size_t n = 0; n < chosen->count && r == VXS_OK; n++) r = fit_light(plan, &plan->lights[n], o, c, &chosen->lights[n], m);
-    if (r == VXS_OK && !plan->baked_count) return fail(m, VXS_E_NO_LIGHT, "no light reaches a caster: there is nothing to bake");
-    if (r != VXS_OK) return r;
-    for (const plan_light *l = plan->lights; l < plan->lights + plan->light_count; l++)
-        if (l->left_out)
-            warn(m, "light '%s' %s: it is left out; move it, turn it, give it a longer range, or leave it out with --light",
-                 l->name, l->left_out);
-    plan_check_lights(plan, o, c, s, m);
-    return run_check(m);
+    for (const plan_light *other = plan->lights; other < l; other++)
+        if (!other->left_out && !strcmp(other->light.name, l->light.name))
+            return fail(m, VXS_E_ARGUMENT, "light '%s': another light of that name is baked too", l->light.name);
+    return VXS_OK;
 }
 
 /* solids ---------------------------------------------------------------------------------------------------------------------- */
@@ -133,14 +109,6 @@ vxs_result plan_estimate(bake_plan *plan, const bake_options *o, const casters *
 
 /* memory ---------------------------------------------------------------------------------------------------------------------- */
 
-static uint32_t largest_map(const bake_plan *plan)
-{
-    uint32_t side = 8;
-    for (size_t n = 0; n < plan->light_count; n++)
-        if (!plan->lights[n].left_out && 1u << plan->lights[n].light.levels > side) side = 1u << plan->lights[n].light.levels;
-    return side;
-}
-
 /* Memory of the kept pictures and one in work; each counts as the largest. */
 static uint64_t picture_bytes(const bake_plan *plan)
 {
@@ -153,35 +121,28 @@ static uint64_t picture_bytes(const bake_plan *plan)
     return largest * (plan->baked_count < PICTURES_MAX ? plan->baked_count : PICTURES_MAX + 1);
 }
 
-/* Cached squares have an eighth of the map's side, so that a change affects a small part of it. Rendered squares are as large as
- * possible, because each draws all triangles that it may see. */
-static uint32_t largest_tile(uint32_t side, uint32_t least, const bake_options *o)
-{
-    uint32_t most = stores_squares(o) && o->maps == MAPS_SPARSE ? max_u32(least, side / 8) : side;
-    return min_u32(most, TILE_MAX_PX);
-}
-
-/* Least memory of a bake with tiles of this size. Straight from triangles it is what is built, which a sample estimates only within
- * a half: a bake that may fit is begun, and fails if it does not. */
-static uint64_t least_peak_bytes(const bake_plan *plan, const bake_options *o, const casters *c, uint32_t tile_px)
-{
-    uint64_t bytes = plan_peak_bytes(plan, o, c, tile_px);
-    return o->maps == MAPS_SPARSE ? bytes / 3 * 2 : bytes;
-}
-
 /* Halve the tiles until the plan fits; the smallest are a sub-DAG, or a block. */
 static vxs_result plan_memory(bake_plan *plan, const bake_options *o, const casters *c, run_context *m)
 {
-    uint32_t side       = largest_map(plan);
-    uint32_t least      = min_u32(side, max_u32(TILE_MIN_PX, min_u32(side / 4, SUB_DAG_MAX_PX)));
-    plan->tile_px       = largest_tile(side, least, o);
+    uint32_t side = 8;
+    for (size_t n = 0; n < plan->light_count; n++)
+        if (!plan->lights[n].left_out) side = max_u32(side, 1u << plan->lights[n].light.levels);
+    uint32_t least = min_u32(side, max_u32(TILE_MIN_PX, min_u32(side / 4, SUB_DAG_MAX_PX)));
+
+    /* Cached squares have an eighth of the map's side, so that a change affects a small part of it. Rendered squares are as large as
+     * possible, because each draws all triangles that it may see. */
+    plan->tile_px       = stores_squares(o) && o->maps == MAPS_SPARSE ? max_u32(least, side / 8) : side;
+    plan->tile_px       = min_u32(plan->tile_px, TILE_MAX_PX);
     plan->budget_bytes  = o->memory_bytes;
     plan->picture_bytes = o->page_path ? picture_bytes(plan) : 0;
     plan->peak_bytes    = plan_peak_bytes(plan, o, c, plan->tile_px);
     uint64_t held = memory_held_bytes(), left = memory_available_bytes();
     uint64_t machine  = left < UINT64_MAX - held ? held + left : UINT64_MAX;
     uint64_t most     = plan->budget_bytes ? min_u64(plan->budget_bytes, machine) : machine;
-    plan->least_bytes = least_peak_bytes(plan, o, c, least);
+    /* straight from triangles, memory is what is built, which a sample estimates only within a half: a bake that may fit is begun,
+     * and fails if it does not */
+    uint64_t bytes    = plan_peak_bytes(plan, o, c, least);
+    plan->least_bytes = o->maps == MAPS_SPARSE ? bytes / 3 * 2 : bytes;
     while (plan->peak_bytes > most && plan->tile_px > least) {
         plan->tile_px /= 2;
         plan->peak_bytes = plan_peak_bytes(plan, o, c, plan->tile_px);
@@ -202,7 +163,29 @@ vxs_result plan_make(bake_plan *plan, const bake_options *o, casters *c, const s
     vxs_result r;
     *plan = (bake_plan){.scene_bytes = scene_bytes};
     if ((r = reach_init(&plan->reach, c, m)) != VXS_OK) goto done;
-    if ((r = fit_lights(plan, o, c, s, chosen, m)) != VXS_OK) goto done;
+
+    r = light_choice_require(chosen, "--resolution", &o->resolutions, m);
+    if (r == VXS_OK) r = light_choice_require(chosen, "--texel", &o->texels, m);
+    if (r != VXS_OK) goto done;
+    plan->lights = calloc(chosen->count, sizeof *plan->lights);
+    if (!plan->lights) {
+        r = fail(m, VXS_E_MEMORY, "out of memory for %zu lights", chosen->count);
+        goto done;
+    }
+    plan->light_count = chosen->count;
+    for (size_t n = 0; n < chosen->count && r == VXS_OK; n++) r = fit_light(plan, &plan->lights[n], o, c, &chosen->lights[n], m);
+    if (r == VXS_OK && !plan->baked_count) {
+        r = fail(m, VXS_E_NO_LIGHT, "no light reaches a caster: there is nothing to bake");
+        goto done;
+    }
+    if (r != VXS_OK) goto done;
+    for (const plan_light *l = plan->lights; l < plan->lights + plan->light_count; l++)
+        if (l->left_out)
+            warn(m, "light '%s' %s: it is left out; move it, turn it, give it a longer range, or leave it out with --light",
+                 l->name, l->left_out);
+    plan_check_lights(plan, o, c, s, m);
+    if ((r = run_check(m)) != VXS_OK) goto done;
+
     plan_exit(plan, o, c);
     if (plan->meeting_known && (r = casters_find_meeting(c, o->threads, m)) != VXS_OK) goto done;
     if ((r = plan_estimate(plan, o, c, m)) != VXS_OK) goto done;

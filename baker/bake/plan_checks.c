@@ -178,8 +178,7 @@ static void warn_about_steps(const check_scene *k)
     if (nodes > 1) snprintf(more, sizeof more, " and %zu more", nodes - 1);
     warn(k->m,
          "node %u '%s'%s: positions are floats %.9g m from the origin of the node, in steps of %.3g m; store them near it, and "
-         "place "
-         "them by the translation of the node",
+         "place them by the translation of the node",
          worst->node, s->names + worst->node_name, more, rounded(worst_far, 3), float_step(worst_far));
 }
 

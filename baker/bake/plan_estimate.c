@@ -22,21 +22,20 @@ static double different(uint64_t unique, uint64_t all, double weight, double ali
     return (double)unique * pow(weight, alike + (unlike - alike) * share);
 }
 
-/* Nodes of the levels above a window: each level has fewer by the same factor. */
-static double above(uint64_t below, uint64_t top, double count)
-{
-    double ratio = below ? (double)top / (double)below : 0.25;
-    ratio        = fmin(fmax(ratio, 0.25), 0.6);
-    return count * ratio / (1 - ratio);
-}
-
 static void estimate_dag(plan_light *l)
 {
     const light_sample *s        = &l->sample;
     int                 top      = (int)fmin(SAMPLE_LEVELS, l->light.levels - 2) - 1;
     double              inserted = 0;
     for (int n = 0; n <= top; n++) inserted += (double)s->nodes[n];
-    double upper      = top == SAMPLE_LEVELS - 1 ? above(s->nodes[top - 1], s->nodes[top], (double)s->nodes[top]) : 0;
+
+    /* of the levels above a window, each has fewer nodes by the same factor */
+    double upper = 0;
+    if (top == SAMPLE_LEVELS - 1) {
+        double ratio = s->nodes[top - 1] ? (double)s->nodes[top] / (double)s->nodes[top - 1] : 0.25;
+        ratio        = fmin(fmax(ratio, 0.25), 0.6);
+        upper        = (double)s->nodes[top] * ratio / (1 - ratio);
+    }
     l->mask_runs      = (double)s->mask_runs * s->weight;
     l->inserted_masks = (double)s->masks * s->weight;
     l->inserted_nodes = (inserted + upper) * s->weight;
@@ -46,25 +45,6 @@ static void estimate_dag(plan_light *l)
     l->stored_bytes   = 3.9 * (l->masks + l->nodes) + 600;
     l->built_bytes    = 71 * (l->nodes + l->masks);
     l->part_bytes     = 11 * (l->inserted_nodes + l->inserted_masks);
-}
-
-/* A node takes a word for each of its blocks, fewer if blocks repeat, and some words for itself. */
-static double node_words(const plan_light *l, double squares)
-{
-    double blocks = (double)l->sample.palette_blocks * l->sample.weight;
-    return 1.1 * sqrt(blocks * l->palette.blocks) + 5.5 * fmin(squares, blocks);
-}
-
-/* Memory held until all is built. Patterns with freely chosen depths repeat more often the more there are; private-palette patterns
- * rarely repeat. */
-static double palette_built_bytes(const plan_light *l)
-{
-    const palette_estimate *p = &l->palette;
-    enum { REPEATING = 20000 };
-    double own  = (double)l->sample.private_patterns * pow(l->sample.weight, 0.95);
-    double free = fmax(0, p->patterns - p->private_patterns);
-    if (free > REPEATING) free = REPEATING * pow(free / REPEATING, 0.35);
-    return 900 * own + 150 * free + 160 * p->blocks + 10 * p->words;
 }
 
 /* fast: packing of its pages */
@@ -80,42 +60,35 @@ static void estimate_blocks(plan_light *l, int fast)
     p->private_patterns         = (double)s->private_patterns * grown;
     p->block_words              = (double)s->block_words * p->blocks / fmax(1, (double)s->unique_blocks);
     p->pattern_words            = (double)s->pattern_words * grown;
-    p->words                    = 8 + 2 * squares + node_words(l, squares) + p->block_words + p->pattern_words;
-    l->memory_bytes             = 4 * p->words;
-    l->stored_bytes             = (fast ? 1.75 : 1) * (1.1 * p->block_words + 1.7 * p->pattern_words) + 600;
-    l->built_bytes              = palette_built_bytes(l);
-    l->part_bytes               = 0.3 * l->built_bytes;
+
+    /* a node takes a word for each of its blocks, fewer if blocks repeat, and some words for itself */
+    double blocks     = (double)l->sample.palette_blocks * l->sample.weight;
+    double node_words = 1.1 * sqrt(blocks * l->palette.blocks) + 5.5 * fmin(squares, blocks);
+    p->words          = 8 + 2 * squares + node_words + p->block_words + p->pattern_words;
+    l->memory_bytes   = 4 * p->words;
+    l->stored_bytes   = (fast ? 1.75 : 1) * (1.1 * p->block_words + 1.7 * p->pattern_words) + 600;
+
+    /* memory until all is built: patterns with freely chosen depths repeat more often the more there are; private-palette patterns
+     * rarely repeat */
+    enum { REPEATING = 20000 };
+    double own  = (double)s->private_patterns * pow(weight, 0.95);
+    double free = fmax(0, p->patterns - p->private_patterns);
+    if (free > REPEATING) free = REPEATING * pow(free / REPEATING, 0.35);
+    l->built_bytes = 900 * own + 150 * free + 160 * p->blocks + 10 * p->words;
+    l->part_bytes  = 0.3 * l->built_bytes;
 }
 
 /* seconds and bytes, for one light -------------------------------------------------------------------------------------------- */
 
-/* full  texels of tiles with triangles */
-static void estimate_dag_seconds(plan_light *l, double full, double threads)
-{
-    double inserted          = l->inserted_nodes + l->inserted_masks;
-    l->seconds[STAGE_MASKS]  = (1.7e-10 * full + 2.4e-7 * l->mask_tiles) / threads;
-    l->seconds[STAGE_INSERT] = (7e-11 * full + 3.3e-8 * inserted) / threads;
-    l->seconds[STAGE_MERGE]  = 1.2e-8 * inserted + 7e-8 * (l->nodes + l->masks);
-    l->seconds[STAGE_ENCODE] = 3.7e-7 * (l->nodes + l->masks);
-    l->seconds[STAGE_WRITE]  = 3.7e-8 * (l->nodes + l->masks);
-}
-
-static void estimate_blocks_seconds(plan_light *l, double full, double threads, int fast)
-{
-    l->seconds[STAGE_MASKS]  = (1.7e-10 * full + 9e-7 * l->mask_tiles) / threads;
-    l->seconds[STAGE_MERGE]  = 7e-7 * l->palette.patterns;
-    l->seconds[STAGE_ENCODE] = (fast ? 4e-7 : 9e-8) * l->palette.words;
-    l->seconds[STAGE_WRITE]  = (fast ? 5e-8 : 6e-8) * l->palette.words;
-}
-
 void plan_estimate_light(plan_light *l, const bake_options *o)
 {
     l->mask_tiles = (double)l->sample.mask_tiles * l->sample.weight;
-    o->coding == CODING_DAG ? estimate_dag(l) : estimate_blocks(l, o->pack == PACK_FAST);
+    int fast      = o->pack == PACK_FAST;
+    o->coding == CODING_DAG ? estimate_dag(l) : estimate_blocks(l, fast);
 
     const light_sample *s       = &l->sample;
     double              texels  = ldexp(1, 2 * (int)l->light.levels) * l->map_count;
-    double              full    = texels * (1 - (double)s->tiles_empty[0] / (double)s->tiles[0]);
+    double              full    = texels * (1 - (double)s->tiles_empty[0] / (double)s->tiles[0]); /* of tiles with triangles */
     double              block   = texels / (double)s->blocks / (512.0 * 512.0); /* relative to a block of full size */
     double              drawn   = (double)(s->blocks - s->blocks_empty) * block;
     double              solid   = (double)(s->blocks_peeled + s->blocks_not_peeled) * block;
@@ -130,8 +103,19 @@ void plan_estimate_light(plan_light *l, const bake_options *o)
         l->seconds[STAGE_MAPS]    = 6e-4 * drawn + 1e-3 * solid + 5e-3 * peeled + 4e-7 * (double)s->block_triangles;
         l->seconds[STAGE_PYRAMID] = 1e-9 * full / threads;
     }
-    o->coding == CODING_DAG ? estimate_dag_seconds(l, full, threads)
-                            : estimate_blocks_seconds(l, full, threads, o->pack == PACK_FAST);
+    if (o->coding == CODING_DAG) {
+        double inserted = l->inserted_nodes + l->inserted_masks, kept = l->nodes + l->masks;
+        l->seconds[STAGE_MASKS]  = (1.7e-10 * full + 2.4e-7 * l->mask_tiles) / threads;
+        l->seconds[STAGE_INSERT] = (7e-11 * full + 3.3e-8 * inserted) / threads;
+        l->seconds[STAGE_MERGE]  = 1.2e-8 * inserted + 7e-8 * kept;
+        l->seconds[STAGE_ENCODE] = 3.7e-7 * kept;
+        l->seconds[STAGE_WRITE]  = 3.7e-8 * kept;
+    } else {
+        l->seconds[STAGE_MASKS]  = (1.7e-10 * full + 9e-7 * l->mask_tiles) / threads;
+        l->seconds[STAGE_MERGE]  = 7e-7 * l->palette.patterns;
+        l->seconds[STAGE_ENCODE] = (fast ? 4e-7 : 9e-8) * l->palette.words;
+        l->seconds[STAGE_WRITE]  = (fast ? 5e-8 : 6e-8) * l->palette.words;
+    }
 }
 
 /* the scene ------------------------------------------------------------------------------------------------------------------- */

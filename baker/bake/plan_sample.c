@@ -110,7 +110,7 @@ static void count_triangles(void *user, size_t begin, size_t end, uint32_t worke
         if (b.u0 > b.u1 || b.v0 > b.v1 || b.u1 < 0 || b.v1 < 0 || b.u0 > last || b.v0 > last) continue;
         b = (texel_box){max_i32(b.u0, 0), max_i32(b.v0, 0), min_i32(b.u1, last), min_i32(b.v1, last)};
 
-        /* Count a triangle in the blocks that its box touches. counts of its class */
+        /* count the triangle, by its class, in the blocks that its box touches */
         int32_t *counts = job->counts + (worker * CLASSES + (size_t)class_of(job, t)) * job->counts_size;
         int32_t  shift = (int32_t)job->block_log2, row = (int32_t)job->blocks + 1;
         int32_t  u0 = b.u0 >> shift, u1 = (b.u1 >> shift) + 1, v0 = b.v0 >> shift, v1 = (b.v1 >> shift) + 1;
@@ -171,19 +171,6 @@ static int has_pattern(const block_set *set, const block_node *node)
     return 0;
 }
 
-/* Build a window as a node of its own. If no tile needs a pattern, nothing is kept: in a bake, the slope of the surrounding node
- * settles it. */
-static vxs_result build_node(const sampler *job, window *w, column_square columns)
-{
-    int cpu      = cpu_level();
-    w->set       = (block_set){.patterns.cpu = cpu, .privates.cpu = cpu};
-    columns.u_px = w->cell % CELLS_MAX * NODE_PX;
-    columns.v_px = w->cell / CELLS_MAX * NODE_PX;
-    vxs_result r = block_build_node(&w->set, &columns, job->map, 0, 0);
-    if (w->set.node_count && !has_pattern(&w->set, w->set.nodes)) block_set_free(&w->set);
-    return r;
-}
-
 static vxs_result make_window(const sampler *job, window *w)
 {
     build_options build   = {.rule = job->o->rule, .reuse = job->o->reuse};
@@ -192,8 +179,19 @@ static vxs_result make_window(const sampler *job, window *w)
     column_square square;
     vxs_result    r = columns.fetch(columns.data, level, job->at[w->cell][0], job->at[w->cell][1], &square, NULL);
     if (r != VXS_OK) return r;
-    r = job->o->coding == CODING_DAG ? dag_build_square(&w->dag, &square, level, 0, 0, &build, &w->stats)
-                                     : build_node(job, w, square);
+    if (job->o->coding == CODING_DAG) {
+        r = dag_build_square(&w->dag, &square, level, 0, 0, &build, &w->stats);
+    } else {
+        /* Build the window as a node of its own. If no tile needs a pattern, nothing is kept: in a bake, the slope of the
+         * surrounding node settles it. */
+        int           cpu  = cpu_level();
+        column_square node = square;
+        w->set             = (block_set){.patterns.cpu = cpu, .privates.cpu = cpu};
+        node.u_px          = w->cell % CELLS_MAX * NODE_PX;
+        node.v_px          = w->cell / CELLS_MAX * NODE_PX;
+        r                  = block_build_node(&w->set, &node, job->map, 0, 0);
+        if (w->set.node_count && !has_pattern(&w->set, w->set.nodes)) block_set_free(&w->set);
+    }
     columns.release(columns.data, &square);
     return r;
 }
@@ -270,7 +268,7 @@ static vxs_result sample_map(sampler *job, run_context *m)
     if ((r = projection_keep(&job->p, job->kept)) != VXS_OK) return r;
     if ((r = sparse_columns_open(&source, &job->p, &job->columns, &ctx)) != VXS_OK) return r;
 
-    /* Make all windows of a map, and add them in an order that does not depend on the number of threads. */
+    /* make all windows of a map, and add them in an order that does not depend on the number of threads */
     uint32_t windows = count_windows(job);
     r                = VXS_OK;
     for (uint32_t rank = 0; rank < windows && r == VXS_OK; rank += BATCH) {
@@ -289,25 +287,6 @@ static vxs_result sample_map(sampler *job, run_context *m)
     return r;
 }
 
-/* Lay out the windows as a bake would, as if they were the whole. */
-static vxs_result count_palettes(sampler *job, uint32_t map_count)
-{
-    enum { LEVELS = 13 }; /* of a map with a node for each window */
-    light_sample *s = job->s;
-    block_words   w;
-    vxs_result    r = block_words_lay_out(&w, &job->set, LEVELS, map_count, job->o->threads);
-    if (r != VXS_OK) return r;
-    s->mask_tiles       = job->set.tile_count;
-    s->palette_blocks   = job->set.node_count;
-    s->unique_blocks    = w.counts.blocks;
-    s->block_words      = w.counts.block_words;
-    s->pattern_words    = w.counts.pattern_words + w.counts.common_words;
-    s->patterns         = (uint64_t)w.counts.patterns + w.counts.private_patterns + w.common_count;
-    s->private_patterns = w.counts.private_patterns;
-    block_words_free(&w);
-    return VXS_OK;
-}
-
 static vxs_result sample_maps(sampler *job, run_context *m)
 {
     uint32_t   maps = vxs_map_count(job->light), windows = job->side_px / job->window_px;
@@ -324,7 +303,23 @@ static vxs_result sample_maps(sampler *job, run_context *m)
     }
     if (r != VXS_OK) return r;
     job->s->weight = (double)maps * windows * windows / job->s->weight;
-    if (!is_dag) return count_palettes(job, maps);
+    if (!is_dag) {
+        /* lay out the windows as a bake would, as if they were the whole */
+        enum { LEVELS = 13 }; /* of a map with a node for each window */
+        light_sample *s = job->s;
+        block_words   w;
+        r = block_words_lay_out(&w, &job->set, LEVELS, maps, job->o->threads);
+        if (r != VXS_OK) return r;
+        s->mask_tiles       = job->set.tile_count;
+        s->palette_blocks   = job->set.node_count;
+        s->unique_blocks    = w.counts.blocks;
+        s->block_words      = w.counts.block_words;
+        s->pattern_words    = w.counts.pattern_words + w.counts.common_words;
+        s->patterns         = (uint64_t)w.counts.patterns + w.counts.private_patterns + w.common_count;
+        s->private_patterns = w.counts.private_patterns;
+        block_words_free(&w);
+        return VXS_OK;
+    }
     job->s->unique_masks = job->merger.merged.mask_count;
     for (int l = 0; l < SAMPLE_LEVELS; l++) job->s->unique_nodes += job->merger.merged.level[l].count;
     return VXS_OK;

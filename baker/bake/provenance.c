@@ -40,25 +40,6 @@ void provenance_set_shape(json_t **object, const light_shape *l)
     if (l->kind == LIGHT_SPOT) json_set(object, "outer_rad", number_json(l->outer_rad));
 }
 
-static json_t *light_json(const bake_options *o, const chosen_light *light)
-{
-    double   texel_metres;
-    uint32_t side   = light_resolution(o, light->name, &texel_metres);
-    json_t  *object = json_pack("{s:o, s:b}", "name", json_text(light->name), "in_scene", !light->is_option);
-    provenance_set_shape(&object, &light->shape);
-    if (side)
-        json_set(&object, "resolution_px", json_integer(side));
-    else
-        json_set(&object, "texel_m", number_json(texel_metres));
-    return object;
-}
-
-static json_t *scene_json(const scene *s, const scene_fingerprint *f)
-{
-    return json_pack("{s:o, s:I, s:s, s:s, s:s, s:s}", "name", json_text(s->name), "triangles", (json_int_t)s->triangle_count,
-                     "geometry", f->geometry, "alpha_masks", f->alpha_masks, "cameras", f->cameras, "lights", f->lights);
-}
-
 /* Options, and the fingerprint of the smoke, if there is some. */
 static json_t *options_json(const bake_options *o, const bake_scene *s)
 {
@@ -83,8 +64,18 @@ vxs_result provenance_inputs(json_t **inputs, const bake_options *o, const bake_
                              run_context *m)
 {
     json_t *lights = json_array();
-    for (size_t n = 0; n < chosen->count; n++) json_append(&lights, light_json(o, &chosen->lights[n]));
-    *inputs = json_pack("{s:s, s:o, s:o, s:o}", "generator", "vxs " VXS_VERSION, "scene", scene_json(&s->scene, &s->fingerprint),
+    for (const chosen_light *l = chosen->lights; l < chosen->lights + chosen->count; l++) {
+        double   texel_metres;
+        uint32_t side   = light_resolution(o, l->name, &texel_metres);
+        json_t  *object = json_pack("{s:o, s:b}", "name", json_text(l->name), "in_scene", !l->is_option);
+        provenance_set_shape(&object, &l->shape);
+        json_set(&object, side ? "resolution_px" : "texel_m", side ? json_integer(side) : number_json(texel_metres));
+        json_append(&lights, object);
+    }
+    *inputs = json_pack("{s:s, s:o, s:o, s:o}", "generator", "vxs " VXS_VERSION, "scene",
+                        json_pack("{s:o, s:I, s:s, s:s, s:s, s:s}", "name", json_text(s->scene.name), "triangles",
+                                  (json_int_t)s->scene.triangle_count, "geometry", s->fingerprint.geometry, "alpha_masks",
+                                  s->fingerprint.alpha_masks, "cameras", s->fingerprint.cameras, "lights", s->fingerprint.lights),
                         "lights", lights, "options", options_json(o, s));
     return *inputs ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory for what is to be baked");
 }
@@ -131,34 +122,24 @@ static int is_list(const json_t *list, int (*is_item)(json_t *item))
     return 1;
 }
 
-/* Whether members that vxs writes have their types. Older versions wrote fewer members. */
-static int is_provenance(json_t *root)
-{
-    json_t *input = json_object_get(root, "scene"), *options = json_object_get(root, "options");
-    return HAS_TYPES(root, "{s:s, s?I, s?I, s?I, s?I}", "generator", "triangles", "solids", "solid_triangles", "warnings") &&
-           (!input || HAS_TYPES(input, "{s:s, s:I, s:s, s:s, s:s, s:s}", "name", "triangles", "geometry", "alpha_masks", "cameras",
-                                "lights")) &&
-           (!options ||
-            HAS_TYPES(options, "{s?s, s?s, s?s, s?F, s?s, s?s, s?s, s?s, s?s, s?s, s?I, s?[F, F, F, F, F, F!]}", "closed", "exit",
-                      "behind", "thickness_m", "coding", "pack", "rule", "stop", "reuse", "gl", "zstd_level", "region_m")) &&
-           is_list(json_object_get(root, "lights"), is_light) && is_list(json_object_get(root, "left_out"), is_left_out);
-}
-
 json_t *provenance_parse(const vxs_contents *contents)
 {
     if (!contents->metadata || contents->metadata_bytes > METADATA_MAX_BYTES) return NULL;
     json_t *root = json_loadb(contents->metadata, contents->metadata_bytes, JSON_REJECT_DUPLICATES, NULL);
-    if (is_provenance(root)) return root;
+
+    /* check the types of members that vxs writes; older versions wrote fewer members */
+    json_t *input = json_object_get(root, "scene"), *options = json_object_get(root, "options");
+    if (HAS_TYPES(root, "{s:s, s?I, s?I, s?I, s?I}", "generator", "triangles", "solids", "solid_triangles", "warnings") &&
+        (!input ||
+         HAS_TYPES(input, "{s:s, s:I, s:s, s:s, s:s, s:s}", "name", "triangles", "geometry", "alpha_masks", "cameras", "lights")) &&
+        (!options ||
+         HAS_TYPES(options, "{s?s, s?s, s?s, s?F, s?s, s?s, s?s, s?s, s?s, s?s, s?I, s?[F, F, F, F, F, F!]}", "closed", "exit",
+                   "behind", "thickness_m", "coding", "pack", "rule", "stop", "reuse", "gl", "zstd_level", "region_m")) &&
+        is_list(json_object_get(root, "lights"), is_light) && is_list(json_object_get(root, "left_out"), is_left_out))
+        return root;
+
     json_decref(root);
     return NULL;
-}
-
-static int has_inputs(const json_t *made, const json_t *inputs)
-{
-    const char *key;
-    json_t     *input;
-    json_object_foreach((json_t *)(size_t)inputs, key, input) if (!json_equal(json_object_get(made, key), input)) return 0;
-    return 1;
 }
 
 /* The asset of a file; NULL: there is none that can be read.   size_bytes  [out] */
@@ -186,9 +167,11 @@ int provenance_is_current(const char *path, const json_t *inputs, uint64_t *file
 {
     vxs_asset *asset = open_asset(path, file_bytes, m);
     if (!asset) return 0;
-    json_t *made    = provenance_parse(vxs_asset_contents(asset));
-    int     current = has_inputs(made, inputs);
-    *warning_count  = (size_t)json_integer_value(json_object_get(made, "warnings"));
+    json_t     *made    = provenance_parse(vxs_asset_contents(asset)), *input;
+    int         current = 1;
+    const char *key;
+    json_object_foreach((json_t *)(size_t)inputs, key, input) current &= json_equal(json_object_get(made, key), input);
+    *warning_count = (size_t)json_integer_value(json_object_get(made, "warnings"));
     json_decref(made);
     vxs_asset_close(asset);
     return current;

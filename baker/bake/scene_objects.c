@@ -67,7 +67,8 @@ void objects_free(object_list *list)
     *list = (object_list){0};
 }
 
-int objects_find_members(object_list *list, const casters *c)
+/* Find the triangles of each object; a second call does nothing. Returns 0 without memory. */
+static int objects_find_members(object_list *list, const casters *c)
 {
     uint32_t at = 0;
     if (list->first) return 1;
@@ -119,16 +120,6 @@ static size_t count_labelled(const scene *s, const scene_part *part, part_label 
     return count;
 }
 
-/* Whether a name can be a pattern as it is; "#7" can be used for any other. */
-static int is_plain(const char *name)
-{
-    size_t length = strlen(name);
-    if (!length || length > 60 || strpbrk(name, "*?[\\'")) return 0;
-    for (const char *c = name; *c; c++)
-        if ((unsigned char)*c < 0x20 || *c == 0x7f) return 0;
-    return 1;
-}
-
 static void write_name(object_name *out, const scene *s, const scene_part *part, part_label by, int alone)
 {
     char        shown[61], pattern[80];
@@ -137,7 +128,11 @@ static void write_name(object_name *out, const scene *s, const scene_part *part,
         snprintf(out->text, sizeof out->text, "%s '%s'", word, shorten(shown, 60, name));
     else
         snprintf(out->text, sizeof out->text, "%s %u", word, number_of(part, by));
-    if (alone && is_plain(name))
+
+    /* the name, if it can be a pattern as it is; "#7" can be used for any */
+    int plain = alone && *name && strlen(name) <= 60 && !strpbrk(name, "*?[\\'");
+    for (const char *c = name; *c; c++) plain &= (unsigned char)*c >= 0x20 && *c != 0x7f;
+    if (plain)
         snprintf(pattern, sizeof pattern, "%s:%s", word, name);
     else
         snprintf(pattern, sizeof pattern, "%s:#%u", word, number_of(part, by));
@@ -260,12 +255,6 @@ typedef struct shell {
     uint8_t *two_sided;     /* [count] */
 } shell;
 
-static void shell_free(shell *s)
-{
-    free(s->triangles);
-    free(s->two_sided);
-}
-
 static int shell_of(shell *s, object_list *objects, size_t object, const casters *c)
 {
     size_t count = objects->items[object].triangles;
@@ -378,7 +367,8 @@ static int hides(object_list *objects, size_t object, const lit_point *all, size
     }
     is = lit <= free_most && is_useless(&s, d, points, count - lit, behind, *farthest_metres);
 done:
-    shell_free(&s);
+    free(s.triangles);
+    free(s.two_sided);
     return is;
 }
 

@@ -30,9 +30,6 @@ int  objects_by_component(object_list *list, const casters *c);
 int  objects_by_node(object_list *list, const casters *c, const scene *s);
 void objects_free(object_list *list);
 
-/* Find the triangles of each object; a second call does nothing. Returns 0 without memory. */
-int objects_find_members(object_list *list, const casters *c);
-
 /* Name of an object, and the option that excludes it. */
 typedef struct object_name {
     char text[160];   /* "node 'Sky'", "material 'Glass'", "the component of 12 triangles at (1, 2, 3)" */

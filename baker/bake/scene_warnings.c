@@ -42,22 +42,6 @@ static size_t list_nodes(named_node **out, const scene *s)
 
 /* collisions ------------------------------------------------------------------------------------------------------------------ */
 
-static int has_word(const char *name, const char *word)
-{
-    size_t length = strlen(word);
-    for (const char *at = name; *at; at++) {
-        if (at > name && isalnum((unsigned char)at[-1])) continue;
-        if (!strncasecmp(at, word, length) && !isalnum((unsigned char)at[length])) return 1;
-    }
-    return 0;
-}
-
-static int ends_with(const char *name, const char *end)
-{
-    size_t length = strlen(name), end_length = strlen(end);
-    return length > end_length && !strcmp(name + length - end_length, end);
-}
-
 /* The pattern of collision nodes that a name matches, by the rules of Unreal Engine (UCX_ ...) and Godot (-colonly ...); NULL:
  * none. */
 static const char *collision_pattern(const char *name)
@@ -70,10 +54,17 @@ static const char *collision_pattern(const char *name)
                                                   "node:*-noimp"};
     for (size_t n = 0; n < sizeof prefixes / sizeof *prefixes; n++)
         if (!strncmp(name, prefixes[n], strlen(prefixes[n]))) return prefix_patterns[n];
-    for (size_t n = 0; n < sizeof ends / sizeof *ends; n++)
-        if (ends_with(name, ends[n])) return end_patterns[n];
-    for (size_t n = 0; n < sizeof words / sizeof *words; n++)
-        if (has_word(name, words[n])) return "";
+    for (size_t n = 0; n < sizeof ends / sizeof *ends; n++) {
+        size_t length = strlen(name), end_length = strlen(ends[n]);
+        if (length > end_length && !strcmp(name + length - end_length, ends[n])) return end_patterns[n];
+    }
+    for (size_t n = 0; n < sizeof words / sizeof *words; n++) {
+        size_t length = strlen(words[n]);
+        for (const char *at = name; *at; at++) {
+            if (at > name && isalnum((unsigned char)at[-1])) continue;
+            if (!strncasecmp(at, words[n], length) && !isalnum((unsigned char)at[length])) return "";
+        }
+    }
     return NULL;
 }
 
@@ -100,14 +91,12 @@ static void warn_about_collisions(const named_node *nodes, size_t count, run_con
     if (found > 1)
         warn(m,
              "node '%s' and %zu more are named like shapes for collisions, which are not seen, and cast shadows of %zu triangles; "
-             "leave "
-             "them out with --exclude %s",
+             "leave them out with --exclude %s",
              first->name, found - 1, triangles, option);
     else
         warn(m,
              "node '%s' is named like a shape for collisions, which is not seen, and casts shadows of %zu triangles; leave it out "
-             "with "
-             "--exclude %s",
+             "with --exclude %s",
              first->name, triangles, option);
 }
 
@@ -136,12 +125,6 @@ static int by_thing(const void *a, const void *b)
     return differ ? differ : p->first < q->first ? -1 : p->first > q->first;
 }
 
-static int same_thing(const named_node *a, const named_node *b)
-{
-    size_t length = (size_t)(detail_number(a->name) - a->name);
-    return (size_t)(detail_number(b->name) - b->name) == length && !strncmp(a->name, b->name, length);
-}
-
 /* Whether the centre of one is in the box of the other. */
 static int same_place(const scene *s, const named_node *a, const named_node *b)
 {
@@ -162,7 +145,9 @@ static void warn_about_details(const scene *s, named_node *nodes, size_t count, 
         if (detail_number(nodes[n].name)) nodes[levels++] = nodes[n];
     if (levels > 1) qsort(nodes, levels, sizeof *nodes, by_thing);
     for (size_t n = 0, of = 0; n + 1 < levels; n++) {
-        if (!same_thing(&nodes[n], &nodes[n + 1])) {
+        const char *name = nodes[n].name, *next = nodes[n + 1].name;
+        size_t      length = (size_t)(detail_number(name) - name);
+        if ((size_t)(detail_number(next) - next) != length || strncmp(name, next, length) != 0) {
             of = n + 1;
             continue;
         }
@@ -179,8 +164,7 @@ static void warn_about_details(const scene *s, named_node *nodes, size_t count, 
     word -= strlen("lod") + 1;
     warn(m,
          "node '%s' is a coarser '%s' in the same place%s: only one level of detail is seen, and all cast shadows; leave the "
-         "others out "
-         "with --exclude 'node:*%.*s[1-9]*'",
+         "others out with --exclude 'node:*%.*s[1-9]*'",
          other->name, first->name, found > 1 ? ", and there are more" : "", (int)(digit - word), word);
 }
 
@@ -252,9 +236,7 @@ void warn_about_ranges(const casters *c, const light_choice *chosen, run_context
     if (box_diagonal(&all) < CENTIMETRES_ACROSS_MIN_METRES) return;
     warn(m,
          "light '%s' reaches %.3g m, no punctual light farther, and %zu of %zu components are wider than %.3g m, in a scene of "
-         "%.15g m: as "
-         "of one in "
-         "centimetres with lights in metres; scale its root nodes by 0.01, or give lights longer ranges",
+         "%.15g m: as of one in centimetres with lights in metres; scale its root nodes by 0.01, or give lights longer ranges",
          longest->name, longest->shape.range_metres, wider, count, width, rounded(box_diagonal(&all), 3));
 }
 

@@ -69,26 +69,6 @@ static uint64_t left_in_group(int version, const char *path)
     return limit == UINT64_MAX ? limit : limit > used ? limit - used : 0;
 }
 
-/* Minimum over the group of the process and its parent groups. A line is "4:memory:/path", or "0::/path" in version 2. */
-static uint64_t left_in_groups(void)
-{
-    char     line[PATH_MAX];
-    uint64_t left = UINT64_MAX;
-    FILE    *f    = fopen("/proc/self/cgroup", "re");
-    while (f && fgets(line, sizeof line, f)) {
-        int   version = !strncmp(line, "0::", 3) ? 1 : strstr(line, ":memory:") ? 0 : -1;
-        char *path    = strchr(line, '/');
-        if (version < 0 || !path) continue;
-        path[strcspn(path, "\n")] = 0;
-        for (char *end = path + strlen(path); end; end = strrchr(path, '/')) {
-            *end = 0;
-            left = min_u64(left, left_in_group(version, path));
-        }
-    }
-    if (f) fclose(f);
-    return left;
-}
-
 /* ----------------------------------------------------------------------------------------------------------------------------- */
 
 /* The rest of RLIMIT_AS. */
@@ -104,7 +84,24 @@ static uint64_t left_of_addresses(void)
 uint64_t memory_available_bytes(void)
 {
     uint64_t kib = number_in("/proc", "meminfo", "MemAvailable:", UINT64_MAX / 1024);
-    return min_u64(min_u64(kib * 1024, left_in_groups()), left_of_addresses());
+
+    /* Minimum over the group of the process and its parent groups. A line is "4:memory:/path", or "0::/path" in version 2. */
+    char     line[PATH_MAX];
+    uint64_t left_in_groups = UINT64_MAX;
+    FILE    *f              = fopen("/proc/self/cgroup", "re");
+    while (f && fgets(line, sizeof line, f)) {
+        int   version = !strncmp(line, "0::", 3) ? 1 : strstr(line, ":memory:") ? 0 : -1;
+        char *path    = strchr(line, '/');
+        if (version < 0 || !path) continue;
+        path[strcspn(path, "\n")] = 0;
+        for (char *end = path + strlen(path); end; end = strrchr(path, '/')) {
+            *end           = 0;
+            left_in_groups = min_u64(left_in_groups, left_in_group(version, path));
+        }
+    }
+    if (f) fclose(f);
+
+    return min_u64(min_u64(kib * 1024, left_in_groups), left_of_addresses());
 }
 
 int memory_allows(uint64_t bytes, const run_context *m)

@@ -79,15 +79,6 @@ static void print_word(FILE *to, const json_t *options, const char *key, const c
     print_string(to, value);
 }
 
-/* A file without a coding in its metadata was baked with DAGs. */
-static void print_coding(FILE *to, const json_t *options, coding_choice default_coding)
-{
-    if (json_object_get(options, "coding"))
-        print_word(to, options, "coding", CODING_CHOICES, (int)default_coding);
-    else if (options && default_coding != CODING_DAG)
-        fprintf(to, " --coding dag");
-}
-
 /* The size options of the lights' maps: those of the first light for all, then the lights that differ. */
 static void print_size(FILE *to, const json_t *light, const json_t *first)
 {
@@ -148,7 +139,11 @@ static void print_options(FILE *to, const json_t *made)
     if (json_object_get(options, "thickness_m"))
         fprintf(to, " --thickness %.9g", json_number_value(json_object_get(options, "thickness_m")));
     if (!json_object_get(options, "maps")) fprintf(to, " --maps gl");
-    print_coding(to, options, defaults.o.coding);
+    /* a file without a coding in its metadata was baked with DAGs */
+    if (json_object_get(options, "coding"))
+        print_word(to, options, "coding", CODING_CHOICES, (int)defaults.o.coding);
+    else if (options && defaults.o.coding != CODING_DAG)
+        fprintf(to, " --coding dag");
     print_word(to, options, "pack", PACK_CHOICES, (int)defaults.o.pack);
     print_word(to, options, "rule", RULE_CHOICES, (int)defaults.o.rule);
     print_word(to, options, "stop", STOP_CHOICES, (int)defaults.o.stop);

@@ -18,26 +18,6 @@ static void collect(void *user, int number, const char *text, int section, uint6
     json_array_append_new(user, finding);
 }
 
-static void print_findings(const char *path, json_t *findings, const run_context *m)
-{
-    FILE   *to = report_stream(m, 0);
-    char    word[COLORED_BYTES], plain[PLAIN_BYTES];
-    size_t  n;
-    json_t *f;
-    if (!to) return;
-    plain_text(plain, path);
-    json_array_foreach(findings, n, f)
-    {
-        json_t *section = json_object_get(f, "section");
-        char    where[32];
-        snprintf(where, sizeof where, section ? "section %d" : "header", section ? (int)json_integer_value(section) : 0);
-        fprintf(to, "%s: %s %d: %s (%s, byte %lld)\n", plain, colored(word, m->color, to, COLOR_RED, "finding"),
-                (int)json_integer_value(json_object_get(f, "number")), json_string_value(json_object_get(f, "text")), where,
-                (long long)json_integer_value(json_object_get(f, "offset_bytes")));
-    }
-    if (!json_array_size(findings)) fprintf(to, "%s: %s\n", plain, colored(word, m->color, to, COLOR_GREEN, "valid"));
-}
-
 typedef struct validate_command {
     const char *path, *json_path;
     uint64_t    memory_bytes;
@@ -62,7 +42,23 @@ static vxs_result run(void *command, run_context *m)
         fail(m, r, "cannot check '%s': %s", input_name(c->path), vxs_result_text(r));
     } else {
         m->wrong = found;
-        if (!is_standard_output(c->json_path)) print_findings(input_name(c->path), findings, m);
+        FILE *to = is_standard_output(c->json_path) ? NULL : report_stream(m, 0);
+        if (to) {
+            char    word[COLORED_BYTES], plain[PLAIN_BYTES];
+            size_t  n;
+            json_t *f;
+            plain_text(plain, input_name(c->path));
+            json_array_foreach(findings, n, f)
+            {
+                json_t *section = json_object_get(f, "section");
+                char    where[32];
+                snprintf(where, sizeof where, section ? "section %d" : "header", section ? (int)json_integer_value(section) : 0);
+                fprintf(to, "%s: %s %d: %s (%s, byte %lld)\n", plain, colored(word, m->color, to, COLOR_RED, "finding"),
+                        (int)json_integer_value(json_object_get(f, "number")), json_string_value(json_object_get(f, "text")), where,
+                        (long long)json_integer_value(json_object_get(f, "offset_bytes")));
+            }
+            if (!json_array_size(findings)) fprintf(to, "%s: %s\n", plain, colored(word, m->color, to, COLOR_GREEN, "valid"));
+        }
         json_t *json = json_pack("{s:o, s:b, s:O}", "file", json_text(c->path), "valid", !found, "findings", findings);
         r            = c->json_path ? json_write(c->json_path, json, m) : (json_decref(json), VXS_OK);
     }

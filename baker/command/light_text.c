@@ -8,11 +8,6 @@
 #include "baker/files/json_file.h"
 #include "baker/light/map_space.h"
 
-static double degrees(double radians)
-{
-    return radians * 180 / 3.14159265358979323846;
-}
-
 static double far_metres(const vxs_light *l)
 {
     return l->near_metres * exp(ldexp(l->voxel_metres, (int)l->levels));
@@ -21,7 +16,7 @@ static double far_metres(const vxs_light *l)
 /* From edge to edge. */
 static double cone_degrees(const light_shape *s)
 {
-    return 2 * degrees(s->outer_rad);
+    return 2 * s->outer_rad * 180 / 3.14159265358979323846;
 }
 
 /* "(1, 0, -2.5)". Values that rounding left close to zero are printed as 0. */

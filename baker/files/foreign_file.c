@@ -99,20 +99,6 @@ static int is_utf16(const uint8_t *b, size_t size)
            (!b[0] && b[1] == '{' && !b[2]);
 }
 
-/* In a ZIP archive the name of the first file is at byte 30. */
-static const char *archive_text(const uint8_t *b, size_t size)
-{
-    size_t length = size >= 30 ? (size_t)b[26] | (size_t)b[27] << 8 : 0;
-    if (length > size - 30) length = size - 30;
-    return memmem(b + 30, length, ".usd", 4) ? "USDZ (" EXPORT ")" : "a ZIP archive (unpack it)";
-}
-
-/* A binary STL has 80 arbitrary bytes, the number of triangles, and 50 bytes per triangle. */
-static int is_binary_stl(const uint8_t *b, size_t size, uint64_t total_bytes)
-{
-    return size >= 84 && u32_at(b + 80) && total_bytes == 84 + 50 * (uint64_t)u32_at(b + 80);
-}
-
 /* The first line of a Wavefront file that is not a comment defines a vertex, a group or a material. */
 static int is_obj(const char *text)
 {
@@ -123,14 +109,6 @@ static int is_obj(const char *text)
     return 0;
 }
 
-static const char *xml_text(const char *text)
-{
-    return strstr(text, "<COLLADA")    ? "COLLADA (" EXPORT ")"
-           : strcasestr(text, "<html") ? "an HTML page (what was to be fetched is behind it, or the address is wrong)"
-           : strstr(text, "<X3D")      ? "X3D (" EXPORT ")"
-                                       : "XML (" EXPORT ")";
-}
-
 /* text  ends at a NUL; in a binary file this is its first zero byte */
 static const char *text_kind(const char *text)
 {
@@ -138,7 +116,11 @@ static const char *text_kind(const char *text)
     text += strspn(text, " \t\r\n");
     for (size_t n = 0; n < sizeof texts / sizeof *texts; n++)
         if (!strncasecmp(text, texts[n].word, strlen(texts[n].word))) return texts[n].text;
-    if (!strncmp(text, "<?xml", 5) || !strncmp(text, "<COLLADA", 8)) return xml_text(text);
+    if (!strncmp(text, "<?xml", 5) || !strncmp(text, "<COLLADA", 8))
+        return strstr(text, "<COLLADA")    ? "COLLADA (" EXPORT ")"
+               : strcasestr(text, "<html") ? "an HTML page (what was to be fetched is behind it, or the address is wrong)"
+               : strstr(text, "<X3D")      ? "X3D (" EXPORT ")"
+                                           : "XML (" EXPORT ")";
     if (!strncasecmp(text, "solid", 5) && strstr(text, "facet")) return "STL (" EXPORT ")";
     return is_obj(text) ? "OBJ (" EXPORT ")" : NULL;
 }
@@ -152,12 +134,18 @@ const char *foreign_file_text(char text[FOREIGN_BYTES], const void *bytes, size_
     if (size) memcpy(head, bytes, kept);
     head[kept] = '\0';
     if (is_tile(text, b, size)) return text;
-    if (size >= 30 && !memcmp(b, "PK\3\4", 4)) found = archive_text(b, size);
+    if (size >= 30 && !memcmp(b, "PK\3\4", 4)) {
+        /* in a ZIP archive the name of the first file is at byte 30 */
+        size_t length = (size_t)b[26] | (size_t)b[27] << 8;
+        if (length > size - 30) length = size - 30;
+        found = memmem(b + 30, length, ".usd", 4) ? "USDZ (" EXPORT ")" : "a ZIP archive (unpack it)";
+    }
     for (size_t n = 0; n < sizeof binary / sizeof *binary && !found; n++)
         if (size >= binary[n].size && !memcmp(b, binary[n].magic, binary[n].size)) found = binary[n].text;
     if (!found && is_utf16(b, size)) found = "text in UTF-16 (iconv -f UTF-16 -t UTF-8 makes it UTF-8)";
     if (!found) found = text_kind(head);
-    if (!found && is_binary_stl(b, size, total_bytes)) found = "STL (" EXPORT ")";
+    /* a binary STL has 80 arbitrary bytes, the number of triangles, and 50 bytes per triangle */
+    if (!found && size >= 84 && u32_at(b + 80) && total_bytes == 84 + 50 * (uint64_t)u32_at(b + 80)) found = "STL (" EXPORT ")";
     if (!found && size >= 64 && !b[0] && !memcmp(b, b + 1, size - 1))
         found = "nothing but zeros (its copy is incomplete, or it is a device)";
     if (!found) return NULL;

@@ -31,14 +31,6 @@ static vxs_result cannot_write(const output_file *f, int error, run_context *m)
                 error == ENOENT && !m->access ? ": its folder is not there" : "");
 }
 
-/* A temporary name beside the target, unique by the process number. NULL without memory. */
-static char *temporary_name(const output_file *f, int n)
-{
-    char folder[PATH_MAX] = "", *name;
-    path_split(f->target, folder);
-    return asprintf(&name, "%s.vxs-%ld-%d.tmp", folder, (long)getpid(), n) < 0 ? NULL : name;
-}
-
 /* The path in /proc of an open file. A link to this path gives the unnamed file its first name. */
 static void descriptor_path(char path[64], int descriptor)
 {
@@ -75,9 +67,12 @@ static int take_and_remember_name(output_file *f, int descriptor)
 static vxs_result name_temporary(output_file *f, int descriptor, int *taken, run_context *m)
 {
     for (int n = 0; n < TEMPORARY_NAMES; n++) {
-        f->temporary = temporary_name(f, n);
-        if (!f->temporary) return out_of_memory(f->name, m);
-        *taken = take_and_remember_name(f, descriptor);
+        /* a name beside the target, unique by the process number */
+        char folder[PATH_MAX] = "", *name;
+        path_split(f->target, folder);
+        if (asprintf(&name, "%s.vxs-%ld-%d.tmp", folder, (long)getpid(), n) < 0) return out_of_memory(f->name, m);
+        f->temporary = name;
+        *taken       = take_and_remember_name(f, descriptor);
         if (*taken >= 0) return VXS_OK;
         int error = errno;
         free(f->temporary);
@@ -130,12 +125,6 @@ static int is_written_directly(const struct stat *s)
     return !S_ISDIR(s->st_mode) && (!S_ISREG(s->st_mode) || !s->st_nlink);
 }
 
-static vxs_result open_directly(output_file *f, const char *path, run_context *m)
-{
-    f->stream = fopen(path, "wbe");
-    return f->stream ? VXS_OK : cannot_write(f, errno, m);
-}
-
 /* For an existing path, links are resolved; a new path is used as given.
  * old  status of the existing file; NULL: none */
 static vxs_result open_beside(output_file *f, const char *path, const struct stat *old, run_context *m)
@@ -186,10 +175,10 @@ vxs_result output_file_open(output_file *f, const char *path, run_context *m)
         r = fail(m, VXS_E_WRITE, "%s: cannot write: it is a link that leads to no file: %s", path, strerror(error));
     else if (exists && (r = run_files_check_write(path, m)) != VXS_OK)
         ; /* the run reads this file, perhaps by another name */
-    else if (exists && is_written_directly(&status))
-        r = open_directly(f, path, m);
-    else
+    else if (!exists || !is_written_directly(&status))
         r = open_beside(f, path, exists ? &status : NULL, m);
+    else if (!(f->stream = fopen(path, "wbe")))
+        r = cannot_write(f, errno, m);
     if (r != VXS_OK) output_file_abort(f);
     return r;
 }
@@ -221,22 +210,19 @@ static int sync_to_disk(int descriptor)
     return !fsync(descriptor) || errno == EINVAL || errno == ENOTSUP ? 0 : errno;
 }
 
-/* Write an output through m->access. */
-static vxs_result commit_to_caller(output_file *f, run_context *m)
-{
-    const file_access *access = m->access;
-    vxs_result         r      = run_check(m);
-    int                error  = ferror(f->stream) | fclose(f->stream); /* a stream of memory fails only without memory */
-    f->stream                 = NULL;
-    if (r == VXS_OK && error) r = out_of_memory(f->name, m);
-    if (r == VXS_OK && (error = access->write(access->user, f->name, f->memory, f->memory_bytes))) r = cannot_write(f, error, m);
-    release(f);
-    return r;
-}
-
 vxs_result output_file_commit(output_file *f, run_context *m)
 {
-    if (m->access) return commit_to_caller(f, m);
+    if (m->access) {
+        const file_access *access = m->access;
+        vxs_result         r      = run_check(m);
+        int                error  = ferror(f->stream) | fclose(f->stream); /* a stream of memory fails only without memory */
+        f->stream                 = NULL;
+        if (r == VXS_OK && error) r = out_of_memory(f->name, m);
+        if (r == VXS_OK && (error = access->write(access->user, f->name, f->memory, f->memory_bytes)))
+            r = cannot_write(f, error, m);
+        release(f);
+        return r;
+    }
     vxs_result r      = run_check(m);
     int        error  = ferror(f->stream) ? EIO : 0, linked; /* an unchecked write through stdio failed: its errno is lost */
     int        folder = -1;

@@ -169,20 +169,6 @@ static vxs_result is_the_input(const char *option, const char *path, const char 
                 *option ? " " : "", path, what);
 }
 
-static vxs_result remember_input(run_files *f, const file_identity *in, const char *what, run_context *m)
-{
-    if (!in->is_known || in->name) return VXS_OK; /* a device, or it does not exist */
-    for (const run_input *i = f->inputs; i < f->inputs + f->input_count; i++)
-        if (is_same(&i->identity, in)) return VXS_OK;
-    char *copy = strdup(what);
-    if (!copy || !array_reserve(&f->inputs, &f->input_capacity, f->input_count + 1, sizeof *f->inputs)) {
-        free(copy);
-        return out_of_memory(what, m);
-    }
-    f->inputs[f->input_count++] = (run_input){*in, copy};
-    return VXS_OK;
-}
-
 vxs_result run_files_check_input(const char *path, const char *what, run_context *m)
 {
     run_files *f = m->files;
@@ -196,7 +182,17 @@ vxs_result run_files_check_input(const char *path, const char *what, run_context
                         f->folders[h->folder].option, f->folders[h->folder].path, h->name, what);
     if (is_same(&shown, &in))
         return fail(m, VXS_E_ARGUMENT, "standard output goes to the input itself, %s: expected another file", what);
-    return remember_input(f, &in, what, m);
+
+    if (!in.is_known || in.name) return VXS_OK; /* a device, or it does not exist */
+    for (const run_input *i = f->inputs; i < f->inputs + f->input_count; i++)
+        if (is_same(&i->identity, &in)) return VXS_OK;
+    char *copy = strdup(what);
+    if (!copy || !array_reserve(&f->inputs, &f->input_capacity, f->input_count + 1, sizeof *f->inputs)) {
+        free(copy);
+        return out_of_memory(what, m);
+    }
+    f->inputs[f->input_count++] = (run_input){in, copy};
+    return VXS_OK;
 }
 
 /* writing ---------------------------------------------------------------------------------------------------------------------- */

@@ -41,25 +41,6 @@ static vxs_result check_choice(const char *name, unsigned value, unsigned most, 
     return value <= most ? VXS_OK : fail(m, VXS_E_ARGUMENT, "%s %u: expected 0 to %u", name, value, most);
 }
 
-static vxs_result check_choices(const vxs_bake_options *a, run_context *m)
-{
-    vxs_result r = check_choice("closed", a->closed, VXS_BAKE_CLOSED_OFF, m);
-    if (r == VXS_OK) r = check_choice("skinned", a->skinned, VXS_BAKE_SKINNED_REST, m);
-    if (r == VXS_OK) r = check_choice("blend", a->blend, VXS_BAKE_BLEND_EXCLUDE, m);
-    if (r == VXS_OK) r = check_choice("exit", a->exit, VXS_BAKE_EXIT_BACK, m);
-    if (r == VXS_OK) r = check_choice("coding", a->coding, VXS_BAKE_DAG, m);
-    if (r == VXS_OK) r = check_choice("pack", a->pack, VXS_BAKE_PACK_FAST, m);
-    if (r == VXS_OK) r = check_choice("zstd_level", a->zstd_level, ZSTD_MAX, m);
-    if (r == VXS_OK) r = check_choice("threads", a->threads, PARALLEL_THREADS_MAX, m);
-    if (r == VXS_OK && a->thickness_metres != 0 &&
-        !(a->thickness_metres >= TEXEL_MIN_METRES && a->thickness_metres <= TEXEL_MAX_METRES))
-        r = fail(m, VXS_E_ARGUMENT, "thickness_metres %g: expected %g to %g", a->thickness_metres, TEXEL_MIN_METRES,
-                 TEXEL_MAX_METRES);
-    if (r == VXS_OK && a->coding == VXS_BAKE_DAG && a->pack != VXS_BAKE_PACK_SMALL)
-        r = fail(m, VXS_E_ARGUMENT, "pack is of the pages of palette blocks, and coding is VXS_BAKE_DAG");
-    return r;
-}
-
 /* At most one of the two may be given. */
 static vxs_result check_map_size(const char *light, uint32_t side, double texel, run_context *m)
 {
@@ -153,17 +134,6 @@ static vxs_result add_map_sizes(asked_options *a, run_context *m)
     return r;
 }
 
-static vxs_result add_lists(asked_options *a, int lights, run_context *m)
-{
-    const vxs_bake_options *asked = &a->asked;
-    vxs_result              r     = add_texts(&a->o.scene.exclude, asked->exclude, asked->exclude_count, "exclude", m);
-    if (r == VXS_OK) r = add_texts(&a->o.scene.include, asked->include, asked->include_count, "include", m);
-    if (r != VXS_OK || !lights) return r;
-    r = add_texts(&a->o.light_names, asked->light_names, asked->light_name_count, "light_names", m);
-    if (r == VXS_OK) r = add_suns(a, m);
-    return r == VXS_OK ? add_map_sizes(a, m) : r;
-}
-
 /* files ----------------------------------------------------------------------------------------------------------------------- */
 
 static vxs_result check_files(const vxs_bake_options *a, int lights, run_context *m)
@@ -230,12 +200,34 @@ vxs_result asked_options_init(asked_options *a, const vxs_bake_options *options,
 {
     *a           = (asked_options){0};
     vxs_result r = take_known(&a->asked, options, m);
-    if (r == VXS_OK) r = check_choices(&a->asked, m);
+    if (r == VXS_OK) {
+        r = check_choice("closed", a->asked.closed, VXS_BAKE_CLOSED_OFF, m);
+        if (r == VXS_OK) r = check_choice("skinned", a->asked.skinned, VXS_BAKE_SKINNED_REST, m);
+        if (r == VXS_OK) r = check_choice("blend", a->asked.blend, VXS_BAKE_BLEND_EXCLUDE, m);
+        if (r == VXS_OK) r = check_choice("exit", a->asked.exit, VXS_BAKE_EXIT_BACK, m);
+        if (r == VXS_OK) r = check_choice("coding", a->asked.coding, VXS_BAKE_DAG, m);
+        if (r == VXS_OK) r = check_choice("pack", a->asked.pack, VXS_BAKE_PACK_FAST, m);
+        if (r == VXS_OK) r = check_choice("zstd_level", a->asked.zstd_level, ZSTD_MAX, m);
+        if (r == VXS_OK) r = check_choice("threads", a->asked.threads, PARALLEL_THREADS_MAX, m);
+        if (r == VXS_OK && a->asked.thickness_metres != 0 &&
+            !(a->asked.thickness_metres >= TEXEL_MIN_METRES && a->asked.thickness_metres <= TEXEL_MAX_METRES))
+            r = fail(m, VXS_E_ARGUMENT, "thickness_metres %g: expected %g to %g", a->asked.thickness_metres, TEXEL_MIN_METRES,
+                     TEXEL_MAX_METRES);
+        if (r == VXS_OK && a->asked.coding == VXS_BAKE_DAG && a->asked.pack != VXS_BAKE_PACK_SMALL)
+            r = fail(m, VXS_E_ARGUMENT, "pack is of the pages of palette blocks, and coding is VXS_BAKE_DAG");
+    }
     if (r == VXS_OK) r = check_files(&a->asked, lights, m);
     if (r == VXS_OK && lights) r = check_region(&a->asked, m);
     if (r != VXS_OK) return r;
     translate(a);
-    return add_lists(a, lights, m);
+
+    const vxs_bake_options *asked = &a->asked;
+    r                             = add_texts(&a->o.scene.exclude, asked->exclude, asked->exclude_count, "exclude", m);
+    if (r == VXS_OK) r = add_texts(&a->o.scene.include, asked->include, asked->include_count, "include", m);
+    if (r != VXS_OK || !lights) return r;
+    r = add_texts(&a->o.light_names, asked->light_names, asked->light_name_count, "light_names", m);
+    if (r == VXS_OK) r = add_suns(a, m);
+    return r == VXS_OK ? add_map_sizes(a, m) : r;
 }
 
 void asked_options_free(asked_options *a)

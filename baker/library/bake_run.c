@@ -64,19 +64,6 @@ static vxs_result check_output(bake_run *run)
     return r == VXS_OK && !o->if_changed ? bake_check_outputs(o, &run->m) : r;
 }
 
-/* Use the options that the scene was opened with. */
-static void use_scene(bake_options *o, const vxs_bake_scene *opened)
-{
-    const bake_options *of = &opened->options.o;
-    o->prepared            = (bake_scene *)&opened->scene; /* read only */
-    o->scene_path          = of->scene_path;
-    o->closed              = of->closed;
-    text_list mine[2]      = {o->scene.exclude, o->scene.include};
-    o->scene               = of->scene;
-    free(mine[0].items);
-    free(mine[1].items);
-}
-
 vxs_result bake_run_init(bake_run *run, const vxs_bake_options *options, int lights)
 {
     *run         = (bake_run){.share = -1};
@@ -93,7 +80,18 @@ vxs_result bake_run_init(bake_run *run, const vxs_bake_options *options, int lig
     run_control_init(&run->run_control);
     if (r != VXS_OK) return r;
     run->options.o.watch = &run->watch;
-    if (run->options.asked.scene) use_scene(&run->options.o, run->options.asked.scene);
+    if (run->options.asked.scene) {
+        /* use the options that the scene was opened with */
+        const vxs_bake_scene *opened = run->options.asked.scene;
+        const bake_options   *of     = &opened->options.o;
+        bake_options         *o      = &run->options.o;
+        o->prepared                  = (bake_scene *)&opened->scene; /* read only */
+        o->scene_path                = of->scene_path;
+        o->closed                    = of->closed;
+        free(o->scene.exclude.items);
+        free(o->scene.include.items);
+        o->scene = of->scene;
+    }
     return lights ? check_output(run) : VXS_OK;
 }
 

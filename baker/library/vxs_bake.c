@@ -156,16 +156,6 @@ vxs_result vxs_bake_job_run(vxs_bake_job *job)
     return job->result;
 }
 
-/* Block all signals in the thread: they are for the program's own threads. */
-static int start_thread(vxs_bake_job *job)
-{
-    sigset_t before;
-    threads_block_signals(&before);
-    job->has_thread = os_thread_start(&job->thread, work_on_thread, job);
-    threads_unblock_signals(&before);
-    return job->has_thread;
-}
-
 /* Returns 1 if the job has ended before. */
 static int wait_for(vxs_bake_job *job, double until)
 {
@@ -193,10 +183,17 @@ vxs_bake_state vxs_bake_step(vxs_bake_job *job, double budget_ms)
     }
     if (job->has_thread)
         go_on(job);
-    else if (!start_thread(job)) {
-        job->state  = VXS_BAKE_FAILED;
-        job->result = bake_run_end(&job->run, fail(&job->run.m, VXS_E_MEMORY, "no thread could be started for a bake in steps"));
-        return job->state;
+    else {
+        sigset_t before; /* all signals are blocked in the thread: they are for the program's own threads */
+        threads_block_signals(&before);
+        job->has_thread = os_thread_start(&job->thread, work_on_thread, job);
+        threads_unblock_signals(&before);
+        if (!job->has_thread) {
+            job->state = VXS_BAKE_FAILED;
+            job->result =
+                bake_run_end(&job->run, fail(&job->run.m, VXS_E_MEMORY, "no thread could be started for a bake in steps"));
+            return job->state;
+        }
     }
     if (!wait_for(job, begun + 1e-3 * fmin(budget_ms, longest_ms))) {
         run_control_pause(&job->run.run_control);

@@ -66,15 +66,6 @@ static double polygon_distance(const map_polygon *p)
     return above ? fabs(vec3_dot(p->corners[0].at, normal)) / sqrt(vec3_dot(normal, normal)) : nearest;
 }
 
-static void extend(reach *r, const map_polygon *p, double range_metres)
-{
-    if (p->count < 3 || polygon_distance(p) > range_metres) return;
-    for (int n = 0; n < p->count; n++) {
-        r->near = fmin(r->near, p->corners[n].at[2]);
-        r->far  = fmax(r->far, fmin(p->corners[n].at[2], range_metres));
-    }
-}
-
 /* Near and far of the casters in the light's maps and range. far is 0 when there are none. */
 static reach measure(const vxs_light *light, const casters *c, double range_metres)
 {
@@ -89,7 +80,12 @@ static reach measure(const vxs_light *light, const casters *c, double range_metr
                 map_space_from_ws(&frame, c->positions_ws + 3 * (size_t)c->indices[3 * n + k], triangle.corners[k].at);
             if (!map_sides_touch(&s, &triangle) || map_space_behind(light, map, &triangle) || edge_on(&triangle)) continue;
             map_sides_clip(&s, &triangle, &kept);
-            extend(&r, &kept, range_metres);
+
+            if (kept.count < 3 || polygon_distance(&kept) > range_metres) continue;
+            for (int i = 0; i < kept.count; i++) {
+                r.near = fmin(r.near, kept.corners[i].at[2]);
+                r.far  = fmax(r.far, fmin(kept.corners[i].at[2], range_metres));
+            }
         }
     }
     return r;
@@ -107,7 +103,10 @@ static double slope_of(double half_slope, uint32_t side)
     return half_slope / (side / 2.0 - border_px(side));
 }
 
-vxs_result punctual_fit(vxs_light *light, const casters *c, const light_fit_desc *desc, double axes[3][3], run_context *m)
+/* Part of light_fit for spot and point lights, in light_fit.c.
+ * light  [in] with its name set
+ * axes   rows: u, v, and the light's direction; right-handed */
+static vxs_result punctual_fit(vxs_light *light, const casters *c, const light_fit_desc *desc, double axes[3][3], run_context *m)
 {
     const light_shape *shape = desc->shape;
     int                spot  = shape->kind == LIGHT_SPOT;

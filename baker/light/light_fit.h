@@ -37,9 +37,4 @@ typedef struct light_fit_desc {
  * Returns VXS_OK; VXS_E_NO_CASTER (without a message): the light reaches no caster; VXS_E_ARGUMENT. */
 vxs_result light_fit(vxs_light *light, const casters *c, const light_fit_desc *desc, run_context *m);
 
-/* Part of light_fit for spot and point lights, in light_fit.c.
- * light  [in] with its name set
- * axes   rows: u, v, and the light's direction; right-handed */
-vxs_result punctual_fit(vxs_light *light, const casters *c, const light_fit_desc *desc, double axes[3][3], run_context *m);
-
 #endif

@@ -42,13 +42,6 @@ void reach_free(reach_index *x)
     memset(x, 0, sizeof *x);
 }
 
-/* Slope of a cone around the whole map: its corners and its border, which is at most an eighth of the map's side at each side.
- * Rounded up a little. */
-static double slope_around(const light_shape *light)
-{
-    return tan(light->outer_rad) * (4.0 / 3) * sqrt(2) * 1.02;
-}
-
 static int touches_cone(const reach_run *run, const light_shape *light, double slope)
 {
     double from[3], across[3];
@@ -76,29 +69,26 @@ static uint32_t keep_vertex(selection *k, uint32_t vertex)
     return k->slot[vertex] - 1;
 }
 
-static void keep_triangle(selection *k, size_t t)
-{
-    casters       *out = k->out;
-    const casters *c   = k->c;
-    size_t         to  = out->triangle_count++;
-    for (size_t n = 0; n < 3; n++) out->indices[3 * to + n] = keep_vertex(k, c->indices[3 * t + n]);
-    if (t < c->solid_triangle_count && c->solid_meets) out->solid_meets[to] = c->solid_meets[t];
-    if (t < c->solid_triangle_count) out->solid_triangle_count = to + 1;
-    if (c->double_sided) out->double_sided[to] = c->double_sided[t];
-    if (t < c->holed_first) {
-        out->holed_first = to + 1;
-        return;
-    }
-    memcpy(out->hole_uvs + 6 * (to - out->holed_first), c->hole_uvs + 6 * (t - c->holed_first), 6 * sizeof *c->hole_uvs);
-    size_t mask = 0;
-    while (t >= c->alpha_mask_first[mask + 1]) mask++;
-    out->alpha_mask_first[mask + 1]++;
-}
-
 static void keep_runs(selection *k, const uint8_t *kept, size_t run_count)
 {
     for (size_t n = 0; n < run_count; n++)
-        for (size_t t = n * REACH_RUN; t < (n + 1) * REACH_RUN && t < k->c->triangle_count && kept[n]; t++) keep_triangle(k, t);
+        for (size_t t = n * REACH_RUN; t < (n + 1) * REACH_RUN && t < k->c->triangle_count && kept[n]; t++) {
+            casters       *out = k->out;
+            const casters *c   = k->c;
+            size_t         to  = out->triangle_count++;
+            for (size_t i = 0; i < 3; i++) out->indices[3 * to + i] = keep_vertex(k, c->indices[3 * t + i]);
+            if (t < c->solid_triangle_count && c->solid_meets) out->solid_meets[to] = c->solid_meets[t];
+            if (t < c->solid_triangle_count) out->solid_triangle_count = to + 1;
+            if (c->double_sided) out->double_sided[to] = c->double_sided[t];
+            if (t < c->holed_first) {
+                out->holed_first = to + 1;
+                continue;
+            }
+            memcpy(out->hole_uvs + 6 * (to - out->holed_first), c->hole_uvs + 6 * (t - c->holed_first), 6 * sizeof *c->hole_uvs);
+            size_t mask = 0;
+            while (t >= c->alpha_mask_first[mask + 1]) mask++;
+            out->alpha_mask_first[mask + 1]++;
+        }
     casters *out = k->out;
     if (!out->alpha_mask_first) return;
     /* prefix sums: counts of each mask become first indices */
@@ -130,7 +120,9 @@ vxs_result reach_casters(casters *out, const reach_index *x, const casters *c, c
     if (light->kind != LIGHT_SPOT || light->outer_rad > PUNCTUAL_SPOT_MAX_RAD) return VXS_OK;
     uint8_t  *kept  = malloc(x->run_count + 1);
     size_t    count = 0;
-    double    slope = slope_around(light);
+    /* of a cone around the whole map: its corners and its border, which is at most an eighth of the map's side at each side;
+     * rounded up a little */
+    double    slope = tan(light->outer_rad) * (4.0 / 3) * sqrt(2) * 1.02;
     selection k     = {.out = out, .c = c};
     int       ok    = kept != NULL;
     for (size_t n = 0; n < x->run_count && kept; n++) count += kept[n] = (uint8_t)touches_cone(&x->runs[n], light, slope);
@@ -261,31 +253,6 @@ static double slope_of(const lit_points_desc *d)
     return vxs_map_count(d->light) > 1 ? 1 : tan(d->shape->outer_rad);
 }
 
-/* The part of a triangle that a map of a spot or point light sees, in map space. The range is cut by a plane here; points beyond it
- * are rejected later. */
-static void seen_part(const lit_points_desc *d, const map_frame *frame, const map_sides *sides, int map, size_t t, map_polygon *out)
-{
-    map_polygon triangle = {.count = 3}, kept;
-    map_sides   range    = {{{0}}};
-    out->count           = 0;
-    for (size_t n = 0; n < 3; n++) map_space_from_ws(frame, corner_of(d->c, t, n), triangle.corners[n].at);
-    if (!map_sides_touch(sides, &triangle) || map_space_behind(d->light, map, &triangle)) return;
-    map_sides_clip(sides, &triangle, &kept);
-    for (int n = 0; n < MAP_SIDES; n++) range.n[n][3] = 1; /* always inside */
-    if (isfinite(d->shape->range_metres)) {
-        range.n[0][2] = -1;
-        range.n[0][3] = d->shape->range_metres;
-    }
-    map_sides_clip(&range, &kept, out);
-    if (out->count < 3) out->count = 0;
-}
-
-static void ws_from_map_space(const map_frame *f, const double at[3], double out[3])
-{
-    for (int axis = 0; axis < 3; axis++) out[axis] = 0;
-    for (int n = 0; n < 3; n++) vec3_mad(out, (n == 2 ? at[n] * f->unit : at[n]) - f->rows[n][3], f->rows[n], out);
-}
-
 /* A random point of the visible part of a triangle. Returns 0 when no part is visible. */
 static int point_of_punctual(lit_point *out, const lit_points_desc *d, const map_sides *sides, size_t t, rng *random)
 {
@@ -294,7 +261,24 @@ static int point_of_punctual(lit_point *out, const lit_points_desc *d, const map
     int         maps = (int)vxs_map_count(d->light), map = 0;
     for (int n = 0; n < maps; n++) {
         map_frame frame = map_frame_of(d->light, n);
-        seen_part(d, &frame, sides, n, t, &seen[n]);
+
+        /* The part of a triangle that a map of a spot or point light sees, in map space. The range is cut by a plane here;
+         * points beyond it are rejected later. */
+        map_polygon triangle = {.count = 3}, kept;
+        map_sides   range    = {{{0}}};
+        seen[n].count        = 0;
+        for (size_t k = 0; k < 3; k++) map_space_from_ws(&frame, corner_of(d->c, t, k), triangle.corners[k].at);
+        if (map_sides_touch(sides, &triangle) && !map_space_behind(d->light, n, &triangle)) {
+            map_sides_clip(sides, &triangle, &kept);
+            for (int k = 0; k < MAP_SIDES; k++) range.n[k][3] = 1; /* always inside */
+            if (isfinite(d->shape->range_metres)) {
+                range.n[0][2] = -1;
+                range.n[0][3] = d->shape->range_metres;
+            }
+            map_sides_clip(&range, &kept, &seen[n]);
+            if (seen[n].count < 3) seen[n].count = 0;
+        }
+
         all += areas[n] = polygon_area(&seen[n]);
     }
     if (!(all > 0)) return 0;
@@ -303,7 +287,9 @@ static int point_of_punctual(lit_point *out, const lit_points_desc *d, const map
     if (!(areas[map] > 0)) return 0;
     map_frame frame = map_frame_of(d->light, map);
     point_in(&seen[map], areas[map], random, at);
-    ws_from_map_space(&frame, at, out->at_ws);
+    for (int axis = 0; axis < 3; axis++) out->at_ws[axis] = 0;
+    for (int n = 0; n < 3; n++)
+        vec3_mad(out->at_ws, (n == 2 ? at[n] * frame.unit : at[n]) - frame.rows[n][3], frame.rows[n], out->at_ws);
     out->along_metres = at[2];
     out->weight       = all;
     return light_reaches(d->shape, out->at_ws);

@@ -95,37 +95,6 @@ static int add_triangle(projector *w, const uint32_t corners[3])
     return 1;
 }
 
-static int add_whole(projector *w, const uint32_t *caster, const map_polygon *triangle, int has_holes)
-{
-    uint32_t corners[3];
-    for (int n = 0; n < 3; n++) {
-        uint32_t *slot = &w->slot[caster[n]];
-        if (*slot == NONE && (*slot = add_vertex(w, w->corners[caster[n]].at)) == NONE) return 0;
-        corners[n] = *slot;
-    }
-    const map_corner *const of[3] = {&triangle->corners[0], &triangle->corners[1], &triangle->corners[2]};
-    return (!has_holes || add_uvq(w, of)) && add_triangle(w, corners);
-}
-
-/* Add a convex polygon as a triangle fan from its first corner. */
-static int add_polygon(projector *w, const map_polygon *polygon, int has_holes)
-{
-    uint32_t corners[3];
-    for (int n = 0; n < polygon->count; n++) {
-        uint32_t vertex = add_vertex(w, polygon->corners[n].at);
-        if (vertex == NONE) return 0;
-        if (n < 2) {
-            corners[n] = vertex;
-            continue;
-        }
-        const map_corner *const of[3] = {&polygon->corners[0], &polygon->corners[n - 1], &polygon->corners[n]};
-        corners[2]                    = vertex;
-        if ((has_holes && !add_uvq(w, of)) || !add_triangle(w, corners)) return 0;
-        corners[1] = vertex;
-    }
-    return 1;
-}
-
 static int add_caster(projector *w, size_t n)
 {
     const casters  *c        = w->p->casters;
@@ -138,8 +107,33 @@ static int add_caster(projector *w, size_t n)
     for (int k = 0; k < 6 && has_holes; k++)
         triangle.corners[k / 2].uv[k % 2] = (double)c->hole_uvs[6 * (n - c->holed_first) + (size_t)k];
     if (!map_sides_touch(&w->touch, &triangle) || map_space_behind(w->light, w->map, &triangle)) return 1;
-    if (!map_sides_clip(&w->keep, &triangle, &kept)) return add_whole(w, caster, &triangle, has_holes);
-    return kept.count < 3 || add_polygon(w, &kept, has_holes);
+    if (!map_sides_clip(&w->keep, &triangle, &kept)) {
+        uint32_t corners[3];
+        for (int i = 0; i < 3; i++) {
+            uint32_t *slot = &w->slot[caster[i]];
+            if (*slot == NONE && (*slot = add_vertex(w, w->corners[caster[i]].at)) == NONE) return 0;
+            corners[i] = *slot;
+        }
+        const map_corner *const of[3] = {&triangle.corners[0], &triangle.corners[1], &triangle.corners[2]};
+        return (!has_holes || add_uvq(w, of)) && add_triangle(w, corners);
+    }
+    if (kept.count < 3) return 1;
+
+    /* Add a convex polygon as a triangle fan from its first corner. */
+    uint32_t corners[3];
+    for (int j = 0; j < kept.count; j++) {
+        uint32_t vertex = add_vertex(w, kept.corners[j].at);
+        if (vertex == NONE) return 0;
+        if (j < 2) {
+            corners[j] = vertex;
+            continue;
+        }
+        const map_corner *const of[3] = {&kept.corners[0], &kept.corners[j - 1], &kept.corners[j]};
+        corners[2]                    = vertex;
+        if ((has_holes && !add_uvq(w, of)) || !add_triangle(w, corners)) return 0;
+        corners[1] = vertex;
+    }
+    return 1;
 }
 
 /* the casters ----------------------------------------------------------------------------------------------------------------- */

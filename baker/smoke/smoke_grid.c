@@ -52,18 +52,6 @@ double smoke_grid_spacing(const smoke_grid *g)
     return least;
 }
 
-/* Whether all corners are within 1e9 m. */
-static int is_near(const smoke_grid *g)
-{
-    for (int corner = 0; corner < 8; corner++) {
-        double ws[3];
-        smoke_grid_corner(g, corner, ws);
-        for (int n = 0; n < 3; n++)
-            if (!(fabs(ws[n]) <= 1e9)) return 0;
-    }
-    return 1;
-}
-
 int smoke_grid_place(smoke_grid *g, const double axes[3][3], const double origin[3])
 {
     double rows[3][3];
@@ -80,7 +68,13 @@ int smoke_grid_place(smoke_grid *g, const double axes[3][3], const double origin
     }
     for (int n = 0; n < 12; n++)
         if (!isfinite(g->grid_from_ws[n])) return 0;
-    return is_near(g);
+    for (int corner = 0; corner < 8; corner++) {
+        double ws[3];
+        smoke_grid_corner(g, corner, ws);
+        for (int n = 0; n < 3; n++)
+            if (!(fabs(ws[n]) <= 1e9)) return 0; /* metres */
+    }
+    return 1;
 }
 
 void smoke_grid_fingerprint(const smoke_grid *g, char text[SMOKE_FINGERPRINT_BYTES])

@@ -143,32 +143,6 @@ static uint32_t side_of(const smoke_source *source, const vxs_light *light)
 
 /* where light ends ------------------------------------------------------------------------------------------------------------- */
 
-static vxs_result find_ends(const maker *k, tile *t)
-{
-    uint32_t           halves = k->levels < k->baked->light.levels, pixels = halves ? 2 : 1;
-    int32_t            size = 1 << (k->baked->light.levels - k->levels - halves);
-    vxs_depth_map_desc desc = {.map     = t->map,
-                               .i       = (t->x * (int32_t)pixels - 1) * size,
-                               .j       = (t->y * (int32_t)pixels - 1) * size,
-                               .wide_px = pixels * TILE_PX + 2,
-                               .high_px = pixels * TILE_PX + 2,
-                               .shift   = k->baked->light.levels - k->levels - halves,
-                               .which   = VXS_DEPTH_GREATEST,
-                               .voxels  = t->ends};
-    t->px                   = desc.wide_px;
-    t->has_ends             = 1;
-    return vxs_depth_map(k->baked, &desc, NULL);
-}
-
-/* Depth at which light has ended for all points that use a texel's curve; x and y count from the tile's first texel. */
-static double end_of(const maker *k, const tile *t, uint32_t x, uint32_t y)
-{
-    uint32_t pixels = (t->px - 2) / TILE_PX, last = 0;
-    for (uint32_t j = y * pixels; j < (y + 1) * pixels + 2; j++)
-        for (uint32_t i = x * pixels; i < (x + 1) * pixels + 2; i++) last = max_u32(last, t->ends[j * t->px + i]);
-    return last < 1u << k->baked->light.levels ? metres_of(&k->baked->light, last + 1.0) : INFINITY;
-}
-
 /* curves ----------------------------------------------------------------------------------------------------------------------- */
 
 /* The path of a ray, also behind opaque smoke.
@@ -196,8 +170,27 @@ static int find_path(const maker *k, tile *t, uint32_t x, uint32_t y, tools *w)
 {
     if (!find_ray_path(k, t, x, y, w)) return 0;
     if (!w->path.count) return 1;
-    if (!t->has_ends && find_ends(k, t) != VXS_OK) return 0;
-    smoke_path_cut(&w->path, end_of(k, t, x, y));
+    if (!t->has_ends) {
+        uint32_t           halves = k->levels < k->baked->light.levels, pixels = halves ? 2 : 1;
+        int32_t            size = 1 << (k->baked->light.levels - k->levels - halves);
+        vxs_depth_map_desc desc = {.map     = t->map,
+                                   .i       = (t->x * (int32_t)pixels - 1) * size,
+                                   .j       = (t->y * (int32_t)pixels - 1) * size,
+                                   .wide_px = pixels * TILE_PX + 2,
+                                   .high_px = pixels * TILE_PX + 2,
+                                   .shift   = k->baked->light.levels - k->levels - halves,
+                                   .which   = VXS_DEPTH_GREATEST,
+                                   .voxels  = t->ends};
+        t->px                   = desc.wide_px;
+        t->has_ends             = 1;
+        if (vxs_depth_map(k->baked, &desc, NULL) != VXS_OK) return 0;
+    }
+
+    /* cut where light has ended for all points that use a texel's curve; x and y count from the tile's first texel */
+    uint32_t pixels = (t->px - 2) / TILE_PX, last = 0;
+    for (uint32_t j = y * pixels; j < (y + 1) * pixels + 2; j++)
+        for (uint32_t i = x * pixels; i < (x + 1) * pixels + 2; i++) last = max_u32(last, t->ends[j * t->px + i]);
+    smoke_path_cut(&w->path, last < 1u << k->baked->light.levels ? metres_of(&k->baked->light, last + 1.0) : INFINITY);
     return 1;
 }
 
@@ -353,15 +346,20 @@ static int measure_lookups(maker *k, smoke_map *map)
     return done;
 }
 
-void smoke_map_free(smoke_map *map)
+/* Accepts a zeroed object. */
+static void smoke_map_free(smoke_map *map)
 {
     free(map->counts);
     free(map->nodes);
     *map = (smoke_map){0};
 }
 
-vxs_result smoke_map_make(smoke_map *map, const smoke_source *source, const vxs_baked_light *baked, const smoke_settings *settings,
-                          bake_context *ctx)
+/* Make the map of a light.
+ * baked  a light with its words: each curve ends where they end the light
+ * map    [out]
+ * Returns VXS_OK, VXS_E_MEMORY, or what context_check returns. The result does not depend on the number of threads. */
+static vxs_result smoke_map_make(smoke_map *map, const smoke_source *source, const vxs_baked_light *baked,
+                                 const smoke_settings *settings, bake_context *ctx)
 {
     maker k = {
         .source = *source, .baked = baked, .settings = *settings, .workers = max_u32(ctx->threads, 1), .levels = VXS_LEVELS_MIN};

@@ -81,16 +81,6 @@ typedef struct smoke_map {
     smoke_lookups  lookups;
 } smoke_map;
 
-/* Accepts a zeroed object. */
-void smoke_map_free(smoke_map *map);
-
-/* Make the map of a light.
- * baked  a light with its words: each curve ends where they end the light
- * map    [out]
- * Returns VXS_OK, VXS_E_MEMORY, or what context_check returns. The result does not depend on the number of threads. */
-vxs_result smoke_map_make(smoke_map *map, const smoke_source *source, const vxs_baked_light *baked, const smoke_settings *settings,
-                          bake_context *ctx);
-
 /* Bakes smoke into an asset: a map of curves for each light that it affects, as additional sections of a finished file. */
 
 /* Statistics of a light's smoke; all 0 if it loses no light. */

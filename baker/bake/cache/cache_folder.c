@@ -15,15 +15,13 @@
 #include <unistd.h>
 
 #include "baker/base/array.h"
+#include "baker/base/byte_stream.h"
 #include "baker/base/memory.h"
 #include "baker/base/text.h"
 #include "baker/files/output_file.h"
 
 #define XXH_INLINE_ALL
-#include <string.h>
 #include <xxhash.h>
-
-#include "baker/base/byte_stream.h"
 
 static const char magic[SQUARE_FILE_MAGIC_BYTES] = {'v', 'x', 's', ' ', 'k', 'e', 'p', 't'};
 enum { SQUARE_FILE_VERSION = 1 };
@@ -36,12 +34,14 @@ vxs_result square_file_write(const column_key *key, const vxs_bytes *record, vxs
     return ok && put64(out, XXH64(out->data + start, out->size_bytes - start, 0)) ? VXS_OK : VXS_E_MEMORY;
 }
 
-int square_file_begins(const uint8_t *head)
+/* Whether bytes begin like a record in a file, of any square and version.   head  [SQUARE_FILE_MAGIC_BYTES] */
+static int square_file_begins(const uint8_t *head)
 {
     return !memcmp(head, magic, sizeof magic);
 }
 
-int square_file_may_be(const uint8_t *head, uint64_t file_bytes, const column_key *key)
+/* Whether a file may hold this square, by its first bytes and its size.   head  [SQUARE_FILE_HEAD_BYTES] */
+static int square_file_may_be(const uint8_t *head, uint64_t file_bytes, const column_key *key)
 {
     byte_reader from    = {head + sizeof magic, SQUARE_FILE_HEAD_BYTES - sizeof magic};
     uint32_t    version = take32(&from), zero = take32(&from);
@@ -230,14 +230,6 @@ static int by_key(const void *a, const void *b)
     return (x->low > y->low) - (x->low < y->low);
 }
 
-/* Parse the name of a square's file. */
-static int key_of(const char *name, column_key *key)
-{
-    if (strlen(name) != NAME_BYTES - 1 || strcmp(name + KEY_DIGITS, EXTENSION) != 0) return 0;
-    if (strspn(name, "0123456789abcdef") != KEY_DIGITS) return 0;
-    return sscanf(name, "%16" SCNx64 "%16" SCNx64, &key->high, &key->low) == 2;
-}
-
 /* Whether it is a temporary file of a run that ended early: ".vxs-PID-N.tmp". Only called when no other run has the folder open. */
 static int is_left_over(const char *name)
 {
@@ -253,7 +245,9 @@ static int is_unused(const cache_folder *s, const char *name)
     column_key key;
     uint64_t   size;
     uint8_t    head[SQUARE_FILE_MAGIC_BYTES];
-    int        is_square = key_of(name, &key);
+    int        is_square = strlen(name) == NAME_BYTES - 1 && !strcmp(name + KEY_DIGITS, EXTENSION) &&
+                    strspn(name, "0123456789abcdef") == KEY_DIGITS &&
+                    sscanf(name, "%16" SCNx64 "%16" SCNx64, &key.high, &key.low) == 2;
     if (!is_square && !is_left_over(name)) return 0;
     if (is_square && s->used_count && bsearch(&key, s->used, s->used_count, sizeof key, by_key)) return 0;
     int file = open_regular(s, name, &size);

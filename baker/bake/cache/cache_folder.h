@@ -32,12 +32,6 @@ enum { SQUARE_FILE_MAGIC_BYTES = 8, SQUARE_FILE_HEAD_BYTES = 40, SQUARE_FILE_TRA
 /* Append a record. Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result square_file_write(const column_key *key, const vxs_bytes *record, vxs_bytes *out);
 
-/* Whether bytes begin like a record in a file, of any square and version.   head  [SQUARE_FILE_MAGIC_BYTES] */
-int square_file_begins(const uint8_t *head);
-
-/* Whether a file may hold this square, by its first bytes and its size.   head  [SQUARE_FILE_HEAD_BYTES] */
-int square_file_may_be(const uint8_t *head, uint64_t file_bytes, const column_key *key);
-
 /* Check the bytes, and reduce them to the record that they contain.
  * Returns VXS_OK; VXS_E_CORRUPT: another square's record, or none. */
 vxs_result square_file_read(vxs_bytes *bytes, const column_key *key);

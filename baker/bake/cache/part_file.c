@@ -162,23 +162,6 @@ static vxs_result read_head(part_reader *p, vxs_bytes *head, run_context *m)
     return p->number >= 1 && p->number <= p->parts && p->parts <= PARTS_MAX ? VXS_OK : part_is_damaged(p, m);
 }
 
-/* Read the list of squares. Numbers ascend, and squares are contiguous. */
-static vxs_result take_squares(part_reader *p, byte_reader *from, uint64_t count, uint64_t end, run_context *m)
-{
-    uint64_t   at = HEAD_BYTES;
-    vxs_result r  = VXS_OK;
-    for (uint64_t n = 0; n < count && r == VXS_OK; n++) {
-        part_square s = {.number = take64(from)};
-        s.at          = take64(from);
-        s.size_bytes  = take64(from);
-        if (s.at != at || s.size_bytes > end - at || (n && s.number <= p->squares.items[n - 1].number))
-            return part_is_damaged(p, m);
-        at += s.size_bytes;
-        r = note_square(&p->squares, &s, m);
-    }
-    return r == VXS_OK && at != end ? part_is_damaged(p, m) : r;
-}
-
 static vxs_result read_rest(part_reader *p, const vxs_bytes *head, vxs_bytes *trailer, vxs_bytes *rest, run_context *m)
 {
     vxs_result r = p->size_bytes < HEAD_BYTES + TRAILER_BYTES
@@ -196,7 +179,20 @@ static vxs_result read_rest(part_reader *p, const vxs_bytes *head, vxs_bytes *tr
     if (hash_of(head, rest->data, rest->size_bytes) != hash) return part_is_damaged(p, m);
     if (!put_bytes(&p->common, rest->data, common)) return out_of_memory(m);
     byte_reader squares = {rest->data + common, count * SQUARE_BYTES};
-    return take_squares(p, &squares, count, begin, m);
+
+    /* numbers ascend, and squares are contiguous */
+    uint64_t at = HEAD_BYTES;
+    r           = VXS_OK;
+    for (uint64_t n = 0; n < count && r == VXS_OK; n++) {
+        part_square s = {.number = take64(&squares)};
+        s.at          = take64(&squares);
+        s.size_bytes  = take64(&squares);
+        if (s.at != at || s.size_bytes > begin - at || (n && s.number <= p->squares.items[n - 1].number))
+            return part_is_damaged(p, m);
+        at += s.size_bytes;
+        r = note_square(&p->squares, &s, m);
+    }
+    return r == VXS_OK && at != begin ? part_is_damaged(p, m) : r;
 }
 
 vxs_result part_open(part_reader *p, const char *path, run_context *m)

@@ -17,14 +17,10 @@ static int give_next(square_scheduler *d, uint32_t rank)
     return 1;
 }
 
-static int is_left_for_zero(const square_scheduler *d, uint64_t number)
-{
-    return number % d->ranks == 0 && number < d->at + AHEAD * (uint64_t)d->ranks;
-}
-
 int square_scheduler_next(square_scheduler *d, uint32_t rank, uint64_t *number)
 {
-    if (is_left_for_zero(d, d->count) && !give_next(d, 0)) return SCHEDULER_MEMORY;
+    int for_zero = d->count % d->ranks == 0 && d->count < d->at + AHEAD * (uint64_t)d->ranks;
+    if (for_zero && !give_next(d, 0)) return SCHEDULER_MEMORY;
     if (d->count >= d->at + FAR_AHEAD * (uint64_t)d->ranks) return SCHEDULER_WAIT;
     *number = d->count;
     return give_next(d, rank) ? SCHEDULER_GIVEN : SCHEDULER_MEMORY;

@@ -97,8 +97,16 @@ static vxs_result check_stored(const bake_arguments *a, run_context *m)
     return VXS_OK;
 }
 
-static vxs_result check_smoke(const bake_arguments *a, run_context *m)
+vxs_result bake_arguments_check(bake_arguments *a, run_context *m)
 {
+    bake_options *o = &a->o;
+    vxs_result    r = check_map_sizes(o, m);
+    if (r == VXS_OK) r = choose_maps(a, m);
+    if (r == VXS_OK) r = read_part(a, m);
+    if (r == VXS_OK) r = check_stored(a, m);
+    if (r == VXS_OK) r = check_part_name(o, m);
+    if (r != VXS_OK) return r;
+
     uint32_t side = a->o.smoke.side_px;
     if (a->smoke_given && !bakes_smoke(&a->o))
         return fail(m, VXS_E_ARGUMENT,
@@ -109,19 +117,7 @@ static vxs_result check_smoke(const bake_arguments *a, run_context *m)
         return fail(
             m, VXS_E_ARGUMENT,
             "smoke is baked into a whole asset, and --part makes a part of it: expected --part, or --smoke and --scene-smoke");
-    return VXS_OK;
-}
 
-vxs_result bake_arguments_check(bake_arguments *a, run_context *m)
-{
-    bake_options *o = &a->o;
-    vxs_result    r = check_map_sizes(o, m);
-    if (r == VXS_OK) r = choose_maps(a, m);
-    if (r == VXS_OK) r = read_part(a, m);
-    if (r == VXS_OK) r = check_stored(a, m);
-    if (r == VXS_OK) r = check_part_name(o, m);
-    if (r == VXS_OK) r = check_smoke(a, m);
-    if (r != VXS_OK) return r;
     if (o->page_path && !linked_laboratory.pages)
         return fail(m, VXS_E_ARGUMENT, "--report %s: this program was built without pages (make core=1): expected --json",
                     o->page_path);

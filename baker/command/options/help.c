@@ -12,19 +12,22 @@
 #include "baker/base/version.h"
 #include "baker/command/options/option_table.h"
 
-const char *option_value(const option *o)
+/* The value that follows an option's name in help: "N", "auto|on|off"; NULL for switches and operands. */
+static const char *option_value(const option *o)
 {
     return o->kind == OPTION_CHOICE && !is_operand(o) ? o->choices : o->value;
 }
 
-const char *option_usage(char text[96], const option *o)
+/* "--resolution N", "--camera", "SCENE" into text. Returns text. */
+static const char *option_usage(char text[96], const option *o)
 {
     const char *value = option_value(o);
     snprintf(text, 96, "%s%s%s", o->name, value ? " " : "", value ? value : "");
     return text;
 }
 
-const char *summary_phrase(char text[128], const char *summary)
+/* "bake the shadows of a scene": the first sentence of a summary without its period, in lower case, into text. Returns text. */
+static const char *summary_phrase(char text[128], const char *summary)
 {
     const char *end = strstr(summary, ". ");
     snprintf(text, 128, "%.*s", (int)(end ? end - summary : (long)strlen(summary) - 1), summary);
@@ -147,18 +150,6 @@ static void zsh_part(const command_line *c)
 
 /* fish: calls of complete ------------------------------------------------------------------------------------------------------ */
 
-static void fish_value(const option *o)
-{
-    if (is_switch(o)) return;
-    if (choices_of(o)) {
-        printf(" -x -a '"), print_words(" ", choices_of(o)), printf("'");
-    } else if (is_file(o) && *extensions_of(o)) {
-        printf(" -x -a '(__vxs_files \"%s\")'", extensions_of(o));
-    } else {
-        printf(is_file(o) ? " -r -F" : " -x");
-    }
-}
-
 static void fish_part(const command_line *c)
 {
     char phrase[128];
@@ -173,7 +164,13 @@ static void fish_part(const command_line *c)
             print_quoted(stdout, o->help, "\\");
             printf("'");
         }
-        fish_value(o);
+        if (choices_of(o) && !is_switch(o)) {
+            printf(" -x -a '"), print_words(" ", choices_of(o)), printf("'");
+        } else if (is_file(o) && *extensions_of(o)) {
+            printf(" -x -a '(__vxs_files \"%s\")'", extensions_of(o));
+        } else if (!is_switch(o)) {
+            printf(is_file(o) ? " -r -F" : " -x");
+        }
         printf("\n");
     }
 }
@@ -189,23 +186,6 @@ static const struct {
     {"zsh", "#compdef vxs\n", "local -a _vxs_commands\n", zsh_part, &completion_zsh},
     {"fish", "", "complete -c vxs -e\ncomplete -c vxs -f\n", fish_part, &completion_fish},
 };
-
-/* All print to standard output. */
-static void complete_head(shell s)
-{
-    printf("%s# Completion of command lines for vxs %s: made by vxs --help=%s\n%s", shells[s].first, VXS_VERSION, shells[s].name,
-           shells[s].begin);
-}
-
-static void complete_part(shell s, const command_line *c)
-{
-    shells[s].part(c);
-}
-
-static void complete_tail(shell s)
-{
-    embedded_print(stdout, *shells[s].tail);
-}
 
 /* docs/manual.md describes the same statuses in more detail. */
 static const struct {
@@ -254,17 +234,12 @@ static void print_title(const char *page)
     printf(" 1 \"\" \"vxs %s\" \"vxs manual\"\n", VXS_VERSION);
 }
 
-static void print_bold(const char *text)
-{
-    printf("\\fB");
-    print_escaped(text);
-    printf("\\fR");
-}
-
 static void print_tagged(const option *o)
 {
     printf(".TP\n");
-    print_bold(o->name);
+    printf("\\fB");
+    print_escaped(o->name);
+    printf("\\fR");
     if (option_value(o)) {
         printf(" \\fI");
         print_escaped(option_value(o));
@@ -321,18 +296,13 @@ static void man_row(const command_line *c)
 /* Column of the options' texts, and the minimum width for them. */
 enum { TEXT_COLUMN = 26, TEXT_ROOM_MIN = 30 };
 
-/* Width of the terminal in columns; 80 without a terminal. */
-static int line_width(void)
-{
-    struct winsize size;
-    int            known = !ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) && size.ws_col > 0;
-    return !known ? 80 : size.ws_col < TEXT_COLUMN + TEXT_ROOM_MIN ? TEXT_COLUMN + TEXT_ROOM_MIN : size.ws_col;
-}
-
 /* Print words wrapped to the width; the first line starts at a column that is already reached. */
 static void print_wrapped(const char *text, int indent)
 {
-    int width = line_width(), column = indent;
+    /* width of the terminal in columns; 80 without a terminal */
+    struct winsize size;
+    int            known = !ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) && size.ws_col > 0, column = indent;
+    int            width = !known ? 80 : size.ws_col < TEXT_COLUMN + TEXT_ROOM_MIN ? TEXT_COLUMN + TEXT_ROOM_MIN : size.ws_col;
     while (*(text += strspn(text, " "))) {
         int length = (int)strcspn(text, " "), breaks = column > indent && column + 1 + length > width;
         if (breaks) printf("\n%*s", indent, "");
@@ -378,7 +348,7 @@ void help_print(const command_line *c, help_format format)
     case HELP_TEXT_ROW: printf("  %-10s %s\n", c->name, summary_phrase(phrase, c->summary)); break;
     case HELP_MAN: man_page(c); break;
     case HELP_MAN_ROW: man_row(c); break;
-    default: complete_part((shell)(format - HELP_BASH), c);
+    default: shells[format - HELP_BASH].part(c);
     }
 }
 
@@ -394,9 +364,11 @@ void help_print_head(help_format format)
                "A file \\fB\\-\\fR is standard output where it is written.\n"
                "Scenes are glTF 2.0; positions are in metres, and directions of light are the way the light travels.\n"
                ".SH COMMANDS\n");
-    } else if (format != HELP_TEXT)
-        complete_head((shell)(format - HELP_BASH));
-    else
+    } else if (format != HELP_TEXT) {
+        int s = (int)format - HELP_BASH;
+        printf("%s# Completion of command lines for vxs %s: made by vxs --help=%s\n%s", shells[s].first, VXS_VERSION,
+               shells[s].name, shells[s].begin);
+    } else
         printf(
             "vxs %s: baked voxelized shadows\n\nusage: vxs COMMAND [arguments]\n       vxs help COMMAND\n       vxs --version\n\n"
             "commands:\n",
@@ -420,6 +392,7 @@ void help_print_tail(help_format format)
             ".SH EXAMPLES\n.nf\nvxs scene city \\-o city.glb\nvxs bake city.glb \\-o city.vxs\nvxs render city.glb city.vxs \\-o "
             "city.png\n.fi\n"
             ".SH SEE ALSO\nThe page of each command, and manual.md, which is installed among the documents of vxs.\n");
-    } else if (format != HELP_TEXT)
-        complete_tail((shell)(format - HELP_BASH));
+    } else if (format != HELP_TEXT) {
+        embedded_print(stdout, *shells[format - HELP_BASH].tail);
+    }
 }

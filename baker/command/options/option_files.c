@@ -22,12 +22,6 @@ static int begins(const char *bytes, size_t size, const char *with, size_t with_
     return size >= with_size && !memcmp(bytes, with, with_size);
 }
 
-/* A damaged .vxs file may begin with these four letters; in a GLB, a version follows them. */
-static int is_glb(const char *bytes, size_t size)
-{
-    return begins(bytes, size, "glTF", 4) && size > 8 && (bytes[4] == 1 || bytes[4] == 2) && !bytes[5] && !bytes[6] && !bytes[7];
-}
-
 /* text  ended by a NUL */
 static file_kind kind_of_text(const char *text)
 {
@@ -37,17 +31,6 @@ static file_kind kind_of_text(const char *text)
     text += strspn(text, " \t\r\n");
     if (!strncmp(text, "\"vxs\"", 5)) return FILE_REPORT;
     return strstr(text, "\"asset\"") ? FILE_SCENE : FILE_JSON;
-}
-
-static file_kind kind_of_bytes(char bytes[LOOKED_AT + 1], size_t size)
-{
-    static const char png[] = "\x89PNG\r\n\x1a\n";
-    if (begins(bytes, size, VXS_MAGIC, VXS_MAGIC_BYTES)) return FILE_ASSET;
-    if (is_glb(bytes, size)) return FILE_SCENE;
-    if (begins(bytes, size, png, sizeof png - 1) || begins(bytes, size, "#?", 2)) return FILE_PICTURE;
-    if (begins(bytes, size, PART_MAGIC, sizeof PART_MAGIC - 1)) return FILE_PART;
-    bytes[size] = '\0';
-    return size > 1 && bytes[0] == '{' && !bytes[1] ? FILE_UNKNOWN : kind_of_text(bytes); /* '{' and 0: UTF-16 */
 }
 
 /* Read the beginning of a regular file. A pipe is not opened, since closing it would end its writer.
@@ -61,16 +44,29 @@ static size_t read_beginning(char bytes[LOOKED_AT + 1], const char *path, struct
     return size > 0 ? (size_t)size : 0;
 }
 
-file_kind file_kind_of(const char *path)
+/* Reads the first 4 KiB of regular files; other files are not opened. */
+static file_kind file_kind_of(const char *path)
 {
     struct stat status;
     char        bytes[LOOKED_AT + 1];
     size_t      size = read_beginning(bytes, path, &status);
-    if (size) return kind_of_bytes(bytes, size);
+    if (size) {
+        static const char png[] = "\x89PNG\r\n\x1a\n";
+        if (begins(bytes, size, VXS_MAGIC, VXS_MAGIC_BYTES)) return FILE_ASSET;
+        /* a damaged .vxs file may begin with these four letters; in a GLB, a version follows them */
+        if (begins(bytes, size, "glTF", 4) && size > 8 && (bytes[4] == 1 || bytes[4] == 2) && !bytes[5] && !bytes[6] && !bytes[7])
+            return FILE_SCENE;
+        if (begins(bytes, size, png, sizeof png - 1) || begins(bytes, size, "#?", 2)) return FILE_PICTURE;
+        if (begins(bytes, size, PART_MAGIC, sizeof PART_MAGIC - 1)) return FILE_PART;
+        bytes[size] = '\0';
+        return size > 1 && bytes[0] == '{' && !bytes[1] ? FILE_UNKNOWN : kind_of_text(bytes); /* '{' and 0: UTF-16 */
+    }
     return !stat(path, &status) && S_ISDIR(status.st_mode) ? FILE_FOLDER : FILE_UNKNOWN;
 }
 
-const char *file_kind_foreign(char *text, const char *path)
+/* Text on a regular file of FILE_UNKNOWN: its format, and what to do with it (baker/files/foreign_file.h); NULL: unknown format.
+ * text  [FOREIGN_BYTES] out */
+static const char *file_kind_foreign(char *text, const char *path)
 {
     struct stat status;
     char        bytes[LOOKED_AT + 1];
@@ -78,14 +74,16 @@ const char *file_kind_foreign(char *text, const char *path)
     return size ? foreign_file_text(text, bytes, size, (uint64_t)status.st_size) : NULL;
 }
 
-const char *file_kind_text(file_kind kind)
+/* "a .vxs file"; for FILE_UNKNOWN "something else" */
+static const char *file_kind_text(file_kind kind)
 {
     static const char *const texts[] = {"something else",  "a glTF scene", "a .vxs file",      "JSON",
                                         "a report of vxs", "a picture",    "a part of a bake", "a folder"};
     return texts[kind];
 }
 
-int file_kind_may_be(file_kind found, file_kind expected)
+/* 0 when a file of kind `found` cannot be of the expected kind (a scene, an asset, JSON or a picture). FILE_UNKNOWN may be any. */
+static int file_kind_may_be(file_kind found, file_kind expected)
 {
     if (found == FILE_JSON) return expected != FILE_ASSET; /* it may be a scene whose "asset" member comes late */
     return found == FILE_UNKNOWN || found == expected || (found == FILE_REPORT && expected == FILE_JSON);

@@ -22,19 +22,6 @@ typedef enum file_kind {
     FILE_FOLDER
 } file_kind;
 
-/* Reads the first 4 KiB of regular files; other files are not opened. */
-file_kind file_kind_of(const char *path);
-
-/* Text on a regular file of FILE_UNKNOWN: its format, and what to do with it (baker/files/foreign_file.h); NULL: unknown format.
- * text  [FOREIGN_BYTES] out */
-const char *file_kind_foreign(char *text, const char *path);
-
-/* "a .vxs file"; for FILE_UNKNOWN "something else" */
-const char *file_kind_text(file_kind kind);
-
-/* 0 when a file of kind `found` cannot be of the expected kind (a scene, an asset, JSON or a picture). FILE_UNKNOWN may be any. */
-int file_kind_may_be(file_kind found, file_kind expected);
-
 typedef enum option_kind {
     OPTION_SWITCH, /* int, set to 1; takes no value */
     OPTION_U32,    /* uint32_t in [min, max] */
@@ -113,14 +100,5 @@ static inline int is_list(const option *o)
 }
 
 /* Texts that help, manual pages and completion have in common. */
-
-/* The value that follows an option's name in help: "N", "auto|on|off"; NULL for switches and operands. */
-const char *option_value(const option *o);
-
-/* "--resolution N", "--camera", "SCENE" into text. Returns text. */
-const char *option_usage(char text[96], const option *o);
-
-/* "bake the shadows of a scene": the first sentence of a summary without its period, in lower case, into text. Returns text. */
-const char *summary_phrase(char text[128], const char *summary);
 
 #endif

@@ -181,15 +181,6 @@ static vxs_result add_number(const option *o, const char *value, run_context *m)
     return VXS_OK;
 }
 
-static vxs_result add_text(const option *o, const char *value, run_context *m)
-{
-    text_list *list = o->target;
-    if (!array_reserve(&list->items, &list->capacity, list->count + 1, sizeof *list->items))
-        return fail(m, VXS_E_MEMORY, "out of memory while reading %s", o->name);
-    list->items[list->count++] = value;
-    return VXS_OK;
-}
-
 static vxs_result add_named(const option *o, const char *text, run_context *m)
 {
     named_list  *list   = o->target;
@@ -211,19 +202,6 @@ no_memory:
     return fail(m, VXS_E_MEMORY, "out of memory while reading %s", o->name);
 }
 
-static vxs_result set_choice(const option *o, const char *value, run_context *m)
-{
-    int     index = choice_index(o->choices, value);
-    nearest near  = {.typed = value};
-    char    meant[64];
-    if (index < 0) {
-        nearest_try_choices(&near, o->choices);
-        return fail(m, VXS_E_ARGUMENT, "%s %s: expected one of %s%s", o->name, value, o->choices, nearest_text(meant, &near));
-    }
-    *(int *)o->target = index;
-    return VXS_OK;
-}
-
 static vxs_result set_option(const option *o, const char *value, run_context *m)
 {
     switch (o->kind) {
@@ -234,12 +212,28 @@ static vxs_result set_option(const option *o, const char *value, run_context *m)
     case OPTION_OUTPUT: *(const char **)o->target = value; break;
     case OPTION_VECTOR: return set_vector(o, value, o->target, m);
     case OPTION_TEXTS:
-    case OPTION_INPUTS: return add_text(o, value, m);
+    case OPTION_INPUTS: {
+        text_list *list = o->target;
+        if (!array_reserve(&list->items, &list->capacity, list->count + 1, sizeof *list->items))
+            return fail(m, VXS_E_MEMORY, "out of memory while reading %s", o->name);
+        list->items[list->count++] = value;
+        return VXS_OK;
+    }
     case OPTION_NAMED_VECTOR:
     case OPTION_NAMED_U32:
     case OPTION_NAMED_F64: return add_named(o, value, m);
     case OPTION_CHOICE:
-    case OPTION_HELP: return set_choice(o, value, m);
+    case OPTION_HELP: {
+        int     index = choice_index(o->choices, value);
+        nearest near  = {.typed = value};
+        char    meant[64];
+        if (index < 0) {
+            nearest_try_choices(&near, o->choices);
+            return fail(m, VXS_E_ARGUMENT, "%s %s: expected one of %s%s", o->name, value, o->choices, nearest_text(meant, &near));
+        }
+        *(int *)o->target = index;
+        return VXS_OK;
+    }
     case OPTION_U32: return set_u32(o, value, o->target, m);
     case OPTION_U32S: return add_number(o, value, m);
     case OPTION_F64: return parse_in_range(o, value, 0, o->target, m);

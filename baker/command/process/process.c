@@ -3,27 +3,38 @@
 #include "baker/command/process/process.h"
 
 #include <fcntl.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+#include <signal.h>
 #include <stdarg.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include "baker/base/clock.h"
+#include "baker/base/run_context.h"
 #include "baker/base/text.h"
+#include "baker/base/threads.h"
+#include "baker/files/json_file.h"
+#include "baker/files/temporary_files.h"
 
 static const char clear_line[] = "\r\033[K";
 
 static atomic_int line_shown; /* a signal handler reads it */
 
-void progress_line_show(const char *text)
+/* Replace the line by a text, on standard error. */
+static void progress_line_show(const char *text)
 {
     atomic_store(&line_shown, 1);
     fprintf(stderr, "%s%s", clear_line, text);
     fflush(stderr);
 }
 
-int progress_line_shown(void)
+/* 1 while there is a line. */
+static int progress_line_shown(void)
 {
     return atomic_load(&line_shown);
 }
@@ -97,26 +108,6 @@ static void watch_shared(void *user, double share, double since, const char *doi
 
 const run_watch progress_watch = {.say = watch_shown, .share = watch_shared};
 
-#ifdef __GLIBC__
-#include <malloc.h>
-#endif
-#include <signal.h>
-#include <sys/resource.h>
-#include <unistd.h>
-
-#include "baker/base/run_context.h"
-#include "baker/base/threads.h"
-#include "baker/files/json_file.h"
-#include "baker/files/temporary_files.h"
-
-/* Open a closed standard descriptor in the wrong mode: write-only for standard input, read-only for the other two. Using it
- * stays an error, and no other file gets its number. open returns the lowest free number, so it is this one. */
-static void fill_standard_descriptors(void)
-{
-    for (int number = STDIN_FILENO; number <= STDERR_FILENO; number++)
-        if (fcntl(number, F_GETFD) < 0) open("/dev/null", number == STDIN_FILENO ? O_WRONLY : O_RDONLY);
-}
-
 static temporary_files temporary;
 
 struct temporary_files *process_temporary_files(void)
@@ -184,7 +175,10 @@ int process_run(int (*run)(int argc, char **argv), int argc, char **argv)
 void process_begin(void)
 {
     threads_set_stacks(STACK_LEAST, STACK_BYTES); /* the default follows the limit of the process, which may be too small */
-    fill_standard_descriptors();
+    /* Open a closed standard descriptor in the wrong mode: write-only for standard input, read-only for the other two. Using it
+     * stays an error, and no other file gets its number. open returns the lowest free number, so it is this one. */
+    for (int number = STDIN_FILENO; number <= STDERR_FILENO; number++)
+        if (fcntl(number, F_GETFD) < 0) open("/dev/null", number == STDIN_FILENO ? O_WRONLY : O_RDONLY);
     signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN);
 

@@ -39,10 +39,6 @@ struct temporary_files *process_temporary_files(void);
 /* Remove all temporary files, before a fatal end of the process. Async-signal-safe. */
 void process_remove_temporary(void);
 
-#ifdef __cplusplus
-}
-#endif
-
 /* Progress of a run: one line on a terminal, overwritten each time and cleared at the end.
  *
  *     progress_say(shown, "reading %s", path);
@@ -51,10 +47,6 @@ void process_remove_temporary(void);
  *     progress_clear();
  *
  * shown  0: standard error is no terminal, and nothing is printed.   Threads: one at a time. */
-
-#ifdef __cplusplus
-extern "C" {
-#endif
 
 #if defined(__GNUC__)
 #define PROGRESS_PRINTF(text, values) __attribute__((format(printf, text, values)))
@@ -72,21 +64,7 @@ void progress_share(int shown, double share, double since, const char *format, .
 /* Run callbacks that show progress on a terminal. */
 extern const run_watch progress_watch;
 
-#ifdef __cplusplus
-}
-#endif
-
 /* The progress line of a terminal (baker/command/process/process.h): the part that every function that prints needs. */
-
-#ifdef __cplusplus
-extern "C" {
-#endif
-
-/* Replace the line by a text, on standard error. */
-void progress_line_show(const char *text);
-
-/* 1 while there is a line. */
-int progress_line_shown(void);
 
 /* Clear the progress line. Call before anything else is printed, and at the end. No effect without a line. Async-signal-safe. */
 void progress_clear(void);

@@ -153,13 +153,6 @@ void report_print_excluded(FILE *to, const bake_report *r, const char *head)
         fprintf(to, "%-12s %zu triangles excluded: %s\n", head, e->triangles, exclusion_text(rule, e));
 }
 
-static void print_borders(FILE *to, const border_counts *b)
-{
-    if (b->split || b->joined)
-        fprintf(to, "             %zu edges split where borders meet, %zu triangles more, %zu vertices joined\n", b->split,
-                b->added, b->joined);
-}
-
 void report_print_casters(FILE *to, const bake_report *r)
 {
     const casters *c = &r->casters;
@@ -171,7 +164,9 @@ void report_print_casters(FILE *to, const bake_report *r)
                     component_kind_name((component_kind)kind));
     report_print_excluded(to, r, "");
     if (c->collapsed_count) fprintf(to, "             %zu triangles left out: two corners in one place\n", c->collapsed_count);
-    print_borders(to, &c->borders);
+    if (c->borders.split || c->borders.joined)
+        fprintf(to, "             %zu edges split where borders meet, %zu triangles more, %zu vertices joined\n", c->borders.split,
+                c->borders.added, c->borders.joined);
     fprintf(to, "             %.6g x %.6g x %.6g m\n", r->casters_max_ws[0] - r->casters_min_ws[0],
             r->casters_max_ws[1] - r->casters_min_ws[1], r->casters_max_ws[2] - r->casters_min_ws[2]);
 }
@@ -195,33 +190,6 @@ const char *texels_text(char text[TEXELS_BYTES], const texel_range *t, int digit
 json_t *texels_json(const texel_range *t)
 {
     return json_pack("{s:f, s:f, s:f}", "least", t->least, "median", t->median, "most", t->most);
-}
-
-static void print_light(FILE *to, const bake_options *o, const plan_light *l)
-{
-    char     name[VXS_LIGHT_NAME_BYTES], a[TEXELS_BYTES], b[32];
-    unsigned side = 1u << l->light.levels;
-    one_line(strcpy(name, l->name));
-    if (l->left_out) {
-        fprintf(to, "light %s is left out: it %s\n", name, l->left_out);
-        return;
-    }
-    fprintf(to, "light %s\n", name);
-    fprintf(to, "  map        %u of %u x %u texels of %s, voxels %.4g %s deep\n", l->map_count, side, side,
-            texels_text(a, &l->texels, 4), l->light.voxel_metres,
-            l->light.kind == VXS_LIGHT_KIND_DIRECTIONAL ? "m" : "of the distance");
-    fprintf(to, "  tiles      %llu, left out without casters: %llu", (unsigned long long)l->tiles,
-            (unsigned long long)l->tiles_empty);
-    if (o->maps != MAPS_SPARSE)
-        fprintf(to, "; %llu blocks to render, %llu of them to peel",
-                (unsigned long long)(l->sample.blocks - l->sample.blocks_empty), (unsigned long long)l->sample.blocks_peeled);
-    fprintf(to, "\n");
-    if (l->light.coding == VXS_CODING_DAG)
-        fprintf(to, "  about      %.15g masks, %.15g nodes", rounded(l->masks, 3), rounded(l->nodes, 3));
-    else
-        fprintf(to, "  about      %.15g palette blocks, %.15g patterns", rounded(l->palette.blocks, 3),
-                rounded(l->palette.patterns, 3));
-    fprintf(to, "; %s in memory, %s on disk\n", size_text(a, (uint64_t)l->memory_bytes), size_text(b, (uint64_t)l->stored_bytes));
 }
 
 void plan_print_estimate(FILE *to, const bake_plan *plan)
@@ -267,7 +235,32 @@ void plan_print(FILE *to, const bake_options *o, const bake_report *report)
     fprintf(to, "scene        %s\n", plain_text(plain, o->scene_path));
     report_print_casters(to, report);
     plan_print_decisions(to, plan, o, report);
-    for (size_t n = 0; n < plan->light_count; n++) print_light(to, o, &plan->lights[n]);
+    for (const plan_light *l = plan->lights; l < plan->lights + plan->light_count; l++) {
+        char     name[VXS_LIGHT_NAME_BYTES], a[TEXELS_BYTES], b[32];
+        unsigned side = 1u << l->light.levels;
+        one_line(strcpy(name, l->name));
+        if (l->left_out) {
+            fprintf(to, "light %s is left out: it %s\n", name, l->left_out);
+            continue;
+        }
+        fprintf(to, "light %s\n", name);
+        fprintf(to, "  map        %u of %u x %u texels of %s, voxels %.4g %s deep\n", l->map_count, side, side,
+                texels_text(a, &l->texels, 4), l->light.voxel_metres,
+                l->light.kind == VXS_LIGHT_KIND_DIRECTIONAL ? "m" : "of the distance");
+        fprintf(to, "  tiles      %llu, left out without casters: %llu", (unsigned long long)l->tiles,
+                (unsigned long long)l->tiles_empty);
+        if (o->maps != MAPS_SPARSE)
+            fprintf(to, "; %llu blocks to render, %llu of them to peel",
+                    (unsigned long long)(l->sample.blocks - l->sample.blocks_empty), (unsigned long long)l->sample.blocks_peeled);
+        fprintf(to, "\n");
+        if (l->light.coding == VXS_CODING_DAG)
+            fprintf(to, "  about      %.15g masks, %.15g nodes", rounded(l->masks, 3), rounded(l->nodes, 3));
+        else
+            fprintf(to, "  about      %.15g palette blocks, %.15g patterns", rounded(l->palette.blocks, 3),
+                    rounded(l->palette.patterns, 3));
+        fprintf(to, "; %s in memory, %s on disk\n", size_text(a, (uint64_t)l->memory_bytes),
+                size_text(b, (uint64_t)l->stored_bytes));
+    }
     for (size_t n = 0; n < report->left_out_count; n++)
         if (report->left_out[n].why != REACHES_NOTHING) {
             char name[VXS_LIGHT_NAME_BYTES];
@@ -279,26 +272,6 @@ void plan_print(FILE *to, const bake_options *o, const bake_report *report)
 
 /* for machines ---------------------------------------------------------------------------------------------------------------- */
 
-static json_t *exclusions_json(const bake_report *r)
-{
-    json_t *excluded = json_array();
-    for (const scene_exclusion *e = r->exclusions; e < r->exclusions + r->exclusion_count; e++) {
-        char    rule[32];
-        json_t *entry = json_pack("{s:s, s:I}", "rule", choice_word(rule, EXCLUSION_RULES, (int)e->rule), "triangles",
-                                  (json_int_t)e->triangles);
-        if (e->pattern) json_object_set_new(entry, "pattern", json_text(e->pattern));
-        json_array_append_new(excluded, entry);
-    }
-    return excluded;
-}
-
-static json_t *borders_json(const border_counts *b)
-{
-    return json_pack("{s:I, s:I, s:I, s:I, s:I}", "open_edges", (json_int_t)b->edges, "split_edges", (json_int_t)b->split,
-                     "added_triangles", (json_int_t)b->added, "joined_vertices", (json_int_t)b->joined, "left_edges",
-                     (json_int_t)b->left);
-}
-
 json_t *report_casters_json(const bake_report *r)
 {
     const casters *c      = &r->casters;
@@ -307,11 +280,24 @@ json_t *report_casters_json(const bake_report *r)
         json_object_set_new(sheets, component_kind_name((component_kind)kind),
                             json_pack("{s:I, s:I}", "components", (json_int_t)c->component_count[kind], "triangles",
                                       (json_int_t)c->triangles_of_kind[kind]));
+
+    json_t *exclusions_json = json_array();
+    for (const scene_exclusion *e = r->exclusions; e < r->exclusions + r->exclusion_count; e++) {
+        char    rule[32];
+        json_t *entry = json_pack("{s:s, s:I}", "rule", choice_word(rule, EXCLUSION_RULES, (int)e->rule), "triangles",
+                                  (json_int_t)e->triangles);
+        if (e->pattern) json_object_set_new(entry, "pattern", json_text(e->pattern));
+        json_array_append_new(exclusions_json, entry);
+    }
+
     return json_pack("{s:I, s:I, s:o, s:{s:I, s:I}, s:o, s:o, s:[f,f,f], s:[f,f,f]}", "triangles",
                      (json_int_t)casters_whole_count(c), "collapsed_triangles", (json_int_t)c->collapsed_count, "excluded",
-                     exclusions_json(r), "solids", "components", (json_int_t)c->component_count[COMPONENT_SOLID], "triangles",
-                     (json_int_t)c->solid_triangle_count, "sheets", sheets, "borders", borders_json(&c->borders), "min_m",
-                     r->casters_min_ws[0], r->casters_min_ws[1], r->casters_min_ws[2], "max_m", r->casters_max_ws[0],
+                     exclusions_json, "solids", "components", (json_int_t)c->component_count[COMPONENT_SOLID], "triangles",
+                     (json_int_t)c->solid_triangle_count, "sheets", sheets, "borders",
+                     json_pack("{s:I, s:I, s:I, s:I, s:I}", "open_edges", (json_int_t)c->borders.edges, "split_edges",
+                               (json_int_t)c->borders.split, "added_triangles", (json_int_t)c->borders.added, "joined_vertices",
+                               (json_int_t)c->borders.joined, "left_edges", (json_int_t)c->borders.left),
+                     "min_m", r->casters_min_ws[0], r->casters_min_ws[1], r->casters_min_ws[2], "max_m", r->casters_max_ws[0],
                      r->casters_max_ws[1], r->casters_max_ws[2]);
 }
 

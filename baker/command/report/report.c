@@ -169,11 +169,6 @@ static json_t *parts_json(const light_report *l)
     return parts;
 }
 
-static const char *kind_text(const vxs_light *l)
-{
-    return l->kind == VXS_LIGHT_KIND_DIRECTIONAL ? "directional" : l->kind == VXS_LIGHT_KIND_SPOT ? "spot" : "point";
-}
-
 /* Statistics of a coding: what it found, and what it kept. */
 static json_t *coded_json(const light_report *l)
 {
@@ -189,16 +184,20 @@ static json_t *coded_json(const light_report *l)
 static json_t *light_json(const light_report *l)
 {
     double  texels = light_texels(l);
-    json_t *o      = json_pack(
-             "{s:o, s:s, s:I, s:i, s:f, s:o, s:f, s:[f,f,f], s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:o}", "name",
-             json_text(l->light.name), "kind", kind_text(&l->light), "resolution_px", (json_int_t)1 << l->light.levels, "maps",
-             (int)vxs_map_count(&l->light), "texel_m", l->light.texel_metres, "texel_at_casters_m", texels_json(&l->texels), "voxel_m",
-             l->light.voxel_metres, "direction", l->light.direction_ws[0], l->light.direction_ws[1], l->light.direction_ws[2], "tiles",
-             (json_int_t)l->tiles, "tiles_without_casters", (json_int_t)l->tiles_skipped, "blocks_rendered",
-             (json_int_t)l->depth.blocks_rendered, "blocks_without_casters", (json_int_t)l->depth.blocks_empty, "triangles_drawn",
-             (json_int_t)l->depth.triangles_drawn, "blocks_peeled", (json_int_t)l->depth.blocks_peeled, "blocks_not_peeled",
-             (json_int_t)l->depth.blocks_not_peeled, "peel_passes", (json_int_t)l->depth.peel_passes, "peel_passes_max",
-             (json_int_t)l->depth.peel_passes_max, "mask_tiles", (json_int_t)l->mask_tiles, "levels", parts_json(l));
+    json_t *o = json_pack("{s:o, s:s, s:I, s:i, s:f, s:o, s:f, s:[f,f,f], s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:o}",
+                          "name", json_text(l->light.name), "kind",
+                          l->light.kind == VXS_LIGHT_KIND_DIRECTIONAL ? "directional"
+                          : l->light.kind == VXS_LIGHT_KIND_SPOT      ? "spot"
+                                                                      : "point",
+                          "resolution_px", (json_int_t)1 << l->light.levels, "maps", (int)vxs_map_count(&l->light), "texel_m",
+                          l->light.texel_metres, "texel_at_casters_m", texels_json(&l->texels), "voxel_m", l->light.voxel_metres,
+                          "direction", l->light.direction_ws[0], l->light.direction_ws[1], l->light.direction_ws[2], "tiles",
+                          (json_int_t)l->tiles, "tiles_without_casters", (json_int_t)l->tiles_skipped, "blocks_rendered",
+                          (json_int_t)l->depth.blocks_rendered, "blocks_without_casters", (json_int_t)l->depth.blocks_empty,
+                          "triangles_drawn", (json_int_t)l->depth.triangles_drawn, "blocks_peeled",
+                          (json_int_t)l->depth.blocks_peeled, "blocks_not_peeled", (json_int_t)l->depth.blocks_not_peeled,
+                          "peel_passes", (json_int_t)l->depth.peel_passes, "peel_passes_max", (json_int_t)l->depth.peel_passes_max,
+                          "mask_tiles", (json_int_t)l->mask_tiles, "levels", parts_json(l));
     json_t *coded = coded_json(l);
     json_object_update(o, coded);
     json_decref(coded);
@@ -218,26 +217,6 @@ static json_t *light_json(const light_report *l)
     return o;
 }
 
-static json_t *stages_json(const bake_report *r)
-{
-    json_t *stages = json_array();
-    for (int s = 0; s < STAGE_COUNT; s++)
-        json_array_append_new(stages, json_pack("{s:s, s:f, s:I}", "name", bake_stage_name((bake_stage)s), "seconds",
-                                                r->stage[s].seconds, "peak_bytes", (json_int_t)r->stage[s].peak_bytes));
-    return stages;
-}
-
-/* The plan and the results. */
-static json_t *plan_json(const bake_options *o, const bake_report *r)
-{
-    uint64_t memory_bytes = 0;
-    for (uint32_t n = 0; n < r->light_count; n++) memory_bytes += r->lights[n].memory_bytes;
-    return json_pack("{s:o, s:o, s:o, s:o, s:{s:f, s:I, s:I, s:I}}", "decisions", plan_decisions_json(r->plan, o, r), "lights",
-                     plan_lights_json(r->plan), "estimate", plan_estimate_json(r->plan), "savings", plan_savings_json(r->plan),
-                     "actual", "total_seconds", r->total_seconds, "peak_bytes", (json_int_t)r->peak_bytes, "file_bytes",
-                     (json_int_t)r->file_bytes, "memory_bytes", (json_int_t)memory_bytes);
-}
-
 static json_t *squares_json(const bake_options *o, const bake_report *r)
 {
     square_counts squares = report_squares(r);
@@ -249,12 +228,27 @@ json_t *report_json(const bake_options *o, const bake_report *r, const run_conte
 {
     json_t *lights = json_array();
     for (uint32_t n = 0; n < r->light_count; n++) json_array_append_new(lights, light_json(&r->lights[n]));
+
+    json_t *stages_json = json_array();
+    for (int s = 0; s < STAGE_COUNT; s++)
+        json_array_append_new(stages_json, json_pack("{s:s, s:f, s:I}", "name", bake_stage_name((bake_stage)s), "seconds",
+                                                     r->stage[s].seconds, "peak_bytes", (json_int_t)r->stage[s].peak_bytes));
+
+    /* The plan and the results. */
+    uint64_t memory_bytes = 0;
+    for (uint32_t n = 0; n < r->light_count; n++) memory_bytes += r->lights[n].memory_bytes;
+    json_t *plan_json =
+        json_pack("{s:o, s:o, s:o, s:o, s:{s:f, s:I, s:I, s:I}}", "decisions", plan_decisions_json(r->plan, o, r), "lights",
+                  plan_lights_json(r->plan), "estimate", plan_estimate_json(r->plan), "savings", plan_savings_json(r->plan),
+                  "actual", "total_seconds", r->total_seconds, "peak_bytes", (json_int_t)r->peak_bytes, "file_bytes",
+                  (json_int_t)r->file_bytes, "memory_bytes", (json_int_t)memory_bytes);
+
     json_t *root = json_pack("{s:s, s:o, s:o, s:b, s:o, s:s, s:s, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:f, s:I}", "vxs", VXS_VERSION,
                              "scene", json_text(o->scene_path), "output", json_text(o->output_path), "unchanged", 0, "options",
                              bake_options_json(o), "renderer", r->renderer, "cpu_class", r->cpu_class, "file_bytes",
                              (json_int_t)r->file_bytes, "casters", report_casters_json(r), "lights", lights, "lights_left_out",
-                             report_left_out_json(r), "warnings", report_warnings_json(m), "stages", stages_json(r), "plan",
-                             plan_json(o, r), "total_seconds", r->total_seconds, "peak_bytes", (json_int_t)r->peak_bytes);
+                             report_left_out_json(r), "warnings", report_warnings_json(m), "stages", stages_json, "plan", plan_json,
+                             "total_seconds", r->total_seconds, "peak_bytes", (json_int_t)r->peak_bytes);
     if (o->resume_path) json_object_set_new(root, "squares", squares_json(o, r));
     if (o->points)
         json_object_set_new(root, "points",
