@@ -80,13 +80,6 @@ static vxs_result out_of_memory(run_context *m, size_t triangle_count)
 
 /* --- weld ------------------------------------------------------------------------------------------------------------- */
 
-/* Index of triangle t in the scene's holed_triangles, or NONE. *at is a cursor; call with ascending t. */
-static uint32_t find_hole(const scene *s, size_t t, size_t *at)
-{
-    while (*at < s->holed_triangle_count && s->holed_triangles[*at].triangle < t) ++*at;
-    return *at < s->holed_triangle_count && s->holed_triangles[*at].triangle == t ? (uint32_t)*at : NONE;
-}
-
 static vxs_result weld(work *w, const scene *s, run_context *m)
 {
     enum { EACH = 4 * sizeof(uint32_t), OF_VERTEX = 3 * sizeof(double) + 5 * sizeof(uint32_t) };
@@ -98,15 +91,16 @@ static vxs_result weld(work *w, const scene *s, run_context *m)
     if (s->holed_triangle_count) w->hole_of = allocate(w->mesh.triangle_count, sizeof *w->hole_of);
     if (!w->flags || (s->holed_triangle_count && !w->hole_of)) return out_of_memory(m, s->triangle_count);
 
-    /* Set the flags and holes of the remaining triangles. */
-    size_t hole_at = 0;
+    /* set the flags and holes of the remaining triangles; both lists ascend */
+    const holed_triangle *hole = s->holed_triangles, *end = hole + s->holed_triangle_count;
     for (size_t t = 0; t < w->mesh.triangle_count; t++) {
-        uint32_t hole = find_hole(s, w->mesh.from[t], &hole_at);
-        w->flags[t]   = s->triangle_flags[w->mesh.from[t]] & (TRIANGLE_DOUBLE_SIDED | TRIANGLE_ALPHA_MASK);
-        if (hole != NONE) w->flags[t] |= TRIANGLE_ALPHA_MASK;
-        if (w->hole_of) w->hole_of[t] = hole;
+        uint32_t of = w->mesh.from[t];
+        while (hole < end && hole->triangle < of) hole++;
+        int has_hole = hole < end && hole->triangle == of;
+        w->flags[t]  = s->triangle_flags[of] & (TRIANGLE_DOUBLE_SIDED | TRIANGLE_ALPHA_MASK);
+        if (has_hole) w->flags[t] |= TRIANGLE_ALPHA_MASK;
+        if (w->hole_of) w->hole_of[t] = has_hole ? (uint32_t)(hole - s->holed_triangles) : NONE;
     }
-
     return VXS_OK;
 }
 
@@ -299,34 +293,7 @@ done:
     return r;
 }
 
-static vxs_result judge_components(work *w, const scene *s, closed_mode closed, run_context *m)
-{
-    for (size_t i = 0; i < w->component_count; i++) w->components[i].kind = judge(&w->components[i], &w->boxes[i], closed);
-    return closed == CLOSED_AUTO ? evict_occupied(w, s, m) : VXS_OK;
-}
-
 /* --- split ------------------------------------------------------------------------------------------------------------ */
-
-/* Split triangles with holes get new entries after the scene's, with interpolated image coordinates. */
-static int split_holes(work *w, const scene *s, const mesh_split *split)
-{
-    size_t count = s->holed_triangle_count;
-    if (!w->hole_of) return 1;
-    if (!(w->own_holes = malloc((count + split->piece_count) * sizeof *w->own_holes))) return 0;
-    memcpy(w->own_holes, s->holed_triangles, count * sizeof *w->own_holes);
-    for (const mesh_piece *p = split->pieces; p < split->pieces + split->piece_count; p++) {
-        uint32_t hole = w->hole_of[p->triangle];
-        if (hole == NONE) continue;
-        const holed_triangle *whole = &s->holed_triangles[hole];
-        holed_triangle       *piece = &w->own_holes[w->hole_of[p->triangle] = (uint32_t)count++];
-        *piece                      = (holed_triangle){.triangle = whole->triangle, .mask = whole->mask};
-        for (int n = 0; n < 3; n++)
-            for (int axis = 0; axis < 2; axis++)
-                for (int k = 0; k < 3; k++) piece->uv[n][axis] += (float)(p->weights[n][k] * (double)whole->uv[k][axis]);
-    }
-    w->holes = w->own_holes;
-    return 1;
-}
 
 /* Copy per-triangle data to the pieces of each triangle. */
 static int spread(work *w, const scene *s, const mesh_split *split)
@@ -344,7 +311,24 @@ static int spread(work *w, const scene *s, const mesh_split *split)
         w->component_of[t] = w->component_of[split->parents[t]];
         if (w->hole_of) w->hole_of[t] = w->hole_of[split->parents[t]];
     }
-    return split_holes(w, s, split);
+    if (!w->hole_of) return 1;
+
+    /* split triangles with holes get new entries after the scene's, with interpolated image coordinates */
+    size_t holes = s->holed_triangle_count;
+    if (!(w->own_holes = malloc((holes + split->piece_count) * sizeof *w->own_holes))) return 0;
+    memcpy(w->own_holes, s->holed_triangles, holes * sizeof *w->own_holes);
+    for (const mesh_piece *p = split->pieces; p < split->pieces + split->piece_count; p++) {
+        uint32_t hole = w->hole_of[p->triangle];
+        if (hole == NONE) continue;
+        const holed_triangle *whole = &s->holed_triangles[hole];
+        holed_triangle       *piece = &w->own_holes[w->hole_of[p->triangle] = (uint32_t)holes++];
+        *piece                      = (holed_triangle){.triangle = whole->triangle, .mask = whole->mask};
+        for (int n = 0; n < 3; n++)
+            for (int axis = 0; axis < 2; axis++)
+                for (int k = 0; k < 3; k++) piece->uv[n][axis] += (float)(p->weights[n][k] * (double)whole->uv[k][axis]);
+    }
+    w->holes = w->own_holes;
+    return 1;
 }
 
 /* Give borders that meet the same vertices. Solids were determined before; they have no borders, so they are not split. A sheet
@@ -374,12 +358,6 @@ static int has_holes(const work *w, size_t t)
 /* Groups of casters in the result: solids, sheets, and one group per alpha mask for triangles with holes. */
 enum { GROUP_SOLIDS, GROUP_SHEETS, GROUP_MASKS };
 
-static uint32_t group_of(const work *w, size_t t)
-{
-    if (has_holes(w, t)) return GROUP_MASKS + w->holes[w->hole_of[t]].mask;
-    return w->components[w->component_of[t]].kind == COMPONENT_SOLID ? GROUP_SOLIDS : GROUP_SHEETS;
-}
-
 typedef struct emission {
     casters     *c;
     const work  *w;
@@ -388,41 +366,26 @@ typedef struct emission {
     uint32_t    *emitted_as; /* [vertex_count] number of a vertex in the result, or NONE */
 } emission;
 
-/* Write triangle t as triangle `at` of the result; vertex numbers are still those of `work`. It starts at its least corner,
- * whatever corner the file starts with: rasterizers interpolate from the first corner, and the same surface must give the same
- * depths. */
-static void emit_triangle(const emission *e, size_t at, size_t t)
-{
-    casters         *c     = e->c;
-    const work      *w     = e->w;
-    const uint32_t  *from  = &w->mesh.indices[3 * t];
-    const component *of    = &w->components[w->component_of[t]];
-    unsigned         begin = mesh_least_corner(w->mesh.positions_ws, from);
-    int              turn  = of->kind == COMPONENT_SOLID && of->volume < 0; /* inside out: a solid only with --closed on */
-    for (unsigned n = 0; n < 3; n++) c->indices[3 * at + n] = from[(begin + (turn ? 3 - n : n)) % 3];
-    c->component_of[at] = of->number;
-    if (c->double_sided) c->double_sided[at] = (w->flags[t] & TRIANGLE_DOUBLE_SIDED) != 0;
-    for (unsigned n = 0; n < 3 && has_holes(w, t); n++)
-        memcpy(&c->hole_uvs[6 * (at - c->holed_first) + 2 * n], w->holes[w->hole_of[t]].uv[(begin + n) % 3],
-               2 * sizeof *c->hole_uvs);
-}
-
+/* Write triangles of the result; vertex numbers are still those of `work`. A triangle starts at its least corner, whatever corner
+ * the file starts with: rasterizers interpolate from the first corner, and the same surface must give the same depths. */
 static void emit_triangles(void *user, size_t begin, size_t end, uint32_t worker)
 {
     const emission *e = user;
+    const work     *w = e->w;
+    casters        *c = e->c;
     (void)worker;
-    for (size_t at = begin; at < end; at++) emit_triangle(e, at, e->order[at]);
-}
-
-/* Number vertices in the order of first use. Vertices used only by collapsed triangles get no number. */
-static void number_vertices(const emission *e)
-{
-    casters *c = e->c;
-    memset(e->emitted_as, 0xff, e->w->mesh.vertex_count * sizeof *e->emitted_as);
-    for (uint32_t *v = c->indices; v < c->indices + 3 * c->triangle_count; v++) {
-        uint32_t *as = &e->emitted_as[*v];
-        if (*as == NONE) *as = (uint32_t)c->vertex_count++;
-        *v = *as;
+    for (size_t at = begin; at < end; at++) {
+        uint32_t         t     = e->order[at];
+        const uint32_t  *from  = &w->mesh.indices[3 * (size_t)t];
+        const component *of    = &w->components[w->component_of[t]];
+        unsigned         first = mesh_least_corner(w->mesh.positions_ws, from);
+        int              turn  = of->kind == COMPONENT_SOLID && of->volume < 0; /* inside out: a solid only with --closed on */
+        for (unsigned n = 0; n < 3; n++) c->indices[3 * at + n] = from[(first + (turn ? 3 - n : n)) % 3];
+        c->component_of[at] = of->number;
+        if (c->double_sided) c->double_sided[at] = (w->flags[t] & TRIANGLE_DOUBLE_SIDED) != 0;
+        for (unsigned n = 0; n < 3 && has_holes(w, t); n++)
+            memcpy(&c->hole_uvs[6 * (at - c->holed_first) + 2 * n], w->holes[w->hole_of[t]].uv[(first + n) % 3],
+                   2 * sizeof *c->hole_uvs);
     }
 }
 
@@ -479,7 +442,10 @@ static vxs_result emit(casters *c, work *w, const scene *s, run_context *m)
     uint32_t *first = malloc((groups + 1) * sizeof *first);
     emission  e     = {c, w, s, pages_alloc(count * sizeof *e.order), pages_alloc(w->mesh.vertex_count * sizeof *e.emitted_as)};
     if (!group || !first || !e.order || !e.emitted_as) goto done;
-    for (size_t t = 0; t < count; t++) group[t] = group_of(w, t);
+    for (size_t t = 0; t < count; t++)
+        group[t] = has_holes(w, t)                                             ? GROUP_MASKS + w->holes[w->hole_of[t]].mask
+                   : w->components[w->component_of[t]].kind == COMPONENT_SOLID ? (uint32_t)GROUP_SOLIDS
+                                                                               : (uint32_t)GROUP_SHEETS;
     if ((r = group_by_key(first, e.order, group, count, groups, w->threads)) != VXS_OK) goto done;
     if (!make_room(c, w, s, first)) {
         r = VXS_E_MEMORY;
@@ -502,7 +468,14 @@ static vxs_result emit(casters *c, work *w, const scene *s, run_context *m)
 
     c->triangle_count = count;
     parallel_for(w->threads, count, GRAIN, emit_triangles, &e);
-    number_vertices(&e);
+
+    /* number vertices in the order of first use; vertices used only by collapsed triangles get no number */
+    memset(e.emitted_as, 0xff, w->mesh.vertex_count * sizeof *e.emitted_as);
+    for (uint32_t *v = c->indices; v < c->indices + 3 * count; v++) {
+        uint32_t *as = &e.emitted_as[*v];
+        if (*as == NONE) *as = (uint32_t)c->vertex_count++;
+        *v = *as;
+    }
     parallel_for(w->threads, w->mesh.vertex_count, GRAIN, emit_vertices, &e);
 done:
     free(group);
@@ -549,7 +522,8 @@ static vxs_result sort_out(casters *c, const scene *s, closed_mode closed, int s
     }
     if ((r = connect(&w, splits_borders, m)) != VXS_OK) goto done;
     if ((r = measure_components(&w, s, m)) != VXS_OK) goto done;
-    if ((r = judge_components(&w, s, closed, m)) != VXS_OK) goto done;
+    for (size_t i = 0; i < w.component_count; i++) w.components[i].kind = judge(&w.components[i], &w.boxes[i], closed);
+    if ((r = closed == CLOSED_AUTO ? evict_occupied(&w, s, m) : VXS_OK) != VXS_OK) goto done;
     if (splits_borders && (r = split_borders(&w, c, s, m)) != VXS_OK) goto done;
     r = emit(c, &w, s, m);
 done:

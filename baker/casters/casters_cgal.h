@@ -49,17 +49,7 @@ typedef struct shell_pair {
  * Returns VXS_OK or VXS_E_MEMORY; never throws. Deterministic; threads: none. */
 vxs_result shells_find_inside(const shell_set *s, shell_pair *pairs, size_t count);
 
-#ifdef __cplusplus
-}
-#endif
-
 /* Find the triangles of a soup that touch or cross each other, with exact predicates. */
-
-#ifdef __cplusplus
-extern "C" {
-#endif
-
-struct box; /* baker/base/box.h */
 
 /* Welded triangles: corners at equal positions have equal numbers. Everything is borrowed. */
 typedef struct mesh_soup {

@@ -92,11 +92,6 @@ static vxs_result find_alike(welder *d, size_t vertex_count, uint32_t threads)
     return r;
 }
 
-static int is_finite_position(const double *p)
-{
-    return isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]);
-}
-
 /* Vertices that no triangle uses are left out: they may be invalid and must not enlarge the bounds. */
 static vxs_result weld_triangles(mesh_weld *w, const welder *d, const scene *s, run_context *m)
 {
@@ -107,7 +102,7 @@ static vxs_result weld_triangles(mesh_weld *w, const welder *d, const scene *s, 
             assert(v < s->vertex_count);
             if (w->welded_of[v] == NONE) {
                 const double *p = &s->positions_ws[3 * (size_t)v];
-                if (!is_finite_position(p))
+                if (!(isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2])))
                     return fail(m, VXS_E_SCENE, "triangle %zu: corner at (%g, %g, %g), expected finite coordinates", t, p[0], p[1],
                                 p[2]);
 
@@ -197,31 +192,31 @@ static int by_high(const void *a, const void *b, void *indices)
     return p != q ? p < q ? -1 : 1 : h < g ? -1 : h > g;
 }
 
-/* Sort half-edges with the same lower vertex. There are few of them, except at the centre of a large fan. */
-static void sort_by_high(uint32_t *edges, uint32_t count, const uint32_t *indices)
-{
-    enum { FEW = 32 };
-    uint32_t high[FEW];
-    if (count > FEW) {
-        qsort_r(edges, count, sizeof *edges, by_high, (void *)(size_t)indices);
-        return;
-    }
-    for (uint32_t n = 0; n < count; n++) {
-        uint32_t h = edges[n], key = mesh_edge_high(indices, h), k = n;
-        for (; k > 0 && high[k - 1] > key; k--) {
-            high[k]  = high[k - 1];
-            edges[k] = edges[k - 1];
-        }
-        high[k]  = key;
-        edges[k] = h;
-    }
-}
-
 static void sort_vertices(void *user, size_t begin, size_t end, uint32_t worker)
 {
     edge_sorter *w = user;
     (void)worker;
-    for (size_t v = begin; v < end; v++) sort_by_high(w->sorted + w->first[v], w->first[v + 1] - w->first[v], w->indices);
+    for (size_t v = begin; v < end; v++) {
+        /* Sort half-edges with the same lower vertex. There are few of them, except at the centre of a large fan. */
+        uint32_t       *edges   = w->sorted + w->first[v];
+        uint32_t        count   = w->first[v + 1] - w->first[v];
+        const uint32_t *indices = w->indices;
+        enum { FEW = 32 };
+        uint32_t high[FEW];
+        if (count > FEW) {
+            qsort_r(edges, count, sizeof *edges, by_high, (void *)(size_t)indices);
+            continue;
+        }
+        for (uint32_t n = 0; n < count; n++) {
+            uint32_t h = edges[n], key = mesh_edge_high(indices, h), k = n;
+            for (; k > 0 && high[k - 1] > key; k--) {
+                high[k]  = high[k - 1];
+                edges[k] = edges[k - 1];
+            }
+            high[k]  = key;
+            edges[k] = h;
+        }
+    }
 }
 
 vxs_result mesh_sort_edges(uint32_t *sorted, const uint32_t *indices, size_t triangle_count, size_t vertex_count, uint32_t threads)

@@ -104,14 +104,6 @@ vxs_result mesh_weld_scene(mesh_weld *w, const scene *s, uint32_t threads, run_c
 
 void mesh_weld_free(mesh_weld *w);
 
-#ifdef __cplusplus
-}
-#endif
-
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 static inline uint32_t mesh_edge_end(const uint32_t *indices, uint32_t h)
 {
     return indices[h % 3 == 2 ? h - 2 : h + 1];

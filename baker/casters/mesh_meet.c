@@ -123,25 +123,20 @@ static vxs_result search_insides(meeting *w)
 
 /* ---------------------------------------------------------------------------------------------------------------------- */
 
-static int make_room(meeting *w)
-{
-    const casters *c         = w->c;
-    size_t         triangles = c->solid_triangle_count + 1; /* + 1: an allocation of 0 bytes may return NULL */
-    w->meets                 = calloc(w->solids + 1, sizeof *w->meets);
-    w->boxes                 = malloc((w->solids + 1) * sizeof *w->boxes);
-    w->first                 = calloc(w->solids + 1, sizeof *w->first);
-    w->members               = malloc(triangles * sizeof *w->members);
-    w->near                  = calloc(w->solids + 1, sizeof *w->near);
-    w->solid_at              = calloc(c->vertex_count + 1, sizeof *w->solid_at);
-    return w->meets && w->boxes && w->first && w->members && w->near && w->solid_at;
-}
-
 /* Decide all solids of c. */
 static vxs_result search(meeting *w, uint32_t threads, run_context *m)
 {
     const casters *c = w->c;
     vxs_result     r = VXS_E_MEMORY;
-    if (make_room(w)) {
+
+    size_t triangles = c->solid_triangle_count + 1; /* + 1: an allocation of 0 bytes may return NULL */
+    w->meets         = calloc(w->solids + 1, sizeof *w->meets);
+    w->boxes         = malloc((w->solids + 1) * sizeof *w->boxes);
+    w->first         = calloc(w->solids + 1, sizeof *w->first);
+    w->members       = malloc(triangles * sizeof *w->members);
+    w->near          = calloc(w->solids + 1, sizeof *w->near);
+    w->solid_at      = calloc(c->vertex_count + 1, sizeof *w->solid_at);
+    if (w->meets && w->boxes && w->first && w->members && w->near && w->solid_at) {
         r = group_by_key(w->first, w->members, c->component_of, c->solid_triangle_count, w->solids, threads);
         for (size_t i = 0; i < w->solids; i++) w->boxes[i] = box_empty();
         for (size_t i = 0; i < 3 * c->solid_triangle_count; i++)
@@ -168,6 +163,7 @@ static vxs_result search(meeting *w, uint32_t threads, run_context *m)
         }
         if (r == VXS_OK && w->open && !w->gave_up) r = search_insides(w);
     }
+
     return r == VXS_OK ? r : fail(m, VXS_E_MEMORY, "out of memory while finding out which of %zu solids meet", w->solids);
 }
 

@@ -311,34 +311,30 @@ typedef struct sides {
     size_t  first[4], capacity;
 } sides;
 
-/* Add the points on side k of triangle t, from its cuts. */
-static void add_side(const splitter *x, sides *s, uint32_t t, uint32_t k, const cut_edge *e)
-{
-    const uint32_t *indices = x->mesh->indices;
-    uint32_t        h = 3 * t + k, next = (k + 1) % 3;
-    int             rises = indices[h] == mesh_edge_low(indices, h);
-    for (size_t n = 0; n < e->end - e->first; n++) {
-        const cut *c = &x->cuts[rises ? e->first + n : e->end - 1 - n];
-        if (c->vertex == mesh_edge_opposite(indices, h)) continue; /* the triangle is degenerate there already */
-        corner *p        = &s->points[s->first[k + 1]++];
-        double  share    = rises ? c->share : 1 - c->share;
-        *p               = (corner){.vertex = c->vertex};
-        p->weights[k]    = 1 - share;
-        p->weights[next] = share;
-    }
-}
-
 /* Collect the points of all sides. Returns 0 without memory.
  * e  in and out: the first cut edge that does not belong to a triangle before t */
 static int find_sides(const splitter *x, sides *s, uint32_t t, const cut_edge **e)
 {
-    const cut_edge *end   = x->cut_edges + x->cut_edge_count;
-    size_t          count = 0;
+    const uint32_t *indices = x->mesh->indices;
+    const cut_edge *end     = x->cut_edges + x->cut_edge_count;
+    size_t          count   = 0;
     for (const cut_edge *n = *e; n < end && n->half_edge / 3 == t; n++) count += n->end - n->first;
     if (!array_reserve(&s->points, &s->capacity, count, sizeof *s->points)) return 0;
     for (uint32_t k = 0; k < 3; k++) {
+        uint32_t h      = 3 * t + k;
         s->first[k + 1] = s->first[k];
-        if (*e < end && (*e)->half_edge == 3 * t + k) add_side(x, s, t, k, (*e)++);
+        if (*e == end || (*e)->half_edge != h) continue;
+        const cut_edge *cuts  = (*e)++;
+        int             rises = indices[h] == mesh_edge_low(indices, h);
+        for (size_t n = 0; n < cuts->end - cuts->first; n++) {
+            const cut *c = &x->cuts[rises ? cuts->first + n : cuts->end - 1 - n];
+            if (c->vertex == mesh_edge_opposite(indices, h)) continue; /* the triangle is degenerate there already */
+            corner *p               = &s->points[s->first[k + 1]++];
+            double  share           = rises ? c->share : 1 - c->share;
+            *p                      = (corner){.vertex = c->vertex};
+            p->weights[k]           = 1 - share;
+            p->weights[(k + 1) % 3] = share;
+        }
     }
     return 1;
 }
@@ -370,14 +366,6 @@ static void add_fan(splitter *x, const sides *s, uint32_t t, const corner corner
     add_piece(x, t, from, &corners[(k + 1) % 3], apex);
 }
 
-/* The side to split first. Does not depend on the first corner of the triangle. */
-static uint32_t first_side(const splitter *x, const sides *s, uint32_t t)
-{
-    uint32_t k = mesh_least_corner(x->mesh->positions_ws, &x->mesh->indices[3 * (size_t)t]);
-    while (s->first[k] == s->first[k + 1]) k = (k + 1) % 3;
-    return k;
-}
-
 /* Append triangle t or its remaining pieces. Returns 0 without memory. */
 static int take_triangle(splitter *x, sides *s, uint32_t t, const cut_edge **e)
 {
@@ -387,9 +375,10 @@ static int take_triangle(splitter *x, sides *s, uint32_t t, const cut_edge **e)
     if (s->first[3]) {
         corner corners[3] = {{v[0], {1, 0, 0}}, {v[1], {0, 1, 0}}, {v[2], {0, 0, 1}}};
 
-        /* Split a triangle whose side k has points: a fan from the opposite corner to the segments of side k. Points on the
-         * other two sides split the outermost triangles of the fan. */
-        uint32_t      k    = first_side(x, s, t);
+        /* Side k, which does not depend on the first corner of the triangle, has points: a fan from the opposite corner to its
+         * segments. Points on the other two sides split the outermost triangles of the fan. */
+        uint32_t k = mesh_least_corner(x->mesh->positions_ws, v);
+        while (s->first[k] == s->first[k + 1]) k = (k + 1) % 3;
         uint32_t      next = (k + 1) % 3, last = (k + 2) % 3;
         const corner *points = s->points + s->first[k], *end = s->points + s->first[k + 1];
         add_fan(x, s, t, corners, last, points);

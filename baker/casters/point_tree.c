@@ -58,14 +58,6 @@ static void part_points(tree_point *p, size_t begin, size_t end, size_t middle, 
     }
 }
 
-static int longest_side(const box *b)
-{
-    int longest = 0;
-    for (int axis = 1; axis < 3; axis++)
-        if (b->max[axis] - b->min[axis] > b->max[longest] - b->min[longest]) longest = axis;
-    return longest;
-}
-
 static void build(point_tree *t, span s)
 {
     box tight = box_empty(), *b = &t->boxes[s.node];
@@ -77,7 +69,10 @@ static void build(point_tree *t, span s)
     }
     if (is_leaf(s)) return;
     span first = child_of(s, 0), second = child_of(s, 1);
-    part_points(t->points, s.begin, s.end, first.end, longest_side(&tight));
+    int  longest = 0;
+    for (int axis = 1; axis < 3; axis++)
+        if (tight.max[axis] - tight.min[axis] > tight.max[longest] - tight.min[longest]) longest = axis;
+    part_points(t->points, s.begin, s.end, first.end, longest);
     build(t, first);
     build(t, second);
 }

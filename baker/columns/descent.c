@@ -86,20 +86,6 @@ static vxs_result add_square(walker *w, uint32_t slot)
     return VXS_OK;
 }
 
-/* Add all squares that are ready. If another thread is adding, that thread adds them too. */
-static void add_ready(walker *w)
-{
-    while (!w->adding && next_is_ready(w)) {
-        w->adding = 1;
-        os_unlock(&w->lock);
-        vxs_result r = add_square(w, w->added);
-        os_lock(&w->lock);
-        w->adding = 0;
-        w->result = r;
-        w->added++;
-    }
-}
-
 /* making the squares of a batch ----------------------------------------------------------------------------------------------- */
 
 /* Pack what was built, for the square cache. */
@@ -175,7 +161,18 @@ static void make_slots(void *user, size_t begin, size_t end, uint32_t worker)
                                                   : VXS_E_MEMORY;
         os_lock(&w->lock);
         s->done = 1;
-        if (w->d->add_early && s->kind != WAITING_KNOWN) add_ready(w);
+        if (w->d->add_early && s->kind != WAITING_KNOWN) {
+            /* Add all squares that are ready. If another thread is adding, that thread adds them too. */
+            while (!w->adding && next_is_ready(w)) {
+                w->adding = 1;
+                os_unlock(&w->lock);
+                vxs_result r = add_square(w, w->added);
+                os_lock(&w->lock);
+                w->adding = 0;
+                w->result = r;
+                w->added++;
+            }
+        }
         os_unlock(&w->lock);
     }
 }
@@ -252,14 +249,7 @@ static vxs_result visit(walker *w, uint32_t level, uint32_t i, uint32_t j);
 
 /* known squares --------------------------------------------------------------------------------------------------------------- */
 
-/* Begin the record of a square. */
-static void record_begin(walker *w, square_record *record)
-{
-    *record   = (square_record){0};
-    w->record = w->columns->cache ? record : NULL;
-}
-
-/* Complete the record, with what was built, and store it. */
+/* Complete the record, with what was built, and keep it. */
 static vxs_result record_end(walker *w, square_record *record, vxs_result r)
 {
     const square_cache *cache = w->columns->cache;
@@ -342,13 +332,17 @@ static vxs_result fetch_parts(walker *w, uint32_t level, uint32_t i, uint32_t j,
     return r == VXS_OK && w->record ? end_batch(w) : r;
 }
 
-static vxs_result make(walker *w, uint32_t level, uint32_t i, uint32_t j)
+/* the descent ----------------------------------------------------------------------------------------------------------------- */
+
+static vxs_result bounds_of(const walker *w, uint32_t level, uint32_t i, uint32_t j, column_bounds *out)
 {
-    uint32_t      side = part_px(w, level);
-    square_record record;
-    record_begin(w, &record);
-    vxs_result r = side ? fetch_parts(w, level, i, j, side) : fetch(w, level, i, j);
-    return record_end(w, &record, r);
+    if (!w->fetched) {
+        const square_cache *cache = w->columns->cache;
+        vxs_result          r     = w->columns->bounds(w->columns->data, level, i, j, out);
+        return r == VXS_OK && cache && cache->note ? cache->note(cache->data, out) : r;
+    }
+    uint32_t inner = w->fetched_level - level;
+    return w->fetched->bounds(w->fetched->data, level, i - (w->fetched_i << inner), j - (w->fetched_j << inner), out);
 }
 
 /* Make a square that cannot be settled as a whole before a fetch. */
@@ -363,21 +357,14 @@ static vxs_result make_square(walker *w, uint32_t level, uint32_t i, uint32_t j)
     if (r == VXS_OK && cache) r = cache->find(cache->data, w->columns, level, i, j, &action, &known, w->ctx);
     if (r == VXS_OK && action == SQUARE_KNOWN) r = recall(w, level, i, j, &known);
     free(known.data);
-    if ((r == VXS_OK && action == SQUARE_MAKE) || (r == VXS_E_CORRUPT && action == SQUARE_KNOWN)) r = make(w, level, i, j);
-    return r == VXS_OK && cache ? end_batch(w) : r;
-}
-
-/* the descent ----------------------------------------------------------------------------------------------------------------- */
-
-static vxs_result bounds_of(const walker *w, uint32_t level, uint32_t i, uint32_t j, column_bounds *out)
-{
-    if (!w->fetched) {
-        const square_cache *cache = w->columns->cache;
-        vxs_result          r     = w->columns->bounds(w->columns->data, level, i, j, out);
-        return r == VXS_OK && cache && cache->note ? cache->note(cache->data, out) : r;
+    if ((r == VXS_OK && action == SQUARE_MAKE) || (r == VXS_E_CORRUPT && action == SQUARE_KNOWN)) {
+        square_record record = {0};
+        uint32_t      side   = part_px(w, level);
+        w->record            = cache ? &record : NULL;
+        r                    = side ? fetch_parts(w, level, i, j, side) : fetch(w, level, i, j);
+        r                    = record_end(w, &record, r);
     }
-    uint32_t inner = w->fetched_level - level;
-    return w->fetched->bounds(w->fetched->data, level, i - (w->fetched_i << inner), j - (w->fetched_j << inner), out);
+    return r == VXS_OK && cache ? end_batch(w) : r;
 }
 
 /* Descend into the square (i, j) of `level` of the map. */

@@ -79,11 +79,6 @@ vxs_result record_write(const square_record *r, const vxs_bytes *frames, const u
 
 /* reading --------------------------------------------------------------------------------------------------------------------- */
 
-static int are_bounds(const column_bounds *b, uint32_t depth_vx)
-{
-    return b->emin <= b->emax && b->xmin <= b->xmax && b->emax <= depth_vx && b->xmax <= depth_vx;
-}
-
 /* Whether step s begins at *at, in z order, counted in squares of the least size from the corner; advances *at past the step. */
 static int is_next(const record_step *s, uint32_t level, uint32_t i, uint32_t j, uint64_t *at)
 {
@@ -116,7 +111,8 @@ static int take_step(byte_reader *from, record_step *s, uint32_t depth_vx)
     take32s(from, &s->bounds.emax, 1);
     take32s(from, &s->bounds.xmin, 1);
     take32s(from, &s->bounds.xmax, 1);
-    return are_bounds(&s->bounds, depth_vx);
+    return s->bounds.emin <= s->bounds.emax && s->bounds.xmin <= s->bounds.xmax && s->bounds.emax <= depth_vx &&
+           s->bounds.xmax <= depth_vx;
 }
 
 vxs_result record_read(square_record *r, const void *bytes, size_t size_bytes, uint32_t level, uint32_t i, uint32_t j,

@@ -86,7 +86,8 @@ static vxs_result put_map(layout *l, uint32_t map, map_entries *e)
     return VXS_OK;
 }
 
-vxs_result layout_build_top(layout *l)
+/* Build the tops of all maps, after nodes are placed. Cells count from the first word of all tops. */
+static vxs_result layout_build_top(layout *l)
 {
     uint32_t    side    = l->levels > 8 ? 1u << (l->levels - 8) : 1;
     map_entries entries = {malloc(2 * (size_t)side * side * sizeof *entries.words), side};

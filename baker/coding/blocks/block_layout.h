@@ -104,7 +104,4 @@ vxs_result layout_write_pages(layout *l, uint32_t *to);
 /* Write the common patterns; `to` must be zeroed. */
 void layout_write_common(const layout *l, uint32_t *to);
 
-/* Build the tops of all maps, after nodes are placed. Cells count from the first word of all tops. */
-vxs_result layout_build_top(layout *l);
-
 #endif

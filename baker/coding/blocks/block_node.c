@@ -36,12 +36,6 @@ typedef struct node_builder {
     depth_axis           axis;
 } node_builder;
 
-/* Exit depth of a column; FAR_DEPTH if it is lit to the end, because it may then be lit beyond. */
-static int32_t exit_depth(uint32_t x, uint32_t depth_vx)
-{
-    return x >= depth_vx ? FAR_DEPTH : (int32_t)x;
-}
-
 /* Range of single depths that suit a whole run of squares. */
 typedef struct run_range {
     int32_t low, high;
@@ -376,7 +370,8 @@ static vxs_result bound_tiles(node_builder *b, uint32_t level, uint32_t x, uint3
             r = bound_tiles(b, level - 1, x + (c & 1) * side / 2, y + (c >> 1) * side / 2);
         return r;
     }
-    int32_t emax = (int32_t)bounds.emax, xmin = exit_depth(bounds.xmin, b->columns->depth_vx);
+    /* Exit depth of a column; FAR_DEPTH if it is lit to the end, because it may then be lit beyond. */
+    int32_t emax = (int32_t)bounds.emax, xmin = bounds.xmin >= b->columns->depth_vx ? FAR_DEPTH : (int32_t)bounds.xmin;
     for (uint32_t row = y; row < y + side; row++)
         for (uint32_t n = NODE_TILES * row + x; n < NODE_TILES * row + x + side; n++) {
             b->emax[n] = emax;
@@ -434,12 +429,6 @@ static vxs_result build_blocks(node_builder *b)
     return VXS_OK;
 }
 
-/* Slope of the last node of the set. */
-static node_slope last_slope(const block_set *s)
-{
-    return s->node_count ? s->nodes[s->node_count - 1].slope : (node_slope){0, 0};
-}
-
 vxs_result block_build_node(block_set *s, const column_square *columns, uint32_t map, uint32_t x, uint32_t y)
 {
     uint32_t      level = square_level(min_u32(columns->side_px, NODE_PX));
@@ -466,7 +455,8 @@ vxs_result block_build_node(block_set *s, const column_square *columns, uint32_t
         }
     }
     if ((r = bound_tiles(b, level, 0, 0)) == VXS_OK) {
-        b->node.slope = slope_find(b->emax, b->xmin, last_slope(s));
+        /* Slope of the last node of the set. */
+        b->node.slope = slope_find(b->emax, b->xmin, (s->node_count ? s->nodes[s->node_count - 1].slope : (node_slope){0, 0}));
         add_slope(b);
         r = build_blocks(b);
     }

@@ -114,13 +114,6 @@ static int codes_of(const layout *l, uint32_t id, tile_code tiles[BLOCK_TILES])
     return count;
 }
 
-/* Blocks are scattered in memory: prefetch all blocks of a node. */
-static void fetch_blocks(const layout *l, const node_shape *shape)
-{
-    for (uint64_t rest = shape->mixed; rest; rest &= rest - 1)
-        __builtin_prefetch(intern_at(&l->set->blocks, shape->block[__builtin_ctzll(rest)]));
-}
-
 /* Add to a page the words of a node, and of its blocks and patterns that are not in the page yet; give them places. Patterns
  * count from half 0. */
 static void add_to_page(const layout *l, page_scratch *s, page_size *page, const node_place *n)
@@ -128,7 +121,10 @@ static void add_to_page(const layout *l, page_scratch *s, page_size *page, const
     const node_shape *shape = shape_of(l, n);
     s->fresh_count          = 0;
     if (!is_new(&s->shape_at[n->shape], s->stamp, page->words)) return;
-    fetch_blocks(l, shape);
+
+    /* Blocks are scattered in memory: prefetch all blocks of a node. */
+    for (uint64_t rest = shape->mixed; rest; rest &= rest - 1)
+        __builtin_prefetch(intern_at(&l->set->blocks, shape->block[__builtin_ctzll(rest)]));
     page->words += shape_words(shape);
     for (int b = 0; b < NODE_BLOCKS; b++) {
         if (!(shape->mixed >> b & 1) || !is_new(&s->block_at[shape->block[b]], s->stamp, page->words)) continue;

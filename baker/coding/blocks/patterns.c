@@ -77,19 +77,6 @@ static ALWAYS_INLINE uint32_t agreeing(const uint64_t *dark, const uint64_t *lit
     return u64x2_zeros(against);
 }
 
-/* Index of the mask with the most needs; it is compared first. */
-static int neediest(const mask_need *needs, int masks)
-{
-    int found = 0, most = -1;
-    for (int mask = 0; mask < masks; mask++) {
-        int bits = __builtin_popcountll(needs[mask].dark | needs[mask].lit);
-        if (bits <= most) continue;
-        most  = bits;
-        found = mask;
-    }
-    return found;
-}
-
 /* Search places [stop, end) from the last, 16 at a time, for patterns that agree with the needs of a mask.   from  [out] first
  * of the 16
  * Returns the bits of those that agree; 0: none. */
@@ -109,8 +96,16 @@ static ALWAYS_INLINE uint32_t last_agreeing(find_agreeing *find, const uint64_t 
 /* The last pattern that agrees in all masks, or the count: none. Compares 16 patterns at a time, mask by mask. */
 static ALWAYS_INLINE size_t search_by(find_agreeing *find, const pattern_class *c, const mask_need *needs, int masks)
 {
-    const int       first = neediest(needs, masks);
-    const size_t    stop  = c->count > PATTERN_WINDOW ? c->count - PATTERN_WINDOW : 0;
+    /* Index of the mask with the most needs; it is compared first. */
+    int first = 0, most = -1;
+    for (int mask = 0; mask < masks; mask++) {
+        int bits = __builtin_popcountll(needs[mask].dark | needs[mask].lit);
+        if (bits <= most) continue;
+        most  = bits;
+        first = mask;
+    }
+
+    const size_t    stop = c->count > PATTERN_WINDOW ? c->count - PATTERN_WINDOW : 0;
     const uint64_t *dark = mask_rows(c, first), *lit = dark + c->capacity;
     for (size_t end = c->count, from; end > stop; end = from) {
         uint32_t hits = last_agreeing(find, dark, lit, needs[first], stop, end, &from);
@@ -119,11 +114,6 @@ static ALWAYS_INLINE size_t search_by(find_agreeing *find, const pattern_class *
         if (hits) return from + 31 - (size_t)__builtin_clz(hits);
     }
     return c->count;
-}
-
-static size_t search_plain(const pattern_class *c, const mask_need *needs, int masks)
-{
-    return search_by(agreeing, c, needs, masks);
 }
 
 #ifdef __x86_64__
@@ -155,7 +145,7 @@ static size_t search(int cpu, const pattern_class *c, const mask_need *needs, in
     if (cpu == CPU_AVX2) return search_avx2(c, needs, masks);
 #endif
     (void)cpu;
-    return search_plain(c, needs, masks);
+    return search_by(agreeing, c, needs, masks);
 }
 
 /* Append a pattern, where searches begin. */
@@ -203,11 +193,13 @@ void pattern_needs(const pattern_set *s, int depths, size_t n, mask_need *needs)
 
 /* choosing -------------------------------------------------------------------------------------------------------------------- */
 
-/* The fewest depths for each quadrant, by stabbing its ranges from the front: where a range without a depth ends, its last depth is
- * used, and all ranges without a depth that contain it take it.
- * used  [out] bits of the depths of each quadrant;   index  [out] [64] of each texel */
-static void choose_in_quadrants(const uint8_t low[64], const uint8_t high[64], uint64_t used[4], uint8_t index[64])
+void pattern_choose_within(const uint8_t low[64], const uint8_t high[64], uint8_t index[64])
 {
+    uint64_t used[4];
+
+    /* The fewest depths for each quadrant, by stabbing its ranges from the front: where a range without a depth ends, its last depth is
+     * used, and all ranges without a depth that contain it take it.
+     * used  [out] bits of the depths of each quadrant;   index  [out] [64] of each texel */
     uint64_t left = UINT64_MAX;
     for (int q = 0; q < 4; q++) used[q] = 0;
     for (int depth = 0; left; depth++) {
@@ -222,11 +214,8 @@ static void choose_in_quadrants(const uint8_t low[64], const uint8_t high[64], u
             for (uint64_t rest = may & quadrant; rest; rest &= rest - 1) index[__builtin_ctzll(rest)] = (uint8_t)depth;
         }
     }
-}
 
-/* Give a texel the depth of an earlier neighbour if its range and quadrant have that depth: masks get simple outlines. */
-static void follow_neighbours(const uint8_t *low, const uint8_t *high, const uint64_t used[4], uint8_t *index)
-{
+    /* Give a texel the depth of an earlier neighbour if its range and quadrant have that depth: masks get simple outlines. */
     static const int beside[4][2] = {{-1, 0}, {0, -1}, {-1, -1}, {1, -1}};
     for (int y = 0; y < 8; y++)
         for (int x = 0; x < 8; x++) {
@@ -241,13 +230,6 @@ static void follow_neighbours(const uint8_t *low, const uint8_t *high, const uin
                 break;
             }
         }
-}
-
-void pattern_choose_within(const uint8_t low[64], const uint8_t high[64], uint8_t index[64])
-{
-    uint64_t used[4];
-    choose_in_quadrants(low, high, used, index);
-    follow_neighbours(low, high, used, index);
 }
 
 void pattern_choose(const mask_need *needs, int depths, uint8_t index[64])
@@ -381,14 +363,6 @@ static uint32_t encode_nibbles(const int32_t depth[64], int shift, uint16_t *hal
     return 19;
 }
 
-/* bytes  per depth */
-static void encode_raw(const int32_t depth[64], int shift, uint32_t bytes, uint16_t *halves)
-{
-    halves[0] = (uint16_t)((RAW_BYTES + bytes - 1) << 12 | (uint32_t)shift << 8);
-    for (uint32_t n = 0; n < 64; n++)
-        for (uint32_t b = 0; b < bytes; b++) put_byte(halves + 1, bytes * n + b, (uint32_t)depth[n] >> shift >> 8 * b & 0xff);
-}
-
 uint32_t private_encode(const int32_t depth[64], uint16_t *halves)
 {
     uint16_t other[PRIVATE_HALVES_MAX];
@@ -404,7 +378,11 @@ uint32_t private_encode(const int32_t depth[64], uint16_t *halves)
     if (palette && palette < least) return palette;
     if (nibbles)
         memcpy(halves, other, nibbles * sizeof *other);
-    else
-        encode_raw(depth, shift, bytes, halves);
+    else {
+        /* bytes  per depth */
+        halves[0] = (uint16_t)((RAW_BYTES + bytes - 1) << 12 | (uint32_t)shift << 8);
+        for (uint32_t n = 0; n < 64; n++)
+            for (uint32_t b = 0; b < bytes; b++) put_byte(halves + 1, bytes * n + b, (uint32_t)depth[n] >> shift >> 8 * b & 0xff);
+    }
     return least;
 }

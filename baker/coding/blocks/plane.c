@@ -110,15 +110,6 @@ typedef struct room_bound {
     double x, y, rest;
 } room_bound;
 
-static room_bound bound_of(const plane *p, const plane_room *room, const plane_ranges *const *tiles)
-{
-    const plane_ranges *in_front = tiles[room->low_in / 4], *behind = tiles[room->high_in / 4];
-    texel_place         a = bounding_texel(p, in_front, room->low_in & 3, in_front->low, room->low);
-    texel_place         b = bounding_texel(p, behind, room->high_in & 3, behind->high, room->high);
-    double              x = a.x - b.x, y = a.y - b.y;
-    return (room_bound){x, y, (double)size_of(room) - x * p->across - y * p->down};
-}
-
 /* Move the slopes to the nearest ones for which all bounds leave `room`. Only the last bound is violated now. So the result is on
  * the line where the last bound leaves exactly `room`, in the part that each other bound allows. Returns 0 if there is none, or
  * it is too steep. */
@@ -169,34 +160,13 @@ static void place(plane *p, const plane_room *room, int32_t side)
     p->least     = roundest((int32_t)room->low - over, (int32_t)room->high - over);
 }
 
-int plane_place(plane *p, const plane_ranges *const *tiles, int count, int32_t side)
+/* Find only the depth; keep the slopes, which can be written already. */
+static int plane_place(plane *p, const plane_ranges *const *tiles, int count, int32_t side)
 {
     plane_room room = room_of(p, tiles, count);
     if (room.low > room.high) return 0;
     place(p, &room, side);
     return 1;
-}
-
-/* Move slopes until there is enough room, and keep those with most room.   Returns 0 if none have room. */
-static int find_slopes(plane *p, plane_room *room, const plane_ranges *const *tiles, int count)
-{
-    plane      at  = *p;
-    int32_t    aim = ROOM;
-    room_bound bounds[MOVES];
-    *room = (plane_room){1, 0, 0, 0};
-    for (int n = 0; n < MOVES; n++) {
-        plane_room here = room_of(&at, tiles, count);
-        if (size_of(&here) > size_of(room)) {
-            *room = here;
-            *p    = at;
-        }
-        if (size_of(room) >= aim) break;
-        bounds[n] = bound_of(&at, &here, tiles);
-        if (move(&at, bounds, n + 1, aim + SPARE)) continue;
-        if (aim == ROOM_LEAST || size_of(room) >= ROOM_LEAST || !move(&at, bounds, n + 1, ROOM_LEAST + SPARE)) break;
-        aim = ROOM_LEAST;
-    }
-    return size_of(room) >= 0;
 }
 
 /* The nearest slopes that are multiples of 1 << zeros. */
@@ -209,7 +179,32 @@ static plane rounded(const plane *p, int zeros)
 int plane_fit(plane *p, const plane_ranges *const *tiles, int count, int32_t side)
 {
     plane_room room;
-    if (!find_slopes(p, &room, tiles, count)) return 0;
+
+    /* Move slopes until there is enough room, and keep those with most room. Returns 0 if none have room. */
+    plane      at  = *p;
+    int32_t    aim = ROOM;
+    room_bound bounds[MOVES];
+    room = (plane_room){1, 0, 0, 0};
+    for (int n = 0; n < MOVES; n++) {
+        plane_room here = room_of(&at, tiles, count);
+        if (size_of(&here) > size_of(&room)) {
+            room = here;
+            *p   = at;
+        }
+        if (size_of(&room) >= aim) break;
+
+        const plane_ranges *in_front = tiles[here.low_in / 4], *behind = tiles[here.high_in / 4];
+        texel_place         a = bounding_texel(&at, in_front, here.low_in & 3, in_front->low, here.low);
+        texel_place         b = bounding_texel(&at, behind, here.high_in & 3, behind->high, here.high);
+        double              x = a.x - b.x, y = a.y - b.y;
+        bounds[n] = (room_bound){x, y, (double)size_of(&here) - x * at.across - y * at.down};
+
+        if (move(&at, bounds, n + 1, aim + SPARE)) continue;
+        if (aim == ROOM_LEAST || size_of(&room) >= ROOM_LEAST || !move(&at, bounds, n + 1, ROOM_LEAST + SPARE)) break;
+        aim = ROOM_LEAST;
+    }
+    if (!(size_of(&room) >= 0)) return 0;
+
     int shift = plane_shift(p);
     if (!shift) {
         place(p, &room, side);
@@ -272,7 +267,8 @@ int plane_fit_texels(plane *p, const plane_ranges *t, uint64_t texels, plane_oth
     return 1;
 }
 
-uint64_t plane_texels(const plane *p, const plane_ranges *t, int32_t margin)
+/* The texels of a tile of 8 x 8 whose ranges, widened by `margin`, contain the plane. */
+static uint64_t plane_texels(const plane *p, const plane_ranges *t, int32_t margin)
 {
     float    first  = (float)(p->least + first_over_least(p, 8));
     uint64_t texels = 0;

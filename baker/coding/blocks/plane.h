@@ -46,9 +46,6 @@ int plane_may_fit(const plane_ranges *t);
  * Returns 0 if none was found; then *p is undefined. */
 int plane_fit(plane *p, const plane_ranges *const *tiles, int count, int32_t side);
 
-/* Find only the depth; keep the slopes, which can be written already. */
-int plane_place(plane *p, const plane_ranges *const *tiles, int count, int32_t side);
-
 /* Give a plane that was fitted to one tile of 8 x 8 rounder slopes, which take fewer bits: the roundest that keep its depth as
  * round as before. */
 void plane_round(plane *p, const plane_ranges *t);
@@ -59,9 +56,6 @@ typedef enum plane_others { OTHERS_ANYWHERE, OTHERS_BEHIND, OTHERS_BEFORE } plan
 /* Like plane_fit, for the texels of one tile of 8 x 8 whose bits are set. With OTHERS_BEHIND or OTHERS_BEFORE slopes are
  * rounded, too. */
 int plane_fit_texels(plane *p, const plane_ranges *t, uint64_t texels, plane_others others);
-
-/* The texels of a tile of 8 x 8 whose ranges, widened by `margin`, contain the plane. */
-uint64_t plane_texels(const plane *p, const plane_ranges *t, int32_t margin);
 
 /* Start slopes, from the ends of a tile. */
 plane plane_start(const plane_ranges *t);

@@ -43,19 +43,6 @@ static int32_t greatest_low(const tile_ranges *t)
     return greatest;
 }
 
-/* Returns 0 if the depths span too much. */
-static int ranges_in_halves(half_ranges *h, const tile_ranges *t)
-{
-    h->floor = least_high(t) - MARGIN;
-    if (greatest_low(t) - h->floor > INT16_MAX - MARGIN) return 0;
-    for (int n = 0; n < 64; n++) {
-        int32_t low = t->low[n] - h->floor, high = t->high[n] - h->floor;
-        h->low[n]  = (int16_t)(low < 0 ? 0 : low);
-        h->high[n] = (int16_t)(high > INT16_MAX ? INT16_MAX : high);
-    }
-    return 1;
-}
-
 /* Whether there is a base with which all depths are in their ranges. */
 static int fits_at(const half_ranges *t, const int16_t depth[64], int *base)
 {
@@ -134,11 +121,6 @@ static ALWAYS_INLINE size_t search_by(find_possible *find, const private_set *s,
     return s->known_count;
 }
 
-static size_t search_plain(const private_set *s, const half_ranges *t, int *base)
-{
-    return search_by(possible, s, t, base);
-}
-
 #ifdef __x86_64__
 
 CPU_TARGET_AVX2 static size_t search_avx2(const private_set *s, const half_ranges *t, int *base)
@@ -153,7 +135,7 @@ static size_t search(const private_set *s, const half_ranges *t, int *base)
 #ifdef __x86_64__
     if (s->cpu >= CPU_AVX2) return search_avx2(s, t, base);
 #endif
-    return search_plain(s, t, base);
+    return search_by(possible, s, t, base);
 }
 
 static void exchange_pairs(private_set *s, size_t a, size_t b)
@@ -197,13 +179,6 @@ static int choose_bytes(private_pattern *p, const tile_ranges *t, int shift, int
     return 1;
 }
 
-/* For depths that span much: choose each as near to the first as its range allows. */
-static void choose_any(private_pattern *p, const tile_ranges *t, int32_t *base)
-{
-    *base = least_high(t);
-    for (int n = 0; n < 64; n++) p->depth[n] = t->low[n] > *base ? t->low[n] - *base : 0;
-}
-
 /* Choose depths that take few halves: few distinct ones, or bytes. Returns the number of halves. */
 static uint32_t choose_depths(private_pattern *p, const tile_ranges *t, const half_ranges *halves, int32_t *base)
 {
@@ -225,8 +200,11 @@ static uint32_t choose_depths(private_pattern *p, const tile_ranges *t, const ha
         pattern_choose_within(low, high, index);
         for (int n = 0; n < 64; n++) p->depth[n] = points[index[n]] - points[0];
         *base = halves->floor + groups[0].low;
-    } else
-        choose_any(p, t, base);
+    } else {
+        /* For depths that span much: choose each as near to the first as its range allows. */
+        *base = least_high(t);
+        for (int n = 0; n < 64; n++) p->depth[n] = t->low[n] > *base ? t->low[n] - *base : 0;
+    }
 
     /* Make the least depth 0. */
     int32_t least = p->depth[0];
@@ -334,7 +312,16 @@ static vxs_result find(private_set *s, const tile_ranges *t, const private_plane
 {
     half_ranges halves;
     int         at_half;
-    if (!ranges_in_halves(&halves, t)) return add(s, t, NULL, one, like, id, base);
+
+    /* Returns 0 if the depths span too much. */
+    halves.floor = least_high(t) - MARGIN;
+    if (greatest_low(t) - halves.floor > INT16_MAX - MARGIN) return add(s, t, NULL, one, like, id, base);
+    for (int n = 0; n < 64; n++) {
+        int32_t low = t->low[n] - halves.floor, high = t->high[n] - halves.floor;
+        halves.low[n]  = (int16_t)(low < 0 ? 0 : low);
+        halves.high[n] = (int16_t)(high > INT16_MAX ? INT16_MAX : high);
+    }
+
     size_t at = search(s, &halves, &at_half);
     if (at == s->known_count) return add(s, t, &halves, one, like, id, base);
     *id   = s->known[at].id;

@@ -86,24 +86,6 @@ static int middle_of(const int16_t *steps)
     return least;
 }
 
-/* Median of the depth differences over four tiles, in 1/256 voxel per tile. */
-static node_slope middle_slope(const tile_bounds *t)
-{
-    int16_t across[STEPS], down[STEPS];
-    int     count = 0;
-    for (int a = 1; a < NODE_TILES; a += 2)
-        for (int b = 0; b < NODE_TILES - 4; b += 2, count++) {
-            across[count] = (int16_t)(t->emax[a * NODE_TILES + b + 4] - t->emax[a * NODE_TILES + b]);
-            down[count]   = (int16_t)(t->emax[(b + 4) * NODE_TILES + a] - t->emax[b * NODE_TILES + a]);
-        }
-    return (node_slope){-64 * middle_of(across), -64 * middle_of(down)};
-}
-
-static int within_range(node_slope s)
-{
-    return abs(s.x) <= SLOPE_MAX && abs(s.y) <= SLOPE_MAX && slope_shift_max(s) <= SHIFT_MAX;
-}
-
 /* Mask elements are -1 in tiles without a single depth. */
 static void find_torn(tile_bounds *t)
 {
@@ -138,10 +120,20 @@ node_slope slope_find(const int32_t *emax, const int32_t *xmin, node_slope first
     /* a slope must save more than its own size */
     int fewest = blocks_left(&t, best, TILES) - 1;
     if (fewest <= torn_blocks(&t)) return best;
-    node_slope middle = middle_slope(&t);
+
+    /* Median of the depth differences over four tiles, in 1/256 voxel per tile. */
+    int16_t across[STEPS], down[STEPS];
+    int     count = 0;
+    for (int a = 1; a < NODE_TILES; a += 2)
+        for (int b = 0; b < NODE_TILES - 4; b += 2, count++) {
+            across[count] = (int16_t)(t.emax[a * NODE_TILES + b + 4] - t.emax[a * NODE_TILES + b]);
+            down[count]   = (int16_t)(t.emax[(b + 4) * NODE_TILES + a] - t.emax[b * NODE_TILES + a]);
+        }
+    node_slope middle = (node_slope){-64 * middle_of(across), -64 * middle_of(down)};
+
     for (int n = -1; n < 25; n++) {
         node_slope s = n < 0 ? first : (node_slope){middle.x + (n % 5 - 2) * 32, middle.y + (n / 5 - 2) * 32};
-        if (!within_range(s)) continue;
+        if (!(abs(s.x) <= SLOPE_MAX && abs(s.y) <= SLOPE_MAX && slope_shift_max(s) <= SHIFT_MAX)) continue;
         int left = blocks_left(&t, s, fewest) + (n >= 0);
         if (left >= fewest) continue;
         fewest = left;

@@ -21,33 +21,6 @@ static void pad(intervals *s, int lanes)
     }
 }
 
-/* One pass for each point. A vector without remaining intervals is replaced by the last one, which was visited before. The next
- * point is found in the same pass. */
-static int stab_plain(intervals *s, stab_group *groups, int most)
-{
-    const i16x8 far = i16x8_all(INT16_MAX);
-    pad(s, 8);
-    i16x8 next = far;
-    for (int n = 0; n < s->count; n += 8) next = i16x8_min(next, i16x8_load(s->high + n));
-
-    for (int count = 0;;) {
-        int   point = i16x8_least(next);
-        i16x8 at = i16x8_all((int16_t)point), last_low = i16x8_all(INT16_MIN);
-        next = far;
-        for (int n = s->count - 8; n >= 0; n -= 8) {
-            i16x8 low = i16x8_load(s->low + n), high = i16x8_load(s->high + n), behind = (i16x8)(low > at);
-            last_low = i16x8_max(last_low, i16x8_select(behind, last_low, low));
-            next     = i16x8_min(next, i16x8_select(behind, high, far));
-            if (i16x8_any(behind)) continue;
-            s->count -= 8;
-            i16x8_store(s->low + n, i16x8_load(s->low + s->count));
-            i16x8_store(s->high + n, i16x8_load(s->high + s->count));
-        }
-        groups[count++] = (stab_group){(int16_t)i16x8_greatest(last_low), (int16_t)point};
-        if (!s->count || count == most) return count;
-    }
-}
-
 #ifdef __x86_64__
 
 /* The least and the greatest of nonnegative numbers. */
@@ -97,7 +70,30 @@ int minimum_stabbing_set(intervals *s, stab_group *groups, int most, int cpu)
     if (cpu == CPU_AVX2) return stab_avx2(s, groups, most);
 #endif
     (void)cpu;
-    return stab_plain(s, groups, most);
+
+    /* One pass for each point. A vector without remaining intervals is replaced by the last one, which was visited before. The
+     * next point is found in the same pass. */
+    const i16x8 far = i16x8_all(INT16_MAX);
+    pad(s, 8);
+    i16x8 next = far;
+    for (int n = 0; n < s->count; n += 8) next = i16x8_min(next, i16x8_load(s->high + n));
+
+    for (int count = 0;;) {
+        int   point = i16x8_least(next);
+        i16x8 at = i16x8_all((int16_t)point), last_low = i16x8_all(INT16_MIN);
+        next = far;
+        for (int n = s->count - 8; n >= 0; n -= 8) {
+            i16x8 low = i16x8_load(s->low + n), high = i16x8_load(s->high + n), behind = (i16x8)(low > at);
+            last_low = i16x8_max(last_low, i16x8_select(behind, last_low, low));
+            next     = i16x8_min(next, i16x8_select(behind, high, far));
+            if (i16x8_any(behind)) continue;
+            s->count -= 8;
+            i16x8_store(s->low + n, i16x8_load(s->low + s->count));
+            i16x8_store(s->high + n, i16x8_load(s->high + s->count));
+        }
+        groups[count++] = (stab_group){(int16_t)i16x8_greatest(last_low), (int16_t)point};
+        if (!s->count || count == most) return count;
+    }
 }
 
 void points_of_ranges(const int16_t low[64], const int16_t high[64], const int16_t *points, int count, uint8_t first[64],
@@ -128,19 +124,6 @@ typedef struct placed_depth {
     int32_t depth, place;
 } placed_depth;
 
-/* A stable radix sort step: by one byte of the depths relative to `least`. */
-static void order_by_byte(placed_depth *to, const placed_depth *from, int count, int32_t least, int shift)
-{
-    int next[256] = {0}, before = 0;
-    for (int n = 0; n < count; n++) next[(from[n].depth - least) >> shift & 255]++;
-    for (int byte = 0; byte < 256; byte++) {
-        int of_byte = next[byte];
-        next[byte]  = before;
-        before += of_byte;
-    }
-    for (int n = 0; n < count; n++) to[next[(from[n].depth - least) >> shift & 255]++] = from[n];
-}
-
 void axis_init_by_depths(depth_axis *a, const int32_t *depths, int16_t *codes, int count)
 {
     placed_depth first[AXIS_DEPTHS_MAX], second[AXIS_DEPTHS_MAX], *ordered = first, *other = second;
@@ -152,7 +135,17 @@ void axis_init_by_depths(depth_axis *a, const int32_t *depths, int16_t *codes, i
     }
     for (int shift = 0; shift < 32 && (most - least) >> shift; shift += 8) {
         placed_depth *was = ordered;
-        order_by_byte(other, ordered, count, least, shift);
+
+        /* A stable radix sort step: by one byte of the depths relative to `least`. */
+        int next[256] = {0}, before = 0;
+        for (int n = 0; n < count; n++) next[(ordered[n].depth - least) >> shift & 255]++;
+        for (int byte = 0; byte < 256; byte++) {
+            int of_byte = next[byte];
+            next[byte]  = before;
+            before += of_byte;
+        }
+        for (int n = 0; n < count; n++) other[next[(ordered[n].depth - least) >> shift & 255]++] = ordered[n];
+
         ordered = other;
         other   = was;
     }
@@ -163,23 +156,20 @@ void axis_init_by_depths(depth_axis *a, const int32_t *depths, int16_t *codes, i
     }
 }
 
-static int16_t code_by_depths(const depth_axis *a, int32_t depth)
-{
-    int from = 0, to = a->count;
-    while (from < to) {
-        int middle = (from + to) / 2;
-        if (a->depths[middle] < depth)
-            from = middle + 1;
-        else
-            to = middle;
-    }
-    return (int16_t)(2 * from + (from < a->count && a->depths[from] == depth));
-}
-
 void axis_codes(const depth_axis *a, const int32_t *depths, int16_t *codes, int count)
 {
     if (a->count) {
-        for (int n = 0; n < count; n++) codes[n] = code_by_depths(a, depths[n]);
+        for (int n = 0; n < count; n++) {
+            int from = 0, to = a->count;
+            while (from < to) {
+                int middle = (from + to) / 2;
+                if (a->depths[middle] < depths[n])
+                    from = middle + 1;
+                else
+                    to = middle;
+            }
+            codes[n] = (int16_t)(2 * from + (from < a->count && a->depths[from] == depths[n]));
+        }
         return;
     }
     int n = 0;
@@ -234,11 +224,6 @@ static ALWAYS_INLINE uint32_t needs_by(find_behind *find, const int16_t *low, co
     return used;
 }
 
-static uint32_t needs_plain(const int16_t *low, const int16_t *high, const int16_t *points, int count, mask_need *needs)
-{
-    return needs_by(behind, low, high, points, count, needs);
-}
-
 #ifdef __x86_64__
 
 CPU_TARGET_AVX2 static ALWAYS_INLINE uint64_t behind_avx2(const int16_t codes[64], int16_t point)
@@ -268,5 +253,5 @@ uint32_t tile_needs(const int16_t low[64], const int16_t high[64], const int16_t
     if (cpu == CPU_AVX2) return needs_avx2(low, high, points, count, needs);
 #endif
     (void)cpu;
-    return needs_plain(low, high, points, count, needs);
+    return needs_by(behind, low, high, points, count, needs);
 }

@@ -41,31 +41,28 @@ vxs_result column_tree_look_into(column_tree *t, size_t at, uint32_t level, uint
     return VXS_OK;
 }
 
-static vxs_result add_tile(column_tree *t, size_t at, uint32_t x, uint32_t y)
-{
-    column_tile   columns;
-    column_bounds bounds;
-    vxs_result    r = t->columns->tile(t->columns->data, x, y, &columns);
-    if (r != VXS_OK) return r;
-    if (!array_reserve(&t->runs, &t->run_capacity, t->run_count + TILE_RUNS_MAX, sizeof *t->runs)) return VXS_E_MEMORY;
-    if (!array_reserve(&t->tiles, &t->tile_capacity, t->tile_count + 1, sizeof *t->tiles)) return VXS_E_MEMORY;
-    uint32_t     first = (uint32_t)t->run_count, count = tile_runs(&columns, t->rule, t->runs + first, &bounds);
-    tree_square *q = &t->squares[at];
-    q->xmin        = bounds.xmin;
-    q->emax        = bounds.emax;
-    if (!count) return VXS_OK;
-    q->parts                  = (uint32_t)t->tile_count;
-    t->tiles[t->tile_count++] = (tree_tile){.x = x, .y = y, .first = first, .end = first + count, .run = first};
-    t->run_count += count;
-    return VXS_OK;
-}
-
 /* Parts in z order, so that neighbours in the map are neighbours in the arrays. */
 static vxs_result look_for_masks(column_tree *t, size_t at, uint32_t level, uint32_t i, uint32_t j)
 {
     vxs_result r;
     if (t->squares[at].emax <= t->squares[at].xmin) return VXS_OK;
-    if (level == 0) return add_tile(t, at, i, j);
+    if (level == 0) {
+        column_tile   columns;
+        column_bounds bounds;
+        r = t->columns->tile(t->columns->data, i, j, &columns);
+        if (r != VXS_OK) return r;
+        if (!array_reserve(&t->runs, &t->run_capacity, t->run_count + TILE_RUNS_MAX, sizeof *t->runs)) return VXS_E_MEMORY;
+        if (!array_reserve(&t->tiles, &t->tile_capacity, t->tile_count + 1, sizeof *t->tiles)) return VXS_E_MEMORY;
+        uint32_t     first = (uint32_t)t->run_count, count = tile_runs(&columns, t->rule, t->runs + first, &bounds);
+        tree_square *q = &t->squares[at];
+        q->xmin        = bounds.xmin;
+        q->emax        = bounds.emax;
+        if (!count) return VXS_OK;
+        q->parts                  = (uint32_t)t->tile_count;
+        t->tiles[t->tile_count++] = (tree_tile){.x = i, .y = j, .first = first, .end = first + count, .run = first};
+        t->run_count += count;
+        return VXS_OK;
+    }
     if ((r = column_tree_look_into(t, at, level, i, j)) != VXS_OK) return r;
     uint32_t first = t->squares[at].parts;
     for (uint32_t c = 0; c < 4; c++)

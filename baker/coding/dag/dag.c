@@ -6,8 +6,6 @@
 #include <string.h>
 
 #define XXH_INLINE_ALL
-#include <stdlib.h>
-#include <string.h>
 #include <xxhash.h>
 
 #include "baker/base/array.h"
@@ -168,19 +166,6 @@ typedef struct placed {
     uint32_t until; /* voxels: the contents of ref hold until here */
 } placed;
 
-/* The mask of a tile at depth k. */
-static vxs_result place_slice(inserter *s, tree_tile *tile, uint32_t k, placed *out)
-{
-    const mask_run *runs = s->tree->runs;
-    while (runs[tile->run].until <= k) {
-        tile->run++;
-        tile->run_ref = 0;
-    }
-    if (!tile->run_ref || !s->reuse) tile->run_ref = dag_add_mask(s->d, runs[tile->run].mask);
-    *out = (placed){tile->run_ref, runs[tile->run].until};
-    return out->ref ? VXS_OK : dag_failure(s->d);
-}
-
 static vxs_result add_slice_node(inserter *s, tree_square *q, uint32_t k0)
 {
     dag_node node;
@@ -190,8 +175,19 @@ static vxs_result add_slice_node(inserter *s, tree_square *q, uint32_t k0)
         vxs_result r     = VXS_OK;
         if (k0 + n < q->xmin)
             slice = (placed){REF_LIT, q->xmin};
-        else if (k0 + n < q->emax)
-            r = place_slice(s, &s->tree->tiles[q->parts], k0 + n, &slice);
+        else if (k0 + n < q->emax) {
+            /* The mask of a tile at depth k. */
+            tree_tile      *tile = &s->tree->tiles[q->parts];
+            uint32_t        k    = k0 + n;
+            const mask_run *runs = s->tree->runs;
+            while (runs[tile->run].until <= k) {
+                tile->run++;
+                tile->run_ref = 0;
+            }
+            if (!tile->run_ref || !s->reuse) tile->run_ref = dag_add_mask(s->d, runs[tile->run].mask);
+            slice = (placed){tile->run_ref, runs[tile->run].until};
+            r     = slice.ref ? VXS_OK : dag_failure(s->d);
+        }
         if (r != VXS_OK) return r;
         node.child[n] = slice.ref;
         q->until      = min_u32(q->until, slice.until);

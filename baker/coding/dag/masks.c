@@ -26,17 +26,6 @@ typedef struct near_columns {
     _Alignas(16) int16_t next[64]; /* a texel left lit ends the run here: x, or e with MASK_RULE_SHADOW */
 } near_columns;
 
-static void columns_relative(near_columns *out, const column_tile *columns, uint32_t base, mask_rule rule)
-{
-    const uint32_t *next = rule == MASK_RULE_GREEDY ? columns->x : columns->e;
-    for (int n = 0; n < 64; n++) {
-        uint32_t e   = columns->e[n] > base ? columns->e[n] - base : 0;
-        uint32_t x   = next[n] > base ? next[n] - base : 0;
-        out->e[n]    = (int16_t)(e < FAR ? e : FAR);
-        out->next[n] = (int16_t)(x < FAR ? x : FAR);
-    }
-}
-
 /* The mask at depth k0; *next becomes the least `next` of its lit texels, FAR if there is none. */
 static uint64_t mask_at(const near_columns *c, int16_t k0, int16_t *next)
 {
@@ -73,21 +62,6 @@ static uint64_t mask_at(const near_columns *c, int16_t k0, int16_t *next)
 #endif
 }
 
-/* The same without a limit on depths, for tiles with a cliff of more than FAR voxels. */
-static uint64_t mask_at_far(const column_tile *c, uint32_t k0, mask_rule rule, uint32_t *next)
-{
-    const uint32_t *ends   = rule == MASK_RULE_GREEDY ? c->x : c->e;
-    uint64_t        shadow = 0;
-    *next                  = UINT32_MAX;
-    for (int n = 0; n < 64; n++) {
-        if (c->e[n] <= k0)
-            shadow |= (uint64_t)1 << n;
-        else if (ends[n] < *next)
-            *next = ends[n];
-    }
-    return shadow;
-}
-
 uint32_t tile_runs(const column_tile *columns, mask_rule rule, mask_run runs[TILE_RUNS_MAX], column_bounds *bounds)
 {
     column_bounds b     = tile_bounds(columns); /* bounds from a source may be loose; the runs must not depend on that */
@@ -96,14 +70,32 @@ uint32_t tile_runs(const column_tile *columns, mask_rule rule, mask_run runs[TIL
     if (b.emax <= b.xmin) return 0;
     if (b.emax - b.xmin >= FAR) {
         for (uint32_t k0 = b.xmin, next; k0 < b.emax; k0 = next) {
-            uint64_t mask = mask_at_far(columns, k0, rule, &next);
+            /* The same without a limit on depths, for tiles with a cliff of more than FAR voxels. */
+            const uint32_t *ends = rule == MASK_RULE_GREEDY ? columns->x : columns->e;
+            uint64_t        mask = 0;
+            next                 = UINT32_MAX;
+            for (int n = 0; n < 64; n++) {
+                if (columns->e[n] <= k0)
+                    mask |= (uint64_t)1 << n;
+                else if (ends[n] < next)
+                    next = ends[n];
+            }
+
             next          = min_u32(next, b.emax);
             runs[count++] = (mask_run){mask, next};
         }
         return count;
     }
     near_columns near;
-    columns_relative(&near, columns, b.xmin, rule);
+    {
+        const uint32_t *next = rule == MASK_RULE_GREEDY ? columns->x : columns->e;
+        for (int n = 0; n < 64; n++) {
+            uint32_t e   = columns->e[n] > b.xmin ? columns->e[n] - b.xmin : 0;
+            uint32_t x   = next[n] > b.xmin ? next[n] - b.xmin : 0;
+            near.e[n]    = (int16_t)(e < FAR ? e : FAR);
+            near.next[n] = (int16_t)(x < FAR ? x : FAR);
+        }
+    }
     int16_t end = (int16_t)(b.emax - b.xmin);
     for (int16_t k0 = 0, next; k0 < end; k0 = next) {
         uint64_t mask = mask_at(&near, k0, &next);

@@ -50,16 +50,6 @@ typedef struct adopted {
     uint32_t *ref[DAG_LEVELS_MAX];
 } adopted;
 
-static void adopted_free(adopted *a)
-{
-    for (uint32_t l = 0; l < DAG_LEVELS_MAX; l++) free(a->ref[l]);
-}
-
-static uint32_t adopted_ref(const adopted *a, uint32_t level, uint32_t ref)
-{
-    return ref < REF_FIRST ? ref : a->ref[level][ref - REF_FIRST];
-}
-
 static vxs_result adopt_masks(dag_merger *g, const dag *from, uint32_t **refs)
 {
     *refs = malloc(((size_t)from->mask_count + 1) * sizeof **refs);
@@ -80,19 +70,6 @@ static vxs_result adopt_level(dag_merger *g, const dag_level *from, uint32_t lev
         if (!((*refs)[n] = merged_node(g, level, &node, from->hash[n]))) return dag_failure(&g->merged);
     }
     return VXS_OK;
-}
-
-/* Add all nodes and masks of a DAG.   a  [out] released with adopted_free, whatever is returned */
-static vxs_result adopt(dag_merger *g, const dag *from, adopted *a)
-{
-    uint32_t  *masks = NULL;
-    vxs_result r;
-    memset(a, 0, sizeof *a);
-    r = adopt_masks(g, from, &masks);
-    for (uint32_t l = 0; l < from->level_count && r == VXS_OK; l++)
-        r = adopt_level(g, &from->level[l], l, l ? a->ref[l - 1] : masks, &a->ref[l]);
-    free(masks);
-    return r;
 }
 
 /* stacks ---------------------------------------------------------------------------------------------------------------------- */
@@ -140,20 +117,6 @@ static int merged_parent(dag_merger *g, uint32_t level, const dag_node *node, ui
     return *ref != 0;
 }
 
-/* Children of a slab of a square, from the stacks of its parts. The run at[] of each part contains the near half of the slab.
- * Returns the number of slabs with these children, at least 1. */
-static uint32_t children_of_slab(const dag_stack *const part[4], const uint32_t at[4], uint32_t slab, dag_node *node)
-{
-    uint32_t same = UINT32_MAX;
-    for (int q = 0; q < 4; q++) {
-        const stack_run *near = &part[q]->runs[at[q]], *far = near->end > 2 * slab + 1 ? near : near + 1;
-        node->child[q]     = near->ref;
-        node->child[4 + q] = far->ref;
-        same               = min_u32(same, near == far ? near->end / 2 - slab : 1);
-    }
-    return same;
-}
-
 /* Make the stack of a square of `level` from the stacks of its four parts. */
 static vxs_result stack_compose(dag_merger *g, uint32_t level, const dag_stack *const part[4], dag_stack *out)
 {
@@ -164,7 +127,17 @@ static vxs_result stack_compose(dag_merger *g, uint32_t level, const dag_stack *
         dag_node node;
         for (int q = 0; q < 4; q++)
             while (part[q]->runs[at[q]].end <= 2 * slab) at[q]++;
-        same = children_of_slab(part, at, slab, &node);
+
+        /* Children of a slab of a square, from the stacks of its parts. The run at[] of each part contains the near half of the
+         * slab. Returns the number of slabs with these children, at least 1. */
+        same = UINT32_MAX;
+        for (int q = 0; q < 4; q++) {
+            const stack_run *near = &part[q]->runs[at[q]], *far = near->end > 2 * slab + 1 ? near : near + 1;
+            node.child[q]     = near->ref;
+            node.child[4 + q] = far->ref;
+            same              = min_u32(same, near == far ? near->end / 2 - slab : 1);
+        }
+
         if (!g->unify) same = 1; /* without unify, each slab has a node of its own */
         if (!merged_parent(g, level, &node, &ref) || !stack_push(out, &capacity, ref, slab + same)) {
             stack_free(out);
@@ -205,13 +178,6 @@ static uint32_t take_four(dag_merger *g)
     return first;
 }
 
-static void free_four(dag_merger *g, uint32_t first)
-{
-    for (uint32_t c = 0; c < 4; c++) stack_free(&g->squares[first + c].stack);
-    g->squares[first].parts = g->spare;
-    g->spare                = first;
-}
-
 static int are_complete(const dag_merger *g, uint32_t first)
 {
     for (uint32_t c = 0; c < 4; c++)
@@ -228,8 +194,10 @@ static vxs_result close_square(dag_merger *g, uint32_t at, uint32_t level)
     dag_stack              whole;
     vxs_result             r = stack_compose(g, level, part, &whole);
     if (r != VXS_OK) return r;
-    free_four(g, first);
-    g->squares[at] = (merge_square){.stack = whole};
+    for (uint32_t c = 0; c < 4; c++) stack_free(&g->squares[first + c].stack);
+    g->squares[first].parts = g->spare;
+    g->spare                = first;
+    g->squares[at]          = (merge_square){.stack = whole};
     return VXS_OK;
 }
 
@@ -295,10 +263,20 @@ vxs_result dag_merger_add(dag_merger *g, const dag *sub, uint32_t map, uint32_t 
     uint32_t   own      = sub->level_count - 1;
     vxs_result r;
     if (own > level || level > top_level(g) || sub->root_count != slabs_of(g, own)) return VXS_E_ARGUMENT;
-    r = adopt(g, sub, &a);
+
+    /* Add all nodes and masks of a DAG. a [out] released with adopted_free, whatever is returned */
+    uint32_t *masks = NULL;
+    memset(&a, 0, sizeof a);
+    r = adopt_masks(g, sub, &masks);
+    for (uint32_t l = 0; l < sub->level_count && r == VXS_OK; l++)
+        r = adopt_level(g, &sub->level[l], l, l ? a.ref[l - 1] : masks, &a.ref[l]);
+    free(masks);
+
     for (uint32_t slab = 0; slab < sub->root_count && r == VXS_OK; slab++)
-        if (!stack_push(&stack, &capacity, adopted_ref(&a, own, sub->roots[slab]), slab + 1)) r = VXS_E_MEMORY;
-    adopted_free(&a);
+        if (!stack_push(&stack, &capacity,
+                        sub->roots[slab] < REF_FIRST ? sub->roots[slab] : a.ref[own][sub->roots[slab] - REF_FIRST], slab + 1))
+            r = VXS_E_MEMORY;
+    for (uint32_t l = 0; l < DAG_LEVELS_MAX; l++) free(a.ref[l]);
     if (r == VXS_OK) r = stack_widen(g, &stack, own, level);
     if (r == VXS_OK) return add_stack(g, map, level, i, j, &stack);
     stack_free(&stack);

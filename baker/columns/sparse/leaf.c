@@ -61,23 +61,20 @@ static int64_t px_of(const leaf *f)
 
 /* coverage -------------------------------------------------------------------------------------------------------------------- */
 
-/* Rows of the tile that a triangle may touch: [*begin, *end). */
-static void rows_of(const leaf *f, const sparse_triangle *t, int *begin, int *end)
-{
-    const uint32_t grid = f->d->triangles->grid;
-    const int64_t  y0   = min_i32(min_i32(t->y[0], t->y[1]), t->y[2]) - f->y0,
-                  y1    = max_i32(max_i32(t->y[0], t->y[1]), t->y[2]) - f->y0;
-    *begin              = y0 <= 0 ? 0 : (int)((y0 + px_of(f) - 1) >> grid < 8 ? (y0 + px_of(f) - 1) >> grid : 8);
-    *end                = y1 < 0 ? 0 : (int)(y1 >> grid < 7 ? (y1 >> grid) + 1 : 8);
-}
-
 /* Texels whose centres are in a triangle. */
 static uint64_t covered(const leaf *f, const sparse_triangle *t)
 {
     i64s     at[3][8 / LANES], down[3];
     uint64_t outside = 0;
     int      begin, end;
-    rows_of(f, t, &begin, &end);
+
+    /* Rows of the tile that a triangle may touch: [*begin, *end). */
+    const uint32_t grid = f->d->triangles->grid;
+    const int64_t  y0   = min_i32(min_i32(t->y[0], t->y[1]), t->y[2]) - f->y0,
+                  y1    = max_i32(max_i32(t->y[0], t->y[1]), t->y[2]) - f->y0;
+    begin               = y0 <= 0 ? 0 : (int)((y0 + px_of(f) - 1) >> grid < 8 ? (y0 + px_of(f) - 1) >> grid : 8);
+    end                 = y1 < 0 ? 0 : (int)(y1 >> grid < 7 ? (y1 >> grid) + 1 : 8);
+
     if (begin >= end) return 0;
     for (int k = 0; k < 3; k++) {
         const sparse_edge e      = sparse_edge_of(t, k);
@@ -100,21 +97,6 @@ static double share_of(const sparse_triangle *t, int k, double x, double y)
     return ((double)t->x[n] - t->x[k]) * (y - t->y[k]) - ((double)t->y[n] - t->y[k]) * (x - t->x[k]);
 }
 
-static int is_hole(const sparse_triangles *s, uint32_t id, double x, double y)
-{
-    const sparse_triangle *t    = &s->all[id];
-    const hole_uvq        *uvq  = s->uvq[id - s->holed_first];
-    const alpha_mask      *mask = &s->casters->alpha_masks[s->mask_of[id - s->holed_first]];
-    double                 u = 0, v = 0, q = 0;
-    for (int k = 0; k < 3; k++) {
-        double share = share_of(t, k < 2 ? k + 1 : 0, x, y); /* weight of the corner opposite to the edge */
-        u += share * (double)uvq[k].u;
-        v += share * (double)uvq[k].v;
-        q += share * (double)uvq[k].q;
-    }
-    return !alpha_mask_opaque(mask, &s->casters->images[mask->image], u / q, v / q);
-}
-
 static double x_of(const leaf *f, int texel)
 {
     return (double)(f->x0 + (texel & 7) * px_of(f));
@@ -129,7 +111,21 @@ static uint64_t without_holes(const leaf *f, uint32_t id, uint64_t texels)
 {
     for (uint64_t rest = texels; rest; rest &= rest - 1) {
         int n = __builtin_ctzll(rest);
-        if (is_hole(f->d->triangles, id, x_of(f, n), y_of(f, n))) texels &= ~((uint64_t)1 << n);
+
+        const sparse_triangles *s    = f->d->triangles;
+        double                  x    = x_of(f, n);
+        double                  y    = y_of(f, n);
+        const sparse_triangle  *t    = &s->all[id];
+        const hole_uvq         *uvq  = s->uvq[id - s->holed_first];
+        const alpha_mask       *mask = &s->casters->alpha_masks[s->mask_of[id - s->holed_first]];
+        double                  u = 0, v = 0, q = 0;
+        for (int k = 0; k < 3; k++) {
+            double share = share_of(t, k < 2 ? k + 1 : 0, x, y); /* weight of the corner opposite to the edge */
+            u += share * (double)uvq[k].u;
+            v += share * (double)uvq[k].v;
+            q += share * (double)uvq[k].q;
+        }
+        if (!alpha_mask_opaque(mask, &s->casters->images[mask->image], u / q, v / q)) texels &= ~((uint64_t)1 << n);
     }
     return texels;
 }
@@ -178,17 +174,6 @@ static f64s first_of(const leaf *f, int first)
     return f64s_min(f64s_load(f->sheet + first), f64s_min(f64s_load(f->front[0] + first), f64s_load(f->back[0] + first)));
 }
 
-/* The texels in which no surface lies before the triangle. */
-static uint64_t met_first(const leaf *f, const sparse_triangle *t, uint64_t texels)
-{
-    uint64_t met = 0;
-    for (int first = 0; first < 64; first += LANES) {
-        const f64s z = depths_of(f, t, first, bits_of(texels, first));
-        met |= (uint64_t)i64s_negative((i64s)(z <= first_of(f, first))) << first;
-    }
-    return met & texels;
-}
-
 /* Texels that a triangle of the list covers. Triangles with holes come last. Their alpha mask is read only if the triangle is met
  * first, or if surfaces behind matter. */
 static uint64_t texels_of(const leaf *f, const square_entry *e)
@@ -196,7 +181,15 @@ static uint64_t texels_of(const leaf *f, const square_entry *e)
     const sparse_triangle *t      = &f->d->triangles->all[e->id];
     uint64_t               texels = e->bits & ENTRY_COVERS ? ALL_TEXELS : covered(f, t);
     if (!(t->kind & SPARSE_HOLED)) return texels;
-    if (sparse_is_sheet(t) && !dont_care_needs_next(&f->d->dont_care)) texels = met_first(f, t, texels);
+    if (sparse_is_sheet(t) && !dont_care_needs_next(&f->d->dont_care)) {
+        /* The texels in which no surface lies before the triangle. */
+        uint64_t met = 0;
+        for (int first = 0; first < 64; first += LANES) {
+            const f64s z = depths_of(f, t, first, bits_of(texels, first));
+            met |= (uint64_t)i64s_negative((i64s)(z <= first_of(f, first))) << first;
+        }
+        texels = met & texels;
+    }
     return without_holes(f, e->id, texels);
 }
 
@@ -296,18 +289,6 @@ static f64s exits_by_sorting(const leaf *f, uint32_t texels)
     return f64s_load(exits);
 }
 
-/* Depths, in LANES texels from `first` on, of all solids that some of these texels meet. */
-static void find_solids(leaf *f, int first, uint32_t texels)
-{
-    f->solids = 0;
-    for (const leaf_face *face = f->faces; face < f->faces + f->count; face++) {
-        const uint32_t met = bits_of(face->texels, first) & texels;
-        if (!met || sparse_is_sheet(face->t)) continue;
-        f->backs[f->solids] = (uint8_t)sparse_is_exit(face->t);
-        f64s_store(f->depths + LANES * f->solids++, depths_of(f, face->t, first, met));
-    }
-}
-
 /* Exit depths from solids in LANES texels from `first` on.   open  texels that enter a solid */
 static f64s exits_of(leaf *f, int first, i64s open)
 {
@@ -322,19 +303,22 @@ static f64s exits_of(leaf *f, int first, i64s open)
     }
     const uint32_t texels = i64s_negative(open);
     if (!texels) return exits;
-    find_solids(f, first, texels);
+
+    /* Depths, in LANES texels from `first` on, of all solids that some of these texels meet. */
+    f->solids = 0;
+    for (const leaf_face *face = f->faces; face < f->faces + f->count; face++) {
+        const uint32_t met = bits_of(face->texels, first) & texels;
+        if (!met || sparse_is_sheet(face->t)) continue;
+        f->backs[f->solids] = (uint8_t)sparse_is_exit(face->t);
+        f64s_store(f->depths + LANES * f->solids++, depths_of(f, face->t, first, met));
+    }
+
     const f64s others =
         f->solids > FEW_FACES ? exits_by_sorting(f, texels) : exits_by_counting(f, f64s_load(f->back[0] + first), open);
     return f64s_choose(open, others, exits);
 }
 
 /* more don't-care voxels ------------------------------------------------------------------------------------------------------ */
-
-/* Whether the exit is at the end of the triangle's thickness. */
-static int is_thick(const leaf *f, const sparse_triangle *t)
-{
-    return f->d->dont_care.thickness > 0 && t->kind & SPARSE_FACES;
-}
 
 /* Exit depths of LANES texels from `first` on, with more don't-care voxels than the insides of solids: uses all surfaces. */
 static f64s later_exits(const leaf *f, int first, f64s exits)
@@ -349,7 +333,8 @@ static f64s later_exits(const leaf *f, int first, f64s exits)
         next    = f64s_min(next, f64s_max(nearest, z));
         nearest = f64s_min(nearest, z);
         last    = f64s_max(last, f64s_select(met, z, -none));
-        if (is_thick(f, face->t)) thick = f64s_min(thick, z);
+        /* Whether the exit is at the end of the triangle's thickness. */
+        if (f->d->dont_care.thickness > 0 && face->t->kind & SPARSE_FACES) thick = f64s_min(thick, z);
     }
     f64s_store(through, nearest);
     for (int n = 0; n < LANES; n++) through[n] = dont_care_through(&f->d->dont_care, through[n]);

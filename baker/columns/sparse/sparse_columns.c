@@ -68,23 +68,6 @@ static void hash_holes(XXH3_state_t *state, const sparse_keys *keys, const spars
     XXH3_128bits_update(state, &h, sizeof h);
 }
 
-/* Hash the triangles of a cell in order. */
-static void hash_cell(XXH3_state_t *state, const sparse_keys *keys, const sparse_triangles *s, const uint32_t *ids, size_t count)
-{
-    hashed_triangle some[HASHED_AT_ONCE];
-    size_t          held    = 0;
-    uint64_t        of_cell = count;
-    XXH3_128bits_update(state, &of_cell, sizeof of_cell);
-    for (size_t n = 0; n < count; n++) {
-        some[held++] = hashed(&s->all[ids[n]], n && s->all[ids[n]].patch == s->all[ids[n - 1]].patch);
-        if (held < HASHED_AT_ONCE && n + 1 < count) continue;
-        XXH3_128bits_update(state, some, held * sizeof *some);
-        held = 0;
-    }
-    for (size_t n = 0; n < count; n++)
-        if (ids[n] >= s->holed_first) hash_holes(state, keys, s, ids[n]);
-}
-
 static vxs_result know_masks(sparse_keys *k, const casters *c)
 {
     if (k->masks) return VXS_OK;
@@ -109,17 +92,27 @@ static vxs_result sparse_key(sparse_keys *k, const leaf_desc *d, const triangle_
     XXH3_128bits_update(&state, measures, sizeof measures);
     for (uint32_t cell = 0; cell < cells * cells; cell++) {
         const size_t *first = bins->first + (size_t)(j + cell / cells) * bins->cells + i + cell % cells;
-        hash_cell(&state, k, d->triangles, bins->ids + first[0], first[1] - first[0]);
+
+        /* Hash the triangles of a cell in order. */
+        const sparse_triangles *s     = d->triangles;
+        const uint32_t         *ids   = bins->ids + first[0];
+        size_t                  count = first[1] - first[0];
+        hashed_triangle         some[HASHED_AT_ONCE];
+        size_t                  held    = 0;
+        uint64_t                of_cell = count;
+        XXH3_128bits_update(&state, &of_cell, sizeof of_cell);
+        for (size_t n = 0; n < count; n++) {
+            some[held++] = hashed(&s->all[ids[n]], n && s->all[ids[n]].patch == s->all[ids[n - 1]].patch);
+            if (held < HASHED_AT_ONCE && n + 1 < count) continue;
+            XXH3_128bits_update(&state, some, held * sizeof *some);
+            held = 0;
+        }
+        for (size_t n = 0; n < count; n++)
+            if (ids[n] >= s->holed_first) hash_holes(&state, k, s, ids[n]);
     }
     XXH128_hash_t hash = XXH3_128bits_digest(&state);
     *out               = (column_key){hash.low64, hash.high64};
     return VXS_OK;
-}
-
-static void sparse_keys_free(sparse_keys *k)
-{
-    free(k->masks);
-    *k = (sparse_keys){0};
 }
 
 /* A fetched square, or a released one that will be used again. */
@@ -165,14 +158,6 @@ static pooled_square *take_square(sparse_map *o)
     return p ? p : calloc(1, sizeof *p);
 }
 
-static void put_square(sparse_map *o, pooled_square *p)
-{
-    os_lock(&o->lock);
-    p->next  = o->spare;
-    o->spare = p;
-    os_unlock(&o->lock);
-}
-
 static vxs_result fetch_square(sparse_map *o, texel_square at, column_square *out, uint32_t threads)
 {
     pooled_square *p = take_square(o);
@@ -209,7 +194,13 @@ static void map_release(void *data, column_square *square)
 {
     pooled_square *p = square->data; /* square is its first member */
     sparse_square_clear(&p->square);
-    put_square(data, p);
+
+    sparse_map *o = data;
+    os_lock(&o->lock);
+    p->next  = o->spare;
+    o->spare = p;
+    os_unlock(&o->lock);
+
     *square = (column_square){0};
 }
 
@@ -221,7 +212,8 @@ static void map_free(sparse_map *o)
         free(p);
     }
     os_mutex_free(&o->lock);
-    sparse_keys_free(&o->keys);
+    free(o->keys.masks);
+    o->keys = (sparse_keys){0};
     triangle_bins_free(&o->bins);
     sparse_triangles_free(&o->triangles);
 }

@@ -98,16 +98,6 @@ static int keep_tile(const square_maker *w, square_worker *worker, texel_square 
 
 /* the descent ----------------------------------------------------------------------------------------------------------------- */
 
-/* Evaluate all texels. Columns are not stored if one depth separates lit from shadowed. */
-static int make_leaf(const square_maker *w, square_worker *worker, texel_square at, const square_bound *bound, const square_list *l)
-{
-    column_tile   tile;
-    column_bounds b;
-    if (!w->level->leaf(&worker->leaf, w->d, l, bound, at, &tile, &b)) return 0;
-    set_bounds(w->q, at, b);
-    return (b.emax <= b.xmin && !w->d->every_texel) || keep_tile(w, worker, at, &tile);
-}
-
 /* Settle the square if one depth separates lit from shadowed, with at least `room` between enter and exit depths. Returns 1 if
  * it was settled. */
 static int settle(const square_maker *w, texel_square at, double enter_most, double exit_least, uint32_t room)
@@ -146,7 +136,14 @@ static int make_square(const square_maker *w, square_worker *worker, texel_squar
 {
     if (!l->count) return settle_empty(w, at);
     if (!w->d->every_texel && (at.side > SMALL_PX ? settle_large(w, at, &bound, l) : settle_small(w, at, &bound, l))) return 1;
-    if (at.side == 8) return make_leaf(w, worker, at, &bound, l);
+    if (at.side == 8) {
+        /* Evaluate all texels. Columns are not stored if one depth separates lit from shadowed. */
+        column_tile   tile;
+        column_bounds b;
+        if (!w->level->leaf(&worker->leaf, w->d, l, &bound, at, &tile, &b)) return 0;
+        set_bounds(w->q, at, b);
+        return (b.emax <= b.xmin && !w->d->every_texel) || keep_tile(w, worker, at, &tile);
+    }
     if (at.side == PASS_PX) run_control_wait();
     uint32_t     half    = at.side / 2;
     square_list *quarter = worker->quarter[log2_u32(at.side)];
@@ -227,24 +224,21 @@ void sparse_square_clear(sparse_square *q)
     }
 }
 
-static void free_worker(square_worker *worker)
-{
-    for (leaf_page *page = worker->spare, *next; page; page = next) {
-        next = page->next;
-        free(page);
-    }
-    free(worker->list.items);
-    for (int k = 0; k < 4 * SPARSE_LEVELS_MAX; k++) free(worker->quarter[k / 4][k % 4].items);
-    free(worker->leaf.faces);
-    free(worker->leaf.hits);
-    free(worker->leaf.depths);
-    free(worker->leaf.backs);
-}
-
 void sparse_square_free(sparse_square *q)
 {
     sparse_square_clear(q);
-    for (uint32_t n = 0; n < q->worker_count; n++) free_worker(&q->workers[n]);
+    for (uint32_t n = 0; n < q->worker_count; n++) {
+        for (leaf_page *page = q->workers[n].spare, *next; page; page = next) {
+            next = page->next;
+            free(page);
+        }
+        free(q->workers[n].list.items);
+        for (int k = 0; k < 4 * SPARSE_LEVELS_MAX; k++) free(q->workers[n].quarter[k / 4][k % 4].items);
+        free(q->workers[n].leaf.faces);
+        free(q->workers[n].leaf.hits);
+        free(q->workers[n].leaf.depths);
+        free(q->workers[n].leaf.backs);
+    }
     free(q->workers);
     free(q->tiles);
     free(q->pyramid[0]);

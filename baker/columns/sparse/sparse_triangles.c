@@ -112,31 +112,6 @@ static void find_facing(void *user, size_t begin, size_t end, uint32_t worker)
     }
 }
 
-/* Put the corners into the order of sparse_triangle; `from` gets the old index of each. */
-static void order_corners(const maker *w, size_t triangle, corner c[3], int from[3])
-{
-    corner at[3];
-    int    near = 0;
-    for (int k = 0; k < 3; k++) at[k] = corner_of(w, triangle, k);
-    for (int k = 1; k < 3; k++) near = at[k].z < at[near].z ? k : near;
-    int step = w->facing[triangle] > 0 ? 1 : 2;
-    for (int k = 0; k < 3; k++) {
-        from[k] = (near + k * step) % 3;
-        c[k]    = at[from[k]];
-    }
-}
-
-/* Border bits for the new order of corners: edge k begins at corner from[k]; if the direction is reversed, it ends there. */
-static uint8_t ends_in_order(uint8_t ends, const int from[3], int facing)
-{
-    int in_order = 0;
-    for (int k = 0; k < 3; k++) {
-        int edge = facing > 0 ? from[k] : from[(k + 1) % 3];
-        in_order |= (ends >> edge & 1) << k;
-    }
-    return (uint8_t)in_order;
-}
-
 /* Plane of depth through corner 0. The rounding error anywhere in the map is bounded by the terms of the slopes, which may be much
  * larger than the slopes. */
 static void set_plane(sparse_triangle *t, const corner c[3], double extent)
@@ -165,7 +140,18 @@ static void make_triangles(void *user, size_t begin, size_t end, uint32_t worker
         corner           c[3];
         sparse_triangle *t = &w->s->all[n];
         run_control_wait_each(256, n);
-        order_corners(w, from, c, was);
+
+        /* Put the corners into the order of sparse_triangle; `from` gets the old index of each. */
+        corner at[3];
+        int    near = 0;
+        for (int k = 0; k < 3; k++) at[k] = corner_of(w, from, k);
+        for (int k = 1; k < 3; k++) near = at[k].z < at[near].z ? k : near;
+        int step = w->facing[from] > 0 ? 1 : 2;
+        for (int k = 0; k < 3; k++) {
+            was[k] = (near + k * step) % 3;
+            c[k]   = at[was[k]];
+        }
+
         for (int k = 0; k < 3; k++) {
             t->x[k] = c[k].x;
             t->y[k] = c[k].y;
@@ -174,7 +160,16 @@ static void make_triangles(void *user, size_t begin, size_t end, uint32_t worker
         t->patch = w->patch_of[from];
         t->kind  = (uint8_t)((solid ? SPARSE_SOLID : 0) | (back ? SPARSE_BACK : 0) | (holed ? SPARSE_HOLED : 0) |
                             (faces ? SPARSE_FACES : 0));
-        t->ends  = ends_in_order(w->ends[from], was, facing);
+
+        /* Border bits for the new order of corners: edge k begins at corner from[k]; if the direction is reversed, it ends
+         * there. */
+        int in_order = 0;
+        for (int k = 0; k < 3; k++) {
+            int edge = facing > 0 ? was[k] : was[(k + 1) % 3];
+            in_order |= (w->ends[from] >> edge & 1) << k;
+        }
+        t->ends = (uint8_t)in_order;
+
         for (int k = 0; k < 3 && holed; k++) w->s->uvq[n - w->s->holed_first][k] = p->uvq[from - p->holed_first][was[k]];
     }
 }
@@ -278,23 +273,21 @@ static uint32_t cell_of(const binner *w, int32_t subtexels)
     return subtexels < 0 ? 0 : min_u32((uint32_t)subtexels >> w->cell_log2, w->b->cells - 1);
 }
 
-/* Returns 0 if the triangle's box is outside the map. */
-static int cells_of(const binner *w, const sparse_triangle *t, cell_range *r)
-{
-    int32_t x0 = min_i32(min_i32(t->x[0], t->x[1]), t->x[2]), x1 = max_i32(max_i32(t->x[0], t->x[1]), t->x[2]);
-    int32_t y0 = min_i32(min_i32(t->y[0], t->y[1]), t->y[2]), y1 = max_i32(max_i32(t->y[0], t->y[1]), t->y[2]);
-    int32_t side = (int32_t)(w->b->cells << w->cell_log2);
-    *r           = (cell_range){cell_of(w, x0), cell_of(w, x1), cell_of(w, y0), cell_of(w, y1)};
-    return x1 >= 0 && y1 >= 0 && x0 <= side && y0 <= side;
-}
-
 static void walk_chunk(binner *w, size_t chunk, int place)
 {
     triangle_bins *b     = w->b;
     size_t         count = (size_t)b->cells * b->cells, *at = w->place + chunk * count;
     cell_range     r;
     for (size_t n = w->s->count * chunk / CHUNKS; n < w->s->count * (chunk + 1) / CHUNKS; n++) {
-        if (!cells_of(w, &w->s->all[n], &r)) continue;
+        /* Returns 0 if the triangle's box is outside the map. */
+        int32_t x0   = min_i32(min_i32(w->s->all[n].x[0], w->s->all[n].x[1]), w->s->all[n].x[2]),
+                x1   = max_i32(max_i32(w->s->all[n].x[0], w->s->all[n].x[1]), w->s->all[n].x[2]);
+        int32_t y0   = min_i32(min_i32(w->s->all[n].y[0], w->s->all[n].y[1]), w->s->all[n].y[2]),
+                y1   = max_i32(max_i32(w->s->all[n].y[0], w->s->all[n].y[1]), w->s->all[n].y[2]);
+        int32_t side = (int32_t)(w->b->cells << w->cell_log2);
+        r            = (cell_range){cell_of(w, x0), cell_of(w, x1), cell_of(w, y0), cell_of(w, y1)};
+        if (!(x1 >= 0 && y1 >= 0 && x0 <= side && y0 <= side)) continue;
+
         for (uint32_t j = r.j0; j <= r.j1; j++)
             for (uint32_t i = r.i0; i <= r.i1; i++) {
                 size_t *to = &at[(size_t)j * b->cells + i];

@@ -223,15 +223,6 @@ static inline lean lean_of(const square_list *l, const sparse_triangles *s, texe
     return w;
 }
 
-/* Depth range of a triangle of the list, relative to the plane. */
-static inline void lean_range(const lean *w, const square_entry *e, const sparse_triangle *t, double *lo, double *hi)
-{
-    const double middle = t->zmin + t->gy * (w->y - t->y[0]) + t->gx * (w->x - t->x[0]);
-    const double rise   = (fabs(t->gx - w->gx) + fabs(t->gy - w->gy)) * (w->half * (1 + 1e-12)) + t->slack + w->slack;
-    *lo                 = greatest(middle - rise, e->lo - w->steep - w->slack);
-    *hi                 = least(middle + rise, e->hi + w->steep + w->slack);
-}
-
 /* A layer of faces. Layers cover the square, unless noted otherwise. */
 typedef struct layer {
     double near, far; /* relative to the plane of square_bound.c */
@@ -243,13 +234,6 @@ typedef struct layers {
     int    front_count, back_count;
     double partial; /* nearest layer that may not cover the square */
 } layers;
-
-static void widen(layer *a, const layer *b)
-{
-    a->near = least(a->near, b->near);
-    a->far  = greatest(a->far, b->far);
-    a->lo   = least(a->lo, b->lo);
-}
 
 static const layer nothing = {INFINITY, -INFINITY, INFINITY};
 
@@ -300,10 +284,19 @@ static void add_patch(layers *y, const lean *w, const square_list *l, const spar
     for (size_t n = p->begin; n < p->end; n++) {
         const square_entry *e  = &l->items[n];
         layer               of = {.lo = e->lo};
-        lean_range(w, e, &s->all[e->id], &of.near, &of.far);
-        if (p->is_whole)
-            widen(&all, &of);
-        else
+
+        /* Depth range of a triangle of the list, relative to the plane. */
+        const sparse_triangle *t      = &s->all[e->id];
+        const double           middle = t->zmin + t->gy * (w->y - t->y[0]) + t->gx * (w->x - t->x[0]);
+        const double           rise   = (fabs(t->gx - w->gx) + fabs(t->gy - w->gy)) * (w->half * (1 + 1e-12)) + t->slack + w->slack;
+        of.near                       = greatest(middle - rise, e->lo - w->steep - w->slack);
+        of.far                        = least(middle + rise, e->hi + w->steep + w->slack);
+
+        if (p->is_whole) {
+            all.near = least(all.near, of.near);
+            all.far  = greatest(all.far, of.far);
+            all.lo   = least(all.lo, of.lo);
+        } else
             add(y, first, &of, (e->bits & ENTRY_COVERS) != 0);
     }
     if (p->is_whole) add(y, first, &all, 1);
@@ -335,18 +328,6 @@ static int is_store_only(const layers *y, const layer *back)
     return 1;
 }
 
-/* The first back face that may be an exit. NULL: none */
-static const layer *first_exit(const layers *y, int nearest_back)
-{
-    const layer *first = NULL;
-    for (int n = 0; n < y->back_count; n++) {
-        const layer *b = &y->backs[n];
-        if (first && first->near <= b->near) continue;
-        if (nearest_back || closed(y, b->near) >= opened(y, b->near)) first = b;
-    }
-    return first;
-}
-
 int square_settle(const square_list *l, const sparse_triangles *s, texel_square at, const square_bound *outer, int nearest_back,
                   square_parting *out)
 {
@@ -361,8 +342,15 @@ int square_settle(const square_list *l, const sparse_triangles *s, texel_square 
     y.partial     = INFINITY;
     for (size_t n = 0; n < count; n++) add_patch(&y, &w, l, s, &patches[n]);
 
-    const layer *exit = first_exit(&y, nearest_back);
-    out->exit_least   = outer->left_out;
+    /* The first back face that may be an exit. NULL: none */
+    const layer *exit = NULL;
+    for (int n = 0; n < y.back_count; n++) {
+        const layer *b = &y.backs[n];
+        if (exit && exit->near <= b->near) continue;
+        if (nearest_back || closed(&y, b->near) >= opened(&y, b->near)) exit = b;
+    }
+
+    out->exit_least = outer->left_out;
     for (int n = 0; n < y.back_count && exit; n++)
         if (y.backs[n].near >= exit->near) out->exit_least = least(out->exit_least, y.backs[n].lo);
     out->is_certain = out->exit_least == outer->left_out || is_store_only(&y, exit);
