@@ -161,17 +161,16 @@ static void make_slots(void *user, size_t begin, size_t end, uint32_t worker)
                                                   : VXS_E_MEMORY;
         os_lock(&w->lock);
         s->done = 1;
-        if (w->d->add_early && s->kind != WAITING_KNOWN) {
-            /* Add all squares that are ready. If another thread is adding, that thread adds them too. */
-            while (!w->adding && next_is_ready(w)) {
-                w->adding = 1;
-                os_unlock(&w->lock);
-                vxs_result r = add_square(w, w->added);
-                os_lock(&w->lock);
-                w->adding = 0;
-                w->result = r;
-                w->added++;
-            }
+
+        /* add all squares that are ready; if another thread is adding, that thread adds them too */
+        while (w->d->add_early && s->kind != WAITING_KNOWN && !w->adding && next_is_ready(w)) {
+            w->adding = 1;
+            os_unlock(&w->lock);
+            vxs_result r = add_square(w, w->added);
+            os_lock(&w->lock);
+            w->adding = 0;
+            w->result = r;
+            w->added++;
         }
         os_unlock(&w->lock);
     }
@@ -249,7 +248,7 @@ static vxs_result visit(walker *w, uint32_t level, uint32_t i, uint32_t j);
 
 /* known squares --------------------------------------------------------------------------------------------------------------- */
 
-/* Complete the record, with what was built, and keep it. */
+/* Complete the record, with what was built, and store it. */
 static vxs_result record_end(walker *w, square_record *record, vxs_result r)
 {
     const square_cache *cache = w->columns->cache;

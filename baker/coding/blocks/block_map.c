@@ -299,40 +299,36 @@ static vxs_result add_slot(void *user, uint32_t slot, uint32_t level, uint32_t i
 
 static vxs_result save_slot(void *user, uint32_t slot, vxs_bytes *out)
 {
-    map_builder *b = user;
-
-    /* Append a set of one map. Returns VXS_OK or VXS_E_MEMORY. */
-    int ok = put_head(out, &b->batch[slot]);
-    for (const uniform_square *u = b->batch[slot].uniform; u < b->batch[slot].uniform + b->batch[slot].uniform_count && ok; u++)
+    const block_set *s  = &((map_builder *)user)->batch[slot];
+    int              ok = put_head(out, s);
+    for (const uniform_square *u = s->uniform; u < s->uniform + s->uniform_count && ok; u++)
         ok = put32s(out, (uint32_t[]){u->level, u->x, u->y, u->depth}, 4);
-    for (const block_node *n = b->batch[slot].nodes; n < b->batch[slot].nodes + b->batch[slot].node_count && ok; n++) {
+    for (const block_node *n = s->nodes; n < s->nodes + s->node_count && ok; n++) {
         uint32_t head[] = {n->x, n->y, n->emin, n->xmax, (uint32_t)n->slope.x, (uint32_t)n->slope.y};
         ok              = put32s(out, head, 6) && put64(out, n->mixed) && put_signed(out, n->depth, NODE_BLOCKS);
-        for (int a = 0; a < NODE_BLOCKS && ok; a++)
-            if (n->mixed >> a & 1) ok = put32(out, n->block[a]);
+        for (int b = 0; b < NODE_BLOCKS && ok; b++)
+            if (n->mixed >> b & 1) ok = put32(out, n->block[b]);
     }
     for (int depths = 2; depths <= PALETTE_MAX && ok; depths++) {
-        const pattern_class *c = &b->batch[slot].patterns.by_depths[depths];
-        ok                     = 1;
+        const pattern_class *c = &s->patterns.by_depths[depths];
         for (size_t n = 0; n < c->count && ok; n++) {
             mask_need needs[PALETTE_MAX - 1];
-            pattern_needs(&b->batch[slot].patterns, depths, n, needs);
+            pattern_needs(&s->patterns, depths, n, needs);
             ok = put32(out, c->ids[n]);
             for (int mask = 0; mask < depths - 1 && ok; mask++) ok = put64(out, needs[mask].dark) && put64(out, needs[mask].lit);
         }
     }
-    for (const private_pattern *p = b->batch[slot].privates.patterns;
-         p < b->batch[slot].privates.patterns + b->batch[slot].privates.count && ok; p++) {
+    for (const private_pattern *p = s->privates.patterns; p < s->privates.patterns + s->privates.count && ok; p++) {
         ok = put_signed(out, p->depth, 64) && put_signed(out, p->may.low, 64) && put_signed(out, p->may.high, 64) &&
              put32(out, p->plane_halves);
         for (uint32_t n = 0; n < p->plane_halves && ok; n++) ok = put32(out, p->planes[n]);
     }
-    for (uint32_t n = 0; n < b->batch[slot].blocks.count && ok; n++) {
-        const block a = block_at(&b->batch[slot], n);
+    for (uint32_t n = 0; n < s->blocks.count && ok; n++) {
+        const block b = block_at(s, n);
 
-        int32_t slopes[] = {a.plane.across, a.plane.down, a.plane.least};
-        ok               = put32(out, a.depths) && put_signed(out, a.depth, a.depths) && put_signed(out, slopes, 3);
-        for (const block_tile *t = a.tile; t < a.tile + BLOCK_TILES && ok; t++)
+        int32_t slopes[] = {b.plane.across, b.plane.down, b.plane.least};
+        ok               = put32(out, b.depths) && put_signed(out, b.depth, b.depths) && put_signed(out, slopes, 3);
+        for (const block_tile *t = b.tile; t < b.tile + BLOCK_TILES && ok; t++)
             ok = put32(out, t->kind | (uint32_t)t->palette << 16) && put32(out, t->pattern) && put32(out, (uint32_t)t->base);
     }
     return ok ? VXS_OK : VXS_E_MEMORY;

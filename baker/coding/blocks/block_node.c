@@ -370,7 +370,7 @@ static vxs_result bound_tiles(node_builder *b, uint32_t level, uint32_t x, uint3
             r = bound_tiles(b, level - 1, x + (c & 1) * side / 2, y + (c >> 1) * side / 2);
         return r;
     }
-    /* Exit depth of a column; FAR_DEPTH if it is lit to the end, because it may then be lit beyond. */
+    /* a column that is lit to the end may be lit beyond */
     int32_t emax = (int32_t)bounds.emax, xmin = bounds.xmin >= b->columns->depth_vx ? FAR_DEPTH : (int32_t)bounds.xmin;
     for (uint32_t row = y; row < y + side; row++)
         for (uint32_t n = NODE_TILES * row + x; n < NODE_TILES * row + x + side; n++) {
@@ -455,8 +455,8 @@ vxs_result block_build_node(block_set *s, const column_square *columns, uint32_t
         }
     }
     if ((r = bound_tiles(b, level, 0, 0)) == VXS_OK) {
-        /* Slope of the last node of the set. */
-        b->node.slope = slope_find(b->emax, b->xmin, (s->node_count ? s->nodes[s->node_count - 1].slope : (node_slope){0, 0}));
+        node_slope last = s->node_count ? s->nodes[s->node_count - 1].slope : (node_slope){0, 0};
+        b->node.slope   = slope_find(b->emax, b->xmin, last);
         add_slope(b);
         r = build_blocks(b);
     }

@@ -121,8 +121,7 @@ static void add_to_page(const layout *l, page_scratch *s, page_size *page, const
     const node_shape *shape = shape_of(l, n);
     s->fresh_count          = 0;
     if (!is_new(&s->shape_at[n->shape], s->stamp, page->words)) return;
-
-    /* Blocks are scattered in memory: prefetch all blocks of a node. */
+    /* blocks are scattered in memory: prefetch all blocks of the node */
     for (uint64_t rest = shape->mixed; rest; rest &= rest - 1)
         __builtin_prefetch(intern_at(&l->set->blocks, shape->block[__builtin_ctzll(rest)]));
     page->words += shape_words(shape);

@@ -96,7 +96,7 @@ static ALWAYS_INLINE uint32_t last_agreeing(find_agreeing *find, const uint64_t 
 /* The last pattern that agrees in all masks, or the count: none. Compares 16 patterns at a time, mask by mask. */
 static ALWAYS_INLINE size_t search_by(find_agreeing *find, const pattern_class *c, const mask_need *needs, int masks)
 {
-    /* Index of the mask with the most needs; it is compared first. */
+    /* the mask with the most needs is compared first */
     int first = 0, most = -1;
     for (int mask = 0; mask < masks; mask++) {
         int bits = __builtin_popcountll(needs[mask].dark | needs[mask].lit);
@@ -195,12 +195,9 @@ void pattern_needs(const pattern_set *s, int depths, size_t n, mask_need *needs)
 
 void pattern_choose_within(const uint8_t low[64], const uint8_t high[64], uint8_t index[64])
 {
-    uint64_t used[4];
-
-    /* The fewest depths for each quadrant, by stabbing its ranges from the front: where a range without a depth ends, its last depth is
-     * used, and all ranges without a depth that contain it take it.
-     * used  [out] bits of the depths of each quadrant;   index  [out] [64] of each texel */
-    uint64_t left = UINT64_MAX;
+    /* The fewest depths for each quadrant, by stabbing its ranges from the front: where a range without a depth ends, its last depth
+     * is used, and all ranges without a depth that contain it take it. */
+    uint64_t used[4], left = UINT64_MAX; /* used: bits of the depths of each quadrant */
     for (int q = 0; q < 4; q++) used[q] = 0;
     for (int depth = 0; left; depth++) {
         uint64_t due = left & bytes_at_most(high, (uint8_t)depth);
@@ -379,7 +376,6 @@ uint32_t private_encode(const int32_t depth[64], uint16_t *halves)
     if (nibbles)
         memcpy(halves, other, nibbles * sizeof *other);
     else {
-        /* bytes  per depth */
         halves[0] = (uint16_t)((RAW_BYTES + bytes - 1) << 12 | (uint32_t)shift << 8);
         for (uint32_t n = 0; n < 64; n++)
             for (uint32_t b = 0; b < bytes; b++) put_byte(halves + 1, bytes * n + b, (uint32_t)depth[n] >> shift >> 8 * b & 0xff);

@@ -178,13 +178,11 @@ static plane rounded(const plane *p, int zeros)
 
 int plane_fit(plane *p, const plane_ranges *const *tiles, int count, int32_t side)
 {
-    plane_room room;
-
-    /* Move slopes until there is enough room, and keep those with most room. Returns 0 if none have room. */
-    plane      at  = *p;
-    int32_t    aim = ROOM;
+    /* move slopes until there is enough room, and keep those with most room */
+    plane      at   = *p;
+    int32_t    aim  = ROOM;
+    plane_room room = {1, 0, 0, 0};
     room_bound bounds[MOVES];
-    room = (plane_room){1, 0, 0, 0};
     for (int n = 0; n < MOVES; n++) {
         plane_room here = room_of(&at, tiles, count);
         if (size_of(&here) > size_of(&room)) {
@@ -203,8 +201,7 @@ int plane_fit(plane *p, const plane_ranges *const *tiles, int count, int32_t sid
         if (aim == ROOM_LEAST || size_of(&room) >= ROOM_LEAST || !move(&at, bounds, n + 1, ROOM_LEAST + SPARE)) break;
         aim = ROOM_LEAST;
     }
-    if (!(size_of(&room) >= 0)) return 0;
-
+    if (size_of(&room) < 0) return 0;
     int shift = plane_shift(p);
     if (!shift) {
         place(p, &room, side);

@@ -200,8 +200,7 @@ static uint32_t choose_depths(private_pattern *p, const tile_ranges *t, const ha
         pattern_choose_within(low, high, index);
         for (int n = 0; n < 64; n++) p->depth[n] = points[index[n]] - points[0];
         *base = halves->floor + groups[0].low;
-    } else {
-        /* For depths that span much: choose each as near to the first as its range allows. */
+    } else { /* depths that span much: choose each as near to the first as its range allows */
         *base = least_high(t);
         for (int n = 0; n < 64; n++) p->depth[n] = t->low[n] > *base ? t->low[n] - *base : 0;
     }
@@ -312,8 +311,6 @@ static vxs_result find(private_set *s, const tile_ranges *t, const private_plane
 {
     half_ranges halves;
     int         at_half;
-
-    /* Returns 0 if the depths span too much. */
     halves.floor = least_high(t) - MARGIN;
     if (greatest_low(t) - halves.floor > INT16_MAX - MARGIN) return add(s, t, NULL, one, like, id, base);
     for (int n = 0; n < 64; n++) {
@@ -321,7 +318,6 @@ static vxs_result find(private_set *s, const tile_ranges *t, const private_plane
         halves.low[n]  = (int16_t)(low < 0 ? 0 : low);
         halves.high[n] = (int16_t)(high > INT16_MAX ? INT16_MAX : high);
     }
-
     size_t at = search(s, &halves, &at_half);
     if (at == s->known_count) return add(s, t, &halves, one, like, id, base);
     *id   = s->known[at].id;

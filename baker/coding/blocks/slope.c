@@ -121,7 +121,7 @@ node_slope slope_find(const int32_t *emax, const int32_t *xmin, node_slope first
     int fewest = blocks_left(&t, best, TILES) - 1;
     if (fewest <= torn_blocks(&t)) return best;
 
-    /* Median of the depth differences over four tiles, in 1/256 voxel per tile. */
+    /* median of the depth differences over four tiles, in 1/256 voxel per tile */
     int16_t across[STEPS], down[STEPS];
     int     count = 0;
     for (int a = 1; a < NODE_TILES; a += 2)
@@ -129,11 +129,10 @@ node_slope slope_find(const int32_t *emax, const int32_t *xmin, node_slope first
             across[count] = (int16_t)(t.emax[a * NODE_TILES + b + 4] - t.emax[a * NODE_TILES + b]);
             down[count]   = (int16_t)(t.emax[(b + 4) * NODE_TILES + a] - t.emax[b * NODE_TILES + a]);
         }
-    node_slope middle = (node_slope){-64 * middle_of(across), -64 * middle_of(down)};
-
+    node_slope middle = {-64 * middle_of(across), -64 * middle_of(down)};
     for (int n = -1; n < 25; n++) {
         node_slope s = n < 0 ? first : (node_slope){middle.x + (n % 5 - 2) * 32, middle.y + (n / 5 - 2) * 32};
-        if (!(abs(s.x) <= SLOPE_MAX && abs(s.y) <= SLOPE_MAX && slope_shift_max(s) <= SHIFT_MAX)) continue;
+        if (abs(s.x) > SLOPE_MAX || abs(s.y) > SLOPE_MAX || slope_shift_max(s) > SHIFT_MAX) continue;
         int left = blocks_left(&t, s, fewest) + (n >= 0);
         if (left >= fewest) continue;
         fewest = left;

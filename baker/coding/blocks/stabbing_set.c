@@ -134,10 +134,9 @@ void axis_init_by_depths(depth_axis *a, const int32_t *depths, int16_t *codes, i
         first[n] = (placed_depth){depths[n], n};
     }
     for (int shift = 0; shift < 32 && (most - least) >> shift; shift += 8) {
-        placed_depth *was = ordered;
-
-        /* A stable radix sort step: by one byte of the depths relative to `least`. */
-        int next[256] = {0}, before = 0;
+        placed_depth *was       = ordered;
+        /* a stable radix sort step: by one byte of the depths relative to `least` */
+        int           next[256] = {0}, before = 0;
         for (int n = 0; n < count; n++) next[(ordered[n].depth - least) >> shift & 255]++;
         for (int byte = 0; byte < 256; byte++) {
             int of_byte = next[byte];

@@ -176,11 +176,9 @@ static vxs_result add_slice_node(inserter *s, tree_square *q, uint32_t k0)
         if (k0 + n < q->xmin)
             slice = (placed){REF_LIT, q->xmin};
         else if (k0 + n < q->emax) {
-            /* The mask of a tile at depth k. */
             tree_tile      *tile = &s->tree->tiles[q->parts];
-            uint32_t        k    = k0 + n;
             const mask_run *runs = s->tree->runs;
-            while (runs[tile->run].until <= k) {
+            while (runs[tile->run].until <= k0 + n) {
                 tile->run++;
                 tile->run_ref = 0;
             }

@@ -64,37 +64,33 @@ static uint64_t mask_at(const near_columns *c, int16_t k0, int16_t *next)
 
 uint32_t tile_runs(const column_tile *columns, mask_rule rule, mask_run runs[TILE_RUNS_MAX], column_bounds *bounds)
 {
-    column_bounds b     = tile_bounds(columns); /* bounds from a source may be loose; the runs must not depend on that */
-    uint32_t      count = 0;
-    *bounds             = b;
+    column_bounds   b     = tile_bounds(columns); /* bounds from a source may be loose; the runs must not depend on that */
+    const uint32_t *ends  = rule == MASK_RULE_GREEDY ? columns->x : columns->e;
+    uint32_t        count = 0;
+    *bounds               = b;
     if (b.emax <= b.xmin) return 0;
     if (b.emax - b.xmin >= FAR) {
+        /* as below, without a limit on depths, for tiles with a cliff of more than FAR voxels */
         for (uint32_t k0 = b.xmin, next; k0 < b.emax; k0 = next) {
-            /* The same without a limit on depths, for tiles with a cliff of more than FAR voxels. */
-            const uint32_t *ends = rule == MASK_RULE_GREEDY ? columns->x : columns->e;
-            uint64_t        mask = 0;
-            next                 = UINT32_MAX;
+            uint64_t mask = 0;
+            next          = UINT32_MAX;
             for (int n = 0; n < 64; n++) {
                 if (columns->e[n] <= k0)
                     mask |= (uint64_t)1 << n;
                 else if (ends[n] < next)
                     next = ends[n];
             }
-
             next          = min_u32(next, b.emax);
             runs[count++] = (mask_run){mask, next};
         }
         return count;
     }
     near_columns near;
-    {
-        const uint32_t *next = rule == MASK_RULE_GREEDY ? columns->x : columns->e;
-        for (int n = 0; n < 64; n++) {
-            uint32_t e   = columns->e[n] > b.xmin ? columns->e[n] - b.xmin : 0;
-            uint32_t x   = next[n] > b.xmin ? next[n] - b.xmin : 0;
-            near.e[n]    = (int16_t)(e < FAR ? e : FAR);
-            near.next[n] = (int16_t)(x < FAR ? x : FAR);
-        }
+    for (int n = 0; n < 64; n++) {
+        uint32_t e   = columns->e[n] > b.xmin ? columns->e[n] - b.xmin : 0;
+        uint32_t x   = ends[n] > b.xmin ? ends[n] - b.xmin : 0;
+        near.e[n]    = (int16_t)(e < FAR ? e : FAR);
+        near.next[n] = (int16_t)(x < FAR ? x : FAR);
     }
     int16_t end = (int16_t)(b.emax - b.xmin);
     for (int16_t k0 = 0, next; k0 < end; k0 = next) {

@@ -128,8 +128,7 @@ static vxs_result stack_compose(dag_merger *g, uint32_t level, const dag_stack *
         for (int q = 0; q < 4; q++)
             while (part[q]->runs[at[q]].end <= 2 * slab) at[q]++;
 
-        /* Children of a slab of a square, from the stacks of its parts. The run at[] of each part contains the near half of the
-         * slab. Returns the number of slabs with these children, at least 1. */
+        /* The children of the slab: the run at[] of each part contains its near half. `same` slabs have these children. */
         same = UINT32_MAX;
         for (int q = 0; q < 4; q++) {
             const stack_run *near = &part[q]->runs[at[q]], *far = near->end > 2 * slab + 1 ? near : near + 1;
@@ -263,8 +262,6 @@ vxs_result dag_merger_add(dag_merger *g, const dag *sub, uint32_t map, uint32_t 
     uint32_t   own      = sub->level_count - 1;
     vxs_result r;
     if (own > level || level > top_level(g) || sub->root_count != slabs_of(g, own)) return VXS_E_ARGUMENT;
-
-    /* Add all nodes and masks of a DAG. a [out] released with adopted_free, whatever is returned */
     uint32_t *masks = NULL;
     memset(&a, 0, sizeof a);
     r = adopt_masks(g, sub, &masks);
@@ -272,10 +269,10 @@ vxs_result dag_merger_add(dag_merger *g, const dag *sub, uint32_t map, uint32_t 
         r = adopt_level(g, &sub->level[l], l, l ? a.ref[l - 1] : masks, &a.ref[l]);
     free(masks);
 
-    for (uint32_t slab = 0; slab < sub->root_count && r == VXS_OK; slab++)
-        if (!stack_push(&stack, &capacity,
-                        sub->roots[slab] < REF_FIRST ? sub->roots[slab] : a.ref[own][sub->roots[slab] - REF_FIRST], slab + 1))
-            r = VXS_E_MEMORY;
+    for (uint32_t slab = 0; slab < sub->root_count && r == VXS_OK; slab++) {
+        uint32_t root = sub->roots[slab];
+        if (!stack_push(&stack, &capacity, root < REF_FIRST ? root : a.ref[own][root - REF_FIRST], slab + 1)) r = VXS_E_MEMORY;
+    }
     for (uint32_t l = 0; l < DAG_LEVELS_MAX; l++) free(a.ref[l]);
     if (r == VXS_OK) r = stack_widen(g, &stack, own, level);
     if (r == VXS_OK) return add_stack(g, map, level, i, j, &stack);

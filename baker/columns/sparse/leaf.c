@@ -66,15 +66,13 @@ static uint64_t covered(const leaf *f, const sparse_triangle *t)
 {
     i64s     at[3][8 / LANES], down[3];
     uint64_t outside = 0;
-    int      begin, end;
 
-    /* Rows of the tile that a triangle may touch: [*begin, *end). */
+    /* rows of the tile that the triangle may touch: [begin, end) */
     const uint32_t grid = f->d->triangles->grid;
     const int64_t  y0   = min_i32(min_i32(t->y[0], t->y[1]), t->y[2]) - f->y0,
                   y1    = max_i32(max_i32(t->y[0], t->y[1]), t->y[2]) - f->y0;
-    begin               = y0 <= 0 ? 0 : (int)((y0 + px_of(f) - 1) >> grid < 8 ? (y0 + px_of(f) - 1) >> grid : 8);
-    end                 = y1 < 0 ? 0 : (int)(y1 >> grid < 7 ? (y1 >> grid) + 1 : 8);
-
+    int begin           = y0 <= 0 ? 0 : (int)((y0 + px_of(f) - 1) >> grid < 8 ? (y0 + px_of(f) - 1) >> grid : 8);
+    int end             = y1 < 0 ? 0 : (int)(y1 >> grid < 7 ? (y1 >> grid) + 1 : 8);
     if (begin >= end) return 0;
     for (int k = 0; k < 3; k++) {
         const sparse_edge e      = sparse_edge_of(t, k);
@@ -109,18 +107,14 @@ static double y_of(const leaf *f, int texel)
 
 static uint64_t without_holes(const leaf *f, uint32_t id, uint64_t texels)
 {
+    const sparse_triangles *s    = f->d->triangles;
+    const hole_uvq         *uvq  = s->uvq[id - s->holed_first];
+    const alpha_mask       *mask = &s->casters->alpha_masks[s->mask_of[id - s->holed_first]];
     for (uint64_t rest = texels; rest; rest &= rest - 1) {
-        int n = __builtin_ctzll(rest);
-
-        const sparse_triangles *s    = f->d->triangles;
-        double                  x    = x_of(f, n);
-        double                  y    = y_of(f, n);
-        const sparse_triangle  *t    = &s->all[id];
-        const hole_uvq         *uvq  = s->uvq[id - s->holed_first];
-        const alpha_mask       *mask = &s->casters->alpha_masks[s->mask_of[id - s->holed_first]];
-        double                  u = 0, v = 0, q = 0;
+        int    n = __builtin_ctzll(rest);
+        double x = x_of(f, n), y = y_of(f, n), u = 0, v = 0, q = 0;
         for (int k = 0; k < 3; k++) {
-            double share = share_of(t, k < 2 ? k + 1 : 0, x, y); /* weight of the corner opposite to the edge */
+            double share = share_of(&s->all[id], k < 2 ? k + 1 : 0, x, y); /* weight of the corner opposite to the edge */
             u += share * (double)uvq[k].u;
             v += share * (double)uvq[k].v;
             q += share * (double)uvq[k].q;
@@ -182,7 +176,7 @@ static uint64_t texels_of(const leaf *f, const square_entry *e)
     uint64_t               texels = e->bits & ENTRY_COVERS ? ALL_TEXELS : covered(f, t);
     if (!(t->kind & SPARSE_HOLED)) return texels;
     if (sparse_is_sheet(t) && !dont_care_needs_next(&f->d->dont_care)) {
-        /* The texels in which no surface lies before the triangle. */
+        /* the texels in which no surface lies before the triangle */
         uint64_t met = 0;
         for (int first = 0; first < 64; first += LANES) {
             const f64s z = depths_of(f, t, first, bits_of(texels, first));
@@ -304,7 +298,7 @@ static f64s exits_of(leaf *f, int first, i64s open)
     const uint32_t texels = i64s_negative(open);
     if (!texels) return exits;
 
-    /* Depths, in LANES texels from `first` on, of all solids that some of these texels meet. */
+    /* depths of all solids that some of these texels meet */
     f->solids = 0;
     for (const leaf_face *face = f->faces; face < f->faces + f->count; face++) {
         const uint32_t met = bits_of(face->texels, first) & texels;
@@ -333,8 +327,8 @@ static f64s later_exits(const leaf *f, int first, f64s exits)
         next    = f64s_min(next, f64s_max(nearest, z));
         nearest = f64s_min(nearest, z);
         last    = f64s_max(last, f64s_select(met, z, -none));
-        /* Whether the exit is at the end of the triangle's thickness. */
-        if (f->d->dont_care.thickness > 0 && face->t->kind & SPARSE_FACES) thick = f64s_min(thick, z);
+        if (f->d->dont_care.thickness > 0 && face->t->kind & SPARSE_FACES) /* the exit is at the end of its thickness */
+            thick = f64s_min(thick, z);
     }
     f64s_store(through, nearest);
     for (int n = 0; n < LANES; n++) through[n] = dont_care_through(&f->d->dont_care, through[n]);

@@ -91,9 +91,7 @@ static vxs_result sparse_key(sparse_keys *k, const leaf_desc *d, const triangle_
     const double measures[] = {d->scale.voxel_log, d->dont_care.thickness, d->dont_care.behind != 0};
     XXH3_128bits_update(&state, measures, sizeof measures);
     for (uint32_t cell = 0; cell < cells * cells; cell++) {
-        const size_t *first = bins->first + (size_t)(j + cell / cells) * bins->cells + i + cell % cells;
-
-        /* Hash the triangles of a cell in order. */
+        const size_t           *first = bins->first + (size_t)(j + cell / cells) * bins->cells + i + cell % cells;
         const sparse_triangles *s     = d->triangles;
         const uint32_t         *ids   = bins->ids + first[0];
         size_t                  count = first[1] - first[0];
@@ -192,15 +190,13 @@ static vxs_result map_key(void *data, uint32_t level, uint32_t i, uint32_t j, co
 
 static void map_release(void *data, column_square *square)
 {
+    sparse_map    *o = data;
     pooled_square *p = square->data; /* square is its first member */
     sparse_square_clear(&p->square);
-
-    sparse_map *o = data;
     os_lock(&o->lock);
     p->next  = o->spare;
     o->spare = p;
     os_unlock(&o->lock);
-
     *square = (column_square){0};
 }
 

@@ -137,7 +137,7 @@ static int make_square(const square_maker *w, square_worker *worker, texel_squar
     if (!l->count) return settle_empty(w, at);
     if (!w->d->every_texel && (at.side > SMALL_PX ? settle_large(w, at, &bound, l) : settle_small(w, at, &bound, l))) return 1;
     if (at.side == 8) {
-        /* Evaluate all texels. Columns are not stored if one depth separates lit from shadowed. */
+        /* evaluate all texels; columns are not stored if one depth separates lit from shadowed */
         column_tile   tile;
         column_bounds b;
         if (!w->level->leaf(&worker->leaf, w->d, l, &bound, at, &tile, &b)) return 0;
@@ -227,17 +227,17 @@ void sparse_square_clear(sparse_square *q)
 void sparse_square_free(sparse_square *q)
 {
     sparse_square_clear(q);
-    for (uint32_t n = 0; n < q->worker_count; n++) {
-        for (leaf_page *page = q->workers[n].spare, *next; page; page = next) {
+    for (square_worker *w = q->workers; w < q->workers + q->worker_count; w++) {
+        for (leaf_page *page = w->spare, *next; page; page = next) {
             next = page->next;
             free(page);
         }
-        free(q->workers[n].list.items);
-        for (int k = 0; k < 4 * SPARSE_LEVELS_MAX; k++) free(q->workers[n].quarter[k / 4][k % 4].items);
-        free(q->workers[n].leaf.faces);
-        free(q->workers[n].leaf.hits);
-        free(q->workers[n].leaf.depths);
-        free(q->workers[n].leaf.backs);
+        free(w->list.items);
+        for (int k = 0; k < 4 * SPARSE_LEVELS_MAX; k++) free(w->quarter[k / 4][k % 4].items);
+        free(w->leaf.faces);
+        free(w->leaf.hits);
+        free(w->leaf.depths);
+        free(w->leaf.backs);
     }
     free(q->workers);
     free(q->tiles);

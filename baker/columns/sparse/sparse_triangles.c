@@ -141,7 +141,7 @@ static void make_triangles(void *user, size_t begin, size_t end, uint32_t worker
         sparse_triangle *t = &w->s->all[n];
         run_control_wait_each(256, n);
 
-        /* Put the corners into the order of sparse_triangle; `from` gets the old index of each. */
+        /* put the corners into the order of sparse_triangle */
         corner at[3];
         int    near = 0;
         for (int k = 0; k < 3; k++) at[k] = corner_of(w, from, k);
@@ -161,8 +161,7 @@ static void make_triangles(void *user, size_t begin, size_t end, uint32_t worker
         t->kind  = (uint8_t)((solid ? SPARSE_SOLID : 0) | (back ? SPARSE_BACK : 0) | (holed ? SPARSE_HOLED : 0) |
                             (faces ? SPARSE_FACES : 0));
 
-        /* Border bits for the new order of corners: edge k begins at corner from[k]; if the direction is reversed, it ends
-         * there. */
+        /* border bits in the new order: edge k begins at corner was[k]; if the direction is reversed, it ends there */
         int in_order = 0;
         for (int k = 0; k < 3; k++) {
             int edge = facing > 0 ? was[k] : was[(k + 1) % 3];
@@ -279,15 +278,12 @@ static void walk_chunk(binner *w, size_t chunk, int place)
     size_t         count = (size_t)b->cells * b->cells, *at = w->place + chunk * count;
     cell_range     r;
     for (size_t n = w->s->count * chunk / CHUNKS; n < w->s->count * (chunk + 1) / CHUNKS; n++) {
-        /* Returns 0 if the triangle's box is outside the map. */
-        int32_t x0   = min_i32(min_i32(w->s->all[n].x[0], w->s->all[n].x[1]), w->s->all[n].x[2]),
-                x1   = max_i32(max_i32(w->s->all[n].x[0], w->s->all[n].x[1]), w->s->all[n].x[2]);
-        int32_t y0   = min_i32(min_i32(w->s->all[n].y[0], w->s->all[n].y[1]), w->s->all[n].y[2]),
-                y1   = max_i32(max_i32(w->s->all[n].y[0], w->s->all[n].y[1]), w->s->all[n].y[2]);
-        int32_t side = (int32_t)(w->b->cells << w->cell_log2);
-        r            = (cell_range){cell_of(w, x0), cell_of(w, x1), cell_of(w, y0), cell_of(w, y1)};
-        if (!(x1 >= 0 && y1 >= 0 && x0 <= side && y0 <= side)) continue;
-
+        const sparse_triangle *t  = &w->s->all[n];
+        int32_t                x0 = min_i32(min_i32(t->x[0], t->x[1]), t->x[2]), x1 = max_i32(max_i32(t->x[0], t->x[1]), t->x[2]);
+        int32_t                y0 = min_i32(min_i32(t->y[0], t->y[1]), t->y[2]), y1 = max_i32(max_i32(t->y[0], t->y[1]), t->y[2]);
+        int32_t                side = (int32_t)(w->b->cells << w->cell_log2);
+        if (x1 < 0 || y1 < 0 || x0 > side || y0 > side) continue; /* outside the map */
+        r = (cell_range){cell_of(w, x0), cell_of(w, x1), cell_of(w, y0), cell_of(w, y1)};
         for (uint32_t j = r.j0; j <= r.j1; j++)
             for (uint32_t i = r.i0; i <= r.i1; i++) {
                 size_t *to = &at[(size_t)j * b->cells + i];

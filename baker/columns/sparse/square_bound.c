@@ -285,7 +285,7 @@ static void add_patch(layers *y, const lean *w, const square_list *l, const spar
         const square_entry *e  = &l->items[n];
         layer               of = {.lo = e->lo};
 
-        /* Depth range of a triangle of the list, relative to the plane. */
+        /* its depth range, relative to the plane */
         const sparse_triangle *t      = &s->all[e->id];
         const double           middle = t->zmin + t->gy * (w->y - t->y[0]) + t->gx * (w->x - t->x[0]);
         const double           rise   = (fabs(t->gx - w->gx) + fabs(t->gy - w->gy)) * (w->half * (1 + 1e-12)) + t->slack + w->slack;
@@ -342,7 +342,7 @@ int square_settle(const square_list *l, const sparse_triangles *s, texel_square 
     y.partial     = INFINITY;
     for (size_t n = 0; n < count; n++) add_patch(&y, &w, l, s, &patches[n]);
 
-    /* The first back face that may be an exit. NULL: none */
+    /* the first back face that may be an exit */
     const layer *exit = NULL;
     for (int n = 0; n < y.back_count; n++) {
         const layer *b = &y.backs[n];
