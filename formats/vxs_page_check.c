@@ -31,12 +31,6 @@ static int turn_new(const checked_page *p, uint32_t *name, uint32_t next)
     return 1;
 }
 
-/* Whether a pattern of this kind starts at a half of the common pool. */
-static int is_common(const vxs_common_marks *marks, uint32_t half, uint32_t kind)
-{
-    return half < marks->half_count && marks->at[half] == kind + 1;
-}
-
 /* blocks ----------------------------------------------------------------------------------------------------------------------- */
 
 /* The record of a block. */
@@ -94,8 +88,9 @@ static int check_tile(checked_page *p, const checked_block *b, uint32_t *word, u
     if (!own && (low >> b->entries || (kind = count_bits(low)) < 2)) return 0;
 
     /* the pattern that the word refers to */
-    uint32_t name = *word >> 14, half = p->half;
-    if (name & REF_COMMON) return is_common(p->marks->common, name & (REF_COMMON - 1), kind);
+    const vxs_common_marks *common = p->marks->common;
+    uint32_t                name = *word >> 14, half = p->half, in_common = name & (REF_COMMON - 1);
+    if (name & REF_COMMON) return in_common < common->half_count && common->at[in_common] == kind + 1;
     if (!turn_new(p, &name, half)) return name < half && p->marks->at[name] == kind + 1;
     uint32_t halves = check_pattern_of(&(checked_pool){p->words, 2 * p->word_count}, half, kind);
     if (!halves) return 0;
@@ -105,9 +100,13 @@ static int check_tile(checked_page *p, const checked_block *b, uint32_t *word, u
     return 1;
 }
 
-/* Check the block at the next word. */
-static int check_block(checked_page *p)
+/* Check the block that a half of a node refers to: a known one, or the one at the next word. */
+static int check_block(checked_page *p, uint32_t half)
 {
+    uint32_t name = get_half(p->words, half), before = name;
+    if (!turn_new(p, &name, p->word)) return name < p->word && p->marks->at[2 * name] == MARK_BLOCK;
+    p->words[half / 2] ^= (name ^ before) << 16 * (half & 1);
+
     checked_block b;
     if (!read_block(p, &b)) return 0;
     if (b.on && (p->words[p->word + 3] & 15) > PLANE_SHIFT_MAX) return 0;
@@ -122,32 +121,12 @@ static int check_block(checked_page *p)
     return 1;
 }
 
-/* Check the block that a half of a node refers to. */
-static int check_named_block(checked_page *p, uint32_t half)
-{
-    uint32_t name = get_half(p->words, half), before = name;
-    if (!turn_new(p, &name, p->word)) return name < p->word && p->marks->at[2 * name] == MARK_BLOCK;
-    p->words[half / 2] ^= (name ^ before) << 16 * (half & 1);
-    return check_block(p);
-}
-
 /* nodes ------------------------------------------------------------------------------------------------------------------------ */
 
 /* Depth or base number n of those that start at a half.   wide  1: each is two halves */
 static uint32_t depth_at(const uint32_t *words, uint32_t half, uint32_t wide, uint32_t n)
 {
     return delta_at(words, half, 1 + wide, n);
-}
-
-/* Depths of fresh blocks: each must differ from the previous one, and be within range or "never". */
-static int check_depths(const uint32_t *words, uint32_t half, uint32_t wide, uint32_t count)
-{
-    for (uint32_t n = 0; n < count; n++) {
-        uint32_t depth = depth_at(words, half, wide, n);
-        if (n && depth == depth_at(words, half, wide, n - 1)) return 0;
-        if (depth >= DEPTH_END && depth != ~0u) return 0;
-    }
-    return 1;
 }
 
 /* Check the node at the next word, and the blocks that no earlier node uses. */
@@ -166,11 +145,15 @@ static int check_node(checked_page *p, const vxs_page_node *node)
     uint32_t names = half + NODE_HALVES, bases = names + blocks;
     for (uint32_t k = 0; k < blocks; k++)
         if (depth_at(words, bases, wide, k) >= DEPTH_END) return 0;
-
-    if (!check_depths(words, bases + blocks * (1 + wide), wide, depths)) return 0;
+    for (uint32_t k = 0, fresh_at = bases + blocks * (1 + wide); k < depths; k++) {
+        /* depths of fresh blocks: each differs from the previous one, and is within range or "never" */
+        uint32_t depth = depth_at(words, fresh_at, wide, k);
+        if (k && depth == depth_at(words, fresh_at, wide, k - 1)) return 0;
+        if (depth >= DEPTH_END && depth != ~0u) return 0;
+    }
     p->word += (halves + 1) / 2;
     for (uint32_t b = 0; b < blocks; b++)
-        if (!check_named_block(p, names + b)) return 0;
+        if (!check_block(p, names + b)) return 0;
     return 1;
 }
 

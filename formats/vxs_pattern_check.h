@@ -89,37 +89,26 @@ static uint32_t check_pattern(const checked_pool *p, uint32_t half, uint32_t dep
     return size;
 }
 
-/* Number of halves of a private-palette pattern with a palette; 0: invalid. */
-static uint32_t check_private_palette(const checked_pool *p, uint32_t half, uint32_t kind, uint32_t shift, uint32_t depths)
-{
-    uint32_t first = half + 1, deltas = depths - 1;
-    if (depths < 2 || depths > DEPTHS_MAX) return 0;
-    uint32_t halves = private_delta_halves(kind, deltas);
-    if (halves_left(p, first) <= halves || !check_deltas(p->words, first, kind, shift, deltas)) return 0;
-    if (kind == PRIVATE_BYTES && deltas % 2 && get_byte(p->words, 2 * first + deltas)) return 0;
-    uint32_t pattern = check_pattern(p, first + halves, depths);
-    return pattern ? 1 + halves + pattern : 0;
-}
-
-/* Whether all depths are within DEPTH_END. */
-static int check_raw(const uint32_t *words, uint32_t half, uint32_t kind, uint32_t shift)
-{
-    uint32_t greatest = 0;
-    for (uint32_t z = 0; z < 64; z++) {
-        uint32_t depth = raw_depth(words, half, kind, z);
-        greatest       = depth > greatest ? depth : greatest;
-    }
-    return (uint64_t)greatest << shift < DEPTH_END;
-}
-
 /* Number of halves of a private-palette pattern; 0: invalid. */
 static uint32_t check_private(const checked_pool *p, uint32_t half)
 {
     if (!halves_left(p, half)) return 0;
     uint32_t head = get_half(p->words, half), kind = head >> 12, shift = head >> 8 & 15, low = head & 0xff;
-    if (kind <= PRIVATE_WORDS) return check_private_palette(p, half, kind, shift, low);
+    if (kind <= PRIVATE_WORDS) { /* a palette of `low` depths, then the pattern */
+        uint32_t first = half + 1, deltas = low - 1;
+        if (low < 2 || low > DEPTHS_MAX) return 0;
+        uint32_t halves = private_delta_halves(kind, deltas);
+        if (halves_left(p, first) <= halves || !check_deltas(p->words, first, kind, shift, deltas)) return 0;
+        if (kind == PRIVATE_BYTES && deltas % 2 && get_byte(p->words, 2 * first + deltas)) return 0;
+        uint32_t pattern = check_pattern(p, first + halves, low);
+        return pattern ? 1 + halves + pattern : 0;
+    }
     if (kind >= PRIVATE_KINDS || private_halves[kind] > halves_left(p, half)) return 0;
-    if (kind < PRIVATE_PLANE) return !low && check_raw(p->words, half, kind, shift) ? private_halves[kind] : 0;
+    if (kind < PRIVATE_PLANE) { /* depths without a palette: each must be within DEPTH_END */
+        for (uint32_t z = 0; z < 64; z++)
+            if ((uint64_t)raw_depth(p->words, half, kind, z) << shift >= DEPTH_END) return 0;
+        return low ? 0 : private_halves[kind];
+    }
     uint32_t quarters = kind == PRIVATE_PLANE ? 3u << 3 : 15u << 3, far_shift = low & 7;
     if (shift > PLANE_SHIFT_MAX || low & ~(quarters | 7) || far_shift > (kind == PRIVATE_PLANE ? 0 : FAR_SHIFT_MAX)) return 0;
     return private_halves[kind];

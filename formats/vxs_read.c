@@ -50,14 +50,6 @@ int vxs_read_header(vxs_reader *r)
     return 1;
 }
 
-static int check_directory_hash(vxs_reader *r)
-{
-    size_t size = (size_t)r->out.section_count * VXS_ENTRY_BYTES;
-    if (XXH64(r->bytes + VXS_HEADER_BYTES, size, 0) == vxs_load64(r->bytes + VXS_HEADER_DIRECTORY_HASH)) return 1;
-    vxs_found(r, 109, HEADER, VXS_HEADER_DIRECTORY_HASH);
-    return 0;
-}
-
 static int has_blocks(const vxs_reader *r)
 {
     return r->out.version >= VXS_FORMAT_VERSION_BLOCKS;
@@ -69,25 +61,13 @@ static int known_kind(const vxs_reader *r, uint32_t kind)
            vxs_is_dag_section(kind) || (has_blocks(r) && vxs_is_blocks_section(kind));
 }
 
-/* A section that is not a zstd frame must have two equal sizes. The format fixes for each known kind whether it is a frame. */
-static int storage_valid(const vxs_reader *r, const vxs_section *s)
-{
-    int stored = (s->flags & VXS_SECTION_STORED) != 0;
-    if (stored && s->stored_bytes != s->inflated_bytes) return 0;
-    return !known_kind(r, s->kind) || stored == vxs_is_blocks_section(s->kind);
-}
-
-static int seen_before(const vxs_reader *r, uint32_t section)
-{
-    for (uint32_t n = 0; n < section; n++)
-        if (vxs_same_section(&r->out.sections[n], &r->out.sections[section])) return 1;
-    return 0;
-}
-
 /* Directory entries: in order, without gaps, to the end of the file; each checksum holds. */
-static int check_directory(vxs_reader *r)
+int vxs_read_head(vxs_reader *r)
 {
-    uint32_t count  = r->out.section_count;
+    if (!vxs_read_header(r)) return 0;
+    uint32_t count = r->out.section_count;
+    if (XXH64(r->bytes + VXS_HEADER_BYTES, (size_t)count * VXS_ENTRY_BYTES, 0) != vxs_load64(r->bytes + VXS_HEADER_DIRECTORY_HASH))
+        return vxs_found(r, 109, HEADER, VXS_HEADER_DIRECTORY_HASH), 0;
     r->out.sections = vxs_reader_alloc(r, count, sizeof *r->out.sections, HEADER);
     if (!r->out.sections) return 0;
 
@@ -113,8 +93,15 @@ static int check_directory(vxs_reader *r)
         if (s.stored_bytes > r->size - end) return vxs_found(r, 203, (int)n, at + VXS_ENTRY_STORED_BYTES), 0;
         end += s.stored_bytes;
         if (!r->load && XXH64(r->bytes + s.offset_bytes, s.stored_bytes, 0) != s.hash) vxs_found(r, 206, (int)n, s.offset_bytes);
-        if (has_blocks(r) && !storage_valid(r, &s)) vxs_found(r, 212, (int)n, at + VXS_ENTRY_FLAGS);
-        if (known_kind(r, s.kind) && seen_before(r, n)) vxs_found(r, 208, (int)n, at);
+
+        /* a section that is not a zstd frame must have two equal sizes; each known kind is, or is not, a frame */
+        int stored = (s.flags & VXS_SECTION_STORED) != 0, known = known_kind(r, s.kind);
+        int as_kind = !known || stored == vxs_is_blocks_section(s.kind);
+        if (has_blocks(r) && (!as_kind || (stored && s.stored_bytes != s.inflated_bytes)))
+            vxs_found(r, 212, (int)n, at + VXS_ENTRY_FLAGS);
+        uint32_t same = 0;
+        while (known && same < n && !vxs_same_section(&r->out.sections[same], &s)) same++;
+        if (known && same < n) vxs_found(r, 208, (int)n, at);
         if (!go_on(r)) return 0;
     }
     if (end != r->size) vxs_found(r, 204, HEADER, end);
@@ -136,42 +123,25 @@ static int measure_valid(double metres)
     return isfinite(metres) && metres > 0.0;
 }
 
-static int kind_known(const vxs_light *l)
+/* Directional lights have no reach, and these fields are 0; for other lights each must be in range. A flag must belong to the kind
+ * of the light; a point light has six maps.
+ * l  of a known kind */
+static void check_reach_and_flags(vxs_reader *r, const vxs_light *l, int section, uint64_t at)
 {
-    return l->kind >= VXS_LIGHT_KIND_DIRECTIONAL && l->kind <= VXS_LIGHT_KIND_POINT;
-}
-
-/* Directional lights have no reach, and these fields are 0; for other lights each must be in range. */
-static int reach_valid(const vxs_light *l)
-{
-    if (!kind_known(l)) return 1; /* kinds of later versions are not checked */
-    if (l->kind == VXS_LIGHT_KIND_DIRECTIONAL) return l->near_metres == 0 && l->cos_outer == 0 && l->range_metres == 0;
-    int cone = l->kind == VXS_LIGHT_KIND_SPOT ? l->cos_outer >= 0 && l->cos_outer < 1 : l->cos_outer == 0;
-    return measure_valid(l->near_metres) && cone && isfinite(l->range_metres) && l->range_metres >= 0;
-}
-
-/* A flag must belong to the kind of the light; a point light has six maps. */
-static int flags_valid(const vxs_light *l)
-{
-    if (!kind_known(l)) return 1;
-    if (l->kind == VXS_LIGHT_KIND_POINT) return l->flags == VXS_LIGHT_CUBE;
-    return !(l->flags & ~(l->kind == VXS_LIGHT_KIND_SPOT ? VXS_LIGHT_CUBE : VXS_LIGHT_BOUNDED));
-}
-
-/* Only palette blocks have a packing. */
-static void check_packing(vxs_reader *r, uint32_t coding, uint32_t packing, int section, uint64_t at)
-{
-    if (packing == VXS_PACKING_SMALL) return;
-    if (coding != VXS_CODING_BLOCKS)
-        vxs_found(r, 307, section, at);
-    else if (packing != VXS_PACKING_FAST)
-        vxs_found(r, 310, section, at);
+    int is_sun = l->kind == VXS_LIGHT_KIND_DIRECTIONAL, is_spot = l->kind == VXS_LIGHT_KIND_SPOT;
+    int cone  = is_spot ? l->cos_outer >= 0 && l->cos_outer < 1 : l->cos_outer == 0;
+    int reach = is_sun ? l->near_metres == 0 && l->range_metres == 0
+                       : measure_valid(l->near_metres) && isfinite(l->range_metres) && l->range_metres >= 0;
+    int flags = is_sun ? !(l->flags & ~VXS_LIGHT_BOUNDED) : is_spot ? !(l->flags & ~VXS_LIGHT_CUBE) : l->flags == VXS_LIGHT_CUBE;
+    if (!reach || !cone) vxs_found(r, 308, section, at + VXS_LIGHT_NEAR_METRES);
+    if (!flags) vxs_found(r, 307, section, at + VXS_LIGHT_FLAGS);
 }
 
 static void check_light(vxs_reader *r, const vxs_light *light, const uint8_t *record, int section, uint64_t at)
 {
-    const double *d = light->direction_ws;
-    if (!kind_known(light)) vxs_found(r, 302, section, at + VXS_LIGHT_KIND);
+    const double *d     = light->direction_ws;
+    int           known = light->kind >= VXS_LIGHT_KIND_DIRECTIONAL && light->kind <= VXS_LIGHT_KIND_POINT;
+    if (!known) vxs_found(r, 302, section, at + VXS_LIGHT_KIND);
     if (light->levels < VXS_LEVELS_MIN || light->levels > VXS_LEVELS_MAX) vxs_found(r, 303, section, at + VXS_LIGHT_LEVELS);
     if (!transform_valid(light->ls_from_ws)) vxs_found(r, 304, section, at + VXS_LIGHT_LS_FROM_WS);
     if (!measure_valid(light->texel_metres) || !measure_valid(light->voxel_metres) ||
@@ -185,11 +155,14 @@ static void check_light(vxs_reader *r, const vxs_light *light, const uint8_t *re
         good = strcmp(other->light.name, light->name) != 0;
     if (!good) vxs_found(r, 306, section, at + VXS_LIGHT_NAME);
 
-    if (!reach_valid(light)) vxs_found(r, 308, section, at + VXS_LIGHT_NEAR_METRES);
-    if (!flags_valid(light)) vxs_found(r, 307, section, at + VXS_LIGHT_FLAGS);
+    if (known) check_reach_and_flags(r, light, section, at);
     if (light->coding != VXS_CODING_DAG && light->coding != VXS_CODING_BLOCKS) vxs_found(r, 309, section, at + VXS_LIGHT_CODING);
     if (!has_blocks(r) && vxs_load32(record + VXS_LIGHT_CODING)) vxs_found(r, 307, section, at + VXS_LIGHT_CODING);
-    check_packing(r, light->coding, vxs_load32(record + VXS_LIGHT_PACKING), section, at + VXS_LIGHT_PACKING);
+    uint32_t packing = vxs_load32(record + VXS_LIGHT_PACKING); /* of palette blocks */
+    if (packing != VXS_PACKING_SMALL && light->coding != VXS_CODING_BLOCKS)
+        vxs_found(r, 307, section, at + VXS_LIGHT_PACKING);
+    else if (packing != VXS_PACKING_SMALL && packing != VXS_PACKING_FAST)
+        vxs_found(r, 310, section, at + VXS_LIGHT_PACKING);
     if (!zeros(record + VXS_LIGHT_RESERVED, VXS_LIGHT_NAME - VXS_LIGHT_RESERVED))
         vxs_found(r, 307, section, at + VXS_LIGHT_RESERVED);
 }
@@ -228,17 +201,6 @@ static void read_light_records(vxs_reader *r, int section, const uint8_t *table,
     }
 }
 
-static void read_lights(vxs_reader *r)
-{
-    int section = vxs_find_section(r, VXS_KIND_LIGHTS, VXS_NO_LIGHT, 0);
-    if (section < 0) return;
-    uint8_t *table = vxs_inflate(r, section, VXS_LIGHTS_PREFIX_BYTES);
-    if (!table) return;
-    uint64_t size = r->out.sections[section].inflated_bytes;
-    read_light_records(r, section, table, size);
-    vxs_reader_free(r, table, size + VXS_LIGHTS_PREFIX_BYTES, 1);
-}
-
 /* Whether a section of a known kind belongs to an existing light and level, and to the right coding. */
 static int owner_valid(const vxs_reader *r, const vxs_section *s)
 {
@@ -269,14 +231,14 @@ int vxs_read_metadata(vxs_reader *r)
     return r->result == VXS_OK;
 }
 
-int vxs_read_head(vxs_reader *r)
-{
-    return vxs_read_header(r) && check_directory_hash(r) && check_directory(r);
-}
-
 int vxs_read_light_table(vxs_reader *r)
 {
-    read_lights(r);
+    int      section = vxs_find_section(r, VXS_KIND_LIGHTS, VXS_NO_LIGHT, 0);
+    uint8_t *table   = section < 0 ? NULL : vxs_inflate(r, section, VXS_LIGHTS_PREFIX_BYTES);
+    if (!table) return 0;
+    uint64_t size = r->out.sections[section].inflated_bytes;
+    read_light_records(r, section, table, size);
+    vxs_reader_free(r, table, size + VXS_LIGHTS_PREFIX_BYTES, 1);
     if (r->result != VXS_OK) return 0;
 
     /* Sections of missing lights and levels would never be read, so they are not allowed. */

@@ -48,27 +48,18 @@ int vxs_read_resident(vxs_paged_light *light, const vxs_resident_sizes *sizes, c
     return r == VXS_OK ? 0 : 501;
 }
 
-static int read_small(uint32_t *words, const vxs_page_content *p, const vxs_paged_light *light, const vxs_page_tools *tools)
-{
-    if (vxs_page_word_count(p->bytes, p->size_bytes) != p->word_count) return 504;
-    vxs_result r =
-        vxs_page_decode(words, p->bytes, p->size_bytes, p->nodes, p->node_count, &light->resident.common, tools->scratch);
-    return r == VXS_OK ? 0 : 504;
-}
-
-static int read_fast(uint32_t *words, const vxs_page_content *p, const vxs_paged_light *light, const vxs_page_tools *tools)
-{
-    if (vxs_page_inflate(words, p->word_count, p->bytes, p->size_bytes, tools->zstd) != VXS_OK) return 505;
-    tools->marks->common = &light->marks;
-    vxs_result r =
-        vxs_page_check(words, p->word_count, vxs_page_node_words(p->bytes), p->nodes, p->node_count, tools->marks, VXS_PAGE_UNPACK);
-    return r == VXS_OK ? 0 : 504;
-}
-
 int vxs_read_page(uint32_t *words, const vxs_page_content *p, const vxs_paged_light *light, const vxs_page_tools *tools)
 {
     if (XXH64(p->bytes, p->size_bytes, 0) != p->hash) return 503;
-    return light->packing == VXS_PACKING_FAST ? read_fast(words, p, light, tools) : read_small(words, p, light, tools);
+    vxs_result r = VXS_E_CORRUPT;
+    if (light->packing == VXS_PACKING_FAST) {
+        if (vxs_page_inflate(words, p->word_count, p->bytes, p->size_bytes, tools->zstd) != VXS_OK) return 505;
+        tools->marks->common = &light->marks;
+        r = vxs_page_check(words, p->word_count, vxs_page_node_words(p->bytes), p->nodes, p->node_count, tools->marks,
+                           VXS_PAGE_UNPACK);
+    } else if (vxs_page_word_count(p->bytes, p->size_bytes) == p->word_count)
+        r = vxs_page_decode(words, p->bytes, p->size_bytes, p->nodes, p->node_count, &light->resident.common, tools->scratch);
+    return r == VXS_OK ? 0 : 504;
 }
 
 /* all of a light ---------------------------------------------------------------------------------------------------------------- */
@@ -190,21 +181,6 @@ static void next_page(const blocks_reader *b, page_place *p)
     p->page++;
 }
 
-static int decode_page(const blocks_reader *b, const page_place *p, uint32_t task)
-{
-    const uint8_t   *entry = page_entry(b, p->page);
-    uint32_t         first = b->light.resident.page_first[p->page];
-    vxs_page_content page  = {.bytes      = vxs_stored_bytes(b->r, b->pages_section) + p->at,
-                              .size_bytes = vxs_load32(entry + VXS_PAGE_STORED_BYTES),
-                              .word_count = vxs_load32(entry + VXS_PAGE_WORD_COUNT),
-                              .node_count = b->light.resident.page_first[p->page + 1] - first,
-                              .hash       = vxs_load64(entry + VXS_PAGE_HASH),
-                              .nodes      = b->light.resident.nodes + first};
-    int              wrong = vxs_read_page(b->words + p->start, &page, &b->light, &b->tools[task]);
-    if (!wrong) b->words[FIRST_PAGE_WORD + p->page] = p->start;
-    return wrong;
-}
-
 /* A task: decodes pages that no other task has taken. After an invalid page no further page is taken, unless all findings
  * are wanted; all pages before it are decoded. */
 static void decode_some_pages(void *work, uint32_t task)
@@ -214,8 +190,19 @@ static void decode_some_pages(void *work, uint32_t task)
     uint32_t       page;
     while (vxs_items_next(&b->pages, &page)) {
         while (p.page < page) next_page(b, &p);
-        b->wrong[page] = (uint16_t)decode_page(b, &p, task);
-        if (b->wrong[page] && !b->r->desc.find_all) vxs_items_end(&b->pages);
+        const uint8_t   *entry   = page_entry(b, page);
+        uint32_t         first   = b->light.resident.page_first[page];
+        vxs_page_content content = {.bytes      = vxs_stored_bytes(b->r, b->pages_section) + p.at,
+                                    .size_bytes = vxs_load32(entry + VXS_PAGE_STORED_BYTES),
+                                    .word_count = vxs_load32(entry + VXS_PAGE_WORD_COUNT),
+                                    .node_count = b->light.resident.page_first[page + 1] - first,
+                                    .hash       = vxs_load64(entry + VXS_PAGE_HASH),
+                                    .nodes      = b->light.resident.nodes + first};
+        b->wrong[page]           = (uint16_t)vxs_read_page(b->words + p.start, &content, &b->light, &b->tools[task]);
+        if (!b->wrong[page])
+            b->words[FIRST_PAGE_WORD + page] = p.start;
+        else if (!b->r->desc.find_all)
+            vxs_items_end(&b->pages);
     }
 }
 

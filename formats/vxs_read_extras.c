@@ -81,29 +81,24 @@ static uint32_t node_byte(const smoke_reader *s, uint64_t n, uint32_t plane)
     return s->nodes[(uint64_t)plane * s->node_count + n];
 }
 
-/* Decode a curve from node `from` on; nodes are stored as differences from the previous one. 0: a finding. */
-static int decode_curve(const smoke_reader *s, uint64_t from, uint32_t count, uint32_t *words)
-{
-    uint32_t depth = 0, left = 0xffff;
-    for (uint64_t n = from; n < from + count; n++) {
-        uint32_t on = node_byte(s, n, 0) | node_byte(s, n, 1) << 8, less = node_byte(s, n, 2) | node_byte(s, n, 3) << 8;
-        if (on > 0xffff - depth || less > left) return vxs_found(s->r, 604, s->section, (uint64_t)(s->nodes - s->content) + n), 0;
-        depth += on;
-        left -= less;
-        *words++ = depth | left << 16;
-    }
-    return 1;
-}
-
+/* Decode the curves of a tile; the nodes of a curve are stored as differences from the previous one.
+ * node  the first one; becomes that of the next tile.   0: a finding. */
 static int decode_tile(const smoke_reader *s, uint32_t number, uint64_t *node, uint32_t *words)
 {
     const uint8_t *counts = s->counts + (size_t)number * TILE_TEXELS;
     uint32_t       end    = 0;
-    for (uint32_t n = 0; n < TILE_TEXELS; n++) {
-        if (!decode_curve(s, *node, counts[n], words + TILE_WORDS + end)) return 0;
-        end += counts[n];
-        *node += counts[n];
-        words[n / 2] = n & 1 ? words[n / 2] | end << 16 : end;
+    for (uint32_t texel = 0; texel < TILE_TEXELS; texel++) {
+        uint32_t depth = 0, left = 0xffff;
+        for (uint32_t k = 0; k < counts[texel]; k++) {
+            uint64_t n  = (*node)++;
+            uint32_t on = node_byte(s, n, 0) | node_byte(s, n, 1) << 8, less = node_byte(s, n, 2) | node_byte(s, n, 3) << 8;
+            if (on > 0xffff - depth || less > left)
+                return vxs_found(s->r, 604, s->section, (uint64_t)(s->nodes - s->content) + n), 0;
+            depth += on;
+            left -= less;
+            words[TILE_WORDS + end++] = depth | left << 16;
+        }
+        words[texel / 2] = texel & 1 ? words[texel / 2] | end << 16 : end;
     }
     return 1;
 }
@@ -165,20 +160,6 @@ void vxs_read_smoke_words(vxs_reader *r, const vxs_baked_smoke *measured, uint32
     close_section(&s);
 }
 
-static void read_section(vxs_reader *r, int section, vxs_baked_smoke *to)
-{
-    smoke_reader    s;
-    vxs_baked_smoke found;
-    uint32_t       *words = NULL;
-    if (open_section(&s, r, section, &found)) words = vxs_reader_alloc(r, found.word_count, sizeof *words, section);
-    if (words) {
-        *to       = found;
-        to->words = words;
-        decode_smoke(&s, words);
-    }
-    close_section(&s);
-}
-
 int vxs_find_smoke(const vxs_reader *r, uint32_t light)
 {
     for (uint32_t n = 0; n < r->out.section_count; n++)
@@ -195,7 +176,18 @@ void vxs_read_smoke(vxs_reader *r)
             if (!(r->smoke = vxs_reader_alloc(r, r->out.light_count, sizeof *r->smoke, (int)n))) return;
             memset(r->smoke, 0, r->out.light_count * sizeof *r->smoke);
         }
-        if (!r->smoke[s->light].words) read_section(r, (int)n, &r->smoke[s->light]);
+        if (r->smoke[s->light].words) continue;
+
+        smoke_reader    reading;
+        vxs_baked_smoke found;
+        uint32_t       *words = NULL;
+        if (open_section(&reading, r, (int)n, &found)) words = vxs_reader_alloc(r, found.word_count, sizeof *words, (int)n);
+        if (words) {
+            found.words        = words;
+            r->smoke[s->light] = found;
+            decode_smoke(&reading, words);
+        }
+        close_section(&reading);
     }
 }
 
@@ -208,43 +200,22 @@ void vxs_smoke_free(vxs_baked_smoke *smoke, uint32_t count, const vxs_allocator 
 
 /* points ------------------------------------------------------------------------------------------------------------------------ */
 
-/* A coordinate from bits 0, 3, 6, ... of a code. */
-static uint16_t coordinate_of(uint64_t code)
-{
-    uint32_t found = 0;
-    for (uint32_t n = 0; n < 16; n++) found |= (uint32_t)(code >> 3 * n & 1) << n;
-    return (uint16_t)found;
-}
-
-/* Whether all places are finite, also at the last unit. */
-static int points_head_valid(const vxs_baked_points *p)
-{
-    for (int n = 0; n < 3; n++)
-        if (!isfinite(p->low_ws[n]) || !isfinite(p->low_ws[n] + 65535 * p->step_metres)) return 0;
-    return isfinite((float)p->square_metres) && p->square_metres > 0 && isfinite(p->step_metres) && p->step_metres > 0 &&
-           p->count >= 1 && p->count <= VXS_POINTS_MAX;
-}
-
-static vxs_baked_points head_of(const uint8_t *content)
-{
-    vxs_baked_points p = {.count         = vxs_load32(content + VXS_POINTS_POINT_COUNT),
-                          .square_metres = vxs_load_f64(content + VXS_POINTS_SQUARE_METRES),
-                          .step_metres   = vxs_load_f64(content + VXS_POINTS_STEP_METRES)};
-    for (int n = 0; n < 3; n++) p.low_ws[n] = vxs_load_f64(content + VXS_POINTS_LOW + 8 * n);
-    return p;
-}
-
-/* Decode codes stored as differences from the previous code, with a plane for each byte. 0: a finding. */
-static int decode_points(vxs_reader *r, int section, const uint8_t *planes, uint32_t count, uint16_t *coordinates)
+/* Decode codes stored as differences from the previous code, with a plane for each byte. */
+static void decode_points(vxs_reader *r, int section, const uint8_t *planes, uint32_t count, uint16_t *coordinates)
 {
     uint64_t code = 0;
     for (uint32_t n = 0; n < count; n++) {
         for (uint32_t plane = 0; plane < VXS_POINT_CODE_BYTES; plane++)
             code += (uint64_t)planes[(size_t)plane * count + n] << 8 * plane;
-        if (code >> 8 * VXS_POINT_CODE_BYTES) return vxs_found(r, 703, section, VXS_POINTS_PREFIX_BYTES + n), 0;
-        for (uint32_t i = 0; i < 3; i++) *coordinates++ = coordinate_of(code >> i);
+        if (code >> 8 * VXS_POINT_CODE_BYTES) {
+            vxs_found(r, 703, section, VXS_POINTS_PREFIX_BYTES + n);
+            return;
+        }
+        for (uint32_t i = 0; i < 3; i++, coordinates++) { /* bits i, i + 3, i + 6, ... */
+            *coordinates = 0;
+            for (uint32_t bit = 0; bit < 16; bit++) *coordinates |= (uint16_t)((code >> (3 * bit + i) & 1) << bit);
+        }
     }
-    return 1;
 }
 
 static void read_content(vxs_reader *r, int section, const uint8_t *content, uint64_t size)
@@ -253,9 +224,17 @@ static void read_content(vxs_reader *r, int section, const uint8_t *content, uin
         vxs_found(r, 701, section, 0);
         return;
     }
-    vxs_baked_points p = head_of(content);
-    p.section          = (uint32_t)section;
-    if (!points_head_valid(&p)) {
+    vxs_baked_points p = {.section       = (uint32_t)section,
+                          .count         = vxs_load32(content + VXS_POINTS_POINT_COUNT),
+                          .square_metres = vxs_load_f64(content + VXS_POINTS_SQUARE_METRES),
+                          .step_metres   = vxs_load_f64(content + VXS_POINTS_STEP_METRES)};
+    int good           = isfinite((float)p.square_metres) && p.square_metres > 0 && isfinite(p.step_metres) && p.step_metres > 0 &&
+               p.count >= 1 && p.count <= VXS_POINTS_MAX;
+    for (int n = 0; n < 3; n++) { /* all places must be finite, also at the last unit */
+        p.low_ws[n] = vxs_load_f64(content + VXS_POINTS_LOW + 8 * n);
+        good &= isfinite(p.low_ws[n]) && isfinite(p.low_ws[n] + 65535 * p.step_metres);
+    }
+    if (!good) {
         vxs_found(r, 702, section, 0);
         return;
     }

@@ -85,18 +85,11 @@ static vxs_result add_sections(vxs_sections *s, const vxs_write_desc *desc)
     return r;
 }
 
-/* The lowest version that has the codings of all lights. */
-static uint32_t version_of(const vxs_write_desc *desc)
-{
-    for (uint32_t n = 0; n < desc->light_count; n++)
-        if (desc->lights[n].light.coding == VXS_CODING_BLOCKS) return VXS_FORMAT_VERSION_BLOCKS;
-    return 1;
-}
-
 vxs_result vxs_write(vxs_bytes *out, const vxs_write_desc *desc)
 {
     if (desc->light_count < 1 || desc->light_count > VXS_LIGHTS_MAX) return VXS_E_ARGUMENT;
     if (desc->zstd_level < 1 || desc->zstd_level > 19) return VXS_E_ARGUMENT;
+    uint32_t version = 1; /* the lowest that has the codings of all lights */
     for (uint32_t n = 0; n < desc->light_count; n++) {
         const vxs_write_light *lights = desc->lights;
         const vxs_light       *light  = &lights[n].light;
@@ -106,12 +99,11 @@ vxs_result vxs_write(vxs_bytes *out, const vxs_write_desc *desc)
         if (!light->name[0] || !memchr(light->name, 0, sizeof light->name)) return VXS_E_ARGUMENT;
         for (uint32_t other = 0; other < n; other++)
             if (!strcmp(lights[other].light.name, light->name)) return VXS_E_ARGUMENT;
+        if (light->coding == VXS_CODING_BLOCKS) version = VXS_FORMAT_VERSION_BLOCKS;
     }
-    vxs_sections s = {.zstd       = vxs_compressor(desc->zstd_level),
-                      .zstd_level = desc->zstd_level,
-                      .version    = version_of(desc),
-                      .parallel   = desc->parallel};
-    vxs_result   r = VXS_E_MEMORY;
+    vxs_sections s = {
+        .zstd = vxs_compressor(desc->zstd_level), .zstd_level = desc->zstd_level, .version = version, .parallel = desc->parallel};
+    vxs_result r = VXS_E_MEMORY;
     if (!s.zstd) goto done;
     if ((r = add_sections(&s, desc)) != VXS_OK) goto done;
     r = assemble(out, &s);
@@ -122,32 +114,24 @@ done:
     return r;
 }
 
-/* Copy directory entries and stored bytes of a file unchanged. */
-static int copy_sections(vxs_sections *s, const uint8_t *bytes, size_t size_bytes, uint32_t count)
-{
-    size_t   entries = (size_t)count * VXS_ENTRY_BYTES, stored = size_bytes - VXS_HEADER_BYTES - entries;
-    uint8_t *to = vxs_append(&s->entries, entries), *rest = vxs_append(&s->stored, stored);
-    if (!to || !rest) return 0;
-    memcpy(to, bytes + VXS_HEADER_BYTES, entries);
-    memcpy(rest, bytes + VXS_HEADER_BYTES + entries, stored);
-    return 1;
-}
-
-static int has_smoke(const vxs_contents *contents)
-{
-    for (uint32_t n = 0; n < contents->section_count; n++)
-        if (contents->sections[n].kind == VXS_KIND_SMOKE) return 1;
-    return 0;
-}
-
 vxs_result vxs_write_smoke(vxs_bytes *out, const void *bytes, size_t size_bytes, const vxs_contents *contents,
                            const vxs_smoke_view *smoke, int zstd_level)
 {
     vxs_sections s = {.zstd_level = zstd_level, .version = contents->version};
     vxs_result   r = VXS_E_MEMORY;
-    if (has_smoke(contents) || zstd_level < 1 || zstd_level > 19) return VXS_E_ARGUMENT;
+    if (zstd_level < 1 || zstd_level > 19) return VXS_E_ARGUMENT;
+    for (uint32_t n = 0; n < contents->section_count; n++)
+        if (contents->sections[n].kind == VXS_KIND_SMOKE) return VXS_E_ARGUMENT;
     s.zstd = vxs_compressor(zstd_level);
-    if (s.zstd && copy_sections(&s, bytes, size_bytes, contents->section_count)) r = VXS_OK;
+
+    /* directory entries and stored bytes of the file stay as they are */
+    size_t   entries = (size_t)contents->section_count * VXS_ENTRY_BYTES, stored = size_bytes - VXS_HEADER_BYTES - entries;
+    uint8_t *to = vxs_append(&s.entries, entries), *rest = vxs_append(&s.stored, stored);
+    if (s.zstd && to && rest) {
+        memcpy(to, (const uint8_t *)bytes + VXS_HEADER_BYTES, entries);
+        memcpy(rest, (const uint8_t *)bytes + VXS_HEADER_BYTES + entries, stored);
+        r = VXS_OK;
+    }
     for (uint32_t n = 0; n < contents->light_count && r == VXS_OK; n++)
         if (smoke[n].counts) r = vxs_add_smoke(&s, &smoke[n], &contents->lights[n].light, n);
     if (r == VXS_OK) r = assemble(out, &s);

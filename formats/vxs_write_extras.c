@@ -26,18 +26,8 @@ static const uint8_t *counts_of(const smoke_writer *w, size_t tile)
 
 static int has_curve(const uint8_t counts[TILE_TEXELS])
 {
-    for (int n = 0; n < TILE_TEXELS; n++)
-        if (counts[n]) return 1;
-    return 0;
-}
-
-/* Whether the format can store a curve. */
-static int curve_fits(const uint32_t *nodes, uint32_t count)
-{
-    if (count > VXS_SMOKE_NODES_MAX) return 0;
-    for (uint32_t n = 1; n < count; n++)
-        if ((nodes[n] & 0xffff) < (nodes[n - 1] & 0xffff) || nodes[n] >> 16 > nodes[n - 1] >> 16) return 0;
-    return 1;
+    static const uint8_t none[TILE_TEXELS] = {0};
+    return memcmp(counts, none, sizeof none) != 0;
 }
 
 static void put_tiles(smoke_writer *w)
@@ -99,8 +89,12 @@ vxs_result vxs_add_smoke(vxs_sections *s, const vxs_smoke_view *smoke, const vxs
     for (size_t tile = 0; tile < w.tiles; tile++) {
         const uint8_t *counts = counts_of(&w, tile);
         w.tile_count += (uint32_t)has_curve(counts);
-        for (int n = 0; n < TILE_TEXELS; at += counts[n++])
-            if (!curve_fits(w.view->nodes + at, counts[n]) || at > INT32_MAX) return VXS_E_ARGUMENT;
+        for (int n = 0; n < TILE_TEXELS; at += counts[n++]) {
+            const uint32_t *nodes = w.view->nodes + at;
+            if (counts[n] > VXS_SMOKE_NODES_MAX || at > INT32_MAX) return VXS_E_ARGUMENT;
+            for (uint32_t k = 1; k < counts[n]; k++) /* depths grow, and what is left falls */
+                if ((nodes[k] & 0xffff) < (nodes[k - 1] & 0xffff) || nodes[k] >> 16 > nodes[k - 1] >> 16) return VXS_E_ARGUMENT;
+        }
     }
     w.node_count = (uint32_t)at;
 
@@ -111,14 +105,6 @@ vxs_result vxs_add_smoke(vxs_sections *s, const vxs_smoke_view *smoke, const vxs
 }
 
 /* points ------------------------------------------------------------------------------------------------------------------------ */
-
-/* Code of a coordinate: its bits become bits 0, 3, 6, ... */
-static uint64_t code_of(uint32_t coordinate)
-{
-    uint64_t code = 0;
-    for (uint32_t n = 0; n < 16; n++) code |= (uint64_t)(coordinate >> n & 1) << 3 * n;
-    return code;
-}
 
 /* Low corner of the bounding box of the points, and metres per unit.   Returns 0 if a place is NaN or infinite. */
 static int find_box(const vxs_points_view *view, double low[3], double *step)
@@ -147,25 +133,12 @@ static void put_codes(const vxs_points_view *view, const double low[3], double s
     for (uint32_t n = 0; n < view->count; n++) {
         codes[n] = 0;
         for (uint32_t i = 0; i < 3; i++) {
-            double unit = floor((view->places_ws[3 * (size_t)n + i] - low[i]) / step + 0.5);
-            codes[n] |= code_of((uint32_t)fmin(fmax(unit, 0), 65535)) << i;
+            double   unit  = floor((view->places_ws[3 * (size_t)n + i] - low[i]) / step + 0.5);
+            uint64_t whole = (uint64_t)fmin(fmax(unit, 0), 65535); /* its bits become bits i, i + 3, i + 6, ... */
+            for (uint32_t bit = 0; bit < 16; bit++) codes[n] |= (whole >> bit & 1) << (3 * bit + i);
         }
     }
     qsort(codes, view->count, sizeof *codes, by_size);
-}
-
-static void encode_points(const vxs_points_view *view, const double low[3], double step, const uint64_t *codes, uint8_t *to)
-{
-    uint8_t *planes = to + VXS_POINTS_PREFIX_BYTES;
-    vxs_store_f64(to + VXS_POINTS_SQUARE_METRES, view->square_metres);
-    vxs_store_f64(to + VXS_POINTS_STEP_METRES, step);
-    for (int i = 0; i < 3; i++) vxs_store_f64(to + VXS_POINTS_LOW + 8 * i, low[i]);
-    vxs_store32(to + VXS_POINTS_POINT_COUNT, view->count);
-    for (uint32_t n = 0; n < view->count; n++) {
-        uint64_t less = codes[n] - (n ? codes[n - 1] : 0);
-        for (uint32_t plane = 0; plane < VXS_POINT_CODE_BYTES; plane++)
-            planes[(size_t)plane * view->count + n] = (uint8_t)(less >> 8 * plane);
-    }
 }
 
 vxs_result vxs_add_points(vxs_sections *s, const vxs_points_view *view)
@@ -179,7 +152,15 @@ vxs_result vxs_add_points(vxs_sections *s, const vxs_points_view *view)
     vxs_result r       = codes && to ? VXS_OK : VXS_E_MEMORY;
     if (r == VXS_OK) {
         put_codes(view, low, step, codes);
-        encode_points(view, low, step, codes, to);
+        vxs_store_f64(to + VXS_POINTS_SQUARE_METRES, view->square_metres);
+        vxs_store_f64(to + VXS_POINTS_STEP_METRES, step);
+        for (int i = 0; i < 3; i++) vxs_store_f64(to + VXS_POINTS_LOW + 8 * i, low[i]);
+        vxs_store32(to + VXS_POINTS_POINT_COUNT, view->count);
+        for (uint32_t n = 0; n < view->count; n++) {
+            uint64_t less = codes[n] - (n ? codes[n - 1] : 0);
+            for (size_t plane = 0; plane < VXS_POINT_CODE_BYTES; plane++)
+                to[VXS_POINTS_PREFIX_BYTES + plane * view->count + n] = (uint8_t)(less >> 8 * plane);
+        }
         r = vxs_add_section(s, VXS_KIND_POINTS, VXS_SECTION_OPTIONAL, VXS_NO_LIGHT, 0, &content);
     }
     free(codes);
