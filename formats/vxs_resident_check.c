@@ -38,18 +38,9 @@ static int check_entry(checked_resident *r, uint32_t at, uint32_t map, uint32_t 
         if (offset || r->pages == r->sizes->page_count) return 0;
         r->page_first[r->pages++] = r->met;
     } else if (page + 1 != r->pages || offset <= r->nodes[r->met - 1].offset) {
-        /* the node must be known: find it by bisection */
         if (page >= r->pages) return 0;
-        uint32_t low = r->page_first[page], high = page + 1 < r->pages ? r->page_first[page + 1] : r->met;
-        while (low < high) {
-            uint32_t middle = low + (high - low) / 2;
-            if (r->nodes[middle].offset == offset) return 1;
-            if (r->nodes[middle].offset < offset)
-                low = middle + 1;
-            else
-                high = middle;
-        }
-        return 0;
+        uint32_t end = page + 1 < r->pages ? r->page_first[page + 1] : r->met;
+        return node_at(r->nodes, r->page_first[page], end, offset, r->met) < r->met; /* the node must be known */
     }
     if (r->met == r->sizes->node_count) return 0;
     r->nodes[r->met++] = (vxs_page_node){offset, x, y, map, square_base(bounds, r->levels)};

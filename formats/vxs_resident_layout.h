@@ -4,7 +4,7 @@
 #ifndef VXS_RESIDENT_LAYOUT_H
 #define VXS_RESIDENT_LAYOUT_H
 
-#include <stdint.h>
+#include "vxs_page.h"
 
 enum {
     RESIDENT_WORDS      = 8,  /* words before the words of pages */
@@ -43,6 +43,20 @@ static inline uint32_t even_bits(uint32_t n)
     uint32_t x = 0;
     for (uint32_t b = 0; b < 16; b++) x |= (n >> 2 * b & 1) << b;
     return x;
+}
+
+/* Index of the node at an offset of a page, whose nodes are first..end - 1, in ascending order; `none` if there is none. */
+static inline uint32_t node_at(const vxs_page_node *nodes, uint32_t first, uint32_t end, uint32_t offset, uint32_t none)
+{
+    while (first < end) {
+        uint32_t middle = first + (end - first) / 2;
+        if (nodes[middle].offset == offset) return middle;
+        if (nodes[middle].offset < offset)
+            first = middle + 1;
+        else
+            end = middle;
+    }
+    return none;
 }
 
 #endif

@@ -51,36 +51,13 @@ static int code_range(resident_walk *r, uint32_t at, uint32_t like)
     return 1;
 }
 
-/* The page of a node. */
-static uint32_t page_of(const resident_walk *r, uint32_t node)
-{
-    uint32_t low = 0, high = r->pages;
-    while (high - low > 1) {
-        uint32_t middle = low + (high - low) / 2;
-        if (r->page_first[middle] <= node)
-            low = middle;
-        else
-            high = middle;
-    }
-    return low;
-}
-
 /* Index of the node that a word of the source refers to; r->met if it is not known yet. Encoder only. */
 static uint32_t find_node(const resident_walk *r, uint32_t name)
 {
-    uint32_t page = name >> 16, low, high;
+    uint32_t page = name >> 16;
     if (page >= r->pages) return r->met;
-    low  = r->page_first[page];
-    high = page + 1 < r->pages ? r->page_first[page + 1] : r->met;
-    while (low < high) {
-        uint32_t middle = low + (high - low) / 2;
-        if (r->nodes[middle].offset == (name & 0xffff)) return middle;
-        if (r->nodes[middle].offset < (name & 0xffff))
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return r->met;
+    uint32_t end = page + 1 < r->pages ? r->page_first[page + 1] : r->met;
+    return node_at(r->nodes, r->page_first[page], end, name & 0xffff, r->met);
 }
 
 /* Symbol for word `at` of the source.   left, above  words of the neighbours, or `at` if there is none */
@@ -122,8 +99,16 @@ static int code_old_node(resident_walk *r, uint32_t at, uint32_t like)
     uint32_t back = PAGE_ENCODING ? r->met - 1 - find_node(r, source_word(&r->w, at)) : 0;
     back          = code_number(&r->w.c, &r->odds->old, back);
     if (back >= r->met) return 0;
-    uint32_t node  = r->met - 1 - back;
-    r->w.words[at] = page_of(r, node) << 16 | r->nodes[node].offset;
+
+    uint32_t node = r->met - 1 - back, page = 0;
+    for (uint32_t end = r->pages; end - page > 1;) { /* find the page of the node */
+        uint32_t middle = page + (end - page) / 2;
+        if (r->page_first[middle] <= node)
+            page = middle;
+        else
+            end = middle;
+    }
+    r->w.words[at] = page << 16 | r->nodes[node].offset;
     return code_range(r, at, like);
 }
 

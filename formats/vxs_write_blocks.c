@@ -94,16 +94,6 @@ static int in_order(const vxs_blocks_view *view)
     return view->words[COMMON_WORD] >= head && view->words[COMMON_WORD] <= page_start(view, 0);
 }
 
-/* Index the common pool, which ends at the first page; its last half may be padding. */
-static vxs_result index_common(vxs_common *common, uint32_t *patterns, const vxs_blocks_view *view)
-{
-    const uint32_t *words  = view->words + view->words[COMMON_WORD];
-    uint32_t        halves = 2 * (page_start(view, 0) - view->words[COMMON_WORD]);
-    vxs_result      r      = vxs_common_index(common, patterns, view->common_kinds, view->common_count, words, halves);
-    if (r == VXS_OK || !halves) return r;
-    return vxs_common_index(common, patterns, view->common_kinds, view->common_count, words, halves - 1);
-}
-
 /* What a reader knows of a light before its pages: decoded from the bytes written. */
 typedef struct known_resident {
     vxs_resident_sizes sizes;
@@ -142,52 +132,39 @@ typedef struct page_encoder {
     vxs_items              pages;
 } page_encoder;
 
-/* Working memory of a task, for packing fast. */
-typedef struct page_packer {
-    vxs_page_marks *marks;
-    ZSTD_CCtx      *zstd;
-} page_packer;
-
 static uint32_t page_words(const vxs_blocks_view *view, uint32_t page)
 {
     return page_start(view, page + 1) - page_start(view, page);
-}
-
-static page_packer packer_of(const page_encoder *e)
-{
-    page_packer p = {0};
-    if (e->view->packing != VXS_PACKING_FAST) return p;
-    p = (page_packer){malloc(sizeof *p.marks), vxs_compressor(e->zstd_level)};
-    if (p.marks) p.marks->common = &e->common;
-    return p;
-}
-
-static vxs_result encode_page(const page_encoder *e, const page_packer *p, uint32_t page, vxs_bytes *out)
-{
-    const vxs_resident  *r          = e->resident;
-    const uint32_t      *words      = e->view->words + page_start(e->view, page);
-    uint32_t             count      = page_words(e->view, page);
-    const vxs_page_node *nodes      = r->nodes + r->page_first[page];
-    uint32_t             node_count = r->page_first[page + 1] - r->page_first[page];
-    if (e->view->packing != VXS_PACKING_FAST) return vxs_page_encode(out, words, count, nodes, node_count, &r->common);
-    if (!p->marks || !p->zstd) return VXS_E_MEMORY;
-    return vxs_page_pack(out, words, count, nodes, node_count, p->marks, p->zstd);
 }
 
 /* A task: encodes pages that no other task has taken. After an error no further page is taken; all pages before it are
  * encoded. */
 static void encode_some_pages(void *work, uint32_t task)
 {
-    page_encoder *e = work;
-    page_packer   p = packer_of(e);
-    uint32_t      page;
+    page_encoder       *e       = work;
+    const vxs_resident *r       = e->resident;
+    int                 is_fast = e->view->packing == VXS_PACKING_FAST;
+    vxs_page_marks     *marks   = is_fast ? malloc(sizeof *marks) : NULL;
+    ZSTD_CCtx          *zstd    = is_fast ? vxs_compressor(e->zstd_level) : NULL;
+    uint32_t            page;
     (void)task;
+    if (marks) marks->common = &e->common;
     while (vxs_items_next(&e->pages, &page)) {
-        e->out[page].result = encode_page(e, &p, page, &e->out[page].bytes);
-        if (e->out[page].result != VXS_OK) vxs_items_end(&e->pages);
+        encoded_page        *to         = &e->out[page];
+        const uint32_t      *words      = e->view->words + page_start(e->view, page);
+        uint32_t             count      = page_words(e->view, page);
+        const vxs_page_node *nodes      = r->nodes + r->page_first[page];
+        uint32_t             node_count = r->page_first[page + 1] - r->page_first[page];
+        if (!is_fast)
+            to->result = vxs_page_encode(&to->bytes, words, count, nodes, node_count, &r->common);
+        else if (marks && zstd)
+            to->result = vxs_page_pack(&to->bytes, words, count, nodes, node_count, marks, zstd);
+        else
+            to->result = VXS_E_MEMORY;
+        if (to->result != VXS_OK) vxs_items_end(&e->pages);
     }
-    ZSTD_freeCCtx(p.zstd);
-    free(p.marks);
+    ZSTD_freeCCtx(zstd);
+    free(marks);
 }
 
 /* Join the content of the section of pages: table, then bytes of the pages. */
@@ -221,7 +198,13 @@ vxs_result vxs_write_blocks(vxs_sections *s, const vxs_blocks_view *view, const 
     known_resident known = {0};
     vxs_common     common;
     uint32_t      *patterns = malloc(((size_t)view->common_count + 1) * sizeof *patterns);
-    vxs_result     r        = patterns ? index_common(&common, patterns, view) : VXS_E_MEMORY;
+    vxs_result     r        = patterns ? VXS_E_ARGUMENT : VXS_E_MEMORY;
+
+    /* the common pool ends at the first page; its last half may be padding */
+    const uint32_t *pool   = view->words + view->words[COMMON_WORD];
+    uint32_t        halves = 2 * (page_start(view, 0) - view->words[COMMON_WORD]);
+    for (uint32_t padding = 0; padding < 2 && padding <= halves && r == VXS_E_ARGUMENT; padding++)
+        r = vxs_common_index(&common, patterns, view->common_kinds, view->common_count, pool, halves - padding);
     if (r == VXS_OK)
         r = vxs_resident_encode(&resident, view->words, page_start(view, 0), light->levels, vxs_map_count(light), &common);
     if (r == VXS_OK) r = know_resident(&known, &resident, light);

@@ -16,26 +16,6 @@ int vxs_dag_fits(const vxs_dag_view *view, const vxs_light *light)
     return 1;
 }
 
-/* State of child c of a node; VXS_CHILD_SAME saves the offset of a child that repeats its neighbour nearer the light. */
-static uint32_t child_state(const uint32_t *child, unsigned c, int slices)
-{
-    if (child[c] < VXS_REF_FIRST) return child[c];
-    unsigned nearer  = slices ? c - 1 : c - 4;
-    int      has_one = slices ? c >= 1 : c >= 4;
-    return has_one && child[c] == child[nearer] ? VXS_CHILD_SAME : VXS_CHILD_OWN;
-}
-
-static int append_varint(vxs_bytes *b, uint32_t v)
-{
-    do {
-        uint8_t *at = vxs_append(b, 1);
-        if (!at) return 0;
-        *at = (uint8_t)((v & 0x7f) | (v > 0x7f ? 0x80 : 0));
-        v >>= 7;
-    } while (v);
-    return 1;
-}
-
 /* Encode a level: its nodes in the order in which the level above first refers to them (vxs.md section 7).
  * order  [count] nodes of this level, as indices of `view`
  * below  [out] [*below_count] the same for the level below, or for the masks
@@ -53,7 +33,10 @@ static vxs_result encode_level(vxs_bytes *content, const vxs_dag_view *view, uin
         const uint32_t *child  = view->nodes[level] + (size_t)order[n] * 8;
         uint32_t        states = 0;
         for (unsigned c = 0; c < 8; c++) {
-            uint32_t state = child_state(child, c, level == 0);
+            /* VXS_CHILD_SAME saves the offset of a child that repeats its neighbour nearer the light */
+            unsigned nearer = level ? 4 : 1;
+            int      same   = c >= nearer && child[c] == child[c - nearer];
+            uint32_t state  = child[c] < VXS_REF_FIRST ? child[c] : same ? VXS_CHILD_SAME : VXS_CHILD_OWN;
             states |= state << (2 * c);
             if (state != VXS_CHILD_OWN) continue;
 
@@ -63,20 +46,16 @@ static vxs_result encode_level(vxs_bytes *content, const vxs_dag_view *view, uin
                 below[(*below_count)++] = child[c] - VXS_REF_FIRST;
                 *seen                   = *below_count;
             }
-            if (!append_varint(content, code)) return VXS_E_MEMORY;
+            do { /* seven bits a byte; the highest bit says that more follow */
+                uint8_t *at = vxs_append(content, 1);
+                if (!at) return VXS_E_MEMORY;
+                *at = (uint8_t)((code & 0x7f) | (code > 0x7f ? 0x80 : 0));
+                code >>= 7;
+            } while (code);
             ++*words;
         }
         vxs_store16(content->data + 4 + (size_t)n * 2, (uint16_t)states);
     }
-    return VXS_OK;
-}
-
-static vxs_result encode_masks(vxs_bytes *content, const vxs_dag_view *view, const uint32_t *order, uint32_t count)
-{
-    content->size_bytes = 0;
-    uint8_t *at         = vxs_append(content, (size_t)count * 8);
-    if (!at && count) return VXS_E_MEMORY;
-    for (uint32_t n = 0; n < count; n++, at += 8) vxs_store64(at, view->masks[order[n]]);
     return VXS_OK;
 }
 
@@ -101,7 +80,12 @@ vxs_result vxs_write_dag(vxs_sections *s, const vxs_dag_view *view, uint32_t map
         order = below;
         count = below_count;
     }
-    if (r == VXS_OK) r = encode_masks(&content, view, order, count);
+    if (r == VXS_OK) {
+        content.size_bytes = 0;
+        uint8_t *at        = vxs_append(&content, (size_t)count * 8);
+        if (!at && count) r = VXS_E_MEMORY;
+        for (uint32_t n = 0; n < count && at; n++, at += 8) vxs_store64(at, view->masks[order[n]]);
+    }
     if (r == VXS_OK) r = vxs_add_section(s, VXS_KIND_MASKS, 0, light, 0, &content);
     words += (words & 1) + (uint64_t)count * 2; /* masks start at even words */
     if (r == VXS_OK && words > UINT32_MAX) r = VXS_E_ARGUMENT;
