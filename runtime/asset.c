@@ -34,17 +34,6 @@ vxs_result vxs_asset_open(vxs_asset **asset, const void *bytes, size_t size_byte
     return VXS_OK;
 }
 
-/* Check the header of a file, including the file size in it, before the rest is read. */
-static vxs_result check_header(const os_file *file, const vxs_read_desc *desc)
-{
-    uint8_t    header[VXS_HEADER_BYTES] = {0};
-    vxs_reader r                        = {.bytes = header, .size = file->size_bytes, .desc = *desc};
-    uint64_t   size                     = file->size_bytes < sizeof header ? file->size_bytes : sizeof header;
-    if (!os_file_read(file, 0, size, header)) return VXS_E_READ;
-    vxs_read_header(&r);
-    return r.result;
-}
-
 vxs_result vxs_asset_open_file(vxs_asset **asset, const char *path, const vxs_read_desc *desc)
 {
     os_file file;
@@ -56,9 +45,15 @@ vxs_result vxs_asset_open_file(vxs_asset **asset, const char *path, const vxs_re
     if (!os_file_open(&file, path)) return errno == ENOMEM ? VXS_E_MEMORY : VXS_E_READ;
 
     vxs_allocator memory = vxs_allocator_of(&rest);
-    uint8_t      *bytes  = NULL;
+    uint8_t      *bytes = NULL, header[VXS_HEADER_BYTES] = {0};
     uint64_t      size = file.size_bytes, limit = vxs_memory_limit_of(&rest, size);
-    if ((r = check_header(&file, &rest)) != VXS_OK) goto done;
+
+    /* check the header, including the file size in it, before the rest is read */
+    vxs_reader head = {.bytes = header, .size = size, .desc = rest};
+    r               = VXS_E_READ;
+    if (!os_file_read(&file, 0, size < sizeof header ? size : sizeof header, header)) goto done;
+    vxs_read_header(&head);
+    if ((r = head.result) != VXS_OK) goto done;
     r = VXS_E_MEMORY;
     if (size >= limit || size > SIZE_MAX) goto done;
     rest.memory_limit_bytes = limit - size;

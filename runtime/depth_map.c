@@ -49,25 +49,24 @@ static uint32_t pixel_end(const vxs_depth_map_desc *to, int32_t texel)
     return (uint32_t)(texel + (1 << to->shift) - 1) >> to->shift;
 }
 
-/* Depths divided by 2^levels are exact floats in the same order, so that floats can be compared instead of voxels. */
-static void put_row(const vxs_depth_map_desc *to, uint32_t y, uint32_t x0, uint32_t x1, uint32_t depth, float scale)
-{
-    uint32_t *voxels = to->voxels ? voxels_at(to, y) : NULL;
-    float    *depths = to->depths ? depths_at(to, y) : NULL, scaled = (float)depth * scale;
-    for (uint32_t x = x0; x < x1 && voxels; x++)
-        if (to->which == VXS_DEPTH_LEAST ? depth < voxels[x] : to->which == VXS_DEPTH_GREATEST ? depth > voxels[x] : 1)
-            voxels[x] = depth;
-    for (uint32_t x = x0; x < x1 && depths; x++)
-        if (to->which == VXS_DEPTH_CENTRE || (to->which == VXS_DEPTH_LEAST ? scaled < depths[x] : scaled > depths[x]))
-            depths[x] = scaled;
-}
-
+/* Write a depth to all pixels that overlap a box. Depths divided by 2^levels are exact floats in the same order, so that floats can
+ * be compared instead of voxels. */
 static void put_box(const depth_painter *p, texel_box box, int32_t depth)
 {
     const vxs_depth_map_desc *to = &p->to;
     uint32_t x0 = pixel_from(to, box.i0 - to->i), x1 = pixel_end(to, box.i1 - to->i), y1 = pixel_end(to, box.j1 - to->j);
-    float    scale = 1.0f / (float)(1 << p->baked->light.levels);
-    for (uint32_t y = pixel_from(to, box.j0 - to->j); y < y1; y++) put_row(to, y, x0, x1, (uint32_t)depth, scale);
+    uint32_t whole  = (uint32_t)depth;
+    float    scaled = (float)whole * (1.0f / (float)(1 << p->baked->light.levels));
+    for (uint32_t y = pixel_from(to, box.j0 - to->j); y < y1; y++) {
+        uint32_t *voxels = to->voxels ? voxels_at(to, y) : NULL;
+        float    *depths = to->depths ? depths_at(to, y) : NULL;
+        for (uint32_t x = x0; x < x1 && voxels; x++)
+            if (to->which == VXS_DEPTH_LEAST ? whole < voxels[x] : to->which == VXS_DEPTH_GREATEST ? whole > voxels[x] : 1)
+                voxels[x] = whole;
+        for (uint32_t x = x0; x < x1 && depths; x++)
+            if (to->which == VXS_DEPTH_CENTRE || (to->which == VXS_DEPTH_LEAST ? scaled < depths[x] : scaled > depths[x]))
+                depths[x] = scaled;
+    }
 }
 
 /* texels ---------------------------------------------------------------------------------------------------------------------- */
@@ -100,15 +99,6 @@ static int32_t paint_blocks(depth_painter *p, texel_box strip)
     return strip.i1;
 }
 
-static int32_t paint_dag(depth_painter *p, texel_box strip)
-{
-    int32_t depth[64];
-    strip.i1 = less(strip.i1, (strip.i0 | 7) + 1);
-    vxs_dag_first_shadows(p->baked, (uint32_t)p->to.map, (uint32_t)strip.i0 >> 3, (uint32_t)strip.j0 >> 3, ~(uint64_t)0, depth);
-    paint_texels(p, strip, depth);
-    return strip.i1;
-}
-
 /* Write a strip that is inside one row of tiles of the map, or completely above or below the map. */
 static void paint_strip(depth_painter *p, texel_box strip)
 {
@@ -118,9 +108,15 @@ static void paint_strip(depth_painter *p, texel_box strip)
         if (beside || strip.i0 < 0 || strip.i0 >= side) {
             if (!beside && strip.i0 < 0) strip.i1 = less(end, 0);
             put_box(p, strip, side);
-        } else {
+        } else if (p->baked->light.coding == VXS_CODING_BLOCKS) {
             strip.i1 = less(end, side);
-            strip.i1 = p->baked->light.coding == VXS_CODING_BLOCKS ? paint_blocks(p, strip) : paint_dag(p, strip);
+            strip.i1 = paint_blocks(p, strip);
+        } else {
+            int32_t depth[64];
+            strip.i1 = less(less(end, side), (strip.i0 | 7) + 1);
+            vxs_dag_first_shadows(p->baked, (uint32_t)p->to.map, (uint32_t)strip.i0 >> 3, (uint32_t)strip.j0 >> 3, ~(uint64_t)0,
+                                  depth);
+            paint_texels(p, strip, depth);
         }
         strip.i0 = strip.i1;
     }

@@ -206,12 +206,6 @@ static float lit_at(vxs_taps *taps, const places *p, size_t n, int filter_px)
     return (float)((double)(all - dark) / (double)all);
 }
 
-/* Store at an address of any alignment. */
-static void put(char *to, float lit)
-{
-    memcpy(to, &lit, sizeof lit);
-}
-
 vxs_result vxs_lookup_batch(const vxs_baked_light *lights, uint32_t light_count, const vxs_batch *batch)
 {
     vxs_batch b = {0};
@@ -234,7 +228,10 @@ vxs_result vxs_lookup_batch(const vxs_baked_light *lights, uint32_t light_count,
             read_vectors(&b.points_ws, first, count, &points);
             if (some) read_vectors(&b.normals_ws, first, count, &normals);
             find_places(&lights[n].light, &points, some, count, b.filter_px, &p);
-            for (size_t k = 0; k < count; k++, lit += stride) put(lit, lit_at(&taps, &p, k, b.filter_px));
+            for (size_t k = 0; k < count; k++, lit += stride) {
+                float found = lit_at(&taps, &p, k, b.filter_px);
+                memcpy(lit, &found, sizeof found); /* to an address of any alignment */
+            }
         }
     }
     return VXS_OK;

@@ -38,16 +38,6 @@ static void collect(vxs_stream *s)
     }
 }
 
-/* Request a page that is among the nearest, if it is away and a request and a place are available. */
-static void ask_for(vxs_stream *s, uint32_t number)
-{
-    stream_page *page = &s->pages[number];
-    if (page->state != PAGE_AWAY || (page->attempts && (int32_t)(s->frame - page->next_at) < 0)) return;
-    if (!vxs_stream_can_ask(s) || !vxs_stream_room_alloc(s, number)) return;
-    page->state = PAGE_COMING;
-    vxs_stream_ask(s, number);
-}
-
 /* status ---------------------------------------------------------------------------------------------------------------------- */
 
 static void count_pages(vxs_stream *s)
@@ -79,7 +69,8 @@ vxs_result vxs_stream_frame(vxs_stream *s, const vxs_stream_focus *foci, uint32_
     s->status       = (vxs_stream_status){.struct_size = sizeof s->status};
     collect(s);
 
-    /* Mark the nearest pages that fit as kept, all of them before any page is evicted; then request those that are missing. */
+    /* Mark the nearest pages that fit as kept, all of them before any page is evicted; then request those that are away, as far as
+     * there are requests and places. */
     uint32_t room = s->room_end - s->room_first, number, kept = 0;
     vxs_stream_rank_pages(s, foci, count);
     while (vxs_stream_next_nearest(s, &number)) {
@@ -96,7 +87,13 @@ vxs_result vxs_stream_frame(vxs_stream *s, const vxs_stream_focus *foci, uint32_
         page->kept                      = s->frame;
         s->heap[s->page_count - ++kept] = number; /* the heap does not use this end any more */
     }
-    for (uint32_t n = 0; n < kept; n++) ask_for(s, s->heap[s->page_count - 1 - n]);
+    for (uint32_t n = 0; n < kept; n++) {
+        stream_page *page = &s->pages[number = s->heap[s->page_count - 1 - n]];
+        if (page->state != PAGE_AWAY || (page->attempts && (int32_t)(s->frame - page->next_at) < 0)) continue;
+        if (!vxs_stream_can_ask(s) || !vxs_stream_room_alloc(s, number)) continue;
+        page->state = PAGE_COMING;
+        vxs_stream_ask(s, number);
+    }
 
     if (!s->desc.submit && !s->desc.threads) {
         vxs_stream_work_here(s, s->desc.decodes_per_frame ? s->desc.decodes_per_frame : 1);

@@ -118,13 +118,6 @@ static void free_work(void *memory, size_t size_bytes, void *user)
 
 /* filling the block ----------------------------------------------------------------------------------------------------------- */
 
-static uint32_t z_order(uint32_t x, uint32_t y)
-{
-    uint32_t z = 0;
-    for (uint32_t b = 0; b < 16; b++) z |= (x >> b & 1) << 2 * b | (y >> b & 1) << (2 * b + 1);
-    return z;
-}
-
 /* Fill the page data of a light from its page table, and find the first node of each page. */
 static int fill_pages(opening *o, stream_light *light, const light_plan *plan)
 {
@@ -144,15 +137,17 @@ static int fill_pages(opening *o, stream_light *light, const light_plan *plan)
         const uint8_t       *entry = vxs_page_entry(table, n);
         const vxs_page_node *first = &resident->nodes[resident->page_first[n]];
         stream_page         *page  = &o->s->pages[light->first_page + n];
-        *page                      = (stream_page){.offset_bytes = at,
-                                                   .hash         = vxs_load64(entry + VXS_PAGE_HASH),
-                                                   .stored_bytes = vxs_load32(entry + VXS_PAGE_STORED_BYTES),
-                                                   .word_count   = vxs_load32(entry + VXS_PAGE_WORD_COUNT),
-                                                   .light        = (uint32_t)(light - o->s->lights),
-                                                   .first_square = first->map * side * side + z_order(first->x, first->y),
-                                                   .node_count   = resident->page_first[n + 1] - resident->page_first[n],
-                                                   .min          = {FLT_MAX, FLT_MAX, FLT_MAX},
-                                                   .max          = {-FLT_MAX, -FLT_MAX, -FLT_MAX}};
+        uint32_t             z     = 0; /* the bits of x and y in turn */
+        for (uint32_t b = 0; b < 16; b++) z |= (first->x >> b & 1) << 2 * b | (first->y >> b & 1) << (2 * b + 1);
+        *page = (stream_page){.offset_bytes = at,
+                              .hash         = vxs_load64(entry + VXS_PAGE_HASH),
+                              .stored_bytes = vxs_load32(entry + VXS_PAGE_STORED_BYTES),
+                              .word_count   = vxs_load32(entry + VXS_PAGE_WORD_COUNT),
+                              .light        = (uint32_t)(light - o->s->lights),
+                              .first_square = first->map * side * side + z,
+                              .node_count   = resident->page_first[n + 1] - resident->page_first[n],
+                              .min          = {FLT_MAX, FLT_MAX, FLT_MAX},
+                              .max          = {-FLT_MAX, -FLT_MAX, -FLT_MAX}};
         at += page->stored_bytes;
         if (page->node_count > o->s->nodes_max) o->s->nodes_max = page->node_count;
         if (page->stored_bytes > o->s->buffer_bytes) o->s->buffer_bytes = page->stored_bytes;
@@ -201,15 +196,6 @@ static int fill_blocks(opening *o, stream_light *light, const light_plan *plan)
     return 1;
 }
 
-static int fill_dag(opening *o, const stream_light *light, const light_plan *plan)
-{
-    vxs_baked_light *baked = &o->r.out.lights[plan->number];
-    baked->words           = o->s->words + light->first_word;
-    vxs_read_dag(&o->r, baked);
-    baked->words = NULL;
-    return o->r.result == VXS_OK;
-}
-
 /* Start to use the whole room for pages for temporary data. */
 static void begin_work(opening *o)
 {
@@ -224,13 +210,20 @@ static int fill_light(opening *o, uint32_t n)
     vxs_stream       *s     = o->s;
     const light_plan *plan  = &o->lights[n];
     stream_light     *light = &s->lights[n];
+    vxs_baked_light  *baked = &o->r.out.lights[plan->number];
     begin_work(o);
     light->first_word = n ? s->lights[n - 1].first_word + o->lights[n - 1].word_count : 0;
     light->first_page = n ? s->lights[n - 1].first_page + s->lights[n - 1].page_count : 0;
     light->page_count = plan->sizes.page_count;
-    int blocks        = o->r.out.lights[plan->number].light.coding == VXS_CODING_BLOCKS;
-    if (!(blocks ? fill_blocks(o, light, plan) : fill_dag(o, light, plan))) return 0;
-    s->baked[n]            = o->r.out.lights[plan->number];
+    if (baked->light.coding == VXS_CODING_BLOCKS) {
+        if (!fill_blocks(o, light, plan)) return 0;
+    } else {
+        baked->words = s->words + light->first_word;
+        vxs_read_dag(&o->r, baked);
+        baked->words = NULL;
+        if (o->r.result != VXS_OK) return 0;
+    }
+    s->baked[n]            = *baked;
     s->baked[n].words      = s->words + light->first_word;
     s->baked[n].word_count = plan->word_count;
     s->baked[n].part_count = 0;
@@ -275,37 +268,23 @@ static int take_tail(opening *o)
     return 1;
 }
 
-static int make_tools(opening *o)
+/* Pass metadata and points to the caller. They are valid during the calls, and count towards the budget during them. */
+static int pass_extras(opening *o)
 {
-    for (uint32_t n = 0; n < o->tool_count; n++) {
-        stream_tools *t = &o->s->tools[n];
-        t->stream       = o->s;
-        if (o->fast && !(t->decode.zstd = ZSTD_createDCtx())) return o->r.result = VXS_E_MEMORY, 0;
-    }
-    return 1;
-}
-
-/* Pass metadata to the caller. It is valid during the call, and counts towards the budget during it. */
-static int tell_metadata(opening *o)
-{
-    vxs_contents *c = &o->r.out;
-    if (!o->desc->metadata) return 1;
-    o->r.desc.metadata = 1;
-    if (!vxs_read_metadata(&o->r)) return 0;
-    if (c->metadata) o->desc->metadata(o->desc->metadata_user, c->metadata, c->metadata_bytes);
-    vxs_reader_free(&o->r, c->metadata, (uint64_t)c->metadata_bytes + 1, 1);
-    c->metadata = NULL;
-    return 1;
-}
-
-/* The same for points. */
-static int tell_points(opening *o)
-{
+    vxs_contents     *c = &o->r.out;
     vxs_baked_points *p = &o->r.points;
-    if (!o->desc->points) return 1;
-    vxs_read_points(&o->r);
-    if (o->r.result == VXS_OK && p->coordinates) o->desc->points(o->desc->points_user, p);
-    vxs_reader_free(&o->r, (void *)p->coordinates, p->count, 3 * sizeof *p->coordinates);
+    if (o->desc->metadata) {
+        o->r.desc.metadata = 1;
+        if (!vxs_read_metadata(&o->r)) return 0;
+        if (c->metadata) o->desc->metadata(o->desc->metadata_user, c->metadata, c->metadata_bytes);
+        vxs_reader_free(&o->r, c->metadata, (uint64_t)c->metadata_bytes + 1, 1);
+        c->metadata = NULL;
+    }
+    if (o->desc->points) {
+        vxs_read_points(&o->r);
+        if (o->r.result == VXS_OK && p->coordinates) o->desc->points(o->desc->points_user, p);
+        vxs_reader_free(&o->r, (void *)p->coordinates, p->count, 3 * sizeof *p->coordinates);
+    }
     return o->r.result == VXS_OK;
 }
 
@@ -330,13 +309,16 @@ static int open_all(opening *o)
 {
     if (!vxs_stream_read_head(o)) return 0;
     if (!(o->r.zstd = ZSTD_createDCtx())) return o->r.result = VXS_E_MEMORY, 0;
-    if (!vxs_read_light_table(&o->r) || !tell_metadata(o) || !tell_points(o)) return 0;
+    if (!vxs_read_light_table(&o->r) || !pass_extras(o)) return 0;
     vxs_stream_forget_loaded(o);
     if (!vxs_stream_plan(o) || !take_block(o)) return 0;
-    if (!make_tools(o) || !fill_block(o)) return 0;
-    if (vxs_stream_work_start(o->s)) return 1;
-    o->r.result = VXS_E_MEMORY;
-    return 0;
+    for (uint32_t n = 0; n < o->tool_count; n++) {
+        stream_tools *t = &o->s->tools[n];
+        t->stream       = o->s;
+        if (o->fast && !(t->decode.zstd = ZSTD_createDCtx())) return o->r.result = VXS_E_MEMORY, 0;
+    }
+    if (!fill_block(o)) return 0;
+    return vxs_stream_work_start(o->s) || (o->r.result = VXS_E_MEMORY, 0);
 }
 
 void vxs_stream_close(vxs_stream *s)

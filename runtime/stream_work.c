@@ -92,23 +92,6 @@ static void finish(vxs_stream_request *r, request_state state)
     os_wake_all(&r->stream->rest);
 }
 
-/* Read the bytes of a request. Called and returns with the lock held. 0: the read is pending. */
-static int read_request(vxs_stream_request *r)
-{
-    vxs_stream        *s    = r->stream;
-    const stream_page *page = &s->pages[r->page];
-    r->asked                = 1;
-    os_unlock(&s->lock);
-    vxs_stream_answer answer =
-        r->buffer ? vxs_stream_source_read(&s->source, page->offset_bytes, page->stored_bytes, r->buffer, r) : VXS_STREAM_READ;
-    os_lock(&s->lock);
-    if (answer != VXS_STREAM_PENDING) {
-        r->answered = 1;
-        r->ok       = answer == VXS_STREAM_READ;
-    }
-    return r->answered;
-}
-
 /* Process the oldest queued request as far as possible. Called and returns with the lock held. 0: none is queued. */
 static int work_once(stream_tools *tools)
 {
@@ -116,7 +99,19 @@ static int work_once(stream_tools *tools)
     vxs_stream_request *r = oldest(s, REQUEST_QUEUED);
     if (!r) return 0;
     r->state = REQUEST_WORKING;
-    if (!r->asked && !read_request(r)) return finish(r, REQUEST_PENDING), 1;
+    if (!r->asked) {
+        const stream_page *page   = &s->pages[r->page];
+        vxs_stream_answer  answer = VXS_STREAM_READ;
+        r->asked                  = 1;
+        os_unlock(&s->lock);
+        if (r->buffer) answer = vxs_stream_source_read(&s->source, page->offset_bytes, page->stored_bytes, r->buffer, r);
+        os_lock(&s->lock);
+        if (answer != VXS_STREAM_PENDING) {
+            r->answered = 1;
+            r->ok       = answer == VXS_STREAM_READ;
+        }
+        if (!r->answered) return finish(r, REQUEST_PENDING), 1;
+    }
     if (r->ok) {
         os_unlock(&s->lock);
         int finding = decode(tools, r);
@@ -140,8 +135,6 @@ static void *run_thread(void *work)
     os_unlock(&s->lock);
     return NULL;
 }
-
-static void run_job(void *job);
 
 static void run_job(void *job)
 {
@@ -182,7 +175,7 @@ void vxs_stream_read_done(vxs_stream_request *r, int ok)
     os_lock(&s->lock);
     r->answered = 1;
     r->ok       = ok;
-    if (r->state == REQUEST_PENDING) { /* else the thread in read_request continues with it */
+    if (r->state == REQUEST_PENDING) { /* else the thread that read it continues with it */
         r->state = REQUEST_QUEUED;
         if (!s->closing) call_for_work(s);
     }

@@ -32,12 +32,18 @@ static uint32_t place_of(int32_t tile_x, int32_t tile_y)
     return (uint32_t)((tile_x & (VXS_CACHE_TILES - 1)) | (tile_y & (VXS_CACHE_TILES - 1)) * VXS_CACHE_TILES);
 }
 
-/* Decode a tile into the cache; 0: its page is missing. */
-static int keep_tile(vxs_tap_cache *c, uint32_t map, int32_t tile_x, int32_t tile_y)
+/* Decode a tile into the cache, and pay for it with credit; start a rest when that is used up. 0: the tile's page is missing. */
+static int keep_tile(vxs_tap_cache *c, uint32_t map, int32_t tile_x, int32_t tile_y, int32_t price)
 {
     int32_t              depth[64];
     uint32_t             place = place_of(tile_x, tile_y);
     const vxs_blocks_map m     = {c->baked->words, map, c->baked->light.levels};
+    c->credit -= price;
+    if (c->credit < 0) {
+        c->rest      = c->next_rest;
+        c->next_rest = c->next_rest < REST_MOST ? 2 * c->next_rest : REST_MOST;
+        c->credit    = CREDIT_AT_FIRST;
+    }
     if (map != c->cursor_map) c->cursor.block = 0;
     c->cursor_map = map;
     int found     = vxs_tile_depths(m, &c->cursor, tile_x, tile_y, depth);
@@ -58,7 +64,6 @@ static int keep_tile(vxs_tap_cache *c, uint32_t map, int32_t tile_x, int32_t til
         memcpy(to, less + 8 * y, 8 * sizeof *to);
         if (x < VXS_CACHE_PITCH - VXS_CACHE_PX) memcpy(to + VXS_CACHE_PX, to, 8 * sizeof *to);
     }
-
     return 1;
 }
 
@@ -137,7 +142,7 @@ static uint32_t walked(const vxs_tap_cache *c, uint32_t map, int32_t i, int32_t 
     return vxs_shadow_taps(c->baked->words, &c->baked->light, (int32_t)map, i, j, (uint32_t)k, filter_px);
 }
 
-/* A lookup in the cache earns credit; decoding tiles spends it. */
+/* A lookup in the cache earns credit, which pays for tiles. */
 static void earn(vxs_tap_cache *c)
 {
     if (c->credit < CREDIT_MOST)
@@ -146,23 +151,12 @@ static void earn(vxs_tap_cache *c)
         c->next_rest = REST_LEAST;
 }
 
-/* Spend credit; start a rest when it is used up. */
-static void spend(vxs_tap_cache *c, int32_t price)
-{
-    c->credit -= price;
-    if (c->credit >= 0) return;
-    c->rest      = c->next_rest;
-    c->next_rest = c->next_rest < REST_MOST ? 2 * c->next_rest : REST_MOST;
-    c->credit    = CREDIT_AT_FIRST;
-}
-
 /* Ensure that a tile is in the cache; 0: its page is missing. */
 static inline int have_tile(vxs_tap_cache *c, uint32_t map, int32_t tile_x, int32_t tile_y, int32_t price)
 {
     uint32_t place = place_of(tile_x, tile_y), tag = 1 + ((uint32_t)tile_x | (uint32_t)tile_y << 12 | map << 24);
     if (c->tag[place] == tag) return 1;
-    spend(c, price);
-    if (!keep_tile(c, map, tile_x, tile_y)) return 0;
+    if (!keep_tile(c, map, tile_x, tile_y, price)) return 0;
     c->tag[place] = tag;
     return 1;
 }

@@ -53,19 +53,6 @@ static uint32_t nibble_at(const uint32_t *words, const vxs_blocks_tile *tile, ui
     return vxs_byte(words, tile->pool, 2 * tile->at + 16 * (c & 1) + z) >> 4 * (c >> 1) & 15;
 }
 
-static int64_t raw_at(const uint32_t *words, const vxs_depths_tile *r, uint32_t c, uint32_t z)
-{
-    const vxs_blocks_tile *tile = &r->tile;
-    uint64_t               value;
-    if (tile->kind == VXS_BLOCKS_NIBBLES)
-        value = nibble_at(words, tile, c, z) + (tile->bases >> 8 * c & 0xff);
-    else {
-        uint32_t size = tile->kind - 3;
-        value         = vxs_four_bytes(words, tile->pool, 2 * tile->at + size * (16 * c + z)) & vxs_first_bytes((int32_t)size);
-    }
-    return (int64_t)(value << r->shift);
-}
-
 static void nibble_depths(const uint32_t *words, const vxs_depths_tile *r, const int32_t *entries, int32_t depth[64])
 {
     for (uint32_t n = 0; n < 64; n++)
@@ -86,9 +73,14 @@ static int read_depths(const uint32_t *words, const vxs_depths_tile *r, int32_t 
     depth[0] = vxs_depths_held(r->base, low, high);
     if (r->tile.kind == VXS_BLOCKS_SHADOW) return VXS_TILE_WHOLE;
     if (r->tile.kind < VXS_BLOCKS_PLANE) {
-        for (uint32_t n = 0; n < 64; n++)
-            depth[8 * row_of(n >> 4, n & 15) + column_of(n >> 4, n & 15)] =
-                vxs_depths_held(r->base + raw_at(words, r, n >> 4, n & 15), low, high);
+        for (uint32_t n = 0; n < 64; n++) {
+            const vxs_blocks_tile *tile = &r->tile;
+            uint32_t               c = n >> 4, z = n & 15, size = tile->kind - 3; /* bytes of a depth, but for nibbles */
+            uint64_t               value              = tile->kind == VXS_BLOCKS_NIBBLES
+                                                            ? nibble_at(words, tile, c, z) + (tile->bases >> 8 * c & 0xff)
+                                                            : vxs_four_bytes(words, tile->pool, 2 * tile->at + size * n) & vxs_first_bytes((int32_t)size);
+            depth[8 * row_of(c, z) + column_of(c, z)] = vxs_depths_held(r->base + (int64_t)(value << r->shift), low, high);
+        }
         return VXS_TILE_MIXED;
     }
     if (r->tile.kind == VXS_BLOCKS_PLANE)
@@ -141,12 +133,6 @@ static int settled(const vxs_depth_square *s, int32_t k)
     return s->least == s->greatest || (k >= 0 && (k < s->least || k >= s->greatest));
 }
 
-static void set_bounds(vxs_depth_square *s, vxs_depths_bounds b)
-{
-    s->least    = b.least;
-    s->greatest = b.greatest;
-}
-
 /* Shrink a square to the part of side side_px around (i, j). */
 static void part(vxs_depth_square *s, int32_t i, int32_t j, int32_t side_px)
 {
@@ -177,12 +163,16 @@ vxs_depth_square vxs_depth_square_at(vxs_blocks_map map, int32_t i, int32_t j, i
     if (settled(&s, k) || s.side_px <= least_px) return s;
     set_cursor(&c, map, &s, i, j);
     part(&s, i, j, VXS_BLOCK_PX);
-    set_bounds(&s, vxs_depths_bound_block(map.words, c.node, c.record, s.i >> 3 & 28, s.j >> 3 & 28, s.side_px / VXS_TILE_PX - 1,
-                                          s.least, s.greatest));
+    vxs_depths_bounds b = vxs_depths_bound_block(map.words, c.node, c.record, s.i >> 3 & 28, s.j >> 3 & 28,
+                                                 s.side_px / VXS_TILE_PX - 1, s.least, s.greatest);
+    s.least             = b.least;
+    s.greatest          = b.greatest;
     if (settled(&s, k) || s.side_px <= least_px) return s;
     vxs_depths_tile r = tile_at(&c, map.words, i >> 3, j >> 3);
     part(&s, i, j, VXS_TILE_PX);
-    set_bounds(&s, bound_tile(map.words, &r));
+    b          = bound_tile(map.words, &r);
+    s.least    = b.least;
+    s.greatest = b.greatest;
     if (settled(&s, k) || s.side_px <= least_px) return s;
     int32_t depth = vxs_depths_texel(map.words, &r, s.least, s.greatest, (uint32_t)(i & 7), (uint32_t)(j & 7));
     return (vxs_depth_square){.i = i, .j = j, .side_px = 1, .least = depth, .greatest = depth};
@@ -219,11 +209,6 @@ static uint32_t child_of(const uint32_t *dag, uint32_t node, uint32_t c)
     return dag[node + 1 + vxs_popcount(vxs_own(dag[node]) & ((1u << 2 * c) - 1))];
 }
 
-static uint64_t mask_at(const uint32_t *dag, uint32_t at)
-{
-    return dag[at] | (uint64_t)dag[at + 1] << 32;
-}
-
 /* State of a walk down the columns of a tile. */
 typedef struct column_walk {
     const uint32_t *dag;
@@ -251,7 +236,9 @@ static void walk_column(column_walk *w, uint32_t node, uint32_t level, int32_t k
         for (uint32_t slice = 0; slice < 8 && w->wanted; slice++) {
             uint32_t state = state_of(w->dag[node], slice);
             if (state == VXS_CHILD_SHADOW) meet(w, ~(uint64_t)0, k + (int32_t)slice);
-            if (state == VXS_CHILD_OWN) meet(w, mask_at(w->dag, child_of(w->dag, node, slice)), k + (int32_t)slice);
+            if (state != VXS_CHILD_OWN) continue;
+            const uint32_t *mask = w->dag + child_of(w->dag, node, slice);
+            meet(w, mask[0] | (uint64_t)mask[1] << 32, k + (int32_t)slice);
         }
         return;
     }
