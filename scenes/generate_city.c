@@ -292,14 +292,6 @@ typedef struct clutter_walk {
     rng      choice;
 } clutter_walk;
 
-static void visit(clutter_walk *w, const lot *l, size_t host, const box *clutter)
-{
-    for (size_t i = 0; i < l->box_count; i++)
-        if (i != host && !is_clear(clutter, &l->boxes[i])) return;
-    w->found++;
-    if (w->chosen && rng_below(&w->choice, w->available--) < w->wanted) emit(w->chosen, clutter), w->wanted--;
-}
-
 /* A face of the lot's box `host`: its roof (axis 1), or the wall that faces along X (0) or Z (2), in negative or positive
  * direction. */
 static void walk_surface(clutter_walk *w, const lot *l, size_t host, int axis, bool is_high, uint64_t *stream)
@@ -327,7 +319,12 @@ static void walk_surface(clutter_walk *w, const lot *l, size_t host, int axis, b
                 clutter.high[1] = h->high[1] + tall;
             } else
                 place_on_wall(&clutter, h, axis, is_high, u, v, w->cell, &r);
-            visit(w, l, host, &clutter);
+
+            size_t clear = 0; /* of so many boxes of the lot */
+            while (clear < l->box_count && (clear == host || is_clear(&clutter, &l->boxes[clear]))) clear++;
+            if (clear < l->box_count) continue;
+            w->found++;
+            if (w->chosen && rng_below(&w->choice, w->available--) < w->wanted) emit(w->chosen, &clutter), w->wanted--;
         }
 }
 
@@ -358,15 +355,6 @@ static void choose_clutter(parts *p, const block *k, bool on_roofs, int32_t cell
 }
 
 /* Blocks and the city. */
-
-/* Towers are in the middle of the city, and sometimes outside. */
-static int32_t tallest_in_block(uint32_t blocks, uint32_t i, uint32_t j, rng *r)
-{
-    if (rng_below(r, 8) == 0) return HEIGHT_MAX;
-    int32_t x = (int32_t)(2 * i + 1) - (int32_t)blocks, z = (int32_t)(2 * j + 1) - (int32_t)blocks;
-    int32_t far2 = 2 * (int32_t)(blocks * blocks), near2 = far2 - (x * x + z * z);
-    return 20 * METRE + (HEIGHT_MAX - 20 * METRE) * (near2 * 100 / far2) / 100 * (near2 * 100 / far2) / 100;
-}
 
 /* Add kerb, buildings and lamps, most important first, until there are `budget` boxes. Returns their number. */
 static uint32_t make_structure(parts *p, const block *k, uint32_t budget)
@@ -412,28 +400,21 @@ static bool make_boxes(parts *p, const block *k, uint32_t i, uint32_t j, uint32_
     return !wanted;
 }
 
-/* Number of boxes of a block without lamps and clutter: the buildings' and the kerb. */
-static uint32_t structure_count(const block *k)
-{
-    uint32_t count = 1;
-    for (size_t i = 0; i < k->lot_count; i++) count += (uint32_t)k->lots[i].box_count;
-    return count;
-}
-
 /* The lamps with both of their boxes are the first of the block's lamps. */
 static void make_spots(parts *p, const block *k, size_t box_first, uint32_t budget, uint32_t count, uint32_t *made)
 {
     city_lamp lamps[LAMPS];
-    uint32_t  structure = structure_count(k),
-             lamp_count = budget > structure ? min_i32((int32_t)(budget - structure) / 2, LAMPS) : 0;
-    city_block c        = {lamps,
-                           lamp_count,
-                           box_first,
-                           box_count(p->s) - box_first,
-                           (double)k->x / METRE,
-                           (double)k->z / METRE,
-                           (double)BLOCK / 2 / METRE,
-                           (double)STREET / METRE};
+    uint32_t  structure = 1; /* boxes of the kerb and the buildings */
+    for (size_t i = 0; i < k->lot_count; i++) structure += (uint32_t)k->lots[i].box_count;
+    uint32_t   lamp_count = budget > structure ? min_i32((int32_t)(budget - structure) / 2, LAMPS) : 0;
+    city_block c          = {lamps,
+                             lamp_count,
+                             box_first,
+                             box_count(p->s) - box_first,
+                             (double)k->x / METRE,
+                             (double)k->z / METRE,
+                             (double)BLOCK / 2 / METRE,
+                             (double)STREET / METRE};
     for (uint32_t i = 0; i < lamp_count; i++) {
         box lamp[2];
         make_lamp(k, i, lamp);
@@ -462,8 +443,13 @@ static bool make_block(parts *p, const city_options *o, uint64_t index, uint32_t
     rng r       = rng_split(k.seed, 1);
     k.x         = (int32_t)i * PITCH - (int32_t)(o->blocks - 1) * PITCH / 2;
     k.z         = (int32_t)j * PITCH - (int32_t)(o->blocks - 1) * PITCH / 2;
-    k.tallest   = tallest_in_block(o->blocks, i, j, &r);
     k.lot_count = 0;
+
+    /* towers are in the middle of the city, and sometimes outside */
+    int32_t x = (int32_t)(2 * i + 1) - (int32_t)o->blocks, z = (int32_t)(2 * j + 1) - (int32_t)o->blocks;
+    int32_t far2 = 2 * (int32_t)blocks, near2 = far2 - (x * x + z * z);
+    k.tallest = 20 * METRE + (HEIGHT_MAX - 20 * METRE) * (near2 * 100 / far2) / 100 * (near2 * 100 / far2) / 100;
+    if (rng_below(&r, 8) == 0) k.tallest = HEIGHT_MAX;
 
     int32_t half = BLOCK / 2 - SIDEWALK;
     split_into_lots(&k, &r, (rectangle){{k.x - half, k.z - half}, {k.x + half, k.z + half}});

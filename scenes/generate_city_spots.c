@@ -28,13 +28,6 @@ static void down(rng *r, const double along[3], double lean, const double out[3]
     for (int i = 0; i < 3; i++) d[i] = a * along[i] + o * out[i] - (i == 1);
 }
 
-static void add_under_lamp(parts *p, rng *r, const city_lamp *lamp, uint32_t *made)
-{
-    double direction[3];
-    down(r, lamp->along, 0.75, lamp->out, 0, 0.25, direction);
-    add_spot(p, r, lamp->head, direction, made);
-}
-
 /* Whether a point is in a box, or within distance_to_boxes of it. */
 static int is_in_box(const float *corners, const double at[3])
 {
@@ -88,8 +81,13 @@ static int add_on_wall(parts *p, rng *r, const city_block *k, uint32_t *made)
 void add_city_spots(parts *p, const city_block *k, rng r, uint32_t count, uint32_t *made)
 {
     uint32_t wanted = count < k->lamp_count ? count : k->lamp_count, rest = count - wanted;
-    for (uint32_t i = 0; i < k->lamp_count; i++)
-        if (rng_below(&r, k->lamp_count - i) < wanted) add_under_lamp(p, &r, &k->lamps[i], made), wanted--;
+    for (uint32_t i = 0; i < k->lamp_count; i++) {
+        double direction[3];
+        if (rng_below(&r, k->lamp_count - i) >= wanted) continue;
+        down(&r, k->lamps[i].along, 0.75, k->lamps[i].out, 0, 0.25, direction);
+        add_spot(p, &r, k->lamps[i].head, direction, made);
+        wanted--;
+    }
 
     for (uint32_t i = 0; i < rest; i++) {
         int done = 0;

@@ -94,24 +94,16 @@ static double fractal(uint32_t seed, int octaves, double x, double z)
     return sum;
 }
 
-/* As many octaves as the cells can represent: the wavelength of the last is at least three cells. */
-static int octaves_from_grid(grid g, double wavelengths)
-{
-    double cells   = (double)(g.columns < g.rows ? g.columns : g.rows) / wavelengths;
-    int    octaves = 1;
-    while (octaves < OCTAVES_MAX && cells >= 6) {
-        cells /= 2;
-        octaves++;
-    }
-    return octaves;
-}
-
 /* Fractal heights, scaled to [0, height]. They are stored as floats before scaling: rounding is far below a millimetre. */
 static void make_top(parts *p, const landscape_options *o, grid g)
 {
     const double wavelengths = 3; /* mountains a side, about */
-    int          octaves     = octaves_from_grid(g, wavelengths);
     double       low = INFINITY, high = -INFINITY;
+
+    /* as many octaves as the cells can represent: the wavelength of the last is at least three cells */
+    int octaves = 1;
+    for (double cells = (g.columns < g.rows ? g.columns : g.rows) / wavelengths; octaves < OCTAVES_MAX && cells >= 6; cells /= 2)
+        octaves++;
 
     for (uint32_t j = 0; j <= g.rows; j++)
         for (uint32_t i = 0; i <= g.columns; i++) {

@@ -24,32 +24,23 @@ enum { WIDE_PX = 96, HIGH_PX = 54 };
 
 static const double half_wide = 0.82, half_high = 0.46, case_deep = 0.05, edge = 0.02, gap = 0.001;
 
-/* Height of hills, [0, 1] from the bottom, at a place [0, 1] from the left. */
-static double hills(double x)
-{
-    double a = x - 0.25, b = x - 0.85;
-    return 0.08 + 0.16 / (1 + 30 * a * a) + 0.24 / (1 + 40 * b * b);
-}
-
-/* x, y  [0, 1] from the left, from the bottom */
-static void colour_at(double x, double y, uint8_t rgba[4])
-{
-    static const double foot[3] = {255, 130, 50}, top[3] = {20, 70, 170}, sun[3] = {255, 244, 214}, hill[3] = {16, 12, 22};
-    double              across = (x - 0.55) * WIDE_PX / HIGH_PX, above = y - 0.42, square = across * across + above * above;
-    double              high = y * (2 - y), glow = 0.02 / (0.02 + square);
-    for (int n = 0; n < 3; n++) {
-        double sky = foot[n] + high * (top[n] - foot[n]);
-        double c   = y < hills(x) ? hill[n] : square < 0.016 ? sun[n] : sky + 0.8 * glow * (sun[n] - sky);
-        rgba[n]    = (uint8_t)(c + 0.5);
-    }
-    rgba[3] = 255;
-}
-
 static uint8_t *make_picture(void)
 {
-    uint8_t *rgba = malloc((size_t)4 * WIDE_PX * HIGH_PX);
-    for (size_t n = 0; rgba && n < WIDE_PX * HIGH_PX; n++)
-        colour_at(((double)(n % WIDE_PX) + 0.5) / WIDE_PX, 1 - ((double)(n / WIDE_PX) + 0.5) / HIGH_PX, rgba + 4 * n);
+    static const double foot[3] = {255, 130, 50}, top[3] = {20, 70, 170}, sun[3] = {255, 244, 214}, hill[3] = {16, 12, 22};
+    uint8_t            *rgba = malloc((size_t)4 * WIDE_PX * HIGH_PX);
+    for (size_t n = 0; rgba && n < WIDE_PX * HIGH_PX; n++) {
+        /* x, y: [0, 1] from the left, from the bottom */
+        double x = ((double)(n % WIDE_PX) + 0.5) / WIDE_PX, y = 1 - ((double)(n / WIDE_PX) + 0.5) / HIGH_PX;
+        double a = x - 0.25, b = x - 0.85, hills = 0.08 + 0.16 / (1 + 30 * a * a) + 0.24 / (1 + 40 * b * b);
+        double across = (x - 0.55) * WIDE_PX / HIGH_PX, above = y - 0.42, square = across * across + above * above;
+        double high = y * (2 - y), glow = 0.02 / (0.02 + square);
+        for (size_t k = 0; k < 3; k++) {
+            double sky      = foot[k] + high * (top[k] - foot[k]);
+            double c        = y < hills ? hill[k] : square < 0.016 ? sun[k] : sky + 0.8 * glow * (sun[k] - sky);
+            rgba[4 * n + k] = (uint8_t)(c + 0.5);
+        }
+        rgba[4 * n + 3] = 255;
+    }
     return rgba;
 }
 

@@ -197,19 +197,6 @@ enum { STRAND_PIECES = 8 };
 
 static const double head_at[3] = {-0.12, 1.13, 0}, head_radius = 0.12;
 
-/* Move a point out of the head, only to its surface. */
-static void keep_outside(double at[3])
-{
-    double from[3], square = 0, least = 1.03 * head_radius;
-    for (int n = 0; n < 3; n++) {
-        from[n] = at[n] - head_at[n];
-        square += from[n] * from[n];
-    }
-    if (square >= least * least) return;
-    scale_to(from, least);
-    for (int n = 0; n < 3; n++) at[n] = head_at[n] + from[n];
-}
-
 /* A chain of lines that leaves the head, falls and curls. */
 static void add_strand(parts *p, rng r, uint32_t pieces)
 {
@@ -228,21 +215,20 @@ static void add_strand(parts *p, rng r, uint32_t pieces)
         way[2] += 0.25 * wave(curl + turn * piece / STRAND_PIECES + 0.25);
         way[1] -= 0.8;
         scale_to(way, 1);
-        for (int n = 0; n < 3; n++) next[n] = at[n] + length * way[n];
-        keep_outside(next);
+
+        double from[3], square = 0, least = 1.03 * head_radius;
+        for (int n = 0; n < 3; n++) {
+            next[n] = at[n] + length * way[n];
+            from[n] = next[n] - head_at[n];
+            square += from[n] * from[n];
+        }
+        if (square < least * least) { /* out of the head, only to its surface */
+            scale_to(from, least);
+            for (int n = 0; n < 3; n++) next[n] = head_at[n] + from[n];
+        }
         parts_smoke_vertex(p, at, radius, extinction);
         parts_smoke_vertex(p, next, radius, extinction);
         for (int n = 0; n < 3; n++) at[n] = next[n];
-    }
-}
-
-static void add_hair(parts *p, uint64_t seed, uint32_t pieces)
-{
-    if (!pieces) return;
-    parts_smoke(p, "hair", 1, paint(p, "hair", 0.62, 0.40, 0.22));
-    for (uint32_t strand = 0; strand * STRAND_PIECES < pieces; strand++) {
-        uint32_t rest = pieces - strand * STRAND_PIECES;
-        add_strand(p, rng_split(seed, 100 + strand), rest < STRAND_PIECES ? rest : STRAND_PIECES);
     }
 }
 
@@ -288,8 +274,12 @@ vxs_result generate_hair(glb_scene *s, const smoke_options *o, run_context *m)
     parts_spot(&p, "behind", (double[3]){-0.9, 1.75, -0.85}, (double[3]){0.85, -0.62, 0.85}, 32, 6);
     shine(&p, 0.55, 0.68, 0.9);
     add_camera(&p, 0.15, 1.25, 1.9);
-    uint32_t puffs = o->capsules / 4;
-    add_hair(&p, o->seed, o->capsules - puffs);
+    uint32_t puffs = o->capsules / 4, pieces = o->capsules - puffs;
+    if (pieces) parts_smoke(&p, "hair", 1, paint(&p, "hair", 0.62, 0.40, 0.22));
+    for (uint32_t strand = 0; strand * STRAND_PIECES < pieces; strand++) {
+        uint32_t rest = pieces - strand * STRAND_PIECES;
+        add_strand(&p, rng_split(o->seed, 100 + strand), rest < STRAND_PIECES ? rest : STRAND_PIECES);
+    }
     add_column(&p, &thread, rng_split(o->seed, 2), puffs);
     return parts_end(&p, m);
 }
