@@ -60,6 +60,30 @@ static inline uint32_t vxs_map_count(const vxs_light *light)
     return light->flags & VXS_LIGHT_CUBE ? VXS_CUBE_FACES : 1;
 }
 
+/* The filter of a lookup: over which texels of a map shadow is averaged.
+ *   vxs_box(K)     K odd: a box PCF over the K x K texels centred at the point's texel ([CPVS16] 5); vxs_box(1): a single tap. The
+ *                  box moves in steps of whole texels, and so do shadow edges
+ *   vxs_smooth(K)  K even or odd: a box of width K centred at the point itself. Its border texels count by the covered part, in
+ *                  1/256 along each axis. At most 1/(256 K) of the result changes in one step
+ * Every width is allowed: one below 1 counts as 1, one above VXS_FILTER_MAX as VXS_FILTER_MAX, and an even one of vxs_box, whose box
+ * has no middle texel, as K + 1. Shaders have the same struct and functions (vxs_space.h). */
+typedef struct vxs_filter {
+    int32_t width_px;  /* K */
+    int32_t is_smooth; /* 0: vxs_box; other numbers: vxs_smooth */
+} vxs_filter;
+
+static inline vxs_filter vxs_box(int32_t width_px)
+{
+    vxs_filter filter = {width_px, 0};
+    return filter;
+}
+
+static inline vxs_filter vxs_smooth(int32_t width_px)
+{
+    vxs_filter filter = {width_px, 1};
+    return filter;
+}
+
 /* Baked transmittance of smoke: a map of curves in the space of each map of the light (formats/vxs.md section 15). */
 typedef struct vxs_baked_smoke {
     const uint32_t *words; /* [word_count]; NULL: the light has no smoke, and all other fields are 0 */

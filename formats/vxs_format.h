@@ -105,7 +105,6 @@
 #define VXS_LEVELS_MIN   3u  /* a map of 8 x 8 texels: the root is a slice node */
 #define VXS_LEVELS_MAX   18u /* a map of 262144 x 262144 texels */
 #define VXS_FILTER_MAX   17  /* widest filter of a lookup, texels */
-#define VXS_SMOOTH       256 /* VXS_SMOOTH + K: a lookup's filter is a smooth box of K x K texels */
 
 #define VXS_SMOKE_LEVELS_MAX 13u /* maps of 8192 x 8192 curves */
 #define VXS_SMOKE_NODES_MAX  16u /* of a curve */

@@ -32,9 +32,9 @@
 #endif
 
 #ifdef VXS_C
-typedef struct vxs_span vxs_span;
-typedef struct vxs_walk vxs_walk;
-typedef struct vxs_box  vxs_box;
+typedef struct vxs_span     vxs_span;
+typedef struct vxs_walk     vxs_walk;
+typedef struct vxs_walk_box vxs_walk_box;
 #define VXS_WALK       vxs_walk *
 #define VXS_SQUARE     const vxs_depths_square *
 #define VXS_SPAN       vxs_span *
@@ -67,7 +67,7 @@ struct vxs_span {
 };
 
 /* Voxels of a map in the same state: a square of texels, depths [near, far). VXS_NO_BORDER and -VXS_NO_BORDER mean no end. */
-struct vxs_box {
+struct vxs_walk_box {
     vxs_i32 i, j, side_px, near, far;
     vxs_i32 state; /* VXS_SPAN_*, with VXS_SPAN_COARSE */
 };
@@ -354,7 +354,7 @@ VXS_FN vxs_i32 vxs_walk_on(vxs_i32 was, vxs_i32 at, vxs_i32 way, vxs_i32 first, 
 }
 
 /* Move from t to where the ray leaves a box, but not beyond the cut. */
-VXS_FN void vxs_walk_leave(VXS_LIGHT light, VXS_WALK w, vxs_box box)
+VXS_FN void vxs_walk_leave(VXS_LIGHT light, VXS_WALK w, vxs_walk_box box)
 {
     vxs_real t = VXS_FIELD(w, t), first = VXS_FIELD(w, cut);
     vxs_i32  u = VXS_FIELD(w, way)[0], v = VXS_FIELD(w, way)[1], k = VXS_FIELD(w, way)[2], through = -1;
@@ -419,10 +419,10 @@ VXS_INLINE vxs_i32 vxs_walk_decides(VXS_SQUARE s, vxs_i32 k)
 }
 
 /* The part of a square with the same state as depth k. In a coarse square, depths before `low` and from `high` on are exact. */
-VXS_FN vxs_box vxs_walk_box_in(VXS_LIGHT light, VXS_SQUARE s, vxs_i32 k)
+VXS_FN vxs_walk_box vxs_walk_box_in(VXS_LIGHT light, VXS_SQUARE s, vxs_i32 k)
 {
-    vxs_box box;
-    vxs_i32 side = vxs_walk_side(light), low = VXS_FIELD(s, low), high = VXS_FIELD(s, high),
+    vxs_walk_box box;
+    vxs_i32      side = vxs_walk_side(light), low = VXS_FIELD(s, low), high = VXS_FIELD(s, high),
             is_coarse = k >= low && k < high ? 1 : 0;
     box.i             = VXS_FIELD(s, i);
     box.j             = VXS_FIELD(s, j);
@@ -601,7 +601,7 @@ VXS_INLINE vxs_i32 vxs_walk_in_blocks(VXS_WORDS blocks, VXS_LIGHT light, VXS_WAL
         (VXS_FIELD(w, is_block) == 0 && vxs_walk_decides(VXS_REF_OF(w, block), k) == 0))
         vxs_walk_find_block(blocks, light, w);
     if (vxs_walk_decides(VXS_REF_OF(w, block), k) != 0) {
-        vxs_box box = vxs_walk_box_in(light, VXS_REF_OF(w, block), k);
+        vxs_walk_box box = vxs_walk_box_in(light, VXS_REF_OF(w, block), k);
         vxs_walk_leave(light, w, box);
         return box.state;
     }
@@ -612,11 +612,11 @@ VXS_INLINE vxs_i32 vxs_walk_in_blocks(VXS_WORDS blocks, VXS_LIGHT light, VXS_WAL
 /* DAGs ------------------------------------------------------------------------------------------------------------------------- */
 
 /* The largest uniform node about a voxel; in a slice with a mask, the single voxel. */
-VXS_FN vxs_box vxs_walk_box_of_dag(VXS_WORDS dag, VXS_LIGHT light, vxs_i32 map, vxs_i32 i, vxs_i32 j, vxs_i32 k)
+VXS_FN vxs_walk_box vxs_walk_box_of_dag(VXS_WORDS dag, VXS_LIGHT light, vxs_i32 map, vxs_i32 i, vxs_i32 j, vxs_i32 k)
 {
-    vxs_box box;
-    vxs_u32 node = vxs_root_of(dag, light, map), state = 2u, states;
-    vxs_u32 bit = VXS_FIELD(light, levels);
+    vxs_walk_box box;
+    vxs_u32      node = vxs_root_of(dag, light, map), state = 2u, states;
+    vxs_u32      bit = VXS_FIELD(light, levels);
     while (state >= 2u && bit > 3u) {
         bit--;
         vxs_u32 xy = ((VXS_U(i) >> bit) & 1u) | (((VXS_U(j) >> bit) & 1u) << 1), c = xy | (((VXS_U(k) >> bit) & 1u) << 2);
@@ -650,8 +650,8 @@ VXS_FN vxs_box vxs_walk_box_of_dag(VXS_WORDS dag, VXS_LIGHT light, vxs_i32 map, 
 
 VXS_FN vxs_i32 vxs_walk_in_dag(VXS_WORDS dag, VXS_LIGHT light, VXS_WALK w)
 {
-    vxs_i32 k   = vxs_walk_in_map(light, VXS_FIELD(w, voxel)[2]);
-    vxs_box box = vxs_walk_box_of_dag(dag, light, VXS_FIELD(w, map), VXS_FIELD(w, voxel)[0], VXS_FIELD(w, voxel)[1], k);
+    vxs_i32      k   = vxs_walk_in_map(light, VXS_FIELD(w, voxel)[2]);
+    vxs_walk_box box = vxs_walk_box_of_dag(dag, light, VXS_FIELD(w, map), VXS_FIELD(w, voxel)[0], VXS_FIELD(w, voxel)[1], k);
     vxs_walk_leave(light, w, box);
     return box.state;
 }

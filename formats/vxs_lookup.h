@@ -200,10 +200,10 @@ VXS_FN vxs_u32 vxs_count_covered(vxs_mask mask, vxs_i32 x0, vxs_i32 x1, vxs_i32 
 
 /* Number of the K x K texels centred on (i, j) that are in shadow at depth k: a box PCF by popcount ([CPVS16] 5).
  * i, j       any texel within +-2^30; taps outside the map are lit (no caster is there);   k  [0, 2^levels)
- * filter_px  K, odd, 1 to VXS_FILTER_MAX.   Cost: one walk for each of the at most nine tiles that the box touches. */
-VXS_FN vxs_u32 vxs_shadow_count(VXS_WORDS dag, vxs_u32 root, vxs_u32 levels, vxs_i32 i, vxs_i32 j, vxs_u32 k, vxs_i32 filter_px)
+ * width_px  K, odd, 1 to VXS_FILTER_MAX.   Cost: one walk for each of the at most nine tiles that the box touches. */
+VXS_FN vxs_u32 vxs_shadow_count(VXS_WORDS dag, vxs_u32 root, vxs_u32 levels, vxs_i32 i, vxs_i32 j, vxs_u32 k, vxs_i32 width_px)
 {
-    vxs_i32 half_px = filter_px / 2;
+    vxs_i32 half_px = width_px / 2;
     vxs_i32 side    = VXS_I(1) << levels;
     vxs_i32 x0      = i - half_px < 0 ? 0 : i - half_px;
     vxs_i32 y0      = j - half_px < 0 ? 0 : j - half_px;
@@ -219,9 +219,9 @@ VXS_FN vxs_u32 vxs_shadow_count(VXS_WORDS dag, vxs_u32 root, vxs_u32 levels, vxs
 }
 
 /* The smooth box whose middle is `across` and `down`, [0, 255], in 1/256 texel, from the near corner of texel (i, j). */
-VXS_FN vxs_smooth_box vxs_smooth_box_at(vxs_i32 i, vxs_i32 j, vxs_u32 across, vxs_u32 down, vxs_i32 filter_px)
+VXS_FN vxs_smooth_box vxs_smooth_box_at(vxs_i32 i, vxs_i32 j, vxs_u32 across, vxs_u32 down, vxs_i32 width_px)
 {
-    vxs_i32        x = VXS_I(across) - 128 * filter_px, y = VXS_I(down) - 128 * filter_px;
+    vxs_i32        x = VXS_I(across) - 128 * width_px, y = VXS_I(down) - 128 * width_px;
     vxs_smooth_box box;
     box.x      = i + (x >> 8);
     box.y      = j + (y >> 8);
@@ -239,33 +239,33 @@ VXS_FN vxs_u32 vxs_weighted(vxs_smooth_box box, vxs_u32 first, vxs_u32 right, vx
 }
 
 /* Shadowed part of a mask in a smooth box; x and y: first texel of the box, relative to the mask. */
-VXS_FN vxs_u32 vxs_weigh_mask(vxs_mask mask, vxs_smooth_box box, vxs_i32 x, vxs_i32 y, vxs_i32 filter_px)
+VXS_FN vxs_u32 vxs_weigh_mask(vxs_mask mask, vxs_smooth_box box, vxs_i32 x, vxs_i32 y, vxs_i32 width_px)
 {
-    return vxs_weighted(box, vxs_count_covered(mask, x, x + filter_px, y, y + filter_px),
-                        vxs_count_covered(mask, x + 1, x + 1 + filter_px, y, y + filter_px),
-                        vxs_count_covered(mask, x, x + filter_px, y + 1, y + 1 + filter_px),
-                        vxs_count_covered(mask, x + 1, x + 1 + filter_px, y + 1, y + 1 + filter_px));
+    return vxs_weighted(box, vxs_count_covered(mask, x, x + width_px, y, y + width_px),
+                        vxs_count_covered(mask, x + 1, x + 1 + width_px, y, y + width_px),
+                        vxs_count_covered(mask, x, x + width_px, y + 1, y + 1 + width_px),
+                        vxs_count_covered(mask, x + 1, x + 1 + width_px, y + 1, y + 1 + width_px));
 }
 
 /* Shadowed part of a box of K x K texels around a place in texel (i, j) at depth k, in units of 1 / (65536 K K). Each texel
  * counts by the part of it that the box covers. Other arguments as above.
- * across, down  the place in the texel, in 1/256 texel: [0, 255];   filter_px  K, 1 to VXS_FILTER_MAX, even or odd
+ * across, down  the place in the texel, in 1/256 texel: [0, 255];   width_px  K, 1 to VXS_FILTER_MAX, even or odd
  * For K odd and the middle of a texel (128), the result is 65536 times vxs_shadow_count. Cost: one walk for each tile that
  * the box touches. */
 VXS_FN vxs_u32 vxs_shadow_weight(VXS_WORDS dag, vxs_u32 root, vxs_u32 levels, vxs_i32 i, vxs_i32 j, vxs_u32 across, vxs_u32 down,
-                                 vxs_u32 k, vxs_i32 filter_px)
+                                 vxs_u32 k, vxs_i32 width_px)
 {
-    vxs_smooth_box box  = vxs_smooth_box_at(i, j, across, down, filter_px);
+    vxs_smooth_box box  = vxs_smooth_box_at(i, j, across, down, width_px);
     vxs_i32        side = VXS_I(1) << levels;
-    vxs_i32        x0 = box.x < 0 ? 0 : box.x, x1 = box.x + filter_px + (box.across != 0u ? 1 : 0);
-    vxs_i32        y0 = box.y < 0 ? 0 : box.y, y1 = box.y + filter_px + (box.down != 0u ? 1 : 0);
+    vxs_i32        x0 = box.x < 0 ? 0 : box.x, x1 = box.x + width_px + (box.across != 0u ? 1 : 0);
+    vxs_i32        y0 = box.y < 0 ? 0 : box.y, y1 = box.y + width_px + (box.down != 0u ? 1 : 0);
     vxs_u32        sum = 0u;
     x1                 = x1 > side ? side : x1;
     y1                 = y1 > side ? side : y1;
     for (vxs_i32 y = y0 & ~7; y < y1; y += 8)
         for (vxs_i32 x = x0 & ~7; x < x1; x += 8) {
             vxs_mask mask = vxs_slice(dag, root, levels, VXS_U(x) >> 3, VXS_U(y) >> 3, k);
-            sum += vxs_weigh_mask(mask, box, box.x - x, box.y - y, filter_px);
+            sum += vxs_weigh_mask(mask, box, box.x - x, box.y - y, width_px);
         }
     return sum;
 }

@@ -824,14 +824,14 @@ VXS_FN vxs_u32 vxs_blocks_shadow(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, 
     return vxs_blocks_texel(blocks, tile, ((i >> 2) & 1u) | (((j >> 2) & 1u) << 1), (i & 3u) | ((j & 3u) << 2));
 }
 
-/* filter_px x filter_px texels; (x, y) is the first. */
-VXS_FN vxs_blocks_box vxs_blocks_box_at(vxs_i32 x, vxs_i32 y, vxs_i32 filter_px)
+/* width_px x width_px texels; (x, y) is the first. */
+VXS_FN vxs_blocks_box vxs_blocks_box_at(vxs_i32 x, vxs_i32 y, vxs_i32 width_px)
 {
     vxs_blocks_box box;
     box.x0 = x;
-    box.x1 = x + filter_px;
+    box.x1 = x + width_px;
     box.y0 = y;
-    box.y1 = y + filter_px;
+    box.y1 = y + width_px;
     return box;
 }
 
@@ -1021,13 +1021,13 @@ VXS_FN vxs_u32 vxs_blocks_count_taps(VXS_WORDS blocks, vxs_u32 map, vxs_u32 leve
 
 #endif
 
-/* Taps of a filter of filter_px, centred on (i, j), that lie in the map. */
-VXS_INLINE vxs_blocks_taps vxs_blocks_filter_taps(vxs_u32 levels, vxs_i32 i, vxs_i32 j, vxs_i32 filter_px)
+/* Taps of a filter of width_px, centred on (i, j), that lie in the map. */
+VXS_INLINE vxs_blocks_taps vxs_blocks_filter_taps(vxs_u32 levels, vxs_i32 i, vxs_i32 j, vxs_i32 width_px)
 {
     vxs_blocks_taps taps;
-    taps.box     = vxs_blocks_cut(vxs_blocks_box_at(i - filter_px / 2, j - filter_px / 2, filter_px), 0, 0, VXS_I(1) << levels);
-    taps.farther = taps.box;
-    taps.across  = 1u;
+    taps.box            = vxs_blocks_cut(vxs_blocks_box_at(i - width_px / 2, j - width_px / 2, width_px), 0, 0, VXS_I(1) << levels);
+    taps.farther        = taps.box;
+    taps.across         = 1u;
     taps.across_farther = 0u;
     taps.down           = 1u;
     taps.down_farther   = 0u;
@@ -1036,11 +1036,11 @@ VXS_INLINE vxs_blocks_taps vxs_blocks_filter_taps(vxs_u32 levels, vxs_i32 i, vxs
 
 /* Taps of a smooth filter around a place, that lie in the map. */
 VXS_INLINE vxs_blocks_taps vxs_blocks_smooth_taps(vxs_u32 levels, vxs_i32 i, vxs_i32 j, vxs_u32 across, vxs_u32 down,
-                                                  vxs_i32 filter_px)
+                                                  vxs_i32 width_px)
 {
-    vxs_smooth_box  begin = vxs_smooth_box_at(i, j, across, down, filter_px);
+    vxs_smooth_box  begin = vxs_smooth_box_at(i, j, across, down, width_px);
     vxs_blocks_taps taps;
-    taps.box     = vxs_blocks_box_at(begin.x, begin.y, filter_px);
+    taps.box     = vxs_blocks_box_at(begin.x, begin.y, width_px);
     taps.farther = taps.box;
     if (begin.across != 0u) {
         taps.farther.x0 += 1;
@@ -1059,34 +1059,34 @@ VXS_INLINE vxs_blocks_taps vxs_blocks_smooth_taps(vxs_u32 levels, vxs_i32 i, vxs
 
 /* Number of the K x K texels centred on (i, j) that are in shadow at depth k: a box PCF by popcount. Other arguments as above.
  * i, j       any texel within +-2^30; taps outside the map are lit (no caster is there);   k  [0, 2^levels)
- * filter_px  K, odd, 1 to VXS_FILTER_MAX.   Each of the at most nine tiles that the box touches is read once. */
+ * width_px  K, odd, 1 to VXS_FILTER_MAX.   Each of the at most nine tiles that the box touches is read once. */
 VXS_FN vxs_u32 vxs_blocks_shadow_count(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_i32 i, vxs_i32 j, vxs_u32 k,
-                                       vxs_i32 filter_px)
+                                       vxs_i32 width_px)
 {
-    return vxs_blocks_count_taps(blocks, map, levels, vxs_blocks_filter_taps(levels, i, j, filter_px), VXS_I(k));
+    return vxs_blocks_count_taps(blocks, map, levels, vxs_blocks_filter_taps(levels, i, j, width_px), VXS_I(k));
 }
 
 /* Shadowed part of a box of K x K texels around a place in texel (i, j) at depth k, in units of 1 / (65536 K K). Each texel
  * counts by the part of it that the box covers. Arguments as for vxs_shadow_weight (vxs_lookup.h), and as above. Each of the
  * at most 16 tiles that the box touches is read once. */
 VXS_APART vxs_u32 vxs_blocks_shadow_weight(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_i32 i, vxs_i32 j, vxs_u32 across,
-                                           vxs_u32 down, vxs_u32 k, vxs_i32 filter_px)
+                                           vxs_u32 down, vxs_u32 k, vxs_i32 width_px)
 {
-    return vxs_blocks_count_taps(blocks, map, levels, vxs_blocks_smooth_taps(levels, i, j, across, down, filter_px), VXS_I(k));
+    return vxs_blocks_count_taps(blocks, map, levels, vxs_blocks_smooth_taps(levels, i, j, across, down, width_px), VXS_I(k));
 }
 
-/* 1 if the answer of vxs_blocks_shadow (filter_px 1) or vxs_blocks_shadow_count is exact; 0 if a page is missing and the
+/* 1 if the answer of vxs_blocks_shadow (width_px 1) or vxs_blocks_shadow_count is exact; 0 if a page is missing and the
  * answer is coarse. */
-VXS_FN vxs_u32 vxs_blocks_is_full(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_i32 i, vxs_i32 j, vxs_u32 k, vxs_i32 filter_px)
+VXS_FN vxs_u32 vxs_blocks_is_full(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_i32 i, vxs_i32 j, vxs_u32 k, vxs_i32 width_px)
 {
-    return vxs_blocks_is_known(blocks, map, levels, vxs_blocks_span(vxs_blocks_filter_taps(levels, i, j, filter_px)), VXS_I(k));
+    return vxs_blocks_is_known(blocks, map, levels, vxs_blocks_span(vxs_blocks_filter_taps(levels, i, j, width_px)), VXS_I(k));
 }
 
 /* The same for vxs_blocks_shadow_weight. */
 VXS_FN vxs_u32 vxs_blocks_weight_is_full(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_i32 i, vxs_i32 j, vxs_u32 across,
-                                         vxs_u32 down, vxs_u32 k, vxs_i32 filter_px)
+                                         vxs_u32 down, vxs_u32 k, vxs_i32 width_px)
 {
-    vxs_blocks_taps taps = vxs_blocks_smooth_taps(levels, i, j, across, down, filter_px);
+    vxs_blocks_taps taps = vxs_blocks_smooth_taps(levels, i, j, across, down, width_px);
     return vxs_blocks_is_known(blocks, map, levels, vxs_blocks_span(taps), VXS_I(k));
 }
 

@@ -27,7 +27,7 @@
  *
  * In C all numbers are allowed: NaN and values beyond +-2^30 voxels are clamped and lie outside any map; no conversion
  * overflows. Compilers of shading languages may assume that there is no NaN and no infinity, and may flush tiny numbers to
- * 0: there, positions and normals must be finite. Any filter_px is allowed in both (vxs_filter_width). Otherwise both agree
+ * 0: there, positions and normals must be finite. Any filter is allowed in both. Otherwise both agree
  * except for float rounding: see docs/runtime.md.
  * Source: [CPVS16] 5.
  * Public: what this comment names. Other names are internal, and may change in any version.
@@ -103,6 +103,27 @@ struct vxs_light_constants {
     uint      kind, flags, levels;
     uint      first_word, coding, origin_fraction_ij, origin_fraction_k;
 };
+
+/* The filter of a lookup, as in vxs_file.h, where it is described. GLSL reserves the name "filter"; here one is called "pcf". */
+struct vxs_filter {
+    int width_px, is_smooth;
+};
+
+vxs_filter vxs_box(int width_px)
+{
+    vxs_filter pcf;
+    pcf.width_px  = width_px;
+    pcf.is_smooth = 0;
+    return pcf;
+}
+
+vxs_filter vxs_smooth(int width_px)
+{
+    vxs_filter pcf;
+    pcf.width_px  = width_px;
+    pcf.is_smooth = 1;
+    return pcf;
+}
 #endif
 
 /* Numbers of vxs_format.h and vxs.h that shaders need too. A C compiler sees both definitions, and rejects different ones. */
@@ -113,12 +134,11 @@ struct vxs_light_constants {
 #define VXS_CODING_BLOCKS          2u
 #define VXS_OUTSIDE                (-1.0f)
 #define VXS_FILTER_MAX             17
-#define VXS_SMOOTH                 256
 
 /* A shader may define what all of its lights have in common, as plain numbers: code for others is then not compiled.
  *     VXS_ONLY_KIND    the kind of light, 1 to 3;   VXS_ONLY_CUBE  1: six maps, 0: one map
  *     VXS_ONLY_CODING  the coding of the words, 1 or 2
- *     VXS_ONLY_FILTER  filter_px of all lookups */
+ *     VXS_ONLY_WIDTH   width_px of all filters, odd if they are not smooth;   VXS_ONLY_SMOOTH  1: they are smooth, 0: not */
 #ifdef VXS_ONLY_KIND
 #define VXS_KIND(light) VXS_U(VXS_ONLY_KIND)
 #else
@@ -134,10 +154,15 @@ struct vxs_light_constants {
 #else
 #define VXS_CODING(light) VXS_FIELD(light, coding)
 #endif
-#ifdef VXS_ONLY_FILTER
-#define VXS_FILTER(filter_px) (VXS_ONLY_FILTER)
+#ifdef VXS_ONLY_WIDTH
+#define VXS_WIDTH(width_px) (VXS_ONLY_WIDTH)
 #else
-#define VXS_FILTER(filter_px) (filter_px)
+#define VXS_WIDTH(width_px) (width_px)
+#endif
+#ifdef VXS_ONLY_SMOOTH
+#define VXS_IS_SMOOTH(pcf) (VXS_ONLY_SMOOTH != 0)
+#else
+#define VXS_IS_SMOOTH(pcf) ((pcf).is_smooth != 0)
 #endif
 
 /* maps ------------------------------------------------------------------------------------------------------------------------ */
@@ -219,13 +244,11 @@ VXS_FN void vxs_ls_from_ws(VXS_LIGHT light, const vxs_real3 ws, vxs_real one, VX
     ls[2] = vxs_ls_coordinate(light, 2, ws, one);
 }
 
-/* Width of filter_px: K for a box of K x K texels, VXS_SMOOTH + K for a smooth one. Any number is allowed: K is clamped to 1
- * to VXS_FILTER_MAX. The box that is not smooth is centred on a texel; for it an even K becomes the next odd number. */
-VXS_FN vxs_i32 vxs_filter_width(vxs_i32 filter_px)
+/* Width of a filter: 1 to VXS_FILTER_MAX, odd if the filter is not smooth. */
+VXS_FN vxs_i32 vxs_filter_width(vxs_filter pcf)
 {
-    vxs_i32 width = filter_px < VXS_SMOOTH ? filter_px : filter_px - VXS_SMOOTH;
-    width         = width < 1 ? 1 : width > VXS_FILTER_MAX ? VXS_FILTER_MAX : width;
-    return filter_px < VXS_SMOOTH ? width | 1 : width;
+    vxs_i32 width = pcf.width_px < 1 ? 1 : pcf.width_px > VXS_FILTER_MAX ? VXS_FILTER_MAX : pcf.width_px;
+    return VXS_IS_SMOOTH(pcf) ? width : width | 1;
 }
 
 /* The place of a lookup. */
@@ -245,9 +268,9 @@ VXS_FN vxs_i32 vxs_clamped(vxs_real coordinate)
 }
 
 /* Position of a coordinate in its texel, in 1/256 texel; 0 if the filter is not smooth. */
-VXS_FN vxs_u32 vxs_within(vxs_real coordinate, vxs_i32 filter_px)
+VXS_FN vxs_u32 vxs_within(vxs_real coordinate, vxs_filter pcf)
 {
-    if (filter_px < VXS_SMOOTH) return 0u;
+    if (!VXS_IS_SMOOTH(pcf)) return 0u;
     vxs_real part = 256.0 * (coordinate - vxs_floor(coordinate));
     if (!(part > 0.0)) return 0u;
     return part < 255.0 ? VXS_U(part) : 255u;
@@ -283,24 +306,24 @@ VXS_FN vxs_u32 vxs_within(vxs_real coordinate, vxs_i32 filter_px)
 
 /* Distance from the middle of a filter to its last tap along one axis, in texels: the average over positions of the middle.
  * The maximum is half a texel more. */
-VXS_FN vxs_real vxs_filter_reach(vxs_i32 filter_px)
+VXS_FN vxs_real vxs_filter_reach(vxs_filter pcf)
 {
-    vxs_real half_px = 0.5 * VXS_REAL(vxs_filter_width(filter_px));
-    return filter_px < VXS_SMOOTH ? half_px - 0.5 : half_px;
+    vxs_real half_px = 0.5 * VXS_REAL(vxs_filter_width(pcf));
+    return VXS_IS_SMOOTH(pcf) ? half_px : half_px - 0.5;
 }
 
 /* Position of a point between two taps of its filter: -0.5 to 0.5 texels; 0, the middle of the texel, if the filter is not
  * smooth. On the near side the last tap is farther than vxs_filter_reach by this distance; on the other side it is nearer. */
-VXS_FN vxs_real vxs_between_taps(vxs_real at, vxs_i32 filter_px)
+VXS_FN vxs_real vxs_between_taps(vxs_real at, vxs_filter pcf)
 {
-    vxs_real first = filter_px < VXS_SMOOTH ? at : at - 0.5 * VXS_REAL(vxs_filter_width(filter_px));
+    vxs_real first = VXS_IS_SMOOTH(pcf) ? at - 0.5 * VXS_REAL(vxs_filter_width(pcf)) : at;
     return first - vxs_floor(first) - 0.5;
 }
 
 /* The voxel for the lookup of a point of a surface.
  * at      the point: texels, texels, voxels
  * normal  in texels, as above; of any length; no step if it is zero, or if one of its numbers is NaN */
-VXS_FN void vxs_biased_voxel(VXS_LIGHT light, const vxs_real3 at, const vxs_real3 normal, vxs_i32 filter_px, VXS_OUT vxs_int3 voxel)
+VXS_FN void vxs_biased_voxel(VXS_LIGHT light, const vxs_real3 at, const vxs_real3 normal, vxs_filter pcf, VXS_OUT vxs_int3 voxel)
 {
     voxel[0]        = vxs_clamped(vxs_floor(at[0]));
     voxel[1]        = vxs_clamped(vxs_floor(at[1]));
@@ -308,8 +331,8 @@ VXS_FN void vxs_biased_voxel(VXS_LIGHT light, const vxs_real3 at, const vxs_real
     vxs_real across = vxs_abs(normal[0]), down = vxs_abs(normal[1]), along = vxs_abs(normal[2]);
     if (!(across + down + along > 0.0)) return;
 
-    vxs_real reach = vxs_filter_reach(filter_px) + VXS_BIAS_SLACK, u = VXS_REAL(0.0), v = VXS_REAL(0.0);
-    vxs_real most = VXS_BIAS_ALONG * VXS_REAL(vxs_filter_width(filter_px)) * along;
+    vxs_real reach = vxs_filter_reach(pcf) + VXS_BIAS_SLACK, u = VXS_REAL(0.0), v = VXS_REAL(0.0);
+    vxs_real most = VXS_BIAS_ALONG * VXS_REAL(vxs_filter_width(pcf)) * along;
 
     /* Step across: the same for all points of a plane, so that edges of shadows keep their shape; up to half a texel too
      * short for some points. */
@@ -322,8 +345,8 @@ VXS_FN void vxs_biased_voxel(VXS_LIGHT light, const vxs_real3 at, const vxs_real
 
     /* Distance that is still missing for this point; with one more texel on each axis, it is at most the greatest step along
      * the light. */
-    vxs_real missing = reach * (across + down) + vxs_between_taps(at[0], filter_px) * normal[0] +
-                       vxs_between_taps(at[1], filter_px) * normal[1] - u * across - v * down;
+    vxs_real missing = reach * (across + down) + vxs_between_taps(at[0], pcf) * normal[0] +
+                       vxs_between_taps(at[1], pcf) * normal[1] - u * across - v * down;
     for (vxs_i32 n = 0; n < 2 && missing > most; n++) {
         vxs_i32 axis = across > down ? n : 1 - n;
         u += axis == 0 ? 1.0 : 0.0;
@@ -342,7 +365,7 @@ VXS_FN void vxs_biased_voxel(VXS_LIGHT light, const vxs_real3 at, const vxs_real
 
 /* world to voxel, by the kind of light ---------------------------------------------------------------------------------------- */
 
-VXS_FN vxs_place vxs_sun_place(VXS_LIGHT light, const vxs_real3 point_ws, const vxs_real3 normal_ws, vxs_i32 filter_px)
+VXS_FN vxs_place vxs_sun_place(VXS_LIGHT light, const vxs_real3 point_ws, const vxs_real3 normal_ws, vxs_filter pcf)
 {
     vxs_real3 ls, normal;
     vxs_place place;
@@ -350,9 +373,9 @@ VXS_FN vxs_place vxs_sun_place(VXS_LIGHT light, const vxs_real3 point_ws, const 
     vxs_ls_from_ws(light, point_ws, VXS_REAL(1.0), ls);
     vxs_ls_from_ws(light, normal_ws, VXS_REAL(0.0), normal);
     normal[2]    = normal[2] * (VXS_FIELD(light, voxel_metres) / VXS_FIELD(light, texel_metres));
-    place.across = vxs_within(ls[0], filter_px);
-    place.down   = vxs_within(ls[1], filter_px);
-    vxs_biased_voxel(light, ls, normal, filter_px, place.voxel);
+    place.across = vxs_within(ls[0], pcf);
+    place.down   = vxs_within(ls[1], pcf);
+    vxs_biased_voxel(light, ls, normal, pcf, place.voxel);
     place.map = 0;
     if (place.voxel[0] < 0 || place.voxel[1] < 0 || place.voxel[0] >= side || place.voxel[1] >= side) place.map = -1;
     if ((VXS_FIELD(light, flags) & VXS_LIGHT_BOUNDED) != 0u && (place.voxel[2] < 0 || place.voxel[2] >= side)) place.map = -1;
@@ -384,7 +407,7 @@ VXS_FN vxs_i32 vxs_texel_in_map(VXS_LIGHT light, vxs_i32 texel)
 
 /* Texels are z * texel_metres wide; voxels are z * voxel_metres deep, along the ray through the point: its direction is (p /
  * z, q / z, 1). */
-VXS_FN vxs_place vxs_punctual_place(VXS_LIGHT light, const vxs_real3 point_ws, const vxs_real3 normal_ws, vxs_i32 filter_px)
+VXS_FN vxs_place vxs_punctual_place(VXS_LIGHT light, const vxs_real3 point_ws, const vxs_real3 normal_ws, vxs_filter pcf)
 {
     vxs_real3 ls, normal_ls, p, normal, at;
     vxs_place place;
@@ -399,9 +422,9 @@ VXS_FN vxs_place vxs_punctual_place(VXS_LIGHT light, const vxs_real3 point_ws, c
     at[1]      = vxs_punctual_coordinate(light, p[1], z);
     at[2]      = log(z / VXS_FIELD(light, near_metres)) / VXS_FIELD(light, voxel_metres);
     normal[2] += normal[0] * (p[0] / z) + normal[1] * (p[1] / z);
-    place.across = vxs_within(at[0], filter_px);
-    place.down   = vxs_within(at[1], filter_px);
-    vxs_biased_voxel(light, at, normal, filter_px, place.voxel);
+    place.across = vxs_within(at[0], pcf);
+    place.down   = vxs_within(at[1], pcf);
+    vxs_biased_voxel(light, at, normal, pcf, place.voxel);
     place.voxel[0] = vxs_texel_in_map(light, place.voxel[0]);
     place.voxel[1] = vxs_texel_in_map(light, place.voxel[1]);
     place.map      = vxs_in_reach(light, ls) != 0 ? map : -1;
@@ -412,20 +435,20 @@ VXS_FN vxs_place vxs_punctual_place(VXS_LIGHT light, const vxs_real3 point_ws, c
  * point_ws   metres; in a shader, relative to the origin passed to vxs_light_constants_of
  * normal_ws  normal of the surface at the point, of any length: the place is moved off the surface, so that it does not
  *            shade itself (bias, above); (0, 0, 0) in the air
- * filter_px  the filter of the lookup, as for vxs_lit */
-VXS_FN vxs_place vxs_place_from_ws(VXS_LIGHT light, const vxs_real3 point_ws, const vxs_real3 normal_ws, vxs_i32 filter_px)
+ * pcf        the filter of the lookup, as for vxs_lit */
+VXS_FN vxs_place vxs_place_from_ws(VXS_LIGHT light, const vxs_real3 point_ws, const vxs_real3 normal_ws, vxs_filter pcf)
 {
     if (VXS_KIND(light) == VXS_LIGHT_KIND_DIRECTIONAL)
-        return vxs_sun_place(light, point_ws, normal_ws, filter_px);
+        return vxs_sun_place(light, point_ws, normal_ws, pcf);
     else /* if one kind is compiled, nothing follows what is returned */
-        return vxs_punctual_place(light, point_ws, normal_ws, filter_px);
+        return vxs_punctual_place(light, point_ws, normal_ws, pcf);
 }
 
 /* The voxel of vxs_place_from_ws. Returns its map. */
-VXS_FN vxs_i32 vxs_voxel_from_ws(VXS_LIGHT light, const vxs_real3 point_ws, const vxs_real3 normal_ws, vxs_i32 filter_px,
+VXS_FN vxs_i32 vxs_voxel_from_ws(VXS_LIGHT light, const vxs_real3 point_ws, const vxs_real3 normal_ws, vxs_filter pcf,
                                  VXS_OUT vxs_int3 voxel)
 {
-    vxs_place place = vxs_place_from_ws(light, point_ws, normal_ws, filter_px);
+    vxs_place place = vxs_place_from_ws(light, point_ws, normal_ws, pcf);
     voxel[0]        = place.voxel[0];
     voxel[1]        = place.voxel[1];
     voxel[2]        = place.voxel[2];
@@ -454,19 +477,19 @@ VXS_FN vxs_u32 vxs_shadow_tap(VXS_WORDS coded, VXS_LIGHT light, vxs_i32 map, vxs
         return vxs_shadow(coded, vxs_root_of(coded, light, map), VXS_FIELD(light, levels), VXS_U(i), VXS_U(j), k);
 }
 
-/* Number of the filter_px x filter_px texels centred on (i, j) of a map that are in shadow at depth k, [0, 2^levels).
+/* Number of the width_px x width_px texels centred on (i, j) of a map that are in shadow at depth k, [0, 2^levels).
  * coded  the words of the light
- * i, j   in the map if filter_px is 1, else as for vxs_shadow_count;   filter_px  odd, 1 to VXS_FILTER_MAX */
-VXS_FN vxs_u32 vxs_shadow_taps(VXS_WORDS coded, VXS_LIGHT light, vxs_i32 map, vxs_i32 i, vxs_i32 j, vxs_u32 k, vxs_i32 filter_px)
+ * i, j   in the map if width_px is 1, else as for vxs_shadow_count;   width_px  odd, 1 to VXS_FILTER_MAX */
+VXS_FN vxs_u32 vxs_shadow_taps(VXS_WORDS coded, VXS_LIGHT light, vxs_i32 map, vxs_i32 i, vxs_i32 j, vxs_u32 k, vxs_i32 width_px)
 {
     vxs_u32 levels = VXS_FIELD(light, levels);
-    if (VXS_FILTER(filter_px) == 1) return vxs_shadow_tap(coded, light, map, i, j, k);
+    if (VXS_WIDTH(width_px) == 1) return vxs_shadow_tap(coded, light, map, i, j, k);
 #ifdef VXS_LOOKUP_BLOCKS_H
     else if (VXS_CODING(light) == VXS_CODING_BLOCKS)
-        return vxs_blocks_shadow_count(coded, VXS_U(map), levels, i, j, k, filter_px);
+        return vxs_blocks_shadow_count(coded, VXS_U(map), levels, i, j, k, width_px);
 #endif
     else
-        return vxs_shadow_count(coded, vxs_root_of(coded, light, map), levels, i, j, k, filter_px);
+        return vxs_shadow_count(coded, vxs_root_of(coded, light, map), levels, i, j, k, width_px);
 }
 
 /* Shadowed part of a smooth box of width_px x width_px texels around a place of a map at depth k, [0, 2^levels), in units of
@@ -484,23 +507,23 @@ VXS_FN vxs_u32 vxs_shadow_part(VXS_WORDS coded, VXS_LIGHT light, vxs_place place
 }
 
 /* The lit fraction, 0 to 1, of a filter around a place whose map is not -1. In front of the map all is lit; behind the map
- * the answer is that of its last voxels. filter_px as for vxs_lit. */
-VXS_FN vxs_real vxs_lit_at_place(VXS_WORDS coded, VXS_LIGHT light, vxs_place place, vxs_i32 filter_px)
+ * the answer is that of its last voxels. pcf as for vxs_lit. */
+VXS_FN vxs_real vxs_lit_at_place(VXS_WORDS coded, VXS_LIGHT light, vxs_place place, vxs_filter pcf)
 {
-    vxs_i32 last = (VXS_I(1) << VXS_FIELD(light, levels)) - 1, width = vxs_filter_width(filter_px);
+    vxs_i32 last = (VXS_I(1) << VXS_FIELD(light, levels)) - 1, width = vxs_filter_width(pcf);
     if (place.voxel[2] < 0) return VXS_REAL(1.0);
     vxs_u32 k = VXS_U(place.voxel[2] < last ? place.voxel[2] : last), all = VXS_U(width * width), dark;
-    if (VXS_FILTER(filter_px) < VXS_SMOOTH) {
-        dark = vxs_shadow_taps(coded, light, place.map, place.voxel[0], place.voxel[1], k, width);
-    } else {
+    if (VXS_IS_SMOOTH(pcf)) {
         dark = vxs_shadow_part(coded, light, place, k, width);
         all *= 65536u;
+    } else {
+        dark = vxs_shadow_taps(coded, light, place.map, place.voxel[0], place.voxel[1], k, width);
     }
     return VXS_REAL(all - dark) / VXS_REAL(all);
 }
 
 /* The same around the middle of a voxel of a map. */
-VXS_FN vxs_real vxs_lit_at_voxel(VXS_WORDS coded, VXS_LIGHT light, vxs_i32 map, const vxs_int3 voxel, vxs_i32 filter_px)
+VXS_FN vxs_real vxs_lit_at_voxel(VXS_WORDS coded, VXS_LIGHT light, vxs_i32 map, const vxs_int3 voxel, vxs_filter pcf)
 {
     vxs_place place;
     place.map      = map;
@@ -509,32 +532,31 @@ VXS_FN vxs_real vxs_lit_at_voxel(VXS_WORDS coded, VXS_LIGHT light, vxs_i32 map, 
     place.voxel[2] = voxel[2];
     place.across   = 128u;
     place.down     = 128u;
-    return vxs_lit_at_place(coded, light, place, filter_px);
+    return vxs_lit_at_place(coded, light, place, pcf);
 }
 
 /* The lit fraction around a point; VXS_OUTSIDE if it is outside the volume of the light. Point and normal as for
  * vxs_place_from_ws.
- * filter_px  K, odd: a box PCF of the K x K texels around the texel of the point; VXS_SMOOTH + K, K even or odd: a box of
- *            the same width around the point itself; other numbers: see vxs_filter_width */
-VXS_FN vxs_real vxs_lit(VXS_WORDS coded, VXS_LIGHT light, const vxs_real3 point_ws, const vxs_real3 normal_ws, vxs_i32 filter_px)
+ * pcf  vxs_box(K) or vxs_smooth(K) */
+VXS_FN vxs_real vxs_lit(VXS_WORDS coded, VXS_LIGHT light, const vxs_real3 point_ws, const vxs_real3 normal_ws, vxs_filter pcf)
 {
-    vxs_place place = vxs_place_from_ws(light, point_ws, normal_ws, filter_px);
+    vxs_place place = vxs_place_from_ws(light, point_ws, normal_ws, pcf);
     if (place.map < 0) return VXS_REAL(VXS_OUTSIDE);
-    return vxs_lit_at_place(coded, light, place, filter_px);
+    return vxs_lit_at_place(coded, light, place, pcf);
 }
 
 /* Whether vxs_lit_at_place is exact for these arguments: 1; 0 if pages that it needs are missing and its answer is coarse. */
-VXS_FN vxs_i32 vxs_is_full_at_place(VXS_WORDS coded, VXS_LIGHT light, vxs_place place, vxs_i32 filter_px)
+VXS_FN vxs_i32 vxs_is_full_at_place(VXS_WORDS coded, VXS_LIGHT light, vxs_place place, vxs_filter pcf)
 {
 #ifdef VXS_LOOKUP_BLOCKS_H
     vxs_u32 levels = VXS_FIELD(light, levels), map = VXS_U(place.map);
-    vxs_i32 last = (VXS_I(1) << levels) - 1, width = vxs_filter_width(filter_px), i = place.voxel[0], j = place.voxel[1];
+    vxs_i32 last = (VXS_I(1) << levels) - 1, width = vxs_filter_width(pcf), i = place.voxel[0], j = place.voxel[1];
     if (VXS_CODING(light) != VXS_CODING_BLOCKS || place.voxel[2] < 0) return 1;
     vxs_u32 k = VXS_U(place.voxel[2] < last ? place.voxel[2] : last);
-    if (VXS_FILTER(filter_px) < VXS_SMOOTH)
-        return VXS_I(vxs_blocks_is_full(coded, map, levels, i, j, k, width));
-    else
+    if (VXS_IS_SMOOTH(pcf))
         return VXS_I(vxs_blocks_weight_is_full(coded, map, levels, i, j, place.across, place.down, k, width));
+    else
+        return VXS_I(vxs_blocks_is_full(coded, map, levels, i, j, k, width));
 #else
     return 1;
 #endif
@@ -542,10 +564,10 @@ VXS_FN vxs_i32 vxs_is_full_at_place(VXS_WORDS coded, VXS_LIGHT light, vxs_place 
 
 /* The same for vxs_lit. 1 outside the volume of the light. */
 VXS_FN vxs_i32 vxs_lit_is_full(VXS_WORDS coded, VXS_LIGHT light, const vxs_real3 point_ws, const vxs_real3 normal_ws,
-                               vxs_i32 filter_px)
+                               vxs_filter pcf)
 {
-    vxs_place place = vxs_place_from_ws(light, point_ws, normal_ws, filter_px);
-    return place.map < 0 ? 1 : vxs_is_full_at_place(coded, light, place, filter_px);
+    vxs_place place = vxs_place_from_ws(light, point_ws, normal_ws, pcf);
+    return place.map < 0 ? 1 : vxs_is_full_at_place(coded, light, place, pcf);
 }
 
 /* voxel to world -------------------------------------------------------------------------------------------------------------- */

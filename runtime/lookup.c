@@ -14,9 +14,9 @@
 
 static const double zero[3] = {0, 0, 0}; /* no normal; also the origin of the world */
 
-int vxs_voxel(const vxs_light *light, const double point_ws[3], const double normal_ws[3], int filter_px, int32_t voxel[3])
+int vxs_voxel(const vxs_light *light, const double point_ws[3], const double normal_ws[3], vxs_filter filter, int32_t voxel[3])
 {
-    return vxs_voxel_from_ws(light, point_ws, normal_ws ? normal_ws : zero, filter_px, voxel);
+    return vxs_voxel_from_ws(light, point_ws, normal_ws ? normal_ws : zero, filter, voxel);
 }
 
 void vxs_point(const vxs_light *light, int map, const double coordinates[3], double point_ws[3])
@@ -25,25 +25,23 @@ void vxs_point(const vxs_light *light, int map, const double coordinates[3], dou
     vxs_ws_from_voxel(light, map < 0 ? 0 : map < last ? map : last, coordinates, point_ws);
 }
 
-float vxs_lookup(const vxs_baked_light *baked, const double point_ws[3], const double normal_ws[3], int filter_px)
+float vxs_lookup(const vxs_baked_light *baked, const double point_ws[3], const double normal_ws[3], vxs_filter filter)
 {
-    return (float)vxs_lit(baked->words, &baked->light, point_ws, normal_ws ? normal_ws : zero, filter_px);
+    return (float)vxs_lit(baked->words, &baked->light, point_ws, normal_ws ? normal_ws : zero, filter);
 }
 
-int vxs_lookup_is_full(const vxs_baked_light *baked, const double point_ws[3], const double normal_ws[3], int filter_px)
+int vxs_lookup_is_full(const vxs_baked_light *baked, const double point_ws[3], const double normal_ws[3], vxs_filter filter)
 {
-    return vxs_lit_is_full(baked->words, &baked->light, point_ws, normal_ws ? normal_ws : zero, filter_px);
+    return vxs_lit_is_full(baked->words, &baked->light, point_ws, normal_ws ? normal_ws : zero, filter);
 }
 
-void vxs_lookup_many(const vxs_baked_light *baked, const double *points_ws, const double *normals_ws, size_t count, int filter_px,
-                     float *lit)
+void vxs_lookup_many(const vxs_baked_light *baked, const double *points_ws, const double *normals_ws, size_t count,
+                     vxs_filter filter, float *lit)
 {
-    vxs_lookup_batch(baked, 1,
-                     &(vxs_batch){.points_ws  = {.data = points_ws},
-                                  .normals_ws = {.data = normals_ws},
-                                  .count      = count,
-                                  .filter_px  = filter_px,
-                                  .lit        = lit});
+    vxs_lookup_batch(
+        baked, 1,
+        &(vxs_batch){
+            .points_ws = {.data = points_ws}, .normals_ws = {.data = normals_ws}, .count = count, .filter = filter, .lit = lit});
 }
 
 float vxs_smoke_lookup(const vxs_light *light, const vxs_baked_smoke *smoke, const double point_ws[3])

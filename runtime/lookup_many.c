@@ -52,10 +52,10 @@ static inline vxs_lanes times_row(const double *m, const coordinates *c, int n, 
 }
 
 /* As vxs_between_taps. floors  of `at` */
-static inline vxs_lanes between_taps(vxs_lanes at, vxs_lanes floors, int filter_px)
+static inline vxs_lanes between_taps(vxs_lanes at, vxs_lanes floors, vxs_filter filter)
 {
-    if (filter_px < VXS_SMOOTH) return at - floors - vxs_lanes_of(0.5);
-    vxs_lanes first = at - vxs_lanes_of(0.5 * vxs_filter_width(filter_px));
+    if (!filter.is_smooth) return at - floors - vxs_lanes_of(0.5);
+    vxs_lanes first = at - vxs_lanes_of(0.5 * vxs_filter_width(filter));
     return first - vxs_small_floor(first) - vxs_lanes_of(0.5);
 }
 
@@ -67,32 +67,32 @@ typedef struct sun_points {
     double missing[CHUNK], across[2][CHUNK]; /* steps across the map */
 } sun_points;
 
-static void step_across(sun_points *p, int filter_px)
+static void step_across(sun_points *p, vxs_filter filter)
 {
     const vxs_lanes zero = vxs_lanes_of(0), half = vxs_lanes_of(0.5);
     for (int n = 0; n < CHUNK; n += VXS_LANES) {
         vxs_lanes i = vxs_load(p->normal[0] + n), j = vxs_load(p->normal[1] + n), across = vxs_abs_lanes(i),
                   down   = vxs_abs_lanes(j);
-        vxs_lanes most   = vxs_lanes_of(VXS_BIAS_ALONG * vxs_filter_width(filter_px)) * vxs_abs_lanes(vxs_load(p->normal[2] + n));
-        vxs_lanes reach  = vxs_lanes_of(vxs_filter_reach(filter_px) + VXS_BIAS_SLACK) * (across + down);
+        vxs_lanes most   = vxs_lanes_of(VXS_BIAS_ALONG * vxs_filter_width(filter)) * vxs_abs_lanes(vxs_load(p->normal[2] + n));
+        vxs_lanes reach  = vxs_lanes_of(vxs_filter_reach(filter) + VXS_BIAS_SLACK) * (across + down);
         vxs_lanes beyond = reach - most;
         beyond           = vxs_keep(beyond > zero, beyond / (across * across + down * down));
         vxs_lanes u = vxs_small_floor(beyond * across + half), v = vxs_small_floor(beyond * down + half);
-        vxs_lanes first  = between_taps(vxs_load(p->at[0] + n), vxs_load(p->voxel[0] + n), filter_px);
-        vxs_lanes second = between_taps(vxs_load(p->at[1] + n), vxs_load(p->voxel[1] + n), filter_px);
+        vxs_lanes first  = between_taps(vxs_load(p->at[0] + n), vxs_load(p->voxel[0] + n), filter);
+        vxs_lanes second = between_taps(vxs_load(p->at[1] + n), vxs_load(p->voxel[1] + n), filter);
         vxs_store(p->missing + n, reach + first * i + second * j - u * across - v * down);
         vxs_store(p->across[0] + n, u);
         vxs_store(p->across[1] + n, v);
     }
 }
 
-static void step_farther(sun_points *p, int filter_px)
+static void step_farther(sun_points *p, vxs_filter filter)
 {
     const vxs_lanes one = vxs_lanes_of(1);
     for (int n = 0; n < CHUNK; n += VXS_LANES) {
         vxs_lanes i = vxs_load(p->normal[0] + n), j = vxs_load(p->normal[1] + n), across = vxs_abs_lanes(i),
                   down    = vxs_abs_lanes(j);
-        vxs_lanes most    = vxs_lanes_of(VXS_BIAS_ALONG * vxs_filter_width(filter_px)) * vxs_abs_lanes(vxs_load(p->normal[2] + n));
+        vxs_lanes most    = vxs_lanes_of(VXS_BIAS_ALONG * vxs_filter_width(filter)) * vxs_abs_lanes(vxs_load(p->normal[2] + n));
         vxs_lanes missing = vxs_load(p->missing + n), u = vxs_load(p->across[0] + n), v = vxs_load(p->across[1] + n);
         for (int axis = 0; axis < 2; axis++) {
             vxs_lane_mask more = missing > most, first = axis ? across <= down : across > down;
@@ -124,7 +124,8 @@ static void step_along(const vxs_light *light, sun_points *p)
 /* Voxels of a chunk in a directional light, as vxs_sun_place. Returns 0 when a coordinate is NaN, or so large that vxs_sun_place
  * would clamp it; then `out` has no meaning.
  * normals  NULL: none */
-static int find_voxels(const vxs_light *light, const coordinates *points, const coordinates *normals, int filter_px, places *out)
+static int find_voxels(const vxs_light *light, const coordinates *points, const coordinates *normals, vxs_filter filter,
+                       places *out)
 {
     const vxs_lanes limit = vxs_lanes_of(1 << 29), depth = vxs_lanes_of(light->voxel_metres / light->texel_metres);
     vxs_lane_mask   small = vxs_lanes_of(0) < limit; /* all ones */
@@ -135,7 +136,7 @@ static int find_voxels(const vxs_light *light, const coordinates *points, const 
             small &= vxs_abs_lanes(at) < limit;
             vxs_store(p.at[row] + n, at);
             vxs_store(p.voxel[row] + n, floors);
-            if (row < 2 && filter_px >= VXS_SMOOTH) {
+            if (row < 2 && filter.is_smooth) {
                 /* as vxs_within */
                 uint8_t *within = out->within[row] + n;
                 double   part[VXS_LANES];
@@ -149,8 +150,8 @@ static int find_voxels(const vxs_light *light, const coordinates *points, const 
             vxs_store(p.normal[row] + n, row < 2 ? normal : normal * depth);
         }
     if (normals) {
-        step_across(&p, filter_px);
-        step_farther(&p, filter_px);
+        step_across(&p, filter);
+        step_farther(&p, filter);
         step_along(light, &p);
     }
     for (int row = 0; row < 3; row++)
@@ -162,12 +163,12 @@ static int find_voxels(const vxs_light *light, const coordinates *points, const 
 }
 
 /* normals  NULL: none */
-static void find_places(const vxs_light *light, const coordinates *points, const coordinates *normals, size_t count, int filter_px,
-                        places *out)
+static void find_places(const vxs_light *light, const coordinates *points, const coordinates *normals, size_t count,
+                        vxs_filter filter, places *out)
 {
     int     sun = light->kind == VXS_LIGHT_KIND_DIRECTIONAL, bounded = (light->flags & VXS_LIGHT_BOUNDED) != 0;
     int32_t side  = 1 << light->levels;
-    int     alike = sun && find_voxels(light, points, normals, filter_px, out);
+    int     alike = sun && find_voxels(light, points, normals, filter, out);
     for (size_t n = 0; n < count && !alike; n++) {
         /* as for a single lookup */
         double point[3], normal[3];
@@ -175,7 +176,7 @@ static void find_places(const vxs_light *light, const coordinates *points, const
             point[axis]  = points->at[axis][n];
             normal[axis] = normals ? normals->at[axis][n] : 0;
         }
-        vxs_place place = vxs_place_from_ws(light, point, normal, filter_px);
+        vxs_place place = vxs_place_from_ws(light, point, normal, filter);
         for (int axis = 0; axis < 3; axis++) out->at[axis][n] = place.voxel[axis];
         out->map[n]       = place.map;
         out->within[0][n] = (uint8_t)place.across;
@@ -190,13 +191,13 @@ static void find_places(const vxs_light *light, const coordinates *points, const
 /* lookups --------------------------------------------------------------------------------------------------------------------- */
 
 /* Lit fraction at a place, as vxs_lit. */
-static float lit_at(vxs_taps *taps, const places *p, size_t n, int filter_px)
+static float lit_at(vxs_taps *taps, const places *p, size_t n, vxs_filter filter)
 {
-    int32_t last = (1 << taps->baked->light.levels) - 1, width = vxs_filter_width(filter_px);
+    int32_t last = (1 << taps->baked->light.levels) - 1, width = vxs_filter_width(filter);
     if (p->map[n] < 0) return VXS_OUTSIDE;
     if (p->at[2][n] < 0) return 1;
     uint32_t k = (uint32_t)(p->at[2][n] < last ? p->at[2][n] : last), all = (uint32_t)(width * width), dark;
-    if (filter_px < VXS_SMOOTH) {
+    if (!filter.is_smooth) {
         dark = vxs_taps_at(taps, p->map[n], p->at[0][n], p->at[1][n], k, width);
     } else {
         vxs_place place = {p->map[n], {p->at[0][n], p->at[1][n], p->at[2][n]}, p->within[0][n], p->within[1][n]};
@@ -227,9 +228,9 @@ vxs_result vxs_lookup_batch(const vxs_baked_light *lights, uint32_t light_count,
             size_t count = b.count - first < CHUNK ? b.count - first : CHUNK;
             read_vectors(&b.points_ws, first, count, &points);
             if (some) read_vectors(&b.normals_ws, first, count, &normals);
-            find_places(&lights[n].light, &points, some, count, b.filter_px, &p);
+            find_places(&lights[n].light, &points, some, count, b.filter, &p);
             for (size_t k = 0; k < count; k++, lit += stride) {
-                float found = lit_at(&taps, &p, k, b.filter_px);
+                float found = lit_at(&taps, &p, k, b.filter);
                 memcpy(lit, &found, sizeof found); /* to an address of any alignment */
             }
         }

@@ -67,22 +67,22 @@ static int keep_tile(vxs_tap_cache *c, uint32_t map, int32_t tile_x, int32_t til
     return 1;
 }
 
-/* Count the texels in a square of filter_px x filter_px texels of the cache whose depth is less than k. Rows wrap around at the
+/* Count the texels in a square of width_px x width_px texels of the cache whose depth is less than k. Rows wrap around at the
  * end of the cache. */
 #ifdef VXS_VECTORS
 
 typedef int16_t eight __attribute__((vector_size(16), aligned(2), may_alias));
 
 /* Compares eight texels of a row at once; texels beyond the square are read but not counted. */
-static inline uint32_t count_texels(const int16_t *depths, int32_t column, int32_t row, int32_t filter_px, int32_t k)
+static inline uint32_t count_texels(const int16_t *depths, int32_t column, int32_t row, int32_t width_px, int32_t k)
 {
     static const eight lane = {0, 1, 2, 3, 4, 5, 6, 7};
     eight              sum = {0}, limit = sum + (int16_t)k;
-    for (int32_t x = 0; x < filter_px; x += 8) {
+    for (int32_t x = 0; x < width_px; x += 8) {
         eight strip = {0};
-        for (int32_t y = 0; y < filter_px; y++)
+        for (int32_t y = 0; y < width_px; y++)
             strip -= *(const eight *)(depths + ((row + y) & (VXS_CACHE_PX - 1)) * VXS_CACHE_PITCH + column + x) < limit;
-        sum += strip & (lane < (int16_t)(filter_px - x));
+        sum += strip & (lane < (int16_t)(width_px - x));
     }
     uint64_t two[2];
     memcpy(two, &sum, sizeof two);
@@ -117,12 +117,11 @@ static inline uint32_t weigh_texels(const int16_t *depths, int32_t column, vxs_s
 
 #else
 
-static inline uint32_t count_texels(const int16_t *depths, int32_t column, int32_t row, int32_t filter_px, int32_t k)
+static inline uint32_t count_texels(const int16_t *depths, int32_t column, int32_t row, int32_t width_px, int32_t k)
 {
     uint32_t count = 0;
-    for (int32_t y = 0; y < filter_px; y++)
-        for (int32_t x = 0; x < filter_px; x++)
-            count += depths[((row + y) & (VXS_CACHE_PX - 1)) * VXS_CACHE_PITCH + column + x] < k;
+    for (int32_t y = 0; y < width_px; y++)
+        for (int32_t x = 0; x < width_px; x++) count += depths[((row + y) & (VXS_CACHE_PX - 1)) * VXS_CACHE_PITCH + column + x] < k;
     return count;
 }
 
@@ -137,9 +136,9 @@ static inline uint32_t weigh_texels(const int16_t *depths, int32_t column, vxs_s
 
 #endif
 
-static uint32_t walked(const vxs_tap_cache *c, uint32_t map, int32_t i, int32_t j, int32_t k, int32_t filter_px)
+static uint32_t walked(const vxs_tap_cache *c, uint32_t map, int32_t i, int32_t j, int32_t k, int32_t width_px)
 {
-    return vxs_shadow_taps(c->baked->words, &c->baked->light, (int32_t)map, i, j, (uint32_t)k, filter_px);
+    return vxs_shadow_taps(c->baked->words, &c->baked->light, (int32_t)map, i, j, (uint32_t)k, width_px);
 }
 
 /* A lookup in the cache earns credit, which pays for tiles. */
@@ -182,26 +181,26 @@ static inline kind look_at_tiles(vxs_tap_cache *c, uint32_t map, texels box, int
     return k <= least ? LIT : k > greatest ? DARK : MIXED;
 }
 
-uint32_t vxs_cached_taps(vxs_tap_cache *c, uint32_t map, int32_t i, int32_t j, int32_t k, int32_t filter_px)
+uint32_t vxs_cached_taps(vxs_tap_cache *c, uint32_t map, int32_t i, int32_t j, int32_t k, int32_t width_px)
 {
-    int32_t half_px = filter_px / 2, last = (1 << c->baked->light.levels) - 1 - half_px, x0 = i - half_px, y0 = j - half_px;
+    int32_t half_px = width_px / 2, last = (1 << c->baked->light.levels) - 1 - half_px, x0 = i - half_px, y0 = j - half_px;
     if (c->rest > 0) {
         c->rest--;
-        return walked(c, map, i, j, k, filter_px);
+        return walked(c, map, i, j, k, width_px);
     }
-    if (x0 < 0 || y0 < 0 || i > last || j > last) return walked(c, map, i, j, k, filter_px);
+    if (x0 < 0 || y0 < 0 || i > last || j > last) return walked(c, map, i, j, k, width_px);
 
     earn(c);
-    if (filter_px == 1) {
+    if (width_px == 1) {
         if (!have_tile(c, map, i >> 3, j >> 3, PRICE_FOR_TAP)) return walked(c, map, i, j, k, 1);
         return c->depth[(j & (VXS_CACHE_PX - 1)) * VXS_CACHE_PITCH + (i & (VXS_CACHE_PX - 1))] < k;
     }
     kind found = look_at_tiles(c, map, (texels){x0, y0, i + half_px, j + half_px}, k);
-    if (found == MISSING) return walked(c, map, i, j, k, filter_px);
-    if (found != MIXED) return found == DARK ? (uint32_t)(filter_px * filter_px) : 0;
+    if (found == MISSING) return walked(c, map, i, j, k, width_px);
+    if (found != MIXED) return found == DARK ? (uint32_t)(width_px * width_px) : 0;
     int32_t column = x0 & (VXS_CACHE_PX - 1);
-    if (filter_px == 9) return count_texels(c->depth, column, y0, 9, k); /* the most common size: loops with constant bounds */
-    return count_texels(c->depth, column, y0, filter_px, k);
+    if (width_px == 9) return count_texels(c->depth, column, y0, 9, k); /* the most common size: loops with constant bounds */
+    return count_texels(c->depth, column, y0, width_px, k);
 }
 
 uint32_t vxs_cached_part(vxs_tap_cache *c, vxs_place place, int32_t k, int32_t width_px)
@@ -280,9 +279,9 @@ uint32_t vxs_dag_path_shadow(vxs_dag_path *path, uint32_t i, uint32_t j, uint32_
     return (j & 4 ? mask.high : mask.low) >> ((i & 7) + 8 * (j & 3)) & 1;
 }
 
-uint32_t vxs_dag_path_count(vxs_dag_path *path, int32_t i, int32_t j, uint32_t k, int32_t filter_px)
+uint32_t vxs_dag_path_count(vxs_dag_path *path, int32_t i, int32_t j, uint32_t k, int32_t width_px)
 {
-    int32_t  half_px = filter_px / 2, side = 1 << path->levels;
+    int32_t  half_px = width_px / 2, side = 1 << path->levels;
     int32_t  x0 = i < half_px ? 0 : i - half_px, y0 = j < half_px ? 0 : j - half_px;
     int32_t  x1 = i >= side - half_px ? side : i + half_px + 1, y1 = j >= side - half_px ? side : j + half_px + 1;
     uint32_t count = 0;

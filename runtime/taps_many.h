@@ -42,7 +42,7 @@ int vxs_tap_cache_serves(const vxs_baked_light *baked);
 void vxs_tap_cache_init(vxs_tap_cache *cache, const vxs_baked_light *baked);
 
 /* Same result as vxs_shadow_taps. i, j  any; k  [0, 2^levels) */
-uint32_t vxs_cached_taps(vxs_tap_cache *cache, uint32_t map, int32_t i, int32_t j, int32_t k, int32_t filter_px);
+uint32_t vxs_cached_taps(vxs_tap_cache *cache, uint32_t map, int32_t i, int32_t j, int32_t k, int32_t width_px);
 
 /* Same result as vxs_shadow_part. k  [0, 2^levels) */
 uint32_t vxs_cached_part(vxs_tap_cache *cache, vxs_place place, int32_t k, int32_t width_px);
@@ -64,7 +64,7 @@ void vxs_dag_path_init(vxs_dag_path *path, const vxs_baked_light *baked, uint32_
 
 /* Same results as vxs_shadow, vxs_shadow_count and vxs_shadow_weight. */
 uint32_t vxs_dag_path_shadow(vxs_dag_path *path, uint32_t i, uint32_t j, uint32_t k);
-uint32_t vxs_dag_path_count(vxs_dag_path *path, int32_t i, int32_t j, uint32_t k, int32_t filter_px);
+uint32_t vxs_dag_path_count(vxs_dag_path *path, int32_t i, int32_t j, uint32_t k, int32_t width_px);
 uint32_t vxs_dag_path_weight(vxs_dag_path *path, vxs_smooth_box box, uint32_t k, int32_t width_px);
 
 /* any coding -------------------------------------------------------------------------------------------------------------------- */
@@ -88,12 +88,12 @@ static inline void vxs_taps_init(vxs_taps *taps, const vxs_baked_light *baked)
 }
 
 /* Same result as vxs_shadow_taps. */
-static inline uint32_t vxs_taps_at(vxs_taps *taps, int32_t map, int32_t i, int32_t j, uint32_t k, int32_t filter_px)
+static inline uint32_t vxs_taps_at(vxs_taps *taps, int32_t map, int32_t i, int32_t j, uint32_t k, int32_t width_px)
 {
-    if (taps->cached) return vxs_cached_taps(&taps->kept.cache, (uint32_t)map, i, j, (int32_t)k, filter_px);
-    if (!taps->paths) return vxs_shadow_taps(taps->baked->words, &taps->baked->light, map, i, j, k, filter_px);
-    if (filter_px == 1) return vxs_dag_path_shadow(&taps->kept.path[map], (uint32_t)i, (uint32_t)j, k);
-    return vxs_dag_path_count(&taps->kept.path[map], i, j, k, filter_px);
+    if (taps->cached) return vxs_cached_taps(&taps->kept.cache, (uint32_t)map, i, j, (int32_t)k, width_px);
+    if (!taps->paths) return vxs_shadow_taps(taps->baked->words, &taps->baked->light, map, i, j, k, width_px);
+    if (width_px == 1) return vxs_dag_path_shadow(&taps->kept.path[map], (uint32_t)i, (uint32_t)j, k);
+    return vxs_dag_path_count(&taps->kept.path[map], i, j, k, width_px);
 }
 
 /* Same result as vxs_shadow_part. */

@@ -3,8 +3,8 @@
  *     vxs_asset *asset;
  *     if (vxs_asset_open_file(&asset, "level.vxs", NULL) != VXS_OK) ...
  *     const vxs_baked_light *sun = vxs_asset_light(asset, 0);
- *     float lit = vxs_lookup(sun, position_ws, normal_ws, 9);      // 9 x 9 PCF: 0 dark .. 1 lit, or VXS_OUTSIDE
- *     float lit = vxs_lookup(sun, position_ws, normal_ws, VXS_SMOOTH + 9);         // the same without steps of a texel
+ *     float lit = vxs_lookup(sun, position_ws, normal_ws, vxs_box(9));     // 9 x 9 PCF: 0 dark .. 1 lit, or VXS_OUTSIDE
+ *     float lit = vxs_lookup(sun, position_ws, normal_ws, vxs_smooth(9));  // the same without steps of a texel
  *     vxs_asset_close(asset);
  *
  * The library allocates memory in open functions only, never prints, never exits, and has no global state. An open asset is
@@ -80,16 +80,16 @@ const vxs_contents *vxs_asset_contents(const vxs_asset *asset);
  *            spot or point light overflows (about 1e154 m)
  * normal_ws  NULL, or the normal of the surface at the point, of any length. The voxel is moved off the surface (the bias) so
  *            that the surface does not shade itself, as far as the filter, the texel size and the voxel depth require: at most
- *            1.2 * (filter_px + 1) / 2 + 1 texels across the map, and 0.2 * filter_px texels and 2 voxels along the light. (0, 0,
+ *            1.2 * (width_px + 1) / 2 + 1 texels across the map, and 0.2 * width_px texels and 2 voxels along the light. (0, 0,
  *            0) or a normal with NaN does not move it. The moved voxel may leave the map of a directional light: then it is
  *            outside. In the maps of a spot or point light it is clamped
- * filter_px  filter of the lookup, as for vxs_lookup
+ * filter     of the lookup, as for vxs_lookup
  * voxel      [out] [0] and [1] texels, [2] depth; may be outside the map. Coordinates are clamped to +-2^30; NaN becomes -2^30
  * Returns the map of the voxel: 0, or 0 to 5 for a light with six maps (VXS_LIGHT_CUBE); -1 when the point is outside the light's
  * volume. The volume of a directional light is the prism over its map: all points in front of the map are lit, and points behind
  * it have the state of the map's last voxel. A bounded light (baked for a region) also ends at its near and far sides. The volume
  * of a spot or point light is its cone and range. */
-int vxs_voxel(const vxs_light *light, const double point_ws[3], const double normal_ws[3], int filter_px, int32_t voxel[3]);
+int vxs_voxel(const vxs_light *light, const double point_ws[3], const double normal_ws[3], vxs_filter filter, int32_t voxel[3]);
 
 /* Inverse of vxs_voxel: world-space point of light-space coordinates: texels u, v and depth in voxels, all fractional.
  * map  as vxs_voxel returns it; clamped to the maps of the light */
@@ -99,26 +99,21 @@ void vxs_point(const vxs_light *light, int map, const double coordinates[3], dou
  * baked      a light with its words, as from vxs_asset_light
  * point_ws   world space, metres; any numbers, as for vxs_voxel
  * normal_ws  NULL, or as for vxs_voxel
- * filter_px  K, odd, 1 (a single tap) to VXS_FILTER_MAX: a box PCF over the K x K texels centred at the point's texel ([CPVS16]
- *            5). The box moves in steps of whole texels, and so do shadow edges.
- *            VXS_SMOOTH + K, K even or odd, 1 to VXS_FILTER_MAX: a box of width K centred at the point itself. Its border texels
- *            count by the covered part, in 1/256 along each axis. At most 1/(256 K) of the result changes in one step.
- *            Other numbers are replaced: less than 1 by 1; K above VXS_FILTER_MAX, with or without VXS_SMOOTH, by VXS_FILTER_MAX;
- *            an even K without VXS_SMOOTH, whose box has no middle texel, by K + 1
+ * filter     vxs_box(K) or vxs_smooth(K), K from 1 to VXS_FILTER_MAX texels (vxs_file.h)
  * Returns [0, 1], never NaN, or VXS_OUTSIDE when the point is outside the light's volume (vxs_voxel). Texels outside the map are
  * lit. Maps of spot and point lights have a border, so that no filter leaves a map of 256 texels or more.
  * Cost: one walk of at most `levels` nodes for each tile of 8 x 8 texels that the filter touches. Threads: any. */
-float vxs_lookup(const vxs_baked_light *baked, const double point_ws[3], const double normal_ws[3], int filter_px);
+float vxs_lookup(const vxs_baked_light *baked, const double point_ws[3], const double normal_ws[3], vxs_filter filter);
 
 /* Returns 1 when the result of vxs_lookup is exact; 0 when a page that it needs is missing (vxs_stream.h), so that all taps are
  * coarse. Always 1 for an asset, which has all pages, and for a point outside the light's volume. Arguments and threads as for
  * vxs_lookup. */
-int vxs_lookup_is_full(const vxs_baked_light *baked, const double point_ws[3], const double normal_ws[3], int filter_px);
+int vxs_lookup_is_full(const vxs_baked_light *baked, const double point_ws[3], const double normal_ws[3], vxs_filter filter);
 
 /* vxs_lookup for many points.
  * points_ws  [3 * count];   normals_ws  [3 * count] or NULL;   lit  [out] [count] */
-void vxs_lookup_many(const vxs_baked_light *baked, const double *points_ws, const double *normals_ws, size_t count, int filter_px,
-                     float *lit);
+void vxs_lookup_many(const vxs_baked_light *baked, const double *points_ws, const double *normals_ws, size_t count,
+                     vxs_filter filter, float *lit);
 
 /* Transmittance of the baked smoke between the light and a point: 0 to 1, never NaN. Multiply vxs_lookup by it. Smoke is baked
  * only as far as light reaches; behind that depth the value has no meaning. It is interpolated between the four texels around the

@@ -2,7 +2,7 @@
  *
  *     vxs::asset asset;
  *     if (vxs::open(asset, "level.vxs") != VXS_OK) ...
- *     float lit = vxs_lookup(vxs_asset_light(asset.get(), 0), position_ws, normal_ws, 9);
+ *     float lit = vxs_lookup(vxs_asset_light(asset.get(), 0), position_ws, normal_ws, vxs_box(9));
  *
  * Public.
  * SPDX-License-Identifier: MIT */

@@ -38,7 +38,7 @@ typedef struct vxs_batch {
     vxs_vectors points_ws;   /* [count] as for vxs_lookup */
     vxs_vectors normals_ws;  /* [count]; data NULL: none */
     size_t      count;
-    int         filter_px; /* as for vxs_lookup */
+    vxs_filter  filter; /* as for vxs_lookup */
     float      *lit; /* [out] any alignment; result of point p and light n at byte p * lit_stride_bytes + n * light_stride_bytes */
     size_t      lit_stride_bytes;   /* 0: sizeof(float) */
     size_t      light_stride_bytes; /* 0: count * lit_stride_bytes: all points of one light, then of the next */

@@ -7,7 +7,7 @@
  *     for each frame:
  *         vxs_stream_focus eye = vxs_stream_camera(position_ws, 200);
  *         vxs_stream_frame(stream, &eye, 1, NULL);                  // decoded pages appear, missing pages are requested
- *         float lit = vxs_lookup(sun, position_ws, normal_ws, 9);   // any thread
+ *         float lit = vxs_lookup(sun, position_ws, normal_ws, vxs_box(9));   // any thread
  *     vxs_stream_close(stream);
  *
  * Open reads the data that all lookups need: the resident part of each light, with its coarse level. Lights of palette blocks

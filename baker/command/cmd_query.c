@@ -34,10 +34,10 @@ static const double *normal_of(const query_point *point)
 
 static int look_up(void *user, const query_point *point, float *lit)
 {
-    const query *q         = user;
-    int          filter_px = filter_px_of(&q->filter);
+    const query *q      = user;
+    vxs_filter   filter = filter_of(&q->filter);
     for (uint32_t n = 0; n < q->light_count; n++) {
-        *lit++ = vxs_lookup(q->lights[n], point->position_ws, normal_of(point), filter_px);
+        *lit++ = vxs_lookup(q->lights[n], point->position_ws, normal_of(point), filter);
         if (q->wants_smoke) *lit++ = vxs_smoke_lookup(&q->lights[n]->light, q->smoke[n], point->position_ws);
     }
     return 1;
@@ -47,7 +47,7 @@ static int is_full(const query *q, const query_point *point)
 {
     int full = 1;
     for (uint32_t n = 0; n < q->light_count && full; n++)
-        full = vxs_lookup_is_full(q->lights[n], point->position_ws, normal_of(point), filter_px_of(&q->filter));
+        full = vxs_lookup_is_full(q->lights[n], point->position_ws, normal_of(point), filter_of(&q->filter));
     return full;
 }
 

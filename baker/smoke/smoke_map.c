@@ -317,7 +317,7 @@ static int try_lookup(const maker *k, const uint32_t *words, size_t texel, rng *
     double  depth = path->depth[0] + part * (end - path->depth[0]);
     ray_of(k, t.map, t.x + x, t.y + y, from, way);
     vec3_mad(from, depth, way, ws);
-    if (end > path->depth[0] && vxs_lookup(k->baked, ws, NULL, 1) == 1)
+    if (end > path->depth[0] && vxs_lookup(k->baked, ws, NULL, vxs_box(1)) == 1)
         *off = fabs(vxs_smoke_left(words, light, ws) - exp(-smoke_path_thick(path, depth)));
     return 1;
 }

@@ -28,7 +28,7 @@ static void draw(const vxs_baked_light *sun, const double eye_ws[3], double metr
     for (int y = 0; y < HEIGHT; y++)
         for (int x = 0; x < WIDTH; x++) {
             double point[3] = {eye_ws[0] + metres * (x - WIDTH / 2) / WIDTH, 0.05, eye_ws[2] + metres * (y - HEIGHT / 2) / WIDTH};
-            float  lit      = vxs_lookup(sun, point, up, FILTER);
+            float  lit      = vxs_lookup(sun, point, up, vxs_box(FILTER));
             fputc(lit == VXS_OUTSIDE ? 0 : 55 + (int)(200 * lit), to);
         }
 }

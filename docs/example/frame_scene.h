@@ -39,7 +39,7 @@ static const char *const shade =
     "    vec4 at = point_from_depth * vec4(gl_FragCoord.xy / vec2(textureSize(depths, 0)), depth, 1.0);\n"
     "    vec3 ls; vxs_ls_from_ws(vxs_light_at(0u), at.xyz / at.w, 1.0, ls);\n"
     "    vec2 texel = ls.xy / exp2(float(vxs_light_at(0u).levels)) * vec2(textureSize(first_shadow, 0).xy);\n"
-    "    float lit = max(vxs_lit_by(0u, at.xyz / at.w, vec3(0, 1, 0), 5), 0.0) * texelFetch(smoke, pixel, 0).r\n"
+    "    float lit = max(vxs_lit_by(0u, at.xyz / at.w, vec3(0, 1, 0), vxs_box(5)), 0.0) * texelFetch(smoke, pixel, 0).r\n"
     "        * step(ls.z, texelFetch(first_shadow, ivec3(texel, 0), 0).r + 1.0 / vxs_light_at(0u).voxel_metres);\n"
     "    vec3 light = vec3(0.1, 0.12, 0.15) + lit * vec3(1.0, 0.95, 0.85) + texelFetch(screen, pixel, 0).rgb;\n"
     "    colour = vec4(depth > 0.0 ? 0.45 * light : vec3(0.3, 0.4, 0.5), 1.0); }\n";

@@ -22,8 +22,8 @@ double lit_around(const vxs_baked_light &light, const point &middle_ws, int &coa
     double      sum = 0;
     for (int n = 0; n < 256; n++) {
         const point at_ws{{middle_ws[0] + (n % 16 - 7.5) / 2, middle_ws[1], middle_ws[2] + (n / 16 - 7.5) / 2}};
-        const float lit = vxs_lookup(&light, at_ws.data(), up.data(), VXS_SMOOTH + 4);
-        coarse += !vxs_lookup_is_full(&light, at_ws.data(), up.data(), VXS_SMOOTH + 4);
+        const float lit = vxs_lookup(&light, at_ws.data(), up.data(), vxs_smooth(4));
+        coarse += !vxs_lookup_is_full(&light, at_ws.data(), up.data(), vxs_smooth(4));
         sum += lit == VXS_OUTSIDE ? 0 : lit;
     }
     return sum / 256;

@@ -4,7 +4,8 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(std430, binding = VXS_GL_AT_LISTS) writeonly restrict buffer vxs_lists_block { uint vxs_lists[]; };
 uniform highp sampler2D vxs_depths;
 uniform mat4 vxs_point_from_depth;
-uniform vec4 vxs_sizes; /* width, height, empty depth, filter */
+uniform vec4 vxs_sizes; /* width, height, empty depth, 0 */
+uniform vxs_filter vxs_widest; /* filter of the lookups */
 uniform uvec2 vxs_room; /* tiles in a row, lights in a list */
 
 shared vec3 vxs_low[64], vxs_high[64];
@@ -36,7 +37,7 @@ void main()
     uint lights = low.x <= high.x ? VXS_GL_LIGHT_COUNT : 0u;
     for (uint first = 0u; first < lights; first += 64u) {
         uint n = first + self;
-        bool meets = n < lights && vxs_light_meets_box(vxs_light_at(n), middle, half_size, int(vxs_sizes.w)) != 0;
+        bool meets = n < lights && vxs_light_meets_box(vxs_light_at(n), middle, half_size, vxs_widest) != 0;
         if (meets) atomicOr(vxs_met[self >> 5], 1u << (self & 31u));
         barrier();
         uint low_bits = vxs_met[0], high_bits = vxs_met[1], before = (1u << (self & 31u)) - 1u;

@@ -77,7 +77,7 @@ static void add_box(tile_box *b, const tile_box *other)
  * met   [out] [room] light indices; may be the same array as some
  * Returns how many lights meet the box; the first `room` of them are written. */
 static uint32_t choose_lights(const vxs_light_constants *lights, const uint32_t *some, uint32_t count, const tile_box *b,
-                              int32_t filter_px, uint32_t *met, uint32_t room)
+                              vxs_filter filter, uint32_t *met, uint32_t room)
 {
     float    middle[3], half_size[3];
     uint32_t found = 0;
@@ -87,7 +87,7 @@ static uint32_t choose_lights(const vxs_light_constants *lights, const uint32_t 
         half_size[n] = b->high[n] - middle[n];
     }
     for (uint32_t n = 0; n < count; n++) {
-        if (!vxs_light_meets_box(&lights[some[n]], middle, half_size, filter_px)) continue;
+        if (!vxs_light_meets_box(&lights[some[n]], middle, half_size, filter)) continue;
         if (found < room) met[found] = some[n];
         found++;
     }
@@ -110,16 +110,16 @@ static void find_boxes(tile_square *s, const vxs_view *view, const float *depths
 }
 
 /* Append those of lights [first, end) that meet a tile to the lists of a square's tiles. */
-static void list_lights(const vxs_light_constants *lights, uint32_t first, uint32_t end, const tile_square *s, int32_t filter_px,
+static void list_lights(const vxs_light_constants *lights, uint32_t first, uint32_t end, const tile_square *s, vxs_filter filter,
                         uint32_t *lists)
 {
     uint32_t some[SOME_LIGHTS], count = end - first, room = lists[2];
     for (uint32_t n = 0; n < count; n++) some[n] = first + n;
-    count = choose_lights(lights, some, count, &s->all, filter_px, some, count);
+    count = choose_lights(lights, some, count, &s->all, filter, some, count);
     for (uint32_t n = 0; n < s->columns * s->rows; n++) {
         uint64_t  tile = (uint64_t)(s->row + n / s->columns) * lists[0] + s->column + n % s->columns;
         uint32_t *list = lists + VXS_LISTS_HEAD + tile * ((uint64_t)room + 1), used = list[0] < room ? list[0] : room;
-        list[0] += choose_lights(lights, some, count, &s->boxes[n], filter_px, list + 1 + used, room - used);
+        list[0] += choose_lights(lights, some, count, &s->boxes[n], filter, list + 1 + used, room - used);
     }
 }
 
@@ -143,7 +143,7 @@ uint32_t vxs_cull(const vxs_light_constants *lights, uint32_t light_count, const
             find_boxes(&s, view, depths);
             for (uint32_t first = 0, end; first < light_count; first = end) {
                 end = first + less(light_count - first, SOME_LIGHTS);
-                list_lights(lights, first, end, &s, view->filter_px, lists);
+                list_lights(lights, first, end, &s, view->filter, lists);
             }
         }
     for (uint64_t n = 0; n < (uint64_t)columns * rows; n++, list += (uint64_t)tile_lights + 1)
@@ -214,8 +214,9 @@ static void dispatch(const vxs_gl *gl, const vxs_view *v, gl_name depths, uint32
     api->UseProgram(gl->culling);
     api->Uniform1i(api->GetUniformLocation(gl->culling, "vxs_depths"), 0);
     api->UniformMatrix4fv(api->GetUniformLocation(gl->culling, "vxs_point_from_depth"), 1, 0, v->point_from_depth);
-    api->Uniform4f(api->GetUniformLocation(gl->culling, "vxs_sizes"), (float)v->width_px, (float)v->height_px, v->empty_depth,
-                   (float)v->filter_px);
+    api->Uniform4f(api->GetUniformLocation(gl->culling, "vxs_sizes"), (float)v->width_px, (float)v->height_px, v->empty_depth, 0);
+    api->Uniform1i(api->GetUniformLocation(gl->culling, "vxs_widest.width_px"), v->filter.width_px);
+    api->Uniform1i(api->GetUniformLocation(gl->culling, "vxs_widest.is_smooth"), v->filter.is_smooth);
     api->Uniform2ui(api->GetUniformLocation(gl->culling, "vxs_room"), columns, tile_lights);
     api->DispatchCompute(columns, rows, 1);
     api->MemoryBarrier(GL_BARRIER_SHADER_STORAGE);

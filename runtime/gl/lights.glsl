@@ -52,10 +52,10 @@ uint vxs_light_count()
     return VXS_GL_LIGHT_COUNT;
 }
 
-float vxs_lit_by(uint n, vec3 at, vec3 normal, int filter_px)
+float vxs_lit_by(uint n, vec3 at, vec3 normal, vxs_filter pcf)
 {
     vxs_light_constants light = vxs_light_at(n);
-    return vxs_lit(light.first_word, light, at, normal, filter_px);
+    return vxs_lit(light.first_word, light, at, normal, pcf);
 }
 
 /* Transmittance of light n's smoke at a point, 0 to 1. */

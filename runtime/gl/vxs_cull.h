@@ -35,11 +35,11 @@ VXS_FN vxs_real vxs_row_reach(VXS_LIGHT light, vxs_i32 row, const vxs_real3 midd
 /* Returns 1 when a box meets the slab of a directional light's map between its sides along row: u, v or depth. The bias of a
  * point (vxs_space.h) may move it into the slab: by at most (1 + sqrt(2)) / 2 times the filter's reach, where the normal is a
  * diagonal of the map, plus rounding. */
-VXS_FN vxs_i32 vxs_sun_meets_box(VXS_LIGHT light, vxs_i32 row, const vxs_real3 middle, const vxs_real3 half_size, vxs_i32 filter_px)
+VXS_FN vxs_i32 vxs_sun_meets_box(VXS_LIGHT light, vxs_i32 row, const vxs_real3 middle, const vxs_real3 half_size, vxs_filter pcf)
 {
     vxs_real x = VXS_LS_FROM_WS(light, row, 0), y = VXS_LS_FROM_WS(light, row, 1), z = VXS_LS_FROM_WS(light, row, 2);
     vxs_real side = VXS_REAL(VXS_I(1) << VXS_FIELD(light, levels)), at = vxs_ls_coordinate(light, row, middle, VXS_REAL(1.0));
-    vxs_real most = sqrt(x * x + y * y + z * z) * VXS_FIELD(light, texel_metres) * 1.21 * (vxs_filter_reach(filter_px) + 0.6) + 3.0;
+    vxs_real most  = sqrt(x * x + y * y + z * z) * VXS_FIELD(light, texel_metres) * 1.21 * (vxs_filter_reach(pcf) + 0.6) + 3.0;
     vxs_real slack = vxs_row_reach(light, row, middle, half_size) + most;
     return at + slack >= 0.0 && at - slack <= side ? 1 : 0;
 }
@@ -94,14 +94,14 @@ VXS_FN vxs_i32 vxs_spot_meets_box(VXS_LIGHT light, const vxs_real3 middle, const
 
 /* Returns 1 when a light may reach a point of a box, 0 when it reaches none.
  * middle, half_size  metres; in a shader, relative to the origin of the light's constants. half_size is not negative
- * filter_px          widest filter of the lookups, as for vxs_lit */
-VXS_FN vxs_i32 vxs_light_meets_box(VXS_LIGHT light, const vxs_real3 middle, const vxs_real3 half_size, vxs_i32 filter_px)
+ * pcf                widest filter of the lookups, as for vxs_lit */
+VXS_FN vxs_i32 vxs_light_meets_box(VXS_LIGHT light, const vxs_real3 middle, const vxs_real3 half_size, vxs_filter pcf)
 {
     if (VXS_FIELD(light, kind) == VXS_LIGHT_KIND_DIRECTIONAL) {
-        if (vxs_sun_meets_box(light, 0, middle, half_size, filter_px) == 0) return 0;
-        if (vxs_sun_meets_box(light, 1, middle, half_size, filter_px) == 0) return 0;
+        if (vxs_sun_meets_box(light, 0, middle, half_size, pcf) == 0) return 0;
+        if (vxs_sun_meets_box(light, 1, middle, half_size, pcf) == 0) return 0;
         if ((VXS_FIELD(light, flags) & VXS_LIGHT_BOUNDED) == 0u) return 1;
-        return vxs_sun_meets_box(light, 2, middle, half_size, filter_px);
+        return vxs_sun_meets_box(light, 2, middle, half_size, pcf);
     }
     if (vxs_punctual_in_range(light, middle, half_size) == 0) return 0;
     if (VXS_FIELD(light, kind) == VXS_LIGHT_KIND_POINT) return 1;

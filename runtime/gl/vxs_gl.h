@@ -7,7 +7,7 @@
  *
  *     const char *text[VXS_GL_TEXTS + 1];                                       // a shader, without any #include
  *     vxs_gl_texts(shadows, text);
- *     text[VXS_GL_TEXTS] = my_body;                                             // calls vxs_lit_by(light, position, normal, 9)
+ *     text[VXS_GL_TEXTS] = my_body;                                             // calls vxs_lit_by(light, position, normal, vxs_box(9))
  *     glShaderSource(shader, VXS_GL_TEXTS + 1, text, NULL);
  *     ... glLinkProgram(program);  vxs_gl_link(shadows, program);
  *
@@ -121,15 +121,15 @@ uint32_t                   vxs_gl_light_count(const vxs_gl *gl);
  *
  *     vxs_light_constants vxs_light_at(uint n)                            the constants of light n
  *     uint                vxs_light_count()                               as vxs_gl_light_count
- *     float               vxs_lit_by(uint n, vec3 at, vec3 normal, int filter_px)   vxs_lit of light n
+ *     float               vxs_lit_by(uint n, vec3 at, vec3 normal, vxs_filter pcf)    vxs_lit of light n
  *     float               vxs_smoke_left_by(uint n, vec3 at)              transmittance of light n's smoke, 0 to 1: a factor
  *     uint                vxs_tile_of(ivec2 pixel)                        tile in the lists; pixel coordinates as in the depths
  *     uint                vxs_tile_light_count(uint tile)                 number of lights that may reach the points in the tile
  *     uint                vxs_tile_light(uint tile, uint n)               light n of these, in ascending order
  *
  * Word indices are clamped to the array, so that damaged words give only wrong numbers. For a body that needs an extension,
- * compile texts[0], the #extension lines, and texts 1 to VXS_GL_TEXTS - 1; there "#define VXS_ONLY_FILTER 5" leaves out the code
- * for filters other than that filter_px. */
+ * compile texts[0], the #extension lines, and texts 1 to VXS_GL_TEXTS - 1; there "#define VXS_ONLY_WIDTH 5" and "#define
+ * VXS_ONLY_SMOOTH 0" leave out the code for filters other than vxs_box(5). */
 enum { VXS_GL_TEXTS = 7 };
 void vxs_gl_texts(const vxs_gl *gl, const char *texts[VXS_GL_TEXTS]);
 
@@ -151,10 +151,10 @@ enum { VXS_TILE_PX = 8, VXS_LISTS_HEAD = 4 };
  *
  * so the matrix contains the vertical direction of the image and the depth convention. */
 typedef struct vxs_view {
-    uint32_t width_px, height_px;
-    float    point_from_depth[16]; /* column-major, as in OpenGL */
-    float    empty_depth;          /* depth of empty pixels: the clear value */
-    int32_t  filter_px;            /* widest filter of the lookups, as for vxs_lookup */
+    uint32_t   width_px, height_px;
+    float      point_from_depth[16]; /* column-major, as in OpenGL */
+    float      empty_depth;          /* depth of empty pixels: the clear value */
+    vxs_filter filter;               /* widest of the lookups, as for vxs_lookup */
 } vxs_view;
 
 /* A pixel whose point is this far from that origin along an axis, or is not finite, counts as empty. */

@@ -67,7 +67,7 @@ typedef struct vxs_volumes_frame {
     float    anisotropy;
     float    ambient[3]; /* radiance that comes from all directions, such as from the sky; fog scatters it, too; 0: none */
     float    top_metres; /* height (along y) of the level top of ground fog; VXS_AIR_EVERYWHERE or more: no top */
-    vxs_view view;       /* of vxs_gl.h; filter_px is not used */
+    vxs_view view;       /* of vxs_gl.h; filter is not used */
     float    eye[3];     /* origin of all eye rays */
     float    far_metres; /* length of a ray that meets nothing, > 0 */
     /* Culls lights whose airlight is nowhere above this, and pixels where a light's airlight is not above it. 0: none. It bounds

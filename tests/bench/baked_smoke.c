@@ -79,7 +79,7 @@ static void print_errors(const vxs_asset *asset, const smoke_grid *g)
     double                 square = 0, sum = 0;
     for (int n = 0; n < PLACES;) {
         double ws[3] = {between(&r, -60, 60), between(&r, 0, 80), between(&r, -60, 60)};
-        if (vxs_lookup(sun, ws, NULL, 1) != 1) continue;
+        if (vxs_lookup(sun, ws, NULL, vxs_box(1)) != 1) continue;
         double left  = left_of(g, &sun->light, ws, &path),
                error = (double)vxs_smoke_lookup(&sun->light, vxs_asset_smoke(asset, 0), ws) - left;
         if (left > 0.99) continue;

@@ -25,7 +25,7 @@ enum { KINDS = 3, OTHER_CASTERS = 3, FILTERS = 7, STEPS = 400, WALL_SIDE_MIN = 1
 
 static const char *const kind_names[KINDS]                          = {"sun", "spot", "point"};
 static const double      other_casters_metres[KINDS][OTHER_CASTERS] = {{0, 60, 600}, {0, 0.03, 0.005}, {0, 0.03, 0.005}};
-static const int         filters_px[FILTERS] = {1, 3, 9, 17, VXS_SMOOTH + 2, VXS_SMOOTH + 9, VXS_SMOOTH + 16};
+static const vxs_filter  filters[FILTERS]                           = {{1, 0}, {3, 0}, {9, 0}, {17, 0}, {2, 1}, {9, 1}, {16, 1}};
 
 typedef struct tally {
     double points, dark, lost, back_points, back, walls, gap, shift;
@@ -42,8 +42,7 @@ static void measure_plane(const bias_setup *o, uint64_t seed, uint32_t points, t
         double p[3];
         bias_draw_point(&s, o, &r, p);
         for (int f = 0; f < FILTERS; f++) {
-            double front = (double)vxs_lookup(baked, p, up, filters_px[f]),
-                   back  = (double)vxs_lookup(baked, p, down, filters_px[f]);
+            double front = (double)vxs_lookup(baked, p, up, filters[f]), back = (double)vxs_lookup(baked, p, down, filters[f]);
             if (front != VXS_OUTSIDE) t[f].points++, t[f].dark += front < 1, t[f].lost += 1 - front;
             if (back != VXS_OUTSIDE) t[f].back_points++, t[f].back += back;
         }
@@ -63,14 +62,14 @@ static void shadow_end(const bias_stage *s, const bias_setup *o, double *x, doub
 }
 
 /* The lit length of the ground along axis 0 from x, in metres; the same at slightly different y, for texels have sides. */
-static double lit_metres(const bias_stage *s, const vxs_baked_light *baked, int filter_px, double x, double y, double length,
+static double lit_metres(const bias_stage *s, const vxs_baked_light *baked, vxs_filter filter, double x, double y, double length,
                          rng *r)
 {
     double sum = 0;
     for (int n = 0; n < STEPS; n++) {
         double p[3];
         bias_point(s, x + length * (n + rng_unit(r)) / STEPS, y + 0.1 * (rng_unit(r) - 0.5), 0, p);
-        sum += (double)vxs_lookup(baked, p, s->axes_ws[2], filter_px);
+        sum += (double)vxs_lookup(baked, p, s->axes_ws[2], filter);
     }
     return sum * length / STEPS;
 }
@@ -93,8 +92,8 @@ static void measure_wall(const bias_setup *o, uint64_t seed, tally *t)
     double behind = fmin(40 * texel[0], 0.4 * (end - foot)), about = fmin(40 * texel[1], 0.3);
     for (int f = 0; f < FILTERS; f++) {
         t[f].walls++;
-        t[f].gap += lit_metres(&s, baked, filters_px[f], foot, 0, behind, &r) / texel[0];
-        t[f].shift += (lit_metres(&s, baked, filters_px[f], end - about, end_y, 2 * about, &r) - about) / texel[1];
+        t[f].gap += lit_metres(&s, baked, filters[f], foot, 0, behind, &r) / texel[0];
+        t[f].shift += (lit_metres(&s, baked, filters[f], end - about, end_y, 2 * about, &r) - about) / texel[1];
     }
     vxs_asset_close(asset);
 }
@@ -114,17 +113,16 @@ static void measure(int kind, int other, uint32_t stages, uint32_t points, uint3
             }
 }
 
-static void report(json_t *rows, int kind, int other, const tally *t, int filter_px)
+static void report(json_t *rows, int kind, int other, const tally *t, vxs_filter filter)
 {
-    int    smooth = filter_px >= VXS_SMOOTH, width = smooth ? filter_px - VXS_SMOOTH : filter_px;
     double dark = t->dark / t->points, lost = t->lost / t->points, back = t->back / t->back_points;
     double gap = t->gap / t->walls, shift = t->shift / t->walls;
     printf("%-6s %9g m %3d%-7s %10.0f %11.8f %11.8f %9.6f %8.3f %8.3f\n", kind_names[kind], other_casters_metres[kind][other],
-           width, smooth ? " smooth" : "", t->points, dark, lost, back, gap, shift);
+           filter.width_px, filter.is_smooth ? " smooth" : "", t->points, dark, lost, back, gap, shift);
     json_array_append_new(rows, json_pack("{s:s, s:f, s:i, s:b, s:I, s:f, s:f, s:f, s:f, s:f}", "light", kind_names[kind],
-                                          "other_caster_m", other_casters_metres[kind][other], "filter_px", width, "smooth", smooth,
-                                          "points", (json_int_t)t->points, "dark", dark, "lost", lost, "back", back, "gap_texels",
-                                          gap, "shift_texels", shift));
+                                          "other_caster_m", other_casters_metres[kind][other], "filter_px", filter.width_px,
+                                          "smooth", filter.is_smooth, "points", (json_int_t)t->points, "dark", dark, "lost", lost,
+                                          "back", back, "gap_texels", gap, "shift_texels", shift));
 }
 
 int main(int argc, char **argv)
@@ -150,7 +148,7 @@ int main(int argc, char **argv)
         for (int other = 0; other < OTHER_CASTERS; other++) {
             tally t[FILTERS] = {{0}};
             measure(kind, other, stages, points, largest_px, t);
-            for (int f = 0; f < FILTERS; f++) report(rows, kind, other, &t[f], filters_px[f]);
+            for (int f = 0; f < FILTERS; f++) report(rows, kind, other, &t[f], filters[f]);
         }
     json_t *root = json_pack("{s:s, s:I, s:I, s:o}", "vxs", VXS_VERSION, "stages", (json_int_t)stages, "points", (json_int_t)points,
                              "rows", rows);

@@ -47,12 +47,12 @@ static int surface_at(const flight *f, double u, double v, double point_ws[3])
     int32_t                last = (1 << l->light.levels) - 1, low = -1, high = last;
     double                 at[3] = {u, v, last + 0.5};
     vxs_point(&l->light, 0, at, point_ws);
-    if (vxs_lookup(l, point_ws, NULL, 1) != 0) return 0;
+    if (vxs_lookup(l, point_ws, NULL, vxs_box(1)) != 0) return 0;
     while (high - low > 1) {
         int32_t middle = low + (high - low) / 2;
         at[2]          = middle + 0.5;
         vxs_point(&l->light, 0, at, point_ws);
-        *(vxs_lookup(l, point_ws, NULL, 1) == 0 ? &high : &low) = middle;
+        *(vxs_lookup(l, point_ws, NULL, vxs_box(1)) == 0 ? &high : &low) = middle;
     }
     at[2] = high + 0.5;
     vxs_point(&l->light, 0, at, point_ws);
@@ -80,8 +80,9 @@ static int look_around(flight *f, const double at[2], uint32_t *coarse)
     for (int n = 0; n < POINTS; n++) {
         double angle = 6.2831853 * rng_below(&f->random, 4096) / 4096, away = reach * rng_below(&f->random, 4096) / 4096, point[3];
         if (!surface_at(f, at[0] + away * cos(angle), at[1] + away * sin(angle), point)) continue;
-        int full = vxs_lookup_is_full(here, point, NULL, FILTER_PX);
-        if (full && vxs_lookup(here, point, NULL, FILTER_PX) != vxs_lookup(whole, point, NULL, FILTER_PX)) return 0;
+        int full = vxs_lookup_is_full(here, point, NULL, vxs_box(FILTER_PX));
+        if (full && vxs_lookup(here, point, NULL, vxs_box(FILTER_PX)) != vxs_lookup(whole, point, NULL, vxs_box(FILTER_PX)))
+            return 0;
         f->asked++;
         f->full += (uint64_t)full;
         *coarse += !full;

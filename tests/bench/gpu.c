@@ -61,7 +61,7 @@ static void see_pixels(void *user, size_t begin, size_t end, uint32_t worker)
 /* Depths are NEAR_METRES over metres along the axis, 0 where nothing is seen. Rows count from the bottom. */
 static vxs_view view_of(const gpu_bench *b, const camera_view *c)
 {
-    vxs_view v = {.width_px = b->width_px, .height_px = b->height_px, .filter_px = 9};
+    vxs_view v = {.width_px = b->width_px, .height_px = b->height_px, .filter = vxs_box(9)};
     for (int n = 0; n < 3; n++) {
         v.point_from_depth[n]      = (float)(2 * c->right[n] * NEAR_METRES);
         v.point_from_depth[4 + n]  = (float)(2 * c->up[n] * NEAR_METRES);

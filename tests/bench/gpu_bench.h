@@ -18,7 +18,7 @@ enum { GPU_VIEWS_MAX = 8, GPU_RUNS_MAX = 501 };
 /* Filters that lookups are measured with. */
 typedef enum gpu_filter { GPU_TAP, GPU_BOX_3, GPU_BOX_9, GPU_SMOOTH_9, GPU_FILTERS } gpu_filter;
 extern const char *const gpu_filter_names[GPU_FILTERS];
-extern const int         gpu_filter_px[GPU_FILTERS];
+extern const char *const gpu_filter_texts[GPU_FILTERS];
 
 /* A camera and what it sees. */
 typedef struct gpu_view {

@@ -113,7 +113,7 @@ vxs_result gpu_measure_lights(gpu_bench *b, const vxs_asset *asset, run_context 
     vxs_result r                    = gpu_shadows(b, asset, VXS_GL_BUFFER, &shadows, m);
     for (int n = 0; n < LIT_FRAMES && r == VXS_OK; n++) {
         char defines[64];
-        snprintf(defines, sizeof defines, "#define FILTER %d\n", gpu_filter_px[lit_frames[n].filter]);
+        snprintf(defines, sizeof defines, "#define FILTER %s\n", gpu_filter_texts[lit_frames[n].filter]);
         r = gpu_program(b, shadows, defines, lit_frames[n].body, &programs[n], m);
     }
     for (size_t v = 0; v < b->view_count && r == VXS_OK; v++)

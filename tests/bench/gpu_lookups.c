@@ -9,7 +9,7 @@
 #include "runtime/vxs_query.h"
 
 const char *const gpu_filter_names[GPU_FILTERS] = {"1 tap", "3 x 3 box", "9 x 9 box", "9 x 9 smooth"};
-const int         gpu_filter_px[GPU_FILTERS]    = {1, 3, 9, VXS_SMOOTH + 9};
+const char *const gpu_filter_texts[GPU_FILTERS] = {"vxs_box(1)", "vxs_box(3)", "vxs_box(9)", "vxs_smooth(9)"};
 
 /* the asset -------------------------------------------------------------------------------------------------------------------- */
 
@@ -17,7 +17,7 @@ static const char asset_body[] =
     "float answer_of(ivec2 pixel, vec3 at, vec3 normal) { return vxs_lit_by(0u, at, normal, FILTER); }\n";
 static const char place_body[] = "float answer_of(ivec2 pixel, vec3 at, vec3 normal)\n"
                                  "{\n"
-                                 "    vxs_place place = vxs_place_from_ws(vxs_light_at(0u), at, normal, 9);\n"
+                                 "    vxs_place place = vxs_place_from_ws(vxs_light_at(0u), at, normal, vxs_box(9));\n"
                                  "    return float(place.map + place.voxel[0] + place.voxel[1] + place.voxel[2]);\n"
                                  "}\n";
 
@@ -47,7 +47,7 @@ static vxs_result measure_filter(gpu_bench *b, vxs_gl *shadows, const vxs_baked_
     char       name[64], defines[64];
     GLuint     program;
     vxs_result r;
-    snprintf(defines, sizeof defines, "#define FILTER %d\n", gpu_filter_px[filter]);
+    snprintf(defines, sizeof defines, "#define FILTER %s\n", gpu_filter_texts[filter]);
     snprintf(name, sizeof name, "%s, %s", light->light.coding == VXS_CODING_BLOCKS ? "blocks" : "DAG",
              is_texture ? "texture" : "buffer");
     if ((r = gpu_program(b, shadows, defines, asset_body, &program, m)) != VXS_OK) return r;
@@ -273,7 +273,7 @@ static uint32_t *cascade_voxels(const rival_maps *maps, const vxs_light *light, 
     size_t    layer = (size_t)CASCADE_PX * CASCADE_PX;
     uint32_t *out   = malloc(CASCADE_COUNT * layer * sizeof *out);
     int32_t   voxel[3], side = (int32_t)maps->side_px;
-    vxs_voxel(light, view->target_ws, NULL, 1, voxel);
+    vxs_voxel(light, view->target_ws, NULL, vxs_box(1), voxel);
     for (int c = 0; c < CASCADE_COUNT && out; c++) {
         int32_t wide = side >> (CASCADE_COUNT - 1 - c), first[2];
         for (int n = 0; n < 2; n++) {
@@ -370,7 +370,7 @@ vxs_result gpu_measure_rivals(gpu_bench *b, const vxs_asset *asset, run_context 
     for (int n = 0; n < LOOKUPS && r == VXS_OK; n++) {
         char text[6000], defines[2000];
         snprintf(text, sizeof text, "%s%s", rival_head, lookups[n].body);
-        snprintf(defines, sizeof defines, "%s#define FILTER %d\n", lookups[n].defines, gpu_filter_px[lookups[n].filter]);
+        snprintf(defines, sizeof defines, "%s#define FILTER %s\n", lookups[n].defines, gpu_filter_texts[lookups[n].filter]);
         vxs_result made = gpu_program(b, shadows, defines, text, &programs[n], m);
         if (failed == VXS_OK) failed = made; /* the others are measured */
     }

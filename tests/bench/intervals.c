@@ -105,7 +105,7 @@ static double lit_by_march(const vxs_baked_light *l, const vxs_ray *ray, int sam
     double lit = 0, step = ray->t_end / samples, p[3];
     for (int n = 0; n < samples; n++) {
         vec3_mad(ray->origin_ws, (n + 0.5) * step, ray->direction_ws, p);
-        lit += vxs_lookup(l, p, NULL, 1) == 1 ? step : 0;
+        lit += vxs_lookup(l, p, NULL, vxs_box(1)) == 1 ? step : 0;
     }
     return lit;
 }

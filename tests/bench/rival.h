@@ -57,8 +57,7 @@ enum { FILTER_PX = 9 };
 /* What rivals are asked: single taps, boxes, smooth boxes. */
 typedef enum lookup_kind { LOOKUP_TAP, LOOKUP_BOX, LOOKUP_SMOOTH, LOOKUP_KINDS } lookup_kind;
 
-/* The filter, as lookups take it. */
-static const int32_t lookup_px[LOOKUP_KINDS] = {1, FILTER_PX, VXS_SMOOTH + FILTER_PX};
+static const vxs_filter lookup_filters[LOOKUP_KINDS] = {{1, 0}, {FILTER_PX, 0}, {FILTER_PX, 1}};
 
 /* A voxel: each of i, j, k in [0, 1 << levels). */
 typedef struct voxel_at {
@@ -86,15 +85,15 @@ typedef struct rival {
      * asset  [out] ends with close.   Returns VXS_OK, VXS_E_MEMORY, VXS_E_CORRUPT. */
     vxs_result (*open)(const light_maps *maps, const void *options, const vxs_bytes *file, rival_asset *asset);
 
-    /* How many of the filter_px x filter_px taps about each of `count` voxels are in shadow; filter_px odd, 1 is a single tap; of those with
-     * smooth filters also VXS_SMOOTH + K: how much of a smooth box, of 65536 K K. Taps outside the map are lit. */
-    void (*count_dark)(const void *state, const voxel_at *at, size_t count, int32_t filter_px, uint32_t *dark);
+    /* How many of the K x K taps of vxs_box(K), K odd, about each of `count` voxels are in shadow; of rivals with smooth filters also
+     * vxs_smooth(K): how much of a smooth box, of 65536 K K. Taps outside the map are lit. */
+    void (*count_dark)(const void *state, const voxel_at *at, size_t count, vxs_filter filter, uint32_t *dark);
 
     void (*close)(void *state);
 } rival;
 
 /* rival.count_dark of an open vxs_asset, as vxs_lookup_batch asks it: what one lookup needed is kept for the next. */
-void asset_count_dark_batch(const void *state, const voxel_at *at, size_t count, int32_t filter_px, uint32_t *dark);
+void asset_count_dark_batch(const void *state, const voxel_at *at, size_t count, vxs_filter filter, uint32_t *dark);
 
 /* All of them. block_rivals[0] is vxs as it is, which the others are held against; dag_rivals[0] is vxs bake --coding dag. */
 extern const rival dag_rivals[], block_rivals[], interval_rivals[], depth_rivals[], shader_rivals[], ray_rivals[];
@@ -104,9 +103,9 @@ typedef struct tap_box {
     int32_t x0, x1, y0, y1;
 } tap_box;
 
-static inline tap_box tap_box_at(voxel_at at, int32_t filter_px, int32_t side)
+static inline tap_box tap_box_at(voxel_at at, int32_t width_px, int32_t side)
 {
-    int32_t half = filter_px / 2;
+    int32_t half = width_px / 2;
     return (tap_box){at.i < half ? 0 : at.i - half, at.i + half >= side ? side : at.i + half + 1, at.j < half ? 0 : at.j - half,
                      at.j + half >= side ? side : at.j + half + 1};
 }

@@ -43,27 +43,28 @@ static vxs_result blocks_open(const light_maps *maps, const void *options, const
     return r;
 }
 
-static void blocks_count_dark(const void *state, const voxel_at *at, size_t count, int32_t filter_px, uint32_t *dark)
+static void blocks_count_dark(const void *state, const voxel_at *at, size_t count, vxs_filter filter, uint32_t *dark)
 {
     const vxs_baked_light *light = vxs_asset_light(state, 0);
     const uint32_t        *words = light->words, levels = light->light.levels;
-    for (size_t n = 0; n < count && filter_px >= VXS_SMOOTH; n++)
+    for (size_t n = 0; n < count && filter.is_smooth; n++)
         dark[n] = vxs_blocks_shadow_weight(words, 0, levels, at[n].i, at[n].j, at[n].within & 255, at[n].within >> 8,
-                                           (uint32_t)at[n].k, filter_px - VXS_SMOOTH);
-    for (size_t n = 0; n < count && filter_px < VXS_SMOOTH; n++)
-        dark[n] = filter_px == 1 ? vxs_blocks_shadow(words, 0, levels, (uint32_t)at[n].i, (uint32_t)at[n].j, (uint32_t)at[n].k)
-                                 : vxs_blocks_shadow_count(words, 0, levels, at[n].i, at[n].j, (uint32_t)at[n].k, filter_px);
+                                           (uint32_t)at[n].k, filter.width_px);
+    for (size_t n = 0; n < count && !filter.is_smooth; n++)
+        dark[n] = filter.width_px == 1
+                      ? vxs_blocks_shadow(words, 0, levels, (uint32_t)at[n].i, (uint32_t)at[n].j, (uint32_t)at[n].k)
+                      : vxs_blocks_shadow_count(words, 0, levels, at[n].i, at[n].j, (uint32_t)at[n].k, filter.width_px);
 }
 
-void asset_count_dark_batch(const void *state, const voxel_at *at, size_t count, int32_t filter_px, uint32_t *dark)
+void asset_count_dark_batch(const void *state, const voxel_at *at, size_t count, vxs_filter filter, uint32_t *dark)
 {
     vxs_taps taps;
     vxs_taps_init(&taps, vxs_asset_light(state, 0));
-    for (size_t n = 0; n < count && filter_px >= VXS_SMOOTH; n++)
+    for (size_t n = 0; n < count && filter.is_smooth; n++)
         dark[n] = vxs_taps_part(&taps, (vxs_place){0, {at[n].i, at[n].j, at[n].k}, at[n].within & 255, at[n].within >> 8},
-                                (uint32_t)at[n].k, filter_px - VXS_SMOOTH);
-    for (size_t n = 0; n < count && filter_px < VXS_SMOOTH; n++)
-        dark[n] = vxs_taps_at(&taps, 0, at[n].i, at[n].j, (uint32_t)at[n].k, filter_px);
+                                (uint32_t)at[n].k, filter.width_px);
+    for (size_t n = 0; n < count && !filter.is_smooth; n++)
+        dark[n] = vxs_taps_at(&taps, 0, at[n].i, at[n].j, (uint32_t)at[n].k, filter.width_px);
 }
 
 static void blocks_close(void *state)

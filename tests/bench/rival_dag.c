@@ -56,14 +56,14 @@ static vxs_result dag_open(const light_maps *maps, const void *options, const vx
     return r;
 }
 
-static void dag_count_dark(const void *state, const voxel_at *at, size_t count, int32_t filter_px, uint32_t *dark)
+static void dag_count_dark(const void *state, const voxel_at *at, size_t count, vxs_filter filter, uint32_t *dark)
 {
     const vxs_baked_light *light = vxs_asset_light(state, 0);
-    for (size_t n = 0; n < count && filter_px >= VXS_SMOOTH; n++)
+    for (size_t n = 0; n < count && filter.is_smooth; n++)
         dark[n] = vxs_shadow_weight(light->words, 0, light->light.levels, at[n].i, at[n].j, at[n].within & 255, at[n].within >> 8,
-                                    (uint32_t)at[n].k, filter_px - VXS_SMOOTH);
-    for (size_t n = 0; n < count && filter_px < VXS_SMOOTH; n++)
-        dark[n] = vxs_shadow_taps(light->words, &light->light, 0, at[n].i, at[n].j, (uint32_t)at[n].k, filter_px);
+                                    (uint32_t)at[n].k, filter.width_px);
+    for (size_t n = 0; n < count && !filter.is_smooth; n++)
+        dark[n] = vxs_shadow_taps(light->words, &light->light, 0, at[n].i, at[n].j, (uint32_t)at[n].k, filter.width_px);
 }
 
 static void dag_close(void *state)

@@ -106,11 +106,11 @@ static vxs_result float_open(const light_maps *maps, const void *options, const 
     return VXS_OK;
 }
 
-static void depth_count_dark(const void *state, const voxel_at *at, size_t count, int32_t filter_px, uint32_t *dark)
+static void depth_count_dark(const void *state, const voxel_at *at, size_t count, vxs_filter filter, uint32_t *dark)
 {
     const depth_map *d = state;
     for (size_t n = 0; n < count; n++) {
-        tap_box  box   = tap_box_at(at[n], filter_px, 1 << d->levels);
+        tap_box  box   = tap_box_at(at[n], filter.width_px, 1 << d->levels);
         uint32_t depth = (uint32_t)at[n].k << (16 - d->levels);
         dark[n]        = 0;
         for (int32_t y = box.y0; y < box.y1; y++) {
@@ -120,12 +120,12 @@ static void depth_count_dark(const void *state, const voxel_at *at, size_t count
     }
 }
 
-static void float_count_dark(const void *state, const voxel_at *at, size_t count, int32_t filter_px, uint32_t *dark)
+static void float_count_dark(const void *state, const voxel_at *at, size_t count, vxs_filter filter, uint32_t *dark)
 {
     const depth_map *d     = state;
     float            voxel = 1.0f / (float)(1 << d->levels); /* a power of two: nothing is rounded */
     for (size_t n = 0; n < count; n++) {
-        tap_box box   = tap_box_at(at[n], filter_px, 1 << d->levels);
+        tap_box box   = tap_box_at(at[n], filter.width_px, 1 << d->levels);
         float   depth = (float)at[n].k * voxel;
         dark[n]       = 0;
         for (int32_t y = box.y0; y < box.y1; y++) {

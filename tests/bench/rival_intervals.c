@@ -434,13 +434,14 @@ static uint32_t dark_taps(const uint32_t *words, place at, int32_t x, int32_t y,
     return dark;
 }
 
-static void intervals_count_dark(const void *state, const voxel_at *at, size_t count, int32_t filter_px, uint32_t *dark)
+static void intervals_count_dark(const void *state, const voxel_at *at, size_t count, vxs_filter filter, uint32_t *dark)
 {
     const intervals *v    = state;
     int32_t          side = 1 << v->levels;
     for (size_t n = 0; n < count; n++)
-        dark[n] = filter_px == 1 ? is_dark(v, at[n])
-                                 : dark_taps(v->words, root_place(v), 0, 0, side, tap_box_at(at[n], filter_px, side), at[n].k);
+        dark[n] = filter.width_px == 1
+                      ? is_dark(v, at[n])
+                      : dark_taps(v->words, root_place(v), 0, 0, side, tap_box_at(at[n], filter.width_px, side), at[n].k);
 }
 
 const rival interval_rivals[] = {

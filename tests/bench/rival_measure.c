@@ -55,9 +55,9 @@ static voxel_at *random_points(const contest *c, uint64_t set)
 }
 
 /* For a filter of that width. */
-static vxs_result look_at_picture(contest *c, int32_t filter_px, run_context *m)
+static vxs_result look_at_picture(contest *c, vxs_filter filter, run_context *m)
 {
-    c->points[POINTS_SCREEN] = screen_voxels(&c->picture, filter_px, c->at[POINTS_SCREEN]);
+    c->points[POINTS_SCREEN] = screen_voxels(&c->picture, filter, c->at[POINTS_SCREEN]);
     return c->points[POINTS_SCREEN] ? VXS_OK
                                     : fail(m, VXS_E_ARGUMENT, "nothing is seen: expected --eye and --target that see the scene");
 }
@@ -78,7 +78,7 @@ static int move_to_edges(const contest *c, voxel_at *at, const rival *one, const
     int       ok     = ask && lit;
     for (int32_t step = side / 2; step && ok; step /= 2) {
         for (uint32_t n = 0; n < count; n++) ask[n] = (voxel_at){at[n].i, at[n].j, lit[n] + step - 1, 0};
-        one->count_dark(asset->state, ask, count, 1, c->dark);
+        one->count_dark(asset->state, ask, count, vxs_box(1), c->dark);
         for (uint32_t n = 0; n < count; n++) lit[n] += c->dark[n] ? 0 : step;
     }
     for (uint32_t n = 0; n < count && ok; n++) at[n].k = clamped(lit[n] + rng_between(&random, -1, 1), side);
@@ -162,8 +162,8 @@ static void ask_all(contest *c, point_set set, lookup_kind what)
             size_t count = points_asked(c, n, set, what);
             double start = seconds_now(1);
             if (!count) continue;
-            c->results[n].rival->count_dark(c->assets[n].state, c->at[set] + (c->points[set] - count) / 2, count, lookup_px[what],
-                                            c->dark);
+            c->results[n].rival->count_dark(c->assets[n].state, c->at[set] + (c->points[set] - count) / 2, count,
+                                            lookup_filters[what], c->dark);
             c->times[n * c->o->runs + run] = 1e9 * (seconds_now(1) - start) / (double)count;
         }
     for (size_t n = 0; n < c->count; n++) {
@@ -204,7 +204,7 @@ static int check_taps(const contest *c, rival_result *out, const rival_asset *as
     for (uint64_t first = 0; first < all && ok; first += CHUNK) {
         size_t count = all - first < CHUNK ? (size_t)(all - first) : CHUNK;
         for (size_t n = 0; n < count; n++) at[n] = voxel_to_check(c->maps, first + n, c->o);
-        out->rival->count_dark(asset->state, at, count, 1, dark);
+        out->rival->count_dark(asset->state, at, count, vxs_box(1), dark);
         for (size_t n = 0; n < count; n++) {
             int must_be_lit, must_be_dark;
             light_maps_contract(c->maps, (uint32_t)at[n].i, (uint32_t)at[n].j, (uint32_t)at[n].k, &must_be_lit, &must_be_dark);
@@ -236,7 +236,7 @@ static uint32_t sum_of_taps(const rival *one, const rival_asset *asset, lookup_k
     for (int32_t y = taps.y0; y < taps.y1; y++)
         for (int32_t x = taps.x0; x < taps.x1; x++)
             if (weight_of(what, at, x, y)) tap[count++] = (voxel_at){x, y, at.k, 0};
-    one->count_dark(asset->state, tap, count, 1, dark);
+    one->count_dark(asset->state, tap, count, vxs_box(1), dark);
     for (size_t n = 0; n < count; n++) sum += dark[n] * weight_of(what, at, tap[n].i, tap[n].j);
     return sum;
 }
@@ -256,7 +256,7 @@ static void check_filters(const contest *c, rival_result *out, const rival_asset
             if (n < 32) at.j = n & 2 ? side - 1 - (int32_t)(n >> 3) : (int32_t)(n >> 3);
             asked = at;
             if (c->o->filter_aside) asked.i += at.i + 1 < side ? 1 : -1;
-            out->rival->count_dark(asset->state, &asked, 1, lookup_px[what], &dark);
+            out->rival->count_dark(asset->state, &asked, 1, lookup_filters[what], &dark);
             out->wrong_filters[what] += dark != sum_of_taps(out->rival, asset, what, at, side);
         }
     }
@@ -306,7 +306,7 @@ vxs_result rivals_measure(rival_result *results, size_t count, light_maps *maps,
     if (!(ok = move_to_edges(&c, c.at[POINTS_EDGE], results[0].rival, &c.assets[0]))) goto done;
     if ((r = screen_open(&c.picture, maps, &o->camera.camera, o->width_px, o->height_px, m)) != VXS_OK) goto done;
     for (lookup_kind what = LOOKUP_TAP; what < LOOKUP_KINDS; what++) {
-        if ((r = look_at_picture(&c, lookup_px[what], m)) != VXS_OK) goto done;
+        if ((r = look_at_picture(&c, lookup_filters[what], m)) != VXS_OK) goto done;
         for (int set = 0; set < POINT_SETS; set++) ask_all(&c, set, what);
     }
 

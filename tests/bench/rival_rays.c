@@ -45,11 +45,11 @@ static uint32_t is_dark(const tracer *t, double i, double j, double k)
     return !truth_lit(t->rays, point_ws, &t->shape);
 }
 
-static void rays_count_dark(const void *state, const voxel_at *at, size_t count, int32_t filter_px, uint32_t *dark)
+static void rays_count_dark(const void *state, const voxel_at *at, size_t count, vxs_filter filter, uint32_t *dark)
 {
     const tracer *t = state;
     for (size_t n = 0; n < count; n++) {
-        tap_box box = tap_box_at(at[n], filter_px, t->side);
+        tap_box box = tap_box_at(at[n], filter.width_px, t->side);
         dark[n]     = 0;
         for (int32_t y = box.y0; y < box.y1; y++)
             for (int32_t x = box.x0; x < box.x1; x++) dark[n] += is_dark(t, x + 0.5, y + 0.5, at[n].k + 0.5);

@@ -20,11 +20,11 @@ vxs_result screen_open(screen *out, const light_maps *maps, const camera_pose *c
 
 /* The voxel of what pixel (x, y) sees, moved off its surface for a filter of that width as runtime/vxs.h says. Returns 0 where a renderer
  * looks nothing up: the pixel sees nothing, or what lies beside the map or in front of it. */
-int screen_voxel(const screen *s, uint32_t x, uint32_t y, int32_t filter_px, voxel_at *at);
+int screen_voxel(const screen *s, uint32_t x, uint32_t y, vxs_filter filter, voxel_at *at);
 
 /* The same of all pixels that have one, in tiles of 8 x 8 pixels, as shaders take them.
  * at  [width_px * height_px] [out].   Returns how many. */
-size_t screen_voxels(const screen *s, int32_t filter_px, voxel_at *at);
+size_t screen_voxels(const screen *s, vxs_filter filter, voxel_at *at);
 
 /* Accepts a zeroed object. */
 void screen_close(screen *s);

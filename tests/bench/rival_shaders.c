@@ -172,7 +172,7 @@ static void shader_close(void *state)
     free(s);
 }
 
-static void shader_count_dark(const void *state, const voxel_at *at, size_t count, int32_t filter_px, uint32_t *dark);
+static void shader_count_dark(const void *state, const voxel_at *at, size_t count, vxs_filter filter, uint32_t *dark);
 
 static vxs_result shader_open(const light_maps *maps, const void *options, const vxs_bytes *file, rival_asset *asset)
 {
@@ -190,7 +190,7 @@ static vxs_result shader_open(const light_maps *maps, const void *options, const
     for (int n = 0; n < LOOKUP_KINDS; n++) {
         uint32_t dark;
         s->programs[n] = program_of(o->of[n], o->clamps, (uint32_t)(memory / sizeof(uint32_t)));
-        shader_count_dark(s, &(voxel_at){0}, 1, lookup_px[n], &dark); /* llvmpipe compiles when it is first asked */
+        shader_count_dark(s, &(voxel_at){0}, 1, lookup_filters[n], &dark); /* llvmpipe compiles when it is first asked */
     }
     *asset = (rival_asset){s, memory};
     if (shared.gl->GetError() == GL_NO_ERROR) return VXS_OK;
@@ -212,10 +212,10 @@ static void count_some(const shader *s, const voxel_at *at, size_t count, uint32
     shared.GetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, (GLsizeiptr)(count * sizeof *dark), dark);
 }
 
-static void shader_count_dark(const void *state, const voxel_at *at, size_t count, int32_t filter_px, uint32_t *dark)
+static void shader_count_dark(const void *state, const voxel_at *at, size_t count, vxs_filter filter, uint32_t *dark)
 {
     const shader *s       = state;
-    GLuint        program = s->programs[filter_px == 1 ? LOOKUP_TAP : filter_px < VXS_SMOOTH ? LOOKUP_BOX : LOOKUP_SMOOTH];
+    GLuint        program = s->programs[filter.is_smooth ? LOOKUP_SMOOTH : filter.width_px == 1 ? LOOKUP_TAP : LOOKUP_BOX];
     shared.gl->UseProgram(program);
     shared.gl->BindTextureUnit(0, s->depths);
     for (GLuint n = 0; n < 3; n++)

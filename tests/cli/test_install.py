@@ -42,7 +42,7 @@ int main(int argc, char **argv)
     static const double points[4][3] = {{2.5, 4.5, 2.5}, {0.5, 4.5, 0.5}, {0.5, -5, 0.5}, {9, 4, 4}};
     vxs_asset          *asset;
     if (argc != 2 || vxs_asset_open_file(&asset, argv[1], NULL) != VXS_OK) return 1;
-    for (int n = 0; n < 4; n++) printf("%g ", vxs_lookup(vxs_asset_light(asset, 0), points[n], NULL, 1));
+    for (int n = 0; n < 4; n++) printf("%g ", vxs_lookup(vxs_asset_light(asset, 0), points[n], NULL, vxs_box(1)));
     vxs_asset_close(asset);
     return 0;
 }
@@ -94,7 +94,7 @@ int main(int argc, char **argv)
     std::printf("%u %u %u ", contents->version, vxs_shadow(sun->words, 0, sun->light.levels, 2, 2, 3),
                 vxs_shadow(sun->words, 0, sun->light.levels, 2, 2, 2));
     const double point[3] = {2.5, 4.5, 2.5}, normal[3] = {0, 0, 0};
-    if (vxs_lit(sun->words, &sun->light, point, normal, 1) != vxs_lookup(sun, point, nullptr, 1)) return 2;
+    if (vxs_lit(sun->words, &sun->light, point, normal, vxs_box(1)) != vxs_lookup(sun, point, nullptr, vxs_box(1))) return 2;
     /* the layer below, by its own header */
     vxs_contents none = {};
     std::printf("%s", vxs_read(&none, "", 0, nullptr) == VXS_E_TRUNCATED ? "ok" : "not refused");

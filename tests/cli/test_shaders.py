@@ -69,8 +69,8 @@ def test_shader_calls_every_function(glslang, shader):
     text = shader.read_text()
     vec = ("int3", "float3") if shader.suffix == ".hlsl" else ("ivec3", "vec3")
     body = ("{%s voxel; %s p; vxs_ws_from_voxel(light, 5, position_ws, p);"
-            " int map = vxs_voxel_from_ws(light, p, normal_ws, 17, voxel);"
-            " float a = vxs_lit_at_voxel(light.first_word, light, map, voxel, 1); " % vec)
+            " int map = vxs_voxel_from_ws(light, p, normal_ws, vxs_box(17), voxel);"
+            " float a = vxs_lit_at_voxel(light.first_word, light, map, voxel, vxs_smooth(1)); " % vec)
     call = re.search(r"(return|lit =) vxs_lit\(.*\);", text)
     text = text.replace(call[0], f"{body} {call[0].rstrip(';')} + a; }}")
     glslang(text if shader.suffix == ".hlsl" else with_headers(text), shader.name, *options_of(shader.name))
@@ -229,11 +229,11 @@ int main(void)
     float point[3] = {2.5f, 4.5f, 7.5f};
     int n;
     for (n = 0; n < 3; n++) light.ls_from_ws[5 * n] = 1;
-    if (vxs_lit(light.first_word, &light, point, normal, 1) != 0) return 1;
+    if (vxs_lit(light.first_word, &light, point, normal, vxs_box(1)) != 0) return 1;
     point[2] = -1;
-    if (vxs_lit(light.first_word, &light, point, normal, 1) != 1) return 2;
+    if (vxs_lit(light.first_word, &light, point, normal, vxs_box(1)) != 1) return 2;
     point[0] = 9;
-    return vxs_lit(light.first_word, &light, point, normal, 9) == VXS_OUTSIDE ? 0 : 3;
+    return vxs_lit(light.first_word, &light, point, normal, vxs_box(9)) == VXS_OUTSIDE ? 0 : 3;
 }
 """
 

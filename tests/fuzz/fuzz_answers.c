@@ -22,7 +22,7 @@ enum {
     STREAM_LEVELS_MAX  = 13, /* of maps that are opened again and again */
 };
 
-static const int filters[] = {1, 3, 9, 17, VXS_SMOOTH + 1, VXS_SMOOTH + 4, VXS_SMOOTH + 17};
+static const vxs_filter filters[] = {{1, 0}, {3, 0}, {9, 0}, {17, 0}, {1, 1}, {4, 1}, {17, 1}};
 enum { FILTERS = sizeof filters / sizeof *filters };
 
 /* A light as it is asked; the whole one of the file, and the same without pages. Both NULL: it is the whole one. */
@@ -49,17 +49,17 @@ static int32_t side_of(const vxs_baked_light *l)
 /* points ------------------------------------------------------------------------------------------------------------------------- */
 
 /* What a stream says of a point: the same as the whole file where it is full, else the same as a file without pages. */
-static void check_stream_point(const asked *a, const double point[3], const double *normal, int filter_px, float lit)
+static void check_stream_point(const asked *a, const double point[3], const double *normal, vxs_filter filter, float lit)
 {
     if (!a->full) return;
-    int is_full = vxs_lookup_is_full(a->light, point, normal, filter_px);
-    FUZZ_CHECK(same(lit, vxs_lookup(is_full ? a->full : a->rough, point, normal, filter_px)));
+    int is_full = vxs_lookup_is_full(a->light, point, normal, filter);
+    FUZZ_CHECK(same(lit, vxs_lookup(is_full ? a->full : a->rough, point, normal, filter)));
 }
 
 /* A single tap without a normal is its voxel's. */
 static void check_tap(const vxs_baked_light *l, const double point[3], float lit)
 {
-    int32_t voxel[3], map = vxs_voxel(&l->light, point, NULL, 1, voxel), last = side_of(l) - 1;
+    int32_t voxel[3], map = vxs_voxel(&l->light, point, NULL, vxs_box(1), voxel), last = side_of(l) - 1;
     FUZZ_CHECK((map < 0) == (lit == VXS_OUTSIDE));
     if (map < 0) return;
     int32_t k = voxel[2] < last ? voxel[2] : last;
@@ -83,14 +83,14 @@ static void check_points(const asked *a, uint64_t *random)
             floats[3 * n + k] = fabs(points[3 * n + k]) < (double)FLT_MAX ? (float)points[3 * n + k] : 1e30F;
     }
     for (int f = 0; f < FILTERS; f++) {
-        int       filter_px = filters[f];
-        vxs_batch b         = {.struct_size = sizeof b,
-                               .points_ws   = {points, 0, VXS_F64},
-                               .normals_ws  = {normals, 0, VXS_F64},
-                               .count       = POINTS,
-                               .filter_px   = filter_px,
-                               .lit         = batch};
-        vxs_lookup_many(a->light, points, NULL, POINTS, filter_px, many);
+        vxs_filter filter = filters[f];
+        vxs_batch  b      = {.struct_size = sizeof b,
+                             .points_ws   = {points, 0, VXS_F64},
+                             .normals_ws  = {normals, 0, VXS_F64},
+                             .count       = POINTS,
+                             .filter      = filter,
+                             .lit         = batch};
+        vxs_lookup_many(a->light, points, NULL, POINTS, filter, many);
         FUZZ_CHECK(vxs_lookup_batch(a->light, 1, &b) == VXS_OK);
         b.points_ws  = (vxs_vectors){floats, 0, VXS_F32};
         b.normals_ws = (vxs_vectors){0};
@@ -99,13 +99,13 @@ static void check_points(const asked *a, uint64_t *random)
         for (int n = 0; n < POINTS; n++) {
             const double *p = points + 3 * n, *normal = normals + 3 * n;
             const double  exact[3] = {(double)floats[3 * n], (double)floats[3 * n + 1], (double)floats[3 * n + 2]};
-            float         single = vxs_lookup(a->light, p, NULL, filter_px), moved = vxs_lookup(a->light, p, normal, filter_px);
+            float         single = vxs_lookup(a->light, p, NULL, filter), moved = vxs_lookup(a->light, p, normal, filter);
             FUZZ_CHECK(single == VXS_OUTSIDE || (single >= 0 && single <= 1));
             FUZZ_CHECK(same(many[n], single) && same(batch[n], moved));
-            FUZZ_CHECK(same(of_floats[n], vxs_lookup(a->light, exact, NULL, filter_px)));
-            check_stream_point(a, p, NULL, filter_px, single);
-            check_stream_point(a, p, normal, filter_px, moved);
-            if (filter_px == 1) check_tap(a->light, p, single);
+            FUZZ_CHECK(same(of_floats[n], vxs_lookup(a->light, exact, NULL, filter)));
+            check_stream_point(a, p, NULL, filter, single);
+            check_stream_point(a, p, normal, filter, moved);
+            if (!filter.is_smooth && filter.width_px == 1) check_tap(a->light, p, single);
         }
     }
 }

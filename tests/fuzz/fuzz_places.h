@@ -78,7 +78,7 @@ static const walk_precision in_doubles = {1e-13, 1e-7}, in_floats = {2e-6, 1e-4}
 
 static inline int32_t state_at(const vxs_baked_light *l, const double point[3])
 {
-    float lit = vxs_lookup(l, point, NULL, 1);
+    float lit = vxs_lookup(l, point, NULL, vxs_box(1));
     return lit == VXS_OUTSIDE ? VXS_INTERVAL_OUTSIDE : lit == 1 ? VXS_INTERVAL_LIT : VXS_INTERVAL_SHADOW;
 }
 

@@ -29,7 +29,7 @@ enum { ASK_VOXEL, ASK_POINT, ASK_DEPTH, ASKS };
 
 /* As shaders read them. */
 typedef struct place {
-    int32_t light, map, ask, filter_px, i, j, k, unused;
+    int32_t light, map, ask, width_px, i, j, k, is_smooth;
     float   at[4];
 } place;
 
@@ -77,10 +77,10 @@ static const char places_text[] =
     "    asked a = places[gl_GlobalInvocationID.x];\n"
     "    vxs_light_constants light = vxs_light_at(uint(a.of.x));\n"
     "    vxs_place place;\n"
-    "    int filter_px = a.of.w, width_px = vxs_filter_width(filter_px);\n"
+    "    vxs_filter pcf = vxs_filter(a.of.w, a.voxel.w);\n"
     "    uint dark = 0u, full = 1u;\n"
     "    if (a.of.z == 1)\n"
-    "        place = vxs_place_from_ws(light, a.at.xyz, vec3(0.0, 1.0, 0.0), filter_px);\n"
+    "        place = vxs_place_from_ws(light, a.at.xyz, vec3(0.0, 1.0, 0.0), pcf);\n"
     "    else {\n"
     "        place.map = a.of.y;\n"
     "        place.voxel = a.voxel.xyz;\n"
@@ -91,11 +91,11 @@ static const char places_text[] =
     "    if (a.of.z == 2)\n"
     "        dark = uint(first_shadow(light, uint(place.map), place.voxel.x, place.voxel.y));\n"
     "    else if (place.map >= 0 && place.voxel.z >= 0) {\n"
-    "        full = uint(vxs_is_full_at_place(light.first_word, light, place, filter_px));\n"
-    "        if (filter_px < VXS_SMOOTH)\n"
-    "            dark = vxs_shadow_taps(light.first_word, light, place.map, place.voxel.x, place.voxel.y, k, width_px);\n"
+    "        full = uint(vxs_is_full_at_place(light.first_word, light, place, pcf));\n"
+    "        if (pcf.is_smooth == 0)\n"
+    "            dark = vxs_shadow_taps(light.first_word, light, place.map, place.voxel.x, place.voxel.y, k, pcf.width_px);\n"
     "        else\n"
-    "            dark = vxs_shadow_part(light.first_word, light, place, k, width_px);\n"
+    "            dark = vxs_shadow_part(light.first_word, light, place, k, pcf.width_px);\n"
     "    }\n"
     "    answers[gl_GlobalInvocationID.x].dark = uvec4(dark, full, place.across, place.down);\n"
     "    answers[gl_GlobalInvocationID.x].place = ivec4(place.map, place.voxel);\n"
@@ -219,9 +219,10 @@ static place random_place(const lights *l, uint64_t *random)
     double                 ws[3];
     if (p.ask == ASK_DEPTH && baked->light.coding != VXS_CODING_BLOCKS) p.ask = ASK_VOXEL;
     p.map       = (int32_t)random_below_of(random, vxs_map_count(&baked->light));
-    p.filter_px = 1 + 2 * (int32_t)random_below_of(random, VXS_FILTER_MAX / 2 + 1);
-    if (random_below_of(random, 2)) p.filter_px = VXS_SMOOTH + 1 + (int32_t)random_below_of(random, VXS_FILTER_MAX);
-    out = p.ask == ASK_VOXEL && p.filter_px > 1 ? 12 : 0;
+    p.width_px  = 1 + 2 * (int32_t)random_below_of(random, VXS_FILTER_MAX / 2 + 1);
+    p.is_smooth = (int32_t)random_below_of(random, 2);
+    if (p.is_smooth) p.width_px = 1 + (int32_t)random_below_of(random, VXS_FILTER_MAX);
+    out = p.ask == ASK_VOXEL && (p.is_smooth || p.width_px > 1) ? 12 : 0;
     p.i = (int32_t)random_below_of(random, (uint32_t)(side + 2 * out)) - out;
     p.j = (int32_t)random_below_of(random, (uint32_t)(side + 2 * out)) - out;
     p.k = (int32_t)random_below_of(random, (uint32_t)side);
@@ -236,10 +237,11 @@ static place random_place(const lights *l, uint64_t *random)
 
 static void check_place(const lights *l, const place *p, const answer *a)
 {
-    const vxs_baked_light *baked = l->baked[p->light];
-    const vxs_light       *light = &baked->light;
-    int32_t   last = (1 << light->levels) - 1, width_px = vxs_filter_width(p->filter_px), is_point = p->ask == ASK_POINT;
-    vxs_place at = {p->map, {p->i, p->j, p->k}, (uint32_t)(7 * p->i) & 255, (uint32_t)(5 * p->j) & 255};
+    const vxs_baked_light *baked  = l->baked[p->light];
+    const vxs_light       *light  = &baked->light;
+    vxs_filter             filter = {p->width_px, p->is_smooth};
+    int32_t                last = (1 << light->levels) - 1, is_point = p->ask == ASK_POINT;
+    vxs_place              at = {p->map, {p->i, p->j, p->k}, (uint32_t)(7 * p->i) & 255, (uint32_t)(5 * p->j) & 255};
     if (is_point) at = (vxs_place){a->map, {a->i, a->j, a->k}, a->across, a->down};
     FUZZ_CHECK(at.map >= -1 && at.map < (int32_t)vxs_map_count(light));
     if (at.map < 0) return;
@@ -247,10 +249,10 @@ static void check_place(const lights *l, const place *p, const answer *a)
     if (p->ask == ASK_DEPTH)
         dark = (uint32_t)vxs_first_shadow(baked, p->map, p->i, p->j, NULL);
     else if (at.voxel[2] >= 0)
-        dark = p->filter_px < VXS_SMOOTH ? vxs_shadow_taps(baked->words, light, at.map, at.voxel[0], at.voxel[1], k, width_px)
-                                         : vxs_shadow_part(baked->words, light, at, k, width_px);
+        dark = p->is_smooth ? vxs_shadow_part(baked->words, light, at, k, p->width_px)
+                            : vxs_shadow_taps(baked->words, light, at.map, at.voxel[0], at.voxel[1], k, p->width_px);
     FUZZ_CHECK(a->dark == dark);
-    FUZZ_CHECK(p->ask == ASK_DEPTH || (int32_t)a->is_full == vxs_is_full_at_place(baked->words, light, at, p->filter_px));
+    FUZZ_CHECK(p->ask == ASK_DEPTH || (int32_t)a->is_full == vxs_is_full_at_place(baked->words, light, at, filter));
 }
 
 static void check_places(const vxs_gl *shadows, const lights *l, uint64_t *random)

@@ -67,10 +67,10 @@ static void open_without_memory(const uint8_t *data, size_t size, const alloc_fa
 
 /* looking up ------------------------------------------------------------------------------------------------------------------- */
 
-static void check_lit(float lit, int filter_px)
+static void check_lit(float lit, int width_px)
 {
     FUZZ_CHECK(lit == VXS_OUTSIDE || (lit >= 0 && lit <= 1)); /* NaN is neither */
-    if (filter_px == 1) FUZZ_CHECK(lit == VXS_OUTSIDE || lit == 0 || lit == 1);
+    if (width_px == 1) FUZZ_CHECK(lit == VXS_OUTSIDE || lit == 0 || lit == 1);
 }
 
 static void look_up(const vxs_baked_light *l, uint64_t *random)
@@ -80,13 +80,13 @@ static void look_up(const vxs_baked_light *l, uint64_t *random)
         double point[3];
         point_ws(&l->light, random, point);
         const double *normal = normals[n % 3];
-        float         single = vxs_lookup(l, point, NULL, 1), box = vxs_lookup(l, point, NULL, 9);
+        float         single = vxs_lookup(l, point, NULL, vxs_box(1)), box = vxs_lookup(l, point, NULL, vxs_box(9));
         check_lit(single, 1);
         check_lit(box, 9);
         FUZZ_CHECK((single == VXS_OUTSIDE) == (box == VXS_OUTSIDE));
-        check_lit(vxs_lookup(l, point, normal, 1), 1);
-        check_lit(vxs_lookup(l, point, normal, 9), 9);
-        check_lit(vxs_lookup(l, point, normal, VXS_FILTER_MAX), VXS_FILTER_MAX);
+        check_lit(vxs_lookup(l, point, normal, vxs_box(1)), 1);
+        check_lit(vxs_lookup(l, point, normal, vxs_box(9)), 9);
+        check_lit(vxs_lookup(l, point, normal, vxs_box(VXS_FILTER_MAX)), VXS_FILTER_MAX);
     }
 }
 
@@ -131,8 +131,9 @@ static void stream_file(const uint8_t *data, size_t size, const vxs_asset *whole
             if (whole)
                 FUZZ_CHECK(vxs_smoke_lookup(&light->light, vxs_stream_smoke(stream, n), point) ==
                            vxs_smoke_lookup(&light->light, vxs_asset_smoke(whole, n), point));
-            if (!whole || !vxs_lookup_is_full(light, point, NULL, 9)) continue;
-            FUZZ_CHECK(vxs_lookup(light, point, NULL, 9) == vxs_lookup(vxs_asset_light(whole, n), point, NULL, 9));
+            if (!whole || !vxs_lookup_is_full(light, point, NULL, vxs_box(9))) continue;
+            FUZZ_CHECK(vxs_lookup(light, point, NULL, vxs_box(9)) ==
+                       vxs_lookup(vxs_asset_light(whole, n), point, NULL, vxs_box(9)));
         }
     }
     vxs_stream_close(stream);

@@ -10,5 +10,5 @@ cbuffer shadow_light : register(b0) { vxs_light_constants light; };
 
 float main(float3 position_ws : POSITION_WS, float3 normal_ws : NORMAL_WS) : SV_Target
 {
-    return vxs_lit(light.first_word, light, position_ws, normal_ws, 9);
+    return vxs_lit(light.first_word, light, position_ws, normal_ws, vxs_box(9));
 }

@@ -16,5 +16,5 @@ out float lit;
 
 void main()
 {
-    lit = vxs_lit(light.first_word, light, position_ws, normal_ws, 9);
+    lit = vxs_lit(light.first_word, light, position_ws, normal_ws, vxs_box(9));
 }

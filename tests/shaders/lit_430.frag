@@ -14,5 +14,5 @@ out float lit;       /* 0 dark to 1 lit; VXS_OUTSIDE where the light's map does 
 
 void main()
 {
-    lit = vxs_lit(light.first_word, light, position_ws, normal_ws, 9);
+    lit = vxs_lit(light.first_word, light, position_ws, normal_ws, vxs_box(9));
 }

@@ -15,7 +15,7 @@ enum { PLACES = 256 };
  * scattered. */
 typedef struct asked_places {
     const vxs_baked_light *light;
-    int                    filter_px;
+    vxs_filter             filter;
     double                 points[PLACES][3], normals[PLACES][3];
     vxs_place              places[PLACES]; /* of a map, also where the light does not reach: then some texels beside it */
     float                  lit[PLACES];    /* about that place */
@@ -47,7 +47,7 @@ static inline void ask_place(asked_places *a, rng *r, int n, int32_t map, const 
     vxs_point(light, map, at, a->points[n]);
     memset(a->normals[n], 0, sizeof a->normals[n]);
     if (!rng_below(r, 4)) random_direction(r, a->normals[n]);
-    a->places[n] = vxs_place_from_ws(light, a->points[n], a->normals[n], a->filter_px);
+    a->places[n] = vxs_place_from_ws(light, a->points[n], a->normals[n], a->filter);
 }
 
 /* Dark texels, or parts of them, by vectors and word by word. */
@@ -55,11 +55,11 @@ static inline void check_counts(const asked_places *a, vxs_place place)
 {
     const vxs_light *light = &a->light->light;
     const uint32_t  *words = a->light->words, map = (uint32_t)place.map;
-    int32_t          last = (1 << light->levels) - 1, i = place.voxel[0], j = place.voxel[1], width = a->filter_px % VXS_SMOOTH;
+    int32_t          last = (1 << light->levels) - 1, i = place.voxel[0], j = place.voxel[1], width = a->filter.width_px;
     uint32_t         k      = (uint32_t)vxs_clamp(place.voxel[2], 0, last);
     int              inside = i >= 0 && j >= 0 && i <= last && j <= last;
     if (light->coding != VXS_CODING_BLOCKS) return; /* a DAG has one way */
-    if (a->filter_px >= VXS_SMOOTH)
+    if (a->filter.is_smooth)
         assert_int_equal(vxs_shadow_part(words, light, place, k, width),
                          scalar_shadow_weight(words, map, light->levels, i, j, place.across, place.down, k, width));
     else
@@ -73,22 +73,22 @@ static inline void check_same_bits(const asked_places *a, int n, const char *way
 {
     const double *p = a->points[n];
     if (memcmp(&found, &wanted, sizeof found))
-        fail_msg("%s, filter %d at %.17g %.17g %.17g: %.9g, expected %.9g", way, a->filter_px, p[0], p[1], p[2], (double)found,
-                 (double)wanted);
+        fail_msg("%s, filter %d, smooth %d at %.17g %.17g %.17g: %.9g, expected %.9g", way, a->filter.width_px, a->filter.is_smooth,
+                 p[0], p[1], p[2], (double)found, (double)wanted);
 }
 
 /* Points alone, and many at once. */
 static inline void check_lookups(const asked_places *a)
 {
     static float by_vectors[PLACES], by_words[PLACES];
-    vxs_batch    b = {.points_ws.data = a->points, .normals_ws.data = a->normals, .count = PLACES, .filter_px = a->filter_px};
+    vxs_batch    b = {.points_ws.data = a->points, .normals_ws.data = a->normals, .count = PLACES, .filter = a->filter};
     b.lit          = by_vectors;
     assert_int_equal(vxs_lookup_batch(a->light, 1, &b), VXS_OK);
     b.lit = by_words;
     assert_int_equal(scalar_lookup_batch(a->light, 1, &b), VXS_OK);
     for (int n = 0; n < PLACES; n++) {
-        int   outside = vxs_place_from_ws(&a->light->light, a->points[n], a->normals[n], a->filter_px).map < 0;
-        float alone   = vxs_lookup(a->light, a->points[n], a->normals[n], a->filter_px);
+        int   outside = vxs_place_from_ws(&a->light->light, a->points[n], a->normals[n], a->filter).map < 0;
+        float alone   = vxs_lookup(a->light, a->points[n], a->normals[n], a->filter);
         check_same_bits(a, n, "a lookup", alone, outside ? VXS_OUTSIDE : a->lit[n]);
         check_same_bits(a, n, "a batch", by_vectors[n], alone);
         check_same_bits(a, n, "a batch without vectors", by_words[n], alone);
@@ -105,15 +105,15 @@ static inline void ask_places(asked_places *a, rng *r, const vxs_baked_light *li
     int32_t  reach     = rng_below(r, 2) ? 24 : side;
     uint32_t smooth    = rng_below(r, 2);
     a->light           = light;
-    a->filter_px       = smooth ? VXS_SMOOTH + rng_between(r, 1, VXS_FILTER_MAX) : 1 + 2 * rng_between(r, 0, VXS_FILTER_MAX / 2);
+    a->filter = smooth ? vxs_smooth(rng_between(r, 1, VXS_FILTER_MAX)) : vxs_box(1 + 2 * rng_between(r, 0, VXS_FILTER_MAX / 2));
     for (int n = 0; n < PLACES; n++) {
         ask_place(a, r, n, map, middle, reach);
         if (a->places[n].map < 0) a->places[n].map = map;
         /* a single tap is asked of the map alone */
-        for (int axis = 0; axis < 2 && a->filter_px == 1; axis++)
+        for (int axis = 0; axis < 2 && !a->filter.is_smooth && a->filter.width_px == 1; axis++)
             a->places[n].voxel[axis] = vxs_clamp(a->places[n].voxel[axis], 0, side - 1);
         check_counts(a, a->places[n]);
-        a->lit[n] = (float)vxs_lit_at_place(light->words, &light->light, a->places[n], a->filter_px);
+        a->lit[n] = (float)vxs_lit_at_place(light->words, &light->light, a->places[n], a->filter);
     }
     check_lookups(a);
 }

@@ -7,9 +7,9 @@
 
 uint32_t scalar_shadow(const uint32_t *words, uint32_t map, uint32_t levels, uint32_t i, uint32_t j, uint32_t k);
 uint32_t scalar_shadow_count(const uint32_t *words, uint32_t map, uint32_t levels, int32_t i, int32_t j, uint32_t k,
-                             int32_t filter_px);
+                             int32_t width_px);
 uint32_t scalar_shadow_weight(const uint32_t *words, uint32_t map, uint32_t levels, int32_t i, int32_t j, uint32_t across,
-                              uint32_t down, uint32_t k, int32_t filter_px);
-uint32_t scalar_is_full(const uint32_t *words, uint32_t map, uint32_t levels, int32_t i, int32_t j, uint32_t k, int32_t filter_px);
+                              uint32_t down, uint32_t k, int32_t width_px);
+uint32_t scalar_is_full(const uint32_t *words, uint32_t map, uint32_t levels, int32_t i, int32_t j, uint32_t k, int32_t width_px);
 
 #endif

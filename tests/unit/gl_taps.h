@@ -10,7 +10,18 @@
 
 #include "gl_points.h"
 
-/* Position: texels and depth; normal: light, map, filter. A smooth box lies in its texel as that one's place says. `last` makes an answer of `dark`. */
+/* A filter as one number, which shaders take apart. */
+static inline float filter_code(vxs_filter filter)
+{
+    return (float)(filter.width_px + 256 * filter.is_smooth);
+}
+
+static inline vxs_filter filter_of_code(float code)
+{
+    return (vxs_filter){(int32_t)code & 255, (int32_t)code >> 8};
+}
+
+/* Position: texels and depth; normal: light, map, filter code. A smooth box lies in its texel as that one's place says. `last` makes an answer of `dark`. */
 #define TAPS_BODY(last)                                                                                                            \
     "in vec3 position_ws;\n"                                                                                                       \
     "in vec3 normal_ws;\n"                                                                                                         \
@@ -22,12 +33,13 @@
     "    place.voxel = ivec3(position_ws);\n"                                                                                      \
     "    place.across = uint(7 * place.voxel.x) & 255u;\n"                                                                         \
     "    place.down = uint(5 * place.voxel.y) & 255u;\n"                                                                           \
-    "    int filter_px = int(normal_ws.z);\n"                                                                                      \
+    "    int code = int(normal_ws.z);\n"                                                                                           \
+    "    vxs_filter pcf = vxs_filter(code & 255, code >> 8);\n"                                                                    \
     "    uint k = uint(place.voxel.z), dark;\n"                                                                                    \
-    "    if (filter_px < VXS_SMOOTH)\n"                                                                                            \
-    "        dark = vxs_shadow_taps(light.first_word, light, place.map, place.voxel.x, place.voxel.y, k, filter_px);\n"            \
+    "    if (pcf.is_smooth == 0)\n"                                                                                                \
+    "        dark = vxs_shadow_taps(light.first_word, light, place.map, place.voxel.x, place.voxel.y, k, pcf.width_px);\n"         \
     "    else\n"                                                                                                                   \
-    "        dark = vxs_shadow_part(light.first_word, light, place, k, filter_px - VXS_SMOOTH) % 16777213u;\n"                     \
+    "        dark = vxs_shadow_part(light.first_word, light, place, k, pcf.width_px) % 16777213u;\n"                               \
     "    " last "\n"                                                                                                               \
     "}\n"
 
@@ -57,10 +69,11 @@ typedef struct subject {
 
 static inline query random_taps(rng *r, const subject *subjects, uint32_t count)
 {
-    uint32_t n = rng_below(r, count), filter_px = 1 + 2 * rng_below(r, VXS_FILTER_MAX / 2 + 1);
-    if (rng_below(r, 2)) filter_px = VXS_SMOOTH + 1 + rng_below(r, VXS_FILTER_MAX);
-    int32_t side = 1 << subjects[n].light->levels, out = filter_px > 1 ? 12 : 0;
-    query   q = {{0}, {(float)n, (float)rng_below(r, vxs_map_count(subjects[n].light)), (float)filter_px}};
+    uint32_t   n      = rng_below(r, count);
+    vxs_filter filter = vxs_box(1 + 2 * (int32_t)rng_below(r, VXS_FILTER_MAX / 2 + 1));
+    if (rng_below(r, 2)) filter = vxs_smooth(1 + (int32_t)rng_below(r, VXS_FILTER_MAX));
+    int32_t side = 1 << subjects[n].light->levels, out = filter.is_smooth || filter.width_px > 1 ? 12 : 0;
+    query   q = {{0}, {(float)n, (float)rng_below(r, vxs_map_count(subjects[n].light)), filter_code(filter)}};
     for (int k = 0; k < 2; k++) q.position[k] = (float)rng_between(r, -out, side - 1 + out);
     q.position[2] = (float)rng_between(r, 0, side - 1);
     return q;
@@ -86,11 +99,12 @@ static inline void put_near_surface(rng *r, const subject *s, query *q)
 /* The same in C.   partly  [in, out] counts those that are neither lit nor dark */
 static inline uint32_t taps_in_c(const subject *s, const query *q, uint32_t *partly)
 {
-    int32_t   x = (int32_t)q->position[0], y = (int32_t)q->position[1], filter_px = (int32_t)q->normal[2];
-    uint32_t  k = (uint32_t)q->position[2], width = (uint32_t)filter_px % VXS_SMOOTH, dark, all = width * width;
-    vxs_place place = {(int32_t)q->normal[1], {x, y, (int32_t)k}, (uint32_t)(7 * x) & 255, (uint32_t)(5 * y) & 255};
-    if (filter_px < VXS_SMOOTH) {
-        dark = vxs_shadow_taps(s->words, s->light, place.map, x, y, k, filter_px);
+    int32_t    x = (int32_t)q->position[0], y = (int32_t)q->position[1];
+    vxs_filter filter = filter_of_code(q->normal[2]);
+    uint32_t   k = (uint32_t)q->position[2], width = (uint32_t)filter.width_px, dark, all = width * width;
+    vxs_place  place = {(int32_t)q->normal[1], {x, y, (int32_t)k}, (uint32_t)(7 * x) & 255, (uint32_t)(5 * y) & 255};
+    if (!filter.is_smooth) {
+        dark = vxs_shadow_taps(s->words, s->light, place.map, x, y, k, filter.width_px);
     } else {
         dark = vxs_shadow_part(s->words, s->light, place, k, (int32_t)width);
         all *= 65536;

@@ -139,23 +139,23 @@ static inline void stream_check_light(const stream_sample *s, const vxs_baked_li
 {
     const vxs_baked_light *full = vxs_asset_light(s->full, number);
     for (int n = 0; n < count; n++) {
-        double point[3], normal[3] = {0, 1, 0};
-        int    filter_px = 1 + 2 * rng_between(r, 0, VXS_FILTER_MAX / 2);
-        if (!rng_below(r, 3)) filter_px = VXS_SMOOTH + rng_between(r, 1, VXS_FILTER_MAX);
+        double     point[3], normal[3] = {0, 1, 0};
+        vxs_filter filter = vxs_box(1 + 2 * rng_between(r, 0, VXS_FILTER_MAX / 2));
+        if (!rng_below(r, 3)) filter = vxs_smooth(rng_between(r, 1, VXS_FILTER_MAX));
         stream_random_point(&full->light, r, point);
-        float  found = vxs_lookup(light, point, n & 1 ? normal : NULL, filter_px);
+        float  found = vxs_lookup(light, point, n & 1 ? normal : NULL, filter);
         float  several[40];
         double points[120];
         for (int k = 0; k < 120; k++) points[k] = point[k % 3];
-        vxs_lookup_many(light, points, NULL, 40, filter_px, several);
-        if (several[39] != vxs_lookup(light, point, NULL, filter_px))
-            fail_msg("light %u, filter %d: %g of many", number, filter_px, (double)several[39]);
-        float exact   = vxs_lookup(full, point, n & 1 ? normal : NULL, filter_px);
-        float rough   = vxs_lookup(&s->coarse[number], point, n & 1 ? normal : NULL, filter_px);
-        int   is_full = vxs_lookup_is_full(light, point, n & 1 ? normal : NULL, filter_px);
+        vxs_lookup_many(light, points, NULL, 40, filter, several);
+        if (several[39] != vxs_lookup(light, point, NULL, filter))
+            fail_msg("light %u, filter %d, smooth %d: %g of many", number, filter.width_px, filter.is_smooth, (double)several[39]);
+        float exact   = vxs_lookup(full, point, n & 1 ? normal : NULL, filter);
+        float rough   = vxs_lookup(&s->coarse[number], point, n & 1 ? normal : NULL, filter);
+        int   is_full = vxs_lookup_is_full(light, point, n & 1 ? normal : NULL, filter);
         if (found != (is_full ? exact : rough))
-            fail_msg("light %u, filter %d: %g, %s, expected %g or %g", number, filter_px, (double)found,
-                     is_full ? "full" : "coarse", (double)exact, (double)rough);
+            fail_msg("light %u, filter %d, smooth %d: %g, %s, expected %g or %g", number, filter.width_px, filter.is_smooth,
+                     (double)found, is_full ? "full" : "coarse", (double)exact, (double)rough);
         tally->full += is_full != 0;
         tally->coarse += !is_full;
         tally->other += !is_full && exact != rough;

@@ -52,7 +52,9 @@ static void structs_of_the_library_keep_their_layout(void **state)
     assert_int_equal(sizeof(vxs_gl_light), 16);
     assert_int_equal(sizeof(vxs_capsule), 32);
     assert_int_equal(AT(vxs_capsule, extinction), 28);
-    assert_int_equal(sizeof(vxs_view), 80);
+    assert_int_equal(sizeof(vxs_filter), 8);
+    assert_int_equal(AT(vxs_filter, is_smooth), 4);
+    assert_int_equal(sizeof(vxs_view), 84);
     assert_int_equal(AT(vxs_view, empty_depth), 72);
     assert_int_equal(sizeof(vxs_stream_focus), 64);
     assert_int_equal(sizeof(vxs_stream_range), 8);
@@ -69,6 +71,7 @@ static void descriptions_grow_at_their_end(void **state)
     assert_int_equal(sizeof(vxs_vectors), 24);
     assert_int_equal(AT(vxs_batch, struct_size), 0);
     assert_int_equal(AT(vxs_batch, count), 56);
+    assert_int_equal(AT(vxs_batch, filter), 64);
     assert_int_equal(AT(vxs_batch, light_stride_bytes), 88);
     assert_true(sizeof(vxs_batch) >= 96);
     assert_int_equal(AT(vxs_depth_map_desc, struct_size), 0);
@@ -85,7 +88,7 @@ static void descriptions_grow_at_their_end(void **state)
     assert_int_equal(AT(vxs_volumes_desc, struct_size), 0);
     assert_int_equal(AT(vxs_volumes_frame, struct_size), 0);
     assert_int_equal(AT(vxs_volumes_frame, view), 52);
-    assert_int_equal(AT(vxs_volumes_frame, depth_texture), 152);
+    assert_int_equal(AT(vxs_volumes_frame, depth_texture), 156);
     assert_int_equal(AT(vxs_volumes_light, struct_size), 0);
     assert_int_equal(AT(vxs_volumes_light, smoke), 48);
     assert_int_equal(AT(vxs_volumes_light, min_radiance), 60);

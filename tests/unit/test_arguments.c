@@ -33,9 +33,10 @@ typedef struct subject {
     vxs_baked_light baked;
 } subject;
 
-static const int any_filter[] = {1,   2,       3,   4,   5,   8,   9,   16,  17,         18, 100,     255,           256,
-                                 257, 258,     260, 265, 272, 273, 274, 511, 0x10000001, -1, INT_MIN, INT_MIN + 257, -9,
-                                 0,   INT_MAX, 512};
+static const vxs_filter any_filter[] = {
+    {1, 0},   {2, 0},          {3, 0},  {4, 0},       {5, 0},       {8, 0},        {9, 0}, {16, 0},      {17, 0},      {18, 0},
+    {100, 0}, {255, 0},        {0, 1},  {1, 1},       {2, 1},       {4, 1},        {9, 1}, {16, 1},      {17, 1},      {18, 1},
+    {255, 1}, {0x10000001, 2}, {-1, 0}, {INT_MIN, 0}, {INT_MIN, 1}, {-9, INT_MIN}, {0, 0}, {INT_MAX, 0}, {INT_MAX, -1}};
 enum { FILTERS = sizeof any_filter / sizeof *any_filter };
 
 static vxs_light light_of(shape s, uint32_t levels, uint32_t coding)
@@ -104,15 +105,13 @@ static uint32_t tap(const subject *s, int map, int64_t x, int64_t y, uint32_t k)
                     : blocks_sample_shadow(&s->blocks, (uint32_t)map, (uint32_t)x, (uint32_t)y, k);
 }
 
-/* What a filter's number stands for, as runtime/vxs.h says. */
-static int meaning(int filter_px, int *smooth)
+/* The width that a filter counts as, as formats/vxs_file.h says. */
+static int meaning(vxs_filter filter)
 {
-    int64_t width = filter_px;
-    *smooth       = filter_px >= VXS_SMOOTH;
-    if (*smooth) width -= VXS_SMOOTH;
+    int64_t width = filter.width_px;
     if (width < 1) return 1;
     if (width > VXS_FILTER_MAX) return VXS_FILTER_MAX;
-    return (int)(!*smooth && width % 2 == 0 ? width + 1 : width);
+    return (int)(!filter.is_smooth && width % 2 == 0 ? width + 1 : width);
 }
 
 /* In 1/256, rounded down. A part that is next to 1 may have been rounded to it. */
@@ -123,9 +122,9 @@ static uint32_t part_of(double part)
 
 /* The lit fraction about a place of a map, by single taps.
  * voxel  whole numbers;   part  how far into the texel the place is: [0, 1) */
-static float sum_of_taps(const subject *s, int map, const double voxel[3], const double part[2], int filter_px)
+static float sum_of_taps(const subject *s, int map, const double voxel[3], const double part[2], vxs_filter filter)
 {
-    int     smooth, width = meaning(filter_px, &smooth), reach = width / 2 + 1;
+    int     smooth = filter.is_smooth != 0, width = meaning(filter), reach = width / 2 + 1;
     int64_t i = (int64_t)voxel[0], j = (int64_t)voxel[1];
     if (voxel[2] < 0) return 1;
     uint32_t k = (uint32_t)fmin(voxel[2], s->side - 1), dark = 0, all = 65536 * (uint32_t)(width * width);
@@ -137,10 +136,10 @@ static float sum_of_taps(const subject *s, int map, const double voxel[3], const
 }
 
 /* The same about (u, v) at a depth. */
-static float sum_at(const subject *s, int map, double u, double v, double depth, int filter_px)
+static float sum_at(const subject *s, int map, double u, double v, double depth, vxs_filter filter)
 {
     double voxel[3] = {floor(u), floor(v), floor(depth)};
-    return sum_of_taps(s, map, voxel, (double[2]){u - voxel[0], v - voxel[1]}, filter_px);
+    return sum_of_taps(s, map, voxel, (double[2]){u - voxel[0], v - voxel[1]}, filter);
 }
 
 /* places ----------------------------------------------------------------------------------------------------------------------- */
@@ -220,14 +219,15 @@ static void check_places(subject *s, rng *r)
     for (int map = 0; map < s->maps; map++) {
         if (s->asset) dag_sample_show(&s->dag, (uint32_t)map);
         for (int n = 0; n < (int)repeats(3000, 9000) / s->maps; n++) {
-            int    filter_px = n % 3 ? any_filter[n % FILTERS] : (int)rng_u32(r);
-            double at[3], point[3];
+            vxs_filter filter = n % 3 ? any_filter[n % FILTERS] : (vxs_filter){(int)rng_u32(r), (int)rng_below(r, 2)};
+            double     at[3], point[3];
             tricky_place(s, r, map, at, point);
-            float wanted = is_inside(s, at, point) ? sum_at(s, map, at[0], at[1], at[2], filter_px) : VXS_OUTSIDE;
-            float found  = vxs_lookup(&s->baked, point, NULL, filter_px);
+            float wanted = is_inside(s, at, point) ? sum_at(s, map, at[0], at[1], at[2], filter) : VXS_OUTSIDE;
+            float found  = vxs_lookup(&s->baked, point, NULL, filter);
             if (found != wanted)
-                fail_msg("shape %d, coding %u, map %d at (%.17g, %.17g, %.17g), filter %d: %.9g, expected %.9g", (int)s->shape,
-                         s->baked.light.coding, map, at[0], at[1], at[2], filter_px, (double)found, (double)wanted);
+                fail_msg("shape %d, coding %u, map %d at (%.17g, %.17g, %.17g), filter %d, smooth %d: %.9g, expected %.9g",
+                         (int)s->shape, s->baked.light.coding, map, at[0], at[1], at[2], filter.width_px, filter.is_smooth,
+                         (double)found, (double)wanted);
             asked++;
             outside += wanted < 0;
             partly += wanted > 0 && wanted < 1;
@@ -249,19 +249,20 @@ static void check_normals(subject *s, rng *r)
 {
     static const double lengths[] = {0, -0.0, 1e-300, 1e-6, 0.2, 1, 5, 100, 1e30, 1e300};
     for (int n = 0; n < (int)repeats(1000, 3000); n++) {
-        int    filter_px = any_filter[rng_below(r, FILTERS)], map = 0;
-        double at[3], point[3], normal[3], none[3] = {0.6, 0, 0.8}, length = lengths[rng_below(r, 10)];
+        vxs_filter filter = any_filter[rng_below(r, FILTERS)];
+        int        map    = 0;
+        double     at[3], point[3], normal[3], none[3] = {0.6, 0, 0.8}, length = lengths[rng_below(r, 10)];
         if (s->asset) dag_sample_show(&s->dag, 0);
         tricky_place(s, r, map, at, point);
         random_direction(r, normal);
         for (int c = 0; c < 3; c++) normal[c] *= length;
         none[n % 3]      = (double)NAN;
-        float in_the_air = vxs_lookup(&s->baked, point, NULL, filter_px), found = vxs_lookup(&s->baked, point, normal, filter_px);
-        assert_true(vxs_lookup(&s->baked, point, none, filter_px) == in_the_air);
-        assert_true(vxs_lookup(&s->baked, point, (double[3]){0, 0, 0}, filter_px) == in_the_air);
+        float in_the_air = vxs_lookup(&s->baked, point, NULL, filter), found = vxs_lookup(&s->baked, point, normal, filter);
+        assert_true(vxs_lookup(&s->baked, point, none, filter) == in_the_air);
+        assert_true(vxs_lookup(&s->baked, point, (double[3]){0, 0, 0}, filter) == in_the_air);
         assert_true(found == VXS_OUTSIDE || (found >= 0 && found <= 1));
         none[n % 3]   = n % 2 ? (double)INFINITY : -(double)INFINITY;
-        float endless = vxs_lookup(&s->baked, point, none, filter_px);
+        float endless = vxs_lookup(&s->baked, point, none, filter);
         assert_true(endless == VXS_OUTSIDE || (endless >= 0 && endless <= 1));
         if (s->shape >= ONE_MAP_SPOT) {
             assert_true((found == VXS_OUTSIDE) == (in_the_air == VXS_OUTSIDE)); /* held in the map */
@@ -270,10 +271,10 @@ static void check_normals(subject *s, rng *r)
         int32_t moved[3]; /* how far, is asked in test_bias.c */
         double  voxel[3];
         float   wanted = VXS_OUTSIDE;
-        map            = vxs_voxel(&s->baked.light, point, normal, filter_px, moved);
+        map            = vxs_voxel(&s->baked.light, point, normal, filter, moved);
         for (int c = 0; c < 3; c++) voxel[c] = moved[c];
         assert_int_equal(map >= 0, is_inside(s, voxel, point));
-        if (map >= 0) wanted = sum_of_taps(s, map, voxel, (double[2]){at[0] - floor(at[0]), at[1] - floor(at[1])}, filter_px);
+        if (map >= 0) wanted = sum_of_taps(s, map, voxel, (double[2]){at[0] - floor(at[0]), at[1] - floor(at[1])}, filter);
         assert_true(found == wanted);
         asked++;
     }
@@ -293,41 +294,40 @@ static void check_points(subject *s, rng *r)
     double              half   = s->side / 2;
     (void)r;
     for (int f = 0; f < FILTERS; f++) {
-        int filter_px = any_filter[f];
+        vxs_filter filter = any_filter[f];
         for (int n = 0; n < 9; n++) {
             double point[3] = {1, 2, 8}, normal[3] = {0, 0, -1};
             point[n / 3] = none[n % 3];
-            assert_true(vxs_lookup(&s->baked, point, NULL, filter_px) == VXS_OUTSIDE);
-            assert_true(vxs_lookup(&s->baked, point, normal, filter_px) == VXS_OUTSIDE);
+            assert_true(vxs_lookup(&s->baked, point, NULL, filter) == VXS_OUTSIDE);
+            assert_true(vxs_lookup(&s->baked, point, normal, filter) == VXS_OUTSIDE);
         }
         if (s->asset) dag_sample_show(&s->dag, s->maps > 1 ? 4 : 0);
         if (s->shape >= ONE_MAP_SPOT) {
             int map = s->maps > 1 ? 4 : 0;
-            assert_true(vxs_lookup(&s->baked, (double[3]){0, 0, 0}, NULL, filter_px) == 1);
-            assert_true(vxs_lookup(&s->baked, (double[3]){0, 0, 1e-300}, NULL, filter_px) == 1);
-            assert_true(vxs_lookup(&s->baked, (double[3]){0, 0, 0.999}, NULL, filter_px) == 1);
-            assert_true(vxs_lookup(&s->baked, (double[3]){0, 0, 1}, NULL, filter_px) == sum_at(s, map, half, half, 0, filter_px));
-            assert_true(vxs_lookup(&s->baked, (double[3]){0, 0, 1e30}, NULL, filter_px) ==
-                        sum_at(s, map, half, half, s->side, filter_px));
-            assert_true(vxs_lookup(&s->baked, (double[3]){0, 0, 1e200}, NULL, filter_px) == VXS_OUTSIDE);
-            assert_true((vxs_lookup(&s->baked, (double[3]){0, 0, -8}, NULL, filter_px) == VXS_OUTSIDE) == (s->shape != ALL_AROUND));
-            assert_true((vxs_lookup(&s->baked, (double[3]){0, 9, 8}, NULL, filter_px) == VXS_OUTSIDE) ==
-                        (s->shape == ONE_MAP_SPOT));
+            assert_true(vxs_lookup(&s->baked, (double[3]){0, 0, 0}, NULL, filter) == 1);
+            assert_true(vxs_lookup(&s->baked, (double[3]){0, 0, 1e-300}, NULL, filter) == 1);
+            assert_true(vxs_lookup(&s->baked, (double[3]){0, 0, 0.999}, NULL, filter) == 1);
+            assert_true(vxs_lookup(&s->baked, (double[3]){0, 0, 1}, NULL, filter) == sum_at(s, map, half, half, 0, filter));
+            assert_true(vxs_lookup(&s->baked, (double[3]){0, 0, 1e30}, NULL, filter) ==
+                        sum_at(s, map, half, half, s->side, filter));
+            assert_true(vxs_lookup(&s->baked, (double[3]){0, 0, 1e200}, NULL, filter) == VXS_OUTSIDE);
+            assert_true((vxs_lookup(&s->baked, (double[3]){0, 0, -8}, NULL, filter) == VXS_OUTSIDE) == (s->shape != ALL_AROUND));
+            assert_true((vxs_lookup(&s->baked, (double[3]){0, 9, 8}, NULL, filter) == VXS_OUTSIDE) == (s->shape == ONE_MAP_SPOT));
             s->baked.light.range_metres = 64;
-            assert_true(vxs_lookup(&s->baked, (double[3]){0, 0, 64}, NULL, filter_px) != VXS_OUTSIDE);
-            assert_true(vxs_lookup(&s->baked, (double[3]){0, 0, nextafter(64, 65)}, NULL, filter_px) == VXS_OUTSIDE);
+            assert_true(vxs_lookup(&s->baked, (double[3]){0, 0, 64}, NULL, filter) != VXS_OUTSIDE);
+            assert_true(vxs_lookup(&s->baked, (double[3]){0, 0, nextafter(64, 65)}, NULL, filter) == VXS_OUTSIDE);
             s->baked.light.range_metres = 0;
             continue;
         }
         float front = s->shape == SUN ? 1 : VXS_OUTSIDE, behind = front;
-        if (s->shape == SUN) behind = sum_at(s, 0, half, half, s->side - 1, filter_px);
-        assert_true(vxs_lookup(&s->baked, (double[3]){half, half, -1e30}, NULL, filter_px) == front);
-        assert_true(vxs_lookup(&s->baked, (double[3]){half, half, 1e30}, NULL, filter_px) == behind);
-        assert_true(vxs_lookup(&s->baked, (double[3]){half, half, 1.7e308}, NULL, filter_px) == behind);
+        if (s->shape == SUN) behind = sum_at(s, 0, half, half, s->side - 1, filter);
+        assert_true(vxs_lookup(&s->baked, (double[3]){half, half, -1e30}, NULL, filter) == front);
+        assert_true(vxs_lookup(&s->baked, (double[3]){half, half, 1e30}, NULL, filter) == behind);
+        assert_true(vxs_lookup(&s->baked, (double[3]){half, half, 1.7e308}, NULL, filter) == behind);
         for (int n = 0; n < 4; n++) {
             double point[3] = {half, half, half};
             point[n / 2]    = n % 2 ? 1e30 : -1e30;
-            assert_true(vxs_lookup(&s->baked, point, NULL, filter_px) == VXS_OUTSIDE);
+            assert_true(vxs_lookup(&s->baked, point, NULL, filter) == VXS_OUTSIDE);
         }
     }
 }

@@ -16,17 +16,17 @@
 
 #include <cmocka.h>
 
-static const int filters_px[] = {1, 3, 5, 9, 17, VXS_SMOOTH + 1, VXS_SMOOTH + 2, VXS_SMOOTH + 9, VXS_SMOOTH + 16, VXS_SMOOTH + 17};
-enum { FILTERS = sizeof filters_px / sizeof *filters_px };
+static const vxs_filter filters[] = {{1, 0}, {3, 0}, {5, 0}, {9, 0}, {17, 0}, {1, 1}, {2, 1}, {9, 1}, {16, 1}, {17, 1}};
+enum { FILTERS = sizeof filters / sizeof *filters };
 
 /* A light, a point that it reaches, and a normal. */
 typedef struct question {
-    vxs_light light;
-    int       map;
-    double    point[3], normal[3];
-    double    at[3]; /* the point in the map */
-    double    along; /* of the light's way there along the normal: below 0 where the surface faces the light */
-    int       filter_px;
+    vxs_light  light;
+    int        map;
+    double     point[3], normal[3];
+    double     at[3]; /* the point in the map */
+    double     along; /* of the light's way there along the normal: below 0 where the surface faces the light */
+    vxs_filter filter;
 } question;
 
 /* Voxels are as deep as texels are wide, or up to a hundred times deeper. */
@@ -60,10 +60,10 @@ static int ask(rng *r, question *q)
     make_unit(way);
     random_direction(r, q->normal);
     if (rng_below(r, 8) == 0) memcpy(q->normal, way, sizeof way); /* straight behind the light */
-    q->along     = dot(q->normal, way);
-    q->filter_px = filters_px[rng_below(r, FILTERS)];
+    q->along  = dot(q->normal, way);
+    q->filter = filters[rng_below(r, FILTERS)];
     int32_t voxel[3];
-    q->map = vxs_voxel(&q->light, q->point, NULL, 1, voxel);
+    q->map = vxs_voxel(&q->light, q->point, NULL, vxs_box(1), voxel);
     return q->map == face && q->light.levels >= 8 && fabs(q->along) > 1e-3;
 }
 
@@ -89,9 +89,9 @@ static void taps_lie_before_the_plane(void **state)
     for (uint32_t n = 0; n < repeats(100000, 1000000); n++) {
         question q;
         if (!ask(&r, &q)) continue;
-        filter_taps taps = filter_taps_of(&q.light, q.point, q.normal, q.filter_px);
+        filter_taps taps = filter_taps_of(&q.light, q.point, q.normal, q.filter);
         int32_t     side = (int32_t)1 << q.light.levels, voxel[3];
-        if (vxs_voxel(&q.light, q.point, q.normal, q.filter_px, voxel) != q.map) continue;
+        if (vxs_voxel(&q.light, q.point, q.normal, q.filter, voxel) != q.map) continue;
         if (q.light.kind != VXS_LIGHT_KIND_DIRECTIONAL &&
             (voxel[0] <= 0 || voxel[1] <= 0 || voxel[0] >= side - 1 || voxel[1] >= side - 1)) {
             held++;
@@ -105,8 +105,7 @@ static void taps_lie_before_the_plane(void **state)
         }
         /* a texel of which a smooth filter covers less than 1/256 counts for the bias, and is no tap */
         int sliver = 0;
-        for (int axis = 0; axis < 2; axis++)
-            sliver |= q.filter_px >= VXS_SMOOTH && 2 * q.at[axis] - floor(2 * q.at[axis]) < 2 / 256.0;
+        for (int axis = 0; axis < 2; axis++) sliver |= q.filter.is_smooth && 2 * q.at[axis] - floor(2 * q.at[axis]) < 2 / 256.0;
         double own   = floor(q.at[2]),
                slack = 3 * VXS_BIAS_SLACK * (1 + q.light.texel_metres / q.light.voxel_metres * fabs(1 / q.along));
         if (q.along < 0) { /* far sides before the plane; not more than a voxel too near, but for the slack */
@@ -131,9 +130,9 @@ static void steps_are_short(void **state)
     for (uint32_t n = 0; n < repeats(100000, 1000000); n++) {
         question q;
         if (!ask(&r, &q)) continue;
-        vxs_place place = vxs_place_from_ws(&q.light, q.point, q.normal, q.filter_px);
-        double    ratio = q.light.texel_metres / q.light.voxel_metres, reach = vxs_filter_reach(q.filter_px) + 0.5 + VXS_BIAS_SLACK;
-        double    most = VXS_BIAS_ALONG * vxs_filter_width(q.filter_px) * ratio + 2 + VXS_BIAS_SLACK;
+        vxs_place place = vxs_place_from_ws(&q.light, q.point, q.normal, q.filter);
+        double    ratio = q.light.texel_metres / q.light.voxel_metres, reach = vxs_filter_reach(q.filter) + 0.5 + VXS_BIAS_SLACK;
+        double    most = VXS_BIAS_ALONG * vxs_filter_width(q.filter) * ratio + 2 + VXS_BIAS_SLACK;
         if (place.map < 0) continue;
         assert_true(fabs(place.voxel[2] - floor(q.at[2])) <= most + 1e-6);
         for (int axis = 0; axis < 2; axis++) assert_true(fabs(place.voxel[axis] - floor(q.at[axis])) <= 1.2072 * reach + 1.5);
@@ -156,8 +155,7 @@ static void simple_steps(void **state)
     double    p[3] = {10.2, 9.5, 10.2}; /* (20.4, 20.4, 30.5) */
     struct {
         double  normal[3];
-        int     filter_px;
-        int32_t voxel[3];
+        int32_t width_px, voxel[3];
     } cases[] = {
         {{0, 1, 0}, 1, {20, 20, 29}},           {{0, 1, 0}, 17, {20, 20, 29}},
         {{0, -1, 0}, 9, {20, 20, 31}}, /* the floor, the ceiling */
@@ -169,7 +167,7 @@ static void simple_steps(void **state)
     };
     for (size_t n = 0; n < sizeof cases / sizeof *cases; n++) {
         int32_t voxel[3];
-        assert_int_equal(vxs_voxel(&l, p, cases[n].normal, cases[n].filter_px, voxel), 0);
+        assert_int_equal(vxs_voxel(&l, p, cases[n].normal, vxs_box(cases[n].width_px), voxel), 0);
         for (int axis = 0; axis < 3; axis++)
             if (voxel[axis] != cases[n].voxel[axis])
                 fail_msg("case %zu, axis %d: %d, expected %d", n, axis, voxel[axis], cases[n].voxel[axis]);
@@ -198,15 +196,15 @@ static void planes_do_not_shade_themselves(void **state)
                 const double          *up = s.axes_ws[2], down[3] = {-up[0], -up[1], -up[2]};
                 rng                    r = {stage};
                 for (int n = 0; n < 1000; n++) {
-                    double p[3];
-                    int    filter_px = filters_px[n % FILTERS];
+                    double     p[3];
+                    vxs_filter filter = filters[n % FILTERS];
                     bias_draw_point(&s, &o, &r, p);
-                    float front = vxs_lookup(baked, p, up, filter_px), back = vxs_lookup(baked, p, down, filter_px);
+                    float front = vxs_lookup(baked, p, up, filter), back = vxs_lookup(baked, p, down, filter);
                     if (front == VXS_OUTSIDE) continue;
                     if (front < 1 &&
                         !(kind == VXS_BAKE_SPOT && other)) /* a spot's fixture is in its cone: it may be under the filter */
-                        fail_msg("kind %d, other caster %g m, stage %u, filter %d: %g", kind, o.other_caster_metres, stage,
-                                 filter_px, (double)front);
+                        fail_msg("kind %d, other caster %g m, stage %u, filter %d, smooth %d: %g", kind, o.other_caster_metres,
+                                 stage, filter.width_px, filter.is_smooth, (double)front);
                     leaked += back > 0 ? (double)back : 0;
                     asked++;
                 }

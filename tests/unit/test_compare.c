@@ -140,8 +140,8 @@ static void surfaces_in_their_own_shadow_are_counted(void **state)
     static const uint32_t words_early = 0x5550;
     compare_options       o           = options;
     o.filter_count                    = 2;
-    o.filters_px[0]                   = 3;
-    o.filters_px[1]                   = VXS_SMOOTH + 2;
+    o.filters[0]                      = vxs_box(3);
+    o.filters[1]                      = vxs_smooth(2);
     compare_result        r           = compared(&words_early, o);
     const compare_counts *n           = &r.counts[COMPARE_SURFACE];
     assert_true(n->bias.self_shadows == n->false_shadows && n->bias.self_shadows > 0.45 * (double)n->checked);
@@ -165,7 +165,7 @@ static void light_deep_behind_casters_is_counted(void **state)
     static const uint32_t words_right = 0x5554; /* from depth 1 on */
     compare_options       o           = options;
     o.filter_count                    = 1;
-    o.filters_px[0]                   = 3;
+    o.filters[0]                      = vxs_box(3);
     compare_result        lit = compared_sheets(0.5, 7.8, &words_lit, o), right = compared_sheets(0.5, 7.8, &words_right, o);
     const compare_counts *n     = &lit.counts[COMPARE_SURFACE];
     double                share = (double)n->bias.deep_leaks / (double)n->checked;
@@ -284,8 +284,8 @@ static void filters_are_compared(void **state)
     (void)state;
     compare_options o    = options;
     o.filter_count       = 2;
-    o.filters_px[0]      = 3;
-    o.filters_px[1]      = 5;
+    o.filters[0]         = vxs_box(3);
+    o.filters[1]         = vxs_box(5);
     compare_result exact = compared(&words_exact, o), lit = compared(&words_lit, o);
     for (int n = 0; n < 2; n++) {
         for (int kind = 0; kind < COMPARE_CAMERA; kind++) {
@@ -613,7 +613,7 @@ static void filters_of_punctuals_are_compared(void **state)
 {
     (void)state;
     compare_options o = few;
-    o.filters_px[0]   = 5;
+    o.filters[0]      = vxs_box(5);
     o.filter_count    = 1;
     o.points          = 2000;
     for (int cube = 0; cube < 2; cube++) {

@@ -56,7 +56,7 @@ static double march(const fog_medium *f, const fog_light *l, const double eye[3]
     for (int n = 0; n < STEPS; n++) {
         double x = metres * (n + 0.5) / STEPS, p[3], light = scattered_at(f, l, eye, w, x, from) * metres / STEPS;
         for (int i = 0; i < 3; i++) p[i] = eye[i] + x * w[i];
-        float lit = vxs_lookup(l->light, p, NULL, 1);
+        float lit = vxs_lookup(l->light, p, NULL, vxs_box(1));
         *all += light;
         if (lit == 1 || (lit == VXS_OUTSIDE && l->shape.kind == LIGHT_DIRECTIONAL)) sum += light;
     }

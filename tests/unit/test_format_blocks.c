@@ -170,11 +170,11 @@ static void check_lookups(const vxs_baked_light *l, const block_words *w, uint64
     int             sun     = l->light.kind == VXS_LIGHT_KIND_DIRECTIONAL;
     for (uint32_t n = 0, count = repeats(200, 2000); n < count; n++) {
         double at[3], point[3], normal[3] = {0, 1, 0};
-        int    filter_px = 1 + 2 * (int)rng_below(&r, 9), map = sun ? 0 : (int)rng_below(&r, 6);
+        int    width_px = 1 + 2 * (int)rng_below(&r, 9), map = sun ? 0 : (int)rng_below(&r, 6);
         for (int k = 0; k < 3; k++) at[k] = side * (double)random_unit(&r);
         vxs_point(&l->light, map, at, point);
-        float lit = vxs_lookup(l, point, n % 2 ? normal : NULL, filter_px);
-        if (lit != vxs_lookup(&written, point, n % 2 ? normal : NULL, filter_px)) fail_msg("point %u", n);
+        float lit = vxs_lookup(l, point, n % 2 ? normal : NULL, vxs_box(width_px));
+        if (lit != vxs_lookup(&written, point, n % 2 ? normal : NULL, vxs_box(width_px))) fail_msg("point %u", n);
     }
 }
 

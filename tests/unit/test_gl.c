@@ -191,26 +191,27 @@ static const struct dialect {
 };
 enum { DIALECTS = sizeof dialects / sizeof *dialects };
 
-/* Position: texels and depth; normal: 8 times the light and a map, across and 256 times down, the filter. */
-static const char place_body[] = "in vec3 position_ws;\n"
-                                 "in vec3 normal_ws;\n"
-                                 "out float answer;\n"
-                                 "void main() {\n"
-                                 "    vxs_light_constants light = vxs_light_at(uint(normal_ws.x) >> 3);\n"
-                                 "    vxs_place place;\n"
-                                 "    place.map = int(normal_ws.x) & 7;\n"
-                                 "    place.voxel = ivec3(position_ws);\n"
-                                 "    place.across = uint(normal_ws.y) & 255u;\n"
-                                 "    place.down = uint(normal_ws.y) >> 8;\n"
-                                 "    answer = vxs_lit_at_place(light.first_word, light, place, int(normal_ws.z));\n"
-                                 "}\n";
+/* Position: texels and depth; normal: 8 times the light and a map, across and 256 times down, the filter code. */
+static const char place_body[] =
+    "in vec3 position_ws;\n"
+    "in vec3 normal_ws;\n"
+    "out float answer;\n"
+    "void main() {\n"
+    "    vxs_light_constants light = vxs_light_at(uint(normal_ws.x) >> 3);\n"
+    "    vxs_place place;\n"
+    "    place.map = int(normal_ws.x) & 7;\n"
+    "    place.voxel = ivec3(position_ws);\n"
+    "    place.across = uint(normal_ws.y) & 255u;\n"
+    "    place.down = uint(normal_ws.y) >> 8;\n"
+    "    answer = vxs_lit_at_place(light.first_word, light, place, vxs_filter(int(normal_ws.z) & 255, int(normal_ws.z) >> 8));\n"
+    "}\n";
 
 /* A place as the shader takes it. */
 static query query_of(const asked_places *a, uint32_t light, int n)
 {
     const vxs_place *p = &a->places[n];
     return (query){{(float)p->voxel[0], (float)p->voxel[1], (float)p->voxel[2]},
-                   {(float)(8 * light + (uint32_t)p->map), (float)(p->across | p->down << 8), (float)a->filter_px}};
+                   {(float)(8 * light + (uint32_t)p->map), (float)(p->across | p->down << 8), filter_code(a->filter)}};
 }
 
 /* Ask C, draw the same places, and compare.
@@ -231,7 +232,7 @@ static void compare_places(const drawing *d, rng *r, const vxs_baked_light *ligh
     for (int n = 0; n < QUERIES; n++) {
         const query *q       = &queries[n];
         /* parts of 17 x 17 texels, 65536 each, are more than a float counts: a shader rounds once more than C */
-        double       allowed = (int)q->normal[2] == VXS_SMOOTH + 17 ? 0x1p-24 : 0;
+        double       allowed = q->normal[2] == filter_code(vxs_smooth(17)) ? 0x1p-24 : 0;
         if (gl_choice() == GL_BACKEND_EGL) allowed += 0x1.4p-23; /* GLSL allows a division 2.5 units of the last place */
         if (!(fabs((double)answers[n] - (double)wanted[n]) <= allowed))
             fail_msg("%s, light %d, map %d, voxel %g %g %g, filter %g: %.9g, expected %.9g", name, (int)q->normal[0] / 8,
@@ -344,13 +345,13 @@ static void test_same_answer_of_files(void **state)
 }
 
 /* Position and normal; light 0. */
-static const char lit_body[] =
-    "in vec3 position_ws;\n"
-    "in vec3 normal_ws;\n"
-    "out float answer;\n"
-    "void main() {\n"
-    "    answer = vxs_lit_by(vxs_light_count() - 1u, position_ws, normal_ws, int(gl_FragCoord.x) % 2 == 0 ? 9 : 265);\n"
-    "}\n";
+static const char lit_body[] = "in vec3 position_ws;\n"
+                               "in vec3 normal_ws;\n"
+                               "out float answer;\n"
+                               "void main() {\n"
+                               "    answer = vxs_lit_by(vxs_light_count() - 1u, position_ws, normal_ws, int(gl_FragCoord.x) % 2 == "
+                               "0 ? vxs_box(9) : vxs_smooth(9));\n"
+                               "}\n";
 
 /* From positions, relative to an origin, as by one light's constants alone (tests/unit/test_shaders.c holds those against C): here
  * that vxs_gl_origin moves all lights, in both storages alike. */
@@ -754,7 +755,7 @@ static void test_state_is_restored(void **state)
         assert_memory_equal(before, after, sizeof before);
         vxs_gl_bind(gl);
         if (!storage)
-            assert_int_equal(vxs_gl_cull(gl, &(vxs_view){.width_px = 8, .height_px = 8, .filter_px = 1}, depths, 4), VXS_OK);
+            assert_int_equal(vxs_gl_cull(gl, &(vxs_view){.width_px = 8, .height_px = 8, .filter = vxs_box(1)}, depths, 4), VXS_OK);
         read_state(after);
         before[AT_GL_SHADER_STORAGE_BUFFER_BINDING] = after[AT_GL_SHADER_STORAGE_BUFFER_BINDING]; /* as its comment says */
         assert_memory_equal(before, after, sizeof before);
@@ -853,7 +854,8 @@ static vxs_view random_view(rng *r, float *depths)
     vxs_view view = {.width_px    = VIEW_WIDE,
                      .height_px   = VIEW_HIGH,
                      .empty_depth = 0,
-                     .filter_px = rng_below(r, 2) ? 1 + 2 * rng_between(r, 0, 8) : VXS_SMOOTH + rng_between(r, 1, VXS_FILTER_MAX)};
+                     .filter =
+                         rng_below(r, 2) ? vxs_box(1 + 2 * rng_between(r, 0, 8)) : vxs_smooth(rng_between(r, 1, VXS_FILTER_MAX))};
     double   axis[3][3], eye[3], tan_y = uniform(r, 0.2, 1), tan_x = tan_y * VIEW_WIDE / VIEW_HIGH;
     random_direction(r, axis[2]);
     random_direction(r, axis[1]);
@@ -918,7 +920,7 @@ static void check_lists(rng *r, const vxs_gl_light *lights, uint32_t count, cons
                 random_direction(r, normal);
                 pixel_place(view, depths, pixel, at);
                 if (!(fabs(at[0]) < VXS_VIEW_METRES && fabs(at[1]) < VXS_VIEW_METRES && fabs(at[2]) < VXS_VIEW_METRES)) continue;
-                reached |= vxs_voxel(lights[n].light, at, normal, view->filter_px, voxel) >= 0;
+                reached |= vxs_voxel(lights[n].light, at, normal, view->filter, voxel) >= 0;
             }
             if (reached && !listed(list, n)) fail_msg("%s: tile %d lacks light %u", by, tile, n);
             sum->needed += (uint64_t)reached;

@@ -19,14 +19,14 @@
 #include "stream_sample.h"
 
 /* Less than 0 where pages are missing. */
-static const char streamed_body[] = TAPS_BODY(
-    "answer = vxs_is_full_at_place(light.first_word, light, place, filter_px) != 0 ? float(dark + 1u) : -float(dark + 1u);");
+static const char streamed_body[] =
+    TAPS_BODY("answer = vxs_is_full_at_place(light.first_word, light, place, pcf) != 0 ? float(dark + 1u) : -float(dark + 1u);");
 
 static int is_full_in_c(const vxs_baked_light *of, const query *q)
 {
     int32_t   x = (int32_t)q->position[0], y = (int32_t)q->position[1];
     vxs_place place = {(int32_t)q->normal[1], {x, y, (int32_t)q->position[2]}, (uint32_t)(7 * x) & 255, (uint32_t)(5 * y) & 255};
-    return vxs_is_full_at_place(of->words, &of->light, place, (int32_t)q->normal[2]);
+    return vxs_is_full_at_place(of->words, &of->light, place, filter_of_code(q->normal[2]));
 }
 
 /* Whether shaders answer as the file does, or as one without pages, as they say themselves; never in full where C does not; and when all is

@@ -354,7 +354,7 @@ static int assert_punctual_holds(const vxs_light *l, const soup *k, const light_
         double depth = log(along / l->near_metres) / l->voxel_metres;
         assert_true(depth <= side - 2 + slack * side);
         if (along > far / PUNCTUAL_FAR_NEAR_MAX * 1.01) assert_true(depth >= 1 - slack * side);
-        if (vxs_voxel(l, point, NULL, 1, voxel) >= 0) assert_true(voxel[2] < (int32_t)side);
+        if (vxs_voxel(l, point, NULL, vxs_box(1), voxel) >= 0) assert_true(voxel[2] < (int32_t)side);
         asked++;
     }
     return asked;
@@ -628,7 +628,7 @@ static void borders_hold_every_filter(void **state)
                 double length = sqrt(vec3_dot(normal, normal));
                 for (int c = 0; c < 3; c++) normal[c] /= length;
             }
-            if (vxs_voxel(&l, point, normal, VXS_FILTER_MAX, voxel) < 0) continue;
+            if (vxs_voxel(&l, point, normal, vxs_box(VXS_FILTER_MAX), voxel) < 0) continue;
             for (int c = 0; c < 2; c++) assert_true(voxel[c] >= VXS_FILTER_MAX / 2 && voxel[c] < side - VXS_FILTER_MAX / 2);
             asked++;
         }

@@ -31,7 +31,7 @@ static int32_t state_at(const vxs_baked_light *l, const vxs_ray *ray, double t)
 {
     double p[3];
     point_of(ray, t, p);
-    float lit = vxs_lookup(l, p, NULL, 1);
+    float lit = vxs_lookup(l, p, NULL, vxs_box(1));
     return lit == VXS_OUTSIDE ? VXS_INTERVAL_OUTSIDE : lit == 1 ? VXS_INTERVAL_LIT : VXS_INTERVAL_SHADOW;
 }
 

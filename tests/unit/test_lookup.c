@@ -38,9 +38,9 @@ static void subject_free(subject *s)
 }
 
 /* Shadowed taps of a box, one at a time; what is outside the map is lit. */
-static uint32_t count_taps(const dag_sample *s, int32_t i, int32_t j, uint32_t k, int32_t filter_px)
+static uint32_t count_taps(const dag_sample *s, int32_t i, int32_t j, uint32_t k, int32_t width_px)
 {
-    int32_t  side = 1 << s->levels, half_px = filter_px / 2;
+    int32_t  side = 1 << s->levels, half_px = width_px / 2;
     uint32_t count = 0;
     for (int32_t y = j - half_px; y <= j + half_px; y++)
         for (int32_t x = i - half_px; x <= i + half_px; x++)
@@ -104,13 +104,13 @@ static void test_count_exhaustive(void **state)
                     i >= 0 && j >= 0 && i < SIDE && j < SIDE && dag_sample_shadow(&s.sample, (uint32_t)i, (uint32_t)j, k);
                 sum[y][x] = shadow + sum[y - 1][x] + sum[y][x - 1] - sum[y - 1][x - 1];
             }
-        for (int filter_px = 1; filter_px <= VXS_FILTER_MAX; filter_px += 2)
+        for (int width_px = 1; width_px <= VXS_FILTER_MAX; width_px += 2)
             for (int j = -10; j < SIDE + 10; j++)
                 for (int i = -10; i < SIDE + 10; i++) {
-                    int      x0 = i - filter_px / 2 + PAD, x1 = x0 + filter_px, y0 = j - filter_px / 2 + PAD, y1 = y0 + filter_px;
+                    int      x0 = i - width_px / 2 + PAD, x1 = x0 + width_px, y0 = j - width_px / 2 + PAD, y1 = y0 + width_px;
                     uint32_t wanted = sum[y1][x1] - sum[y0][x1] - sum[y1][x0] + sum[y0][x0];
-                    if (vxs_shadow_count(light->words, 0, light->light.levels, i, j, k, filter_px) != wanted)
-                        fail_msg("texel %d %d, depth %u, filter %d", i, j, k, filter_px);
+                    if (vxs_shadow_count(light->words, 0, light->light.levels, i, j, k, width_px) != wanted)
+                        fail_msg("texel %d %d, depth %u, filter %d", i, j, k, width_px);
                 }
     }
     subject_free(&s);
@@ -139,10 +139,10 @@ static void test_lookups_random(void **state)
         uint32_t               side  = 1u << levels;
         for (int n = 0; n < 10000; n++) {
             int32_t  i = tricky_texel(&r, (int32_t)side), j = tricky_texel(&r, (int32_t)side);
-            uint32_t k         = rng_below(&r, side);
-            int32_t  filter_px = 1 + 2 * rng_between(&r, 0, VXS_FILTER_MAX / 2);
-            assert_int_equal(vxs_shadow_count(light->words, 0, levels, i, j, k, filter_px),
-                             count_taps(&s.sample, i, j, k, filter_px));
+            uint32_t k        = rng_below(&r, side);
+            int32_t  width_px = 1 + 2 * rng_between(&r, 0, VXS_FILTER_MAX / 2);
+            assert_int_equal(vxs_shadow_count(light->words, 0, levels, i, j, k, width_px),
+                             count_taps(&s.sample, i, j, k, width_px));
             if (i < 0 || j < 0 || i >= (int32_t)side || j >= (int32_t)side) continue;
             assert_int_equal(vxs_shadow(light->words, 0, levels, (uint32_t)i, (uint32_t)j, k),
                              dag_sample_shadow(&s.sample, (uint32_t)i, (uint32_t)j, k));

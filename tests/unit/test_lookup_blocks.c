@@ -28,9 +28,9 @@ static void check_voxel(const blocks_sample *s, uint32_t map, uint32_t i, uint32
 }
 
 /* One tap at a time; what is outside the map is lit. Where a tap is not known, all are coarse. */
-static void check_filter(const blocks_sample *s, uint32_t map, int32_t i, int32_t j, uint32_t k, int32_t filter_px)
+static void check_filter(const blocks_sample *s, uint32_t map, int32_t i, int32_t j, uint32_t k, int32_t width_px)
 {
-    int32_t  side = 1 << s->levels, half_px = filter_px / 2;
+    int32_t  side = 1 << s->levels, half_px = width_px / 2;
     uint32_t wanted = 0, coarse = 0, full = 1;
     for (int32_t y = j - half_px; y <= j + half_px; y++)
         for (int32_t x = i - half_px; x <= i + half_px; x++) {
@@ -41,13 +41,13 @@ static void check_filter(const blocks_sample *s, uint32_t map, int32_t i, int32_
         }
     if (!full && coarse != wanted) mixed_filters++;
     if (!full) wanted = coarse;
-    uint32_t found  = vxs_blocks_shadow_count(s->words, map, s->levels, i, j, k, filter_px);
-    uint32_t scalar = scalar_shadow_count(s->words, map, s->levels, i, j, k, filter_px);
+    uint32_t found  = vxs_blocks_shadow_count(s->words, map, s->levels, i, j, k, width_px);
+    uint32_t scalar = scalar_shadow_count(s->words, map, s->levels, i, j, k, width_px);
     if (found != wanted || scalar != wanted)
         fail_msg("levels %u, map %u, texel %d %d, depth %u, filter %d: %u, scalar %u, expected %u", s->levels, map, i, j, k,
-                 filter_px, found, scalar, wanted);
-    assert_int_equal(vxs_blocks_is_full(s->words, map, s->levels, i, j, k, filter_px), full);
-    assert_int_equal(scalar_is_full(s->words, map, s->levels, i, j, k, filter_px), full);
+                 width_px, found, scalar, wanted);
+    assert_int_equal(vxs_blocks_is_full(s->words, map, s->levels, i, j, k, width_px), full);
+    assert_int_equal(scalar_is_full(s->words, map, s->levels, i, j, k, width_px), full);
 }
 
 static void check_smooth(const blocks_sample *s, uint32_t map, int32_t i, int32_t j, uint32_t across, uint32_t down, uint32_t k,
@@ -266,12 +266,11 @@ static void far_write(far_block *b)
     free(page.data);
 }
 
-static uint32_t far_count(const far_block *b, int32_t i, int32_t j, uint32_t k, int32_t filter_px)
+static uint32_t far_count(const far_block *b, int32_t i, int32_t j, uint32_t k, int32_t width_px)
 {
     uint32_t dark = 0;
-    for (int32_t y = j - filter_px / 2; y <= j + filter_px / 2; y++)
-        for (int32_t x = i - filter_px / 2; x <= i + filter_px / 2; x++)
-            dark += x >= 0 && y >= 0 && (int64_t)k >= far_depth(b, x, y);
+    for (int32_t y = j - width_px / 2; y <= j + width_px / 2; y++)
+        for (int32_t x = i - width_px / 2; x <= i + width_px / 2; x++) dark += x >= 0 && y >= 0 && (int64_t)k >= far_depth(b, x, y);
     return dark;
 }
 
@@ -287,13 +286,13 @@ static void test_far_bases(void **state)
         far_write(&b);
         for (int n = 0; n < 200; n++) {
             int32_t i = rng_between(&r, 0, 35), j = rng_between(&r, 0, 35),
-                    filter_px = 1 + 2 * rng_between(&r, 0, VXS_FILTER_MAX / 2);
-            uint32_t k = rng_below(&r, 256), tap = far_count(&b, i, j, k, 1), dark = far_count(&b, i, j, k, filter_px);
+                    width_px = 1 + 2 * rng_between(&r, 0, VXS_FILTER_MAX / 2);
+            uint32_t k = rng_below(&r, 256), tap = far_count(&b, i, j, k, 1), dark = far_count(&b, i, j, k, width_px);
             assert_int_equal(vxs_blocks_shadow(b.words, 0, 8, (uint32_t)i, (uint32_t)j, k), tap);
             assert_int_equal(scalar_shadow(b.words, 0, 8, (uint32_t)i, (uint32_t)j, k), tap);
-            assert_int_equal(vxs_blocks_shadow_count(b.words, 0, 8, i, j, k, filter_px), dark);
-            assert_int_equal(scalar_shadow_count(b.words, 0, 8, i, j, k, filter_px), dark);
-            partly += dark > 0 && dark < (uint32_t)(filter_px * filter_px);
+            assert_int_equal(vxs_blocks_shadow_count(b.words, 0, 8, i, j, k, width_px), dark);
+            assert_int_equal(scalar_shadow_count(b.words, 0, 8, i, j, k, width_px), dark);
+            partly += dark > 0 && dark < (uint32_t)(width_px * width_px);
         }
     }
     assert_in_range(partly, repeats(30000, 100000), UINT32_MAX);
@@ -315,14 +314,14 @@ static void test_bad_planes(void **state)
         }
         for (int n = 0; n < 200; n++) {
             int32_t i = rng_between(&r, 0, 35), j = rng_between(&r, 0, 35),
-                    filter_px = 1 + 2 * rng_between(&r, 0, VXS_FILTER_MAX / 2);
-            uint32_t k        = rng_below(&r, 256);
+                    width_px = 1 + 2 * rng_between(&r, 0, VXS_FILTER_MAX / 2);
+            uint32_t k       = rng_below(&r, 256);
             assert_int_equal(vxs_blocks_shadow(b.words, 0, 8, (uint32_t)i, (uint32_t)j, k),
                              scalar_shadow(b.words, 0, 8, (uint32_t)i, (uint32_t)j, k));
-            assert_int_equal(vxs_blocks_shadow_count(b.words, 0, 8, i, j, k, filter_px),
-                             scalar_shadow_count(b.words, 0, 8, i, j, k, filter_px));
-            assert_int_equal(vxs_blocks_shadow_weight(b.words, 0, 8, i, j, k, 77, k, filter_px),
-                             scalar_shadow_weight(b.words, 0, 8, i, j, k, 77, k, filter_px));
+            assert_int_equal(vxs_blocks_shadow_count(b.words, 0, 8, i, j, k, width_px),
+                             scalar_shadow_count(b.words, 0, 8, i, j, k, width_px));
+            assert_int_equal(vxs_blocks_shadow_weight(b.words, 0, 8, i, j, k, 77, k, width_px),
+                             scalar_shadow_weight(b.words, 0, 8, i, j, k, 77, k, width_px));
         }
     }
 }

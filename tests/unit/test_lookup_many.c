@@ -106,12 +106,13 @@ static uint32_t check_batch(rng *r, const vxs_baked_light *lights, uint32_t ligh
     random_layout(r, &p);
     random_layout(r, &normals);
     fill_points(r, &lights[rng_below(r, light_count)].light, &p, &normals, count);
-    vxs_batch b = {.points_ws = p.vectors, .count = count, .filter_px = 1 + 2 * rng_between(r, 0, VXS_FILTER_MAX / 2), .lit = lit};
+    vxs_batch b = {
+        .points_ws = p.vectors, .count = count, .filter = vxs_box(1 + 2 * rng_between(r, 0, VXS_FILTER_MAX / 2)), .lit = lit};
     if (rng_below(r, 2)) b.normals_ws = normals.vectors;
-    if (rng_below(r, 3) == 0) b.filter_px = 9;
-    if (rng_below(r, 3) == 0) b.filter_px = 1;
-    if (rng_below(r, 6) == 0) b.filter_px = rng_between(r, -2, VXS_FILTER_MAX + 3);
-    if (rng_below(r, 6) == 0) b.filter_px = VXS_SMOOTH + rng_between(r, -2, VXS_FILTER_MAX + 3);
+    if (rng_below(r, 3) == 0) b.filter = vxs_box(9);
+    if (rng_below(r, 3) == 0) b.filter = vxs_box(1);
+    if (rng_below(r, 6) == 0) b.filter = vxs_box(rng_between(r, -2, VXS_FILTER_MAX + 3));
+    if (rng_below(r, 6) == 0) b.filter = vxs_smooth(rng_between(r, -2, VXS_FILTER_MAX + 3));
     size_t apart = 1 + rng_below(r, 3), from_light = count * apart;
     int    interleaved = (int)rng_below(r, 2); /* the lights of a point side by side */
     if (apart > 1 || rng_below(r, 2)) b.lit_stride_bytes = apart * sizeof *lit;
@@ -129,11 +130,11 @@ static uint32_t check_batch(rng *r, const vxs_baked_light *lights, uint32_t ligh
             double at[3], normal[3];
             get_point(&p, n, at);
             get_point(&normals, n, normal);
-            float  wanted = vxs_lookup(&lights[l], at, b.normals_ws.data ? normal : NULL, b.filter_px);
+            float  wanted = vxs_lookup(&lights[l], at, b.normals_ws.data ? normal : NULL, b.filter);
             float *found  = &lit[n * apart + l * from_light];
             if (memcmp(found, &wanted, sizeof wanted))
-                fail_msg("light %u, point %zu of %zu, filter %d: %g, expected %g", l, n, count, b.filter_px, (double)*found,
-                         (double)wanted);
+                fail_msg("light %u, point %zu of %zu, filter %d, smooth %d: %g, expected %g", l, n, count, b.filter.width_px,
+                         b.filter.is_smooth, (double)*found, (double)wanted);
             partly += wanted > 0 && wanted < 1;
             *found = 77;
         }
@@ -191,7 +192,7 @@ static void test_arguments(void **state)
     vxs_baked_light light    = blocks_light(s.words, 5, 0);
     double          point[3] = {0, 5, 3};
     float           lit      = 77;
-    vxs_batch       good     = {.points_ws = {.data = point}, .count = 1, .filter_px = 3, .lit = &lit}, b;
+    vxs_batch       good     = {.points_ws = {.data = point}, .count = 1, .filter = vxs_box(3), .lit = &lit}, b;
     b                        = good;
     b.lit                    = NULL;
     assert_int_equal(vxs_lookup_batch(&light, 1, &b), VXS_E_ARGUMENT);
@@ -214,7 +215,7 @@ static void test_arguments(void **state)
     assert_int_equal(vxs_lookup_batch(&light, 1, &b), VXS_OK);
     assert_true(lit == 77);
     assert_int_equal(vxs_lookup_batch(&light, 1, &good), VXS_OK);
-    assert_true(lit == vxs_lookup(&light, point, NULL, 3));
+    assert_true(lit == vxs_lookup(&light, point, NULL, vxs_box(3)));
     blocks_sample_free(&s);
 }
 

@@ -222,11 +222,11 @@ static void ws_from_vx(double point_ws[3], double u, double v, double depth)
     point_ws[2] = (v + 4) / 2;
 }
 
-static void check_voxel(const vxs_light *light, const double *point_ws, const double *normal_ws, int filter_px, int32_t u,
-                        int32_t v, int32_t depth)
+static void check_voxel(const vxs_light *light, const double *point_ws, const double *normal_ws, int width_px, int32_t u, int32_t v,
+                        int32_t depth)
 {
     int32_t voxel[3];
-    vxs_voxel(light, point_ws, normal_ws, filter_px, voxel);
+    vxs_voxel(light, point_ws, normal_ws, vxs_box(width_px), voxel);
     assert_int_equal(voxel[0], u);
     assert_int_equal(voxel[1], v);
     assert_int_equal(voxel[2], depth);
@@ -251,17 +251,17 @@ static void test_voxel(void **state)
 }
 
 /* The lit fraction, a voxel at a time. */
-static float lit_fraction(const dag_sample *s, int32_t i, int32_t j, int32_t k, int filter_px)
+static float lit_fraction(const dag_sample *s, int32_t i, int32_t j, int32_t k, int width_px)
 {
     if (i < 0 || j < 0 || i >= SIDE || j >= SIDE) return VXS_OUTSIDE;
     if (k < 0) return 1;
-    int lit = 0, half_px = filter_px / 2;
+    int lit = 0, half_px = width_px / 2;
     for (int32_t y = j - half_px; y <= j + half_px; y++)
         for (int32_t x = i - half_px; x <= i + half_px; x++) {
             int inside = x >= 0 && y >= 0 && x < SIDE && y < SIDE;
             lit += !inside || !dag_sample_shadow(s, (uint32_t)x, (uint32_t)y, (uint32_t)(k < SIDE ? k : SIDE - 1));
         }
-    return (float)lit / (float)(filter_px * filter_px);
+    return (float)lit / (float)(width_px * width_px);
 }
 
 static void test_lookup(void **state)
@@ -272,14 +272,14 @@ static void test_lookup(void **state)
     int                    partly = 0;
     for (int n = 0; n < 30000; n++) {
         int32_t i = rng_between(&r, -10, SIDE + 9), j = rng_between(&r, -10, SIDE + 9), k = rng_between(&r, -10, SIDE + 9);
-        int     filter_px = 1 + 2 * rng_between(&r, 0, VXS_FILTER_MAX / 2);
+        int     width_px = 1 + 2 * rng_between(&r, 0, VXS_FILTER_MAX / 2);
         double  p[3];
         ws_from_vx(p, i + rng_below(&r, 16) / 16.0, j + rng_below(&r, 16) / 16.0, k + rng_below(&r, 16) / 16.0);
-        float wanted = lit_fraction(&f->sample, i, j, k, filter_px);
-        assert_true(vxs_lookup(sun, p, NULL, filter_px) == wanted);
+        float wanted = lit_fraction(&f->sample, i, j, k, width_px);
+        assert_true(vxs_lookup(sun, p, NULL, vxs_box(width_px)) == wanted);
         partly += wanted > 0 && wanted < 1;
         /* the moon's volume ends at the map */
-        assert_true(vxs_lookup(moon, p, NULL, filter_px) == (k < 0 || k >= SIDE ? VXS_OUTSIDE : wanted));
+        assert_true(vxs_lookup(moon, p, NULL, vxs_box(width_px)) == (k < 0 || k >= SIDE ? VXS_OUTSIDE : wanted));
     }
     assert_in_range(partly, 3000, 30000);
 }
@@ -298,8 +298,8 @@ static void test_smooth_lookup(void **state)
         ws_from_vx(p, u, v, k + 0.5);
         if (fabs(256 * v - rint(256 * v)) < 1e-6) continue;
         float wanted = outside ? VXS_OUTSIDE : smooth_fraction(&f->sample, u, v, k, width);
-        assert_true(vxs_lookup(sun, p, NULL, VXS_SMOOTH + width) == wanted);
-        assert_true(vxs_lookup(moon, p, NULL, VXS_SMOOTH + width) == (k < 0 || k >= SIDE ? VXS_OUTSIDE : wanted));
+        assert_true(vxs_lookup(sun, p, NULL, vxs_smooth(width)) == wanted);
+        assert_true(vxs_lookup(moon, p, NULL, vxs_smooth(width)) == (k < 0 || k >= SIDE ? VXS_OUTSIDE : wanted));
         partly += wanted > 0 && wanted < 1;
     }
     assert_in_range(partly, 3000, 30000);
@@ -318,7 +318,7 @@ static void test_smooth_lookup_is_smooth(void **state)
         float  before[2] = {-2, -2};
         for (int step = 0; step < 2048; step++) {
             ws_from_vx(p, u + step / 1024.0, v, depth);
-            float box = vxs_lookup(sun, p, NULL, width), smooth = vxs_lookup(sun, p, NULL, VXS_SMOOTH + width);
+            float box = vxs_lookup(sun, p, NULL, vxs_box(width)), smooth = vxs_lookup(sun, p, NULL, vxs_smooth(width));
             if (before[0] >= 0) box_jump = fmaxf(box_jump, fabsf(box - before[0]));
             if (before[1] >= 0) assert_true(fabsf(smooth - before[1]) <= 1.0f / 256 / (float)width + 1e-6f);
             before[0] = box;
@@ -341,14 +341,14 @@ static void test_wall_along_the_light(void **state)
                                                .texel_metres = 1,
                                                .voxel_metres = 1,
                                                .ls_from_ws   = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
-    assert_true(vxs_lookup(&baked, (double[3]){127.5, 50, 9}, NULL, 1) == 0);
-    assert_true(vxs_lookup(&baked, (double[3]){128.5, 50, 9}, NULL, 1) == 1);
+    assert_true(vxs_lookup(&baked, (double[3]){127.5, 50, 9}, NULL, vxs_box(1)) == 0);
+    assert_true(vxs_lookup(&baked, (double[3]){128.5, 50, 9}, NULL, vxs_box(1)) == 1);
     for (int width = 1; width <= VXS_FILTER_MAX; width++)
         for (double wall = 127.505; wall < 128.5; wall += 0.01) {
             double point[3] = {wall, 50.25, 9.5};
-            assert_true(vxs_lookup(&baked, point, (double[3]){1, 0, 0}, width) == 1);
-            assert_true(vxs_lookup(&baked, point, (double[3]){1, 0, 0}, VXS_SMOOTH + width) == 1);
-            assert_true(vxs_lookup(&baked, point, NULL, VXS_SMOOTH + width) < 1);
+            assert_true(vxs_lookup(&baked, point, (double[3]){1, 0, 0}, vxs_box(width)) == 1);
+            assert_true(vxs_lookup(&baked, point, (double[3]){1, 0, 0}, vxs_smooth(width)) == 1);
+            assert_true(vxs_lookup(&baked, point, NULL, vxs_smooth(width)) < 1);
         }
 }
 
@@ -359,14 +359,15 @@ static void test_lookup_with_normal(void **state)
     rng                    r     = {8};
     for (int n = 0; n < 10000; n++) {
         double  p[3], normal[3], length = 0;
-        int     filter_px = 1 + 2 * rng_between(&r, 0, VXS_FILTER_MAX / 2);
+        int     width_px = 1 + 2 * rng_between(&r, 0, VXS_FILTER_MAX / 2);
         int32_t voxel[3];
         ws_from_vx(p, rng_between(&r, -100, 700) / 10.0, rng_between(&r, -100, 700) / 10.0, rng_between(&r, -100, 700) / 10.0);
         for (int k = 0; k < 3; k++) normal[k] = rng_between(&r, -100, 100);
         for (int k = 0; k < 3; k++) length += normal[k] * normal[k];
         for (int k = 0; k < 3; k++) normal[k] = length > 0 ? normal[k] / sqrt(length) : 0;
-        vxs_voxel(&light->light, p, normal, filter_px, voxel);
-        assert_true(vxs_lookup(light, p, normal, filter_px) == lit_fraction(&f->sample, voxel[0], voxel[1], voxel[2], filter_px));
+        vxs_voxel(&light->light, p, normal, vxs_box(width_px), voxel);
+        assert_true(vxs_lookup(light, p, normal, vxs_box(width_px)) ==
+                    lit_fraction(&f->sample, voxel[0], voxel[1], voxel[2], width_px));
     }
 }
 
@@ -376,12 +377,12 @@ static void test_lookup_far_away(void **state)
     const vxs_baked_light *light = vxs_asset_light(f->asset, 0);
     double                 p[3];
     ws_from_vx(p, 20.5, 20.5, -1e12);
-    assert_true(vxs_lookup(light, p, NULL, 9) == 1);
+    assert_true(vxs_lookup(light, p, NULL, vxs_box(9)) == 1);
     ws_from_vx(p, 20.5, 20.5, 1e12);
-    assert_true(vxs_lookup(light, p, NULL, 9) == lit_fraction(&f->sample, 20, 20, SIDE - 1, 9));
-    assert_true(vxs_lookup(light, (double[3]){1e300, 0, 5}, NULL, 17) == VXS_OUTSIDE);
-    assert_true(vxs_lookup(light, (double[3]){5, 0, -1e300}, NULL, 17) == VXS_OUTSIDE);
-    assert_true(vxs_lookup(light, (double[3]){(double)NAN, 0, 5}, NULL, 1) == VXS_OUTSIDE);
+    assert_true(vxs_lookup(light, p, NULL, vxs_box(9)) == lit_fraction(&f->sample, 20, 20, SIDE - 1, 9));
+    assert_true(vxs_lookup(light, (double[3]){1e300, 0, 5}, NULL, vxs_box(17)) == VXS_OUTSIDE);
+    assert_true(vxs_lookup(light, (double[3]){5, 0, -1e300}, NULL, vxs_box(17)) == VXS_OUTSIDE);
+    assert_true(vxs_lookup(light, (double[3]){(double)NAN, 0, 5}, NULL, vxs_box(1)) == VXS_OUTSIDE);
 }
 
 static void test_lookup_many(void **state)
@@ -399,12 +400,12 @@ static void test_lookup_many(void **state)
     }
     for (int with_normals = 0; with_normals < 2; with_normals++) {
         lit[COUNT] = 77;
-        vxs_lookup_many(light, points, with_normals ? normals : NULL, COUNT, 5, lit);
+        vxs_lookup_many(light, points, with_normals ? normals : NULL, COUNT, vxs_box(5), lit);
         for (int n = 0; n < COUNT; n++)
-            assert_true(lit[n] == vxs_lookup(light, points + 3 * n, with_normals ? normals + 3 * n : NULL, 5));
+            assert_true(lit[n] == vxs_lookup(light, points + 3 * n, with_normals ? normals + 3 * n : NULL, vxs_box(5)));
         assert_true(lit[COUNT] == 77);
     }
-    vxs_lookup_many(light, NULL, NULL, 0, 5, NULL);
+    vxs_lookup_many(light, NULL, NULL, 0, vxs_box(5), NULL);
 }
 
 /* spot and point lights ----------------------------------------------------------------------------------------------------------
@@ -438,7 +439,7 @@ static void test_punctual_voxel_and_point(void **state)
         if (!clear_of_boundaries(at)) continue;
         int32_t voxel[3];
         l.light.cos_outer = 0; /* the cone has a test of its own; one map is asked within it */
-        int answer        = vxs_voxel(&l.light, point, NULL, 1, voxel);
+        int answer        = vxs_voxel(&l.light, point, NULL, vxs_box(1), voxel);
         if (shape == WIDE_SPOT && answer < 0) continue; /* behind the light */
         assert_int_equal(answer, map);
         for (int c = 0; c < 3; c++) assert_true(fabs(floor(at[c]) - voxel[c]) == 0);
@@ -462,7 +463,7 @@ static void test_sun_voxel_and_point(void **state)
         vxs_point(light, 0, at, point);
         ws_from_vx(wanted, at[0], at[1], at[2]);
         for (int c = 0; c < 3; c++) assert_true(fabs(point[c] - wanted[c]) < 1e-9);
-        assert_int_equal(vxs_voxel(light, point, NULL, 1, voxel), 0);
+        assert_int_equal(vxs_voxel(light, point, NULL, vxs_box(1), voxel), 0);
         for (int c = 0; c < 3; c++) assert_int_equal(voxel[c], (int32_t)at[c]);
     }
 }
@@ -505,7 +506,7 @@ static void test_cube_maps(void **state)
                 best     = fmax(best, d);
             }
             if (best - next < 1e-9) continue;
-            assert_int_equal(vxs_voxel(&l.light, point, NULL, 1, voxel), nearest);
+            assert_int_equal(vxs_voxel(&l.light, point, NULL, vxs_box(1), voxel), nearest);
             /* inside the border that is kept for filters */
             double border = side / 2 - 1 / l.light.texel_metres;
             for (int c = 0; c < 2; c++) assert_true(voxel[c] >= floor(border - 1e-6) && voxel[c] < ceil(side - border + 1e-6));
@@ -531,7 +532,7 @@ static void test_cube_edges(void **state)
             ls[k][c] = depth * 0.99 * uniform(&(rng){(uint64_t)n}, -1, 1);
             for (int w = 0; w < 3; w++)
                 point[k][w] = l.at[w] + ls[k][0] * l.axis[0][w] + ls[k][1] * l.axis[1][w] + ls[k][2] * l.axis[2][w];
-            int map = vxs_voxel(&l.light, point[k], NULL, 1, voxel);
+            int map = vxs_voxel(&l.light, point[k], NULL, vxs_box(1), voxel);
             place(&l, map, point[k], found[k]);
             assert_true(fabs(voxel[2] - floor(found[k][2])) <= (clear_of_boundaries(found[k]) ? 0 : 1));
             if (depth < 1) continue;
@@ -556,7 +557,7 @@ static void test_cube_ties(void **state)
                  {{1, 0, -1}, 0}, {{0, 0, 1}, 4},  {{0, 0, -1}, 5},   {{-0.0, 0, 0}, 0}, {{1, 1, 1.0000001}, 4}};
     for (size_t n = 0; n < sizeof cases / sizeof *cases; n++) {
         int32_t voxel[3];
-        assert_int_equal(vxs_voxel(&l, cases[n].point, NULL, 1, voxel), cases[n].map);
+        assert_int_equal(vxs_voxel(&l, cases[n].point, NULL, vxs_box(1), voxel), cases[n].map);
     }
 }
 
@@ -582,8 +583,9 @@ static void test_punctual_volume(void **state)
         if (fabs(angle - l.cone_rad) < 1e-6 || fabs(distance / l.light.range_metres - 1) < 1e-6) continue;
         if (distance < 1e-2 && fabs(angle - l.cone_rad) < 1e-3) continue; /* far from the origin a light's place is rounded */
         int inside = angle <= l.cone_rad && (l.light.range_metres == 0 || distance <= l.light.range_metres);
-        assert_int_equal(vxs_voxel(&l.light, point, NULL, 1, voxel) >= 0, inside);
-        assert_int_equal(vxs_voxel(&l.light, point, l.axis[1], 9, voxel) >= 0, inside); /* a bias does not leave the volume */
+        assert_int_equal(vxs_voxel(&l.light, point, NULL, vxs_box(1), voxel) >= 0, inside);
+        assert_int_equal(vxs_voxel(&l.light, point, l.axis[1], vxs_box(9), voxel) >= 0,
+                         inside); /* a bias does not leave the volume */
         in[inside]++;
     }
     assert_true(in[0] > 5000 && in[1] > 5000);
@@ -617,17 +619,17 @@ static void punctual_asset_free(punctual_asset *a)
     dag_sample_free(&a->sample);
 }
 
-static float punctual_fraction(const dag_sample *s, const int32_t voxel[3], int filter_px)
+static float punctual_fraction(const dag_sample *s, const int32_t voxel[3], int width_px)
 {
     int32_t side = 1 << s->levels, k = voxel[2] < side ? voxel[2] : side - 1;
     if (k < 0) return 1;
-    int lit = 0, half_px = filter_px / 2;
+    int lit = 0, half_px = width_px / 2;
     for (int32_t y = voxel[1] - half_px; y <= voxel[1] + half_px; y++)
         for (int32_t x = voxel[0] - half_px; x <= voxel[0] + half_px; x++) {
             int inside = x >= 0 && y >= 0 && x < side && y < side;
             lit += !inside || !dag_sample_shadow(s, (uint32_t)x, (uint32_t)y, (uint32_t)k);
         }
-    return (float)lit / (float)(filter_px * filter_px);
+    return (float)lit / (float)(width_px * width_px);
 }
 
 /* A filter takes all its texels from the point's own map, however near the next one is; tiny maps are all border. */
@@ -647,27 +649,29 @@ static void test_punctual_lookup(void **state)
             for (int map = 0; map < map_count(&a.baked.light); map++) {
                 dag_sample_show(&a.sample, (uint32_t)map);
                 for (int n = 0; n < 3000; n++) {
-                    int     filter_px = 1 + 2 * rng_between(&r, 0, VXS_FILTER_MAX / 2), edge = n % 2;
+                    int     width_px = 1 + 2 * rng_between(&r, 0, VXS_FILTER_MAX / 2), edge = n % 2;
                     double  at[3], point[3], normal[3];
                     int32_t voxel[3];
                     for (int c = 0; c < 2; c++) at[c] = edge && rng_below(&r, 2) ? uniform(&r, 0, 2) : uniform(&r, 0, side);
                     for (int c = 0; c < 2; c++) at[c] = edge && rng_below(&r, 2) ? side - at[c] : at[c];
                     at[2] = uniform(&r, -3, side + 10);
                     vxs_point(&a.baked.light, map, at, point);
-                    if (!clear_of_boundaries(at) || vxs_voxel(&a.baked.light, point, NULL, filter_px, voxel) != map) continue;
+                    if (!clear_of_boundaries(at) || vxs_voxel(&a.baked.light, point, NULL, vxs_box(width_px), voxel) != map)
+                        continue;
                     for (int c = 0; c < 3; c++) assert_int_equal(voxel[c], (int32_t)floor(at[c]));
-                    float wanted = punctual_fraction(&a.sample, voxel, filter_px);
-                    assert_true(vxs_lookup(&a.baked, point, NULL, filter_px) == wanted);
+                    float wanted = punctual_fraction(&a.sample, voxel, width_px);
+                    assert_true(vxs_lookup(&a.baked, point, NULL, vxs_box(width_px)) == wanted);
                     partly += wanted > 0 && wanted < 1;
                     asked++;
-                    int width = filter_px - (filter_px > 1 && n % 4 < 2); /* odd and even */
+                    int width = width_px - (width_px > 1 && n % 4 < 2); /* odd and even */
                     if (clear_of_boundaries((double[3]){256 * at[0], 256 * at[1], 0.5}))
-                        assert_true(vxs_lookup(&a.baked, point, NULL, VXS_SMOOTH + width) ==
+                        assert_true(vxs_lookup(&a.baked, point, NULL, vxs_smooth(width)) ==
                                     smooth_fraction(&a.sample, at[0], at[1], voxel[2], width));
                     random_direction(&r, normal);
-                    vxs_voxel(&a.baked.light, point, normal, filter_px, voxel);
+                    vxs_voxel(&a.baked.light, point, normal, vxs_box(width_px), voxel);
                     assert_true(voxel[0] >= 0 && voxel[0] < (int32_t)side && voxel[1] >= 0 && voxel[1] < (int32_t)side);
-                    assert_true(vxs_lookup(&a.baked, point, normal, filter_px) == punctual_fraction(&a.sample, voxel, filter_px));
+                    assert_true(vxs_lookup(&a.baked, point, normal, vxs_box(width_px)) ==
+                                punctual_fraction(&a.sample, voxel, width_px));
                 }
             }
             punctual_asset_free(&a);
@@ -681,15 +685,15 @@ static void test_punctual_own_place(void **state)
     (void)state;
     punctual_asset a = punctual_asset_make(6, VXS_LIGHT_KIND_POINT, VXS_LIGHT_CUBE, 50),
                    b = punctual_asset_make(6, VXS_LIGHT_KIND_SPOT, 0, 51);
-    for (int filter_px = 1; filter_px <= VXS_FILTER_MAX; filter_px += 2)
+    for (int width_px = 1; width_px <= VXS_FILTER_MAX; width_px += 2)
         for (int n = 0; n < 7; n++) {
             double normal[3] = {n == 0, n == 1, n == 2}, point[3] = {1, 2, 3};
             if (n > 2) normal[n % 3] = -1;
-            assert_true(vxs_lookup(&a.baked, point, n == 6 ? NULL : normal, filter_px) == 1);
-            assert_true(vxs_lookup(&b.baked, point, n == 6 ? NULL : normal, filter_px) == 1);
+            assert_true(vxs_lookup(&a.baked, point, n == 6 ? NULL : normal, vxs_box(width_px)) == 1);
+            assert_true(vxs_lookup(&b.baked, point, n == 6 ? NULL : normal, vxs_box(width_px)) == 1);
             point[0] -= 1e-15; /* ahead, nearer than anything */
-            assert_true(vxs_lookup(&a.baked, point, n == 6 ? NULL : normal, filter_px) == 1);
-            assert_true(vxs_lookup(&b.baked, point, n == 6 ? NULL : normal, filter_px) == 1);
+            assert_true(vxs_lookup(&a.baked, point, n == 6 ? NULL : normal, vxs_box(width_px)) == 1);
+            assert_true(vxs_lookup(&b.baked, point, n == 6 ? NULL : normal, vxs_box(width_px)) == 1);
         }
     punctual_asset_free(&a);
     punctual_asset_free(&b);
@@ -724,17 +728,17 @@ static void test_punctual_extremes(void **state)
             if (n % 11 == 0) l->near_metres = fabs(numbers[2 + rng_below(&r, NUMBERS - 2)]);
             if (n % 13 == 0) l->range_metres = fabs(numbers[rng_below(&r, NUMBERS)]);
             if (n % 17 == 0 && shape < 2) l->cos_outer = rng_below(&r, 2) ? 0 : 0.99999999999;
-            int filter_px = 1 + 2 * rng_between(&r, 0, VXS_FILTER_MAX / 2);
-            int map       = vxs_voxel(l, point, n % 2 ? normal : NULL, filter_px, voxel);
+            int width_px = 1 + 2 * rng_between(&r, 0, VXS_FILTER_MAX / 2);
+            int map      = vxs_voxel(l, point, n % 2 ? normal : NULL, vxs_box(width_px), voxel);
             assert_true(map >= -1 && map < map_count(l));
             assert_true(voxel[0] >= 0 && voxel[0] < 16 && voxel[1] >= 0 && voxel[1] < 16);
-            assert_true(is_fraction(vxs_lookup(&baked, point, n % 2 ? normal : NULL, filter_px)));
+            assert_true(is_fraction(vxs_lookup(&baked, point, n % 2 ? normal : NULL, vxs_box(width_px))));
         }
         for (int c = 0; c < 3; c++) {
             double point[3] = {0, 2, 3};
             point[c]        = (double)NAN;
-            assert_true(vxs_lookup(&a.baked, point, NULL, 9) == VXS_OUTSIDE);
-            assert_true(vxs_lookup(&a.baked, (double[3]){0, 2, 3}, point, 9) >= 0); /* a normal that is none */
+            assert_true(vxs_lookup(&a.baked, point, NULL, vxs_box(9)) == VXS_OUTSIDE);
+            assert_true(vxs_lookup(&a.baked, (double[3]){0, 2, 3}, point, vxs_box(9)) >= 0); /* a normal that is none */
         }
         punctual_asset_free(&a);
     }

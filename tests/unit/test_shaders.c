@@ -56,18 +56,18 @@ static char *cut(char *text, const char *line)
 }
 
 /* A shader of tests/shaders with the texts that it includes.
- * body       NULL, or what takes the place of its own
- * filter_px  in the place of its 9 */
-static void use_program(drawing *d, const char *dialect, const char *body, const char *filter_px)
+ * body    NULL, or what takes the place of its own
+ * filter  in the place of its vxs_box(9) */
+static void use_program(drawing *d, const char *dialect, const char *body, const char *filter)
 {
     char *version = read_text("tests/shaders", dialect);
     char *head = read_text("tests/shaders", dialect), *rest = cut(head, "#include \"vxs_lookup.h\"\n");
     char *own    = cut(cut(rest, "#include \"vxs_lookup_blocks.h\"\n"), "#include \"vxs_space.h\"\n"),
-         *end    = cut(own, "normal_ws, 9);");
+         *end    = cut(own, "normal_ws, vxs_box(9));");
     char *lookup = read_text("formats", "vxs_lookup.h"), *blocks = read_text("formats", "vxs_lookup_blocks.h");
     char *space = read_text("formats", "vxs_space.h");
 
-    const char *all[9] = {head, lookup, blocks, space, own, "normal_ws, ", filter_px, ");", end};
+    const char *all[9] = {head, lookup, blocks, space, own, "normal_ws, ", filter, ");", end};
     if (body) all[4] = body;
     cut(version, "\n");
     use_texts(d, dialect, version, all, body ? 5 : 9);
@@ -157,10 +157,15 @@ static double clear_of_step(double step)
     return fabs(step) < 1e-9 ? 1 : clear_of_whole(step);
 }
 
-/* How far a point is from where rounding decides: a voxel's side, an edge of cone, range or cube, a step that is whole. */
-static double clear_by(const vxs_light *l, const double *point, const double *normal, int filter_px)
+static int clamped_width(vxs_filter filter)
 {
-    double ls[3], n[3], by = 1, size[3], half = 0.5 * ((filter_px % VXS_SMOOTH) | 1);
+    return filter.width_px < 1 ? 1 : filter.width_px < VXS_FILTER_MAX ? filter.width_px : VXS_FILTER_MAX;
+}
+
+/* How far a point is from where rounding decides: a voxel's side, an edge of cone, range or cube, a step that is whole. */
+static double clear_by(const vxs_light *l, const double *point, const double *normal, vxs_filter filter)
+{
+    double ls[3], n[3], by = 1, size[3], half = 0.5 * (clamped_width(filter) | 1);
     for (int row = 0; row < 3; row++) {
         const double *m = l->ls_from_ws + 4 * row;
         n[row]          = dot(m, normal);
@@ -210,6 +215,8 @@ static int32_t held(int32_t x, int32_t last)
  * it. */
 #define SUM_MODULUS 16777213u
 
+enum { SMOOTH = 256 }; /* added to the width of a smooth filter */
+
 /* A random filter, and of a smooth one where in the texel it is about: the texts of all shaders take both from numbers that have
  * room.
  * y  levels and more, below 256: across, times 256, is added;   z  [out] the filter, and down times 512 */
@@ -217,7 +224,7 @@ static void add_filter(rng *r, float *y, float *z)
 {
     int smooth = (int)rng_below(r, 2);
     *y += smooth ? (float)(256 * rng_below(r, 256)) : 0;
-    *z = (float)(smooth ? VXS_SMOOTH + rng_between(r, 1, VXS_FILTER_MAX) + 512 * rng_between(r, 0, 255)
+    *z = (float)(smooth ? SMOOTH + rng_between(r, 1, VXS_FILTER_MAX) + 512 * rng_between(r, 0, 255)
                         : 1 + 2 * rng_between(r, 0, VXS_FILTER_MAX / 2));
 }
 
@@ -243,8 +250,7 @@ static float voxel_answer(const uint32_t *words, const query *q)
 {
     uint32_t y = (uint32_t)q->normal[1], z = (uint32_t)q->normal[2], levels = y & 31, k = (uint32_t)q->position[2];
     int32_t  last = (1 << levels) - 1, i = (int32_t)q->position[0], j = (int32_t)q->position[1], wide = (int32_t)(z & 511);
-    if (wide >= VXS_SMOOTH)
-        return (float)(vxs_shadow_weight(words, 0, levels, i, j, y >> 8, z >> 9, k, wide - VXS_SMOOTH) % SUM_MODULUS);
+    if (wide >= SMOOTH) return (float)(vxs_shadow_weight(words, 0, levels, i, j, y >> 8, z >> 9, k, wide - SMOOTH) % SUM_MODULUS);
     uint32_t tap = vxs_shadow(words, 0, levels, (uint32_t)held(i, last), (uint32_t)held(j, last), k);
     return (float)(2 * vxs_shadow_count(words, 0, levels, i, j, k, wide) + tap);
 }
@@ -315,8 +321,8 @@ static float blocks_answer(const blocks_sample *s, const query *q, uint32_t *par
 {
     uint32_t y = (uint32_t)q->normal[1], z = (uint32_t)q->normal[2], k = (uint32_t)q->position[2], map = (y >> 5) & 7;
     int32_t  last = (1 << s->levels) - 1, i = (int32_t)q->position[0], j = (int32_t)q->position[1], wide = (int32_t)(z & 511);
-    if (wide >= VXS_SMOOTH) {
-        uint32_t width = (uint32_t)wide - VXS_SMOOTH;
+    if (wide >= SMOOTH) {
+        uint32_t width = (uint32_t)wide - SMOOTH;
         uint32_t dark  = vxs_blocks_shadow_weight(s->words, map, s->levels, i, j, y >> 8, z >> 9, k, (int32_t)width);
         *partly += dark > 0 && dark < 65536 * width * width;
         return (float)(dark % SUM_MODULUS);
@@ -399,7 +405,7 @@ typedef struct tally {
 } tally;
 
 /* Of every `stride`-th query, from `from` on. */
-static void check_every(const vxs_baked_light *baked, const double origin[3], const query *queries, int filter_px, int from,
+static void check_every(const vxs_baked_light *baked, const double origin[3], const query *queries, vxs_filter filter, int from,
                         int stride, const float *answers, const char *dialect, tally *sum)
 {
     for (int n = from; n < QUERIES; n += stride) {
@@ -408,13 +414,13 @@ static void check_every(const vxs_baked_light *baked, const double origin[3], co
             point[k]  = origin[k] + (double)queries[n].position[k];
             normal[k] = (double)queries[n].normal[k];
         }
-        if (clear_by(&baked->light, point, normal, filter_px) < 0.005) continue;
+        if (clear_by(&baked->light, point, normal, filter) < 0.005) continue;
         /* of a smooth box, a part of a texel may be another 1/256, along both axes: its border counts as much more, or less */
-        float wanted = vxs_lookup(baked, point, normal, filter_px);
-        float slack  = 1e-6f + (filter_px < VXS_SMOOTH ? 0 : 2.0f / 256 / fminf(fmaxf((float)(filter_px - VXS_SMOOTH), 1), 17));
+        float wanted = vxs_lookup(baked, point, normal, filter);
+        float slack  = 1e-6f + (filter.is_smooth ? 2.0f / 256 / (float)clamped_width(filter) : 0);
         if (fabsf(answers[n] - wanted) > slack)
-            fail_msg("%s, %s, filter %d, query %d: %g, expected %g", dialect, baked->light.name, filter_px, n, (double)answers[n],
-                     (double)wanted);
+            fail_msg("%s, %s, filter %d, smooth %d, query %d: %g, expected %g", dialect, baked->light.name, filter.width_px,
+                     filter.is_smooth, n, (double)answers[n], (double)wanted);
         sum->asked++;
         sum->outside += wanted < 0;
         sum->partly += wanted > 0 && wanted < 1;
@@ -427,8 +433,8 @@ static void check_every(const vxs_baked_light *baked, const double origin[3], co
 static void test_positions(void **state)
 {
     enum { WIDTHS = 4 };
-    static const char *const widths[WIDTHS]        = {"1", "9", "17", "VXS_SMOOTH + 8"};
-    static const int         filters_px[WIDTHS]    = {1, 9, 17, VXS_SMOOTH + 8};
+    static const char *const texts[WIDTHS]         = {"vxs_box(1)", "vxs_box(9)", "vxs_box(17)", "vxs_smooth(8)"};
+    static const vxs_filter  filters[WIDTHS]       = {{1, 0}, {9, 0}, {17, 0}, {8, 1}};
     static const uint32_t    map_levels[WIDTHS]    = {4, 6, 8, 6};
     static const int         other_width[DIALECTS] = {3, 0, 2, 3};
     static query             queries[QUERIES];
@@ -438,10 +444,10 @@ static void test_positions(void **state)
     for (int dialect = 0; dialect < DIALECTS; dialect++)
         for (int width = 0; width < WIDTHS; width++) {
             if (width != 1 && width != other_width[dialect]) continue;
-            use_program(&d, dialects[dialect], NULL, widths[width]);
+            use_program(&d, dialects[dialect], NULL, texts[width]);
             for (int kind = 0; kind < KINDS; kind++) {
-                rng        r         = {(uint64_t)(61 + 3 * kind + width)};
-                int        filter_px = filters_px[width];
+                rng        r      = {(uint64_t)(61 + 3 * kind + width)};
+                vxs_filter filter = filters[width];
                 double     far = (kind + width) % 2 ? 1e6 : 0, at[3] = {far + 3, 5 - far, far - 2}, origin[3] = {far, -far, far};
                 dag_sample sample;
                 uint32_t   first, levels = map_levels[width];
@@ -465,7 +471,7 @@ static void test_positions(void **state)
                 bind_buffer(&d, GL_UNIFORM_BUFFER, sizeof c, &c);
                 fill_queries(&r, &baked->light, at, origin, queries);
                 draw(&d, queries, answers);
-                check_every(baked, origin, queries, filter_px, 0, 1, answers, dialects[dialect], &sum);
+                check_every(baked, origin, queries, filter, 0, 1, answers, dialects[dialect], &sum);
                 assert_true(sum.asked > QUERIES * 6 / 10);
                 assert_true(sum.outside > QUERIES / 50 || (kind == PUNCTUAL_FIRST + POINT && light.light.range_metres == 0));
                 assert_true(sum.partly > (width ? QUERIES / 40 : -1));
@@ -477,38 +483,23 @@ static void test_positions(void **state)
     gl_context_destroy(d.gl);
 }
 
-/* Normal: the filter. */
-static const char filter_body[] = "layout(std140) uniform shadow_light { vxs_light_constants light; };\n"
-                                  "in vec3 position_ws;\n"
-                                  "in vec3 normal_ws;\n"
-                                  "out float answer;\n"
-                                  "void main() {\n"
-                                  "    answer = vxs_lit(light.first_word, light, position_ws, vec3(0.0), int(normal_ws.x));\n"
-                                  "}\n";
+/* Normal: the width of the filter, and whether it is smooth. */
+static const char filter_body[] =
+    "layout(std140) uniform shadow_light { vxs_light_constants light; };\n"
+    "in vec3 position_ws;\n"
+    "in vec3 normal_ws;\n"
+    "out float answer;\n"
+    "void main() {\n"
+    "    answer = vxs_lit(light.first_word, light, position_ws, vec3(0.0), vxs_filter(int(normal_ws.x), int(normal_ws.y)));\n"
+    "}\n";
 
 /* Filters of any number, which the compiler of the shader does not know. */
 static void test_any_filter(void **state)
 {
-    static const int filters_px[] = {1,
-                                     2,
-                                     8,
-                                     9,
-                                     16,
-                                     17,
-                                     18,
-                                     0,
-                                     -1,
-                                     -16777216,
-                                     255,
-                                     VXS_SMOOTH,
-                                     VXS_SMOOTH + 1,
-                                     VXS_SMOOTH + 2,
-                                     VXS_SMOOTH + 9,
-                                     VXS_SMOOTH + 17,
-                                     VXS_SMOOTH + 18,
-                                     512,
-                                     16777216};
-    enum { FILTERS = sizeof filters_px / sizeof *filters_px };
+    static const vxs_filter filters[] = {{1, 0}, {2, 0},  {8, 0},         {9, 0},   {16, 0},       {17, 0}, {18, 0},
+                                         {0, 0}, {-1, 0}, {-16777216, 0}, {255, 0}, {0, 1},        {1, 1},  {2, 1},
+                                         {9, 1}, {17, 1}, {18, 1},        {256, 1}, {16777216, -1}};
+    enum { FILTERS = sizeof filters / sizeof *filters };
     static const double origin[3] = {0, 0, 0}, at[3] = {3, 5, -2};
     static query        queries[QUERIES];
     static float        answers[QUERIES];
@@ -529,11 +520,14 @@ static void test_any_filter(void **state)
             vxs_light_constants c = vxs_light_constants_of(&baked->light, NULL, first);
             bind_buffer(&d, GL_UNIFORM_BUFFER, sizeof c, &c);
             fill_queries(&r, &baked->light, at, origin, queries);
-            for (int n = 0; n < QUERIES; n++) queries[n].normal[0] = (float)filters_px[n % FILTERS];
+            for (int n = 0; n < QUERIES; n++) {
+                queries[n].normal[0] = (float)filters[n % FILTERS].width_px;
+                queries[n].normal[1] = (float)filters[n % FILTERS].is_smooth;
+            }
             draw(&d, queries, answers);
             for (int n = 0; n < QUERIES; n++) queries[n].normal[0] = queries[n].normal[1] = queries[n].normal[2] = 0;
             for (int f = 0; f < FILTERS; f++)
-                check_every(baked, origin, queries, filters_px[f], f, FILTERS, answers, dialects[dialect], &sum);
+                check_every(baked, origin, queries, filters[f], f, FILTERS, answers, dialects[dialect], &sum);
             assert_true(sum.partly > QUERIES / 40);
             vxs_asset_close(asset);
             dag_sample_free(&sample);
@@ -551,7 +545,7 @@ static const char back_body[] = "layout(std140) uniform shadow_light { vxs_light
                                 "    vec3 point_ws;\n"
                                 "    ivec3 voxel;\n"
                                 "    vxs_ws_from_voxel(light, int(normal_ws.x), position_ws, point_ws);\n"
-                                "    int map = vxs_voxel_from_ws(light, point_ws, vec3(0.0), 1, voxel);\n"
+                                "    int map = vxs_voxel_from_ws(light, point_ws, vec3(0.0), vxs_box(1), voxel);\n"
                                 "    answer = map == int(normal_ws.x) && voxel == ivec3(floor(position_ws)) ? 1.0 : 0.0;\n"
                                 "}\n";
 

@@ -118,7 +118,8 @@ static void test_lookups_weigh_four_curves(void **state)
         double           wanted = left_at(&samples[light], light, p);
         double           found  = (double)vxs_smoke_lookup(l, vxs_asset_smoke(asset, (uint32_t)light), p);
         assert_true(fabs(found - wanted) < 1e-6);
-        if (vxs_voxel(l, p, NULL, 1, (int32_t[3]){0}) < 0 && l->kind != VXS_LIGHT_KIND_DIRECTIONAL) assert_true(found == 1);
+        if (vxs_voxel(l, p, NULL, vxs_box(1), (int32_t[3]){0}) < 0 && l->kind != VXS_LIGHT_KIND_DIRECTIONAL)
+            assert_true(found == 1);
         dimmed += wanted < 0.9;
         outside += wanted == 1;
     }

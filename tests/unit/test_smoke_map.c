@@ -130,7 +130,7 @@ static double weighed(const vxs_light *light, uint32_t side, const double ws[3])
 {
     double  texel = ldexp(1, (int)light->levels) / side, at[3], left = 0;
     int32_t voxel[3];
-    int     map = vxs_voxel(light, ws, NULL, 1, voxel);
+    int     map = vxs_voxel(light, ws, NULL, vxs_box(1), voxel);
     if (map < 0) return -1;
     map_place(light, map, ws, at);
     double u = at[0] / texel - 0.5, v = at[1] / texel - 0.5;
@@ -149,7 +149,7 @@ static int random_lit_place(rng *r, const vxs_baked_light *baked, double ws[3])
     ws[0] = uniform(r, -9, 9);
     ws[1] = uniform(r, 0, 9);
     ws[2] = uniform(r, -9, 9);
-    return vxs_lookup(baked, ws, NULL, 1) == 1;
+    return vxs_lookup(baked, ws, NULL, vxs_box(1)) == 1;
 }
 
 static double voxel_of(const vxs_light *light, double metres)
@@ -200,7 +200,7 @@ static void check_lookups(const smoke_lookups *told, const vxs_baked_light *bake
         if (!tile || *ends == (x % 8 + y % 8 ? ends[-1] : 0) || !depths_with_smoke(baked, smoke, map, at, depths)) continue;
         at[2] = voxel_of(light, depths[0] + fmin(uniform(&r, 0, 2), 1) * (depths[1] - depths[0]));
         vxs_point(light, map, at, ws);
-        if (vxs_lookup(baked, ws, NULL, 1) != 1) continue;
+        if (vxs_lookup(baked, ws, NULL, vxs_box(1)) != 1) continue;
         double off = fabs((double)vxs_smoke_lookup(light, smoke, ws) - exp(-thick_to(light, ws)));
         square += off * off;
         most = fmax(most, off);
@@ -282,7 +282,7 @@ static void test_light_falls_along_rays(void **state)
             double ws[3];
             vxs_point(light, map, at, ws);
             double left = (double)vxs_smoke_lookup(light, vxs_asset_smoke(asset, number), ws);
-            if (vxs_voxel(light, ws, NULL, 1, (int32_t[3]){0}) != map) continue; /* beyond a cone, or a face of a cube */
+            if (vxs_voxel(light, ws, NULL, vxs_box(1), (int32_t[3]){0}) != map) continue; /* beyond a cone, or a face of a cube */
             assert_true(left <= before + 1e-6);
             before = left;
         }

@@ -324,7 +324,7 @@ static void check_box(const vxs_stream_focus *box, rng *r, uint32_t *wanted)
         for (int axis = 0; axis < 3; axis++)
             in[axis] = box->min_ws[axis] + (box->max_ws[axis] - box->min_ws[axis]) * rng_below(r, 1025) / 1024;
         for (uint32_t l = 0; l < sample.light_count; l++)
-            if (!vxs_lookup_is_full(vxs_stream_light(stream, l), in, k & 8 ? normal : NULL, VXS_FILTER_MAX))
+            if (!vxs_lookup_is_full(vxs_stream_light(stream, l), in, k & 8 ? normal : NULL, vxs_box(VXS_FILTER_MAX)))
                 fail_msg("light %u at %g %g %g: coarse", l, in[0], in[1], in[2]);
     }
     vxs_stream_close(stream);
@@ -362,7 +362,7 @@ static void test_nearest_first(void **state)
     assert_int_equal(vxs_stream_open(&stream, &desc), VXS_OK);
     vxs_stream_frame(stream, &eye, 1, NULL);
     for (int n = 0; n < 3; n++) vxs_stream_frame(stream, &eye, 1, NULL);
-    assert_true(vxs_lookup_is_full(vxs_stream_light(stream, 0), corner, NULL, 9));
+    assert_true(vxs_lookup_is_full(vxs_stream_light(stream, 0), corner, NULL, vxs_box(9)));
     vxs_stream_status few = {.struct_size = sizeof few};
     eye.radius_metres     = 1;
     vxs_stream_frame(stream, &eye, 1, &few);
@@ -504,7 +504,7 @@ static void test_many_lights(void **state)
             const vxs_baked_light *light = vxs_stream_light(streams[n], rng_below(&r, LIGHTS)), *full = vxs_asset_light(asset, 0);
             double                 point[3];
             stream_random_point(&full->light, &r, point);
-            assert_true(vxs_lookup(light, point, NULL, 5) == vxs_lookup(full, point, NULL, 5));
+            assert_true(vxs_lookup(light, point, NULL, vxs_box(5)) == vxs_lookup(full, point, NULL, vxs_box(5)));
         }
     }
     for (int n = 0; n < FILES; n++) vxs_stream_close(streams[n]);

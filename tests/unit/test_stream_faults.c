@@ -436,7 +436,7 @@ static void test_pages_of_strangers(void **state)
             double                 point[3];
             const vxs_baked_light *l = vxs_stream_light(stream, light);
             stream_random_point(&l->light, &r, point);
-            float lit = vxs_lookup(l, point, NULL, 9);
+            float lit = vxs_lookup(l, point, NULL, vxs_box(9));
             assert_true((lit >= 0 && lit <= 1) || lit == VXS_OUTSIDE);
         }
         vxs_stream_close(stream);

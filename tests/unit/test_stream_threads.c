@@ -48,11 +48,12 @@ static void *look_up(void *work)
             uint32_t               light = rng_below(&r, w->sample.light_count);
             const vxs_baked_light *here = vxs_stream_light(w->stream, light), *whole = vxs_asset_light(w->sample.full, light);
             double                 point[3];
-            int                    filter_px = 1 + 2 * rng_between(&r, 0, VXS_FILTER_MAX / 2);
+            int                    width_px = 1 + 2 * rng_between(&r, 0, VXS_FILTER_MAX / 2);
             stream_random_point(&whole->light, &r, point);
-            int   full  = vxs_lookup_is_full(here, point, NULL, filter_px);
-            float found = vxs_lookup(here, point, NULL, filter_px);
-            atomic_fetch_add(&w->wrong, found != vxs_lookup(full ? whole : &w->sample.coarse[light], point, NULL, filter_px));
+            int   full  = vxs_lookup_is_full(here, point, NULL, vxs_box(width_px));
+            float found = vxs_lookup(here, point, NULL, vxs_box(width_px));
+            atomic_fetch_add(&w->wrong,
+                             found != vxs_lookup(full ? whole : &w->sample.coarse[light], point, NULL, vxs_box(width_px)));
             atomic_fetch_add(full ? &w->full : &w->coarse, 1);
         }
         pthread_rwlock_unlock(&w->frame);

@@ -50,7 +50,7 @@ static double left_of(const vxs_air_light *air, const double place[3])
 
 static int is_lit(int light, const double place[3])
 {
-    return vxs_lookup(vxs_asset_light(s.asset, (uint32_t)light), place, NULL, 1) != 0;
+    return vxs_lookup(vxs_asset_light(s.asset, (uint32_t)light), place, NULL, vxs_box(1)) != 0;
 }
 
 /* A march of even steps.   dimmed  0: as if there was no smoke */

@@ -232,7 +232,7 @@ static inline vxs_volumes_frame scene_frame(const volumes_scene *s, const volume
                                 .top_metres    = (float)top,
                                 .far_metres    = (float)far_metres,
                                 .depth_texture = s->depths,
-                                .view          = {s->width_px, s->height_px, {0}, EMPTY_DEPTH, 1}};
+                                .view          = {s->width_px, s->height_px, {0}, EMPTY_DEPTH, {1, 0}}};
     float            *depths = malloc(sizeof *depths * s->width_px * s->height_px), *m = f.view.point_from_depth;
     assert_non_null(depths);
     for (int n = 0; n < 3; n++) {

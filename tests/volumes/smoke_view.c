@@ -45,7 +45,7 @@ smoke_sun smoke_sun_over(const vxs_capsule *capsules, uint32_t count)
 vxs_volumes_frame smoke_frame(uint32_t width_px, uint32_t height_px, float *depths, double (*places)[3])
 {
     const double      eye[3] = {0, 6, 20}, half[2] = {0.36, 0.3};
-    vxs_volumes_frame f = {.far_metres = 100, .top_metres = 1e30F, .view = {width_px, height_px, {0}, 0, 1}};
+    vxs_volumes_frame f = {.far_metres = 100, .top_metres = 1e30F, .view = {width_px, height_px, {0}, 0, {1, 0}}};
     float            *m = f.view.point_from_depth;
     rng               r = {1};
     m[0]                = (float)(2 * half[0] * NEAR_METRES);

@@ -18,26 +18,25 @@ vxs_result filter_check(const filter_choice *c, run_context *m)
     return box_check(c->box_px, m);
 }
 
-int filter_px_of(const filter_choice *c)
+vxs_filter filter_of(const filter_choice *c)
 {
-    return (int)(c->smooth_given ? VXS_SMOOTH + c->smooth_px : c->box_px);
+    return c->smooth_given ? vxs_smooth((int32_t)c->smooth_px) : vxs_box((int32_t)c->box_px);
 }
 
-vxs_result filters_take(const number_list *boxes, const number_list *smooth, uint32_t *filters_px, uint32_t *count, run_context *m)
+vxs_result filters_take(const number_list *boxes, const number_list *smooth, vxs_filter *filters, uint32_t *count, run_context *m)
 {
     vxs_result r = VXS_OK;
     *count       = 0;
     for (size_t n = 0; n < boxes->count && r == VXS_OK; n++) {
         r = box_check(boxes->items[n], m);
-        if (r == VXS_OK && boxes->items[n] > 1) filters_px[(*count)++] = boxes->items[n];
+        if (r == VXS_OK && boxes->items[n] > 1) filters[(*count)++] = vxs_box((int32_t)boxes->items[n]);
     }
-    for (size_t n = 0; smooth && n < smooth->count; n++) filters_px[(*count)++] = VXS_SMOOTH + smooth->items[n];
+    for (size_t n = 0; smooth && n < smooth->count; n++) filters[(*count)++] = vxs_smooth((int32_t)smooth->items[n]);
     return r;
 }
 
-const char *filter_text(char text[32], uint32_t filter_px)
+const char *filter_text(char text[32], vxs_filter filter)
 {
-    uint32_t width = filter_px % VXS_SMOOTH;
-    snprintf(text, 32, "%u x %u%s", width, width, filter_px < VXS_SMOOTH ? "" : " smooth");
+    snprintf(text, 32, "%d x %d%s", filter.width_px, filter.width_px, filter.is_smooth ? " smooth" : "");
     return text;
 }

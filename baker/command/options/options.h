@@ -9,7 +9,7 @@
 #include "baker/command/options/option_table.h"
 #include "baker/files/run_files.h"
 #include "baker/scene/scene.h"
-#include "formats/vxs_format.h"
+#include "formats/vxs_file.h"
 
 /* Parse argv[1..argc). `--name value` and `--name=value` are the same; "-" alone is an operand; "--" ends the options; a
  * value may begin with '-' ("--sun -1,-2,0"). Options of every command are stored in m. Only list options may be repeated.
@@ -83,7 +83,7 @@ typedef struct filter_choice {
 vxs_result filter_check(const filter_choice *c, run_context *m);
 
 /* The filter as vxs_lookup takes it. */
-int filter_px_of(const filter_choice *c);
+vxs_filter filter_of(const filter_choice *c);
 
 static inline int filter_given(const filter_choice *c)
 {
@@ -93,11 +93,11 @@ static inline int filter_given(const filter_choice *c)
 /* Collect the filters of a command that takes several: the boxes, then the smooth filters. Boxes of width 1, single taps, are
  * skipped: the callers always measure them.
  * boxes, smooth  each without duplicates, from 1 to VXS_FILTER_MAX; smooth may be NULL
- * filters_px     [FILTERS_MAX] each in the order given;   count  [out]
+ * filters        [FILTERS_MAX] each in the order given;   count  [out]
  * Returns VXS_OK, or VXS_E_ARGUMENT for a box of even width. */
-vxs_result filters_take(const number_list *boxes, const number_list *smooth, uint32_t *filters_px, uint32_t *count, run_context *m);
+vxs_result filters_take(const number_list *boxes, const number_list *smooth, vxs_filter *filters, uint32_t *count, run_context *m);
 
-/* "9 x 9", "9 x 9 smooth".   filter_px  as for vxs_lookup */
-const char *filter_text(char text[32], uint32_t filter_px);
+/* "9 x 9", "9 x 9 smooth". */
+const char *filter_text(char text[32], vxs_filter filter);
 
 #endif

@@ -87,15 +87,15 @@ static vxs_result require_same_bytes(bench_work *w, bench_job *job, uint32_t run
 static vxs_result compare_once(bench_work *w, const bench_job *job, double *seconds, run_context *m)
 {
     const bench_options *o = w->o;
-    char                 points[16], filters[FILTERS_MAX][16];
+    char                 points[16], widths[FILTERS_MAX][16];
     const char          *arguments[2 * FILTERS_MAX + 16] = {"vxs", "compare", "--json", w->children.report, "--points", points};
     size_t               count                           = 6;
     enum { FOUND_UNEXPLAINED = 1 };
     snprintf(points, sizeof points, "%u", o->points);
     for (size_t n = 0; n < o->filter_count; n++) {
-        snprintf(filters[n], sizeof filters[n], "%u", o->filters_px[n] % VXS_SMOOTH);
-        arguments[count++] = o->filters_px[n] < VXS_SMOOTH ? "--filter" : "--smooth";
-        arguments[count++] = filters[n];
+        snprintf(widths[n], sizeof widths[n], "%d", o->filters[n].width_px);
+        arguments[count++] = o->filters[n].is_smooth ? "--smooth" : "--filter";
+        arguments[count++] = widths[n];
     }
     if (o->scene_name) arguments[count++] = "--scene";
     if (o->scene_name) arguments[count++] = o->scene_name;

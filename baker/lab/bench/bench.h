@@ -22,8 +22,8 @@ typedef struct bench_options {
     text_list   light_names, suns;         /* passed to every bake, too; NULL or empty: not given */
     text_list   exclude, include;
     const char *region, *scene_name;
-    int         allow_outside;           /* 1: likewise */
-    uint32_t    filters_px[FILTERS_MAX]; /* besides single taps; from filters_take */
+    int         allow_outside;        /* 1: likewise */
+    vxs_filter  filters[FILTERS_MAX]; /* besides single taps; from filters_take */
     uint32_t    filter_count;
     uint32_t    runs;
     uint32_t    points;   /* points of each kind for measuring errors; 0: measure neither errors nor lookups */

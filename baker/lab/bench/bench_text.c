@@ -169,11 +169,11 @@ static void add_figure(bench_figure *figures, size_t *count, const figure_row *r
     if (row->kind == FIGURE_SECONDS) f->value = spread_at(value, "", strcmp(row->of, "lookups") ? 1 : 1e-9);
 
     /* its name: "stage merge", "lookup 3 x 3", "RMSE 9 x 9 smooth, surface" */
-    char        filter[32] = "";
-    uint32_t    filter_px  = (uint32_t)count_at(item, "filter_px") + (json_is_true(json_at(item, "smooth")) ? VXS_SMOOTH : 0);
+    char        text[32] = "";
+    vxs_filter  filter   = {(int32_t)count_at(item, "filter_px"), json_is_true(json_at(item, "smooth"))};
     const char *stage = row->flags & FIGURE_STAGE ? text_at(item, "name") : "", *points = text_at(item, "points");
-    if (filter_px > 1) filter_text(filter, filter_px);
-    snprintf(f->name, 96, "%s%s%s%s%s%s%s", row->name, *stage ? " " : "", stage, *filter ? " " : "", filter, *points ? ", " : "",
+    if (filter.width_px > 1 || filter.is_smooth) filter_text(text, filter);
+    snprintf(f->name, 96, "%s%s%s%s%s%s%s", row->name, *stage ? " " : "", stage, *text ? " " : "", text, *points ? ", " : "",
              points);
 
     ++*count;

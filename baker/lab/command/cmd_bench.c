@@ -32,7 +32,7 @@ static vxs_result run(void *command, run_context *m)
     FILE          *to = report_stream(m, is_standard_output(c->output_path)); /* keep the report out of standard output when JSON
                                                                                  goes there */
 
-    vxs_result r = filters_take(&c->filters, &c->smooth, c->o.filters_px, &c->o.filter_count, m);
+    vxs_result r = filters_take(&c->filters, &c->smooth, c->o.filters, &c->o.filter_count, m);
     if (r == VXS_OK && c->max_slower_given && !c->against_path) r = fail(m, VXS_E_ARGUMENT, "--max-slower goes with --against");
     for (size_t n = 0; n < c->o.scenes.count && r == VXS_OK; n++)
         if (!is_read_once(c->o.scenes.items[n])) r = scene_check_files_gltf(c->o.scenes.items[n], m);

@@ -150,7 +150,7 @@ static vxs_result compare_all(compare_command *c, run_context *m)
 {
     vxs_result r;
 
-    r = filters_take(&c->filters_px, &c->smooth_px, c->report.options.filters_px, &c->report.options.filter_count, m);
+    r = filters_take(&c->filters_px, &c->smooth_px, c->report.options.filters, &c->report.options.filter_count, m);
     if (r == VXS_OK) r = camera_check(&c->camera, m);
     if (r != VXS_OK) return r;
     c->camera_given |= c->camera.eye_given;

@@ -218,7 +218,7 @@ static vxs_result run(void *command, run_context *m)
     output_file     out            = {0};
     vxs_result      r              = s ? check_options(c, m) : fail(m, VXS_E_MEMORY, "out of memory for a picture");
     fog_medium      medium         = fog_of(&c->fog);
-    c->options.filter_px           = filter_px_of(&c->filter);
+    c->options.filter              = filter_of(&c->filter);
     c->options.fog                 = c->fog.given ? &medium : NULL;
     c->options.fog_by              = c->fog.by;
     c->options.fog_steps           = c->fog.steps;

@@ -36,7 +36,7 @@ typedef struct traced_like {
     const vxs_baked_light *lights[VXS_LIGHTS_MAX]; /* [light_count] */
     light_shape            shapes[VXS_LIGHTS_MAX]; /* of them */
     uint32_t               light_count;
-    int                    filter_px;
+    vxs_filter             filter;
 } traced_like;
 
 static int trace(void *user, const query_point *point, float *lit)
@@ -57,8 +57,8 @@ static int trace_like(void *user, const query_point *point, float *lit)
     const traced_like *q = user;
     for (uint32_t n = 0; n < q->light_count; n++) {
         const vxs_light *light = &q->lights[n]->light;
-        filter_taps taps = filter_taps_of(light, point->position_ws, point->has_normal ? point->normal_ws : NULL, q->filter_px);
-        lit[n]           = taps.map < 0 ? -1 : (float)truth_filtered(q->truth, light, &q->shapes[n], &taps);
+        filter_taps      taps  = filter_taps_of(light, point->position_ws, point->has_normal ? point->normal_ws : NULL, q->filter);
+        lit[n]                 = taps.map < 0 ? -1 : (float)truth_filtered(q->truth, light, &q->shapes[n], &taps);
     }
     return 1;
 }
@@ -72,7 +72,7 @@ static vxs_result open_like(truth_options *o, vxs_asset **asset, json_t **made, 
     if (r == VXS_OK)
         r = asset_choose_lights(vxs_asset_contents(*asset), o->like_path, &o->light_names, q->lights, &q->light_count, m);
     for (uint32_t n = 0; r == VXS_OK && n < q->light_count; n++) q->shapes[n] = baked_light_shape(&q->lights[n]->light);
-    q->filter_px = filter_px_of(&o->filter);
+    q->filter = filter_of(&o->filter);
     return r;
 }
 

@@ -117,11 +117,11 @@ static void print_bias(FILE *to, const char *points, const compare_bias *bias)
             (unsigned long long)bias->self_shadows, (unsigned long long)bias->deep_leaks);
 }
 
-static void print_filter(FILE *to, const compare_report *r, const compare_filter *f, uint32_t filter_px)
+static void print_filter(FILE *to, const compare_report *r, const compare_filter *f, vxs_filter filter)
 {
     char text[32];
     for (int kind = 0; kind < kind_count(r); kind++) {
-        fprintf(to, "  %s filter, %s points: RMSE %.4g, at most %.4g, of %llu points\n", filter_text(text, filter_px),
+        fprintf(to, "  %s filter, %s points: RMSE %.4g, at most %.4g, of %llu points\n", filter_text(text, filter),
                 kind_names[kind], f->error[kind].rmse, f->error[kind].max_error, (unsigned long long)f->error[kind].points);
         if (kind != COMPARE_RANDOM) print_bias(to, kind_names[kind], &f->error[kind].bias);
     }
@@ -133,7 +133,7 @@ static void print_time(FILE *to, const compare_report *r, const compare_result *
     char                text[32];
     fprintf(to, "  one thread: lookup %.1f ns", 1e9 * t->lookup_s);
     for (uint32_t n = 0; n < r->options.filter_count; n++)
-        fprintf(to, ", %s lookup %.1f ns", filter_text(text, r->options.filters_px[n]), 1e9 * result->filters[n].lookup_s);
+        fprintf(to, ", %s lookup %.1f ns", filter_text(text, r->options.filters[n]), 1e9 * result->filters[n].lookup_s);
     if (t->truth_s > 0) fprintf(to, ", ray %.1f ns (%.3g million rays a second)", 1e9 * t->truth_s, 1e-6 / t->truth_s);
     fprintf(to, "\n");
 }
@@ -170,7 +170,7 @@ static void print_light(FILE *to, const compare_report *r, const vxs_light *l, c
 
     for (int kind = COMPARE_SURFACE; kind < kind_count(r); kind++) print_bias(to, kind_names[kind], &result->counts[kind].bias);
     for (uint32_t n = 0; n < result->example_count; n++) print_example(to, &result->examples[n]);
-    for (uint32_t n = 0; n < r->options.filter_count; n++) print_filter(to, r, &result->filters[n], r->options.filters_px[n]);
+    for (uint32_t n = 0; n < r->options.filter_count; n++) print_filter(to, r, &result->filters[n], r->options.filters[n]);
     print_time(to, r, result);
 }
 
@@ -232,7 +232,7 @@ static void print_asset_in_short(FILE *to, const compare_report *r, const compar
     for (uint32_t f = 0; f < r->options.filter_count; f++) {
         fprintf(to, "%-12s ", f ? "" : "filters");
         char text[32];
-        fprintf(to, "%s: RMSE", filter_text(text, r->options.filters_px[f]));
+        fprintf(to, "%s: RMSE", filter_text(text, r->options.filters[f]));
         for (int kind = 0; kind < kind_count(r); kind++)
             fprintf(to, "%s %s %.4f", kind ? "," : "", kind_names[kind], rmse_of_all(a, f, kind));
         fprintf(to, "\n");
@@ -273,7 +273,7 @@ static const char *texels_text(char text[32], const compared_asset *a)
 /* The width of a filter's column. */
 static int filter_column(const compare_report *r, uint32_t f)
 {
-    return (r->options.filters_px[f] < VXS_SMOOTH ? 15 : 22) + 8 * kind_count(r);
+    return (r->options.filters[f].is_smooth ? 22 : 15) + 8 * kind_count(r);
 }
 
 /* One row for each asset; its name is last, since it may be long. */
@@ -287,7 +287,7 @@ static void print_table(FILE *to, const compare_report *r, const run_context *m)
     }
     for (uint32_t f = 0; f < r->options.filter_count; f++) {
         char filter[32];
-        snprintf(text, sizeof text, "RMSE %s %s", filter_text(filter, r->options.filters_px[f]),
+        snprintf(text, sizeof text, "RMSE %s %s", filter_text(filter, r->options.filters[f]),
                  r->options.camera ? "random/surface/camera" : "random/surface");
         fprintf(to, "  %*s", filter_column(r, f), text);
     }
@@ -384,10 +384,10 @@ static json_t *filters_json(const compare_report *r, const compare_result *resul
 {
     json_t *filters = json_array();
     for (uint32_t n = 0; n < r->options.filter_count; n++) {
-        const compare_filter *f         = &result->filters[n];
-        uint32_t              filter_px = r->options.filters_px[n];
-        json_t               *one       = json_pack("{s:I, s:b, s:f}", "filter_px", (json_int_t)(filter_px % VXS_SMOOTH), "smooth",
-                                                    filter_px >= VXS_SMOOTH, "lookup_ns", 1e9 * f->lookup_s);
+        const compare_filter *f      = &result->filters[n];
+        vxs_filter            filter = r->options.filters[n];
+        json_t *one = json_pack("{s:I, s:b, s:f}", "filter_px", (json_int_t)filter.width_px, "smooth", filter.is_smooth,
+                                "lookup_ns", 1e9 * f->lookup_s);
         for (int kind = 0; kind < kind_count(r); kind++) {
             const compare_error *e = &f->error[kind];
             json_t              *error =

@@ -29,7 +29,7 @@ static vxs_result draw_by_rays(const render_command *c, const subject *s, const 
 {
     picture_options        o       = {.width_px  = c->options.width_px,
                                       .height_px = c->options.height_px,
-                                      .filter_px = c->options.filter_px,
+                                      .filter    = c->options.filter,
                                       .threads   = c->options.threads,
                                       .fog       = c->options.fog,
                                       .camera    = c->camera.camera};
@@ -57,7 +57,7 @@ static vxs_result write_passes(const render_command *c, const subject *s, render
                           &(passes_options){.streamed  = c->budget_given,
                                             .is_linear = c->linear_path != NULL,
                                             .truth     = t,
-                                            .filter_px = c->options.filter_px,
+                                            .filter    = c->options.filter,
                                             .threads   = c->options.threads},
                           difference, m);
     truth_destroy(t);

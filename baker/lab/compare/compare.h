@@ -38,7 +38,7 @@ typedef struct compare_dont_care {
 typedef struct compare_options {
     uint32_t           points; /* of each kind; a camera's number is rounded to make a picture */
     uint32_t           seed;
-    uint32_t           filters_px[COMPARE_FILTERS_MAX]; /* as for vxs_lookup, without duplicates: compared besides single taps */
+    vxs_filter         filters[COMPARE_FILTERS_MAX]; /* as for vxs_lookup, without duplicates: compared besides single taps */
     uint32_t           filter_count;
     const camera_pose *camera; /* NULL: no points of a camera */
     uint32_t           threads;

@@ -269,14 +269,14 @@ static int is_deep_in_shadow(const comparison *c, const sample *s, const filter_
     return 1;
 }
 
-compare_fault compare_bias_fault(const comparison *c, const sample *s, int filter_px, float lookup, int lit)
+compare_fault compare_bias_fault(const comparison *c, const sample *s, vxs_filter filter, float lookup, int lit)
 {
     double to_light_ws[3];
     if (!s->normal || (lit ? lookup >= 1 : lookup <= 0)) return FAULT_NONE;
     for (int n = 0; n < 3; n++) to_light_ws[n] = -c->shape.direction_ws[n];
     if (c->shape.kind != LIGHT_DIRECTIONAL) vec3_sub(c->shape.position_ws, s->point_ws, to_light_ws);
     if (lit && vec3_dot(to_light_ws, s->normal_ws) <= 0) return FAULT_NONE; /* the surface faces away from the light */
-    filter_taps taps = filter_taps_of(c->light, s->point_ws, s->normal, filter_px);
+    filter_taps taps = filter_taps_of(c->light, s->point_ws, s->normal, filter);
     if (!lit) return is_deep_in_shadow(c, s, &taps) ? FAULT_DEEP_LEAK : FAULT_NONE;
 
     double step_px =

@@ -41,7 +41,7 @@ typedef struct timed {
     double           *points_ws; /* [3 * count] */
     float            *lit;       /* [count] */
     size_t            count;
-    int               filter_px;
+    vxs_filter        filter;
 } timed;
 
 /* Seconds for one point, of lookups or of rays: the median of some runs. */
@@ -52,7 +52,7 @@ static double time_runs(timed *t, int is_rays)
     if (!t->count) return 0;
     for (int run = 0; run < TIMED_RUNS; run++) {
         double start = clock_seconds();
-        if (!is_rays) vxs_lookup_many(c->baked, t->points_ws, NULL, t->count, t->filter_px, t->lit);
+        if (!is_rays) vxs_lookup_many(c->baked, t->points_ws, NULL, t->count, t->filter, t->lit);
         for (size_t n = 0; n < t->count && is_rays; n++) t->lit[n] = (float)truth_lit(c->truth, t->points_ws + 3 * n, &c->shape);
         seconds[run] = clock_seconds() - start;
     }
@@ -66,7 +66,7 @@ static vxs_result compare_measure_time(const comparison *c, compare_result *out,
 {
     const compare_options *o     = c->options;
     size_t                 limit = o->points < COMPARE_TIMED_POINTS_MAX ? o->points : COMPARE_TIMED_POINTS_MAX;
-    timed                  t     = {.comparison = c, .filter_px = 1};
+    timed                  t     = {.comparison = c, .filter = vxs_box(1)};
     vxs_result             r     = VXS_OK;
     t.points_ws                  = malloc(3 * limit * sizeof *t.points_ws);
     t.lit                        = malloc(limit * sizeof *t.lit);
@@ -80,7 +80,7 @@ static vxs_result compare_measure_time(const comparison *c, compare_result *out,
     out->time.points   = t.count;
     out->time.lookup_s = time_runs(&t, 0);
     for (uint32_t n = 0; n < o->filter_count; n++) {
-        t.filter_px              = (int)o->filters_px[n];
+        t.filter                 = o->filters[n];
         out->filters[n].lookup_s = time_runs(&t, 0);
     }
     if (t.count > TIMED_RAYS_MAX) t.count = TIMED_RAYS_MAX;
@@ -98,7 +98,7 @@ enum { FILTERED_AT_A_TIME = 64 };
 typedef struct filter_pass {
     const comparison *comparison;
     compare_kind      kind;
-    uint32_t          filter_px;
+    vxs_filter        filter;
     size_t            count;  /* points, spread evenly over all of the kind */
     float            *errors; /* [count] of the lookup, signed; INFINITY: not compared */
     uint8_t          *faults; /* [count] compare_fault */
@@ -116,9 +116,8 @@ static int is_some_tap_free(const comparison *c, const filter_taps *taps)
 
 static void filter_points(void *user, size_t begin, size_t end, uint32_t worker)
 {
-    filter_pass      *f         = user;
-    const comparison *c         = f->comparison;
-    int               filter_px = (int)f->filter_px;
+    filter_pass      *f = user;
+    const comparison *c = f->comparison;
     (void)worker;
     for (size_t n = begin; n < end; n++) {
         size_t index = (size_t)((uint64_t)n * compare_point_count(c, f->kind) / f->count);
@@ -126,11 +125,11 @@ static void filter_points(void *user, size_t begin, size_t end, uint32_t worker)
         f->faults[n] = FAULT_NONE;
         f->errors[n] = INFINITY;
         if (!compare_point(c, f->kind, index, &s)) continue;
-        float lookup = vxs_lookup(c->baked, s.point_ws, s.normal, filter_px);
+        float lookup = vxs_lookup(c->baked, s.point_ws, s.normal, f->filter);
         if (lookup < 0 || truth_inside_solid(c->truth, s.truth_ws)) continue;
-        filter_taps taps = filter_taps_of(c->light, s.point_ws, s.normal, filter_px);
+        filter_taps taps = filter_taps_of(c->light, s.point_ws, s.normal, f->filter);
         if (compare_leaves_free(c) && is_some_tap_free(c, &taps)) continue;
-        f->faults[n] = (uint8_t)compare_bias_fault(c, &s, filter_px, lookup, truth_lit(c->truth, s.truth_ws, &c->shape));
+        f->faults[n] = (uint8_t)compare_bias_fault(c, &s, f->filter, lookup, truth_lit(c->truth, s.truth_ws, &c->shape));
         f->errors[n] = (float)(lookup - truth_filtered(c->truth, c->light, &c->shape, &taps));
     }
 }
@@ -138,11 +137,11 @@ static void filter_points(void *user, size_t begin, size_t end, uint32_t worker)
 /* Compare filtered lookups with the same filter over rays, for COMPARE_FILTER_POINTS_MAX points at most,
  * spread evenly over the points of the kind.
  * out  [out] written only when VXS_OK is returned.   Returns VXS_OK or VXS_E_MEMORY. */
-static vxs_result compare_filtered(const comparison *c, compare_kind kind, uint32_t filter_px, compare_error *out, run_context *m)
+static vxs_result compare_filtered(const comparison *c, compare_kind kind, vxs_filter filter, compare_error *out, run_context *m)
 {
     size_t      all = compare_point_count(c, kind), count = all < COMPARE_FILTER_POINTS_MAX ? all : COMPARE_FILTER_POINTS_MAX;
     double      squares = 0;
-    filter_pass f       = {c, kind, filter_px, count, malloc(count * sizeof(float)), malloc(count)};
+    filter_pass f       = {c, kind, filter, count, malloc(count * sizeof(float)), malloc(count)};
     vxs_result  r       = VXS_OK;
     *out                = (compare_error){0};
     if (count && (!f.errors || !f.faults)) {
@@ -244,7 +243,7 @@ static verdict explain(const comparison *c, const sample *s, int asset_lit)
     const vxs_light *l    = c->light;
     int32_t          last = ((int32_t)1 << l->levels) - 1, voxel[3];
     double           from_light_ws[3], metres = 1;
-    vxs_voxel(l, s->point_ws, s->normal, 1, voxel);
+    vxs_voxel(l, s->point_ws, s->normal, vxs_box(1), voxel);
     if (voxel[2] > last) voxel[2] = last; /* clamp points beyond the map's far end */
 
     vec3_sub(s->truth_ws, c->shape.position_ws, from_light_ws);
@@ -269,7 +268,7 @@ static void judge_points(void *user, size_t begin, size_t end, uint32_t worker)
         sample   s;
         *found = VERDICT_OUTSIDE;
         if (!compare_point(c, j->kind, n, &s)) continue;
-        float lookup    = vxs_lookup(c->baked, s.point_ws, s.normal, 1);
+        float lookup    = vxs_lookup(c->baked, s.point_ws, s.normal, vxs_box(1));
         int   asset_lit = lookup > 0;
         if (lookup < 0) continue;
         *found = VERDICT_INSIDE_SOLID;
@@ -278,7 +277,7 @@ static void judge_points(void *user, size_t begin, size_t end, uint32_t worker)
         if (truth_lit(c->truth, s.truth_ws, &c->shape) == asset_lit) continue;
         *found = (uint8_t)explain(c, &s, asset_lit);
         if (*found == VERDICT_LEFT_FREE) continue;
-        compare_fault fault = compare_bias_fault(c, &s, 1, lookup, !asset_lit);
+        compare_fault fault = compare_bias_fault(c, &s, vxs_box(1), lookup, !asset_lit);
         *found |= (asset_lit ? VERDICT_LEAK : 0) | (fault == FAULT_SELF_SHADOW ? VERDICT_SELF_SHADOW : 0) |
                   (fault == FAULT_DEEP_LEAK ? VERDICT_DEEP_LEAK : 0);
     }
@@ -301,7 +300,7 @@ static void add_example(const judgement *j, size_t index, compare_fault fault, i
     *e = (compare_example){.fault = fault, .kind = j->kind, .asset_lit = asset_lit, .truth_lit = !asset_lit};
     memcpy(e->point_ws, s.point_ws, sizeof e->point_ws);
     if (s.normal) memcpy(e->normal_ws, s.normal, sizeof e->normal_ws);
-    e->map = vxs_voxel(j->comparison->light, s.point_ws, s.normal, 1, e->voxel);
+    e->map = vxs_voxel(j->comparison->light, s.point_ws, s.normal, vxs_box(1), e->voxel);
 }
 
 uint64_t compare_wrong(const compare_counts *n)
@@ -346,7 +345,7 @@ static vxs_result compare_points_of_kind(const comparison *c, compare_kind kind,
     free(answers);
 
     for (uint32_t n = 0; n < o->filter_count && r == VXS_OK; n++)
-        r = compare_filtered(c, kind, o->filters_px[n], &out->filters[n].error[kind], m);
+        r = compare_filtered(c, kind, o->filters[n], &out->filters[n].error[kind], m);
     free(j.verdicts);
     return r;
 }

@@ -133,7 +133,7 @@ static int draw_once(const light_volume *v, rng *r, double point_ws[3])
     }
     for (int i = 0; i < 3; i++)
         if (point_ws[i] < v->box_ws.min[i] || point_ws[i] > v->box_ws.max[i]) return 0;
-    return vxs_voxel(v->light, point_ws, NULL, 1, voxel) >= 0;
+    return vxs_voxel(v->light, point_ws, NULL, vxs_box(1), voxel) >= 0;
 }
 
 int light_volume_draw(const light_volume *v, rng *r, double point_ws[3])
@@ -185,7 +185,7 @@ static int finish_surface_sample(const comparison *c, sample *s)
 {
     int32_t voxel[3];
     s->normal = s->normal_ws;
-    s->map    = vxs_voxel(c->light, s->point_ws, s->normal_ws, 1, voxel);
+    s->map    = vxs_voxel(c->light, s->point_ws, s->normal_ws, vxs_box(1), voxel);
     if (s->map < 0) return 0;
     truth_lift(c->truth, s->point_ws, s->normal_ws, s->truth_ws);
     baked_light_coordinates(c->light, s->map, s->truth_ws, s->truth_ls);
@@ -244,7 +244,7 @@ int compare_point(const comparison *c, compare_kind kind, size_t index, sample *
         int32_t voxel[3];
         if (!light_volume_draw(&c->volume, &r, s->point_ws)) return 0;
         s->normal = NULL;
-        s->map    = vxs_voxel(c->light, s->point_ws, NULL, 1, voxel);
+        s->map    = vxs_voxel(c->light, s->point_ws, NULL, vxs_box(1), voxel);
         baked_light_coordinates(c->light, s->map, s->point_ws, s->truth_ls);
         memcpy(s->truth_ws, s->point_ws, sizeof s->truth_ws);
         return 1;

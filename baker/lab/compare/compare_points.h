@@ -87,8 +87,8 @@ static inline int compare_leaves_free(const comparison *c)
 int compare_left_free(const comparison *c, int map, double u, double v, double near_vx, double far_vx);
 
 /* FAULT_SELF_SHADOW, FAULT_DEEP_LEAK (see compare_bias), or FAULT_NONE, always for random points.
- * filter_px  as for vxs_lookup;   lookup  its result, not VXS_OUTSIDE;   lit  the truth at the point */
-compare_fault compare_bias_fault(const comparison *c, const sample *s, int filter_px, float lookup, int lit);
+ * filter  as for vxs_lookup;   lookup  its result, not VXS_OUTSIDE;   lit  the truth at the point */
+compare_fault compare_bias_fault(const comparison *c, const sample *s, vxs_filter filter, float lookup, int lit);
 
 /* A wrong answer, and its distance from a place where it would be right. */
 typedef struct wrong_answer {

@@ -187,7 +187,7 @@ static double air_light(const view *v, const double direction[3], double metres,
             double strength = punctual_strength(l, point, to_light);
             if (!(strength > 0)) continue;
             /* weighted by strength twice: else haze far from punctual lights would hide the scene */
-            double lit = fmax(0, (double)vxs_lookup(l->light, point, NULL, 1));
+            double lit = fmax(0, (double)vxs_lookup(l->light, point, NULL, vxs_box(1)));
             sum += scattered * strength * fmin(1, strength) * lit * length / l->usual_metres;
         }
     }
@@ -201,15 +201,15 @@ static void lights_at(const view *v, const double point_ws[3], const double norm
     for (uint32_t n = 0; n < v->sun_count; n++) {
         double facing = -vec3_dot(normal, v->suns[n]->light.direction_ws);
         if (facing <= 0) continue;
-        float lit = vxs_lookup(v->suns[n], point_ws, normal, v->options->filter_px);
+        float lit = vxs_lookup(v->suns[n], point_ws, normal, v->options->filter);
         suns += facing * (lit < 0 ? 1 : (double)lit) / v->sun_count; /* beyond the map there is no shadow */
     }
     for (uint32_t n = 0; n < v->punctual_count; n++) {
         double strength = punctual_strength(&v->punctual_lights[n], point_ws, to_light), facing = 0;
         if (strength > 0) facing = vec3_dot(normal, to_light);
         if (facing > 0)
-            punctual_lights += strength * facing *
-                               fmax(0, (double)vxs_lookup(v->punctual_lights[n].light, point_ws, normal, v->options->filter_px));
+            punctual_lights +=
+                strength * facing * fmax(0, (double)vxs_lookup(v->punctual_lights[n].light, point_ws, normal, v->options->filter));
     }
     for (int i = 0; i < 3; i++) out[i] = suns * sun_colour[i] + punctual_lights * punctual_colour[i];
 }
@@ -239,7 +239,7 @@ static int trace_surface(const view *v, const double direction[3], int sample, r
             fog_reaches(v->options->fog, l, point, to_light, reaches);
             double facing = vec3_dot(normal, to_light);
             if (facing <= 0 || !(reaches[0] + reaches[1] + reaches[2] > 0)) continue;
-            double lit = (double)vxs_lookup(l->light, point, normal, v->options->filter_px);
+            double lit = (double)vxs_lookup(l->light, point, normal, v->options->filter);
             if (lit < 0) lit = l->shape.kind == LIGHT_DIRECTIONAL;
             for (int i = 0; i < 3; i++) light[i] += facing * lit * reaches[i] * l->colour[i] / pi;
         }
@@ -372,7 +372,7 @@ static int largest_first(const void *a, const void *b)
 vxs_result asset_picture(uint8_t *rgb, uint32_t width_px, uint32_t height_px, const casters *c, const void *file, size_t size_bytes,
                          uint32_t threads, run_context *m)
 {
-    picture_options        o     = {.width_px = width_px, .height_px = height_px, .filter_px = FILTER_PX, .threads = threads};
+    picture_options        o     = {.width_px = width_px, .height_px = height_px, .filter = vxs_box(FILTER_PX), .threads = threads};
     vxs_asset             *asset = NULL;
     truth                 *t     = NULL;
     const vxs_baked_light *lights[VXS_LIGHTS_MAX];

@@ -12,7 +12,7 @@
 
 typedef struct picture_options {
     uint32_t          width_px, height_px;
-    int               filter_px; /* of lookups, as for vxs_lookup */
+    vxs_filter        filter; /* of lookups, as for vxs_lookup */
     uint32_t          threads;
     camera_pose       camera; /* eye and target are different, and their direction is not vertical within rounding */
     const fog_medium *fog;    /* replaces haze, and punctual lights in it; NULL: none */

@@ -22,7 +22,7 @@ typedef enum smoke_mode { SMOKE_ON, SMOKE_OFF } smoke_mode;
 typedef struct render_options {
     uint32_t   width_px, height_px;
     uint32_t   samples;     /* a pixel is the mean of samples x samples, 1 to 4 */
-    int        filter_px;   /* of lookups, as for vxs_lookup */
+    vxs_filter filter;      /* of lookups, as for vxs_lookup */
     uint32_t   tile_lights; /* capacity of a tile's list */
     double     stops;       /* exposure, in addition to that of the first frame */
     cull_mode  cull;

@@ -27,7 +27,7 @@ typedef struct passes {
     const truth *truth;
     uint32_t     width, height, threads;
     int          is_linear;                          /* floats are written, too */
-    int          filter_px;                          /* as for vxs_lookup */
+    vxs_filter   filter;                             /* as for vxs_lookup */
     size_t       count;                              /* samples */
     float       *depths, *normals, *albedos, *light; /* of renderer_read; one allocation with all that follow */
     float       *lit;                                /* [count] of one light */
@@ -197,7 +197,7 @@ static void trace_samples(void *user, size_t begin, size_t end, uint32_t worker)
         for (int k = 0; k < 3; k++)
             to_light[k] = a->shape.kind == LIGHT_DIRECTIONAL ? -a->shape.direction_ws[k] : a->shape.position_ws[k] - place_ws[k];
         if (!(vec3_dot(to_light, normal) > 0)) continue;
-        filter_taps taps = filter_taps_of(a->light, place_ws, normal, p->filter_px);
+        filter_taps taps = filter_taps_of(a->light, place_ws, normal, p->filter);
         if (taps.map < 0) continue;
         p->true_sum[n] += (float)truth_filtered(p->truth, a->light, &a->shape, &taps);
         p->sum[n] += p->lit[n];
@@ -305,12 +305,8 @@ vxs_result render_passes(renderer *drawn, const char *folder, const vxs_baked_li
 {
     const truth *t     = o->truth;
     render_facts facts = renderer_facts(drawn);
-    passes       p     = {.renderer  = drawn,
-                          .folder    = folder,
-                          .truth     = t,
-                          .is_linear = o->is_linear,
-                          .filter_px = o->filter_px,
-                          .threads   = o->threads};
+    passes       p     = {
+                  .renderer = drawn, .folder = folder, .truth = t, .is_linear = o->is_linear, .filter = o->filter, .threads = o->threads};
     if (mkdir(folder, 0777) && errno != EEXIST)
         return fail(m, VXS_E_WRITE, "--passes %s: the folder cannot be made: %s", folder, strerror(errno));
     p.width      = facts.width;

@@ -142,7 +142,7 @@ json_t *render_report_json(const render_report *r)
     json_t *o = json_pack("{s:s, s:o, s:o, s:o, s:i, s:i, s:i, s:i, s:b, s:i, s:b, s:I}", "generator", "vxs " VXS_VERSION, "scene",
                           json_text(r->scene_path), "asset", json_text(r->asset_path), "renderer", json_text(r->facts->name),
                           "width_px", (int)q->width_px, "height_px", (int)q->height_px, "samples", (int)q->samples, "filter_px",
-                          q->filter_px % VXS_SMOOTH, "smooth", q->filter_px >= VXS_SMOOTH, "lights", (int)r->light_count, "culling",
+                          q->filter.width_px, "smooth", q->filter.is_smooth, "lights", (int)r->light_count, "culling",
                           r->facts->culls, "word_bytes", (json_int_t)r->word_bytes);
     if (r->options->fog) json_set(&o, "fog", fog_json(r));
     if (r->moving_path) json_set(&o, "moving", json_text(r->moving_path));

@@ -29,7 +29,7 @@ typedef struct passes_options {
     int          streamed;  /* lights are a stream's */
     int          is_linear; /* each pass is also written as floats, NAME.exr beside NAME.png */
     const truth *truth;     /* NULL: none */
-    int          filter_px; /* as for vxs_lookup */
+    vxs_filter   filter;    /* as for vxs_lookup */
     uint32_t     threads;
 } passes_options;
 

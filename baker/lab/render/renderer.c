@@ -224,7 +224,7 @@ vxs_result renderer_create(renderer **out, const render_options *o, const scene 
     if ((result = gl_program_of(r->gl, &r->surface_program, surface_glsl, (gl_text){0}, m)) != VXS_OK) return result;
     if ((result = gl_screen_program(r->gl, &r->tone_program, shown, m)) != VXS_OK) return result;
     if (r->fog && (result = gl_screen_program(r->gl, &r->picture_program, picture, m)) != VXS_OK) return result;
-    result = renderer_lit_program(r, &r->shade_program, shade_frag_glsl, r->options.filter_px, m);
+    result = renderer_lit_program(r, &r->shade_program, shade_frag_glsl, r->options.filter, m);
     return result == VXS_OK ? make_targets(r, m) : result;
 }
 

@@ -252,8 +252,7 @@ vxs_result renderer_draw(renderer *r, const camera_pose *camera, uint8_t *rgb, r
     r->camera                 = *camera;
     r->near_metres            = camera->near_metres > 0 ? camera->near_metres : 1e-5 * r->mesh.size_metres;
     r->seen                   = camera_view_of(camera, (double)r->width / r->height);
-    r->view =
-        (vxs_view){.width_px = r->width, .height_px = r->height, .empty_depth = 0, .filter_px = (int32_t)r->options.filter_px};
+    r->view = (vxs_view){.width_px = r->width, .height_px = r->height, .empty_depth = 0, .filter = r->options.filter};
     for (int n = 0; n < 3; n++) { /* column-major; depths are near / z; u and v go up from the lower left corner */
         matrix[n]      = (float)(2 * v->right[n]);
         matrix[4 + n]  = (float)(2 * v->up[n]);

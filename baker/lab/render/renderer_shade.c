@@ -44,18 +44,19 @@ void renderer_fog_ambient(const renderer *r, double ambient[3])
     for (int n = 0; n < 3; n++) ambient[n] = renderer_day(r) * horizon[n];
 }
 
-vxs_result renderer_lit_program(const renderer *r, GLuint *program, embedded fragment, int filter_px, run_context *m)
+vxs_result renderer_lit_program(const renderer *r, GLuint *program, embedded fragment, vxs_filter filter, run_context *m)
 {
     const char *texts[VXS_GL_TEXTS];
-    char        knows[128], filter[64];
+    char        knows[128], only[64];
     gl_text     parts[VXS_GL_TEXTS + 6];
-    snprintf(knows, sizeof knows, "#define FILTER_PX %d\n#define LIGHTS_AT_ONCE %uu\n%s%s%s", filter_px, LIGHTS_AT_ONCE,
+    snprintf(knows, sizeof knows, "#define FILTER %s(%d)\n#define LIGHTS_AT_ONCE %uu\n%s%s%s",
+             filter.is_smooth ? "vxs_smooth" : "vxs_box", filter.width_px, LIGHTS_AT_ONCE,
              r->options.stream ? "#define STREAMED\n" : "", r->moving ? "#define MOVING\n" : "", r->smoke ? "#define SMOKE\n" : "");
     const gl_text own[] = {{knows, -1}, gl_embedded(vxs_air_light_h), gl_embedded(lit_glsl), gl_embedded(fragment), {0}};
     vxs_gl_texts(r->shadows, texts);
-    snprintf(filter, sizeof filter, "#define VXS_ONLY_FILTER %d\n", filter_px);
+    snprintf(only, sizeof only, "#define VXS_ONLY_WIDTH %d\n#define VXS_ONLY_SMOOTH %d\n", filter.width_px, filter.is_smooth);
     parts[0] = (gl_text){texts[0], -1};
-    parts[1] = (gl_text){filter, -1};
+    parts[1] = (gl_text){only, -1};
     for (int n = 1; n < VXS_GL_TEXTS; n++) parts[n + 1] = (gl_text){texts[n], -1};
     memcpy(parts + VXS_GL_TEXTS + 1, own, sizeof own);
     return gl_screen_program(r->gl, program, parts, m);

@@ -58,7 +58,7 @@ int renderer_culls(const renderer *r);
 
 /* Make a program of a full-screen pass with lookups: its text follows those of vxs_gl.h, and lit.glsl.   program  [out] deleted by
  * the caller, whatever is returned */
-vxs_result renderer_lit_program(const renderer *r, GLuint *program, embedded fragment, int filter_px, run_context *m);
+vxs_result renderer_lit_program(const renderer *r, GLuint *program, embedded fragment, vxs_filter filter, run_context *m);
 
 /* Bind the resources of such programs. */
 void renderer_bind_lights(const renderer *r);

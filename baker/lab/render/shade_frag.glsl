@@ -1,4 +1,4 @@
-/* Follows the texts of vxs_gl.h, lit.glsl, and FILTER_PX, the filter of lookups as a constant. The light of a pixel: each
+/* Follows the texts of vxs_gl.h, lit.glsl, and FILTER, the filter of lookups as a constant. The light of a pixel: each
  * light's K x K PCF times lambert times the light that reaches the pixel (lit.glsl). */
 #define SHOW_LIGHT   0 /* direct light, and the number of lights that were looked up */
 #define SHOW_LIT     1 /* lit fraction of one light, or VXS_OUTSIDE */
@@ -36,11 +36,11 @@ void main()
         if (!one && !(max(power.r, max(power.g, power.b)) > 0.0)) continue;
 #ifdef STREAMED
         if (asked.x == SHOW_FULL) {
-            lookups += vec2(1.0, float(vxs_lit_is_full(l.first_word, l, at, normal, FILTER_PX)));
+            lookups += vec2(1.0, float(vxs_lit_is_full(l.first_word, l, at, normal, FILTER)));
             continue;
         }
 #endif
-        float lit = vxs_lit(l.first_word, l, at, normal, FILTER_PX);
+        float lit = vxs_lit(l.first_word, l, at, normal, FILTER);
         if (one) {
             light_out = vec4(vec3(lit), 1.0);
             return;

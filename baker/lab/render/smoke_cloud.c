@@ -164,7 +164,7 @@ vxs_result renderer_make_cloud(renderer *r, const scene_smoke *smoke, run_contex
     if (!c) return fail(m, VXS_E_MEMORY, "out of memory for smoke");
     size_t     corners = SMOKE_CORNERS * (size_t)smoke->count, layers = r->smoke->layers;
     vxs_result result = smoke_quads_reserve(&c->quads, smoke, m);
-    if (result == VXS_OK) result = renderer_lit_program(r, &c->light_program, smoke_light_frag_glsl, 1, m);
+    if (result == VXS_OK) result = renderer_lit_program(r, &c->light_program, smoke_light_frag_glsl, vxs_box(1), m);
     if (result == VXS_OK) result = gl_program_of(gl, &c->program, smoke_quads_glsl, gl_embedded(capsule_glsl), m);
     if (result != VXS_OK) return result;
     c->smoke = smoke;

@@ -15,7 +15,7 @@ void main()
         vec3                to_light;
         vec3                power = strength(l, colours[n].a, at, to_light);
         if (!(max(power.r, max(power.g, power.b)) > 0.0)) continue;
-        float lit = vxs_lit(l.first_word, l, at, vec3(0.0), FILTER_PX);
+        float lit = vxs_lit(l.first_word, l, at, vec3(0.0), FILTER);
         if (lit < 0.0) lit = l.kind == VXS_LIGHT_KIND_DIRECTIONAL ? 1.0 : 0.0;
 #ifdef MOVING
         if (lit > 0.0) lit *= moving_lit(n, at, vec3(0.0));

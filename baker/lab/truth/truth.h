@@ -79,8 +79,8 @@ typedef struct filter_taps {
     uint32_t part[2][FILTER_TAPS_MAX]; /* [count] weight of each column and row, in 1/256: 1 to 256 */
 } filter_taps;
 
-/* normal_ws, filter_px  as for vxs_lookup: all values are allowed */
-filter_taps filter_taps_of(const vxs_light *light, const double point_ws[3], const double *normal_ws, int filter_px);
+/* normal_ws, filter  as for vxs_lookup: all values are allowed */
+filter_taps filter_taps_of(const vxs_light *light, const double point_ws[3], const double *normal_ws, vxs_filter filter);
 
 /* The lit fraction, 0 to 1: the weighted mean of a ray to the light for each texel. Each ray begins at the texel's centre, at
  * the middle of the voxel's depth, since in a lookup (vxs_lookup) a texel's centre decides for the texel. Rays beside the map

@@ -7,10 +7,10 @@
 #include "runtime/vxs.h"
 
 /* Taps along one axis: K texels around one; or those that a row of K, centred `within` / 256 from the texel's near side, covers. */
-static void set_axis(filter_taps *taps, int axis, int32_t texel, uint32_t within, int filter_px)
+static void set_axis(filter_taps *taps, int axis, int32_t texel, uint32_t within, vxs_filter filter)
 {
-    int width = vxs_filter_width(filter_px), begin = (int)within - 128 * width; /* in 1/256, relative to the texel */
-    if (filter_px < VXS_SMOOTH) begin = -256 * (width / 2);
+    int width = vxs_filter_width(filter), begin = (int)within - 128 * width; /* in 1/256, relative to the texel */
+    if (!filter.is_smooth) begin = -256 * (width / 2);
     int first         = begin < 0 ? (begin - 255) / 256 : begin / 256; /* rounded down */
     taps->first[axis] = texel + first;
     taps->count[axis] = 0;
@@ -20,14 +20,14 @@ static void set_axis(filter_taps *taps, int axis, int32_t texel, uint32_t within
     }
 }
 
-filter_taps filter_taps_of(const vxs_light *light, const double point_ws[3], const double *normal_ws, int filter_px)
+filter_taps filter_taps_of(const vxs_light *light, const double point_ws[3], const double *normal_ws, vxs_filter filter)
 {
     static const double in_the_air[3] = {0, 0, 0};
-    vxs_place           place         = vxs_place_from_ws(light, point_ws, normal_ws ? normal_ws : in_the_air, filter_px);
+    vxs_place           place         = vxs_place_from_ws(light, point_ws, normal_ws ? normal_ws : in_the_air, filter);
     filter_taps         taps          = {.map = place.map, .depth = place.voxel[2]};
     if (place.map < 0) return taps;
-    set_axis(&taps, 0, place.voxel[0], place.across, filter_px);
-    set_axis(&taps, 1, place.voxel[1], place.down, filter_px);
+    set_axis(&taps, 0, place.voxel[0], place.across, filter);
+    set_axis(&taps, 1, place.voxel[1], place.down, filter);
     return taps;
 }
 
