@@ -156,16 +156,6 @@ static vxs_result connect(work *w, int wants_border, run_context *m)
 
 /* --- measure ---------------------------------------------------------------------------------------------------------- */
 
-static double tetrahedron_volume(const double *o, const double *const p[3])
-{
-    double e[3][3];
-    for (int i = 0; i < 3; i++)
-        for (int axis = 0; axis < 3; axis++) e[i][axis] = p[i][axis] - o[axis];
-    return (e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) + e[0][1] * (e[1][2] * e[2][0] - e[1][0] * e[2][2]) +
-            e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0])) /
-           6;
-}
-
 static void measure_some(void *user, size_t begin, size_t end, uint32_t worker)
 {
     (void)worker;
@@ -182,7 +172,13 @@ static void measure_some(void *user, size_t begin, size_t end, uint32_t worker)
             }
             if (t == w->members + w->first_of[n]) memcpy(c->origin, p[0], sizeof c->origin);
             c->flags |= w->flags[*t];
-            c->volume += tetrahedron_volume(c->origin, p);
+
+            double e[3][3];
+            for (int i = 0; i < 3; i++)
+                for (int axis = 0; axis < 3; axis++) e[i][axis] = p[i][axis] - c->origin[axis];
+            c->volume += (e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) + e[0][1] * (e[1][2] * e[2][0] - e[1][0] * e[2][2]) +
+                          e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0])) /
+                         6; /* of a tetrahedron */
         }
         w->boxes[n] = b;
     }
@@ -487,21 +483,18 @@ done:
 
 /* ---------------------------------------------------------------------------------------------------------------------- */
 
-/* "30 triangles: --exclude node:Door*; 12 triangles: skinned, ..." */
-static vxs_result all_excluded(const scene *s, run_context *m)
-{
-    char   list[640] = "", rule[128];
-    size_t used      = 0;
-    for (const scene_exclusion *e = s->exclusions; e < s->exclusions + s->exclusion_count && used < sizeof list; e++)
-        if (e->triangles)
-            used += (size_t)snprintf(list + used, sizeof list - used, "%s%zu triangles: %s", used ? "; " : "", e->triangles,
-                                     exclusion_text(rule, e));
-    return used ? fail(m, VXS_E_NO_CASTER, "nothing casts a shadow: all that the scene has is excluded; %s", list) : VXS_OK;
-}
-
 vxs_result casters_none(const scene *s, run_context *m)
 {
-    if (!s->triangle_count && all_excluded(s, m) != VXS_OK) return VXS_E_NO_CASTER;
+    if (!s->triangle_count) {
+        /* "30 triangles: --exclude node:Door*; 12 triangles: skinned, ..." */
+        char   list[640] = "", rule[128];
+        size_t used      = 0;
+        for (const scene_exclusion *e = s->exclusions; e < s->exclusions + s->exclusion_count && used < sizeof list; e++)
+            if (e->triangles)
+                used += (size_t)snprintf(list + used, sizeof list - used, "%s%zu triangles: %s", used ? "; " : "", e->triangles,
+                                         exclusion_text(rule, e));
+        if (used) return fail(m, VXS_E_NO_CASTER, "nothing casts a shadow: all that the scene has is excluded; %s", list);
+    }
     if (!s->triangle_count) return fail(m, VXS_E_NO_CASTER, "nothing casts a shadow: the scene has no triangles");
     return fail(m, VXS_E_NO_CASTER, "nothing casts a shadow: each of the scene's %zu triangles collapses to a line or a point",
                 s->triangle_count);

@@ -122,15 +122,6 @@ static vxs_result weld_triangles(mesh_weld *w, const welder *d, const scene *s, 
     return VXS_OK;
 }
 
-static int make_room(mesh_weld *w, const scene *s)
-{
-    w->positions_ws = pages_alloc((3 * s->vertex_count + 1) * sizeof *w->positions_ws);
-    w->indices      = pages_alloc((3 * s->triangle_count + 3) * sizeof *w->indices);
-    w->from         = pages_alloc((s->triangle_count + 1) * sizeof *w->from);
-    w->welded_of    = pages_alloc((s->vertex_count + 1) * sizeof *w->welded_of);
-    return w->positions_ws && w->indices && w->from && w->welded_of;
-}
-
 vxs_result mesh_weld_scene(mesh_weld *w, const scene *s, uint32_t threads, run_context *m)
 {
     welder d = {.positions_ws = s->positions_ws};
@@ -141,7 +132,13 @@ vxs_result mesh_weld_scene(mesh_weld *w, const scene *s, uint32_t threads, run_c
         return fail(m, VXS_E_SCENE, "%zu triangles with %zu vertices, expected fewer than %u and %u", s->triangle_count,
                     s->vertex_count, NONE / 3, NONE);
     vxs_result r = find_alike(&d, s->vertex_count, threads);
-    if (r == VXS_OK && !make_room(w, s)) r = VXS_E_MEMORY;
+    if (r == VXS_OK) {
+        w->positions_ws = pages_alloc((3 * s->vertex_count + 1) * sizeof *w->positions_ws);
+        w->indices      = pages_alloc((3 * s->triangle_count + 3) * sizeof *w->indices);
+        w->from         = pages_alloc((s->triangle_count + 1) * sizeof *w->from);
+        w->welded_of    = pages_alloc((s->vertex_count + 1) * sizeof *w->welded_of);
+        if (!w->positions_ws || !w->indices || !w->from || !w->welded_of) r = VXS_E_MEMORY;
+    }
     if (r == VXS_OK) {
         memset(d.welded_as, 0xff, s->vertex_count * sizeof *d.welded_as);
         memset(w->welded_of, 0xff, s->vertex_count * sizeof *w->welded_of);

@@ -79,20 +79,6 @@ vxs_result record_write(const square_record *r, const vxs_bytes *frames, const u
 
 /* reading --------------------------------------------------------------------------------------------------------------------- */
 
-/* Whether step s begins at *at, in z order, counted in squares of the least size from the corner; advances *at past the step. */
-static int is_next(const record_step *s, uint32_t level, uint32_t i, uint32_t j, uint64_t *at)
-{
-    if (s->level > level) return 0;
-    uint32_t down = level - s->level;
-    uint64_t z    = 0;
-    if (s->i >> down != i || s->j >> down != j) return 0;
-    for (uint32_t bit = 0; bit < down; bit++)
-        z |= (uint64_t)(s->i >> bit & 1) << 2 * bit | (uint64_t)(s->j >> bit & 1) << (2 * bit + 1);
-    if (z << 2 * s->level != *at) return 0;
-    *at += 1ull << 2 * s->level;
-    return 1;
-}
-
 static int take_step(byte_reader *from, record_step *s, uint32_t depth_vx)
 {
     if (!has(from, 1, HEAD_BYTES + STEP_BYTES)) return 0;
@@ -127,7 +113,18 @@ vxs_result record_read(square_record *r, const void *bytes, size_t size_bytes, u
         record_step *s = next_step(r);
         if (!s) return VXS_E_MEMORY;
         *s = (record_step){0};
-        if (!take_step(&from, s, depth_vx) || !is_next(s, level, i, j, &at)) return VXS_E_CORRUPT;
+        if (!take_step(&from, s, depth_vx)) return VXS_E_CORRUPT;
+
+        /* the step must begin at `at`, in z order, counted in squares of the least size from the corner */
+        if (s->level > level) return VXS_E_CORRUPT;
+        uint32_t down = level - s->level;
+        uint64_t z    = 0;
+        if (s->i >> down != i || s->j >> down != j) return VXS_E_CORRUPT;
+        for (uint32_t bit = 0; bit < down; bit++)
+            z |= (uint64_t)(s->i >> bit & 1) << 2 * bit | (uint64_t)(s->j >> bit & 1) << (2 * bit + 1);
+        if (z << 2 * s->level != at) return VXS_E_CORRUPT;
+        at += 1ull << 2 * s->level;
+
         r->built_count += s->is_built != 0;
     }
     for (record_step *s = r->steps; s < r->steps + r->count; s++) {

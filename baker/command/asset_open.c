@@ -145,31 +145,11 @@ static vxs_result fail_no_such_light(const vxs_contents *asset, const char *path
                 nearest_text(meant, &near));
 }
 
-static const vxs_baked_light *find_light(const vxs_contents *asset, const char *name)
-{
-    for (uint32_t n = 0; n < asset->light_count; n++)
-        if (!strcmp(asset->lights[n].light.name, name)) return &asset->lights[n];
-    return NULL;
-}
-
 static int is_among(const vxs_baked_light *light, const vxs_baked_light *const *lights, uint32_t count)
 {
     for (uint32_t n = 0; n < count; n++)
         if (lights[n] == light) return 1;
     return 0;
-}
-
-/* Add all lights that a pattern matches, except those already chosen. Returns the number of matches. */
-static uint32_t add_matching(const vxs_contents *asset, const char *pattern, const vxs_baked_light **lights, uint32_t *count)
-{
-    uint32_t matched = 0;
-    for (uint32_t n = 0; n < asset->light_count; n++) {
-        const vxs_baked_light *light = &asset->lights[n];
-        if (!light_name_matches(pattern, n, light->light.name)) continue;
-        matched++;
-        if (!is_among(light, lights, *count)) lights[(*count)++] = light;
-    }
-    return matched;
 }
 
 vxs_result asset_choose_lights(const vxs_contents *asset, const char *path, const text_list *names, const vxs_baked_light **lights,
@@ -178,13 +158,22 @@ vxs_result asset_choose_lights(const vxs_contents *asset, const char *path, cons
     *count = 0;
     if (!names->count)
         for (uint32_t n = 0; n < asset->light_count; n++) lights[(*count)++] = &asset->lights[n];
-    for (size_t n = 0; n < names->count; n++) {
-        const vxs_baked_light *light = find_light(asset, names->items[n]);
-        if (!light && !add_matching(asset, names->items[n], lights, count))
-            return fail_no_such_light(asset, path, names->items[n], m);
-        if (!light) continue;
-        if (is_among(light, lights, *count)) return fail(m, VXS_E_ARGUMENT, "--light %s is given twice", names->items[n]);
-        lights[(*count)++] = light;
+    for (size_t k = 0; k < names->count; k++) {
+        const char            *name  = names->items[k];
+        const vxs_baked_light *light = asset->lights, *end = light + asset->light_count;
+        uint32_t               matched = 0;
+        while (light < end && strcmp(light->light.name, name)) light++;
+        if (light < end) {
+            if (is_among(light, lights, *count)) return fail(m, VXS_E_ARGUMENT, "--light %s is given twice", name);
+            lights[(*count)++] = light;
+            continue;
+        }
+        for (uint32_t n = 0; n < asset->light_count; n++) { /* a pattern adds all that it matches, except those already chosen */
+            if (!light_name_matches(name, n, asset->lights[n].light.name)) continue;
+            matched++;
+            if (!is_among(&asset->lights[n], lights, *count)) lights[(*count)++] = &asset->lights[n];
+        }
+        if (!matched) return fail_no_such_light(asset, path, name, m);
     }
     return VXS_OK;
 }

@@ -214,21 +214,6 @@ static uint32_t section_parts(vxs_part *parts, const vxs_asset *asset, uint32_t 
     return count;
 }
 
-/* A row for each part; the section's size is in the first row. */
-static void print_section(FILE *to, const vxs_asset *asset, uint32_t section)
-{
-    const vxs_contents *c = vxs_asset_contents(asset);
-    const vxs_section  *s = &c->sections[section];
-    vxs_part            parts[VXS_LEVELS_MAX];
-    uint32_t            count = section_parts(parts, asset, section);
-    char                name[32], memory[32], inflated[32], stored[32], light[VXS_LIGHT_NAME_BYTES];
-    for (uint32_t n = 0; n < count; n++)
-        fprintf(to, "%-10s %-16s %10u %12s %12s %12s\n", part_name(name, &parts[n]),
-                one_line(strcpy(light, s->light < c->light_count ? c->lights[s->light].light.name : "-")), parts[n].count,
-                size_text(memory, parts[n].memory_bytes), n ? "-" : size_text(inflated, s->inflated_bytes),
-                n ? "-" : size_text(stored, s->stored_bytes));
-}
-
 /* The coding of palette blocks' pages; NULL: the light is a DAG. */
 static const char *packing_text(const vxs_baked_light *l)
 {
@@ -236,33 +221,36 @@ static const char *packing_text(const vxs_baked_light *l)
     return l->packing == VXS_PACKING_SMALL ? "small" : "fast";
 }
 
-/* ", smoke of 256 x 256 curves", or "". */
-static const char *smoke_text(char text[48], const vxs_baked_smoke *smoke)
-{
-    text[0] = 0;
-    if (smoke) snprintf(text, 48, ", smoke of %u x %u curves", smoke->side_px, smoke->side_px);
-    return text;
-}
-
 static void print_info(FILE *to, const char *path, const vxs_asset *asset, const json_t *made, uint64_t file_bytes)
 {
     const vxs_contents *c = vxs_asset_contents(asset);
-    char                a[32], b[48], plain[PLAIN_BYTES];
+    char                a[32], plain[PLAIN_BYTES];
     fprintf(to, "%s: .vxs version %u, %s, %u light%s\n", plain_text(plain, path), c->version, size_text(a, file_bytes),
             c->light_count, c->light_count == 1 ? "" : "s");
     if (made) provenance_print(to, made);
     if (!made && c->metadata)
         fprintf(to, "made by      unknown: vxs did not write the metadata, %s\n", size_text(a, c->metadata_bytes));
     for (uint32_t n = 0; n < c->light_count; n++) {
-        const vxs_light *l = &c->lights[n].light;
-        char             name[VXS_LIGHT_NAME_BYTES], text[LIGHT_TEXT_BYTES];
-        const char      *packing = packing_text(&c->lights[n]);
-        fprintf(to, "light %s: %s, %s in memory%s%s%s\n", one_line(strcpy(name, l->name)), light_text(text, l),
-                size_text(a, (uint64_t)c->lights[n].word_count * 4), packing ? ", packed " : "", packing ? packing : "",
-                smoke_text(b, vxs_asset_smoke(asset, n)));
+        const vxs_light       *l = &c->lights[n].light;
+        char                   name[VXS_LIGHT_NAME_BYTES], text[LIGHT_TEXT_BYTES];
+        const char            *packing = packing_text(&c->lights[n]);
+        const vxs_baked_smoke *smoke   = vxs_asset_smoke(asset, n);
+        fprintf(to, "light %s: %s, %s in memory%s%s", one_line(strcpy(name, l->name)), light_text(text, l),
+                size_text(a, (uint64_t)c->lights[n].word_count * 4), packing ? ", packed " : "", packing ? packing : "");
+        if (smoke) fprintf(to, ", smoke of %u x %u curves", smoke->side_px, smoke->side_px);
+        fprintf(to, "\n");
     }
     fprintf(to, "%-10s %-16s %10s %12s %12s %12s\n", "section", "light", "count", "memory", "inflated", "on disk");
-    for (uint32_t n = 0; n < c->section_count; n++) print_section(to, asset, n);
+    for (const vxs_section *s = c->sections; s < c->sections + c->section_count; s++) {
+        vxs_part parts[VXS_LEVELS_MAX];
+        uint32_t count = section_parts(parts, asset, (uint32_t)(s - c->sections));
+        char     name[32], memory[32], inflated[32], stored[32], light[VXS_LIGHT_NAME_BYTES];
+        for (uint32_t n = 0; n < count; n++) /* the section's size is in its first row */
+            fprintf(to, "%-10s %-16s %10u %12s %12s %12s\n", part_name(name, &parts[n]),
+                    one_line(strcpy(light, s->light < c->light_count ? c->lights[s->light].light.name : "-")), parts[n].count,
+                    size_text(memory, parts[n].memory_bytes), n ? "-" : size_text(inflated, s->inflated_bytes),
+                    n ? "-" : size_text(stored, s->stored_bytes));
+    }
 }
 
 static json_t *info_json(const char *path, const vxs_asset *asset, json_t *made, uint64_t file_bytes)

@@ -28,13 +28,6 @@ static int is_baked(const vxs_contents *contents, const char *name)
     return 0;
 }
 
-static const scene_light *find_light(const scene *s, const char *name)
-{
-    for (size_t n = 0; n < s->light_count; n++)
-        if (!strcmp(s->lights[n].name, name)) return &s->lights[n];
-    return NULL;
-}
-
 /* "light 'lamp': position, range" */
 static void add_light_difference(json_t *differences, const json_t *made, const scene *s)
 {
@@ -43,17 +36,19 @@ static void add_light_difference(json_t *differences, const json_t *made, const 
     } members[] = {
         {"kind", "kind"}, {"direction", "direction"}, {"position_m", "position"}, {"range_m", "range"}, {"outer_rad", "cone"}};
     const char        *name = json_string_value(json_object_get(made, "name")), *before = ": ";
-    const scene_light *l         = find_light(s, name);
+    const scene_light *l = s->lights, *end = l + s->light_count;
     json_t            *is        = json_object();
     char               words[64] = "";
-    if (l) provenance_set_shape(&is, &l->shape);
-    for (size_t n = 0; l && n < sizeof members / sizeof *members; n++) {
+    while (l < end && strcmp(l->name, name)) l++;
+    if (l < end) provenance_set_shape(&is, &l->shape);
+    for (size_t n = 0; l < end && n < sizeof members / sizeof *members; n++) {
         const json_t *a = json_object_get(made, members[n].key), *b = json_object_get(is, members[n].key);
         if (a == b || json_equal(a, b)) continue;
         strcat(strcat(words, before), members[n].word);
         before = ", ";
     }
-    if (!l || words[0]) json_array_append_new(differences, json_sprintf("light '%s'%s", name, l ? words : ": not there"));
+    if (l == end || words[0])
+        json_array_append_new(differences, json_sprintf("light '%s'%s", name, l < end ? words : ": not there"));
     json_decref(is);
 }
 

@@ -44,13 +44,6 @@ int is_read_once(const char *path)
     return is_standard_input(path) || (!stat(path, &status) && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode));
 }
 
-/* Size of a file; 0: a pipe. */
-static size_t known_bytes(int descriptor)
-{
-    struct stat status;
-    return !fstat(descriptor, &status) && S_ISREG(status.st_mode) && status.st_size > 0 ? (size_t)status.st_size : 0;
-}
-
 /* State while an input is read. */
 typedef struct input {
     const char  *name;
@@ -145,8 +138,10 @@ vxs_result input_read(uint8_t **bytes, size_t *size_bytes, const char *path, uin
     else if ((in.descriptor = input_open(path)) < 0)
         r = fail(m, errno == ENOMEM ? VXS_E_MEMORY : VXS_E_READ, "cannot read '%s': %s", in.name, strerror(errno));
     else {
-        in.known_bytes = known_bytes(in.descriptor);
-        r              = read_all(&in, limit_bytes, head);
+        struct stat status;
+        if (!fstat(in.descriptor, &status) && S_ISREG(status.st_mode) && status.st_size > 0)
+            in.known_bytes = (size_t)status.st_size;
+        r = read_all(&in, limit_bytes, head);
         close(in.descriptor);
     }
     if (r != VXS_OK) {

@@ -128,23 +128,6 @@ static vxs_result add_held(run_files *f, size_t folder, const file_identity *ide
     return VXS_OK;
 }
 
-/* List the existing files of the folder that match its patterns. */
-static vxs_result list_held(run_files *f, size_t folder, run_context *m)
-{
-    DIR       *open   = opendir(f->folders[folder].path);
-    vxs_result result = VXS_OK;
-    for (struct dirent *entry; open && result == VXS_OK && (entry = readdir(open));) {
-        struct stat there, itself;
-        const char *name = entry->d_name;
-        if (!is_one_of(f->folders[folder].names, name) || fstatat(dirfd(open), name, &there, 0)) continue;
-        int           is_link = fstatat(dirfd(open), name, &itself, AT_SYMLINK_NOFOLLOW) || S_ISLNK(itself.st_mode);
-        file_identity what    = identity_of(&there);
-        result                = add_held(f, folder, &what, name, is_link, m);
-    }
-    if (open) closedir(open);
-    return result;
-}
-
 vxs_result run_files_add_folder(const char *option, const char *path, const char *names, run_context *m)
 {
     run_files  *f      = m->files;
@@ -158,7 +141,20 @@ vxs_result run_files_add_folder(const char *option, const char *path, const char
                     output->path, option, path);
     if (!array_reserve(&f->folders, &f->folder_capacity, f->folder_count + 1, sizeof *f->folders)) return out_of_memory(option, m);
     f->folders[f->folder_count++] = folder;
-    return list_held(f, f->folder_count - 1, m);
+
+    /* list the existing files of the folder that match its patterns */
+    DIR       *open = opendir(path);
+    vxs_result r    = VXS_OK;
+    for (struct dirent *entry; open && r == VXS_OK && (entry = readdir(open));) {
+        struct stat itself;
+        const char *name = entry->d_name;
+        if (!is_one_of(names, name) || fstatat(dirfd(open), name, &there, 0)) continue;
+        int           is_link = fstatat(dirfd(open), name, &itself, AT_SYMLINK_NOFOLLOW) || S_ISLNK(itself.st_mode);
+        file_identity what    = identity_of(&there);
+        r                     = add_held(f, f->folder_count - 1, &what, name, is_link, m);
+    }
+    if (open) closedir(open);
+    return r;
 }
 
 /* inputs ----------------------------------------------------------------------------------------------------------------------- */

@@ -21,30 +21,29 @@ typedef struct array_counts {
     size_t vertices, triangles;
 } array_counts;
 
-static vxs_result count_mesh(array_counts *all, const vxs_bake_mesh *mesh, size_t n, run_context *m)
+static int are_finite(const double v[3])
 {
-    if (!mesh->positions && mesh->vertex_count) return fail(m, VXS_E_ARGUMENT, "arrays: mesh %zu has no positions", n);
-    if (!mesh->indices && (uint64_t)mesh->triangle_count * 3 > mesh->vertex_count)
-        return fail(m, VXS_E_ARGUMENT, "arrays: mesh %zu has no indices, and %u vertices for %u triangles", n, mesh->vertex_count,
-                    mesh->triangle_count);
-    for (int axis = 0; axis < 3; axis++)
-        if (!isfinite(mesh->origin_ws[axis])) return fail(m, VXS_E_ARGUMENT, "arrays: mesh %zu: its origin is not finite", n);
-    all->vertices += mesh->vertex_count;
-    all->triangles += mesh->triangle_count;
-    if (all->triangles > TRIANGLES_MAX || all->vertices > 3 * TRIANGLES_MAX)
-        return fail(m, VXS_E_ARGUMENT, "arrays: more than %zu triangles, or three times as many vertices", TRIANGLES_MAX);
-    return VXS_OK;
+    return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]);
 }
 
 static vxs_result count_all(array_counts *all, const vxs_bake_arrays *a, run_context *m)
 {
-    vxs_result r = VXS_OK;
     if (!a->meshes || !a->mesh_count) return fail(m, VXS_E_ARGUMENT, "arrays: expected a mesh");
     if (!a->lights && a->light_count) return fail(m, VXS_E_ARGUMENT, "arrays: %zu lights, and no array of them", a->light_count);
     if (!a->viewpoints_ws && a->viewpoint_count)
         return fail(m, VXS_E_ARGUMENT, "arrays: %zu viewpoints, and no array of them", a->viewpoint_count);
-    for (size_t n = 0; n < a->mesh_count && r == VXS_OK; n++) r = count_mesh(all, &a->meshes[n], n, m);
-    if (r != VXS_OK) return r;
+    for (size_t n = 0; n < a->mesh_count; n++) {
+        const vxs_bake_mesh *mesh = &a->meshes[n];
+        if (!mesh->positions && mesh->vertex_count) return fail(m, VXS_E_ARGUMENT, "arrays: mesh %zu has no positions", n);
+        if (!mesh->indices && (uint64_t)mesh->triangle_count * 3 > mesh->vertex_count)
+            return fail(m, VXS_E_ARGUMENT, "arrays: mesh %zu has no indices, and %u vertices for %u triangles", n,
+                        mesh->vertex_count, mesh->triangle_count);
+        if (!are_finite(mesh->origin_ws)) return fail(m, VXS_E_ARGUMENT, "arrays: mesh %zu: its origin is not finite", n);
+        all->vertices += mesh->vertex_count;
+        all->triangles += mesh->triangle_count;
+        if (all->triangles > TRIANGLES_MAX || all->vertices > 3 * TRIANGLES_MAX)
+            return fail(m, VXS_E_ARGUMENT, "arrays: more than %zu triangles, or three times as many vertices", TRIANGLES_MAX);
+    }
     uint64_t bytes = 24 * (uint64_t)all->vertices + 13 * (uint64_t)all->triangles;
     return memory_check(bytes, m, "arrays of %zu triangles: the scene needs", all->triangles);
 }
@@ -88,11 +87,6 @@ static vxs_result add_mesh(scene *s, const vxs_bake_mesh *mesh, size_t number, r
     return VXS_OK;
 }
 
-static int are_finite(const double v[3])
-{
-    return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]);
-}
-
 /* Convert a light, with the fields that its kind uses. Returns NULL, or an error text. */
 static const char *shape_of(light_shape *out, const vxs_bake_light *l)
 {
@@ -128,13 +122,6 @@ static vxs_result add_light(scene *s, const vxs_bake_light *l, size_t number, ru
     return VXS_OK;
 }
 
-static vxs_result add_viewpoint(scene *s, const double at_ws[3], size_t number, run_context *m)
-{
-    if (!are_finite(at_ws)) return fail(m, VXS_E_ARGUMENT, "arrays: viewpoint %zu is not finite", number);
-    memcpy(s->camera_positions_ws + 3 * s->camera_count++, at_ws, 3 * sizeof *at_ws);
-    return VXS_OK;
-}
-
 vxs_result scene_from_arrays(scene *s, const vxs_bake_arrays *arrays, run_context *m)
 {
     const vxs_bake_arrays *a   = arrays;
@@ -144,7 +131,11 @@ vxs_result scene_from_arrays(scene *s, const vxs_bake_arrays *arrays, run_contex
     if (r == VXS_OK) r = take_memory(s, &all, a, m);
     for (size_t n = 0; n < a->mesh_count && r == VXS_OK; n++) r = add_mesh(s, &a->meshes[n], n, m);
     for (size_t n = 0; n < a->light_count && r == VXS_OK; n++) r = add_light(s, &a->lights[n], n, m);
-    for (size_t n = 0; n < a->viewpoint_count && r == VXS_OK; n++) r = add_viewpoint(s, a->viewpoints_ws + 3 * n, n, m);
+    for (size_t n = 0; n < a->viewpoint_count && r == VXS_OK; n++) {
+        const double *at_ws = a->viewpoints_ws + 3 * n;
+        if (!are_finite(at_ws)) r = fail(m, VXS_E_ARGUMENT, "arrays: viewpoint %zu is not finite", n);
+        memcpy(s->camera_positions_ws + 3 * s->camera_count++, at_ws, 3 * sizeof *at_ws);
+    }
     if (r != VXS_OK) scene_free(s);
     return r;
 }

@@ -16,16 +16,6 @@ typedef struct reach {
     double near, far;
 } reach;
 
-static double segment_distance(const double a[3], const double b[3])
-{
-    double ab[3], nearest[3];
-    vec3_sub(b, a, ab);
-    double length2 = vec3_dot(ab, ab);
-    double along   = length2 > 0 ? fmin(1, fmax(0, -vec3_dot(a, ab) / length2)) : 0;
-    vec3_mad(a, along, ab, nearest);
-    return sqrt(vec3_dot(nearest, nearest));
-}
-
 /* Sum over all corners, because clipping may produce duplicate corners. */
 static void normal_of(const map_polygon *p, double normal[3])
 {
@@ -54,14 +44,17 @@ static int edge_on(const map_polygon *triangle)
  * edge. */
 static double polygon_distance(const map_polygon *p)
 {
-    double normal[3], side[3], nearest = INFINITY;
+    double normal[3], side[3], ab[3], on_edge[3], nearest = INFINITY;
     normal_of(p, normal);
     int above = vec3_dot(normal, normal) > 0;
     for (int n = 0; n < p->count; n++) {
         const double *a = p->corners[n].at, *b = p->corners[(n + 1) % p->count].at;
         vec3_cross(a, b, side);
-        above   = above && vec3_dot(side, normal) >= 0;
-        nearest = fmin(nearest, segment_distance(a, b));
+        above = above && vec3_dot(side, normal) >= 0;
+        vec3_sub(b, a, ab);
+        double length2 = vec3_dot(ab, ab);
+        vec3_mad(a, length2 > 0 ? fmin(1, fmax(0, -vec3_dot(a, ab) / length2)) : 0, ab, on_edge);
+        nearest = fmin(nearest, sqrt(vec3_dot(on_edge, on_edge)));
     }
     return above ? fabs(vec3_dot(p->corners[0].at, normal)) / sqrt(vec3_dot(normal, normal)) : nearest;
 }
@@ -226,18 +219,17 @@ vxs_result light_fit(vxs_light *light, const casters *c, const light_fit_desc *d
     static const double ahead[3] = {0, 0, 1}; /* a point light's cube is aligned with the world axes */
     double              axes[3][3];
     memset(light, 0, sizeof *light);
-    {
-        /* The format stores up to 63 bytes. Longer names are cut between UTF-8 characters. */
-        const char *name   = desc->name;
-        size_t      length = strlen(name);
-        if (length > VXS_LIGHT_NAME_BYTES - 1) {
-            length = VXS_LIGHT_NAME_BYTES - 1;
-            while (length && ((unsigned char)name[length] & 0xc0) == 0x80) length--;
-            warn(m, "light '%s': the name is cut to its first %zu bytes, by which it will be looked up; rename it in the scene",
-                 name, length);
-        }
-        memcpy(light->name, name, length);
+
+    /* the format stores up to 63 bytes; longer names are cut between UTF-8 characters */
+    const char *name = desc->name;
+    size_t      size = strlen(name);
+    if (size > VXS_LIGHT_NAME_BYTES - 1) {
+        size = VXS_LIGHT_NAME_BYTES - 1;
+        while (size && ((unsigned char)name[size] & 0xc0) == 0x80) size--;
+        warn(m, "light '%s': the name is cut to its first %zu bytes, by which it will be looked up; rename it in the scene", name,
+             size);
     }
+    memcpy(light->name, name, size);
     memcpy(light->direction_ws, desc->shape->kind == LIGHT_POINT ? ahead : desc->shape->direction_ws, sizeof light->direction_ws);
 
     const double       *direction = light->direction_ws;

@@ -12,26 +12,19 @@
 #include "baker/light/light_fit.h"
 #include "baker/light/map_space.h"
 
-static reach_run run_of(const casters *c, size_t first, size_t end)
-{
-    box       around = box_empty();
-    double    size[3];
-    reach_run run;
-    for (size_t n = 3 * first; n < 3 * end; n++) box_add(&around, c->positions_ws + 3 * (size_t)c->indices[n]);
-    vec3_sub(around.max, around.min, size);
-    vec3_mad(around.min, 0.5, size, run.center_ws);
-    run.radius_metres = 0.5 * sqrt(vec3_dot(size, size)) * (1 + 1e-9) + 1e-12;
-    return run;
-}
-
 vxs_result reach_init(reach_index *x, const casters *c, run_context *m)
 {
     x->run_count = (c->triangle_count + REACH_RUN - 1) / REACH_RUN;
     x->runs      = malloc((x->run_count + 1) * sizeof *x->runs);
     if (!x->runs) return fail(m, VXS_E_MEMORY, "out of memory for the reach of lights");
     for (size_t n = 0; n < x->run_count; n++) {
-        size_t end = (n + 1) * REACH_RUN;
-        x->runs[n] = run_of(c, n * REACH_RUN, end < c->triangle_count ? end : c->triangle_count);
+        box    around = box_empty();
+        double size[3];
+        for (size_t k = 3 * n * REACH_RUN; k < 3 * (n + 1) * REACH_RUN && k < 3 * c->triangle_count; k++)
+            box_add(&around, c->positions_ws + 3 * (size_t)c->indices[k]);
+        vec3_sub(around.max, around.min, size);
+        vec3_mad(around.min, 0.5, size, x->runs[n].center_ws);
+        x->runs[n].radius_metres = 0.5 * sqrt(vec3_dot(size, size)) * (1 + 1e-9) + 1e-12;
     }
     return VXS_OK;
 }
@@ -71,11 +64,11 @@ static uint32_t keep_vertex(selection *k, uint32_t vertex)
 
 static void keep_runs(selection *k, const uint8_t *kept, size_t run_count)
 {
+    casters       *out = k->out;
+    const casters *c   = k->c;
     for (size_t n = 0; n < run_count; n++)
-        for (size_t t = n * REACH_RUN; t < (n + 1) * REACH_RUN && t < k->c->triangle_count && kept[n]; t++) {
-            casters       *out = k->out;
-            const casters *c   = k->c;
-            size_t         to  = out->triangle_count++;
+        for (size_t t = n * REACH_RUN; t < (n + 1) * REACH_RUN && t < c->triangle_count && kept[n]; t++) {
+            size_t to = out->triangle_count++;
             for (size_t i = 0; i < 3; i++) out->indices[3 * to + i] = keep_vertex(k, c->indices[3 * t + i]);
             if (t < c->solid_triangle_count && c->solid_meets) out->solid_meets[to] = c->solid_meets[t];
             if (t < c->solid_triangle_count) out->solid_triangle_count = to + 1;
@@ -89,7 +82,6 @@ static void keep_runs(selection *k, const uint8_t *kept, size_t run_count)
             while (t >= c->alpha_mask_first[mask + 1]) mask++;
             out->alpha_mask_first[mask + 1]++;
         }
-    casters *out = k->out;
     if (!out->alpha_mask_first) return;
     /* prefix sums: counts of each mask become first indices */
     out->alpha_mask_first[0] = out->holed_first;
@@ -302,7 +294,6 @@ size_t lit_points_choose(lit_point *points, size_t count, const lit_points_desc 
     int        sun   = d->shape->kind == LIGHT_DIRECTIONAL;
     map_sides  sides = map_sides_of(d->light, sun ? 0 : slope_of(d) / d->light->texel_metres - ldexp(0.5, (int)d->light->levels));
 
-    /* Returns 0 when there are none. */
     uint8_t *touched = malloc(d->reach->run_count + 1);
     double   cosine = cos(d->shape->outer_rad), sine = sin(d->shape->outer_rad);
     size_t   step = 1;

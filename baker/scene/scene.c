@@ -53,17 +53,14 @@ int alpha_mask_opaque(const alpha_mask *mask, const alpha_image *image, double u
     return (float)(alpha_mask_alpha(mask, image, u, v) / 255) >= mask->threshold;
 }
 
-/* Free the members of a light. */
-static void scene_light_free(scene_light *l)
-{
-    free(l->name);
-    free(l->node_name);
-    free(l->odd);
-}
-
 void scene_free(scene *s)
 {
-    for (size_t i = 0; i < s->light_count; i++) scene_light_free(&s->lights[i]);
+    for (size_t i = 0; i < s->light_count; i++) {
+        /* Free the members of a light. */
+        free(s->lights[i].name);
+        free(s->lights[i].node_name);
+        free(s->lights[i].odd);
+    }
     free(s->lights);
     for (size_t i = 0; i < s->lost_light_count; i++) {
         free(s->lost_lights[i].name);

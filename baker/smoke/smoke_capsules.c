@@ -114,14 +114,6 @@ static uint32_t farthest_gap(const curve *c)
     return farthest;
 }
 
-/* A node at a whole unit, with the transmittance there. The first node is not behind the path's begin, the last not before its
- * end. */
-static uint32_t node_at(const smoke_path *p, const smoke_units *units, double unit)
-{
-    double depth = fmin(fmax(unit, 0), 65535), left = exp(-smoke_path_thick(p, units->first_metres + depth * units->step_metres));
-    return (uint32_t)depth | (uint32_t)lround(left * 65535) << 16;
-}
-
 uint32_t smoke_path_nodes(const smoke_path *p, const smoke_units *units, double error, uint32_t most, uint32_t *nodes)
 {
     if (!p->count || 1 - left_of(p, p->count - 1) <= error) return 0;
@@ -139,10 +131,14 @@ uint32_t smoke_path_nodes(const smoke_path *p, const smoke_units *units, double 
         look_into_gap(&c, gap + 1);
     }
 
+    /* Nodes are at whole units, with the transmittance there. The first is not behind the path's begin, the last not before its
+     * end. */
     uint32_t count = 0;
     for (uint32_t n = 0; n < c.count; n++) {
-        double   unit = (p->depth[c.point[n]] - units->first_metres) / units->step_metres;
-        uint32_t node = node_at(p, units, n == 0 ? floor(unit) : n + 1 == c.count ? ceil(unit) : round(unit));
+        double   unit  = (p->depth[c.point[n]] - units->first_metres) / units->step_metres;
+        double   depth = fmin(fmax(n == 0 ? floor(unit) : n + 1 == c.count ? ceil(unit) : round(unit), 0), 65535);
+        double   left  = exp(-smoke_path_thick(p, units->first_metres + depth * units->step_metres));
+        uint32_t node  = (uint32_t)depth | (uint32_t)lround(left * 65535) << 16;
         if (count && (node & 0xffff) == (nodes[count - 1] & 0xffff)) count--;
         nodes[count++] = node;
     }

@@ -92,27 +92,23 @@ static void ray_of(const maker *k, int32_t map, double x, double y, double from[
     vec3_sub(from, way, from);
 }
 
-/* Depth range of smoke in a map.   range  [in, out] least, greatest */
-static void find_range(const maker *k, int32_t map, double range[2])
-{
-    const scene_smoke *capsules = k->source.capsules;
-    for (int corner = 0; corner < 8 && k->source.grid; corner++) {
-        double ws[3];
-        smoke_grid_corner(k->source.grid, corner, ws);
-        double depth = depth_of(&k->baked->light, map, ws);
-        range[0]     = fmin(range[0], depth);
-        range[1]     = fmax(range[1], depth);
-    }
-    for (uint32_t n = 0; capsules && n < capsules->count; n++) smoke_capsule_depths(capsules, n, &k->baked->light, map, range);
-}
-
 /* Choose units that cover the depths of all smoke; a punctual light's light begins at its near plane. Returns 0: light does not
  * reach the smoke. */
 static int find_units(maker *k)
 {
-    const vxs_light *light    = &k->baked->light;
-    double           range[2] = {INFINITY, -INFINITY};
-    for (uint32_t map = 0; map < vxs_map_count(light); map++) find_range(k, (int32_t)map, range);
+    const vxs_light   *light    = &k->baked->light;
+    const scene_smoke *capsules = k->source.capsules;
+    double             range[2] = {INFINITY, -INFINITY}; /* depths of smoke: least, greatest */
+    for (int32_t map = 0; map < (int32_t)vxs_map_count(light); map++) {
+        for (int corner = 0; corner < 8 && k->source.grid; corner++) {
+            double ws[3];
+            smoke_grid_corner(k->source.grid, corner, ws);
+            double depth = depth_of(light, map, ws);
+            range[0]     = fmin(range[0], depth);
+            range[1]     = fmax(range[1], depth);
+        }
+        for (uint32_t n = 0; capsules && n < capsules->count; n++) smoke_capsule_depths(capsules, n, light, map, range);
+    }
     double least = range[0], most = range[1];
     if (!is_sun(light)) {
         least = fmax(least, 0);
@@ -140,8 +136,6 @@ static uint32_t side_of(const smoke_source *source, const vxs_light *light)
     while (side < SIDE_MOST && wide / side > 1.01 * smoke_grid_spacing(source->grid)) side *= 2;
     return side;
 }
-
-/* where light ends ------------------------------------------------------------------------------------------------------------- */
 
 /* curves ----------------------------------------------------------------------------------------------------------------------- */
 
@@ -346,14 +340,6 @@ static int measure_lookups(maker *k, smoke_map *map)
     return done;
 }
 
-/* Accepts a zeroed object. */
-static void smoke_map_free(smoke_map *map)
-{
-    free(map->counts);
-    free(map->nodes);
-    *map = (smoke_map){0};
-}
-
 /* Make the map of a light.
  * baked  a light with its words: each curve ends where they end the light
  * map    [out]
@@ -442,7 +428,12 @@ vxs_result smoke_bake(vxs_bytes *file, const smoke_source *source, const smoke_s
                                    .lookups       = maps[n].lookups,
                                    .memory_bytes  = maps[n].word_count * 4};
 done:
-    for (uint32_t n = 0; maps && n < contents.light_count; n++) smoke_map_free(&maps[n]);
+    for (uint32_t n = 0; maps && n < contents.light_count; n++) {
+        /* Accepts a zeroed object. */
+        free(maps[n].counts);
+        free(maps[n].nodes);
+        maps[n] = (smoke_map){0};
+    }
     free(maps);
     vxs_contents_free(&contents);
     return r;

@@ -27,17 +27,6 @@ static uint32_t *more_top(layout *l, size_t count)
     return l->top + l->top_count - count;
 }
 
-/* Copy the entries of cell (x, y).   Returns 1 if all of them have the same single depth. */
-static int copy_cell(const map_entries *e, z_place cell, uint32_t to[CELL_WORDS])
-{
-    int alike = 1;
-    for (uint32_t row = 0; row < CELL_SIDE; row++)
-        memcpy(to + 2 * CELL_SIDE * row, e->words + 2 * ((CELL_SIDE * cell.j + row) * e->side + CELL_SIDE * cell.i),
-               2 * CELL_SIDE * sizeof *to);
-    for (uint32_t n = 0; n < CELL_WORDS; n += 2) alike &= to[n] == to[0] && to[n] & ENTRY_UNIFORM;
-    return alike;
-}
-
 /* Write the cells, then, in z order, the entries of cells without a single depth. */
 static vxs_result put_cells(layout *l, const map_entries *e)
 {
@@ -47,7 +36,13 @@ static vxs_result put_cells(layout *l, const map_entries *e)
     for (uint32_t n = 0; n < cells * cells; n++) {
         z_place  at   = z_order(n);
         uint32_t word = (uint32_t)(HEAD_WORDS + l->page_count + l->top_count);
-        if (copy_cell(e, at, words)) {
+
+        int same = 1; /* all entries of the cell have the same single depth */
+        for (uint32_t row = 0; row < CELL_SIDE; row++)
+            memcpy(words + 2 * CELL_SIDE * row, e->words + 2 * ((CELL_SIDE * at.j + row) * e->side + CELL_SIDE * at.i),
+                   2 * CELL_SIDE * sizeof *words);
+        for (uint32_t k = 0; k < CELL_WORDS; k += 2) same &= words[k] == words[0] && words[k] & ENTRY_UNIFORM;
+        if (same) {
             word = words[0];
         } else {
             uint32_t *to = more_top(l, CELL_WORDS);
@@ -61,23 +56,23 @@ static vxs_result put_cells(layout *l, const map_entries *e)
 
 static vxs_result put_map(layout *l, uint32_t map, map_entries *e)
 {
-    size_t words = 2 * (size_t)e->side * e->side;
+    size_t   words  = 2 * (size_t)e->side * e->side;
+    uint32_t coarse = l->levels > 8 ? l->levels - 8 : 0, node_level = square_level(NODE_PX);
     memset(e->words, 0, words * sizeof *e->words);
-    for (size_t n = 0; n < l->set->uniform_count; n++)
-        if (l->set->uniform[n].map == map) {
-            uint32_t node_level = square_level(NODE_PX),
-                     side       = l->set->uniform[n].level > node_level ? 1u << (l->set->uniform[n].level - node_level) : 1;
-            for (uint32_t y = l->set->uniform[n].y * side; y < (l->set->uniform[n].y + 1) * side; y++)
-                for (uint32_t x = l->set->uniform[n].x * side; x < (l->set->uniform[n].x + 1) * side; x++)
-                    e->words[2 * (y * e->side + x)] = ENTRY_UNIFORM | min_u32(l->set->uniform[n].depth, l->never);
-        }
-    for (size_t n = 0; n < l->set->node_count; n++)
-        if (l->set->nodes[l->nodes[n].node].map == map) {
-            const block_node *from   = &l->set->nodes[l->nodes[n].node];
-            uint32_t          coarse = l->levels > 8 ? l->levels - 8 : 0, *entry = e->words + 2 * (from->y * e->side + from->x);
-            entry[0] = l->nodes[n].page << 16 | l->nodes[n].word;
-            entry[1] = l->nodes[n].base | min_u32(from->emin >> coarse, 255) << 16 | min_u32(from->xmax >> coarse, 255) << 24;
-        }
+    for (const uniform_square *u = l->set->uniform; u < l->set->uniform + l->set->uniform_count; u++) {
+        uint32_t side = u->level > node_level ? 1u << (u->level - node_level) : 1;
+        if (u->map != map) continue;
+        for (uint32_t y = u->y * side; y < (u->y + 1) * side; y++)
+            for (uint32_t x = u->x * side; x < (u->x + 1) * side; x++)
+                e->words[2 * (y * e->side + x)] = ENTRY_UNIFORM | min_u32(u->depth, l->never);
+    }
+    for (const node_place *n = l->nodes; n < l->nodes + l->set->node_count; n++) {
+        const block_node *from  = &l->set->nodes[n->node];
+        uint32_t         *entry = e->words + 2 * (from->y * e->side + from->x);
+        if (from->map != map) continue;
+        entry[0] = n->page << 16 | n->word;
+        entry[1] = n->base | min_u32(from->emin >> coarse, 255) << 16 | min_u32(from->xmax >> coarse, 255) << 24;
+    }
     l->top_start[map] = (uint32_t)l->top_count;
     if (l->levels >= CELL_LEVELS) return put_cells(l, e);
     uint32_t *to = more_top(l, words);
@@ -159,6 +154,8 @@ static vxs_result encode_patterns(layout *l)
             uint32_t id         = is_private ? (uint32_t)at : l->set->patterns.by_depths[kind].ids[at];
             r                   = intern_find(&l->codes[is_private], code, bytes, &l->code_of[is_private][id]);
         }
+        for (int n = 0; n < 2 && r == VXS_OK; n++)
+            if (!(l->common[n] = calloc(l->codes[n].count + 1, sizeof *l->common[n]))) r = VXS_E_MEMORY;
     }
     free(c.shared);
     free(c.privates);
@@ -166,29 +163,6 @@ static vxs_result encode_patterns(layout *l)
 }
 
 /* nodes ----------------------------------------------------------------------------------------------------------------------- */
-
-static vxs_result shape_node(layout *l, node_place *to)
-{
-    const block_node *n = &l->set->nodes[to->node];
-    node_shape        shape;
-    memset(&shape, 0, sizeof shape);
-
-    /* Base of all depths of a node, in steps. */
-    int32_t least = INT32_MAX;
-    for (int b = 0; b < NODE_BLOCKS; b++)
-        if (((n->mixed >> b & 1) || (uint32_t)n->depth[b] < l->never) && n->depth[b] < least) least = n->depth[b];
-    to->base = least == INT32_MAX ? 0 : min_u32((uint32_t)least >> l->base_shift, 0xffff);
-
-    shape.slope   = n->slope;
-    shape.mixed   = n->mixed;
-    uint32_t from = to->base << l->base_shift, never = l->never + (uint32_t)slope_shift_max(n->slope);
-    for (int b = 0; b < NODE_BLOCKS; b++) {
-        int mixed      = n->mixed >> b & 1;
-        shape.depth[b] = !mixed && (uint32_t)n->depth[b] >= never ? NEVER : (uint32_t)n->depth[b] - from;
-        shape.block[b] = mixed ? n->block[b] : 0;
-    }
-    return intern_find(&l->shapes, &shape, sizeof shape, &to->shape);
-}
 
 static int by_place(const void *a, const void *b, void *user)
 {
@@ -206,7 +180,27 @@ static vxs_result shape_nodes(layout *l)
     if (!l->nodes) return VXS_E_MEMORY;
     for (uint32_t n = 0; n < count; n++) l->nodes[n].node = n;
     qsort_r(l->nodes, count, sizeof *l->nodes, by_place, l->set->nodes);
-    for (size_t n = 0; n < count && r == VXS_OK; n++) r = shape_node(l, &l->nodes[n]);
+    for (node_place *to = l->nodes; to < l->nodes + count && r == VXS_OK; to++) {
+        const block_node *n = &l->set->nodes[to->node];
+        node_shape        shape;
+        memset(&shape, 0, sizeof shape);
+
+        /* base of all depths of the node, in steps */
+        int32_t least = INT32_MAX;
+        for (int b = 0; b < NODE_BLOCKS; b++)
+            if (((n->mixed >> b & 1) || (uint32_t)n->depth[b] < l->never) && n->depth[b] < least) least = n->depth[b];
+        to->base = least == INT32_MAX ? 0 : min_u32((uint32_t)least >> l->base_shift, 0xffff);
+
+        shape.slope   = n->slope;
+        shape.mixed   = n->mixed;
+        uint32_t from = to->base << l->base_shift, never = l->never + (uint32_t)slope_shift_max(n->slope);
+        for (int b = 0; b < NODE_BLOCKS; b++) {
+            int mixed      = n->mixed >> b & 1;
+            shape.depth[b] = !mixed && (uint32_t)n->depth[b] >= never ? NEVER : (uint32_t)n->depth[b] - from;
+            shape.block[b] = mixed ? n->block[b] : 0;
+        }
+        r = intern_find(&l->shapes, &shape, sizeof shape, &to->shape);
+    }
     return r;
 }
 
@@ -241,13 +235,6 @@ static vxs_result assemble(layout *l)
     return VXS_OK;
 }
 
-static vxs_result make_common(layout *l)
-{
-    for (int is_private = 0; is_private < 2; is_private++)
-        if (!(l->common[is_private] = calloc(l->codes[is_private].count + 1, sizeof *l->common[is_private]))) return VXS_E_MEMORY;
-    return VXS_OK;
-}
-
 vxs_result block_words_lay_out(block_words *out, const block_set *s, uint32_t levels, uint32_t map_count, uint32_t threads)
 {
     layout     l = {.set        = s,
@@ -259,8 +246,8 @@ vxs_result block_words_lay_out(block_words *out, const block_set *s, uint32_t le
                     .out        = out};
     vxs_result r;
     memset(out, 0, sizeof *out);
-    if ((r = encode_patterns(&l)) == VXS_OK && (r = shape_nodes(&l)) == VXS_OK && (r = make_common(&l)) == VXS_OK &&
-        (r = layout_cut_pages(&l)) == VXS_OK && (r = layout_build_top(&l)) == VXS_OK)
+    if ((r = encode_patterns(&l)) == VXS_OK && (r = shape_nodes(&l)) == VXS_OK && (r = layout_cut_pages(&l)) == VXS_OK &&
+        (r = layout_build_top(&l)) == VXS_OK)
         r = assemble(&l);
 
     intern_free(&l.shapes);

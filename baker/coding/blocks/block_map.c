@@ -51,14 +51,6 @@ static int put_signed(vxs_bytes *out, const int32_t *values, size_t count)
     return ok;
 }
 
-static int put_head(vxs_bytes *out, const block_set *s)
-{
-    int ok = put32(out, (uint32_t)s->uniform_count) && put32(out, (uint32_t)s->node_count) &&
-             put32(out, (uint32_t)s->blocks.count) && put32(out, (uint32_t)s->privates.count);
-    for (int depths = 2; depths <= PALETTE_MAX && ok; depths++) ok = put32(out, (uint32_t)s->patterns.by_depths[depths].count);
-    return ok && put64(out, s->tile_count);
-}
-
 /* loading --------------------------------------------------------------------------------------------------------------------- */
 
 typedef struct set_loader {
@@ -210,21 +202,6 @@ static vxs_result take_block(set_loader *l)
     return r == VXS_OK && number + 1 != l->s->blocks.count ? VXS_E_CORRUPT : r; /* two blocks are equal */
 }
 
-/* Checks counts against the remaining bytes before memory is allocated. */
-static vxs_result load_parts(set_loader *l, uint32_t uniforms, uint32_t nodes)
-{
-    private_set *p = &l->s->privates;
-    vxs_result   r = VXS_OK;
-    for (uint32_t n = 0; n < uniforms && r == VXS_OK; n++) r = take_uniform(l);
-    for (uint32_t n = 0; n < nodes && r == VXS_OK; n++) r = take_node(l);
-    for (int depths = 2; depths <= PALETTE_MAX && r == VXS_OK; depths++) r = take_class(l, depths);
-    if (r == VXS_OK && !has(&l->from, l->privates, PRIVATE_BYTES)) r = VXS_E_CORRUPT;
-    if (r == VXS_OK && !array_reserve(&p->patterns, &p->pattern_capacity, l->privates, sizeof *p->patterns)) r = VXS_E_MEMORY;
-    for (uint32_t n = 0; n < l->privates && r == VXS_OK; n++) r = take_private(l);
-    for (uint32_t n = 0; n < l->blocks && r == VXS_OK; n++) r = take_block(l);
-    return r == VXS_OK && l->from.left ? VXS_E_CORRUPT : r;
-}
-
 /* Read a set from all of the bytes. Checks any input: all references are in range, and all squares are in the area.
  * s  [out] zero it first; released with block_set_free, whatever is returned
  * Returns VXS_OK, VXS_E_MEMORY, VXS_E_CORRUPT. */
@@ -241,9 +218,19 @@ static vxs_result block_set_load(block_set *s, const void *bytes, size_t size_by
     if (all > size_bytes) return VXS_E_CORRUPT;
     l.patterns = (uint32_t)all;
     if (!(l.depths_of = calloc(all + 1, 1))) return VXS_E_MEMORY;
-    vxs_result r = load_parts(&l, uniforms, nodes);
+
+    /* counts are checked against the remaining bytes before memory is allocated */
+    private_set *p = &s->privates;
+    vxs_result   r = VXS_OK;
+    for (uint32_t n = 0; n < uniforms && r == VXS_OK; n++) r = take_uniform(&l);
+    for (uint32_t n = 0; n < nodes && r == VXS_OK; n++) r = take_node(&l);
+    for (int depths = 2; depths <= PALETTE_MAX && r == VXS_OK; depths++) r = take_class(&l, depths);
+    if (r == VXS_OK && !has(&l.from, l.privates, PRIVATE_BYTES)) r = VXS_E_CORRUPT;
+    if (r == VXS_OK && !array_reserve(&p->patterns, &p->pattern_capacity, l.privates, sizeof *p->patterns)) r = VXS_E_MEMORY;
+    for (uint32_t n = 0; n < l.privates && r == VXS_OK; n++) r = take_private(&l);
+    for (uint32_t n = 0; n < l.blocks && r == VXS_OK; n++) r = take_block(&l);
     free(l.depths_of);
-    return r;
+    return r == VXS_OK && l.from.left ? VXS_E_CORRUPT : r;
 }
 
 enum { SQUARE_PX_MAX = 1024 };
@@ -299,8 +286,12 @@ static vxs_result add_slot(void *user, uint32_t slot, uint32_t level, uint32_t i
 
 static vxs_result save_slot(void *user, uint32_t slot, vxs_bytes *out)
 {
-    const block_set *s  = &((map_builder *)user)->batch[slot];
-    int              ok = put_head(out, s);
+    const block_set *s = &((map_builder *)user)->batch[slot];
+
+    int ok = put32(out, (uint32_t)s->uniform_count) && put32(out, (uint32_t)s->node_count) &&
+             put32(out, (uint32_t)s->blocks.count) && put32(out, (uint32_t)s->privates.count);
+    for (int depths = 2; depths <= PALETTE_MAX && ok; depths++) ok = put32(out, (uint32_t)s->patterns.by_depths[depths].count);
+    ok = ok && put64(out, s->tile_count);
     for (const uniform_square *u = s->uniform; u < s->uniform + s->uniform_count && ok; u++)
         ok = put32s(out, (uint32_t[]){u->level, u->x, u->y, u->depth}, 4);
     for (const block_node *n = s->nodes; n < s->nodes + s->node_count && ok; n++) {

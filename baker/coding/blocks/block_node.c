@@ -148,9 +148,10 @@ static void add_tile(intervals *s, const tile_in *t)
 
 /* palettes -------------------------------------------------------------------------------------------------------------------- */
 
-/* Count the depths that each tile needs, except those with a private palette. */
-static void count_depths(node_builder *b)
+/* Count the depths that each tile needs, and give private palettes to tiles that need many. Returns the number of these. */
+static int give_private_depths(node_builder *b)
 {
+    int count = 0;
     for (tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
         intervals  s;
         stab_group groups[64];
@@ -158,15 +159,7 @@ static void count_depths(node_builder *b)
         s.count = 0;
         add_tile(&s, t);
         t->depths = minimum_stabbing_set(&s, groups, 64, b->set->patterns.cpu);
-    }
-}
-
-/* Give private palettes to tiles that need at least `from` depths. Returns their number. */
-static int give_private_depths(node_builder *b, int from)
-{
-    int count = 0;
-    for (tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
-        if (t->kind != TILE_PATTERN || t->depths < from) continue;
+        if (t->depths < PRIVATE_FROM) continue;
         t->kind = TILE_PRIVATE;
         count++;
     }
@@ -195,8 +188,7 @@ static int block_groups(node_builder *b, stab_group groups[PALETTE_MAX + 1])
         int count = minimum_stabbing_set(&s, groups, PALETTE_MAX + 1, b->set->patterns.cpu);
         if (count >= PRIVATE_FROM && !counted) {
             counted = 1;
-            count_depths(b);
-            if (give_private_depths(b, PRIVATE_FROM)) continue;
+            if (give_private_depths(b)) continue;
         }
         if (count <= PALETTE_MAX) return count;
 
@@ -380,17 +372,6 @@ static vxs_result bound_tiles(node_builder *b, uint32_t level, uint32_t x, uint3
     return r;
 }
 
-static void add_slope(node_builder *b)
-{
-    if (!b->node.slope.x && !b->node.slope.y) return;
-    for (int32_t y = 0, n = 0; y < NODE_TILES; y++)
-        for (int32_t x = 0; x < NODE_TILES; x++, n++) {
-            int32_t shift = slope_shift(b->node.slope, x, y);
-            b->emax[n] += shift;
-            b->xmin[n] += shift;
-        }
-}
-
 /* Give this depth to the blocks of single depth in [first, end). */
 static void depth_of_run(node_builder *b, uint32_t first, uint32_t end, int32_t depth)
 {
@@ -404,16 +385,13 @@ static vxs_result build_blocks(node_builder *b)
     run_range run   = {0, INT32_MAX};
     uint32_t  first = 0;
     for (uint32_t n = 0; n < NODE_BLOCKS; n++) {
-        /* Range of depths that a block of the node may have as its single depth. */
-        uint32_t block_x = n % 8;
-        uint32_t block_y = n / 8;
-        i32x4    low = i32x4_all(0), high = i32x4_all(2 * FAR_DEPTH);
-        for (uint32_t row = 0, at = 4 * (NODE_TILES * block_y + block_x); row < 4; row++, at += NODE_TILES) {
+        /* the depths that the block may have as its single depth */
+        i32x4 low = i32x4_all(0), high = i32x4_all(2 * FAR_DEPTH);
+        for (uint32_t row = 0, at = 4 * (NODE_TILES * (n / 8) + n % 8); row < 4; row++, at += NODE_TILES) {
             low  = i32x4_max(low, i32x4_load(b->emax + at));
             high = i32x4_min(high, i32x4_load(b->xmin + at));
         }
-        run_range may = (run_range){i32x4_greatest(low), i32x4_least(high)};
-
+        run_range may = {i32x4_greatest(low), i32x4_least(high)};
         if (may.low > may.high) {
             b->node.mixed |= 1ull << n;
             vxs_result r = fetch_block(b, n % 8, n / 8);
@@ -447,17 +425,23 @@ vxs_result block_build_node(block_set *s, const column_square *columns, uint32_t
     b->tile_x  = NODE_TILES * x;
     b->tile_y  = NODE_TILES * y;
     b->node    = (block_node){.map = map, .x = map_x, .y = map_y, .emin = bounds.emin, .xmax = bounds.xmax};
-    if (columns->side_px < NODE_PX) {
-        /* If the columns are smaller than a node, tiles outside of them may have any depth. */
-        for (uint32_t n = 0; n < NODE_TILE_COUNT; n++) {
-            b->emax[n] = 0;
-            b->xmin[n] = FAR_DEPTH;
-        }
+    for (uint32_t n = 0; n < NODE_TILE_COUNT && columns->side_px < NODE_PX; n++) { /* tiles outside may have any depth */
+        b->emax[n] = 0;
+        b->xmin[n] = FAR_DEPTH;
     }
     if ((r = bound_tiles(b, level, 0, 0)) == VXS_OK) {
         node_slope last = s->node_count ? s->nodes[s->node_count - 1].slope : (node_slope){0, 0};
         b->node.slope   = slope_find(b->emax, b->xmin, last);
-        add_slope(b);
+
+        if (b->node.slope.x || b->node.slope.y) {
+            for (int32_t c = 0, n = 0; c < NODE_TILES; c++)
+                for (int32_t a = 0; a < NODE_TILES; a++, n++) {
+                    int32_t shift = slope_shift(b->node.slope, a, c);
+                    b->emax[n] += shift;
+                    b->xmin[n] += shift;
+                }
+        }
+
         r = build_blocks(b);
     }
     if (r == VXS_OK) r = block_set_add_node(s, &b->node);

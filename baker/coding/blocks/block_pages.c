@@ -44,12 +44,6 @@ static int is_wide(const node_shape *s)
     return wide;
 }
 
-static uint32_t shape_words(const node_shape *s)
-{
-    uint32_t mixed = (uint32_t)__builtin_popcountll(s->mixed), fresh = (uint32_t)__builtin_popcountll(fresh_blocks(s));
-    return (NODE_HALVES + mixed + (mixed + fresh) * (is_wide(s) ? 2 : 1) + 1) / 2;
-}
-
 /* blocks ---------------------------------------------------------------------------------------------------------------------- */
 
 /* Sizes and kinds of a block's parts. */
@@ -124,7 +118,8 @@ static void add_to_page(const layout *l, page_scratch *s, page_size *page, const
     /* blocks are scattered in memory: prefetch all blocks of the node */
     for (uint64_t rest = shape->mixed; rest; rest &= rest - 1)
         __builtin_prefetch(intern_at(&l->set->blocks, shape->block[__builtin_ctzll(rest)]));
-    page->words += shape_words(shape);
+    uint32_t mixed = (uint32_t)__builtin_popcountll(shape->mixed), fresh = (uint32_t)__builtin_popcountll(fresh_blocks(shape));
+    page->words += (NODE_HALVES + mixed + (mixed + fresh) * (is_wide(shape) ? 2 : 1) + 1) / 2;
     for (int b = 0; b < NODE_BLOCKS; b++) {
         if (!(shape->mixed >> b & 1) || !is_new(&s->block_at[shape->block[b]], s->stamp, page->words)) continue;
         tile_code tiles[BLOCK_TILES];
@@ -218,19 +213,6 @@ static int by_use(const void *a, const void *b)
     return (x->code > y->code) - (x->code < y->code);
 }
 
-/* Add a pattern to the common pool, if there is space. */
-static vxs_result add_common(layout *l, const shared_code *c)
-{
-    uint32_t        count;
-    const uint16_t *halves = code_halves(l, (int)c->is_private, c->code, &count);
-    if (l->common_halves + count > VXS_COMMON_HALVES_MAX) return VXS_OK;
-    if (!array_reserve(&l->common_kinds, &l->common_capacity, l->common_count + 1, sizeof *l->common_kinds)) return VXS_E_MEMORY;
-    l->common_kinds[l->common_count++] = (uint8_t)(halves[-1] >> 8);
-    l->common[c->is_private][c->code]  = 1 + l->common_halves;
-    l->common_halves += count;
-    return VXS_OK;
-}
-
 static void size_some_blocks(void *user, size_t begin, size_t end, uint32_t worker)
 {
     const layout *l = user;
@@ -248,7 +230,7 @@ static vxs_result cut_twice(layout *l, uint32_t *const *pages)
     vxs_result r = cut(l, VXS_PAGE_WORDS_MAX, pages);
     if (r != VXS_OK || l->page_count < 2) return r;
 
-    /* Store patterns of several pages once, as many as there is space for. pages [is_private][code] number of pages with each pattern */
+    /* store patterns of several pages once, as many as there is space for */
     size_t       all = l->codes[0].count + l->codes[1].count, count = 0;
     shared_code *shared = malloc((all + 1) * sizeof *shared);
     r                   = shared ? VXS_OK : VXS_E_MEMORY;
@@ -256,7 +238,18 @@ static vxs_result cut_twice(layout *l, uint32_t *const *pages)
         for (uint32_t code = 0; code < l->codes[is_private].count; code++)
             if (pages[is_private][code] > 1) shared[count++] = (shared_code){pages[is_private][code], is_private, code};
     if (count) qsort(shared, count, sizeof *shared, by_use);
-    for (size_t n = 0; n < count && r == VXS_OK; n++) r = add_common(l, &shared[n]);
+    for (const shared_code *c = shared; c < shared + count && r == VXS_OK; c++) {
+        uint32_t        size;
+        const uint16_t *halves = code_halves(l, (int)c->is_private, c->code, &size);
+        if (l->common_halves + size > VXS_COMMON_HALVES_MAX) continue;
+        if (!array_reserve(&l->common_kinds, &l->common_capacity, l->common_count + 1, sizeof *l->common_kinds)) {
+            r = VXS_E_MEMORY;
+            break;
+        }
+        l->common_kinds[l->common_count++] = (uint8_t)(halves[-1] >> 8);
+        l->common[c->is_private][c->code]  = 1 + l->common_halves;
+        l->common_halves += size;
+    }
     free(shared);
 
     return r == VXS_OK ? cut(l, page_place(l, l->page_count) / l->page_count + 1, NULL) : r;
@@ -395,7 +388,7 @@ static void write_page(page_writer *w, size_t page, uint32_t *words)
             block_form  form = form_of(&of);
             write_block(l, &w->scratch, words + next_word, &of, form, pool);
 
-            /* Write the patterns that no earlier block of the page uses. */
+            /* the patterns that no earlier block of the page uses */
             for (const block_tile *t = of.tile; t < of.tile + BLOCK_TILES; t++) {
                 if (!tile_has_pattern(t)) continue;
                 int      is_private = t->kind == TILE_PRIVATE;
@@ -438,16 +431,17 @@ vxs_result layout_write_pages(layout *l, uint32_t *to)
     }
     if (r == VXS_OK) parallel_for(count, count, 1, write_some_pages, writers);
     for (uint32_t n = 0; n < made; n++) {
-        l->out->counts.nodes += writers[n].counts.nodes;
-        l->out->counts.blocks += writers[n].counts.blocks;
-        l->out->counts.tiles += writers[n].counts.tiles;
-        l->out->counts.private_tiles += writers[n].counts.private_tiles;
-        l->out->counts.patterns += writers[n].counts.patterns;
-        l->out->counts.private_patterns += writers[n].counts.private_patterns;
-        l->out->counts.node_words += writers[n].counts.node_words;
-        l->out->counts.block_words += writers[n].counts.block_words;
-        l->out->counts.pattern_words += writers[n].counts.pattern_words;
-
+        const block_counts *from = &writers[n].counts;
+        block_counts       *sum  = &l->out->counts;
+        sum->nodes += from->nodes;
+        sum->blocks += from->blocks;
+        sum->tiles += from->tiles;
+        sum->private_tiles += from->private_tiles;
+        sum->patterns += from->patterns;
+        sum->private_patterns += from->private_patterns;
+        sum->node_words += from->node_words;
+        sum->block_words += from->block_words;
+        sum->pattern_words += from->pattern_words;
         scratch_free(&writers[n].scratch);
     }
     return r;

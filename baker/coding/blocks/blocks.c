@@ -20,7 +20,7 @@ static const uint8_t *take(void *to, const uint8_t *from, size_t size_bytes)
     return from + size_bytes;
 }
 
-static block_head head_of(const block *b)
+size_t block_pack(const block *b, uint8_t bytes[BLOCK_PACKED_MAX])
 {
     block_head h = {.depths = (uint8_t)b->depths, .has_plane = b->plane.across || b->plane.down || b->plane.least};
     for (uint32_t n = 0; n < BLOCK_TILES; n++) {
@@ -30,13 +30,7 @@ static block_head head_of(const block *b)
         h.planar |= (uint16_t)((t->kind == TILE_PLANE) << n);
         h.palette |= (uint16_t)((t->palette != 0) << n);
     }
-    return h;
-}
-
-size_t block_pack(const block *b, uint8_t bytes[BLOCK_PACKED_MAX])
-{
-    const block_head h  = head_of(b);
-    uint8_t         *to = put(bytes, &h, sizeof h);
+    uint8_t *to = put(bytes, &h, sizeof h);
     for (uint32_t rest = h.patterned; rest; rest &= rest - 1) to = put(to, &b->tile[__builtin_ctz(rest)].pattern, 4);
     for (uint32_t rest = h.own; rest; rest &= rest - 1) to = put(to, &b->tile[__builtin_ctz(rest)].base, 4);
     for (uint32_t rest = h.palette; rest; rest &= rest - 1) to = put(to, &b->tile[__builtin_ctz(rest)].palette, 2);
@@ -180,7 +174,6 @@ vxs_result block_set_merge(block_set *s, block_set *from)
     if (r == VXS_OK) r = merge_patterns(s, from, &ids);
     if (r == VXS_OK) r = merge_blocks(s, from, &ids, block_ids);
     if (r == VXS_OK) {
-        r = VXS_OK;
         for (size_t n = 0; n < from->uniform_count && r == VXS_OK; n++) r = block_set_add_uniform(s, &from->uniform[n]);
         for (size_t n = 0; n < from->node_count && r == VXS_OK; n++) {
             block_node *node = &from->nodes[n];

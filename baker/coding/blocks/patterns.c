@@ -20,27 +20,6 @@ static uint64_t *mask_rows(const pattern_class *c, int mask)
     return c->needs + (size_t)(MASK_ROWS * mask) * c->capacity;
 }
 
-static vxs_result class_grow(pattern_class *c, int masks)
-{
-    pattern_class grown = {.count = c->count, .capacity = c->capacity ? 2 * c->capacity : 64};
-    grown.ids           = malloc(grown.capacity * sizeof *grown.ids);
-    grown.needs         = malloc((size_t)MASK_ROWS * (size_t)masks * grown.capacity * sizeof *grown.needs);
-    if (!grown.ids || !grown.needs) {
-        free(grown.ids);
-        free(grown.needs);
-        return VXS_E_MEMORY;
-    }
-    if (c->count) {
-        memcpy(grown.ids, c->ids, c->count * sizeof *c->ids);
-        for (int row = 0; row < MASK_ROWS * masks; row++)
-            memcpy(grown.needs + (size_t)row * grown.capacity, c->needs + (size_t)row * c->capacity, c->count * sizeof *c->needs);
-    }
-    free(c->ids);
-    free(c->needs);
-    *c = grown;
-    return VXS_OK;
-}
-
 static void swap_u64(uint64_t *a, uint64_t *b)
 {
     uint64_t was = *a;
@@ -151,7 +130,25 @@ static size_t search(int cpu, const pattern_class *c, const mask_need *needs, in
 /* Append a pattern, where searches begin. */
 static vxs_result append(pattern_class *c, const mask_need *needs, int masks, uint32_t id)
 {
-    if (c->count == c->capacity && class_grow(c, masks) != VXS_OK) return VXS_E_MEMORY;
+    if (c->count == c->capacity) {
+        pattern_class grown = {.count = c->count, .capacity = c->capacity ? 2 * c->capacity : 64};
+        grown.ids           = malloc(grown.capacity * sizeof *grown.ids);
+        grown.needs         = malloc((size_t)MASK_ROWS * (size_t)masks * grown.capacity * sizeof *grown.needs);
+        if (!grown.ids || !grown.needs) {
+            free(grown.ids);
+            free(grown.needs);
+            return VXS_E_MEMORY;
+        }
+        if (c->count) {
+            memcpy(grown.ids, c->ids, c->count * sizeof *c->ids);
+            for (int row = 0; row < MASK_ROWS * masks; row++)
+                memcpy(grown.needs + (size_t)row * grown.capacity, c->needs + (size_t)row * c->capacity,
+                       c->count * sizeof *c->needs);
+        }
+        free(c->ids);
+        free(c->needs);
+        *c = grown;
+    }
     for (int mask = 0; mask < masks; mask++) {
         uint64_t *dark               = mask_rows(c, mask);
         dark[c->count]               = needs[mask].dark;

@@ -138,15 +138,6 @@ static size_t search(const private_set *s, const half_ranges *t, int *base)
     return search_by(possible, s, t, base);
 }
 
-static void exchange_pairs(private_set *s, size_t a, size_t b)
-{
-    for (int n = 0; n < PAIRS; n++) {
-        int16_t *x = &s->groups[a / GROUP].deeper[n][a % GROUP], *y = &s->groups[b / GROUP].deeper[n][b % GROUP], was = *x;
-        *x = *y;
-        *y = was;
-    }
-}
-
 /* choosing -------------------------------------------------------------------------------------------------------------------- */
 
 /* Predict a depth from earlier texels: by a plane through three of them, or a line through two. */
@@ -324,13 +315,16 @@ static vxs_result find(private_set *s, const tile_ranges *t, const private_plane
     *base = halves.floor + at_half;
     narrow(&s->patterns[*id], t, *base);
 
-    /* Move a pattern halfway to where searches begin. */
+    /* move the pattern halfway to where searches begin */
     size_t        to  = at + (s->known_count - at) / 2;
     private_known was = s->known[at];
     s->known[at]      = s->known[to];
     s->known[to]      = was;
-    exchange_pairs(s, at, to);
-
+    for (int n = 0; n < PAIRS; n++) {
+        int16_t *x = &s->groups[at / GROUP].deeper[n][at % GROUP], *y = &s->groups[to / GROUP].deeper[n][to % GROUP], pair = *x;
+        *x = *y;
+        *y = pair;
+    }
     return VXS_OK;
 }
 

@@ -45,17 +45,6 @@ typedef struct hashed_holes {
     uint32_t         none; /* 0, padding */
 } hashed_holes;
 
-static hashed_triangle hashed(const sparse_triangle *t, int same_patch)
-{
-    hashed_triangle h = {.zmin = t->zmin, .zmax = t->zmax, .gx = t->gx, .gy = t->gy, .slack = t->slack};
-    for (int k = 0; k < 3; k++) {
-        h.x[k] = t->x[k];
-        h.y[k] = t->y[k];
-    }
-    h.bits = (uint64_t)t->kind | (uint64_t)t->ends << 8 | (uint64_t)(same_patch != 0) << 16;
-    return h;
-}
-
 static void hash_holes(XXH3_state_t *state, const sparse_keys *keys, const sparse_triangles *s, uint32_t id)
 {
     size_t       n = id - s->holed_first;
@@ -100,7 +89,17 @@ static vxs_result sparse_key(sparse_keys *k, const leaf_desc *d, const triangle_
         uint64_t                of_cell = count;
         XXH3_128bits_update(&state, &of_cell, sizeof of_cell);
         for (size_t n = 0; n < count; n++) {
-            some[held++] = hashed(&s->all[ids[n]], n && s->all[ids[n]].patch == s->all[ids[n - 1]].patch);
+            const sparse_triangle *t    = &s->all[ids[n]];
+            uint64_t               same = n && t->patch == s->all[ids[n - 1]].patch;
+
+            some[held++] = (hashed_triangle){.x     = {t->x[0], t->x[1], t->x[2]},
+                                             .y     = {t->y[0], t->y[1], t->y[2]},
+                                             .zmin  = t->zmin,
+                                             .zmax  = t->zmax,
+                                             .gx    = t->gx,
+                                             .gy    = t->gy,
+                                             .slack = t->slack,
+                                             .bits  = (uint64_t)t->kind | (uint64_t)t->ends << 8 | same << 16};
             if (held < HASHED_AT_ONCE && n + 1 < count) continue;
             XXH3_128bits_update(&state, some, held * sizeof *some);
             held = 0;
@@ -146,20 +145,14 @@ static vxs_result map_bounds(void *data, uint32_t level, uint32_t i, uint32_t j,
     return VXS_OK;
 }
 
-/* NULL without memory. */
-static pooled_square *take_square(sparse_map *o)
+static vxs_result fetch_square(sparse_map *o, texel_square at, column_square *out, uint32_t threads)
 {
     os_lock(&o->lock);
     pooled_square *p = o->spare;
     if (p) o->spare = p->next;
     os_unlock(&o->lock);
-    return p ? p : calloc(1, sizeof *p);
-}
-
-static vxs_result fetch_square(sparse_map *o, texel_square at, column_square *out, uint32_t threads)
-{
-    pooled_square *p = take_square(o);
-    vxs_result     r = p ? sparse_square_make(&p->square, o->level, &o->desc, &o->bins, at, threads, o->ctx) : VXS_E_MEMORY;
+    if (!p) p = calloc(1, sizeof *p);
+    vxs_result r = p ? sparse_square_make(&p->square, o->level, &o->desc, &o->bins, at, threads, o->ctx) : VXS_E_MEMORY;
     if (r == VXS_OK) {
         *out = sparse_square_columns(&p->square);
     } else if (p) {

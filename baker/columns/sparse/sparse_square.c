@@ -72,24 +72,19 @@ static void set_bounds(sparse_square *q, texel_square at, column_bounds b)
         for (uint32_t i = 0; i < side; i++) corner[(size_t)j * across + i] = b;
 }
 
-/* Put an empty page before the worker's other pages. Returns 0 without memory. */
-static int next_page(const bake_context *ctx, square_worker *worker)
-{
-    leaf_page *page = worker->spare;
-    if (page)
-        worker->spare = page->next;
-    else if ((++worker->page_count % LOOK_PAGES == 0 && !context_has_memory(ctx)) || !(page = malloc(sizeof *page)))
-        return 0;
-    page->next    = worker->pages;
-    page->count   = 0;
-    worker->pages = page;
-    return 1;
-}
-
 /* Returns 0 without memory. */
 static int keep_tile(const square_maker *w, square_worker *worker, texel_square at, const column_tile *tile)
 {
-    if ((!worker->pages || worker->pages->count == PAGE_TILES) && !next_page(w->ctx, worker)) return 0;
+    if (!worker->pages || worker->pages->count == PAGE_TILES) { /* put an empty page before the worker's other pages */
+        leaf_page *page = worker->spare;
+        if (page)
+            worker->spare = page->next;
+        else if ((++worker->page_count % LOOK_PAGES == 0 && !context_has_memory(w->ctx)) || !(page = malloc(sizeof *page)))
+            return 0;
+        page->next    = worker->pages;
+        page->count   = 0;
+        worker->pages = page;
+    }
     column_tile *kept              = &worker->pages->tiles[worker->pages->count++];
     *kept                          = *tile;
     w->q->tiles[tile_at(w->q, at)] = kept;

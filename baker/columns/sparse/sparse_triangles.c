@@ -23,20 +23,15 @@ typedef struct finder {
     uint8_t          *inner; /* [3 * p->triangle_count] 1: the half-edge is not on a border */
 } finder;
 
-/* Triangles with holes cover nothing. Solids and sheets share no edge. */
-static int may_join(const finder *f, uint32_t a, uint32_t b)
-{
-    return f->facing[a] && f->facing[a] == f->facing[b] && a < f->p->holed_first && b < f->p->holed_first;
-}
-
 static void join_edge(void *user, uint32_t begin, uint32_t end)
 {
     const finder *f = user;
     if (end - begin != 2 || mesh_edge_balance(f->p->indices, f->sorted, begin, end)) return;
-    uint32_t a = f->sorted[begin], b = f->sorted[begin + 1];
-    if (!may_join(f, a / 3, b / 3)) return;
+    uint32_t a = f->sorted[begin], b = f->sorted[begin + 1], t = a / 3, other = b / 3;
+    if (!f->facing[t] || f->facing[t] != f->facing[other]) return;    /* solids and sheets share no edge */
+    if (t >= f->p->holed_first || other >= f->p->holed_first) return; /* triangles with holes cover nothing */
     f->inner[a] = f->inner[b] = 1;
-    mesh_join(f->patch_of, a / 3, b / 3);
+    mesh_join(f->patch_of, t, other);
 }
 
 static void settle(void *user, size_t begin, size_t end, uint32_t worker)
@@ -173,24 +168,6 @@ static void make_triangles(void *user, size_t begin, size_t end, uint32_t worker
     }
 }
 
-/* Sort all triangles that are not edge-on by patch. Triangles with holes are patches of their own, and come last. */
-static vxs_result order_by_patch(maker *w, uint32_t threads)
-{
-    size_t     count   = w->p->triangle_count;
-    uint32_t  *first   = pages_alloc((count + 1) * sizeof *first);
-    uint32_t  *members = pages_alloc((count + 1) * sizeof *members);
-    vxs_result r       = VXS_E_MEMORY;
-    if (first && members && (r = group_by_key(first, members, w->patch_of, count, count, threads)) == VXS_OK)
-        for (size_t n = 0; n < count; n++) {
-            if (!w->facing[members[n]]) continue;
-            w->s->holed_first += members[n] < w->p->holed_first;
-            members[w->s->count++] = members[n];
-        }
-    free(first);
-    w->order = members;
-    return r;
-}
-
 static vxs_result take_masks(const maker *w)
 {
     sparse_triangles *s     = w->s;
@@ -216,7 +193,20 @@ static vxs_result make(maker *w, uint32_t threads)
     if (!w->facing || !w->patch_of || !w->ends) return r;
     parallel_for(threads, count, GRAIN, find_facing, w);
     if ((r = patches_find(w->patch_of, w->ends, w->facing, w->p, threads)) != VXS_OK) return r;
-    if ((r = order_by_patch(w, threads)) != VXS_OK || (r = take_masks(w)) != VXS_OK) return r;
+
+    /* sort all triangles that are not edge-on by patch; triangles with holes are patches of their own, and come last */
+    uint32_t *first   = pages_alloc((count + 1) * sizeof *first);
+    uint32_t *members = pages_alloc((count + 1) * sizeof *members);
+    r                 = VXS_E_MEMORY;
+    if (first && members && (r = group_by_key(first, members, w->patch_of, count, count, threads)) == VXS_OK)
+        for (size_t n = 0; n < count; n++) {
+            if (!w->facing[members[n]]) continue;
+            w->s->holed_first += members[n] < w->p->holed_first;
+            members[w->s->count++] = members[n];
+        }
+    free(first);
+    w->order = members;
+    if (r != VXS_OK || (r = take_masks(w)) != VXS_OK) return r;
     if (!(w->s->all = pages_alloc((w->s->count + 1) * sizeof *w->s->all))) return VXS_E_MEMORY;
     parallel_for(threads, w->s->count, GRAIN, make_triangles, w);
     return VXS_OK;

@@ -168,20 +168,17 @@ static double later_exit_least(const square_bound *b, const square_list *l, cons
 
 /* the square ------------------------------------------------------------------------------------------------------------------ */
 
-/* Triangles that begin behind this depth no longer matter. */
-static double limit_of(const square_bound *b, const dont_care_rules *f)
-{
-    if (!dont_care_needs_next(f)) return b->enter_most;
-    return f->behind && !b->behind ? INFINITY : dont_care_through(f, b->enter_most);
-}
-
 void square_bound_tighten(square_bound *b, square_list *l, const sparse_triangles *s, const dont_care_rules *f)
 {
     size_t kept   = 0;
     double nearer = INFINITY;
     find_enter_most(b, l, s, f->behind && !b->behind ? INFINITY : b->enter_most);
     if (f->behind && !b->behind) b->behind = is_followed(b, l, s);
-    const double limit = limit_of(b, f);
+
+    /* triangles that begin behind this depth no longer matter */
+    const double limit = !dont_care_needs_next(f)  ? b->enter_most
+                         : f->behind && !b->behind ? INFINITY
+                                                   : dont_care_through(f, b->enter_most);
     for (size_t n = 0; n < l->count; n++) {
         const square_entry    *e = &l->items[n];
         const sparse_triangle *t = &s->all[e->id];

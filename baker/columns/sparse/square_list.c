@@ -93,8 +93,17 @@ static uint32_t apart_from(const splitter *w, const sparse_triangle *t, int k)
     return store_only;
 }
 
-static void ask_edges(quarter_answer *q, const splitter *w, const sparse_triangle *t)
+static quarter_answer ask(const splitter *w, const sparse_triangle *t, int covers)
 {
+    /* Depth range of the triangle in each quarter. If it is empty, the plane is outside the triangle's depth range there. */
+    const double   steep = (t->gx < 0 ? -t->gx : t->gx) + (t->gy < 0 ? -t->gy : t->gy), rise = steep * (double)w->half + t->slack;
+    const f64x4    depth = t->zmin + t->gy * (w->middle_y - t->y[0]) + t->gx * (w->middle_x - t->x[0]);
+    const f64x4    lo = f64x4_max(depth - rise, f64x4_all(t->zmin)), hi = f64x4_min(depth + rise, f64x4_all(t->zmax));
+    quarter_answer q = {.missed = i64x4_negative((i64x4)(lo > hi))};
+    memcpy(q.lo, &lo, sizeof lo);
+    memcpy(q.hi, &hi, sizeof hi);
+    if (covers) return q;
+
     i64x4 missed = {0}, uncovered = {0}, unsampled = {0}; /* negative: the box is missed, not all covered, its centre is not
                                                              covered */
     for (int k = 0; k < 3; k++) {
@@ -106,30 +115,12 @@ static void ask_edges(quarter_answer *q, const splitter *w, const sparse_triangl
         unsampled |= middle;
         if (t->ends >> k & 1) {
             uint32_t crossed = i64x4_negative(least);
-            if (crossed) q->ended |= crossed & ~apart_from(w, t, k);
+            if (crossed) q.ended |= crossed & ~apart_from(w, t, k);
         }
     }
-    q->missed |= i64x4_negative(missed);
-    q->uncovered = i64x4_negative(uncovered);
-    q->unsampled = i64x4_negative(unsampled);
-}
-
-/* Depth range of the triangle in each quarter. If it is empty, the plane is outside the triangle's depth range there. */
-static void ask_depth(quarter_answer *q, const splitter *w, const sparse_triangle *t)
-{
-    const double steep = (t->gx < 0 ? -t->gx : t->gx) + (t->gy < 0 ? -t->gy : t->gy), rise = steep * (double)w->half + t->slack;
-    const f64x4  middle = t->zmin + t->gy * (w->middle_y - t->y[0]) + t->gx * (w->middle_x - t->x[0]);
-    const f64x4  lo = f64x4_max(middle - rise, f64x4_all(t->zmin)), hi = f64x4_min(middle + rise, f64x4_all(t->zmax));
-    memcpy(q->lo, &lo, sizeof lo);
-    memcpy(q->hi, &hi, sizeof hi);
-    q->missed |= i64x4_negative((i64x4)(lo > hi));
-}
-
-static quarter_answer ask(const splitter *w, const sparse_triangle *t, int covers)
-{
-    quarter_answer q = {.missed = 0};
-    ask_depth(&q, w, t);
-    if (!covers) ask_edges(&q, w, t);
+    q.missed |= i64x4_negative(missed);
+    q.uncovered = i64x4_negative(uncovered);
+    q.unsampled = i64x4_negative(unsampled);
     return q;
 }
 

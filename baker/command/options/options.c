@@ -59,23 +59,6 @@ int command_run(const command_line *c, int argc, char **argv, vxs_result (*run)(
 /* Options of every command, after its own rows. */
 enum { COMMON_OPTIONS = 7 };
 
-static void common_options(option rows[COMMON_OPTIONS], run_context *m, help_format *format)
-{
-    const option common[COMMON_OPTIONS] = {
-        {NULL, OPTION_GROUP, NULL, 0, 0, NULL, NULL, "in every command", NULL},
-        {"--strict", OPTION_SWITCH, &m->strict, 0, 0, NULL, NULL, "a warning is an error, and nothing is written", NULL},
-        {"--force", OPTION_SWITCH, &m->force, 0, 0, NULL, NULL, "replace outputs that are read-only or have further names", NULL},
-        {"--quiet", OPTION_SWITCH, &m->no_report, 0, 0, NULL, NULL,
-         "no report and no progress: errors, warnings, what was asked for", NULL},
-        {"--verbose", OPTION_SWITCH, &m->verbose, 0, 0, NULL, NULL, "the report at full length, with decisions and their reasons",
-         NULL},
-        {"--color", OPTION_CHOICE, &m->color, 0, 0, COLOR_CHOICES, NULL, "colours; auto: on a terminal (default auto)", NULL},
-        {"--help", OPTION_HELP, format, 0, 0, HELP_FORMATS, NULL, "this text, and nothing else; --help=man prints a manual page",
-         NULL},
-    };
-    memcpy(rows, common, sizeof common);
-}
-
 static const option *find_option(const command_line *c, const char *name, size_t length)
 {
     for (size_t i = 0; i < c->option_count; i++)
@@ -141,18 +124,13 @@ static vxs_result set_vector(const option *o, const char *value, double *out, ru
     return VXS_OK;
 }
 
-/* "4K" is 4096, for texels, which are powers of two. */
-static const char *parse_thousands(const char *end, double *number)
-{
-    if (!end || (*end != 'K' && *end != 'k')) return end;
-    *number *= 1024;
-    return end + 1;
-}
-
 static vxs_result parse_in_range(const option *o, const char *value, int whole, double *number, run_context *m)
 {
     const char *end = parse_number(behind_name(o, value), number);
-    if (o->kind == OPTION_NAMED_U32) end = parse_thousands(end, number);
+    if (o->kind == OPTION_NAMED_U32 && end && (*end == 'K' || *end == 'k')) { /* "4K" is 4096, for texels, powers of two */
+        *number *= 1024;
+        end++;
+    }
     if (end && !*end && *number >= o->min && *number <= o->max && (!whole || *number == floor(*number))) return VXS_OK;
     int digits = whole ? 10 : 6; /* digits of the largest uint32_t; digits of %g */
     return fail(m, VXS_E_ARGUMENT, "%s %s: expected a %snumber from %.*g to %.*g", o->name, value, whole ? "whole " : "", digits,
@@ -339,8 +317,21 @@ vxs_result options_parse(const command_line *c, int argc, char **argv, int *help
     help_format  format             = HELP_TEXT;
     option       options[OPTIONS_MAX];
     command_line line = {c->name, c->synopsis, c->summary, options, c->option_count + COMMON_OPTIONS};
+
+    const option common[COMMON_OPTIONS] = {
+        {NULL, OPTION_GROUP, NULL, 0, 0, NULL, NULL, "in every command", NULL},
+        {"--strict", OPTION_SWITCH, &m->strict, 0, 0, NULL, NULL, "a warning is an error, and nothing is written", NULL},
+        {"--force", OPTION_SWITCH, &m->force, 0, 0, NULL, NULL, "replace outputs that are read-only or have further names", NULL},
+        {"--quiet", OPTION_SWITCH, &m->no_report, 0, 0, NULL, NULL,
+         "no report and no progress: errors, warnings, what was asked for", NULL},
+        {"--verbose", OPTION_SWITCH, &m->verbose, 0, 0, NULL, NULL, "the report at full length, with decisions and their reasons",
+         NULL},
+        {"--color", OPTION_CHOICE, &m->color, 0, 0, COLOR_CHOICES, NULL, "colours; auto: on a terminal (default auto)", NULL},
+        {"--help", OPTION_HELP, &format, 0, 0, HELP_FORMATS, NULL, "this text, and nothing else; --help=man prints a manual page",
+         NULL},
+    };
     memcpy(options, c->options, c->option_count * sizeof *options);
-    common_options(options + c->option_count, m, &format);
+    memcpy(options + c->option_count, common, sizeof common);
     *help_shown  = 0;
     vxs_result r = parse_arguments(&line, argc, argv, given, help_shown, m);
     if (r == VXS_OK && *help_shown) help_print(&line, format);

@@ -25,20 +25,6 @@ static const char clear_line[] = "\r\033[K";
 
 static atomic_int line_shown; /* a signal handler reads it */
 
-/* Replace the line by a text, on standard error. */
-static void progress_line_show(const char *text)
-{
-    atomic_store(&line_shown, 1);
-    fprintf(stderr, "%s%s", clear_line, text);
-    fflush(stderr);
-}
-
-/* 1 while there is a line. */
-static int progress_line_shown(void)
-{
-    return atomic_load(&line_shown);
-}
-
 void progress_clear(void)
 {
     if (!atomic_exchange(&line_shown, 0)) return;
@@ -59,7 +45,11 @@ static void print_line(const char *left, const char *format, va_list args)
     vsnprintf(text, (size_t)room + 1, format, args);
     snprintf(line, sizeof line, "vxs: %s%s", one_line(text), left);
     printed_at = clock_seconds();
-    progress_line_show(line);
+
+    /* Replace the line by a text, on standard error. */
+    atomic_store(&line_shown, 1);
+    fprintf(stderr, "%s%s", clear_line, line);
+    fflush(stderr);
 }
 
 void progress_say(int shown, const char *format, ...)
@@ -85,7 +75,8 @@ static void estimate(char text[32], double share, double spent_seconds)
 void progress_share(int shown, double share, double since, const char *format, ...)
 {
     double now = shown ? clock_seconds() : 0;
-    if (!shown || (progress_line_shown() && now - printed_at < interval_seconds)) return;
+    /* 1 while there is a line. */
+    if (!shown || (atomic_load(&line_shown) && now - printed_at < interval_seconds)) return;
     char left[32];
     estimate(left, share, now - since);
     va_list args;

@@ -159,16 +159,6 @@ void report_print(FILE *to, const bake_options *o, const bake_report *r)
 
 /* for machines ---------------------------------------------------------------------------------------------------------------- */
 
-static json_t *parts_json(const light_report *l)
-{
-    json_t *parts = json_array();
-    for (const part_report *p = l->parts; p < l->parts + l->part_count; p++)
-        json_array_append_new(parts, json_pack("{s:s, s:I, s:I, s:I, s:I}", "kind", p->part.kind, "side_voxels",
-                                               (json_int_t)p->part.side_voxels, "count", (json_int_t)p->part.count, "memory_bytes",
-                                               (json_int_t)p->part.memory_bytes, "stored_bytes", (json_int_t)p->stored_bytes));
-    return parts;
-}
-
 /* Statistics of a coding: what it found, and what it kept. */
 static json_t *coded_json(const light_report *l)
 {
@@ -184,6 +174,11 @@ static json_t *coded_json(const light_report *l)
 static json_t *light_json(const light_report *l)
 {
     double  texels = light_texels(l);
+    json_t *parts  = json_array();
+    for (const part_report *p = l->parts; p < l->parts + l->part_count; p++)
+        json_array_append_new(parts, json_pack("{s:s, s:I, s:I, s:I, s:I}", "kind", p->part.kind, "side_voxels",
+                                               (json_int_t)p->part.side_voxels, "count", (json_int_t)p->part.count, "memory_bytes",
+                                               (json_int_t)p->part.memory_bytes, "stored_bytes", (json_int_t)p->stored_bytes));
     json_t *o = json_pack("{s:o, s:s, s:I, s:i, s:f, s:o, s:f, s:[f,f,f], s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:o}",
                           "name", json_text(l->light.name), "kind",
                           l->light.kind == VXS_LIGHT_KIND_DIRECTIONAL ? "directional"
@@ -197,7 +192,7 @@ static json_t *light_json(const light_report *l)
                           "triangles_drawn", (json_int_t)l->depth.triangles_drawn, "blocks_peeled",
                           (json_int_t)l->depth.blocks_peeled, "blocks_not_peeled", (json_int_t)l->depth.blocks_not_peeled,
                           "peel_passes", (json_int_t)l->depth.peel_passes, "peel_passes_max", (json_int_t)l->depth.peel_passes_max,
-                          "mask_tiles", (json_int_t)l->mask_tiles, "levels", parts_json(l));
+                          "mask_tiles", (json_int_t)l->mask_tiles, "levels", parts);
     json_t *coded = coded_json(l);
     json_object_update(o, coded);
     json_decref(coded);
@@ -217,13 +212,6 @@ static json_t *light_json(const light_report *l)
     return o;
 }
 
-static json_t *squares_json(const bake_options *o, const bake_report *r)
-{
-    square_counts squares = report_squares(r);
-    return json_pack("{s:o, s:I, s:I}", "folder", json_text(o->resume_path), "made", (json_int_t)squares.made, "found",
-                     (json_int_t)(squares.all - squares.made));
-}
-
 json_t *report_json(const bake_options *o, const bake_report *r, const run_context *m)
 {
     json_t *lights = json_array();
@@ -234,7 +222,6 @@ json_t *report_json(const bake_options *o, const bake_report *r, const run_conte
         json_array_append_new(stages_json, json_pack("{s:s, s:f, s:I}", "name", bake_stage_name((bake_stage)s), "seconds",
                                                      r->stage[s].seconds, "peak_bytes", (json_int_t)r->stage[s].peak_bytes));
 
-    /* The plan and the results. */
     uint64_t memory_bytes = 0;
     for (uint32_t n = 0; n < r->light_count; n++) memory_bytes += r->lights[n].memory_bytes;
     json_t *plan_json =
@@ -249,7 +236,11 @@ json_t *report_json(const bake_options *o, const bake_report *r, const run_conte
                              (json_int_t)r->file_bytes, "casters", report_casters_json(r), "lights", lights, "lights_left_out",
                              report_left_out_json(r), "warnings", report_warnings_json(m), "stages", stages_json, "plan", plan_json,
                              "total_seconds", r->total_seconds, "peak_bytes", (json_int_t)r->peak_bytes);
-    if (o->resume_path) json_object_set_new(root, "squares", squares_json(o, r));
+    square_counts squares = report_squares(r);
+    if (o->resume_path)
+        json_object_set_new(root, "squares",
+                            json_pack("{s:o, s:I, s:I}", "folder", json_text(o->resume_path), "made", (json_int_t)squares.made,
+                                      "found", (json_int_t)(squares.all - squares.made)));
     if (o->points)
         json_object_set_new(root, "points",
                             json_pack("{s:I, s:I}", "count", (json_int_t)o->points, "stored_bytes", (json_int_t)r->points_bytes));

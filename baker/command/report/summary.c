@@ -86,13 +86,6 @@ static void print_left_out(FILE *to, const bake_report *r)
     }
 }
 
-/* "0.046", "9.5", "1748" */
-static const char *ratio_text(char text[32], double ratio)
-{
-    snprintf(text, 32, ratio < 1 ? "%.2g" : ratio < 10 ? "%.1f" : "%.0f", ratio);
-    return text;
-}
-
 /* How much of the file is smoke. */
 static void print_smoke(FILE *to, const bake_options *o, const bake_report *r)
 {
@@ -136,13 +129,14 @@ void bake_summary_print(FILE *to, const bake_options *o, const bake_report *r)
     print_left_out(to, r);
     squares_print(to, o, r);
 
-    /* The size of the file, and how many times larger plain depth maps of 16 bits would be. */
-    char   size[32], ratio[32], plain[PLAIN_BYTES];
+    /* how many times larger plain depth maps of 16 bits would be: "0.046", "9.5", "1748" */
+    char   size[32], plain[PLAIN_BYTES];
     double maps = 0;
     for (uint32_t n = 0; n < r->light_count; n++) maps += light_depth16_bytes(&r->lights[n]);
-    fprintf(to, "file         %s: %s; depth maps are %s times that\n",
-            strcmp(o->output_path, "-") ? plain_text(plain, o->output_path) : "standard output", size_text(size, r->file_bytes),
-            ratio_text(ratio, maps / (double)r->file_bytes));
+    double ratio = maps / (double)r->file_bytes;
+    fprintf(to, "file         %s: %s; depth maps are ",
+            strcmp(o->output_path, "-") ? plain_text(plain, o->output_path) : "standard output", size_text(size, r->file_bytes));
+    fprintf(to, ratio < 1 ? "%.2g times that\n" : ratio < 10 ? "%.1f times that\n" : "%.0f times that\n", ratio);
 
     print_smoke(to, o, r);
 
