@@ -272,13 +272,13 @@ static void read_all(vxs_reader *r)
     if (go_on(r)) vxs_read_metadata(r);
 }
 
-void vxs_beside_free(vxs_beside *beside, uint32_t light_count, const vxs_allocator *allocator)
+void vxs_extras_free(vxs_extras *extras, uint32_t light_count, const vxs_allocator *allocator)
 {
-    vxs_smoke_free(beside->smoke, light_count, allocator);
-    vxs_points_free(&beside->points, allocator);
+    vxs_smoke_free(extras->smoke, light_count, allocator);
+    vxs_points_free(&extras->points, allocator);
 }
 
-vxs_result vxs_read_beside(vxs_contents *contents, vxs_beside *beside, const void *bytes, size_t size_bytes,
+vxs_result vxs_read_extras(vxs_contents *contents, vxs_extras *extras, const void *bytes, size_t size_bytes,
                            const vxs_read_desc *desc)
 {
     vxs_reader r     = {.bytes = bytes, .size = size_bytes};
@@ -290,12 +290,12 @@ vxs_result vxs_read_beside(vxs_contents *contents, vxs_beside *beside, const voi
 
     read_all(&r);
     ZSTD_freeDCtx(r.zstd);
-    vxs_beside found = {r.smoke, r.points};
+    vxs_extras found = {r.smoke, r.points};
     if (r.result == VXS_OK) {
         *contents = r.out;
-        *beside   = found;
+        *extras   = found;
     } else {
-        vxs_beside_free(&found, r.out.light_count, &r.allocator);
+        vxs_extras_free(&found, r.out.light_count, &r.allocator);
         vxs_contents_free(&r.out);
     }
     return r.result;
@@ -303,9 +303,9 @@ vxs_result vxs_read_beside(vxs_contents *contents, vxs_beside *beside, const voi
 
 vxs_result vxs_read(vxs_contents *contents, const void *bytes, size_t size_bytes, const vxs_read_desc *desc)
 {
-    vxs_beside beside;
-    vxs_result r = vxs_read_beside(contents, &beside, bytes, size_bytes, desc);
-    if (r == VXS_OK) vxs_beside_free(&beside, contents->light_count, &contents->allocator);
+    vxs_extras extras;
+    vxs_result r = vxs_read_extras(contents, &extras, bytes, size_bytes, desc);
+    if (r == VXS_OK) vxs_extras_free(&extras, contents->light_count, &contents->allocator);
     return r;
 }
 

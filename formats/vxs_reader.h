@@ -1,5 +1,6 @@
-/* State of a file being read: interface between vxs_read.c, the readers of sections, and vxs_reader.c, which they share. Not installed. The reader belongs
- * to the thread that called vxs_read. Tasks of a coding (vxs_tasks.h) only read it, and call no function of this header.
+/* State of a file being read: interface between vxs_read.c, the readers of sections, and vxs_reader.c, which they share. Not
+ * installed. The reader belongs to the thread that called vxs_read. Tasks of a coding (vxs_tasks.h) only read it, and call no
+ * function of this header.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_READER_H
 #define VXS_READER_H
@@ -115,15 +116,15 @@ int vxs_read_light_table(vxs_reader *r);
 int vxs_read_metadata(vxs_reader *r);
 
 /* Content that is not in vxs_contents, because the layout of that struct must not change. */
-typedef struct vxs_beside {
+typedef struct vxs_extras {
     vxs_baked_smoke *smoke; /* [light_count] NULL: no light has smoke */
     vxs_baked_points points;
-} vxs_beside;
+} vxs_extras;
 
 /* vxs_read, with smoke and points.
- * beside  [out] release with vxs_beside_free; written only if VXS_OK is returned */
-vxs_result vxs_read_beside(vxs_contents *contents, vxs_beside *beside, const void *bytes, size_t size_bytes,
+ * extras  [out] release with vxs_extras_free; written only if VXS_OK is returned */
+vxs_result vxs_read_extras(vxs_contents *contents, vxs_extras *extras, const void *bytes, size_t size_bytes,
                            const vxs_read_desc *desc);
-void       vxs_beside_free(vxs_beside *beside, uint32_t light_count, const vxs_allocator *allocator);
+void       vxs_extras_free(vxs_extras *extras, uint32_t light_count, const vxs_allocator *allocator);
 
 #endif

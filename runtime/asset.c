@@ -10,7 +10,7 @@
 
 struct vxs_asset {
     vxs_contents  contents;
-    vxs_beside    beside;
+    vxs_extras    extras;
     vxs_allocator allocator;
 };
 
@@ -25,7 +25,7 @@ vxs_result vxs_asset_open(vxs_asset **asset, const void *bytes, size_t size_byte
     if (!a) return VXS_E_MEMORY;
     memset(a, 0, sizeof *a);
     a->allocator = memory;
-    r            = vxs_read_beside(&a->contents, &a->beside, bytes, size_bytes, &known);
+    r            = vxs_read_extras(&a->contents, &a->extras, bytes, size_bytes, &known);
     if (r != VXS_OK) {
         memory.free(a, sizeof *a, memory.user);
         return r;
@@ -70,7 +70,7 @@ void vxs_asset_close(vxs_asset *asset)
 {
     if (!asset) return;
     vxs_allocator memory = asset->allocator;
-    vxs_beside_free(&asset->beside, asset->contents.light_count, &memory);
+    vxs_extras_free(&asset->extras, asset->contents.light_count, &memory);
     vxs_contents_free(&asset->contents);
     memory.free(asset, sizeof *asset, memory.user);
 }
@@ -94,13 +94,13 @@ const vxs_baked_light *vxs_asset_find_light(const vxs_asset *asset, const char *
 
 const vxs_baked_smoke *vxs_asset_smoke(const vxs_asset *asset, uint32_t index)
 {
-    const vxs_baked_smoke *smoke = asset->beside.smoke;
+    const vxs_baked_smoke *smoke = asset->extras.smoke;
     return smoke && index < asset->contents.light_count && smoke[index].words ? &smoke[index] : NULL;
 }
 
 const vxs_baked_points *vxs_asset_points(const vxs_asset *asset)
 {
-    return asset->beside.points.coordinates ? &asset->beside.points : NULL;
+    return asset->extras.points.coordinates ? &asset->extras.points : NULL;
 }
 
 void vxs_points_unpack(const vxs_baked_points *points, const double origin_ws[3], float *out)

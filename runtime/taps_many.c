@@ -168,7 +168,7 @@ typedef struct texels {
 /* State of the tiles of some texels at a depth. */
 typedef enum kind { LIT, DARK, MIXED, MISSING } kind;
 
-static inline kind look_at_tiles(vxs_tap_cache *c, uint32_t map, texels box, int32_t k)
+static inline kind classify_tiles(vxs_tap_cache *c, uint32_t map, texels box, int32_t k)
 {
     int16_t least = INT16_MAX, greatest = INT16_MIN;
     for (int32_t y = box.y0 >> 3; y <= box.y1 >> 3; y++)
@@ -195,7 +195,7 @@ uint32_t vxs_cached_taps(vxs_tap_cache *c, uint32_t map, int32_t i, int32_t j, i
         if (!have_tile(c, map, i >> 3, j >> 3, PRICE_FOR_TAP)) return walked(c, map, i, j, k, 1);
         return c->depth[(j & (VXS_CACHE_PX - 1)) * VXS_CACHE_PITCH + (i & (VXS_CACHE_PX - 1))] < k;
     }
-    kind found = look_at_tiles(c, map, (texels){x0, y0, i + half_px, j + half_px}, k);
+    kind found = classify_tiles(c, map, (texels){x0, y0, i + half_px, j + half_px}, k);
     if (found == MISSING) return walked(c, map, i, j, k, width_px);
     if (found != MIXED) return found == DARK ? (uint32_t)(width_px * width_px) : 0;
     int32_t column = x0 & (VXS_CACHE_PX - 1);
@@ -212,7 +212,7 @@ uint32_t vxs_cached_part(vxs_tap_cache *c, vxs_place place, int32_t k, int32_t w
     if (!tries) c->rest--;
     if (tries && all.x0 >= 0 && all.y0 >= 0 && all.x1 < side && all.y1 < side) {
         earn(c);
-        found = look_at_tiles(c, (uint32_t)place.map, all, k);
+        found = classify_tiles(c, (uint32_t)place.map, all, k);
     }
     if (found == MISSING) return vxs_shadow_part(c->baked->words, &c->baked->light, place, (uint32_t)k, width_px);
     if (found != MIXED) return found == DARK ? 65536 * (uint32_t)(width_px * width_px) : 0;

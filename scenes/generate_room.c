@@ -51,7 +51,7 @@ static void generate_screen(parts *p, double wall_x, const double middle[2])
 {
     double   front = wall_x - case_deep, y = middle[0], z = middle[1];
     uint32_t image    = parts_image(p, WIDE_PX, HIGH_PX, make_picture());
-    uint32_t material = parts_material(p, (glb_material){.name = "screen", .image = image, .shines = 3});
+    uint32_t material = parts_material(p, (glb_material){.name = "screen", .image = image, .emission = 3});
     uint32_t corner[4];
     parts_box_at(p, "screen's case", front, wall_x, y - half_high - edge, y + half_high + edge, z - half_wide - edge,
                  z + half_wide + edge);

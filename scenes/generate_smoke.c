@@ -54,7 +54,7 @@ static uint32_t paint(parts *p, const char *name, double red, double green, doub
 }
 
 /* The light that was added last. */
-static void shine(const parts *p, double red, double green, double blue)
+static void set_emission(const parts *p, double red, double green, double blue)
 {
     if (p->out_of_memory) return;
     double *colour = p->s->lights[p->s->light_count - 1].colour;
@@ -174,7 +174,7 @@ vxs_result generate_smoke(glb_scene *s, const smoke_options *o, run_context *m)
     parts_mesh(&p, "barrels", iron);
     for (int n = 0; n < 3; n++) parts_lathe(&p, (double[3]){yard[n].foot[0], 0, yard[n].foot[2]}, barrel, 6, 24);
     parts_sun(&p, (double[3]){-0.82, -0.42, -0.36});
-    shine(&p, 1, 0.90, 0.76);
+    set_emission(&p, 1, 0.90, 0.76);
 
     const double x = 3.4, z = 1.1, out = 1.3;
     parts_mesh(&p, "street lamp", iron);
@@ -182,7 +182,7 @@ vxs_result generate_smoke(glb_scene *s, const smoke_options *o, run_context *m)
     parts_box_at(&p, NULL, x - out, x + 0.06, 4.9, 4.98, z - 0.04, z + 0.04);
     parts_box_at(&p, NULL, x - out - 0.16, x - out + 0.16, 4.78, 4.9, z - 0.14, z + 0.14);
     parts_spot(&p, "street lamp", (double[3]){x - out, 4.7, z}, (double[3]){-0.45, -1, -0.12}, 40, 12);
-    shine(&p, 22, 16, 9);
+    set_emission(&p, 22, 16, 9);
 
     add_camera(&p, 2.5, 1.9, 14);
     for (uint32_t n = 0; n < 3; n++)
@@ -270,9 +270,9 @@ vxs_result generate_hair(glb_scene *s, const smoke_options *o, run_context *m)
 
     add_head(&p, paint(&p, "skin", 0.66, 0.49, 0.40));
     parts_spot(&p, "lamp", (double[3]){0.75, 1.9, 0.75}, (double[3]){-0.72, -0.84, -0.75}, 30, 6);
-    shine(&p, 1, 0.88, 0.72);
+    set_emission(&p, 1, 0.88, 0.72);
     parts_spot(&p, "behind", (double[3]){-0.9, 1.75, -0.85}, (double[3]){0.85, -0.62, 0.85}, 32, 6);
-    shine(&p, 0.55, 0.68, 0.9);
+    set_emission(&p, 0.55, 0.68, 0.9);
     add_camera(&p, 0.15, 1.25, 1.9);
     uint32_t puffs = o->capsules / 4, pieces = o->capsules - puffs;
     if (pieces) parts_smoke(&p, "hair", 1, paint(&p, "hair", 0.62, 0.40, 0.22));

@@ -343,7 +343,7 @@ vxs_result bake(const bake_options *o, const bake_observer *observer, bake_repor
     if (squares.has_store && !is_baked_apart(o)) cache_folder_clean(&squares.store); /* other processes use the other squares */
     stage_begin(&ctx, STAGE_NONE);
     report_stages(report, &ctx);
-    if (observer) r = observer->look(observer->user, o, &s->casters, &file, m);
+    if (observer) r = observer->on_complete(observer->user, o, &s->casters, &file, m);
 done:
     if (report->unchanged) report_stages(report, &ctx);
     bake_squares_close(&squares);

@@ -9,7 +9,7 @@
 /* Called when the file is written. It may read the casters and the asset's bytes, and may take the bytes. Its time is not
  * counted. */
 typedef struct bake_observer {
-    vxs_result (*look)(void *user, const bake_options *o, const casters *c, vxs_bytes *file, run_context *m);
+    vxs_result (*on_complete)(void *user, const bake_options *o, const casters *c, vxs_bytes *file, run_context *m);
     void *user;
 } bake_observer;
 

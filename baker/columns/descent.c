@@ -119,7 +119,7 @@ static vxs_result fetch_slot(walker *w, uint32_t slot)
     if (r != VXS_OK) return r;
     s->seconds[0] = clock_seconds() - since;
     if ((r = square.bounds(square.data, s->level, 0, 0, &s->bounds)) == VXS_OK) {
-        if (w->d->look(w->d->user, &s->bounds, s->level, 1) == DESCENT_SETTLED)
+        if (w->d->classify(w->d->user, &s->bounds, s->level, 1) == DESCENT_SETTLED)
             s->kind = WAITING_SETTLED;
         else
             r = build_slot(w, slot, &square, 0, 0);
@@ -269,7 +269,7 @@ static vxs_result settle_known(const walker *w, const square_record *known)
     vxs_result r = VXS_OK;
     for (const record_step *s = known->steps; s < known->steps + known->count && r == VXS_OK; s++) {
         if (s->is_built) continue;
-        if (w->d->look(w->d->user, &s->bounds, s->level, 1) != DESCENT_SETTLED)
+        if (w->d->classify(w->d->user, &s->bounds, s->level, 1) != DESCENT_SETTLED)
             return VXS_E_VERSION; /* sound, but from another version */
         r = w->d->settle(w->d->user, &s->bounds, s->level, s->i, s->j);
     }
@@ -372,7 +372,7 @@ static vxs_result visit(walker *w, uint32_t level, uint32_t i, uint32_t j)
     waiting    s = {.level = level, .i = i, .j = j};
     vxs_result r = bounds_of(w, level, i, j, &s.bounds);
     if (r != VXS_OK) return r;
-    descent_step step = w->d->look(w->d->user, &s.bounds, level, w->fetched != NULL);
+    descent_step step = w->d->classify(w->d->user, &s.bounds, level, w->fetched != NULL);
     if (step == DESCENT_SETTLED) {
         s.kind = WAITING_SETTLED;
         if (!w->fetched) w->steps += steps_of(w, level);

@@ -30,7 +30,7 @@ typedef struct descent {
 
     /* Decide about a square of `level` by its bounds.   fetched  1: bounds of fetched columns, 0: bounds known before the fetch.
      * Threads: any. */
-    descent_step (*look)(const void *user, const column_bounds *bounds, uint32_t level, int fetched);
+    descent_step (*classify)(const void *user, const column_bounds *bounds, uint32_t level, int fetched);
 
     /* Add the square (i, j) of `level` of the map; its bounds settle it. Called in z order together with add. */
     vxs_result (*settle)(void *user, const column_bounds *bounds, uint32_t level, uint32_t i, uint32_t j);

@@ -35,7 +35,7 @@ static vxs_result run(void *command, run_context *m)
     bake_report       report = {0};
     bake_page         page   = {0};
     const bake_pages *pages  = linked_laboratory.pages;
-    bake_observer     drawn  = {pages ? pages->look : NULL, &page};
+    bake_observer     drawn  = {pages ? pages->on_complete : NULL, &page};
     vxs_result        r      = bake_arguments_check(a, m);
     process_return_large();
     a->o.watch = progress_wanted(m) ? &progress_watch : NULL;

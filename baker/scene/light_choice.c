@@ -184,7 +184,7 @@ static vxs_result fail_without_light(const scene *s, run_context *m)
     if (s->lost_light_count)
         return fail(m, VXS_E_NO_LIGHT, "all lights of the scene are hidden (KHR_node_visibility): --sun X,Y,Z gives one");
     return fail(m, VXS_E_NO_LIGHT, "the scene has no light%s: --sun X,Y,Z gives one",
-                s->shining_count ? ", and materials that shine are none" : "");
+                s->emissive_count ? ", and materials that shine are none" : "");
 }
 
 static vxs_result choose(const scene *s, const light_choice *all, const text_list *names, const named_list *suns,

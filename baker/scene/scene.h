@@ -172,7 +172,7 @@ typedef struct scene {
 
     size_t material_count;
     float (*material_colours)[3]; /* [material_count] linear base colours, for pictures; textures are not read and count as grey */
-    size_t shining_count;         /* number of emissive materials; these are not lights */
+    size_t emissive_count;        /* number of emissive materials; these are not lights */
 
     size_t      area_count; /* filled only if the choice has `areas` */
     scene_area *areas;      /* in the order of triangles */

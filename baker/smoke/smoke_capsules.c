@@ -92,7 +92,7 @@ static double left_of(const smoke_path *p, size_t point)
 }
 
 /* Find the point of gap n that is farthest from its line. */
-static void look_into_gap(curve *c, uint32_t n)
+static void sample_gap(curve *c, uint32_t n)
 {
     const smoke_path *p = c->path;
     size_t            a = c->point[n], b = c->point[n + 1];
@@ -118,7 +118,7 @@ uint32_t smoke_path_nodes(const smoke_path *p, const smoke_units *units, double 
 {
     if (!p->count || 1 - left_of(p, p->count - 1) <= error) return 0;
     curve c = {.path = p, .point = {0, p->count - 1}, .count = 2};
-    look_into_gap(&c, 0);
+    sample_gap(&c, 0);
     for (uint32_t gap = 0; c.count < most && c.far[gap = farthest_gap(&c)] > error;) {
         /* Insert a node in gap n. */
         for (uint32_t k = c.count++; k > gap + 1; k--) {
@@ -127,8 +127,8 @@ uint32_t smoke_path_nodes(const smoke_path *p, const smoke_units *units, double 
             c.far[k]   = c.far[k - 1];
         }
         c.point[gap + 1] = c.worst[gap];
-        look_into_gap(&c, gap);
-        look_into_gap(&c, gap + 1);
+        sample_gap(&c, gap);
+        sample_gap(&c, gap + 1);
     }
 
     /* Nodes are at whole units, with the transmittance there. The first is not behind the path's begin, the last not before its

@@ -1,4 +1,4 @@
-/* Adds the light of one VPL on surfaces, by its light map, which is that of the frame. */
+/* Adds the light of one VPL on surfaces, by its shadow depth map, which is that of the frame. */
 #include "area_surface.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;

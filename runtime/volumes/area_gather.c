@@ -55,7 +55,8 @@ static void fill(const vxs_area_light *light)
     vxs_or_scan_run(&light->scan, light->buffer, sizeof light->vpls / 16, (uint32_t)light->size.columns, rows * light->count);
 }
 
-/* Make a VPL's light map that of the frame. All pixels of the view are drawn, because a VPL of an area light has no range. */
+/* Make a VPL's shadow depth map that of the frame. All pixels of the view are drawn, because a VPL of an area light has no range.
+ * */
 static void set_map(const vxs_area_light *light, uint32_t vpl, const vxs_shadow_depth_map *map)
 {
     vxs_volumes      *v   = light->volumes;
@@ -65,7 +66,7 @@ static void set_map(const vxs_area_light *light, uint32_t vpl, const vxs_shadow_
     v->frame.pixels = all;
 }
 
-/* Fill the grids by light maps, one after the other, through the grid of vxs_shadow_grid. */
+/* Fill the grids by shadow depth maps, one after the other, through the grid of vxs_shadow_grid. */
 static void fill_exactly(vxs_area_light *light, const vxs_shadow_depth_map *const *maps, uint32_t runs)
 {
     const vxs_volumes *v     = light->volumes;

@@ -220,7 +220,7 @@ vxs_result vxs_area_light_cast(vxs_area_light *light, const vxs_area_casters *ca
     v->own.area = (area_block){
         .vpls = light->count, .levels = FILL_LEVELS, .side_px = light->side_px, .first_word = vxs_area_shadow_depth_maps(light)};
     vxs_volumes_use_storage(v, light->buffer, 0);
-    gl_name program = vxs_volumes_program(v, &(program_texts){.body = &vxs_volumes_text_area_holes_glsl});
+    gl_name program = vxs_volumes_program(v, &(program_texts){.body = &vxs_volumes_text_area_pull_push_glsl});
     vxs_volumes_run(v, program, 0, 0, light->count, 1);
     vxs_volumes_restore_storage(v, &saved);
     vxs_result result = vxs_volumes_done(v);

@@ -39,7 +39,7 @@ struct vxs_area_light {
     gl_name          buffer;               /* VXS_VPLS_MAX VPLs, words of `most` grids, words of as many maps */
     gl_name          gathered, irradiance; /* textures; gathered has two layers: air and surfaces */
     or_scan          scan;
-    vxs_shadow_grid *exact; /* NULL: no light maps are used */
+    vxs_shadow_grid *exact; /* NULL: no shadow depth maps are used */
     area_smoke       smoke;
     float            anchor[3];
     area_vpl         vpls[VXS_VPLS_MAX];   /* positions from the anchor */

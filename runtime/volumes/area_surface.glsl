@@ -85,7 +85,7 @@ float vxs_area_lit(vxs_area_pixel p, uint n)
     return lit;
 }
 
-/* The same by its light map, which is that of the frame; its texels have the nearest depth of all casters in them, rounded
+/* The same by its shadow depth map, which is that of the frame; its texels have the nearest depth of all casters in them, rounded
  * toward the VPL to a voxel. */
 float vxs_area_lit_exactly(vxs_area_pixel p, uint n)
 {

@@ -15,7 +15,7 @@ int vxs_first_shadow(vxs_light_constants light, int map, int i, int j)
     return first;
 }
 
-/* The same in units of light maps: for suns in voxels, for punctual lights in metres along the axis of the map. */
+/* The same in units of shadow depth maps: for suns in voxels, for punctual lights in metres along the axis of the map. */
 float vxs_first_depth(vxs_light_constants light, int voxel)
 {
     if (voxel >= 1 << light.levels) return VXS_NO_END;

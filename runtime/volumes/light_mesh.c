@@ -97,7 +97,7 @@ static void choose_quads(mesh_plan *p)
     for (int level = levels; level > 0; level--) EACH_QUAD(p, q, level)
     p->splits[vxs_mesh_quad_at(&p->shape, q)] = vxs_mesh_exists(p->splits, &p->shape, q) && is_off(p, q);
     for (int level = 1; level < levels; level++) EACH_QUAD(p, q, level)
-    vxs_mesh_let_meet(p->splits, &p->shape, q);
+    vxs_mesh_balance(p->splits, &p->shape, q);
 }
 
 /* triangles -------------------------------------------------------------------------------------------------------------------- */

@@ -1,4 +1,5 @@
-/* Looks texels [first, end) of a light map up in the asset; each takes the baked texel at the middle of those that it covers. */
+/* Looks texels [first, end) of a shadow depth map up in the asset; each takes the baked texel at the middle of those that it
+ * covers. */
 #include "frame.glsl"
 #include "first_shadow.glsl"
 

@@ -1,4 +1,4 @@
-/* Joins moving casters into a light map: the nearer depth on each light ray. A light ray is one point of a depth map that is
+/* Joins moving casters into a shadow depth map: the nearer depth on each light ray. A light ray is one point of a depth map that is
  * seen from the light. The point of the ray at that depth follows from the change of depth along the ray. */
 #include "frame.glsl"
 

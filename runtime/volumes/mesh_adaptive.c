@@ -1,5 +1,5 @@
-/* Meshes of a current light map, with few triangles where it is flat; see vxs_volumes.h. In each frame, shaders choose the quads
- * of vxs_mesh_quads.h level by level, list their triangles, and draw the listed triangles.
+/* Meshes of a current shadow depth map, with few triangles where it is flat; see vxs_volumes.h. In each frame, shaders choose the
+ * quads of vxs_mesh_quads.h level by level, list their triangles, and draw the listed triangles.
  * SPDX-License-Identifier: MIT */
 #include <limits.h>
 
@@ -125,7 +125,7 @@ static void choose_quads(const vxs_adaptive_mesh *mesh, const vxs_mesh_shape *sh
         run(mesh, &vxs_volumes_text_mesh_split_glsl, map, level,
             shape->side >> (level < 3 ? level : 3)); /* as in mesh_split.glsl */
     for (int level = 1; level < shape->levels; level++)
-        run(mesh, &vxs_volumes_text_mesh_meet_glsl, map, level, shape->side >> level);
+        run(mesh, &vxs_volumes_text_mesh_balance_glsl, map, level, shape->side >> level);
 }
 
 static void list_triangles(const vxs_adaptive_mesh *mesh, const vxs_mesh_shape *shape, gl_name map)

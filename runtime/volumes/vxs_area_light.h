@@ -130,7 +130,7 @@ typedef struct vxs_area_light_desc {
     uint32_t vpls;          /* largest number of VPLs, at most VXS_VPLS_MAX; 0: VXS_VPLS_MAX */
     uint32_t side_px;       /* of the imperfect shadow map of each VPL: 32, 64, 128, 256; 0: 128 */
     uint32_t columns, rows; /* of the grid of each VPL, whose eye rays have 128 bits: 1 to 256; 0: 128 */
-    uint32_t takes_maps;    /* 1: exact light maps may be given instead of imperfect shadow maps */
+    uint32_t takes_maps;    /* 1: exact shadow depth maps may be given instead of imperfect shadow maps */
     uint32_t capsules;      /* largest number of smoke capsules, up to 2^24; 0: no smoke, and nothing is allocated for it */
     uint32_t smoke_side_px; /* curves per side for each VPL; 0: 64 */
     uint32_t smoke_nodes;   /* per curve: 4, 8, 12, 16; 0: 4 */

@@ -7,7 +7,7 @@
  *     vxs_mesh_place       the position of a vertex in light space
  *     vxs_mesh_held        the same vertex for all that coincide; vxs_mesh_code: a vertex as a number
  *
- * A light map stores where shadow begins on the light ray through each texel's middle. A grid of (side + 1) x (side + 1)
+ * A shadow depth map stores where shadow begins on the light ray through each texel's middle. A grid of (side + 1) x (side + 1)
  * vertices is displaced to these depths. Inner vertices are on the rays through the middles of texels. Outer vertices are on the
  * border, so that the grid covers the whole map and has a power of two of quads:
  *

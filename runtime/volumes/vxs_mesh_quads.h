@@ -2,7 +2,7 @@
  * Built on vxs_light_mesh.h.
  *
  *     vxs_mesh_is_off      whether a quad's two triangles are too far from the depths of the map: then it is split
- *     vxs_mesh_let_meet    splits the neighbours of a split quad where needed
+ *     vxs_mesh_balance    splits the neighbours of a split quad where needed
  *     vxs_mesh_is_drawn    whether a quad is a leaf
  *     vxs_mesh_finer       the edges where smaller quads meet it; vxs_mesh_fan_first, vxs_mesh_fan_next: its triangles in that case
  *
@@ -38,7 +38,7 @@ typedef struct vxs_mesh_quad vxs_mesh_quad;
 #define VXS_MESH_FIRST  const float *
 #define VXS_MESH_SPLITS uint8_t *
 
-/* A texel of a light map: [layers][side][side]. */
+/* A texel of a shadow depth map: [layers][side][side]. */
 VXS_FN vxs_real vxs_mesh_first(VXS_MESH_FIRST first, VXS_MESH shape, const vxs_int3 texel)
 {
     return VXS_REAL(first[(texel[2] * shape->side + texel[1]) * shape->side + texel[0]]); /* six layers of 8192: less than 2^31 */
@@ -136,7 +136,7 @@ VXS_FN vxs_i32 vxs_mesh_is_drawn(VXS_MESH_SPLITS splits, VXS_MESH shape, vxs_mes
 
 /* Split the larger neighbours of a split quad. Call it for all quads of each level, from level 1 up to below the root: then
  * neighbours differ by at most one level. */
-VXS_FN void vxs_mesh_let_meet(VXS_MESH_SPLITS splits, VXS_MESH shape, vxs_mesh_quad q)
+VXS_FN void vxs_mesh_balance(VXS_MESH_SPLITS splits, VXS_MESH shape, vxs_mesh_quad q)
 {
     if (vxs_mesh_has_split(splits, shape, q) == 0) return;
     vxs_mesh_set_split(splits, vxs_mesh_quad_at(shape, vxs_mesh_parent(q)));

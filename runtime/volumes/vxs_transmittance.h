@@ -66,7 +66,8 @@ typedef struct vxs_capsules {
 } vxs_capsules;
 
 /* Rebuild the curves.
- * opaque  light map of the same light: light ends where its shadow begins, and smoke behind that casts nothing. NULL: only smoke
+ * opaque  shadow depth map of the same light: light ends where its shadow begins, and smoke behind that casts nothing. NULL: only
+ * smoke
  *         casts; the shadow of static casters is in the asset, and a shader multiplies both. With `opaque`, light ends at the
  *         surface itself: use that for airlight, not for light on surfaces
  * Returns VXS_OK; VXS_E_ARGUMENT for more capsules than given to create, or for a map of another light. */

@@ -12,9 +12,9 @@
  * integrated along each eye ray over the parts that are lit. The techniques differ in how they find these parts. Media and
  * lights are the same for all of them (vxs_air_path.h).
  *
- * A light map stores for each light ray where shadow begins. It joins static casters, from the baked asset, with moving casters,
- * from depth maps of the caller, ray by ray. A shadow grid joins the asset or a light map with triangles that move. Nothing else
- * joins static and moving casters.
+ * A shadow depth map stores for each light ray where shadow begins. It joins static casters, from the baked asset, with moving
+ * casters, from depth maps of the caller, ray by ray. A shadow grid joins the asset or a shadow depth map with triangles that move.
+ * Nothing else joins static and moving casters.
  *
  * The library links no OpenGL; it needs OpenGL 4.5. Each call requires that the context of vxs_volumes_create is current on the
  * calling thread. Calls restore the context state that they change, except words and lights, which stay bound as by vxs_gl_bind.
@@ -137,7 +137,7 @@ unsigned vxs_volumes_airlight(const vxs_volumes *volumes);
  * current draw framebuffer, from (0, 0) on, where pixels must match those of the depths. */
 void vxs_volumes_composite(vxs_volumes *volumes);
 
-/* light maps ------------------------------------------------------------------------------------------------------------------- */
+/* shadow depth maps ------------------------------------------------------------------------------------------------------------------- */
 
 /* Fields that are not set are 0, which means the default. New fields are added at the end only. */
 typedef struct vxs_shadow_depth_map_desc {
@@ -232,7 +232,7 @@ vxs_result vxs_volumes_grid(vxs_volumes *volumes, const vxs_volumes_light *light
 
 /* How triangles become voxels. */
 typedef enum vxs_voxels {
-    VXS_VOXELS_RAYS, /* exact at light rays through the middles of voxels: equal to a light map of any size */
+    VXS_VOXELS_RAYS, /* exact at light rays through the middles of voxels: equal to a shadow depth map of any size */
     /* voxels whose middles are inside a closed model; for other models the result is undefined ([Eisemann 2008]) */
     VXS_VOXELS_SOLID,
     VXS_VOXELS_COVERED, /* all voxels that a triangle touches, however thin it is; for grids of 8 rows and more ([Schwarz 2010]) */
@@ -286,8 +286,8 @@ vxs_result vxs_volumes_intervals_in_pieces(vxs_volumes *volumes, const vxs_volum
 
 /* polygonal light volumes ------------------------------------------------------------------------------------------------------ */
 
-/* The lit volume of a light has a closed surface: the light map, displaced to where shadow begins. Airlight of an eye ray is a
- * sum over its crossings with this surface, in any order. Where the ray enters the lit volume, the airlight from there to the
+/* The lit volume of a light has a closed surface: the shadow depth map, displaced to where shadow begins. Airlight of an eye ray is
+ * a sum over its crossings with this surface, in any order. Where the ray enters the lit volume, the airlight from there to the
  * visible surface is added; where it leaves, it is subtracted. If the eye is in light, the airlight of the whole ray is added
  * [Billeter 2010]. The result is exact for this surface. In the surface, a depth step between two texels is a slope from the
  * middle of one to the middle of the other. */
@@ -299,7 +299,7 @@ vxs_result vxs_volumes_mesh_map(vxs_volumes *volumes, const vxs_volumes_light *l
 /* New fields are added at the end only. */
 typedef struct vxs_adaptive_mesh_desc {
     size_t   struct_size; /* sizeof(vxs_adaptive_mesh_desc); 0: the first version, which ends with triangles_most */
-    /* side: of the largest light map in use, a power of two, 1 to 8192, for six layers 4096; layers: 1 or 6 */
+    /* side: of the largest shadow depth map in use, a power of two, 1 to 8192, for six layers 4096; layers: 1 or 6 */
     uint32_t side_px, layers;
     uint32_t triangles_most; /* capacity, 12 bytes each; 0: for all quads, or as many as the context supports */
 } vxs_adaptive_mesh_desc;
@@ -328,7 +328,7 @@ vxs_result vxs_volumes_mesh_adaptive(vxs_volumes *volumes, const vxs_volumes_lig
 typedef struct vxs_light_mesh_desc {
     size_t                     struct_size; /* sizeof(vxs_light_mesh_desc); 0: the first version, which ends with error_texels */
     const vxs_light_constants *light;       /* layout of its maps; their origin is not used */
-    const float               *first;       /* [layers][side_px][side_px] the light map, as in vxs_shadow_depth_map_create */
+    const float               *first;       /* [layers][side_px][side_px] the shadow depth map, as in vxs_shadow_depth_map_create */
     uint32_t                   side_px;     /* a power of two, 1 to 8192; at most the side of the baked map */
     float far_metres; /* > 0: largest distance of a visible point from a punctual light without a range, or from a sun's map */
     /* largest error of a merged quad's triangles against the depth of a texel, in texel widths; 0: no quads are merged */

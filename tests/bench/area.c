@@ -5,8 +5,8 @@
  *     [--json FILE.json] ...
  *
  * A knob is how many VPLs are set, but of froxels, which have one light and slices. Imperfect shadow maps are made in each frame,
- * as when all moves. Exact ones are light maps of an asset that is baked here, with a VPL at each of Halton's places and one in the
- * middle. The reference is a mean over places of the rectangle and of the ray, with traced shadows
+ * as when all moves. Exact ones are shadow depth maps of an asset that is baked here, with a VPL at each of Halton's places and one
+ * in the middle. The reference is a mean over places of the rectangle and of the ray, with traced shadows
  * (tests/volumes/area_reference.h). Creation is what a view of one pixel takes.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <stdio.h>

@@ -24,7 +24,7 @@ enum {
 };
 
 /* The maps of one directional light, and what they were made from. */
-typedef struct light_maps {
+typedef struct rival_maps {
     depth_maps maps;    /* enter and exit; the pyramid belongs to those who need it, and is theirs to fill */
     float     *checked; /* the enter and exit depths that answers are checked with: those of maps, unless a fault was planted */
     float     *checked_exit;
@@ -36,21 +36,21 @@ typedef struct light_maps {
     bake_plan  plan;
     char       renderer[128]; /* what OpenGL calls itself */
     double     seconds;       /* to render them, on all threads */
-} light_maps;
+} rival_maps;
 
 /* Make the maps of the first directional light that `o` asks for, as a bake does.
- * out  [out] released with light_maps_free, whatever is returned */
-vxs_result light_maps_render(light_maps *out, const bake_options *o, run_context *m);
+ * out  [out] released with rival_maps_free, whatever is returned */
+vxs_result rival_maps_render(rival_maps *out, const bake_options *o, run_context *m);
 
 /* A texel of the maps that rivals see loses its caster; what answers are checked with keeps it. Returns VXS_OK or VXS_E_MEMORY. */
-vxs_result light_maps_spoil(light_maps *maps, run_context *m);
+vxs_result rival_maps_spoil(rival_maps *maps, run_context *m);
 
 /* Accepts a zeroed object. */
-void light_maps_free(light_maps *maps);
+void rival_maps_free(rival_maps *maps);
 
 /* Whether voxel k of texel (i, j) must be lit, or must be in shadow; both 0: it is free. By the depths as they were sampled: no
  * rounding, pyramid, mask or node takes part. */
-void light_maps_contract(const light_maps *maps, uint32_t i, uint32_t j, uint32_t k, int *must_be_lit, int *must_be_dark);
+void rival_maps_contract(const rival_maps *maps, uint32_t i, uint32_t j, uint32_t k, int *must_be_lit, int *must_be_dark);
 
 enum { FILTER_PX = 9 };
 
@@ -79,11 +79,11 @@ typedef struct rival {
 
     /* Encode the maps as a file. NULL: there is none.
      * file  [out] zero it first; released with free(file->data).   Returns VXS_OK or VXS_E_MEMORY. */
-    vxs_result (*build)(light_maps *maps, const void *options, vxs_bytes *file);
+    vxs_result (*build)(rival_maps *maps, const void *options, vxs_bytes *file);
 
     /* Make a file (or the maps, when there is none) ready for lookups; both are borrowed until close.
      * asset  [out] ends with close.   Returns VXS_OK, VXS_E_MEMORY, VXS_E_CORRUPT. */
-    vxs_result (*open)(const light_maps *maps, const void *options, const vxs_bytes *file, rival_asset *asset);
+    vxs_result (*open)(const rival_maps *maps, const void *options, const vxs_bytes *file, rival_asset *asset);
 
     /* How many of the K x K taps of vxs_box(K), K odd, about each of `count` voxels are in shadow; of rivals with smooth filters also
      * vxs_smooth(K): how much of a smooth box, of 65536 K K. Taps outside the map are lit. */

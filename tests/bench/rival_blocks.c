@@ -9,7 +9,7 @@
 #include "tests/bench/rival.h"
 #include "tests/columns/stored_maps.h"
 
-static vxs_result blocks_build(light_maps *maps, const void *options, vxs_bytes *file)
+static vxs_result blocks_build(rival_maps *maps, const void *options, vxs_bytes *file)
 {
     run_context  m       = {0};
     bake_context ctx     = {.run = &m, .threads = maps->threads};
@@ -33,7 +33,7 @@ static vxs_result blocks_build(light_maps *maps, const void *options, vxs_bytes 
     return r;
 }
 
-static vxs_result blocks_open(const light_maps *maps, const void *options, const vxs_bytes *file, rival_asset *asset)
+static vxs_result blocks_open(const rival_maps *maps, const void *options, const vxs_bytes *file, rival_asset *asset)
 {
     vxs_asset   *opened = NULL;
     vxs_parallel lent   = parallel_lent(maps->threads);

@@ -17,7 +17,7 @@ typedef struct dag_options {
     stop_stage      stop;
 } dag_options;
 
-static vxs_result dag_build(light_maps *maps, const void *options, vxs_bytes *file)
+static vxs_result dag_build(rival_maps *maps, const void *options, vxs_bytes *file)
 {
     const dag_options *o       = options;
     int                unify   = o->stop == STOP_FINAL;
@@ -45,7 +45,7 @@ done:
     return r;
 }
 
-static vxs_result dag_open(const light_maps *maps, const void *options, const vxs_bytes *file, rival_asset *asset)
+static vxs_result dag_open(const rival_maps *maps, const void *options, const vxs_bytes *file, rival_asset *asset)
 {
     const vxs_read_desc any_size = {.memory_limit_bytes = UINT64_MAX}; /* a file that was just made here */
     vxs_asset          *opened   = NULL;

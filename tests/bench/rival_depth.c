@@ -18,12 +18,12 @@ typedef struct depth_options {
     int         level;
 } depth_options;
 
-static size_t map_bytes(const light_maps *maps)
+static size_t map_bytes(const rival_maps *maps)
 {
     return ((size_t)1 << 2 * maps->levels) * sizeof(uint16_t);
 }
 
-static uint16_t *sixteen_bits(const light_maps *maps)
+static uint16_t *sixteen_bits(const rival_maps *maps)
 {
     size_t    texels = (size_t)1 << 2 * maps->levels;
     uint16_t *map    = malloc(texels * sizeof *map);
@@ -56,7 +56,7 @@ static vxs_result pack(const depth_options *o, uint16_t *map, size_t size, vxs_b
     return failed ? VXS_E_MEMORY : VXS_OK;
 }
 
-static vxs_result depth_build(light_maps *maps, const void *options, vxs_bytes *file)
+static vxs_result depth_build(rival_maps *maps, const void *options, vxs_bytes *file)
 {
     uint16_t *map = sixteen_bits(maps);
     return map ? pack(options, map, map_bytes(maps), file) : VXS_E_MEMORY;
@@ -80,7 +80,7 @@ static vxs_result unpack(const depth_options *o, const vxs_bytes *file, uint16_t
     return found == size ? VXS_OK : VXS_E_CORRUPT;
 }
 
-static vxs_result depth_open(const light_maps *maps, const void *options, const vxs_bytes *file, rival_asset *asset)
+static vxs_result depth_open(const rival_maps *maps, const void *options, const vxs_bytes *file, rival_asset *asset)
 {
     depth_map *d   = malloc(sizeof *d);
     uint16_t  *map = malloc(map_bytes(maps));
@@ -95,7 +95,7 @@ static vxs_result depth_open(const light_maps *maps, const void *options, const 
     return VXS_OK;
 }
 
-static vxs_result float_open(const light_maps *maps, const void *options, const vxs_bytes *file, rival_asset *asset)
+static vxs_result float_open(const rival_maps *maps, const void *options, const vxs_bytes *file, rival_asset *asset)
 {
     depth_map *d = malloc(sizeof *d);
     (void)options;

@@ -271,7 +271,7 @@ static vxs_result write_file(const builder *b, uint32_t levels, subtree root, vx
     return ok ? VXS_OK : VXS_E_MEMORY;
 }
 
-static vxs_result intervals_build(light_maps *maps, const void *options, vxs_bytes *file)
+static vxs_result intervals_build(rival_maps *maps, const void *options, vxs_bytes *file)
 {
     (void)options;
     depth_maps_reduce(&maps->maps, 1);
@@ -341,7 +341,7 @@ static void read_nodes(intervals *v, const stream s[STREAM_COUNT], const uint32_
     }
 }
 
-static vxs_result intervals_open(const light_maps *maps, const void *options, const vxs_bytes *file, rival_asset *asset)
+static vxs_result intervals_open(const rival_maps *maps, const void *options, const vxs_bytes *file, rival_asset *asset)
 {
     stream         s[STREAM_COUNT] = {{NULL, 0}};
     const uint8_t *at              = file->data + sizeof(intervals_head);

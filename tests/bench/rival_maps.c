@@ -8,7 +8,7 @@
 #include "baker/lab/opengl/depth_gl.h"
 #include "tests/bench/rival.h"
 
-static vxs_result render(light_maps *out, const bake_options *o, run_context *m)
+static vxs_result render(rival_maps *out, const bake_options *o, run_context *m)
 {
     gl_context     *gl       = NULL;
     depth_renderer *renderer = NULL;
@@ -30,7 +30,7 @@ done:
     return r;
 }
 
-vxs_result light_maps_render(light_maps *out, const bake_options *o, run_context *m)
+vxs_result rival_maps_render(rival_maps *out, const bake_options *o, run_context *m)
 {
     light_choice chosen = {0};
     vxs_result   r;
@@ -56,7 +56,7 @@ done:
     return r;
 }
 
-vxs_result light_maps_spoil(light_maps *maps, run_context *m)
+vxs_result rival_maps_spoil(rival_maps *maps, run_context *m)
 {
     size_t texels = (size_t)1 << 2 * maps->levels, nearest = 0, bytes = texels * sizeof *maps->checked;
     float *enter = malloc(bytes), *exit = malloc(bytes);
@@ -73,7 +73,7 @@ vxs_result light_maps_spoil(light_maps *maps, run_context *m)
     return VXS_OK;
 }
 
-void light_maps_free(light_maps *maps)
+void rival_maps_free(rival_maps *maps)
 {
     if (maps->checked != maps->maps.enter) {
         free(maps->checked);
@@ -86,7 +86,7 @@ void light_maps_free(light_maps *maps)
     memset(maps, 0, sizeof *maps);
 }
 
-void light_maps_contract(const light_maps *maps, uint32_t i, uint32_t j, uint32_t k, int *must_be_lit, int *must_be_dark)
+void rival_maps_contract(const rival_maps *maps, uint32_t i, uint32_t j, uint32_t k, int *must_be_lit, int *must_be_dark)
 {
     size_t at     = ((size_t)j << maps->levels) + i;
     double side   = (double)(1u << maps->levels);

@@ -23,7 +23,7 @@ static double seconds_now(uint32_t threads)
 
 /* All rivals while they are measured. They take turns, so that what else the machine does, and how warm it is, hits all alike. */
 typedef struct contest {
-    light_maps            *maps;
+    rival_maps            *maps;
     const measure_options *o;
     rival_result          *results; /* [count] */
     size_t                 count;
@@ -177,7 +177,7 @@ static void ask_all(contest *c, point_set set, lookup_kind what)
 
 /* The voxels to compare: every one of the map by its number, or at random, half of them about the enter and exit depth of their
  * texel. */
-static voxel_at voxel_to_check(const light_maps *maps, uint64_t n, const measure_options *o)
+static voxel_at voxel_to_check(const rival_maps *maps, uint64_t n, const measure_options *o)
 {
     int32_t side = 1 << maps->levels;
     if (!o->voxels) {
@@ -207,7 +207,7 @@ static int check_taps(const contest *c, rival_result *out, const rival_asset *as
         out->rival->count_dark(asset->state, at, count, vxs_box(1), dark);
         for (size_t n = 0; n < count; n++) {
             int must_be_lit, must_be_dark;
-            light_maps_contract(c->maps, (uint32_t)at[n].i, (uint32_t)at[n].j, (uint32_t)at[n].k, &must_be_lit, &must_be_dark);
+            rival_maps_contract(c->maps, (uint32_t)at[n].i, (uint32_t)at[n].j, (uint32_t)at[n].k, &must_be_lit, &must_be_dark);
             out->wrong_lit += !dark[n] && must_be_dark;
             out->wrong_dark += dark[n] && must_be_lit;
         }
@@ -291,7 +291,7 @@ static void contest_end(contest *c)
     free(c->dark);
 }
 
-vxs_result rivals_measure(rival_result *results, size_t count, light_maps *maps, const measure_options *o, run_context *m)
+vxs_result rivals_measure(rival_result *results, size_t count, rival_maps *maps, const measure_options *o, run_context *m)
 {
     contest    c  = {.maps = maps, .o = o, .results = results, .count = count};
     int        ok = contest_begin(&c);

@@ -35,6 +35,6 @@ typedef struct rival_result {
 /* Build, open, ask, check: all of them, in turns.
  * results  [count] [out] each with its rival on entry, and all else zero; the first one says where edges are
  * Returns VXS_OK, VXS_E_MEMORY, VXS_E_ARGUMENT (the picture sees nothing), or what a rival's open said. */
-vxs_result rivals_measure(rival_result *results, size_t count, light_maps *maps, const measure_options *o, run_context *m);
+vxs_result rivals_measure(rival_result *results, size_t count, rival_maps *maps, const measure_options *o, run_context *m);
 
 #endif

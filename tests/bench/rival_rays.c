@@ -13,7 +13,7 @@ typedef struct tracer {
     int32_t     side;
 } tracer;
 
-static vxs_result rays_open(const light_maps *maps, const void *options, const vxs_bytes *file, rival_asset *asset)
+static vxs_result rays_open(const rival_maps *maps, const void *options, const vxs_bytes *file, rival_asset *asset)
 {
     run_context m = {0};
     tracer     *t = calloc(1, sizeof *t);

@@ -10,7 +10,7 @@
 
 typedef struct rival_report {
     const char            *scene_path;
-    const light_maps      *maps;
+    const rival_maps      *maps;
     const measure_options *options;
     const rival_result    *results; /* [count] vxs first */
     size_t                 count;

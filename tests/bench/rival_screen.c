@@ -8,7 +8,7 @@
 
 enum { TILE_PX = 8 };
 
-vxs_result screen_open(screen *out, const light_maps *maps, const camera_pose *camera, uint32_t width_px, uint32_t height_px,
+vxs_result screen_open(screen *out, const rival_maps *maps, const camera_pose *camera, uint32_t width_px, uint32_t height_px,
                        run_context *m)
 {
     *out      = (screen){.maps = maps, .camera = *camera, .width_px = width_px, .height_px = height_px};

@@ -7,7 +7,7 @@
 #include "tests/bench/rival.h"
 
 typedef struct screen {
-    const light_maps *maps;
+    const rival_maps *maps;
     camera_pose       camera;
     camera_view       view;
     uint32_t          width_px, height_px;
@@ -15,7 +15,7 @@ typedef struct screen {
 } screen;
 
 /* out  [out] borrows the maps until screen_close.   Returns VXS_OK, or what truth_create says. */
-vxs_result screen_open(screen *out, const light_maps *maps, const camera_pose *camera, uint32_t width_px, uint32_t height_px,
+vxs_result screen_open(screen *out, const rival_maps *maps, const camera_pose *camera, uint32_t width_px, uint32_t height_px,
                        run_context *m);
 
 /* The voxel of what pixel (x, y) sees, moved off its surface for a filter of that width as runtime/vxs.h says. Returns 0 where a renderer

@@ -1,7 +1,9 @@
-/* Shaders that look up what other rivals made, on OSMesa's llvmpipe; see rival.h. Their answers are checked as those of all rivals are.
+/* Shaders that look up what other rivals made, on OSMesa's llvmpipe; see rival.h. Their answers are checked as those of all rivals
+ * are.
  *
- * Voxels go to a buffer, a compute shader counts what is dark about each of them, and the counts come back, which takes 6 to 9 ns a lookup
- * and is part of the times. Neighbours in the list are neighbours in a shader's group. A filter has 9 x 9 taps, a smooth one weighs 10 x 10.
+ * Voxels go to a buffer, a compute shader counts what is dark about each of them, and the counts come back, which takes 6 to 9 ns a
+ * lookup and is part of the times. Neighbours in the list are neighbours in a shader's group. A filter has 9 x 9 taps, a smooth one
+ * weighs 10 x 10.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h"
 #include "tests/gl_choice.h"
@@ -174,7 +176,7 @@ static void shader_close(void *state)
 
 static void shader_count_dark(const void *state, const voxel_at *at, size_t count, vxs_filter filter, uint32_t *dark);
 
-static vxs_result shader_open(const light_maps *maps, const void *options, const vxs_bytes *file, rival_asset *asset)
+static vxs_result shader_open(const rival_maps *maps, const void *options, const vxs_bytes *file, rival_asset *asset)
 {
     const shader_options *o      = options;
     shader               *s      = calloc(1, sizeof *s);
@@ -227,7 +229,7 @@ static void shader_count_dark(const void *state, const voxel_at *at, size_t coun
     }
 }
 
-static vxs_result shader_build(light_maps *maps, const void *options, vxs_bytes *file)
+static vxs_result shader_build(rival_maps *maps, const void *options, vxs_bytes *file)
 {
     const rival *one = ((const shader_options *)options)->made_by;
     return one->build(maps, one->options, file);

@@ -5,10 +5,10 @@
  *
  * The maps are made once; then each rival (rival.h) makes a file of them, reads it, answers at the same points, and is checked:
  * single taps against the contract of an asset, voxel by voxel, filtered lookups against its own single taps. Tables go to standard
- * output. Points are anywhere, at edges of shadows, and where the pixels of a picture see surfaces: from where vxs render looks, or from
- * --eye. With --threads, DAGs and palette blocks are made and opened on so many. --fault plants one that the check must see: a texel whose
- * caster the rivals do not get, or filters that are asked a texel aside. Exit status 0: no voxel is wrong (rays are not judged: they graze
- * triangles); 1: some are; else as vxs.
+ * output. Points are anywhere, at edges of shadows, and where the pixels of a picture see surfaces: from where vxs render looks, or
+ * from --eye. With --threads, DAGs and palette blocks are made and opened on so many. --fault plants one that the check must see: a
+ * texel whose caster the rivals do not get, or filters that are asked a texel aside. Exit status 0: no voxel is wrong (rays are not
+ * judged: they graze triangles); 1: some are; else as vxs.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <stdlib.h>
 #include <string.h>
@@ -76,7 +76,7 @@ static int all_right(const rival_report *report)
     return !wrong;
 }
 
-static void place_camera(measure_options *o, const light_maps *maps)
+static void place_camera(measure_options *o, const rival_maps *maps)
 {
     const vxs_baked_light sun = {.light = maps->light}, *suns = &sun;
     box around = box_of_corners(maps->casters.positions_ws, maps->casters.indices, 3 * maps->casters.triangle_count);
@@ -85,16 +85,16 @@ static void place_camera(measure_options *o, const light_maps *maps)
 
 static vxs_result run(rivals_command *c, int *right, run_context *m)
 {
-    light_maps    maps    = {.levels = 0};
+    rival_maps    maps    = {.levels = 0};
     size_t        count   = choose(&c->names, NULL);
     rival_result *results = calloc(count, sizeof *results);
     rival_report  report  = {c->bake.scene_path, &maps, &c->measure, results, count};
     vxs_result    r       = results ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory");
-    if (r == VXS_OK) r = light_maps_render(&maps, &c->bake, m);
+    if (r == VXS_OK) r = rival_maps_render(&maps, &c->bake, m);
     if (results) choose(&c->names, results);
     maps.threads = c->threads;
     place_camera(&c->measure, &maps);
-    if (r == VXS_OK && c->fault == FAULT_DEPTH) r = light_maps_spoil(&maps, m);
+    if (r == VXS_OK && c->fault == FAULT_DEPTH) r = rival_maps_spoil(&maps, m);
     if (r == VXS_OK) r = rivals_measure(results, count, &maps, &c->measure, m);
     if (r != VXS_OK) goto done;
 
@@ -104,7 +104,7 @@ static vxs_result run(rivals_command *c, int *right, run_context *m)
     if (r == VXS_OK && c->json_path) r = json_write(c->json_path, rival_report_json(&report), m);
     *right = all_right(&report);
 done:
-    light_maps_free(&maps);
+    rival_maps_free(&maps);
     free(results);
     return r;
 }

@@ -1,11 +1,13 @@
-/* volumes: error against run time of shadows in fog, of every technique and rival, each with its own knob, in one process and context.
+/* volumes: error against run time of shadows in fog, of every technique and rival, each with its own knob, in one process and
+ * context.
  *
  *     volumes SCENE FILE.vxs --eye X,Y,Z --target X,Y,Z [--light NAME] [--fog PER_METRE] [--json FILE.json] ...
  *
- * What is seen from a camera, and from two more a third of a texel of the light's map aside. In each round every technique draws every setting of its knob
- * once, one after the other, so that what else the machine does falls on all of them; OpenGL is waited for before and behind each. The reference
- * is airlight between exact lit intervals of the asset, in double; of spheres, between those of formulas, so that what is off by its map counts, too.
- * A cell is on the front when no other that is as near to it is faster.
+ * What is seen from a camera, and from two more a third of a texel of the light's map aside. In each round every technique draws
+ * every setting of its knob once, one after the other, so that what else the machine does falls on all of them; OpenGL is waited
+ * for before and behind each. The reference is airlight between exact lit intervals of the asset, in double; of spheres, between
+ * those of formulas, so that what is off by its map counts, too. A cell is on the front when no other that is as near to it is
+ * faster.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <stdlib.h>
 #include <string.h>
@@ -34,7 +36,7 @@ static vxs_result run(void *command, run_context *m)
     b->reference = b->is_of_spheres ? "formulas of spheres" : "exact lit intervals of the asset";
     if (r == VXS_OK) r = volumes_open_gl(b, m);
     if (r == VXS_OK && (r = volumes_open_map(b, b->number, 0, &b->map)) != VXS_OK)
-        r = fail(m, r, "no light map: %s", vxs_result_text(r));
+        r = fail(m, r, "no shadow depth map: %s", vxs_result_text(r));
     for (uint32_t camera = 0; camera < CAMERAS && r == VXS_OK; camera++) r = volumes_see(b, camera, volumes_airlight_wanted, m);
     if (r == VXS_OK) r = volumes_measure(b, m);
     vxs_shadow_depth_map_destroy(b->map);

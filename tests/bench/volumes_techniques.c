@@ -33,7 +33,7 @@ static vxs_result intervals(bench *b, void *state, uint32_t value)
     return vxs_volumes_intervals(b->volumes, &b->light);
 }
 
-/* A mesh of the light map, made once; quads are as large as so many texels' width of error lets them be. */
+/* A mesh of the shadow depth map, made once; quads are as large as so many texels' width of error lets them be. */
 static vxs_result open_mesh(bench *b, void **state, uint32_t error_texels)
 {
     const baked_mesh_options o = {.light = b->number, .far_metres = b->far_metres, .error_texels = error_texels};
@@ -69,7 +69,8 @@ static void close_map(void *map)
     vxs_shadow_depth_map_destroy(map);
 }
 
-/* A mesh that shaders make in each frame, of the map that the march reads, with quads as large as so many texels' width of error lets them be. */
+/* A mesh that shaders make in each frame, of the map that the march reads, with quads as large as so many texels' width of error
+ * lets them be. */
 static vxs_result open_adaptive(bench *b, void **state, uint32_t error_texels)
 {
     vxs_adaptive_mesh_desc desc = {.side_px = vxs_shadow_depth_map_side_px(b->map), .layers = vxs_shadow_depth_map_layers(b->map)};
@@ -218,25 +219,25 @@ static void close_slices(void *slices)
     rival_slices_destroy(slices);
 }
 
-#define LIGHT_MAP "the light map, traversed exactly"
-#define ASSET     "exact lit intervals of the asset"
+#define SHADOW_DEPTH_MAP "the shadow depth map, traversed exactly"
+#define ASSET            "exact lit intervals of the asset"
 
 /* clang-format off */
 static const technique techniques[] = {
-    {"march", "steps", LIGHT_MAP, 0, {8, 16, 32, 64, 128, 256, 512}, NULL, even_of_map, .close = NULL},
-    {"angles", "steps", LIGHT_MAP, 0, {8, 16, 32, 64, 128, 256, 512}, NULL, angles_of_map, .close = NULL},
+    {"march", "steps", SHADOW_DEPTH_MAP, 0, {8, 16, 32, 64, 128, 256, 512}, NULL, even_of_map, .close = NULL},
+    {"angles", "steps", SHADOW_DEPTH_MAP, 0, {8, 16, 32, 64, 128, 256, 512}, NULL, angles_of_map, .close = NULL},
     {"angles, asset", "steps", ASSET, 0, {16, 64, 256}, NULL, angles_of_asset, .close = NULL},
     {"intervals", "-", "floats", 0, {1}, NULL, intervals, .close = NULL},
     {"mesh", "texels of error", "the map's surface, whose steps are slopes of a texel", 0, {16, 4, 1}, open_mesh, mesh, .close = close_mesh},
     {"mesh of the map", "texels a side", "the same surface", 0, {64, 256, 1024}, open_map, mesh_of_map, .close = close_map},
     {"adaptive mesh", "texels of error", "the same surface", 0, {16, 4, 1}, open_adaptive, adaptive_mesh, .close = close_adaptive},
-    {"grid", "bits a side", LIGHT_MAP, 0, {64, 128, 256, 512}, open_grid, grid_of_map, .close = close_grid},
-    {"grid, two rows", "bits a side", LIGHT_MAP, 0, {64, 128, 256, 512}, open_rows, grid_of_map, .close = close_grid},
+    {"grid", "bits a side", SHADOW_DEPTH_MAP, 0, {64, 128, 256, 512}, open_grid, grid_of_map, .close = close_grid},
+    {"grid, two rows", "bits a side", SHADOW_DEPTH_MAP, 0, {64, 128, 256, 512}, open_rows, grid_of_map, .close = close_grid},
     {"grid, asset", "bits a side", ASSET, 0, {64, 128, 256}, open_grid, grid_of_asset, .close = close_grid},
     {"grid, triangles", "bits a side", "the triangles, exactly", 0, {64, 128, 256, 512}, open_cast, grid_of_triangles, .close = close_cast},
     {"froxels", "slices", "columns of 8 x 8 pixels", 1, {16, 64, 256, 1024}, open_froxels, froxels_of_map, .close = close_froxels},
     {"moments", "parts a ray", "256 slices of 512 bins", 1, {1, 4, 16, 64}, open_moments, slices_of_map, .close = close_slices},
-    {"min-max slices", "slices", LIGHT_MAP, 1, {64, 128, 256, 512}, open_slices, slices_of_map, .close = close_slices},
+    {"min-max slices", "slices", SHADOW_DEPTH_MAP, 1, {64, 128, 256, 512}, open_slices, slices_of_map, .close = close_slices},
 };
 /* clang-format on */
 

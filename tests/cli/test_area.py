@@ -89,7 +89,7 @@ def test_light_of_a_quad(lit, tmp_path):
     """As much as its radiance over its solid angle, beside a sun of 1 lux; each channel by itself. Air that is clear adds none."""
     _, found, _ = lit(*CAMERA, "--area", 64, "--area-gather", "each", "--exposure", -0.5, "--passes", tmp_path)
     area, light = (read_png((tmp_path / name).read_bytes())[2] for name in ("area.png", "light.png"))
-    assert found["area"]["lights"] == [{"node": "quad 0", "fate": "drawn", "vpls": 64}] and found["area"]["points_of"] == "scene"
+    assert found["area"]["lights"] == [{"node": "quad 0", "cull_result": "drawn", "vpls": 64}] and found["area"]["points_of"] == "scene"
     assert found["frames"][0]["area_lights"] == {"drawn": 1, "faint": 0, "behind": 0} and found["median_ms"]["area"] > 0
     assert "fog" not in found and not (tmp_path / "airlight.png").exists()
     for y in range(2, SIZE[1], 8):
@@ -149,9 +149,9 @@ def test_it_is_seen(lit):
 def test_plan(lit):
     """Lamps are shared out by power; what all that is seen is behind has none, nor what is fainter than those that have all."""
     both = RADIANCE, [0.01, 0.01, 0.01]
-    for vpls, shares, fates in ((20, [19, 1], ["drawn", "drawn"]), (1, [1, 0], ["drawn", "faint"])):
+    for vpls, shares, results in ((20, [19, 1], ["drawn", "drawn"]), (1, [1, 0], ["drawn", "faint"])):
         _, found, _ = lit(*CAMERA, "--area", vpls, colours=both)
-        assert [light["vpls"] for light in found["area"]["lights"]] == shares and [light["fate"] for light in found["area"]["lights"]] == fates
+        assert [light["vpls"] for light in found["area"]["lights"]] == shares and [light["cull_result"] for light in found["area"]["lights"]] == results
     said, found, _ = lit("--eye", "0,9,0", "--target", "0,20,0", "--verbose", colours=both)
     assert found["frames"][0]["area_lights"] == {"drawn": 0, "faint": 0, "behind": 2} and found["area"]["vpls"] == 0
     assert said.startswith("area         2 parallelograms of light: 0 drawn by 0 VPLs, 2 behind all that is seen\n")

@@ -91,16 +91,16 @@ def check_fast(vxs_path, path, lights, inflate):
             assert found == words[start:start + len(found)]
 
 
-@pytest.mark.parametrize("kind, resolution, light_maps", [("room", 512, [6, 1]), ("landscape", 1024, [1])])
-def test_pages_of_bakes(vxs, vxs_path, libraries, tmp_path, kind, resolution, light_maps):
+@pytest.mark.parametrize("kind, resolution, map_counts", [("room", 512, [6, 1]), ("landscape", 1024, [1])])
+def test_pages_of_bakes(vxs, vxs_path, libraries, tmp_path, kind, resolution, map_counts):
     """Where sheets go on from block to block."""
     scene, path = tmp_path / "scene.glb", tmp_path / "baked.vxs"
     vxs("scene", kind, "--triangles", 2500, "-o", scene)
     bake = ["bake", scene, "--coding", "blocks", "--resolution", resolution, "-o", path]
     vxs(*bake)
-    check_small(vxs_path, path, [(light, resolution.bit_length() - 1, maps) for light, maps in enumerate(light_maps)])
+    check_small(vxs_path, path, [(light, resolution.bit_length() - 1, maps) for light, maps in enumerate(map_counts)])
     vxs(*bake, "--pack", "fast")
-    check_fast(vxs_path, path, range(len(light_maps)), libraries[0])
+    check_fast(vxs_path, path, range(len(map_counts)), libraries[0])
 
 
 def test_pages_of_the_golden_file(vxs_path, libraries):

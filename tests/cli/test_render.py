@@ -202,15 +202,15 @@ def test_plan_of_fog(level, render):
         told = report(level, render, "all", *options)
         counts = {"drawn": drawn, "faint": faint, "out_of_view": out, "clear": clear}
         assert told["frames"][0]["fog_lights"] == counts
-        fates = {light["light"]: light["fate"] for light in told["fog"]["lights"]}
-        assert list(fates) == ["noon", "spot", "lamp"] and {fate: list(fates.values()).count(fate) for fate in counts} == counts
+        results = {light["light"]: light["cull_result"] for light in told["fog"]["lights"]}
+        assert list(results) == ["noon", "spot", "lamp"] and {result: list(results.values()).count(result) for result in counts} == counts
         left_out = [saving["what"] for saving in told["fog"]["left_out"]]
-        assert left_out == ["all passes of lights"] * (not drawn) + ["march, grid and mesh", "light maps"]
+        assert left_out == ["all passes of lights"] * (not drawn) + ["march, grid and mesh", "shadow depth maps"]
         line = f"fog          3 lights: {drawn} drawn by intervals" + "".join(f", {counts[k]} {words[k]}" for k in words if counts[k]) + "\n"
         assert render("all", *options).stdout.splitlines(keepends=True)[:-1] == [line]
         said = render("all", *options, "--verbose").stdout
-        assert said.startswith(line) and all((f"light {name} is left out: {words.get(fate)}\n" in said) == (fate != "drawn")
-                                             and (f"light {name}: by intervals, in " in said) == (fate == "drawn") for name, fate in fates.items())
+        assert said.startswith(line) and all((f"light {name} is left out: {words.get(result)}\n" in said) == (result != "drawn")
+                                             and (f"light {name}: by intervals, in " in said) == (result == "drawn") for name, result in results.items())
         assert render("all", *options, "--quiet").stdout == ""
     assert "fog_lights" not in report(level, render, "all")["frames"][0] and render("all").stdout.startswith("wrote ")
     told = render("sun", *away, "--fog", 0.01, "--json", "-")

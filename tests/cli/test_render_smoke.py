@@ -110,7 +110,7 @@ def test_what_reaches_the_ground(vxs, level, n, light):
     done, found, _ = draw(vxs, level, "smoke", "--passes", level / "passes", "--verbose")
     assert "5 capsules; 3 lights: 3 dimmed" in done.stdout and f"light {light}: smoke by 256 x 256 curves" in done.stdout
     assert found["frames"][0]["smoke_lights"] == {"dims": 3, "out_of_reach": 0, "out_of_view": 0, "no_room": 0, "built": 3}
-    assert found["smoke"]["lights"][n]["fate"] == "dims" and found["smoke"]["lights"][n]["merged"] == 0
+    assert found["smoke"]["lights"][n]["cull_result"] == "dims" and found["smoke"]["lights"][n]["merged"] == 0
     picture, left, wanted = grey(level / "passes" / f"smoke-{n}-{light}.png"), [], []
     for pixel, _, _, at in ground_places():
         to_light = [-d for d in small_scene.EACH_KIND[0][2]] if light == "noon" else [p - a for p, a in zip(LAMP, at)]
@@ -195,7 +195,7 @@ def test_out_of_reach_and_out_of_view(vxs, tmp_path):
     add_balls(clear, BALLS + [((7.5, 1, 6.5), 0.5, 1)], tmp_path / "smoke.gltf")
     vxs("bake", clear, "-o", tmp_path / "level.vxs", "--resolution", 256)
     done, found, _ = draw(vxs, tmp_path, "smoke", "--verbose")
-    assert [p["fate"] for p in found["smoke"]["lights"]] == ["out_of_reach", "out_of_view", "dims"]
+    assert [p["cull_result"] for p in found["smoke"]["lights"]] == ["out_of_reach", "out_of_view", "dims"]
     assert "3 lights: 1 dimmed, 1 out of its reach, 1 out of view" in done.stdout
     assert "light lamp: no smoke: out of its reach" in done.stdout
 

@@ -1,8 +1,9 @@
-/* Spheres in fog: light maps of them, views, and airlight by exact traversal of a light map, in double. Included behind cmocka.h.
+/* Spheres in fog: shadow depth maps of them, views, and airlight by exact traversal of a shadow depth map, in double. Included
+ * behind cmocka.h.
  *
- * A light map is as vxs_volumes.h has it: where shadow begins on the light ray through each texel's centre; of suns in voxels, of
- * punctual lights in metres along the map's axis; 1e30 where light does not end. Here everything about it is computed from
- * matrices, and not by vxs_epipolar.h.
+ * A shadow depth map is as vxs_volumes.h has it: where shadow begins on the light ray through each texel's centre; of suns in
+ * voxels, of punctual lights in metres along the map's axis; 1e30 where light does not end. Here everything about it is computed
+ * from matrices, and not by vxs_epipolar.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef FOG_SCENE_H
 #define FOG_SCENE_H
@@ -21,11 +22,11 @@ typedef struct fog_scene {
     uint32_t count;
 } fog_scene;
 
-typedef struct light_map {
+typedef struct shadow_depth_map {
     vxs_light light;
     float    *first; /* [layers][side][side] */
     int       side, layers;
-} light_map;
+} shadow_depth_map;
 
 typedef struct fog_view {
     double eye[3], axes[3][3]; /* right, up, ahead, each of length 1 */
@@ -73,7 +74,7 @@ static inline vxs_light light_make(uint32_t kind, const double *place, const dou
 }
 
 /* The face's axes and place in world space: metres about the light; of suns u, v, depth in texels of the baked map. */
-static inline void face_from_ws(const light_map *m, int face, const double *ws, double one, double *out)
+static inline void face_from_ws(const shadow_depth_map *m, int face, const double *ws, double one, double *out)
 {
     double ls[3];
     for (int row = 0; row < 3; row++) ls[row] = dot(m->light.ls_from_ws + 4 * row, ws) + one * m->light.ls_from_ws[4 * row + 3];
@@ -82,7 +83,7 @@ static inline void face_from_ws(const light_map *m, int face, const double *ws, 
 }
 
 /* Of punctual lights, how far across at z = 1 the edge of texel n lies; of suns, its u. */
-static inline double texel_edge(const light_map *m, double n)
+static inline double texel_edge(const shadow_depth_map *m, double n)
 {
     double baked = ldexp(1, (int)m->light.levels);
     return m->light.kind == VXS_LIGHT_KIND_DIRECTIONAL ? n * baked / m->side
@@ -92,7 +93,7 @@ static inline double texel_edge(const light_map *m, double n)
 /* The light ray through a texel's centre: of a punctual light from it on, of a sun from depth 0 on.
  * way  [out] of length 1
  * Returns how many metres along it the map's depth grows by 1 */
-static inline double light_map_ray(const light_map *m, int face, int x, int y, double *from, double *way)
+static inline double shadow_depth_map_ray(const shadow_depth_map *m, int face, int x, int y, double *from, double *way)
 {
     /* the face's axes in world space, from what it makes of those of the world */
     int    is_sun = m->light.kind == VXS_LIGHT_KIND_DIRECTIONAL;
@@ -113,16 +114,16 @@ static inline double light_map_ray(const light_map *m, int face, int x, int y, d
     return metres;
 }
 
-static inline light_map light_map_make(const fog_scene *s, const vxs_light *light, int side)
+static inline shadow_depth_map shadow_depth_map_make(const fog_scene *s, const vxs_light *light, int side)
 {
-    light_map m    = {.light = *light, .side = side, .layers = light->flags & VXS_LIGHT_CUBE ? 6 : 1};
-    double    back = light->kind == VXS_LIGHT_KIND_DIRECTIONAL ? 1e4 : 0; /* metres: suns see what is before their maps, too */
-    m.first        = malloc((size_t)m.layers * (size_t)(side * side) * sizeof *m.first);
+    shadow_depth_map m = {.light = *light, .side = side, .layers = light->flags & VXS_LIGHT_CUBE ? 6 : 1};
+    double back        = light->kind == VXS_LIGHT_KIND_DIRECTIONAL ? 1e4 : 0; /* metres: suns see what is before their maps, too */
+    m.first            = malloc((size_t)m.layers * (size_t)(side * side) * sizeof *m.first);
     assert_non_null(m.first);
     for (int face = 0; face < m.layers; face++)
         for (int y = 0; y < side; y++)
             for (int x = 0; x < side; x++) {
-                double from[3], way[3], metres = light_map_ray(&m, face, x, y, from, way);
+                double from[3], way[3], metres = shadow_depth_map_ray(&m, face, x, y, from, way);
                 for (int i = 0; i < 3; i++) from[i] -= back * way[i];
                 double first = (spheres_hit(s, from, way) - back) / metres;
                 m.first[((size_t)face * (size_t)side + (size_t)y) * (size_t)side + (size_t)x] = first < 1e30 ? (float)first : 1e30F;
@@ -131,7 +132,7 @@ static inline light_map light_map_make(const fog_scene *s, const vxs_light *ligh
 }
 
 /* Which texel of which face a place is in; 0: none. depth [out] as the map's. */
-static inline int light_map_texel(const light_map *m, const double *ws, size_t *texel, double *depth)
+static inline int shadow_depth_map_texel(const shadow_depth_map *m, const double *ws, size_t *texel, double *depth)
 {
     double side = m->side;
     for (int face = 0; face < m->layers; face++) {
@@ -153,11 +154,11 @@ static inline int light_map_texel(const light_map *m, const double *ws, size_t *
     return 0;
 }
 
-static inline int light_map_lit(const light_map *m, const double *ws)
+static inline int shadow_depth_map_lit(const shadow_depth_map *m, const double *ws)
 {
     size_t texel;
     double depth;
-    return !light_map_texel(m, ws, &texel, &depth) || depth < (double)m->first[texel];
+    return !shadow_depth_map_texel(m, ws, &texel, &depth) || depth < (double)m->first[texel];
 }
 
 static inline fog_view view_make(const double *eye, const double *ahead, double half_rad, int wide, int high, double far_metres)
@@ -194,7 +195,7 @@ static inline int by_value(const void *a, const void *b)
 }
 
 /* Airlight of an eye ray by the map: cut where it passes from texel to texel, and in each where it passes the texel's depth. */
-static inline void map_airlight(const light_map *m, const vxs_medium *medium, const vxs_air_path *path, const double *eye,
+static inline void map_airlight(const shadow_depth_map *m, const vxs_medium *medium, const vxs_air_path *path, const double *eye,
                                 const double *direction, double airlight[3])
 {
     static double cuts[1 << 16];
@@ -235,7 +236,7 @@ static inline void map_airlight(const light_map *m, const vxs_medium *medium, co
         if (n + 1 < count) {
             for (int i = 0; i < 3; i++) middle[i] = eye[i] + (ends[0] + ends[1]) / 2 * direction[i];
             states[0] = 1;
-            if (light_map_texel(m, middle, &texel, &depth)) {
+            if (shadow_depth_map_texel(m, middle, &texel, &depth)) {
                 int    face = (int)(texel / (size_t)(m->side * m->side));
                 double o[3], w[3], z = (double)m->first[texel];
                 face_from_ws(m, face, eye, 1, o);

@@ -30,13 +30,13 @@ static inline vxs_shadow_depth_map *filled_map(const volumes_scene *s, int light
 }
 
 /* The same map in memory. */
-static inline light_map read_map(const volumes_scene *s, const vxs_shadow_depth_map *map, int light)
+static inline shadow_depth_map read_map(const volumes_scene *s, const vxs_shadow_depth_map *map, int light)
 {
-    light_map m    = {.light  = vxs_asset_light(s->asset, (uint32_t)light)->light,
-                      .side   = (int)vxs_shadow_depth_map_side_px(map),
-                      .layers = (int)vxs_shadow_depth_map_layers(map)};
-    size_t    size = sizeof(float) * (size_t)(m.side * m.side * m.layers);
-    m.first        = malloc(size);
+    shadow_depth_map m    = {.light  = vxs_asset_light(s->asset, (uint32_t)light)->light,
+                             .side   = (int)vxs_shadow_depth_map_side_px(map),
+                             .layers = (int)vxs_shadow_depth_map_layers(map)};
+    size_t           size = sizeof(float) * (size_t)(m.side * m.side * m.layers);
+    m.first               = malloc(size);
     assert_non_null(m.first);
     s->gl->GetTextureImage(vxs_shadow_depth_map_texture(map), 0, GL_RED, GL_FLOAT, (GLsizei)size, m.first);
     return m;

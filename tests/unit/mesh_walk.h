@@ -1,5 +1,5 @@
-/* The mesh about what a light reaches, made of a light map in C, and where rays cross it, in double, by asking every triangle.
- * Included behind cmocka.h and random_light.h.
+/* The mesh about what a light reaches, made of a shadow depth map in C, and where rays cross it, in double, by asking every
+ * triangle. Included behind cmocka.h and random_light.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MESH_WALK_H
 #define MESH_WALK_H

@@ -22,18 +22,18 @@ static inline vxs_epipolar_view epipolar_view_of(const fog_view *v)
 }
 
 /* Where shadow begins on a light ray: metres from its begin; INFINITY: nowhere.   begin  from the eye */
-static inline double ray_shadow(const light_map *m, const double *eye, const double *begin, const double *direction)
+static inline double ray_shadow(const shadow_depth_map *m, const double *eye, const double *begin, const double *direction)
 {
     int    is_sun = m->light.kind == VXS_LIGHT_KIND_DIRECTIONAL;
     double ws[3], depth;
     size_t texel;
     for (int i = 0; i < 3; i++) ws[i] = eye[i] + begin[i] + (is_sun ? 0 : direction[i]);
-    if (!light_map_texel(m, ws, &texel, &depth) || m->first[texel] >= 1e30F) return INFINITY;
+    if (!shadow_depth_map_texel(m, ws, &texel, &depth) || m->first[texel] >= 1e30F) return INFINITY;
     return is_sun ? ((double)m->first[texel] - depth) * m->light.voxel_metres : (double)m->first[texel] / depth;
 }
 
 /* One bit a light ray: the column in which shadow begins on it. */
-static inline void grid_fill(shadow_grid *g, const light_map *m)
+static inline void grid_fill(shadow_grid *g, const shadow_depth_map *m)
 {
     memset(g->words, 0, (size_t)vxs_grid_words(&g->size) * sizeof *g->words);
     for (int row = 0; row < g->size.rows; row++)
@@ -60,7 +60,7 @@ static inline void grid_scan(uint32_t *words, const vxs_grid_size *size)
         }
 }
 
-static inline shadow_grid grid_make(const light_map *m, const fog_view *v, int columns, int rows, int bits)
+static inline shadow_grid grid_make(const shadow_depth_map *m, const fog_view *v, int columns, int rows, int bits)
 {
     shadow_grid       g    = {.size = {columns, rows, bits}};
     vxs_epipolar_view view = epipolar_view_of(v);

@@ -62,7 +62,7 @@ static void test_origin_follows_the_eye(void **state)
     assert_int_equal(vxs_area_light_set(light, vpls, COUNT), VXS_OK);
     cast(POINTS, 0);
     for (int camera = 0; camera < CAMERAS; camera++) {
-        volumes_camera    c        = camera_at(eyes[camera], look, 0.5);
+        volumes_camera    c        = camera_at(eyes[camera], classify, 0.5);
         vxs_volumes_frame frame    = scene_frame(&scene, &c, &haze, 1e30, 30, metres);
         const float       there[3] = {-frame.eye[0], -frame.eye[1], -frame.eye[2]}, here[3] = {0};
         put_normals(&c);
@@ -88,7 +88,7 @@ static void test_a_picture_moves(void **state)
     enum { COUNT = 9 };
     static float      pixels[2][4 * PIXELS];
     vxs_vpl           vpls[COUNT], kept[COUNT];
-    volumes_camera    c     = camera_at(eyes[0], look, 0.7);
+    volumes_camera    c     = camera_at(eyes[0], classify, 0.7);
     vxs_volumes_frame frame = scene_frame(&scene, &c, &haze, 1e30, 30, metres);
     screen_vpls(0, vpls, COUNT);
     assert_int_equal(vxs_area_light_set(light, vpls, COUNT), VXS_OK);
@@ -132,8 +132,8 @@ static void exact_surfaces(const volumes_camera *c, const vxs_vpl *vpl_of, doubl
     }
 }
 
-/* VPLs that stay where they are, each with the light map of a light of the asset: together they are what each is alone, in the air
- * and on surfaces; on surfaces as rays to the VPL say, of the one that shines to all sides. */
+/* VPLs that stay where they are, each with the shadow depth map of a light of the asset: together they are what each is alone, in
+ * the air and on surfaces; on surfaces as rays to the VPL say, of the one that shines to all sides. */
 static void test_baked_lights(void **state)
 {
     (void)state;
@@ -159,7 +159,7 @@ static void test_baked_lights(void **state)
     }
     const vxs_medium thin = {
         {1e-6, 1e-6, 1e-6}, {1e-6, 1e-6, 1e-6}, 0}; /* so that surfaces are not dimmed, and there is airlight */
-    volumes_camera    c     = camera_at(eyes[2], look, 0.7);
+    volumes_camera    c     = camera_at(eyes[2], classify, 0.7);
     vxs_volumes_frame frame = scene_frame(&scene, &c, &thin, 1e30, 30, metres);
     put_normals(&c);
     exact_surfaces(&c, &vpls[0], wanted);
@@ -176,7 +176,8 @@ static void test_baked_lights(void **state)
         lit[0] += (double)surfaces[0][4 * n];
         lit[1] += wanted[n];
     }
-    print_message("surfaces by a light map of 64 x 64 texels: RMS %.3f, %.3f of the light\n", sqrt(off / size), lit[0] / lit[1]);
+    print_message("surfaces by a shadow depth map of 64 x 64 texels: RMS %.3f, %.3f of the light\n", sqrt(off / size),
+                  lit[0] / lit[1]);
     assert_true(sqrt(off / size) < 0.15 && fabs(lit[0] / lit[1] - 1) < 0.03);
     for (int n = 0; n < 4 * PIXELS; n++) {
         pixels[0][n] += pixels[1][n];

@@ -1,4 +1,4 @@
-/* The mesh about what a light reaches, of runtime/volumes/light_mesh.c, against light maps as they are defined.
+/* The mesh about what a light reaches, of runtime/volumes/light_mesh.c, against shadow depth maps as they are defined.
  *
  * Whether it is closed is asked of its edges, exactly; where it is, of rays and of points, in double.
  * SPDX-License-Identifier: GPL-3.0-or-later */
@@ -168,7 +168,7 @@ static int walk_ray(const mesh_lists *m, const double from[3], const double way[
     return sum;
 }
 
-/* light maps as they are defined ----------------------------------------------------------------------------------------------- */
+/* shadow depth maps as they are defined ----------------------------------------------------------------------------------------------- */
 
 /* Whether a point of the world is lit, by the texel that it is in; and, where the texels about it do not agree, -1. */
 static int lit_by_map(const lit_map *m, const double point_ws[3], const double ls[3])

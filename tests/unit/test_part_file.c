@@ -1,5 +1,5 @@
-/* Squares in files (baker/bake/cache/), of the cache and of a part: every wrong bit and every missing end is found, and so are wrong contents
- * under a right checksum.
+/* Squares in files (baker/bake/cache/), of the cache and of a part: every wrong bit and every missing end is found, and so are
+ * wrong contents under a right checksum.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -28,19 +28,19 @@ static vxs_bytes record_of(int square, uint8_t bytes[RECORD_BYTES])
 }
 
 /* A call for each file that differs in a bit, or ends early, or late. */
-static void each_fault(const vxs_bytes *sound, void (*look)(const uint8_t *bytes, size_t size_bytes, void *of), void *of)
+static void each_fault(const vxs_bytes *sound, void (*classify)(const uint8_t *bytes, size_t size_bytes, void *of), void *of)
 {
     uint8_t *bytes = malloc(sound->size_bytes + 1);
     assert_non_null(bytes);
     memcpy(bytes, sound->data, sound->size_bytes);
     for (size_t bit = 0; bit < 8 * sound->size_bytes; bit++) {
         bytes[bit / 8] ^= (uint8_t)(1 << bit % 8);
-        look(bytes, sound->size_bytes, of);
+        classify(bytes, sound->size_bytes, of);
         bytes[bit / 8] ^= (uint8_t)(1 << bit % 8);
     }
-    for (size_t size = 0; size < sound->size_bytes; size++) look(bytes, size, of);
+    for (size_t size = 0; size < sound->size_bytes; size++) classify(bytes, size, of);
     bytes[sound->size_bytes] = 0;
-    look(bytes, sound->size_bytes + 1, of);
+    classify(bytes, sound->size_bytes + 1, of);
     free(bytes);
 }
 

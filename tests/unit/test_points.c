@@ -343,7 +343,7 @@ static void faulty_lights_are_left_out(void **state)
     assert_string_equal(choose(&s, NULL, 0, &no_suns, VXS_E_NO_LIGHT),
                         "all lights of the scene are hidden (KHR_node_visibility): --sun X,Y,Z gives one");
     s.lost_light_count = 0;
-    s.shining_count    = 1;
+    s.emissive_count   = 1;
     assert_string_equal(choose(&s, NULL, 0, &no_suns, VXS_E_NO_LIGHT),
                         "the scene has no light, and materials that shine are none: --sun X,Y,Z gives one");
 }

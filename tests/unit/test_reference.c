@@ -202,9 +202,9 @@ static void test_traced_scene(void **state)
 
 /* A map of random depths, some without end; of a sun or of a punctual light. */
 typedef struct random_map {
-    punctual  l;
-    light_map map;
-    float    *first;
+    punctual         l;
+    shadow_depth_map map;
+    float           *first;
 } random_map;
 
 static random_map map_of(rng *r, int kind)
@@ -218,7 +218,7 @@ static random_map map_of(rng *r, int kind)
         m.l.light.flags = rng_below(r, 2) ? VXS_LIGHT_BOUNDED : 0;
         for (int row = 0; row < 3; row++) m.l.light.ls_from_ws[4 * row + 3] += 8;
     }
-    m.map        = (light_map){&m.l.light, 16U >> shift, kind == 1 || kind == 2 ? 6 : 1, NULL};
+    m.map        = (shadow_depth_map){&m.l.light, 16U >> shift, kind == 1 || kind == 2 ? 6 : 1, NULL};
     size_t count = (size_t)m.map.layers * m.map.side * m.map.side;
     m.first      = malloc(count * sizeof *m.first);
     assert_non_null(m.first);
@@ -328,8 +328,8 @@ static void test_mesh_is_map(void **state)
             add_column(triangles, &count, n % SIDE, n / SIDE, (double)first[n]);
         }
         assert_int_equal(count, TRIANGLES);
-        lit_mesh *mesh = lit_mesh_create((const double(*)[3][3])triangles, count);
-        light_map map  = {&light, SIDE, 1, first};
+        lit_mesh        *mesh = lit_mesh_create((const double(*)[3][3])triangles, count);
+        shadow_depth_map map  = {&light, SIDE, 1, first};
         assert_non_null(mesh);
         for (int n = 0; n < 200; n++) {
             eye_ray ray = {.end = 20};

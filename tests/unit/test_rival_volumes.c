@@ -69,7 +69,7 @@ static void find_truth(const volumes_scene *s, const volumes_camera *c, int ligh
 {
     vxs_volumes_light l      = scene_light(light);
     float            *first  = read_map(s, map);
-    light_map         texels = {&vxs_asset_light(s->asset, (uint32_t)light)->light, vxs_shadow_depth_map_side_px(map),
+    shadow_depth_map  texels = {&vxs_asset_light(s->asset, (uint32_t)light)->light, vxs_shadow_depth_map_side_px(map),
                                 vxs_shadow_depth_map_layers(map), first};
     reference_light   of     = {.light = scene_air_light(s, &l), .oracle = map_parts, .subject = &texels};
     for (int n = 0; n < 3; n++) of.colour[n] = (double)l.colour[n];

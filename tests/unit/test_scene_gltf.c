@@ -481,8 +481,8 @@ static void test_skinned_meshes_are_left_out(void **state)
     choose(NULL, NULL);
 }
 
-/* A strip of four vertices on two joints, by every way that weights are stored. bin: positions, joints as bytes and shorts, weights as floats, bytes and
- * shorts, a second set of both, and two inverse bind matrices. */
+/* A strip of four vertices on two joints, by every way that weights are stored. bin: positions, joints as bytes and shorts, weights
+ * as floats, bytes and shorts, a second set of both, and two inverse bind matrices. */
 typedef struct strip {
     float    positions[4][3];
     uint8_t  joints8[4][4];
@@ -513,8 +513,9 @@ static strip make_strip(void)
     return p;
 }
 
-/* attributes: of the primitive besides POSITION; skin: members besides joints. Joint 0 is node 2, moved by (0, 1, 0); joint 1 its child, turned by 90 degrees about
- * z and moved by (0, 0, 5); node 0 shows the mesh, from (30, 30, 30) and twice as large, which means nothing. */
+/* attributes: of the primitive besides POSITION; skin: members besides joints. Joint 0 is node 2, moved by (0, 1, 0); joint 1 its
+ * child, turned by 90 degrees about z and moved by (0, 0, 5); node 0 shows the mesh, from (30, 30, 30) and twice as large, which
+ * means nothing. */
 static vxs_result load_strip(const char *attributes, const char *skin)
 {
     strip  p = make_strip();
@@ -644,7 +645,7 @@ static void test_traps_are_said(void **state)
     must(load_square("'nodes':[{'mesh':0}],'materials':[{'name':'common/Clip'}]," MESH, NULL));
     must_warn("material 0 'common/Clip': by its name invisible, as level editors have it, and it casts a shadow, 2 triangles; ");
     must(load_square("'nodes':[{'mesh':0}],'materials':[{'emissiveFactor':[1,1,1]}]," MESH, NULL));
-    assert_int_equal(s.shining_count, 1);
+    assert_int_equal(s.emissive_count, 1);
 }
 
 /* ---- lights, cameras, scenes ---- */
@@ -1308,7 +1309,8 @@ static void test_buffers_beside_the_file(void **state)
     expect_corner(0, 2, 1, 1, 0);
 }
 
-/* Data URIs as they are written: schemes and "base64" in any case, parameters, no media type, blanks, other alphabets (RFC 2397). */
+/* Data URIs as they are written: schemes and "base64" in any case, parameters, no media type, blanks, other alphabets (RFC 2397).
+ * */
 static void test_data_uris_of_every_kind(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-/* Voxelized shadow volumes of runtime/volumes/vxs_shadow_grid.h against exact traversal of the same light map.
+/* Voxelized shadow volumes of runtime/volumes/vxs_shadow_grid.h against exact traversal of the same shadow depth map.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 #include <stdio.h>
@@ -90,7 +90,7 @@ static pixel_ray ray_of(const setting *s, int pixel)
     return ray;
 }
 
-static double *traverse(const setting *s, const light_map *m)
+static double *traverse(const setting *s, const shadow_depth_map *m)
 {
     int     pixels = s->view.wide * s->view.high;
     double *image  = malloc((size_t)pixels * 3 * sizeof *image);
@@ -144,9 +144,9 @@ static void test_every_bit(void **state)
     for (int place = 0; place < LIGHT_PLACES; place++) {
         setting s = setting_make((light_place)place, 64, 48);
         memcpy(s.scene.spheres[s.scene.count++], cover, sizeof cover);
-        light_map   m     = light_map_make(&s.scene, &s.light, 256);
-        shadow_grid g     = grid_make(&m, &s.view, 61, 47, 150);
-        uint32_t    asked = 0, wrong = 0, dark = 0, before = 0;
+        shadow_depth_map m     = shadow_depth_map_make(&s.scene, &s.light, 256);
+        shadow_grid      g     = grid_make(&m, &s.view, 61, 47, 150);
+        uint32_t         asked = 0, wrong = 0, dark = 0, before = 0;
         for (int column = 0; column < g.size.columns; column++)
             for (int row = 0; row < g.size.rows; row++)
                 for (int bit = 0; bit < g.size.bits; bit++) {
@@ -158,7 +158,7 @@ static void test_every_bit(void **state)
                     vxs_epipolar_place(&g.space, angles, at);
                     for (int i = 0; i < 3; i++) at[i] += s.view.eye[i];
                     int found = g.words[vxs_grid_word_of(&g.size, column, row, bit)] >> (bit & 31) & 1;
-                    wrong += found == light_map_lit(&m, at);
+                    wrong += found == shadow_depth_map_lit(&m, at);
                     dark += found != 0;
                     before += found && column == 0;
                     asked++;
@@ -178,10 +178,10 @@ static void test_converges(void **state)
 {
     (void)state;
     for (int place = 0; place < LIGHT_PLACES; place++) {
-        setting   s      = setting_make((light_place)place, 48, 36);
-        light_map m      = light_map_make(&s.scene, &s.light, (int)repeats(512, 1024));
-        double   *wanted = traverse(&s, &m), last = 0, first = 0;
-        int       eye_lit = light_map_lit(&m, s.view.eye), pixels = s.view.wide * s.view.high;
+        setting          s      = setting_make((light_place)place, 48, 36);
+        shadow_depth_map m      = shadow_depth_map_make(&s.scene, &s.light, (int)repeats(512, 1024));
+        double          *wanted = traverse(&s, &m), last = 0, first = 0;
+        int              eye_lit = shadow_depth_map_lit(&m, s.view.eye), pixels = s.view.wide * s.view.high;
         print_message("%s: RMS", place_names[place]);
         for (int side = 64; side <= 512; side *= (int)repeats(8, 2)) {
             shadow_grid g     = grid_make(&m, &s.view, side, side, side);
@@ -215,9 +215,9 @@ static void test_rotated(void **state)
     (void)state;
     rng r = {11};
     for (int place = 0; place < LIGHT_PLACES; place++) {
-        setting   s      = setting_make((light_place)place, 32, 24);
-        light_map m      = light_map_make(&s.scene, &s.light, 512);
-        double   *wanted = traverse(&s, &m), most = 0;
+        setting          s      = setting_make((light_place)place, 32, 24);
+        shadow_depth_map m      = shadow_depth_map_make(&s.scene, &s.light, 512);
+        double          *wanted = traverse(&s, &m), most = 0;
         free(m.first);
         for (uint32_t n = repeats((uint32_t)place, 0); n < repeats(11, 64); n += repeats(6, 1)) {
             double turn[3][3];
@@ -231,9 +231,9 @@ static void test_rotated(void **state)
                 for (int i = 0; i < 3; i++) turn[i][(i + (int)n % 3) % 3] = n < 3 ? 1 : -1;
             }
             setting t         = rotated(&s, turn);
-            m                 = light_map_make(&t.scene, &t.light, 512);
+            m                 = shadow_depth_map_make(&t.scene, &t.light, 512);
             shadow_grid g     = grid_make(&m, &t.view, 256, 1024, 512);
-            double     *image = look_up(&t, &g, light_map_lit(&m, t.view.eye), 32, 0);
+            double     *image = look_up(&t, &g, shadow_depth_map_lit(&m, t.view.eye), 32, 0);
             most              = fmax(most, relative_rms(image, wanted, 32 * 24));
             free(image);
             free(g.words);
@@ -255,10 +255,10 @@ static void test_before_the_view(void **state)
         s.scene.count = (uint32_t)n;
         memcpy(s.scene.spheres[0], cover, sizeof cover);
         for (int k = 0; k < 32 * 24; k++) assert_true(ray_of(&s, k).metres == s.view.far_metres);
-        light_map   m      = light_map_make(&s.scene, &s.light, 512);
-        shadow_grid g      = grid_make(&m, &s.view, 256, 256, 256);
-        double     *wanted = traverse(&s, &m);
-        images[n]          = look_up(&s, &g, light_map_lit(&m, s.view.eye), 16, 0);
+        shadow_depth_map m      = shadow_depth_map_make(&s.scene, &s.light, 512);
+        shadow_grid      g      = grid_make(&m, &s.view, 256, 256, 256);
+        double          *wanted = traverse(&s, &m);
+        images[n]               = look_up(&s, &g, shadow_depth_map_lit(&m, s.view.eye), 16, 0);
         for (int k = 0; k < 3 * 32 * 24; k++) mean[n] += images[n][k];
         assert_true(relative_rms(images[n], wanted, 32 * 24) < 1e-2);
         free(wanted);
@@ -284,11 +284,11 @@ static void test_poles(void **state)
             to_light[i]           = s.air.place[i] - s.view.eye[i];
             s.scene.spheres[0][i] = s.view.eye[i] + to_light[i] / 2;
         }
-        s.scene.spheres[0][3] = 0.5;
-        s.scene.count         = (uint32_t)covered;
-        light_map   m         = light_map_make(&s.scene, &s.light, 256);
-        shadow_grid g         = grid_make(&m, &s.view, 32, 32, 128);
-        int         eye_lit   = light_map_lit(&m, s.view.eye);
+        s.scene.spheres[0][3]    = 0.5;
+        s.scene.count            = (uint32_t)covered;
+        shadow_depth_map m       = shadow_depth_map_make(&s.scene, &s.light, 256);
+        shadow_grid      g       = grid_make(&m, &s.view, 32, 32, 128);
+        int              eye_lit = shadow_depth_map_lit(&m, s.view.eye);
         assert_int_equal(eye_lit, !covered);
         make_unit(to_light);
         for (int k = 0; k < 16; k++) {
@@ -317,7 +317,7 @@ static void test_single_bits(void **state)
     (void)state;
     setting s               = setting_make(BESIDE, 32, 24);
     s.scene.count           = 0;
-    light_map        m      = light_map_make(&s.scene, &s.light, 64);
+    shadow_depth_map m      = shadow_depth_map_make(&s.scene, &s.light, 64);
     shadow_grid      g      = grid_make(&m, &s.view, 16, 16, 256);
     pixel_ray        ray    = ray_of(&s, 10 * 32 + 9);
     vxs_epipolar_ray eye    = vxs_epipolar_eye(&g.space, ray.direction);

@@ -168,7 +168,7 @@ static void check_balls(uint32_t count, uint32_t room, uint32_t unsorted, int ma
     enum { MOST = 70000 };
     static vxs_capsule     smoke[MOST];
     static smoke_part      parts[MOST];
-    light_map              m    = {.light = vxs_asset_light(s.asset, SCENE_SUN)->light, .side = 1, .layers = 1};
+    shadow_depth_map       m    = {.light = vxs_asset_light(s.asset, SCENE_SUN)->light, .side = 1, .layers = 1};
     vxs_transmittance_desc desc = {
         .baked_number = vxs_baked_number(SCENE_SUN), .side_px = 1, .capsules = count, .segments = room, .unsorted = unsorted};
     vxs_capsules           list = {.list = smoke, .count = count};
@@ -177,7 +177,7 @@ static void check_balls(uint32_t count, uint32_t room, uint32_t unsorted, int ma
     float                  curve[2 * NODES];
     uint32_t               thin = 0;
     rng                    r    = {5};
-    light_map_ray(&m, 0, 0, 0, from, way);
+    shadow_depth_map_ray(&m, 0, 0, 0, from, way);
     for (uint32_t n = 0; n < count; n++) {
         double along = uniform(&r, 0, 20);
         smoke[n] = (vxs_capsule){.radius_metres = (float)uniform(&r, 0.3, 0.6), .extinction = (float)uniform(&r, 0, 6.0 / count)};

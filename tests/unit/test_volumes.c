@@ -1,5 +1,5 @@
-/* libvxs_volumes on llvmpipe: light maps against the asset's depths, marches against exact lit intervals in double, what moves
- * joined with what stands, the picture behind fog, the context's state as it was, and no number that is none.
+/* libvxs_volumes on llvmpipe: shadow depth maps against the asset's depths, marches against exact lit intervals in double, what
+ * moves joined with what stands, the picture behind fog, the context's state as it was, and no number that is none.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h"
 
@@ -97,7 +97,7 @@ static double depth_of(const vxs_light *l, uint32_t voxel)
     return l->kind == VXS_LIGHT_KIND_DIRECTIONAL ? voxel : l->near_metres * exp(voxel * l->voxel_metres);
 }
 
-static void test_light_maps(void **state)
+static void test_shadow_depth_maps(void **state)
 {
     (void)state;
     volumes_scene s;
@@ -360,15 +360,15 @@ static void test_joined(void **state)
     scene_close(&s);
 }
 
-/* Airlight of a light map by exact traversal of its texels, adaptively, in double, of every so many pixels; what differs from it,
- * by RMS. */
+/* Airlight of a shadow depth map by exact traversal of its texels, adaptively, in double, of every so many pixels; what differs
+ * from it, by RMS. */
 enum { ASKED_EACH = 2, ASKED_PIXELS = (PIXELS + ASKED_EACH - 1) / ASKED_EACH };
 
 static void traverse(const volumes_scene *s, const volumes_camera *c, int light, const seen *v, const float *first,
                      double wanted[ASKED_PIXELS][3])
 {
     vxs_volumes_light l   = scene_light(light);
-    light_map         map = {&vxs_asset_light(s->asset, (uint32_t)light)->light, JOINED_SIDE, light == SCENE_POINT ? 6 : 1, first};
+    shadow_depth_map  map = {&vxs_asset_light(s->asset, (uint32_t)light)->light, JOINED_SIDE, light == SCENE_POINT ? 6 : 1, first};
     reference_light   of  = {.light = scene_air_light(s, &l), .oracle = map_parts, .subject = &map};
     for (int i = 0; i < 3; i++) of.colour[i] = (double)l.colour[i];
     for (uint32_t n = 0; n < ASKED_PIXELS; n++) {
@@ -391,8 +391,8 @@ static double rms_from(const double found[ASKED_PIXELS][3], const double wanted[
     return sqrt(wrong / size);
 }
 
-/* All techniques that read a light map know what moves: their airlight is that of the map as it was joined, which is not that of
- * what stands. */
+/* All techniques that read a shadow depth map know what moves: their airlight is that of the map as it was joined, which is not
+ * that of what stands. */
 static void test_joined_airlight(void **state)
 {
     (void)state;
@@ -960,13 +960,20 @@ static void test_struct_sizes(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_light_maps),  cmocka_unit_test(test_struct_sizes),
-        cmocka_unit_test(test_marches),     cmocka_unit_test(test_marches_in_dense_fog),
-        cmocka_unit_test(test_many_steps),  cmocka_unit_test(test_intervals_in_pieces),
-        cmocka_unit_test(test_joined),      cmocka_unit_test(test_joined_airlight),
-        cmocka_unit_test(test_composite),   cmocka_unit_test(test_state),
-        cmocka_unit_test(test_any_numbers), cmocka_unit_test(test_reach),
-        cmocka_unit_test(test_misuse),      cmocka_unit_test(test_programs_at_first_use),
+        cmocka_unit_test(test_shadow_depth_maps),
+        cmocka_unit_test(test_struct_sizes),
+        cmocka_unit_test(test_marches),
+        cmocka_unit_test(test_marches_in_dense_fog),
+        cmocka_unit_test(test_many_steps),
+        cmocka_unit_test(test_intervals_in_pieces),
+        cmocka_unit_test(test_joined),
+        cmocka_unit_test(test_joined_airlight),
+        cmocka_unit_test(test_composite),
+        cmocka_unit_test(test_state),
+        cmocka_unit_test(test_any_numbers),
+        cmocka_unit_test(test_reach),
+        cmocka_unit_test(test_misuse),
+        cmocka_unit_test(test_programs_at_first_use),
     };
     return cmocka_run_group_tests_name("volumes", tests, NULL, NULL);
 }

@@ -91,9 +91,9 @@ static inline vxs_shadow_depth_map *opaque_map(int light)
 
 /* The texels of a light, with the ray of each. Depths are metres along the map's axis. */
 typedef struct texels {
-    light_map map;
-    size_t    count, nodes;
-    float    *curves; /* [count][nodes][2] */
+    shadow_depth_map map;
+    size_t           count, nodes;
+    float           *curves; /* [count][nodes][2] */
 } texels;
 
 typedef struct texel_ray {
@@ -146,7 +146,7 @@ static inline void trace(const texels *t, size_t texel, const vxs_capsule *capsu
 {
     int x = (int)texel % SIDE, y = (int)texel / SIDE % SIDE, face = (int)texel / (SIDE * SIDE),
         is_sun    = t->map.light.kind == VXS_LIGHT_KIND_DIRECTIONAL;
-    double metres = light_map_ray(&t->map, face, x, y, ray->from, ray->way);
+    double metres = shadow_depth_map_ray(&t->map, face, x, y, ray->from, ray->way);
     ray->begin    = is_sun ? 100 : 0; /* a sun's light comes from before its map */
     ray->metres   = is_sun ? 1 : metres;
     for (int i = 0; i < 3; i++) ray->from[i] -= ray->begin * ray->way[i];
@@ -173,7 +173,7 @@ static inline double look_up(const texels *t, const double ws[3], int exponentia
     double edge = ldexp(1, (int)t->map.light.levels), scale = t->map.light.texel_metres * edge / SIDE, place[3], u, v, depth,
            sum   = 0;
     size_t texel = 0;
-    if (!light_map_texel(&t->map, ws, &texel, &depth)) return 1;
+    if (!shadow_depth_map_texel(&t->map, ws, &texel, &depth)) return 1;
     size_t layer = texel / (SIDE * SIDE);
     face_from_ws(&t->map, (int)layer, ws, 1, place);
     int is_sun = t->map.light.kind == VXS_LIGHT_KIND_DIRECTIONAL;

@@ -1,5 +1,5 @@
 /* Which parts of an eye ray a light reaches: a list of them, and what an oracle of visibility is. There are three, kept apart: rays
- * that are traced (traced_parts.h), the texels of a light map (map_parts.h), a mesh that bounds what is lit (mesh_parts.h).
+ * that are traced (traced_parts.h), the texels of a shadow depth map (map_parts.h), a mesh that bounds what is lit (mesh_parts.h).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef LIT_PARTS_H
 #define LIT_PARTS_H

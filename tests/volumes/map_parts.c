@@ -1,4 +1,4 @@
-/* Lit parts by the texels of a light map; see map_parts.h.
+/* Lit parts by the texels of a shadow depth map; see map_parts.h.
  *
  * In light space a ray is a line. Of a sun, planes between columns are u = i; of a punctual light's map, x = c_i z: also planes.
  * Between two cuts that follow each other the ray is in one texel, and its depth is linear.
@@ -22,7 +22,7 @@ static line line_in_light(const vxs_light *light, const eye_ray *ray)
     return l;
 }
 
-static line line_in_map(const light_map *map, const line *l, int layer)
+static line line_in_map(const shadow_depth_map *map, const line *l, int layer)
 {
     line turned = *l;
     if (map->light->kind == VXS_LIGHT_KIND_DIRECTIONAL) return turned;
@@ -32,7 +32,7 @@ static line line_in_map(const light_map *map, const line *l, int layer)
 }
 
 /* Texel coordinate: scale * x + middle of a sun, of x / z of a punctual light. */
-static double texels_per_unit(const light_map *map)
+static double texels_per_unit(const shadow_depth_map *map)
 {
     double coarser = map->side / ldexp(1, (int)map->light->levels);
     return map->light->kind == VXS_LIGHT_KIND_DIRECTIONAL ? coarser : coarser / map->light->texel_metres;
@@ -45,7 +45,7 @@ static void add_cut(places *cuts, const eye_ray *ray, double from, double way, d
 }
 
 /* Where a line leaves a texel of a map for the next one. */
-static void cut_map(const light_map *map, const eye_ray *ray, const line *l, places *cuts)
+static void cut_map(const shadow_depth_map *map, const eye_ray *ray, const line *l, places *cuts)
 {
     double scale = texels_per_unit(map), baked = ldexp(1, (int)map->light->levels);
     int    is_sun = map->light->kind == VXS_LIGHT_KIND_DIRECTIONAL;
@@ -73,7 +73,7 @@ static void cut_cube(const eye_ray *ray, const line *l, places *cuts)
 
 /* The texel that a place of light space is in: its map, and where shadow begins there. Returns 0 where there is none.
  * layer  [out] */
-static int texel_of(const light_map *map, const double ls[3], int *layer, double *first)
+static int texel_of(const shadow_depth_map *map, const double ls[3], int *layer, double *first)
 {
     const vxs_light *light = map->light;
     double           p[3] = {ls[0], ls[1], 1}, scale = texels_per_unit(map), middle = 0;
@@ -93,14 +93,14 @@ static int texel_of(const light_map *map, const double ls[3], int *layer, double
     return 1;
 }
 
-static double depth_in_map(const light_map *map, const double ls[3], int layer)
+static double depth_in_map(const shadow_depth_map *map, const double ls[3], int layer)
 {
     double turned[3] = {0, 0, ls[2]};
     if (map->light->kind != VXS_LIGHT_KIND_DIRECTIONAL) vxs_face_from_ls(vxs_face_of_map(map->light, layer), ls, turned);
     return turned[2];
 }
 
-int map_lit(const light_map *map, const double point[3])
+int map_lit(const shadow_depth_map *map, const double point[3])
 {
     double ls[3], first;
     int    layer;
@@ -109,7 +109,7 @@ int map_lit(const light_map *map, const double point[3])
 }
 
 /* What is lit between two cuts that follow each other. */
-static void add_texel(const light_map *map, const line *l, double begin, double end, lit_parts *parts)
+static void add_texel(const shadow_depth_map *map, const line *l, double begin, double end, lit_parts *parts)
 {
     double ls[3], first;
     int    layer;
@@ -130,9 +130,9 @@ static void add_texel(const light_map *map, const line *l, double begin, double 
 
 void map_parts(const void *subject, const eye_ray *ray, lit_parts *parts)
 {
-    const light_map *map  = subject;
-    line             l    = line_in_light(map->light, ray);
-    places           cuts = {0};
+    const shadow_depth_map *map  = subject;
+    line                    l    = line_in_light(map->light, ray);
+    places                  cuts = {0};
     lit_parts_clear(parts);
     places_add(&cuts, ray->begin);
     places_add(&cuts, ray->end);

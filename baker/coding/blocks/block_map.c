@@ -248,7 +248,7 @@ typedef struct map_builder {
 } map_builder;
 
 /* Before a fetch, a square is settled only if every part of it would get the same depth: bounds may be tighter after the fetch. */
-static descent_step look(const void *user, const column_bounds *bounds, uint32_t level, int fetched)
+static descent_step classify(const void *user, const column_bounds *bounds, uint32_t level, int fetched)
 {
     const map_builder *b = user;
     if (!fetched && (bounds->xmin >= b->depth_vx || bounds_alike(bounds))) return DESCENT_SETTLED;
@@ -361,7 +361,7 @@ vxs_result block_build_map(block_set *s, uint32_t map, const column_map *columns
     descent    d    = {.user            = b,
                        .square_px       = side,
                        .squares_fetched = &s->squares_fetched,
-                       .look            = look,
+                       .classify        = classify,
                        .settle          = settle,
                        .build           = build_slot,
                        .add             = add_slot,

@@ -78,7 +78,7 @@ static int is_decided(const map_builder *b, const column_bounds *bounds, uint32_
     return bounds->emax <= boundary && (level == b->sub_level || bounds->xmax >> shift == *lit_slabs);
 }
 
-static descent_step look(const void *user, const column_bounds *bounds, uint32_t level, int fetched)
+static descent_step classify(const void *user, const column_bounds *bounds, uint32_t level, int fetched)
 {
     const map_builder *b = user;
     uint32_t           lit_slabs;
@@ -218,7 +218,7 @@ vxs_result dag_build_map(dag_merger *g, uint32_t map, const column_map *columns,
     descent    d = {.user            = b,
                     .square_px       = sub_dag_side(columns->side_px),
                     .squares_fetched = &stats->squares_fetched,
-                    .look            = look,
+                    .classify        = classify,
                     .settle          = settle,
                     .build           = build_slot,
                     .add             = add_slot,

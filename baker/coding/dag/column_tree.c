@@ -42,7 +42,7 @@ vxs_result column_tree_look_into(column_tree *t, size_t at, uint32_t level, uint
 }
 
 /* Parts in z order, so that neighbours in the map are neighbours in the arrays. */
-static vxs_result look_for_masks(column_tree *t, size_t at, uint32_t level, uint32_t i, uint32_t j)
+static vxs_result find_masks(column_tree *t, size_t at, uint32_t level, uint32_t i, uint32_t j)
 {
     vxs_result r;
     if (t->squares[at].emax <= t->squares[at].xmin) return VXS_OK;
@@ -66,7 +66,7 @@ static vxs_result look_for_masks(column_tree *t, size_t at, uint32_t level, uint
     if ((r = column_tree_look_into(t, at, level, i, j)) != VXS_OK) return r;
     uint32_t first = t->squares[at].parts;
     for (uint32_t c = 0; c < 4; c++)
-        if ((r = look_for_masks(t, first + c, level - 1, 2 * i + (c & 1), 2 * j + (c >> 1))) != VXS_OK) return r;
+        if ((r = find_masks(t, first + c, level - 1, 2 * i + (c & 1), 2 * j + (c >> 1))) != VXS_OK) return r;
     return VXS_OK;
 }
 
@@ -77,7 +77,7 @@ vxs_result column_tree_build(column_tree *t, const column_square *columns, uint3
     *t = (column_tree){.columns = columns, .level = level, .i = i, .j = j, .rule = rule, .share = share};
     r  = array_reserve(&t->squares, &t->square_capacity, 1, sizeof *t->squares) ? VXS_OK : VXS_E_MEMORY;
     if (r == VXS_OK) r = bound_square(t, &t->squares[t->square_count++], level, i, j);
-    if (r == VXS_OK) r = look_for_masks(t, 0, level, i, j);
+    if (r == VXS_OK) r = find_masks(t, 0, level, i, j);
     if (r != VXS_OK) column_tree_free(t);
     return r;
 }

@@ -19,7 +19,7 @@ typedef struct bake_page {
 
 /* Pages of bakes; see baker/lab/pages/page.h. */
 typedef struct bake_pages {
-    vxs_result (*look)(void *page, const bake_options *o, const casters *c, vxs_bytes *file, run_context *m);
+    vxs_result (*on_complete)(void *page, const bake_options *o, const casters *c, vxs_bytes *file, run_context *m);
     vxs_result (*write)(const char *path, const bake_page *page, const bake_options *o, const bake_report *r, run_context *m);
     void (*free)(bake_page *page);
 } bake_pages;

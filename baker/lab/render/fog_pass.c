@@ -19,7 +19,7 @@ static vxs_result read_map(const baked_mesh_options *o, const gl_context *gl, vx
     vxs_shadow_depth_map *map    = NULL;
     vxs_result            result = vxs_shadow_depth_map_create(
                    &map, volumes, &(vxs_shadow_depth_map_desc){.baked_number = vxs_baked_number(o->light), .side_px = o->side_px});
-    if (result != VXS_OK) return fail(m, result, "OpenGL has no room for a light map: %s", vxs_result_text(result));
+    if (result != VXS_OK) return fail(m, result, "OpenGL has no room for a shadow depth map: %s", vxs_result_text(result));
     while (vxs_shadow_depth_map_fill(map, UINT64_MAX)) continue;
     *side_px    = vxs_shadow_depth_map_side_px(map);
     size_t size = sizeof **first * *side_px * *side_px * vxs_shadow_depth_map_layers(map);
@@ -27,7 +27,7 @@ static vxs_result read_map(const baked_mesh_options *o, const gl_context *gl, vx
     if (*first)
         gl->GetTextureImage(vxs_shadow_depth_map_texture(map), 0, GL_RED, GL_FLOAT, (GLsizei)size, *first);
     else
-        result = fail(m, VXS_E_MEMORY, "out of memory for a light map of %u texels a side", *side_px);
+        result = fail(m, VXS_E_MEMORY, "out of memory for a shadow depth map of %u texels a side", *side_px);
     vxs_shadow_depth_map_destroy(map);
     return result;
 }
@@ -205,7 +205,7 @@ static vxs_result add_light(fog_pass *p, vxs_volumes_light light, const moving_p
 
     if (caster_count) { /* join the light's shadow depth map with those of moving casters: light ends at the first of them */
         const vxs_shadow_depth_map_desc desc = {.baked_number = light.baked_number, .side_px = MAP_SIDE, .moves = 1};
-        plan->light_maps++;
+        plan->shadow_depth_maps++;
         if (!p->maps[n] && (result = vxs_shadow_depth_map_create(&p->maps[n], p->volumes, &desc)) != VXS_OK) return result;
         if (p->options.streamed) vxs_shadow_depth_map_refill(p->maps[n]);
         vxs_shadow_depth_map_fill(p->maps[n], UINT64_MAX);

@@ -19,7 +19,7 @@ typedef struct fog_pass_options {
     uint32_t                      width, height; /* samples */
     double                        size_metres;   /* of the scene */
     const vxs_baked_smoke *const *baked_smoke;   /* [lights] as in render_options */
-    int                           streamed;      /* 1: baked data may change, so light maps are looked up anew in each frame */
+    int                           streamed; /* 1: baked data may change, so shadow depth maps are looked up anew in each frame */
 } fog_pass_options;
 
 /* Properties of a light, in addition to its shadows in libvxs_gl. */

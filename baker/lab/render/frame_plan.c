@@ -54,8 +54,8 @@ static void fog_plan_savings(const fog_plan *plan, fog_by by, uint32_t light_cou
         leave_out(&next, "adaptive pass", "what stands has a mesh that is made once, with triangles where its surface bends");
         snprintf(what, sizeof what, "%u of %u meshes", light_count - plan->meshes_made, light_count);
         if (plan->meshes_made < light_count) leave_out(&next, what, "their lights have not been drawn");
-    } else if (!plan->light_maps)
-        leave_out(&next, "light maps", "nothing moves: the file is asked where shadow begins");
+    } else if (!plan->shadow_depth_maps)
+        leave_out(&next, "shadow depth maps", "nothing moves: the file is asked where shadow begins");
 }
 
 /* text ------------------------------------------------------------------------------------------------------------------------- */
@@ -72,7 +72,7 @@ void fog_plan_print(FILE *to, const fog_plan *plan, fog_by by, const fog_light_p
         if (plan->lights[n]) fprintf(to, ", %u %s", plan->lights[n], why);
     }
     if (plan->by_angles) fprintf(to, "; %u of them by %s", plan->by_angles, fog_by_names[FOG_BY_ANGLES]);
-    if (plan->light_maps) fprintf(to, "; %u of maps that end where something moves", plan->light_maps);
+    if (plan->shadow_depth_maps) fprintf(to, "; %u of maps that end where something moves", plan->shadow_depth_maps);
     fputc('\n', to);
     if (!verbose) return;
     fog_plan_savings(plan, by, light_count, savings);
@@ -103,7 +103,7 @@ json_t *fog_plan_lights(const fog_light_plan *lights, const vxs_baked_light *con
     json_t *list = json_array();
     for (uint32_t n = 0; n < light_count; n++) {
         json_t *o =
-            json_pack("{s:o, s:s}", "light", json_text(names[n]->light.name), "fate", fog_cull_names[lights[n].cull_result]);
+            json_pack("{s:o, s:s}", "light", json_text(names[n]->light.name), "cull_result", fog_cull_names[lights[n].cull_result]);
         if (lights[n].cull_result == FOG_DRAWN) {
             json_set(&o, "by", json_text(fog_by_names[lights[n].by]));
             if (lights[n].why) json_set(&o, "why", json_text(lights[n].why));
@@ -158,8 +158,8 @@ json_t *smoke_plan_lights(const smoke_light_plan *lights, const vxs_baked_light 
 {
     json_t *list = json_array();
     for (uint32_t n = 0; n < light_count; n++) {
-        json_t *o =
-            json_pack("{s:o, s:s}", "light", json_text(names[n]->light.name), "fate", smoke_cull_names[lights[n].cull_result]);
+        json_t *o = json_pack("{s:o, s:s}", "light", json_text(names[n]->light.name), "cull_result",
+                              smoke_cull_names[lights[n].cull_result]);
         if (lights[n].cull_result == SMOKE_DIMS) {
             json_set(&o, "segments", json_integer(lights[n].segments));
             json_set(&o, "merged", json_integer(lights[n].merged));
@@ -242,7 +242,7 @@ json_t *area_plan_json(const area_plan *plan, const area_words *w)
 {
     json_t *o = json_pack("{s:i}", "vpls", (int)plan->vpls), *lights = json_array();
     for (size_t n = 0; n < w->scene->area_count; n++)
-        json_append(&lights, json_pack("{s:o, s:s, s:i}", "node", json_text(name_of(w->scene, &w->scene->areas[n])), "fate",
+        json_append(&lights, json_pack("{s:o, s:s, s:i}", "node", json_text(name_of(w->scene, &w->scene->areas[n])), "cull_result",
                                        area_cull_names[w->shares[n].cull_result], "vpls", (int)w->shares[n].vpls));
     vpl_plan_json(&o, &w->lit);
     json_set(&o, "lights", lights);

@@ -33,9 +33,9 @@ typedef enum fog_cull_result {
 
 typedef struct fog_plan {
     uint32_t lights[FOG_CULL_RESULTS];
-    uint32_t by_angles;   /* lights drawn by equiangular steps instead of the requested method */
-    uint32_t light_maps;  /* lights drawn by maps that are joined with moving casters */
-    uint32_t meshes_made; /* for FOG_BY_MESH: all meshes made so far, including this frame */
+    uint32_t by_angles;         /* lights drawn by equiangular steps instead of the requested method */
+    uint32_t shadow_depth_maps; /* lights drawn by maps that are joined with moving casters */
+    uint32_t meshes_made;       /* for FOG_BY_MESH: all meshes made so far, including this frame */
 } fog_plan;
 
 /* Of one light. */

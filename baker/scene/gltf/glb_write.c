@@ -310,8 +310,8 @@ static int append_material(json_t *root, const glb_scene *s, size_t i)
         failed |= json_object_set_new(json, "alphaMode", json_string("MASK"));
         failed |= json_object_set_new(json, "alphaCutoff", json_real(material->alpha_cutoff));
     }
-    if (!failed && material->shines > 0)
-        failed |= set_emission(root, json, texture_of(s, i), material->shines);
+    if (!failed && material->emission > 0)
+        failed |= set_emission(root, json, texture_of(s, i), material->emission);
     else if (!failed && material->image)
         failed |= json_object_set_new(json, "pbrMetallicRoughness",
                                       json_pack("{s:{s:I}, s:f, s:f}", "baseColorTexture", "index", (json_int_t)texture_of(s, i),

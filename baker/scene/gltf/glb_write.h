@@ -28,7 +28,7 @@ typedef struct glb_material {
     int          double_sided;
     double       alpha_cutoff; /* 0: OPAQUE; else alphaMode MASK with this cutoff, (0, 1] */
     uint32_t     image;        /* 1 + index into images: base colour texture; 0: none */
-    double       shines;       /* above 0: emissive strength: the image is the emissive texture, and the base colour is black */
+    double       emission;     /* above 0: emissive strength: the image is the emissive texture, and the base colour is black */
     texture_wrap wrap_u, wrap_v;
     int          nearest;   /* 1: nearest pixel; 0: bilinear */
     double       colour[3]; /* base colour, linear, [0, 1]; all 0: not written, which means white */

@@ -30,25 +30,25 @@ struct descriptor {
 static constexpr size_t LOOKED_AT = 65536;
 
 /* The same from the caller's files. */
-static file_bytes read_from_caller(loader &l, const char *path, size_t limit, int &error, scene_look look)
+static file_bytes read_from_caller(loader &l, const char *path, size_t limit, int &error, check_head check)
 {
     const file_access *access = l.m->access;
     uint64_t           size   = access->size(access->user, path);
     file_bytes         out;
     error = size == FILE_ACCESS_MISSING ? ENOENT : 0;
     if (error) return out;
-    if (!look) size = std::min(size, (uint64_t)limit);
+    if (!check) size = std::min(size, (uint64_t)limit);
     l.need(size, strcmp(path, l.path) ? "the file '" + std::string(path) + "'" : "the file");
     out.resize(size);
     error = access->read(access->user, path, out.data(), out.size());
-    if (!error && look) limit = std::min(limit, look(l, out.data(), out.size(), size));
+    if (!error && check) limit = std::min(limit, check(l, out.data(), out.size(), size));
     out.resize(std::min(out.size(), limit));
     return out;
 }
 
-file_bytes read_bytes(loader &l, const char *path, size_t limit, bool regular_only, int &error, scene_look look)
+file_bytes read_bytes(loader &l, const char *path, size_t limit, bool regular_only, int &error, check_head check)
 {
-    if (l.m->access) return read_from_caller(l, path, limit, error, look);
+    if (l.m->access) return read_from_caller(l, path, limit, error, check);
     file_bytes  out;
     descriptor  d = {regular_only ? open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK) : input_open(path)};
     struct stat status;
@@ -64,16 +64,16 @@ file_bytes read_bytes(loader &l, const char *path, size_t limit, bool regular_on
         l.need(size, what);
         out.resize(size);
     };
-    if (!error) make_room(std::min(known, look ? LOOKED_AT : known));
+    if (!error) make_room(std::min(known, check ? LOOKED_AT : known));
     while (!error && found < limit) {
         if (found == out.size()) make_room(std::min(limit, found < known ? known : found + std::max(found, LOOKED_AT)));
         ssize_t n = read(d.file, out.data() + found, out.size() - found);
         if (n < 0 && errno != EINTR) error = errno;
         if (n > 0) found += (size_t)n;
-        if (look && n >= 0 && (n == 0 || found >= LOOKED_AT || found == known)) {
-            limit = std::min(limit, look(l, out.data(), found, regular ? (uint64_t)status.st_size : n == 0 ? found : 0));
+        if (check && n >= 0 && (n == 0 || found >= LOOKED_AT || found == known)) {
+            limit = std::min(limit, check(l, out.data(), found, regular ? (uint64_t)status.st_size : n == 0 ? found : 0));
             known = std::min(known, limit);
-            look  = nullptr;
+            check = nullptr;
         }
         if (n == 0 || (regular && found == out.size() && found >= known)) break;
     }

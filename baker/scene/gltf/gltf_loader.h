@@ -452,11 +452,11 @@ struct container {
 
 /* Callback with the first 64 KiB of a file, or all of it. Returns how many bytes to read.
  * total_bytes  0: unknown */
-using scene_look = size_t (*)(loader &l, const unsigned char *bytes, size_t size, uint64_t total_bytes);
+using check_head = size_t (*)(loader &l, const unsigned char *bytes, size_t size, uint64_t total_bytes);
 
 /* Read at most `limit` bytes of a file. `error` becomes 0 or an errno. With regular_only, for files that a scene refers to, a pipe
  * is an error, because it may never end. */
-file_bytes read_bytes(loader &l, const char *path, size_t limit, bool regular_only, int &error, scene_look look = nullptr);
+file_bytes read_bytes(loader &l, const char *path, size_t limit, bool regular_only, int &error, check_head check = nullptr);
 void       read_scene_file(loader &l, const char *path);
 container  open_container(loader &l);
 
@@ -747,7 +747,7 @@ void append_area(loader &l, const placement &p, size_t first, size_t count);
 
 /* Note valid content that is probably a mistake.
  * triangles  number of triangles to be placed */
-void look_at_traps(loader &l, int chosen_scene, size_t triangles);
+void warn_about_traps(loader &l, int chosen_scene, size_t triangles);
 
 /* ---- gltf_lights.cc ---- */
 

@@ -54,9 +54,9 @@ void place_materials(loader &l)
     l.s->material_colours = zeroed<float[3]>(count);
     l.s->material_count   = count;
     for (size_t n = 0; n < count; n++) {
-        const float *shine = l.materials[n].radiance;
+        const float *radiance = l.materials[n].radiance;
         memcpy(l.s->material_colours[n], l.materials[n].colour, sizeof l.materials[n].colour);
-        l.s->shining_count += shine[0] > 0 || shine[1] > 0 || shine[2] > 0;
+        l.s->emissive_count += radiance[0] > 0 || radiance[1] > 0 || radiance[2] > 0;
     }
 }
 

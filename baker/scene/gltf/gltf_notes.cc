@@ -309,7 +309,7 @@ static void look_at_scenes(loader &l, int chosen, size_t triangles)
                   "no mesh of it casts, and " + label("scene", l.model.scenes, with_mesh) + " has meshes", "choose with --scene");
 }
 
-void look_at_traps(loader &l, int chosen, size_t triangles)
+void warn_about_traps(loader &l, int chosen, size_t triangles)
 {
     casting casts(l.nodes.size(), 0);
     for (size_t node : l.order) casts[node] = casting_triangles(l, node);

@@ -87,7 +87,7 @@ static void load(loader &l, const scene_check *check)
     place_materials(l);
     l.s->name        = duplicate(chosen < 0 ? "" : l.model.scenes[chosen].name);
     size_t triangles = measure(l);
-    look_at_traps(l, chosen, triangles);
+    warn_about_traps(l, chosen, triangles);
 
     /* checks before triangles are placed, which may be many more than in the file */
     require_geometry(l, triangles, count_capsules(l));

@@ -1,4 +1,4 @@
-/* Light maps: where shadow begins on each light ray; see vxs_volumes.h.
+/* Shadow depth maps: where shadow begins on each light ray; see vxs_volumes.h.
  * SPDX-License-Identifier: MIT */
 #include <math.h>
 #include <string.h>

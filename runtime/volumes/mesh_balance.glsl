@@ -10,5 +10,5 @@ void main()
     ivec3          at = ivec3(gl_GlobalInvocationID);
     int            level = vxs_mesh_of.level;
     if (any(greaterThanEqual(at.xy, ivec2(shape.side >> level)))) return;
-    vxs_mesh_let_meet(0, shape, vxs_mesh_quad_of(at.z, level, at.x, at.y));
+    vxs_mesh_balance(0, shape, vxs_mesh_quad_of(at.z, level, at.x, at.y));
 }
