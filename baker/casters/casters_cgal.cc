@@ -110,19 +110,6 @@ class shell
     std::vector<triangles::const_iterator> met;
 };
 
-std::vector<uint32_t> vertices_of(const shell_set &s, uint32_t component)
-{
-    std::vector<uint32_t> vertices;
-    vertices.reserve(3 * size_t(s.first[component + 1] - s.first[component]));
-    for (uint32_t i = s.first[component]; i < s.first[component + 1]; i++) {
-        const uint32_t *v = &s.indices[3 * size_t(s.members[i])];
-        vertices.insert(vertices.end(), v, v + 3);
-    }
-    std::sort(vertices.begin(), vertices.end());
-    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-    return vertices;
-}
-
 /* 1 when a whole component is in the shell. A vertex on the surface does not decide, so further vertices are tested. If all are on
  * the surface (as for a copy of the shell), the component counts as inside: the safe answer. */
 bool holds_component(shell &outer, const shell_set &s, uint32_t inner)
@@ -131,8 +118,15 @@ bool holds_component(shell &outer, const shell_set &s, uint32_t inner)
     const uint32_t corner = s.indices[3 * size_t(s.members[s.first[inner]])];
     if (!outer.holds(point_at(&s.positions_ws[3 * size_t(corner)]))) return false;
 
-    const std::vector<uint32_t> vertices = vertices_of(s, inner);
-    const size_t                tested   = std::min(vertices.size(), tested_vertices_max);
+    std::vector<uint32_t> vertices;
+    vertices.reserve(3 * size_t(s.first[inner + 1] - s.first[inner]));
+    for (uint32_t i = s.first[inner]; i < s.first[inner + 1]; i++) {
+        const uint32_t *v = &s.indices[3 * size_t(s.members[i])];
+        vertices.insert(vertices.end(), v, v + 3);
+    }
+    std::sort(vertices.begin(), vertices.end());
+    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    const size_t tested = std::min(vertices.size(), tested_vertices_max);
     for (size_t i = 0; i < tested; i++) {
         const uint32_t v = vertices[i * vertices.size() / tested];
         if (!outer.holds(point_at(&s.positions_ws[3 * size_t(v)]))) return false;
@@ -229,17 +223,14 @@ class guest_tree
     }
 };
 
-bool holds_guest(shell &outer, const shell_set &s, uint32_t guest)
-{
-    return guest < s.count ? holds_component(outer, s, guest) : outer.holds(point_at(&s.points[3 * (guest - s.count)]));
-}
-
 bool holds_any(const shell_set &s, uint32_t component, const std::vector<uint32_t> &guests)
 {
     CGAL::Bbox_3 area;
     for (uint32_t guest : guests) area += guest_box(s, guest);
     shell outer(s, component, area);
-    return std::any_of(guests.begin(), guests.end(), [&](uint32_t guest) { return holds_guest(outer, s, guest); });
+    return std::any_of(guests.begin(), guests.end(), [&](uint32_t guest) {
+        return guest < s.count ? holds_component(outer, s, guest) : outer.holds(point_at(&s.points[3 * (guest - s.count)]));
+    });
 }
 
 /* Often the first guest in the box is inside, and a small part of the shell proves it. Otherwise groups of eight times as many
@@ -287,14 +278,6 @@ void look_at_some(void *user, size_t begin, size_t end, uint32_t)
         if (work->wanted[i]) work->look((uint32_t)i);
 }
 
-vxs_result find_occupied(const shell_set &s, const uint8_t *wanted, uint8_t *occupied, uint32_t threads)
-{
-    if (!s.count) return VXS_OK;
-    search work{s, wanted, occupied, threads};
-    parallel_for(threads, s.count, 64, look_at_some, &work);
-    return work.no_memory ? VXS_E_MEMORY : VXS_OK;
-}
-
 /* Test the pairs [begin, end), which have the same outer component. */
 void find_inside(const shell_set &s, shell_pair *begin, shell_pair *end)
 {
@@ -326,7 +309,10 @@ vxs_result shells_find_inside(const shell_set *s, shell_pair *pairs, size_t coun
 vxs_result shells_find_occupied(const shell_set *s, const uint8_t *wanted, uint8_t *occupied, uint32_t threads)
 {
     try {
-        return find_occupied(*s, wanted, occupied, threads);
+        if (!s->count) return VXS_OK;
+        search work{*s, wanted, occupied, threads};
+        parallel_for(threads, s->count, 64, look_at_some, &work);
+        return work.no_memory ? VXS_E_MEMORY : VXS_OK;
     } catch (const std::bad_alloc &) {
         return VXS_E_MEMORY;
     } catch (...) {

@@ -236,26 +236,26 @@ void check_in_buffer(loader &l, const std::string &where, size_t length, size_t 
         l.broken(where, "%zu bytes at byte %zu do not fit in buffer %zu of %zu bytes", length, offset, index, b.size_bytes);
 }
 
-static void read_buffer_view(loader &l, size_t index, const json &object)
-{
-    buffer_view &v     = l.views[index];
-    std::string  where = label("bufferView", index);
-    if (l.faults[VIEWS].count(index)) throw l.faults[VIEWS][index];
-    v.buffer = object["buffer"].get<size_t>();
-    v.offset = object.value("byteOffset", (size_t)0);
-    v.length = object["byteLength"].get<size_t>();
-    v.stride = object.value("byteStride", (size_t)0);
-    if (v.buffer >= l.buffers.size()) l.broken(where, "buffer %zu does not exist", v.buffer);
-    if (!v.length) l.broken(where, "byteLength is 0");
-    check_in_buffer(l, where, v.length, v.offset, v.buffer);
-    read_compressed_view(l, where, object, v.compressed);
-    if (v.compressed.extension) check_there(l, v.compressed.buffer, v.compressed.offset, v.compressed.length);
-}
-
 void read_buffer_views(loader &l, const json &root)
 {
     l.views.resize(items(root, "bufferViews").size());
-    for (size_t i = 0; i < l.views.size(); i++) l.views[i].fault = caught([&] { read_buffer_view(l, i, root["bufferViews"][i]); });
+    for (size_t i = 0; i < l.views.size(); i++) {
+        const json  &object = root["bufferViews"][i];
+        buffer_view &v      = l.views[i];
+        std::string  where  = label("bufferView", i);
+        v.fault             = caught([&] {
+            if (l.faults[VIEWS].count(i)) throw l.faults[VIEWS][i];
+            v.buffer = object["buffer"].get<size_t>();
+            v.offset = object.value("byteOffset", (size_t)0);
+            v.length = object["byteLength"].get<size_t>();
+            v.stride = object.value("byteStride", (size_t)0);
+            if (v.buffer >= l.buffers.size()) l.broken(where, "buffer %zu does not exist", v.buffer);
+            if (!v.length) l.broken(where, "byteLength is 0");
+            check_in_buffer(l, where, v.length, v.offset, v.buffer);
+            read_compressed_view(l, where, object, v.compressed);
+            if (v.compressed.extension) check_there(l, v.compressed.buffer, v.compressed.offset, v.compressed.length);
+        });
+    }
 }
 
 void check_view_index(loader &l, const std::string &where, size_t view)

@@ -138,15 +138,6 @@ static void add_light(scene *s, const light_definition &light, const std::string
     if (!light.odd.empty()) out->odd = duplicate(light.odd + "; set it in the scene");
 }
 
-static void add_lost_light(scene *s, const light_definition &light, const std::string &node_name, size_t node, bool is_hidden)
-{
-    lost_light *out = &s->lost_lights[s->lost_light_count++];
-    out->node       = (uint32_t)node;
-    out->name       = duplicate(light.name);
-    out->node_name  = duplicate(node_name);
-    if (!is_hidden) out->why = duplicate(light.fault + "; mend it in the scene");
-}
-
 /* The name of a light is the name of its definition, if it has one and only one node uses it; else the name of its node. Exporters
  * often omit names of definitions, or share a definition between nodes. */
 void place_lights(loader &l)
@@ -175,10 +166,15 @@ void place_lights(loader &l)
         if (!own && !node_name.empty()) light.name = node_name;
         if (light.name.empty()) light.name = "light" + (index < SIZE_MAX ? std::to_string(index) : "");
         light.name = unique_name(names, light.name);
-        if (l.nodes[node].hidden || !light.fault.empty())
-            add_lost_light(s, light, node_name, node, l.nodes[node].hidden);
-        else
+        if (!l.nodes[node].hidden && light.fault.empty()) {
             add_light(s, light, node_name, node);
+            continue;
+        }
+        lost_light *lost = &s->lost_lights[s->lost_light_count++];
+        lost->node       = (uint32_t)node;
+        lost->name       = duplicate(light.name);
+        lost->node_name  = duplicate(node_name);
+        if (!l.nodes[node].hidden) lost->why = duplicate(light.fault + "; mend it in the scene");
     }
 }
 
@@ -206,14 +202,6 @@ void place_cameras(loader &l)
 
 static constexpr double GREY       = 0.45; /* value of a texture that is not read, as for base colours */
 static constexpr double TEXELS_MAX = 2048; /* maximum side of a resampled texture */
-
-void read_radiance(const json &object, material &m)
-{
-    const json *stronger = extension(object, "KHR_materials_emissive_strength");
-    double      strength = stronger ? number_or(*stronger, "emissiveStrength", 1, 1e30) : 1, factor[3];
-    numbers_or(object, "emissiveFactor", 0, factor);
-    for (int n = 0; n < 3; n++) m.radiance[n] = (float)(strength * factor[n]);
-}
 
 /* The corners of a parallelogram in order, counter-clockwise seen from the front, with texture coordinates. */
 struct quad {

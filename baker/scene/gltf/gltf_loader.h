@@ -737,9 +737,6 @@ void place_masks(loader &l);
 
 /* ---- gltf_lights.cc ---- */
 
-/* Read the emitted radiance of a material. */
-void read_radiance(const json &object, material &m);
-
 /* Add an area light for the triangles [first, first + count) of an emissive placement, if they are a parallelogram. */
 void append_area(loader &l, const placement &p, size_t first, size_t count);
 

@@ -32,22 +32,6 @@ void numbers_or(const json &object, const char *name, double otherwise, double o
     for (size_t n = 0; n < 3; n++) out[n] = good ? (*values)[n].get<double>() : otherwise;
 }
 
-/* For pictures only. A missing or invalid colour is white; a textured surface is grey times its colour. */
-static void read_colour(const json &object, material &m)
-{
-    static const double grey      = 0.45;
-    const json         *older     = extension(object, "KHR_materials_pbrSpecularGlossiness");
-    auto                newer     = object.find("pbrMetallicRoughness");
-    double              colour[3] = {1, 1, 1};
-    if (older || (newer != object.end() && newer->is_object())) {
-        const json &base = older ? *older : *newer;
-        numbers_or(base, older ? "diffuseFactor" : "baseColorFactor", 1, colour);
-        if (base.contains(older ? "diffuseTexture" : "baseColorTexture"))
-            for (double &c : colour) c *= grey;
-    }
-    for (size_t n = 0; n < 3; n++) m.colour[n] = (float)colour[n];
-}
-
 void place_materials(loader &l)
 {
     size_t count          = l.materials.size();
@@ -79,6 +63,7 @@ static const char *transmission_of(const json &object)
 
 void read_materials(loader &l, const json &root)
 {
+    static const double grey = 0.45;
     for (const json &object : items(root, "materials")) {
         material    m    = {};
         auto        two  = object.find("doubleSided");
@@ -90,8 +75,24 @@ void read_materials(loader &l, const json &root)
         if (two != object.end() && !two->is_boolean()) m.odd = "'doubleSided' is not true or false: taken as false";
         m.double_sided = two != object.end() && *two == true;
         m.transmits    = transmission_of(object);
-        read_colour(object, m);
-        read_radiance(object, m);
+
+        /* for pictures only: a missing or invalid colour is white; a textured surface is grey times its colour */
+        const json *older     = extension(object, "KHR_materials_pbrSpecularGlossiness");
+        auto        newer     = object.find("pbrMetallicRoughness");
+        double      colour[3] = {1, 1, 1}, emitted[3];
+        if (older || (newer != object.end() && newer->is_object())) {
+            const json &base = older ? *older : *newer;
+            numbers_or(base, older ? "diffuseFactor" : "baseColorFactor", 1, colour);
+            if (base.contains(older ? "diffuseTexture" : "baseColorTexture"))
+                for (double &c : colour) c *= grey;
+        }
+        const json *stronger = extension(object, "KHR_materials_emissive_strength");
+        double      strength = stronger ? number_or(*stronger, "emissiveStrength", 1, 1e30) : 1;
+        numbers_or(object, "emissiveFactor", 0, emitted);
+        for (size_t n = 0; n < 3; n++) {
+            m.colour[n]   = (float)colour[n];
+            m.radiance[n] = (float)(strength * emitted[n]);
+        }
         l.materials.push_back(m);
     }
 }

@@ -59,16 +59,12 @@ static void check_primitive(loader &l, const std::string &where, const tinygltf:
             l.broken(where + ", " + e.label, "indices are not unsigned scalars");
     }
     if (makes_smoke(p)) check_smoke(l, where, p);
-}
 
-/* Check indices before decoding, if their data is available. */
-static void check_index_data(loader &l, const tinygltf::Primitive &p)
-{
-    if (p.indices < 0 || !(makes_triangles(p) || makes_smoke(p)) || needs_draco(l, p)) return;
+    /* check indices before decoding, if their data is available */
+    if (p.indices < 0 || needs_draco(l, p)) return;
     const tinygltf::Accessor &a = l.model.accessors[p.indices];
     if (a.bufferView < 0 || a.sparse.isSparse || l.views[a.bufferView].compressed.extension) return;
-    check_index_values(l, use_accessor(l, (size_t)p.indices), l.accessors[attribute(p.attributes, "POSITION")].count,
-                       p.mode != TINYGLTF_MODE_TRIANGLES);
+    check_index_values(l, use_accessor(l, (size_t)p.indices), vertices, p.mode != TINYGLTF_MODE_TRIANGLES);
 }
 
 const failure *primitive_fault(const loader &l, size_t mesh, size_t primitive)
@@ -84,8 +80,7 @@ void check_model_meshes(loader &l)
             tinygltf::Primitive &p     = l.model.meshes[i].primitives[k];
             std::string          where = primitive_label(l, i, k);
             if (!primitive_fault(l, i, k))
-                if (failure f = caught([&] { check_primitive(l, where, p), check_index_data(l, p); }))
-                    l.primitive_faults[{i, k}] = f;
+                if (failure f = caught([&] { check_primitive(l, where, p); })) l.primitive_faults[{i, k}] = f;
             if (p.material < 0 || (size_t)p.material < l.materials.size())
                 continue; /* also for primitives that are left out, because patterns refer to materials */
             take_note(l, cost::REFERENCE, (uint64_t)1 << 63 | i << 32 | k, where,

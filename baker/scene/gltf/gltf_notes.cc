@@ -144,18 +144,6 @@ std::string label(const char *kind, size_t index, const std::string &name)
 /* Casting triangles of each node, as far as known before they are placed. */
 using casting = std::vector<size_t>;
 
-static size_t casting_triangles(loader &l, size_t node)
-{
-    size_t count = 0;
-    int    mesh  = l.model.nodes[node].mesh;
-    if (mesh < 0) return 0;
-    const auto &primitives = l.model.meshes[mesh].primitives;
-    for (size_t i = 0; i < primitives.size(); i++)
-        if (!primitive_fault(l, (size_t)mesh, i) && makes_triangles(primitives[i]) && exclusion_of(l, node, primitives[i]) == CASTS)
-            count += triangle_count(l, primitives[i]);
-    return count * count_instances(l, node);
-}
-
 /* Nodes with the same problem. */
 struct group {
     size_t first = SIZE_MAX, count = 0, triangles = 0;
@@ -312,7 +300,16 @@ static void look_at_scenes(loader &l, int chosen, size_t triangles)
 void warn_about_traps(loader &l, int chosen, size_t triangles)
 {
     casting casts(l.nodes.size(), 0);
-    for (size_t node : l.order) casts[node] = casting_triangles(l, node);
+    for (size_t node : l.order) {
+        int mesh = l.model.nodes[node].mesh;
+        if (mesh < 0) continue;
+        const auto &primitives = l.model.meshes[mesh].primitives;
+        for (size_t i = 0; i < primitives.size(); i++)
+            if (!primitive_fault(l, (size_t)mesh, i) && makes_triangles(primitives[i]) &&
+                exclusion_of(l, node, primitives[i]) == CASTS)
+                casts[node] += triangle_count(l, primitives[i]);
+        casts[node] *= count_instances(l, node);
+    }
     look_at_lods(l, casts);
     look_at_materials(l, casts);
     look_at_places(l, casts);

@@ -271,16 +271,10 @@ static uint32_t name_at(loader &l, kind k, size_t index, const std::string &name
     return at;
 }
 
-static void begin_origin(loader &l, vec3 origin)
-{
-    scene_origin from = {(uint32_t)l.s->triangle_count, {origin.x, origin.y, origin.z}};
-    if (!l.origins.empty() && !memcmp(l.origins.back().at_ws, from.at_ws, sizeof from.at_ws)) return;
-    l.origins.push_back(from);
-}
-
 void begin_part(loader &l, size_t node, const tinygltf::Primitive &p, vec3 origin)
 {
-    begin_origin(l, origin);
+    scene_origin from = {(uint32_t)l.s->triangle_count, {origin.x, origin.y, origin.z}};
+    if (l.origins.empty() || memcmp(l.origins.back().at_ws, from.at_ws, sizeof from.at_ws) != 0) l.origins.push_back(from);
     scene_part part = {};
     part.node       = (uint32_t)node;
     part.mesh       = (uint32_t)l.model.nodes[node].mesh;

@@ -196,21 +196,6 @@ static void place_primitive(loader &l, size_t node, placement &p, const elements
                   std::exchange(p.off_count, 0));
 }
 
-static void place_node(loader &l, size_t node)
-{
-    size_t                 instances  = usable_instances(l, node);
-    std::vector<placement> placements = instances ? find_placements(l, node, instances) : std::vector<placement>();
-    for (size_t i = 0; i < instances && !placements.empty(); i++) {
-        transform       ws_from_instance = instance_transform(l, node, i);
-        const elements *last             = nullptr;
-        for (placement &p : placements) {
-            p.ws_from_node = ws_from_instance;
-            p.mirrored     = is_mirrored(ws_from_instance);
-            place_primitive(l, node, p, last);
-        }
-    }
-}
-
 void place_meshes(loader &l, size_t triangles)
 {
     if (triangles) {
@@ -220,8 +205,20 @@ void place_meshes(loader &l, size_t triangles)
         if (!l.s->positions_ws || !l.s->indices || !l.s->triangle_flags)
             l.error(VXS_E_MEMORY, "out of memory for %zu triangles", triangles);
     }
-    for (size_t node : l.order)
-        if (l.model.nodes[node].mesh >= 0) place_node(l, node);
+    for (size_t node : l.order) {
+        size_t                 instances = l.model.nodes[node].mesh >= 0 ? usable_instances(l, node) : 0;
+        std::vector<placement> placements;
+        if (instances) placements = find_placements(l, node, instances);
+        for (size_t i = 0; i < instances && !placements.empty(); i++) {
+            transform       ws_from_instance = instance_transform(l, node, i);
+            const elements *last             = nullptr;
+            for (placement &p : placements) {
+                p.ws_from_node = ws_from_instance;
+                p.mirrored     = is_mirrored(ws_from_instance);
+                place_primitive(l, node, p, last);
+            }
+        }
+    }
     place_masks(l);
     finish_parts(l);
     finish_exclusions(l);
