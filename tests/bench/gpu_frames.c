@@ -217,16 +217,11 @@ static vxs_result measure_fog_view(gpu_bench *b, fog_state *s, const gpu_view *v
     return r;
 }
 
-static vxs_gl_function lookup(const char *name, void *user)
-{
-    return (vxs_gl_function)((const gl_context *)user)->lookup(name);
-}
-
 /* Fog of the albedo 0.9 and the anisotropy 0.4, with the first light as bright as 1. */
 static vxs_result open_fog(gpu_bench *b, fog_state *s, vxs_gl *shadows, const vxs_light *light, run_context *m)
 {
     vxs_volumes_desc          desc = {.struct_size      = sizeof desc,
-                                      .get_proc_address = lookup,
+                                      .get_proc_address = gl_lookup,
                                       .user             = b->gl,
                                       .shadows          = shadows,
                                       .width_px         = b->width_px,

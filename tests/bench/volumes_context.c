@@ -6,11 +6,6 @@
 #include "baker/lab/opengl/gl.h"
 #include "tests/bench/volumes_bench.h"
 
-static vxs_gl_function lookup(const char *name, void *user)
-{
-    return (vxs_gl_function)((const gl_context *)user)->lookup(name);
-}
-
 static void say(vxs_severity severity, const char *text, void *user)
 {
     (void)severity;
@@ -22,13 +17,13 @@ vxs_result volumes_open_gl(bench *b, run_context *m)
 {
     vxs_result r = gl_context_create(&b->gl, b->backend, b->threads, m);
     if (r != VXS_OK) return r;
-    vxs_gl_desc words = {.struct_size = sizeof words, .get_proc_address = lookup, .user = b->gl, .asset = b->asset};
+    vxs_gl_desc words = {.struct_size = sizeof words, .get_proc_address = gl_lookup, .user = b->gl, .asset = b->asset};
     if ((r = vxs_gl_create(&b->shadows, &words)) != VXS_OK)
         return fail(m, r, "the words cannot be uploaded: %s", vxs_result_text(r));
     vxs_gl_upload(b->shadows, SIZE_MAX);
     vxs_gl_origin(b->shadows, b->pose.eye_ws);
     vxs_volumes_desc desc = {.struct_size      = sizeof desc,
-                             .get_proc_address = lookup,
+                             .get_proc_address = gl_lookup,
                              .user             = b->gl,
                              .shadows          = b->shadows,
                              .width_px         = b->width,

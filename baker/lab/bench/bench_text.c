@@ -47,13 +47,6 @@ vxs_result table_print(json_t *table, size_t columns, FILE *to, run_context *m)
 
 /* Options ---------------------------------------------------------------------------------------------------------------------- */
 
-/* Whether a cell lacks an option because its coding does not have it: this is no difference. */
-static int is_meaningless(const json_t *cell, const char *name)
-{
-    int is_blocks = !strcmp(text_at(cell, "options/coding"), "blocks");
-    return choice_index(is_blocks ? "rule|reuse|compress|stop" : "pack", name) >= 0;
-}
-
 /* The options that differ between cells, and always the resolution: as keys of an object, which the caller releases. */
 static json_t *varying_options(const json_t *result)
 {
@@ -67,17 +60,16 @@ static json_t *varying_options(const json_t *result)
     json_object_foreach_safe(varying, next, name, value)
     {
         size_t alike = 0;
-        json_array_foreach(cells, n, cell) alike +=
-            is_meaningless(cell, name) || json_equal(value, json_object_get(json_at(cell, "options"), name));
+        json_array_foreach(cells, n, cell)
+        {
+            /* if the cell's coding does not have the option, this is no difference */
+            int is_blocks = !strcmp(text_at(cell, "options/coding"), "blocks");
+            alike += choice_index(is_blocks ? "rule|reuse|compress|stop" : "pack", name) >= 0 ||
+                     json_equal(value, json_object_get(json_at(cell, "options"), name));
+        }
         if (alike == json_array_size(cells)) json_object_del(varying, name);
     }
     return varying;
-}
-
-/* The value of an option when the cell does not have it. */
-static const char *unnamed_text(const char *name)
-{
-    return !strcmp(name, "skinned") ? "exclude" : !strcmp(name, "blend") ? "mask" : "-";
 }
 
 static const char *option_text(char text[64], const json_t *cell, const char *name)
@@ -85,7 +77,9 @@ static const char *option_text(char text[64], const json_t *cell, const char *na
     const json_t *value = json_object_get(json_at(cell, "options"), name);
     char         *other =
         value && !json_is_string(value) ? json_dumps(value, JSON_COMPACT | JSON_ENCODE_ANY | JSON_REAL_PRECISION(9)) : NULL;
-    snprintf(text, 64, "%s", other ? other : value && json_is_string(value) ? json_string_value(value) : unnamed_text(name));
+    /* the value when the cell does not have the option */
+    const char *missing = !strcmp(name, "skinned") ? "exclude" : !strcmp(name, "blend") ? "mask" : "-";
+    snprintf(text, 64, "%s", other ? other : value && json_is_string(value) ? json_string_value(value) : missing);
     free(other);
     return text;
 }

@@ -102,35 +102,34 @@ static double lookup_seconds_of_all(const compared_asset *a)
 
 /* as text ---------------------------------------------------------------------------------------------------------------------- */
 
-static void print_example(FILE *to, const compare_example *e)
-{
-    static const char *const texts[] = {"", "unexplained", "in its own shadow", "in light deep behind casters"};
-    fprintf(to, "  %s: (%.9g, %.9g, %.9g)", texts[e->fault], e->point_ws[0], e->point_ws[1], e->point_ws[2]);
-    if (e->kind != COMPARE_RANDOM) fprintf(to, ", normal (%.6g, %.6g, %.6g)", e->normal_ws[0], e->normal_ws[1], e->normal_ws[2]);
-    fprintf(to, ", map %d, voxel (%d, %d, %d): asset %s, truth %s\n", e->map, e->voxel[0], e->voxel[1], e->voxel[2],
-            e->asset_lit ? "lit" : "shadow", e->truth_lit ? "lit" : "shadow");
-}
-
 static void print_bias(FILE *to, const char *points, const compare_bias *bias)
 {
     fprintf(to, "  %s points in their own shadow: %llu; in light deep behind casters: %llu\n", points,
             (unsigned long long)bias->self_shadows, (unsigned long long)bias->deep_leaks);
 }
 
-static void print_filter(FILE *to, const compare_report *r, const compare_filter *f, vxs_filter filter)
+/* Faults of the bias, examples, filters and times of a light. */
+static void print_light_details(FILE *to, const compare_report *r, const compare_result *result)
 {
-    char text[32];
-    for (int kind = 0; kind < kind_count(r); kind++) {
-        fprintf(to, "  %s filter, %s points: RMSE %.4g, at most %.4g, of %llu points\n", filter_text(text, filter),
-                kind_names[kind], f->error[kind].rmse, f->error[kind].max_error, (unsigned long long)f->error[kind].points);
-        if (kind != COMPARE_RANDOM) print_bias(to, kind_names[kind], &f->error[kind].bias);
+    static const char *const texts[] = {"", "unexplained", "in its own shadow", "in light deep behind casters"};
+    const compare_time      *t       = &result->time;
+    char                     text[32];
+    for (int kind = COMPARE_SURFACE; kind < kind_count(r); kind++) print_bias(to, kind_names[kind], &result->counts[kind].bias);
+    for (const compare_example *e = result->examples; e < result->examples + result->example_count; e++) {
+        fprintf(to, "  %s: (%.9g, %.9g, %.9g)", texts[e->fault], e->point_ws[0], e->point_ws[1], e->point_ws[2]);
+        if (e->kind != COMPARE_RANDOM)
+            fprintf(to, ", normal (%.6g, %.6g, %.6g)", e->normal_ws[0], e->normal_ws[1], e->normal_ws[2]);
+        fprintf(to, ", map %d, voxel (%d, %d, %d): asset %s, truth %s\n", e->map, e->voxel[0], e->voxel[1], e->voxel[2],
+                e->asset_lit ? "lit" : "shadow", e->truth_lit ? "lit" : "shadow");
     }
-}
-
-static void print_time(FILE *to, const compare_report *r, const compare_result *result)
-{
-    const compare_time *t = &result->time;
-    char                text[32];
+    for (uint32_t n = 0; n < r->options.filter_count; n++)
+        for (int kind = 0; kind < kind_count(r); kind++) {
+            const compare_error *e = &result->filters[n].error[kind];
+            fprintf(to, "  %s filter, %s points: RMSE %.4g, at most %.4g, of %llu points\n",
+                    filter_text(text, r->options.filters[n]), kind_names[kind], e->rmse, e->max_error,
+                    (unsigned long long)e->points);
+            if (kind != COMPARE_RANDOM) print_bias(to, kind_names[kind], &e->bias);
+        }
     fprintf(to, "  one thread: lookup %.1f ns", 1e9 * t->lookup_s);
     for (uint32_t n = 0; n < r->options.filter_count; n++)
         fprintf(to, ", %s lookup %.1f ns", filter_text(text, r->options.filters[n]), 1e9 * result->filters[n].lookup_s);
@@ -167,11 +166,7 @@ static void print_light(FILE *to, const compare_report *r, const vxs_light *l, c
         if (d->points) fprintf(to, " %10.3f %11.3f %9.3f %9.3f", d->mean, d->median, d->p95, d->max);
         fprintf(to, "\n");
     }
-
-    for (int kind = COMPARE_SURFACE; kind < kind_count(r); kind++) print_bias(to, kind_names[kind], &result->counts[kind].bias);
-    for (uint32_t n = 0; n < result->example_count; n++) print_example(to, &result->examples[n]);
-    for (uint32_t n = 0; n < r->options.filter_count; n++) print_filter(to, r, &result->filters[n], r->options.filters[n]);
-    print_time(to, r, result);
+    print_light_details(to, r, result);
 }
 
 /* "FAILED" with the reason; "passed". */

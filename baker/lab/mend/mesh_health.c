@@ -61,7 +61,8 @@ static size_t drop_repeated(uint64_t *keys, size_t count)
 
 /* edges ------------------------------------------------------------------------------------------------------------------------ */
 
-/* Half-edges [begin, end) of x->sorted belong to one edge. */
+/* Half-edges [begin, end) of x->sorted belong to one edge. To find surfaces that are not orientable, join triangles across edges
+ * of two triangles, each with a flag that it is turned against its root. */
 static void examine_edge(examination *x, uint32_t begin, uint32_t end)
 {
     const uint32_t   *indices = x->c->indices;
@@ -74,17 +75,10 @@ static void examine_edge(examination *x, uint32_t begin, uint32_t end)
     k->misoriented_edges += count == 2 && balance;
     if (count % 2) k->closed = 0;
     if (balance > (int64_t)(count % 2) || -balance > (int64_t)(count % 2)) k->oriented = 0;
-}
-
-/* Whether the surface is orientable: join triangles across edges of two triangles, each with a flag that it is turned against
- * its root. */
-static void examine_sides(examination *x, uint32_t begin, uint32_t end)
-{
-    if (end - begin != 2) return;
-    const uint32_t *indices = x->c->indices;
-    uint32_t        h = x->sorted[begin], g = x->sorted[begin + 1];
-    int             same_way = indices[h] == indices[g]; /* one of them is turned */
-    if (!mesh_join_turned(x->joined, x->turned, h / 3, g / 3, same_way)) component_at(x, h / 3)->orientable = 0;
+    if (count != 2) return;
+    uint32_t h = x->sorted[begin], g = x->sorted[begin + 1];
+    int      same_way = indices[h] == indices[g]; /* one of them is turned */
+    if (!mesh_join_turned(x->joined, x->turned, h / 3, g / 3, same_way)) k->orientable = 0;
 }
 
 static void for_each_edge(examination *x, void (*examine)(examination *x, uint32_t begin, uint32_t end))
@@ -113,25 +107,21 @@ static void join_corners(examination *x, uint32_t begin, uint32_t end)
     }
 }
 
-/* Join the two vertices of a boundary edge: they belong to one hole. */
-static void join_hole(examination *x, uint32_t begin, uint32_t end)
-{
-    if (end - begin == 1) mesh_join(x->joined, x->c->indices[x->sorted[begin]], mesh_edge_end(x->c->indices, x->sorted[begin]));
-}
-
 /* A hole is counted once, at the boundary edge whose root is its lowest vertex. A vertex that two components share joins their
  * holes, but each counts its own: roots are distinguished by component. */
 static void count_holes(examination *x)
 {
-    size_t key_count = 0;
+    const uint32_t *indices   = x->c->indices;
+    size_t          key_count = 0;
     start_joining(x, x->c->vertex_count);
-    for_each_edge(x, join_hole);
     for (uint32_t begin = 0, end; begin < x->edge_count; begin = end) {
         uint32_t h = x->sorted[begin];
-        end        = mesh_edge_run(x->c->indices, x->sorted, begin, x->edge_count);
-        if (end - begin == 1)
-            x->keys[key_count++] = (uint64_t)x->c->component_of[h / 3] << 32 | mesh_find(x->joined, x->c->indices[h]);
+        end        = mesh_edge_run(indices, x->sorted, begin, x->edge_count);
+        if (end - begin != 1) continue;
+        mesh_join(x->joined, indices[h], mesh_edge_end(indices, h));
+        x->keys[key_count++] = (uint64_t)x->c->component_of[h / 3] << 32 | indices[h];
     }
+    for (size_t i = 0; i < key_count; i++) x->keys[i] = x->keys[i] >> 32 << 32 | mesh_find(x->joined, (uint32_t)x->keys[i]);
     key_count = drop_repeated(x->keys, key_count);
     for (size_t i = 0; i < key_count; i++) x->h->components[x->keys[i] >> 32].holes++;
 }
@@ -267,10 +257,9 @@ static int examine(examination *x, mesh_health *h, const casters *c, void (*prog
         h->components[i] = (component_health){
             .kind = (component_kind)c->kind_of[i], .closed = 1, .orientable = 1, .oriented = 1, .box_ws = box_empty()};
     if (mesh_sort_edges(x->sorted, c->indices, c->triangle_count, c->vertex_count, 1) != VXS_OK) return 0;
+    start_joining(x, c->triangle_count);
     for_each_edge(x, examine_edge);
     for_each_edge(x, find_repeated);
-    start_joining(x, c->triangle_count);
-    for_each_edge(x, examine_sides);
 
     /* Count the roots of corners around a vertex: one for each group of triangles. */
     size_t key_count = 0;

@@ -87,7 +87,7 @@ typedef struct gl_context {
 #define GL_FUNCTION_POINTER(type, name) type name;
     GL_FUNCTIONS(GL_FUNCTION_POINTER)
 #undef GL_FUNCTION_POINTER
-    gl_function (*lookup)(const char *name); /* the loader of these functions, for libraries that load their own */
+    gl_function (*lookup)(const char *name); /* the loader of these functions */
     gl_backend   backend;
     void        *handle;            /* OSMesaContext, or EGLContext */
     void        *display;           /* EGLDisplay */
@@ -103,6 +103,9 @@ typedef struct gl_context {
 vxs_result gl_context_create(gl_context **out, gl_backend backend, uint32_t threads, run_context *m);
 
 void gl_context_destroy(gl_context *gl);
+
+/* For libraries that load functions of OpenGL: get_proc_address of vxs_gl_desc and vxs_volumes_desc.   user  the gl_context */
+gl_function gl_lookup(const char *name, void *user);
 
 /* A part of a shader's text; a list of parts ends with {0}. */
 typedef struct gl_text {

@@ -10,9 +10,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef gl_function (*gl_lookup)(const char *name);
+typedef gl_function (*gl_loader)(const char *name);
 
-static vxs_result load_functions(gl_context *gl, gl_lookup lookup, run_context *m)
+static vxs_result load_functions(gl_context *gl, gl_loader lookup, run_context *m)
 {
 #define GL_FUNCTION_LOAD(type, name)                                                                                               \
     gl->name = (type)lookup("gl" #name);                                                                                           \
@@ -50,7 +50,7 @@ static const char *cpu_class(void)
 typedef struct osmesa {
     OSMesaContext (*CreateContextAttribs)(const int *attributes, OSMesaContext share);
     GLboolean (*MakeCurrent)(OSMesaContext context, void *pixels, GLenum type, GLsizei width, GLsizei height);
-    gl_lookup GetProcAddress;
+    gl_loader GetProcAddress;
     void (*DestroyContext)(OSMesaContext context);
 } osmesa;
 
@@ -139,7 +139,7 @@ static vxs_result create_egl(gl_context *gl, run_context *m)
     if (!e.BindAPI(EGL_OPENGL_API) || !(gl->handle = e.CreateContext(gl->display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes)) ||
         !e.MakeCurrent(gl->display, EGL_NO_SURFACE, EGL_NO_SURFACE, gl->handle))
         return fail(m, VXS_E_GL, "EGL cannot make an OpenGL 4.5 core context");
-    return load_functions(gl, (gl_lookup)e.GetProcAddress, m);
+    return load_functions(gl, (gl_loader)e.GetProcAddress, m);
 }
 
 vxs_result gl_context_create(gl_context **out, gl_backend backend, uint32_t threads, run_context *m)
@@ -175,6 +175,11 @@ void gl_context_destroy(gl_context *gl)
     } else if (gl->backend != GL_BACKEND_EGL && gl->handle && open_osmesa(&o, gl->library))
         o.DestroyContext(gl->handle);
     free(gl); /* the library stays loaded: drivers may fail when unloaded */
+}
+
+gl_function gl_lookup(const char *name, void *user)
+{
+    return ((const gl_context *)user)->lookup(name);
 }
 
 /* programs and framebuffers ---------------------------------------------------------------------------------------------------- */

@@ -71,15 +71,10 @@ vxs_result baked_mesh_make(vxs_light_mesh **mesh, const baked_mesh_options *o, c
  * phi; fewer on a software renderer, which fills the grid for each light in each frame. */
 enum { MAP_SIDE = 1024, MESH_SIDE = 1024, GRID_SIDE = 512, GRID_SIDE_SOFTWARE = 256 };
 
-static vxs_gl_function lookup(const char *name, void *user)
-{
-    return (vxs_gl_function)((const gl_context *)user)->lookup(name);
-}
-
 vxs_result fog_pass_create(fog_pass **out, const fog_pass_options *o, const gl_context *gl, vxs_gl *shadows, run_context *m)
 {
     vxs_volumes_desc desc = {.struct_size      = sizeof desc,
-                             .get_proc_address = lookup,
+                             .get_proc_address = gl_lookup,
                              .user             = (void *)(uintptr_t)gl,
                              .shadows          = shadows,
                              .width_px         = o->width,

@@ -115,16 +115,30 @@ static vxs_result write_surfaces(passes *p, run_context *m)
     return r == VXS_OK ? write_pass(p, "albedo", p->albedos, "RGB", m) : r;
 }
 
+/* Light, and the number of lights that reach each sample. */
 static vxs_result write_light(passes *p, run_context *m)
 {
     double exposure = renderer_facts(p->renderer).exposure;
+    float  most     = 1;
     for (size_t n = 0; n < p->count; n++)
         for (size_t k = 0; k < 3; k++) {
             float *light      = &p->light[4 * n + k];
             *light            = (float)(exposure * (double)*light);
             p->rgb[3 * n + k] = byte_of(srgb_of(fmin(1, (double)*light)));
         }
-    return write_pass(p, "light", p->light, "RGB.", m);
+    vxs_result r = write_pass(p, "light", p->light, "RGB.", m);
+
+    for (size_t n = 0; n < p->count; n++) most = fmaxf(most, p->light[4 * n + 3]);
+    for (size_t n = 0; n < p->count; n++) {
+        uint8_t *rgb   = p->rgb + 3 * n;
+        double   share = (double)(p->light[4 * n + 3] / most);
+        memset(rgb, 0, 3);
+        if (!(share > 0)) continue;
+        rgb[0] = byte_of(3 * share - 1); /* blue, green, yellow, red */
+        rgb[1] = byte_of(share < 0.5 ? 3 * share : 3 - 3 * share);
+        rgb[2] = byte_of(1 - 3 * share);
+    }
+    return r == VXS_OK ? write_pass(p, "lights", p->light, "...Y", m) : r;
 }
 
 /* Write linear light, times a factor. */
@@ -315,20 +329,6 @@ vxs_result render_passes(renderer *drawn, const char *folder, const vxs_baked_li
     vxs_result r = take(&p, m);
     if (r == VXS_OK) r = write_surfaces(&p, m);
     if (r == VXS_OK) r = write_light(&p, m);
-    if (r == VXS_OK) {
-        float most = 1;
-        for (size_t n = 0; n < p.count; n++) most = fmaxf(most, p.light[4 * n + 3]);
-        for (size_t n = 0; n < p.count; n++) {
-            uint8_t *rgb   = p.rgb + 3 * n;
-            double   share = (double)(p.light[4 * n + 3] / most);
-            memset(rgb, 0, 3);
-            if (!(share > 0)) continue;
-            rgb[0] = byte_of(3 * share - 1); /* blue, green, yellow, red */
-            rgb[1] = byte_of(share < 0.5 ? 3 * share : 3 - 3 * share);
-            rgb[2] = byte_of(1 - 3 * share);
-        }
-        r = write_pass(&p, "lights", p.light, "...Y", m);
-    }
     if (r == VXS_OK && facts.areas) r = write_linear(&p, "area", TEXTURE_AREAS, 1 / pi, m);
     if (r == VXS_OK && facts.sky) r = write_linear(&p, "sky", TEXTURE_SKY, 1 / pi, m);
     if (r == VXS_OK && facts.is_in_fog) r = write_linear(&p, "airlight", TEXTURE_AIRLIGHT, 1, m);

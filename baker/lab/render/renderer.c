@@ -42,11 +42,6 @@ static vxs_result make_targets(renderer *r, run_context *m)
 
 /* lights ----------------------------------------------------------------------------------------------------------------------- */
 
-static vxs_gl_function lookup(const char *name, void *user)
-{
-    return (vxs_gl_function)((const gl_context *)user)->lookup(name);
-}
-
 /* As floats, scaled so that the greatest is 1; the fourth number is the cosine of a spot light's inner cone. */
 static vxs_result put_colours(renderer *r, const scene *s, const vxs_baked_light *const *lights, run_context *m)
 {
@@ -62,17 +57,15 @@ static vxs_result put_colours(renderer *r, const scene *s, const vxs_baked_light
     for (uint32_t n = 0; n < r->light_count; n++) {
         /* The scene's light with the name of a baked light. Defaults for missing values: white, an inner cone of angle 0.
          * Lights that are dark in the scene, or hidden, get colour 0. */
-        scene_light found = {.colour = {1, 1, 1}};
+        scene_light light = {.colour = {1, 1, 1}};
         for (size_t i = 0; i < s->lost_light_count; i++)
-            if (!strcmp(s->lost_lights[i].name, lights[n]->light.name)) memset(found.colour, 0, sizeof found.colour);
+            if (!strcmp(s->lost_lights[i].name, lights[n]->light.name)) memset(light.colour, 0, sizeof light.colour);
         for (size_t i = 0; i < s->light_count; i++) {
             if (strcmp(s->lights[i].name, lights[n]->light.name) != 0) continue;
-            found    = s->lights[i];
-            int said = found.dark || vec3_dot(found.colour, found.colour) > 0;
-            for (int k = 0; k < 3 && !said; k++) found.colour[k] = 1;
+            light    = s->lights[i];
+            int said = light.dark || vec3_dot(light.colour, light.colour) > 0;
+            for (int k = 0; k < 3 && !said; k++) light.colour[k] = 1;
         }
-        scene_light light = found;
-
         memcpy(r->colours[n], light.colour, sizeof light.colour);
         r->emissions[n].cos_inner = cos(light.inner_rad);
         rows[n][3]                = (float)r->emissions[n].cos_inner;
@@ -95,35 +88,30 @@ done:
     return result;
 }
 
-static vxs_result put_asset(renderer *r, const vxs_baked_light *const *lights, vxs_gl_desc *desc)
+static vxs_result put_shadows(renderer *r, const vxs_baked_light *const *lights, run_context *m)
 {
+    vxs_gl_desc   desc   = {.struct_size      = sizeof desc,
+                            .get_proc_address = gl_lookup,
+                            .user             = r->gl,
+                            .storage          = VXS_GL_BUFFER,
+                            .smoke            = r->options.baked_smoke,
+                            .stream           = r->options.stream};
     uint64_t      words  = 0;
-    vxs_gl_light *placed = calloc(r->light_count, sizeof *placed);
+    uint32_t      count  = desc.stream ? 0 : r->light_count;
+    vxs_gl_light *placed = calloc((size_t)count + 1, sizeof *placed);
     vxs_result    result = placed ? VXS_OK : VXS_E_MEMORY;
-    for (uint32_t n = 0; n < r->light_count && placed; n++) {
+    for (uint32_t n = 0; n < count && placed; n++) {
         placed[n] = (vxs_gl_light){&lights[n]->light, (uint32_t)words};
         words += lights[n]->word_count;
     }
     if (words > UINT32_MAX) result = VXS_E_MEMORY;
-    desc->lights      = placed;
-    desc->light_count = r->light_count;
-    desc->word_count  = (uint32_t)words;
-    if (result == VXS_OK) result = vxs_gl_create(&r->shadows, desc);
-    for (uint32_t n = 0; n < r->light_count && result == VXS_OK; n++)
+    desc.lights      = count ? placed : NULL;
+    desc.light_count = count;
+    desc.word_count  = (uint32_t)words;
+    if (result == VXS_OK) result = vxs_gl_create(&r->shadows, &desc);
+    for (uint32_t n = 0; n < count && result == VXS_OK; n++)
         result = vxs_gl_put(r->shadows, lights[n]->words, placed[n].first_word, lights[n]->word_count);
     free(placed);
-    return result;
-}
-
-static vxs_result put_shadows(renderer *r, const vxs_baked_light *const *lights, run_context *m)
-{
-    vxs_gl_desc desc   = {.struct_size      = sizeof desc,
-                          .get_proc_address = lookup,
-                          .user             = r->gl,
-                          .storage          = VXS_GL_BUFFER,
-                          .smoke            = r->options.baked_smoke,
-                          .stream           = r->options.stream};
-    vxs_result  result = desc.stream ? vxs_gl_create(&r->shadows, &desc) : put_asset(r, lights, &desc);
     if (result != VXS_OK) return fail(m, result, "%u lights cannot be uploaded: %s", r->light_count, vxs_result_text(result));
     vxs_gl_upload(r->shadows, SIZE_MAX);
     return VXS_OK;
@@ -146,33 +134,27 @@ static vxs_result make_fog(renderer *r, run_context *m)
     return fog_pass_create(&r->fog, &fog, r->gl, r->shadows, m);
 }
 
-static vpl_pass_options lit_by_vpls(const renderer *r, const scene *s)
+/* Area lights and the sky are virtual point lights. Light that a matt surface reflects is counted pi times here, so emitted light
+ * is, too. */
+static vxs_result make_vpls(renderer *r, const scene *s, int has_areas, run_context *m)
 {
-    return (vpl_pass_options){.scene      = s,
-                              .points     = r->options.area_points,
-                              .moving     = r->options.moving,
-                              .smoke      = r->options.smoke == SMOKE_ON && s->smoke.count ? &s->smoke : NULL,
-                              .smoke_side = r->options.smoke_side,
-                              .middle_ws  = r->mesh.middle_ws,
-                              .vpls       = r->options.area_vpls,
-                              .gather     = r->options.area_gather};
-}
-
-/* Light that a matt surface reflects is counted pi times here, so emitted light is, too. */
-static vxs_result make_areas(renderer *r, const scene *s, run_context *m)
-{
-    area_pass_options o = {.lit = lit_by_vpls(r, s), .scale = pi * r->scale};
-    return area_pass_create(&r->areas, &o, r->gl, r->fog->volumes, m);
-}
-
-static vxs_result make_sky(renderer *r, const scene *s, run_context *m)
-{
-    sky_pass_options o = {.lit           = lit_by_vpls(r, s),
-                          .radius_metres = 0.5 * r->mesh.size_metres,
-                          .map           = r->options.sky,
-                          .scale         = pi * r->scale * r->options.sky_light,
-                          .turn_rad      = r->options.sky_turn_degrees * pi / 180};
-    return sky_pass_create(&r->sky, &o, r->gl, r->fog->volumes, m);
+    const render_options  *o      = &r->options;
+    const vpl_pass_options lit    = {.scene      = s,
+                                     .points     = o->area_points,
+                                     .moving     = o->moving,
+                                     .smoke      = o->smoke == SMOKE_ON && s->smoke.count ? &s->smoke : NULL,
+                                     .smoke_side = o->smoke_side,
+                                     .middle_ws  = r->mesh.middle_ws,
+                                     .vpls       = o->area_vpls,
+                                     .gather     = o->area_gather};
+    area_pass_options      area   = {.lit = lit, .scale = pi * r->scale};
+    sky_pass_options       sky    = {.lit           = lit,
+                                     .radius_metres = 0.5 * r->mesh.size_metres,
+                                     .map           = o->sky,
+                                     .scale         = pi * r->scale * o->sky_light,
+                                     .turn_rad      = o->sky_turn_degrees * pi / 180};
+    vxs_result             result = has_areas ? area_pass_create(&r->areas, &area, r->gl, r->fog->volumes, m) : VXS_OK;
+    return result == VXS_OK && o->sky ? sky_pass_create(&r->sky, &sky, r->gl, r->fog->volumes, m) : result;
 }
 
 static vxs_result make_smoke(renderer *r, const scene *s, const vxs_baked_light *const *lights, run_context *m)
@@ -214,8 +196,7 @@ vxs_result renderer_create(renderer **out, const render_options *o, const scene 
         (result = moving_pass_create(&r->moving, r->gl, r->options.moving, lights, r->light_count, m)) != VXS_OK)
         return result;
     if (is_airy && (result = make_fog(r, m)) != VXS_OK) return result;
-    if (has_areas && (result = make_areas(r, s, m)) != VXS_OK) return result;
-    if (r->options.sky && (result = make_sky(r, s, m)) != VXS_OK) return result;
+    if ((result = make_vpls(r, s, has_areas, m)) != VXS_OK) return result;
     if (has_smoke && (result = make_smoke(r, s, lights, m)) != VXS_OK) return result;
 
     const gl_text version = {"#version 450 core\n", -1}, tone = gl_embedded(tone_frag_glsl);
