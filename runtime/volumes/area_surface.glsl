@@ -92,8 +92,8 @@ float vxs_area_lit_exactly(vxs_area_pixel p, uint n)
     vec3  ls, from_ls, turned, normal;
     ivec3 texel;
     float side = float(vxs_frame.map_side), texel_wide = float(1u << vxs_frame.light.levels) * vxs_frame.light.texel_metres / side, depth, lit = 0.0;
-    vec3  place = p.eye + p.metres * p.direction, to_lamp = vxs_area.vpls[n].place.xyz - place;
-    if (dot(to_lamp, to_lamp) <= vxs_area.vpls[n].place.w * vxs_area.vpls[n].place.w) return 1.0;
+    vec3  place = p.eye + p.metres * p.direction, to_vpl = vxs_area.vpls[n].place.xyz - place;
+    if (dot(to_vpl, to_vpl) <= vxs_area.vpls[n].place.w * vxs_area.vpls[n].place.w) return 1.0;
     vxs_ls_from_ws(vxs_frame.light, place, 1.0, ls);
     vxs_ls_from_ws(vxs_frame.light, p.normal, 0.0, from_ls);
     if (!vxs_map_texel(ls, texel, depth)) return 1.0;

@@ -374,3 +374,22 @@ def test_listings_of_shaders():
 def test_table_of_shaders():
     text = (DOCS / "runtime.md").read_text()
     assert set(re.findall(r"^\| `(lit\S*)` \|", text, re.MULTILINE)) == {path.name for path in (ROOT / "tests" / "shaders").iterdir()}
+
+
+# --- words --------------------------------------------------------------------------------------------------------------------
+
+
+# in identifiers and file names of the product: each has one word of the glossary instead
+OTHER_WORDS = re.compile(r"(?<![a-z])(kept_squares?|keepers?|square_fate|own_(patterns?|planes?|tiles?|set)|light_maps?|lamps?|shines?|shining|give_back|put_back"
+                         r"|vxs_beside|vxs_take|let_meet|area_holes|pierce[ds]?|freedom|gate|desk)(?![a-z])")
+NAMES_OF_SCENES = ("scenes/", "baker/command/options/bake_arguments.c")  # street lamps, and lights of that name
+
+
+def test_code_has_the_words_of_the_glossary():
+    files = [p for folder in ("baker", "formats", "runtime", "scenes") for p in (ROOT / folder).rglob("*") if p.suffix in (".c", ".cc", ".h", ".hpp", ".glsl")]
+    found = []
+    for path in files:
+        name = str(path.relative_to(ROOT))
+        text = name + "\n" + re.sub(r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"', " ", path.read_text(), flags=re.DOTALL)
+        found += [f"{name}: {word[0]}" for word in OTHER_WORDS.finditer(text) if not name.startswith(NAMES_OF_SCENES)]
+    assert len(files) > 300 and not found

@@ -1,4 +1,4 @@
-# Who may include what: the tables of docs/overview.md, "Folders", are the rule, and every #include of the product follows it.
+# Which folder may include which: every #include of the product follows the table "Folders" of docs/overview.md.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import re
 import subprocess
@@ -12,7 +12,9 @@ def rules():
     """Folder: the folders that it may include."""
     section = (ROOT / "docs/overview.md").read_text().split("\n## Folders\n")[1].split("\n## ")[0]
     rows = re.findall(r"^\| `([\w/.]+)` \|.*\|(.*)\|$", section, re.M)
-    return {folder: set(re.findall(r"`([\w/.]+)`", may)) | {folder} for folder, may in rows}
+    base = {"baker/base/"}
+    return {folder: set(re.findall(r"`([\w/.]+)`", may)) | {folder} | (base if folder.startswith(("baker/", "scenes/")) and folder != "baker/" else set())
+            for folder, may in rows}
 
 
 def product_files():
