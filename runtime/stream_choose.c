@@ -109,7 +109,7 @@ static int focus_extent(const vxs_stream_focus *focus, const vxs_light *light, e
     return 1;
 }
 
-/* the nearest first: a binary heap of pages, by rank, then by number ---------------------------------------------------------- */
+/* the nearest first: a binary heap of pages, by rank, then by number ----------------------------------------------------------- */
 
 static int is_nearer(const vxs_stream *s, uint32_t a, uint32_t b)
 {
@@ -156,8 +156,8 @@ void vxs_stream_rank_pages(vxs_stream *s, const vxs_stream_focus *foci, uint32_t
         stream_page *page = &s->pages[n];
         if (page->rank == FLT_MAX) continue;
         if (page->state == PAGE_HERE || page->state == PAGE_COMING) {
-            /* Reduced, so that a page at equal distance, or a little nearer when the camera moves to and fro, does not replace it.
-             * */
+            /* Reduced, so that a page at equal distance, or a little nearer when the camera moves to and fro, does
+             * not replace it. */
             float nearer = 0.75f * page->rank - 1;
             page->rank   = nearer > 0 ? nearer : 0;
         }
@@ -176,8 +176,7 @@ int vxs_stream_next_nearest(vxs_stream *s, uint32_t *page)
     return 1;
 }
 
-/* places ------------------------------------------------------------------------------------------------------------------------
- * */
+/* places ----------------------------------------------------------------------------------------------------------------------- */
 
 /* Choice of a page's place in the array of words: a gap in the room for pages, or the place of pages that are evicted.
  *

@@ -6,8 +6,8 @@
 #include "baker/bake/plan.h"
 #include "baker/bake/scene_objects.h"
 
-/* Objects that make a sun's map much larger than the rest of the scene needs: a forgotten crate far away, the sea around an island.
- * */
+/* Objects that make a sun's map much larger than the rest of the scene needs: a forgotten crate far away, the sea
+ * around an island. */
 
 enum { FAR_OBJECTS_MAX = 8 };
 

@@ -44,8 +44,7 @@ typedef struct area {
     double               *off;       /* [pixels] of the reference, about, at most */
 } area;
 
-/* techniques ----------------------------------------------------------------------------------------------------------------------
- * */
+/* techniques ------------------------------------------------------------------------------------------------------------------- */
 
 static vxs_result sample(bench *b, vxs_area_places which, uint32_t count)
 {
@@ -201,8 +200,7 @@ static const technique techniques[] = {
 };
 /* clang-format on */
 
-/* the scene -----------------------------------------------------------------------------------------------------------------------
- * */
+/* the scene -------------------------------------------------------------------------------------------------------------------- */
 
 /* A picture as a television shows: dim, with a bright window and a warm corner. */
 static void paint(area *a)

@@ -25,8 +25,8 @@ static inline int area_is_free(const volumes_scene *s, const double from[3], con
     return 1;
 }
 
-/* A corner of a polygon: t of the way from a VPL to a place of an eye ray, and that times how far along the eye ray the place is.
- * */
+/* A corner of a polygon: t of the way from a VPL to a place of an eye ray, and that times how far along the eye ray
+ * the place is. */
 typedef struct area_corner {
     double t, s;
 } area_corner;
@@ -158,8 +158,7 @@ static inline double area_irradiance(const volumes_scene *s, const vxs_vpl *vpls
     return sum;
 }
 
-/* one scene, and a light of its own, for all tests of a program -------------------------------------------------------------------
- * */
+/* one scene, and a light of its own, for all tests of a program ---------------------------------------------------------------- */
 
 enum { WIDE = 32, HIGH = 24, PIXELS = WIDE * HIGH, SIDE = 64, COLUMNS = 64, ROWS = 60, POINTS = 100000 };
 

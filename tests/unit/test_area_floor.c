@@ -399,8 +399,7 @@ static void test_more_is_no_worse(void **state)
     }
 }
 
-/* a ball on a floor ---------------------------------------------------------------------------------------------------------------
- * */
+/* a ball on a floor ------------------------------------------------------------------------------------------------------------ */
 
 enum { AROUND = 64, DOWN = 32, BALL_CORNERS = 4 + (AROUND + 1) * (DOWN + 1), BALL_TRIANGLES = 2 + 2 * AROUND * DOWN };
 static const double ball_at[3] = {0, 0.5, 0}, ball_radius = 0.5;

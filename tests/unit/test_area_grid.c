@@ -32,8 +32,8 @@ static void test_rows(void **state)
     }
 }
 
-/* Directions to all of the disc: each in the place that a paraboloid shows it at, a texel as wide as the directions that are in it.
- * */
+/* Directions to all of the disc: each in the place that a paraboloid shows it at, a texel as wide as the directions that
+ * are in it. */
 static void test_texels(void **state)
 {
     (void)state;

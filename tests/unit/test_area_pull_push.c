@@ -27,8 +27,8 @@ enum { MAP_SIDE = 128, QUADS = 4, FLOOR = QUADS - 1 };
 
 static const double room_metres = 8; /* light beyond does not count */
 
-/* Three parts of a wall, 1.5 m before the VPLs, with a slit between each two; and the floor it stands on. Corner, and both sides.
- * */
+/* Three parts of a wall, 1.5 m before the VPLs, with a slit between each two; and the floor it stands on. Corner,
+ * and both sides. */
 typedef struct quads {
     float at[QUADS][3][3];
 } quads;

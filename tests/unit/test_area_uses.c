@@ -49,8 +49,8 @@ static double difference(const float *a, double factor, const float *b)
     return off / most;
 }
 
-/* VPLs and maps stay where they are, and the origin is at the eye: air and surfaces are those of an origin that is with the VPLs.
- * */
+/* VPLs and maps stay where they are, and the origin is at the eye: air and surfaces are those of an origin that is
+ * with the VPLs. */
 static void test_origin_follows_the_eye(void **state)
 {
     (void)state;
@@ -187,8 +187,7 @@ static void test_baked_lights(void **state)
     for (int n = 0; n < COUNT; n++) vxs_shadow_depth_map_destroy(maps[n]);
 }
 
-/* any numbers ---------------------------------------------------------------------------------------------------------------------
- * */
+/* any numbers ------------------------------------------------------------------------------------------------------------------ */
 
 static double power_of_ten(rng *r, double least, double most)
 {

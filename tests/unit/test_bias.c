@@ -141,8 +141,8 @@ static void steps_are_short(void **state)
     assert_true(asked > 40000);
 }
 
-/* What faces the light is moved by a voxel and nothing else; a normal's length does not matter, and one that is none moves nothing.
- * */
+/* What faces the light is moved by a voxel and nothing else; a normal's length does not matter, and one that is
+ * none moves nothing. */
 static void simple_steps(void **state)
 {
     (void)state;

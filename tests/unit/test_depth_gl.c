@@ -860,8 +860,8 @@ static void hit_punctual_texel(texel_hits *t, const vxs_light *l, const double p
     }
     double steep = l->near_metres * l->texel_metres * (fabs(normal[0]) + fabs(normal[1])) / fabs(plane);
     assert_true(t->count < HITS_MAX);
-    /* corners are snapped to 1/256 texel, and numbers are floats: of the depth's own size, and of what the slope makes of a block
-     * */
+    /* corners are snapped to 1/256 texel, and numbers are floats: of the depth's own size, and of what the slope makes
+     * of a block */
     t->hits[t->count++] = (hit){.depth     = fmax(-share, -1),
                                 .tolerance = 1e-6 * fmin(share, 1) + steep * (1.01 / 512 + 512 * 3e-7),
                                 .front     = plane < 0,

@@ -210,8 +210,8 @@ static void every_one_of_many_counts(void **state)
     assert_string_equal(fingerprint(&b).geometry, before.geometry);
 }
 
-/* XXH3-128 of the words in little-endian order, computed by other means: a file of today is known tomorrow, and on another machine.
- * */
+/* XXH3-128 of the words in little-endian order, computed by other means: a file of today is known tomorrow, and
+ * on another machine. */
 static void it_stays_what_it_is(void **state)
 {
     (void)state;

@@ -840,8 +840,8 @@ static void count_pause(void *user)
     ++*(uint32_t *)user;
 }
 
-/* Each task is held before each of its pages, and once before it learns that there is none left; also on the caller's own thread.
- * */
+/* Each task is held before each of its pages, and once before it learns that there is none left; also on the
+ * caller's own thread. */
 static void test_pauses(void **state)
 {
     (void)state;

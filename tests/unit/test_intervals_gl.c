@@ -21,8 +21,7 @@
 #include "runtime/volumes/volumes_text.h"
 #include "volumes_scene.h"
 
-/* pictures ------------------------------------------------------------------------------------------------------------------------
- * */
+/* pictures --------------------------------------------------------------------------------------------------------------------- */
 
 enum { RESOLUTION = 1024, WIDE = 96, HIGH = 80, PIXELS = WIDE * HIGH };
 
@@ -109,8 +108,8 @@ static void test_pictures(void **state)
     scene_close(&s);
 }
 
-/* An eye and where it looks: a sun is looked at from 2 m above a random surface, level; a punctual light from between it and one.
- * */
+/* An eye and where it looks: a sun is looked at from 2 m above a random surface, level; a punctual light from between
+ * it and one. */
 static volumes_camera random_camera(rng *r, const vxs_baked_light *baked, const vxs_air_light *air)
 {
     int32_t depth, i, j, map, side = 1 << baked->light.levels;
@@ -156,8 +155,7 @@ static void test_files(void **state)
     free(names);
 }
 
-/* rays ----------------------------------------------------------------------------------------------------------------------------
- * */
+/* rays ------------------------------------------------------------------------------------------------------------------------- */
 
 enum { RAYS = 512, SPANS = 400, RAYS_AT = 10, SPANS_AT = 11, ROOM = 4 * (1 + SPANS) };
 

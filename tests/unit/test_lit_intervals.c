@@ -102,8 +102,7 @@ static uint32_t check_points(rng *r, const vxs_baked_light *l, const vxs_ray *ra
     return on_border;
 }
 
-/* brute force --------------------------------------------------------------------------------------------------------------------
- * */
+/* brute force ------------------------------------------------------------------------------------------------------------------ */
 
 static int by_value(const void *a, const void *b)
 {
@@ -191,8 +190,8 @@ static size_t borders_of(const vxs_baked_light *l, const vxs_ray *ray, double *t
     return count;
 }
 
-/* Between any two borders that are next to each other and not too near, there is one interval, of what a lookup in the middle says.
- * */
+/* Between any two borders that are next to each other and not too near, there is one interval, of what a lookup in
+ * the middle says. */
 static void check_borders(const vxs_baked_light *l, const vxs_ray *ray, const vxs_interval *list, size_t count, double slack)
 {
     static double t[BORDERS_MAX];
@@ -213,8 +212,7 @@ static void check_borders(const vxs_baked_light *l, const vxs_ray *ray, const vx
     }
 }
 
-/* rays ---------------------------------------------------------------------------------------------------------------------------
- * */
+/* rays ------------------------------------------------------------------------------------------------------------------------- */
 
 /* A point of a map, or about it; on borders of texels and voxels as often as not. */
 static void random_place(rng *r, const vxs_light *light, double *ws)

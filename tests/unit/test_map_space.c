@@ -155,8 +155,8 @@ static void clipping_keeps_what_is_inside(void **state)
     assert_true(in > 10000 && out > 100000 && whole > 500 && cut > 10000 && missed > 3000);
 }
 
-/* Corners on a side, on several, on the plane of the light and at the light: no corner beyond the array, none that is not a number.
- * */
+/* Corners on a side, on several, on the plane of the light and at the light: no corner beyond the array, none that is
+ * not a number. */
 static void degenerate_triangles(void **state)
 {
     (void)state;

@@ -135,8 +135,7 @@ static void test_what_has_no_room_is_not_written(void **state)
     free(file.data);
 }
 
-/* findings -----------------------------------------------------------------------------------------------------------------------
- * */
+/* findings --------------------------------------------------------------------------------------------------------------------- */
 
 static void refused_when(void (*change)(part *points), int number)
 {

@@ -408,8 +408,7 @@ static void test_lookup_many(void **state)
     vxs_lookup_many(light, NULL, NULL, 0, vxs_box(5), NULL);
 }
 
-/* spot and point lights ----------------------------------------------------------------------------------------------------------
- * */
+/* spot and point lights -------------------------------------------------------------------------------------------------------- */
 
 /* 0 when a coordinate is so near a whole number that rounding may decide. */
 static int clear_of_boundaries(const double *coordinates)
@@ -704,8 +703,8 @@ static int is_fraction(float lit)
     return lit == VXS_OUTSIDE || (lit >= 0 && lit <= 1);
 }
 
-/* Every number that a file or a caller may bring: no answer that is none, and (under a sanitizer) no byte that is not the asset's.
- * */
+/* Every number that a file or a caller may bring: no answer that is none, and (under a sanitizer) no byte that is
+ * not the asset's. */
 static void test_punctual_extremes(void **state)
 {
     static const double numbers[] = {0, -0.0, 5e-324, -5e-324, 1e-300, -1e-160, 1, -1, 1e8, -1e155, 1e300, -1.7e308, 1.7e308};

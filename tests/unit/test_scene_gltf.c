@@ -1309,8 +1309,8 @@ static void test_buffers_beside_the_file(void **state)
     expect_corner(0, 2, 1, 1, 0);
 }
 
-/* Data URIs as they are written: schemes and "base64" in any case, parameters, no media type, blanks, other alphabets (RFC 2397).
- * */
+/* Data URIs as they are written: schemes and "base64" in any case, parameters, no media type, blanks, other
+ * alphabets (RFC 2397). */
 static void test_data_uris_of_every_kind(void **state)
 {
     (void)state;

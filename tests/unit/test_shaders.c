@@ -28,8 +28,7 @@ enum { WORDS_WIDE = 2048, FIRST_WORD = 5 };
 static const char *const dialects[] = {"lit_430.frag", "lit_330.frag", "lit_310es.frag", "lit_300es.frag"};
 enum { DIALECTS = sizeof dialects / sizeof *dialects };
 
-/* text ----------------------------------------------------------------------------------------------------------------------------
- * */
+/* text ------------------------------------------------------------------------------------------------------------------------- */
 
 static char *read_text(const char *folder, const char *name)
 {
@@ -112,8 +111,7 @@ static void put_words(drawing *d, const light_words *lights, uint32_t count, uin
     free(words);
 }
 
-/* subjects ------------------------------------------------------------------------------------------------------------------------
- * */
+/* subjects --------------------------------------------------------------------------------------------------------------------- */
 
 static vxs_asset *open_light(const vxs_write_light *light)
 {
@@ -191,8 +189,7 @@ static double clear_by(const vxs_light *l, const double *point, const double *no
     return fmin(by, fmin(clear_of_whole(depth), clear_of_step(half * n[along] * l->texel_metres / l->voxel_metres)));
 }
 
-/* tests ---------------------------------------------------------------------------------------------------------------------------
- * */
+/* tests ------------------------------------------------------------------------------------------------------------------------ */
 
 /* A texel near what may go wrong: the corners and sides of the map, just outside and far outside. */
 static float tricky_texel(rng *r, int32_t side)

@@ -184,8 +184,8 @@ static int depths_with_smoke(const vxs_baked_light *baked, const vxs_baked_smoke
     return last > first;
 }
 
-/* What a bake says of lookups between rays, against places of our own: half of them in the smoke, half where it or the light ends.
- * */
+/* What a bake says of lookups between rays, against places of our own: half of them in the smoke, half where it or
+ * the light ends. */
 static void check_lookups(const smoke_lookups *told, const vxs_baked_light *baked, const vxs_baked_smoke *smoke)
 {
     const vxs_light *light = &baked->light;
@@ -290,8 +290,8 @@ static void test_light_falls_along_rays(void **state)
     vxs_asset_close(asset);
 }
 
-/* A curve ends where light does within a texel about it: nodes lie before that; and without what is opaque there are more of them.
- * */
+/* A curve ends where light does within a texel about it: nodes lie before that; and without what is opaque there are
+ * more of them. */
 static void test_what_lies_behind_is_dropped(void **state)
 {
     (void)state;

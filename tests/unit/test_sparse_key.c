@@ -40,8 +40,8 @@ static void add_holed(sample *b, double u, double v, double size, uint32_t mask,
     }
 }
 
-/* A grid of hills over all of the map, one patch or two; each corner is moved by so little that no two triangles are on one plane.
- * */
+/* A grid of hills over all of the map, one patch or two; each corner is moved by so little that no two triangles are
+ * on one plane. */
 static void hill_corner(int i, int j, int parts, double out[3])
 {
     rng r  = rng_split((uint64_t)(i * 1000 + j), 77);

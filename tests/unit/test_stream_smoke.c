@@ -79,8 +79,7 @@ static vxs_stream_desc desc_of(const vxs_bytes *file, uint64_t budget_bytes)
     return stream_desc_of(&(stream_sample){.file = *file}, budget_bytes);
 }
 
-/* lookups -------------------------------------------------------------------------------------------------------------------------
- * */
+/* lookups ---------------------------------------------------------------------------------------------------------------------- */
 
 /* Lights of a stream, which are these of the file, say what the file says, to the bit.   Returns how many places smoke dims */
 static uint32_t compare(const vxs_stream *stream, const uint32_t *numbers, rng *r, int count)
@@ -161,8 +160,7 @@ static void test_some_lights(void **state)
     assert_int_equal(read[1] - read[0], 2 * VXS_ENTRY_BYTES);
 }
 
-/* shaders -------------------------------------------------------------------------------------------------------------------------
- * */
+/* shaders ---------------------------------------------------------------------------------------------------------------------- */
 
 /* Whose smoke shaders are given: that of an asset alone, a stream's own, the same said so, that of an asset beside it, or none in
  * its place. */
@@ -245,8 +243,7 @@ static void test_shaders_answer_as_those_of_the_file(void **state)
     gl_context_destroy(d.gl);
 }
 
-/* memory --------------------------------------------------------------------------------------------------------------------------
- * */
+/* memory ----------------------------------------------------------------------------------------------------------------------- */
 
 static const vxs_section *section_of(const vxs_asset *asset, uint32_t light)
 {
@@ -303,8 +300,7 @@ static void test_what_it_takes(void **state)
     assert_int_equal(read[1] - read[0], 2 * stored + 2 * VXS_ENTRY_BYTES);
 }
 
-/* what goes wrong -----------------------------------------------------------------------------------------------------------------
- * */
+/* what goes wrong -------------------------------------------------------------------------------------------------------------- */
 
 /* Open fails with a finding, of a stream of all lights; one without the light whose smoke it is opens. */
 static void refused_by_stream(const vxs_bytes *file, int number)

@@ -265,8 +265,8 @@ static void test_intervals_in_pieces(void **state)
     scene_close(&s);
 }
 
-/* What moves: a disc that faces the light two metres before it (the sun: among the boxes), seen by a depth map of the light's own.
- * */
+/* What moves: a disc that faces the light two metres before it (the sun: among the boxes), seen by a depth map of
+ * the light's own. */
 typedef struct moving_disc {
     double             depth, radius; /* of punctual lights metres, of the sun voxels and texels */
     vxs_moving_casters casters;
@@ -281,8 +281,8 @@ static moving_disc disc_before(const volumes_scene *s, int light, GLuint depths)
     int              is_sun = l->kind == VXS_LIGHT_KIND_DIRECTIONAL;
     double           side   = ldexp(1, (int)l->levels);
     moving_disc      d      = {is_sun ? side / 6 : 2, is_sun ? side / 5 : 0.7, {depths, MOVING_PX, MOVING_PX, {0}, 1.0F}};
-    /* texture coordinates and depth by light space: a plane's depth is linear in the sun's, and 1 - near / z of a punctual light's
-     * */
+    /* texture coordinates and depth by light space: a plane's depth is linear in the sun's, and 1 - near / z of
+     * a punctual light's */
     double           across = is_sun ? 1 / side : 0.4, rows[4][4] = {{0}};
     float           *seen_depths = malloc(sizeof(float) * MOVING_PX * MOVING_PX);
     assert_non_null(seen_depths);

@@ -293,8 +293,8 @@ static void test_misuse(void **state)
     scene_close(&s);
 }
 
-/* Cameras, lights and media at random: nothing that is drawn is no number, or negative, or more than all the light without shadow.
- * */
+/* Cameras, lights and media at random: nothing that is drawn is no number, or negative, or more than all the
+ * light without shadow. */
 static void test_any_numbers(void **state)
 {
     (void)state;

@@ -115,7 +115,7 @@ static void sky_light(const view *v, const double from_ws[3], const double norma
     }
 }
 
-/* punctual lights ------------------------------------------------------------------------------------------------------------------------ */
+/* punctual lights -------------------------------------------------------------------------------------------------------------- */
 
 static punctual_light make_punctual(const view *v, const vxs_baked_light *light, double size)
 {
@@ -335,8 +335,8 @@ vxs_result picture_render(uint8_t *rgb, float *linear, const picture_options *o,
     }
     v.day = v.sun_count ? 1 : night;
 
-    /* a matt surface reflects 1 / pi of the light that reaches it in each direction: so in fog, lights have pi times their colour
-     * */
+    /* a matt surface reflects 1 / pi of the light that reaches it in each direction: so in fog, lights have pi
+     * times their colour */
     fog_light *in_fog = v.fog_lights;
     for (uint32_t n = 0; n < v.sun_count; n++, in_fog++) {
         *in_fog = (fog_light){.light = v.suns[n], .shape = baked_light_shape(&v.suns[n]->light)};
