@@ -91,10 +91,11 @@ typedef enum vxs_bake_blend { VXS_BAKE_BLEND_MASK, VXS_BAKE_BLEND_OPAQUE, VXS_BA
 typedef struct vxs_bake_files {
     /* Size of a file in bytes; UINT64_MAX: there is no such file. */
     uint64_t (*size)(void *user, const char *name);
-    /* Copy the whole file, size_bytes as `size` returned. Returns 0, or an errno for the error text. */
-    int (*read)(void *user, const char *name, void *bytes, size_t size_bytes);
-    /* Create or replace a file. Called once, with all bytes. Returns 0, or an errno. NULL: no output_path may be given */
-    int (*write)(void *user, const char *name, const void *bytes, size_t size_bytes);
+    /* Copy the whole file, size_bytes as `size` returned. Returns VXS_OK; other results, such as VXS_E_READ or VXS_E_MEMORY, end the bake. */
+    vxs_result (*read)(void *user, const char *name, void *bytes, size_t size_bytes);
+    /* Create or replace a file. Called once, with all bytes. Returns VXS_OK; other results, such as VXS_E_WRITE, end the bake. NULL: no
+     * output_path may be given */
+    vxs_result (*write)(void *user, const char *name, const void *bytes, size_t size_bytes);
     void *user;
 } vxs_bake_files;
 

@@ -16,6 +16,7 @@
     X(VXS_E_INTERRUPTED,  5, "interrupted")                                    \
     X(VXS_E_REFERENCES,   6, "more nodes than 32-bit references reach")        \
     X(VXS_E_BROKEN_PIPE,  7, "the reader of the output is gone")                \
+    X(VXS_E_NO_FILE,      8, "no such file")                                   \
     X(VXS_E_NOT_VXS,     10, "not a .vxs file")                                \
     X(VXS_E_VERSION,     11, "a format version that this library cannot read") \
     X(VXS_E_TRUNCATED,   12, "the file ends before its contents")              \

@@ -1,6 +1,5 @@
 /* Opening and closing assets; see vxs.h.
  * SPDX-License-Identifier: MIT */
-#include <errno.h>
 #include <string.h>
 
 #include "platform.h"
@@ -42,7 +41,7 @@ vxs_result vxs_asset_open_file(vxs_asset **asset, const char *path, const vxs_re
     vxs_result    r    = vxs_read_desc_take(&rest, desc);
     if (r != VXS_OK) return r;
     if (!path) return VXS_E_ARGUMENT;
-    if (!os_file_open(&file, path)) return errno == ENOMEM ? VXS_E_MEMORY : VXS_E_READ;
+    if ((r = os_file_open(&file, path)) != VXS_OK) return r;
 
     vxs_allocator memory = vxs_allocator_of(&rest);
     uint8_t      *bytes = NULL, header[VXS_HEADER_BYTES] = {0};

@@ -1,7 +1,8 @@
 /* Operating system functions of the runtime: files read by position, and threads. Not installed. Of the types os_file, os_mutex,
  * os_signal and os_thread, only os_file's size_bytes is used directly.
  *
- *     int  os_file_open(os_file *, const char *path)     path: UTF-8. 0: no such file, or a folder or pipe; errno is set
+ *     vxs_result os_file_open(os_file *, const char *path)     path: UTF-8. VXS_OK, VXS_E_NO_FILE, VXS_E_MEMORY; VXS_E_READ: a folder, a
+ *          pipe, or no permission
  *     int  os_file_read(const os_file *, uint64_t offset, uint64_t size_bytes, void *to)    exactly size_bytes; any thread. 0:
  *          failed
  *     void os_file_close(os_file *)
@@ -17,6 +18,8 @@
  * SPDX-License-Identifier: MIT */
 #ifndef PLATFORM_H
 #define PLATFORM_H
+
+#include "vxs_result.h"
 
 #ifdef _WIN32
 #include "platform_windows.h"

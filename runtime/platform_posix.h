@@ -22,18 +22,18 @@ typedef struct os_file {
     uint64_t size_bytes;
 } os_file;
 
-static inline int os_file_open(os_file *file, const char *path)
+static inline vxs_result os_file_open(os_file *file, const char *path)
 {
     struct stat about;
     file->descriptor = open(path, O_RDONLY | O_CLOEXEC);
-    if (file->descriptor < 0) return 0;
+    if (file->descriptor < 0)
+        return errno == ENOENT || errno == ENOTDIR ? VXS_E_NO_FILE : errno == ENOMEM ? VXS_E_MEMORY : VXS_E_READ;
     if (!fstat(file->descriptor, &about) && S_ISREG(about.st_mode)) {
         file->size_bytes = (uint64_t)about.st_size;
-        return 1;
+        return VXS_OK;
     }
     close(file->descriptor);
-    errno = EISDIR;
-    return 0;
+    return VXS_E_READ;
 }
 
 static inline void os_file_close(os_file *file)

@@ -8,7 +8,6 @@
 #endif
 #include <windows.h>
 
-#include <errno.h>
 #include <process.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -19,15 +18,6 @@ typedef struct os_file {
     HANDLE   handle;
     uint64_t size_bytes;
 } os_file;
-
-static inline int os_failed(void)
-{
-    DWORD why = GetLastError();
-    errno     = why == ERROR_FILE_NOT_FOUND || why == ERROR_PATH_NOT_FOUND   ? ENOENT
-                : why == ERROR_NOT_ENOUGH_MEMORY || why == ERROR_OUTOFMEMORY ? ENOMEM
-                                                                             : EACCES;
-    return 0;
-}
 
 /* path  UTF-8 */
 static inline HANDLE os_open_utf8(const char *path)
@@ -41,18 +31,21 @@ static inline HANDLE os_open_utf8(const char *path)
     return handle;
 }
 
-static inline int os_file_open(os_file *file, const char *path)
+static inline vxs_result os_file_open(os_file *file, const char *path)
 {
     LARGE_INTEGER size;
     file->handle = os_open_utf8(path);
-    if (file->handle == INVALID_HANDLE_VALUE) return os_failed();
+    if (file->handle == INVALID_HANDLE_VALUE) {
+        DWORD why = GetLastError();
+        if (why == ERROR_FILE_NOT_FOUND || why == ERROR_PATH_NOT_FOUND) return VXS_E_NO_FILE;
+        return why == ERROR_NOT_ENOUGH_MEMORY || why == ERROR_OUTOFMEMORY ? VXS_E_MEMORY : VXS_E_READ;
+    }
     if (GetFileType(file->handle) == FILE_TYPE_DISK && GetFileSizeEx(file->handle, &size)) {
         file->size_bytes = (uint64_t)size.QuadPart;
-        return 1;
+        return VXS_OK;
     }
     CloseHandle(file->handle);
-    errno = EISDIR;
-    return 0;
+    return VXS_E_READ;
 }
 
 static inline void os_file_close(os_file *file)
@@ -65,7 +58,7 @@ static inline int os_file_read(const os_file *file, uint64_t offset, uint64_t si
     while (size_bytes) {
         OVERLAPPED at  = {.Offset = (DWORD)offset, .OffsetHigh = (DWORD)(offset >> 32)};
         DWORD      got = 0, asked = size_bytes < (1u << 30) ? (DWORD)size_bytes : 1u << 30;
-        if (!ReadFile(file->handle, to, asked, &got, &at)) return os_failed();
+        if (!ReadFile(file->handle, to, asked, &got, &at)) return 0;
         if (!got) return 0;
         to = (char *)to + got;
         offset += got;

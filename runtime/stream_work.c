@@ -19,7 +19,8 @@ vxs_result vxs_stream_source_open(stream_source *source, const vxs_stream_desc *
     if ((desc->path != NULL) + (desc->bytes != NULL) + (desc->read != NULL) != 1) return VXS_E_ARGUMENT;
     *source = (stream_source){.bytes = desc->bytes, .read = desc->read, .user = desc->read_user, .size_bytes = desc->size_bytes};
     if (!desc->path) return VXS_OK;
-    if (!os_file_open(&source->file, desc->path)) return VXS_E_READ;
+    vxs_result r = os_file_open(&source->file, desc->path);
+    if (r != VXS_OK) return r;
     source->is_file    = 1;
     source->size_bytes = source->file.size_bytes;
     return VXS_OK;

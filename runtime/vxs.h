@@ -44,8 +44,7 @@ vxs_result vxs_asset_open(vxs_asset **asset, const void *bytes, size_t size_byte
 /* The same for a file. The bytes of the file count towards the memory limit during the call. The header is checked before memory
  * for the rest is allocated.
  * path  UTF-8
- * Also returns VXS_E_ARGUMENT when path is NULL; VXS_E_READ (no such file, a folder, a pipe, a read error), with the cause in
- * errno. */
+ * Also returns VXS_E_ARGUMENT when path is NULL; VXS_E_NO_FILE; VXS_E_READ: a folder, a pipe, no permission, a read error. */
 vxs_result vxs_asset_open_file(vxs_asset **asset, const char *path, const vxs_read_desc *desc);
 
 /* Accepts NULL. */

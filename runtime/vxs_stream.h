@@ -99,7 +99,7 @@ typedef struct vxs_stream_desc {
  * is read twice, because its size is known only from its content.
  * stream  [out] NULL on failure
  * Returns VXS_OK; VXS_E_ARGUMENT: not exactly one source, too many threads or requests, an unknown light name, an invalid
- * struct_size as for vxs_read; VXS_E_READ; VXS_E_MEMORY: out of memory, or the budget is too small (then finding 211);
+ * struct_size as for vxs_read; VXS_E_NO_FILE, VXS_E_READ; VXS_E_MEMORY: out of memory, or the budget is too small (then finding 211);
  * VXS_E_NOT_VXS and others as vxs_asset_open. A budget without room for any page is valid: then all answers are coarse. */
 vxs_result vxs_stream_open(vxs_stream **stream, const vxs_stream_desc *desc);
 

@@ -67,6 +67,7 @@ int exit_status(vxs_result code)
     case VXS_E_STRICT: return 1;
     case VXS_E_ARGUMENT: return 2;
     case VXS_E_READ:
+    case VXS_E_NO_FILE:
     case VXS_E_NOT_VXS:
     case VXS_E_VERSION:
     case VXS_E_TRUNCATED:

@@ -119,7 +119,7 @@ static vxs_result read_from_caller(input *in, uint64_t limit_bytes, const input_
     vxs_result r = make_room(in, size ? (size_t)size : 1);
     if (r != VXS_OK) return r;
     int error = access->read(access->user, in->name, in->bytes, (size_t)size);
-    if (error) return fail(in->m, VXS_E_READ, "cannot read '%s': %s", in->name, strerror(error));
+    if (error) return fail(in->m, error == ENOMEM ? VXS_E_MEMORY : VXS_E_READ, "cannot read '%s': %s", in->name, strerror(error));
     in->size_bytes = (size_t)size;
     if (head) head->wanted(head->user, in->bytes, size < READ_AT_FIRST ? in->size_bytes : READ_AT_FIRST);
     return VXS_OK;

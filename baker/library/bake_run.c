@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/library/bake_run.h"
 
+#include <errno.h>
 #include <fenv.h>
 #include <stdlib.h>
 
@@ -51,6 +52,30 @@ static void log_warning(vxs_severity severity, const char *text, void *user)
 
 /* ----------------------------------------------------------------------------------------------------------------------------- */
 
+/* The nearest error number of the system, whose text names the cause in messages. */
+static int error_of(vxs_result result)
+{
+    return result == VXS_OK ? 0 : result == VXS_E_MEMORY ? ENOMEM : result == VXS_E_NO_FILE ? ENOENT : EIO;
+}
+
+static uint64_t size_of_file(void *user, const char *name)
+{
+    const vxs_bake_files *files = user;
+    return files->size(files->user, name);
+}
+
+static int read_file(void *user, const char *name, void *bytes, size_t size_bytes)
+{
+    const vxs_bake_files *files = user;
+    return error_of(files->read(files->user, name, bytes, size_bytes));
+}
+
+static int write_file(void *user, const char *name, const void *bytes, size_t size_bytes)
+{
+    const vxs_bake_files *files = user;
+    return error_of(files->write(files->user, name, bytes, size_bytes));
+}
+
 /* Check that the output is no input, and can be written. */
 static vxs_result check_output(bake_run *run)
 {
@@ -72,10 +97,10 @@ vxs_result bake_run_init(bake_run *run, const vxs_bake_options *options, int lig
     vxs_result r = asked_options_init(&run->options, options, lights, &run->m);
     run->m.force = run->options.asked.replace != 0;
     if (r == VXS_OK && run->options.asked.files) {
-        const vxs_bake_files *files = run->options.asked.files;
-        run->access                 = (file_access){files->size, files->read, files->write, files->user};
-        run->m.access               = &run->access;
-        run->m.files                = NULL; /* tracks files of the system */
+        run->callers  = *run->options.asked.files;
+        run->access   = (file_access){size_of_file, read_file, write_file, &run->callers};
+        run->m.access = &run->access;
+        run->m.files  = NULL; /* tracks files of the system */
     }
     run_control_init(&run->run_control);
     if (r != VXS_OK) return r;

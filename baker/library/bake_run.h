@@ -17,14 +17,15 @@ struct vxs_bake_scene {
 
 /* Must not move. */
 typedef struct bake_run {
-    asked_options options;
-    run_context   m;
-    run_files     files;
-    file_access   access; /* the options' files, if they are the caller's */
-    run_watch     watch;
-    run_control   run_control;
-    double        share;        /* last reported share; below 0: none */
-    double        held_seconds; /* total time of pauses */
+    asked_options  options;
+    run_context    m;
+    run_files      files;
+    vxs_bake_files callers; /* the options' files, if they are the caller's; */
+    file_access    access;  /* calls them */
+    run_watch      watch;
+    run_control    run_control;
+    double         share;        /* last reported share; below 0: none */
+    double         held_seconds; /* total time of pauses */
 } bake_run;
 
 /* Check the options.

@@ -4,7 +4,6 @@
 #include "baker/vxs_bake.h"
 
 #include <dirent.h>
-#include <errno.h>
 #include <fenv.h>
 #include <math.h>
 #include <pthread.h>
@@ -421,7 +420,7 @@ typedef struct memory_file {
 typedef struct memory_files {
     memory_file files[4];
     uint32_t    count, reads, writes;
-    int         read_error, write_error;
+    vxs_result  read_error, write_error;
 } memory_files;
 
 static memory_file *find(memory_files *m, const char *name)
@@ -437,7 +436,7 @@ static uint64_t memory_size(void *user, const char *name)
     return f ? f->size : UINT64_MAX;
 }
 
-static int memory_read(void *user, const char *name, void *bytes, size_t size_bytes)
+static vxs_result memory_read(void *user, const char *name, void *bytes, size_t size_bytes)
 {
     memory_files      *m = user;
     const memory_file *f = find(m, name);
@@ -448,17 +447,17 @@ static int memory_read(void *user, const char *name, void *bytes, size_t size_by
     return m->read_error;
 }
 
-static int memory_write(void *user, const char *name, const void *bytes, size_t size_bytes)
+static vxs_result memory_write(void *user, const char *name, const void *bytes, size_t size_bytes)
 {
     memory_files *m = user;
     memory_file  *f = find(m, name);
-    if (m->write_error) return m->write_error;
+    if (m->write_error != VXS_OK) return m->write_error;
     if (!f) f = &m->files[m->count++];
     assert_true(m->count <= 4 && size_bytes <= sizeof f->bytes);
     snprintf(f->name, sizeof f->name, "%s", name);
     memcpy(f->bytes, bytes, f->size = size_bytes);
     m->writes++;
-    return 0;
+    return VXS_OK;
 }
 
 static void write_file(const char *name, const memory_file *f)
@@ -484,8 +483,8 @@ static void test_files_of_the_caller(void **state)
     o.log                     = keep;
     vxs_bake_sun   sun        = {NULL, {0.1, -0.2, -1}};
     vxs_bake_bytes file, of_system;
-    assert_int_equal(memory_write(&m, "no_such_folder/s.gltf", text, sizeof text - 1), 0);
-    assert_int_equal(memory_write(&m, "no_such_folder/a b.bin", corners, sizeof corners), 0);
+    assert_int_equal(memory_write(&m, "no_such_folder/s.gltf", text, sizeof text - 1), VXS_OK);
+    assert_int_equal(memory_write(&m, "no_such_folder/a b.bin", corners, sizeof corners), VXS_OK);
     o.scene_path = "s.gltf";
     o.suns       = &sun;
     o.sun_count  = 1;
@@ -513,12 +512,14 @@ static void test_files_of_the_caller(void **state)
     assert_int_equal(m.writes, 3);
     o.if_changed = 0;
 
-    m.write_error = ENOSPC;
-    refused(&o, VXS_E_WRITE, "no_such_folder/out.vxs: cannot write: No space left on device");
-    m.write_error = 0;
-    m.read_error  = EIO;
+    m.write_error = VXS_E_WRITE;
+    refused(&o, VXS_E_WRITE, "no_such_folder/out.vxs: cannot write: Input/output error");
+    m.write_error = VXS_OK;
+    m.read_error  = VXS_E_READ;
     refused(&o, VXS_E_READ, "cannot read 'no_such_folder/s.gltf': Input/output error");
-    m.read_error = 0;
+    m.read_error = VXS_E_MEMORY;
+    refused(&o, VXS_E_MEMORY, "cannot read 'no_such_folder/s.gltf': Cannot allocate memory");
+    m.read_error = VXS_OK;
     snprintf(m.files[1].name, sizeof m.files[1].name, "elsewhere");
     refused(&o, VXS_E_READ, "cannot read buffer 0, 'no_such_folder/a b.bin': No such file");
     o.scene_path = "none.gltf";

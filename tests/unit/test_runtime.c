@@ -1,6 +1,5 @@
 /* The runtime library: opening assets, and lookups of world-space points.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -88,15 +87,11 @@ static void test_open_file(void **state)
     vxs_asset_close(asset);
 
     asset = f->asset;
-    errno = 0;
-    assert_int_equal(vxs_asset_open_file(&asset, "/no/such/file.vxs", NULL), VXS_E_READ);
-    assert_int_equal(errno, ENOENT);
+    assert_int_equal(vxs_asset_open_file(&asset, "/no/such/file.vxs", NULL), VXS_E_NO_FILE);
     assert_null(asset);
     for (int n = 0; n < 3; n++) {
         static const char *const folders[3] = {"/tmp", "/dev", "/proc"}; /* file systems differ in what size a folder has */
-        errno                               = 0;
         assert_int_equal(vxs_asset_open_file(&asset, folders[n], NULL), VXS_E_READ);
-        assert_int_equal(errno, EISDIR);
         assert_null(asset);
     }
     assert_int_equal(vxs_asset_open_file(&asset, "/dev/null", NULL), VXS_E_READ); /* no file */

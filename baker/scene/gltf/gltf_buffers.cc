@@ -130,7 +130,8 @@ file_bytes read_beside(loader &l, const std::string &what, const std::string &ur
     if (!reason) return found;
     std::string text = "cannot read " + what + ", '" + shown_uri(path) + "': " + strerror(reason),
                 near = reason == ENOENT && !l.m->access ? other_case(path) : "";
-    throw failure{VXS_E_READ, text + (near.empty() ? "" : "; there is '" + near + "': rename it"), true};
+    throw failure{reason == ENOMEM ? VXS_E_MEMORY : VXS_E_READ, text + (near.empty() ? "" : "; there is '" + near + "': rename it"),
+                  true};
 }
 
 /* ---- data URIs (RFC 2397): data:[type][;parameter]...[;base64],data; the prefix is not case-sensitive ---- */

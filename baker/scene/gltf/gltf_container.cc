@@ -106,8 +106,9 @@ void read_scene_file(loader &l, const char *path)
     const char *slash = l.m->access || (!stat(path, &status) && S_ISREG(status.st_mode)) ? strrchr(path, '/') : nullptr;
     if (slash) l.folder.assign(path, slash + 1);
     if (reason || l.file.empty())
-        throw failure{fail(l.m, VXS_E_READ, "cannot read '%s': %s", l.path, reason ? strerror(reason) : "the file is empty"), "",
-                      true};
+        throw failure{fail(l.m, reason == ENOMEM ? VXS_E_MEMORY : VXS_E_READ, "cannot read '%s': %s", l.path,
+                           reason ? strerror(reason) : "the file is empty"),
+                      "", true};
     if (l.file.size() >= FILE_BYTES_MAX) l.refused("", "is 4 GiB or larger, and a glTF file is less");
 }
 
