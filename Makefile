@@ -27,6 +27,7 @@
 #   make bench          measure; a table to read, and JSON to $(BENCH_JSON)
 #   make bench-large    measure maps of up to 262144 texels a side, straight from triangles: five minutes; JSON to build/large.json
 #   make bench-lights   measure frames lit by 165 spot lights; JSON to build/lights.json (tests/bench/lights.py: gl=egl for a graphics card)
+#   make check-drivers  unit programs that draw, with other OpenGL drivers: llvmpipe by EGL, and zink
 #   make bench-gpu      measure lookups, lists of lights and fog beside rivals: some minutes; VXS_GL=egl size=1920x1080 for a graphics card; JSON to
 #                       build/gpu.json (tests/bench/gpu.py)
 #   make bench-volumes  measure error against time of shadows in fog, smoke and area lights, each technique and its rivals: half an hour; JSON and a page to
@@ -179,7 +180,7 @@ test.o    := $(patsubst $B/%,$B/%.c.o,$(unit) $(helper)) $(patsubst %,$B/%.o,$(f
 objects    = $(no_lab.c:%=$B/%.o) $(if $(mpi),$(mpi.o),$B/baker/command/mpi/square_scheduler.c.o) $B/baker/main.c.o $(baker.o) $(library.o) $(runtime.o) $(gl.o) $(volumes.o) $(pic.o) $(gl.pic.o) $(volumes.pic.o) $(test.o)
 
 .DELETE_ON_ERROR:
-.PHONY: all unit fuzz fuzzers fuzz-pack fuzz-minimise fuzz-commands demo check check-fast check-unit check-asan check-repeats check-exact check-memory check-faults check-sparse check-cracks check-sanitizers bench bench-bias bench-flight bench-gpu bench-large bench-lights bench-volumes bench-smoke program-size gpu-kit packages format clean
+.PHONY: all unit fuzz fuzzers fuzz-pack fuzz-minimise fuzz-commands demo check check-fast check-unit check-asan check-repeats check-drivers check-exact check-memory check-faults check-sparse check-cracks check-sanitizers bench bench-bias bench-flight bench-gpu bench-large bench-lights bench-volumes bench-smoke program-size gpu-kit packages format clean
 ifdef core
 all: $B/vxs-core $B/libvxs.a $B/libvxs.so $B/libvxs_bake.a $B/libvxs_bake.so
 else
@@ -372,6 +373,8 @@ check-asan: packages
 	@$(MAKE) config=asan packages=skip without="$(long.asan)" unsanitized="$(cgal)" check-unit
 check-repeats: all unit
 	@VXS_TEST_REPEATS=all VXS_FLAGS="$(opt)" $(python) tests/run --build $B
+check-drivers: all unit
+	@$(python) tests/gpu/drivers.py --build $B
 check-exact: $B/vxs $B/tests/exact/exact
 	@VXS_TEST_REPEATS=all VXS_SIDE=512 VXS_COLUMNS=1000000 VXS=$B/vxs $(python) -m pytest -q -p no:cacheprovider -n auto tests/cli/test_exact.py
 check-memory: all

@@ -50,7 +50,7 @@ static void fill(const vxs_area_light *light)
     vxs_volumes_use_storage(v, light->buffer, 0);
     gl_name     program = vxs_volumes_program(v, &(program_texts){.body = &vxs_volumes_text_area_grids_glsl});
     saved_state saved   = vxs_volumes_use(v, program, 0, 0, 0);
-    v->api.DispatchCompute(groups(AREA_BITS, 32), groups(rows, 4), light->count);
+    vxs_volumes_dispatch(v, groups(AREA_BITS, 32), groups(rows, 4), light->count);
     vxs_volumes_restore(v, &saved);
     vxs_or_scan_run(&light->scan, light->buffer, sizeof light->vpls / 16, (uint32_t)light->size.columns, rows * light->count);
 }
@@ -95,7 +95,7 @@ static void gather_by(const vxs_area_light *light, const char *names, const volu
     saved_state saved = vxs_volumes_use(v, program, map, light->gathered, GL_FORMAT_RGBA32F);
     v->api.ActiveTexture(GL_UNIT_0 + v->first_unit + UNIT_OTHER);
     v->api.BindTexture(GL_TARGET_TEXTURE_2D, normal_texture);
-    v->api.DispatchCompute(groups(wide, GROUP), groups(high, GROUP), 1);
+    vxs_volumes_dispatch(v, groups(wide, GROUP), groups(high, GROUP), 1);
     vxs_volumes_restore(v, &saved);
 }
 

@@ -109,7 +109,7 @@ static void run(const vxs_adaptive_mesh *mesh, const volumes_text *text, gl_name
     gl_name      program = vxs_volumes_program(v, &(program_texts){.body = text});
     v->own.mesh.level    = level;
     saved_state saved    = vxs_volumes_use(v, program, map, 0, 0);
-    v->api.DispatchCompute(groups, groups, v->frame.map_layers);
+    vxs_volumes_dispatch(v, groups, groups, v->frame.map_layers);
     vxs_volumes_restore(v, &saved);
 }
 

@@ -85,7 +85,7 @@ uint64_t vxs_shadow_depth_map_fill(vxs_shadow_depth_map *map, uint64_t max_texel
         gl_name program   = vxs_volumes_light_program(v, &(program_texts){.body = &vxs_volumes_text_map_fill_glsl});
         v->own.map_fill   = (map_fill_block){(uint32_t)map->filled, (uint32_t)map->filled + now};
         saved_state saved = vxs_volumes_use(v, program, 0, map->first, GL_FORMAT_R32F);
-        v->api.DispatchCompute((now + GROUP - 1) / GROUP, 1, 1);
+        vxs_volumes_dispatch(v, (now + GROUP - 1) / GROUP, 1, 1);
         vxs_volumes_restore(v, &saved);
         map->filled += now;
         some -= now;
@@ -113,7 +113,7 @@ static void join(vxs_shadow_depth_map *map, const vxs_moving_casters *casters)
     v->depth_texture     = casters->depth_texture;
     saved_state saved = vxs_volumes_use(v, vxs_volumes_light_program(v, &(program_texts){.body = &vxs_volumes_text_map_join_glsl}),
                                         0, map->joined, GL_FORMAT_R32F);
-    v->api.DispatchCompute(groups, groups, map->layers);
+    vxs_volumes_dispatch(v, groups, groups, map->layers);
     vxs_volumes_restore(v, &saved);
     v->frame         = frame;
     v->depth_texture = depths;

@@ -129,7 +129,7 @@ void vxs_transmittance_set(const vxs_transmittance_map *map, const vxs_shadow_de
 static void dispatch(const vxs_volumes *v, gl_name program, const vxs_shadow_depth_map *opaque, uint32_t x, uint32_t y, uint32_t z)
 {
     saved_state saved = vxs_volumes_use(v, program, opaque ? vxs_shadow_depth_map_texture(opaque) : 0, 0, 0);
-    v->api.DispatchCompute(x, y, z);
+    vxs_volumes_dispatch(v, x, y, z);
     vxs_volumes_restore(v, &saved);
 }
 
@@ -233,7 +233,7 @@ void vxs_transmittance_pass(const vxs_transmittance_map *map, gl_name program, g
     v->frame.pixels     = (vxs_pixels){0, 0, wide, high};
     vxs_volumes_use_storage(v, map->buffer, other);
     saved_state state = vxs_volumes_use(v, program, 0, texture, GL_FORMAT_R32F);
-    v->api.DispatchCompute((wide + GROUP - 1) / GROUP, (high + GROUP - 1) / GROUP, 1);
+    vxs_volumes_dispatch(v, (wide + GROUP - 1) / GROUP, (high + GROUP - 1) / GROUP, 1);
     vxs_volumes_restore(v, &state);
     vxs_volumes_restore_storage(v, &saved);
 }

@@ -197,6 +197,6 @@ void vxs_volumes_add(vxs_volumes *v, gl_name program, gl_name map)
     vxs_pixels *p = &v->frame.pixels;
     if (vxs_volumes_find_cull_result(v, p) != VXS_NOT_CULLED) return;
     saved_state saved = vxs_volumes_use(v, program, map, v->airlight, GL_FORMAT_RGBA32F);
-    v->api.DispatchCompute((p->wide_px + GROUP - 1) / GROUP, (p->high_px + GROUP - 1) / GROUP, 1);
+    vxs_volumes_dispatch(v, (p->wide_px + GROUP - 1) / GROUP, (p->high_px + GROUP - 1) / GROUP, 1);
     vxs_volumes_restore(v, &saved);
 }

@@ -106,11 +106,16 @@ void vxs_volumes_restore(const vxs_volumes *v, const saved_state *saved)
     api->ActiveTexture((gl_enum)saved->active);
 }
 
+void vxs_volumes_dispatch(const vxs_volumes *v, uint32_t x, uint32_t y, uint32_t z)
+{
+    if (v->result == VXS_OK) v->api.DispatchCompute(x, y, z);
+}
+
 void vxs_volumes_run(const vxs_volumes *v, gl_name program, gl_name map, gl_name image, uint32_t groups_across,
                      uint32_t groups_down)
 {
     saved_state saved = vxs_volumes_use(v, program, map, image, GL_FORMAT_RGBA32F);
-    v->api.DispatchCompute(groups_across, groups_down, 1);
+    vxs_volumes_dispatch(v, groups_across, groups_down, 1);
     vxs_volumes_restore(v, &saved);
 }
 

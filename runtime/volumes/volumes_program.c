@@ -120,7 +120,6 @@ vxs_result vxs_volumes_done(vxs_volumes *v)
 {
     vxs_result result = v->result;
     v->result         = VXS_OK;
-    if (result != VXS_OK) vxs_volumes_forget_error(v); /* of drawing without a program */
     return result;
 }
 

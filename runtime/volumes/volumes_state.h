@@ -108,6 +108,9 @@ saved_state vxs_volumes_use(const vxs_volumes *v, gl_name program, gl_name map, 
 /* Restore the state after a program. */
 void vxs_volumes_restore(const vxs_volumes *v, const saved_state *saved);
 
+/* Dispatch groups; nothing if a program of the current call does not compile. */
+void vxs_volumes_dispatch(const vxs_volumes *v, uint32_t x, uint32_t y, uint32_t z);
+
 /* A dispatch with vxs_volumes_use before and vxs_volumes_restore after it; map, image (RGBA32F) as above. */
 void vxs_volumes_run(const vxs_volumes *v, gl_name program, gl_name map, gl_name image, uint32_t groups_across,
                      uint32_t groups_down);

@@ -191,8 +191,8 @@ enum { DIALECTS = sizeof dialects / sizeof *dialects };
 
 /* Position: texels and depth; normal: 8 times the light and a map, across and 256 times down, the filter code. */
 static const char place_body[] =
-    "in vec3 position_ws;\n"
-    "in vec3 normal_ws;\n"
+    "flat in vec3 position_ws;\n"
+    "flat in vec3 normal_ws;\n"
     "out float answer;\n"
     "void main() {\n"
     "    vxs_light_constants light = vxs_light_at(uint(normal_ws.x) >> 3);\n"
@@ -343,8 +343,8 @@ static void test_same_answer_of_files(void **state)
 }
 
 /* Position and normal; light 0. */
-static const char lit_body[] = "in vec3 position_ws;\n"
-                               "in vec3 normal_ws;\n"
+static const char lit_body[] = "flat in vec3 position_ws;\n"
+                               "flat in vec3 normal_ws;\n"
                                "out float answer;\n"
                                "void main() {\n"
                                "    answer = vxs_lit_by(vxs_light_count() - 1u, position_ws, normal_ws, int(gl_FragCoord.x) % 2 == "
@@ -404,8 +404,8 @@ static void test_origin(void **state)
 /* uploads ---------------------------------------------------------------------------------------------------------------------- */
 
 /* The word at position.x. */
-static const char word_body[] = "in vec3 position_ws;\n"
-                                "in vec3 normal_ws;\n"
+static const char word_body[] = "flat in vec3 position_ws;\n"
+                                "flat in vec3 normal_ws;\n"
                                 "out float answer;\n"
                                 "void main() { answer = float(vxs_word(uint(position_ws.x), uint(normal_ws.x)) & 0xffffffu); }\n";
 
@@ -546,9 +546,44 @@ static void test_texts_are_those_of_any_asset(void **state)
     gl_context_destroy(d.gl);
 }
 
+/* Whether length() of a storage buffer is right beside buffers with other strides: it is 0 or too large with zink of Mesa 22.3, where
+ * lists of lights do not work. */
+static int lengths_are_wrong;
+
+static int find_lengths(void **state)
+{
+    static const uint32_t lists[VXS_LISTS_HEAD + 3] = {1, 1, 2, 3};
+    static const char     body[]                    = "flat in vec3 position_ws;\n"
+                                                      "out float answer;\n"
+                                                      "void main() { answer = float(vxs_light_count()) + 100.0 * float(vxs_lists.length()); }\n";
+    static query          queries[QUERIES];
+    static float          answers[QUERIES];
+    drawing               d = drawing_make();
+    rng                   r = {38};
+    vxs_light             light;
+    vxs_gl               *gl;
+    (void)state;
+    light            = light_of(&r, SUN, 5, (double[3]){0, 0, 0});
+    vxs_gl_desc desc = {.get_proc_address = telling,
+                        .storage          = VXS_GL_BUFFER,
+                        .lights           = &(vxs_gl_light){&light, 0},
+                        .light_count      = 1,
+                        .word_count       = 3};
+    if (vxs_gl_create(&gl, &desc) != VXS_OK || vxs_gl_put_lists(gl, lists) != VXS_OK) return -1;
+    use_body(&d, gl, "#version 430 core", body);
+    vxs_gl_bind(gl);
+    draw(&d, queries, answers);
+    lengths_are_wrong = answers[0] != 701;
+    if (lengths_are_wrong)
+        print_message("skipped: this driver's length() of storage buffers is wrong (%g, not 701)\n", (double)answers[0]);
+    vxs_gl_destroy(gl);
+    gl_context_destroy(d.gl);
+    return 0;
+}
+
 /* The last light for numbers beyond, the last word of lists for pixels that the view does not have. */
 static const char held_body[] =
-    "in vec3 position_ws;\n"
+    "flat in vec3 position_ws;\n"
     "out float answer;\n"
     "void main() {\n"
     "    answer = float(vxs_light_at(uint(position_ws.x)).levels) + 100.0 * float(vxs_list_word(uint(position_ws.y)));\n"
@@ -564,6 +599,7 @@ static void test_held_lights(void **state)
     vxs_light             light[3];
     vxs_gl_light          lights[3];
     (void)state;
+    if (lengths_are_wrong) skip();
     for (uint32_t n = 0; n < 3; n++) {
         light[n]  = light_of(&r, SUN, 5 + n, (double[3]){0, 0, 0});
         lights[n] = (vxs_gl_light){&light[n], 0};
@@ -958,6 +994,7 @@ static void test_culling(void **state)
     culled          c = {0}, shader = {0};
     uint32_t        differ = 0;
     (void)state;
+    if (lengths_are_wrong) skip();
     for (uint32_t round = 0, rounds = repeats(6, 300); round < rounds; round++) {
         vxs_light    light[LIGHTS];
         vxs_gl_light lights[LIGHTS];
@@ -1001,6 +1038,7 @@ static void test_wild_depths(void **state)
     rng                r = {60};
     culled             c = {0}, shader = {0};
     (void)state;
+    if (lengths_are_wrong) skip();
     for (uint32_t round = 0; round < repeats(14, 40); round++) {
         vxs_light    light[LIGHTS];
         vxs_gl_light lights[LIGHTS];
@@ -1031,8 +1069,8 @@ static void test_wild_depths(void **state)
 
 /* The sum of the numbers of a tile's lights. */
 static const char tile_body[] =
-    "in vec3 position_ws;\n"
-    "in vec3 normal_ws;\n"
+    "flat in vec3 position_ws;\n"
+    "flat in vec3 normal_ws;\n"
     "out float answer;\n"
     "void main() {\n"
     "    uint tile = vxs_tile_of(ivec2(position_ws.xy)), count = vxs_tile_light_count(tile), sum = 0u;\n"
@@ -1053,6 +1091,7 @@ static void test_full_lists(void **state)
     uint32_t         differ = 0;
     rng              r      = {61};
     (void)state;
+    if (lengths_are_wrong) skip();
     for (int n = 0; n < LIGHTS; n++) {
         double at[3];
         for (int k = 0; k < 3; k++) at[k] = uniform(&r, -80, 80);
@@ -1112,5 +1151,5 @@ int main(void)
         cmocka_unit_test(test_wild_depths), cmocka_unit_test(test_full_lists),
     };
     if (getenv("VXS_ASSETS")) cmocka_set_test_filter("*_of_files");
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, find_lengths, NULL);
 }

@@ -126,12 +126,24 @@ static int open_display(gl_context *gl, const egl *e)
     return gl->display && e->Initialize(gl->display, NULL, NULL);
 }
 
+static int is_debug(void)
+{
+    const char *value = getenv("VXS_GL_DEBUG");
+    return value && !strcmp(value, "1");
+}
+
 static vxs_result create_egl(gl_context *gl, run_context *m)
 {
-    static const EGLint attributes[] = {
-        EGL_CONTEXT_MAJOR_VERSION,           4,       EGL_CONTEXT_MINOR_VERSION, 5, EGL_CONTEXT_OPENGL_PROFILE_MASK,
-        EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
-    egl e;
+    const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
+                                 4,
+                                 EGL_CONTEXT_MINOR_VERSION,
+                                 5,
+                                 EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                                 EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                                 EGL_CONTEXT_OPENGL_DEBUG,
+                                 is_debug(),
+                                 EGL_NONE};
+    egl          e;
     gl->library = dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL);
     if (!gl->library || !open_egl(&e, gl->library))
         return fail(m, VXS_E_GL, "--gl egl needs libEGL.so.1 (version 1.5), which is not installed");
@@ -140,6 +152,28 @@ static vxs_result create_egl(gl_context *gl, run_context *m)
         !e.MakeCurrent(gl->display, EGL_NO_SURFACE, EGL_NO_SURFACE, gl->handle))
         return fail(m, VXS_E_GL, "EGL cannot make an OpenGL 4.5 core context");
     return load_functions(gl, (gl_loader)e.GetProcAddress, m);
+}
+
+/* VXS_GL_DEBUG=1: the first error or undefined behaviour that OpenGL reports ends the program. Running out of memory is not an
+ * error of the caller, and compilers' messages are returned where programs are compiled. */
+static void APIENTRY end_at_error(GLenum source, GLenum type, GLuint id, GLenum severity, GLsizei length, const GLchar *text,
+                                  const void *user)
+{
+    (void)id, (void)severity, (void)length, (void)user;
+    if ((type != GL_DEBUG_TYPE_ERROR && type != GL_DEBUG_TYPE_UNDEFINED_BEHAVIOR) || source == GL_DEBUG_SOURCE_SHADER_COMPILER ||
+        strstr(text, "OUT_OF_MEMORY"))
+        return;
+    fprintf(stderr, "VXS_GL_DEBUG: %s\n", text);
+    abort();
+}
+
+static void debug(const gl_context *gl)
+{
+    PFNGLDEBUGMESSAGECALLBACKPROC callback = (PFNGLDEBUGMESSAGECALLBACKPROC)gl->lookup("glDebugMessageCallback");
+    if (!callback) return;
+    callback(end_at_error, NULL);
+    gl->Enable(GL_DEBUG_OUTPUT);
+    gl->Enable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
 }
 
 vxs_result gl_context_create(gl_context **out, gl_backend backend, uint32_t threads, run_context *m)
@@ -159,6 +193,7 @@ vxs_result gl_context_create(gl_context **out, gl_backend backend, uint32_t thre
         gl_context_destroy(gl);
         return r;
     }
+    if (is_debug()) debug(gl);
     *out = gl;
     return VXS_OK;
 }
