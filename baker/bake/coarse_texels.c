@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/base/spread.h"
 #include "baker/base/text.h"
 #include "baker/base/vec3.h"
 
@@ -102,12 +103,6 @@ static int is_preview(const plan_light *l)
 
 /* far objects ----------------------------------------------------------------------------------------------------------------- */
 
-static int by_value(const void *a, const void *b)
-{
-    double p = *(const double *)a, q = *(const double *)b;
-    return p < q ? -1 : p > q;
-}
-
 /* Whether a component counts: cards of a few triangles, such as leaves, cast their shadows together. */
 static int counts_alone(const casters *c, const scene_object *component, uint32_t number)
 {
@@ -127,7 +122,7 @@ static double median_width(const check_scene *k, const box *within)
         if (inside) width[count++] = box_width(b);
     }
     if (count) {
-        qsort(width, count, sizeof *width, by_value);
+        qsort(width, count, sizeof *width, doubles_ascending);
         median = width[count / 2];
     }
     free(width);

@@ -13,6 +13,7 @@
 #include <time.h>
 
 #include "baker/base/random.h"
+#include "baker/base/spread.h"
 #include "baker/base/vec3.h"
 #include "baker/files/input_file.h"
 #include "baker/smoke/smoke_map.h"
@@ -64,12 +65,6 @@ static double left_of(const smoke_grid *g, const vxs_light *sun, const double ws
     return path->count ? exp(-path->thick[path->count - 1]) : 1;
 }
 
-static int by_value(const void *a, const void *b)
-{
-    double p = *(const double *)a, q = *(const double *)b;
-    return (p > q) - (p < q);
-}
-
 static void print_errors(const vxs_asset *asset, const smoke_grid *g)
 {
     static double          errors[PLACES];
@@ -87,7 +82,7 @@ static void print_errors(const vxs_asset *asset, const smoke_grid *g)
         square += error * error;
         sum += error;
     }
-    qsort(errors, PLACES, sizeof *errors, by_value);
+    qsort(errors, PLACES, sizeof *errors, doubles_ascending);
     printf("%.4f | %+.4f | %.4f | %.3f |\n", sqrt(square / PLACES), sum / PLACES, errors[PLACES / 100 * 99], errors[PLACES - 1]);
     smoke_path_free(&path);
 }

@@ -15,6 +15,7 @@
 
 #include "baker/base/clock.h"
 #include "baker/base/random.h"
+#include "baker/base/spread.h"
 #include "baker/base/version.h"
 #include "baker/command/options/options.h"
 #include "baker/files/json_file.h"
@@ -123,19 +124,13 @@ static vxs_result fly(flight *f, run_context *m)
     return VXS_OK;
 }
 
-static int by_size(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static json_t *report(flight *f)
 {
     const flight_options  *o   = f->options;
     const vxs_baked_light *l   = vxs_asset_light(f->whole, 0);
     double                 sum = 0, *ms = f->frame_seconds;
     for (uint32_t n = 0; n < f->frames; n++) sum += ms[n] *= 1e3;
-    qsort(ms, f->frames, sizeof *ms, by_size);
+    qsort(ms, f->frames, sizeof *ms, doubles_ascending);
     double mean = sum / f->frames, high = ms[f->frames - 1 - f->frames / 100], most = ms[f->frames - 1];
     printf("%s: %u x %u texels, %u KiB, %u threads, %u m/s, within %u m\n", o->path, 1u << l->light.levels, 1u << l->light.levels,
            (unsigned)(o->budget_bytes / 1024), o->threads, o->speed_mps, o->radius_metres);

@@ -4,6 +4,7 @@
 #ifndef AREA_SCENE_H
 #define AREA_SCENE_H
 
+#include "baker/base/spread.h"
 #include "runtime/volumes/vxs_area_grid.h"
 #include "runtime/volumes/vxs_area_light.h"
 
@@ -71,12 +72,6 @@ static inline int area_shadow(const float *low, const float *high, const double 
     return part[1] > part[0];
 }
 
-static inline int area_by_begin(const void *a, const void *b)
-{
-    double p = *(const double *)a, q = *(const double *)b;
-    return (p > q) - (p < q);
-}
-
 /* Airlight of VPLs along a ray, each by the exact parts of it that it reaches.   sum  [in, out] */
 static inline void area_airlight(const volumes_scene *s, const vxs_vpl *vpls, uint32_t count, const vxs_medium *medium,
                                  const double eye[3], const double direction[3], double metres, double sum[3])
@@ -95,7 +90,7 @@ static inline void area_airlight(const volumes_scene *s, const vxs_vpl *vpls, ui
             const float *low = s->positions + 24 * box, *high = low + (box < SCENE_BOXES ? 21 : 9);
             darks += area_shadow(low, high, light.place, eye, direction, metres, dark[darks]);
         }
-        qsort(dark, (size_t)darks, sizeof *dark, area_by_begin);
+        qsort(dark, (size_t)darks, sizeof *dark, doubles_ascending);
         dark[darks][0] = path.end;
         double begin   = path.begin;
         for (int k = 0; k <= darks; k++) {

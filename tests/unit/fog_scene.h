@@ -12,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/base/spread.h"
 #include "random_light.h"
 #include "runtime/volumes/vxs_air_path.h"
 
@@ -188,12 +189,6 @@ static inline void pixel_direction(const fog_view *v, int x, int y, double *dire
     view_direction(v, (2 * x + 1.0) / v->wide - 1, (2 * y + 1.0) / v->high - 1, direction);
 }
 
-static inline int by_value(const void *a, const void *b)
-{
-    double p = *(const double *)a, q = *(const double *)b;
-    return (p > q) - (p < q);
-}
-
 /* Airlight of an eye ray by the map: cut where it passes from texel to texel, and in each where it passes the texel's depth. */
 static inline void map_airlight(const shadow_depth_map *m, const vxs_medium *medium, const vxs_air_path *path, const double *eye,
                                 const double *direction, double airlight[3])
@@ -223,7 +218,7 @@ static inline void map_airlight(const shadow_depth_map *m, const vxs_medium *med
                 cuts[count++] = x;
             }
     }
-    qsort(cuts, count, sizeof *cuts, by_value);
+    qsort(cuts, count, sizeof *cuts, doubles_ascending);
     airlight[0] = airlight[1] = airlight[2] = 0;
     double begin                            = path->begin;
     int    lit                              = 0; /* since begin */

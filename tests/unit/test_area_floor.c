@@ -22,6 +22,7 @@
 #include "volumes_scene.h"
 
 #include "area_scene.h"
+#include "baker/base/spread.h"
 
 /* The panel is 2 m above the floor, the plate 1 m, where x < 0. */
 enum { FLOOR, PLATE, PANEL, NOTHING, EXACT = 4, SOME_POINTS = 1 << 18, SHOWN = 16 };
@@ -358,12 +359,6 @@ static void test_ways_to_gather(void **state)
         }
 }
 
-static int by_size(const void *a, const void *b)
-{
-    double p = *(const double *)a, q = *(const double *)b;
-    return (p > q) - (p < q);
-}
-
 /* RMS over two views of a floor that is half hidden. */
 static double error_of(const room *r, uint32_t seed, uint32_t vpl_count, uint32_t point_count)
 {
@@ -391,7 +386,7 @@ static void test_more_is_no_worse(void **state)
         for (uint32_t step = 0; step < repeats(3, 4); step++) {
             uint32_t vpl_count = by_points ? 4 : 1U << 2 * step, point_count = by_points ? 1U << (12 + 2 * step) : SOME_POINTS;
             for (uint32_t seed = 0; seed < seeds; seed++) found[seed] = error_of(&r, seed, vpl_count, point_count);
-            qsort(found, seeds, sizeof *found, by_size);
+            qsort(found, seeds, sizeof *found, doubles_ascending);
             print_message("%u VPLs, %u points: RMS %.4f\n", vpl_count, point_count, found[seeds / 2]);
             assert_true(found[seeds / 2] < 1.05 * before);
             before = found[seeds / 2];

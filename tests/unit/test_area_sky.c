@@ -21,6 +21,7 @@
 #include "volumes_scene.h"
 
 #include "area_scene.h"
+#include "baker/base/spread.h"
 
 enum { SKY_WIDE = 32, SKY_HIGH = 16, SKY_TEXELS = SKY_WIDE * SKY_HIGH };
 
@@ -266,12 +267,6 @@ static double error_in_corner(const vxs_volumes_frame *frame, const double *righ
     return sqrt(off / size);
 }
 
-static int by_size(const void *a, const void *b)
-{
-    double p = *(const double *)a, q = *(const double *)b;
-    return (p > q) - (p < q);
-}
-
 /* In a corner a floor has half of an even sky. More VPLs, and more points, never make it worse: medians over seeds; so at the 65th
  * VPL of 2^18 points. */
 static void test_in_a_corner(void **state)
@@ -289,8 +284,8 @@ static void test_in_a_corner(void **state)
         if (vpls[n] == 256 && seeds < CORNER_SEEDS_MOST) continue;
         for (uint32_t seed = 0; seed < seeds; seed++)
             found[seed] = error_in_corner(&frame, right, seed, vpls[n], counts[n], &bright[seed]);
-        qsort(found, seeds, sizeof *found, by_size);
-        qsort(bright, seeds, sizeof *bright, by_size);
+        qsort(found, seeds, sizeof *found, doubles_ascending);
+        qsort(bright, seeds, sizeof *bright, doubles_ascending);
         print_message("in a corner: %u VPLs, %u points: RMS %.3f, %.3f of the light\n", vpls[n], counts[n], found[seeds / 2],
                       bright[seeds / 2]);
         if (vpls[n] == 4 && counts[n] == 1 << 12) before = INFINITY;

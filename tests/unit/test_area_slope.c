@@ -13,6 +13,7 @@
 
 #include <cmocka.h>
 
+#include "baker/base/spread.h"
 #include "random_light.h"
 #include "repeats.h"
 #include "runtime/volumes/vxs_area_grid.h"
@@ -64,12 +65,6 @@ static void add_airlight(const vxs_vpl *vpls, uint32_t count, double *sums)
     }
 }
 
-static int by_size(const void *a, const void *b)
-{
-    double p = *(const double *)a, q = *(const double *)b;
-    return (p > q) - (p < q);
-}
-
 /* The median error over seeds, relative RMS over rays: of all, and of those that do not end at the screen. */
 static void errors_of(const vxs_area_rectangle *r, int places, uint32_t count, uint32_t seeds, const double *wanted, double *all,
                       double *far)
@@ -89,7 +84,7 @@ static void errors_of(const vxs_area_rectangle *r, int places, uint32_t count, u
         }
         for (int k = 0; k < 2; k++) errors[k][seed] = sqrt(wrong[k] / size[k]);
     }
-    for (int k = 0; k < 2; k++) qsort(errors[k], seeds, sizeof **errors, by_size);
+    for (int k = 0; k < 2; k++) qsort(errors[k], seeds, sizeof **errors, doubles_ascending);
     *all = errors[0][seeds / 2];
     *far = errors[1][seeds / 2];
 }

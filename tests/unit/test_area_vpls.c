@@ -13,6 +13,7 @@
 
 #include <cmocka.h>
 
+#include "baker/base/spread.h"
 #include "random_light.h"
 #include "runtime/volumes/vxs_area_light.h"
 
@@ -132,12 +133,6 @@ static void test_shares(void **state)
     assert_true(vpls[0].colour[0] == 0 && vpls[0].place[0] < 2 && fabs((double)vpls[1].colour[0] * WIDE * HIGH / 6 - 1) < 1e-5);
 }
 
-static int by_size(const void *a, const void *b)
-{
-    double p = *(const double *)a, q = *(const double *)b;
-    return (p > q) - (p < q);
-}
-
 /* The largest difference, of all boxes from the corner, of a box's area and the part of the points in it: at boxes that end at
  * points. */
 static double star_discrepancy(const vxs_vpl *vpls, uint32_t count)
@@ -147,7 +142,7 @@ static double star_discrepancy(const vxs_vpl *vpls, uint32_t count)
         for (int i = 0; i < 2; i++) at[i][n] = ends[i][n] = i ? (double)vpls[n].place[1] - 2 : ((double)vpls[n].place[0] - 1) / 2;
     for (int i = 0; i < 2; i++) {
         ends[i][count] = 1;
-        qsort(ends[i], count + 1, sizeof(double), by_size);
+        qsort(ends[i], count + 1, sizeof(double), doubles_ascending);
     }
     for (uint32_t j = 0; j <= count; j++)
         for (uint32_t k = 0; k <= count; k++) {

@@ -3,6 +3,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 
+#include "baker/base/spread.h"
 #include "query_lights.h"
 #include "tests/unit/repeats.h"
 
@@ -104,12 +105,6 @@ static uint32_t check_points(rng *r, const vxs_baked_light *l, const vxs_ray *ra
 
 /* brute force ------------------------------------------------------------------------------------------------------------------ */
 
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static void put_border(double *t, size_t *count, const vxs_ray *ray, double value)
 {
     if (value > ray->t_begin && value < ray->t_end) t[(*count)++] = value;
@@ -167,7 +162,7 @@ static size_t borders_of(const vxs_baked_light *l, const vxs_ray *ray, double *t
             normal[(a + 1) % 3] = sign;
             border_at_plane(t, &count, ray, from, along, normal, 0);
         }
-    qsort(t, count, sizeof *t, by_value);
+    qsort(t, count, sizeof *t, doubles_ascending);
     size_t parts = count;
     for (size_t n = 0; n <= parts && light->kind != VXS_LIGHT_KIND_DIRECTIONAL; n++) {
         double low = n ? t[n - 1] : ray->t_begin, high = n < parts ? t[n] : ray->t_end;
@@ -186,7 +181,7 @@ static size_t borders_of(const vxs_baked_light *l, const vxs_ray *ray, double *t
             t[count++] = a;
         }
     }
-    qsort(t, count, sizeof *t, by_value);
+    qsort(t, count, sizeof *t, doubles_ascending);
     return count;
 }
 

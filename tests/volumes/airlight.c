@@ -1,6 +1,7 @@
 /* Airlight by adaptive quadrature; see airlight.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "tests/volumes/airlight.h"
+#include "baker/base/spread.h"
 
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_integration.h>
@@ -56,12 +57,6 @@ static double punctual_at(double s, void *user)
     return rim * phase_of(n->g, less) * exp(-n->extinction * air_way_of(p, p->along + y)) / (r * r);
 }
 
-static int by_size(const void *a, const void *b)
-{
-    double p = *(const double *)a, q = *(const double *)b;
-    return (p > q) - (p < q);
-}
-
 air_passing air_passing_of(const double direction[3], const double to_light[3], double radius, const double *axis, double cos_inner,
                            double cos_outer)
 {
@@ -108,7 +103,7 @@ double air_of_punctual(const air_passing *p, double g, double extinction, double
     }
     if (p->is_spot) /* the ends of its rim */
         for (int k = 1; k < 128; k++) ends[count++] = length * k / 128;
-    qsort(ends, (size_t)count, sizeof *ends, by_size);
+    qsort(ends, (size_t)count, sizeof *ends, doubles_ascending);
     for (int k = 0; k + 1 < count; k++) {
         double from = fmax(ends[k], 0), to = fmin(ends[k + 1], length), part = 0, error = 0;
         if (to <= from) continue;

@@ -1,6 +1,7 @@
 /* Lists of lit parts; see lit_parts.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "tests/volumes/lit_parts.h"
+#include "baker/base/spread.h"
 
 #include <stdlib.h>
 
@@ -48,15 +49,9 @@ void places_add(places *p, double x)
     p->at[p->count++] = x;
 }
 
-static int by_size(const void *a, const void *b)
-{
-    double p = *(const double *)a, q = *(const double *)b;
-    return (p > q) - (p < q);
-}
-
 void places_sort(places *p)
 {
-    if (p->count) qsort(p->at, p->count, sizeof *p->at, by_size);
+    if (p->count) qsort(p->at, p->count, sizeof *p->at, doubles_ascending);
 }
 
 void places_free(places *p)

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "baker/base/spread.h"
 #include "baker/base/vec3.h"
 
 pixel_class pixel_class_of(const double eye[3], const double direction[3], const double punctual[3], double radius_metres)
@@ -14,12 +15,6 @@ pixel_class pixel_class_of(const double eye[3], const double direction[3], const
     vec3_cross(to_light, direction, across);
     int is_near = vec3_dot(across, across) < EPIPOLE_RADII * EPIPOLE_RADII * radius_metres * radius_metres;
     return is_near && vec3_dot(to_light, direction) > 0 ? PIXELS_EPIPOLE : PIXELS_ELSEWHERE;
-}
-
-static int by_size(const void *a, const void *b)
-{
-    double p = *(const double *)a, q = *(const double *)b;
-    return (p > q) - (p < q);
 }
 
 static double ratio_of(double wrong, double size)
@@ -43,7 +38,7 @@ picture_error picture_error_of(const double *found, const double *wanted, size_t
     }
     if (e.count) {
         double unit = largest > 0 ? largest : 1;
-        qsort(sizes, e.count, sizeof *sizes, by_size);
+        qsort(sizes, e.count, sizeof *sizes, doubles_ascending);
         e.relative_rms = ratio_of(wrong, square);
         e.signed_mean /= unit * (double)e.count;
         e.percentile_99 = sizes[(size_t)(0.99 * (double)(e.count - 1) + 0.5)] / unit;
