@@ -87,7 +87,8 @@ typedef enum vxs_bake_skinned { VXS_BAKE_SKINNED_EXCLUDE, VXS_BAKE_SKINNED_REST 
 typedef enum vxs_bake_blend { VXS_BAKE_BLEND_MASK, VXS_BAKE_BLEND_OPAQUE, VXS_BAKE_BLEND_EXCLUDE } vxs_bake_blend;
 
 /* Files of the caller, in place of those of the system: in memory, in an archive, or in a browser. Names are those of the options,
- * and of files to which a scene refers, relative to the scene's folder ("levels/" of "levels/a.gltf"). Called from the baking thread. */
+ * and of files to which a scene refers, relative to the scene's folder ("levels/" of "levels/a.gltf"). Called from the baking
+ * thread. */
 typedef struct vxs_bake_files {
     /* Size of a file in bytes; UINT64_MAX: there is no such file. */
     uint64_t (*size)(void *user, const char *name);

@@ -1,5 +1,5 @@
-/* Reading .vxs bytes (formats/vxs.md); vxs_write_file.h writes them. This layer handles bytes only: no scenes, no OpenGL, no printing.
- * Games use runtime/vxs.h, which includes this.
+/* Reading .vxs bytes (formats/vxs.md); vxs_write_file.h writes them. This layer handles bytes only: no scenes, no OpenGL, no
+ * printing. Games use runtime/vxs.h, which includes this.
  * Public.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_FILE_H
@@ -65,8 +65,8 @@ static inline uint32_t vxs_map_count(const vxs_light *light)
  *                  box moves in steps of whole texels, and so do shadow edges
  *   vxs_smooth(K)  K even or odd: a box of width K centred at the point itself. Its border texels count by the covered part, in
  *                  1/256 along each axis. At most 1/(256 K) of the result changes in one step
- * Every width is allowed: one below 1 counts as 1, one above VXS_FILTER_MAX as VXS_FILTER_MAX, and an even one of vxs_box, whose box
- * has no middle texel, as K + 1. Shaders have the same struct and functions (vxs_space.h). */
+ * Every width is allowed: one below 1 counts as 1, one above VXS_FILTER_MAX as VXS_FILTER_MAX, and an even one of vxs_box, whose
+ * box has no middle texel, as K + 1. Shaders have the same struct and functions (vxs_space.h). */
 typedef struct vxs_filter {
     int32_t width_px;  /* K */
     int32_t is_smooth; /* 0: vxs_box; other numbers: vxs_smooth */

@@ -1,6 +1,6 @@
-/* State of the walk over a page, and its borders: depths of the texels above the next record (`above`) and on its left (`left`), from
- * which values are predicted. They are relative to the node, and modulo 2^16. They only select odds and predictions, so a wrong depth
- * only costs bytes.
+/* State of the walk over a page, and its borders: depths of the texels above the next record (`above`) and on its left (`left`),
+ * from which values are predicted. They are relative to the node, and modulo 2^16. They only select odds and predictions, so a
+ * wrong depth only costs bytes.
  * Internal to vxs_page_*.c, which define PAGE_ENCODING. Not installed.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_PAGE_BORDERS_H

@@ -1,8 +1,8 @@
 /* Tiles of a block, and lists of the records that a page has so far: patterns by kind, and blocks. A record used again is coded as
  * its rank in the list.
  *
- * An entry of a list is the offset of a word of the page, 16 bits: for a block its first word, for a pattern the word of the first tile
- * that refers to it. So all entries are different, and all lists together have at most as many entries as the page has words.
+ * An entry of a list is the offset of a word of the page, 16 bits: for a block its first word, for a pattern the word of the first
+ * tile that refers to it. So all entries are different, and all lists together have at most as many entries as the page has words.
  * Internal to vxs_page_*.c, which define PAGE_ENCODING. Not installed.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_PAGE_TILES_H

@@ -1,8 +1,8 @@
-/* Reading what lies beside shadows: baked smoke and points of casters; every check of formats/vxs.md sections 15 and 16. The words of
- * smoke get the layout for lookups.
+/* Reading what lies beside shadows: baked smoke and points of casters; every check of formats/vxs.md sections 15 and 16. The words
+ * of smoke get the layout for lookups.
  *
- * The number of words of smoke follows from the stored numbers of tiles and nodes; counts are compared with these before any node is
- * read.
+ * The number of words of smoke follows from the stored numbers of tiles and nodes; counts are compared with these before any node
+ * is read.
  * SPDX-License-Identifier: MIT */
 #include <math.h>
 #include <string.h>

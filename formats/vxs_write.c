@@ -1,5 +1,5 @@
-/* Writing a .vxs file: header, directory and light table, formats/vxs.md sections 3 to 5. vxs_write_*.c add the sections of codings, of
- * smoke and of points.
+/* Writing a .vxs file: header, directory and light table, formats/vxs.md sections 3 to 5. vxs_write_*.c add the sections of
+ * codings, of smoke and of points.
  * SPDX-License-Identifier: MIT */
 #include <stdlib.h>
 #include <string.h>

@@ -1,4 +1,5 @@
-/* State of a file being written: interface between vxs_write.c, the writers of sections, and vxs_sections.c, which they share. Not installed.
+/* State of a file being written: interface between vxs_write.c, the writers of sections, and vxs_sections.c, which they share. Not
+ * installed.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_WRITER_H
 #define VXS_WRITER_H

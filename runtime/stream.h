@@ -2,8 +2,8 @@
  *
  *     stream_plan.c     what open reads first: the wanted lights and their sizes
  *     stream_open.c     from a file to a block of memory: its layout, page data
- *     stream_choose.c   which pages are wanted, the nearest first; where in the array of words a page goes, and which pages are evicted
- *     stream_work.c     requests: read and decoded by threads, or by the frame; bytes from a path, memory or the caller
+ *     stream_choose.c   which pages are wanted, the nearest first; where in the array of words a page goes, and which pages are
+ *     evicted stream_work.c     requests: read and decoded by threads, or by the frame; bytes from a path, memory or the caller
  *     stream.c          the frame, and the queries of a stream
  *
  * Order of the block; the array of words extends from `words` to its end, tail included:

@@ -1,5 +1,5 @@
-/* Taps of a filter at many voxels of a light that are near one another, for any coding: data of one walk is kept for the next. Palette
- * blocks have a cache of tile depths, a DAG the path of the last walk. Internal to the runtime; not installed.
+/* Taps of a filter at many voxels of a light that are near one another, for any coding: data of one walk is kept for the next.
+ * Palette blocks have a cache of tile depths, a DAG the path of the last walk. Internal to the runtime; not installed.
  *
  * The cache is a depth map of 128 x 128 texels that repeats over the light's map: tile (x, y) is stored at (x mod 16, y mod 16),
  * and a tag identifies the stored tile. Filters read it like any depth map, eight texels at once. When tiles are not reused often

@@ -1,5 +1,5 @@
-/* Depths of texels, for both codings; see tile_depths.h. Sums of palette blocks have 64 bits and are clamped to the bounds in a square's
- * entry, because the base of a record may be far outside the map.
+/* Depths of texels, for both codings; see tile_depths.h. Sums of palette blocks have 64 bits and are clamped to the bounds in a
+ * square's entry, because the base of a record may be far outside the map.
  * SPDX-License-Identifier: MIT */
 #include "tile_depths.h"
 

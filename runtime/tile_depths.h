@@ -1,5 +1,6 @@
-/* Depths of texels, for both codings: bounds on the shadow depth of squares of texels, and the depth of each texel of a tile. A lookup
- * compares a voxel's depth with the records of a file; here the depth itself is read. Internal to the runtime; not installed.
+/* Depths of texels, for both codings: bounds on the shadow depth of squares of texels, and the depth of each texel of a tile. A
+ * lookup compares a voxel's depth with the records of a file; here the depth itself is read. Internal to the runtime; not
+ * installed.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_TILE_DEPTHS_H
 #define VXS_TILE_DEPTHS_H
@@ -45,7 +46,8 @@ enum { VXS_TILE_MISSING, VXS_TILE_WHOLE, VXS_TILE_MIXED };
  * page is missing, and nothing is written. */
 int vxs_tile_depths(vxs_blocks_map map, vxs_block_cursor *cursor, int32_t tile_x, int32_t tile_y, int32_t depth[64]);
 
-/* DAG: columns may be lit again behind the first shadowed voxel, where voxels are don't-care (formats/vxs.md 2) ----------------- */
+/* DAG: columns may be lit again behind the first shadowed voxel, where voxels are don't-care (formats/vxs.md 2) -----------------
+ * */
 
 /* Find the first shadowed voxel of texels of tile (tile_x, tile_y).
  * wanted  one bit for each wanted texel; depths of the others are not written

@@ -1,5 +1,5 @@
-/* The OpenGL that tests and benches draw with: VXS_GL=osmesa (llvmpipe, without a variable) or VXS_GL=egl (what EGL finds, for instance
- * a graphics processor).
+/* The OpenGL that tests and benches draw with: VXS_GL=osmesa (llvmpipe, without a variable) or VXS_GL=egl (what EGL finds, for
+ * instance a graphics processor).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef GL_CHOICE_H
 #define GL_CHOICE_H

@@ -145,8 +145,8 @@ static vxs_result begin_rendering(void **device, const bake_options *o, bake_rep
     *device            = NULL;
     if (o->maps != MAPS_SPARSE) {
         if (!o->renderer) return fail(ctx->run, VXS_E_GL, "this program bakes straight from triangles alone: it has no OpenGL");
-        /* Mesa and LLVM crash if the address space is exhausted (ulimit -v), so they are not started if this may happen. In addition
-         * to counted memory, they map libraries, code, and a stack and a heap for each thread. */
+        /* Mesa and LLVM crash if the address space is exhausted (ulimit -v), so they are not started if this may happen. In
+         * addition to counted memory, they map libraries, code, and a stack and a heap for each thread. */
         uint64_t bytes = ((uint64_t)450 << 20) + o->threads * ((uint64_t)72 << 20) + report->plan->peak_bytes;
         char     needed[32];
         if (!memory_has_room(bytes))

@@ -129,8 +129,8 @@ static vxs_result plan_memory(bake_plan *plan, const bake_options *o, const cast
         if (!plan->lights[n].left_out) side = max_u32(side, 1u << plan->lights[n].light.levels);
     uint32_t least = min_u32(side, max_u32(TILE_MIN_PX, min_u32(side / 4, SUB_DAG_MAX_PX)));
 
-    /* Cached squares have an eighth of the map's side, so that a change affects a small part of it. Rendered squares are as large as
-     * possible, because each draws all triangles that it may see. */
+    /* Cached squares have an eighth of the map's side, so that a change affects a small part of it. Rendered squares are as large
+     * as possible, because each draws all triangles that it may see. */
     plan->tile_px       = stores_squares(o) && o->maps == MAPS_SPARSE ? max_u32(least, side / 8) : side;
     plan->tile_px       = min_u32(plan->tile_px, TILE_MAX_PX);
     plan->budget_bytes  = o->memory_bytes;

@@ -1,7 +1,7 @@
 /* Threads, locks and signals of the baker. Together with parallel.h this is the only place that depends on a thread library.
  *
- * runtime/platform.h has os_mutex, os_signal and os_thread. Built with `make threads=1` there are no threads: os_thread_start fails,
- * locks do nothing, and no thread library is linked. Atomics of C11 need none.
+ * runtime/platform.h has os_mutex, os_signal and os_thread. Built with `make threads=1` there are no threads: os_thread_start
+ * fails, locks do nothing, and no thread library is linked. Atomics of C11 need none.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef THREADS_H
 #define THREADS_H

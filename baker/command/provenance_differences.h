@@ -1,5 +1,5 @@
-/* The metadata of a file, compared with a scene. JSON without memory is detected for the whole process (json_file.h), so that this is
- * no part of libvxs_bake.
+/* The metadata of a file, compared with a scene. JSON without memory is detected for the whole process (json_file.h), so that this
+ * is no part of libvxs_bake.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef PROVENANCE_DIFFERENCES_H
 #define PROVENANCE_DIFFERENCES_H

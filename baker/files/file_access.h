@@ -1,6 +1,6 @@
-/* Files of a run that are not those of the system: a table of callbacks in run_context.access. Code that reads or writes files by name
- * uses input_file.h, output_file.h and gltf_container.cc, which call these functions where there is a table. Without one (NULL) the
- * files are those of the system.
+/* Files of a run that are not those of the system: a table of callbacks in run_context.access. Code that reads or writes files by
+ * name uses input_file.h, output_file.h and gltf_container.cc, which call these functions where there is a table. Without one
+ * (NULL) the files are those of the system.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef FILE_ACCESS_H
 #define FILE_ACCESS_H

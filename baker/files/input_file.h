@@ -34,7 +34,8 @@ typedef struct input_head {
     void *user;
 } input_head;
 
-/* Read a whole input, through m->access where it is set. Memory is checked against m->memory_bytes before it is allocated (memory.h).
+/* Read a whole input, through m->access where it is set. Memory is checked against m->memory_bytes before it is allocated
+ * (memory.h).
  * bytes        [out] NULL on failure; released with free()
  * limit_bytes  maximum size; a larger input is VXS_E_MEMORY and is not read further
  * head         called with the first bytes before the rest is read; NULL: none

@@ -47,7 +47,8 @@ typedef struct output_file {
                      be made again */
 } output_file;
 
-/* Start to write `path`. With m->access (file_access.h) the bytes are held in memory, and output_file_commit writes them. A new file has the permissions 0666 & ~umask.
+/* Start to write `path`. With m->access (file_access.h) the bytes are held in memory, and output_file_commit writes them. A new
+ * file has the permissions 0666 & ~umask.
  * f  [out] zeroed on failure; otherwise end with output_file_commit or output_file_abort.
  * Returns VXS_OK; VXS_E_ARGUMENT when this run reads the file (run_files.h); VXS_E_WRITE when the path is empty, a folder or a link
  * without a target, when no file can be created in the folder, or when the existing file must not be replaced; VXS_E_STRICT;

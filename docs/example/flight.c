@@ -1,5 +1,5 @@
-/* A flight over a level whose shadows stream in as the camera comes: opens the file with a budget, moves, and draws the ground as the sun lights
- * it, a picture a frame.
+/* A flight over a level whose shadows stream in as the camera comes: opens the file with a budget, moves, and draws the ground as
+ * the sun lights it, a picture a frame.
  *
  *     cc flight.c $(pkg-config --cflags --libs vxs) -o flight
  *     ./flight level.vxs 4 frame        # 4 MiB; frame00.pgm to frame31.pgm

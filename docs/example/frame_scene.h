@@ -1,5 +1,5 @@
-/* What is there in frame.c beside the level: a screen, a column of smoke, rubble before the screen, a board over the ground; and how the ground is lit. Places
- * are metres from the eye, which is 10 m above the ground and looks along z.
+/* What is there in frame.c beside the level: a screen, a column of smoke, rubble before the screen, a board over the ground; and
+ * how the ground is lit. Places are metres from the eye, which is 10 m above the ground and looks along z.
  * SPDX-License-Identifier: MIT */
 #ifndef FRAME_SCENE_H
 #define FRAME_SCENE_H

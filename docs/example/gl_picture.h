@@ -1,4 +1,5 @@
-/* What a program has that draws with OpenGL: a context, textures, what was drawn, a program, a picture. Here of OSMesa, without a window.
+/* What a program has that draws with OpenGL: a context, textures, what was drawn, a program, a picture. Here of OSMesa, without a
+ * window.
  * SPDX-License-Identifier: MIT */
 #ifndef GL_PICTURE_H
 #define GL_PICTURE_H

@@ -7,8 +7,8 @@
  *
  *     const char *text[VXS_GL_TEXTS + 1];                                       // a shader, without any #include
  *     vxs_gl_texts(shadows, text);
- *     text[VXS_GL_TEXTS] = my_body;                                             // calls vxs_lit_by(light, position, normal, vxs_box(9))
- *     glShaderSource(shader, VXS_GL_TEXTS + 1, text, NULL);
+ *     text[VXS_GL_TEXTS] = my_body;                                             // calls vxs_lit_by(light, position, normal,
+ *     vxs_box(9)) glShaderSource(shader, VXS_GL_TEXTS + 1, text, NULL);
  *     ... glLinkProgram(program);  vxs_gl_link(shadows, program);
  *
  *     vxs_gl_upload(shadows, 1 << 20);                                          // each frame: new pages of a stream (.stream = ..)

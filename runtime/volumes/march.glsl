@@ -1,5 +1,6 @@
 /* A ray for each pixel. It tests at the middle of each step whether the light reaches it, by the light's map or the asset, and
- * multiplies by the transmittance of smoke. The ray ends where extinction leaves nothing of its light. march.c splits many steps into pieces, because drivers end all loops of an invocation after
+ * multiplies by the transmittance of smoke. The ray ends where extinction leaves nothing of its light. march.c splits many steps
+ * into pieces, because drivers end all loops of an invocation after
  * 65535 iterations. */
 #include "frame.glsl"
 

@@ -1,5 +1,6 @@
-# What each part of the method is worth: Tables 1 to 5 of [CPVS16] on our scenes, the paper's figures beside ours. Bakes are measured by
-# `vxs bench`, whose JSON stays beside the tables (docs/bench.schema.json). The paper's scenes are not public: compare ratios, not values.
+# What each part of the method is worth: Tables 1 to 5 of [CPVS16] on our scenes, the paper's figures beside ours. Bakes are
+# measured by `vxs bench`, whose JSON stays beside the tables (docs/bench.schema.json). The paper's scenes are not public: compare
+# ratios, not values.
 # ABLATION_RESOLUTIONS: texels a side (default 4096 8192 16384).  ABLATION_RUNS: bakes of each (default 3).
 # VXS_SCENES: the shared scenes; without them Sponza is left out.
 # SPDX-License-Identifier: GPL-3.0-or-later

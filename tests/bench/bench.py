@@ -1,6 +1,6 @@
-# Measure the city and Sponza with `vxs bench` and lookups with `rivals`, print the tables of README and docs/measurements.md and what
-# is aimed at, and write the measurements as JSON: --json (docs/bench.schema.json), which `vxs bench --against` can read, and beside it NAME-lookups.json, and
-# NAME-SCENE-RESOLUTION-CAMERA.json for each picture (docs/rivals.schema.json).
+# Measure the city and Sponza with `vxs bench` and lookups with `rivals`, print the tables of README and docs/measurements.md and
+# what is aimed at, and write the measurements as JSON: --json (docs/bench.schema.json), which `vxs bench --against` can read, and
+# beside it NAME-lookups.json, and NAME-SCENE-RESOLUTION-CAMERA.json for each picture (docs/rivals.schema.json).
 # BENCH_RESOLUTIONS: texels a side (default 512 to 16384).  BENCH_RUNS: how often each is measured (default 5).
 # BENCH_POINTS: of each kind, for errors and lookups (default 100000; 0: without them).
 # VXS_SCENES: the shared scenes; without them only the city is measured.

@@ -135,7 +135,8 @@ static inline void bias_place_light(bias_stage *s, const bias_setup *o, rng *r)
         for (int n = 0; n < 3; n++) at[n] = o->other_caster_metres * away[n];
         bias_add_triangle(s, at, away, 1);
     } else {
-        /* point light: above it. Spot: in its cone, 104 degrees from the direction of the plane, and so narrow that no filter reaches it */
+        /* point light: above it. Spot: in its cone, 104 degrees from the direction of the plane, and so narrow that no filter
+         * reaches it */
         bias_direction(s, o->kind == VXS_BAKE_POINT ? 0 : 76 / 180.0 * BIAS_PI, turn + BIAS_PI, away);
         bias_from_foot(s, 0, 0, BIAS_PUNCTUAL_METRES, at);
         vec3_mad(at, o->other_caster_metres, away, at);

@@ -3,12 +3,13 @@
  *     cracks [--millions N] [--resolution N] [--split on|off] [--maps all|gl|sparse] [--seed N]
  *     cracks --scene FILE [--resolution N] [--split on|off] [--maps all|gl|sparse]
  *
- * Panels (tests/columns/panels.h) without gaps and with gaps of 1e-7 to 1e-5 m, in the light of a sun, a spot and a point light, from both
- * sources, until N million columns of each source were looked at. The exit status is 1 where one leaks that no gap explains.
+ * Panels (tests/columns/panels.h) without gaps and with gaps of 1e-7 to 1e-5 m, in the light of a sun, a spot and a point light,
+ * from both sources, until N million columns of each source were looked at. The exit status is 1 where one leaks that no gap
+ * explains.
  *
- * Of a scene, under two suns: columns that are far deeper than all eight around them, and what the triangles of the file say there in
- * doubles, before anything is joined or snapped. Where they cover the texel's centre, nothing explains the light; where they leave it free,
- * but cover all that is a 64th of a texel away, it falls through a hairline, which may be a gap or rounding.
+ * Of a scene, under two suns: columns that are far deeper than all eight around them, and what the triangles of the file say there
+ * in doubles, before anything is joined or snapped. Where they cover the texel's centre, nothing explains the light; where they
+ * leave it free, but cover all that is a 64th of a texel away, it falls through a hairline, which may be a gap or rounding.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,5 +1,6 @@
 # How far off the estimates of `vxs plan` are: bakes scenes, and compares what their plans said with what came of them.
-# ESTIMATES_RESOLUTIONS: texels a side (default 1024 4096).  VXS_SCENES: the shared scenes; without them only generated ones are baked.
+# ESTIMATES_RESOLUTIONS: texels a side (default 1024 4096).  VXS_SCENES: the shared scenes; without them only generated ones are
+# baked.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import argparse
 import json

@@ -2,10 +2,10 @@
  *
  *     flight FILE [--budget BYTES] [--threads N] [--speed MPS] [--radius METRES] [--json FILE]
  *
- * The camera flies across the map of the file's first light, from corner to corner, 20 m in front of the first surface that light meets, with 60
- * frames a second. In each frame it asks for points on such surfaces around it, up to 100 m away, with a 9 x 9 filter: how many answers
- * are full, and whether they are what the whole file says. Without threads pages are decoded in the frame, one at most; with threads frames keep
- * their time. Figures go to FILE as JSON (docs/flight.schema.json).
+ * The camera flies across the map of the file's first light, from corner to corner, 20 m in front of the first surface that light
+ * meets, with 60 frames a second. In each frame it requests points on such surfaces around it, up to 100 m away, with a 9 x 9
+ * filter: how many answers are full, and whether they are the answer of the whole file. Without threads pages are decoded in the
+ * frame, one at most; with threads frames keep their time. Figures go to FILE as JSON (docs/flight.schema.json).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <jansson.h>
 #include <math.h>

@@ -3,9 +3,9 @@
  *     gpu SCENE FILE.vxs... --view NAME:EX,EY,EZ,TX,TY,TZ... [--fog PER_METRE] [--json FILE.json] ...
  *
  * Rays find what each pixel of a view sees; compute shaders answer for all pixels. A file with one light is measured with lookups.
- * The first file of each resolution also gives the rivals their depth maps, which have the same depths. A file with several lights is
- * measured with lists of lights. --fog measures fog in the first file, too. VXS_GL=egl takes what EGL finds, for instance a graphics
- * processor; without it llvmpipe draws. Times are those of timer queries; with llvmpipe, wall time until all is drawn.
+ * The first file of each resolution also gives the rivals their depth maps, which have the same depths. A file with several lights
+ * is measured with lists of lights. --fog measures fog in the first file, too. VXS_GL=egl takes what EGL finds, for instance a
+ * graphics processor; without it llvmpipe draws. Times are those of timer queries; with llvmpipe, wall time until all is drawn.
  * Exit status 1: answers of shaders differ that must be equal.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "tests/bench/gpu_bench.h"

@@ -1,11 +1,11 @@
-# Measure lookups, lists of lights and fog on a graphics processor, each beside its rivals (tests/bench/gpu.c), in a city and in Sponza.
-# Tables, and JSON (--json, docs/gpu.schema.json).
+# Measure lookups, lists of lights and fog on a graphics processor, each beside its rivals (tests/bench/gpu.c), in a city and in
+# Sponza. Tables, and JSON (--json, docs/gpu.schema.json).
 #
 #     make bench-gpu                                                  # llvmpipe, 320 x 180
 #     VXS_GL=egl make bench-gpu size=1920x1080                        # what EGL finds, for instance a graphics processor
 #
-# On a machine without the repository: --stage bake fills a folder where the programs were built. Then --stage measure needs this file,
-# that folder and tests/bench/gpu alone.
+# On a machine without the repository: --stage bake fills a folder where the programs were built. Then --stage measure needs this
+# file, that folder and tests/bench/gpu alone.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import argparse
 import json

@@ -4,7 +4,7 @@
  *
  * Eyes stand 2 m in front of random places where the first light of a file ends (--afar: so many metres), and look level, each at a
  * picture of
- * 32 x 32 rays with a field of view of 60 degrees, --metres long. All files are asked in turns, --runs times; the median counts.
+ * 32 x 32 rays with a field of view of 60 degrees, --metres long. All files are queried in turns, --runs times; the median counts.
  * Standard output says of each file how long a ray takes by intervals, how many it has, and what marches of 64 and 256 lookups
  * take.
  * SPDX-License-Identifier: GPL-3.0-or-later */

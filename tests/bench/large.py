@@ -1,7 +1,8 @@
-# Measure bakes of large maps straight from triangles, print them as tables, and write them as JSON (docs/large.schema.json): --json.
-# A run is a process for each row, with two threads and with one, row after row; then the next run. Figures are medians, memory is the most
-# that the system saw of the process. Beside them stand the two depth maps alone, rendered by a sample of tiles (two_maps.c), and what a third
-# processor would gain: of each stage, what one thread takes and two do not halve is taken for the work of one.
+# Measure bakes of large maps straight from triangles, print them as tables, and write them as JSON (docs/large.schema.json):
+# --json. A run is a process for each row, with two threads and with one, row after row; then the next run. Figures are medians,
+# memory is the most that the system saw of the process. Beside them stand the two depth maps alone, rendered by a sample of tiles
+# (two_maps.c), and what a third processor would gain: of each stage, what one thread takes and two do not halve is taken for the
+# work of one.
 # LARGE_ROWS: which (default "city landscape sponza spots"), or NAME:RESOLUTION of smaller ones.  LARGE_RUNS: how often (default 3).
 # VXS_SCENES: the shared scenes; without them Sponza is left out.
 # SPDX-License-Identifier: GPL-3.0-or-later

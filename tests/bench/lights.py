@@ -1,6 +1,6 @@
-# Measure frames of a city at night, lit by 165 spot lights: what culling and lookups take, by lights per pixel, with lists of lights and by
-# asking all of them ([CPVS16] 6.3, where a GTX Titan takes 3.2 ms at 1920 x 1080, 9 at worst). A table, and JSON (--json): the reports of vxs
-# render, docs/render.schema.json, for "on" and "off".
+# Measure frames of a city at night, lit by 165 spot lights: what culling and lookups take, by lights per pixel, with lists of
+# lights and by querying all of them ([CPVS16] 6.3, where a GTX Titan takes 3.2 ms at 1920 x 1080, 9 at worst). A table, and JSON
+# (--json): the reports of vxs render, docs/render.schema.json, for "on" and "off".
 # Runs with lists and without follow each other; of each frame the median counts. On a processor with a graphics card:
 #
 #     make bench-lights gl=egl size=1920x1080 resolution=8192 frames=200          # build/lights.json

@@ -1,10 +1,10 @@
-# SPIR-V instructions of every program of runtime/gl, runtime/volumes and `vxs render`, after calls are inlined and dead code is gone: what
-# a driver that inlines has to compile. Needs no graphics processor. `make program-size` prints them.
+# SPIR-V instructions of every program of runtime/gl, runtime/volumes and `vxs render`, after calls are inlined and dead code is
+# gone: what a driver that inlines has to compile. Needs no graphics processor. `make program-size` prints them.
 #
 #     program_size.py --build build/release [--only WORDS] [--lower]
 #
-# tests/bench/program_sizes.json has the ceiling of each program. --lower writes the sizes of this build as ceilings; a higher one is
-# a decision, and is edited by hand.
+# tests/bench/program_sizes.json has the ceiling of each program. --lower writes the sizes of this build as ceilings; a higher one
+# is a decision, and is edited by hand.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import argparse
 import concurrent.futures

@@ -1,9 +1,9 @@
-/* Rivals: ways to keep the shadow of a light for lookups, all made from the same depth maps and all asked the same.
+/* Rivals: ways to keep the shadow of a light for lookups, all made from the same depth maps and all queried the same.
  *
  * A rival turns maps into the bytes of a file, the file into what lookups read, and answers for voxels: the contract of an asset
- * (docs/overview.md) says what is wrong, so that one check serves all of them. What one takes on disk is the size of a file that
- * was read back. Everything runs on one thread, and times are processor time, so that they can be compared; or DAGs and palette blocks are
- * made and opened on several, and those times are the clock's.
+ * (docs/overview.md) names the fault, so that one check serves all of them. What one takes on disk is the size of a file that
+ * was read back. Everything runs on one thread, and times are processor time, so that they can be compared; or DAGs and palette
+ * blocks are made and opened on several, and those times are the clock's.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef RIVAL_H
 #define RIVAL_H
@@ -15,17 +15,17 @@
 #include "formats/vxs_format.h"
 #include "formats/vxs_write_file.h"
 
-enum { RIVAL_ZSTD_LEVEL = 12 }; /* of DAGs in files: what vxs bake does when it is not told otherwise */
+enum { RIVAL_ZSTD_LEVEL = 12 }; /* of DAGs in files: what vxs bake does by default */
 
 /* What sets some rivals apart. */
 enum {
-    RIVAL_RAYS   = 1, /* traces rays, and is asked fewer points; may differ from the maps where a ray grazes a triangle */
+    RIVAL_RAYS   = 1, /* traces rays, and is queried fewer points; may differ from the maps where a ray grazes a triangle */
     RIVAL_SMOOTH = 2, /* has smooth filters */
 };
 
 /* The maps of one directional light, and what they were made from. */
 typedef struct rival_maps {
-    depth_maps maps;    /* enter and exit; the pyramid belongs to those who need it, and is theirs to fill */
+    depth_maps maps;    /* enter and exit; the pyramid belongs to the rivals that need it, and is theirs to fill */
     float     *checked; /* the enter and exit depths that answers are checked with: those of maps, unless a fault was planted */
     float     *checked_exit;
     vxs_light  light;   /* as fitted */
@@ -54,7 +54,7 @@ void rival_maps_contract(const rival_maps *maps, uint32_t i, uint32_t j, uint32_
 
 enum { FILTER_PX = 9 };
 
-/* What rivals are asked: single taps, boxes, smooth boxes. */
+/* What rivals are queried: single taps, boxes, smooth boxes. */
 typedef enum lookup_kind { LOOKUP_TAP, LOOKUP_BOX, LOOKUP_SMOOTH, LOOKUP_KINDS } lookup_kind;
 
 static const vxs_filter lookup_filters[LOOKUP_KINDS] = {{1, 0}, {FILTER_PX, 0}, {FILTER_PX, 1}};
@@ -85,14 +85,14 @@ typedef struct rival {
      * asset  [out] ends with close.   Returns VXS_OK, VXS_E_MEMORY, VXS_E_CORRUPT. */
     vxs_result (*open)(const rival_maps *maps, const void *options, const vxs_bytes *file, rival_asset *asset);
 
-    /* How many of the K x K taps of vxs_box(K), K odd, about each of `count` voxels are in shadow; of rivals with smooth filters also
-     * vxs_smooth(K): how much of a smooth box, of 65536 K K. Taps outside the map are lit. */
+    /* How many of the K x K taps of vxs_box(K), K odd, about each of `count` voxels are in shadow; of rivals with smooth filters
+     * also vxs_smooth(K): how much of a smooth box, of 65536 K K. Taps outside the map are lit. */
     void (*count_dark)(const void *state, const voxel_at *at, size_t count, vxs_filter filter, uint32_t *dark);
 
     void (*close)(void *state);
 } rival;
 
-/* rival.count_dark of an open vxs_asset, as vxs_lookup_batch asks it: what one lookup needed is kept for the next. */
+/* rival.count_dark of an open vxs_asset, as vxs_lookup_batch queries it: what one lookup needed is kept for the next. */
 void asset_count_dark_batch(const void *state, const voxel_at *at, size_t count, vxs_filter filter, uint32_t *dark);
 
 /* All of them. block_rivals[0] is vxs as it is, which the others are held against; dag_rivals[0] is vxs bake --coding dag. */

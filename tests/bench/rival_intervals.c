@@ -6,7 +6,7 @@
  *
  *   - a texel is right at every depth from where light enters the first solid to where it leaves: [e, x];
  *   - a quadtree over the map. Where its children's intervals have a depth in common, a node needs one depth for all of them;
- *   - other depths are told relative to the parent's, so that subtrees that differ by a constant are the same subtree;
+ *   - other depths are relative to the parent's, so that subtrees that differ by a constant are the same subtree;
  *   - equal subtrees are one, found by hash.
  *
  * Done here in its own way:

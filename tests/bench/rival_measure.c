@@ -154,7 +154,7 @@ static size_t points_asked(const contest *c, size_t n, point_set set, lookup_kin
     return some_of(c->points[set], what == LOOKUP_TAP ? RAY_TAP_SHARE : RAY_FILTER_SHARE);
 }
 
-/* In turns, too. Who is asked some points alone gets those in the middle: of a picture, what it shows. */
+/* In turns, too. A rival with few points gets those in the middle: of a picture, what it shows. */
 static void ask_all(contest *c, point_set set, lookup_kind what)
 {
     for (uint32_t run = 0; run < c->o->runs; run++)

@@ -1,4 +1,4 @@
-/* Shadow rays by Embree, one from the centre of each voxel that a filter asks about; see rival.h.
+/* Shadow rays by Embree, one from the centre of each voxel that a filter queries; see rival.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <stdlib.h>
 #include <string.h>

@@ -134,7 +134,7 @@ static void figure_cells(table *t, const rival_result *r, const rival_result *vx
         cell(t, "%s", "");
 }
 
-/* Markdown, in columns for those who read it as it is. */
+/* Markdown, in columns for readers of the plain text. */
 static void print_table(FILE *to, const table *t)
 {
     int width[COLUMNS_MAX] = {0};

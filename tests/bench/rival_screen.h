@@ -1,4 +1,4 @@
-/* What a picture of the scene asks about: for each pixel the voxel of what it sees, as a renderer looks it up.
+/* What a picture of the scene queries: for each pixel the voxel of what it sees, as a renderer looks it up.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef RIVAL_SCREEN_H
 #define RIVAL_SCREEN_H
@@ -18,8 +18,8 @@ typedef struct screen {
 vxs_result screen_open(screen *out, const rival_maps *maps, const camera_pose *camera, uint32_t width_px, uint32_t height_px,
                        run_context *m);
 
-/* The voxel of what pixel (x, y) sees, moved off its surface for a filter of that width as runtime/vxs.h says. Returns 0 where a renderer
- * looks nothing up: the pixel sees nothing, or what lies beside the map or in front of it. */
+/* The voxel of what pixel (x, y) sees, moved off its surface for a filter of that width as in runtime/vxs.h. Returns 0 where a
+ * renderer looks nothing up: the pixel sees nothing, or what lies beside the map or in front of it. */
 int screen_voxel(const screen *s, uint32_t x, uint32_t y, vxs_filter filter, voxel_at *at);
 
 /* The same of all pixels that have one, in tiles of 8 x 8 pixels, as shaders take them.

@@ -192,7 +192,7 @@ static vxs_result shader_open(const rival_maps *maps, const void *options, const
     for (int n = 0; n < LOOKUP_KINDS; n++) {
         uint32_t dark;
         s->programs[n] = program_of(o->of[n], o->clamps, (uint32_t)(memory / sizeof(uint32_t)));
-        shader_count_dark(s, &(voxel_at){0}, 1, lookup_filters[n], &dark); /* llvmpipe compiles when it is first asked */
+        shader_count_dark(s, &(voxel_at){0}, 1, lookup_filters[n], &dark); /* llvmpipe compiles when it is first queried */
     }
     *asset = (rival_asset){s, memory};
     if (shared.gl->GetError() == GL_NO_ERROR) return VXS_OK;

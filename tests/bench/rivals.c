@@ -7,8 +7,8 @@
  * single taps against the contract of an asset, voxel by voxel, filtered lookups against its own single taps. Tables go to standard
  * output. Points are anywhere, at edges of shadows, and where the pixels of a picture see surfaces: from where vxs render looks, or
  * from --eye. With --threads, DAGs and palette blocks are made and opened on so many. --fault plants one that the check must see: a
- * texel whose caster the rivals do not get, or filters that are asked a texel aside. Exit status 0: no voxel is wrong (rays are not
- * judged: they graze triangles); 1: some are; else as vxs.
+ * texel whose caster the rivals do not get, or filters that are queried a texel aside. Exit status 0: no voxel is wrong (rays are
+ * not judged: they graze triangles); 1: some are; else as vxs.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <stdlib.h>
 #include <string.h>

@@ -2,8 +2,8 @@
  *
  *     scale [--runs N] [--threads N] [--largest N] [--json FILE]
  *
- * A box and a sphere (tests/columns/analytic.h) in maps from 16384 texels a side, doubling up to --largest. Each cell is built --runs times,
- * the cells in turn; medians are printed, and go to FILE as JSON (docs/scale.schema.json).
+ * A box and a sphere (tests/columns/analytic.h) in maps from 16384 texels a side, doubling up to --largest. Each cell is built
+ * --runs times, the cells in turn; medians are printed, and go to FILE as JSON (docs/scale.schema.json).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <jansson.h>
 #include <stdio.h>

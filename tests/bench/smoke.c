@@ -1,11 +1,13 @@
-/* smoke: error of shadows of smoke, hair and leaves against bytes and run time, of curves of few nodes and of their rivals, in one process and context.
+/* smoke: error of shadows of smoke, hair and leaves against bytes and run time, of curves of few nodes and of their rivals, in one
+ * process and context.
  *
  *     smoke [--scene columns|hair|leaves] [--side PX] [--capsules N] [--width PX] [--height PX] [--json FILE.json] ...
  *
- * Of a procedural scene (tests/volumes/smoke_scene.h) a map is made by every technique with every setting of its knob, from the same capsules, and asked at random
- * places in the smoke, of which there is one in each pixel. A frame captures segments in lists, makes the map of them, and looks it up; all three are told. The
- * reference is the product over all capsules in double, four texels' rays weighed as lookups do. Errors are of shadow, which is what the smoke takes: so places
- * that nothing shades do not count as good.
+ * Of a procedural scene (tests/volumes/smoke_scene.h) a map is made by every technique with every setting of its knob, from the
+ * same capsules, and queried at random places in the smoke, of which there is one in each pixel. A frame captures segments in
+ * lists, makes the map of them, and looks it up; all three are reported. The reference is the product over all capsules in double,
+ * four texels' rays weighed as lookups do. Errors are of shadow, which is what the smoke takes: so places that nothing shades do
+ * not count as good.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <stdlib.h>
 

@@ -2,13 +2,17 @@
  *
  *     sources SCENE... [--sun X,Y,Z]... [--resolution N]... [--list N] [--json FILE]
  *
- * Every texel's column, in whole voxels, is compared with brute force (tests/columns/brute.h): the sparse source has to lie within it, and is
- * `wrong` where it does not. Where the rendered one is another, something has to explain that:
+ * Every texel's column, in whole voxels, is compared with brute force (tests/columns/brute.h): the sparse source has to lie within
+ * it, and is `wrong` where it does not. Where the rendered one is another, something has to explain that:
  *
- *     depth    both depths lie on the same surfaces: they are the same but for rounding, and for what EDGE_PX is worth on a surface's slope
- *     edge     the texel's centre lies within EDGE_PX of an edge of a triangle, or of a hole's, which is what OpenGL's grid of 1/256 texel may
- *              move it by; and what was rendered is the depth of such a triangle, or of one that surely covers the centre, and not behind one
- *     tie      light enters at the same surface, and leaves elsewhere: two surfaces are so close together where it leaves first that they
+ *     depth    both depths lie on the same surfaces: they are the same but for rounding, and for what EDGE_PX is worth on a
+ *     surface's slope
+ *     edge     the texel's centre lies within EDGE_PX of an edge of a triangle, or of a hole's, which is what OpenGL's grid of
+ *     1/256 texel may
+ *              move it by; and what was rendered is the depth of such a triangle, or of one that surely covers the centre, and not
+ *              behind one
+ *     tie      light enters at the same surface, and leaves elsewhere: two surfaces are so close together where it leaves first
+ *     that they
  *              have swapped places
  *
  * Anything else is unexplained. --list prints so many differing texels of each kind. The exit status is 1 where a texel is wrong or
@@ -169,7 +173,7 @@ static int is_one_surface(const near_hit *hits, size_t count, double a, double b
     return one;
 }
 
-/* Whether two surfaces that cannot be told apart lie at a depth. */
+/* Whether two surfaces that cannot be distinguished lie at a depth. */
 static int is_tie(const near_hit *hits, size_t count, double depth)
 {
     for (size_t a = 0; a < count; a++)

@@ -29,7 +29,7 @@ def machine_line(result):
 
 
 def markdown(head, rows):
-    """A table in columns, for those who read it as it is."""
+    """A table in columns, for readers of the plain text."""
     widths = [max(len(row[n]) for row in [head, *rows]) for n in range(len(head))]
     line = lambda cells: "| " + " | ".join(c.rjust(w) if n else c.ljust(w) for n, (c, w) in enumerate(zip(cells, widths))) + " |"
     rule = "|" + "|".join("-" * (w + 2) if not n else "-" * (w + 1) + ":" for n, w in enumerate(widths)) + "|"

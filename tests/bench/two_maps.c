@@ -2,8 +2,8 @@
  *
  *     two_maps SCENE [--sun X,Y,Z] [--resolution N] [--tiles K] [--threads N]
  *
- * Enter depths and nearest back faces, with OSMesa, by K random tiles of up to 4096 texels of all maps, those without a caster among them;
- * fewer where there are fewer. One line of JSON: how many tiles there are, and the seconds that all of them take.
+ * Enter depths and nearest back faces, with OSMesa, by K random tiles of up to 4096 texels of all maps, those without a caster
+ * among them; fewer where there are fewer. One line of JSON: how many tiles there are, and the seconds that all of them take.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <jansson.h>
 #include <stdio.h>

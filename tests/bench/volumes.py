@@ -1,6 +1,7 @@
-# Error against run time of shadows in fog, of smoke, and of area lights: each technique, rivals too, in several scenes; one process and context a scene
-# (tests/bench/volumes.c, smoke.c, area.c). JSON (docs/volumes.schema.json), a page of it and plots for each scene, and tables in Markdown: how each does, and how far
-# it is behind the front of what nothing as near is faster than; ratios beside those of the papers, and where error rises along a knob.
+# Error against run time of shadows in fog, of smoke, and of area lights: each technique, rivals too, in several scenes; one process
+# and context a scene (tests/bench/volumes.c, smoke.c, area.c). JSON (docs/volumes.schema.json), a page of it and plots for each
+# scene, and tables in Markdown: how each does, and how far it is behind the front of what nothing as near is faster than; ratios
+# beside those of the papers, and where error rises along a knob.
 #
 #     make bench-volumes                                                      # llvmpipe; build/volumes.json, .html, build/volumes/
 #     make bench-volumes plots=docs/plots                                     # and the plots of docs/measurements.md
@@ -50,7 +51,7 @@ AREAS = [
     ("area light behind a wall", "wall", ["--corner", "-1,0.7,-1.5", "--across", "2,0,0", "--up", "0,1.6,0",
                                           "--eye", "4,1.6,7", "--target", "0,1.2,0", "--fog", "0.05"]),
 ]
-LEAST_PART = 4e-3  # of a frame: parts that take less are not told in tables
+LEAST_PART = 4e-3  # of a frame: parts that take less are not reported in tables
 AREA_PART = 0.4  # of the sides of a view: each of its pixels gathers hundreds of VPLs
 
 

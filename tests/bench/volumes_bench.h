@@ -1,5 +1,6 @@
-/* What tests/bench/volumes.c, smoke.c and area.c have in common: a picture that techniques draw, each with a knob, and a cell for each setting of a knob, which is
- * timed, and held against what is wanted. Of shadows in fog it is airlight, of smoke how much light is left at places in it.
+/* What tests/bench/volumes.c, smoke.c and area.c have in common: a picture that techniques draw, each with a knob, and a cell for
+ * each setting of a knob, which is timed, and held against what is wanted. Of shadows in fog it is airlight, of smoke how much
+ * light is left at places in it.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef VOLUMES_BENCH_H
 #define VOLUMES_BENCH_H
@@ -35,7 +36,7 @@ struct bench {
     fog_choice  fog;
     int         is_of_spheres;
 
-    /* what is measured, and how it is told */
+    /* what is measured, and how it is reported */
     const technique *techniques;
     size_t           technique_count;
     const char      *reference, *parts[PARTS];             /* of a frame, in order; NULL: there are none before the last */
@@ -43,7 +44,7 @@ struct bench {
     double (*value_of)(const float pixel[4], int channel); /* of what is drawn, for what is wanted */
     unsigned          picture;                             /* a texture of width x height: what is drawn */
     uint32_t          cameras;                             /* CAMERAS, or 1: there is no flicker */
-    int               has_creation;                        /* 1: what a view of one pixel takes is told, too */
+    int               has_creation;                        /* 1: what a view of one pixel takes is reported, too */
     size_t            pixels;
     vxs_volumes_frame frames[CAMERAS];
     double           *wanted;  /* [cameras][pixels][3] */
@@ -82,9 +83,9 @@ struct technique {
                        uint32_t value); /* before the first round: what a level or a size is made ready by; NULL: nothing */
     technique_step *draw;               /* what a frame does */
     void (*close)(void *state);         /* NULL: nothing */
-    technique_step *before[BEFORE_MAX]; /* what it does before, and is told apart; NULL: nothing */
+    technique_step *before[BEFORE_MAX]; /* what it does before, and is distinguished; NULL: nothing */
     double (*bytes)(const bench *b, const void *state,
-                    uint32_t value); /* of a texel, for lookups, in the mean; NULL: it is not told */
+                    uint32_t value); /* of a texel, for lookups, in the mean; NULL: it is not reported */
 };
 
 /* The options of all benches. */
@@ -120,14 +121,16 @@ float *volumes_casters_from_eye(const bench *b);
 /* A map of a baked light, filled. side_px  0: as fine as the baked one */
 vxs_result volumes_open_map(const bench *b, uint32_t number, uint32_t side_px, vxs_shadow_depth_map **map);
 
-/* Find the spheres that a light's rays may meet: of each component, unless the light is in it. The axes' ends are among its corners. */
+/* Find the spheres that a light's rays may meet: of each component, unless the light is in it. The axes' ends are among its
+ * corners. */
 vxs_result volumes_find_spheres(bench *b, run_context *m);
 
 /* What is wanted of an eye ray.   to  [3] [in, out] 0 */
 typedef void wanted_of_ray(const bench *b, const double eye_ws[3], const double direction[3], double metres, size_t ray,
                            double to[3]);
 
-/* Fill frames[camera], with the depths of what is seen there, and what is wanted; of the first camera, the classes of its pixels. */
+/* Fill frames[camera], with the depths of what is seen there, and what is wanted; of the first camera, the classes of its pixels.
+ * */
 vxs_result volumes_see(bench *b, uint32_t camera, wanted_of_ray *wanted, run_context *m);
 
 /* Of the light: what shines between exact lit intervals of the asset, or of rays among spheres. */
@@ -153,10 +156,11 @@ typedef struct cell {
     int              is_refused;
 } cell;
 
-/* Make each cell of b's techniques ready, draw all of them in turn, round after round, hold what they draw against what is wanted, and report. */
+/* Make each cell of b's techniques ready, draw all of them in turn, round after round, hold what they draw against what is wanted,
+ * and report. */
 vxs_result volumes_measure(bench *b, run_context *m);
 
-/* Print a table, and write JSON where a path says so. */
+/* Print a table, and write JSON where a path is given. */
 vxs_result volumes_report(const bench *b, const cell *cells, size_t count, run_context *m);
 
 #endif

@@ -1,4 +1,5 @@
-# What is told of a scene of `make bench-volumes` beside its cells: whether error falls along each knob, and ratios that papers give, too.
+# What is reported of a scene of `make bench-volumes` beside its cells: whether error falls along each knob, and ratios that papers
+# give, too.
 # SPDX-License-Identifier: GPL-3.0-or-later
 
 import math

@@ -1,4 +1,4 @@
-# A browser without a window that shows pages: Chromium, told over a pipe what to do (its DevTools protocol), so that one start serves
+# A browser without a window that shows pages: Chromium, controlled over a pipe (its DevTools protocol), so that one start serves
 # all pages of a test run.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import base64
@@ -15,7 +15,7 @@ FLAGS = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage
 
 
 class Browser:
-    """Shows one page at a time. requests: addresses that the page asked for; complaints: what it threw, logged or asked."""
+    """Shows one page at a time. requests: addresses that the page requested; complaints: errors, log lines and dialogs."""
 
     def __init__(self):
         self.folder = tempfile.TemporaryDirectory(prefix="vxs-browser-")

@@ -1,4 +1,5 @@
-# Pages and resident parts of lights that are packed fast, by sections 13 and 14.10 of formats/vxs.md: what is left out of their words.
+# Pages and resident parts of lights that are packed fast, by sections 13 and 14.10 of formats/vxs.md: what is left out of their
+# words.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import struct
 

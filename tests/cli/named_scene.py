@@ -1,4 +1,4 @@
-# Scenes of named nodes, each with a mesh of its own, written as glTF text: for tests of what is said of nodes by their names.
+# Scenes of named nodes, each with a mesh of its own, written as glTF text: for tests of messages about nodes by their names.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import base64
 import json

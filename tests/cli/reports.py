@@ -1,4 +1,4 @@
-# Pages of measurements: what makes them, refuses to, and what is told on them.
+# Pages of measurements: what makes them, refuses to, and what is reported on them.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import json
 import re

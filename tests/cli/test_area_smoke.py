@@ -60,7 +60,7 @@ def irradiance(place, dims, steps=12):
 
 
 def test_surfaces(drawn):
-    """Each place of the floor gets of each piece of the light what smoke leaves. Exposures are told apart by the sum of all."""
+    """Each place of the floor gets of each piece of the light what smoke leaves. Exposures are distinguished by the sum of all."""
     clear, dimmed, wanted = [], [], []
     step = 6 if EVERY else 12
     pixels = [(x, y) for x in range(2, SIZE[0], step) for y in range(2, SIZE[1], step)]
@@ -92,14 +92,14 @@ def test_plan(drawn):
 
 @pytest.mark.long
 def test_baked_smoke_is_left_out(vxs, drawn, tmp_path):
-    """What is baked of a grid is of the file's own lights: the plan says so."""
+    """What is baked of a grid is of the file's own lights: the plan reports it."""
     small_scene.write(tmp_path / "clear.gltf", boxes=[small_scene.GROUND], lights=SUN)
     vxs("bake", tmp_path / "clear.gltf", "-o", tmp_path / "smoky.vxs", "--resolution", 256, "--smoke", nrrd(tmp_path / "slab.nrrd"))
     said, found, _ = drawn(*CAMERA, "--area", 4, "--verbose", balls=[], of=tmp_path / "smoky.vxs")
     assert found["area"]["baked_smoke_left_out"] and "baked smoke is left out: the file has it for its own lights alone\n" in said
 
 
-# nothing but air below the light, so that exposure is what is asked
+# nothing but air below the light, so that exposure alone is tested
 AIR = "--eye", "6,1,0", "--target", "0,2.2,0", "--fov", 20, "--fog", 0.1, "--area", 16
 
 

@@ -317,7 +317,7 @@ def test_exit(bake, city):
 
 
 def contents(vxs, report):
-    """The bytes of all sections but the metadata, which say what was asked for."""
+    """The bytes of all sections but the metadata, which say what was requested."""
     report["path"].write_bytes(report["bytes"])
     sections = json.loads(vxs("info", report["path"], "--json", "-").stdout)["sections"]
     return b"".join(report["bytes"][s["offset_bytes"]:s["offset_bytes"] + s["stored_bytes"]] for s in sections

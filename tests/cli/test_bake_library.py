@@ -1,5 +1,5 @@
-# libvxs_bake as a program gets it: installed, built against in C and C++, with the bytes of the command; and what it must not have: names that
-# clash, state that bakes share, calls that change the process.
+# libvxs_bake as a program gets it: installed, built against in C and C++, with the bytes of the command; and what it must not have:
+# names that clash, state that bakes share, calls that change the process.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import os
 import re

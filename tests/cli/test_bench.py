@@ -217,7 +217,7 @@ def test_codings_side_by_side(vxs, bench, folder, tmp_path):
 
 
 def test_packings_side_by_side(bench):
-    """A column tells them apart; beside a DAG, which has none, there is none."""
+    """A column distinguishes them; beside a DAG, which has none, there is none."""
     result, text = bench("--pack", "small", "--pack", "fast", "--resolution", 128, "--runs", 1, "--points", 0)
     small, fast = result["cells"]
     assert (small["options"]["pack"], fast["options"]["pack"]) == ("small", "fast")
@@ -246,7 +246,7 @@ def test_progress(vxs_path, folder, tmp_path, temporary):
         try:
             while piece := os.read(master, 4096):
                 said += piece
-        except OSError:  # nobody has it open any more
+        except OSError:  # no process has it open any more
             pass
     os.close(master)
     lines = [line for line in said.split(b"\r\x1b[K") if line]

@@ -1,5 +1,5 @@
-# The errors of vxs compare can be falsified: an asset that every check of the format passes, but that is wrong by a shift of one texel
-# or voxel, one node or one bit of a mask, is told from the sound one. Some 20 s on two cores.
+# The errors of vxs compare can be falsified: an asset that every check of the format passes, but that is wrong by a shift of one
+# texel or voxel, one node or one bit of a mask, is distinguished from the sound one. Some 20 s on two cores.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import json
 import random

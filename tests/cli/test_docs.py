@@ -47,7 +47,7 @@ SHARED = "Options of several commands"
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_manual_has_every_option(vxs, command):
-    """In the section of the command, or among those that several have; what it takes, units and defaults are told by help alone."""
+    """In the section of the command, or among those that several have; what it takes, units and defaults are only in the help."""
     names = {name for group, name, _, _ in options(vxs, command) if group != EVERYWHERE}
     here = manual_section(command if command != "plan" else "bake")
     assert names <= named_in(here) | named_in(manual_section(SHARED))
@@ -63,7 +63,7 @@ def test_manual_names_no_other_options(vxs):
 
 
 def test_plan_has_the_options_of_bake(vxs):
-    """The manual says so, and does not repeat them."""
+    """The manual states this, and does not repeat them."""
     bake, plan = ([(group, name, value) for group, name, value, _ in options(vxs, command)] for command in ("bake", "plan"))
     assert plan == bake and "vxs plan SCENE [options of bake]" in manual_section("plan")
 

@@ -1,4 +1,5 @@
-# What is left free where it is asked for: bake --behind free and --thickness. That it is no more than was asked for, test_exact.py finds out.
+# What is left free where it is requested: bake --behind free and --thickness. That it is no more than was requested, test_exact.py
+# finds out.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import json
 

@@ -80,7 +80,7 @@ def test_instances_are_the_nodes_they_stand_for(baked):
 @pytest.mark.parametrize("name", ["encodings/spot_draco.glb", "encodings/spot_meshopt.glb", "encodings/spot_quantized.glb",
                                   "features/heart_draco.glb", "features/pirate_meshopt_quantized.glb"])
 def test_hostile_compressed_files(vxs_path, scenes, tmp_path, name):
-    """Every 97th byte changed: a line that says why, or another mesh; never a crash."""
+    """Every 97th byte changed: a line that gives the reason, or another mesh; never a crash."""
     good, bad, out = (scenes / "real" / name).read_bytes(), tmp_path / "bad.glb", tmp_path / "out.vxs"
     start = 20 + struct.unpack_from("<I", good, 12)[0] + 8
     step = max(97, (len(good) - start) // 60)

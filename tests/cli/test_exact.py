@@ -17,8 +17,8 @@ RULES = ["greedy", "shadow"]
 STOPS = ["insert", "partial", "final"]
 CODINGS = ["dag", "blocks"]
 COLUMNS = int(os.environ.get("VXS_COLUMNS", 100000))
-SIDE = int(os.environ.get("VXS_SIDE", 256))  # texels of maps whose every voxel is asked; make check-exact: 512
-EVERY = "VXS_SIDE" in os.environ  # every test asks every scene; else each scene is asked by one of those that ask many, and two by all
+SIDE = int(os.environ.get("VXS_SIDE", 256))  # texels of maps whose every voxel is queried; make check-exact: 512
+EVERY = "VXS_SIDE" in os.environ  # every test queries every scene; else each scene is queried by one of those that query many, and two by all
 FREE = ["free,0", "shadow,0.2", "free,0.02"]
 GENERATED = ["city", "landscape"]
 
@@ -26,7 +26,7 @@ GENERATED = ["city", "landscape"]
 LAMPS = ["--spot", "0.45,1.6,0.55,0.02,-1,-0.03,1", "--spot", "0.2,1.4,0.3,0.3,-1,0.2,60", "--spot", "0.43,0.9,0.52,0.2,-1,0.3,120",
          "--spot", "0.57,0.8,0.44,-0.2,-1,0.1,179", "--spot", "0.52,0.5,0.48,1,-0.3,0.4,60,0.6", "--point", "0.47,0.55,0.53"]
 
-# what no option makes loadable, and the exit status that says so: no triangle
+# what no option makes loadable, and the exit status that reports it: no triangle
 REFUSED = {
     "features/00_empty_scene/00_empty_scene.gltf": 5,
     "features/Mesh_PrimitiveMode/Mesh_PrimitiveMode_00.gltf": 5,
@@ -44,7 +44,7 @@ FINE = GENERATED + [name for name in LOADABLE if "/" not in name and (EVERY or n
 
 
 def share(n):
-    """Scenes for the nth of the four tests that ask many: what is generated, and a fourth of the others."""
+    """Scenes for the nth of the four tests that query many: what is generated, and a fourth of the others."""
     return GENERATED + [pytest.param(name, marks=pytest.mark.slow) for name in LOADABLE if EVERY or LOADABLE.index(name) % 4 == n]
 
 
@@ -187,7 +187,7 @@ def test_every_voxel_at_every_resolution(exact, scene, name):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", FINE)
 def test_columns_at_4096(exact, scene, name):
-    """A tenth of the million that make check-exact asks."""
+    """A tenth of the million that make check-exact queries."""
     for counts in exact(scene(name), "--sun", SUNS[0], "--resolution", 4096, "--columns", COLUMNS, coding=CODINGS):
         assert counts["columns"] == COLUMNS and counts["voxels"] > 20 * COLUMNS
 

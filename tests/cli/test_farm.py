@@ -1,5 +1,5 @@
-# A bake by many processes: vxs-mpi, and what docs/farm.md shows, as it stands there: a makefile, a line of xargs, a job array of Slurm.
-# The bytes are those of one process. What is not installed is skipped.
+# A bake by many processes: vxs-mpi, and what docs/farm.md shows, as it stands there: a makefile, a line of xargs, a job array of
+# Slurm. The bytes are those of one process. What is not installed is skipped.
 # VXS_KILLS: how many times a rank is killed (default 3; make check-faults: 50).
 # SPDX-License-Identifier: GPL-3.0-or-later
 import contextlib
@@ -105,7 +105,7 @@ def test_as_one_process_says_it(mpi, scene, tmp_path):
 
 
 def test_ranks_that_are_not_alike(mpi, scene, city, tmp_path):
-    """Another scene there, other options, or none of it: rank 0, which has enough to do until then, says so."""
+    """Another scene there, other options, or none of it: rank 0, which has enough to do until then, reports it."""
     out, (level, _, _), sizes = tmp_path / "out.vxs", city, ("--resolution", "32768")
     for there, status, says in (([scene, *sizes], 2, "rank 1 makes squares of another bake"),
                                 ([level, *sizes, "--coding", "dag"], 2, "rank 1 makes squares of another bake"),

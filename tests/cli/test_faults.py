@@ -1,7 +1,8 @@
-# What disks, memory and people do to a run: kills at random and at chosen moments, full disks, files cut short or changed, calls that
-# fail, closed standard streams, interrupts. Every time: one clear line and the exit status for it, and the old output as it was.
-# VXS_EVERY_BIT=1 checks every prefix and every flipped bit of a file instead of one bit in each third byte (two minutes more); the unit
-# tests of the format always do. VXS_EVERY_ALLOCATION=1 lets every allocation of a bake fail instead of one at each place that allocates.
+# What disks, memory and people do to a run: kills at random and at chosen moments, full disks, files cut short or changed, calls
+# that fail, closed standard streams, interrupts. Every time: one clear line and the exit status for it, and the old output as it
+# was. VXS_EVERY_BIT=1 checks every prefix and every flipped bit of a file instead of one bit in each third byte (two minutes more);
+# the unit tests of the format always do. VXS_EVERY_ALLOCATION=1 lets every allocation of a bake fail instead of one at each place
+# that allocates.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import collections
 import concurrent.futures
@@ -132,7 +133,7 @@ def faulty(vxs_path, fault_library, tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("named", [False, True], ids=["nameless", "named"])
 def test_kills_at_random_moments(vxs, vxs_path, fault_library, tmp_path, named):
-    """50 of them, over a file that is there: it stays, or the new one is complete, and what is left behind disturbs nobody. A file
+    """50 of them, over a file that is there: it stays, or the new one is complete, and what is left behind disturbs no later run. A file
     without a name has one for a moment, at the check before the work and before it replaces the old one: rarely is one left."""
     environment = os.environ | ({"LD_PRELOAD": str(fault_library), "FAULT_NO_NAMELESS": "1"} if named else {})
     out, scene = tmp_path / "out" / "a.vxs", tmp_path / "city.glb"
@@ -426,7 +427,7 @@ def test_output_that_is_a_folder(vxs, scene, tmp_path):
 
 @pytest.mark.parametrize("closed", [(0,), (1,), (2,), (1, 2), (0, 1, 2)])
 def test_closed_standard_streams_and_bake(vxs_path, scene, asset, tmp_path, closed):
-    """No file takes their numbers: nothing that is printed gets into the asset. A report that nobody gets is an error."""
+    """No file takes their numbers: nothing that is printed gets into the asset. A report without a reader is an error."""
     out = tmp_path / "a.vxs"
     done = subprocess.run([vxs_path, "bake", scene, "-o", out, *SMALL], preexec_fn=lambda: [os.close(n) for n in closed],
                           stdout=None if 1 in closed else subprocess.DEVNULL, stderr=None if 2 in closed else subprocess.PIPE)
@@ -482,7 +483,7 @@ def test_interrupt_in_every_stage(faulty, scene, tmp_path):
     complete = 0
     for n in range(1, calls + 1, max(1, calls // 40)):
         done = faulty(f"alloc:{n}:interrupt", *bake)
-        complete += out.read_bytes() == new  # the report is told when the file has its name
+        complete += out.read_bytes() == new  # the report is written when the file has its name
         assert out.read_bytes() in (OLD, new) and (not complete or out.read_bytes() == new)
         assert done.returncode == 130 and not done.stderr and list(tmp_path.iterdir()) == [out]
     assert complete <= 2
@@ -500,7 +501,7 @@ def on_a_terminal(command, interrupt_at=None):
         while True:
             try:
                 said += os.read(master, 4096)
-            except OSError:  # nobody has it open any more
+            except OSError:  # no process has it open any more
                 break
             if interrupt_at and interrupt_at in said:
                 process.send_signal(signal.SIGINT)

@@ -1,5 +1,6 @@
-# Files as people have them: other kinds, too large or endless ones, scenes with hidden nodes, lights that do not shine, materials that let light through; in every
-# command that reads a scene. Faults of parts of a scene are in tests/unit/test_scene_gltf.c and test_gltf_masks.c.
+# Files as people have them: other kinds, too large or endless ones, scenes with hidden nodes, lights that do not shine, materials
+# that let light through; in every command that reads a scene. Faults of parts of a scene are in tests/unit/test_scene_gltf.c and
+# test_gltf_masks.c.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import base64
 import gzip
@@ -47,7 +48,7 @@ def tile(magic, header, *lengths, more=b""):
 
 
 def foreign(folder):
-    """Beginnings of files: what they hold, and what is said of them."""
+    """Beginnings of files: what they hold, and messages about them."""
     export = "(export it as glTF, .glb)"
     text = '{"asset": {"version": "2.0"}}'
     return {

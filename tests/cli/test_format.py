@@ -556,7 +556,7 @@ OTHERS = {"platform_windows.h"}
 HEADERS = sorted(path.relative_to(ROOT) for folder in ("formats", "runtime") for path in (ROOT / folder).rglob("*.h")
                  if path.name not in TWO_WAYS | OWN | OTHERS)
 WARNINGS = ["-Wall", "-Wextra", "-Werror", "-pedantic-errors", "-fsyntax-only"]
-# what a game's build may ask of those that are installed
+# what a game's build may query of those that are installed
 ASKED = {"c": ["-Wconversion", "-Wsign-conversion", "-Wdouble-promotion", "-Wshadow", "-Wundef", "-Wstrict-prototypes"],
          "c++": ["-Wconversion", "-Wsign-conversion", "-Wdouble-promotion", "-Wshadow", "-Wundef", "-Wold-style-cast"]}
 

@@ -1,4 +1,5 @@
-# vxs render: one frame with everything: baked shadows, what moves, smoke, an area light, and fog by what the plan chooses for each light.
+# vxs render: one frame with everything: baked shadows, what moves, smoke, an area light, and fog by what the plan chooses for each
+# light.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import json
 

@@ -1,4 +1,5 @@
-# What casts: --exclude and --include patterns, the flag in extras, skins; in every command that loads a scene, in reports, and in names.
+# What casts: --exclude and --include patterns, the flag in extras, skins; in every command that loads a scene, in reports, and in
+# names.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import base64
 import json

@@ -1,4 +1,5 @@
-# tests/bench/gpu: its answers agree with depth maps of the same depths, what it prints is what it writes, and both are what the schema says.
+# tests/bench/gpu: its answers agree with depth maps of the same depths, what it prints is what it writes, and both are what the
+# schema says.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import json
 import pathlib

@@ -36,8 +36,8 @@ def readme_rows(scenes):
     return rows
 
 
-# Vertices are welded where positions are equal in double, those of the README in float, which is coarser: scenes whose parts meet only
-# after rounding differ, and are not here.
+# Vertices are welded where positions are equal in double, those of the README in float, which is coarser: scenes whose parts meet
+# only after rounding differ, and are not here.
 SCENES = ["sponza", "dream_apartment", "pandora_indoor", "stanford_bunny_closed", "voxel_district", "mountains_heightfield",
           "low_poly_terrain", "truck_town", "dutch_ship_mask", "chess_board", "room_with_spheres_closed", "japanese_bridge_garden",
           "camp_and_cave_two_scenes", "sunlit_primitives", "skylight_hall_directional", "features/cubes_point_light", "features/duck", "features/Fox"]

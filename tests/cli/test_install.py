@@ -361,7 +361,7 @@ def packages(build, tmp_path_factory):
         pytest.skip("packages are not made with sanitizers")
     if not shutil.which("dpkg-shlibdeps"):
         pytest.skip("no dpkg-shlibdeps: package dpkg-dev")
-    # nothing here asks how small they are, and xz takes most of the time
+    # nothing here tests how small they are, and xz takes most of the time
     shown = make(build, "deb", "DEBFULLNAME=A Maintainer", "DEBEMAIL=a@vxs.test", "DPKG_DEB_COMPRESSOR_LEVEL=0")
     assert "warning" not in shown
     return {path.name.split("_")[0]: path for path in (build / "deb").glob("*.deb")}

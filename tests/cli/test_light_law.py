@@ -1,5 +1,6 @@
-# One law of light for surfaces and for the air: pictures against closed forms and a quadrature that are written here. By OpenGL, with each technique of fog, and by rays;
-# lamps with a range, a spot light, a sun, thin fog and fog of which a ray shows less than a metre.
+# One law of light for surfaces and for the air: pictures against closed forms and a quadrature that are written here. By OpenGL,
+# with each technique of fog, and by rays; lamps with a range, a spot light, a sun, thin fog and fog of which a ray shows less than
+# a metre.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import json
 import math

@@ -1,4 +1,5 @@
-# Many lights at one place are one light of the same sum: on surfaces, whose shaders go through all of them, and in fog, which leaves out what is faint.
+# Many lights at one place are one light of the same sum: on surfaces, whose shaders go through all of them, and in fog, which
+# leaves out what is faint.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import base64
 import json
@@ -62,7 +63,7 @@ def radiance(picture):
 
 @pytest.mark.parametrize("count", [350, *(pytest.param(n, marks=pytest.mark.long) for n in (200, 500, 1000))])
 def test_lights_on_a_surface(drawn, count):
-    """llvmpipe ends all loops of an invocation after 65535 rounds: of so many lights a shader has to be asked in pieces."""
+    """llvmpipe ends all loops of an invocation after 65535 rounds: of so many lights a shader has to be queried in pieces."""
     camera = "--eye", "0.1,7,6", "--target", "0,0,0", "--fov", 30, "--filter", 17
     one, many = (radiance(drawn(n, 9, *camera)[0]) for n in (1, count))
     assert max(one) > 3 * min(one)  # there is light, and shadow

@@ -1,4 +1,4 @@
-# Several suns by name, the size of a map by its light, lights of a file by name, and rays that ask as a filter does.
+# Several suns by name, the size of a map by its light, lights of a file by name, and rays that query as a filter does.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import json
 import random
@@ -216,7 +216,7 @@ def test_lights_that_a_file_lacks(vxs, folder, assets, tmp_path, command):
     assert not list(tmp_path.iterdir())
 
 
-# --- rays that ask as a filter does -------------------------------------------------------------------------------------------
+# --- rays that query as a filter does -------------------------------------------------------------------------------------------
 
 
 def scattered(seed):
@@ -248,7 +248,7 @@ def test_truth_of_a_filter_is_what_a_query_should_say(vxs, folder, assets, kind,
 
 
 def test_truth_like_a_file(vxs, folder, assets):
-    """Its lights in its order, or those of --light; its volume; a filter of one texel unless another is asked for."""
+    """Its lights in its order, or those of --light; its volume; a filter of one texel unless another is requested."""
     def ask(text, *options):
         return vxs("truth", folder / "small.gltf", "--like", assets[1], *options, input=text).stdout
 

@@ -217,7 +217,7 @@ def test_a_small_stack(vxs_path, tmp_path, threads):
 
 
 def test_first_bytes_tell(outside, vxs, tmp_path):
-    """What is far too large, or has no end, and is not what was asked for: nothing of it is read but its beginning."""
+    """What is far too large, or has no end, and is not what was requested: nothing of it is read but its beginning."""
     scene = small_scene.write(tmp_path / "s.gltf")
     asset, huge, longer = tmp_path / "a.vxs", tmp_path / "huge", tmp_path / "longer.vxs"
     vxs("bake", scene, "-o", asset, "--resolution", 16)
@@ -261,7 +261,7 @@ def test_smoke_is_read_within_the_memory(outside, tmp_path):
 
 
 def test_a_small_asset_that_unfolds(outside, vxs, tmp_path):
-    """256 MiB of metadata in a file of less than 32 KiB: query and an engine never inflate it, the others stop at 64 MiB unless told."""
+    """256 MiB of metadata in a file of less than 32 KiB: query and an engine never inflate it, the others stop at 64 MiB by default."""
     vxs("bake", small_scene.write(tmp_path / "s.gltf"), "-o", tmp_path / "a.vxs", "--resolution", 16)
     asset = damage.Asset(tmp_path / "a.vxs")
     asset.contents["META", damage.NONE, 0] = b'"' + b" " * (256 * MIB) + b'"'
@@ -317,7 +317,7 @@ def limit_address_space(mib):
 
 @pytest.mark.parametrize("maps, limits", [("gl", range(150, 1400, 25)), ("sparse", range(0, 82, 2))])
 def test_address_space_that_ends(vxs_path, tmp_path, maps, limits):
-    """Whatever the limit, a bake succeeds or says why not: Mesa is not begun where it would run out."""
+    """Whatever the limit, a bake succeeds or gives the reason not: Mesa is not begun where it would run out."""
     scene, out, statuses = small_scene.write(tmp_path / "s.gltf"), tmp_path / "a.vxs", []
     first = least_to_start(vxs_path) if maps == "sparse" else 0
     for mib in limits:

@@ -71,7 +71,7 @@ def test_same_bytes(draw, level):
 
 
 def test_white(draw, level):
-    """A value is cd/m2 over what the file says is white: a floor of albedo .9 in the light of a sun of 1 lux sends back .9 cos / pi."""
+    """A value is cd/m2 over the answer of the file is white: a floor of albedo .9 in the light of a sun of 1 lux sends back .9 cos / pi."""
     png, exr = draw("--samples", 1, "--light", "noon", "--passes", level / "passes")
     light, normal, depth = (read_exr((level / "passes" / f"{name}.exr").read_bytes())[2] for name in ("light", "normal", "depth"))
     sun = [-c / math.sqrt(0.2 ** 2 + 1 + 0.1 ** 2) for c in (0.2, -1, 0.1)]

@@ -1,5 +1,5 @@
-# Every malformed file has a pinned end: refused with one line that names the fault, or accepted because the fault is none to a baker, or costs a
-# part of the scene alone. Where nothing is left to bake, the fault is the error.
+# Every malformed file has a pinned end: refused with one line that names the fault, or accepted because the fault is none to a
+# baker, or costs a part of the scene alone. Where nothing is left to bake, the fault is the error.
 # The files are other people's (see their README) and not part of this repository.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import os
@@ -114,8 +114,8 @@ REFUSED = {
     "val_skin__buffer_view_bytestride.gltf": "buffer 0 has neither a uri nor a GLB chunk",
 }
 
-# Why a fault does not matter, and the files that have it. No node of theirs places a triangle, so that there is nothing to bake and the
-# status is 5; of those with a status of their own, something is left to bake.
+# Why a fault does not matter, and the files that have it. No node of theirs places a triangle, so that there is nothing to bake and
+# the status is 5; of those with a status of their own, something is left to bake.
 ACCEPTED = {
     "lights are judged when they are baked, and cost themselves alone": [
         "magnum_gltf__light-invalid.gltf",

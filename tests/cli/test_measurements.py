@@ -1,4 +1,5 @@
-# The programs that print the figures of docs/measurements.md, at sizes that take no time: that their tables say what their JSON says.
+# The programs that print the figures of docs/measurements.md, at sizes that take no time: that their tables say what their JSON
+# says.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import json
 import os

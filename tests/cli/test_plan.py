@@ -1,4 +1,4 @@
-# vxs plan, and that the bake does what it says.
+# vxs plan, and that the bake follows it.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import json
 import os
@@ -290,7 +290,7 @@ def test_too_little_memory_is_told_before_the_work(vxs, plan, folder, tmp_path):
 
 
 def test_what_is_held_is_watched(vxs, tmp_path):
-    """The command itself is larger than this, and the scene too small to be counted first: no estimate is asked."""
+    """The command itself is larger than this, and the scene too small to be counted first: no estimate is queried."""
     scene = small_scene.write(tmp_path / "small.gltf")
     done = vxs("bake", scene, "-o", tmp_path / "a.vxs", "--memory", "4M", status=6)
     assert "has come to hold" in done.stderr and done.stderr.count("\n") == 1 and not (tmp_path / "a.vxs").exists()

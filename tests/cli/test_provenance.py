@@ -1,4 +1,5 @@
-# An asset knows its scene: what its metadata say, what compare and picture say to another scene, and when --if-changed does nothing.
+# An asset knows its scene: what its metadata say, what compare and picture say to another scene, and when --if-changed does
+# nothing.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import base64
 import json

@@ -1,4 +1,5 @@
-# vxs render with OpenGL: paths and their reports, passes, culling that changes nothing but time, streams within a budget. Pictures are in test_compare.py.
+# vxs render with OpenGL: paths and their reports, passes, culling that changes nothing but time, streams within a budget. Pictures
+# are in test_compare.py.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import csv
 import json
@@ -42,7 +43,7 @@ def report(level, render, asset, *options):
 
 
 def test_path(level, render):
-    """Keys are met, the last frame is the picture, and JSON, table and plot say the same."""
+    """Keys are met, the last frame is the picture, and JSON, table and plot agree."""
     keys = [(0, 20, 0.5, 0, 0, 0), (10, 12, 5, 1, 0, 0), (15, 3, 0, 0, 1, 0)]
     (level / "path.txt").write_text("# eye and target\n\n" + "".join(" ".join(map(str, key)) + "\r\n" for key in keys))
     found = report(level, render, "all", "--path", level / "path.txt", "--frames", 5, "--csv", level / "r.csv", "--plot", level / "r.svg")
@@ -191,7 +192,7 @@ def test_transmittance(level, render):
 
 
 def test_plan_of_fog(level, render):
-    """Lights that have no airlight to speak of, none in view, or none in the fog are left out, counted, and told of with the reason: when it is so, and only then."""
+    """Lights that have no airlight to speak of, none in view, or none in the fog are left out, counted, and reported with the reason: when it is so, and only then."""
     here, up, away = ("--eye", "1,6,9", "--target", "0,1,0"), ("--eye", "1,6,9", "--target", "1,9,0"), ("--eye", "30,3,0", "--target", "60,3,0")
     words = {"faint": "too faint (together less than 1/6600 of white)", "out_of_view": "out of view", "clear": "not in the fog"}
     for drawn, faint, out, clear, options in ((3, 0, 0, 0, (*here, "--fog", 0.05)),

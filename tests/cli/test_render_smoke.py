@@ -1,4 +1,5 @@
-# vxs render of scenes with smoke: how much of each light it leaves, as looked through in double; how it is seen; what the plan says.
+# vxs render of scenes with smoke: how much of each light it leaves, as looked through in double; how it is seen; what the plan
+# says.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import base64
 import json
@@ -116,7 +117,7 @@ def test_what_reaches_the_ground(vxs, level, n, light):
         to_light = [-d for d in small_scene.EACH_KIND[0][2]] if light == "noon" else [p - a for p, a in zip(LAMP, at)]
         metres = math.inf if light == "noon" else math.sqrt(sum(t * t for t in to_light))
         if light == "spot" and to_light[1] < 0.72 * metres:
-            continue  # beside the cone nothing is asked
+            continue  # beside the cone nothing is queried
         left.append(picture[pixel])
         wanted.append(left_between(at, unit(to_light), metres))
     assert len(left) > 500 and sum(0.1 < w < 0.9 for w in wanted) > 150
@@ -134,7 +135,7 @@ def light_of(vxs, level, *options):
 
 
 def test_surfaces_are_dimmed(vxs, level):
-    """By as much as the picture of it says; exposures are told apart by light that no smoke dims."""
+    """By as much as the picture of it says; exposures are distinguished by light that no smoke dims."""
     with_smoke, left = light_of(vxs, level), grey(level / "passes" / "smoke-0-lamp.png")
     without = light_of(vxs, level, "--smoke", "off")
     places = [n for n, *_ in ground_places() if without[n] > 0.02]
@@ -161,7 +162,7 @@ def test_off_is_as_without(vxs, level):
 
 
 def test_fog_is_dimmed(vxs, level):
-    """By marches, whatever was asked. Exposures are told apart by light that no smoke dims."""
+    """By marches, whatever was requested. Exposures are distinguished by light that no smoke dims."""
     clear_ground = [n for n, _, _, at in ground_places() if left_between(at, unit([p - a for p, a in zip(LAMP, at)]), 9) == 1]
 
     def air(*options):
@@ -175,7 +176,7 @@ def test_fog_is_dimmed(vxs, level):
 
 
 def test_steps_of_fog(vxs, level):
-    """Smoke of the scene takes steps without being asked for; where nothing does, a line says what would."""
+    """Smoke of the scene takes steps without an option; where nothing does, a line says what would."""
     fog = "--light", "noon", "--fog", 0.1, "--fog-steps", 9
     assert draw(vxs, level, "smoke", *fog)[1]["fog"]["steps"] == 9
     for scene, options, words in (("smoke", ["--smoke", "off"], "--fog-steps 9 needs --fog-by march or angles, or --smoke on\n"),
@@ -185,7 +186,7 @@ def test_steps_of_fog(vxs, level):
 
 
 def test_out_of_reach_and_out_of_view(vxs, tmp_path):
-    """A lamp whose range ends before the smoke, one that nobody sees, and one that the smoke dims."""
+    """A lamp whose range ends before the smoke, one out of view, and one that the smoke dims."""
     clear = small_scene.write(tmp_path / "level.gltf", boxes=[small_scene.GROUND], lights=small_scene.EACH_KIND[2:] * 3)
     gltf = json.loads(clear.read_text())
     for n, (range_m, place) in enumerate(((1.5, [-7, 1, 7]), (2, [7.5, 1, 7.5]), (20, [0, 6, 0]))):
@@ -229,7 +230,7 @@ def test_wrong_options(vxs, level):
 
 
 def test_smoke_that_covers_everything(vxs_path, level, tmp_path):
-    """Thousands of balls over all of a map and of the picture: the map gets fewer curves, or it is said that it takes long, before the work."""
+    """Thousands of balls over all of a map and of the picture: the map gets fewer curves, or it is reported that it takes long, before the work."""
     add_balls(level / "clear.gltf", [((0.01 * (n % 50), 3, 0.01 * (n // 50)), 40, 0.0001) for n in range(3000)], tmp_path / "thick.gltf")
 
     def first_warning(*options):

@@ -106,7 +106,7 @@ def test_charts_are_told_about_where_the_mouse_is(report, browser):
 
 
 def test_codings_side_by_side(report):
-    """Blocks have their own parts and counts, and are told from DAGs by the coding alone."""
+    """Blocks have their own parts and counts, and are distinguished from DAGs by the coding alone."""
     page = report(bench(*(c for side in (1024, 2048) for c in (cell(resolution=side, coding="dag"), blocks(side)))))
     for word in ("coding blocks", "313", "447", "Parts of palette blocks", "tops", "patterns", "pages", "What each setting is worth"):
         assert word in page.text, word

@@ -1,5 +1,5 @@
-# The square cache: bakes that go on after a kill, bakes after a change, and folders in which something is wrong. Whatever is there, the
-# bytes are those of a bake without.
+# The square cache: bakes that go on after a kill, bakes after a change, and folders in which something is wrong. Whatever is there,
+# the bytes are those of a bake without.
 # VXS_KILLS: how many times a bake of each coding is killed (default 3; make check-faults: 50).
 # SPDX-License-Identifier: GPL-3.0-or-later
 import json

@@ -1,4 +1,4 @@
-# tests/bench/rivals on a small scene: every rival obeys the contract voxel by voxel, what it says of vxs is what vxs bake says, and
+# tests/bench/rivals on a small scene: every rival obeys the contract voxel by voxel, its figures of vxs are those of vxs bake, and
 # planted faults are seen.
 # RIVALS: that program (default tests/bench/rivals beside the command, where the Makefile puts it).
 # SPDX-License-Identifier: GPL-3.0-or-later
@@ -119,7 +119,7 @@ def test_tables_say_what_the_json_says(measured):
 
 
 def test_a_picture_asks_where_it_sees_surfaces(rivals, city, tmp_path):
-    """All pixels, which look down on the city; rays are asked some of them. Nothing is asked where nothing is seen."""
+    """All pixels, which look down on the city; rays are tested at some of them. Nothing is queried where nothing is seen."""
     look = ("--resolution", 64, "--voxels", 1, "--runs", 1, "--points", 100, "--width", 84)
     down = ("--eye=0,1000,0", "--target=0,0,0.1", "--fov", 2)
     rivals(city, *look, *down, "--json", tmp_path / "down.json")
@@ -146,7 +146,7 @@ def test_some_rivals(rivals, city, tmp_path):
 
 @pytest.mark.parametrize("fault", ["depth", "filter"])
 def test_fault_is_seen(rivals, city, fault, tmp_path):
-    points = {"depth": 1000, "filter": 8000}[fault]  # filters are asked at points, depths in all voxels
+    points = {"depth": 1000, "filter": 8000}[fault]  # filters are queried at points, depths in all voxels
     some = only("DAG", "merged intervals", "float depth map", "palette blocks, GLSL", "16-bit texture, GLSL", "Embree shadow rays")
     rivals(city, "--resolution", SIDE, "--voxels", "all", "--runs", 1, "--points", points, "--width", 64, "--fault", fault,
            *(some if fault == "filter" else ()), "--json", tmp_path / "f.json", status=1)

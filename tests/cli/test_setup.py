@@ -1,5 +1,5 @@
 # make's set-up on systems that are not this one: programs that stand for Debian's say what is there and write down what they
-# are asked to do. And the counting of tests/run and .ci/run.
+# must do. And the counting of tests/run and .ci/run.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import os
 import pathlib

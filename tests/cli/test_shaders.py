@@ -1,5 +1,5 @@
 # The headers of a lookup in every dialect that docs/runtime.md names: each shader of tests/shaders compiles without a warning, the
-# constants of a light lie where runtime/vxs.h says, and what the includer has to bring is asked for.
+# constants of a light lie where runtime/vxs.h says, and missing definitions of the includer are named.
 # tests/unit/test_shaders.c runs the shaders.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import os
@@ -323,7 +323,7 @@ def test_blocks_in_c(language, standard, includer, tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.long  # of a file of tests/golden the unit program asks itself
+@pytest.mark.long  # of a file of tests/golden the unit program queries itself
 def test_same_answer_of_files(vxs, vxs_path, scenes, tmp_path):
     """A sun and spot lights, in both codings: C, storage buffer and texture to the bit (tests/unit/test_gl.c; VXS_POINTS of each)."""
     program = vxs_path.parent / "tests" / "unit" / "test_gl"

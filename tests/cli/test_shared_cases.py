@@ -1,5 +1,6 @@
-# Inputs on which vxs was wrong, as they lie in the folder of shared cases: forged files, outputs over inputs, light that was wrong. Those of files that
-# people have are in test_files.py, test_useless_bakes.py, test_plan.py and test_mend.py; small inputs of the same kinds, which need no folder, in others.
+# Inputs on which vxs was wrong, as they lie in the folder of shared cases: forged files, outputs over inputs, light that was wrong.
+# Those of files that people have are in test_files.py, test_useless_bakes.py, test_plan.py and test_mend.py; small inputs of the
+# same kinds, which need no folder, in others.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import json
 import math

@@ -1,4 +1,5 @@
-# vxs render under a map of the sky: how much light, from where, what shadows it, how it is seen, what is said of it, and files that are no such map.
+# vxs render under a map of the sky: how much light, from where, what shadows it, how it is seen, messages about it, and files that
+# are no such map.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import json
 import math
@@ -168,7 +169,7 @@ def test_beside_a_quad(vxs, tmp_path):
 
 
 def test_in_smoke(vxs, tmp_path):
-    """A ball of smoke dims the sky's light on the floor below, by each way through it. Exposures are told apart by the sum of all places."""
+    """A ball of smoke dims the sky's light on the floor below, by each way through it. Exposures are distinguished by the sum of all places."""
     balls, pixels = [((0.3, 1.2, 0), 0.7, 2)], [(x, y) for x in range(1, SIZE[0], 5) for y in range(1, SIZE[1], 5)]
     scene, found = tmp_path / "level.gltf", []
     small_scene.write(scene, boxes=[small_scene.GROUND], lights=[("sun", "directional", SUN)])

@@ -1,4 +1,5 @@
-# vxs bake --smoke: what a grid of smoke leaves of the lights of a small scene, in every command that reads the file; grids that are none.
+# vxs bake --smoke: what a grid of smoke leaves of the lights of a small scene, in every command that reads the file; grids that are
+# none.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import array
 import json
@@ -209,7 +210,7 @@ def test_smoke_of_the_scene_is_baked_where_it_is_asked_for(vxs, tmp_path):
 
 
 def test_fog_is_dimmed_by_what_is_baked(vxs, tmp_path):
-    """As by the same capsules when they are drawn: steps are taken through them, whatever was asked."""
+    """As by the same capsules when they are drawn: steps are taken through them, whatever was requested."""
     scene, plain, own = tmp_path / "smoke.glb", tmp_path / "plain.vxs", tmp_path / "own.vxs"
     fine = "--resolution", 512, "--light", "sun"  # so that exposure is the same
     vxs("scene", "smoke", "-o", scene, "--capsules", 400)

@@ -1,5 +1,5 @@
-# Files with smoke and points that are streamed, by vxs query and vxs render with --budget: answers and pictures are those of the whole file; budgets that are too small,
-# pages and smoke that are damaged.
+# Files with smoke and points that are streamed, by vxs query and vxs render with --budget: answers and pictures are those of the
+# whole file; budgets that are too small, pages and smoke that are damaged.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import json
 import random
@@ -147,7 +147,7 @@ def test_smoke_of_the_scene_dims_once(vxs, tmp_path):
 
 
 def test_points_of_the_asset(vxs, tmp_path):
-    """They cast the shadows of area lights; they are within the budget while the file is opened, and without area lights nobody asks for them."""
+    """They cast the shadows of area lights; they are within the budget while the file is opened, and without area lights nothing requests them."""
     level, asset = small_scene.write(tmp_path / "level.gltf", lights=[("sun", "directional", (1, -1, 0))]), tmp_path / "level.vxs"
     add_quads(level, [(*BESIDE, [1, 0.5, 0.25])])
     vxs("bake", level, *SMALL, "-o", asset, "--points", 30000)

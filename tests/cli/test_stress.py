@@ -1,5 +1,5 @@
-# vxs scene stress: every case, baked light by light, against points whose light was worked out by hand, against rays, and, from both
-# sources of maps, voxel by voxel; or refused with one line. scenes/README.md says what each case is.
+# vxs scene stress: every case, baked light by light, against points whose light was worked out by hand, against rays, and, from
+# both sources of maps, voxel by voxel; or refused with one line. scenes/README.md says what each case is.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import json
 import os

@@ -1,4 +1,4 @@
-# What people see: reports in a few lines, at length or not at all, colours, pipes that nobody reads; and what is read from pipes.
+# What people see: reports in a few lines, at length or not at all, colours, pipes without a reader; and what is read from pipes.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import base64
 import json
@@ -49,7 +49,7 @@ def has_lines(text, *patterns):
 
 
 def test_a_bake_says_the_essential(vxs, folder, monkeypatch):
-    """What was baked, what was left out and why, size, time; and what nobody asked for beside what reaches nothing."""
+    """What was baked, what was left out and why, size, time; and unrequested items beside what reaches nothing."""
     monkeypatch.chdir(folder)
     done = vxs("bake", "three.gltf", "-o", "b.vxs", *SMALL, "--light", "noon", "--light", "up")
     assert has_lines(done.stdout, r"scene +three.gltf: 24 triangles, 100 % of them in solids",
@@ -120,7 +120,7 @@ COMMANDS = {
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_quiet_leaves_no_report(vxs_path, folder, tmp_path, command):
-    """Not on a terminal either; the exit status and outputs stay, and so does what --json asks for."""
+    """Not on a terminal either; the exit status and outputs stay, and so does what --json requests."""
     arguments = [str(a).format(out=tmp_path / "out") for a in COMMANDS[command]]
     done = subprocess.run([vxs_path, command, *arguments, "--quiet"], cwd=folder, capture_output=True, text=True)
     warned = command in ("bake", "plan")
@@ -159,7 +159,7 @@ def test_quiet_and_verbose_exclude_each_other(vxs, folder):
     assert said == "vxs: error: --quiet and --verbose exclude each other\n"
 
 
-# --- pipes that nobody reads ----------------------------------------------------------------------------------------------------------
+# --- pipes without a reader ----------------------------------------------------------------------------------------------------------
 
 
 def to_nobody(vxs_path, *arguments, cwd=None, input=None):

@@ -1,5 +1,5 @@
-# Work shared by 2 and 8 threads: the same bytes as with one, and, in a build for ThreadSanitizer (make check-sanitizers), no two threads at
-# the same memory. What other libraries do among themselves is left out, with reasons, in tests/tsan.supp.
+# Work shared by 2 and 8 threads: the same bytes as with one, and, in a build for ThreadSanitizer (make check-sanitizers), no two
+# threads at the same memory. What other libraries do among themselves is left out, with reasons, in tests/tsan.supp.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import os
 import subprocess

@@ -1,4 +1,5 @@
-# What a plan shows of a bake that would be of little use is said by name, with a remedy, and the remedy ends it; a good scene hears nothing.
+# What a plan shows of a bake that would be of little use is said by name, with a remedy, and the remedy ends it; a good scene hears
+# nothing.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import json
 import math
@@ -123,7 +124,7 @@ def test_many_lamps_that_are_hidden(said):
 
 
 def test_hidden_lights_are_dark_by_ray_tracing(vxs, tmp_path):
-    """Of lamps at random places among random boxes, those of which it is said light nothing but the box that hides them."""
+    """Of lamps at random places among random boxes, those of which it is reported light nothing but the box that hides them."""
     random.seed(5)
     boxes = [node(f"box{n}", cube(random.uniform(0.5, 6)), [random.uniform(-10, 10) for _ in range(3)]) for n in range(24)]
     lights = [light(f"l{n}", "point", [random.uniform(-10, 10) for _ in range(3)]) for n in range(60)]
@@ -238,7 +239,7 @@ def test_texels_finer_than_shadows_are_seen(said):
 
 
 def test_leaves_shade_together(said):
-    """Cards of two triangles, and trees that are nodes: none is asked for alone."""
+    """Cards of two triangles, and trees that are nodes: none is requested alone."""
     leaves = join(*(([(x, 3, z), (x + 0.05, 3, z), (x, 3, z + 0.05), (x + 0.05, 3, z + 0.05)], [(0, 2, 1), (1, 2, 3)])
                     for x in range(10) for z in range(10)))
     tree = join(*(cube(0.1, (x / 5, 3, z / 5)) for x in range(10) for z in range(10)))

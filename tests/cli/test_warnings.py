@@ -1,4 +1,5 @@
-# What is probably a mistake is said, with what to do about it, before long work; with --strict it is an error and nothing is written.
+# What is probably a mistake is said, with what to do about it, before long work; with --strict it is an error and nothing is
+# written.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import json
 import re

@@ -1,6 +1,7 @@
 # The runtime compiles for Windows, where files and threads are others (runtime/platform_windows.h), and streams there.
-# MINGW: the compiler (default x86_64-w64-mingw32-gcc, package gcc-mingw-w64-x86-64). Debian has no libzstd for it, so nothing is linked, but
-# where VXS_MINGW_LIBS names a folder with a libzstd.a and a libxxhash.a of its making; then wine (package wine64) runs what is linked.
+# MINGW: the compiler (default x86_64-w64-mingw32-gcc, package gcc-mingw-w64-x86-64). Debian has no libzstd for it, so nothing is
+# linked, but where VXS_MINGW_LIBS names a folder with a libzstd.a and a libxxhash.a of its making; then wine (package wine64) runs
+# what is linked.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import os
 import pathlib

@@ -1,8 +1,8 @@
-/* Columns by brute force: every triangle of a projection against every texel of the cells that its box touches. Coverage is whole numbers, depth is
- * corners weighed by areas in long double; lists, patches, planes and vectors take no part.
+/* Columns by brute force: every triangle of a projection against every texel of the cells that its box touches. Coverage is whole
+ * numbers, depth is corners weighed by areas in long double; lists, patches, planes and vectors take no part.
  *
- * A depth is told as a range, a hair wide, in voxels: faces that lie within it of each other may have swapped places, and then light may
- * leave at several depths. What has to be lit is before e_least, what has to be dark behind x_most.
+ * A depth is given as a range, a hair wide, in voxels: faces that lie within it of each other may have swapped places, and then
+ * light may leave at several depths. What has to be lit is before e_least, what has to be dark behind x_most.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef BRUTE_H
 #define BRUTE_H

@@ -34,7 +34,7 @@ typedef struct check {
     uint32_t          side_vx;
     uint32_t          i0, j0; /* first texel of the rendered tile in the map */
     uint64_t          seed;
-    const map_tile   *listed; /* tiles to be asked; NULL: random ones */
+    const map_tile   *listed; /* tiles to be queried; NULL: random ones */
     tally            *worker; /* [PARALLEL_THREADS_MAX * file_count] */
 } check;
 
@@ -117,7 +117,8 @@ static void ask_random_columns(void *user, size_t begin, size_t end, uint32_t wo
 /* all voxels of 8 x 8 texels, by runs of equal slices
  * ---------------------------------------------------------------- */
 
-/* The columns of an 8 x 8 tile in whole voxels: those that must be lit are [0, lit_end), those that must be dark [dark_begin, ...). */
+/* The columns of an 8 x 8 tile in whole voxels: those that must be lit are [0, lit_end), those that must be dark [dark_begin, ...).
+ * */
 typedef struct tile_columns {
     uint32_t lit_end[64], dark_begin[64];
     uint32_t lit_end_max, dark_begin_min;

@@ -1,4 +1,5 @@
-/* A map of a light in several files against depths that are found anew: rendered, or by brute force where files come straight from triangles.
+/* A map of a light in several files against depths that are found anew: rendered, or by brute force where files come straight from
+ * triangles.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef EXACT_CHECK_H
 #define EXACT_CHECK_H
@@ -9,7 +10,7 @@
 
 typedef struct tally {
     uint64_t columns, voxels, wrong_lit, wrong_shadow;
-    uint64_t lookups; /* through the runtime; the other voxels are told by what a file says of whole tiles (coded_runs.h) */
+    uint64_t lookups; /* through the runtime; the other voxels are reported by what a file says of whole tiles (coded_runs.h) */
     uint64_t misread; /* runs of voxels that a lookup does not find as they are stored */
     uint64_t insane;  /* texels whose depths cannot be */
     uint64_t maps;

@@ -1,5 +1,5 @@
-/* What a light says of a tile, so that every voxel can be asked for, run by run: of a DAG its nodes, read without the lookup; of palette
- * blocks where each texel's shadow begins, and lookups at both ends of what lies between.
+/* What a light says of a tile, so that every voxel can be requested, run by run: of a DAG its nodes, read without the lookup; of
+ * palette blocks where each texel's shadow begins, and lookups at both ends of what lies between.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef EXACT_CODED_RUNS_H
 #define EXACT_CODED_RUNS_H

@@ -1,4 +1,4 @@
-/* exact: bake a scene, then ask the file about the voxels of its depth maps, all of them.
+/* exact: bake a scene, then query the file about the voxels of its depth maps, all of them.
  *
  * The contract (docs/overview.md): with e and x the enter and exit depth of texel (i,j) in voxels, voxel (i,j,k) is lit if
  * its far side is at or before e (k + 1 <= e), shadowed if its near side is at or behind x (k >= x), and free otherwise. The
@@ -15,10 +15,10 @@
  * once for all files that differ in coding, rule, reuse, compress, stop or seed only. The first combination is baked by bake(),
  * from the scene's file to the asset's, the others by its stages.
  * --free gives bake's --behind and --thickness, 0 for none.
- * --columns all asks for every voxel, COUNT for that many random columns: the voxels around e and x, both ends, and 16
+ * --columns all requests every voxel, COUNT for that many random columns: the voxels around e and x, both ends, and 16
  * others; with --maps sparse for every voxel of so many columns, in tiles of 64, every other of them where an edge of a triangle
  * passes, and besides for the former through the runtime; --silhouettes COUNT for all tiles around so many random silhouettes of
- * the map, too. --spot and --point put lights into the scene, in place of its own; where is told in shares of the scene's box, how
+ * the map, too. --spot and --point put lights into the scene, in place of its own; places are shares of the scene's box, how
  * far in shares of its diagonal, so that the same light fits every scene. DEGREES is the whole cone.
  * --fault builds the DAG here, stage by stage, and spoils one thing after one of them: the check must see it.
  * One line of JSON on standard output for each combination. Exit status 0: no voxel is wrong; 1: some are; else as vxs.
@@ -47,7 +47,7 @@
 #include "tests/exact/spoil.h"
 #include "tests/gl_choice.h"
 
-/* Options of bake of which several values may be asked for. */
+/* Options of bake of which several values may be requested. */
 enum choice {
     CHOICE_MAPS,
     CHOICE_CLOSED,
@@ -400,7 +400,7 @@ static uint32_t ways_of(const exact_options *o, const bake_options *bake, const 
     return (uint32_t)count;
 }
 
-/* What is told apart by one pass over the maps.
+/* What is distinguished by one pass over the maps.
  * left_free  as it was given, or NULL
  * first      NULL, or the asset of the first combination, which is taken over
  * *right     becomes 0 when something is wrong */

@@ -1,4 +1,5 @@
-/* Tiles of a map where light passes what casts shadows: around edges of which one side alone faces the light, or which have one side.
+/* Tiles of a map where light passes what casts shadows: around edges of which one side alone faces the light, or which have one
+ * side.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef EXACT_SILHOUETTES_H
 #define EXACT_SILHOUETTES_H

@@ -1,9 +1,11 @@
 # Columns straight from triangles, at length: every stress scene, what rendered maps have otherwise, and the largest maps there are.
 # make check-sparse runs all three, part=NAME one of them:
-#     stress   each stress scene from both sources and in both codings at 512, every voxel; straight from triangles 157 tiles at 16384, and, as
+#     stress   each stress scene from both sources and in both codings at 512, every voxel; straight from triangles 157 tiles at
+#     16384, and, as
 #              palette blocks alone, at 262144, or less where sheets fill the maps, of which every tile needs a mask
 #     sources  where the two sources differ on all real scenes at 512 to 4096, under two suns, and why (tests/bench/sources.c)
-#     columns  a city of 800 000 triangles, Sponza and a landscape of 2 million at 262144: 10 000 random tiles, all tiles around 1000
+#     columns  a city of 800 000 triangles, Sponza and a landscape of 2 million at 262144: 10 000 random tiles, all tiles around
+#     1000
 #              silhouettes, and 32 lookups through the runtime in each of their texels, at least 20 million for each scene
 # VXS_SCENES: the shared scenes; what needs them is left out without them.
 # SPDX-License-Identifier: GPL-3.0-or-later

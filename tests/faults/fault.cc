@@ -3,16 +3,17 @@
 //   FAULT=CALL:N:WHAT       the N-th call of CALL, counted from 1, does WHAT. N 0: none
 //       CALL  alloc (malloc, calloc, realloc, aligned_alloc, operator new, and what allocates inside: strdup, asprintf, realpath,
 //             fopen, fdopen, opendir), open, read, write, close, link, rename, fsync, thread
-//       WHAT  a number: fail with that errno (alloc: without memory);  short: read half of what is asked for;  kill: SIGKILL;
+//       WHAT  a number: fail with that errno (alloc: without memory);  short: read half of what is requested;  kill: SIGKILL;
 //             interrupt: SIGINT
 //   FAULT_EVERY=1           every call from the N-th on, not that one alone
 //   FAULT_FROM=libzstd      alloc: calls made by the library of this name; without it, by the program itself
 //   FAULT_NO_NAMELESS=1     open knows no O_TMPFILE, as on NFS
-//   FAULT_COUNT=FILE        write the number of calls there when the program ends, and in lines of their own the calls that were the
+//   FAULT_COUNT=FILE        write the number of calls there when the program ends, and in lines of their own the calls that were
+//   the
 //                           first of their place: of the last STACK_DEPTH functions of the program or library that lead to it
 //
-// Calls of other libraries do not count, so that Mesa or a loader may fail or not as it likes, nor do calls before main. Streams that
-// the program opens are backed by read and write here, since libc's own calls cannot be stood before.
+// Calls of other libraries do not count, so that Mesa or a loader may fail or not as it likes, nor do calls before main. Streams
+// that the program opens are backed by read and write here, since libc's own calls cannot be stood before.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <dirent.h>
 #include <dlfcn.h>
@@ -196,7 +197,7 @@ int stream_close(void *cookie)
 FILE *stream_over(int file, const char *mode)
 {
     FILE *f = fopencookie((void *)(intptr_t)file, mode, {stream_read, stream_write, stream_seek, stream_close});
-    if (f) f->_fileno = file; // fileno() is asked for
+    if (f) f->_fileno = file; // fileno() is requested
     return f;
 }
 
@@ -223,7 +224,7 @@ void *realloc(void *old, size_t size)
     NEXT(realloc);
     return fails("alloc", CALLER) ? nullptr : real(old, size);
 }
-// dlsym may ask for zeroed memory while it looks calloc up: this one needs no looking up
+// dlsym may request zeroed memory while it looks calloc up: this one needs no looking up
 void *__libc_calloc(size_t, size_t);
 void *calloc(size_t count, size_t size)
 {

@@ -1,5 +1,5 @@
-// peak FILE COMMAND...: run a command, write into FILE the most bytes that it has held, and end as it does. A process of its own, because
-// what the parent holds when it forks counts for the child.
+// peak FILE COMMAND...: run a command, write into FILE the most bytes that it has held, and end as it does. A process of its own,
+// because what the parent holds when it forks counts for the child.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #define _GNU_SOURCE
 #include <signal.h>

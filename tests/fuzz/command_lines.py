@@ -1,15 +1,16 @@
 #!/usr/bin/python3
-# A fuzzer of command lines: random commands, options and values, and files out of a set that has all kinds: scenes with buffers and images
-# beside them, assets, JSON, what is broken, links, hard links, read-only files, folders. After each run every file is compared with what
-# it was. What must hold:
+# A fuzzer of command lines: random commands, options and values, and files out of a set that has all kinds: scenes with buffers and
+# images beside them, assets, JSON, what is broken, links, hard links, read-only files, folders. After each run every file is
+# compared with what it was. What must hold:
 #
 #   - no file changes that is not an output of the command line, and no input changes, also one that is named as an output
-#   - outputs that are read-only, or have further names, change with --force only; what is replaced keeps its mode; nothing is left behind
-#   - no crash and no hang: an exit status of the manual; one line says why where it is 2 or more
+#   - outputs that are read-only, or have further names, change with --force only; what is replaced keeps its mode; nothing is left
+#   behind
+#   - no crash and no hang: an exit status of the manual; one line gives the reason where it is 2 or more
 #   - no exit status 0 with an output missing
 #
-# Options and operands come from `vxs COMMAND --help`, so that new ones are met without being told of. A run depends on its seed and its
-# number alone: `--seed S --only N` repeats it.
+# Options and operands come from `vxs COMMAND --help`, so that new ones are met without a change here. A run depends on its seed and
+# its number alone: `--seed S --only N` repeats it.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import argparse
 import base64

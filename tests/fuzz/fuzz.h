@@ -1,15 +1,15 @@
 /* What a fuzz program is: one function, called with bytes that come from anywhere.
  *
- *     make fuzz        build/fuzz/tests/fuzz/fuzz_NAME: libFuzzer's loop around it, by clang with sanitizers; seconds=N runs each (run.py)
- *     make check-unit  build/CONFIG/tests/fuzz/fuzz_NAME: each file of build/corpus/NAME once (replay.c)
+ *     make fuzz        build/fuzz/tests/fuzz/fuzz_NAME: libFuzzer's loop around it, by clang with sanitizers; seconds=N runs each
+ *     (run.py) make check-unit  build/CONFIG/tests/fuzz/fuzz_NAME: each file of build/corpus/NAME once (replay.c)
  *
  * The corpus is an archive in tests/fuzz/corpus (corpus.py). An input that showed a fault is added with the repair:
  *
  *     make fuzz-pack corpus=NAME inputs=build/fuzz/found/NAME
  *
  * It returns when the bytes are refused or used up, and ends the process when something is wrong.
- * mutate_NAME.c, where there is one, changes bytes in ways that libFuzzer would hardly find; it is no part of a replay. Programs for
- * .vxs files share mutate_vxs.c and the archive vxs.tar.xz, to which NAME.tar.xz is a link.
+ * mutate_NAME.c, where there is one, changes bytes in ways that libFuzzer would hardly find; it is no part of a replay. Programs
+ * for .vxs files share mutate_vxs.c and the archive vxs.tar.xz, to which NAME.tar.xz is a link.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef FUZZ_H
 #define FUZZ_H

@@ -1,7 +1,8 @@
-/* Any bytes as a .vxs file: where it opens, every way to ask it gives the answers that its documentation promises (runtime/vxs_query.h,
- * vxs_stream.h). What single taps say of voxels decides; held against it are lookups of points one by one and many at once, where light first ends,
- * depth maps and lit intervals: of the whole file, of a stream that holds all of it, of one that holds as little as opens, and of one
- * between, whose full answers are those of the whole file and whose coarse ones those of a file without pages.
+/* Any bytes as a .vxs file: where it opens, every way to query it gives the answers that its documentation promises
+ * (runtime/vxs_query.h, vxs_stream.h). What single taps say of voxels decides; held against it are lookups of points one by one and
+ * many at once, where light first ends, depth maps and lit intervals: of the whole file, of a stream that holds all of it, of one
+ * that holds as little as opens, and of one between, whose full answers are those of the whole file and whose coarse ones those of
+ * a file without pages.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <string.h>
 
@@ -25,7 +26,7 @@ enum {
 static const vxs_filter filters[] = {{1, 0}, {3, 0}, {9, 0}, {17, 0}, {1, 1}, {4, 1}, {17, 1}};
 enum { FILTERS = sizeof filters / sizeof *filters };
 
-/* A light as it is asked; the whole one of the file, and the same without pages. Both NULL: it is the whole one. */
+/* A light as it is queried; the whole one of the file, and the same without pages. Both NULL: it is the whole one. */
 typedef struct asked {
     const vxs_baked_light *light, *full, *rough;
 } asked;

@@ -1,5 +1,5 @@
-/* Any bytes as a .gltf or .glb file: loaded without other files, and, when the loader takes them, told apart into solids and sheets.
- * Every index, flag and mask of a scene must hold what scene.h promises.
+/* Any bytes as a .gltf or .glb file: loaded without other files, and, when the loader takes them, classified into solids and
+ * sheets. Every index, flag and mask of a scene must hold what scene.h promises.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 #include <string.h>

@@ -1,9 +1,10 @@
-/* Any bytes as a page, or as the resident part of a light (formats/vxs_page.h): what is decoded must keep every rule of the layout that
- * a lookup relies on, as tests/unit/page_sample.h states them. The bytes of a page are taken for words as well, which the check of pages that
- * are packed fast (formats/vxs_page_fast.h) has to take exactly where the coder does.
+/* Any bytes as a page, or as the resident part of a light (formats/vxs_page.h): what is decoded must keep every rule of the layout
+ * that a lookup relies on, as tests/unit/page_sample.h states them. The bytes of a page are taken for words as well, which the
+ * check of pages that are packed fast (formats/vxs_page_fast.h) has to take exactly where the coder does.
  *
  *     byte 0      even: a page; odd: a resident part of a map of 2^(3 + (byte 0 >> 1) % 15) texels
- *     page        byte 1: nodes - 1, modulo 8; a u16 for each but the first: how far it starts behind the one before; then the bytes
+ *     page        byte 1: nodes - 1, modulo 8; a u16 for each but the first: how far it starts behind the one before; then the
+ *     bytes
  *     resident    the bytes
  *
  * SPDX-License-Identifier: GPL-3.0-or-later */

@@ -1,7 +1,8 @@
-/* Any bytes as a .vxs file: where it opens, shaders on llvmpipe give the answers of C, from the same texts (formats/vxs_lookup_blocks.h,
- * vxs_depths.h, vxs_intervals.h): to the bit how many taps of a filter are in shadow, whether pages are missing for it, and where light first ends;
- * of points, for the voxel that floats lead to; lit intervals but where rounding of floats may lead to another voxel. Of each light they have all of
- * the words, and those without pages. Nothing is asked where there is no OSMesa.
+/* Any bytes as a .vxs file: where it opens, shaders on llvmpipe give the answers of C, from the same texts
+ * (formats/vxs_lookup_blocks.h, vxs_depths.h, vxs_intervals.h): to the bit how many taps of a filter are in shadow, whether pages
+ * are missing for it, and where light first ends; of points, for the voxel that floats lead to; lit intervals but where rounding of
+ * floats may lead to another voxel. Of each light they have all of the words, and those without pages. Nothing is queried where
+ * there is no OSMesa.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h"
 #include "tests/gl_choice.h"

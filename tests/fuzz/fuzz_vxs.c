@@ -1,5 +1,5 @@
-/* Any bytes as a .vxs file: opened within a memory limit, checked to the last finding, and, when the reader takes them, looked up in
- * every light at points within, around and far outside its volume. A good file is opened again with too little memory.
+/* Any bytes as a .vxs file: opened within a memory limit, checked to the last finding, and, when the reader takes them, looked up
+ * in every light at points within, around and far outside its volume. A good file is opened again with too little memory.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <string.h>
 
@@ -102,8 +102,9 @@ static void look_through_smoke(const vxs_light *l, const vxs_baked_smoke *smoke,
 
 /* all of it -------------------------------------------------------------------------------------------------------------------- */
 
-/* The same bytes as a stream: opened within the limit where the whole file is, and maybe where it is not, since less of it is read; what
- * is looked up is what the whole file says, where there is one and the answer is full.   whole  NULL: the file was refused */
+/* The same bytes as a stream: opened within the limit where the whole file is, and maybe where it is not, since less of it is read;
+ * what is looked up is the answer of the whole file, where there is one and the answer is full.   whole  NULL: the file was refused
+ * */
 static void stream_file(const uint8_t *data, size_t size, const vxs_asset *whole, uint64_t random)
 {
     alloc_fail        memory    = {0};

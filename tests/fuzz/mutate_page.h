@@ -1,6 +1,6 @@
-/* Changes to words of lights: a page is decoded, a number of a plane or any other word becomes another, and it is coded again: a good page,
- * with planes that no bake makes. Words of the resident part change in the same way: entries of tops, and patterns that pages share. What breaks
- * a rule cannot be coded, and stays as it was.
+/* Changes to words of lights: a page is decoded, a number of a plane or any other word becomes another, and it is coded again: a
+ * good page, with planes that no bake makes. Words of the resident part change in the same way: entries of tops, and patterns that
+ * pages share. What breaks a rule cannot be coded, and stays as it was.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MUTATE_PAGE_H
 #define MUTATE_PAGE_H
@@ -97,7 +97,8 @@ static void change_resident(vxs_bytes *out, light_pages *l, uint32_t levels, uin
     r->words[at] = kept;
 }
 
-/* Code a page of a light again, with one number of a plane changed: `place` of them becomes `number`; or, any: with any of its words changed.
+/* Code a page of a light again, with one number of a plane changed: `place` of them becomes `number`; or, any: with any of its
+ * words changed.
  * out  what it is coded to; of no bytes when it cannot be */
 static void change_plane(vxs_bytes *out, const light_pages *l, uint32_t page, const uint8_t *bytes, size_t size, int any,
                          uint32_t place, uint32_t number)

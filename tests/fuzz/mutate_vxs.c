@@ -1,8 +1,9 @@
-/* Changes to .vxs files that pass the checksums: a file is taken apart, a section's content is changed, and all is compressed, counted
- * and hashed again. Without that, no more than a file's first 64 bytes would ever be looked at.
+/* Changes to .vxs files that pass the checksums: a file is taken apart, a section's content is changed, and all is compressed,
+ * counted and hashed again. Without that, no more than a file's first 64 bytes would ever be looked at.
  *
  * Some changes are blind (libFuzzer's own), some know what a record or a level is. word_count is made right again most of the time,
- * because it is compared before levels are decoded; so are checksums of pages. Words that are packed fast change within their frames.
+ * because it is compared before levels are decoded; so are checksums of pages. Words that are packed fast change within their
+ * frames.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 #include <string.h>

@@ -1,4 +1,5 @@
-/* Run a fuzz program's function once for each file of its corpus, and say so in TAP: the part of fuzzing that any compiler can do.
+/* Run a fuzz program's function once for each file of its corpus, and report it in TAP: the part of fuzzing that any compiler can
+ * do.
  *
  * fuzz_NAME [FILE OR FOLDER...]; without one, build/corpus/NAME, which `tests/fuzz/corpus.py unpack` writes. The last file named is
  * the one at which it crashed.

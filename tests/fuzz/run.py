@@ -1,7 +1,8 @@
 #!/usr/bin/python3
-# Run every fuzzer of build/fuzz with its corpus for so many seconds, one after the other, and print a line for each: how many inputs it
-# ran and what it found. Inputs that showed a fault are in build/fuzz/found/NAME, the log is build/fuzz/found/NAME.txt. Inputs that
-# reach new code are in build/fuzz/new/NAME, and the next run begins with them. make fuzz-pack adds such a folder to the corpus.
+# Run every fuzzer of build/fuzz with its corpus for so many seconds, one after the other, and print a line for each: how many
+# inputs it ran and what it found. Inputs that showed a fault are in build/fuzz/found/NAME, the log is build/fuzz/found/NAME.txt.
+# Inputs that reach new code are in build/fuzz/new/NAME, and the next run begins with them. make fuzz-pack adds such a folder to the
+# corpus.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import argparse
 import os

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
-# Pack what a machine with a graphics processor needs to run the programs that draw, without packages or a compiler: the unit programs that
-# make a context (tests/gl_choice.h), the command, benches, the libraries that ldd names, and run.sh. `make gpu-kit` builds and calls it.
+# Pack what a machine with a graphics processor needs to run the programs that draw, without packages or a compiler: the unit
+# programs that make a context (tests/gl_choice.h), the command, benches, the libraries that ldd names, and run.sh. `make gpu-kit`
+# builds and calls it.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import argparse
 import pathlib

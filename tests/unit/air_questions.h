@@ -199,7 +199,7 @@ static inline void check_errors(const errors *e, double most, double mean, doubl
     assert_true(e->large < share * e->count);
 }
 
-/* A point of gl_points.h asks for one channel of a question. */
+/* A point of gl_points.h requests one channel of a question. */
 static const char air_ask_text[] = "struct question { vec4 lamp, way, axis, scattering, extinction, rest, more; };\n"
                                    "layout(std430, binding = 0) readonly buffer asked { question questions[]; };\n"
                                    "flat in int vertex;\n"

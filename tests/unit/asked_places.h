@@ -1,4 +1,4 @@
-/* Places in lights, and what C says of them in each of the ways that it can be asked, which have to agree bit for bit. Included
+/* Places in lights, and the results in C in each of the ways that it can be queried, which have to agree bit for bit. Included
  * behind cmocka.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef ASKED_PLACES_H
@@ -95,9 +95,9 @@ static inline void check_lookups(const asked_places *a)
     }
 }
 
-/* Ask C in all ways.
+/* Query C in all ways.
  * light  whose words are some; of any kind and coding
- * a      [out] what others are to be asked, and the answer */
+ * a      [out] what others are to be queried, and the answer */
 static inline void ask_places(asked_places *a, rng *r, const vxs_baked_light *light)
 {
     int32_t  side = 1 << light->light.levels, map = (int32_t)rng_below(r, vxs_map_count(&light->light));
@@ -109,7 +109,7 @@ static inline void ask_places(asked_places *a, rng *r, const vxs_baked_light *li
     for (int n = 0; n < PLACES; n++) {
         ask_place(a, r, n, map, middle, reach);
         if (a->places[n].map < 0) a->places[n].map = map;
-        /* a single tap is asked of the map alone */
+        /* a single tap is queried of the map alone */
         for (int axis = 0; axis < 2 && !a->filter.is_smooth && a->filter.width_px == 1; axis++)
             a->places[n].voxel[axis] = vxs_clamp(a->places[n].voxel[axis], 0, side - 1);
         check_counts(a, a->places[n]);

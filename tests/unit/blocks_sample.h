@@ -1,6 +1,6 @@
-/* Palette blocks written by the book, for tests of lookups: random depths of maps, and words that say the same. Nothing is made small;
- * instead every variant of the layout (formats/vxs_lookup_blocks.h) is chosen at random where the depths allow it. Patterns lie in front of
- * the block that uses them, blocks in front of their node.
+/* Palette blocks written by the book, for tests of lookups: random depths of maps, and words that agree. Nothing is made small;
+ * instead every variant of the layout (formats/vxs_lookup_blocks.h) is chosen at random where the depths allow it. Patterns lie in
+ * front of the block that uses them, blocks in front of their node.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef BLOCKS_SAMPLE_H
 #define BLOCKS_SAMPLE_H
@@ -262,7 +262,7 @@ static inline void put_pattern(blocks_sample *s, rng *r, half_list *list, const 
             int32_t bits = 0;
             for (uint32_t z = 0; z < 16; z++) bits |= (index[16 * c + z] <= n) << z;
             uint32_t state = bits == 0 ? 0 : bits == 0xffff ? 1 : bits == last && rng_below(r, 8) ? 3 : 2;
-            if (state < 2 && !rng_below(r, 8)) state = 2; /* a half that says so */
+            if (state < 2 && !rng_below(r, 8)) state = 2; /* a half that stores it */
             if (state == 2) put_half(&quadrants, (uint32_t)(last = bits));
             states[n] |= (uint8_t)(state << 2 * c);
             s->states[state]++;
@@ -376,7 +376,7 @@ static inline void plan_tiles(block_plan *b, rng *r)
         if (!((b->uniform | planes) >> t & 1) && (!rng_below(r, 5) || !depth_set_join(&b->palette, b->depths[t])))
             b->own |= 1u << t;
     b->uniform &= ~b->own;
-    if (!b->palette.count || (b->palette.count < BLOCKS_PALETTE_MAX && !rng_below(r, 8))) /* an entry that nobody uses */
+    if (!b->palette.count || (b->palette.count < BLOCKS_PALETTE_MAX && !rng_below(r, 8))) /* an unused entry */
         depth_set_add(&b->palette, rng_between(r, 0, held_depth(b->least[rng_below(r, 16)], 1 << 18)));
 
     b->far = !rng_below(r, 8);

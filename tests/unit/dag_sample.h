@@ -1,5 +1,5 @@
 /* Random DAGs for tests of the format and of lookups, and what they mean: every slice of the map, expanded from the references.
- * Nodes are shared, repeat their neighbours, end early in lit or shadow, and some are reached by nobody.
+ * Nodes are shared, repeat their neighbours, end early in lit or shadow, and some are not referenced.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DAG_SAMPLE_H
 #define DAG_SAMPLE_H

@@ -1,5 +1,5 @@
-/* Files for tests of the format: read, with what was found in them, and taken apart, to be changed inside and put together again with
- * checksums that hold. Include after <cmocka.h>.
+/* Files for tests of the format: read, with what was found in them, and taken apart, to be changed inside and put together again
+ * with checksums that hold. Include after <cmocka.h>.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef FORMAT_PARTS_H
 #define FORMAT_PARTS_H
@@ -24,8 +24,8 @@ typedef struct findings {
     uint64_t offset;
 } findings;
 
-/* Whether a finding is one of palette blocks, of smoke, or of points: test_format_blocks.c, test_smoke_file.c and test_points_file.c produce it; test_format.c all
- * others. */
+/* Whether a finding is one of palette blocks, of smoke, or of points: test_format_blocks.c, test_smoke_file.c and
+ * test_points_file.c produce it; test_format.c all others. */
 static inline int is_of_blocks(int number)
 {
     return number == 212 || number == 309 || number == 310 || number / 100 == 5;

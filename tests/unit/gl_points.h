@@ -1,5 +1,5 @@
-/* Questions to a shader, each a point that is drawn into a pixel of its own, so that versions without compute shaders are asked the same
- * way. Included behind cmocka.h, with baker/lab/opengl/gl.h first of all.
+/* Questions to a shader, each a point that is drawn into a pixel of its own, so that versions without compute shaders are queried
+ * the same way. Included behind cmocka.h, with baker/lab/opengl/gl.h first of all.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef GL_POINTS_H
 #define GL_POINTS_H

@@ -1,5 +1,5 @@
-/* Questions to the words of lights, texel by texel: what shaders of libvxs_gl answer, and C. Included behind cmocka.h, with baker/lab/opengl/gl.h
- * first of all.
+/* Questions to the words of lights, texel by texel: what shaders of libvxs_gl answer, and C. Included behind cmocka.h, with
+ * baker/lab/opengl/gl.h first of all.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef GL_TAPS_H
 #define GL_TAPS_H
@@ -21,7 +21,8 @@ static inline vxs_filter filter_of_code(float code)
     return (vxs_filter){(int32_t)code & 255, (int32_t)code >> 8};
 }
 
-/* Position: texels and depth; normal: light, map, filter code. A smooth box lies in its texel as that one's place says. `last` makes an answer of `dark`. */
+/* Position: texels and depth; normal: light, map, filter code. A smooth box lies in its texel as that one's place says. `last`
+ * makes an answer of `dark`. */
 #define TAPS_BODY(last)                                                                                                            \
     "flat in vec3 position_ws;\n"                                                                                                  \
     "flat in vec3 normal_ws;\n"                                                                                                    \

@@ -24,7 +24,7 @@ static run_context m;
 static char        folder[] = "/tmp/vxs_gltf_XXXXXX";
 static char        path[256];
 
-static scene_choice chosen; /* what load_file asks for, but for the scene */
+static scene_choice chosen; /* what load_file requests, but for the scene */
 
 #define LIGHTS "'extensions':{'KHR_lights_punctual':{'lights':["
 #define USE(n) "'extensions':{'KHR_lights_punctual':{'light':" #n "}}"

@@ -1,5 +1,5 @@
-/* Random pages and resident parts in canonical order, and a check of words against the layout as a lookup meets it: both written from
- * the layout alone, they share nothing with the coder.
+/* Random pages and resident parts in canonical order, and a check of words against the layout as a lookup meets it: both written
+ * from the layout alone, they share nothing with the coder.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef PAGE_SAMPLE_H
 #define PAGE_SAMPLE_H

@@ -39,7 +39,7 @@ static inline void random_direction(rng *r, double *out)
     make_unit(out);
 }
 
-/* What a punctual light is made of, beside what the file says of it. */
+/* Parts of a punctual light besides those in the file. */
 typedef struct punctual {
     vxs_light light;
     double    axis[3][3]; /* of light space, in world space */

@@ -1,5 +1,5 @@
-/* How much of a test with many random inputs is asked: a part, or all of it where VXS_TEST_REPEATS=all (make check-repeats). Whatever a test
- * is there to see has to show in the part.
+/* How much of a test with many random inputs is queried: a part, or all of it where VXS_TEST_REPEATS=all (make check-repeats).
+ * Whatever a test is there to see has to show in the part.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef REPEATS_H
 #define REPEATS_H

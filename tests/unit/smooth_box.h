@@ -5,7 +5,8 @@
 
 #include <stdint.h>
 
-/* How much of texel x a row of `width` texels about a place covers, in 1/256 of it; the place is in texel i, within / 256 from its near side. */
+/* How much of texel x a row of `width` texels about a place covers, in 1/256 of it; the place is in texel i, within / 256 from its
+ * near side. */
 static inline uint32_t smooth_overlap(int64_t x, int64_t i, uint32_t within, int width)
 {
     int64_t begin = 256 * i + within - 128 * width, end = begin + 256 * width, near = 256 * x, far = near + 256;

@@ -133,7 +133,7 @@ typedef struct stream_tally {
     uint32_t full, coarse, other;
 } stream_tally;
 
-/* Lookups in a stream's light: each says what the file says, or what a file without pages says. */
+/* Lookups in a stream's light: each gives the answer of the file, or what a file without pages says. */
 static inline void stream_check_light(const stream_sample *s, const vxs_baked_light *light, uint32_t number, rng *r, int count,
                                       stream_tally *tally)
 {

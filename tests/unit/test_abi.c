@@ -1,6 +1,6 @@
-/* What programs that are built against the headers rely on: the layout of structs that they share with the library, on 64-bit systems.
- * A change here breaks programs: it wants another VXS_VERSION_MAJOR, but for fields behind the last one of a struct that begins with its
- * struct_size. test_install.py looks at the names.
+/* What programs that are built against the headers rely on: the layout of structs that they share with the library, on 64-bit
+ * systems. A change here breaks programs: it wants another VXS_VERSION_MAJOR, but for fields behind the last one of a struct that
+ * begins with its struct_size. test_install.py looks at the names.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <stdint.h>
 #include <stdio.h>
@@ -14,7 +14,7 @@
 #include "runtime/vxs_query.h"
 #include "runtime/vxs_stream.h"
 
-/* last, as they want the above */
+/* last, because they need the headers above */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -179,7 +179,8 @@ static void readers_look_at_the_size(void **state)
     assert_int_equal(found, 2);
 }
 
-/* A program that was built with newer headers, of which it uses nothing new: it works, whatever lies in memory behind the library's copies. */
+/* A program that was built with newer headers, of which it uses nothing new: it works, whatever lies in memory behind the library's
+ * copies. */
 static void newer_descriptions_open_assets(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* Smoke between the VPLs of an area light and what they light, on llvmpipe, against each VPL's own rays through the same capsules
- * in double: surfaces, air, VPLs that are far away; what is not asked again, misuse, and no number that is none.
+ * in double: surfaces, air, VPLs that are far away; what is not queried again, misuse, and no number that is none.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h"
 
@@ -10,7 +10,7 @@
 #include "random_light.h"
 #include "repeats.h"
 
-/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
+/* last: cmocka's macro fail() hides the function of run_context.h, and it needs the four headers above */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

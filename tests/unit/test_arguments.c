@@ -11,7 +11,7 @@
 #include "runtime/vxs.h"
 #include "smooth_box.h"
 
-/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
+/* last: cmocka's macro fail() hides the function of run_context.h, and it needs the four headers above */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -105,7 +105,7 @@ static uint32_t tap(const subject *s, int map, int64_t x, int64_t y, uint32_t k)
                     : blocks_sample_shadow(&s->blocks, (uint32_t)map, (uint32_t)x, (uint32_t)y, k);
 }
 
-/* The width that a filter counts as, as formats/vxs_file.h says. */
+/* The width that a filter counts as, as in formats/vxs_file.h. */
 static int meaning(vxs_filter filter)
 {
     int64_t width = filter.width_px;
@@ -186,7 +186,7 @@ static void tricky_place(const subject *s, rng *r, int map, double at[3], double
     }
 }
 
-/* What the volume of a light holds, as runtime/vxs.h says. */
+/* What the volume of a light holds, as in runtime/vxs.h. */
 static int is_inside(const subject *s, const double at[3], const double point[3])
 {
     const vxs_light *l = &s->baked.light;
@@ -268,7 +268,7 @@ static void check_normals(subject *s, rng *r)
             assert_true((found == VXS_OUTSIDE) == (in_the_air == VXS_OUTSIDE)); /* held in the map */
             continue;
         }
-        int32_t moved[3]; /* how far, is asked in test_bias.c */
+        int32_t moved[3]; /* how far, is queried in test_bias.c */
         double  voxel[3];
         float   wanted = VXS_OUTSIDE;
         map            = vxs_voxel(&s->baked.light, point, normal, filter, moved);

@@ -749,7 +749,7 @@ static void test_too_little_memory(void **state)
     vxs_bake_bytes_free(&file);
 }
 
-/* What the caller's thread has of floating point is not asked, and not changed. */
+/* What the caller's thread has of floating point is not queried, and not changed. */
 static void test_floating_point_of_the_caller(void **state)
 {
     (void)state;

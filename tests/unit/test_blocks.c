@@ -1,5 +1,5 @@
-/* Palette blocks from columns (baker/coding/blocks/): every column of random maps against the contract, deep maps of 262144 texels, formulas, the
- * same words at any number of threads and any size of fetched squares, pages, and failing calls.
+/* Palette blocks from columns (baker/coding/blocks/): every column of random maps against the contract, deep maps of 262144 texels,
+ * formulas, the same words at any number of threads and any size of fetched squares, pages, and failing calls.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -368,7 +368,8 @@ static void shapes_of_formulas(void **state)
         }
 }
 
-/* Each call of a source fails once, with one and with three threads: its result comes back, and all that was taken is given back. */
+/* Each call of a source fails once, with one and with three threads: its result comes back, and all that was taken is given back.
+ * */
 static void failing_calls(void **state)
 {
     (void)state;
@@ -434,7 +435,8 @@ static void piercing(void **state)
     }
 }
 
-/* A tile uses as few entries as it can; a mask is dark where a texel has none from the next entry on, lit where it has none up to the last. */
+/* A tile uses as few entries as it can; a mask is dark where a texel has none from the next entry on, lit where it has none up to
+ * the last. */
 static void needs_of_tiles(void **state)
 {
     (void)state;
@@ -543,7 +545,8 @@ static uint64_t rng_mask(rng *r)
     return half << 32 | rng_u32(r);
 }
 
-/* What the processor has decides how long a search takes, not what it finds: also beyond the window, and where it begins within 16. */
+/* What the processor has decides how long a search takes, not what it finds: also beyond the window, and where it begins within 16.
+ * */
 static void searches_find_the_same(void **state)
 {
     (void)state;
@@ -565,7 +568,8 @@ static void searches_find_the_same(void **state)
     for (int cpu = CPU_SSE2; cpu <= CPU_AVX2; cpu++) pattern_set_free(&set[cpu]);
 }
 
-/* A quadrant has as few depths as its ranges can do with: those are stabbed one by one, the one that ends first before all others. */
+/* A quadrant has as few depths as its ranges can do with: those are stabbed one by one, the one that ends first before all others.
+ * */
 static void quadrants_have_few_depths(void **state)
 {
     (void)state;
@@ -613,8 +617,8 @@ static int fits_somewhere(const private_pattern *p, const tile_ranges *t)
     return least <= most;
 }
 
-/* The depths of an own pattern suit each tile that has it, and so does all that is left of its ranges: at any base, near and far apart. A new
- * one is made where none does. */
+/* The depths of an own pattern suit each tile that has it, and so does all that is left of its ranges: at any base, near and far
+ * apart. A new one is made where none does. */
 static void private_patterns_agree(void **state)
 {
     (void)state;

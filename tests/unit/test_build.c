@@ -1,5 +1,5 @@
-/* Whole maps from columns, against formulas (baker/coding/dag/build.h, dag.h): every voxel of small maps, columns of maps of 262144 texels, the
- * work that is done for them, merging, and errors of every call.
+/* Whole maps from columns, against formulas (baker/coding/dag/build.h, dag.h): every voxel of small maps, columns of maps of 262144
+ * texels, the work that is done for them, merging, and errors of every call.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <setjmp.h>
 #include <stdarg.h>

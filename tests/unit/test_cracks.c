@@ -1,5 +1,5 @@
-/* No light falls between sheets that meet: some million columns of panels (tests/columns/panels.h), from both sources. tests/bench/cracks.c
- * looks at any number of them.
+/* No light falls between sheets that meet: some million columns of panels (tests/columns/panels.h), from both sources.
+ * tests/bench/cracks.c looks at any number of them.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <setjmp.h>
 #include <stdarg.h>

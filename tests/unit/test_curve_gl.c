@@ -1,5 +1,5 @@
-/* Transmittance curves of runtime/volumes/vxs_curve.h in a shader on llvmpipe against the same text in C in float: nodes, and what lies between them, to
- * 1e-6.
+/* Transmittance curves of runtime/volumes/vxs_curve.h in a shader on llvmpipe against the same text in C in float: nodes, and what
+ * lies between them, to 1e-6.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h"
 
@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "baker/base/random.h"
-/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
+/* last: cmocka's macro fail() hides the function of run_context.h, and it needs the four headers above */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -22,7 +22,7 @@
 #define VXS_REAL_MIN 1e-30f
 #include "runtime/volumes/vxs_curve.h"
 
-/* What is asked of a curve: its numbers as they are stored, and depths, along lines and exponentials. */
+/* What is queried of a curve: its numbers as they are stored, and depths, along lines and exponentials. */
 enum { NODES = 8, DEPTHS = 8, ASKED = 2 * NODES + 2 * DEPTHS, CURVES = QUERIES / ASKED, SEGMENTS = 1000, MOST = 40 };
 
 static const char ask_text[] =
@@ -66,7 +66,7 @@ static void use_curve(drawing *d)
     for (int n = 0; n <= PATHS; n++) free(texts[n]);
 }
 
-/* entry, exit, through, and a depth to ask at. */
+/* entry, exit, through, and a depth to query at. */
 static void random_segments(rng *r, float (*segments)[4])
 {
     for (int n = 0; n < SEGMENTS; n++) {

@@ -375,7 +375,7 @@ static int by_hash(const void *a, const void *b)
     return x < y ? -1 : x > y;
 }
 
-/* Pairs of different masks whose hashes a table cannot tell apart: of 300 000 masks about ten pairs share 32 bits. */
+/* Pairs of different masks whose hashes a table cannot distinguish: of 300 000 masks about ten pairs share 32 bits. */
 static void masks_whose_hashes_meet(void **state)
 {
     enum { COUNT = 300000 };
@@ -520,7 +520,8 @@ static dag map_of(const dag *d, uint32_t map)
     return one;
 }
 
-/* Six maps, added map by map, square by square, or backwards: each is what it is alone, and what they have in common is there once. */
+/* Six maps, added map by map, square by square, or backwards: each is what it is alone, and what they have in common is there once.
+ * */
 static void six_maps_share_one_dag(void **state)
 {
     enum { MAPS = 6, SIDE = 32 };

@@ -3,7 +3,7 @@
  *
  * The scenes are written in the light's space, u and v in texels and z in voxels, so that the light's matrix is the
  * identity. Rasterizers snap vertices to 1/256 texel and interpolate in float: texels whose centre is within 1/128 of an
- * edge are not asked, and depths may differ by a tolerance that grows with a triangle's slope. Faces within it of each other
+ * edge are not queried, and depths may differ by a tolerance that grows with a triangle's slope. Faces within it of each other
  * may swap places; then x has a range instead of a value. SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 #include <setjmp.h>
@@ -921,7 +921,7 @@ static void render_punctual(const casters *c, const vxs_light *light, int map, e
     depth_renderer_destroy(r);
 }
 
-/* All maps of a light, peeled and with nearest backs; returns texels with casters that were asked. */
+/* All maps of a light, peeled and with nearest backs; returns texels with casters that were queried. */
 static size_t check_punctual(const mesh *k, const light_shape *shape, uint32_t side)
 {
     vxs_light      light;

@@ -12,7 +12,7 @@
 #include "repeats.h"
 #include "runtime/volumes/vxs_epipolar.h"
 
-/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
+/* last: cmocka's macro fail() hides the function of run_context.h, and it needs the four headers above */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -300,7 +300,7 @@ static void test_extremes(void **state)
 
 /* shaders ---------------------------------------------------------------------------------------------------------------------- */
 
-/* A point of gl_points.h asks for a number: the frame and the ranges, a place's angles, the place of these, alpha of it on its
+/* A point of gl_points.h requests a number: the frame and the ranges, a place's angles, the place of these, alpha of it on its
  * light ray. */
 enum { ANSWERS = 32 };
 static const char ask_text[] =
@@ -334,7 +334,7 @@ static const char ask_text[] =
     "}\n";
 
 /* Floats against doubles. Where the axis is nearly that of the view its frame turns about it by a rounding error, and ranges may be
- * all of theta in one and not in the other: such views are not asked. */
+ * all of theta in one and not in the other: such views are not queried. */
 static void test_shader(void **state)
 {
     (void)state;

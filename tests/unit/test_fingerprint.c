@@ -158,7 +158,7 @@ static void sharing_does_not_count(void **state)
     (void)state;
     CHANGED(0, memcpy(w.positions[4], w.positions[0], sizeof w.positions[0]); w.indices[3] = 4; w.s.vertex_count = 5);
     CHANGED(0, w.s.image_count = w.s.alpha_mask_count = 2; w.holed[0].mask = 1);
-    CHANGED(0, w.s.vertex_count = 6); /* that nobody uses */
+    CHANGED(0, w.s.vertex_count = 6); /* unused */
 }
 
 /* Another triangle before those with holes is no other mask. */

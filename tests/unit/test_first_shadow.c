@@ -5,7 +5,7 @@
 #include "query_lights.h"
 #include "tests/unit/repeats.h"
 
-/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
+/* last: cmocka's macro fail() hides the function of run_context.h, and it needs the four headers above */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -120,7 +120,8 @@ static void test_dags(void **state)
     }
 }
 
-/* Without pages, what is said is what lookups say, and is said to be coarse; what is not said to be so is what the file says. */
+/* Without pages, what is said is answers of lookups, and is reported as coarse; what is not said to be so is the answer of the
+ * file. */
 static void test_missing_pages(void **state)
 {
     (void)state;

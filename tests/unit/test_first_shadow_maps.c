@@ -6,7 +6,7 @@
 #include "baker/coding/blocks/blocks.h"
 #include "tests/columns/analytic.h"
 
-/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
+/* last: cmocka's macro fail() hides the function of run_context.h, and it needs the four headers above */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -17,7 +17,8 @@
 #include "tests/columns/stored_maps.h"
 #include "tests/unit/blocks_built.h"
 
-/* Between the depths that light was built from: the voxel before is not dark by the contract, and the first shadow is not lit by it. */
+/* Between the depths that light was built from: the voxel before is not dark by the contract, and the first shadow is not lit by
+ * it. */
 static void test_against_depth_maps(void **state)
 {
     (void)state;

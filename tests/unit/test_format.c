@@ -1,4 +1,4 @@
-/* The .vxs format: what is written is read back, and bytes that break a rule of formats/vxs.md are refused with their finding.
+/* The .vxs format: written data is read back, and bytes that break a rule of formats/vxs.md are refused with their finding.
  *
  * Checksums would hide the deeper checks, so files are also taken apart, changed inside, and put together again with checksums
  * that hold. Whatever is accepted then must be safe to look up: `walk` follows every offset.
@@ -11,7 +11,7 @@
 #include "dag_sample.h"
 #include "formats/vxs_lookup.h"
 
-/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
+/* last: cmocka's macro fail() hides the function of run_context.h, and it needs the four headers above */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -77,7 +77,7 @@ static void walk(const vxs_baked_light *l)
     }
 }
 
-/* An accepted file is safe, a refused one says why. */
+/* An accepted file is safe, a refused one gives the reason. */
 static int accepted(const vxs_bytes *file)
 {
     vxs_contents contents;
@@ -164,7 +164,7 @@ static vxs_bytes punctuals_file(void)
     return file;
 }
 
-/* what is written is read back ------------------------------------------------------------------------------------------------- */
+/* written data is read back ------------------------------------------------------------------------------------------------- */
 
 static void check_map(const vxs_baked_light *baked, uint32_t root, const dag_sample *s)
 {
@@ -395,7 +395,7 @@ static void test_optional_sections_are_skipped(void **state)
     take_apart(&p, &file);
     free(file.data);
     part *unknown  = add_part(&p, 0x31323334, VXS_SECTION_OPTIONAL, "not for this reader", 19);
-    unknown->light = 7; /* nobody knows what it belongs to */
+    unknown->light = 7; /* it belongs to nothing */
     unknown->level = 99;
     unknown->stored.data[0] ^= 0xff; /* nor whether it is a zstd frame */
     add_part(&p, 0x31323334, VXS_SECTION_OPTIONAL, "twice", 5);
@@ -826,7 +826,7 @@ static void test_punctual_findings(void **state)
     punctual_flags(404, 0, VXS_LIGHT_CUBE); /* one root is not six */
     punctual_flags(404, 1, 0);              /* nor six one */
     light_finding(307, VXS_LIGHT_FLAGS, "\3", 1);
-    /* a sun that says that it is a punctual light, with nothing else changed */
+    /* a sun that is marked as a punctual light, with nothing else changed */
     light_finding(308, VXS_LIGHT_KIND, "\2", 1);
     light_finding(308, VXS_LIGHT_KIND, "\3", 1);
 }
@@ -996,7 +996,7 @@ static void test_level_findings(void **state)
     LEVEL(403, 1, 1, 0, 0, 0, 0x1a, 0x93, 1, 0, 0);    /* back from nothing */
     LEVEL(403, 1, 1, 0, 0, 0, 0x1a, 0x93, 0, 2, 0);
     LEVEL(404, 1, 1, 0, 0, 0, 0x1a, 0x93, 0, 0, 0);          /* a third node, where there are two */
-    LEVEL(404, 1, 1, 0, 0, 0, 0x1a, 0x93, 0, 1, 1);          /* the second is nobody's */
+    LEVEL(404, 1, 1, 0, 0, 0, 0x1a, 0x93, 0, 1, 1);          /* the second is unused */
     LEVEL(404, 1, 0, 0, 0, 0);                               /* no root */
     LEVEL(404, 1, 2, 0, 0, 0, 0, 0, 0, 0);                   /* two */
     LEVEL(405, 1, 1, 0, 0, 0, 0x1a, 0x93, 0, 0x80, 0x00, 1); /* 0 in two bytes */
@@ -1036,7 +1036,7 @@ static void test_memory_limit(void **state)
     assert_in_range(a.peak_bytes, 1, desc.memory_limit_bytes);
     assert_int_equal(a.live_bytes, 0);
 
-    /* nobody asks for it: it is not inflated */
+    /* it is not requested, so it is not inflated */
     desc.metadata = 0;
     a             = (alloc_fail){0};
     assert_int_equal(vxs_read(&contents, file.data, file.size_bytes, &desc), VXS_OK);

@@ -76,7 +76,7 @@ static block_words make_words_of_pages(void)
     return w;
 }
 
-/* Made once: each test that asks gets a copy of its own. */
+/* Made once: each test that queries gets a copy of its own. */
 static block_words words_of_pages(void)
 {
     static block_words made;
@@ -131,7 +131,7 @@ static vxs_bytes paged_file(void)
     return file;
 }
 
-/* what is written is read back ------------------------------------------------------------------------------------------------- */
+/* written data is read back ------------------------------------------------------------------------------------------------- */
 
 static void check_parts(const vxs_baked_light *l, const block_words *w)
 {
@@ -311,7 +311,7 @@ static void test_write_refuses(void **state)
 
 /* damaged files ---------------------------------------------------------------------------------------------------------------- */
 
-/* An accepted file is safe to ask, a refused one says why. */
+/* An accepted file is safe to query, a refused one gives the reason. */
 static int accepted(const vxs_bytes *file)
 {
     vxs_contents contents;
@@ -476,7 +476,7 @@ static void version_one_without_flags(parts *p)
     p->version            = 1;
     resident_of(p)->flags = pages_of(p)->flags = 0;
 }
-/* A section becomes one that nobody knows or needs. */
+/* A section becomes one of an unknown, optional kind. */
 static void drop(part *gone)
 {
     gone->kind  = 0x31323334;
@@ -866,7 +866,7 @@ static void test_pauses(void **state)
     block_words_free(&w);
 }
 
-/* Pages that are wrong: the first one is told, and all where all are wanted, in their order. */
+/* Pages that are wrong: the first one is reported, and all where all are wanted, in their order. */
 static void test_findings_on_any_threads(void **state)
 {
     (void)state;
@@ -962,7 +962,7 @@ static void test_memory_of_threads(void **state)
 
 /* memory ----------------------------------------------------------------------------------------------------------------------- */
 
-/* A page that says that it takes as much as a page may, and a resident part that says that it takes a lot: refused before it is
+/* A page that claims that it takes as much as a page may, and a resident part that claims that it takes a lot: refused before it is
  * taken. */
 static void test_memory_limit(void **state)
 {

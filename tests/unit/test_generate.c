@@ -11,7 +11,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
+/* last: cmocka's macro fail() hides the function of run_context.h, and it needs the four headers above */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -500,7 +500,7 @@ static void test_empty_meshes_are_left_out(void **state)
     glb_scene_free(&s);
 }
 
-/* What is written is what is read. */
+/* Written data equals the data that is read. */
 
 static scene reread(glb_scene *s)
 {

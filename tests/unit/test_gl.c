@@ -14,7 +14,7 @@
 #include "repeats.h"
 #include "runtime/gl/vxs_gl.h"
 
-/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
+/* last: cmocka's macro fail() hides the function of run_context.h, and it needs the four headers above */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -27,7 +27,7 @@
 
 /* a context that tells lies, and counts ---------------------------------------------------------------------------------------- */
 
-/* What a context is said to be, which function it lacks, and what was made in it. */
+/* What a context is reported as, which function it lacks, and what was made in it. */
 static struct {
     const char *version, *lacks;
     int         buffers, textures, programs, live;
@@ -212,7 +212,7 @@ static query query_of(const asked_places *a, uint32_t light, int n)
                    {(float)(8 * light + (uint32_t)p->map), (float)(p->across | p->down << 8), filter_code(a->filter)}};
 }
 
-/* Ask C, draw the same places, and compare.
+/* Query C, draw the same places, and compare.
  * partly  [in, out] counts places that are neither lit nor dark */
 static void compare_places(const drawing *d, rng *r, const vxs_baked_light *lights, uint32_t count, const char *name,
                            uint64_t *partly)
@@ -802,7 +802,7 @@ static void test_state_is_restored(void **state)
     gl_context_destroy(d.gl);
 }
 
-/* Each allocation in turn fails, and each function in turn is not there; too old, too much, and nothing asked. */
+/* Each allocation in turn fails, and each function in turn is not there; too old, too much, and nothing queried. */
 static void test_refused(void **state)
 {
     static const char *const functions[] = {"glGetString",     "glGetError",      "glGetIntegerv", "glGenBuffers",
@@ -1115,7 +1115,7 @@ static void test_full_lists(void **state)
             assert_int_equal(vxs_gl_put_lists(gl, lists[0]), VXS_OK);
         else
             assert_int_equal(cull_by_shader(&d, gl, &view, depths, ROOM, lists[1]), VXS_OK);
-        for (int tile = 0; !storage && tile < TILES_WIDE * TILES_HIGH; tile++) { /* of all lights, whoever is asked first */
+        for (int tile = 0; !storage && tile < TILES_WIDE * TILES_HIGH; tile++) { /* of all lights, whoever is queried first */
             const uint32_t *list = lists[0] + VXS_LISTS_HEAD + tile * (ROOM + 1), *other = lists[1] + (list - lists[0]);
             differ += memcmp(list, other, (1 + (list[0] < ROOM ? list[0] : ROOM)) * sizeof *list) != 0;
         }

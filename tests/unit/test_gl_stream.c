@@ -7,7 +7,7 @@
 #include "alloc_fail.h"
 #include "repeats.h"
 
-/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
+/* last: cmocka's macro fail() hides the function of run_context.h, and it needs the four headers above */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -29,8 +29,8 @@ static int is_full_in_c(const vxs_baked_light *of, const query *q)
     return vxs_is_full_at_place(of->words, &of->light, place, filter_of_code(q->normal[2]));
 }
 
-/* Whether shaders answer as the file does, or as one without pages, as they say themselves; never in full where C does not; and when all is
- * uploaded, as C does of the same stream.   late  [in, out] counts those that are coarse for want of an upload */
+/* Whether shaders answer as the file does, or as one without pages, as they say themselves; never in full where C does not; and
+ * when all is uploaded, as C does of the same stream.   late  [in, out] counts those that are coarse for want of an upload */
 static void compare_stream(const drawing *d, rng *r, const stream_sample *s, const vxs_stream *stream, uint64_t left,
                            stream_tally *tally, uint32_t *late)
 {

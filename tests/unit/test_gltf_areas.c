@@ -1,11 +1,12 @@
-/* Area lights of glTF scenes: which triangles are one, where its corner and its sides are, how its texture lies, and what shines and is none.
- * In the JSON below ' stands for ", so that it can be read.
+/* Area lights of glTF scenes: which triangles are one, where its corner and its sides are, how its texture lies, and what shines
+ * and is none. In the JSON below ' stands for ", so that it can be read.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "tests/unit/gltf_file.h"
 
 #include <png.h>
 
-/* A parallelogram of the triangles 0 1 2, 0 2 3; its texture upright, and in mirror and three times; a bent one; other orders of the same corners. */
+/* A parallelogram of the triangles 0 1 2, 0 2 3; its texture upright, and in mirror and three times; a bent one; other orders of
+ * the same corners. */
 typedef struct area_bytes {
     float    corners[4][3], bent[4][3], uvs[4][2], others[4][2];
     uint16_t indices[6], strip[4], last_first[6];
@@ -76,7 +77,7 @@ static void expect_texels(const float *wanted, uint32_t wide, uint32_t high)
         if (fabs((double)a->texture[n] - (double)wanted[n]) > 4e-3) fail_msg("%zu is %g", n, (double)a->texture[n]);
 }
 
-/* Whatever the order of its corners, sides and front are the same; what shines more says so. */
+/* Whatever the order of its corners, sides and front are the same; a stronger emission has larger values. */
 static void test_corners(void **state)
 {
     (void)state;
@@ -118,7 +119,7 @@ static void test_textures(void **state)
     must_warn("its emissiveTexture is not read");
 }
 
-/* Nothing fails by what pictures alone ask for; and without the choice nothing is read. */
+/* Nothing fails by what pictures alone request; and without the choice nothing is read. */
 static void test_none(void **state)
 {
     (void)state;

@@ -10,7 +10,8 @@ static uint8_t bin[16384];
 static size_t  bin_size, image_at, image_bytes;
 
 /* The square of two triangles, its texture coordinates as floats (1) and as normalised shorts (2), colours with (3) and without
- * holes (4), a broken coordinate (5), indices (6), coordinates as bytes that are not normalised (7). Then the image: bufferView 1. */
+ * holes (4), a broken coordinate (5), indices (6), coordinates as bytes that are not normalised (7). Then the image: bufferView 1.
+ * */
 static struct {
     float    corners[4][3], uvs[4][2];
     uint16_t shorts[4][2];
@@ -285,7 +286,7 @@ static void test_blend_is_chosen(void **state)
     mode                              = "MASK";
 }
 
-/* Materials that let light through by an extension are walls, or nothing where that is asked for. */
+/* Materials that let light through by an extension are walls, or nothing where that is requested. */
 static void test_transmission_is_said(void **state)
 {
     (void)state;
@@ -417,7 +418,7 @@ static void expect_broken_image(const char *words)
     must_warn(words);
 }
 
-/* Every prefix of an image is broken, and says so; a PNG that promises too much is refused before it is decoded. */
+/* Every prefix of an image is broken, and reported so; a PNG that promises too much is refused before it is decoded. */
 static void test_hostile_images(void **state)
 {
     (void)state;

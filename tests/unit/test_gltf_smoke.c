@@ -218,7 +218,7 @@ static void test_more_than_there_may_be(void **state)
     must_fail(load_text(text, NULL), VXS_E_UNSUPPORTED, "16777216 capsules");
 }
 
-/* ---- what is written is read ---- */
+/* ---- written data is read back ---- */
 
 static void write_and_load(const glb_scene *from)
 {

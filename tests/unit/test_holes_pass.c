@@ -1,6 +1,6 @@
 /* Alpha-tested triangles in depth maps against the definition of masks (baker/scene/scene.h), texel by texel: rays through
- * texel centres in double, the mask asked where they meet the triangle. Texels whose answer changes within a small step of the
- * image are not asked: there the shader's float may differ.
+ * texel centres in double, the mask queried where they meet the triangle. Texels whose answer changes within a small step of the
+ * image are not queried: there the shader's float may differ.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 #include <setjmp.h>

@@ -9,7 +9,7 @@
 #include "random_light.h"
 #include "repeats.h"
 
-/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
+/* last: cmocka's macro fail() hides the function of run_context.h, and it needs the four headers above */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -283,7 +283,7 @@ static void check_parts(const asked_ray *ray, const answer *found)
     }
 }
 
-/* How much of a ray is said to be something else by intervals in double. */
+/* How much of a ray is reported as something else by intervals in double. */
 static double difference(const vxs_baked_light *light, const asked_ray *ray, const answer *found)
 {
     static vxs_interval list[8 * SPANS];

@@ -1,6 +1,6 @@
 /* The mesh about what a light reaches, of runtime/volumes/light_mesh.c, against shadow depth maps as they are defined.
  *
- * Whether it is closed is asked of its edges, exactly; where it is, of rays and of points, in double.
+ * Whether it is closed is queried of its edges, exactly; where it is, of rays and of points, in double.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 #include <stdlib.h>
@@ -9,7 +9,7 @@
 #include "random_light.h"
 #include "repeats.h"
 
-/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
+/* last: cmocka's macro fail() hides the function of run_context.h, and it needs the four headers above */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

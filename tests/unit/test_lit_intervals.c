@@ -7,7 +7,7 @@
 #include "query_lights.h"
 #include "tests/unit/repeats.h"
 
-/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
+/* last: cmocka's macro fail() hides the function of run_context.h, and it needs the four headers above */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -27,7 +27,7 @@ static void point_of(const vxs_ray *ray, double t, double *out)
     for (int n = 0; n < 3; n++) out[n] = ray->origin_ws[n] + t * ray->direction_ws[n];
 }
 
-/* What a single lookup says, as intervals say it. */
+/* The answer of a single lookup, as the state of an interval. */
 static int32_t state_at(const vxs_baked_light *l, const vxs_ray *ray, double t)
 {
     double p[3];
@@ -36,7 +36,7 @@ static int32_t state_at(const vxs_baked_light *l, const vxs_ray *ray, double t)
     return lit == VXS_OUTSIDE ? VXS_INTERVAL_OUTSIDE : lit == 1 ? VXS_INTERVAL_LIT : VXS_INTERVAL_SHADOW;
 }
 
-/* All intervals of a ray, asked for some at a time: without gaps, each unlike the one before it. */
+/* All intervals of a ray, requested some at a time: without gaps, each unlike the one before it. */
 static size_t intervals_of(const vxs_baked_light *l, const vxs_ray *ray, size_t at_a_time, vxs_interval *out)
 {
     vxs_lit_walk walk;
@@ -85,7 +85,7 @@ static int rounding_decides(const vxs_baked_light *l, const vxs_ray *ray, double
     return 0;
 }
 
-/* Anywhere on the ray the intervals say what a lookup says. Returns how many points rounding decides for. */
+/* Anywhere on the ray the intervals say the answer of a lookup. Returns how many points rounding decides for. */
 static uint32_t check_points(rng *r, const vxs_baked_light *l, const vxs_ray *ray, const vxs_interval *list, size_t count,
                              double slack)
 {

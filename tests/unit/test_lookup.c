@@ -6,7 +6,7 @@
 #include "runtime/vxs.h"
 #include "smooth_box.h"
 
-/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
+/* last: cmocka's macro fail() hides the function of run_context.h, and it needs the four headers above */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -180,7 +180,8 @@ static void test_smooth_random(void **state)
     assert_in_range(partly, 10000, 60000);
 }
 
-/* Of odd width about a texel's middle, and of even width about its corner, it is a box of whole texels; all of the widest fits 32 bits. */
+/* Of odd width about a texel's middle, and of even width about its corner, it is a box of whole texels; all of the widest fits 32
+ * bits. */
 static void test_smooth_of_whole_texels(void **state)
 {
     (void)state;

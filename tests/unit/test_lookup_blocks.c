@@ -8,7 +8,7 @@
 #include "smooth_box.h"
 #include "tests/unit/repeats.h"
 
-/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
+/* last: cmocka's macro fail() hides the function of run_context.h, and it needs the four headers above */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -172,8 +172,8 @@ static void test_lookups(void **state)
     assert_in_range(all.wide, 2, UINT32_MAX);
 }
 
-/* Every page, one after the other, and all of them, are not there: what they hold is answered by their entries, and so are filters that
- * need it, all else as before. */
+/* Every page, one after the other, and all of them, are not there: what they hold is answered by their entries, and so are filters
+ * that need it, all else as before. */
 static void test_absent_pages(void **state)
 {
     (void)state;
@@ -196,7 +196,8 @@ static void test_absent_pages(void **state)
 
 enum { FAR_PAGE = 11, FAR_BLOCK = 8, FAR_PATTERN = 15, FAR_WORDS = 24 }; /* block and pattern: words of the page */
 
-/* A map of 256 x 256 texels. One block of it has something: a tile on its plane, one with planes of its own, and others at its base. */
+/* A map of 256 x 256 texels. One block of it has something: a tile on its plane, one with planes of its own, and others at its
+ * base. */
 typedef struct far_block {
     node_slope  slope;
     uint32_t    plane_tile, private_tile;
@@ -298,7 +299,7 @@ static void test_far_bases(void **state)
     assert_in_range(partly, repeats(30000, 100000), UINT32_MAX);
 }
 
-/* Planes that no file has, steeper and deeper than 32 bits hold: vectors and words say the same, and nothing that is signed overflows. */
+/* Planes that no file has, steeper and deeper than 32 bits hold: vectors and words agree, and nothing that is signed overflows. */
 static void test_bad_planes(void **state)
 {
     rng r = {8};

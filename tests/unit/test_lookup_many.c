@@ -1,5 +1,5 @@
-/* Lookups of many points at once: each is what vxs_lookup says of it, bit for bit, whatever the layout of points and of answers, and
- * whoever their neighbours are.
+/* Lookups of many points at once: each is what vxs_lookup says of it, bit for bit, whatever the layout of points and of answers,
+ * and whoever their neighbours are.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 
@@ -7,7 +7,7 @@
 #include "query_lights.h"
 #include "tests/unit/repeats.h"
 
-/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
+/* last: cmocka's macro fail() hides the function of run_context.h, and it needs the four headers above */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

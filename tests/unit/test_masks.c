@@ -214,7 +214,7 @@ static void assert_contract(const tile_masks *m, const column_tile *t)
         assert_true(m->runs[r].until > k);
         for (int n = 0; n < 64; n++) {
             int dark = m->runs[r].mask >> n & 1;
-            assert_false(dark && k < t->e[n]); /* lit voxels end at e: the first of the run is the one to ask */
+            assert_false(dark && k < t->e[n]); /* lit voxels end at e: the first of the run is the one to query */
             assert_false(!dark && m->runs[r].until - 1 >= t->x[n]); /* dark ones begin at x: the last */
         }
         k = m->runs[r].until;

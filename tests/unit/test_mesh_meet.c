@@ -327,7 +327,7 @@ static void test_limits(void **state)
     pairs       found  = {.most = 5};
     mesh_search search = {.wanted = all, .found = keep, .user = &found, .overlaps_max = 10000, .tests_max = 10000};
     assert_int_equal(mesh_find_intersections(&soup, &search), VXS_OK);
-    assert_int_equal(found.count, 5); /* asked to end there */
+    assert_int_equal(found.count, 5); /* queried to end there */
     assert_int_equal(search.gave_up, 0);
 
     search.tests_max = 10;

@@ -105,7 +105,7 @@ static void test_larger_holes_are_left(void **state)
         assert_int_equal(b.s.triangle_count, count);
         done(&b, &r);
     }
-    /* unless they are asked for, by size and by number of edges */
+    /* unless they are requested, by size and by number of edges */
     for (int edges = 2; edges <= 3; edges++) {
         sample b = {0};
         sample_ball(&b, origin, 3, 16);
@@ -119,7 +119,7 @@ static void test_larger_holes_are_left(void **state)
 static void test_openings_are_no_holes(void **state)
 {
     (void)state;
-    /* a small cup, a leaf, a tube: whatever the size that is asked for */
+    /* a small cup, a leaf, a tube: whatever the size that is requested */
     sample b = {0};
     sample_ball(&b, origin, 0.02, 8);
     for (size_t t = b.s.triangle_count; t-- > 0;)

@@ -359,7 +359,7 @@ static void crowds_are_no_trouble(void **state)
     clear(&b);
 }
 
-/* Edges all in one line, each of which ends on most of the others: their pairs are not gone through, and somebody is told. */
+/* Edges all in one line, each of which ends on most of the others: their pairs are not gone through, and a warning is given. */
 static void endless_work_is_given_up(void **state)
 {
     enum { FLAGS = 20000 };

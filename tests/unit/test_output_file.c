@@ -12,7 +12,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
+/* last: cmocka's macro fail() hides the function of run_context.h, and it needs the four headers above */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -90,7 +90,7 @@ static void test_old_file_stays_until_commit(void **state)
     assert_int_equal(file_count(), 1);
 }
 
-/* Until it is complete, nobody sees it: what a kill would leave is nothing. */
+/* It is invisible until it is complete, so a kill leaves nothing. */
 static void test_no_name_until_commit(void **state)
 {
     (void)state;
@@ -198,7 +198,7 @@ static void test_commit_sees_a_full_standard_output(void **state)
     assert_string_equal(m.error, "standard output: cannot write: No space left on device");
 }
 
-/* open and check say the same of a file, and nothing is left of either. */
+/* open and check agree of a file, and nothing is left of either. */
 static void check_refused(const char *path, run_context m, vxs_result code, const char *says)
 {
     output_file f;

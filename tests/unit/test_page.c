@@ -1,6 +1,6 @@
-/* Pages and the resident part, to bytes and back (formats/vxs_page.h): the same words for all that the layout allows, and from bytes
- * that are damaged never words that a lookup could leave. The decoder is compiled a second time without SIMD: both must agree.
- * VXS_PAGES_OUT=FILE writes random resident parts and pages, and what they are to come to, instead.
+/* Pages and the resident part, to bytes and back (formats/vxs_page.h): the same words for all that the layout allows, and from
+ * bytes that are damaged never words that a lookup could leave. The decoder is compiled a second time without SIMD: both must
+ * agree. VXS_PAGES_OUT=FILE writes random resident parts and pages, and what they are to come to, instead.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -61,7 +61,8 @@ static int free_scratch(void **state)
     return 0;
 }
 
-/* Bytes and words without room behind them, so that a sanitizer sees what goes beyond; NULL, with the result, if they are refused. */
+/* Bytes and words without room behind them, so that a sanitizer sees what goes beyond; NULL, with the result, if they are refused.
+ * */
 static uint32_t *decode(const uint8_t *bytes, size_t size, uint32_t *word_count, vxs_result *result)
 {
     uint8_t *exact = malloc(size ? size : 1);
@@ -216,8 +217,8 @@ static void random_bytes_do_no_harm(void **state)
     }
 }
 
-/* The coder's symbols, as an encoder that is free to break every rule would choose them: random words of the coder behind a good head, so
- * that what is decoded goes on for long. */
+/* The coder's symbols, as an encoder that is free to break every rule would choose them: random words of the coder behind a good
+ * head, so that what is decoded goes on for long. */
 static void random_symbols_do_no_harm(void **state)
 {
     (void)state;
@@ -374,7 +375,7 @@ static void resident_parts_come_back(void **state)
             resident_free(&o);
         }
         if (l.page_count) {
-            l.words[8]     = 1; /* a page that is there is not told */
+            l.words[8]     = 1; /* a page that is there is not reported */
             vxs_bytes same = {0};
             assert_int_equal(vxs_resident_encode(&same, l.words, l.word_count, l.levels, l.map_count, &common.common), VXS_OK);
             assert_int_equal(same.size_bytes, bytes.size_bytes);
@@ -422,8 +423,8 @@ static void damaged_resident_parts_do_no_harm(void **state)
     }
 }
 
-/* Depths below min are lit, those above max shadowed: where min is above max, both are so. The coder does not write such an entry, and the
- * bytes of one, made by a coder without that rule, are refused. */
+/* Depths below min are lit, those above max shadowed: where min is above max, both are so. The coder does not write such an entry,
+ * and the bytes of one, made by a coder without that rule, are refused. */
 static void min_is_not_above_max(void **state)
 {
     (void)state;

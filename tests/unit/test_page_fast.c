@@ -1,6 +1,6 @@
-/* Pages and resident parts that are packed fast (formats/vxs_page_fast.h): the same words come back; frames of other sizes are refused; and
- * words are taken exactly where the coder of small ones takes them, which shares nothing with the check but the layout. What is taken
- * may be looked up.
+/* Pages and resident parts that are packed fast (formats/vxs_page_fast.h): the same words come back; frames of other sizes are
+ * refused; and words are taken exactly where the coder of small ones takes them, which shares nothing with the check but the
+ * layout. What is taken may be looked up.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -236,8 +236,8 @@ static void words_are_taken_where_the_coder_takes_them(void **state)
     assert_true(taken > 5 * seeds && refused > 5 * seeds);
 }
 
-/* Words that come from a frame may be anything: what is taken is a page that can be looked up, and that the coder takes, and is packed to
- * what it came from. */
+/* Words that come from a frame may be anything: what is taken is a page that can be looked up, and that the coder takes, and is
+ * packed to what it came from. */
 static void stored_words_that_are_taken_are_a_page(void **state)
 {
     (void)state;
@@ -274,7 +274,8 @@ static void stored_words_that_are_taken_are_a_page(void **state)
     assert_true(taken > 500 && refused > 500);
 }
 
-/* A node with a block with a tile with a pattern of these halves. kind: VXS_PATTERN_KINDS; of a palette the tile uses as many entries. */
+/* A node with a block with a tile with a pattern of these halves. kind: VXS_PATTERN_KINDS; of a palette the tile uses as many
+ * entries. */
 static void make_page_of_pattern(uint32_t kind, uint32_t entries, const uint16_t *halves, uint32_t count)
 {
     uint32_t node_words = 10 + (entries + 3) / 4, *w = page.words;
@@ -581,7 +582,7 @@ static void resident_parts_come_back(void **state)
     for (uint64_t seed = 0; seed < 36; seed++) {
         case_make(&rc, seed, (uint32_t)seed % SAMPLE_COMMON_MAX, levels[seed % 9], seed % 4 == 1 ? 6 : 1);
         light_sample *l = &rc.light;
-        if (l->page_count) l->words[8] = 7; /* where pages start is not told */
+        if (l->page_count) l->words[8] = 7; /* where pages start is not reported */
         assert_int_equal(case_unpack_words(&rc), VXS_OK);
         if (l->page_count) l->words[8] = 0;
         assert_memory_equal(rc.out.words, l->words, 4 * l->word_count);

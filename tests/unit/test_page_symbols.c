@@ -1,6 +1,6 @@
-/* What the decoder of pages makes of any symbols (formats/vxs_page_model.h): the coder is taken out, and symbols are drawn by chance, or
- * come from a list, so that nothing but the walk's own checks stands between them and the words. What it takes must keep the rules of the
- * layout.
+/* What the decoder of pages makes of any symbols (formats/vxs_page_model.h): the coder is taken out, and symbols are drawn by
+ * chance, or come from a list, so that nothing but the walk's own checks stands between them and the words. What it takes must keep
+ * the rules of the layout.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -285,7 +285,8 @@ static const symbol_list lists[] = {
     {"no such place of a block", VXS_E_CORRUPT, 4, 0, TWICE(ALL_ON, FLAT, LEAST, BASE, 4, 0, BASE)},
 };
 
-/* What lies behind the heads of a page and of a resident part: words of the coder, of which symbols of a list take none, and its states. */
+/* What lies behind the heads of a page and of a resident part: words of the coder, of which symbols of a list take none, and its
+ * states. */
 typedef struct coded_end {
     uint32_t words, states[2];
 } coded_end;

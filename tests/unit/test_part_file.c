@@ -139,7 +139,7 @@ static int remove_part(void **state)
     return 0;
 }
 
-/* The part and all of its squares. One line says what is wrong, whatever it is. */
+/* The part and all of its squares. One line names the fault, whatever it is. */
 static vxs_result read_part(const part_copy *f)
 {
     run_context m = {0};

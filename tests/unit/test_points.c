@@ -1,4 +1,4 @@
-/* Point lines and the choice of lights: what is accepted, what is said about the rest.
+/* Point lines and the choice of lights: what is accepted, messages about the rest.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,4 +1,4 @@
-/* Points of what casts in a .vxs file: what is written is read back within its rounding, in the order of formats/vxs.md section 16;
+/* Points of what casts in a .vxs file: written data is read back within its rounding, in the order of formats/vxs.md section 16;
  * what breaks a rule is refused with its finding.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
@@ -8,7 +8,7 @@
 #include "random_light.h"
 #include "runtime/vxs_stream.h"
 
-/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
+/* last: cmocka's macro fail() hides the function of run_context.h, and it needs the four headers above */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -227,7 +227,7 @@ static void keep_points(void *user, const vxs_baked_points *points)
     kept->coordinates = copied;
 }
 
-/* Open tells a caller who asks what an asset has, holds none of it, and does not read it where nobody asks. */
+/* Open tells a caller who queries what an asset has, holds none of it, and does not read it without a request. */
 static void test_streams_tell_of_them(void **state)
 {
     (void)state;

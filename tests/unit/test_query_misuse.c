@@ -1,12 +1,12 @@
-/* Queries with any numbers: at the ends of their types, beside maps, of lights that do not have such maps; and answers at any address. Each has an
- * answer or an error.
+/* Queries with any numbers: at the ends of their types, beside maps, of lights that do not have such maps; and answers at any
+ * address. Each has an answer or an error.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 #include <stdio.h>
 
 #include "query_lights.h"
 
-/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
+/* last: cmocka's macro fail() hides the function of run_context.h, and it needs the four headers above */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,5 +1,5 @@
 /* The reference of light in the air (tests/volumes/): each oracle of visibility against formulas or brute force of its own,
- * airlight between lit ends against closed forms, and that nothing changes when it is asked twice as finely.
+ * airlight between lit ends against closed forms, and that nothing changes when it is queried twice as finely.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mesh_sample.h"
 #include "random_light.h"

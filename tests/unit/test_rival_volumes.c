@@ -14,7 +14,7 @@
 #include "tests/volumes/rival_froxels.h"
 #include "tests/volumes/rival_slices.h"
 
-/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
+/* last: cmocka's macro fail() hides the function of run_context.h, and it needs the four headers above */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -191,7 +191,7 @@ static void test_slices(void **state)
     scene_close(&s);
 }
 
-/* A tree says no more than its leaves: the same picture bin by bin, wherever a punctual light is nearest to a ray. */
+/* A tree has no more than its leaves: the same picture bin by bin, wherever a punctual light is nearest to a ray. */
 static void test_slices_tree(void **state)
 {
     (void)state;

@@ -6,7 +6,7 @@
 
 #include "baker/base/parallel.h"
 
-/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
+/* last: cmocka's macro fail() hides the function of run_context.h, and it needs the four headers above */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -58,7 +58,7 @@ static void test_loops_are_held(void **state)
             while (atomic_load(&l.begun) == before) usleep(500);
             run_control_pause(&l.run_control);
             uint32_t held = atomic_load(&l.begun);
-            assert_int_equal(held, atomic_load(&l.ended)); /* nobody is in the middle of a chunk */
+            assert_int_equal(held, atomic_load(&l.ended)); /* no thread is in the middle of a chunk */
             assert_true(held > before && held < CHUNKS);
             usleep(2000);
             assert_int_equal(held, atomic_load(&l.begun));

@@ -11,7 +11,7 @@
 #include "runtime/vxs.h"
 #include "smooth_box.h"
 
-/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
+/* last: cmocka's macro fail() hides the function of run_context.h, and it needs the four headers above */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -432,7 +432,7 @@ static void test_punctual_voxel_and_point(void **state)
         for (int c = 0; c < 3; c++) assert_true(fabs(found[c] - at[c]) < 1e-6 * side);
         if (!clear_of_boundaries(at)) continue;
         int32_t voxel[3];
-        l.light.cos_outer = 0; /* the cone has a test of its own; one map is asked within it */
+        l.light.cos_outer = 0; /* the cone has a test of its own; one map is queried within it */
         int answer        = vxs_voxel(&l.light, point, NULL, vxs_box(1), voxel);
         if (shape == WIDE_SPOT && answer < 0) continue; /* behind the light */
         assert_int_equal(answer, map);

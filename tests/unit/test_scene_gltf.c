@@ -468,7 +468,7 @@ static void test_skinned_meshes_are_left_out(void **state)
     must(load_square(two, NULL));
     assert_int_equal(s.triangle_count, 2);
     assert_int_equal(m.warning_count, 0);
-    choose("node:cape", NULL); /* asked for, and counted there */
+    choose("node:cape", NULL); /* requested, and counted there */
     must(load_square(two, NULL));
     assert_int_equal(s.exclusion_count, 2);
     must_warn("1 with 2 triangles are left out");
@@ -691,14 +691,14 @@ static void test_lights_have_names_of_nodes(void **state)
     assert_string_equal(s.lights[3].node_name, "desk");
 }
 
-/* A bad value costs one light at most, and what a bake does not ask for nothing. */
+/* A bad value costs one light at most, and what a bake does not request nothing. */
 static void test_bad_lights_cost_themselves(void **state)
 {
     (void)state;
     static const struct {
         const char *light, *node;
         light_kind  kind; /* of the light that comes of it */
-        const char *odd;  /* what is said of it; NULL: nothing */
+        const char *odd;  /* messages about it; NULL: nothing */
         const char *why;  /* why there is none; NULL: there is */
     } rows[] = {
         {"'type':'directional','range':0", "", LIGHT_DIRECTIONAL, NULL, NULL},
@@ -1346,7 +1346,7 @@ static void test_data_uris_of_every_kind(void **state)
     free(large);
 }
 
-/* Names lead to files in the scene's folder, and out of it where that is asked for. */
+/* Names lead to files in the scene's folder, and out of it where that is requested. */
 static void test_files_outside_of_the_folder(void **state)
 {
     (void)state;

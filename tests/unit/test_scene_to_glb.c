@@ -1,4 +1,4 @@
-/* A scene that is written is what is read again (baker/scene/gltf/glb_write.h).
+/* A written scene is read back unchanged (baker/scene/gltf/glb_write.h).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 #include <setjmp.h>

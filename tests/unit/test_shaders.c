@@ -1,6 +1,6 @@
 /* The shaders of tests/shaders/, and others on the same headers, run by OpenGL and held against C: from integer voxels bit for bit,
  * from positions but for where float rounding decides between two voxels. A query is a point that is drawn into a pixel of its own,
- * so that versions without compute shaders are asked the same way.
+ * so that versions without compute shaders are queried the same way.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h"
 
@@ -13,7 +13,7 @@
 #include "random_light.h"
 #include "runtime/vxs.h"
 
-/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
+/* last: cmocka's macro fail() hides the function of run_context.h, and it needs the four headers above */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -208,8 +208,8 @@ static int32_t held(int32_t x, int32_t last)
     return x < 0 ? 0 : x < last ? x : last;
 }
 
-/* A sum of a smooth box has more bits than a float; a remainder by this has not, and tells sums apart that do not differ by all of
- * it. */
+/* A sum of a smooth box has more bits than a float; a remainder by this has not, and distinguishes sums that do not differ by all
+ * of it. */
 #define SUM_MODULUS 16777213u
 
 enum { SMOOTH = 256 }; /* added to the width of a smooth filter */

@@ -1,5 +1,5 @@
-/* Maps of the sky: pixels of Radiance's pictures, plain and in both kinds of runs, and of PNG, against what they were written from; files that end early, that are
- * damaged anywhere, and that are no such map.
+/* Maps of the sky: pixels of Radiance's pictures, plain and in both kinds of runs, and of PNG, against what they were written from;
+ * files that end early, that are damaged anywhere, and that are no such map.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/render/sky_map.h"
 
@@ -10,7 +10,7 @@
 #include "baker/base/random.h"
 #include "baker/files/png_encode.h"
 
-/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
+/* last: cmocka's macro fail() hides the function of run_context.h, and it needs the four headers above */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -159,7 +159,8 @@ static void test_primaries(void **state)
     }
 }
 
-/* Every beginning of a file is refused as one that ends early, or as no picture; what is damaged gives a picture of numbers, or a message. */
+/* Every beginning of a file is refused as one that ends early, or as no picture; what is damaged gives a picture of numbers, or a
+ * message. */
 static void test_damage(void **state)
 {
     (void)state;

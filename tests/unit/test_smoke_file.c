@@ -1,4 +1,4 @@
-/* Baked smoke in a .vxs file: what is written is read back and looked up as formats/vxs.md section 15 has it, by curves that are
+/* Baked smoke in a .vxs file: written data is read back and looked up as formats/vxs.md section 15 has it, by curves that are
  * kept apart; what breaks a rule is refused with its finding.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
@@ -7,7 +7,7 @@
 #include "query_lights.h"
 #include "random_light.h"
 
-/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
+/* last: cmocka's macro fail() hides the function of run_context.h, and it needs the four headers above */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

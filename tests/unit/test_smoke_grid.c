@@ -9,7 +9,7 @@
 #include "formats/vxs_format.h"
 #include "random_light.h"
 
-/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
+/* last: cmocka's macro fail() hides the function of run_context.h, and it needs the four headers above */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -196,7 +196,7 @@ static void test_dense_smoke_uses_its_nodes(void **state)
         else
             assert_int_equal(smoke_capsules_march(&one, &(uint32_t){0}, 1, from, way, 0, 5, &scratch, &path), 1);
         for (int k = 1; k <= ASKED;
-             k++) { /* extinction is a tent in the voxel, of which the first half is asked, and even in the capsule */
+             k++) { /* extinction is a tent in the voxel, of which the first half is queried, and even in the capsule */
             double thick = fmin(is_grid ? all / 2 : all, SMOKE_OPAQUE) * k / ASKED;
             double depth = 2 - half + (is_grid ? half * sqrt(2 * thick / all) : 2 * half * thick / all);
             most         = fmax(most, fabs(exp(-smoke_path_thick(&path, depth)) - exp(-thick)));

@@ -1,5 +1,5 @@
-/* The square cache (baker/columns/square_record.h): words and DAG are the same from squares that are built and stored, from the cache alone,
- * and from some of each; damaged records are found.
+/* The square cache (baker/columns/square_record.h): words and DAG are the same from squares that are built and stored, from the
+ * cache alone, and from some of each; damaged records are found.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -178,7 +178,7 @@ static vxs_bytes dag_file_of(const column_map *m, uint32_t threads)
     vxs_write_light light = dag_to_write(&sun, &d);
     vxs_write_desc  desc  = {.lights = &light, .light_count = 1, .zstd_level = 1};
     assert_int_equal(vxs_write(&file, &desc), VXS_OK);
-    assert_true(put64(&file, stats.mask_tiles) && put64(&file, stats.inserted_nodes)); /* what is told of it is the same, too */
+    assert_true(put64(&file, stats.mask_tiles) && put64(&file, stats.inserted_nodes)); /* what is reported of it is the same, too */
     dag_free(&d);
     dag_merger_free(&g);
     return file;

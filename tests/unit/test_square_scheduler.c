@@ -114,7 +114,7 @@ static void some_are_slow(void **state)
     takes_little_longer_than_it_has_to((farm){.ranks = 4, .making = {1, 2, 2, 2}, .adding = 0.05, .varies = 1}, 1.25);
 }
 
-/* Squares are taken from those alone who have them, and once. */
+/* Squares are taken from those alone that have them, and once. */
 static void what_nobody_was_given(void **state)
 {
     (void)state;

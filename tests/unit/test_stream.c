@@ -1,4 +1,4 @@
-/* Streams: what lookups say while pages come and go, for every source, and within every budget.
+/* Streams: answers of lookups while pages come and go, for every source, and within every budget.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "formats/vxs_lookup_blocks.h" /* before the baker, which has a type of a name that is a parameter here */
 
@@ -230,7 +230,7 @@ static vxs_stream_focus random_focus(rng *r)
     return f;
 }
 
-/* One stream under a random path: what it holds, what it says, and what lookups say. */
+/* One stream under a random path: what it holds, its status, and answers of lookups. */
 static void check_path(uint64_t budget, uint64_t seed, stream_tally *tally, uint32_t *left)
 {
     rng             r         = {seed};
@@ -265,7 +265,7 @@ static void check_path(uint64_t budget, uint64_t seed, stream_tally *tally, uint
         end_reads(&a, &r, 0);
     }
     assert_true(memory.live_bytes == held && memory.calls == calls); /* nothing is allocated after open */
-    while (a.pending_count || j.count) { /* a job may ask for another read, and a read that ends for a job */
+    while (a.pending_count || j.count) { /* a job may request another read, and a read that ends for a job */
         end_reads(&a, &r, 1);
         run_jobs(&j);
     }
@@ -371,7 +371,7 @@ static void test_nearest_first(void **state)
     vxs_stream_close(stream);
 }
 
-/* A copy of the words that follows changes says the same, without looking at any other word. */
+/* A copy of the words that follows changes agrees, without looking at any other word. */
 static void test_changes(void **state)
 {
     (void)state;

@@ -1,4 +1,5 @@
-/* Streams when things go wrong: no memory, reads that fail, bytes that are not what they should be. Each costs what it has to, and no more.
+/* Streams when things go wrong: no memory, reads that fail, bytes that are not what they should be. Each costs what it has to, and
+ * no more.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "formats/vxs_lookup_blocks.h" /* before the baker, which has a type of a name that is a parameter here */
 
@@ -65,7 +66,7 @@ static void test_failing_allocations(void **state)
     }
 }
 
-/* Gives no block of a GiB or more, and counts those that were asked for. */
+/* Gives no block of a GiB or more, and counts those that were requested. */
 static void *take_little(size_t size_bytes, void *user)
 {
     if (size_bytes >> 30) return ++*(int *)user, NULL;
@@ -79,7 +80,7 @@ static void free_little(void *memory, size_t size_bytes, void *user)
     free(memory);
 }
 
-/* A light that says that it has as many words as can be numbered, beside others: all are too many, whatever the budget. */
+/* A light that claims that it has as many words as can be numbered, beside others: all are too many, whatever the budget. */
 static void test_more_words_than_have_numbers(void **state)
 {
     (void)state;
@@ -167,7 +168,7 @@ static void test_failing_reads_of_open(void **state)
     fail_msg("%u reads of open", (unsigned)reads);
 }
 
-/* Every n-th read of a page fails, or is short: what it was for is asked again later, and all pages come. */
+/* Every n-th read of a page fails, or is short: what it was for is queried again later, and all pages come. */
 static void test_failing_reads(void **state)
 {
     (void)state;
@@ -194,7 +195,7 @@ static void test_failing_reads(void **state)
     }
 }
 
-/* Nothing can be read any more: after some attempts, farther and farther apart, nothing is asked until the caller says so. */
+/* Nothing can be read any more: after some attempts, farther and farther apart, nothing is queried until the caller retries. */
 static void test_no_reads(void **state)
 {
     (void)state;
@@ -218,8 +219,8 @@ static void test_no_reads(void **state)
     vxs_stream_close(stream);
 }
 
-/* A file that is written over while it is opened, or a source that lies: one read of open gives other bytes than the file has, or all from
- * that one on do. */
+/* A file that is written over while it is opened, or a source that lies: one read of open gives other bytes than the file has, or
+ * all from that one on do. */
 typedef struct fickle_reading {
     const vxs_bytes *file, *other;
     uint32_t         calls, at;
@@ -246,7 +247,8 @@ static vxs_stream_answer read_fickly(void *user, uint64_t offset, uint32_t size_
     return VXS_STREAM_READ;
 }
 
-/* Open it within a budget: a clear error, or lookups that are what the file says where they are full. Returns whether it was opened. */
+/* Open it within a budget: a clear error, or lookups that are the answer of the file where they are full. Returns whether it was
+ * opened. */
 static int open_fickly(const stream_sample *s, fickle_reading *f, uint64_t budget_bytes)
 {
     vxs_stream_desc desc = stream_desc_of(s, budget_bytes);
@@ -330,8 +332,8 @@ static fickle_reading fickle_change(const stream_sample *file, const stream_samp
     return f;
 }
 
-/* Nothing that was made for what one read said is filled by what another says, whichever of open's reads it is. The budget is the least
- * one at times, so that what goes beyond its room goes beyond the block, which a sanitizer sees. */
+/* Nothing that was made for what one read said is filled by what another says, whichever of open's reads it is. The budget is the
+ * least one at times, so that what goes beyond its room goes beyond the block, which a sanitizer sees. */
 static void test_two_reads_that_differ(void **state)
 {
     (void)state;
@@ -368,8 +370,8 @@ static uint64_t pages_section(const stream_sample *s, uint32_t light)
     return 0;
 }
 
-/* A page's hash does not hold, or its bytes do not; then that page is coarse for good, others come, and once it is mended and asked for again
- * all is full. */
+/* A page's hash does not hold, or its bytes do not; then that page is coarse for good, others come, and once it is mended and
+ * requested again all is full. */
 static void test_corrupt_pages(void **state)
 {
     (void)state;
@@ -446,7 +448,8 @@ static void test_pages_of_strangers(void **state)
     }
 }
 
-/* Each byte of a small file, one after the other, is another: a clear error, or lookups that are what the file said, full or coarse. */
+/* Each byte of a small file, one after the other, is another: a clear error, or lookups that are the answer of the file, full or
+ * coarse. */
 static void test_every_byte(void **state)
 {
     (void)state;

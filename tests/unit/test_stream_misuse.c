@@ -1,5 +1,5 @@
-/* Streams as a program opens them that was written in a hurry: pointers that lead nowhere, sizes that nobody set, one file several times, reads
- * that come short, fail, or end after the stream is closed. Each has an answer or an error.
+/* Streams as a program opens them that was written in a hurry: pointers that lead nowhere, unset sizes, one file several times,
+ * reads that come short, fail, or end after the stream is closed. Each has an answer or an error.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "formats/vxs_lookup_blocks.h" /* before the baker, which has a type of a name that is a parameter here */
 
@@ -72,7 +72,7 @@ static void on_disk_free(on_disk *d)
     stream_sample_free(&d->sample);
 }
 
-/* All pages come within so many frames, and lookups say so. */
+/* All pages come within so many frames, and lookups report it. */
 static void check_comes(const on_disk *d, vxs_stream *stream, int frames)
 {
     vxs_stream_status status = {.struct_size = sizeof status};
@@ -85,8 +85,8 @@ static void check_comes(const on_disk *d, vxs_stream *stream, int frames)
     assert_int_equal(tally.coarse, 0);
 }
 
-/* Reads that come short or are interrupted are gone on with, whichever they are. One that breaks, or finds that the file has ended, is an error
- * of open, and a page that is asked for again. */
+/* Reads that come short or are interrupted are gone on with, whichever they are. One that breaks, or finds that the file has ended,
+ * is an error of open, and a page that is requested again. */
 static void test_reads_by_path(void **state)
 {
     (void)state;
@@ -252,7 +252,7 @@ static void test_nothing_given(void **state)
     on_disk_free(&d);
 }
 
-/* Foci of any numbers ask for pages or for none, and nothing goes wrong. */
+/* Foci of any numbers request pages or for none, and nothing goes wrong. */
 static void test_wild_foci(void **state)
 {
     (void)state;
@@ -285,7 +285,7 @@ static void test_wild_foci(void **state)
     on_disk_free(&d);
 }
 
-/* Sizes of descriptions that nobody set: none is taken, and no byte beyond a description is looked at. */
+/* Unset sizes of descriptions: none is taken, and no byte beyond a description is looked at. */
 static void test_any_struct_size(void **state)
 {
     (void)state;

@@ -8,7 +8,7 @@
 
 #include "alloc_fail.h"
 
-/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
+/* last: cmocka's macro fail() hides the function of run_context.h, and it needs the four headers above */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -81,7 +81,7 @@ static vxs_stream_desc desc_of(const vxs_bytes *file, uint64_t budget_bytes)
 
 /* lookups ---------------------------------------------------------------------------------------------------------------------- */
 
-/* Lights of a stream, which are these of the file, say what the file says, to the bit.   Returns how many places smoke dims */
+/* Lights of a stream, which are these of the file, give the answer of the file, to the bit.   Returns how many places smoke dims */
 static uint32_t compare(const vxs_stream *stream, const uint32_t *numbers, rng *r, int count)
 {
     uint32_t dimmed = 0;
@@ -162,7 +162,7 @@ static void test_some_lights(void **state)
 
 /* shaders ---------------------------------------------------------------------------------------------------------------------- */
 
-/* Whose smoke shaders are given: that of an asset alone, a stream's own, the same said so, that of an asset beside it, or none in
+/* Whose smoke shaders are given: that of an asset alone, a stream's own, the same reported, that of an asset beside it, or none in
  * its place. */
 typedef enum given { ASSET, OWN, SAME, BESIDE, NONE, GIVEN } given;
 
@@ -253,7 +253,7 @@ static const vxs_section *section_of(const vxs_asset *asset, uint32_t light)
 }
 
 /* Of the budget its words, and room to read the larger one, where pages go later; no more is held or read. One byte less than the
- * least is an error that says so. */
+ * least is an error with a message. */
 static void test_what_it_takes(void **state)
 {
     (void)state;

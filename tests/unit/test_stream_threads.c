@@ -1,5 +1,5 @@
-/* A stream that threads read and decode for, while others look up: what the sanitizer of threads has to see, and that a frame is a boundary for
- * all of them.
+/* A stream that threads read and decode for, while others look up: what the sanitizer of threads has to see, and that a frame is a
+ * boundary for all of them.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "formats/vxs_lookup_blocks.h" /* before the baker, which has a type of a name that is a parameter here */
 

@@ -11,7 +11,7 @@
 #include "random_light.h"
 #include "repeats.h"
 
-/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
+/* last: cmocka's macro fail() hides the function of run_context.h, and it needs the four headers above */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -161,8 +161,8 @@ static void test_order_of_capsules(void **state)
     free(second.curves);
 }
 
-/* Balls about one texel's ray, in lists of so much room, or without (0): what is left behind them all, or it is said that a driver
- * cut the list. */
+/* Balls about one texel's ray, in lists of so much room, or without (0): what is left behind them all, or it is reported that a
+ * driver cut the list. */
 static void check_balls(uint32_t count, uint32_t room, uint32_t unsorted, int may_cut)
 {
     enum { MOST = 70000 };
@@ -294,7 +294,7 @@ static void test_opaque(void **state)
         }
 }
 
-/* Each pixel, by lines and exponentials, is what C says of the same curves. */
+/* Each pixel, by lines and exponentials, equals the result in C for the same curves. */
 static void test_lookups(void **state)
 {
     (void)state;

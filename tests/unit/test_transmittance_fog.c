@@ -1,5 +1,5 @@
 /* Airlight of lights whose smoke dims them: marches on llvmpipe against the same steps in double, each of which looks through all
- * capsules towards the light; places that nobody sees; and what is refused.
+ * capsules towards the light; places out of view; and what is refused.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h"
 
@@ -10,7 +10,7 @@
 #include "random_light.h"
 #include "repeats.h"
 
-/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
+/* last: cmocka's macro fail() hides the function of run_context.h, and it needs the four headers above */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -128,7 +128,7 @@ static void test_marches_are_dimmed(void **state)
     }
 }
 
-/* Any places, within maps and beside them: what C says of the same curves. What stands before and behind the numbers that are
+/* Any places, within maps and beside them: the result in C for the same curves. What stands before and behind the numbers that are
  * written stays. */
 static void test_places(void **state)
 {

@@ -380,8 +380,8 @@ static void a_punctual_in_a_room_casts_the_shadows_drawn_by_hand(void **state)
     assert_int_equal(lit_by_punctual(t, 4.9, 1.03, 0, hung), 0); /* 3 - 4.9 / 2.5 = 1.04 */
     assert_int_equal(lit_by_punctual(t, 4.9, 1.05, 0, hung), 1);
     assert_int_equal(lit_by_punctual(t, 4.9, 1.03, 1.7, hung), 1); /* beside it */
-    assert_int_equal(lit_by_punctual(t, -4.9, 0, 4, hung), 1);  /* on the floor, farther than the range, which is not asked about */
-    assert_int_equal(lit_by_punctual(t, 0, 3.999, 4, hung), 1); /* behind the light's back: points have none */
+    assert_int_equal(lit_by_punctual(t, -4.9, 0, 4, hung), 1);     /* on the floor, farther than the range, which is not queried */
+    assert_int_equal(lit_by_punctual(t, 0, 3.999, 4, hung), 1);    /* behind the light's back: points have none */
     assert_int_equal(lit_by_punctual(t, 0, 4.001, 0, hung), 0);
     assert_int_equal(lit_by_punctual(t, 0, -0.001, 0, hung), 0);
     assert_int_equal(lit_by_punctual(t, 100, 100, 100, hung), 0);
@@ -771,11 +771,11 @@ static void inside_agrees_with_analytic_solids(void **state)
     truth_destroy(t);
 }
 
-/* The first directions that truth_inside_solid asks along. */
+/* The first directions that truth_inside_solid queries along. */
 static const double asked_along[2][3] = {{0.270598050073, 0.900968867902, 0.339164873902},
                                          {-0.629320391050, 0.611507863021, -0.479585031072}};
 
-/* One direction asked along meets edges and corners of two intersecting balls: the others have to put it right. */
+/* One direction queried along meets edges and corners of two intersecting balls: the others have to put it right. */
 static void inside_survives_a_direction_through_edges(void **state)
 {
     (void)state;

@@ -9,7 +9,7 @@
 #include "random_light.h"
 #include "repeats.h"
 
-/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
+/* last: cmocka's macro fail() hides the function of run_context.h, and it needs the four headers above */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -157,7 +157,7 @@ static void test_marches(void **state)
                     if (getenv("VXS_VERBOSE"))
                         print_message("light %d, camera %d, %s, %s: %.4f %.4f %.5f, %.5f\n", light, camera,
                                       which ? "angle" : "even", asset ? "asset" : "map", errors[0], errors[1], errors[2], mean);
-                    /* a sun's steps of what it scatters ask at their middle: where they begin there is less shadow, or more */
+                    /* a sun's steps of what it scatters query at their middle: where they begin there is less shadow, or more */
                     assert_true(fabs(mean) < (light == SCENE_SUN && which ? 1.5e-4 : 1.2e-3));
                     assert_true(errors[2] < 0.4 * errors[0]);
                     assert_true(errors[2] < 3e-3);
@@ -485,7 +485,7 @@ static void test_composite(void **state)
     scene_close(&s);
 }
 
-/* All that is asked of a context and may have changed. */
+/* All that is queried of a context and may have changed. */
 static const GLenum asked_numbers[] = {GL_CURRENT_PROGRAM,
                                        GL_ACTIVE_TEXTURE,
                                        GL_VERTEX_ARRAY_BINDING,
@@ -796,7 +796,7 @@ static vxs_gl_function with_links(const char *name, void *user)
     return gl_choice_proc(name, user);
 }
 
-/* Programs are made when a call first uses them, once; a call whose program cannot be made says so, and the next one, too. */
+/* Programs are made when a call first uses them, once; a call whose program cannot be made reports it, and the next one, too. */
 static void test_programs_at_first_use(void **state)
 {
     (void)state;

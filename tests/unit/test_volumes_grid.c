@@ -10,7 +10,7 @@
 #include "random_light.h"
 #include "repeats.h"
 
-/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
+/* last: cmocka's macro fail() hides the function of run_context.h, and it needs the four headers above */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -148,7 +148,7 @@ static void test_words(void **state)
     scene_close(&s);
 }
 
-/* A sun whose map has an end, seen from where the map has none: its light rays are asked all the same. */
+/* A sun whose map has an end, seen from where the map has none: its light rays are queried all the same. */
 static void test_bounded_sun(void **state)
 {
     (void)state;

@@ -9,7 +9,7 @@
 #include "random_light.h"
 #include "repeats.h"
 
-/* last, because cmocka's macro fail() would hide the function of run_context.h; it wants the four above it */
+/* last: cmocka's macro fail() hides the function of run_context.h, and it needs the four headers above */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -180,8 +180,8 @@ static void test_any_triangles(void **state)
     }
 }
 
-/* A triangle that fills the view changes more bits of a row than llvmpipe's loops have rounds: it is said. Of a smaller grid they
- * suffice. */
+/* A triangle that fills the view changes more bits of a row than llvmpipe's loops have rounds: it is reported. Of a smaller grid
+ * they suffice. */
 static void test_cut(void **state)
 {
     (void)state;

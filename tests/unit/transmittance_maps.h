@@ -15,7 +15,7 @@ enum { RESOLUTION = 64, WIDE = 48, HIGH = 40, PIXELS = WIDE * HIGH, SIDE = 24, C
 typedef enum way_to_build { SORTED, UNSORTED, CROWDED, STREAMED, WAYS } way_to_build;
 static const char *const way_names[WAYS] = {"sorted lists", "unsorted lists", "lists with room for 500", "tiles"};
 
-/* Which of them a light is asked with; between them, each way and each light with lists and tiles. */
+/* Which of them a light is queried with; between them, each way and each light with lists and tiles. */
 static inline int asks(int light, int how)
 {
     static const uint32_t ways[SCENE_LIGHTS] = {1 << UNSORTED | 1 << STREAMED, 1 << SORTED | 1 << CROWDED,
@@ -45,7 +45,7 @@ static inline vxs_transmittance_desc desc_of(int light, way_to_build how, uint32
                                     .unsorted     = how == UNSORTED};
 }
 
-/* One scene for all tests, and its maps of 8 nodes, made when they are first asked for: programs take longer to compile than to run
+/* One scene for all tests, and its maps of 8 nodes, made when they are first requested: programs take longer to compile than to run
  * here. */
 static volumes_scene          s;
 static vxs_transmittance_map *maps[SCENE_LIGHTS][WAYS];

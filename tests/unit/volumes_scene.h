@@ -125,15 +125,15 @@ static inline void scene_close(volumes_scene *s)
     gl_context_destroy(s->gl);
 }
 
-/* Whether a test that may ask all lights of all cameras asks a light of a camera. The part: each light and each camera, fog with a
- * top (camera 1) of the sun and of a punctual light, and the point light in view of camera 3. */
+/* Whether a test that may query all lights of all cameras queries a light of a camera. The part: each light and each camera, fog
+ * with a top (camera 1) of the sun and of a punctual light, and the point light in view of camera 3. */
 static inline int scene_asks(int light, int camera)
 {
     static const uint32_t cameras[SCENE_LIGHTS] = {1 << 0 | 1 << 1, 1 << 1 | 1 << 2, 1 << 3 | 1 << 4};
     return (int)(repeats(cameras[light], UINT32_MAX) >> camera & 1);
 }
 
-/* The lights as they are asked for, each bright enough to be seen. */
+/* The lights as they are requested, each bright enough to be seen. */
 /* Test `call` with each struct_size of `given`: none, that of the first version, of this one, of a newer one whose new field is 0
  * or set; and sizes that no version has.   last  the last field of the first version */
 #define HOLD_SIZES(type, last, value, call)                                                                                        \

@@ -1,6 +1,6 @@
-/* Airlight as it is said, by adaptive quadrature in double: what runtime/volumes is held against. It shares no line with it.
+/* Airlight by its definition, by adaptive quadrature in double: what runtime/volumes is held against. It shares no line with it.
  *
- * Of punctual lights the integrand phase(cosine) * exp(-extinction * way) / r^2, times what their cone and range leave, is asked
+ * Of punctual lights the integrand phase(cosine) * exp(-extinction * way) / r^2, times what their cone and range leave, is queried
  * place by place along a ray, in pieces between places where it may change fast, the way being what lies in fog of the ways from
  * the light to there and on to the eye; of the sun phase * exp(-extinction * way). Metres; for an intensity or irradiance and a
  * scattering of 1.
@@ -17,7 +17,7 @@ typedef struct air_passing {
     double range;   /* 0: none; nothing is lit behind it, and before it 1 - (r / range)^4 of what would be */
     int    is_face; /* 1: what a spot light squares is as it is, such as the cosine of a face (1 and 0 for the cosines) */
 
-    int    has_top;           /* 1: the fog has a level top, and what is asked of is below it; air_passing_of says 0 */
+    int    has_top;           /* 1: the fog has a level top, and what is queried of is below it; air_passing_of says 0 */
     double top, punctual, up; /* heights of the top and of the light from the eye's; the ray's direction along the vertical */
 } air_passing;
 

@@ -22,7 +22,8 @@ static double shifted(uint32_t n, uint32_t base, double shift)
     return at - floor(at);
 }
 
-/* A place of the rectangle, and what it sends along its normal from a square metre, times the area of all.   normal  as long as that area */
+/* A place of the rectangle, and what it sends along its normal from a square metre, times the area of all.   normal  as long as
+ * that area */
 static void place_of(const area_source *source, double u, double v, double place_ws[3], double normal[3], double sent[3])
 {
     const vxs_area_rectangle *r     = source->rectangle;

@@ -8,7 +8,7 @@
 
 typedef struct eye_ray {
     double eye[3], direction[3]; /* metres; of length 1 */
-    double begin, end;           /* metres along it that are asked about, 0 <= begin <= end, finite */
+    double begin, end;           /* metres along it that are queried, 0 <= begin <= end, finite */
 } eye_ray;
 
 typedef struct lit_part {

@@ -2,8 +2,8 @@
  *
  * Seen along the ray, which is a point then, a triangle is met if its border winds about the point: that is, if a half line from
  * there crosses its edges more often one way than the other. Where an edge is crossed is computed from its two ends in one order,
- * whichever triangle asks. So what triangles that share it get from it cancels to the bit, and all faces of a closed mesh together,
- * of the whole line, are 0, wherever the ray goes: through edges and corners, too.
+ * whichever triangle uses it. So what triangles that share it get from it cancels to the bit, and all faces of a closed mesh
+ * together, of the whole line, are 0, wherever the ray goes: through edges and corners, too.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "tests/volumes/mesh_parts.h"
 

@@ -1,6 +1,6 @@
 /* The airlight of an eye ray as it should be, in double: lit parts by an oracle (lit_parts.h), and between their ends adaptive
- * quadrature of the integrand as it is said (airlight.h). It takes the structs of runtime/volumes, whose numbers are all that it
- * has of it.
+ * quadrature of the integrand as it is reported (airlight.h). It takes the structs of runtime/volumes, whose numbers are all that
+ * it has of it.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef REFERENCE_H
 #define REFERENCE_H

@@ -42,7 +42,7 @@ static uint64_t texel_bytes(const rival_curves *r)
     return r->which == RIVAL_FOURIER ? 8 * (uint64_t)r->knob : 4 * words[r->which];
 }
 
-/* Both programs have rival_left; the library's lookup asks it. */
+/* Both programs have rival_left; the library's lookup queries it. */
 static gl_name program_of(const rival_curves *r, int which)
 {
     const char    *pass    = vxs_volumes_text_transmittance_pass_glsl.text;

@@ -1,4 +1,5 @@
-/* Curves of other kinds, of the lists of a map of transmittance curves: rival_left says what is left of light at a depth; BUILD makes them, a texel an invocation. */
+/* Curves of other kinds, of the lists of a map of transmittance curves: rival_left says what is left of light at a depth; BUILD
+ * makes them, a texel an invocation. */
 layout(std140, binding = VXS_AT_OWN) uniform rival_block { float nearest, farthest, knob; } rival_of; /* depths */
 layout(std430, binding = VXS_AT_GRID + 1) restrict buffer rival_buffer {
     uint rival_used, rival_nodes, rival_reserved_0, rival_reserved_1; /* of deep shadow maps: events, and nodes that are left of them */
@@ -140,7 +141,8 @@ float rival_left(uint texel, float depth)
     return clamp(left, 0.0, 1.0); /* the tolerance leads beyond */
 }
 
-/* An event: a depth, and how much extinction begins there. Into its place among those before it: four words each, of which nodes will take two. */
+/* An event: a depth, and how much extinction begins there. Into its place among those before it: four words each, of which nodes
+ * will take two. */
 void rival_add_event(uint first, uint count, float depth, float extinction)
 {
     uint at = first + 4u * count;
@@ -166,7 +168,8 @@ void rival_build(uint texel, uint list)
         rival_add_event(first, added++, s.x, extinction);
         rival_add_event(first, added++, exit, -extinction);
     }
-    /* from a node, slopes that pass all depths since within the tolerance; where none is left, a node at the last depth, on the middle slope */
+    /* from a node, slopes that pass all depths since within the tolerance; where none is left, a node at the last depth, on the
+     * middle slope */
     float tolerance = rival_of.knob, begin = rival_number(first), from = 1.0, low = -1e30, high = 1e30, depth = begin, sum = 0.0, rate = 0.0;
     for (uint n = 0u; n < count; n++) {
         float at = rival_number(first + 4u * n);

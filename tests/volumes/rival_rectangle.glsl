@@ -1,5 +1,5 @@
-/* Before rival_froxels.glsl: airlight of a rectangle, as if all of it were seen from wherever its centre is: by its solid angle, with the phase and the way of
- * light from the centre. colour: its radiance. */
+/* Before rival_froxels.glsl: airlight of a rectangle, as if all of it were seen from wherever its centre is: by its solid angle,
+ * with the phase and the way of light from the centre. colour: its radiance. */
 layout(std140, binding = VXS_AT_OWN) uniform rectangle_block { vec4 corner, across, up; } rectangle;
 
 float triangle_angle(vec3 a, vec3 b, vec3 c)

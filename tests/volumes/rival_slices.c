@@ -21,7 +21,7 @@ typedef struct slices_block {
     float axis[4], up[4],
         across
             [4]; /* of the slices' frame: toward the light, theta = 0, theta = pi / 2; axis[3]: metres to the light; up[3]: parts of
-                      a ray that ask moments; across[3]: 1 where there is no tree */
+                      a ray that query moments; across[3]: 1 where there is no tree */
     float theta, theta_range, alpha, alpha_range;
     float bin_range, slices, bins, samples; /* the first: of phi, or metres; from 0 on */
     float depth_from_point[16];             /* of the view, by columns */

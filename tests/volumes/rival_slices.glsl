@@ -1,5 +1,5 @@
 /* Epipolar slices: FILL finds where shadow begins in each bin of each slice; TREE the least and most of 2, 4, 8... of them; SAMPLE
- * airlight at each angle of each slice; SHOW each pixel's, between them. Or SUM adds up moments of angles, and SHOW_MOMENTS asks
+ * airlight at each angle of each slice; SHOW each pixel's, between them. Or SUM adds up moments of angles, and SHOW_MOMENTS queries
  * these.
  *
  *     tree, a row for a slice:  | bins ...            | bins / 2 ... | bins / 4 ... | ... |    .r least, .g most

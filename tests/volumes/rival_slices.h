@@ -28,8 +28,9 @@ void       rival_slices_destroy(rival_slices *s);
 /* 1: walk bin by bin, as if there were no tree. What it is worth is a question to measure. */
 void rival_slices_set_flat(rival_slices *s, int flat);
 
-/* Prefiltered moments: instead of walking, a ray asks what part of its bins is lit, of four moments of the angles at which shadow
- * begins, summed along each slice; their bounds for four moments, and the middle between these. So often along a ray; 0: it walks.
+/* Prefiltered moments: instead of walking, a ray queries what part of its bins is lit, of four moments of the angles at which
+ * shadow begins, summed along each slice; their bounds for four moments, and the middle between these. So often along a ray; 0: it
+ * walks.
  * Source: Klehm, Seidel, Eisemann, Prefiltered Single Scattering, I3D 2014; Peters et al., Improved Moment Shadow Maps for
  * Translucent Occluders, Soft Shadows and Single Scattering, JCGT 2017.
  * Returns VXS_OK; VXS_E_MEMORY; VXS_E_GL */

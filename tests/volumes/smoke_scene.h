@@ -1,5 +1,6 @@
-/* Procedural smoke, hair and leaves as capsules of vxs_transmittance.h, and how much light they leave along a ray, in double: the product over all capsules,
- * each of whose ends on the ray is found by bisection of the distance to its axis. It shares nothing with what it judges.
+/* Procedural smoke, hair and leaves as capsules of vxs_transmittance.h, and how much light they leave along a ray, in double: the
+ * product over all capsules, each of whose ends on the ray is found by bisection of the distance to its axis. It shares nothing
+ * with what it judges.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SMOKE_SCENE_H
 #define SMOKE_SCENE_H

@@ -70,7 +70,7 @@ vxs_volumes_frame smoke_frame(uint32_t width_px, uint32_t height_px, float *dept
     return f;
 }
 
-/* The parts of a texel's ray; found when they are first asked for. */
+/* The parts of a texel's ray; found when they are first requested. */
 typedef struct texel_parts {
     smoke_part *parts;
     size_t      count;

@@ -1,5 +1,5 @@
-/* A sun over smoke_scene.h, places in its smoke, and how much of the sun reaches them, in double: what a map of exact curves would say, four of its texels' rays
- * weighed. So what is off is the curves.
+/* A sun over smoke_scene.h, places in its smoke, and how much of the sun reaches them, in double: what a map of exact curves would
+ * say, four of its texels' rays weighed. So what is off is the curves.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SMOKE_VIEW_H
 #define SMOKE_VIEW_H

@@ -6,7 +6,7 @@
 #include "baker/lab/truth/truth.h"
 #include "tests/volumes/lit_parts.h"
 
-/* What is asked. What is dark between two samples and nowhere else is not seen. */
+/* What is queried. What is dark between two samples and nowhere else is not seen. */
 typedef struct traced_light {
     int (*lit)(const void *user, const double point[3]); /* 1: the light reaches it */
     const void *user;

@@ -47,7 +47,8 @@ typedef struct square_exchange {
     int   adds; /* 1: this process adds the squares */
 
     /* Ask which process makes a square. Numbers ascend.
-     * action  [out] SQUARE_MAKE: this process. SQUARE_LEAVE, only if it does not add: another process. SQUARE_KNOWN, only if it adds:
+     * action  [out] SQUARE_MAKE: this process. SQUARE_LEAVE, only if it does not add: another process. SQUARE_KNOWN, only if it
+     * adds:
      *       another process; `receive` returns the square
      * Returns VXS_OK; VXS_E_MEMORY; VXS_E_BROKEN_PIPE: no more squares are needed; or the error of another process. */
     vxs_result (*claim)(void *data, uint64_t number, square_action *action, run_context *m);

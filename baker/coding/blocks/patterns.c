@@ -192,8 +192,8 @@ void pattern_needs(const pattern_set *s, int depths, size_t n, mask_need *needs)
 
 void pattern_choose_within(const uint8_t low[64], const uint8_t high[64], uint8_t index[64])
 {
-    /* The fewest depths for each quadrant, by stabbing its ranges from the front: where a range without a depth ends, its last depth
-     * is used, and all ranges without a depth that contain it take it. */
+    /* The fewest depths for each quadrant, by stabbing its ranges from the front: where a range without a depth ends, its last
+     * depth is used, and all ranges without a depth that contain it take it. */
     uint64_t used[4], left = UINT64_MAX; /* used: bits of the depths of each quadrant */
     for (int q = 0; q < 4; q++) used[q] = 0;
     for (int depth = 0; left; depth++) {
