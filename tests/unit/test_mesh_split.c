@@ -218,35 +218,38 @@ static void no_triangle_collapses(void **state)
 
 static void holes_stay_where_they_are(void **state)
 {
-    sample b = {0};
     (void)state;
-    add_flat(&b, 0, 0, 3, 1);
-    for (int n = 0; n < 3; n++) add_flat(&b, n, 1, n + 1, 2);
-    b.s.alpha_mask_count     = 2;
-    b.s.alpha_masks          = calloc(2, sizeof *b.s.alpha_masks);
-    b.s.holed_triangle_count = 4;
-    b.s.holed_triangles      = calloc(4, sizeof *b.s.holed_triangles);
-    for (uint32_t n = 0; n < 4; n++) {
-        holed_triangle *hole = &b.s.holed_triangles[n];
-        *hole                = (holed_triangle){.triangle = 2 * (n / 2) + n % 2, .mask = 1 - n / 2};
-        for (int k = 0; k < 3; k++) {
-            const double *at = b.s.positions_ws + 3 * (size_t)b.s.indices[3 * hole->triangle + (uint32_t)k];
-            hole->uv[k][0]   = (float)(0.25 * at[0] + 0.125 * at[1]);
-            hole->uv[k][1]   = (float)(1 - 0.5 * at[1]);
+    for (int first = 0; first < 4; first++) { /* the numbers of the edge that is split rise or fall */
+        static const double p[4][3] = {{0, 0, 0}, {3, 0, 0}, {3, 1, 0}, {0, 1, 0}};
+        sample              b       = {0};
+        add_quad(&b, p[first], p[(first + 1) % 4], p[(first + 2) % 4], p[(first + 3) % 4]);
+        for (int n = 0; n < 3; n++) add_flat(&b, n, 1, n + 1, 2);
+        b.s.alpha_mask_count     = 2;
+        b.s.alpha_masks          = calloc(2, sizeof *b.s.alpha_masks);
+        b.s.holed_triangle_count = 4;
+        b.s.holed_triangles      = calloc(4, sizeof *b.s.holed_triangles);
+        for (uint32_t n = 0; n < 4; n++) {
+            holed_triangle *hole = &b.s.holed_triangles[n];
+            *hole                = (holed_triangle){.triangle = 2 * (n / 2) + n % 2, .mask = 1 - n / 2};
+            for (int k = 0; k < 3; k++) {
+                const double *at = b.s.positions_ws + 3 * (size_t)b.s.indices[3 * hole->triangle + (uint32_t)k];
+                hole->uv[k][0]   = (float)(0.25 * at[0] + 0.125 * at[1]);
+                hole->uv[k][1]   = (float)(1 - 0.5 * at[1]);
+            }
         }
+        sort_for_maps(&b, CLOSED_AUTO);
+        const casters *c = &b.c;
+        expect_borders(&b, 16 - 4, 1, 2, 0); /* the three share two edges already */
+        assert_int_equal(c->triangle_count - c->holed_first, 6);
+        assert_int_equal(c->alpha_mask_first[1] - c->alpha_mask_first[0], 2);
+        assert_int_equal(c->alpha_mask_first[2] - c->alpha_mask_first[1], 4); /* of mask 1 one was split in three */
+        for (size_t n = 0; n < 3 * (c->triangle_count - c->holed_first); n++) {
+            const double *at = c->positions_ws + 3 * (size_t)c->indices[3 * c->holed_first + n];
+            assert_true(fabs(c->hole_uvs[2 * n] - (0.25 * at[0] + 0.125 * at[1])) < 1e-6);
+            assert_true(fabs(c->hole_uvs[2 * n + 1] - (1 - 0.5 * at[1])) < 1e-6);
+        }
+        clear(&b);
     }
-    sort_for_maps(&b, CLOSED_AUTO);
-    const casters *c = &b.c;
-    expect_borders(&b, 16 - 4, 1, 2, 0); /* the three share two edges already */
-    assert_int_equal(c->triangle_count - c->holed_first, 6);
-    assert_int_equal(c->alpha_mask_first[1] - c->alpha_mask_first[0], 2);
-    assert_int_equal(c->alpha_mask_first[2] - c->alpha_mask_first[1], 4); /* of mask 1 one was split in three */
-    for (size_t n = 0; n < 3 * (c->triangle_count - c->holed_first); n++) {
-        const double *at = c->positions_ws + 3 * (size_t)c->indices[3 * c->holed_first + n];
-        assert_true(fabs(c->hole_uvs[2 * n] - (0.25 * at[0] + 0.125 * at[1])) < 1e-6);
-        assert_true(fabs(c->hole_uvs[2 * n + 1] - (1 - 0.5 * at[1])) < 1e-6);
-    }
-    clear(&b);
 }
 
 /* A box beside which a sheet ends, one with a T-junction of its own, and two sheets that make one. */

@@ -619,6 +619,10 @@ static void test_traps_are_said(void **state)
          ",",
          "node 1: moved by animations, and its shadow is baked where it stands in the file, 2 triangles; --exclude node:#1 bakes "
          "without it"},
+        {"'extensionsUsed':['EXT_mesh_gpu_instancing'],'animations':[{'channels':[{'target':{'node':0,'path':'scale'}}]}],'nodes':["
+         "{"
+         "'mesh':0,'extensions':{'EXT_mesh_gpu_instancing':{'attributes':{'TRANSLATION':0}}}}],",
+         "node 0: moved by animations, and its shadow is baked where it stands in the file, 8 triangles; "},
         {"'nodes':[{'mesh':0},{'name':'lost','mesh':0,'scale':[2,2,2]}],'scenes':[{'nodes':[0]}],",
          "node 1 'lost': in no scene of the file, and so not baked; "},
         {"'nodes':[{},{'mesh':0}],'scene':0,'scenes':[{'nodes':[0]},{'name':'yard','nodes':[1]}],",
