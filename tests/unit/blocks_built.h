@@ -6,6 +6,7 @@
 #include "baker/base/integer.h"
 #include "baker/coding/blocks/blocks.h"
 #include "tests/columns/analytic.h"
+#include "tests/columns/stored_maps.h"
 #include "tests/unit/random_maps.h"
 
 static inline vxs_result build_words(block_words *out, const column_map *maps, uint32_t map_count, uint32_t threads)
@@ -31,6 +32,21 @@ static inline depth_maps random_maps(uint32_t side, uint32_t depth, map_kind kin
     fill_maps(&d, kind, &r);
     depth_maps_reduce(&d, 1);
     return d;
+}
+
+/* Words of random maps of one kind. */
+static inline block_words words_of_maps(uint32_t levels, uint32_t map_count, map_kind kind, uint64_t seed)
+{
+    depth_maps  d[VXS_CUBE_FACES];
+    column_map  m[VXS_CUBE_FACES];
+    block_words w;
+    for (uint32_t map = 0; map < map_count; map++) {
+        d[map] = random_maps(1u << levels, 1u << levels, kind, seed + map);
+        m[map] = stored_map(&d[map]);
+    }
+    assert_int_equal(build_words(&w, m, map_count, 2), VXS_OK);
+    for (uint32_t map = 0; map < map_count; map++) depth_maps_free(&d[map]);
+    return w;
 }
 
 static inline vxs_result build_analytic(block_words *w, analytic *a, uint32_t threads)

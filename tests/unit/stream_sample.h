@@ -5,7 +5,6 @@
 #define STREAM_SAMPLE_H
 
 #include "runtime/vxs_stream.h"
-#include "tests/columns/stored_maps.h"
 #include "tests/unit/blocks_built.h"
 #include "tests/unit/dag_sample.h"
 
@@ -18,21 +17,6 @@ typedef struct stream_sample {
     uint32_t         light_count, page_count;
     uint32_t         dag; /* the light that is none of palette blocks, or light_count */
 } stream_sample;
-
-/* Words of several pages: noise, some rows of which come again. */
-static inline block_words stream_words_of(uint32_t levels, uint32_t map_count, map_kind kind, uint64_t seed)
-{
-    depth_maps  d[VXS_CUBE_FACES];
-    column_map  m[VXS_CUBE_FACES];
-    block_words w;
-    for (uint32_t map = 0; map < map_count; map++) {
-        d[map] = random_maps(1u << levels, 1u << levels, kind, seed + map);
-        m[map] = stored_map(&d[map]);
-    }
-    assert_int_equal(build_words(&w, m, map_count, 2), VXS_OK);
-    for (uint32_t map = 0; map < map_count; map++) depth_maps_free(&d[map]);
-    return w;
-}
 
 static inline vxs_write_light stream_light_of(const block_words *w, uint32_t levels, uint32_t kind, uint32_t flags,
                                               uint32_t packing, const char *name)
@@ -81,8 +65,8 @@ static inline void stream_sample_open(stream_sample *s)
 /* A sun, a point light and a spot light of palette blocks, packed both ways, and a sun that is a DAG. */
 static inline void stream_file_build(vxs_bytes *out, uint64_t seed)
 {
-    block_words w[3] = {stream_words_of(10, 1, MAPS_NOISE, seed), stream_words_of(9, 6, MAPS_NOISE, seed + 1),
-                        stream_words_of(9, 1, MAPS_BOXES, seed + 7)};
+    block_words w[3] = {words_of_maps(10, 1, MAPS_NOISE, seed), words_of_maps(9, 6, MAPS_NOISE, seed + 1),
+                        words_of_maps(9, 1, MAPS_BOXES, seed + 7)};
     dag_sample  dag;
     rng         r = {seed};
     dag_sample_init(&dag, &r, 6, 100);

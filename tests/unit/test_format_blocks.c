@@ -25,7 +25,6 @@
 
 #include "blocks_built.h"
 #include "format_parts.h"
-#include "tests/columns/stored_maps.h"
 
 /* How lights that are made here are packed. */
 static uint32_t packing;
@@ -45,21 +44,6 @@ static int pack_fast(void **state)
 }
 
 /* lights ----------------------------------------------------------------------------------------------------------------------- */
-
-/* Words of random maps of one kind. */
-static block_words words_of_maps(uint32_t levels, uint32_t map_count, map_kind kind, uint64_t seed)
-{
-    depth_maps  d[VXS_CUBE_FACES];
-    column_map  m[VXS_CUBE_FACES];
-    block_words w;
-    for (uint32_t map = 0; map < map_count; map++) {
-        d[map] = random_maps(1u << levels, 1u << levels, kind, seed + map);
-        m[map] = stored_map(&d[map]);
-    }
-    assert_int_equal(build_words(&w, m, map_count, 2), VXS_OK);
-    for (uint32_t map = 0; map < map_count; map++) depth_maps_free(&d[map]);
-    return w;
-}
 
 /* Words of several pages, with a common pool: rows of noise, some of which come again, half a node lower. */
 static block_words make_words_of_pages(void)

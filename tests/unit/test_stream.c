@@ -477,7 +477,7 @@ static void test_many_lights(void **state)
 {
     (void)state;
     enum { FILES = 10, LIGHTS = 1000 };
-    block_words      w      = stream_words_of(4, 1, MAPS_NOISE, 5);
+    block_words      w      = words_of_maps(4, 1, MAPS_NOISE, 5);
     vxs_write_light *lights = calloc(LIGHTS, sizeof *lights);
     vxs_stream      *streams[FILES];
     vxs_bytes        file = {0};

@@ -288,7 +288,7 @@ static void fickle_sample_init(stream_sample *s, uint64_t seed, uint32_t levels)
     vxs_smoke_view    smoke[3] = {{0}};
     vxs_contents      contents;
     vxs_bytes         plain = {0};
-    block_words       w     = stream_words_of(levels, 1, MAPS_NOISE, seed);
+    block_words       w     = words_of_maps(levels, 1, MAPS_NOISE, seed);
     rng               r     = {seed};
     dag_sample        dag;
     dag_sample_init(&dag, &r, 4, 10);
@@ -454,7 +454,7 @@ static void test_every_byte(void **state)
 {
     (void)state;
     stream_sample         small  = {0};
-    block_words           w      = stream_words_of(4, 1, MAPS_NOISE, 1);
+    block_words           w      = words_of_maps(4, 1, MAPS_NOISE, 1);
     dag_sample            none   = {.levels = 3};
     uint32_t              opened = 0, refused = 0;
     static const uint32_t slices[8] = {0, 0, 0, 2, 2, 1, 1, 1};

@@ -30,7 +30,7 @@ static vxs_asset *whole;        /* smoky */
 /* Suns of palette blocks and of a DAG, and a point light. */
 static vxs_bytes plain_file(void)
 {
-    block_words w = stream_words_of(10, 1, MAPS_NOISE, 3);
+    block_words w = words_of_maps(10, 1, MAPS_NOISE, 3);
     rng         r = {7};
     dag_sample  dag;
     dag_sample_init(&dag, &r, 5, 20);
