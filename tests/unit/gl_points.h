@@ -28,8 +28,8 @@ typedef struct query {
 
 static const char points_vertex_text[] = "layout(location = 0) in vec3 position;\n"
                                          "layout(location = 1) in vec3 normal;\n"
-                                         "flat out vec3 position_ws;\n"
-                                         "flat out vec3 normal_ws;\n"
+                                         "out vec3 position_ws;\n"
+                                         "out vec3 normal_ws;\n"
                                          "flat out int vertex;\n"
                                          "void main() {\n"
                                          "    position_ws = position;\n"

@@ -24,8 +24,8 @@ static inline vxs_filter filter_of_code(float code)
 /* Position: texels and depth; normal: light, map, filter code. A smooth box lies in its texel as that one's place says. `last`
  * makes an answer of `dark`. */
 #define TAPS_BODY(last)                                                                                                            \
-    "flat in vec3 position_ws;\n"                                                                                                  \
-    "flat in vec3 normal_ws;\n"                                                                                                    \
+    "in vec3 position_ws;\n"                                                                                                       \
+    "in vec3 normal_ws;\n"                                                                                                         \
     "out float answer;\n"                                                                                                          \
     "void main() {\n"                                                                                                              \
     "    vxs_light_constants light = vxs_light_at(uint(normal_ws.x));\n"                                                           \
@@ -46,8 +46,8 @@ static inline vxs_filter filter_of_code(float code)
 
 /* What smoke leaves at a position; normal: light. */
 #define SMOKE_LEFT_BODY                                                                                                            \
-    "flat in vec3 position_ws;\n"                                                                                                  \
-    "flat in vec3 normal_ws;\n"                                                                                                    \
+    "in vec3 position_ws;\n"                                                                                                       \
+    "in vec3 normal_ws;\n"                                                                                                         \
     "out float answer;\n"                                                                                                          \
     "void main() { answer = vxs_smoke_left_by(uint(normal_ws.x), position_ws); }\n"
 

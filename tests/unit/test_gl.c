@@ -191,8 +191,8 @@ enum { DIALECTS = sizeof dialects / sizeof *dialects };
 
 /* Position: texels and depth; normal: 8 times the light and a map, across and 256 times down, the filter code. */
 static const char place_body[] =
-    "flat in vec3 position_ws;\n"
-    "flat in vec3 normal_ws;\n"
+    "in vec3 position_ws;\n"
+    "in vec3 normal_ws;\n"
     "out float answer;\n"
     "void main() {\n"
     "    vxs_light_constants light = vxs_light_at(uint(normal_ws.x) >> 3);\n"
@@ -343,8 +343,8 @@ static void test_same_answer_of_files(void **state)
 }
 
 /* Position and normal; light 0. */
-static const char lit_body[] = "flat in vec3 position_ws;\n"
-                               "flat in vec3 normal_ws;\n"
+static const char lit_body[] = "in vec3 position_ws;\n"
+                               "in vec3 normal_ws;\n"
                                "out float answer;\n"
                                "void main() {\n"
                                "    answer = vxs_lit_by(vxs_light_count() - 1u, position_ws, normal_ws, int(gl_FragCoord.x) % 2 == "
@@ -404,8 +404,8 @@ static void test_origin(void **state)
 /* uploads ---------------------------------------------------------------------------------------------------------------------- */
 
 /* The word at position.x. */
-static const char word_body[] = "flat in vec3 position_ws;\n"
-                                "flat in vec3 normal_ws;\n"
+static const char word_body[] = "in vec3 position_ws;\n"
+                                "in vec3 normal_ws;\n"
                                 "out float answer;\n"
                                 "void main() { answer = float(vxs_word(uint(position_ws.x), uint(normal_ws.x)) & 0xffffffu); }\n";
 
@@ -553,7 +553,7 @@ static int lengths_are_wrong;
 static int find_lengths(void **state)
 {
     static const uint32_t lists[VXS_LISTS_HEAD + 3] = {1, 1, 2, 3};
-    static const char     body[]                    = "flat in vec3 position_ws;\n"
+    static const char     body[]                    = "in vec3 position_ws;\n"
                                                       "out float answer;\n"
                                                       "void main() { answer = float(vxs_light_count()) + 100.0 * float(vxs_lists.length()); }\n";
     static query          queries[QUERIES];
@@ -583,7 +583,7 @@ static int find_lengths(void **state)
 
 /* The last light for numbers beyond, the last word of lists for pixels that the view does not have. */
 static const char held_body[] =
-    "flat in vec3 position_ws;\n"
+    "in vec3 position_ws;\n"
     "out float answer;\n"
     "void main() {\n"
     "    answer = float(vxs_light_at(uint(position_ws.x)).levels) + 100.0 * float(vxs_list_word(uint(position_ws.y)));\n"
@@ -1069,8 +1069,8 @@ static void test_wild_depths(void **state)
 
 /* The sum of the numbers of a tile's lights. */
 static const char tile_body[] =
-    "flat in vec3 position_ws;\n"
-    "flat in vec3 normal_ws;\n"
+    "in vec3 position_ws;\n"
+    "in vec3 normal_ws;\n"
     "out float answer;\n"
     "void main() {\n"
     "    uint tile = vxs_tile_of(ivec2(position_ws.xy)), count = vxs_tile_light_count(tile), sum = 0u;\n"

@@ -227,8 +227,8 @@ static void add_filter(rng *r, float *y, float *z)
 
 /* Position: texels and depth; normal: the word of the light, its levels, the filter (add_filter). */
 static const char voxel_body[] =
-    "flat in vec3 position_ws;\n"
-    "flat in vec3 normal_ws;\n"
+    "in vec3 position_ws;\n"
+    "in vec3 normal_ws;\n"
     "out float answer;\n"
     "void main() {\n"
     "    uint dag = uint(normal_ws.x), levels = uint(normal_ws.y) & 31u, last = (1u << levels) - 1u;\n"
@@ -295,8 +295,8 @@ static void test_voxels(void **state)
 
 /* As voxel_body; the number of the map is added to the levels, 32 for each. */
 static const char blocks_body[] =
-    "flat in vec3 position_ws;\n"
-    "flat in vec3 normal_ws;\n"
+    "in vec3 position_ws;\n"
+    "in vec3 normal_ws;\n"
     "out float answer;\n"
     "void main() {\n"
     "    uint light = uint(normal_ws.x), levels = uint(normal_ws.y) & 31u, map = (uint(normal_ws.y) >> 5) & 7u, last = (1u << "
@@ -483,8 +483,8 @@ static void test_positions(void **state)
 /* Normal: the width of the filter, and whether it is smooth. */
 static const char filter_body[] =
     "layout(std140) uniform shadow_light { vxs_light_constants light; };\n"
-    "flat in vec3 position_ws;\n"
-    "flat in vec3 normal_ws;\n"
+    "in vec3 position_ws;\n"
+    "in vec3 normal_ws;\n"
     "out float answer;\n"
     "void main() {\n"
     "    answer = vxs_lit(light.first_word, light, position_ws, vec3(0.0), vxs_filter(int(normal_ws.x), int(normal_ws.y)));\n"
@@ -535,8 +535,8 @@ static void test_any_filter(void **state)
 
 /* Position: coordinates of a map; normal: its number. */
 static const char back_body[] = "layout(std140) uniform shadow_light { vxs_light_constants light; };\n"
-                                "flat in vec3 position_ws;\n"
-                                "flat in vec3 normal_ws;\n"
+                                "in vec3 position_ws;\n"
+                                "in vec3 normal_ws;\n"
                                 "out float answer;\n"
                                 "void main() {\n"
                                 "    vec3 point_ws;\n"
