@@ -76,6 +76,7 @@ enum {
     X(gl_name, CreateShader, (gl_enum))                                                                                  \
     X(void, ShaderSource, (gl_name, int, const char *const *, const int *))                                              \
     X(void, CompileShader, (gl_name))                                                                                    \
+    X(void, GetShaderInfoLog, (gl_name, int, int *, char *))                                                             \
     X(void, DeleteShader, (gl_name))                                                                                     \
     X(gl_name, CreateProgram, (void))                                                                                    \
     X(void, AttachShader, (gl_name, gl_name))                                                                            \

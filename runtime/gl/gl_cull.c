@@ -177,7 +177,7 @@ static int can_compute(const gl_api *api)
     return 1;
 }
 
-static int make_culling(vxs_gl *gl)
+static vxs_result make_culling(vxs_gl *gl)
 {
     static const char names[] = "#define VXS_GL_CULL\n#define VXS_VIEW_METRES " TEXT_OF(VXS_VIEW_METRES) "\n";
     const gl_api     *api     = &gl->api;
@@ -195,10 +195,12 @@ static int make_culling(vxs_gl *gl)
     api->DeleteShader(shader);
     api->LinkProgram(gl->culling);
     api->GetProgramiv(gl->culling, GL_STATUS_LINK, &good);
-    if (good) return 1;
+    if (good) return VXS_OK;
+    char log[1024] = "";
+    api->GetShaderInfoLog(shader, sizeof log, NULL, log); /* the program still holds the shader */
     api->DeleteProgram(gl->culling);
     gl->culling = 0;
-    return 0;
+    return vxs_gl_fail(gl, log);
 }
 
 /* Depths use texture unit 0, which is free here because words are in a buffer. */
@@ -227,10 +229,12 @@ static void dispatch(const vxs_gl *gl, const vxs_view *v, gl_name depths, uint32
 
 vxs_result vxs_gl_cull(vxs_gl *gl, const vxs_view *view, unsigned depth_texture, uint32_t tile_lights)
 {
-    uint32_t columns = (view->width_px + VXS_TILE_PX - 1) / VXS_TILE_PX, rows = (view->height_px + VXS_TILE_PX - 1) / VXS_TILE_PX;
-    if (gl->is_texture || !can_compute(&gl->api)) return VXS_E_GL;
+    uint32_t   columns = (view->width_px + VXS_TILE_PX - 1) / VXS_TILE_PX, rows = (view->height_px + VXS_TILE_PX - 1) / VXS_TILE_PX;
+    vxs_result r;
+    if (gl->is_texture || !can_compute(&gl->api))
+        return vxs_gl_fail(gl, "vxs_gl_cull: expected storage buffers and compute shaders");
     if (!make_lists(gl, vxs_lists_words(view->width_px, view->height_px, tile_lights))) return VXS_E_MEMORY;
-    if (!gl->culling && !make_culling(gl)) return VXS_E_GL;
+    if (!gl->culling && (r = make_culling(gl)) != VXS_OK) return r;
     vxs_gl_bind(gl);
     dispatch(gl, view, depth_texture, columns, rows, tile_lights);
     return VXS_OK;

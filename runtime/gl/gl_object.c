@@ -15,17 +15,23 @@ _Static_assert(sizeof(vxs_light_constants) == LIGHT_WORDS * sizeof(uint32_t), "l
 
 /* the context ----------------------------------------------------------------------------------------------------------------- */
 
-static int load(vxs_gl *gl, const vxs_gl_desc *desc)
+vxs_result vxs_gl_fail(const vxs_gl *gl, const char *text)
+{
+    if (gl->log) gl->log(VXS_SEVERITY_ERROR, text, gl->user);
+    return VXS_E_GL;
+}
+
+static vxs_result load(vxs_gl *gl, const vxs_gl_desc *desc)
 {
 #define LOAD(result, name, arguments) gl->api.name = (result(GL_CALL *) arguments)desc->get_proc_address("gl" #name, desc->user);
 #define LOADED(result, name, arguments)                                                                                            \
-    if (!gl->api.name) return 0;
+    if (!gl->api.name) return vxs_gl_fail(gl, "the OpenGL context has no function gl" #name);
     GL_API(LOAD)
     GL_API(LOADED)
     GL_COMPUTE_API(LOAD)
 #undef LOADED
 #undef LOAD
-    return 1;
+    return VXS_OK;
 }
 
 /* Parse "4.5 (Core Profile) ...", or "OpenGL ES 3.1 ...". */
@@ -54,8 +60,11 @@ static vxs_result choose_storage(vxs_gl *gl, vxs_gl_storage asked, uint64_t word
     read_version(gl);
     int buffers    = has_buffers(gl, word_count * sizeof(uint32_t));
     gl->is_texture = asked == VXS_GL_TEXTURE || !buffers;
-    if (asked == VXS_GL_BUFFER && !buffers) return gl->version >= (gl->is_es ? 310 : 430) ? VXS_E_MEMORY : VXS_E_GL;
-    return gl->version < (gl->is_es ? 300 : 330) ? VXS_E_GL : VXS_OK;
+    if (gl->version < (gl->is_es ? 300 : 330))
+        return vxs_gl_fail(gl, "expected an OpenGL context of version 3.3 or later, or ES 3.0");
+    if (asked != VXS_GL_BUFFER || buffers) return VXS_OK;
+    if (gl->version >= (gl->is_es ? 310 : 430)) return VXS_E_MEMORY;
+    return vxs_gl_fail(gl, "VXS_GL_BUFFER: expected an OpenGL context of version 4.3 or later, or ES 3.1");
 }
 
 /* lights and words ------------------------------------------------------------------------------------------------------------ */
@@ -215,7 +224,8 @@ static vxs_result make(vxs_gl *gl, const vxs_gl_desc *desc)
                                          : desc->light_count;
     gl->first_binding   = desc->first_binding;
     gl->stream          = desc->stream;
-    if (!load(gl, desc)) return VXS_E_GL;
+    vxs_result r        = load(gl, desc);
+    if (r != VXS_OK) return r;
     gl->lights    = vxs_gl_alloc(gl, gl->light_count, sizeof *gl->lights);
     gl->constants = vxs_gl_alloc(gl, gl->light_count, sizeof *gl->constants);
     if (!gl->lights || !gl->constants) return VXS_E_MEMORY;
@@ -226,7 +236,7 @@ static vxs_result make(vxs_gl *gl, const vxs_gl_desc *desc)
     else
         memcpy(gl->lights, desc->lights, gl->light_count * sizeof *gl->lights);
 
-    vxs_result r = place_smoke(gl, desc, &word_count);
+    r = place_smoke(gl, desc, &word_count);
     if (r != VXS_OK) return r;
 
     /* lookups may read a few words behind a light's last one; the last word is the position of the table of smoke */
@@ -257,7 +267,7 @@ vxs_result vxs_gl_create(vxs_gl **out, const vxs_gl_desc *desc)
     vxs_allocator memory = vxs_allocator_of(&(vxs_read_desc){.allocator = known.allocator});
     vxs_gl       *gl     = memory.alloc(sizeof *gl, memory.user);
     if (!gl) return VXS_E_MEMORY;
-    *gl    = (vxs_gl){.memory = memory};
+    *gl    = (vxs_gl){.memory = memory, .log = known.log, .user = known.user};
     result = make(gl, &known);
     if (result == VXS_OK)
         *out = gl;

@@ -27,6 +27,8 @@ typedef struct gl_page {
 struct vxs_gl {
     gl_api        api;
     vxs_allocator memory;
+    vxs_log_fn   *log;
+    void         *user;
     int           is_es, version; /* such as 430, 310 */
     int           is_texture;
     uint32_t      first_binding;
@@ -53,6 +55,9 @@ struct vxs_gl {
     gl_name culling; /* compute program; 0 before first use */
     char    head[512];
 };
+
+/* Report why a function fails. Returns VXS_E_GL. */
+vxs_result vxs_gl_fail(const vxs_gl *gl, const char *text);
 
 /* Allocate an array on the GPU. Returns 0 when that fails; then there is nothing to delete. */
 int vxs_gl_words_make(const vxs_gl *gl, gl_words *w, uint64_t count, uint32_t lanes, uint32_t wide);

@@ -72,6 +72,9 @@ typedef struct vxs_gl_desc {
     /* without an asset: [light count] baked smoke of each light, NULL: none. A NULL array: the smoke of the stream, or none
      * without a stream. Words are borrowed until vxs_gl_upload returns 0 */
     const vxs_baked_smoke *const *smoke;
+
+    /* explains VXS_E_GL: what the context lacks, or the messages of its compiler; called with `user`. NULL: not wanted */
+    vxs_log_fn *log;
 } vxs_gl_desc;
 
 /* Create the object, with storage for words and lights: one buffer for each, or one texture for each. No words are uploaded yet.

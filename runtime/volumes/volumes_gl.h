@@ -125,7 +125,6 @@ enum {
     X(void, DeleteVertexArrays, (int, const gl_name *))                                                                  \
     X(void, BindVertexArray, (gl_name))                                                                                  \
     X(void, GetShaderiv, (gl_name, gl_enum, int *))                                                                      \
-    X(void, GetShaderInfoLog, (gl_name, int, int *, char *))                                                             \
     X(void, Scissor, (int, int, int, int))                                                                               \
     X(void, FrontFace, (gl_enum))                                                                                        \
     X(void, ClipControl, (gl_enum, gl_enum))                                                                             \

@@ -84,7 +84,8 @@ static void descriptions_grow_at_their_end(void **state)
     assert_int_equal(AT(vxs_gl_desc, first_binding), 64);
     assert_int_equal(AT(vxs_gl_desc, stream), 72);
     assert_int_equal(AT(vxs_gl_desc, smoke), 80);
-    assert_true(sizeof(vxs_gl_desc) >= 88);
+    assert_int_equal(AT(vxs_gl_desc, log), 88);
+    assert_true(sizeof(vxs_gl_desc) >= 96);
     assert_int_equal(AT(vxs_volumes_desc, struct_size), 0);
     assert_int_equal(AT(vxs_volumes_frame, struct_size), 0);
     assert_int_equal(AT(vxs_volumes_frame, view), 52);

@@ -30,7 +30,7 @@
 /* What a context is reported as, which function it lacks, and what was made in it. */
 static struct {
     const char *version, *lacks;
-    int         buffers, textures, programs, live;
+    int         buffers, textures, programs, live, breaks_shaders;
     uint64_t    bytes, uploaded_bytes;
 } told;
 
@@ -73,6 +73,16 @@ static GLuint APIENTRY told_CreateProgram(void)
     return ((PFNGLCREATEPROGRAMPROC)gl_choice_function("glCreateProgram"))();
 }
 
+static void APIENTRY told_ShaderSource(GLuint shader, GLsizei count, const char *const *texts, const GLint *lengths)
+{
+    const char *broken[32];
+    assert_true(count <= 32);
+    for (GLsizei n = 0; n < count; n++)
+        broken[n] = told.breaks_shaders && n == count - 1 ? "void main() { no_such_name(); }" : texts[n];
+    ((void(APIENTRY *)(GLuint, GLsizei, const char *const *, const GLint *))gl_choice_function("glShaderSource"))(shader, count,
+                                                                                                                  broken, lengths);
+}
+
 static void APIENTRY told_DeleteProgram(GLuint name)
 {
     told.live--;
@@ -99,7 +109,7 @@ static vxs_gl_function telling(const char *name, void *user)
     } ours[] = {
 #define OURS(name) {"gl" #name, (vxs_gl_function)told_##name}
         OURS(GetString),     OURS(GenBuffers), OURS(DeleteBuffers), OURS(GenTextures),   OURS(DeleteTextures),
-        OURS(CreateProgram), OURS(BufferData), OURS(DeleteProgram), OURS(BufferSubData),
+        OURS(CreateProgram), OURS(BufferData), OURS(DeleteProgram), OURS(BufferSubData), OURS(ShaderSource),
     };
     (void)user;
     if (told.lacks && !strcmp(told.lacks, name)) return NULL;
@@ -802,6 +812,25 @@ static void test_state_is_restored(void **state)
     gl_context_destroy(d.gl);
 }
 
+static char explained[256];
+
+static void keep_explanation(vxs_severity severity, const char *text, void *user)
+{
+    assert_int_equal(severity, VXS_SEVERITY_ERROR);
+    assert_ptr_equal(user, explained);
+    snprintf(explained, sizeof explained, "%s", text);
+}
+
+/* vxs_gl_create returns VXS_E_GL, and says why. */
+static void assert_no_gl(const vxs_gl_desc *desc, const char *why)
+{
+    vxs_gl *gl;
+    *explained = 0;
+    assert_int_equal(vxs_gl_create(&gl, desc), VXS_E_GL);
+    assert_null(gl);
+    if (!strstr(explained, why)) fail_msg("'%s', expected '%s'", explained, why);
+}
+
 /* Each allocation in turn fails, and each function in turn is not there; too old, too much, and nothing queried. */
 static void test_refused(void **state)
 {
@@ -813,6 +842,9 @@ static void test_refused(void **state)
     uint32_t                 words[8]    = {0};
     vxs_gl                  *gl;
     vxs_gl_desc desc = {.get_proc_address = telling, .lights = &(vxs_gl_light){&light, 0}, .light_count = 1, .word_count = 8};
+    desc.struct_size = sizeof desc;
+    desc.log         = keep_explanation;
+    desc.user        = explained;
     (void)state;
     memset(&told, 0, sizeof told);
     for (uint64_t fail_at = 1, good = 0; !good; fail_at++) {
@@ -830,17 +862,16 @@ static void test_refused(void **state)
     desc.allocator = NULL;
     for (size_t n = 0; n < sizeof functions / sizeof *functions; n++) {
         told.lacks = functions[n];
-        assert_int_equal(vxs_gl_create(&gl, &desc), VXS_E_GL);
-        assert_null(gl);
+        assert_no_gl(&desc, functions[n]);
     }
     told.lacks = NULL;
     for (int n = 0; n < 4; n++) {
         told.version = (const char *[]){"3.2 Mesa", "OpenGL ES 2.0", "", "2"}[n];
-        assert_int_equal(vxs_gl_create(&gl, &desc), VXS_E_GL);
+        assert_no_gl(&desc, "version 3.3 or later");
     }
     told.version = "OpenGL ES 3.0 (old)";
     desc.storage = VXS_GL_BUFFER;
-    assert_int_equal(vxs_gl_create(&gl, &desc), VXS_E_GL);
+    assert_no_gl(&desc, "version 4.3 or later");
     told.version    = NULL;
     desc.storage    = VXS_GL_TEXTURE;
     desc.word_count = UINT32_MAX;
@@ -850,7 +881,13 @@ static void test_refused(void **state)
     assert_int_equal(vxs_gl_create(&gl, NULL), VXS_E_ARGUMENT);
     desc             = (vxs_gl_desc){.struct_size = sizeof desc, .get_proc_address = telling, .lights = &(vxs_gl_light){&light, 0}};
     desc.light_count = desc.word_count = 1;
+    desc.log                           = keep_explanation;
+    desc.user                          = explained;
     assert_int_equal(vxs_gl_create(&gl, &desc), VXS_OK);
+    told.breaks_shaders = 1;
+    assert_int_equal(vxs_gl_cull(gl, &(vxs_view){.width_px = 8, .height_px = 8}, 0, 4), VXS_E_GL);
+    told.breaks_shaders = 0;
+    assert_non_null(strstr(explained, "no_such_name"));
     assert_int_equal(vxs_gl_put(gl, NULL, 0, 1), VXS_E_ARGUMENT);
     assert_int_equal(vxs_gl_put(gl, NULL, 0, 0), VXS_OK);
     assert_int_equal(vxs_gl_put(gl, words, 1, UINT32_MAX), VXS_E_ARGUMENT);
