@@ -1,4 +1,4 @@
-/* What is coded of a page, and in what order: one text for encoder and decoder. Internal to vxs_page_*.c, which define
+/* Symbols of a page, in their order: one text for encoder and decoder. Internal to vxs_page_*.c, which define
  * PAGE_ENCODING. Not installed.
  *
  * The walk goes from node to node, block to block, tile to tile, and writes each record to its place in `words`. The decoder

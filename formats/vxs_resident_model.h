@@ -1,4 +1,4 @@
-/* What is coded of a light's resident part, and in what order: one text for encoder and decoder, like vxs_page_model.h.
+/* Symbols of a light's resident part, in their order: one text for encoder and decoder, like vxs_page_model.h.
  * Internal. Not installed.
  *
  *     top      entries in z order: a depth (that of the left or upper entry, or another), or a node (the next of its page, the

@@ -46,7 +46,7 @@ static vxs_result encode_level(vxs_bytes *content, const vxs_dag_view *view, uin
                 below[(*below_count)++] = child[c] - VXS_REF_FIRST;
                 *seen                   = *below_count;
             }
-            do { /* seven bits a byte; the highest bit says that more follow */
+            do { /* seven bits a byte; the highest bit: more follow */
                 uint8_t *at = vxs_append(content, 1);
                 if (!at) return VXS_E_MEMORY;
                 *at = (uint8_t)((code & 0x7f) | (code > 0x7f ? 0x80 : 0));

@@ -92,7 +92,7 @@ vxs_result vxs_add_smoke(vxs_sections *s, const vxs_smoke_view *smoke, const vxs
         for (int n = 0; n < TILE_TEXELS; at += counts[n++]) {
             const uint32_t *nodes = w.view->nodes + at;
             if (counts[n] > VXS_SMOKE_NODES_MAX || at > INT32_MAX) return VXS_E_ARGUMENT;
-            for (uint32_t k = 1; k < counts[n]; k++) /* depths grow, and what is left falls */
+            for (uint32_t k = 1; k < counts[n]; k++) /* depths grow, and transmittance falls */
                 if ((nodes[k] & 0xffff) < (nodes[k - 1] & 0xffff) || nodes[k] >> 16 > nodes[k - 1] >> 16) return VXS_E_ARGUMENT;
         }
     }

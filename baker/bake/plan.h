@@ -71,7 +71,7 @@ typedef struct plan_light {
     light_sample     sample;
 } plan_light;
 
-/* What an option would save. The user has to ask for it, because it changes what the file promises. */
+/* What an option would save. It must be given explicitly, because it changes what the file promises. */
 typedef struct plan_saving {
     const char *option; /* "--behind free" */
     uint64_t    file_bytes;

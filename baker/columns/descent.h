@@ -49,7 +49,7 @@ typedef struct descent {
     vxs_result (*save)(void *user, uint32_t slot, vxs_bytes *out);
     vxs_result (*load)(void *user, uint32_t slot, const vxs_bytes *bytes, uint32_t level, uint32_t i, uint32_t j);
 
-    /* Release what is in a slot, in any state. */
+    /* Release the contents of a slot, in any state. */
     void (*drop)(void *user, uint32_t slot);
 
     /* Called for a batch in phase 0: before building; 1: between building and adding; 2: after adding. Time stages here. May be

@@ -44,7 +44,7 @@ typedef struct rendered_tile {
  * Returns VXS_OK, or an error that ends the fetch. */
 typedef vxs_result tile_watcher(void *user, uint32_t map, uint32_t i, uint32_t j, const rendered_tile *tile, bake_context *ctx);
 
-/* A light whose maps are rendered. Zero what is not set. */
+/* A light whose maps are rendered. Zero other fields. */
 typedef struct rendered_columns {
     void                 *device;  /* from column_renderer.create; borrowed, like all that follows */
     const struct casters *casters; /* that the light may reach */

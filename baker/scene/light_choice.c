@@ -151,7 +151,7 @@ static vxs_result add_named(const scene *s, const light_choice *all, const char 
                 meant_light(all, name, meant));
 }
 
-/* ---- what is left out without an option ---- */
+/* ---- lights that are left out by default ---- */
 
 enum { SHOWN = 3 };
 

@@ -42,7 +42,7 @@ int smoke_path_add(smoke_path *p, double begin, double end, double thick);
 /* Add two paths.   sum  [out] neither of them; its contents are replaced.   Returns 0 without memory. */
 int smoke_path_sum(const smoke_path *a, const smoke_path *b, smoke_path *sum);
 
-/* Remove what is behind a depth. */
+/* Remove all smoke behind a depth. */
 void smoke_path_cut(smoke_path *p, double depth);
 
 /* Optical depth up to a depth. */

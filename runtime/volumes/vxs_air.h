@@ -330,7 +330,7 @@ VXS_FN void vxs_air_finish(VXS_MEDIUM medium, VXS_AIR_RAY ray, VXS_INOUT vxs_rea
 }
 
 /* begin, length  of the part of the ray, >= 0, finite; it must be in the light's range, if it has one (vxs_air_in_range); for a
- *                spot light, only what is in its cone counts
+ *                spot light, only the part in its cone counts
  * airlight       [out] */
 VXS_FN void vxs_air_punctual(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real begin, vxs_real length, VXS_OUT vxs_real3 airlight)
 {

@@ -22,8 +22,8 @@
  *
  * A shader must define, before this text, the functions that C has here: vxs_mesh_first, vxs_mesh_split and vxs_mesh_set_split.
  * `first` and `splits` are passed to them.
- * Source: [Billeter 2010] 4.1 for a restricted quadtree and its fans. There an edge filter decides what is split; here the error
- * decides, and is bounded.
+ * Source: [Billeter 2010] 4.1 for a restricted quadtree and its fans. There an edge filter chooses the quads to split; here the
+ * error decides, and is bounded.
  * Internal: public texts need it; its names may change in any version.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_MESH_QUADS_H

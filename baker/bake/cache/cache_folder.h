@@ -46,7 +46,7 @@ typedef struct square_exchange {
     void *data;
     int   adds; /* 1: this process adds the squares */
 
-    /* Ask which process makes a square. Numbers ascend.
+    /* Claim a square: decide which process makes it. Numbers ascend.
      * action  [out] SQUARE_MAKE: this process. SQUARE_LEAVE, only if it does not add: another process. SQUARE_KNOWN, only if it
      * adds:
      *       another process; `receive` returns the square

@@ -17,7 +17,7 @@ static const char end_magic[8] = {'v', 'x', 's', ' ', 'p', 'a', 'r', 't'};
 
 enum { MAGIC_BYTES = sizeof PART_MAGIC - 1, PART_VERSION = 1, HEAD_BYTES = 24, SQUARE_BYTES = 24, TRAILER_BYTES = 40 };
 
-/* Limit of what is read as a whole: a pipe, and the common data. */
+/* Limit of data that is read as a whole: a pipe, and the common data. */
 static const uint64_t LIMIT_BYTES = (uint64_t)4 << 30;
 
 static vxs_result out_of_memory(run_context *m)

@@ -87,7 +87,7 @@ vxs_result part_open(part_reader *p, const char *path, run_context *m);
 /* Find a square by its number. NULL: the part does not have it. */
 const part_square *part_find(const part_reader *p, uint64_t number);
 
-/* Say that a part is damaged.   Returns VXS_E_CORRUPT. */
+/* Report that a part is damaged.   Returns VXS_E_CORRUPT. */
 vxs_result part_is_damaged(const part_reader *p, run_context *m);
 
 /* Read a square.   record  [out] released with free(record->data)

@@ -34,7 +34,7 @@ vxs_result column_tree_look_into(column_tree *t, size_t at, uint32_t level, uint
     for (uint32_t c = 0; c < 4; c++) {
         tree_square *part = &t->squares[first + c];
         if ((r = bound_square(t, part, level - 1, 2 * i + (c & 1), 2 * j + (c >> 1))) != VXS_OK) return r;
-        /* the bounds of a part may be looser than those of the whole: what is decided must stay decided */
+        /* the bounds of a part may be looser than those of the whole: a decision about the whole must hold for its parts */
         part->xmin = max_u32(part->xmin, t->squares[at].xmin);
         part->emax = min_u32(part->emax, t->squares[at].emax);
     }

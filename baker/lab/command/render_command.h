@@ -1,4 +1,4 @@
-/* The command vxs render: cmd_render.c reads its options and loads what is drawn, render_draw.c draws it and writes reports.
+/* The command vxs render: cmd_render.c reads its options and loads scene and file, render_draw.c draws it and writes reports.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef RENDER_COMMAND_H
 #define RENDER_COMMAND_H

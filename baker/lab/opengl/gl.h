@@ -99,7 +99,7 @@ typedef struct gl_context {
 
 /* Make a context and make it current on the calling thread. Only that thread may use it until gl_context_destroy.
  * threads  rasterizer threads of a software renderer.
- * Returns VXS_OK, VXS_E_GL (the message has what is missing), or VXS_E_MEMORY. */
+ * Returns VXS_OK, VXS_E_GL (the message names the missing function), or VXS_E_MEMORY. */
 vxs_result gl_context_create(gl_context **out, gl_backend backend, uint32_t threads, run_context *m);
 
 void gl_context_destroy(gl_context *gl);

@@ -1,4 +1,4 @@
-/* The plan of a frame: what is drawn for each light, by which method, and what is left out, with reasons; its text and JSON.
+/* The plan of a frame: passes and methods for each light, and passes that are left out, with reasons; its text and JSON.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef FRAME_PLAN_H
 #define FRAME_PLAN_H

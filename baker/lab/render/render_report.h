@@ -1,4 +1,4 @@
-/* What is written of frames: their passes as pictures; measurements as JSON, a table, a plot.
+/* Reports of frames: their passes as pictures; measurements as JSON, a table, a plot.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef RENDER_REPORT_H
 #define RENDER_REPORT_H
