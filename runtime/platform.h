@@ -19,8 +19,6 @@
 #ifndef PLATFORM_H
 #define PLATFORM_H
 
-#include "vxs_result.h"
-
 #ifdef _WIN32
 #include "platform_windows.h"
 #else

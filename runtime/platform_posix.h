@@ -15,6 +15,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "vxs_result.h"
+
 /* files ----------------------------------------------------------------------------------------------------------------------- */
 
 typedef struct os_file {

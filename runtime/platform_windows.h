@@ -12,6 +12,8 @@
 #include <stdint.h>
 #include <stdlib.h>
 
+#include "vxs_result.h"
+
 /* files ----------------------------------------------------------------------------------------------------------------------- */
 
 typedef struct os_file {

@@ -566,16 +566,19 @@ ASKED = {"c": ["-Wconversion", "-Wsign-conversion", "-Wdouble-promotion", "-Wsha
 @pytest.mark.parametrize("language, standard", [("c", "c99"), pytest.param("c", "c11", marks=pytest.mark.long), ("c++", "c++11"),
                                                 pytest.param("c++", "c++17", marks=pytest.mark.long)])
 def test_headers_stand_alone(compilers, language, standard, tmp_path):
-    """First and alone, and once more: each header brings what it needs, and can be there twice."""
+    """First and alone, and once more: each header brings what it needs, and can be there twice. The installed ones also together, in both
+    orders: no name of one is hidden by another."""
     assert len(HEADERS) >= 7
     compiler = compilers[language]
     if not shutil.which(compiler.split()[0]):
         pytest.skip(f"no compiler {compiler}")
-    for header in HEADERS:
+    installed = [header for header in HEADERS if f"include/vxs/{header.name}" in INSTALLED]
+    assert len(installed) > 20
+    for headers in [*([header, header] for header in HEADERS), installed, installed[::-1]]:
         source = tmp_path / "alone"
-        source.write_text(f'#include "{header}"\n#include "{header}"\nint nothing;\n')
-        asked = ASKED[language] if f"include/vxs/{header.name}" in INSTALLED else []
+        source.write_text("".join(f'#include "{header}"\n' for header in headers) + "int nothing;\n")
+        asked = ASKED[language] if headers[0] in installed else []
         done = subprocess.run([*compiler.split(), "-x", language, f"-std={standard}", *WARNINGS, *asked, "-I.", "-Iformats", "-Iruntime",
                                "-Iruntime/gl",
                                str(source)], cwd=ROOT, capture_output=True, text=True)
-        assert done.returncode == 0, f"{header} as {standard}: {done.stderr}"
+        assert done.returncode == 0, f"{headers} as {standard}: {done.stderr}"
