@@ -184,10 +184,8 @@ static int weld_points(splitter *x)
     const tree_point **crowded = malloc((x->tree.count + 1) * sizeof *crowded);
     weld_search        s       = {0};
     x->target_of               = malloc((x->tree.count + 1) * sizeof *x->target_of);
-    if (!crowded || !x->target_of) {
-        free(crowded);
-        return 0;
-    }
+    int ok                     = crowded && x->target_of;
+    if (!ok) goto done;
     for (size_t n = 0; n < x->tree.count; n++) {
         x->target_of[n] = (uint32_t)n;
         if (search_about(x, n, find_another, &s) && s.found) crowded[crowd++] = &x->tree.points[n];
@@ -201,7 +199,6 @@ static int weld_points(splitter *x)
         search_about(x, at, take_place, &s);
         moved += (size_t)s.found;
     }
-    free(crowded);
     if (moved) {
         /* Undo merges that would collapse a triangle: if two of its corners would merge, both stay. */
         const uint32_t *indices = x->mesh->indices;
@@ -218,7 +215,9 @@ static int weld_points(splitter *x)
         }
         for (size_t n = 0; n < x->tree.count; n++) x->out->joined_count += x->target_of[n] != n;
     }
-    return 1;
+done:
+    free(crowded);
+    return ok;
 }
 
 /* --- cuts -------------------------------------------------------------------------------------------------------------- */
