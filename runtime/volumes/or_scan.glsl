@@ -2,7 +2,7 @@
 #include "frame.glsl"
 
 layout(std140, binding = VXS_AT_OWN) uniform vxs_or_scan_block {
-    uint length, segments, first, step; /* length of a segment, and the first of all, in texels */
+    uint texels, segments, first, step; /* texels of a segment; the first of all; of passes: the distance that is combined */
 } vxs_scan;
 
 #ifdef VXS_SCAN_STEPS
@@ -14,9 +14,9 @@ layout(std430, binding = VXS_AT_GRID + 1) writeonly buffer vxs_scan_to { uvec4 s
 void main()
 {
     uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x, n = group * 256u + gl_LocalInvocationID.x;
-    if (n >= vxs_scan.length * vxs_scan.segments) return;
+    if (n >= vxs_scan.texels * vxs_scan.segments) return;
     uvec4 bits = scanned_before[vxs_scan.first + n];
-    if (n % vxs_scan.length >= vxs_scan.step) bits |= scanned_before[vxs_scan.first + n - vxs_scan.step];
+    if (n % vxs_scan.texels >= vxs_scan.step) bits |= scanned_before[vxs_scan.first + n - vxs_scan.step];
     scanned[vxs_scan.first + n] = bits;
 }
 #else
@@ -31,8 +31,8 @@ void main()
     uvec4 bits = uvec4(0u);
     uint  segment = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x, at = gl_LocalInvocationID.x, which = 0u;
     if (segment >= vxs_scan.segments) return;
-    uint each = (vxs_scan.length + 127u) / 128u, start = vxs_scan.first + segment * vxs_scan.length;
-    uint begin = start + min(at * each, vxs_scan.length), end = start + min((at + 1u) * each, vxs_scan.length);
+    uint each = (vxs_scan.texels + 127u) / 128u, start = vxs_scan.first + segment * vxs_scan.texels;
+    uint begin = start + min(at * each, vxs_scan.texels), end = start + min((at + 1u) * each, vxs_scan.texels);
     for (uint n = begin; n < end; n++) bits |= scanned[n];
     parts[0][at] = bits;
     barrier();

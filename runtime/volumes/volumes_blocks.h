@@ -42,7 +42,7 @@ typedef struct map_fill_block {
 } map_fill_block;
 
 typedef struct or_scan_block {
-    uint32_t length, segments, first, step;
+    uint32_t texels, segments, first, step;
 } or_scan_block;
 
 typedef struct voxelize_block {

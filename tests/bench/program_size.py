@@ -1,7 +1,7 @@
 # SPIR-V instructions of every program of runtime/gl, runtime/volumes and `vxs render`, after calls are inlined and dead code is
 # gone: what a driver that inlines has to compile. Needs no graphics processor. `make program-size` prints them.
 #
-#     program_size.py --build build/release [--only WORDS] [--lower]
+#     program_size.py --build build/release [--only PATTERN] [--lower]
 #
 # tests/bench/program_sizes.json has the ceiling of each program. --lower writes the sizes of this build as ceilings; a higher one
 # is a decision, and is edited by hand.
@@ -86,7 +86,7 @@ def instructions(stage, text):
 def sizes(build, only=""):
     build = pathlib.Path(build).resolve()
     programs = named(library_texts(build) + command_texts(build))
-    programs = {name: program for name, program in programs.items() if all(word in name.split() for word in only.split())}
+    programs = {name: program for name, program in programs.items() if re.search(only, name)}
     with concurrent.futures.ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
         return dict(zip(programs, pool.map(lambda program: instructions(*program), programs.values())))
 
@@ -98,7 +98,7 @@ def ceilings():
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--build", default="build/release")
-    parser.add_argument("--only", default="", help="words that names must have")
+    parser.add_argument("--only", default="", help="a regular expression that names have")
     parser.add_argument("--lower", action="store_true", help="write ceilings, where none is higher than before")
     arguments = parser.parse_args()
     found, most = sizes(arguments.build, arguments.only), ceilings()
