@@ -64,7 +64,7 @@ static void place_eye(const vxs_baked_light *l, rng *r, double metres, double ey
     eye_ws[1] += metres;
 }
 
-static void classify(const vxs_baked_light *l, rng *r, const intervals_options *o, vxs_ray *rays)
+static void look_around(const vxs_baked_light *l, rng *r, const intervals_options *o, vxs_ray *rays)
 {
     double eye_ws[3], turn = 6.283185307179586 * unit(r), forward[3] = {cos(turn), 0, sin(turn)},
                       right[3] = {-sin(turn), 0, cos(turn)};
@@ -131,7 +131,8 @@ static vxs_result open_file(const intervals_options *o, const char *path, asked 
     if (e != VXS_OK) return fail(m, e, "%s: %s", path, vxs_result_text(e));
     a->rays = malloc(ray_count(o) * sizeof *a->rays);
     if (!a->rays) return fail(m, VXS_E_MEMORY, "out of memory");
-    for (uint32_t n = 0; n < o->eyes; n++) classify(vxs_asset_light(a->asset, 0), &r, o, a->rays + (size_t)n * SIDE_PX * SIDE_PX);
+    for (uint32_t n = 0; n < o->eyes; n++)
+        look_around(vxs_asset_light(a->asset, 0), &r, o, a->rays + (size_t)n * SIDE_PX * SIDE_PX);
     return VXS_OK;
 }
 

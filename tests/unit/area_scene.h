@@ -160,8 +160,8 @@ enum { WIDE = 32, HIGH = 24, PIXELS = WIDE * HIGH, SIDE = 64, COLUMNS = 64, ROWS
 static const vxs_medium haze = {{0.03, 0.035, 0.04}, {0.04, 0.045, 0.05}, 0.4};
 
 /* The screen off the view, and, from beside, in it. */
-static const double eyes[][3]   = {{9, 3, 7}, {-8, 0.5, -8}, {6, 4, -2}};
-static const double classify[3] = {0, 2, 0};
+static const double eyes[][3] = {{9, 3, 7}, {-8, 0.5, -8}, {6, 4, -2}};
+static const double look[3]   = {0, 2, 0};
 enum { CAMERAS = sizeof eyes / sizeof *eyes };
 
 static volumes_scene   scene;

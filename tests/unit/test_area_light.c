@@ -55,7 +55,7 @@ static void test_one_vpl_is_a_grid(void **state)
     constants.range_metres                = 0; /* VPLs of an area have none */
     l.constants                           = &constants;
     for (int camera = 0; camera < CAMERAS; camera++) {
-        volumes_camera    c     = camera_at(eyes[camera], classify, 0.7);
+        volumes_camera    c     = camera_at(eyes[camera], look, 0.7);
         vxs_volumes_frame frame = scene_frame(&scene, &c, &haze, camera == 1 ? 2.5 : 1e30, 30, metres);
         assert_int_equal(vxs_area_light_set(light, &of, 1), VXS_OK);
         draw(&frame, &(vxs_area_look){.runs = 12, .is_sharp = 1, .maps = maps}, found);
@@ -84,7 +84,7 @@ static void test_no_bit_leaks(void **state)
     static float      pixels[4 * PIXELS];
     static double     metres[PIXELS];
     vxs_vpl           vpls[COUNT];
-    volumes_camera    c     = camera_at(eyes[0], classify, 0.7);
+    volumes_camera    c     = camera_at(eyes[0], look, 0.7);
     vxs_volumes_frame frame = scene_frame(&scene, &c, &haze, 1e30, 30, metres);
     uint32_t          dark  = 0;
     screen_vpls(0, vpls, COUNT);
@@ -212,7 +212,7 @@ static void test_filters(void **state)
     rng                        r   = {6};
     PFNGLTEXTURESUBIMAGE3DPROC put = (PFNGLTEXTURESUBIMAGE3DPROC)gl_choice_function("glTextureSubImage3D");
     for (int far = 0; far < 2; far++) {
-        volumes_camera    c     = camera_at(eyes[0], classify, 0.7);
+        volumes_camera    c     = camera_at(eyes[0], look, 0.7);
         vxs_volumes_frame frame = scene_frame(&scene, &c, &haze, 1e30, 30, far ? NULL : metres);
         for (int which = 0; which <= VXS_AREA_QUARTER; which++) {
             uint32_t wide = which == VXS_AREA_QUARTER ? WIDE / 2 : WIDE, high = which == VXS_AREA_QUARTER ? HIGH / 2 : HIGH;
@@ -252,7 +252,7 @@ static void test_gather(void **state)
     assert_int_equal(vxs_area_light_set(light, vpls, COUNT), VXS_OK);
     cast(POINTS, 0);
     for (int camera = 0; camera < CAMERAS; camera++) {
-        volumes_camera    c     = camera_at(eyes[camera], classify, 0.7);
+        volumes_camera    c     = camera_at(eyes[camera], look, 0.7);
         double            top   = camera == 1 ? 2.5 : VXS_AIR_EVERYWHERE;
         vxs_volumes_frame frame = scene_frame(&scene, &c, &haze, top, 30, metres);
         draw(&frame, &(vxs_area_look){0}, pixels);
@@ -328,7 +328,7 @@ static void test_error_falls(void **state)
     static float  pixels[4 * PIXELS];
     vxs_vpl       vpls[VXS_VPLS_MAX];
     for (uint32_t camera = 0; camera < repeats(2, CAMERAS); camera++) {
-        volumes_camera    c     = camera_at(eyes[camera], classify, 0.7);
+        volumes_camera    c     = camera_at(eyes[camera], look, 0.7);
         vxs_volumes_frame frame = scene_frame(&scene, &c, &haze, 1e30, 30, metres);
         memset(wanted, 0, sizeof wanted);
         for (uint32_t seed = 1; seed <= MANY; seed++) {
@@ -550,7 +550,7 @@ static void test_state(void **state)
     static float           pixels[4 * PIXELS];
     GLint                  before[8], after[8];
     vxs_vpl                vpls[4];
-    volumes_camera         c     = camera_at(eyes[0], classify, 0.7);
+    volumes_camera         c     = camera_at(eyes[0], look, 0.7);
     vxs_volumes_frame      frame = scene_frame(&scene, &c, &haze, 1e30, 30, metres);
     screen_vpls(0, vpls, 4);
     assert_int_equal(vxs_area_light_set(light, vpls, 4), VXS_OK);
@@ -593,7 +593,7 @@ static void test_misuse(void **state)
     vxs_area_light   *other;
     int               storage_bytes;
     vxs_vpl           vpls[2], wrong;
-    volumes_camera    c     = camera_at(eyes[0], classify, 0.7);
+    volumes_camera    c     = camera_at(eyes[0], look, 0.7);
     vxs_volumes_frame frame = scene_frame(&scene, &c, &haze, 1e30, 30, metres);
     for (size_t n = 0; n < sizeof bad / sizeof *bad; n++) {
         assert_int_equal(vxs_area_light_create(&other, scene.volumes, &bad[n]), VXS_E_ARGUMENT);

@@ -146,7 +146,7 @@ static void test_a_sun(void **state)
     assert_int_equal(vxs_area_light_set(light, &of, 1), VXS_OK);
     cast(POINTS, 0);
     for (int camera = 0; camera < CAMERAS; camera++) {
-        volumes_camera    c     = camera_at(eyes[camera], classify, 0.7);
+        volumes_camera    c     = camera_at(eyes[camera], look, 0.7);
         vxs_volumes_frame frame = scene_frame(&scene, &c, &haze, 1e30, 30, metres);
         double            off = 0, size = 0, found = 0, there = 0;
         memset(wanted, 0, sizeof wanted);

@@ -62,7 +62,7 @@ static void test_origin_follows_the_eye(void **state)
     assert_int_equal(vxs_area_light_set(light, vpls, COUNT), VXS_OK);
     cast(POINTS, 0);
     for (int camera = 0; camera < CAMERAS; camera++) {
-        volumes_camera    c        = camera_at(eyes[camera], classify, 0.5);
+        volumes_camera    c        = camera_at(eyes[camera], look, 0.5);
         vxs_volumes_frame frame    = scene_frame(&scene, &c, &haze, 1e30, 30, metres);
         const float       there[3] = {-frame.eye[0], -frame.eye[1], -frame.eye[2]}, here[3] = {0};
         put_normals(&c);
@@ -88,7 +88,7 @@ static void test_a_picture_moves(void **state)
     enum { COUNT = 9 };
     static float      pixels[2][4 * PIXELS];
     vxs_vpl           vpls[COUNT], kept[COUNT];
-    volumes_camera    c     = camera_at(eyes[0], classify, 0.7);
+    volumes_camera    c     = camera_at(eyes[0], look, 0.7);
     vxs_volumes_frame frame = scene_frame(&scene, &c, &haze, 1e30, 30, metres);
     screen_vpls(0, vpls, COUNT);
     assert_int_equal(vxs_area_light_set(light, vpls, COUNT), VXS_OK);
@@ -159,7 +159,7 @@ static void test_baked_lights(void **state)
     }
     const vxs_medium thin = {
         {1e-6, 1e-6, 1e-6}, {1e-6, 1e-6, 1e-6}, 0}; /* so that surfaces are not dimmed, and there is airlight */
-    volumes_camera    c     = camera_at(eyes[2], classify, 0.7);
+    volumes_camera    c     = camera_at(eyes[2], look, 0.7);
     vxs_volumes_frame frame = scene_frame(&scene, &c, &thin, 1e30, 30, metres);
     put_normals(&c);
     exact_surfaces(&c, &vpls[0], wanted);

@@ -28,19 +28,19 @@ static vxs_bytes record_of(int square, uint8_t bytes[RECORD_BYTES])
 }
 
 /* A call for each file that differs in a bit, or ends early, or late. */
-static void each_fault(const vxs_bytes *sound, void (*classify)(const uint8_t *bytes, size_t size_bytes, void *of), void *of)
+static void each_fault(const vxs_bytes *sound, void (*check_bytes)(const uint8_t *bytes, size_t size_bytes, void *of), void *of)
 {
     uint8_t *bytes = malloc(sound->size_bytes + 1);
     assert_non_null(bytes);
     memcpy(bytes, sound->data, sound->size_bytes);
     for (size_t bit = 0; bit < 8 * sound->size_bytes; bit++) {
         bytes[bit / 8] ^= (uint8_t)(1 << bit % 8);
-        classify(bytes, sound->size_bytes, of);
+        check_bytes(bytes, sound->size_bytes, of);
         bytes[bit / 8] ^= (uint8_t)(1 << bit % 8);
     }
-    for (size_t size = 0; size < sound->size_bytes; size++) classify(bytes, size, of);
+    for (size_t size = 0; size < sound->size_bytes; size++) check_bytes(bytes, size, of);
     bytes[sound->size_bytes] = 0;
-    classify(bytes, sound->size_bytes + 1, of);
+    check_bytes(bytes, sound->size_bytes + 1, of);
     free(bytes);
 }
 

@@ -44,7 +44,7 @@ static void test_reference(void **state)
         fog.extinction[n] = haze.extinction[n];
     }
     for (uint32_t ray = 0; ray < RAYS; ray++) {
-        volumes_camera c         = camera_at(eyes[ray % CAMERAS], classify, 0.7);
+        volumes_camera c         = camera_at(eyes[ray % CAMERAS], look, 0.7);
         double         wanted[3] = {0}, found[3] = {0}, direction[3];
         vxs_vpl        vpls[VXS_VPLS_MAX];
         camera_ray(&scene, &c, 7 * ray % WIDE, 5 * ray % HIGH, direction);
@@ -80,7 +80,7 @@ static void open_one(one_vpl *o, int camera)
     const vxs_air_light air              = scene_air_light(&scene, &o->light);
     o->vpl                               = (vxs_vpl){.normal = {0, -1, 0}, .colour = {4, 3, 2}, .radius_metres = 0.1F};
     for (int n = 0; n < 3; n++) o->vpl.place[n] = (float)air.place[n];
-    o->camera = camera_at(eyes[camera], classify, 0.7);
+    o->camera = camera_at(eyes[camera], look, 0.7);
     o->frame  = scene_frame(&scene, &o->camera, &haze, 1e30, 30, o->metres);
     assert_int_equal(vxs_shadow_depth_map_create(&o->map, scene.volumes, &desc), VXS_OK);
     while (vxs_shadow_depth_map_fill(o->map, 1 << 20)) continue;

@@ -99,7 +99,7 @@ typedef struct known_square {
 } known_square;
 
 /* Keys and columns of all squares.   nearest_back  as sparse_columns */
-static uint32_t classify(const casters *c, const vxs_light *light, int nearest_back, known_square *out)
+static uint32_t find_keys(const casters *c, const vxs_light *light, int nearest_back, known_square *out)
 {
     run_context    m      = {0};
     bake_context   ctx    = {.run = &m, .threads = 2};
@@ -159,12 +159,12 @@ static void equal_keys_have_equal_columns(void **state)
         uint8_t     pixels[4][IMAGE_PX * IMAGE_PX];
         make(&a, images, pixels, DIFFERENCE_NONE);
         vxs_light light = light_of(is_punctual, &a.c); /* as it is fitted to the first scene */
-        uint32_t  count = classify(&a.c, &light, 0, one);
+        uint32_t  count = find_keys(&a.c, &light, 0, one);
         for (difference d = 0; d < DIFFERENCES; d++) {
             sample   b;
             uint32_t other_keys = 0, other_columns = 0;
             make(&b, images + 2, pixels + 2, d);
-            assert_int_equal(classify(&b.c, &light, 0, other), count);
+            assert_int_equal(find_keys(&b.c, &light, 0, other), count);
             for (uint32_t n = 0; n < count; n++) {
                 other_keys += !same_key(&one[n], &other[n]);
                 other_columns += !same_columns(&one[n], &other[n]);
@@ -177,7 +177,7 @@ static void equal_keys_have_equal_columns(void **state)
             sample_clear(&b);
         }
         uint32_t other_keys = 0;
-        classify(&a.c, &light, 1, other);
+        find_keys(&a.c, &light, 1, other);
         for (uint32_t n = 0; n < count; n++) other_keys += !same_key(&one[n], &other[n]);
         assert_int_equal(other_keys, count); /* the nearest back face is another source */
         sample_clear(&a);
@@ -196,7 +196,7 @@ static void keys_tell_squares_apart(void **state)
     sample_points(&b, (double[]){-4000, -4000, 9}, (double[]){4000, -4000, 9}, (double[]){0, 9000, 9});
     sample_sort(&b, CLOSED_AUTO);
     vxs_light light = light_of(0, &b.c);
-    classify(&b.c, &light, 0, all);
+    find_keys(&b.c, &light, 0, all);
     for (uint32_t n = 0; n < SQUARES; n++)
         for (uint32_t k = 0; k < n; k++) assert_false(same_key(&all[n], &all[k]));
     sample_clear(&b);

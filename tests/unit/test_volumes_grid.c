@@ -162,8 +162,8 @@ static void test_bounded_sun(void **state)
     vxs_shadow_depth_map *map       = filled_map(&s, SCENE_SUN);
     vxs_volumes_light     l         = scene_light(SCENE_SUN);
     vxs_light_constants   constants = vxs_gl_constants(s.shadows)[SCENE_SUN];
-    const double          eye[3] = {-20, 40, -15}, classify[3] = {0, 0, 0};
-    volumes_camera        c     = camera_at(eye, classify, 0.4);
+    const double          eye[3] = {-20, 40, -15}, look[3] = {0, 0, 0};
+    volumes_camera        c     = camera_at(eye, look, 0.4);
     vxs_volumes_frame     frame = scene_frame(&s, &c, &haze, VXS_AIR_EVERYWHERE, 90, metres);
     constants.flags |= VXS_LIGHT_BOUNDED;
     for (int n = 0; n < 2; n++) {
@@ -354,15 +354,15 @@ static void test_eye_in_punctual(void **state)
         for (size_t n = 0; n < sizeof offsets / sizeof *offsets; n++)
             for (int large = 0; large < 2; large++) {
                 vxs_volumes_light l = scene_light(light);
-                double            eye[3], classify[3];
+                double            eye[3], look[3];
                 vxs_air_light     air;
                 l.radius_metres = large ? 0.5F : 0.1F;
                 air             = scene_air_light(&s, &l);
                 for (int i = 0; i < 3; i++) {
-                    eye[i]      = air.place[i] + offsets[n][i];
-                    classify[i] = light == SCENE_SPOT ? eye[i] + air.axis[i] + 0.01 * to[i] : to[i];
+                    eye[i]  = air.place[i] + offsets[n][i];
+                    look[i] = light == SCENE_SPOT ? eye[i] + air.axis[i] + 0.01 * to[i] : to[i];
                 }
-                volumes_camera    c     = camera_at(eye, classify, 0.8);
+                volumes_camera    c     = camera_at(eye, look, 0.8);
                 vxs_volumes_frame frame = scene_frame(&s, &c, &haze, VXS_AIR_EVERYWHERE, 30, metres);
                 memset(wanted, 0, sizeof wanted);
                 for (uint32_t k = 0; k < PIXELS; k++) {

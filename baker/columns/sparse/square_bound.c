@@ -315,7 +315,7 @@ static int closed(const layers *y, double near)
 }
 
 /* Whether all faces that a ray may meet before the end of a layer are met before its begin, and cover the square. */
-static int is_store_only(const layers *y, const layer *back)
+static int is_separate(const layers *y, const layer *back)
 {
     if (y->partial <= back->far) return 0;
     for (int n = 0; n < y->front_count; n++)
@@ -350,6 +350,6 @@ int square_settle(const square_list *l, const sparse_triangles *s, texel_square 
     out->exit_least = outer->left_out;
     for (int n = 0; n < y.back_count && exit; n++)
         if (y.backs[n].near >= exit->near) out->exit_least = least(out->exit_least, y.backs[n].lo);
-    out->is_certain = out->exit_least == outer->left_out || is_store_only(&y, exit);
+    out->is_certain = out->exit_least == outer->left_out || is_separate(&y, exit);
     return 1;
 }

@@ -85,12 +85,12 @@ static uint32_t apart_from(const splitter *w, const sparse_triangle *t, int k)
     const int     next = k < 2 ? k + 1 : 0;
     const int64_t x0 = min_i32(t->x[k], t->x[next]) - w->half - w->x, x1 = max_i32(t->x[k], t->x[next]) + w->half - w->x;
     const int64_t y0 = min_i32(t->y[k], t->y[next]) - w->half - w->y, y1 = max_i32(t->y[k], t->y[next]) + w->half - w->y;
-    uint32_t      store_only = 0;
-    if (x1 < w->step || x0 > w->step) store_only |= 10; /* the right ones */
-    if (x1 < -w->step || x0 > -w->step) store_only |= 5;
-    if (y1 < w->step || y0 > w->step) store_only |= 12; /* the upper ones */
-    if (y1 < -w->step || y0 > -w->step) store_only |= 3;
-    return store_only;
+    uint32_t      outside = 0;
+    if (x1 < w->step || x0 > w->step) outside |= 10; /* the right ones */
+    if (x1 < -w->step || x0 > -w->step) outside |= 5;
+    if (y1 < w->step || y0 > w->step) outside |= 12; /* the upper ones */
+    if (y1 < -w->step || y0 > -w->step) outside |= 3;
+    return outside;
 }
 
 static quarter_answer ask(const splitter *w, const sparse_triangle *t, int covers)
