@@ -42,8 +42,10 @@ static vxs_result make(vxs_volumes *v, const vxs_volumes_desc *desc)
     if (v->width_px > (uint32_t)most || v->height_px > (uint32_t)most) return VXS_E_GL;
     vxs_volumes_forget_error(v);
     v->airlight = vxs_volumes_texture(v, GL_FORMAT_RGBA32F, v->width_px, v->height_px, 0);
-    v->api.CreateBuffers(1, &v->blocks);
-    v->api.NamedBufferStorage(v->blocks, BLOCKS * BLOCK_BYTES, NULL, GL_STORAGE_DYNAMIC);
+    v->api.CreateBuffers(BLOCKS, v->blocks);
+    v->api.NamedBufferStorage(v->blocks[BLOCK_FRAME], sizeof v->frame, NULL, GL_STORAGE_DYNAMIC);
+    v->api.NamedBufferStorage(v->blocks[BLOCK_OWN], sizeof v->own, NULL, GL_STORAGE_DYNAMIC);
+    v->api.NamedBufferStorage(v->blocks[BLOCK_CURVES], sizeof v->curves, NULL, GL_STORAGE_DYNAMIC);
     v->cut_buffer = vxs_volumes_buffer(v, sizeof(uint32_t));
     v->api.CreateVertexArrays(1, &v->vertex_array);
     v->api.CreateFramebuffers(1, &v->target);
@@ -84,7 +86,7 @@ void vxs_volumes_destroy(vxs_volumes *v)
     if (!v) return;
     vxs_allocator memory = v->memory;
     if (v->airlight) v->api.DeleteTextures(1, &v->airlight);
-    if (v->blocks) v->api.DeleteBuffers(1, &v->blocks);
+    if (v->blocks[0]) v->api.DeleteBuffers(BLOCKS, v->blocks);
     if (v->cut_buffer) v->api.DeleteBuffers(1, &v->cut_buffer);
     if (v->vertex_array) v->api.DeleteVertexArrays(1, &v->vertex_array);
     if (v->target) v->api.DeleteFramebuffers(1, &v->target);

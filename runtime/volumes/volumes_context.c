@@ -55,8 +55,8 @@ static void put_blocks(const vxs_volumes *v)
                         [BLOCK_OWN]    = {&v->own, sizeof v->own},
                         [BLOCK_CURVES] = {&v->curves, sizeof v->curves}};
     for (gl_name n = 0; n < BLOCKS; n++) {
-        v->api.NamedBufferSubData(v->blocks, (gl_bytes)n * BLOCK_BYTES, (gl_bytes)blocks[n].size, blocks[n].data);
-        v->api.BindBufferRange(GL_TARGET_UNIFORM_BUFFER, n, v->blocks, (gl_bytes)n * BLOCK_BYTES, BLOCK_BYTES);
+        v->api.NamedBufferSubData(v->blocks[n], 0, (gl_bytes)blocks[n].size, blocks[n].data);
+        v->api.BindBufferBase(GL_TARGET_UNIFORM_BUFFER, n, v->blocks[n]);
     }
 }
 

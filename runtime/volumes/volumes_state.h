@@ -11,8 +11,8 @@
 /* Binding offsets in the context, from the caller's first binding on. */
 enum { UNIT_DEPTHS, UNIT_MAP, UNIT_OTHER, UNIT_MESH, UNITS, IMAGE_BINDING = 0, STORAGES = 3 };
 
-/* Bindings of uniform blocks, which are parts of one buffer. */
-enum { BLOCK_FRAME, BLOCK_OWN, BLOCK_CURVES, BLOCKS, BLOCK_BYTES = 512 };
+/* Bindings of uniform blocks, each with a buffer. */
+enum { BLOCK_FRAME, BLOCK_OWN, BLOCK_CURVES, BLOCKS };
 
 /* What a program is made of.
  * names   lines of #define; NULL: none
@@ -38,8 +38,8 @@ struct vxs_volumes {
     void           *user;
     vxs_gl         *shadows;
     uint32_t        width_px, height_px, first_unit, first_storage;
-    gl_name         airlight, blocks, vertex_array, target; /* target: a framebuffer that draws into airlight */
-    gl_name         cut_buffer;                             /* the number of rays of the frame that were cut short */
+    gl_name         airlight, blocks[BLOCKS], vertex_array, target; /* target: a framebuffer that draws into airlight */
+    gl_name         cut_buffer;                                     /* the number of rays of the frame that were cut short */
     frame_block     frame;
     own_block       own;
     curve_block     curves;

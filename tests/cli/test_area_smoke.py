@@ -79,13 +79,13 @@ def test_surfaces(drawn):
 def test_plan(drawn):
     """It says how much smoke dims; what no light shines on is left out, and where nothing is left or smoke is off, all is as without."""
     said, found, _ = drawn(*CAMERA, "--area", 4, "--verbose", balls=BALLS + BEHIND)
-    assert "1 drawn by 4 VPLs that 3 capsules of smoke dim\n" in said and "smoke by 64 x 64 curves for each lamp\n" in said
+    assert "1 drawn by 4 VPLs that 3 capsules of smoke dim\n" in said and "smoke by 64 x 64 curves for each VPL\n" in said
     assert found["area"]["smoke"] == {"capsules": 3, "side_px": 64} and not found["area"]["baked_smoke_left_out"]
     assert drawn(*CAMERA, "--area", 4, "--smoke-side", 32)[1]["area"]["smoke"]["side_px"] == 32
     areas = []
     for options, balls in (((), BEHIND), (("--smoke", "off"), BALLS), ((), [])):
         said, found, folder = drawn(*CAMERA, "--area", 4, "--exposure", -0.5, "--passes", AT, *options, balls=balls)
-        assert "lamps\n" in said and "smoke" not in found["area"]
+        assert "VPLs\n" in said and "smoke" not in found["area"]
         areas.append((folder / "area.png").read_bytes())
     assert areas[1] == areas[2]
 

@@ -27,3 +27,15 @@ def test_ceilings(vxs_path):
     assert sorted(found) == sorted(most), "programs and ceilings differ: tests/bench/program_size.py --lower"
     above = {name: (size, most[name]) for name, size in found.items() if size > SLACK * most[name]}
     assert not above, above
+
+
+@pytest.mark.parametrize("fog, most", [([], 3), (["--fog", "0.02"], 5)])
+def test_a_frame_compiles_few_programs(vxs, tmp_path, monkeypatch, fog, most):
+    """A sun alone; with fog, its march and the blend of the fog come in addition."""
+    city, asset, programs = tmp_path / "city.glb", tmp_path / "city.vxs", tmp_path / "programs"
+    vxs("scene", "city", "-o", city, "--triangles", 3000)
+    vxs("bake", city, "-o", asset, "--resolution", 256)
+    programs.mkdir()
+    monkeypatch.setenv("MESA_SHADER_CAPTURE_PATH", str(programs))
+    vxs("render", city, asset, "-o", tmp_path / "city.png", "--width", 16, "--height", 16, "--samples", 1, *fog)
+    assert 0 < len(list(programs.iterdir())) <= most

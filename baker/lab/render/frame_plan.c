@@ -182,7 +182,7 @@ static void vpl_plan_print_smoke(FILE *to, const vpl_words *w)
 static void vpl_plan_print(FILE *to, const vpl_words *w)
 {
     fprintf(to, "shadows of %u points of the %s, pixels gather %s\n", w->points, w->baked ? "file" : "scene", w->gather);
-    if (w->capsules) fprintf(to, "smoke by %u x %u curves for each light\n", w->smoke_side, w->smoke_side);
+    if (w->capsules) fprintf(to, "smoke by %u x %u curves for each VPL\n", w->smoke_side, w->smoke_side);
     if (w->baked_smoke) fprintf(to, "baked smoke is left out: the file has it for its own lights alone\n");
 }
 

@@ -199,12 +199,9 @@ vxs_result renderer_create(renderer **out, const render_options *o, const scene 
     if ((result = make_vpls(r, s, has_areas, m)) != VXS_OK) return result;
     if (has_smoke && (result = make_smoke(r, s, lights, m)) != VXS_OK) return result;
 
-    const gl_text version = {"#version 450 core\n", -1}, tone = gl_embedded(tone_frag_glsl);
-    const gl_text shown[]   = {version, {r->fog ? "#define FROM_PICTURE\n" : "", -1}, tone, {0}};
-    const gl_text picture[] = {version, {"#define TO_PICTURE\n", -1}, tone, {0}};
+    const gl_text tone[] = {{"#version 450 core\n", -1}, gl_embedded(tone_frag_glsl), {0}};
     if ((result = gl_program_of(r->gl, &r->surface_program, surface_glsl, (gl_text){0}, m)) != VXS_OK) return result;
-    if ((result = gl_screen_program(r->gl, &r->tone_program, shown, m)) != VXS_OK) return result;
-    if (r->fog && (result = gl_screen_program(r->gl, &r->picture_program, picture, m)) != VXS_OK) return result;
+    if ((result = gl_screen_program(r->gl, &r->tone_program, tone, m)) != VXS_OK) return result;
     result = renderer_lit_program(r, &r->shade_program, shade_frag_glsl, r->options.filter, m);
     return result == VXS_OK ? make_targets(r, m) : result;
 }
@@ -223,8 +220,8 @@ void renderer_destroy(renderer *r)
         vxs_gl_destroy(r->shadows);
         r->gl->DeleteTextures(TARGETS, r->target);
         r->gl->DeleteFramebuffers(4, (const GLuint[4]){r->surface_frame, r->light_frame, r->screen_frame, r->picture_frame});
-        for (int n = 0; n < 4; n++) {
-            GLuint program = (const GLuint[4]){r->surface_program, r->shade_program, r->tone_program, r->picture_program}[n];
+        for (int n = 0; n < 3; n++) {
+            GLuint program = (const GLuint[3]){r->surface_program, r->shade_program, r->tone_program}[n];
             if (program) r->gl->DeleteProgram(program);
         }
         r->gl->DeleteBuffers(1, &r->colour_buffer);

@@ -68,10 +68,15 @@ static void draw_screen(const renderer *r, GLuint frame, GLuint program, GLuint 
     r->gl->DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-static void set_sizes(const renderer *r, GLuint program)
+/* Set the program of tone_frag.glsl.   samples  0: linear, before fog;   picture  the texture with the fog; 0: none */
+static void set_tone(const renderer *r, uint32_t samples, GLuint picture)
 {
-    r->gl->ProgramUniform4f(program, r->gl->GetUniformLocation(program, "sizes"), (float)r->width, (float)r->height,
-                            (float)r->exposure, (float)renderer_day(r));
+    GLuint p = r->tone_program;
+    r->gl->BindTextureUnit(PICTURE_UNIT, picture);
+    r->gl->ProgramUniform1i(p, r->gl->GetUniformLocation(p, "samples"), (GLint)samples);
+    r->gl->ProgramUniform1i(p, r->gl->GetUniformLocation(p, "has_picture"), picture != 0);
+    r->gl->ProgramUniform4f(p, r->gl->GetUniformLocation(p, "sizes"), (float)r->width, (float)r->height, (float)r->exposure,
+                            (float)renderer_day(r));
 }
 
 static vxs_result begin_air(const renderer *r, run_context *m)
@@ -86,8 +91,8 @@ static vxs_result fog(const renderer *r, fog_plan *plan, run_context *m)
 {
     double eye[3];
     float  matrix[16];
-    set_sizes(r, r->picture_program);
-    draw_screen(r, r->picture_frame, r->picture_program, SCREEN, r->width, r->height);
+    set_tone(r, 0, 0);
+    draw_screen(r, r->picture_frame, r->tone_program, SCREEN, r->width, r->height);
     vec3_sub(r->camera.eye_ws, r->mesh.middle_ws, eye);
     renderer_clip(r, eye, matrix);
     vxs_result result = r->areas || r->sky ? VXS_OK : begin_air(r, m);
@@ -234,11 +239,8 @@ static vxs_result draw_frame(renderer *r, render_frame *frame, run_context *m)
     }
     if (result != VXS_OK) return result;
 
-    GLuint p = r->tone_program;
-    set_sizes(r, p);
-    if (r->fog) r->gl->BindTextureUnit(PICTURE_UNIT, r->target[PICTURE]);
-    r->gl->ProgramUniform1i(p, r->gl->GetUniformLocation(p, "samples"), (GLint)r->options.samples);
-    draw_screen(r, r->screen_frame, p, SCREEN, r->options.width_px, r->options.height_px);
+    set_tone(r, r->options.samples, r->fog ? r->target[PICTURE] : 0);
+    draw_screen(r, r->screen_frame, r->tone_program, SCREEN, r->options.width_px, r->options.height_px);
 
     stage_ends(r, frame, RENDER_TONE, &since);
     return VXS_OK;

@@ -42,7 +42,7 @@ struct renderer {
     light_emission *emissions; /* [light_count] the same, as fog_pass needs it */
     int             day;       /* 1: there is a sun */
     GLuint          colour_buffer, empty_array;
-    GLuint          surface_program, shade_program, tone_program, picture_program;
+    GLuint          surface_program, shade_program, tone_program;
     uint64_t        uploaded_bytes; /* including the last frame */
     GLuint          target[TARGETS], surface_frame, light_frame, screen_frame, picture_frame;
     double          exposure; /* 0: not yet chosen */

@@ -1,6 +1,5 @@
 /* Tone mapping: exposure, light from the sky, a soft shoulder, the sRGB curve, the mean of samples x samples; also the linear
- * mean, without shoulder and curve. With fog it is done in two parts, TO_PICTURE, which is linear, and FROM_PICTURE; fog is
- * added between them. */
+ * mean, without shoulder and curve. With fog it is drawn twice: linear, to `picture`; then, when fog is added to it, from there. */
 layout(binding = 0) uniform sampler2D depths;
 layout(binding = 1) uniform sampler2D normals;
 layout(binding = 2) uniform sampler2D albedos;
@@ -8,11 +7,10 @@ layout(binding = 3) uniform sampler2D lights;
 layout(binding = 4) uniform sampler2D picture;
 uniform mat4 point_from_depth;
 uniform vec4 sizes; /* width and height of the light, exposure, day: 1, or the factor on the sky's light at night */
-uniform int samples;
+uniform int samples;     /* 0: each sample on its own, linear */
+uniform int has_picture; /* 1: what is shown is in `picture` */
 layout(location = 0) out vec4 colour_out;
-#ifndef TO_PICTURE
 layout(location = 1) out vec4 linear_out;
-#endif
 
 const vec3 zenith = vec3(0.20, 0.40, 0.86), horizon = vec3(0.70, 0.81, 0.95), below = vec3(0.56, 0.61, 0.68), ground = vec3(0.30, 0.28, 0.25);
 
@@ -23,9 +21,7 @@ vec3 sky(float y)
 
 vec3 shown(ivec2 pixel)
 {
-#ifdef FROM_PICTURE
-    return texelFetch(picture, pixel, 0).rgb;
-#endif
+    if (has_picture != 0) return texelFetch(picture, pixel, 0).rgb;
     float depth = texelFetch(depths, pixel, 0).r;
     vec4  way   = point_from_depth * vec4((vec2(pixel) + 0.5) / sizes.xy, depth, 1.0);
     if (depth == 0.0) return sizes.w * sky(normalize(way.xyz).y);
@@ -41,9 +37,11 @@ float curve(float x)
 
 void main()
 {
-#ifdef TO_PICTURE
-    colour_out = vec4(shown(ivec2(gl_FragCoord.xy)), 0.0); /* alpha: the share that smoke hides */
-#else
+    linear_out = vec4(0.0);
+    if (samples == 0) {
+        colour_out = vec4(shown(ivec2(gl_FragCoord.xy)), 0.0); /* alpha: the share that smoke hides */
+        return;
+    }
     vec3 sum = vec3(0.0), light = vec3(0.0);
     for (int y = 0; y < samples; y++)
         for (int x = 0; x < samples; x++) {
@@ -53,5 +51,4 @@ void main()
         }
     colour_out = vec4(sum / float(samples * samples), 1.0);
     linear_out = vec4(light / float(samples * samples), 1.0);
-#endif
 }
