@@ -98,7 +98,7 @@ def test_what_goes_wrong_is_said(programs, installed, level, tmp_path, name):
     rest = ["frame"] if name == "flight.c" else []
     (tmp_path / "bad.vxs").write_bytes(level.read_bytes()[:5000])
     assert "usage: " in run(programs[name], installed, status=2).stderr
-    assert "cannot be read" in run(programs[name], installed, "none.vxs", 4, *rest, folder=tmp_path, status=1).stderr
+    assert "no such file" in run(programs[name], installed, "none.vxs", 4, *rest, folder=tmp_path, status=1).stderr
     assert "bad.vxs: " in run(programs[name], installed, "bad.vxs", 4, *rest, folder=tmp_path, status=1).stderr
     assert "out of memory" in run(programs[name], installed, level, 0, *rest, folder=tmp_path, status=1).stderr
 

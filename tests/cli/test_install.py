@@ -88,7 +88,7 @@ int main(int argc, char **argv)
     vxs::asset opened, asset;
     if (argc != 2 || vxs::open(opened, argv[1]) != VXS_OK) return 1;
     asset = std::move(opened);
-    if (vxs::open(opened, "no such file") != VXS_E_READ || vxs::open_bytes(opened, "", 0) != VXS_E_TRUNCATED || opened) return 1;
+    if (vxs::open(opened, "no such file") != VXS_E_NO_FILE || vxs::open_bytes(opened, "", 0) != VXS_E_TRUNCATED || opened) return 1;
     const vxs_baked_light *sun  = vxs_asset_find_light(asset.get(), "sun");
     const vxs_contents *contents = vxs_asset_contents(asset.get());
     std::printf("%u %u %u ", contents->version, vxs_shadow(sun->words, 0, sun->light.levels, 2, 2, 3),
