@@ -87,7 +87,7 @@ static void gather_by(const vxs_area_light *light, const char *names, const volu
                       unsigned normal_texture, uint32_t wide, uint32_t high)
 {
     vxs_volumes *v       = light->volumes;
-    int          dims    = light->smoke == AREA_DIMMED;
+    int          dims    = light->smoke != AREA_CLEAR;
     gl_name      program = dims ? vxs_transmittance_program(&light->curves, names, text)
                                 : vxs_volumes_program(v, &(program_texts){.names = names, .body = text});
     vxs_volumes_use_storage(v, light->buffer, 0);
@@ -168,8 +168,8 @@ vxs_result vxs_volumes_area(vxs_volumes *v, vxs_area_light *light, const vxs_are
     if (vxs_desc_take(&known, sizeof known, first, given) != VXS_OK) return VXS_E_ARGUMENT;
     uint32_t runs = look->runs ? look->runs : RUNS;
     if (!v->depth_texture || !light->count || runs > AREA_BITS || (unsigned)look->gather > VXS_AREA_QUARTER) return VXS_E_ARGUMENT;
-    if (light->smoke == AREA_DIMMED_BEFORE) return VXS_E_ARGUMENT;
-    if (look->maps ? !are_maps(light, look->maps) : !light->is_cast) return VXS_E_ARGUMENT;
+    if (light->smoke == AREA_DIMMED_BEFORE && !v->is_warming) return VXS_E_ARGUMENT;
+    if (look->maps ? !are_maps(light, look->maps) : !light->is_cast && !v->is_warming) return VXS_E_ARGUMENT;
     v->frame.pixels     = (vxs_pixels){0, 0, (uint32_t)v->frame.wide_px, (uint32_t)v->frame.high_px};
     saved_storage saved = vxs_volumes_save_storage(v);
     put_heads(light, look->maps, runs);

@@ -224,6 +224,6 @@ vxs_result vxs_area_light_cast(vxs_area_light *light, const vxs_area_casters *ca
     vxs_volumes_run(v, program, 0, 0, light->count, 1);
     vxs_volumes_restore_storage(v, &saved);
     vxs_result result = vxs_volumes_done(v);
-    light->is_cast    = result == VXS_OK;
+    light->is_cast    = result == VXS_OK && !v->is_warming;
     return result;
 }

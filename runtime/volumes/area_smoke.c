@@ -35,7 +35,7 @@ vxs_result vxs_area_light_smoke(vxs_area_light *light, const vxs_capsules *smoke
     vxs_area_light_put(light, 0);
     vxs_area_light_use_curves(light);
     vxs_result result = vxs_transmittance_map_build(&light->curves, smoke, NULL);
-    if (result == VXS_OK) light->smoke = AREA_DIMMED;
+    if (result == VXS_OK) light->smoke = v->is_warming ? AREA_DIMMED_BEFORE : AREA_DIMMED;
     vxs_volumes_restore_storage(v, &saved);
     return result;
 }

@@ -134,7 +134,7 @@ static void draw_corners(const vxs_volumes *v, const mesh_draw *draw)
 {
     const volumes_api *api = &v->api;
     int                commands;
-    if (v->result != VXS_OK) return; /* the program does not compile */
+    if (!vxs_volumes_draws(v)) return;
     if (draw->vertex_array) {
         api->BindVertexArray(draw->vertex_array);
         api->DrawElements(GL_MODE_TRIANGLES, draw->corners, GL_TYPE_UNSIGNED_INT, NULL);

@@ -138,6 +138,7 @@ vxs_result vxs_volumes_begin(vxs_volumes *v, const vxs_volumes_frame *frame)
                                      .anisotropy  = f->anisotropy,
                                      .two         = 2};
     v->depth_texture = f->depth_texture;
+    v->is_warming    = f->is_warming;
     v->least = v->frame_least = f->min_radiance;
     memcpy(to->point_from_depth, f->view.point_from_depth, sizeof to->point_from_depth);
     memcpy(to->eye, f->eye, sizeof to->eye);

@@ -54,22 +54,29 @@ static void attach(const vxs_volumes *v, gl_name program, gl_enum kind, const pr
     add(&all, kind == GL_KIND_VERTEX_SHADER ? p->vertex : p->body);
     v->api.ShaderSource(shader, (int)all.count, all.texts, NULL);
     v->api.CompileShader(shader);
-    v->api.GetShaderiv(shader, GL_STATUS_COMPILE, &good);
-    if (!good && v->log) {
-        v->api.GetShaderInfoLog(shader, sizeof log, NULL, log);
-        v->log(VXS_SEVERITY_ERROR, log, v->user);
+    if (v->log && !v->is_warming) {
+        v->api.GetShaderiv(shader, GL_STATUS_COMPILE, &good);
+        if (!good) v->api.GetShaderInfoLog(shader, sizeof log, NULL, log);
+        if (!good) v->log(VXS_SEVERITY_ERROR, log, v->user);
     }
     v->api.AttachShader(program, shader);
     v->api.DeleteShader(shader);
 }
 
-gl_name vxs_volumes_compile(const vxs_volumes *v, const program_texts *texts)
+/* Compile and link, without waiting for either. */
+static gl_name start(const vxs_volumes *v, const program_texts *texts)
 {
-    int     good    = 0;
     gl_name program = v->api.CreateProgram();
     if (texts->vertex) attach(v, program, GL_KIND_VERTEX_SHADER, texts);
     attach(v, program, texts->vertex ? GL_KIND_FRAGMENT_SHADER : GL_KIND_COMPUTE_SHADER, texts);
     v->api.LinkProgram(program);
+    return program;
+}
+
+/* Wait for a program.   Returns it; 0 if it does not compile: it is deleted */
+static gl_name finish(const vxs_volumes *v, gl_name program)
+{
+    int good = 0;
     v->api.GetProgramiv(program, GL_STATUS_LINK, &good);
     if (good) {
         vxs_gl_link(v->shadows, program);
@@ -77,6 +84,11 @@ gl_name vxs_volumes_compile(const vxs_volumes *v, const program_texts *texts)
     }
     v->api.DeleteProgram(program);
     return 0;
+}
+
+gl_name vxs_volumes_compile(const vxs_volumes *v, const program_texts *texts)
+{
+    return finish(v, start(v, texts));
 }
 
 gl_name vxs_volumes_program(vxs_volumes *v, const program_texts *texts)
@@ -96,8 +108,14 @@ gl_name vxs_volumes_program(vxs_volumes *v, const program_texts *texts)
         p->texts       = *texts;
         p->texts.names = p->names;
         snprintf(p->names, sizeof p->names, "%s", names);
-        p->name = vxs_volumes_compile(v, &p->texts);
+        p->name       = v->is_warming ? start(v, &p->texts) : vxs_volumes_compile(v, &p->texts);
+        p->is_pending = v->is_warming != 0;
         v->program_count++;
+    }
+    if (p->is_pending && !v->is_warming) {
+        p->name = finish(v, p->name);
+        if (!p->name) p->name = vxs_volumes_compile(v, &p->texts); /* once more, for its log */
+        p->is_pending = 0;
     }
     if (!p->name) v->result = VXS_E_GL;
     return p->name;

@@ -28,7 +28,8 @@ enum { PROGRAMS_MOST = 384, PROGRAM_NAMES = 320 }; /* more than kinds, codings a
 typedef struct volumes_program {
     char          names[PROGRAM_NAMES];
     program_texts texts;
-    gl_name       name; /* 0: it does not compile */
+    gl_name       name;       /* 0: it does not compile */
+    int           is_pending; /* it was begun by a warming frame, and its driver has not been asked whether it compiles */
 } volumes_program;
 
 struct vxs_volumes {
@@ -43,10 +44,10 @@ struct vxs_volumes {
     frame_block     frame;
     own_block       own;
     curve_block     curves;
-    float           frame_least, least; /* min_radiance of the frame; that of the light */
-    gl_name         depth_texture;      /* of the frame; 0: no frame has begun */
-    uint32_t        program_count;
-    vxs_result      result; /* VXS_E_GL: a program of the current call does not compile */
+    float           frame_least, least;        /* min_radiance of the frame; that of the light */
+    gl_name         depth_texture;             /* of the frame; 0: no frame has begun */
+    uint32_t        program_count, is_warming; /* is_warming: of the frame */
+    vxs_result      result;                    /* VXS_E_GL: a program of the current call does not compile */
     volumes_program programs[PROGRAMS_MOST];
 };
 
@@ -108,7 +109,10 @@ saved_state vxs_volumes_use(const vxs_volumes *v, gl_name program, gl_name map, 
 /* Restore the state after a program. */
 void vxs_volumes_restore(const vxs_volumes *v, const saved_state *saved);
 
-/* Dispatch groups; nothing if a program of the current call does not compile. */
+/* Whether something can be drawn: all programs of the current call compile, and the frame is not a warming one. */
+int vxs_volumes_draws(const vxs_volumes *v);
+
+/* Dispatch groups, if vxs_volumes_draws. */
 void vxs_volumes_dispatch(const vxs_volumes *v, uint32_t x, uint32_t y, uint32_t z);
 
 /* A dispatch with vxs_volumes_use before and vxs_volumes_restore after it; map, image (RGBA32F) as above. */

@@ -74,6 +74,10 @@ typedef struct vxs_volumes_frame {
      * the error of one light. vxs_volumes_light has a bound for each light, so that the caller can bound the sum. */
     float    min_radiance;
     unsigned depth_texture; /* GL_TEXTURE_2D of view.width_px x view.height_px depths or R32F; level 0 is read */
+    /* 1: a frame that only compiles. Call the techniques of a frame to come, with its lights, for instance while a level loads:
+     * their programs begin to compile, on the driver's threads where it has some (KHR_parallel_shader_compile), and nothing is
+     * waited for, drawn, filled, cast or built. */
+    uint32_t is_warming;
 } vxs_volumes_frame;
 
 /* Begin a frame: set airlight to 0.

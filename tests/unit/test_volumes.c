@@ -825,6 +825,45 @@ static void test_programs_at_first_use(void **state)
     scene_close(&s);
 }
 
+/* A warming frame links the programs of the frame after it, and draws, fills and asks nothing. */
+static void test_warming(void **state)
+{
+    (void)state;
+    volumes_scene         s;
+    static seen           v;
+    static float          pixels[2][4 * WIDE * HIGH], none[4 * WIDE * HIGH];
+    vxs_shadow_depth_map *map;
+    scene_open(&s, RESOLUTION, WIDE, HIGH);
+    vxs_volumes_destroy(s.volumes);
+    const vxs_volumes_desc desc = {.get_proc_address = with_links, .shadows = s.shadows, .width_px = WIDE, .height_px = HIGH};
+    see(&s, 0, SCENE_SPOT, 2.5, &v);
+    vxs_volumes_light               l    = scene_light(SCENE_SPOT);
+    const vxs_shadow_depth_map_desc side = {.baked_number = l.baked_number, .side_px = 64};
+    for (int warms = 0; warms < 2; warms++) {
+        assert_int_equal(vxs_volumes_create(&s.volumes, &desc), VXS_OK);
+        assert_int_equal(vxs_shadow_depth_map_create(&map, s.volumes, &side), VXS_OK);
+        links.count = 0;
+        for (int frame = !warms; frame < 2; frame++) {
+            v.frame.struct_size = sizeof v.frame;
+            v.frame.is_warming  = !frame;
+            assert_int_equal(vxs_volumes_begin(s.volumes, &v.frame), VXS_OK);
+            assert_int_equal(vxs_shadow_depth_map_fill(map, UINT64_MAX), frame ? 0 : 64 * 64);
+            assert_int_equal(vxs_volumes_march(s.volumes, &l, map, 4, VXS_STEPS_EVEN), VXS_OK);
+            assert_int_equal(vxs_volumes_intervals(s.volumes, &l), VXS_OK);
+            assert_int_equal(vxs_volumes_mesh_map(s.volumes, &l, map), VXS_OK);
+            scene_read(&s, pixels[warms]);
+            if (!frame) assert_memory_equal(pixels[1], none, sizeof none);
+            assert_int_equal(links.count, 5); /* the mesh has two */
+        }
+        vxs_shadow_depth_map_destroy(map);
+        if (!warms) vxs_volumes_destroy(s.volumes);
+    }
+    assert_memory_equal(pixels[0], pixels[1], sizeof *pixels);
+    assert_memory_not_equal(pixels[0], none, sizeof none);
+    assert_int_equal(s.gl->GetError(), GL_NO_ERROR);
+    scene_close(&s);
+}
+
 static void test_misuse(void **state)
 {
     (void)state;
@@ -974,6 +1013,7 @@ int main(void)
         cmocka_unit_test(test_reach),
         cmocka_unit_test(test_misuse),
         cmocka_unit_test(test_programs_at_first_use),
+        cmocka_unit_test(test_warming),
     };
     return cmocka_run_group_tests_name("volumes", tests, NULL, NULL);
 }
