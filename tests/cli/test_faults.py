@@ -480,13 +480,16 @@ def test_interrupt_in_every_stage(faulty, scene, tmp_path):
     calls = faulty.calls("alloc", *bake)
     new = out.read_bytes()
     out.write_bytes(OLD)
-    complete = 0
+    complete = ended = 0
     for n in range(1, calls + 1, max(1, calls // 40)):
         done = faulty(f"alloc:{n}:interrupt", *bake)
+        if done.returncode == 0 and n > calls - 40:
+            ended += 1  # the number of allocations varies a little with the times of threads: it ended before this one
+            continue
         complete += out.read_bytes() == new  # the report is written when the file has its name
         assert out.read_bytes() in (OLD, new) and (not complete or out.read_bytes() == new)
         assert done.returncode == 130 and not done.stderr and list(tmp_path.iterdir()) == [out]
-    assert complete <= 2
+    assert complete <= 2 and ended <= 1
 
 
 # --- progress -------------------------------------------------------------------------------------------------------------------------

@@ -181,7 +181,7 @@ def test_case_of_ranges(vxs, cases, tmp_path):
 
 def test_case_of_a_ray_along_a_cone(cases, tmp_path):
     """Exactly parallel to the side, and turned by a little: the same airlight, by a quadrature of the case's numbers (light/par.cpp)."""
-    subprocess.run([os.environ.get("CXX", "g++"), f"-I{ROOT}", f"-I{ROOT / 'formats'}", f"-I{ROOT / 'runtime'}", cases / "light" / "par.cpp", "-o", tmp_path / "par"],
+    subprocess.run([os.environ.get("CXX", "g++"), f"-I{ROOT}", f"-I{ROOT / 'formats'}", f"-I{ROOT / 'runtime'}", "-Dvxs_air_lamp=vxs_air_punctual", cases / "light" / "par.cpp", "-o", tmp_path / "par"],
                    check=True)
     said = re.findall(r"cone (\d+) deg, ray turned by \S+: airlight (\S+)", subprocess.run([tmp_path / "par"], capture_output=True, text=True, check=True).stdout)
     assert len(said) == 9
