@@ -55,8 +55,8 @@ static void fill(const vxs_area_light *light)
     vxs_or_scan_run(&light->scan, light->buffer, sizeof light->vpls / 16, (uint32_t)light->size.columns, rows * light->count);
 }
 
-/* Make a VPL's shadow depth map that of the frame. All pixels of the view are drawn, because a VPL of an area light has no range.
- * */
+/* Make a VPL's shadow depth map that of the frame. All pixels of the view are drawn, because a VPL of an area light has no
+ * range. */
 static void set_map(const vxs_area_light *light, uint32_t vpl, const vxs_shadow_depth_map *map)
 {
     vxs_volumes      *v   = light->volumes;

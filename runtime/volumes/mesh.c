@@ -116,7 +116,7 @@ vxs_result vxs_mesh_begin(vxs_volumes *v, const vxs_volumes_light *light, const 
     if (light->smoke) return VXS_E_ARGUMENT;
     vxs_result result = vxs_volumes_set_light(v, light, map);
     if (result != VXS_OK) return result;
-    v->own.mesh = (mesh_block){.turn = 1};
+    v->own.mesh = (mesh_block){0};
     if (!set_places(&v->own.mesh, &v->frame, eye_ls)) return VXS_E_ARGUMENT;
     if (!map) return VXS_OK;
     if (vxs_mesh_levels(map->side_px) < 0) return VXS_E_ARGUMENT;
@@ -134,7 +134,7 @@ static void draw_corners(const vxs_volumes *v, const mesh_draw *draw)
 {
     const volumes_api *api = &v->api;
     int                commands;
-    if (!vxs_volumes_draws(v)) return;
+    if (!vxs_volumes_can_draw(v)) return;
     if (draw->vertex_array) {
         api->BindVertexArray(draw->vertex_array);
         api->DrawElements(GL_MODE_TRIANGLES, draw->corners, GL_TYPE_UNSIGNED_INT, NULL);

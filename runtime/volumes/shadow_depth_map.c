@@ -87,7 +87,7 @@ uint64_t vxs_shadow_depth_map_fill(vxs_shadow_depth_map *map, uint64_t max_texel
         saved_state saved = vxs_volumes_use(v, program, 0, map->first, GL_FORMAT_R32F);
         vxs_volumes_dispatch(v, (now + GROUP - 1) / GROUP, 1, 1);
         vxs_volumes_restore(v, &saved);
-        if (!vxs_volumes_draws(v)) break;
+        if (!vxs_volumes_can_draw(v)) break;
         map->filled += now;
         some -= now;
     }

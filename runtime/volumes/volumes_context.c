@@ -106,14 +106,14 @@ void vxs_volumes_restore(const vxs_volumes *v, const saved_state *saved)
     api->ActiveTexture((gl_enum)saved->active);
 }
 
-int vxs_volumes_draws(const vxs_volumes *v)
+int vxs_volumes_can_draw(const vxs_volumes *v)
 {
     return v->result == VXS_OK && !v->is_warming;
 }
 
 void vxs_volumes_dispatch(const vxs_volumes *v, uint32_t x, uint32_t y, uint32_t z)
 {
-    if (vxs_volumes_draws(v)) v->api.DispatchCompute(x, y, z);
+    if (vxs_volumes_can_draw(v)) v->api.DispatchCompute(x, y, z);
 }
 
 void vxs_volumes_run(const vxs_volumes *v, gl_name program, gl_name map, gl_name image, uint32_t groups_across,

@@ -110,9 +110,9 @@ saved_state vxs_volumes_use(const vxs_volumes *v, gl_name program, gl_name map, 
 void vxs_volumes_restore(const vxs_volumes *v, const saved_state *saved);
 
 /* Whether something can be drawn: all programs of the current call compile, and the frame is not a warming one. */
-int vxs_volumes_draws(const vxs_volumes *v);
+int vxs_volumes_can_draw(const vxs_volumes *v);
 
-/* Dispatch groups, if vxs_volumes_draws. */
+/* Dispatch groups, if vxs_volumes_can_draw. */
 void vxs_volumes_dispatch(const vxs_volumes *v, uint32_t x, uint32_t y, uint32_t z);
 
 /* A dispatch with vxs_volumes_use before and vxs_volumes_restore after it; map, image (RGBA32F) as above. */

@@ -129,8 +129,8 @@ vxs_result volumes_find_spheres(bench *b, run_context *m);
 typedef void wanted_of_ray(const bench *b, const double eye_ws[3], const double direction[3], double metres, size_t ray,
                            double to[3]);
 
-/* Fill frames[camera], with the depths of what is seen there, and what is wanted; of the first camera, the classes of its pixels.
- * */
+/* Fill frames[camera], with the depths of what is seen there, and what is wanted; of the first camera, the classes of its
+ * pixels. */
 vxs_result volumes_see(bench *b, uint32_t camera, wanted_of_ray *wanted, run_context *m);
 
 /* Of the light: what shines between exact lit intervals of the asset, or of rays among spheres. */

@@ -117,8 +117,8 @@ static void ask_random_columns(void *user, size_t begin, size_t end, uint32_t wo
 /* all voxels of 8 x 8 texels, by runs of equal slices
  * ---------------------------------------------------------------- */
 
-/* The columns of an 8 x 8 tile in whole voxels: those that must be lit are [0, lit_end), those that must be dark [dark_begin, ...).
- * */
+/* The columns of an 8 x 8 tile in whole voxels: those that must be lit are [0, lit_end), those that must be dark [dark_begin,
+ * ...). */
 typedef struct tile_columns {
     uint32_t lit_end[64], dark_begin[64];
     uint32_t lit_end_max, dark_begin_min;

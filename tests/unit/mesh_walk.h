@@ -39,7 +39,7 @@ static inline void mesh_free(mesh_lists *m)
 }
 
 /* Whether a ray crosses a triangle: 1, and it leaves what is lit; -1, and it enters; 0. An edge is of one of the two that meet in
- * it, but for rays that meet it as closely as a double tells.
+ * it, except for rays that meet it within the precision of a double.
  * from, way  light space
  * at         [out] in lengths of way, >= 0 */
 static inline int crossing(const mesh_lists *m, uint32_t triangle, const double from[3], const double way[3], double *at)

@@ -1,6 +1,6 @@
 /* Area lights of libvxs_volumes on llvmpipe: one VPL against a plain grid, grids apart from each other, points and filters, what
  * shaders gather against double; error by the number of VPLs, surfaces and light behind walls against exact visibility; the
- * context's state, misuse, and no number that is none.
+ * context's state, misuse, and no NaN.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h"
 

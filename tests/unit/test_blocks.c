@@ -368,8 +368,8 @@ static void shapes_of_formulas(void **state)
         }
 }
 
-/* Each call of a source fails once, with one and with three threads: its result comes back, and all that was taken is given back.
- * */
+/* Each call of a source fails once, with one and with three threads: its result comes back, and all that was taken is given
+ * back. */
 static void failing_calls(void **state)
 {
     (void)state;
@@ -545,8 +545,8 @@ static uint64_t rng_mask(rng *r)
     return half << 32 | rng_u32(r);
 }
 
-/* What the processor has decides how long a search takes, not what it finds: also beyond the window, and where it begins within 16.
- * */
+/* What the processor has decides how long a search takes, not what it finds: also beyond the window, and where it begins within
+ * 16. */
 static void searches_find_the_same(void **state)
 {
     (void)state;
@@ -568,8 +568,8 @@ static void searches_find_the_same(void **state)
     for (int cpu = CPU_SSE2; cpu <= CPU_AVX2; cpu++) pattern_set_free(&set[cpu]);
 }
 
-/* A quadrant has as few depths as its ranges can do with: those are stabbed one by one, the one that ends first before all others.
- * */
+/* A quadrant has as few depths as its ranges can do with: those are stabbed one by one, the one that ends first before all
+ * others. */
 static void quadrants_have_few_depths(void **state)
 {
     (void)state;

@@ -520,8 +520,8 @@ static dag map_of(const dag *d, uint32_t map)
     return one;
 }
 
-/* Six maps, added map by map, square by square, or backwards: each is what it is alone, and what they have in common is there once.
- * */
+/* Six maps, added map by map, square by square, or backwards: each is what it is alone, and what they have in common is there
+ * once. */
 static void six_maps_share_one_dag(void **state)
 {
     enum { MAPS = 6, SIDE = 32 };

@@ -120,8 +120,8 @@ static void test_dags(void **state)
     }
 }
 
-/* Without pages, what is said is answers of lookups, and is reported as coarse; what is not said to be so is the answer of the
- * file. */
+/* Without pages, depths are those of lookups and are reported as coarse; depths that are not reported as coarse are those of the
+ * whole file. */
 static void test_missing_pages(void **state)
 {
     (void)state;

@@ -25,7 +25,7 @@
 #include "asked_places.h"
 #include "gl_taps.h"
 
-/* a context that tells lies, and counts ---------------------------------------------------------------------------------------- */
+/* a context with another version, and counted calls ----------------------------------------------------------------------------------- */
 
 /* What a context is reported as, which function it lacks, and what was made in it. */
 static struct {

@@ -10,8 +10,8 @@ static uint8_t bin[16384];
 static size_t  bin_size, image_at, image_bytes;
 
 /* The square of two triangles, its texture coordinates as floats (1) and as normalised shorts (2), colours with (3) and without
- * holes (4), a broken coordinate (5), indices (6), coordinates as bytes that are not normalised (7). Then the image: bufferView 1.
- * */
+ * holes (4), a broken coordinate (5), indices (6), coordinates as bytes that are not normalised (7). Then the image: bufferView
+ * 1. */
 static struct {
     float    corners[4][3], uvs[4][2];
     uint16_t shorts[4][2];

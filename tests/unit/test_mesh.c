@@ -1,5 +1,5 @@
 /* Polygonal light volumes of libvxs_volumes on llvmpipe: each pixel's airlight against the same mesh walked in double, the count of
- * its crossings, what is clamped, and no number that is none.
+ * its crossings, what is clamped, and no NaN.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h"
 

@@ -61,8 +61,8 @@ static int free_scratch(void **state)
     return 0;
 }
 
-/* Bytes and words without room behind them, so that a sanitizer sees what goes beyond; NULL, with the result, if they are refused.
- * */
+/* Bytes and words without room behind them, so that a sanitizer sees what goes beyond; NULL, with the result, if they are
+ * refused. */
 static uint32_t *decode(const uint8_t *bytes, size_t size, uint32_t *word_count, vxs_result *result)
 {
     uint8_t *exact = malloc(size ? size : 1);

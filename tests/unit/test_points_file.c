@@ -227,7 +227,7 @@ static void keep_points(void *user, const vxs_baked_points *points)
     kept->coordinates = copied;
 }
 
-/* Open tells a caller who queries what an asset has, holds none of it, and does not read it without a request. */
+/* Opening a stream reports the points of an asset on request. It keeps none of them, and reads none without a request. */
 static void test_streams_tell_of_them(void **state)
 {
     (void)state;

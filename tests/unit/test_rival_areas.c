@@ -29,8 +29,8 @@ static int is_free(const void *boxes, const double from[3], const double to[3])
     return area_is_free(boxes, from, to);
 }
 
-/* The reference, by a mean of places, and the parts of rays that boxes leave lit to 2048 VPLs: with few samples it is off by about
- * what it tells. */
+/* The reference, by a mean of places, and the parts of rays that boxes leave lit to 2048 VPLs: with few samples its error is about
+ * the one that it reports. */
 static void test_reference(void **state)
 {
     (void)state;

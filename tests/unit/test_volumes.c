@@ -825,7 +825,7 @@ static void test_programs_at_first_use(void **state)
     scene_close(&s);
 }
 
-/* A warming frame links the programs of the frame after it, and draws, fills and asks nothing. */
+/* A warming frame links the programs of the next frame. It draws nothing and fills nothing. */
 static void test_warming(void **state)
 {
     (void)state;

@@ -23,8 +23,8 @@ typedef struct area_source {
  * samples  even; the more, the nearer
  * ray      any number: rays with others have shifts of their own
  * to       [3] [in, out] airlight is added
- * Returns how far the means of both halves of the samples are off that of all, RMS over channels: about what all are off at most.
- * */
+ * Returns how far the means of both halves of the samples are off that of all, RMS over channels: about what all are off at
+ * most. */
 double area_reference_add(const area_source *source, const fog_medium *f, const double eye_ws[3], const double direction[3],
                           double metres, uint32_t samples, uint64_t ray, double to[3]);
 

@@ -1,6 +1,6 @@
 /* A rival: epipolar slices with 1D min-max mipmaps. Planes through the eye and the light cut the shadow depth map in lines; along a
- * line, shadow begins at one distance for each angle at the light, and a tree of least and most of these tells of long parts of an
- * eye ray at once whether they are lit. Airlight is found at some angles in each slice, and pixels read it between them; those
+ * line, shadow begins at one distance for each angle at the light, and a tree of the least and the greatest of these decides for long
+ * parts of an eye ray at once whether they are lit. Airlight is found at some angles in each slice, and pixels read it between them; those
  * whose neighbours there lie at other distances walk themselves.
  *
  *     slice   angle theta about the axis from the eye to the light (of a sun: toward it)

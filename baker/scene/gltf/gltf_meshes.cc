@@ -207,8 +207,8 @@ size_t measure(loader &l)
 }
 
 /* Skins (3.7.3): joints determine the position of each vertex, in the pose given by the file's nodes. The transform of the mesh's
- * node is ignored. Bind space is the space of the stored vertices; a joint's inverse bind matrix transforms from it to the joint.
- * */
+ * node is ignored. Bind space is the space of the stored vertices; a joint's inverse bind matrix transforms from it to the
+ * joint. */
 
 /* Deviation of a sum of weights that rounding to 8 bits cannot explain. */
 static constexpr double FAR_OFF = 0.05;
