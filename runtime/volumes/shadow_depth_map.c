@@ -77,8 +77,10 @@ static void set_map(vxs_shadow_depth_map *map)
 uint64_t vxs_shadow_depth_map_fill(vxs_shadow_depth_map *map, uint64_t max_texels)
 {
     enum { GROUP = 64, GROUPS_MAX = 65535 };
-    vxs_volumes *v    = map->volumes;
+    vxs_volumes *v          = map->volumes;
+    uint32_t     is_warming = v->is_warming;
     uint64_t     left = texels_of(map) - map->filled, some = left < max_texels ? left : max_texels;
+    v->is_warming = 0; /* callers repeat this until nothing is left */
     while (some) {
         uint32_t now = some < (uint64_t)GROUP * GROUPS_MAX ? (uint32_t)some : GROUP * GROUPS_MAX;
         set_map(map);
@@ -87,10 +89,10 @@ uint64_t vxs_shadow_depth_map_fill(vxs_shadow_depth_map *map, uint64_t max_texel
         saved_state saved = vxs_volumes_use(v, program, 0, map->first, GL_FORMAT_R32F);
         vxs_volumes_dispatch(v, (now + GROUP - 1) / GROUP, 1, 1);
         vxs_volumes_restore(v, &saved);
-        if (!vxs_volumes_can_draw(v)) break;
         map->filled += now;
         some -= now;
     }
+    v->is_warming = is_warming;
     return texels_of(map) - map->filled;
 }
 

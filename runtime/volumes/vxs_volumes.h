@@ -76,7 +76,7 @@ typedef struct vxs_volumes_frame {
     unsigned depth_texture; /* GL_TEXTURE_2D of view.width_px x view.height_px depths or R32F; level 0 is read */
     /* 1: a frame that only compiles. Call the techniques of a frame to come, with its lights, for instance while a level loads:
      * their programs begin to compile, on the driver's threads where it has some (KHR_parallel_shader_compile), and nothing is
-     * waited for, drawn, filled, cast or built. */
+     * waited for, drawn, cast or built. vxs_shadow_depth_map_fill fills. */
     uint32_t is_warming;
 } vxs_volumes_frame;
 
