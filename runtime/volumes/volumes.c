@@ -40,6 +40,7 @@ static vxs_result make(vxs_volumes *v, const vxs_volumes_desc *desc)
     if (!load(v, desc)) return VXS_E_GL;
     v->api.GetIntegerv(GL_MOST_TEXTURE_SIZE, &most);
     if (v->width_px > (uint32_t)most || v->height_px > (uint32_t)most) return VXS_E_GL;
+    vxs_volumes_cache_begin(v, desc->program_cache);
     vxs_volumes_forget_error(v);
     v->airlight = vxs_volumes_texture(v, GL_FORMAT_RGBA32F, v->width_px, v->height_px, 0);
     v->api.CreateBuffers(BLOCKS, v->blocks);

@@ -22,6 +22,12 @@ enum {
     GL_KIND_VERTEX_SHADER       = 0x8B31,
     GL_KIND_FRAGMENT_SHADER     = 0x8B30,
     GL_STATUS_COMPILE           = 0x8B81,
+    GL_NAME_VENDOR              = 0x1F00,
+    GL_NAME_RENDERER            = 0x1F01,
+    GL_BINARY_FORMAT_COUNT      = 0x87FE,
+    GL_BINARY_FORMATS           = 0x87FF,
+    GL_BINARY_LENGTH            = 0x8741,
+    GL_SET_BINARY_RETRIEVABLE   = 0x8257,
     GL_STORAGE_DYNAMIC          = 0x0100,
     GL_ACCESS_READ_WRITE        = 0x88BA,
     GL_MODE_TRIANGLES           = 0x0004,
@@ -125,6 +131,9 @@ enum {
     X(void, DeleteVertexArrays, (int, const gl_name *))                                                                  \
     X(void, BindVertexArray, (gl_name))                                                                                  \
     X(void, GetShaderiv, (gl_name, gl_enum, int *))                                                                      \
+    X(void, ProgramParameteri, (gl_name, gl_enum, int))                                                                  \
+    X(void, GetProgramBinary, (gl_name, int, int *, gl_enum *, void *))                                                  \
+    X(void, ProgramBinary, (gl_name, gl_enum, const void *, int))                                                        \
     X(void, Scissor, (int, int, int, int))                                                                               \
     X(void, FrontFace, (gl_enum))                                                                                        \
     X(void, ClipControl, (gl_enum, gl_enum))                                                                             \

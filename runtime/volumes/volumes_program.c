@@ -28,16 +28,21 @@ static void add(text_list *to, const volumes_text *t)
     add_text(to, t->text);
 }
 
-/* Add a shader to a program. It begins with the texts of vxs_gl, for OpenGL 4.5 whatever language the caller uses. */
-static void attach(const vxs_volumes *v, gl_name program, gl_enum kind, const program_texts *p)
+/* What a shader is compiled from. It begins with the texts of vxs_gl, for OpenGL 4.5 whatever language the caller uses. */
+typedef struct shader_texts {
+    gl_enum   kind;
+    char      own[512];
+    text_list all;
+} shader_texts;
+
+static void collect(const vxs_volumes *v, const program_texts *p, gl_enum kind, shader_texts *to)
 {
     const char *shared[VXS_GL_TEXTS];
-    char        own[512], log[LOG_BYTES];
-    int         good   = 0;
-    gl_name     shader = v->api.CreateShader(kind);
-    text_list   all    = {.count = 0};
+    text_list  *all = &to->all;
+    to->kind        = kind;
+    all->count      = 0;
     vxs_gl_texts(v->shadows, shared);
-    snprintf(own, sizeof own,
+    snprintf(to->own, sizeof to->own,
              "#undef VXS_ONLY_KIND\n#undef VXS_ONLY_CUBE\n#undef VXS_ONLY_CODING\n#define VXS_AT_FRAME %u\n#define VXS_AT_OWN "
              "%u\n#define VXS_AT_CURVES %u\n#define VXS_AT_IMAGE "
              "%u\n#define VXS_AT_DEPTHS %u\n#define VXS_AT_MAP %u\n#define VXS_AT_OTHER %u\n#define VXS_AT_GRID %u\n#define "
@@ -45,14 +50,22 @@ static void attach(const vxs_volumes *v, gl_name program, gl_enum kind, const pr
              BLOCK_FRAME, BLOCK_OWN, BLOCK_CURVES, IMAGE_BINDING, v->first_unit + UNIT_DEPTHS, v->first_unit + UNIT_MAP,
              v->first_unit + UNIT_OTHER, v->first_storage, v->first_unit + UNIT_MESH,
              kind == GL_KIND_COMPUTE_SHADER ? "#define VXS_COMPUTE\n" : "");
-    add_text(&all, "#version 450 core\n");
-    add_text(&all, strchr(shared[0], '\n') + 1);
-    add_text(&all, own);
-    if (p->names) add_text(&all, p->names);
-    for (int n = 1; n < VXS_GL_TEXTS; n++) add_text(&all, shared[n]);
-    if (p->with) add(&all, p->with);
-    add(&all, kind == GL_KIND_VERTEX_SHADER ? p->vertex : p->body);
-    v->api.ShaderSource(shader, (int)all.count, all.texts, NULL);
+    add_text(all, "#version 450 core\n");
+    add_text(all, strchr(shared[0], '\n') + 1);
+    add_text(all, to->own);
+    if (p->names) add_text(all, p->names);
+    for (int n = 1; n < VXS_GL_TEXTS; n++) add_text(all, shared[n]);
+    if (p->with) add(all, p->with);
+    add(all, kind == GL_KIND_VERTEX_SHADER ? p->vertex : p->body);
+}
+
+/* Add a shader to a program. */
+static void attach(const vxs_volumes *v, gl_name program, const shader_texts *texts)
+{
+    char    log[LOG_BYTES];
+    int     good   = 0;
+    gl_name shader = v->api.CreateShader(texts->kind);
+    v->api.ShaderSource(shader, (int)texts->all.count, texts->all.texts, NULL);
     v->api.CompileShader(shader);
     if (v->log && !v->is_warming) {
         v->api.GetShaderiv(shader, GL_STATUS_COMPILE, &good);
@@ -63,32 +76,54 @@ static void attach(const vxs_volumes *v, gl_name program, gl_enum kind, const pr
     v->api.DeleteShader(shader);
 }
 
-/* Compile and link, without waiting for either. */
-static gl_name start(const vxs_volumes *v, const program_texts *texts)
+/* A program that may still be compiling.   key  of its binary;   is_old  its binary came from the cache, so it is linked */
+typedef struct started_program {
+    gl_name     name;
+    program_key key;
+    int         is_old;
+} started_program;
+
+/* Take a program from the cache, or compile and link it, without waiting for either. */
+static started_program start(const vxs_volumes *v, const program_texts *texts)
 {
-    gl_name program = v->api.CreateProgram();
-    if (texts->vertex) attach(v, program, GL_KIND_VERTEX_SHADER, texts);
-    attach(v, program, texts->vertex ? GL_KIND_FRAGMENT_SHADER : GL_KIND_COMPUTE_SHADER, texts);
-    v->api.LinkProgram(program);
-    return program;
+    started_program p = {.key = v->driver};
+    shader_texts    shaders[2];
+    uint32_t        count = 0;
+    if (texts->vertex) collect(v, texts, GL_KIND_VERTEX_SHADER, &shaders[count++]);
+    collect(v, texts, texts->vertex ? GL_KIND_FRAGMENT_SHADER : GL_KIND_COMPUTE_SHADER, &shaders[count++]);
+    for (uint32_t s = 0; s < count && v->binary_format_count; s++) {
+        const text_list *all = &shaders[s].all;
+        for (uint32_t n = 0; n < all->count; n++) vxs_volumes_key_add(&p.key, all->texts[n], strlen(all->texts[n]));
+        vxs_volumes_key_add(&p.key, &shaders[s].kind, sizeof shaders[s].kind);
+    }
+    p.name   = vxs_volumes_cache_get(v, &p.key);
+    p.is_old = p.name != 0;
+    if (p.is_old) return p;
+    p.name = v->api.CreateProgram();
+    for (uint32_t s = 0; s < count; s++) attach(v, p.name, &shaders[s]);
+    if (v->cache.put) v->api.ProgramParameteri(p.name, GL_SET_BINARY_RETRIEVABLE, 1);
+    v->api.LinkProgram(p.name);
+    return p;
 }
 
 /* Wait for a program.   Returns it; 0 if it does not compile: it is deleted */
-static gl_name finish(const vxs_volumes *v, gl_name program)
+static gl_name finish(const vxs_volumes *v, const started_program *p)
 {
-    int good = 0;
-    v->api.GetProgramiv(program, GL_STATUS_LINK, &good);
+    int good = p->is_old;
+    if (!p->is_old) v->api.GetProgramiv(p->name, GL_STATUS_LINK, &good);
     if (good) {
-        vxs_gl_link(v->shadows, program);
-        return program;
+        if (!p->is_old) vxs_volumes_cache_put(v, &p->key, p->name);
+        vxs_gl_link(v->shadows, p->name);
+        return p->name;
     }
-    v->api.DeleteProgram(program);
+    v->api.DeleteProgram(p->name);
     return 0;
 }
 
 gl_name vxs_volumes_compile(const vxs_volumes *v, const program_texts *texts)
 {
-    return finish(v, start(v, texts));
+    started_program p = start(v, texts);
+    return finish(v, &p);
 }
 
 gl_name vxs_volumes_program(vxs_volumes *v, const program_texts *texts)
@@ -108,12 +143,14 @@ gl_name vxs_volumes_program(vxs_volumes *v, const program_texts *texts)
         p->texts       = *texts;
         p->texts.names = p->names;
         snprintf(p->names, sizeof p->names, "%s", names);
-        p->name       = v->is_warming ? start(v, &p->texts) : vxs_volumes_compile(v, &p->texts);
-        p->is_pending = v->is_warming != 0;
+        started_program begun = start(v, &p->texts);
+        p->key                = begun.key;
+        p->is_pending         = v->is_warming && !begun.is_old;
+        p->name               = p->is_pending ? begun.name : finish(v, &begun);
         v->program_count++;
     }
     if (p->is_pending && !v->is_warming) {
-        p->name = finish(v, p->name);
+        p->name = finish(v, &(started_program){.name = p->name, .key = p->key});
         if (!p->name) p->name = vxs_volumes_compile(v, &p->texts); /* once more, for its log */
         p->is_pending = 0;
     }

@@ -23,32 +23,44 @@ typedef struct program_texts {
     const volumes_text *with, *vertex, *body;
 } program_texts;
 
+/* A hash of a driver and of the texts of a program. */
+typedef struct program_key {
+    uint64_t words[2];
+} program_key;
+
 /* A program that has been used: it is compiled at its first use, and deleted with the volumes. */
 enum { PROGRAMS_MOST = 384, PROGRAM_NAMES = 320 }; /* more than kinds, codings and fogs times passes: 3 x 2 x 2 x 20, and 60 */
 typedef struct volumes_program {
     char          names[PROGRAM_NAMES];
     program_texts texts;
+    program_key   key;
     gl_name       name;       /* 0: it does not compile */
     int           is_pending; /* it was begun by a warming frame, and its driver has not been asked whether it compiles */
 } volumes_program;
 
+enum { BINARY_FORMATS_MOST = 16 };
+
 struct vxs_volumes {
-    volumes_api     api;
-    vxs_allocator   memory;
-    vxs_log_fn     *log;
-    void           *user;
-    vxs_gl         *shadows;
-    uint32_t        width_px, height_px, first_unit, first_storage;
-    gl_name         airlight, blocks[BLOCKS], vertex_array, target; /* target: a framebuffer that draws into airlight */
-    gl_name         cut_buffer;                                     /* the number of rays of the frame that were cut short */
-    frame_block     frame;
-    own_block       own;
-    curve_block     curves;
-    float           frame_least, least;        /* min_radiance of the frame; that of the light */
-    gl_name         depth_texture;             /* of the frame; 0: no frame has begun */
-    uint32_t        program_count, is_warming; /* is_warming: of the frame */
-    vxs_result      result;                    /* VXS_E_GL: a program of the current call does not compile */
-    volumes_program programs[PROGRAMS_MOST];
+    volumes_api       api;
+    vxs_allocator     memory;
+    vxs_log_fn       *log;
+    void             *user;
+    vxs_gl           *shadows;
+    vxs_program_cache cache;  /* zeros: none */
+    program_key       driver; /* hash of its strings */
+    int               binary_formats[BINARY_FORMATS_MOST];
+    uint32_t          binary_format_count; /* 0: no cache */
+    uint32_t          width_px, height_px, first_unit, first_storage;
+    gl_name           airlight, blocks[BLOCKS], vertex_array, target; /* target: a framebuffer that draws into airlight */
+    gl_name           cut_buffer;                                     /* the number of rays of the frame that were cut short */
+    frame_block       frame;
+    own_block         own;
+    curve_block       curves;
+    float             frame_least, least;        /* min_radiance of the frame; that of the light */
+    gl_name           depth_texture;             /* of the frame; 0: no frame has begun */
+    uint32_t          program_count, is_warming; /* is_warming: of the frame */
+    vxs_result        result;                    /* VXS_E_GL: a program of the current call does not compile */
+    volumes_program   programs[PROGRAMS_MOST];
 };
 
 struct vxs_shadow_depth_map {
@@ -78,6 +90,18 @@ gl_name vxs_volumes_light_program(vxs_volumes *v, const program_texts *texts);
 
 /* The same as vxs_volumes_program, compiled now and owned by the caller. */
 gl_name vxs_volumes_compile(const vxs_volumes *v, const program_texts *texts);
+
+/* Use a cache from now on, if the driver has program binaries.   cache  NULL: none */
+void vxs_volumes_cache_begin(vxs_volumes *v, const vxs_program_cache *cache);
+
+/* Make a key of more bytes. */
+void vxs_volumes_key_add(program_key *key, const void *data, size_t size_bytes);
+
+/* A linked program from the cache.   Returns 0 if it is not there, is damaged, or the driver refuses it */
+gl_name vxs_volumes_cache_get(const vxs_volumes *v, const program_key *key);
+
+/* Put the binary of a linked program into the cache. */
+void vxs_volumes_cache_put(const vxs_volumes *v, const program_key *key, gl_name program);
 
 /* The result of a call that may have compiled programs. */
 vxs_result vxs_volumes_done(vxs_volumes *v);

@@ -18,7 +18,8 @@
  *
  * The library links no OpenGL; it needs OpenGL 4.5. Each call requires that the context of vxs_volumes_create is current on the
  * calling thread. Calls restore the context state that they change, except words and lights, which stay bound as by vxs_gl_bind.
- * Only calls that end in "create" allocate memory and compile programs.
+ * Only calls that end in "create", and a cache of programs, allocate memory. Programs are compiled at their first use, or in a frame
+ * that is_warming.
  * Positions are metres from the origin that was last set by vxs_gl_origin.
  * Public.
  * SPDX-License-Identifier: MIT */
@@ -36,6 +37,20 @@ typedef struct vxs_shadow_depth_map vxs_shadow_depth_map;
 typedef struct vxs_shadow_grid      vxs_shadow_grid;
 typedef struct vxs_adaptive_mesh    vxs_adaptive_mesh;
 
+/* Programs as the driver compiled them, which the caller keeps from one run to the next, for instance as files. What is damaged, or
+ * refused by the driver, is compiled and put again. Hashes find damage, not forgery: keep values where only the user can write. Not
+ * used with drivers that have no program binaries. */
+typedef struct vxs_program_cache {
+    /* Read what was put under a key.
+     * key    32 hexadecimal digits: a hash of the driver's name and version and of the program's text
+     * value  [out] [room_bytes] not written if the room is too small
+     * Returns its size, in bytes; 0: there is none. NULL: nothing is read */
+    size_t (*get)(const char *key, void *value, size_t room_bytes, void *user);
+    /* Store a value, in place of an older one of this key.   NULL: nothing is stored */
+    void (*put)(const char *key, const void *value, size_t size_bytes, void *user);
+    void *user;
+} vxs_program_cache;
+
 /* Fields that are not set are 0, which means the default. New fields are added at the end only. */
 typedef struct vxs_volumes_desc {
     size_t struct_size; /* sizeof(vxs_volumes_desc); 0: the first version, which ends with log */
@@ -47,6 +62,8 @@ typedef struct vxs_volumes_desc {
     uint32_t             first_unit;          /* first texture unit that is used; its state is restored; 0: 8 */
     vxs_log_fn          *log; /* receives compiler messages, with several lines, of a shader that does not compile; may be NULL */
     uint32_t             first_storage; /* first of three storage buffer bindings; must not overlap those of vxs_gl; 0: 5 */
+    /* called on the thread of the call that first uses a program; NULL: none; copied, but its functions must outlive the object */
+    const vxs_program_cache *program_cache;
 } vxs_volumes_desc;
 
 /* volumes  [out] NULL on failure
