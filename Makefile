@@ -65,7 +65,7 @@ packages.build := g++ gcc make pkg-config libosmesa6-dev libegl-dev libgl-dev li
 ifdef core
 packages.build := $(filter-out libosmesa6-dev libegl-dev libgl-dev libembree-dev libopenexr-dev libjs-chart.js,$(packages.build))
 endif
-packages.test  := python3 python3-pytest python3-pytest-xdist python3-jsonschema libcmocka-dev libgsl-dev glslang-tools spirv-tools zlib1g-dev gnuplot-nox chromium \
+packages.test  := python3 python3-pytest python3-pytest-xdist python3-jsonschema libcmocka-dev libgsl-dev glslang-tools spirv-tools libvulkan-dev mesa-vulkan-drivers zlib1g-dev gnuplot-nox chromium \
                   groff-base zsh fish cmake
 packages.deb   := dpkg-dev
 # Debian's, which sees Debian's packages; another one may come first on PATH

@@ -63,6 +63,25 @@ def test_shader_compiles(glslang, shader):
     glslang(text if shader.suffix == ".hlsl" else with_headers(text), shader.name, *options_of(shader.name))
 
 
+@pytest.mark.parametrize("pcf", ["vxs_box(1)", "vxs_box(9)", "vxs_smooth(4)"])
+@pytest.mark.parametrize("coding", ["any", "dag", "blocks"])
+def test_spirv_is_valid(glslang, tmp_path, coding, pcf):
+    """Of each coding and family of filters, with the code for others left out."""
+    if not shutil.which("spirv-val"):
+        pytest.skip("no spirv-val: package spirv-tools")
+    width, only = re.search(r"\d+", pcf)[0], {"any": "", "dag": "#define VXS_ONLY_CODING 1\n", "blocks": "#define VXS_ONLY_CODING 2\n"}
+    text = (ROOT / "tests" / "shaders" / "lit_vulkan.frag").read_text()
+    assert text.count("vxs_box(9)") == 1
+    text = text.replace("vxs_box(9)", pcf).replace("#version 450\n", f"#version 450\n{only[coding]}#define VXS_ONLY_WIDTH {width}\n"
+                                                   f"#define VXS_ONLY_SMOOTH {int('smooth' in pcf)}\n")
+    names = HEADERS
+    if coding == "dag":
+        text, names = text.replace('#include "vxs_lookup_blocks.h"\n', ""), ("vxs_lookup.h", "vxs_space.h")
+    glslang(with_headers(text, names), "lit_vulkan.frag", *options_of("lit_vulkan.frag"))
+    done = subprocess.run(["spirv-val", "--target-env", "vulkan1.0", "shader.spv"], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
 @pytest.mark.parametrize("shader", SHADERS, ids=lambda path: path.name)
 def test_shader_calls_every_function(glslang, shader):
     """What a shader does not call is compiled, too, but not what a call of it needs."""

@@ -1,0 +1,146 @@
+# Lookups that a shader repeats: places in lights of the golden files, and C's answers there. A program writes the buffers of a
+# shader, and the answers, for one light and one filter:
+#
+#     words             uint32: the words of all lights of the file, and four more
+#     lights            their vxs_light_constants
+#     voxels            8 floats a place: i, j, k, 0, map, across, down, 0 (vxs_place)
+#     voxels_answers    2 numbers each: uint32 shadowed texels (of a smooth filter, in 1/65536), float vxs_lit_at_place
+#     points            8 floats a point in world space: position, 0, normal, 0
+#     points_answers    32 floats each: vxs_lookup there, and at 31 points that lie at most 2^-20 of the map's side away
+# SPDX-License-Identifier: GPL-3.0-or-later
+import struct
+import subprocess
+
+from conftest import EVERY, ROOT
+
+COUNT = 1024
+# (file, number of the light): blocks of a sun of 512 and of 8192 texels, slanted planes, a cube; DAGs of two suns, of a spot light, of two cubes
+LIGHTS = [("blocks", 0), ("blocks", 1), ("blocks", 2), ("blocks", 3), ("sample", 0), ("sample", 1), ("lamps", 0), ("lamps", 1), ("lamps", 2)]
+WIDTHS = [1, 9, -4, -16]  # negative: smooth
+CASES = [(*light, width) for n, light in enumerate(LIGHTS) for m, width in enumerate(WIDTHS) if EVERY or (n + m) % 3 == 0]
+
+SOURCE = """
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <vxs.h>
+#include <vxs_query.h>
+#include <vxs_space.h>
+
+enum { BESIDE = 31 };
+
+static int32_t random_below(int32_t n)
+{
+    static uint64_t state = 7;
+    state = state * 6364136223846793005u + 1442695040888963407u;
+    return (int32_t)(state >> 33) % n;
+}
+
+static void put(const char *name, const void *bytes, size_t size)
+{
+    FILE *file = fopen(name, "ab");
+    if (!file || fwrite(bytes, 1, size, file) != size || fclose(file)) exit(1);
+}
+
+static void put_voxel(const vxs_baked_light *l, vxs_place place, vxs_filter pcf)
+{
+    const int32_t *at    = place.voxel;
+    float          lit   = (float)vxs_lit_at_place(l->words, &l->light, place, pcf);
+    uint32_t       k     = (uint32_t)at[2];
+    uint32_t       dark  = pcf.is_smooth ? vxs_shadow_part(l->words, &l->light, place, k, pcf.width_px)
+                                         : vxs_shadow_taps(l->words, &l->light, place.map, at[0], at[1], k, pcf.width_px);
+    put("voxels", (float[8]){(float)at[0], (float)at[1], (float)at[2], 0, (float)place.map, (float)place.across, (float)place.down, 0}, 32);
+    put("voxels_answers", &dark, 4);
+    put("voxels_answers", &lit, 4);
+}
+
+/* A point in the voxel of a place, and C's answers there and at points beside it: a shader's coordinates are floats of 24 bits, and it
+ * may look up any of them. */
+static void put_point(const vxs_baked_light *l, vxs_place place, vxs_filter pcf)
+{
+    double at[3], beside[3], ws[3], normal[3] = {0};
+    float  stored[8] = {0}, answers[1 + BESIDE];
+    for (int c = 0; c < 3; c++) at[c] = place.voxel[c] + random_below(1 << 20) * 0x1p-20;
+    vxs_point(&l->light, place.map, at, ws);
+    for (int c = 0; c < 3; c++) {
+        stored[c]     = (float)ws[c];
+        stored[4 + c] = place.voxel[2] % 3 ? (float)(random_below(201) - 100) : 0;
+        ws[c]         = (double)stored[c];
+        normal[c]     = (double)stored[4 + c];
+    }
+    answers[0] = vxs_lookup(l, ws, normal, pcf);
+    for (int n = 1; n <= BESIDE; n++) {
+        for (int c = 0; c < 3; c++) beside[c] = at[c] + (random_below(3) - 1) * ldexp(1, (int)l->light.levels - 20 - random_below(4));
+        vxs_point(&l->light, place.map, beside, ws);
+        answers[n] = vxs_lookup(l, ws, normal, pcf);
+    }
+    put("points", stored, sizeof stored);
+    put("points_answers", answers, sizeof answers);
+}
+
+int main(int argc, char **argv)
+{
+    const double origin_ws[3] = {0, 0, 0};
+    vxs_asset   *asset;
+    uint32_t     first = 0;
+    if (argc != 5 || vxs_asset_open_file(&asset, argv[1], NULL) != VXS_OK) return 1;
+    for (uint32_t n = 0; n < vxs_asset_light_count(asset); n++) {
+        const vxs_baked_light *l = vxs_asset_light(asset, n);
+        vxs_light_constants    c = vxs_light_constants_of(&l->light, origin_ws, first);
+        put("words", l->words, 4 * l->word_count);
+        put("lights", &c, sizeof c);
+        first += (uint32_t)l->word_count;
+    }
+    put("words", (uint32_t[4]){0}, 16);
+
+    const vxs_baked_light *l     = vxs_asset_light(asset, (uint32_t)atoi(argv[2]));
+    const vxs_light       *light = &l->light;
+    int                    width = abs(atoi(argv[3])), smooth = atoi(argv[3]) < 0;
+    int32_t                side  = 1 << light->levels;
+    vxs_filter             pcf   = smooth ? vxs_smooth(width) : vxs_box(width);
+    for (int n = 0; n < atoi(argv[4]); n++) {
+        vxs_place place = {random_below(light->flags & VXS_LIGHT_CUBE ? 6 : 1), {random_below(side), random_below(side), 0}, 0, 0};
+        int32_t  *at    = place.voxel;
+        at[2]           = vxs_first_shadow(l, place.map, at[0], at[1], NULL) + random_below(5) - 2; /* where a filter is partly lit */
+        if (n % 4 == 0) at[2] = random_below(side);
+        put_point(l, place, pcf);
+        if (n % 8 == 0 && (width > 1 || smooth)) at[0] = side * random_below(2) + random_below(24) - 12; /* beside the map, too */
+        at[2] = at[2] < 0 ? 0 : at[2] < side ? at[2] : side - 1;
+        if (smooth) place.across = (uint32_t)random_below(256), place.down = (uint32_t)random_below(256);
+        put_voxel(l, place, pcf);
+    }
+    return 0;
+}
+"""
+
+
+def compile_places(folder, flags):
+    """The program, built with what was installed (flags: of pkg-config)."""
+    (folder / "places.c").write_text(SOURCE)
+    done = subprocess.run(["cc", "-std=c99", "-O1", "-Wall", "-Wextra", "-Werror", folder / "places.c", *flags, "-lm", "-o", folder / "places"],
+                          capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return folder / "places"
+
+
+def write_places(program, folder, name, light, width, libraries):
+    """Writes the files into a new folder. Returns voxels, their answers, points, their answers."""
+    folder.mkdir()
+    subprocess.run([program, ROOT / "tests" / "golden" / f"{name}.vxs", str(light), str(width), str(COUNT)], cwd=folder,
+                   env={"LD_LIBRARY_PATH": str(libraries)}, check=True)
+    files = {"voxels": "8f", "voxels_answers": "If", "points": "8f", "points_answers": "32f"}
+    return [list(struct.iter_unpack(row, (folder / file).read_bytes())) for file, row in files.items()]
+
+
+def as_float(x):
+    """The 32-bit float that is nearest to a number."""
+    return struct.unpack("f", struct.pack("f", x))[0]
+
+
+def check_points(found, answers):
+    """A shader computes places in floats: each answer is that of a point at most 2^-20 of the map's side away, and most are those of the
+    points themselves."""
+    assert len(found) == len(answers) > 0
+    for x, row in zip(found, answers):
+        assert any(abs(x - y) < 1e-6 for y in row), (x, row)
+    assert sum(abs(x - row[0]) > 1e-6 for x, row in zip(found, answers)) < len(found) / 50
