@@ -126,7 +126,7 @@ void vxs_transmittance_set(const vxs_transmittance_map *map, const vxs_shadow_de
                                               .opaque_side_px = opaque ? opaque->side_px : 0};
 }
 
-static void dispatch(const vxs_volumes *v, gl_name program, const vxs_shadow_depth_map *opaque, uint32_t x, uint32_t y, uint32_t z)
+static void dispatch(vxs_volumes *v, gl_name program, const vxs_shadow_depth_map *opaque, uint32_t x, uint32_t y, uint32_t z)
 {
     saved_state saved = vxs_volumes_use(v, program, opaque ? vxs_shadow_depth_map_texture(opaque) : 0, 0, 0);
     vxs_volumes_dispatch(v, x, y, z);
@@ -159,8 +159,8 @@ static uint32_t capture_parts(const vxs_transmittance_map *map)
 
 void vxs_transmittance_capture(const vxs_transmittance_map *map, const vxs_capsules *capsules, const vxs_shadow_depth_map *opaque)
 {
-    const vxs_volumes *v     = map->volumes;
-    uint32_t           count = capsules->count, across = count < GROUPS_ACROSS ? count : GROUPS_ACROSS;
+    vxs_volumes *v     = map->volumes;
+    uint32_t     count = capsules->count, across = count < GROUPS_ACROSS ? count : GROUPS_ACROSS;
     if (capsules->list && count)
         v->api.NamedBufferSubData(map->capsules, 0, (gl_bytes)(count * sizeof *capsules->list), capsules->list);
     vxs_transmittance_set(map, opaque, count);

@@ -1,5 +1,7 @@
 /* State of the OpenGL context: set for a pass, and restored; see volumes_state.h.
  * SPDX-License-Identifier: MIT */
+#include <string.h>
+
 #include "volumes_state.h"
 
 static const gl_enum tests[] = {GL_STATE_DEPTH_TEST,         GL_STATE_STENCIL_TEST, GL_STATE_SCISSOR_TEST,     GL_STATE_CULL_FACE,
@@ -45,22 +47,28 @@ static void bind_as_it_was(const vxs_volumes *v, gl_enum target, gl_name binding
         v->api.BindBufferBase(target, binding, (gl_name)buffer);
 }
 
-/* Upload and bind the blocks of the frame, of the technique and of its curves. */
-static void put_blocks(const vxs_volumes *v)
+/* Upload those blocks of the frame, of the technique and of its curves that have changed, and bind all. */
+static void put_blocks(vxs_volumes *v)
 {
+    uploaded_blocks *to = &v->uploaded;
     const struct {
         const void *data;
+        void       *uploaded;
         size_t      size;
-    } blocks[BLOCKS] = {[BLOCK_FRAME]  = {&v->frame, sizeof v->frame},
-                        [BLOCK_OWN]    = {&v->own, sizeof v->own},
-                        [BLOCK_CURVES] = {&v->curves, sizeof v->curves}};
+    } blocks[BLOCKS] = {[BLOCK_FRAME]  = {&v->frame, &to->frame, sizeof v->frame},
+                        [BLOCK_OWN]    = {&v->own, &to->own, sizeof v->own},
+                        [BLOCK_CURVES] = {&v->curves, &to->curves, sizeof v->curves}};
     for (gl_name n = 0; n < BLOCKS; n++) {
-        v->api.NamedBufferSubData(v->blocks[n], 0, (gl_bytes)blocks[n].size, blocks[n].data);
+        if (!to->is_there[n] || memcmp(blocks[n].uploaded, blocks[n].data, blocks[n].size)) {
+            v->api.NamedBufferSubData(v->blocks[n], 0, (gl_bytes)blocks[n].size, blocks[n].data);
+            memcpy(blocks[n].uploaded, blocks[n].data, blocks[n].size);
+            to->is_there[n] = 1;
+        }
         v->api.BindBufferBase(GL_TARGET_UNIFORM_BUFFER, n, v->blocks[n]);
     }
 }
 
-saved_state vxs_volumes_use(const vxs_volumes *v, gl_name program, gl_name map, gl_name image, gl_enum format)
+saved_state vxs_volumes_use(vxs_volumes *v, gl_name program, gl_name map, gl_name image, gl_enum format)
 {
     const volumes_api *api = &v->api;
     saved_state        saved;
@@ -116,8 +124,7 @@ void vxs_volumes_dispatch(const vxs_volumes *v, uint32_t x, uint32_t y, uint32_t
     if (vxs_volumes_can_draw(v)) v->api.DispatchCompute(x, y, z);
 }
 
-void vxs_volumes_run(const vxs_volumes *v, gl_name program, gl_name map, gl_name image, uint32_t groups_across,
-                     uint32_t groups_down)
+void vxs_volumes_run(vxs_volumes *v, gl_name program, gl_name map, gl_name image, uint32_t groups_across, uint32_t groups_down)
 {
     saved_state saved = vxs_volumes_use(v, program, map, image, GL_FORMAT_RGBA32F);
     vxs_volumes_dispatch(v, groups_across, groups_down, 1);

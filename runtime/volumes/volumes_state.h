@@ -40,6 +40,14 @@ typedef struct volumes_program {
 
 enum { BINARY_FORMATS_MOST = 16 };
 
+/* What the buffers of the blocks contain. */
+typedef struct uploaded_blocks {
+    int         is_there[BLOCKS]; /* 0: undefined bytes */
+    frame_block frame;
+    own_block   own;
+    curve_block curves;
+} uploaded_blocks;
+
 struct vxs_volumes {
     volumes_api       api;
     vxs_allocator     memory;
@@ -56,6 +64,7 @@ struct vxs_volumes {
     frame_block       frame;
     own_block         own;
     curve_block       curves;
+    uploaded_blocks   uploaded;
     float             frame_least, least;        /* min_radiance of the frame; that of the light */
     gl_name           depth_texture;             /* of the frame; 0: no frame has begun */
     uint32_t          program_count, is_warming; /* is_warming: of the frame */
@@ -124,11 +133,11 @@ typedef struct saved_state {
     int64_t block_starts[BLOCKS], block_sizes[BLOCKS];
 } saved_state;
 
-/* Begin to use a program: upload and bind the frame's block, and bind words and lights; bind depths, a map and an image that are
+/* Begin to use a program: upload blocks that have changed, and bind them, words and lights; bind depths, a map and an image that are
  * not 0.
  * map     a GL_TEXTURE_2D_ARRAY
  * image   bound for reading and writing, all its layers;  format  of it */
-saved_state vxs_volumes_use(const vxs_volumes *v, gl_name program, gl_name map, gl_name image, gl_enum format);
+saved_state vxs_volumes_use(vxs_volumes *v, gl_name program, gl_name map, gl_name image, gl_enum format);
 
 /* Restore the state after a program. */
 void vxs_volumes_restore(const vxs_volumes *v, const saved_state *saved);
@@ -140,8 +149,7 @@ int vxs_volumes_can_draw(const vxs_volumes *v);
 void vxs_volumes_dispatch(const vxs_volumes *v, uint32_t x, uint32_t y, uint32_t z);
 
 /* A dispatch with vxs_volumes_use before and vxs_volumes_restore after it; map, image (RGBA32F) as above. */
-void vxs_volumes_run(const vxs_volumes *v, gl_name program, gl_name map, gl_name image, uint32_t groups_across,
-                     uint32_t groups_down);
+void vxs_volumes_run(vxs_volumes *v, gl_name program, gl_name map, gl_name image, uint32_t groups_across, uint32_t groups_down);
 
 /* Previous storage buffer bindings, from the caller's first binding on. */
 typedef struct saved_storage {

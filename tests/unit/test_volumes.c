@@ -771,11 +771,17 @@ static vxs_gl_function without(const char *name, void *user)
     return strcmp(name, user) ? gl_choice_proc(name, NULL) : NULL;
 }
 
-/* Links that were made, and whether they fail. */
+/* Links that were made, and whether they fail; uploads to buffers. */
 static struct {
-    uint32_t count;
+    uint32_t count, uploads;
     int      fails;
 } links;
+
+static void APIENTRY upload_counted(GLuint buffer, GLintptr start, GLsizeiptr size, const void *data)
+{
+    links.uploads++;
+    ((PFNGLNAMEDBUFFERSUBDATAPROC)gl_choice_function("glNamedBufferSubData"))(buffer, start, size, data);
+}
 
 static void APIENTRY link_counted(GLuint program)
 {
@@ -793,7 +799,42 @@ static vxs_gl_function with_links(const char *name, void *user)
 {
     if (!strcmp(name, "glLinkProgram")) return (vxs_gl_function)link_counted;
     if (!strcmp(name, "glGetProgramiv")) return (vxs_gl_function)link_status;
+    if (!strcmp(name, "glNamedBufferSubData")) return (vxs_gl_function)upload_counted;
     return gl_choice_proc(name, user);
+}
+
+/* A pass uploads the uniform blocks that differ from those of the pass before. */
+static void test_uploads(void **state)
+{
+    (void)state;
+    static const struct {
+        int      light;
+        uint32_t steps, uploads;
+    } passes[] = {{SCENE_SPOT, 4, 3}, {SCENE_SPOT, 4, 0}, {SCENE_SUN, 4, 1},
+                  {SCENE_SUN, 8, 1},  {SCENE_SPOT, 4, 2}, {SCENE_SPOT, 4, 0}};
+    enum { PASSES = sizeof passes / sizeof *passes };
+    static seen   v;
+    static float  pixels[PASSES][4 * PIXELS];
+    volumes_scene s;
+    scene_open(&s, RESOLUTION, WIDE, HIGH);
+    vxs_volumes_destroy(s.volumes);
+    const vxs_volumes_desc desc = {.get_proc_address = with_links, .shadows = s.shadows, .width_px = WIDE, .height_px = HIGH};
+    assert_int_equal(vxs_volumes_create(&s.volumes, &desc), VXS_OK);
+    see(&s, 0, SCENE_SPOT, 2.5, &v);
+    for (int n = 0; n < PASSES; n++) {
+        vxs_volumes_light l = scene_light(passes[n].light);
+        links.uploads       = 0;
+        assert_int_equal(vxs_volumes_begin(s.volumes, &v.frame), VXS_OK);
+        assert_int_equal(vxs_volumes_march(s.volumes, &l, NULL, passes[n].steps, VXS_STEPS_EVEN), VXS_OK);
+        assert_int_equal(links.uploads, passes[n].uploads);
+        scene_read(&s, pixels[n]);
+    }
+    for (int n = 1; n < PASSES; n++) {
+        int is_spot = passes[n].light == SCENE_SPOT;
+        assert_true(is_spot == !memcmp(pixels[n], pixels[0], sizeof *pixels));
+    }
+    assert_memory_not_equal(pixels[2], pixels[3], sizeof *pixels);
+    scene_close(&s);
 }
 
 /* Programs are made when a call first uses them, once; a call whose program cannot be made reports it, and the next one, too. */
@@ -1014,6 +1055,7 @@ int main(void)
         cmocka_unit_test(test_misuse),
         cmocka_unit_test(test_programs_at_first_use),
         cmocka_unit_test(test_warming),
+        cmocka_unit_test(test_uploads),
     };
     return cmocka_run_group_tests_name("volumes", tests, NULL, NULL);
 }
