@@ -810,7 +810,7 @@ static void test_uploads(void **state)
     static const struct {
         int      light;
         uint32_t steps, uploads;
-    } passes[] = {{SCENE_SPOT, 4, 3}, {SCENE_SPOT, 4, 0}, {SCENE_SUN, 4, 1},
+    } passes[] = {{SCENE_SPOT, 4, 3}, {SCENE_SPOT, 4, 0}, {SCENE_SUN, 4, 2},
                   {SCENE_SUN, 8, 1},  {SCENE_SPOT, 4, 2}, {SCENE_SPOT, 4, 0}};
     enum { PASSES = sizeof passes / sizeof *passes };
     static seen   v;
