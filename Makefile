@@ -37,6 +37,8 @@
 #   make bench-bias     acne, leaks and peter-panning of lookups with a normal: an hour; JSON to build/bias.json
 #   make bench-flight   fly over a city within 4 MiB, at 16384 and 65536 texels a side: four minutes; JSON to build/flight_*.json
 #   make program-size   print the SPIR-V instructions of every program for graphics processors, and their ceilings
+#   make wgsl           translate the lookup for WebGPU: build/release/vxs_lookup.wgsl. Needs naga-cli of crates.io and glslang-tools. only="KIND=1 CODING=2"
+#                       leaves out code for other lights and codings: as VXS_ONLY_KIND and so on in shaders
 #   make install        to $(DESTDIR)$(prefix), which may hold blanks; uninstall takes it away (runtime/install/)
 #   make man            manual pages, in build/release/man
 #   make deb            Debian packages, in build/release/deb
@@ -180,7 +182,7 @@ test.o    := $(patsubst $B/%,$B/%.c.o,$(unit) $(helper)) $(patsubst %,$B/%.o,$(f
 objects    = $(no_lab.c:%=$B/%.o) $(if $(mpi),$(mpi.o),$B/baker/command/mpi/square_scheduler.c.o) $B/baker/main.c.o $(baker.o) $(library.o) $(runtime.o) $(gl.o) $(volumes.o) $(pic.o) $(gl.pic.o) $(volumes.pic.o) $(test.o)
 
 .DELETE_ON_ERROR:
-.PHONY: all unit fuzz fuzzers fuzz-pack fuzz-minimise fuzz-commands demo check check-fast check-unit check-asan check-repeats check-drivers check-exact check-memory check-faults check-sparse check-cracks check-sanitizers bench bench-bias bench-flight bench-gpu bench-large bench-lights bench-volumes bench-smoke program-size gpu-kit packages format clean
+.PHONY: all unit fuzz fuzzers fuzz-pack fuzz-minimise fuzz-commands demo check check-fast check-unit check-asan check-repeats check-drivers check-exact check-memory check-faults check-sparse check-cracks check-sanitizers bench bench-bias bench-flight bench-gpu bench-large bench-lights bench-volumes bench-smoke program-size gpu-kit wgsl packages format clean
 ifdef core
 all: $B/vxs-core $B/libvxs.a $B/libvxs.so $B/libvxs_bake.a $B/libvxs_bake.so
 else
@@ -280,6 +282,19 @@ $B/runtime/volumes/texts.c: $(volumes.text) Makefile
 	    END { finish() }' $(volumes.text) >$@
 $B/runtime/%/texts.c.o: $B/runtime/%/texts.c
 	$(compile)
+# naga takes no directives but #version, and writes an entry point. A name in capitals is a macro, behind which the head has a _. A pointer to a
+# part of a struct is not WGSL everywhere, and naga itself cannot compile it
+wgsl: head := runtime/install/wgsl.glsl
+wgsl:
+	@for tool in glslangValidator naga; do command -v $$tool >/dev/null || { \
+	    echo "make wgsl needs $$tool: package glslang-tools; cargo install naga-cli" >&2; exit 1; }; done
+	$Q mkdir -p $B/wgsl && glslangValidator -E -S comp -Iformats $(only:%=-DVXS_ONLY_%) $(head) >$B/wgsl/lookup.comp
+	$Q sed -i '/^#extension/d; /^#line/d' $B/wgsl/lookup.comp
+	$Q naga --input-kind glsl --shader-stage compute $B/wgsl/lookup.comp $B/wgsl/lookup.wgsl
+	$Q { sed -n '/^\/\//p' $(head); echo; \
+	    sed -E -e '/^fn vxs_word_at\(/,/^\}/d; /^fn main_1\(/,$$d; s/\<(VXS_[A-Z_]*)_\>/\1/g' \
+	        -e 's/^( *)(vxs_.*, \(&)(\w+\.\w+)\)\);$$/\1{ var part = \3; \2part)); \3 = part; }/' $B/wgsl/lookup.wgsl; } >$B/vxs_lookup.wgsl
+	@echo "wrote $B/vxs_lookup.wgsl"
 
 $(patsubst %,$B/%.o,$(wildcard baker/casters/*.cc baker/lab/mend/*.cc)): cxxflags += -frounding-math $(if $(filter fuzz,$(config)),,-Wno-maybe-uninitialized) # the first for its exact predicates, the second is wrong about it
 # CGAL is templates, for which a compiler takes long: not optimised under sanitizers. Its filling of holes is without triangulations in a plane,

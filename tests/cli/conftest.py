@@ -22,7 +22,7 @@ EVERY = os.environ.get("VXS_TEST_REPEATS") == "all"  # make check-repeats
 
 # files all of whose tests are left out by `make check-fast`; in other files, tests are marked one by one
 SLOW = {f"test_{name}.py" for name in ("bench", "compare", "compare_faults", "encodings", "gpu", "health", "measurements", "punctual", "report",
-                                       "report_bake", "report_volumes", "rivals", "stress", "threads")}
+                                       "report_bake", "report_volumes", "rivals", "stress", "threads", "vulkan", "wgsl")}
 
 
 def pytest_configure(config):

@@ -12,7 +12,7 @@ import pytest
 from conftest import ROOT
 
 HEADERS = ("vxs_lookup.h", "vxs_lookup_blocks.h", "vxs_space.h")
-SHADERS = sorted((ROOT / "tests" / "shaders").iterdir())
+SHADERS = sorted(path for path in (ROOT / "tests" / "shaders").iterdir() if path.suffix != ".wgsl")  # test_wgsl.py
 WORDS = "#version 430 core\nlayout(std430, binding = 0) buffer shadow_words { uint words[]; };\n"
 WORD = "#define vxs_word(dag, i) words[(dag) + (i)]\n"
 COMPUTE = "layout(local_size_x = 1) in;\n"

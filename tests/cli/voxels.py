@@ -36,10 +36,14 @@ static int32_t random_below(int32_t n)
     return (int32_t)(state >> 33) % n;
 }
 
-static void put(const char *name, const void *bytes, size_t size)
+static const char *const names[] = {"words", "lights", "voxels", "voxels_answers", "points", "points_answers"};
+enum { WORDS, LIGHTS, VOXELS, VOXELS_ANSWERS, POINTS, POINTS_ANSWERS, FILES };
+static FILE *files[FILES];
+
+static void put(int file, const void *bytes, size_t size)
 {
-    FILE *file = fopen(name, "ab");
-    if (!file || fwrite(bytes, 1, size, file) != size || fclose(file)) exit(1);
+    if (!files[file]) files[file] = fopen(names[file], "wb");
+    if (!files[file] || fwrite(bytes, 1, size, files[file]) != size) exit(1);
 }
 
 static void put_voxel(const vxs_baked_light *l, vxs_place place, vxs_filter pcf)
@@ -49,9 +53,9 @@ static void put_voxel(const vxs_baked_light *l, vxs_place place, vxs_filter pcf)
     uint32_t       k     = (uint32_t)at[2];
     uint32_t       dark  = pcf.is_smooth ? vxs_shadow_part(l->words, &l->light, place, k, pcf.width_px)
                                          : vxs_shadow_taps(l->words, &l->light, place.map, at[0], at[1], k, pcf.width_px);
-    put("voxels", (float[8]){(float)at[0], (float)at[1], (float)at[2], 0, (float)place.map, (float)place.across, (float)place.down, 0}, 32);
-    put("voxels_answers", &dark, 4);
-    put("voxels_answers", &lit, 4);
+    put(VOXELS, (float[8]){(float)at[0], (float)at[1], (float)at[2], 0, (float)place.map, (float)place.across, (float)place.down, 0}, 32);
+    put(VOXELS_ANSWERS, &dark, 4);
+    put(VOXELS_ANSWERS, &lit, 4);
 }
 
 /* A point in the voxel of a place, and C's answers there and at points beside it: a shader's coordinates are floats of 24 bits, and it
@@ -74,8 +78,8 @@ static void put_point(const vxs_baked_light *l, vxs_place place, vxs_filter pcf)
         vxs_point(&l->light, place.map, beside, ws);
         answers[n] = vxs_lookup(l, ws, normal, pcf);
     }
-    put("points", stored, sizeof stored);
-    put("points_answers", answers, sizeof answers);
+    put(POINTS, stored, sizeof stored);
+    put(POINTS_ANSWERS, answers, sizeof answers);
 }
 
 int main(int argc, char **argv)
@@ -87,11 +91,11 @@ int main(int argc, char **argv)
     for (uint32_t n = 0; n < vxs_asset_light_count(asset); n++) {
         const vxs_baked_light *l = vxs_asset_light(asset, n);
         vxs_light_constants    c = vxs_light_constants_of(&l->light, origin_ws, first);
-        put("words", l->words, 4 * l->word_count);
-        put("lights", &c, sizeof c);
+        put(WORDS, l->words, 4 * l->word_count);
+        put(LIGHTS, &c, sizeof c);
         first += (uint32_t)l->word_count;
     }
-    put("words", (uint32_t[4]){0}, 16);
+    put(WORDS, (uint32_t[4]){0}, 16);
 
     const vxs_baked_light *l     = vxs_asset_light(asset, (uint32_t)atoi(argv[2]));
     const vxs_light       *light = &l->light;

@@ -1,0 +1,27 @@
+// The lookup of vxs in WGSL: vxs_lookup.h, vxs_lookup_blocks.h, vxs_space.h and vxs_smoke.h, which naga translated (make wgsl). Their
+// comments describe the functions; out parameters are pointers. The includer defines how a word is read:
+//
+//     @group(0) @binding(0) var<storage, read> words: array<u32>; // the words of all lights, one light after the other
+//     fn vxs_word_at(at: u32) -> u32 { return words[at]; }
+//
+//     let lit = vxs_lit(light.first_word, light, position_ws, normal_ws, vxs_box(9));
+//
+// SPDX-License-Identifier: MIT
+#version 450
+#extension GL_GOOGLE_include_directive : require
+uint vxs_word_at(uint at)
+{
+    return at;
+}
+#define vxs_word(dag, i) vxs_word_at((dag) + (i))
+
+#include "vxs_lookup.h"
+#include "vxs_lookup_blocks.h"
+#include "vxs_space.h"
+#include "vxs_smoke.h"
+
+const float VXS_OUTSIDE_ = VXS_OUTSIDE;
+
+void main()
+{
+}
