@@ -112,7 +112,7 @@ mpi       := $(if $(shell command -v $(MPICC)),$B/vxs-mpi)
 runtime.c := $(wildcard runtime/*.c formats/vxs_read*.c formats/vxs_page_decode.c formats/vxs_page_check.c formats/vxs_resident_check.c)
 gl.c      := $(wildcard runtime/gl/*.c)
 # smoke comes with lights, so that there are as many texts as programs know of
-gl.text   := $(filter-out runtime/gl/lights.glsl,$(wildcard runtime/gl/*.glsl)) $(addprefix formats/,vxs_lookup.h vxs_lookup_blocks.h vxs_space.h) runtime/gl/vxs_cull.h $B/runtime/gl/smoke_lights.glsl
+gl.text   := $(filter-out %/lights.glsl %/words.glsl %/tables.glsl,$(wildcard runtime/gl/*.glsl)) $B/runtime/gl/words_tables.glsl $(addprefix formats/,vxs_lookup.h vxs_lookup_blocks.h vxs_space.h) runtime/gl/vxs_cull.h $B/runtime/gl/smoke_lights.glsl
 # what its functions are declared in, and texts for C and shaders
 volumes.h := $(addprefix runtime/volumes/,vxs_volumes.h vxs_transmittance.h vxs_area_light.h vxs_capsule.h)
 air.h     := $(filter-out $(volumes.h),$(wildcard runtime/volumes/vxs_*.h))
@@ -268,6 +268,8 @@ $B/runtime/gl/texts.c: $(gl.text) Makefile
 	    echo "extern const char $$n[];"; echo "const char $$n[] ="; \
 	    sed 's/[\\"]/\\&/g; s/^/    "/; s/$$/\\n"/' $$f; echo "    ;"; done >$@
 $B/runtime/gl/smoke_lights.glsl: formats/vxs_smoke.h runtime/gl/lights.glsl
+$B/runtime/gl/words_tables.glsl: runtime/gl/words.glsl runtime/gl/tables.glsl
+$B/runtime/gl/smoke_lights.glsl $B/runtime/gl/words_tables.glsl:
 	$Q mkdir -p $(@D) && cat $^ >$@
 # and as volumes_text.h has them: a line #include of another text becomes an entry of `needs`
 $B/runtime/volumes/texts.c: $(volumes.text) Makefile

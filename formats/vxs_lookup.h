@@ -170,32 +170,62 @@ VXS_FN vxs_mask vxs_slice(VXS_WORDS dag, vxs_u32 root, vxs_u32 levels, vxs_u32 t
     return mask;
 }
 
+#ifdef VXS_TABLES
+/* The same for any light of libvxs_gl, which has tables of palette blocks (runtime/gl/gl_tables.h): root from vxs_root_of. */
+vxs_mask vxs_tile(uint dag, uint root, uint levels, uint tile_x, uint tile_y, uint k)
+{
+    vxs_mask mask = vxs_uniform_mask(0u);
+#if !defined(VXS_ONLY_CODING) || VXS_ONLY_CODING == 1
+    if (root < 0x80000000u) mask = vxs_slice(dag, root, levels, tile_x, tile_y, k);
+#endif
+#if !defined(VXS_ONLY_CODING) || VXS_ONLY_CODING == 2
+    if (root >= 0x80000000u) {
+        uvec2 rows = vxs_table_tile(root, levels, tile_x, tile_y, k);
+        mask.low   = rows.x;
+        mask.high  = rows.y;
+    }
+#endif
+    return mask;
+}
+#else
+#define vxs_tile vxs_slice
+#endif
+
 /* 1 if voxel (i, j, k) is in shadow, else 0; each of i, j, k in [0, 2^levels). */
 VXS_FN vxs_u32 vxs_shadow(VXS_WORDS dag, vxs_u32 root, vxs_u32 levels, vxs_u32 i, vxs_u32 j, vxs_u32 k)
 {
-    vxs_mask mask = vxs_slice(dag, root, levels, i >> 3, j >> 3, k);
+    vxs_mask mask = vxs_tile(dag, root, levels, i >> 3, j >> 3, k);
     return (((j & 4u) != 0u ? mask.high : mask.low) >> ((i & 7u) + 8u * (j & 3u))) & 1u;
 }
 
-/* Bits of one word of a mask in texel columns [x0, x1) and rows [y0, y1); the word holds rows 0 to 3. Ranges are clamped to
- * the word. */
-VXS_FN vxs_u32 vxs_cover(vxs_i32 x0, vxs_i32 x1, vxs_i32 y0, vxs_i32 y1)
+/* Bits [first, end) of 8. The range is clamped. */
+VXS_FN vxs_u32 vxs_bits(vxs_i32 first, vxs_i32 end)
 {
-    x0 = x0 < 0 ? 0 : x0;
-    y0 = y0 < 0 ? 0 : y0;
-    x1 = x1 > 8 ? 8 : x1;
-    y1 = y1 > 4 ? 4 : y1;
-    if (x0 >= x1 || y0 >= y1) return 0u;
-    vxs_u32 row  = ((1u << VXS_U(x1)) - (1u << VXS_U(x0))) & 0xffu;
-    vxs_u32 rows = row * 0x01010101u;
-    vxs_u32 keep = y1 == 4 ? 0xffffffffu : (1u << VXS_U(8 * y1)) - 1u;
-    return rows & keep & (0xffffffffu << VXS_U(8 * y0));
+    first = first < 0 ? 0 : first > 8 ? 8 : first;
+    end   = end < first ? first : end > 8 ? 8 : end;
+    return (1u << VXS_U(end)) - (1u << VXS_U(first));
+}
+
+/* Texels in the rows of a mask whose bits are set in `rows`: of 8, from vxs_bits. */
+VXS_FN vxs_mask vxs_in_rows(vxs_mask mask, vxs_u32 rows)
+{
+    /* the product has bit n of four at bit 8 n */
+    mask.low &= (((rows & 15u) * 0x204081u) & 0x1010101u) * 255u;
+    mask.high &= (((rows >> 4) * 0x204081u) & 0x1010101u) * 255u;
+    return mask;
+}
+
+/* Number of texels of a mask in the columns whose bits are set in `columns`: of 8, from vxs_bits. */
+VXS_FN vxs_u32 vxs_count_columns(vxs_mask mask, vxs_u32 columns)
+{
+    columns *= 0x1010101u;
+    return vxs_popcount(mask.low & columns) + vxs_popcount(mask.high & columns);
 }
 
 /* Number of texels of a mask in shadow in columns [x0, x1) and rows [y0, y1); ranges are clamped to the mask. */
 VXS_FN vxs_u32 vxs_count_covered(vxs_mask mask, vxs_i32 x0, vxs_i32 x1, vxs_i32 y0, vxs_i32 y1)
 {
-    return vxs_popcount(mask.low & vxs_cover(x0, x1, y0, y1)) + vxs_popcount(mask.high & vxs_cover(x0, x1, y0 - 4, y1 - 4));
+    return vxs_count_columns(vxs_in_rows(mask, vxs_bits(y0, y1)), vxs_bits(x0, x1));
 }
 
 /* Number of the K x K texels centred on (i, j) that are in shadow at depth k: a box PCF by popcount ([CPVS16] 5).
@@ -212,7 +242,7 @@ VXS_FN vxs_u32 vxs_shadow_count(VXS_WORDS dag, vxs_u32 root, vxs_u32 levels, vxs
     vxs_u32 count   = 0u;
     for (vxs_i32 y = y0 & ~7; y < y1; y += 8)
         for (vxs_i32 x = x0 & ~7; x < x1; x += 8) {
-            vxs_mask mask = vxs_slice(dag, root, levels, VXS_U(x) >> 3, VXS_U(y) >> 3, k);
+            vxs_mask mask = vxs_tile(dag, root, levels, VXS_U(x) >> 3, VXS_U(y) >> 3, k);
             count += vxs_count_covered(mask, x0 - x, x1 - x, y0 - y, y1 - y);
         }
     return count;
@@ -241,10 +271,10 @@ VXS_FN vxs_u32 vxs_weighted(vxs_smooth_box box, vxs_u32 first, vxs_u32 right, vx
 /* Shadowed part of a mask in a smooth box; x and y: first texel of the box, relative to the mask. */
 VXS_FN vxs_u32 vxs_weigh_mask(vxs_mask mask, vxs_smooth_box box, vxs_i32 x, vxs_i32 y, vxs_i32 width_px)
 {
-    return vxs_weighted(box, vxs_count_covered(mask, x, x + width_px, y, y + width_px),
-                        vxs_count_covered(mask, x + 1, x + 1 + width_px, y, y + width_px),
-                        vxs_count_covered(mask, x, x + width_px, y + 1, y + 1 + width_px),
-                        vxs_count_covered(mask, x + 1, x + 1 + width_px, y + 1, y + 1 + width_px));
+    vxs_u32  columns = vxs_bits(x, x + width_px), right = vxs_bits(x + 1, x + 1 + width_px);
+    vxs_mask upper = vxs_in_rows(mask, vxs_bits(y, y + width_px)), lower = vxs_in_rows(mask, vxs_bits(y + 1, y + 1 + width_px));
+    return vxs_weighted(box, vxs_count_columns(upper, columns), vxs_count_columns(upper, right), vxs_count_columns(lower, columns),
+                        vxs_count_columns(lower, right));
 }
 
 /* Shadowed part of a box of K x K texels around a place in texel (i, j) at depth k, in units of 1 / (65536 K K). Each texel
@@ -259,14 +289,20 @@ VXS_FN vxs_u32 vxs_shadow_weight(VXS_WORDS dag, vxs_u32 root, vxs_u32 levels, vx
     vxs_i32        side = VXS_I(1) << levels;
     vxs_i32        x0 = box.x < 0 ? 0 : box.x, x1 = box.x + width_px + (box.across != 0u ? 1 : 0);
     vxs_i32        y0 = box.y < 0 ? 0 : box.y, y1 = box.y + width_px + (box.down != 0u ? 1 : 0);
+    vxs_i32        x = x0 & ~7, y = y0 & ~7;
     vxs_u32        sum = 0u;
     x1                 = x1 > side ? side : x1;
     y1                 = y1 > side ? side : y1;
-    for (vxs_i32 y = y0 & ~7; y < y1; y += 8)
-        for (vxs_i32 x = x0 & ~7; x < x1; x += 8) {
-            vxs_mask mask = vxs_slice(dag, root, levels, VXS_U(x) >> 3, VXS_U(y) >> 3, k);
-            sum += vxs_weigh_mask(mask, box, box.x - x, box.y - y, width_px);
+    /* one loop: nested ones would run as many rounds as the longest of each in a group of shader invocations */
+    while (y < y1 && x < x1) {
+        vxs_mask mask = vxs_tile(dag, root, levels, VXS_U(x) >> 3, VXS_U(y) >> 3, k);
+        sum += vxs_weigh_mask(mask, box, box.x - x, box.y - y, width_px);
+        x += 8;
+        if (x >= x1) {
+            x = x0 & ~7;
+            y += 8;
         }
+    }
     return sum;
 }
 

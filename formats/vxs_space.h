@@ -460,17 +460,29 @@ VXS_FN vxs_i32 vxs_voxel_from_ws(VXS_LIGHT light, const vxs_real3 point_ws, cons
 /* Only the next four functions depend on the coding of the words. Without vxs_lookup_blocks.h all words are assumed to be
  * DAGs. */
 
-/* Where the root of a map of a DAG is. */
+#if defined(VXS_LOOKUP_BLOCKS_H) && !defined(VXS_TABLES)
+#define VXS_READS_BLOCKS
+#endif
+
+/* Where the root of a map of a DAG is; or what vxs_tile takes for a map with tables. */
 VXS_FN vxs_u32 vxs_root_of(VXS_WORDS dag, VXS_LIGHT light, vxs_i32 map)
 {
+#ifdef VXS_TABLES
+    if (VXS_CODING(light) == VXS_CODING_BLOCKS) return vxs_table_root(dag, VXS_U(map), VXS_FIELD(light, levels));
+#endif
     return VXS_IS_CUBE(light) ? vxs_face_root(dag, VXS_U(map)) : 0u;
 }
 
 /* 1 if voxel (i, j, k) of a map is in shadow, else 0; each of i, j, k in [0, 2^levels).   coded  the words of the light */
 VXS_FN vxs_u32 vxs_shadow_tap(VXS_WORDS coded, VXS_LIGHT light, vxs_i32 map, vxs_i32 i, vxs_i32 j, vxs_u32 k)
 {
-#ifdef VXS_LOOKUP_BLOCKS_H
+#ifdef VXS_TABLES
     if (VXS_CODING(light) == VXS_CODING_BLOCKS)
+        return vxs_table_tap(vxs_root_of(coded, light, map), VXS_FIELD(light, levels), VXS_U(i), VXS_U(j), k);
+    else
+#endif
+#ifdef VXS_READS_BLOCKS
+        if (VXS_CODING(light) == VXS_CODING_BLOCKS)
         return vxs_blocks_shadow(coded, VXS_U(map), VXS_FIELD(light, levels), VXS_U(i), VXS_U(j), k);
     else
 #endif
@@ -484,7 +496,7 @@ VXS_FN vxs_u32 vxs_shadow_taps(VXS_WORDS coded, VXS_LIGHT light, vxs_i32 map, vx
 {
     vxs_u32 levels = VXS_FIELD(light, levels);
     if (VXS_WIDTH(width_px) == 1) return vxs_shadow_tap(coded, light, map, i, j, k);
-#ifdef VXS_LOOKUP_BLOCKS_H
+#ifdef VXS_READS_BLOCKS
     else if (VXS_CODING(light) == VXS_CODING_BLOCKS)
         return vxs_blocks_shadow_count(coded, VXS_U(map), levels, i, j, k, width_px);
 #endif
@@ -498,7 +510,7 @@ VXS_FN vxs_u32 vxs_shadow_part(VXS_WORDS coded, VXS_LIGHT light, vxs_place place
 {
     vxs_u32 levels = VXS_FIELD(light, levels);
     vxs_i32 i = place.voxel[0], j = place.voxel[1];
-#ifdef VXS_LOOKUP_BLOCKS_H
+#ifdef VXS_READS_BLOCKS
     if (VXS_CODING(light) == VXS_CODING_BLOCKS)
         return vxs_blocks_shadow_weight(coded, VXS_U(place.map), levels, i, j, place.across, place.down, k, width_px);
     else
@@ -513,12 +525,21 @@ VXS_FN vxs_real vxs_lit_at_place(VXS_WORDS coded, VXS_LIGHT light, vxs_place pla
     vxs_i32 last = (VXS_I(1) << VXS_FIELD(light, levels)) - 1, width = vxs_filter_width(pcf);
     if (place.voxel[2] < 0) return VXS_REAL(1.0);
     vxs_u32 k = VXS_U(place.voxel[2] < last ? place.voxel[2] : last), all = VXS_U(width * width), dark;
-    if (VXS_IS_SMOOTH(pcf)) {
-        dark = vxs_shadow_part(coded, light, place, k, width);
-        all *= 65536u;
-    } else {
+#ifdef VXS_C
+    if (!VXS_IS_SMOOTH(pcf)) {
         dark = vxs_shadow_taps(coded, light, place.map, place.voxel[0], place.voxel[1], k, width);
+        return VXS_REAL(all - dark) / VXS_REAL(all);
     }
+#else /* one call for all that are wider, because it is inlined: a box is the smooth box about the middle of a texel */
+    if (!VXS_IS_SMOOTH(pcf) && VXS_WIDTH(width) == 1)
+        return VXS_REAL(1u - vxs_shadow_tap(coded, light, place.map, place.voxel[0], place.voxel[1], k));
+    if (!VXS_IS_SMOOTH(pcf)) {
+        place.across = 128u;
+        place.down   = 128u;
+    }
+#endif
+    all *= 65536u;
+    dark = vxs_shadow_part(coded, light, place, k, width);
     return VXS_REAL(all - dark) / VXS_REAL(all);
 }
 
@@ -548,7 +569,7 @@ VXS_FN vxs_real vxs_lit(VXS_WORDS coded, VXS_LIGHT light, const vxs_real3 point_
 /* Whether vxs_lit_at_place is exact for these arguments: 1; 0 if pages that it needs are missing and its answer is coarse. */
 VXS_FN vxs_i32 vxs_is_full_at_place(VXS_WORDS coded, VXS_LIGHT light, vxs_place place, vxs_filter pcf)
 {
-#ifdef VXS_LOOKUP_BLOCKS_H
+#ifdef VXS_READS_BLOCKS
     vxs_u32 levels = VXS_FIELD(light, levels), map = VXS_U(place.map);
     vxs_i32 last = (VXS_I(1) << levels) - 1, width = vxs_filter_width(pcf), i = place.voxel[0], j = place.voxel[1];
     if (VXS_CODING(light) != VXS_CODING_BLOCKS || place.voxel[2] < 0) return 1;

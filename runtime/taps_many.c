@@ -288,9 +288,7 @@ uint32_t vxs_dag_path_count(vxs_dag_path *path, int32_t i, int32_t j, uint32_t k
     for (int32_t y = y0 & ~7; y < y1; y += 8)
         for (int32_t x = x0 & ~7; x < x1; x += 8) {
             vxs_mask mask = slice(path, (uint32_t)x >> 3, (uint32_t)y >> 3, k);
-            if (!(mask.low | mask.high)) continue;
-            count += vxs_popcount(mask.low & vxs_cover(x0 - x, x1 - x, y0 - y, y1 - y));
-            count += vxs_popcount(mask.high & vxs_cover(x0 - x, x1 - x, y0 - y - 4, y1 - y - 4));
+            if (mask.low | mask.high) count += vxs_count_covered(mask, x0 - x, x1 - x, y0 - y, y1 - y);
         }
     return count;
 }

@@ -57,7 +57,6 @@ static int has_buffers(const vxs_gl *gl, uint64_t bytes)
 
 static vxs_result choose_storage(vxs_gl *gl, vxs_gl_storage asked, uint64_t word_count)
 {
-    read_version(gl);
     int buffers    = has_buffers(gl, word_count * sizeof(uint32_t));
     gl->is_texture = asked == VXS_GL_TEXTURE || !buffers;
     if (gl->version < (gl->is_es ? 300 : 330))
@@ -92,25 +91,13 @@ static int grow_ranges(vxs_gl *gl)
     return 1;
 }
 
-static vxs_result put_words(vxs_gl *gl, const uint32_t *words, uint32_t first, uint32_t count)
+vxs_result vxs_gl_put_words(vxs_gl *gl, const uint32_t *words, uint32_t first, uint32_t count)
 {
     if (!count) return VXS_OK;
     if (gl->range_count == gl->range_capacity && !grow_ranges(gl)) return VXS_E_MEMORY;
     gl->ranges[(gl->range_first + gl->range_count++) % gl->range_capacity] = (gl_range){words, first, count};
     gl->bytes_left += (uint64_t)count * sizeof *words;
     return VXS_OK;
-}
-
-/* Fill the lights from an asset, with consecutive words. Returns the number of words. */
-static uint64_t lights_of_asset(vxs_gl *gl, const vxs_asset *asset)
-{
-    uint64_t words = 0;
-    for (uint32_t n = 0; n < gl->light_count; n++) {
-        const vxs_baked_light *baked = vxs_asset_light(asset, n);
-        gl->lights[n]                = (vxs_gl_light){&baked->light, (uint32_t)words};
-        words += baked->word_count;
-    }
-    return words;
 }
 
 static const vxs_baked_smoke *smoke_of(const vxs_gl_desc *desc, uint32_t light)
@@ -151,20 +138,10 @@ static vxs_result place_smoke(vxs_gl *gl, const vxs_gl_desc *desc, uint64_t *wor
 static vxs_result put_smoke(vxs_gl *gl, const vxs_gl_desc *desc)
 {
     if (!gl->smoke) return VXS_OK;
-    vxs_result r = put_words(gl, gl->smoke, gl->smoke_word, gl->light_count);
-    if (r == VXS_OK) r = put_words(gl, &gl->smoke_word, gl->words.count - 1, 1);
+    vxs_result r = vxs_gl_put_words(gl, gl->smoke, gl->smoke_word, gl->light_count);
+    if (r == VXS_OK) r = vxs_gl_put_words(gl, &gl->smoke_word, gl->words.count - 1, 1);
     for (uint32_t n = 0; r == VXS_OK && n < gl->light_count; n++)
-        if (gl->smoke[n]) r = put_words(gl, smoke_of(desc, n)->words, gl->smoke[n], smoke_of(desc, n)->word_count);
-    return r;
-}
-
-static vxs_result put_asset(vxs_gl *gl, const vxs_asset *asset)
-{
-    vxs_result r = VXS_OK;
-    for (uint32_t n = 0; r == VXS_OK && n < gl->light_count; n++) {
-        const vxs_baked_light *baked = vxs_asset_light(asset, n);
-        r                            = vxs_gl_put(gl, baked->words, gl->lights[n].first_word, baked->word_count);
-    }
+        if (gl->smoke[n]) r = vxs_gl_put_words(gl, smoke_of(desc, n)->words, gl->smoke[n], smoke_of(desc, n)->word_count);
     return r;
 }
 
@@ -213,6 +190,7 @@ static void write_head(vxs_gl *gl)
             "#define VXS_GL_BUFFERS\n#define VXS_GL_AT_WORDS %u\n#define VXS_GL_AT_LIGHTS %u\n#define VXS_GL_AT_LISTS %u\n",
             gl->first_binding, gl->first_binding + 1, gl->first_binding + 2);
     if (gl->smoke) to += snprintf(to, (size_t)(end - to), "#define VXS_GL_SMOKE\n");
+    if (gl->table_count) to += snprintf(to, (size_t)(end - to), "#define VXS_GL_TABLES\n");
     if (gl->light_count) write_common(gl, to, (size_t)(end - to));
 }
 
@@ -226,17 +204,19 @@ static vxs_result make(vxs_gl *gl, const vxs_gl_desc *desc)
     gl->stream          = desc->stream;
     vxs_result r        = load(gl, desc);
     if (r != VXS_OK) return r;
+    read_version(gl);
     gl->lights    = vxs_gl_alloc(gl, gl->light_count, sizeof *gl->lights);
     gl->constants = vxs_gl_alloc(gl, gl->light_count, sizeof *gl->constants);
     if (!gl->lights || !gl->constants) return VXS_E_MEMORY;
-    if (desc->asset)
-        word_count = lights_of_asset(gl, desc->asset);
+    if (desc->asset || desc->baked)
+        word_count = vxs_gl_whole_lights(gl, desc);
     else if (desc->stream)
         word_count = vxs_gl_stream_lights(gl);
     else
         memcpy(gl->lights, desc->lights, gl->light_count * sizeof *gl->lights);
 
     r = place_smoke(gl, desc, &word_count);
+    if (r == VXS_OK && (desc->asset || desc->baked)) r = vxs_gl_whole_tables(gl, desc, &word_count);
     if (r != VXS_OK) return r;
 
     /* lookups may read a few words behind a light's last one; the last word is the position of the table of smoke */
@@ -249,7 +229,7 @@ static vxs_result make(vxs_gl *gl, const vxs_gl_desc *desc)
     write_head(gl);
     vxs_gl_origin(gl, NULL);
     if ((r = put_smoke(gl, desc)) != VXS_OK) return r;
-    if (desc->asset) return put_asset(gl, desc->asset);
+    if (desc->asset || desc->baked) return vxs_gl_whole_put(gl, desc);
     return desc->stream ? vxs_gl_stream_put(gl) : VXS_OK;
 }
 
@@ -260,10 +240,10 @@ vxs_result vxs_gl_create(vxs_gl **out, const vxs_gl_desc *desc)
     vxs_result   result = vxs_desc_take(&known, sizeof known, first, desc);
     *out                = NULL;
     if (result != VXS_OK) return result;
-    if (!known.get_proc_address || (known.asset && known.stream)) return VXS_E_ARGUMENT;
-    if (!known.asset && !known.stream && (!known.lights || !known.light_count)) return VXS_E_ARGUMENT;
+    if (!known.get_proc_address || !!known.asset + !!known.stream + !!known.baked > 1) return VXS_E_ARGUMENT;
+    if (!known.asset && !known.stream && ((!known.lights && !known.baked) || !known.light_count)) return VXS_E_ARGUMENT;
     for (uint32_t n = 0; !known.asset && !known.stream && n < known.light_count; n++)
-        if (!known.lights[n].light) return VXS_E_ARGUMENT;
+        if (known.baked ? !known.baked[n] : !known.lights[n].light) return VXS_E_ARGUMENT;
     vxs_allocator memory = vxs_allocator_of(&(vxs_read_desc){.allocator = known.allocator});
     vxs_gl       *gl     = memory.alloc(sizeof *gl, memory.user);
     if (!gl) return VXS_E_MEMORY;
@@ -286,6 +266,8 @@ void vxs_gl_destroy(vxs_gl *gl)
     if (gl->culling) gl->api.DeleteProgram(gl->culling);
     vxs_gl_free(gl, gl->lights, gl->light_count, sizeof *gl->lights);
     vxs_gl_free(gl, gl->constants, gl->light_count, sizeof *gl->constants);
+    vxs_gl_tables_free(&gl->tables);
+    vxs_gl_free(gl, gl->table_starts, gl->light_count, sizeof *gl->table_starts);
     vxs_gl_free(gl, gl->smoke, gl->light_count, sizeof *gl->smoke);
     vxs_gl_free(gl, gl->ranges, gl->range_capacity, sizeof *gl->ranges);
     vxs_gl_free(gl, gl->pages, gl->page_count, sizeof *gl->pages);
@@ -298,8 +280,8 @@ void vxs_gl_destroy(vxs_gl *gl)
 vxs_result vxs_gl_put(vxs_gl *gl, const uint32_t *words, uint32_t first, uint32_t count)
 {
     uint32_t end = gl->smoke ? gl->smoke_word : gl->words.count - VXS_BLOCKS_SPARE_WORDS;
-    if (first > end || count > end - first || (!words && count)) return VXS_E_ARGUMENT;
-    return put_words(gl, words, first, count);
+    if (gl->table_count || first > end || count > end - first || (!words && count)) return VXS_E_ARGUMENT;
+    return vxs_gl_put_words(gl, words, first, count);
 }
 
 uint64_t vxs_gl_upload(vxs_gl *gl, size_t max_bytes)
@@ -320,7 +302,13 @@ uint64_t vxs_gl_upload(vxs_gl *gl, size_t max_bytes)
         gl->range_first = (gl->range_first + 1) % gl->range_capacity;
         gl->range_count--;
     }
+    if (!gl->range_count) vxs_gl_tables_free(&gl->tables);
     return gl->bytes_left + (gl->stream ? vxs_gl_stream_upload(gl, room) : 0);
+}
+
+uint64_t vxs_gl_table_bytes(const vxs_gl *gl)
+{
+    return (uint64_t)gl->table_count * sizeof(uint32_t);
 }
 
 uint64_t vxs_gl_uploaded_bytes(const vxs_gl *gl)
@@ -350,7 +338,7 @@ uint32_t vxs_gl_light_count(const vxs_gl *gl)
 void vxs_gl_texts(const vxs_gl *gl, const char *texts[VXS_GL_TEXTS])
 {
     const char *const all[VXS_GL_TEXTS] = {gl->head,
-                                           vxs_gl_text_words_glsl,
+                                           vxs_gl_text_words_tables_glsl,
                                            vxs_gl_text_vxs_lookup_h,
                                            vxs_gl_text_vxs_lookup_blocks_h,
                                            vxs_gl_text_vxs_space_h,

@@ -4,6 +4,7 @@
 #define GL_STATE_H
 
 #include "gl_api.h"
+#include "gl_tables.h"
 #include "vxs_gl.h"
 
 /* An array of 32-bit words on the GPU: a buffer, or a texture whose row length is a power of two for words. */
@@ -52,6 +53,10 @@ struct vxs_gl {
     uint32_t          coming_name; /* partly uploaded: its name at that time; 0: none of its words is uploaded */
     uint32_t          coming_done; /* words of it uploaded so far */
 
+    gl_tables tables;       /* until they are uploaded; then they have no words */
+    uint32_t *table_starts; /* [light_count] of whole lights: word 0 of those that have tables */
+    uint32_t  table_count;  /* words of all tables; 0: shaders read words alone */
+
     gl_name culling; /* compute program; 0 before first use */
     char    head[512];
 };
@@ -73,6 +78,15 @@ void vxs_gl_words_bind(const vxs_gl *gl, const gl_words *w, uint32_t place);
 void *vxs_gl_alloc(const vxs_gl *gl, uint64_t count, size_t size);
 void  vxs_gl_free(const vxs_gl *gl, void *memory, uint64_t count, size_t size);
 
+/* Queue words for upload. */
+vxs_result vxs_gl_put_words(vxs_gl *gl, const uint32_t *words, uint32_t first, uint32_t count);
+
+/* gl_whole.c: vxs_gl_whole_lights fills the lights and returns their word count; vxs_gl_whole_tables makes tables behind `words`
+ * words, and adds theirs; vxs_gl_whole_put queues words and tables. */
+uint64_t   vxs_gl_whole_lights(vxs_gl *gl, const vxs_gl_desc *desc);
+vxs_result vxs_gl_whole_tables(vxs_gl *gl, const vxs_gl_desc *desc, uint64_t *words);
+vxs_result vxs_gl_whole_put(vxs_gl *gl, const vxs_gl_desc *desc);
+
 /* gl_stream.c: vxs_gl_stream_lights fills the lights and returns the stream's word count; vxs_gl_stream_put queues the resident
  * words; vxs_gl_stream_detach and vxs_gl_stream_upload apply page changes, as described at vxs_gl_upload.
  * room_words  most words to upload, not counting names set to 0
@@ -83,7 +97,7 @@ void       vxs_gl_stream_detach(vxs_gl *gl);
 uint64_t   vxs_gl_stream_upload(vxs_gl *gl, size_t room_words);
 
 /* Shader texts, made by the Makefile from the files of these names. */
-extern const char vxs_gl_text_words_glsl[], vxs_gl_text_smoke_lights_glsl[], vxs_gl_text_cull_glsl[], vxs_gl_text_vxs_lookup_h[],
-    vxs_gl_text_vxs_lookup_blocks_h[], vxs_gl_text_vxs_space_h[], vxs_gl_text_vxs_cull_h[];
+extern const char vxs_gl_text_words_tables_glsl[], vxs_gl_text_smoke_lights_glsl[], vxs_gl_text_cull_glsl[],
+    vxs_gl_text_vxs_lookup_h[], vxs_gl_text_vxs_lookup_blocks_h[], vxs_gl_text_vxs_space_h[], vxs_gl_text_vxs_cull_h[];
 
 #endif

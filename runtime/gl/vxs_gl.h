@@ -75,11 +75,20 @@ typedef struct vxs_gl_desc {
 
     /* explains VXS_E_GL: what the context lacks, or the messages of its compiler; called with `user`. NULL: not wanted */
     vxs_log_fn *log;
+
+    /* instead of an asset: [light_count] whole lights, for instance some of an asset; `smoke` is as without an asset. The lights are
+     * borrowed until vxs_gl_destroy, their words until vxs_gl_upload returns 0 */
+    const vxs_baked_light *const *baked;
+
+    /* Tables of an asset, or of `baked`: vxs_gl_create lays out the depths of palette blocks once more, so that shaders need a
+     * quarter of the time. If they would take more bytes than this, there are none. 0: 8 times the bytes of words, or 64 MiB where
+     * that is more; 1: none */
+    uint64_t most_table_bytes;
 } vxs_gl_desc;
 
 /* Create the object, with storage for words and lights: one buffer for each, or one texture for each. No words are uploaded yet.
  * gl  [out] NULL on failure
- * Returns VXS_OK; VXS_E_ARGUMENT (no get_proc_address, no light, both an asset and a stream, an invalid struct_size);
+ * Returns VXS_OK; VXS_E_ARGUMENT (no get_proc_address, no light, two of asset, stream and baked, an invalid struct_size);
  * VXS_E_MEMORY (also for GPU memory, and for more words than the largest buffer or texture holds); VXS_E_GL (OpenGL older than
  * 3.3 or ES older than 3.0, a missing function, or the requested storage is not available). */
 vxs_result vxs_gl_create(vxs_gl **gl, const vxs_gl_desc *desc);
@@ -88,10 +97,11 @@ vxs_result vxs_gl_create(vxs_gl **gl, const vxs_gl_desc *desc);
 void vxs_gl_destroy(vxs_gl *gl);
 
 /* Queue words for upload: at first, and whenever they change. They are uploaded in the order of the calls, whatever the slices.
- * To change words that shaders already use, upload them completely before the next draw. Not for the words of a stream.
+ * To change words that shaders already use, upload them completely before the next draw. Not for the words of a stream, and not
+ * where there are tables.
  * words  [count] borrowed until uploaded; read at upload
  * first  index of the first one in the array of all words
- * Returns VXS_OK; VXS_E_ARGUMENT beyond word_count, or without words; VXS_E_MEMORY, and nothing is queued. */
+ * Returns VXS_OK; VXS_E_ARGUMENT beyond word_count, without words, or where there are tables; VXS_E_MEMORY, and nothing is queued. */
 vxs_result vxs_gl_put(vxs_gl *gl, const uint32_t *words, uint32_t first, uint32_t count);
 
 /* Upload at most max_bytes of the queued words. SIZE_MAX: all. Returns the number of bytes left. Until it returns 0, lookups give
@@ -103,6 +113,9 @@ vxs_result vxs_gl_put(vxs_gl *gl, const uint32_t *words, uint32_t first, uint32_
  * any size, shaders give the same result as C where pages are uploaded, and the coarse answer where they are not; after a return
  * of 0, the same as C everywhere. It need not be called for every frame of the stream. */
 uint64_t vxs_gl_upload(vxs_gl *gl, size_t max_bytes);
+
+/* Returns the bytes of all tables, which are uploaded like words. 0: shaders read words alone. */
+uint64_t vxs_gl_table_bytes(const vxs_gl *gl);
 
 /* Returns how many bytes of words vxs_gl_upload has uploaded since vxs_gl_create. */
 uint64_t vxs_gl_uploaded_bytes(const vxs_gl *gl);

@@ -16,7 +16,7 @@ headers := runtime/vxs.h runtime/vxs.hpp runtime/vxs_query.h runtime/vxs_stream.
 # --- libvxs.so: what the headers declare, under one version of symbols for each that breaks programs ----------------------------
 
 pic.o    := $(runtime.c:%=$B/pic/%.o)
-gl.pic.o := $(gl.c:%=$B/pic/%.o) $B/pic/runtime/gl/texts.c.o
+gl.pic.o := $(gl.c:%=$B/pic/%.o) $B/pic/runtime/gl/texts.c.o $B/pic/runtime/tile_depths.c.o # which libvxs.so hides
 volumes.pic.o := $(volumes.c:%=$B/pic/%.o) $B/pic/runtime/volumes/texts.c.o
 
 $B/libvxs.so: $(pic.o) $B/libvxs.map

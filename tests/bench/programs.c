@@ -200,7 +200,7 @@ static void asset_of_light(vxs_volumes *v, const vxs_volumes_light *light)
     vxs_shadow_grid_destroy(grid);
 }
 
-static void all_of_light(vxs_volumes *v, uint32_t n, int is_dag)
+static void all_of_light(vxs_volumes *v, uint32_t n, int is_first)
 {
     vxs_shadow_depth_map     *map;
     vxs_volumes_light         light = {.baked_number = vxs_baked_number(n), .colour = {1, 1, 1}, .radius_metres = 0.1F};
@@ -208,7 +208,7 @@ static void all_of_light(vxs_volumes *v, uint32_t n, int is_dag)
     asset_of_light(v, &light);
     CALL("map", vxs_shadow_depth_map_create(&map, v, &desc));
     vxs_shadow_depth_map_fill(map, UINT64_MAX);
-    if (!is_dag) {
+    if (is_first) {
         CALL("map_join",
              vxs_shadow_depth_map_join(map, &(vxs_moving_casters){.depth_texture = 1, .width_px = 1, .height_px = 1}, 1));
         CALL("march_map", vxs_volumes_march(v, &light, map, 64, VXS_STEPS_EVEN));
@@ -221,16 +221,20 @@ static void all_of_light(vxs_volumes *v, uint32_t n, int is_dag)
     vxs_shadow_depth_map_destroy(map);
 }
 
-static void all_of_coding(uint32_t which)
+/* is_first: what does not depend on the coding, too */
+static void all_of_coding(uint32_t which, uint64_t most_table_bytes, int is_first)
 {
     static const char *const names[LIGHTS] = {"sun", "spot", "point"};
     static const uint32_t    kinds[LIGHTS] = {VXS_LIGHT_KIND_DIRECTIONAL, VXS_LIGHT_KIND_SPOT, VXS_LIGHT_KIND_POINT};
-    vxs_light                lights[LIGHTS];
-    vxs_gl_light             of[LIGHTS];
+    /* no pages, six maps of 4 x 4 squares whose voxels are lit */
+    static uint32_t          words[8 + 2 * 16 + VXS_BLOCKS_SPARE_WORDS];
+    vxs_baked_light          lights[LIGHTS];
+    const vxs_baked_light   *of[LIGHTS];
     vxs_gl                  *shadows;
     vxs_volumes             *v;
     for (uint32_t n = 0; n < LIGHTS; n++) {
-        vxs_light *l = &lights[n];
+        vxs_light *l = &lights[n].light;
+        lights[n]    = (vxs_baked_light){.words = words, .word_count = sizeof words / sizeof *words};
         *l           = (vxs_light){.kind         = kinds[n],
                                    .flags        = n == POINT ? VXS_LIGHT_CUBE : 0,
                                    .levels       = 10,
@@ -240,9 +244,15 @@ static void all_of_coding(uint32_t which)
                                    .near_metres  = n == SUN ? 0 : 0.1,
                                    .cos_outer    = n == SPOT ? 0.7 : 0};
         for (int d = 0; d < 3; d++) l->ls_from_ws[5 * d] = 1;
-        of[n] = (vxs_gl_light){l, 1024 * n};
+        of[n] = &lights[n];
     }
-    vxs_gl_desc gl_desc = {.get_proc_address = function_of, .lights = of, .light_count = LIGHTS, .word_count = 1024 * LIGHTS};
+    for (int n = 0; n < 6; n++) words[2 + n] = 8;
+    for (int n = 0; n < 16; n++) words[8 + 2 * n] = 0x80000000 | 1024;
+    vxs_gl_desc gl_desc = {.struct_size      = sizeof gl_desc,
+                           .get_proc_address = function_of,
+                           .baked            = of,
+                           .light_count      = LIGHTS,
+                           .most_table_bytes = most_table_bytes};
     CALL("gl", vxs_gl_create(&shadows, &gl_desc));
     vxs_volumes_desc desc = {.get_proc_address = function_of, .shadows = shadows, .width_px = 64, .height_px = 64};
     CALL("volumes", vxs_volumes_create(&v, &desc));
@@ -258,10 +268,10 @@ static void all_of_coding(uint32_t which)
     CALL("begin", vxs_volumes_begin(v, &frame));
     for (uint32_t n = 0; n < LIGHTS; n++) {
         light_name = names[n];
-        all_of_light(v, n, which == VXS_CODING_DAG);
+        all_of_light(v, n, is_first);
     }
     light_name = "all";
-    if (which != VXS_CODING_DAG) {
+    if (is_first) {
         area_lights(v, 0);
         area_lights(v, 1);
         technique = "composite";
@@ -279,8 +289,10 @@ int main(int argc, char **argv)
     }
     folder = argv[1];
     coding = "blocks";
-    all_of_coding(VXS_CODING_BLOCKS);
+    all_of_coding(VXS_CODING_BLOCKS, 0, 1);
+    coding = "words"; /* blocks without tables, as streams have them */
+    all_of_coding(VXS_CODING_BLOCKS, 1, 0);
     coding = "dag";
-    all_of_coding(VXS_CODING_DAG);
+    all_of_coding(VXS_CODING_DAG, 0, 0);
     return 0;
 }

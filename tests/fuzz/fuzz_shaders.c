@@ -126,7 +126,7 @@ static const char rays_text[] =
 /* A context, and programs that are the same for all files. */
 static struct {
     gl_context               *gl;
-    GLuint                    places, rays, asked, answers;
+    GLuint                    places, table_places, rays, asked, answers;
     PFNGLDISPATCHCOMPUTEPROC  dispatch;
     PFNGLGETSHADERINFOLOGPROC info_log;
     PFNGLMEMORYBARRIERPROC    barrier;
@@ -261,7 +261,8 @@ static void check_places(const vxs_gl *shadows, const lights *l, uint64_t *rando
     static place  places[PLACES];
     static answer answers[PLACES];
     for (int n = 0; n < PLACES; n++) places[n] = random_place(l, random);
-    ask(shadows, &on.places, places_text, PLACES, places, sizeof places, answers, sizeof answers);
+    ask(shadows, vxs_gl_table_bytes(shadows) ? &on.table_places : &on.places, places_text, PLACES, places, sizeof places, answers,
+        sizeof answers);
     for (int n = 0; n < PLACES; n++) check_place(l, &places[n], &answers[n]);
 }
 
@@ -362,6 +363,22 @@ static void check_lights(const lights *l, const vxs_gl_light *list, uint32_t wor
     vxs_gl_destroy(shadows);
 }
 
+/* The lights as the asset has them, by their tables. */
+static void check_tables(const vxs_asset *asset, uint64_t random)
+{
+    vxs_gl     *shadows;
+    vxs_gl_desc desc  = {.struct_size = sizeof desc, .get_proc_address = gl_choice_proc, .storage = VXS_GL_BUFFER};
+    lights      whole = {0};
+    for (; whole.count < vxs_asset_light_count(asset) && whole.count < LIGHTS; whole.count++)
+        whole.baked[whole.count] = vxs_asset_light(asset, whole.count);
+    desc.baked       = whole.baked;
+    desc.light_count = whole.count;
+    if (vxs_gl_create(&shadows, &desc) != VXS_OK) return;
+    FUZZ_CHECK(vxs_gl_upload(shadows, SIZE_MAX) == 0);
+    if (vxs_gl_table_bytes(shadows)) check_places(shadows, &whole, &random);
+    vxs_gl_destroy(shadows);
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     static int    started;
@@ -380,6 +397,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         add_light(&l, list, &l.rough[copies++], &words);
     }
     if (l.count) check_lights(&l, list, words, size);
+    if (l.count) check_tables(asset, size);
     while (copies) free((uint32_t *)l.rough[--copies].words);
     vxs_asset_close(asset);
     return 0;

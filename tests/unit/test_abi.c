@@ -85,7 +85,9 @@ static void descriptions_grow_at_their_end(void **state)
     assert_int_equal(AT(vxs_gl_desc, stream), 72);
     assert_int_equal(AT(vxs_gl_desc, smoke), 80);
     assert_int_equal(AT(vxs_gl_desc, log), 88);
-    assert_true(sizeof(vxs_gl_desc) >= 96);
+    assert_int_equal(AT(vxs_gl_desc, baked), 96);
+    assert_int_equal(AT(vxs_gl_desc, most_table_bytes), 104);
+    assert_true(sizeof(vxs_gl_desc) >= 112);
     assert_int_equal(AT(vxs_volumes_desc, struct_size), 0);
     assert_int_equal(AT(vxs_volumes_frame, struct_size), 0);
     assert_int_equal(AT(vxs_volumes_frame, view), 52);

@@ -250,7 +250,7 @@ static void compare_places(const drawing *d, rng *r, const vxs_baked_light *ligh
     }
 }
 
-/* All kinds of lights in both codings, all filters: C, buffer and texture to the bit. */
+/* All kinds of lights in both codings, all filters: C, buffer and texture to the bit, from words alone and from tables. */
 static void test_same_answer(void **state)
 {
     enum { LIGHTS = 2 * LIGHT_KINDS };
@@ -263,6 +263,8 @@ static void test_same_answer(void **state)
     vxs_gl_light    lights[LIGHTS];
     uint32_t        words = 3, rounds = repeats(1, 60);
     uint64_t        partly = 0;
+
+    const vxs_baked_light *whole[LIGHTS];
     (void)state;
     for (int n = 0; n < LIGHTS; n++) {
         size_t size;
@@ -273,34 +275,42 @@ static void test_same_answer(void **state)
         } else {
             block_light *b = &blocks[n - LIGHT_KINDS];
             *b             = block_light_make(&r, n - LIGHT_KINDS, n % 2 ? 6 : 10, (double[3]){0, 0, 0});
-            subjects[n]    = (vxs_baked_light){.light = b->light, .words = b->blocks.words};
             size           = b->blocks.word_count + BLOCKS_SPARE_WORDS;
+            subjects[n]    = (vxs_baked_light){.light = b->light, .words = b->blocks.words, .word_count = (uint32_t)size};
         }
+        whole[n]  = &subjects[n];
         lights[n] = (vxs_gl_light){&subjects[n].light, words};
         words += (uint32_t)size + 5;
     }
-    for (int n = 0; n < DIALECTS; n++) {
-        vxs_gl     *gl;
-        vxs_gl_desc desc = {.get_proc_address = telling,
-                            .storage          = dialects[n].storage,
-                            .lights           = lights,
-                            .light_count      = LIGHTS,
-                            .word_count       = words,
-                            .first_binding    = (uint32_t)n};
-        told.version     = dialects[n].version;
+    for (int n = 0; n < 2 * DIALECTS; n++) {
+        const struct dialect *as = &dialects[n / 2];
+        vxs_gl               *gl;
+        vxs_gl_desc           desc = {.struct_size      = sizeof desc,
+                                      .get_proc_address = telling,
+                                      .storage          = as->storage,
+                                      .light_count      = LIGHTS,
+                                      .first_binding    = (uint32_t)n / 2};
+        told.version               = as->version;
+        if (n % 2)
+            desc.baked = whole;
+        else {
+            desc.lights     = lights;
+            desc.word_count = words;
+        }
         assert_int_equal(vxs_gl_create(&gl, &desc), VXS_OK);
         told.version = NULL;
-        for (int l = 0; l < LIGHTS; l++) {
+        for (int l = 0; l < LIGHTS && n % 2 == 0; l++) {
             uint32_t end = l + 1 < LIGHTS ? lights[l + 1].first_word : words;
             assert_int_equal(vxs_gl_put(gl, subjects[l].words, lights[l].first_word, end - lights[l].first_word - 5), VXS_OK);
         }
+        assert_int_equal(vxs_gl_table_bytes(gl) > 0, n % 2);
         assert_int_equal(vxs_gl_upload(gl, SIZE_MAX), 0);
-        use_body(&d, gl, dialects[n].name, place_body);
+        use_body(&d, gl, as->name, place_body);
         vxs_gl_bind(gl);
-        for (uint32_t round = 0; round < rounds; round++) compare_places(&d, &r, subjects, LIGHTS, dialects[n].name, &partly);
+        for (uint32_t round = 0; round < rounds; round++) compare_places(&d, &r, subjects, LIGHTS, as->name, &partly);
         vxs_gl_destroy(gl);
     }
-    assert_true(partly > DIALECTS * rounds * QUERIES / 10);
+    assert_true(partly > 2 * DIALECTS * rounds * QUERIES / 10);
     gl_context_destroy(d.gl);
     vxs_asset_close(asset);
     for (int n = 0; n < LIGHT_KINDS; n++) {
@@ -309,15 +319,21 @@ static void test_same_answer(void **state)
     }
 }
 
-/* A file by both storages. */
+/* A file by both storages, from words alone and from tables. */
 static void check_file(drawing *d, const char *path, const vxs_asset *asset, uint32_t rounds)
 {
     uint64_t partly = 0;
     rng      r      = {71};
-    for (int storage = 0; storage < 2; storage++) {
+    for (int way = 0; way < 4; way++) {
+        int         storage = way / 2;
         vxs_gl     *gl;
-        vxs_gl_desc desc = {.get_proc_address = telling, .asset = asset, .storage = storage ? VXS_GL_TEXTURE : VXS_GL_BUFFER};
+        vxs_gl_desc desc = {.struct_size      = sizeof desc,
+                            .get_proc_address = telling,
+                            .asset            = asset,
+                            .storage          = storage ? VXS_GL_TEXTURE : VXS_GL_BUFFER,
+                            .most_table_bytes = way % 2};
         assert_int_equal(vxs_gl_create(&gl, &desc), VXS_OK);
+        if (way % 2) assert_int_equal(vxs_gl_table_bytes(gl), 0);
         assert_int_equal(vxs_gl_upload(gl, SIZE_MAX), 0);
         use_body(d, gl, storage ? "#version 330 core" : "#version 430 core", place_body);
         vxs_gl_bind(gl);
@@ -325,8 +341,8 @@ static void check_file(drawing *d, const char *path, const vxs_asset *asset, uin
             compare_places(d, &r, vxs_asset_light(asset, 0), vxs_asset_light_count(asset), path, &partly);
         vxs_gl_destroy(gl);
     }
-    print_message("%s: %u points by each storage, %.1f %% of them in part\n", path, rounds * QUERIES,
-                  (double)partly * 50 / rounds / QUERIES);
+    print_message("%s: %u points by each storage and form, %.1f %% of them in part\n", path, rounds * QUERIES,
+                  (double)partly * 25 / rounds / QUERIES);
 }
 
 /* Files of VXS_ASSETS, between colons, for which no other test is run, or one of tests/golden: VXS_POINTS of each by each storage,
@@ -831,6 +847,58 @@ static void assert_no_gl(const vxs_gl_desc *desc, const char *why)
     if (!strstr(explained, why)) fail_msg("'%s', expected '%s'", explained, why);
 }
 
+/* Whole lights: what is refused, memory that ends, and tables that are too large: then words answer. */
+static void test_whole_lights(void **state)
+{
+    rng             r     = {59};
+    block_light     block = block_light_make(&r, SUN, 10, (double[3]){0, 0, 0});
+    vxs_baked_light light = {.light = block.light, .words = block.blocks.words, .word_count = (uint32_t)block.blocks.word_count};
+    const vxs_baked_light *whole[2] = {&light, NULL};
+    const char            *texts[VXS_GL_TEXTS];
+    drawing                d = drawing_make();
+    vxs_gl                *gl;
+    vxs_gl_desc            desc = {.struct_size = sizeof desc, .get_proc_address = telling, .baked = whole, .light_count = 1};
+    (void)state;
+    memset(&told, 0, sizeof told);
+    for (uint64_t fail_at = 1, good = 0; !good; fail_at++) {
+        alloc_fail    a      = {.fail_at = fail_at};
+        vxs_allocator memory = alloc_fail_allocator(&a);
+        desc.allocator       = &memory;
+        assert_true(vxs_gl_create(&gl, &desc) == (a.calls >= fail_at ? VXS_E_MEMORY : VXS_OK));
+        good = a.calls < fail_at;
+        vxs_gl_destroy(gl);
+        assert_true(a.live_bytes == 0 && a.wrong_sizes == 0 && told.live == 0);
+    }
+    desc.allocator = NULL;
+    assert_int_equal(vxs_gl_create(&gl, &desc), VXS_OK);
+    uint64_t bytes = vxs_gl_table_bytes(gl), all = 4 * (uint64_t)light.word_count + bytes;
+    assert_int_equal(vxs_gl_put(gl, light.words, 0, 1), VXS_E_ARGUMENT); /* the tables would not follow */
+    assert_int_equal(vxs_gl_upload(gl, 1000), all - 1000);
+    assert_int_equal(vxs_gl_upload(gl, SIZE_MAX), 0);
+    assert_int_equal(vxs_gl_uploaded_bytes(gl), all);
+    vxs_gl_destroy(gl);
+    for (uint64_t less = 0; less < 2; less++) {
+        desc.most_table_bytes = bytes - less;
+        assert_int_equal(vxs_gl_create(&gl, &desc), VXS_OK);
+        assert_int_equal(vxs_gl_table_bytes(gl), less ? 0 : bytes);
+        vxs_gl_texts(gl, texts);
+        assert_int_equal(strstr(texts[0], "VXS_GL_TABLES") != NULL, !less);
+        vxs_gl_destroy(gl);
+    }
+    desc.light_count = 2;
+    assert_int_equal(vxs_gl_create(&gl, &desc), VXS_E_ARGUMENT);
+    desc.light_count = 0;
+    assert_int_equal(vxs_gl_create(&gl, &desc), VXS_E_ARGUMENT);
+    dag_sample dags[LIGHT_KINDS];
+    desc.light_count = 1;
+    desc.asset       = asset_of_dags(&r, dags);
+    assert_int_equal(vxs_gl_create(&gl, &desc), VXS_E_ARGUMENT);
+    vxs_asset_close((vxs_asset *)(uintptr_t)desc.asset);
+    for (int n = 0; n < LIGHT_KINDS; n++) dag_sample_free(&dags[n]);
+    blocks_sample_free(&block.blocks);
+    gl_context_destroy(d.gl);
+}
+
 /* Each allocation in turn fails, and each function in turn is not there; too old, too much, and nothing queried. */
 static void test_refused(void **state)
 {
@@ -1179,13 +1247,14 @@ static void test_full_lists(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_same_answer), cmocka_unit_test(test_same_answer_of_files),
-        cmocka_unit_test(test_origin),      cmocka_unit_test(test_slices),
-        cmocka_unit_test(test_clamped),     cmocka_unit_test(test_texts_are_those_of_any_asset),
-        cmocka_unit_test(test_held_lights), cmocka_unit_test(test_damaged_words),
-        cmocka_unit_test(test_left_out),    cmocka_unit_test(test_state_is_restored),
-        cmocka_unit_test(test_refused),     cmocka_unit_test(test_culling),
-        cmocka_unit_test(test_wild_depths), cmocka_unit_test(test_full_lists),
+        cmocka_unit_test(test_same_answer),  cmocka_unit_test(test_same_answer_of_files),
+        cmocka_unit_test(test_origin),       cmocka_unit_test(test_slices),
+        cmocka_unit_test(test_clamped),      cmocka_unit_test(test_texts_are_those_of_any_asset),
+        cmocka_unit_test(test_held_lights),  cmocka_unit_test(test_damaged_words),
+        cmocka_unit_test(test_left_out),     cmocka_unit_test(test_state_is_restored),
+        cmocka_unit_test(test_whole_lights), cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_culling),      cmocka_unit_test(test_wild_depths),
+        cmocka_unit_test(test_full_lists),
     };
     if (getenv("VXS_ASSETS")) cmocka_set_test_filter("*_of_files");
     return cmocka_run_group_tests(tests, find_lengths, NULL);

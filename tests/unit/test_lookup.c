@@ -73,18 +73,20 @@ static void test_popcount(void **state)
     assert_int_equal(vxs_popcount(0xffffffffu), 32);
 }
 
-/* Every range that starts or ends inside a word of a mask, or beyond it. */
+/* Every range that starts or ends inside a mask, or beyond it. */
 static void test_cover(void **state)
 {
+    const vxs_mask mask = {0x9d03c5a7, 0x71e4f08b};
     (void)state;
     for (int32_t x0 = -17; x0 <= 9; x0++)
         for (int32_t x1 = x0; x1 <= 25; x1++)
-            for (int32_t y0 = -17; y0 <= 5; y0++)
-                for (int32_t y1 = y0; y1 <= 21; y1++) {
+            for (int32_t y0 = -17; y0 <= 9; y0++)
+                for (int32_t y1 = y0; y1 <= 25; y1++) {
                     uint32_t wanted = 0;
-                    for (int32_t bit = 0; bit < 32; bit++)
-                        if (bit % 8 >= x0 && bit % 8 < x1 && bit / 8 >= y0 && bit / 8 < y1) wanted |= 1u << bit;
-                    assert_int_equal(vxs_cover(x0, x1, y0, y1), wanted);
+                    for (int32_t bit = 0; bit < 64; bit++)
+                        if (bit % 8 >= x0 && bit % 8 < x1 && bit / 8 >= y0 && bit / 8 < y1)
+                            wanted += (bit < 32 ? mask.low : mask.high) >> bit % 32 & 1;
+                    assert_int_equal(vxs_count_covered(mask, x0, x1, y0, y1), wanted);
                 }
 }
 

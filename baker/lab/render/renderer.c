@@ -90,28 +90,17 @@ done:
 
 static vxs_result put_shadows(renderer *r, const vxs_baked_light *const *lights, run_context *m)
 {
-    vxs_gl_desc   desc   = {.struct_size      = sizeof desc,
-                            .get_proc_address = gl_lookup,
-                            .user             = r->gl,
-                            .storage          = VXS_GL_BUFFER,
-                            .smoke            = r->options.baked_smoke,
-                            .stream           = r->options.stream};
-    uint64_t      words  = 0;
-    uint32_t      count  = desc.stream ? 0 : r->light_count;
-    vxs_gl_light *placed = calloc((size_t)count + 1, sizeof *placed);
-    vxs_result    result = placed ? VXS_OK : VXS_E_MEMORY;
-    for (uint32_t n = 0; n < count && placed; n++) {
-        placed[n] = (vxs_gl_light){&lights[n]->light, (uint32_t)words};
-        words += lights[n]->word_count;
+    vxs_gl_desc desc = {.struct_size      = sizeof desc,
+                        .get_proc_address = gl_lookup,
+                        .user             = r->gl,
+                        .storage          = VXS_GL_BUFFER,
+                        .smoke            = r->options.baked_smoke,
+                        .stream           = r->options.stream};
+    if (!desc.stream) {
+        desc.baked       = lights;
+        desc.light_count = r->light_count;
     }
-    if (words > UINT32_MAX) result = VXS_E_MEMORY;
-    desc.lights      = count ? placed : NULL;
-    desc.light_count = count;
-    desc.word_count  = (uint32_t)words;
-    if (result == VXS_OK) result = vxs_gl_create(&r->shadows, &desc);
-    for (uint32_t n = 0; n < count && result == VXS_OK; n++)
-        result = vxs_gl_put(r->shadows, lights[n]->words, placed[n].first_word, lights[n]->word_count);
-    free(placed);
+    vxs_result result = vxs_gl_create(&r->shadows, &desc);
     if (result != VXS_OK) return fail(m, result, "%u lights cannot be uploaded: %s", r->light_count, vxs_result_text(result));
     vxs_gl_upload(r->shadows, SIZE_MAX);
     return VXS_OK;

@@ -1,0 +1,251 @@
+/* Tables of lights of palette blocks; see gl_tables.h.
+ * SPDX-License-Identifier: MIT */
+#include "gl_tables.h"
+
+#include <string.h>
+
+#include "tile_depths.h"
+
+enum {
+    WHOLE_BIT    = (int)0x80000000,
+    NODE_WORDS   = 1 + 64,
+    BLOCK_WORDS  = 2 * 16,
+    RECORD_WORDS = 63 + 2 * 6,
+    SLOTS_FIRST  = 4096,
+    NEVER        = 0x3fffffff /* a depth that no k reaches, whatever the slope adds to it */
+};
+
+/* Where a record is, so that an equal one is not stored again. */
+typedef struct record_slot {
+    uint32_t at, hash; /* at 0: empty */
+} record_slot;
+
+/* A light whose tables are made. */
+typedef struct maker {
+    gl_tables        *tables;
+    record_slot      *slots; /* [slot_count], a power of two */
+    uint32_t          slot_count, record_count;
+    vxs_blocks_map    map;
+    vxs_block_cursor  cursor;
+    vxs_depths_square square; /* that is read */
+    vxs_blocks_node   node;
+} maker;
+
+/* memory ---------------------------------------------------------------------------------------------------------------------- */
+
+void vxs_gl_tables_free(gl_tables *tables)
+{
+    if (tables->words) tables->memory.free(tables->words, tables->capacity * sizeof *tables->words, tables->memory.user);
+    tables->words = NULL;
+    tables->count = tables->capacity = 0;
+}
+
+/* Append words of 0.   at  [out] the first of them */
+static vxs_result append(gl_tables *t, uint32_t count, uint32_t *at)
+{
+    *at = t->count;
+    if (count > t->most - t->count) return VXS_E_ARGUMENT;
+    if (count > t->capacity - t->count) {
+        uint64_t  wanted   = 2 * ((uint64_t)t->count + count) + 1024;
+        uint32_t  capacity = wanted < t->most ? (uint32_t)wanted : t->most;
+        uint32_t *words    = t->memory.alloc(capacity * sizeof *words, t->memory.user);
+        if (!words) return VXS_E_MEMORY;
+        if (t->count) memcpy(words, t->words, t->count * sizeof *words);
+        uint32_t kept = t->count;
+        vxs_gl_tables_free(t);
+        t->words    = words;
+        t->capacity = capacity;
+        t->count    = kept;
+    }
+    memset(t->words + t->count, 0, count * sizeof *t->words);
+    t->count += count;
+    return VXS_OK;
+}
+
+/* records --------------------------------------------------------------------------------------------------------------------- */
+
+/* Make the record of a tile. Returns its number of words.
+ * least, bits  [out] of the tile;   record  [RECORD_WORDS] */
+static uint32_t record_of(const int32_t depth[64], int32_t *least, uint32_t *bits, uint32_t *record)
+{
+    int32_t  sorted[64], rank[64] = {0}, now = depth[0];
+    uint32_t count = 0, words = 0, step;
+    for (int n = 1; n < 64; n++) now = depth[n] < now ? depth[n] : now;
+    do { /* loops that compilers turn into vectors */
+        step            = UINT32_MAX;
+        sorted[count++] = now;
+        for (int n = 0; n < 64; n++) rank[n] += depth[n] > now;
+        for (int n = 0; n < 64; n++) {
+            uint32_t more = (uint32_t)(depth[n] - now) - 1; /* of depths that are not deeper: above 2^31 */
+            step          = more < step ? more : step;
+        }
+        now += (int32_t)(step + 1);
+    } while (step < 0x80000000u);
+    for (*bits = 0; 1u << *bits < count;) ++*bits;
+    *least = sorted[0];
+    for (uint32_t level = 0; level < *bits; level++) /* of the search tree */
+        for (uint32_t n = 0; n < 1u << level; n++) {
+            uint32_t index  = (2 * n + 1) << (*bits - level - 1);
+            record[words++] = index < count ? (uint32_t)(sorted[index] - *least) : NEVER;
+        }
+    for (uint32_t bit = *bits; bit-- > 0;)
+        for (int half = 0; half < 2; half++) {
+            uint32_t plane = 0;
+            for (int n = 0; n < 32; n++) plane |= ((uint32_t)rank[32 * half + n] >> bit & 1) << n;
+            record[words++] = plane;
+        }
+    return words;
+}
+
+static uint32_t hash_of(const uint32_t *words, uint32_t count)
+{
+    uint64_t hash = 0x9e3779b97f4a7c15u;
+    for (uint32_t n = 0; n < count; n++) {
+        hash = (hash ^ words[n]) * 0xff51afd7ed558ccdu;
+        hash ^= hash >> 29;
+    }
+    return (uint32_t)(hash >> 32);
+}
+
+static vxs_result grow_slots(maker *m)
+{
+    const vxs_allocator *memory = &m->tables->memory;
+    uint32_t             count  = m->slot_count ? 2 * m->slot_count : SLOTS_FIRST;
+    record_slot         *slots  = memory->alloc(count * sizeof *slots, memory->user);
+    if (!slots) return VXS_E_MEMORY;
+    memset(slots, 0, count * sizeof *slots);
+    for (uint32_t n = 0; n < m->slot_count; n++) {
+        uint32_t to = m->slots[n].hash & (count - 1);
+        if (!m->slots[n].at) continue;
+        while (slots[to].at) to = (to + 1) & (count - 1);
+        slots[to] = m->slots[n];
+    }
+    if (m->slots) memory->free(m->slots, m->slot_count * sizeof *slots, memory->user);
+    m->slots      = slots;
+    m->slot_count = count;
+    return VXS_OK;
+}
+
+/* Find a record, or append it.   at  [out] where it is */
+static vxs_result put_record(maker *m, const uint32_t *record, uint32_t count, uint32_t *at)
+{
+    gl_tables *t = m->tables;
+    vxs_result r = 2 * m->record_count >= m->slot_count ? grow_slots(m) : VXS_OK;
+    if (r != VXS_OK) return r;
+    uint32_t     hash = hash_of(record, count), n = hash & (m->slot_count - 1);
+    record_slot *slot = &m->slots[n];
+    for (; slot->at; slot = &m->slots[n = (n + 1) & (m->slot_count - 1)]) {
+        *at = slot->at;
+        if (slot->hash == hash && t->count - *at >= count && !memcmp(t->words + *at, record, count * sizeof *record)) return VXS_OK;
+    }
+    if ((r = append(t, count, at)) != VXS_OK) return r;
+    memcpy(t->words + *at, record, count * sizeof *record);
+    *slot = (record_slot){*at, hash};
+    m->record_count++;
+    return VXS_OK;
+}
+
+/* blocks ---------------------------------------------------------------------------------------------------------------------- */
+
+/* What the slope of the node adds to k at a tile of it. */
+static int32_t slope_at(const maker *m, int32_t tile_x, int32_t tile_y)
+{
+    return vxs_blocks_tile_depth(m->node, tile_x & 31, tile_y & 31) - m->node.k;
+}
+
+/* Whether a block has one depth by its record alone.   depth  [out] it */
+static int is_whole(const maker *m, int32_t tile_x, int32_t tile_y, int32_t *depth)
+{
+    uint32_t         c     = (uint32_t)((tile_x >> 2 & 7) | (tile_y >> 2 & 7) << 3);
+    vxs_blocks_block block = vxs_blocks_find_block(m->map.words, m->node, c);
+    int64_t          base  = (int64_t)block.base - m->node.k;
+    if (block.at) return 0;
+    *depth = base < NEVER ? (int32_t)base : NEVER;
+    /* where depths are clamped to the bounds of the square, they differ from what the record holds */
+    for (int n = 0; n < 4; n++) {
+        int64_t at_corner = base - slope_at(m, tile_x + 3 * (n & 1), tile_y + 3 * (n >> 1));
+        if (at_corner < m->square.least) return 0;
+        if (at_corner > m->square.greatest && m->square.greatest < 1 << m->map.levels) return 0;
+    }
+    return 1;
+}
+
+/* Read the depths of a tile, with the slope. Returns whether they are all depth[0]. */
+static int read_tile(maker *m, int32_t tile_x, int32_t tile_y, int32_t depth[64])
+{
+    int whole = vxs_tile_depths(m->map, &m->cursor, tile_x, tile_y, depth) == VXS_TILE_WHOLE, slope = slope_at(m, tile_x, tile_y);
+    for (int n = 0; n < (whole ? 1 : 64); n++) depth[n] = depth[n] >> m->map.levels ? NEVER : depth[n] + slope;
+    return whole;
+}
+
+/* Make a block.   tile_x, tile_y  its first tile;   word  [out] of the node */
+static vxs_result make_block(maker *m, int32_t tile_x, int32_t tile_y, uint32_t *word)
+{
+    gl_tables *t    = m->tables;
+    int32_t    side = (1 << m->map.levels) / 8, depth[64], first = 0, least;
+    uint32_t   at, bits, record[RECORD_WORDS], place = 0;
+    *word = (uint32_t)WHOLE_BIT;
+    if (tile_x >= side || tile_y >= side) return VXS_OK;
+    if (is_whole(m, tile_x, tile_y, &first)) {
+        *word |= (uint32_t)first;
+        return VXS_OK;
+    }
+    vxs_result r     = append(t, BLOCK_WORDS, &at);
+    int        whole = 1;
+    for (int n = 0; n < 16 && r == VXS_OK; n++) {
+        int32_t x = tile_x + (n & 3), y = tile_y + (n >> 2);
+        if (x >= side || y >= side) continue;
+        bits = 0;
+        if (!read_tile(m, x, y, depth)) {
+            uint32_t count = record_of(depth, &least, &bits, record);
+            if (bits) r = put_record(m, record, count, &place);
+        } else
+            least = depth[0];
+        if (n == 0) first = least;
+        whole &= !bits && least == first;
+        t->words[at + 2 * (uint32_t)n]     = (uint32_t)least;
+        t->words[at + 2 * (uint32_t)n + 1] = bits ? bits << 28 | (t->first + place) : 0;
+    }
+    if (whole) t->count = at;
+    *word = whole ? *word | (uint32_t)first : t->first + at;
+    return r;
+}
+
+/* Make square (x, y) of a map.   word  [out] of the top */
+static vxs_result make_square(maker *m, uint32_t x, uint32_t y, uint32_t *word)
+{
+    int32_t  i = (int32_t)x << 8, j = (int32_t)y << 8;
+    uint32_t at;
+    m->square = vxs_depths_square_at(m->map.words, m->map.map, m->map.levels, i, j);
+    *word     = (uint32_t)(WHOLE_BIT | m->square.least);
+    if (m->square.coarse) return VXS_E_ARGUMENT;
+    if (m->square.least == m->square.greatest) return VXS_OK;
+    m->node      = vxs_depths_node_of(m->map.words, m->map.map, m->map.levels, i, j, m->square.least);
+    vxs_result r = append(m->tables, NODE_WORDS, &at);
+    if (r != VXS_OK) return r;
+    *word                = m->tables->first + at;
+    m->tables->words[at] = m->node.slope;
+    for (uint32_t n = 0; n < 64 && r == VXS_OK; n++) {
+        uint32_t block;
+        r                            = make_block(m, (int32_t)(32 * x + 4 * (n & 7)), (int32_t)(32 * y + 4 * (n >> 3)), &block);
+        m->tables->words[at + 1 + n] = block;
+    }
+    return r;
+}
+
+vxs_result vxs_gl_tables_add(gl_tables *tables, const vxs_baked_light *baked, uint32_t *start)
+{
+    uint32_t   levels = baked->light.levels, maps = vxs_map_count(&baked->light), up = levels > 8 ? levels - 8 : 0, top;
+    maker      m = {.tables = tables, .map = {.words = baked->words, .levels = levels}};
+    vxs_result r = append(tables, maps << 2 * up, &top);
+    *start       = tables->first + top;
+    for (uint32_t n = 0; n < maps << 2 * up && r == VXS_OK; n++) {
+        uint32_t word, in_map = n & ((1u << 2 * up) - 1);
+        if (in_map == 0) m.cursor = (vxs_block_cursor){0};
+        m.map.map              = n >> 2 * up;
+        r                      = make_square(&m, in_map & ((1u << up) - 1), in_map >> up, &word);
+        tables->words[top + n] = word;
+    }
+    if (m.slots) tables->memory.free(m.slots, m.slot_count * sizeof *m.slots, tables->memory.user);
+    return r;
+}
