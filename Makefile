@@ -37,8 +37,8 @@
 #   make bench-bias     acne, leaks and peter-panning of lookups with a normal: an hour; JSON to build/bias.json
 #   make bench-flight   fly over a city within 4 MiB, at 16384 and 65536 texels a side: four minutes; JSON to build/flight_*.json
 #   make program-size   print the SPIR-V instructions of every program for graphics processors, and their ceilings
-#   make wgsl           translate the lookup for WebGPU: build/release/vxs_lookup.wgsl. Needs naga-cli of crates.io and glslang-tools. only="KIND=1 CODING=2"
-#                       leaves out code for other lights and codings: as VXS_ONLY_KIND and so on in shaders
+#   make wgsl           translate lookups, and lookups with intervals of rays, for WebGPU: build/release/vxs_lookup.wgsl, vxs_intervals.wgsl. Needs
+#                       naga-cli of crates.io and glslang-tools. only="KIND=1 CODING=2" leaves out code for other lights, as VXS_ONLY_KIND does
 #   make install        to $(DESTDIR)$(prefix), which may hold blanks; uninstall takes it away (runtime/install/)
 #   make man            manual pages, in build/release/man
 #   make deb            Debian packages, in build/release/deb
@@ -284,19 +284,19 @@ $B/runtime/volumes/texts.c: $(volumes.text) Makefile
 	    END { finish() }' $(volumes.text) >$@
 $B/runtime/%/texts.c.o: $B/runtime/%/texts.c
 	$(compile)
-# naga takes no directives but #version, and writes an entry point. A name in capitals is a macro, behind which the head has a _. A pointer to a
-# part of a struct is not WGSL everywhere, and naga itself cannot compile it
+# naga takes no directives but #version, and writes an entry point, which is cut off. A pointer to a part of a struct is not WGSL everywhere, and
+# naga itself cannot compile it
 wgsl: head := runtime/install/wgsl.glsl
 wgsl:
 	@for tool in glslangValidator naga; do command -v $$tool >/dev/null || { \
 	    echo "make wgsl needs $$tool: package glslang-tools; cargo install naga-cli" >&2; exit 1; }; done
-	$Q mkdir -p $B/wgsl && glslangValidator -E -S comp -Iformats $(only:%=-DVXS_ONLY_%) $(head) >$B/wgsl/lookup.comp
-	$Q sed -i '/^#extension/d; /^#line/d' $B/wgsl/lookup.comp
-	$Q naga --input-kind glsl --shader-stage compute $B/wgsl/lookup.comp $B/wgsl/lookup.wgsl
-	$Q { sed -n '/^\/\//p' $(head); echo; \
-	    sed -E -e '/^fn vxs_word_at\(/,/^\}/d; /^fn main_1\(/,$$d; s/\<(VXS_[A-Z_]*)_\>/\1/g' \
-	        -e 's/^( *)(vxs_.*, \(&)(\w+\.\w+)\)\);$$/\1{ var part = \3; \2part)); \3 = part; }/' $B/wgsl/lookup.wgsl; } >$B/vxs_lookup.wgsl
-	@echo "wrote $B/vxs_lookup.wgsl"
+	$Q mkdir -p $B/wgsl && for text in lookup intervals; do \
+	    glslangValidator -E -S comp -Iformats -DWITH_$$text $(only:%=-DVXS_ONLY_%) $(head) >$B/wgsl/$$text.comp && \
+	    sed -i '/^#extension/d; /^#line/d' $B/wgsl/$$text.comp && \
+	    naga --input-kind glsl --shader-stage compute $B/wgsl/$$text.comp $B/wgsl/$$text.wgsl || exit 1; \
+	    { sed -n '/^\/\//p' $(head); echo; sed -E -e '/^fn vxs_word_at\(/,/^\}/d; /^fn main_1\(/,$$d' \
+	        -e 's/^( *)(vxs_.*, \(&)(\w+\.\w+|\(\*\w+\)\.\w+)\)\);$$/\1{ var part = \3; \2part)); \3 = part; }/' $B/wgsl/$$text.wgsl; \
+	    } >$B/vxs_$$text.wgsl; echo "wrote $B/vxs_$$text.wgsl"; done
 
 $(patsubst %,$B/%.o,$(wildcard baker/casters/*.cc baker/lab/mend/*.cc)): cxxflags += -frounding-math $(if $(filter fuzz,$(config)),,-Wno-maybe-uninitialized) # the first for its exact predicates, the second is wrong about it
 # CGAL is templates, for which a compiler takes long: not optimised under sanitizers. Its filling of holes is without triangulations in a plane,

@@ -1,5 +1,6 @@
-// The lookup of vxs in WGSL: vxs_lookup.h, vxs_lookup_blocks.h, vxs_space.h and vxs_smoke.h, which naga translated (make wgsl). Their
-// comments describe the functions; out parameters are pointers. The includer defines how a word is read:
+// Lookups of vxs in WGSL: vxs_lookup.h, vxs_lookup_blocks.h, vxs_space.h and vxs_smoke.h, and in vxs_intervals.wgsl also vxs_depths.h and
+// vxs_intervals.h, which naga translated (make wgsl). Their comments describe the functions; out parameters are pointers. The includer
+// defines how a word is read:
 //
 //     @group(0) @binding(0) var<storage, read> words: array<u32>; // the words of all lights, one light after the other
 //     fn vxs_word_at(at: u32) -> u32 { return words[at]; }
@@ -19,8 +20,14 @@ uint vxs_word_at(uint at)
 #include "vxs_lookup_blocks.h"
 #include "vxs_space.h"
 #include "vxs_smoke.h"
+#ifdef WITH_intervals
+#include "vxs_depths.h"
+#include "vxs_intervals.h"
 
-const float VXS_OUTSIDE_ = VXS_OUTSIDE;
+const int VXS_SPAN_LIT_ = VXS_SPAN_LIT, VXS_SPAN_SHADOW_ = VXS_SPAN_SHADOW, VXS_SPAN_OUTSIDE_ = VXS_SPAN_OUTSIDE;
+#endif
+
+const float VXS_OUTSIDE_ = VXS_OUTSIDE; /* naga leaves out the _ */
 
 void main()
 {

@@ -4,6 +4,7 @@
 # has wgpu of PyPI (default: the one that runs the tests).
 # SPDX-License-Identifier: GPL-3.0-or-later
 import base64
+import functools
 import json
 import os
 import shutil
@@ -20,8 +21,7 @@ from test_install import build, make  # noqa: F401 (build is a fixture)
 from test_vulkan import LAVAPIPE
 
 LIT = (ROOT / "tests" / "shaders" / "lit.wgsl").read_text()
-# one lookup in the text, so that it is compiled once: at a place that is given, or at the place of a point (vxs_lit)
-BODY = """
+HEAD = """
 struct lookup { light: u32, width_px: i32, is_smooth: i32, in_world: i32 }
 struct row    { first: vec4f, second: vec4f }
 @group(0) @binding(0) var<storage, read>       words: array<u32>;
@@ -38,11 +38,26 @@ fn main(@builtin(global_invocation_id) id: vec3u)
     if (id.x >= arrayLength(&rows)) { return; }
     let light = lights[wanted.light];
     let given = rows[id.x];
+"""
+
+# one lookup in the text, so that it is compiled once: at a place that is given, or at the place of a point (vxs_lit)
+LOOK_UP = HEAD + """
     let pcf   = vxs_filter(wanted.width_px, wanted.is_smooth);
     var place = vxs_place(i32(given.second.x), vec3i(given.first.xyz), u32(given.second.y), u32(given.second.z));
     if (wanted.in_world != 0) { place = vxs_place_from_ws(light, given.first.xyz, given.second.xyz, pcf); }
     var lit = VXS_OUTSIDE;
     if (place.map >= 0) { lit = vxs_lit_at_place(light.first_word, light, place, pcf); }
+    answers[id.x] = lit;
+}
+"""
+
+WALK = HEAD + """
+    var walk = vxs_walk_of(light, given.first.xyz, given.second.xyz, 0.0, 1.0);
+    var span: vxs_span;
+    var lit = 0.0;
+    while (vxs_walk_next(light.first_word, light, &walk, &span) != 0) {
+        if (span.state == VXS_SPAN_LIT) { lit += span.end - span.begin; }
+    }
     answers[id.x] = lit;
 }
 """
@@ -120,30 +135,31 @@ json.dump(found, sys.stdout)
 
 
 @pytest.fixture(scope="module")
-def lookup(build, tmp_path_factory):  # noqa: F811
+def texts(build, tmp_path_factory):  # noqa: F811
+    """What `make wgsl` writes: {"lookup": text, "intervals": text}."""
     for tool in ("glslangValidator", "naga"):
         if not shutil.which(tool):
             pytest.skip(f"no {tool}: glslang-tools of Debian, naga-cli of crates.io")
     folder = tmp_path_factory.mktemp("wgsl")
     make(folder, "wgsl")
-    return (folder / "vxs_lookup.wgsl").read_text()
+    return {name: (folder / f"vxs_{name}.wgsl").read_text() for name in ("lookup", "intervals")}
 
 
 @pytest.fixture(scope="module")
 def cases(installed, tmp_path_factory):  # noqa: F811
-    """What shaders are given, and C's answers: of voxels with a name, of points without."""
+    """What shaders are given, and a function that checks each answer: {"lookup": [(case, check)], "intervals": [(case, check)]}."""
     folder = tmp_path_factory.mktemp("places")
     program = voxels.compile_places(folder, pkg_config(installed / "lib" / "pkgconfig", {}, "--cflags", "--libs"))
-    given, wanted = [], []
+    found = {"lookup": [], "intervals": []}
     for name, light, width in voxels.CASES:
         here = folder / f"{name}-{light}-{width}"
-        _, of_voxels, _, of_points = voxels.write_places(program, here, name, light, width, installed / "lib")
-        read = {file: base64.b64encode((here / file).read_bytes()).decode() for file in ("words", "lights", "voxels", "points")}
-        for rows in ("voxels", "points"):
-            given.append({"in_world": int(rows == "points"), "light": light, "width": width, "words": read["words"], "lights": read["lights"],
-                          "rows": read[rows]})
-        wanted += [(f"{name}, light {light}, width {width}", [lit for _, lit in of_voxels]), (None, of_points)]
-    return given, wanted
+        _, of_voxels, _, of_points, _, of_rays = voxels.write_places(program, here, name, light, width, installed / "lib")
+        for rows, text, check, answers in (("voxels", "lookup", check_voxels, [lit for _, lit in of_voxels]),
+                                           ("points", "lookup", voxels.check_points, of_points), ("rays", "intervals", voxels.check_rays, of_rays)):
+            read = {file: base64.b64encode((here / path).read_bytes()).decode() for file, path in (("words", "words"), ("lights", "lights"), ("rows", rows))}
+            case = {"in_world": int(rows == "points"), "light": light, "width": width, **read}
+            found[text].append((case, functools.partial(check, answers=answers)))
+    return found
 
 
 @pytest.fixture(scope="module")
@@ -156,46 +172,50 @@ def page(browser, tmp_path_factory):
     return browser
 
 
-def check(found, wanted):
-    assert len(found) == len(wanted) > 0
-    for bits, (name, answers) in zip(found, wanted):
-        lit = list(struct.unpack(f"{len(bits)}f", struct.pack(f"{len(bits)}I", *bits)))
-        if name:
-            assert lit == answers, name
-        else:
-            voxels.check_points(lit, answers)
+def check_voxels(found, answers):
+    assert found == answers
 
 
-def test_naga_compiles(lookup, tmp_path):
+def check(found, cases):
+    assert len(found) == len(cases) > 0
+    for bits, (_, check_answers) in zip(found, cases):
+        check_answers(list(struct.unpack(f"{len(bits)}f", struct.pack(f"{len(bits)}I", *bits))))
+
+
+BODIES = {"lookup": LOOK_UP, "intervals": WALK}
+
+
+def test_naga_compiles(texts, tmp_path):
     """To SPIR-V, for which more has to be right than for naga to accept a text; also where code for other lights and filters is left out."""
     make(tmp_path, "wgsl", "only=KIND=1 CUBE=0 CODING=2 WIDTH=9 SMOOTH=0")
     small = (tmp_path / "vxs_lookup.wgsl").read_text()
-    assert small != lookup
-    for text in (lookup + LIT, lookup + BODY, small + LIT):
+    assert small != texts["lookup"]
+    for text in (small + LIT, texts["lookup"] + LIT, texts["intervals"] + LIT, texts["lookup"] + LOOK_UP, texts["intervals"] + WALK):
         (tmp_path / "whole.wgsl").write_text(text)
         done = subprocess.run(["naga", tmp_path / "whole.wgsl", tmp_path / "whole.spv"], capture_output=True, text=True)
         assert done.returncode == 0, done.stderr
 
 
-def test_chromium_accepts(lookup, page):
-    for text in (LIT, BODY):
-        assert page.ask(f"complaints({json.dumps(lookup + text)})") == []
+def test_chromium_accepts(texts, page):
+    for text in (texts["lookup"] + LIT, texts["lookup"] + LOOK_UP, texts["intervals"] + WALK):
+        assert page.ask(f"complaints({json.dumps(text)})") == []
     assert "unresolved" in page.ask(f"complaints({json.dumps(LIT)})")[0]
 
 
-def test_chromium_answers(lookup, cases, page):
-    given, wanted = cases
-    check(page.ask(f"run({json.dumps(lookup + BODY)}, {json.dumps(given)})"), wanted)
+@pytest.mark.parametrize("name", BODIES)
+def test_chromium_answers(texts, cases, page, name):
+    check(page.ask(f"run({json.dumps(texts[name] + BODIES[name])}, {json.dumps([case for case, _ in cases[name]])})"), cases[name])
 
 
-def test_wgpu_answers(lookup, cases):
+@pytest.mark.parametrize("name", BODIES)
+def test_wgpu_answers(texts, cases, name):
     python = os.environ.get("VXS_WGPU_PYTHON", sys.executable)
     if subprocess.run([python, "-c", "import wgpu"], capture_output=True).returncode:
         pytest.skip("no wgpu: of PyPI")
     if not LAVAPIPE:
         pytest.skip("no lavapipe: package mesa-vulkan-drivers")
-    given, wanted = cases
-    done = subprocess.run([python, "-c", WGPU], input=json.dumps([lookup + BODY, given]), capture_output=True, text=True,
+    done = subprocess.run([python, "-c", WGPU], input=json.dumps([texts[name] + BODIES[name], [case for case, _ in cases[name]]]),
+                          capture_output=True, text=True,
                           env=os.environ | {"WGPU_BACKEND_TYPE": "Vulkan", "VK_ICD_FILENAMES": str(LAVAPIPE)})
     assert done.returncode == 0, done.stderr
-    check(json.loads(done.stdout), wanted)
+    check(json.loads(done.stdout), cases[name])

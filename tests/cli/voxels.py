@@ -7,6 +7,8 @@
 #     voxels_answers    2 numbers each: uint32 shadowed texels (of a smooth filter, in 1/65536), float vxs_lit_at_place
 #     points            8 floats a point in world space: position, 0, normal, 0
 #     points_answers    32 floats each: vxs_lookup there, and at 31 points that lie at most 2^-20 of the map's side away
+#     rays              8 floats a ray between two points: begin, 0, way to its end, 0
+#     rays_answers      32 floats each: the lit part of its length, and of 31 rays whose ends lie as far away
 # SPDX-License-Identifier: GPL-3.0-or-later
 import struct
 import subprocess
@@ -36,8 +38,8 @@ static int32_t random_below(int32_t n)
     return (int32_t)(state >> 33) % n;
 }
 
-static const char *const names[] = {"words", "lights", "voxels", "voxels_answers", "points", "points_answers"};
-enum { WORDS, LIGHTS, VOXELS, VOXELS_ANSWERS, POINTS, POINTS_ANSWERS, FILES };
+static const char *const names[] = {"words", "lights", "voxels", "voxels_answers", "points", "points_answers", "rays", "rays_answers"};
+enum { WORDS, LIGHTS, VOXELS, VOXELS_ANSWERS, POINTS, POINTS_ANSWERS, RAYS, RAYS_ANSWERS, FILES };
 static FILE *files[FILES];
 
 static void put(int file, const void *bytes, size_t size)
@@ -58,13 +60,26 @@ static void put_voxel(const vxs_baked_light *l, vxs_place place, vxs_filter pcf)
     put(VOXELS_ANSWERS, &lit, 4);
 }
 
+/* A point of the map: at, or one beside it. */
+static void point_beside(const vxs_baked_light *l, int map, const double at[3], int n, double ws[3])
+{
+    double beside[3];
+    for (int c = 0; c < 3; c++) beside[c] = at[c] + (n > 0) * (random_below(3) - 1) * ldexp(1, (int)l->light.levels - 20 - random_below(4));
+    vxs_point(&l->light, map, beside, ws);
+}
+
+static double in_voxel(const vxs_place *place, int axis)
+{
+    return place->voxel[axis] + random_below(1 << 20) * 0x1p-20;
+}
+
 /* A point in the voxel of a place, and C's answers there and at points beside it: a shader's coordinates are floats of 24 bits, and it
  * may look up any of them. */
 static void put_point(const vxs_baked_light *l, vxs_place place, vxs_filter pcf)
 {
-    double at[3], beside[3], ws[3], normal[3] = {0};
+    double at[3], ws[3], normal[3] = {0};
     float  stored[8] = {0}, answers[1 + BESIDE];
-    for (int c = 0; c < 3; c++) at[c] = place.voxel[c] + random_below(1 << 20) * 0x1p-20;
+    for (int c = 0; c < 3; c++) at[c] = in_voxel(&place, c);
     vxs_point(&l->light, place.map, at, ws);
     for (int c = 0; c < 3; c++) {
         stored[c]     = (float)ws[c];
@@ -72,14 +87,55 @@ static void put_point(const vxs_baked_light *l, vxs_place place, vxs_filter pcf)
         ws[c]         = (double)stored[c];
         normal[c]     = (double)stored[4 + c];
     }
-    answers[0] = vxs_lookup(l, ws, normal, pcf);
-    for (int n = 1; n <= BESIDE; n++) {
-        for (int c = 0; c < 3; c++) beside[c] = at[c] + (random_below(3) - 1) * ldexp(1, (int)l->light.levels - 20 - random_below(4));
-        vxs_point(&l->light, place.map, beside, ws);
+    for (int n = 0; n <= BESIDE; n++) {
+        if (n) point_beside(l, place.map, at, n, ws);
         answers[n] = vxs_lookup(l, ws, normal, pcf);
     }
     put(POINTS, stored, sizeof stored);
     put(POINTS_ANSWERS, answers, sizeof answers);
+}
+
+static float lit_part(const vxs_baked_light *l, const vxs_ray *ray)
+{
+    vxs_lit_walk walk;
+    vxs_interval interval[16];
+    double       lit = 0;
+    size_t       count;
+    if (vxs_lit_begin(&walk, l, ray) != VXS_OK) exit(1);
+    do {
+        count = vxs_lit_next(&walk, interval, 16);
+        for (size_t n = 0; n < count; n++)
+            if (interval[n].state == VXS_INTERVAL_LIT) lit += interval[n].t_end - interval[n].t_begin;
+    } while (count == 16);
+    return (float)lit;
+}
+
+/* From a point in the voxel of a place towards that of another, over 512 texels at most: llvmpipe ends the loops of an invocation
+ * after 65 535 rounds. */
+static void put_ray(const vxs_baked_light *l, vxs_place from, vxs_place to)
+{
+    double at[3], end[3], there[3], part = fmin(1, ldexp(512, -(int)l->light.levels));
+    float  stored[8] = {0}, answers[1 + BESIDE];
+    for (int c = 0; c < 3; c++) {
+        at[c]  = in_voxel(&from, c);
+        end[c] = at[c] + part * (in_voxel(&to, c) - at[c]);
+    }
+    for (int n = 0; n <= BESIDE; n++) {
+        vxs_ray ray = {.t_end = 1};
+        point_beside(l, from.map, at, n, ray.origin_ws);
+        point_beside(l, to.map, end, n, there);
+        for (int c = 0; c < 3; c++) {
+            ray.direction_ws[c] = there[c] - ray.origin_ws[c];
+            if (n) continue;
+            stored[c]           = (float)ray.origin_ws[c];
+            stored[4 + c]       = (float)ray.direction_ws[c];
+            ray.origin_ws[c]    = (double)stored[c];
+            ray.direction_ws[c] = (double)stored[4 + c];
+        }
+        answers[n] = lit_part(l, &ray);
+    }
+    put(RAYS, stored, sizeof stored);
+    put(RAYS_ANSWERS, answers, sizeof answers);
 }
 
 int main(int argc, char **argv)
@@ -101,6 +157,7 @@ int main(int argc, char **argv)
     const vxs_light       *light = &l->light;
     int                    width = abs(atoi(argv[3])), smooth = atoi(argv[3]) < 0;
     int32_t                side  = 1 << light->levels;
+    vxs_place              last  = {0};
     vxs_filter             pcf   = smooth ? vxs_smooth(width) : vxs_box(width);
     for (int n = 0; n < atoi(argv[4]); n++) {
         vxs_place place = {random_below(light->flags & VXS_LIGHT_CUBE ? 6 : 1), {random_below(side), random_below(side), 0}, 0, 0};
@@ -108,6 +165,8 @@ int main(int argc, char **argv)
         at[2]           = vxs_first_shadow(l, place.map, at[0], at[1], NULL) + random_below(5) - 2; /* where a filter is partly lit */
         if (n % 4 == 0) at[2] = random_below(side);
         put_point(l, place, pcf);
+        put_ray(l, place, last);
+        last = place;
         if (n % 8 == 0 && (width > 1 || smooth)) at[0] = side * random_below(2) + random_below(24) - 12; /* beside the map, too */
         at[2] = at[2] < 0 ? 0 : at[2] < side ? at[2] : side - 1;
         if (smooth) place.across = (uint32_t)random_below(256), place.down = (uint32_t)random_below(256);
@@ -128,11 +187,11 @@ def compile_places(folder, flags):
 
 
 def write_places(program, folder, name, light, width, libraries):
-    """Writes the files into a new folder. Returns voxels, their answers, points, their answers."""
+    """Writes the files into a new folder. Returns voxels, their answers, points, their answers, rays, their answers."""
     folder.mkdir()
     subprocess.run([program, ROOT / "tests" / "golden" / f"{name}.vxs", str(light), str(width), str(COUNT)], cwd=folder,
                    env={"LD_LIBRARY_PATH": str(libraries)}, check=True)
-    files = {"voxels": "8f", "voxels_answers": "If", "points": "8f", "points_answers": "32f"}
+    files = {"voxels": "8f", "voxels_answers": "If", "points": "8f", "points_answers": "32f", "rays": "8f", "rays_answers": "32f"}
     return [list(struct.iter_unpack(row, (folder / file).read_bytes())) for file, row in files.items()]
 
 
@@ -148,3 +207,11 @@ def check_points(found, answers):
     for x, row in zip(found, answers):
         assert any(abs(x - y) < 1e-6 for y in row), (x, row)
     assert sum(abs(x - row[0]) > 1e-6 for x, row in zip(found, answers)) < len(found) / 50
+
+
+def check_rays(found, answers):
+    """The same of rays: where one touches an edge, its lit part lies between those of rays that miss the edge and meet it."""
+    assert len(found) == len(answers) > 0
+    for x, row in zip(found, answers):
+        assert min(row) - 1e-4 < x < max(row) + 1e-4, (x, row)
+    assert sum(abs(x - row[0]) > 1e-5 for x, row in zip(found, answers)) < len(found) / 50
