@@ -18,7 +18,6 @@ import voxels
 from conftest import ROOT
 from test_example import installed, pkg_config  # noqa: F401 (installed is a fixture)
 from test_install import build, make  # noqa: F401 (build is a fixture)
-from test_vulkan import LAVAPIPE
 
 LIT = (ROOT / "tests" / "shaders" / "lit.wgsl").read_text()
 HEAD = """
@@ -212,10 +211,10 @@ def test_wgpu_answers(texts, cases, name):
     python = os.environ.get("VXS_WGPU_PYTHON", sys.executable)
     if subprocess.run([python, "-c", "import wgpu"], capture_output=True).returncode:
         pytest.skip("no wgpu: of PyPI")
-    if not LAVAPIPE:
+    if not voxels.LAVAPIPE:
         pytest.skip("no lavapipe: package mesa-vulkan-drivers")
     done = subprocess.run([python, "-c", WGPU], input=json.dumps([texts[name] + BODIES[name], [case for case, _ in cases[name]]]),
                           capture_output=True, text=True,
-                          env=os.environ | {"WGPU_BACKEND_TYPE": "Vulkan", "VK_ICD_FILENAMES": str(LAVAPIPE)})
+                          env=os.environ | {"WGPU_BACKEND_TYPE": "Vulkan", "VK_ICD_FILENAMES": str(voxels.LAVAPIPE)})
     assert done.returncode == 0, done.stderr
     check(json.loads(done.stdout), cases[name])
