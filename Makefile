@@ -37,8 +37,9 @@
 #   make bench-bias     acne, leaks and peter-panning of lookups with a normal: an hour; JSON to build/bias.json
 #   make bench-flight   fly over a city within 4 MiB, at 16384 and 65536 texels a side: four minutes; JSON to build/flight_*.json
 #   make program-size   print the SPIR-V instructions of every program for graphics processors, and their ceilings
-#   make wgsl           translate lookups, and lookups with intervals of rays, for WebGPU: build/release/vxs_lookup.wgsl, vxs_intervals.wgsl. Needs
-#                       naga-cli of crates.io and glslang-tools. only="KIND=1 CODING=2" leaves out code for other lights, as VXS_ONLY_KIND does
+#   make wgsl           translate lookups, and with them intervals of rays, for WebGPU: build/release/vxs_lookup.wgsl and
+#                       vxs_intervals.wgsl. Needs naga-cli of crates.io and glslang-tools. only="KIND=1 CODING=2" leaves out code
+#                       for other lights, as VXS_ONLY_KIND and VXS_ONLY_CODING do in shaders
 #   make install        to $(DESTDIR)$(prefix), which may hold blanks; uninstall takes it away (runtime/install/)
 #   make man            manual pages, in build/release/man
 #   make deb            Debian packages, in build/release/deb
@@ -284,8 +285,8 @@ $B/runtime/volumes/texts.c: $(volumes.text) Makefile
 	    END { finish() }' $(volumes.text) >$@
 $B/runtime/%/texts.c.o: $B/runtime/%/texts.c
 	$(compile)
-# naga takes no directives but #version, and writes an entry point, which is cut off. A pointer to a part of a struct is not WGSL everywhere, and
-# naga itself cannot compile it
+# naga takes no directives but #version, and writes an entry point, which is cut off. A pointer to a part of a struct is not WGSL
+# everywhere, and naga itself cannot compile it: a copy is passed
 wgsl: head := runtime/install/wgsl.glsl
 wgsl:
 	@for tool in glslangValidator naga; do command -v $$tool >/dev/null || { \

@@ -1,6 +1,6 @@
-// Lookups of vxs in WGSL: vxs_lookup.h, vxs_lookup_blocks.h, vxs_space.h and vxs_smoke.h, and in vxs_intervals.wgsl also vxs_depths.h and
-// vxs_intervals.h, which naga translated (make wgsl). Their comments describe the functions; out parameters are pointers. The includer
-// defines how a word is read:
+// Lookups of vxs in WGSL: vxs_lookup.h, vxs_lookup_blocks.h, vxs_space.h and vxs_smoke.h, and in vxs_intervals.wgsl also
+// vxs_depths.h and vxs_intervals.h, which naga translated (make wgsl). Their comments describe the functions; out parameters are
+// pointers. The includer defines how a word is read:
 //
 //     @group(0) @binding(0) var<storage, read> words: array<u32>; // the words of all lights, one light after the other
 //     fn vxs_word_at(at: u32) -> u32 { return words[at]; }

@@ -1,5 +1,5 @@
-# Lookups in Vulkan: docs/example/vulkan.c on a driver that needs no graphics processor (lavapipe), held against C: from integer voxels
-# bit for bit, from positions but for where float rounding decides between two voxels.
+# Lookups in Vulkan: docs/example/vulkan.c on a driver that needs no graphics processor (lavapipe), held against C: from integer
+# voxels bit for bit, from positions but for where float rounding decides between two voxels.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import ctypes.util
 import functools

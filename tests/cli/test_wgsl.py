@@ -1,7 +1,7 @@
-# The lookup in WGSL, which `make wgsl` has naga translate: valid for naga and for Chromium, and run by Chromium (SwiftShader) and by
-# wgpu (lavapipe), whose answers are held against C: from integer voxels bit for bit, from positions but for where float rounding
-# decides between two voxels. None of naga, Chromium and wgpu is needed: tests that miss one are skipped. VXS_WGPU_PYTHON: a python that
-# has wgpu of PyPI (default: the one that runs the tests).
+# The lookup in WGSL, which `make wgsl` has naga translate: valid for naga and for Chromium, and run by Chromium (SwiftShader) and
+# by wgpu (lavapipe), whose answers are held against C: from integer voxels bit for bit, from positions but for where float rounding
+# decides between two voxels. None of naga, Chromium and wgpu is needed: tests that miss one are skipped. VXS_WGPU_PYTHON: a python
+# that has wgpu of PyPI (default: the one that runs the tests).
 # SPDX-License-Identifier: GPL-3.0-or-later
 import base64
 import functools
@@ -61,7 +61,7 @@ WALK = HEAD + """
 }
 """
 
-# run(text, cases): each case is {in_world, light, width, words, lights, rows}, the last three in base64. Returns the bits of the answers.
+# run(text, cases): each case is {in_world, light, width, words, lights, rows}, the last three in base64. Returns the bits of answers
 PAGE = """<script>
 const bytes = text => Uint8Array.from(atob(text), c => c.charCodeAt(0));
 async function device() {

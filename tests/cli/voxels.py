@@ -18,7 +18,8 @@ from conftest import EVERY, ROOT
 
 LAVAPIPE = next(iter(sorted(pathlib.Path("/usr/share/vulkan/icd.d").glob("lvp_icd*.json"))), None)  # a driver on the processor
 COUNT = 1024
-# (file, number of the light): blocks of a sun of 512 and of 8192 texels, slanted planes, a cube; DAGs of two suns, of a spot light, of two cubes
+# (file, number of the light): blocks of a sun of 512 and of 8192 texels, slanted planes, a cube; DAGs of two suns, of a spot light,
+# of two cubes
 LIGHTS = [("blocks", 0), ("blocks", 1), ("blocks", 2), ("blocks", 3), ("sample", 0), ("sample", 1), ("lamps", 0), ("lamps", 1), ("lamps", 2)]
 WIDTHS = [1, 9, -4, -16]  # negative: smooth
 CASES = [(*light, width) for n, light in enumerate(LIGHTS) for m, width in enumerate(WIDTHS) if EVERY or (n + m) % 4 == 0]
@@ -75,8 +76,8 @@ static double in_voxel(const vxs_place *place, int axis)
     return place->voxel[axis] + random_below(1 << 20) * 0x1p-20;
 }
 
-/* A point in the voxel of a place, and C's answers there and at points beside it: a shader's coordinates are floats of 24 bits, and it
- * may look up any of them. */
+/* A point in the voxel of a place, and C's answers there and at points beside it: a shader's coordinates are floats of 24 bits,
+ * and it may look up any of them. */
 static void put_point(const vxs_baked_light *l, vxs_place place, vxs_filter pcf)
 {
     double at[3], ws[3], normal[3] = {0};
