@@ -167,7 +167,8 @@ vxs_result vxs_volumes_area(vxs_volumes *v, vxs_area_light *light, const vxs_are
     const size_t         first = offsetof(vxs_area_look, maps) + sizeof known.maps;
     if (vxs_desc_take(&known, sizeof known, first, given) != VXS_OK) return VXS_E_ARGUMENT;
     uint32_t runs = look->runs ? look->runs : RUNS;
-    if (!v->depth_texture || !light->count || runs > AREA_BITS || (unsigned)look->gather > VXS_AREA_QUARTER) return VXS_E_ARGUMENT;
+    if (!v->depth_texture || v->is_half || !light->count || runs > AREA_BITS || (unsigned)look->gather > VXS_AREA_QUARTER)
+        return VXS_E_ARGUMENT;
     if (light->smoke == AREA_DIMMED_BEFORE && !v->is_warming) return VXS_E_ARGUMENT;
     if (look->maps ? !are_maps(light, look->maps) : !light->is_cast && !v->is_warming) return VXS_E_ARGUMENT;
     v->frame.pixels     = (vxs_pixels){0, 0, (uint32_t)v->frame.wide_px, (uint32_t)v->frame.high_px};

@@ -4,7 +4,7 @@
 
 void vxs_volumes_composite(vxs_volumes *v)
 {
-    if (!v->depth_texture) return;
+    if (!v->depth_texture || (v->is_half && vxs_volumes_end_half(v) != VXS_OK)) return;
     gl_name program = vxs_volumes_program(
         v, &(program_texts){.vertex = &vxs_volumes_text_screen_vert_glsl, .body = &vxs_volumes_text_composite_frag_glsl});
     int draws = vxs_volumes_can_draw(v);

@@ -73,12 +73,10 @@ vec3 vxs_way_from_depth(vec2 at, float depth)
     return (way * place.xyz + (m[3].xyz - eye * m[3].w)) / dot(vec4(m[0].w, m[1].w, m[2].w, m[3].w), place);
 }
 
-/* The direction of a pixel's eye ray, of length 1.   metres  [out] to the visible surface. Depths that give no finite point end
- * the ray at the far bound. */
-vec3 vxs_eye_ray(ivec2 pixel, out float metres)
+/* The direction of an eye ray, of length 1.   at  of the view, 0 to 1;   metres  [out] to the visible surface, at a depth. Depths that
+ * give no finite point end the ray at the far bound. */
+vec3 vxs_ray_of_depth(vec2 at, float depth, out float metres)
 {
-    float depth = texelFetch(vxs_depths, pixel, 0).r;
-    vec2  at    = (vec2(pixel) + 0.5) / vxs_frame.sizes.xy;
     vec3  way   = vxs_way_from_depth(at, depth);
     float far   = dot(way, way);
     bool  seen  = depth != vxs_frame.sizes.z && far > 0.0 && far < VXS_FAR_MOST * VXS_FAR_MOST;
@@ -92,6 +90,12 @@ vec3 vxs_eye_ray(ivec2 pixel, out float metres)
     }
     metres = 0.0;
     return vec3(0.0, 0.0, -1.0);
+}
+
+/* The same of a pixel. */
+vec3 vxs_eye_ray(ivec2 pixel, out float metres)
+{
+    return vxs_ray_of_depth((vec2(pixel) + 0.5) / vxs_frame.sizes.xy, texelFetch(vxs_depths, pixel, 0).r, metres);
 }
 
 /* The path of the frame's light along an eye ray. */

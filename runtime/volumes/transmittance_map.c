@@ -240,7 +240,7 @@ void vxs_transmittance_pass(const vxs_transmittance_map *map, gl_name program, g
 
 vxs_result vxs_volumes_transmittance(vxs_volumes *v, const vxs_transmittance_map *map, unsigned texture, vxs_curve_lookup how)
 {
-    if (!v->depth_texture || !texture || !is_lookup(how)) return VXS_E_ARGUMENT;
+    if (!v->depth_texture || v->is_half || !texture || !is_lookup(how)) return VXS_E_ARGUMENT;
     vxs_transmittance_set(map, NULL, 0);
     v->curves.lookup = (int32_t)how;
     vxs_transmittance_pass(map, vxs_transmittance_program(map, "", &vxs_volumes_text_transmittance_pass_glsl), 0, texture);

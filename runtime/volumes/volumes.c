@@ -52,7 +52,7 @@ static vxs_result make(vxs_volumes *v, const vxs_volumes_desc *desc)
     v->api.CreateFramebuffers(1, &v->target);
     v->api.NamedFramebufferTexture(v->target, GL_ATTACHMENT_COLOUR, v->airlight, 0);
     if (!v->airlight || !v->cut_buffer || v->api.GetError() != GL_ERROR_NONE) return VXS_E_MEMORY;
-    return VXS_OK;
+    return desc->has_half ? vxs_volumes_half_create(v) : VXS_OK;
 }
 
 vxs_result vxs_volumes_create(vxs_volumes **out, const vxs_volumes_desc *desc)
@@ -86,11 +86,16 @@ void vxs_volumes_destroy(vxs_volumes *v)
 {
     if (!v) return;
     vxs_allocator memory = v->memory;
+    vxs_volumes_show_full(v);
     if (v->airlight) v->api.DeleteTextures(1, &v->airlight);
     if (v->blocks[0]) v->api.DeleteBuffers(BLOCKS, v->blocks);
     if (v->cut_buffer) v->api.DeleteBuffers(1, &v->cut_buffer);
     if (v->vertex_array) v->api.DeleteVertexArrays(1, &v->vertex_array);
     if (v->target) v->api.DeleteFramebuffers(1, &v->target);
+    if (v->half_depths) v->api.DeleteTextures(1, &v->half_depths);
+    if (v->other.depth_texture) v->api.DeleteTextures(1, &v->other.depth_texture);
+    if (v->other.airlight) v->api.DeleteTextures(1, &v->other.airlight);
+    if (v->other.target) v->api.DeleteFramebuffers(1, &v->other.target);
     for (uint32_t n = 0; n < v->program_count; n++)
         if (v->programs[n].name) v->api.DeleteProgram(v->programs[n].name);
     memory.free(v, sizeof *v, memory.user);
@@ -98,7 +103,7 @@ void vxs_volumes_destroy(vxs_volumes *v)
 
 unsigned vxs_volumes_airlight(const vxs_volumes *v)
 {
-    return v->airlight;
+    return v->is_half ? v->other.airlight : v->airlight;
 }
 
 /* a frame ---------------------------------------------------------------------------------------------------------------------- */
@@ -129,7 +134,8 @@ vxs_result vxs_volumes_begin(vxs_volumes *v, const vxs_volumes_frame *frame)
     vxs_volumes_frame        known = {0};
     const vxs_volumes_frame *f     = &known;
     const size_t             first = offsetof(vxs_volumes_frame, depth_texture) + sizeof known.depth_texture;
-    v->depth_texture               = 0;
+    vxs_volumes_show_full(v);
+    v->depth_texture = 0;
     if (vxs_desc_take(&known, sizeof known, first, frame) != VXS_OK || !is_medium(f) || !is_view(v, f)) return VXS_E_ARGUMENT;
     *to              = (frame_block){.far_metres  = f->far_metres,
                                      .wide_px     = (float)f->view.width_px,

@@ -74,6 +74,10 @@ typedef struct area_block {
     float    point_wide, gap_wide, points_apart;
 } area_block;
 
+typedef struct upsample_block {
+    uint32_t wide_px, high_px; /* of half the size */
+} upsample_block;
+
 typedef struct places_block {
     uint32_t count, first;
 } places_block;
@@ -89,6 +93,7 @@ typedef union own_block {
     mesh_block      mesh;
     area_block      area;
     places_block    places;
+    upsample_block  upsample;
     float           words[OWN_WORDS];
 } own_block;
 

@@ -10,6 +10,7 @@
 
 enum {
     GL_FORMAT_R32F              = 0x822E,
+    GL_FORMAT_RG32F             = 0x8230,
     GL_FORMAT_RGBA32F           = 0x8814,
     GL_FORMAT_RED               = 0x1903,
     GL_FORMAT_RGBA              = 0x1908,
@@ -112,6 +113,7 @@ enum {
     X(void, CreateTextures, (gl_enum, int, gl_name *))                                                                   \
     X(void, TextureStorage2D, (gl_name, int, gl_enum, int, int))                                                         \
     X(void, TextureStorage3D, (gl_name, int, gl_enum, int, int, int))                                                    \
+    X(void, TextureView, (gl_name, gl_enum, gl_name, gl_enum, gl_name, gl_name, gl_name, gl_name))                       \
     X(void, TextureParameteri, (gl_name, gl_enum, int))                                                                  \
     X(void, ClearTexImage, (gl_name, int, gl_enum, gl_enum, const void *))                                               \
     X(void, CopyImageSubData, (gl_name, gl_enum, int, int, int, int, gl_name, gl_enum, int, int, int, int, int, int, int)) \

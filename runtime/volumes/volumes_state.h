@@ -48,6 +48,12 @@ typedef struct uploaded_blocks {
     curve_block curves;
 } uploaded_blocks;
 
+/* What techniques draw, and the depths of its pixels. */
+typedef struct fog_view {
+    gl_name depth_texture, airlight, target; /* target: a framebuffer that draws into airlight */
+    float   wide_px, high_px;
+} fog_view;
+
 struct vxs_volumes {
     volumes_api       api;
     vxs_allocator     memory;
@@ -65,6 +71,9 @@ struct vxs_volumes {
     own_block         own;
     curve_block       curves;
     uploaded_blocks   uploaded;
+    fog_view          other;                     /* of half the size; while techniques draw that, the whole one */
+    gl_name           half_depths;               /* an array of one layer: depths and metres; 0: no fog at half the size */
+    int               is_half;                   /* techniques draw at half the size */
     float             frame_least, least;        /* min_radiance of the frame; that of the light */
     gl_name           depth_texture;             /* of the frame; 0: no frame has begun */
     uint32_t          program_count, is_warming; /* is_warming: of the frame */
@@ -141,6 +150,12 @@ saved_state vxs_volumes_use(vxs_volumes *v, gl_name program, gl_name map, gl_nam
 
 /* Restore the state after a program. */
 void vxs_volumes_restore(const vxs_volumes *v, const saved_state *saved);
+
+/* Textures for fog at half the size. */
+vxs_result vxs_volumes_half_create(vxs_volumes *v);
+
+/* End fog at half the size without adding it. */
+void vxs_volumes_show_full(vxs_volumes *v);
 
 /* Whether something can be drawn: all programs of the current call compile, and the frame is not a warming one. */
 int vxs_volumes_can_draw(const vxs_volumes *v);

@@ -64,6 +64,7 @@ typedef struct vxs_volumes_desc {
     uint32_t             first_storage; /* first of three storage buffer bindings; must not overlap those of vxs_gl; 0: 5 */
     /* called on the thread of the call that first uses a program; NULL: none; copied, but its functions must outlive the object */
     const vxs_program_cache *program_cache;
+    uint32_t                 has_half; /* 1: vxs_volumes_begin_half will be called; 6 bytes more for each pixel */
 } vxs_volumes_desc;
 
 /* volumes  [out] NULL on failure
@@ -153,6 +154,14 @@ float vxs_volumes_most(vxs_volumes *volumes, const vxs_volumes_light *light);
 /* Airlight, linear: RGBA32F, of the size given to create. Only the corner that the view covers is used. Rows are in the order of
  * the depths. Alpha is not used. Valid until vxs_volumes_destroy. */
 unsigned vxs_volumes_airlight(const vxs_volumes *volumes);
+
+/* Fog at half the width and height, in about a quarter of the time: the techniques that are called before vxs_volumes_end_half draw a ray
+ * for 2 x 2 pixels, and vxs_volumes_end_half adds their sum to the airlight of the frame. A pixel gets the light of rays that end
+ * near where its own ends, so that light does not cross the edges of what is seen. vxs_volumes_cull counts such pixels meanwhile,
+ * and area lights and vxs_volumes_transmittance are refused. vxs_volumes_composite calls vxs_volumes_end_half.
+ * Returns VXS_OK; VXS_E_ARGUMENT without a frame, without has_half, or if it is called twice; VXS_E_GL. */
+vxs_result vxs_volumes_begin_half(vxs_volumes *volumes);
+vxs_result vxs_volumes_end_half(vxs_volumes *volumes);
 
 /* Blend the frame's fog over a linear image: colour * transmittance of the fog + airlight, per channel. It draws into the
  * current draw framebuffer, from (0, 0) on, where pixels must match those of the depths. */

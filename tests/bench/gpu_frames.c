@@ -149,6 +149,23 @@ static vxs_result draw_march_128(fog_state *s)
     return vxs_volumes_march(s->volumes, &s->light, s->map, 128, VXS_STEPS_EVEN);
 }
 
+static vxs_result draw_half(fog_state *s, vxs_result (*draw)(fog_state *s))
+{
+    vxs_result r = vxs_volumes_begin_half(s->volumes);
+    if (r == VXS_OK) r = draw(s);
+    return r == VXS_OK ? vxs_volumes_end_half(s->volumes) : r;
+}
+
+static vxs_result draw_half_intervals(fog_state *s)
+{
+    return draw_half(s, draw_intervals);
+}
+
+static vxs_result draw_half_march(fog_state *s)
+{
+    return draw_half(s, draw_march_64);
+}
+
 static vxs_result draw_froxels(fog_state *s)
 {
     return rival_froxels_add(s->froxels, &s->light, s->map);
@@ -160,6 +177,8 @@ static const struct {
 } fogs[] = {{"exact intervals", draw_intervals},
             {"march of a map, 64 steps (rival)", draw_march_64},
             {"march of a map, 128 steps", draw_march_128},
+            {"exact intervals, half", draw_half_intervals},
+            {"march of a map, 64 steps, half", draw_half_march},
             {"froxels, 160 x 90 x 64", draw_froxels}};
 enum { FOGS = sizeof fogs / sizeof *fogs };
 
@@ -225,7 +244,8 @@ static vxs_result open_fog(gpu_bench *b, fog_state *s, vxs_gl *shadows, const vx
                                       .user             = b->gl,
                                       .shadows          = shadows,
                                       .width_px         = b->width_px,
-                                      .height_px        = b->height_px};
+                                      .height_px        = b->height_px,
+                                      .has_half         = 1};
     double                    side = (double)(1u << light->levels) * light->texel_metres;
     vxs_shadow_depth_map_desc map  = {.baked_number = vxs_baked_number(0)};
     vxs_result                r    = vxs_volumes_create(&s->volumes, &desc);

@@ -101,6 +101,8 @@ def main():
     parser.add_argument("--only", default="", help="a regular expression that names have")
     parser.add_argument("--lower", action="store_true", help="write ceilings, where none is higher than before")
     arguments = parser.parse_args()
+    if arguments.lower and arguments.only:
+        parser.error("--lower goes without --only: it writes the ceilings of all programs")
     found, most = sizes(arguments.build, arguments.only), ceilings()
     for name, size in sorted(found.items(), key=lambda item: -item[1]):
         print(f"{size:7}  {most.get(name, '-'):>7}  {name}")

@@ -254,7 +254,12 @@ static void all_of_coding(uint32_t which, uint64_t most_table_bytes, int is_firs
                            .light_count      = LIGHTS,
                            .most_table_bytes = most_table_bytes};
     CALL("gl", vxs_gl_create(&shadows, &gl_desc));
-    vxs_volumes_desc desc = {.get_proc_address = function_of, .shadows = shadows, .width_px = 64, .height_px = 64};
+    vxs_volumes_desc desc = {.struct_size      = sizeof desc,
+                             .get_proc_address = function_of,
+                             .shadows          = shadows,
+                             .width_px         = 64,
+                             .height_px        = 64,
+                             .has_half         = 1};
     CALL("volumes", vxs_volumes_create(&v, &desc));
     vxs_volumes_frame frame = {.scattering    = {0.01F, 0.01F, 0.01F},
                                .extinction    = {0.01F, 0.01F, 0.01F},
@@ -274,6 +279,8 @@ static void all_of_coding(uint32_t which, uint64_t most_table_bytes, int is_firs
     if (is_first) {
         area_lights(v, 0);
         area_lights(v, 1);
+        CALL("half", vxs_volumes_begin_half(v));
+        CALL("half", vxs_volumes_end_half(v));
         technique = "composite";
         vxs_volumes_composite(v);
     }

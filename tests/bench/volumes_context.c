@@ -28,7 +28,8 @@ vxs_result volumes_open_gl(bench *b, run_context *m)
                              .shadows          = b->shadows,
                              .width_px         = b->width,
                              .height_px        = b->height,
-                             .log              = say};
+                             .log              = say,
+                             .has_half         = 1};
     if ((r = vxs_volumes_create(&b->volumes, &desc)) != VXS_OK) return fail(m, r, "no fog: %s", vxs_result_text(r));
     b->picture = vxs_volumes_airlight(b->volumes);
     return VXS_OK;

@@ -33,6 +33,26 @@ static vxs_result intervals(bench *b, void *state, uint32_t value)
     return vxs_volumes_intervals(b->volumes, &b->light);
 }
 
+/* The same with a ray for 2 x 2 pixels. */
+static vxs_result at_half(bench *b, technique_step *draw, uint32_t value)
+{
+    vxs_result r = vxs_volumes_begin_half(b->volumes);
+    if (r == VXS_OK) r = draw(b, NULL, value);
+    return r == VXS_OK ? vxs_volumes_end_half(b->volumes) : r;
+}
+
+static vxs_result half_angles_of_map(bench *b, void *state, uint32_t steps)
+{
+    (void)state;
+    return at_half(b, angles_of_map, steps);
+}
+
+static vxs_result half_intervals(bench *b, void *state, uint32_t value)
+{
+    (void)state;
+    return at_half(b, intervals, value);
+}
+
 /* A mesh of the shadow depth map, made once; quads are as large as so many texels' width of error lets them be. */
 static vxs_result open_mesh(bench *b, void **state, uint32_t error_texels)
 {
@@ -228,6 +248,8 @@ static const technique techniques[] = {
     {"angles", "steps", SHADOW_DEPTH_MAP, 0, {8, 16, 32, 64, 128, 256, 512}, NULL, angles_of_map, .close = NULL},
     {"angles, asset", "steps", ASSET, 0, {16, 64, 256}, NULL, angles_of_asset, .close = NULL},
     {"intervals", "-", "floats", 0, {1}, NULL, intervals, .close = NULL},
+    {"angles, half", "steps", "rays of 2 x 2 pixels", 0, {16, 64, 256}, NULL, half_angles_of_map, .close = NULL},
+    {"intervals, half", "-", "rays of 2 x 2 pixels", 0, {1}, NULL, half_intervals, .close = NULL},
     {"mesh", "texels of error", "the map's surface, whose steps are slopes of a texel", 0, {16, 4, 1}, open_mesh, mesh, .close = close_mesh},
     {"mesh of the map", "texels a side", "the same surface", 0, {64, 256, 1024}, open_map, mesh_of_map, .close = close_map},
     {"adaptive mesh", "texels of error", "the same surface", 0, {16, 4, 1}, open_adaptive, adaptive_mesh, .close = close_adaptive},

@@ -60,6 +60,7 @@ def test_lists_light_as_all_lights_do_and_fog_has_errors(gpu, folder, tmp_path):
     errors = {row["name"]: row["relative_rms"] for row in rows}
     assert errors["exact intervals"] == 0 < errors["march of a map, 128 steps"] < errors["march of a map, 64 steps (rival)"] < 0.2
     assert 0 < errors["froxels, 160 x 90 x 64"] < 0.2
+    assert 0 < errors["exact intervals, half"] < 0.2 and 0 < errors["march of a map, 64 steps, half"] < 0.2
 
 
 def test_what_is_wrong_is_said(gpu, folder):

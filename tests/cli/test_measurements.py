@@ -126,7 +126,8 @@ def test_volumes(measure_fog):
     assert {t["name"] for t in scene["techniques"] if t["rival"]} == {"froxels", "moments", "min-max slices"}
     for name, found in errors.items():
         assert all(b < 1.1 * a for a, b in zip(found, found[1:])), f"{name}: {found}"
-        if name not in ("mesh", "adaptive mesh", "froxels", "intervals"):  # whose error is that of what stays: a map's texels, columns, floats
+        # what stays: a map's texels, columns, floats, pixels that share a ray
+        if name not in ("mesh", "adaptive mesh", "froxels", "intervals", "angles, half", "intervals, half"):
             assert found[-1] < 0.8 * found[0], name
     assert errors["intervals"][0] < 1e-4
     for cell in scene["cells"]:

@@ -29,9 +29,9 @@ def test_ceilings(vxs_path):
     assert not above, above
 
 
-@pytest.mark.parametrize("fog, most", [([], 3), (["--fog", "0.02"], 5)])
+@pytest.mark.parametrize("fog, most", [([], 3), (["--fog", "0.02"], 5), (["--fog", "0.02", "--fog-half"], 7)])
 def test_a_frame_compiles_few_programs(vxs, tmp_path, monkeypatch, fog, most):
-    """A sun alone; with fog, its march and the blend of the fog come in addition."""
+    """A sun alone; with fog, its march and the blend of the fog come in addition; at half the resolution, two more."""
     city, asset, programs = tmp_path / "city.glb", tmp_path / "city.vxs", tmp_path / "programs"
     vxs("scene", "city", "-o", city, "--triangles", 3000)
     vxs("bake", city, "-o", asset, "--resolution", 256)

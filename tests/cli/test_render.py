@@ -171,6 +171,11 @@ def test_fog_with_opengl(vxs, level, render):
                                "top_metres": 8, "by": by} | dict([knob] if knob else [])
         assert told["median_ms"]["fog"] > 0
         rows[by] = [v for row in read_png((level / by / "airlight.png").read_bytes())[2] for v in row]
+    half = report(level, render, "all", "--eye", "1,6,9", "--target", "0,1,0", "--fog", 0.05, "--fog-top", 8, "--fog-half", "--passes", level / "half")
+    shares = [[light["share"] for light in r["fog"]["lights"] if "share" in light] for r in (half, told)]
+    assert half["fog"]["is_half"] and len(shares[0]) == 3 and shares[0] == pytest.approx(shares[1], abs=0.1)
+    rows["half"] = [v for row in read_png((level / "half" / "airlight.png").read_bytes())[2] for v in row]
+    assert rows["half"] != rows["intervals"]
     exact = rows.pop("intervals")
     assert sum(exact) > 10 * len(exact)
     for by, found in rows.items():
@@ -309,6 +314,7 @@ def test_bad_paths(level, render, text, words):
     (["--fog-by", "march"], "--fog-by needs --fog"),
     (["--fog-top", 1], "--fog-top needs --fog"),
     (["--fog-grid", 64], "--fog-grid needs --fog"),
+    (["--fog-half"], "--fog-half needs --fog"),
     (["--fog", 1, "--fog-steps", 9], "--fog-steps 9 needs --fog-by march or angles"),
     (["--fog", 1, "--fog-by", "grid", "--fog-steps", 9], "--fog-steps 9 needs --fog-by march or angles"),
     (["--fog", 1, "--fog-by", "mesh", "--fog-grid", 64], "--fog-grid 64 needs --fog-by grid"),

@@ -632,7 +632,9 @@ static void test_state(void **state)
     vxs_volumes_begin(s.volumes, &v.frame);
     vxs_volumes_march(s.volumes, &l, map, 4, VXS_STEPS_EVEN);
     vxs_volumes_march(s.volumes, &l, NULL, 4, VXS_STEPS_EQUIANGULAR);
+    assert_int_equal(vxs_volumes_begin_half(s.volumes), VXS_OK);
     vxs_volumes_mesh_map(s.volumes, &l, map);
+    assert_int_equal(vxs_volumes_end_half(s.volumes), VXS_OK);
     vxs_light_mesh *mesh;
     assert_int_equal(vxs_light_mesh_create(&mesh, s.volumes, (const float[9]){0, 0, 1, 1, 0, 1, 0, 1, 1},
                                            (const uint32_t[3]){0, 1, 2}, &(vxs_light_mesh_size){3, 1}),
@@ -685,9 +687,11 @@ static void test_any_numbers(void **state)
                                           exp(uniform(&r, log(1e-3), log(1e7))), metres);
         for (int way = 0; way < 4; way++) {
             assert_int_equal(vxs_volumes_begin(s.volumes, &f), VXS_OK);
+            if (n % 2) assert_int_equal(vxs_volumes_begin_half(s.volumes), VXS_OK);
             assert_int_equal(
                 vxs_volumes_march(s.volumes, &l, way & 1 ? maps[light] : NULL, 1 + rng_below(&r, 40), (vxs_steps)(way / 2)),
                 VXS_OK);
+            if (n % 2) assert_int_equal(vxs_volumes_end_half(s.volumes), VXS_OK);
             scene_read(&s, pixels);
             for (int i = 0; i < 4 * PIXELS; i++) {
                 if (!(pixels[i] >= 0 && pixels[i] < 1e30F)) fail_msg("case %u, way %d: %g", n, way, (double)pixels[i]);

@@ -101,8 +101,13 @@ static inline void scene_open_asset(volumes_scene *s, vxs_asset *asset, uint32_t
     vxs_gl_desc desc = {.get_proc_address = gl_choice_proc, .asset = s->asset};
     assert_int_equal(vxs_gl_create(&s->shadows, &desc), VXS_OK);
     assert_int_equal(vxs_gl_upload(s->shadows, SIZE_MAX), 0);
-    vxs_volumes_desc of = {
-        .get_proc_address = gl_choice_proc, .shadows = s->shadows, .width_px = width_px, .height_px = height_px, .log = scene_log};
+    vxs_volumes_desc of = {.struct_size      = sizeof of,
+                           .get_proc_address = gl_choice_proc,
+                           .shadows          = s->shadows,
+                           .width_px         = width_px,
+                           .height_px        = height_px,
+                           .log              = scene_log,
+                           .has_half         = 1};
     assert_int_equal(vxs_volumes_create(&s->volumes, &of), VXS_OK);
     s->gl->CreateTextures(GL_TEXTURE_2D, 1, &s->depths);
     s->gl->TextureStorage2D(s->depths, 1, GL_R32F, (GLsizei)width_px, (GLsizei)height_px);

@@ -35,6 +35,7 @@ static const char *needs_gl(const render_command *c)
            : c->fog.by_given     ? "--fog-by"
            : c->fog.steps_given  ? "--fog-steps"
            : c->fog.grid_given   ? "--fog-grid"
+           : c->fog.is_half      ? "--fog-half"
            : c->area_given       ? "--area"
            : c->gather_given     ? "--area-gather"
            : c->sky_path         ? "--sky"
@@ -223,6 +224,7 @@ static vxs_result run(void *command, run_context *m)
     c->options.fog_by              = c->fog.by;
     c->options.fog_steps           = c->fog.steps;
     c->options.fog_grid            = c->fog.grid;
+    c->options.fog_is_half         = c->fog.is_half;
     c->options.smoke_side_is_asked = c->smoke_side_given;
     c->choice.areas                = c->draw == DRAW_GL && c->options.area_vpls;
     if (r == VXS_OK) r = load(c, s, m);

@@ -12,6 +12,7 @@ vxs_result fog_check(const fog_choice *c, run_context *m)
                         : c->by_given         ? "--fog-by"
                         : c->steps_given      ? "--fog-steps"
                         : c->grid_given       ? "--fog-grid"
+                        : c->is_half          ? "--fog-half"
                                               : NULL;
     if (alone && !c->given) return fail(m, VXS_E_ARGUMENT, "%s needs --fog", alone);
     if (c->grid_given && c->by != FOG_BY_GRID) return fail(m, VXS_E_ARGUMENT, "--fog-grid %u needs --fog-by grid", c->grid);

@@ -10,7 +10,7 @@ typedef struct fog_choice {
     double   per_metre, albedo, anisotropy, top_metres;
     fog_by   by;
     uint32_t steps, grid;
-    int      given, albedo_given, anisotropy_given, top_given, by_given, steps_given, grid_given;
+    int      is_half, given, albedo_given, anisotropy_given, top_given, by_given, steps_given, grid_given;
 } fog_choice;
 
 /* Typical fog is water drops: they absorb little, and scatter light forward. */
@@ -36,7 +36,8 @@ typedef struct fog_choice {
     {"--fog-steps", OPTION_U32, &(choice).steps, 1, 65536, NULL, "N",                                                              \
      "of march or angles, and of lights that smoke dims or that see what moves, 1 to 65536 (default 64)", &(choice).steps_given},  \
     {"--fog-grid", OPTION_U32, &(choice).grid, 16, 1024, NULL, "N",                                                                \
-     "of grid: N x 2N x N voxels, 16 to 1024 (default 256, with egl 512)", &(choice).grid_given}
+     "of grid: N x 2N x N voxels, 16 to 1024 (default 256, with egl 512)", &(choice).grid_given},                                \
+    {"--fog-half", OPTION_SWITCH, &(choice).is_half, 0, 0, NULL, NULL, "with OpenGL: a ray for 2 x 2 samples", NULL}
 /* clang-format on */
 
 /* Returns VXS_OK, or VXS_E_ARGUMENT for options that have no effect without --fog, or with the chosen way to find shadows. */

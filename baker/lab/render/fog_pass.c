@@ -78,7 +78,8 @@ vxs_result fog_pass_create(fog_pass **out, const fog_pass_options *o, const gl_c
                              .user             = (void *)(uintptr_t)gl,
                              .shadows          = shadows,
                              .width_px         = o->width,
-                             .height_px        = o->height};
+                             .height_px        = o->height,
+                             .has_half         = (uint32_t)o->is_half};
     fog_pass        *p    = calloc(1, sizeof *p);
     *out                  = p;
     if (!p) return fail(m, VXS_E_MEMORY, "out of memory for fog");
@@ -182,9 +183,11 @@ static vxs_result add_light(fog_pass *p, vxs_volumes_light light, const moving_p
     *planned = (fog_light_plan){.cull_result = cull_results[vxs_volumes_cull(p->volumes, &light, &pixels)], .by = p->options.by};
     plan->lights[planned->cull_result]++;
     if (planned->cull_result != FOG_DRAWN) return VXS_OK;
-    planned->share = (double)pixels.wide_px * pixels.high_px / ((double)p->options.width * p->options.height);
-    p->last        = n;
-    light.smoke    = smoke ? smoke_pass_map(smoke, n) : NULL;
+    const uint32_t each = p->options.is_half ? 2 : 1;
+    planned->share =
+        (double)pixels.wide_px * pixels.high_px / (ceil((double)p->options.width / each) * ceil((double)p->options.height / each));
+    p->last     = n;
+    light.smoke = smoke ? smoke_pass_map(smoke, n) : NULL;
 
     /* fall back to equiangular steps for lights that the requested method cannot draw correctly: if smoke dims the light, only
      * marches can, since the other methods use closed forms; if casters move in it, intervals and meshes cannot, since they are
@@ -250,6 +253,7 @@ vxs_result fog_pass_draw(fog_pass *p, const light_emission *emissions, const mov
         p->least[p->faint[n].light] =
             n < faint ? fmaxf(1.001F * p->faint[n].most, 1e-30F) : (float)(0.5 * FOG_FAINTEST / (count - faint));
 
+    if (p->options.is_half) result = vxs_volumes_begin_half(p->volumes);
     for (uint32_t n = 0; n < count && result == VXS_OK; n++) {
         vxs_volumes_light light = light_of(p, n, &emissions[n], exposure);
         light.min_radiance      = p->least[n];

@@ -16,6 +16,7 @@ typedef struct fog_pass_options {
     fog_by                        by;
     uint32_t                      steps;         /* of a march */
     uint32_t                      grid;          /* n: a grid of n x 2n x n; 0: chosen for the renderer */
+    int                           is_half;       /* 1: rays at half the width and height */
     uint32_t                      width, height; /* samples */
     double                        size_metres;   /* of the scene */
     const vxs_baked_smoke *const *baked_smoke;   /* [lights] as in render_options */

@@ -32,6 +32,7 @@ typedef struct render_options {
     const fog_medium *fog; /* NULL: there is none */
     fog_by            fog_by;
     uint32_t          fog_steps, fog_grid; /* as in fog_pass_options */
+    int               fog_is_half;
 
     const scene            *moving;          /* a separate scene that moves; NULL: none */
     double                  moving_by_ws[3]; /* metres, from frame to frame */

@@ -128,6 +128,7 @@ static json_t *fog_json(const render_report *r)
                                            top, "by", fog_by_names[o->fog_by]);
     if (o->moving || r->facts->smoke_lights || last->by_angles || o->fog_by == FOG_BY_MARCH || o->fog_by == FOG_BY_ANGLES)
         json_set(&fog, "steps", json_integer(o->fog_steps));
+    if (o->fog_is_half) json_set(&fog, "is_half", json_true());
     if (r->facts->fog_grid) json_set(&fog, "grid", json_integer(r->facts->fog_grid));
     json_set(&fog, "lights", fog_plan_lights(r->facts->fog_lights, r->lights, r->light_count));
     json_set(&fog, "left_out", fog_plan_left_out(last, o->fog_by, r->light_count));

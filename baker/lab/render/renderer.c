@@ -115,6 +115,7 @@ static vxs_result make_fog(renderer *r, run_context *m)
                                      .by          = o->fog_by,
                                      .steps       = o->fog_steps,
                                      .grid        = o->fog_grid,
+                                     .is_half     = o->fog_is_half,
                                      .width       = r->width,
                                      .height      = r->height,
                                      .size_metres = r->mesh.size_metres,
