@@ -12,8 +12,8 @@ static uint32_t half_of(uint32_t pixels)
 
 vxs_result vxs_volumes_half_create(vxs_volumes *v)
 {
-    fog_view *half = &v->other;
-    uint32_t  wide = half_of(v->width_px), high = half_of(v->height_px);
+    volumes_view *half = &v->other;
+    uint32_t      wide = half_of(v->width_px), high = half_of(v->height_px);
     v->half_depths = vxs_volumes_texture(v, GL_FORMAT_RG32F, wide, high, 1);
     half->airlight = vxs_volumes_texture(v, GL_FORMAT_RGBA32F, wide, high, 0);
     if (!v->half_depths || !half->airlight) return VXS_E_MEMORY;
@@ -26,7 +26,7 @@ vxs_result vxs_volumes_half_create(vxs_volumes *v)
 
 static void exchange(vxs_volumes *v)
 {
-    fog_view now     = {v->depth_texture, v->airlight, v->target, v->frame.wide_px, v->frame.high_px};
+    volumes_view now = {v->depth_texture, v->airlight, v->target, v->frame.wide_px, v->frame.high_px};
     v->depth_texture = v->other.depth_texture;
     v->airlight      = v->other.airlight;
     v->target        = v->other.target;

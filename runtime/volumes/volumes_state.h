@@ -49,10 +49,10 @@ typedef struct uploaded_blocks {
 } uploaded_blocks;
 
 /* What techniques draw, and the depths of its pixels. */
-typedef struct fog_view {
+typedef struct volumes_view {
     gl_name depth_texture, airlight, target; /* target: a framebuffer that draws into airlight */
     float   wide_px, high_px;
-} fog_view;
+} volumes_view;
 
 struct vxs_volumes {
     volumes_api       api;
@@ -71,7 +71,7 @@ struct vxs_volumes {
     own_block         own;
     curve_block       curves;
     uploaded_blocks   uploaded;
-    fog_view          other;                     /* of half the size; while techniques draw that, the whole one */
+    volumes_view      other;                     /* of half the size; while techniques draw that, the whole one */
     gl_name           half_depths;               /* an array of one layer: depths and metres; 0: no fog at half the size */
     int               is_half;                   /* techniques draw at half the size */
     float             frame_least, least;        /* min_radiance of the frame; that of the light */

@@ -296,7 +296,13 @@ static void test_calls(void **state)
     static picture p;
     volumes_scene  s;
     vxs_volumes   *none;
+    GLuint         texture, frame;
     scene_open(&s, 64, WIDE, HIGH);
+    s.gl->CreateTextures(GL_TEXTURE_2D, 1, &texture);
+    s.gl->TextureStorage2D(texture, 1, GL_RGBA32F, WIDE, HIGH);
+    s.gl->GenFramebuffers(1, &frame);
+    s.gl->BindFramebuffer(GL_FRAMEBUFFER, frame);
+    s.gl->FramebufferTexture(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, texture, 0);
     fog f = open_clear(&s, SCENE_SUN);
     assert_int_equal(vxs_volumes_begin_half(s.volumes), VXS_E_ARGUMENT); /* no frame */
     look(&s, &p, WIDE, HIGH, 12);
@@ -306,8 +312,7 @@ static void test_calls(void **state)
     assert_int_equal(vxs_volumes_begin_half(s.volumes), VXS_OK);
     assert_int_equal(vxs_volumes_begin_half(s.volumes), VXS_E_ARGUMENT);
     assert_int_equal(draw(&s, &f), VXS_OK);
-    vxs_volumes_composite(s.volumes); /* without a framebuffer to draw into, it ends it all the same */
-    while (s.gl->GetError() != GL_NO_ERROR) continue;
+    vxs_volumes_composite(s.volumes);
     scene_read(&s, again);
     assert_memory_equal(again, half, sizeof half);
     assert_int_equal(vxs_volumes_end_half(s.volumes), VXS_E_ARGUMENT);
