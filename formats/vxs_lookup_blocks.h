@@ -251,7 +251,7 @@ VXS_FN vxs_u32 vxs_byte(VXS_WORDS blocks, vxs_u32 at, vxs_u32 byte_at)
 VXS_FN vxs_u32 vxs_four_bytes(VXS_WORDS blocks, vxs_u32 at, vxs_u32 byte_at)
 {
     vxs_u32 first = at + (byte_at >> 2), bits = 8u * (byte_at & 3u), low = vxs_word(blocks, first);
-    return bits == 0u ? low : (low >> bits) | (vxs_word(blocks, first + 1u) << (32u - bits));
+    return (low >> bits) | ((vxs_word(blocks, first + 1u) << 1) << (31u - bits));
 }
 
 VXS_FN vxs_u32 vxs_popcount_pair(vxs_u32 low, vxs_u32 high)
@@ -497,25 +497,6 @@ VXS_FN vxs_blocks_tile vxs_blocks_plane(vxs_u32 slopes, vxs_u32 shift, vxs_u32 l
     return vxs_blocks_tile_of(VXS_BLOCKS_PLANE, 0u, 0u, across, down, VXS_I(VXS_U(limit) - first));
 }
 
-/* A tile with a private-palette pattern; k is relative to its base. */
-VXS_FN vxs_blocks_tile vxs_blocks_own(VXS_WORDS blocks, vxs_u32 pool, vxs_u32 at, vxs_i32 k)
-{
-    if (k < 0) return vxs_blocks_whole(VXS_BLOCKS_LIT);
-    vxs_u32 first = vxs_half(blocks, pool, at), kind = first >> 12, shift = (first >> 8) & 15u, count = (first - 1u) & 31u;
-    if (kind < VXS_BLOCKS_NIBBLES) {
-        vxs_u32 rank = vxs_blocks_rank(blocks, pool, at + 1u, kind, shift, count, k);
-        if (rank > count) return vxs_blocks_whole(VXS_BLOCKS_SHADOW);
-        return vxs_blocks_pattern(blocks, pool, at + 1u + (kind == 0u ? (count + 1u) >> 1 : kind * count), count, rank - 1u);
-    }
-    if (kind == VXS_BLOCKS_PLANE)
-        return vxs_blocks_plane(vxs_four_bytes(blocks, pool, 2u * at + 2u), shift, 7u, 0u, 0u,
-                                vxs_blocks_limit(k) - vxs_blocks_quarters(first, 0u));
-    if (kind > VXS_BLOCKS_PLANE) return vxs_blocks_tile_of(kind, pool, at, 0u, 0u, vxs_blocks_limit(k));
-    k >>= shift;
-    if (kind != VXS_BLOCKS_NIBBLES) return vxs_blocks_tile_of(kind, pool, at + 1u, 0u, 0u, k);
-    return vxs_blocks_tile_of(kind, pool, at + 3u, 0u, vxs_four_bytes(blocks, pool, 2u * at + 2u), k);
-}
-
 /* Base of mixed own tile t, relative to its block.   low  low 14 bits of the word of the tile */
 VXS_FN vxs_i32 vxs_blocks_private_base(VXS_WORDS blocks, vxs_blocks_block block, vxs_u32 t, vxs_u32 low)
 {
@@ -541,6 +522,27 @@ VXS_FN vxs_blocks_tile vxs_blocks_on_plane(VXS_WORDS blocks, vxs_blocks_block bl
     return vxs_blocks_plane(slopes, depth & 15u, 31u, 8u * (t & 3u), 8u * (t >> 2), limit);
 }
 
+#ifdef VXS_C
+
+/* A tile with a private-palette pattern; k is relative to its base. */
+VXS_FN vxs_blocks_tile vxs_blocks_own(VXS_WORDS blocks, vxs_u32 pool, vxs_u32 at, vxs_i32 k)
+{
+    if (k < 0) return vxs_blocks_whole(VXS_BLOCKS_LIT);
+    vxs_u32 first = vxs_half(blocks, pool, at), kind = first >> 12, shift = (first >> 8) & 15u, count = (first - 1u) & 31u;
+    if (kind < VXS_BLOCKS_NIBBLES) {
+        vxs_u32 rank = vxs_blocks_rank(blocks, pool, at + 1u, kind, shift, count, k);
+        if (rank > count) return vxs_blocks_whole(VXS_BLOCKS_SHADOW);
+        return vxs_blocks_pattern(blocks, pool, at + 1u + (kind == 0u ? (count + 1u) >> 1 : kind * count), count, rank - 1u);
+    }
+    if (kind == VXS_BLOCKS_PLANE)
+        return vxs_blocks_plane(vxs_four_bytes(blocks, pool, 2u * at + 2u), shift, 7u, 0u, 0u,
+                                vxs_blocks_limit(k) - vxs_blocks_quarters(first, 0u));
+    if (kind > VXS_BLOCKS_PLANE) return vxs_blocks_tile_of(kind, pool, at, 0u, 0u, vxs_blocks_limit(k));
+    k >>= shift;
+    if (kind != VXS_BLOCKS_NIBBLES) return vxs_blocks_tile_of(kind, pool, at + 1u, 0u, 0u, k);
+    return vxs_blocks_tile_of(kind, pool, at + 3u, 0u, vxs_four_bytes(blocks, pool, 2u * at + 2u), k);
+}
+
 /* Tile t, x + 4y, of a block, at depth k relative to the node.   rank  of the block at that depth */
 VXS_INLINE vxs_blocks_tile vxs_blocks_find_tile(VXS_WORDS blocks, vxs_blocks_node node, vxs_blocks_block block, vxs_u32 t,
                                                 vxs_u32 rank, vxs_i32 k)
@@ -560,6 +562,64 @@ VXS_INLINE vxs_blocks_tile vxs_blocks_find_tile(VXS_WORDS blocks, vxs_blocks_nod
     return vxs_blocks_pattern(blocks, pool, at, vxs_popcount(used) - 1u, vxs_popcount(passed) - 1u);
 }
 
+#else
+
+/* Tile (x, y) of a node's map, at the depth of the node. Compilers inline every call, so there is one call for the palette of a
+ * block and that of a pattern, and one for a plane of either. */
+VXS_FN vxs_blocks_tile vxs_blocks_find_tile(VXS_WORDS blocks, vxs_blocks_node node, vxs_u32 x, vxs_u32 y)
+{
+    vxs_blocks_block block = vxs_blocks_find_block(blocks, node, ((x >> 2) & 7u) | (((y >> 2) & 7u) << 3));
+    vxs_u32          t = (x & 3u) | ((y & 3u) << 2), is_mixed = (block.mixed >> t) & 1u, is_own = (block.own >> t) & 1u;
+    vxs_u32          word = is_mixed != 0u ? vxs_word(blocks, block.palette - vxs_popcount(block.mixed >> t)) : 0u;
+    vxs_u32          pool = word >= 0x80000000u ? vxs_word(blocks, 1u) : block.page, at = (word >> 14) & 0x1ffffu;
+    vxs_i32          k = vxs_blocks_tile_depth(node, VXS_I(x & 31u), VXS_I(y & 31u)) - block.base;
+
+    vxs_u32 kind = 0u, width = (block.head >> 8) & 3u, shift = (block.head >> 4) & 15u, last = block.head & 15u, first = 0u;
+    vxs_u32 palette = block.palette, half_at = 0u, has_private = is_mixed & is_own;
+    if (has_private != 0u) {
+        k -= vxs_blocks_private_base(blocks, block, t, word & 0x3fffu);
+        first   = vxs_half(blocks, pool, at);
+        kind    = first >> 12;
+        width   = kind;
+        shift   = (first >> 8) & 15u;
+        last    = (first - 1u) & 31u;
+        palette = pool;
+        half_at = at + 1u;
+    }
+    if (has_private != 0u && k < 0) return vxs_blocks_whole(VXS_BLOCKS_LIT);
+
+    if ((is_own & ~is_mixed) != 0u || kind == VXS_BLOCKS_PLANE) {
+        vxs_u32 side  = 7u, slopes, depth;
+        vxs_i32 limit = vxs_blocks_limit(is_mixed != 0u ? k : node.k - block.base) - vxs_blocks_quarters(first, 0u);
+        if (is_mixed == 0u) { /* the slope of the node is already in the plane */
+            side   = 31u;
+            slopes = vxs_word(blocks, block.at + 2u);
+            depth  = vxs_word(blocks, block.at + 3u);
+            shift  = depth & 15u;
+            limit -= VXS_I(depth) >> 4;
+        } else
+            slopes = vxs_four_bytes(blocks, pool, 2u * at + 2u);
+        return vxs_blocks_plane(slopes, shift, side, (side - 7u) / 3u * (x & 3u), (side - 7u) / 3u * (y & 3u), limit);
+    }
+    if (kind > VXS_BLOCKS_PLANE) return vxs_blocks_tile_of(kind, pool, at, 0u, 0u, vxs_blocks_limit(k));
+    if (kind > VXS_BLOCKS_NIBBLES) return vxs_blocks_tile_of(kind, pool, at + 1u, 0u, 0u, k >> shift);
+    if (kind == VXS_BLOCKS_NIBBLES)
+        return vxs_blocks_tile_of(kind, pool, at + 3u, 0u, vxs_four_bytes(blocks, pool, 2u * at + 2u), k >> shift);
+
+    vxs_u32 rank = vxs_blocks_rank(blocks, palette, half_at, width, shift, last, k);
+    if (is_mixed == 0u)
+        return vxs_blocks_whole(rank > vxs_blocks_entry_of_tile(blocks, block, t) ? VXS_BLOCKS_SHADOW : VXS_BLOCKS_LIT);
+    if (is_own == 0u) { /* of the palette entries that the tile uses */
+        last = vxs_popcount(word & 0x3fffu) - 1u;
+        rank = vxs_popcount(word & 0x3fffu & ((1u << rank) - 1u));
+    } else
+        at += 1u + (kind == 0u ? (last + 1u) >> 1 : kind * last);
+    if (rank == 0u || rank > last) return vxs_blocks_whole(rank == 0u ? VXS_BLOCKS_LIT : VXS_BLOCKS_SHADOW);
+    return vxs_blocks_pattern(blocks, pool, at, last, rank - 1u);
+}
+
+#endif
+
 /* patterns --------------------------------------------------------------------------------------------------------------------- */
 
 /* 16 bits of quadrant c of a mask: no texels, all texels, or the stored half with index nth - 1 of the pattern. */
@@ -569,10 +629,77 @@ VXS_FN vxs_u32 vxs_blocks_half(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 s
     return ((vxs_half(blocks, tile.pool, tile.at + ((tile.count + 1u) >> 1) + nth - 1u) & kept) | (0u - (state & ~kept))) & 0xffffu;
 }
 
-/* All quadrants of a mask. Each quadrant has a state of two bits: no texels, all texels, a new half, or the previous half of
- * the quadrant again. Halves are stored quadrant by quadrant, and within a quadrant mask by mask, so the halves before the
- * wanted one have to be counted. This counts four masks at once: a product with 0x01010101 makes of each byte the sum of all
- * bytes up to it; its nibbles count quadrants 0 and 2, or 1 and 3. */
+/* A texel, z = 0 to 63, of a tile of raw depths. */
+VXS_FN vxs_u32 vxs_blocks_raw_texel(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 z)
+{
+    vxs_u32 size  = tile.kind - 3u;
+    vxs_u32 depth = vxs_four_bytes(blocks, tile.pool, 2u * tile.at + size * z) & vxs_first_bytes(VXS_I(size));
+    return VXS_I(depth) <= tile.k ? 1u : 0u;
+}
+
+/* Plane 0 or 1 of a tile with two planes. */
+VXS_FN vxs_blocks_tile vxs_blocks_one_plane(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 which)
+{
+    vxs_u32 first = vxs_half(blocks, tile.pool, tile.at), shift = (first >> 8) & 15u;
+    vxs_u32 deeper = which == 0u ? 0u : vxs_half(blocks, tile.pool, tile.at + 5u) << (8u + (first & 7u));
+    vxs_u32 slopes = vxs_four_bytes(blocks, tile.pool, 2u * tile.at + 2u + 4u * which);
+    return vxs_blocks_plane(slopes, shift, 7u, 0u, 0u, VXS_I(VXS_U(tile.k) - deeper) - vxs_blocks_quarters(first, which));
+}
+
+/* Bits of a tile with two planes.   first, second  bits of each plane;   of_second  mask of the texels on the second plane */
+VXS_FN vxs_u32 vxs_blocks_join(vxs_u32 kind, vxs_u32 first, vxs_u32 second, vxs_u32 of_second)
+{
+    if (kind == VXS_BLOCKS_NEARER) return first | second;
+    if (kind == VXS_BLOCKS_FARTHER) return first & second;
+    return (first & ~of_second) | (second & of_second);
+}
+
+#ifdef VXS_C
+
+/* Quadrant c of a mask. */
+VXS_INLINE vxs_u32 vxs_blocks_quadrant(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 c)
+{
+    vxs_u32 states = vxs_byte(blocks, tile.pool, 2u * tile.at + VXS_U(tile.k)), nth = 0u;
+    vxs_u32 before = ((1u << (2u * c)) - 1u) * 0x01010101u, own = 0x01010101u << (2u * c);
+    if (((states >> (2u * c)) & 2u) == 0u) return (0u - ((states >> (2u * c)) & 1u)) & 0xffffu;
+    for (vxs_u32 n = 0u; n < tile.count; n += 4u) {
+        vxs_u32 some = vxs_four_bytes(blocks, tile.pool, 2u * tile.at + n) & vxs_first_bytes(VXS_I(tile.count - n));
+        nth += vxs_popcount((some >> 1) & ~some & (before | (own & vxs_first_bytes(tile.k + 1 - VXS_I(n)))) & 0x55555555u);
+    }
+    return vxs_blocks_half(blocks, tile, states, c, nth);
+}
+
+/* Texel z of quadrant c of a tile on a plane. */
+VXS_FN vxs_u32 vxs_blocks_plane_texel(vxs_blocks_tile tile, vxs_u32 c, vxs_u32 z)
+{
+    vxs_u32 x = 4u * (c & 1u) + (z & 3u), y = 4u * (c >> 1) + (z >> 2);
+    return VXS_I(tile.count * x + tile.bases * y) <= tile.k ? 1u : 0u;
+}
+
+/* Texel z of quadrant c of a tile with two planes. */
+VXS_APART vxs_u32 vxs_blocks_two_planes_texel(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 c, vxs_u32 z)
+{
+    vxs_u32 first  = vxs_blocks_plane_texel(vxs_blocks_one_plane(blocks, tile, 0u), c, z);
+    vxs_u32 second = vxs_blocks_plane_texel(vxs_blocks_one_plane(blocks, tile, 1u), c, z);
+    return vxs_blocks_join(tile.kind, first, second, vxs_half(blocks, tile.pool, tile.at + 6u + c) >> z) & 1u;
+}
+
+/* Texel z of quadrant c of a tile that is neither all lit nor all shadowed. */
+VXS_INLINE vxs_u32 vxs_blocks_texel(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 c, vxs_u32 z)
+{
+    if (tile.kind == VXS_BLOCKS_MASKS) return (vxs_blocks_quadrant(blocks, tile, c) >> z) & 1u;
+    if (tile.kind == VXS_BLOCKS_PLANE) return vxs_blocks_plane_texel(tile, c, z);
+    if (tile.kind > VXS_BLOCKS_PLANE) return vxs_blocks_two_planes_texel(blocks, tile, c, z);
+    if (tile.kind >= VXS_BLOCKS_RAW) return vxs_blocks_raw_texel(blocks, tile, 16u * c + z);
+    vxs_u32 nibble = (vxs_byte(blocks, tile.pool, 2u * tile.at + 16u * (c & 1u) + z) >> (4u * (c >> 1))) & 15u;
+    return VXS_I(nibble + ((tile.bases >> (8u * c)) & 0xffu)) <= tile.k ? 1u : 0u;
+}
+
+#endif
+
+#ifdef VXS_VECTORS
+
+/* All quadrants of a mask, as vxs_blocks_texels finds them. */
 VXS_INLINE vxs_mask vxs_blocks_quadrants(VXS_WORDS blocks, vxs_blocks_tile tile)
 {
     vxs_u32 even = 0u, odd = 0u, even_upto = 0u, odd_upto = 0u, k = VXS_U(tile.k);
@@ -596,72 +723,6 @@ VXS_INLINE vxs_mask vxs_blocks_quadrants(VXS_WORDS blocks, vxs_blocks_tile tile)
     mask.high |= vxs_blocks_half(blocks, tile, states, 3u, third + (odd_upto >> 4)) << 16;
     return mask;
 }
-
-/* Quadrant c of a mask. */
-VXS_INLINE vxs_u32 vxs_blocks_quadrant(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 c)
-{
-    vxs_u32 states = vxs_byte(blocks, tile.pool, 2u * tile.at + VXS_U(tile.k)), nth = 0u;
-    vxs_u32 before = ((1u << (2u * c)) - 1u) * 0x01010101u, own = 0x01010101u << (2u * c);
-    if (((states >> (2u * c)) & 2u) == 0u) return (0u - ((states >> (2u * c)) & 1u)) & 0xffffu;
-    for (vxs_u32 n = 0u; n < tile.count; n += 4u) {
-        vxs_u32 some = vxs_four_bytes(blocks, tile.pool, 2u * tile.at + n) & vxs_first_bytes(VXS_I(tile.count - n));
-        nth += vxs_popcount((some >> 1) & ~some & (before | (own & vxs_first_bytes(tile.k + 1 - VXS_I(n)))) & 0x55555555u);
-    }
-    return vxs_blocks_half(blocks, tile, states, c, nth);
-}
-
-/* A texel, z = 0 to 63, of a tile of raw depths. */
-VXS_FN vxs_u32 vxs_blocks_raw_texel(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 z)
-{
-    vxs_u32 size  = tile.kind - 3u;
-    vxs_u32 depth = vxs_four_bytes(blocks, tile.pool, 2u * tile.at + size * z) & vxs_first_bytes(VXS_I(size));
-    return VXS_I(depth) <= tile.k ? 1u : 0u;
-}
-
-/* Texel z of quadrant c of a tile on a plane. */
-VXS_FN vxs_u32 vxs_blocks_plane_texel(vxs_blocks_tile tile, vxs_u32 c, vxs_u32 z)
-{
-    vxs_u32 x = 4u * (c & 1u) + (z & 3u), y = 4u * (c >> 1) + (z >> 2);
-    return VXS_I(tile.count * x + tile.bases * y) <= tile.k ? 1u : 0u;
-}
-
-/* Plane 0 or 1 of a tile with two planes. */
-VXS_FN vxs_blocks_tile vxs_blocks_one_plane(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 which)
-{
-    vxs_u32 first = vxs_half(blocks, tile.pool, tile.at), shift = (first >> 8) & 15u;
-    vxs_u32 deeper = which == 0u ? 0u : vxs_half(blocks, tile.pool, tile.at + 5u) << (8u + (first & 7u));
-    vxs_u32 slopes = vxs_four_bytes(blocks, tile.pool, 2u * tile.at + 2u + 4u * which);
-    return vxs_blocks_plane(slopes, shift, 7u, 0u, 0u, VXS_I(VXS_U(tile.k) - deeper) - vxs_blocks_quarters(first, which));
-}
-
-/* Bits of a tile with two planes.   first, second  bits of each plane;   of_second  mask of the texels on the second plane */
-VXS_FN vxs_u32 vxs_blocks_join(vxs_u32 kind, vxs_u32 first, vxs_u32 second, vxs_u32 of_second)
-{
-    if (kind == VXS_BLOCKS_NEARER) return first | second;
-    if (kind == VXS_BLOCKS_FARTHER) return first & second;
-    return (first & ~of_second) | (second & of_second);
-}
-
-/* Texel z of quadrant c of a tile with two planes. */
-VXS_APART vxs_u32 vxs_blocks_two_planes_texel(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 c, vxs_u32 z)
-{
-    vxs_u32 first  = vxs_blocks_plane_texel(vxs_blocks_one_plane(blocks, tile, 0u), c, z);
-    vxs_u32 second = vxs_blocks_plane_texel(vxs_blocks_one_plane(blocks, tile, 1u), c, z);
-    return vxs_blocks_join(tile.kind, first, second, vxs_half(blocks, tile.pool, tile.at + 6u + c) >> z) & 1u;
-}
-
-/* Texel z of quadrant c of a tile that is neither all lit nor all shadowed. */
-VXS_INLINE vxs_u32 vxs_blocks_texel(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 c, vxs_u32 z)
-{
-    if (tile.kind == VXS_BLOCKS_MASKS) return (vxs_blocks_quadrant(blocks, tile, c) >> z) & 1u;
-    if (tile.kind == VXS_BLOCKS_PLANE) return vxs_blocks_plane_texel(tile, c, z);
-    if (tile.kind > VXS_BLOCKS_PLANE) return vxs_blocks_two_planes_texel(blocks, tile, c, z);
-    if (tile.kind >= VXS_BLOCKS_RAW) return vxs_blocks_raw_texel(blocks, tile, 16u * c + z);
-    vxs_u32 nibble = (vxs_byte(blocks, tile.pool, 2u * tile.at + 16u * (c & 1u) + z) >> (4u * (c >> 1))) & 15u;
-    return VXS_I(nibble + ((tile.bases >> (8u * c)) & 0xffu)) <= tile.k ? 1u : 0u;
-}
-
-#ifdef VXS_VECTORS
 
 /* Quadrant c of a tile of nibbles: quadrants 0 and 2 use bytes 0 to 15, quadrants 1 and 3 use bytes 16 to 31; 2 and 3 are
  * the high nibbles. */
@@ -733,77 +794,109 @@ VXS_INLINE vxs_mask vxs_blocks_mask(VXS_WORDS blocks, vxs_blocks_tile tile)
 
 #else
 
-/* `end` is 32, or 0 for no texels: each function computes texels z and z + 32 for all z < end. If one shader invocation of a
- * group takes a branch, all of the group execute it (on some machines always); but a loop ends as soon as no invocation
- * needs it. So each kind of tile has a loop of its own. */
-
-/* Texels z and z + 32 of a tile of nibbles are in one byte. */
-VXS_FN vxs_mask vxs_blocks_nibbles_mask(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 end)
+/* Texels z and z + 32 of a tile that is neither all lit nor all shadowed, for all z in [begin, end); 1 for shadow. If one shader
+ * invocation of a group takes a branch, all of the group execute it (on some machines always); but a loop ends as soon as no
+ * invocation needs it. So each kind of tile has a loop of its own. */
+VXS_FN vxs_mask vxs_blocks_texels(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 begin, vxs_u32 end)
 {
-    vxs_mask mask = vxs_uniform_mask(0u);
-    for (vxs_u32 z = 0u; z < end; z += 4u) {
-        vxs_u32 bytes = vxs_four_bytes(blocks, tile.pool, 2u * tile.at + z), bases = tile.bases >> (8u * (z >> 4));
-        vxs_i32 low = tile.k - VXS_I(bases & 0xffu), high = tile.k - VXS_I((bases >> 16) & 0xffu);
-        if (low >= 0) mask.low |= vxs_four_at_most(bytes & 0x0f0f0f0fu, VXS_U(vxs_clamp(low, 0, 15))) << z;
-        if (high >= 0) mask.high |= vxs_four_at_most((bytes >> 4) & 0x0f0f0f0fu, VXS_U(vxs_clamp(high, 0, 15))) << z;
+    vxs_mask mask = vxs_uniform_mask(0u), first = mask;
+    vxs_u32  kind = tile.kind, bytes_at = 2u * tile.at;
+    vxs_u32  bytes  = kind == VXS_BLOCKS_NIBBLES || kind == VXS_BLOCKS_RAW ? end : 0u;
+    vxs_u32  raw    = kind > VXS_BLOCKS_RAW && kind < VXS_BLOCKS_PLANE ? end : 0u;
+    vxs_u32  planes = kind > VXS_BLOCKS_PLANE ? 2u : kind == VXS_BLOCKS_PLANE ? 1u : 0u;
+    vxs_u32  masks = kind == VXS_BLOCKS_MASKS ? tile.count : 0u, columns = kind == VXS_BLOCKS_MASKS ? (end + 15u) >> 4 : 0u;
+    vxs_u32  even = 0u, odd = 0u, even_upto = 0u, odd_upto = 0u, index = VXS_U(tile.k);
+
+    /* Each quadrant of a mask has a state of two bits: no texels, all texels, a new half, or the previous half of the quadrant
+     * again. Halves are stored quadrant by quadrant, and within a quadrant mask by mask, so the halves before the wanted one have
+     * to be counted. This counts four masks at once: a product with 0x01010101 makes of each byte the sum of all bytes up to it;
+     * its nibbles count quadrants 0 and 2, or 1 and 3. */
+    for (vxs_u32 n = 0u; n < masks; n += 4u) {
+        vxs_u32 skip = masks - n < 4u ? 4u - (masks - n) : 0u, at = 8u * (index - n + skip);
+        vxs_u32 states = vxs_four_bytes(blocks, tile.pool, bytes_at + n) << (8u * skip), halves = (states >> 1) & ~states;
+        vxs_u32 even_sums = (halves & 0x11111111u) * 0x01010101u, odd_sums = ((halves >> 2) & 0x11111111u) * 0x01010101u;
+        if (index - n < 4u) {
+            even_upto = even + ((even_sums >> at) & 0xffu);
+            odd_upto  = odd + ((odd_sums >> at) & 0xffu);
+        }
+        even += even_sums >> 24;
+        odd += odd_sums >> 24;
     }
-    return mask;
-}
-
-VXS_FN vxs_mask vxs_blocks_raw_mask(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 end)
-{
-    vxs_mask mask = vxs_uniform_mask(0u);
-    for (vxs_u32 z = 0u; z < end; z++) {
+    for (vxs_u32 c = begin >> 4; c < columns; c++) {
+        vxs_u32 states = vxs_byte(blocks, tile.pool, bytes_at + index), upto = c == 0u ? even_upto : odd_upto;
+        vxs_u32 before = c == 0u ? 0u : even, below = (even & 15u) + (odd & 15u) + (before >> 4);
+        mask.low |= vxs_blocks_half(blocks, tile, states, c, (before & 15u) + (upto & 15u)) << (16u * c);
+        mask.high |= vxs_blocks_half(blocks, tile, states, c + 2u, below + (upto >> 4)) << (16u * c);
+    }
+    for (vxs_u32 z = begin & 28u; z < bytes; z += 4u) {
+        vxs_u32 low = vxs_four_bytes(blocks, tile.pool, bytes_at + z), high = low >> 4, bases = tile.bases >> (8u * (z >> 4));
+        vxs_i32 at_low = tile.k - VXS_I(bases & 0xffu), at_high = tile.k - VXS_I((bases >> 16) & 0xffu);
+        if (kind == VXS_BLOCKS_RAW) {
+            high = vxs_four_bytes(blocks, tile.pool, bytes_at + z + 32u);
+        } else { /* texels z and z + 32 are in one byte */
+            low &= 0x0f0f0f0fu;
+            high &= 0x0f0f0f0fu;
+        }
+        if (at_low >= 0) mask.low |= vxs_four_at_most(low, VXS_U(at_low < 255 ? at_low : 255)) << z;
+        if (at_high >= 0) mask.high |= vxs_four_at_most(high, VXS_U(at_high < 255 ? at_high : 255)) << z;
+    }
+    for (vxs_u32 z = begin; z < raw; z++) {
         mask.low |= vxs_blocks_raw_texel(blocks, tile, z) << z;
         mask.high |= vxs_blocks_raw_texel(blocks, tile, z + 32u) << z;
     }
-    return mask;
-}
-
-VXS_FN vxs_mask vxs_blocks_plane_mask(vxs_blocks_tile tile, vxs_u32 end)
-{
-    vxs_mask mask = vxs_uniform_mask(0u);
-    for (vxs_u32 z = 0u; z < end; z++) {
-        mask.low |= vxs_blocks_plane_texel(tile, z >> 4, z & 15u) << z;
-        mask.high |= vxs_blocks_plane_texel(tile, 2u + (z >> 4), z & 15u) << z;
-    }
-    return mask;
-}
-
-/* All texels of a tile on a plane, or with two. One call, because it is inlined. */
-VXS_FN vxs_mask vxs_blocks_planes_mask(VXS_WORDS blocks, vxs_blocks_tile tile)
-{
-    vxs_mask first = vxs_uniform_mask(0u), second = first;
-    vxs_u32  end = tile.kind > VXS_BLOCKS_PLANE ? 2u : tile.kind == VXS_BLOCKS_PLANE ? 1u : 0u;
-    for (vxs_u32 n = 0u; n < end; n++) {
+    for (vxs_u32 n = 0u; n < planes; n++) {
         vxs_blocks_tile plane = tile;
-        if (tile.kind != VXS_BLOCKS_PLANE) plane = vxs_blocks_one_plane(blocks, tile, n);
-        first  = second;
-        second = vxs_blocks_plane_mask(plane, 32u);
+        if (kind != VXS_BLOCKS_PLANE) plane = vxs_blocks_one_plane(blocks, tile, n);
+        first = mask;
+        mask  = vxs_uniform_mask(0u);
+        for (vxs_u32 z = begin; z < end; z++) {
+            vxs_u32 depth = plane.count * (((z >> 2) & 4u) | (z & 3u)) + plane.bases * ((z >> 2) & 3u);
+            mask.low |= (VXS_I(depth) <= plane.k ? 1u : 0u) << z;
+            mask.high |= (VXS_I(depth + 4u * plane.bases) <= plane.k ? 1u : 0u) << z;
+        }
     }
-    if (end == 2u) {
-        second.low  = vxs_blocks_join(tile.kind, first.low, second.low, vxs_four_bytes(blocks, tile.pool, 2u * tile.at + 12u));
-        second.high = vxs_blocks_join(tile.kind, first.high, second.high, vxs_four_bytes(blocks, tile.pool, 2u * tile.at + 16u));
+    if (planes == 2u) {
+        mask.low  = vxs_blocks_join(kind, first.low, mask.low, vxs_four_bytes(blocks, tile.pool, bytes_at + 12u));
+        mask.high = vxs_blocks_join(kind, first.high, mask.high, vxs_four_bytes(blocks, tile.pool, bytes_at + 16u));
     }
-    return second;
+    return mask;
 }
 
-/* All texels of a tile that is neither all lit nor all shadowed; 1 for shadow. */
+/* A word of a mask by rows of 8 texels: exchanges bytes, then nibbles. */
+VXS_FN vxs_u32 vxs_blocks_by_rows(vxs_u32 bits)
+{
+    vxs_u32 other = (bits ^ (bits >> 8)) & 0xff00u;
+    bits ^= other ^ (other << 8);
+    other = (bits ^ (bits >> 4)) & 0xf000f0u;
+    return bits ^ other ^ (other << 4);
+}
+
 VXS_INLINE vxs_mask vxs_blocks_mask(VXS_WORDS blocks, vxs_blocks_tile tile)
 {
-    vxs_u32  kind    = tile.kind;
-    vxs_mask nibbles = vxs_blocks_nibbles_mask(blocks, tile, kind == VXS_BLOCKS_NIBBLES ? 32u : 0u);
-    vxs_mask raw     = vxs_blocks_raw_mask(blocks, tile, kind >= VXS_BLOCKS_RAW && kind < VXS_BLOCKS_PLANE ? 32u : 0u);
-    vxs_mask planes  = vxs_blocks_planes_mask(blocks, tile);
-    if (kind == VXS_BLOCKS_MASKS) return vxs_blocks_quadrants(blocks, tile);
-    planes.low |= nibbles.low | raw.low;
-    planes.high |= nibbles.high | raw.high;
-    return planes;
+    return vxs_blocks_texels(blocks, tile, 0u, 32u);
 }
 
 #endif
 
 /* lookups ---------------------------------------------------------------------------------------------------------------------- */
+
+/* Whether the exact answer is available for all squares of 256 x 256 texels that a box touches (vxs_blocks_square_is_known).
+ * If not, the top answers for the whole box. A box touches few squares. */
+VXS_FN vxs_u32 vxs_blocks_is_known(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_blocks_box box, vxs_i32 k)
+{
+    for (vxs_i32 y = box.y0 >> 8; y <= (box.y1 - 1) >> 8; y++)
+        for (vxs_i32 x = box.x0 >> 8; x <= (box.x1 - 1) >> 8; x++)
+            if (vxs_blocks_square_is_known(blocks, map, levels, VXS_U(x), VXS_U(y), k) == 0u) return 0u;
+    return 1u;
+}
+
+/* Whether a box touches more than one square. */
+VXS_FN vxs_u32 vxs_blocks_crosses(vxs_blocks_box box)
+{
+    return (((box.x0 ^ (box.x1 - 1)) | (box.y0 ^ (box.y1 - 1))) >> 8) != 0 ? 1u : 0u;
+}
+
+#ifdef VXS_C
 
 /* 1 if voxel (i, j, k) is in shadow, else 0; each of i, j, k in [0, 2^levels).
  * blocks  the words of the light;   map  0, or 0 to 5 for a light with six maps
@@ -861,16 +954,6 @@ VXS_INLINE vxs_u32 vxs_blocks_area(vxs_blocks_taps taps)
     return columns * rows;
 }
 
-/* Whether the exact answer is available for all squares of 256 x 256 texels that a box touches (vxs_blocks_square_is_known).
- * If not, the top answers for the whole box. A box touches few squares. */
-VXS_FN vxs_u32 vxs_blocks_is_known(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_blocks_box box, vxs_i32 k)
-{
-    for (vxs_i32 y = box.y0 >> 8; y <= (box.y1 - 1) >> 8; y++)
-        for (vxs_i32 x = box.x0 >> 8; x <= (box.x1 - 1) >> 8; x++)
-            if (vxs_blocks_square_is_known(blocks, map, levels, VXS_U(x), VXS_U(y), k) == 0u) return 0u;
-    return 1u;
-}
-
 /* Sum of the weights of the shadowed texels of a map, by the coarse answer of the top. */
 VXS_APART vxs_u32 vxs_blocks_count_coarse(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_blocks_taps taps, vxs_i32 k)
 {
@@ -888,12 +971,6 @@ VXS_INLINE vxs_blocks_box vxs_blocks_span(vxs_blocks_taps taps)
     taps.box.x1 = taps.farther.x1;
     taps.box.y1 = taps.farther.y1;
     return taps.box;
-}
-
-/* Whether a box touches more than one square. */
-VXS_FN vxs_u32 vxs_blocks_crosses(vxs_blocks_box box)
-{
-    return (((box.x0 ^ (box.x1 - 1)) | (box.y0 ^ (box.y1 - 1))) >> 8) != 0 ? 1u : 0u;
 }
 
 /* Bits of one word of a mask in texel columns [x0, x1), 0 to 8. vxs_blocks_rows: in rows [y0, y1), 0 to 4. */
@@ -926,8 +1003,6 @@ VXS_INLINE vxs_u32 vxs_blocks_count_in_tile(VXS_WORDS blocks, vxs_blocks_tile ti
     return taps.down * vxs_blocks_count_in_rows(mask, taps, taps.box.y0, taps.box.y1) +
            taps.down_farther * vxs_blocks_count_in_rows(mask, taps, taps.farther.y0, taps.farther.y1);
 }
-
-#ifdef VXS_C
 
 /* Sum of the weights of the shadowed texels of block (x, y) of a node.   taps  cut to the block. The slope makes depth grow
  * towards one corner of the box, so the least and the last depth of its tiles are at two corners; between these depths all
@@ -987,39 +1062,6 @@ VXS_INLINE vxs_u32 vxs_blocks_count_taps(VXS_WORDS blocks, vxs_u32 map, vxs_u32 
     if (vxs_blocks_crosses(vxs_blocks_span(taps)) != 0u) return vxs_blocks_count_in_squares(blocks, map, levels, taps, k);
     return vxs_blocks_count_in_square(blocks, map, levels, x, y, vxs_blocks_cut_taps(taps, 256 * x, 256 * y, 256), k);
 }
-
-#else
-
-/* Sum of the weights of the shadowed texels of tile (x, y) of a map. */
-VXS_FN vxs_u32 vxs_blocks_count_in_map(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_i32 x, vxs_i32 y, vxs_blocks_taps taps,
-                                       vxs_i32 k)
-{
-    vxs_blocks_taps inside = vxs_blocks_cut_taps(taps, 8 * x, 8 * y, 8);
-    vxs_blocks_node node   = vxs_blocks_find_node(blocks, map, levels, VXS_U(x >> 5), VXS_U(y >> 5), k);
-    if (node.kind != VXS_BLOCKS_MASKS) return node.kind * vxs_blocks_area(inside);
-
-    vxs_blocks_block block = vxs_blocks_find_block(blocks, node, VXS_U(((x >> 2) & 7) | (((y >> 2) & 7) << 3)));
-    vxs_i32          depth = vxs_blocks_tile_depth(node, x & 31, y & 31);
-    vxs_u32          rank  = vxs_blocks_block_rank(blocks, block, depth);
-    vxs_blocks_tile  tile  = vxs_blocks_find_tile(blocks, node, block, VXS_U((x & 3) | ((y & 3) << 2)), rank, depth);
-    return vxs_blocks_count_in_tile(blocks, tile, inside);
-}
-
-/* Sum of the weights of the shadowed texels of a map. Each tile is looked up from the top: with nested loops, each loop
- * would run as many rounds as the longest one in the group of shader invocations, while a box of 9 x 9 always touches at
- * most four tiles. */
-VXS_FN vxs_u32 vxs_blocks_count_taps(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_blocks_taps taps, vxs_i32 k)
-{
-    vxs_u32 count = 0u;
-    if (vxs_blocks_crosses(vxs_blocks_span(taps)) != 0u && vxs_blocks_is_known(blocks, map, levels, vxs_blocks_span(taps), k) == 0u)
-        return vxs_blocks_count_coarse(blocks, map, levels, taps, k);
-    for (vxs_i32 y = taps.box.y0 >> 3; y <= (taps.farther.y1 - 1) >> 3; y++)
-        for (vxs_i32 x = taps.box.x0 >> 3; x <= (taps.farther.x1 - 1) >> 3; x++)
-            count += vxs_blocks_count_in_map(blocks, map, levels, x, y, taps, k);
-    return count;
-}
-
-#endif
 
 /* Taps of a filter of width_px, centred on (i, j), that lie in the map. */
 VXS_INLINE vxs_blocks_taps vxs_blocks_filter_taps(vxs_u32 levels, vxs_i32 i, vxs_i32 j, vxs_i32 width_px)
@@ -1089,5 +1131,87 @@ VXS_FN vxs_u32 vxs_blocks_weight_is_full(VXS_WORDS blocks, vxs_u32 map, vxs_u32 
     vxs_blocks_taps taps = vxs_blocks_smooth_taps(levels, i, j, across, down, width_px);
     return vxs_blocks_is_known(blocks, map, levels, vxs_blocks_span(taps), VXS_I(k));
 }
+
+#else
+
+/* Texels of tile (x, y) of a map at depth k, at least z and z + 32 for z in [begin, end) of their numbers in the tile; in the mask,
+ * texel (x, y) is bit x + 8y.   is_coarse  1: the top answers */
+VXS_FN vxs_mask vxs_blocks_slice(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_u32 x, vxs_u32 y, vxs_i32 k, vxs_u32 is_coarse,
+                                 vxs_u32 begin, vxs_u32 end)
+{
+    vxs_blocks_node node = vxs_blocks_find_node(blocks, map, levels, x >> 5, y >> 5, k);
+    if (is_coarse != 0u) node.kind = vxs_blocks_coarse(blocks, map, levels, x >> 5, y >> 5, k);
+    if (node.kind != VXS_BLOCKS_MASKS) return vxs_uniform_mask(node.kind);
+    vxs_blocks_tile tile = vxs_blocks_find_tile(blocks, node, x, y);
+    if (tile.kind < VXS_BLOCKS_MASKS) return vxs_uniform_mask(tile.kind);
+    vxs_mask mask = vxs_blocks_texels(blocks, tile, begin, end);
+    mask.low      = vxs_blocks_by_rows(mask.low);
+    mask.high     = vxs_blocks_by_rows(mask.high);
+    return mask;
+}
+
+/* The same as in C, for shaders: each tile is looked up from the top, because with nested loops each loop would run as many rounds
+ * as the longest one in the group of shader invocations. */
+VXS_FN vxs_u32 vxs_blocks_shadow(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_u32 i, vxs_u32 j, vxs_u32 k)
+{
+    vxs_u32  z    = ((i & 4u) << 2) | ((j & 3u) << 2) | (i & 3u);
+    vxs_mask mask = vxs_blocks_slice(blocks, map, levels, i >> 3, j >> 3, VXS_I(k), 0u, z, z + 1u);
+    return (((j & 4u) != 0u ? mask.high : mask.low) >> ((i & 7u) + 8u * (j & 3u))) & 1u;
+}
+
+/* Texels of a map that a smooth box covers. */
+VXS_FN vxs_blocks_box vxs_blocks_covered(vxs_u32 levels, vxs_smooth_box box, vxs_i32 width_px)
+{
+    vxs_i32        side = VXS_I(1) << levels;
+    vxs_blocks_box covered;
+    covered.x0 = box.x < 0 ? 0 : box.x;
+    covered.y0 = box.y < 0 ? 0 : box.y;
+    covered.x1 = box.x + width_px + (box.across != 0u ? 1 : 0);
+    covered.y1 = box.y + width_px + (box.down != 0u ? 1 : 0);
+    covered.x1 = covered.x1 > side ? side : covered.x1;
+    covered.y1 = covered.y1 > side ? side : covered.y1;
+    return covered;
+}
+
+VXS_FN vxs_u32 vxs_blocks_shadow_weight(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_i32 i, vxs_i32 j, vxs_u32 across,
+                                        vxs_u32 down, vxs_u32 k, vxs_i32 width_px)
+{
+    vxs_smooth_box box     = vxs_smooth_box_at(i, j, across, down, width_px);
+    vxs_blocks_box covered = vxs_blocks_covered(levels, box, width_px);
+    vxs_i32        x = covered.x0 & ~7, y = covered.y0 & ~7;
+    vxs_u32        sum = 0u, is_coarse = 0u;
+    if (vxs_blocks_crosses(covered) != 0u) is_coarse = 1u - vxs_blocks_is_known(blocks, map, levels, covered, VXS_I(k));
+    while (y < covered.y1 && x < covered.x1) {
+        vxs_mask mask = vxs_blocks_slice(blocks, map, levels, VXS_U(x) >> 3, VXS_U(y) >> 3, VXS_I(k), is_coarse, 0u, 32u);
+        sum += vxs_weigh_mask(mask, box, box.x - x, box.y - y, width_px);
+        x += 8;
+        if (x >= covered.x1) {
+            x = covered.x0 & ~7;
+            y += 8;
+        }
+    }
+    return sum;
+}
+
+/* A box is the smooth box about the middle of a texel. */
+VXS_FN vxs_u32 vxs_blocks_shadow_count(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_i32 i, vxs_i32 j, vxs_u32 k,
+                                       vxs_i32 width_px)
+{
+    return vxs_blocks_shadow_weight(blocks, map, levels, i, j, 128u, 128u, k, width_px) >> 16;
+}
+
+VXS_FN vxs_u32 vxs_blocks_weight_is_full(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_i32 i, vxs_i32 j, vxs_u32 across,
+                                         vxs_u32 down, vxs_u32 k, vxs_i32 width_px)
+{
+    vxs_smooth_box box = vxs_smooth_box_at(i, j, across, down, width_px);
+    return vxs_blocks_is_known(blocks, map, levels, vxs_blocks_covered(levels, box, width_px), VXS_I(k));
+}
+
+VXS_FN vxs_u32 vxs_blocks_is_full(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_i32 i, vxs_i32 j, vxs_u32 k, vxs_i32 width_px)
+{
+    return vxs_blocks_weight_is_full(blocks, map, levels, i, j, 128u, 128u, k, width_px);
+}
+
+#endif
 
 #endif

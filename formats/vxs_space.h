@@ -247,7 +247,7 @@ VXS_FN void vxs_ls_from_ws(VXS_LIGHT light, const vxs_real3 ws, vxs_real one, VX
 /* Width of a filter: 1 to VXS_FILTER_MAX, odd if the filter is not smooth. */
 VXS_FN vxs_i32 vxs_filter_width(vxs_filter pcf)
 {
-    vxs_i32 width = pcf.width_px < 1 ? 1 : pcf.width_px > VXS_FILTER_MAX ? VXS_FILTER_MAX : pcf.width_px;
+    vxs_i32 wanted = VXS_WIDTH(pcf.width_px), width = wanted < 1 ? 1 : wanted > VXS_FILTER_MAX ? VXS_FILTER_MAX : wanted;
     return VXS_IS_SMOOTH(pcf) ? width : width | 1;
 }
 
