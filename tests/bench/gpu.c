@@ -167,11 +167,16 @@ vxs_result gpu_program(gpu_bench *b, const vxs_gl *shadows, const char *defines,
     return fail(m, VXS_E_GL, "OpenGL cannot make a program: %s", log);
 }
 
-vxs_result gpu_shadows(gpu_bench *b, const vxs_asset *asset, vxs_gl_storage storage, vxs_gl **shadows, run_context *m)
+vxs_result gpu_shadows(gpu_bench *b, const vxs_asset *asset, vxs_gl_storage storage, uint64_t most_table_bytes, vxs_gl **shadows,
+                       run_context *m)
 {
-    vxs_gl_desc desc = {
-        .struct_size = sizeof desc, .get_proc_address = gl_lookup, .user = b->gl, .storage = storage, .asset = asset};
-    vxs_result r = vxs_gl_create(shadows, &desc);
+    vxs_gl_desc desc = {.struct_size      = sizeof desc,
+                        .get_proc_address = gl_lookup,
+                        .user             = b->gl,
+                        .storage          = storage,
+                        .asset            = asset,
+                        .most_table_bytes = most_table_bytes};
+    vxs_result  r    = vxs_gl_create(shadows, &desc);
     if (r != VXS_OK) return fail(m, r, "words cannot be uploaded: %s", vxs_result_text(r));
     while (vxs_gl_upload(*shadows, SIZE_MAX)) continue;
     return VXS_OK;

@@ -94,7 +94,8 @@ vxs_result gpu_dispatch_frame(gpu_bench *b, void *dispatch);
 void gpu_answers(gpu_bench *b, float *answers);
 
 /* Words and lights of an asset on the graphics processor. */
-vxs_result gpu_shadows(gpu_bench *b, const vxs_asset *asset, vxs_gl_storage storage, vxs_gl **shadows, run_context *m);
+vxs_result gpu_shadows(gpu_bench *b, const vxs_asset *asset, vxs_gl_storage storage, uint64_t most_table_bytes, vxs_gl **shadows,
+                       run_context *m);
 
 /* Measurements, in all views: of an asset with one light, of depth maps with its depths, of one with several lights, of fog in an
  * asset with one light.

@@ -110,7 +110,7 @@ vxs_result gpu_measure_lights(gpu_bench *b, const vxs_asset *asset, run_context 
 {
     GLuint     programs[LIT_FRAMES] = {0};
     vxs_gl    *shadows              = NULL;
-    vxs_result r                    = gpu_shadows(b, asset, VXS_GL_BUFFER, &shadows, m);
+    vxs_result r                    = gpu_shadows(b, asset, VXS_GL_BUFFER, 0, &shadows, m);
     for (int n = 0; n < LIT_FRAMES && r == VXS_OK; n++) {
         char defines[64];
         snprintf(defines, sizeof defines, "#define FILTER %s\n", gpu_filter_texts[lit_frames[n].filter]);
@@ -268,7 +268,7 @@ vxs_result gpu_measure_fog(gpu_bench *b, const vxs_asset *asset, run_context *m)
     const vxs_light *light   = &vxs_asset_light(asset, 0)->light;
     fog_state        s       = {0};
     vxs_gl          *shadows = NULL;
-    vxs_result       r       = gpu_shadows(b, asset, VXS_GL_BUFFER, &shadows, m);
+    vxs_result       r       = gpu_shadows(b, asset, VXS_GL_BUFFER, 0, &shadows, m);
     if (r == VXS_OK) r = open_fog(b, &s, shadows, light, m);
     for (size_t v = 0; v < b->view_count && r == VXS_OK; v++) {
         vxs_gl_origin(shadows, b->views[v].eye_ws);

@@ -40,27 +40,30 @@ static vxs_result measure_program(gpu_bench *b, vxs_gl *shadows, GLuint program,
     return gpu_measure(b, view, row, gpu_dispatch_frame, &d, m);
 }
 
-/* One filter of one storage, in all views. The first asset of a resolution keeps its answers. */
-static vxs_result measure_filter(gpu_bench *b, vxs_gl *shadows, const vxs_baked_light *light, gpu_filter filter, int is_texture,
+/* How shaders read an asset: tables, in a buffer or a texture; or the words of blocks alone. */
+typedef enum gpu_form { FORM_BUFFER, FORM_WORDS, FORM_TEXTURE, FORMS } gpu_form;
+
+static const char *const form_names[FORMS] = {"buffer", "words alone", "texture"};
+
+/* One filter of one form, in all views. The first form of the first asset of a resolution keeps its answers. */
+static vxs_result measure_filter(gpu_bench *b, vxs_gl *shadows, const vxs_baked_light *light, gpu_filter filter, gpu_form form,
                                  int is_first, run_context *m)
 {
     char       name[64], defines[64];
     GLuint     program;
     vxs_result r;
     snprintf(defines, sizeof defines, "#define FILTER %s\n", gpu_filter_texts[filter]);
-    snprintf(name, sizeof name, "%s, %s", light->light.coding == VXS_CODING_BLOCKS ? "blocks" : "DAG",
-             is_texture ? "texture" : "buffer");
+    snprintf(name, sizeof name, "%s, %s", light->light.coding == VXS_CODING_BLOCKS ? "blocks" : "DAG", form_names[form]);
     if ((r = gpu_program(b, shadows, defines, asset_body, &program, m)) != VXS_OK) return r;
     for (size_t n = 0; n < b->view_count && r == VXS_OK; n++) {
-        gpu_view *v       = &b->views[n];
-        int       compare = is_first && is_texture;
-        gpu_row   row     = {.group         = gpu_filter_names[filter],
-                             .name          = name,
-                             .resolution_px = 1u << light->light.levels,
-                             .bytes         = 4.0 * light->word_count,
-                             .wanted        = compare ? v->lit[filter] : NULL};
-        r                 = measure_program(b, shadows, program, v, &row, m);
-        if (r != VXS_OK || !is_first || is_texture) continue;
+        gpu_view *v   = &b->views[n];
+        gpu_row   row = {.group         = gpu_filter_names[filter],
+                         .name          = name,
+                         .resolution_px = 1u << light->light.levels,
+                         .bytes         = 4.0 * light->word_count + (double)vxs_gl_table_bytes(shadows),
+                         .wanted        = is_first && form != FORM_BUFFER ? v->lit[filter] : NULL};
+        r             = measure_program(b, shadows, program, v, &row, m);
+        if (r != VXS_OK || !is_first || form != FORM_BUFFER) continue;
         if (!v->lit[filter]) v->lit[filter] = malloc(b->pixels * sizeof(float));
         if (!v->lit[filter])
             r = fail(m, VXS_E_MEMORY, "out of memory for answers");
@@ -86,12 +89,13 @@ vxs_result gpu_measure_lookups(gpu_bench *b, const vxs_asset *asset, int is_firs
 {
     const vxs_baked_light *light = vxs_asset_light(asset, 0);
     vxs_result             r     = VXS_OK;
-    for (int is_texture = 0; is_texture < (b->storage ? 1 : 2) && r == VXS_OK; is_texture++) {
+    for (gpu_form form = 0; form < (b->storage ? FORM_TEXTURE : FORMS) && r == VXS_OK; form++) {
         vxs_gl *shadows = NULL;
-        r               = gpu_shadows(b, asset, is_texture ? VXS_GL_TEXTURE : VXS_GL_BUFFER, &shadows, m);
-        if (r == VXS_OK && is_first && !is_texture) r = measure_place(b, shadows, 1u << light->light.levels, m);
+        if (form == FORM_WORDS && light->light.coding != VXS_CODING_BLOCKS) continue;
+        r = gpu_shadows(b, asset, form == FORM_TEXTURE ? VXS_GL_TEXTURE : VXS_GL_BUFFER, form == FORM_WORDS, &shadows, m);
+        if (r == VXS_OK && is_first && form == FORM_BUFFER) r = measure_place(b, shadows, 1u << light->light.levels, m);
         for (int f = 0; f < GPU_FILTERS && r == VXS_OK; f++)
-            r = measure_filter(b, shadows, light, (gpu_filter)f, is_texture, is_first, m);
+            r = measure_filter(b, shadows, light, (gpu_filter)f, form, is_first, m);
         vxs_gl_destroy(shadows);
     }
     return r;
@@ -366,7 +370,7 @@ vxs_result gpu_measure_rivals(gpu_bench *b, const vxs_asset *asset, run_context 
     vxs_depth_map_desc desc = {.struct_size = sizeof desc, .wide_px = maps.side_px, .high_px = maps.side_px, .voxels = maps.voxels};
     if (!maps.voxels) return fail(m, VXS_E_MEMORY, "out of memory for a depth map");
     if ((r = vxs_depth_map(light, &desc, NULL)) != VXS_OK) r = fail(m, r, "no depth map: %s", vxs_result_text(r));
-    if (r == VXS_OK) r = gpu_shadows(b, asset, VXS_GL_BUFFER, &shadows, m);
+    if (r == VXS_OK) r = gpu_shadows(b, asset, VXS_GL_BUFFER, 0, &shadows, m);
     for (int n = 0; n < LOOKUPS && r == VXS_OK; n++) {
         char text[6000], defines[2000];
         snprintf(text, sizeof text, "%s%s", rival_head, lookups[n].body);
