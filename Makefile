@@ -113,7 +113,7 @@ mpi       := $(if $(shell command -v $(MPICC)),$B/vxs-mpi)
 runtime.c := $(wildcard runtime/*.c formats/vxs_read*.c formats/vxs_page_decode.c formats/vxs_page_check.c formats/vxs_resident_check.c)
 gl.c      := $(wildcard runtime/gl/*.c)
 # smoke comes with lights, so that there are as many texts as programs know of
-gl.text   := $(filter-out %/lights.glsl %/words.glsl %/tables.glsl,$(wildcard runtime/gl/*.glsl)) $B/runtime/gl/words_tables.glsl $(addprefix formats/,vxs_lookup.h vxs_lookup_blocks.h vxs_space.h) runtime/gl/vxs_cull.h $B/runtime/gl/smoke_lights.glsl
+gl.text   := $(filter-out %/lights.glsl %/words.glsl %/tables.glsl,$(wildcard runtime/gl/*.glsl)) $B/runtime/gl/words_tables.glsl $(addprefix formats/,vxs_lookup.h vxs_lookup_blocks.h vxs_space.h vxs_depths.h) runtime/gl/vxs_cull.h $B/runtime/gl/smoke_lights.glsl
 # what its functions are declared in, and texts for C and shaders
 volumes.h := $(addprefix runtime/volumes/,vxs_volumes.h vxs_transmittance.h vxs_area_light.h vxs_capsule.h)
 air.h     := $(filter-out $(volumes.h),$(wildcard runtime/volumes/vxs_*.h))

@@ -1,10 +1,7 @@
 /* A work group makes the list of a tile of 8 x 8 pixels: it computes the bounding box of the tile's points, then tests 64 lights
- * at a time against it. Lights keep their order, so that sums over them are the same in each frame. Compiled behind lights.glsl. */
+ * at a time against it. Lights keep their order, so that sums over them are the same in each frame. Compiled behind view.glsl. */
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(std430, binding = VXS_GL_AT_LISTS) writeonly restrict buffer vxs_lists_block { uint vxs_lists[]; };
-uniform highp sampler2D vxs_depths;
-uniform mat4 vxs_point_from_depth;
-uniform vec4 vxs_sizes; /* width, height, empty depth, 0 */
 uniform vxs_filter vxs_widest; /* filter of the lookups */
 uniform uvec2 vxs_room; /* tiles in a row, lights in a list */
 
@@ -15,15 +12,10 @@ void main()
 {
     uint  self = gl_LocalInvocationIndex, count = 0u;
     uint  tile = 4u + (gl_WorkGroupID.y * vxs_room.x + gl_WorkGroupID.x) * (vxs_room.y + 1u);
-    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-    vxs_low[self]  = vec3(3e38);
-    vxs_high[self] = vec3(-3e38);
-    if (float(pixel.x) < vxs_sizes.x && float(pixel.y) < vxs_sizes.y) {
-        float depth = texelFetch(vxs_depths, pixel, 0).r;
-        vec4  at    = vxs_point_from_depth * vec4((vec2(pixel) + 0.5) / vxs_sizes.xy, depth, 1.0);
-        vec3  place = at.xyz / at.w; /* not finite for some depths; such a point is left out of the box */
-        if (depth != vxs_sizes.z && all(lessThan(abs(place), vec3(VXS_VIEW_METRES)))) vxs_low[self] = vxs_high[self] = place;
-    }
+    vec3  at;
+    bool  is_seen = vxs_pixel_point(ivec2(gl_GlobalInvocationID.xy), at);
+    vxs_low[self]  = is_seen ? at : vec3(3e38);
+    vxs_high[self] = is_seen ? at : vec3(-3e38);
     if (self < 2u) vxs_met[self] = 0u;
     for (uint span = 32u; span > 0u; span >>= 1) {
         barrier();

@@ -20,7 +20,12 @@ enum {
     GL_FORMAT_RGBA_INTEGER          = 0x8D99,
     GL_FORMAT_R32UI                 = 0x8236,
     GL_FORMAT_RGBA32UI              = 0x8D70,
+    GL_FORMAT_DEPTH                 = 0x1902,
+    GL_FORMAT_DEPTH16               = 0x81A5,
+    GL_FORMAT_DEPTH32F              = 0x8CAC,
+    GL_TYPE_UNSIGNED_SHORT          = 0x1403,
     GL_TYPE_UNSIGNED_INT            = 0x1405,
+    GL_TYPE_FLOAT                   = 0x1406,
     GL_TARGET_TEXTURE_2D            = 0x0DE1,
     GL_TARGET_STORAGE_BUFFER        = 0x90D2,
     GL_TARGET_COPY_WRITE_BUFFER     = 0x8F37,
@@ -32,6 +37,7 @@ enum {
     GL_IS_TEXTURE_2D                = 0x8069,
     GL_IS_PIXEL_UNPACK_BUFFER       = 0x88EF,
     GL_IS_PROGRAM                   = 0x8B8D,
+    GL_IS_SAMPLER                   = 0x8919,
     GL_IS_UNPACK_ROW_LENGTH         = 0x0CF2,
     GL_IS_UNPACK_SKIP_ROWS          = 0x0CF3,
     GL_IS_UNPACK_SKIP_PIXELS        = 0x0CF4,
@@ -42,9 +48,20 @@ enum {
     GL_SET_MAG_FILTER               = 0x2800,
     GL_SET_MIN_FILTER               = 0x2801,
     GL_SET_MAX_LEVEL                = 0x813D,
+    GL_SET_WRAP_S                   = 0x2802,
+    GL_SET_WRAP_T                   = 0x2803,
+    GL_SET_COMPARE_MODE             = 0x884C,
+    GL_SET_COMPARE_FUNCTION         = 0x884D,
     GL_FILTER_NEAREST               = 0x2600,
+    GL_FILTER_LINEAR                = 0x2601,
+    GL_WRAP_CLAMP                   = 0x812F,
+    GL_COMPARE_TO_TEXTURE           = 0x884E,
+    GL_COMPARE_LEQUAL               = 0x0203,
+    GL_MAP_READ                     = 0x0001,
     GL_KIND_COMPUTE_SHADER          = 0x91B9,
     GL_STATUS_LINK                  = 0x8B82,
+    GL_BARRIER_PIXEL_BUFFER         = 0x0080,
+    GL_BARRIER_BUFFER_UPDATE        = 0x0200,
     GL_BARRIER_SHADER_STORAGE       = 0x2000,
 };
 
@@ -60,10 +77,13 @@ enum {
     X(void, BindBufferBase, (gl_enum, gl_name, gl_name))                                                                 \
     X(void, BufferData, (gl_enum, gl_bytes, const void *, gl_enum))                                                      \
     X(void, BufferSubData, (gl_enum, gl_bytes, gl_bytes, const void *))                                                  \
+    X(void *, MapBufferRange, (gl_enum, gl_bytes, gl_bytes, unsigned))                                                   \
+    X(unsigned char, UnmapBuffer, (gl_enum))                                                                             \
     X(void, GenTextures, (int, gl_name *))                                                                               \
     X(void, DeleteTextures, (int, const gl_name *))                                                                      \
     X(void, ActiveTexture, (gl_enum))                                                                                    \
     X(void, BindTexture, (gl_enum, gl_name))                                                                             \
+    X(void, BindSampler, (gl_name, gl_name))                                                                             \
     X(void, TexImage2D, (gl_enum, int, int, int, int, int, gl_enum, gl_enum, const void *))                              \
     X(void, TexSubImage2D, (gl_enum, int, int, int, int, int, gl_enum, gl_enum, const void *))                           \
     X(void, TexParameteri, (gl_enum, gl_enum, int))                                                                      \

@@ -9,10 +9,7 @@
 #define VXS_LIGHT    const vxs_light_constants *
 #include "vxs_cull.h"
 
-#define TEXT_OF(number)    TEXT_OF_IT(number)
-#define TEXT_OF_IT(number) #number
-
-enum { LISTS_WIDE = 2048, CULL_TEXTS = VXS_GL_TEXTS + 2 };
+enum { LISTS_WIDE = 2048 };
 
 uint64_t vxs_lists_words(uint32_t width_px, uint32_t height_px, uint32_t tile_lights)
 {
@@ -168,74 +165,22 @@ vxs_result vxs_gl_put_lists(vxs_gl *gl, const uint32_t *lists)
     return VXS_OK;
 }
 
-static int can_compute(const gl_api *api)
+vxs_result vxs_gl_cull(vxs_gl *gl, const vxs_view *view, unsigned depth_texture, uint32_t tile_lights)
 {
-#define THERE(result, name, arguments)                                                                                             \
-    if (!api->name) return 0;
-    GL_COMPUTE_API(THERE)
-#undef THERE
-    return 1;
-}
-
-static vxs_result make_culling(vxs_gl *gl)
-{
-    static const char names[] = "#define VXS_GL_CULL\n#define VXS_VIEW_METRES " TEXT_OF(VXS_VIEW_METRES) "\n";
-    const gl_api     *api     = &gl->api;
-    const char       *head[VXS_GL_TEXTS], *texts[CULL_TEXTS] = {gl->head, names};
-    int               good = 0;
-    vxs_gl_texts(gl, head);
-    memcpy(texts + 2, head + 1, (VXS_GL_TEXTS - 1) * sizeof *texts);
-    texts[CULL_TEXTS - 1] = vxs_gl_text_cull_glsl;
-
-    gl_name shader = api->CreateShader(GL_KIND_COMPUTE_SHADER);
-    gl->culling    = api->CreateProgram();
-    api->ShaderSource(shader, CULL_TEXTS, texts, NULL);
-    api->CompileShader(shader);
-    api->AttachShader(gl->culling, shader);
-    api->DeleteShader(shader);
-    api->LinkProgram(gl->culling);
-    api->GetProgramiv(gl->culling, GL_STATUS_LINK, &good);
-    if (good) return VXS_OK;
-    char log[1024] = "";
-    api->GetShaderInfoLog(shader, sizeof log, NULL, log); /* the program still holds the shader */
-    api->DeleteProgram(gl->culling);
-    gl->culling = 0;
-    return vxs_gl_fail(gl, log);
-}
-
-/* Depths use texture unit 0, which is free here because words are in a buffer. */
-static void dispatch(const vxs_gl *gl, const vxs_view *v, gl_name depths, uint32_t columns, uint32_t rows, uint32_t tile_lights)
-{
-    const gl_api *api = &gl->api;
-    int           program, unit, texture;
-    api->GetIntegerv(GL_IS_PROGRAM, &program);
-    api->GetIntegerv(GL_IS_ACTIVE_TEXTURE, &unit);
-    api->ActiveTexture(GL_UNIT_0);
-    api->GetIntegerv(GL_IS_TEXTURE_2D, &texture);
-    api->BindTexture(GL_TARGET_TEXTURE_2D, depths);
-    api->UseProgram(gl->culling);
-    api->Uniform1i(api->GetUniformLocation(gl->culling, "vxs_depths"), 0);
-    api->UniformMatrix4fv(api->GetUniformLocation(gl->culling, "vxs_point_from_depth"), 1, 0, v->point_from_depth);
-    api->Uniform4f(api->GetUniformLocation(gl->culling, "vxs_sizes"), (float)v->width_px, (float)v->height_px, v->empty_depth, 0);
-    api->Uniform1i(api->GetUniformLocation(gl->culling, "vxs_widest.width_px"), v->filter.width_px);
-    api->Uniform1i(api->GetUniformLocation(gl->culling, "vxs_widest.is_smooth"), v->filter.is_smooth);
+    static const char *const texts[] = {vxs_gl_text_view_glsl, vxs_gl_text_cull_glsl};
+    const gl_api            *api     = &gl->api;
+    uint32_t columns = (view->width_px + VXS_TILE_PX - 1) / VXS_TILE_PX, rows = (view->height_px + VXS_TILE_PX - 1) / VXS_TILE_PX;
+    if (!vxs_gl_can_compute(gl)) return vxs_gl_fail(gl, "vxs_gl_cull: expected storage buffers and compute shaders");
+    if (!make_lists(gl, vxs_lists_words(view->width_px, view->height_px, tile_lights))) return VXS_E_MEMORY;
+    if (!gl->culling && !(gl->culling = vxs_gl_compute(gl, "#define VXS_GL_CULL\n", texts, 2))) return VXS_E_GL;
+    vxs_gl_bind(gl);
+    gl_pass pass = vxs_gl_begin_pass(gl, gl->culling, depth_texture);
+    vxs_gl_set_view(gl, gl->culling, view);
+    api->Uniform1i(api->GetUniformLocation(gl->culling, "vxs_widest.width_px"), view->filter.width_px);
+    api->Uniform1i(api->GetUniformLocation(gl->culling, "vxs_widest.is_smooth"), view->filter.is_smooth);
     api->Uniform2ui(api->GetUniformLocation(gl->culling, "vxs_room"), columns, tile_lights);
     api->DispatchCompute(columns, rows, 1);
     api->MemoryBarrier(GL_BARRIER_SHADER_STORAGE);
-    api->UseProgram((gl_name)program);
-    api->BindTexture(GL_TARGET_TEXTURE_2D, (gl_name)texture);
-    api->ActiveTexture((gl_enum)unit);
-}
-
-vxs_result vxs_gl_cull(vxs_gl *gl, const vxs_view *view, unsigned depth_texture, uint32_t tile_lights)
-{
-    uint32_t   columns = (view->width_px + VXS_TILE_PX - 1) / VXS_TILE_PX, rows = (view->height_px + VXS_TILE_PX - 1) / VXS_TILE_PX;
-    vxs_result r;
-    if (gl->is_texture || !can_compute(&gl->api))
-        return vxs_gl_fail(gl, "vxs_gl_cull: expected storage buffers and compute shaders");
-    if (!make_lists(gl, vxs_lists_words(view->width_px, view->height_px, tile_lights))) return VXS_E_MEMORY;
-    if (!gl->culling && (r = make_culling(gl)) != VXS_OK) return r;
-    vxs_gl_bind(gl);
-    dispatch(gl, view, depth_texture, columns, rows, tile_lights);
+    vxs_gl_end_pass(gl, &pass);
     return VXS_OK;
 }

@@ -75,6 +75,44 @@ void vxs_gl_words_write(const vxs_gl *gl, const gl_words *w, const uint32_t *wor
 /* Bind an array: as texture at unit, or storage buffer at binding, first_binding + place. */
 void vxs_gl_words_bind(const vxs_gl *gl, const gl_words *w, uint32_t place);
 
+/* Read the first words of a buffer: valid until vxs_gl_words_unmap. Returns NULL on failure; then there is nothing to unmap. */
+const uint32_t *vxs_gl_words_map(const vxs_gl *gl, const gl_words *w, uint32_t count);
+void            vxs_gl_words_unmap(const vxs_gl *gl);
+
+typedef struct gl_rectangle {
+    int x, y, wide, high;
+} gl_rectangle;
+
+/* Make a square depth texture of 16 or 32 bits, as vxs_gl_depth_texture describes it. Returns 0 on failure. */
+gl_name vxs_gl_depths_make(const vxs_gl *gl, uint32_t side_px, uint32_t bits);
+
+/* Write depths, rows without gaps, whose size is a multiple of 4 bytes or which are one row.
+ * buffer  0: depths is a pointer; else a place in this buffer */
+void vxs_gl_depths_write(const vxs_gl *gl, gl_name texture, uint32_t bits, gl_rectangle to, gl_name buffer, const void *depths);
+
+/* Compile a compute program behind the texts of vxs_gl_texts; more lines of its head come before them.
+ * texts  [count]
+ * Returns 0 when that fails, which is reported (vxs_gl_fail). */
+gl_name vxs_gl_compute(const vxs_gl *gl, const char *head, const char *const *texts, int count);
+
+/* Whether vxs_gl_compute can be used: storage buffers and the functions of compute shaders. */
+int vxs_gl_can_compute(const vxs_gl *gl);
+
+/* The state that a compute pass changes. */
+typedef struct gl_pass {
+    int program, unit, texture, sampler;
+} gl_pass;
+
+/* Use a program with a depth texture at unit 0, which is free because words are in a buffer; and restore the state. */
+gl_pass vxs_gl_begin_pass(const vxs_gl *gl, gl_name program, gl_name depths);
+void    vxs_gl_end_pass(const vxs_gl *gl, const gl_pass *pass);
+
+/* Set the uniforms of view.glsl. */
+void vxs_gl_set_view(const vxs_gl *gl, gl_name program, const vxs_view *view);
+
+/* Bind a buffer to a storage buffer binding. */
+void vxs_gl_words_bind_at(const vxs_gl *gl, const gl_words *w, uint32_t binding);
+
 void *vxs_gl_alloc(const vxs_gl *gl, uint64_t count, size_t size);
 void  vxs_gl_free(const vxs_gl *gl, void *memory, uint64_t count, size_t size);
 
@@ -98,6 +136,8 @@ uint64_t   vxs_gl_stream_upload(vxs_gl *gl, size_t room_words);
 
 /* Shader texts, made by the Makefile from the files of these names. */
 extern const char vxs_gl_text_words_tables_glsl[], vxs_gl_text_smoke_lights_glsl[], vxs_gl_text_cull_glsl[],
-    vxs_gl_text_vxs_lookup_h[], vxs_gl_text_vxs_lookup_blocks_h[], vxs_gl_text_vxs_space_h[], vxs_gl_text_vxs_cull_h[];
+    vxs_gl_text_view_glsl[], vxs_gl_text_depth_pages_glsl[], vxs_gl_text_depth_pages_fill_glsl[],
+    vxs_gl_text_depth_pages_pack_glsl[], vxs_gl_text_depth_pages_mark_glsl[], vxs_gl_text_vxs_lookup_h[],
+    vxs_gl_text_vxs_lookup_blocks_h[], vxs_gl_text_vxs_space_h[], vxs_gl_text_vxs_depths_h[], vxs_gl_text_vxs_cull_h[];
 
 #endif

@@ -113,6 +113,11 @@ void vxs_gl_words_write(const vxs_gl *gl, const gl_words *w, const uint32_t *wor
     gl->api.BindBuffer(GL_TARGET_COPY_WRITE_BUFFER, 0);
 }
 
+void vxs_gl_words_bind_at(const vxs_gl *gl, const gl_words *w, uint32_t binding)
+{
+    gl->api.BindBufferBase(GL_TARGET_STORAGE_BUFFER, binding, w->name);
+}
+
 void vxs_gl_words_bind(const vxs_gl *gl, const gl_words *w, uint32_t place)
 {
     if (!w->name) return;
@@ -125,4 +130,52 @@ void vxs_gl_words_bind(const vxs_gl *gl, const gl_words *w, uint32_t place)
     gl->api.ActiveTexture(GL_UNIT_0 + gl->first_binding + place);
     gl->api.BindTexture(GL_TARGET_TEXTURE_2D, w->name);
     gl->api.ActiveTexture((gl_enum)active);
+}
+
+const uint32_t *vxs_gl_words_map(const vxs_gl *gl, const gl_words *w, uint32_t count)
+{
+    gl->api.BindBuffer(GL_TARGET_COPY_WRITE_BUFFER, w->name);
+    return gl->api.MapBufferRange(GL_TARGET_COPY_WRITE_BUFFER, 0, (gl_bytes)(count * sizeof(uint32_t)), GL_MAP_READ);
+}
+
+void vxs_gl_words_unmap(const vxs_gl *gl)
+{
+    gl->api.UnmapBuffer(GL_TARGET_COPY_WRITE_BUFFER);
+    gl->api.BindBuffer(GL_TARGET_COPY_WRITE_BUFFER, 0);
+}
+
+gl_name vxs_gl_depths_make(const vxs_gl *gl, uint32_t side_px, uint32_t bits)
+{
+    static const int parameters[][2] = {{GL_SET_MIN_FILTER, GL_FILTER_LINEAR},
+                                        {GL_SET_MAG_FILTER, GL_FILTER_LINEAR},
+                                        {GL_SET_WRAP_S, GL_WRAP_CLAMP},
+                                        {GL_SET_WRAP_T, GL_WRAP_CLAMP},
+                                        {GL_SET_COMPARE_MODE, GL_COMPARE_TO_TEXTURE},
+                                        {GL_SET_COMPARE_FUNCTION, GL_COMPARE_LEQUAL},
+                                        {GL_SET_MAX_LEVEL, 0}};
+    const gl_api    *api             = &gl->api;
+    int              most            = 0;
+    gl_name          texture         = 0;
+    api->GetIntegerv(GL_MOST_TEXTURE_SIZE, &most);
+    if (side_px > (uint32_t)most) return 0;
+    forget_error(api);
+    api->GenTextures(1, &texture);
+    texture_state s = begin_texture(api, texture);
+    api->TexImage2D(GL_TARGET_TEXTURE_2D, 0, bits == 16 ? GL_FORMAT_DEPTH16 : GL_FORMAT_DEPTH32F, (int)side_px, (int)side_px, 0,
+                    GL_FORMAT_DEPTH, bits == 16 ? GL_TYPE_UNSIGNED_SHORT : GL_TYPE_FLOAT, NULL);
+    for (size_t n = 0; n < sizeof parameters / sizeof *parameters; n++)
+        api->TexParameteri(GL_TARGET_TEXTURE_2D, (gl_enum)parameters[n][0], parameters[n][1]);
+    end_texture(api, &s);
+    if (api->GetError() == GL_ERROR_NONE) return texture;
+    api->DeleteTextures(1, &texture);
+    return 0;
+}
+
+void vxs_gl_depths_write(const vxs_gl *gl, gl_name texture, uint32_t bits, gl_rectangle to, gl_name buffer, const void *depths)
+{
+    texture_state s = begin_texture(&gl->api, texture);
+    gl->api.BindBuffer(GL_TARGET_PIXEL_UNPACK_BUFFER, buffer);
+    gl->api.TexSubImage2D(GL_TARGET_TEXTURE_2D, 0, to.x, to.y, to.wide, to.high, GL_FORMAT_DEPTH,
+                          bits == 16 ? GL_TYPE_UNSIGNED_SHORT : GL_TYPE_FLOAT, depths);
+    end_texture(&gl->api, &s);
 }

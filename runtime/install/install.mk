@@ -11,7 +11,7 @@ zshdir     ?= $(datadir)/zsh/site-functions
 
 version := $(shell sed -n 's/^\#define VXS_VERSION_[MP][A-Z]* *//p' runtime/vxs.h | paste -sd.)
 major   := $(firstword $(subst ., ,$(version)))
-headers := runtime/vxs.h runtime/vxs.hpp runtime/vxs_query.h runtime/vxs_stream.h runtime/gl/vxs_gl.h runtime/gl/vxs_cull.h $(volumes.h) $(air.h) $(addprefix formats/,vxs_file.h vxs_format.h vxs_result.h vxs_findings.h vxs_lookup.h vxs_lookup_blocks.h vxs_space.h vxs_smoke.h vxs_depths.h vxs_intervals.h)
+headers := runtime/vxs.h runtime/vxs.hpp runtime/vxs_query.h runtime/vxs_stream.h runtime/gl/vxs_gl.h runtime/gl/vxs_gl_depths.h runtime/gl/vxs_cull.h $(volumes.h) $(air.h) $(addprefix formats/,vxs_file.h vxs_format.h vxs_result.h vxs_findings.h vxs_lookup.h vxs_lookup_blocks.h vxs_space.h vxs_smoke.h vxs_depths.h vxs_intervals.h)
 
 # --- libvxs.so: what the headers declare, under one version of symbols for each that breaks programs ----------------------------
 
@@ -44,7 +44,7 @@ $B/pic/runtime/%/texts.c.o: $B/runtime/%/texts.c
 	$(compile_pic)
 
 $B/libvxs.map: runtime/vxs.h runtime/vxs_query.h runtime/vxs_stream.h formats/vxs_file.h
-$B/libvxs_gl.map: runtime/gl/vxs_gl.h
+$B/libvxs_gl.map: runtime/gl/vxs_gl.h runtime/gl/vxs_gl_depths.h
 $B/libvxs_volumes.map: $(volumes.h)
 $B/libvxs.map $B/libvxs_gl.map $B/libvxs_volumes.map:
 	$Q mkdir -p $(@D) && { echo "$(if $(findstring _gl,$@),VXS_GL,$(if $(findstring _volumes,$@),VXS_VOLUMES,VXS))_$(major) { global:"; \

@@ -14,7 +14,6 @@ enum {
     GL_FORMAT_RGBA32F           = 0x8814,
     GL_FORMAT_RED               = 0x1903,
     GL_FORMAT_RGBA              = 0x1908,
-    GL_TYPE_FLOAT               = 0x1406,
     GL_TARGET_TEXTURE_2D_ARRAY  = 0x8C1A,
     GL_TARGET_TEXTURE_BUFFER    = 0x8C2A,
     GL_TARGET_UNIFORM_BUFFER    = 0x8A11,
@@ -34,7 +33,6 @@ enum {
     GL_MODE_TRIANGLES           = 0x0004,
     GL_IS_TEXTURE_2D_ARRAY      = 0x8C1D,
     GL_IS_TEXTURE_BUFFER        = 0x8C2C,
-    GL_IS_SAMPLER               = 0x8919,
     GL_IS_UNIFORM_BUFFER        = 0x8A28,
     GL_IS_UNIFORM_BUFFER_START  = 0x8A29,
     GL_IS_UNIFORM_BUFFER_SIZE   = 0x8A2A,
@@ -82,7 +80,6 @@ enum {
     GL_ATTACHMENT_COLOUR        = 0x8CE0,
     GL_BUFFER_COLOUR            = 0x1800,
     GL_BARRIER_TEXTURE_FETCH    = 0x0008,
-    GL_BARRIER_BUFFER_UPDATE    = 0x0200,
     GL_BARRIER_COMMANDS         = 0x0040,
     GL_BARRIER_IMAGE            = 0x0020,
     GL_BARRIER_FRAMEBUFFER      = 0x0400,
@@ -108,7 +105,6 @@ enum {
     X(void, ColorMaski, (gl_name, unsigned char, unsigned char, unsigned char, unsigned char))                           \
     X(void, PolygonMode, (gl_enum, gl_enum))                                                                             \
     X(void, Viewport, (int, int, int, int))                                                                              \
-    X(void, BindSampler, (gl_name, gl_name))                                                                             \
     X(void, BindImageTexture, (gl_name, gl_name, int, unsigned char, int, gl_enum, gl_enum))                             \
     X(void, CreateTextures, (gl_enum, int, gl_name *))                                                                   \
     X(void, TextureStorage2D, (gl_name, int, gl_enum, int, int))                                                         \

@@ -311,6 +311,7 @@ static vxs_result measure_file(gpu_bench *b, const char *path, uint32_t *last_le
         *last_levels = levels;
         /* what cannot be drawn does not keep the rest from being measured */
         if (!b->only) r = gpu_measure_lookups(b, asset, is_first, m);
+        if (r == VXS_OK && is_first && !b->only) r = gpu_measure_pages(b, asset, m);
         vxs_result rivals = is_first && !b->only ? gpu_measure_rivals(b, asset, m) : VXS_OK;
         vxs_result fog    = has_fog ? gpu_measure_fog(b, asset, m) : VXS_OK;
         r                 = r != VXS_OK ? r : rivals != VXS_OK ? rivals : fog;

@@ -82,6 +82,9 @@ vxs_result gpu_measure(gpu_bench *b, const gpu_view *view, const gpu_row *row, v
  * body  defines float answer_of(ivec2 pixel, vec3 at, vec3 normal) */
 vxs_result gpu_program(gpu_bench *b, const vxs_gl *shadows, const char *defines, const char *body, GLuint *program, run_context *m);
 
+/* Use such a program for a view. */
+void gpu_use(gpu_bench *b, vxs_gl *shadows, GLuint program, const gpu_view *view);
+
 /* Dispatch a program for all pixels of a view. */
 typedef struct gpu_dispatch {
     const vxs_gl   *shadows;
@@ -101,6 +104,7 @@ vxs_result gpu_shadows(gpu_bench *b, const vxs_asset *asset, vxs_gl_storage stor
  * asset with one light.
  * is_first  the first asset of its resolution: its answers are kept */
 vxs_result gpu_measure_lookups(gpu_bench *b, const vxs_asset *asset, int is_first, run_context *m);
+vxs_result gpu_measure_pages(gpu_bench *b, const vxs_asset *asset, run_context *m);
 vxs_result gpu_measure_rivals(gpu_bench *b, const vxs_asset *asset, run_context *m);
 vxs_result gpu_measure_lights(gpu_bench *b, const vxs_asset *asset, run_context *m);
 vxs_result gpu_measure_fog(gpu_bench *b, const vxs_asset *asset, run_context *m);

@@ -21,7 +21,7 @@ static const char place_body[] = "float answer_of(ivec2 pixel, vec3 at, vec3 nor
                                  "    return float(place.map + place.voxel[0] + place.voxel[1] + place.voxel[2]);\n"
                                  "}\n";
 
-static void begin(gpu_bench *b, vxs_gl *shadows, GLuint program, const gpu_view *view)
+void gpu_use(gpu_bench *b, vxs_gl *shadows, GLuint program, const gpu_view *view)
 {
     const gl_context *gl = b->gl;
     vxs_gl_origin(shadows, view->eye_ws);
@@ -36,7 +36,7 @@ static void begin(gpu_bench *b, vxs_gl *shadows, GLuint program, const gpu_view 
 static vxs_result measure_program(gpu_bench *b, vxs_gl *shadows, GLuint program, gpu_view *view, const gpu_row *row, run_context *m)
 {
     gpu_dispatch d = {shadows, view, program};
-    begin(b, shadows, program, view);
+    gpu_use(b, shadows, program, view);
     return gpu_measure(b, view, row, gpu_dispatch_frame, &d, m);
 }
 
@@ -70,6 +70,7 @@ static vxs_result measure_filter(gpu_bench *b, vxs_gl *shadows, const vxs_baked_
         else
             gpu_answers(b, v->lit[filter]);
     }
+    b->gl->UseProgram(0);
     b->gl->DeleteProgram(program);
     return r;
 }
@@ -81,6 +82,7 @@ static vxs_result measure_place(gpu_bench *b, vxs_gl *shadows, uint32_t side_px,
     for (size_t n = 0; n < b->view_count && r == VXS_OK; n++)
         r = measure_program(b, shadows, program, &b->views[n],
                             &(gpu_row){.group = "place", .name = "alone: in each figure", .resolution_px = side_px}, m);
+    b->gl->UseProgram(0);
     b->gl->DeleteProgram(program);
     return r;
 }

@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "runtime/gl/vxs_gl.h"
+#include "runtime/gl/vxs_gl_depths.h"
 #include "runtime/volumes/volumes_gl.h"
 #include "runtime/volumes/vxs_area_light.h"
 #include "runtime/volumes/vxs_transmittance.h"
@@ -24,6 +25,17 @@ static unsigned    last_name, last_shader, texts_written;
 static gl_enum     kind_of_shader[4096];
 
 /* OpenGL ---------------------------------------------------------------------------------------------------------------------- */
+
+static uint32_t marks[4 * 4097]; /* of depth pages */
+
+static const void *GL_CALL map_buffer(gl_enum target, gl_bytes first, gl_bytes bytes, unsigned access)
+{
+    (void)target;
+    (void)first;
+    (void)bytes;
+    (void)access;
+    return marks;
+}
 
 static uintptr_t GL_CALL nothing(void)
 {
@@ -112,6 +124,7 @@ static vxs_gl_function function_of(const char *name, void *user)
     IS("GetShaderiv", get_status);
     IS("GetProgramiv", get_status);
     IS("GetNamedBufferSubData", read_buffer);
+    IS("MapBufferRange", map_buffer);
     IS("ShaderSource", shader_source);
     return (vxs_gl_function)nothing;
 }
@@ -127,6 +140,44 @@ static void must(vxs_result result)
 }
 
 #define CALL(name, call) (technique = (name), must(call))
+
+/* A lookup of a sun in depth pages, with a box. */
+static void lookup_in_pages(const vxs_gl *shadows, const vxs_gl_depth_pages *pages, int is_alone)
+{
+#define ONLY_SUN "#define VXS_ONLY_KIND 1\n#define VXS_ONLY_CUBE 0\n#define VXS_ONLY_SMOOTH 0\n#define VXS_ONLY_WIDTH 9\n"
+    enum { TEXTS = VXS_GL_TEXTS + 1 + VXS_GL_DEPTH_PAGES_TEXTS + 1 };
+    const char *texts[TEXTS], *common[VXS_GL_TEXTS];
+    vxs_gl_texts(shadows, common);
+    texts[0] = common[0];
+    texts[1] = is_alone ? ONLY_SUN "#define VXS_PAGES_ALONE\n" : ONLY_SUN;
+    memcpy(texts + 2, common + 1, sizeof common - sizeof *common);
+    vxs_gl_depth_pages_texts(pages, texts + VXS_GL_TEXTS + 1);
+    texts[TEXTS - 1] = "layout(local_size_x = 64) in;\n"
+                       "layout(std430, binding = 9) restrict buffer points_block { vec4 points[]; };\n"
+                       "void main()\n"
+                       "{\n"
+                       "    uint n = 2u * gl_GlobalInvocationID.x;\n"
+                       "    points[n].w = vxs_paged_lit_by(0u, points[n].xyz, points[n + 1u].xyz, vxs_box(9));\n"
+                       "}\n";
+    light_name       = "sun";
+    technique        = is_alone ? "lookup_in_pages_alone" : "lookup_in_pages";
+    shader_source(create_shader(GL_KIND_COMPUTE_SHADER), TEXTS, texts, NULL);
+}
+
+static void depth_pages(vxs_gl *shadows, const vxs_view *view)
+{
+    vxs_gl_depth_pages *pages;
+    light_name = "all";
+    CALL("pages", vxs_gl_depth_pages_create(&pages, shadows, NULL));
+    CALL("pages", vxs_gl_depth_pages_mark(pages, &(vxs_depth_pages_view){.view = *view}, 1));
+    CALL("pages", vxs_gl_depth_pages_mark(pages, &(vxs_depth_pages_view){.view = *view}, 1));
+    marks[0] = 1; /* page (0, 0) of light 0, whose table begins behind the lights */
+    marks[7] = 8 + 516 * vxs_gl_depth_pages_room(pages) + LIGHTS;
+    if (vxs_gl_depth_pages_update(pages, 1) != 0) abort();
+    lookup_in_pages(shadows, pages, 0);
+    lookup_in_pages(shadows, pages, 1);
+    vxs_gl_depth_pages_destroy(pages);
+}
 
 static void area_lights(vxs_volumes *v, int has_smoke)
 {
@@ -270,6 +321,7 @@ static void all_of_coding(uint32_t which, uint64_t most_table_bytes, int is_firs
     for (int d = 0; d < 16; d += 5) frame.view.point_from_depth[d] = 1;
     light_name = "all";
     CALL("cull", vxs_gl_cull(shadows, &frame.view, 1, 16));
+    depth_pages(shadows, &frame.view);
     CALL("begin", vxs_volumes_begin(v, &frame));
     for (uint32_t n = 0; n < LIGHTS; n++) {
         light_name = names[n];

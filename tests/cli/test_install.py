@@ -27,7 +27,7 @@ INSTALLED = {"bin/vxs", "lib/libvxs.a", "lib/libvxs.so", f"lib/libvxs.so.{MAJOR}
              "lib/pkgconfig/vxs_volumes.pc", *(f"include/vxs/{path.name}" for path in (ROOT / "runtime/volumes").glob("vxs_*.h")),
              "lib/libvxs_bake.a", "lib/libvxs_bake.so", f"lib/libvxs_bake.so.{MAJOR}", f"lib/libvxs_bake.so.{VERSION}", "lib/pkgconfig/vxs_bake.pc",
              "include/vxs/vxs.hpp", *(f"include/vxs/{name}.h" for name in ("vxs", "vxs_query", "vxs_stream", "vxs_bake", "vxs_file", "vxs_format", "vxs_result", "vxs_findings", "vxs_lookup",
-                                             "vxs_lookup_blocks", "vxs_space", "vxs_smoke", "vxs_depths", "vxs_intervals", "vxs_gl", "vxs_cull")),
+                                             "vxs_lookup_blocks", "vxs_space", "vxs_smoke", "vxs_depths", "vxs_intervals", "vxs_gl", "vxs_gl_depths", "vxs_cull")),
              "share/man/man1/vxs.1", *(f"share/man/man1/vxs-{command}.1" for command in COMMANDS),
              "share/bash-completion/completions/vxs", "share/zsh/site-functions/_vxs", "share/fish/vendor_completions.d/vxs.fish",
              *(f"share/doc/vxs/{name}" for name in DOCUMENTS)}
@@ -302,7 +302,7 @@ def test_library_symbols(build, library, some):
 
 @pytest.mark.parametrize("library, headers, libraries", [
     ("libvxs", ["runtime/vxs.h", "runtime/vxs_query.h", "runtime/vxs_stream.h", "formats/vxs_file.h"], {"libzstd.so.1", "libxxhash.so.0"}),
-    ("libvxs_gl", ["runtime/gl/vxs_gl.h"], {f"libvxs.so.{MAJOR}"}),
+    ("libvxs_gl", ["runtime/gl/vxs_gl.h", "runtime/gl/vxs_gl_depths.h"], {f"libvxs.so.{MAJOR}"}),
     ("libvxs_volumes", [f"runtime/volumes/vxs_{name}.h" for name in ("volumes", "transmittance", "area_light")],
      {f"libvxs.so.{MAJOR}", f"libvxs_gl.so.{MAJOR}"})], ids=["libvxs", "libvxs_gl", "libvxs_volumes"])
 def test_shared_library_has_what_headers_declare(build, tmp_path, library, headers, libraries):
