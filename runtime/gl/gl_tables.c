@@ -88,11 +88,15 @@ static uint32_t record_of(const int32_t depth[64], int32_t *least, uint32_t *bit
             uint32_t index  = (2 * n + 1) << (*bits - level - 1);
             record[words++] = index < count ? (uint32_t)(sorted[index] - *least) : NEVER;
         }
+    uint64_t eight[8] = {0}; /* ranks, a byte each */
+    for (int n = 0; n < 64; n++) eight[n >> 3] |= (uint64_t)rank[n] << 8 * (n & 7);
     for (uint32_t bit = *bits; bit-- > 0;)
-        for (int half = 0; half < 2; half++) {
-            uint32_t plane = 0;
-            for (int n = 0; n < 32; n++) plane |= ((uint32_t)rank[32 * half + n] >> bit & 1) << n;
-            record[words++] = plane;
+        for (int half = 0; half < 2; half++, words++) {
+            record[words] = 0;
+            for (int n = 0; n < 4; n++) { /* the product has bit 0 of byte n at bit 56 + n */
+                uint64_t ones = eight[4 * half + n] >> bit & 0x0101010101010101u;
+                record[words] |= (uint32_t)(ones * 0x0102040810204080u >> 56) << 8 * n;
+            }
         }
     return words;
 }
