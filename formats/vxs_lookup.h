@@ -198,12 +198,20 @@ VXS_FN vxs_u32 vxs_shadow(VXS_WORDS dag, vxs_u32 root, vxs_u32 levels, vxs_u32 i
     return (((j & 4u) != 0u ? mask.high : mask.low) >> ((i & 7u) + 8u * (j & 3u))) & 1u;
 }
 
+#ifdef VXS_C
+VXS_FN vxs_i32 vxs_clamp(vxs_i32 x, vxs_i32 low, vxs_i32 high)
+{
+    return x < low ? low : x > high ? high : x;
+}
+#else
+#define vxs_clamp(x, low, high) clamp(x, low, high)
+#endif
+
 /* Bits [first, end) of 8. The range is clamped. */
 VXS_FN vxs_u32 vxs_bits(vxs_i32 first, vxs_i32 end)
 {
-    first = first < 0 ? 0 : first > 8 ? 8 : first;
-    end   = end < first ? first : end > 8 ? 8 : end;
-    return (1u << VXS_U(end)) - (1u << VXS_U(first));
+    first = vxs_clamp(first, 0, 8);
+    return (1u << VXS_U(vxs_clamp(end, first, 8))) - (1u << VXS_U(first));
 }
 
 /* Texels in the rows of a mask whose bits are set in `rows`: of 8, from vxs_bits. */

@@ -137,11 +137,6 @@ struct vxs_blocks_taps {
     vxs_u32        across, across_farther, down, down_farther; /* weights of the columns and rows of each box */
 };
 
-VXS_FN vxs_i32 vxs_clamp(vxs_i32 x, vxs_i32 low, vxs_i32 high)
-{
-    return x < low ? low : x > high ? high : x;
-}
-
 /* halves, bytes, bits -------------------------------------------------------------------------------------------------------------
  * Indices count from word `at` of a light; half 0 is the low half of that word, byte 0 is the low byte. */
 
@@ -309,12 +304,13 @@ VXS_FN vxs_u32 vxs_blocks_rank(VXS_WORDS blocks, vxs_u32 at, vxs_u32 half_at, vx
 /* Word where the entry of a square of 256 x 256 texels is; or the word of its cell, if the whole cell has one depth. */
 VXS_FN vxs_u32 vxs_blocks_entry(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_u32 x, vxs_u32 y)
 {
-    vxs_u32 top = vxs_word(blocks, 2u + map);
-    if (levels <= 8u) return top;
-    if (levels < 15u) return top + 2u * ((y << (levels - 8u)) + x);
-    vxs_u32 cell    = top + ((y >> 3) << (levels - 11u)) + (x >> 3);
-    vxs_u32 entries = vxs_word(blocks, cell);
-    return entries >= 0x80000000u ? cell : entries + 2u * (((y & 7u) << 3) + (x & 7u));
+    vxs_u32 at = vxs_word(blocks, 2u + map);
+    if (levels >= 15u) {
+        vxs_u32 cell = at + ((y >> 3) << (levels - 11u)) + (x >> 3), entries = vxs_word(blocks, cell);
+        at = entries >= 0x80000000u ? cell : entries + 2u * (((y & 7u) << 3) + (x & 7u));
+    } else if (levels > 8u)
+        at += 2u * ((y << (levels - 8u)) + x);
+    return at;
 }
 
 /* Whether the exact answer for a square of 256 x 256 texels at depth k is available: its entry decides, or its page is
@@ -586,9 +582,10 @@ VXS_FN vxs_blocks_tile vxs_blocks_find_tile(VXS_WORDS blocks, vxs_blocks_node no
         palette = pool;
         half_at = at + 1u;
     }
-    if (has_private != 0u && k < 0) return vxs_blocks_whole(VXS_BLOCKS_LIT);
-
-    if ((is_own & ~is_mixed) != 0u || kind == VXS_BLOCKS_PLANE) {
+    vxs_blocks_tile tile = vxs_blocks_tile_of(kind, pool, at, 0u, 0u, k >> shift);
+    if (has_private != 0u && k < 0) {
+        tile.kind = VXS_BLOCKS_LIT;
+    } else if ((is_own & ~is_mixed) != 0u || kind == VXS_BLOCKS_PLANE) {
         vxs_u32 side  = 7u, slopes, depth;
         vxs_i32 limit = vxs_blocks_limit(is_mixed != 0u ? k : node.k - block.base) - vxs_blocks_quarters(first, 0u);
         if (is_mixed == 0u) { /* the slope of the node is already in the plane */
@@ -599,23 +596,28 @@ VXS_FN vxs_blocks_tile vxs_blocks_find_tile(VXS_WORDS blocks, vxs_blocks_node no
             limit -= VXS_I(depth) >> 4;
         } else
             slopes = vxs_four_bytes(blocks, pool, 2u * at + 2u);
-        return vxs_blocks_plane(slopes, shift, side, (side - 7u) / 3u * (x & 3u), (side - 7u) / 3u * (y & 3u), limit);
+        tile = vxs_blocks_plane(slopes, shift, side, (side - 7u) / 3u * (x & 3u), (side - 7u) / 3u * (y & 3u), limit);
+    } else if (kind > VXS_BLOCKS_PLANE) {
+        tile.k = vxs_blocks_limit(k);
+    } else if (kind > VXS_BLOCKS_NIBBLES) {
+        tile.at += 1u;
+    } else if (kind == VXS_BLOCKS_NIBBLES) {
+        tile.at += 3u;
+        tile.bases = vxs_four_bytes(blocks, pool, 2u * at + 2u);
+    } else {
+        vxs_u32 rank = vxs_blocks_rank(blocks, palette, half_at, width, shift, last, k);
+        if (is_mixed == 0u) {
+            rank = rank > vxs_blocks_entry_of_tile(blocks, block, t) ? 1u : 0u;
+            last = 0u;
+        } else if (is_own == 0u) { /* of the palette entries that the tile uses */
+            last = vxs_popcount(word & 0x3fffu) - 1u;
+            rank = vxs_popcount(word & 0x3fffu & ((1u << rank) - 1u));
+        } else
+            at += 1u + (kind == 0u ? (last + 1u) >> 1 : kind * last);
+        tile.kind = rank == 0u ? VXS_BLOCKS_LIT : VXS_BLOCKS_SHADOW;
+        if (rank != 0u && rank <= last) tile = vxs_blocks_pattern(blocks, pool, at, last, rank - 1u);
     }
-    if (kind > VXS_BLOCKS_PLANE) return vxs_blocks_tile_of(kind, pool, at, 0u, 0u, vxs_blocks_limit(k));
-    if (kind > VXS_BLOCKS_NIBBLES) return vxs_blocks_tile_of(kind, pool, at + 1u, 0u, 0u, k >> shift);
-    if (kind == VXS_BLOCKS_NIBBLES)
-        return vxs_blocks_tile_of(kind, pool, at + 3u, 0u, vxs_four_bytes(blocks, pool, 2u * at + 2u), k >> shift);
-
-    vxs_u32 rank = vxs_blocks_rank(blocks, palette, half_at, width, shift, last, k);
-    if (is_mixed == 0u)
-        return vxs_blocks_whole(rank > vxs_blocks_entry_of_tile(blocks, block, t) ? VXS_BLOCKS_SHADOW : VXS_BLOCKS_LIT);
-    if (is_own == 0u) { /* of the palette entries that the tile uses */
-        last = vxs_popcount(word & 0x3fffu) - 1u;
-        rank = vxs_popcount(word & 0x3fffu & ((1u << rank) - 1u));
-    } else
-        at += 1u + (kind == 0u ? (last + 1u) >> 1 : kind * last);
-    if (rank == 0u || rank > last) return vxs_blocks_whole(rank == 0u ? VXS_BLOCKS_LIT : VXS_BLOCKS_SHADOW);
-    return vxs_blocks_pattern(blocks, pool, at, last, rank - 1u);
+    return tile;
 }
 
 #endif

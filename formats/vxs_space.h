@@ -247,7 +247,7 @@ VXS_FN void vxs_ls_from_ws(VXS_LIGHT light, const vxs_real3 ws, vxs_real one, VX
 /* Width of a filter: 1 to VXS_FILTER_MAX, odd if the filter is not smooth. */
 VXS_FN vxs_i32 vxs_filter_width(vxs_filter pcf)
 {
-    vxs_i32 wanted = VXS_WIDTH(pcf.width_px), width = wanted < 1 ? 1 : wanted > VXS_FILTER_MAX ? VXS_FILTER_MAX : wanted;
+    vxs_i32 width = vxs_clamp(VXS_WIDTH(pcf.width_px), 1, VXS_FILTER_MAX);
     return VXS_IS_SMOOTH(pcf) ? width : width | 1;
 }
 
@@ -263,8 +263,12 @@ struct vxs_place {
 VXS_FN vxs_i32 vxs_clamped(vxs_real coordinate)
 {
     vxs_real limit = VXS_REAL(1 << 30);
+#ifdef VXS_C
     if (!(coordinate > -limit)) return -(1 << 30);
     return coordinate < limit ? VXS_I(coordinate) : 1 << 30;
+#else
+    return VXS_I(clamp(coordinate, -limit, limit));
+#endif
 }
 
 /* Position of a coordinate in its texel, in 1/256 texel; 0 if the filter is not smooth. */
@@ -401,8 +405,7 @@ VXS_FN vxs_real vxs_punctual_coordinate(VXS_LIGHT light, vxs_real across, vxs_re
 /* The nearest texel in the map. In maps of fewer than 256 texels the border is too narrow for some bias steps. */
 VXS_FN vxs_i32 vxs_texel_in_map(VXS_LIGHT light, vxs_i32 texel)
 {
-    vxs_i32 side = VXS_I(1) << VXS_FIELD(light, levels);
-    return texel < 0 ? 0 : texel < side ? texel : side - 1;
+    return vxs_clamp(texel, 0, (VXS_I(1) << VXS_FIELD(light, levels)) - 1);
 }
 
 /* Texels are z * texel_metres wide; voxels are z * voxel_metres deep, along the ray through the point: its direction is (p /
