@@ -47,7 +47,8 @@ static void bind_as_it_was(const vxs_volumes *v, gl_enum target, gl_name binding
         v->api.BindBufferBase(target, binding, (gl_name)buffer);
 }
 
-/* Upload those blocks of the frame, of the technique and of its curves that have changed, and bind all. */
+/* Upload the block of the frame, and those of the technique and of its curves that have changed; bind all. The frame's is uploaded for
+ * each pass: with Mesa's zink 22.3, a pass without any upload reads blocks of the passes after it. */
 static void put_blocks(vxs_volumes *v)
 {
     uploaded_blocks *to = &v->uploaded;
@@ -59,7 +60,7 @@ static void put_blocks(vxs_volumes *v)
                         [BLOCK_OWN]    = {&v->own, &to->own, sizeof v->own},
                         [BLOCK_CURVES] = {&v->curves, &to->curves, sizeof v->curves}};
     for (gl_name n = 0; n < BLOCKS; n++) {
-        if (!to->is_there[n] || memcmp(blocks[n].uploaded, blocks[n].data, blocks[n].size)) {
+        if (n == BLOCK_FRAME || !to->is_there[n] || memcmp(blocks[n].uploaded, blocks[n].data, blocks[n].size)) {
             v->api.NamedBufferSubData(v->blocks[n], 0, (gl_bytes)blocks[n].size, blocks[n].data);
             memcpy(blocks[n].uploaded, blocks[n].data, blocks[n].size);
             to->is_there[n] = 1;

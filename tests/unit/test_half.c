@@ -3,7 +3,6 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h"
 
-#include <float.h>
 #include <stdlib.h>
 
 #include "random_light.h"
@@ -276,13 +275,15 @@ static void test_any_depths(void **state)
     fog f = open_clear(&s, SCENE_SUN);
     for (uint32_t n = 0; n < 20; n++) {
         look(&s, &p, 1 + rng_below(&r, WIDE), 1 + rng_below(&r, HIGH), 10);
-        for (int i = 0; i < 3; i++) p.frame.extinction[i] = n % 3 ? haze.extinction[i] : n % 2 ? 0 : FLT_MAX;
+        for (int i = 0; i < 3; i++) p.frame.extinction[i] = n % 3 ? haze.extinction[i] : n % 2 ? 0 : 1e20F;
         if (n % 4) p.frame.far_metres = 1e12F;
         for (int i = 0; i < 3; i++) p.frame.scattering[i] = n % 3 ? 0.01F : 0;
         for (uint32_t at = 0; at < p.wide * p.high; at++)
             if (rng_below(&r, 2)) p.depths[at] = odd[rng_below(&r, sizeof odd / sizeof *odd)];
         show(&s, &p, &f, 1, half);
-        for (uint32_t at = 0; at < 4 * p.wide * p.high; at++) assert_true(half[at] >= 0 && isfinite(half[at]));
+        for (uint32_t at = 0; at < 4 * p.wide * p.high; at++)
+            if (!(half[at] >= 0 && half[at] < 1e30F))
+                fail_msg("view %u, value %u: %g, depth %g", n, at, (double)half[at], (double)p.depths[at / 4]);
     }
     vxs_shadow_depth_map_destroy(f.map);
     scene_close(&s);
