@@ -334,16 +334,23 @@ VXS_FN vxs_u32 vxs_blocks_coarse(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, 
     return 2u * coarse > ((bounds >> 16) & 0xffu) + (bounds >> 24) ? VXS_BLOCKS_SHADOW : VXS_BLOCKS_LIT;
 }
 
-/* The node of a square of 256 x 256 texels, at depth k. */
-VXS_INLINE vxs_blocks_node vxs_blocks_find_node(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_u32 x, vxs_u32 y, vxs_i32 k)
+/* A square that is all lit or all shadowed at depth k.   kind  VXS_BLOCKS_LIT or _SHADOW */
+VXS_INLINE vxs_blocks_node vxs_blocks_whole_node(vxs_u32 kind, vxs_i32 k)
 {
     vxs_blocks_node node;
-    vxs_u32         entry = vxs_blocks_entry(blocks, map, levels, x, y), place = vxs_word(blocks, entry);
+    node.kind  = kind;
     node.page  = 0u;
     node.at    = 0u;
     node.slope = 0u;
     node.k     = k;
-    node.kind  = k >= VXS_I(place & 0x7fffffffu) ? VXS_BLOCKS_SHADOW : VXS_BLOCKS_LIT;
+    return node;
+}
+
+/* The node of a square of 256 x 256 texels, at depth k. */
+VXS_INLINE vxs_blocks_node vxs_blocks_find_node(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_u32 x, vxs_u32 y, vxs_i32 k)
+{
+    vxs_u32         entry = vxs_blocks_entry(blocks, map, levels, x, y), place = vxs_word(blocks, entry);
+    vxs_blocks_node node = vxs_blocks_whole_node(k >= VXS_I(place & 0x7fffffffu) ? VXS_BLOCKS_SHADOW : VXS_BLOCKS_LIT, k);
     if (place >= 0x80000000u) return node;
 
     vxs_u32 bounds = vxs_word(blocks, entry + 1u), nearest = (bounds >> 16) & 0xffu, farthest = bounds >> 24;
@@ -375,6 +382,21 @@ VXS_FN vxs_u32 vxs_blocks_before(vxs_u32 low, vxs_u32 high, vxs_u32 c)
     return vxs_popcount_pair(low & (c < 32u ? before : 0xffffffffu), high & (c < 32u ? 0u : before));
 }
 
+/* A block with one palette entry, at `depth`, relative to the node. */
+VXS_INLINE vxs_blocks_block vxs_blocks_whole_block(vxs_u32 page, vxs_i32 depth)
+{
+    vxs_blocks_block block;
+    block.page    = page;
+    block.at      = 0u;
+    block.mixed   = 0u;
+    block.fresh   = 0u;
+    block.own     = 0u;
+    block.head    = 0u;
+    block.palette = 0u;
+    block.base    = depth;
+    return block;
+}
+
 /* Uniform block c: its depth is that of the last fresh block at or before it. A depth of all ones means never shadowed: it
  * is replaced by a depth that no k reaches, and from which k can be subtracted without overflow.
  * wide  1: depths are two halves each;   mixed  number of mixed blocks of the node */
@@ -386,16 +408,7 @@ VXS_INLINE vxs_blocks_block vxs_blocks_uniform(VXS_WORDS blocks, vxs_blocks_node
     vxs_u32 depth = vxs_half(blocks, node.at, at);
     if (wide != 0u) depth |= vxs_half(blocks, node.at, at + 1u) << 16;
 
-    vxs_blocks_block block;
-    block.page    = node.page;
-    block.at      = 0u;
-    block.mixed   = 0u;
-    block.fresh   = 0u;
-    block.own     = 0u;
-    block.head    = 0u;
-    block.palette = 0u;
-    block.base    = VXS_I((wide == 0u && depth == 0xffffu ? 0x3fffffffu : depth) & 0x3fffffffu);
-    return block;
+    return vxs_blocks_whole_block(node.page, VXS_I((wide == 0u && depth == 0xffffu ? 0x3fffffffu : depth) & 0x3fffffffu));
 }
 
 /* Block c, x + 8y, of a node. */
@@ -562,13 +575,12 @@ VXS_INLINE vxs_blocks_tile vxs_blocks_find_tile(VXS_WORDS blocks, vxs_blocks_nod
 
 /* Tile (x, y) of a node's map, at the depth of the node. Compilers inline every call, so there is one call for the palette of a
  * block and that of a pattern, and one for a plane of either. */
-VXS_FN vxs_blocks_tile vxs_blocks_find_tile(VXS_WORDS blocks, vxs_blocks_node node, vxs_u32 x, vxs_u32 y)
+VXS_FN vxs_blocks_tile vxs_blocks_find_tile(VXS_WORDS blocks, vxs_blocks_node node, vxs_blocks_block block, vxs_u32 x, vxs_u32 y)
 {
-    vxs_blocks_block block = vxs_blocks_find_block(blocks, node, ((x >> 2) & 7u) | (((y >> 2) & 7u) << 3));
-    vxs_u32          t = (x & 3u) | ((y & 3u) << 2), is_mixed = (block.mixed >> t) & 1u, is_own = (block.own >> t) & 1u;
-    vxs_u32          word = is_mixed != 0u ? vxs_word(blocks, block.palette - vxs_popcount(block.mixed >> t)) : 0u;
-    vxs_u32          pool = word >= 0x80000000u ? vxs_word(blocks, 1u) : block.page, at = (word >> 14) & 0x1ffffu;
-    vxs_i32          k = vxs_blocks_tile_depth(node, VXS_I(x & 31u), VXS_I(y & 31u)) - block.base;
+    vxs_u32 t = (x & 3u) | ((y & 3u) << 2), is_mixed = (block.mixed >> t) & 1u, is_own = (block.own >> t) & 1u;
+    vxs_u32 word = is_mixed != 0u ? vxs_word(blocks, block.palette - vxs_popcount(block.mixed >> t)) : 0u;
+    vxs_u32 pool = word >= 0x80000000u ? vxs_word(blocks, 1u) : block.page, at = (word >> 14) & 0x1ffffu;
+    vxs_i32 k = vxs_blocks_tile_depth(node, VXS_I(x & 31u), VXS_I(y & 31u)) - block.base;
 
     vxs_u32 kind = 0u, width = (block.head >> 8) & 3u, shift = (block.head >> 4) & 15u, last = block.head & 15u, first = 0u;
     vxs_u32 palette = block.palette, half_at = 0u, has_private = is_mixed & is_own;
@@ -1136,15 +1148,13 @@ VXS_FN vxs_u32 vxs_blocks_weight_is_full(VXS_WORDS blocks, vxs_u32 map, vxs_u32 
 
 #else
 
-/* Texels of tile (x, y) of a map at depth k, at least z and z + 32 for z in [begin, end) of their numbers in the tile; in the mask,
- * texel (x, y) is bit x + 8y.   is_coarse  1: the top answers */
-VXS_FN vxs_mask vxs_blocks_slice(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_u32 x, vxs_u32 y, vxs_i32 k, vxs_u32 is_coarse,
+/* Texels of tile (x, y) of a node's map, at least z and z + 32 for z in [begin, end) of their numbers in the tile; in the mask,
+ * texel (x, y) is bit x + 8y. */
+VXS_FN vxs_mask vxs_blocks_slice(VXS_WORDS blocks, vxs_blocks_node node, vxs_blocks_block block, vxs_u32 x, vxs_u32 y,
                                  vxs_u32 begin, vxs_u32 end)
 {
-    vxs_blocks_node node = vxs_blocks_find_node(blocks, map, levels, x >> 5, y >> 5, k);
-    if (is_coarse != 0u) node.kind = vxs_blocks_coarse(blocks, map, levels, x >> 5, y >> 5, k);
     if (node.kind != VXS_BLOCKS_MASKS) return vxs_uniform_mask(node.kind);
-    vxs_blocks_tile tile = vxs_blocks_find_tile(blocks, node, x, y);
+    vxs_blocks_tile tile = vxs_blocks_find_tile(blocks, node, block, x, y);
     if (tile.kind < VXS_BLOCKS_MASKS) return vxs_uniform_mask(tile.kind);
     vxs_mask mask = vxs_blocks_texels(blocks, tile, begin, end);
     mask.low      = vxs_blocks_by_rows(mask.low);
@@ -1152,12 +1162,13 @@ VXS_FN vxs_mask vxs_blocks_slice(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, 
     return mask;
 }
 
-/* The same as in C, for shaders: each tile is looked up from the top, because with nested loops each loop would run as many rounds
- * as the longest one in the group of shader invocations. */
+/* The same as in C, for shaders. */
 VXS_FN vxs_u32 vxs_blocks_shadow(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_u32 i, vxs_u32 j, vxs_u32 k)
 {
-    vxs_u32  z    = ((i & 4u) << 2) | ((j & 3u) << 2) | (i & 3u);
-    vxs_mask mask = vxs_blocks_slice(blocks, map, levels, i >> 3, j >> 3, VXS_I(k), 0u, z, z + 1u);
+    vxs_u32          z     = ((i & 4u) << 2) | ((j & 3u) << 2) | (i & 3u);
+    vxs_blocks_node  node  = vxs_blocks_find_node(blocks, map, levels, i >> 8, j >> 8, VXS_I(k));
+    vxs_blocks_block block = vxs_blocks_find_block(blocks, node, ((i >> 5) & 7u) | (((j >> 5) & 7u) << 3));
+    vxs_mask         mask  = vxs_blocks_slice(blocks, node, block, i >> 3, j >> 3, z, z + 1u);
     return (((j & 4u) != 0u ? mask.high : mask.low) >> ((i & 7u) + 8u * (j & 3u))) & 1u;
 }
 
@@ -1181,10 +1192,21 @@ VXS_FN vxs_u32 vxs_blocks_shadow_weight(VXS_WORDS blocks, vxs_u32 map, vxs_u32 l
     vxs_smooth_box box     = vxs_smooth_box_at(i, j, across, down, width_px);
     vxs_blocks_box covered = vxs_blocks_covered(levels, box, width_px);
     vxs_i32        x = covered.x0 & ~7, y = covered.y0 & ~7;
-    vxs_u32        sum = 0u, is_coarse = 0u;
+    vxs_u32        sum = 0u, is_coarse = 0u, last = 0xffffffffu;
+
+    vxs_blocks_node  node  = vxs_blocks_whole_node(VXS_BLOCKS_LIT, VXS_I(k));
+    vxs_blocks_block block = vxs_blocks_whole_block(0u, 0);
     if (vxs_blocks_crosses(covered) != 0u) is_coarse = 1u - vxs_blocks_is_known(blocks, map, levels, covered, VXS_I(k));
+    /* one loop: with nested ones, each would run as many rounds as the longest one in the group of shader invocations */
     while (y < covered.y1 && x < covered.x1) {
-        vxs_mask mask = vxs_blocks_slice(blocks, map, levels, VXS_U(x) >> 3, VXS_U(y) >> 3, VXS_I(k), is_coarse, 0u, 32u);
+        vxs_u32 u = VXS_U(x) >> 5, v = VXS_U(y) >> 5;
+        if ((u | (v << 16)) != last) {
+            last = u | (v << 16);
+            node = vxs_blocks_find_node(blocks, map, levels, u >> 3, v >> 3, VXS_I(k));
+            if (is_coarse != 0u) node.kind = vxs_blocks_coarse(blocks, map, levels, u >> 3, v >> 3, VXS_I(k));
+            block = vxs_blocks_find_block(blocks, node, (u & 7u) | ((v & 7u) << 3));
+        }
+        vxs_mask mask = vxs_blocks_slice(blocks, node, block, VXS_U(x) >> 3, VXS_U(y) >> 3, 0u, 32u);
         sum += vxs_weigh_mask(mask, box, box.x - x, box.y - y, width_px);
         x += 8;
         if (x >= covered.x1) {
