@@ -88,17 +88,23 @@ struct vxs_walk {
     vxs_i32   map;
     vxs_int3  voxel, way; /* direction of each coordinate: 1, -1, or 0 */
 
-    vxs_depths_square block;    /* bounds of a block or of something larger; side_px 0: none known */
-    vxs_i32           is_block; /* 1: they are of the block `record` */
-    vxs_blocks_block  record;
+    vxs_depths_square block;              /* bounds of a block or of something larger; side_px 0: none known */
+    vxs_i32           is_block;           /* 1: they are of a block, which is known */
     vxs_i32           square_i, square_j; /* the known square of 256 x 256 texels; -1: none */
     vxs_depths_square square;
-    vxs_i32           has_node; /* 1: its node is known too */
-    vxs_blocks_node   node;
+#ifdef VXS_TABLES
+    uint node, slope, block_word; /* of tables: the node of the square, or 0; its slope; the word of the block */
+    uint tile_record;
+    int  tile_base;
+#else
+    vxs_blocks_block record;
+    vxs_i32          has_node; /* 1: its node is known too */
+    vxs_blocks_node  node;
+    vxs_depths_tile  tile;
+#endif
 
-    vxs_i32         tile_i, tile_j; /* tile of the map; -1: none known */
-    vxs_depths_tile tile;
-    vxs_i32         least, greatest; /* of the depths of the tile */
+    vxs_i32 tile_i, tile_j;  /* tile of the map; -1: none known */
+    vxs_i32 least, greatest; /* of the depths of the tile */
 
     vxs_i32   in_tile;           /* 1: the walk goes from texel to texel in the tile */
     vxs_real3 next;              /* where the ray crosses the next texel border, across and down */
@@ -509,8 +515,13 @@ VXS_INLINE vxs_i32 vxs_walk_through_texel(VXS_WORDS blocks, VXS_LIGHT light, VXS
     vxs_real t = VXS_FIELD(w, t), cut = VXS_FIELD(w, cut);
     vxs_i32  axis   = VXS_FIELD(w, next)[1] < VXS_FIELD(w, next)[0] ? 1 : 0;
     vxs_real across = VXS_FIELD(w, next)[axis], next = across < cut ? across : cut;
+#ifdef VXS_TABLES
+    if (depth != w.greatest)
+        depth = clamp(w.tile_base + int(vxs_table_delta(w.tile_record, uint(i & 7), uint(j & 7))), 0, vxs_walk_side(light));
+#else
     if (depth != VXS_FIELD(w, greatest))
         depth = vxs_depths_texel(blocks, VXS_REF_OF(w, tile), depth, VXS_FIELD(w, greatest), VXS_U(i & 7), VXS_U(j & 7));
+#endif
     if (depth == vxs_walk_side(light) || depth > VXS_FIELD(w, farthest))
         state = VXS_SPAN_LIT;
     else if (way == 0 || depth <= VXS_FIELD(w, nearest))
@@ -539,6 +550,74 @@ VXS_INLINE vxs_i32 vxs_walk_through_texel(VXS_WORDS blocks, VXS_LIGHT light, VXS
 
 /* palette blocks --------------------------------------------------------------------------------------------------------------- */
 
+#ifdef VXS_TABLES
+
+/* Find bounds of the square about the voxel if they decide its depth, else of the block. */
+void vxs_walk_find_block(uint words, vxs_light_constants light, inout vxs_walk w)
+{
+    int               i = w.voxel[0], j = w.voxel[1], side = vxs_walk_side(light);
+    vxs_depths_square s = w.square;
+    w.tile_i            = -1;
+    if (w.square_i != i >> 8 || w.square_j != j >> 8) {
+        uint root = vxs_root_of(words, light, w.map) & 0x7fffffffu;
+        uint word = vxs_word(root, (uint(j >> 8) << (max(light.levels, 8u) - 8u)) + uint(i >> 8));
+        s.side_px = min(side, 256);
+        s.i       = i & -s.side_px;
+        s.j       = j & -s.side_px;
+        s.coarse  = 0;
+        s.low     = 0;
+        s.high    = side;
+        s.least = s.greatest = min(int(word & 0x7fffffffu), side);
+        if (word < 0x80000000u) {
+            w.slope    = vxs_word(word, 0u);
+            s.least    = clamp(int(vxs_word(word, 1u)), 0, side);
+            s.greatest = clamp(int(vxs_word(word, 2u)), s.least, side);
+        }
+        w.node     = word;
+        w.square   = s;
+        w.square_i = i >> 8;
+        w.square_j = j >> 8;
+    }
+    w.is_block = 0;
+    w.block    = s;
+    if (s.least == s.greatest || vxs_walk_decides(s, vxs_walk_in_map(light, w.voxel[2])) != 0) return;
+    w.block_word = vxs_word(w.node, uint(3 + ((i >> 5) & 7) + 8 * ((j >> 5) & 7)));
+    s.side_px    = min(s.side_px, 32);
+    s.i          = i & -s.side_px;
+    s.j          = j & -s.side_px;
+    if (w.block_word < 0x80000000u) {
+        s.least    = clamp(int(vxs_word(w.block_word, 0u)), 0, side);
+        s.greatest = clamp(int(vxs_word(w.block_word, 1u)), s.least, side);
+    } else { /* least and greatest in two corners */
+        int x = (s.i >> 3) & 31, y = (s.j >> 3) & 31, last = s.side_px / 8 - 1, depth = int(w.block_word & 0x7fffffffu);
+        int left = (w.slope & 0x8000u) != 0u ? last : 0, up = w.slope >= 0x80000000u ? last : 0;
+        s.least    = clamp(depth - vxs_table_slope(w.slope, x + last - left, y + last - up), 0, side);
+        s.greatest = clamp(depth - vxs_table_slope(w.slope, x + left, y + up), s.least, side);
+    }
+    w.block    = s;
+    w.is_block = 1;
+}
+
+void vxs_walk_find_tile(vxs_light_constants light, inout vxs_walk w)
+{
+    int x = w.voxel[0] >> 3, y = w.voxel[1] >> 3, side = vxs_walk_side(light);
+    if (w.tile_i == x && w.tile_j == y) return;
+    w.tile_i      = x;
+    w.tile_j      = y;
+    w.tile_base   = int(w.block_word & 0x7fffffffu);
+    w.tile_record = 0u;
+    if (w.block_word < 0x80000000u) {
+        uint at       = w.block_word + uint(2 + 2 * ((x & 3) | ((y & 3) << 2)));
+        w.tile_base   = int(vxs_word(at, 0u));
+        w.tile_record = vxs_word(at, 1u);
+    }
+    w.tile_base -= vxs_table_slope(w.slope, x & 31, y & 31);
+    w.least    = clamp(w.tile_base, 0, side);
+    w.greatest = clamp(w.tile_base + int(vxs_table_last(w.tile_record)), w.least, side);
+}
+
+#else
+
 /* Find bounds of the square about the voxel if they decide its depth, else of the block. */
 VXS_FN void vxs_walk_find_block(VXS_WORDS blocks, VXS_LIGHT light, VXS_WALK w)
 {
@@ -546,12 +625,12 @@ VXS_FN void vxs_walk_find_block(VXS_WORDS blocks, VXS_LIGHT light, VXS_WALK w)
     vxs_u32 map = VXS_U(VXS_FIELD(w, map)), levels = VXS_FIELD(light, levels);
     VXS_FIELD(w, tile_i) = -1;
     if (VXS_FIELD(w, square_i) != i >> 8 || VXS_FIELD(w, square_j) != j >> 8) {
-        VXS_FIELD(w, square)   = vxs_depths_square_at(blocks, map, levels, i, j);
+        VXS_FIELD(w, square) = vxs_depths_square_at(blocks, map, levels, i, j);
         VXS_FIELD(w, square_i) = i >> 8;
         VXS_FIELD(w, square_j) = j >> 8;
         VXS_FIELD(w, has_node) = 0;
     }
-    vxs_depths_square s    = VXS_FIELD(w, square);
+    vxs_depths_square s = VXS_FIELD(w, square);
     VXS_FIELD(w, is_block) = 0;
     if (s.least == s.greatest || k < s.least || k >= s.greatest) {
         VXS_FIELD(w, block) = s;
@@ -559,14 +638,14 @@ VXS_FN void vxs_walk_find_block(VXS_WORDS blocks, VXS_LIGHT light, VXS_WALK w)
     }
     if (VXS_FIELD(w, has_node) == 0) VXS_FIELD(w, node) = vxs_depths_node_of(blocks, map, levels, i, j, s.least);
     VXS_FIELD(w, has_node) = 1;
-    VXS_FIELD(w, record)   = vxs_blocks_find_block(blocks, VXS_FIELD(w, node), VXS_U(((i >> 5) & 7) | (((j >> 5) & 7) << 3)));
-    s.side_px              = s.side_px < 32 ? s.side_px : 32;
-    s.i                    = i & -s.side_px;
-    s.j                    = j & -s.side_px;
+    VXS_FIELD(w, record) = vxs_blocks_find_block(blocks, VXS_FIELD(w, node), VXS_U(((i >> 5) & 7) | (((j >> 5) & 7) << 3)));
+    s.side_px = s.side_px < 32 ? s.side_px : 32;
+    s.i = i & -s.side_px;
+    s.j = j & -s.side_px;
     vxs_depths_bounds b = vxs_depths_bound_block(blocks, VXS_FIELD(w, node), VXS_FIELD(w, record), (s.i >> 3) & 28, (s.j >> 3) & 28,
                                                  s.side_px / 8 - 1, s.least, s.greatest);
-    s.least             = b.least;
-    s.greatest          = b.greatest;
+    s.least = b.least;
+    s.greatest = b.greatest;
     VXS_FIELD(w, block) = s;
     VXS_FIELD(w, is_block) = 1;
 }
@@ -579,18 +658,20 @@ VXS_FN void vxs_walk_find_tile(VXS_WORDS blocks, VXS_WALK w)
     VXS_FIELD(w, tile_j) = y;
 #ifdef VXS_C /* most tiles need no more; a shader has this code once, in vxs_depths_tile_of */
     if ((((VXS_FIELD(w, record).mixed | VXS_FIELD(w, record).own) >> VXS_U((x & 3) | ((y & 3) << 2))) & 1u) == 0u) {
-        VXS_FIELD(w, least)    = vxs_depths_whole(blocks, VXS_FIELD(w, node), VXS_FIELD(w, record), x & 31, y & 31,
-                                                  VXS_FIELD(w, square).least, VXS_FIELD(w, square).greatest);
+        VXS_FIELD(w, least) = vxs_depths_whole(blocks, VXS_FIELD(w, node), VXS_FIELD(w, record), x & 31, y & 31,
+                                               VXS_FIELD(w, square).least, VXS_FIELD(w, square).greatest);
         VXS_FIELD(w, greatest) = VXS_FIELD(w, least);
         return;
     }
 #endif
-    VXS_FIELD(w, tile)     = vxs_depths_tile_of(blocks, VXS_FIELD(w, node), VXS_FIELD(w, record), x & 31, y & 31,
-                                                VXS_FIELD(w, square).least, VXS_FIELD(w, square).greatest);
-    vxs_depths_bounds b    = vxs_depths_bound(blocks, VXS_REF_OF(w, tile));
-    VXS_FIELD(w, least)    = b.least;
+    VXS_FIELD(w, tile) = vxs_depths_tile_of(blocks, VXS_FIELD(w, node), VXS_FIELD(w, record), x & 31, y & 31,
+                                            VXS_FIELD(w, square).least, VXS_FIELD(w, square).greatest);
+    vxs_depths_bounds b = vxs_depths_bound(blocks, VXS_REF_OF(w, tile));
+    VXS_FIELD(w, least) = b.least;
     VXS_FIELD(w, greatest) = b.greatest;
 }
+
+#endif
 
 VXS_INLINE vxs_i32 vxs_walk_in_blocks(VXS_WORDS blocks, VXS_LIGHT light, VXS_WALK w)
 {
@@ -605,7 +686,11 @@ VXS_INLINE vxs_i32 vxs_walk_in_blocks(VXS_WORDS blocks, VXS_LIGHT light, VXS_WAL
         vxs_walk_leave(light, w, box);
         return box.state;
     }
+#ifdef VXS_TABLES
+    vxs_walk_find_tile(light, w);
+#else
     vxs_walk_find_tile(blocks, w);
+#endif
     return vxs_walk_through_tile(light, w);
 }
 

@@ -9,6 +9,9 @@ layout(std430, binding = VXS_PAGES_AT_WORK) restrict buffer vxs_fill_block { uin
 uint vxs_depth_of(vxs_light_constants light, int map, ivec2 texel, inout bool is_there)
 {
     if (VXS_CODING(light) == VXS_CODING_BLOCKS) {
+#ifdef VXS_TABLES
+        return uint(vxs_table_depth(vxs_root_of(light.first_word, light, map), light.levels, uint(texel.x), uint(texel.y)));
+#else
         uint              words = light.first_word, m = uint(map);
         vxs_depths_square s     = vxs_depths_square_at(words, m, light.levels, texel.x, texel.y);
         is_there = is_there && s.coarse == 0;
@@ -20,6 +23,7 @@ uint vxs_depth_of(vxs_light_constants light, int map, ivec2 texel, inout bool is
         vxs_depths_bounds b     = vxs_depths_bound(words, t);
         if (b.least == b.greatest) return uint(b.least);
         return uint(vxs_depths_texel(words, t, b.least, b.greatest, uint(texel.x & 7), uint(texel.y & 7)));
+#endif
     } else { /* bisection: in a DAG a column is lit up to a voxel, and in shadow from there on */
         int first = 0, end = 1 << light.levels;
         while (first < end) {

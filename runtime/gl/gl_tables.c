@@ -8,17 +8,25 @@
 
 enum {
     WHOLE_BIT    = (int)0x80000000,
-    NODE_WORDS   = 1 + 64,
-    BLOCK_WORDS  = 2 * 16,
+    NODE_WORDS   = 3 + 64,
+    BLOCK_WORDS  = 2 + 2 * 16,
     RECORD_WORDS = 63 + 2 * 6,
     SLOTS_FIRST  = 4096,
-    NEVER        = 0x3fffffff /* a depth that no k reaches, whatever the slope adds to it */
+    NEVER        = 0x3fffffff, /* a depth that no k reaches, whatever the slope adds to it */
+    UNUSED       = 0x7fffffff  /* a delta that no depth has */
 };
 
 /* Where a record is, so that an equal one is not stored again. */
 typedef struct record_slot {
     uint32_t at, hash; /* at 0: empty */
 } record_slot;
+
+/* Least and greatest depth of texels. */
+typedef struct depth_bounds {
+    int32_t least, greatest;
+} depth_bounds;
+
+static const depth_bounds no_depths = {INT32_MAX, -1};
 
 /* A light whose tables are made. */
 typedef struct maker {
@@ -86,7 +94,7 @@ static uint32_t record_of(const int32_t depth[64], int32_t *least, uint32_t *bit
     for (uint32_t level = 0; level < *bits; level++) /* of the search tree */
         for (uint32_t n = 0; n < 1u << level; n++) {
             uint32_t index  = (2 * n + 1) << (*bits - level - 1);
-            record[words++] = index < count ? (uint32_t)(sorted[index] - *least) : NEVER;
+            record[words++] = index < count ? (uint32_t)(sorted[index] - *least) : UNUSED;
         }
     uint64_t eight[8] = {0}; /* ranks, a byte each */
     for (int n = 0; n < 64; n++) eight[n >> 3] |= (uint64_t)rank[n] << 8 * (n & 7);
@@ -174,24 +182,49 @@ static int is_whole(const maker *m, int32_t tile_x, int32_t tile_y, int32_t *dep
     return 1;
 }
 
-/* Read the depths of a tile, with the slope. Returns whether they are all depth[0]. */
-static int read_tile(maker *m, int32_t tile_x, int32_t tile_y, int32_t depth[64])
+static void add_bounds(depth_bounds *b, int32_t least, int32_t greatest)
+{
+    b->least    = least < b->least ? least : b->least;
+    b->greatest = greatest > b->greatest ? greatest : b->greatest;
+}
+
+/* Add the depths of a block of one depth, which has the slope. */
+static void add_whole(const maker *m, int32_t tile_x, int32_t tile_y, int32_t depth, depth_bounds *b)
+{
+    int32_t side = 1 << m->map.levels;
+    for (int n = 0; n < 4; n++) {
+        int32_t at_corner = depth - slope_at(m, tile_x + 3 * (n & 1), tile_y + 3 * (n >> 1));
+        at_corner         = at_corner < 0 ? 0 : at_corner < side ? at_corner : side;
+        add_bounds(b, at_corner, at_corner);
+    }
+}
+
+/* Read the depths of a tile, with the slope, and add those without it to the bounds. Returns whether they are all depth[0]. */
+static int read_tile(maker *m, int32_t tile_x, int32_t tile_y, int32_t depth[64], depth_bounds *b)
 {
     int whole = vxs_tile_depths(m->map, &m->cursor, tile_x, tile_y, depth) == VXS_TILE_WHOLE, slope = slope_at(m, tile_x, tile_y);
-    for (int n = 0; n < (whole ? 1 : 64); n++) depth[n] = depth[n] >> m->map.levels ? NEVER : depth[n] + slope;
+    for (int n = 0; n < (whole ? 1 : 64); n++) {
+        add_bounds(b, depth[n], depth[n]);
+        depth[n] = depth[n] >> m->map.levels ? NEVER : depth[n] + slope;
+    }
     return whole;
 }
 
-/* Make a block.   tile_x, tile_y  its first tile;   word  [out] of the node */
-static vxs_result make_block(maker *m, int32_t tile_x, int32_t tile_y, uint32_t *word)
+/* Make a block.
+ * tile_x, tile_y  its first tile
+ * word            [out] of the node
+ * b               [in, out] its depths are added */
+static vxs_result make_block(maker *m, int32_t tile_x, int32_t tile_y, uint32_t *word, depth_bounds *b)
 {
-    gl_tables *t    = m->tables;
-    int32_t    side = (1 << m->map.levels) / 8, depth[64], first = 0, least;
-    uint32_t   at, bits, record[RECORD_WORDS], place = 0;
+    gl_tables   *t    = m->tables;
+    depth_bounds own  = no_depths;
+    int32_t      side = (1 << m->map.levels) / 8, depth[64], first = 0, least;
+    uint32_t     at, bits, record[RECORD_WORDS], place = 0;
     *word = (uint32_t)WHOLE_BIT;
     if (tile_x >= side || tile_y >= side) return VXS_OK;
     if (is_whole(m, tile_x, tile_y, &first)) {
         *word |= (uint32_t)first;
+        add_whole(m, tile_x, tile_y, first, b);
         return VXS_OK;
     }
     vxs_result r     = append(t, BLOCK_WORDS, &at);
@@ -200,26 +233,31 @@ static vxs_result make_block(maker *m, int32_t tile_x, int32_t tile_y, uint32_t 
         int32_t x = tile_x + (n & 3), y = tile_y + (n >> 2);
         if (x >= side || y >= side) continue;
         bits = 0;
-        if (!read_tile(m, x, y, depth)) {
+        if (!read_tile(m, x, y, depth, &own)) {
             uint32_t count = record_of(depth, &least, &bits, record);
             if (bits) r = put_record(m, record, count, &place);
         } else
             least = depth[0];
         if (n == 0) first = least;
         whole &= !bits && least == first;
-        t->words[at + 2 * (uint32_t)n]     = (uint32_t)least;
-        t->words[at + 2 * (uint32_t)n + 1] = bits ? bits << 28 | (t->first + place) : 0;
+        t->words[at + 2 + 2 * (uint32_t)n]     = (uint32_t)least;
+        t->words[at + 2 + 2 * (uint32_t)n + 1] = bits ? bits << 28 | (t->first + place) : 0;
     }
+    if (r != VXS_OK) return r;
+    t->words[at]     = (uint32_t)own.least;
+    t->words[at + 1] = (uint32_t)own.greatest;
+    add_bounds(b, own.least, own.greatest);
     if (whole) t->count = at;
     *word = whole ? *word | (uint32_t)first : t->first + at;
-    return r;
+    return VXS_OK;
 }
 
 /* Make square (x, y) of a map.   word  [out] of the top */
 static vxs_result make_square(maker *m, uint32_t x, uint32_t y, uint32_t *word)
 {
-    int32_t  i = (int32_t)x << 8, j = (int32_t)y << 8;
-    uint32_t at;
+    int32_t      i = (int32_t)x << 8, j = (int32_t)y << 8;
+    depth_bounds b = no_depths;
+    uint32_t     at;
     m->square = vxs_depths_square_at(m->map.words, m->map.map, m->map.levels, i, j);
     *word     = (uint32_t)(WHOLE_BIT | m->square.least);
     if (m->square.coarse) return VXS_E_ARGUMENT;
@@ -231,9 +269,11 @@ static vxs_result make_square(maker *m, uint32_t x, uint32_t y, uint32_t *word)
     m->tables->words[at] = m->node.slope;
     for (uint32_t n = 0; n < 64 && r == VXS_OK; n++) {
         uint32_t block;
-        r                            = make_block(m, (int32_t)(32 * x + 4 * (n & 7)), (int32_t)(32 * y + 4 * (n >> 3)), &block);
-        m->tables->words[at + 1 + n] = block;
+        r                            = make_block(m, (int32_t)(32 * x + 4 * (n & 7)), (int32_t)(32 * y + 4 * (n >> 3)), &block, &b);
+        m->tables->words[at + 3 + n] = block;
     }
+    m->tables->words[at + 1] = (uint32_t)b.least;
+    m->tables->words[at + 2] = (uint32_t)b.greatest;
     return r;
 }
 

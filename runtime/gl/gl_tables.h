@@ -5,13 +5,14 @@
  *
  *     top      for each map T x T squares of 256 x 256 texels, by rows, T = max(1, 2^(levels-8))
  *     square   0x80000000 | depth, if all of its texels have this depth; or the index of its node
- *     node     slope, as in the words: it is added to k; then 8 x 8 blocks, by rows
- *     block    0x80000000 | depth; or the index of its 4 x 4 tiles, by rows
+ *     node     slope, as in the words: it is added to k; least and greatest depth; then 8 x 8 blocks, by rows
+ *     block    0x80000000 | depth; or the index of its least and greatest depth, and its 4 x 4 tiles, by rows
  *     tile     two words: its least depth; bits << 28 | index of its record. bits 0: all texels have this depth
  *     record   2^bits - 1 deltas, then `bits` planes
  *
+ * Least and greatest depths are those of texels, without the slope; all others include it.
  * A tile with n different depths has bits = ceil(log2(n)), at most 6. Its deltas are the depths without the least one, minus the
- * least one, as a binary search tree: the children of delta m, counted from 1, are 2m and 2m + 1. A plane has bit `bits - 1 - p` of
+ * least one, as a binary search tree: the children of delta m, counted from 1, are 2m and 2m + 1; unused ones are 0x7fffffff. A plane has bit `bits - 1 - p` of
  * the rank of each texel's depth: texel (x, y) is bit x + 8y of two words. So a shader compares 64 ranks with that of k, bit by
  * bit, while it searches for k. Equal records are stored once. Indices count from the first of all words.
  *

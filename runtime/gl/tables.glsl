@@ -7,24 +7,71 @@ uint vxs_table_root(uint words, uint map, uint levels)
     return 0x80000000u | (vxs_word(words, 0u) + (map << (2u * max(levels, 8u) - 16u)));
 }
 
-/* Texels of tile (x, y) that are in shadow at depth k: texel (x, y) is bit x + 8y of two words, of which words.x and words.y are
- * computed: 0 or 1. */
-uvec2 vxs_table_words(uint root, uint levels, uint x, uint y, uint k, uvec2 words)
+/* What a slope adds to k at tile (x, y) of its node, 0 to 31. */
+int vxs_table_slope(uint slope, int x, int y)
 {
-    int  deep   = int(k);
-    uint record = 0u, depth = vxs_word(root & 0x7fffffffu, ((y >> 5) << (max(levels, 8u) - 8u)) + (x >> 5));
+    int across = int(slope << 16) >> 16, down = int(slope) >> 16;
+    return (across * (across < 0 ? x - 31 : x) + down * (down < 0 ? y - 31 : y)) >> 8;
+}
+
+/* Greatest delta of a record. */
+uint vxs_table_last(uint record)
+{
+    uint last = 0u, node = 0u, at = record & 0x0fffffffu;
+    for (uint n = record >> 28; n > 0u; n--) {
+        uint delta = vxs_word(at, node);
+        if (delta < 0x7fffffffu) last = delta;
+        node = 2u * node + (delta < 0x7fffffffu ? 2u : 1u);
+    }
+    return last;
+}
+
+/* Delta of texel (x, y), 0 to 7. */
+uint vxs_table_delta(uint record, uint x, uint y)
+{
+    uint bits = record >> 28, at = record & 0x0fffffffu, planes = at + (1u << bits) - 1u + (y >> 2), rank = 0u, node = 0u;
+    for (uint n = 0u; n < bits; n++) {
+        uint bit = (vxs_word(planes, 2u * n) >> (x + 8u * (y & 3u))) & 1u;
+        if (bit != 0u) node = (1u << n) - 1u + rank; /* the tree has the delta of a rank at the level of its last bit */
+        rank = 2u * rank + bit;
+    }
+    return rank != 0u ? vxs_word(at, node) : 0u;
+}
+
+/* Find tile (x, y).
+ * record  [out] of the tile; 0: all texels have one depth
+ * Returns its least depth. */
+int vxs_table_find(uint root, uint levels, uint x, uint y, out uint record)
+{
+    uint depth = vxs_word(root & 0x7fffffffu, ((y >> 5) << (max(levels, 8u) - 8u)) + (x >> 5));
+    int  slope = 0;
+    record     = 0u;
     if (depth < 0x80000000u) {
-        uint slope = vxs_word(depth, 0u);
-        int  u = int(x & 31u), v = int(y & 31u), across = int(slope << 16) >> 16, down = int(slope) >> 16;
-        deep += (across * (across < 0 ? u - 31 : u) + down * (down < 0 ? v - 31 : v)) >> 8;
-        depth = vxs_word(depth, 1u + ((x >> 2) & 7u) + ((y & 28u) << 1));
+        slope = vxs_table_slope(vxs_word(depth, 0u), int(x & 31u), int(y & 31u));
+        depth = vxs_word(depth, 3u + ((x >> 2) & 7u) + ((y & 28u) << 1));
         if (depth < 0x80000000u) {
-            depth += 2u * (x & 3u) + 8u * (y & 3u);
+            depth += 2u + 2u * (x & 3u) + 8u * (y & 3u);
             record = vxs_word(depth, 1u);
             depth  = vxs_word(depth, 0u);
         }
     }
-    deep -= int(depth & 0x7fffffffu);
+    return int(depth & 0x7fffffffu) - slope;
+}
+
+/* Depth where the shadow of a texel begins, [0, 2^levels]; 2^levels: it has none. */
+int vxs_table_depth(uint root, uint levels, uint i, uint j)
+{
+    uint record;
+    int  least = vxs_table_find(root, levels, i >> 3, j >> 3, record);
+    return clamp(least + int(vxs_table_delta(record, i & 7u, j & 7u)), 0, 1 << levels);
+}
+
+/* Texels of tile (x, y) that are in shadow at depth k: texel (x, y) is bit x + 8y of two words, of which words.x and words.y are
+ * computed: 0 or 1. */
+uvec2 vxs_table_words(uint root, uint levels, uint x, uint y, uint k, uvec2 words)
+{
+    uint record;
+    int  deep = int(k) - vxs_table_find(root, levels, x, y, record);
     uint  bits = deep < 0 ? 0u : record >> 28, at = record & 0x0fffffffu, plane_at = at + (1u << bits) - 1u, node = 0u;
     uvec2 same = uvec2(deep < 0 ? 0u : 0xffffffffu), less = uvec2(0u); /* texels whose rank is that of k so far, or less */
     for (uint n = 0u; n < bits; n++) {

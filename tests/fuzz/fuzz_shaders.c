@@ -126,7 +126,7 @@ static const char rays_text[] =
 /* A context, and programs that are the same for all files. */
 static struct {
     gl_context               *gl;
-    GLuint                    places, table_places, rays, asked, answers;
+    GLuint                    places, table_places, rays, table_rays, asked, answers;
     PFNGLDISPATCHCOMPUTEPROC  dispatch;
     PFNGLGETSHADERINFOLOGPROC info_log;
     PFNGLMEMORYBARRIERPROC    barrier;
@@ -315,7 +315,7 @@ static void check_rays(const vxs_gl *shadows, const lights *l, uint64_t *random)
             r->direction[k] = as_float(to[k] - from[k]);
         }
     }
-    ask(shadows, &on.rays, rays_text, RAYS, rays, sizeof rays, found, sizeof found);
+    ask(shadows, vxs_gl_table_bytes(shadows) ? &on.table_rays : &on.rays, rays_text, RAYS, rays, sizeof rays, found, sizeof found);
     for (int n = 0; n < RAYS; n++) check_ray(l->baked[rays[n].light], &rays[n], &found[n]);
 }
 
@@ -375,7 +375,10 @@ static void check_tables(const vxs_asset *asset, uint64_t random)
     desc.light_count = whole.count;
     if (vxs_gl_create(&shadows, &desc) != VXS_OK) return;
     FUZZ_CHECK(vxs_gl_upload(shadows, SIZE_MAX) == 0);
-    if (vxs_gl_table_bytes(shadows)) check_places(shadows, &whole, &random);
+    if (vxs_gl_table_bytes(shadows)) {
+        check_places(shadows, &whole, &random);
+        check_rays(shadows, &whole, &random);
+    }
     vxs_gl_destroy(shadows);
 }
 

@@ -48,12 +48,12 @@ static uint32_t read_tile(const gl_tables *t, uint32_t start, const vxs_light *l
                           int64_t depth[64], uint32_t rank[64])
 {
     uint32_t up   = light->levels > 8 ? light->levels - 8 : 0;
-    uint32_t word = word_at(t, start + (map << 2 * up) + ((y >> 5) << up) + (x >> 5)), in_block = 2 * ((x & 3) + 4 * (y & 3));
+    uint32_t word = word_at(t, start + (map << 2 * up) + ((y >> 5) << up) + (x >> 5)), in_block = 2 + 2 * ((x & 3) + 4 * (y & 3));
     int32_t  slope = 0;
     memset(rank, 0, 64 * sizeof *rank);
     if (!(word >> 31)) {
         slope = slope_of(word_at(t, word), (int32_t)(x & 31), (int32_t)(y & 31));
-        word  = word_at(t, word + 1 + (x >> 2 & 7) + 8 * (y >> 2 & 7));
+        word  = word_at(t, word + 3 + (x >> 2 & 7) + 8 * (y >> 2 & 7));
     }
     depth[0] = (int64_t)(word & 0x7fffffff) - slope;
     if (word >> 31) return 1;
@@ -90,6 +90,38 @@ static uint64_t check_tile(const gl_tables *t, uint32_t start, const vxs_baked_l
     return voxels;
 }
 
+/* Hold the bounds of a node and of its blocks against all of its texels. */
+static void check_bounds(const gl_tables *t, uint32_t start, const vxs_baked_light *l, uint32_t map, uint32_t square_x,
+                         uint32_t square_y)
+{
+    uint32_t up = l->light.levels > 8 ? l->light.levels - 8 : 0, tiles = 1u << (l->light.levels - 3);
+    uint32_t node = word_at(t, start + (map << 2 * up) + (square_y << up) + square_x), side = 1u << l->light.levels;
+    int64_t  all[2] = {INT32_MAX, -1};
+    if (node >> 31) return;
+    for (uint32_t n = 0; n < 64; n++) {
+        int64_t  own[2] = {INT32_MAX, -1}, depth[64];
+        uint32_t x = 32 * square_x + 4 * (n & 7), y = 32 * square_y + 4 * (n >> 3), rank[64], block = word_at(t, node + 3 + n);
+        for (uint32_t tile = 0; tile < 16; tile++) {
+            if (x + (tile & 3) >= tiles || y + (tile >> 2) >= tiles) continue;
+            uint32_t count = read_tile(t, start, &l->light, map, x + (tile & 3), y + (tile >> 2), depth, rank);
+            for (uint32_t z = 0; z < (count > 1 ? 64 : 1); z++) {
+                int64_t d = depth[rank[z]] < 0 ? 0 : depth[rank[z]] < side ? depth[rank[z]] : side;
+                own[0]    = d < own[0] ? d : own[0];
+                own[1]    = d > own[1] ? d : own[1];
+            }
+        }
+        if (own[1] < 0) continue;
+        if (!(block >> 31)) {
+            assert_int_equal(word_at(t, block), own[0]);
+            assert_int_equal(word_at(t, block + 1), own[1]);
+        }
+        all[0] = own[0] < all[0] ? own[0] : all[0];
+        all[1] = own[1] > all[1] ? own[1] : all[1];
+    }
+    assert_int_equal(word_at(t, node + 1), all[0]);
+    assert_int_equal(word_at(t, node + 2), all[1]);
+}
+
 /* Narrow the bounds in all entries, so that they decide what blocks hold otherwise. */
 static void narrow(blocks_sample *s, rng *r)
 {
@@ -119,6 +151,9 @@ static void test_same_answer(void **state)
             vxs_baked_light l = light_of(&s);
             if (round % 2) narrow(&s, &r);
             assert_int_equal(vxs_gl_tables_add(&t, &l, &start), VXS_OK);
+            for (uint32_t map = 0; map < maps; map++)
+                for (uint32_t c = 0; c < s.squares_wide * s.squares_wide; c++)
+                    check_bounds(&t, start, &l, map, c % s.squares_wide, c / s.squares_wide);
             for (uint32_t map = 0; map < maps; map++)
                 for (uint32_t tile = 0; tile < 1024; tile++) {
                     uint32_t x = rng_below(&r, side), y = rng_below(&r, side);

@@ -199,27 +199,33 @@ typedef struct asker {
     answer     *answers; /* [RAYS] */
 } asker;
 
-/* Lights of the same words, or of words of their own, one behind the other. */
-static void asker_open(asker *a, gl_context *gl, const vxs_baked_light *lights, uint32_t light_count, const size_t *word_counts)
+/* Lights of the same words, or of words of their own, one behind the other.   has_tables  1: by their tables */
+static void asker_open(asker *a, gl_context *gl, const vxs_baked_light *lights, uint32_t light_count, const size_t *word_counts,
+                       int has_tables)
 {
-    vxs_gl_light list[LIGHTS];
-    uint32_t     words = 0;
-    GLint        good  = 0;
-    char         log[4096];
-    const char  *texts[VXS_GL_TEXTS + 3];
-    GLuint       shader;
+    const vxs_baked_light *whole[LIGHTS];
+    vxs_gl_light           list[LIGHTS];
+    uint32_t               words = 0;
+    GLint                  good  = 0;
+    char                   log[4096];
+    const char            *texts[VXS_GL_TEXTS + 3];
+    GLuint                 shader;
     *a = (asker){.gl = gl, .answers = blocks_alloc(RAYS, sizeof(answer))};
     for (uint32_t n = 0; n < light_count; n++) {
-        list[n] = (vxs_gl_light){&lights[n].light, words};
+        list[n]  = (vxs_gl_light){&lights[n].light, words};
+        whole[n] = &lights[n];
         words += (uint32_t)word_counts[n] + BLOCKS_SPARE_WORDS;
     }
-    vxs_gl_desc desc = {.get_proc_address = gl_choice_proc,
-                        .lights           = list,
+    vxs_gl_desc desc = {.struct_size      = sizeof desc,
+                        .get_proc_address = gl_choice_proc,
+                        .lights           = has_tables ? NULL : list,
+                        .baked            = has_tables ? whole : NULL,
                         .light_count      = light_count,
                         .word_count       = words,
                         .storage          = VXS_GL_BUFFER};
     assert_int_equal(vxs_gl_create(&a->shadows, &desc), VXS_OK);
-    for (uint32_t n = 0; n < light_count; n++)
+    assert_int_equal(vxs_gl_table_bytes(a->shadows) > 0, has_tables);
+    for (uint32_t n = 0; n < light_count && !has_tables; n++)
         assert_int_equal(vxs_gl_put(a->shadows, lights[n].words, list[n].first_word, (uint32_t)word_counts[n]), VXS_OK);
     assert_int_equal(vxs_gl_upload(a->shadows, SIZE_MAX), 0);
     vxs_gl_texts(a->shadows, texts);
@@ -343,12 +349,12 @@ static void random_rays(rng *r, asker *a, const vxs_baked_light *lights, uint32_
 
 /* Rays in all of the lights, against intervals in double. Floats may see a border on the other side of a ray that runs along it. */
 static void check_lights(rng *r, gl_context *gl, const vxs_baked_light *lights, uint32_t light_count, const size_t *word_counts,
-                         const char *what)
+                         int has_tables, const char *what)
 {
     asker    a;
     double   sum = 0;
     uint32_t far = 0, rays = 0, spans = 0;
-    asker_open(&a, gl, lights, light_count, word_counts);
+    asker_open(&a, gl, lights, light_count, word_counts, has_tables);
     for (uint32_t turn = 0; turn < repeats(2, 20); turn++) {
         random_rays(r, &a, lights, light_count);
         ask(&a);
@@ -400,9 +406,11 @@ static void test_blocks(void **state)
             counts[kind] = s.word_count;
             if (kind >= 2 && n % 2) lights[kind].light.range_metres = 6.5;
         }
-        check_lights(&r, gl, lights, count, counts, "blocks");
+        check_lights(&r, gl, lights, count, counts, 0, "blocks");
+        for (uint32_t kind = 0; kind < count; kind++) lights[kind].word_count = (uint32_t)s.word_count;
+        check_lights(&r, gl, lights, count, counts, 1, "tables");
         for (uint32_t page = 0; page < s.page_count; page += 2) s.words[8 + page] = 0;
-        check_lights(&r, gl, lights, count, counts, "blocks without every other page");
+        check_lights(&r, gl, lights, count, counts, 0, "blocks without every other page");
         blocks_sample_free(&s);
     }
     gl_context_destroy(gl);
@@ -423,7 +431,7 @@ static void test_dags(void **state)
             lights[kind] = *vxs_asset_light(asset, kind);
             counts[kind] = lights[kind].word_count;
         }
-        check_lights(&r, gl, lights, LIGHTS, counts, "dag");
+        check_lights(&r, gl, lights, LIGHTS, counts, 0, "dag");
         vxs_asset_close(asset);
         dag_sample_free(&s);
     }
@@ -449,7 +457,7 @@ static void test_near_origin(void **state)
         counts[kind] = s.word_count;
         for (int row = 0; row < 3; row++) suns[kind].light.ls_from_ws[4 * row + 3] = uniform(&r, 512, 1000);
     }
-    asker_open(&a, gl, suns, 2, counts);
+    asker_open(&a, gl, suns, 2, counts, 0);
     for (uint32_t n = 0; n < RAYS; n++) {
         asked_ray *ray = &a.asked[n];
         *ray           = (asked_ray){.end = 1, .light = n % 2};
@@ -490,7 +498,7 @@ static void test_damage(void **state)
             counts[kind] = s.word_count;
             if (turn % 4 == 3) lights[kind].light.coding = VXS_CODING_DAG;
         }
-        asker_open(&a, gl, lights, LIGHTS, counts);
+        asker_open(&a, gl, lights, LIGHTS, counts, 0);
         random_rays(&r, &a, lights, LIGHTS);
         ask(&a);
         for (uint32_t n = 0; n < RAYS; n++) check_parts(&a.asked[n], &a.answers[n]);
