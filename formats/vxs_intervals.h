@@ -815,8 +815,8 @@ VXS_INLINE vxs_i32 vxs_walk_next_of(VXS_WORDS words, VXS_LIGHT light, VXS_WALK w
             vxs_i32 next = vxs_walk_step(words, light, w);
             found        = vxs_walk_passed(w, from, next, only, VXS_REF(s));
         }
-        while (VXS_CODING(light) == VXS_CODING_BLOCKS && found == 0 && VXS_FIELD(w, in_tile) != 0 && VXS_FIELD(w, t) < VXS_FIELD(w, end) &&
-               VXS_FIELD(w, steps) >= VXS_FIELD(w, pause)) {
+        while (VXS_CODING(light) == VXS_CODING_BLOCKS && found == 0 && VXS_FIELD(w, in_tile) != 0 &&
+               VXS_FIELD(w, t) < VXS_FIELD(w, end) && VXS_FIELD(w, steps) >= VXS_FIELD(w, pause)) {
             from         = VXS_FIELD(w, t);
             vxs_i32 next = vxs_walk_through_texel(words, light, w);
             found        = vxs_walk_passed(w, from, next, only, VXS_REF(s));

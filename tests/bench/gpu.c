@@ -124,14 +124,19 @@ static vxs_result see_all(gpu_bench *b, run_context *m)
 
 /* programs --------------------------------------------------------------------------------------------------------------------- */
 
-static const char program_head[] = "layout(local_size_x = 8, local_size_y = 8) in;\n"
-                                   "layout(binding = 8) uniform sampler2D positions;\n"
+static const char program_head[] = "layout(binding = 8) uniform sampler2D positions;\n"
                                    "layout(binding = 9) uniform sampler2D normals;\n"
                                    "layout(std430, binding = 7) writeonly restrict buffer answers_block { float answers[]; };\n";
 
-static const char program_end[] = "void main()\n"
+static const char program_end[] = "#ifdef FRAGMENT\n"
+                                  "#define PIXEL gl_FragCoord\n"
+                                  "#else\n"
+                                  "#define PIXEL gl_GlobalInvocationID\n"
+                                  "layout(local_size_x = 8, local_size_y = 8) in;\n"
+                                  "#endif\n"
+                                  "void main()\n"
                                   "{\n"
-                                  "    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy), size = textureSize(positions, 0);\n"
+                                  "    ivec2 pixel = ivec2(PIXEL.xy), size = textureSize(positions, 0);\n"
                                   "    if (any(greaterThanEqual(pixel, size))) return;\n"
                                   "    vec4  at     = texelFetch(positions, pixel, 0);\n"
                                   "    float answer = -1.0;\n"
@@ -139,25 +144,36 @@ static const char program_end[] = "void main()\n"
                                   "    answers[pixel.y * size.x + pixel.x] = answer;\n"
                                   "}\n";
 
+static void add_shader(const gpu_bench *b, GLuint program, GLenum kind, const char *const *texts, int count, char log[512])
+{
+    GLuint shader = b->gl->CreateShader(kind);
+    b->gl->ShaderSource(shader, count, texts, NULL);
+    b->gl->CompileShader(shader);
+    if (!log[0]) b->GetShaderInfoLog(shader, 512, NULL, log);
+    b->gl->AttachShader(program, shader);
+    b->gl->DeleteShader(shader);
+}
+
 vxs_result gpu_program(gpu_bench *b, const vxs_gl *shadows, const char *defines, const char *body, GLuint *program, run_context *m)
 {
-    const gl_context *gl                      = b->gl;
-    const char       *texts[VXS_GL_TEXTS + 5] = {"#version 450 core\n"};
-    GLuint            shader                  = gl->CreateShader(GL_COMPUTE_SHADER);
-    GLint             linked                  = 0;
-    char              log[512]                = "";
+    enum { TEXTS = VXS_GL_TEXTS + 6 };
+    static const char triangle[] =
+        "#version 450 core\n"
+        "void main() { gl_Position = vec4(4.0 * vec2(gl_VertexID & 1, gl_VertexID >> 1) - 1.0, 0.0, 1.0); }\n";
+    const gl_context *gl           = b->gl;
+    const char       *texts[TEXTS] = {"#version 450 core\n"};
+    GLint             linked       = 0;
+    char              log[512]     = "";
     vxs_gl_texts(shadows, texts + 1);
-    texts[1]                = strchr(texts[1], '\n') + 1; /* behind its own version, which has no compute shaders with textures */
-    texts[VXS_GL_TEXTS + 1] = program_head;
-    texts[VXS_GL_TEXTS + 2] = defines;
-    texts[VXS_GL_TEXTS + 3] = body;
-    texts[VXS_GL_TEXTS + 4] = program_end;
-    *program                = gl->CreateProgram();
-    gl->ShaderSource(shader, VXS_GL_TEXTS + 5, texts, NULL);
-    gl->CompileShader(shader);
-    b->GetShaderInfoLog(shader, sizeof log, NULL, log);
-    gl->AttachShader(*program, shader);
-    gl->DeleteShader(shader);
+    texts[1]         = strchr(texts[1], '\n') + 1; /* behind its own version, which has no compute shaders with textures */
+    texts[TEXTS - 5] = b->is_fragment ? "#define FRAGMENT\n" : "";
+    texts[TEXTS - 4] = program_head;
+    texts[TEXTS - 3] = defines;
+    texts[TEXTS - 2] = body;
+    texts[TEXTS - 1] = program_end;
+    *program         = gl->CreateProgram();
+    add_shader(b, *program, b->is_fragment ? GL_FRAGMENT_SHADER : GL_COMPUTE_SHADER, texts, TEXTS, log);
+    if (b->is_fragment) add_shader(b, *program, GL_VERTEX_SHADER, (const char *[]){triangle}, 1, log);
     gl->LinkProgram(*program);
     gl->GetProgramiv(*program, GL_LINK_STATUS, &linked);
     if (linked) return VXS_OK;
@@ -167,26 +183,32 @@ vxs_result gpu_program(gpu_bench *b, const vxs_gl *shadows, const char *defines,
     return fail(m, VXS_E_GL, "OpenGL cannot make a program: %s", log);
 }
 
-vxs_result gpu_shadows(gpu_bench *b, const vxs_asset *asset, vxs_gl_storage storage, uint64_t most_table_bytes, vxs_gl **shadows,
-                       run_context *m)
+vxs_result gpu_shadows_of(gpu_bench *b, vxs_gl_desc *desc, vxs_gl **shadows, run_context *m)
 {
-    vxs_gl_desc desc = {.struct_size      = sizeof desc,
-                        .get_proc_address = gl_lookup,
-                        .user             = b->gl,
-                        .storage          = storage,
-                        .asset            = asset,
-                        .most_table_bytes = most_table_bytes};
-    vxs_result  r    = vxs_gl_create(shadows, &desc);
+    desc->struct_size      = sizeof *desc;
+    desc->get_proc_address = gl_lookup;
+    desc->user             = b->gl;
+    vxs_result r           = vxs_gl_create(shadows, desc);
     if (r != VXS_OK) return fail(m, r, "words cannot be uploaded: %s", vxs_result_text(r));
     while (vxs_gl_upload(*shadows, SIZE_MAX)) continue;
     return VXS_OK;
+}
+
+vxs_result gpu_shadows(gpu_bench *b, const vxs_asset *asset, vxs_gl_storage storage, uint64_t most_table_bytes, vxs_gl **shadows,
+                       run_context *m)
+{
+    vxs_gl_desc desc = {.storage = storage, .asset = asset, .most_table_bytes = most_table_bytes};
+    return gpu_shadows_of(b, &desc, shadows, m);
 }
 
 vxs_result gpu_dispatch_frame(gpu_bench *b, void *user)
 {
     const gpu_dispatch *d = user;
     (void)d;
-    b->DispatchCompute((b->width_px + TILE_PX - 1) / TILE_PX, (b->height_px + TILE_PX - 1) / TILE_PX, 1);
+    if (b->is_fragment)
+        b->gl->DrawArrays(GL_TRIANGLES, 0, 3);
+    else
+        b->DispatchCompute((b->width_px + TILE_PX - 1) / TILE_PX, (b->height_px + TILE_PX - 1) / TILE_PX, 1);
     return VXS_OK;
 }
 
@@ -295,7 +317,50 @@ static vxs_result open_gl(gpu_bench *b, run_context *m)
     b->gl->GenBuffers(1, &b->answers);
     b->gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, b->answers);
     b->gl->BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)(b->pixels * sizeof(float)), NULL, GL_DYNAMIC_COPY);
+    if (b->is_fragment) { /* a framebuffer without pixels: answers go to the buffer */
+        GLuint frame, array;
+        b->gl->GenFramebuffers(1, &frame);
+        b->gl->BindFramebuffer(GL_FRAMEBUFFER, frame);
+        b->FramebufferParameteri(GL_FRAMEBUFFER, GL_FRAMEBUFFER_DEFAULT_WIDTH, (GLint)b->width_px);
+        b->FramebufferParameteri(GL_FRAMEBUFFER, GL_FRAMEBUFFER_DEFAULT_HEIGHT, (GLint)b->height_px);
+        b->gl->Viewport(0, 0, (GLsizei)b->width_px, (GLsizei)b->height_px);
+        b->gl->GenVertexArrays(1, &array);
+        b->gl->BindVertexArray(array);
+    }
     return VXS_OK;
+}
+
+/* The lights of all files, as one set of lights. */
+static vxs_result measure_lists(gpu_bench *b, vxs_asset *const *assets, size_t asset_count, run_context *m)
+{
+    const vxs_baked_light **lights;
+    uint32_t                count = 0;
+    for (size_t n = 0; n < asset_count; n++) count += vxs_asset_light_count(assets[n]);
+    if (!(lights = malloc(count * sizeof *lights))) return fail(m, VXS_E_MEMORY, "out of memory for a list of lights");
+    count = 0;
+    for (size_t n = 0; n < asset_count; n++)
+        for (uint32_t l = 0; l < vxs_asset_light_count(assets[n]); l++) lights[count++] = vxs_asset_light(assets[n], l);
+    vxs_result r = gpu_measure_lights(b, lights, count, m);
+    free(lights);
+    return r;
+}
+
+static vxs_result measure_files_together(gpu_bench *b, run_context *m)
+{
+    size_t      count = b->asset_paths.count, opened = 0;
+    vxs_asset **assets = malloc(count * sizeof *assets);
+    vxs_result  r      = assets ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory for a list of files");
+    for (; r == VXS_OK && opened < count; opened++) {
+        r = vxs_asset_open_file(&assets[opened], b->asset_paths.items[opened], NULL);
+        if (r != VXS_OK) {
+            fail(m, r, "%s: %s", b->asset_paths.items[opened], vxs_result_text(r));
+            break;
+        }
+    }
+    if (r == VXS_OK) r = measure_lists(b, assets, count, m);
+    while (opened) vxs_asset_close(assets[--opened]);
+    free(assets);
+    return r;
 }
 
 static vxs_result measure_file(gpu_bench *b, const char *path, uint32_t *last_levels, int has_fog, run_context *m)
@@ -306,13 +371,13 @@ static vxs_result measure_file(gpu_bench *b, const char *path, uint32_t *last_le
     uint32_t levels   = vxs_asset_light(asset, 0)->light.levels;
     int      is_first = levels != *last_levels;
     if (vxs_asset_light_count(asset) > 1)
-        r = gpu_measure_lights(b, asset, m);
+        r = measure_lists(b, &asset, 1, m);
     else {
         *last_levels = levels;
         /* what cannot be drawn does not keep the rest from being measured */
-        if (!b->only) r = gpu_measure_lookups(b, asset, is_first, m);
-        if (r == VXS_OK && is_first && !b->only) r = gpu_measure_pages(b, asset, m);
-        vxs_result rivals = is_first && !b->only ? gpu_measure_rivals(b, asset, m) : VXS_OK;
+        if (b->only == GPU_ALL) r = gpu_measure_lookups(b, asset, is_first, m);
+        if (r == VXS_OK && is_first && b->only == GPU_ALL) r = gpu_measure_pages(b, asset, m);
+        vxs_result rivals = is_first && b->only == GPU_ALL ? gpu_measure_rivals(b, asset, m) : VXS_OK;
         vxs_result fog    = has_fog ? gpu_measure_fog(b, asset, m) : VXS_OK;
         r                 = r != VXS_OK ? r : rivals != VXS_OK ? rivals : fog;
     }
@@ -328,7 +393,8 @@ static vxs_result run(void *command, run_context *m)
     if (r == VXS_OK) r = open_gl(b, m);
     if (r == VXS_OK) r = see_all(b, m);
     b->rows = json_array();
-    for (size_t n = 0; r == VXS_OK && n < b->asset_paths.count; n++) {
+    if (r == VXS_OK && b->only == GPU_ONLY_LISTS) failed = measure_files_together(b, m);
+    for (size_t n = 0; r == VXS_OK && b->only != GPU_ONLY_LISTS && n < b->asset_paths.count; n++) {
         vxs_result file = measure_file(b, b->asset_paths.items[n], &levels, n == 0 && b->fog_per_metre > 0, m);
         if (failed == VXS_OK) failed = file;
     }
@@ -354,7 +420,10 @@ int main(int argc, char **argv)
         {"--fov", OPTION_F64, &b.fov_degrees, 1, 170, NULL, "DEGREES", "from top to bottom (default 60)", NULL},
         {"--fog", OPTION_F64, &b.fog_per_metre, 0, 1e6, NULL, "PER_METRE", "measure fog in the first file, too", NULL},
         {"--storage", OPTION_CHOICE, &b.storage, 0, 0, "both|buffer", NULL, "of words (default both)", NULL},
-        {"--only", OPTION_CHOICE, &b.only, 0, 0, "all|fog", NULL, "what is measured of files with one light (default all)", NULL},
+        {"--only", OPTION_CHOICE, &b.only, 0, 0, "all|fog|lists", NULL,
+         "fog: of files with one light; lists: of all lights of all files, without what they are compared with (default all)",
+         NULL},
+        {"--shader", OPTION_CHOICE, &b.is_fragment, 0, 0, "compute|fragment", NULL, "that answers (default compute)", NULL},
         {"--width", OPTION_U32, &b.width_px, 16, 8192, NULL, "PX", "default 320", NULL},
         {"--height", OPTION_U32, &b.height_px, 16, 8192, NULL, "PX", "default 180", NULL},
         {"--runs", OPTION_U32, &b.runs, 1, GPU_RUNS_MAX, NULL, "N",

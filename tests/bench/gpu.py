@@ -19,23 +19,26 @@ import time
 
 CITY_VIEWS = ["street:-20,4,-150,-20,12,0", "above:-180,120,-180,0,0,0"]
 SPONZA_VIEWS = ["hall:-9,2,0.3,8,4.5,-0.5", "above:0,28,3,0,0,0"]
-LAMP_COLUMNS, LAMP_ROWS = 15, 11
+LAMPS = {165: (15, 11), 500: (25, 20), 2000: (50, 40)}
+LAMPS_OF_FILE = 1000
+GRID_METRES = 825
 
 
-def with_lamps(scene, out):
-    """The scene without its lights and with a grid of spot lights over it, whose cones overlap: a pixel sees several."""
+def with_lamps(scene, out, columns, rows, part):
+    """The scene without its lights and with a part of a grid of spot lights over it, whose cones overlap: a pixel sees several."""
+    apart = GRID_METRES / columns
     data = scene.read_bytes()
     size = struct.unpack_from("<I", data, 12)[0]
     gltf, rest = json.loads(data[20:20 + size]), data[20 + size:]
     for node in gltf["nodes"]:
         node.get("extensions", {}).pop("KHR_lights_punctual", None)
     first = len(gltf["nodes"])
-    lamps = [(c, r) for r in range(LAMP_ROWS) for c in range(LAMP_COLUMNS)]
+    lamps = [(c, r) for r in range(rows) for c in range(columns)][LAMPS_OF_FILE * part:][:LAMPS_OF_FILE]
     gltf.setdefault("extensions", {})["KHR_lights_punctual"] = {"lights": [
-        {"type": "spot", "name": f"lamp{n}", "intensity": 3000, "range": 220, "spot": {"innerConeAngle": 0.5, "outerConeAngle": 0.87}}
+        {"type": "spot", "name": f"lamp{n}", "intensity": 3000, "range": 4 * apart, "spot": {"innerConeAngle": 0.5, "outerConeAngle": 0.87}}
         for n in range(len(lamps))]}
     half = 2 ** -0.5
-    gltf["nodes"] += [{"translation": [55 * (c - LAMP_COLUMNS // 2), 80, 55 * (r - LAMP_ROWS // 2)], "rotation": [-half, 0, 0, half],
+    gltf["nodes"] += [{"translation": [apart * (c - columns // 2), 1.45 * apart, apart * (r - rows // 2)], "rotation": [-half, 0, 0, half],
                        "extensions": {"KHR_lights_punctual": {"light": n}}} for n, (c, r) in enumerate(lamps)]
     gltf["scenes"][gltf.get("scene", 0)]["nodes"] += range(first, first + len(lamps))
     gltf["extensionsUsed"] = sorted({*gltf.get("extensionsUsed", []), "KHR_lights_punctual"})
@@ -64,8 +67,10 @@ def bake(args):
         for px in args.resolutions:
             for coding in ("blocks", "dag"):
                 made(f"{scene}.glb", f"{scene}-{px}-{coding}.vxs", "--resolution", px, "--coding", coding, *sun)
-    with_lamps(folder / "city.glb", folder / "lamps.glb")
-    made("lamps.glb", "lamps.vxs", "--resolution", args.lamp_resolution)
+    for count, (columns, rows) in LAMPS.items():
+        for part in range(-(-count // LAMPS_OF_FILE)):
+            with_lamps(folder / "city.glb", folder / "lamps.glb", columns, rows, part)
+            made("lamps.glb", f"lamps{count}-{part}.vxs", "--resolution", args.lamp_resolution if count == 165 else 256)
 
 
 def measure(args):
@@ -74,7 +79,8 @@ def measure(args):
     assets = {scene: [folder / f"{scene}-{px}-{coding}.vxs" for px in args.resolutions for coding in ("blocks", "dag")] for scene in ("city", "sponza")}
     parts = [("city", assets["city"], CITY_VIEWS, []),
              ("city", assets["city"][:1], CITY_VIEWS, ["--only", "fog", "--fog", "0.01"]),
-             ("lamps", [folder / "lamps.vxs"], CITY_VIEWS, []),
+             ("city", assets["city"][:2], CITY_VIEWS, ["--shader", "fragment", "--storage", "buffer"]),
+             *(("city", sorted(folder.glob(f"lamps{count}-*.vxs")), CITY_VIEWS, [] if count == 165 else ["--only", "lists"]) for count in LAMPS),
              # textures hold sizes of their asset, so each needs programs of its own: the city tells what they cost
              ("sponza", assets["sponza"], SPONZA_VIEWS, ["--storage", "buffer"])]
     width, height = args.size.split("x")

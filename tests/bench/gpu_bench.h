@@ -34,6 +34,7 @@ typedef struct gpu_view {
     X(PFNGLBEGINQUERYPROC, BeginQuery)                                                                                             \
     X(PFNGLDISPATCHCOMPUTEPROC, DispatchCompute)                                                                                   \
     X(PFNGLENDQUERYPROC, EndQuery)                                                                                                 \
+    X(PFNGLFRAMEBUFFERPARAMETERIPROC, FramebufferParameteri)                                                                       \
     X(PFNGLGENQUERIESPROC, GenQueries)                                                                                             \
     X(PFNGLGETSHADERINFOLOGPROC, GetShaderInfoLog)                                                                                 \
     X(PFNGLGETQUERYOBJECTUI64VPROC, GetQueryObjectui64v)                                                                           \
@@ -46,7 +47,8 @@ typedef struct gpu_bench {
     uint32_t    width_px, height_px, runs, warm_ms, threads;
     double      fov_degrees, fog_per_metre;
     int         clock;         /* gpu_clock */
-    int         storage, only; /* 1: buffers alone; 1: fog alone */
+    int         storage, only; /* 1: buffers alone; GPU_ONLY_* */
+    int         is_fragment;   /* 1: fragment shaders answer in place of compute shaders */
 
     gl_context *gl;
 #define GPU_POINTER(type, name) type name;
@@ -58,6 +60,8 @@ typedef struct gpu_bench {
     size_t   view_count;
     json_t  *rows; /* docs/gpu.schema.json */
 } gpu_bench;
+
+typedef enum gpu_only { GPU_ALL, GPU_ONLY_FOG, GPU_ONLY_LISTS } gpu_only;
 
 typedef enum gpu_clock { GPU_CLOCK_AUTO, GPU_CLOCK_TIMER, GPU_CLOCK_WALL } gpu_clock;
 
@@ -78,14 +82,14 @@ typedef struct gpu_row {
 vxs_result gpu_measure(gpu_bench *b, const gpu_view *view, const gpu_row *row, vxs_result (*frame)(gpu_bench *b, void *user),
                        void *user, run_context *m);
 
-/* A compute program that answers for each pixel of a view: the texts of shadows, then
+/* A program that answers for each pixel of a view: the texts of shadows, then
  * body  defines float answer_of(ivec2 pixel, vec3 at, vec3 normal) */
 vxs_result gpu_program(gpu_bench *b, const vxs_gl *shadows, const char *defines, const char *body, GLuint *program, run_context *m);
 
 /* Use such a program for a view. */
 void gpu_use(gpu_bench *b, vxs_gl *shadows, GLuint program, const gpu_view *view);
 
-/* Dispatch a program for all pixels of a view. */
+/* Run a program for all pixels of a view. */
 typedef struct gpu_dispatch {
     const vxs_gl   *shadows;
     const gpu_view *view;
@@ -100,13 +104,16 @@ void gpu_answers(gpu_bench *b, float *answers);
 vxs_result gpu_shadows(gpu_bench *b, const vxs_asset *asset, vxs_gl_storage storage, uint64_t most_table_bytes, vxs_gl **shadows,
                        run_context *m);
 
-/* Measurements, in all views: of an asset with one light, of depth maps with its depths, of one with several lights, of fog in an
+/* The same of any lights.   desc  its functions of OpenGL are set here */
+vxs_result gpu_shadows_of(gpu_bench *b, vxs_gl_desc *desc, vxs_gl **shadows, run_context *m);
+
+/* Measurements, in all views: of an asset with one light, of depth maps with its depths, of several lights, of fog in an
  * asset with one light.
  * is_first  the first asset of its resolution: its answers are kept */
 vxs_result gpu_measure_lookups(gpu_bench *b, const vxs_asset *asset, int is_first, run_context *m);
 vxs_result gpu_measure_pages(gpu_bench *b, const vxs_asset *asset, run_context *m);
 vxs_result gpu_measure_rivals(gpu_bench *b, const vxs_asset *asset, run_context *m);
-vxs_result gpu_measure_lights(gpu_bench *b, const vxs_asset *asset, run_context *m);
+vxs_result gpu_measure_lights(gpu_bench *b, const vxs_baked_light *const *lights, uint32_t count, run_context *m);
 vxs_result gpu_measure_fog(gpu_bench *b, const vxs_asset *asset, run_context *m);
 
 /* Print the rows and write JSON. Marks m as wrong where answers differ. */

@@ -76,6 +76,7 @@ static vxs_result measure_lit_view(gpu_bench *b, vxs_gl *shadows, const GLuint *
                                    uint32_t count, run_context *m)
 {
     char       group[64];
+    int        is_compared = b->only != GPU_ONLY_LISTS;
     float     *all = malloc(b->pixels * sizeof *all), *found = malloc(b->pixels * sizeof *found);
     double     listed = 0;
     culling    c      = {shadows, view};
@@ -84,13 +85,13 @@ static vxs_result measure_lit_view(gpu_bench *b, vxs_gl *shadows, const GLuint *
     vxs_gl_origin(shadows, view->eye_ws);
     if (r == VXS_OK)
         r = gpu_measure(b, view, &(gpu_row){.group = group, .name = "cull", .resolution_px = side_px}, cull_frame, &c, m);
-    for (int n = 0; n < LIT_FRAMES && r == VXS_OK; n++) {
+    for (int n = b->only == GPU_ONLY_LISTS; n < LIT_FRAMES && r == VXS_OK; n++) {
         gpu_dispatch d   = {shadows, view, programs[n]};
         gpu_row      row = {.group         = group,
                             .name          = lit_frames[n].name,
                             .resolution_px = side_px,
-                            .wanted        = lit_frames[n].body == lights_body && lit_frames[n].filter == GPU_BOX_9 ? all : NULL,
-                            .tolerance     = 1e-3f};
+                            .wanted = is_compared && lit_frames[n].body == lights_body && lit_frames[n].filter == GPU_BOX_9 ? all : NULL,
+                            .tolerance = 1e-3f};
         bind(b, shadows, view, programs[n]);
         if (lit_frames[n].is_counted) { /* before it is timed: the row has the number */
             gpu_dispatch_frame(b, &d);
@@ -106,19 +107,19 @@ static vxs_result measure_lit_view(gpu_bench *b, vxs_gl *shadows, const GLuint *
     return r;
 }
 
-vxs_result gpu_measure_lights(gpu_bench *b, const vxs_asset *asset, run_context *m)
+vxs_result gpu_measure_lights(gpu_bench *b, const vxs_baked_light *const *lights, uint32_t count, run_context *m)
 {
-    GLuint     programs[LIT_FRAMES] = {0};
-    vxs_gl    *shadows              = NULL;
-    vxs_result r                    = gpu_shadows(b, asset, VXS_GL_BUFFER, 0, &shadows, m);
+    GLuint      programs[LIT_FRAMES] = {0};
+    vxs_gl     *shadows              = NULL;
+    vxs_gl_desc desc                 = {.storage = VXS_GL_BUFFER, .baked = lights, .light_count = count};
+    vxs_result  r                    = gpu_shadows_of(b, &desc, &shadows, m);
     for (int n = 0; n < LIT_FRAMES && r == VXS_OK; n++) {
         char defines[64];
         snprintf(defines, sizeof defines, "#define FILTER %s\n", gpu_filter_texts[lit_frames[n].filter]);
         r = gpu_program(b, shadows, defines, lit_frames[n].body, &programs[n], m);
     }
     for (size_t v = 0; v < b->view_count && r == VXS_OK; v++)
-        r = measure_lit_view(b, shadows, programs, &b->views[v], 1u << vxs_asset_light(asset, 0)->light.levels,
-                             vxs_asset_light_count(asset), m);
+        r = measure_lit_view(b, shadows, programs, &b->views[v], 1u << lights[0]->light.levels, count, m);
     for (int n = 0; n < LIT_FRAMES; n++) b->gl->DeleteProgram(programs[n]);
     vxs_gl_destroy(shadows);
     return r;

@@ -94,9 +94,9 @@ vxs_result gpu_report(gpu_bench *b, run_context *m)
     size_t        n;
     json_t       *row;
     if (r == VXS_OK)
-        printf("%s, OpenGL %s; %s; %s; %u x %u; medians of at most %u frames, times by %s\n\n", b->gl->names.renderer, version,
-               machine.processor, b->scene_path, b->width_px, b->height_px, b->runs,
-               b->clock == GPU_CLOCK_TIMER ? "timer queries" : "the clock on the wall");
+        printf("%s, OpenGL %s; %s; %s; %u x %u, %s shaders; medians of at most %u frames, times by %s\n\n", b->gl->names.renderer,
+               version, machine.processor, b->scene_path, b->width_px, b->height_px, b->is_fragment ? "fragment" : "compute",
+               b->runs, b->clock == GPU_CLOCK_TIMER ? "timer queries" : "the clock on the wall");
     sort_rows(b);
     if (r == VXS_OK) r = print_table(b, m);
     json_array_foreach(b->rows, n, row) m->wrong |= json_integer_value(json_object_get(row, "pixels_differ")) > 0;
@@ -108,6 +108,7 @@ vxs_result gpu_report(gpu_bench *b, run_context *m)
     json_set(&o, "scene", json_text(b->scene_path));
     json_set(&o, "width_px", json_integer((json_int_t)b->width_px));
     json_set(&o, "height_px", json_integer((json_int_t)b->height_px));
+    json_set(&o, "shader", json_text(b->is_fragment ? "fragment" : "compute"));
     json_set(&o, "clock", json_text(b->clock == GPU_CLOCK_TIMER ? "timer" : "wall"));
     json_set(&o, "warm_ms", json_integer((json_int_t)b->warm_ms));
     json_set(&o, "rows", json_incref(b->rows));

@@ -63,6 +63,19 @@ def test_lists_light_as_all_lights_do_and_fog_has_errors(gpu, folder, tmp_path):
     assert 0 < errors["exact intervals, half"] < 0.2 and 0 < errors["march of a map, 64 steps, half"] < 0.2
 
 
+def test_fragment_shaders_answer_alike(gpu, folder, tmp_path):
+    done = gpu(folder / "city.glb", folder / "blocks.vxs", *VIEW, "--shader", "fragment", "--storage", "buffer", "--json", tmp_path / "out.json")
+    differ = [row["pixels_differ"] for row in report(done, tmp_path / "out.json") if "pixels_differ" in row]
+    assert len(differ) > 20 and not any(differ) and "fragment shaders" in done.stdout
+
+
+def test_lists_of_several_files(gpu, folder, tmp_path):
+    done = gpu(folder / "city.glb", folder / "all.vxs", folder / "all.vxs", *VIEW, "--only", "lists", "--json", tmp_path / "out.json")
+    rows = report(done, tmp_path / "out.json")
+    assert {row["group"] for row in rows} == {"18 spot lights"}
+    assert {row["name"] for row in rows} >= {"cull", "reading lists alone", "lists, 9 x 9 box"}
+
+
 def test_what_is_wrong_is_said(gpu, folder):
     assert gpu().returncode == 2
     for view in ([], ["--view", "street:1,2,3"], ["--view", "nothing"]):
