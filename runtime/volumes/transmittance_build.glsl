@@ -98,24 +98,29 @@ void main()
         vxs_curves.words[record] = n;
     }
     vxs_curve_insertion pieces = vxs_curve_insertion_of(curve, VXS_CURVE_MOST, 0.0, 0.0, 1.0); /* none */
-    while (n != VXS_NO_SEGMENT || pieces.next <= pieces.last) {
+    /* the list, then `last`: what had no room in it, and the opaque depth; in one loop, because its calls are inlined */
+    int last = 0;
+    while (last < 2 || pieces.next <= pieces.last) {
         if (pieces.next > pieces.last) {
-            vec3 segment = segment_at(n);
-            if (segment.y > opaque) segment = ends_at(opaque, segment);
-            pieces = vxs_curve_insertion_of(curve, VXS_CURVE_MOST, segment.x, segment.y, segment.x < opaque ? segment.z : 1.0);
-            uint next = next_of(n);
-            if (next == VXS_NO_SEGMENT && rest != VXS_NO_SEGMENT) {
-                next = rest;
-                rest = VXS_NO_SEGMENT;
-                set_next(n, next);
-            }
-            n = next;
+            vec3 segment = vec3(opaque, opaque, 0.0);
+            if (n != VXS_NO_SEGMENT) {
+                segment = segment_at(n);
+                if (segment.y > opaque) segment = ends_at(opaque, segment);
+                if (!(segment.x < opaque)) segment.z = 1.0;
+                uint next = next_of(n);
+                if (next == VXS_NO_SEGMENT && rest != VXS_NO_SEGMENT) {
+                    next = rest;
+                    rest = VXS_NO_SEGMENT;
+                    set_next(n, next);
+                }
+                n = next;
+            } else if (last++ == 0)
+                segment = vec3(number_of(vxs_curves.words[record + 1u]), number_of(vxs_curves.words[record + 2u]),
+                               uintBitsToFloat(vxs_curves.words[record + 3u]));
+            pieces = vxs_curve_insertion_of(curve, VXS_CURVE_MOST, segment.x, segment.y, segment.z);
         }
         vxs_curve_insert_next(curve, VXS_CURVE_MOST, pieces);
     }
-    if (n != VXS_NO_SEGMENT || pieces.next <= pieces.last) atomicAdd(vxs_curves.cut, 1u);
-    vxs_curve_insert(curve, VXS_CURVE_MOST, number_of(vxs_curves.words[record + 1u]), number_of(vxs_curves.words[record + 2u]),
-                     uintBitsToFloat(vxs_curves.words[record + 3u]));
-    vxs_curve_insert(curve, VXS_CURVE_MOST, opaque, opaque, 0.0);
+    if (last < 2 || pieces.next <= pieces.last) atomicAdd(vxs_curves.cut, 1u);
     vxs_curve_store(index, curve);
 }

@@ -21,9 +21,10 @@ void main()
     bool      is_one = all(lessThan(texel.xy, ivec2(vxs_curve_map.side)));
     float     opaque = is_one ? vxs_opaque_depth(texel) : VXS_NO_END;
     vxs_curve curve = vxs_curve_empty();
-    uint first = 0u, bits = 0u;
+    uint      steps = (count + 63u) / 64u, step = 0u, bits = 0u; /* a last step inserts the opaque depth: one call, because it is inlined */
     vxs_curve_insertion pieces = vxs_curve_insertion_of(curve, VXS_CURVE_MOST, 0.0, 0.0, 1.0); /* none */
-    for (; first < count; first += 64u) {
+    for (; step <= steps; step++) {
+        uint first = 64u * step;
         if (own < 2u) seen[own] = 0u;
         barrier();
         if (first + own < count) {
@@ -34,14 +35,16 @@ void main()
         }
         barrier();
         for (uint half_of_them = 0u; half_of_them < 2u; half_of_them++) {
-            bits = is_one ? seen[half_of_them] : 0u;
+            bits = !is_one ? 0u : step < steps ? seen[half_of_them] : 1u - half_of_them;
             while (bits != 0u || pieces.next <= pieces.last) {
                 if (pieces.next > pieces.last) {
-                    uint        n = 32u * half_of_them + uint(findLSB(bits));
-                    vxs_capsule c = vxs_capsule(begins[n].xyz, begins[n].w, ends[n].xyz, ends[n].w);
-                    vec3        segment;
-                    bool        is_met = vxs_capsule_segment(c, texel, opaque, segment);
-                    pieces = vxs_curve_insertion_of(curve, VXS_CURVE_MOST, segment.x, segment.y, is_met ? segment.z : 1.0);
+                    vec3 segment = vec3(opaque, opaque, 0.0);
+                    if (step < steps) {
+                        uint        n = 32u * half_of_them + uint(findLSB(bits));
+                        vxs_capsule c = vxs_capsule(begins[n].xyz, begins[n].w, ends[n].xyz, ends[n].w);
+                        if (!vxs_capsule_segment(c, texel, opaque, segment)) segment.z = 1.0;
+                    }
+                    pieces = vxs_curve_insertion_of(curve, VXS_CURVE_MOST, segment.x, segment.y, segment.z);
                     bits &= bits - 1u;
                 }
                 vxs_curve_insert_next(curve, VXS_CURVE_MOST, pieces);
@@ -50,7 +53,6 @@ void main()
         barrier();
     }
     /* a driver ended the loops */
-    if (is_one && (first < count || bits != 0u || pieces.next <= pieces.last)) atomicAdd(vxs_curves.cut, 1u);
-    vxs_curve_insert(curve, VXS_CURVE_MOST, opaque, opaque, 0.0);
+    if (is_one && (step <= steps || bits != 0u || pieces.next <= pieces.last)) atomicAdd(vxs_curves.cut, 1u);
     if (is_one) vxs_curve_store(vxs_curve_texel(texel), curve);
 }

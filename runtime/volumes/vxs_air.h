@@ -343,10 +343,11 @@ VXS_FN void vxs_air_punctual(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real begin,
      * cone, behind it, and in it. */
     if (VXS_FIELD(ray, cos_outer) >= 0.0) {
         first = 0;
-        vxs_air_in_cone(ray, VXS_FIELD(ray, cos_outer), lit);
-        full[0] = lit[0];
-        full[1] = lit[1];
-        vxs_air_in_cone(ray, VXS_FIELD(ray, cos_inner), full);
+        for (vxs_i32 n = 0; n < 2; n++) { /* one call, because it is inlined */
+            lit[0] = full[0];
+            lit[1] = full[1];
+            vxs_air_in_cone(ray, n == 0 ? VXS_FIELD(ray, cos_outer) : VXS_FIELD(ray, cos_inner), full);
+        }
         if (full[1] <= full[0]) full[0] = full[1] = lit[0];
         length = full[1] - full[0];
     }

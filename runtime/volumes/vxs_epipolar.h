@@ -84,7 +84,8 @@ VXS_FN vxs_real vxs_epipolar_angle(vxs_real y, vxs_real x)
 #ifdef VXS_C
     return atan2(y, x);
 #else
-    return x < 0.0 ? VXS_AIR_PI - vxs_air_angle(y, -x) : vxs_air_angle(y, x);
+    vxs_real angle = vxs_air_angle(y, vxs_abs(x)); /* one call, because it is inlined */
+    return x < 0.0 ? VXS_AIR_PI - angle : angle;
 #endif
 }
 

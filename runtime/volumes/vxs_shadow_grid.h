@@ -211,11 +211,19 @@ VXS_FN void vxs_grid_airlight_of(VXS_GRID_WORDS words, VXS_EPIPOLAR space, VXS_G
     vxs_i32          columns = VXS_FIELD(size, columns), bits = VXS_FIELD(size, bits);
     vxs_real         across = vxs_grid_before(VXS_FIELD(space, alpha), VXS_FIELD(ray, alpha), columns);
     vxs_i32          column = vxs_grid_voxel(across, columns);
-    vxs_epipolar_ray middle = vxs_grid_column_ray(space, size, column);
-    vxs_real         from   = vxs_grid_bits_before(space, size, VXS_REF(middle), begin);
-    vxs_real         to     = vxs_grid_bits_before(space, size, VXS_REF(middle), end);
-    vxs_i32          first = from > 0.5 ? vxs_grid_voxel(ceil(from - 0.5), bits) : 0, last = vxs_grid_voxel(to - 0.5, bits);
-    vxs_i32          count = last > first ? last + 1 - first : 1, parts = runs < count ? runs : count;
+    vxs_epipolar_ray of     = vxs_grid_column_ray(space, size, column);
+    vxs_real4        before;
+    for (vxs_i32 n = 0; n < 4;
+         n++) { /* of the column and of the ray: where the path begins and ends; one call, because it is inlined */
+        if (n == 2) {
+            of.sine   = VXS_FIELD(ray, sine);
+            of.cosine = VXS_FIELD(ray, cosine);
+        }
+        before[n] = vxs_grid_bits_before(space, size, VXS_REF(of), (n & 1) == 0 ? begin : end);
+    }
+    vxs_real from = before[0], to = before[1];
+    vxs_i32  first = from > 0.5 ? vxs_grid_voxel(ceil(from - 0.5), bits) : 0, last = vxs_grid_voxel(to - 0.5, bits);
+    vxs_i32  count = last > first ? last + 1 - first : 1, parts = runs < count ? runs : count;
     airlight[0] = airlight[1] = airlight[2] = VXS_REAL(0.0);
     if (!(end > begin)) return;
 
@@ -233,7 +241,7 @@ VXS_FN void vxs_grid_airlight_of(VXS_GRID_WORDS words, VXS_EPIPOLAR space, VXS_G
     if (same > 0.0) same *= vxs_grid_left_along(medium, path, runs);
 #endif
 
-    vxs_real bit = vxs_grid_bits_before(space, size, ray, begin), behind = vxs_grid_bits_before(space, size, ray, end);
+    vxs_real bit = before[2], behind = before[3];
     for (vxs_i32 n = 0; n < parts; n++) {
         vxs_i32   a = first + count * n / parts, b = first + count * (n + 1) / parts;
         vxs_real  part = vxs_grid_lit_part_of(words, size, column, rows, a, b), next = n + 1 < parts ? VXS_REAL(b) : behind;
