@@ -286,10 +286,9 @@ VXS_FN vxs_real vxs_walk_within(VXS_LIGHT light, VXS_WALK w, vxs_real first, vxs
 /* Set the voxel from the place of the ray at t, which is finite. */
 VXS_FN void vxs_walk_place(VXS_LIGHT light, VXS_WALK w, vxs_real t)
 {
-    vxs_real z             = VXS_FIELD(w, p)[2] + VXS_FIELD(w, d)[2] * t;
-    vxs_i32  last          = vxs_walk_side(light) - 1;
-    VXS_FIELD(w, voxel)[0] = vxs_clamp(vxs_walk_texel(light, w, 0, t, z), 0, last);
-    VXS_FIELD(w, voxel)[1] = vxs_clamp(vxs_walk_texel(light, w, 1, t, z), 0, last);
+    vxs_real z    = VXS_FIELD(w, p)[2] + VXS_FIELD(w, d)[2] * t;
+    vxs_i32  last = vxs_walk_side(light) - 1;
+    for (vxs_i32 axis = 0; axis < 2; axis++) VXS_FIELD(w, voxel)[axis] = vxs_clamp(vxs_walk_texel(light, w, axis, t, z), 0, last);
     VXS_FIELD(w, voxel)[2] = vxs_walk_depth(light, w, z);
 }
 
@@ -308,9 +307,15 @@ VXS_FN void vxs_walk_pass_cut(VXS_LIGHT light, VXS_WALK w)
     VXS_FIELD(w, tile_i)        = -1;
     VXS_FIELD(w, in_tile)       = 0;
     if (VXS_FIELD(w, map) < 0) return;
-    vxs_i32 face = vxs_walk_is_sun(light) != 0 ? 4 : vxs_face_of_map(light, VXS_FIELD(w, map)); /* 4: axes as they are */
-    vxs_face_from_ls(face, VXS_FIELD(w, from), VXS_FIELD(w, p));
-    vxs_face_from_ls(face, VXS_FIELD(w, along), VXS_FIELD(w, d));
+    for (vxs_i32 n = 0; n < 3; n++) {
+        VXS_FIELD(w, p)[n] = VXS_FIELD(w, from)[n];
+        VXS_FIELD(w, d)[n] = VXS_FIELD(w, along)[n];
+    }
+    if (vxs_walk_is_sun(light) == 0) {
+        vxs_i32 face = vxs_face_of_map(light, VXS_FIELD(w, map));
+        vxs_face_from_ls(face, VXS_FIELD(w, from), VXS_FIELD(w, p));
+        vxs_face_from_ls(face, VXS_FIELD(w, along), VXS_FIELD(w, d));
+    }
     vxs_real z = VXS_FIELD(w, p)[2], dz = VXS_FIELD(w, d)[2];
     for (vxs_i32 axis = 0; axis < 3; axis++) {
         vxs_real d = VXS_FIELD(w, d)[axis];
