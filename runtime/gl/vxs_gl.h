@@ -81,8 +81,9 @@ typedef struct vxs_gl_desc {
     const vxs_baked_light *const *baked;
 
     /* Tables of an asset, or of `baked`: vxs_gl_create lays out the depths of palette blocks once more, so that shaders need a
-     * quarter of the time. If they would take more bytes than this, there are none. 0: 8 times the bytes of words, or 64 MiB where
-     * that is more; 1: none */
+     * quarter of the time. That takes up to three times as long as opening the file. Tables are kept in memory until they are
+     * uploaded. If they would take more bytes than this, there are none. 0: 8 times the bytes of words, or 64 MiB where that is
+     * more; 1: none */
     uint64_t most_table_bytes;
 } vxs_gl_desc;
 
