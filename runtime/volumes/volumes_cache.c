@@ -7,7 +7,7 @@
 #include "volumes_state.h"
 
 typedef struct binary_head {
-    program_key key; /* which begins with a version of this struct: see vxs_volumes_cache_begin */
+    program_key key; /* the version of this struct is in it: see vxs_volumes_cache_begin */
     uint64_t    hash;
     uint32_t    size_bytes, format; /* of the bytes that follow */
 } binary_head;
@@ -56,7 +56,7 @@ void vxs_volumes_cache_begin(vxs_volumes *v, const vxs_program_cache *cache)
 /* 32 digits and an end. */
 static const char *name_of(const program_key *key, char name[33])
 {
-    snprintf(name, 33, "%016llx%016llx", (unsigned long long)key->words[0], (unsigned long long)key->words[1]);
+    for (int n = 0; n < 4; n++) snprintf(name + 8 * n, 9, "%08x", (unsigned)(key->words[n / 2] >> (n % 2 ? 0 : 32)));
     return name;
 }
 
