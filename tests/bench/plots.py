@@ -9,19 +9,22 @@ import subprocess
 COLOURS = ["#3d7ab8", "#d0702a", "#3c9260", "#a9549c", "#c2485a", "#2f979c", "#94742f", "#7b7f8c",
            "#9a8fb0", "#66b37e", "#e0b050", "#4c126b"]
 TICS = ", ".join(f"{digit}e{power}" for power in range(-4, 4) for digit in (1, 2, 5))  # of logarithmic axes
-HEAD = """set terminal svg size 480,380 noenhanced font 'sans-serif,13' background rgb 'white'
+HEAD = """set terminal svg size 480,{height} noenhanced font 'sans-serif,13' background rgb 'white'
 set encoding utf8
 set border 3
 set tics nomirror out scale 0.5
 set grid lt 1 lw 0.6 lc rgb '#dcd9cf'
-set key bmargin left Left reverse horizontal samplen 1.6 maxcols 3
+set key bmargin left Left reverse horizontal samplen 1.6 maxcols {columns}
 """
 SMALL_PART = 0.02  # of every bar: joined into "others"
 
 
 def draw(path, names, script):
-    """names: of the key, which has three columns below the axis."""
-    head = f"{HEAD}set bmargin {3.7 + 1.1 * -(-len(names) // 3)}\nset output {quoted(path)}\n"
+    """names: of the key below the axis, which has three columns, or two of many names."""
+    columns = 3 if len(names) <= 12 else 2
+    rows = -(-len(names) // columns)
+    head = HEAD.format(columns=columns, height=380 if columns == 3 else 300 + 20 * rows)
+    head += f"set bmargin {3.7 + 1.1 * rows}\nset output {quoted(path)}\n"
     subprocess.run(["gnuplot", "-d", "-"], input=head + script, text=True, check=True)
 
 
