@@ -66,17 +66,16 @@ int vxs_table_depth(uint root, uint levels, uint i, uint j)
     return clamp(least + int(vxs_table_delta(record, i & 7u, j & 7u)), 0, 1 << levels);
 }
 
-/* Texels of tile (x, y) that are in shadow at depth k: texel (x, y) is bit x + 8y of two words, of which words.x and words.y are
- * computed: 0 or 1. */
-uvec2 vxs_table_words(uint root, uint levels, uint x, uint y, uint k, uvec2 words)
+/* Texels of tile (x, y) that are in shadow at depth k: texel (x, y) is bit x + 8y of two words. */
+uvec2 vxs_table_tile(uint root, uint levels, uint x, uint y, uint k)
 {
-    uint record;
-    int  deep = int(k) - vxs_table_find(root, levels, x, y, record);
+    uint  record;
+    int   deep = int(k) - vxs_table_find(root, levels, x, y, record);
     uint  bits = deep < 0 ? 0u : record >> 28, at = record & 0x0fffffffu, plane_at = at + (1u << bits) - 1u, node = 0u;
     uvec2 same = uvec2(deep < 0 ? 0u : 0xffffffffu), less = uvec2(0u); /* texels whose rank is that of k so far, or less */
     for (uint n = 0u; n < bits; n++) {
         uint  is_deeper = deep >= int(vxs_word(at, node)) ? 0xffffffffu : 0u;
-        uvec2 plane     = uvec2(vxs_word(plane_at, words.x), vxs_word(plane_at, words.y)), other = plane ^ is_deeper;
+        uvec2 plane     = uvec2(vxs_word(plane_at, 0u), vxs_word(plane_at, 1u)), other = plane ^ is_deeper;
         less |= same & other & is_deeper;
         same &= ~other;
         node = 2u * node + 1u - is_deeper;
@@ -85,14 +84,11 @@ uvec2 vxs_table_words(uint root, uint levels, uint x, uint y, uint k, uvec2 word
     return same | less;
 }
 
-uvec2 vxs_table_tile(uint root, uint levels, uint x, uint y, uint k)
-{
-    return vxs_table_words(root, levels, x, y, k, uvec2(0u, 1u));
-}
-
 /* 1 if voxel (i, j, k) is in shadow, else 0. */
 uint vxs_table_tap(uint root, uint levels, uint i, uint j, uint k)
 {
-    return (vxs_table_words(root, levels, i >> 3, j >> 3, k, uvec2((j >> 2) & 1u)).x >> ((i & 7u) + 8u * (j & 3u))) & 1u;
+    uint record;
+    int  deep = int(k) - vxs_table_find(root, levels, i >> 3, j >> 3, record);
+    return deep >= int(vxs_table_delta(record, i & 7u, j & 7u)) ? 1u : 0u;
 }
 #endif
