@@ -118,7 +118,7 @@ gl.text   := $(filter-out %/lights.glsl %/words.glsl %/tables.glsl,$(wildcard ru
 volumes.h := $(addprefix runtime/volumes/,vxs_volumes.h vxs_transmittance.h vxs_area_light.h vxs_capsule.h)
 air.h     := $(filter-out $(volumes.h),$(wildcard runtime/volumes/vxs_*.h))
 volumes.c := $(wildcard runtime/volumes/*.c)
-volumes.text := $(wildcard runtime/volumes/*.glsl) $(air.h) formats/vxs_depths.h formats/vxs_intervals.h
+volumes.text := $(wildcard runtime/volumes/*.glsl) runtime/gl/first_shadow.glsl $(air.h) formats/vxs_depths.h formats/vxs_intervals.h
 format.c  := $(filter-out $(runtime.c),$(wildcard formats/*.c))
 # libvxs_bake, which the command links; the command; and the laboratory, which measures, compares, draws, mends and generates: vxs-core is the
 # command without it

@@ -1,5 +1,5 @@
-/* Depths of the texels of new pages, and the bounds of each page. Compiled behind vxs_depths.h, and behind
- * depth_pages.glsl with VXS_PAGES_FILL. */
+/* Depths of the texels of new pages, and the bounds of each page. Compiled behind first_shadow.glsl,
+ * vxs_depths.h, and depth_pages.glsl with VXS_PAGES_FILL. */
 layout(local_size_x = 8, local_size_y = 8) in;
 /* 8 words for each page: light, map, level, x, y of the page, page of the atlas, 0, 0; then 32-bit depths by rows, page by page;
  * then the same as the atlas has them, two to a word (depth_pages_pack.glsl) */
@@ -8,10 +8,8 @@ layout(std430, binding = VXS_PAGES_AT_WORK) restrict buffer vxs_fill_block { uin
 /* Depth of a texel of a map; 2^levels: never in shadow.   is_there  [in, out] becomes false where words are missing */
 uint vxs_depth_of(vxs_light_constants light, int map, ivec2 texel, inout bool is_there)
 {
+#ifndef VXS_TABLES
     if (VXS_CODING(light) == VXS_CODING_BLOCKS) {
-#ifdef VXS_TABLES
-        return uint(vxs_table_depth(vxs_root_of(light.first_word, light, map), light.levels, uint(texel.x), uint(texel.y)));
-#else
         uint              words = light.first_word, m = uint(map);
         vxs_depths_square s     = vxs_depths_square_at(words, m, light.levels, texel.x, texel.y);
         is_there = is_there && s.coarse == 0;
@@ -23,18 +21,9 @@ uint vxs_depth_of(vxs_light_constants light, int map, ivec2 texel, inout bool is
         vxs_depths_bounds b     = vxs_depths_bound(words, t);
         if (b.least == b.greatest) return uint(b.least);
         return uint(vxs_depths_texel(words, t, b.least, b.greatest, uint(texel.x & 7), uint(texel.y & 7)));
+    } else
 #endif
-    } else { /* bisection: in a DAG a column is lit up to a voxel, and in shadow from there on */
-        int first = 0, end = 1 << light.levels;
-        while (first < end) {
-            int middle = (first + end) >> 1;
-            if (vxs_shadow_tap(light.first_word, light, map, texel.x, texel.y, uint(middle)) != 0u)
-                end = middle;
-            else
-                first = middle + 1;
-        }
-        return uint(first);
-    }
+        return uint(vxs_first_shadow(light, map, texel.x, texel.y));
 }
 
 void main()

@@ -217,14 +217,15 @@ void vxs_gl_depth_pages_bind(const vxs_gl_depth_pages *p)
 /* Compile the program of a pass at its first use. Returns 0 on failure. */
 static gl_name program_of(vxs_gl_depth_pages *p, page_pass pass)
 {
-    static const char *const bodies[PASSES]  = {[PASS_MARK] = vxs_gl_text_depth_pages_mark_glsl,
-                                                [PASS_FILL] = vxs_gl_text_depth_pages_fill_glsl,
-                                                [PASS_PACK] = vxs_gl_text_depth_pages_pack_glsl};
-    static const char *const helpers[PASSES] = {
-        [PASS_MARK] = vxs_gl_text_view_glsl, [PASS_FILL] = vxs_gl_text_vxs_depths_h, [PASS_PACK] = ""};
-    static const char head[]  = "#define VXS_PAGES_FILL\n#define VXS_PAGES_ACCESS restrict\n";
-    const char *const texts[] = {p->head, vxs_gl_text_depth_pages_glsl, helpers[pass], bodies[pass]};
-    if (!p->programs[pass]) p->programs[pass] = vxs_gl_compute(p->gl, head, texts, 4);
+    static const char *const bodies[PASSES]     = {[PASS_MARK] = vxs_gl_text_depth_pages_mark_glsl,
+                                                   [PASS_FILL] = vxs_gl_text_depth_pages_fill_glsl,
+                                                   [PASS_PACK] = vxs_gl_text_depth_pages_pack_glsl};
+    static const char *const helpers[PASSES][2] = {[PASS_MARK] = {vxs_gl_text_view_glsl, ""},
+                                                   [PASS_FILL] = {vxs_gl_text_vxs_depths_h, vxs_gl_text_first_shadow_glsl},
+                                                   [PASS_PACK] = {"", ""}};
+    static const char        head[]             = "#define VXS_PAGES_FILL\n#define VXS_PAGES_ACCESS restrict\n";
+    const char *const        texts[] = {p->head, vxs_gl_text_depth_pages_glsl, helpers[pass][0], helpers[pass][1], bodies[pass]};
+    if (!p->programs[pass]) p->programs[pass] = vxs_gl_compute(p->gl, head, texts, 5);
     return p->programs[pass];
 }
 

@@ -136,7 +136,7 @@ uint64_t   vxs_gl_stream_upload(vxs_gl *gl, size_t room_words);
 
 /* Shader texts, made by the Makefile from the files of these names. */
 extern const char vxs_gl_text_words_tables_glsl[], vxs_gl_text_smoke_lights_glsl[], vxs_gl_text_cull_glsl[],
-    vxs_gl_text_view_glsl[], vxs_gl_text_depth_pages_glsl[], vxs_gl_text_depth_pages_fill_glsl[],
+    vxs_gl_text_view_glsl[], vxs_gl_text_first_shadow_glsl[], vxs_gl_text_depth_pages_glsl[], vxs_gl_text_depth_pages_fill_glsl[],
     vxs_gl_text_depth_pages_pack_glsl[], vxs_gl_text_depth_pages_mark_glsl[], vxs_gl_text_vxs_lookup_h[],
     vxs_gl_text_vxs_lookup_blocks_h[], vxs_gl_text_vxs_space_h[], vxs_gl_text_vxs_depths_h[], vxs_gl_text_vxs_cull_h[];
 

@@ -122,7 +122,7 @@ void vxs_gl_words_bind(const vxs_gl *gl, const gl_words *w, uint32_t place)
 {
     if (!w->name) return;
     if (!gl->is_texture) {
-        gl->api.BindBufferBase(GL_TARGET_STORAGE_BUFFER, gl->first_binding + place, w->name);
+        vxs_gl_words_bind_at(gl, w, gl->first_binding + place);
         return;
     }
     int active;

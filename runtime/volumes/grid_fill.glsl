@@ -2,7 +2,7 @@
  * invocation also tests whether the eye is lit. */
 #include "grid.glsl"
 #include "vxs_shadow_grid.h"
-#include "first_shadow.glsl"
+#include "first_depth.glsl"
 
 layout(local_size_x = 32, local_size_y = 4) in;
 

@@ -1,7 +1,7 @@
 /* Looks texels [first, end) of a shadow depth map up in the asset; each takes the baked texel at the middle of those that it
  * covers. */
 #include "frame.glsl"
-#include "first_shadow.glsl"
+#include "first_depth.glsl"
 
 layout(std140, binding = VXS_AT_OWN) uniform vxs_map_fill_block { uint first, end; } vxs_map_fill;
 layout(local_size_x = 64) in;

@@ -1,4 +1,4 @@
-/* Where shadow begins on a light ray in the asset: from tables, or by bisection of lookups, as a column is lit up to a voxel, and in
+/* Where shadow begins on a light ray in the asset, for depth pages and volumes: from tables, or by bisection of lookups, as a column is lit up to a voxel, and in
  * shadow from there on. */
 
 /* The first voxel in shadow of a texel of the baked map, [0, 2^levels]; 2^levels: light does not end. */
@@ -17,11 +17,4 @@ int vxs_first_shadow(vxs_light_constants light, int map, int i, int j)
             first = middle + 1;
     }
     return first;
-}
-
-/* The same in units of shadow depth maps: for suns in voxels, for punctual lights in metres along the axis of the map. */
-float vxs_first_depth(vxs_light_constants light, int voxel)
-{
-    if (voxel >= 1 << light.levels) return VXS_NO_END;
-    return VXS_KIND(light) == VXS_LIGHT_KIND_DIRECTIONAL ? float(voxel) : light.near_metres * exp(float(voxel) * light.voxel_metres);
 }
