@@ -24,7 +24,7 @@ def gpu(vxs_path):
 def folder(vxs, tmp_path_factory):
     folder = tmp_path_factory.mktemp("gpu")
     assert vxs("scene", "city", "-o", folder / "city.glb", "--triangles", 20000, "--spots", 8).returncode == 0
-    for name, options in {"blocks": ["--light", "sun"], "all": []}.items():
+    for name, options in {"blocks": ["--light", "sun"], "dag": ["--light", "sun", "--coding", "dag"], "all": []}.items():
         assert vxs("bake", folder / "city.glb", "-o", folder / f"{name}.vxs", "--resolution", 512, *options).returncode == 0
     return folder
 
@@ -63,8 +63,9 @@ def test_lists_light_as_all_lights_do_and_fog_has_errors(gpu, folder, tmp_path):
     assert 0 < errors["exact intervals, half"] < 0.2 and 0 < errors["march of a map, 64 steps, half"] < 0.2
 
 
-def test_fragment_shaders_answer_alike(gpu, folder, tmp_path):
-    done = gpu(folder / "city.glb", folder / "blocks.vxs", *VIEW, "--shader", "fragment", "--storage", "buffer", "--json", tmp_path / "out.json")
+@pytest.mark.parametrize("asset", ["blocks", "dag"])
+def test_fragment_shaders_answer_alike(gpu, folder, tmp_path, asset):
+    done = gpu(folder / "city.glb", folder / f"{asset}.vxs", *VIEW, "--shader", "fragment", "--storage", "buffer", "--json", tmp_path / "out.json")
     differ = [row["pixels_differ"] for row in report(done, tmp_path / "out.json") if "pixels_differ" in row]
     assert len(differ) > 20 and not any(differ) and "fragment shaders" in done.stdout
 
