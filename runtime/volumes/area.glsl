@@ -22,6 +22,14 @@ layout(std430, binding = VXS_AT_AREA) VXS_GRID_ACCESS buffer vxs_area_buffer {
     uint          words[];
 } vxs_area;
 
+/* How a VPL emits. A program may be for VPLs that emit in one way: then it has no code for others. */
+#ifdef VXS_AREA_EMITS
+#define vxs_area_emits(vpl) VXS_AREA_EMITS
+#else
+#define vxs_area_emits(vpl) vxs_area.vpls[vpl].normal.w
+#endif
+#define vxs_area_is_far(vpl) (vxs_area_emits(vpl) == 2.0)
+
 #define vxs_grid_word(words, i) vxs_area.words[(words) + uint(i)]
 
 #if defined(VXS_GL_SMOKE) && defined(VXS_AREA_TAKES_MAPS)
@@ -47,8 +55,6 @@ vec3 vxs_area_way(uint vpl, vec3 way)
     vec3 normal = vxs_area.vpls[vpl].normal.xyz, across = vxs_area.vpls[vpl].across.xyz;
     return vec3(dot(across, way), dot(cross(normal, across), way), dot(normal, way));
 }
-
-const float vxs_area_far = 2.0;
 
 /* Position in the imperfect shadow map of a distant VPL, which covers the sphere around all casters; in texels.
  * way  from the sphere's middle, in the VPL's frame */

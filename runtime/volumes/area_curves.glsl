@@ -6,11 +6,6 @@
 #include "vxs_area_grid.h"
 #include "transmittance.glsl"
 
-bool vxs_area_is_far(int vpl)
-{
-    return vxs_area.vpls[vpl].normal.w == vxs_area_far;
-}
-
 /* Position in a VPL's layer, in texels.   wide  [out] width of a texel there, in metres */
 vec2 vxs_area_place(int vpl, vec3 way, out float wide)
 {
@@ -84,5 +79,5 @@ float vxs_area_curves_left(uint vpl, vec3 at)
     float wide;
     vec2  place = vxs_area_place(int(vpl), way, wide);
     if (!(all(greaterThanEqual(place, vec2(0.0))) && all(lessThan(place, vec2(vxs_curve_map.side))))) return 1.0;
-    return vxs_curves_left(place, int(vpl), vxs_area_is_far(int(vpl)) ? way.z : length(way), 0);
+    return vxs_curves_left(place, int(vpl), vxs_area_is_far(vpl) ? way.z : length(way), 0);
 }

@@ -1,8 +1,10 @@
 /* Area lights in a frame: the grids of all VPLs, and the light that pixels gather from them; see vxs_area_light.h.
  * SPDX-License-Identifier: MIT */
 #include <math.h>
+#include <stdio.h>
 
 #include "area_state.h"
+#include "vxs_air_light.h"
 #include "vxs_desc.h"
 
 enum { RUNS = 8, GROUP = 8 };
@@ -111,6 +113,44 @@ static uint32_t each_of(vxs_area_gather gather)
     return gather == VXS_AREA_QUARTER ? 2 : 1;
 }
 
+static int emits(const vxs_area_light *light, int how)
+{
+    for (uint32_t n = 0; n < light->count; n++)
+        if (light->vpls[n].kind == (float)how) return 1;
+    return 0;
+}
+
+/* Gather the air's light, or that of surfaces: a program for each way in which VPLs emit. What smoke and fog need is in it only
+ * where a frame has them, because drivers compile all that a program calls into one function. */
+static void gather_layer(const vxs_area_light *light, const vxs_area_look *look, int is_air, uint32_t wide, uint32_t high)
+{
+    vxs_volumes *v       = light->volumes;
+    v->own.area.is_added = 0;
+    for (int how = AREA_ALL_SIDES; how <= AREA_FAR; how++) {
+        char names[PROGRAM_NAMES];
+        if (!emits(light, how)) continue;
+        snprintf(names, sizeof names, AREA_GATHERS "%s%s%s#define VXS_AREA_EMITS %d.0\n#define VXS_ONLY_KIND %d\n",
+                 is_air ? "#define VXS_AREA_AIR\n" : "", is_air && look->maps ? AREA_TAKES_MAPS : "",
+                 v->frame.top_metres < (float)VXS_AIR_EVERYWHERE ? "" : "#define VXS_ONLY_EVERYWHERE\n", how,
+                 how == AREA_FAR ? VXS_LIGHT_KIND_DIRECTIONAL : VXS_LIGHT_KIND_POINT);
+        gather_by(light, names, &vxs_volumes_text_area_gather_glsl, 0, look->normal_texture, wide, high);
+        v->own.area.is_added = 1;
+    }
+}
+
+/* Add the light of one VPL after the other on surfaces, by shadow depth maps. */
+static void gather_exactly(const vxs_area_light *light, const vxs_area_look *look, uint32_t wide, uint32_t high)
+{
+    vxs_volumes *v = light->volumes;
+    for (uint32_t n = 0; n < light->count; n++) {
+        set_map(light, n, look->maps[n]);
+        v->own.area.vpl      = n;
+        v->own.area.is_added = n > 0;
+        gather_by(light, AREA_GATHERS AREA_TAKES_MAPS, &vxs_volumes_text_area_exact_glsl,
+                  vxs_shadow_depth_map_texture(look->maps[n]), look->normal_texture, wide, high);
+    }
+}
+
 static void gather(const vxs_area_light *light, const vxs_area_look *look, uint32_t runs)
 {
     vxs_volumes *v    = light->volumes;
@@ -123,18 +163,13 @@ static void gather(const vxs_area_light *light, const vxs_area_look *look, uint3
                                      .wide_px      = wide,
                                      .high_px      = high,
                                      .runs         = (int32_t)runs,
-                                     .between_rows = !look->is_sharp,
-                                     .has_air      = !is_clear(&v->frame),
-                                     .has_surface  = look->normal_texture && !look->maps};
+                                     .between_rows = !look->is_sharp};
     v->curves.side_px = light->curves.side_px;
-    gather_by(light, light->exact ? AREA_TAKES_MAPS : AREA_GATHERS, &vxs_volumes_text_area_gather_glsl, 0, look->normal_texture,
-              wide, high);
-    for (uint32_t n = 0; n < light->count && look->normal_texture && look->maps; n++) {
-        set_map(light, n, look->maps[n]);
-        v->own.area.vpl = n;
-        gather_by(light, AREA_TAKES_MAPS, &vxs_volumes_text_area_exact_glsl, vxs_shadow_depth_map_texture(look->maps[n]),
-                  look->normal_texture, wide, high);
-    }
+    if (!is_clear(&v->frame)) gather_layer(light, look, 1, wide, high);
+    if (look->normal_texture && look->maps)
+        gather_exactly(light, look, wide, high);
+    else if (look->normal_texture)
+        gather_layer(light, look, 0, wide, high);
 }
 
 void vxs_area_light_show(const vxs_area_light *light, vxs_area_gather gather, uint32_t layer, gl_name image, int is_added)
@@ -181,7 +216,7 @@ vxs_result vxs_volumes_area(vxs_volumes *v, vxs_area_light *light, const vxs_are
             fill(light);
     }
     gather(light, look, runs);
-    vxs_area_light_show(light, look->gather, 0, v->airlight, 1);
+    if (!is_clear(&v->frame)) vxs_area_light_show(light, look->gather, 0, v->airlight, 1);
     if (look->normal_texture) vxs_area_light_show(light, look->gather, 1, light->irradiance, 0);
     vxs_volumes_restore_storage(v, &saved);
     return vxs_volumes_done(v);

@@ -18,27 +18,13 @@ float depth_at(uint vpl, vec2 at, int side)
 float shadow_begins(uint vpl, vec3 from, vec3 direction)
 {
     int   side = int(vxs_area_pass.side);
-    bool  is_far = vxs_area.vpls[vpl].normal.w == vxs_area_far;
+    bool  is_far = vxs_area_is_far(vpl);
     vec3  way = vxs_area_way(vpl, is_far ? from - vxs_area.vpls[vpl].place.xyz : direction);
     vec2  at = vxs_area_far_texel(vpl, way, side);
-    if (is_far) {
-        float depth = way.z + vxs_area.vpls[vpl].place.w, ends;
-        if (any(lessThan(at, vec2(0.0))) || any(greaterThanEqual(at, vec2(side)))) return VXS_NO_END;
-        ends = depth_at(vpl, at, side);
-        return ends < VXS_NO_END ? ends - depth : VXS_NO_END;
-    }
-    if (!(way.z > 0.0)) return VXS_NO_END;
-    vxs_area_texel(way, side, at);
-    return depth_at(vpl, at, side);
-}
-
-int eye_lit(uint vpl)
-{
-    vec3  eye = vxs_frame.eye_far.xyz, place = vxs_area.vpls[vpl].place.xyz, way = eye - place;
-    float metres = length(way);
-    if (vxs_area.vpls[vpl].normal.w == vxs_area_far) return 0.0 < shadow_begins(vpl, eye, vxs_area.vpls[vpl].normal.xyz) ? 1 : 0;
-    if (!(metres > vxs_area.vpls[vpl].place.w)) return 2;
-    return metres < shadow_begins(vpl, place, way / metres) ? 1 : 0;
+    if (is_far ? any(lessThan(at, vec2(0.0))) || any(greaterThanEqual(at, vec2(side))) : !(way.z > 0.0)) return VXS_NO_END;
+    if (!is_far) vxs_area_texel(way, side, at);
+    float ends = depth_at(vpl, at, side), before = is_far ? way.z + vxs_area.vpls[vpl].place.w : 0.0;
+    return ends < VXS_NO_END ? ends - before : VXS_NO_END;
 }
 
 void main()
@@ -48,11 +34,18 @@ void main()
     vxs_epipolar  space = vxs_area_space(vpl);
     vxs_grid_size size = vxs_grid_size(vxs_area.vpls[vpl].size.x, vxs_area.vpls[vpl].size.y, vxs_area.vpls[vpl].size.z);
     if (bit >= size.bits || row >= size.rows) return;
-    if (bit == 0 && row == 0) vxs_area.vpls[vpl].eye.x = eye_lit(vpl);
-    vec2 turned;
-    vec3 begin, direction;
+    vec3  eye = vxs_frame.eye_far.xyz, place = vxs_area.vpls[vpl].place.xyz, begin, direction;
+    bool  is_far = vxs_area_is_far(vpl);
+    float metres, eye_metres = is_far ? 0.0 : length(eye - place);
+    vec2  turned;
     vxs_grid_light_ray(space, size, row, bit, turned, begin, direction);
-    float metres = shadow_begins(vpl, vxs_frame.eye_far.xyz + begin, direction);
+    /* first, once for each VPL, the light ray to the eye; in one loop, because the call is inlined */
+    for (int ray = bit == 0 && row == 0 ? 0 : 1; ray < 2; ray++) {
+        bool is_eye = ray == 0;
+        vec3 from = is_far ? eye : place, along = is_far ? vxs_area.vpls[vpl].normal.xyz : (eye - place) / eye_metres;
+        metres = shadow_begins(vpl, is_eye ? from : eye + begin, is_eye ? along : direction);
+        if (is_eye) vxs_area.vpls[vpl].eye.x = !is_far && !(eye_metres > vxs_area.vpls[vpl].place.w) ? 2 : eye_metres < metres ? 1 : 0;
+    }
     if (!(metres < VXS_NO_END)) return;
     int column = vxs_grid_column(space, size, vxs_epipolar_alpha_at(space, turned, metres));
     if (column < size.columns)

@@ -24,7 +24,7 @@ vec2 vxs_area_middle(ivec2 texel, int side)
 /* Width of a texel in metres, at the depth where shadow begins. */
 float vxs_area_texel_metres(uint vpl, vec2 at, int side, float depth)
 {
-    if (vxs_area.vpls[vpl].normal.w == vxs_area_far) return 2.0 * vxs_area.vpls[vpl].place.w / float(side);
+    if (vxs_area_is_far(vpl)) return 2.0 * vxs_area.vpls[vpl].place.w / float(side);
     return 4.0 * depth / (float(side) * (1.0 + dot(at, at)));
 }
 
@@ -32,7 +32,7 @@ float vxs_area_texel_metres(uint vpl, vec2 at, int side, float depth)
 vec3 vxs_area_place_of(uint vpl, vec2 at, float depth)
 {
     float square = dot(at, at), radius = vxs_area.vpls[vpl].place.w;
-    if (vxs_area.vpls[vpl].normal.w == vxs_area_far) return vec3(at * radius, depth - radius);
+    if (vxs_area_is_far(vpl)) return vec3(at * radius, depth - radius);
     return vec3(2.0 * at, 1.0 - square) * (depth / (1.0 + square));
 }
 
@@ -43,7 +43,7 @@ vxs_area_surface vxs_area_plane(uint vpl, vec3 normal, vec3 way, vec2 at)
 {
     vxs_area_surface found = vxs_area_surface(0.0, vec2(0.0), 0u, true);
     float square = dot(at, at), radius = vxs_area.vpls[vpl].place.w;
-    if (vxs_area.vpls[vpl].normal.w == vxs_area_far) {
+    if (vxs_area_is_far(vpl)) {
         if (normal.z == 0.0) return found;
         found.slope = -normal.xy / normal.z;
         found.depth = way.z + dot(found.slope, at * radius - way.xy) + radius;
@@ -62,7 +62,7 @@ vxs_area_surface vxs_area_plane(uint vpl, vec3 normal, vec3 way, vec2 at)
 vxs_area_surface vxs_area_beside(uint vpl, vxs_area_surface s, vec2 at, vec2 other)
 {
     if (!s.is_plane) return s;
-    if (vxs_area.vpls[vpl].normal.w == vxs_area_far) {
+    if (vxs_area_is_far(vpl)) {
         s.depth += vxs_area.vpls[vpl].place.w * dot(s.slope, other - at);
         return s;
     }
@@ -81,7 +81,7 @@ vxs_area_surface vxs_area_beside(uint vpl, vxs_area_surface s, vec2 at, vec2 oth
  * 1. For each slope, the sign and 6 bits of the square root; -0 along x if no plane is known. 3 bits: the reach, at most 6. */
 uint vxs_area_word(uint vpl, vxs_area_surface s)
 {
-    float part = s.depth / vxs_area.vpls[vpl].place.w + (vxs_area.vpls[vpl].normal.w == vxs_area_far ? 1.0 : 0.0);
+    float part = s.depth / vxs_area.vpls[vpl].place.w + (vxs_area_is_far(vpl) ? 1.0 : 0.0);
     uint  depth = (floatBitsToUint(clamp(part, 1.0, 4e9)) - 0x3f800000u + 0x1000u) >> 13;
     uvec2 slope = uvec2(sqrt(min(abs(s.slope) / vxs_area_steepest, 1.0)) * 63.0 + 0.5);
     slope |= uvec2(greaterThan(slope, uvec2(0u))) * uvec2(lessThan(s.slope, vec2(0.0))) << 6;
@@ -92,7 +92,7 @@ uint vxs_area_word(uint vpl, vxs_area_surface s)
 /* The inverse of vxs_area_word.   depth  VXS_NO_END: empty */
 vxs_area_surface vxs_area_surface_of(uint vpl, uint word)
 {
-    float part = uintBitsToFloat((word >> 17 << 13) + 0x3f800000u) - (vxs_area.vpls[vpl].normal.w == vxs_area_far ? 1.0 : 0.0);
+    float part = uintBitsToFloat((word >> 17 << 13) + 0x3f800000u) - (vxs_area_is_far(vpl) ? 1.0 : 0.0);
     uvec2 code = uvec2(word >> 10, word >> 3);
     vec2  root = vec2(code & 63u) / 63.0, slope = root * root * vxs_area_steepest * (1.0 - 2.0 * vec2(code >> 6 & 1u));
     return vxs_area_surface(word == vxs_area_none ? VXS_NO_END : part * vxs_area.vpls[vpl].place.w, slope, word & vxs_area_reach, (code.x & 127u) != 64u);

@@ -54,7 +54,7 @@ float depth_of(uint vpl, vec3 way, int side, out vec2 at, out float wide)
     float radius = vxs_area.vpls[vpl].place.w, metres = length(way);
     at   = vxs_area_far_texel(vpl, way, side);
     wide = 2.0 * radius / float(side);
-    if (vxs_area.vpls[vpl].normal.w == vxs_area_far) return max(abs(way.x), abs(way.y)) < 2.0 * radius ? way.z + radius : 0.0;
+    if (vxs_area_is_far(vpl)) return max(abs(way.x), abs(way.y)) < 2.0 * radius ? way.z + radius : 0.0;
     if (!(way.z > 1e-4 * metres && metres > radius)) return 0.0;
     wide = metres * vxs_area_texel(way, side, at);
     return metres;
@@ -65,7 +65,7 @@ vec2 foreshortened(uint vpl, vec3 normal, vec2 at)
 {
     float square = dot(at, at);
     vec3  right = vec3(1.0, 0.0, 0.0), up = vec3(0.0, 1.0, 0.0);
-    if (vxs_area.vpls[vpl].normal.w != vxs_area_far) {
+    if (!vxs_area_is_far(vpl)) {
         right = vec3(1.0 + square - 2.0 * at.x * at.x, -2.0 * at.x * at.y, -2.0 * at.x) / (1.0 + square);
         up    = vec3(-2.0 * at.x * at.y, 1.0 + square - 2.0 * at.y * at.y, -2.0 * at.y) / (1.0 + square);
     }
@@ -119,7 +119,7 @@ void splat(uint vpl, vec4 point, vec3 normal, float stands_for)
 float count_of(uint vpl, vec4 ball, float square_metres)
 {
     float side = float(vxs_area_pass.side), radius = vxs_area.vpls[vpl].place.w, texel = 2.0 * radius / side, cosine = 1.0;
-    if (vxs_area.vpls[vpl].normal.w != vxs_area_far) {
+    if (!vxs_area_is_far(vpl)) {
         vec3  way = ball.xyz - vxs_area.vpls[vpl].place.xyz;
         float metres = length(way), before = dot(way, vxs_area.vpls[vpl].normal.xyz) + ball.w;
         if (!(before > 0.0)) return 0.0;

@@ -19,11 +19,11 @@ typedef struct area_vpl {
     float     across[4];
 } area_vpl;
 
-/* Texts that programs need in addition to the common ones: lines of #define. For programs that only read VPLs, and for those
- * that gather, without and with exact maps. */
+/* Lines of #define in texts of programs: for those that only read VPLs; for those that gather; and for exact maps, whose lights
+ * may have baked smoke. */
 #define AREA_READS      "#define VXS_GRID_ACCESS readonly\n"
 #define AREA_GATHERS    AREA_READS "#define VXS_AREA_GATHERS\n"
-#define AREA_TAKES_MAPS AREA_GATHERS "#define VXS_AREA_TAKES_MAPS\n"
+#define AREA_TAKES_MAPS "#define VXS_AREA_TAKES_MAPS\n"
 
 /* How a VPL emits. */
 enum { AREA_ALL_SIDES, AREA_ONE_SIDE, AREA_FAR };

@@ -51,11 +51,11 @@ vec3 vxs_area_far_irradiance(vxs_area_pixel p, vec3 to_light)
 /* Irradiance of a surface by a VPL, without shadow. */
 vec3 vxs_area_irradiance(vxs_area_pixel p, uint n)
 {
-    if (vxs_area.vpls[n].normal.w == vxs_area_far) return vxs_area_far_irradiance(p, -vxs_area.vpls[n].normal.xyz);
+    if (vxs_area_is_far(n)) return vxs_area_far_irradiance(p, -vxs_area.vpls[n].normal.xyz);
     vec3  to_vpl = vxs_area.vpls[n].place.xyz - p.eye - p.metres * p.direction;
     float square = max(dot(to_vpl, to_vpl), 1e-20), metres = sqrt(square), radius = vxs_area.vpls[n].place.w;
     float cosine = max(dot(p.normal, to_vpl) / metres, 0.0);
-    if (vxs_area.vpls[n].normal.w != 0.0) cosine *= max(-dot(vxs_area.vpls[n].normal.xyz, to_vpl) / metres, 0.0);
+    if (vxs_area_emits(n) != 0.0) cosine *= max(-dot(vxs_area.vpls[n].normal.xyz, to_vpl) / metres, 0.0);
     return exp(-p.medium.extinction * metres) * (cosine / max(square, radius * radius));
 }
 
@@ -63,7 +63,7 @@ vec3 vxs_area_irradiance(vxs_area_pixel p, uint n)
 float vxs_area_lit(vxs_area_pixel p, uint n)
 {
     int   side = int(vxs_area_pass.side);
-    bool  is_far = vxs_area.vpls[n].normal.w == vxs_area_far;
+    bool  is_far = vxs_area_is_far(n);
     vec3  way = vxs_area_way(n, p.eye + p.metres * p.direction - vxs_area.vpls[n].place.xyz), normal = vxs_area_way(n, p.normal);
     float radius = vxs_area.vpls[n].place.w, depth = is_far ? way.z + radius : length(way), texel = 2.0 * radius / float(side), lit = 0.0;
     vec2  at = vxs_area_far_texel(n, way, side);

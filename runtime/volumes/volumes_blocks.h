@@ -70,7 +70,7 @@ typedef struct area_block {
     uint32_t points, is_whole, levels, gather;
     uint32_t wide_px, high_px, layer, is_added;
     int32_t  runs;
-    uint32_t between_rows, has_air, has_surface;
+    uint32_t between_rows;
     float    point_wide, gap_wide, points_apart;
 } area_block;
 

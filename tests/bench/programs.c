@@ -179,19 +179,37 @@ static void depth_pages(vxs_gl *shadows, const vxs_view *view)
     vxs_gl_depth_pages_destroy(pages);
 }
 
-static void area_lights(vxs_volumes *v, int has_smoke)
+/* maps  [1] of a VPL that emits in all directions; NULL: imperfect shadow maps */
+static void area_light(vxs_volumes *v, const char *name, const vxs_vpl *vpl, const vxs_capsules *smoke,
+                       const vxs_shadow_depth_map *const *maps)
 {
-    static const vxs_capsule smoke = {{0, 0, 0}, 1, {1, 0, 0}, 1};
-    vxs_area_light          *area;
-    vxs_vpl                  punctual = {.normal = {0, -1, 0}, .colour = {1, 1, 1}, .radius_metres = 1};
-    vxs_area_casters         casters  = {.buffer = 1, .count = 64};
-    CALL("area",
-         vxs_area_light_create(&area, v, &(vxs_area_light_desc){.vpls = 1, .takes_maps = 0, .capsules = has_smoke ? 16 : 0}));
-    CALL("area", vxs_area_light_set(area, &punctual, 1));
-    CALL("area", vxs_area_light_cast(area, &casters));
-    if (has_smoke) CALL("area_smoke", vxs_area_light_smoke(area, &(vxs_capsules){.list = &smoke, .count = 1}));
-    CALL(has_smoke ? "area_smoke" : "area", vxs_volumes_area(v, area, &(vxs_area_look){.normal_texture = 1}));
+    vxs_area_light     *area;
+    vxs_area_casters    casters = {.buffer = 1, .count = 64};
+    vxs_area_light_desc desc    = {.vpls = 1, .takes_maps = maps != NULL, .capsules = smoke ? 16 : 0};
+    CALL(name, vxs_area_light_create(&area, v, &desc));
+    CALL(name, vxs_area_light_set(area, vpl, 1));
+    if (!maps) CALL(name, vxs_area_light_cast(area, &casters));
+    if (smoke) CALL(name, vxs_area_light_smoke(area, smoke));
+    CALL(name, vxs_volumes_area(v, area, &(vxs_area_look){.normal_texture = 1, .maps = maps}));
     vxs_area_light_destroy(area);
+}
+
+static void area_lights(vxs_volumes *v)
+{
+    static const vxs_capsule  capsule = {{0, 0, 0}, 1, {1, 0, 0}, 1};
+    const vxs_capsules        smoke   = {.list = &capsule, .count = 1};
+    vxs_vpl                   vpl     = {.normal = {0, -1, 0}, .colour = {1, 1, 1}, .radius_metres = 1};
+    vxs_shadow_depth_map     *map;
+    vxs_shadow_depth_map_desc desc = {.baked_number = vxs_baked_number(POINT), .side_px = SIDE_PX};
+    area_light(v, "area", &vpl, NULL, NULL);
+    area_light(v, "area_smoke", &vpl, &smoke, NULL);
+    vpl.is_far = 1;
+    area_light(v, "area_far", &vpl, NULL, NULL);
+    vpl.is_far = 0;
+    memset(vpl.normal, 0, sizeof vpl.normal);
+    CALL("map", vxs_shadow_depth_map_create(&map, v, &desc));
+    area_light(v, "area_exact", &vpl, NULL, (const vxs_shadow_depth_map *const[]){map});
+    vxs_shadow_depth_map_destroy(map);
 }
 
 static void smoke_of_light(vxs_volumes *v, vxs_volumes_light light, const vxs_shadow_depth_map *map, uint32_t segments)
@@ -329,8 +347,7 @@ static void all_of_coding(uint32_t which, uint64_t most_table_bytes, int is_firs
     }
     light_name = "all";
     if (is_first) {
-        area_lights(v, 0);
-        area_lights(v, 1);
+        area_lights(v);
         CALL("half", vxs_volumes_begin_half(v));
         CALL("half", vxs_volumes_end_half(v));
         technique = "composite";

@@ -132,6 +132,47 @@ static void exact_surfaces(const volumes_camera *c, const vxs_vpl *vpl_of, doubl
     }
 }
 
+/* VPLs of a screen and of a sky in one light, in turn: air and surfaces are the sums of what either gives alone, with and without a
+ * top of the fog. */
+static void test_near_and_far_together(void **state)
+{
+    (void)state;
+    enum { SUM, NEAR, FAR, BOTH, COUNT = 8 };
+    static float found[BOTH + 1][2][4 * PIXELS];
+    vxs_vpl      vpls[COUNT], some[COUNT];
+    screen_vpls(0, vpls, COUNT);
+    for (int n = 1; n < COUNT; n += 2) {
+        vpls[n].is_far        = 1;
+        vpls[n].radius_metres = 13;
+        for (int i = 0; i < 3; i++) vpls[n].colour[i] *= 10;
+        memcpy(vpls[n].place, (float[3]){0, 2, 0}, sizeof vpls->place);
+        memcpy(vpls[n].normal, (float[3]){0.6F * (float)(n - 4) / 4, -0.8F, 0}, sizeof vpls->normal);
+        vpls[n].normal[2] = sqrtf(0.36F - vpls[n].normal[0] * vpls[n].normal[0]);
+    }
+    for (int n = 0; n < 4; n++) {
+        volumes_camera    c     = camera_at(eyes[n % CAMERAS], look, 0.5);
+        vxs_volumes_frame frame = scene_frame(&scene, &c, &haze, n < 2 ? 1e30 : 3, 30, metres);
+        vxs_area_look     asked = {.normal_texture = normals, .gather = n % 2 ? VXS_AREA_QUARTER : VXS_AREA_EACH};
+        put_normals(&c);
+        for (int which = NEAR; which <= BOTH; which++) {
+            uint32_t count = 0;
+            for (int k = 0; k < COUNT; k++)
+                if (which == BOTH || (which == FAR) == (vpls[k].is_far != 0)) some[count++] = vpls[k];
+            assert_int_equal(vxs_area_light_set(light, some, count), VXS_OK);
+            cast(POINTS / 10, 1); /* whole: which points are drawn depends on the number of the VPL */
+            draw(&frame, &asked, found[which][0]);
+            scene.gl->GetTextureImage(vxs_area_light_irradiance(light), 0, GL_RGBA, GL_FLOAT, sizeof *found[which],
+                                      found[which][1]);
+        }
+        for (int layer = 0; layer < 2; layer++) {
+            float *sum = found[SUM][layer];
+            for (size_t k = 0; k < 4 * PIXELS; k++) sum[k] = found[NEAR][layer][k] + found[FAR][layer][k];
+            assert_true(difference(found[BOTH][layer], 1, sum) < 1e-5);
+            assert_true(difference(found[NEAR][layer], 1, sum) > 1e-3 && difference(found[FAR][layer], 1, sum) > 1e-3);
+        }
+    }
+}
+
 /* VPLs that stay where they are, each with the shadow depth map of a light of the asset: together they are what each is alone, in
  * the air and on surfaces; on surfaces as rays to the VPL say, of the one that shines to all sides. */
 static void test_baked_lights(void **state)
@@ -316,8 +357,13 @@ static void test_any_view(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_origin_follows_the_eye), cmocka_unit_test(test_a_picture_moves), cmocka_unit_test(test_baked_lights),
-        cmocka_unit_test(test_any_rectangle),          cmocka_unit_test(test_any_triangles),   cmocka_unit_test(test_any_view),
+        cmocka_unit_test(test_origin_follows_the_eye),
+        cmocka_unit_test(test_a_picture_moves),
+        cmocka_unit_test(test_near_and_far_together),
+        cmocka_unit_test(test_baked_lights),
+        cmocka_unit_test(test_any_rectangle),
+        cmocka_unit_test(test_any_triangles),
+        cmocka_unit_test(test_any_view),
     };
     return cmocka_run_group_tests(tests, area_set_up, area_tear_down);
 }
