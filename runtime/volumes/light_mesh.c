@@ -148,7 +148,7 @@ static void add_quad(mesh_plan *p, vxs_mesh_quad q)
     for (int a = vxs_mesh_fan_next(finer, first), b; (b = vxs_mesh_fan_next(finer, a)) != first; a = b)
         add_triangle(p, vxs_mesh_outline(q, first), vxs_mesh_outline(q, a), vxs_mesh_outline(q, b));
     for (int edge = 0; edge < 4; edge++)
-        if (vxs_mesh_beside(&p->shape, q, edge).layer < 0)
+        if (finer >> (4 + edge) & 1)
             add_triangle(p, vxs_mesh_outline(q, 2 * edge + 2), vxs_mesh_outline(q, 2 * edge), vxs_mesh_vertex_of(-1, edge, 0));
 }
 

@@ -39,7 +39,7 @@ typedef struct vxs_mesh_shape  vxs_mesh_shape;
 typedef struct vxs_mesh_vertex vxs_mesh_vertex;
 #define VXS_MESH const vxs_mesh_shape *
 #else
-#define VXS_MESH vxs_mesh_shape
+#define VXS_MESH const vxs_mesh_shape
 #endif
 
 /* The layout of a light's map, and the limits of its lit volume. */

@@ -180,15 +180,24 @@ VXS_FN vxs_i32 vxs_mesh_is_off(VXS_MESH_FIRST first, VXS_MESH shape, vxs_mesh_qu
                                vxs_real error_texels)
 {
     vxs_i32  a = q.x << q.level, b = (q.x + 1) << q.level, c = q.y << q.level, d = (q.y + 1) << q.level;
-    vxs_real ac = vxs_mesh_linear(first, shape, q.layer, a, c), bc = vxs_mesh_linear(first, shape, q.layer, b, c);
-    vxs_real ad = vxs_mesh_linear(first, shape, q.layer, a, d), bd = vxs_mesh_linear(first, shape, q.layer, b, d);
-    for (vxs_i32 j = j0; j <= j0 + size; j++) {
-        vxs_real t = vxs_mesh_share(shape, c, d, j);
-        for (vxs_i32 i = i0; i <= i0 + size; i++) {
-            vxs_real s       = vxs_mesh_share(shape, a, b, i);
-            vxs_real flat_at = s >= t ? (1.0 - s) * ac + (s - t) * bc + t * bd : (1.0 - t) * ac + (t - s) * ad + s * bd;
-            if (vxs_mesh_error(shape, flat_at, vxs_mesh_linear(first, shape, q.layer, i, j)) > error_texels) return 1;
+    vxs_real ac = VXS_REAL(0.0), bc = ac, ad = ac, bd = ac, t = ac;
+    vxs_i32  i = i0, j = j0;
+    for (vxs_i32 n = -4; j <= j0 + size; n++) { /* first the quad's corners; in one loop, because the call is inlined */
+        vxs_i32  x = n >= 0 ? i : (n & 1) != 0 ? b : a, y = n >= 0 ? j : (n & 2) != 0 ? d : c;
+        vxs_real z = vxs_mesh_linear(first, shape, q.layer, x, y);
+        if (n < 0) {
+            ac = n == -4 ? z : ac;
+            bc = n == -3 ? z : bc;
+            ad = n == -2 ? z : ad;
+            bd = z;
+            continue;
         }
+        vxs_real s = vxs_mesh_share(shape, a, b, i);
+        if (i == i0) t = vxs_mesh_share(shape, c, d, j);
+        vxs_real flat_at = s >= t ? (1.0 - s) * ac + (s - t) * bc + t * bd : (1.0 - t) * ac + (t - s) * ad + s * bd;
+        if (vxs_mesh_error(shape, flat_at, z) > error_texels) return 1;
+        i = i < i0 + size ? i + 1 : i0;
+        j = i == i0 ? j + 1 : j;
     }
     return 0;
 }
@@ -208,13 +217,16 @@ VXS_FN vxs_mesh_vertex vxs_mesh_outline(vxs_mesh_quad q, vxs_i32 place)
                                                                : 0));
 }
 
-/* Bit `edge` of four: the quads beyond it are smaller, and there is a vertex in its middle. */
+/* Bit `edge` of four: the quads beyond it are smaller, and there is a vertex in its middle. Bit 4 + edge: the map ends there. */
 VXS_FN vxs_i32 vxs_mesh_finer(VXS_MESH_SPLITS splits, VXS_MESH shape, vxs_mesh_quad q)
 {
     vxs_i32 finer = 0;
     for (vxs_i32 edge = 0; edge < 4; edge++) {
         vxs_mesh_quad other = vxs_mesh_beside(shape, q, edge);
-        if (other.layer >= 0 && vxs_mesh_has_split(splits, shape, other) != 0) finer |= VXS_I(1) << edge;
+        if (other.layer < 0)
+            finer |= VXS_I(16) << edge;
+        else if (vxs_mesh_has_split(splits, shape, other) != 0)
+            finer |= VXS_I(1) << edge;
     }
     return finer;
 }
