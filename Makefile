@@ -422,7 +422,8 @@ bench-flight: $B/vxs $B/tests/bench/flight
 bench-large: $B/vxs $B/tests/bench/two_maps
 	@$(python) tests/bench/large.py --build $B --json build/large.json
 
-bench-gpu: $B/vxs $B/tests/bench/gpu
+gpu.benches := $(patsubst %,$B/tests/bench/%,gpu area smoke)
+bench-gpu: $B/vxs $(gpu.benches)
 	@$(python) tests/bench/gpu.py --vxs $< --gpu $B/tests/bench/gpu $(foreach o,size runs warm,$(if $($o),--$o $($o)))
 
 # of a machine's graphics card: make bench-lights gl=egl size=1920x1080 resolution=8192 frames=200
@@ -437,7 +438,7 @@ bench-smoke: only := smoke
 program-size: $B/vxs $B/tests/bench/programs
 	@$(python) tests/bench/program_size.py --build $B
 # programs that draw are known once they are compiled
-gpu-kit: $(unit) $B/vxs $B/tests/bench/gpu
+gpu-kit: $(unit) $B/vxs $(gpu.benches)
 	@$(python) tests/gpu/kit.py --build $B -o build/gpu-kit.tar.xz
 
 # --- other goals -----------------------------------------------------------------------------------------------------------

@@ -9,6 +9,7 @@
  * in the middle. The reference is a mean over places of the rectangle and of the ray, with traced shadows
  * (tests/volumes/area_reference.h). Creation is what a view of one pixel takes.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -29,7 +30,7 @@ enum { VPLS = VXS_VPLS_MAX, LIGHTS = VPLS + 1, WIDE = 16, HIGH = 9, STEPS = 64 }
 
 typedef struct area {
     double                corner_ws[3], across[3], up[3];
-    uint32_t              points, side_px, samples;
+    uint32_t              points, side_px, samples, apart;
     int                   has_picture;
     vxs_area_rectangle    screen; /* places count from the eye */
     float                 picture[HIGH][WIDE][3];
@@ -318,13 +319,17 @@ static void close_lights(area *a)
 static void wanted(const bench *b, const double eye_ws[3], const double direction[3], double metres, size_t ray, double to[3])
 {
     const area *a = b->area;
-    a->off[ray]   = area_reference_add(&a->source, &b->medium, eye_ws, direction, metres, a->samples, ray, to);
+    if (ray % b->width % a->apart || ray / b->width % a->apart)
+        to[0] = to[1] = to[2] = NAN;
+    else
+        a->off[ray] = area_reference_add(&a->source, &b->medium, eye_ws, direction, metres, a->samples, ray, to);
 }
 
 static void describe(const bench *b, json_t **scene_json)
 {
     double off = 0, size = 0;
     for (size_t n = 0; n < 3 * b->pixels; n++) {
+        if (isnan(b->wanted[n])) continue;
         off += b->area->off[n / 3] * b->area->off[n / 3];
         size += b->wanted[n] * b->wanted[n];
     }
@@ -366,7 +371,7 @@ static vxs_result run(void *command, run_context *m)
 
 int main(int argc, char **argv)
 {
-    static area  a         = {.points = 1000000, .side_px = 128, .samples = 32768};
+    static area  a         = {.points = 1000000, .side_px = 128, .samples = 32768, .apart = 1};
     bench        b         = {BENCH_DEFAULTS,
                               .area             = &a,
                               .pose.fov_degrees = 60,
@@ -387,6 +392,7 @@ int main(int argc, char **argv)
         {"--points", OPTION_U32, &a.points, 1, 1 << 24, NULL, "N", "of casters, for imperfect maps (default 1000000)", NULL},
         {"--side", OPTION_U32, &a.side_px, 8, 1024, NULL, "PX", "of exact maps (default 128)", NULL},
         {"--samples", OPTION_U32, &a.samples, 2, 1 << 24, NULL, "N", "of each ray of the reference (default 32768)", NULL},
+        {"--apart", OPTION_U32, &a.apart, 1, 64, NULL, "PX", "pixels of the reference, across and down (default 1: all)", NULL},
         {"--eye", OPTION_VECTOR, b.pose.eye_ws, 0, 3, NULL, "X,Y,Z", "where to stand, metres", NULL},
         {"--target", OPTION_VECTOR, b.pose.target_ws, 0, 3, NULL, "X,Y,Z", "where to look", NULL},
         {"--fov", OPTION_F64, &b.pose.fov_degrees, 1, 170, NULL, "DEGREES", "from top to bottom (default 60)", NULL},

@@ -1,11 +1,11 @@
 # Measure lookups, lists of lights and fog on a graphics processor, each beside its rivals (tests/bench/gpu.c), in a city and in
-# Sponza. Tables, and JSON (--json, docs/gpu.schema.json).
+# Sponza; then an area light in a room and smoke (area.c, smoke.c). Tables, and JSON (--json, docs/gpu.schema.json).
 #
 #     make bench-gpu                                                  # llvmpipe, 320 x 180
 #     VXS_GL=egl make bench-gpu size=1920x1080                        # what EGL finds, for instance a graphics processor
 #
 # On a machine without the repository: --stage bake fills a folder where the programs were built. Then --stage measure needs this
-# file, that folder and tests/bench/gpu alone.
+# file, tables.py, that folder and the programs gpu, area and smoke of tests/bench alone.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import argparse
 import json
@@ -17,11 +17,21 @@ import subprocess
 import sys
 import time
 
+from tables import SPONZA, SPONZA_SUN, markdown
+
 CITY_VIEWS = ["street:-20,4,-150,-20,12,0", "above:-180,120,-180,0,0,0"]
 SPONZA_VIEWS = ["hall:-9,2,0.3,8,4.5,-0.5", "above:0,28,3,0,0,0"]
 LAMPS = {165: (15, 11), 500: (25, 20), 2000: (50, 40)}
 LAMPS_OF_FILE = 1000
 GRID_METRES = 825
+AREA_SCREEN = ["--corner", "-1.8,1.2,-2.9", "--across", "1.6,0,0", "--up", "0,0.9,0", "--picture", "--eye", "3,1.6,2.2", "--target", "-2,1.2,-2", "--fog", "0.1"]
+# program, scene, group, view, texels a side, options, names of cells; the rival of a group is one of them
+VOLUMES = [("area", "room.glb", "area light of 256 VPLs", "room", 128, [*AREA_SCREEN, "--points", "262144", "--samples", "4096"],
+            {"imperfect:256": "at once", "imperfect, one by one:256": "one by one (rival)", "exact maps:256": "at once, exact maps"}),
+           ("smoke", None, "smoke of 4000 capsules", "columns", 256, ["--side", "256", "--capsules", "4000"],
+            {"adaptive:8": "curves of 8 nodes", "adaptive, unsorted:8": "curves of 8 nodes, unsorted", "deep:100": "deep map, lines off by .01",
+             "uncompressed:1": "deep map, all segments (rival)"})]
+AREA_PART, AREA_RAYS = 5, 64  # llvmpipe draws a fifth of the sides; pixels of the reference, across
 
 
 def with_lamps(scene, out, columns, rows, part):
@@ -57,8 +67,6 @@ def bake(args):
 
     subprocess.run([vxs, "scene", "city", "--triangles", "100000", "--blocks", "8", "-o", folder / "city.glb", "--force", "--quiet"], check=True)
     scenes = {"city": []}
-    sys.path.insert(0, str(pathlib.Path(__file__).parent))
-    from tables import SPONZA, SPONZA_SUN
     (folder / "sponza.glb").unlink(missing_ok=True)
     if SPONZA.is_file():
         shutil.copy(SPONZA, folder / "sponza.glb")
@@ -67,10 +75,39 @@ def bake(args):
         for px in args.resolutions:
             for coding in ("blocks", "dag"):
                 made(f"{scene}.glb", f"{scene}-{px}-{coding}.vxs", "--resolution", px, "--coding", coding, *sun)
+    subprocess.run([vxs, "scene", "room", "--triangles", "20000", "-o", folder / "room.glb", "--force", "--quiet"], check=True)
     for count, (columns, rows) in LAMPS.items():
         for part in range(-(-count // LAMPS_OF_FILE)):
             with_lamps(folder / "city.glb", folder / "lamps.glb", columns, rows, part)
             made("lamps.glb", f"lamps{count}-{part}.vxs", "--resolution", args.lamp_resolution if count == 165 else 256)
+
+
+def volumes_rows(scene, group, view, side_px, names):
+    """Rows as of tests/bench/gpu, of a report of area or smoke."""
+    rows = [{"group": group, "name": names[f"{c['technique']}:{c['value']}"], "view": view, "resolution_px": side_px, "runs": scene["rounds"],
+             "ms": {"median": c["ms"]["median"], "min": c["ms"]["least"], "max": c["ms"]["greatest"]},
+             "parts_ms": {p["name"]: p["ms"] for p in c["parts"]}, "relative_rms": c["error"]["relative_rms"]} for c in scene["cells"] if not c["refused"]]
+    rival = next(row["ms"]["median"] for row in rows if "(rival)" in row["name"])
+    return [{**row, "of_rival": row["ms"]["median"] / rival} for row in rows]
+
+
+def measure_volumes(args, clock, program, scene, group, view, side_px, options, names):
+    """(A part of the report without what all parts have, None), or (None, why there is none)."""
+    width, height = (int(px) // (AREA_PART if program == "area" and clock == "wall" else 1) for px in args.size.split("x"))
+    out = args.folder / "volumes.json"
+    out.unlink(missing_ok=True)
+    print(f"{group}, {width} x {height}", flush=True)
+    done = subprocess.run([args.gpu.with_name(program), *([args.folder / scene] if scene else []), *options, "--width", str(width), "--height", str(height),
+                           *(["--apart", str(max(1, width // AREA_RAYS))] if program == "area" else []), *(word for name in names for word in ("--cell", name)),
+                           "--gl", os.environ.get("VXS_GL", "osmesa"), "--clock", clock, "--rounds", str(min(args.runs, 3 if clock == "wall" else 15)),
+                           "--json", out, "--force"], stdout=subprocess.DEVNULL)
+    if done.returncode:
+        return None, f"{group}: exit status {done.returncode}"
+    rows = volumes_rows(json.loads(out.read_text()), group, view, side_px, names)
+    markdown(["", "ms", *rows[0]["parts_ms"], "of the rival", "error"],
+             [[row["name"], f"{row['ms']['median']:.4g}", *(f"{ms:.4g}" for ms in row["parts_ms"].values()), f"{row['of_rival']:.2f}",
+               f"{row['relative_rms']:.4f}"] for row in rows])
+    return {"scene": scene or view, "width_px": width, "height_px": height, "warm_ms": 0, "rows": rows}, None
 
 
 def measure(args):
@@ -104,6 +141,14 @@ def measure(args):
             reports.append(json.loads(out.read_text()))
             out.unlink()
         print(f"\n{time.monotonic() - begin:.0f} s\n", flush=True)
+    for part in VOLUMES if reports else []:
+        report, failed = measure_volumes(args, reports[0]["clock"], *part)
+        if failed:
+            skipped.append(failed)
+            print(f"failed: {failed}", flush=True)
+            status = 2
+        else:
+            reports.append({**reports[0], "shader": "compute", **report})
     args.json.write_text(json.dumps({"parts": reports, "skipped": skipped}, indent=2) + "\n")
     print(args.json)
     return status
@@ -112,7 +157,7 @@ def measure(args):
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--vxs", default="build/release/vxs", help="to bake")
-    parser.add_argument("--gpu", default="build/release/tests/bench/gpu", help="to measure")
+    parser.add_argument("--gpu", type=pathlib.Path, default=pathlib.Path("build/release/tests/bench/gpu"), help="to measure; area and smoke are beside it")
     parser.add_argument("--folder", type=pathlib.Path, default=pathlib.Path("build/gpu"), help="of scenes and assets")
     parser.add_argument("--json", type=pathlib.Path, default=pathlib.Path("build/gpu.json"))
     parser.add_argument("--stage", choices=["all", "bake", "measure"], default="all")

@@ -9,6 +9,7 @@
 
 #include "baker/base/run_context.h"
 #include "baker/base/spread.h"
+#include "baker/base/text.h"
 #include "baker/casters/casters.h"
 #include "baker/lab/command/fog_choice.h"
 #include "baker/lab/truth/camera.h"
@@ -20,8 +21,9 @@
 
 enum { CAMERAS = 3, VALUES_MAX = 8, CELLS_MAX = 128, ROUNDS_MAX = 99, BEFORE_MAX = 2, PARTS = BEFORE_MAX + 1 };
 
-/* Of OSMesa the processor's time, of all threads, is hardly disturbed by what else a machine does. */
-typedef enum bench_clock { CLOCK_WALL, CLOCK_PROCESSOR } bench_clock;
+/* Of OSMesa the processor's time, of all threads, is hardly disturbed by what else a machine does. CLOCK_TIMER: timestamps of the
+ * graphics processor, without the time of the calls. */
+typedef enum bench_clock { CLOCK_WALL, CLOCK_PROCESSOR, CLOCK_TIMER } bench_clock;
 
 typedef struct bench     bench;
 typedef struct technique technique;
@@ -31,6 +33,7 @@ struct bench {
     const char *scene_path, *asset_path, *light_name, *json_path;
     camera_pose pose;
     uint32_t    width, height, rounds, threads, values;
+    text_list   cell_texts; /* TECHNIQUE:VALUE; none: all cells */
     gl_backend  backend;
     bench_clock clock;
     fog_choice  fog;
@@ -47,7 +50,7 @@ struct bench {
     int               has_creation;                        /* 1: what a view of one pixel takes is reported, too */
     size_t            pixels;
     vxs_volumes_frame frames[CAMERAS];
-    double           *wanted;  /* [cameras][pixels][3] */
+    double           *wanted;  /* [cameras][pixels][3]; NaN: this pixel is not compared */
     uint8_t          *classes; /* [pixels] of the first camera; NULL: all are alike */
 
     /* what it is drawn with */
@@ -96,7 +99,9 @@ struct technique {
     {"--rounds", OPTION_U32, &(b).rounds, 1, ROUNDS_MAX, NULL, "N", "default 7", NULL},                                            \
     {"--values", OPTION_U32, &(b).values, 1, VALUES_MAX, NULL, "N", "of each knob, the first N (default all)", NULL},              \
     {"--gl", OPTION_CHOICE, &(b).backend, 0, 0, "osmesa|egl", NULL, "whose OpenGL draws (default osmesa)", NULL},                  \
-    {"--clock", OPTION_CHOICE, &(b).clock, 0, 0, "wall|processor", NULL, "what is measured (default wall)", NULL},                 \
+    {"--cell", OPTION_TEXTS, &(b).cell_texts, 0, 0, NULL, "TECHNIQUE:VALUE", "measure this alone; repeat for more", NULL},         \
+    {"--clock", OPTION_CHOICE, &(b).clock, 0, 0, "wall|processor|timer", NULL,                                                     \
+     "what is measured; timer: of the graphics processor (default wall)", NULL},                                                   \
     {"--threads", OPTION_U32, &(b).threads, 1, PARALLEL_THREADS_MAX, NULL, "N", "threads", NULL},                                  \
     {"--json", OPTION_OUTPUT, &(b).json_path, 0, 0, ".json", "FILE.json", "figures as JSON", NULL}
 #define BENCH_DEFAULTS                                                                                                             \

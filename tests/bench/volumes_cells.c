@@ -3,7 +3,9 @@
 #include "tests/bench/volumes_bench.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
 
 #include "baker/base/clock.h"
@@ -25,19 +27,60 @@ static double finished(const bench *b)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
+/* Where each part of a frame begins and ends. Timestamps are read when all is drawn, because reading waits. */
+typedef struct frame_clock {
+    double seconds[PARTS + 1];
+    GLuint queries[PARTS + 1];
+} frame_clock;
+
+static void mark(const bench *b, frame_clock *c, int n)
+{
+    if (b->clock == CLOCK_TIMER)
+        ((PFNGLQUERYCOUNTERPROC)b->gl->lookup("glQueryCounter"))(c->queries[n], GL_TIMESTAMP);
+    else
+        c->seconds[n] = finished(b);
+}
+
+static technique_step *step_of(const technique *t, int part)
+{
+    return part < BEFORE_MAX ? t->before[part] : t->draw;
+}
+
+/* parts  [PARTS] [out] seconds of each; 0 where a technique has no such step */
+static void read_clock(const bench *b, frame_clock *c, const technique *t, double *parts)
+{
+    PFNGLGETQUERYOBJECTUI64VPROC read = (PFNGLGETQUERYOBJECTUI64VPROC)b->gl->lookup("glGetQueryObjectui64v");
+    int                          last = 0;
+    for (int n = 0; n <= PARTS; n++) {
+        GLuint64 nanoseconds = 0;
+        if (n > 0 && !step_of(t, n - 1)) {
+            parts[n - 1] = 0;
+            continue;
+        }
+        if (b->clock == CLOCK_TIMER) {
+            read(c->queries[n], GL_QUERY_RESULT, &nanoseconds);
+            c->seconds[n] = 1e-9 * (double)nanoseconds;
+        }
+        if (n > 0) parts[n - 1] = c->seconds[n] - c->seconds[last];
+        last = n;
+    }
+}
+
 /* parts  [PARTS] [out] seconds of each */
 static vxs_result draw(bench *b, const cell *c, const vxs_volumes_frame *frame, double *parts)
 {
-    const technique *t     = c->technique;
-    double           since = finished(b);
-    vxs_result       r     = vxs_volumes_begin(b->volumes, frame);
+    frame_clock clock;
+    if (b->clock == CLOCK_TIMER) ((PFNGLGENQUERIESPROC)b->gl->lookup("glGenQueries"))(PARTS + 1, clock.queries);
+    b->gl->Finish();
+    mark(b, &clock, 0);
+    vxs_result r = vxs_volumes_begin(b->volumes, frame);
     for (int n = 0; n < PARTS && r == VXS_OK; n++) {
-        technique_step *step = n < BEFORE_MAX ? t->before[n] : t->draw;
+        technique_step *step = step_of(c->technique, n);
         if (step) r = step(b, c->state, c->value);
-        double now = step ? finished(b) : since;
-        parts[n]   = now - since;
-        since      = now;
+        if (step) mark(b, &clock, n + 1);
     }
+    if (r == VXS_OK) read_clock(b, &clock, c->technique, parts);
+    if (b->clock == CLOCK_TIMER) ((PFNGLDELETEQUERIESPROC)b->gl->lookup("glDeleteQueries"))(PARTS + 1, clock.queries);
     return r;
 }
 
@@ -46,10 +89,36 @@ static vxs_result open_cell(bench *b, cell *c)
     return c->technique->open ? c->technique->open(b, &c->state, c->value) : VXS_OK;
 }
 
+static int is_of(const char *text, const technique *t, uint32_t value)
+{
+    char name[64];
+    return snprintf(name, sizeof name, "%s:%u", t->name, value) < (int)sizeof name && !strcmp(name, text);
+}
+
+static int is_measured(const bench *b, const technique *t, uint32_t value)
+{
+    int is_named = 0;
+    for (size_t n = 0; n < b->cell_texts.count; n++) is_named |= is_of(b->cell_texts.items[n], t, value);
+    return is_named || !b->cell_texts.count;
+}
+
+static vxs_result check_cells(const bench *b, run_context *m)
+{
+    for (size_t n = 0; n < b->cell_texts.count; n++) {
+        int is_known = 0;
+        for (size_t t = 0; t < b->technique_count; t++)
+            for (uint32_t v = 0; b->techniques[t].values[v]; v++)
+                is_known |= is_of(b->cell_texts.items[n], &b->techniques[t], b->techniques[t].values[v]);
+        if (!is_known) return fail(m, VXS_E_ARGUMENT, "--cell %s: no technique has this setting", b->cell_texts.items[n]);
+    }
+    return VXS_OK;
+}
+
 static void open_cells(bench *b, cell *cells, size_t *count)
 {
     for (size_t t = 0; t < b->technique_count; t++)
         for (uint32_t n = 0; n < b->values && b->techniques[t].values[n]; n++) {
+            if (!is_measured(b, &b->techniques[t], b->techniques[t].values[n])) continue;
             double parts[PARTS];
             cell  *c        = &cells[(*count)++];
             double since    = finished(b);
@@ -143,7 +212,7 @@ vxs_result volumes_measure(bench *b, run_context *m)
 {
     size_t     count = 0;
     cell      *cells = calloc(CELLS_MAX, sizeof *cells);
-    vxs_result r     = cells ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory");
+    vxs_result r     = cells ? check_cells(b, m) : fail(m, VXS_E_MEMORY, "out of memory");
     if (r == VXS_OK) open_cells(b, cells, &count);
     if (r == VXS_OK) r = time_cells(b, cells, count, m);
     for (size_t n = 0; n < count && r == VXS_OK; n++)

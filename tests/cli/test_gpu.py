@@ -1,14 +1,18 @@
 # tests/bench/gpu: its answers agree with depth maps of the same depths, what it prints is what it writes, and both are what the
 # schema says.
 # SPDX-License-Identifier: GPL-3.0-or-later
+import argparse
 import json
 import pathlib
 import subprocess
+import sys
 
 import jsonschema
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests" / "bench"))
+import gpu as gpu_bench  # noqa: E402
 VIEW = ["--view", "street:-20,4,-150,-20,12,0", "--width", "48", "--height", "32", "--runs", "1", "--warm", "0"]
 
 
@@ -29,11 +33,14 @@ def folder(vxs, tmp_path_factory):
     return folder
 
 
-def report(done, path):
-    assert done.returncode == 0, done.stderr
-    part = json.loads(path.read_text())
+def rows_of(part):
     jsonschema.validate({"parts": [part], "skipped": []}, json.loads((ROOT / "docs" / "gpu.schema.json").read_text()))
     return part["rows"]
+
+
+def report(done, path):
+    assert done.returncode == 0, done.stderr
+    return rows_of(json.loads(path.read_text()))
 
 
 def test_answers_of_rivals_are_equal(gpu, folder, tmp_path):
@@ -75,6 +82,33 @@ def test_lists_of_several_files(gpu, folder, tmp_path):
     rows = report(done, tmp_path / "out.json")
     assert {row["group"] for row in rows} == {"18 spot lights"}
     assert {row["name"] for row in rows} >= {"cull", "reading lists alone", "lists, 9 x 9 box"}
+
+
+def test_area_lights_and_smoke(vxs, vxs_path, tmp_path, capfd):
+    """Area light and smoke of bench-gpu, with few VPLs and capsules: errors against the truth, and times relative to the rival's."""
+    if not (vxs_path.parent / "tests" / "bench" / "area").is_file():
+        pytest.skip("no programs of tests/bench: build them")
+    assert vxs("scene", "room", "-o", tmp_path / "room.glb", "--triangles", 2000).returncode == 0
+    args = argparse.Namespace(gpu=vxs_path.parent / "tests" / "bench" / "gpu", folder=tmp_path, size="160x90", runs=1)
+    less = {"area": ("wall", [*gpu_bench.AREA_SCREEN, "--points", "20000", "--samples", "64", "--side", "32"]), "smoke": ("timer", ["--side", "64", "--capsules", "200"])}
+    found = {}
+    for program, scene, group, view, side_px, _, names in gpu_bench.VOLUMES:
+        names = {name.replace("256", "4"): text for name, text in names.items()}
+        clock, options = less[program]
+        part, failed = gpu_bench.measure_volumes(args, clock, program, scene, group, view, side_px, options, names)
+        assert not failed
+        rows = rows_of({key: "" for key in ("vxs", "renderer", "opengl", "processor")} | part | {"shader": "compute", "clock": clock})
+        assert (part["width_px"], part["height_px"]) == ((32, 18) if program == "area" else (160, 90))
+        rival = next(row for row in rows if "(rival)" in row["name"])
+        for row in rows:
+            assert row["of_rival"] == pytest.approx(row["ms"]["median"] / rival["ms"]["median"]) and row["ms"]["median"] > 0
+            assert sum(row["parts_ms"].values()) == pytest.approx(row["ms"]["median"], rel=1e-3), "of one frame"
+        found |= {row["name"]: row["relative_rms"] for row in rows}
+    assert found["at once"] == pytest.approx(found["one by one (rival)"], rel=0.3) and 0.05 < found["at once, exact maps"] < 0.6
+    assert found["deep map, all segments (rival)"] < 1e-4 < found["curves of 8 nodes"] < 0.1 and 1e-4 < found["deep map, lines off by .01"] < 0.05
+    assert "| one by one (rival)" in capfd.readouterr().out
+    part, failed = gpu_bench.measure_volumes(args, "wall", "smoke", None, "smoke", "columns", 64, [], {"no such:1": "none"})
+    assert not part and failed == "smoke: exit status 2" and "--cell no such:1" in capfd.readouterr().err
 
 
 def test_what_is_wrong_is_said(gpu, folder):

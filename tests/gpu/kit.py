@@ -48,7 +48,7 @@ def main():
     parser.add_argument("-o", "--output", type=pathlib.Path, required=True, help="the archive, .tar.xz")
     options = parser.parse_args()
     programs = list(drawing(options.build))
-    benches = [options.build / "vxs", options.build / "tests" / "bench" / "gpu"]
+    benches = [options.build / "vxs", *(options.build / "tests" / "bench" / name for name in ("gpu", "area", "smoke"))]
     with tempfile.TemporaryDirectory() as name:
         kit = pathlib.Path(name) / "gpu-kit"
         for folder, paths in (("unit", programs), ("bin", benches),

@@ -44,6 +44,20 @@ static void test_shift(void **state)
     assert_float_equal(e.most, 0.01, 1e-12);
 }
 
+/* The same where the reference has only every third pixel. */
+static void test_left_out(void **state)
+{
+    (void)state;
+    ramp(wanted, 1, 1);
+    ramp(found, 0, 1);
+    for (int n = 0; n < VALUES; n++)
+        if (n / 3 % 3) wanted[n] = NAN;
+    picture_error e = picture_error_of(found, wanted, PIXELS, NULL, PIXEL_CLASSES);
+    assert_int_equal(e.count, 3 * ((PIXELS + 2) / 3));
+    assert_float_equal(e.signed_mean, -0.01, 1e-12);
+    assert_float_equal(e.most, 0.01, 1e-12);
+}
+
 /* Errors of 0, 1, ... 99 hundredths of 100, in turn up and down. */
 static void test_percentile(void **state)
 {
@@ -114,8 +128,9 @@ static void test_dark(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_same),    cmocka_unit_test(test_shift),   cmocka_unit_test(test_percentile),
-        cmocka_unit_test(test_classes), cmocka_unit_test(test_flicker), cmocka_unit_test(test_dark),
+        cmocka_unit_test(test_same),       cmocka_unit_test(test_shift),   cmocka_unit_test(test_left_out),
+        cmocka_unit_test(test_percentile), cmocka_unit_test(test_classes), cmocka_unit_test(test_flicker),
+        cmocka_unit_test(test_dark),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -29,7 +29,8 @@ picture_error picture_error_of(const double *found, const double *wanted, size_t
     if (!sizes) abort();
     for (size_t n = 0; n < 3 * pixels; n++) {
         double error = found[n] - wanted[n];
-        largest      = fmax(largest, fabs(wanted[n]));
+        if (isnan(wanted[n])) continue;
+        largest = fmax(largest, fabs(wanted[n]));
         if (which != PIXEL_CLASSES && classes && classes[n / 3] != which) continue;
         wrong += error * error;
         square += wanted[n] * wanted[n];

@@ -23,7 +23,8 @@ typedef struct picture_error {
     size_t count; /* values */
 } picture_error;
 
-/* found, wanted  [pixels][3]; no NaN
+/* found          [pixels][3]; no NaN
+ * wanted         [pixels][3]; NaN: not counted
  * classes        [pixels] of pixel_class; NULL: all are `which`
  * which          the class; PIXEL_CLASSES: all pixels
  * A reference that is dark: relative_rms is 0 where the picture is dark, too, else infinite; the others are as they are. */
