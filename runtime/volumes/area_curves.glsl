@@ -67,9 +67,10 @@ bool vxs_capsule_segment(vxs_capsule c, ivec3 texel, float opaque, out vec3 segm
 {
     vec2  at = (vec2(texel.xy) + 0.5) * (2.0 / float(vxs_curve_map.side)) - 1.0;
     float square = dot(at, at);
-    if (vxs_area_is_far(texel.z))
-        return vxs_ray_segment(c, vec3(at * vxs_area.vpls[texel.z].place.w, 0.0), vec3(0.0, 0.0, 1.0), 1.0, false, opaque, segment);
-    return vxs_ray_segment(c, vec3(0.0), vec3(2.0 * at, 1.0 - square) / (1.0 + square), 1.0, true, opaque, segment);
+    bool  is_far = vxs_area_is_far(texel.z);
+    vec3  begin = is_far ? vec3(at * vxs_area.vpls[texel.z].place.w, 0.0) : vec3(0.0);
+    vec3  way = is_far ? vec3(0.0, 0.0, 1.0) : vec3(2.0 * at, 1.0 - square) / (1.0 + square);
+    return vxs_ray_segment(c, begin, way, 1.0, !is_far, opaque, segment);
 }
 
 /* Transmittance of smoke between a VPL and a position, by its curves; 1 outside of its layer. */

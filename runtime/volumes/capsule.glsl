@@ -2,7 +2,7 @@
 
 /* Extend a part of a ray by its intersection with a ball around the origin.   from  origin of the ray;   part  [in, out] begin,
  * end */
-void vxs_join_ball(vec3 from, vec3 way, float radius, inout vec2 part)
+void vxs_join_ball(const vec3 from, const vec3 way, const float radius, inout vec2 part)
 {
     float near = -dot(from, way);
     vec3  beside = from + near * way;
@@ -11,7 +11,7 @@ void vxs_join_ball(vec3 from, vec3 way, float radius, inout vec2 part)
 }
 
 /* The same for a cylinder from the origin to `axis`. */
-void vxs_join_cylinder(vec3 from, vec3 way, vec3 axis, float radius, inout vec2 part)
+void vxs_join_cylinder(const vec3 from, const vec3 way, const vec3 axis, const float radius, inout vec2 part)
 {
     float size = length(axis);
     if (!(size > 0.0)) return;
@@ -35,7 +35,7 @@ void vxs_join_cylinder(vec3 from, vec3 way, vec3 axis, float radius, inout vec2 
  * to, axis  from the origin of the ray to the capsule's begin; from there to its end
  * way       of length 1;   near  [out] metres to the point of the ray from which the part is measured
  * Returns begin and end; end < begin if they do not meet */
-vec2 vxs_capsule_part(vec3 to, vec3 axis, float radius, vec3 way, out float near)
+vec2 vxs_capsule_part(const vec3 to, const vec3 axis, const float radius, const vec3 way, out float near)
 {
     vec2 part = vec2(1e30, -1e30);
     near = dot(to, way);

@@ -13,7 +13,7 @@ struct vxs_capsule {
 };
 
 /* Decode a stored capsule; an invalid one is at the origin, with radius 0. */
-vxs_capsule vxs_capsule_stored(vec4 begin, vec4 end)
+vxs_capsule vxs_capsule_stored(const vec4 begin, const vec4 end)
 {
     bool is_one = begin.w > 0.0 && begin.w < 1e12 && end.w > 0.0 && end.w < 1e30 && dot(begin.xyz, begin.xyz) < 1e24 && dot(end.xyz, end.xyz) < 1e24;
     return vxs_capsule(is_one ? begin.xyz : vec3(0.0), is_one ? begin.w : 0.0, is_one ? end.xyz : vec3(0.0), end.w);
@@ -24,7 +24,8 @@ vxs_capsule vxs_capsule_stored(vec4 begin, vec4 end)
  * is_half    the ray begins at `begin`;   opaque  the depth where light ends
  * segment    [out] entry and exit depth; transmittance
  * Returns whether they meet */
-bool vxs_ray_segment(vxs_capsule c, vec3 begin, vec3 way, float per_metre, bool is_half, float opaque, out vec3 segment)
+bool vxs_ray_segment(const vxs_capsule c, const vec3 begin, const vec3 way, const float per_metre, const bool is_half, const float opaque,
+                     out vec3 segment)
 {
     float near;
     vec2  part = vxs_capsule_part(c.begin - begin, c.end - c.begin, c.radius, way, near);
@@ -52,7 +53,7 @@ void vxs_curve_store(uint texel, vxs_curve curve)
 #endif
 
 /* At a depth, interpolated between four texels of a layer. Border texels are repeated beyond the border.   place  in texels */
-float vxs_curves_left(vec2 place, int layer, float depth, int exponential)
+float vxs_curves_left(const vec2 place, const int layer, const float depth, const int exponential)
 {
     ivec2 first = ivec2(floor(place - 0.5)), side = ivec2(vxs_curve_map.side);
     vec2  part = place - 0.5 - vec2(first);

@@ -11,9 +11,11 @@ float number_of(uint order)
     return uintBitsToFloat((order & 0x80000000u) != 0u ? order & 0x7fffffffu : ~order);
 }
 
+uint first_segment; /* its word, which is computed once, because calls are inlined */
+
 vec3 segment_at(uint n)
 {
-    uint at = vxs_curve_segment(n);
+    uint at = first_segment + 4u * n;
     return vec3(uintBitsToFloat(vxs_curves.words[at]), uintBitsToFloat(vxs_curves.words[at + 1u]), uintBitsToFloat(vxs_curves.words[at + 2u]));
 }
 
@@ -26,12 +28,12 @@ bool is_before(vec3 a, vec3 b)
 
 uint next_of(uint n)
 {
-    return vxs_curves.words[vxs_curve_segment(n) + 3u];
+    return vxs_curves.words[first_segment + 4u * n + 3u];
 }
 
 void set_next(uint n, uint next)
 {
-    vxs_curves.words[vxs_curve_segment(n) + 3u] = next;
+    vxs_curves.words[first_segment + 4u * n + 3u] = next;
 }
 
 /* Merge two sorted lists, neither of which is empty.   Returns the first segment */
@@ -88,6 +90,7 @@ void main()
 {
     ivec3 texel = ivec3(gl_GlobalInvocationID);
     if (any(greaterThanEqual(texel.xy, ivec2(vxs_curve_map.side)))) return;
+    first_segment = vxs_curve_segment(0u);
     uint      index = vxs_curve_texel(texel), record = vxs_curve_record(index);
     vxs_curve curve = vxs_curve_empty();
     uint      n = vxs_curves.words[record], rest = VXS_NO_SEGMENT;
@@ -97,7 +100,7 @@ void main()
         n    = sorted(rest);
         vxs_curves.words[record] = n;
     }
-    vxs_curve_insertion pieces = vxs_curve_insertion_of(curve, VXS_CURVE_MOST, 0.0, 0.0, 1.0); /* none */
+    vxs_curve_insertion pieces = vxs_curve_inserted();
     /* the list, then `last`: what had no room in it, and the opaque depth; in one loop, because its calls are inlined */
     int last = 0;
     while (last < 2 || pieces.next <= pieces.last) {

@@ -13,26 +13,27 @@ float vxs_curve_texel_size()
     return vxs_frame.light.texel_metres * float(1u << vxs_frame.light.levels) / float(vxs_curve_map.side);
 }
 
-vec3 vxs_map_metres(vec3 ls, int layer)
+vec3 vxs_map_metres(const vec3 ls, const int layer)
 {
     vec3 turned = ls * vec3(vec2(vxs_frame.light.texel_metres), vxs_frame.light.voxel_metres);
     if (!vxs_is_sun()) vxs_face_from_ls(vxs_face_of_map(vxs_frame.light, layer), ls, turned);
     return turned;
 }
 
-vxs_capsule vxs_capsule_of(vec4 begin, vec4 end, int layer)
+vxs_capsule vxs_capsule_of(const vec4 begin, const vec4 end, const int layer)
 {
     vxs_capsule c = vxs_capsule_stored(begin, end);
-    vec3        ls;
-    vxs_ls_from_ws(vxs_frame.light, c.begin, 1.0, ls);
-    c.begin = vxs_map_metres(ls, layer);
-    vxs_ls_from_ws(vxs_frame.light, c.end, 1.0, ls);
-    c.end = vxs_map_metres(ls, layer);
+    for (int n = 0; n < 2; n++) { /* its ends change places twice; one call, because it is inlined */
+        vec3 ls;
+        vxs_ls_from_ws(vxs_frame.light, c.begin, 1.0, ls);
+        c.begin = c.end;
+        c.end   = vxs_map_metres(ls, layer);
+    }
     return c;
 }
 
 /* The range of slopes x / z and y / z of a ball before a punctual light. */
-vec4 vxs_ball_slopes(vec3 middle, float radius)
+vec4 vxs_ball_slopes(const vec3 middle, const float radius)
 {
     float far = (middle.z - radius) * (middle.z + radius);
     vec2  root = radius * sqrt(middle.xy * middle.xy + far);
@@ -40,7 +41,7 @@ vec4 vxs_ball_slopes(vec3 middle, float radius)
 }
 
 /* Texels of a layer whose rays may meet a capsule.   box  [out] first, end   Returns whether there are any */
-bool vxs_capsule_texels(vxs_capsule c, int layer, out ivec4 box)
+bool vxs_capsule_texels(const vxs_capsule c, const int layer, out ivec4 box)
 {
     float side = float(vxs_curve_map.side), middle = vxs_is_sun() ? 0.0 : 0.5 * side;
     vec4  ends = vec4(min(c.begin.xy, c.end.xy) - c.radius, max(c.begin.xy, c.end.xy) + c.radius);
@@ -58,7 +59,7 @@ bool vxs_capsule_texels(vxs_capsule c, int layer, out ivec4 box)
 }
 
 /* Metres along the map's axis to where opaque shadow begins in a texel; VXS_NO_END: nowhere. */
-float vxs_opaque_depth(ivec3 texel)
+float vxs_opaque_depth(const ivec3 texel)
 {
     if ((vxs_curve_map.flags & VXS_CURVE_OPAQUE) == 0u) return VXS_NO_END;
     vec2  at = (vec2(texel.xy) + 0.5) * (float(vxs_curve_map.opaque_side) / float(vxs_curve_map.side));
@@ -68,17 +69,17 @@ float vxs_opaque_depth(ivec3 texel)
 }
 
 /* The segment of a capsule on the ray of a texel, before an opaque depth; as vxs_ray_segment. */
-bool vxs_capsule_segment(vxs_capsule c, ivec3 texel, float opaque, out vec3 segment)
+bool vxs_capsule_segment(const vxs_capsule c, const ivec3 texel, const float opaque, out vec3 segment)
 {
     float size = vxs_curve_texel_size(), side = float(vxs_curve_map.side);
-    if (vxs_is_sun()) return vxs_ray_segment(c, vec3((vec2(texel.xy) + 0.5) * size, 0.0), vec3(0.0, 0.0, 1.0), 1.0, false, opaque, segment);
-    vec3  way       = vec3((vec2(texel.xy) + 0.5 - 0.5 * side) * size, 1.0);
-    float per_metre = 1.0 / length(way);
-    return vxs_ray_segment(c, vec3(0.0), way * per_metre, per_metre, true, opaque, segment);
+    vec3  begin = vxs_is_sun() ? vec3((vec2(texel.xy) + 0.5) * size, 0.0) : vec3(0.0), way = vec3(0.0, 0.0, 1.0);
+    if (!vxs_is_sun()) way.xy = (vec2(texel.xy) + 0.5 - 0.5 * side) * size;
+    float per_metre = vxs_is_sun() ? 1.0 : 1.0 / length(way);
+    return vxs_ray_segment(c, begin, way * per_metre, per_metre, !vxs_is_sun(), opaque, segment);
 }
 
 /* Transmittance of smoke between the light and a position; 1 outside of the map. */
-float vxs_transmittance(vec3 at)
+float vxs_transmittance(const vec3 at)
 {
     vec3  ls;
     ivec2 side = ivec2(vxs_curve_map.side);

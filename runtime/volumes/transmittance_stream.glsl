@@ -22,7 +22,7 @@ void main()
     float     opaque = is_one ? vxs_opaque_depth(texel) : VXS_NO_END;
     vxs_curve curve = vxs_curve_empty();
     uint      steps = (count + 63u) / 64u, step = 0u, bits = 0u; /* a last step inserts the opaque depth: one call, because it is inlined */
-    vxs_curve_insertion pieces = vxs_curve_insertion_of(curve, VXS_CURVE_MOST, 0.0, 0.0, 1.0); /* none */
+    vxs_curve_insertion pieces = vxs_curve_inserted();
     for (; step <= steps; step++) {
         uint first = 64u * step;
         if (own < 2u) seen[own] = 0u;

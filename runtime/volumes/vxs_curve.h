@@ -109,12 +109,13 @@ VXS_FN vxs_curve_place vxs_curve_find(VXS_CURVE curve, vxs_real depth, vxs_i32 e
     place.nodes = 0;
     /* without branches, because invocations that run in groups execute both sides of a branch */
     for (vxs_i32 n = 0; n < VXS_CURVE_ROOM; n++) {
-        vxs_i32 is_node = n < VXS_FIELD(curve, count) ? 1 : 0, is_before = VXS_FIELD(curve, depth)[n] > depth ? 0 : is_node;
-        vxs_i32 is_next = is_before != 0 || behind > depth ? 0 : is_node;
-        before          = is_before != 0 ? VXS_FIELD(curve, depth)[n] : before;
-        a               = is_before != 0 ? VXS_FIELD(curve, left)[n] : a;
-        behind          = is_next != 0 ? VXS_FIELD(curve, depth)[n] : behind;
-        b               = is_next != 0 ? VXS_FIELD(curve, left)[n] : b;
+        vxs_real d = VXS_FIELD(curve, depth)[n], left = VXS_FIELD(curve, left)[n];
+        vxs_i32  is_node = n < VXS_FIELD(curve, count) ? 1 : 0, is_before = d > depth ? 0 : is_node;
+        vxs_i32  is_next = is_before != 0 || behind > depth ? 0 : is_node;
+        before           = is_before != 0 ? d : before;
+        a                = is_before != 0 ? left : a;
+        behind           = is_next != 0 ? d : behind;
+        b                = is_next != 0 ? left : b;
         place.nodes += is_before;
     }
     place.left = behind > depth ? vxs_curve_between(a, b, (depth - before) / (behind - before), exponential) : a;
@@ -166,7 +167,7 @@ VXS_FN void vxs_curve_multiply(VXS_CURVE_INOUT curve, vxs_real entry, vxs_real e
     vxs_i32         bends = bend < exit ? 1 : 0, first = begin.nodes, last = end.nodes + 1 + bends, middle = VXS_CURVE_ROOM;
     if (bends != 0) {
         within  = vxs_curve_find(curve, bend, 0);
-        at_bend = within.left * vxs_curve_part(through, root, (bend - entry) / (exit - entry));
+        at_bend = within.left;
         middle  = within.nodes + 1;
     }
     vxs_real older_depth = entry, older_left = VXS_REAL(1.0), old_depth = entry, old_left = VXS_REAL(1.0), depth = entry,
@@ -179,15 +180,12 @@ VXS_FN void vxs_curve_multiply(VXS_CURVE_INOUT curve, vxs_real entry, vxs_real e
         } else if (n == last) {
             d = exit;
             t = at_exit;
-        } else if (n == middle) {
-            d = bend;
-            t = at_bend;
         } else if (n == first) {
             d = entry;
             t = at_entry;
         } else if (n > first) {
-            d = n > middle ? old_depth : depth;
-            t = n > middle ? old_left : left;
+            d = n == middle ? bend : n > middle ? old_depth : depth;
+            t = n == middle ? at_bend : n > middle ? old_left : left;
             t *= vxs_curve_part(through, root, (d - entry) / (exit - entry));
         }
         least                      = t < least ? t : least; /* quotients in shading languages may be off by a bit */
@@ -233,6 +231,17 @@ VXS_FN void vxs_curve_insert_thin(VXS_CURVE_INOUT curve, vxs_i32 nodes, vxs_real
     vxs_curve_multiply(curve, entry, exit, through);
     for (vxs_i32 n = 0; n < 3; n++)
         if (VXS_FIELD(curve, count) > nodes) vxs_curve_remove_least(curve);
+}
+
+/* A segment of which no piece is left. */
+VXS_FN vxs_curve_insertion vxs_curve_inserted(void)
+{
+    vxs_curve_insertion s;
+    s.entry = s.exit = s.begin = VXS_REAL(0.0);
+    s.through = s.all = s.root = s.before = VXS_REAL(1.0);
+    s.even = s.last = 0;
+    s.next          = 1;
+    return s;
 }
 
 #define VXS_CURVE_LEAST 1e-3 /* transmittance below which a segment gets one more piece */
