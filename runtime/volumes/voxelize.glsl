@@ -49,12 +49,14 @@ float theta_of(vec3 place)
 
 /* The rows that a triangle may touch: the first, and how many, which may wrap around the seam. All rows if the triangle contains
  * the axis, or nearly. */
-ivec2 rows_of(vxs_epipolar space, vxs_grid_size size, vec3 a, vec3 b, vec3 c)
+ivec2 rows_of(vxs_epipolar space, vxs_grid_size size, vec3 triangle[3])
 {
     const float spare = 0.01;
-    float first = theta_of(a), turns[2] = float[2](theta_of(b) - first, theta_of(c) - first), low = 0.0, high = 0.0;
-    for (int n = 0; n < 2; n++) {
-        float turn = abs(turns[n]) > VXS_AIR_PI ? turns[n] - sign(turns[n]) * 2.0 * VXS_AIR_PI : turns[n];
+    float first = 0.0, low = 0.0, high = 0.0;
+    for (int n = 0; n < 3; n++) {
+        float theta = theta_of(triangle[n]), turn = n == 0 ? 0.0 : theta - first;
+        if (n == 0) first = theta;
+        turn = abs(turn) > VXS_AIR_PI ? turn - sign(turn) * 2.0 * VXS_AIR_PI : turn;
         low = min(low, turn);
         high = max(high, turn);
     }
@@ -234,7 +236,8 @@ float least_alpha(vxs_epipolar space, vec2 near_ray, vec2 far_ray, vec2 p, vec2 
     }
     if (begin > end) return 4.0;
     vec2 a = mix(p, q, begin), b = mix(p, q, end);
-    return min(vxs_epipolar_angle(a.y, a.x), vxs_epipolar_angle(b.y, b.x));
+    bool is_b = a.x * b.y < a.y * b.x || (b.y == 0.0 && b.x >= 0.0); /* b has the smaller angle */
+    return vxs_epipolar_angle(is_b ? b.y : a.y, is_b ? b.x : a.x);
 }
 
 /* A row is a wedge. Its points are moved to the half plane by their distance from the axis. This bends edges toward the axis, to
@@ -298,7 +301,7 @@ void main()
     ivec2         rows = ivec2(0);
     for (uint n = 0u; n < 3u && is_triangle; n++) is_triangle = read_corner(3u * triangle + n, read[n]);
     if (is_triangle) {
-        rows = rows_of(space, size, read[0], read[1], read[2]);
+        rows = rows_of(space, size, read);
         if (gl_WorkGroupID.y == 0u) darken_eye(read[0], read[1], read[2]);
         for (uint n = 0u; n < 3u; n++) corners[3u * at + n] = read[n];
     }
