@@ -28,14 +28,15 @@ typedef struct query {
 
 static const char points_vertex_text[] = "layout(location = 0) in vec3 position;\n"
                                          "layout(location = 1) in vec3 normal;\n"
+                                         "layout(location = 2) in float number;\n" /* softpipe: gl_VertexID % 4096 */
                                          "out vec3 position_ws;\n"
                                          "out vec3 normal_ws;\n"
                                          "flat out int vertex;\n"
                                          "void main() {\n"
                                          "    position_ws = position;\n"
                                          "    normal_ws = normal;\n"
-                                         "    vertex = gl_VertexID;\n"
-                                         "    vec2 pixel = vec2(gl_VertexID % 256, gl_VertexID / 256) + 0.5;\n"
+                                         "    vertex = int(number);\n"
+                                         "    vec2 pixel = vec2(vertex % 256, vertex / 256) + 0.5;\n"
                                          "    gl_Position = vec4(pixel / vec2(128.0, 32.0) - 1.0, 0.0, 1.0);\n"
                                          "    gl_PointSize = 1.0;\n"
                                          "}\n";
@@ -108,15 +109,18 @@ static inline GLuint bind_buffer(const drawing *d, GLenum target, size_t size, c
 /* answers  [out] [QUERIES] */
 static inline void draw(const drawing *d, const query *queries, float *answers)
 {
-    GLuint buffer = bind_buffer(d, GL_ARRAY_BUFFER, QUERIES * sizeof *queries, queries);
-    for (GLuint n = 0; n < 2; n++) {
+    static float numbers[QUERIES];
+    GLuint       buffers[2] = {bind_buffer(d, GL_ARRAY_BUFFER, QUERIES * sizeof *queries, queries)};
+    for (GLuint n = 0; n < 2; n++)
         d->gl->VertexAttribPointer(n, 3, GL_FLOAT, GL_FALSE, sizeof *queries, (const void *)(n * sizeof queries->position));
-        d->gl->EnableVertexAttribArray(n);
-    }
+    for (int n = 0; n < QUERIES; n++) numbers[n] = (float)n;
+    buffers[1] = bind_buffer(d, GL_ARRAY_BUFFER, sizeof numbers, numbers);
+    d->gl->VertexAttribPointer(2, 1, GL_FLOAT, GL_FALSE, 0, NULL);
+    for (GLuint n = 0; n < 3; n++) d->gl->EnableVertexAttribArray(n);
     d->gl->ClearBufferfv(GL_COLOR, 0, (float[4]){-7, 0, 0, 0});
     d->gl->DrawArrays(GL_POINTS, 0, QUERIES);
     d->gl->ReadPixels(0, 0, WIDTH_PX, HEIGHT_PX, GL_RED, GL_FLOAT, answers);
-    d->gl->DeleteBuffers(1, &buffer);
+    d->gl->DeleteBuffers(2, buffers);
     assert_int_equal(d->gl->GetError(), GL_NO_ERROR);
 }
 

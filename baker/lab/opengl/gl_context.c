@@ -140,8 +140,8 @@ static vxs_result create_egl(gl_context *gl, run_context *m)
                                  5,
                                  EGL_CONTEXT_OPENGL_PROFILE_MASK,
                                  EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                                 EGL_CONTEXT_OPENGL_DEBUG,
-                                 is_debug(),
+                                 is_debug() ? EGL_CONTEXT_FLAGS_KHR : EGL_NONE, /* EGL 1.4 has these flags, too */
+                                 EGL_CONTEXT_OPENGL_DEBUG_BIT_KHR,
                                  EGL_NONE};
     egl          e;
     gl->library = dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL);
