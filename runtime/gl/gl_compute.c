@@ -39,7 +39,7 @@ gl_name vxs_gl_compute(const vxs_gl *gl, const char *head, const char *const *te
     char log[1024] = "";
     api->GetShaderInfoLog(shader, sizeof log, NULL, log); /* the program still holds the shader */
     api->DeleteProgram(program);
-    vxs_gl_fail(gl, log);
+    vxs_gl_fail(gl, VXS_E_GL, log);
     return 0;
 }
 

@@ -170,7 +170,7 @@ vxs_result vxs_gl_cull(vxs_gl *gl, const vxs_view *view, unsigned depth_texture,
     static const char *const texts[] = {vxs_gl_text_view_glsl, vxs_gl_text_cull_glsl};
     const gl_api            *api     = &gl->api;
     uint32_t columns = (view->width_px + VXS_TILE_PX - 1) / VXS_TILE_PX, rows = (view->height_px + VXS_TILE_PX - 1) / VXS_TILE_PX;
-    if (!vxs_gl_can_compute(gl)) return vxs_gl_fail(gl, "vxs_gl_cull: expected storage buffers and compute shaders");
+    if (!vxs_gl_can_compute(gl)) return vxs_gl_fail(gl, VXS_E_GL, "vxs_gl_cull: expected storage buffers and compute shaders");
     if (!make_lists(gl, vxs_lists_words(view->width_px, view->height_px, tile_lights))) return VXS_E_MEMORY;
     if (!gl->culling && !(gl->culling = vxs_gl_compute(gl, "#define VXS_GL_CULL\n", texts, 2))) return VXS_E_GL;
     vxs_gl_bind(gl);

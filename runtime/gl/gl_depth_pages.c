@@ -164,12 +164,13 @@ vxs_result vxs_gl_depth_pages_create(vxs_gl_depth_pages **out, vxs_gl *gl, const
     *out                          = NULL;
     if (vxs_desc_take(&known, sizeof known, first, desc) != VXS_OK) return VXS_E_ARGUMENT;
     if (!known.filter.width_px) known.filter = vxs_smooth(9);
-    if (!vxs_gl_can_compute(gl)) return vxs_gl_fail(gl, "depth pages: expected storage buffers and compute shaders");
+    if (!vxs_gl_can_compute(gl)) return vxs_gl_fail(gl, VXS_E_GL, "depth pages: expected storage buffers and compute shaders");
     vxs_gl_depth_pages *p = vxs_gl_alloc(gl, 1, sizeof *p);
     if (!p) return VXS_E_MEMORY;
     *p = (vxs_gl_depth_pages){.gl = gl, .binding = known.binding ? known.binding : gl->first_binding + 3, .unit = known.unit};
     choose_sizes(p, &known);
-    vxs_result r = p->room ? make(p) : VXS_E_ARGUMENT;
+    vxs_result r =
+        p->room ? make(p) : vxs_gl_fail(gl, VXS_E_ARGUMENT, "depth pages: budget_bytes holds no page: leave it 0, for 32 MiB");
     if (r == VXS_OK)
         *out = p;
     else

@@ -15,17 +15,17 @@ _Static_assert(sizeof(vxs_light_constants) == LIGHT_WORDS * sizeof(uint32_t), "l
 
 /* the context ----------------------------------------------------------------------------------------------------------------- */
 
-vxs_result vxs_gl_fail(const vxs_gl *gl, const char *text)
+vxs_result vxs_gl_fail(const vxs_gl *gl, vxs_result r, const char *text)
 {
     if (gl->log) gl->log(VXS_SEVERITY_ERROR, text, gl->user);
-    return VXS_E_GL;
+    return r;
 }
 
 static vxs_result load(vxs_gl *gl, const vxs_gl_desc *desc)
 {
 #define LOAD(result, name, arguments) gl->api.name = (result(GL_CALL *) arguments)desc->get_proc_address("gl" #name, desc->user);
 #define LOADED(result, name, arguments)                                                                                            \
-    if (!gl->api.name) return vxs_gl_fail(gl, "the OpenGL context has no function gl" #name);
+    if (!gl->api.name) return vxs_gl_fail(gl, VXS_E_GL, "the OpenGL context has no function gl" #name);
     GL_API(LOAD)
     GL_API(LOADED)
     GL_COMPUTE_API(LOAD)
@@ -60,10 +60,13 @@ static vxs_result choose_storage(vxs_gl *gl, vxs_gl_storage asked, uint64_t word
     int buffers    = has_buffers(gl, word_count * sizeof(uint32_t));
     gl->is_texture = asked == VXS_GL_TEXTURE || !buffers;
     if (gl->version < (gl->is_es ? 300 : 330))
-        return vxs_gl_fail(gl, "expected an OpenGL context of version 3.3 or later, or ES 3.0");
+        return vxs_gl_fail(gl, VXS_E_GL, "expected an OpenGL context of version 3.3 or later, or ES 3.0");
     if (asked != VXS_GL_BUFFER || buffers) return VXS_OK;
-    if (gl->version >= (gl->is_es ? 310 : 430)) return VXS_E_MEMORY;
-    return vxs_gl_fail(gl, "VXS_GL_BUFFER: expected an OpenGL context of version 4.3 or later, or ES 3.1");
+    if (gl->version >= (gl->is_es ? 310 : 430))
+        return vxs_gl_fail(
+            gl, VXS_E_MEMORY,
+            "VXS_GL_BUFFER: the words are larger than a storage buffer of this context: use VXS_GL_TEXTURE, or most_table_bytes 1");
+    return vxs_gl_fail(gl, VXS_E_GL, "VXS_GL_BUFFER: expected an OpenGL context of version 4.3 or later, or ES 3.1");
 }
 
 /* lights and words ------------------------------------------------------------------------------------------------------------ */
@@ -223,7 +226,9 @@ static vxs_result make(vxs_gl *gl, const vxs_gl_desc *desc)
     word_count += VXS_BLOCKS_SPARE_WORDS;
     r = choose_storage(gl, desc->storage, word_count);
     if (r != VXS_OK) return r;
-    if (!vxs_gl_words_make(gl, &gl->words, word_count, 1, words_wide(gl, word_count))) return VXS_E_MEMORY;
+    if (!vxs_gl_words_make(gl, &gl->words, word_count, 1, words_wide(gl, word_count)))
+        return vxs_gl_fail(gl, VXS_E_MEMORY,
+                           "no room on the graphics processor for all words: use a stream, fewer lights or smaller maps");
     if (!vxs_gl_words_make(gl, &gl->rows, (uint64_t)LIGHT_WORDS * gl->light_count, 4, LIGHT_TEXELS * LIGHTS_WIDE))
         return VXS_E_MEMORY;
     write_head(gl);
@@ -280,7 +285,10 @@ void vxs_gl_destroy(vxs_gl *gl)
 vxs_result vxs_gl_put(vxs_gl *gl, const uint32_t *words, uint32_t first, uint32_t count)
 {
     uint32_t end = gl->smoke ? gl->smoke_word : gl->words.count - VXS_BLOCKS_SPARE_WORDS;
-    if (gl->table_count || first > end || count > end - first || (!words && count)) return VXS_E_ARGUMENT;
+    if (gl->table_count)
+        return vxs_gl_fail(gl, VXS_E_ARGUMENT,
+                           "vxs_gl_put: tables would not follow new words: create with most_table_bytes 1, without them");
+    if (first > end || count > end - first || (!words && count)) return VXS_E_ARGUMENT;
     return vxs_gl_put_words(gl, words, first, count);
 }
 

@@ -61,8 +61,8 @@ struct vxs_gl {
     char    head[512];
 };
 
-/* Report why a function fails. Returns VXS_E_GL. */
-vxs_result vxs_gl_fail(const vxs_gl *gl, const char *text);
+/* Report why a function fails, and the remedy. Returns r. */
+vxs_result vxs_gl_fail(const vxs_gl *gl, vxs_result r, const char *text);
 
 /* Allocate an array on the GPU. Returns 0 when that fails; then there is nothing to delete. */
 int vxs_gl_words_make(const vxs_gl *gl, gl_words *w, uint64_t count, uint32_t lanes, uint32_t wide);

@@ -157,7 +157,10 @@ gl_name vxs_gl_depths_make(const vxs_gl *gl, uint32_t side_px, uint32_t bits)
     int              most            = 0;
     gl_name          texture         = 0;
     api->GetIntegerv(GL_MOST_TEXTURE_SIZE, &most);
-    if (side_px > (uint32_t)most) return 0;
+    if (side_px > (uint32_t)most) {
+        vxs_gl_fail(gl, VXS_E_MEMORY, "a depth texture would be larger than this context holds: use a coarser level");
+        return 0;
+    }
     forget_error(api);
     api->GenTextures(1, &texture);
     texture_state s = begin_texture(api, texture);

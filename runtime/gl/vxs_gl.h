@@ -73,7 +73,7 @@ typedef struct vxs_gl_desc {
      * without a stream. Words are borrowed until vxs_gl_upload returns 0 */
     const vxs_baked_smoke *const *smoke;
 
-    /* explains VXS_E_GL: what the context lacks, or the messages of its compiler; called with `user`. NULL: not wanted */
+    /* explains errors: what the context lacks, the messages of its compiler, or the remedy; called with `user`. NULL: not wanted */
     vxs_log_fn *log;
 
     /* instead of an asset: [light_count] whole lights, for instance some of an asset; `smoke` is as without an asset. The lights are

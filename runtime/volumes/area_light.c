@@ -68,7 +68,11 @@ vxs_result vxs_area_light_create(vxs_area_light **out, vxs_volumes *v, const vxs
     light->most    = known.vpls ? known.vpls : VPLS;
     light->side_px = side;
     v->api.GetIntegerv(GL_MOST_STORAGE_BYTES, &most);
-    vxs_result result = bytes_of(light) > (uint32_t)most ? VXS_E_GL : make(light, &known);
+    vxs_result result =
+        bytes_of(light) > (uint32_t)most
+            ? vxs_volumes_fail(v, VXS_E_GL,
+                               "an area light is larger than a storage buffer of this context: use fewer vpls, columns or rows")
+            : make(light, &known);
     if (result == VXS_OK)
         *out = light;
     else

@@ -44,7 +44,9 @@ vxs_result vxs_volumes_march(vxs_volumes *v, const vxs_volumes_light *light, con
 {
     enum { STEPS_MAX = 65536 };
     if (!steps || steps > STEPS_MAX || (which != VXS_STEPS_EVEN && which != VXS_STEPS_EQUIANGULAR)) return VXS_E_ARGUMENT;
-    if (!map && light->constants) return VXS_E_ARGUMENT;
+    if (!map && light->constants)
+        return vxs_volumes_fail(v, VXS_E_ARGUMENT,
+                                "vxs_volumes_march: a light with constants has no asset: pass its shadow depth map");
     vxs_result result = vxs_volumes_set_light(v, light, map);
     if (result != VXS_OK) return result;
     if (light->smoke && !vxs_transmittance_is_of(light->smoke, v, light)) return VXS_E_ARGUMENT;

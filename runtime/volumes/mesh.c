@@ -200,7 +200,9 @@ vxs_result vxs_light_mesh_create(vxs_light_mesh **out, vxs_volumes *v, const flo
     *out                            = NULL;
     if (!places || !corners || !size->vertex_count || !size->triangle_count) return VXS_E_ARGUMENT;
     api->GetIntegerv(GL_MOST_BUFFER_TEXELS, &most);
-    if (corner_words + place_words > (uint64_t)most) return VXS_E_MEMORY;
+    if (corner_words + place_words > (uint64_t)most)
+        return vxs_volumes_fail(v, VXS_E_MEMORY,
+                                "a light mesh is larger than a buffer texture of this context: plan it with a larger error_texels");
     vxs_light_mesh *mesh = vxs_volumes_alloc(v, sizeof *mesh);
     if (!mesh) return VXS_E_MEMORY;
     *mesh = (vxs_light_mesh){.volumes = v, .triangle_count = size->triangle_count};

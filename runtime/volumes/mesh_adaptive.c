@@ -51,7 +51,9 @@ static uint32_t triangles_at_most(const vxs_volumes *v, const vxs_mesh_shape *sh
 static vxs_result make(vxs_adaptive_mesh *mesh)
 {
     vxs_volumes *v = mesh->volumes;
-    if (split_bytes(&mesh->most) > list_bytes_most(v) || list_bytes(mesh) > list_bytes_most(v)) return VXS_E_GL;
+    if (split_bytes(&mesh->most) > list_bytes_most(v) || list_bytes(mesh) > list_bytes_most(v))
+        return vxs_volumes_fail(
+            v, VXS_E_GL, "an adaptive mesh is larger than a buffer of this context: use a smaller side_px or triangles_most");
     mesh->splits = vxs_volumes_buffer(v, split_bytes(&mesh->most));
     mesh->list   = vxs_volumes_buffer(v, list_bytes(mesh));
     if (!mesh->splits || !mesh->list) return VXS_E_MEMORY;

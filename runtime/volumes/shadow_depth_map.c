@@ -41,7 +41,10 @@ vxs_result vxs_shadow_depth_map_create(vxs_shadow_depth_map **out, vxs_volumes *
     map->side_px                     = known.side_px && known.side_px < side ? known.side_px : side;
     map->layers                      = light->flags & VXS_LIGHT_CUBE ? 6 : 1;
     v->api.GetIntegerv(GL_MOST_TEXTURE_SIZE, &most);
-    vxs_result result = map->side_px && map->side_px <= (uint32_t)most ? VXS_OK : VXS_E_GL;
+    vxs_result result =
+        map->side_px && map->side_px <= (uint32_t)most
+            ? VXS_OK
+            : vxs_volumes_fail(v, VXS_E_GL, "a shadow depth map is larger than a texture of this context: set a smaller side_px");
     if (result == VXS_OK) {
         map->first = vxs_volumes_texture(v, GL_FORMAT_R32F, map->side_px, map->side_px, map->layers);
         if (known.moves) map->joined = vxs_volumes_texture(v, GL_FORMAT_R32F, map->side_px, map->side_px, map->layers);
@@ -124,7 +127,8 @@ static void join(vxs_shadow_depth_map *map, const vxs_moving_casters *casters)
 
 vxs_result vxs_shadow_depth_map_join(vxs_shadow_depth_map *map, const vxs_moving_casters *casters, uint32_t count)
 {
-    if (!map->joined) return VXS_E_ARGUMENT;
+    if (!map->joined)
+        return vxs_volumes_fail(map->volumes, VXS_E_ARGUMENT, "vxs_shadow_depth_map_join: create the map with moves 1");
     for (uint32_t n = 0; n < count; n++)
         if (!casters[n].depth_texture || !casters[n].width_px || !casters[n].height_px) return VXS_E_ARGUMENT;
     int side = (int)map->side_px;

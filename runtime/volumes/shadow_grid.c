@@ -52,7 +52,9 @@ vxs_result vxs_shadow_grid_create(vxs_shadow_grid **out, vxs_volumes *v, const v
     vxs_grid_size size = {known.columns ? (int)known.columns : COLUMNS, known.rows ? (int)known.rows : ROWS,
                           known.bits ? (int)known.bits : BITS};
     v->api.GetIntegerv(GL_MOST_STORAGE_BYTES, &most);
-    if (bytes_of(&size) > (uint32_t)most || bytes_of(&size) > INT32_MAX) return VXS_E_GL;
+    if (bytes_of(&size) > (uint32_t)most || bytes_of(&size) > INT32_MAX)
+        return vxs_volumes_fail(v, VXS_E_GL,
+                                "a grid is larger than a storage buffer of this context: use fewer columns, rows or bits");
     vxs_shadow_grid *grid = vxs_volumes_alloc(v, sizeof *grid);
     if (!grid) return VXS_E_MEMORY;
     *grid = (vxs_shadow_grid){.volumes = v, .size = size, .between_rows = known.between_rows != 0, .casts = known.casts != 0};

@@ -52,7 +52,9 @@ vxs_result vxs_transmittance_alloc(vxs_transmittance_map *map)
     vxs_volumes *v    = map->volumes;
     int          most = 0;
     v->api.GetIntegerv(GL_MOST_STORAGE_BYTES, &most);
-    if (bytes_of(map) > (uint32_t)most || bytes_of(map) > INT32_MAX) return VXS_E_GL;
+    if (bytes_of(map) > (uint32_t)most || bytes_of(map) > INT32_MAX)
+        return vxs_volumes_fail(
+            v, VXS_E_GL, "curves are larger than a storage buffer of this context: use a smaller side_px, fewer nodes or segments");
     map->buffer   = vxs_volumes_buffer(v, bytes_of(map));
     map->capsules = vxs_volumes_buffer(v, (uint64_t)map->capsule_room * sizeof(vxs_capsule));
     if (map->segment_room) map->view = vxs_transmittance_view(v);

@@ -10,6 +10,12 @@
 
 enum { FIRST_UNIT = 8, FIRST_STORAGE = 5 };
 
+vxs_result vxs_volumes_fail(const vxs_volumes *v, vxs_result r, const char *text)
+{
+    if (v->log) v->log(VXS_SEVERITY_ERROR, text, v->user);
+    return r;
+}
+
 void *vxs_volumes_alloc(const vxs_volumes *v, size_t size)
 {
     return v->memory.alloc(size, v->memory.user);
@@ -20,26 +26,29 @@ void vxs_volumes_free(const vxs_volumes *v, void *memory, size_t size)
     if (memory) v->memory.free(memory, size, v->memory.user);
 }
 
-static int load(vxs_volumes *v, const vxs_volumes_desc *desc)
+static vxs_result load(vxs_volumes *v, const vxs_volumes_desc *desc)
 {
 #define LOAD(result, name, arguments) v->api.name = (result(GL_CALL *) arguments)desc->get_proc_address("gl" #name, desc->user);
 #define LOADED(result, name, arguments)                                                                                            \
-    if (!v->api.name) return 0;
+    if (!v->api.name) return vxs_volumes_fail(v, VXS_E_GL, "the OpenGL context has no function gl" #name);
     VOLUMES_API(LOAD)
     VOLUMES_API(LOADED)
 #undef LOADED
 #undef LOAD
     const char *text  = (const char *)v->api.GetString(GL_NAME_VERSION);
     int         major = 0, minor = 0;
-    return text && sscanf(text, "%d.%d", &major, &minor) == 2 && 10 * major + minor >= 45;
+    if (text && sscanf(text, "%d.%d", &major, &minor) == 2 && 10 * major + minor >= 45) return VXS_OK;
+    return vxs_volumes_fail(v, VXS_E_GL, "expected an OpenGL context of version 4.5 or later");
 }
 
 static vxs_result make(vxs_volumes *v, const vxs_volumes_desc *desc)
 {
-    int most = 0;
-    if (!load(v, desc)) return VXS_E_GL;
+    int        most = 0;
+    vxs_result r    = load(v, desc);
+    if (r != VXS_OK) return r;
     v->api.GetIntegerv(GL_MOST_TEXTURE_SIZE, &most);
-    if (v->width_px > (uint32_t)most || v->height_px > (uint32_t)most) return VXS_E_GL;
+    if (v->width_px > (uint32_t)most || v->height_px > (uint32_t)most)
+        return vxs_volumes_fail(v, VXS_E_GL, "width_px x height_px is larger than a texture of this context");
     vxs_volumes_cache_begin(v, desc->program_cache);
     vxs_volumes_forget_error(v);
     v->airlight = vxs_volumes_texture(v, GL_FORMAT_RGBA32F, v->width_px, v->height_px, 0);
@@ -136,7 +145,14 @@ vxs_result vxs_volumes_begin(vxs_volumes *v, const vxs_volumes_frame *frame)
     const size_t             first = offsetof(vxs_volumes_frame, depth_texture) + sizeof known.depth_texture;
     vxs_volumes_show_full(v);
     v->depth_texture = 0;
-    if (vxs_desc_take(&known, sizeof known, first, frame) != VXS_OK || !is_medium(f) || !is_view(v, f)) return VXS_E_ARGUMENT;
+    if (vxs_desc_take(&known, sizeof known, first, frame) != VXS_OK) return VXS_E_ARGUMENT;
+    if (!is_medium(f))
+        return vxs_volumes_fail(v, VXS_E_ARGUMENT,
+                                "frame: expected 0 <= scattering <= extinction, ambient >= 0, anisotropy from -0.99 to 0.99");
+    if (!is_view(v, f))
+        return vxs_volumes_fail(
+            v, VXS_E_ARGUMENT,
+            "frame: expected finite numbers, far_metres > 0, depth_texture, and a view no larger than at create");
     *to              = (frame_block){.far_metres  = f->far_metres,
                                      .wide_px     = (float)f->view.width_px,
                                      .high_px     = (float)f->view.height_px,

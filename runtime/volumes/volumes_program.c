@@ -135,7 +135,7 @@ gl_name vxs_volumes_program(vxs_volumes *v, const program_texts *texts)
         if (t->body == texts->body && t->vertex == texts->vertex && t->with == texts->with && !strcmp(t->names, names)) break;
     }
     if (n == PROGRAMS_MOST) {
-        v->result = VXS_E_GL;
+        v->result = vxs_volumes_fail(v, VXS_E_GL, "too many programs: use another vxs_volumes for some techniques");
         return 0;
     }
     volumes_program *p = &v->programs[n];

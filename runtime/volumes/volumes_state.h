@@ -95,6 +95,9 @@ struct vxs_light_mesh {
     gl_name      words, texture, vertex_array; /* one buffer: corners, then positions */
 };
 
+/* Report why a function fails, and the remedy. Returns r. */
+vxs_result vxs_volumes_fail(const vxs_volumes *v, vxs_result r, const char *text);
+
 /* Memory from the allocator of the caller's desc. */
 void *vxs_volumes_alloc(const vxs_volumes *v, size_t size);
 void  vxs_volumes_free(const vxs_volumes *v, void *memory, size_t size);

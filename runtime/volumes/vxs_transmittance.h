@@ -1,7 +1,7 @@
 /* libvxs_volumes: shadows of smoke, hair and dust, as adaptive volumetric shadow maps [AVSM10].
  *
  *     vxs_transmittance_map *map;                                       // when a level is loaded
- *     vxs_transmittance_desc desc = {.baked = sun, .capsules = 10000, .segments = 1 << 20};
+ *     vxs_transmittance_desc desc = {.baked_number = vxs_baked_number(sun), .capsules = 10000, .segments = 1 << 20};
  *     if (vxs_transmittance_map_create(&map, air, &desc) != VXS_OK) ...
  *
  *     vxs_transmittance_map_build(map, &smoke, NULL);                   // each frame: the smoke of this frame

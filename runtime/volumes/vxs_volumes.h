@@ -60,8 +60,8 @@ typedef struct vxs_volumes_desc {
     vxs_gl              *shadows;             /* the baked lights; borrowed until vxs_volumes_destroy */
     uint32_t             width_px, height_px; /* of the largest view, > 0 */
     uint32_t             first_unit;          /* first texture unit that is used; its state is restored; 0: 8 */
-    vxs_log_fn          *log; /* receives compiler messages, with several lines, of a shader that does not compile; may be NULL */
-    uint32_t             first_storage; /* first of three storage buffer bindings; must not overlap those of vxs_gl; 0: 5 */
+    vxs_log_fn *log; /* receives a line for an error, with the remedy, and what a compiler of shaders reports; may be NULL */
+    uint32_t    first_storage; /* first of three storage buffer bindings; must not overlap those of vxs_gl; 0: 5 */
     /* called on the thread of the call that first uses a program; NULL: none; copied, but its functions must outlive the object */
     const vxs_program_cache *program_cache;
     uint32_t                 has_half; /* 1: vxs_volumes_begin_half will be called; 6 bytes more for each pixel */

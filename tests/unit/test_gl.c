@@ -858,6 +858,8 @@ static void test_whole_lights(void **state)
     drawing                d = drawing_make();
     vxs_gl                *gl;
     vxs_gl_desc            desc = {.struct_size = sizeof desc, .get_proc_address = telling, .baked = whole, .light_count = 1};
+    desc.log                    = keep_explanation;
+    desc.user                   = explained;
     (void)state;
     memset(&told, 0, sizeof told);
     for (uint64_t fail_at = 1, good = 0; !good; fail_at++) {
@@ -872,7 +874,9 @@ static void test_whole_lights(void **state)
     desc.allocator = NULL;
     assert_int_equal(vxs_gl_create(&gl, &desc), VXS_OK);
     uint64_t bytes = vxs_gl_table_bytes(gl), all = 4 * (uint64_t)light.word_count + bytes;
+    *explained = 0;
     assert_int_equal(vxs_gl_put(gl, light.words, 0, 1), VXS_E_ARGUMENT); /* the tables would not follow */
+    assert_non_null(strstr(explained, "most_table_bytes 1"));
     assert_int_equal(vxs_gl_upload(gl, 1000), all - 1000);
     assert_int_equal(vxs_gl_upload(gl, SIZE_MAX), 0);
     assert_int_equal(vxs_gl_uploaded_bytes(gl), all);
@@ -943,7 +947,12 @@ static void test_refused(void **state)
     told.version    = NULL;
     desc.storage    = VXS_GL_TEXTURE;
     desc.word_count = UINT32_MAX;
-    assert_int_equal(vxs_gl_create(&gl, &desc), VXS_E_MEMORY);
+    for (int n = 0; n < 2; n++) {
+        desc.storage = n ? VXS_GL_TEXTURE : VXS_GL_BUFFER;
+        *explained   = 0;
+        assert_int_equal(vxs_gl_create(&gl, &desc), VXS_E_MEMORY);
+        assert_non_null(strstr(explained, n ? "use a stream" : "use VXS_GL_TEXTURE"));
+    }
     desc.light_count = 0;
     assert_int_equal(vxs_gl_create(&gl, &desc), VXS_E_ARGUMENT);
     assert_int_equal(vxs_gl_create(&gl, NULL), VXS_E_ARGUMENT);

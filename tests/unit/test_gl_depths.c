@@ -33,10 +33,13 @@ typedef struct frame {
     vxs_gl       *gl;
 } frame;
 
+static char last_line[1024];
+
 static void print_log(vxs_severity severity, const char *text, void *user)
 {
     (void)severity;
     (void)user;
+    snprintf(last_line, sizeof last_line, "%s", text);
     print_message("%s\n", text);
 }
 
@@ -128,6 +131,10 @@ static void test_textures(void **state)
     assert_int_equal(vxs_gl_depth_texture(f.gl, sun, 1, 0, 16, &texture, NULL), VXS_E_ARGUMENT);
     assert_int_equal(vxs_gl_depth_texture(f.gl, sun, 0, sun->light.levels + 1, 16, &texture, NULL), VXS_E_ARGUMENT);
     assert_int_equal(vxs_gl_depth_texture(f.gl, sun, 0, 0, 24, &texture, NULL), VXS_E_ARGUMENT);
+    vxs_baked_light large = *sun;
+    large.light.levels    = 18;
+    assert_int_equal(vxs_gl_depth_texture(f.gl, &large, 0, 0, 16, &texture, NULL), VXS_E_MEMORY);
+    assert_non_null(strstr(last_line, "use a coarser level"));
     assert_int_equal(texture, 0);
     frame_free(&f);
 }
@@ -591,6 +598,7 @@ static void test_refused(void **state)
     vxs_gl_depth_pages *pages;
     (void)state;
     assert_int_equal(vxs_gl_depth_pages_create(&pages, f.gl, &(vxs_gl_depth_pages_desc){.budget_bytes = 50000}), VXS_E_ARGUMENT);
+    assert_non_null(strstr(last_line, "budget_bytes"));
     assert_int_equal(vxs_gl_depth_pages_create(&pages, f.gl, &(vxs_gl_depth_pages_desc){.struct_size = 4}), VXS_E_ARGUMENT);
     assert_null(pages);
     vxs_gl_destroy(f.gl);

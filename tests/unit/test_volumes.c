@@ -916,7 +916,8 @@ static void test_misuse(void **state)
     static seen   v;
     vxs_volumes  *none = (vxs_volumes *)&v;
     scene_open(&s, RESOLUTION, WIDE, HIGH);
-    const vxs_volumes_desc good = {.get_proc_address = gl_choice_proc, .shadows = s.shadows, .width_px = WIDE, .height_px = HIGH};
+    const vxs_volumes_desc good = {
+        .get_proc_address = gl_choice_proc, .shadows = s.shadows, .width_px = WIDE, .height_px = HIGH, .log = scene_log};
 #define REFUSED(result, change)                                                                                                    \
     do {                                                                                                                           \
         vxs_volumes_desc desc = good;                                                                                              \
@@ -930,8 +931,11 @@ static void test_misuse(void **state)
     REFUSED(VXS_E_ARGUMENT, desc.width_px = 0);
     REFUSED(VXS_E_ARGUMENT, desc.struct_size = 3);
     REFUSED(VXS_E_GL, desc.height_px = 1 << 30);
+    assert_said("larger than a texture");
     REFUSED(VXS_E_GL, (desc.get_proc_address = without, desc.user = "glDispatchCompute"));
+    assert_said("no function glDispatchCompute");
     REFUSED(VXS_E_GL, (desc.get_proc_address = without, desc.user = "glClearTexImage"));
+    assert_said("no function glClearTexImage");
 #undef REFUSED
 
     vxs_volumes_light l = scene_light(SCENE_SPOT);
@@ -954,6 +958,7 @@ static void test_misuse(void **state)
         *changes[n].number = changes[n].bad;
         assert_int_equal(vxs_volumes_begin(s.volumes, &v.frame), VXS_E_ARGUMENT);
         *changes[n].number = was;
+        assert_said(n < 6 ? "0 <= scattering <= extinction" : "far_metres > 0");
     }
     v.frame.view.width_px++;
     assert_int_equal(vxs_volumes_begin(s.volumes, &v.frame), VXS_E_ARGUMENT);
@@ -983,6 +988,11 @@ static void test_misuse(void **state)
     map = filled_map(&s, SCENE_SUN, 1U << 31, 0); /* no more than is baked */
     assert_int_equal(vxs_shadow_depth_map_side_px(map), RESOLUTION);
     assert_int_equal(vxs_shadow_depth_map_join(map, NULL, 0), VXS_E_ARGUMENT); /* nothing was said to move */
+    assert_said("moves 1");
+    l           = scene_light(SCENE_SUN);
+    l.constants = vxs_gl_constants(s.shadows);
+    assert_int_equal(vxs_volumes_march(s.volumes, &l, NULL, 4, VXS_STEPS_EVEN), VXS_E_ARGUMENT);
+    assert_said("pass its shadow depth map");
     vxs_shadow_depth_map_destroy(map);
     vxs_shadow_depth_map_destroy(NULL);
     vxs_volumes_destroy(NULL);

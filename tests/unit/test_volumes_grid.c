@@ -276,6 +276,7 @@ static void test_misuse(void **state)
         assert_null(grid);
     }
     assert_int_equal(vxs_shadow_grid_create(&grid, s.volumes, &large), VXS_E_GL);
+    assert_said("fewer columns, rows or bits");
     assert_null(grid);
     vxs_shadow_grid_destroy(NULL);
     grid = make_grid(&s, 1, 1, 1, 0);

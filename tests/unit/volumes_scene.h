@@ -35,11 +35,21 @@ typedef struct volumes_camera {
     double eye[3], right[3], up[3], forward[3], tangent; /* of half the view, across and up */
 } volumes_camera;
 
+static char scene_said[1024];
+
 static inline void scene_log(vxs_severity severity, const char *text, void *user)
 {
     (void)user;
     assert_int_equal(severity, VXS_SEVERITY_ERROR);
+    snprintf(scene_said, sizeof scene_said, "%s", text);
     print_message("%s\n", text);
+}
+
+/* The last line of the log, which is forgotten, has a word. */
+static inline void assert_said(const char *word)
+{
+    if (!strstr(scene_said, word)) fail_msg("'%s', expected '%s'", scene_said, word);
+    *scene_said = 0;
 }
 
 /* Boxes of 20 x 20 metres of ground; no light is in one. */
