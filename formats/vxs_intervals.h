@@ -564,8 +564,7 @@ void vxs_walk_find_block(uint words, vxs_light_constants light, inout vxs_walk w
     vxs_depths_square s = w.square;
     w.tile_i            = -1;
     if (w.square_i != i >> 8 || w.square_j != j >> 8) {
-        uint root = vxs_root_of(words, light, w.map) & 0x7fffffffu;
-        uint word = vxs_word(root, (uint(j >> 8) << (max(light.levels, 8u) - 8u)) + uint(i >> 8));
+        uint root = vxs_root_of(words, light, w.map), word = vxs_table_square(root, light.levels, uint(i >> 8), uint(j >> 8));
         s.side_px = min(side, 256);
         s.i       = i & -s.side_px;
         s.j       = j & -s.side_px;
@@ -573,6 +572,14 @@ void vxs_walk_find_block(uint words, vxs_light_constants light, inout vxs_walk w
         s.low     = 0;
         s.high    = side;
         s.least = s.greatest = min(int(word & 0x7fffffffu), side);
+#ifdef VXS_GL_STREAM
+        uint top = vxs_table_top(root, light.levels, uint(i >> 8), uint(j >> 8)), up = max(light.levels, 8u) - 8u;
+        if (vxs_table_is_missing(top)) {
+            s.coarse = 1;
+            s.low    = min(int((top & 0xffu) << up), side);
+            s.high   = min(int((((top >> 8) & 0xffu) + 1u) << up), side);
+        }
+#endif
         if (word < 0x80000000u) {
             w.slope    = vxs_word(word, 0u);
             s.least    = clamp(int(vxs_word(word, 1u)), 0, side);
@@ -586,7 +593,7 @@ void vxs_walk_find_block(uint words, vxs_light_constants light, inout vxs_walk w
     w.is_block = 0;
     w.block    = s;
     if (s.least == s.greatest || vxs_walk_decides(s, vxs_walk_in_map(light, w.voxel[2])) != 0) return;
-    w.block_word = vxs_word(w.node, uint(3 + ((i >> 5) & 7) + 8 * ((j >> 5) & 7)));
+    w.block_word = vxs_word(w.node, uint(4 + ((i >> 5) & 7) + 8 * ((j >> 5) & 7)));
     s.side_px    = min(s.side_px, 32);
     s.i          = i & -s.side_px;
     s.j          = j & -s.side_px;

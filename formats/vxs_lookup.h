@@ -248,6 +248,9 @@ VXS_FN vxs_u32 vxs_shadow_count(VXS_WORDS dag, vxs_u32 root, vxs_u32 levels, vxs
     vxs_i32 x1      = i + half_px + 1 > side ? side : i + half_px + 1;
     vxs_i32 y1      = j + half_px + 1 > side ? side : j + half_px + 1;
     vxs_u32 count   = 0u;
+#ifdef VXS_GL_STREAM
+    root = vxs_table_root_for(root, levels, ivec2(x0, y0), ivec2(x1, y1), k);
+#endif
     for (vxs_i32 y = y0 & ~7; y < y1; y += 8)
         for (vxs_i32 x = x0 & ~7; x < x1; x += 8) {
             vxs_mask mask = vxs_tile(dag, root, levels, VXS_U(x) >> 3, VXS_U(y) >> 3, k);
@@ -301,6 +304,9 @@ VXS_FN vxs_u32 vxs_shadow_weight(VXS_WORDS dag, vxs_u32 root, vxs_u32 levels, vx
     vxs_u32        sum = 0u;
     x1                 = x1 > side ? side : x1;
     y1                 = y1 > side ? side : y1;
+#ifdef VXS_GL_STREAM
+    root = vxs_table_root_for(root, levels, ivec2(x0, y0), ivec2(x1, y1), k);
+#endif
     /* one loop: nested ones would run as many rounds as the longest of each in a group of shader invocations */
     while (y < y1 && x < x1) {
         vxs_mask mask = vxs_tile(dag, root, levels, VXS_U(x) >> 3, VXS_U(y) >> 3, k);

@@ -581,6 +581,13 @@ VXS_FN vxs_i32 vxs_is_full_at_place(VXS_WORDS coded, VXS_LIGHT light, vxs_place 
         return VXS_I(vxs_blocks_weight_is_full(coded, map, levels, i, j, place.across, place.down, k, width));
     else
         return VXS_I(vxs_blocks_is_full(coded, map, levels, i, j, k, width));
+#elif defined(VXS_GL_STREAM)
+    uint levels = light.levels, width = uint(vxs_filter_width(pcf)), last = (1u << levels) - 1u;
+    if (VXS_CODING(light) != VXS_CODING_BLOCKS || place.voxel.z < 0) return 1;
+    if (pcf.is_smooth == 0) place.across = place.down = 128u;
+    vxs_smooth_box box   = vxs_smooth_box_at(place.voxel.x, place.voxel.y, place.across, place.down, int(width));
+    ivec2          begin = ivec2(box.x, box.y), end = begin + int(width) + ivec2(box.across != 0u, box.down != 0u);
+    return vxs_table_is_known(vxs_root_of(coded, light, place.map), levels, begin, end, min(uint(place.voxel.z), last)) ? 1 : 0;
 #else
     return 1;
 #endif

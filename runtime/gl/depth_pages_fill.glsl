@@ -23,6 +23,12 @@ uint vxs_depth_of(vxs_light_constants light, int map, ivec2 texel, inout bool is
         return uint(vxs_depths_texel(words, t, b.least, b.greatest, uint(texel.x & 7), uint(texel.y & 7)));
     } else
 #endif
+#ifdef VXS_GL_STREAM
+    if (VXS_CODING(light) == VXS_CODING_BLOCKS) {
+        uint root = vxs_root_of(light.first_word, light, map);
+        is_there = is_there && !vxs_table_is_missing(vxs_table_top(root, light.levels, uint(texel.x) >> 8, uint(texel.y) >> 8));
+    }
+#endif
         return uint(vxs_first_shadow(light, map, texel.x, texel.y));
 }
 

@@ -112,12 +112,12 @@ static const vxs_baked_smoke *smoke_of(const vxs_gl_desc *desc, uint32_t light)
 
 /* Returns the first word of a light's smoke; smoke that is not yet in a stream's words is placed at the end. 0: no smoke.
  * words  [in, out] word count so far */
-static uint32_t place_of(const vxs_gl_desc *desc, uint32_t light, uint64_t *words)
+static uint32_t place_of(const vxs_gl *gl, const vxs_gl_desc *desc, uint32_t light, uint64_t *words)
 {
     const vxs_baked_smoke *smoke = smoke_of(desc, light);
     uint32_t               count, at = (uint32_t)*words;
     if (!smoke) return 0;
-    if (desc->stream && smoke == vxs_stream_smoke(desc->stream, light))
+    if (desc->stream && !gl->table_count && smoke == vxs_stream_smoke(desc->stream, light))
         return (uint32_t)(smoke->words - vxs_stream_words(desc->stream, &count));
     *words += smoke->word_count;
     return at;
@@ -134,7 +134,7 @@ static vxs_result place_smoke(vxs_gl *gl, const vxs_gl_desc *desc, uint64_t *wor
     if (!(gl->smoke = vxs_gl_alloc(gl, gl->light_count, sizeof *gl->smoke))) return VXS_E_MEMORY;
     gl->smoke_word = (uint32_t)*words;
     *words += gl->light_count;
-    for (uint32_t n = 0; n < gl->light_count; n++) gl->smoke[n] = place_of(desc, n, words);
+    for (uint32_t n = 0; n < gl->light_count; n++) gl->smoke[n] = place_of(gl, desc, n, words);
     return VXS_OK;
 }
 
@@ -193,7 +193,8 @@ static void write_head(vxs_gl *gl)
             "#define VXS_GL_BUFFERS\n#define VXS_GL_AT_WORDS %u\n#define VXS_GL_AT_LIGHTS %u\n#define VXS_GL_AT_LISTS %u\n",
             gl->first_binding, gl->first_binding + 1, gl->first_binding + 2);
     if (gl->smoke) to += snprintf(to, (size_t)(end - to), "#define VXS_GL_SMOKE\n");
-    if (gl->table_count) to += snprintf(to, (size_t)(end - to), "#define VXS_GL_TABLES\n");
+    if (gl->table_count)
+        to += snprintf(to, (size_t)(end - to), "#define VXS_GL_TABLES\n%s", gl->stream ? "#define VXS_GL_STREAM\n" : "");
     if (gl->light_count) write_common(gl, to, (size_t)(end - to));
 }
 
@@ -214,13 +215,14 @@ static vxs_result make(vxs_gl *gl, const vxs_gl_desc *desc)
     if (desc->asset || desc->baked)
         word_count = vxs_gl_whole_lights(gl, desc);
     else if (desc->stream)
-        word_count = vxs_gl_stream_lights(gl);
+        word_count = vxs_gl_stream_tables_lights(gl, desc, vxs_gl_stream_lights(gl));
     else
         memcpy(gl->lights, desc->lights, gl->light_count * sizeof *gl->lights);
 
     r = place_smoke(gl, desc, &word_count);
     if (r == VXS_OK && (desc->asset || desc->baked)) r = vxs_gl_whole_tables(gl, desc, &word_count);
     if (r != VXS_OK) return r;
+    if (desc->stream && gl->table_count) word_count = vxs_gl_stream_tables_place(gl, word_count);
 
     /* lookups may read a few words behind a light's last one; the last word is the position of the table of smoke */
     word_count += VXS_BLOCKS_SPARE_WORDS;
@@ -272,6 +274,7 @@ void vxs_gl_destroy(vxs_gl *gl)
     vxs_gl_free(gl, gl->lights, gl->light_count, sizeof *gl->lights);
     vxs_gl_free(gl, gl->constants, gl->light_count, sizeof *gl->constants);
     vxs_gl_tables_free(&gl->tables);
+    vxs_gl_stream_tables_free(gl);
     vxs_gl_free(gl, gl->table_starts, gl->light_count, sizeof *gl->table_starts);
     vxs_gl_free(gl, gl->smoke, gl->light_count, sizeof *gl->smoke);
     vxs_gl_free(gl, gl->ranges, gl->range_capacity, sizeof *gl->ranges);
@@ -310,7 +313,7 @@ uint64_t vxs_gl_upload(vxs_gl *gl, size_t max_bytes)
         gl->range_first = (gl->range_first + 1) % gl->range_capacity;
         gl->range_count--;
     }
-    if (!gl->range_count) vxs_gl_tables_free(&gl->tables);
+    if (!gl->range_count && !gl->stream) vxs_gl_tables_free(&gl->tables);
     return gl->bytes_left + (gl->stream ? vxs_gl_stream_upload(gl, room) : 0);
 }
 

@@ -21,9 +21,15 @@ typedef struct gl_range {
     uint32_t        first, count;
 } gl_range;
 
+/* A page of a stream. The rest is for tables. */
 typedef struct gl_page {
     uint32_t light, page;
+    uint32_t first_square, square_count;
+    uint32_t first_word, word_count; /* of its tables on the GPU. 0: there are none, because no gap had word_count words */
 } gl_page;
+
+/* Room for tables, for each word that they are made of. They take 4 to 5.5, in the scenes that were measured. */
+enum { TABLES_PER_WORD = 8 };
 
 struct vxs_gl {
     gl_api        api;
@@ -53,9 +59,20 @@ struct vxs_gl {
     uint32_t          coming_name; /* partly uploaded: its name at that time; 0: none of its words is uploaded */
     uint32_t          coming_done; /* words of it uploaded so far */
 
-    gl_tables tables;       /* until they are uploaded; then they have no words */
-    uint32_t *table_starts; /* [light_count] of whole lights: word 0 of those that have tables */
-    uint32_t  table_count;  /* words of all tables; 0: shaders read words alone */
+    gl_tables tables;       /* until they are uploaded; then they have no words. Of a stream: those of a page */
+    uint32_t *table_starts; /* [light_count] word 0 of lights that have tables */
+    uint32_t  table_count;  /* words of all tables, or for them; 0: shaders read words alone */
+
+    uint32_t  *tops;                   /* [top_count] of a stream: the tops of all lights, at top_word among all words */
+    uint32_t   top_word, top_count;    /* behind them is the room for tables of pages */
+    uint32_t   tops_first, tops_end;   /* range to be uploaded again */
+    uint32_t   room_first, room_count; /* index among all words */
+    uint32_t  *placed;                 /* [placed_count] pages with tables on the GPU, by first_word */
+    uint32_t   placed_count;
+    gl_square *squares; /* [square_count] of all pages, page by page */
+    uint32_t   square_count;
+    uint32_t   coming_squares; /* squares of the page that is uploaded next whose tables are made */
+    int        said_no_room;
 
     gl_name culling; /* compute program; 0 before first use */
     char    head[512];
@@ -119,6 +136,10 @@ void  vxs_gl_free(const vxs_gl *gl, void *memory, uint64_t count, size_t size);
 /* Queue words for upload. */
 vxs_result vxs_gl_put_words(vxs_gl *gl, const uint32_t *words, uint32_t first, uint32_t count);
 
+/* Returns the greatest number of words of tables: what the caller wants, and what fits into one buffer beside other words.
+ * standard  if the caller has no wish;   others  number of the other words */
+uint32_t vxs_gl_most_table_words(const vxs_gl *gl, const vxs_gl_desc *desc, uint64_t standard, uint64_t others);
+
 /* gl_whole.c: vxs_gl_whole_lights fills the lights and returns their word count; vxs_gl_whole_tables makes tables behind `words`
  * words, and adds theirs; vxs_gl_whole_put queues words and tables. */
 uint64_t   vxs_gl_whole_lights(vxs_gl *gl, const vxs_gl_desc *desc);
@@ -127,12 +148,40 @@ vxs_result vxs_gl_whole_put(vxs_gl *gl, const vxs_gl_desc *desc);
 
 /* gl_stream.c: vxs_gl_stream_lights fills the lights and returns the stream's word count; vxs_gl_stream_put queues the resident
  * words; vxs_gl_stream_detach and vxs_gl_stream_upload apply page changes, as described at vxs_gl_upload.
- * room_words  most words to upload, not counting names set to 0
+ * room_words  most words to upload, not counting what hides pages
  * vxs_gl_stream_upload returns the number of bytes left. */
 uint32_t   vxs_gl_stream_lights(vxs_gl *gl);
 vxs_result vxs_gl_stream_put(vxs_gl *gl);
 void       vxs_gl_stream_detach(vxs_gl *gl);
 uint64_t   vxs_gl_stream_upload(vxs_gl *gl, size_t room_words);
+
+/* gl_stream_tables.c. vxs_gl_stream_tables_lights: if there will be tables, set table_count, and place the lights without pages.
+ * words  of the stream;   returns the word count of the lights, or `words` */
+uint64_t vxs_gl_stream_tables_lights(vxs_gl *gl, const vxs_gl_desc *desc, uint64_t words);
+
+/* Place tops and room behind `words` words. Returns the new word count. */
+uint64_t vxs_gl_stream_tables_place(vxs_gl *gl, uint64_t words);
+
+/* List the squares of pages, and queue roots, DAGs and tops. */
+vxs_result vxs_gl_stream_tables_put(vxs_gl *gl);
+
+/* Begin the tables of a page in gl->tables, and give them the largest gap. */
+void vxs_gl_stream_tables_begin(vxs_gl *gl, uint32_t number);
+
+typedef enum gl_progress { GL_MORE, GL_READY, GL_NO_ROOM, GL_NO_MEMORY } gl_progress;
+
+/* Make one more square of the page. */
+gl_progress vxs_gl_stream_tables_make(vxs_gl *gl, uint32_t number);
+
+/* Change the squares of a page in the tops: to the tables last made, or to coarse answers, and free its place. */
+void vxs_gl_stream_tables_show(vxs_gl *gl, uint32_t number, int is_shown);
+
+/* After pages were hidden: upload the tops; pages that had no room, and may have it now, lose their names. */
+void vxs_gl_stream_tables_hidden(vxs_gl *gl);
+
+/* Upload changed tops. */
+void vxs_gl_stream_tables_write(vxs_gl *gl);
+void vxs_gl_stream_tables_free(vxs_gl *gl);
 
 /* Shader texts, made by the Makefile from the files of these names. */
 extern const char vxs_gl_text_words_tables_glsl[], vxs_gl_text_smoke_lights_glsl[], vxs_gl_text_cull_glsl[],

@@ -8,18 +8,14 @@
 
 enum {
     WHOLE_BIT    = (int)0x80000000,
-    NODE_WORDS   = 3 + 64,
+    MISSING_BIT  = 0x40000000,
+    NODE_WORDS   = 4 + 64,
     BLOCK_WORDS  = 2 + 2 * 16,
     RECORD_WORDS = 63 + 2 * 6,
     SLOTS_FIRST  = 4096,
     NEVER        = 0x3fffffff, /* a depth that no k reaches, whatever the slope adds to it */
     UNUSED       = 0x7fffffff  /* a delta that no depth has */
 };
-
-/* Where a record is, so that an equal one is not stored again. */
-typedef struct record_slot {
-    uint32_t at, hash; /* at 0: empty */
-} record_slot;
 
 /* Least and greatest depth of texels. */
 typedef struct depth_bounds {
@@ -31,8 +27,6 @@ static const depth_bounds no_depths = {INT32_MAX, -1};
 /* A light whose tables are made. */
 typedef struct maker {
     gl_tables        *tables;
-    record_slot      *slots; /* [slot_count], a power of two */
-    uint32_t          slot_count, record_count;
     vxs_blocks_map    map;
     vxs_block_cursor  cursor;
     vxs_depths_square square; /* that is read */
@@ -41,11 +35,32 @@ typedef struct maker {
 
 /* memory ---------------------------------------------------------------------------------------------------------------------- */
 
+static void free_words(gl_tables *t)
+{
+    if (t->words) t->memory.free(t->words, t->capacity * sizeof *t->words, t->memory.user);
+    t->words = NULL;
+    t->count = t->capacity = 0;
+}
+
+static void free_slots(gl_tables *t)
+{
+    if (t->slots) t->memory.free(t->slots, t->slot_count * sizeof *t->slots, t->memory.user);
+    t->slots      = NULL;
+    t->slot_count = t->record_count = 0;
+}
+
 void vxs_gl_tables_free(gl_tables *tables)
 {
-    if (tables->words) tables->memory.free(tables->words, tables->capacity * sizeof *tables->words, tables->memory.user);
-    tables->words = NULL;
-    tables->count = tables->capacity = 0;
+    free_words(tables);
+    free_slots(tables);
+}
+
+void vxs_gl_tables_begin(gl_tables *tables, uint32_t first, uint32_t most)
+{
+    if (tables->slots) memset(tables->slots, 0, tables->slot_count * sizeof *tables->slots);
+    tables->record_count = tables->count = 0;
+    tables->first                        = first;
+    tables->most                         = most;
 }
 
 /* Append words of 0.   at  [out] the first of them */
@@ -60,7 +75,7 @@ static vxs_result append(gl_tables *t, uint32_t count, uint32_t *at)
         if (!words) return VXS_E_MEMORY;
         if (t->count) memcpy(words, t->words, t->count * sizeof *words);
         uint32_t kept = t->count;
-        vxs_gl_tables_free(t);
+        free_words(t);
         t->words    = words;
         t->capacity = capacity;
         t->count    = kept;
@@ -119,41 +134,40 @@ static uint32_t hash_of(const uint32_t *words, uint32_t count)
     return (uint32_t)(hash >> 32);
 }
 
-static vxs_result grow_slots(maker *m)
+static vxs_result grow_slots(gl_tables *t)
 {
-    const vxs_allocator *memory = &m->tables->memory;
-    uint32_t             count  = m->slot_count ? 2 * m->slot_count : SLOTS_FIRST;
-    record_slot         *slots  = memory->alloc(count * sizeof *slots, memory->user);
+    uint32_t        count = t->slot_count ? 2 * t->slot_count : SLOTS_FIRST, records = t->record_count;
+    gl_record_slot *slots = t->memory.alloc(count * sizeof *slots, t->memory.user);
     if (!slots) return VXS_E_MEMORY;
     memset(slots, 0, count * sizeof *slots);
-    for (uint32_t n = 0; n < m->slot_count; n++) {
-        uint32_t to = m->slots[n].hash & (count - 1);
-        if (!m->slots[n].at) continue;
+    for (uint32_t n = 0; n < t->slot_count; n++) {
+        uint32_t to = t->slots[n].hash & (count - 1);
+        if (!t->slots[n].at) continue;
         while (slots[to].at) to = (to + 1) & (count - 1);
-        slots[to] = m->slots[n];
+        slots[to] = t->slots[n];
     }
-    if (m->slots) memory->free(m->slots, m->slot_count * sizeof *slots, memory->user);
-    m->slots      = slots;
-    m->slot_count = count;
+    free_slots(t);
+    t->slots        = slots;
+    t->slot_count   = count;
+    t->record_count = records;
     return VXS_OK;
 }
 
 /* Find a record, or append it.   at  [out] where it is */
-static vxs_result put_record(maker *m, const uint32_t *record, uint32_t count, uint32_t *at)
+static vxs_result put_record(gl_tables *t, const uint32_t *record, uint32_t count, uint32_t *at)
 {
-    gl_tables *t = m->tables;
-    vxs_result r = 2 * m->record_count >= m->slot_count ? grow_slots(m) : VXS_OK;
+    vxs_result r = 2 * t->record_count >= t->slot_count ? grow_slots(t) : VXS_OK;
     if (r != VXS_OK) return r;
-    uint32_t     hash = hash_of(record, count), n = hash & (m->slot_count - 1);
-    record_slot *slot = &m->slots[n];
-    for (; slot->at; slot = &m->slots[n = (n + 1) & (m->slot_count - 1)]) {
+    uint32_t        hash = hash_of(record, count), n = hash & (t->slot_count - 1);
+    gl_record_slot *slot = &t->slots[n];
+    for (; slot->at; slot = &t->slots[n = (n + 1) & (t->slot_count - 1)]) {
         *at = slot->at;
         if (slot->hash == hash && t->count - *at >= count && !memcmp(t->words + *at, record, count * sizeof *record)) return VXS_OK;
     }
     if ((r = append(t, count, at)) != VXS_OK) return r;
     memcpy(t->words + *at, record, count * sizeof *record);
-    *slot = (record_slot){*at, hash};
-    m->record_count++;
+    *slot = (gl_record_slot){*at, hash};
+    t->record_count++;
     return VXS_OK;
 }
 
@@ -235,7 +249,7 @@ static vxs_result make_block(maker *m, int32_t tile_x, int32_t tile_y, uint32_t 
         bits = 0;
         if (!read_tile(m, x, y, depth, &own)) {
             uint32_t count = record_of(depth, &least, &bits, record);
-            if (bits) r = put_record(m, record, count, &place);
+            if (bits) r = put_record(t, record, count, &place);
         } else
             least = depth[0];
         if (n == 0) first = least;
@@ -252,44 +266,80 @@ static vxs_result make_block(maker *m, int32_t tile_x, int32_t tile_y, uint32_t 
     return VXS_OK;
 }
 
-/* Make square (x, y) of a map.   word  [out] of the top */
-static vxs_result make_square(maker *m, uint32_t x, uint32_t y, uint32_t *word)
+/* lights ---------------------------------------------------------------------------------------------------------------------- */
+
+static uint32_t squares_across(const vxs_light *light)
 {
+    return 1u << (light->levels > 8 ? light->levels - 8 : 0);
+}
+
+uint32_t vxs_gl_tables_square_count(const vxs_light *light)
+{
+    return vxs_map_count(light) * squares_across(light) * squares_across(light);
+}
+
+uint32_t vxs_gl_tables_missing(const vxs_baked_light *baked, uint32_t square, uint32_t *page)
+{
+    uint32_t levels = baked->light.levels, wide = squares_across(&baked->light), x = square % wide, y = square / wide % wide;
+    uint32_t entry = vxs_blocks_entry(baked->words, square / wide / wide, levels, x, y), place = baked->words[entry];
+    *page = place >> 16;
+    if (place < (uint32_t)WHOLE_BIT) return MISSING_BIT | baked->words[entry + 1] >> 16;
+    *page = UINT32_MAX;
+    place &= ~(uint32_t)WHOLE_BIT;
+    return (uint32_t)WHOLE_BIT | (place < 1u << levels ? place : 1u << levels);
+}
+
+/* Make a square, whose page is loaded.   word  [out] of the top */
+static vxs_result make_square(maker *m, const vxs_baked_light *baked, uint32_t square, uint32_t *word)
+{
+    uint32_t     wide = squares_across(&baked->light), x = square % wide, y = square / wide % wide, map = square / wide / wide;
     int32_t      i = (int32_t)x << 8, j = (int32_t)y << 8;
     depth_bounds b = no_depths;
-    uint32_t     at;
-    m->square = vxs_depths_square_at(m->map.words, m->map.map, m->map.levels, i, j);
-    *word     = (uint32_t)(WHOLE_BIT | m->square.least);
+    uint32_t     at, page, missing = vxs_gl_tables_missing(baked, square, &page);
+    if (map != m->map.map) m->cursor = (vxs_block_cursor){0};
+    m->map.map = map;
+    m->square  = vxs_depths_square_at(m->map.words, map, m->map.levels, i, j);
+    *word      = (uint32_t)(WHOLE_BIT | m->square.least);
     if (m->square.coarse) return VXS_E_ARGUMENT;
     if (m->square.least == m->square.greatest) return VXS_OK;
-    m->node      = vxs_depths_node_of(m->map.words, m->map.map, m->map.levels, i, j, m->square.least);
+    m->node      = vxs_depths_node_of(m->map.words, map, m->map.levels, i, j, m->square.least);
     vxs_result r = append(m->tables, NODE_WORDS, &at);
     if (r != VXS_OK) return r;
-    *word                = m->tables->first + at;
-    m->tables->words[at] = m->node.slope;
+    *word                    = m->tables->first + at;
+    m->tables->words[at]     = m->node.slope;
+    m->tables->words[at + 3] = missing;
     for (uint32_t n = 0; n < 64 && r == VXS_OK; n++) {
         uint32_t block;
         r                            = make_block(m, (int32_t)(32 * x + 4 * (n & 7)), (int32_t)(32 * y + 4 * (n >> 3)), &block, &b);
-        m->tables->words[at + 3 + n] = block;
+        m->tables->words[at + 4 + n] = block;
     }
     m->tables->words[at + 1] = (uint32_t)b.least;
     m->tables->words[at + 2] = (uint32_t)b.greatest;
     return r;
 }
 
+static maker maker_of(gl_tables *tables, const vxs_baked_light *baked)
+{
+    return (maker){.tables = tables, .map = {.words = baked->words, .levels = baked->light.levels}};
+}
+
 vxs_result vxs_gl_tables_add(gl_tables *tables, const vxs_baked_light *baked, uint32_t *start)
 {
-    uint32_t   levels = baked->light.levels, maps = vxs_map_count(&baked->light), up = levels > 8 ? levels - 8 : 0, top;
-    maker      m = {.tables = tables, .map = {.words = baked->words, .levels = levels}};
-    vxs_result r = append(tables, maps << 2 * up, &top);
-    *start       = tables->first + top;
-    for (uint32_t n = 0; n < maps << 2 * up && r == VXS_OK; n++) {
-        uint32_t word, in_map = n & ((1u << 2 * up) - 1);
-        if (in_map == 0) m.cursor = (vxs_block_cursor){0};
-        m.map.map              = n >> 2 * up;
-        r                      = make_square(&m, in_map & ((1u << up) - 1), in_map >> up, &word);
+    uint32_t   count = vxs_gl_tables_square_count(&baked->light), top;
+    maker      m     = maker_of(tables, baked);
+    vxs_result r     = append(tables, count, &top);
+    *start           = tables->first + top;
+    for (uint32_t n = 0; n < count && r == VXS_OK; n++) {
+        uint32_t word;
+        r                      = make_square(&m, baked, n, &word);
         tables->words[top + n] = word;
     }
-    if (m.slots) tables->memory.free(m.slots, m.slot_count * sizeof *m.slots, tables->memory.user);
+    free_slots(tables);
     return r;
+}
+
+vxs_result vxs_gl_tables_add_square(gl_tables *tables, const vxs_baked_light *baked, gl_square *square)
+{
+    maker m = maker_of(tables, baked);
+    return make_square(&m, baked, square->number, &square->word);
 }

@@ -3,8 +3,7 @@
  * SPDX-License-Identifier: MIT */
 #include "gl_state.h"
 
-/* Tables take 4 to 5 times the memory of words, in the scenes that were measured. */
-enum { TABLES_PER_WORD = 8, TABLES_MIB = 64, TABLE_WORDS_MAX = 1 << 28 };
+enum { TABLES_MIB = 64, TABLE_WORDS_MAX = 1 << 28 };
 
 static uint64_t least_of(uint64_t a, uint64_t b)
 {
@@ -32,24 +31,23 @@ uint64_t vxs_gl_whole_lights(vxs_gl *gl, const vxs_gl_desc *desc)
     return words;
 }
 
-/* Greatest number of words of tables behind `words` words: what the caller wants, and what fits into one buffer beside them. */
-static uint32_t most_words(const vxs_gl *gl, const vxs_gl_desc *desc, uint64_t words)
+uint32_t vxs_gl_most_table_words(const vxs_gl *gl, const vxs_gl_desc *desc, uint64_t standard, uint64_t others)
 {
     int      bytes = 0;
-    uint64_t most = desc->most_table_bytes / sizeof(uint32_t), held = TABLE_WORDS_MAX;
-    if (!desc->most_table_bytes) most = most_of(TABLES_PER_WORD * words, ((uint64_t)TABLES_MIB << 20) / sizeof(uint32_t));
+    uint64_t most = desc->most_table_bytes ? desc->most_table_bytes / sizeof(uint32_t) : standard, held = TABLE_WORDS_MAX;
     if (desc->storage != VXS_GL_TEXTURE && gl->version >= (gl->is_es ? 310 : 430))
         gl->api.GetIntegerv(GL_MOST_STORAGE_BYTES, &bytes);
-    if (bytes > 0 && (uint64_t)bytes / sizeof(uint32_t) >= words) held = least_of(held, (uint64_t)bytes / sizeof(uint32_t));
-    return held < words ? 0 : (uint32_t)least_of(most, held - words);
+    if (bytes > 0 && (uint64_t)bytes / sizeof(uint32_t) >= others) held = least_of(held, (uint64_t)bytes / sizeof(uint32_t));
+    return held < others ? 0 : (uint32_t)least_of(most, held - others);
 }
 
 vxs_result vxs_gl_whole_tables(vxs_gl *gl, const vxs_gl_desc *desc, uint64_t *words)
 {
-    vxs_result r = VXS_OK;
+    vxs_result r        = VXS_OK;
+    uint64_t   standard = most_of(TABLES_PER_WORD * *words, ((uint64_t)TABLES_MIB << 20) / sizeof(uint32_t));
     if (!(gl->table_starts = vxs_gl_alloc(gl, gl->light_count, sizeof *gl->table_starts))) return VXS_E_MEMORY;
-    gl->tables =
-        (gl_tables){.memory = gl->memory, .first = (uint32_t)*words, .most = most_words(gl, desc, *words + VXS_BLOCKS_SPARE_WORDS)};
+    gl->tables      = (gl_tables){.memory = gl->memory, .first = (uint32_t)*words};
+    gl->tables.most = vxs_gl_most_table_words(gl, desc, standard, *words + VXS_BLOCKS_SPARE_WORDS);
     for (uint32_t n = 0; n < gl->light_count; n++) gl->table_starts[n] = 0;
     for (uint32_t n = 0; n < gl->light_count && r == VXS_OK; n++)
         if (gl->lights[n].light->coding == VXS_CODING_BLOCKS)

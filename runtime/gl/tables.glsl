@@ -1,7 +1,8 @@
 /* Tiles of the tables of a light (gl_tables.h). Compiled behind words.glsl. Loops end for any words. */
 #ifdef VXS_GL_TABLES
 #define VXS_TABLES
-/* What vxs_tile takes for a map of a light of palette blocks: 0x80000000 | where its squares start. */
+/* What vxs_tile takes for a map of a light of palette blocks: 0x80000000 | where its squares start; and 0x40000000, if loaded pages
+ * are taken as missing. */
 uint vxs_table_root(uint words, uint map, uint levels)
 {
     return 0x80000000u | (vxs_word(words, 0u) + (map << (2u * max(levels, 8u) - 16u)));
@@ -38,17 +39,63 @@ uint vxs_table_delta(uint record, uint x, uint y)
     return rank != 0u ? vxs_word(at, node) : 0u;
 }
 
+/* Word of square (x, y) in the top. */
+uint vxs_table_top(uint root, uint levels, uint x, uint y)
+{
+    return vxs_word(root & 0x3fffffffu, (y << (max(levels, 8u) - 8u)) + x);
+}
+
+bool vxs_table_is_missing(uint top)
+{
+    return (top >> 30) == 1u;
+}
+
+/* The same; where a page is missing, as a square of one depth: that at which its coarse answer begins. */
+uint vxs_table_square(uint root, uint levels, uint x, uint y)
+{
+    uint square = vxs_table_top(root, levels, x, y);
+#ifdef VXS_GL_STREAM
+    if (root >= 0xc0000000u && square < 0x40000000u) square = vxs_word(square, 3u);
+    if (vxs_table_is_missing(square))
+        square = 0x80000000u | (((((square & 0xffu) + ((square >> 8) & 0xffu)) >> 1) + 1u) << (max(levels, 8u) - 8u));
+#endif
+    return square;
+}
+
+#ifdef VXS_GL_STREAM
+/* Whether the answer for texels [begin, end) at depth k needs no page that is missing. */
+bool vxs_table_is_known(uint root, uint levels, ivec2 begin, ivec2 end, uint k)
+{
+    uint  up     = max(levels, 8u) - 8u;
+    ivec2 square = max(begin, 0) >> 8, last = (min(end, 1 << levels) - 1) >> 8;
+    bool  known  = true;
+    for (int y = square.y; y <= last.y; y++)
+        for (int x = square.x; x <= last.x; x++) {
+            uint top = vxs_table_top(root, levels, uint(x), uint(y)), least = top & 0xffu, greatest = (top >> 8) & 0xffu;
+            known = known && (!vxs_table_is_missing(top) || (k >> up) < least || (k >> up) > greatest);
+        }
+    return known;
+}
+
+/* The root for a filter over texels [begin, end): if it needs a page that is missing, all of its taps get the coarse answer. */
+uint vxs_table_root_for(uint root, uint levels, ivec2 begin, ivec2 end, uint k)
+{
+    bool crosses = any(notEqual(max(begin, 0) >> 8, (min(end, 1 << levels) - 1) >> 8));
+    return root >= 0x80000000u && crosses && !vxs_table_is_known(root, levels, begin, end, k) ? root | 0x40000000u : root;
+}
+#endif
+
 /* Find tile (x, y).
  * record  [out] of the tile; 0: all texels have one depth
  * Returns its least depth. */
 int vxs_table_find(uint root, uint levels, uint x, uint y, out uint record)
 {
-    uint depth = vxs_word(root & 0x7fffffffu, ((y >> 5) << (max(levels, 8u) - 8u)) + (x >> 5));
+    uint depth = vxs_table_square(root, levels, x >> 5, y >> 5);
     int  slope = 0;
     record     = 0u;
     if (depth < 0x80000000u) {
         slope = vxs_table_slope(vxs_word(depth, 0u), int(x & 31u), int(y & 31u));
-        depth = vxs_word(depth, 3u + ((x >> 2) & 7u) + ((y & 28u) << 1));
+        depth = vxs_word(depth, 4u + ((x >> 2) & 7u) + ((y & 28u) << 1));
         if (depth < 0x80000000u) {
             depth += 2u + 2u * (x & 3u) + 8u * (y & 3u);
             record = vxs_word(depth, 1u);

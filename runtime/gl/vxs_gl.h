@@ -11,7 +11,7 @@
  *     vxs_box(9)) glShaderSource(shader, VXS_GL_TEXTS + 1, text, NULL);
  *     ... glLinkProgram(program);  vxs_gl_link(shadows, program);
  *
- *     vxs_gl_upload(shadows, 1 << 20);                                          // each frame: new pages of a stream (.stream = ..)
+ *     vxs_gl_upload(shadows, 128 << 10);                                        // each frame: new pages of a stream (.stream = ..)
  *     vxs_gl_origin(shadows, camera_ws);
  *     vxs_gl_bind(shadows);
  *     glUseProgram(program);  draw();
@@ -73,17 +73,20 @@ typedef struct vxs_gl_desc {
      * without a stream. Words are borrowed until vxs_gl_upload returns 0 */
     const vxs_baked_smoke *const *smoke;
 
-    /* explains errors: what the context lacks, the messages of its compiler, or the remedy; called with `user`. NULL: not wanted */
+    /* explains errors: what the context lacks, the messages of its compiler, or the remedy; and warns where tables have no room.
+     * Called with `user`. NULL: not wanted */
     vxs_log_fn *log;
 
     /* instead of an asset: [light_count] whole lights, for instance some of an asset; `smoke` is as without an asset. The lights are
      * borrowed until vxs_gl_destroy, their words until vxs_gl_upload returns 0 */
     const vxs_baked_light *const *baked;
 
-    /* Tables of an asset, or of `baked`: vxs_gl_create lays out the depths of palette blocks once more, so that shaders need a
-     * quarter of the time. That takes up to three times as long as opening the file. Tables are kept in memory until they are
-     * uploaded. If they would take more bytes than this, there are none. 0: 8 times the bytes of words, or 64 MiB where that is
-     * more; 1: none */
+    /* Tables: the depths of palette blocks laid out once more, so that shaders need a quarter of the time. Lights whose words the
+     * caller supplies have none. Of an asset, or of `baked`, vxs_gl_create makes them, in up to three times the time of opening the
+     * file, and keeps them in memory until they are uploaded; if they would take more bytes than this, there are none. Of a stream,
+     * vxs_gl_upload makes them for each page, in place of its words; this many bytes are allocated on the GPU, and where a page finds
+     * no room, it stays coarse, which `log` is told once; if these are fewer than the stream's own room for pages, there are none.
+     * 0: 8 times the bytes of words, or 64 MiB where that is more, or 8 times that room; 1: none */
     uint64_t most_table_bytes;
 } vxs_gl_desc;
 
@@ -109,13 +112,14 @@ vxs_result vxs_gl_put(vxs_gl *gl, const uint32_t *words, uint32_t first, uint32_
  * meaningless results.
  *
  * With a stream this holds until it has returned 0 once, preferably before the first frame. After that, call it between
- * vxs_stream_frame and the draw calls, not during vxs_stream_frame. First the names of all pages that were evicted are set to 0,
- * 4 bytes each, not counted in max_bytes. Then new pages are uploaded one by one, each followed by its name. So with slices of
- * any size, shaders give the same result as C where pages are uploaded, and the coarse answer where they are not; after a return
- * of 0, the same as C everywhere. It need not be called for every frame of the stream. */
+ * vxs_stream_frame and the draw calls, not during vxs_stream_frame. First, pages that were evicted are hidden, not counted in
+ * max_bytes. Then new pages are uploaded one by one, and are shown when they are complete. So with slices of any size, shaders
+ * give the same result as C where pages are uploaded, and the coarse answer where they are not; after a return of 0, the same as C
+ * everywhere, if all tables have room. It need not be called for every frame of the stream. Tables are made by this call, in
+ * about 10 ms a MiB; until then their size, and so the number of bytes left, is an estimate. */
 uint64_t vxs_gl_upload(vxs_gl *gl, size_t max_bytes);
 
-/* Returns the bytes of all tables, which are uploaded like words. 0: shaders read words alone. */
+/* Returns the bytes of all tables; of a stream, the bytes allocated for them. 0: shaders read words alone. */
 uint64_t vxs_gl_table_bytes(const vxs_gl *gl);
 
 /* Returns how many bytes of words vxs_gl_upload has uploaded since vxs_gl_create. */
