@@ -39,12 +39,18 @@ uint vxs_table_delta(uint record, uint x, uint y)
     return rank != 0u ? vxs_word(at, node) : 0u;
 }
 
-/* Word of square (x, y) in the top. */
-uint vxs_table_top(uint root, uint levels, uint x, uint y)
-{
-    return vxs_word(root & 0x3fffffffu, (y << (max(levels, 8u) - 8u)) + x);
-}
+#ifdef VXS_GL_STREAM
+#define VXS_TABLE_AT 0x3fffffffu /* of a root */
+#else
+#define VXS_TABLE_AT 0x7fffffffu
+#endif
 
+/* Word of square (x, y) in the top. */
+#define vxs_table_top(root, levels, x, y) vxs_word((root) & VXS_TABLE_AT, ((y) << (max(levels, 8u) - 8u)) + (x))
+
+#ifndef VXS_GL_STREAM
+#define vxs_table_square vxs_table_top
+#else
 bool vxs_table_is_missing(uint top)
 {
     return (top >> 30) == 1u;
@@ -54,15 +60,12 @@ bool vxs_table_is_missing(uint top)
 uint vxs_table_square(uint root, uint levels, uint x, uint y)
 {
     uint square = vxs_table_top(root, levels, x, y);
-#ifdef VXS_GL_STREAM
     if (root >= 0xc0000000u && square < 0x40000000u) square = vxs_word(square, 3u);
     if (vxs_table_is_missing(square))
         square = 0x80000000u | (((((square & 0xffu) + ((square >> 8) & 0xffu)) >> 1) + 1u) << (max(levels, 8u) - 8u));
-#endif
     return square;
 }
 
-#ifdef VXS_GL_STREAM
 /* Whether the answer for texels [begin, end) at depth k needs no page that is missing. */
 bool vxs_table_is_known(uint root, uint levels, ivec2 begin, ivec2 end, uint k)
 {
