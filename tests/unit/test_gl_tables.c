@@ -53,7 +53,7 @@ static uint32_t read_tile(const gl_tables *t, uint32_t start, const vxs_light *l
     memset(rank, 0, 64 * sizeof *rank);
     if (!(word >> 31)) {
         slope = slope_of(word_at(t, word), (int32_t)(x & 31), (int32_t)(y & 31));
-        word  = word_at(t, word + 3 + (x >> 2 & 7) + 8 * (y >> 2 & 7));
+        word  = word_at(t, word + 4 + (x >> 2 & 7) + 8 * (y >> 2 & 7));
     }
     depth[0] = (int64_t)(word & 0x7fffffff) - slope;
     if (word >> 31) return 1;
@@ -100,7 +100,7 @@ static void check_bounds(const gl_tables *t, uint32_t start, const vxs_baked_lig
     if (node >> 31) return;
     for (uint32_t n = 0; n < 64; n++) {
         int64_t  own[2] = {INT32_MAX, -1}, depth[64];
-        uint32_t x = 32 * square_x + 4 * (n & 7), y = 32 * square_y + 4 * (n >> 3), rank[64], block = word_at(t, node + 3 + n);
+        uint32_t x = 32 * square_x + 4 * (n & 7), y = 32 * square_y + 4 * (n >> 3), rank[64], block = word_at(t, node + 4 + n);
         for (uint32_t tile = 0; tile < 16; tile++) {
             if (x + (tile & 3) >= tiles || y + (tile >> 2) >= tiles) continue;
             uint32_t count = read_tile(t, start, &l->light, map, x + (tile & 3), y + (tile >> 2), depth, rank);
