@@ -41,6 +41,8 @@ struct vxs_depths_square {
     vxs_i32 low, high;
 };
 
+#ifndef VXS_TABLES /* which shaders of libvxs_gl read in place of records */
+
 /* A tile of 8 x 8 texels: the base depth, and where the depths of the texels relative to it are stored. */
 struct vxs_depths_tile {
     /* kind VXS_BLOCKS_SHADOW: the whole tile has depth `base`; planes: texels whose plane depth is at most tile.k are in shadow
@@ -364,5 +366,7 @@ VXS_INLINE vxs_i32 vxs_depths_texel(VXS_WORDS blocks, VXS_DEPTHS_TILE r, vxs_i32
     }
     return vxs_depths_held(VXS_FIELD(r, base) + more, VXS_FIELD(r, low), VXS_FIELD(r, high));
 }
+
+#endif
 
 #endif

@@ -65,16 +65,6 @@
 #endif
 #endif
 
-/* VXS_INLINE: functions on the path of every lookup; a call would pass their structs through memory, which costs a fifth of
- * the time. VXS_APART: functions that few lookups need; inlined, they would take registers from the others. */
-#if defined(VXS_C) && defined(__GNUC__)
-#define VXS_INLINE VXS_FN __attribute__((always_inline))
-#define VXS_APART  static __attribute__((noinline, unused))
-#else
-#define VXS_INLINE VXS_FN
-#define VXS_APART  VXS_FN
-#endif
-
 /* Kind of a node or a tile, at the depth of a voxel. Private-palette patterns of kinds 3 to 10 are tiles of these kinds. */
 #define VXS_BLOCKS_LIT     0u
 #define VXS_BLOCKS_SHADOW  1u

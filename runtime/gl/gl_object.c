@@ -351,7 +351,7 @@ void vxs_gl_texts(const vxs_gl *gl, const char *texts[VXS_GL_TEXTS])
     const char *const all[VXS_GL_TEXTS] = {gl->head,
                                            vxs_gl_text_words_tables_glsl,
                                            vxs_gl_text_vxs_lookup_h,
-                                           vxs_gl_text_vxs_lookup_blocks_h,
+                                           gl->table_count ? "" : vxs_gl_text_vxs_lookup_blocks_h,
                                            vxs_gl_text_vxs_space_h,
                                            vxs_gl_text_vxs_cull_h,
                                            vxs_gl_text_smoke_lights_glsl};

@@ -135,10 +135,11 @@ const vxs_light_constants *vxs_gl_constants(const vxs_gl *gl);
 uint32_t                   vxs_gl_light_count(const vxs_gl *gl);
 
 /* Get the beginning of a shader as NUL-terminated texts, valid until vxs_gl_destroy: the #version line and constants, the fetch
- * of words, vxs_lookup.h, vxs_lookup_blocks.h, vxs_space.h, vxs_cull.h, and vxs_smoke.h with the access to lights. With buffers
- * they contain no sizes, so that programs can be cached; with textures they contain sizes of the asset. If all lights have one
- * kind, one coding, or as many maps, the texts have code for that alone (VXS_ONLY_KIND, _CODING, _CUBE, vxs_space.h): for constants
- * that are not of this object, #undef these names behind texts[0]. The body behind them may call what those headers declare, and
+ * of words, vxs_lookup.h, vxs_lookup_blocks.h (empty where there are tables), vxs_space.h, vxs_cull.h, and vxs_smoke.h with the
+ * access to lights. With buffers they contain no sizes, so that programs can be cached; with textures they contain sizes of the
+ * asset. If all lights have one kind, one coding, or as many maps, the texts have code for that alone (VXS_ONLY_KIND, _CODING,
+ * _CUBE, vxs_space.h): for constants that are not of this object, #undef these names behind texts[0]. The body behind them may
+ * call what those headers declare, and
  *
  *     vxs_light_constants vxs_light_at(uint n)                            the constants of light n
  *     uint                vxs_light_count()                               as vxs_gl_light_count
