@@ -15,7 +15,6 @@
 #include <string.h>
 
 #include "baker/base/parallel.h"
-#include "baker/base/random.h"
 #include "baker/command/options/options.h"
 #include "baker/files/json_value.h"
 #include "baker/lab/opengl/gl.h"
@@ -41,8 +40,7 @@ typedef struct area {
     vxs_shadow_depth_map *maps[LIGHTS];
     rival_faces          *faces;
     GLuint                casters;
-    vxs_area_point       *scattered; /* [points] */
-    double               *off;       /* [pixels] of the reference, about, at most */
+    double               *off; /* [pixels] of the reference, about, at most */
 } area;
 
 /* techniques ------------------------------------------------------------------------------------------------------------------- */
@@ -119,39 +117,15 @@ static vxs_result exact(bench *b, void *state, uint32_t count)
                : r;
 }
 
-static GLuint upload(const bench *b, const vxs_area_point *points, uint32_t count)
-{
-    GLuint buffer;
-    b->gl->GenBuffers(1, &buffer);
-    b->gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, buffer);
-    b->gl->BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)(count * sizeof *points), points, GL_STATIC_DRAW);
-    return buffer;
-}
-
-/* What falls to one of so many VPLs, in a buffer that goes with the context: one of each `count` points, which stands for all of
- * them. */
-static vxs_result open_part(bench *b, void **state, uint32_t count)
-{
-    uint32_t        points = b->area->points / count;
-    vxs_area_point *part   = malloc(points * sizeof *part + 1);
-    rng             r      = {1};
-    if (!part) return VXS_E_MEMORY;
-    for (uint32_t n = 0; n < points; n++) {
-        part[n] = b->area->scattered[n * count + rng_below(&r, count)];
-        part[n].square_metres *= (float)count;
-    }
-    *state = (void *)(uintptr_t)upload(b, part, points);
-    free(part);
-    return VXS_OK;
-}
-
-/* The same passes of one VPL after the other, each with the points that fall to it. */
+/* The same passes of one VPL after the other, with the same points. */
 static vxs_result one_by_one(bench *b, void *state, uint32_t count)
 {
-    vxs_result r = VXS_OK;
+    const area *a = b->area;
+    vxs_result  r = VXS_OK;
+    (void)state;
     for (uint32_t n = 0; n < count && r == VXS_OK; n++) {
-        r = cast_vpls(b->area->one, &b->area->vpls[n], 1, (GLuint)(uintptr_t)state, b->area->points / count);
-        if (r == VXS_OK) r = vxs_volumes_area(b->volumes, b->area->one, &(vxs_area_look){0});
+        r = cast_vpls(a->one, &a->vpls[n], 1, a->casters, a->points);
+        if (r == VXS_OK) r = vxs_volumes_area(b->volumes, a->one, &(vxs_area_look){0});
     }
     return r;
 }
@@ -195,7 +169,7 @@ static const technique techniques[] = {
     {"imperfect, ninths", "vpls", POINTS ", a ninth of the VPLs a pixel", 0, COUNTS, OF(halton, ninths)},
     {"imperfect, quarter", "vpls", POINTS ", in a quarter of the pixels", 0, COUNTS, OF(halton, quarter)},
     {"exact maps", "vpls", MAPS, 0, COUNTS, NULL, exact, NULL, {halton}, NULL},
-    {"imperfect, one by one", "vpls", POINTS, 1, COUNTS, open_part, one_by_one, NULL, {halton}, NULL},
+    {"imperfect, one by one", "vpls", POINTS, 1, COUNTS, NULL, one_by_one, NULL, {halton}, NULL},
     {"marches", "vpls", "shadow maps of VPLs, and 64 steps", 1, COUNTS, NULL, marches, NULL, {halton}, NULL},
     {"froxels", "slices", "all light with the shadow of its middle, columns of 8 x 8 pixels", 1, {16, 64, 256}, open_froxels, froxels, close_froxels, {NULL}, NULL},
 };
@@ -284,12 +258,15 @@ static vxs_result bake(bench *b, const float *positions, run_context *m)
 
 static vxs_result upload_points(bench *b, const float *positions, run_context *m)
 {
-    area *a      = b->area;
-    a->scattered = malloc(a->points * sizeof *a->scattered);
-    if (!a->scattered) return fail(m, VXS_E_MEMORY, "out of memory for points");
-    double area_there =
-        vxs_area_scatter(positions, b->casting.indices, (uint32_t)b->casting.triangle_count, a->scattered, a->points);
-    a->casters = upload(b, a->scattered, a->points);
+    area           *a      = b->area;
+    size_t          bytes  = a->points * sizeof(vxs_area_point);
+    vxs_area_point *points = malloc(bytes);
+    if (!points) return fail(m, VXS_E_MEMORY, "out of memory for points");
+    double area_there = vxs_area_scatter(positions, b->casting.indices, (uint32_t)b->casting.triangle_count, points, a->points);
+    b->gl->GenBuffers(1, &a->casters);
+    b->gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, a->casters);
+    b->gl->BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)bytes, points, GL_STATIC_DRAW);
+    free(points);
     return area_there > 0 ? VXS_OK : fail(m, VXS_E_SCENE, "%s: nothing has an area", b->scene_path);
 }
 
@@ -352,7 +329,8 @@ static vxs_result run(void *command, run_context *m)
         a->off    = calloc(b->pixels, sizeof *a->off);
         if (!positions || !a->off) r = fail(m, VXS_E_MEMORY, "out of memory for casters");
     }
-    a->vpls_most = most_vpls(b);
+    b->has_creation = !b->cell_texts.count;
+    a->vpls_most    = most_vpls(b);
     if (r == VXS_OK && (r = sample(b, VXS_AREA_HALTON, a->vpls_most)) != VXS_OK) r = fail(m, r, "the rectangle has no area");
     if (r == VXS_OK) r = bake(b, positions, m);
     if (r == VXS_OK) r = volumes_open_gl(b, m);
@@ -364,7 +342,6 @@ static vxs_result run(void *command, run_context *m)
     volumes_close_gl(b);
     volumes_free_scene(b);
     free(positions);
-    free(a->scattered);
     free(a->off);
     return r;
 }
@@ -381,7 +358,6 @@ int main(int argc, char **argv)
                               .light_name       = "area",
                               .reference        = "the whole surface, with traced shadows",
                               .parts            = {"vpls", "maps", "volumes"},
-                              .has_creation     = 1,
                               .describe         = describe};
     const option options[] = {
         {"SCENE", OPTION_INPUT, &b.scene_path, FILE_SCENE, 0, NULL, NULL, "a glTF 2.0 scene", NULL},

@@ -26,12 +26,12 @@ LAMPS_OF_FILE = 1000
 GRID_METRES = 825
 AREA_SCREEN = ["--corner", "-1.8,1.2,-2.9", "--across", "1.6,0,0", "--up", "0,0.9,0", "--picture", "--eye", "3,1.6,2.2", "--target", "-2,1.2,-2", "--fog", "0.1"]
 # program, scene, group, view, texels a side, options, names of cells; the rival of a group is one of them
-VOLUMES = [("area", "room.glb", "area light of 256 VPLs", "room", 128, [*AREA_SCREEN, "--points", "262144", "--samples", "4096"],
+VOLUMES = [("area", "room.glb", "area light of 256 VPLs", "room", 128, [*AREA_SCREEN, "--samples", "4096"],
             {"imperfect:256": "at once", "imperfect, one by one:256": "one by one (rival)", "exact maps:256": "at once, exact maps"}),
            ("smoke", None, "smoke of 4000 capsules", "columns", 256, ["--side", "256", "--capsules", "4000"],
             {"adaptive:8": "curves of 8 nodes", "adaptive, unsorted:8": "curves of 8 nodes, unsorted", "deep:100": "deep map, lines off by .01",
              "uncompressed:1": "deep map, all segments (rival)"})]
-AREA_PART, AREA_RAYS = 5, 64  # llvmpipe draws a fifth of the sides; pixels of the reference, across
+AREA_RAYS = 64  # pixels of the reference, across
 
 
 def with_lamps(scene, out, columns, rows, part):
@@ -93,12 +93,13 @@ def volumes_rows(scene, group, view, side_px, names):
 
 def measure_volumes(args, clock, program, scene, group, view, side_px, options, names):
     """(A part of the report without what all parts have, None), or (None, why there is none)."""
-    width, height = (int(px) // (AREA_PART if program == "area" and clock == "wall" else 1) for px in args.size.split("x"))
+    is_less = program == "area" and clock == "wall"  # llvmpipe draws a fifth of the sides, and shadows of fewer points
+    width, height = (int(px) // (5 if is_less else 1) for px in args.size.split("x"))
     out = args.folder / "volumes.json"
     out.unlink(missing_ok=True)
     print(f"{group}, {width} x {height}", flush=True)
     done = subprocess.run([args.gpu.with_name(program), *([args.folder / scene] if scene else []), *options, "--width", str(width), "--height", str(height),
-                           *(["--apart", str(max(1, width // AREA_RAYS))] if program == "area" else []), *(word for name in names for word in ("--cell", name)),
+                           *(["--apart", str(max(1, width // AREA_RAYS)), "--points", "16384" if is_less else "262144"] if program == "area" else []), *(word for name in names for word in ("--cell", name)),
                            "--gl", os.environ.get("VXS_GL", "osmesa"), "--clock", clock, "--rounds", str(min(args.runs, 3 if clock == "wall" else 15)),
                            "--json", out, "--force"], stdout=subprocess.DEVNULL)
     if done.returncode:

@@ -90,7 +90,7 @@ def test_area_lights_and_smoke(vxs, vxs_path, tmp_path, capfd):
         pytest.skip("no programs of tests/bench: build them")
     assert vxs("scene", "room", "-o", tmp_path / "room.glb", "--triangles", 2000).returncode == 0
     args = argparse.Namespace(gpu=vxs_path.parent / "tests" / "bench" / "gpu", folder=tmp_path, size="160x90", runs=1)
-    less = {"area": ("wall", [*gpu_bench.AREA_SCREEN, "--points", "20000", "--samples", "64", "--side", "32"]), "smoke": ("timer", ["--side", "64", "--capsules", "200"])}
+    less = {"area": ("wall", [*gpu_bench.AREA_SCREEN, "--samples", "64", "--side", "32"]), "smoke": ("timer", ["--side", "64", "--capsules", "200"])}
     found = {}
     for program, scene, group, view, side_px, _, names in gpu_bench.VOLUMES:
         names = {name.replace("256", "4"): text for name, text in names.items()}
