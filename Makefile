@@ -27,7 +27,7 @@
 #   make bench          measure; a table to read, and JSON to $(BENCH_JSON)
 #   make bench-large    measure maps of up to 262144 texels a side, straight from triangles: five minutes; JSON to build/large.json
 #   make bench-lights   measure frames lit by 165 spot lights; JSON to build/lights.json (tests/bench/lights.py: gl=egl for a graphics card)
-#   make check-drivers  unit programs that draw, with other OpenGL drivers: llvmpipe by EGL, zink, softpipe
+#   make check-drivers  unit programs that draw, with other OpenGL drivers: llvmpipe by EGL, zink, softpipe; driver=zink: one
 #   make bench-gpu      measure lookups, lists of lights and fog beside rivals: some minutes; VXS_GL=egl size=1920x1080 for a graphics card; JSON to
 #                       build/gpu.json (tests/bench/gpu.py)
 #   make bench-volumes  measure error against time of shadows in fog, smoke and area lights, each technique and its rivals: half an hour; JSON and a page to
@@ -392,7 +392,7 @@ check-asan: packages
 check-repeats: all unit
 	@VXS_TEST_REPEATS=all VXS_FLAGS="$(opt)" $(python) tests/run --build $B
 check-drivers: all unit
-	@$(python) tests/gpu/drivers.py --build $B
+	@$(python) tests/gpu/drivers.py --build $B $(if $(driver),--driver $(driver))
 check-exact: $B/vxs $B/tests/exact/exact
 	@VXS_TEST_REPEATS=all VXS_SIDE=512 VXS_COLUMNS=1000000 VXS=$B/vxs $(python) -m pytest -q -p no:cacheprovider -n auto tests/cli/test_exact.py
 check-memory: all

@@ -18,10 +18,11 @@ import kit  # noqa: E402
 TIMEOUT_S = 1800
 LAVAPIPE = "/usr/share/vulkan/icd.d/lvp_icd.*.json"
 # what fails and is not repaired yet
-KNOWN = {("zink", "test_area_uses"): "test_baked_lights: words of the asset read as 0 while a depth map is filled; the cause is not known"}
+KNOWN = {("zink", "test_area_uses"): "test_baked_lights: words of the asset read as 0 while a depth map is filled; the cause is not known",
+         ("softpipe", "test_shaders"): "test_positions: GLSL ES 3.10 finds another voxel at a position; the cause is not known"}
 
 # Mesa's interpreter of shaders says that it has OpenGL 3.3, because it lacks tessellation. The override makes its other functions of 4.5
-# known. These programs look words up in textures and buffers; the others take up to an hour there.
+# known. These programs look words up in textures and buffers; the others take too long there.
 SOFTPIPE = ("test_gl", "test_gl_stream", "test_gl_depths", "test_shaders", "test_stream_smoke", "test_epipolar", "test_smoke_map")
 
 
@@ -58,11 +59,14 @@ def run(job):
 def main():
     parser = argparse.ArgumentParser(description="Run the unit programs that draw with several OpenGL drivers.")
     parser.add_argument("--build", type=pathlib.Path, required=True, help="folder of a build")
+    parser.add_argument("--driver", help="this one alone")
     options = parser.parse_args()
     programs = list(kit.drawing(options.build))
     with tempfile.TemporaryDirectory() as folder, concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         jobs = []
         for name, environment, missing in drivers(folder):
+            if name != (options.driver or name):
+                continue
             if missing:
                 print(f"{name:9} skipped: {missing} is not installed")
                 continue
