@@ -603,8 +603,8 @@ void vxs_walk_find_block(uint words, vxs_light_constants light, inout vxs_walk w
     } else { /* least and greatest in two corners */
         int x = (s.i >> 3) & 31, y = (s.j >> 3) & 31, last = s.side_px / 8 - 1, depth = int(w.block_word & 0x7fffffffu);
         int left = (w.slope & 0x8000u) != 0u ? last : 0, up = w.slope >= 0x80000000u ? last : 0;
-        s.least    = clamp(depth - vxs_blocks_slope(w.slope, x + last - left, y + last - up), 0, side);
-        s.greatest = clamp(depth - vxs_blocks_slope(w.slope, x + left, y + up), s.least, side);
+        s.least    = clamp(depth - vxs_table_slope(w.slope, x + last - left, y + last - up), 0, side);
+        s.greatest = clamp(depth - vxs_table_slope(w.slope, x + left, y + up), s.least, side);
     }
     w.block    = s;
     w.is_block = 1;
@@ -623,7 +623,7 @@ void vxs_walk_find_tile(vxs_light_constants light, inout vxs_walk w)
         w.tile_base   = int(vxs_word(at, 0u));
         w.tile_record = vxs_word(at, 1u);
     }
-    w.tile_base -= vxs_blocks_slope(w.slope, x & 31, y & 31);
+    w.tile_base -= vxs_table_slope(w.slope, x & 31, y & 31);
     w.least    = clamp(w.tile_base, 0, side);
     w.greatest = clamp(w.tile_base + int(vxs_table_last(w.tile_record)), w.least, side);
 }

@@ -356,16 +356,11 @@ VXS_INLINE vxs_blocks_node vxs_blocks_find_node(VXS_WORDS blocks, vxs_u32 map, v
     return node;
 }
 
-/* What the slope of a node adds to depth k at tile (x, y), 0 to 31. It makes flat slanted ground uniform. */
-VXS_FN vxs_i32 vxs_blocks_slope(vxs_u32 slope, vxs_i32 x, vxs_i32 y)
-{
-    vxs_i32 across = VXS_I(slope << 16) >> 16, down = VXS_I(slope) >> 16;
-    return (across * (across < 0 ? x - 31 : x) + down * (down < 0 ? y - 31 : y)) >> 8;
-}
-
+/* Depth k at tile (x, y), 0 to 31, corrected by the slope of the node. The slope makes flat slanted ground uniform. */
 VXS_FN vxs_i32 vxs_blocks_tile_depth(vxs_blocks_node node, vxs_i32 x, vxs_i32 y)
 {
-    return node.k + vxs_blocks_slope(node.slope, x, y);
+    vxs_i32 across = VXS_I(node.slope << 16) >> 16, down = VXS_I(node.slope) >> 16;
+    return node.k + ((across * (across < 0 ? x - 31 : x) + down * (down < 0 ? y - 31 : y)) >> 8);
 }
 
 /* blocks ----------------------------------------------------------------------------------------------------------------------- */

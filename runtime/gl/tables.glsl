@@ -8,7 +8,12 @@ uint vxs_table_root(uint words, uint map, uint levels)
     return 0x80000000u | (vxs_word(words, 0u) + (map << (2u * max(levels, 8u) - 16u)));
 }
 
-int vxs_blocks_slope(uint slope, int x, int y); /* vxs_lookup_blocks.h */
+/* What a slope adds to k at tile (x, y) of its node, 0 to 31. */
+int vxs_table_slope(uint slope, int x, int y)
+{
+    int across = int(slope << 16) >> 16, down = int(slope) >> 16;
+    return (across * (across < 0 ? x - 31 : x) + down * (down < 0 ? y - 31 : y)) >> 8;
+}
 
 /* Greatest delta of a record. */
 uint vxs_table_last(uint record)
@@ -92,7 +97,7 @@ int vxs_table_find(uint root, uint levels, uint x, uint y, out uint record)
     int  slope = 0;
     record     = 0u;
     if (depth < 0x80000000u) {
-        slope = vxs_blocks_slope(vxs_word(depth, 0u), int(x & 31u), int(y & 31u));
+        slope = vxs_table_slope(vxs_word(depth, 0u), int(x & 31u), int(y & 31u));
         depth = vxs_word(depth, 4u + ((x >> 2) & 7u) + ((y & 28u) << 1));
         if (depth < 0x80000000u) {
             depth += 2u + 2u * (x & 3u) + 8u * (y & 3u);
