@@ -141,8 +141,15 @@ vxs_filter vxs_smooth(int width_px)
  *     VXS_ONLY_WIDTH   width_px of all filters, odd if they are not smooth;   VXS_ONLY_SMOOTH  1: they are smooth, 0: not */
 #ifdef VXS_ONLY_KIND
 #define VXS_KIND(light) VXS_U(VXS_ONLY_KIND)
+#if VXS_ONLY_KIND == 1
+#define VXS_HAS_SUNS
+#else
+#define VXS_HAS_PUNCTUAL
+#endif
 #else
 #define VXS_KIND(light) VXS_FIELD(light, kind)
+#define VXS_HAS_SUNS
+#define VXS_HAS_PUNCTUAL
 #endif
 #ifdef VXS_ONLY_CUBE
 #define VXS_IS_CUBE(light) (VXS_ONLY_CUBE != 0)
@@ -151,8 +158,15 @@ vxs_filter vxs_smooth(int width_px)
 #endif
 #ifdef VXS_ONLY_CODING
 #define VXS_CODING(light) VXS_U(VXS_ONLY_CODING)
+#if VXS_ONLY_CODING == 1
+#define VXS_HAS_DAGS
+#else
+#define VXS_HAS_BLOCKS
+#endif
 #else
 #define VXS_CODING(light) VXS_FIELD(light, coding)
+#define VXS_HAS_DAGS
+#define VXS_HAS_BLOCKS
 #endif
 #ifdef VXS_ONLY_WIDTH
 #define VXS_WIDTH(width_px) (VXS_ONLY_WIDTH)
@@ -233,8 +247,12 @@ VXS_FN void vxs_ls_from_face(vxs_i32 face, const vxs_real3 turned, VXS_OUT vxs_r
 /* Coordinate `row` of a point (one = 1) or a direction (one = 0) in light space. */
 VXS_FN vxs_real vxs_ls_coordinate(VXS_LIGHT light, vxs_i32 row, const vxs_real3 ws, vxs_real one)
 {
+#ifdef VXS_C
     return VXS_LS_FROM_WS(light, row, 0) * ws[0] + VXS_LS_FROM_WS(light, row, 1) * ws[1] + VXS_LS_FROM_WS(light, row, 2) * ws[2] +
            VXS_LS_FROM_WS(light, row, 3) * one;
+#else /* the position of the origin, the largest number, is added last */
+    return dot(VXS_FIELD(light, ls_from_ws)[row].xyz, ws) + VXS_FIELD(light, ls_from_ws)[row].w * one;
+#endif
 }
 
 VXS_FN void vxs_ls_from_ws(VXS_LIGHT light, const vxs_real3 ws, vxs_real one, VXS_OUT vxs_real3 ls)
@@ -245,11 +263,15 @@ VXS_FN void vxs_ls_from_ws(VXS_LIGHT light, const vxs_real3 ws, vxs_real one, VX
 }
 
 /* Width of a filter: 1 to VXS_FILTER_MAX, odd if the filter is not smooth. */
+#ifdef VXS_ONLY_WIDTH
+#define vxs_filter_width(pcf) (vxs_clamp(VXS_ONLY_WIDTH, 1, VXS_FILTER_MAX) | (VXS_IS_SMOOTH(pcf) ? 0 : 1))
+#else
 VXS_FN vxs_i32 vxs_filter_width(vxs_filter pcf)
 {
-    vxs_i32 width = vxs_clamp(VXS_WIDTH(pcf.width_px), 1, VXS_FILTER_MAX);
+    vxs_i32 width = vxs_clamp(pcf.width_px, 1, VXS_FILTER_MAX);
     return VXS_IS_SMOOTH(pcf) ? width : width | 1;
 }
+#endif
 
 /* The place of a lookup. */
 struct vxs_place {
@@ -329,42 +351,42 @@ VXS_FN vxs_real vxs_between_taps(vxs_real at, vxs_filter pcf)
  * normal  in texels, as above; of any length; no step if it is zero, or if one of its numbers is NaN */
 VXS_FN void vxs_biased_voxel(VXS_LIGHT light, const vxs_real3 at, const vxs_real3 normal, vxs_filter pcf, VXS_OUT vxs_int3 voxel)
 {
-    voxel[0]        = vxs_clamped(vxs_floor(at[0]));
-    voxel[1]        = vxs_clamped(vxs_floor(at[1]));
-    voxel[2]        = vxs_clamped(vxs_floor(at[2]));
     vxs_real across = vxs_abs(normal[0]), down = vxs_abs(normal[1]), along = vxs_abs(normal[2]);
-    if (!(across + down + along > 0.0)) return;
+    vxs_real u = VXS_REAL(0.0), v = VXS_REAL(0.0), deep = vxs_floor(at[2]);
+    if (across + down + along > 0.0) {
+        vxs_real reach = vxs_filter_reach(pcf) + VXS_BIAS_SLACK, most = VXS_BIAS_ALONG * VXS_REAL(vxs_filter_width(pcf)) * along;
 
-    vxs_real reach = vxs_filter_reach(pcf) + VXS_BIAS_SLACK, u = VXS_REAL(0.0), v = VXS_REAL(0.0);
-    vxs_real most = VXS_BIAS_ALONG * VXS_REAL(vxs_filter_width(pcf)) * along;
+        /* Step across: the same for all points of a plane, so that edges of shadows keep their shape; up to half a texel too
+         * short for some points. */
+        vxs_real beyond = reach * (across + down) - most;
+        if (beyond > 0.0) {
+            beyond = beyond / (across * across + down * down);
+            u      = vxs_floor(beyond * across + 0.5);
+            v      = vxs_floor(beyond * down + 0.5);
+        }
 
-    /* Step across: the same for all points of a plane, so that edges of shadows keep their shape; up to half a texel too
-     * short for some points. */
-    vxs_real beyond = reach * (across + down) - most;
-    if (beyond > 0.0) {
-        beyond = beyond / (across * across + down * down);
-        u      = vxs_floor(beyond * across + 0.5);
-        v      = vxs_floor(beyond * down + 0.5);
-    }
+        /* Distance that is still missing for this point; with one more texel on each axis, it is at most the greatest step
+         * along the light. */
+        vxs_real missing = reach * (across + down) + vxs_between_taps(at[0], pcf) * normal[0] +
+                           vxs_between_taps(at[1], pcf) * normal[1] - u * across - v * down;
+        for (vxs_i32 n = 0; n < 2 && missing > most; n++) {
+            vxs_i32 axis = across > down ? n : 1 - n;
+            u += axis == 0 ? 1.0 : 0.0;
+            v += axis == 0 ? 0.0 : 1.0;
+            missing -= axis == 0 ? across : down;
+        }
 
-    /* Distance that is still missing for this point; with one more texel on each axis, it is at most the greatest step along
-     * the light. */
-    vxs_real missing = reach * (across + down) + vxs_between_taps(at[0], pcf) * normal[0] +
-                       vxs_between_taps(at[1], pcf) * normal[1] - u * across - v * down;
-    for (vxs_i32 n = 0; n < 2 && missing > most; n++) {
-        vxs_i32 axis = across > down ? n : 1 - n;
-        u += axis == 0 ? 1.0 : 0.0;
-        v += axis == 0 ? 0.0 : 1.0;
-        missing -= axis == 0 ? across : down;
+        /* Step along the light: towards it, or away from it for the back of a surface. */
+        vxs_real voxels =
+            (1.0 + VXS_BIAS_SLACK) * along + missing * (VXS_FIELD(light, texel_metres) / VXS_FIELD(light, voxel_metres));
+        if (voxels > 0.0) {
+            voxels = voxels / along;
+            deep   = normal[2] < 0.0 ? vxs_floor(at[2] - voxels) : -1.0 - vxs_floor(-at[2] - voxels);
+        }
     }
     voxel[0] = vxs_clamped(vxs_floor(at[0]) + (normal[0] < 0.0 ? -u : u));
     voxel[1] = vxs_clamped(vxs_floor(at[1]) + (normal[1] < 0.0 ? -v : v));
-
-    /* Step along the light: towards it, or away from it for the back of a surface. */
-    vxs_real voxels = (1.0 + VXS_BIAS_SLACK) * along + missing * (VXS_FIELD(light, texel_metres) / VXS_FIELD(light, voxel_metres));
-    if (!(voxels > 0.0)) return;
-    voxels   = voxels / along;
-    voxel[2] = vxs_clamped(normal[2] < 0.0 ? vxs_floor(at[2] - voxels) : -1.0 - vxs_floor(-at[2] - voxels));
+    voxel[2] = vxs_clamped(deep);
 }
 
 /* world to voxel, by the kind of light ---------------------------------------------------------------------------------------- */
@@ -441,10 +463,14 @@ VXS_FN vxs_place vxs_punctual_place(VXS_LIGHT light, const vxs_real3 point_ws, c
  * pcf        the filter of the lookup, as for vxs_lit */
 VXS_FN vxs_place vxs_place_from_ws(VXS_LIGHT light, const vxs_real3 point_ws, const vxs_real3 normal_ws, vxs_filter pcf)
 {
-    if (VXS_KIND(light) == VXS_LIGHT_KIND_DIRECTIONAL)
-        return vxs_sun_place(light, point_ws, normal_ws, pcf);
-    else /* if one kind is compiled, nothing follows what is returned */
-        return vxs_punctual_place(light, point_ws, normal_ws, pcf);
+#ifdef VXS_HAS_SUNS
+#ifdef VXS_HAS_PUNCTUAL
+    if (VXS_KIND(light) != VXS_LIGHT_KIND_DIRECTIONAL) return vxs_punctual_place(light, point_ws, normal_ws, pcf);
+#endif
+    return vxs_sun_place(light, point_ws, normal_ws, pcf);
+#else
+    return vxs_punctual_place(light, point_ws, normal_ws, pcf);
+#endif
 }
 
 /* The voxel of vxs_place_from_ws. Returns its map. */
@@ -463,14 +489,19 @@ VXS_FN vxs_i32 vxs_voxel_from_ws(VXS_LIGHT light, const vxs_real3 point_ws, cons
 /* Only the next four functions depend on the coding of the words. Without vxs_lookup_blocks.h all words are assumed to be
  * DAGs. */
 
-#if defined(VXS_LOOKUP_BLOCKS_H) && !defined(VXS_TABLES)
+#if defined(VXS_TABLES) && defined(VXS_HAS_BLOCKS)
+#define VXS_READS_TABLES
+#elif defined(VXS_LOOKUP_BLOCKS_H) && defined(VXS_HAS_BLOCKS)
 #define VXS_READS_BLOCKS
+#endif
+#if defined(VXS_HAS_DAGS) && (defined(VXS_READS_TABLES) || defined(VXS_READS_BLOCKS))
+#define VXS_READS_BOTH /* code for one coding alone is not compiled with a branch, since compilers inline both sides first */
 #endif
 
 /* Where the root of a map of a DAG is; or what vxs_tile takes for a map with tables. */
 VXS_FN vxs_u32 vxs_root_of(VXS_WORDS dag, VXS_LIGHT light, vxs_i32 map)
 {
-#ifdef VXS_TABLES
+#ifdef VXS_READS_TABLES
     if (VXS_CODING(light) == VXS_CODING_BLOCKS) return vxs_table_root(dag, VXS_U(map), VXS_FIELD(light, levels));
 #endif
     return VXS_IS_CUBE(light) ? vxs_face_root(dag, VXS_U(map)) : 0u;
@@ -479,17 +510,17 @@ VXS_FN vxs_u32 vxs_root_of(VXS_WORDS dag, VXS_LIGHT light, vxs_i32 map)
 /* 1 if voxel (i, j, k) of a map is in shadow, else 0; each of i, j, k in [0, 2^levels).   coded  the words of the light */
 VXS_FN vxs_u32 vxs_shadow_tap(VXS_WORDS coded, VXS_LIGHT light, vxs_i32 map, vxs_i32 i, vxs_i32 j, vxs_u32 k)
 {
-#ifdef VXS_TABLES
-    if (VXS_CODING(light) == VXS_CODING_BLOCKS)
-        return vxs_table_tap(vxs_root_of(coded, light, map), VXS_FIELD(light, levels), VXS_U(i), VXS_U(j), k);
-    else
-#endif
-#ifdef VXS_READS_BLOCKS
-        if (VXS_CODING(light) == VXS_CODING_BLOCKS)
-        return vxs_blocks_shadow(coded, VXS_U(map), VXS_FIELD(light, levels), VXS_U(i), VXS_U(j), k);
-    else
-#endif
+#ifdef VXS_READS_BOTH
+    if (VXS_CODING(light) != VXS_CODING_BLOCKS)
         return vxs_shadow(coded, vxs_root_of(coded, light, map), VXS_FIELD(light, levels), VXS_U(i), VXS_U(j), k);
+#endif
+#if defined(VXS_READS_TABLES)
+    return vxs_table_tap(vxs_root_of(coded, light, map), VXS_FIELD(light, levels), VXS_U(i), VXS_U(j), k);
+#elif defined(VXS_READS_BLOCKS)
+    return vxs_blocks_shadow(coded, VXS_U(map), VXS_FIELD(light, levels), VXS_U(i), VXS_U(j), k);
+#else
+    return vxs_shadow(coded, vxs_root_of(coded, light, map), VXS_FIELD(light, levels), VXS_U(i), VXS_U(j), k);
+#endif
 }
 
 /* Number of the width_px x width_px texels centred on (i, j) of a map that are in shadow at depth k, [0, 2^levels).
@@ -514,11 +545,14 @@ VXS_FN vxs_u32 vxs_shadow_part(VXS_WORDS coded, VXS_LIGHT light, vxs_place place
     vxs_u32 levels = VXS_FIELD(light, levels);
     vxs_i32 i = place.voxel[0], j = place.voxel[1];
 #ifdef VXS_READS_BLOCKS
-    if (VXS_CODING(light) == VXS_CODING_BLOCKS)
-        return vxs_blocks_shadow_weight(coded, VXS_U(place.map), levels, i, j, place.across, place.down, k, width_px);
-    else
-#endif
+#ifdef VXS_READS_BOTH
+    if (VXS_CODING(light) != VXS_CODING_BLOCKS)
         return vxs_shadow_weight(coded, vxs_root_of(coded, light, place.map), levels, i, j, place.across, place.down, k, width_px);
+#endif
+    return vxs_blocks_shadow_weight(coded, VXS_U(place.map), levels, i, j, place.across, place.down, k, width_px);
+#else
+    return vxs_shadow_weight(coded, vxs_root_of(coded, light, place.map), levels, i, j, place.across, place.down, k, width_px);
+#endif
 }
 
 /* The lit fraction, 0 to 1, of a filter around a place whose map is not -1. In front of the map all is lit; behind the map
