@@ -110,6 +110,13 @@ static const vxs_baked_smoke *smoke_of(const vxs_gl_desc *desc, uint32_t light)
     return desc->stream ? vxs_stream_smoke(desc->stream, light) : NULL;
 }
 
+uint64_t vxs_gl_smoke_words(const vxs_gl *gl, const vxs_gl_desc *desc)
+{
+    uint64_t words = 0;
+    for (uint32_t n = 0; n < gl->light_count; n++) words += smoke_of(desc, n) ? 1 + (uint64_t)smoke_of(desc, n)->word_count : 1;
+    return words;
+}
+
 /* Returns the first word of a light's smoke; smoke that is not yet in a stream's words is placed at the end. 0: no smoke.
  * words  [in, out] word count so far */
 static uint32_t place_of(const vxs_gl *gl, const vxs_gl_desc *desc, uint32_t light, uint64_t *words)
@@ -213,14 +220,13 @@ static vxs_result make(vxs_gl *gl, const vxs_gl_desc *desc)
     gl->constants = vxs_gl_alloc(gl, gl->light_count, sizeof *gl->constants);
     if (!gl->lights || !gl->constants) return VXS_E_MEMORY;
     if (desc->asset || desc->baked)
-        word_count = vxs_gl_whole_lights(gl, desc);
+        r = vxs_gl_whole_lights(gl, desc, &word_count);
     else if (desc->stream)
         word_count = vxs_gl_stream_tables_lights(gl, desc, vxs_gl_stream_lights(gl));
     else
         memcpy(gl->lights, desc->lights, gl->light_count * sizeof *gl->lights);
 
-    r = place_smoke(gl, desc, &word_count);
-    if (r == VXS_OK && (desc->asset || desc->baked)) r = vxs_gl_whole_tables(gl, desc, &word_count);
+    if (r == VXS_OK) r = place_smoke(gl, desc, &word_count);
     if (r != VXS_OK) return r;
     if (desc->stream && gl->table_count) word_count = vxs_gl_stream_tables_place(gl, word_count);
 

@@ -140,10 +140,11 @@ vxs_result vxs_gl_put_words(vxs_gl *gl, const uint32_t *words, uint32_t first, u
  * standard  if the caller has no wish;   others  number of the other words */
 uint32_t vxs_gl_most_table_words(const vxs_gl *gl, const vxs_gl_desc *desc, uint64_t standard, uint64_t others);
 
-/* gl_whole.c: vxs_gl_whole_lights fills the lights and returns their word count; vxs_gl_whole_tables makes tables behind `words`
- * words, and adds theirs; vxs_gl_whole_put queues words and tables. */
-uint64_t   vxs_gl_whole_lights(vxs_gl *gl, const vxs_gl_desc *desc);
-vxs_result vxs_gl_whole_tables(vxs_gl *gl, const vxs_gl_desc *desc, uint64_t *words);
+/* Returns the most words that smoke of all lights takes, with its table. */
+uint64_t vxs_gl_smoke_words(const vxs_gl *gl, const vxs_gl_desc *desc);
+
+/* gl_whole.c: vxs_gl_whole_lights makes tables, fills the lights, and counts the words of both; vxs_gl_whole_put queues them. */
+vxs_result vxs_gl_whole_lights(vxs_gl *gl, const vxs_gl_desc *desc, uint64_t *words);
 vxs_result vxs_gl_whole_put(vxs_gl *gl, const vxs_gl_desc *desc);
 
 /* gl_stream.c: vxs_gl_stream_lights fills the lights and returns the stream's word count; vxs_gl_stream_put queues the resident

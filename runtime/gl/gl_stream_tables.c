@@ -18,21 +18,19 @@ static int has_blocks(const vxs_gl *gl, uint32_t light)
 
 uint64_t vxs_gl_stream_tables_lights(vxs_gl *gl, const vxs_gl_desc *desc, uint64_t words)
 {
-    uint64_t own = 0, tops = 0, resident = 0;
+    uint64_t own = 0, tops = 0, room = words;
     for (uint32_t n = 0; n < gl->light_count; n++) {
         const vxs_baked_light *baked = vxs_stream_light(gl->stream, n);
         const vxs_baked_smoke *smoke = vxs_stream_smoke(gl->stream, n);
-        resident += baked->word_count + (smoke ? smoke->word_count : 0);
-        own += has_blocks(gl, n) ? 1 : baked->word_count;
+        room -= baked->word_count + (smoke ? smoke->word_count : 0);
         tops += has_blocks(gl, n) ? vxs_gl_tables_square_count(&baked->light) : 0;
     }
-    uint64_t room = words > resident ? words - resident : 0, others = resident + tops + VXS_BLOCKS_SPARE_WORDS;
-    uint32_t most = vxs_gl_most_table_words(gl, desc, TABLES_PER_WORD * room, others);
+    uint64_t others = words - room + tops + vxs_gl_smoke_words(gl, desc) + VXS_BLOCKS_SPARE_WORDS;
+    uint32_t most   = vxs_gl_most_table_words(gl, desc, TABLES_PER_WORD * room, others);
     if (!tops || most < room) return words;
     gl->top_count   = (uint32_t)tops;
     gl->room_count  = most;
     gl->table_count = gl->top_count + gl->room_count;
-    own             = 0;
     for (uint32_t n = 0; n < gl->light_count; n++) {
         gl->lights[n].first_word = (uint32_t)own;
         own += has_blocks(gl, n) ? 1 : vxs_stream_light(gl->stream, n)->word_count;

@@ -81,11 +81,11 @@ typedef struct vxs_gl_desc {
      * borrowed until vxs_gl_destroy, their words until vxs_gl_upload returns 0 */
     const vxs_baked_light *const *baked;
 
-    /* Tables: the depths of palette blocks laid out once more, so that shaders need a quarter of the time. Lights whose words the
-     * caller supplies have none. Of an asset, or of `baked`, vxs_gl_create makes them, in up to three times the time of opening the
-     * file, and keeps them in memory until they are uploaded; if they would take more bytes than this, there are none. Of a stream,
-     * vxs_gl_upload makes them for each page, in place of its words; this many bytes are allocated on the GPU, and where a page finds
-     * no room, it stays coarse, which `log` is told once; if these are fewer than the stream's own room for pages, there are none.
+    /* Tables: the depths of palette blocks, laid out for shaders in place of words, so that they need a quarter of the time. Lights
+     * whose words the caller supplies have none. Of an asset, or of `baked`, vxs_gl_create makes them, in up to three times the
+     * time of opening the file, and keeps them in memory until they are uploaded; if they would take more bytes than this, there
+     * are none. Of a stream, vxs_gl_upload makes them page by page; this many bytes are allocated on the GPU. Where a page finds no
+     * room, it stays coarse, and `log` warns once; if these are fewer bytes than the stream's own room for pages, there are none.
      * 0: 8 times the bytes of words, or 64 MiB where that is more, or 8 times that room; 1: none */
     uint64_t most_table_bytes;
 } vxs_gl_desc;

@@ -60,8 +60,8 @@ static vxs_result measure_filter(gpu_bench *b, vxs_gl *shadows, const vxs_baked_
         gpu_row   row = {.group         = gpu_filter_names[filter],
                          .name          = name,
                          .resolution_px = 1u << light->light.levels,
-                         .bytes         = 4.0 * light->word_count + (double)vxs_gl_table_bytes(shadows),
-                         .wanted        = is_first && form != FORM_BUFFER ? v->lit[filter] : NULL};
+                         .bytes  = vxs_gl_table_bytes(shadows) ? (double)vxs_gl_table_bytes(shadows) : 4.0 * light->word_count,
+                         .wanted = is_first && form != FORM_BUFFER ? v->lit[filter] : NULL};
         r             = measure_program(b, shadows, program, v, &row, m);
         if (r != VXS_OK || !is_first || form != FORM_BUFFER) continue;
         if (!v->lit[filter]) v->lit[filter] = malloc(b->pixels * sizeof(float));
