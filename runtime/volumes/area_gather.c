@@ -129,9 +129,10 @@ static void gather_layer(const vxs_area_light *light, const vxs_area_look *look,
     for (int how = AREA_ALL_SIDES; how <= AREA_FAR; how++) {
         char names[PROGRAM_NAMES];
         if (!emits(light, how)) continue;
-        snprintf(names, sizeof names, AREA_GATHERS "%s%s%s#define VXS_AREA_EMITS %d.0\n#define VXS_ONLY_KIND %d\n",
+        snprintf(names, sizeof names, AREA_GATHERS "%s%s%s%s#define VXS_AREA_EMITS %d.0\n#define VXS_ONLY_KIND %d\n",
                  is_air ? "#define VXS_AREA_AIR\n" : "", is_air && look->maps ? AREA_TAKES_MAPS : "",
-                 v->frame.top_metres < (float)VXS_AIR_EVERYWHERE ? "" : "#define VXS_ONLY_EVERYWHERE\n", how,
+                 v->frame.top_metres < (float)VXS_AIR_EVERYWHERE ? "" : "#define VXS_ONLY_EVERYWHERE\n",
+                 how == AREA_ONE_SIDE ? "#define VXS_AIR_FACES\n" : "", how,
                  how == AREA_FAR ? VXS_LIGHT_KIND_DIRECTIONAL : VXS_LIGHT_KIND_POINT);
         gather_by(light, names, &vxs_volumes_text_area_gather_glsl, 0, look->normal_texture, wide, high);
         v->own.area.is_added = 1;

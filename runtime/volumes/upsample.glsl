@@ -15,7 +15,7 @@ const float most_scale = 4.0;
 float fogged(vec3 direction, float metres)
 {
     vec2 in_fog = vec2(0.0, metres);
-    if (VXS_AIR_HAS_TOP(vxs_frame.sizes.w) != 0) vxs_air_in_fog(vxs_frame.eye_far.y, direction.y, vxs_frame.sizes.w, in_fog);
+    if (VXS_AIR_HAS_TOP(vxs_frame.sizes.w)) vxs_air_in_fog(vxs_frame.eye_far.y, direction.y, vxs_frame.sizes.w, in_fog);
     return max(in_fog.y - in_fog.x, 1e-6);
 }
 

@@ -38,8 +38,8 @@ typedef vxs_real             vxs_real4[4];
 #else
 #define vxs_real2 vec2
 #endif
-#define VXS_MEDIUM    vxs_medium
-#define VXS_AIR_LIGHT vxs_air_light
+#define VXS_MEDIUM    const vxs_medium
+#define VXS_AIR_LIGHT const vxs_air_light
 #endif
 
 #define VXS_AIR_PI         3.14159265358979324
@@ -47,10 +47,10 @@ typedef vxs_real             vxs_real4[4];
 
 /* A shader may define VXS_ONLY_EVERYWHERE: no fog has a top, and code for a top is not compiled. */
 #ifdef VXS_ONLY_EVERYWHERE
-#define VXS_AIR_HAS_TOP(top)  0
+#define VXS_AIR_HAS_TOP(top)  false
 #define VXS_AIR_IS_BELOW(ray) false
 #else
-#define VXS_AIR_HAS_TOP(top)  ((top) < VXS_AIR_EVERYWHERE ? 1 : 0)
+#define VXS_AIR_HAS_TOP(top)  ((top) < VXS_AIR_EVERYWHERE)
 #define VXS_AIR_IS_BELOW(ray) (VXS_FIELD(ray, above) > 0.0)
 #endif
 #define VXS_AIR_RIM_LEAST 1e-3 /* least difference of the cosines between which a cone fades */
@@ -72,13 +72,29 @@ struct vxs_air_light {
     vxs_real  range_metres;  /* punctual light; 0: unlimited */
 };
 
+#ifdef VXS_C
 VXS_FN vxs_real vxs_air_dot(const vxs_real3 a, const vxs_real3 b)
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+VXS_FN vxs_real vxs_air_less(vxs_real a, vxs_real b)
+{
+    return a < b ? a : b;
+}
+
+VXS_FN vxs_real vxs_air_more(vxs_real a, vxs_real b)
+{
+    return a > b ? a : b;
+}
+#else
+#define vxs_air_dot(a, b)  dot(a, b)
+#define vxs_air_less(a, b) min(a, b)
+#define vxs_air_more(a, b) max(a, b)
+#endif
+
 /* cosine  between the directions of light before and after scattering */
-VXS_FN vxs_real vxs_air_phase(vxs_real g, vxs_real cosine)
+VXS_FN vxs_real vxs_air_phase(const vxs_real g, const vxs_real cosine)
 {
     vxs_real wide = (1.0 - g) * (1.0 - g) + 2.0 * g * (1.0 - cosine);
     return (1.0 - g * g) / (4.0 * VXS_AIR_PI * wide * sqrt(wide));
@@ -91,10 +107,10 @@ VXS_FN void vxs_air_left(VXS_MEDIUM medium, vxs_real metres, VXS_OUT vxs_real3 l
 }
 
 /* 1 - (r / range)^4, and 0 beyond the range.   per_range  1 / range; 0: unlimited */
-VXS_FN vxs_real vxs_air_window(vxs_real r, vxs_real per_range)
+VXS_FN vxs_real vxs_air_window(const vxs_real r, const vxs_real per_range)
 {
-    vxs_real part = r * per_range, square = part * part, window = 1.0 - square * square;
-    return window > 0.0 ? window : VXS_REAL(0.0);
+    vxs_real part = r * per_range, square = part * part;
+    return vxs_air_more(1.0 - square * square, VXS_REAL(0.0));
 }
 
 /* clamp(cosine * scale + offset, 0, 1)^2.   cosine  between a cone's axis and the direction from the light */
@@ -123,11 +139,10 @@ VXS_FN void vxs_air_reaches(VXS_MEDIUM medium, VXS_AIR_LIGHT light, const vxs_re
                             VXS_OUT vxs_real3 reaches)
 {
     vxs_real strength = VXS_REAL(1.0), way = VXS_REAL(0.0), metres;
-    vxs_i32  has_top = VXS_AIR_HAS_TOP(top);
     for (vxs_i32 n = 0; n < 3; n++) to_light[n] = VXS_FIELD(light, place)[n];
     if (VXS_KIND(light) == VXS_LIGHT_KIND_DIRECTIONAL) {
-        if (has_top != 0 && !(to_light[1] > 0.0)) strength = VXS_REAL(0.0);
-        if (has_top != 0 && to_light[1] > 0.0 && at[1] < top) way = (top - at[1]) / to_light[1];
+        if (VXS_AIR_HAS_TOP(top) && !(to_light[1] > 0.0)) strength = VXS_REAL(0.0);
+        if (VXS_AIR_HAS_TOP(top) && to_light[1] > 0.0 && at[1] < top) way = (top - at[1]) / to_light[1];
     } else {
         for (vxs_i32 n = 0; n < 3; n++) to_light[n] -= at[n];
         metres = sqrt(vxs_air_dot(to_light, to_light));
@@ -139,7 +154,7 @@ VXS_FN void vxs_air_reaches(VXS_MEDIUM medium, VXS_AIR_LIGHT light, const vxs_re
         if (VXS_KIND(light) != VXS_LIGHT_KIND_POINT)
             strength *= vxs_air_rim(-vxs_air_dot(to_light, VXS_FIELD(light, axis)), VXS_FIELD(light, cos_inner),
                                     VXS_FIELD(light, cos_outer));
-        way = has_top != 0 ? vxs_air_metres_below(metres, at[1], VXS_FIELD(light, place)[1], top) : metres;
+        way = VXS_AIR_HAS_TOP(top) ? vxs_air_metres_below(metres, at[1], VXS_FIELD(light, place)[1], top) : metres;
     }
     for (vxs_i32 n = 0; n < 3; n++) reaches[n] = strength * exp(-VXS_FIELD(medium, extinction)[n] * way);
 }

@@ -22,7 +22,7 @@
 typedef struct vxs_air_path vxs_air_path;
 #define VXS_AIR_PATH const vxs_air_path *
 #else
-#define VXS_AIR_PATH vxs_air_path
+#define VXS_AIR_PATH const vxs_air_path
 #endif
 
 struct vxs_air_path {
@@ -33,12 +33,11 @@ struct vxs_air_path {
 };
 
 /* Clip to a sphere about the light. */
-VXS_FN void vxs_air_in_range(vxs_real along, vxs_real beside2, vxs_real range, VXS_INOUT vxs_real2 part)
+VXS_FN void vxs_air_in_range(const vxs_real along, const vxs_real beside2, const vxs_real range, VXS_INOUT vxs_real2 part)
 {
-    vxs_real half_length = range * range - beside2;
-    half_length          = half_length > 0.0 ? sqrt(half_length) : VXS_REAL(0.0);
-    if (along - half_length > part[0]) part[0] = along - half_length;
-    if (along + half_length < part[1]) part[1] = along + half_length;
+    vxs_real half_length = sqrt(vxs_air_more(range * range - beside2, VXS_REAL(0.0)));
+    part[0]              = vxs_air_more(along - half_length, part[0]);
+    part[1]              = vxs_air_less(along + half_length, part[1]);
 }
 
 /* eye        position, metres
@@ -46,15 +45,14 @@ VXS_FN void vxs_air_in_range(vxs_real along, vxs_real beside2, vxs_real range, V
  * metres     to the surface behind the air, >= 0, finite
  * top        height (along y) of the level top of the fog; VXS_AIR_EVERYWHERE: no top
  * in_fog     [out] the part of the ray in fog: its length, if positive, dims the light of the surface */
-VXS_FN vxs_air_path vxs_air_path_of(VXS_AIR_LIGHT light, const vxs_real3 eye, const vxs_real3 direction, vxs_real metres,
-                                    vxs_real top, VXS_OUT vxs_real2 in_fog)
+VXS_FN vxs_air_path vxs_air_path_of(VXS_AIR_LIGHT light, const vxs_real3 eye, const vxs_real3 direction, const vxs_real metres,
+                                    const vxs_real top, VXS_OUT vxs_real2 in_fog)
 {
     vxs_air_path path;
     vxs_real3    to_light;
-    vxs_i32      has_top = VXS_AIR_HAS_TOP(top);
-    in_fog[0]            = VXS_REAL(0.0);
-    in_fog[1]            = metres;
-    if (has_top != 0) vxs_air_in_fog(eye[1], direction[1], top, in_fog);
+    in_fog[0] = VXS_REAL(0.0);
+    in_fog[1] = metres;
+    if (VXS_AIR_HAS_TOP(top)) vxs_air_in_fog(eye[1], direction[1], top, in_fog);
     path.begin  = in_fog[0];
     path.end    = in_fog[1];
     path.kind   = VXS_FIELD(light, kind);
@@ -63,102 +61,102 @@ VXS_FN vxs_air_path vxs_air_path_of(VXS_AIR_LIGHT light, const vxs_real3 eye, co
     for (vxs_i32 n = 0; n < 3; n++)
         to_light[n] = VXS_FIELD(light, place)[n] - (VXS_KIND(light) == VXS_LIGHT_KIND_DIRECTIONAL ? VXS_REAL(0.0) : eye[n]);
     if (VXS_KIND(light) == VXS_LIGHT_KIND_DIRECTIONAL) {
+#ifdef VXS_C
         path.passed = vxs_air_ray_of(to_light, direction, VXS_REAL(1.0)); /* not used */
+#endif
         path.cosine = vxs_air_dot(direction, to_light);
         /* light from below the horizon would have crossed infinite fog */
-        if (has_top != 0 && !(to_light[1] > 0.0)) path.end = path.begin;
-        if (has_top != 0 && to_light[1] > 0.0) {
+        if (VXS_AIR_HAS_TOP(top) && !(to_light[1] > 0.0)) path.end = path.begin;
+        if (VXS_AIR_HAS_TOP(top) && to_light[1] > 0.0) {
             path.way   = (top - eye[1] - direction[1] * path.begin) / to_light[1];
             path.slope = 1.0 - direction[1] / to_light[1];
         }
-        return path;
+    } else {
+        vxs_real2 part;
+        if (VXS_KIND(light) == VXS_LIGHT_KIND_POINT)
+            path.passed = vxs_air_ray_of(to_light, direction, VXS_FIELD(light, radius_metres));
+        else
+            path.passed = vxs_air_ray_of_spot(to_light, direction, VXS_FIELD(light, radius_metres), VXS_FIELD(light, axis),
+                                              VXS_FIELD(light, cos_inner), VXS_FIELD(light, cos_outer));
+        part[0] = vxs_air_more(path.begin, path.passed.cone[0]);
+        part[1] = vxs_air_less(path.end, path.passed.cone[1]);
+        if (VXS_AIR_HAS_TOP(top)) vxs_air_below_top(VXS_REF(path.passed), to_light[1], direction[1], top - eye[1], in_fog[0]);
+        if (VXS_FIELD(light, range_metres) > 0.0) {
+            path.passed.per_range = 1.0 / VXS_FIELD(light, range_metres);
+            vxs_air_in_range(path.passed.along, path.passed.beside * path.passed.beside, VXS_FIELD(light, range_metres), part);
+        }
+        path.begin = part[0];
+        path.end   = vxs_air_more(part[1], part[0]);
     }
-    vxs_real2 part;
-    part[0] = path.begin;
-    part[1] = path.end;
-    if (VXS_KIND(light) == VXS_LIGHT_KIND_POINT)
-        path.passed = vxs_air_ray_of(to_light, direction, VXS_FIELD(light, radius_metres));
-    else {
-        path.passed = vxs_air_ray_of_spot(to_light, direction, VXS_FIELD(light, radius_metres), VXS_FIELD(light, axis),
-                                          VXS_FIELD(light, cos_inner), VXS_FIELD(light, cos_outer));
-        vxs_air_in_cone(VXS_REF(path.passed), VXS_FIELD(light, cos_outer), part);
-    }
-    if (has_top != 0) vxs_air_below_top(VXS_REF(path.passed), to_light[1], direction[1], top - eye[1], in_fog[0]);
-    if (VXS_FIELD(light, range_metres) > 0.0) {
-        path.passed.per_range = 1.0 / VXS_FIELD(light, range_metres);
-        vxs_air_in_range(path.passed.along, path.passed.beside * path.passed.beside, VXS_FIELD(light, range_metres), part);
-    }
-    path.begin = part[0];
-    path.end   = part[1] > part[0] ? part[1] : part[0];
     return path;
 }
 
 /* The point of the path from which on less than e^-depth of its airlight can come, by extinction in all channels. Marches and
  * walks can stop there. At most the path's end.
  * depth  optical depth more than at the begin */
-VXS_FN vxs_real vxs_air_seen_to(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_real depth)
+VXS_FN vxs_real vxs_air_seen_to(VXS_MEDIUM medium, VXS_AIR_PATH path, const vxs_real depth)
 {
-    vxs_real  begin = VXS_FIELD(path, begin), end = VXS_FIELD(path, end), more;
-    vxs_real2 dense;
-    vxs_air_extremes(medium, dense);
-    if (!(dense[0] * (end - begin) > 0.0)) return end;
-    more = depth / dense[0];
-    if (VXS_KIND(path) == VXS_LIGHT_KIND_DIRECTIONAL)
-        return VXS_FIELD(path, slope) * (end - begin) > more ? begin + more / VXS_FIELD(path, slope) : end;
-    if (VXS_AIR_IS_BELOW(
-            VXS_REF_OF(path, passed))) { /* bounded by the path to the eye alone: the path to the light may get shorter */
-        vxs_real fog = VXS_FIELD(path, passed).in_fog, way = vxs_air_way_at(VXS_REF_OF(path, passed), begin - fog);
-        vxs_real behind = vxs_air_way_at(VXS_REF_OF(path, passed), end - fog);
-        vxs_real seen   = fog + (way < behind ? way : behind) + more;
-        return seen < end ? seen : end;
+    vxs_real begin = VXS_FIELD(path, begin), end = VXS_FIELD(path, end), thinnest = vxs_air_thinnest(medium), seen = end;
+    if (thinnest * (end - begin) > 0.0) {
+        vxs_real more = depth / thinnest;
+        if (VXS_KIND(path) == VXS_LIGHT_KIND_DIRECTIONAL) {
+            if (VXS_FIELD(path, slope) * (end - begin) > more) seen = begin + more / VXS_FIELD(path, slope);
+        } else if (VXS_AIR_IS_BELOW(VXS_REF_OF(path, passed))) {
+            /* bounded by the path to the eye alone: the path to the light may get shorter */
+            vxs_real fog = VXS_FIELD(path, passed).in_fog, way = vxs_air_way_at(VXS_REF_OF(path, passed), begin - fog);
+            vxs_real behind = vxs_air_way_at(VXS_REF_OF(path, passed), end - fog);
+            seen            = vxs_air_less(fog + vxs_air_less(way, behind) + more, end);
+        } else {
+            vxs_real detour = vxs_air_detour(VXS_REF_OF(path, passed), begin - VXS_FIELD(path, passed).along) + more;
+            seen            = vxs_air_less(vxs_air_place_of(VXS_REF_OF(path, passed), detour), end);
+        }
     }
-    vxs_real detour = vxs_air_detour(VXS_REF_OF(path, passed), begin - VXS_FIELD(path, passed).along) + more;
-    vxs_real seen   = vxs_air_place_of(VXS_REF_OF(path, passed), detour);
-    return seen < end ? seen : end;
+    return seen;
 }
 
 /* Airlight of the path's part in [begin, end], if all of it is lit.
  * airlight  [out] for an intensity or irradiance of 1; finite, >= 0 */
-VXS_FN void vxs_air_lit(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_real begin, vxs_real end, VXS_OUT vxs_real3 airlight)
+VXS_FN void vxs_air_lit(VXS_MEDIUM medium, VXS_AIR_PATH path, const vxs_real begin, const vxs_real end, VXS_OUT vxs_real3 airlight)
 {
-    vxs_real first = begin > VXS_FIELD(path, begin) ? begin : VXS_FIELD(path, begin);
-    vxs_real last  = end < VXS_FIELD(path, end) ? end : VXS_FIELD(path, end);
+    vxs_real first = vxs_air_more(begin, VXS_FIELD(path, begin)), last = vxs_air_less(end, VXS_FIELD(path, end));
     airlight[0] = airlight[1] = airlight[2] = VXS_REAL(0.0);
-    if (!(last > first)) return;
-    if (VXS_KIND(path) == VXS_LIGHT_KIND_DIRECTIONAL)
-        vxs_air_sun(medium, VXS_FIELD(path, cosine), last - first,
-                    VXS_FIELD(path, way) + VXS_FIELD(path, slope) * (first - VXS_FIELD(path, begin)), VXS_FIELD(path, slope),
-                    airlight);
-    else
-        vxs_air_punctual(medium, VXS_REF_OF(path, passed), first, last - first, airlight);
-    for (vxs_i32 i = 0; i < 3; i++) /* differences of nearly equal numbers */
-        if (airlight[i] < 0.0) airlight[i] = VXS_REAL(0.0);
+    if (last > first) {
+        if (VXS_KIND(path) == VXS_LIGHT_KIND_DIRECTIONAL)
+            vxs_air_sun(medium, VXS_FIELD(path, cosine), last - first,
+                        VXS_FIELD(path, way) + VXS_FIELD(path, slope) * (first - VXS_FIELD(path, begin)), VXS_FIELD(path, slope),
+                        airlight);
+        else
+            vxs_air_punctual(medium, VXS_REF_OF(path, passed), first, last - first, airlight);
+    }
+    for (vxs_i32 i = 0; i < 3; i++)
+        airlight[i] = vxs_air_more(VXS_REAL(0.0), airlight[i]); /* differences of nearly equal numbers */
 }
 
 /* Light per metre that scatters toward the eye at x, without extinction.
  * way  [out] length of the path through the medium over x, and its derivative */
-VXS_FN vxs_real vxs_air_strength_at(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_real x, VXS_OUT vxs_real2 way)
+VXS_FN vxs_real vxs_air_strength_at(VXS_MEDIUM medium, VXS_AIR_PATH path, const vxs_real x, VXS_OUT vxs_real2 way)
 {
-    vxs_real g = VXS_FIELD(medium, anisotropy);
+    vxs_real cosine = VXS_FIELD(path, cosine), strength = VXS_REAL(1.0), distance2 = VXS_REAL(1.0);
     if (VXS_KIND(path) == VXS_LIGHT_KIND_DIRECTIONAL) {
         way[1] = VXS_FIELD(path, slope);
         way[0] = VXS_FIELD(path, way) + way[1] * (x - VXS_FIELD(path, begin));
-        return vxs_air_phase(g, VXS_FIELD(path, cosine));
+    } else {
+        vxs_real h = VXS_FIELD(path, passed).beside, y = x - VXS_FIELD(path, passed).along, r = sqrt(h * h + y * y);
+        vxs_real metres = x - VXS_FIELD(path, passed).in_fog;
+        if (VXS_AIR_HAS_RIM)
+            strength =
+                vxs_air_rim_at(VXS_REF_OF(path, passed), (VXS_FIELD(path, passed).before + y * VXS_FIELD(path, passed).facing) / r);
+        strength *= vxs_air_window(r, VXS_FIELD(path, passed).per_range);
+        way[0]    = vxs_air_way(VXS_REF_OF(path, passed), metres, r);
+        way[1]    = vxs_air_way_rate(VXS_REF_OF(path, passed), metres, r, y / r);
+        cosine    = -y / r;
+        distance2 = r * r;
     }
-    vxs_real h = VXS_FIELD(path, passed).beside, y = x - VXS_FIELD(path, passed).along, r = sqrt(h * h + y * y);
-    vxs_real metres = x - VXS_FIELD(path, passed).in_fog,
-             rim    = (VXS_FIELD(path, passed).before + y * VXS_FIELD(path, passed).facing) / r;
-    rim             = rim * VXS_FIELD(path, passed).rim_scale + VXS_FIELD(path, passed).rim_offset;
-    rim             = rim < 0.0 ? VXS_REAL(0.0) : rim > 1.0 ? VXS_REAL(1.0) : rim;
-    rim *= VXS_FIELD(path, passed).is_face != 0 ? VXS_REAL(1.0) : rim;
-    rim *= vxs_air_window(r, VXS_FIELD(path, passed).per_range);
-    way[0] = vxs_air_way(VXS_REF_OF(path, passed), metres, r);
-    way[1] = vxs_air_way_rate(VXS_REF_OF(path, passed), metres, r, y / r);
-    return rim * vxs_air_phase(g, -y / r) / (r * r);
+    return strength * vxs_air_phase(VXS_FIELD(medium, anisotropy), cosine) / distance2;
 }
 
 /* Airlight per metre at x, on the path. */
-VXS_FN void vxs_air_at(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_real x, VXS_OUT vxs_real3 airlight)
+VXS_FN void vxs_air_at(VXS_MEDIUM medium, VXS_AIR_PATH path, const vxs_real x, VXS_OUT vxs_real3 airlight)
 {
     vxs_real2 way;
     vxs_real  strength = vxs_air_strength_at(medium, path, x, way);
@@ -169,7 +167,7 @@ VXS_FN void vxs_air_at(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_real x, VXS_OUT
 
 /* The same, averaged over a step of `metres` about x. Transmittance is averaged, so that in thick fog long steps give the same
  * airlight as short ones. */
-VXS_FN void vxs_air_step(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_real x, vxs_real metres, VXS_OUT vxs_real3 airlight)
+VXS_FN void vxs_air_step(VXS_MEDIUM medium, VXS_AIR_PATH path, const vxs_real x, const vxs_real metres, VXS_OUT vxs_real3 airlight)
 {
     vxs_real2 way;
     vxs_real  strength = vxs_air_strength_at(medium, path, x, way), change = vxs_abs(way[1]) * metres;

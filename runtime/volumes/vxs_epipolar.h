@@ -43,9 +43,9 @@ typedef struct vxs_epipolar_ray  vxs_epipolar_ray;
 #define VXS_EPIPOLAR_VIEW const vxs_epipolar_view *
 #define VXS_EPIPOLAR_RAY  const vxs_epipolar_ray *
 #else
-#define VXS_EPIPOLAR      vxs_epipolar
-#define VXS_EPIPOLAR_VIEW vxs_epipolar_view
-#define VXS_EPIPOLAR_RAY  vxs_epipolar_ray
+#define VXS_EPIPOLAR      const vxs_epipolar
+#define VXS_EPIPOLAR_VIEW const vxs_epipolar_view
+#define VXS_EPIPOLAR_RAY  const vxs_epipolar_ray
 #endif
 
 /* The set of eye rays of a view. */

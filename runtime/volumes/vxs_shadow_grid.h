@@ -34,8 +34,8 @@ typedef struct vxs_grid_rows vxs_grid_rows;
 #define VXS_GRID_WORDS          const vxs_u32 *
 #define vxs_grid_word(words, i) (words)[i]
 #else
-#define VXS_GRID_SIZE  vxs_grid_size
-#define VXS_GRID_ROWS  vxs_grid_rows
+#define VXS_GRID_SIZE  const vxs_grid_size
+#define VXS_GRID_ROWS  const vxs_grid_rows
 #define VXS_GRID_WORDS uint
 #endif
 
