@@ -29,7 +29,7 @@ typedef int64_t                  vxs_sum; /* 64 bits: damaged records may have a
 #else
 #define vxs_sum         int
 #define VXS_SUM(x)      int(x)
-#define VXS_DEPTHS_TILE vxs_depths_tile
+#define VXS_DEPTHS_TILE const vxs_depths_tile
 #endif
 
 /* A square of texels. For each of its texels, voxels before `least` are lit, and voxels from `greatest` on are in shadow. */

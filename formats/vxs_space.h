@@ -74,7 +74,7 @@ VXS_FN vxs_real vxs_floor(vxs_real x)
 #else
 #define vxs_real     float
 #define VXS_REAL_MIN 1e-30
-#define VXS_LIGHT    vxs_light_constants
+#define VXS_LIGHT    const vxs_light_constants
 #ifdef VXS_HLSL
 #define vxs_real3 float3
 #define vxs_int3  int3
@@ -245,15 +245,15 @@ VXS_FN void vxs_ls_from_face(vxs_i32 face, const vxs_real3 turned, VXS_OUT vxs_r
 /* world to voxel -------------------------------------------------------------------------------------------------------------- */
 
 /* Coordinate `row` of a point (one = 1) or a direction (one = 0) in light space. */
+#ifdef VXS_C
 VXS_FN vxs_real vxs_ls_coordinate(VXS_LIGHT light, vxs_i32 row, const vxs_real3 ws, vxs_real one)
 {
-#ifdef VXS_C
     return VXS_LS_FROM_WS(light, row, 0) * ws[0] + VXS_LS_FROM_WS(light, row, 1) * ws[1] + VXS_LS_FROM_WS(light, row, 2) * ws[2] +
            VXS_LS_FROM_WS(light, row, 3) * one;
-#else /* the position of the origin, the largest number, is added last */
-    return dot(VXS_FIELD(light, ls_from_ws)[row].xyz, ws) + VXS_FIELD(light, ls_from_ws)[row].w * one;
-#endif
 }
+#else /* the position of the origin, the largest number, is added last */
+#define vxs_ls_coordinate(light, row, ws, one) (dot((light).ls_from_ws[row].xyz, ws) + (light).ls_from_ws[row].w * (one))
+#endif
 
 VXS_FN void vxs_ls_from_ws(VXS_LIGHT light, const vxs_real3 ws, vxs_real one, VXS_OUT vxs_real3 ls)
 {
@@ -637,6 +637,7 @@ VXS_FN vxs_i32 vxs_lit_is_full(VXS_WORDS coded, VXS_LIGHT light, const vxs_real3
 
 /* voxel to world -------------------------------------------------------------------------------------------------------------- */
 
+#ifdef VXS_C
 /* A cofactor of the matrix without its last column. */
 VXS_FN vxs_real vxs_cofactor(VXS_LIGHT light, vxs_i32 row, vxs_i32 column)
 {
@@ -654,6 +655,14 @@ VXS_FN vxs_real vxs_ws_coordinate(VXS_LIGHT light, const vxs_real3 from, vxs_i32
             from[2] * vxs_cofactor(light, 2, column)) /
            determinant;
 }
+#else
+vxs_real vxs_ws_coordinate(VXS_LIGHT light, const vxs_real3 from, const vxs_i32 column)
+{
+    vxs_real3 a = light.ls_from_ws[0].xyz, b = light.ls_from_ws[1].xyz, c = light.ls_from_ws[2].xyz, across = cross(b, c);
+    vxs_real3 ws = from[0] * across + from[1] * cross(c, a) + from[2] * cross(a, b);
+    return ws[column] / dot(a, across);
+}
+#endif
 
 /* The point in world space of map coordinates: texels u, v and depth in voxels, which may have fractions. */
 VXS_FN void vxs_ws_from_voxel(VXS_LIGHT light, vxs_i32 map, const vxs_real3 at, VXS_OUT vxs_real3 point_ws)

@@ -6,7 +6,7 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(std430, binding = VXS_PAGES_AT_WORK) restrict buffer vxs_fill_block { uint vxs_fill[]; };
 
 /* Depth of a texel of a map; 2^levels: never in shadow.   is_there  [in, out] becomes false where words are missing */
-uint vxs_depth_of(vxs_light_constants light, int map, ivec2 texel, inout bool is_there)
+uint vxs_depth_of(VXS_LIGHT light, int map, ivec2 texel, inout bool is_there)
 {
 #ifndef VXS_TABLES
     if (VXS_CODING(light) == VXS_CODING_BLOCKS) {

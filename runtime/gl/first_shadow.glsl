@@ -2,7 +2,7 @@
  * shadow from there on. */
 
 /* The first voxel in shadow of a texel of the baked map, [0, 2^levels]; 2^levels: light does not end. */
-int vxs_first_shadow(vxs_light_constants light, int map, int i, int j)
+int vxs_first_shadow(VXS_LIGHT light, int map, int i, int j)
 {
 #ifdef VXS_TABLES
     if (VXS_CODING(light) == VXS_CODING_BLOCKS)

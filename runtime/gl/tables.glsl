@@ -116,11 +116,9 @@ int vxs_table_depth(uint root, uint levels, uint i, uint j)
     return clamp(least + int(vxs_table_delta(record, i & 7u, j & 7u)), 0, 1 << levels);
 }
 
-/* Texels of tile (x, y) that are in shadow at depth k: texel (x, y) is bit x + 8y of two words. */
-uvec2 vxs_table_tile(uint root, uint levels, uint x, uint y, uint k)
+/* Texels of a tile that are in shadow at its least depth + deep: texel (x, y) is bit x + 8y of two words. */
+uvec2 vxs_table_shadow(const uint record, const int deep)
 {
-    uint  record;
-    int   deep = int(k) - vxs_table_find(root, levels, x, y, record);
     uint  bits = deep < 0 ? 0u : record >> 28, at = record & 0x0fffffffu, plane_at = at + (1u << bits) - 1u, node = 0u;
     uvec2 same = uvec2(deep < 0 ? 0u : 0xffffffffu), less = uvec2(0u); /* texels whose rank is that of k so far, or less */
     for (uint n = 0u; n < bits; n++) {
@@ -132,6 +130,14 @@ uvec2 vxs_table_tile(uint root, uint levels, uint x, uint y, uint k)
         plane_at += 2u;
     }
     return same | less;
+}
+
+/* Texels of tile (x, y) that are in shadow at depth k. */
+uvec2 vxs_table_tile(uint root, uint levels, uint x, uint y, uint k)
+{
+    uint record;
+    int  deep = int(k) - vxs_table_find(root, levels, x, y, record);
+    return vxs_table_shadow(record, deep);
 }
 
 /* 1 if voxel (i, j, k) is in shadow, else 0. */

@@ -8,6 +8,7 @@
 #define VXS_INTERVALS_WHOLE 0u
 #define VXS_INTERVALS_FIRST 1u
 #define VXS_INTERVALS_STEPS 512
+#define VXS_INTERVALS_ROUNDS 8 /* of a walk: a ray that finds a lit part waits no longer for those beside it */
 layout(std140, binding = VXS_AT_OWN) uniform vxs_intervals_block { uint piece; } vxs_pieces;
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(rgba32f, binding = VXS_AT_IMAGE) uniform restrict image2D airlight;
@@ -31,9 +32,12 @@ void main()
     vxs_span     span;
     if (in_pieces) w.pause = w.steps - VXS_INTERVALS_STEPS;
     if (VXS_KIND(vxs_frame.light) == VXS_LIGHT_KIND_DIRECTIONAL) w.outside = VXS_SPAN_LIT; /* beyond the end of its map, the sun is not shadowed */
-    while (vxs_walk_next_lit(vxs_frame.light.first_word, vxs_frame.light, w, span) != 0) {
-        vxs_air_lit(medium, path, span.begin, span.end, air);
-        sum += air;
+    while (vxs_walk_is_on(w) != 0) {
+        int found = vxs_walk_some(vxs_frame.light.first_word, vxs_frame.light, w, VXS_SPAN_LIT, VXS_INTERVALS_ROUNDS, span);
+        for (; found != 0; found = 0) { /* a loop: see vxs_walk_step */
+            vxs_air_lit(medium, path, span.begin, span.end, air);
+            sum += air;
+        }
     }
     if (w.t < w.end) atomicAdd(vxs_cut.rays, 1u);
     imageStore(airlight, pixel, vec4(before.rgb + sum * vxs_frame.colour.rgb, in_pieces ? (w.t < w.end ? w.t : 0.0) : before.a));
