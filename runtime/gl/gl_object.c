@@ -281,7 +281,6 @@ void vxs_gl_destroy(vxs_gl *gl)
     vxs_gl_free(gl, gl->constants, gl->light_count, sizeof *gl->constants);
     vxs_gl_tables_free(&gl->tables);
     vxs_gl_stream_tables_free(gl);
-    vxs_gl_free(gl, gl->table_starts, gl->light_count, sizeof *gl->table_starts);
     vxs_gl_free(gl, gl->smoke, gl->light_count, sizeof *gl->smoke);
     vxs_gl_free(gl, gl->ranges, gl->range_capacity, sizeof *gl->ranges);
     vxs_gl_free(gl, gl->pages, gl->page_count, sizeof *gl->pages);

@@ -59,9 +59,8 @@ struct vxs_gl {
     uint32_t          coming_name; /* partly uploaded: its name at that time; 0: none of its words is uploaded */
     uint32_t          coming_done; /* words of it uploaded so far */
 
-    gl_tables tables;       /* until they are uploaded; then they have no words. Of a stream: those of a page */
-    uint32_t *table_starts; /* [light_count] word 0 of lights that have tables */
-    uint32_t  table_count;  /* words of all tables, or for them; 0: shaders read words alone */
+    gl_tables tables;      /* until they are uploaded; then they have no words. Of a stream: those of a page */
+    uint32_t  table_count; /* words of all tables, or for them; 0: shaders read words alone */
 
     uint32_t  *tops;                   /* [top_count] of a stream: the tops of all lights, at top_word among all words */
     uint32_t   top_word, top_count;    /* behind them is the room for tables of pages */
@@ -156,14 +155,14 @@ vxs_result vxs_gl_stream_put(vxs_gl *gl);
 void       vxs_gl_stream_detach(vxs_gl *gl);
 uint64_t   vxs_gl_stream_upload(vxs_gl *gl, size_t room_words);
 
-/* gl_stream_tables.c. vxs_gl_stream_tables_lights: if there will be tables, set table_count, and place the lights without pages.
- * words  of the stream;   returns the word count of the lights, or `words` */
+/* gl_stream_tables.c. vxs_gl_stream_tables_lights: if there will be tables, set table_count, and place DAGs.
+ * words  of the stream;   returns the word count of DAGs, or `words` */
 uint64_t vxs_gl_stream_tables_lights(vxs_gl *gl, const vxs_gl_desc *desc, uint64_t words);
 
-/* Place tops and room behind `words` words. Returns the new word count. */
+/* Place the other lights, which begin with their tops, and room, behind `words` words. Returns the new word count. */
 uint64_t vxs_gl_stream_tables_place(vxs_gl *gl, uint64_t words);
 
-/* List the squares of pages, and queue roots, DAGs and tops. */
+/* List the squares of pages, and queue DAGs and tops. */
 vxs_result vxs_gl_stream_tables_put(vxs_gl *gl);
 
 /* Begin the tables of a page in gl->tables, and give them the largest gap. */

@@ -1,6 +1,6 @@
 /* Tables of the pages of a stream (gl_tables.h): made when a page is uploaded. Its words stay on the processor.
  *
- *     all words   root of each light, or the words of a DAG | smoke | tops of all lights | room for tables of pages
+ *     all words   words of DAGs | smoke | tops of all lights | room for tables of pages
  *
  * A page takes the largest gap in the room. If the room has none that holds it, its squares keep their coarse answer until other
  * pages leave.
@@ -18,7 +18,7 @@ static int has_blocks(const vxs_gl *gl, uint32_t light)
 
 uint64_t vxs_gl_stream_tables_lights(vxs_gl *gl, const vxs_gl_desc *desc, uint64_t words)
 {
-    uint64_t own = 0, tops = 0, room = words;
+    uint64_t dags = 0, tops = 0, room = words;
     for (uint32_t n = 0; n < gl->light_count; n++) {
         const vxs_baked_light *baked = vxs_stream_light(gl->stream, n);
         const vxs_baked_smoke *smoke = vxs_stream_smoke(gl->stream, n);
@@ -32,16 +32,23 @@ uint64_t vxs_gl_stream_tables_lights(vxs_gl *gl, const vxs_gl_desc *desc, uint64
     gl->room_count  = most;
     gl->table_count = gl->top_count + gl->room_count;
     for (uint32_t n = 0; n < gl->light_count; n++) {
-        gl->lights[n].first_word = (uint32_t)own;
-        own += has_blocks(gl, n) ? 1 : vxs_stream_light(gl->stream, n)->word_count;
+        if (has_blocks(gl, n)) continue;
+        gl->lights[n].first_word = (uint32_t)dags;
+        dags += vxs_stream_light(gl->stream, n)->word_count;
     }
-    return own;
+    return dags;
 }
 
 uint64_t vxs_gl_stream_tables_place(vxs_gl *gl, uint64_t words)
 {
-    gl->top_word   = (uint32_t)words;
+    uint32_t at    = (uint32_t)words;
+    gl->top_word   = at;
     gl->room_first = gl->top_word + gl->top_count;
+    for (uint32_t n = 0; n < gl->light_count; n++) {
+        if (!has_blocks(gl, n)) continue;
+        gl->lights[n].first_word = at;
+        at += vxs_gl_tables_square_count(gl->lights[n].light);
+    }
     return words + gl->table_count;
 }
 
@@ -52,7 +59,6 @@ static void list_squares(vxs_gl *gl)
     gl_page *first = gl->pages; /* of the light */
     for (uint32_t n = 0; n < gl->light_count; n++) {
         const vxs_baked_light *baked = vxs_stream_light(gl->stream, n);
-        gl->table_starts[n]          = gl->top_word + at;
         for (uint32_t s = 0; has_blocks(gl, n) && s < vxs_gl_tables_square_count(&baked->light); s++) {
             gl->tops[at++] = vxs_gl_tables_missing(baked, s, &page);
             if (page == UINT32_MAX) continue;
@@ -65,10 +71,9 @@ static void list_squares(vxs_gl *gl)
 
 static int make_lists(vxs_gl *gl)
 {
-    gl->table_starts = vxs_gl_alloc(gl, gl->light_count, sizeof *gl->table_starts);
-    gl->tops         = vxs_gl_alloc(gl, gl->top_count, sizeof *gl->tops);
-    gl->placed       = vxs_gl_alloc(gl, gl->page_count, sizeof *gl->placed);
-    if (!gl->table_starts || !gl->tops || (gl->page_count && !gl->placed)) return 0;
+    gl->tops   = vxs_gl_alloc(gl, gl->top_count, sizeof *gl->tops);
+    gl->placed = vxs_gl_alloc(gl, gl->page_count, sizeof *gl->placed);
+    if (!gl->tops || (gl->page_count && !gl->placed)) return 0;
     list_squares(gl);
     for (uint32_t n = 0; n < gl->page_count; n++) {
         gl->pages[n].first_square = gl->square_count;
@@ -88,8 +93,7 @@ vxs_result vxs_gl_stream_tables_put(vxs_gl *gl)
     vxs_result r = vxs_gl_put_words(gl, gl->tops, gl->top_word, gl->top_count);
     for (uint32_t n = 0; r == VXS_OK && n < gl->light_count; n++) {
         const vxs_baked_light *baked = vxs_stream_light(gl->stream, n);
-        const uint32_t        *words = has_blocks(gl, n) ? &gl->table_starts[n] : baked->words;
-        r = vxs_gl_put_words(gl, words, gl->lights[n].first_word, has_blocks(gl, n) ? 1 : baked->word_count);
+        if (!has_blocks(gl, n)) r = vxs_gl_put_words(gl, baked->words, gl->lights[n].first_word, baked->word_count);
     }
     return r;
 }
@@ -181,7 +185,7 @@ void vxs_gl_stream_tables_show(vxs_gl *gl, uint32_t number, int is_shown)
 {
     const gl_page         *page  = &gl->pages[number];
     const vxs_baked_light *baked = vxs_stream_light(gl->stream, page->light);
-    uint32_t               ignored, first_top = gl->table_starts[page->light] - gl->top_word;
+    uint32_t               ignored, first_top = gl->lights[page->light].first_word - gl->top_word;
     if (!page->first_word) return;
     for (uint32_t n = page->first_square; n < page->first_square + page->square_count; n++) {
         const gl_square *s = &gl->squares[n];

@@ -5,7 +5,7 @@
  * are taken as missing. */
 uint vxs_table_root(uint words, uint map, uint levels)
 {
-    return 0x80000000u | (vxs_word(words, 0u) + (map << (2u * max(levels, 8u) - 16u)));
+    return 0x80000000u | (words + (map << (2u * max(levels, 8u) - 16u)));
 }
 
 /* What a slope adds to k at tile (x, y) of its node, 0 to 31. */
