@@ -77,19 +77,18 @@ vec3 vxs_way_from_depth(vec2 at, float depth)
  * give no finite point end the ray at the far bound. */
 vec3 vxs_ray_of_depth(vec2 at, float depth, out float metres)
 {
-    vec3  way   = vxs_way_from_depth(at, depth);
-    float far   = dot(way, way);
-    bool  seen  = depth != vxs_frame.sizes.z && far > 0.0 && far < VXS_FAR_MOST * VXS_FAR_MOST;
-    metres      = seen ? min(sqrt(far), vxs_frame.eye_far.w) : vxs_frame.eye_far.w;
-    if (seen) return way / sqrt(far);
-    /* a pixel's direction does not depend on its depth, but some depths give no finite point */
-    for (float part = 0.5; part < 1.0; part += 0.125) {
-        way = vxs_way_from_depth(at, part);
-        far = dot(way, way);
-        if (far > 0.0 && far < VXS_FAR_MOST * VXS_FAR_MOST) return way / sqrt(far);
+    vec3 direction = vec3(0.0, 0.0, -1.0);
+    metres         = 0.0;
+    for (int n = 0; n < 5; n++) { /* a pixel's direction does not depend on its depth, but some depths give no finite point */
+        vec3  way = vxs_way_from_depth(at, n == 0 ? depth : 0.375 + 0.125 * float(n));
+        float far = dot(way, way);
+        if ((n > 0 || depth != vxs_frame.sizes.z) && far > 0.0 && far < VXS_FAR_MOST * VXS_FAR_MOST) {
+            metres    = n > 0 ? vxs_frame.eye_far.w : min(sqrt(far), vxs_frame.eye_far.w);
+            direction = way / sqrt(far);
+            break;
+        }
     }
-    metres = 0.0;
-    return vec3(0.0, 0.0, -1.0);
+    return direction;
 }
 
 /* The same of a pixel. */

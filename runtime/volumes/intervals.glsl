@@ -28,12 +28,13 @@ void main()
     float        begin = goes_on ? before.a : path.begin;
     path.end = vxs_air_seen_to(medium, path, VXS_AIR_DEPTH_MAX);
     if (!(path.end > begin)) return;
-    vxs_walk     w = vxs_walk_of(vxs_frame.light, vxs_frame.eye_far.xyz, direction, begin, path.end);
+    vxs_light_constants light = vxs_frame.light;
+    vxs_walk     w = vxs_walk_of(light, vxs_frame.eye_far.xyz, direction, begin, path.end);
     vxs_span     span;
     if (in_pieces) w.pause = w.steps - VXS_INTERVALS_STEPS;
-    if (VXS_KIND(vxs_frame.light) == VXS_LIGHT_KIND_DIRECTIONAL) w.outside = VXS_SPAN_LIT; /* beyond the end of its map, the sun is not shadowed */
+    if (VXS_KIND(light) == VXS_LIGHT_KIND_DIRECTIONAL) w.outside = VXS_SPAN_LIT; /* beyond the end of its map, the sun is not shadowed */
     while (vxs_walk_is_on(w) != 0) {
-        int found = vxs_walk_some(vxs_frame.light.first_word, vxs_frame.light, w, VXS_SPAN_LIT, VXS_INTERVALS_ROUNDS, span);
+        int found = vxs_walk_some(light.first_word, light, w, VXS_SPAN_LIT, VXS_INTERVALS_ROUNDS, span);
         for (; found != 0; found = 0) { /* a loop: see vxs_walk_step */
             vxs_air_lit(medium, path, span.begin, span.end, air);
             sum += air;

@@ -154,7 +154,9 @@ VXS_FN vxs_real vxs_air_node_way(VXS_AIR_RAY ray, VXS_AIR_PART part, const vxs_r
 {
     vxs_real h = VXS_FIELD(ray, beside), detour = VXS_FIELD(part, detour) + more;
     vxs_real way = VXS_FIELD(ray, along) - VXS_FIELD(ray, in_fog) + detour;
+#ifndef VXS_ONLY_EVERYWHERE
     if (VXS_AIR_IS_BELOW(ray)) way = vxs_air_way(ray, from + vxs_air_metres_of(ray, part, more), 0.5 * (detour + h * (h / detour)));
+#endif
     return way;
 }
 
@@ -319,10 +321,10 @@ VXS_FN void vxs_air_add_below(VXS_MEDIUM medium, VXS_AIR_RAY ray, const vxs_real
 
 VXS_FN void vxs_air_add(VXS_MEDIUM medium, VXS_AIR_RAY ray, const vxs_real begin, const vxs_real length, VXS_INOUT vxs_real3 sum)
 {
-    if (VXS_AIR_IS_BELOW(ray))
-        vxs_air_add_below(medium, ray, begin, length, sum);
-    else
-        vxs_air_add_in_fog(medium, ray, begin, length, sum);
+#ifndef VXS_ONLY_EVERYWHERE
+    if (VXS_AIR_IS_BELOW(ray)) vxs_air_add_below(medium, ray, begin, length, sum);
+#endif
+    if (!VXS_AIR_IS_BELOW(ray)) vxs_air_add_in_fog(medium, ray, begin, length, sum);
 }
 
 /* Factor of a sum of nodes, for an intensity of 1. */

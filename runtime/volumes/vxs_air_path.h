@@ -52,7 +52,9 @@ VXS_FN vxs_air_path vxs_air_path_of(VXS_AIR_LIGHT light, const vxs_real3 eye, co
     vxs_real3    to_light;
     in_fog[0] = VXS_REAL(0.0);
     in_fog[1] = metres;
+#ifndef VXS_ONLY_EVERYWHERE
     if (VXS_AIR_HAS_TOP(top)) vxs_air_in_fog(eye[1], direction[1], top, in_fog);
+#endif
     path.begin  = in_fog[0];
     path.end    = in_fog[1];
     path.kind   = VXS_FIELD(light, kind);
@@ -60,27 +62,39 @@ VXS_FN vxs_air_path vxs_air_path_of(VXS_AIR_LIGHT light, const vxs_real3 eye, co
     path.way                 = path.begin;
     for (vxs_i32 n = 0; n < 3; n++)
         to_light[n] = VXS_FIELD(light, place)[n] - (VXS_KIND(light) == VXS_LIGHT_KIND_DIRECTIONAL ? VXS_REAL(0.0) : eye[n]);
+#ifdef VXS_HAS_SUNS
     if (VXS_KIND(light) == VXS_LIGHT_KIND_DIRECTIONAL) {
 #ifdef VXS_C
         path.passed = vxs_air_ray_of(to_light, direction, VXS_REAL(1.0)); /* not used */
 #endif
         path.cosine = vxs_air_dot(direction, to_light);
+#ifndef VXS_ONLY_EVERYWHERE
         /* light from below the horizon would have crossed infinite fog */
         if (VXS_AIR_HAS_TOP(top) && !(to_light[1] > 0.0)) path.end = path.begin;
         if (VXS_AIR_HAS_TOP(top) && to_light[1] > 0.0) {
             path.way   = (top - eye[1] - direction[1] * path.begin) / to_light[1];
             path.slope = 1.0 - direction[1] / to_light[1];
         }
-    } else {
+#endif
+    }
+#endif
+#ifdef VXS_HAS_PUNCTUAL
+    if (VXS_KIND(light) != VXS_LIGHT_KIND_DIRECTIONAL) {
         vxs_real2 part;
+#if !defined(VXS_ONLY_KIND) || VXS_ONLY_KIND == 3
         if (VXS_KIND(light) == VXS_LIGHT_KIND_POINT)
             path.passed = vxs_air_ray_of(to_light, direction, VXS_FIELD(light, radius_metres));
-        else
+#endif
+#if !defined(VXS_ONLY_KIND) || VXS_ONLY_KIND != 3
+        if (VXS_KIND(light) != VXS_LIGHT_KIND_POINT)
             path.passed = vxs_air_ray_of_spot(to_light, direction, VXS_FIELD(light, radius_metres), VXS_FIELD(light, axis),
                                               VXS_FIELD(light, cos_inner), VXS_FIELD(light, cos_outer));
+#endif
         part[0] = vxs_air_more(path.begin, path.passed.cone[0]);
         part[1] = vxs_air_less(path.end, path.passed.cone[1]);
+#ifndef VXS_ONLY_EVERYWHERE
         if (VXS_AIR_HAS_TOP(top)) vxs_air_below_top(VXS_REF(path.passed), to_light[1], direction[1], top - eye[1], in_fog[0]);
+#endif
         if (VXS_FIELD(light, range_metres) > 0.0) {
             path.passed.per_range = 1.0 / VXS_FIELD(light, range_metres);
             vxs_air_in_range(path.passed.along, path.passed.beside * path.passed.beside, VXS_FIELD(light, range_metres), part);
@@ -88,6 +102,7 @@ VXS_FN vxs_air_path vxs_air_path_of(VXS_AIR_LIGHT light, const vxs_real3 eye, co
         path.begin = part[0];
         path.end   = vxs_air_more(part[1], part[0]);
     }
+#endif
     return path;
 }
 
@@ -99,17 +114,24 @@ VXS_FN vxs_real vxs_air_seen_to(VXS_MEDIUM medium, VXS_AIR_PATH path, const vxs_
     vxs_real begin = VXS_FIELD(path, begin), end = VXS_FIELD(path, end), thinnest = vxs_air_thinnest(medium), seen = end;
     if (thinnest * (end - begin) > 0.0) {
         vxs_real more = depth / thinnest;
-        if (VXS_KIND(path) == VXS_LIGHT_KIND_DIRECTIONAL) {
-            if (VXS_FIELD(path, slope) * (end - begin) > more) seen = begin + more / VXS_FIELD(path, slope);
-        } else if (VXS_AIR_IS_BELOW(VXS_REF_OF(path, passed))) {
-            /* bounded by the path to the eye alone: the path to the light may get shorter */
-            vxs_real fog = VXS_FIELD(path, passed).in_fog, way = vxs_air_way_at(VXS_REF_OF(path, passed), begin - fog);
-            vxs_real behind = vxs_air_way_at(VXS_REF_OF(path, passed), end - fog);
-            seen            = vxs_air_less(fog + vxs_air_less(way, behind) + more, end);
-        } else {
+#ifdef VXS_HAS_SUNS
+        if (VXS_KIND(path) == VXS_LIGHT_KIND_DIRECTIONAL && VXS_FIELD(path, slope) * (end - begin) > more)
+            seen = begin + more / VXS_FIELD(path, slope);
+#endif
+#ifdef VXS_HAS_PUNCTUAL
+        if (VXS_KIND(path) != VXS_LIGHT_KIND_DIRECTIONAL) {
             vxs_real detour = vxs_air_detour(VXS_REF_OF(path, passed), begin - VXS_FIELD(path, passed).along) + more;
-            seen            = vxs_air_less(vxs_air_place_of(VXS_REF_OF(path, passed), detour), end);
+            seen            = vxs_air_place_of(VXS_REF_OF(path, passed), detour);
+#ifndef VXS_ONLY_EVERYWHERE
+            if (VXS_AIR_IS_BELOW(VXS_REF_OF(path, passed))) {
+                /* bounded by the path to the eye alone: the path to the light may get shorter */
+                vxs_real fog = VXS_FIELD(path, passed).in_fog, way = vxs_air_way_at(VXS_REF_OF(path, passed), begin - fog);
+                seen = fog + vxs_air_less(way, vxs_air_way_at(VXS_REF_OF(path, passed), end - fog)) + more;
+            }
+#endif
+            seen = vxs_air_less(seen, end);
         }
+#endif
     }
     return seen;
 }
@@ -121,12 +143,16 @@ VXS_FN void vxs_air_lit(VXS_MEDIUM medium, VXS_AIR_PATH path, const vxs_real beg
     vxs_real first = vxs_air_more(begin, VXS_FIELD(path, begin)), last = vxs_air_less(end, VXS_FIELD(path, end));
     airlight[0] = airlight[1] = airlight[2] = VXS_REAL(0.0);
     if (last > first) {
+#ifdef VXS_HAS_SUNS
         if (VXS_KIND(path) == VXS_LIGHT_KIND_DIRECTIONAL)
             vxs_air_sun(medium, VXS_FIELD(path, cosine), last - first,
                         VXS_FIELD(path, way) + VXS_FIELD(path, slope) * (first - VXS_FIELD(path, begin)), VXS_FIELD(path, slope),
                         airlight);
-        else
+#endif
+#ifdef VXS_HAS_PUNCTUAL
+        if (VXS_KIND(path) != VXS_LIGHT_KIND_DIRECTIONAL)
             vxs_air_punctual(medium, VXS_REF_OF(path, passed), first, last - first, airlight);
+#endif
     }
     for (vxs_i32 i = 0; i < 3; i++)
         airlight[i] = vxs_air_more(VXS_REAL(0.0), airlight[i]); /* differences of nearly equal numbers */
@@ -137,10 +163,14 @@ VXS_FN void vxs_air_lit(VXS_MEDIUM medium, VXS_AIR_PATH path, const vxs_real beg
 VXS_FN vxs_real vxs_air_strength_at(VXS_MEDIUM medium, VXS_AIR_PATH path, const vxs_real x, VXS_OUT vxs_real2 way)
 {
     vxs_real cosine = VXS_FIELD(path, cosine), strength = VXS_REAL(1.0), distance2 = VXS_REAL(1.0);
+#ifdef VXS_HAS_SUNS
     if (VXS_KIND(path) == VXS_LIGHT_KIND_DIRECTIONAL) {
         way[1] = VXS_FIELD(path, slope);
         way[0] = VXS_FIELD(path, way) + way[1] * (x - VXS_FIELD(path, begin));
-    } else {
+    }
+#endif
+#ifdef VXS_HAS_PUNCTUAL
+    if (VXS_KIND(path) != VXS_LIGHT_KIND_DIRECTIONAL) {
         vxs_real h = VXS_FIELD(path, passed).beside, y = x - VXS_FIELD(path, passed).along, r = sqrt(h * h + y * y);
         vxs_real metres = x - VXS_FIELD(path, passed).in_fog;
         if (VXS_AIR_HAS_RIM)
@@ -152,6 +182,7 @@ VXS_FN vxs_real vxs_air_strength_at(VXS_MEDIUM medium, VXS_AIR_PATH path, const 
         cosine    = -y / r;
         distance2 = r * r;
     }
+#endif
     return strength * vxs_air_phase(VXS_FIELD(medium, anisotropy), cosine) / distance2;
 }
 
