@@ -80,12 +80,16 @@ VXS_FN vxs_i32 vxs_smoke_place(VXS_LIGHT light, const vxs_real3 point_ws, vxs_re
     vxs_real  side = VXS_REAL(VXS_I(1) << VXS_FIELD(light, levels));
     vxs_i32   map  = 0;
     vxs_ls_from_ws(light, point_ws, VXS_REAL(1.0), ls);
+#ifdef VXS_HAS_SUNS
     if (VXS_KIND(light) == VXS_LIGHT_KIND_DIRECTIONAL) {
         place[0] = ls[0];
         place[1] = ls[1];
         place[2] = ls[2] * VXS_FIELD(light, voxel_metres);
         if (!(ls[0] >= 0.0 && ls[1] >= 0.0 && ls[0] < side && ls[1] < side)) map = -1;
-    } else {
+    }
+#endif
+#ifdef VXS_HAS_PUNCTUAL
+    if (VXS_KIND(light) != VXS_LIGHT_KIND_DIRECTIONAL) {
         map = vxs_map_from_ls(light, ls);
         vxs_face_from_ls(vxs_face_of_map(light, map), ls, p);
         place[2] = p[2] > VXS_REAL_MIN ? p[2] : VXS_REAL_MIN;
@@ -93,6 +97,7 @@ VXS_FN vxs_i32 vxs_smoke_place(VXS_LIGHT light, const vxs_real3 point_ws, vxs_re
         place[1] = vxs_punctual_coordinate(light, p[1], place[2]);
         if (vxs_in_reach(light, ls) == 0) map = -1;
     }
+#endif
     place[0] = place[0] * (texels / side);
     place[1] = place[1] * (texels / side);
     return map;

@@ -567,16 +567,14 @@ VXS_FN vxs_real vxs_lit_at_place(VXS_WORDS coded, VXS_LIGHT light, vxs_place pla
         dark = vxs_shadow_taps(coded, light, place.map, place.voxel[0], place.voxel[1], k, width);
         return VXS_REAL(all - dark) / VXS_REAL(all);
     }
-#else /* one call for all that are wider, because it is inlined: a box is the smooth box about the middle of a texel */
-    if (!VXS_IS_SMOOTH(pcf) && VXS_WIDTH(width) == 1)
-        return VXS_REAL(1u - vxs_shadow_tap(coded, light, place.map, place.voxel[0], place.voxel[1], k));
-    if (!VXS_IS_SMOOTH(pcf)) {
-        place.across = 128u;
-        place.down   = 128u;
-    }
 #endif
-    all *= 65536u;
-    dark = vxs_shadow_part(coded, light, place, k, width);
+    if (VXS_IS_SMOOTH(pcf) ||
+        VXS_WIDTH(width) != 1) { /* one call for all, as it is inlined: a box is smooth about a texel's middle */
+        if (!VXS_IS_SMOOTH(pcf)) place.across = place.down = 128u;
+        all *= 65536u;
+        dark = vxs_shadow_part(coded, light, place, k, width);
+    } else
+        dark = vxs_shadow_tap(coded, light, place.map, place.voxel[0], place.voxel[1], k);
     return VXS_REAL(all - dark) / VXS_REAL(all);
 }
 
