@@ -289,20 +289,22 @@ VXS_FN vxs_u32 vxs_weighted(vxs_smooth_box box, vxs_u32 first, vxs_u32 right, vx
            box.down * ((256u - box.across) * down + box.across * both);
 }
 
-/* Shadowed part of a mask in a smooth box; x and y: first texel of the box, relative to the mask. */
-VXS_FN vxs_u32 vxs_weigh_smooth(vxs_mask mask, vxs_smooth_box box, vxs_i32 x, vxs_i32 y, vxs_i32 width_px)
+/* Shadowed part of a mask in a smooth box; x and y: first texel of the box, relative to the mask.
+ * wide  texels of the mask for one of the box: 1, or a power of two; the mask then has the texels that count, and no others */
+VXS_FN vxs_u32 vxs_weigh_smooth(vxs_mask mask, vxs_smooth_box box, vxs_i32 x, vxs_i32 y, vxs_i32 width_px, vxs_i32 wide)
 {
-    vxs_u32  columns = vxs_bits(x, x + width_px), right = vxs_bits(x + 1, x + 1 + width_px);
-    vxs_mask upper = vxs_in_rows(mask, vxs_bits(y, y + width_px)), lower = vxs_in_rows(mask, vxs_bits(y + 1, y + 1 + width_px));
+    vxs_i32  end_x = x + width_px * wide, end_y = y + width_px * wide;
+    vxs_u32  columns = vxs_bits(x, end_x), right = vxs_bits(x + wide, end_x + wide);
+    vxs_mask upper = vxs_in_rows(mask, vxs_bits(y, end_y)), lower = vxs_in_rows(mask, vxs_bits(y + wide, end_y + wide));
     return vxs_weighted(box, vxs_count_columns(upper, columns), vxs_count_columns(upper, right), vxs_count_columns(lower, columns),
                         vxs_count_columns(lower, right));
 }
 
 /* The same; where a shader has no smooth filters, of whole texels, which takes a quarter of the work. */
 #ifdef VXS_ONLY_SMOOTH
-#define vxs_weigh_mask(mask, box, x, y, width_px)                                                                                  \
-    (VXS_ONLY_SMOOTH != 0 ? vxs_weigh_smooth(mask, box, x, y, width_px)                                                            \
-                          : 65536u * vxs_count_covered(mask, x, (x) + (width_px), y, (y) + (width_px)))
+#define vxs_weigh_mask(mask, box, x, y, width_px, wide)                                                                            \
+    (VXS_ONLY_SMOOTH != 0 ? vxs_weigh_smooth(mask, box, x, y, width_px, wide)                                                      \
+                          : 65536u * vxs_count_covered(mask, x, (x) + (width_px) * (wide), y, (y) + (width_px) * (wide)))
 #else
 #define vxs_weigh_mask vxs_weigh_smooth
 #endif
@@ -329,7 +331,7 @@ VXS_FN vxs_u32 vxs_shadow_weight(VXS_WORDS dag, vxs_u32 root, vxs_u32 levels, vx
     /* one loop: nested ones would run as many rounds as the longest of each in a group of shader invocations */
     while (y < y1 && x < x1) {
         vxs_mask mask = vxs_tile(dag, root, levels, VXS_U(x) >> 3, VXS_U(y) >> 3, k);
-        sum += vxs_weigh_mask(mask, box, box.x - x, box.y - y, width_px);
+        sum += vxs_weigh_mask(mask, box, box.x - x, box.y - y, width_px, 1);
         x += 8;
         if (x >= x1) {
             x = x0 & ~7;

@@ -1197,7 +1197,7 @@ VXS_FN vxs_u32 vxs_blocks_shadow_weight(VXS_WORDS blocks, vxs_u32 map, vxs_u32 l
             block = vxs_blocks_find_block(blocks, node, (u & 7u) | ((v & 7u) << 3));
         }
         vxs_mask mask = vxs_blocks_slice(blocks, node, block, VXS_U(x) >> 3, VXS_U(y) >> 3, 0u, 32u);
-        sum += vxs_weigh_mask(mask, box, box.x - x, box.y - y, width_px);
+        sum += vxs_weigh_mask(mask, box, box.x - x, box.y - y, width_px, 1);
         x += 8;
         if (x >= covered.x1) {
             x = covered.x0 & ~7;

@@ -303,7 +303,7 @@ uint32_t vxs_dag_path_weight(vxs_dag_path *path, vxs_smooth_box box, uint32_t k,
     for (int32_t y = y0 & ~7; y < y1; y += 8)
         for (int32_t x = x0 & ~7; x < x1; x += 8) {
             vxs_mask mask = slice(path, (uint32_t)x >> 3, (uint32_t)y >> 3, k);
-            if (mask.low | mask.high) sum += vxs_weigh_mask(mask, box, box.x - x, box.y - y, width_px);
+            if (mask.low | mask.high) sum += vxs_weigh_mask(mask, box, box.x - x, box.y - y, width_px, 1);
         }
     return sum;
 }

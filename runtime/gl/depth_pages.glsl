@@ -20,7 +20,7 @@ layout(std430, binding = VXS_PAGES_AT) VXS_PAGES_ACCESS buffer vxs_pages_block {
 #define VXS_PAGES_LIGHTS (VXS_PAGES_BOUNDS + 512u * VXS_PAGES_ROOM)
 
 /* A light whose map is level `level` of the map of `light`. */
-vxs_light_constants vxs_light_of_level(vxs_light_constants light, uint level)
+vxs_light_constants vxs_light_of_level(vxs_light_constants light, const uint level)
 {
     float wider = float(1u << level), part = uintBitsToFloat((127u - level) << 23); /* 1 / wider: a division need not be exact */
     for (int row = 0; row < 3 && VXS_KIND(light) == VXS_LIGHT_KIND_DIRECTIONAL; row++) light.ls_from_ws[row] *= part;
@@ -30,12 +30,12 @@ vxs_light_constants vxs_light_of_level(vxs_light_constants light, uint level)
     return light;
 }
 
-uint vxs_last_level(vxs_light_constants light)
+uint vxs_last_level(const vxs_light_constants light)
 {
     return max(light.levels, 7u) - 7u;
 }
 
-uint vxs_depth_level(uint n, vec3 at)
+uint vxs_depth_level(const uint n, const vec3 at)
 {
     vxs_light_constants light = vxs_light_at(n);
     vec3  eye = uintBitsToFloat(uvec3(vxs_pages[0], vxs_pages[1], vxs_pages[2]));
@@ -52,7 +52,7 @@ uint vxs_depth_level(uint n, vec3 at)
 
 /* Word of the page table for page `page` of a level of map `map` of light n. Level L has 4^e pages, at most 4^6 of which are in the
  * table at a time. */
-uint vxs_page_entry(uint n, vxs_light_constants light, uint map, uint level, uvec2 page)
+uint vxs_page_entry(const uint n, const vxs_light_constants light, const uint map, const uint level, const uvec2 page)
 {
     uint last = vxs_last_level(light), wide = max(last, 6u) - 6u, narrow = min(last, 6u); /* levels of more than 64 pages a side */
     uint all  = (wide << 12) + ((4u << (2u * narrow)) - 1u) / 3u, e = min(last - level, 6u);
@@ -60,7 +60,7 @@ uint vxs_page_entry(uint n, vxs_light_constants light, uint map, uint level, uve
     return vxs_pages[VXS_PAGES_LIGHTS + n] + map * all + before + ((page.y & ((1u << e) - 1u)) << e) + (page.x & ((1u << e) - 1u));
 }
 
-uint vxs_page_tag(uvec2 page)
+uint vxs_page_tag(const uvec2 page)
 {
     return ((page.x >> 6) << 16) | ((page.y >> 6) << 21);
 }
@@ -76,7 +76,7 @@ struct vxs_taps {
     float whole; /* 256, or 1 for a box of whole texels */
 };
 
-vxs_taps vxs_taps_of(vxs_place place, vxs_filter pcf)
+vxs_taps vxs_taps_of(const vxs_place place, const vxs_filter pcf)
 {
     vxs_taps taps;
     taps.width_px = vxs_filter_width(pcf);
@@ -93,13 +93,13 @@ vxs_taps vxs_taps_of(vxs_place place, vxs_filter pcf)
 }
 
 /* Weight of texels n, counted from the first one. */
-vec2 vxs_tap_weights(vxs_taps taps, vec2 n, float part)
+vec2 vxs_tap_weights(const vxs_taps taps, const vec2 n, const float part)
 {
     return clamp(min(taps.whole * (n + 1.0) - part, taps.whole * (float(taps.width_px) - n) + part), 0.0, taps.whole);
 }
 
 /* Lit part of the taps in the atlas.   at  of the first tap;   depth  as the atlas has it */
-float vxs_lit_in_page(vxs_taps taps, vec2 at, float depth)
+float vxs_lit_in_page(const vxs_taps taps, const vec2 at, const float depth)
 {
     float lit = 0.0, across = float(taps.width_px) * taps.whole;
     for (int y = 0; y <= taps.width_px; y += 2) {
@@ -114,26 +114,44 @@ float vxs_lit_in_page(vxs_taps taps, vec2 at, float depth)
 }
 
 #ifndef VXS_PAGES_ALONE
-/* The same by lookups of the words, one for each tap.   k  at the level */
-float vxs_lit_by_words(vxs_taps taps, vxs_light_constants light, uint level, int map, int k)
+/* Texels of a tile of the baked map that are in shadow at depth k.   root  vxs_root_of the map;   at  a texel of the tile */
+vxs_mask vxs_tile_at(const vxs_light_constants light, const int map, const uint root, const uvec2 at, const uint k)
 {
-    float lit = 0.0, across = float(taps.width_px) * taps.whole;
-    int   side = 1 << (light.levels - level), middle = (1 << level) >> 1, wide = taps.width_px + 1;
-    for (int n = 0; n < wide * wide; n++) {
-        ivec2 tap    = ivec2(n % wide, n / wide), at = taps.first + tap;
-        float weight = vxs_tap_weights(taps, vec2(tap.x), taps.part.x).x * vxs_tap_weights(taps, vec2(tap.y), taps.part.y).x;
-        bool  is_in  = all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, ivec2(side)));
-        uint  dark   = 0u;
-        if (is_in && weight > 0.0)
-            dark = vxs_shadow_tap(light.first_word, light, map, (at.x << level) + middle, (at.y << level) + middle,
-                                  uint(((k + 1) << level) - 1));
-        lit += weight * float(1u - dark);
+#ifdef VXS_READS_BLOCKS
+    if (VXS_CODING(light) == VXS_CODING_BLOCKS) {
+        vxs_blocks_node node = vxs_blocks_find_node(light.first_word, uint(map), light.levels, at.x >> 8, at.y >> 8, int(k));
+        vxs_blocks_block block = vxs_blocks_find_block(light.first_word, node, ((at.x >> 5) & 7u) | (((at.y >> 5) & 7u) << 3));
+        return vxs_blocks_slice(light.first_word, node, block, at.x >> 3, at.y >> 3, 0u, 32u);
     }
-    return lit / (across * across);
+#endif
+    return vxs_tile(light.first_word, root, light.levels, at.x >> 3, at.y >> 3, k);
+}
+
+/* The same by the words, tile by tile of the baked map. A texel of a level is the one in the middle of 2^level x 2^level of that
+ * map.   k  at the level */
+float vxs_lit_by_words(const vxs_taps taps, const vxs_light_constants light, const uint level, const int map, const int k)
+{
+    int   wide = 1 << level, step = max(wide, 8), side = 1 << (light.levels - level), width = taps.width_px;
+    uint  root = vxs_root_of(light.first_word, light, map), deep = uint(((k + 1) << level) - 1), dark = 0u;
+    uvec2 middles = uvec2[5](uvec2(0xffffffffu), uvec2(0xaa00aa00u), uvec2(0x440000u), uvec2(0u, 0x10u), uvec2(1u, 0u))[min(level, 4u)];
+    ivec2 first = taps.first << level, end = min(taps.first + width + ivec2(greaterThan(taps.part, vec2(0.0))), side) << level;
+    ivec2 from = (max(first, 0) & -step) + (level > 3u ? wide >> 1 : 0), at = from;
+    vxs_smooth_box box;
+    box.across = uint(taps.part.x);
+    box.down   = uint(taps.part.y);
+    while (at.y < end.y && at.x < end.x) { /* one loop, as in vxs_shadow_weight */
+        vxs_mask mask = vxs_tile_at(light, map, root, uvec2(at), deep);
+        mask.low &= middles.x;
+        mask.high &= middles.y;
+        dark += vxs_weigh_mask(mask, box, first.x - at.x, first.y - at.y, width, wide);
+        at = at.x + step < end.x ? ivec2(at.x + step, at.y) : ivec2(from.x, at.y + step);
+    }
+    uint all = 65536u * uint(width * width);
+    return float(all - dark) / float(all);
 }
 #endif
 
-float vxs_paged_lit(uint n, uint level, vec3 at, vec3 normal, vxs_filter pcf)
+float vxs_paged_lit(const uint n, uint level, const vec3 at, const vec3 normal, const vxs_filter pcf)
 {
     vxs_light_constants light = vxs_light_at(n);
     level = min(level, vxs_last_level(light));
@@ -164,12 +182,14 @@ float vxs_paged_lit(uint n, uint level, vec3 at, vec3 normal, vxs_filter pcf)
 #ifdef VXS_PAGES_ALONE
     return 1.0;
 #else
+#ifdef VXS_READS_BLOCKS /* many words are faster to read for all tiles of a block */
     if (level == 0u) return vxs_lit_at_place(light.first_word, light, place, pcf);
+#endif
     return vxs_lit_by_words(taps, light, level, place.map, k);
 #endif
 }
 
-float vxs_paged_lit_by(uint n, vec3 at, vec3 normal, vxs_filter pcf)
+float vxs_paged_lit_by(const uint n, const vec3 at, const vec3 normal, const vxs_filter pcf)
 {
     return vxs_paged_lit(n, vxs_depth_level(n, at), at, normal, pcf);
 }

@@ -142,7 +142,7 @@ static void test_textures(void **state)
 /* pages ------------------------------------------------------------------------------------------------------------------------ */
 
 /* One answer for the point of each pixel. */
-typedef enum answer { BY_PAGES, BY_WORDS, LEVEL, MAP, ACROSS, DOWN, DEPTH, PART, ANSWERS, BY_PAGES_ALONE } answer;
+typedef enum answer { BY_PAGES, BY_WORDS, LEVEL, MAP, ACROSS, DOWN, DEPTH, PART, ANSWERS, BY_PAGES_ALONE, OF_LEVEL } answer;
 
 static const char triangle_text[] =
     "#version 430 core\n"
@@ -154,6 +154,16 @@ static const char paged_body[] =
     "uniform vec3 normal;\n"
     "void main() {\n"
     "    vec3 at;\n"
+    "#ifndef VXS_PAGES_ALONE\n"
+    "    if (asked.z == 10) { /* by the words, at level asked.w */\n"
+    "        vxs_place tap = vxs_place(0, ivec3(gl_FragCoord.xy, 0), uint(gl_FragCoord.x) * 5u & 255u, uint(gl_FragCoord.y) * 9u & "
+    "255u);\n"
+    "        vxs_light_constants of = vxs_light_at(uint(asked.x));\n"
+    "        int k = int(gl_FragCoord.x + gl_FragCoord.y) % (1 << (of.levels - uint(asked.w)));\n"
+    "        answer = vxs_lit_by_words(vxs_taps_of(tap, vxs_filter(asked.y & 255, asked.y >> 8)), of, uint(asked.w), 0, k);\n"
+    "        return;\n"
+    "    }\n"
+    "#endif\n"
     "    answer = -3.0;\n"
     "    if (!vxs_pixel_point(ivec2(gl_FragCoord.xy), at)) return;\n"
     "    uint n = uint(asked.x), level = vxs_depth_level(n, at);\n"
@@ -172,7 +182,7 @@ typedef struct paged {
     vxs_gl_depth_pages  *pages;
     vxs_depth_pages_view view;
     GLuint               depths, with_words, alone; /* the last two: programs */
-    uint32_t             light;
+    uint32_t             light, level;              /* level: of OF_LEVEL */
     vxs_filter           filter;
     float                normal[3];
 } paged;
@@ -261,7 +271,7 @@ static void answer_of(const paged *p, answer what, float *answers)
                                 p->view.view.point_from_depth);
     gl->ProgramUniform4f(program, gl->GetUniformLocation(program, "vxs_sizes"), WIDTH_PX, HEIGHT_PX, p->view.view.empty_depth, 0);
     gl->ProgramUniform4i(program, gl->GetUniformLocation(program, "asked"), (GLint)p->light, (GLint)filter_code(p->filter),
-                         what == BY_PAGES_ALONE ? BY_PAGES : what, 0);
+                         what == BY_PAGES_ALONE ? BY_PAGES : what, (GLint)p->level);
     gl->ProgramUniform3f(program, gl->GetUniformLocation(program, "normal"), p->normal[0], p->normal[1], p->normal[2]);
     gl->DrawArrays(GL_TRIANGLES, 0, 3);
     gl->ReadPixels(0, 0, WIDTH_PX, HEIGHT_PX, GL_RED, GL_FLOAT, answers);
@@ -314,6 +324,18 @@ static double count_taps(const uint32_t *depths, int32_t side, vxs_filter filter
     return (double)lit / (double)all;
 }
 
+/* Where shadow begins in a map of a level.   Returns [side][side] depths, to be freed */
+static uint32_t *depths_of_level(const vxs_baked_light *baked, int map, uint32_t level)
+{
+    size_t             side = (size_t)1 << (baked->light.levels - level);
+    vxs_depth_map_desc desc = {
+        .struct_size = sizeof desc, .map = map, .wide_px = (uint32_t)side, .high_px = (uint32_t)side, .shift = level};
+    desc.voxels = malloc(side * side * sizeof *desc.voxels);
+    assert_int_equal(vxs_depth_map(baked, &desc, NULL), VXS_OK);
+    for (size_t t = 0; t < side * side; t++) desc.voxels[t] >>= level;
+    return desc.voxels;
+}
+
 /* Answers against taps that are counted one by one.   Returns how many are neither lit nor dark */
 static uint32_t check_counted(const paged *p, const float *lit)
 {
@@ -327,16 +349,7 @@ static uint32_t check_counted(const paged *p, const float *lit)
         if (told[MAP][n] < -2) continue; /* nothing is seen there */
         if (map >= 0 && k >= 0) {
             uint32_t **depths = &maps[map][level];
-            if (!*depths) {
-                vxs_depth_map_desc desc = {.struct_size = sizeof desc,
-                                           .map         = map,
-                                           .wide_px     = (uint32_t)side,
-                                           .high_px     = (uint32_t)side,
-                                           .shift       = (uint32_t)level};
-                *depths = desc.voxels = malloc((size_t)side * (size_t)side * sizeof **depths);
-                assert_int_equal(vxs_depth_map(baked, &desc, NULL), VXS_OK);
-                for (int t = 0; t < side * side; t++) (*depths)[t] >>= level;
-            }
+            if (!*depths) *depths = depths_of_level(baked, map, (uint32_t)level);
             wanted = count_taps(*depths, side, p->filter, (int)told[ACROSS][n], (int)told[DOWN][n], k < side ? k : side - 1,
                                 (uint32_t)told[PART][n]);
         }
@@ -419,6 +432,39 @@ static void test_pages_of_words(void **state)
 {
     (void)state;
     check_pages(1);
+}
+
+/* Levels by the words alone, up to maps of eight texels: more than views of the sample have. */
+static void test_levels_of_words(void **state)
+{
+    static const vxs_filter filters[] = {{9, 0}, {9, 1}, {1, 0}};
+    static float            lit[QUERIES];
+    (void)state;
+    for (uint64_t most_table_bytes = 0; most_table_bytes < 2; most_table_bytes++) {
+        frame    f      = frame_make(most_table_bytes);
+        paged    p      = paged_make(&f, NULL);
+        uint32_t partly = 0;
+        for (p.light = SUN; p.light <= SPOT; p.light++)
+            for (p.level = 0; p.level <= 6; p.level++) {
+                const vxs_baked_light *baked  = vxs_asset_light(f.s.full, p.light);
+                int32_t                side   = 1 << (baked->light.levels - p.level);
+                uint32_t              *depths = depths_of_level(baked, 0, p.level);
+                p.filter                      = filters[(p.light + p.level) % 3];
+                answer_of(&p, OF_LEVEL, lit);
+                for (int32_t n = 0; n < QUERIES; n++) {
+                    int32_t  x = n % WIDTH_PX, y = n / WIDTH_PX;
+                    uint32_t part   = ((uint32_t)x * 5 & 255) | ((uint32_t)y * 9 & 255) << 8;
+                    double   wanted = count_taps(depths, side, p.filter, x, y, (x + y + 1) % side, part);
+                    if (!(fabs((double)lit[n] - wanted) <= 1e-6))
+                        fail_msg("light %u, level %u, %d %d: %.9g, expected %.9g", p.light, p.level, x, y, (double)lit[n], wanted);
+                    partly += wanted > 0 && wanted < 1;
+                }
+                free(depths);
+            }
+        assert_true(partly > QUERIES / 4);
+        paged_free(&p);
+        frame_free(&f);
+    }
 }
 
 /* An atlas that is too small for any view: pages come and go, and answers stay. */
@@ -626,9 +672,10 @@ static void test_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_textures),    cmocka_unit_test(test_pages),     cmocka_unit_test(test_pages_of_words),
-        cmocka_unit_test(test_small_atlas), cmocka_unit_test(test_large_map), cmocka_unit_test(test_stream),
-        cmocka_unit_test(test_lists),       cmocka_unit_test(test_state),     cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_textures),        cmocka_unit_test(test_pages),       cmocka_unit_test(test_pages_of_words),
+        cmocka_unit_test(test_levels_of_words), cmocka_unit_test(test_small_atlas), cmocka_unit_test(test_large_map),
+        cmocka_unit_test(test_stream),          cmocka_unit_test(test_lists),       cmocka_unit_test(test_state),
+        cmocka_unit_test(test_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
