@@ -94,7 +94,7 @@ def volumes_rows(scene, group, view, side_px, names):
 def measure_volumes(args, clock, program, scene, group, view, side_px, options, names):
     """(A part of the report without what all parts have, None), or (None, why there is none)."""
     is_less = program == "area" and clock == "wall"  # llvmpipe draws a fifth of the sides, and shadows of fewer points
-    width, height = (int(px) // (5 if is_less else 1) for px in args.size.split("x"))
+    width, height = (max(16, int(px) // (5 if is_less else 1)) for px in args.size.split("x"))
     out = args.folder / "volumes.json"
     out.unlink(missing_ok=True)
     print(f"{group}, {width} x {height}", flush=True)
