@@ -93,14 +93,14 @@ def volumes_rows(scene, group, view, side_px, names):
 
 def measure_volumes(args, clock, program, scene, group, view, side_px, options, names):
     """(A part of the report without what all parts have, None), or (None, why there is none)."""
-    is_less = program == "area" and clock == "wall"  # llvmpipe draws a fifth of the sides, and shadows of fewer points
+    is_less = program == "area" and clock != "timer"  # llvmpipe draws a fifth of the sides, and shadows of fewer points
     width, height = (max(16, int(px) // (5 if is_less else 1)) for px in args.size.split("x"))
     out = args.folder / "volumes.json"
     out.unlink(missing_ok=True)
     print(f"{group}, {width} x {height}", flush=True)
     done = subprocess.run([args.gpu.with_name(program), *([args.folder / scene] if scene else []), *options, "--width", str(width), "--height", str(height),
                            *(["--apart", str(max(1, width // AREA_RAYS)), "--points", "16384" if is_less else "262144"] if program == "area" else []), *(word for name in names for word in ("--cell", name)),
-                           "--gl", os.environ.get("VXS_GL", "osmesa"), "--clock", clock, "--rounds", str(min(args.runs, 3 if clock == "wall" else 15)),
+                           "--gl", os.environ.get("VXS_GL", "osmesa"), "--clock", clock, "--rounds", str(min(args.runs, 15 if clock == "timer" else 3)),
                            "--json", out, "--force"], stdout=subprocess.DEVNULL)
     if done.returncode:
         return None, f"{group}: exit status {done.returncode}"

@@ -20,10 +20,10 @@ SMALL_PART = 0.02  # of every bar: joined into "others"
 
 
 def draw(path, names, script):
-    """names: of the key below the axis, which has three columns, or two of many names."""
-    columns = 3 if len(names) <= 12 else 2
+    """names: of the key below the axis, which has as many columns as gnuplot finds room for, at most 3."""
+    columns = max(1, min(3, 360 // (45 + 8 * max(map(len, names)))))
     rows = -(-len(names) // columns)
-    head = HEAD.format(columns=columns, height=380 if columns == 3 else 300 + 20 * rows)
+    head = HEAD.format(columns=columns, height=max(380, 300 + 20 * rows))
     head += f"set bmargin {3.7 + 1.1 * rows}\nset output {quoted(path)}\n"
     subprocess.run(["gnuplot", "-d", "-"], input=head + script, text=True, check=True)
 
