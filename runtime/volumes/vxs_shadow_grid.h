@@ -176,20 +176,6 @@ VXS_FN vxs_real vxs_grid_lit_part_of(VXS_GRID_WORDS words, VXS_GRID_SIZE size, v
  * before this text. */
 #ifdef vxs_grid_left
 #define VXS_GRID_DIMS
-/* Mean transmittance of smoke along a fully lit path, weighted by airlight, from `places` samples. */
-VXS_FN vxs_real vxs_grid_left_along(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_i32 places)
-{
-    vxs_real  step = (VXS_FIELD(path, end) - VXS_FIELD(path, begin)) / VXS_REAL(places), all = VXS_REAL(0.0), left = VXS_REAL(0.0);
-    vxs_real3 now;
-    for (vxs_i32 n = 0; n < places; n++) {
-        vxs_real x = VXS_FIELD(path, begin) + (VXS_REAL(n) + 0.5) * step;
-        vxs_air_at(medium, path, x, now);
-        vxs_real weight = now[0] + now[1] + now[2];
-        all += weight;
-        left += weight * vxs_grid_left(x);
-    }
-    return all > 0.0 ? left / all : VXS_REAL(1.0);
-}
 #else
 #define vxs_grid_left(metres) VXS_REAL(1.0)
 #endif
@@ -237,22 +223,34 @@ VXS_FN void vxs_grid_airlight_of(VXS_GRID_WORDS words, VXS_EPIPOLAR space, VXS_G
         same = VXS_REAL(eye_lit);
     for (vxs_i32 i = 0; i < 3; i++) all[i] = lit[i] = VXS_REAL(0.0);
     if (same >= 0.0) parts = 0;
-#ifdef VXS_GRID_DIMS
-    if (same > 0.0) same *= vxs_grid_left_along(medium, path, runs);
+#ifdef VXS_GRID_DIMS /* smoke dims fully lit paths, too: by the mean of even runs */
+    if (same > 0.0) parts = runs;
 #endif
 
     vxs_real bit = before[2], behind = before[3];
     for (vxs_i32 n = 0; n < parts; n++) {
-        vxs_i32   a = first + count * n / parts, b = first + count * (n + 1) / parts;
-        vxs_real  part = vxs_grid_lit_part_of(words, size, column, rows, a, b), next = n + 1 < parts ? VXS_REAL(b) : behind;
-        vxs_real2 turned;
-        next = next > bit ? next : bit;
-        vxs_epipolar_turn_of(space, vxs_grid_place(VXS_FIELD(space, phi), 0.5 * (bit + next), bits), turned);
-        vxs_real x = vxs_epipolar_distance(space, ray, turned, end), weight = next - bit;
-        x = x > begin ? x : begin;
-        if (away > 0.0) { /* the length of a bit is proportional to the squared distance from the light, also inside its radius */
-            vxs_real y = x - away * VXS_FIELD(ray, cosine), h = away * VXS_FIELD(ray, sine);
-            weight *= h * h + y * y;
+        vxs_real x, part, weight;
+#ifdef VXS_GRID_DIMS
+        x    = begin + (VXS_REAL(n) + 0.5) * ((end - begin) / VXS_REAL(parts));
+        part = weight = VXS_REAL(1.0);
+        if (same < 0.0)
+#endif
+        {
+            vxs_i32   a = first + count * n / parts, b = first + count * (n + 1) / parts;
+            vxs_real  next = n + 1 < parts ? VXS_REAL(b) : behind;
+            vxs_real2 turned;
+            next = next > bit ? next : bit;
+            part = vxs_grid_lit_part_of(words, size, column, rows, a, b);
+            vxs_epipolar_turn_of(space, vxs_grid_place(VXS_FIELD(space, phi), 0.5 * (bit + next), bits), turned);
+            x      = vxs_epipolar_distance(space, ray, turned, end);
+            x      = x > begin ? x : begin;
+            weight = next - bit;
+            bit    = next;
+            /* the length of a bit is proportional to the squared distance from the light, also inside its radius */
+            if (away > 0.0) {
+                vxs_real y = x - away * VXS_FIELD(ray, cosine), h = away * VXS_FIELD(ray, sine);
+                weight *= h * h + y * y;
+            }
         }
         if (part > 0.0) part *= vxs_grid_left(x);
         vxs_air_at(medium, path, x, now);
@@ -260,8 +258,10 @@ VXS_FN void vxs_grid_airlight_of(VXS_GRID_WORDS words, VXS_EPIPOLAR space, VXS_G
             all[i] += weight * now[i];
             lit[i] += part * (weight * now[i]);
         }
-        bit = next;
     }
+#ifdef VXS_GRID_DIMS
+    if (same > 0.0) same = all[0] + all[1] + all[2] > 0.0 ? (lit[0] + lit[1] + lit[2]) / (all[0] + all[1] + all[2]) : VXS_REAL(1.0);
+#endif
     vxs_air_lit(medium, path, begin, end, airlight);
     for (vxs_i32 i = 0; i < 3; i++) airlight[i] *= same >= 0.0 ? same : all[i] > 0.0 ? lit[i] / all[i] : VXS_REAL(0.0);
 }
