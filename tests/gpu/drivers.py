@@ -18,8 +18,7 @@ import kit  # noqa: E402
 TIMEOUT_S = 1800
 LAVAPIPE = "/usr/share/vulkan/icd.d/lvp_icd.*.json"
 # what fails and is not repaired yet
-KNOWN = {("zink", "test_area_uses"): "test_baked_lights: words of the asset read as 0 while a depth map is filled; the cause is not known",
-         ("softpipe", "test_shaders"): "test_positions: GLSL ES 3.10 finds another voxel at a position; the cause is not known"}
+KNOWN = {("zink", "test_area_uses"): "test_baked_lights: words of the asset read as 0 while a depth map is filled; the cause is not known"}
 
 # Mesa's interpreter of shaders says that it has OpenGL 3.3, because it lacks tessellation. The override makes its other functions of 4.5
 # known. These programs look words up in textures and buffers; the others take too long there.
