@@ -58,7 +58,7 @@ def run(job):
 def main():
     parser = argparse.ArgumentParser(description="Run the unit programs that draw with several OpenGL drivers.")
     parser.add_argument("--build", type=pathlib.Path, required=True, help="folder of a build")
-    parser.add_argument("--driver", help="this one alone")
+    parser.add_argument("--driver", choices=["llvmpipe", "softpipe", "zink"], help="this one alone")
     options = parser.parse_args()
     programs = list(kit.drawing(options.build))
     with tempfile.TemporaryDirectory() as folder, concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
