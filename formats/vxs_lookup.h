@@ -302,9 +302,15 @@ VXS_FN vxs_u32 vxs_weigh_smooth(vxs_mask mask, vxs_smooth_box box, vxs_i32 x, vx
 
 /* The same; where a shader has no smooth filters, of whole texels, which takes a quarter of the work. */
 #ifdef VXS_ONLY_SMOOTH
-#define vxs_weigh_mask(mask, box, x, y, width_px, wide)                                                                            \
-    (VXS_ONLY_SMOOTH != 0 ? vxs_weigh_smooth(mask, box, x, y, width_px, wide)                                                      \
-                          : 65536u * vxs_count_covered(mask, x, (x) + (width_px) * (wide), y, (y) + (width_px) * (wide)))
+VXS_FN vxs_u32 vxs_weigh_mask(vxs_mask mask, vxs_smooth_box box, vxs_i32 x, vxs_i32 y, vxs_i32 width_px, vxs_i32 wide)
+{
+    vxs_u32 part;
+    if (VXS_ONLY_SMOOTH != 0)
+        part = vxs_weigh_smooth(mask, box, x, y, width_px, wide);
+    else
+        part = 65536u * vxs_count_covered(mask, x, x + width_px * wide, y, y + width_px * wide);
+    return part;
+}
 #else
 #define vxs_weigh_mask vxs_weigh_smooth
 #endif
