@@ -184,27 +184,27 @@ vxs_filter vxs_smooth(int width_px)
 /* Axis n (0 across, 1 down, 2 away from the light) of face `face` of a cube, as an axis of light space. Face 2a looks along
  * axis a; the next two axes in cyclic order are across and down. Face 2a + 1 looks against axis a; there across and down are
  * exchanged, so that the face stays right-handed. */
-VXS_FN vxs_i32 vxs_ls_axis_from_face(vxs_i32 face, vxs_i32 n)
+VXS_FN vxs_i32 vxs_ls_axis_from_face(const vxs_i32 face, const vxs_i32 n)
 {
     vxs_i32 after = n < 2 ? 1 + (n ^ (face & 1)) : 0;
     return (face / 2 + after) % 3;
 }
 
 /* The inverse: the axis of the face, 0 to 2 as above, that is axis `axis` of light space. */
-VXS_FN vxs_i32 vxs_face_axis_from_ls(vxs_i32 face, vxs_i32 axis)
+VXS_FN vxs_i32 vxs_face_axis_from_ls(const vxs_i32 face, const vxs_i32 axis)
 {
     vxs_i32 after = (axis + 3 - face / 2) % 3;
     return after == 0 ? 2 : (after - 1) ^ (face & 1);
 }
 
 /* -1 if the face looks against its axis, else 1. */
-VXS_FN vxs_real vxs_face_sign(vxs_i32 face)
+VXS_FN vxs_real vxs_face_sign(const vxs_i32 face)
 {
     return (face & 1) != 0 ? VXS_REAL(-1.0) : VXS_REAL(1.0);
 }
 
 /* The cube face of a map. The single map of a light without six maps has the axes of light space, as face 4 has. */
-VXS_FN vxs_i32 vxs_face_of_map(VXS_LIGHT light, vxs_i32 map)
+VXS_FN vxs_i32 vxs_face_of_map(VXS_LIGHT light, const vxs_i32 map)
 {
     return VXS_IS_CUBE(light) ? map : 4;
 }
@@ -223,7 +223,7 @@ VXS_FN vxs_i32 vxs_map_from_ls(VXS_LIGHT light, const vxs_real3 ls)
 }
 
 /* Light space to the space of a face: across, down, and away from the light. */
-VXS_FN void vxs_face_from_ls(vxs_i32 face, const vxs_real3 ls, VXS_OUT vxs_real3 turned)
+VXS_FN void vxs_face_from_ls(const vxs_i32 face, const vxs_real3 ls, VXS_OUT vxs_real3 turned)
 {
     turned[0] = ls[vxs_ls_axis_from_face(face, 0)];
     turned[1] = ls[vxs_ls_axis_from_face(face, 1)];
@@ -231,7 +231,7 @@ VXS_FN void vxs_face_from_ls(vxs_i32 face, const vxs_real3 ls, VXS_OUT vxs_real3
 }
 
 /* The inverse of vxs_face_from_ls. */
-VXS_FN void vxs_ls_from_face(vxs_i32 face, const vxs_real3 turned, VXS_OUT vxs_real3 ls)
+VXS_FN void vxs_ls_from_face(const vxs_i32 face, const vxs_real3 turned, VXS_OUT vxs_real3 ls)
 {
     vxs_real3 p;
     p[0]  = turned[0];
@@ -255,7 +255,7 @@ VXS_FN vxs_real vxs_ls_coordinate(VXS_LIGHT light, vxs_i32 row, const vxs_real3 
 #define vxs_ls_coordinate(light, row, ws, one) (dot((light).ls_from_ws[row].xyz, ws) + (light).ls_from_ws[row].w * (one))
 #endif
 
-VXS_FN void vxs_ls_from_ws(VXS_LIGHT light, const vxs_real3 ws, vxs_real one, VXS_OUT vxs_real3 ls)
+VXS_FN void vxs_ls_from_ws(VXS_LIGHT light, const vxs_real3 ws, const vxs_real one, VXS_OUT vxs_real3 ls)
 {
     ls[0] = vxs_ls_coordinate(light, 0, ws, one);
     ls[1] = vxs_ls_coordinate(light, 1, ws, one);
@@ -419,7 +419,7 @@ VXS_FN vxs_i32 vxs_in_reach(VXS_LIGHT light, const vxs_real3 ls)
 }
 
 /* u or v in the map of a spot or point light, for a point at `across` metres along that axis and z away from the light. */
-VXS_FN vxs_real vxs_punctual_coordinate(VXS_LIGHT light, vxs_real across, vxs_real z)
+VXS_FN vxs_real vxs_punctual_coordinate(VXS_LIGHT light, const vxs_real across, const vxs_real z)
 {
     return 0.5 * VXS_REAL(VXS_I(1) << VXS_FIELD(light, levels)) + across / z / VXS_FIELD(light, texel_metres);
 }
@@ -499,7 +499,7 @@ VXS_FN vxs_i32 vxs_voxel_from_ws(VXS_LIGHT light, const vxs_real3 point_ws, cons
 #endif
 
 /* Where the root of a map of a DAG is; or what vxs_tile takes for a map with tables. */
-VXS_FN vxs_u32 vxs_root_of(VXS_WORDS dag, VXS_LIGHT light, vxs_i32 map)
+VXS_FN vxs_u32 vxs_root_of(VXS_WORDS dag, VXS_LIGHT light, const vxs_i32 map)
 {
 #ifdef VXS_READS_TABLES
     if (VXS_CODING(light) == VXS_CODING_BLOCKS) return vxs_table_root(dag, VXS_U(map), VXS_FIELD(light, levels));
@@ -508,7 +508,7 @@ VXS_FN vxs_u32 vxs_root_of(VXS_WORDS dag, VXS_LIGHT light, vxs_i32 map)
 }
 
 /* 1 if voxel (i, j, k) of a map is in shadow, else 0; each of i, j, k in [0, 2^levels).   coded  the words of the light */
-VXS_FN vxs_u32 vxs_shadow_tap(VXS_WORDS coded, VXS_LIGHT light, vxs_i32 map, vxs_i32 i, vxs_i32 j, vxs_u32 k)
+VXS_FN vxs_u32 vxs_shadow_tap(VXS_WORDS coded, VXS_LIGHT light, const vxs_i32 map, const vxs_i32 i, const vxs_i32 j, const vxs_u32 k)
 {
 #ifdef VXS_READS_BOTH
     if (VXS_CODING(light) != VXS_CODING_BLOCKS)

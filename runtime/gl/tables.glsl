@@ -3,20 +3,20 @@
 #define VXS_TABLES
 /* What vxs_tile takes for a map of a light of palette blocks: 0x80000000 | where its squares start; and 0x40000000, if loaded pages
  * are taken as missing. */
-uint vxs_table_root(uint words, uint map, uint levels)
+uint vxs_table_root(const uint words, const uint map, const uint levels)
 {
     return 0x80000000u | (words + (map << (2u * max(levels, 8u) - 16u)));
 }
 
 /* What a slope adds to k at tile (x, y) of its node, 0 to 31. */
-int vxs_table_slope(uint slope, int x, int y)
+int vxs_table_slope(const uint slope, const int x, const int y)
 {
     int across = int(slope << 16) >> 16, down = int(slope) >> 16;
     return (across * (across < 0 ? x - 31 : x) + down * (down < 0 ? y - 31 : y)) >> 8;
 }
 
 /* Greatest delta of a record. */
-uint vxs_table_last(uint record)
+uint vxs_table_last(const uint record)
 {
     uint last = 0u, node = 0u, at = record & 0x0fffffffu;
     for (uint n = record >> 28; n > 0u; n--) {
@@ -28,7 +28,7 @@ uint vxs_table_last(uint record)
 }
 
 /* Delta of texel (x, y), 0 to 7. */
-uint vxs_table_delta(uint record, uint x, uint y)
+uint vxs_table_delta(const uint record, const uint x, const uint y)
 {
     uint bits = record >> 28, at = record & 0x0fffffffu, planes = at + (1u << bits) - 1u + (y >> 2), rank = 0u, node = 0u;
     for (uint n = 0u; n < bits; n++) {
@@ -91,7 +91,7 @@ uint vxs_table_root_for(uint root, uint levels, ivec2 begin, ivec2 end, uint k)
 /* Find tile (x, y).
  * record  [out] of the tile; 0: all texels have one depth
  * Returns its least depth. */
-int vxs_table_find(uint root, uint levels, uint x, uint y, out uint record)
+int vxs_table_find(const uint root, const uint levels, const uint x, const uint y, out uint record)
 {
     uint depth = vxs_table_square(root, levels, x >> 5, y >> 5);
     int  slope = 0;
@@ -109,7 +109,7 @@ int vxs_table_find(uint root, uint levels, uint x, uint y, out uint record)
 }
 
 /* Depth where the shadow of a texel begins, [0, 2^levels]; 2^levels: it has none. */
-int vxs_table_depth(uint root, uint levels, uint i, uint j)
+int vxs_table_depth(const uint root, const uint levels, const uint i, const uint j)
 {
     uint record;
     int  least = vxs_table_find(root, levels, i >> 3, j >> 3, record);
@@ -133,7 +133,7 @@ uvec2 vxs_table_shadow(const uint record, const int deep)
 }
 
 /* Texels of tile (x, y) that are in shadow at depth k. */
-uvec2 vxs_table_tile(uint root, uint levels, uint x, uint y, uint k)
+uvec2 vxs_table_tile(const uint root, const uint levels, const uint x, const uint y, const uint k)
 {
     uint record;
     int  deep = int(k) - vxs_table_find(root, levels, x, y, record);
@@ -141,7 +141,7 @@ uvec2 vxs_table_tile(uint root, uint levels, uint x, uint y, uint k)
 }
 
 /* 1 if voxel (i, j, k) is in shadow, else 0. */
-uint vxs_table_tap(uint root, uint levels, uint i, uint j, uint k)
+uint vxs_table_tap(const uint root, const uint levels, const uint i, const uint j, const uint k)
 {
     uint record;
     int  deep = int(k) - vxs_table_find(root, levels, i >> 3, j >> 3, record);

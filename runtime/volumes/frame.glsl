@@ -64,7 +64,7 @@ vxs_air_light vxs_frame_light()
 
 /* Vector from the eye to the point at a pixel's depth. The eye comes from the matrix: the position of a near point has too few
  * digits for a difference. */
-vec3 vxs_way_from_depth(vec2 at, float depth)
+vec3 vxs_way_from_depth(const vec2 at, const float depth)
 {
     mat4 m     = vxs_frame.point_from_depth;
     vec3 eye   = vxs_frame.eye_far.xyz;
@@ -75,7 +75,7 @@ vec3 vxs_way_from_depth(vec2 at, float depth)
 
 /* The direction of an eye ray, of length 1.   at  of the view, 0 to 1;   metres  [out] to the visible surface, at a depth. Depths that
  * give no finite point end the ray at the far bound. */
-vec3 vxs_ray_of_depth(vec2 at, float depth, out float metres)
+vec3 vxs_ray_of_depth(const vec2 at, const float depth, out float metres)
 {
     vec3 direction = vec3(0.0, 0.0, -1.0);
     metres         = 0.0;
@@ -98,7 +98,7 @@ vec3 vxs_eye_ray(ivec2 pixel, out float metres)
 }
 
 /* The path of the frame's light along an eye ray. */
-vxs_air_path vxs_eye_path(vec3 direction, float metres)
+vxs_air_path vxs_eye_path(vec3 direction, const float metres)
 {
     vec2 in_fog;
     return vxs_air_path_of(vxs_frame_light(), vxs_frame.eye_far.xyz, direction, metres, vxs_frame.sizes.w, in_fog);
