@@ -92,7 +92,7 @@ endif
 
 warn        := -Wall -Wextra -Wshadow -Wpointer-arith $(if $(werror),-Werror)
 threaded    := $(if $(filter-out 1,$(threads)),$(error unknown threads '$(threads)': expected 1))$(if $(threads),,-pthread)
-flags       := -I. -Iformats -Iruntime -Iruntime/gl -MMD -MP -ffp-contract=off $(or $(threaded),-DVXS_ONE_THREAD -DCGAL_HAS_NO_THREADS) $(opt)
+flags       := -I. -Iformats -Iruntime -Iruntime/gl $(patsubst %/,-I%,$(wildcard runtime/volumes/ runtime/volumes/*/)) -MMD -MP -ffp-contract=off $(or $(threaded),-DVXS_ONE_THREAD -DCGAL_HAS_NO_THREADS) $(opt)
 cflags      := -std=c11 -D_GNU_SOURCE $(warn) -Wstrict-prototypes -Wmissing-prototypes $(flags)
 pic         := -fPIC -fno-semantic-interposition
 # under sanitizers programs are large, and gold, where there is one, links them in a third of the time
@@ -115,10 +115,10 @@ gl.c      := $(wildcard runtime/gl/*.c)
 # smoke comes with lights, so that there are as many texts as programs know of
 gl.text   := $(filter-out %/lights.glsl %/words.glsl %/tables.glsl,$(wildcard runtime/gl/*.glsl)) $B/runtime/gl/words_tables.glsl $(addprefix formats/,vxs_lookup.h vxs_lookup_blocks.h vxs_space.h vxs_depths.h) runtime/gl/vxs_cull.h $B/runtime/gl/smoke_lights.glsl
 # what its functions are declared in, and texts for C and shaders
-volumes.h := $(addprefix runtime/volumes/,vxs_volumes.h vxs_transmittance.h vxs_area_light.h vxs_capsule.h)
-air.h     := $(filter-out $(volumes.h),$(wildcard runtime/volumes/vxs_*.h))
-volumes.c := $(wildcard runtime/volumes/*.c)
-volumes.text := $(wildcard runtime/volumes/*.glsl) runtime/gl/first_shadow.glsl $(air.h) formats/vxs_depths.h formats/vxs_intervals.h
+volumes.h := $(addprefix runtime/volumes/,vxs_volumes.h smoke/vxs_transmittance.h area/vxs_area_light.h smoke/vxs_capsule.h)
+air.h     := $(filter-out $(volumes.h),$(wildcard runtime/volumes/*/vxs_*.h))
+volumes.c := $(wildcard runtime/volumes/*.c runtime/volumes/*/*.c)
+volumes.text := $(wildcard runtime/volumes/*.glsl runtime/volumes/*/*.glsl) runtime/gl/first_shadow.glsl $(air.h) formats/vxs_depths.h formats/vxs_intervals.h
 format.c  := $(filter-out $(runtime.c),$(wildcard formats/*.c))
 # libvxs_bake, which the command links; the command; and the laboratory, which measures, compares, draws, mends and generates: vxs-core is the
 # command without it
@@ -147,7 +147,7 @@ of_release = $(patsubst %,build/release/%.o,$(filter $(patsubst $B/%.o,%,$1),$(u
 bake.o    := $(call of_release,$(bake.o))
 lab.o     := $(call of_release,$(lab.o))
 # files that go into the command as they are; baker/base/embedded.h names their bytes
-lab.data  := $(patsubst %,$B/%.o,$(wildcard baker/lab/pages/*.html baker/lab/pages/*.js baker/lab/render/*.glsl) $(addprefix runtime/volumes/,capsule.glsl vxs_air_light.h)) $B/baker/lab/pages/chart.min.js.o
+lab.data  := $(patsubst %,$B/%.o,$(wildcard baker/lab/pages/*.html baker/lab/pages/*.js baker/lab/render/*.glsl) $(addprefix runtime/volumes/,smoke/capsule.glsl air/vxs_air_light.h)) $B/baker/lab/pages/chart.min.js.o
 command.data := $(patsubst %,$B/%.o,$(wildcard baker/command/options/completion.*))
 embedded  := $(lab.data) $(command.data)
 lab.o     += $(lab.data)

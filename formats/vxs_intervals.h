@@ -816,7 +816,8 @@ VXS_INLINE vxs_i32 vxs_walk_passed(VXS_WALK w, const vxs_real from, const vxs_i3
  * origin_ws, direction_ws  metres, as for vxs_place_from_ws; the direction may have any length; with length 1, t is in
  *                          metres
  * t_begin, t_end           finite in shaders; t_end < t_begin: the walk is empty */
-VXS_FN vxs_walk vxs_walk_of(VXS_LIGHT light, const vxs_real3 origin_ws, const vxs_real3 direction_ws, const vxs_real t_begin, const vxs_real t_end)
+VXS_FN vxs_walk vxs_walk_of(VXS_LIGHT light, const vxs_real3 origin_ws, const vxs_real3 direction_ws, const vxs_real t_begin,
+                            const vxs_real t_end)
 {
     vxs_walk w;
     for (vxs_i32 row = 0; row < 3; row++) {

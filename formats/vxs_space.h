@@ -508,7 +508,8 @@ VXS_FN vxs_u32 vxs_root_of(VXS_WORDS dag, VXS_LIGHT light, const vxs_i32 map)
 }
 
 /* 1 if voxel (i, j, k) of a map is in shadow, else 0; each of i, j, k in [0, 2^levels).   coded  the words of the light */
-VXS_FN vxs_u32 vxs_shadow_tap(VXS_WORDS coded, VXS_LIGHT light, const vxs_i32 map, const vxs_i32 i, const vxs_i32 j, const vxs_u32 k)
+VXS_FN vxs_u32 vxs_shadow_tap(VXS_WORDS coded, VXS_LIGHT light, const vxs_i32 map, const vxs_i32 i, const vxs_i32 j,
+                              const vxs_u32 k)
 {
 #ifdef VXS_READS_BOTH
     if (VXS_CODING(light) != VXS_CODING_BLOCKS)

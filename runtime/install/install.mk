@@ -54,7 +54,7 @@ $B/libvxs.map $B/libvxs_gl.map $B/libvxs_volumes.map:
 
 bake.names = sed -n '/^typedef\|^static/!s/^[a-z].*[ *]\(vxs_bake[a-z_]*\)(.*/$(1)/p' baker/vxs_bake.h
 
-$B/pic.a: $(pic.o) $B/pic/runtime/volumes/area_points.c.o
+$B/pic.a: $(pic.o) $B/pic/runtime/volumes/area/area_points.c.o
 	$Q$(RM) $@ && $(AR) rcsT $@ $^
 
 $B/vxs_bake.o: $B/baker/library/vxs_bake.c.o $B/bake.a $B/pic.a baker/vxs_bake.h

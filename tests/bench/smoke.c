@@ -16,7 +16,7 @@
 #include "baker/files/json_value.h"
 #include "baker/lab/opengl/gl.h"
 #include "baker/vxs_bake.h"
-#include "runtime/volumes/transmittance_map.h"
+#include "runtime/volumes/smoke/transmittance_map.h"
 #include "tests/bench/volumes_bench.h"
 #include "tests/volumes/rival_curves.h"
 #include "tests/volumes/smoke_view.h"

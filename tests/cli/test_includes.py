@@ -24,7 +24,7 @@ def product_files():
 
     def path_of(used, beside):
         return next(str(p.relative_to(ROOT)) for p in (ROOT / used, beside.parent / used, ROOT / "formats" / used, ROOT / "runtime" / used,
-                                                           ROOT / "runtime/gl" / used) if p.exists())
+                                                           ROOT / "runtime/gl" / used, *(ROOT / "runtime/volumes").rglob(used)) if p.exists())
 
     return {str(p.relative_to(ROOT)): [path_of(used, p) for used in quoted.findall(p.read_text())] for p in files}
 

@@ -18,7 +18,7 @@
 
 #include <cmocka.h>
 
-#include "runtime/volumes/area_state.h"
+#include "runtime/volumes/area/area_state.h"
 #include "volumes_scene.h"
 
 #include "area_scene.h"

@@ -18,7 +18,7 @@
 
 #include <cmocka.h>
 
-#include "runtime/volumes/area_state.h"
+#include "runtime/volumes/area/area_state.h"
 #include "tests/volumes/smoke_scene.h"
 #include "volumes_scene.h"
 

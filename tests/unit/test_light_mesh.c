@@ -1,4 +1,4 @@
-/* The mesh about what a light reaches, of runtime/volumes/light_mesh.c, against shadow depth maps as they are defined.
+/* The mesh about what a light reaches, of runtime/volumes/mesh/light_mesh.c, against shadow depth maps as they are defined.
  *
  * Whether it is closed is queried of its edges, exactly; where it is, of rays and of points, in double.
  * SPDX-License-Identifier: GPL-3.0-or-later */

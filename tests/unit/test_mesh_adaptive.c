@@ -8,7 +8,7 @@
 
 #include "random_light.h"
 #include "repeats.h"
-#include "runtime/volumes/light_mesh.h"
+#include "runtime/volumes/mesh/light_mesh.h"
 
 /* last: cmocka's macro fail() hides the function of run_context.h, and it needs the four headers above */
 #include <setjmp.h>

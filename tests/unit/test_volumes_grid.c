@@ -19,7 +19,7 @@
 #include <cmocka.h>
 
 #include "grid_read.h"
-#include "runtime/volumes/or_scan.h"
+#include "runtime/volumes/grid/or_scan.h"
 
 enum { RESOLUTION = 256, WIDE = 48, HIGH = 40, PIXELS = WIDE * HIGH };
 

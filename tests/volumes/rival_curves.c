@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "runtime/volumes/transmittance_map.h"
+#include "runtime/volumes/smoke/transmittance_map.h"
 #include "tests/volumes/rival_pass.h"
 
 EMBEDDED(moments_glsl)
