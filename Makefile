@@ -115,8 +115,8 @@ gl.c      := $(wildcard runtime/gl/*.c)
 # smoke comes with lights, so that there are as many texts as programs know of
 gl.text   := $(filter-out %/lights.glsl %/words.glsl %/tables.glsl,$(wildcard runtime/gl/*.glsl)) $B/runtime/gl/words_tables.glsl $(addprefix formats/,vxs_lookup.h vxs_lookup_blocks.h vxs_space.h vxs_depths.h) runtime/gl/vxs_cull.h $B/runtime/gl/smoke_lights.glsl
 # what its functions are declared in, and texts for C and shaders
-volumes.h := $(addprefix runtime/volumes/,vxs_volumes.h smoke/vxs_transmittance.h area/vxs_area_light.h smoke/vxs_capsule.h)
-air.h     := $(filter-out $(volumes.h),$(wildcard runtime/volumes/*/vxs_*.h))
+volumes.h := $(addprefix runtime/volumes/,vxs_volumes.h vxs_transmittance.h vxs_area_light.h vxs_capsule.h)
+air.h     := $(filter-out $(volumes.h),$(wildcard runtime/volumes/vxs_*.h))
 volumes.c := $(wildcard runtime/volumes/*.c runtime/volumes/*/*.c)
 volumes.text := $(wildcard runtime/volumes/*.glsl runtime/volumes/*/*.glsl) runtime/gl/first_shadow.glsl $(air.h) formats/vxs_depths.h formats/vxs_intervals.h
 format.c  := $(filter-out $(runtime.c),$(wildcard formats/*.c))
@@ -147,7 +147,7 @@ of_release = $(patsubst %,build/release/%.o,$(filter $(patsubst $B/%.o,%,$1),$(u
 bake.o    := $(call of_release,$(bake.o))
 lab.o     := $(call of_release,$(lab.o))
 # files that go into the command as they are; baker/base/embedded.h names their bytes
-lab.data  := $(patsubst %,$B/%.o,$(wildcard baker/lab/pages/*.html baker/lab/pages/*.js baker/lab/render/*.glsl) $(addprefix runtime/volumes/,smoke/capsule.glsl air/vxs_air_light.h)) $B/baker/lab/pages/chart.min.js.o
+lab.data  := $(patsubst %,$B/%.o,$(wildcard baker/lab/pages/*.html baker/lab/pages/*.js baker/lab/render/*.glsl) $(addprefix runtime/volumes/,smoke/capsule.glsl vxs_air_light.h)) $B/baker/lab/pages/chart.min.js.o
 command.data := $(patsubst %,$B/%.o,$(wildcard baker/command/options/completion.*))
 embedded  := $(lab.data) $(command.data)
 lab.o     += $(lab.data)

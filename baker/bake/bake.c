@@ -21,7 +21,7 @@
 #include "baker/files/run_files.h"
 #include "baker/scene/light_choice.h"
 #include "formats/vxs_write_file.h"
-#include "runtime/volumes/area/vxs_area_light.h"
+#include "runtime/volumes/vxs_area_light.h"
 
 /* Positions are rounded to this share of the distance between points, much less than the drawn width of a point. */
 #define ROUNDED_TO (1.0 / 32)

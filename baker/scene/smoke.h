@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#include "runtime/volumes/smoke/vxs_capsule.h"
+#include "runtime/volumes/vxs_capsule.h"
 
 /* vxs_medium with an upper bound. */
 typedef struct fog_medium {

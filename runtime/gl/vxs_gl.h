@@ -112,10 +112,11 @@ vxs_result vxs_gl_put(vxs_gl *gl, const uint32_t *words, uint32_t first, uint32_
  * meaningless results.
  *
  * With a stream this holds until it has returned 0 once, preferably before the first frame. After that, call it between
- * vxs_stream_frame and the draw calls, not during vxs_stream_frame. First, pages that were evicted are hidden, not counted in
- * max_bytes. Then new pages are uploaded one by one, and are shown when they are complete. So with slices of any size, shaders
- * give the same result as C where pages are uploaded, and the coarse answer where they are not; after a return of 0, the same as C
- * everywhere, if all tables have room. It need not be called for every frame of the stream. Tables are made by this call, in
+ * vxs_stream_frame and the draw calls, not during vxs_stream_frame. First, pages that were evicted are hidden. Then new pages are
+ * uploaded one by one, and are shown when they are complete. What hides and shows them, at most 8 bytes for each square of 256 x 256
+ * texels, is not counted in max_bytes. So with slices of any size, shaders give the same result as C where pages are uploaded, and
+ * the coarse answer where they are not; after a return of 0, the same as C everywhere, if all tables have room. It need not be
+ * called for every frame of the stream. Tables are made by this call, in
  * about 10 ms a MiB; until then their size, and so the number of bytes left, is an estimate. */
 uint64_t vxs_gl_upload(vxs_gl *gl, size_t max_bytes);
 

@@ -19,7 +19,7 @@
 #include "baker/files/json_value.h"
 #include "baker/lab/opengl/gl.h"
 #include "baker/vxs_bake.h"
-#include "runtime/volumes/area/vxs_area_light.h"
+#include "runtime/volumes/vxs_area_light.h"
 #include "tests/bench/volumes_bench.h"
 #include "tests/volumes/area_reference.h"
 #include "tests/volumes/rival_faces.h"

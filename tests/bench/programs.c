@@ -12,9 +12,9 @@
 
 #include "runtime/gl/vxs_gl.h"
 #include "runtime/gl/vxs_gl_depths.h"
-#include "runtime/volumes/area/vxs_area_light.h"
-#include "runtime/volumes/smoke/vxs_transmittance.h"
 #include "runtime/volumes/volumes_gl.h"
+#include "runtime/volumes/vxs_area_light.h"
+#include "runtime/volumes/vxs_transmittance.h"
 #include "runtime/volumes/vxs_volumes.h"
 #include "vxs_format.h"
 

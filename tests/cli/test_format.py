@@ -578,7 +578,7 @@ def test_headers_stand_alone(compilers, language, standard, tmp_path):
         source = tmp_path / "alone"
         source.write_text("".join(f'#include "{header}"\n' for header in headers) + "int nothing;\n")
         asked = ASKED[language] if headers[0] in installed else []
-        done = subprocess.run([*compiler.split(), "-x", language, f"-std={standard}", *WARNINGS, *asked, "-I.", "-Iformats", "-Iruntime",
-                               "-Iruntime/gl",
+        folders = [".", "formats", "runtime", "runtime/gl", "runtime/volumes", *(p for p in (ROOT / "runtime/volumes").iterdir() if p.is_dir())]
+        done = subprocess.run([*compiler.split(), "-x", language, f"-std={standard}", *WARNINGS, *asked, *(f"-I{folder}" for folder in folders),
                                str(source)], cwd=ROOT, capture_output=True, text=True)
         assert done.returncode == 0, f"{headers} as {standard}: {done.stderr}"

@@ -127,14 +127,14 @@ float3 main(float3 at : POSITION_WS, float3 eye : EYE, float3 direction : DIRECT
     return reaches + air;
 }
 """
-    glslang(text, "air.hlsl", *options_of("air.hlsl"), f"-I{ROOT / 'runtime' / 'volumes' / 'air'}")
+    glslang(text, "air.hlsl", *options_of("air.hlsl"), f"-I{ROOT / 'runtime' / 'volumes'}")
 
 
 def test_fog_of_the_guide(glslang):
     """The listing of docs/guide-fog.md compiles as it stands, each header a string."""
     (text,) = re.findall(r"^```glsl\n(.*?)^```", (ROOT / "docs" / "guide-fog.md").read_text(), re.MULTILINE | re.DOTALL)
     for name in re.findall(r'^#include "(\S+)"$', text, re.MULTILINE):
-        folder = next(f for f in ("formats", "runtime/volumes/air", "runtime/volumes/smoke") if (ROOT / f / name).is_file())
+        folder = next(f for f in ("formats", "runtime/volumes") if (ROOT / f / name).is_file())
         text = text.replace(f'#include "{name}"\n', (ROOT / folder / name).read_text())
     glslang(text, "fog.frag")
 
@@ -184,7 +184,7 @@ def test_curves(glslang, version):
     """Of smoke, behind the headers of a lookup, with fewer nodes than there could be."""
     number = "#define VXS_CURVE_MOST 8\n#define vxs_curve_number(curves, i) uintBitsToFloat(words[(curves) + uint(i)])\n"
     glslang(WORDS.replace("#version 430 core", version) + COMPUTE + WORD + "".join(map(header, HEADERS)) + number +
-            (ROOT / "runtime" / "volumes" / "smoke" / "vxs_curve.h").read_text() + CURVE, "curve.comp")
+            (ROOT / "runtime" / "volumes" / "vxs_curve.h").read_text() + CURVE, "curve.comp")
 
 
 def test_word_has_to_be_defined(glslang):
@@ -287,7 +287,7 @@ int main(void)
 
 
 CURVED = """
-#include "runtime/volumes/smoke/vxs_curve.h"
+#include "runtime/volumes/vxs_curve.h"
 int main(void)
 {
     vxs_curve curve = vxs_curve_empty();

@@ -10,8 +10,8 @@
 
 #include "random_light.h"
 #include "read_text.h"
-#include "runtime/volumes/air/vxs_air.h"
-#include "runtime/volumes/air/vxs_air_path.h"
+#include "runtime/volumes/vxs_air.h"
+#include "runtime/volumes/vxs_air_path.h"
 #include "tests/volumes/airlight.h"
 
 /* Uniform in the logarithm. */
@@ -220,12 +220,9 @@ static const char air_ask_text[] = "struct question { vec4 lamp, way, axis, scat
 /* ask_punctual  text that defines this function, as vxs_air_punctual */
 static inline void use_air(drawing *d, const char *ask_punctual)
 {
-    const char *paths[] = {"formats/vxs_lookup.h",
-                           "formats/vxs_lookup_blocks.h",
-                           "formats/vxs_space.h",
-                           "runtime/volumes/air/vxs_air_light.h",
-                           "runtime/volumes/air/vxs_air_ray.h",
-                           "runtime/volumes/air/vxs_air.h"};
+    const char *paths[] = {"formats/vxs_lookup.h",          "formats/vxs_lookup_blocks.h",
+                           "formats/vxs_space.h",           "runtime/volumes/vxs_air_light.h",
+                           "runtime/volumes/vxs_air_ray.h", "runtime/volumes/vxs_air.h"};
     enum { PATHS = sizeof paths / sizeof *paths };
     char       *texts[PATHS];
     const char *all[PATHS + 3] = {"#version 430\n#define vxs_word(dag, i) 0u\n"};

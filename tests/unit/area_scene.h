@@ -5,8 +5,8 @@
 #define AREA_SCENE_H
 
 #include "baker/base/spread.h"
-#include "runtime/volumes/area/vxs_area_grid.h"
-#include "runtime/volumes/area/vxs_area_light.h"
+#include "runtime/volumes/vxs_area_grid.h"
+#include "runtime/volumes/vxs_area_light.h"
 
 /* Whether nothing is between two places: boxes, and the floor, by slabs. */
 static inline int area_is_free(const volumes_scene *s, const double from[3], const double to[3])

@@ -14,7 +14,7 @@
 
 #include "baker/base/spread.h"
 #include "random_light.h"
-#include "runtime/volumes/air/vxs_air_path.h"
+#include "runtime/volumes/vxs_air_path.h"
 
 enum { SPHERES_MOST = 32 };
 

@@ -5,7 +5,7 @@
 #define SHADOW_GRID_H
 
 #include "fog_scene.h"
-#include "runtime/volumes/grid/vxs_shadow_grid.h"
+#include "runtime/volumes/vxs_shadow_grid.h"
 
 typedef struct shadow_grid {
     vxs_epipolar  space;

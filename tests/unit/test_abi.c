@@ -8,8 +8,8 @@
 
 #include "formats/vxs_desc.h"
 #include "runtime/gl/vxs_gl.h"
-#include "runtime/volumes/area/vxs_area_light.h"
-#include "runtime/volumes/smoke/vxs_transmittance.h"
+#include "runtime/volumes/vxs_area_light.h"
+#include "runtime/volumes/vxs_transmittance.h"
 #include "runtime/vxs.h"
 #include "runtime/vxs_query.h"
 #include "runtime/vxs_stream.h"

@@ -1,4 +1,4 @@
-/* Airlight of runtime/volumes/air/vxs_air.h against adaptive quadrature in double (tests/volumes/airlight.h), in C and in a shader.
+/* Airlight of runtime/volumes/vxs_air.h against adaptive quadrature in double (tests/volumes/airlight.h), in C and in a shader.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h"
 

@@ -1,4 +1,4 @@
-/* runtime/volumes/area/vxs_area_grid.h: lookups between rows, and places in imperfect shadow maps.
+/* runtime/volumes/vxs_area_grid.h: lookups between rows, and places in imperfect shadow maps.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 
@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-#include "runtime/volumes/area/vxs_area_grid.h"
+#include "runtime/volumes/vxs_area_grid.h"
 
 /* Rows on both sides of a place: across the seam where theta is all the way round, and not where it ends. */
 static void test_rows(void **state)

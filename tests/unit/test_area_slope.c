@@ -16,8 +16,8 @@
 #include "baker/base/spread.h"
 #include "random_light.h"
 #include "repeats.h"
-#include "runtime/volumes/area/vxs_area_grid.h"
-#include "runtime/volumes/area/vxs_area_light.h"
+#include "runtime/volumes/vxs_area_grid.h"
+#include "runtime/volumes/vxs_area_light.h"
 
 enum { WIDE = 16, HIGH = 9, RAYS_WIDE = 16, RAYS_HIGH = 9, RAYS = RAYS_WIDE * RAYS_HIGH, SEEDS_MOST = 31, STEPS = 5 };
 

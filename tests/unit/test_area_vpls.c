@@ -15,7 +15,7 @@
 
 #include "baker/base/spread.h"
 #include "random_light.h"
-#include "runtime/volumes/area/vxs_area_light.h"
+#include "runtime/volumes/vxs_area_light.h"
 
 enum { WIDE = 13, HIGH = 7, PLACES = VXS_AREA_JITTERED + 1 };
 

@@ -1,4 +1,4 @@
-/* Transmittance curves of runtime/volumes/smoke/vxs_curve.h against the product of what each segment lets through, in double, and in a
+/* Transmittance curves of runtime/volumes/vxs_curve.h against the product of what each segment lets through, in double, and in a
  * shader against C in float, to the bit but for exponentials.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h"
@@ -19,7 +19,7 @@
 
 #include <cmocka.h>
 
-#include "runtime/volumes/smoke/vxs_curve.h"
+#include "runtime/volumes/vxs_curve.h"
 
 static const int node_counts[] = {4, 8, 12, 16};
 enum { NODE_COUNTS = sizeof node_counts / sizeof *node_counts };

@@ -1,4 +1,4 @@
-/* Transmittance curves of runtime/volumes/smoke/vxs_curve.h in a shader on llvmpipe against the same text in C in float: nodes, and what
+/* Transmittance curves of runtime/volumes/vxs_curve.h in a shader on llvmpipe against the same text in C in float: nodes, and what
  * lies between them, to 1e-6.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h"
@@ -20,7 +20,7 @@
 
 #define vxs_real     float
 #define VXS_REAL_MIN 1e-30f
-#include "runtime/volumes/smoke/vxs_curve.h"
+#include "runtime/volumes/vxs_curve.h"
 
 /* What is queried of a curve: its numbers as they are stored, and depths, along lines and exponentials. */
 enum { NODES = 8, DEPTHS = 8, ASKED = 2 * NODES + 2 * DEPTHS, CURVES = QUERIES / ASKED, SEGMENTS = 1000, MOST = 40 };
@@ -60,7 +60,7 @@ static void use_curve(drawing *d)
              ASKED, MOST, SEGMENTS);
     for (int n = 0; n < PATHS; n++) all[n + 2] = texts[n] = read_text(paths[n]);
     all[PATHS + 2] = ask_text;
-    all[PATHS + 3] = texts[PATHS] = read_text("runtime/volumes/smoke/vxs_curve.h");
+    all[PATHS + 3] = texts[PATHS] = read_text("runtime/volumes/vxs_curve.h");
     all[PATHS + 4]                = ask_main_text;
     use_texts(d, "vxs_curve.h", "#version 430", all, PATHS + 5);
     for (int n = 0; n <= PATHS; n++) free(texts[n]);

@@ -1,4 +1,4 @@
-/* Epipolar space of runtime/volumes/grid/vxs_epipolar.h: places to angles and back, in C and in a shader, and the angles that a view can
+/* Epipolar space of runtime/volumes/vxs_epipolar.h: places to angles and back, in C and in a shader, and the angles that a view can
  * see.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/lab/opengl/gl.h"
@@ -10,7 +10,7 @@
 
 #include "random_light.h"
 #include "repeats.h"
-#include "runtime/volumes/grid/vxs_epipolar.h"
+#include "runtime/volumes/vxs_epipolar.h"
 
 /* last: cmocka's macro fail() hides the function of run_context.h, and it needs the four headers above */
 #include <setjmp.h>
@@ -349,13 +349,10 @@ static void test_shader(void **state)
     rng                 r = {7};
     drawing             d = drawing_make();
     enum { TEXTS = 7 };
-    char       *texts[]        = {read_text("formats/vxs_lookup.h"),
-                                  read_text("formats/vxs_lookup_blocks.h"),
-                                  read_text("formats/vxs_space.h"),
-                                  read_text("runtime/volumes/air/vxs_air_light.h"),
-                                  read_text("runtime/volumes/air/vxs_air_ray.h"),
-                                  read_text("runtime/volumes/air/vxs_air.h"),
-                                  read_text("runtime/volumes/grid/vxs_epipolar.h")};
+    char       *texts[]        = {read_text("formats/vxs_lookup.h"),          read_text("formats/vxs_lookup_blocks.h"),
+                                  read_text("formats/vxs_space.h"),           read_text("runtime/volumes/vxs_air_light.h"),
+                                  read_text("runtime/volumes/vxs_air_ray.h"), read_text("runtime/volumes/vxs_air.h"),
+                                  read_text("runtime/volumes/vxs_epipolar.h")};
     const char *all[TEXTS + 2] = {"#version 430\n#define vxs_word(dag, i) 0u\n"};
     memcpy(all + 1, texts, sizeof texts);
     all[TEXTS + 1] = ask_text;

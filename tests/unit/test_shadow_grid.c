@@ -1,4 +1,4 @@
-/* Voxelized shadow volumes of runtime/volumes/grid/vxs_shadow_grid.h against exact traversal of the same shadow depth map.
+/* Voxelized shadow volumes of runtime/volumes/vxs_shadow_grid.h against exact traversal of the same shadow depth map.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 #include <stdio.h>

@@ -5,7 +5,7 @@
 #define TRANSMITTANCE_MAPS_H
 
 #include "fog_scene.h"
-#include "runtime/volumes/smoke/vxs_curve.h"
+#include "runtime/volumes/vxs_curve.h"
 #include "tests/volumes/smoke_scene.h"
 #include "volumes_scene.h"
 

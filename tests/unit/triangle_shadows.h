@@ -4,7 +4,7 @@
 #ifndef TRIANGLE_SHADOWS_H
 #define TRIANGLE_SHADOWS_H
 
-#include "runtime/volumes/air/vxs_air_path.h"
+#include "runtime/volumes/vxs_air_path.h"
 
 /* The part of a ray where origin + x way is on one side of a plane.   positive  a place on that side
  * part  [in, out] begin, end; empty where the plane is none */

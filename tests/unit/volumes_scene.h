@@ -6,8 +6,8 @@
 
 #include "baker/vxs_bake.h"
 #include "runtime/gl/vxs_gl.h"
-#include "runtime/volumes/air/vxs_air_path.h"
-#include "runtime/volumes/smoke/vxs_transmittance.h"
+#include "runtime/volumes/vxs_air_path.h"
+#include "runtime/volumes/vxs_transmittance.h"
 #include "runtime/volumes/vxs_volumes.h"
 #include "runtime/vxs.h"
 #include "runtime/vxs_query.h"

@@ -9,7 +9,7 @@
 #include <stdint.h>
 
 #include "baker/scene/smoke.h"
-#include "runtime/volumes/area/vxs_area_light.h"
+#include "runtime/volumes/vxs_area_light.h"
 
 /* A rectangle whose places count from an origin, and whether nothing is between two places. */
 typedef struct area_source {

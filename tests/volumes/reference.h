@@ -5,7 +5,7 @@
 #ifndef REFERENCE_H
 #define REFERENCE_H
 
-#include "runtime/volumes/air/vxs_air_path.h"
+#include "runtime/volumes/vxs_air_path.h"
 #include "tests/volumes/lit_parts.h"
 
 typedef struct reference_light {

@@ -13,7 +13,7 @@
 #ifndef RIVAL_CURVES_H
 #define RIVAL_CURVES_H
 
-#include "runtime/volumes/smoke/vxs_transmittance.h"
+#include "runtime/volumes/vxs_transmittance.h"
 
 typedef enum rival_curve { RIVAL_OPACITY, RIVAL_FOURIER, RIVAL_MOMENTS, RIVAL_DEEP, RIVAL_UNCOMPRESSED } rival_curve;
 

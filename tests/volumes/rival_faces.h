@@ -4,7 +4,7 @@
 #ifndef RIVAL_FACES_H
 #define RIVAL_FACES_H
 
-#include "runtime/volumes/area/vxs_area_light.h"
+#include "runtime/volumes/vxs_area_light.h"
 
 typedef struct rival_faces rival_faces;
 

@@ -5,7 +5,7 @@
 #ifndef RIVAL_FROXELS_H
 #define RIVAL_FROXELS_H
 
-#include "runtime/volumes/area/vxs_area_light.h"
+#include "runtime/volumes/vxs_area_light.h"
 
 typedef struct rival_froxels rival_froxels;
 

@@ -8,7 +8,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "runtime/volumes/smoke/vxs_transmittance.h"
+#include "runtime/volumes/vxs_transmittance.h"
 
 /* All lie between (-8, 0, -8) and (8, 12, 8), metres. */
 typedef enum smoke_kind {

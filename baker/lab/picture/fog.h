@@ -1,5 +1,5 @@
 /* Fog in the light of baked lights, without a march: the asset gives the exact lit intervals of a ray from the eye, and airlight
- * of an interval has a closed form (runtime/volumes/air/vxs_air.h).
+ * of an interval has a closed form (runtime/volumes/vxs_air.h).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef FOG_H
 #define FOG_H
@@ -22,7 +22,7 @@ typedef struct fog_light {
 void fog_add_airlight(const fog_medium *f, const fog_light *lights, uint32_t light_count, const double eye_ws[3],
                       const double direction[3], double metres, double airlight[3]);
 
-/* Light that reaches a place, before shadows, by the same law as its airlight (runtime/volumes/air/vxs_air_light.h).
+/* Light that reaches a place, before shadows, by the same law as its airlight (runtime/volumes/vxs_air_light.h).
  * to_light  [out] of length 1;   reaches  [out] times the light's colour */
 void fog_reaches(const fog_medium *f, const fog_light *light, const double place_ws[3], double to_light[3], double reaches[3]);
 

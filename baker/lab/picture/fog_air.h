@@ -4,7 +4,7 @@
 #define FOG_AIR_H
 
 #include "baker/scene/smoke.h"
-#include "runtime/volumes/air/vxs_air_path.h"
+#include "runtime/volumes/vxs_air_path.h"
 
 struct fog_light; /* of fog.h */
 

@@ -1,6 +1,6 @@
 /* Fog; see fog_pass.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "runtime/volumes/air/vxs_air_path.h" /* first: box.h defines a type with the name of one of its variables */
+#include "runtime/volumes/vxs_air_path.h" /* first: box.h defines a type with the name of one of its variables */
 
 #include "baker/lab/render/fog_pass.h"
 
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "runtime/volumes/grid/vxs_shadow_grid.h"
+#include "runtime/volumes/vxs_shadow_grid.h"
 
 /* the mesh of a light ---------------------------------------------------------------------------------------------------------- */
 

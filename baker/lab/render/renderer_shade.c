@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "runtime/volumes/air/vxs_air_light.h" /* first: box.h defines a type with the name of one of its functions */
+#include "runtime/volumes/vxs_air_light.h" /* first: box.h defines a type with the name of one of its functions */
 
 #include "baker/base/vec3.h"
 #include "baker/lab/render/renderer_state.h"

@@ -10,7 +10,7 @@
 #include "baker/lab/render/frame_plan.h"
 #include "baker/lab/truth/camera.h"
 #include "baker/scene/scene.h"
-#include "runtime/volumes/smoke/vxs_transmittance.h"
+#include "runtime/volumes/vxs_transmittance.h"
 
 enum { SMOKE_MAPS = 16, SMOKE_SIDE = 256 };
 typedef struct smoke_pass_options {

@@ -9,7 +9,7 @@
 #include "baker/lab/truth/camera.h"
 #include "baker/scene/scene.h"
 #include "runtime/gl/vxs_gl.h"
-#include "runtime/volumes/area/vxs_area_light.h"
+#include "runtime/volumes/vxs_area_light.h"
 
 /* virtual lights: their shadows, cast by points of a scene, their airlight, and their light on surfaces ------------------------ */
 
