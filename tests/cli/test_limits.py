@@ -326,8 +326,8 @@ def test_address_space_that_ends(vxs_path, tmp_path, maps, limits):
         assert done.returncode == 0 and not done.stderr or refused(done), (mib, done)
         statuses.append(done.returncode)
     assert statuses[0] == 6 and not any(statuses[-10 if maps == "gl" else 8:])
-    if maps == "gl":  # the C library reserves an arena for a thread where it can: with few MiB more there may be less for the bake
-        assert statuses == sorted(statuses, reverse=True)
+    if maps == "gl":  # the C library reserves arenas of 64 MiB for threads where it can, so a bake may succeed with less by chance
+        assert not any(statuses[statuses.index(0) + 3:])
 
 
 # --- limits on files ------------------------------------------------------------------------------------------------------------------
