@@ -8,7 +8,7 @@ layout(std430, binding = VXS_PAGES_AT_WORK) restrict buffer vxs_fill_block { uin
 /* Depth of a texel of a map; 2^levels: never in shadow.   is_there  [in, out] becomes false where words are missing */
 uint vxs_depth_of(VXS_LIGHT light, int map, ivec2 texel, inout bool is_there)
 {
-#ifndef VXS_TABLES
+#ifdef VXS_READS_BLOCKS
     if (VXS_CODING(light) == VXS_CODING_BLOCKS) {
         uint              words = light.first_word, m = uint(map);
         vxs_depths_square s     = vxs_depths_square_at(words, m, light.levels, texel.x, texel.y);
@@ -22,8 +22,7 @@ uint vxs_depth_of(VXS_LIGHT light, int map, ivec2 texel, inout bool is_there)
         if (b.least == b.greatest) return uint(b.least);
         return uint(vxs_depths_texel(words, t, b.least, b.greatest, uint(texel.x & 7), uint(texel.y & 7)));
     } else
-#endif
-#ifdef VXS_GL_STREAM
+#elif defined(VXS_GL_STREAM)
     if (VXS_CODING(light) == VXS_CODING_BLOCKS) {
         uint root = vxs_root_of(light.first_word, light, map);
         is_there = is_there && !vxs_table_is_missing(vxs_table_top(root, light.levels, uint(texel.x) >> 8, uint(texel.y) >> 8));

@@ -1,5 +1,5 @@
-/* Where shadow begins on a light ray in the asset, for depth pages and volumes: from tables, or by bisection of lookups, as a column is lit up to a voxel, and in
- * shadow from there on. */
+/* Where shadow begins on a light ray in the asset, for depth pages and volumes: from tables, or by bisection of lookups, as a column
+ * is lit up to a voxel, and in shadow from there on. */
 
 /* The first voxel in shadow of a texel of the baked map, [0, 2^levels]; 2^levels: light does not end. */
 int vxs_first_shadow(VXS_LIGHT light, int map, int i, int j)

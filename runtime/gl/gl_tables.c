@@ -295,7 +295,7 @@ static vxs_result make_square(maker *m, const vxs_baked_light *baked, uint32_t s
     uint32_t     wide = squares_across(&baked->light), x = square % wide, y = square / wide % wide, map = square / wide / wide;
     int32_t      i = (int32_t)x << 8, j = (int32_t)y << 8;
     depth_bounds b = no_depths;
-    uint32_t     at, page, missing = vxs_gl_tables_missing(baked, square, &page);
+    uint32_t     at, page;
     if (map != m->map.map) m->cursor = (vxs_block_cursor){0};
     m->map.map = map;
     m->square  = vxs_depths_square_at(m->map.words, map, m->map.levels, i, j);
@@ -307,7 +307,7 @@ static vxs_result make_square(maker *m, const vxs_baked_light *baked, uint32_t s
     if (r != VXS_OK) return r;
     *word                    = m->tables->first + at;
     m->tables->words[at]     = m->node.slope;
-    m->tables->words[at + 3] = missing;
+    m->tables->words[at + 3] = vxs_gl_tables_missing(baked, square, &page);
     for (uint32_t n = 0; n < 64 && r == VXS_OK; n++) {
         uint32_t block;
         r                            = make_block(m, (int32_t)(32 * x + 4 * (n & 7)), (int32_t)(32 * y + 4 * (n >> 3)), &block, &b);

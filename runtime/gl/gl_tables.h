@@ -1,7 +1,7 @@
 /* Tables: the depths of lights of palette blocks, laid out for shaders. The words of a block are small; a shader needs some 30
  * fetches to find a tile in them. In the tables it needs 5, and 3 for each bit of the ranks of a tile. The tables of whole lights
- * are made when vxs_gl is created; those of a stream, when a page is uploaded (gl_stream_tables.c). They
- * take the place of words: the first word of a light is that of its top.
+ * are made when vxs_gl is created; those of a stream, when a page is uploaded (gl_stream_tables.c). They take the
+ * place of words: the first word of a light is that of its top.
  *
  *     top      for each map T x T squares of 256 x 256 texels, by rows, T = max(1, 2^(levels-8))
  *     square   0x80000000 | depth, if all of its texels have this depth; the index of its node; or, where its page is missing,

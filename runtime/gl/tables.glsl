@@ -80,10 +80,10 @@ bool vxs_table_is_known(uint root, uint levels, ivec2 begin, ivec2 end, uint k)
     return known;
 }
 
-/* The root for a filter over texels [begin, end): if it needs a page that is missing, all of its taps get the coarse answer. */
+/* The root for a filter over texels [begin, end), cut to the map: if it needs a page that is missing, all of its taps get the coarse answer. */
 uint vxs_table_root_for(uint root, uint levels, ivec2 begin, ivec2 end, uint k)
 {
-    bool crosses = any(notEqual(max(begin, 0) >> 8, (min(end, 1 << levels) - 1) >> 8));
+    bool crosses = any(notEqual(begin >> 8, (end - 1) >> 8));
     return root >= 0x80000000u && crosses && !vxs_table_is_known(root, levels, begin, end, k) ? root | 0x40000000u : root;
 }
 #endif

@@ -1,6 +1,7 @@
 #include "first_shadow.glsl"
 
-/* What vxs_first_shadow returns, in units of shadow depth maps: for suns in voxels, for punctual lights in metres along the axis of the map. */
+/* What vxs_first_shadow returns, in units of shadow depth maps: for suns in voxels, for punctual lights in metres along the axis of
+ * the map. */
 float vxs_first_depth(vxs_light_constants light, int voxel)
 {
     if (voxel >= 1 << light.levels) return VXS_NO_END;
