@@ -40,6 +40,9 @@
 #   make wgsl           translate lookups, and with them intervals of rays, for WebGPU: build/release/vxs_lookup.wgsl and
 #                       vxs_intervals.wgsl. Needs naga-cli of crates.io and glslang-tools. only="KIND=1 CODING=2" leaves out code
 #                       for other lights, as VXS_ONLY_KIND and VXS_ONLY_CODING do in shaders
+#   make web            the npm package: the command, the runtime and three.js lights for Node and browsers, in build/web/vxs (docs/web.md)
+#   make check-web      test that package, with Chromium; only=NAME runs tests/web/*NAME*
+#   make web-compare    draw levels in a browser by shadow maps, lightmaps and baked shadows, beside ray-traced truth: build/web/compare/index.html
 #   make install        to $(DESTDIR)$(prefix), which may hold blanks; uninstall takes it away (runtime/install/)
 #   make man            manual pages, in build/release/man
 #   make deb            Debian packages, in build/release/deb
@@ -192,6 +195,7 @@ endif
 unit: $(unit) $(helper) $(fuzz)
 
 include runtime/install/install.mk
+include runtime/web/web.mk
 
 $B/vxs-core: $B/baker/main.c.o $(command.o) $(no_lab.c:%=$B/%.o) $B/bake.a $B/libvxs_volumes.a $B/libvxs.a
 $B/vxs-core: libs = $(core.libs)
@@ -345,7 +349,7 @@ $(CHART_JS): ; # it may come with a package that is yet to be installed
 
 # --- demo, check, bench: on a bare system, and with all processors ----------------------------------------------------------
 
-ifneq ($(filter demo check check-fast check-unit check-asan check-repeats check-sanitizers bench deb packages,$(MAKECMDGOALS)),)
+ifneq ($(filter demo check check-fast check-unit check-asan check-repeats check-sanitizers bench deb web check-web web-compare packages,$(MAKECMDGOALS)),)
 jobs := $(if $(findstring -j,$(MAKEFLAGS)),,-j$(shell nproc))
 MAKEFLAGS += $(jobs)
 $(objects) $(gltf.gch) build/corpus: | packages # nothing is compiled before the headers are there, or unpacked before python3 is
@@ -353,7 +357,7 @@ endif
 
 # `make demo` compiles no tests, and needs none of their packages
 tested = $(filter check check-fast check-unit check-asan check-repeats check-sanitizers bench packages,$(MAKECMDGOALS))
-needed = $(packages.build) $(if $(tested),$(packages.test)) $(if $(tested)$(filter deb,$(MAKECMDGOALS)),$(packages.deb))
+needed = $(packages.build) $(if $(tested),$(packages.test)) $(if $(tested)$(filter deb,$(MAKECMDGOALS)),$(packages.deb)) $(if $(filter web check-web web-compare,$(MAKECMDGOALS)),$(packages.web) $(if $(filter check-web web-compare,$(MAKECMDGOALS)),chromium))
 packages:
 ifneq ($(packages),skip)
 	@here=$$(dpkg-query -W -f '$${Package} $${db:Status-Status}\n' $(needed) 2>/dev/null | sed -n 's/ installed$$//p'); \
