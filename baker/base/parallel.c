@@ -2,10 +2,11 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/base/parallel.h"
 
-#include <sched.h>
 #include <stdatomic.h>
 
+#include "baker/base/integer.h"
 #include "baker/base/run_control.h"
+#include "baker/base/system.h"
 #include "baker/base/threads.h"
 
 typedef struct loop {
@@ -112,9 +113,5 @@ vxs_parallel parallel_lent(uint32_t threads)
 
 uint32_t parallel_default_threads(void)
 {
-    cpu_set_t allowed;
-    if (!HAS_THREADS) return 1;
-    if (sched_getaffinity(0, sizeof allowed, &allowed) != 0) return 1;
-    int count = CPU_COUNT(&allowed);
-    return count < 1 ? 1 : count > PARALLEL_THREADS_MAX ? PARALLEL_THREADS_MAX : (uint32_t)count;
+    return !HAS_THREADS ? 1 : min_u32(system_processors(), PARALLEL_THREADS_MAX);
 }

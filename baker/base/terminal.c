@@ -2,7 +2,6 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/base/terminal.h"
 
-#include <poll.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -21,10 +20,4 @@ const char *colored(char text[COLORED_BYTES], color_mode mode, FILE *to, word_co
     if (!shown) return word;
     snprintf(text, COLORED_BYTES, "\033[1;%dm%s\033[0m", codes[c], word);
     return text;
-}
-
-int standard_output_is_broken(void)
-{
-    struct pollfd p = {.fd = STDOUT_FILENO, .events = POLLOUT};
-    return poll(&p, 1, 0) == 1 && p.revents & (POLLERR | POLLHUP);
 }

@@ -10,6 +10,7 @@
 #include "baker/base/group.h"
 #include "baker/base/pages.h"
 #include "baker/base/parallel.h"
+#include "baker/base/system.h"
 
 /* Welding; see mesh_edges.h.
  *
@@ -201,7 +202,7 @@ static void sort_vertices(void *user, size_t begin, size_t end, uint32_t worker)
         enum { FEW = 32 };
         uint32_t high[FEW];
         if (count > FEW) {
-            qsort_r(edges, count, sizeof *edges, by_high, (void *)(size_t)indices);
+            system_sort(edges, count, sizeof *edges, by_high, (void *)(size_t)indices);
             continue;
         }
         for (uint32_t n = 0; n < count; n++) {

@@ -4,13 +4,9 @@
 
 #include <errno.h>
 #include <string.h>
-#include <sys/xattr.h>
 #include <unistd.h>
 
-/* limit of Linux */
-enum { ATTRIBUTE_BYTES_MAX = 65536 };
-
-static const char access_list[] = "system.posix_acl_access";
+#include "baker/base/system.h"
 
 vxs_result replaced_file_check(const char *path, const struct stat *old, run_context *m)
 {
@@ -33,24 +29,6 @@ static vxs_result not_kept(const char *path, const char *what, int error, run_co
     return run_check(m);
 }
 
-/* Returns 0, or an errno. */
-static int keep_attributes(const char *path, int descriptor)
-{
-    char    names[ATTRIBUTE_BYTES_MAX], value[ATTRIBUTE_BYTES_MAX];
-    ssize_t size   = listxattr(path, names, sizeof names);
-    int     listed = 0;
-    if (size < 0) return errno == ENOTSUP || errno == ENOSYS ? 0 : errno;
-    for (const char *name = names; name < names + size; name += strlen(name) + 1) {
-        if (strncmp(name, "user.", 5) && strcmp(name, access_list)) continue;
-        ssize_t length = getxattr(path, name, value, sizeof value);
-        if (length < 0 || fsetxattr(descriptor, name, value, (size_t)length, 0)) return errno;
-        listed |= !strcmp(name, access_list);
-    }
-    /* the new file may have inherited an access list from its folder */
-    int inherited = !listed && fgetxattr(descriptor, access_list, NULL, 0) >= 0;
-    return inherited && fremovexattr(descriptor, access_list) ? errno : 0;
-}
-
 vxs_result replaced_file_keep(const char *path, const struct stat *old, int descriptor, run_context *m)
 {
     struct stat now;
@@ -60,7 +38,7 @@ vxs_result replaced_file_keep(const char *path, const struct stat *old, int desc
     int         error = fstat(descriptor, &now) ? errno : 0;
     if (!error && (now.st_uid != old->st_uid || now.st_gid != old->st_gid) && fchown(descriptor, old->st_uid, old->st_gid))
         r = not_kept(path, "owner and group", errno, m);
-    int lost = keep_attributes(path, descriptor);
+    int lost = system_copy_attributes(path, descriptor);
     if (lost && r == VXS_OK) r = not_kept(path, "attributes", lost, m);
 
     /* last, because the calls above change the permissions, and a read-only file accepts no attributes */

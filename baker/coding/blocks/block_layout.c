@@ -7,6 +7,7 @@
 
 #include "baker/base/array.h"
 #include "baker/base/parallel.h"
+#include "baker/base/system.h"
 #include "baker/base/z_order.h"
 #include "baker/coding/blocks/blocks.h"
 #include "baker/coding/blocks/patterns.h"
@@ -179,7 +180,7 @@ static vxs_result shape_nodes(layout *l)
     l->nodes         = calloc(count + 1, sizeof *l->nodes);
     if (!l->nodes) return VXS_E_MEMORY;
     for (uint32_t n = 0; n < count; n++) l->nodes[n].node = n;
-    qsort_r(l->nodes, count, sizeof *l->nodes, by_place, l->set->nodes);
+    system_sort(l->nodes, count, sizeof *l->nodes, by_place, l->set->nodes);
     for (node_place *to = l->nodes; to < l->nodes + count && r == VXS_OK; to++) {
         const block_node *n = &l->set->nodes[to->node];
         node_shape        shape;

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "baker/base/ref_table.h"
+#include "baker/base/system.h"
 #include "baker/coding/dag/dag.h"
 
 /* Top-down --------------------------------------------------------------------------------------------------------------------
@@ -142,7 +143,7 @@ static uint32_t *sorted(uint32_t count, int (*compare)(const void *, const void 
     uint32_t *order = malloc(((size_t)count + 1) * sizeof *order);
     if (!order) return NULL;
     for (uint32_t n = 0; n < count; n++) order[n] = n;
-    qsort_r(order, count, sizeof *order, compare, contents);
+    system_sort(order, count, sizeof *order, compare, contents);
     return order;
 }
 

@@ -1,0 +1,27 @@
+/* What the baker asks of the operating system beyond POSIX and beside memory.h, clock.h, pages.h and terminal.h. system_linux.c answers for
+ * native builds, baker/web/system_web.c for WebAssembly, where the host (Node, a browser) does.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SYSTEM_H
+#define SYSTEM_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* qsort with an argument for `compare`. The order of items that compare equal is undefined. */
+void system_sort(void *items, size_t count, size_t item_bytes, int (*compare)(const void *a, const void *b, void *user),
+                 void *user);
+
+/* Processors that this process may use, at least 1. */
+uint32_t system_processors(void);
+
+/* Copy the extended attributes and the access list of the file `path` to an open file. Returns 0, or an errno. */
+int system_copy_attributes(const char *path, int descriptor);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
