@@ -37,18 +37,23 @@ static uint64_t wanted_bytes(void *user, const uint8_t *first, size_t size_bytes
                : 0;
 }
 
+vxs_result asset_read_keeping(vxs_asset **asset, vxs_bytes *kept, const char *path, const vxs_read_desc *desc, run_context *m)
+{
+    vxs_read_desc rest      = *desc;
+    uint64_t      most      = desc->memory_limit_bytes ? desc->memory_limit_bytes - 1 : READ_MAX;
+    *kept                   = (vxs_bytes){0};
+    *asset                  = NULL;
+    vxs_result r            = input_read(&kept->data, &kept->size_bytes, path, most, &(input_head){wanted_bytes, NULL}, m);
+    uint64_t   limit        = vxs_memory_limit_of(desc, kept->size_bytes); /* larger than the file in any case */
+    rest.memory_limit_bytes = limit - kept->size_bytes;
+    return r == VXS_OK ? vxs_asset_open(asset, kept->data, kept->size_bytes, &rest) : r;
+}
+
 vxs_result asset_read(vxs_asset **asset, const char *path, const vxs_read_desc *desc, run_context *m)
 {
-    vxs_read_desc rest = *desc;
-    uint8_t      *bytes;
-    size_t        size_bytes;
-    uint64_t      most      = desc->memory_limit_bytes ? desc->memory_limit_bytes - 1 : READ_MAX;
-    vxs_result    r         = input_read(&bytes, &size_bytes, path, most, &(input_head){wanted_bytes, NULL}, m);
-    uint64_t      limit     = vxs_memory_limit_of(desc, size_bytes); /* larger than the file in any case */
-    rest.memory_limit_bytes = limit - size_bytes;
-    *asset                  = NULL;
-    if (r == VXS_OK) r = vxs_asset_open(asset, bytes, size_bytes, &rest);
-    free(bytes);
+    vxs_bytes  bytes;
+    vxs_result r = asset_read_keeping(asset, &bytes, path, desc, m);
+    free(bytes.data);
     return r;
 }
 

@@ -8,6 +8,7 @@
 #include "baker/base/run_context.h"
 #include "baker/base/text.h"
 #include "baker/scene/scene.h"
+#include "formats/vxs_write_file.h"
 #include "runtime/vxs.h"
 #include "runtime/vxs_stream.h"
 
@@ -28,6 +29,9 @@ vxs_result asset_fail(const char *path, vxs_result r, const first_finding *f, co
 
 /* As vxs_asset_open_file, for any input (input_file.h). Sets the message only when the bytes could not be read. */
 vxs_result asset_read(vxs_asset **asset, const char *path, const vxs_read_desc *desc, run_context *m);
+
+/* The same, and keep the bytes of the file.   kept  [out] released with free(kept->data), whatever is returned */
+vxs_result asset_read_keeping(vxs_asset **asset, vxs_bytes *kept, const char *path, const vxs_read_desc *desc, run_context *m);
 
 /* Open a file, on `threads` threads. The message names the first finding.
  * asset         [out] NULL on failure; closed with vxs_asset_close

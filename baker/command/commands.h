@@ -14,5 +14,6 @@ int cmd_info(int argc, char **argv);
 int cmd_validate(int argc, char **argv);
 int cmd_query(int argc, char **argv);
 int cmd_plan(int argc, char **argv);
+int cmd_view(int argc, char **argv);
 
 #endif

@@ -236,6 +236,20 @@ vxs_result scene_load_gltf_checked(scene *s, const char *path, const scene_choic
  * Returns VXS_OK, VXS_E_READ, VXS_E_SCENE, VXS_E_ARGUMENT, VXS_E_MEMORY. */
 vxs_result scene_check_files_gltf(const char *path, run_context *m);
 
+/* A file of a scene.
+ * uri    as the scene has it, for a buffer or an image; NULL: the scene's own file
+ * bytes  [size_bytes] valid during the call
+ * Returns VXS_OK; any other result ends the visit with it. */
+typedef vxs_result scene_file_fn(void *user, const char *uri, const uint8_t *bytes, size_t size_bytes, run_context *m);
+
+/* Visit the scene's own file, then each other file that its buffers and images are in, once for each URI. One file is held at a
+ * time, beside the scene's own. A missing image is a warning, a missing buffer is an error.
+ * path           a file, not a pipe
+ * allow_outside  as in scene_choice
+ * Returns VXS_OK, VXS_E_READ, VXS_E_SCENE, VXS_E_UNSUPPORTED, VXS_E_ARGUMENT (a file is an output of this run), VXS_E_MEMORY,
+ * VXS_E_STRICT, or what `visit` returned. */
+vxs_result scene_visit_files_gltf(const char *path, int allow_outside, scene_file_fn *visit, void *user, run_context *m);
+
 /* Load the default scene from the bytes of a .gltf or .glb file. Buffers and images in other files are an error. `name` replaces
  * the path in messages. */
 vxs_result scene_load_gltf_memory(scene *s, const void *bytes, size_t size_bytes, const char *name, run_context *m);

@@ -119,6 +119,7 @@ files     := bindir/vxs=$B/vxs \
              $(foreach f,vxsConfig vxsConfigVersion,libdir/cmake/vxs/$f.cmake=runtime/install/$f.cmake.in) \
              $(foreach f,$(headers),includedir/vxs/$(notdir $f)=$f) \
              $(foreach f,$(man.1),datadir/man/man1/$(notdir $f)=$f) \
+             $(if $(or $(wildcard build/web/view.html),$(filter uninstall,$(MAKECMDGOALS))),datadir/vxs/view.html=build/web/view.html) \
              datadir/bash-completion/completions/vxs=$B/completion/vxs.bash \
              zshdir/_vxs=$B/completion/vxs.zsh \
              datadir/fish/vendor_completions.d/vxs.fish=$B/completion/vxs.fish \

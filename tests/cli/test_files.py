@@ -21,7 +21,7 @@ from test_docs import validator
 
 SMALL = ("--resolution", 64)
 COMMANDS = [("bake", "{scene}", "-o", "{out}.vxs"), ("plan", "{scene}"), ("truth", "{scene}", "--sun", "0,-1,0"), ("compare", "{scene}", "{asset}"),
-            ("render", "{scene}", "{asset}", "-o", "{out}.png", "--width", 16, "--height", 16), ("health", "{scene}"), ("mend", "{scene}", "-o", "{out}.glb"),
+            ("render", "{scene}", "{asset}", "-o", "{out}.png", "--width", 16, "--height", 16), ("view", "{scene}", "{asset}", "-o", "{out}.html", "--page", "{page}"), ("health", "{scene}"), ("mend", "{scene}", "-o", "{out}.glb"),
             ("bench", "{scene}", "-o", "{out}.json", "--runs", 1, "--points", 0, "--resolution", 64)]
 
 
@@ -312,7 +312,8 @@ def test_files_out_of_the_scenes_folder(vxs, tmp_path):
     (tmp_path / "card.bin").write_bytes(base64.b64decode(data))
     gltf["buffers"][1]["uri"] = "..%2Fcard.bin"
     path.write_text(json.dumps(gltf))
-    names = {"scene": path, "asset": asset, "out": tmp_path / "out"}
+    names = {"scene": path, "asset": asset, "out": tmp_path / "out", "page": tmp_path / "page"}
+    names["page"].write_text("<!--vxs:level:1-->")
     for line in COMMANDS:
         said = vxs(*words(line, **names), status=3, input="").stderr
         assert "buffer 1: '../card.bin' is not in the scene's folder: --allow-outside reads it all the same" in said

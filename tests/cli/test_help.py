@@ -30,7 +30,8 @@ def test_help_of_a_command(vxs, command):
     assert all(said for _, _, _, said in listed)
     assert "--help" in [name for _, name, _, _ in listed]
     usage = text.splitlines()[0].split()[2:]
-    operands = list(itertools.takewhile(lambda word: word[0] not in "-[<", usage))
+    optional = re.compile(r"\[(?!options)[^\]]+\]")
+    operands = [word.strip("[]") for word in itertools.takewhile(lambda word: word[0] not in "-[<" or optional.fullmatch(word), usage)]
     assert operands and [word.removesuffix("...") for word in operands] == [name for group, name, _, _ in listed if group == "operands"]
 
 
@@ -166,6 +167,7 @@ POSITIONS = [
     ("vxs compare --camera c.gltf ", ["d.vxs"] + FOLDER),
     ("vxs compare c.gltf d.vxs ", ["d.vxs"] + FOLDER),
     ("vxs compare --points 5 c.gltf ", ["d.vxs"] + FOLDER),
+    ("vxs view c.gltf ", ["d.vxs"] + FOLDER),
     ("vxs report ", ["e.json", "old.json"] + FOLDER),
     ("vxs report e.json ", ["e.json", "old.json"] + FOLDER),
 ]

@@ -30,6 +30,7 @@ INSTALLED = {"bin/vxs", "lib/libvxs.a", "lib/libvxs.so", f"lib/libvxs.so.{MAJOR}
                                              "vxs_lookup_blocks", "vxs_space", "vxs_smoke", "vxs_depths", "vxs_intervals", "vxs_gl", "vxs_gl_depths", "vxs_cull")),
              "share/man/man1/vxs.1", *(f"share/man/man1/vxs-{command}.1" for command in COMMANDS),
              "share/bash-completion/completions/vxs", "share/zsh/site-functions/_vxs", "share/fish/vendor_completions.d/vxs.fish",
+             *(["share/vxs/view.html"] if (ROOT / "build/web/view.html").is_file() else []),  # of make web
              *(f"share/doc/vxs/{name}" for name in DOCUMENTS)}
 
 # The points of the file of vxs.md section 10: under its mask, beside it, behind it, outside.

@@ -27,6 +27,7 @@ COMMANDS = {
     "plan": (("plan", "level.gltf", *SMALL), SCENE, ("--json", "-o", "--report")),
     "info": (("info", "a.vxs"), ("a.vxs",), ("--json",)),
     "validate": (("validate", "a.vxs"), ("a.vxs",), ("--json",)),
+    "view": (("view", "level.gltf", "a.vxs", "--page", "page", "--bake-report", "bake.json"), (*SCENE, "a.vxs", "page", "bake.json"), ("-o",)),
     "compare": (("compare", "level.gltf", "a.vxs", "--points", "10", "--bake-report", "bake.json"),
                 (*SCENE, "a.vxs", "bake.json"), ("--json",)),
     "bench": (("bench", "level.gltf", *BENCH, "--against", "bench.json"), (*SCENE, "bench.json"), ("-o",)),
@@ -49,6 +50,7 @@ def made(vxs, tmp_path_factory):
     gltf["images"] = [{"uri": "data:image/png;base64,AAAA"}, {"uri": "wall.png"}]
     (folder / "level.gltf").write_text(json.dumps(gltf))
     (folder / "wall.png").write_bytes(b"not read")
+    (folder / "page").write_text("<!--vxs:level:1-->")
     (folder / "unread.bin").write_bytes(b"1234")
     vxs("bake", folder / "level.gltf", "-o", folder / "a.vxs", *SMALL, "--json", folder / "bake.json")
     vxs("bench", folder / "level.gltf", "-o", folder / "bench.json", *BENCH)

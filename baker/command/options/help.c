@@ -135,7 +135,7 @@ static void zsh_part(const command_line *c)
             if (is_list(o))
                 printf("*");
             else
-                printf("%d", ++operands);
+                printf(operand_is_optional(o) ? "%d:" : "%d", ++operands);
             zsh_value(o, o->name);
         } else {
             printf("%s%s%s[", is_list(o) ? "*" : "", o->name, is_switch(o) || o->name[1] != '-' ? "" : "=");

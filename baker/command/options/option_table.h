@@ -37,7 +37,8 @@ typedef enum option_kind {
     OPTION_NAMED_VECTOR,
     OPTION_NAMED_U32,
     OPTION_NAMED_F64,
-    OPTION_INPUT,  /* const char *, borrowed from argv: an input file of kind `min` (option_table.h) */
+    OPTION_INPUT,  /* const char *, borrowed from argv: an input file of kind `min` (option_table.h); max OPERAND_OPTIONAL: the last
+                      operand, which may be missing */
     OPTION_INPUTS, /* text_list, repeated: input files of kind `min` */
     OPTION_OUTPUT, /* const char *, borrowed from argv: an output file, - is standard output; min 1: required; max
                       OUTPUT_CHECKED_BY_COMMAND: the command itself checks that it can be written */
@@ -46,7 +47,7 @@ typedef enum option_kind {
     OPTION_GROUP   /* no option: a heading in help, `help`, for the rows that follow; the other fields are 0 */
 } option_kind;
 
-enum { OPTION_NUMBERS_MAX = 32, OUTPUT_CHECKED_BY_COMMAND = 1 };
+enum { OPTION_NUMBERS_MAX = 32, OUTPUT_CHECKED_BY_COMMAND = 1, OPERAND_OPTIONAL = 1 };
 
 /* Values of an OPTION_U32S. */
 typedef struct number_list {
@@ -55,7 +56,8 @@ typedef struct number_list {
 } number_list;
 
 /* A row. A row whose name does not begin with '-' is an operand, of kind TEXT, CHOICE, INPUT or INPUTS. Operands are given in
- * the order of their rows, and all of them are required; if the last one is a list, it takes all remaining operands. */
+ * the order of their rows, and all of them are required, unless the last one is OPERAND_OPTIONAL; if the last one is a list, it takes
+ * all remaining operands. */
 typedef struct option {
     const char *name; /* "--resolution", "-o"; "SCENE"; NULL for a group */
     option_kind kind;
@@ -87,6 +89,11 @@ enum { OPTIONS_MAX = 64 };
 static inline int is_operand(const option *o)
 {
     return o->name && o->name[0] != '-';
+}
+
+static inline int operand_is_optional(const option *o)
+{
+    return is_operand(o) && o->kind == OPTION_INPUT && o->max == OPERAND_OPTIONAL;
 }
 
 static inline int is_named(const option *o)

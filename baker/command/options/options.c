@@ -338,7 +338,7 @@ vxs_result options_parse(const command_line *c, int argc, char **argv, int *help
     for (size_t i = 0; i < c->option_count && r == VXS_OK && !*help_shown; i++) {
         const option *o = &c->options[i];
         if (given[i]) continue;
-        if (is_operand(o))
+        if (is_operand(o) && !operand_is_optional(o))
             r = fail(m, VXS_E_ARGUMENT, "%s is missing: usage is vxs %s %s", o->name, c->name, c->synopsis);
         else if (o->kind == OPTION_OUTPUT && o->min > 0)
             r = fail(m, VXS_E_ARGUMENT, "%s needs %s %s", c->name, o->name, o->value);

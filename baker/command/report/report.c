@@ -154,7 +154,8 @@ void report_print(FILE *to, const bake_options *o, const bake_report *r)
     fprintf(to, "drawn by     %s%s%s\n", r->renderer, r->cpu_class[0] ? ", processors of class " : "", r->cpu_class);
     if (o->points) fprintf(to, "points       %u, %s\n", o->points, size_text(a, r->points_bytes));
     plan_print_savings(to, r->plan, r->file_bytes);
-    fprintf(to, "wrote        %s, %s\n", plain_text(plain, o->output_path), size_text(a, r->file_bytes));
+    fprintf(to, "wrote        %s, %s\n", o->output_path ? plain_text(plain, o->output_path) : "baked shadows",
+            size_text(a, r->file_bytes));
 }
 
 /* for machines ---------------------------------------------------------------------------------------------------------------- */

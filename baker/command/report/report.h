@@ -35,7 +35,8 @@ void unchanged_print(FILE *to, const bake_options *o, const bake_report *r);
 /* Replaces the report or the plan; "unchanged" is true in it. */
 vxs_result unchanged_write_json(const char *path, const bake_options *o, const bake_report *r, run_context *m);
 
-/* A bake or its plan in about five lines: scene and lights, the file's size, the time, and lights that are left out. */
+/* A bake or its plan in about five lines: scene and lights, the file's size, the time, and lights that are left out. The output
+ * path may be NULL. */
 
 void bake_summary_print(FILE *to, const bake_options *o, const bake_report *r);
 void plan_summary_print(FILE *to, const bake_options *o, const bake_report *r);

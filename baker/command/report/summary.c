@@ -135,7 +135,10 @@ void bake_summary_print(FILE *to, const bake_options *o, const bake_report *r)
     for (uint32_t n = 0; n < r->light_count; n++) maps += light_depth16_bytes(&r->lights[n]);
     double ratio = maps / (double)r->file_bytes;
     fprintf(to, "file         %s: %s; depth maps are ",
-            strcmp(o->output_path, "-") ? plain_text(plain, o->output_path) : "standard output", size_text(size, r->file_bytes));
+            !o->output_path               ? "baked shadows"
+            : strcmp(o->output_path, "-") ? plain_text(plain, o->output_path)
+                                          : "standard output",
+            size_text(size, r->file_bytes));
     fprintf(to, ratio < 1 ? "%.2g times that\n" : ratio < 10 ? "%.1f times that\n" : "%.0f times that\n", ratio);
 
     print_smoke(to, o, r);

@@ -12,6 +12,7 @@
 #include "baker/base/memory.h"
 #include "baker/base/watch.h"
 #include "baker/command/report/report.h"
+#include "baker/files/html_data.h"
 #include "baker/files/json_file.h"
 #include "baker/files/output_file.h"
 #include "baker/files/png_encode.h"
@@ -48,11 +49,7 @@ vxs_result page_write(const char *path, page_kind kind, json_t *data, run_contex
     FILE    *to     = out.stream;
     embedded script = kind == PAGE_BAKE ? bake_page_js : kind == PAGE_BENCH ? bench_page_js : volumes_page_js;
     embedded_print(to, behind(page_html, "-->\n"));
-    for (const char *at = json; *at; at++)
-        if (*at == '<') /* escaped, so that it cannot end the script element; it occurs only in strings */
-            fputs("\\u003c", to);
-        else
-            fputc(*at, to);
+    html_print_json(to, json);
     fputs("</script>\n<script>", to);
     if (kind != PAGE_BAKE) embedded_print(to, chart_min_js);
     fputs("</script>\n<script>", to);
@@ -177,19 +174,14 @@ static void draw(canvas *c, face_place place, const float *light, const uint16_t
 /* A data URL with a picture of 3 or 4 channels; NULL when out of memory. Released with free(). */
 static char *png_url(const uint8_t *pixels, uint32_t width_px, uint32_t height_px, uint32_t channels)
 {
-    static const char begin[]  = "data:image/png;base64,",
-                      digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    size_t   count;
-    uint8_t *png = png_encode(pixels, width_px, height_px, channels, &count);
-    char    *url = png ? malloc(sizeof begin + (count + 2) / 3 * 4) : NULL;
+    static const char begin[] = "data:image/png;base64,";
+    size_t            count;
+    uint8_t          *png = png_encode(pixels, width_px, height_px, channels, &count);
+    char             *url = png ? malloc(sizeof begin + base64_length(count)) : NULL;
     if (url) {
         char *to = stpcpy(url, begin);
-        for (size_t n = 0; n < count; n += 3) {
-            uint32_t bits = 0;
-            for (size_t k = 0; k < 3; k++) bits = bits << 8 | (n + k < count ? png[n + k] : 0);
-            for (size_t k = 0; k < 4; k++) *to++ = n + k > count ? '=' : digits[bits >> (18 - 6 * k) & 63];
-        }
-        *to = 0;
+        base64_encode(to, png, count);
+        to[base64_length(count)] = '\0';
     }
     free(png);
     return url;

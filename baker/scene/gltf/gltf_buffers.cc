@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <dirent.h>
+#include <set>
 #include <strings.h>
 #include <sys/stat.h>
 
@@ -132,6 +133,35 @@ file_bytes read_beside(loader &l, const std::string &what, const std::string &ur
                 near = reason == ENOENT && !l.m->access ? other_case(path) : "";
     throw failure{reason == ENOMEM ? VXS_E_MEMORY : VXS_E_READ, text + (near.empty() ? "" : "; there is '" + near + "': rename it"),
                   true};
+}
+
+/* Results of the visitor, and warnings that have become errors, end the visit; messages are set. */
+static void go_on(loader &l, vxs_result r)
+{
+    if (r == VXS_OK) r = run_check(l.m);
+    if (r != VXS_OK) throw failure{r, "", true};
+}
+
+void visit_files(loader &l, const json &root, scene_file_fn *visit, void *user)
+{
+    std::set<std::string> visited;
+    check_files_beside(l, root);
+    go_on(l, visit(user, nullptr, l.file.data(), l.file.size(), l.m));
+    for (auto [list, kind] : {std::pair("buffers", "buffer"), std::pair("images", "image")}) {
+        size_t index = 0;
+        for (const json &object : items(root, list)) {
+            std::string what = label(kind, index++), uri = text_of(object, "uri");
+            file_bytes  bytes;
+            if (uri.empty() || is_data(uri) || !visited.insert(uri).second) continue;
+            failure f = caught([&] { bytes = read_beside(l, what, uri, FILE_BYTES_MAX); });
+            if (f && !strcmp(kind, "buffer")) throw f;
+            if (f)
+                warn(l.m, "'%s': %s: it is left out", l.path, f.text.c_str());
+            else
+                go_on(l, visit(user, uri.c_str(), bytes.data(), bytes.size(), l.m));
+        }
+    }
+    go_on(l, VXS_OK);
 }
 
 /* ---- data URIs (RFC 2397): data:[type][;parameter]...[;base64],data; the prefix is not case-sensitive ---- */

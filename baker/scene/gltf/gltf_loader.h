@@ -513,6 +513,9 @@ void check_there(loader &l, size_t buffer, size_t offset, size_t size);
 /* Check that no file that the scene refers to, needed or not, is an output of this run. */
 void check_files_beside(loader &l, const json &root);
 
+/* Visit the scene's file and those beside it (scene_visit_files_gltf). */
+void visit_files(loader &l, const json &root, scene_file_fn *visit, void *user);
+
 /* Read at most `limit` bytes of a file beside the scene, from the URI of the buffer or image `what`. */
 file_bytes read_beside(loader &l, const std::string &what, const std::string &uri, size_t limit);
 

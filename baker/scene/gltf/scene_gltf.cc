@@ -158,6 +158,18 @@ extern "C" vxs_result scene_check_files_gltf(const char *path, run_context *m)
     });
 }
 
+extern "C" vxs_result scene_visit_files_gltf(const char *path, int allow_outside, scene_file_fn *visit, void *user, run_context *m)
+{
+    scene        unread;
+    scene_choice choice  = {};
+    choice.allow_outside = allow_outside;
+    return guarded(&unread, input_name(path), &choice, m, [=](gltf::loader &l) {
+        l.files_beside = true;
+        gltf::read_scene_file(l, path);
+        gltf::visit_files(l, gltf::parse_json(l, gltf::open_container(l)), visit, user);
+    });
+}
+
 extern "C" vxs_result scene_load_gltf_memory(scene *s, const void *bytes, size_t size_bytes, const char *name, run_context *m)
 {
     return guarded(s, name, nullptr, m, [bytes, size_bytes](gltf::loader &l) {
