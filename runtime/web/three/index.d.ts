@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+import type { Light, Loader, LoadingManager, Object3D, WebGLRenderer } from 'three';
+import type { Asset, Light as BakedLight, Runtime } from 'vxs';
+
+export { VXSError } from 'vxs';
+
+/** An exact filter of K x K texels: { box: K }, K odd, 1 to 17; { smooth: K }, any K of 1 to 17; a number K is { box: K }. */
+export type Filter = number | { box: number } | { smooth: number };
+
+export interface AttachOptions {
+  /**
+   * 'lookup' (default): exact answers in the materials of the scene, for any number of lights. 'depth': the map as a depth texture in
+   * light.shadow.map; three.js filters it, and renders no shadow pass.
+   */
+  way?: 'lookup' | 'depth';
+  /** Of the way 'lookup'; { box: 9 } by default. */
+  filter?: Filter;
+  /** Needed by the way 'depth'. VSMShadowMap is refused; point lights need three.js r182 or later. */
+  renderer?: WebGLRenderer;
+  /** Texels along a side of a depth texture, a power of two; 4096 by default, at most that of the light. */
+  resolution?: number;
+  /**
+   * Objects that move, with all below them: they alone cast into live shadow maps of three.js, whose answer is multiplied with the
+   * baked one. For the way 'lookup'; renderer.shadowMap.enabled must be true.
+   */
+  movers?: Object3D[];
+}
+
+export interface Match {
+  /** moved: the light is no longer where it was when it was baked, so its shadow is wrong. */
+  matched: { light: Light; baked: BakedLight; moved: boolean }[];
+  /** Lights of the scene without a baked shadow. */
+  lights: Light[];
+  /** Baked lights that no light of the scene matches. */
+  baked: BakedLight[];
+}
+
+/** The shadows of a file, attached to one scene at a time. */
+export class BakedShadows {
+  readonly asset: Asset;
+  readonly lights: readonly BakedLight[];
+  /**
+   * Let the lights below a scene, or of a result of GLTFLoader, shine with their baked shadows. Lights match by name, else by place.
+   * Sets receiveShadow and castShadow of meshes; their lit materials (Standard, Physical, Lambert, Phong, Toon) are extended by the
+   * way 'lookup'. The root may be moved and turned, not scaled. Throws VXSError; then nothing has changed.
+   */
+  attach(target: Object3D | { scene: Object3D; parser?: unknown }, options?: AttachOptions): Match;
+  /** Shade meshes that came after attach(). */
+  add(object: Object3D): void;
+  /** Another filter of the way 'lookup'; materials are compiled again. */
+  setFilter(filter: Filter): void;
+  /** Undo attach(). */
+  detach(): void;
+  /** detach(), and free textures and the file. */
+  dispose(): void;
+}
+
+/** Loads .vxs files. Wrong bytes are a VXSError. */
+export class VXSLoader extends Loader<BakedShadows> {
+  constructor(manager?: LoadingManager);
+  /** A runtime of load(), or a promise of one; load() of 'vxs' by default. */
+  setRuntime(runtime: Runtime | Promise<Runtime>): this;
+  parse(bytes: Uint8Array | ArrayBuffer, onLoad: (shadows: BakedShadows) => void, onError?: (error: unknown) => void): void;
+  parseAsync(bytes: Uint8Array | ArrayBuffer): Promise<BakedShadows>;
+}

@@ -1,0 +1,4 @@
+// `vxs/three`: baked shadows in three.js with WebGLRenderer.
+// SPDX-License-Identifier: MIT
+export { BakedShadows, VXSLoader } from './loader.mjs';
+export { VXSError } from 'vxs';

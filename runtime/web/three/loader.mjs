@@ -1,0 +1,131 @@
+// Loading a .vxs file, and lighting a scene of three.js with it.
+// SPDX-License-Identifier: MIT
+import { FileLoader, Loader } from 'three';
+import { VXSError, load } from 'vxs';
+import { DepthMaps } from './depth.mjs';
+import { Lookups } from './lookup.mjs';
+import { matchLights } from './names.mjs';
+import { filterOf, fromRootMatrix } from './words.mjs';
+
+let standard; // the runtime that all loaders share, loaded at the first use
+
+/** Loads .vxs files as BakedShadows. Errors are VXSErrors where the bytes are wrong, else those of FileLoader. */
+export class VXSLoader extends Loader {
+  #runtime;
+
+  /** Use this runtime, or a promise of one, from load() of 'vxs', 'vxs/inline' or 'vxs/core'. */
+  setRuntime(runtime) {
+    this.#runtime = runtime;
+    return this;
+  }
+
+  load(url, onLoad, onProgress, onError) {
+    const file = new FileLoader(this.manager).setPath(this.path).setResponseType('arraybuffer')
+      .setRequestHeader(this.requestHeader).setWithCredentials(this.withCredentials);
+    const failed = (error) => {
+      (onError ?? console.error)(error);
+      this.manager.itemError(url);
+    };
+    file.load(url, (bytes) => {
+      this.manager.itemStart(url); // until it is parsed, too
+      this.parseAsync(bytes).then(onLoad, failed).finally(() => this.manager.itemEnd(url));
+    }, onProgress, onError);
+  }
+
+  /** bytes  Uint8Array or ArrayBuffer */
+  parse(bytes, onLoad, onError = console.error) {
+    this.parseAsync(bytes).then(onLoad, onError);
+  }
+
+  async parseAsync(bytes) {
+    const runtime = await (this.#runtime ?? (standard ??= load()));
+    return new BakedShadows(runtime.open(bytes));
+  }
+}
+
+const meshesOf = (root, act) => root.traverse((object) => object.isMesh && act(object));
+
+/** The shadows of a file, attached to the lights of one scene at a time. */
+export class BakedShadows {
+  #way = null;
+  #restore = [];
+
+  constructor(asset) {
+    this.asset = asset;
+    this.pairs = [];
+  }
+
+  get lights() { return this.asset.lights; }
+
+  /**
+   * Let lights below `target` shine with their baked shadows. index.d.ts describes the options. Nothing is changed if it throws.
+   * Returns what matched: { matched, lights, baked }.
+   */
+  attach(target, { way = 'lookup', filter, renderer, movers = [], ...options } = {}) {
+    const root = target.scene ?? target;
+    if (!['lookup', 'depth'].includes(way)) throw new VXSError('argument', `way is '${way}': expected 'lookup' or 'depth'`);
+    root.updateWorldMatrix(true, true);
+    const fromRoot = fromRootMatrix(root), match = matchLights(this.lights, root, fromRoot, target.parser ? target : null);
+    const kernel = filterOf(filter);
+    if (this.#way) this.detach();
+    if (!match.matched.length) return match;
+    const made = way === 'lookup' ? new Lookups(match.matched, kernel, fromRoot)
+      : new DepthMaps(match.matched, { renderer, fromRoot, ...options });
+    this.#way = made;
+    try {
+      this.#receive(root, movers, way === 'lookup');
+    } catch (error) {
+      this.detach();
+      throw error;
+    }
+    this.pairs = match.matched;
+    return match;
+  }
+
+  // What is baked casts no shadow into live maps any more, and all that is lit receives shadows. Only movers cast.
+  #receive(root, movers, casts) {
+    const set = (object, name, value) => {
+      const had = object[name];
+      if (had === value) return;
+      object[name] = value;
+      this.#restore.push(() => { object[name] = had; });
+    };
+    const moves = new Set();
+    for (const mover of movers) meshesOf(mover, (mesh) => moves.add(mesh));
+    const shade = (mesh) => {
+      set(mesh, 'receiveShadow', true);
+      set(mesh, 'castShadow', moves.has(mesh));
+      this.#way.add(mesh);
+    };
+    meshesOf(root, shade);
+    moves.forEach(shade);
+    if (casts) for (const light of this.#way.baked.keys()) set(light, 'castShadow', movers.length > 0);
+  }
+
+  /** Shade more meshes, below `object`, which came after attach(). */
+  add(object) {
+    meshesOf(object, (mesh) => {
+      mesh.receiveShadow = true;
+      this.#way?.add(mesh);
+    });
+  }
+
+  /** { box: K } or { smooth: K }: exact filters of the way 'lookup'. */
+  setFilter(filter) {
+    this.#way?.setFilter(filterOf(filter));
+  }
+
+  /** Undo attach(). */
+  detach() {
+    this.#way?.dispose();
+    this.#way = null;
+    this.#restore.splice(0).reverse().forEach((undo) => undo());
+    this.pairs = [];
+  }
+
+  /** Free textures and the file. */
+  dispose() {
+    this.detach();
+    this.asset.dispose();
+  }
+}
