@@ -44,8 +44,8 @@ FINE = GENERATED + [name for name in LOADABLE if "/" not in name and (EVERY or n
 
 
 def share(n):
-    """Scenes for the nth of the four tests that query many: what is generated, and a fourth of the others."""
-    return GENERATED + [pytest.param(name, marks=pytest.mark.slow) for name in LOADABLE if EVERY or LOADABLE.index(name) % 4 == n]
+    """Scenes for the nth of the four tests that query many: what is generated, and an eighth of the others."""
+    return GENERATED + [pytest.param(name, marks=pytest.mark.slow) for name in LOADABLE if EVERY or LOADABLE.index(name) % 8 == 2 * n]
 
 
 # the quickest of them, one whose transforms mirror; make check-exact does each option with each
