@@ -24,3 +24,25 @@ test('the package has the version of the project', () => {
   const part = (name) => header.match(new RegExp(`VXS_VERSION_${name} (\\d+)`))[1];
   assert.equal(read(path.join(PACKAGE, 'package.json')).version, ['MAJOR', 'MINOR', 'PATCH'].map(part).join('.'));
 });
+
+test('it installs into an empty folder without a network, and runs there without compilers', () => {
+  const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'a user\'s folder '));
+  // the folder of node alone: no emcc, no make, no vxs
+  const env = { HOME: folder, PATH: [path.dirname(process.execPath), '/bin'].join(path.delimiter) };
+  const run = (...command) => execFileSync(command[0], command.slice(1), { cwd: folder, env, encoding: 'utf8' });
+  try {
+    const [packed] = JSON.parse(execFileSync('npm', ['pack', PACKAGE, '--json', '--pack-destination', folder], { encoding: 'utf8' }));
+    fs.writeFileSync(path.join(folder, 'package.json'), '{ "private": true }');
+    run('npm', 'install', '--offline', '--no-audit', '--no-fund', `./${packed.filename}`);
+    execFileSync(process.env.VXS, ['scene', 'city', '-o', path.join(folder, 'level.glb'), '--triangles', '1000']);
+    run('npx', '--offline', 'vxs', 'bake', 'level.glb', '-o', 'level.vxs', '--resolution', '256', '--quiet');
+    assert.match(run('npx', '--offline', 'vxs', 'info', 'level.vxs'), /256/);
+    const look = "const asset = vxs.open(require('fs').readFileSync('level.vxs')); console.log(asset.lights.length); asset.dispose();";
+    const load = `async function main(load) { const vxs = await load(); ${look} }`;
+    assert.equal(run('node', '-e', `${load} main(require('vxs').load);`), '1\n');
+    assert.equal(run('node', '-e', `${load} import('vxs').then((module) => main(module.load));`), '1\n');
+    assert.equal(run('node', '-e', `${load} import('vxs/inline').then((module) => main(module.load));`), '1\n');
+  } finally {
+    fs.rmSync(folder, { recursive: true });
+  }
+});
