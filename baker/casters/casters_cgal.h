@@ -8,6 +8,11 @@
 
 #include "formats/vxs_result.h"
 
+/* WebAssembly has no rounding modes: without the first macro, CGAL's intervals would be wrong. Its assertions check them. */
+#if defined __cplusplus && defined __EMSCRIPTEN__ && (!defined CGAL_ALWAYS_ROUND_TO_NEAREST || defined NDEBUG)
+#error "for WebAssembly, CGAL needs CGAL_ALWAYS_ROUND_TO_NEAREST, and no NDEBUG"
+#endif
+
 #ifdef __cplusplus
 extern "C" {
 #endif

@@ -83,7 +83,7 @@ void check_model_meshes(loader &l)
                 if (failure f = caught([&] { check_primitive(l, where, p); })) l.primitive_faults[{i, k}] = f;
             if (p.material < 0 || (size_t)p.material < l.materials.size())
                 continue; /* also for primitives that are left out, because patterns refer to materials */
-            take_note(l, cost::REFERENCE, (uint64_t)1 << 63 | i << 32 | k, where,
+            take_note(l, cost::REFERENCE, (uint64_t)1 << 63 | (uint64_t)i << 32 | k, where,
                       "material " + std::to_string(p.material) + " does not exist", "export it again");
             p.material = -1;
         }

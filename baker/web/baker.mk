@@ -1,0 +1,53 @@
+# The command and bake() as WebAssembly: the core without the laboratory. Included by runtime/web/web.mk.
+# SPDX-License-Identifier: GPL-3.0-or-later
+
+web.libraries += baker/web/libraries.txt
+wasm.sources := $(patsubst %,$W/sources/%/.unpacked,zstd xxhash png zlib webp draco meshoptimizer jansson gmp)
+wasm.libs  := $(patsubst %,$W/lib/lib%.a,zstd xxhash png zlib webp jansson meshoptimizer draco gmp)
+wasm.out   := $P/baker
+
+# files that run often are compiled for speed, those that a run calls once for size
+wasm.cold  := baker/command/% baker/files/% baker/scene/% baker/library/% baker/main.c baker/bake/% baker/web/% runtime/%
+wasm.speed  = $(if $(filter $(wasm.cold),$<),-Os,-O2)
+# CGAL's code for SSE2 is assembly
+wasm.simd   = -msimd128 $(if $(filter baker/casters/%.cc,$<),,-msse2)
+# never -DNDEBUG: CGAL checks its rounding in assertions
+wasm.flags  = $(filter -I%,$(flags)) -isystem $W/include -MMD -MP -ffp-contract=off -DVXS_ONE_THREAD $(wasm.speed) $(wasm.simd)
+wasm.cflags = -std=c11 -D_GNU_SOURCE $(warn) -Wstrict-prototypes -Wmissing-prototypes $(wasm.flags)
+wasm.cxxflags = -std=c++17 $(warn) $(wasm.flags) -fwasm-exceptions -DCGAL_HAS_NO_THREADS -DCGAL_DISABLE_GMPXX -DCGAL_ALWAYS_ROUND_TO_NEAREST
+
+wasm.c     := $(filter-out baker/base/system_linux.c,$(bake.c)) $(format.c) $(command.c) $(no_lab.c) $(runtime.c) $(wildcard runtime/volumes/*/area_points.c) baker/main.c baker/web/system_web.c
+wasm.cc    := $(wildcard baker/casters/*.cc baker/scene/gltf/*.cc baker/command/process/*.cc)
+wasm.data  := $(command.data:$B/%.o=%)
+wasm.o     := $(patsubst %,$W/o/command/%.o,$(wasm.c) $(wasm.cc) $(wasm.data))
+
+# a make of its own
+$W/lib/.made: $(wasm.sources) baker/web/wasm_libraries.mk | $(web.tools)
+	$Q$(MAKE) --no-print-directory -f baker/web/wasm_libraries.mk W=$W V=$V && touch $@
+$(wasm.libs): $W/lib/.made ;
+
+$(wasm.o): | $W/lib/.made
+$W/o/command/%.c.o: %.c
+	@echo "  emcc $<"
+	$Q mkdir -p $(@D) && emcc $(wasm.cflags) -c $< -o $@
+$W/o/command/%.cc.o: %.cc
+	@echo "  emcc $<"
+	$Q mkdir -p $(@D) && emcc $(wasm.cxxflags) -c $< -o $@
+# as `ld -r -b binary` names them (baker/base/embedded.h); both labels lie in one section
+$(patsubst %,$W/o/command/%.o,$(wasm.data)): $W/o/command/%.o: %
+	@echo "  data $<"
+	$Q mkdir -p $(@D) && n=_binary_$$(echo $(<F) | tr . _) && printf '.section .rodata.%s,"",@\n.globl %s_start\n.globl %s_end\n%s_start:\n.incbin "%s"\n%s_end:\n.size %s_start, %s_end-%s_start\n.size %s_end, 0\n' \
+	    $$n $$n $$n $$n $< $$n $$n $$n $$n $$n >$@.s && emcc -c $@.s -o $@
+
+$(wasm.out)/vxs.wasm: $(wasm.o) $(wasm.libs)
+	@echo "  link $@"
+	$Q mkdir -p $(@D) && emcc -O2 -fwasm-exceptions -sSUPPORT_LONGJMP=wasm -sSTANDALONE_WASM -sALLOW_MEMORY_GROWTH -sMAXIMUM_MEMORY=4GB -sINITIAL_MEMORY=16MB \
+	    -sTOTAL_STACK=2MB -Wl,-u,calloc -sERROR_ON_UNDEFINED_SYMBOLS=0 -sWARN_ON_UNDEFINED_SYMBOLS=0 $(wasm.ld) -o $@ $^
+wasm.mjs := $(patsubst baker/web/%,$(wasm.out)/%,$(filter-out baker/web/vxs.mjs,$(wildcard baker/web/*.mjs baker/web/*.d.ts)))
+$(wasm.mjs): $(wasm.out)/%: baker/web/%
+	$Q mkdir -p $(@D) && cp $< $@
+$P/bin/vxs.mjs: baker/web/vxs.mjs
+	$Q mkdir -p $(@D) && cp $< $@
+web.files += $(wasm.out)/vxs.wasm $(wasm.mjs) $P/bin/vxs.mjs
+
+-include $(wasm.o:.o=.d)
