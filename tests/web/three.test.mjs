@@ -6,14 +6,18 @@ import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
+import { hall, pillars } from './small_scene.mjs';
 import { RELEASES, launch, noBrowser, openPage, run, serve } from './browser.mjs';
 
 const VXS = process.env.VXS ?? new URL('../../build/release/vxs', import.meta.url).pathname;
 const skip = noBrowser || (!fs.existsSync(VXS) && `no command at ${VXS}: make`);
+const ALL = process.env.VXS_TEST_REPEATS === 'all', SOME = ALL ? RELEASES : ['three'];
 const PAGE = '/tests/three_page.mjs', SIZE = [320, 240];
 const VIEWS = {
   city: { eye: [-150, 90, -160], target: [0, 0, 0], fov: 50 },
   room: { eye: [3, 1.8, 2.2], target: [-1, 0.8, -0.5], fov: 70 },
+  pillars: { eye: [9, 9, 11], target: [0, 0, 0], fov: 45 },
+  hall: { eye: [14, 9, 13], target: [0, 0, 0], fov: 50 },
 };
 let folder, server, browser;
 const vxs = (...args) => execFileSync(VXS, args, { cwd: folder, stdio: ['ignore', 'pipe', 'inherit'] });
@@ -28,6 +32,10 @@ before(async () => {
     for (const filter of ['9', '3'])
       vxs('render', `${scene}.glb`, `${scene}.vxs`, '-o', 'out.png', '--width', `${SIZE[0]}`, '--height', `${SIZE[1]}`, '--samples', '1',
         `--eye=${eye}`, `--target=${target}`, '--fov', `${fov}`, '--filter', filter, '--passes', `${scene}-${filter}`);
+  }
+  for (const [name, bytes, resolution] of [['pillars', pillars(), 1024], ['hall', hall(), 512]]) {
+    fs.writeFileSync(path.join(folder, `${name}.glb`), bytes);
+    vxs('bake', `${name}.glb`, '-o', `${name}.vxs`, '--resolution', `${resolution}`, '--quiet');
   }
   server = await serve(folder);
   browser = await launch();
@@ -53,7 +61,8 @@ function inBrowser(name, act, options = {}) {
     });
 }
 
-const files = (scene) => ({ glb: `/files/${scene}.glb`, vxs: `/files/${scene}.vxs`, view: VIEWS[scene], size: SIZE });
+const files = (scene, size = SIZE) => ({ glb: `/files/${scene}.glb`, vxs: `/files/${scene}.vxs`, view: VIEWS[scene], size });
+const SMALL = [80, 60];
 
 inBrowser('lookups give the pictures of vxs render', async (page) => {
   for (const [scene, light, pass] of [['city', 'sun', 'lit-0-sun'], ['room', 'lamp', 'lit-0-lamp'], ['room', 'corner', 'lit-1-corner']]) {
@@ -76,3 +85,71 @@ inBrowser('depth textures give nearly the same, without a shadow pass', async (p
     assert.ok(got.mean < 0.05 && got.beyond[2] < 0.03, `${scene} ${light}: ${JSON.stringify(got)}`);
   }
 });
+
+inBrowser('integer voxels are those of the runtime, to the bit', async (page) => {
+  for (const [scene, light] of [['city', 'sun'], ['room', 'lamp'], ['room', 'corner']])
+    for (const [width, smooth] of ALL ? [[1], [3], [9], [17], [9, true], [8, true]] : [[1], [9], [8, true]]) {
+      const got = await run(page, PAGE, 'voxels', { ...files(scene), light, width, smooth });
+      assert.equal(got.wrong, 0, `${scene} ${light} ${width}: ${JSON.stringify(got)}`);
+      assert.ok(got.outside < got.count / 2 && (width === 1 || got.partial > 500), JSON.stringify(got));
+    }
+}, { releases: SOME });
+
+inBrowser('a scene 100 km from the origin looks the same', async (page) => {
+  const got = await run(page, PAGE, 'farAway', { ...files('city', [160, 120]), light: 'sun', offset: [1e5, 0, 1e5] });
+  assert.ok(got.mean > 0.1 && got.differ < 0.001, JSON.stringify(got));
+}, { releases: SOME });
+
+inBrowser('all kinds of materials and meshes have the same shadow', async (page) => {
+  const { out, dark, lit } = await run(page, PAGE, 'kinds', files('pillars', SMALL));
+  for (const [kind, apart] of Object.entries(out)) assert.ok(apart < 0.002, `${kind}: ${apart}`);
+  assert.ok(dark > 0.01 && lit > 0.1, `${dark} ${lit}`);
+}, { releases: SOME });
+
+inBrowser('165 lamps shine in one material', async (page) => {
+  const got = await run(page, PAGE, 'manyLights', { ...files('hall', SMALL), group: 55 });
+  assert.deepEqual([got.lights, got.matched], [165, 165]);
+  assert.ok(got.apart < 1e-4 && got.mean > 0.1 && got.mean < 0.99 * got.bare, JSON.stringify(got));
+}, { releases: SOME });
+
+inBrowser('what moves casts into a live map, and nothing else does', async (page) => {
+  const got = await run(page, PAGE, 'moving', files('pillars'));
+  assert.ok(got.onlyDarker && got.changed > 20 && got.restored, JSON.stringify(got));
+  assert.ok(got.calls <= got.stillCalls + 2, JSON.stringify(got)); // the ball, and its shadow where three.js counts it
+}, { releases: SOME });
+
+inBrowser('hooks that a material has stay, and come back', async (page) => {
+  const { bare, shaded, untinted, again, shadedAgain, restored } = await run(page, PAGE, 'chained', files('pillars', SMALL));
+  assert.ok(restored);
+  assert.deepEqual([again, shadedAgain], [bare, shaded]);
+  assert.ok(shaded[0] < 0.99 * bare[0] && shaded[1] === 0, JSON.stringify(shaded));
+  assert.ok(Math.abs(untinted[1] - shaded[0]) < 1e-3 * shaded[0], JSON.stringify(untinted));
+}, { releases: SOME });
+
+inBrowser('loads and disposals leave nothing behind', async (page) => {
+  for (const way of ['lookup', 'depth']) {
+    const got = await run(page, PAGE, 'leaks', { ...files('pillars'), way, times: way === 'lookup' || ALL ? 1000 : 100 });
+    assert.deepEqual(got.after, got.before, way);
+    assert.ok(got.during > got.after.textures, way);
+  }
+}, { releases: SOME });
+
+inBrowser('a lost context comes back', async (page) => {
+  for (const way of ['lookup', 'depth']) {
+    const got = await run(page, PAGE, 'lost', { ...files('pillars', SMALL), attach: { way } });
+    assert.ok(got.differ === 0 && got.mean > 0.1, `${way} ${JSON.stringify(got)}`);
+  }
+}, { releases: SOME, allow: /Context (Lost|Restored)/i });
+
+inBrowser('damaged files and wrong options are errors, and the scene stays as it was', async (page) => {
+  const got = await run(page, PAGE, 'refused', files('pillars'));
+  assert.match(got.damaged, /^true corrupt \d+ /);
+  assert.match(got.truncated, /^true truncated \d+ /);
+  assert.match(got.empty, /^true truncated \d+ /);
+  assert.match(got.missing, /^false .*404/);
+  for (const option of ['way', 'filter', 'renderer', 'scaled']) assert.match(got[option], /^true argument /, option);
+  assert.match(got.vsm, /^true unsupported .*VSMShadowMap/);
+  assert.match(got.twice, /shadows of another file/);
+  assert.match(got['before detach'], /the scene has changed/);
+  for (const [name, text] of Object.entries(got)) if (name !== 'before detach') assert.doesNotMatch(text, /the scene has changed/, name);
+}, { releases: SOME, allow: /nothing.vxs|404/ });

@@ -15,6 +15,13 @@ export function newRenderer([width, height], options = {}) {
 export const loadScene = async (url) => new GLTFLoader().loadAsync(url);
 export const loadShadows = async (url) => new VXSLoader().loadAsync(url);
 
+/** Remove all lights but one. */
+function keepLight(gltf, name) {
+  const others = [];
+  gltf.scene.traverse((object) => object.isLight && object.name !== name && others.push(object));
+  others.forEach((light) => light.removeFromParent());
+}
+
 export function newCamera({ eye, target, fov = 35 }, [width, height]) {
   const camera = new THREE.PerspectiveCamera(fov, width / height, 0.1, 5000);
   camera.position.set(...eye);
@@ -90,4 +97,293 @@ export async function compared({ pass, limits = [0.01, 0.1, 0.5], ...what }) {
     limits.forEach((limit, k) => { if (apart > limit) beyond[k]++; });
   });
   return { pixels, mean: sum / pixels, beyond: beyond.map((count) => count / pixels), ...more };
+}
+
+const differ = (a, b, limit) => a.reduce((count, x, n) => count + (Math.abs(x - b[n]) > limit ? 1 : 0), 0) / a.length;
+
+/** The scene far from the origin: the share of pixels that differ from the scene where it was baked. */
+export async function farAway({ glb, vxs, view, size, light, offset }) {
+  const pictures = [];
+  for (const at of [[0, 0, 0], offset]) {
+    const renderer = newRenderer(size), gltf = await loadScene(glb), shadows = await loadShadows(vxs);
+    const camera = newCamera({ ...view, eye: view.eye.map((x, n) => x + at[n]), target: view.target.map((x, n) => x + at[n]) }, size);
+    whiten(gltf.scene);
+    gltf.scene.traverse((object) => { if (object.isLight && object.name !== light) object.visible = false; });
+    gltf.scene.position.set(...at);
+    shadows.attach(gltf);
+    pictures.push(floats(renderer, gltf.scene, camera));
+    shadows.dispose();
+    renderer.dispose();
+  }
+  return { differ: differ(pictures[0], pictures[1], 1e-3), mean: pictures[0].reduce((s, x) => s + x, 0) / pictures[0].length };
+}
+
+/** Voxels of a file: how many answers of a shader differ from those of the runtime, of how many; and how many are not all or nothing. */
+export async function voxels({ vxs, light: name, width, smooth = false, side = 64 }) {
+  const { readers } = await import('/vxs/three/lookup.mjs'), { commonMacros, wordsTexture, writeConstants, integerTexture } = await import('/vxs/three/words.mjs');
+  const renderer = newRenderer([side, side]), shadows = await loadShadows(vxs), light = shadows.lights.find((l) => l.name === name);
+  const words = wordsTexture(shadows.lights), constants = new Uint32Array(24), count = side * side;
+  writeConstants(constants, 0, light, light.constants(), words.first.get(light), new THREE.Vector3(), new THREE.Matrix4());
+  // texels everywhere, depths about the first shadow of the texel, where answers are neither all lit nor all dark
+  let seed = 1;
+  const random = (below) => { seed = (Math.imul(seed, 1664525) + 1013904223) >>> 0; return Math.floor((seed / 2 ** 32) * below); };
+  const at = new Uint32Array(4 * count);
+  for (let n = 0; n < count; n++) {
+    const map = random(light.maps), i = random(light.resolution), j = random(light.resolution);
+    const k = Math.min(Math.max(light.firstShadow(map, i, j) + random(9) - 4, 0), light.resolution - 1);
+    at.set([i, j, k, map], 4 * n);
+  }
+  const material = new THREE.RawShaderMaterial({
+    glslVersion: THREE.GLSL3,
+    uniforms: { vxsWords: { value: words.texture }, vxsLights: { value: integerTexture(constants, 6, 1, 4) }, voxels: { value: integerTexture(at, side, side, 4) } },
+    vertexShader: 'in vec3 position; void main() { gl_Position = vec4( position.xy * 2.0, 0.0, 1.0 ); }',
+    fragmentShader: `precision highp float; precision highp int; uniform highp usampler2D voxels; out vec4 lit;
+      ${readers(commonMacros([light], { width, smooth }), words.wide)}
+      void main() {
+        ivec4 at = ivec4( texelFetch( voxels, ivec2( gl_FragCoord.xy ), 0 ) );
+        vxs_light_constants light = vxsLight( 0 );
+
+        lit = vec4( vxs_lit_at_voxel( light.first_word, light, at.w, at.xyz, vxs_box( 1 ) ) );
+      }`,
+  });
+  const scene = new THREE.Mesh(new THREE.PlaneGeometry(), material);
+  scene.frustumCulled = false;
+  const lit = floats(renderer, scene, new THREE.Camera());
+  // compared as sums of texels, or of weights of 1/65536 texel, where a float has a unit more or less after a shader's division
+  const sums = (value) => Math.round(value * width * width * (smooth ? 65536 : 1)), least = smooth ? 2 : 0;
+  let wrong = 0, partial = 0, outside = 0;
+  for (let n = 0; n < count; n++) {
+    const [i, j, k, map] = at.subarray(4 * n), row = side - 1 - Math.floor(n / side);
+    const point = light.point(map, [i + 0.501, j + 0.501, k + 0.5]), filter = smooth ? { smooth: width } : { box: width };
+    const wanted = light.lookup(point, { filter }), got = lit[4 * (row * side + (n % side))];
+    if (wanted < 0 || light.voxel(point).map !== map) outside++; // beyond the cone, or beside the face of a cube
+    else if (Math.abs(sums(wanted) - sums(got)) > least) wrong++;
+    if (wanted > 0 && wanted < 1) partial++;
+  }
+  return { wrong, partial, outside, count };
+}
+
+/** All lights in one rendering against the sum of renderings of some lights at a time: the greatest difference, and uniforms. */
+export async function manyLights({ glb, vxs, view, size, group = 33 }) {
+  const renderer = newRenderer(size), gltf = await loadScene(glb), shadows = await loadShadows(vxs), camera = newCamera(view, size);
+  whiten(gltf.scene, THREE.MeshStandardMaterial);
+  const lights = [];
+  gltf.scene.traverse((object) => object.isLight && lights.push(object));
+  const match = shadows.attach(gltf, { filter: { box: 3 } });
+  const draw = (chosen) => {
+    lights.forEach((light, n) => { light.visible = chosen(n); });
+    return floats(renderer, gltf.scene, camera);
+  };
+  const all = draw(() => true), sum = new Float32Array(all.length);
+  for (let first = 0; first < lights.length; first += group)
+    draw((n) => n >= first && n < first + group).forEach((x, n) => { sum[n] += x; });
+  shadows.detach();
+  const bare = draw(() => true);
+  shadows.dispose();
+  renderer.dispose();
+  return {
+    lights: lights.length, matched: match.matched.length, vectors: renderer.getContext().getParameter(0x8dfd),
+    apart: all.reduce((most, x, n) => (n % 4 === 3 ? most : Math.max(most, Math.abs(x - sum[n]))), 0),
+    mean: all.reduce((s, x) => s + x, 0) / all.length, bare: bare.reduce((s, x) => s + x, 0) / all.length,
+  };
+}
+
+const KINDS_OF_MESH = {
+  mesh: (geometry, material) => new THREE.Mesh(geometry, material),
+  instanced: (geometry, material) => {
+    const mesh = new THREE.InstancedMesh(geometry, material, 2);
+    mesh.setMatrixAt(0, new THREE.Matrix4());
+    mesh.setMatrixAt(1, new THREE.Matrix4().makeTranslation(0, -100, 0));
+    return mesh;
+  },
+  skinned: (geometry, material) => { // a bone moves it up to where the others are
+    const count = geometry.attributes.position.count, own = geometry.clone().translate(0, -3, 0), bone = new THREE.Bone();
+    own.setAttribute('skinIndex', new THREE.Uint16BufferAttribute(new Uint16Array(4 * count), 4));
+    own.setAttribute('skinWeight', new THREE.Float32BufferAttribute(Float32Array.from({ length: 4 * count }, (_, n) => (n % 4 ? 0 : 1)), 4));
+    const mesh = new THREE.SkinnedMesh(own, material);
+    mesh.add(bone);
+    mesh.bind(new THREE.Skeleton([bone]));
+    bone.position.y = 3;
+    mesh.frustumCulled = false;
+    return mesh;
+  },
+  morphed: (geometry, material) => {
+    const own = geometry.clone().translate(0, -2, 0);
+    own.morphAttributes.position = [geometry.attributes.position.clone()];
+    const mesh = new THREE.Mesh(own, material);
+    mesh.morphTargetInfluences = [1];
+    mesh.frustumCulled = false;
+    return mesh;
+  },
+};
+
+/** A wall across the pillars as each kind of mesh, in each kind of material: the share of pixels whose lit part differs from Lambert's. */
+export async function kinds({ glb, vxs, view, size }) {
+  const renderer = newRenderer(size), camera = newCamera(view, size), out = {};
+  const shadows = await loadShadows(vxs), gltf = await loadScene(glb);
+  gltf.scene.traverse((object) => { if (object.isLight && object.name !== 'sun') object.visible = false; });
+  const geometry = new THREE.PlaneGeometry(14, 14).rotateX(-Math.PI / 2).translate(0, 0.2, 0);
+  const materials = {
+    Lambert: new THREE.MeshLambertMaterial(), Standard: new THREE.MeshStandardMaterial({ roughness: 1 }), Phong: new THREE.MeshPhongMaterial({ shininess: 5 }),
+    Physical: new THREE.MeshPhysicalMaterial({ roughness: 1, clearcoat: 0.5, clearcoatRoughness: 1, sheen: 0.3 }), Toon: new THREE.MeshToonMaterial(),
+    flat: new THREE.MeshStandardMaterial({ roughness: 1, flatShading: true }), transparent: new THREE.MeshLambertMaterial({ transparent: true, side: THREE.DoubleSide }),
+  };
+  gltf.scene.traverse((object) => { if (object.isMesh) object.visible = false; });
+  const litOf = (mesh) => {
+    gltf.scene.add(mesh);
+    const bare = floats(renderer, gltf.scene, camera);
+    shadows.attach(gltf);
+    const shaded = floats(renderer, gltf.scene, camera);
+    shadows.detach();
+    gltf.scene.remove(mesh);
+    return Float32Array.from({ length: bare.length / 4 }, (_, n) => (bare[4 * n] > 1e-3 ? shaded[4 * n] / bare[4 * n] : 0));
+  };
+  const wanted = litOf(new THREE.Mesh(geometry, materials.Lambert));
+  for (const [name, material] of Object.entries(materials))
+    for (const [kind, make] of Object.entries(KINDS_OF_MESH))
+      if (kind === 'mesh' || name === 'Standard') out[`${name} ${kind}`] = differ(litOf(make(geometry, material)), wanted, 2e-3);
+  shadows.dispose();
+  renderer.dispose();
+  return { out, dark: wanted.filter((x) => x === 0).length / wanted.length, lit: wanted.filter((x) => x > 0.99).length / wanted.length };
+}
+
+/** A ball that moves above the floor: calls of a frame, and pixels that its live shadow changes. */
+export async function moving({ glb, vxs, view, size }) {
+  const renderer = newRenderer(size), camera = newCamera(view, size), shadows = await loadShadows(vxs), gltf = await loadScene(glb);
+  renderer.shadowMap.enabled = true;
+  const ball = new THREE.Mesh(new THREE.SphereGeometry(0.5), new THREE.MeshStandardMaterial());
+  ball.position.set(4, 1.2, 4);
+  const sun = gltf.scene.getObjectByName('sun');
+  gltf.scene.traverse((object) => { if (object.isLight && object !== sun) object.visible = false; });
+  whiten(gltf.scene);
+  const before = { castShadow: sun.castShadow, right: sun.shadow.camera.right };
+  shadows.attach(gltf);
+  const still = floats(renderer, gltf.scene, camera), stillCalls = renderer.info.render.calls;
+  gltf.scene.add(ball);
+  shadows.attach(gltf, { movers: [ball], renderer });
+  sun.shadow.mapSize.set(2048, 2048);
+  const moved = floats(renderer, gltf.scene, camera), calls = renderer.info.render.calls;
+  ball.castShadow = false;
+  const flying = floats(renderer, gltf.scene, camera);
+  let onlyDarker = true, changed = 0, byBall = 0;
+  for (let n = 0; n < still.length; n += 4) {
+    if (flying[n] !== still[n]) byBall++; // the ball itself
+    else if (moved[n] !== still[n]) {
+      changed++;
+      onlyDarker &&= moved[n] < still[n];
+    }
+  }
+  const cast = gltf.scene.children.filter((object) => object.castShadow).length;
+  shadows.dispose();
+  return { stillCalls, calls, changed, byBall, onlyDarker, cast, restored: sun.castShadow === before.castShadow && sun.shadow.camera.right === before.right };
+}
+
+/** Hooks of a user on a material stay, before and after. */
+export async function chained({ glb, vxs, view, size }) {
+  const renderer = newRenderer(size), camera = newCamera(view, size), shadows = await loadShadows(vxs), gltf = await loadScene(glb);
+  const material = whiten(gltf.scene), other = new THREE.MeshLambertMaterial({ flatShading: true }), calls = [];
+  const own = function (shader) {
+    calls.push('compile');
+    shader.uniforms.tint = { value: new THREE.Color(1, 0, 0) };
+    shader.fragmentShader = `uniform vec3 tint;\n${shader.fragmentShader.replace('#include <opaque_fragment>', '#include <opaque_fragment>\ngl_FragColor.rgb *= tint;')}`;
+  };
+  material.onBeforeCompile = own;
+  const mean = (channel) => floats(renderer, gltf.scene, camera).reduce((sum, x, n) => sum + (n % 4 === channel ? x : 0), 0);
+  const bare = [mean(0), mean(1)], key = material.customProgramCacheKey();
+  shadows.attach(gltf);
+  const meshes = [];
+  gltf.scene.traverse((object) => object.isMesh && meshes.push(object));
+  const shaded = [mean(0), mean(1)];
+  meshes.forEach((mesh) => { mesh.material = other; });
+  shadows.add(gltf.scene);
+  const untinted = [mean(0), mean(1)];
+  meshes.forEach((mesh) => { mesh.material = material; });
+  shadows.detach();
+  const restored = material.onBeforeCompile === own && material.customProgramCacheKey() === key && !Object.hasOwn(other, 'onBeforeCompile');
+  const again = [mean(0), mean(1)];
+  shadows.attach(gltf);
+  const shadedAgain = [mean(0), mean(1)];
+  shadows.dispose();
+  return { bare, shaded, untinted, again, shadedAgain, restored };
+}
+
+/** Load, attach, draw and dispose again and again: what stays. */
+export async function leaks({ glb, vxs, times, way }) {
+  const renderer = newRenderer([16, 16]), camera = newCamera({ eye: [9, 9, 9], target: [0, 0, 0] }, [16, 16]), gltf = await loadScene(glb);
+  const { load } = await import('vxs'), runtime = await load();
+  const loader = new VXSLoader().setRuntime(runtime), bytes = await (await fetch(vxs)).arrayBuffer();
+  keepLight(gltf, 'sun');
+  const turn = async () => {
+    const shadows = await loader.parseAsync(bytes);
+    shadows.attach(gltf, { way, renderer, resolution: 64 });
+    renderer.render(gltf.scene, camera);
+    const during = renderer.info.memory.textures;
+    shadows.dispose();
+    renderer.render(gltf.scene, camera);
+    return during;
+  };
+  const state = () => ({ ...renderer.info.memory, programs: renderer.info.programs.length, bytes: runtime.memoryBytes });
+  for (let n = 0; n < 3; n++) await turn();
+  const before = state();
+  let during;
+  for (let n = 0; n < times; n++) during = await turn();
+  return { before, after: state(), during };
+}
+
+/** The context is lost and comes back: the picture is the same. */
+export async function lost({ glb, vxs, view, size, attach }) {
+  const renderer = newRenderer(size), camera = newCamera(view, size), shadows = await loadShadows(vxs), gltf = await loadScene(glb);
+  keepLight(gltf, 'sun');
+  whiten(gltf.scene);
+  shadows.attach(gltf, { renderer, ...attach });
+  const before = floats(renderer, gltf.scene, camera), { domElement } = renderer;
+  const event = (name) => new Promise((resolve) => domElement.addEventListener(name, resolve, { once: true }));
+  const gone = event('webglcontextlost'), back = event('webglcontextrestored');
+  renderer.forceContextLoss();
+  await gone;
+  await new Promise((resolve) => setTimeout(resolve, 100));
+  renderer.forceContextRestore();
+  await back;
+  const after = floats(renderer, gltf.scene, camera);
+  return { differ: differ(before, after, 0), mean: before.reduce((s, x) => s + x, 0) / before.length };
+}
+
+/** Damaged files, wrong options: errors, and the scene as it was. */
+export async function refused({ glb, vxs }) {
+  const renderer = newRenderer([16, 16]), gltf = await loadScene(glb), bytes = new Uint8Array(await (await fetch(vxs)).arrayBuffer()), out = {};
+  const mesh = gltf.scene.getObjectByProperty('isMesh', true), sun = gltf.scene.getObjectByName('sun');
+  const seen = () => JSON.stringify([mesh.receiveShadow, mesh.castShadow, sun.castShadow, sun.shadow.map, Object.keys(mesh.material).length, mesh.material.userData]);
+  const before = seen(), { VXSError } = await import('vxs/three');
+  const attempt = async (name, act) => {
+    try {
+      await act();
+      out[name] = 'no error';
+    } catch (error) {
+      out[name] = `${error instanceof VXSError} ${error.code} ${error.finding ?? ''} ${error.message}`;
+    }
+    if (seen() !== before) out[name] += ': the scene has changed';
+  };
+  const loader = new VXSLoader(), shadows = await loader.parseAsync(bytes);
+  const damaged = bytes.slice();
+  damaged[bytes.length >> 1] ^= 255;
+  await attempt('damaged', () => loader.parseAsync(damaged));
+  await attempt('truncated', () => loader.parseAsync(bytes.subarray(0, 100)));
+  await attempt('empty', () => loader.parseAsync(new Uint8Array(0)));
+  await attempt('missing', () => loader.loadAsync('/files/nothing.vxs'));
+  await attempt('way', () => shadows.attach(gltf, { way: 'magic' }));
+  await attempt('filter', () => shadows.attach(gltf, { filter: { box: 4 } }));
+  await attempt('renderer', () => shadows.attach(gltf, { way: 'depth' }));
+  renderer.shadowMap.type = THREE.VSMShadowMap;
+  await attempt('vsm', () => shadows.attach(gltf, { way: 'depth', renderer }));
+  gltf.scene.scale.setScalar(2);
+  await attempt('scaled', () => shadows.attach(gltf));
+  gltf.scene.scale.setScalar(1);
+  const other = await loader.parseAsync(bytes);
+  other.attach(gltf);
+  await attempt('before detach', () => 0);
+  out.twice = await Promise.resolve().then(() => shadows.attach(gltf)).catch((error) => error.message);
+  other.detach();
+  await attempt('after detach', () => 0);
+  shadows.dispose();
+  return out;
 }

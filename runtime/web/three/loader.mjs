@@ -1,6 +1,6 @@
 // Loading a .vxs file, and lighting a scene of three.js with it.
 // SPDX-License-Identifier: MIT
-import { FileLoader, Loader } from 'three';
+import { Box3, FileLoader, Loader, Matrix4, Vector3 } from 'three';
 import { VXSError, load } from 'vxs';
 import { DepthMaps } from './depth.mjs';
 import { Lookups } from './lookup.mjs';
@@ -74,6 +74,8 @@ export class BakedShadows {
     this.#way = made;
     try {
       this.#receive(root, movers, way === 'lookup');
+      if (movers.length && way === 'lookup') this.#fit(root);
+      if (movers.length && renderer) renderer.shadowMap.enabled = true;
     } catch (error) {
       this.detach();
       throw error;
@@ -100,6 +102,23 @@ export class BakedShadows {
     meshesOf(root, shade);
     moves.forEach(shade);
     if (casts) for (const light of this.#way.baked.keys()) set(light, 'castShadow', movers.length > 0);
+  }
+
+  // Live maps show what moves, anywhere in the volume that is baked: where the shadow camera of a sun is as three.js makes it.
+  #fit(root) {
+    const volume = new Box3(), corner = new Vector3();
+    for (const [light, baked] of this.#way.baked) {
+      const { camera } = light.shadow;
+      if (baked.kind !== 'directional' || camera.right !== 5 || camera.top !== 5 || camera.left !== -5 || camera.bottom !== -5) continue;
+      const { near, far } = camera, side = baked.resolution;
+      light.shadow.updateMatrices(light);
+      const toCamera = new Matrix4().set(...baked.matrix, 0, 0, 0, 1).invert().premultiply(root.matrixWorld).premultiply(camera.matrixWorldInverse);
+      volume.makeEmpty();
+      for (let n = 0; n < 8; n++) volume.expandByPoint(corner.set(n & 1, (n >> 1) & 1, n >> 2).multiplyScalar(side).applyMatrix4(toCamera));
+      const { min, max } = volume;
+      Object.assign(camera, { left: min.x, right: max.x, bottom: min.y, top: max.y, near: -max.z, far: -min.z }).updateProjectionMatrix();
+      this.#restore.push(() => Object.assign(camera, { left: -5, right: 5, bottom: -5, top: 5, near, far }).updateProjectionMatrix());
+    }
   }
 
   /** Shade more meshes, below `object`, which came after attach(). */

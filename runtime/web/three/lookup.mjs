@@ -97,6 +97,13 @@ function lightsInOrder(scene, camera) {
   return [...kind('isDirectionalLight'), ...kind('isSpotLight'), ...kind('isPointLight')];
 }
 
+// Uniforms of a material live as long as it does: three.js keeps its programs, and uses them again after a detach and another attach.
+const UNIFORMS = new WeakMap();
+function uniformsOf(material) {
+  if (!UNIFORMS.has(material)) UNIFORMS.set(material, { vxsWords: { value: null }, vxsLights: { value: null } });
+  return UNIFORMS.get(material);
+}
+
 const LIT = ['isMeshStandardMaterial', 'isMeshPhongMaterial', 'isMeshLambertMaterial', 'isMeshToonMaterial'];
 
 export class Lookups {
@@ -108,9 +115,9 @@ export class Lookups {
     this.fromRoot = fromRoot;
     this.materials = new Map();
     this.words = wordsTexture(this.lights);
-    this.uniforms = { vxsWords: { value: this.words.texture }, vxsLights: { value: null } };
     this.origin = new Vector3();
-    this.rows = [];
+    this.rows = null;
+    this.#texture(8);
     this.setFilter(filter);
   }
 
@@ -139,11 +146,14 @@ export class Lookups {
         const text = withLookups(shader.fragmentShader, lookups.text);
         if (!text) throw new VXSError('unsupported', `the shader of material '${material.name}' is none that vxs knows`);
         shader.fragmentShader = text;
-        Object.assign(shader.uniforms, lookups.uniforms);
+        Object.assign(shader.uniforms, uniformsOf(material));
       },
       onBeforeRender(renderer, scene, camera, ...others) {
         onBeforeRender.call(this, renderer, scene, camera, ...others);
         lookups.update(renderer, scene, camera);
+        // a program that three.js kept runs with the uniforms of the program that was compiled last, which may be without lookups
+        const { uniforms } = renderer.properties.get(this);
+        if (uniforms && !uniforms.vxsWords) Object.assign(uniforms, uniformsOf(material));
       },
       customProgramCacheKey() {
         const before = customProgramCacheKey === Material.prototype.customProgramCacheKey
@@ -155,7 +165,21 @@ export class Lookups {
     Object.assign(material, own);
     Object.defineProperty(material.userData, 'vxs', { value: true, configurable: true, enumerable: false });
     this.materials.set(material, { own, had });
+    this.#show(material);
     material.needsUpdate = true;
+  }
+
+  // The texture of constants, for so many lights.
+  #texture(height) {
+    this.constants?.dispose();
+    this.constants = integerTexture(new Uint32Array(4 * TEXELS * height), TEXELS, height, 4);
+    for (const material of this.materials.keys()) this.#show(material);
+  }
+
+  #show(material) {
+    const uniforms = uniformsOf(material);
+    uniforms.vxsWords.value = this.words.texture;
+    uniforms.vxsLights.value = this.constants;
   }
 
   /** Once a rendering: constants of the lights relative to the camera, in the order of three.js. */
@@ -165,22 +189,16 @@ export class Lookups {
     Object.assign(this, { frame, scene, camera, renderer });
     const rows = lightsInOrder(scene, camera).map((light) => this.baked.get(light));
     const origin = new Vector3().setFromMatrixPosition(camera.matrixWorld);
-    if (origin.equals(this.origin) && rows.length === this.rows.length && rows.every((row, n) => row === this.rows[n])) return;
+    if (this.rows && origin.equals(this.origin) && rows.length === this.rows.length && rows.every((row, n) => row === this.rows[n])) return;
     Object.assign(this, { rows, origin });
-    let texture = this.uniforms.vxsLights.value;
-    if (!texture || texture.image.height < rows.length) {
-      texture?.dispose();
-      const height = Math.max(8, 2 ** Math.ceil(Math.log2(rows.length + 1)));
-      texture = integerTexture(new Uint32Array(4 * TEXELS * height), TEXELS, height, 4);
-      this.uniforms.vxsLights.value = texture;
-    }
-    const { data } = texture.image;
+    if (this.constants.image.height < rows.length) this.#texture(2 ** Math.ceil(Math.log2(rows.length)));
+    const { data } = this.constants.image;
     data.fill(0);
     rows.forEach((baked, n) => {
       const at = 4 * TEXELS * n;
       if (baked) writeConstants(data, at, baked, this.templates.get(baked), this.words.first.get(baked), origin, this.fromRoot);
     });
-    texture.needsUpdate = true;
+    this.constants.needsUpdate = true;
   }
 
   dispose() {
@@ -191,10 +209,11 @@ export class Lookups {
         else delete material[name];
       }
       delete material.userData.vxs;
+      for (const uniform of Object.values(uniformsOf(material))) uniform.value = null;
       material.needsUpdate = true;
     }
     this.materials.clear();
     this.words.texture.dispose();
-    this.uniforms.vxsLights.value?.dispose();
+    this.constants.dispose();
   }
 }
