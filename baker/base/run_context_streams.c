@@ -1,6 +1,7 @@
 /* Streams of a command for people; see run_context.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/base/run_context.h"
+#include "baker/base/system.h"
 
 FILE *report_stream(const run_context *m, int stdout_is_taken)
 {
@@ -9,5 +10,5 @@ FILE *report_stream(const run_context *m, int stdout_is_taken)
 
 int progress_wanted(const run_context *m)
 {
-    return !m->no_report && terminal_can_clear(stderr);
+    return !m->no_report && (system_shows_progress() || terminal_can_clear(stderr));
 }

@@ -21,6 +21,11 @@ uint32_t system_processors(void);
 /* Copy the extended attributes and the access list of the file `path` to an open file. Returns 0, or an errno. */
 int system_copy_attributes(const char *path, int descriptor);
 
+/* Progress by other means than a line on a terminal: 1 where system_show_progress shows it.
+ * share  [0, 1]; negative: unknown */
+int  system_shows_progress(void);
+void system_show_progress(double share, const char *doing);
+
 #ifdef __cplusplus
 }
 #endif

@@ -179,3 +179,16 @@ int system_copy_attributes(const char *path, int descriptor)
     int inherited = !listed && fgetxattr(descriptor, access_list, NULL, 0) >= 0;
     return inherited && fremovexattr(descriptor, access_list) ? errno : 0;
 }
+
+/* progress: on a terminal alone ----------------------------------------------------------------------------------------------- */
+
+int system_shows_progress(void)
+{
+    return 0;
+}
+
+void system_show_progress(double share, const char *doing)
+{
+    (void)share;
+    (void)doing;
+}

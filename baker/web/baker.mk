@@ -43,10 +43,10 @@ $(wasm.out)/vxs.wasm: $(wasm.o) $(wasm.libs)
 	@echo "  link $@"
 	$Q mkdir -p $(@D) && emcc -O2 -fwasm-exceptions -sSUPPORT_LONGJMP=wasm -sSTANDALONE_WASM -sALLOW_MEMORY_GROWTH -sMAXIMUM_MEMORY=4GB -sINITIAL_MEMORY=16MB \
 	    -sTOTAL_STACK=2MB -Wl,-u,calloc -sERROR_ON_UNDEFINED_SYMBOLS=0 -sWARN_ON_UNDEFINED_SYMBOLS=0 $(wasm.ld) -o $@ $^
-wasm.mjs := $(patsubst baker/web/%,$(wasm.out)/%,$(filter-out baker/web/vxs.mjs,$(wildcard baker/web/*.mjs baker/web/*.d.ts)))
+wasm.mjs := $(patsubst baker/web/%,$(wasm.out)/%,$(filter-out baker/web/command.mjs,$(wildcard baker/web/*.mjs baker/web/*.d.ts)))
 $(wasm.mjs): $(wasm.out)/%: baker/web/%
 	$Q mkdir -p $(@D) && cp $< $@
-$P/bin/vxs.mjs: baker/web/vxs.mjs
+$P/bin/vxs.mjs: baker/web/command.mjs
 	$Q mkdir -p $(@D) && cp $< $@
 web.files += $(wasm.out)/vxs.wasm $(wasm.mjs) $P/bin/vxs.mjs
 

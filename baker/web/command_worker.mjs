@@ -2,15 +2,19 @@
 // The thread of Node in which the command runs, so that the first thread can end it: bin/vxs.mjs.
 import fs from 'node:fs';
 import os from 'node:os';
+import path from 'node:path';
 import tty from 'node:tty';
+import { fileURLToPath } from 'node:url';
 import { parentPort, workerData } from 'node:worker_threads';
 import { NodeFiles } from './files_node.mjs';
 import { runCommand } from './host.mjs';
 
+// where vxs view finds the template of its page
+const folder = fileURLToPath(new URL('../', import.meta.url)).replaceAll(path.sep, '/');
 const module = new WebAssembly.Module(fs.readFileSync(new URL('./vxs.wasm', import.meta.url)));
 const status = runCommand(module, {
   args: workerData.args,
-  env: process.env,
+  env: { VXS_DATA: folder, ...process.env },
   files: new NodeFiles({
     made: (path) => parentPort.postMessage({ made: path }),
     gone: (path) => parentPort.postMessage({ gone: path }),

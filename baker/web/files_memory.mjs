@@ -139,8 +139,7 @@ export class MemoryFiles {
 
   sync() {}
 
-  /** Standard error is one, so that the command shows its progress. */
-  isTerminal(file) {
-    return file === 2;
+  isTerminal() {
+    return false;
   }
 }

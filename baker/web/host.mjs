@@ -95,7 +95,7 @@ class Descriptors {
  * @param {string[]} run.args    the command line, after the name of the program
  * @param {Record<string, string>} run.env
  * @param {object} run.files     file operations; they throw errors with a code
- * @param {object} run.system    { process, processors, availableBytes() }
+ * @param {object} run.system    { process, processors, availableBytes(), columns?, progress?(share, doing) }
  * @returns {number} the exit status
  */
 export function runCommand(module, { args, env, files, system }) {
@@ -169,6 +169,8 @@ export function runCommand(module, { args, env, files, system }) {
     columns: () => system.columns ?? 0,
     process: () => system.process,
     processors: () => system.processors,
+    shows_progress: () => Number(Boolean(system.progress)),
+    show_progress: (share, doing) => system.progress(share < 0 ? undefined : share, text(doing)),
     available_bytes: () => system.availableBytes(),
   });
 

@@ -52,6 +52,8 @@ HOST(is_broken) int host_is_broken(int fd);
 HOST(columns) int host_columns(int fd);
 HOST(process) int host_process(void);
 HOST(processors) int host_processors(void);
+HOST(shows_progress) int host_shows_progress(void);
+HOST(show_progress) void host_show_progress(double share, const char *doing);
 HOST(available_bytes) double host_available_bytes(void);
 
 /* what emscripten's C library calls, in the place of its own JavaScript */
@@ -157,6 +159,13 @@ int rename(const char *from, const char *to)
 int linkat(int from_dir, const char *from, int to_dir, const char *to, int flags)
 {
     (void)from_dir, (void)from, (void)to_dir, (void)to, (void)flags;
+    return done(-ENOSYS);
+}
+
+/* Only for /proc/self/exe, which no host has. */
+ssize_t readlink(const char *restrict path, char *restrict to, size_t room)
+{
+    (void)path, (void)to, (void)room;
     return done(-ENOSYS);
 }
 
@@ -361,6 +370,16 @@ void *pages_alloc(size_t size_bytes)
 }
 
 /* ------------------------------------------------------------------------------------------------------------------------------ */
+
+int system_shows_progress(void)
+{
+    return host_shows_progress();
+}
+
+void system_show_progress(double share, const char *doing)
+{
+    host_show_progress(share, doing);
+}
 
 static _Thread_local struct {
     int (*compare)(const void *a, const void *b, void *user);

@@ -16,6 +16,7 @@
 
 #include "baker/base/clock.h"
 #include "baker/base/run_context.h"
+#include "baker/base/system.h"
 #include "baker/base/text.h"
 #include "baker/base/threads.h"
 #include "baker/files/json_file.h"
@@ -88,13 +89,19 @@ void progress_share(int shown, double share, double since, const char *format, .
 static void watch_shown(void *user, const char *doing)
 {
     (void)user;
-    progress_say(1, "%s", doing);
+    if (system_shows_progress())
+        system_show_progress(-1, doing);
+    else
+        progress_say(1, "%s", doing);
 }
 
 static void watch_shared(void *user, double share, double since, const char *doing)
 {
     (void)user;
-    progress_share(1, share, since, "%u %%: %s", (unsigned)(100 * share), doing);
+    if (system_shows_progress())
+        system_show_progress(share, doing);
+    else
+        progress_share(1, share, since, "%u %%: %s", (unsigned)(100 * share), doing);
 }
 
 const run_watch progress_watch = {.say = watch_shown, .share = watch_shared};
