@@ -1,0 +1,93 @@
+// What is behind a level, and lights it from all sides: a sky for levels with a sun, a dark room for others.
+// SPDX-License-Identifier: MIT
+import { Color, HemisphereLight, Mesh, PMREMGenerator, PlaneGeometry, Scene, ShaderMaterial, Vector3 } from 'three';
+
+const VERTEX = `
+varying vec3 direction;
+void main() {
+  direction = inverse( mat3( viewMatrix ) ) * ( inverse( projectionMatrix ) * vec4( position.xy, 1.0, 1.0 ) ).xyz;
+  gl_Position = vec4( position.xy, 1.0, 1.0 );
+}`;
+
+const FRAGMENT = `
+varying vec3 direction;
+uniform vec3 zenith, horizon, ground, sunColour, sun; // sun: towards it; its length is how much of it is seen
+void main() {
+  vec3 d = normalize( direction );
+  vec3 colour = mix( horizon, zenith, 1.0 - exp( -3.2 * max( d.y, 0.0 ) ) );
+  colour = mix( colour, ground, 1.0 - exp( -9.0 * max( - d.y, 0.0 ) ) );
+  float seen = length( sun ), near = seen > 0.0 ? max( dot( d, sun / seen ), 0.0 ) : 0.0;
+  float above = smoothstep( -0.06, 0.04, d.y );
+  colour += seen * above * sunColour * ( 0.30 * pow( near, 6.0 ) + 0.25 * pow( near, 60.0 ) + 1.5 * smoothstep( 0.99985, 0.99993, near ) );
+  gl_FragColor = vec4( colour, 1.0 );
+  #include <colorspace_fragment>
+}`;
+
+const SKY = { zenith: [0.10, 0.24, 0.52], horizon: [0.55, 0.68, 0.80], ground: [0.30, 0.29, 0.27] };
+const ROOM = { zenith: [0.030, 0.033, 0.040], horizon: [0.018, 0.020, 0.024], ground: [0.008, 0.008, 0.010] };
+// a room lights its walls as evenly as a white one would
+const ROOM_LIGHT = { zenith: [0.55, 0.56, 0.58], horizon: [0.45, 0.45, 0.46], ground: [0.30, 0.29, 0.28] };
+
+export class Backdrop {
+  constructor(renderer) {
+    const uniform = (value) => ({ value });
+    this.renderer = renderer;
+    this.uniforms = { zenith: uniform(new Color()), horizon: uniform(new Color()), ground: uniform(new Color()),
+      sunColour: uniform(new Color()), sun: uniform(new Vector3()) };
+    const material = new ShaderMaterial({ vertexShader: VERTEX, fragmentShader: FRAGMENT, uniforms: this.uniforms,
+      depthTest: false, depthWrite: false, toneMapped: false });
+    const quad = new Mesh(new PlaneGeometry(2, 2), material);
+    quad.frustumCulled = false;
+    this.scene = new Scene().add(quad);
+    this.environment = null;
+    this.colours = { sky: new Color(), ground: new Color() };
+  }
+
+  #colours(of) {
+    for (const [name, colour] of Object.entries(of)) this.uniforms[name].value.setRGB(...colour);
+  }
+
+  /**
+   * sun     direction to the sun and its colour, { direction: Vector3, colour: Color }; null: indoors
+   * mirror  1: surfaces mirror the surroundings, so that metals are not black
+   */
+  set(sun, mirror) {
+    const { sun: towards, sunColour, zenith, horizon, ground } = this.uniforms;
+    this.#colours(sun ? SKY : ROOM_LIGHT);
+    if (sun) { // a low sun is warm, and so is the horizon
+      const low = 1 - Math.min(Math.max(sun.direction.y, 0) / 0.5, 1);
+      horizon.value.lerp(new Color(0.95, 0.66, 0.42), 0.55 * low);
+      sunColour.value.copy(sun.colour).multiply(new Color(1, 0.86 - 0.2 * low, 0.66 - 0.36 * low));
+    }
+    towards.value.set(0, 0, 0);
+    this.colours.sky.copy(zenith.value).lerp(horizon.value, 0.5);
+    this.colours.ground.copy(ground.value);
+    this.environment?.dispose();
+    this.environment = null;
+    if (mirror) {
+      const generator = new PMREMGenerator(this.renderer);
+      this.environment = generator.fromScene(this.scene, 0, 0.1, 100, { size: 64 });
+      generator.dispose();
+    }
+    if (sun) towards.value.copy(sun.direction);
+    else this.#colours(ROOM);
+  }
+
+  /** Light the scenes: each surface gets `radiance` times the colours of the sky and the ground. */
+  shine(scenes, radiance) {
+    for (const scene of scenes) {
+      let light = scene.children.find((child) => child.isHemisphereLight);
+      if (!light) scene.add(light = new HemisphereLight());
+      light.color.copy(this.colours.sky);
+      light.groundColor.copy(this.colours.ground);
+      light.intensity = this.environment ? 0 : Math.PI * radiance;
+      scene.environment = this.environment?.texture ?? null;
+      scene.environmentIntensity = radiance;
+    }
+  }
+
+  /** Draw it, behind all else. */
+  render(camera) {
+    this.renderer.render(this.scene, camera);
+  }
+}

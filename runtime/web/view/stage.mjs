@@ -1,0 +1,229 @@
+// Drawing a level: its scene with baked shadows, and beside it the same scene with live shadow maps or none.
+// SPDX-License-Identifier: MIT
+import {
+  ACESFilmicToneMapping, Box3, Color, DirectionalLight, FloatType, Matrix4, PCFShadowMap, PerspectiveCamera, PointLight, Scene, SpotLight, Vector2,
+  Vector3, WebGLRenderTarget, WebGLRenderer,
+} from 'three';
+import { clone } from 'three/addons/utils/SkeletonUtils.js';
+import { Backdrop } from './backdrop.mjs';
+
+export const LIVE_SIDE_PX = 2048;
+/** Lights that can have live shadow maps at once: each needs one of the 16 textures of a material. */
+export const LIVE_LIGHTS = 4;
+
+const meshesBelow = (root) => {
+  const found = [];
+  root.traverse((object) => object.isMesh && found.push(object));
+  return found;
+};
+
+/** A light that a baked one describes, for lights that were given to the bake alone. */
+function lightOf(baked) {
+  const row = (n) => new Vector3(...baked.matrix.subarray(4 * n, 4 * n + 3));
+  const light = baked.kind === 'directional' ? new DirectionalLight(0xfff4e5, 3)
+    : baked.kind === 'spot' ? new SpotLight(0xfff4e5, 100, 0, Math.acos(Math.max(-1, baked.cosOuter)), 0.2) : new PointLight(0xfff4e5, 100);
+  light.name = baked.name;
+  if (baked.kind !== 'directional')
+    for (const n of [0, 1, 2]) light.position.addScaledVector(row(n), -baked.matrix[4 * n + 3]);
+  if (light.target) light.add(light.target);
+  light.target?.position.copy(row(2).normalize());
+  return light;
+}
+
+/** A copy of a light at its place in the world, whose shadow camera fits a box. */
+function liveTwin(light, bounds) {
+  const twin = new light.constructor(light.color, light.intensity), diameter = bounds.getSize(new Vector3()).length();
+  const place = new Vector3().setFromMatrixPosition(light.matrixWorld), { shadow } = twin;
+  twin.position.copy(place);
+  for (const name of ['distance', 'decay', 'angle', 'penumbra']) if (name in light) twin[name] = light[name];
+  shadow.mapSize.setScalar(LIVE_SIDE_PX);
+  if (light.target) {
+    const towards = new Vector3().setFromMatrixPosition(light.target.matrixWorld).sub(place).normalize();
+    if (light.isDirectionalLight) place.copy(bounds.getCenter(new Vector3())).addScaledVector(towards, -0.5 * diameter);
+    twin.position.copy(place);
+    twin.target.position.copy(place).add(towards);
+  }
+  shadow.camera.far = light.distance || diameter;
+  shadow.camera.near = light.isDirectionalLight ? 0 : Math.max(0.02, shadow.camera.far / 2000);
+  if (!light.isDirectionalLight) {
+    shadow.normalBias = 0.02;
+    return twin;
+  }
+  // as tight a box as there is around the corners
+  const view = new Matrix4().lookAt(twin.position, twin.target.position, twin.up).setPosition(twin.position).invert();
+  const fit = new Box3().copy(bounds).applyMatrix4(view), { camera } = shadow;
+  Object.assign(camera, { left: fit.min.x, right: fit.max.x, bottom: fit.min.y, top: fit.max.y, near: Math.min(0, -fit.max.z), far: -fit.min.z });
+  camera.updateProjectionMatrix();
+  shadow.normalBias = (1.5 * Math.max(fit.max.x - fit.min.x, fit.max.y - fit.min.y)) / LIVE_SIDE_PX;
+  return twin;
+}
+
+export class Stage {
+  constructor(canvas) {
+    this.renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
+    Object.assign(this.renderer, { toneMapping: ACESFilmicToneMapping, autoClear: false });
+    Object.assign(this.renderer.shadowMap, { enabled: true, type: PCFShadowMap });
+    this.renderer.info.autoReset = false;
+    this.camera = new PerspectiveCamera(45, 1, 0.1, 1000);
+    this.backdrop = new Backdrop(this.renderer);
+    this.marks = new Scene(); // drawn over both halves
+    this.compare = null; // null, 'live', 'none'
+    this.split = 0.5; // where the line is, of the width
+    this.exposureStops = 0;
+    this.skyShare = 0.5;
+    this.#clear();
+  }
+
+  #clear() {
+    this.scene = new Scene();
+    this.beside = null;
+    this.shadows = null;
+    this.lights = []; // { light, twin, baked, on }
+    this.twins = null;
+    this.bounds = new Box3();
+    this.measured = 1;
+  }
+
+  /** Show a scene. shadows: BakedShadows, or null. Returns what attach() returns, with the lights that were added. */
+  show(root, gltf, shadows) {
+    const before = this.scene, target = { scene: root, parser: gltf.parser };
+    this.shadows?.dispose();
+    before.traverse((object) => object.geometry?.dispose());
+    this.#clear();
+    this.root = root;
+    this.shadows = shadows;
+    this.scene.add(root);
+    root.updateWorldMatrix(true, true);
+    for (const mesh of meshesBelow(root)) {
+      // glTF's material of a mesh without one is a white metal: this is plaster instead
+      for (const material of [mesh.material].flat())
+        if (!gltf.parser.associations.get(material) && material.isMeshStandardMaterial) Object.assign(material, { metalness: 0, roughness: 0.9, color: new Color(0.72, 0.68, 0.61) });
+      if (mesh.isSkinnedMesh) mesh.frustumCulled = false;
+    }
+    this.bounds.setFromObject(root, false);
+    if (this.bounds.isEmpty()) this.bounds.set(new Vector3(-1, -1, -1), new Vector3(1, 1, 1));
+
+    let match = shadows?.attach(target, { filter: this.filter }) ?? { matched: [], baked: [] };
+    const added = match.baked.map(lightOf);
+    if (added.length) {
+      root.add(...added);
+      match = shadows.attach(target, { filter: this.filter });
+    }
+    const baked = new Map(match.matched.map((pair) => [pair.light, pair.baked]));
+    root.traverse((object) => {
+      if (object.isDirectionalLight || object.isSpotLight || object.isPointLight)
+        this.lights.push({ light: object, baked: baked.get(object) ?? null, on: object.visible });
+    });
+    this.moved = match.matched.filter((pair) => pair.moved).map((pair) => pair.baked.name);
+    this.#surroundings();
+    this.measure();
+    return { ...match, added };
+  }
+
+  #surroundings() {
+    const sun = this.lights.find(({ light }) => light.isDirectionalLight)?.light;
+    const place = (object) => new Vector3().setFromMatrixPosition(object.matrixWorld);
+    const mirrors = meshesBelow(this.root).some(({ material }) => [material].flat().some(({ metalness, roughness }) => metalness > 0.1 || roughness < 0.3));
+    sun?.updateWorldMatrix(true, true);
+    this.backdrop.set(sun ? { direction: place(sun).sub(place(sun.target)).normalize(), colour: sun.color } : null, mirrors);
+  }
+
+  set filter(filter) {
+    this.chosenFilter = filter;
+    this.shadows?.setFilter(filter);
+  }
+
+  get filter() { return this.chosenFilter ?? { box: 5 }; }
+
+  /** Mean brightness of what the lights light, as the camera sees it, becomes the unit of exposure and of light from the sky. */
+  measure() {
+    const width = 96, height = 54, target = new WebGLRenderTarget(width, height, { type: FloatType }), { renderer } = this;
+    const pixels = new Float32Array(4 * width * height);
+    this.backdrop.shine([this.scene], 0);
+    renderer.setRenderTarget(target);
+    renderer.setClearColor(0, 0);
+    renderer.clear();
+    renderer.render(this.scene, this.camera);
+    renderer.readRenderTargetPixels(target, 0, 0, width, height, pixels);
+    renderer.setRenderTarget(null);
+    target.dispose();
+    const bright = [];
+    for (let n = 0; n < pixels.length; n += 4) {
+      const luminance = 0.2126 * pixels[n] + 0.7152 * pixels[n + 1] + 0.0722 * pixels[n + 2];
+      if (pixels[n + 3] > 0 && luminance > 0) bright.push(luminance);
+    }
+    bright.sort((a, b) => a - b);
+    // the upper half: what is in full light decides, not how much of the picture is in shadow
+    const upper = bright.slice(Math.floor(bright.length / 2)), sum = upper.reduce((all, each) => all + each, 0);
+    this.measured = upper.length && Number.isFinite(sum) ? sum / upper.length : 1;
+  }
+
+  /** The scene beside the baked one: the same meshes, with lights of its own. */
+  #openBeside() {
+    if (this.beside) return;
+    const root = clone(this.root), copies = new Map();
+    const plain = (material) => {
+      if (!copies.has(material)) copies.set(material, material.clone());
+      return copies.get(material);
+    };
+    const lights = [];
+    root.traverse((object) => object.isLight && lights.push(object));
+    lights.forEach((light) => light.removeFromParent());
+    for (const mesh of meshesBelow(root)) {
+      mesh.material = Array.isArray(mesh.material) ? mesh.material.map(plain) : plain(mesh.material);
+      mesh.castShadow = mesh.receiveShadow = true;
+    }
+    this.beside = new Scene().add(root);
+    this.twins = this.lights.map(({ light }) => {
+      const twin = liveTwin(light, this.bounds);
+      this.beside.add(twin);
+      if (twin.target) this.beside.add(twin.target);
+      return twin;
+    });
+  }
+
+  /** Lights that have a live shadow map: the first few that are on. */
+  get liveLights() { return this.lights.filter(({ on }) => on).slice(0, LIVE_LIGHTS); }
+
+  #setLights() {
+    const live = new Set(this.compare === 'live' ? this.liveLights : []);
+    this.lights.forEach((each, n) => {
+      each.light.visible = each.on;
+      if (!this.twins) return;
+      this.twins[n].visible = each.on;
+      this.twins[n].castShadow = live.has(each);
+    });
+  }
+
+  resize(width, height, ratio) {
+    this.renderer.setPixelRatio(ratio);
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / Math.max(height, 1);
+    this.camera.updateProjectionMatrix();
+  }
+
+  render() {
+    const { renderer, camera, scene } = this, size = renderer.getSize(new Vector2());
+    const sky = this.skyShare * this.measured, half = Math.round(this.split * size.x);
+    if (this.compare) this.#openBeside();
+    this.#setLights();
+    renderer.toneMappingExposure = (0.8 / this.measured) * 2 ** this.exposureStops;
+    this.backdrop.shine([scene, this.beside].filter(Boolean), sky);
+    renderer.info.reset();
+    renderer.setScissorTest(false);
+    renderer.clear();
+    this.backdrop.render(camera);
+    if (this.compare) {
+      renderer.setScissorTest(true);
+      renderer.setScissor(0, 0, half, size.y);
+    }
+    renderer.render(scene, camera);
+    this.drawn = { ...renderer.info.render };
+    if (this.compare) {
+      renderer.setScissor(half, 0, size.x - half, size.y);
+      renderer.render(this.beside, camera);
+      renderer.setScissorTest(false);
+    }
+    renderer.render(this.marks, camera);
+  }
+}
