@@ -52,13 +52,20 @@ def circle(edges):
     return next(filter(None, map(walk, sorted(edges))), [])
 
 
+def modules():
+    """JavaScript module: the product's modules that it imports by their paths. Packages, such as vxs and three, are no paths."""
+    files = [p for folder in ("baker", "runtime") for p in (ROOT / folder).rglob("*.mjs")]
+    imported = re.compile(r"""(?:from|import) *\(?['"](\.[^'"]+)['"]""")
+    return {str(p.relative_to(ROOT)): [str((p.parent / used).resolve().relative_to(ROOT)) for used in imported.findall(p.read_text())] for p in files}
+
+
 def test_every_folder_has_a_rule():
-    assert {folder_of(file) for file in product_files()} == set(rules())
+    assert {folder_of(file) for file in (*product_files(), *modules())} == set(rules())
 
 
 def test_includes_follow_the_rules():
     may = rules()
-    assert not [f"{file}: {used}" for file, includes in product_files().items() for used in includes
+    assert not [f"{file}: {used}" for file, includes in {**product_files(), **modules()}.items() for used in includes
                 if folder_of(used) not in may.get(folder_of(file), ())]
 
 

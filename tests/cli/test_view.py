@@ -57,7 +57,7 @@ class Scripts(html.parser.HTMLParser):
             self.scripts.append([dict(attrs), ""])
 
     def handle_data(self, data):
-        if self.cdata_elem:
+        if self.cdata_elem == "script":
             self.scripts[-1][1] += data
 
 
@@ -226,6 +226,8 @@ def test_the_built_page(vxs, made, tmp_path):
     page = BUILT.read_text()
     assert len(BUILT.read_bytes()) < 1_600_000 and page.count(MARK) == 1
     tags = [attributes for attributes, _ in Scripts(page).scripts]
-    assert tags and not any("src" in attributes for attributes in tags) and "<link" not in page.partition("<script")[0]
+    assert tags and not any("src" in attributes for attributes in tags)
+    policy = re.search(r'http-equiv="Content-Security-Policy" content="([^"]+)"', page)[1]
+    assert policy.startswith("default-src 'none';") and not re.search(r"https?:|\*|'self'", policy)
     vxs("view", made / "level.gltf", made / "level.vxs", "-o", tmp_path / "a.html", "--page", BUILT)
     assert level_of((tmp_path / "a.html").read_text())[1][0] == (made / "level.gltf").read_bytes()
