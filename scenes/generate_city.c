@@ -223,9 +223,13 @@ static void build(lot *l, rng *r, int32_t tallest)
         int32_t left = a * rng_between(r, -95, -30) / 100, right = a * rng_between(r, 20, 95) / 100;
 
         add_box(l, straight, -a, a, back, front, foundation(r), height);
-        add_box(l, straight, left, right, back / 2, b, foundation(r), height * rng_between(r, 45, 90) / 100);
-        if (rng_below(r, 2))
-            add_box(l, straight, left / 2, right / 2, -b, front / 2, foundation(r), height * rng_between(r, 45, 90) / 100);
+        /* compilers call the functions of an argument list in different orders: one draw a statement */
+        int32_t tall = height * rng_between(r, 45, 90) / 100;
+        add_box(l, straight, left, right, back / 2, b, foundation(r), tall);
+        if (rng_below(r, 2)) {
+            tall = height * rng_between(r, 45, 90) / 100;
+            add_box(l, straight, left / 2, right / 2, -b, front / 2, foundation(r), tall);
+        }
     } break;
     default: build_podium(l, r, straight, a, b, turned, reach, max_i32(height, 2 * HEIGHT_MIN)); break;
     }
