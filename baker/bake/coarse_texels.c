@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/base/portable_math.h"
 #include "baker/base/spread.h"
 #include "baker/base/text.h"
 #include "baker/base/vec3.h"
@@ -147,7 +148,9 @@ static const char *region_text(char text[160], const box *b)
     double size = 0;
     size_t used = 0;
     for (int axis = 0; axis < 3; axis++) size = fmax(size, b->max[axis] - b->min[axis]);
-    double step = pow(10, floor(log10(fmax(size, 1e-6))) - 1);
+    int power = -6; /* of ten: the first digit of the size, or of 1e-6 */
+    while (power < 308 && portable_pow(10, power + 1) <= size) power++;
+    double step = portable_pow(10, power - 1);
     for (int n = 0; n < 6; n++) {
         double at = n < 3 ? floor(b->min[n] / step) * step : ceil(b->max[n - 3] / step) * step;
         used += (size_t)snprintf(text + used, 160 - used, "%s%.15g", n ? "," : "", rounded(at, 9) + 0);

@@ -8,6 +8,7 @@
 #include "baker/bake/coarse_texels.h"
 #include "baker/bake/plan.h"
 #include "baker/bake/scene_objects.h"
+#include "baker/base/portable_math.h"
 #include "baker/base/text.h"
 #include "baker/base/vec3.h"
 
@@ -43,7 +44,7 @@ static int by_distance(const void *a, const void *b)
 static texel_range texels_of(const plan_light *l, lit_point *points, size_t count)
 {
     double slope = l->light.texel_metres, near = l->light.near_metres, all = 0, before = 0;
-    double far = near * exp(l->light.voxel_metres * ldexp(1, (int)l->light.levels));
+    double far = near * portable_exp(l->light.voxel_metres * ldexp(1, (int)l->light.levels));
     size_t n   = 0;
     if (is_sun(l)) return (texel_range){slope, slope, slope};
     if (!count) return (texel_range){slope * near, slope * sqrt(near * far), slope * far};

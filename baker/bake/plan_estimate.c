@@ -10,6 +10,7 @@
 #include <math.h>
 
 #include "baker/bake/plan.h"
+#include "baker/base/portable_math.h"
 #include "baker/columns/descent.h"
 #include "baker/columns/sparse/sparse_columns.h"
 
@@ -19,7 +20,7 @@
 static double different(uint64_t unique, uint64_t all, double weight, double alike, double unlike)
 {
     double share = all ? (double)unique / (double)all : 0;
-    return (double)unique * pow(weight, alike + (unlike - alike) * share);
+    return (double)unique * portable_pow(weight, alike + (unlike - alike) * share);
 }
 
 static void estimate_dag(plan_light *l)
@@ -71,9 +72,9 @@ static void estimate_blocks(plan_light *l, int fast)
     /* memory until all is built: patterns with freely chosen depths repeat more often the more there are; private-palette patterns
      * rarely repeat */
     enum { REPEATING = 20000 };
-    double own  = (double)s->private_patterns * pow(weight, 0.95);
+    double own  = (double)s->private_patterns * portable_pow(weight, 0.95);
     double free = fmax(0, p->patterns - p->private_patterns);
-    if (free > REPEATING) free = REPEATING * pow(free / REPEATING, 0.35);
+    if (free > REPEATING) free = REPEATING * portable_pow(free / REPEATING, 0.35);
     l->built_bytes = 900 * own + 150 * free + 160 * p->blocks + 10 * p->words;
     l->part_bytes  = 0.3 * l->built_bytes;
 }

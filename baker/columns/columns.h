@@ -23,6 +23,7 @@
 
 #include "baker/base/context.h"
 #include "baker/base/integer.h"
+#include "baker/base/portable_quick.h"
 
 /* Bounds of all columns of a square. They may be loose (emin, xmin too small; emax, xmax too large), but are never wrong. */
 typedef struct column_bounds {
@@ -146,12 +147,15 @@ static inline double depth_clamped(depth_scale s, double depth)
     return fmax(depth_none(s) - 1, fmin(depth, depth_none(s)));
 }
 
+PORTABLE_LOG(depth_log, double, uint64_t)
+
 /* A depth in voxels, [0, depth_vx], not rounded: the depth in the contract of an asset (docs/overview.md). */
 static inline double depth_in_voxels(depth_scale s, double depth)
 {
     if (s.voxel_log == 0) return depth * s.depth_vx;
-    double voxels = depth < 0 ? -log(-depth) / s.voxel_log : INFINITY;
-    return fmax(0, fmin(voxels, s.depth_vx));
+    /* depth 0 gives at least 708 / voxel_log, which is more than depth_vx */
+    double voxels = -depth_log(0 - depth) / s.voxel_log;
+    return voxels > 0 ? voxels < s.depth_vx ? voxels : s.depth_vx : 0;
 }
 
 static inline uint32_t depth_down(depth_scale s, double depth)

@@ -5,12 +5,13 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "baker/base/portable_math.h"
 #include "baker/files/json_file.h"
 #include "baker/light/map_space.h"
 
 static double far_metres(const vxs_light *l)
 {
-    return l->near_metres * exp(ldexp(l->voxel_metres, (int)l->levels));
+    return l->near_metres * portable_exp(ldexp(l->voxel_metres, (int)l->levels));
 }
 
 /* From edge to edge. */

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "baker/base/memory.h"
+#include "baker/base/portable_math.h"
 #include "baker/base/run_control.h"
 #include "baker/base/vec3.h"
 #include "baker/scene/light_choice.h"
@@ -102,7 +103,7 @@ static const char *shape_of(light_shape *out, const vxs_bake_light *l)
     if (!(l->range_metres >= 0)) return "expected a range of more than 0 metres, or 0 for one without end";
     if (l->range_metres > 0) out->range_metres = l->range_metres;
     if (out->kind == LIGHT_POINT) return NULL;
-    out->outer_rad = acos(l->cos_outer);
+    out->outer_rad = portable_acos(l->cos_outer);
     return l->cos_outer > 0 && l->cos_outer < 1 ? NULL : "expected cos_outer, of its cone, of more than 0 and less than 1";
 }
 

@@ -8,6 +8,7 @@
 
 #include "baker/base/box.h"
 #include "baker/base/integer.h"
+#include "baker/base/portable_math.h"
 #include "baker/base/vec3.h"
 #include "baker/light/map_space.h"
 
@@ -104,13 +105,13 @@ static vxs_result punctual_fit(vxs_light *light, const casters *c, const light_f
     const light_shape *shape = desc->shape;
     int                spot  = shape->kind == LIGHT_SPOT;
     int                cube  = !spot || shape->outer_rad > PUNCTUAL_SPOT_MAX_RAD;
-    double             slope = cube ? 1 : tan(shape->outer_rad);
+    double             slope = cube ? 1 : portable_tan(shape->outer_rad);
     uint32_t           side  = desc->resolution ? desc->resolution : 8;
 
     light->kind         = spot ? VXS_LIGHT_KIND_SPOT : VXS_LIGHT_KIND_POINT;
     light->flags        = cube ? VXS_LIGHT_CUBE : 0;
     light->range_metres = isfinite(shape->range_metres) ? shape->range_metres : 0;
-    light->cos_outer    = spot ? fmax(0, cos(shape->outer_rad)) : 0;
+    light->cos_outer    = spot ? fmax(0, portable_cos(shape->outer_rad)) : 0;
     if (spot && !(light->cos_outer < 1 && slope > 0))
         return fail(m, VXS_E_ARGUMENT, "light '%s': a cone of %g degrees is too narrow for a map", desc->name,
                     shape->outer_rad * 2 * 180 / 3.14159265358979);
@@ -141,8 +142,8 @@ static vxs_result punctual_fit(vxs_light *light, const casters *c, const light_f
     /* margins: one voxel in front of the casters and two behind, as for directional lights; a voxel is not thinner than a texel is
      * wide */
     double near         = fmax(r.near, r.far / PUNCTUAL_FAR_NEAR_MAX);
-    light->voxel_metres = fmax(log(r.far / near) / (side - 3), light->texel_metres);
-    light->near_metres  = near * exp(-light->voxel_metres);
+    light->voxel_metres = fmax(portable_log(r.far / near) / (side - 3), light->texel_metres);
+    light->near_metres  = near * portable_exp(-light->voxel_metres);
     if (!(light->near_metres > 0) || !isfinite(r.far))
         return fail(m, VXS_E_ARGUMENT, "the casters lie %g to %g m from light '%s': no map can be fitted to them", r.near, r.far,
                     desc->name);

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "baker/base/box.h"
+#include "baker/base/portable_math.h"
 #include "baker/base/random.h"
 #include "baker/base/vec3.h"
 #include "baker/light/light_fit.h"
@@ -114,7 +115,7 @@ vxs_result reach_casters(casters *out, const reach_index *x, const casters *c, c
     size_t    count = 0;
     /* of a cone around the whole map: its corners and its border, which is at most an eighth of the map's side at each side;
      * rounded up a little */
-    double    slope = tan(light->outer_rad) * (4.0 / 3) * sqrt(2) * 1.02;
+    double    slope = portable_tan(light->outer_rad) * (4.0 / 3) * sqrt(2) * 1.02;
     selection k     = {.out = out, .c = c};
     int       ok    = kept != NULL;
     for (size_t n = 0; n < x->run_count && kept; n++) count += kept[n] = (uint8_t)touches_cone(&x->runs[n], light, slope);
@@ -242,7 +243,7 @@ static void point_in(const map_polygon *p, double area, rng *random, double out[
 /* Half width of a map at one metre, without the border, where the maps of a cube overlap. */
 static double slope_of(const lit_points_desc *d)
 {
-    return vxs_map_count(d->light) > 1 ? 1 : tan(d->shape->outer_rad);
+    return vxs_map_count(d->light) > 1 ? 1 : portable_tan(d->shape->outer_rad);
 }
 
 /* A random point of the visible part of a triangle. Returns 0 when no part is visible. */
@@ -295,7 +296,7 @@ size_t lit_points_choose(lit_point *points, size_t count, const lit_points_desc 
     map_sides  sides = map_sides_of(d->light, sun ? 0 : slope_of(d) / d->light->texel_metres - ldexp(0.5, (int)d->light->levels));
 
     uint8_t *touched = malloc(d->reach->run_count + 1);
-    double   cosine = cos(d->shape->outer_rad), sine = sin(d->shape->outer_rad);
+    double   cosine = portable_cos(d->shape->outer_rad), sine = portable_sin(d->shape->outer_rad);
     size_t   step = 1;
     for (size_t run = 0; touched && run < d->reach->run_count; run++) {
         touched[run] = (uint8_t)touches(d->shape, cosine, sine, &d->reach->runs[run]);

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "baker/base/portable_math.h"
 #include "baker/base/vec3.h"
 #include "formats/vxs_space.h"
 #include "runtime/vxs.h"
@@ -120,7 +121,7 @@ light_shape baked_light_shape(const vxs_light *light)
     if (light->kind == VXS_LIGHT_KIND_DIRECTIONAL) return shape;
 
     shape.kind      = light->kind == VXS_LIGHT_KIND_SPOT ? LIGHT_SPOT : LIGHT_POINT;
-    shape.outer_rad = acos(light->cos_outer);
+    shape.outer_rad = portable_acos(light->cos_outer);
     if (light->range_metres > 0) shape.range_metres = light->range_metres;
     /* the pyramid of a map ends at the light, where log depth is -infinity */
     double middle = ldexp(0.5, (int)light->levels);
@@ -141,8 +142,8 @@ void baked_light_coordinates(const vxs_light *light, int map, const double point
      * light whose light space is world space. */
     vxs_light plain    = *light;
     double    half     = ldexp(0.5, (int)light->levels), ls[3];
-    double    one      = -log(light->near_metres) / light->voxel_metres; /* depth at one metre */
-    double    texels   = 1 / light->texel_metres;                        /* per metre, at that depth */
+    double    one      = -portable_log(light->near_metres) / light->voxel_metres; /* depth at one metre */
+    double    texels   = 1 / light->texel_metres;                                 /* per metre, at that depth */
     double    at[3][3] = {{half + texels, half, one}, {half, half + texels, one}, {half, half, one}}, axis[3][3];
     memcpy(plain.ls_from_ws, (double[12]){1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, sizeof plain.ls_from_ws);
     for (int row = 0; row < 3; row++) {
@@ -158,5 +159,5 @@ void baked_light_coordinates(const vxs_light *light, int map, const double point
 
     double z = fmax(p[2], DBL_MIN);
     for (int i = 0; i < 2; i++) coordinates[i] = ldexp(0.5, (int)light->levels) + p[i] / z / light->texel_metres;
-    coordinates[2] = log(z / light->near_metres) / light->voxel_metres;
+    coordinates[2] = portable_log(z / light->near_metres) / light->voxel_metres;
 }

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/base/portable_math.h"
 #include "baker/base/vec3.h"
 
 /* The equivalent coordinate within two periods of the wrap mode, so that pixel numbers fit integers. */
@@ -116,7 +117,7 @@ int light_reaches(const light_shape *light, const double point_ws[3])
     vec3_sub(point_ws, light->position_ws, to_point);
     double distance = sqrt(vec3_dot(to_point, to_point));
     if (distance > light->range_metres) return 0;
-    return light->kind == LIGHT_POINT || vec3_dot(to_point, light->direction_ws) >= distance * cos(light->outer_rad);
+    return light->kind == LIGHT_POINT || vec3_dot(to_point, light->direction_ws) >= distance * portable_cos(light->outer_rad);
 }
 
 int light_reaches_ball(const light_shape *light, const double middle_ws[3], double radius_metres)
@@ -128,5 +129,5 @@ int light_reaches_ball(const light_shape *light, const double middle_ws[3], doub
     if (metres - radius_metres > light->range_metres) return 0;
     if (light->kind == LIGHT_POINT || metres <= radius_metres) return 1;
     double cosine = fmax(-1, fmin(1, vec3_dot(way, light->direction_ws) / metres));
-    return acos(cosine) - asin(radius_metres / metres) < light->outer_rad;
+    return portable_acos(cosine) - portable_asin(radius_metres / metres) < light->outer_rad;
 }

@@ -9,6 +9,7 @@
 #include <xxhash.h>
 
 #include "baker/base/array.h"
+#include "baker/base/portable_quick.h"
 #include "baker/base/vec3.h"
 #include "baker/smoke/smoke_grid.h"
 #include "formats/vxs_format.h"
@@ -18,6 +19,7 @@ void smoke_path_free(smoke_path *p)
 {
     free(p->depth);
     free(p->thick);
+    free(p->left);
     *p = (smoke_path){0};
 }
 
@@ -25,8 +27,10 @@ static int add_point(smoke_path *p, double depth, double thick)
 {
     if (!array_reserve(&p->depth, &p->depth_capacity, p->count + 1, sizeof *p->depth)) return 0;
     if (!array_reserve(&p->thick, &p->thick_capacity, p->count + 1, sizeof *p->thick)) return 0;
-    p->depth[p->count]   = depth;
-    p->thick[p->count++] = thick;
+    if (!array_reserve(&p->left, &p->left_capacity, p->count + 1, sizeof *p->left)) return 0;
+    p->depth[p->count]  = depth;
+    p->thick[p->count]  = thick;
+    p->left[p->count++] = portable_quick_exp(-thick);
     return 1;
 }
 
@@ -42,9 +46,7 @@ void smoke_path_cut(smoke_path *p, double depth)
     if (!p->count || p->depth[p->count - 1] <= depth) return;
     double thick = smoke_path_thick(p, depth);
     while (p->count && p->depth[p->count - 1] > depth) p->count--;
-    if (!p->count) return;
-    p->depth[p->count]   = depth; /* replaces one behind it */
-    p->thick[p->count++] = thick;
+    if (p->count) add_point(p, depth, thick); /* replaces one behind it, so that there is memory */
 }
 
 double smoke_path_thick(const smoke_path *p, double depth)
@@ -86,20 +88,15 @@ typedef struct curve {
     uint32_t          count;
 } curve;
 
-static double left_of(const smoke_path *p, size_t point)
-{
-    return exp(-p->thick[point]);
-}
-
 /* Find the point of gap n that is farthest from its line. */
 static void sample_gap(curve *c, uint32_t n)
 {
     const smoke_path *p = c->path;
     size_t            a = c->point[n], b = c->point[n + 1];
-    double            left = left_of(p, a), slope = (left_of(p, b) - left) / (p->depth[b] - p->depth[a]);
+    double            left = p->left[a], slope = (p->left[b] - left) / (p->depth[b] - p->depth[a]);
     c->far[n] = 0;
     for (size_t k = a + 1; k < b; k++) {
-        double off = fabs(left_of(p, k) - left - slope * (p->depth[k] - p->depth[a]));
+        double off = fabs(p->left[k] - left - slope * (p->depth[k] - p->depth[a]));
         if (off <= c->far[n]) continue;
         c->far[n]   = off;
         c->worst[n] = k;
@@ -116,7 +113,7 @@ static uint32_t farthest_gap(const curve *c)
 
 uint32_t smoke_path_nodes(const smoke_path *p, const smoke_units *units, double error, uint32_t most, uint32_t *nodes)
 {
-    if (!p->count || 1 - left_of(p, p->count - 1) <= error) return 0;
+    if (!p->count || 1 - p->left[p->count - 1] <= error) return 0;
     curve c = {.path = p, .point = {0, p->count - 1}, .count = 2};
     sample_gap(&c, 0);
     for (uint32_t gap = 0; c.count < most && c.far[gap = farthest_gap(&c)] > error;) {
@@ -137,7 +134,7 @@ uint32_t smoke_path_nodes(const smoke_path *p, const smoke_units *units, double 
     for (uint32_t n = 0; n < c.count; n++) {
         double   unit  = (p->depth[c.point[n]] - units->first_metres) / units->step_metres;
         double   depth = fmin(fmax(n == 0 ? floor(unit) : n + 1 == c.count ? ceil(unit) : round(unit), 0), 65535);
-        double   left  = exp(-smoke_path_thick(p, units->first_metres + depth * units->step_metres));
+        double   left  = portable_quick_exp(-smoke_path_thick(p, units->first_metres + depth * units->step_metres));
         uint32_t node  = (uint32_t)depth | (uint32_t)lround(left * 65535) << 16;
         if (count && (node & 0xffff) == (nodes[count - 1] & 0xffff)) count--;
         nodes[count++] = node;
@@ -157,7 +154,7 @@ double smoke_path_error(const smoke_path *p, const smoke_units *units, const uin
             double near = nodes[before - 1] & 0xffff, far = nodes[before] & 0xffff;
             left += (unit - near) / (far - near) * ((nodes[before] >> 16) - left);
         }
-        most = fmax(most, fabs(left / 65535 - left_of(p, k)));
+        most = fmax(most, fabs(left / 65535 - p->left[k]));
     }
     return most;
 }

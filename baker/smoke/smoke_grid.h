@@ -19,9 +19,10 @@ enum { SMOKE_FINGERPRINT_BYTES = 33 };
 
 /* Zero it; released with smoke_path_free. */
 typedef struct smoke_path {
-    size_t  count, depth_capacity, thick_capacity;
+    size_t  count, depth_capacity, thick_capacity, left_capacity;
     double *depth; /* [count] metres along the map's axis, ascending */
     double *thick; /* [count] optical depth up to there; the first is 0. Linear in between */
+    double *left;  /* [count] transmittance up to there */
 } smoke_path;
 
 /* Optical depth at which less than 1/65535 of the light is left. */

@@ -9,6 +9,7 @@
 #include "baker/base/integer.h"
 #include "baker/base/memory.h"
 #include "baker/base/parallel.h"
+#include "baker/base/portable_math.h"
 #include "baker/base/random.h"
 #include "baker/base/vec3.h"
 #include "formats/vxs_smoke.h"
@@ -60,13 +61,7 @@ static int is_sun(const vxs_light *light)
 /* The depth of a voxel's near side, metres along the map's axis. */
 static double metres_of(const vxs_light *light, double voxel)
 {
-    return is_sun(light) ? voxel * light->voxel_metres : light->near_metres * exp(voxel * light->voxel_metres);
-}
-
-/* The reverse: 0 is the near side of the map. */
-static double voxel_of(const vxs_light *light, double metres)
-{
-    return is_sun(light) ? metres / light->voxel_metres : log(metres / light->near_metres) / light->voxel_metres;
+    return is_sun(light) ? voxel * light->voxel_metres : light->near_metres * portable_exp(voxel * light->voxel_metres);
 }
 
 /* Depth of a point in one of the light's maps. */
@@ -82,14 +77,19 @@ static double depth_of(const vxs_light *light, int32_t map, const double ws[3])
 /* The ray through the centre of a texel: at depth d it is at from + d * way. */
 static void ray_of(const maker *k, int32_t map, double x, double y, double from[3], double way[3])
 {
-    const vxs_light *light   = &k->baked->light;
-    double           texel   = ldexp(1, (int)(light->levels - k->levels)), next[3];
-    const double     near[3] = {(x + 0.5) * texel, (y + 0.5) * texel, voxel_of(light, 1)},
-                 far[3]      = {near[0], near[1], voxel_of(light, 2)};
-    vxs_point(light, map, near, from);
-    vxs_point(light, map, far, next);
-    vec3_sub(next, from, way);
-    vec3_sub(from, way, from);
+    vxs_light light = k->baked->light;
+    double    texel = ldexp(1, (int)(light.levels - k->levels)), ends[2][3];
+    for (int metres = 1; metres <= 2; metres++) {
+        double at[3] = {(x + 0.5) * texel, (y + 0.5) * texel, 0};
+        /* a copy of a punctual light has its near plane at that depth: vxs_point calls exp, which is exact for 0 alone */
+        if (is_sun(&light))
+            at[2] = metres / light.voxel_metres;
+        else
+            light.near_metres = metres;
+        vxs_point(&light, map, at, ends[metres - 1]);
+    }
+    vec3_sub(ends[1], ends[0], way);
+    vec3_sub(ends[0], way, from);
 }
 
 /* Choose units that cover the depths of all smoke; a punctual light's light begins at its near plane. Returns 0: light does not
@@ -312,7 +312,7 @@ static int try_lookup(const maker *k, const uint32_t *words, size_t texel, rng *
     ray_of(k, t.map, t.x + x, t.y + y, from, way);
     vec3_mad(from, depth, way, ws);
     if (end > path->depth[0] && vxs_lookup(k->baked, ws, NULL, vxs_box(1)) == 1)
-        *off = fabs(vxs_smoke_left(words, light, ws) - exp(-smoke_path_thick(path, depth)));
+        *off = fabs(vxs_smoke_left(words, light, ws) - portable_exp(-smoke_path_thick(path, depth)));
     return 1;
 }
 

@@ -23,9 +23,10 @@
 #define LANES          2
 #endif
 
-typedef double  f64s __attribute__((vector_size(8 * LANES)));
-typedef int64_t i64s __attribute__((vector_size(8 * LANES)));
-typedef int32_t i32s __attribute__((vector_size(4 * LANES)));
+typedef double   f64s __attribute__((vector_size(8 * LANES)));
+typedef int64_t  i64s __attribute__((vector_size(8 * LANES)));
+typedef uint64_t u64s __attribute__((vector_size(8 * LANES)));
+typedef int32_t  i32s __attribute__((vector_size(4 * LANES)));
 
 static inline f64s f64s_all(double value)
 {

@@ -350,20 +350,19 @@ static void find_columns(leaf *f, int first)
     f64s_store(f->x + first, x);
 }
 
+PORTABLE_LOG(depth_logs, f64s, u64s)
+
 /* Round depths to voxels: down, or up for exit depths. */
 static void round_depths(depth_scale s, const double depths[64], int up, uint32_t voxels[64])
 {
     const f64s far = f64s_all(depth_none(s)), near = f64s_all(depth_none(s) - 1), depth_vx = f64s_all(s.depth_vx);
-    double     in_voxels[LANES];
     for (int n = 0; n < 64; n += LANES) {
         f64s z = f64s_min(f64s_max(f64s_load(depths + n), near), far);
-        if (s.voxel_log == 0) {
+        /* as depth_in_voxels, bit by bit */
+        if (s.voxel_log == 0)
             z *= depth_vx;
-        } else {
-            f64s_store(in_voxels, z);
-            for (int k = 0; k < LANES; k++) in_voxels[k] = depth_in_voxels(s, in_voxels[k]);
-            z = f64s_load(in_voxels);
-        }
+        else
+            z = f64s_min(f64s_max(-depth_logs(0 - z) / f64s_all(s.voxel_log), f64s_all(0)), depth_vx);
         i32s down = __builtin_convertvector(z, i32s);
         if (up) down -= __builtin_convertvector((i64s)(__builtin_convertvector(down, f64s) < z), i32s);
         memcpy(voxels + n, &down, sizeof down);

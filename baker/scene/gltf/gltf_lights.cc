@@ -257,13 +257,15 @@ static size_t wrapped(double texels, size_t count, texture_wrap wrap)
 /* Number of texels along a side. */
 static uint32_t texels_along(const image_colours &image, const double from[2], const double to[2])
 {
-    double count = std::hypot((to[0] - from[0]) * image.width_px, (to[1] - from[1]) * image.height_px);
+    double u = (to[0] - from[0]) * image.width_px, v = (to[1] - from[1]) * image.height_px, count = std::sqrt(u * u + v * v);
     return (uint32_t)std::min(std::max(std::round(count), 1.0), TEXELS_MAX);
 }
 
 static void turn_texture(const image_colours &image, const alpha_mask &wraps, const quad &q, scene_area &area)
 {
     uint32_t wide = texels_along(image, q.uv[0], q.uv[1]), high = texels_along(image, q.uv[0], q.uv[3]);
+    float    light_of[256];
+    for (int n = 0; n < 256; n++) light_of[n] = srgb_light((uint8_t)n);
     area.texture = zeroed<float>((size_t)wide * high * 3);
     area.wide_px = wide;
     area.high_px = high;
@@ -275,7 +277,7 @@ static void turn_texture(const image_colours &image, const alpha_mask &wraps, co
             size_t         column = wrapped(uv[0] * image.width_px, image.width_px, wraps.wrap_u);
             size_t         row    = wrapped(uv[1] * image.height_px, image.height_px, wraps.wrap_v);
             const uint8_t *from   = image.rgba.data() + 4 * (row * image.width_px + column);
-            for (int n = 0; n < 3; n++) *out++ = srgb_light(from[n]);
+            for (int n = 0; n < 3; n++) *out++ = light_of[from[n]];
         }
 }
 

@@ -9,6 +9,7 @@
  * The JSON of textures, samplers and masked materials is read only for materials of placed triangles. A mask that cannot be read is
  * opaque.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/base/portable_math.h"
 #include "baker/scene/gltf/gltf_loader.h"
 
 #include <cmath>
@@ -148,7 +149,7 @@ texture_place read_texture_place(loader &l, const std::string &where, const json
 
     std::vector<double> offset = moved->value("offset", std::vector<double>{0, 0}),
                         scale  = moved->value("scale", std::vector<double>{1, 1});
-    double       angle = moved->value("rotation", 0.0), c = std::cos(angle), s = std::sin(angle);
+    double       angle = moved->value("rotation", 0.0), c = portable_cos(angle), s = portable_sin(angle);
     const double matrix[6] = {c * scale[0], s * scale[1], offset[0], -s * scale[0], c * scale[1], offset[1]};
     memcpy(place.transform, matrix, sizeof matrix);
     place.uv_set = moved->value("texCoord", place.uv_set);

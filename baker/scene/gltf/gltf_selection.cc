@@ -7,6 +7,7 @@
 #include <fnmatch.h>
 #include <utility>
 
+#include "baker/base/portable_math.h"
 #include "baker/scene/gltf/gltf_loader.h"
 
 namespace gltf
@@ -203,7 +204,7 @@ static void read_projection(const json &camera, scene_view &view)
     const json &perspective = items(camera, "perspective"), &orthographic = items(camera, "orthographic");
     if (kind == "perspective" && perspective.is_object()) {
         double angle     = above_zero(perspective, "yfov");
-        view.half_high   = angle < M_PI ? std::tan(angle / 2) : 0;
+        view.half_high   = angle < M_PI ? portable_tan(angle / 2) : 0;
         view.aspect      = above_zero(perspective, "aspectRatio");
         view.near_metres = above_zero(perspective, "znear");
         view.kind        = view.half_high > 0 ? VIEW_PERSPECTIVE : VIEW_NONE;
@@ -218,7 +219,11 @@ static void read_projection(const json &camera, scene_view &view)
 
 bool unit(vec3 v, double out[3])
 {
-    double length = std::hypot(v.x, v.y, v.z), values[3] = {v.x / length, v.y / length, v.z / length};
+    /* not std::hypot: it differs between C++ libraries, and files have this direction in them */
+    double most = std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
+    double length =
+        most > 0 ? most * std::sqrt((v.x / most) * (v.x / most) + (v.y / most) * (v.y / most) + (v.z / most) * (v.z / most)) : 0;
+    double values[3] = {v.x / length, v.y / length, v.z / length};
     if (!(length > 0) || !std::isfinite(length)) return false;
     std::copy(values, values + 3, out);
     return true;

@@ -7,6 +7,7 @@
  * The scale of a node multiplies radii and divides extinctions, so that the transmittance of a cloud does not depend on its size.
  * For a non-uniform scale, the cube root of the change in volume is used, because a ball stays a ball.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/base/portable_math.h"
 #include "baker/scene/gltf/gltf_loader.h"
 
 namespace gltf
@@ -123,7 +124,7 @@ static void place_clouds(loader &l, size_t node)
         if (f) lose_primitive(l, cost::SMOKE, node, i, f, instances * capsule_count(l, primitives[i]));
         for (size_t n = 0; n < instances && !f; n++) {
             transform ws_from_instance = instance_transform(l, node, n);
-            double    larger           = std::cbrt(std::fabs(volume_scale(ws_from_instance)));
+            double    larger           = portable_cbrt(std::fabs(volume_scale(ws_from_instance)));
             for (size_t k = 0; k < c.capsules; k++) {
                 failure lost = fault_of([&] { add_capsule(l, c, ws_from_instance, larger, k); });
                 if (lost) lose_primitive(l, cost::CAPSULES, node, i, lost, 1);
