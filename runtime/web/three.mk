@@ -9,9 +9,10 @@ $(three.files): $P/three/%: runtime/web/three/%
 	$Q mkdir -p $(@D) && cp $< $@
 
 # a string for each header: vxs_lookup.h is `vxs_lookup`
-shaders.texts := vxs_lookup vxs_lookup_blocks vxs_space vxs_depths vxs_intervals vxs_smoke
-$P/runtime/shaders.mjs: $(shaders.texts:%=formats/%.h) runtime/web/shaders.py
+shaders.texts := $(addprefix formats/,vxs_lookup.h vxs_lookup_blocks.h vxs_space.h vxs_depths.h vxs_intervals.h vxs_smoke.h) \
+                 $(addprefix runtime/volumes/,vxs_air_light.h vxs_air_ray.h vxs_air.h vxs_air_path.h)
+$P/runtime/shaders.mjs: $(shaders.texts) runtime/web/shaders.py runtime/web/three.mk
 	@echo "  text $@"
-	$Q mkdir -p $(@D) && $(python) runtime/web/shaders.py $(shaders.texts:%=formats/%.h) >$@
+	$Q mkdir -p $(@D) && $(python) runtime/web/shaders.py $(shaders.texts) >$@
 
 check-web web-compare: $(web.tools)

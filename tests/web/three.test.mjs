@@ -153,3 +153,11 @@ inBrowser('damaged files and wrong options are errors, and the scene stays as it
   assert.match(got['before detach'], /the scene has changed/);
   for (const [name, text] of Object.entries(got)) if (name !== 'before detach') assert.doesNotMatch(text, /the scene has changed/, name);
 }, { releases: SOME, allow: /nothing.vxs|404/ });
+
+inBrowser('fog has the airlight of the lit intervals', async (page) => {
+  const medium = { extinction: 0.08, scattering: 0.06, anisotropy: 0.5 }, view = { eye: [-7, 4, 9], target: [0, 1.5, 0], fov: 60 };
+  for (const [light, orthographic] of [['sun', false], ['spot', false], ['lamp', false], ['sun', true]]) {
+    const got = await run(page, PAGE, 'fog', { ...files('pillars', [160, 120]), view, light, medium, orthographic });
+    assert.ok(got.count > 200 && got.mean > 0.005 && got.wrong <= 3, `${light}: ${JSON.stringify(got)}`); // rays along an edge
+  }
+}, { releases: SOME });

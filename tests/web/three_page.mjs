@@ -120,7 +120,7 @@ export async function farAway({ glb, vxs, view, size, light, offset }) {
 
 /** Voxels of a file: how many answers of a shader differ from those of the runtime, of how many; and how many are not all or nothing. */
 export async function voxels({ vxs, light: name, width, smooth = false, side = 64 }) {
-  const { readers } = await import('/vxs/three/lookup.mjs'), { commonMacros, wordsTexture, writeConstants, integerTexture } = await import('/vxs/three/words.mjs');
+  const { readers } = await import('/vxs/three/text.mjs'), { commonMacros, wordsTexture, writeConstants, integerTexture } = await import('/vxs/three/words.mjs');
   const renderer = newRenderer([side, side]), shadows = await loadShadows(vxs), light = shadows.lights.find((l) => l.name === name);
   const words = wordsTexture(shadows.lights), constants = new Uint32Array(24), count = side * side;
   writeConstants(constants, 0, light, light.constants(), words.first.get(light), new THREE.Vector3(), new THREE.Matrix4());
@@ -386,4 +386,62 @@ export async function refused({ glb, vxs }) {
   await attempt('after detach', () => 0);
   shadows.dispose();
   return out;
+}
+
+/** Airlight of pixels by FogPass, and by lit intervals of the runtime with a sum over many small steps. */
+export async function fog({ glb, vxs, view, size, light: name, medium, orthographic }) {
+  const { FogPass } = await import('vxs/three'), [width, height] = size;
+  const renderer = newRenderer(size), gltf = await loadScene(glb), shadows = await loadShadows(vxs);
+  let camera = newCamera(view, size);
+  if (orthographic) {
+    const { position, quaternion } = camera;
+    camera = new THREE.OrthographicCamera(-8, 8, 6, -6, 0.1, 60);
+    camera.position.copy(position);
+    camera.quaternion.copy(quaternion);
+  }
+  shadows.attach(gltf);
+  const { light, baked } = shadows.pairs.find((pair) => pair.baked.name === name);
+  light.penumbra = 0; // three.js and glTF fade in different ways
+  const target = () => new THREE.WebGLRenderTarget(width, height, { type: THREE.FloatType });
+  const read = target(), write = target(), data = new Float32Array(4 * width * height);
+  read.depthTexture = new THREE.DepthTexture(width, height, THREE.UnsignedIntType);
+  const draw = (pass) => {
+    renderer.setRenderTarget(read);
+    renderer.render(gltf.scene, camera);
+    pass.render(renderer, write, read);
+    renderer.readRenderTargetPixels(write, 0, 0, width, height, data);
+    renderer.setRenderTarget(null);
+  };
+  gltf.scene.traverse((object) => { if (object.isMesh) object.material = new THREE.MeshBasicMaterial({ color: 0 }); });
+  const pass = new FogPass(shadows, camera, { light: name, ...medium });
+  draw(pass);
+
+  const caster = new THREE.Raycaster(), { extinction, scattering, anisotropy: g } = medium, errors = [];
+  const { position, direction: axis } = (await import('/vxs/three/names.mjs')).placeOf(baked);
+  const phase = (cosine) => (1 - g * g) / (4 * Math.PI * (1 + g * g - 2 * g * cosine) ** 1.5);
+  const strength = light.intensity, range = baked.rangeMetres;
+  gltf.scene.traverse((object) => { if (object.isMesh) object.material.side = THREE.DoubleSide; });
+  for (let y = 3; y < height; y += 7)
+    for (let x = 2; x < width; x += 9) {
+      caster.setFromCamera(new THREE.Vector2((2 * x + 1) / width - 1, (2 * y + 1) / height - 1), camera);
+      const { origin, direction } = caster.ray, hit = caster.intersectObject(gltf.scene, true)[0];
+      const eye = orthographic ? origin : camera.position, metres = hit ? hit.point.distanceTo(eye) : camera.far;
+      let sum = 0;
+      for (const { begin, end, state } of baked.intervals(eye.toArray(), direction.toArray(), 0, metres)) {
+        if (state === 'shadow' || (state === 'outside' && baked.kind !== 'directional')) continue;
+        const last = Math.min(end, begin + 40 / extinction), steps = 4000;
+        for (let n = 0; n < steps; n++) {
+          const t = begin + ((n + 0.5) / steps) * (last - begin), dt = (last - begin) / steps;
+          const at = eye.clone().addScaledVector(direction, t), to = at.clone().sub(position), r = to.length();
+          if (baked.kind === 'directional') sum += phase(-direction.dot(axis)) * Math.exp(-extinction * t) * dt;
+          else if (!range || r < range) sum += (phase(-direction.dot(to) / r) * Math.exp(-extinction * (t + r)) * (range ? 1 - (r / range) ** 4 : 1) * dt) / (r * r);
+        }
+      }
+      errors.push([sum * scattering * strength, data[4 * (y * width + x) + 1], x, y]);
+    }
+  const wrong = errors.filter(([a, b]) => Math.abs(a - b) > 0.003 * (a + 0.02 * strength * scattering));
+  pass.renderToScreen = true;
+  gltf.scene.traverse((object) => { if (object.isMesh) object.material = new THREE.MeshStandardMaterial({ flatShading: true }); });
+  draw(pass);
+  return { count: errors.length, mean: errors.reduce((s, [a]) => s + a, 0) / errors.length, wrong: wrong.length, first: wrong.slice(0, 4) };
 }

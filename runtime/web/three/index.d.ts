@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
-import type { Light, Loader, LoadingManager, Object3D, WebGLRenderer } from 'three';
+import type {
+  Camera, Color, DataTexture, DepthTexture, Light, Loader, LoadingManager, Object3D, Texture, Vector3, WebGLRenderer, WebGLRenderTarget,
+} from 'three';
 import type { Asset, Light as BakedLight, Runtime } from 'vxs';
 
 export { VXSError } from 'vxs';
@@ -39,6 +41,8 @@ export interface Match {
 export class BakedShadows {
   readonly asset: Asset;
   readonly lights: readonly BakedLight[];
+  /** Words of all lights, R32UI, `wide` texels in a row: word n of a light is at first.get(light) + n. */
+  readonly words: { texture: DataTexture; wide: number; first: Map<BakedLight, number> };
   /**
    * Let the lights below a scene, or of a result of GLTFLoader, shine with their baked shadows. Lights match by name, else by place.
    * Sets receiveShadow and castShadow of meshes; their lit materials (Standard, Physical, Lambert, Phong, Toon) are extended by the
@@ -52,6 +56,41 @@ export class BakedShadows {
   /** Undo attach(). */
   detach(): void;
   /** detach(), and free textures and the file. */
+  dispose(): void;
+}
+
+export interface FogOptions {
+  /** A light that attach() has matched, or its name in the file; the first by default. */
+  light?: Light | string;
+  /** Extinction and scattering per metre: a number, or one for each of red, green, blue. Defaults: 0.01, and all that is extinct. */
+  extinction?: number | [number, number, number] | Vector3 | Color;
+  scattering?: number | [number, number, number] | Vector3 | Color;
+  /** g of the phase function, -0.99 (light turns back) to 0.99 (goes on); 0.4 by default. */
+  anisotropy?: number;
+  /** false: fog does not dim the picture: for a second pass, of another light. */
+  transmits?: boolean;
+  /** Fog ends here where no surface is seen; camera.far by default. */
+  farMetres?: number;
+}
+
+/**
+ * Homogeneous fog, lit by one baked light: the lit parts of each eye ray exactly, and their airlight in closed form. A pass for
+ * EffectComposer, behind RenderPass, with a target that has a depthTexture; or call render(). Works in linear colours. Options are
+ * fields and may change at any time. For another light add a second pass. WebGLRenderer, without logarithmicDepthBuffer.
+ */
+export class FogPass {
+  constructor(shadows: BakedShadows, camera: Camera, options?: FogOptions);
+  camera: Camera;
+  enabled: boolean;
+  renderToScreen: boolean;
+  extinction: FogOptions['extinction'];
+  scattering: FogOptions['scattering'];
+  anisotropy: number;
+  transmits: boolean;
+  farMetres?: number;
+  setSize(width: number, height: number): void;
+  /** writeBuffer null: the screen. */
+  render(renderer: WebGLRenderer, writeBuffer: WebGLRenderTarget | null, readBuffer: { texture: Texture; depthTexture: DepthTexture | null }): void;
   dispose(): void;
 }
 

@@ -5,7 +5,7 @@ import { VXSError, load } from 'vxs';
 import { DepthMaps } from './depth.mjs';
 import { Lookups } from './lookup.mjs';
 import { matchLights } from './names.mjs';
-import { filterOf, fromRootMatrix } from './words.mjs';
+import { filterOf, fromRootMatrix, wordsTexture } from './words.mjs';
 
 let standard; // the runtime that all loaders share, loaded at the first use
 
@@ -48,6 +48,7 @@ const meshesOf = (root, act) => root.traverse((object) => object.isMesh && act(o
 /** The shadows of a file, attached to the lights of one scene at a time. */
 export class BakedShadows {
   #way = null;
+  #words = null;
   #restore = [];
 
   constructor(asset) {
@@ -56,6 +57,9 @@ export class BakedShadows {
   }
 
   get lights() { return this.asset.lights; }
+
+  /** The words of all lights as a texture, which the passes of this file share: { texture, wide, first }. */
+  get words() { return (this.#words ??= wordsTexture(this.lights)); }
 
   /**
    * Let lights below `target` shine with their baked shadows. index.d.ts describes the options. Nothing is changed if it throws.
@@ -69,7 +73,7 @@ export class BakedShadows {
     const kernel = filterOf(filter);
     if (this.#way) this.detach();
     if (!match.matched.length) return match;
-    const made = way === 'lookup' ? new Lookups(match.matched, kernel, fromRoot)
+    const made = way === 'lookup' ? new Lookups(match.matched, this.words, kernel, fromRoot)
       : new DepthMaps(match.matched, { renderer, fromRoot, ...options });
     this.#way = made;
     try {
@@ -81,6 +85,7 @@ export class BakedShadows {
       throw error;
     }
     this.pairs = match.matched;
+    this.fromRoot = fromRoot;
     return match;
   }
 
@@ -145,6 +150,8 @@ export class BakedShadows {
   /** Free textures and the file. */
   dispose() {
     this.detach();
+    this.#words?.texture.dispose();
+    this.#words = null;
     this.asset.dispose();
   }
 }

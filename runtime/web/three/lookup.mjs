@@ -4,51 +4,13 @@
 // SPDX-License-Identifier: MIT
 import { Material, ShaderChunk, Vector3 } from 'three';
 import { VXSError } from 'vxs';
-import { vxs_lookup, vxs_lookup_blocks, vxs_space } from 'vxs/shaders';
-import { commonMacros, integerTexture, wordsTexture, writeConstants } from './words.mjs';
+import { readers } from './text.mjs';
+import { TEXELS, commonMacros, integerTexture, writeConstants } from './words.mjs';
 
-const TEXELS = 6; // of RGBA32UI: 96 bytes
 const BASE = { Directional: '0', Spot: 'NUM_DIR_LIGHTS', Point: 'NUM_DIR_LIGHTS + NUM_SPOT_LIGHTS' };
 // lights that have samplers of their own, in arrays which only constants may index: three.js has them first
 const UNROLLED = { Directional: 'NUM_DIR_LIGHT_SHADOWS', Spot: 'NUM_SPOT_LIGHT_COORDS', Point: 'NUM_POINT_LIGHT_SHADOWS' };
 const LOOP = /#pragma unroll_loop_start\s+for \( int i = 0; i < NUM_(?:DIR|SPOT|POINT)_LIGHTS; i \+\+ \) \{([\s\S]+?\bget(Directional|Spot|Point)LightInfo\([^;]*\);)([\s\S]+?)\}\s+#pragma unroll_loop_end/g;
-
-/** Text that reads words and constants: behind it a shader calls vxsLit(row, position, normal). */
-export const readers = (macros, wide) => `
-${Object.entries(macros).map(([name, value]) => `#define ${name} ${value}`).join('\n')}
-uniform highp usampler2D vxsWords;
-uniform highp usampler2D vxsLights;
-uint vxs_fetch( uint at ) { return texelFetch( vxsWords, ivec2( int( at & ${wide - 1}u ), int( at / ${wide}u ) ), 0 ).r; }
-#define vxs_word(dag, i) vxs_fetch( ( dag ) + ( i ) )
-${vxs_lookup}
-${vxs_lookup_blocks}
-${vxs_space}
-vxs_light_constants vxsLight( int row ) {
-  vxs_light_constants light;
-  uvec4 a = texelFetch( vxsLights, ivec2( 3, row ), 0 ), b = texelFetch( vxsLights, ivec2( 4, row ), 0 );
-  uvec4 c = texelFetch( vxsLights, ivec2( 5, row ), 0 );
-  for ( int n = 0; n < 3; n ++ ) light.ls_from_ws[ n ] = uintBitsToFloat( texelFetch( vxsLights, ivec2( n, row ), 0 ) );
-  light.texel_metres = uintBitsToFloat( a.x );
-  light.voxel_metres = uintBitsToFloat( a.y );
-  light.near_metres = uintBitsToFloat( a.z );
-  light.range_metres = uintBitsToFloat( a.w );
-  light.cos_outer = uintBitsToFloat( b.x );
-  light.kind = b.y;
-  light.flags = b.z;
-  light.levels = b.w;
-  light.first_word = c.x;
-  light.coding = c.y;
-  light.origin_fraction_ij = c.z;
-  light.origin_fraction_k = c.w;
-  return light;
-}
-float vxsLit( int row, vec3 position, vec3 normal ) {
-  vxs_light_constants light = vxsLight( row );
-  if ( light.coding == 0u ) return 1.0; // no baked light
-  float lit = vxs_lit( light.first_word, light, position, normal, vxs_box( 1 ) ); // macros say which filter it is
-  return lit < 0.0 ? 1.0 : lit; // beyond the map
-}
-`;
 
 // The position relative to the camera, in axes of the world, and the normal of the triangle towards the camera. Derivatives are taken
 // before any discard.
@@ -107,14 +69,14 @@ function uniformsOf(material) {
 const LIT = ['isMeshStandardMaterial', 'isMeshPhongMaterial', 'isMeshLambertMaterial', 'isMeshToonMaterial'];
 
 export class Lookups {
-  /** pairs  [{ light, baked }];   filter  { width, smooth };   fromRoot  Matrix4 */
-  constructor(pairs, filter, fromRoot) {
+  /** pairs  [{ light, baked }];   words  of wordsTexture;   filter  { width, smooth };   fromRoot  Matrix4 */
+  constructor(pairs, words, filter, fromRoot) {
     this.baked = new Map(pairs.map(({ light, baked }) => [light, baked]));
     this.lights = [...new Set(this.baked.values())];
     this.templates = new Map(this.lights.map((light) => [light, light.constants()]));
     this.fromRoot = fromRoot;
     this.materials = new Map();
-    this.words = wordsTexture(this.lights);
+    this.words = words;
     this.origin = new Vector3();
     this.rows = null;
     this.#texture(8);
@@ -213,7 +175,6 @@ export class Lookups {
       material.needsUpdate = true;
     }
     this.materials.clear();
-    this.words.texture.dispose();
     this.constants.dispose();
   }
 }

@@ -4,6 +4,7 @@ import { DataTexture, Matrix4, NearestFilter, RGBAIntegerFormat, RedIntegerForma
 import { VXSError } from 'vxs';
 
 const TEXTURES = { 1: RedIntegerFormat, 4: RGBAIntegerFormat };
+export const TEXELS = 6; // of RGBA32UI for the constants of a light: 96 bytes
 const PADDING = 4; // words that a lookup may read behind the last one
 
 // An integer texture; with other filters than NEAREST it would read 0.

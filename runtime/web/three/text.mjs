@@ -1,0 +1,40 @@
+// Text of shaders that read words and constants from the textures of words.mjs.
+// SPDX-License-Identifier: MIT
+import { vxs_lookup, vxs_lookup_blocks, vxs_space } from 'vxs/shaders';
+
+/** Text that reads words and constants: behind it a shader calls vxsLit(row, position, normal). */
+export const readers = (macros, wide) => `
+${Object.entries(macros).map(([name, value]) => `#define ${name} ${value}`).join('\n')}
+uniform highp usampler2D vxsWords;
+uniform highp usampler2D vxsLights;
+uint vxs_fetch( uint at ) { return texelFetch( vxsWords, ivec2( int( at & ${wide - 1}u ), int( at / ${wide}u ) ), 0 ).r; }
+#define vxs_word(dag, i) vxs_fetch( ( dag ) + ( i ) )
+${vxs_lookup}
+${vxs_lookup_blocks}
+${vxs_space}
+vxs_light_constants vxsLight( int row ) {
+  vxs_light_constants light;
+  uvec4 a = texelFetch( vxsLights, ivec2( 3, row ), 0 ), b = texelFetch( vxsLights, ivec2( 4, row ), 0 );
+  uvec4 c = texelFetch( vxsLights, ivec2( 5, row ), 0 );
+  for ( int n = 0; n < 3; n ++ ) light.ls_from_ws[ n ] = uintBitsToFloat( texelFetch( vxsLights, ivec2( n, row ), 0 ) );
+  light.texel_metres = uintBitsToFloat( a.x );
+  light.voxel_metres = uintBitsToFloat( a.y );
+  light.near_metres = uintBitsToFloat( a.z );
+  light.range_metres = uintBitsToFloat( a.w );
+  light.cos_outer = uintBitsToFloat( b.x );
+  light.kind = b.y;
+  light.flags = b.z;
+  light.levels = b.w;
+  light.first_word = c.x;
+  light.coding = c.y;
+  light.origin_fraction_ij = c.z;
+  light.origin_fraction_k = c.w;
+  return light;
+}
+float vxsLit( int row, vec3 position, vec3 normal ) {
+  vxs_light_constants light = vxsLight( row );
+  if ( light.coding == 0u ) return 1.0; // no baked light
+  float lit = vxs_lit( light.first_word, light, position, normal, vxs_box( 1 ) ); // macros say which filter it is
+  return lit < 0.0 ? 1.0 : lit; // beyond the map
+}
+`;
