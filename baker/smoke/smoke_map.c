@@ -225,9 +225,9 @@ static void make_tiles(void *user, size_t begin, size_t end, uint32_t worker)
 
 /* all tiles ------------------------------------------------------------------------------------------------------------------- */
 
-static size_t tile_count(const maker *k)
+static uint64_t tile_count(const maker *k)
 {
-    return (size_t)vxs_map_count(&k->baked->light) * k->tiles_across * k->tiles_across;
+    return (uint64_t)vxs_map_count(&k->baked->light) * k->tiles_across * k->tiles_across;
 }
 
 static int take_memory(maker *k)

@@ -70,7 +70,7 @@ export interface BakeSettings {
 export interface BakeResult {
   /** The asset: bytes of a .vxs file. */
   vxs: Uint8Array;
-  /** The report that `vxs bake --json` writes: docs/bake.schema.json of the project. */
+  /** The report that `vxs bake --json` writes: docs/bake-report.schema.json of the project. */
   report: Record<string, unknown>;
   /** The summary that the command prints. */
   summary: string;

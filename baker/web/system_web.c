@@ -334,10 +334,10 @@ int madvise(void *address, size_t size, int advice)
     return 0;
 }
 
-/* memory: what the heap has taken from the host is never given back, but used again */
+/* Bytes up to the end of the heap, which is never given back to the host, but used again. */
 static uint64_t heap_bytes(void)
 {
-    return (uint64_t)__builtin_wasm_memory_size(0) << 16;
+    return (uint64_t)(uintptr_t)sbrk(0);
 }
 
 uint64_t memory_held_bytes(void)
