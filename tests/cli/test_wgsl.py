@@ -195,6 +195,14 @@ def test_naga_compiles(texts, tmp_path):
         assert done.returncode == 0, done.stderr
 
 
+def test_web_module_is_up_to_date(texts, tmp_path):
+    """vxs/three/webgpu has the functions of this text: after a change of formats/, run runtime/web/wgsl.py."""
+    text = tmp_path / "vxs_lookup.wgsl"
+    text.write_text(texts["lookup"])
+    module = subprocess.run([sys.executable, ROOT / "runtime" / "web" / "wgsl.py", text], stdout=subprocess.PIPE, text=True, check=True).stdout
+    assert module == (ROOT / "runtime" / "web" / "three" / "wgsl.mjs").read_text()
+
+
 def test_chromium_accepts(texts, page):
     for text in (texts["lookup"] + LIT, texts["lookup"] + LOOK_UP, texts["intervals"] + WALK):
         assert page.ask(f"complaints({json.dumps(text)})") == []

@@ -1,5 +1,12 @@
 // `vxs/three`: baked shadows in three.js with WebGLRenderer.
 // SPDX-License-Identifier: MIT
-export { BakedShadows, VXSLoader } from './loader.mjs';
+import { DepthMaps } from './depth.mjs';
+import { ShadowLoader } from './loader.mjs';
+import { Lookups } from './lookup.mjs';
+
+export class VXSLoader extends ShadowLoader {
+  static ways = { lookup: Lookups, depth: DepthMaps };
+}
 export { FogPass } from './fog.mjs';
+export { BakedShadows } from './loader.mjs';
 export { VXSError } from 'vxs';

@@ -2,15 +2,13 @@
 // SPDX-License-Identifier: MIT
 import { Box3, FileLoader, Loader, Matrix4, Vector3 } from 'three';
 import { VXSError, load } from 'vxs';
-import { DepthMaps } from './depth.mjs';
-import { Lookups } from './lookup.mjs';
 import { matchLights } from './names.mjs';
 import { filterOf, fromRootMatrix, wordsTexture } from './words.mjs';
 
 let standard; // the runtime that all loaders share, loaded at the first use
 
 /** Loads .vxs files as BakedShadows. Errors are VXSErrors where the bytes are wrong, else those of FileLoader. */
-export class VXSLoader extends Loader {
+export class ShadowLoader extends Loader {
   #runtime;
 
   /** Use this runtime, or a promise of one, from load() of 'vxs', 'vxs/inline' or 'vxs/core'. */
@@ -39,7 +37,7 @@ export class VXSLoader extends Loader {
 
   async parseAsync(bytes) {
     const runtime = await (this.#runtime ?? (standard ??= load()));
-    return new BakedShadows(runtime.open(bytes));
+    return new BakedShadows(runtime.open(bytes), this.constructor.ways);
   }
 }
 
@@ -51,9 +49,13 @@ export class BakedShadows {
   #words = null;
   #restore = [];
 
-  constructor(asset) {
+  #ways;
+
+  /** ways  { name: class }: how lights may shine with a baked shadow */
+  constructor(asset, ways) {
     this.asset = asset;
     this.pairs = [];
+    this.#ways = ways;
   }
 
   get lights() { return this.asset.lights; }
@@ -67,18 +69,17 @@ export class BakedShadows {
    */
   attach(target, { way = 'lookup', filter, renderer, movers = [], ...options } = {}) {
     const root = target.scene ?? target;
-    if (!['lookup', 'depth'].includes(way)) throw new VXSError('argument', `way is '${way}': expected 'lookup' or 'depth'`);
+    const Way = this.#ways[way];
+    if (!Way) throw new VXSError('argument', `way is '${way}': expected ${Object.keys(this.#ways).join(' or ')}`);
     root.updateWorldMatrix(true, true);
     const fromRoot = fromRootMatrix(root), match = matchLights(this.lights, root, fromRoot, target.parser ? target : null);
     const kernel = filterOf(filter);
     if (this.#way) this.detach();
     if (!match.matched.length) return match;
-    const made = way === 'lookup' ? new Lookups(match.matched, this.words, kernel, fromRoot)
-      : new DepthMaps(match.matched, { renderer, fromRoot, ...options });
-    this.#way = made;
+    this.#way = new Way(match.matched, { shadows: this, kernel, renderer, fromRoot, movers, ...options });
     try {
-      this.#receive(root, movers, way === 'lookup');
-      if (movers.length && way === 'lookup') this.#fit(root);
+      this.#receive(root, movers);
+      if (movers.length && this.#way.live) this.#fit(root);
       if (movers.length && renderer) renderer.shadowMap.enabled = true;
     } catch (error) {
       this.detach();
@@ -90,7 +91,7 @@ export class BakedShadows {
   }
 
   // What is baked casts no shadow into live maps any more, and all that is lit receives shadows. Only movers cast.
-  #receive(root, movers, casts) {
+  #receive(root, movers) {
     const set = (object, name, value) => {
       const had = object[name];
       if (had === value) return;
@@ -106,7 +107,7 @@ export class BakedShadows {
     };
     meshesOf(root, shade);
     moves.forEach(shade);
-    if (casts) for (const light of this.#way.baked.keys()) set(light, 'castShadow', movers.length > 0);
+    if (this.#way.live) for (const light of this.#way.baked.keys()) set(light, 'castShadow', this.#way.live === 'always' || movers.length > 0);
   }
 
   // Live maps show what moves, anywhere in the volume that is baked: where the shadow camera of a sun is as three.js makes it.

@@ -69,18 +69,20 @@ function uniformsOf(material) {
 const LIT = ['isMeshStandardMaterial', 'isMeshPhongMaterial', 'isMeshLambertMaterial', 'isMeshToonMaterial'];
 
 export class Lookups {
-  /** pairs  [{ light, baked }];   words  of wordsTexture;   filter  { width, smooth };   fromRoot  Matrix4 */
-  constructor(pairs, words, filter, fromRoot) {
+  live = true; // a live shadow map of three.js goes with it, of what moves
+
+  /** pairs  [{ light, baked }];   kernel  { width, smooth };   fromRoot  Matrix4 */
+  constructor(pairs, { shadows, kernel, fromRoot }) {
     this.baked = new Map(pairs.map(({ light, baked }) => [light, baked]));
     this.lights = [...new Set(this.baked.values())];
     this.templates = new Map(this.lights.map((light) => [light, light.constants()]));
     this.fromRoot = fromRoot;
+    this.words = shadows.words;
     this.materials = new Map();
-    this.words = words;
     this.origin = new Vector3();
     this.rows = null;
     this.#texture(8);
-    this.setFilter(filter);
+    this.setFilter(kernel);
   }
 
   setFilter(filter) {

@@ -2,11 +2,12 @@
 // SPDX-License-Identifier: MIT
 import { vxs_lookup, vxs_lookup_blocks, vxs_space } from 'vxs/shaders';
 
+const UNIFORMS = 'uniform highp usampler2D vxsWords;\nuniform highp usampler2D vxsLights;';
+
 /** Text that reads words and constants: behind it a shader calls vxsLit(row, position, normal). */
-export const readers = (macros, wide) => `
+export const readers = (macros, wide, uniforms = UNIFORMS) => `
 ${Object.entries(macros).map(([name, value]) => `#define ${name} ${value}`).join('\n')}
-uniform highp usampler2D vxsWords;
-uniform highp usampler2D vxsLights;
+${uniforms}
 uint vxs_fetch( uint at ) { return texelFetch( vxsWords, ivec2( int( at & ${wide - 1}u ), int( at / ${wide}u ) ), 0 ).r; }
 #define vxs_word(dag, i) vxs_fetch( ( dag ) + ( i ) )
 ${vxs_lookup}

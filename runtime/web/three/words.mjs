@@ -10,7 +10,6 @@ const PADDING = 4; // words that a lookup may read behind the last one
 // An integer texture; with other filters than NEAREST it would read 0.
 export function integerTexture(data, width, height, channels) {
   const texture = new DataTexture(data, width, height, TEXTURES[channels], UnsignedIntType);
-  texture.internalFormat = channels === 1 ? 'R32UI' : 'RGBA32UI';
   texture.minFilter = texture.magFilter = NearestFilter;
   texture.generateMipmaps = false;
   texture.unpackAlignment = 4;

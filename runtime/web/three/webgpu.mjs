@@ -1,0 +1,122 @@
+// `vxs/three/webgpu`: exact lookups for WebGPURenderer, with its WebGPU and its WebGL 2 backend: light.shadow.shadowNode of each light.
+// SPDX-License-Identifier: MIT
+import { Vector3 } from 'three';
+import { Node, NodeUpdateType } from 'three/webgpu';
+import { cameraWorldMatrix, code, cross, dFdx, dFdy, glslFn, int, pointShadow, positionView, shadow, texture, vec4, wgslFn } from 'three/tsl';
+import { ShadowLoader } from './loader.mjs';
+import { readers } from './text.mjs';
+import { wgsl } from './wgsl.mjs';
+import { TEXELS, commonMacros, integerTexture, writeConstants } from './words.mjs';
+
+const wgslReaders = ({ VXS_ONLY_WIDTH, VXS_ONLY_SMOOTH }, wide) => `
+fn vxs_word_at(at: u32) -> u32 { return textureLoad(vxsWords, vec2u(at & ${wide - 1}u, at / ${wide}u), 0).r; }
+${wgsl}
+fn vxsLight(row: i32) -> vxs_light_constants {
+  let a = textureLoad(vxsLights, vec2i(3, row), 0);
+  let b = textureLoad(vxsLights, vec2i(4, row), 0);
+  let c = textureLoad(vxsLights, vec2i(5, row), 0);
+  var light: vxs_light_constants;
+  for (var n = 0; n < 3; n++) { light.ls_from_ws[n] = bitcast<vec4f>(textureLoad(vxsLights, vec2i(n, row), 0)); }
+  light.texel_metres = bitcast<f32>(a.x);
+  light.voxel_metres = bitcast<f32>(a.y);
+  light.near_metres = bitcast<f32>(a.z);
+  light.range_metres = bitcast<f32>(a.w);
+  light.cos_outer = bitcast<f32>(b.x);
+  light.kind = b.y;
+  light.flags = b.z;
+  light.levels = b.w;
+  light.first_word = c.x;
+  light.coding = c.y;
+  light.origin_fraction_ij = c.z;
+  light.origin_fraction_k = c.w;
+  return light;
+}
+fn vxsLit(row: i32, position: vec3f, normal: vec3f) -> f32 {
+  let light = vxsLight(row);
+  let lit = vxs_lit(light.first_word, light, position, normal, ${VXS_ONLY_SMOOTH ? 'vxs_smooth' : 'vxs_box'}(${VXS_ONLY_WIDTH}));
+  return select(lit, 1.0, lit < 0.0);
+}`;
+
+// Declares a texture by its name, so that native code can read it.
+class Binding extends Node {
+  constructor(node) {
+    super('void');
+    this.node = node;
+  }
+
+  generate(builder) {
+    this.node.build(builder, 'property');
+    return '';
+  }
+}
+
+// How much of a baked light reaches a fragment.
+class LitNode extends Node {
+  static get type() { return 'VXSLitNode'; }
+
+  constructor(lookups, row) {
+    super('float');
+    Object.assign(this, { lookups, row, updateBeforeType: NodeUpdateType.RENDER });
+  }
+
+  updateBefore({ camera }) { this.lookups.update(camera); }
+
+  setup(builder) {
+    const position = cameraWorldMatrix.mul(vec4(positionView, 0)).xyz.toVar(), normal = cross(dFdx(position), dFdy(position)).normalize();
+    const lit = builder.renderer.backend.isWebGPUBackend ? this.lookups.wgsl : this.lookups.glsl;
+    return lit(int(this.row), position, normal);
+  }
+}
+
+class NodeLookups {
+  live = 'always'; // lights without castShadow have no shadow nodes
+
+  constructor(pairs, { shadows, kernel, fromRoot, movers, renderer }) {
+    this.baked = new Map(pairs.map(({ light, baked }) => [light, baked]));
+    this.lights = [...this.baked.values()];
+    this.templates = this.lights.map((light) => light.constants());
+    this.first = this.lights.map((light) => shadows.words.first.get(light));
+    this.fromRoot = fromRoot;
+    this.wide = shadows.words.wide;
+    this.constants = integerTexture(new Uint32Array(4 * TEXELS * this.lights.length), TEXELS, this.lights.length, 4);
+    this.bindings = [[shadows.words.texture, 'vxsWords'], [this.constants, 'vxsLights']].map(([it, name]) => new Binding(texture(it).setName(name)));
+    if (renderer) renderer.shadowMap.enabled = true;
+    this.compose(kernel, movers.length > 0);
+  }
+
+  compose(kernel, moves) {
+    const macros = commonMacros(this.lights, kernel), text = (words, language) => [...this.bindings, code(words, [], language)];
+    this.glsl = glslFn('float vxsShadow( int row, vec3 position, vec3 normal ) { return vxsLit( row, position, normal ); }',
+      text(readers(macros, this.wide, ''), 'glsl'));
+    this.wgsl = wgslFn('fn vxsShadow(row: i32, position: vec3f, normal: vec3f) -> f32 { return vxsLit(row, position, normal); }',
+      text(wgslReaders(macros, this.wide), 'wgsl'));
+    this.moves = moves;
+    [...this.baked.keys()].forEach((light, row) => {
+      const lit = new LitNode(this, row);
+      const live = light.isPointLight ? pointShadow : shadow;
+      light.shadow.shadowNode = moves ? live(light).mul(lit) : lit;
+    });
+  }
+
+  update(camera) {
+    const origin = new Vector3().setFromMatrixPosition(camera.matrixWorld);
+    if (this.origin?.equals(origin)) return;
+    this.origin = origin;
+    this.lights.forEach((light, n) => writeConstants(this.constants.image.data, 4 * TEXELS * n, light, this.templates[n], this.first[n], origin, this.fromRoot));
+    this.constants.needsUpdate = true;
+  }
+
+  setFilter(kernel) { this.compose(kernel, this.moves); }
+  add() {} // shadow nodes are part of the lights
+
+  dispose() {
+    for (const light of this.baked.keys()) delete light.shadow.shadowNode;
+    this.constants.dispose();
+  }
+}
+
+export class VXSLoader extends ShadowLoader {
+  static ways = { lookup: NodeLookups };
+}
+export { BakedShadows } from './loader.mjs';
+export { VXSError } from 'vxs';

@@ -1,0 +1,53 @@
+// vxs/three/webgpu in Chromium: both backends of WebGPURenderer, in the newest release of three.js.
+// SPDX-License-Identifier: GPL-3.0-or-later
+import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
+import fs from 'node:fs';
+import os from 'node:os';
+import path from 'node:path';
+import { after, before, test } from 'node:test';
+import { launch, noBrowser, openPage, run, serve } from './browser.mjs';
+
+const VXS = process.env.VXS ?? new URL('../../build/release/vxs', import.meta.url).pathname;
+const skip = noBrowser || (!fs.existsSync(VXS) && `no command at ${VXS}: make`);
+const VIEW = { eye: [3, 1.8, 2.2], target: [-1, 0.8, -0.5], fov: 70 }, SIZE = [320, 240];
+let folder, server, browser;
+
+before(async () => {
+  if (skip) return;
+  folder = fs.mkdtempSync(path.join(os.tmpdir(), 'vxs-webgpu-'));
+  const vxs = (...args) => execFileSync(VXS, args, { cwd: folder, stdio: ['ignore', 'pipe', 'inherit'] });
+  vxs('scene', 'room', '-o', 'room.glb');
+  vxs('bake', 'room.glb', '-o', 'room.vxs', '--resolution', '1024');
+  vxs('render', 'room.glb', 'room.vxs', '-o', 'out.png', '--width', `${SIZE[0]}`, '--height', `${SIZE[1]}`, '--samples', '1', `--eye=${VIEW.eye}`,
+    `--target=${VIEW.target}`, '--fov', `${VIEW.fov}`, '--filter', '9', '--passes', 'passes');
+  server = await serve(folder);
+  browser = await launch({ args: ['--enable-unsafe-webgpu', '--use-webgpu-adapter=swiftshader'] });
+});
+
+after(async () => {
+  await browser?.close();
+  await server?.close();
+  if (folder) fs.rmSync(folder, { recursive: true });
+});
+
+for (const backend of ['webgl', 'webgpu'])
+  test(`shadow nodes give the pictures of vxs render (${backend})`, { skip }, async (t) => {
+    const page = await openPage(browser, server, { webgpu: true });
+    try {
+      const adapter = await page.evaluate(async () => !!(await navigator.gpu?.requestAdapter()));
+      if (backend === 'webgpu' && !adapter) return t.skip('this browser has no WebGPU adapter');
+      for (const [light, pass, movers] of [['lamp', 'lit-0-lamp', false], ['corner', 'lit-1-corner', false], ['corner', 'lit-1-corner', true]]) {
+        const got = await run(page, '/tests/webgpu_page.mjs', 'compared',
+          { glb: '/files/room.glb', vxs: '/files/room.vxs', view: VIEW, size: SIZE, light, pass: `/files/passes/${pass}.png`, backend, movers });
+        const text = `${light}: ${JSON.stringify(got)}`;
+        assert.equal(got.webgpu, backend === 'webgpu');
+        assert.ok(got.restored && got.matched === 2 && got.pixels > 10000, text);
+        if (movers) assert.ok(got.most > 0.01, text); // a ball throws a shadow that is not in the file
+        else assert.ok(got.mean < 0.004 && got.most < 0.002, text);
+      }
+      assert.deepEqual(page.faults, []);
+    } finally {
+      await page.close();
+    }
+  });
