@@ -6,12 +6,12 @@ const FACES = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3,
 
 /**
  * boxes   [[x0, y0, z0, x1, y1, z1]], one mesh;   lights  [{ type, name, position, towards, ...KHR_lights_punctual }]
- * change  a function that may change the JSON
+ * change  a function that may change the JSON;   extra  bytes of one more buffer view, 2
  */
-export function glbOf(boxes, lights, change = () => {}) {
+export function glbOf(boxes, lights, change = () => {}, extra = Buffer.alloc(0)) {
   const positions = boxes.flatMap((box) => CORNERS.flatMap((c) => [0, 1, 2].map((axis) => box[axis + 3 * ((c >> axis) & 1)])));
   const indices = boxes.flatMap((_, n) => FACES.flatMap(([a, b, c, d]) => [a, b, c, a, c, d].map((v) => 8 * n + v)));
-  const bytes = Buffer.concat([Buffer.from(Float32Array.from(positions).buffer), Buffer.from(Uint32Array.from(indices).buffer)]);
+  const bytes = Buffer.concat([Buffer.from(Float32Array.from(positions).buffer), Buffer.from(Uint32Array.from(indices).buffer), extra, Buffer.alloc(-extra.length & 3)]);
   const axis = (n, of) => of(...positions.filter((_, k) => k % 3 === n));
   const json = {
     asset: { version: '2.0' }, scene: 0, scenes: [{ nodes: [0, ...lights.map((_, n) => n + 1)] }],
@@ -25,7 +25,8 @@ export function glbOf(boxes, lights, change = () => {}) {
       { bufferView: 0, componentType: 5126, type: 'VEC3', count: positions.length / 3, min: [0, 1, 2].map((n) => axis(n, Math.min)), max: [0, 1, 2].map((n) => axis(n, Math.max)) },
       { bufferView: 1, componentType: 5125, type: 'SCALAR', count: indices.length },
     ],
-    bufferViews: [{ buffer: 0, byteLength: 4 * positions.length }, { buffer: 0, byteOffset: 4 * positions.length, byteLength: 4 * indices.length }],
+    bufferViews: [{ buffer: 0, byteLength: 4 * positions.length }, { buffer: 0, byteOffset: 4 * positions.length, byteLength: 4 * indices.length },
+      ...(extra.length ? [{ buffer: 0, byteOffset: 4 * (positions.length + indices.length), byteLength: extra.length }] : [])],
     buffers: [{ byteLength: bytes.length }],
   };
   change(json);
@@ -38,13 +39,13 @@ export function glbOf(boxes, lights, change = () => {}) {
 }
 
 /** Pillars on a floor of 16 x 16 m, and a sun, a spot and a lamp. */
-export const pillars = (change) => glbOf(
+export const pillars = (change, extra) => glbOf(
   [[-8, -0.5, -8, 8, 0, 8], [-3, 0, -2, -2, 4, -1], [1, 0, 1, 2, 3, 2], [2, 0, -4, 3, 5, -3], [-1, 2, 3, 3, 2.4, 4]],
   [
     { type: 'directional', name: 'sun', position: [0, 10, 0], rotation: [-0.397, 0.31, 0.1445, 0.8517], intensity: 2 },
     { type: 'spot', name: 'spot', position: [-6, 6, 5], rotation: [-0.3, -0.35, -0.12, 0.88], intensity: 300, range: 30, spot: { innerConeAngle: 0.4, outerConeAngle: 0.6 } },
     { type: 'point', name: 'lamp', position: [0, 2.5, 0], intensity: 20, range: 25 },
-  ].map(({ rotation, ...light }) => ({ ...light, ...(rotation && { rotation: unit(rotation) }) })), change);
+  ].map(({ rotation, ...light }) => ({ ...light, ...(rotation && { rotation: unit(rotation) }) })), change, extra);
 
 const unit = (v) => v.map((x) => x / Math.hypot(...v));
 

@@ -445,3 +445,13 @@ export async function fog({ glb, vxs, view, size, light: name, medium, orthograp
   draw(pass);
   return { count: errors.length, mean: errors.reduce((s, [a]) => s + a, 0) / errors.length, wrong: wrong.length, first: wrong.slice(0, 4) };
 }
+
+/** Lights of the shadows that a glTF file brings along, and how many match. */
+export async function fromGltf(url) {
+  const { VXSShadowsPlugin } = await import('vxs/three');
+  const gltf = await new GLTFLoader().register((parser) => new VXSShadowsPlugin(parser)).loadAsync(url);
+  if (!gltf.shadows) return { lights: null };
+  const { matched } = gltf.shadows.attach(gltf), lights = gltf.shadows.lights.length;
+  gltf.shadows.dispose();
+  return { lights, matched: matched.length };
+}

@@ -102,3 +102,14 @@ export class VXSLoader extends Loader<BakedShadows> {
   parse(bytes: Uint8Array | ArrayBuffer, onLoad: (shadows: BakedShadows) => void, onError?: (error: unknown) => void): void;
   parseAsync(bytes: Uint8Array | ArrayBuffer): Promise<BakedShadows>;
 }
+
+/**
+ * A plugin of GLTFLoader: loader.register((parser) => new VXSShadowsPlugin(parser)). The result then has `shadows`: BakedShadows, or
+ * null. They come from the glTF extension VXS_baked_shadows, or from "extras": { "vxs_shadows": "level.vxs" } of the file or of its
+ * scene. Attach them: gltf.shadows?.attach(gltf).
+ */
+export class VXSShadowsPlugin {
+  constructor(parser: unknown, loader?: VXSLoader);
+  readonly name: 'VXS_baked_shadows';
+  afterRoot(result: object): Promise<void>;
+}

@@ -31,3 +31,10 @@ export class VXSLoader extends Loader<BakedShadows> {
   parse(bytes: Uint8Array | ArrayBuffer, onLoad: (shadows: BakedShadows) => void, onError?: (error: unknown) => void): void;
   parseAsync(bytes: Uint8Array | ArrayBuffer): Promise<BakedShadows>;
 }
+
+/** As VXSShadowsPlugin of vxs/three. */
+export class VXSShadowsPlugin {
+  constructor(parser: unknown, loader?: VXSLoader);
+  readonly name: 'VXS_baked_shadows';
+  afterRoot(result: object): Promise<void>;
+}

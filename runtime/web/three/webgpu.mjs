@@ -3,6 +3,7 @@
 import { Vector3 } from 'three';
 import { Node, NodeUpdateType } from 'three/webgpu';
 import { cameraWorldMatrix, code, cross, dFdx, dFdy, glslFn, int, pointShadow, positionView, shadow, texture, vec4, wgslFn } from 'three/tsl';
+import { VXSShadowsPlugin as Plugin } from './gltf.mjs';
 import { ShadowLoader } from './loader.mjs';
 import { readers } from './text.mjs';
 import { wgsl } from './wgsl.mjs';
@@ -117,6 +118,9 @@ class NodeLookups {
 
 export class VXSLoader extends ShadowLoader {
   static ways = { lookup: NodeLookups };
+}
+export class VXSShadowsPlugin extends Plugin {
+  static Loader = VXSLoader;
 }
 export { BakedShadows } from './loader.mjs';
 export { VXSError } from 'vxs';
