@@ -145,7 +145,7 @@ void                vxs_stream_work_end(vxs_stream *s);
 int                 vxs_stream_can_ask(vxs_stream *s);
 /* Request a page that has a place; a request must be free. */
 void                vxs_stream_ask(vxs_stream *s, uint32_t page);
-/* Read and decode up to count queued pages on the calling thread. */
+/* On the calling thread, start queued reads and decode up to `count` pages. */
 void                vxs_stream_work_here(vxs_stream *s, uint32_t count);
 /* Returns the oldest done request, which the caller releases; NULL: none. */
 vxs_stream_request *vxs_stream_next_done(vxs_stream *s);

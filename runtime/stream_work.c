@@ -93,7 +93,8 @@ static void finish(vxs_stream_request *r, request_state state)
     os_wake_all(&r->stream->rest);
 }
 
-/* Process the oldest queued request as far as possible. Called and returns with the lock held. 0: none is queued. */
+/* Process the oldest queued request as far as possible. Called and returns with the lock held. 0: none is queued; 1: its read was
+ * started or has failed; 2: its page was decoded. */
 static int work_once(stream_tools *tools)
 {
     vxs_stream         *s = tools->stream;
@@ -113,7 +114,9 @@ static int work_once(stream_tools *tools)
         }
         if (!r->answered) return finish(r, REQUEST_PENDING), 1;
     }
+    int done = 1;
     if (r->ok) {
+        done = 2;
         os_unlock(&s->lock);
         int finding = decode(tools, r);
         os_lock(&s->lock);
@@ -121,7 +124,7 @@ static int work_once(stream_tools *tools)
         r->finding = finding;
     }
     finish(r, REQUEST_DONE);
-    return 1;
+    return done;
 }
 
 /* threads --------------------------------------------------------------------------------------------------------------------- */
@@ -206,7 +209,7 @@ void vxs_stream_ask(vxs_stream *s, uint32_t page)
 void vxs_stream_work_here(vxs_stream *s, uint32_t count)
 {
     os_lock(&s->lock);
-    while (count-- && work_once(&s->tools[0])) {}
+    for (int done = 1; count && done; count -= done == 2) done = work_once(&s->tools[0]);
     os_unlock(&s->lock);
 }
 
