@@ -1,11 +1,9 @@
-/* Lookups of a point, a texel or a ray; see vxs.h and vxs_query.h. The computations are those of formats/vxs_space.h and
- * vxs_intervals.h, in double.
+/* Lookups of a point or a texel; see vxs.h and vxs_query.h. The computations are those of formats/vxs_space.h, in double.
  * SPDX-License-Identifier: MIT */
 #include <math.h>
 #include <string.h>
 
-#include "tile_depths.h"
-#include "vxs_intervals.h"
+#include "taps_many.h"
 #include "vxs_query.h"
 #include "vxs_smoke.h"
 #include "vxs_space.h"
@@ -48,6 +46,25 @@ float vxs_smoke_lookup(const vxs_light *light, const vxs_baked_smoke *smoke, con
 {
     return smoke ? (float)vxs_smoke_left(smoke->words, light, point_ws) : 1;
 }
+
+/* for lookups of many points ---------------------------------------------------------------------------------------------------- */
+
+uint32_t vxs_walk_taps(const vxs_baked_light *baked, int32_t map, int32_t i, int32_t j, uint32_t k, int32_t width_px)
+{
+    return vxs_shadow_taps(baked->words, &baked->light, map, i, j, k, width_px);
+}
+
+uint32_t vxs_walk_part(const vxs_baked_light *baked, vxs_place place, uint32_t k, int32_t width_px)
+{
+    return vxs_shadow_part(baked->words, &baked->light, place, k, width_px);
+}
+
+vxs_place vxs_place_of(const vxs_light *light, const double point_ws[3], const double normal_ws[3], vxs_filter filter)
+{
+    return vxs_place_from_ws(light, point_ws, normal_ws, filter);
+}
+
+/* constants --------------------------------------------------------------------------------------------------------------------- */
 
 /* Rounding error of (float)x in 2^-20, as 16 signed bits, clamped. 16 bits are enough for |x| below 2^19. */
 static uint32_t rest_of(double x)
@@ -96,41 +113,4 @@ int32_t vxs_first_shadow(const vxs_baked_light *baked, int map, int32_t i, int32
     }
     vxs_dag_first_shadows(baked, (uint32_t)map, (uint32_t)i >> 3, (uint32_t)j >> 3, (uint64_t)1 << n, depth);
     return depth[n];
-}
-
-/* lit intervals of a ray -------------------------------------------------------------------------------------------------------- */
-
-_Static_assert(sizeof(vxs_walk) <= sizeof((vxs_lit_walk *)0)->room, "there is room for it");
-_Static_assert(VXS_CHILD_LIT == VXS_INTERVAL_LIT && VXS_CHILD_SHADOW == VXS_INTERVAL_SHADOW && VXS_BLOCKS_LIT == VXS_INTERVAL_LIT &&
-                   VXS_BLOCKS_SHADOW == VXS_INTERVAL_SHADOW,
-               "lit is 0 and shadow is 1 in every enumeration");
-_Static_assert(VXS_SPAN_SHADOW == VXS_INTERVAL_SHADOW && VXS_SPAN_LIT == VXS_INTERVAL_LIT &&
-                   VXS_SPAN_OUTSIDE == VXS_INTERVAL_OUTSIDE,
-               "one number for one state");
-
-static vxs_walk *walk_in(vxs_lit_walk *walk)
-{
-    return (vxs_walk *)walk->room;
-}
-
-vxs_result vxs_lit_begin(vxs_lit_walk *walk, const vxs_baked_light *baked, const vxs_ray *ray)
-{
-    const double most = 1e50;
-    vxs_result   r    = VXS_OK;
-    walk->baked       = baked;
-    for (int n = 0; n < 3; n++)
-        if (!(fabs(ray->origin_ws[n]) <= most && fabs(ray->direction_ws[n]) <= most)) r = VXS_E_ARGUMENT;
-    if (!isfinite(ray->t_begin) || !(ray->t_end >= ray->t_begin)) r = VXS_E_ARGUMENT;
-    *walk_in(walk) =
-        vxs_walk_of(&baked->light, ray->origin_ws, ray->direction_ws, ray->t_begin, r == VXS_OK ? ray->t_end : ray->t_begin);
-    return r;
-}
-
-size_t vxs_lit_next(vxs_lit_walk *walk, vxs_interval *intervals, size_t capacity)
-{
-    size_t   count = 0;
-    vxs_span span  = {0};
-    while (count < capacity && vxs_walk_next(walk->baked->words, &walk->baked->light, walk_in(walk), &span))
-        intervals[count++] = (vxs_interval){span.begin, span.end, span.state, span.coarse};
-    return count;
 }

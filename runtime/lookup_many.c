@@ -176,7 +176,7 @@ static void find_places(const vxs_light *light, const coordinates *points, const
             point[axis]  = points->at[axis][n];
             normal[axis] = normals ? normals->at[axis][n] : 0;
         }
-        vxs_place place = vxs_place_from_ws(light, point, normal, filter);
+        vxs_place place = vxs_place_of(light, point, normal, filter);
         for (int axis = 0; axis < 3; axis++) out->at[axis][n] = place.voxel[axis];
         out->map[n]       = place.map;
         out->within[0][n] = (uint8_t)place.across;

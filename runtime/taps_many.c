@@ -138,7 +138,7 @@ static inline uint32_t weigh_texels(const int16_t *depths, int32_t column, vxs_s
 
 static uint32_t walked(const vxs_tap_cache *c, uint32_t map, int32_t i, int32_t j, int32_t k, int32_t width_px)
 {
-    return vxs_shadow_taps(c->baked->words, &c->baked->light, (int32_t)map, i, j, (uint32_t)k, width_px);
+    return vxs_walk_taps(c->baked, (int32_t)map, i, j, (uint32_t)k, width_px);
 }
 
 /* A lookup in the cache earns credit, which pays for tiles. */
@@ -214,7 +214,7 @@ uint32_t vxs_cached_part(vxs_tap_cache *c, vxs_place place, int32_t k, int32_t w
         earn(c);
         found = classify_tiles(c, (uint32_t)place.map, all, k);
     }
-    if (found == MISSING) return vxs_shadow_part(c->baked->words, &c->baked->light, place, (uint32_t)k, width_px);
+    if (found == MISSING) return vxs_walk_part(c->baked, place, (uint32_t)k, width_px);
     if (found != MIXED) return found == DARK ? 65536 * (uint32_t)(width_px * width_px) : 0;
     int32_t column = box.x & (VXS_CACHE_PX - 1);
     if (width_px == 9) return weigh_texels(c->depth, column, box, 9, k); /* as above */

@@ -67,6 +67,13 @@ uint32_t vxs_dag_path_shadow(vxs_dag_path *path, uint32_t i, uint32_t j, uint32_
 uint32_t vxs_dag_path_count(vxs_dag_path *path, int32_t i, int32_t j, uint32_t k, int32_t width_px);
 uint32_t vxs_dag_path_weight(vxs_dag_path *path, vxs_smooth_box box, uint32_t k, int32_t width_px);
 
+/* walks ------------------------------------------------------------------------------------------------------------------------- */
+
+/* vxs_shadow_taps, vxs_shadow_part and vxs_place_from_ws as functions (lookup.c). Compiled into each caller they are large. */
+uint32_t  vxs_walk_taps(const vxs_baked_light *baked, int32_t map, int32_t i, int32_t j, uint32_t k, int32_t width_px);
+uint32_t  vxs_walk_part(const vxs_baked_light *baked, vxs_place place, uint32_t k, int32_t width_px);
+vxs_place vxs_place_of(const vxs_light *light, const double point_ws[3], const double normal_ws[3], vxs_filter filter);
+
 /* any coding -------------------------------------------------------------------------------------------------------------------- */
 
 typedef struct vxs_taps {
@@ -91,7 +98,7 @@ static inline void vxs_taps_init(vxs_taps *taps, const vxs_baked_light *baked)
 static inline uint32_t vxs_taps_at(vxs_taps *taps, int32_t map, int32_t i, int32_t j, uint32_t k, int32_t width_px)
 {
     if (taps->cached) return vxs_cached_taps(&taps->kept.cache, (uint32_t)map, i, j, (int32_t)k, width_px);
-    if (!taps->paths) return vxs_shadow_taps(taps->baked->words, &taps->baked->light, map, i, j, k, width_px);
+    if (!taps->paths) return vxs_walk_taps(taps->baked, map, i, j, k, width_px);
     if (width_px == 1) return vxs_dag_path_shadow(&taps->kept.path[map], (uint32_t)i, (uint32_t)j, k);
     return vxs_dag_path_count(&taps->kept.path[map], i, j, k, width_px);
 }
@@ -100,7 +107,7 @@ static inline uint32_t vxs_taps_at(vxs_taps *taps, int32_t map, int32_t i, int32
 static inline uint32_t vxs_taps_part(vxs_taps *taps, vxs_place place, uint32_t k, int32_t width_px)
 {
     if (taps->cached) return vxs_cached_part(&taps->kept.cache, place, (int32_t)k, width_px);
-    if (!taps->paths) return vxs_shadow_part(taps->baked->words, &taps->baked->light, place, k, width_px);
+    if (!taps->paths) return vxs_walk_part(taps->baked, place, k, width_px);
     vxs_smooth_box box = vxs_smooth_box_at(place.voxel[0], place.voxel[1], place.across, place.down, width_px);
     return vxs_dag_path_weight(&taps->kept.path[place.map], box, k, width_px);
 }
