@@ -6,22 +6,28 @@
 #include <stdint.h>
 #include <string.h>
 
-static inline uint16_t vxs_load16(const uint8_t *p)
+#ifdef __GNUC__
+#define VXS_BYTES_FN static inline __attribute__((always_inline))
+#else
+#define VXS_BYTES_FN static inline
+#endif
+
+VXS_BYTES_FN uint16_t vxs_load16(const uint8_t *p)
 {
     return (uint16_t)(p[0] | p[1] << 8);
 }
 
-static inline uint32_t vxs_load32(const uint8_t *p)
+VXS_BYTES_FN uint32_t vxs_load32(const uint8_t *p)
 {
     return vxs_load16(p) | (uint32_t)vxs_load16(p + 2) << 16;
 }
 
-static inline uint64_t vxs_load64(const uint8_t *p)
+VXS_BYTES_FN uint64_t vxs_load64(const uint8_t *p)
 {
     return vxs_load32(p) | (uint64_t)vxs_load32(p + 4) << 32;
 }
 
-static inline double vxs_load_f64(const uint8_t *p)
+VXS_BYTES_FN double vxs_load_f64(const uint8_t *p)
 {
     uint64_t bits = vxs_load64(p);
     double   value;
@@ -29,25 +35,25 @@ static inline double vxs_load_f64(const uint8_t *p)
     return value;
 }
 
-static inline void vxs_store16(uint8_t *p, uint16_t v)
+VXS_BYTES_FN void vxs_store16(uint8_t *p, uint16_t v)
 {
     p[0] = (uint8_t)v;
     p[1] = (uint8_t)(v >> 8);
 }
 
-static inline void vxs_store32(uint8_t *p, uint32_t v)
+VXS_BYTES_FN void vxs_store32(uint8_t *p, uint32_t v)
 {
     vxs_store16(p, (uint16_t)v);
     vxs_store16(p + 2, (uint16_t)(v >> 16));
 }
 
-static inline void vxs_store64(uint8_t *p, uint64_t v)
+VXS_BYTES_FN void vxs_store64(uint8_t *p, uint64_t v)
 {
     vxs_store32(p, (uint32_t)v);
     vxs_store32(p + 4, (uint32_t)(v >> 32));
 }
 
-static inline void vxs_store_f64(uint8_t *p, double value)
+VXS_BYTES_FN void vxs_store_f64(uint8_t *p, double value)
 {
     uint64_t bits;
     memcpy(&bits, &value, sizeof bits);

@@ -100,10 +100,13 @@ VXS_FN vxs_u32 vxs_popcount(vxs_u32 x)
 #endif
 
 /* VXS_INLINE: functions on the path of every lookup; a call would pass their structs through memory, which costs a fifth of
- * the time. VXS_APART: functions that few lookups need; inlined, they would take registers from the others. */
+ * the time. The includer may define it, to have less code. VXS_APART: functions that few lookups need; inlined, they would take
+ * registers from the others. */
 #if defined(VXS_C) && defined(__GNUC__)
+#ifndef VXS_INLINE
 #define VXS_INLINE VXS_FN __attribute__((always_inline))
-#define VXS_APART  static __attribute__((noinline, unused))
+#endif
+#define VXS_APART static __attribute__((noinline, unused))
 #else
 #define VXS_INLINE VXS_FN
 #define VXS_APART  VXS_FN

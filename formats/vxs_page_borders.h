@@ -119,7 +119,7 @@ PAGE_INLINE uint32_t equal_depths(const int16_t *palette, int16_t depth)
 }
 
 /* A bit for each palette entry: whether one of eight texels has its depth. */
-PAGE_INLINE uint32_t depths_met(const int16_t *palette, uint32_t entries, const int16_t *texels)
+PAGE_CALL uint32_t depths_met(const int16_t *palette, uint32_t entries, const int16_t *texels)
 {
     uint32_t met = 0;
 #ifdef PAGE_SSE2
@@ -151,7 +151,7 @@ PAGE_INLINE uint32_t likeness(uint32_t left, uint32_t above, uint32_t none)
 
 /* The least depth on the left of a square and above it; INT16_MAX: none. NEVER, which is -1, is ignored.   side_px  multiple
  * of 8 */
-PAGE_INLINE int32_t least_border_depth(const walk *w, uint32_t x0, uint32_t y0, uint32_t side_px)
+PAGE_CALL int32_t least_border_depth(const walk *w, uint32_t x0, uint32_t y0, uint32_t side_px)
 {
 #ifdef PAGE_SSE2
     __m128i least = _mm_set1_epi16(INT16_MAX), never = _mm_set1_epi16(-1);
@@ -177,7 +177,7 @@ PAGE_INLINE int32_t least_border_depth(const walk *w, uint32_t x0, uint32_t y0, 
 }
 
 /* Mark that there is no plane beside the next squares. */
-PAGE_INLINE void leave_no_sheet(walk *w, uint32_t x0, uint32_t y0, uint32_t side_px)
+PAGE_CALL void leave_no_sheet(walk *w, uint32_t x0, uint32_t y0, uint32_t side_px)
 {
     for (uint32_t n = 0; n < side_px / TILE_PX; n++)
         w->sheet_above[x0 / TILE_PX + n].known = w->sheet_left[y0 / TILE_PX + n].known = 0;
@@ -195,7 +195,7 @@ static void draw_pattern(walk *w, uint64_t border, const int16_t *depth, uint32_
     leave_no_sheet(w, x0, y0, TILE_PX);
 }
 
-PAGE_INLINE void draw_uniform(walk *w, uint32_t x0, uint32_t y0, uint32_t side_px, int16_t depth)
+PAGE_CALL void draw_uniform(walk *w, uint32_t x0, uint32_t y0, uint32_t side_px, int16_t depth)
 {
     for (uint32_t n = 0; n < side_px; n++) w->above[8 + x0 + n] = w->left[y0 + n] = depth;
     leave_no_sheet(w, x0, y0, side_px);

@@ -45,6 +45,14 @@ static inline uint32_t page_last_bit(uint32_t x)
 }
 #endif
 
+/* Functions that are inlined for speed, unless the includer defines PAGE_SMALL (WebAssembly, where half of the size is a tenth of the
+ * speed). */
+#ifdef PAGE_SMALL
+#define PAGE_CALL static
+#else
+#define PAGE_CALL PAGE_INLINE
+#endif
+
 enum { ODDS_BITS = 15, ODDS_ONE = 1 << ODDS_BITS, STATE_LEAST = 1 << 16 };
 
 /* odds ------------------------------------------------------------------------------------------------------------------------- */
@@ -97,13 +105,22 @@ PAGE_INLINE uint32_t nibble_at(const nibble_odds *odds, uint32_t at)
     return page_first_bit((uint32_t)_mm_movemask_epi8(behind) | 0x10000) - 1;
 }
 
+PAGE_INLINE __m128i shift_right(__m128i x, uint32_t bits)
+{
+#ifdef __wasm_simd128__ /* one instruction; what takes the place of SSE2 there is several */
+    return (__m128i)wasm_i16x8_shr((v128_t)x, bits);
+#else
+    return _mm_sra_epi16(x, _mm_cvtsi32_si128((int)bits));
+#endif
+}
+
 PAGE_INLINE void nibble_learn(nibble_odds *odds, uint32_t symbol, uint32_t rate)
 {
-    const __m128i *to = (const __m128i *)nibble_towards[symbol], shift = _mm_cvtsi32_si128((int)rate);
+    const __m128i *to   = (const __m128i *)nibble_towards[symbol];
     __m128i       *from = (__m128i *)odds->from;
     __m128i        low = _mm_load_si128(from), high = _mm_load_si128(from + 1);
-    _mm_store_si128(from, _mm_add_epi16(low, _mm_sra_epi16(_mm_sub_epi16(_mm_load_si128(to), low), shift)));
-    _mm_store_si128(from + 1, _mm_add_epi16(high, _mm_sra_epi16(_mm_sub_epi16(_mm_load_si128(to + 1), high), shift)));
+    _mm_store_si128(from, _mm_add_epi16(low, shift_right(_mm_sub_epi16(_mm_load_si128(to), low), rate)));
+    _mm_store_si128(from + 1, _mm_add_epi16(high, shift_right(_mm_sub_epi16(_mm_load_si128(to + 1), high), rate)));
 }
 
 #else
@@ -200,7 +217,7 @@ PAGE_INLINE void learn(nibble_odds *odds, uint32_t value)
     odds->seen += odds->seen < 160;
 }
 
-PAGE_INLINE uint32_t code_nibble(coder *c, nibble_odds *odds, uint32_t value)
+PAGE_INLINE uint32_t code_nibble_here(coder *c, nibble_odds *odds, uint32_t value)
 {
 #if !PAGE_ENCODING
     value = nibble_at(odds, c->now & (ODDS_ONE - 1));
@@ -208,6 +225,12 @@ PAGE_INLINE uint32_t code_nibble(coder *c, nibble_odds *odds, uint32_t value)
     code_symbol(c, odds, value);
     learn(odds, value);
     return value;
+}
+
+/* The same as a call, where a coder that stays in registers does not matter. */
+PAGE_CALL uint32_t code_nibble(coder *c, nibble_odds *odds, uint32_t value)
+{
+    return code_nibble_here(c, odds, value);
 }
 
 /* Two nibbles of a byte, the low one first. The high one has odds second[0], or second[apart] if the highest bit of the low
@@ -230,7 +253,7 @@ PAGE_INLINE uint32_t code_two_nibbles(coder *c, nibble_odds *first, nibble_odds 
 }
 
 /* 0 to 12 bits, all equally likely. */
-PAGE_INLINE uint32_t code_plain(coder *c, uint32_t bits, uint32_t value)
+PAGE_CALL uint32_t code_plain(coder *c, uint32_t bits, uint32_t value)
 {
     uint32_t shift = ODDS_BITS - bits;
 #if PAGE_ENCODING

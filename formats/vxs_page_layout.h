@@ -4,6 +4,7 @@
 #ifndef VXS_PAGE_LAYOUT_H
 #define VXS_PAGE_LAYOUT_H
 
+#include "vxs_bytes.h"
 #include "vxs_page.h"
 
 enum {
@@ -37,24 +38,24 @@ enum {
 /* Size in halves of the patterns without a palette. */
 static const uint32_t private_halves[PRIVATE_KINDS] = {0, 0, 0, 1 + 2 + 16, 1 + 32, 1 + 64, 1 + 96, 1 + 2, 1 + 5, 1 + 5, 1 + 5 + 4};
 
-static inline uint32_t get_half(const uint32_t *words, uint32_t half)
+VXS_BYTES_FN uint32_t get_half(const uint32_t *words, uint32_t half)
 {
     return words[half >> 1] >> 16 * (half & 1) & 0xffff;
 }
 
 /* The half must be 0 before. */
-static inline void put_half(uint32_t *words, uint32_t half, uint32_t value)
+VXS_BYTES_FN void put_half(uint32_t *words, uint32_t half, uint32_t value)
 {
     words[half >> 1] |= (value & 0xffff) << 16 * (half & 1);
 }
 
-static inline uint32_t get_byte(const uint32_t *words, uint32_t byte)
+VXS_BYTES_FN uint32_t get_byte(const uint32_t *words, uint32_t byte)
 {
     return words[byte >> 2] >> 8 * (byte & 3) & 0xff;
 }
 
 /* The byte must be 0 before. */
-static inline void put_byte(uint32_t *words, uint32_t byte, uint32_t value)
+VXS_BYTES_FN void put_byte(uint32_t *words, uint32_t byte, uint32_t value)
 {
     words[byte >> 2] |= (value & 0xff) << 8 * (byte & 3);
 }

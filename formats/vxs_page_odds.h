@@ -20,20 +20,20 @@ typedef struct signed_odds {
     number_odds size;
 } signed_odds;
 
-PAGE_INLINE uint32_t code_flag(coder *c, nibble_odds *odds, uint32_t value)
+PAGE_CALL uint32_t code_flag(coder *c, nibble_odds *odds, uint32_t value)
 {
     return code_nibble(c, odds, value) != 0;
 }
 
 /* Number of bits of value + 1 after the leading one; NUMBER_LONG: all 32 bits are coded. */
-PAGE_INLINE uint32_t code_size(coder *c, nibble_odds *odds, uint32_t value)
+PAGE_CALL uint32_t code_size(coder *c, nibble_odds *odds, uint32_t value)
 {
     uint32_t size = 0;
     if (PAGE_ENCODING) size = page_last_bit(value + 1);
     return code_nibble(c, odds, size < NUMBER_LONG ? size : NUMBER_LONG);
 }
 
-PAGE_INLINE uint32_t code_long(coder *c, uint32_t value)
+PAGE_CALL uint32_t code_long(coder *c, uint32_t value)
 {
     uint32_t high = code_plain(c, 8, value >> 24), middle = code_plain(c, 12, value >> 12 & 0xfff);
     return high << 24 | middle << 12 | code_plain(c, 12, value & 0xfff);
@@ -41,7 +41,7 @@ PAGE_INLINE uint32_t code_long(coder *c, uint32_t value)
 
 /* Any number below 2^32 - 1: its size, then the bits after the leading one. Up to four such bits are coded with adaptive
  * odds, more as plain bits. */
-PAGE_INLINE uint32_t code_number(coder *c, number_odds *odds, uint32_t value)
+PAGE_CALL uint32_t code_number(coder *c, number_odds *odds, uint32_t value)
 {
     uint32_t size = code_size(c, &odds->size, value), first = (1u << size) - 1, rest = value - first;
     if (!size) return 0;
@@ -54,7 +54,7 @@ PAGE_INLINE uint32_t code_number(coder *c, number_odds *odds, uint32_t value)
 
 /* The step from last + 1 to a number that is probably round. If the step has more than four bits after the leading one, the
  * low bits of the sum last + value + 1 are coded instead, with the number of their low zero bits. */
-PAGE_INLINE uint32_t code_step(coder *c, number_odds *odds, nibble_odds *round, uint32_t last, uint32_t value)
+PAGE_CALL uint32_t code_step(coder *c, number_odds *odds, nibble_odds *round, uint32_t last, uint32_t value)
 {
     uint32_t size = code_size(c, &odds->size, value), first = (1u << size) - 1, rest = value - first;
     if (!size) return 0;
@@ -69,7 +69,7 @@ PAGE_INLINE uint32_t code_step(coder *c, number_odds *odds, nibble_odds *round, 
 }
 
 /* A number from -SIGNED_MOST to SIGNED_MOST. */
-PAGE_INLINE int32_t code_signed(coder *c, signed_odds *odds, int32_t value)
+PAGE_CALL int32_t code_signed(coder *c, signed_odds *odds, int32_t value)
 {
     uint32_t size = code_number(c, &odds->size, (uint32_t)(value < 0 ? -value : value)) & SIGNED_MOST;
     if (!size) return 0;

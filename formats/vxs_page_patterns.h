@@ -78,7 +78,7 @@ static uint64_t border_of(const uint32_t *words, uint32_t half, uint32_t depths)
 }
 
 /* Border of a pattern over a palette, cached: most patterns are used again soon. */
-PAGE_INLINE uint64_t border_of_ref(walk *w, uint32_t ref, uint32_t depths)
+PAGE_CALL uint64_t border_of_ref(walk *w, uint32_t ref, uint32_t depths)
 {
     vxs_page_scratch *s  = w->s;
     uint32_t          at = ref % BORDERS_KEPT;
@@ -177,8 +177,8 @@ PAGE_INLINE uint32_t code_other(coder *c, nibble_odds odds[5][3], nibble_odds *f
         uint32_t step = value > N ? 2 * (value - N) : 1 + 2 * (N - value);
         symbol        = value == W ? 0 : value == NE ? 1 : step < 15 ? step : 15;
     }
-    symbol = code_nibble(c, &odds[likeness(W, NE, N)][end], symbol);
-    if (symbol == 15) return code_nibble(c, far, value);
+    symbol = code_nibble_here(c, &odds[likeness(W, NE, N)][end], symbol);
+    if (symbol == 15) return code_nibble_here(c, far, value);
     uint32_t odd = 0 - (symbol & 1), step = N + ((symbol >> 1) ^ odd) - odd, beside = W ^ ((W ^ NE) & odd);
     return step ^ ((step ^ beside) & (0 - (uint32_t)(symbol < 2)));
 }

@@ -14,12 +14,14 @@
  *     void os_wake_all(os_signal *)
  *     void os_thread_join(os_thread), os_mutex_free(os_mutex *), os_signal_free(os_signal *)
  *
- * With VXS_ONE_THREAD (make threads=1) there are no threads: os_thread_start fails, and the other functions do nothing.
+ * With VXS_NO_FILES, which needs VXS_ONE_THREAD, there are no files. With VXS_ONE_THREAD (make threads=1) there are no threads: os_thread_start fails, and the other functions do nothing.
  * SPDX-License-Identifier: MIT */
 #ifndef PLATFORM_H
 #define PLATFORM_H
 
-#ifdef _WIN32
+#ifdef VXS_NO_FILES
+#include "platform_no_files.h"
+#elif defined(_WIN32)
 #include "platform_windows.h"
 #else
 #include "platform_posix.h"

@@ -24,10 +24,13 @@ vxs_result drawn_resident_decode(vxs_resident *out, uint32_t levels, uint32_t ma
 
 #define PAGE_ENCODING    0
 #define code_nibble      real_code_nibble
+#define code_nibble_here real_code_nibble_here
 #define code_two_nibbles real_code_two_nibbles
 #define code_plain       real_code_plain
 #include "formats/vxs_page_coder.h"
 #undef code_nibble
+#undef code_nibble_here
+#define code_nibble_here code_nibble
 #undef code_two_nibbles
 #undef code_plain
 #undef PAGE_ENCODING
