@@ -55,8 +55,8 @@ export class Heap {
   get scratch() { return this.#scratch ||= this.take(Heap.SCRATCH); }
 
   /** A copy of bytes in new memory, which the caller frees. */
-  put(bytes) {
-    const at = this.take(bytes.byteLength);
+  put(data) {
+    const bytes = bytesOf(data), at = this.take(bytes.length);
     this.u8.set(bytes, at);
     return at;
   }
@@ -98,7 +98,7 @@ async function responseOf(url) {
  */
 export async function instantiate(source, imports = {}) {
   source = await source;
-  const env = new Proxy(imports, { get: (known, name) => known[name] ?? (() => 0) });
+  const env = { emscripten_notify_memory_growth() {}, ...imports };
   if (typeof source === 'string') source = new URL(source, globalThis.location?.href ?? 'file:///');
   if (source instanceof URL) source = await responseOf(source);
   if (source instanceof WebAssembly.Module) return new Heap(await WebAssembly.instantiate(source, { env }));

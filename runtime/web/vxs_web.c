@@ -5,9 +5,11 @@
  * checked by the caller, except where a function returns a result.
  * SPDX-License-Identifier: MIT */
 #include <emscripten.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "vxs_query.h"
+#include "vxs_stream.h"
 
 #define EXPORT EMSCRIPTEN_KEEPALIVE
 
@@ -236,6 +238,150 @@ EXPORT uint32_t web_smoke_word_count(const vxs_baked_smoke *smoke)
 EXPORT float web_smoke_lookup(const vxs_baked_light *baked, const vxs_baked_smoke *smoke, double x, double y, double z)
 {
     return vxs_smoke_lookup(&baked->light, smoke, (const double[3]){x, y, z});
+}
+
+/* streams ------------------------------------------------------------------------------------------------------------------------ */
+
+/* JavaScript's side of a stream, which it finds by `id`. web_read: a vxs_stream_answer; it calls web_stream_done later if that is
+ * VXS_STREAM_PENDING. */
+#define IMPORT(name) __attribute__((import_module("env"), import_name(#name))) name
+extern uint32_t IMPORT(web_read)(uint32_t id, double offset, uint32_t size_bytes, void *buffer, vxs_stream_request *request);
+extern void     IMPORT(web_failed)(uint32_t id, uint32_t light, uint32_t page, uint32_t result, int32_t finding);
+
+typedef struct web_stream {
+    vxs_stream *stream;
+    uint32_t    id;
+    char       *metadata; /* NUL-terminated; NULL: none */
+} web_stream;
+
+static vxs_stream_answer read_bytes(void *user, uint64_t offset, uint32_t size_bytes, void *buffer, vxs_stream_request *request)
+{
+    return (vxs_stream_answer)web_read(((web_stream *)user)->id, (double)offset, size_bytes, buffer, request);
+}
+
+static void page_failed(void *user, uint32_t light, uint32_t page, vxs_result result, int finding)
+{
+    web_failed(((web_stream *)user)->id, light, page, result, finding);
+}
+
+static void keep_metadata(void *user, const char *text, size_t size_bytes)
+{
+    web_stream *s = user;
+    s->metadata   = malloc(size_bytes + 1);
+    if (s->metadata) memcpy(s->metadata, text, size_bytes);
+    if (s->metadata) s->metadata[size_bytes] = 0;
+}
+
+EXPORT void web_stream_close(web_stream *s)
+{
+    vxs_stream_close(s->stream);
+    free(s->metadata);
+    free(s);
+}
+
+/* names  [name_count] lights to open; name_count 0: all
+ * Returns NULL on failure. After VXS_E_READ JavaScript gets the bytes that were missing, and tries again */
+EXPORT web_stream *web_stream_open(uint32_t id, double size_bytes, double budget_bytes, uint32_t requests,
+                                   uint32_t decodes_per_frame, const char *const *names, uint32_t name_count, web_error *error)
+{
+    memset(error, 0, sizeof *error);
+    web_stream *s = calloc(1, sizeof *s);
+    if (!s) return keep_error(error, VXS_E_MEMORY, NULL);
+    s->id                      = id;
+    const vxs_stream_desc desc = {.struct_size       = sizeof desc,
+                                  .size_bytes        = (uint64_t)size_bytes,
+                                  .read              = read_bytes,
+                                  .read_user         = s,
+                                  .budget_bytes      = (uint64_t)budget_bytes,
+                                  .requests          = requests,
+                                  .decodes_per_frame = decodes_per_frame,
+                                  .light_names       = name_count ? names : NULL,
+                                  .light_name_count  = name_count,
+                                  .finding           = found,
+                                  .finding_user      = error,
+                                  .failed            = page_failed,
+                                  .failed_user       = s,
+                                  .metadata          = keep_metadata,
+                                  .metadata_user     = s};
+    vxs_result            r    = vxs_stream_open(&s->stream, &desc);
+    if (r == VXS_OK) return keep_error(error, r, s);
+    web_stream_close(s);
+    return keep_error(error, r, NULL);
+}
+
+EXPORT const char *web_stream_metadata(const web_stream *s)
+{
+    return s->metadata;
+}
+
+EXPORT uint32_t web_stream_light_count(const web_stream *s)
+{
+    return vxs_stream_light_count(s->stream);
+}
+
+EXPORT const vxs_baked_light *web_stream_light(const web_stream *s, uint32_t index)
+{
+    return vxs_stream_light(s->stream, index);
+}
+
+EXPORT const vxs_baked_smoke *web_stream_smoke(const web_stream *s, uint32_t index)
+{
+    return vxs_stream_smoke(s->stream, index);
+}
+
+EXPORT uint32_t web_stream_first_word(const web_stream *s, uint32_t light)
+{
+    return vxs_stream_first_word(s->stream, light);
+}
+
+EXPORT const uint32_t *web_stream_words(const web_stream *s)
+{
+    uint32_t count;
+    return vxs_stream_words(s->stream, &count);
+}
+
+EXPORT uint32_t web_stream_word_count(const web_stream *s)
+{
+    uint32_t count;
+    vxs_stream_words(s->stream, &count);
+    return count;
+}
+
+/* foci  [count]
+ * out   [14] the fields of vxs_stream_status in their order */
+EXPORT void web_stream_frame(web_stream *s, const vxs_stream_focus *foci, uint32_t count, double *out)
+{
+    vxs_stream_status t = {.struct_size = sizeof t};
+    vxs_stream_frame(s->stream, foci, count, &t);
+    const uint64_t bytes[] = {t.bytes_held, t.bytes_resident, t.bytes_room, t.bytes_read};
+    const uint32_t pages[] = {t.pages,        t.pages_resident, t.pages_wanted, t.pages_missing, t.pages_coming,
+                              t.pages_failed, t.reads,          t.decodes,      t.appeared,      t.left};
+    for (size_t n = 0; n < sizeof bytes / sizeof *bytes; n++) *out++ = (double)bytes[n];
+    for (size_t n = 0; n < sizeof pages / sizeof *pages; n++) *out++ = pages[n];
+}
+
+EXPORT void web_stream_done(vxs_stream_request *request, int ok)
+{
+    vxs_stream_read_done(request, ok);
+}
+
+EXPORT void web_stream_retry(web_stream *s)
+{
+    vxs_stream_retry(s->stream);
+}
+
+/* Pairs of first word and word count. */
+EXPORT const vxs_stream_range *web_stream_changes(const web_stream *s)
+{
+    uint32_t count;
+    return vxs_stream_changes(s->stream, &count);
+}
+
+EXPORT uint32_t web_stream_change_count(const web_stream *s)
+{
+    uint32_t count;
+    vxs_stream_changes(s->stream, &count);
+    return count;
 }
 
 #endif
