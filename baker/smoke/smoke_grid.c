@@ -435,8 +435,8 @@ static vxs_result read_numbers(const nrrd *n, smoke_grid *g, double factor)
 {
     size_t count = (size_t)n->size[0] * n->size[1] * n->size[2];
     memcpy(g->size, n->size, sizeof g->size);
-    vxs_result r = memory_check((uint64_t)count * sizeof *g->extinction, n->m, "'%s': a grid of %u x %u x %u needs", n->name, n->size[0],
-                                n->size[1], n->size[2]);
+    vxs_result r = memory_check((uint64_t)count * sizeof *g->extinction, n->m, "'%s': a grid of %u x %u x %u needs", n->name,
+                                n->size[0], n->size[1], n->size[2]);
     if (r != VXS_OK) return r;
     if (!(g->extinction = malloc(count * sizeof *g->extinction)))
         return fail(n->m, VXS_E_MEMORY, "out of memory for '%s'", n->name);

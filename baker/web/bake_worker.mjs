@@ -3,12 +3,10 @@
 import { MemoryFiles } from './files_memory.mjs';
 import { runCommand } from './host.mjs';
 
-const isNode = typeof WorkerGlobalScope === 'undefined';
-const port = isNode ? (await import(/* @vite-ignore */ /* webpackIgnore: true */ 'node:worker_threads')).parentPort : globalThis;
 const OUT_OF_MEMORY = 6;
 const CRASHED = 134;
 
-function run({ module, args, files, results, progress }) {
+function run(port, { module, args, files, results, progress }) {
   const decoders = [undefined, new TextDecoder(), new TextDecoder()];
   const printed = ['', '', ''];
   const memory = new MemoryFiles(files, (fd, bytes) => (printed[fd] += decoders[fd].decode(bytes, { stream: true })));
@@ -32,10 +30,14 @@ function run({ module, args, files, results, progress }) {
   return { status, output: printed[1], messages: printed[2], results: results.map((name) => memory.bytes(name)?.slice()) };
 }
 
-function answer(request) {
-  const done = run(request);
+function answer(port, request) {
+  const done = run(port, request);
   port.postMessage(done, done.results.filter(Boolean).map((bytes) => bytes.buffer));
 }
 
-if (isNode) port.once('message', answer);
-else port.addEventListener('message', (event) => answer(event.data), { once: true });
+// a browser drops what is sent before its worker listens, so nothing is awaited before
+if (typeof WorkerGlobalScope !== 'undefined')
+  globalThis.addEventListener('message', (event) => answer(globalThis, event.data), { once: true });
+else
+  import(/* @vite-ignore */ /* webpackIgnore: true */ 'node:worker_threads').then(({ parentPort }) =>
+    parentPort.once('message', (request) => answer(parentPort, request)));
