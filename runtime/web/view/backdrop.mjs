@@ -12,6 +12,7 @@ void main() {
 const FRAGMENT = `
 varying vec3 direction;
 uniform vec3 zenith, horizon, ground, sunColour, sun; // sun: towards it; its length is how much of it is seen
+uniform float brightness;
 void main() {
   vec3 d = normalize( direction );
   vec3 colour = mix( horizon, zenith, 1.0 - exp( -3.2 * max( d.y, 0.0 ) ) );
@@ -19,11 +20,12 @@ void main() {
   float seen = length( sun ), near = seen > 0.0 ? max( dot( d, sun / seen ), 0.0 ) : 0.0;
   float above = smoothstep( -0.06, 0.04, d.y );
   colour += seen * above * sunColour * ( 0.30 * pow( near, 6.0 ) + 0.25 * pow( near, 60.0 ) + 1.5 * smoothstep( 0.99985, 0.99993, near ) );
-  gl_FragColor = vec4( colour, 1.0 );
+  gl_FragColor = vec4( brightness * colour, 1.0 );
   #include <colorspace_fragment>
 }`;
 
-const SKY = { zenith: [0.10, 0.24, 0.52], horizon: [0.55, 0.68, 0.80], ground: [0.30, 0.29, 0.27] };
+const SKY = { zenith: [0.13, 0.27, 0.52], horizon: [0.62, 0.70, 0.76], ground: [0.50, 0.51, 0.51] };
+const BOUNCE = [0.38, 0.35, 0.32]; // what the ground gives back of the sky
 const ROOM = { zenith: [0.030, 0.033, 0.040], horizon: [0.018, 0.020, 0.024], ground: [0.008, 0.008, 0.010] };
 // a room lights its walls as evenly as a white one would
 const ROOM_LIGHT = { zenith: [0.55, 0.56, 0.58], horizon: [0.45, 0.45, 0.46], ground: [0.30, 0.29, 0.28] };
@@ -33,7 +35,7 @@ export class Backdrop {
     const uniform = (value) => ({ value });
     this.renderer = renderer;
     this.uniforms = { zenith: uniform(new Color()), horizon: uniform(new Color()), ground: uniform(new Color()),
-      sunColour: uniform(new Color()), sun: uniform(new Vector3()) };
+      sunColour: uniform(new Color()), sun: uniform(new Vector3()), brightness: uniform(1) };
     const material = new ShaderMaterial({ vertexShader: VERTEX, fragmentShader: FRAGMENT, uniforms: this.uniforms,
       depthTest: false, depthWrite: false, toneMapped: false });
     const quad = new Mesh(new PlaneGeometry(2, 2), material);
@@ -60,8 +62,9 @@ export class Backdrop {
       sunColour.value.copy(sun.colour).multiply(new Color(1, 0.86 - 0.2 * low, 0.66 - 0.36 * low));
     }
     towards.value.set(0, 0, 0);
+    this.uniforms.brightness.value = 1;
     this.colours.sky.copy(zenith.value).lerp(horizon.value, 0.5);
-    this.colours.ground.copy(ground.value);
+    this.colours.ground.setRGB(...(sun ? BOUNCE : ROOM_LIGHT.ground));
     this.environment?.dispose();
     this.environment = null;
     if (mirror) {
@@ -86,8 +89,9 @@ export class Backdrop {
     }
   }
 
-  /** Draw it, behind all else. */
-  render(camera) {
+  /** Draw it, behind all else.   brightness  what its white is in linear light, before tone mapping; 0: colours as they are shown */
+  render(camera, brightness) {
+    this.uniforms.brightness.value = brightness || 1;
     this.renderer.render(this.scene, camera);
   }
 }

@@ -24,9 +24,17 @@ const packed = {
   },
 };
 
+/** Texts of shaders without indentation and blanks in rows. */
+const shaders = {
+  name: 'shaders',
+  setup(on) {
+    on.onLoad({ filter: /[\\/]shaders\.mjs$/ }, ({ path: file }) => ({ contents: fs.readFileSync(file, 'utf8').replace(/(\\n) +/g, '$1').replace(/ {2,}/g, ' '), loader: 'js' }));
+  },
+};
+
 const options = { bundle: true, minify: true, write: false, legalComments: 'eof', logLevel: 'warning', charset: 'utf8' };
 const script = await build({
-  ...options, entryPoints: [path.join(here, 'main.mjs')], format: 'iife', target: 'es2022', nodePaths: [modules], plugins: [packed],
+  ...options, entryPoints: [path.join(here, 'main.mjs')], format: 'iife', target: 'es2022', nodePaths: [modules], plugins: [packed, shaders],
   alias: { vxs: path.join(vxs, 'runtime/vxs.mjs'), 'vxs/three': path.join(vxs, 'three/index.mjs'), 'vxs/shaders': path.join(vxs, 'runtime/shaders.mjs') },
   define: { 'import.meta.url': '"file:///"' }, // loaders of three.js make addresses of it, which are not used
 });

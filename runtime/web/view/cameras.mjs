@@ -1,6 +1,6 @@
 // Ways to look at a level: around it, through it on foot or in flight, and from the file's cameras.
 // SPDX-License-Identifier: MIT
-import { Euler, Raycaster, Sphere, Vector3 } from 'three';
+import { Euler, Sphere, Vector3 } from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 
 const MOVES = {
@@ -29,14 +29,17 @@ export class Cameras {
 
   #isLocked() { return this.canvas.ownerDocument.pointerLockElement === this.canvas; }
 
-  /** Look at a level: from its first camera, else from inside if it is closed, else from above, beside the sun. */
-  frame(root, bounds, sun) {
+  /**
+   * Look at a level: from inside if it is a building without an outside, else from above, beside the sun.
+   * around  what is around points: Picker.around;   sun  direction to it, or null
+   */
+  frame(bounds, sun, around) {
     const sphere = bounds.getBoundingSphere(new Sphere()), radius = Math.max(sphere.radius, 1e-3), { camera, orbit } = this;
     this.radius = radius;
     this.centre = sphere.center;
     this.speed = radius / 8;
     camera.fov = 45;
-    const inside = this.#inside(root, bounds);
+    const inside = this.#inside(bounds, around);
     if (inside) {
       camera.position.copy(inside.eye);
       orbit.target.copy(inside.target);
@@ -65,23 +68,26 @@ export class Cameras {
     orbit.target.copy(centre);
   }
 
-  /** Of a closed level, a place inside and a far place to look at; null for an open one. */
-  #inside(root, bounds) {
-    const centre = bounds.getCenter(new Vector3()), rays = new Raycaster(), free = [];
-    const directions = [[0, 1, 0], [0, -1, 0]];
-    for (let n = 0; n < 12; n++) directions.push([Math.cos((n * Math.PI) / 6), 0.12, Math.sin((n * Math.PI) / 6)]);
-    for (const direction of directions) {
-      const towards = new Vector3(...direction).normalize();
-      rays.set(centre, towards);
-      const [hit] = rays.intersectObject(root, true);
-      free.push({ towards, distance: hit?.distance ?? Infinity });
-    }
-    if (free.filter(({ distance }) => distance < Infinity).length < directions.length - 1) return null;
-    const best = free.slice(2).filter(({ distance }) => distance < Infinity).sort((a, b) => b.distance - a.distance)[0];
-    const back = free.slice(2).reduce((a, b) => (b.towards.dot(best.towards) < a.towards.dot(best.towards) ? b : a));
-    const eye = centre.clone().addScaledVector(back.towards, 0.85 * Math.min(back.distance, 2 * best.distance));
-    eye.y = centre.y;
-    return { eye, target: centre.clone().addScaledVector(best.towards, 0.4 * best.distance) };
+  /** A place inside and one to look at, { eye, target }, of a level that shuts out the sky where there is most room; else null. */
+  #inside(bounds, around) {
+    const size = bounds.getSize(new Vector3()), points = [];
+    for (let n = 0; n < 18; n++)
+      points.push(new Vector3((n % 3) + 1, 1 + 1.2 * Math.floor(n / 9), (Math.floor(n / 3) % 3) + 1).divideScalar(4).multiply(size).add(bounds.min));
+    const shut = around(points).map((rays, n) => {
+      const hits = rays.filter(({ distance }) => distance < Infinity).map(({ distance }) => distance).sort((a, b) => a - b);
+      return { eye: points[n], rays, share: hits.length / rays.length, room: hits[hits.length >> 1] ?? 0 };
+    }).filter(({ share }) => share > 0.8);
+    const best = shut.sort((a, b) => b.room - a.room)[0];
+    if (!best || best.room < 0.04 * size.length()) return null;
+    // the way with most room about it, so that no gap in a wall is taken
+    const room = (towards) => {
+      const near = best.rays.filter(({ direction }) => direction.dot(towards) > 0.8).map(({ distance }) => Math.min(distance, 8 * best.room));
+      return near.reduce((sum, distance) => sum + distance, 0) / near.length;
+    };
+    const level = best.rays.filter(({ direction }) => Math.abs(direction.y) < 0.15).map(({ direction, distance }) => ({ direction, distance, free: room(direction) }));
+    const ahead = level.reduce((a, b) => (b.free > a.free ? b : a)), back = level.reduce((a, b) => (b.direction.dot(ahead.direction) < a.direction.dot(ahead.direction) ? b : a));
+    return { eye: best.eye.clone().addScaledVector(back.direction, 0.6 * Math.min(back.distance, back.free)),
+      target: best.eye.clone().addScaledVector(ahead.direction, 0.5 * Math.min(ahead.distance, ahead.free)).sub(new Vector3(0, 0.08 * ahead.free, 0)) };
   }
 
   #near() {

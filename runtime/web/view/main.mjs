@@ -85,7 +85,8 @@ class View {
     const match = stage.show(root, gltf, shadows);
     const sun = stage.lights.find(({ light }) => light.isDirectionalLight)?.light;
     const towards = sun && new Vector3().setFromMatrixPosition(sun.matrixWorld).sub(new Vector3().setFromMatrixPosition(sun.target.matrixWorld)).normalize();
-    cameras.frame(root, stage.bounds, towards);
+    this.frame = () => cameras.frame(stage.bounds, towards, (points) => this.picker.around(stage.scene, points));
+    this.frame();
     this.fileCameras = camerasOf(root);
     if (this.fileCameras.length) cameras.use(this.fileCameras[0].camera);
     stage.measure();
@@ -118,13 +119,18 @@ class View {
     };
     this.controls = buildPanel(panel, {
       lights: stage.lights, filter: stage.filter, compare: stage.compare, cameras: this.fileCameras, stops: stage.exposureStops,
-      sky: stage.skyShare, fog: null, warnings,
+      sky: stage.skyShare, fog: stage.fog.available ? stage.fog : null, warnings,
     }, {
       light: changed((each, on) => { each.on = on; }),
       width: changed((width) => { stage.filter = stage.filter.smooth ? { smooth: width } : { box: width }; }),
       kind: changed((kind, width) => { stage.filter = { [kind]: width }; }),
+      fog: changed((on) => {
+        stage.fog.on = on;
+        stage.measure();
+      }),
+      density: changed((extinction) => { stage.fog.extinction = extinction; }),
       compare: (key) => this.compare(key === 'off' ? null : key),
-      camera: (n) => (n < 0 ? cameras.frame(this.root, stage.bounds, null) : cameras.use(this.fileCameras[n].camera)),
+      camera: (n) => (n < 0 ? this.frame() : cameras.use(this.fileCameras[n].camera)),
       speed: (power) => { cameras.speed = (stage.bounds.getSize(new Vector3()).length() / 16) * 2 ** power; },
       walk: () => cameras.walk(),
       exposure: changed((stops) => { stage.exposureStops = stops; }),

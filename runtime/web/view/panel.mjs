@@ -83,6 +83,14 @@ function shadowSection(state, act) {
   return Object.assign(section('Shadows', true, width, kind, compare), { compare });
 }
 
+function fogSection({ on, extinction, radius }, act) {
+  const middle = Math.log10(0.05 / radius), perMetre = (power) => 10 ** power;
+  return section('Fog', on, check('Fog', on, act.fog),
+    slider('Density', { min: middle - 1.5, max: middle + 1.5, step: 0.01, value: Math.log10(extinction), text: (power) => `${perMetre(power).toPrecision(2)}/m`,
+      change: (power) => act.density(perMetre(power)) }),
+    h('p', { class: 'note' }, 'The lit parts of each ray are read from the file, exactly: no steps, no noise.'));
+}
+
 function cameraSection(state, act) {
   const list = h('select', { 'aria-label': 'Camera', onchange: () => act.camera(Number(list.value)) }, h('option', { value: -1 }, 'Whole level'),
     ...state.cameras.map(({ name }, n) => h('option', { value: n }, name)));
@@ -105,8 +113,7 @@ export function buildPanel(panel, state, act) {
   const shadows = shadowSection(state, act), numbers = h('div');
   const warnings = state.warnings.length ? h('ul', { class: 'warnings' }, ...state.warnings.map((text) => h('li', {}, text)))
     : h('p', { class: 'note' }, 'None.');
-  const fog = state.fog ? [section('Fog', state.fog.on, check('Fog', state.fog.on, act.fog),
-    slider('Density', { min: -4, max: 0, step: 0.05, value: Math.log10(state.fog.density), text: (power) => `${(10 ** power).toPrecision(2)} /m`, change: (power) => act.density(10 ** power) }))] : [];
+  const fog = state.fog ? [fogSection(state.fog, act)] : [];
   panel.replaceChildren(
     shadows,
     lightsSection(state, act),

@@ -6,6 +6,7 @@ import {
 } from 'three';
 import { clone } from 'three/addons/utils/SkeletonUtils.js';
 import { Backdrop } from './backdrop.mjs';
+import { Fog } from './fog.mjs';
 
 export const LIVE_SIDE_PX = 2048;
 /** Lights that can have live shadow maps at once: each needs one of the 16 textures of a material. */
@@ -66,6 +67,7 @@ export class Stage {
     this.renderer.info.autoReset = false;
     this.camera = new PerspectiveCamera(45, 1, 0.1, 1000);
     this.backdrop = new Backdrop(this.renderer);
+    this.fog = new Fog(this.renderer, this.camera);
     this.marks = new Scene(); // drawn over both halves
     this.compare = null; // null, 'live', 'none'
     this.split = 0.5; // where the line is, of the width
@@ -81,7 +83,7 @@ export class Stage {
     this.lights = []; // { light, twin, baked, on }
     this.twins = null;
     this.bounds = new Box3();
-    this.measured = 1;
+    this.direct = this.exposure = 1;
   }
 
   /** Show a scene. shadows: BakedShadows, or null. Returns what attach() returns, with the lights that were added. */
@@ -97,7 +99,7 @@ export class Stage {
     for (const mesh of meshesBelow(root)) {
       // glTF's material of a mesh without one is a white metal: this is plaster instead
       for (const material of [mesh.material].flat())
-        if (!gltf.parser.associations.get(material) && material.isMeshStandardMaterial) Object.assign(material, { metalness: 0, roughness: 0.9, color: new Color(0.72, 0.68, 0.61) });
+        if (!gltf.parser.associations.get(material) && material.isMeshStandardMaterial) Object.assign(material, { metalness: 0, roughness: 0.9, color: new Color(0.78, 0.65, 0.49) });
       if (mesh.isSkinnedMesh) mesh.frustumCulled = false;
     }
     this.bounds.setFromObject(root, false);
@@ -116,7 +118,7 @@ export class Stage {
     });
     this.moved = match.matched.filter((pair) => pair.moved).map((pair) => pair.baked.name);
     this.#surroundings();
-    this.measure();
+    this.fog.reset(shadows, Math.max(0.5 * this.bounds.getSize(new Vector3()).length(), 1e-3));
     return { ...match, added };
   }
 
@@ -125,6 +127,7 @@ export class Stage {
     const place = (object) => new Vector3().setFromMatrixPosition(object.matrixWorld);
     const mirrors = meshesBelow(this.root).some(({ material }) => [material].flat().some(({ metalness, roughness }) => metalness > 0.1 || roughness < 0.3));
     sun?.updateWorldMatrix(true, true);
+    this.skyShare = sun ? 0.5 : 0.15;
     this.backdrop.set(sun ? { direction: place(sun).sub(place(sun.target)).normalize(), colour: sun.color } : null, mirrors);
   }
 
@@ -135,27 +138,36 @@ export class Stage {
 
   get filter() { return this.chosenFilter ?? { box: 5 }; }
 
-  /** Mean brightness of what the lights light, as the camera sees it, becomes the unit of exposure and of light from the sky. */
-  measure() {
+  /** Luminances of what the camera sees, ascending, without the sky. radiance: of the light from the sky */
+  #luminances(radiance) {
     const width = 96, height = 54, target = new WebGLRenderTarget(width, height, { type: FloatType }), { renderer } = this;
-    const pixels = new Float32Array(4 * width * height);
-    this.backdrop.shine([this.scene], 0);
+    const pixels = new Float32Array(4 * width * height), found = [];
+    this.backdrop.shine([this.scene], radiance);
+    this.#setLights();
+    const draw = () => {
+      renderer.setClearColor(0, 0);
+      renderer.clear();
+      renderer.render(this.scene, this.camera);
+    };
     renderer.setRenderTarget(target);
-    renderer.setClearColor(0, 0);
-    renderer.clear();
-    renderer.render(this.scene, this.camera);
+    if (radiance) this.#through(draw, radiance, target);
+    else draw();
     renderer.readRenderTargetPixels(target, 0, 0, width, height, pixels);
     renderer.setRenderTarget(null);
     target.dispose();
-    const bright = [];
     for (let n = 0; n < pixels.length; n += 4) {
       const luminance = 0.2126 * pixels[n] + 0.7152 * pixels[n + 1] + 0.0722 * pixels[n + 2];
-      if (pixels[n + 3] > 0 && luminance > 0) bright.push(luminance);
+      if (pixels[n + 3] > 0 && luminance > 0 && luminance < Infinity) found.push(luminance);
     }
-    bright.sort((a, b) => a - b);
-    // the upper half: what is in full light decides, not how much of the picture is in shadow
-    const upper = bright.slice(Math.floor(bright.length / 2)), sum = upper.reduce((all, each) => all + each, 0);
-    this.measured = upper.length && Number.isFinite(sum) ? sum / upper.length : 1;
+    return found.sort((a, b) => a - b);
+  }
+
+  /** Choose the brightness of the sky, as a share of what the lights light, and the exposure, by what the camera sees. */
+  measure() {
+    const direct = this.#luminances(0), mean = (list) => (list.length ? list.reduce((sum, each) => sum + each, 0) / list.length : 0);
+    this.direct = mean(direct.slice(direct.length >> 1)) || 1; // of the brighter half
+    const all = this.#luminances(this.skyShare * this.direct), at = (share) => all[Math.floor(share * (all.length - 1))] ?? 1;
+    this.exposure = Math.min(0.42 / at(0.5), (this.fog.on ? 0.7 : 0.85) / at(0.92));
   }
 
   /** The scene beside the baked one: the same meshes, with lights of its own. */
@@ -203,27 +215,46 @@ export class Stage {
   }
 
   render() {
-    const { renderer, camera, scene } = this, size = renderer.getSize(new Vector2());
-    const sky = this.skyShare * this.measured, half = Math.round(this.split * size.x);
+    const { renderer, camera, backdrop } = this, sky = this.skyShare * this.direct;
     if (this.compare) this.#openBeside();
     this.#setLights();
-    renderer.toneMappingExposure = (0.8 / this.measured) * 2 ** this.exposureStops;
-    this.backdrop.shine([scene, this.beside].filter(Boolean), sky);
+    renderer.toneMappingExposure = this.exposure * 2 ** this.exposureStops;
+    backdrop.shine([this.scene, this.beside].filter(Boolean), sky);
     renderer.info.reset();
-    renderer.setScissorTest(false);
-    renderer.clear();
-    this.backdrop.render(camera);
-    if (this.compare) {
-      renderer.setScissorTest(true);
-      renderer.setScissor(0, 0, half, size.y);
-    }
-    renderer.render(scene, camera);
-    this.drawn = { ...renderer.info.render };
-    if (this.compare) {
-      renderer.setScissor(half, 0, size.x - half, size.y);
-      renderer.render(this.beside, camera);
-      renderer.setScissorTest(false);
-    }
+    this.#through((linear) => this.#draw(linear ? 1 / renderer.toneMappingExposure : 0), sky, null);
     renderer.render(this.marks, camera);
+  }
+
+  /** Draw through the fog, if there is one.   draw(linear)  into the current target, of linear light or the screen;   output  null: the screen */
+  #through(draw, radiance, output) {
+    if (!this.fog.on || !this.fog.available) return draw(false);
+    const lights = this.lights.filter(({ on, baked }) => on && baked).map(({ light }) => light);
+    this.fog.render(() => draw(true), lights, this.backdrop.colours.sky.clone().multiplyScalar(radiance), output);
+  }
+
+  /** Both halves into the current target.   brightness  of the backdrop, in a target of linear light; 0: as it is shown */
+  #draw(brightness) {
+    const { renderer, camera } = this, size = renderer.getSize(new Vector2()), half = Math.round(this.split * size.x), target = renderer.getRenderTarget();
+    const ratio = target ? renderer.getPixelRatio() : 1; // a target is cut in its own pixels
+    const cut = (...box) => (target ? target.scissor.set(...box.map((value) => Math.round(value * ratio))) : renderer.setScissor(...box));
+    const cutting = (on) => {
+      if (target) target.scissorTest = on;
+      else renderer.setScissorTest(on);
+      renderer.setRenderTarget(target);
+    };
+    cutting(false);
+    renderer.clear();
+    this.backdrop.render(camera, brightness);
+    if (this.compare) {
+      cut(0, 0, half, size.y);
+      cutting(true);
+    }
+    renderer.render(this.scene, camera);
+    this.drawn = { ...renderer.info.render };
+    if (!this.compare) return;
+    cut(half, 0, size.x - half, size.y);
+    cutting(true);
+    renderer.render(this.beside, camera);
+    cutting(false);
   }
 }

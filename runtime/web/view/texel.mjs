@@ -1,6 +1,6 @@
 // The texel under the cursor: which surface is there, and why a light reaches it or not.
 // SPDX-License-Identifier: MIT
-import { FloatType, MeshBasicMaterial, NoBlending, Vector3, WebGLRenderTarget } from 'three';
+import { FloatType, MeshBasicMaterial, NoBlending, PerspectiveCamera, Vector3, WebGLRenderTarget } from 'three';
 
 /** A material that writes positions and normals in view space, with the holes of another material. */
 function placesOf(material) {
@@ -32,27 +32,57 @@ export class Picker {
     return this.#materials.get(material);
   }
 
-  /** The surface at a pixel: { point: [x, y, z] in metres, normal: [x, y, z] towards the eye, unit }; null: there is none. */
-  at(scene, camera, x, y, width, height) {
-    const { renderer, target } = this, swapped = [], view = new Float32Array(4), normal = new Float32Array(4);
+  /** Draw a scene with materials that write places into `target`. */
+  #draw(scene, camera, target) {
+    const { renderer } = this, swapped = [], { environment } = scene;
     scene.traverse((object) => {
       if (!object.isMesh) return;
       swapped.push([object, object.material]);
       object.material = Array.isArray(object.material) ? object.material.map((m) => this.#places(m)) : this.#places(object.material);
     });
-    camera.setViewOffset(width, height, x, y, 1, 1);
-    renderer.setRenderTarget(target);
-    renderer.setClearColor(0, 0);
-    renderer.clear();
-    const { environment } = scene;
     scene.environment = null;
+    renderer.setClearColor(0, 0);
+    renderer.setRenderTarget(target);
+    renderer.clear();
     renderer.render(scene, camera);
+    renderer.setRenderTarget(null);
     scene.environment = environment;
+    for (const [object, material] of swapped) object.material = material;
+  }
+
+  /** What is around points: for each, [{ direction: Vector3, distance }] of 6 x 64 directions; Infinity where nothing is. */
+  around(scene, points) {
+    const side = 8, count = side * side, target = new WebGLRenderTarget(side, side, { count: 2, type: FloatType }), view = new Float32Array(4 * count);
+    const camera = new PerspectiveCamera(90, 1, 0.01, 1e6), found = [];
+    for (const point of points) {
+      const rays = [];
+      for (const aim of [[1, 0, 0], [-1, 0, 0], [0, 0, 1], [0, 0, -1], [0, 1, 0], [0, -1, 0]]) {
+        camera.position.copy(point);
+        camera.up.set(...(aim[1] ? [0, 0, 1] : [0, 1, 0]));
+        camera.lookAt(point.clone().add(new Vector3(...aim)));
+        camera.updateMatrixWorld();
+        this.#draw(scene, camera, target);
+        this.renderer.readRenderTargetPixels(target, 0, 0, side, side, view, undefined, 0);
+        for (let n = 0; n < count; n++) {
+          const across = new Vector3((2 * (n % side) + 1) / side - 1, (2 * Math.floor(n / side) + 1) / side - 1, -1).normalize();
+          const hit = new Vector3(...view.subarray(4 * n, 4 * n + 3));
+          rays.push({ direction: across.transformDirection(camera.matrixWorld), distance: view[4 * n + 3] ? hit.length() : Infinity });
+        }
+      }
+      found.push(rays);
+    }
+    target.dispose();
+    return found;
+  }
+
+  /** The surface at a pixel: { point: [x, y, z] in metres, normal: [x, y, z] towards the eye, unit }; null: there is none. */
+  at(scene, camera, x, y, width, height) {
+    const { renderer, target } = this, view = new Float32Array(4), normal = new Float32Array(4);
+    camera.setViewOffset(width, height, x, y, 1, 1);
+    this.#draw(scene, camera, target);
+    camera.clearViewOffset();
     renderer.readRenderTargetPixels(target, 0, 0, 1, 1, view, undefined, 0);
     renderer.readRenderTargetPixels(target, 0, 0, 1, 1, normal, undefined, 1);
-    renderer.setRenderTarget(null);
-    camera.clearViewOffset();
-    for (const [object, material] of swapped) object.material = material;
     if (!view[3]) return null;
     const unit = new Vector3(...normal).normalize().transformDirection(camera.matrixWorld);
     return { point: new Vector3(...view).applyMatrix4(camera.matrixWorld).toArray(), normal: unit.toArray() };
