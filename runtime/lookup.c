@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#define VXS_WALKS_HERE
 #include "taps_many.h"
 #include "vxs_query.h"
 #include "vxs_smoke.h"
@@ -45,23 +46,6 @@ void vxs_lookup_many(const vxs_baked_light *baked, const double *points_ws, cons
 float vxs_smoke_lookup(const vxs_light *light, const vxs_baked_smoke *smoke, const double point_ws[3])
 {
     return smoke ? (float)vxs_smoke_left(smoke->words, light, point_ws) : 1;
-}
-
-/* for lookups of many points ---------------------------------------------------------------------------------------------------- */
-
-uint32_t vxs_walk_taps(const vxs_baked_light *baked, int32_t map, int32_t i, int32_t j, uint32_t k, int32_t width_px)
-{
-    return vxs_shadow_taps(baked->words, &baked->light, map, i, j, k, width_px);
-}
-
-uint32_t vxs_walk_part(const vxs_baked_light *baked, vxs_place place, uint32_t k, int32_t width_px)
-{
-    return vxs_shadow_part(baked->words, &baked->light, place, k, width_px);
-}
-
-vxs_place vxs_place_of(const vxs_light *light, const double point_ws[3], const double normal_ws[3], vxs_filter filter)
-{
-    return vxs_place_from_ws(light, point_ws, normal_ws, filter);
 }
 
 /* constants --------------------------------------------------------------------------------------------------------------------- */
