@@ -195,6 +195,7 @@ const slide = (page, name, value) => page.evaluate((label, to) => {
 
 inPage('each control changes the picture, and only as it should', async (page) => {
   await aim(page);
+  await page.evaluate(() => globalThis.vxsView.stage.measure()); // as switching fog does
   const first = await pixels(page);
   assert.equal(changed(first, await pixels(page)), 0);
 
