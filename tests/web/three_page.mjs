@@ -65,12 +65,21 @@ export function whiten(scene, Material = THREE.MeshLambertMaterial) {
   return white;
 }
 
+/** Lights for baked lights that were given to the bake alone. */
+async function addGiven(gltf, shadows) {
+  const { lightOf } = await import('vxs/three'), { baked } = shadows.attach(gltf);
+  shadows.detach();
+  for (const light of baked) gltf.scene.add(lightOf(light));
+}
+
 /** What the light of a name lets through at each pixel: rendering with shadows by rendering without; NaN where it does not shine. */
-export async function litPixels({ glb, vxs, view, size, light, attach = {}, material = 'MeshLambertMaterial', shown }) {
-  const renderer = newRenderer(size), gltf = await loadScene(glb), shadows = await loadShadows(vxs), camera = newCamera(view, size);
+export async function litPixels({ glb, vxs, view, size, light, attach = {}, material = 'MeshLambertMaterial', shown, options, type }) {
+  const renderer = newRenderer(size, options), gltf = await loadScene(glb), shadows = await loadShadows(vxs), camera = newCamera(view, size);
   whiten(gltf.scene, THREE[material]);
+  await addGiven(gltf, shadows);
   gltf.scene.traverse((object) => { if (object.isLight && light && object.name !== light) object.visible = false; });
   const bare = floats(renderer, gltf.scene, camera);
+  if (type) renderer.shadowMap.type = THREE[type];
   const match = shadows.attach(gltf, { renderer, ...attach });
   const began = performance.now(), shaded = floats(renderer, gltf.scene, camera), ms = performance.now() - began;
   const calls = renderer.info.render.calls, meshes = [];
@@ -454,4 +463,20 @@ export async function fromGltf(url) {
   const { matched } = gltf.shadows.attach(gltf), lights = gltf.shadows.lights.length;
   gltf.shadows.dispose();
   return { lights, matched: matched.length };
+}
+
+/** Points of surfaces at some pixels, their normals, and what a shader's single tap says of them. */
+export async function points({ every = 5, ...what }) {
+  const { lit } = await litPixels({ ...what, attach: { filter: { box: 1 } } }), [width, height] = what.size;
+  const gltf = await loadScene(what.glb), camera = newCamera(what.view, what.size), caster = new THREE.Raycaster(), out = [];
+  gltf.scene.updateMatrixWorld();
+  for (let y = 2; y < height; y += every)
+    for (let x = 2; x < width; x += every) {
+      const value = lit[y * width + x];
+      if (Number.isNaN(value)) continue;
+      caster.setFromCamera(new THREE.Vector2((2 * x + 1) / width - 1, 1 - (2 * y + 1) / height), camera);
+      const [hit] = caster.intersectObject(gltf.scene, true);
+      if (hit) out.push([...hit.point.toArray(), ...hit.face.normal.transformDirection(hit.object.matrixWorld).toArray(), value]);
+    }
+  return out;
 }

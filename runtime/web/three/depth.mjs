@@ -138,10 +138,10 @@ export class DepthMaps {
     shadow.mapSize.set(resolution, resolution);
     shadow.bias = -1.5 / baked.resolution;
     light.castShadow = true;
-    if (baked.kind === 'directional') shadow.normalBias = 1.5 * baked.texelMetres * (baked.resolution / resolution);
+    if (baked.kind === 'directional') shadow.normalBias = 2 * baked.texelMetres * (baked.resolution / resolution);
     else {
       const reach = (light.distance || farOf(baked)) / 4; // where bias and normal bias are right
-      shadow.normalBias = 1.5 * baked.texelMetres * (baked.resolution / resolution) * reach;
+      shadow.normalBias = 2 * baked.texelMetres * (baked.resolution / resolution) * reach;
       shadow.bias = (-1.5 * baked.voxelMetres * baked.nearMetres) / reach;
     }
     if (baked.kind === 'point') {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 import type {
-  Camera, Color, DataTexture, DepthTexture, Light, Loader, LoadingManager, Object3D, Texture, Vector3, WebGLRenderer, WebGLRenderTarget,
+  Camera, Color, ColorRepresentation, DataTexture, DepthTexture, Light, Loader, LoadingManager, Object3D, Texture, Vector3, WebGLRenderer, WebGLRenderTarget,
 } from 'three';
 import type { Asset, Light as BakedLight, Runtime } from 'vxs';
 
@@ -58,6 +58,9 @@ export class BakedShadows {
   /** detach(), and free textures and the file. */
   dispose(): void;
 }
+
+/** A light that a baked one describes, at its place: for Match.baked, of a bake with --sun. intensity: lux 3, candela 100 by default. */
+export function lightOf(baked: BakedLight, color?: ColorRepresentation, intensity?: number): Light;
 
 export interface FogOptions {
   /** A light that attach() has matched, or its name in the file; the first by default. */

@@ -13,4 +13,5 @@ export class VXSShadowsPlugin extends Plugin {
 }
 export { FogPass } from './fog.mjs';
 export { BakedShadows } from './loader.mjs';
+export { lightOf } from './names.mjs';
 export { VXSError } from 'vxs';

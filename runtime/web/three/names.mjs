@@ -1,6 +1,6 @@
 // Which baked light belongs to which light of a three.js scene.
 // SPDX-License-Identifier: MIT
-import { Vector3 } from 'three';
+import { DirectionalLight, PointLight, SpotLight, Vector3 } from 'three';
 
 const KINDS = { directional: 'isDirectionalLight', spot: 'isSpotLight', point: 'isPointLight' };
 
@@ -11,6 +11,17 @@ export function placeOf(baked) {
   if (baked.kind !== 'directional')
     for (const n of [0, 1, 2]) position.addScaledVector(row(n), -baked.matrix[4 * n + 3]);
   return { position, direction: row(2).normalize() };
+}
+
+/** A light of three.js that a baked one describes, at its place: for a scene whose lights were given to the bake alone. */
+export function lightOf(baked, color = 0xffffff, intensity = baked.kind === 'directional' ? 3 : 100) {
+  const { position, direction } = placeOf(baked), range = baked.rangeMetres;
+  const light = baked.kind === 'directional' ? new DirectionalLight(color, intensity)
+    : baked.kind === 'spot' ? new SpotLight(color, intensity, range, Math.acos(baked.cosOuter)) : new PointLight(color, intensity, range);
+  light.name = baked.name;
+  light.position.copy(position);
+  if (light.target) light.add(light.target.translateOnAxis(direction, 1));
+  return light;
 }
 
 // What differs between a light of the scene and a baked light: metres, plus the length of the difference of unit directions.

@@ -5,6 +5,7 @@ import type { Runtime } from 'vxs';
 import type { BakedShadows as Shadows, Filter, Match } from './index.js';
 
 export { VXSError } from 'vxs';
+export { lightOf } from './index.js';
 
 export interface NodeAttachOptions {
   /** Exact lookups through light.shadow.shadowNode; the only way here. */

@@ -123,4 +123,5 @@ export class VXSShadowsPlugin extends Plugin {
   static Loader = VXSLoader;
 }
 export { BakedShadows } from './loader.mjs';
+export { lightOf } from './names.mjs';
 export { VXSError } from 'vxs';
