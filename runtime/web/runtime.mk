@@ -1,8 +1,9 @@
 # The runtime as WebAssembly: build/web/vxs/runtime. Included by web.mk.
 # SPDX-License-Identifier: MIT
 #
-#   vxs.wasm, core.wasm    all of the runtime; open, words, constants and depth maps alone
-#   *.mjs, vxs.cjs, *.d.ts copied or bundled from runtime/web/
+#   vxs.wasm, core.wasm      all of the runtime; open, words, constants and depth maps alone
+#   vxs-base64.mjs, vxs.cjs  vxs.wasm as text; the runtime with it for require()
+#   *.mjs, *.d.ts            copied from runtime/web/
 
 include runtime/web/libraries.mk
 
@@ -21,12 +22,11 @@ web.flags  := -std=c11 -D_GNU_SOURCE $(web.cpu) -ffp-contract=off -DNDEBUG -DVXS
               -I. -Iformats -Iruntime -I$(zstd.src) -I$(xxhash.src) -Wall -Wextra -Wshadow -Wpointer-arith -MMD -MP
 web.zflags := $(web.cpu) -DNDEBUG -DZSTD_DISABLE_ASM -DZSTD_LEGACY_SUPPORT=0 -DZSTD_STRIP_ERROR_STRINGS -DHUF_FORCE_DECOMPRESS_X1 \
               -DZSTD_FORCE_DECOMPRESS_SEQUENCES_SHORT -DZSTD_NO_INLINE -DXXH_NO_INLINE_HINTS=0 -w -MMD -MP
-# Small, except for what most lookups of many points and all pages run; there, loops of a few rounds stay loops
+# Small, except for what most lookups of many points run; there, loops of a few rounds stay loops
 web.loops  := -O2 -fno-unroll-loops -fno-vectorize -fno-slp-vectorize
 web.opt     = -Oz
 $(addprefix $(web.o)/runtime/,lookup_many.o taps_many.o): web.opt = $(web.loops)
-$(web.o)/formats/vxs_page_decode.o: web.opt = $(web.loops) -fno-inline-functions
-# the stack grows down to address 0, where an overflow traps
+# stack-first: an overflow of the stack traps
 web.link   := -Oz $(web.cpu) --no-entry -sSTANDALONE_WASM -sALLOW_MEMORY_GROWTH -sINITIAL_MEMORY=1MB -sMAXIMUM_MEMORY=4GB -sTOTAL_STACK=128KB -sMALLOC=emmalloc \
               -sFILESYSTEM=0 -sERROR_ON_UNDEFINED_SYMBOLS=0 -sWARN_ON_UNDEFINED_SYMBOLS=0 -Wl,-u,calloc,--stack-first -sEXPORTED_FUNCTIONS=_malloc,_free
 
@@ -43,15 +43,27 @@ $(web.zobjects): $(web.o)/%.o: $W/sources/%.c runtime/web/runtime.mk
 	@echo "  emcc $<"
 	$Q mkdir -p $(@D) && $(EMCC) $(web.zflags) -Oz -c $< -o $@
 
-$(web.out)/vxs.wasm: $(web.objects) $(web.zobjects) runtime/web/runtime.mk
+# the same without lookups and streams: what is exported decides
+web.core := $(web.o)/runtime/web/vxs_core.o
+$(web.core): runtime/web/vxs_web.c runtime/web/runtime.mk | $W/sources/zstd/.unpacked $W/sources/xxhash/.unpacked
+	@echo "  emcc $< (core)"
+	$Q mkdir -p $(@D) && $(EMCC) $(web.flags) -DVXS_WEB_CORE $(web.opt) -c $< -o $@
+$(web.out)/vxs.wasm: $(web.objects) $(web.zobjects)
+$(web.out)/core.wasm: $(web.core) $(filter-out %/vxs_web.o,$(web.objects)) $(web.zobjects)
+$(web.out)/vxs.wasm $(web.out)/core.wasm: runtime/web/runtime.mk
 	@echo "  emcc $@"
-	$Q mkdir -p $(@D) && $(EMCC) $(web.link) $(web.objects) $(web.zobjects) -o $@
+	$Q mkdir -p $(@D) && $(EMCC) $(web.link) $(filter %.o,$^) -o $@ && chmod 644 $@
 
 web.modules := $(patsubst runtime/web/%,$(web.out)/%,$(wildcard runtime/web/*.mjs runtime/web/*.d.ts))
 $(web.modules): $(web.out)/%: runtime/web/%
 	$Q mkdir -p $(@D) && cp $< $@
+$(web.out)/vxs-base64.mjs: $(web.out)/vxs.wasm
+	$Q { echo '// SPDX-License-Identifier: MIT'; printf "export const base64 = '"; base64 -w0 $<; echo "';"; } >$@
+$(web.out)/vxs.cjs: $(web.modules) $(web.out)/vxs-base64.mjs $(web.tools)
+	@echo "  npm  $@"
+	$Q $W/node_modules/.bin/esbuild $(web.out)/vxs-inline.mjs --bundle --format=cjs --log-level=warning --outfile=$@
 
-web.runtime := $(web.out)/vxs.wasm $(web.modules)
+web.runtime := $(addprefix $(web.out)/,vxs.wasm core.wasm vxs.cjs vxs-base64.mjs) $(web.modules)
 web.files   += $(web.runtime)
 
--include $(web.objects:.o=.d)
+-include $(web.objects:.o=.d) $(web.core:.o=.d)
