@@ -16,8 +16,9 @@ export type Vector = ArrayLike<number> | { readonly x: number; readonly y: numbe
 
 /**
  * Why a file, a server or an object cannot be used. Wrong arguments are a TypeError or a RangeError instead.
- *   code     'notVxs', 'version', 'truncated', 'corrupt': wrong bytes; 'memory': the file needs more than the limit or than there is;
- *            'read': a server or the network failed; 'argument': no light has a name; 'disposed': used after dispose()
+ *   code     'notVxs', 'version', 'truncated', 'corrupt': wrong bytes; 'memory': the file needs more than the limit, or
+ *            than there is; 'read': a server or the network failed; 'argument': a stream has no light
+ *            of a name; 'disposed': used after dispose()
  *   finding  number of the first finding in the list of formats/vxs.md section 8, which `vxs validate` prints; 0: none
  *   section  section of the file, from 0; -1: header or directory.   offset  byte in that section
  */

@@ -99,7 +99,7 @@ export class CoreLight {
   depthMap({ map = 0, resolution, shift, which = 'centre', voxels = false, x = 0, y = 0, width, height } = {}) {
     const { at, levels } = this, { heap } = this.#owner;
     integer(map, 0, this.maps - 1, 'map');
-    if (!(which in WHICH)) throw new RangeError(`which is ${which}: expected centre, least or greatest`);
+    if (!Object.hasOwn(WHICH, which)) throw new RangeError(`which is ${which}: expected centre, least or greatest`);
     if (resolution !== undefined) {
       const power = Math.log2(integer(resolution, 1, this.resolution, 'resolution'));
       if (!Number.isInteger(power)) throw new RangeError(`resolution is ${resolution}: expected a power of two`);

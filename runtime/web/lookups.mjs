@@ -96,7 +96,8 @@ export class Light extends CoreLight {
     const { at } = this, { heap } = this.owner, { c } = heap;
     const ray = heap.scratch, walk = ray + 64, to = walk + (c.web_walk_bytes() + 15 & ~15);
     heap.f64.set([...vector(origin, 'origin'), ...vector(direction, 'direction'), tBegin, tEnd], ray / 8);
-    if (c.web_lit_begin(walk, at, ray)) {
+    const numbers = typeof tBegin === 'number' && typeof tEnd === 'number';
+    if (!numbers || c.web_lit_begin(walk, at, ray)) {
       throw new RangeError('a ray has finite numbers within 1e50, and tEnd, which may be Infinity, is not before tBegin');
     }
     const list = [];

@@ -63,7 +63,18 @@ $(web.out)/vxs.cjs: $(web.modules) $(web.out)/vxs-base64.mjs $(web.tools)
 	@echo "  npm  $@"
 	$Q $W/node_modules/.bin/esbuild $(web.out)/vxs-inline.mjs --bundle --format=cjs --log-level=warning --outfile=$@
 
-web.runtime := $(addprefix $(web.out)/,vxs.wasm core.wasm vxs.cjs vxs-base64.mjs) $(web.modules)
+# types for require(), which must not name a module
+$(web.out)/%.d.cts: runtime/web/%.d.ts
+	$Q mkdir -p $(@D) && sed "s,'\./core\.js','./core.cjs'," $< >$@
+
+web.runtime := $(addprefix $(web.out)/,vxs.wasm core.wasm vxs.cjs vxs-base64.mjs vxs.d.cts core.d.cts) $(web.modules)
 web.files   += $(web.runtime)
 
 -include $(web.objects:.o=.d) $(web.core:.o=.d)
+
+# what tests compare with: answers of the C library
+$B/tests/web/answers: $B/tests/web/answers.c.o $B/libvxs.a
+	@echo "  link $@"
+	$Q $(CC) $(opt) $(LDFLAGS) $^ $(libs) -o $@
+objects += $B/tests/web/answers.c.o
+check-web: $B/tests/web/answers

@@ -134,7 +134,8 @@ export class Streams {
 
   constructor() {
     this.imports = {
-      web_read: (id, offset, size, buffer, request) => this.#open.get(id)?.read(offset, size, buffer >>> 0, request >>> 0) ?? FAILED,
+      web_read: (id, offset, size, buffer, request) =>
+        this.#open.get(id)?.read(offset, size, buffer >>> 0, request >>> 0) ?? FAILED,
       web_failed: (id, light, page, result, finding) => { this.#open.get(id)?.failures.push({ light, page, result, finding }); },
     };
   }
