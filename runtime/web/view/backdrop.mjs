@@ -1,6 +1,6 @@
 // What is behind a level, and lights it from all sides: a sky for levels with a sun, a dark room for others.
 // SPDX-License-Identifier: MIT
-import { Color, HemisphereLight, Mesh, PMREMGenerator, PlaneGeometry, Scene, ShaderMaterial, Vector3 } from 'three';
+import { Color, LightProbe, Mesh, PMREMGenerator, PlaneGeometry, Scene, ShaderMaterial, SphericalHarmonics3, Vector3 } from 'three';
 
 const VERTEX = `
 varying vec3 direction;
@@ -24,7 +24,7 @@ void main() {
   #include <colorspace_fragment>
 }`;
 
-const SKY = { zenith: [0.13, 0.27, 0.52], horizon: [0.62, 0.70, 0.76], ground: [0.50, 0.51, 0.51] };
+const SKY = { zenith: [0.13, 0.27, 0.52], horizon: [0.62, 0.70, 0.76], ground: [0.47, 0.49, 0.51] };
 const BOUNCE = [0.38, 0.35, 0.32]; // what the ground gives back of the sky
 const ROOM = { zenith: [0.030, 0.033, 0.040], horizon: [0.018, 0.020, 0.024], ground: [0.008, 0.008, 0.010] };
 // a room lights its walls as evenly as a white one would
@@ -42,11 +42,25 @@ export class Backdrop {
     quad.frustumCulled = false;
     this.scene = new Scene().add(quad);
     this.environment = null;
-    this.colours = { sky: new Color(), ground: new Color() };
+    this.colour = new Color(); // of the sky as a whole
+    this.harmonics = new SphericalHarmonics3();
   }
 
   #colours(of) {
     for (const [name, colour] of Object.entries(of)) this.uniforms[name].value.setRGB(...colour);
+  }
+
+  /** Light from all sides as spherical harmonics: the sky, brighter about the sun, and what the ground gives back. */
+  #findHarmonics(sun) {
+    const { zenith, horizon, ground, sunColour } = this.uniforms, count = 512, basis = new Array(9), back = sun ? new Color(...BOUNCE) : ground.value;
+    this.harmonics.zero();
+    for (let n = 0; n < count; n++) {
+      const y = 1 - (2 * n + 1) / count, turn = n * 2.399963, direction = new Vector3(Math.cos(turn) * Math.sqrt(1 - y * y), y, Math.sin(turn) * Math.sqrt(1 - y * y));
+      const light = (y < 0 ? back : horizon.value).clone().lerp(y < 0 ? back : zenith.value, 1 - Math.exp(-3.2 * Math.max(y, 0)));
+      if (sun && y > 0) light.add(sunColour.value.clone().multiplyScalar(0.7 * Math.max(direction.dot(sun.direction), 0) ** 3));
+      SphericalHarmonics3.getBasisAt(direction, basis);
+      this.harmonics.coefficients.forEach((sum, k) => sum.addScaledVector(new Vector3(light.r, light.g, light.b), (basis[k] * 4 * Math.PI) / count));
+    }
   }
 
   /**
@@ -63,8 +77,8 @@ export class Backdrop {
     }
     towards.value.set(0, 0, 0);
     this.uniforms.brightness.value = 1;
-    this.colours.sky.copy(zenith.value).lerp(horizon.value, 0.5);
-    this.colours.ground.setRGB(...(sun ? BOUNCE : ROOM_LIGHT.ground));
+    this.colour.copy(zenith.value).lerp(horizon.value, 0.5);
+    this.#findHarmonics(sun);
     this.environment?.dispose();
     this.environment = null;
     if (mirror) {
@@ -79,11 +93,10 @@ export class Backdrop {
   /** Light the scenes: each surface gets `radiance` times the colours of the sky and the ground. */
   shine(scenes, radiance) {
     for (const scene of scenes) {
-      let light = scene.children.find((child) => child.isHemisphereLight);
-      if (!light) scene.add(light = new HemisphereLight());
-      light.color.copy(this.colours.sky);
-      light.groundColor.copy(this.colours.ground);
-      light.intensity = this.environment ? 0 : Math.PI * radiance;
+      let light = scene.children.find((child) => child.isLightProbe);
+      if (!light) scene.add(light = new LightProbe());
+      light.sh.copy(this.harmonics);
+      light.intensity = this.environment ? 0 : radiance;
       scene.environment = this.environment?.texture ?? null;
       scene.environmentIntensity = radiance;
     }

@@ -71,7 +71,11 @@ class View {
       const { gltf, root, missing } = await readScene(level, this.stage.renderer, asset?.info?.scene?.name || null);
       const parsed = performance.now();
       Object.assign(this, { level, asset, root, times: { runtime: opening - begin, asset: opened - opening, scene: parsed - opened } });
-      document.body.classList.remove('empty');
+      if (document.body.classList.contains('empty')) { // the panel appears, where there is room for it
+        document.body.classList.remove('empty');
+        if (matchMedia('(max-width: 760px)').matches) this.#togglePanel();
+        this.#resize();
+      }
       this.#show(gltf, root, shadows, missing);
     } catch (error) {
       if (this.stage.shadows !== shadows) shadows?.dispose();
@@ -263,7 +267,14 @@ class View {
       this.pointerMoved = true;
       this.redraw();
     });
-    canvas.addEventListener('pointerleave', () => {
+    canvas.addEventListener('click', (event) => {
+      const box = canvas.getBoundingClientRect();
+      this.pointer = { x: event.clientX - box.left, y: event.clientY - box.top };
+      this.pointerMoved = true;
+      this.redraw();
+    });
+    canvas.addEventListener('pointerleave', (event) => {
+      if (event.pointerType === 'touch') return; // what was tapped stays
       this.pointer = null;
       this.pointerMoved = true;
       this.redraw();
@@ -279,6 +290,7 @@ class View {
       if (by) event.preventDefault();
     });
 
+    byId('open').addEventListener('click', () => this.#chooseFiles());
     byId('toggle').addEventListener('click', () => this.#togglePanel());
     document.addEventListener('keydown', (event) => {
       if (event.ctrlKey || event.metaKey || event.altKey || /^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName) || this.cameras.walking || !this.level) return;

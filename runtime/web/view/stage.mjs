@@ -229,7 +229,7 @@ export class Stage {
   #through(draw, radiance, output) {
     if (!this.fog.on || !this.fog.available) return draw(false);
     const lights = this.lights.filter(({ on, baked }) => on && baked).map(({ light }) => light);
-    this.fog.render(() => draw(true), lights, this.backdrop.colours.sky.clone().multiplyScalar(radiance), output);
+    this.fog.render(() => draw(true), lights, this.backdrop.colour.clone().multiplyScalar(radiance), output);
   }
 
   /** Both halves into the current target.   brightness  of the backdrop, in a target of linear light; 0: as it is shown */
