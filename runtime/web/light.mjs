@@ -90,7 +90,7 @@ export class CoreLight {
     return heap.u32.slice(first, first + this.wordCount);
   }
 
-  constants(origin = [0, 0, 0], firstWord = 0) {
+  constants(origin = [0, 0, 0], firstWord = this.firstWord ?? 0) {
     const { at } = this, { heap } = this.#owner, out = heap.scratch;
     heap.c.web_constants(at, ...vector(origin, 'origin'), integer(firstWord, 0, 2 ** 32 - 1, 'firstWord'), out);
     return heap.u8.slice(out, out + CONSTANTS_BYTES);

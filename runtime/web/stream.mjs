@@ -19,25 +19,28 @@ const failure = (message, cause) => new VXSError('read', message, { cause });
 
 /** A file on a server. read() gives exactly the bytes of a range, or throws. */
 class RemoteFile {
-  #url; #fetch; #timeout; #abort = new AbortController(); #tag;
+  #url; #fetch; #timeout; #reads = new Set(); #tag;
 
   constructor(url, fetch, timeout) {
     this.#url = String(url);
     this.#fetch = fetch;
     this.#timeout = timeout;
+    this.closed = false;
     this.size = 0;      // bytes; 0: not known yet
     this.whole = null;  // all bytes, from a server without ranges
   }
 
-  close() { this.#abort.abort(); }
-  get closed() { return this.#abort.signal.aborted; }
+  close() {
+    this.closed = true;
+    for (const read of this.#reads) read.abort();
+  }
 
   async read(first, end) {
     if (this.whole) return this.#part(first, end);
-    const abort = new AbortController(), stop = () => abort.abort();
+    const abort = new AbortController();
     const late = setTimeout(() => abort.abort(new Error(`no answer within ${this.#timeout} ms`)), this.#timeout);
-    this.#abort.signal.addEventListener('abort', stop);
-    if (this.#abort.signal.aborted) stop();
+    this.#reads.add(abort);
+    if (this.closed) abort.abort();
     try {
       const headers = { range: `bytes=${first}-${end - 1}`, 'accept-encoding': 'identity' };
       return await this.#take(await this.#fetch(this.#url, { headers, signal: abort.signal }), first, end);
@@ -45,7 +48,7 @@ class RemoteFile {
       throw error instanceof VXSError ? error : failure(`${this.#url}: ${(abort.signal.reason ?? error)?.message}`, error);
     } finally {
       clearTimeout(late);
-      this.#abort.signal.removeEventListener('abort', stop);
+      this.#reads.delete(abort);
     }
   }
 
@@ -191,7 +194,7 @@ class Source {
 }
 
 export class Stream extends Owner {
-  #source; #info;
+  #source; #info; #changed = [];
 
   constructor(heap, handle, close, net, source, Light) {
     super(heap, handle, close, net);
@@ -230,6 +233,7 @@ export class Stream extends Owner {
     heap.f64.set(numbers, at / 8);
     this.#source.failures = [];
     heap.c.web_stream_frame(handle, at, list.length, out);
+    this.#keepChanges();
     const status = Object.fromEntries(STATUS.map((name, n) => [name, heap.f64[out / 8 + n]]));
     status.failures = this.#source.failures.map(({ light, page, result, finding }) =>
       ({ light, page, finding, code: result === RESULT_READ ? 'read' : 'corrupt' }));
@@ -262,12 +266,19 @@ export class Stream extends Owner {
     return heap.u32.slice(first, first + count);
   }
 
-  changes() {
+  #keepChanges() {
     const { heap, handle } = this, at = heap.c.web_stream_changes(handle) >>> 2;
-    return Array.from({ length: heap.c.web_stream_change_count(handle) }, (_, n) => {
-      const [firstWord, count] = heap.u32.subarray(at + 2 * n, at + 2 * n + 2);
-      return { firstWord, words: this.words(firstWord, count) };
-    });
+    for (let n = 0; n < heap.c.web_stream_change_count(handle); n++) {
+      this.#changed.push([...heap.u32.subarray(at + 2 * n, at + 2 * n + 2)]);
+    }
+    // more than all words, if the caller takes no changes
+    if (this.#changed.reduce((sum, [, count]) => sum + count, 0) > this.wordCount) this.#changed = [[0, this.wordCount]];
+  }
+
+  changes() {
+    const changed = this.#changed;
+    this.#changed = [];
+    return changed.map(([firstWord, count]) => ({ firstWord, words: this.words(firstWord, count) }));
   }
 }
 

@@ -148,7 +148,7 @@ export interface Stream {
   retry(): void;
   /** A copy of words, for a buffer or texture that shaders read. Default: all */
   words(firstWord?: number, count?: number): Uint32Array;
-  /** What the last frame changed, to keep such a copy current. */
+  /** What frames have changed since the last call, to keep such a copy current. */
   changes(): { firstWord: number; words: Uint32Array }[];
   readonly disposed: boolean;
   /** Ends all reads, and frees the memory. */
