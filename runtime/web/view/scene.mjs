@@ -60,7 +60,8 @@ export async function readScene(level, renderer, baked) {
   const basis = new KTX2Loader(manager).setTranscoderPath('decoders/').detectSupport(renderer);
   const loader = new GLTFLoader(manager).setDRACOLoader(draco).setKTX2Loader(basis).setMeshoptDecoder(MeshoptDecoder);
   try {
-    const gltf = await loader.parseAsync(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength), '');
+    const whole = bytes.byteLength === bytes.buffer.byteLength; // else a part, which is copied
+    const gltf = await loader.parseAsync(whole ? bytes.buffer : bytes.slice().buffer, '');
     const root = gltf.scenes[indexOfScene(json, choice, baked)] ?? gltf.scene;
     if (!root) throw new LevelError(`${name} has no scene.`);
     return { gltf, root, missing: [...new Set(missing)] };
