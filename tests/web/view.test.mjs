@@ -147,10 +147,15 @@ inPage('what is told of texels is what vxs query answers', async (page) => {
     const [x, y] = [70 + 60 * (n % 4), 60 + 41 * Math.floor(n / 4)];
     await page.mouse.move(x, y);
     await page.waitForFunction(() => !globalThis.vxsView.pointerMoved);
-    const each = await page.evaluate(() => ({ told: globalThis.vxsView.told, text: document.getElementById('texel').textContent,
+    const each = await page.evaluate(() => ({ told: globalThis.vxsView.told, at: globalThis.vxsView.told && (({ camera }, { point }) => {
+      const { x: u, y: v } = new camera.position.constructor(...point).project(camera), { width, height } = document.getElementById('canvas').getBoundingClientRect();
+      return [(0.5 + 0.5 * u) * width, (0.5 - 0.5 * v) * height];
+    })(globalThis.vxsView.stage, globalThis.vxsView.told), text: document.getElementById('texel').textContent,
       hidden: document.getElementById('texel').hidden }));
     assert.equal(each.hidden, !each.told);
-    if (each.told) told.push(each);
+    if (!each.told) continue;
+    assert.ok(Math.abs(each.at[0] - x - 0.5) < 0.1 && Math.abs(each.at[1] - y - 0.5) < 0.1, `the surface at ${x}, ${y} is drawn at ${each.at}`);
+    told.push(each);
   }
   const lines = told.map(({ told: { point, normal } }) => [...point, ...normal].join(' ')).join('\n');
   const answers = vxs(['query', 'city.vxs', '--filter', `${FILTER}`], lines).trim().split('\n');
