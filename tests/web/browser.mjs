@@ -36,11 +36,12 @@ const pageText = (three, webgpu) => `<!doctype html><meta charset="utf-8"><title
   } })}</script>`;
 
 /**
- * Serve folders: /vxs the package, /lib the libraries, /tests this folder, and `files`, a folder of the test, as /files. Answers ranges.
+ * Serve folders: /vxs the package, /lib the libraries, /tests this folder, /bench tests/bench, and `files`, a folder of the
+ * test, as /files. Answers ranges.
  * Returns { url, close() }.
  */
 export async function serve(files = here) {
-  const roots = { vxs: PACKAGE, lib: LIBRARIES, tests: here, files };
+  const roots = { vxs: PACKAGE, lib: LIBRARIES, tests: here, bench: path.resolve(here, '../bench'), files };
   const server = http.createServer((request, response) => {
     const url = new URL(request.url, 'http://localhost'), [, root, ...rest] = decodeURIComponent(url.pathname).split('/');
     if (root === 'page') {
