@@ -1,11 +1,13 @@
 // The runtime as WebAssembly beside the C library: every answer bit for bit, wrong arguments, disposal, modules of all kinds.
 // SPDX-License-Identifier: GPL-3.0-or-later
 import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
 import { createRequire } from 'node:module';
 import path from 'node:path';
 import { test } from 'node:test';
 import { Worker } from 'node:worker_threads';
+import zlib from 'node:zlib';
 
 import { PACKAGE, answers, baked, pointsFor, runtime } from './native.mjs';
 
@@ -20,6 +22,7 @@ const FILES = {
 };
 const FILTERS = { 'box 1': undefined, 'box 9': 9, 'smooth 4': { smooth: 4 }, 'smooth 9': { smooth: 9 } };
 const RAYS = 300, SHIFT = 3;
+const ESBUILD = path.join(PACKAGE, '../node_modules/.bin/esbuild');
 const open = (name) => vxs.open(fs.readFileSync(FILES[name][0]));
 const bytes = (array) => Buffer.from(array.buffer, array.byteOffset, array.byteLength);
 
@@ -248,4 +251,28 @@ test('core: the same words, constants and depth maps, and no lookups', async () 
     assert.equal(light.lookup, undefined);
   });
   assert.throws(() => core.open(file.subarray(0, 100)), { code: 'truncated', finding: 106 });
+});
+
+test('sizes: the runtime takes at most 65 KB as brotli, core 40 KB', { skip: !fs.existsSync(ESBUILD) && 'no esbuild' }, () => {
+  for (const [module, wasm, most] of [['vxs.mjs', 'vxs.wasm', 65000], ['core.mjs', 'core.wasm', 40000]]) {
+    const text = execFileSync(ESBUILD, [path.join(PACKAGE, 'runtime', module), '--bundle', '--minify', '--format=esm', '--log-level=error']);
+    const size = (data) => zlib.brotliCompressSync(data).length;
+    const all = size(text) + size(fs.readFileSync(path.join(PACKAGE, 'runtime', wasm)));
+    assert.ok(all <= most, `${module}: ${all} bytes`);
+  }
+});
+
+test('the WebAssembly asks its host for nothing but reads of streams', async () => {
+  for (const [wasm, most] of [['vxs.wasm', ['web_read', 'web_failed']], ['core.wasm', []]]) {
+    const module = await WebAssembly.compile(fs.readFileSync(path.join(PACKAGE, 'runtime', wasm)));
+    const names = WebAssembly.Module.imports(module).map((i) => `${i.module}.${i.name}`);
+    assert.deepEqual(names.sort(), [...most, 'emscripten_notify_memory_growth'].map((name) => `env.${name}`).sort());
+  }
+});
+
+test('no module evaluates text, touches globals, or loads WebAssembly before load()', async () => {
+  const texts = fs.readdirSync(path.join(PACKAGE, 'runtime')).filter((name) => /^(?!shaders|vxs-base64).*\.mjs$/.test(name))
+    .map((name) => fs.readFileSync(path.join(PACKAGE, 'runtime', name), 'utf8'));
+  assert.ok(texts.length > 6);
+  for (const text of texts) assert.doesNotMatch(text, /\beval\b|new Function|globalThis\.\w+ =|process\./);
 });
