@@ -3,14 +3,14 @@
 import { CoreAsset, CoreLight, integer, vector } from './light.mjs';
 
 const STATES = ['lit', 'shadow', 'outside'];
-const NO_NORMAL = [0, 0, 0];
+const NO_NORMAL = [0, 0, 0], NO_OPTIONS = {}, ONE_TEXEL = [1, 0];
 const CHUNK = 1024; // points of one call
 const INTERVALS = 256, INTERVAL_BYTES = 24;
 const FILTER_MAX = 17;
 
 /** [width, is smooth] of 9, { box: 9 } or { smooth: 9 }. */
 function filterOf(filter) {
-  if (filter === undefined) return [1, 0];
+  if (filter === undefined) return ONE_TEXEL;
   if (filter?.smooth !== undefined) return [integer(filter.smooth, 1, FILTER_MAX, 'filter.smooth'), 1];
   const width = integer(filter?.box ?? filter, 1, FILTER_MAX, 'filter');
   if (width % 2 === 0) throw new RangeError(`filter is ${width}: a box has an odd width; { smooth: ${width} } may be even`);
@@ -45,9 +45,9 @@ function putChunk(heap, list, first, end, at) {
 }
 
 export class Light extends CoreLight {
-  lookup(point, { normal, filter } = {}) {
-    const [x, y, z] = vector(point, 'point'), [nx, ny, nz] = normalOf(normal), [width, smooth] = filterOf(filter);
-    return this.owner.heap.c.web_lookup(this.at, x, y, z, nx, ny, nz, width, smooth);
+  lookup(point, { normal, filter } = NO_OPTIONS) {
+    const p = vector(point, 'point'), n = normalOf(normal), f = filterOf(filter);
+    return this.owner.heap.c.web_lookup(this.at, p[0], p[1], p[2], n[0], n[1], n[2], f[0], f[1]);
   }
 
   isFull(point, { normal, filter } = {}) {

@@ -8,6 +8,7 @@
 include runtime/web/libraries.mk
 
 EMCC       ?= emcc
+WASM_OPT   ?= wasm-opt
 web.o      := $W/o
 web.out    := $P/runtime
 zstd.src   := $W/sources/zstd/lib
@@ -29,6 +30,11 @@ $(addprefix $(web.o)/runtime/,lookup_many.o taps_many.o): web.opt = $(web.loops)
 # stack-first: an overflow of the stack traps
 web.link   := -Oz $(web.cpu) --no-entry -sSTANDALONE_WASM -sALLOW_MEMORY_GROWTH -sINITIAL_MEMORY=1MB -sMAXIMUM_MEMORY=4GB -sTOTAL_STACK=128KB -sMALLOC=emmalloc \
               -sFILESYSTEM=0 -sERROR_ON_UNDEFINED_SYMBOLS=0 -sWARN_ON_UNDEFINED_SYMBOLS=0 -Wl,-u,calloc,--stack-first -sEXPORTED_FUNCTIONS=_malloc,_free
+
+# functions of a few instructions are inlined, which makes the file smaller, too; emcc -Oz inlines none
+web.inline := --enable-simd --enable-bulk-memory --enable-sign-ext --enable-nontrapping-float-to-int --enable-mutable-globals \
+              -aimfs 19 -fimfs 1 -ocimfs 19 --inlining-optimizing -Oz --converge
+
 
 web.objects := $(web.c:%.c=$(web.o)/%.o)
 web.zobjects := $(web.zstd:$W/sources/%.c=$(web.o)/%.o) $(web.o)/xxhash/xxhash.o
@@ -52,7 +58,7 @@ $(web.out)/vxs.wasm: $(web.objects) $(web.zobjects)
 $(web.out)/core.wasm: $(web.core) $(filter-out %/vxs_web.o,$(web.objects)) $(web.zobjects)
 $(web.out)/vxs.wasm $(web.out)/core.wasm: runtime/web/runtime.mk
 	@echo "  emcc $@"
-	$Q mkdir -p $(@D) && $(EMCC) $(web.link) $(filter %.o,$^) -o $@ && chmod 644 $@
+	$Q mkdir -p $(@D) && $(EMCC) $(web.link) $(filter %.o,$^) -o $@.wasm && $(WASM_OPT) $(web.inline) $@.wasm -o $@ && chmod 644 $@ && $(RM) $@.wasm
 
 web.modules := $(patsubst runtime/web/%,$(web.out)/%,$(wildcard runtime/web/*.mjs runtime/web/*.d.ts))
 $(web.modules): $(web.out)/%: runtime/web/%
