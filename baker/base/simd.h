@@ -228,7 +228,9 @@ static inline f32x4 f32x4_all(float value)
 /* For NaN the result is unspecified. */
 static inline f32x4 f32x4_max(f32x4 a, f32x4 b)
 {
-#ifdef __SSE2__
+#ifdef __wasm_simd128__
+    return (f32x4)__builtin_wasm_pmax_f32x4(b, a);
+#elif defined __SSE2__
     return (f32x4)_mm_max_ps((__m128)a, (__m128)b);
 #else
     return (f32x4)i32x4_select((i32x4)(a > b), (i32x4)a, (i32x4)b);
@@ -237,7 +239,9 @@ static inline f32x4 f32x4_max(f32x4 a, f32x4 b)
 
 static inline f32x4 f32x4_min(f32x4 a, f32x4 b)
 {
-#ifdef __SSE2__
+#ifdef __wasm_simd128__
+    return (f32x4)__builtin_wasm_pmin_f32x4(b, a);
+#elif defined __SSE2__
     return (f32x4)_mm_min_ps((__m128)a, (__m128)b);
 #else
     return (f32x4)i32x4_select((i32x4)(a < b), (i32x4)a, (i32x4)b);

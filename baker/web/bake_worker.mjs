@@ -35,7 +35,7 @@ function answer(port, request) {
   port.postMessage(done, done.results.filter(Boolean).map((bytes) => bytes.buffer));
 }
 
-// a browser drops what is sent before its worker listens, so nothing is awaited before
+// a browser delivers messages once the module has run: it listens before it awaits anything
 if (typeof WorkerGlobalScope !== 'undefined')
   globalThis.addEventListener('message', (event) => answer(globalThis, event.data), { once: true });
 else

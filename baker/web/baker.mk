@@ -6,11 +6,12 @@ wasm.sources := $(patsubst %,$W/sources/%/.unpacked,zstd xxhash png zlib webp dr
 wasm.libs  := $(patsubst %,$W/lib/lib%.a,zstd xxhash png zlib webp jansson meshoptimizer draco gmp)
 wasm.out   := $P/baker
 
-# files that run often are compiled for speed, those that a run calls once for size
+# files that run often are compiled for speed, those that a run calls once for size; where most of the time goes, whatever it takes
+wasm.hot   := baker/columns/sparse/leaf.c baker/coding/blocks/block_node.c formats/vxs_page_encode.c formats/vxs_page_decode.c
 wasm.cold  := baker/command/% baker/files/% baker/scene/% baker/library/% baker/main.c baker/bake/% baker/web/% runtime/%
-wasm.speed  = $(if $(filter $(wasm.cold),$<),-Os,-O2)
+wasm.speed  = $(if $(filter $(wasm.hot),$<),-O3,$(if $(filter $(wasm.cold),$<),-Os,-O2))
 # CGAL's code for SSE2 is assembly
-wasm.simd   = -msimd128 $(if $(filter baker/casters/%.cc,$<),,-msse2)
+wasm.simd   = -msimd128 -mnontrapping-fptoint -msign-ext $(if $(filter baker/casters/%.cc,$<),,-msse2)
 # never -DNDEBUG: CGAL checks its rounding in assertions
 wasm.flags  = $(filter -I%,$(flags)) -isystem $W/include -MMD -MP -ffp-contract=off -DVXS_ONE_THREAD $(wasm.speed) $(wasm.simd)
 wasm.cflags = -std=c11 -D_GNU_SOURCE $(warn) -Wstrict-prototypes -Wmissing-prototypes $(wasm.flags)
@@ -41,7 +42,7 @@ $(patsubst %,$W/o/command/%.o,$(wasm.data)): $W/o/command/%.o: %
 
 $(wasm.out)/vxs.wasm: $(wasm.o) $(wasm.libs)
 	@echo "  link $@"
-	$Q mkdir -p $(@D) && emcc -O2 -fwasm-exceptions -sSUPPORT_LONGJMP=wasm -sSTANDALONE_WASM -sALLOW_MEMORY_GROWTH -sMAXIMUM_MEMORY=4GB -sINITIAL_MEMORY=16MB \
+	$Q mkdir -p $(@D) && emcc -Os -fwasm-exceptions -sSUPPORT_LONGJMP=wasm -sSTANDALONE_WASM -sALLOW_MEMORY_GROWTH -sMAXIMUM_MEMORY=4GB -sINITIAL_MEMORY=16MB \
 	    -sTOTAL_STACK=2MB -Wl,-u,calloc -sERROR_ON_UNDEFINED_SYMBOLS=0 -sWARN_ON_UNDEFINED_SYMBOLS=0 $(wasm.ld) -o $@ $^
 wasm.mjs := $(patsubst baker/web/%,$(wasm.out)/%,$(filter-out baker/web/command.mjs,$(wildcard baker/web/*.mjs baker/web/*.d.ts)))
 $(wasm.mjs): $(wasm.out)/%: baker/web/%

@@ -7,7 +7,7 @@ import os from 'node:os';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
 import { pathToFileURL } from 'node:url';
-import { launch, noBrowser, openPage, run, serve } from './browser.mjs';
+import { launch, noBrowser, run, serve } from './browser.mjs';
 
 const VXS = process.env.VXS ?? path.resolve('build/release/vxs');
 const PACKAGE = process.env.VXS_PACKAGE ?? path.resolve('build/web/vxs');
@@ -95,17 +95,27 @@ test('Node: an abort ends a bake at once', async () => {
   await assert.rejects(bake(glb, {}, { signal: AbortSignal.abort(new Error('no')) }), /^Error: no$/);
 });
 
-test('browser', { skip: noBrowser }, async (t) => {
+test('browser', { skip: noBrowser, timeout: 120_000 }, async (t) => {
   let browser, server, page;
   before(async () => {
     server = await serve(folder);
     browser = await launch();
-    page = await openPage(browser, server);
+    page = await openPage();
   });
   after(async () => {
     await browser?.close();
     await server?.close();
   });
+  /** As openPage of browser.mjs, but requests are only watched: where they are intercepted, imports of workers may wait for ever. */
+  async function openPage() {
+    const opened = await browser.newPage();
+    opened.faults = [];
+    opened.on('console', (message) => ['error', 'warn', 'warning'].includes(message.type()) && opened.faults.push(message.text()));
+    opened.on('pageerror', (error) => opened.faults.push(error.message));
+    opened.on('request', (request) => request.url().startsWith(server.url) || request.url().startsWith('data:') || opened.faults.push(request.url()));
+    await opened.goto(`${server.url}/page?three=three`);
+    return opened;
+  }
   const call = (name, argument) => run(page, '/tests/bake_page.mjs', name, argument);
 
   await t.test('the bytes of the command, its report and its progress', async () => {

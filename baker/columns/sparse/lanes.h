@@ -86,6 +86,8 @@ static inline f64s f64s_max(f64s a, f64s b)
 {
 #ifdef __AVX2__
     return (f64s)_mm256_max_pd((__m256d)a, (__m256d)b);
+#elif defined __wasm_simd128__
+    return (f64s)__builtin_wasm_pmax_f64x2(b, a);
 #elif defined __SSE2__
     return (f64s)_mm_max_pd((__m128d)a, (__m128d)b);
 #else
@@ -97,6 +99,8 @@ static inline f64s f64s_min(f64s a, f64s b)
 {
 #ifdef __AVX2__
     return (f64s)_mm256_min_pd((__m256d)a, (__m256d)b);
+#elif defined __wasm_simd128__
+    return (f64s)__builtin_wasm_pmin_f64x2(b, a);
 #elif defined __SSE2__
     return (f64s)_mm_min_pd((__m128d)a, (__m128d)b);
 #else
@@ -111,9 +115,8 @@ static inline f64s f64s_select(uint32_t bits, f64s a, f64s b)
     i64s sign = i64s_all(bits) << (i64s){63, 62, 61, 60};
     return (f64s)_mm256_blendv_pd((__m256d)b, (__m256d)a, (__m256d)sign);
 #else
-    i64s mask = {0};
-    for (int n = 0; n < LANES; n++) mask[n] = -(int64_t)(bits >> n & 1);
-    return (f64s)(((i64s)a & mask) | ((i64s)b & ~mask));
+    static const i64s masks[4] = {{0, 0}, {-1, 0}, {0, -1}, {-1, -1}};
+    return (f64s)(((i64s)a & masks[bits]) | ((i64s)b & ~masks[bits]));
 #endif
 }
 
