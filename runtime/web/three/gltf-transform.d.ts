@@ -3,6 +3,10 @@ import type { Document, Extension, ExtensionProperty } from '@gltf-transform/cor
 
 /** Baked shadows of a document: the bytes of a .vxs file, or the URI of one. A property of the root. */
 export class Shadows extends ExtensionProperty {
+  readonly extensionName: 'VXS_baked_shadows';
+  readonly propertyType: string;
+  readonly parentTypes: string[];
+  protected init(): void;
   getBytes(): Uint8Array | null;
   setBytes(bytes: Uint8Array | ArrayBuffer): this;
   getURI(): string;

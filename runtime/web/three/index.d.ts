@@ -22,8 +22,9 @@ export interface AttachOptions {
   /** Texels along a side of a depth texture, a power of two; 4096 by default, at most that of the light. */
   resolution?: number;
   /**
-   * Objects that move, with all below them: they alone cast into live shadow maps of three.js, whose answer is multiplied with the
-   * baked one. For the way 'lookup'; renderer.shadowMap.enabled must be true.
+   * Objects that move, with all below them: they alone cast into live shadow maps of three.js (castShadow of all other meshes of the
+   * target becomes false, for lights without a baked shadow, too), whose answer is multiplied with the baked one. For the way
+   * 'lookup'; renderer.shadowMap.enabled must be true: pass the renderer, or set it.
    */
   movers?: Object3D[];
 }
@@ -45,7 +46,7 @@ export class BakedShadows {
   readonly words: { texture: DataTexture; wide: number; first: Map<BakedLight, number> };
   /**
    * Let the lights below a scene, or of a result of GLTFLoader, shine with their baked shadows. Lights match by name, else by place.
-   * Sets receiveShadow and castShadow of meshes; their lit materials (Standard, Physical, Lambert, Phong, Toon) are extended by the
+   * Sets receiveShadow of meshes; their lit materials (Standard, Physical, Lambert, Phong, Toon) are extended by the
    * way 'lookup'. The root may be moved and turned, not scaled. Throws VXSError; then nothing has changed.
    */
   attach(target: Object3D | { scene: Object3D; parser?: unknown }, options?: AttachOptions): Match;

@@ -90,7 +90,7 @@ export class BakedShadows {
     return match;
   }
 
-  // What is baked casts no shadow into live maps any more, and all that is lit receives shadows. Only movers cast.
+  // All that is lit receives shadows. With movers, they alone cast into live maps: what is baked would be in shadow twice.
   #receive(root, movers) {
     const set = (object, name, value) => {
       const had = object[name];
@@ -102,7 +102,7 @@ export class BakedShadows {
     for (const mover of movers) meshesOf(mover, (mesh) => moves.add(mesh));
     const shade = (mesh) => {
       set(mesh, 'receiveShadow', true);
-      set(mesh, 'castShadow', moves.has(mesh));
+      if (moves.size) set(mesh, 'castShadow', moves.has(mesh));
       this.#way.add(mesh);
     };
     meshesOf(root, shade);
