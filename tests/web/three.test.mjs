@@ -64,6 +64,13 @@ function inBrowser(name, act, options = {}) {
 const files = (scene, size = SIZE) => ({ glb: `/files/${scene}.glb`, vxs: `/files/${scene}.vxs`, view: VIEWS[scene], size });
 const SMALL = [80, 60];
 
+inBrowser('lights match by kind and name, then by place', async (page) => {
+  assert.deepEqual(await run(page, PAGE, 'matching'), {
+    matched: [['', 'light3', false], ['My_Lamp', 'My Lamp', false], ['lamp', 'lamp', false], ['lamp_1', 'lamp#2', false], ['moved', 'moved', true]],
+    lights: ['live', 'sun'], baked: ['sun'],
+  });
+}, { releases: SOME });
+
 inBrowser('lookups give the pictures of vxs render', async (page) => {
   for (const [scene, light, pass] of [['city', 'sun', 'lit-0-sun'], ['room', 'lamp', 'lit-0-lamp'], ['room', 'corner', 'lit-1-corner']]) {
     const got = await run(page, PAGE, 'compared', { ...files(scene), light, pass: `/files/${scene}-9/${pass}.png` });
@@ -136,6 +143,12 @@ inBrowser('all kinds of materials and meshes have the same shadow', async (page)
   assert.ok(dark > 0.01 && lit > 0.1, `${dark} ${lit}`);
 }, { releases: SOME });
 
+inBrowser('lights of all kinds shine together as they do alone', async (page) => {
+  const got = await run(page, PAGE, 'manyLights', { ...files('pillars', [160, 120]), group: 1, live: true });
+  assert.deepEqual([got.lights, got.matched], [4, 3]);
+  assert.ok(got.apart < 1e-4 && got.mean < 0.99 * got.bare, JSON.stringify(got));
+}, { releases: SOME });
+
 inBrowser('165 lamps shine in one material', async (page) => {
   const got = await run(page, PAGE, 'manyLights', { ...files('hall', SMALL), group: 55 });
   assert.deepEqual([got.lights, got.matched], [165, 165]);
@@ -181,6 +194,8 @@ inBrowser('damaged files and wrong options are errors, and the scene stays as it
   assert.match(got.vsm, /^true unsupported .*VSMShadowMap/);
   assert.match(got.twice, /shadows of another file/);
   assert.match(got['before detach'], /the scene has changed/);
+  const heard = await run(page, PAGE, 'managed', files('pillars'));
+  assert.deepEqual(heard, ['3 lights', 'all', 'truncated', 'failed', 'all', 'no file', 'failed', 'all']);
   for (const [name, text] of Object.entries(got)) if (name !== 'before detach') assert.doesNotMatch(text, /the scene has changed/, name);
 }, { releases: SOME, allow: /nothing.vxs|404/ });
 

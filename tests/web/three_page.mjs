@@ -173,10 +173,16 @@ export async function voxels({ vxs, light: name, width, smooth = false, side = 6
 }
 
 /** All lights in one rendering against the sum of renderings of some lights at a time: the greatest difference, and uniforms. */
-export async function manyLights({ glb, vxs, view, size, group = 33 }) {
+export async function manyLights({ glb, vxs, view, size, group = 33, live }) {
   const renderer = newRenderer(size), gltf = await loadScene(glb), shadows = await loadShadows(vxs), camera = newCamera(view, size);
   whiten(gltf.scene, THREE.MeshStandardMaterial);
   const lights = [];
+  if (live) { // a lamp with a live shadow, which three.js has before the others
+    const lamp = new THREE.PointLight(0xffffff, 20);
+    lamp.position.set(-5, 3, 5);
+    lamp.castShadow = renderer.shadowMap.enabled = true;
+    gltf.scene.add(lamp);
+  }
   gltf.scene.traverse((object) => object.isLight && lights.push(object));
   const match = shadows.attach(gltf, { filter: { box: 3 } });
   const draw = (chosen) => {
@@ -479,4 +485,41 @@ export async function points({ every = 5, ...what }) {
       if (hit) out.push([...hit.point.toArray(), ...hit.face.normal.transformDirection(hit.object.matrixWorld).toArray(), value]);
     }
   return out;
+}
+
+/** What a LoadingManager hears of a file, of a damaged one and of none. */
+export async function managed({ vxs }) {
+  const { VXSError } = await import('vxs/three'), heard = [], manager = new THREE.LoadingManager();
+  const bytes = new Uint8Array(await (await fetch(vxs)).arrayBuffer());
+  const damaged = URL.createObjectURL(new Blob([bytes.subarray(0, bytes.length - 9)]));
+  for (const url of [vxs, damaged, '/files/nothing.vxs']) {
+    let end;
+    const done = new Promise((resolve) => { end = resolve; });
+    manager.onLoad = () => { heard.push('all'); end(); };
+    manager.onError = () => heard.push('failed');
+    new VXSLoader(manager).load(url, (shadows) => { heard.push(`${shadows.lights.length} lights`); shadows.dispose(); }, undefined,
+      (error) => heard.push(error instanceof VXSError ? error.code : 'no file'));
+    await done;
+  }
+  return heard;
+}
+
+/** Names and places: which baked light is whose. */
+export async function matching() {
+  const { matchLights } = await import('/vxs/three/names.mjs'), root = new THREE.Group();
+  const lamp = (name, at) => ({ name, kind: 'point', matrix: Float64Array.of(1, 0, 0, -at[0], 0, 1, 0, -at[1], 0, 0, 1, -at[2]) });
+  const sun = { name: 'sun', kind: 'directional', matrix: Float64Array.of(9, 0, 0, 0, 0, 0, 9, 0, 0, -9, 0, 0) };
+  const add = (light, name, at, userData = {}) => root.add(Object.assign(light, { name, userData })) && light.position.set(...at);
+  add(new THREE.PointLight(), 'lamp_1', [5, 1, 0], { name: 'lamp' });
+  add(new THREE.PointLight(), 'lamp', [0, 1, 0], { name: 'lamp' });
+  add(new THREE.PointLight(), 'My_Lamp', [0, 0, 7]);
+  add(new THREE.PointLight(), '', [3, 3, 3]);
+  add(new THREE.PointLight(), 'moved', [1, 2, 4]);
+  add(new THREE.PointLight(), 'live', [8, 8, 8]);
+  add(new THREE.SpotLight(), 'sun', [0, 9, 0]); // another kind
+  const baked = [lamp('lamp', [0, 1, 0]), lamp('lamp#2', [5, 1, 0]), lamp('My Lamp', [0, 0, 7]), lamp('light3', [3, 3, 3]), lamp('moved', [1, 2, 3]), sun];
+  const match = matchLights(baked, root, new THREE.Matrix4());
+  return {
+    matched: match.matched.map(({ light, baked: b, moved }) => [light.name, b.name, moved]).sort(), lights: match.lights.map((l) => l.name), baked: match.baked.map((b) => b.name),
+  };
 }

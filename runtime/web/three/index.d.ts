@@ -42,12 +42,15 @@ export interface Match {
 export class BakedShadows {
   readonly asset: Asset;
   readonly lights: readonly BakedLight[];
+  /** What the last attach() matched; empty after detach(). */
+  readonly pairs: Match['matched'];
   /** Words of all lights, R32UI, `wide` texels in a row: word n of a light is at first.get(light) + n. */
   readonly words: { texture: DataTexture; wide: number; first: Map<BakedLight, number> };
   /**
    * Let the lights below a scene, or of a result of GLTFLoader, shine with their baked shadows. Lights match by name, else by place.
    * Sets receiveShadow of meshes; their lit materials (Standard, Physical, Lambert, Phong, Toon) are extended by the
-   * way 'lookup'. The root may be moved and turned, not scaled. Throws VXSError; then nothing has changed.
+   * way 'lookup'. The root may be moved and turned, not scaled. An earlier attachment is undone first. Throws VXSError; then nothing
+   * is attached, and the scene is as it was before.
    */
   attach(target: Object3D | { scene: Object3D; parser?: unknown }, options?: AttachOptions): Match;
   /** Shade meshes that came after attach(). */
