@@ -17,15 +17,19 @@ export async function embeddedLevel(document) {
   const element = document.getElementById('vxs-level');
   if (!element) return null;
   const { files, scene, asset, warnings } = JSON.parse(element.textContent);
-  const bytes = files.map((file) => new Uint8Array(file.size_bytes)), ends = files.map(() => 0);
+  const bytes = files.map((file) => new Uint8Array(file.size_bytes)),
+    ends = files.map(() => 0);
   for (const part of document.querySelectorAll('script[data-vxs]')) {
     const index = Number(part.dataset.vxs);
     ends[index] = decodeInto(bytes[index], ends[index], part.textContent);
     part.remove();
-    await new Promise((resolve) => { setTimeout(resolve); });
+    await new Promise((resolve) => {
+      setTimeout(resolve);
+    });
   }
   element.remove();
-  if (files.some((file, n) => ends[n] !== file.size_bytes)) throw new LevelError('This page is not complete: write it again.');
+  if (files.some((file, n) => ends[n] !== file.size_bytes))
+    throw new LevelError('This page is not complete: write it again.');
   const beside = files.map((file, n) => [file.uri, bytes[n]]).slice(1, -1);
   return {
     scene: { name: scene.name ?? 'scene', choice: scene.scene, bytes: bytes[0] },
@@ -35,7 +39,8 @@ export async function embeddedLevel(document) {
   };
 }
 
-const GLB = 0x46546c67, JSON_CHUNK = 0x4e4f534a;
+const GLB = 0x46546c67,
+  JSON_CHUNK = 0x4e4f534a;
 
 /** The JSON of a .gltf or .glb file. */
 export function gltfJson(bytes, name) {
@@ -43,32 +48,44 @@ export function gltfJson(bytes, name) {
   let text = bytes;
   if (bytes.length >= 20 && view.getUint32(0, true) === GLB) {
     const size = view.getUint32(12, true);
-    if (view.getUint32(16, true) !== JSON_CHUNK || size > bytes.length - 20) throw new LevelError(`${name} is damaged: its JSON chunk does not fit.`);
+    if (view.getUint32(16, true) !== JSON_CHUNK || size > bytes.length - 20)
+      throw new LevelError(`${name} is damaged: its JSON chunk does not fit.`);
     text = bytes.subarray(20, 20 + size);
   }
   try {
     const json = JSON.parse(new TextDecoder().decode(text).replace(/\0+$/, ''));
     if (json?.asset) return json;
-  } catch { /* told below */ }
+  } catch {
+    /* told below */
+  }
   throw new LevelError(`${name} is not a glTF 2.0 scene.`);
 }
 
 /** URIs of the files that a scene needs beside itself: { uri, kind: 'buffer' | 'image' }. */
 export function filesBeside(json) {
-  const of = (list, kind) => (list ?? []).map(({ uri }) => ({ uri, kind })).filter(({ uri }) => typeof uri === 'string' && !/^data:/i.test(uri));
+  const of = (list, kind) =>
+    (list ?? [])
+      .map(({ uri }) => ({ uri, kind }))
+      .filter(({ uri }) => typeof uri === 'string' && !/^data:/i.test(uri));
   return [...of(json.buffers, 'buffer'), ...of(json.images, 'image')];
 }
 
 async function filesBelow(entry, folder = '') {
   if (entry.isFile) {
-    const file = await new Promise((resolve, reject) => { entry.file(resolve, reject); });
+    const file = await new Promise((resolve, reject) => {
+      entry.file(resolve, reject);
+    });
     return [{ path: folder + file.name, file }];
   }
-  const reader = entry.createReader(), found = [];
-  for (;;) { // a reader gives at most a hundred entries at a time
-    const some = await new Promise((resolve, reject) => { reader.readEntries(resolve, reject); });
+  const reader = entry.createReader(),
+    found = [];
+  for (;;) {
+    // a reader gives at most a hundred entries at a time
+    const some = await new Promise((resolve, reject) => {
+      reader.readEntries(resolve, reject);
+    });
     if (!some.length) return found;
-    for (const each of some) found.push(...await filesBelow(each, `${folder}${entry.name}/`));
+    for (const each of some) found.push(...(await filesBelow(each, `${folder}${entry.name}/`)));
   }
 }
 
@@ -84,9 +101,15 @@ function fileFor(uri, folder, files) {
   let path = uri.replaceAll('\\', '/');
   try {
     path = decodeURIComponent(path);
-  } catch { /* a name with a percent sign */ }
-  const name = (text) => text.split('/').at(-1), named = files.filter((each) => name(each.path) === name(path));
-  return files.find((each) => each.path === folder + path.replace(/^(\.\/)+/, '')) ?? (named.length === 1 ? named[0] : undefined);
+  } catch {
+    /* a name with a percent sign */
+  }
+  const name = (text) => text.split('/').at(-1),
+    named = files.filter((each) => name(each.path) === name(path));
+  return (
+    files.find((each) => each.path === folder + path.replace(/^(\.\/)+/, '')) ??
+    (named.length === 1 ? named[0] : undefined)
+  );
 }
 
 const bytesOf = async ({ file }) => new Uint8Array(await file.arrayBuffer());
@@ -94,18 +117,33 @@ const bytesOf = async ({ file }) => new Uint8Array(await file.arrayBuffer());
 /** The level of some files; what they lack comes from the level before. */
 export async function droppedLevel(files, before) {
   const kind = (pattern) => files.filter(({ path }) => pattern.test(path));
-  const scenes = kind(/\.(glb|gltf)$/i), assets = kind(/\.vxs$/i);
-  if (scenes.length > 1) throw new LevelError(`Drop one scene at a time: there are ${scenes.map(({ path }) => path).join(' and ')}.`);
-  if (assets.length > 1) throw new LevelError(`Drop one .vxs file at a time: there are ${assets.map(({ path }) => path).join(' and ')}.`);
-  if (!scenes.length && !assets.length) throw new LevelError('Drop a scene, .glb or .gltf with its files, or a .vxs file, or both.');
-  if (!scenes.length && !before) throw new LevelError(`Drop the scene of ${assets[0].path} as well: a .glb file, or a .gltf file with its files.`);
+  const scenes = kind(/\.(glb|gltf)$/i),
+    assets = kind(/\.vxs$/i);
+  if (scenes.length > 1)
+    throw new LevelError(
+      `Drop one scene at a time: there are ${scenes.map(({ path }) => path).join(' and ')}.`,
+    );
+  if (assets.length > 1)
+    throw new LevelError(
+      `Drop one .vxs file at a time: there are ${assets.map(({ path }) => path).join(' and ')}.`,
+    );
+  if (!scenes.length && !assets.length)
+    throw new LevelError('Drop a scene, .glb or .gltf with its files, or a .vxs file, or both.');
+  if (!scenes.length && !before)
+    throw new LevelError(
+      `Drop the scene of ${assets[0].path} as well: a .glb file, or a .gltf file with its files.`,
+    );
   const asset = assets.length ? { name: assets[0].path, bytes: await bytesOf(assets[0]) } : null;
   if (!scenes.length) return { ...before, asset, warnings: [] };
 
-  const [{ path }] = scenes, bytes = await bytesOf(scenes[0]), folder = path.replace(/[^/]*$/, ''), beside = new Map();
+  const [{ path }] = scenes,
+    bytes = await bytesOf(scenes[0]),
+    folder = path.replace(/[^/]*$/, ''),
+    beside = new Map();
   for (const { uri, kind: what } of filesBeside(gltfJson(bytes, path))) {
     const found = fileFor(uri, folder, files);
-    if (!found && what === 'buffer') throw new LevelError(`${path} needs the file ${uri}: drop both together.`);
+    if (!found && what === 'buffer')
+      throw new LevelError(`${path} needs the file ${uri}: drop both together.`);
     if (found) beside.set(uri, await bytesOf(found));
   }
   return { scene: { name: path, choice: null, bytes }, files: beside, asset, warnings: [] };

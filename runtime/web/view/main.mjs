@@ -1,26 +1,35 @@
 // The page of vxs view: a level in its baked light.
 // SPDX-License-Identifier: MIT
-import { BufferGeometry, Float32BufferAttribute, Line, LineBasicMaterial, LineLoop, Vector3 } from 'three';
+import { Vector3 } from 'three';
 import { VXSError, load } from 'vxs';
 import { VXSLoader } from 'vxs/three';
 import runtimeWasm from 'packed:vxs/runtime/vxs.wasm';
 import { Cameras, camerasOf } from './cameras.mjs';
+import { TexelCard } from './card.mjs';
 import { shadowPasses } from './costs.mjs';
 import { LevelError, chosenFiles, droppedLevel, embeddedLevel } from './level.mjs';
 import { buildPanel, bytesText, countText, facts, h } from './panel.mjs';
 import { readScene } from './scene.mjs';
 import { LIVE_LIGHTS, LIVE_SIDE_PX, Stage } from './stage.mjs';
-import { Picker, explain, outlineOf } from './texel.mjs';
+import { Picker } from './texel.mjs';
 import { unpack } from './unpack.mjs';
 
 const byId = (id) => document.getElementById(id);
-const canvas = byId('canvas'), split = byId('split'), panel = byId('panel');
+const canvas = byId('canvas'),
+  split = byId('split'),
+  panel = byId('panel');
 
 class View {
   constructor() {
     this.stage = new Stage(canvas);
-    this.cameras = new Cameras(this.stage.camera, canvas, () => this.redraw(), (mode) => this.#mode(mode));
+    this.cameras = new Cameras(
+      this.stage.camera,
+      canvas,
+      () => this.redraw(),
+      (mode) => this.#mode(mode),
+    );
     this.picker = new Picker(this.stage.renderer);
+    this.card = new TexelCard(this.stage, byId('texel'));
     this.runtime = unpack(runtimeWasm).then((wasm) => load({ wasm }));
     this.level = null;
     this.pointer = null;
@@ -55,23 +64,38 @@ class View {
   // --- levels ------------------------------------------------------------------------------------------------------------------
 
   async open(level) {
-    const begin = performance.now(), runtime = await this.runtime, loader = new VXSLoader().setRuntime(runtime);
-    let shadows = null, asset = null;
+    const begin = performance.now(),
+      runtime = await this.runtime,
+      loader = new VXSLoader().setRuntime(runtime);
+    let shadows = null,
+      asset = null;
     const opening = performance.now();
     if (level.asset) {
       try {
         shadows = await loader.parseAsync(level.asset.bytes);
       } catch (error) {
-        throw error instanceof VXSError ? new LevelError(`${level.asset.name} cannot be opened: ${error.message}.`) : error;
+        throw error instanceof VXSError
+          ? new LevelError(`${level.asset.name} cannot be opened: ${error.message}.`)
+          : error;
       }
       asset = shadows.asset;
     }
     const opened = performance.now();
     try {
-      const { gltf, root, missing } = await readScene(level, this.stage.renderer, asset?.info?.scene?.name || null);
+      const { gltf, root, missing } = await readScene(
+        level,
+        this.stage.renderer,
+        asset?.info?.scene?.name || null,
+      );
       const parsed = performance.now();
-      Object.assign(this, { level, asset, root, times: { runtime: opening - begin, asset: opened - opening, scene: parsed - opened } });
-      if (document.body.classList.contains('empty')) { // the panel appears, where there is room for it
+      Object.assign(this, {
+        level,
+        asset,
+        root,
+        times: { runtime: opening - begin, asset: opened - opening, scene: parsed - opened },
+      });
+      if (document.body.classList.contains('empty')) {
+        // the panel appears, where there is room for it
         document.body.classList.remove('empty');
         if (matchMedia('(max-width: 760px)').matches) this.#togglePanel();
         this.#resize();
@@ -85,20 +109,39 @@ class View {
 
   #show(gltf, root, shadows, missing) {
     const { stage, cameras, level, asset } = this;
-    this.#clearTexel();
+    this.card.clear();
     const match = stage.show(root, gltf, shadows);
     const sun = stage.lights.find(({ light }) => light.isDirectionalLight)?.light;
-    const towards = sun && new Vector3().setFromMatrixPosition(sun.matrixWorld).sub(new Vector3().setFromMatrixPosition(sun.target.matrixWorld)).normalize();
-    this.frame = () => cameras.frame(stage.bounds, towards, (points) => this.picker.around(stage.scene, points));
+    const towards =
+      sun &&
+      new Vector3()
+        .setFromMatrixPosition(sun.matrixWorld)
+        .sub(new Vector3().setFromMatrixPosition(sun.target.matrixWorld))
+        .normalize();
+    this.frame = () =>
+      cameras.frame(stage.bounds, towards, (points) => this.picker.around(stage.scene, points));
     this.frame();
     this.fileCameras = camerasOf(root);
     if (this.fileCameras.length) cameras.use(this.fileCameras[0].camera);
     stage.measure();
-    this.passes = shadowPasses(root, stage.lights.map(({ light }) => light), stage.bounds.getSize(new Vector3()).length());
+    this.passes = shadowPasses(
+      root,
+      stage.lights.map(({ light }) => light),
+      stage.bounds.getSize(new Vector3()).length(),
+    );
 
-    const warnings = [...level.warnings, ...missing.map((uri) => `The image ${uri} is not here: its material is drawn without it.`)];
-    if (match.added.length) warnings.push(`${match.added.map(({ name }) => name).join(', ')}: in the .vxs file alone, so its brightness is a guess.`);
-    if (stage.moved.length) warnings.push(`${stage.moved.join(', ')}: not where it was when it was baked, so its shadow does not fit.`);
+    const warnings = [
+      ...level.warnings,
+      ...missing.map((uri) => `The image ${uri} is not here: its material is drawn without it.`),
+    ];
+    if (match.added.length)
+      warnings.push(
+        `${match.added.map(({ name }) => name).join(', ')}: in the .vxs file alone, so its brightness is a guess.`,
+      );
+    if (stage.moved.length)
+      warnings.push(
+        `${stage.moved.join(', ')}: not where it was when it was baked, so its shadow does not fit.`,
+      );
     const without = stage.lights.filter(({ baked }) => !baked).length;
     if (asset && without) warnings.push(`${without} of ${stage.lights.length} lights have no baked shadow.`);
     if (!asset) warnings.push('There is no .vxs file: drop one, or bake the scene with vxs bake.');
@@ -110,55 +153,102 @@ class View {
   }
 
   #subtitle() {
-    const { level, stage, asset } = this, baked = stage.lights.filter(({ baked: each }) => each);
-    const lights = baked.length === 1 ? `${baked[0].baked.resolution} x ${baked[0].baked.resolution} texels` : `${baked.length} lights`;
-    byId('title').querySelector('p').textContent = asset ? `${lights}, ${bytesText(level.asset.bytes.length)} of baked shadows` : 'no baked shadows';
+    const { level, stage, asset } = this,
+      baked = stage.lights.filter(({ baked: each }) => each);
+    const lights =
+      baked.length === 1
+        ? `${baked[0].baked.resolution} x ${baked[0].baked.resolution} texels`
+        : `${baked.length} lights`;
+    byId('title').querySelector('p').textContent = asset
+      ? `${lights}, ${bytesText(level.asset.bytes.length)} of baked shadows`
+      : 'no baked shadows';
   }
 
   #panel(warnings) {
     const { stage, cameras } = this;
-    const changed = (change) => (...values) => {
-      change(...values);
-      this.redraw();
-    };
-    this.controls = buildPanel(panel, {
-      lights: stage.lights, filter: stage.filter, compare: stage.compare, cameras: this.fileCameras, stops: stage.exposureStops,
-      sky: stage.skyShare, fog: stage.fog.available ? stage.fog : null, warnings,
-    }, {
-      light: changed((each, on) => { each.on = on; }),
-      width: changed((width) => { stage.filter = stage.filter.smooth ? { smooth: width } : { box: width }; }),
-      kind: changed((kind, width) => { stage.filter = { [kind]: width }; }),
-      fog: changed((on) => {
-        stage.fog.on = on;
-        stage.measure();
-      }),
-      density: changed((extinction) => { stage.fog.extinction = extinction; }),
-      compare: (key) => this.compare(key === 'off' ? null : key),
-      camera: (n) => (n < 0 ? this.frame() : cameras.use(this.fileCameras[n].camera)),
-      speed: (power) => { cameras.speed = (stage.bounds.getSize(new Vector3()).length() / 16) * 2 ** power; },
-      walk: () => cameras.walk(),
-      exposure: changed((stops) => { stage.exposureStops = stops; }),
-      sky: changed((share) => { stage.skyShare = share; }),
-      measure: changed(() => stage.measure()),
-      open: () => this.#chooseFiles(),
-    });
+    const changed =
+      (change) =>
+      (...values) => {
+        change(...values);
+        this.redraw();
+      };
+    this.controls = buildPanel(
+      panel,
+      {
+        lights: stage.lights,
+        filter: stage.filter,
+        compare: stage.compare,
+        cameras: this.fileCameras,
+        stops: stage.exposureStops,
+        sky: stage.skyShare,
+        fog: stage.fog.available ? stage.fog : null,
+        warnings,
+      },
+      {
+        light: changed((each, on) => {
+          each.on = on;
+        }),
+        width: changed((width) => {
+          stage.filter = stage.filter.smooth ? { smooth: width } : { box: width };
+        }),
+        kind: changed((kind, width) => {
+          stage.filter = { [kind]: width };
+        }),
+        fog: changed((on) => {
+          stage.fog.on = on;
+          stage.measure();
+        }),
+        density: changed((extinction) => {
+          stage.fog.extinction = extinction;
+        }),
+        compare: (key) => this.compare(key === 'off' ? null : key),
+        camera: (n) => (n < 0 ? this.frame() : cameras.use(this.fileCameras[n].camera)),
+        speed: (power) => {
+          cameras.speed = (stage.bounds.getSize(new Vector3()).length() / 16) * 2 ** power;
+        },
+        walk: () => cameras.walk(),
+        exposure: changed((stops) => {
+          stage.exposureStops = stops;
+        }),
+        sky: changed((share) => {
+          stage.skyShare = share;
+        }),
+        measure: changed(() => stage.measure()),
+        open: () => this.#chooseFiles(),
+      },
+    );
     this.numbersText = '';
     this.#numbers();
   }
 
   #numbers() {
-    const { stage, asset, level, times, passes } = this, ms = (time) => `${time.toFixed(time < 10 ? 1 : 0)} ms`;
-    const depth16 = stage.lights.reduce((sum, { baked }) => sum + (baked ? 2 * baked.maps * baked.resolution ** 2 : 0), 0);
+    const { stage, asset, level, times, passes } = this,
+      ms = (time) => `${time.toFixed(time < 10 ? 1 : 0)} ms`;
+    const depth16 = stage.lights.reduce(
+      (sum, { baked }) => sum + (baked ? 2 * baked.maps * baked.resolution ** 2 : 0),
+      0,
+    );
     const words = stage.lights.reduce((sum, { baked }) => sum + (baked ? 4 * baked.wordCount : 0), 0);
     const entries = {
-      Scene: bytesText([...level.files.values()].reduce((sum, { length }) => sum + length, level.scene.bytes.length)),
+      Scene: bytesText(
+        [...level.files.values()].reduce((sum, { length }) => sum + length, level.scene.bytes.length),
+      ),
       ...(asset && {
-        'Baked shadows': bytesText(level.asset.bytes.length), '16-bit depth maps': bytesText(depth16), 'In graphics memory': bytesText(words),
+        'Baked shadows': bytesText(level.asset.bytes.length),
+        '16-bit depth maps': bytesText(depth16),
+        'In graphics memory': bytesText(words),
         'Opened in': ms(times.asset),
       }),
       'Scene read in': ms(times.scene),
-      ...(stage.drawn && { 'Draws a frame': countText(stage.drawn.calls), 'Triangles a frame': countText(stage.drawn.triangles) }),
-      ...(asset && { 'Shadow passes saved': countText(passes.passes), 'Draws saved': countText(passes.calls), 'Triangles saved': countText(passes.triangles) }),
+      ...(stage.drawn && {
+        'Draws a frame': countText(stage.drawn.calls),
+        'Triangles a frame': countText(stage.drawn.triangles),
+      }),
+      ...(asset && {
+        'Shadow passes saved': countText(passes.passes),
+        'Draws saved': countText(passes.calls),
+        'Triangles saved': countText(passes.triangles),
+      }),
     };
     const text = JSON.stringify(entries);
     if (text === this.numbersText) return;
@@ -177,13 +267,19 @@ class View {
   }
 
   #placeSplit() {
-    const { stage } = this, baked = stage.lights.find((each) => each.baked)?.baked, { smooth, box } = stage.filter;
+    const { stage } = this,
+      baked = stage.lights.find((each) => each.baked)?.baked,
+      { smooth, box } = stage.filter;
     split.style.left = `${100 * stage.split}%`;
     split.setAttribute('aria-valuenow', Math.round(100 * stage.split));
-    byId('split-left').textContent = baked ? `Baked ${baked.resolution}, ${smooth ?? box} x ${smooth ?? box}` : 'Nothing baked';
+    byId('split-left').textContent = baked
+      ? `Baked ${baked.resolution}, ${smooth ?? box} x ${smooth ?? box}`
+      : 'Nothing baked';
     const live = stage.lights.filter(({ on }) => on).length;
-    byId('split-right').textContent = stage.compare === 'none' ? 'No shadows'
-      : `Live ${LIVE_SIDE_PX}, PCF${live > LIVE_LIGHTS ? `, ${LIVE_LIGHTS} of ${live} lights` : ''}`;
+    byId('split-right').textContent =
+      stage.compare === 'none'
+        ? 'No shadows'
+        : `Live ${LIVE_SIDE_PX}, PCF${live > LIVE_LIGHTS ? `, ${LIVE_LIGHTS} of ${live} lights` : ''}`;
   }
 
   #moveSplit(share) {
@@ -192,65 +288,13 @@ class View {
     this.redraw();
   }
 
-  // --- the texel under the cursor ----------------------------------------------------------------------------------------------
-
   #readTexel() {
-    const { stage, picker, pointer } = this, { width, height } = canvas.getBoundingClientRect();
+    const { stage, picker, pointer, card } = this,
+      { width, height } = canvas.getBoundingClientRect();
     this.pointerMoved = false;
-    if (!pointer || this.cameras.walking) return this.#clearTexel();
-    const found = picker.at(stage.scene, stage.camera, Math.floor(pointer.x), Math.floor(pointer.y), Math.floor(width), Math.floor(height));
-    return found ? this.#tellTexel(found) : this.#clearTexel();
-  }
-
-  /** Of all lights that are on, the one that matters: the brightest that faces the surface. */
-  #lightAt(point) {
-    const bright = ({ light, baked }) => {
-      const place = new Vector3().setFromMatrixPosition(light.matrixWorld);
-      return baked ? light.intensity / (light.isDirectionalLight ? 1 : Math.max(place.distanceToSquared(new Vector3(...point)), 1e-6)) : -1;
-    };
-    return this.stage.lights.filter(({ on, baked }) => on && baked).sort((a, b) => bright(b) - bright(a))[0]?.baked;
-  }
-
-  #tellTexel({ point, normal }) {
-    const { stage } = this, file = this.#fromRoot(point, normal), baked = this.#lightAt(point);
-    if (!baked) return this.#clearTexel();
-    const told = explain(baked, file.point, file.normal, stage.filter), output = byId('texel'), number = (v) => v.toFixed(2);
-    const words = { lit: 'Lit', shadow: 'In shadow', part: `${Math.round(100 * told.lit)} % lit`, away: 'Faces away', outside: 'Outside of the map' };
-    const dot = h('i');
-    dot.style.setProperty('--share', `hsl(42 90% ${8 + 58 * Math.max(told.state === 'away' ? 0 : told.lit, 0)}%)`);
-    const place = told.texel ? `${told.light}${baked.maps > 1 ? `, map ${told.map}` : ''}: texel ${told.texel.join(', ')}, depth ${told.depth}` : told.light;
-    output.replaceChildren(h('div', { class: 'state' }, dot, h('b', {}, words[told.state])), h('p', { class: 'why' }, told.why),
-      h('p', {}, place), h('p', {}, `at ${file.point.map(number).join(', ')} m`));
-    output.hidden = false;
-    this.told = { ...told, ...file, filter: stage.filter };
-    this.#mark(baked, told, point);
-  }
-
-  /** From the world of the page to that of the file: the root is at its place, so they are the same. */
-  #fromRoot(point, normal) { return { point, normal }; }
-
-  #mark(baked, told, point) {
-    const line = (Kind, places, colour) => Object.assign(new Kind(new BufferGeometry().setAttribute('position', new Float32BufferAttribute(places.flat(), 3)),
-      new LineBasicMaterial({ color: colour, depthTest: false, transparent: true, opacity: 0.9, toneMapped: false })), { frustumCulled: false });
-    this.#clearMarks();
-    if (!told.texel) return;
-    this.stage.marks.add(line(LineLoop, outlineOf(baked, told), 0xffd27a));
-    if (told.caster) this.stage.marks.add(line(Line, [point, told.caster], 0xff8d7a));
-  }
-
-  #clearMarks() {
-    for (const mark of [...this.stage.marks.children]) {
-      mark.geometry.dispose();
-      mark.material.dispose();
-      mark.removeFromParent();
-    }
-  }
-
-  #clearTexel() {
-    this.told = null;
-    if (!this.stage.marks.children.length && byId('texel').hidden) return;
-    byId('texel').hidden = true;
-    this.#clearMarks();
+    if (!pointer || this.cameras.walking) return card.clear();
+    const [x, y, wide, high] = [pointer.x, pointer.y, width, height].map(Math.floor);
+    return card.tell(picker.at(stage.scene, stage.camera, x, y, wide, high));
   }
 
   // --- events ------------------------------------------------------------------------------------------------------------------
@@ -279,11 +323,19 @@ class View {
       this.pointerMoved = true;
       this.redraw();
     });
-    canvas.addEventListener('webglcontextrestored', () => this.redraw());
+    canvas.addEventListener('webglcontextrestored', () => {
+      this.stage.restored();
+      this.redraw();
+    });
 
-    const drag = (event) => this.#moveSplit((event.clientX - byId('stage').getBoundingClientRect().left) / byId('stage').clientWidth);
+    const drag = (event) =>
+      this.#moveSplit(
+        (event.clientX - byId('stage').getBoundingClientRect().left) / byId('stage').clientWidth,
+      );
     split.addEventListener('pointerdown', (event) => split.setPointerCapture(event.pointerId));
-    split.addEventListener('pointermove', (event) => { if (split.hasPointerCapture(event.pointerId)) drag(event); });
+    split.addEventListener('pointermove', (event) => {
+      if (split.hasPointerCapture(event.pointerId)) drag(event);
+    });
     split.addEventListener('keydown', (event) => {
       const by = { ArrowLeft: -0.02, ArrowRight: 0.02, Home: -1, End: 1 }[event.key];
       if (by) this.#moveSplit(this.stage.split + by);
@@ -293,7 +345,15 @@ class View {
     byId('open').addEventListener('click', () => this.#chooseFiles());
     byId('toggle').addEventListener('click', () => this.#togglePanel());
     document.addEventListener('keydown', (event) => {
-      if (event.ctrlKey || event.metaKey || event.altKey || /^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName) || this.cameras.walking || !this.level) return;
+      if (
+        event.ctrlKey ||
+        event.metaKey ||
+        event.altKey ||
+        /^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName) ||
+        this.cameras.walking ||
+        !this.level
+      )
+        return;
       if (event.key === 'f') this.cameras.walk();
       if (event.key === 'p') this.#togglePanel();
       if (event.key === 'c') this.compare({ null: 'live', live: 'none', none: null }[this.stage.compare]);
@@ -327,7 +387,11 @@ class View {
 
   /** Files of a drop or a dialog. */
   take(transfer) {
-    return this.attempt(chosenFiles(transfer).then((files) => droppedLevel(files, this.level)).then((level) => this.open(level)));
+    return this.attempt(
+      chosenFiles(transfer)
+        .then((files) => droppedLevel(files, this.level))
+        .then((level) => this.open(level)),
+    );
   }
 
   /** Await work, and say what went wrong. */

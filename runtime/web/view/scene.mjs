@@ -16,25 +16,33 @@ const DECODERS = {
   KHR_draco_mesh_compression: { 'draco_wasm_wrapper.js': dracoScript, 'draco_decoder.wasm': dracoWasm },
   KHR_texture_basisu: { 'basis_transcoder.js': basisScript, 'basis_transcoder.wasm': basisWasm },
 };
-const WHITE = 'data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAAAAAA6fptVAAAACklEQVR42mP4DwABAQEAHLCMmQAAAABJRU5ErkJggg==';
+const WHITE =
+  'data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAAAAAA6fptVAAAACklEQVR42mP4DwABAQEAHLCMmQAAAABJRU5ErkJggg==';
 
 /** Addresses of bytes, for loaders of three.js. */
 class Addresses {
   #urls = new Map();
 
-  add(name, bytes) { this.#urls.set(name, URL.createObjectURL(new Blob([bytes]))); }
-  get(name) { return this.#urls.get(name); }
-  free() { for (const url of this.#urls.values()) URL.revokeObjectURL(url); }
+  add(name, bytes) {
+    this.#urls.set(name, URL.createObjectURL(new Blob([bytes])));
+  }
+  get(name) {
+    return this.#urls.get(name);
+  }
+  free() {
+    for (const url of this.#urls.values()) URL.revokeObjectURL(url);
+  }
 }
 
 function indexOfScene(json, choice, baked) {
-  const scenes = json.scenes ?? [], named = (name) => scenes.findIndex((scene) => scene.name === name);
+  const scenes = json.scenes ?? [],
+    named = (name) => scenes.findIndex((scene) => scene.name === name);
   if (choice !== null && choice !== undefined) {
     const index = named(choice) >= 0 ? named(choice) : Number(choice);
     if (!scenes[index]) throw new LevelError(`The file has no scene '${choice}'.`);
     return index;
   }
-  return baked && named(baked) >= 0 ? named(baked) : json.scene ?? 0;
+  return baked && named(baked) >= 0 ? named(baked) : (json.scene ?? 0);
 }
 
 /**
@@ -43,7 +51,10 @@ function indexOfScene(json, choice, baked) {
  * Returns { gltf, root, missing: [URI] }: root is an Object3D, missing are images that are not there.
  */
 export async function readScene(level, renderer, baked) {
-  const { name, bytes, choice } = level.scene, json = gltfJson(bytes, name), urls = new Addresses(), missing = [];
+  const { name, bytes, choice } = level.scene,
+    json = gltfJson(bytes, name),
+    urls = new Addresses(),
+    missing = [];
   for (const { uri, kind } of filesBeside(json)) {
     const data = level.files.get(uri);
     if (data) urls.add(uri, data);
@@ -55,10 +66,13 @@ export async function readScene(level, renderer, baked) {
       for (const [file, packed] of Object.entries(files)) urls.add(`decoders/${file}`, await unpack(packed));
 
   const manager = new LoadingManager();
-  manager.setURLModifier((url) => (/^(blob|data):/i.test(url) ? url : urls.get(url) ?? WHITE));
+  manager.setURLModifier((url) => (/^(blob|data):/i.test(url) ? url : (urls.get(url) ?? WHITE)));
   const draco = new DRACOLoader(manager).setDecoderPath('decoders/');
   const basis = new KTX2Loader(manager).setTranscoderPath('decoders/').detectSupport(renderer);
-  const loader = new GLTFLoader(manager).setDRACOLoader(draco).setKTX2Loader(basis).setMeshoptDecoder(MeshoptDecoder);
+  const loader = new GLTFLoader(manager)
+    .setDRACOLoader(draco)
+    .setKTX2Loader(basis)
+    .setMeshoptDecoder(MeshoptDecoder);
   try {
     const whole = bytes.byteLength === bytes.buffer.byteLength; // else a part, which is copied
     const gltf = await loader.parseAsync(whole ? bytes.buffer : bytes.slice().buffer, '');

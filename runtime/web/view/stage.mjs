@@ -1,8 +1,21 @@
 // Drawing a level: its scene with baked shadows, and beside it the same scene with live shadow maps or none.
 // SPDX-License-Identifier: MIT
 import {
-  ACESFilmicToneMapping, Box3, Color, DirectionalLight, FloatType, Matrix4, PCFShadowMap, PerspectiveCamera, PointLight, Scene, SpotLight, Vector2,
-  Vector3, WebGLRenderTarget, WebGLRenderer,
+  ACESFilmicToneMapping,
+  Box3,
+  Color,
+  DirectionalLight,
+  FloatType,
+  Matrix4,
+  PCFShadowMap,
+  PerspectiveCamera,
+  PointLight,
+  Scene,
+  SpotLight,
+  Vector2,
+  Vector3,
+  WebGLRenderTarget,
+  WebGLRenderer,
 } from 'three';
 import { clone } from 'three/addons/utils/SkeletonUtils.js';
 import { Backdrop } from './backdrop.mjs';
@@ -21,8 +34,12 @@ const meshesBelow = (root) => {
 /** A light that a baked one describes, for lights that were given to the bake alone. */
 function lightOf(baked) {
   const row = (n) => new Vector3(...baked.matrix.subarray(4 * n, 4 * n + 3));
-  const light = baked.kind === 'directional' ? new DirectionalLight(0xfff4e5, 3)
-    : baked.kind === 'spot' ? new SpotLight(0xfff4e5, 100, 0, Math.acos(Math.max(-1, baked.cosOuter)), 0.2) : new PointLight(0xfff4e5, 100);
+  const light =
+    baked.kind === 'directional'
+      ? new DirectionalLight(0xfff4e5, 3)
+      : baked.kind === 'spot'
+        ? new SpotLight(0xfff4e5, 100, 0, Math.acos(Math.max(-1, baked.cosOuter)), 0.2)
+        : new PointLight(0xfff4e5, 100);
   light.name = baked.name;
   if (baked.kind !== 'directional')
     for (const n of [0, 1, 2]) light.position.addScaledVector(row(n), -baked.matrix[4 * n + 3]);
@@ -33,14 +50,17 @@ function lightOf(baked) {
 
 /** A copy of a light at its place in the world, whose shadow camera fits a box. */
 function liveTwin(light, bounds) {
-  const twin = new light.constructor(light.color, light.intensity), diameter = bounds.getSize(new Vector3()).length();
-  const place = new Vector3().setFromMatrixPosition(light.matrixWorld), { shadow } = twin;
+  const twin = new light.constructor(light.color, light.intensity),
+    diameter = bounds.getSize(new Vector3()).length();
+  const place = new Vector3().setFromMatrixPosition(light.matrixWorld),
+    { shadow } = twin;
   twin.position.copy(place);
   for (const name of ['distance', 'decay', 'angle', 'penumbra']) if (name in light) twin[name] = light[name];
   shadow.mapSize.setScalar(LIVE_SIDE_PX);
   if (light.target) {
     const towards = new Vector3().setFromMatrixPosition(light.target.matrixWorld).sub(place).normalize();
-    if (light.isDirectionalLight) place.copy(bounds.getCenter(new Vector3())).addScaledVector(towards, -0.5 * diameter);
+    if (light.isDirectionalLight)
+      place.copy(bounds.getCenter(new Vector3())).addScaledVector(towards, -0.5 * diameter);
     twin.position.copy(place);
     twin.target.position.copy(place).add(towards);
   }
@@ -51,9 +71,20 @@ function liveTwin(light, bounds) {
     return twin;
   }
   // as tight a box as there is around the corners
-  const view = new Matrix4().lookAt(twin.position, twin.target.position, twin.up).setPosition(twin.position).invert();
-  const fit = new Box3().copy(bounds).applyMatrix4(view), { camera } = shadow;
-  Object.assign(camera, { left: fit.min.x, right: fit.max.x, bottom: fit.min.y, top: fit.max.y, near: Math.min(0, -fit.max.z), far: -fit.min.z });
+  const view = new Matrix4()
+    .lookAt(twin.position, twin.target.position, twin.up)
+    .setPosition(twin.position)
+    .invert();
+  const fit = new Box3().copy(bounds).applyMatrix4(view),
+    { camera } = shadow;
+  Object.assign(camera, {
+    left: fit.min.x,
+    right: fit.max.x,
+    bottom: fit.min.y,
+    top: fit.max.y,
+    near: Math.min(0, -fit.max.z),
+    far: -fit.min.z,
+  });
   camera.updateProjectionMatrix();
   shadow.normalBias = (1.5 * Math.max(fit.max.x - fit.min.x, fit.max.y - fit.min.y)) / LIVE_SIDE_PX;
   return twin;
@@ -88,7 +119,8 @@ export class Stage {
 
   /** Show a scene. shadows: BakedShadows, or null. Returns what attach() returns, with the lights that were added. */
   show(root, gltf, shadows) {
-    const before = this.scene, target = { scene: root, parser: gltf.parser };
+    const before = this.scene,
+      target = { scene: root, parser: gltf.parser };
     this.shadows?.dispose();
     before.traverse((object) => object.geometry?.dispose());
     this.#clear();
@@ -99,7 +131,8 @@ export class Stage {
     for (const mesh of meshesBelow(root)) {
       // glTF's material of a mesh without one is a white metal: this is plaster instead
       for (const material of [mesh.material].flat())
-        if (!gltf.parser.associations.get(material) && material.isMeshStandardMaterial) Object.assign(material, { metalness: 0, roughness: 0.9, color: new Color(0.78, 0.65, 0.49) });
+        if (!gltf.parser.associations.get(material) && material.isMeshStandardMaterial)
+          Object.assign(material, { metalness: 0, roughness: 0.9, color: new Color(0.78, 0.65, 0.49) });
       if (mesh.isSkinnedMesh) mesh.frustumCulled = false;
     }
     this.bounds.setFromObject(root, false);
@@ -117,18 +150,28 @@ export class Stage {
         this.lights.push({ light: object, baked: baked.get(object) ?? null, on: object.visible });
     });
     this.moved = match.matched.filter((pair) => pair.moved).map((pair) => pair.baked.name);
+    this.skyShare = this.lights.some(({ light }) => light.isDirectionalLight) ? 0.5 : 0.15;
     this.#surroundings();
     this.fog.reset(shadows, Math.max(0.5 * this.bounds.getSize(new Vector3()).length(), 1e-3));
     return { ...match, added };
   }
 
+  /** What the graphics processor had is lost: make anew what three.js does not. */
+  restored() {
+    if (this.root) this.#surroundings();
+  }
+
   #surroundings() {
     const sun = this.lights.find(({ light }) => light.isDirectionalLight)?.light;
     const place = (object) => new Vector3().setFromMatrixPosition(object.matrixWorld);
-    const mirrors = meshesBelow(this.root).some(({ material }) => [material].flat().some(({ metalness, roughness }) => metalness > 0.1 || roughness < 0.3));
+    const mirrors = meshesBelow(this.root).some(({ material }) =>
+      [material].flat().some(({ metalness, roughness }) => metalness > 0.1 || roughness < 0.3),
+    );
     sun?.updateWorldMatrix(true, true);
-    this.skyShare = sun ? 0.5 : 0.15;
-    this.backdrop.set(sun ? { direction: place(sun).sub(place(sun.target)).normalize(), colour: sun.color } : null, mirrors);
+    this.backdrop.set(
+      sun ? { direction: place(sun).sub(place(sun.target)).normalize(), colour: sun.color } : null,
+      mirrors,
+    );
   }
 
   set filter(filter) {
@@ -136,12 +179,18 @@ export class Stage {
     this.shadows?.setFilter(filter);
   }
 
-  get filter() { return this.chosenFilter ?? { box: 5 }; }
+  get filter() {
+    return this.chosenFilter ?? { box: 5 };
+  }
 
   /** Luminances of what the camera sees, ascending, without the sky. radiance: of the light from the sky */
   #luminances(radiance) {
-    const width = 96, height = 54, target = new WebGLRenderTarget(width, height, { type: FloatType }), { renderer } = this;
-    const pixels = new Float32Array(4 * width * height), found = [];
+    const width = 96,
+      height = 54,
+      target = new WebGLRenderTarget(width, height, { type: FloatType }),
+      { renderer } = this;
+    const pixels = new Float32Array(4 * width * height),
+      found = [];
     this.backdrop.shine([this.scene], radiance);
     this.#setLights();
     const draw = () => {
@@ -164,16 +213,19 @@ export class Stage {
 
   /** Choose the brightness of the sky, as a share of what the lights light, and the exposure, by what the camera sees. */
   measure() {
-    const direct = this.#luminances(0), mean = (list) => (list.length ? list.reduce((sum, each) => sum + each, 0) / list.length : 0);
+    const direct = this.#luminances(0),
+      mean = (list) => (list.length ? list.reduce((sum, each) => sum + each, 0) / list.length : 0);
     this.direct = mean(direct.slice(direct.length >> 1)) || 1; // of the brighter half
-    const all = this.#luminances(this.skyShare * this.direct), at = (share) => all[Math.floor(share * (all.length - 1))] ?? 1;
+    const all = this.#luminances(this.skyShare * this.direct),
+      at = (share) => all[Math.floor(share * (all.length - 1))] ?? 1;
     this.exposure = Math.min(0.42 / at(0.5), (this.fog.on ? 0.7 : 0.85) / at(0.92));
   }
 
   /** The scene beside the baked one: the same meshes, with lights of its own. */
   #openBeside() {
     if (this.beside) return;
-    const root = clone(this.root), copies = new Map();
+    const root = clone(this.root),
+      copies = new Map();
     const plain = (material) => {
       if (!copies.has(material)) copies.set(material, material.clone());
       return copies.get(material);
@@ -195,7 +247,9 @@ export class Stage {
   }
 
   /** Lights that have a live shadow map: the first few that are on. */
-  get liveLights() { return this.lights.filter(({ on }) => on).slice(0, LIVE_LIGHTS); }
+  get liveLights() {
+    return this.lights.filter(({ on }) => on).slice(0, LIVE_LIGHTS);
+  }
 
   #setLights() {
     const live = new Set(this.compare === 'live' ? this.liveLights : []);
@@ -215,7 +269,8 @@ export class Stage {
   }
 
   render() {
-    const { renderer, camera, backdrop } = this, sky = this.skyShare * this.direct;
+    const { renderer, camera, backdrop } = this,
+      sky = this.skyShare * this.direct;
     if (this.compare) this.#openBeside();
     this.#setLights();
     renderer.toneMappingExposure = this.exposure * 2 ** this.exposureStops;
@@ -234,9 +289,15 @@ export class Stage {
 
   /** Both halves into the current target.   brightness  of the backdrop, in a target of linear light; 0: as it is shown */
   #draw(brightness) {
-    const { renderer, camera } = this, size = renderer.getSize(new Vector2()), half = Math.round(this.split * size.x), target = renderer.getRenderTarget();
+    const { renderer, camera } = this,
+      size = renderer.getSize(new Vector2()),
+      half = Math.round(this.split * size.x),
+      target = renderer.getRenderTarget();
     const ratio = target ? renderer.getPixelRatio() : 1; // a target is cut in its own pixels
-    const cut = (...box) => (target ? target.scissor.set(...box.map((value) => Math.round(value * ratio))) : renderer.setScissor(...box));
+    const cut = (...box) =>
+      target
+        ? target.scissor.set(...box.map((value) => Math.round(value * ratio)))
+        : renderer.setScissor(...box);
     const cutting = (on) => {
       if (target) target.scissorTest = on;
       else renderer.setScissorTest(on);
