@@ -1,5 +1,5 @@
-// A baked lightmap of a soup of triangles in so many bytes: charts of triangles whose normals are alike, packed on shelves, one byte
-// a texel. The caller traces the rays.
+// A baked lightmap of a soup of triangles in so many bytes: charts of triangles whose normals are alike, packed on
+// shelves, one byte a texel. The caller traces the rays.
 // SPDX-License-Identifier: GPL-3.0-or-later
 
 const ALIKE = 0.9; // cosine between the normal of a chart and those of its triangles
@@ -11,7 +11,8 @@ const unit = (a) => a.map((x) => x / (Math.hypot(...a) || 1));
 /** Charts: { triangles, corners: [2 * 3] of each in metres from the chart's corner, wide, high }. */
 function chartsOf(soup) {
   const count = soup.length / 9, corner = (t, k) => Array.from(soup.subarray(9 * t + 3 * k, 9 * t + 3 * k + 3));
-  const normals = Array.from({ length: count }, (_, t) => unit(cross(sub(corner(t, 1), corner(t, 0)), sub(corner(t, 2), corner(t, 0)))));
+  const edge = (t, k) => sub(corner(t, k), corner(t, 0));
+  const normals = Array.from({ length: count }, (_, t) => unit(cross(edge(t, 1), edge(t, 2))));
   const edges = new Map(), keyOf = (a, b) => (a < b ? `${a}|${b}` : `${b}|${a}`), ofTriangle = [];
   for (let t = 0; t < count; t++) {
     const c = [0, 1, 2].map((k) => corner(t, k).join());
@@ -27,17 +28,23 @@ function chartsOf(soup) {
       for (const key of ofTriangle[list[n]])
         for (const other of edges.get(key))
           if (!used[other] && dot(normals[other], normal) > ALIKE) used[other] = list.push(other);
-    const u = unit(sub(corner(seed, 1), corner(seed, 0))), v = cross(normal, u);
+    const u = unit(edge(seed, 1)), v = cross(normal, u);
     const flat = list.map((t) => [0, 1, 2].flatMap((k) => [dot(corner(t, k), u), dot(corner(t, k), v)]));
     const low = [Infinity, Infinity], high = [-Infinity, -Infinity];
     for (const f of flat)
       f.forEach((x, n) => { low[n % 2] = Math.min(low[n % 2], x); high[n % 2] = Math.max(high[n % 2], x); });
-    charts.push({ triangles: list, normals: list.map((t) => normals[t]), corners: flat.map((f) => f.map((x, n) => x - low[n % 2])), wide: high[0] - low[0], high: high[1] - low[1] });
+    charts.push({
+      triangles: list, normals: list.map((t) => normals[t]), corners: flat.map((f) => f.map((x, n) => x - low[n % 2])),
+      wide: high[0] - low[0], high: high[1] - low[1],
+    });
   }
   return charts;
 }
 
-/** Place charts at so many texels a metre; false if they need more than side x side. Filters read no texel of another chart. */
+/**
+ * Place charts at so many texels a metre; false if they need more than side x side. Filters read no texel of another
+ * chart.
+ */
 function pack(charts, scale, side) {
   let x = 0, y = 0, shelf = 0;
   for (const chart of charts) {
@@ -69,7 +76,7 @@ export function lightmapOf(soup, bytes, trace) {
     else high = middle;
   }
   pack(charts, low, side);
-  const scale = low, best = new Float32Array(side * side).fill(-Infinity), where = new Array(side * side), RAYS = 4;
+  const scale = low, RAYS = 4, best = new Float32Array(side * side).fill(-Infinity), where = new Array(side * side);
   const uvs = new Uint16Array(soup.length / 9 * 6), positions = soup;
   for (const { triangles, corners, normals, at, size } of charts)
     triangles.forEach((t, n) => {
@@ -81,19 +88,22 @@ export function lightmapOf(soup, bytes, trace) {
       for (let y = from(1); y <= to(1); y++)
         for (let x = from(0); x <= to(0); x++) {
           const weights = (px, py) => {
-            const b = ((px - ax) * (cy - ay) - (py - ay) * (cx - ax)) / area, g = ((bx - ax) * (py - ay) - (by - ay) * (px - ax)) / area;
+            const b = ((px - ax) * (cy - ay) - (py - ay) * (cx - ax)) / area;
+            const g = ((bx - ax) * (py - ay) - (by - ay) * (px - ax)) / area;
             return [1 - b - g, b, g];
           };
           const inside = Math.min(...weights(x, y)), texel = at[0] + x + side * (at[1] + y);
           if (inside <= best[texel]) continue;
           best[texel] = inside;
           where[texel] = Array.from({ length: RAYS }, (_, r) => {
-            const w = weights(x + (r % 2) / 2 - 0.25, y + (r >> 1) / 2 - 0.25).map((b) => Math.max(b, 0)), sum = w[0] + w[1] + w[2];
-            return [0, 1, 2].map((axis) => w.reduce((total, b, k) => total + (b / sum) * soup[9 * t + 3 * k + axis], 0)).concat(normals[n]);
+            const w = weights(x + (r % 2) / 2 - 0.25, y + (r >> 1) / 2 - 0.25).map((b) => Math.max(b, 0));
+            const along = (axis) => w.reduce((sum, b, k) => sum + b * soup[9 * t + 3 * k + axis], 0) / (w[0] + w[1] + w[2]);
+            return [along(0), along(1), along(2), ...normals[n]];
           });
         }
     });
-  const filled = where.flatMap((points, texel) => (points ? [texel] : [])), lit = trace(filled.flatMap((texel) => where[texel].flat()));
+  const filled = where.flatMap((points, texel) => (points ? [texel] : []));
+  const lit = trace(filled.flatMap((texel) => where[texel].flat()));
   const texels = new Uint8Array(side * side);
   filled.forEach((texel, n) => {
     let sum = 0;

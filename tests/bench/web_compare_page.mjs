@@ -21,6 +21,9 @@ function whiten(root) {
     if (!made.has(object.material)) made.set(object.material, white(object.material));
     object.material = made.get(object.material);
     object.castShadow = object.receiveShadow = true;
+    if (object.geometry.attributes.normal) return; // the normal bias of three.js needs normals: those of faces, as glTF says
+    if (object.geometry.index) object.geometry = object.geometry.toNonIndexed();
+    object.geometry.computeVertexNormals();
   });
   return [...made.values()];
 }
@@ -196,7 +199,7 @@ export async function litPixels({ way, far, ...scene }) {
     set();
     return draw();
   });
-  const { calls, triangles: drawn } = s.renderer.info.render;
+  const { calls, triangles: drawn } = s.renderer.info.render, biases = made.tries && BIASES;
   let change = 0;
   if (made.place) {
     const steps = 6;
@@ -208,7 +211,7 @@ export async function litPixels({ way, far, ...scene }) {
       last = now;
     }
   }
-  return { tries: tries.map((lit) => base64(Uint8Array.from(lit, (x) => Math.round(255 * Math.min(Math.max(x, 0), 1))))), calls, triangles: drawn, bytes: made.bytes(), change };
+  return { tries: tries.map((lit) => base64(Uint8Array.from(lit, (x) => Math.round(255 * Math.min(Math.max(x, 0), 1))))), calls, triangles: drawn, bytes: made.bytes(), change, biases };
 }
 
 /**
