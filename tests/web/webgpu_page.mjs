@@ -44,9 +44,11 @@ export async function compared({ glb, vxs, view: { eye, target, fov }, size: [wi
   if (movers) scene.add(ball);
   const match = shadows.attach(gltf, { renderer, filter, movers: movers ? [ball] : [] });
   const began = performance.now(), shaded = await draw(), ms = performance.now() - began;
+  ball.castShadow = false;
+  const flying = movers ? await draw() : shaded, thrown = shaded.filter((value, n) => value < flying[n] - 1e-4).length;
   shadows.detach();
-  if (movers) ball.removeFromParent();
-  const after = await draw();
+  ball.removeFromParent();
+  const nodes = match.matched.filter((pair) => pair.light.shadow.shadowNode).length, after = await draw();
   const truth = await grey(pass);
   let pixels = 0, sum = 0, most = 0;
   shaded.forEach((value, n) => {
@@ -61,5 +63,5 @@ export async function compared({ glb, vxs, view: { eye, target, fov }, size: [wi
     shadows.attach(gltf, { renderer, filter });
     renderer.render(scene, camera);
   }
-  return { webgpu: renderer.backend.isWebGPUBackend === true, pixels, mean: sum / pixels, most: most / pixels, ms, restored, matched: match.matched.length };
+  return { webgpu: renderer.backend.isWebGPUBackend === true, pixels, mean: sum / pixels, most: most / pixels, ms, restored, thrown, nodes, matched: match.matched.length };
 }
