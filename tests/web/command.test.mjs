@@ -162,13 +162,15 @@ test('standard input and output are pipes, whole or slow', async () => {
   assert.deepEqual([piped.status, piped.errors], [0, '']);
   assert.ok(piped.output.equals(expected));
 
-  const slow = spawn(process.execPath, [COMMAND, 'info', '-']);
+  // a pipe that does not block, as some programs leave theirs
+  const unblock = 'import os, sys; os.set_blocking(0, False); os.execv(sys.argv[1], sys.argv[1:])';
+  const slow = spawn('/usr/bin/python3', ['-c', unblock, process.execPath, COMMAND, 'info', '-']);
   const parts = [];
   slow.stdout.on('data', (data) => parts.push(data));
   const bytes = fs.readFileSync(asset);
   for (let i = 0; i < 4; i++) {
     slow.stdin.write(bytes.subarray((i * bytes.length) >> 2, ((i + 1) * bytes.length) >> 2));
-    await delay(50);
+    await delay(i ? 50 : 1500); // the command waits for the second part
   }
   slow.stdin.end();
   assert.equal(await new Promise((resolve) => slow.on('close', resolve)), 0);
@@ -234,7 +236,7 @@ async function interrupted(kind, signal) {
 
 test('a signal ends a bake as natively, and leaves no file', async () => {
   for (const [signal, end] of [['SIGINT', { status: 130, by: null }], ['SIGTERM', { status: null, by: 'SIGTERM' }],
-    ['SIGHUP', { status: null, by: 'SIGHUP' }]])
+    ['SIGHUP', { status: null, by: 'SIGHUP' }], ['SIGKILL', { status: null, by: 'SIGKILL' }]])
     assert.deepEqual(await interrupted('web', signal), { ...end, left: [] }, signal);
 });
 
