@@ -101,6 +101,11 @@ test('depth maps: any rectangle is the same part of the whole map, also of more 
     }
   }
   assert.deepEqual(light.depthMap({ resolution: 64 }), light.depthMap({ shift: Math.log2(side / 64) }));
+  const sun = open('city').lights[0], wide = sun.resolution, { data } = sun.depthMap({ voxels: true });
+  for (let n = 0; n < 5000; n++) {
+    const i = 797 * n % wide, j = 1231 * n % wide;
+    assert.equal(data[j * wide + i], sun.firstShadow(0, i, j));
+  }
 });
 
 test('lights: what their files say', () => {
@@ -220,6 +225,10 @@ test('memory that grows while a file is open moves nothing that the caller has',
   const words = light.words(), before = light.lookup([0.5, 0.1, 0.5], { filter: 9 }), size = here.memoryBytes;
   here.open(fs.readFileSync(FILES.city[0]));
   assert.ok(here.memoryBytes > size);
+  // an error after the memory has grown, too
+  const fresh = await load(), large = fs.readFileSync(baked('large', 'city', ['--resolution', '16384'])), little = fresh.memoryBytes;
+  assert.throws(() => fresh.open(large, { memoryLimit: 2e6 }), { code: 'memory', finding: 211 });
+  assert.ok(fresh.memoryBytes > little);
   assert.deepEqual(light.words(), words);
   assert.equal(light.lookup([0.5, 0.1, 0.5], { filter: 9 }), before);
 });
