@@ -105,17 +105,14 @@ export class Cameras {
           .multiply(size)
           .add(bounds.min),
       );
-    const shut = around(points)
-      .map((rays, n) => {
-        const hits = rays
-          .filter(({ distance }) => distance < Infinity)
-          .map(({ distance }) => distance)
-          .sort((a, b) => a - b);
-        return { eye: points[n], rays, share: hits.length / rays.length, room: hits[hits.length >> 1] ?? 0 };
-      })
-      .filter(({ share }) => share > 0.8);
-    const best = shut.sort((a, b) => b.room - a.room)[0];
-    if (!best || best.room < 0.04 * size.length()) return null;
+    const places = around(points).map((rays, n) => {
+      const hits = rays.map(({ distance }) => distance).filter((distance) => distance < Infinity);
+      hits.sort((a, b) => a - b);
+      return { eye: points[n], rays, share: hits.length / rays.length, room: hits[hits.length >> 1] ?? 0 };
+    });
+    const shares = places.map(({ share }) => share).sort((a, b) => a - b);
+    if (shares[shares.length >> 1] < 0.9) return null; // the sky is seen from most places
+    const best = places.filter(({ share }) => share > 0.9).reduce((a, b) => (b.room > a.room ? b : a));
     // the way with most room about it, so that no gap in a wall is taken
     const room = (towards) => {
       const near = best.rays
