@@ -265,6 +265,15 @@ test('the WebAssembly is at most 2.2 MB, 0.65 MB with brotli', () => {
   assert.ok(packed.length <= 0.65e6, `${packed.length} bytes with brotli`);
 });
 
+test('scenes that need exact predicates, or are hard in other ways', async (t) => {
+  const some = ['touching-27', 'common-planes-50', 'crossing-itself', 'near-far', 'light-in-wall', 'checkered-masks'];
+  const all = () => spawnSync(VXS, ['scene', 'stress', '--case', 'list']).stdout.toString().trim().split('\n').map((line) => line.split(' ')[0]);
+  for (const name of EVERY ? all() : some) {
+    const scene = generate(`${name}.glb`, 'stress', '--case', name);
+    await t.test(name, () => both(['bake', `${name}.glb`, '-o', 'out.vxs', '--resolution', '512', '--quiet'], { files: [scene] }));
+  }
+});
+
 const shared = !fs.existsSync(SCENES) && `there is no ${SCENES}`;
 function scenesIn(name) {
   const found = fs.readdirSync(path.join(SCENES, name), { recursive: true }).filter((file) => /\.(glb|gltf)$/.test(file)).sort();
