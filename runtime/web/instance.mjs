@@ -84,12 +84,14 @@ export function bytesOf(data, what = 'bytes') {
 }
 
 async function responseOf(url) {
-  if (url.protocol === 'file:') {
+  try {
+    if (url.protocol !== 'file:') return await fetch(url);
     const fs = 'node:fs/promises'; // a variable, so that bundlers for browsers do not look for it
     const { readFile } = await import(/* webpackIgnore: true */ /* @vite-ignore */ fs);
-    return readFile(url);
+    return await readFile(url);
+  } catch (cause) {
+    throw new VXSError('read', `${url}: ${cause.message}`, { cause });
   }
-  return fetch(url);
 }
 
 /**

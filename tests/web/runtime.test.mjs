@@ -241,6 +241,9 @@ test('WebAssembly from a URL, bytes, a module, a response, base64; require(); a 
     load({ wasm: new URL(`file://${path.join(PACKAGE, 'runtime/vxs.wasm')}`) }), (await runtime('vxs-inline.mjs')).load(),
     createRequire(import.meta.url)(path.join(PACKAGE, 'runtime/vxs.cjs')).load()];
   for (const here of await Promise.all(loads)) assert.deepEqual(here.open(file).lights[0].words(), want);
+  for (const url of ['file:///nowhere/vxs.wasm', 'http://127.0.0.1:1/vxs.wasm']) {
+    await assert.rejects(load({ wasm: url }), (e) => e.code === 'read' && e.message.startsWith(url) && e.cause instanceof Error);
+  }
   await assert.rejects(load({ wasm: new Response('', { status: 404 }) }), (e) => e.code === 'read' && /404/.test(e.message));
   const code = `const { parentPort, workerData: w } = require('node:worker_threads');
     import(w.module).then(async ({ load }) =>
