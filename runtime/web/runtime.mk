@@ -73,7 +73,11 @@ $(web.out)/vxs.cjs: $(web.modules) $(web.out)/vxs-base64.mjs $(web.tools)
 $(web.out)/%.d.cts: runtime/web/%.d.ts
 	$Q mkdir -p $(@D) && sed "s,'\./core\.js','./core.cjs'," $< >$@
 
-web.runtime := $(addprefix $(web.out)/,vxs.wasm core.wasm vxs.cjs vxs-base64.mjs vxs.d.cts core.d.cts) $(web.modules)
+# of the libraries that the WebAssembly holds: their licences ask that their texts come with it
+$(web.out)/LICENSES.txt: $W/sources/zstd/.unpacked $W/sources/xxhash/.unpacked
+	$Q mkdir -p $(@D) && for name in zstd xxhash; do echo "$$name"; echo; cat $W/sources/$$name/LICENSE; echo; done >$@
+
+web.runtime := $(addprefix $(web.out)/,LICENSES.txt vxs.wasm core.wasm vxs.cjs vxs-base64.mjs vxs.d.cts core.d.cts) $(web.modules)
 web.files   += $(web.runtime)
 
 -include $(web.objects:.o=.d) $(web.core:.o=.d)

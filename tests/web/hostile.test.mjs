@@ -48,6 +48,13 @@ test('the corpus of the fuzzer: the same result, finding, section and offset as 
   assert.ok(vxs.memoryBytes < 160 * MIB, `${vxs.memoryBytes}`);
 });
 
+const SHARED = path.resolve(process.env.VXS_SCENES ?? '../shared/scenes', '../cases/hostile');
+test('shared hostile files', { skip: !fs.existsSync(SHARED) && `there is no ${SHARED}` }, async () => {
+  const found = fs.readdirSync(SHARED, { recursive: true }).filter((file) => file.endsWith('.vxs'));
+  assert.ok(found.length);
+  await compare(found.map((file) => path.join(SHARED, file)));
+});
+
 test('changed files: each prefix, flipped bit and overwritten word gives what C gives', async () => {
   const random = randomly(7), files = [];
   for (const [name, options] of [['small', []], ['fast', ['--pack', 'fast']], ['dag', ['--coding', 'dag']]]) {
