@@ -506,6 +506,25 @@ const drop = (page, files) =>
   );
 const read = (name) => fs.readFileSync(path.join(folder, name));
 
+/** A .glb file that holds a .vxs file, by the extension VXS_baked_shadows. */
+function withShadows(glb, asset) {
+  const size = glb.readUInt32LE(12),
+    json = JSON.parse(glb.toString('utf8', 20, 20 + size)),
+    bin = glb.subarray(28 + size);
+  json.bufferViews.push({ buffer: 0, byteOffset: bin.length, byteLength: asset.length });
+  json.buffers[0].byteLength = bin.length + asset.length;
+  json.extensions.VXS_baked_shadows = { bufferView: json.bufferViews.length - 1 };
+  json.extensionsUsed.push('VXS_baked_shadows');
+  const text = Buffer.from(JSON.stringify(json)),
+    chunk = (type, data, fill) => {
+      const padded = Buffer.concat([data, Buffer.alloc(-data.length & 3, fill)]);
+      return Buffer.concat([Buffer.from(Uint32Array.of(padded.length, type).buffer), padded]);
+    };
+  const chunks = [chunk(0x4e4f534a, text, ' '), chunk(0x004e4942, Buffer.concat([bin, asset]), 0)];
+  const all = Buffer.concat(chunks);
+  return Buffer.concat([Buffer.from(Uint32Array.of(0x46546c67, 2, 12 + all.length).buffer), all]);
+}
+
 inPage('files are dropped onto the page', async (page) => {
   const room = await drop(page, { 'room.glb': read('room.glb'), 'room.vxs': read('room.vxs') });
   assert.deepEqual(
@@ -515,6 +534,8 @@ inPage('files are dropped onto the page', async (page) => {
   assert.deepEqual((await drop(page, { 'city.glb': read('city.glb') })).lights, [null]);
   assert.match(await page.$eval('#panel', (panel) => panel.innerText), /There is no \.vxs file/);
   assert.deepEqual((await drop(page, { 'city.vxs': read('city.vxs') })).lights, ['sun']);
+  const inside = await drop(page, { 'one.glb': withShadows(read('city.glb'), read('city.vxs')) });
+  assert.deepEqual([inside.title, inside.message, inside.lights], ['one.glb - vxs view', '', ['sun']]);
 });
 
 inPage('a damaged file is a message, and what was shown stays', async (page) => {

@@ -42,32 +42,49 @@ export async function embeddedLevel(document) {
 const GLB = 0x46546c67,
   JSON_CHUNK = 0x4e4f534a;
 
-/** The JSON of a .gltf or .glb file. */
-export function gltfJson(bytes, name) {
+/** The JSON of a .gltf or .glb file, and where its binary chunk begins: { json, bin }; bin is 0 if there is none. */
+function openGltf(bytes, name) {
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
-  let text = bytes;
+  const damaged = new LevelError(`${name} is damaged: its JSON chunk does not fit.`);
+  let text = bytes,
+    bin = 0;
   if (bytes.length >= 20 && view.getUint32(0, true) === GLB) {
     const size = view.getUint32(12, true);
-    if (view.getUint32(16, true) !== JSON_CHUNK || size > bytes.length - 20)
-      throw new LevelError(`${name} is damaged: its JSON chunk does not fit.`);
+    if (view.getUint32(16, true) !== JSON_CHUNK || size > bytes.length - 20) throw damaged;
     text = bytes.subarray(20, 20 + size);
+    bin = 28 + size <= bytes.length ? 28 + size : 0;
   }
   try {
     const json = JSON.parse(new TextDecoder().decode(text).replace(/\0+$/, ''));
-    if (json?.asset) return json;
+    if (json?.asset) return { json, bin };
   } catch {
     /* told below */
   }
   throw new LevelError(`${name} is not a glTF 2.0 scene.`);
 }
 
-/** URIs of the files that a scene needs beside itself: { uri, kind: 'buffer' | 'image' }. */
+export const gltfJson = (bytes, name) => openGltf(bytes, name).json;
+
+/** The .vxs file that a scene holds or names by VXS_baked_shadows; null: none. beside: Map of URI to bytes */
+function shadowsInside({ json, bin }, bytes, beside) {
+  const { bufferView, uri } = json.extensions?.VXS_baked_shadows ?? {};
+  if (typeof uri === 'string') return beside.get(uri) ?? null;
+  const view = json.bufferViews?.[bufferView],
+    buffer = json.buffers?.[view?.buffer];
+  if (!buffer) return null;
+  const data = buffer.uri ? beside.get(buffer.uri) : bin && bytes.subarray(bin);
+  const at = view.byteOffset ?? 0;
+  return data ? data.slice(at, at + view.byteLength) : null;
+}
+
+/** URIs of the files that a scene needs beside itself: { uri, kind: 'buffer' | 'image' | 'shadows' }. */
 export function filesBeside(json) {
   const of = (list, kind) =>
     (list ?? [])
       .map(({ uri }) => ({ uri, kind }))
       .filter(({ uri }) => typeof uri === 'string' && !/^data:/i.test(uri));
-  return [...of(json.buffers, 'buffer'), ...of(json.images, 'image')];
+  const shadows = [json.extensions?.VXS_baked_shadows ?? {}];
+  return [...of(json.buffers, 'buffer'), ...of(json.images, 'image'), ...of(shadows, 'shadows')];
 }
 
 async function filesBelow(entry, folder = '') {
@@ -133,18 +150,21 @@ export async function droppedLevel(files, before) {
     throw new LevelError(
       `Drop the scene of ${assets[0].path} as well: a .glb file, or a .gltf file with its files.`,
     );
-  const asset = assets.length ? { name: assets[0].path, bytes: await bytesOf(assets[0]) } : null;
+  let asset = assets.length ? { name: assets[0].path, bytes: await bytesOf(assets[0]) } : null;
   if (!scenes.length) return { ...before, asset, warnings: [] };
 
   const [{ path }] = scenes,
     bytes = await bytesOf(scenes[0]),
     folder = path.replace(/[^/]*$/, ''),
-    beside = new Map();
-  for (const { uri, kind: what } of filesBeside(gltfJson(bytes, path))) {
+    beside = new Map(),
+    gltf = openGltf(bytes, path);
+  for (const { uri, kind: what } of filesBeside(gltf.json)) {
     const found = fileFor(uri, folder, files);
     if (!found && what === 'buffer')
       throw new LevelError(`${path} needs the file ${uri}: drop both together.`);
     if (found) beside.set(uri, await bytesOf(found));
   }
+  const inside = asset ? null : shadowsInside(gltf, bytes, beside);
+  if (inside) asset = { name: `the shadows of ${path}`, bytes: inside };
   return { scene: { name: path, choice: null, bytes }, files: beside, asset, warnings: [] };
 }

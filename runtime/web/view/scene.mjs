@@ -59,7 +59,7 @@ export async function readScene(level, renderer, baked) {
     const data = level.files.get(uri);
     if (data) urls.add(uri, data);
     else if (kind === 'buffer') throw new LevelError(`${name} needs the file ${uri}, and it is not here.`);
-    else missing.push(uri);
+    else if (kind === 'image') missing.push(uri);
   }
   for (const [extension, files] of Object.entries(DECODERS))
     if (json.extensionsUsed?.includes(extension))
