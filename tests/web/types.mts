@@ -4,6 +4,7 @@ import { VXSError, load, type Interval, type Light, type Stream } from 'vxs';
 import { load as loadCore } from 'vxs/core';
 import { load as loadInline } from 'vxs/inline';
 import { vxs_lookup, vxs_space } from 'vxs/shaders';
+import { bake, BakeError, type BakeResult } from 'vxs/bake';
 
 export async function use(bytes: ArrayBuffer): Promise<string> {
   const vxs = await load({ wasm: new URL('https://example.org/vxs.wasm') });
@@ -28,4 +29,15 @@ export async function use(bytes: ArrayBuffer): Promise<string> {
   (await loadInline()).open(bytes).dispose();
   const error = new Error() as VXSError;
   return [lit, many, depths, voxels, parts, error.finding, vxs_lookup, vxs_space].join();
+}
+
+export async function baked(glb: Uint8Array, signal: AbortSignal): Promise<BakeResult | number> {
+  // @ts-expect-error: pages are small or fast
+  await bake(glb, { pack: 'tiny' });
+  try {
+    const onProgress = ({ share, doing }: { share?: number; doing: string }) => console.log(doing, share ?? 0);
+    return await bake(glb, { resolution: 4096, light: ['sun'], ifChanged: true }, { onProgress, signal, files: { 'a.bin': glb } });
+  } catch (error) {
+    return error instanceof BakeError ? error.status : 0;
+  }
 }
