@@ -41,7 +41,7 @@
 #                       vxs_intervals.wgsl. Needs naga-cli of crates.io and glslang-tools. only="KIND=1 CODING=2" leaves out code
 #                       for other lights, as VXS_ONLY_KIND and VXS_ONLY_CODING do in shaders
 #   make web            the npm package: the command, the runtime and three.js lights for Node and browsers, in build/web/vxs (docs/web.md)
-#   make check-web      test that package, with Chromium; only=NAME runs tests/web/*NAME*
+#   make check-web      test that package, with Chromium; only=NAME runs tests/web/*NAME*; check-web-fast: its runtime alone, a minute
 #   make web-compare    draw levels in a browser by shadow maps, lightmaps and baked shadows, beside ray-traced truth: build/web/compare/index.html
 #   make install        to $(DESTDIR)$(prefix), which may hold blanks; uninstall takes it away (runtime/install/)
 #   make man            manual pages, in build/release/man
@@ -349,7 +349,7 @@ $(CHART_JS): ; # it may come with a package that is yet to be installed
 
 # --- demo, check, bench: on a bare system, and with all processors ----------------------------------------------------------
 
-ifneq ($(filter demo check check-fast check-unit check-asan check-repeats check-sanitizers bench deb web check-web web-compare packages,$(MAKECMDGOALS)),)
+ifneq ($(filter demo check check-fast check-unit check-asan check-repeats check-sanitizers bench deb web check-web check-web-fast web-compare packages,$(MAKECMDGOALS)),)
 jobs := $(if $(findstring -j,$(MAKEFLAGS)),,-j$(shell nproc))
 MAKEFLAGS += $(jobs)
 $(objects) $(gltf.gch) build/corpus: | packages # nothing is compiled before the headers are there, or unpacked before python3 is
@@ -357,7 +357,7 @@ endif
 
 # `make demo` compiles no tests, and needs none of their packages
 tested = $(filter check check-fast check-unit check-asan check-repeats check-sanitizers bench packages,$(MAKECMDGOALS))
-needed = $(packages.build) $(if $(tested),$(packages.test)) $(if $(tested)$(filter deb,$(MAKECMDGOALS)),$(packages.deb)) $(if $(filter web check-web web-compare,$(MAKECMDGOALS)),$(packages.web) $(if $(filter check-web web-compare,$(MAKECMDGOALS)),chromium))
+needed = $(packages.build) $(if $(tested),$(packages.test)) $(if $(tested)$(filter deb,$(MAKECMDGOALS)),$(packages.deb)) $(if $(filter web check-web check-web-fast web-compare,$(MAKECMDGOALS)),$(packages.web) $(if $(filter check-web check-web-fast web-compare,$(MAKECMDGOALS)),chromium))
 packages:
 ifneq ($(packages),skip)
 	@here=$$(dpkg-query -W -f '$${Package} $${db:Status-Status}\n' $(needed) 2>/dev/null | sed -n 's/ installed$$//p'); \

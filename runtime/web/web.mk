@@ -30,10 +30,13 @@ $P/README.md:
 
 -include runtime/web/runtime.mk runtime/web/three.mk runtime/web/view.mk baker/web/baker.mk
 
-.PHONY: web check-web web-compare
+.PHONY: web check-web check-web-fast web-compare
 web: $(web.files)
 	@cd $P && npm pack --pack-destination .. --loglevel=error >/dev/null && ls -l ../vxs-$(version).tgz | awk '{ print "wrote $W/vxs-$(version).tgz: " $$5 " bytes" }'
 check-web: web $B/vxs
 	@VXS=$(abspath $B/vxs) VXS_PACKAGE=$(abspath $P) $(python) tests/web/run $(if $(only),--only $(only))
+# the runtime and vxs/three alone, without the command, the page and tests that draw for long
+check-web-fast: $(web.runtime) $(three.files) $P/runtime/shaders.mjs $P/package.json $B/tests/web/answers $B/vxs $(web.tools)
+	@VXS=$(abspath $B/vxs) VXS_PACKAGE=$(abspath $P) $(python) tests/web/run --fast
 web-compare: web $B/vxs
 	@VXS=$(abspath $B/vxs) VXS_PACKAGE=$(abspath $P) node tests/bench/web_compare.mjs -o $W/compare

@@ -14,7 +14,8 @@ test('every file that the package names is in it, and nothing else', () => {
   const manifest = read(path.join(PACKAGE, 'package.json'));
   const [packed] = JSON.parse(execFileSync('npm', ['pack', '--dry-run', '--json'], { cwd: PACKAGE, encoding: 'utf8' }));
   const held = new Set(packed.files.map((file) => `./${file.path}`));
-  const named = Object.values(manifest.exports).flatMap((to) => (typeof to === 'string' ? [to] : Object.values(to)));
+  const filesOf = (to) => (typeof to === 'string' ? [to] : Object.values(to).flatMap(filesOf));
+  const named = filesOf(manifest.exports);
   for (const file of [...named, ...Object.values(manifest.bin).map((bin) => `./${bin}`)]) assert.ok(held.has(file), file);
   for (const file of held) assert.match(file, /^\.\/(bin|runtime|baker|three)\/|^\.\/(package\.json|README\.md|LICENSE\.(MIT|GPL-3\.0)|view\.html)$/);
 });
