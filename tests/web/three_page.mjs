@@ -169,6 +169,8 @@ export async function voxels({ vxs, light: name, width, smooth = false, side = 6
     else if (Math.abs(sums(wanted) - sums(got)) > least) wrong++;
     if (wanted > 0 && wanted < 1) partial++;
   }
+  renderer.dispose();
+  renderer.forceContextLoss(); // a page may have 16
   return { wrong, partial, outside, count };
 }
 
