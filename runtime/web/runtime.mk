@@ -33,7 +33,7 @@ web.link   := -Oz $(web.cpu) --no-entry -sSTANDALONE_WASM -sALLOW_MEMORY_GROWTH 
 
 # functions of a few instructions are inlined, which makes the file smaller, too; emcc -Oz inlines none
 web.inline := --enable-simd --enable-bulk-memory --enable-sign-ext --enable-nontrapping-float-to-int --enable-mutable-globals \
-              -aimfs 19 -fimfs 1 -ocimfs 19 --inlining-optimizing -Oz --converge
+              -aimfs 17 -fimfs 1 -ocimfs 17 --inlining-optimizing -Oz --converge
 
 
 web.objects := $(web.c:%.c=$(web.o)/%.o)
