@@ -47,6 +47,8 @@ test('a level of a user is compared: each way is nearer to the rays than no shad
     execFileSync(process.execPath, [fileURLToPath(new URL('../bench/web_compare.mjs', import.meta.url)), '-o', folder, '--level', path.join(folder, 'pillars.glb'),
       '--sun', '0.8,-1,0.5', '--eye', '7,5,7', '--target', '0,0.5,0', '--size', '96x54', '--ways', 'PCF 2048|vxs 4096'], { stdio: 'pipe' });
     const { scenes: [scene] } = JSON.parse(fs.readFileSync(path.join(folder, 'compare.json'), 'utf8')), page = fs.readFileSync(path.join(folder, 'index.html'), 'utf8');
+    const schema = fileURLToPath(new URL('../../docs/web-compare.schema.json', import.meta.url));
+    execFileSync('/usr/bin/python3', ['-W', 'ignore', '-m', 'jsonschema', '-i', path.join(folder, 'compare.json'), schema], { stdio: 'pipe' });
     const dark = 1 - scene.lit, of = (name) => scene.ways.find(({ way }) => way === name);
     assert.ok(scene.pixels > 2000 && dark > 0.05, `${scene.pixels} pixels, ${dark} of them dark`);
     assert.deepEqual(scene.ways.map(({ way }) => way), ['three PCF 2048', 'vxs 4096, depth', 'vxs 4096, 1 x 1', 'vxs 4096, 3 x 3', 'lightmap of the bytes of vxs 4096']);
