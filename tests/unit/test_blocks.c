@@ -189,6 +189,32 @@ static void every_kind_of_map(void **state)
         }
 }
 
+/* A node whose slope moves the depths of all blocks behind the end of the map, those of uniform blocks less far than those of mixed
+ * blocks: a thick slope, noise behind it in a few blocks, and rows without any caster. */
+static void uniform_depths_behind_the_end(void **state)
+{
+    (void)state;
+    const uint32_t side = 256;
+    depth_maps     d    = random_maps(side, side, MAPS_EMPTY, 1);
+    column_map     m    = stored_map(&d);
+    block_words    w;
+    for (uint32_t j = 0; j < 192; j++)
+        for (uint32_t i = 0; i < side; i++) {
+            const int    noise  = j / 32 == 2 && i / 32 % 3 == 0;
+            const double behind = noise ? (i + j) % 2 ? 30 : 45 : 0, enter = j + 40.5 + behind;
+            set_texel(&d, j * side + i, enter / side, (enter + (noise ? 0 : 20)) / side);
+        }
+    depth_maps_reduce(&d, 1);
+    assert_int_equal(build_words(&w, &m, 1, 1), VXS_OK);
+    const uint32_t *entry = w.words + w.words[2], *node = w.words + w.words[8], base = entry[1] & 0xffff;
+    assert_int_equal(node[0], 0x490000); /* mixed blocks */
+    assert_true(node[4] && base > side && base < 2 * side);
+    assert_columns(&w, 0, 8, &d, 0, 0);
+    assert_coded(&w, 8, 1);
+    block_words_free(&w);
+    depth_maps_free(&d);
+}
+
 /* Depths of 512 to 262144 voxels in maps as wide, of which one square has anything. */
 static void deep_maps(void **state)
 {
@@ -818,6 +844,7 @@ int main(void)
         cmocka_unit_test(private_patterns_agree),
         cmocka_unit_test(patterns_agree),
         cmocka_unit_test(every_kind_of_map),
+        cmocka_unit_test(uniform_depths_behind_the_end),
         cmocka_unit_test(deep_maps),
         cmocka_unit_test(threads_and_fetches),
         cmocka_unit_test(six_maps),

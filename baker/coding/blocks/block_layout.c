@@ -186,15 +186,21 @@ static vxs_result shape_nodes(layout *l)
         node_shape        shape;
         memset(&shape, 0, sizeof shape);
 
-        /* base of all depths of the node, in steps */
-        int32_t least = INT32_MAX;
-        for (int b = 0; b < NODE_BLOCKS; b++)
-            if (((n->mixed >> b & 1) || (uint32_t)n->depth[b] < l->never) && n->depth[b] < least) least = n->depth[b];
-        to->base = least == INT32_MAX ? 0 : min_u32((uint32_t)least >> l->base_shift, 0xffff);
+        /* Base of the node, in steps: no depth may be below it. The slope can move depths of uniform blocks behind the end of the
+         * map; if all depths are there, the base is 0. */
+        const uint32_t never  = l->never + (uint32_t)slope_shift_max(n->slope);
+        uint32_t       least  = NEVER;
+        int            inside = 0;
+        for (int b = 0; b < NODE_BLOCKS; b++) {
+            const uint32_t mixed = n->mixed >> b & 1, depth = (uint32_t)n->depth[b];
+            if (mixed || depth < never) least = min_u32(least, depth);
+            inside |= mixed || depth < l->never;
+        }
+        to->base = inside ? min_u32(least >> l->base_shift, 0xffff) : 0;
 
         shape.slope   = n->slope;
         shape.mixed   = n->mixed;
-        uint32_t from = to->base << l->base_shift, never = l->never + (uint32_t)slope_shift_max(n->slope);
+        uint32_t from = to->base << l->base_shift;
         for (int b = 0; b < NODE_BLOCKS; b++) {
             int mixed      = n->mixed >> b & 1;
             shape.depth[b] = !mixed && (uint32_t)n->depth[b] >= never ? NEVER : (uint32_t)n->depth[b] - from;
