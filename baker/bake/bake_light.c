@@ -48,7 +48,11 @@ vxs_result asset_encode(const bake_options *o, const coded_light *coded, uint32_
         r                      = vxs_write(out, &desc);
     }
     free(lights);
-    return r == VXS_OK ? r : fail(m, r, "the asset cannot be encoded: %s", r == VXS_E_MEMORY ? "out of memory" : "it is too large");
+    if (r == VXS_OK) return r;
+    return fail(m, r, "the asset cannot be encoded: %s",
+                r == VXS_E_MEMORY ? "out of memory"
+                                  : "it is too large for the format, or this is a fault of vxs; try another --resolution or "
+                                    "--coding dag, and report the scene if that works");
 }
 
 vxs_result asset_write(const bake_options *o, const vxs_bytes *file, bake_report *report, run_context *m)

@@ -8,6 +8,7 @@
 #include <stdio.h>
 
 #include "alloc_fail.h"
+#include "baker/bake/bake_light.h"
 #include "baker/base/parallel.h"
 #include "baker/coding/blocks/blocks.h" /* before cmocka, whose fail() is a macro */
 #include "dag_sample.h"
@@ -222,11 +223,12 @@ static void test_mixed_codings(void **state)
 {
     (void)state;
     rng         r = {8};
-    dag_sample  dag;
+    dag_sample  of_dag;
     block_words sun = words_of_maps(8, 1, MAPS_BOXES, 1), punctual = words_of_maps(6, 6, MAPS_SLOPE, 2);
-    dag_sample_init(&dag, &r, 5, 40);
-    vxs_write_light lights[5] = {dag_sample_light(&dag, "first"), blocks_light(&sun, 8, 1, "sun"), dag_sample_light(&dag, "middle"),
-                                 blocks_light(&punctual, 6, 6, "lamp"), dag_sample_light(&dag, "last")};
+    dag_sample_init(&of_dag, &r, 5, 40);
+    vxs_write_light lights[5] = {dag_sample_light(&of_dag, "first"), blocks_light(&sun, 8, 1, "sun"),
+                                 dag_sample_light(&of_dag, "middle"), blocks_light(&punctual, 6, 6, "lamp"),
+                                 dag_sample_light(&of_dag, "last")};
     vxs_bytes       file = file_of(lights, 5), dags = file_of(lights, 1);
     vxs_asset      *mixed, *alone;
     assert_int_equal(vxs_load32(dags.data + VXS_HEADER_VERSION), 1);
@@ -249,7 +251,7 @@ static void test_mixed_codings(void **state)
     free(dags.data);
     block_words_free(&sun);
     block_words_free(&punctual);
-    dag_sample_free(&dag);
+    dag_sample_free(&of_dag);
 }
 
 static void test_write_refuses(void **state)
@@ -897,6 +899,15 @@ static void test_write_refuses_on_any_threads(void **state)
         assert_int_equal(vxs_write(&file, &desc), VXS_E_ARGUMENT);
         assert_null(file.data);
     }
+
+    /* the baker says what to do */
+    run_context m     = {0};
+    coded_light coded = {.written = light};
+    vxs_bytes   file  = {0};
+    assert_int_equal(asset_encode(&(bake_options){.threads = 1, .zstd_level = 1}, &coded, 1, "{}", NULL, &file, &m),
+                     VXS_E_ARGUMENT);
+    assert_non_null(strstr(m.error, "a fault of vxs; try another --resolution or --coding dag"));
+    assert_null(file.data);
     block_words_free(&w);
 }
 
