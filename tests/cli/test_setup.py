@@ -106,16 +106,16 @@ def test_deb_installs_what_makes_packages(system):
     assert log == "apt-get install -y --no-install-recommends dpkg-dev\n"
 
 
-@pytest.mark.parametrize("check, asan, status, last", [
-    ("7 passed, 0 failed", "5 passed, 0 failed", 0, "12 passed, 0 failed"),
-    ("7 passed, 0 failed, 2 skipped", "5 passed, 0 failed", 0, "12 passed, 0 failed, 2 skipped"),
-    ("7 passed, 1 failed", "5 passed, 0 failed", 2, "12 passed, 1 failed"),
-    ("does not compile", "5 passed, 0 failed", 2, "5 passed, 1 failed"),
-    ("tests/unit/x.c: 3 passed, 0 failed\\n3 passed in 1 s\\n3 passed, 0 failed", "0 passed, 0 failed", 0, "3 passed, 0 failed"),
+@pytest.mark.parametrize("check, asan, web, status, last", [
+    ("7 passed, 0 failed", "5 passed, 0 failed", "2 passed, 0 failed", 0, "14 passed, 0 failed"),
+    ("7 passed, 0 failed, 2 skipped", "5 passed, 0 failed", "2 passed, 0 failed, 1 skipped", 0, "14 passed, 0 failed, 3 skipped"),
+    ("7 passed, 1 failed", "5 passed, 0 failed", "2 passed, 0 failed", 2, "14 passed, 1 failed"),
+    ("does not compile", "5 passed, 0 failed", "2 passed, 0 failed", 2, "7 passed, 1 failed"),
+    ("tests/unit/x.c: 3 passed, 0 failed\\n3 passed in 1 s\\n3 passed, 0 failed", "0 passed, 0 failed", "0 passed, 0 failed", 0, "3 passed, 0 failed"),
 ])
-def test_ci_counts(tmp_path, check, asan, status, last):
+def test_ci_counts(tmp_path, check, asan, web, status, last):
     fake = tmp_path / "make"
-    fake.write_text(f"#!/bin/bash\nif [[ $* == *asan* ]]; then echo -e '{asan}'; else echo -e '{check}'; exit {status}; fi\n")
+    fake.write_text(f"#!/bin/bash\ncase $* in *asan*) echo -e '{asan}';; *web*) echo -e '{web}';; *) echo -e '{check}'; exit {status};; esac\n")
     fake.chmod(0o755)
     done = subprocess.run([ROOT / ".ci" / "run"], env=os.environ | {"PATH": f"{tmp_path}:{os.environ['PATH']}"}, capture_output=True,
                           text=True)
