@@ -158,9 +158,9 @@ command.o += $(command.data)
 baker.o   := $(lab.o) $(bake.o) $(command.o)
 # what check-asan leaves to `make check-unit config=asan`: programs that read no bytes of files, take 4 s or more there to draw (llvmpipe's code,
 # mostly), to trace rays or to bake, and call functions that others call, too; but for compare, generate, and one function that volumes calls
-long.asan := air area_floor area_pull_push area_light area_sky area_slope area_smoke bias blocks build casters compare cracks dag depth_gl generate gl_stream half intervals_gl light_mesh lit_intervals mesh \
+long.asan := air area_floor area_pull_push area_light area_sky area_slope area_smoke area_uses bias blocks build casters compare cracks dag depth_gl generate gl_depths gl_stream half intervals_gl light_mesh lit_intervals mesh \
              mesh_adaptive mesh_meet mesh_split program_cache rival_areas rival_curves rival_volumes shaders shadow_grid smoke_map sparse sparse_key transmittance \
-             truth volumes volumes_grid voxelize
+             transmittance_fog truth volumes volumes_grid voxelize voxelize_fog
 # what check leaves to check-repeats: of techniques that volumes are only measured against, which tests/cli/test_measurements.py runs, too
 long.unit := rival_curves rival_volumes
 ifneq ($(filter check check-fast,$(MAKECMDGOALS)),)
